@@ -1,0 +1,38 @@
+#pragma once
+
+#include <cstdint>
+
+#include "haptolith/core/vec.h"
+#include "haptolith/soil/soil_parameters.h"
+
+namespace haptolith {
+
+/// How the macroparticles lie at the first tick.
+enum class BedStart {
+  kPacked,  ///< close packing at the analytic layer spacing b(n), filled up to `depth_m`
+  kRain,    ///< dropped loosely at random and settled without friction, `particles` of them
+  kCount,   ///< exactly `particles` in `layers` layers, close-packed: the paper's scene
+};
+
+/// The box of soil: floor at z = 0, walls at x = +-width/2 and y = +-length/2 that end nowhere upwards.
+struct BedParameters {
+  SoilParameters soil;
+  Vec3 gravity_m_s2{0, 0, -1.625};
+  double width_m = 0.126;   ///< along x
+  double length_m = 0.126;  ///< along y
+
+  BedStart start = BedStart::kCount;
+  int particles = 256;      ///< kCount, kRain
+  int layers = 3;           ///< kCount
+  double depth_m = 0.04;    ///< kPacked: height of the undisturbed soil
+  std::uint64_t seed = 1;   ///< kRain
+
+  double tick_s = 1e-3;
+  int max_substeps = 32;    ///< a tick that would need more is refused
+  int threads = 1;
+};
+
+/// @throws InvalidParameter with the key, the value and the valid range.
+void validate(const BedParameters& bed);
+
+}  // namespace haptolith

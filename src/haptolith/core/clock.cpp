@@ -1,0 +1,26 @@
+#include "haptolith/core/clock.h"
+
+#include <cerrno>
+#include <ctime>
+
+namespace haptolith {
+
+namespace {
+constexpr std::int64_t kNsPerSecond = 1'000'000'000;
+}
+
+std::int64_t monotonicNs() noexcept {
+  timespec now{};
+  clock_gettime(CLOCK_MONOTONIC, &now);
+  return now.tv_sec * kNsPerSecond + now.tv_nsec;
+}
+
+void sleepUntilNs(std::int64_t deadline_ns) noexcept {
+  timespec until{};
+  until.tv_sec = deadline_ns / kNsPerSecond;
+  until.tv_nsec = deadline_ns % kNsPerSecond;
+  while (clock_nanosleep(CLOCK_MONOTONIC, TIMER_ABSTIME, &until, nullptr) == EINTR) {
+  }
+}
+
+}  // namespace haptolith

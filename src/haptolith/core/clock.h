@@ -1,0 +1,14 @@
+#pragma once
+
+#include <cstdint>
+
+namespace haptolith {
+
+/// Nanoseconds of the monotonic clock. May be called in the tick.
+[[nodiscard]] std::int64_t monotonicNs() noexcept;
+
+/// Sleeps until the monotonic clock shows `deadline_ns`; returns at once when that is past. Absolute, so that the time
+/// spent between two calls does not add up. May be called in the tick's thread, between ticks.
+void sleepUntilNs(std::int64_t deadline_ns) noexcept;
+
+}  // namespace haptolith

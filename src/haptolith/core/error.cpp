@@ -1,0 +1,50 @@
+#include "haptolith/core/error.h"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <utility>
+
+namespace haptolith {
+
+InvalidParameter::InvalidParameter(std::string key, std::string value, std::string valid)
+    : std::invalid_argument(fmt::format("{} = {} is not valid: must be {}", key, value, valid)),
+      key_(std::move(key)),
+      value_(std::move(value)),
+      valid_(std::move(valid)) {}
+
+bool Range::contains(double value) const noexcept {
+  switch (ends) {
+    case Ends::kClosed: return value >= lowest && value <= highest;
+    case Ends::kOpen: return value > lowest && value < highest;
+    case Ends::kOpenBelow: return value > lowest && value <= highest;
+  }
+  return false;
+}
+
+std::string Range::text() const {
+  const bool has_lowest = std::isfinite(lowest);
+  const bool has_highest = std::isfinite(highest);
+  const char* below = ends == Ends::kClosed ? ">=" : ">";
+  const char* above = ends == Ends::kOpen ? "<" : "<=";
+  if (has_lowest && has_highest) {
+    return ends == Ends::kClosed ? fmt::format("{} to {}", lowest, highest)
+                                 : fmt::format("{} {} and {} {}", below, lowest, above, highest);
+  }
+  if (has_lowest) {
+    return fmt::format("{} {}", below, lowest);
+  }
+  if (has_highest) {
+    return fmt::format("{} {}", above, highest);
+  }
+  return "a finite number";
+}
+
+double requireInRange(std::string_view key, double value, const Range& range) {
+  if (!std::isfinite(value) || !range.contains(value)) {
+    throw InvalidParameter(std::string(key), fmt::format("{}", value), range.text());
+  }
+  return value;
+}
+
+}  // namespace haptolith

@@ -1,0 +1,46 @@
+#pragma once
+
+#include <limits>
+#include <stdexcept>
+#include <string>
+#include <string_view>
+
+namespace haptolith {
+
+/// A value the caller gave is wrong: says which key, what value and what would be valid. Exit status 2.
+class InvalidParameter : public std::invalid_argument {
+ public:
+  InvalidParameter(std::string key, std::string value, std::string valid);
+
+  [[nodiscard]] const std::string& key() const noexcept { return key_; }
+  [[nodiscard]] const std::string& value() const noexcept { return value_; }
+  [[nodiscard]] const std::string& valid() const noexcept { return valid_; }
+
+ private:
+  std::string key_, value_, valid_;
+};
+
+/// The input was understood but the work could not be done: disk full, no solution, a device lost. Exit status 1.
+class Failure : public std::runtime_error {
+ public:
+  using std::runtime_error::runtime_error;
+};
+
+/// Whether the ends of a Range belong to it.
+enum class Ends { kClosed, kOpen, kOpenBelow };
+
+/// The valid range of a parameter; infinite ends are allowed and mean "no limit on this side".
+struct Range {
+  double lowest = -std::numeric_limits<double>::infinity();
+  double highest = std::numeric_limits<double>::infinity();
+  Ends ends = Ends::kClosed;
+
+  [[nodiscard]] bool contains(double value) const noexcept;
+  [[nodiscard]] std::string text() const;  ///< For example "> 0" or "0 to 0.6".
+};
+
+/// Returns `value` when it is finite and in `range`; the parameter's name carries its unit (`radius_m`).
+/// @throws InvalidParameter otherwise, also for NaN.
+double requireInRange(std::string_view key, double value, const Range& range);
+
+}  // namespace haptolith

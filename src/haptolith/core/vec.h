@@ -1,0 +1,40 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <Eigen/Geometry>
+
+namespace haptolith {
+
+using Vec3 = Eigen::Vector3d;  ///< x, y to the sides, z up, in the scene's frame unless the name says otherwise.
+using Quat = Eigen::Quaterniond;
+
+/// Position (m) and orientation of a body's frame in the scene's frame: scene_T_body.
+struct Pose {
+  Vec3 position_m = Vec3::Zero();
+  Quat orientation = Quat::Identity();
+
+  [[nodiscard]] Vec3 toScene(const Vec3& point_body) const { return position_m + orientation * point_body; }
+  [[nodiscard]] Vec3 toBody(const Vec3& point_scene) const { return orientation.conjugate() * (point_scene - position_m); }
+};
+
+/// Linear (m/s) and angular (rad/s) velocity of a body's origin, in the scene's frame.
+struct Twist {
+  Vec3 linear_m_s = Vec3::Zero();
+  Vec3 angular_rad_s = Vec3::Zero();
+
+  /// Velocity of the body's point at `lever_m` from its origin, in m/s.
+  [[nodiscard]] Vec3 at(const Vec3& lever_m) const { return linear_m_s + angular_rad_s.cross(lever_m); }
+};
+
+/// Force (N) and torque (N m) about a body's origin, in the scene's frame.
+struct Wrench {
+  Vec3 force_n = Vec3::Zero();
+  Vec3 torque_nm = Vec3::Zero();
+
+  void add(const Vec3& force, const Vec3& lever_m) {
+    force_n += force;
+    torque_nm += lever_m.cross(force);
+  }
+};
+
+}  // namespace haptolith

@@ -1,0 +1,41 @@
+#pragma once
+
+#include <string>
+
+#include "haptolith/core/vec.h"
+
+namespace haptolith {
+
+/// What the virtual hand does with the tool, over and over.
+enum class Manoeuvre { kStill, kPress, kStir, kScoop, kCarry, kShake, kPoses };
+
+/// How the hand answers force.
+enum class HandCompliance {
+  kArm,    ///< mass, damper and spring between the manoeuvre and the tool
+  kRigid,  ///< the tool follows the manoeuvre exactly, whatever the soil does
+};
+
+/// The virtual hand: a human arm that pulls the tool along a manoeuvre and yields to what it feels.
+/// The arm's values are one measured participant's in Scientific Reports 6:18004 (2016), fig. 3 (van Beek et al.).
+struct HandParameters {
+  Manoeuvre manoeuvre = Manoeuvre::kScoop;
+  std::string poses_file;        ///< kPoses: CSV with t_s,x_m,y_m,z_m,qw,qx,qy,qz
+  HandCompliance compliance = HandCompliance::kArm;
+  double mass_kg = 0.554;
+  double damping_n_s_m = 6.45;
+  double stiffness_n_m = 135;
+  double lever_m = 0.05;         ///< the arm's rotation: inertia, damping and stiffness are the above times lever^2
+  double period_s = 4;           ///< one manoeuvre
+  double active_s = 1e9;         ///< then the hand leaves the soil and waits above it
+  Vec3 home_m{0, 0, 0.12};       ///< where it starts, ends and waits
+  double depth_m = 0.02;         ///< lowest point of the tool's origin below `surface_m` during a manoeuvre
+  double surface_m = 0.035;      ///< height of the soil's surface
+  double reach_m = 0.035;        ///< largest distance to the side
+  double max_force_n = 12;       ///< what the device can show, as a sigma.7 as CHAI3D describes it
+  double max_torque_nm = 0.2;
+};
+
+/// @throws InvalidParameter with the key, the value and the valid range.
+void validate(const HandParameters& hand);
+
+}  // namespace haptolith

@@ -1,0 +1,37 @@
+#pragma once
+
+#include <filesystem>
+#include <memory>
+#include <string_view>
+#include <vector>
+
+namespace haptolith {
+
+/// A figure drawn by gnuplot into an .svg or .png file that appears whole or not at all. Not for the tick.
+///
+///     Figure figure("profile.svg", 900, 600);
+///     figure.data("lunar", rows);                       // becomes the gnuplot data block $lunar
+///     figure.command("plot $lunar using 1:2 with lines title 'lunar law'");
+///     figure.save();
+class Figure {
+ public:
+  /// @throws InvalidParameter when the extension is neither .svg nor .png; Failure when the file cannot be written or
+  /// gnuplot is not installed.
+  Figure(const std::filesystem::path& path, int width_px, int height_px);
+  ~Figure();
+
+  /// Defines the data block `$name`, one row a line; NaN leaves a gap.
+  void data(std::string_view name, const std::vector<std::vector<double>>& rows);
+
+  /// Passes gnuplot commands through.
+  void command(std::string_view gnuplot_commands);
+
+  /// Waits for gnuplot and renames the file into place. @throws Failure with gnuplot's own words when it failed.
+  void save();
+
+ private:
+  struct Process;
+  std::unique_ptr<Process> process_;
+};
+
+}  // namespace haptolith

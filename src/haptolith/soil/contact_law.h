@@ -1,0 +1,31 @@
+#pragma once
+
+#include "haptolith/soil/soil_parameters.h"
+
+namespace haptolith {
+
+/// Constants of the contact law (paper 7, 19), worked out once from the soil.
+///
+///     F(a) = gamma / (a - a_min) - h       for a_thr <= a < cutoff
+///     F(a) = F(a_thr) + k (a_thr - a)      for a < a_thr
+///     F(a) = 0                             for a >= cutoff
+///
+/// a is the distance between two centres in m. F > 0 repels; between 2R and the cutoff F < 0 attracts, and at the
+/// cutoff it jumps to 0. a_thr is where the slope of the hyperbola is -k, so F is C1 there.
+struct ContactLaw {
+  double gamma_nm = 0;
+  double a_min_m = 0;        ///< (paper 8)
+  double a_thr_m = 0;        ///< a_min + sqrt(gamma / k)
+  double h_n = 0;            ///< gamma / (2R - a_min), makes F(2R) = 0
+  double stiffness_n_m = 0;  ///< k; 0 when the soil's k is infinite: then a_thr = a_min and the line is never reached
+  double cutoff_m = 0;       ///< 2 R_attr
+};
+
+/// (paper 8): a_min = 2R/sqrt(3) sqrt(2 (rho0/rho_max)^2 + 1), and what follows from it.
+/// @throws InvalidParameter as validate(SoilParameters).
+[[nodiscard]] ContactLaw makeContactLaw(const SoilParameters& soil);
+
+/// F(a) in N at centre distance `a_m`, cutoff included (paper 19). The law itself is written in contact_law-inl.h.
+[[nodiscard]] double contactForce(const ContactLaw& law, double a_m) noexcept;
+
+}  // namespace haptolith
