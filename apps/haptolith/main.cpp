@@ -1,7 +1,106 @@
 #include <CLI/CLI.hpp>
+#include <fmt/format.h>
+#include <spdlog/sinks/stdout_color_sinks.h>
+#include <spdlog/spdlog.h>
+#include <unistd.h>
+
+#include <csignal>
+#include <string>
+
+#include "haptolith/core/error.h"
+
+#include "completion.h"
+#include "output.h"
+
+namespace haptolith {
+namespace {
+
+/// What the program tells its caller; docs and scripts rely on these.
+enum ExitStatus { kOk = 0, kFailed = 1, kUsage = 2 };
+
+constexpr const char* kExamples = R"(Examples:
+  haptolith run                          the paper's scene, felt by a virtual hand
+  haptolith run scenarios/rain.toml      another scene (docs/scenarios.md)
+  haptolith soil profile --preset P3     density and strength over depth
+  source <(haptolith completion bash)    complete commands with the tab key
+
+Exit status: 0 done, 1 failed, 2 wrong usage.)";
+
+void addCommands(CLI::App& app) {
+  addCompletionCommand(app);
+}
+
+void logToStandardError() {
+  auto logger = spdlog::stderr_color_mt("haptolith");
+  logger->set_pattern("%n: %^%l%$: %v");
+  spdlog::set_default_logger(std::move(logger));
+}
+
+void printError(const std::string& message) {
+  const bool coloured = isColoured(STDERR_FILENO);
+  fmt::print(stderr, "haptolith: {}error:{} {}\n", coloured ? "\033[1;31m" : "", coloured ? "\033[0m" : "", message);
+}
+
+/// The command the user reached, for example "haptolith soil profile".
+std::string commandPath(const CLI::App& app) {
+  std::string path = "haptolith";
+  for (const CLI::App* at = &app; !at->get_subcommands().empty();) {
+    at = at->get_subcommands().front();
+    path += " " + at->get_name();
+  }
+  return path;
+}
+
+ExitStatus usageError(const CLI::App& app, const std::string& message) {
+  printError(message);
+  fmt::print(stderr, "Run '{} --help' for what is possible.\n", commandPath(app));
+  return kUsage;
+}
+
+/// Not even a command was found: say what there is.
+ExitStatus noCommand(const CLI::App& app, const std::string& message) {
+  fmt::print(stderr, "{}\n", app.help());
+  printError(app.remaining().empty() ? message : fmt::format("unknown command '{}'", app.remaining().front()));
+  return kUsage;
+}
+
+ExitStatus run(CLI::App& app, int argc, char** argv) {
+  try {
+    app.parse(argc, argv);
+    return kOk;
+  } catch (const CLI::CallForHelp&) {
+    const CLI::App* at = &app;
+    while (!at->get_subcommands().empty()) {
+      at = at->get_subcommands().front();
+    }
+    printText(at->help());
+    return kOk;
+  } catch (const CLI::CallForVersion& version) {
+    printText(std::string(version.what()) + '\n');
+    return kOk;
+  } catch (const CLI::ParseError& error) {
+    return app.get_subcommands().empty() ? noCommand(app, error.what()) : usageError(app, error.what());
+  } catch (const InvalidParameter& error) {
+    return usageError(app, error.what());
+  }
+}
+
+}  // namespace
+}  // namespace haptolith
 
 int main(int argc, char** argv) {
-  CLI::App app{"haptolith: lunar and planetary regolith, felt through a haptic device at 1 kHz"};
-  CLI11_PARSE(app, argc, argv);
-  return 0;
+  using namespace haptolith;
+  std::signal(SIGPIPE, SIG_IGN);  // a closed pipe is an error of the write, like a full disk
+  try {
+    logToStandardError();
+    CLI::App app{"haptolith: lunar and planetary regolith, felt through a haptic device at 1 kHz", "haptolith"};
+    app.set_version_flag("--version", "haptolith " HAPTOLITH_VERSION, "Print the version");
+    app.require_subcommand(1);
+    app.footer(kExamples);
+    addCommands(app);
+    return run(app, argc, argv);
+  } catch (const std::exception& error) {
+    printError(error.what());
+    return kFailed;
+  }
 }

@@ -21,6 +21,10 @@ AtomicFile::AtomicFile(std::filesystem::path path) : path_(std::move(path)) {
     errno = EISDIR;
     fail("open");
   }
+  if (std::filesystem::exists(path_) && !std::filesystem::is_regular_file(path_)) {
+    // The rename would put a file in the place of /dev/null.
+    throw Failure(fmt::format("cannot replace {}: not a regular file", path_.string()));
+  }
   file_ = std::fopen(temporary_.c_str(), "wb");
   if (file_ == nullptr) {
     fail("create");

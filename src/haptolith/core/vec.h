@@ -14,7 +14,9 @@ struct Pose {
   Quat orientation = Quat::Identity();
 
   [[nodiscard]] Vec3 toScene(const Vec3& point_body) const { return position_m + orientation * point_body; }
-  [[nodiscard]] Vec3 toBody(const Vec3& point_scene) const { return orientation.conjugate() * (point_scene - position_m); }
+  [[nodiscard]] Vec3 toBody(const Vec3& point_scene) const {
+    return orientation.conjugate() * (point_scene - position_m);
+  }
 };
 
 /// Linear (m/s) and angular (rad/s) velocity of a body's origin, in the scene's frame.

@@ -1,0 +1,42 @@
+#pragma once
+
+#include <nlohmann/json_fwd.hpp>
+
+#include <cstdint>
+#include <string_view>
+
+namespace haptolith {
+
+/// Prints one JSON object and a newline. Numbers that are not finite become null.
+/// @throws Failure when standard output does not take it: a full disk, a closed pipe.
+void printJson(const nlohmann::json& object);
+
+/// Prints `text` as it is. @throws Failure as printJson().
+void printText(std::string_view text);
+
+[[nodiscard]] bool isTerminal(int descriptor) noexcept;
+
+/// Whether to colour what goes to `descriptor`: a terminal, and neither NO_COLOR nor TERM=dumb asks for none.
+[[nodiscard]] bool isColoured(int descriptor) noexcept;
+
+/// One line on standard error that is written over and over while something takes long; silent when nobody watches.
+/// The line vanishes with the object. Not for the tick.
+class StatusLine {
+ public:
+  StatusLine();
+  ~StatusLine();
+  StatusLine(const StatusLine&) = delete;
+  StatusLine& operator=(const StatusLine&) = delete;
+
+  /// Shows `text`, at most ten times a second: calls in between cost one clock reading.
+  void update(std::string_view text);
+
+  /// Whether anybody sees it; saves making up a text for nobody.
+  [[nodiscard]] bool visible() const noexcept { return visible_; }
+
+ private:
+  bool visible_, coloured_;
+  std::int64_t next_ns_ = 0;
+};
+
+}  // namespace haptolith

@@ -1,0 +1,124 @@
+// The arrows of docs/architecture.md: a folder of src/haptolith includes only the folders it may depend on.
+
+#include <gmock/gmock.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <fstream>
+#include <map>
+#include <regex>
+#include <set>
+#include <string>
+#include <vector>
+
+namespace haptolith {
+namespace {
+
+namespace fs = std::filesystem;
+using testing::ElementsAre;
+using testing::IsEmpty;
+using Folders = std::set<std::string>;
+
+// What each folder's arrow points to. It may also include whatever those include, and itself.
+const std::map<std::string, Folders> kArrows = {
+    {"core", {}},
+    {"figure", {"core"}},
+    {"soil", {"core"}},
+    {"bed", {"soil"}},
+    {"tool", {"bed"}},
+    {"device", {"core"}},
+    {"haptics", {"tool", "device"}},
+    {"scenario", {"haptics"}},
+    // A virtual laboratory has no hand in it.
+    {"lab", {"tool", "figure"}},
+    {"study", {"haptics", "scenario", "figure"}},
+    {"teleop", {"haptics", "scenario", "figure"}},
+    {"viewer", {"haptics", "scenario"}},
+};
+
+Folders mayInclude(const std::string& folder) {
+  Folders allowed{folder};
+  for (const std::string& below : kArrows.at(folder)) {
+    allowed.merge(mayInclude(below));
+  }
+  return allowed;
+}
+
+/// What is wrong with the includes in one file of `folder`, one sentence each.
+std::vector<std::string> violations(const std::string& folder, const std::string& file, std::istream& text) {
+  if (!kArrows.contains(folder)) {
+    return {file + ": folder " + folder + " is not in docs/architecture.md"};
+  }
+  static const std::regex kOurs(R"(^\s*#\s*include\s*["<]haptolith/([^/">]+)/.*)");
+  static const std::regex kRelative(R"(^\s*#\s*include\s*"\.\./.*)");
+  const Folders allowed = mayInclude(folder);
+  std::vector<std::string> found;
+  std::string line;
+  for (int number = 1; std::getline(text, line); ++number) {
+    std::smatch match;
+    if (std::regex_match(line, kRelative)) {
+      found.push_back(file + ":" + std::to_string(number) + ": includes by a relative path");
+    } else if (std::regex_match(line, match, kOurs) && !allowed.contains(match[1])) {
+      found.push_back(file + ":" + std::to_string(number) + ": " + folder + " may not include " + match[1].str());
+    }
+  }
+  return found;
+}
+
+std::vector<std::string> violationsIn(const std::string& folder, const std::string& text) {
+  std::istringstream stream(text);
+  return violations(folder, "made_up.h", stream);
+}
+
+TEST(Architecture, NoFolderIncludesUpwards) {
+  const fs::path root = fs::path(HAPTOLITH_SOURCE_DIR) / "src" / "haptolith";
+  std::vector<std::string> found;
+  int files = 0;
+  for (const fs::directory_entry& entry : fs::recursive_directory_iterator(root)) {
+    const fs::path name = fs::relative(entry.path(), root);
+    if (name.extension() != ".h" && name.extension() != ".cpp") {
+      continue;
+    }
+    std::ifstream text(entry.path());
+    std::ranges::copy(violations(name.begin()->string(), name.string(), text), std::back_inserter(found));
+    ++files;
+  }
+  EXPECT_THAT(found, IsEmpty());
+  EXPECT_GT(files, 10) << "nothing to check in " << root;
+}
+
+TEST(Architecture, TheCheckSeesAnUpwardInclude) {
+  EXPECT_THAT(violationsIn("soil", "#pragma once\n#include \"haptolith/bed/bed.h\"\n"),
+              ElementsAre("made_up.h:2: soil may not include bed"));
+  EXPECT_THAT(violationsIn("core", "  #  include <haptolith/soil/soil_parameters.h>\n"),
+              ElementsAre("made_up.h:1: core may not include soil"));
+}
+
+TEST(Architecture, TheCheckLetsArrowsAndTheirArrowsPass) {
+  EXPECT_THAT(violationsIn("tool", "#include \"haptolith/bed/bed.h\"\n#include \"haptolith/core/vec.h\"\n"), IsEmpty());
+  EXPECT_THAT(violationsIn("bed", "#include \"haptolith/bed/cells.h\"\n#include <vector>\n"), IsEmpty());
+}
+
+TEST(Architecture, DevicesKnowNoSoil) {
+  EXPECT_THAT(mayInclude("device"), ElementsAre("core", "device"));
+  EXPECT_EQ(violationsIn("device", "#include \"haptolith/soil/presets.h\"\n").size(), 1U);
+}
+
+TEST(Architecture, LabHasNoDeviceAndTheBranchesNeverMeet) {
+  EXPECT_FALSE(mayInclude("lab").contains("device"));
+  const Folders branches{"lab", "study", "teleop", "viewer"};
+  for (const std::string& branch : branches) {
+    for (const std::string& other : branches) {
+      EXPECT_EQ(mayInclude(branch).contains(other), branch == other) << branch << " -> " << other;
+    }
+  }
+}
+
+TEST(Architecture, TheCheckRefusesUnknownFoldersAndRelativePaths) {
+  EXPECT_THAT(violationsIn("utils", ""), ElementsAre("made_up.h: folder utils is not in docs/architecture.md"));
+  EXPECT_THAT(violationsIn("bed", "#include \"../tool/tool.h\"\n"),
+              ElementsAre("made_up.h:1: includes by a relative path"));
+}
+
+}  // namespace
+}  // namespace haptolith
