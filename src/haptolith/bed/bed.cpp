@@ -255,6 +255,14 @@ double Bed::largestSpeed() const noexcept {
   return std::sqrt(largest);
 }
 
+double Bed::surfaceHeight() const noexcept {
+  float highest = 0;
+  for (std::size_t i = 0; i < particles(); ++i) {
+    highest = std::max(highest, state_.position[i].z);
+  }
+  return highest + parameters_.soil.radius_m;
+}
+
 void Bed::restore(const BedState& state) {
   if (state.particles() != particles()) {
     throw InvalidParameter("state", fmt::format("{} particles", state.particles()),

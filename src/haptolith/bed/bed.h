@@ -51,6 +51,9 @@ class Bed {
   /// Largest speed of any particle, in m/s.
   [[nodiscard]] double largestSpeed() const noexcept;
 
+  /// Height of the highest point of any particle above the floor, in m.
+  [[nodiscard]] double surfaceHeight() const noexcept;
+
   [[nodiscard]] std::size_t particles() const noexcept { return state_.particles(); }
   [[nodiscard]] const BedParameters& parameters() const noexcept { return parameters_; }
   [[nodiscard]] const ContactLaw& law() const noexcept { return law_; }

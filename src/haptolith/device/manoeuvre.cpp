@@ -104,14 +104,14 @@ Pose manoeuvrePose(const HandParameters& hand, double time_s) noexcept {
 
   const double angle = kTurn * key.turn;
   const double out_m = key.out * hand.reach_m;
-  const double height_m = key.height < 0 ? key.height * hand.depth_m : key.height * (hand.home_m.z() - hand.surface_m);
+  const double height_m = key.height < 0 ? key.height * hand.depth_m : key.height * hand.home_m.z();
   const double shake_m = key.shake * kShakeAmplitude_m * std::sin(kTurn * kShakeFrequency_hz * time_s);
 
   // A stirring blade faces the way it goes; everything else looks outwards.
   const double yaw = hand.manoeuvre == Manoeuvre::kStir ? angle + kTurn / 4 : angle;
   const double nose = key.nose_deg * kTurn / 360;
   return {Vec3(hand.home_m.x() + out_m * std::cos(angle), hand.home_m.y() + out_m * std::sin(angle),
-               hand.surface_m + height_m + shake_m),
+               hand.surface_m.value_or(0) + height_m + shake_m),
           Quat(Eigen::AngleAxisd(yaw, Vec3::UnitZ()) * Eigen::AngleAxisd(nose, Vec3::UnitY()))};
 }
 
