@@ -72,7 +72,7 @@ void addMeasuredBands(Curves& curves) {
   }
   curves.add(rows,
              "using 1:2:3:4:5:6 with xyerrorbars pointtype 7 pointsize 0.6 linewidth 1.5 linecolor rgb '#888888' "
-             "title 'measured, mean of the depth spanned, ±50'");
+             "title 'measured band means, ±50'");
 }
 
 void addLunarLaw(Curves& curves) {
@@ -92,7 +92,7 @@ void addPresets(Curves& curves, const DensityFigure& wanted) {
     soil.stiffness_n_m = wanted.soil.stiffness_n_m;
     const bool emphasised = preset.name == wanted.preset;
     curves.addLayers([&] { return layersToDepth(soil, wanted.gravity_m_s2, kLunarLawDepthM); },
-                     fmt::format("{}, μ = {:.2f}", preset.name, preset.friction_coefficient),
+                     fmt::format("{}, μ = {:.3g}", preset.name, preset.friction_coefficient),
                      fmt::format("linewidth {} linecolor rgb '{}'", emphasised ? 4.5 : 1.5, kPresetColours[i]));
   }
 }
@@ -107,14 +107,14 @@ void addLinearModel(Curves& curves, const DensityFigure& wanted) {
 }  // namespace
 
 void drawDensityFigure(const std::filesystem::path& path, const DensityFigure& wanted) {
-  Figure figure(path, 900, 640);
+  Figure figure(path, 1080, 640);
   figure.command(fmt::format(R"(
 set xlabel 'bulk density / (kg/m^3)'
 set ylabel 'depth below the surface / cm'
 set yrange [60:0]
 set xrange [1200:*]
 set offsets graph 0, graph 0.02, 0, 0
-set key at graph 0.02, graph 0.03 left bottom Left reverse samplen 3 spacing 1.15
+set key outside right center Left reverse samplen 3 spacing 1.25
 set title 'Bulk density of regolith under {:.4g} m/s^2, macroparticles of R = {:.4g} mm'
 )",
                              wanted.gravity_m_s2, wanted.soil.radius_m * 1e3));

@@ -145,10 +145,10 @@ struct ProfileOptions {
 constexpr const char* kCustomSoil = "--gamma-nm, --rho0-kg-m3, --rho-max-kg-m3 and --mu-hat";
 
 SoilParameters soilOf(const ProfileOptions& options) {
+  requireInRange("radius_mm", options.conditions.radius_mm, {0.01, 1000});  // the library's range, in the user's unit
   SoilParameters soil;
   if (options.preset) {
     soil = findPreset(*options.preset).soil;
-    requireInRange("radius_mm", options.conditions.radius_mm, {0, kInfinity, Ends::kOpen});
     soil = rescaled(soil, options.conditions.radius());
   } else if (options.gamma_nm && options.rho0_kg_m3 && options.rho_max_kg_m3 && options.mu_hat) {
     soil.gamma_nm = *options.gamma_nm;
