@@ -15,7 +15,8 @@ namespace haptolith {
 namespace {
 
 /// Extra reach of the neighbour list in radii. Larger: longer lists for every step; smaller: more rebuilds while digging.
-constexpr double kSkinRadii = 0.3;
+/// At 0.5 the next shell of a close packing (2 sqrt(2) R) stays just outside, so most particles need one block only.
+constexpr double kSkinRadii = 0.5;
 
 /// A thread is worth waking for at least this many particles.
 constexpr std::size_t kParticlesPerThread = 512;

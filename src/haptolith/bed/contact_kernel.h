@@ -8,6 +8,9 @@
 
 namespace haptolith {
 
+/// Neighbours of a particle fill whole blocks of this many: one AVX-512 vector, two of AVX2, four of SSE4 or NEON.
+constexpr std::uint32_t kNeighbourBlock = 16;
+
 /// What a particle feels of its neighbours.
 struct alignas(16) ContactSum {
   float force_x_n = 0, force_y_n = 0, force_z_n = 0;
@@ -30,15 +33,19 @@ void sumContacts(const KernelLaw& law, const Float4* position, const std::int32_
 /// Name of the instruction set in use, for example "AVX3".
 [[nodiscard]] const char* simdTarget() noexcept;
 
-/// Particles in order of the grid's cells.
-struct SortedPositions {
-  const float *x, *y, *z;
-  const std::int32_t* particle;
+/// Particles sorted into cells no smaller than the reach, x fastest, so that three cells side by side are one range.
+struct CellGrid {
+  const float *x, *y, *z;            ///< positions in the cells' order, readable one vector beyond the last
+  const std::int32_t* particle;      ///< who stands there
+  const std::uint32_t* cell_begin;   ///< nx * ny * nz + 1 entries
+  const std::uint32_t* cell_of;      ///< of each particle
+  int nx, ny, nz;
 };
 
-/// Writes those of the sorted particles from..to-1 that lie within `reach_m` of particle `self` to `out` and returns how
-/// many they are. `out` needs room for to - from and one vector more. May be called in the tick.
-std::uint32_t appendNeighbours(const SortedPositions& sorted, std::uint32_t from, std::uint32_t to, const Float4& centre,
-                               std::int32_t self, float reach_m, std::int32_t* out) noexcept;
+/// Lists for each particle all others within `reach_m`: indices[begin[i]] to indices[begin[i + 1] - 1], filled up with
+/// the ghost (index `particles`) to a multiple of kNeighbourBlock. Returns false when `capacity` is too small. May be
+/// called in the tick.
+[[nodiscard]] bool listNeighbours(const CellGrid& grid, const Float4* position, std::size_t particles, float reach_m,
+                                  std::size_t capacity, std::uint32_t* begin, std::int32_t* indices) noexcept;
 
 }  // namespace haptolith

@@ -14,7 +14,7 @@ namespace {
 constexpr std::size_t kBlocksPerParticle = 6;
 
 std::size_t capacityFor(std::size_t particles) {
-  constexpr std::size_t block = NeighbourList::kBlock;
+  constexpr std::size_t block = kNeighbourBlock;
   const std::size_t all_blocks = (particles + block - 1) / block + 1;
   return particles * block * std::min(all_blocks, kBlocksPerParticle) + block;
 }
@@ -37,10 +37,10 @@ NeighbourList::NeighbourList(std::size_t particles, double reach_m, double width
 
   cell_begin_.resize(static_cast<std::size_t>(nx_) * ny_ * nz_ + 1);
   cell_of_.resize(particles);
-  x_.resize(particles + kBlock);
-  y_.resize(particles + kBlock);
-  z_.resize(particles + kBlock);
-  particle_at_.resize(particles + kBlock);
+  x_.resize(particles + kNeighbourBlock);
+  y_.resize(particles + kNeighbourBlock);
+  z_.resize(particles + kNeighbourBlock);
+  particle_at_.resize(particles + kNeighbourBlock);
   begin_.resize(particles + 1);
   indices_.resize(capacityFor(particles));
 }
@@ -77,34 +77,10 @@ void NeighbourList::sortIntoCells(const std::vector<Float4>& position) noexcept 
 
 bool NeighbourList::build(const std::vector<Float4>& position) noexcept {
   sortIntoCells(position);
-  const SortedPositions sorted{x_.data(), y_.data(), z_.data(), particle_at_.data()};
-  std::uint32_t next = 0;
-  for (std::size_t i = 0; i < particles_; ++i) {
-    begin_[i] = next;
-    const int cell = static_cast<int>(cell_of_[i]);
-    const int ix = cell % nx_;
-    const int iy = cell / nx_ % ny_;
-    const int iz = cell / nx_ / ny_;
-    const int first_x = std::max(ix - 1, 0);
-    const int last_x = std::min(ix + 1, nx_ - 1);
-    for (int z = std::max(iz - 1, 0); z <= std::min(iz + 1, nz_ - 1); ++z) {
-      for (int y = std::max(iy - 1, 0); y <= std::min(iy + 1, ny_ - 1); ++y) {
-        const int row = (z * ny_ + y) * nx_;
-        const std::uint32_t from = cell_begin_[row + first_x];
-        const std::uint32_t to = cell_begin_[row + last_x + 1];
-        if (next + (to - from) + kBlock > indices_.size()) {
-          return false;
-        }
-        next += appendNeighbours(sorted, from, to, position[i], static_cast<std::int32_t>(i), reach_m_,
-                                 indices_.data() + next);
-      }
-    }
-    while ((next - begin_[i]) % kBlock != 0) {
-      indices_[next++] = static_cast<std::int32_t>(particles_);
-    }
-  }
-  begin_[particles_] = next;
-  return true;
+  const CellGrid grid{x_.data(),           y_.data(),       z_.data(), particle_at_.data(),
+                      cell_begin_.data(), cell_of_.data(), nx_,       ny_,
+                      nz_};
+  return listNeighbours(grid, position.data(), particles_, reach_m_, indices_.size(), begin_.data(), indices_.data());
 }
 
 }  // namespace haptolith

@@ -13,10 +13,6 @@ namespace haptolith {
 /// Built from a grid of cells in O(n). Storage is reserved once; build() does not allocate.
 class NeighbourList {
  public:
-  /// Neighbours of a particle fill whole blocks of this many, padded with the ghost (index n): one AVX-512 vector, two of
-  /// AVX2, four of SSE4 or NEON.
-  static constexpr int kBlock = 16;
-
   /// @param reach_m  largest distance of a listed pair: the law's cutoff plus the skin.
   /// @param width_m, length_m  the box, for the size of the grid only; particles outside are found all the same.
   NeighbourList(std::size_t particles, double reach_m, double width_m, double length_m);
@@ -25,7 +21,8 @@ class NeighbourList {
   /// May be called in the tick.
   [[nodiscard]] bool build(const std::vector<Float4>& position) noexcept;
 
-  /// Neighbours of particle i: indices from begin(i) to begin(i + 1), a multiple of kBlock.
+  /// Neighbours of particle i: indices from begin(i) to begin(i + 1), a multiple of kNeighbourBlock,
+  /// the last ones the ghost (index n).
   [[nodiscard]] const std::int32_t* indices() const noexcept { return indices_.data(); }
   [[nodiscard]] std::uint32_t begin(std::size_t i) const noexcept { return begin_[i]; }
   [[nodiscard]] const std::uint32_t* begins() const noexcept { return begin_.data(); }
