@@ -1,0 +1,101 @@
+#include "haptolith/soil/contact_law.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+
+#include "haptolith/soil/presets.h"
+
+namespace haptolith {
+namespace {
+
+/// (paper 19) with its three cases as they are printed: an independent version to compare with.
+double printedForce(const SoilParameters& soil, double a) {
+  const double r = soil.radius_m;
+  const double ratio = soil.rho0_kg_m3 / soil.rho_max_kg_m3;
+  const double a_min = std::sqrt(8.0 / 3 * r * r * ratio * ratio + 4.0 / 3 * r * r);
+  const auto hyperbola = [&](double x) { return soil.gamma_nm / (x - a_min) - soil.gamma_nm / (2 * r - a_min); };
+  const double a_thr = a_min + std::sqrt(soil.gamma_nm / soil.stiffness_n_m);
+  if (a >= 2 * r * soil.attraction_ratio) {
+    return 0;
+  }
+  return a >= a_thr ? hyperbola(a) : soil.stiffness_n_m * a_thr + hyperbola(a_thr) - soil.stiffness_n_m * a;
+}
+
+TEST(ContactLaw, IsTheEquationForEveryPreset) {
+  for (const Preset& preset : presets()) {
+    const ContactLaw law = makeContactLaw(preset.soil);
+    for (double a = 0.5 * preset.soil.radius_m; a < 2.5 * preset.soil.radius_m; a += 1e-5) {
+      EXPECT_NEAR(contactForce(law, a), printedForce(preset.soil, a), 1e-12) << preset.name << " at " << a;
+    }
+  }
+}
+
+TEST(ContactLaw, LeastDistanceGivesTheDensestLattice) {
+  // At b_min = b(0) rho0 / rho_max the density is rho_max; a_min is the distance that belongs to it.
+  for (const Preset& preset : presets()) {
+    const SoilParameters& soil = preset.soil;
+    const double b_min = 2 * std::sqrt(2.0 / 3) * soil.radius_m * soil.rho0_kg_m3 / soil.rho_max_kg_m3;
+    const double a_min = std::hypot(b_min, 2 * soil.radius_m / std::sqrt(3.0));
+    EXPECT_NEAR(makeContactLaw(soil).a_min_m, a_min, 1e-15);
+  }
+}
+
+TEST(ContactLaw, ValueAndSlopeAreContinuousAtTheThreshold) {
+  for (const Preset& preset : presets()) {
+    const ContactLaw law = makeContactLaw(preset.soil);
+    const double step = 1e-8;
+    const double below = contactForce(law, law.a_thr_m - step);
+    const double at = contactForce(law, law.a_thr_m);
+    const double above = contactForce(law, law.a_thr_m + step);
+    EXPECT_NEAR((at - below) / step, -law.stiffness_n_m, 1e-4 * law.stiffness_n_m);
+    EXPECT_NEAR((above - at) / step, -law.stiffness_n_m, 1e-4 * law.stiffness_n_m);
+  }
+}
+
+TEST(ContactLaw, TouchingParticlesFeelNothing) {
+  for (const Preset& preset : presets()) {
+    EXPECT_NEAR(contactForce(makeContactLaw(preset.soil), 2 * preset.soil.radius_m), 0, 1e-15);
+  }
+}
+
+TEST(ContactLaw, RepelsInsideAttractsOutsideAndEndsAtTheCutoff) {
+  const SoilParameters soil = findPreset("P3").soil;
+  const ContactLaw law = makeContactLaw(soil);
+  const double diameter = 2 * soil.radius_m;
+  EXPECT_GT(contactForce(law, 0.999 * diameter), 0);
+  EXPECT_LT(contactForce(law, 1.001 * diameter), 0);
+  EXPECT_LT(contactForce(law, 1.0999 * diameter), 0);
+  EXPECT_EQ(contactForce(law, law.cutoff_m), 0);
+  EXPECT_EQ(contactForce(law, 5 * diameter), 0);
+}
+
+TEST(ContactLaw, WithoutAttractionEndsWhereParticlesPart) {
+  SoilParameters soil = findPreset("P3").soil;
+  soil.attraction_ratio = 1;
+  const ContactLaw law = makeContactLaw(soil);
+  EXPECT_EQ(contactForce(law, 2.0001 * soil.radius_m), 0);
+  EXPECT_GT(contactForce(law, 1.9999 * soil.radius_m), 0);
+}
+
+TEST(ContactLaw, ForceFallsWithDistance) {
+  const ContactLaw law = makeContactLaw(findPreset("P1").soil);
+  double before = contactForce(law, 0);
+  for (double a = 1e-5; a < law.cutoff_m; a += 1e-5) {
+    const double force = contactForce(law, a);
+    EXPECT_LT(force, before);
+    before = force;
+  }
+}
+
+TEST(ContactLaw, InfiniteStiffnessIsTheHyperbolaAlone) {
+  SoilParameters soil = findPreset("P3").soil;
+  soil.stiffness_n_m = std::numeric_limits<double>::infinity();
+  const ContactLaw law = makeContactLaw(soil);
+  const double a = law.a_min_m + 1e-6;
+  EXPECT_NEAR(contactForce(law, a), soil.gamma_nm / 1e-6 - law.h_n, 1e-6);
+}
+
+}  // namespace
+}  // namespace haptolith
