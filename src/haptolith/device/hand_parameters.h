@@ -24,7 +24,7 @@ struct HandParameters {
   double mass_kg = 0.554;
   double damping_n_s_m = 6.45;
   double stiffness_n_m = 135;
-  double lever_m = 0.05;         ///< the arm's rotation: inertia, damping and stiffness are the above times lever^2
+  double lever_m = 0.1;          ///< the arm's rotation: inertia, damping and stiffness are the above times lever^2
   double period_s = 4;           ///< one manoeuvre
   double active_s = 1e9;         ///< then the hand leaves the soil and waits above it
   Vec3 home_m{0, 0, 0.12};       ///< where it starts, ends and waits

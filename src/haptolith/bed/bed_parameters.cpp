@@ -1,0 +1,26 @@
+#include "haptolith/bed/bed_parameters.h"
+
+#include "haptolith/core/error.h"
+
+namespace haptolith {
+
+void validate(const BedParameters& bed) {
+  validate(bed.soil);
+  const double diameter = 2 * bed.soil.radius_m;
+  requireInRange("gravity_m_s2", bed.gravity_m_s2.norm(), {0, 1000});
+  requireInRange("width_m", bed.width_m, {diameter, 100});
+  requireInRange("length_m", bed.length_m, {diameter, 100});
+  if (bed.start == BedStart::kPacked) {
+    requireInRange("depth_m", bed.depth_m, {diameter, 100});
+  } else {
+    requireInRange("particles", bed.particles, {1, 1e7});
+  }
+  if (bed.start == BedStart::kCount) {
+    requireInRange("layers", bed.layers, {1, 1000});
+  }
+  requireInRange("tick_s", bed.tick_s, {1e-6, 0.1});
+  requireInRange("max_substeps", bed.max_substeps, {1, 1000});
+  requireInRange("threads", bed.threads, {1, 256});
+}
+
+}  // namespace haptolith

@@ -1,0 +1,18 @@
+#include "haptolith/tool/tool_parameters.h"
+
+#include "haptolith/core/error.h"
+
+namespace haptolith {
+
+void validate(const ToolParameters& tool) {
+  constexpr Range kLength{1e-5, 10};
+  requireInRange("size_m", tool.size_m.minCoeff(), kLength);
+  requireInRange("size_m", tool.size_m.maxCoeff(), kLength);
+  requireInRange("diameter_m", tool.diameter_m, kLength);
+  requireInRange("thickness_m", tool.thickness_m, kLength);
+  requireInRange("stiffness_n_m", tool.stiffness_n_m, {0, 1e7});
+  requireInRange("damping_factor", tool.damping_factor, {0, 10});
+  requireInRange("adhesion_ratio", tool.adhesion_ratio, {0, 1});
+}
+
+}  // namespace haptolith
