@@ -14,6 +14,8 @@
 
 #include "completion.h"
 #include "output.h"
+#include "run_command.h"
+#include "soil_commands.h"
 
 namespace haptolith {
 namespace {
@@ -30,6 +32,8 @@ constexpr const char* kExamples = R"(Examples:
 Exit status: 0 done, 1 failed, 2 wrong usage.)";
 
 void addCommands(CLI::App& app) {
+  addRunCommand(app);
+  addSoilCommands(app);
   addCompletionCommand(app);
 }
 

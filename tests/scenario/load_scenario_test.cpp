@@ -101,7 +101,7 @@ TEST_F(LoadScenario, ThePapersSceneIsTheDefault) {
   EXPECT_DOUBLE_EQ(paper.hand.active_s, preset.hand.active_s);
   EXPECT_TRUE(paper.hand.home_m.isApprox(preset.hand.home_m));
   EXPECT_DOUBLE_EQ(paper.hand.depth_m, preset.hand.depth_m);
-  EXPECT_DOUBLE_EQ(paper.hand.surface_m, preset.hand.surface_m);
+  EXPECT_EQ(paper.hand.surface_m, preset.hand.surface_m);
   EXPECT_DOUBLE_EQ(paper.hand.reach_m, preset.hand.reach_m);
   EXPECT_DOUBLE_EQ(paper.hand.max_force_n, preset.hand.max_force_n);
   EXPECT_DOUBLE_EQ(paper.hand.max_torque_nm, preset.hand.max_torque_nm);

@@ -16,7 +16,7 @@ void validate(const HandParameters& hand) {
     requireInRange("home_m", hand.home_m[axis], {-10, 10});
   }
   requireInRange("depth_m", hand.depth_m, {0, 10});
-  requireInRange("surface_m", hand.surface_m, {0, 10});
+  requireInRange("surface_m", hand.surface_m.value_or(0), {-10, 10});
   requireInRange("reach_m", hand.reach_m, {0, 10});
   requireInRange("max_force_n", hand.max_force_n, {0, 1e6});
   requireInRange("max_torque_nm", hand.max_torque_nm, {0, 1e6});

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <optional>
 #include <string>
 
 #include "haptolith/core/vec.h"
@@ -27,9 +28,9 @@ struct HandParameters {
   double lever_m = 0.1;          ///< the arm's rotation: inertia, damping and stiffness are the above times lever^2
   double period_s = 4;           ///< one manoeuvre
   double active_s = 1e9;         ///< then the hand leaves the soil and waits above it
-  Vec3 home_m{0, 0, 0.12};       ///< where it starts, ends and waits
-  double depth_m = 0.02;         ///< lowest point of the tool's origin below `surface_m` during a manoeuvre
-  double surface_m = 0.035;      ///< height of the soil's surface
+  Vec3 home_m{0, 0, 0.085};      ///< where it starts, ends and waits: x and y in the scene, z above the surface
+  double depth_m = 0.02;         ///< lowest point of the tool's origin below the surface during a manoeuvre
+  std::optional<double> surface_m;  ///< height of the soil's surface; left out: measured when the bed is made
   double reach_m = 0.035;        ///< largest distance to the side
   double max_force_n = 12;       ///< what the device can show, as a sigma.7 as CHAI3D describes it
   double max_torque_nm = 0.2;

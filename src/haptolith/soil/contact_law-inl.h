@@ -23,7 +23,9 @@ struct LawOf {
   Real gamma, a_min, a_thr, h, k;
 };
 
-inline double Max(double a, double b) { return std::max(a, b); }  // hwy::Max for doubles
+// Highway's Max for single numbers, so that one expression serves both.
+inline double Max(double a, double b) { return std::max(a, b); }
+inline float Max(float a, float b) { return std::max(a, b); }
 
 /// F(a) without its cutoff (paper 7). Both branches in one expression: below a_thr the hyperbola is held at a_thr and the
 /// line k (a_thr - a) is added; above it the line is zero.

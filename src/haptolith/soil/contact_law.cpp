@@ -1,5 +1,6 @@
 #include "haptolith/soil/contact_law.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include "haptolith/core/error.h"
@@ -35,6 +36,31 @@ double contactForce(const ContactLaw& law, double a_m) noexcept {
   }
   const HWY_NAMESPACE::LawOf<double> constants{law.gamma_nm, law.a_min_m, law.a_thr_m, law.h_n, law.stiffness_n_m};
   return HWY_NAMESPACE::uncutContactForce(constants, a_m);
+}
+
+double contactEnergy(const ContactLaw& law, double a_m) noexcept {
+  if (a_m >= law.cutoff_m) {
+    return 0;
+  }
+  const double held = std::max(a_m, law.a_thr_m);
+  const double hyperbola = law.gamma_nm * std::log((law.cutoff_m - law.a_min_m) / (held - law.a_min_m)) -
+                           law.h_n * (law.cutoff_m - held);
+  const double line = held - a_m;
+  return hyperbola + contactForce(law, held) * line + law.stiffness_n_m / 2 * line * line;
+}
+
+double distanceAtForce(const ContactLaw& law, double force_n) noexcept {
+  const double on_hyperbola = law.a_min_m + law.gamma_nm / (force_n + law.h_n);
+  if (on_hyperbola >= law.a_thr_m) {
+    return on_hyperbola;
+  }
+  return law.a_thr_m - (force_n - contactForce(law, law.a_thr_m)) / law.stiffness_n_m;
+}
+
+ContactLaw wallLaw(const ContactLaw& law, double radius_m) noexcept {
+  ContactLaw wall = law;
+  wall.cutoff_m = 2 * radius_m;
+  return wall;
 }
 
 }  // namespace haptolith

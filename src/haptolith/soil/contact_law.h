@@ -28,4 +28,15 @@ struct ContactLaw {
 /// F(a) in N at centre distance `a_m`, cutoff included (paper 19). The law itself is written in contact_law-inl.h.
 [[nodiscard]] double contactForce(const ContactLaw& law, double a_m) noexcept;
 
+/// Work needed to bring two particles from beyond the cutoff to `a_m`, in J: the integral of F from a to the cutoff.
+/// Negative where attraction has pulled them together.
+[[nodiscard]] double contactEnergy(const ContactLaw& law, double a_m) noexcept;
+
+/// The centre distance in m at which two particles repel with `force_n` >= 0: F(a) solved for a.
+[[nodiscard]] double distanceAtForce(const ContactLaw& law, double force_n) noexcept;
+
+/// What a flat wall does to a particle: it answers like the particle's mirror image, so F is taken at twice the distance
+/// to the wall, and only repels. A layer on the floor is then as stiff as a layer on a layer.
+[[nodiscard]] ContactLaw wallLaw(const ContactLaw& law, double radius_m) noexcept;
+
 }  // namespace haptolith

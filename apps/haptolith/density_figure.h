@@ -1,0 +1,23 @@
+#pragma once
+
+#include <filesystem>
+#include <string>
+
+#include "haptolith/soil/soil_parameters.h"
+
+namespace haptolith {
+
+/// What the density figure shows besides the lunar law and the measured bands.
+struct DensityFigure {
+  SoilParameters soil;
+  double gravity_m_s2 = 1.625;
+  std::string preset;  ///< name of the preset `soil` is; empty when it was given by its numbers
+};
+
+/// Draws bulk density against depth (paper, Fig. 2). For a preset: all of them under the same conditions, `preset`
+/// emphasised, and the linear model with the paper's k = 100 N/m (at R = 7 mm); else the soil alone. With both, the
+/// lunar law and the measured band means.
+/// @throws as Figure.
+void drawDensityFigure(const std::filesystem::path& path, const DensityFigure& wanted);
+
+}  // namespace haptolith

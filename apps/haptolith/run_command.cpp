@@ -1,0 +1,364 @@
+#include "run_command.h"
+
+#include <fmt/format.h>
+#include <spdlog/spdlog.h>
+
+#include <CLI/CLI.hpp>
+#include <atomic>
+#include <chrono>
+#include <csignal>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <string>
+#include <thread>
+
+#include "haptolith/core/error.h"
+#include "haptolith/device/virtual_hand.h"
+#include "haptolith/haptics/haptic_loop.h"
+#include "haptolith/scenario/scenario.h"
+#include "haptolith/soil/bodies.h"
+#include "haptolith/soil/presets.h"
+
+#include "output.h"
+#include "run_figure.h"
+#include "trace_file.h"
+
+namespace haptolith {
+
+namespace {
+
+using namespace std::chrono_literals;
+
+constexpr const char* kExamples = R"(Examples:
+  haptolith run                                     the paper's scene until Ctrl-C
+  haptolith run --hand stir --duration-s 10         ten seconds of stirring
+  haptolith run --preset P1 --body Mars --json      another soil on another world
+  haptolith run --hand press --trace press.csv --figure press.svg
+  haptolith run scenarios/deep-bed.toml             a scene from a file
+  haptolith run --poses movement.csv                a recorded hand
+  haptolith run --unpaced --duration-s 60 --json    as fast as it can, for experiments)";
+
+/// What the command line says; everything else comes from the scenario.
+struct RunOptions {
+  std::string scenario_file;
+  std::optional<std::string> preset, body, poses_file;
+  std::optional<Manoeuvre> manoeuvre;
+  std::optional<double> duration_s;
+  std::optional<int> threads;
+  std::optional<std::uint64_t> seed;
+  bool unpaced = false;
+  std::string trace_file, figure_file;
+  bool json = false;
+};
+
+Scenario scenarioFor(const RunOptions& options) {
+  Scenario scenario = options.scenario_file.empty() ? Scenario{} : loadScenario(options.scenario_file);
+  BedParameters& bed = scenario.bed;
+  if (options.preset) {
+    const Preset& preset = findPreset(*options.preset);
+    bed.soil = rescaled(preset.soil, bed.soil.radius_m);
+    scenario.preset = preset.name;
+  }
+  if (options.body) {
+    const Body& body = findBody(*options.body);
+    const double before = bed.gravity_m_s2.norm();
+    bed.gravity_m_s2 = body.gravity_m_s2 * (before > 0 ? Vec3(bed.gravity_m_s2 / before) : Vec3(-Vec3::UnitZ()));
+    scenario.body = body.name;
+  }
+  if (options.manoeuvre) {
+    scenario.hand.manoeuvre = *options.manoeuvre;
+  }
+  if (options.poses_file) {
+    scenario.hand.manoeuvre = Manoeuvre::kPoses;
+    scenario.hand.poses_file = *options.poses_file;
+  }
+  bed.threads = options.threads.value_or(bed.threads);
+  bed.seed = options.seed.value_or(bed.seed);
+  scenario.loop.duration_s = options.duration_s.value_or(scenario.loop.duration_s);
+  scenario.loop.paced = scenario.loop.paced && !options.unpaced;
+  validate(scenario);
+  return scenario;
+}
+
+std::atomic<bool> stop_asked{false};
+
+/// Ctrl-C and SIGTERM end the run in good order; a second one ends the program at once.
+class StopOnSignal {
+ public:
+  StopOnSignal() {
+    struct sigaction action {};
+    action.sa_handler = [](int) { stop_asked = true; };
+    action.sa_flags = static_cast<int>(SA_RESETHAND);
+    sigaction(SIGINT, &action, nullptr);
+    sigaction(SIGTERM, &action, nullptr);
+  }
+};
+
+/// The loop's thread: real-time when the system grants it.
+class LoopThread {
+ public:
+  LoopThread(HapticLoop& loop, bool paced)
+      : thread_([this, &loop, paced] {
+          if (paced) {
+            real_time_ = requestRealTime();
+          }
+          real_time_known_.store(true, std::memory_order_release);
+          end_ = loop.run(stop_asked);
+          done_.store(true, std::memory_order_release);
+        }) {}
+  ~LoopThread() {
+    if (thread_.joinable()) {  // an error on the other side: the hand is let go before anybody hears of it
+      stop_asked = true;
+      thread_.join();
+    }
+  }
+  LoopThread(const LoopThread&) = delete;
+  LoopThread& operator=(const LoopThread&) = delete;
+
+  [[nodiscard]] bool done() const noexcept { return done_.load(std::memory_order_acquire); }
+
+  const RealTime& realTime() const {
+    while (!real_time_known_.load(std::memory_order_acquire)) {
+      std::this_thread::sleep_for(1ms);
+    }
+    return real_time_;
+  }
+
+  LoopEnd join() {
+    thread_.join();
+    return end_;
+  }
+
+ private:
+  std::atomic<bool> done_{false}, real_time_known_{false};
+  RealTime real_time_;
+  LoopEnd end_ = LoopEnd::kRunning;
+  std::thread thread_;
+};
+
+/// Everything that follows the loop from a distance: trace, history for the figure, the status line.
+class Follower {
+ public:
+  Follower(const RunOptions& options, const Scenario& scenario) : scenario_(scenario), keep_history_(!options.figure_file.empty()) {
+    if (!options.trace_file.empty()) {
+      trace_.emplace(options.trace_file);
+    }
+  }
+
+  [[nodiscard]] bool wantsRecords() const noexcept { return trace_ || keep_history_; }
+
+  void follow(HapticLoop& loop) {
+    fresh_.clear();
+    loop.takeRecords(fresh_);
+    for (const TickRecord& record : fresh_) {
+      if (trace_) {
+        trace_->write(record);
+      }
+      if (keep_history_) {
+        remember(record);
+      }
+    }
+    if (loop.snapshots().update()) {
+      const SceneSnapshot& now = loop.snapshots().latest();
+      if (keep_history_ && (history_.strongest.position.empty() ||
+                            now.felt.force_n.norm() > history_.strongest.felt.force_n.norm())) {
+        history_.strongest = now;
+      }
+      if (status_.visible()) {
+        status_.update(statusText(now));
+      }
+    }
+  }
+
+  void finish() {
+    if (trace_) {
+      trace_->commit();
+    }
+  }
+
+  [[nodiscard]] const RunHistory& history() const noexcept { return history_; }
+
+ private:
+  /// Keeps every stride-th record; when there are too many, every second one goes and the stride doubles.
+  void remember(const TickRecord& record) {
+    constexpr std::size_t kMostRecords = 20'000;
+    if (seen_++ % stride_ != 0) {
+      return;
+    }
+    history_.records.push_back(record);
+    if (history_.records.size() >= kMostRecords) {
+      for (std::size_t i = 0; i < kMostRecords / 2; ++i) {
+        history_.records[i] = history_.records[2 * i];
+      }
+      history_.records.resize(kMostRecords / 2);
+      stride_ *= 2;
+    }
+  }
+
+  [[nodiscard]] std::string statusText(const SceneSnapshot& now) const {
+    const double wanted = scenario_.loop.duration_s;
+    return fmt::format("{}{}  force {:6.2f} N  tick p99 {:5.0f} us  in time {:5.1f} %  misses {}",
+                       fmt::format("{:7.1f} s", now.time_s), wanted > 0 ? fmt::format(" of {:g} s", wanted) : "",
+                       now.felt.force_n.norm(), now.tick_us_p99, 100 * now.success_rate, now.deadline_misses);
+  }
+
+  const Scenario& scenario_;
+  bool keep_history_;
+  std::optional<TraceFile> trace_;
+  StatusLine status_;
+  std::vector<TickRecord> fresh_;
+  RunHistory history_;
+  std::uint64_t seen_ = 0, stride_ = 1;
+};
+
+/// What is left of a run when it is over.
+struct RunSummary {
+  LoopEnd end;
+  RealTime real_time;
+  std::uint64_t lost_records;
+};
+
+nlohmann::json statisticsJson(const Histogram& h) {
+  return {{"mean", h.mean()}, {"p99", h.percentile(0.99)}, {"max", h.max()}};
+}
+
+nlohmann::json summaryJson(const Scenario& scenario, const Scene& scene, const HapticLoop& loop,
+                           const RunSummary& summary) {
+  const LoopStatistics& statistics = loop.statistics();
+  nlohmann::json tick_us = statisticsJson(statistics.tickUs());
+  tick_us["p50"] = statistics.tickUs().percentile(0.5);
+  tick_us["p99_9"] = statistics.tickUs().percentile(0.999);
+  return {{"title", scenario.title},
+          {"preset", scenario.preset},
+          {"body", scenario.body},
+          {"particles", scene.bed().particles()},
+          {"substeps", scene.substeps()},
+          {"threads", scenario.bed.threads},
+          {"simd", simdTarget()},
+          {"ticks", statistics.ticks()},
+          {"duration_s", loop.time()},
+          {"ended", text(summary.end)},
+          {"tick_us", tick_us},
+          {"deadline_misses", statistics.deadlineMisses()},
+          {"success_rate_last_100", statistics.successRate()},
+          {"force_n", statisticsJson(statistics.forceN())},
+          {"torque_nm", statisticsJson(statistics.torqueNm())},
+          {"largest_speed_m_s", scene.bed().largestSpeed()},
+          {"lost_records", summary.lost_records},
+          {"state_hash", fmt::format("{:016x}", stateHash(scene.bed().state()))},
+          {"realtime",
+           {{"scheduler", summary.real_time.scheduler}, {"memory_locked", summary.real_time.memory_locked}}}};
+}
+
+std::string summaryText(const Scenario& scenario, const Scene& scene, const HapticLoop& loop, const RunSummary& summary) {
+  const LoopStatistics& s = loop.statistics();
+  const Histogram& t = s.tickUs();
+  return fmt::format(
+      "{title}\n"
+      "  soil       {particles} macroparticles of {radius:g} mm, {preset}, g = {g:g} m/s2, {substeps} step(s) a tick\n"
+      "  time       {time:.3f} s in {ticks} ticks: {end}\n"
+      "  tick       mean {mean:.1f}  p50 {p50:.1f}  p99 {p99:.1f}  p99.9 {p999:.1f}  max {max:.1f} us ({simd}, {threads} "
+      "thread(s))\n"
+      "  deadlines  {misses} missed; {success:.0f} % of the last 100 in time; {scheduler}, memory {locked}\n"
+      "  force      mean {fmean:.2f}  p99 {fp99:.2f}  max {fmax:.2f} N\n"
+      "  torque     mean {mmean:.4f}  p99 {mp99:.4f}  max {mmax:.4f} N m\n"
+      "  state      {hash:016x}\n",
+      fmt::arg("title", scenario.title), fmt::arg("particles", scene.bed().particles()),
+      fmt::arg("radius", 1e3 * scenario.bed.soil.radius_m),
+      fmt::arg("preset", scenario.preset.empty() ? "own soil" : scenario.preset),
+      fmt::arg("g", scenario.bed.gravity_m_s2.norm()), fmt::arg("substeps", scene.substeps()),
+      fmt::arg("time", loop.time()), fmt::arg("ticks", s.ticks()), fmt::arg("end", text(summary.end)),
+      fmt::arg("mean", t.mean()), fmt::arg("p50", t.percentile(0.5)), fmt::arg("p99", t.percentile(0.99)),
+      fmt::arg("p999", t.percentile(0.999)), fmt::arg("max", t.max()), fmt::arg("simd", simdTarget()),
+      fmt::arg("threads", scenario.bed.threads), fmt::arg("misses", s.deadlineMisses()),
+      fmt::arg("success", 100 * s.successRate()), fmt::arg("scheduler", summary.real_time.scheduler),
+      fmt::arg("locked", summary.real_time.memory_locked ? "locked" : "not locked"),
+      fmt::arg("fmean", s.forceN().mean()), fmt::arg("fp99", s.forceN().percentile(0.99)),
+      fmt::arg("fmax", s.forceN().max()), fmt::arg("mmean", s.torqueNm().mean()),
+      fmt::arg("mp99", s.torqueNm().percentile(0.99)), fmt::arg("mmax", s.torqueNm().max()),
+      fmt::arg("hash", stateHash(scene.bed().state())));
+}
+
+/// A run that was to last a certain time and did not, or that went wrong, has failed; its trace is kept all the same.
+void throwWhenItFailed(const Scenario& scenario, const HapticLoop& loop, LoopEnd end) {
+  const bool cut_short = end == LoopEnd::kStopped && scenario.loop.duration_s > 0;
+  if (cut_short || end == LoopEnd::kHandLeft || end == LoopEnd::kNotFinite || end == LoopEnd::kCollapsed) {
+    throw Failure(cut_short ? fmt::format("interrupted after {:.3f} s of {:g} s", loop.time(), scenario.loop.duration_s)
+                            : fmt::format("stopped at {:.3f} s: {}", loop.time(), text(end)));
+  }
+}
+
+void run(const RunOptions& options) {
+  const StopOnSignal stop_on_signal;
+  Scenario scenario = scenarioFor(options);
+  Follower follower(options, scenario);  // files that cannot be written are refused before the bed is made
+  Scene scene(scenario.bed, scenario.tool);
+  if (!scenario.hand.surface_m) {
+    scenario.hand.surface_m = scene.bed().surfaceHeight();
+  }
+  VirtualHand hand(scenario.hand, scenario.bed.tick_s);
+  HapticLoop loop(scene, hand, scenario.loop, follower.wantsRecords());
+
+  RunSummary summary{};
+  {
+    LoopThread thread(loop, scenario.loop.paced);
+    if (const std::string& advice = thread.realTime().advice; !advice.empty()) {
+      spdlog::warn("{}", advice);
+    }
+    while (!thread.done()) {
+      follower.follow(loop);
+      std::this_thread::sleep_for(scenario.loop.paced ? 20ms : 1ms);
+    }
+    summary = {thread.join(), thread.realTime(), loop.lostRecords()};
+  }
+  follower.follow(loop);
+  follower.finish();
+  if (summary.lost_records > 0) {
+    spdlog::warn("{} ticks are missing in the trace: the disk was too slow for 8 s", summary.lost_records);
+  }
+  if (!options.figure_file.empty()) {
+    drawRun(options.figure_file, scenario.title, scenario, follower.history(), loop.statistics());
+  }
+  if (options.json) {
+    printJson(summaryJson(scenario, scene, loop, summary));
+  } else {
+    printText(summaryText(scenario, scene, loop, summary));
+  }
+  throwWhenItFailed(scenario, loop, summary.end);
+}
+
+}  // namespace
+
+void addRunCommand(CLI::App& app) {
+  auto options = std::make_shared<RunOptions>();
+  CLI::App* command = app.add_subcommand("run", "Run a scene at 1 kHz under a hand, until Ctrl-C or --duration-s");
+  command->footer(kExamples);
+  command->add_option("scenario", options->scenario_file, "Scene (TOML, see docs/scenarios.md); default: the paper's");
+  command->add_option("--preset", options->preset, "Soil: P1 to P6, the paper's Table II")->option_text("NAME");
+  command->add_option("--body", options->body, "World: Ceres, Pluto, Europa, Moon, Mars or Earth")->option_text("NAME");
+  static const std::map<std::string, Manoeuvre> kManoeuvres{
+      {"still", Manoeuvre::kStill}, {"press", Manoeuvre::kPress}, {"stir", Manoeuvre::kStir},
+      {"scoop", Manoeuvre::kScoop}, {"carry", Manoeuvre::kCarry}, {"shake", Manoeuvre::kShake}};
+  CLI::Option* hand = command->add_option("--hand", options->manoeuvre, "What the virtual hand does");
+  hand->transform(CLI::Transformer(kManoeuvres, CLI::ignore_case))
+      ->check(CLI::IsMember(kManoeuvres))
+      ->option_text("still|press|stir|scoop|carry|shake");
+  command->add_option("--poses", options->poses_file, "CSV of poses the hand follows: t_s,x_m,y_m,z_m,qw,qx,qy,qz")
+      ->option_text("FILE")
+      ->excludes(hand);
+  command->add_option("--duration-s", options->duration_s, "Simulated time; default: until Ctrl-C")
+      ->check(CLI::Range(1e-3, 1e7))
+      ->option_text("SECONDS");
+  command->add_flag("--unpaced", options->unpaced, "As fast as it can instead of in step with the clock");
+  command->add_option("--threads", options->threads, "Threads that share a large bed; the result does not depend on it")
+      ->check(CLI::Range(1, 256))
+      ->option_text("N");
+  command->add_option("--seed", options->seed, "Seed of a bed that starts as rain")->option_text("N");
+  command->add_option("--trace", options->trace_file, "Write every tick to this CSV file")->option_text("FILE");
+  command->add_option("--figure", options->figure_file, "Draw the run (.svg or .png)")->option_text("FILE");
+  command->add_flag("--json", options->json, "Print the summary as one JSON object");
+  command->callback([options] { run(*options); });
+}
+
+}  // namespace haptolith

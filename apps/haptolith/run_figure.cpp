@@ -1,0 +1,170 @@
+#include "run_figure.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <numbers>
+
+#include "haptolith/figure/figure.h"
+
+namespace haptolith {
+
+namespace {
+
+constexpr double kMm = 1e3;
+using Rows = std::vector<std::vector<double>>;
+
+/// Particles seen from the side, the far ones first, with how near they are (0 to 1) for their shade.
+Rows particlesFromTheSide(const SceneSnapshot& scene, double length_m) {
+  Rows rows;
+  for (const Float4& p : scene.position) {
+    rows.push_back({kMm * p.x, kMm * p.z, 0.5 - p.y / length_m, -p.y});
+  }
+  std::stable_sort(rows.begin(), rows.end(), [](const auto& a, const auto& b) { return a[3] < b[3]; });
+  return rows;
+}
+
+/// Edges of the tool as x, z, dx, dz in mm.
+Rows toolEdges(const ToolParameters& tool, const Pose& pose) {
+  std::vector<Vec3> ring;  // the upper outline; the lower one and the uprights follow from it
+  double half_height = tool.size_m.z() / 2;
+  if (tool.shape == ToolShape::kBox) {
+    const Vec3 half = tool.size_m / 2;
+    ring = {{half.x(), half.y(), 0}, {-half.x(), half.y(), 0}, {-half.x(), -half.y(), 0}, {half.x(), -half.y(), 0}};
+  } else {
+    constexpr int kCorners = 48;
+    half_height = tool.shape == ToolShape::kPlate ? tool.thickness_m / 2 : 0;
+    for (int corner = 0; corner < kCorners; ++corner) {
+      const double angle = 2 * std::numbers::pi * corner / kCorners;
+      const Vec3 flat(std::cos(angle), std::sin(angle), 0);
+      const Vec3 upright(std::cos(angle), 0, std::sin(angle));
+      ring.emplace_back(tool.diameter_m / 2 * (tool.shape == ToolShape::kSphere ? upright : flat));
+    }
+  }
+  Rows edges;
+  const auto add = [&](const Vec3& from_tool, const Vec3& to_tool) {
+    const Vec3 from = pose.toScene(from_tool);
+    const Vec3 edge = pose.toScene(to_tool) - from;
+    edges.push_back({kMm * from.x(), kMm * from.z(), kMm * edge.x(), kMm * edge.z()});
+  };
+  const Vec3 up(0, 0, half_height);
+  for (std::size_t i = 0; i < ring.size(); ++i) {
+    const Vec3& next = ring[(i + 1) % ring.size()];
+    add(ring[i] + up, next + up);
+    add(ring[i] - up, next - up);
+    add(ring[i] + up, ring[i] - up);
+  }
+  return edges;
+}
+
+Rows tickHistogram(const Histogram& ticks) {
+  constexpr std::size_t kBucketsPerBar = 8;
+  Rows bars;
+  for (std::size_t first = 0; first < Histogram::kBuckets; first += kBucketsPerBar) {
+    double count = 0;
+    for (std::size_t bucket = first; bucket < first + kBucketsPerBar; ++bucket) {
+      count += static_cast<double>(ticks.inBucket(bucket));
+    }
+    if (count > 0) {
+      const double from = first == 0 ? ticks.upperEnd(0) / 2 : ticks.upperEnd(first - 1);
+      bars.push_back({from, ticks.upperEnd(first + kBucketsPerBar - 1), count});
+    }
+  }
+  return bars;
+}
+
+}  // namespace
+
+void drawRun(const std::filesystem::path& path, const std::string& title, const Scenario& scenario,
+             const RunHistory& history, const LoopStatistics& statistics) {
+  Rows forces;
+  for (const TickRecord& r : history.records) {
+    const Vec3& f = r.felt.force_n;
+    forces.push_back({r.time_s, f.x(), f.y(), f.z(), kMm * r.scene_T_tool.position_m.z(), r.soil.force_n.z()});
+  }
+  const BedParameters& bed = scenario.bed;
+  const SceneSnapshot& scene = history.strongest;
+  const double half_width = kMm * bed.width_m / 2;
+  double highest = kMm * scene.scene_T_tool.position_m.z() + 30;
+  for (const Float4& p : scene.position) {
+    highest = std::max(highest, std::min(kMm * (p.z + bed.soil.radius_m), 2 * half_width));
+  }
+
+  Figure figure(path, 1200, 900);
+  figure.data("particles", particlesFromTheSide(scene, bed.length_m));
+  figure.data("tool", toolEdges(scenario.tool, scene.scene_T_tool));
+  figure.data("forces", forces);
+  figure.data("ticks", tickHistogram(statistics.tickUs()));
+  figure.data("strongest", {{scene.time_s, scene.felt.force_n.norm()}});
+  figure.command(fmt::format(R"(
+set multiplot layout 2,2 title "{title}" font ",17"
+set border lc rgb '#555555'
+set grid lc rgb '#dddddd'
+set tics nomirror
+set lmargin 9
+set rmargin 3
+
+set title sprintf('From the side at t = %.2f s, when the hand felt most: %.2f N', {time}, {force})
+set xlabel 'x (mm)'
+set ylabel 'height (mm)'
+set size ratio -1
+set xrange [{left}:{right}]
+set yrange [{bottom}:{top}]
+unset key
+unset colorbox
+set cbrange [0:1]
+set palette defined (0 '#55504a', 1 '#cfc8bd')
+set object 1 rectangle from {wall_left},{bottom} to {wall_right},0 fc rgb '#333333' fs solid noborder
+set arrow 1 from {wall_left},0 to {wall_left},{top} nohead lw 2 lc rgb '#333333'
+set arrow 2 from {wall_right},0 to {wall_right},{top} nohead lw 2 lc rgb '#333333'
+set style fill solid 1.0 border lc rgb '#3a3632'
+plot $particles using 1:2:({radius}):3 with circles palette, \
+     $tool using 1:2:3:4 with vectors nohead lw 2.5 lc rgb '#d1495b'
+unset object 1
+unset arrow 1
+unset arrow 2
+unset size
+set size noratio
+
+set title 'Force on the hand (filtered, as felt)'
+set xlabel 'time (s)'
+set ylabel 'force (N)'
+set autoscale x
+set autoscale y
+set offsets 0, 0, graph 0.05, graph 0.05
+set key top right horizontal
+plot $forces using 1:2 with lines lw 1.5 lc rgb '#d1495b' title 'x', \
+     $forces using 1:3 with lines lw 1.5 lc rgb '#edae49' title 'y', \
+     $forces using 1:4 with lines lw 1.5 lc rgb '#00798c' title 'z (up)'
+
+set title 'Vertical force over the height of the tool'
+set xlabel "height of the tool's centre (mm)"
+set ylabel 'force (N)'
+set key top right vertical
+plot $forces using 5:6 with lines lw 0.6 lc rgb '#a9c9ce' title 'of the soil', \
+     $forces using 5:4 with lines lw 1.2 lc rgb '#00798c' title 'as felt'
+
+set title 'How long the work of a tick took'
+set xlabel 'microseconds (one tick may last 1000)'
+set ylabel 'ticks'
+set offsets 0, 0, 0, 0
+set logscale xy
+set xrange [1:3000]
+set yrange [0.5:*]
+set style fill solid 0.8 noborder
+set arrow 3 from 1000, graph 0 to 1000, graph 1 nohead dt 2 lw 2 lc rgb '#d1495b'
+set label 3 '1 ms' at 1000, graph 0.93 right offset -0.5,0 tc rgb '#d1495b'
+unset key
+plot $ticks using (sqrt($1*$2)):3:1:2:(0.5):3 with boxxyerror lc rgb '#00798c'
+unset multiplot
+)",
+                             fmt::arg("title", title), fmt::arg("time", scene.time_s),
+                             fmt::arg("force", scene.felt.force_n.norm()), fmt::arg("left", -half_width - 25),
+                             fmt::arg("right", half_width + 25), fmt::arg("bottom", -6), fmt::arg("top", highest + 8),
+                             fmt::arg("wall_left", -half_width), fmt::arg("wall_right", half_width),
+                             fmt::arg("radius", kMm * bed.soil.radius_m)));
+  figure.save();
+}
+
+}  // namespace haptolith

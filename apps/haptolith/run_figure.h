@@ -1,0 +1,23 @@
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "haptolith/haptics/haptic_loop.h"
+#include "haptolith/scenario/scenario.h"
+
+namespace haptolith {
+
+/// What a figure of a run is drawn from.
+struct RunHistory {
+  std::vector<TickRecord> records;  ///< thinned out evenly once there are too many to see
+  SceneSnapshot strongest;          ///< the scene when the hand felt most
+};
+
+/// Draws the scene at its strongest moment, force over time, force over the tool's height, and how long ticks took.
+/// @throws as Figure.
+void drawRun(const std::filesystem::path& path, const std::string& title, const Scenario& scenario,
+             const RunHistory& history, const LoopStatistics& statistics);
+
+}  // namespace haptolith

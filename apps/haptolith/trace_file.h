@@ -1,0 +1,21 @@
+#pragma once
+
+#include <filesystem>
+
+#include "haptolith/core/atomic_file.h"
+#include "haptolith/haptics/haptic_loop.h"
+
+namespace haptolith {
+
+/// Every tick of a run as CSV, columns as in header(): the first eight make a pose file. Appears whole or not at all.
+class TraceFile {
+ public:
+  explicit TraceFile(const std::filesystem::path& path);
+  void write(const TickRecord& record);
+  void commit() { file_.commit(); }
+
+ private:
+  AtomicFile file_;
+};
+
+}  // namespace haptolith

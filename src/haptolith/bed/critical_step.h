@@ -1,0 +1,19 @@
+#pragma once
+
+#include "haptolith/soil/soil_parameters.h"
+
+namespace haptolith {
+
+/// Highest natural frequency that a macroparticle of this soil can show, in rad/s.
+///
+///     m omega^2 = 8 k + 2 k + k_tool
+///
+/// 8 k: the fastest mode of a close packing of springs k (neighbouring layers against each other); 2 k: a wall, which
+/// answers like a mirror image and so twice as stiffly; k_tool: the tool's contact (paper 21), 0 without a tool.
+[[nodiscard]] double highestFrequency(const SoilParameters& soil, double tool_stiffness_n_m);
+
+/// Number of equal substeps of `tick_s` that keep dt * omega at or below 1, half of the semi-implicit step's limit of 2.
+/// @throws InvalidParameter when more than `max_substeps` would be needed, naming the stiffness that would do.
+[[nodiscard]] int substepsFor(const SoilParameters& soil, double tool_stiffness_n_m, double tick_s, int max_substeps);
+
+}  // namespace haptolith

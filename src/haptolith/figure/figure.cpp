@@ -1,0 +1,162 @@
+#include "haptolith/figure/figure.h"
+
+#include <fmt/format.h>
+#include <spawn.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+#include <cctype>
+#include <cerrno>
+#include <cmath>
+#include <cstdio>
+#include <cstring>
+#include <string>
+
+#include "haptolith/core/atomic_file.h"
+#include "haptolith/core/error.h"
+
+// gnuplot reads its commands from an unnamed temporary file and writes its complaints to another. A pipe would be
+// shorter, but when gnuplot stops at an error, writing on into the pipe kills us (SIGPIPE) before its words are read.
+
+namespace haptolith {
+
+namespace {
+
+using TemporaryFile = std::unique_ptr<std::FILE, int (*)(std::FILE*)>;
+
+TemporaryFile makeTemporaryFile() {
+  TemporaryFile file(std::tmpfile(), &std::fclose);
+  if (file == nullptr) {
+    throw Failure(fmt::format("cannot create a temporary file: {}", std::strerror(errno)));
+  }
+  return file;
+}
+
+struct GnuplotAnswer {
+  bool succeeded = false;
+  std::string words;  ///< stdout and stderr
+};
+
+std::string readAll(std::FILE* file) {
+  std::string text;
+  std::array<char, 4096> chunk{};
+  std::rewind(file);
+  while (const std::size_t size = std::fread(chunk.data(), 1, chunk.size(), file)) {
+    text.append(chunk.data(), size);
+  }
+  return text;
+}
+
+/// Runs gnuplot on `script`, or with --version when it is empty. @throws Failure when it is not installed.
+GnuplotAnswer runGnuplot(const std::string& script) {
+  const TemporaryFile input = makeTemporaryFile();
+  const TemporaryFile output = makeTemporaryFile();
+  if (std::fwrite(script.data(), 1, script.size(), input.get()) != script.size() || std::fflush(input.get()) != 0) {
+    throw Failure(fmt::format("cannot write gnuplot's commands: {}", std::strerror(errno)));
+  }
+  std::rewind(input.get());
+
+  posix_spawn_file_actions_t redirections;
+  posix_spawn_file_actions_init(&redirections);
+  posix_spawn_file_actions_adddup2(&redirections, fileno(input.get()), STDIN_FILENO);
+  posix_spawn_file_actions_adddup2(&redirections, fileno(output.get()), STDOUT_FILENO);
+  posix_spawn_file_actions_adddup2(&redirections, fileno(output.get()), STDERR_FILENO);
+  std::string program = "gnuplot", version = "--version";
+  char* const arguments[]{program.data(), script.empty() ? version.data() : nullptr, nullptr};
+  pid_t process = 0;
+  const int spawn_error = posix_spawnp(&process, "gnuplot", &redirections, nullptr, arguments, environ);
+  posix_spawn_file_actions_destroy(&redirections);
+  if (spawn_error == ENOENT) {
+    throw Failure("gnuplot is not installed: apt install gnuplot-nox");
+  }
+  if (spawn_error != 0) {
+    throw Failure(fmt::format("cannot start gnuplot: {}", std::strerror(spawn_error)));
+  }
+
+  int status = 0;
+  while (waitpid(process, &status, 0) < 0 && errno == EINTR) {
+  }
+  return {WIFEXITED(status) && WEXITSTATUS(status) == 0, readAll(output.get())};
+}
+
+std::string terminalFor(const std::filesystem::path& path, int width_px, int height_px) {
+  std::string extension = path.extension().string();
+  std::transform(extension.begin(), extension.end(), extension.begin(),
+                 [](unsigned char letter) { return static_cast<char>(std::tolower(letter)); });
+  if (extension == ".svg") {
+    return fmt::format("svg size {},{} dynamic enhanced font 'sans,14' background 'white'", width_px, height_px);
+  }
+  if (extension == ".png") {
+    return fmt::format("pngcairo size {},{} enhanced font 'sans,11' background 'white'", width_px, height_px);
+  }
+  throw InvalidParameter("figure", fmt::format("'{}'", path.string()), "a file name ending in .svg or .png");
+}
+
+/// In gnuplot's single quotes only the quote itself is special.
+std::string inGnuplotQuotes(std::string_view text) {
+  std::string result = "'";
+  for (const char letter : text) {
+    result += letter == '\'' ? "''" : std::string(1, letter);
+  }
+  return result + "'";
+}
+
+/// What all figures have in common: a thin grey frame on two sides, a pale grid, no legend box.
+constexpr std::string_view kStyle = R"(
+set encoding utf8
+set border 3 linecolor rgb '#444444'
+set tics out nomirror textcolor rgb '#222222'
+set grid linecolor rgb '#dddddd' linewidth 1 linetype 1
+set key noautotitle
+)";
+
+std::string number(double value) {
+  return std::isfinite(value) ? fmt::format("{}", value) : "NaN";
+}
+
+}  // namespace
+
+struct Figure::Process {
+  AtomicFile file;
+  std::string path;
+  std::string script;
+};
+
+Figure::Figure(const std::filesystem::path& path, int width_px, int height_px) {
+  const std::string terminal = terminalFor(path, width_px, height_px);
+  runGnuplot("");  // before anyone computes for minutes: is it there?
+  process_.reset(new Process{AtomicFile(path), path.string(), {}});
+  command(fmt::format("set terminal {}\nset output {}", terminal,
+                      inGnuplotQuotes(process_->file.temporaryPath().string())));
+  command(kStyle);
+}
+
+Figure::~Figure() = default;
+
+void Figure::data(std::string_view name, const std::vector<std::vector<double>>& rows) {
+  process_->script += fmt::format("${} << END_OF_DATA\n", name);
+  for (const std::vector<double>& row : rows) {
+    for (const double value : row) {
+      process_->script += number(value) + ' ';
+    }
+    process_->script += '\n';
+  }
+  process_->script += "END_OF_DATA\n";
+}
+
+void Figure::command(std::string_view gnuplot_commands) {
+  process_->script.append(gnuplot_commands).push_back('\n');
+}
+
+void Figure::save() {
+  command("unset output");
+  const GnuplotAnswer answer = runGnuplot(process_->script);
+  if (!answer.succeeded) {
+    throw Failure(fmt::format("gnuplot could not draw {}:\n{}", process_->path, answer.words));
+  }
+  process_->file.commit();
+}
+
+}  // namespace haptolith

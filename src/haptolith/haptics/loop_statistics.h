@@ -1,0 +1,35 @@
+#pragma once
+
+#include <bitset>
+#include <cstdint>
+
+#include "haptolith/core/histogram.h"
+#include "haptolith/core/vec.h"
+
+namespace haptolith {
+
+/// What the loop knows about itself. Fixed memory; add() may be called in the tick.
+class LoopStatistics {
+ public:
+  /// One tick: how long its work took, whether it ended in time, and what the hand was made to feel.
+  void add(double tick_us, bool in_time, const Wrench& felt) noexcept;
+
+  [[nodiscard]] std::uint64_t ticks() const noexcept { return tick_us_.count(); }
+  [[nodiscard]] std::uint64_t deadlineMisses() const noexcept { return misses_; }
+
+  /// Share of the last 100 ticks that ended in time; of all ticks while there are fewer; 1 before the first.
+  [[nodiscard]] double successRate() const noexcept;
+
+  [[nodiscard]] const Histogram& tickUs() const noexcept { return tick_us_; }
+  [[nodiscard]] const Histogram& forceN() const noexcept { return force_n_; }
+  [[nodiscard]] const Histogram& torqueNm() const noexcept { return torque_nm_; }
+
+ private:
+  static constexpr std::size_t kWindow = 100;
+
+  Histogram tick_us_{0.1}, force_n_{1e-6}, torque_nm_{1e-8};
+  std::uint64_t misses_ = 0;
+  std::bitset<kWindow> missed_lately_;
+};
+
+}  // namespace haptolith

@@ -1,0 +1,38 @@
+#pragma once
+
+#include "haptolith/bed/bed.h"
+#include "haptolith/tool/tool_parameters.h"
+
+namespace haptolith {
+
+/// A bed and a tool in it: what stands between a pose and a wrench. No device and no clock.
+class Scene {
+ public:
+  /// @throws InvalidParameter when the parameters are not valid, or when one tick would need too many substeps.
+  Scene(const BedParameters& bed, const ToolParameters& tool);
+
+  /// One tick: moves the tool from where it was to `scene_T_tool` in equal substeps, steps the bed each time, and leaves
+  /// the mean wrench on the tool in `wrench()`. May be called in the tick.
+  [[nodiscard]] StepStatus tick(const Pose& scene_T_tool, const Twist& twist) noexcept;
+
+  /// Force and torque of the soil on the tool over the last tick, about the tool's origin, scene frame, unfiltered.
+  [[nodiscard]] const Wrench& wrench() const noexcept { return wrench_; }
+
+  /// Puts the tool somewhere without moving it there.
+  void placeTool(const Pose& scene_T_tool) noexcept { tool_pose_ = scene_T_tool; }
+
+  [[nodiscard]] Bed& bed() noexcept { return bed_; }
+  [[nodiscard]] const Bed& bed() const noexcept { return bed_; }
+  [[nodiscard]] const ToolParameters& tool() const noexcept { return tool_; }
+  [[nodiscard]] const Pose& toolPose() const noexcept { return tool_pose_; }
+  [[nodiscard]] int substeps() const noexcept { return substeps_; }
+
+ private:
+  ToolParameters tool_;
+  int substeps_;
+  Bed bed_;
+  Pose tool_pose_;
+  Wrench wrench_;
+};
+
+}  // namespace haptolith

@@ -1,0 +1,32 @@
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "haptolith/bed/bed_state.h"
+#include "haptolith/core/vec.h"
+#include "haptolith/tool/tool_parameters.h"
+
+namespace haptolith {
+
+/// Force on one particle along the tool's outward normal, in N, > 0 pushing it away (paper 21):
+///
+///     F = k_tool z + c_tool z_dot   for z > -0.002 R,   c_tool = damping_factor dt k_tool / 2
+///
+/// Between -0.002 R and 0 the spring pulls: dust that sticks to the tool. May be called in the tick.
+/// @param depth_m      z, penetration of the particle's sphere into the tool.
+/// @param closing_m_s  z_dot, how fast the penetration grows.
+[[nodiscard]] double toolForce(const ToolParameters& tool, double radius_m, double dt_s, double depth_m,
+                               double closing_m_s) noexcept;
+
+/// The tool against all particles: adds their forces to `forces` and returns the reaction on the tool about its origin,
+/// scene frame. Particles outside the tool's enclosing sphere are passed over without an exact test. May be called in the
+/// tick.
+/// @param scene_T_tool  pose of the tool; `twist` its velocity.
+/// @param state   positions, velocities; tool_side is read and written.
+/// @param forces  one per particle; overwritten with the tool's force, 0 where it does not reach.
+Wrench applyToolContact(const ToolParameters& tool, const Pose& scene_T_tool, const Twist& twist, double radius_m,
+                        double dt_s, const BedState& state, std::vector<std::int8_t>& tool_side,
+                        std::vector<Float4>& forces) noexcept;
+
+}  // namespace haptolith

@@ -1,0 +1,184 @@
+#include <gmock/gmock.h>
+#include <nlohmann/json.hpp>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <cstdio>
+#include <filesystem>
+#include <fstream>
+#include <sstream>
+#include <string>
+
+// The program as its users meet it: arguments in; stdout, stderr and the exit status out.
+
+namespace haptolith {
+namespace {
+
+namespace fs = std::filesystem;
+using nlohmann::json;
+using testing::HasSubstr;
+using testing::IsEmpty;
+
+struct Answer {
+  int status = 0;
+  std::string out, err;
+};
+
+class SoilCommands : public testing::Test {
+ protected:
+  SoilCommands() { fs::create_directories(folder_); }
+  ~SoilCommands() override { fs::remove_all(folder_); }
+
+  static std::string textOf(const fs::path& path) {
+    std::ostringstream text;
+    text << std::ifstream(path, std::ios::binary).rdbuf();
+    return text.str();
+  }
+  Answer run(const std::string& arguments) const {
+    const std::string command = "\"" HAPTOLITH_EXECUTABLE "\" " + arguments + " >" + (folder_ / "out").string() +
+                                " 2>" + (folder_ / "err").string();
+    const int status = std::system(command.c_str());
+    return {WEXITSTATUS(status), textOf(folder_ / "out"), textOf(folder_ / "err")};
+  }
+  json runJson(const std::string& arguments) const {
+    const Answer answer = run(arguments + " --json");
+    EXPECT_EQ(answer.status, 0) << answer.err;
+    EXPECT_THAT(answer.err, IsEmpty());
+    return json::parse(answer.out);
+  }
+  void expectWrongUse(const std::string& arguments, const std::string& words) const {
+    const Answer answer = run(arguments);
+    EXPECT_EQ(answer.status, 2) << arguments;
+    EXPECT_THAT(answer.out, IsEmpty()) << arguments;
+    EXPECT_THAT(answer.err, HasSubstr(words)) << arguments;
+  }
+
+  const fs::path folder_ = fs::temp_directory_path() / ("haptolith-soil-commands-test-" + std::to_string(getpid()));
+};
+
+TEST_F(SoilCommands, ProfileTellsTheWholeSoil) {
+  const json profile = runJson("soil profile --preset p3");
+  EXPECT_EQ(profile["parameters"]["preset"], "P3");
+  EXPECT_EQ(profile["parameters"]["body"], "Moon");
+  EXPECT_EQ(profile["parameters"]["gravity_m_s2"], 1.625);
+  EXPECT_TRUE(profile["parameters"]["stiffness_n_m"].is_null());  // infinite
+  EXPECT_NEAR(profile["cohesion_pa"], 996, 1);
+  EXPECT_NEAR(profile["friction_coefficient"], 0.838, 0.001);
+  EXPECT_NEAR(profile["friction_angle_deg"], 40, 0.1);
+  EXPECT_EQ(profile["layers"][0]["layer"], 0);
+  EXPECT_NEAR(profile["layers"][0]["spacing_m"], 0.01143, 1e-5);
+  EXPECT_GE(profile["layers"].back()["depth_m"], 0.59);
+  const double ours[]{1485, 1562, 1715, 1638}, paper[]{1501, 1579, 1737, 1658};
+  for (std::size_t i = 0; i < 4; ++i) {
+    EXPECT_NEAR(profile["bands"][i]["density_kg_m3"], ours[i], 1);
+    EXPECT_EQ(profile["bands"][i]["paper_kg_m3"], paper[i]);
+  }
+}
+
+TEST_F(SoilCommands, ProfileQuotesThePaperOnlyForThePapersSoil) {
+  for (const char* change : {"--body Mars", "--gravity-m-s2 1.6", "--radius-mm 3", "--stiffness-n-m 100"}) {
+    const json profile = runJson(std::string("soil profile --preset P3 ") + change);
+    EXPECT_TRUE(profile["bands"][0]["paper_kg_m3"].is_null()) << change;
+  }
+  const json same = runJson("soil profile --preset P3 --body moon --radius-mm 7 --stiffness-n-m inf");
+  EXPECT_EQ(same["bands"][0]["paper_kg_m3"], 1501);
+}
+
+TEST_F(SoilCommands, ProfileOfNumbersIsThatOfThePresetWithTheSameNumbers) {
+  const json numbers = runJson("soil profile --gamma-nm 4e-5 --rho0-kg-m3 1330 --rho-max-kg-m3 1824 --mu-hat 0.342");
+  const json preset = runJson("soil profile --preset P3");
+  EXPECT_EQ(numbers["layers"], preset["layers"]);
+  EXPECT_EQ(numbers["cohesion_pa"], preset["cohesion_pa"]);
+  EXPECT_TRUE(numbers["parameters"]["preset"].is_null());
+  EXPECT_TRUE(numbers["bands"][0]["paper_kg_m3"].is_null());
+}
+
+TEST_F(SoilCommands, ProfileOfSoilTooDenseToCompactHasNoCohesion) {
+  const std::string soil = "soil profile --gamma-nm 4e-5 --rho0-kg-m3 2000 --rho-max-kg-m3 2600 --mu-hat 0.3";
+  EXPECT_TRUE(runJson(soil)["cohesion_pa"].is_null());
+  EXPECT_THAT(run(soil).out, HasSubstr("cohesion undefined"));
+}
+
+TEST_F(SoilCommands, ProfileDrawsFigures) {
+  for (const char* soil : {"--preset P3", "--preset P1 --body Earth --stiffness-n-m 100000",
+                           "--gamma-nm 4e-5 --rho0-kg-m3 1330 --rho-max-kg-m3 1824 --mu-hat 0.342"}) {
+    const fs::path figure = folder_ / "figure.svg";
+    fs::remove(figure);
+    const Answer answer = run(std::string("soil profile --figure ") + figure.string() + " " + soil);
+    EXPECT_EQ(answer.status, 0) << answer.err;
+    EXPECT_THAT(textOf(figure), HasSubstr("lunar law"));
+  }
+}
+
+TEST_F(SoilCommands, TextIsForPeople) {
+  const Answer answer = run("soil profile --preset P3");
+  EXPECT_EQ(answer.status, 0);
+  EXPECT_THAT(answer.out, HasSubstr("Soil P3 (Moon, gravity 1.625 m/s², R = 7 mm, k infinite)"));
+  EXPECT_THAT(answer.out, HasSubstr("1500 ± 50   1501"));
+  EXPECT_THAT(run("soil calibrate --friction-coefficient 0.9 --cohesion-pa 970").out, HasSubstr("1580 ± 50"));
+  EXPECT_THAT(run("soil calibrate --friction-coefficient 0.9 --cohesion-pa 970 --body Earth").out,
+              HasSubstr("outside the measurement"));
+  EXPECT_THAT(run("soil presets").out, HasSubstr("P6"));
+}
+
+TEST_F(SoilCommands, WrongUseOfProfileIsToldAndHasStatusTwo) {
+  expectWrongUse("soil profile", "--preset");
+  expectWrongUse("soil profile --gamma-nm 1e-5", "--rho0-kg-m3");
+  expectWrongUse("soil profile --preset P3 --gamma-nm 1e-5", "excludes");
+  expectWrongUse("soil profile --preset P3 --body Moon --gravity-m-s2 1", "excludes");
+  expectWrongUse("soil profile --preset P9", "P1, P2, P3, P4, P5, P6");
+  expectWrongUse("soil profile --preset P3 --body Sun", "Moon");
+  expectWrongUse("soil profile --preset P3 --gravity-m-s2 -1", "gravity_m_s2 = -1");
+  expectWrongUse("soil profile --preset P3 --radius-mm 0", "radius_mm = 0");
+  expectWrongUse("soil profile --preset P3 --radius-mm nan", "radius_mm = nan");
+  expectWrongUse("soil profile --preset P3 --stiffness-n-m 0", "stiffness_n_m = 0");
+  expectWrongUse("soil profile --gamma-nm 4e-5 --rho0-kg-m3 1330 --rho-max-kg-m3 1300 --mu-hat 0.3", "rho_max_kg_m3");
+  expectWrongUse("soil profile --preset P3 --figure figure.pdf", ".svg or .png");
+  expectWrongUse("soil", "required");
+}
+
+TEST_F(SoilCommands, SoilThatCannotCarryItselfIsAFailure) {
+  const Answer answer = run("soil profile --preset P3 --body Earth --stiffness-n-m 100 --json");
+  EXPECT_EQ(answer.status, 1);
+  EXPECT_THAT(answer.out, IsEmpty());
+  EXPECT_THAT(answer.err, HasSubstr("larger stiffness_n_m"));
+}
+
+TEST_F(SoilCommands, CalibrateGivesASoilThatProfileConfirms) {
+  const json soil = runJson("soil calibrate --friction-coefficient 0.9 --cohesion-pa 970 --radius-mm 3");
+  EXPECT_EQ(soil["radius_mm"], 3);
+  EXPECT_LT(soil["density_rms_kg_m3"], 15);
+  std::ostringstream arguments;
+  arguments.precision(17);
+  arguments << "soil profile --radius-mm 3 --gamma-nm " << soil["gamma_nm"] << " --rho0-kg-m3 " << soil["rho0_kg_m3"]
+            << " --rho-max-kg-m3 " << soil["rho_max_kg_m3"] << " --mu-hat " << soil["mu_hat"];
+  const json profile = runJson(arguments.str());
+  EXPECT_NEAR(profile["cohesion_pa"], 970, 0.005 * 970);
+  EXPECT_NEAR(profile["friction_coefficient"], 0.9, 1e-9);
+}
+
+TEST_F(SoilCommands, WrongUseOfCalibrateIsToldAndHasStatusTwo) {
+  expectWrongUse("soil calibrate --friction-coefficient 0.9", "--cohesion-pa is required");
+  expectWrongUse("soil calibrate --friction-coefficient -0.9 --cohesion-pa 970", "friction_coefficient = -0.9");
+  expectWrongUse("soil calibrate --friction-coefficient 0.9 --cohesion-pa nan", "cohesion_pa = nan");
+  expectWrongUse("soil calibrate --friction-coefficient 0.9 --cohesion-pa 1e9", "must be > 0 and < ");
+  expectWrongUse("soil calibrate --friction-coefficient 0.9 --cohesion-pa 970 --radius-mm 25", "radius_mm = 25");
+}
+
+TEST_F(SoilCommands, PresetsListsAllSix) {
+  const json presets = runJson("soil presets")["presets"];
+  ASSERT_EQ(presets.size(), 6u);
+  EXPECT_EQ(presets[3]["name"], "P4");
+  EXPECT_EQ(presets[3]["gamma_nm"], 6e-5);
+}
+
+TEST_F(SoilCommands, EveryCommandExplainsItselfWithAnExample) {
+  for (const char* command : {"soil", "soil profile", "soil calibrate", "soil presets"}) {
+    const Answer answer = run(std::string(command) + " --help");
+    EXPECT_EQ(answer.status, 0);
+    EXPECT_THAT(answer.out, HasSubstr("  haptolith soil ")) << command;
+  }
+}
+
+}  // namespace
+}  // namespace haptolith
