@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include <algorithm>
 #include <functional>
 #include <memory>
 #include <string>
@@ -247,6 +248,7 @@ function __haptolith_at
         line += argument.choices.empty() ? " -r" : " -x";
       }
       if (!argument.choices.empty()) {
+        line += argument.names.empty() ? " -f" : "";
         line += " -a " + quoted(fmt::format("{}", fmt::join(argument.choices, " ")));
       }
       script += fmt::format("{} -d {}\n", line, quoted(argument.description));

@@ -6,8 +6,11 @@
 
 #include <csignal>
 #include <string>
+#include <string_view>
+#include <vector>
 
 #include "haptolith/core/error.h"
+#include "haptolith/core/nearest_word.h"
 
 #include "completion.h"
 #include "output.h"
@@ -45,6 +48,17 @@ void printError(const std::string& message) {
   fmt::print(stderr, "haptolith: {}error:{} {}\n", coloured ? "\033[1;31m" : "", coloured ? "\033[0m" : "", message);
 }
 
+/// The help of the command the user reached, its usage line with the whole path.
+std::string helpOf(const CLI::App& app) {
+  const CLI::App* at = &app;
+  std::string above;
+  while (!at->get_subcommands().empty()) {
+    above += (above.empty() ? "" : " ") + at->get_name();
+    at = at->get_subcommands().front();
+  }
+  return at->help(above);
+}
+
 /// The command the user reached, for example "haptolith soil profile".
 std::string commandPath(const CLI::App& app) {
   std::string path = "haptolith";
@@ -64,7 +78,18 @@ ExitStatus usageError(const CLI::App& app, const std::string& message) {
 /// Not even a command was found: say what there is.
 ExitStatus noCommand(const CLI::App& app, const std::string& message) {
   fmt::print(stderr, "{}\n", app.help());
-  printError(app.remaining().empty() ? message : fmt::format("unknown command '{}'", app.remaining().front()));
+  if (app.remaining().empty()) {
+    printError(message);
+    return kUsage;
+  }
+  const std::string word = app.remaining().front();
+  std::vector<std::string_view> commands;
+  for (const CLI::App* command : app.get_subcommands([](const CLI::App*) { return true; })) {
+    commands.push_back(command->get_name());
+  }
+  const std::string_view nearest = nearestWord(word, commands);
+  printError(fmt::format("unknown {} '{}'{}{}{}", word.starts_with('-') ? "option" : "command", word,
+                         nearest.empty() ? "" : "; did you mean ", nearest, nearest.empty() ? "" : "?"));
   return kUsage;
 }
 
@@ -73,11 +98,7 @@ ExitStatus run(CLI::App& app, int argc, char** argv) {
     app.parse(argc, argv);
     return kOk;
   } catch (const CLI::CallForHelp&) {
-    const CLI::App* at = &app;
-    while (!at->get_subcommands().empty()) {
-      at = at->get_subcommands().front();
-    }
-    printText(at->help());
+    printText(helpOf(app));
     return kOk;
   } catch (const CLI::CallForVersion& version) {
     printText(std::string(version.what()) + '\n');

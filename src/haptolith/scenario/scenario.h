@@ -13,8 +13,8 @@ namespace haptolith {
 /// A whole scene: soil in a box, a tool, a hand and the loop that joins them. The default is the paper's scene.
 struct Scenario {
   std::string title = "The paper's scene";
-  std::string preset = "P3";   ///< empty when the soil was given by its numbers
-  std::string body = "Moon";   ///< empty when gravity was given by its number
+  std::string preset = "P3";  ///< empty when the soil was given by its numbers
+  std::string body = "Moon";  ///< empty when gravity was given by its number
   BedParameters bed;
   ToolParameters tool;
   HandParameters hand;

@@ -1,0 +1,20 @@
+#include "haptolith/scenario/scenario.h"
+
+#include <fmt/format.h>
+
+#include "haptolith/core/error.h"
+
+namespace haptolith {
+
+void validate(const Scenario& scenario) {
+  validate(scenario.bed);
+  validate(scenario.tool);
+  validate(scenario.hand);
+  validate(scenario.loop);
+  if (scenario.bed.tick_s != scenario.loop.tick_s) {
+    throw InvalidParameter("tick_s", fmt::format("{}", scenario.loop.tick_s),
+                           fmt::format("the bed's {}", scenario.bed.tick_s));
+  }
+}
+
+}  // namespace haptolith

@@ -1,0 +1,239 @@
+#include "haptolith/scenario/scenario_keys.h"
+
+#include <fmt/format.h>
+
+#include <cstdint>
+#include <limits>
+
+#include "haptolith/scenario/scene_words.h"
+#include "haptolith/soil/bodies.h"
+#include "haptolith/soil/presets.h"
+
+namespace haptolith {
+
+namespace {
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+constexpr double kMm = 1e-3;  // m
+constexpr Range kPositive{0, kInfinity, Ends::kOpen};
+constexpr Range kNotNegative{0, kInfinity};
+constexpr Range kLengthMm{0.01, 1e5};
+
+template <class Table>
+std::vector<std::string_view> namesOf(const Table& table) {
+  std::vector<std::string_view> names;
+  for (const auto& entry : table) {
+    names.push_back(entry.name);
+  }
+  return names;
+}
+
+/// The value of a word that is known to be in `table`.
+template <class Table>
+auto valueOf(const Table& table, std::string_view name) {
+  auto entry = table.begin();
+  while (entry->name != name) {
+    ++entry;
+  }
+  return entry->value;
+}
+
+/// One of the numbers that make a preset: the soil is then no longer that preset.
+void setSoil(Scenario& scene, double SoilParameters::*number, double value) {
+  scene.preset.clear();
+  scene.bed.soil.*number = value;
+}
+
+void setGravity(Scenario& scene, const Vec3& direction, double magnitude_m_s2) {
+  scene.bed.gravity_m_s2 = direction.normalized() * magnitude_m_s2;
+}
+
+std::vector<ScenarioKey> allKeys() {
+  using S = Scenario;
+  return {
+      {"", "title", "", TextValue{[](S& s, std::string_view v) { s.title = v; }}, "What the scene shows, in a line."},
+
+      // The radius rescales the preset; the numbers after it are taken as they are, for particles of that radius.
+      {"soil", "preset", "",
+       WordValue{namesOf(presets()),
+                 [](S& s, std::string_view v) {
+                   s.preset = v;
+                   s.bed.soil = findPreset(v).soil;
+                 }},
+       "Soil of the paper's Table II; not together with `gamma_nm`, `rho0_kg_m3`, `rho_max_kg_m3` or `mu_hat`."},
+      {"soil", "radius_mm", "radius_m",
+       NumberValue{{0.01, 1000}, [](S& s, double v) { s.bed.soil = rescaled(s.bed.soil, v * kMm); }},
+       "Radius of a macroparticle; `gamma_nm` and `stiffness_n_m` follow unless they are given too."},
+      {"soil", "gamma_nm", "gamma_nm",
+       NumberValue{kPositive, [](S& s, double v) { setSoil(s, &SoilParameters::gamma_nm, v); }},
+       "Strength of the contact law (paper 7), N m."},
+      {"soil", "rho0_kg_m3", "rho0_kg_m3",
+       NumberValue{{0, 1e5, Ends::kOpenBelow}, [](S& s, double v) { setSoil(s, &SoilParameters::rho0_kg_m3, v); }},
+       "Bulk density at the surface."},
+      {"soil", "rho_max_kg_m3", "rho_max_kg_m3",
+       NumberValue{{0, 1e6, Ends::kOpenBelow}, [](S& s, double v) { setSoil(s, &SoilParameters::rho_max_kg_m3, v); }},
+       "Bulk density that no load exceeds (paper 8); more than `rho0_kg_m3`."},
+      {"soil", "mu_hat", "mu_hat", NumberValue{{0, 10}, [](S& s, double v) { setSoil(s, &SoilParameters::mu_hat, v); }},
+       "Model friction (paper 14)."},
+      {"soil", "stiffness_n_m", "stiffness_n_m",
+       NumberValue{kPositive, [](S& s, double v) { s.bed.soil.stiffness_n_m = v; }},
+       "Limiting stiffness k of a contact (paper 7)."},
+      {"soil", "attraction_ratio", "attraction_ratio",
+       NumberValue{{1, 2}, [](S& s, double v) { s.bed.soil.attraction_ratio = v; }},
+       "Reach of attraction over radius (paper 19); 1 switches attraction off."},
+      {"soil", "moving_friction_ratio", "moving_friction_ratio",
+       NumberValue{{0, 1}, [](S& s, double v) { s.bed.soil.moving_friction_ratio = v; }},
+       "Moving over static friction (paper 14)."},
+
+      // A magnitude of 0 would forget the direction, so the direction comes first.
+      {"gravity", "direction", "gravity_m_s2",
+       VectorValue{{-1000, 1000},
+                   [](S& s, const Vec3& v) {
+                     if (v.isZero(1e-12)) {
+                       throw InvalidParameter("direction", "the zero vector", "a direction, for example [0, 0, -1]");
+                     }
+                     setGravity(s, v, s.bed.gravity_m_s2.norm());
+                   }},
+       "Where things fall to, of any length but 0."},
+      {"gravity", "body", "",
+       WordValue{namesOf(bodies()),
+                 [](S& s, std::string_view v) {
+                   s.body = v;
+                   setGravity(s, s.bed.gravity_m_s2, findBody(v).gravity_m_s2);
+                 }},
+       "Gravity of a celestial body; not together with `magnitude_m_s2`."},
+      {"gravity", "magnitude_m_s2", "gravity_m_s2",
+       NumberValue{{0, 1000},
+                   [](S& s, double v) {
+                     s.body.clear();
+                     setGravity(s, s.bed.gravity_m_s2, v);
+                   }},
+       "Gravity by its number."},
+
+      {"bed", "start", "",
+       WordValue{namesOf(kBedStartWords), [](S& s, std::string_view v) { s.bed.start = valueOf(kBedStartWords, v); }},
+       "How the soil lies at first: `particles` in `layers`; closely packed up to `depth_mm`; or dropped at random."},
+      {"bed", "particles", "particles",
+       CountValue{{1, 1e7}, [](S& s, std::int64_t v) { s.bed.particles = static_cast<int>(v); }},
+       "Number of macroparticles; for `count` and `rain`."},
+      {"bed", "layers", "layers",
+       CountValue{{1, 1000}, [](S& s, std::int64_t v) { s.bed.layers = static_cast<int>(v); }},
+       "Number of layers; for `count`."},
+      {"bed", "width_mm", "width_m", NumberValue{kLengthMm, [](S& s, double v) { s.bed.width_m = v * kMm; }},
+       "Inner size of the box along x; at least a particle."},
+      {"bed", "length_mm", "length_m", NumberValue{kLengthMm, [](S& s, double v) { s.bed.length_m = v * kMm; }},
+       "Inner size of the box along y; at least a particle."},
+      {"bed", "depth_mm", "depth_m", NumberValue{kLengthMm, [](S& s, double v) { s.bed.depth_m = v * kMm; }},
+       "Height of the undisturbed soil; for `packed`; at least a particle."},
+      {"bed", "seed", "seed",
+       CountValue{{0, 9e15}, [](S& s, std::int64_t v) { s.bed.seed = static_cast<std::uint64_t>(v); }},
+       "Seed of the random numbers; for `rain`. One seed, one bed."},
+      {"bed", "threads", "threads",
+       CountValue{{1, 256}, [](S& s, std::int64_t v) { s.bed.threads = static_cast<int>(v); }},
+       "Threads that share a tick; the result is the same for any number."},
+      {"bed", "max_substeps", "max_substeps",
+       CountValue{{1, 1000}, [](S& s, std::int64_t v) { s.bed.max_substeps = static_cast<int>(v); }},
+       "A soil that would need more steps in a tick to be stable is refused."},
+
+      {"tool", "shape", "",
+       WordValue{namesOf(kToolShapeWords),
+                 [](S& s, std::string_view v) { s.tool.shape = valueOf(kToolShapeWords, v); }},
+       "Shape of the tool: the shovel, a ball, or a round plate that lies flat."},
+      {"tool", "size_mm", "size_m", VectorValue{kLengthMm, [](S& s, const Vec3& v) { s.tool.size_m = v * kMm; }},
+       "Edges of the `box` along its x, y and z."},
+      {"tool", "diameter_mm", "diameter_m", NumberValue{kLengthMm, [](S& s, double v) { s.tool.diameter_m = v * kMm; }},
+       "Diameter of the `sphere` or `plate`."},
+      {"tool", "thickness_mm", "thickness_m",
+       NumberValue{kLengthMm, [](S& s, double v) { s.tool.thickness_m = v * kMm; }}, "Height of the `plate`."},
+      {"tool", "stiffness_n_m", "stiffness_n_m",
+       NumberValue{{0, 1e7}, [](S& s, double v) { s.tool.stiffness_n_m = v; }},
+       "Stiffness between tool and particle (paper 21)."},
+      {"tool", "damping_factor", "damping_factor",
+       NumberValue{{0, 10}, [](S& s, double v) { s.tool.damping_factor = v; }},
+       "Damping between tool and particle, over half a tick times the stiffness (paper, II-E)."},
+      {"tool", "adhesion_ratio", "adhesion_ratio",
+       NumberValue{{0, 1}, [](S& s, double v) { s.tool.adhesion_ratio = v; }},
+       "How many radii outside the tool a particle still sticks to it (paper 21)."},
+
+      {"hand", "manoeuvre", "",
+       WordValue{namesOf(kManoeuvreWords),
+                 [](S& s, std::string_view v) { s.hand.manoeuvre = valueOf(kManoeuvreWords, v); }},
+       "What the hand does, over and over."},
+      {"hand", "poses", "poses", TextValue{[](S& s, std::string_view v) {
+         s.hand.poses_file = v;
+         s.hand.manoeuvre = Manoeuvre::kPoses;
+       }},
+       "A recorded movement: CSV with `t_s,x_m,y_m,z_m,qw,qx,qy,qz`, beside the scene file. Implies `manoeuvre`."},
+      {"hand", "compliance", "",
+       WordValue{namesOf(kHandComplianceWords),
+                 [](S& s, std::string_view v) { s.hand.compliance = valueOf(kHandComplianceWords, v); }},
+       "Whether the hand yields to force like an arm or follows the manoeuvre whatever it feels."},
+      {"hand", "mass_kg", "mass_kg", NumberValue{{0.01, 100}, [](S& s, double v) { s.hand.mass_kg = v; }},
+       "Mass of the arm as the hand feels it."},
+      {"hand", "damping_n_s_m", "damping_n_s_m",
+       NumberValue{{0, 1000}, [](S& s, double v) { s.hand.damping_n_s_m = v; }}, "Damping of the arm."},
+      {"hand", "stiffness_n_m", "stiffness_n_m",
+       NumberValue{{0, 1e5}, [](S& s, double v) { s.hand.stiffness_n_m = v; }}, "Stiffness of the arm."},
+      {"hand", "lever_mm", "lever_m", NumberValue{{5, 1000}, [](S& s, double v) { s.hand.lever_m = v * kMm; }},
+       "Turns the arm's mass, damping and stiffness into those of its rotation: times lever squared."},
+      {"hand", "period_s", "period_s", NumberValue{{0.1, 3600}, [](S& s, double v) { s.hand.period_s = v; }},
+       "Duration of one manoeuvre."},
+      {"hand", "active_s", "active_s", NumberValue{kNotNegative, [](S& s, double v) { s.hand.active_s = v; }},
+       "After this time the hand leaves the soil and waits above it."},
+      {"hand", "home_mm", "home_m", VectorValue{{-1e4, 1e4}, [](S& s, const Vec3& v) { s.hand.home_m = v * kMm; }},
+       "Where the manoeuvre starts and ends: x and y in the scene, z above the surface."},
+      {"hand", "depth_mm", "depth_m", NumberValue{{0, 1e4}, [](S& s, double v) { s.hand.depth_m = v * kMm; }},
+       "How far below the surface the tool's centre goes."},
+      {"hand", "surface_mm", "surface_m", NumberValue{{0, 1e4}, [](S& s, double v) { s.hand.surface_m = v * kMm; }},
+       "Height of the soil's surface over the floor, as the hand takes it; left out, it is measured."},
+      {"hand", "reach_mm", "reach_m", NumberValue{{0, 1e4}, [](S& s, double v) { s.hand.reach_m = v * kMm; }},
+       "How far to the sides the tool's centre goes."},
+      {"hand", "max_force_n", "max_force_n", NumberValue{{0, 1e6}, [](S& s, double v) { s.hand.max_force_n = v; }},
+       "Largest force the device shows."},
+      {"hand", "max_torque_nm", "max_torque_nm",
+       NumberValue{{0, 1e6}, [](S& s, double v) { s.hand.max_torque_nm = v; }},
+       "Largest torque the device shows, N m."},
+
+      {"loop", "duration_s", "duration_s", NumberValue{{0, 1e6}, [](S& s, double v) { s.loop.duration_s = v; }},
+       "Simulated time; 0 runs until stopped."},
+      {"loop", "paced", "paced", SwitchValue{[](S& s, bool v) { s.loop.paced = v; }},
+       "Whether a simulated second takes a second, or as little as it can."},
+      {"loop", "filter_cutoff_hz", "filter_cutoff_hz",
+       NumberValue{{0.1, 500}, [](S& s, double v) { s.loop.filter_cutoff_hz = v; }},
+       "Cutoff of the low-pass filter of force and torque (paper, II-E)."},
+  };
+}
+
+std::string anyOf(const std::vector<std::string_view>& words) {
+  std::string text;
+  for (std::size_t i = 0; i < words.size(); ++i) {
+    text += fmt::format("{}{}", i == 0 ? "" : i + 1 == words.size() ? " or " : ", ", words[i]);
+  }
+  return text;
+}
+
+struct ValidText {
+  std::string operator()(const NumberValue& value) const { return value.valid.text(); }
+  std::string operator()(const CountValue& value) const {
+    return fmt::format("a whole number, {}", value.valid.text());
+  }
+  std::string operator()(const VectorValue& value) const {
+    return fmt::format("three numbers, each {}", value.valid.text());
+  }
+  std::string operator()(const SwitchValue& /*value*/) const { return "true or false"; }
+  std::string operator()(const WordValue& value) const { return anyOf(value.valid); }
+  std::string operator()(const TextValue& /*value*/) const { return "text"; }
+};
+
+}  // namespace
+
+std::span<const ScenarioKey> scenarioKeys() {
+  static const std::vector<ScenarioKey> kKeys = allKeys();
+  return kKeys;
+}
+
+std::string validText(const ScenarioKey& key) {
+  return std::visit(ValidText{}, key.value);
+}
+
+}  // namespace haptolith

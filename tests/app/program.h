@@ -1,0 +1,18 @@
+#pragma once
+
+#include <string>
+
+namespace haptolith {
+
+/// What a finished program left behind.
+struct ProgramResult {
+  int exit_status = -1;  ///< -1 when a signal ended it
+  std::string output;    ///< standard output
+  std::string errors;    ///< standard error
+};
+
+/// Runs `haptolith ARGUMENTS` in a shell, neither stream being a terminal. The arguments may redirect standard output
+/// (`run > /dev/full`).
+ProgramResult runHaptolith(const std::string& arguments);
+
+}  // namespace haptolith
