@@ -64,8 +64,7 @@ HWY_INLINE Positions loadPositions(const Float4* HWY_RESTRICT position, const st
 #endif
 
 /// One particle against its list, a vector of neighbours at a time.
-void sumContactsOf(const KernelLaw& scalar_law, const Float4* HWY_RESTRICT position,
-                   const std::int32_t* HWY_RESTRICT neighbours, const std::uint32_t* HWY_RESTRICT begin,
+void sumContactsOf(const KernelLaw& scalar_law, const Float4* HWY_RESTRICT position, const Neighbours& neighbours,
                    std::size_t first, std::size_t last, ContactSum* HWY_RESTRICT sums) {
   const D d;
   const LawOf<V> law{hn::Set(d, scalar_law.gamma), hn::Set(d, scalar_law.a_min), hn::Set(d, scalar_law.a_thr),
@@ -81,8 +80,8 @@ void sumContactsOf(const KernelLaw& scalar_law, const Float4* HWY_RESTRICT posit
     const V yi = hn::Set(d, position[i].y);
     const V zi = hn::Set(d, position[i].z);
     V fx = zero, fy = zero, fz = zero, repulsion = zero, contacts = zero;
-    for (std::uint32_t n = begin[i]; n < begin[i + 1]; n += static_cast<std::uint32_t>(hn::Lanes(d))) {
-      const Positions other = loadPositions(position, neighbours + n);
+    for (std::uint32_t n = neighbours.begin[i]; n < neighbours.end[i]; n += static_cast<std::uint32_t>(hn::Lanes(d))) {
+      const Positions other = loadPositions(position, neighbours.index + n);
       const V dx = xi - other.x;
       const V dy = yi - other.y;
       const V dz = zi - other.z;
@@ -104,20 +103,49 @@ void sumContactsOf(const KernelLaw& scalar_law, const Float4* HWY_RESTRICT posit
   }
 }
 
-/// Appends to `out` those particles of one row of cells that are near, and returns how many.
-HWY_INLINE std::uint32_t appendRow(const CellGrid& grid, std::uint32_t from, std::uint32_t to, const Float4& centre,
-                                   std::int32_t self, float reach_m, std::int32_t* HWY_RESTRICT out) {
+/// Copies a cell and its 26 neighbours side by side into the scratch arrays and returns how many particles that are.
+HWY_INLINE std::uint32_t gatherCandidates(const CellGrid& grid, const Candidates& candidates, int ix, int iy, int iz) {
   const D d;
   const Indices di;
+  const auto lanes = static_cast<std::uint32_t>(hn::Lanes(d));
+  const int first_x = HWY_MAX(ix - 1, 0);
+  const int last_x = HWY_MIN(ix + 1, grid.nx - 1);
+  std::uint32_t count = 0;
+  for (int z = HWY_MAX(iz - 1, 0); z <= HWY_MIN(iz + 1, grid.nz - 1); ++z) {
+    for (int y = HWY_MAX(iy - 1, 0); y <= HWY_MIN(iy + 1, grid.ny - 1); ++y) {
+      const std::uint32_t* row = grid.cell_begin + (z * grid.ny + y) * grid.nx;
+      const std::uint32_t from = row[first_x];
+      const std::uint32_t to = row[last_x + 1];
+      for (std::uint32_t n = from; n < to; n += lanes) {  // what is copied too much is overwritten by the next row
+        const std::uint32_t at = count + n - from;
+        hn::StoreU(hn::LoadU(d, grid.x + n), d, candidates.x + at);
+        hn::StoreU(hn::LoadU(d, grid.y + n), d, candidates.y + at);
+        hn::StoreU(hn::LoadU(d, grid.z + n), d, candidates.z + at);
+        hn::StoreU(hn::LoadU(di, grid.particle + n), di, candidates.particle + at);
+      }
+      count += to - from;
+    }
+  }
+  return count;
+}
+
+/// Writes those candidates to `out` that are near the particle `self`, and returns how many.
+HWY_INLINE std::uint32_t appendNear(const Candidates& candidates, std::uint32_t count, const Float4& centre,
+                                    std::int32_t self, float reach_m, std::int32_t* HWY_RESTRICT out) {
+  const D d;
+  const Indices di;
+  const V x = hn::Set(d, centre.x);
+  const V y = hn::Set(d, centre.y);
+  const V z = hn::Set(d, centre.z);
   const V reach_squared = hn::Set(d, reach_m * reach_m);
   std::uint32_t found = 0;
-  for (std::uint32_t n = from; n < to; n += static_cast<std::uint32_t>(hn::Lanes(d))) {
-    const V dx = hn::Set(d, centre.x) - hn::LoadU(d, grid.x + n);
-    const V dy = hn::Set(d, centre.y) - hn::LoadU(d, grid.y + n);
-    const V dz = hn::Set(d, centre.z) - hn::LoadU(d, grid.z + n);
-    const auto particle = hn::LoadU(di, grid.particle + n);
+  for (std::uint32_t n = 0; n < count; n += static_cast<std::uint32_t>(hn::Lanes(d))) {
+    const V dx = x - hn::LoadU(d, candidates.x + n);
+    const V dy = y - hn::LoadU(d, candidates.y + n);
+    const V dz = z - hn::LoadU(d, candidates.z + n);
+    const auto particle = hn::LoadU(di, candidates.particle + n);
     const auto near = hn::MulAdd(dx, dx, hn::MulAdd(dy, dy, dz * dz)) < reach_squared;
-    const auto others = hn::And(hn::Ne(particle, hn::Set(di, self)), hn::FirstN(di, to - n));
+    const auto others = hn::And(hn::Ne(particle, hn::Set(di, self)), hn::FirstN(di, count - n));
     const auto listed = hn::And(hn::RebindMask(di, near), others);
     hn::StoreU(hn::Compress(particle, listed), di, out + found);  // the rest of the vector is overwritten by the next
     found += static_cast<std::uint32_t>(hn::CountTrue(di, listed));
@@ -125,33 +153,31 @@ HWY_INLINE std::uint32_t appendRow(const CellGrid& grid, std::uint32_t from, std
   return found;
 }
 
-bool listNeighboursOf(const CellGrid& grid, const Float4* HWY_RESTRICT position, std::size_t particles, float reach_m,
-                      std::size_t capacity, std::uint32_t* HWY_RESTRICT begin, std::int32_t* HWY_RESTRICT indices) {
+bool listNeighboursOf(const CellGrid& grid, const Candidates& candidates, const Float4* HWY_RESTRICT position,
+                      float reach_m, std::size_t capacity, const Neighbours& neighbours) {
   std::uint32_t next = 0;
-  for (std::size_t i = 0; i < particles; ++i) {
-    begin[i] = next;
-    const int cell = static_cast<int>(grid.cell_of[i]);
-    const int ix = cell % grid.nx;
-    const int iy = cell / grid.nx % grid.ny;
-    const int iz = cell / grid.nx / grid.ny;
-    const int first_x = HWY_MAX(ix - 1, 0);
-    const int last_x = HWY_MIN(ix + 1, grid.nx - 1);
-    for (int z = HWY_MAX(iz - 1, 0); z <= HWY_MIN(iz + 1, grid.nz - 1); ++z) {
-      for (int y = HWY_MAX(iy - 1, 0); y <= HWY_MIN(iy + 1, grid.ny - 1); ++y) {
-        const std::uint32_t* row = grid.cell_begin + (z * grid.ny + y) * grid.nx;
-        const std::uint32_t from = row[first_x];
-        const std::uint32_t to = row[last_x + 1];
-        if (next + (to - from) + kNeighbourBlock > capacity) {
-          return false;
+  int cell = 0;
+  for (int iz = 0; iz < grid.nz; ++iz) {
+    for (int iy = 0; iy < grid.ny; ++iy) {
+      for (int ix = 0; ix < grid.nx; ++ix, ++cell) {
+        const std::uint32_t from = grid.cell_begin[cell];
+        const std::uint32_t to = grid.cell_begin[cell + 1];
+        const std::uint32_t count = from == to ? 0 : gatherCandidates(grid, candidates, ix, iy, iz);
+        for (std::uint32_t slot = from; slot < to; ++slot) {
+          if (next + count + 2 * kNeighbourBlock > capacity) {
+            return false;
+          }
+          const std::int32_t self = grid.particle[slot];
+          neighbours.begin[self] = next;
+          next += appendNear(candidates, count, position[self], self, reach_m, neighbours.index + next);
+          while (next % kNeighbourBlock != 0) {
+            neighbours.index[next++] = neighbours.ghost;
+          }
+          neighbours.end[self] = next;
         }
-        next += appendRow(grid, from, to, position[i], static_cast<std::int32_t>(i), reach_m, indices + next);
       }
     }
-    while ((next - begin[i]) % kNeighbourBlock != 0) {
-      indices[next++] = static_cast<std::int32_t>(particles);
-    }
   }
-  begin[particles] = next;
   return true;
 }
 
@@ -173,14 +199,14 @@ KernelLaw kernelLaw(const ContactLaw& law, double radius_m) {
           f(law.stiffness_n_m), f(law.cutoff_m), f(2 * radius_m)};
 }
 
-void sumContacts(const KernelLaw& law, const Float4* position, const std::int32_t* neighbours,
-                 const std::uint32_t* begin, std::size_t first, std::size_t last, ContactSum* sums) noexcept {
-  HWY_DYNAMIC_DISPATCH(sumContactsOf)(law, position, neighbours, begin, first, last, sums);
+void sumContacts(const KernelLaw& law, const Float4* position, const Neighbours& neighbours, std::size_t first,
+                 std::size_t last, ContactSum* sums) noexcept {
+  HWY_DYNAMIC_DISPATCH(sumContactsOf)(law, position, neighbours, first, last, sums);
 }
 
-bool listNeighbours(const CellGrid& grid, const Float4* position, std::size_t particles, float reach_m,
-                    std::size_t capacity, std::uint32_t* begin, std::int32_t* indices) noexcept {
-  return HWY_DYNAMIC_DISPATCH(listNeighboursOf)(grid, position, particles, reach_m, capacity, begin, indices);
+bool listNeighbours(const CellGrid& grid, const Candidates& candidates, const Float4* position, float reach_m,
+                    std::size_t capacity, const Neighbours& neighbours) noexcept {
+  return HWY_DYNAMIC_DISPATCH(listNeighboursOf)(grid, candidates, position, reach_m, capacity, neighbours);
 }
 
 const char* simdTarget() noexcept { return HWY_DYNAMIC_DISPATCH(targetName)(); }

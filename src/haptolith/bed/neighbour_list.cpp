@@ -16,7 +16,7 @@ constexpr std::size_t kBlocksPerParticle = 6;
 std::size_t capacityFor(std::size_t particles) {
   constexpr std::size_t block = kNeighbourBlock;
   const std::size_t all_blocks = (particles + block - 1) / block + 1;
-  return particles * block * std::min(all_blocks, kBlocksPerParticle) + block;
+  return particles * block * std::min(all_blocks, kBlocksPerParticle) + particles + 3 * block;
 }
 
 }  // namespace
@@ -37,12 +37,15 @@ NeighbourList::NeighbourList(std::size_t particles, double reach_m, double width
 
   cell_begin_.resize(static_cast<std::size_t>(nx_) * ny_ * nz_ + 1);
   cell_of_.resize(particles);
-  x_.resize(particles + kNeighbourBlock);
-  y_.resize(particles + kNeighbourBlock);
-  z_.resize(particles + kNeighbourBlock);
+  for (std::vector<float>* array : {&x_, &y_, &z_, &near_x_, &near_y_, &near_z_}) {
+    array->resize(particles + kNeighbourBlock);
+  }
   particle_at_.resize(particles + kNeighbourBlock);
-  begin_.resize(particles + 1);
+  near_particle_.resize(particles + kNeighbourBlock);
+  begin_.resize(particles);
+  end_.resize(particles);
   indices_.resize(capacityFor(particles));
+  view_ = {indices_.data(), begin_.data(), end_.data(), static_cast<std::int32_t>(particles)};
 }
 
 void NeighbourList::sortIntoCells(const std::vector<Float4>& position) noexcept {
@@ -77,10 +80,9 @@ void NeighbourList::sortIntoCells(const std::vector<Float4>& position) noexcept 
 
 bool NeighbourList::build(const std::vector<Float4>& position) noexcept {
   sortIntoCells(position);
-  const CellGrid grid{x_.data(),           y_.data(),       z_.data(), particle_at_.data(),
-                      cell_begin_.data(), cell_of_.data(), nx_,       ny_,
-                      nz_};
-  return listNeighbours(grid, position.data(), particles_, reach_m_, indices_.size(), begin_.data(), indices_.data());
+  const CellGrid grid{x_.data(), y_.data(), z_.data(), particle_at_.data(), cell_begin_.data(), nx_, ny_, nz_};
+  const Candidates candidates{near_x_.data(), near_y_.data(), near_z_.data(), near_particle_.data()};
+  return listNeighbours(grid, candidates, position.data(), reach_m_, indices_.size(), view_);
 }
 
 }  // namespace haptolith
