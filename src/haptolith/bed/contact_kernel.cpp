@@ -32,6 +32,13 @@ HWY_INLINE Positions loadPositions(const Float4* HWY_RESTRICT position, const st
   return {hn::Set(d, record.x), hn::Set(d, record.y), hn::Set(d, record.z)};
 }
 
+HWY_INLINE void storeSums(V fx, V fy, V fz, V repulsion, ContactSum& sum) {
+  sum.force_x_n = hn::GetLane(fx);
+  sum.force_y_n = hn::GetLane(fy);
+  sum.force_z_n = hn::GetLane(fz);
+  sum.repulsion_n = hn::GetLane(repulsion);
+}
+
 #else
 
 /// Four records of every 128-bit block, one from each group of four neighbours, as one vector. Loading records whole and
@@ -61,6 +68,30 @@ HWY_INLINE Positions loadPositions(const Float4* HWY_RESTRICT position, const st
           hn::InterleaveLower(d, z_odd, z_even)};
 }
 
+/// Folds a vector's 128-bit blocks onto each other.
+template <class AnyD>
+HWY_INLINE hn::Vec<hn::FixedTag<float, 4>> foldedBlocks(AnyD d, hn::Vec<AnyD> v) {
+  if constexpr (hn::MaxLanes(d) == 4) {
+    return v;
+  } else {
+    const hn::Half<AnyD> half;
+    return foldedBlocks(half, hn::LowerHalf(half, v) + hn::UpperHalf(half, v));
+  }
+}
+
+/// Sums the lanes of four vectors at once and stores them side by side.
+HWY_INLINE void storeSums(V fx, V fy, V fz, V repulsion, ContactSum& sum) {
+  const D d;
+  const hn::FixedTag<float, 4> block;
+  const auto x = foldedBlocks(d, fx);
+  const auto y = foldedBlocks(d, fy);
+  const auto z = foldedBlocks(d, fz);
+  const auto r = foldedBlocks(d, repulsion);
+  const auto xz = hn::InterleaveLower(block, x, z) + hn::InterleaveUpper(block, x, z);  // x02 z02 x13 z13
+  const auto yr = hn::InterleaveLower(block, y, r) + hn::InterleaveUpper(block, y, r);
+  hn::Store(hn::InterleaveLower(block, xz, yr) + hn::InterleaveUpper(block, xz, yr), block, &sum.force_x_n);
+}
+
 #endif
 
 /// One particle against its list, a vector of neighbours at a time.
@@ -71,7 +102,6 @@ void sumContactsOf(const KernelLaw& scalar_law, const Float4* HWY_RESTRICT posit
                      hn::Set(d, scalar_law.h), hn::Set(d, scalar_law.k)};
   const V cutoff = hn::Set(d, scalar_law.cutoff);
   const V diameter = hn::Set(d, scalar_law.diameter);
-  const V one = hn::Set(d, 1.0F);
   const V zero = hn::Zero(d);
   const V tiny = hn::Set(d, 1e-24F);  // two centres in one point repel nowhere, instead of 0/0
 
@@ -79,7 +109,8 @@ void sumContactsOf(const KernelLaw& scalar_law, const Float4* HWY_RESTRICT posit
     const V xi = hn::Set(d, position[i].x);
     const V yi = hn::Set(d, position[i].y);
     const V zi = hn::Set(d, position[i].z);
-    V fx = zero, fy = zero, fz = zero, repulsion = zero, contacts = zero;
+    V fx = zero, fy = zero, fz = zero, repulsion = zero;
+    std::size_t contacts = 0;
     for (std::uint32_t n = neighbours.begin[i]; n < neighbours.end[i]; n += static_cast<std::uint32_t>(hn::Lanes(d))) {
       const Positions other = loadPositions(position, neighbours.index + n);
       const V dx = xi - other.x;
@@ -92,14 +123,10 @@ void sumContactsOf(const KernelLaw& scalar_law, const Float4* HWY_RESTRICT posit
       fy = hn::MulAdd(per_metre, dy, fy);
       fz = hn::MulAdd(per_metre, dz, fz);
       repulsion = repulsion + hn::Max(force, zero);
-      contacts = contacts + hn::IfThenElseZero(a < diameter, one);
+      contacts += hn::CountTrue(d, a < diameter);
     }
-    ContactSum& sum = sums[i];
-    sum.force_x_n = hn::GetLane(hn::SumOfLanes(d, fx));
-    sum.force_y_n = hn::GetLane(hn::SumOfLanes(d, fy));
-    sum.force_z_n = hn::GetLane(hn::SumOfLanes(d, fz));
-    sum.repulsion_n = hn::GetLane(hn::SumOfLanes(d, repulsion));
-    sum.contacts = hn::GetLane(hn::SumOfLanes(d, contacts));
+    storeSums(fx, fy, fz, repulsion, sums[i]);
+    sums[i].contacts = static_cast<float>(contacts);
   }
 }
 
