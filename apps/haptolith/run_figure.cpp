@@ -15,11 +15,15 @@ namespace {
 constexpr double kMm = 1e3;
 using Rows = std::vector<std::vector<double>>;
 
-/// Particles seen from the side, the far ones first, with how near they are (0 to 1) for their shade.
-Rows particlesFromTheSide(const SceneSnapshot& scene, double length_m) {
+/// Particles from the tool's middle to the far wall, seen from the side, the far ones first, with how near they are (0 to
+/// 1) for their shade.
+Rows particlesBehindTheCut(const SceneSnapshot& scene, double length_m) {
+  const double cut = scene.scene_T_tool.position_m.y();
   Rows rows;
   for (const Float4& p : scene.position) {
-    rows.push_back({kMm * p.x, kMm * p.z, 0.5 - p.y / length_m, -p.y});
+    if (p.y >= cut) {
+      rows.push_back({kMm * p.x, kMm * p.z, 1 - (p.y - cut) / (length_m / 2), -p.y});
+    }
   }
   std::stable_sort(rows.begin(), rows.end(), [](const auto& a, const auto& b) { return a[3] < b[3]; });
   return rows;
@@ -92,7 +96,7 @@ void drawRun(const std::filesystem::path& path, const std::string& title, const 
   }
 
   Figure figure(path, 1200, 900);
-  figure.data("particles", particlesFromTheSide(scene, bed.length_m));
+  figure.data("particles", particlesBehindTheCut(scene, bed.length_m));
   figure.data("tool", toolEdges(scenario.tool, scene.scene_T_tool));
   figure.data("forces", forces);
   figure.data("ticks", tickHistogram(statistics.tickUs()));
@@ -105,7 +109,7 @@ set tics nomirror
 set lmargin 9
 set rmargin 3
 
-set title sprintf('From the side at t = %.2f s, when the hand felt most: %.2f N', {time}, {force})
+set title sprintf('Cut through the tool at t = %.2f s, when the hand felt most: %.2f N', {time}, {force})
 set xlabel 'x (mm)'
 set ylabel 'height (mm)'
 set size ratio -1
