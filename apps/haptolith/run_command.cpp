@@ -341,8 +341,7 @@ void addRunCommand(CLI::App& app) {
       {"still", Manoeuvre::kStill}, {"press", Manoeuvre::kPress}, {"stir", Manoeuvre::kStir},
       {"scoop", Manoeuvre::kScoop}, {"carry", Manoeuvre::kCarry}, {"shake", Manoeuvre::kShake}};
   CLI::Option* hand = command->add_option("--hand", options->manoeuvre, "What the virtual hand does");
-  hand->transform(CLI::Transformer(kManoeuvres, CLI::ignore_case))
-      ->check(CLI::IsMember(kManoeuvres))
+  hand->transform(CLI::CheckedTransformer(kManoeuvres, CLI::ignore_case))
       ->option_text("still|press|stir|scoop|carry|shake");
   command->add_option("--poses", options->poses_file, "CSV of poses the hand follows: t_s,x_m,y_m,z_m,qw,qx,qy,qz")
       ->option_text("FILE")

@@ -97,7 +97,7 @@ void drawRun(const std::filesystem::path& path, const std::string& title, const 
   figure.data("forces", forces);
   figure.data("ticks", tickHistogram(statistics.tickUs()));
   figure.data("strongest", {{scene.time_s, scene.felt.force_n.norm()}});
-  figure.command(fmt::format(R"(
+  figure.command(fmt::format(R"gnuplot(
 set multiplot layout 2,2 title "{title}" font ",17"
 set border lc rgb '#555555'
 set grid lc rgb '#dddddd'
@@ -124,7 +124,6 @@ plot $particles using 1:2:({radius}):3 with circles palette, \
 unset object 1
 unset arrow 1
 unset arrow 2
-unset size
 set size noratio
 
 set title 'Force on the hand (filtered, as felt)'
@@ -158,7 +157,7 @@ set label 3 '1 ms' at 1000, graph 0.93 right offset -0.5,0 tc rgb '#d1495b'
 unset key
 plot $ticks using (sqrt($1*$2)):3:1:2:(0.5):3 with boxxyerror lc rgb '#00798c'
 unset multiplot
-)",
+)gnuplot",
                              fmt::arg("title", title), fmt::arg("time", scene.time_s),
                              fmt::arg("force", scene.felt.force_n.norm()), fmt::arg("left", -half_width - 25),
                              fmt::arg("right", half_width + 25), fmt::arg("bottom", -6), fmt::arg("top", highest + 8),

@@ -15,7 +15,8 @@ namespace haptolith {
 namespace {
 
 /// Extra reach of the neighbour list in radii. Larger: longer lists for every step; smaller: more rebuilds while digging.
-constexpr double kSkinRadii = 0.3;
+/// At 0.5 the next shell of a close packing (2 sqrt(2) R) stays just outside, so most particles need one block only.
+constexpr double kSkinRadii = 0.5;
 
 /// A thread is worth waking for at least this many particles.
 constexpr std::size_t kParticlesPerThread = 512;
@@ -141,7 +142,7 @@ void Bed::advancePart(int part, int parts) noexcept {
   const std::size_t n = particles();
   const std::size_t first = n * static_cast<std::size_t>(part) / static_cast<std::size_t>(parts);
   const std::size_t last = n * (static_cast<std::size_t>(part) + 1) / static_cast<std::size_t>(parts);
-  sumContacts(kernel_law_, state_.position.data(), neighbours_.indices(), neighbours_.begins(), first, last, sums_.data());
+  sumContacts(kernel_law_, state_.position.data(), neighbours_.view(), first, last, sums_.data());
 
   Part result;
   for (std::size_t i = first; i < last; ++i) {
@@ -237,7 +238,7 @@ double Bed::energy() const {
                                   parameters_.length_m / 2 - std::abs(x.y())}) {
       energy += contactEnergy(wall_law_, 2 * distance) / 2;  // half: the mirror image moves as far as the particle
     }
-    for (std::uint32_t s = neighbours_.begin(i); s < neighbours_.begin(i + 1); ++s) {
+    for (std::uint32_t s = neighbours_.begin(i); s < neighbours_.end(i); ++s) {
       const auto j = static_cast<std::size_t>(neighbours_.indices()[s]);
       if (j > i && j < n) {
         energy += contactEnergy(law_, (x - at(j)).norm());

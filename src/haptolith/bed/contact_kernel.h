@@ -8,6 +8,9 @@
 
 namespace haptolith {
 
+/// Neighbours of a particle fill whole blocks of this many: one AVX-512 vector, two of AVX2, four of SSE4 or NEON.
+constexpr std::uint32_t kNeighbourBlock = 16;
+
 /// What a particle feels of its neighbours.
 struct alignas(16) ContactSum {
   float force_x_n = 0, force_y_n = 0, force_z_n = 0;
@@ -22,23 +25,39 @@ struct KernelLaw {
 };
 [[nodiscard]] KernelLaw kernelLaw(const ContactLaw& law, double radius_m);
 
+/// Who is near whom: particle i's neighbours are index[begin[i]] to index[end[i] - 1], whole blocks, the last one filled
+/// up with the ghost.
+struct Neighbours {
+  std::int32_t* index;
+  std::uint32_t *begin, *end;
+  std::int32_t ghost;
+};
+
 /// Sums the contact forces of particles first..last-1 with the best instruction set this machine has. May be called in
 /// the tick; parts of one bed may be summed by several threads at once.
-void sumContacts(const KernelLaw& law, const Float4* position, const std::int32_t* neighbours,
-                 const std::uint32_t* begin, std::size_t first, std::size_t last, ContactSum* sums) noexcept;
+void sumContacts(const KernelLaw& law, const Float4* position, const Neighbours& neighbours, std::size_t first,
+                 std::size_t last, ContactSum* sums) noexcept;
 
 /// Name of the instruction set in use, for example "AVX3".
 [[nodiscard]] const char* simdTarget() noexcept;
 
-/// Particles in order of the grid's cells.
-struct SortedPositions {
-  const float *x, *y, *z;
-  const std::int32_t* particle;
+/// Particles sorted into cells no smaller than the reach, x fastest, so that three cells side by side are one range.
+struct CellGrid {
+  const float *x, *y, *z;           ///< positions in the cells' order, readable one block beyond the last
+  const std::int32_t* particle;     ///< who stands there
+  const std::uint32_t* cell_begin;  ///< nx * ny * nz + 1 entries
+  int nx, ny, nz;
 };
 
-/// Writes those of the sorted particles from..to-1 that lie within `reach_m` of particle `self` to `out` and returns how
-/// many they are. `out` needs room for to - from and one vector more. May be called in the tick.
-std::uint32_t appendNeighbours(const SortedPositions& sorted, std::uint32_t from, std::uint32_t to, const Float4& centre,
-                               std::int32_t self, float reach_m, std::int32_t* out) noexcept;
+/// Scratch for the particles of 27 cells: room for all particles and one block.
+struct Candidates {
+  float *x, *y, *z;
+  std::int32_t* particle;
+};
+
+/// Lists for each particle all others within `reach_m`. Returns false when `capacity` (of index) is too small. May be
+/// called in the tick.
+[[nodiscard]] bool listNeighbours(const CellGrid& grid, const Candidates& candidates, const Float4* position,
+                                  float reach_m, std::size_t capacity, const Neighbours& neighbours) noexcept;
 
 }  // namespace haptolith

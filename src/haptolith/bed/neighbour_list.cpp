@@ -14,9 +14,9 @@ namespace {
 constexpr std::size_t kBlocksPerParticle = 6;
 
 std::size_t capacityFor(std::size_t particles) {
-  constexpr std::size_t block = NeighbourList::kBlock;
+  constexpr std::size_t block = kNeighbourBlock;
   const std::size_t all_blocks = (particles + block - 1) / block + 1;
-  return particles * block * std::min(all_blocks, kBlocksPerParticle) + block;
+  return particles * block * std::min(all_blocks, kBlocksPerParticle) + particles + 3 * block;
 }
 
 }  // namespace
@@ -37,12 +37,15 @@ NeighbourList::NeighbourList(std::size_t particles, double reach_m, double width
 
   cell_begin_.resize(static_cast<std::size_t>(nx_) * ny_ * nz_ + 1);
   cell_of_.resize(particles);
-  x_.resize(particles + kBlock);
-  y_.resize(particles + kBlock);
-  z_.resize(particles + kBlock);
-  particle_at_.resize(particles + kBlock);
-  begin_.resize(particles + 1);
+  for (std::vector<float>* array : {&x_, &y_, &z_, &near_x_, &near_y_, &near_z_}) {
+    array->resize(particles + kNeighbourBlock);
+  }
+  particle_at_.resize(particles + kNeighbourBlock);
+  near_particle_.resize(particles + kNeighbourBlock);
+  begin_.resize(particles);
+  end_.resize(particles);
   indices_.resize(capacityFor(particles));
+  view_ = {indices_.data(), begin_.data(), end_.data(), static_cast<std::int32_t>(particles)};
 }
 
 void NeighbourList::sortIntoCells(const std::vector<Float4>& position) noexcept {
@@ -77,34 +80,9 @@ void NeighbourList::sortIntoCells(const std::vector<Float4>& position) noexcept 
 
 bool NeighbourList::build(const std::vector<Float4>& position) noexcept {
   sortIntoCells(position);
-  const SortedPositions sorted{x_.data(), y_.data(), z_.data(), particle_at_.data()};
-  std::uint32_t next = 0;
-  for (std::size_t i = 0; i < particles_; ++i) {
-    begin_[i] = next;
-    const int cell = static_cast<int>(cell_of_[i]);
-    const int ix = cell % nx_;
-    const int iy = cell / nx_ % ny_;
-    const int iz = cell / nx_ / ny_;
-    const int first_x = std::max(ix - 1, 0);
-    const int last_x = std::min(ix + 1, nx_ - 1);
-    for (int z = std::max(iz - 1, 0); z <= std::min(iz + 1, nz_ - 1); ++z) {
-      for (int y = std::max(iy - 1, 0); y <= std::min(iy + 1, ny_ - 1); ++y) {
-        const int row = (z * ny_ + y) * nx_;
-        const std::uint32_t from = cell_begin_[row + first_x];
-        const std::uint32_t to = cell_begin_[row + last_x + 1];
-        if (next + (to - from) + kBlock > indices_.size()) {
-          return false;
-        }
-        next += appendNeighbours(sorted, from, to, position[i], static_cast<std::int32_t>(i), reach_m_,
-                                 indices_.data() + next);
-      }
-    }
-    while ((next - begin_[i]) % kBlock != 0) {
-      indices_[next++] = static_cast<std::int32_t>(particles_);
-    }
-  }
-  begin_[particles_] = next;
-  return true;
+  const CellGrid grid{x_.data(), y_.data(), z_.data(), particle_at_.data(), cell_begin_.data(), nx_, ny_, nz_};
+  const Candidates candidates{near_x_.data(), near_y_.data(), near_z_.data(), near_particle_.data()};
+  return listNeighbours(grid, candidates, position.data(), reach_m_, indices_.size(), view_);
 }
 
 }  // namespace haptolith

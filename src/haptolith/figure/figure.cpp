@@ -86,7 +86,7 @@ std::string terminalFor(const std::filesystem::path& path, int width_px, int hei
   std::transform(extension.begin(), extension.end(), extension.begin(),
                  [](unsigned char letter) { return static_cast<char>(std::tolower(letter)); });
   if (extension == ".svg") {
-    return fmt::format("svg size {},{} dynamic enhanced font 'sans,14' background 'white'", width_px, height_px);
+    return fmt::format("svg size {},{} dynamic enhanced font 'sans-serif,14' background 'white'", width_px, height_px);
   }
   if (extension == ".png") {
     return fmt::format("pngcairo size {},{} enhanced font 'sans,11' background 'white'", width_px, height_px);

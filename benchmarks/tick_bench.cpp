@@ -1,0 +1,110 @@
+// How long the work of a tick takes, and its parts. ./dev bench --benchmark_filter=PaperScene
+//
+// Percentiles come from single ticks, not from means of many: for a hand the worst tick counts.
+
+#include <benchmark/benchmark.h>
+
+#include "haptolith/bed/bed.h"
+#include "haptolith/core/clock.h"
+#include "haptolith/core/histogram.h"
+#include "haptolith/device/virtual_hand.h"
+#include "haptolith/haptics/haptic_loop.h"
+#include "haptolith/tool/scene.h"
+#include "haptolith/tool/tool_contact.h"
+
+namespace haptolith {
+namespace {
+
+/// A bed of about `particles`, close-packed, in a box whose sides grow with the cube root.
+BedParameters bedOf(std::int64_t particles) {
+  BedParameters bed;
+  if (particles == 256) {
+    return bed;  // the paper's scene
+  }
+  const double side = 0.0145 * std::cbrt(static_cast<double>(particles)) * 1.3;
+  bed.start = BedStart::kPacked;
+  bed.width_m = bed.length_m = side;
+  bed.depth_m = side / 2;
+  return bed;
+}
+
+/// The whole tick of the loop (read, move, step, sum, filter, limit, send, publish), one thread.
+void PaperScene(benchmark::State& state, Manoeuvre manoeuvre) {
+  Scene scene(bedOf(256), ToolParameters{});
+  HandParameters hand;
+  hand.manoeuvre = manoeuvre;
+  hand.surface_m = scene.bed().surfaceHeight();
+  VirtualHand device(hand, 1e-3);
+  HapticLoop loop(scene, device, LoopParameters{}, false);
+  for (auto _ : state) {
+    if (loop.tick() != LoopEnd::kRunning) {
+      state.SkipWithError("the loop ended");
+      break;
+    }
+  }
+  const Histogram& tick_us = loop.statistics().tickUs();
+  state.counters["p50_us"] = tick_us.percentile(0.5);
+  state.counters["p99_us"] = tick_us.percentile(0.99);
+  state.counters["p99.9_us"] = tick_us.percentile(0.999);
+  state.counters["max_us"] = tick_us.max();
+  state.counters["rebuilds_per_1000"] =
+      1e3 * static_cast<double>(scene.bed().rebuilds()) / static_cast<double>(loop.statistics().ticks());
+}
+// 20 s of simulated time each, so that percentiles mean something whatever the machine's speed.
+BENCHMARK_CAPTURE(PaperScene, stir, Manoeuvre::kStir)->Iterations(20000)->Unit(benchmark::kMicrosecond);
+BENCHMARK_CAPTURE(PaperScene, scoop, Manoeuvre::kScoop)->Iterations(20000)->Unit(benchmark::kMicrosecond);
+
+/// One step of a bed at rest: contacts, friction, positions.
+void BedStep(benchmark::State& state) {
+  Bed bed(bedOf(state.range(0)));
+  for (auto _ : state) {
+    benchmark::DoNotOptimize(bed.step(1e-3));
+  }
+  state.counters["particles"] = static_cast<double>(bed.particles());
+  state.counters["particle_steps"] = benchmark::Counter(
+      static_cast<double>(bed.particles()) * static_cast<double>(state.iterations()), benchmark::Counter::kIsRate);
+}
+BENCHMARK(BedStep)->Arg(256)->Arg(2000)->Arg(10000)->Arg(100000)->Unit(benchmark::kMicrosecond);
+
+/// Contacts alone.
+void ContactKernel(benchmark::State& state) {
+  Bed bed(bedOf(state.range(0)));
+  NeighbourList list(bed.particles(), bed.law().cutoff_m + 3.5e-3, bed.parameters().width_m, bed.parameters().length_m);
+  if (!list.build(bed.state().position)) {
+    state.SkipWithError("the list did not fit");
+  }
+  std::vector<ContactSum> sums(bed.particles());
+  const KernelLaw law = kernelLaw(bed.law(), bed.parameters().soil.radius_m);
+  for (auto _ : state) {
+    sumContacts(law, bed.state().position.data(), list.view(), 0, bed.particles(), sums.data());
+    benchmark::DoNotOptimize(sums.data());
+  }
+  state.SetLabel(simdTarget());
+  state.counters["ns_per_particle"] =
+      benchmark::Counter(1e-9 * static_cast<double>(bed.particles()) * static_cast<double>(state.iterations()),
+                         benchmark::Counter::kIsRate | benchmark::Counter::kInvert);
+}
+BENCHMARK(ContactKernel)->Arg(256)->Arg(10000)->Unit(benchmark::kMicrosecond);
+
+void NeighbourRebuild(benchmark::State& state) {
+  Bed bed(bedOf(state.range(0)));
+  NeighbourList list(bed.particles(), bed.law().cutoff_m + 3.5e-3, bed.parameters().width_m, bed.parameters().length_m);
+  for (auto _ : state) {
+    benchmark::DoNotOptimize(list.build(bed.state().position));
+  }
+}
+BENCHMARK(NeighbourRebuild)->Arg(256)->Arg(10000)->Arg(100000)->Unit(benchmark::kMicrosecond);
+
+/// The shovel in the middle of the paper's bed.
+void ToolContact(benchmark::State& state) {
+  Bed bed(bedOf(256));
+  const Pose pose{Vec3(0, 0, 0.025), Quat::Identity()};
+  for (auto _ : state) {
+    benchmark::DoNotOptimize(applyToolContact(ToolParameters{}, pose, Twist{}, bed.parameters().soil.radius_m, 1e-3,
+                                              bed.state(), bed.toolSides(), bed.externalForces()));
+  }
+}
+BENCHMARK(ToolContact)->Unit(benchmark::kMicrosecond);
+
+}  // namespace
+}  // namespace haptolith
