@@ -10,6 +10,9 @@
 #include <string>
 #include <vector>
 
+#include "haptolith/soil/bodies.h"
+#include "haptolith/soil/presets.h"
+
 #include "output.h"
 
 namespace haptolith {
@@ -54,8 +57,24 @@ Words splitChoices(const std::string& description) {
   return choices;
 }
 
-/// CLI11 keeps the choices of an option only as text, in the description of its validator or in its type name.
+template <class Table>
+Words namesOf(const Table& table) {
+  Words names;
+  for (const auto& entry : table) {
+    names.emplace_back(entry.name);
+  }
+  return names;
+}
+
+/// CLI11 keeps the choices of an option only as text, in its type name. Soils and bodies are checked by the library, in
+/// every command alike.
 Words choicesOf(const CLI::Option& option) {
+  if (option.check_lname("preset")) {
+    return namesOf(presets());
+  }
+  if (option.check_lname("body")) {
+    return namesOf(bodies());
+  }
   return splitChoices(option.get_type_name());
 }
 

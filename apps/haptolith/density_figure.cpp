@@ -46,9 +46,9 @@ class Curves {
 
   /// A curve of layers; soil that cannot carry its own weight shows up in the legend only.
   template <class MakeLayers>
-  void addLayers(MakeLayers makeLayers, const std::string& title, std::string_view line) {
+  void addLayers(MakeLayers make_layers, const std::string& title, std::string_view line) {
     try {
-      add(rowsOf(makeLayers()), fmt::format("using 1:2 with lines {} title '{}'", line, title));
+      add(rowsOf(make_layers()), fmt::format("using 1:2 with lines {} title '{}'", line, title));
     } catch (const Failure&) {
       constexpr double kGap = std::numeric_limits<double>::quiet_NaN();
       add({{kGap, kGap}}, fmt::format("using 1:2 with lines {} title '{} (collapses)'", line, title));

@@ -1,6 +1,9 @@
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 
 #include <cstdlib>
+#include <filesystem>
+#include <fstream>
 #include <string>
 
 #include "program.h"
@@ -59,6 +62,24 @@ TEST(Usage, ErrorsOfACommandPointToItsHelp) {
   EXPECT_THAT(result.errors, HasSubstr("'haptolith completion --help'"));
 }
 
+TEST(Run, ASceneThatIsWrongIsAUsageErrorWithItsLine) {
+  const std::string path = testing::TempDir() + "haptolith_wrong_scene.toml";
+  std::ofstream(path) << "[bed]\nlayers = 0\n";
+  const ProgramResult result = runHaptolith("run '" + path + "'");
+  EXPECT_EQ(result.exit_status, 2);
+  EXPECT_THAT(result.output, IsEmpty());
+  EXPECT_THAT(result.errors, StartsWith("haptolith: error: " + path + ":2: [bed] layers = 0 is not valid"));
+}
+
+TEST(Run, EveryShippedSceneRuns) {
+  for (const auto& entry : std::filesystem::directory_iterator(HAPTOLITH_SOURCE_DIR "/scenarios")) {
+    if (entry.path().extension() == ".toml") {
+      const ProgramResult result = runHaptolith("run '" + entry.path().string() + "' --unpaced --duration-s 0.05");
+      EXPECT_EQ(result.exit_status, 0) << entry.path() << ": " << result.errors;
+    }
+  }
+}
+
 TEST(StandardError, IsNotColouredInAFile) {
   EXPECT_THAT(runHaptolith("--bogus").errors, Not(HasSubstr("\033")));
 }
@@ -90,6 +111,9 @@ TEST(Completion, BashOffersCommandsOptionsAndChoices) {
   EXPECT_EQ(bashOffers("--ver"), "--version\n");
   EXPECT_EQ(bashOffers("completion b"), "bash\n");
   EXPECT_EQ(bashOffers("completion --"), "--help\n");
+  EXPECT_EQ(bashOffers("run --hand s"), "scoop shake still stir\n");
+  EXPECT_EQ(bashOffers("run --body E"), "Europa Earth\n");
+  EXPECT_EQ(bashOffers("soil prof"), "profile\n");
 }
 
 TEST(Completion, OtherShellsHaveTheirOwn) {
@@ -100,7 +124,7 @@ TEST(Completion, OtherShellsHaveTheirOwn) {
 TEST(Completion, ScriptsPassTheirShellsSyntaxCheck) {
   for (const std::string shell : {"bash", "zsh", "fish"}) {
     if (std::system(("command -v " + shell + " > /dev/null").c_str()) == 0) {
-      const ProgramResult result = runHaptolith("completion " + shell + " | " + shell + " -n");
+      const ProgramResult result = runHaptolith(fmt::format("completion {0} | {0} -n", shell));
       EXPECT_EQ(result.exit_status, 0) << shell << ": " << result.errors;
     }
   }

@@ -16,6 +16,9 @@ struct SceneWord {
   Value value;
 };
 
+template <class Value>
+SceneWord(const char*, Value) -> SceneWord<Value>;  // clang 14 does not find it by itself
+
 inline constexpr std::array kBedStartWords{
     SceneWord{"count", BedStart::kCount},
     SceneWord{"packed", BedStart::kPacked},
