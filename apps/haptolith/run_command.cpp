@@ -171,6 +171,12 @@ class Follower {
     }
   }
 
+  void showSettling(double time_s, double speed_m_s) {
+    if (status_.visible()) {
+      status_.update(fmt::format("the bed settles: {:.1f} s, fastest particle {:.4f} m/s", time_s, speed_m_s));
+    }
+  }
+
   void finish() {
     if (trace_) {
       trace_->commit();
@@ -293,7 +299,10 @@ void run(const RunOptions& options) {
   const StopOnSignal stop_on_signal;
   Scenario scenario = scenarioFor(options);
   Follower follower(options, scenario);  // files that cannot be written are refused before the bed is made
-  Scene scene(scenario.bed, scenario.tool);
+  Scene scene(scenario.bed, scenario.tool, [&follower](double time_s, double speed_m_s) {
+    follower.showSettling(time_s, speed_m_s);
+    return !stop_asked;
+  });
   if (!scenario.hand.surface_m) {
     scenario.hand.surface_m = scene.bed().surfaceHeight();
   }

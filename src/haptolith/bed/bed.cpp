@@ -21,6 +21,9 @@ constexpr double kSkinRadii = 0.5;
 /// A thread is worth waking for at least this many particles.
 constexpr std::size_t kParticlesPerThread = 512;
 
+/// Simulated time after which a falling bed that still moves is given up.
+constexpr double kLongestSettling_s = 60;
+
 constexpr Float4 kGhost{1e9F, 1e9F, 1e9F, 0};
 
 int usefulThreads(int wanted, std::size_t particles) {
@@ -63,10 +66,11 @@ const char* text(StepStatus status) noexcept {
   return "";
 }
 
-Bed::Bed(const BedParameters& parameters) : Bed(parameters, startingCentres(parameters)) {
+Bed::Bed(const BedParameters& parameters, const SettleProgress& progress)
+    : Bed(parameters, startingCentres(parameters)) {
   if (parameters.start == BedStart::kRain) {
     const int substeps = substepsFor(parameters.soil, 0, parameters.tick_s, parameters.max_substeps);
-    settle(parameters.tick_s / substeps, 60);
+    settle(parameters.tick_s / substeps, kLongestSettling_s, progress);
   }
 }
 
@@ -198,27 +202,30 @@ void Bed::advance(std::size_t i) noexcept {
   next_position_[i] = {x.x + now_.dt * v.x, x.y + now_.dt * v.y, x.z + now_.dt * v.z, 0};
 }
 
-void Bed::settle(double dt_s, double longest_s, const std::function<bool(double)>& progress) {
+void Bed::settle(double dt_s, double longest_s, const SettleProgress& progress) {
   constexpr double kAtRest_m_s = 1e-4;
   constexpr int kStepsBetweenLooks = 100;
   friction_on_ = false;
-  bool calm = false;
-  bool stopped = false;
-  for (double t = 0; t < longest_s && !calm && !stopped; t += kStepsBetweenLooks * dt_s) {
-    for (int step_count = 0; step_count < kStepsBetweenLooks; ++step_count) {
+  double time_s = 0;
+  double speed = 0;
+  do {
+    if (time_s >= longest_s) {
+      throw Failure(fmt::format("the bed did not come to rest within {:g} s: its fastest particle still moves at {:.2g} "
+                                "m/s",
+                                longest_s, speed));
+    }
+    for (int i = 0; i < kStepsBetweenLooks; ++i) {
       if (const StepStatus status = step(dt_s); status != StepStatus::kOk) {
         throw Failure(fmt::format("the bed did not settle: {}", text(status)));
       }
     }
-    const double speed = largestSpeed();
-    calm = t > 0 && speed < kAtRest_m_s;
-    stopped = progress && !progress(speed);
-  }
+    time_s += kStepsBetweenLooks * dt_s;
+    speed = largestSpeed();
+    if (progress && !progress(time_s, speed)) {
+      throw Failure(fmt::format("interrupted while the bed settled, after {:.1f} s of simulated time", time_s));
+    }
+  } while (speed > kAtRest_m_s);
   friction_on_ = true;
-  if (!calm && !stopped) {
-    throw Failure(fmt::format("the bed did not come to rest within {:g} s: its fastest particle still moves at {:.2g} m/s",
-                              longest_s, largestSpeed()));
-  }
   std::fill(state_.velocity.begin(), state_.velocity.end(), Float4{});
   state_.step = 0;
 }

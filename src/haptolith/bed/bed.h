@@ -18,15 +18,18 @@ enum class StepStatus { kOk, kNotFinite, kCollapsed };
 
 [[nodiscard]] const char* text(StepStatus status) noexcept;
 
+/// Called now and then while a bed settles, with simulated time and the largest speed; false gives up.
+using SettleProgress = std::function<bool(double time_s, double speed_m_s)>;
+
 /// A box of identical macroparticles: their contacts (paper 19), friction (14), damping (20) and gravity.
 ///
 /// After construction nothing allocates. The same parameters, start and forces give the same bits for any number of
 /// threads, on machines with the same instruction set.
 class Bed {
  public:
-  /// Makes the bed's first state as `parameters.start` asks (see bed_start.h).
-  /// @throws InvalidParameter when the parameters are not valid or the particles do not fit.
-  explicit Bed(const BedParameters& parameters);
+  /// Makes the bed's first state as `parameters.start` asks (see bed_start.h); rain is settled, telling `progress`.
+  /// @throws InvalidParameter when the parameters are not valid or the particles do not fit; Failure as settle().
+  explicit Bed(const BedParameters& parameters, const SettleProgress& progress = {});
 
   /// A bed with its centres where the caller wants them, at rest.
   Bed(const BedParameters& parameters, const std::vector<Vec3>& centres_m);
@@ -41,9 +44,8 @@ class Bed {
 
   /// Lets the particles fall and come to rest without friction, then stops them where they are and sets the step count
   /// to 0. Not for the tick.
-  /// @param progress  called now and then with the largest speed in m/s; return false to stop early. May be empty.
-  /// @throws Failure when the bed does not come to rest within `longest_s` of simulated time.
-  void settle(double dt_s, double longest_s, const std::function<bool(double speed_m_s)>& progress = {});
+  /// @throws Failure when the bed does not come to rest within `longest_s` of simulated time, or `progress` gives up.
+  void settle(double dt_s, double longest_s, const SettleProgress& progress = {});
 
   /// Kinetic plus gravitational plus contact energy, in J; gravity's zero is the origin. Not for the tick.
   [[nodiscard]] double energy() const;

@@ -23,8 +23,8 @@ Pose between(const Pose& from, const Pose& to, double share) noexcept {
 
 }  // namespace
 
-Scene::Scene(const BedParameters& bed, const ToolParameters& tool)
-    : tool_(tool), substeps_(checkedSubsteps(bed, tool)), bed_(bed) {}
+Scene::Scene(const BedParameters& bed, const ToolParameters& tool, const SettleProgress& progress)
+    : tool_(tool), substeps_(checkedSubsteps(bed, tool)), bed_(bed, progress) {}
 
 StepStatus Scene::tick(const Pose& scene_T_tool, const Twist& twist) noexcept {
   const double dt = bed_.parameters().tick_s / substeps_;

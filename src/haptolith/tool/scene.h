@@ -8,8 +8,9 @@ namespace haptolith {
 /// A bed and a tool in it: what stands between a pose and a wrench. No device and no clock.
 class Scene {
  public:
-  /// @throws InvalidParameter when the parameters are not valid, or when one tick would need too many substeps.
-  Scene(const BedParameters& bed, const ToolParameters& tool);
+  /// @throws InvalidParameter when the parameters are not valid, or when one tick would need too many substeps; Failure
+  /// as Bed::settle().
+  Scene(const BedParameters& bed, const ToolParameters& tool, const SettleProgress& progress = {});
 
   /// One tick: moves the tool from where it was to `scene_T_tool` in equal substeps, steps the bed each time, and leaves
   /// the mean wrench on the tool in `wrench()`. May be called in the tick.
