@@ -96,6 +96,7 @@ ExitStatus noCommand(const CLI::App& app, const std::string& message) {
 ExitStatus run(CLI::App& app, int argc, char** argv) {
   try {
     app.parse(argc, argv);
+    printText("");  // a full disk shows only when the last of the output goes out
     return kOk;
   } catch (const CLI::CallForHelp&) {
     printText(helpOf(app));

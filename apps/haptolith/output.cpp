@@ -25,8 +25,8 @@ void printText(std::string_view text) {
   }
 }
 
-void printJson(const nlohmann::json& object) {
-  using Json = nlohmann::json;
+void printJson(const nlohmann::ordered_json& object) {
+  using Json = nlohmann::ordered_json;
   printText(object.dump(2, ' ', false, Json::error_handler_t::replace) + '\n');
 }
 

@@ -9,7 +9,7 @@ namespace haptolith {
 
 /// Prints one JSON object and a newline. Numbers that are not finite become null.
 /// @throws Failure when standard output does not take it: a full disk, a closed pipe.
-void printJson(const nlohmann::json& object);
+void printJson(const nlohmann::ordered_json& object);
 
 /// Prints `text` as it is. @throws Failure as printJson().
 void printText(std::string_view text);

@@ -225,14 +225,14 @@ struct RunSummary {
   std::uint64_t lost_records;
 };
 
-nlohmann::json statisticsJson(const Histogram& h) {
+nlohmann::ordered_json statisticsJson(const Histogram& h) {
   return {{"mean", h.mean()}, {"p99", h.percentile(0.99)}, {"max", h.max()}};
 }
 
-nlohmann::json summaryJson(const Scenario& scenario, const Scene& scene, const HapticLoop& loop,
+nlohmann::ordered_json summaryJson(const Scenario& scenario, const Scene& scene, const HapticLoop& loop,
                            const RunSummary& summary) {
   const LoopStatistics& statistics = loop.statistics();
-  nlohmann::json tick_us = statisticsJson(statistics.tickUs());
+  nlohmann::ordered_json tick_us = statisticsJson(statistics.tickUs());
   tick_us["p50"] = statistics.tickUs().percentile(0.5);
   tick_us["p99_9"] = statistics.tickUs().percentile(0.999);
   return {{"title", scenario.title},

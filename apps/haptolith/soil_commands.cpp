@@ -21,6 +21,7 @@
 #include "haptolith/soil/strength.h"
 
 #include "density_figure.h"
+#include "output.h"
 
 namespace haptolith {
 
@@ -210,7 +211,7 @@ void printProfileJson(const Profile& profile, const Conditions& conditions) {
                       {"cohesion_pa", numberOrNull(profile.cohesion_pa)},
                       {"friction_coefficient", profile.friction_coefficient},
                       {"friction_angle_deg", degrees(frictionAngle(profile.friction_coefficient))}};
-  fmt::print("{}\n", document.dump(2));
+  printJson(document);
 }
 
 void printLayers(const std::vector<Layer>& layers) {
@@ -290,7 +291,7 @@ void printCalibrationJson(const Calibration& result, const std::vector<Band>& ba
   document["cohesion_pa"] = result.cohesion_pa;
   document["density_rms_kg_m3"] = result.density_rms_kg_m3;
   document["bands"] = bandsJson(bands);
-  fmt::print("{}\n", document.dump(2));
+  printJson(document);
 }
 
 void printCalibrationText(const Calibration& result, const std::vector<Band>& bands, const Conditions& conditions) {
@@ -351,7 +352,7 @@ void printPresetsJson() {
                     {"gravity_m_s2", kPresetGravity},
                     {"cohesion_pa", cohesion(preset.soil)}});
   }
-  fmt::print("{}\n", Json{{"presets", rows}}.dump(2));
+  printJson(Json{{"presets", rows}});
 }
 
 void printPresetsText() {
