@@ -22,6 +22,7 @@ constexpr Range kLengthMm{0.01, 1e5};
 template <class Table>
 std::vector<std::string_view> namesOf(const Table& table) {
   std::vector<std::string_view> names;
+  names.reserve(table.size());
   for (const auto& entry : table) {
     names.push_back(entry.name);
   }
