@@ -1,7 +1,7 @@
 # Every dependency is a Debian 12 package; ./dev installs them (see the list there).
 find_package(Threads REQUIRED)
 find_package(Eigen3 3.4 REQUIRED)
-find_package(Boost 1.74 REQUIRED COMPONENTS iostreams)
+find_package(Boost 1.74 REQUIRED)  # headers only: Math, Lockfree
 find_package(CLI11 REQUIRED)
 find_package(fmt REQUIRED)
 find_package(spdlog REQUIRED)

@@ -29,6 +29,7 @@ namespace haptolith {
 namespace {
 
 using namespace std::chrono_literals;
+using Json = nlohmann::ordered_json;
 
 constexpr const char* kExamples = R"(Examples:
   haptolith run                                     the paper's scene until Ctrl-C
@@ -225,16 +226,21 @@ struct RunSummary {
   std::uint64_t lost_records;
 };
 
-nlohmann::ordered_json statisticsJson(const Histogram& h) {
+Json statisticsJson(const Histogram& h) {
   return {{"mean", h.mean()}, {"p99", h.percentile(0.99)}, {"max", h.max()}};
 }
 
-nlohmann::ordered_json summaryJson(const Scenario& scenario, const Scene& scene, const HapticLoop& loop,
+Json tickJson(const Histogram& h) {
+  return {{"mean", h.mean()},
+          {"p50", h.percentile(0.5)},
+          {"p99", h.percentile(0.99)},
+          {"p99_9", h.percentile(0.999)},
+          {"max", h.max()}};
+}
+
+Json summaryJson(const Scenario& scenario, const Scene& scene, const HapticLoop& loop,
                            const RunSummary& summary) {
   const LoopStatistics& statistics = loop.statistics();
-  nlohmann::ordered_json tick_us = statisticsJson(statistics.tickUs());
-  tick_us["p50"] = statistics.tickUs().percentile(0.5);
-  tick_us["p99_9"] = statistics.tickUs().percentile(0.999);
   return {{"title", scenario.title},
           {"preset", scenario.preset},
           {"body", scenario.body},
@@ -245,7 +251,7 @@ nlohmann::ordered_json summaryJson(const Scenario& scenario, const Scene& scene,
           {"ticks", statistics.ticks()},
           {"duration_s", loop.time()},
           {"ended", text(summary.end)},
-          {"tick_us", tick_us},
+          {"tick_us", tickJson(statistics.tickUs())},
           {"deadline_misses", statistics.deadlineMisses()},
           {"success_rate_last_100", statistics.successRate()},
           {"force_n", statisticsJson(statistics.forceN())},
