@@ -7,6 +7,7 @@
 #include <atomic>
 #include <chrono>
 #include <csignal>
+#include <map>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <optional>
@@ -17,6 +18,7 @@
 #include "haptolith/device/virtual_hand.h"
 #include "haptolith/haptics/haptic_loop.h"
 #include "haptolith/scenario/scenario.h"
+#include "haptolith/scenario/scene_words.h"
 #include "haptolith/soil/bodies.h"
 #include "haptolith/soil/presets.h"
 
@@ -304,7 +306,12 @@ void throwWhenItFailed(const Scenario& scenario, const HapticLoop& loop, LoopEnd
 void run(const RunOptions& options) {
   const StopOnSignal stop_on_signal;
   Scenario scenario = scenarioFor(options);
-  Follower follower(options, scenario);  // files that cannot be written are refused before the bed is made
+  // Files that cannot be written are refused before the bed is made.
+  Follower follower(options, scenario);
+  std::optional<Figure> figure;
+  if (!options.figure_file.empty()) {
+    figure.emplace(options.figure_file, kRunFigureWidth_px, kRunFigureHeight_px);
+  }
   Scene scene(scenario.bed, scenario.tool, [&follower](double time_s, double speed_m_s) {
     follower.showSettling(time_s, speed_m_s);
     return !stop_asked;
@@ -332,8 +339,8 @@ void run(const RunOptions& options) {
   if (summary.lost_records > 0) {
     spdlog::warn("{} ticks are missing in the trace: the disk was too slow for 8 s", summary.lost_records);
   }
-  if (!options.figure_file.empty()) {
-    drawRun(options.figure_file, scenario.title, scenario, follower.history(), loop.statistics());
+  if (figure) {
+    drawRun(*figure, scenario, follower.history(), loop.statistics());
   }
   if (options.json) {
     printJson(summaryJson(scenario, scene, loop, summary));
@@ -341,6 +348,17 @@ void run(const RunOptions& options) {
     printText(summaryText(scenario, scene, loop, summary));
   }
   throwWhenItFailed(scenario, loop, summary.end);
+}
+
+/// What --hand takes: every manoeuvre but "poses", which has an option of its own.
+std::map<std::string, Manoeuvre> handChoices() {
+  std::map<std::string, Manoeuvre> choices;
+  for (const auto& [name, manoeuvre] : kManoeuvreWords) {
+    if (manoeuvre != Manoeuvre::kPoses) {
+      choices.emplace(name, manoeuvre);
+    }
+  }
+  return choices;
 }
 
 }  // namespace
@@ -352,11 +370,8 @@ void addRunCommand(CLI::App& app) {
   command->add_option("scenario", options->scenario_file, "Scene (TOML, see docs/scenarios.md); default: the paper's");
   command->add_option("--preset", options->preset, "Soil: P1 to P6, the paper's Table II")->option_text("NAME");
   command->add_option("--body", options->body, "World: Ceres, Pluto, Europa, Moon, Mars or Earth")->option_text("NAME");
-  static const std::map<std::string, Manoeuvre> kManoeuvres{
-      {"still", Manoeuvre::kStill}, {"press", Manoeuvre::kPress}, {"stir", Manoeuvre::kStir},
-      {"scoop", Manoeuvre::kScoop}, {"carry", Manoeuvre::kCarry}, {"shake", Manoeuvre::kShake}};
   CLI::Option* hand = command->add_option("--hand", options->manoeuvre, "What the virtual hand does");
-  hand->transform(CLI::CheckedTransformer(kManoeuvres, CLI::ignore_case))
+  hand->transform(CLI::CheckedTransformer(handChoices(), CLI::ignore_case))
       ->option_text("still|press|stir|scoop|carry|shake");
   command->add_option("--poses", options->poses_file, "CSV of poses the hand follows: t_s,x_m,y_m,z_m,qw,qx,qy,qz")
       ->option_text("FILE")
@@ -368,7 +383,9 @@ void addRunCommand(CLI::App& app) {
   command->add_option("--threads", options->threads, "Threads that share a large bed; the result does not depend on it")
       ->check(CLI::Range(1, 256))
       ->option_text("N");
-  command->add_option("--seed", options->seed, "Seed of a bed that starts as rain")->option_text("N");
+  command->add_option("--seed", options->seed, "Seed of a bed that starts as rain")
+      ->check(CLI::NonNegativeNumber)
+      ->option_text("N");
   command->add_option("--trace", options->trace_file, "Write every tick to this CSV file")->option_text("FILE");
   command->add_option("--figure", options->figure_file, "Draw the run (.svg or .png)")->option_text("FILE");
   command->add_flag("--json", options->json, "Print the summary as one JSON object");

@@ -6,8 +6,6 @@
 #include <array>
 #include <numbers>
 
-#include "haptolith/figure/figure.h"
-
 namespace haptolith {
 
 namespace {
@@ -80,8 +78,7 @@ Rows tickHistogram(const Histogram& ticks) {
 
 }  // namespace
 
-void drawRun(const std::filesystem::path& path, const std::string& title, const Scenario& scenario,
-             const RunHistory& history, const LoopStatistics& statistics) {
+void drawRun(Figure& figure, const Scenario& scenario, const RunHistory& history, const LoopStatistics& statistics) {
   Rows forces;
   for (const TickRecord& r : history.records) {
     const Vec3& f = r.felt.force_n;
@@ -95,17 +92,13 @@ void drawRun(const std::filesystem::path& path, const std::string& title, const 
     highest = std::max(highest, std::min(kMm * (p.z + bed.soil.radius_m), 2 * half_width));
   }
 
-  Figure figure(path, 1200, 900);
   figure.data("particles", particlesBehindTheCut(scene, bed.length_m));
   figure.data("tool", toolEdges(scenario.tool, scene.scene_T_tool));
   figure.data("forces", forces);
   figure.data("ticks", tickHistogram(statistics.tickUs()));
   figure.data("strongest", {{scene.time_s, scene.felt.force_n.norm()}});
   figure.command(fmt::format(R"gnuplot(
-set multiplot layout 2,2 title "{title}" font ",17"
-set border lc rgb '#555555'
-set grid lc rgb '#dddddd'
-set tics nomirror
+set multiplot layout 2,2 title {title} font ",17" noenhanced
 set lmargin 9
 set rmargin 3
 
@@ -162,7 +155,7 @@ unset key
 plot $ticks using (sqrt($1*$2)):3:1:2:(0.5):3 with boxxyerror lc rgb '#00798c'
 unset multiplot
 )gnuplot",
-                             fmt::arg("title", title), fmt::arg("time", scene.time_s),
+                             fmt::arg("title", gnuplotQuoted(scenario.title)), fmt::arg("time", scene.time_s),
                              fmt::arg("force", scene.felt.force_n.norm()), fmt::arg("left", -half_width - 25),
                              fmt::arg("right", half_width + 25), fmt::arg("bottom", -6), fmt::arg("top", highest + 8),
                              fmt::arg("wall_left", -half_width), fmt::arg("wall_right", half_width),

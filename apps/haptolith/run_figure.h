@@ -1,9 +1,9 @@
 #pragma once
 
-#include <filesystem>
 #include <string>
 #include <vector>
 
+#include "haptolith/figure/figure.h"
 #include "haptolith/haptics/haptic_loop.h"
 #include "haptolith/scenario/scenario.h"
 
@@ -15,9 +15,11 @@ struct RunHistory {
   SceneSnapshot strongest;          ///< the scene when the hand felt most
 };
 
-/// Draws the scene at its strongest moment, force over time, force over the tool's height, and how long ticks took.
-/// @throws as Figure.
-void drawRun(const std::filesystem::path& path, const std::string& title, const Scenario& scenario,
-             const RunHistory& history, const LoopStatistics& statistics);
+constexpr int kRunFigureWidth_px = 1200;
+constexpr int kRunFigureHeight_px = 900;
+
+/// Draws the scene at its strongest moment, force over time, force over the tool's height, and how long ticks took; then
+/// saves. @throws as Figure.
+void drawRun(Figure& figure, const Scenario& scenario, const RunHistory& history, const LoopStatistics& statistics);
 
 }  // namespace haptolith

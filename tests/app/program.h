@@ -15,4 +15,7 @@ struct ProgramResult {
 /// (`run > /dev/full`).
 ProgramResult runHaptolith(const std::string& arguments);
 
+/// Runs a shell command in which "$HAPTOLITH" stands for the program: for signals, limits and pipes.
+ProgramResult runInShell(const std::string& command);
+
 }  // namespace haptolith

@@ -94,15 +94,6 @@ std::string terminalFor(const std::filesystem::path& path, int width_px, int hei
   throw InvalidParameter("figure", fmt::format("'{}'", path.string()), "a file name ending in .svg or .png");
 }
 
-/// In gnuplot's single quotes only the quote itself is special.
-std::string inGnuplotQuotes(std::string_view text) {
-  std::string result = "'";
-  for (const char letter : text) {
-    result += letter == '\'' ? "''" : std::string(1, letter);
-  }
-  return result + "'";
-}
-
 /// What all figures have in common: a thin grey frame on two sides, a pale grid, no legend box.
 constexpr std::string_view kStyle = R"(
 set encoding utf8
@@ -129,8 +120,16 @@ Figure::Figure(const std::filesystem::path& path, int width_px, int height_px) {
   runGnuplot("");  // before anyone computes for minutes: is it there?
   process_.reset(new Process{AtomicFile(path), path.string(), {}});
   command(fmt::format("set terminal {}\nset output {}", terminal,
-                      inGnuplotQuotes(process_->file.temporaryPath().string())));
+                      gnuplotQuoted(process_->file.temporaryPath().string())));
   command(kStyle);
+}
+
+std::string gnuplotQuoted(std::string_view text) {
+  std::string result = "'";
+  for (const char letter : text) {
+    result += letter == '\'' ? "''" : std::string(1, letter);
+  }
+  return result + "'";
 }
 
 Figure::~Figure() = default;

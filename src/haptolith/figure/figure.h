@@ -2,10 +2,14 @@
 
 #include <filesystem>
 #include <memory>
+#include <string>
 #include <string_view>
 #include <vector>
 
 namespace haptolith {
+
+/// `text` as a gnuplot string: in single quotes, where only the quote itself is special.
+[[nodiscard]] std::string gnuplotQuoted(std::string_view text);
 
 /// A figure drawn by gnuplot into an .svg or .png file that appears whole or not at all. Not for the tick.
 ///

@@ -1,0 +1,240 @@
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <sstream>
+#include <string>
+#include <vector>
+
+#include "program.h"
+
+namespace haptolith {
+namespace {
+
+using nlohmann::json;
+using testing::HasSubstr;
+namespace fs = std::filesystem;
+
+class RunCommand : public testing::Test {
+ protected:
+  RunCommand() : folder_(fs::path(testing::TempDir()) / fmt::format("haptolith_run_{}", getpid())) {
+    fs::create_directories(folder_);
+  }
+  ~RunCommand() override { fs::remove_all(folder_); }
+
+  [[nodiscard]] std::string file(const std::string& name) const { return (folder_ / name).string(); }
+
+  void writeFile(const std::string& name, const std::string& text) const { std::ofstream(file(name)) << text; }
+
+  [[nodiscard]] std::vector<std::string> files() const {
+    std::vector<std::string> names;
+    for (const fs::directory_entry& entry : fs::directory_iterator(folder_)) {
+      names.push_back(entry.path().filename().string());
+    }
+    std::sort(names.begin(), names.end());
+    return names;
+  }
+
+  static std::vector<std::vector<std::string>> readCsv(const std::string& path) {
+    std::ifstream in(path);
+    std::vector<std::vector<std::string>> rows;
+    for (std::string line; std::getline(in, line);) {
+      std::istringstream cells(line);
+      rows.emplace_back();
+      for (std::string cell; std::getline(cells, cell, ',');) {
+        rows.back().push_back(cell);
+      }
+    }
+    return rows;
+  }
+
+  static json summaryOf(const std::string& arguments) {
+    const ProgramResult result = runHaptolith("run --json " + arguments);
+    EXPECT_EQ(result.exit_status, 0) << result.errors;
+    return json::parse(result.output);
+  }
+
+  fs::path folder_;
+};
+
+TEST_F(RunCommand, SummaryTellsTheWholeRun) {
+  const json summary = summaryOf("--unpaced --duration-s 2");
+  EXPECT_EQ(summary["particles"], 256);
+  EXPECT_EQ(summary["ticks"], 2000);
+  EXPECT_DOUBLE_EQ(summary["duration_s"], 2);
+  for (const char* key : {"mean", "p50", "p99", "p99_9", "max"}) {
+    EXPECT_GT(summary["tick_us"][key].get<double>(), 0) << key;
+  }
+  for (const char* key : {"mean", "p99", "max"}) {
+    EXPECT_GT(summary["force_n"][key].get<double>(), 0) << key;
+    EXPECT_GT(summary["torque_nm"][key].get<double>(), 0) << key;
+  }
+  EXPECT_EQ(summary["state_hash"].get<std::string>().size(), 16U);
+  EXPECT_TRUE(summary["deadline_misses"].is_number_unsigned());
+  EXPECT_GE(summary["success_rate_last_100"].get<double>(), 0);
+  EXPECT_TRUE(summary["realtime"]["scheduler"].is_string());
+  EXPECT_TRUE(summary["realtime"]["memory_locked"].is_boolean());
+}
+
+TEST_F(RunCommand, StateHashDependsOnTheSceneAndOnNothingElse) {
+  const std::string scoop = "--unpaced --duration-s 3 --hand scoop";
+  const json once = summaryOf(scoop);
+  EXPECT_EQ(once["state_hash"], summaryOf(scoop)["state_hash"]);
+  EXPECT_EQ(once["state_hash"], summaryOf(scoop + " --threads 3")["state_hash"]);
+  EXPECT_EQ(once["state_hash"], summaryOf("--duration-s 3 --hand scoop")["state_hash"]) << "pacing changes the physics";
+  EXPECT_NE(once["state_hash"], summaryOf(scoop + " --body Mars")["state_hash"]);
+  EXPECT_NE(once["state_hash"], summaryOf(scoop + " --preset P1")["state_hash"]);
+}
+
+TEST_F(RunCommand, SeedChangesRainAndNothingElse) {
+  writeFile("rain.toml", "[bed]\nstart = \"rain\"\nparticles = 60\nwidth_mm = 80\nlength_mm = 80\n");
+  const std::string rain = "--unpaced --duration-s 0.01 " + file("rain.toml");
+  EXPECT_EQ(summaryOf(rain + " --seed 5")["state_hash"], summaryOf(rain + " --seed 5")["state_hash"]);
+  EXPECT_NE(summaryOf(rain + " --seed 5")["state_hash"], summaryOf(rain + " --seed 6")["state_hash"]);
+}
+
+TEST_F(RunCommand, TraceHasARowForEveryTickAndIsAPoseFile) {
+  summaryOf("--unpaced --duration-s 1.5 --trace " + file("trace.csv"));
+  EXPECT_EQ(files(), std::vector<std::string>{"trace.csv"});
+  const auto rows = readCsv(file("trace.csv"));
+  ASSERT_EQ(rows.size(), 1501U);
+  EXPECT_EQ(rows[0][0], "t_s");
+  EXPECT_EQ(rows[0].size(), 21U);
+  EXPECT_EQ(std::stod(rows[1500][0]), 1.5);
+
+  const ProgramResult cut = runInShell(fmt::format("cut -d, -f1-8 '{}' > '{}'", file("trace.csv"), file("poses.csv")));
+  ASSERT_EQ(cut.exit_status, 0);
+  const json replay = summaryOf("--unpaced --poses " + file("poses.csv"));
+  EXPECT_EQ(replay["ended"], "the recorded movement is over");
+}
+
+TEST_F(RunCommand, FigureIsDrawn) {
+  summaryOf(fmt::format("--unpaced --duration-s 1 --figure {}", file("run.svg")));
+  std::ifstream in(file("run.svg"));
+  const std::string svg{std::istreambuf_iterator<char>(in), std::istreambuf_iterator<char>()};
+  EXPECT_THAT(svg, HasSubstr("Force on the hand"));
+  EXPECT_EQ(files(), std::vector<std::string>{"run.svg"});
+}
+
+// The plate's movement is real (scenarios/plate-in-sand.csv); the bed's answer must be force that grows with sinkage.
+TEST_F(RunCommand, PlateWithARecordedMovementFeelsForceThatGrowsWithSinkage) {
+  summaryOf(fmt::format("--unpaced --trace {} {}/scenarios/plate-in-sand.toml", file("plate.csv"), HAPTOLITH_SOURCE_DIR));
+  constexpr double kStartHeight_m = 0.117188 + 0.0025;  // of the plate's centre at no sinkage
+  std::vector<double> sum(4), count(4);                 // in bins of 9 mm of sinkage
+  const auto rows = readCsv(file("plate.csv"));
+  for (std::size_t i = 1; i < rows.size(); ++i) {
+    const double sinkage = kStartHeight_m - std::stod(rows[i][3]);
+    const auto bin = static_cast<std::size_t>(sinkage / 0.009);
+    if (sinkage >= 0 && bin < sum.size()) {
+      sum[bin] += std::stod(rows[i][10]);
+      ++count[bin];
+    }
+    if (sinkage < -0.001) {
+      EXPECT_EQ(std::stod(rows[i][10]), 0) << "above the bed, row " << i;
+    }
+  }
+  for (std::size_t bin = 1; bin < sum.size(); ++bin) {
+    EXPECT_GT(sum[bin] / count[bin], 1.2 * sum[bin - 1] / count[bin - 1]) << "bin " << bin;
+  }
+  EXPECT_GT(sum[3] / count[3], 10);
+}
+
+TEST_F(RunCommand, CtrlCEndsAnEndlessRunWithItsSummary) {
+  const ProgramResult result = runInShell(
+      fmt::format("timeout --preserve-status -s INT 2 \"$HAPTOLITH\" run --json --trace {}", file("trace.csv")));
+  EXPECT_EQ(result.exit_status, 0) << result.errors;
+  const json summary = json::parse(result.output);
+  EXPECT_EQ(summary["ended"], "stopped");
+  EXPECT_EQ(readCsv(file("trace.csv")).size(), summary["ticks"].get<std::size_t>() + 1);
+  EXPECT_EQ(files(), std::vector<std::string>{"trace.csv"});
+}
+
+TEST_F(RunCommand, ARunCutShortHasFailedButKeepsWhatItHas) {
+  for (const char* signal : {"INT", "TERM"}) {
+    const ProgramResult result =
+        runInShell(fmt::format("timeout --preserve-status -s {} 2 \"$HAPTOLITH\" run --duration-s 1000 --trace {}", signal,
+                               file("trace.csv")));
+    EXPECT_EQ(result.exit_status, 1) << signal;
+    EXPECT_THAT(result.errors, HasSubstr("interrupted after"));
+    EXPECT_THAT(result.errors, HasSubstr("of 1000 s"));
+    EXPECT_GT(readCsv(file("trace.csv")).size(), 100U);
+    EXPECT_EQ(files(), std::vector<std::string>{"trace.csv"});
+  }
+}
+
+TEST_F(RunCommand, AFullDiskIsAFailureAndLeavesNothingBehind) {
+  // A file may not grow beyond 8 blocks of 1 KiB here; the signal for that is ignored, so that write() fails.
+  const ProgramResult result = runInShell(fmt::format(
+      "bash -c 'trap \"\" XFSZ; ulimit -f 8; exec \"$HAPTOLITH\" run --unpaced --duration-s 60 --trace {}'",
+      file("trace.csv")));
+  EXPECT_EQ(result.exit_status, 1);
+  EXPECT_THAT(result.errors, HasSubstr("cannot write"));
+  EXPECT_THAT(result.errors, HasSubstr("trace.csv"));
+  EXPECT_TRUE(files().empty()) << files().front();
+}
+
+TEST_F(RunCommand, AnOldTraceStaysWhenTheNewOneFails) {
+  writeFile("trace.csv", "precious\n");
+  runInShell(fmt::format("bash -c 'trap \"\" XFSZ; ulimit -f 8; exec \"$HAPTOLITH\" run --unpaced --duration-s 60 --trace {}'",
+                         file("trace.csv")));
+  EXPECT_EQ(readCsv(file("trace.csv"))[0][0], "precious");
+}
+
+TEST_F(RunCommand, FilesThatCannotBeWrittenAreRefusedAtOnce) {
+  const ProgramResult trace = runHaptolith("run --unpaced --duration-s 1000 --trace /no/such/folder/t.csv");
+  EXPECT_EQ(trace.exit_status, 1);
+  EXPECT_THAT(trace.errors, HasSubstr("/no/such/folder/t.csv"));
+  const ProgramResult figure = runHaptolith("run --unpaced --duration-s 1000 --figure " + file("run.gif"));
+  EXPECT_EQ(figure.exit_status, 2);
+  EXPECT_THAT(figure.errors, HasSubstr(".svg or .png"));
+  const ProgramResult lost = runHaptolith("run --unpaced --duration-s 1000 --figure /no/such/folder/run.png");
+  EXPECT_EQ(lost.exit_status, 1);
+}
+
+TEST_F(RunCommand, BadPosesAreToldWithFileLineAndColumn) {
+  const std::string header = "t_s,x_m,y_m,z_m,qw,qx,qy,qz\n";
+  const struct {
+    const char* text;
+    const char* told;
+  } cases[] = {{"0,0,0,0.1,1,0,0,0\n1,0,nan,0.1,1,0,0,0\n", ":3: y_m"},
+               {"0,0,0,0.1,1,0,0,0\n0,0,0,0.1,1,0,0,0\n", "time goes forward"},
+               {"0,0,0,0.1,1,0,0,0\n1,0,0,0.1,0,0,0,0\n", "qw,qx,qy,qz"},
+               {"0,0,0,0.1,1,0,0\n", "eight numbers"},
+               {"", "at least 2"}};
+  for (const auto& [text, told] : cases) {
+    writeFile("poses.csv", header + text);
+    const ProgramResult result = runHaptolith("run --unpaced --poses " + file("poses.csv"));
+    EXPECT_EQ(result.exit_status, 2) << text;
+    EXPECT_THAT(result.errors, HasSubstr(told));
+    EXPECT_THAT(result.errors, HasSubstr("poses.csv"));
+  }
+  EXPECT_EQ(runHaptolith("run --poses /no/such/poses.csv").exit_status, 1);
+  writeFile("poses.csv", "");
+  EXPECT_EQ(runHaptolith("run --poses " + file("poses.csv")).exit_status, 2);
+}
+
+TEST_F(RunCommand, AHandThatLeavesTheSceneEndsTheRun) {
+  writeFile("poses.csv", "t_s,x_m,y_m,z_m,qw,qx,qy,qz\n0,0,0,0.2,1,0,0,0\n1,5,0,0.2,1,0,0,0\n");
+  const ProgramResult result = runHaptolith("run --unpaced --json --poses " + file("poses.csv"));
+  EXPECT_EQ(result.exit_status, 1);
+  EXPECT_THAT(result.errors, HasSubstr("the hand left the scene"));
+  EXPECT_TRUE(json::accept(result.output)) << "the summary is printed all the same";
+}
+
+TEST_F(RunCommand, WrongUseIsToldAndHasStatusTwo) {
+  for (const char* arguments :
+       {"--preset P9", "--body Vulcan", "--hand dance", "--duration-s 0", "--duration-s nan", "--duration-s -1",
+        "--threads 0", "--threads two", "--seed -1", "--hand stir --poses x.csv", "one.toml two.toml"}) {
+    const ProgramResult result = runInShell(std::string("timeout 20 \"$HAPTOLITH\" run --unpaced ") + arguments);
+    EXPECT_EQ(result.exit_status, 2) << arguments;
+    EXPECT_THAT(result.errors, HasSubstr("error:")) << arguments;
+    EXPECT_TRUE(result.output.empty()) << arguments;
+  }
+}
+
+}  // namespace
+}  // namespace haptolith
