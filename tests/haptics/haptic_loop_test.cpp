@@ -311,8 +311,13 @@ TEST(HapticLoop, TheToolBeginsWhereTheHandIs) {
   bed.soil = rescaled(bed.soil, 3.5e-3);
   bed.width_m = bed.length_m = 0.063;
   Scene scene(bed, {});
-  ASSERT_GT(scene.substeps(), 1);
-  FakeDevice device(above);
+  ASSERT_EQ(scene.substeps(), 2);
+  ASSERT_LT(scene.bed().surfaceHeight(), 0.025);
+  FakeDevice device([](int) {
+    DeviceInput input;
+    input.scene_T_tool.position_m = Vec3(0, 0, 0.032);  // clear of the soil, but halfway to the origin is not
+    return input;
+  });
   HapticLoop loop(scene, device, unpaced(0.05), true);
   EXPECT_EQ(loop.run(kNeverStop), LoopEnd::kDuration);
   std::vector<TickRecord> records;
