@@ -26,6 +26,12 @@ constexpr double kLongestSettling_s = 60;
 
 constexpr Float4 kGhost{1e9F, 1e9F, 1e9F, 0};
 
+/// Lets wrong parameters go no further than the first member that would be made of them.
+const BedParameters& validated(const BedParameters& parameters) {
+  validate(parameters);
+  return parameters;
+}
+
 int usefulThreads(int wanted, std::size_t particles) {
   return std::clamp(static_cast<int>(particles / kParticlesPerThread), 1, wanted);
 }
@@ -75,7 +81,7 @@ Bed::Bed(const BedParameters& parameters, const SettleProgress& progress)
 }
 
 Bed::Bed(const BedParameters& parameters, const std::vector<Vec3>& centres_m)
-    : parameters_(parameters),
+    : parameters_(validated(parameters)),
       law_(makeContactLaw(parameters.soil)),
       wall_law_(wallLaw(law_, parameters.soil.radius_m)),
       kernel_law_(kernelLaw(law_, parameters.soil.radius_m)),
@@ -84,10 +90,9 @@ Bed::Bed(const BedParameters& parameters, const std::vector<Vec3>& centres_m)
       neighbours_(centres_m.size(), law_.cutoff_m + skin_m_, parameters.width_m, parameters.length_m),
       team_(usefulThreads(parameters.threads, centres_m.size())),
       part_results_(static_cast<std::size_t>(team_.size())) {
-  validate(parameters);
   const std::size_t n = centres_m.size();
   for (const Vec3& centre : centres_m) {
-    if (!centre.allFinite()) {
+    if (!centre.cast<float>().allFinite()) {
       throw InvalidParameter("centres_m", fmt::format("{} {} {}", centre.x(), centre.y(), centre.z()), "finite");
     }
     state_.position.push_back({narrow<float>(centre.x()), narrow<float>(centre.y()), narrow<float>(centre.z()), 0});
@@ -272,12 +277,25 @@ double Bed::surfaceHeight() const noexcept {
 }
 
 void Bed::restore(const BedState& state) {
-  if (state.particles() != particles()) {
+  const std::size_t records = particles() + 1;
+  if (state.particles() != particles() || state.position.size() != records || state.velocity.size() != records ||
+      state.listed_at.size() != records) {
     throw InvalidParameter("state", fmt::format("{} particles", state.particles()),
                            fmt::format("of this bed's {} particles", particles()));
   }
+  // A saved state may come from a file: a position that is no number would become the number of a cell.
+  const auto is_number = [](const Float4& r) { return std::isfinite(r.x) && std::isfinite(r.y) && std::isfinite(r.z); };
+  for (const auto* records_of : {&state.position, &state.velocity, &state.listed_at}) {
+    if (!std::all_of(records_of->begin(), records_of->end(), is_number)) {
+      throw InvalidParameter("state", "positions or velocities that are no numbers", "finite");
+    }
+  }
+  if (!neighbours_.build(state.listed_at)) {
+    (void)neighbours_.build(state_.listed_at);  // that one fitted when it was made
+    throw InvalidParameter("state", "a bed that has collapsed onto itself", "particles apart from each other");
+  }
   state_ = state;
-  (void)neighbours_.build(state_.listed_at);  // it fitted when it was saved
+  state_.position.back() = state_.listed_at.back() = kGhost;
 }
 
 }  // namespace haptolith

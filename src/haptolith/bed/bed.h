@@ -64,7 +64,8 @@ class Bed {
   [[nodiscard]] std::vector<std::int8_t>& toolSides() noexcept { return state_.tool_side; }
   [[nodiscard]] std::uint64_t rebuilds() const noexcept { return rebuilds_; }
 
-  /// Goes on from `state` bit for bit. @throws InvalidParameter when it has another number of particles.
+  /// Goes on from `state` bit for bit. Not for the tick. @throws InvalidParameter when it has another number of particles,
+  /// holds what is no number, or has collapsed; the bed is then as it was.
   void restore(const BedState& state);
 
  private:

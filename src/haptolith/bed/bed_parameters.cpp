@@ -6,6 +6,7 @@ namespace haptolith {
 
 void validate(const BedParameters& bed) {
   validate(bed.soil);
+  requireInRange("stiffness_n_m", bed.soil.stiffness_n_m, {});  // the analysis of layers may have it infinite, a bed not
   const double diameter = 2 * bed.soil.radius_m;
   requireInRange("gravity_m_s2", bed.gravity_m_s2.norm(), {0, 1000});
   requireInRange("width_m", bed.width_m, {diameter, 100});
@@ -13,7 +14,7 @@ void validate(const BedParameters& bed) {
   if (bed.start == BedStart::kPacked) {
     requireInRange("depth_m", bed.depth_m, {diameter, 100});
   } else {
-    requireInRange("particles", bed.particles, {1, 1e7});
+    requireInRange("particles", bed.particles, {1, kMostParticles});
   }
   if (bed.start == BedStart::kCount) {
     requireInRange("layers", bed.layers, {1, 1000});

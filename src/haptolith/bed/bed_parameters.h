@@ -32,6 +32,9 @@ struct BedParameters {
   int threads = 1;
 };
 
+/// No bed is larger: it would need gigabytes and minutes for a tick.
+inline constexpr int kMostParticles = 10'000'000;
+
 /// @throws InvalidParameter with the key, the value and the valid range.
 void validate(const BedParameters& bed);
 

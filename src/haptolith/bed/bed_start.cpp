@@ -31,31 +31,44 @@ struct Lattice {
     return (2 * to_pair + to_single) / 3;
   }
 
+  [[nodiscard]] double usableWidth() const { return width_m - 2 * radius_m + kRounding; }
+  [[nodiscard]] double usableLength() const { return length_m - 2 * radius_m + kRounding; }
+
+  /// How many rows a layer has, and how many places one of its rows has.
+  [[nodiscard]] int rows(bool layer_b) const { return count(usableLength() - (layer_b ? shiftOfB() : 0), row_m); }
+  [[nodiscard]] int columns(bool shifted_row) const {
+    return count(usableWidth() - (shifted_row ? pitch_m / 2 : 0), pitch_m);
+  }
+  [[nodiscard]] static bool isShifted(int row, bool layer_b) { return (row % 2 == 1) != layer_b; }
+
+  [[nodiscard]] std::size_t numberOfPlaces(bool layer_b) const {
+    const auto n = static_cast<std::size_t>(rows(layer_b));
+    const std::size_t even = (n + 1) / 2 * static_cast<std::size_t>(columns(isShifted(0, layer_b)));
+    return even + n / 2 * static_cast<std::size_t>(columns(isShifted(1, layer_b)));
+  }
+
   [[nodiscard]] std::vector<Eigen::Vector2d> places(bool layer_b) const {
-    constexpr double kRounding = 1e-9;
-    const double usable_width = width_m - 2 * radius_m + kRounding;
-    const double usable_length = length_m - 2 * radius_m + kRounding;
-    const auto count = [](double length, double pitch) {
-      return length < 0 ? 0 : static_cast<int>(std::floor(length / pitch)) + 1;
-    };
     // Both layers are centred together, so that B lies in the hollows of A.
-    const int rows_of_a = count(usable_length, row_m);
-    const double total_width = (count(2 * usable_width, pitch_m) - 1) * pitch_m / 2;
-    const bool room_for_shift = (rows_of_a - 1) * row_m + shiftOfB() <= usable_length;
-    const double total_length = (rows_of_a - 1) * row_m + (room_for_shift ? shiftOfB() : 0);
+    const double total_width = (count(2 * usableWidth(), pitch_m) - 1) * pitch_m / 2;
+    const bool room_for_shift = (rows(false) - 1) * row_m + shiftOfB() <= usableLength();
+    const double total_length = (rows(false) - 1) * row_m + (room_for_shift ? shiftOfB() : 0);
 
     std::vector<Eigen::Vector2d> places;
-    for (int row = 0;; ++row) {
+    for (int row = 0; row < rows(layer_b); ++row) {
       const double along_y = row * row_m + (layer_b ? shiftOfB() : 0);
-      if (along_y > usable_length) {
-        break;
-      }
-      const double start = (row % 2 == 1) != layer_b ? pitch_m / 2 : 0;
-      for (int column = 0; start + column * pitch_m <= usable_width; ++column) {
+      const double start = isShifted(row, layer_b) ? pitch_m / 2 : 0;
+      for (int column = 0; column < columns(isShifted(row, layer_b)); ++column) {
         places.emplace_back(start + column * pitch_m - total_width / 2, along_y - total_length / 2);
       }
     }
     return places;
+  }
+
+ private:
+  static constexpr double kRounding = 1e-9;
+
+  static int count(double length, double pitch) {
+    return length < 0 ? 0 : static_cast<int>(std::floor(length / pitch)) + 1;
   }
 };
 
@@ -67,7 +80,7 @@ Lattice undeformed(const BedParameters& bed) {
 std::size_t placesIn(const Lattice& lattice, int layers) {
   const auto a = static_cast<std::size_t>((layers + 1) / 2);
   const auto b = static_cast<std::size_t>(layers / 2);
-  return a * lattice.places(false).size() + b * lattice.places(true).size();
+  return a * lattice.numberOfPlaces(false) + b * lattice.numberOfPlaces(true);
 }
 
 /// The least squeezed lattice with room for all: either pitch is the largest that gives one more place than the last.
@@ -77,11 +90,14 @@ Lattice squeezedToHold(const BedParameters& bed, std::size_t particles) {
   const double usable_width = bed.width_m - 2 * bed.soil.radius_m;
   const double usable_length = bed.length_m - 2 * bed.soil.radius_m;
   std::vector<double> pitches{loose.pitch_m}, rows{loose.row_m};
-  for (int halves = 1; usable_width / (halves / 2.0) > loose.pitch_m * (1 - kMostSqueeze); ++halves) {
-    pitches.push_back(std::min(loose.pitch_m, usable_width / (halves / 2.0)));
+  // From the first that is tighter than the undeformed lattice to the tightest allowed.
+  for (int halves = 1 + static_cast<int>(2 * usable_width / loose.pitch_m);
+       2 * usable_width / halves > loose.pitch_m * (1 - kMostSqueeze); ++halves) {
+    pitches.push_back(std::min(loose.pitch_m, 2 * usable_width / halves));
   }
-  for (int thirds = 1; usable_length / (thirds / 3.0) > loose.row_m * (1 - kMostSqueeze); ++thirds) {
-    rows.push_back(std::min(loose.row_m, usable_length / (thirds / 3.0)));
+  for (int thirds = 1 + static_cast<int>(3 * usable_length / loose.row_m);
+       3 * usable_length / thirds > loose.row_m * (1 - kMostSqueeze); ++thirds) {
+    rows.push_back(std::min(loose.row_m, 3 * usable_length / thirds));
   }
   Lattice candidate = loose, found = loose;
   double least = kMostSqueeze;
@@ -137,9 +153,20 @@ std::vector<Vec3> stacked(const BedParameters& bed, const Lattice& lattice, int 
 std::vector<Vec3> packed(const BedParameters& bed) {
   // As many layers as reach the wanted height: the analysis's surface lies half a spacing above the top centres.
   const Lattice lattice = undeformed(bed);
+  const ContactLaw law = makeContactLaw(bed.soil);
+  const double g = weightAlongZ(bed);
+  const double weight = macroparticleMass(bed.soil) * g;
+  const double radius = bed.soil.radius_m;
   int layers = 1;
-  while (layerHeights(bed, lattice, layers).back() + bed.soil.radius_m < bed.depth_m - bed.soil.radius_m / 2) {
-    ++layers;
+  double first_to_last = 0;
+  while (distanceAtForce(law, layers * weight) / 2 + first_to_last + radius < bed.depth_m - radius / 2) {
+    if (placesIn(lattice, layers) > kMostParticles) {
+      throw InvalidParameter("depth_m", fmt::format("{:g}", bed.depth_m),
+                             fmt::format("at most about {:.3g} in a box of this size, or there would be more than {} "
+                                         "macroparticles of {:g} mm",
+                                         first_to_last + 2 * radius, kMostParticles, 1e3 * radius));
+    }
+    first_to_last += layerSpacing(bed.soil, g, layers++);
   }
   return stacked(bed, lattice, layers);
 }
@@ -149,7 +176,7 @@ std::vector<Vec3> counted(const BedParameters& bed) {
   const Lattice lattice = squeezedToHold(bed, particles);
   std::vector<Vec3> centres = stacked(bed, lattice, bed.layers);
   const std::size_t surplus = centres.size() - particles;
-  const std::size_t top_layer = lattice.places(bed.layers % 2 == 0).size();
+  const std::size_t top_layer = lattice.numberOfPlaces(bed.layers % 2 == 0);
   if (surplus >= top_layer) {
     throw InvalidParameter("layers", fmt::format("{}", bed.layers),
                            fmt::format("fewer: {} particles do not reach the top layer", bed.particles));

@@ -8,7 +8,7 @@
 namespace haptolith {
 
 /// Mean, percentiles and maximum of many values >= 0 in fixed memory. Mean and maximum are exact; a percentile is exact
-/// to 1 %: it is the upper end of its bucket, never above the maximum. add() may be called in the tick.
+/// to 1.1 %: it is the upper end of its bucket, never above the maximum. add() may be called in the tick.
 class Histogram {
  public:
   /// @param smallest  values below it share the first bucket; values above smallest * 2^32 the last.
@@ -19,8 +19,8 @@ class Histogram {
     sum_ += value;
     max_ = std::max(max_, value);
     const double octaves = value > smallest_ ? std::log2(value / smallest_) : 0;
-    const auto bucket = static_cast<std::size_t>(octaves * kBucketsPerOctave);
-    ++buckets_[std::min(bucket, buckets_.size() - 1)];
+    const double bucket = std::min(octaves * kBucketsPerOctave, static_cast<double>(kBuckets - 1));
+    ++buckets_[static_cast<std::size_t>(bucket)];
   }
 
   [[nodiscard]] std::uint64_t count() const noexcept { return count_; }

@@ -20,19 +20,19 @@ enum class HandCompliance {
 /// The arm's values are one measured participant's in Scientific Reports 6:18004 (2016), fig. 3 (van Beek et al.).
 struct HandParameters {
   Manoeuvre manoeuvre = Manoeuvre::kScoop;
-  std::string poses_file;        ///< kPoses: CSV with t_s,x_m,y_m,z_m,qw,qx,qy,qz
+  std::string poses_file;  ///< kPoses: CSV with t_s,x_m,y_m,z_m,qw,qx,qy,qz
   HandCompliance compliance = HandCompliance::kArm;
   double mass_kg = 0.554;
   double damping_n_s_m = 6.45;
   double stiffness_n_m = 135;
-  double lever_m = 0.1;          ///< the arm's rotation: inertia, damping and stiffness are the above times lever^2
-  double period_s = 4;           ///< one manoeuvre
-  double active_s = 1e9;         ///< then the hand leaves the soil and waits above it
-  Vec3 home_m{0, 0, 0.085};      ///< where it starts, ends and waits: x and y in the scene, z above the surface
-  double depth_m = 0.02;         ///< lowest point of the tool's origin below the surface during a manoeuvre
+  double lever_m = 0.1;             ///< the arm's rotation: inertia, damping and stiffness are the above times lever^2
+  double period_s = 4;              ///< one manoeuvre
+  double active_s = 1e9;            ///< then the hand leaves the soil and waits above it
+  Vec3 home_m{0, 0, 0.085};         ///< where it starts, ends and waits: x and y in the scene, z above the surface
+  double depth_m = 0.02;            ///< lowest point of the tool's origin below the surface during a manoeuvre
   std::optional<double> surface_m;  ///< height of the soil's surface; left out: measured when the bed is made
-  double reach_m = 0.035;        ///< largest distance to the side
-  double max_force_n = 12;       ///< what the device can show, as a sigma.7 as CHAI3D describes it
+  double reach_m = 0.035;           ///< largest distance to the side
+  double max_force_n = 12;          ///< what the device can show, as a sigma.7 as CHAI3D describes it
   double max_torque_nm = 0.2;
 };
 

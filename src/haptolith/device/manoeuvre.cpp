@@ -23,8 +23,8 @@ struct KeyPose {
 constexpr double kShakeAmplitude_m = 0.006;
 constexpr double kShakeFrequency_hz = 5;
 
-// Every table begins and ends at home. Heights are those of the tool's centre; the default shovel is 50 mm long, so with
-// its nose down at 35 degrees its edge is 14 mm below that.
+// Every table begins and ends at home. Heights are those of the tool's centre; the default shovel is 50 mm long, so
+// with its nose down at 35 degrees its edge is 14 mm below that.
 constexpr KeyPose kStillTable[] = {{0, 0, 0, 1, 0, 0}, {1, 0, 0, 1, 0, 0}};
 
 constexpr KeyPose kPressTable[] = {
@@ -40,7 +40,7 @@ constexpr KeyPose kStirTable[] = {
 };
 
 constexpr KeyPose kScoopTable[] = {
-    {0.00, 0.0, 0, 1.0, 0, 0},   {0.12, -1.0, 0, 0.4, 35, 0},  // behind, nose down
+    {0.00, 0.0, 0, 1.0, 0, 0},    {0.12, -1.0, 0, 0.4, 35, 0},  // behind, nose down
     {0.24, -0.7, 0, -0.3, 35, 0}, {0.42, 0.3, 0, -0.7, 10, 0},  // cut in and forward, levelling
     {0.52, 0.5, 0, -0.2, -12, 0}, {0.66, 0.4, 0, 1.0, -12, 0},  // nose up, lift the load
     {0.74, 0.4, 0, 1.0, -12, 0},  {0.84, 0.0, 0, 0.8, 100, 0},  // wait, tip it out
@@ -48,18 +48,17 @@ constexpr KeyPose kScoopTable[] = {
 };
 
 constexpr KeyPose kCarryTable[] = {
-    {0.00, 0.0, 0, 1.0, 0, 0},      {0.10, -1.0, 0, 0.4, 35, 0},
-    {0.20, -0.7, 0, -0.3, 35, 0},   {0.32, 0.3, 0, -0.7, 10, 0},
-    {0.40, 0.5, 0, -0.2, -12, 0},   {0.50, 0.5, 0, 0.7, -12, 0},    // as scoop, sooner
+    {0.00, 0.0, 0, 1.0, 0, 0},      {0.10, -1.0, 0, 0.4, 35, 0},     {0.20, -0.7, 0, -0.3, 35, 0},
+    {0.32, 0.3, 0, -0.7, 10, 0},    {0.40, 0.5, 0, -0.2, -12, 0},    {0.50, 0.5, 0, 0.7, -12, 0},  // as scoop, sooner
     {0.62, 0.5, 0.25, 0.7, -12, 0}, {0.78, 0.5, -0.25, 0.7, -12, 0},  // to one side, to the other
-    {0.86, 0.0, 0, 0.8, 100, 0},    {0.92, 0.0, 0, 0.8, 100, 0},    {1.00, 0.0, 0, 1.0, 0, 0},
+    {0.86, 0.0, 0, 0.8, 100, 0},    {0.92, 0.0, 0, 0.8, 100, 0},     {1.00, 0.0, 0, 1.0, 0, 0},
 };
 
 constexpr KeyPose kShakeTable[] = {
-    {0.00, 0.0, 0, 1.0, 0, 0},    {0.10, -1.0, 0, 0.4, 35, 0},  {0.20, -0.7, 0, -0.3, 35, 0},
-    {0.32, 0.3, 0, -0.7, 10, 0},  {0.40, 0.5, 0, -0.2, -12, 0}, {0.50, 0.5, 0, 0.7, -12, 0},
-    {0.55, 0.5, 0, 0.7, 0, 1},    {0.80, 0.5, 0, 0.7, 0, 1},    // shake until only what sticks is left
-    {0.84, 0.5, 0, 0.7, 0, 0},    {0.90, 0.0, 0, 0.8, 100, 0},  {1.00, 0.0, 0, 1.0, 0, 0},
+    {0.00, 0.0, 0, 1.0, 0, 0},   {0.10, -1.0, 0, 0.4, 35, 0},  {0.20, -0.7, 0, -0.3, 35, 0},
+    {0.32, 0.3, 0, -0.7, 10, 0}, {0.40, 0.5, 0, -0.2, -12, 0}, {0.50, 0.5, 0, 0.7, -12, 0},
+    {0.55, 0.5, 0, 0.7, 0, 1},   {0.80, 0.5, 0, 0.7, 0, 1},  // shake until only what sticks is left
+    {0.84, 0.5, 0, 0.7, 0, 0},   {0.90, 0.0, 0, 0.8, 100, 0},  {1.00, 0.0, 0, 1.0, 0, 0},
 };
 
 std::span<const KeyPose> tableOf(Manoeuvre manoeuvre) {
@@ -76,9 +75,18 @@ std::span<const KeyPose> tableOf(Manoeuvre manoeuvre) {
 }
 
 /// Minimum-jerk course from 0 to 1.
-double minimumJerk(double s) { return s * s * s * (10 - s * (15 - 6 * s)); }
+double minimumJerk(double s) {
+  return s * s * s * (10 - s * (15 - 6 * s));
+}
 
-KeyPose between(std::span<const KeyPose> table, double share) {
+/// Height of a key pose in m above the surface. Mixed in metres: in its own measure, whose unit changes at the surface,
+/// a movement through the surface would change its speed there at once.
+double heightOf(const KeyPose& key, const HandParameters& hand) {
+  return key.height < 0 ? key.height * hand.depth_m : key.height * hand.home_m.z();
+}
+
+/// Where the manoeuvre is at a share of its period; here `height` is in m above the surface.
+KeyPose between(std::span<const KeyPose> table, double share, const HandParameters& hand) {
   std::size_t next = 1;
   while (next + 1 < table.size() && share > table[next].share) {
     ++next;
@@ -90,7 +98,7 @@ KeyPose between(std::span<const KeyPose> table, double share) {
   return {share,
           mix(a.out, b.out),
           mix(a.turn, b.turn),
-          mix(a.height, b.height),
+          mix(heightOf(a, hand), heightOf(b, hand)),
           mix(a.nose_deg, b.nose_deg),
           mix(a.shake, b.shake)};
 }
@@ -100,18 +108,17 @@ KeyPose between(std::span<const KeyPose> table, double share) {
 Pose manoeuvrePose(const HandParameters& hand, double time_s) noexcept {
   const double last_end_s = std::ceil(hand.active_s / hand.period_s) * hand.period_s;
   const double share = time_s < last_end_s ? std::fmod(time_s, hand.period_s) / hand.period_s : 0;
-  const KeyPose key = between(tableOf(hand.manoeuvre), share);
+  const KeyPose key = between(tableOf(hand.manoeuvre), share, hand);
 
   const double angle = kTurn * key.turn;
   const double out_m = key.out * hand.reach_m;
-  const double height_m = key.height < 0 ? key.height * hand.depth_m : key.height * hand.home_m.z();
   const double shake_m = key.shake * kShakeAmplitude_m * std::sin(kTurn * kShakeFrequency_hz * time_s);
 
   // A stirring blade faces the way it goes; everything else looks outwards.
   const double yaw = hand.manoeuvre == Manoeuvre::kStir ? angle + kTurn / 4 : angle;
   const double nose = key.nose_deg * kTurn / 360;
   return {Vec3(hand.home_m.x() + out_m * std::cos(angle), hand.home_m.y() + out_m * std::sin(angle),
-               hand.surface_m.value_or(0) + height_m + shake_m),
+               hand.surface_m.value_or(0) + key.height + shake_m),
           Quat(Eigen::AngleAxisd(yaw, Vec3::UnitZ()) * Eigen::AngleAxisd(nose, Vec3::UnitY()))};
 }
 

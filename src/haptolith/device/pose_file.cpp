@@ -103,8 +103,8 @@ PoseFile PoseFile::read(const std::filesystem::path& path, double largest_m) {
     file.poses_.push_back(poseFrom(numbers, largest_m, place));
   }
   if (file.size() < 2) {
-    throw InvalidParameter(path.string(), fmt::format("{} poses", file.size()), "at least 2, under the header " +
-                                                                                    std::string(kHeader));
+    throw InvalidParameter(path.string(), fmt::format("{} poses", file.size()),
+                           "at least 2, under the header " + std::string(kHeader));
   }
   return file;
 }

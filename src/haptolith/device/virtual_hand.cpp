@@ -1,5 +1,8 @@
 #include "haptolith/device/virtual_hand.h"
 
+#include <fmt/format.h>
+
+#include "haptolith/core/error.h"
 #include "haptolith/device/manoeuvre.h"
 
 namespace haptolith {
@@ -20,10 +23,22 @@ Quat turnedBy(const Vec3& rotation, const Quat& orientation) {
   return (Quat(Eigen::AngleAxisd(angle, rotation / angle)) * orientation).normalized();
 }
 
+/// The semi-implicit step of yield() is stable for K dt^2 / m + 2 B dt / m < 4; for rotation the lever cancels out.
+void requireStableArm(const HandParameters& hand, double tick_s) {
+  const double least_mass_kg = (hand.stiffness_n_m * tick_s * tick_s + 2 * hand.damping_n_s_m * tick_s) / 4;
+  if (hand.compliance == HandCompliance::kArm && hand.mass_kg <= least_mass_kg) {
+    throw InvalidParameter(
+        "mass_kg", fmt::format("{:g}", hand.mass_kg),
+        fmt::format("> {:g}, or the arm's stiffness and damping shake it to pieces at a tick of {:g} s", least_mass_kg,
+                    tick_s));
+  }
+}
+
 }  // namespace
 
 VirtualHand::VirtualHand(const HandParameters& hand, double tick_s) : hand_(hand), tick_s_(tick_s) {
   validate(hand);
+  requireStableArm(hand, tick_s);
   if (hand.manoeuvre == Manoeuvre::kPoses) {
     poses_ = PoseFile::read(hand.poses_file);
   }
@@ -54,9 +69,9 @@ void VirtualHand::yield(const Pose& wanted_pose, const Twist& wanted_twist) noex
   const double lever_squared = hand_.lever_m * hand_.lever_m;
   const Vec3 force = hand_.stiffness_n_m * (wanted_pose.position_m - pose_.position_m) +
                      hand_.damping_n_s_m * (wanted_twist.linear_m_s - twist_.linear_m_s) + felt_.force_n;
-  const Vec3 torque = lever_squared * hand_.stiffness_n_m * rotationBetween(pose_.orientation, wanted_pose.orientation) +
-                      lever_squared * hand_.damping_n_s_m * (wanted_twist.angular_rad_s - twist_.angular_rad_s) +
-                      felt_.torque_nm;
+  const Vec3 torque =
+      lever_squared * hand_.stiffness_n_m * rotationBetween(pose_.orientation, wanted_pose.orientation) +
+      lever_squared * hand_.damping_n_s_m * (wanted_twist.angular_rad_s - twist_.angular_rad_s) + felt_.torque_nm;
   twist_.linear_m_s += tick_s_ / hand_.mass_kg * force;
   twist_.angular_rad_s += tick_s_ / (hand_.mass_kg * lever_squared) * torque;
   pose_.position_m += tick_s_ * twist_.linear_m_s;

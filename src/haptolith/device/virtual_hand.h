@@ -16,7 +16,8 @@ namespace haptolith {
 /// weight and the tool's are carried by the arm, so that the tool weighs nothing, as in the paper.
 class VirtualHand final : public HapticDevice {
  public:
-  /// @throws InvalidParameter, Failure: as validate(HandParameters) and PoseFile::read().
+  /// @throws InvalidParameter, Failure: as validate(HandParameters) and PoseFile::read(), and for an arm so stiff or
+  /// damped for its mass that a tick cannot follow it.
   VirtualHand(const HandParameters& hand, double tick_s);
 
   [[nodiscard]] std::string_view name() const noexcept override { return "virtual hand"; }

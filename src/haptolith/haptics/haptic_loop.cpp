@@ -1,9 +1,12 @@
 #include "haptolith/haptics/haptic_loop.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 
 #include "haptolith/core/clock.h"
+#include "haptolith/core/error.h"
 
 namespace haptolith {
 
@@ -60,13 +63,21 @@ HapticLoop::HapticLoop(Scene& scene, HapticDevice& device, const LoopParameters&
       records_(kRecordsInFlight),
       snapshots_(emptySnapshot(scene)) {
   validate(parameters);
+  if (parameters.tick_s != scene.bed().parameters().tick_s) {  // else time would run faster or slower than the clock
+    throw InvalidParameter("tick_s", fmt::format("{}", parameters.tick_s),
+                           fmt::format("the bed's {}", scene.bed().parameters().tick_s));
+  }
 }
 
 LoopEnd HapticLoop::tick() noexcept {
   const std::int64_t start_ns = monotonicNs();
   const DeviceInput hand = device_.read();
-  if (!inWorkspace(hand.scene_T_tool)) {
+  if (!inWorkspace(hand)) {
+    device_.write(Wrench{});
     return LoopEnd::kHandLeft;
+  }
+  if (statistics_.ticks() == 0) {
+    scene_.placeTool(hand.scene_T_tool);  // it begins where the hand is, not with a sweep through the soil to get there
   }
   const StepStatus status = scene_.tick(hand.scene_T_tool, hand.twist);
   if (status != StepStatus::kOk || !scene_.wrench().force_n.allFinite() || !scene_.wrench().torque_nm.allFinite()) {
@@ -116,12 +127,15 @@ LoopEnd HapticLoop::run(const std::atomic<bool>& stop) noexcept {
   return end;
 }
 
-bool HapticLoop::inWorkspace(const Pose& pose) const noexcept {
+bool HapticLoop::inWorkspace(const DeviceInput& hand) const noexcept {
   const BedParameters& bed = scene_.bed().parameters();
+  const Pose& pose = hand.scene_T_tool;
   const Vec3& p = pose.position_m;
   // Written so that NaN is outside.
-  return std::abs(p.x()) <= bed.width_m / 2 + kReachBesideBox_m && std::abs(p.y()) <= bed.length_m / 2 + kReachBesideBox_m &&
-         p.z() >= -kReachBesideBox_m && p.z() <= 3 * kReachBesideBox_m && pose.orientation.coeffs().allFinite();
+  return std::abs(p.x()) <= bed.width_m / 2 + kReachBesideBox_m &&
+         std::abs(p.y()) <= bed.length_m / 2 + kReachBesideBox_m && p.z() >= -kReachBesideBox_m &&
+         p.z() <= 3 * kReachBesideBox_m && pose.orientation.coeffs().allFinite() && hand.twist.linear_m_s.allFinite() &&
+         hand.twist.angular_rad_s.allFinite();
 }
 
 void HapticLoop::publish(const DeviceInput& hand, const Wrench& felt) noexcept {

@@ -1,7 +1,8 @@
 #pragma once
 
-#include <atomic>
 #include <boost/lockfree/spsc_queue.hpp>
+
+#include <atomic>
 #include <cstdint>
 #include <vector>
 
@@ -37,12 +38,12 @@ struct SceneSnapshot {
 /// Why a loop ended.
 enum class LoopEnd {
   kRunning,
-  kDuration,    ///< the time asked for is over
-  kStopped,     ///< somebody asked it to stop
-  kFinished,    ///< the device has nothing more to give: a pose file's end
-  kHandLeft,    ///< the tool left the space around the bed
-  kNotFinite,   ///< the bed, the tool or the wrench is no longer a number
-  kCollapsed,   ///< the bed has collapsed onto itself
+  kDuration,   ///< the time asked for is over
+  kStopped,    ///< somebody asked it to stop
+  kFinished,   ///< the device has nothing more to give: a pose file's end
+  kHandLeft,   ///< the tool left the space around the bed, or its pose or velocity is no number
+  kNotFinite,  ///< the bed, the tool or the wrench is no longer a number
+  kCollapsed,  ///< the bed has collapsed onto itself
 };
 
 [[nodiscard]] const char* text(LoopEnd end) noexcept;
@@ -51,7 +52,7 @@ enum class LoopEnd {
 class HapticLoop {
  public:
   /// @param keep_records  whether anyone will call takeRecords(); without, records are not kept.
-  /// @throws InvalidParameter as validate(LoopParameters).
+  /// @throws InvalidParameter as validate(LoopParameters), and when the bed was made for another tick.
   HapticLoop(Scene& scene, HapticDevice& device, const LoopParameters& parameters, bool keep_records);
 
   /// Runs ticks on the calling thread until something ends it, in step with the clock when paced. On return the device
@@ -74,7 +75,7 @@ class HapticLoop {
   [[nodiscard]] double time() const noexcept { return static_cast<double>(statistics_.ticks()) * parameters_.tick_s; }
 
  private:
-  [[nodiscard]] bool inWorkspace(const Pose& pose) const noexcept;
+  [[nodiscard]] bool inWorkspace(const DeviceInput& hand) const noexcept;
   void publish(const DeviceInput& hand, const Wrench& felt) noexcept;
   void record(const DeviceInput& hand, const Wrench& felt, double tick_us) noexcept;
 

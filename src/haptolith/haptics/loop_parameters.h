@@ -5,9 +5,9 @@ namespace haptolith {
 /// The 1 kHz loop: pacing and what happens to the wrench between the soil and the hand.
 struct LoopParameters {
   double tick_s = 1e-3;
-  double duration_s = 0;            ///< simulated time; 0 runs until stopped
-  bool paced = true;                ///< false: as fast as it can, for tests and studies of the soil
-  double filter_cutoff_hz = 30;     ///< low-pass of force and torque (paper, II-E)
+  double duration_s = 0;         ///< simulated time; 0 runs until stopped
+  bool paced = true;             ///< false: as fast as it can, for tests and studies of the soil
+  double filter_cutoff_hz = 30;  ///< low-pass of force and torque (paper, II-E)
 };
 
 /// @throws InvalidParameter with the key, the value and the valid range.

@@ -10,8 +10,8 @@ namespace haptolith {
 ///     y += (1 - exp(-2 pi f_c dt)) (x - y)
 ///
 /// This is the step-invariant discretisation: the answer to a step is 1 - exp(-2 pi f_c t) exactly at every tick. First
-/// order, because each further order adds delay, and delay between hand and soil costs stability. What is left of a force
-/// that has ended is cut to exactly zero once it is too small to feel.
+/// order, because each further order adds delay, and delay between hand and soil costs stability. What is left of a
+/// force that has ended is cut to exactly zero once it is too small to feel.
 class WrenchFilter {
  public:
   /// @param cutoff_hz  above 0, at most half the tick rate. @throws InvalidParameter.

@@ -34,8 +34,8 @@ StepStatus Scene::tick(const Pose& scene_T_tool, const Twist& twist) noexcept {
   StepStatus status = StepStatus::kOk;
   for (int substep = 1; substep <= substeps_ && status == StepStatus::kOk; ++substep) {
     const Pose pose = between(from, scene_T_tool, static_cast<double>(substep) / substeps_);
-    const Wrench now = applyToolContact(tool_, pose, twist, radius, dt, bed_.state(), bed_.toolSides(),
-                                        bed_.externalForces());
+    const Wrench now =
+        applyToolContact(tool_, pose, twist, radius, dt, bed_.state(), bed_.toolSides(), bed_.externalForces());
     sum.force_n += now.force_n;
     sum.torque_nm += now.torque_nm;
     status = bed_.step(dt);

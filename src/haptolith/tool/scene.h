@@ -12,8 +12,8 @@ class Scene {
   /// as Bed::settle().
   Scene(const BedParameters& bed, const ToolParameters& tool, const SettleProgress& progress = {});
 
-  /// One tick: moves the tool from where it was to `scene_T_tool` in equal substeps, steps the bed each time, and leaves
-  /// the mean wrench on the tool in `wrench()`. May be called in the tick.
+  /// One tick: moves the tool from where it was to `scene_T_tool` in equal substeps, steps the bed each time, and
+  /// leaves the mean wrench on the tool in `wrench()`. May be called in the tick.
   [[nodiscard]] StepStatus tick(const Pose& scene_T_tool, const Twist& twist) noexcept;
 
   /// Force and torque of the soil on the tool over the last tick, about the tool's origin, scene frame, unfiltered.

@@ -19,9 +19,9 @@ namespace haptolith {
 [[nodiscard]] double toolForce(const ToolParameters& tool, double radius_m, double dt_s, double depth_m,
                                double closing_m_s) noexcept;
 
-/// The tool against all particles: adds their forces to `forces` and returns the reaction on the tool about its origin,
-/// scene frame. Particles outside the tool's enclosing sphere are passed over without an exact test. May be called in the
-/// tick.
+/// The tool against all particles: writes their forces to `forces` and returns the reaction on the tool about its
+/// origin, scene frame. Particles outside the tool's enclosing sphere are passed over without an exact test. May be
+/// called in the tick.
 /// @param scene_T_tool  pose of the tool; `twist` its velocity.
 /// @param state   positions, velocities; tool_side is read and written.
 /// @param forces  one per particle; overwritten with the tool's force, 0 where it does not reach.

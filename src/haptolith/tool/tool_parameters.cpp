@@ -6,8 +6,9 @@ namespace haptolith {
 
 void validate(const ToolParameters& tool) {
   constexpr Range kLength{1e-5, 10};
-  requireInRange("size_m", tool.size_m.minCoeff(), kLength);
-  requireInRange("size_m", tool.size_m.maxCoeff(), kLength);
+  for (int axis = 0; axis < 3; ++axis) {
+    requireInRange("size_m", tool.size_m[axis], kLength);
+  }
   requireInRange("diameter_m", tool.diameter_m, kLength);
   requireInRange("thickness_m", tool.thickness_m, kLength);
   requireInRange("stiffness_n_m", tool.stiffness_n_m, {0, 1e7});

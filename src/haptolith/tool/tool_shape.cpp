@@ -49,7 +49,11 @@ Penetration beside(const Outline& outline, double half_height_m, const Vec3& cen
   const Vec3 away = centre_m - nearest;
   const double distance = away.norm();
   const int side = centre_m.z() > half_height_m ? 1 : centre_m.z() < -half_height_m ? -1 : 0;
-  return {.depth_m = radius_m - distance, .outward = away / distance, .side = side};
+  // A centre on the rim to the last bits has no direction of its own.
+  constexpr double kOnTheRim_m = 1e-9;
+  return {.depth_m = radius_m - distance,
+          .outward = distance > kOnTheRim_m ? Vec3(away / distance) : outline.outward,
+          .side = side};
 }
 
 /// Over, under or inside the tool: measured from the face the particle came to.

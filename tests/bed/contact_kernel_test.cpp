@@ -1,0 +1,240 @@
+#include "haptolith/bed/contact_kernel.h"
+
+#include <gtest/gtest.h>
+#include <hwy/detect_targets.h>
+#include <hwy/targets.h>
+
+#include <algorithm>
+#include <cmath>
+#include <random>
+#include <string>
+#include <vector>
+
+#include "haptolith/core/vec.h"
+#include "haptolith/soil/presets.h"
+
+namespace haptolith {
+namespace {
+
+/// (paper 19) with its three cases as they are printed, in double precision: an independent version.
+double printedForce(const SoilParameters& soil, double a) {
+  const double r = soil.radius_m;
+  const double ratio = soil.rho0_kg_m3 / soil.rho_max_kg_m3;
+  const double a_min = std::sqrt(8.0 / 3 * r * r * ratio * ratio + 4.0 / 3 * r * r);
+  const double a_thr = a_min + std::sqrt(soil.gamma_nm / soil.stiffness_n_m);
+  const auto hyperbola = [&](double x) { return soil.gamma_nm / (x - a_min) - soil.gamma_nm / (2 * r - a_min); };
+  if (a >= 2 * r * soil.attraction_ratio) {
+    return 0;
+  }
+  return a >= a_thr ? hyperbola(a) : soil.stiffness_n_m * a_thr + hyperbola(a_thr) - soil.stiffness_n_m * a;
+}
+
+struct Expected {
+  Vec3 force_n = Vec3::Zero();
+  double repulsion_n = 0;
+  int contacts = 0;
+};
+
+constexpr Float4 kGhost{1e9F, 1e9F, 1e9F, 0};
+
+/// A random crowd and its full list, each list filled up with the ghost (index n) to whole blocks.
+struct Crowd {
+  SoilParameters soil;
+  std::vector<Float4> position;  // the ghost last
+  std::vector<std::uint32_t> begin{0};
+  std::vector<std::int32_t> neighbours;
+
+  [[nodiscard]] std::size_t particles() const { return position.size() - 1; }
+  [[nodiscard]] Vec3 at(std::size_t i) const { return {position[i].x, position[i].y, position[i].z}; }
+
+  void list(double reach_m) {
+    const std::size_t n = particles();
+    for (std::size_t i = 0; i < n; ++i) {
+      for (std::size_t j = 0; j < n; ++j) {
+        if (i != j && (at(i) - at(j)).norm() < reach_m) {
+          neighbours.push_back(static_cast<std::int32_t>(j));
+        }
+      }
+      while (neighbours.size() % kNeighbourBlock != 0) {
+        neighbours.push_back(static_cast<std::int32_t>(n));
+      }
+      begin.push_back(static_cast<std::uint32_t>(neighbours.size()));
+    }
+  }
+
+  [[nodiscard]] std::vector<Expected> expected() const {
+    std::vector<Expected> sums(particles());
+    for (std::size_t i = 0; i < particles(); ++i) {
+      for (std::size_t j = 0; j < particles(); ++j) {
+        const double a = (at(i) - at(j)).norm();
+        if (i == j || a == 0) {
+          continue;
+        }
+        const double force = printedForce(soil, a);
+        sums[i].force_n += force / a * (at(i) - at(j));
+        sums[i].repulsion_n += std::max(force, 0.0);
+        sums[i].contacts += a < 2 * soil.radius_m ? 1 : 0;
+      }
+    }
+    return sums;
+  }
+
+  [[nodiscard]] std::vector<ContactSum> kernel() const {
+    std::vector<ContactSum> sums(particles());
+    sumContacts(kernelLaw(makeContactLaw(soil), soil.radius_m), position.data(), neighbours.data(), begin.data(), 0,
+                particles(), sums.data());
+    return sums;
+  }
+};
+
+/// `particles` at random in a cube of `edge_m`, so dense that every branch of the law is visited. Distances at which a
+/// rounding error decides between contact and no contact, or between the cutoff's sides, are left out.
+Crowd randomCrowd(const SoilParameters& soil, int particles, double edge_m, std::uint64_t seed) {
+  Crowd crowd;
+  crowd.soil = soil;
+  std::mt19937_64 random(seed);
+  std::uniform_real_distribution<float> anywhere(0, static_cast<float>(edge_m));
+  const double jump = 2 * soil.radius_m * soil.attraction_ratio;
+  while (static_cast<int>(crowd.position.size()) < particles) {
+    const Float4 candidate{anywhere(random), anywhere(random), anywhere(random), 0};
+    const Vec3 here(candidate.x, candidate.y, candidate.z);
+    const bool clear = std::ranges::none_of(crowd.position, [&](const Float4& p) {
+      const double a = (here - Vec3(p.x, p.y, p.z)).norm();
+      // 1e-6 m: fifty times the rounding of a distance of 20 mm between float positions of 60 mm.
+      return std::abs(a - jump) < 1e-6 || std::abs(a - 2 * soil.radius_m) < 1e-6;
+    });
+    if (clear) {
+      crowd.position.push_back(candidate);
+    }
+  }
+  crowd.position.push_back(kGhost);
+  crowd.list(jump + 0.5 * soil.radius_m);
+  return crowd;
+}
+
+/// Runs the body once for every instruction set that is compiled in and that this machine has.
+class EveryTarget : public testing::Test {
+ protected:
+  template <class Body>
+  void forEachTarget(const Body& body) {
+    std::vector<std::string> seen;
+    for (std::int64_t targets = hwy::SupportedTargets() & HWY_TARGETS; targets != 0; targets &= targets - 1) {
+      hwy::SetSupportedTargetsForTest(targets & -targets);
+      SCOPED_TRACE(simdTarget());
+      seen.emplace_back(simdTarget());
+      body();
+      hwy::SetSupportedTargetsForTest(0);
+    }
+    EXPECT_GE(seen.size(), 1U);
+    std::ranges::sort(seen);
+    EXPECT_TRUE(std::ranges::adjacent_find(seen) == seen.end()) << "one target was tested twice";
+  }
+
+  void TearDown() override { hwy::SetSupportedTargetsForTest(0); }
+};
+
+using ContactKernel = EveryTarget;
+
+TEST_F(ContactKernel, IsTheEquationInDoublePrecisionForEveryPreset) {
+  forEachTarget([] {
+    for (const Preset& preset : presets()) {
+      SCOPED_TRACE(preset.name);
+      const Crowd crowd = randomCrowd(preset.soil, 120, 0.06, 7);
+      const std::vector<Expected> expected = crowd.expected();
+      const std::vector<ContactSum> sums = crowd.kernel();
+      double largest = 0;
+      for (const Expected& e : expected) {
+        largest = std::max(largest, e.repulsion_n);
+      }
+      ASSERT_GT(largest, 0);
+      // Float has 6e-8; the hyperbola's denominator a - a_min loses a factor of about 14 mm / 0.5 mm on the way, and
+      // about 20 neighbours are added up: 1e-5 of the largest sum of contact forces is what may be left.
+      const double tolerance = 1e-5 * largest;
+      for (std::size_t i = 0; i < sums.size(); ++i) {
+        EXPECT_NEAR(sums[i].force_x_n, expected[i].force_n.x(), tolerance) << i;
+        EXPECT_NEAR(sums[i].force_y_n, expected[i].force_n.y(), tolerance) << i;
+        EXPECT_NEAR(sums[i].force_z_n, expected[i].force_n.z(), tolerance) << i;
+        EXPECT_NEAR(sums[i].repulsion_n, expected[i].repulsion_n, tolerance) << i;
+        EXPECT_EQ(sums[i].contacts, static_cast<float>(expected[i].contacts)) << i;
+      }
+    }
+  });
+}
+
+TEST_F(ContactKernel, SumsExactlyTheRangeItIsGiven) {
+  forEachTarget([] {
+    const Crowd crowd = randomCrowd(presets()[3].soil, 50, 0.05, 11);
+    const std::vector<ContactSum> all = crowd.kernel();
+    std::vector<ContactSum> some(crowd.particles());
+    for (ContactSum& sum : some) {
+      sum.contacts = -1;
+    }
+    sumContacts(kernelLaw(makeContactLaw(crowd.soil), crowd.soil.radius_m), crowd.position.data(),
+                crowd.neighbours.data(), crowd.begin.data(), 20, 30, some.data());
+    for (std::size_t i = 0; i < some.size(); ++i) {
+      const bool summed = i >= 20 && i < 30;
+      EXPECT_EQ(some[i].contacts, summed ? all[i].contacts : -1) << i;
+      EXPECT_EQ(some[i].force_x_n, summed ? all[i].force_x_n : 0) << i;
+    }
+  });
+}
+
+TEST_F(ContactKernel, GhostsContributeExactlyNothing) {
+  forEachTarget([] {
+    Crowd alone;
+    alone.soil = presets()[3].soil;
+    alone.position = {{0.01F, -0.02F, 0.03F, 0}, kGhost};
+    alone.neighbours.assign(3 * kNeighbourBlock, 1);
+    alone.begin = {0, 3 * kNeighbourBlock};
+    const ContactSum sum = alone.kernel().front();
+    EXPECT_EQ(sum.force_x_n, 0);
+    EXPECT_EQ(sum.force_y_n, 0);
+    EXPECT_EQ(sum.force_z_n, 0);
+    EXPECT_EQ(sum.repulsion_n, 0);
+    EXPECT_EQ(sum.contacts, 0);
+  });
+}
+
+TEST_F(ContactKernel, ANeighbourWeighsTheSameInEveryPlaceOfItsBlock) {
+  // Records are loaded whole and turned in registers: a swapped lane would give a neighbour another one's coordinate.
+  forEachTarget([] {
+    Crowd pair;
+    pair.soil = presets()[3].soil;
+    pair.position = {{0, 0, 0, 0}, {0.008F, 0.006F, -0.005F, 0}, kGhost};
+    pair.begin = {0, kNeighbourBlock, 2 * kNeighbourBlock};
+    const double a = std::sqrt(64 + 36 + 25.0) * 1e-3;
+    const double per_metre = printedForce(pair.soil, a) / a;
+    for (std::uint32_t place = 0; place < kNeighbourBlock; ++place) {
+      pair.neighbours.assign(2 * kNeighbourBlock, 2);
+      pair.neighbours[place] = 1;
+      pair.neighbours[kNeighbourBlock + place] = 0;
+      const std::vector<ContactSum> sums = pair.kernel();
+      EXPECT_NEAR(sums[0].force_x_n, per_metre * -0.008, 1e-6) << place;
+      EXPECT_NEAR(sums[0].force_y_n, per_metre * -0.006, 1e-6) << place;
+      EXPECT_NEAR(sums[0].force_z_n, per_metre * 0.005, 1e-6) << place;
+      EXPECT_EQ(sums[1].force_x_n, -sums[0].force_x_n) << place;  // to the bit: the same operations with signs turned
+      EXPECT_EQ(sums[1].force_y_n, -sums[0].force_y_n) << place;
+      EXPECT_EQ(sums[1].force_z_n, -sums[0].force_z_n) << place;
+    }
+  });
+}
+
+TEST_F(ContactKernel, TwoCentresInOnePointAreNoNaN) {
+  forEachTarget([] {
+    Crowd crowd;
+    crowd.soil = presets()[3].soil;
+    crowd.position = {{0.01F, 0.02F, 0.03F, 0}, {0.01F, 0.02F, 0.03F, 0}, kGhost};
+    crowd.list(0.01);
+    for (const ContactSum& sum : crowd.kernel()) {
+      EXPECT_EQ(sum.force_x_n, 0);
+      EXPECT_EQ(sum.force_y_n, 0);
+      EXPECT_EQ(sum.force_z_n, 0);
+      EXPECT_TRUE(std::isfinite(sum.repulsion_n));
+      EXPECT_GT(sum.repulsion_n, 0);
+      EXPECT_EQ(sum.contacts, 1);
+    }
+  });
+}
+
+}  // namespace
+}  // namespace haptolith

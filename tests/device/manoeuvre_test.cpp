@@ -1,0 +1,134 @@
+#include "haptolith/device/manoeuvre.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+namespace haptolith {
+namespace {
+
+constexpr Manoeuvre kAll[] = {Manoeuvre::kStill, Manoeuvre::kPress, Manoeuvre::kStir,
+                              Manoeuvre::kScoop, Manoeuvre::kCarry, Manoeuvre::kShake};
+constexpr double kTick_s = 1e-3;
+
+HandParameters handFor(Manoeuvre manoeuvre) {
+  HandParameters hand;
+  hand.manoeuvre = manoeuvre;
+  hand.surface_m = 0.035;
+  hand.home_m = {0.01, -0.02, 0.085};
+  return hand;
+}
+
+double angleBetween(const Quat& a, const Quat& b) {
+  return a.angularDistance(b);
+}
+
+TEST(Manoeuvre, BeginsAndEndsAtHome) {
+  for (const Manoeuvre manoeuvre : kAll) {
+    const HandParameters hand = handFor(manoeuvre);
+    const Vec3 home(0.01, -0.02, 0.035 + 0.085);
+    const Quat start = manoeuvrePose(hand, 0).orientation;
+    for (const double t : {0.0, 4.0, 8.0, 4.0 - 1e-9}) {
+      EXPECT_LT((manoeuvrePose(hand, t).position_m - home).norm(), 1e-9) << static_cast<int>(manoeuvre) << " at " << t;
+      EXPECT_LT(angleBetween(manoeuvrePose(hand, t).orientation, start), 1e-7) << static_cast<int>(manoeuvre);
+    }
+  }
+}
+
+TEST(Manoeuvre, RepeatsEveryPeriod) {
+  for (const Manoeuvre manoeuvre : kAll) {
+    const HandParameters hand = handFor(manoeuvre);
+    for (double t = 0.05; t < 4; t += 0.1) {
+      // The shake's 5 Hz fit twenty times into four seconds.
+      EXPECT_LT((manoeuvrePose(hand, t).position_m - manoeuvrePose(hand, t + 8).position_m).norm(), 1e-9);
+    }
+  }
+}
+
+TEST(Manoeuvre, MovesWithoutJumpsOfPositionOrVelocity) {
+  // A minimum-jerk movement over a distance D in time T reaches 1.875 D / T and 5.774 D / T^2. The quickest part of a
+  // table takes 4 % of 4 s, the longest distance is that from home to the depth or twice the reach: 0.1 m. Two parts
+  // meet at rest. Turning about the axis bends the way: v^2 / r adds to it. The shake has 6 mm (2 pi 5 Hz)^2 = 5.9
+  // m/s^2.
+  const double shortest_s = 0.04 * 4;
+  for (const Manoeuvre manoeuvre : kAll) {
+    const HandParameters hand = handFor(manoeuvre);
+    const double largest_speed = 1.875 * 0.1 / shortest_s + 0.2;
+    const double largest_acceleration = 5.774 * 0.1 / (shortest_s * shortest_s) + 6;
+    Vec3 x = manoeuvrePose(hand, 0).position_m;
+    Vec3 v = Vec3::Zero();
+    for (int tick = 1; tick <= 8000; ++tick) {
+      const Vec3 next = manoeuvrePose(hand, tick * kTick_s).position_m;
+      const Vec3 next_v = (next - x) / kTick_s;
+      ASSERT_LT(next_v.norm(), largest_speed) << static_cast<int>(manoeuvre) << " at " << tick;
+      ASSERT_LT((next_v - v).norm() / kTick_s, largest_acceleration) << static_cast<int>(manoeuvre) << " at " << tick;
+      x = next;
+      v = next_v;
+    }
+  }
+}
+
+TEST(Manoeuvre, GoesThroughTheSurfaceAtOneSpeed) {
+  // Press goes from above the surface (0.2 of the home height: 17 mm) to the depth (20 mm) in a quarter of the period:
+  // one minimum-jerk movement of 37 mm in 1 s. A jump of velocity would show as an acceleration far above 5.774 D /
+  // T^2.
+  const HandParameters hand = handFor(Manoeuvre::kPress);
+  const double largest = 5.774 * 0.037;
+  double fastest = 0;
+  for (int tick = 801; tick < 1799; ++tick) {
+    const auto z = [&](int k) { return manoeuvrePose(hand, k * kTick_s).position_m.z(); };
+    ASSERT_LT(std::abs(z(tick + 1) - 2 * z(tick) + z(tick - 1)) / (kTick_s * kTick_s), largest * 1.01) << tick;
+    fastest = std::max(fastest, std::abs(z(tick + 1) - z(tick)) / kTick_s);
+  }
+  EXPECT_NEAR(fastest, 1.875 * 0.037, 1e-4);
+}
+
+TEST(Manoeuvre, TurnsWithoutJumps) {
+  // Nothing turns by more than 112 degrees in 10 % of the period, 1.875 * 1.95 rad / 0.32 s, or two rounds in 65 %.
+  for (const Manoeuvre manoeuvre : kAll) {
+    const HandParameters hand = handFor(manoeuvre);
+    for (int tick = 1; tick <= 8000; ++tick) {
+      const double turned = angleBetween(manoeuvrePose(hand, tick * kTick_s).orientation,
+                                         manoeuvrePose(hand, (tick - 1) * kTick_s).orientation);
+      ASSERT_LT(turned / kTick_s, 20) << static_cast<int>(manoeuvre) << " at " << tick;
+    }
+  }
+}
+
+TEST(Manoeuvre, ReachesItsDepthAndNoDeeper) {
+  for (const Manoeuvre manoeuvre : kAll) {
+    const HandParameters hand = handFor(manoeuvre);
+    double lowest = 1;
+    for (int tick = 0; tick <= 4000; ++tick) {
+      lowest = std::min(lowest, manoeuvrePose(hand, tick * kTick_s).position_m.z());
+    }
+    EXPECT_GE(lowest, 0.035 - 0.020 - 1e-12) << static_cast<int>(manoeuvre);
+    if (manoeuvre == Manoeuvre::kPress) {
+      EXPECT_NEAR(lowest, 0.015, 1e-9);
+    }
+  }
+}
+
+TEST(Manoeuvre, EndsWhatItBeganAndThenWaitsAtHome) {
+  HandParameters hand = handFor(Manoeuvre::kScoop);
+  hand.active_s = 5;  // in the second of two
+  const HandParameters forever = handFor(Manoeuvre::kScoop);
+  for (double t = 4.1; t < 8; t += 0.1) {
+    EXPECT_EQ(manoeuvrePose(hand, t).position_m, manoeuvrePose(forever, t).position_m) << t;
+  }
+  for (double t = 8; t < 60; t += 0.37) {
+    EXPECT_EQ(manoeuvrePose(hand, t).position_m, manoeuvrePose(hand, 0).position_m) << t;
+  }
+  hand.active_s = 0;
+  EXPECT_EQ(manoeuvrePose(hand, 1).position_m, manoeuvrePose(hand, 0).position_m);
+}
+
+TEST(Manoeuvre, StillIsStill) {
+  const HandParameters hand = handFor(Manoeuvre::kStill);
+  for (double t = 0; t < 10; t += 0.1) {
+    EXPECT_EQ(manoeuvrePose(hand, t).position_m, manoeuvrePose(hand, 0).position_m);
+  }
+}
+
+}  // namespace
+}  // namespace haptolith

@@ -1,0 +1,135 @@
+// The tick allocates nothing: every operator new of this program counts.
+
+#include <gtest/gtest.h>
+
+#include <atomic>
+#include <cstdlib>
+#include <new>
+
+#include "haptolith/device/virtual_hand.h"
+#include "haptolith/haptics/haptic_loop.h"
+#include "haptolith/soil/presets.h"
+
+namespace {
+std::atomic<long> allocations{0};
+
+void* counted(std::size_t bytes, std::size_t alignment) {
+  ++allocations;
+  const std::size_t rounded = (bytes + alignment - 1) / alignment * alignment;
+  if (void* memory = std::aligned_alloc(alignment, rounded == 0 ? alignment : rounded)) {
+    return memory;
+  }
+  throw std::bad_alloc();
+}
+constexpr std::size_t kUsual = alignof(std::max_align_t);
+}  // namespace
+
+void* operator new(std::size_t bytes) {
+  return counted(bytes, kUsual);
+}
+void* operator new[](std::size_t bytes) {
+  return counted(bytes, kUsual);
+}
+void* operator new(std::size_t bytes, std::align_val_t a) {
+  return counted(bytes, static_cast<std::size_t>(a));
+}
+void* operator new[](std::size_t bytes, std::align_val_t a) {
+  return counted(bytes, static_cast<std::size_t>(a));
+}
+void operator delete(void* memory) noexcept {
+  std::free(memory);
+}
+void operator delete[](void* memory) noexcept {
+  std::free(memory);
+}
+void operator delete(void* memory, std::size_t) noexcept {
+  std::free(memory);
+}
+void operator delete[](void* memory, std::size_t) noexcept {
+  std::free(memory);
+}
+void operator delete(void* memory, std::align_val_t) noexcept {
+  std::free(memory);
+}
+void operator delete[](void* memory, std::align_val_t) noexcept {
+  std::free(memory);
+}
+void operator delete(void* memory, std::size_t, std::align_val_t) noexcept {
+  std::free(memory);
+}
+void operator delete[](void* memory, std::size_t, std::align_val_t) noexcept {
+  std::free(memory);
+}
+
+namespace haptolith {
+namespace {
+
+TEST(Allocation, TheCounterCounts) {
+  const long before = allocations;
+  std::vector<int> some(100);
+  EXPECT_EQ(some.size(), 100U);
+  EXPECT_GT(allocations, before);
+}
+
+/// Five seconds of a manoeuvre; returns the allocations between the first tick and the last.
+long allocationsInFiveSeconds(const BedParameters& bed, Manoeuvre manoeuvre, HandCompliance compliance) {
+  Scene scene(bed, {});
+  HandParameters hand_parameters;
+  hand_parameters.manoeuvre = manoeuvre;
+  hand_parameters.compliance = compliance;
+  hand_parameters.surface_m = scene.bed().surfaceHeight();
+  VirtualHand hand(hand_parameters, bed.tick_s);
+  LoopParameters loop_parameters;
+  loop_parameters.paced = false;
+  HapticLoop loop(scene, hand, loop_parameters, true);
+  const std::uint64_t rebuilds = scene.bed().rebuilds();
+  const long before = allocations;
+  for (int i = 0; i < 5000; ++i) {
+    if (loop.tick() != LoopEnd::kRunning) {
+      ADD_FAILURE() << "ended at tick " << i;
+      break;
+    }
+  }
+  const long during = allocations - before;
+  EXPECT_GT(scene.bed().rebuilds(), rebuilds + 5) << "no rebuilt list: too quiet a scene";
+  return during;
+}
+
+TEST(Allocation, ATickAllocatesNothing) {
+  BedParameters bed;
+  bed.soil = findPreset("P4").soil;
+  EXPECT_EQ(allocationsInFiveSeconds(bed, Manoeuvre::kScoop, HandCompliance::kArm), 0);
+  EXPECT_EQ(allocationsInFiveSeconds(bed, Manoeuvre::kStir, HandCompliance::kArm), 0);
+  EXPECT_EQ(allocationsInFiveSeconds(bed, Manoeuvre::kStir, HandCompliance::kRigid), 0);
+}
+
+TEST(Allocation, ATickOnSeveralThreadsAllocatesNothing) {
+  BedParameters bed;
+  bed.soil = findPreset("P4").soil;
+  bed.start = BedStart::kPacked;
+  bed.depth_m = 0.12;
+  bed.width_m = bed.length_m = 0.16;
+  bed.threads = 2;
+  EXPECT_EQ(allocationsInFiveSeconds(bed, Manoeuvre::kStir, HandCompliance::kRigid), 0);
+}
+
+TEST(Allocation, ALoopWithoutItsRecorderAllocatesNothingEither) {
+  BedParameters bed;
+  bed.soil = findPreset("P4").soil;
+  Scene scene(bed, {});
+  HandParameters hand_parameters;
+  hand_parameters.manoeuvre = Manoeuvre::kStill;
+  VirtualHand hand(hand_parameters, bed.tick_s);
+  LoopParameters loop_parameters;
+  loop_parameters.paced = false;
+  HapticLoop loop(scene, hand, loop_parameters, true);
+  const long before = allocations;
+  for (int i = 0; i < 10'000; ++i) {  // 8192 records have room
+    (void)loop.tick();
+  }
+  EXPECT_EQ(allocations, before);
+  EXPECT_EQ(loop.lostRecords(), 10'000U - 8192U);
+}
+
+}  // namespace
+}  // namespace haptolith

@@ -1,0 +1,353 @@
+#include "haptolith/haptics/haptic_loop.h"
+
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <atomic>
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <functional>
+#include <limits>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "haptolith/core/clock.h"
+#include "haptolith/core/error.h"
+#include "haptolith/device/virtual_hand.h"
+#include "haptolith/soil/presets.h"
+
+namespace haptolith {
+namespace {
+
+constexpr double kTick_s = 1e-3;
+constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+
+BedParameters paperBed() {
+  BedParameters bed;
+  bed.soil = findPreset("P4").soil;
+  return bed;
+}
+
+LoopParameters unpaced(double duration_s) {
+  LoopParameters loop;
+  loop.paced = false;
+  loop.duration_s = duration_s;
+  return loop;
+}
+
+/// A device that does what a test wants and remembers what it was made to feel.
+class FakeDevice final : public HapticDevice {
+ public:
+  explicit FakeDevice(std::function<DeviceInput(int)> input) : input_(std::move(input)) {}
+  [[nodiscard]] std::string_view name() const noexcept override { return "fake"; }
+  [[nodiscard]] DeviceLimits limits() const noexcept override { return limits_; }
+  [[nodiscard]] DeviceInput read() noexcept override {
+    events_ += 'r';
+    return input_(reads_++);
+  }
+  void write(const Wrench& wrench) noexcept override {
+    events_ += 'w';
+    last_ = wrench;
+    largest_force_n_ = std::max(largest_force_n_, wrench.force_n.norm());
+  }
+
+  DeviceLimits limits_;
+  int reads_ = 0;
+  std::string events_;
+  Wrench last_{Vec3(9, 9, 9), Vec3(9, 9, 9)};
+  double largest_force_n_ = 0;
+
+ private:
+  std::function<DeviceInput(int)> input_;
+};
+
+/// A shovel pushed into the soil at 0.1 m/s from just above it.
+DeviceInput pushing(int tick) {
+  DeviceInput input;
+  input.scene_T_tool.position_m = Vec3(0, 0, 0.046 - 1e-4 * tick);
+  input.twist.linear_m_s = Vec3(0, 0, -0.1);
+  return input;
+}
+
+DeviceInput above(int) {
+  DeviceInput input;
+  input.scene_T_tool.position_m = Vec3(0, 0, 0.12);
+  return input;
+}
+
+bool isZero(const Wrench& wrench) {
+  return wrench.force_n == Vec3::Zero() && wrench.torque_nm == Vec3::Zero();
+}
+
+const std::atomic<bool> kNeverStop{false};
+
+TEST(HapticLoop, RunsForTheTimeAskedForAndLetsGo) {
+  Scene scene(paperBed(), {});
+  FakeDevice device(pushing);
+  HapticLoop loop(scene, device, unpaced(0.2), false);
+  EXPECT_EQ(loop.run(kNeverStop), LoopEnd::kDuration);
+  EXPECT_EQ(loop.statistics().ticks(), 200U);
+  EXPECT_NEAR(loop.time(), 0.2, 1e-12);
+  EXPECT_EQ(device.reads_, 200);
+  EXPECT_GT(device.largest_force_n_, 0.1);
+  EXPECT_TRUE(isZero(device.last_));
+  // Read, write, read, write, and the zero at the end.
+  std::string expected;
+  for (int i = 0; i < 200; ++i) {
+    expected += "rw";
+  }
+  EXPECT_EQ(device.events_, expected + "w");
+}
+
+TEST(HapticLoop, TheHandFeelsTheFilteredAndLimitedWrenchOfTheSoil) {
+  Scene scene(paperBed(), {});
+  FakeDevice device(pushing);
+  device.limits_ = {.max_force_n = 0.3, .max_torque_nm = 0.001};
+  HapticLoop loop(scene, device, unpaced(0), true);
+  WrenchFilter filter(30, kTick_s);
+  std::vector<TickRecord> records;
+  for (int i = 0; i < 200; ++i) {
+    ASSERT_EQ(loop.tick(), LoopEnd::kRunning);
+    const Wrench expected = limited(filter.step(scene.wrench()), device.limits_);
+    ASSERT_EQ(device.last_.force_n, expected.force_n);
+    ASSERT_EQ(device.last_.torque_nm, expected.torque_nm);
+    loop.takeRecords(records);
+    ASSERT_EQ(records.back().felt.force_n, expected.force_n);
+    ASSERT_EQ(records.back().soil.force_n, scene.wrench().force_n);
+  }
+  EXPECT_NEAR(device.largest_force_n_, 0.3, 1e-12);  // the limit was reached, and not passed
+}
+
+TEST(HapticLoop, AStopFlagEndsItAndTheHandIsLetGo) {
+  Scene scene(paperBed(), {});
+  std::atomic<bool> stop{false};
+  FakeDevice device([&](int tick) {
+    stop = tick == 149;
+    return pushing(tick);
+  });
+  HapticLoop loop(scene, device, unpaced(0), false);
+  EXPECT_EQ(loop.run(stop), LoopEnd::kStopped);
+  EXPECT_EQ(loop.statistics().ticks(), 150U);
+  EXPECT_GT(device.largest_force_n_, 0.1);
+  EXPECT_TRUE(isZero(device.last_));
+}
+
+TEST(HapticLoop, AHandThatIsNoNumberOrFarAwayEndsItAndIsLetGo) {
+  const std::function<void(DeviceInput&)> spoils[] = {
+      [](DeviceInput& input) { input.scene_T_tool.position_m.x() = kNaN; },
+      [](DeviceInput& input) { input.scene_T_tool.position_m.z() = kNaN; },
+      [](DeviceInput& input) { input.scene_T_tool.position_m.y() = std::numeric_limits<double>::infinity(); },
+      [](DeviceInput& input) { input.scene_T_tool.orientation.w() = kNaN; },
+      [](DeviceInput& input) { input.twist.linear_m_s.z() = kNaN; },
+      [](DeviceInput& input) { input.twist.angular_rad_s.x() = kNaN; },
+      [](DeviceInput& input) { input.scene_T_tool.position_m.x() = 1.1; },
+      [](DeviceInput& input) { input.scene_T_tool.position_m.y() = -1.1; },
+      [](DeviceInput& input) { input.scene_T_tool.position_m.z() = -1.1; },
+      [](DeviceInput& input) { input.scene_T_tool.position_m.z() = 3.1; }};
+  int number = 0;
+  for (const auto& spoil : spoils) {
+    for (const bool through_run : {true, false}) {
+      SCOPED_TRACE(number);
+      Scene scene(paperBed(), {});
+      FakeDevice device([&](int tick) {
+        DeviceInput input = pushing(tick);
+        if (tick == 150) {
+          spoil(input);
+        }
+        return input;
+      });
+      HapticLoop loop(scene, device, unpaced(0), false);
+      LoopEnd end = LoopEnd::kRunning;
+      if (through_run) {
+        end = loop.run(kNeverStop);
+      } else {
+        while (end == LoopEnd::kRunning) {
+          end = loop.tick();
+        }
+      }
+      EXPECT_EQ(end, LoopEnd::kHandLeft);
+      EXPECT_EQ(loop.statistics().ticks(), 150U);
+      EXPECT_TRUE(isZero(device.last_));
+      EXPECT_TRUE(std::isfinite(scene.bed().energy())) << "the bed was harmed";
+    }
+    ++number;
+  }
+}
+
+TEST(HapticLoop, ABedThatIsNoNumberEndsItAndTheHandIsLetGo) {
+  Scene scene(paperBed(), {});
+  FakeDevice device([](int tick) {
+    DeviceInput input = pushing(tick);
+    if (tick == 150) {
+      input.twist.linear_m_s.z() = -1e300;  // finite, but no force that a float can hold
+    }
+    return input;
+  });
+  HapticLoop loop(scene, device, unpaced(0), false);
+  EXPECT_EQ(loop.run(kNeverStop), LoopEnd::kNotFinite);
+  EXPECT_TRUE(isZero(device.last_));
+}
+
+TEST(HapticLoop, APoseFilesEndEndsIt) {
+  const std::filesystem::path path =
+      std::filesystem::temp_directory_path() / ("haptolith_loop_" + std::to_string(getpid()) + ".csv");
+  std::ofstream(path) << "t_s,x_m,y_m,z_m,qw,qx,qy,qz\n0,0,0,0.1,1,0,0,0\n0.25,0,0,0.035,1,0,0,0\n";
+  HandParameters hand;
+  hand.manoeuvre = Manoeuvre::kPoses;
+  hand.compliance = HandCompliance::kRigid;
+  hand.poses_file = path.string();
+  VirtualHand device(hand, kTick_s);
+  std::filesystem::remove(path);
+  Scene scene(paperBed(), {});
+  HapticLoop loop(scene, device, unpaced(10), true);
+  EXPECT_EQ(loop.run(kNeverStop), LoopEnd::kFinished);
+  EXPECT_EQ(loop.statistics().ticks(), 251U);  // the last one goes past the end
+  std::vector<TickRecord> records;
+  loop.takeRecords(records);
+  EXPECT_EQ(records.size(), 251U);
+}
+
+TEST(HapticLoop, RecordsAreCompleteAndInOrder) {
+  Scene scene(paperBed(), {});
+  HandParameters hand;
+  hand.surface_m = scene.bed().surfaceHeight();
+  VirtualHand device(hand, kTick_s);
+  HapticLoop loop(scene, device, unpaced(12), true);  // more than the queue holds: the loop waits for us
+  LoopEnd end = LoopEnd::kRunning;
+  std::atomic<bool> done{false};
+  std::thread runner([&] {
+    end = loop.run(kNeverStop);
+    done = true;
+  });
+  std::vector<TickRecord> records;
+  while (!done) {
+    loop.takeRecords(records);
+    std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  }
+  runner.join();
+  loop.takeRecords(records);
+  EXPECT_EQ(end, LoopEnd::kDuration);
+  ASSERT_EQ(records.size(), 12'000U);
+  EXPECT_EQ(loop.lostRecords(), 0U);
+  for (std::size_t i = 0; i < records.size(); ++i) {
+    ASSERT_NEAR(records[i].time_s, static_cast<double>(i + 1) * kTick_s, 1e-9);
+    ASSERT_TRUE(records[i].soil.force_n.allFinite());
+    ASSERT_GE(records[i].tick_us, 0);
+  }
+}
+
+TEST(HapticLoop, WithoutAListenerItKeepsNoRecordsAndWaitsForNobody) {
+  Scene scene(paperBed(), {});
+  FakeDevice device(above);
+  HapticLoop loop(scene, device, unpaced(9), false);  // more ticks than the queue has places
+  EXPECT_EQ(loop.run(kNeverStop), LoopEnd::kDuration);
+  std::vector<TickRecord> records;
+  loop.takeRecords(records);
+  EXPECT_TRUE(records.empty());
+  EXPECT_EQ(loop.lostRecords(), 0U);
+}
+
+TEST(HapticLoop, SnapshotsShowTheScene) {
+  Scene scene(paperBed(), {});
+  FakeDevice device(pushing);
+  HapticLoop loop(scene, device, unpaced(0), false);
+  int seen = 0;
+  std::uint64_t ticks = 0;
+  for (int i = 0; i < 160; ++i) {
+    ASSERT_EQ(loop.tick(), LoopEnd::kRunning);
+    if (loop.snapshots().update()) {
+      ++seen;
+      const SceneSnapshot& now = loop.snapshots().latest();
+      ASSERT_EQ(now.position.size(), 256U);
+      EXPECT_EQ(now.position[17].z, scene.bed().state().position[17].z);
+      EXPECT_EQ(now.scene_T_tool.position_m, pushing(i).scene_T_tool.position_m);
+      EXPECT_GE(now.ticks, ticks);
+      ticks = now.ticks;
+    }
+  }
+  EXPECT_EQ(seen, 10);  // every 16th tick
+}
+
+TEST(HapticLoop, APacedLoopKeepsStepWithTheClock) {
+  Scene scene(paperBed(), {});
+  FakeDevice device(above);
+  LoopParameters parameters;
+  parameters.duration_s = 0.3;
+  HapticLoop loop(scene, device, parameters, false);
+  const std::int64_t start = monotonicNs();
+  EXPECT_EQ(loop.run(kNeverStop), LoopEnd::kDuration);
+  const double took_s = 1e-9 * static_cast<double>(monotonicNs() - start);
+  EXPECT_EQ(loop.statistics().ticks(), 300U);
+  // The first tick is at once, so 299 periods; never sooner. Later by as much as a busy machine likes, within reason.
+  EXPECT_GE(took_s, 0.295);
+  EXPECT_LT(took_s, 30);
+}
+
+TEST(HapticLoop, ALateTickIsNotMadeUpForByABurst) {
+  Scene scene(paperBed(), {});
+  std::vector<std::int64_t> at_ns;
+  FakeDevice device([&](int tick) {
+    if (tick == 20) {
+      sleepUntilNs(monotonicNs() + 50'000'000);  // 50 ticks late
+    }
+    at_ns.push_back(monotonicNs());
+    return above(tick);
+  });
+  LoopParameters parameters;
+  parameters.duration_s = 0.06;
+  HapticLoop loop(scene, device, parameters, false);
+  EXPECT_EQ(loop.run(kNeverStop), LoopEnd::kDuration);
+  ASSERT_EQ(at_ns.size(), 60U);
+  // 39 ticks after the late one: at most one of them at once, so at least 37 periods.
+  EXPECT_GE(at_ns[59] - at_ns[20], 37'000'000);
+  EXPECT_GE(loop.statistics().deadlineMisses(), 1U);
+}
+
+TEST(HapticLoop, TheToolBeginsWhereTheHandIs) {
+  // With substeps the tool moves through the bed within a tick: at the first one it must not come from the origin.
+  BedParameters bed = paperBed();
+  bed.soil = rescaled(bed.soil, 3.5e-3);
+  bed.width_m = bed.length_m = 0.063;
+  Scene scene(bed, {});
+  ASSERT_EQ(scene.substeps(), 2);
+  ASSERT_LT(scene.bed().surfaceHeight(), 0.025);
+  FakeDevice device([](int) {
+    DeviceInput input;
+    input.scene_T_tool.position_m = Vec3(0, 0, 0.032);  // clear of the soil, but halfway to the origin is not
+    return input;
+  });
+  HapticLoop loop(scene, device, unpaced(0.05), true);
+  EXPECT_EQ(loop.run(kNeverStop), LoopEnd::kDuration);
+  std::vector<TickRecord> records;
+  loop.takeRecords(records);
+  for (const TickRecord& record : records) {
+    ASSERT_EQ(record.soil.force_n, Vec3::Zero()) << record.time_s;
+  }
+}
+
+TEST(HapticLoop, RefusesWrongParametersAndABedOfAnotherTick) {
+  Scene scene(paperBed(), {});
+  FakeDevice device(above);
+  LoopParameters parameters;
+  parameters.filter_cutoff_hz = 0;
+  EXPECT_THROW((HapticLoop{scene, device, parameters, false}), InvalidParameter);
+  parameters = {};
+  parameters.tick_s = 2e-3;
+  EXPECT_THROW((HapticLoop{scene, device, parameters, false}), InvalidParameter);
+}
+
+TEST(HapticLoop, EveryEndHasAText) {
+  std::vector<std::string> texts;
+  for (const LoopEnd end : {LoopEnd::kRunning, LoopEnd::kDuration, LoopEnd::kStopped, LoopEnd::kFinished,
+                            LoopEnd::kHandLeft, LoopEnd::kNotFinite, LoopEnd::kCollapsed}) {
+    texts.emplace_back(text(end));
+    EXPECT_FALSE(texts.back().empty());
+  }
+  std::ranges::sort(texts);
+  EXPECT_TRUE(std::ranges::adjacent_find(texts) == texts.end());
+}
+
+}  // namespace
+}  // namespace haptolith

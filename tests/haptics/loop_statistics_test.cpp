@@ -1,0 +1,46 @@
+#include "haptolith/haptics/loop_statistics.h"
+
+#include <gtest/gtest.h>
+
+namespace haptolith {
+namespace {
+
+TEST(LoopStatistics, BeforeTheFirstTickAllIsWell) {
+  const LoopStatistics statistics;
+  EXPECT_EQ(statistics.ticks(), 0U);
+  EXPECT_EQ(statistics.successRate(), 1);
+  EXPECT_EQ(statistics.deadlineMisses(), 0U);
+}
+
+TEST(LoopStatistics, SuccessRateIsThatOfTheLastHundredTicks) {
+  LoopStatistics statistics;
+  for (int i = 0; i < 10; ++i) {
+    statistics.add(100, i % 2 == 0, {});
+  }
+  EXPECT_DOUBLE_EQ(statistics.successRate(), 0.5);  // of ten, while there are fewer
+  for (int i = 0; i < 95; ++i) {
+    statistics.add(100, true, {});
+  }
+  // 105 ticks: of the last hundred, ticks 5 to 9 hold the misses 5, 7 and 9.
+  EXPECT_DOUBLE_EQ(statistics.successRate(), 0.97);
+  for (int i = 0; i < 5; ++i) {
+    statistics.add(100, true, {});
+  }
+  EXPECT_EQ(statistics.successRate(), 1);
+  EXPECT_EQ(statistics.deadlineMisses(), 5U);  // all of them, for ever
+  EXPECT_EQ(statistics.ticks(), 110U);
+}
+
+TEST(LoopStatistics, CollectsTimesForcesAndTorques) {
+  LoopStatistics statistics;
+  statistics.add(10, true, {Vec3(3, 4, 0), Vec3(0, 0, 0.1)});
+  statistics.add(30, true, {Vec3(0, 0, -1), Vec3(0, 0, 0)});
+  EXPECT_DOUBLE_EQ(statistics.tickUs().mean(), 20);
+  EXPECT_DOUBLE_EQ(statistics.tickUs().max(), 30);
+  EXPECT_DOUBLE_EQ(statistics.forceN().mean(), 3);
+  EXPECT_DOUBLE_EQ(statistics.forceN().max(), 5);
+  EXPECT_DOUBLE_EQ(statistics.torqueNm().max(), 0.1);
+}
+
+}  // namespace
+}  // namespace haptolith

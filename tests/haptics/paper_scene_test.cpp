@@ -1,0 +1,76 @@
+// The paper's scene in the hand, a minute long: 256 particles of P4 in a box of 126 mm, the shovel of 50 x 40 x 5 mm.
+
+#include <gtest/gtest.h>
+
+#include <atomic>
+#include <cmath>
+
+#include "haptolith/device/virtual_hand.h"
+#include "haptolith/haptics/haptic_loop.h"
+#include "haptolith/soil/presets.h"
+
+namespace haptolith {
+namespace {
+
+struct Outcome {
+  std::uint64_t hash = 0;
+  double largest_force_n = 0;
+  double speed_m_s = 0;
+  std::uint64_t rebuilds = 0;
+};
+
+/// Sixty seconds of a manoeuvre, the last five or more with the hand away.
+Outcome minuteOf(Manoeuvre manoeuvre, HandCompliance compliance) {
+  BedParameters bed;
+  bed.soil = findPreset("P4").soil;
+  Scene scene(bed, {});
+  HandParameters hand_parameters;
+  hand_parameters.manoeuvre = manoeuvre;
+  hand_parameters.compliance = compliance;
+  hand_parameters.surface_m = scene.bed().surfaceHeight();
+  hand_parameters.period_s = 5;
+  hand_parameters.active_s = 55;  // eleven rounds, then 5 s in which everything has to come to rest
+  VirtualHand hand(hand_parameters, bed.tick_s);
+  LoopParameters loop_parameters;
+  loop_parameters.paced = false;
+  loop_parameters.duration_s = 60;
+  HapticLoop loop(scene, hand, loop_parameters, false);
+  const std::atomic<bool> stop{false};
+  EXPECT_EQ(loop.run(stop), LoopEnd::kDuration);
+  EXPECT_EQ(loop.statistics().ticks(), 60'000U);
+
+  const double half_width = bed.width_m / 2;
+  for (std::size_t i = 0; i < scene.bed().particles(); ++i) {
+    const Float4& p = scene.bed().state().position[i];
+    // NaN is outside too. Spheres overlap walls by a millimetre or two where they are pressed.
+    EXPECT_TRUE(std::abs(p.x) < half_width && std::abs(p.y) < half_width && p.z > 0 && p.z < 0.3)
+        << "particle " << i << " is lost at " << p.x << " " << p.y << " " << p.z;
+  }
+  return {stateHash(scene.bed().state()), loop.statistics().forceN().max(), scene.bed().largestSpeed(),
+          scene.bed().rebuilds()};
+}
+
+class PaperScene : public testing::TestWithParam<Manoeuvre> {};
+
+TEST_P(PaperScene, AMinuteLosesNobodyComesToRestAndIsTheSameTwice) {
+  const Outcome first = minuteOf(GetParam(), HandCompliance::kArm);
+  RecordProperty("largest_force_mn", static_cast<int>(1e3 * first.largest_force_n));
+  RecordProperty("rebuilds", static_cast<int>(first.rebuilds));
+  EXPECT_LT(first.speed_m_s, 1e-4) << "5 s after the hand has left";
+  EXPECT_GT(first.largest_force_n, 0.05) << "the hand felt nothing";
+  EXPECT_LE(first.largest_force_n, 12 + 1e-9);
+  EXPECT_GT(first.rebuilds, 20U);
+  const Outcome second = minuteOf(GetParam(), HandCompliance::kArm);
+  EXPECT_EQ(first.hash, second.hash);
+}
+
+INSTANTIATE_TEST_SUITE_P(Manoeuvres, PaperScene, testing::Values(Manoeuvre::kScoop, Manoeuvre::kStir),
+                         [](const auto& manoeuvre) { return manoeuvre.param == Manoeuvre::kScoop ? "Scoop" : "Stir"; });
+
+TEST(PaperSceneHeldRigid, AMinuteOfStirringLosesNobody) {
+  const Outcome outcome = minuteOf(Manoeuvre::kStir, HandCompliance::kRigid);
+  EXPECT_LT(outcome.speed_m_s, 1e-4);
+}
+
+}  // namespace
+}  // namespace haptolith

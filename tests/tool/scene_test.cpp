@@ -1,0 +1,116 @@
+#include "haptolith/tool/scene.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <vector>
+
+#include "haptolith/core/error.h"
+#include "haptolith/soil/presets.h"
+
+namespace haptolith {
+namespace {
+
+constexpr double kTick_s = 1e-3;
+
+BedParameters paperBed() {
+  BedParameters bed;
+  bed.soil = findPreset("P4").soil;
+  return bed;
+}
+
+/// Moves the tool's height at a constant speed and returns the unfiltered upward force in each tick.
+std::vector<double> moveTo(Scene& scene, double height_m, double speed_m_s) {
+  std::vector<double> forces;
+  const double from = scene.toolPose().position_m.z();
+  const int ticks = std::max(1, static_cast<int>(std::round(std::abs(height_m - from) / speed_m_s / kTick_s)));
+  const Twist twist{Vec3(0, 0, (height_m - from) / (ticks * kTick_s)), Vec3::Zero()};
+  for (int i = 1; i <= ticks; ++i) {
+    const Pose pose{Vec3(0, 0, from + (height_m - from) * i / ticks), Quat::Identity()};
+    EXPECT_EQ(scene.tick(pose, twist), StepStatus::kOk);
+    forces.push_back(scene.wrench().force_n.z());
+  }
+  return forces;
+}
+
+TEST(Scene, RefusesWrongPartsAndHopelessSteps) {
+  BedParameters bed = paperBed();
+  bed.width_m = -1;
+  EXPECT_THROW((Scene{bed, ToolParameters{}}), InvalidParameter);
+  ToolParameters tool;
+  tool.thickness_m = 0;
+  EXPECT_THROW((Scene{paperBed(), tool}), InvalidParameter);
+  tool = {};
+  tool.stiffness_n_m = 1e7;
+  EXPECT_THROW((Scene{paperBed(), tool}), InvalidParameter);
+}
+
+TEST(Scene, ForceRisesWithDepth) {
+  Scene scene(paperBed(), ToolParameters{});
+  const double surface = scene.bed().surfaceHeight();
+  const double touch = surface + 0.0025;  // the lower face of a shovel 5 mm thick at the surface
+  scene.placeTool({Vec3(0, 0, touch + 0.002), Quat::Identity()});
+  moveTo(scene, touch + 1e-4, 0.02);
+  const std::vector<double> forces = moveTo(scene, touch - 0.010, 0.01);  // 10 mm in a second
+  constexpr std::size_t kBins = 5;
+  double before = 0;
+  for (std::size_t bin = 0; bin < kBins; ++bin) {
+    double mean = 0;
+    const std::size_t size = forces.size() / kBins;
+    for (std::size_t i = 0; i < size; ++i) {
+      mean += forces[bin * size + i] / static_cast<double>(size);
+    }
+    EXPECT_GT(mean, before) << "bin " << bin << " of 2 mm";
+    before = mean;
+  }
+  EXPECT_GT(before, 0.1);
+  EXPECT_LT(before, 20);
+}
+
+TEST(Scene, LiftingPullsByAdhesionBeforeItLetsGo) {
+  Scene scene(paperBed(), ToolParameters{});
+  const double touch = scene.bed().surfaceHeight() + 0.0025;
+  scene.placeTool({Vec3(0, 0, touch + 0.002), Quat::Identity()});
+  moveTo(scene, touch - 0.002, 0.01);
+  moveTo(scene, touch - 0.002, 0.01);
+  const std::vector<double> lifting = moveTo(scene, touch + 0.02, 0.01);
+  EXPECT_LT(*std::min_element(lifting.begin(), lifting.end()), -1e-4);
+  // A particle that sticks weighs 4.3 mN; the zone of 14 um holds 7 mN. Whatever sticks, the force is its weight.
+  EXPECT_GT(lifting.back(), -0.1);
+}
+
+TEST(Scene, AboveTheSoilThereIsExactlyNothing) {
+  Scene scene(paperBed(), ToolParameters{});
+  scene.placeTool({Vec3(0, 0, 0.2), Quat::Identity()});
+  moveTo(scene, 0.1, 0.5);
+  EXPECT_EQ(scene.wrench().force_n, Vec3::Zero());
+  EXPECT_EQ(scene.wrench().torque_nm, Vec3::Zero());
+  const std::uint64_t with_tool = stateHash(scene.bed().state());
+  Bed alone(paperBed());
+  while (alone.state().step < scene.bed().state().step) {
+    ASSERT_EQ(alone.step(kTick_s), StepStatus::kOk);
+  }
+  EXPECT_EQ(stateHash(alone.state()), with_tool);  // and the bed does not know that there is a tool
+}
+
+TEST(Scene, SubstepsMoveTheToolInEqualPartsAndMeanTheWrench) {
+  BedParameters bed = paperBed();
+  bed.tick_s = 4e-3;  // 754 rad/s * 4 ms: four substeps
+  Scene scene(bed, ToolParameters{});
+  ASSERT_EQ(scene.substeps(), 4);
+  scene.placeTool({Vec3(0, 0, 0.2), Quat::Identity()});
+  ASSERT_EQ(scene.tick({Vec3(0, 0, 0.1), Quat::Identity()}, {}), StepStatus::kOk);
+  EXPECT_EQ(scene.bed().state().step, 4U);
+  EXPECT_EQ(scene.toolPose().position_m, Vec3(0, 0, 0.1));
+}
+
+TEST(Scene, ATornPoseEndsTheStepWithAStatus) {
+  Scene scene(paperBed(), ToolParameters{});
+  const double z = scene.bed().surfaceHeight();
+  scene.placeTool({Vec3(0, 0, z), Quat::Identity()});
+  EXPECT_EQ(scene.tick({Vec3(0, 0, z), Quat::Identity()}, {Vec3(0, 0, std::nan("")), Vec3::Zero()}),
+            StepStatus::kNotFinite);
+}
+
+}  // namespace
+}  // namespace haptolith

@@ -1,0 +1,203 @@
+#include "haptolith/tool/tool_contact.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+#include <random>
+#include <vector>
+
+#include "haptolith/tool/tool_shape.h"
+
+namespace haptolith {
+namespace {
+
+constexpr double kRadius_m = 7e-3;
+constexpr double kTick_s = 1e-3;
+const ToolParameters kShovel;
+
+// --- (paper 21) by hand: k_tool = 500 N/m, c_tool = 1.4 * 1 ms * 500 / 2 = 0.35 N s/m, 0.002 R = 14 um --------------
+
+double force(double depth_m, double closing_m_s) {
+  return toolForce(kShovel, kRadius_m, kTick_s, depth_m, closing_m_s);
+}
+
+TEST(ToolForce, IsTheSpringAndTheDamperOfTheEquation) {
+  EXPECT_NEAR(force(2e-3, 0), 1.0, 1e-12);
+  EXPECT_NEAR(force(2e-3, 0.1), 1.035, 1e-12);
+  EXPECT_NEAR(force(2e-3, -0.1), 0.965, 1e-12);
+  EXPECT_NEAR(force(1e-3, -2), 0.5 - 0.7, 1e-12);  // printed as it is: a quick retreat is held back
+}
+
+TEST(ToolForce, DampingFollowsTheStep) {
+  EXPECT_NEAR(toolForce(kShovel, kRadius_m, 0.5e-3, 0, 1), 0.175, 1e-12);
+}
+
+TEST(ToolForce, DustSticksInANarrowZoneOutsideTheTool) {
+  EXPECT_NEAR(force(-10e-6, 0), -0.005, 1e-12);
+  EXPECT_LT(force(-13.9e-6, 0), 0);
+  EXPECT_EQ(force(-14e-6, 0), 0);  // z <= -0.002 R belongs to the upper case
+  EXPECT_EQ(force(-14.1e-6, 0), 0);
+  EXPECT_EQ(force(-14.1e-6, 100), 0);
+  EXPECT_EQ(force(-1, -100), 0);
+}
+
+TEST(ToolForce, WithoutAdhesionEndsAtTheSurface) {
+  ToolParameters clean = kShovel;
+  clean.adhesion_ratio = 0;
+  EXPECT_EQ(toolForce(clean, kRadius_m, kTick_s, 0, 1), 0);
+  EXPECT_EQ(toolForce(clean, kRadius_m, kTick_s, -1e-9, 1), 0);
+  EXPECT_GT(toolForce(clean, kRadius_m, kTick_s, 1e-9, 0), 0);
+}
+
+// --- the tool against many -------------------------------------------------------------------------------------------
+
+struct Crowd {
+  BedState state;
+  std::vector<std::int8_t> side;
+  std::vector<Float4> forces;
+
+  void add(const Vec3& x, const Vec3& v = Vec3::Zero()) {
+    state.position.push_back(record(x));
+    state.velocity.push_back(record(v));
+    state.tool_side.push_back(0);
+    side.push_back(0);
+    forces.push_back({1, 2, 3, 0});  // left over from the step before
+  }
+  static Float4 record(const Vec3& v) {
+    return {static_cast<float>(v.x()), static_cast<float>(v.y()), static_cast<float>(v.z()), 0};
+  }
+  [[nodiscard]] Vec3 at(std::size_t i) const { return vec(state.position[i]); }
+  [[nodiscard]] Vec3 forceOn(std::size_t i) const { return vec(forces[i]); }
+  static Vec3 vec(const Float4& f) { return {f.x, f.y, f.z}; }
+
+  Wrench apply(const ToolParameters& tool, const Pose& pose, const Twist& twist = {}) {
+    return applyToolContact(tool, pose, twist, kRadius_m, kTick_s, state, side, forces);
+  }
+};
+
+TEST(ToolContact, OneParticleUnderTheShovel) {
+  // 8.5 mm under the centre of a level shovel at (10, 20, 30) mm, 12 mm along x: 1 mm deep, 0.5 N down on the particle.
+  Crowd crowd;
+  crowd.add(Vec3(0.022, 0.02, 0.0215));
+  const Wrench on_tool = crowd.apply(kShovel, {Vec3(0.01, 0.02, 0.03), Quat::Identity()});
+  // Floats near 30 mm are right to 2e-9 m: 1e-6 N at 500 N/m.
+  EXPECT_LT((crowd.forceOn(0) - Vec3(0, 0, -0.5)).norm(), 3e-6);
+  EXPECT_LT((on_tool.force_n - Vec3(0, 0, 0.5)).norm(), 3e-6);
+  // 0.5 N up, 12 mm along x: torque (0.012, 0, .) x (0, 0, 0.5) = (0, -6 mNm, 0).
+  EXPECT_LT((on_tool.torque_nm - Vec3(0, -6e-3, 0)).norm(), 1e-7);
+  EXPECT_EQ(crowd.side[0], -1);
+}
+
+TEST(ToolContact, TurnsWithTheTool) {
+  // The same, with the tool's z turned to the scene's x: the particle stands on the tool's upper face, towards +x.
+  const Pose upright{Vec3(0.01, 0.02, 0.03), Quat(Eigen::AngleAxisd(std::numbers::pi / 2, Vec3::UnitY()))};
+  Crowd crowd;
+  crowd.add(upright.toScene(Vec3(0.012, 0, 0.0085)));
+  const Wrench on_tool = crowd.apply(kShovel, upright);
+  EXPECT_LT((crowd.forceOn(0) - Vec3(0.5, 0, 0)).norm(), 3e-6);
+  EXPECT_LT((on_tool.force_n - Vec3(-0.5, 0, 0)).norm(), 3e-6);
+  // The tool's x is the scene's -z: lever (., 0, -12 mm) x (-0.5, 0, 0) = (0, 6 mNm, 0).
+  EXPECT_LT((on_tool.torque_nm - Vec3(0, 6e-3, 0)).norm(), 1e-7);
+  EXPECT_EQ(crowd.side[0], 1);
+}
+
+TEST(ToolContact, DampsTheVelocityOfTheTouchedPointTowardsTheParticle) {
+  // The tool turns at 10 rad/s about y: at 12 mm along x its point moves at -0.12 m/s along z, the particle at 0.03.
+  Crowd crowd;
+  crowd.add(Vec3(0.012, 0, -0.0085), Vec3(0.7, 0, -0.03));
+  const Twist twist{Vec3(0.3, 0, 0), Vec3(0, 10, 0)};
+  const Wrench on_tool = crowd.apply(kShovel, Pose{}, twist);
+  // They close at 0.12 - 0.03 = 0.09 m/s: 0.5 N + 0.35 * 0.09.
+  EXPECT_NEAR(on_tool.force_n.z(), 0.5315, 2e-6);
+  EXPECT_NEAR(on_tool.force_n.x(), 0, 1e-12);  // no friction of the tool: only along the normal
+}
+
+TEST(ToolContact, LeavesNoForceOfTheStepBefore) {
+  Crowd crowd;
+  crowd.add(Vec3(0, 0, 0.5));     // outside the enclosing sphere
+  crowd.add(Vec3(0, 0, 0.0096));  // inside it, out of touch
+  crowd.apply(kShovel, Pose{});
+  EXPECT_EQ(crowd.forceOn(0), Vec3::Zero());
+  EXPECT_EQ(crowd.forceOn(1), Vec3::Zero());
+}
+
+Crowd randomCrowd(std::uint64_t seed) {
+  std::mt19937_64 random(seed);
+  std::uniform_real_distribution<double> anywhere(-0.06, 0.06);
+  Crowd crowd;
+  for (int i = 0; i < 400; ++i) {
+    crowd.add(Vec3(anywhere(random), anywhere(random), anywhere(random)),
+              20 * Vec3(anywhere(random), anywhere(random), anywhere(random)));
+  }
+  return crowd;
+}
+
+std::vector<ToolParameters> everyShape() {
+  std::vector<ToolParameters> tools(3);
+  tools[1].shape = ToolShape::kSphere;
+  tools[2].shape = ToolShape::kPlate;
+  return tools;
+}
+
+TEST(ToolContact, ActionIsReactionInForceAndTorque) {
+  std::mt19937_64 random(3);
+  std::uniform_real_distribution<double> unit(-1, 1);
+  for (const ToolParameters& tool : everyShape()) {
+    for (std::uint64_t seed = 1; seed <= 20; ++seed) {
+      Crowd crowd = randomCrowd(seed);
+      const Quat turn = Quat(unit(random), unit(random), unit(random), unit(random)).normalized();
+      const Pose pose{0.02 * Vec3(unit(random), unit(random), unit(random)), turn};
+      const Twist twist{Vec3(unit(random), unit(random), unit(random)), Vec3(unit(random), unit(random), unit(random))};
+      const Wrench on_tool = crowd.apply(tool, pose, twist);
+      Wrench on_particles;
+      double total = 0;
+      for (std::size_t i = 0; i < crowd.forces.size(); ++i) {
+        // Forces act along the line from the touched point to the centre: there they have the same torque.
+        on_particles.add(crowd.forceOn(i), crowd.at(i) - pose.position_m);
+        total += crowd.forceOn(i).norm();
+      }
+      ASSERT_GT(total, 1);
+      // The particles' forces are floats: 6e-8 of each.
+      EXPECT_LT((on_tool.force_n + on_particles.force_n).norm(), 1e-6 * total);
+      EXPECT_LT((on_tool.torque_nm + on_particles.torque_nm).norm(), 1e-6 * total * 0.06);
+    }
+  }
+}
+
+TEST(ToolContact, TheEnclosingSphereNeverDropsAContact) {
+  std::mt19937_64 random(4);
+  std::uniform_real_distribution<double> unit(-1, 1);
+  for (const ToolParameters& tool : everyShape()) {
+    int touched = 0;
+    for (std::uint64_t seed = 1; seed <= 30; ++seed) {
+      Crowd crowd = randomCrowd(seed);
+      const Pose pose{0.01 * Vec3(unit(random), unit(random), unit(random)),
+                      Quat(unit(random), unit(random), unit(random), unit(random)).normalized()};
+      crowd.apply(tool, pose);
+      for (std::size_t i = 0; i < crowd.forces.size(); ++i) {
+        const Penetration exact = penetration(tool, pose.toBody(crowd.at(i)), kRadius_m, 0);
+        const bool touches = exact.depth_m > -tool.adhesion_ratio * kRadius_m;
+        // Within a rounding of touching (or of a force of exactly zero) either answer is right.
+        if (std::abs(exact.depth_m + tool.adhesion_ratio * kRadius_m) > 1e-9) {
+          EXPECT_EQ(crowd.forceOn(i) != Vec3::Zero() || crowd.side[i] != 0, touches) << i;
+        }
+        touched += touches ? 1 : 0;
+      }
+    }
+    EXPECT_GT(touched, 300);
+  }
+}
+
+TEST(ToolContact, TheCornerOfTheEnclosingSphereStillSticks) {
+  // Along the box's diagonal the sphere is tight: adhesion reaches 14 um beyond one radius from the corner.
+  const Vec3 corner = kShovel.size_m / 2;
+  Crowd crowd;
+  crowd.add(corner + corner.normalized() * (kRadius_m + 10e-6));
+  crowd.apply(kShovel, Pose{});
+  EXPECT_NEAR(crowd.forceOn(0).norm(), 0.005, 5e-6);
+  EXPECT_LT(crowd.forceOn(0).dot(corner), 0);
+}
+
+}  // namespace
+}  // namespace haptolith
