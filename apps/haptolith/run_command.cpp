@@ -86,13 +86,12 @@ Scenario scenarioFor(const RunOptions& options) {
 
 std::atomic<bool> stop_asked{false};
 
-/// Ctrl-C and SIGTERM end the run in good order; a second one ends the program at once.
+/// Ctrl-C and SIGTERM end the run in good order, however often they come.
 class StopOnSignal {
  public:
   StopOnSignal() {
     struct sigaction action {};
     action.sa_handler = [](int) { stop_asked = true; };
-    action.sa_flags = static_cast<int>(SA_RESETHAND);
     sigaction(SIGINT, &action, nullptr);
     sigaction(SIGTERM, &action, nullptr);
   }

@@ -367,7 +367,7 @@ TEST(Bed, EveryStatusHasAText) {
 }
 
 TEST(Bed, ABedWithoutParticlesStepsQuietly) {
-  Bed bed(onTheMoon(), {});
+  Bed bed(onTheMoon(), std::vector<Vec3>{});
   EXPECT_EQ(bed.step(kTick_s), StepStatus::kOk);
   EXPECT_EQ(bed.energy(), 0);
   EXPECT_EQ(bed.largestSpeed(), 0);
