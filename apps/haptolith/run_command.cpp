@@ -1,15 +1,15 @@
 #include "run_command.h"
 
+#include <CLI/CLI.hpp>
 #include <fmt/format.h>
+#include <nlohmann/json.hpp>
 #include <spdlog/spdlog.h>
 
-#include <CLI/CLI.hpp>
 #include <atomic>
 #include <chrono>
 #include <csignal>
 #include <map>
 #include <memory>
-#include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
 #include <thread>
@@ -142,7 +142,8 @@ class LoopThread {
 /// Everything that follows the loop from a distance: trace, history for the figure, the status line.
 class Follower {
  public:
-  Follower(const RunOptions& options, const Scenario& scenario) : scenario_(scenario), keep_history_(!options.figure_file.empty()) {
+  Follower(const RunOptions& options, const Scenario& scenario)
+      : scenario_(scenario), keep_history_(!options.figure_file.empty()) {
     if (!options.trace_file.empty()) {
       trace_.emplace(options.trace_file);
     }
@@ -163,8 +164,8 @@ class Follower {
     }
     if (loop.snapshots().update()) {
       const SceneSnapshot& now = loop.snapshots().latest();
-      if (keep_history_ && (history_.strongest.position.empty() ||
-                            now.felt.force_n.norm() > history_.strongest.felt.force_n.norm())) {
+      if (keep_history_ &&
+          (history_.strongest.position.empty() || now.felt.force_n.norm() > history_.strongest.felt.force_n.norm())) {
         history_.strongest = now;
       }
       if (status_.visible()) {
@@ -239,39 +240,40 @@ Json tickJson(const Histogram& h) {
           {"max", h.max()}};
 }
 
-Json summaryJson(const Scenario& scenario, const Scene& scene, const HapticLoop& loop,
-                           const RunSummary& summary) {
+Json summaryJson(const Scenario& scenario, const Scene& scene, const HapticLoop& loop, const RunSummary& summary) {
   const LoopStatistics& statistics = loop.statistics();
-  return {{"title", scenario.title},
-          {"preset", scenario.preset},
-          {"body", scenario.body},
-          {"particles", scene.bed().particles()},
-          {"substeps", scene.substeps()},
-          {"threads", scenario.bed.threads},
-          {"simd", simdTarget()},
-          {"ticks", statistics.ticks()},
-          {"duration_s", loop.time()},
-          {"ended", text(summary.end)},
-          {"tick_us", tickJson(statistics.tickUs())},
-          {"deadline_misses", statistics.deadlineMisses()},
-          {"success_rate_last_100", statistics.successRate()},
-          {"force_n", statisticsJson(statistics.forceN())},
-          {"torque_nm", statisticsJson(statistics.torqueNm())},
-          {"largest_speed_m_s", scene.bed().largestSpeed()},
-          {"lost_records", summary.lost_records},
-          {"state_hash", fmt::format("{:016x}", stateHash(scene.bed().state()))},
-          {"realtime",
-           {{"scheduler", summary.real_time.scheduler}, {"memory_locked", summary.real_time.memory_locked}}}};
+  return {
+      {"title", scenario.title},
+      {"preset", scenario.preset},
+      {"body", scenario.body},
+      {"particles", scene.bed().particles()},
+      {"substeps", scene.substeps()},
+      {"threads", scenario.bed.threads},
+      {"simd", simdTarget()},
+      {"ticks", statistics.ticks()},
+      {"duration_s", loop.time()},
+      {"ended", text(summary.end)},
+      {"tick_us", tickJson(statistics.tickUs())},
+      {"deadline_misses", statistics.deadlineMisses()},
+      {"success_rate_last_100", statistics.successRate()},
+      {"force_n", statisticsJson(statistics.forceN())},
+      {"torque_nm", statisticsJson(statistics.torqueNm())},
+      {"largest_speed_m_s", scene.bed().largestSpeed()},
+      {"lost_records", summary.lost_records},
+      {"state_hash", fmt::format("{:016x}", stateHash(scene.bed().state()))},
+      {"realtime", {{"scheduler", summary.real_time.scheduler}, {"memory_locked", summary.real_time.memory_locked}}}};
 }
 
-std::string summaryText(const Scenario& scenario, const Scene& scene, const HapticLoop& loop, const RunSummary& summary) {
+std::string summaryText(const Scenario& scenario, const Scene& scene, const HapticLoop& loop,
+                        const RunSummary& summary) {
   const LoopStatistics& s = loop.statistics();
   const Histogram& t = s.tickUs();
   return fmt::format(
       "{title}\n"
       "  soil       {particles} macroparticles of {radius:g} mm, {preset}, g = {g:g} m/s2, {substeps} step(s) a tick\n"
       "  time       {time:.3f} s in {ticks} ticks: {end}\n"
-      "  tick       mean {mean:.1f}  p50 {p50:.1f}  p99 {p99:.1f}  p99.9 {p999:.1f}  max {max:.1f} us ({simd}, {threads} "
+      "  tick       mean {mean:.1f}  p50 {p50:.1f}  p99 {p99:.1f}  p99.9 {p999:.1f}  max {max:.1f} us ({simd}, "
+      "{threads} "
       "thread(s))\n"
       "  deadlines  {misses} missed; {success:.0f} % of the last 100 in time; {scheduler}, memory {locked}\n"
       "  force      mean {fmean:.2f}  p99 {fp99:.2f}  max {fmax:.2f} N\n"

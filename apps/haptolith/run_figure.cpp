@@ -13,8 +13,8 @@ namespace {
 constexpr double kMm = 1e3;
 using Rows = std::vector<std::vector<double>>;
 
-/// Particles from the tool's middle to the far wall, seen from the side, the far ones first, with how near they are (0 to
-/// 1) for their shade.
+/// Particles from the tool's middle to the far wall, seen from the side, the far ones first, with how near they are (0
+/// to 1) for their shade.
 Rows particlesBehindTheCut(const SceneSnapshot& scene, double length_m) {
   const double cut = scene.scene_T_tool.position_m.y();
   Rows rows;

@@ -1,11 +1,11 @@
 #include <fmt/format.h>
 #include <gmock/gmock.h>
+#include <nlohmann/json.hpp>
 #include <unistd.h>
 
 #include <algorithm>
 #include <filesystem>
 #include <fstream>
-#include <nlohmann/json.hpp>
 #include <sstream>
 #include <string>
 #include <vector>
@@ -122,7 +122,8 @@ TEST_F(RunCommand, FigureIsDrawn) {
 
 // The plate's movement is real (scenarios/plate-in-sand.csv); the bed's answer must be force that grows with sinkage.
 TEST_F(RunCommand, PlateWithARecordedMovementFeelsForceThatGrowsWithSinkage) {
-  summaryOf(fmt::format("--unpaced --trace {} {}/scenarios/plate-in-sand.toml", file("plate.csv"), HAPTOLITH_SOURCE_DIR));
+  summaryOf(
+      fmt::format("--unpaced --trace {} {}/scenarios/plate-in-sand.toml", file("plate.csv"), HAPTOLITH_SOURCE_DIR));
   constexpr double kStartHeight_m = 0.117188 + 0.0025;  // of the plate's centre at no sinkage
   std::vector<double> sum(4), count(4);                 // in bins of 9 mm of sinkage
   const auto rows = readCsv(file("plate.csv"));
@@ -156,8 +157,8 @@ TEST_F(RunCommand, CtrlCEndsAnEndlessRunWithItsSummary) {
 TEST_F(RunCommand, ARunCutShortHasFailedButKeepsWhatItHas) {
   for (const char* signal : {"INT", "TERM"}) {
     const ProgramResult result =
-        runInShell(fmt::format("timeout --preserve-status -s {} 2 \"$HAPTOLITH\" run --duration-s 1000 --trace {}", signal,
-                               file("trace.csv")));
+        runInShell(fmt::format("timeout --preserve-status -s {} 2 \"$HAPTOLITH\" run --duration-s 1000 --trace {}",
+                               signal, file("trace.csv")));
     EXPECT_EQ(result.exit_status, 1) << signal;
     EXPECT_THAT(result.errors, HasSubstr("interrupted after"));
     EXPECT_THAT(result.errors, HasSubstr("of 1000 s"));
@@ -168,9 +169,9 @@ TEST_F(RunCommand, ARunCutShortHasFailedButKeepsWhatItHas) {
 
 TEST_F(RunCommand, AFullDiskIsAFailureAndLeavesNothingBehind) {
   // A file may not grow beyond 8 blocks of 1 KiB here; the signal for that is ignored, so that write() fails.
-  const ProgramResult result = runInShell(fmt::format(
-      "bash -c 'trap \"\" XFSZ; ulimit -f 8; exec \"$HAPTOLITH\" run --unpaced --duration-s 60 --trace {}'",
-      file("trace.csv")));
+  const ProgramResult result = runInShell(
+      fmt::format("bash -c 'trap \"\" XFSZ; ulimit -f 8; exec \"$HAPTOLITH\" run --unpaced --duration-s 60 --trace {}'",
+                  file("trace.csv")));
   EXPECT_EQ(result.exit_status, 1);
   EXPECT_THAT(result.errors, HasSubstr("cannot write"));
   EXPECT_THAT(result.errors, HasSubstr("trace.csv"));
@@ -179,8 +180,9 @@ TEST_F(RunCommand, AFullDiskIsAFailureAndLeavesNothingBehind) {
 
 TEST_F(RunCommand, AnOldTraceStaysWhenTheNewOneFails) {
   writeFile("trace.csv", "precious\n");
-  runInShell(fmt::format("bash -c 'trap \"\" XFSZ; ulimit -f 8; exec \"$HAPTOLITH\" run --unpaced --duration-s 60 --trace {}'",
-                         file("trace.csv")));
+  runInShell(
+      fmt::format("bash -c 'trap \"\" XFSZ; ulimit -f 8; exec \"$HAPTOLITH\" run --unpaced --duration-s 60 --trace {}'",
+                  file("trace.csv")));
   EXPECT_EQ(readCsv(file("trace.csv"))[0][0], "precious");
 }
 

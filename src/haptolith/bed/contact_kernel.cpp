@@ -41,10 +41,11 @@ HWY_INLINE void storeSums(V fx, V fy, V fz, V repulsion, ContactSum& sum) {
 
 #else
 
-/// Four records of every 128-bit block, one from each group of four neighbours, as one vector. Loading records whole and
-/// turning them in registers takes a third of the time of three gathers on processors whose gathers are slow.
+/// Four records of every 128-bit block, one from each group of four neighbours, as one vector. Loading records whole
+/// and turning them in registers takes a third of the time of three gathers on processors whose gathers are slow.
 template <class AnyD>
-HWY_INLINE hn::Vec<AnyD> loadRecords(AnyD d, const Float4* HWY_RESTRICT records, const std::int32_t* HWY_RESTRICT index) {
+HWY_INLINE hn::Vec<AnyD> loadRecords(AnyD d, const Float4* HWY_RESTRICT records,
+                                     const std::int32_t* HWY_RESTRICT index) {
   if constexpr (hn::MaxLanes(d) == 4) {
     return hn::Load(d, &records[index[0]].x);
   } else {
@@ -70,7 +71,7 @@ HWY_INLINE Positions loadPositions(const Float4* HWY_RESTRICT position, const st
 
 /// Folds a vector's 128-bit blocks onto each other.
 template <class AnyD>
-HWY_INLINE hn::Vec<hn::FixedTag<float, 4>> foldedBlocks(AnyD d, hn::Vec<AnyD> v) {
+HWY_INLINE hn::Vec<hn::FixedTag<float, 4> > foldedBlocks(AnyD d, hn::Vec<AnyD> v) {
   if constexpr (hn::MaxLanes(d) == 4) {
     return v;
   } else {
@@ -208,7 +209,9 @@ bool listNeighboursOf(const CellGrid& grid, const Candidates& candidates, const 
   return true;
 }
 
-const char* targetName() { return hwy::TargetName(HWY_TARGET); }
+const char* targetName() {
+  return hwy::TargetName(HWY_TARGET);
+}
 
 }  // namespace haptolith::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();
@@ -222,7 +225,7 @@ HWY_EXPORT(targetName);
 
 KernelLaw kernelLaw(const ContactLaw& law, double radius_m) {
   const auto f = [](double value) { return static_cast<float>(value); };
-  return {f(law.gamma_nm), f(law.a_min_m),  f(law.a_thr_m), f(law.h_n),
+  return {f(law.gamma_nm),      f(law.a_min_m),  f(law.a_thr_m), f(law.h_n),
           f(law.stiffness_n_m), f(law.cutoff_m), f(2 * radius_m)};
 }
 
@@ -236,7 +239,9 @@ bool listNeighbours(const CellGrid& grid, const Candidates& candidates, const Fl
   return HWY_DYNAMIC_DISPATCH(listNeighboursOf)(grid, candidates, position, reach_m, capacity, neighbours);
 }
 
-const char* simdTarget() noexcept { return HWY_DYNAMIC_DISPATCH(targetName)(); }
+const char* simdTarget() noexcept {
+  return HWY_DYNAMIC_DISPATCH(targetName)();
+}
 
 }  // namespace haptolith
 #endif  // HWY_ONCE

@@ -25,8 +25,8 @@ struct KernelLaw {
 };
 [[nodiscard]] KernelLaw kernelLaw(const ContactLaw& law, double radius_m);
 
-/// Who is near whom: particle i's neighbours are index[begin[i]] to index[end[i] - 1], whole blocks, the last one filled
-/// up with the ghost.
+/// Who is near whom: particle i's neighbours are index[begin[i]] to index[end[i] - 1], whole blocks, the last one
+/// filled up with the ghost.
 struct Neighbours {
   std::int32_t* index;
   std::uint32_t *begin, *end;

@@ -21,14 +21,14 @@ int substepsFor(const SoilParameters& soil, double tool_stiffness_n_m, double ti
   if (!(needed <= max_substeps)) {
     const double allowed = std::pow(max_substeps * kLargestPhase / tick_s, 2) * macroparticleMass(soil);
     const double softest = (allowed - tool_stiffness_n_m) / 10;
-    throw InvalidParameter("stiffness_n_m", fmt::format("{:g}", soil.stiffness_n_m),
-                           softest > 0 ? fmt::format("<= {:.4g} for macroparticles of {:g} mm ({:g} g), which would "
-                                                     "else need {:g} substeps a tick (max_substeps = {})",
-                                                     softest, 1e3 * soil.radius_m, 1e3 * macroparticleMass(soil),
-                                                     needed, max_substeps)
-                                       : fmt::format("paired with a softer tool, larger macroparticles or more "
-                                                     "substeps: {:g} would be needed (max_substeps = {})",
-                                                     needed, max_substeps));
+    throw InvalidParameter(
+        "stiffness_n_m", fmt::format("{:g}", soil.stiffness_n_m),
+        softest > 0 ? fmt::format("<= {:.4g} for macroparticles of {:g} mm ({:g} g), which would "
+                                  "else need {:g} substeps a tick (max_substeps = {})",
+                                  softest, 1e3 * soil.radius_m, 1e3 * macroparticleMass(soil), needed, max_substeps)
+                    : fmt::format("paired with a softer tool, larger macroparticles or more "
+                                  "substeps: {:g} would be needed (max_substeps = {})",
+                                  needed, max_substeps));
   }
   return std::max(1, static_cast<int>(needed));
 }

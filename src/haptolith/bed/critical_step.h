@@ -12,7 +12,8 @@ namespace haptolith {
 /// answers like a mirror image and so twice as stiffly; k_tool: the tool's contact (paper 21), 0 without a tool.
 [[nodiscard]] double highestFrequency(const SoilParameters& soil, double tool_stiffness_n_m);
 
-/// Number of equal substeps of `tick_s` that keep dt * omega at or below 1, half of the semi-implicit step's limit of 2.
+/// Number of equal substeps of `tick_s` that keep dt * omega at or below 1, half of the semi-implicit step's limit
+/// of 2.
 /// @throws InvalidParameter when more than `max_substeps` would be needed, naming the stiffness that would do.
 [[nodiscard]] int substepsFor(const SoilParameters& soil, double tool_stiffness_n_m, double tick_s, int max_substeps);
 

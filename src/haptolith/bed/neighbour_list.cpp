@@ -9,8 +9,8 @@ namespace haptolith {
 
 namespace {
 
-// On average a particle of a close packing has 12 neighbours in contact and 6 more within reach: two blocks. The list has
-// room for six blocks each, and for all pairs of a small bed however it collapses.
+// On average a particle of a close packing has 12 neighbours in contact and 6 more within reach: two blocks. The list
+// has room for six blocks each, and for all pairs of a small bed however it collapses.
 constexpr std::size_t kBlocksPerParticle = 6;
 
 std::size_t capacityFor(std::size_t particles) {
@@ -23,8 +23,8 @@ std::size_t capacityFor(std::size_t particles) {
 
 NeighbourList::NeighbourList(std::size_t particles, double reach_m, double width_m, double length_m)
     : particles_(particles), reach_m_(static_cast<float>(reach_m)) {
-  // Cells of one reach; a little more, so that rounding never puts a neighbour two cells away. Never many more cells than
-  // particles: a coarser grid is slower but right.
+  // Cells of one reach; a little more, so that rounding never puts a neighbour two cells away. Never many more cells
+  // than particles: a coarser grid is slower but right.
   const double floor_cells = std::max(1.0, width_m * length_m / (reach_m * reach_m));
   const double coarser = std::max(1.0, std::sqrt(floor_cells / (static_cast<double>(particles) + 64)));
   const double cell_m = reach_m * 1.0001 * coarser;

@@ -41,8 +41,8 @@ class NeighbourList {
   int nx_, ny_, nz_;
   std::vector<std::uint32_t> cell_begin_;  // nx * ny * nz + 1, x fastest: three cells side by side are one range
   std::vector<std::uint32_t> cell_of_;
-  std::vector<float> x_, y_, z_;           // positions in order of cells, padded by one block
-  std::vector<std::int32_t> particle_at_;  // which particle stands there
+  std::vector<float> x_, y_, z_;                 // positions in order of cells, padded by one block
+  std::vector<std::int32_t> particle_at_;        // which particle stands there
   std::vector<float> near_x_, near_y_, near_z_;  // scratch: the particles of 27 cells
   std::vector<std::int32_t> near_particle_;
   std::vector<std::uint32_t> begin_, end_;

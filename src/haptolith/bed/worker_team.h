@@ -18,8 +18,8 @@ class WorkerTeam {
 
   [[nodiscard]] int size() const noexcept { return size_; }
 
-  /// Calls `work(context, part, parts)` once for every part in 0..parts-1, part 0 on the calling thread, and returns when
-  /// all are done. May be called in the tick.
+  /// Calls `work(context, part, parts)` once for every part in 0..parts-1, part 0 on the calling thread, and returns
+  /// when all are done. May be called in the tick.
   using Work = void (*)(void* context, int part, int parts) noexcept;
   void run(Work work, void* context) noexcept;
 

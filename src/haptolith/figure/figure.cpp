@@ -119,8 +119,8 @@ Figure::Figure(const std::filesystem::path& path, int width_px, int height_px) {
   const std::string terminal = terminalFor(path, width_px, height_px);
   runGnuplot("");  // before anyone computes for minutes: is it there?
   process_.reset(new Process{AtomicFile(path), path.string(), {}});
-  command(fmt::format("set terminal {}\nset output {}", terminal,
-                      gnuplotQuoted(process_->file.temporaryPath().string())));
+  command(
+      fmt::format("set terminal {}\nset output {}", terminal, gnuplotQuoted(process_->file.temporaryPath().string())));
   command(kStyle);
 }
 

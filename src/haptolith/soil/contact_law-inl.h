@@ -24,11 +24,15 @@ struct LawOf {
 };
 
 // Highway's Max for single numbers, so that one expression serves both.
-inline double Max(double a, double b) { return std::max(a, b); }
-inline float Max(float a, float b) { return std::max(a, b); }
+inline double Max(double a, double b) {
+  return std::max(a, b);
+}
+inline float Max(float a, float b) {
+  return std::max(a, b);
+}
 
-/// F(a) without its cutoff (paper 7). Both branches in one expression: below a_thr the hyperbola is held at a_thr and the
-/// line k (a_thr - a) is added; above it the line is zero.
+/// F(a) without its cutoff (paper 7). Both branches in one expression: below a_thr the hyperbola is held at a_thr and
+/// the line k (a_thr - a) is added; above it the line is zero.
 template <class Real>
 HWY_INLINE Real uncutContactForce(const LawOf<Real>& law, Real a) {
   const Real held = Max(a, law.a_thr);

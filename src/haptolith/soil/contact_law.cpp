@@ -43,8 +43,8 @@ double contactEnergy(const ContactLaw& law, double a_m) noexcept {
     return 0;
   }
   const double held = std::max(a_m, law.a_thr_m);
-  const double hyperbola = law.gamma_nm * std::log((law.cutoff_m - law.a_min_m) / (held - law.a_min_m)) -
-                           law.h_n * (law.cutoff_m - held);
+  const double hyperbola =
+      law.gamma_nm * std::log((law.cutoff_m - law.a_min_m) / (held - law.a_min_m)) - law.h_n * (law.cutoff_m - held);
   const double line = held - a_m;
   return hyperbola + contactForce(law, held) * line + law.stiffness_n_m / 2 * line * line;
 }

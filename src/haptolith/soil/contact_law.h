@@ -35,8 +35,8 @@ struct ContactLaw {
 /// The centre distance in m at which two particles repel with `force_n` >= 0: F(a) solved for a.
 [[nodiscard]] double distanceAtForce(const ContactLaw& law, double force_n) noexcept;
 
-/// What a flat wall does to a particle: it answers like the particle's mirror image, so F is taken at twice the distance
-/// to the wall, and only repels. A layer on the floor is then as stiff as a layer on a layer.
+/// What a flat wall does to a particle: it answers like the particle's mirror image, so F is taken at twice the
+/// distance to the wall, and only repels. A layer on the floor is then as stiff as a layer on a layer.
 [[nodiscard]] ContactLaw wallLaw(const ContactLaw& law, double radius_m) noexcept;
 
 }  // namespace haptolith

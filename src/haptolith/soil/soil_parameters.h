@@ -4,13 +4,13 @@ namespace haptolith {
 
 /// The soil as its macroparticles see it: one row of the paper's Table II and the constants the paper fixes once.
 struct SoilParameters {
-  double radius_m = 7e-3;           ///< R, radius of a macroparticle
-  double gamma_nm = 4e-5;           ///< gamma of the contact law (paper 7), N m
-  double rho0_kg_m3 = 1330;         ///< bulk density at the surface
-  double rho_max_kg_m3 = 1824;      ///< bulk density at which the contact force would diverge (paper 8)
-  double mu_hat = 0.342;            ///< model friction (paper 14)
-  double stiffness_n_m = 100;       ///< k, limiting stiffness (paper 7); infinity is allowed in the layer analysis only
-  double attraction_ratio = 1.1;    ///< R_attr / R (paper 19); 1 switches attraction off
+  double radius_m = 7e-3;         ///< R, radius of a macroparticle
+  double gamma_nm = 4e-5;         ///< gamma of the contact law (paper 7), N m
+  double rho0_kg_m3 = 1330;       ///< bulk density at the surface
+  double rho_max_kg_m3 = 1824;    ///< bulk density at which the contact force would diverge (paper 8)
+  double mu_hat = 0.342;          ///< model friction (paper 14)
+  double stiffness_n_m = 100;     ///< k, limiting stiffness (paper 7); infinity is allowed in the layer analysis only
+  double attraction_ratio = 1.1;  ///< R_attr / R (paper 19); 1 switches attraction off
   double moving_friction_ratio = 0.8;  ///< lambda, moving over static friction (paper 14)
 };
 
