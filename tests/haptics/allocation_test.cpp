@@ -3,8 +3,10 @@
 #include <gtest/gtest.h>
 
 #include <atomic>
+#include <cstddef>
 #include <cstdlib>
 #include <new>
+#include <vector>
 
 #include "haptolith/device/virtual_hand.h"
 #include "haptolith/haptics/haptic_loop.h"
@@ -22,6 +24,14 @@ void* counted(std::size_t bytes, std::size_t alignment) {
   throw std::bad_alloc();
 }
 constexpr std::size_t kUsual = alignof(std::max_align_t);
+
+void* countedOrNull(std::size_t bytes) noexcept {
+  try {
+    return counted(bytes, kUsual);
+  } catch (const std::bad_alloc&) {
+    return nullptr;
+  }
+}
 }  // namespace
 
 void* operator new(std::size_t bytes) {
@@ -35,6 +45,12 @@ void* operator new(std::size_t bytes, std::align_val_t a) {
 }
 void* operator new[](std::size_t bytes, std::align_val_t a) {
   return counted(bytes, static_cast<std::size_t>(a));
+}
+void* operator new(std::size_t bytes, const std::nothrow_t&) noexcept {
+  return countedOrNull(bytes);
+}
+void* operator new[](std::size_t bytes, const std::nothrow_t&) noexcept {
+  return countedOrNull(bytes);
 }
 void operator delete(void* memory) noexcept {
   std::free(memory);
