@@ -14,8 +14,9 @@ namespace haptolith {
 
 namespace {
 
-/// Extra reach of the neighbour list in radii. Larger: longer lists for every step; smaller: more rebuilds while digging.
-/// At 0.5 the next shell of a close packing (2 sqrt(2) R) stays just outside, so most particles need one block only.
+/// Extra reach of the neighbour list in radii. Larger: longer lists for every step; smaller: more rebuilds while
+/// digging. At 0.5 the next shell of a close packing (2 sqrt(2) R) stays just outside, so most particles need one block
+/// only.
 constexpr double kSkinRadii = 0.5;
 
 /// A thread is worth waking for at least this many particles.
@@ -147,7 +148,8 @@ void Bed::advancePart(int part, int parts) noexcept {
   const std::size_t n = particles();
   const std::size_t first = n * static_cast<std::size_t>(part) / static_cast<std::size_t>(parts);
   const std::size_t last = n * (static_cast<std::size_t>(part) + 1) / static_cast<std::size_t>(parts);
-  sumContacts(kernel_law_, state_.position.data(), neighbours_.indices(), neighbours_.begins(), first, last, sums_.data());
+  sumContacts(kernel_law_, state_.position.data(), neighbours_.indices(), neighbours_.begins(), first, last,
+              sums_.data());
 
   Part result;
   for (std::size_t i = first; i < last; ++i) {
@@ -221,8 +223,9 @@ void Bed::settle(double dt_s, double longest_s, const std::function<bool(double)
   }
   friction_on_ = true;
   if (!calm && !stopped) {
-    throw Failure(fmt::format("the bed did not come to rest within {:g} s: its fastest particle still moves at {:.2g} m/s",
-                              longest_s, largestSpeed()));
+    throw Failure(
+        fmt::format("the bed did not come to rest within {:g} s: its fastest particle still moves at {:.2g} m/s",
+                    longest_s, largestSpeed()));
   }
   std::fill(state_.velocity.begin(), state_.velocity.end(), Float4{});
   state_.step = 0;
@@ -239,8 +242,8 @@ double Bed::energy() const {
     const Vec3 x = at(i);
     const Float4& v = state_.velocity[i];
     energy += mass_kg_ / 2 * Vec3(v.x, v.y, v.z).squaredNorm() - mass_kg_ * parameters_.gravity_m_s2.dot(x);
-    for (const double distance : {x.z(), parameters_.width_m / 2 - std::abs(x.x()),
-                                  parameters_.length_m / 2 - std::abs(x.y())}) {
+    for (const double distance :
+         {x.z(), parameters_.width_m / 2 - std::abs(x.x()), parameters_.length_m / 2 - std::abs(x.y())}) {
       energy += contactEnergy(wall_law_, 2 * distance) / 2;  // half: the mirror image moves as far as the particle
     }
     for (std::uint32_t s = neighbours_.begin(i); s < neighbours_.begin(i + 1); ++s) {

@@ -35,8 +35,8 @@ class Bed {
   /// They count as load, not as contact between macroparticles: they raise no friction (paper 14).
   [[nodiscard]] std::vector<Float4>& externalForces() noexcept { return external_; }
 
-  /// One semi-implicit step of `dt_s`: forces at the present positions, velocities, then positions. May be called in the
-  /// tick. `dt_s` must be a stable step: see substepsFor() in critical_step.h.
+  /// One semi-implicit step of `dt_s`: forces at the present positions, velocities, then positions. May be called in
+  /// the tick. `dt_s` must be a stable step: see substepsFor() in critical_step.h.
   [[nodiscard]] StepStatus step(double dt_s) noexcept;
 
   /// Lets the particles fall and come to rest without friction, then stops them where they are and sets the step count
@@ -62,8 +62,8 @@ class Bed {
   [[nodiscard]] std::vector<std::int8_t>& toolSides() noexcept { return state_.tool_side; }
   [[nodiscard]] std::uint64_t rebuilds() const noexcept { return rebuilds_; }
 
-  /// Goes on from `state` bit for bit. Not for the tick. @throws InvalidParameter when it has another number of particles,
-  /// holds what is no number, or has collapsed; the bed is then as it was.
+  /// Goes on from `state` bit for bit. Not for the tick. @throws InvalidParameter when it has another number of
+  /// particles, holds what is no number, or has collapsed; the bed is then as it was.
   void restore(const BedState& state);
 
  private:

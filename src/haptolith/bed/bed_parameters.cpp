@@ -6,7 +6,8 @@ namespace haptolith {
 
 void validate(const BedParameters& bed) {
   validate(bed.soil);
-  requireInRange("stiffness_n_m", bed.soil.stiffness_n_m, {});  // the analysis of layers may have it infinite, a bed not
+  requireInRange("stiffness_n_m", bed.soil.stiffness_n_m,
+                 {});  // the analysis of layers may have it infinite, a bed not
   const double diameter = 2 * bed.soil.radius_m;
   requireInRange("gravity_m_s2", bed.gravity_m_s2.norm(), {0, 1000});
   requireInRange("width_m", bed.width_m, {diameter, 100});

@@ -22,13 +22,13 @@ struct BedParameters {
   double length_m = 0.126;  ///< along y
 
   BedStart start = BedStart::kCount;
-  int particles = 256;      ///< kCount, kRain
-  int layers = 3;           ///< kCount
-  double depth_m = 0.04;    ///< kPacked: height of the undisturbed soil
-  std::uint64_t seed = 1;   ///< kRain
+  int particles = 256;     ///< kCount, kRain
+  int layers = 3;          ///< kCount
+  double depth_m = 0.04;   ///< kPacked: height of the undisturbed soil
+  std::uint64_t seed = 1;  ///< kRain
 
   double tick_s = 1e-3;
-  int max_substeps = 32;    ///< a tick that would need more is refused
+  int max_substeps = 32;  ///< a tick that would need more is refused
   int threads = 1;
 };
 

@@ -122,7 +122,9 @@ Lattice squeezedToHold(const BedParameters& bed, std::size_t particles) {
   return found;
 }
 
-double weightAlongZ(const BedParameters& bed) { return std::max(0.0, -bed.gravity_m_s2.z()); }
+double weightAlongZ(const BedParameters& bed) {
+  return std::max(0.0, -bed.gravity_m_s2.z());
+}
 
 /// Heights of the layers' centres above the floor, lowest first, under their own weight.
 std::vector<double> layerHeights(const BedParameters& bed, const Lattice& lattice, int layers) {

@@ -9,9 +9,9 @@ namespace haptolith {
 /// Centres of the particles of a bed that is about to start, in m, lowest layer first.
 ///
 /// kPacked: close packing, layers spaced as the analysis (paper 6) puts them under their own weight. kCount: the same
-/// with exactly `particles` in `layers` layers; where the undeformed packing has fewer places, it is squeezed sideways as
-/// little as possible, and places left over are taken from the rim of the top layer. kRain: loosely above the floor, to be
-/// settled.
+/// with exactly `particles` in `layers` layers; where the undeformed packing has fewer places, it is squeezed sideways
+/// as little as possible, and places left over are taken from the rim of the top layer. kRain: loosely above the floor,
+/// to be settled.
 /// @throws InvalidParameter when the particles do not fit.
 [[nodiscard]] std::vector<Vec3> startingCentres(const BedParameters& bed);
 
