@@ -22,8 +22,15 @@ constexpr double kSkinRadii = 0.5;
 /// A thread is worth waking for at least this many particles.
 constexpr std::size_t kParticlesPerThread = 512;
 
-/// Simulated time after which a falling bed that still moves is given up.
-constexpr double kLongestSettling_s = 60;
+/// Simulated time after which falling particles that still move are given up. Free fall takes a second or two, but once
+/// they touch, damping (paper 20) lets them sink at no more than 2 m g / (p k dt), p = 12, and a deep bed sinks far.
+double longestSettling(const BedParameters& bed, double height_m, double dt_s) {
+  constexpr double kCalmingDown_s = 60;
+  constexpr double kMargin = 3;
+  const double sinking_m_s =
+      2 * macroparticleMass(bed.soil) * bed.gravity_m_s2.norm() / (12 * bed.soil.stiffness_n_m * dt_s);
+  return kCalmingDown_s + (sinking_m_s > 0 ? kMargin * height_m / sinking_m_s : 0);
+}
 
 constexpr Float4 kGhost{1e9F, 1e9F, 1e9F, 0};
 
@@ -77,7 +84,8 @@ Bed::Bed(const BedParameters& parameters, const SettleProgress& progress)
     : Bed(parameters, startingCentres(parameters)) {
   if (parameters.start == BedStart::kRain) {
     const int substeps = substepsFor(parameters.soil, 0, parameters.tick_s, parameters.max_substeps);
-    settle(parameters.tick_s / substeps, kLongestSettling_s, progress);
+    const double dt_s = parameters.tick_s / substeps;
+    settle(dt_s, longestSettling(parameters, surfaceHeight(), dt_s), progress);
   }
 }
 

@@ -14,9 +14,9 @@ namespace {
 constexpr std::size_t kBlocksPerParticle = 6;
 
 std::size_t capacityFor(std::size_t particles) {
-  constexpr std::size_t block = kNeighbourBlock;
-  const std::size_t all_blocks = (particles + block - 1) / block + 1;
-  return particles * block * std::min(all_blocks, kBlocksPerParticle) + particles + 3 * block;
+  constexpr std::size_t kBlock = kNeighbourBlock;
+  const std::size_t all_blocks = (particles + kBlock - 1) / kBlock + 1;
+  return particles * kBlock * std::min(all_blocks, kBlocksPerParticle) + particles + 3 * kBlock;
 }
 
 }  // namespace
