@@ -220,6 +220,10 @@ void Bed::settle(double dt_s, double longest_s, const SettleProgress& progress) 
   constexpr double kAtRest_m_s = 1e-4;
   constexpr int kStepsBetweenLooks = 100;
   friction_on_ = false;
+  const struct FrictionAgain {  // however this ends
+    bool& on;
+    ~FrictionAgain() { on = true; }
+  } friction_again{friction_on_};
   double time_s = 0;
   double speed = 0;
   do {
@@ -240,7 +244,6 @@ void Bed::settle(double dt_s, double longest_s, const SettleProgress& progress) 
       throw Failure(fmt::format("interrupted while the bed settled, after {:.1f} s of simulated time", time_s));
     }
   } while (speed > kAtRest_m_s);
-  friction_on_ = true;
   std::fill(state_.velocity.begin(), state_.velocity.end(), Float4{});
   state_.step = 0;
 }
