@@ -71,8 +71,11 @@ struct Crowd {
   [[nodiscard]] Vec3 forceOn(std::size_t i) const { return vec(forces[i]); }
   static Vec3 vec(const Float4& f) { return {f.x, f.y, f.z}; }
 
-  Wrench apply(const ToolParameters& tool, const Pose& pose, const Twist& twist = {}) {
+  ToolReaction react(const ToolParameters& tool, const Pose& pose, const Twist& twist = {}) {
     return applyToolContact(tool, pose, twist, kRadius_m, kTick_s, state, side, forces);
+  }
+  Wrench apply(const ToolParameters& tool, const Pose& pose, const Twist& twist = {}) {
+    return react(tool, pose, twist).wrench;
   }
 };
 
@@ -197,6 +200,26 @@ TEST(ToolContact, TheCornerOfTheEnclosingSphereStillSticks) {
   crowd.apply(kShovel, Pose{});
   EXPECT_NEAR(crowd.forceOn(0).norm(), 0.005, 5e-6);
   EXPECT_LT(crowd.forceOn(0).dot(corner), 0);
+}
+
+TEST(ToolContact, StiffnessIsHowTheForceChangesWhenTheToolMoves) {
+  // One particle over the tilted large face, one at the rim: two normals that are neither parallel nor upright.
+  const Quat tilt(Eigen::AngleAxisd(0.4, Vec3(1, 2, 0.5).normalized()));
+  const Vec3 over(0.005, 0.004, 0.0025 + 0.9 * kRadius_m);
+  const Vec3 beside(0.025 + 0.8 * kRadius_m, 0.003, 0.001);
+  Crowd crowd;
+  crowd.add(tilt * over);
+  crowd.add(tilt * beside);
+  const Eigen::Matrix3d stiffness = crowd.react(kShovel, {Vec3::Zero(), tilt}).stiffness_n_m;
+  EXPECT_GT(stiffness.norm(), kShovel.stiffness_n_m);
+  constexpr double kMove_m = 1e-6;
+  for (int axis = 0; axis < 3; ++axis) {
+    const Vec3 move = kMove_m * Vec3::Unit(axis);
+    const Vec3 after = crowd.apply(kShovel, {move, tilt}).force_n;
+    const Vec3 before = crowd.apply(kShovel, {-move, tilt}).force_n;
+    // The rim's normal turns a little with the move: second order, 1e-3 of a face's 500 N/m.
+    EXPECT_LT(((after - before) / (2 * kMove_m) + stiffness * Vec3::Unit(axis)).norm(), 1e-2 * kShovel.stiffness_n_m);
+  }
 }
 
 }  // namespace

@@ -60,6 +60,7 @@ HapticLoop::HapticLoop(Scene& scene, HapticDevice& device, const LoopParameters&
       parameters_(parameters),
       keep_records_(keep_records),
       filter_(parameters.filter_cutoff_hz, parameters.tick_s),
+      quick_movement_(parameters.tick_s),
       records_(kRecordsInFlight),
       snapshots_(emptySnapshot(scene)) {
   validate(parameters);
@@ -84,7 +85,9 @@ LoopEnd HapticLoop::tick() noexcept {
     device_.write(Wrench{});
     return status == StepStatus::kOk ? LoopEnd::kNotFinite : endFor(status);
   }
-  const Wrench felt = limited(filter_.step(scene_.wrench()), device_.limits());
+  const Vec3 own_change_n =
+      -parameters_.tick_s * scene_.contactStiffness() * quick_movement_.step(hand.twist.linear_m_s);
+  const Wrench felt = limited(filter_.step(scene_.wrench(), own_change_n), device_.limits());
   device_.write(felt);
   publish(hand, felt);
 

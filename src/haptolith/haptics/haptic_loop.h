@@ -84,6 +84,7 @@ class HapticLoop {
   LoopParameters parameters_;
   bool keep_records_;
   WrenchFilter filter_;
+  QuickMovement quick_movement_;
   LoopStatistics statistics_;
   std::int64_t deadline_ns_ = 0;  ///< when the present tick has to be done; 0 when nobody paces
   boost::lockfree::spsc_queue<TickRecord> records_;

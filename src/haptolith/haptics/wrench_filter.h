@@ -17,12 +17,33 @@ class WrenchFilter {
   /// @param cutoff_hz  above 0, at most half the tick rate. @throws InvalidParameter.
   WrenchFilter(double cutoff_hz, double tick_s);
 
-  /// May be called in the tick.
-  const Wrench& step(const Wrench& input) noexcept;
+  /// @param own_change_n  change of force in this tick that the hand's own quick movement explains (see QuickMovement);
+  ///                      it passes at once, the rest of the change is filtered. May be called in the tick.
+  const Wrench& step(const Wrench& input, const Vec3& own_change_n = Vec3::Zero()) noexcept;
 
  private:
   double share_;
   Wrench output_;
+};
+
+/// The quick part of a movement: velocity through a high-pass of second order at 6 Hz, two of first order in a row.
+///
+/// A low-pass between soil and hand delays the answer to the hand's own movement. Against n contacts of stiffness
+/// k_tool that delay acts like negative damping, -n k_tool / (2 pi f_c), more than an arm has: a shovel between
+/// compacted particles would shake by itself. But this answer need not be waited for: it is -stiffness times the
+/// movement. Only quick movements count, because when the hand pushes on the soil gives way and the force does not
+/// grow: counting slow ones would feel like honey. Of stirring at 1 Hz this lets 3 % through, of shaking at 20 Hz 88 %.
+class QuickMovement {
+ public:
+  explicit QuickMovement(double tick_s) noexcept;
+
+  /// The quick part of `velocity_m_s`. May be called in the tick.
+  [[nodiscard]] Vec3 step(const Vec3& velocity_m_s) noexcept;
+
+ private:
+  double share_;
+  Vec3 slow_m_s_ = Vec3::Zero();       ///< low-pass of the velocity
+  Vec3 less_slow_m_s_ = Vec3::Zero();  ///< low-pass of what that leaves
 };
 
 /// `wrench` with force and torque shortened to what the device can show; directions stay. May be called in the tick.

@@ -34,10 +34,11 @@ StepStatus Scene::tick(const Pose& scene_T_tool, const Twist& twist) noexcept {
   StepStatus status = StepStatus::kOk;
   for (int substep = 1; substep <= substeps_ && status == StepStatus::kOk; ++substep) {
     const Pose pose = between(from, scene_T_tool, static_cast<double>(substep) / substeps_);
-    const Wrench now =
+    const ToolReaction now =
         applyToolContact(tool_, pose, twist, radius, dt, bed_.state(), bed_.toolSides(), bed_.externalForces());
-    sum.force_n += now.force_n;
-    sum.torque_nm += now.torque_nm;
+    sum.force_n += now.wrench.force_n;
+    sum.torque_nm += now.wrench.torque_nm;
+    stiffness_n_m_ = now.stiffness_n_m;
     status = bed_.step(dt);
   }
   tool_pose_ = scene_T_tool;

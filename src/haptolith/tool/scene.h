@@ -19,6 +19,9 @@ class Scene {
   /// Force and torque of the soil on the tool over the last tick, about the tool's origin, scene frame, unfiltered.
   [[nodiscard]] const Wrench& wrench() const noexcept { return wrench_; }
 
+  /// How the force changes with the tool's place at the end of the last tick: see ToolReaction.
+  [[nodiscard]] const Eigen::Matrix3d& contactStiffness() const noexcept { return stiffness_n_m_; }
+
   /// Puts the tool somewhere without moving it there.
   void placeTool(const Pose& scene_T_tool) noexcept { tool_pose_ = scene_T_tool; }
 
@@ -34,6 +37,7 @@ class Scene {
   Bed bed_;
   Pose tool_pose_;
   Wrench wrench_;
+  Eigen::Matrix3d stiffness_n_m_ = Eigen::Matrix3d::Zero();
 };
 
 }  // namespace haptolith

@@ -13,9 +13,9 @@ double toolForce(const ToolParameters& tool, double radius_m, double dt_s, doubl
   return tool.stiffness_n_m * depth_m + damping * closing_m_s;
 }
 
-Wrench applyToolContact(const ToolParameters& tool, const Pose& scene_T_tool, const Twist& twist, double radius_m,
-                        double dt_s, const BedState& state, std::vector<std::int8_t>& tool_side,
-                        std::vector<Float4>& forces) noexcept {
+ToolReaction applyToolContact(const ToolParameters& tool, const Pose& scene_T_tool, const Twist& twist, double radius_m,
+                              double dt_s, const BedState& state, std::vector<std::int8_t>& tool_side,
+                              std::vector<Float4>& forces) noexcept {
   const double reach = enclosingRadius(tool) + (1 + tool.adhesion_ratio) * radius_m;
   const auto reach_squared = static_cast<float>(reach * reach);
   const auto tool_x = static_cast<float>(scene_T_tool.position_m.x());
@@ -23,7 +23,7 @@ Wrench applyToolContact(const ToolParameters& tool, const Pose& scene_T_tool, co
   const auto tool_z = static_cast<float>(scene_T_tool.position_m.z());
   const Eigen::Matrix3d rotation = scene_T_tool.orientation.toRotationMatrix();
 
-  Wrench on_tool;
+  ToolReaction reaction;
   for (std::size_t i = 0; i < state.particles(); ++i) {
     const Float4& p = state.position[i];
     const float dx = p.x - tool_x;
@@ -47,10 +47,11 @@ Wrench applyToolContact(const ToolParameters& tool, const Pose& scene_T_tool, co
       const Vec3 on_particle = push * outward;
       forces[i] = {static_cast<float>(on_particle.x()), static_cast<float>(on_particle.y()),
                    static_cast<float>(on_particle.z()), 0};
-      on_tool.add(-on_particle, point);
+      reaction.wrench.add(-on_particle, point);
+      reaction.stiffness_n_m += tool.stiffness_n_m * outward * outward.transpose();
     }
   }
-  return on_tool;
+  return reaction;
 }
 
 }  // namespace haptolith

@@ -19,14 +19,21 @@ namespace haptolith {
 [[nodiscard]] double toolForce(const ToolParameters& tool, double radius_m, double dt_s, double depth_m,
                                double closing_m_s) noexcept;
 
-/// The tool against all particles: writes their forces to `forces` and returns the reaction on the tool about its
-/// origin, scene frame. Particles outside the tool's enclosing sphere are passed over without an exact test. May be
-/// called in the tick.
+/// What the soil does to the tool.
+struct ToolReaction {
+  Wrench wrench;  ///< about the tool's origin, scene frame
+  /// How the force changes when the tool moves by dx and no particle does: dF = -stiffness dx. The sum of
+  /// k_tool n n^T over the contacts with normals n, in N/m, scene frame.
+  Eigen::Matrix3d stiffness_n_m = Eigen::Matrix3d::Zero();
+};
+
+/// The tool against all particles: writes their forces to `forces` and returns the reaction on the tool. Particles
+/// outside the tool's enclosing sphere are passed over without an exact test. May be called in the tick.
 /// @param scene_T_tool  pose of the tool; `twist` its velocity.
 /// @param state   positions, velocities; tool_side is read and written.
 /// @param forces  one per particle; overwritten with the tool's force, 0 where it does not reach.
-Wrench applyToolContact(const ToolParameters& tool, const Pose& scene_T_tool, const Twist& twist, double radius_m,
-                        double dt_s, const BedState& state, std::vector<std::int8_t>& tool_side,
-                        std::vector<Float4>& forces) noexcept;
+ToolReaction applyToolContact(const ToolParameters& tool, const Pose& scene_T_tool, const Twist& twist, double radius_m,
+                              double dt_s, const BedState& state, std::vector<std::int8_t>& tool_side,
+                              std::vector<Float4>& forces) noexcept;
 
 }  // namespace haptolith
