@@ -107,10 +107,12 @@ TEST(HapticLoop, TheHandFeelsTheFilteredAndLimitedWrenchOfTheSoil) {
   device.limits_ = {.max_force_n = 0.3, .max_torque_nm = 0.001};
   HapticLoop loop(scene, device, unpaced(0), true);
   WrenchFilter filter(30, kTick_s);
+  QuickMovement quick(kTick_s);
   std::vector<TickRecord> records;
   for (int i = 0; i < 200; ++i) {
     ASSERT_EQ(loop.tick(), LoopEnd::kRunning);
-    const Wrench expected = limited(filter.step(scene.wrench()), device.limits_);
+    const Vec3 own_change_n = -kTick_s * scene.contactStiffness() * quick.step(pushing(i).twist.linear_m_s);
+    const Wrench expected = limited(filter.step(scene.wrench(), own_change_n), device.limits_);
     ASSERT_EQ(device.last_.force_n, expected.force_n);
     ASSERT_EQ(device.last_.torque_nm, expected.torque_nm);
     loop.takeRecords(records);
