@@ -107,10 +107,10 @@ double quickShareOf(double frequency_hz) {
 }
 
 TEST(QuickMovement, IsNothingOfASteadyMovementLittleOfStirringAndMostOfShaking) {
-  // |H|^2 with H = (1 - s) (1 - e^-iw) / (1 - (1 - s) e^-iw), s = 1 - exp(-2 pi 0.006): 0.0260 and 0.883. The largest
+  // |H| with H = (1 - s) (1 - e^-iw) / (1 - (1 - s) e^-iw), s = 1 - exp(-2 pi 0.006): 0.161 and 0.940. The largest
   // sample misses a peak at 20 Hz, 50 samples a turn, by at most 0.2 %.
-  EXPECT_NEAR(quickShareOf(1), 0.0260, 5e-4);
-  EXPECT_NEAR(quickShareOf(20), 0.883, 3e-3);
+  EXPECT_NEAR(quickShareOf(1), 0.161, 1e-3);
+  EXPECT_NEAR(quickShareOf(20), 0.940, 3e-3);
   QuickMovement quick(kTick_s);
   Vec3 out;
   for (int tick = 0; tick < 1000; ++tick) {

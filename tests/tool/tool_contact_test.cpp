@@ -222,5 +222,17 @@ TEST(ToolContact, StiffnessIsHowTheForceChangesWhenTheToolMoves) {
   }
 }
 
+TEST(ToolContact, OnlyContactsThatHoldAreStiff) {
+  const Twist down{Vec3(0, 0, -0.1), Vec3::Zero()};
+  const Vec3 below(0, 0, -0.0025 - 0.9 * kRadius_m);
+  const struct { double particle_m_s, share; } cases[] = {{0, 1}, {-0.1, 0}, {-0.05, 0.5}, {-0.2, 0}, {0.1, 1}};
+  for (const auto& [particle_m_s, share] : cases) {
+    Crowd crowd;
+    crowd.add(below, Vec3(0, 0, particle_m_s));
+    const Eigen::Matrix3d stiffness = crowd.react(kShovel, Pose{}, down).stiffness_n_m;
+    EXPECT_NEAR(stiffness(2, 2), share * kShovel.stiffness_n_m, 1e-4) << particle_m_s;  // velocities are floats
+  }
+}
+
 }  // namespace
 }  // namespace haptolith

@@ -26,13 +26,13 @@ class WrenchFilter {
   Wrench output_;
 };
 
-/// The quick part of a movement: velocity through a high-pass of second order at 6 Hz, two of first order in a row.
+/// The quick part of a movement: velocity less its own low-pass at 6 Hz.
 ///
 /// A low-pass between soil and hand delays the answer to the hand's own movement. Against n contacts of stiffness
 /// k_tool that delay acts like negative damping, -n k_tool / (2 pi f_c), more than an arm has: a shovel between
 /// compacted particles would shake by itself. But this answer need not be waited for: it is -stiffness times the
-/// movement. Only quick movements count, because when the hand pushes on the soil gives way and the force does not
-/// grow: counting slow ones would feel like honey. Of stirring at 1 Hz this lets 3 % through, of shaking at 20 Hz 88 %.
+/// movement, with the stiffness of those contacts that hold (see ToolReaction). Slow movements are left to the
+/// low-pass, where their delay does no harm.
 class QuickMovement {
  public:
   explicit QuickMovement(double tick_s) noexcept;
@@ -42,8 +42,7 @@ class QuickMovement {
 
  private:
   double share_;
-  Vec3 slow_m_s_ = Vec3::Zero();       ///< low-pass of the velocity
-  Vec3 less_slow_m_s_ = Vec3::Zero();  ///< low-pass of what that leaves
+  Vec3 slow_m_s_ = Vec3::Zero();
 };
 
 /// `wrench` with force and torque shortened to what the device can show; directions stay. May be called in the tick.

@@ -1,5 +1,7 @@
 #include "haptolith/tool/tool_contact.h"
 
+#include <algorithm>
+
 #include "haptolith/tool/tool_shape.h"
 
 namespace haptolith {
@@ -12,6 +14,16 @@ double toolForce(const ToolParameters& tool, double radius_m, double dt_s, doubl
   const double damping = tool.damping_factor * dt_s * tool.stiffness_n_m / 2;
   return tool.stiffness_n_m * depth_m + damping * closing_m_s;
 }
+
+namespace {
+
+/// How much of the tool's movement a contact really takes up: 1 when the particle stays where it is, 0 when it is
+/// pushed along, carried or flees.
+double heldShare(double closing_m_s, double tool_speed_m_s) noexcept {
+  return tool_speed_m_s == 0 ? 1 : std::clamp(closing_m_s / tool_speed_m_s, 0.0, 1.0);
+}
+
+}  // namespace
 
 ToolReaction applyToolContact(const ToolParameters& tool, const Pose& scene_T_tool, const Twist& twist, double radius_m,
                               double dt_s, const BedState& state, std::vector<std::int8_t>& tool_side,
@@ -41,14 +53,15 @@ ToolReaction applyToolContact(const ToolParameters& tool, const Pose& scene_T_to
     const Vec3 outward = rotation * contact.outward;
     const Vec3 point = lever - outward * (radius_m - contact.depth_m);  // on the tool's surface, from its origin
     const Float4& v = state.velocity[i];
-    const double closing = outward.dot(twist.at(point) - Vec3(v.x, v.y, v.z));
+    const double tool_speed = outward.dot(twist.at(point));
+    const double closing = tool_speed - outward.dot(Vec3(v.x, v.y, v.z));
     const double push = toolForce(tool, radius_m, dt_s, contact.depth_m, closing);
     if (push != 0) {
       const Vec3 on_particle = push * outward;
       forces[i] = {static_cast<float>(on_particle.x()), static_cast<float>(on_particle.y()),
                    static_cast<float>(on_particle.z()), 0};
       reaction.wrench.add(-on_particle, point);
-      reaction.stiffness_n_m += tool.stiffness_n_m * outward * outward.transpose();
+      reaction.stiffness_n_m += tool.stiffness_n_m * heldShare(closing, tool_speed) * outward * outward.transpose();
     }
   }
   return reaction;

@@ -22,8 +22,9 @@ namespace haptolith {
 /// What the soil does to the tool.
 struct ToolReaction {
   Wrench wrench;  ///< about the tool's origin, scene frame
-  /// How the force changes when the tool moves by dx and no particle does: dF = -stiffness dx. The sum of
-  /// k_tool n n^T over the contacts with normals n, in N/m, scene frame.
+  /// How the force changes when the tool moves a little and the particles go on as they do: dF = -stiffness dx. The sum
+  /// of k_tool s n n^T over the contacts, in N/m, scene frame; n is the normal, s the share of the tool's speed along n
+  /// that the contact takes up: 1 when the particle stays where it is, 0 when it moves with the tool.
   Eigen::Matrix3d stiffness_n_m = Eigen::Matrix3d::Zero();
 };
 
