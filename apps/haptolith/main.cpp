@@ -45,7 +45,8 @@ void logToStandardError() {
 
 void printError(const std::string& message) {
   const bool coloured = isColoured(STDERR_FILENO);
-  fmt::print(stderr, "haptolith: {}error:{} {}\n", coloured ? "\033[1;31m" : "", coloured ? "\033[0m" : "", message);
+  printNotice(
+      fmt::format("haptolith: {}error:{} {}\n", coloured ? "\033[1;31m" : "", coloured ? "\033[0m" : "", message));
 }
 
 /// The help of the command the user reached, its usage line with the whole path.
@@ -71,13 +72,13 @@ std::string commandPath(const CLI::App& app) {
 
 ExitStatus usageError(const CLI::App& app, const std::string& message) {
   printError(message);
-  fmt::print(stderr, "Run '{} --help' for what is possible.\n", commandPath(app));
+  printNotice(fmt::format("Run '{} --help' for what is possible.\n", commandPath(app)));
   return kUsage;
 }
 
 /// Not even a command was found: say what there is.
 ExitStatus noCommand(const CLI::App& app, const std::string& message) {
-  fmt::print(stderr, "{}\n", app.help());
+  printNotice(fmt::format("{}\n", app.help()));
   if (app.remaining().empty()) {
     printError(message);
     return kUsage;

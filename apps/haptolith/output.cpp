@@ -30,6 +30,11 @@ void printJson(const nlohmann::ordered_json& object) {
   printText(object.dump(2, ' ', false, Json::error_handler_t::replace) + '\n');
 }
 
+void printNotice(std::string_view text) noexcept {
+  std::fwrite(text.data(), 1, text.size(), stderr);
+  std::fflush(stderr);
+}
+
 bool isTerminal(int descriptor) noexcept {
   return isatty(descriptor) == 1;
 }
@@ -46,7 +51,7 @@ StatusLine::StatusLine() : visible_(isTerminal(STDERR_FILENO)), coloured_(isColo
 
 StatusLine::~StatusLine() {
   if (next_ns_ != 0) {
-    std::fwrite(kEraseLine.data(), 1, kEraseLine.size(), stderr);
+    printNotice(kEraseLine);
   }
 }
 
@@ -55,8 +60,7 @@ void StatusLine::update(std::string_view text) {
     return;
   }
   next_ns_ = monotonicNs() + kUpdateIntervalNs;
-  fmt::print(stderr, "{}{}{}{}", kEraseLine, coloured_ ? "\033[36m" : "", text, coloured_ ? "\033[0m" : "");
-  std::fflush(stderr);
+  printNotice(fmt::format("{}{}{}{}", kEraseLine, coloured_ ? "\033[36m" : "", text, coloured_ ? "\033[0m" : ""));
 }
 
 }  // namespace haptolith

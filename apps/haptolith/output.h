@@ -14,6 +14,9 @@ void printJson(const nlohmann::ordered_json& object);
 /// Prints `text` as it is. @throws Failure as printJson().
 void printText(std::string_view text);
 
+/// Prints `text` on standard error. Nobody can be told when that fails, so it never does.
+void printNotice(std::string_view text) noexcept;
+
 [[nodiscard]] bool isTerminal(int descriptor) noexcept;
 
 /// Whether to colour what goes to `descriptor`: a terminal, and neither NO_COLOR nor TERM=dumb asks for none.

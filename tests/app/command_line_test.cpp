@@ -106,6 +106,16 @@ std::string bashOffers(const std::string& words) {
       .output;
 }
 
+TEST(StandardError, ThatNobodyReadsIsNoReasonToCrash) {
+  for (const char* arguments : {"run --preset P9", "nonsense", "run /no/such/scene.toml"}) {
+    const ProgramResult result =
+        runInShell(std::string("bash -c '\"$HAPTOLITH\" ") + arguments + " 2> >(exec true); exit $?'");
+    EXPECT_EQ(result.exit_status, 2) << arguments;
+  }
+  EXPECT_EQ(runInShell("\"$HAPTOLITH\" run --preset P9 2>&-").exit_status, 2);
+  EXPECT_EQ(runInShell("\"$HAPTOLITH\" run --preset P9 2> /dev/full").exit_status, 2);
+}
+
 TEST(Completion, BashOffersCommandsOptionsAndChoices) {
   EXPECT_EQ(bashOffers("compl"), "completion\n");
   EXPECT_EQ(bashOffers("--ver"), "--version\n");
