@@ -50,8 +50,13 @@ bool isColoured(int descriptor) noexcept {
 StatusLine::StatusLine() : visible_(isTerminal(STDERR_FILENO)), coloured_(isColoured(STDERR_FILENO)) {}
 
 StatusLine::~StatusLine() {
+  clear();
+}
+
+void StatusLine::clear() {
   if (next_ns_ != 0) {
     printNotice(kEraseLine);
+    next_ns_ = 0;
   }
 }
 

@@ -34,6 +34,9 @@ class StatusLine {
   /// Shows `text`, at most ten times a second: calls in between cost one clock reading.
   void update(std::string_view text);
 
+  /// Wipes the line, so that other text can follow.
+  void clear();
+
   /// Whether anybody sees it; saves making up a text for nobody.
   [[nodiscard]] bool visible() const noexcept { return visible_; }
 

@@ -180,7 +180,9 @@ class Follower {
     }
   }
 
+  /// Saves the trace; whoever prints next finds a clean line.
   void finish() {
+    status_.clear();
     if (trace_) {
       trace_->commit();
     }
