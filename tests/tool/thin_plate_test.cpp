@@ -165,47 +165,5 @@ TEST(ThinPlate, NothingPassesThroughABladeSweptThroughThePapersScene) {
   }
 }
 
-TEST(ThinPlate, DoesNotVibrateBetweenCompactedParticles) {
-  // Level in the middle of a deeper bed, compacted particles on both large faces (paper, II-E). Held still, the
-  // unfiltered force has to die down: no vibration that a filter would have to hide.
-  BedParameters bed = p4();
-  bed.start = BedStart::kPacked;
-  bed.depth_m = 0.1;
-  Scene scene(bed, {});
-  const Vec3 buried(0, 0, 0.05);
-  sweep(scene, kBlade, Vec3(0, 0, 0.16), Vec3(0, 0, 0.05), 0.1);
-  // Turned level in a second.
-  for (int i = 1; i <= 1000; ++i) {
-    const double angle = std::numbers::pi / 2 * (1 - i / 1000.0);
-    ASSERT_EQ(scene.tick({buried, Quat(Eigen::AngleAxisd(angle, Vec3::UnitY()))},
-                         {Vec3::Zero(), Vec3(0, -std::numbers::pi / 2, 0)}),
-              StepStatus::kOk);
-  }
-  const auto peakToPeak = [&] {
-    Vec3 low = Vec3::Constant(1e9), high = -low;
-    Vec3 mean = Vec3::Zero();
-    for (int i = 0; i < 500; ++i) {
-      EXPECT_EQ(scene.tick({buried, kLevel}, {}), StepStatus::kOk);
-      low = low.cwiseMin(scene.wrench().force_n);
-      high = high.cwiseMax(scene.wrench().force_n);
-      mean += scene.wrench().force_n / 500;
-    }
-    return std::pair((high - low).norm(), mean.norm());
-  };
-  double push_on_faces = 0;
-  peakToPeak();
-  const auto [early, early_mean] = peakToPeak();
-  const auto [late, late_mean] = peakToPeak();
-  for (const Float4& f : scene.bed().externalForces()) {
-    push_on_faces += std::abs(f.z);
-  }
-  RecordProperty("peak_to_peak_n", std::to_string(late));
-  RecordProperty("push_on_both_faces_n", std::to_string(push_on_faces));
-  EXPECT_GT(push_on_faces, 0.2) << "nothing presses on the faces";
-  // A vibration would be of the order of the forces on the faces themselves.
-  EXPECT_LT(late, 0.01 * push_on_faces);
-  EXPECT_LE(late, early * 1.01 + 1e-6);
-}
-
 }  // namespace
 }  // namespace haptolith
