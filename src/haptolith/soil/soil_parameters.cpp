@@ -19,6 +19,11 @@ void validate(const SoilParameters& soil) {
   }
   requireInRange("attraction_ratio", soil.attraction_ratio, {1, 2});
   requireInRange("moving_friction_ratio", soil.moving_friction_ratio, {0, 1});
+  requireInRange("contact_friction", soil.contact_friction, {0, 10});
+  requireInRange("contact_cohesion_n", soil.contact_cohesion_n, {0, 1e6});
+  requireInRange("cohesion_range_ratio", soil.cohesion_range_ratio, {0.001, 0.5});
+  requireInRange("tangential_ratio", soil.tangential_ratio, {0.01, 1});
+  requireInRange("damping_ratio", soil.damping_ratio, {0, 0.5});
 }
 
 double macroparticleMass(const SoilParameters& soil) {
@@ -30,6 +35,7 @@ SoilParameters rescaled(SoilParameters soil, double radius_m) {
   soil.radius_m = radius_m;
   soil.gamma_nm *= scale * scale * scale;
   soil.stiffness_n_m *= scale;
+  soil.contact_cohesion_n *= scale * scale;
   return soil;
 }
 

@@ -2,7 +2,14 @@
 
 namespace haptolith {
 
-/// The soil as its macroparticles see it: one row of the paper's Table II and the constants the paper fixes once.
+/// What friction acts against, and where cohesion comes from.
+enum class FrictionModel {
+  kPaper,     ///< against absolute space (paper 14, 20); cohesion is the attraction of (paper 19)
+  kPairwise,  ///< between particles that touch (Cundall and Strack 1979); cohesion is a parameter of its own
+};
+
+/// The soil as its macroparticles see it: one row of the paper's Table II and the constants the paper fixes once; and
+/// what the pairwise model of friction has instead of mu_hat, R_attr and lambda.
 struct SoilParameters {
   double radius_m = 7e-3;         ///< R, radius of a macroparticle
   double gamma_nm = 4e-5;         ///< gamma of the contact law (paper 7), N m
@@ -12,6 +19,13 @@ struct SoilParameters {
   double stiffness_n_m = 100;     ///< k, limiting stiffness (paper 7); infinity is allowed in the layer analysis only
   double attraction_ratio = 1.1;  ///< R_attr / R (paper 19); 1 switches attraction off
   double moving_friction_ratio = 0.8;  ///< lambda, moving over static friction (paper 14)
+
+  FrictionModel friction = FrictionModel::kPaper;
+  double contact_friction = 0.5;       ///< mu_p, Coulomb friction of a contact
+  double contact_cohesion_n = 0;       ///< F_c, largest pull of a contact, and what it adds to the normal force
+  double cohesion_range_ratio = 0.15;  ///< how far apart two particles still cohere, in R
+  double tangential_ratio = 0.5;       ///< k_t / k, tangential over normal stiffness of a contact
+  double damping_ratio = 0.2;          ///< zeta, of a pair that bounces, over critical damping
 };
 
 /// @throws InvalidParameter with the key, the value and the valid range. An infinite stiffness passes.
@@ -21,7 +35,7 @@ void validate(const SoilParameters& soil);
 [[nodiscard]] double macroparticleMass(const SoilParameters& soil);
 
 /// The same soil made of particles of another radius: stress at equal relative overlap stays, so
-/// gamma ~ R^3, k ~ R (and m ~ R^3). See docs/equations.md.
+/// gamma ~ R^3, k ~ R (and m ~ R^3), F_c ~ R^2. See docs/equations.md.
 [[nodiscard]] SoilParameters rescaled(SoilParameters soil, double radius_m);
 
 }  // namespace haptolith

@@ -14,6 +14,8 @@ void validate(const ToolParameters& tool) {
   requireInRange("stiffness_n_m", tool.stiffness_n_m, {0, 1e7});
   requireInRange("damping_factor", tool.damping_factor, {0, 10});
   requireInRange("adhesion_ratio", tool.adhesion_ratio, {0, 1});
+  requireInRange("friction", tool.friction, {0, 10});
+  requireInRange("adhesion_n", tool.adhesion_n, {0, 1e6});
 }
 
 }  // namespace haptolith
