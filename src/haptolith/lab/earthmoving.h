@@ -42,8 +42,8 @@ struct BladeForce {
 /// Reece, The fundamental equation of earth-moving mechanics (Proc. Inst. Mech. Eng. 179, 1964); McKyes, Soil Cutting
 /// and Tillage (1985). It is the balance of forces on a wedge that slides up along a plane, which rises from the
 /// blade's lower edge at the angle beta. Soil fails where it is weakest: beta is the angle with the least F. (A beta
-/// with the least N_gamma instead is the same without cohesion, adhesion and surcharge, and gives 0.2 % more in the
-/// measured cases of tests/data/blade_draft_measured.csv.)
+/// with the least N_gamma instead is the same without cohesion, adhesion and surcharge, and gives up to 0.2 % more in
+/// the measured cases of tests/data/blade_draft_measured.csv.)
 ///
 /// Left out are inertia, so it holds for slow blades; the wedges that break out at both sides, so it holds for blades
 /// wider than deep; soil that piles up in front, except as surcharge; and bent failure planes. Upright blades in sand
