@@ -41,7 +41,7 @@ tbody th { font-weight: 600; }
 .pass { color: var(--pass); font-weight: 600; }
 .fail { color: var(--fail); font-weight: 600; }
 figure { margin: 1.5rem 0; }
-img { max-width: 100%; height: auto; background: #ffffff; border: 1px solid var(--rule); }
+img { max-width: min(100%, 56rem); height: auto; background: #ffffff; border: 1px solid var(--rule); }
 figcaption { max-width: 45rem; color: var(--faint); }
 )";
 
