@@ -76,7 +76,7 @@ void ContactKernel(benchmark::State& state) {
   std::vector<ContactSum> sums(bed.particles());
   const KernelLaw law = kernelLaw(bed.law(), bed.parameters().soil.radius_m);
   for (auto _ : state) {
-    sumContacts(law, bed.state().position.data(), list.view(), 0, bed.particles(), sums.data());
+    sumContacts(law, {}, bed.state().position.data(), list.view(), 0, bed.particles(), sums.data());
     benchmark::DoNotOptimize(sums.data());
   }
   state.SetLabel(simdTarget());
@@ -100,8 +100,8 @@ void ToolContact(benchmark::State& state) {
   Bed bed(bedOf(256));
   const Pose pose{Vec3(0, 0, 0.025), Quat::Identity()};
   for (auto _ : state) {
-    benchmark::DoNotOptimize(applyToolContact(ToolParameters{}, pose, Twist{}, bed.parameters().soil.radius_m, 1e-3,
-                                              bed.state(), bed.toolSides(), bed.externalForces()));
+    benchmark::DoNotOptimize(applyToolContact(ToolParameters{}, pose, Twist{}, bed.parameters().soil, 1e-3, bed.state(),
+                                              {bed.toolSides(), bed.toolSlip()}, bed.externalForces()));
   }
 }
 BENCHMARK(ToolContact)->Unit(benchmark::kMicrosecond);

@@ -53,6 +53,7 @@ TEST(ToolForce, WithoutAdhesionEndsAtTheSurface) {
 // --- the tool against many -------------------------------------------------------------------------------------------
 
 struct Crowd {
+  SoilParameters soil{.radius_m = kRadius_m};
   BedState state;
   std::vector<std::int8_t> side;
   std::vector<Float4> forces;
@@ -72,7 +73,7 @@ struct Crowd {
   static Vec3 vec(const Float4& f) { return {f.x, f.y, f.z}; }
 
   ToolReaction react(const ToolParameters& tool, const Pose& pose, const Twist& twist = {}) {
-    return applyToolContact(tool, pose, twist, kRadius_m, kTick_s, state, side, forces);
+    return applyToolContact(tool, pose, twist, soil, kTick_s, state, {side, state.tool_slip}, forces);
   }
   Wrench apply(const ToolParameters& tool, const Pose& pose, const Twist& twist = {}) {
     return react(tool, pose, twist).wrench;

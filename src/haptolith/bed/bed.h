@@ -9,6 +9,7 @@
 #include "haptolith/bed/bed_state.h"
 #include "haptolith/bed/contact_kernel.h"
 #include "haptolith/bed/neighbour_list.h"
+#include "haptolith/bed/pairwise_kernel.h"
 #include "haptolith/bed/worker_team.h"
 
 namespace haptolith {
@@ -21,7 +22,8 @@ enum class StepStatus { kOk, kNotFinite, kCollapsed };
 /// Called now and then while a bed settles, with simulated time and the largest speed; false gives up.
 using SettleProgress = std::function<bool(double time_s, double speed_m_s)>;
 
-/// A box of identical macroparticles: their contacts (paper 19), friction (14), damping (20) and gravity.
+/// A box of identical macroparticles: their contacts, friction and gravity. With the paper's friction contacts follow
+/// (paper 19), friction (14) and damping (20); with pairwise friction see pairwise_kernel.h.
 ///
 /// After construction nothing allocates. The same parameters, start and forces give the same bits for any number of
 /// threads, on machines with the same instruction set.
@@ -42,12 +44,31 @@ class Bed {
   /// the tick. `dt_s` must be a stable step: see substepsFor() in critical_step.h.
   [[nodiscard]] StepStatus step(double dt_s) noexcept;
 
+  /// From the next step on a particle moves with this velocity, whatever pushes it, and others feel it as before: rough
+  /// plates and floors are made of such particles. May be called in the tick.
+  void drive(std::size_t particle, const Vec3& velocity_m_s) noexcept;
+
+  /// Lets a driven particle go.
+  void release(std::size_t particle) noexcept;
+
+  /// Whether friction is switched off and falling soil slowed down, for a dense bed that comes to rest soon. With a tool
+  /// in it settle() cannot be used; this can.
+  void setSettling(bool settling) noexcept { friction_on_ = !settling; }
+
+  /// Gravity from the next step on, in m/s^2, scene frame: a laboratory loads its specimens without their weight.
+  void setGravity(const Vec3& gravity_m_s2) noexcept { parameters_.gravity_m_s2 = gravity_m_s2; }
+
+  [[nodiscard]] bool isDriven(std::size_t particle) const noexcept { return state_.velocity[particle].w != 0; }
+
+  /// Force of its neighbours on a particle in the last step, in N, scene frame; also for driven ones.
+  [[nodiscard]] Vec3 contactForce(std::size_t particle) const noexcept;
+
   /// Lets the particles fall and come to rest without friction, then stops them where they are and sets the step count
   /// to 0. Not for the tick.
   /// @throws Failure when the bed does not come to rest within `longest_s` of simulated time, or `progress` gives up.
   void settle(double dt_s, double longest_s, const SettleProgress& progress = {});
 
-  /// Kinetic plus gravitational plus contact energy, in J; gravity's zero is the origin. Not for the tick.
+  /// Kinetic plus gravitational plus contact energy, that of stretched friction included, in J; gravity's zero is the origin. Not for the tick.
   [[nodiscard]] double energy() const;
 
   /// Largest speed of any particle, in m/s.
@@ -62,6 +83,7 @@ class Bed {
   [[nodiscard]] double mass() const noexcept { return mass_kg_; }
   [[nodiscard]] const BedState& state() const noexcept { return state_; }
   [[nodiscard]] std::vector<std::int8_t>& toolSides() noexcept { return state_.tool_side; }
+  [[nodiscard]] std::vector<Float4>& toolSlip() noexcept { return state_.tool_slip; }
   [[nodiscard]] std::uint64_t rebuilds() const noexcept { return rebuilds_; }
 
   /// Goes on from `state` bit for bit. Not for the tick. @throws InvalidParameter when it has another number of
@@ -72,6 +94,8 @@ class Bed {
   /// Constants of one step, in the particles' precision.
   struct StepConstants {
     float dt, weight_x, weight_y, weight_z, inverse_mass, damping, static_friction, moving_friction, skin_half_squared;
+    float friction_ratio;  ///< pairwise friction over the soil's: 1, and 0 while settling
+    float drag;            ///< pairwise friction: share of the speed kept, 1 but while settling
   };
   struct Part {
     bool moved_far = false;
@@ -81,19 +105,28 @@ class Bed {
   [[nodiscard]] StepConstants constantsFor(double dt_s) const noexcept;
   [[nodiscard]] bool rebuildNeighbours() noexcept;
   void advancePart(int part, int parts) noexcept;
+  void sumNeighbours(std::size_t first, std::size_t last) noexcept;
   void advance(std::size_t i) noexcept;
+  void advanceWithPaperFriction(std::size_t i) noexcept;
+  void advanceWithPairwiseFriction(std::size_t i) noexcept;
+  void moveOn(std::size_t i, const Float4& velocity) noexcept;
+  [[nodiscard]] ContactMemory memory() noexcept;
+  [[nodiscard]] bool isPairwise() const noexcept { return parameters_.soil.friction == FrictionModel::kPairwise; }
 
   BedParameters parameters_;
   ContactLaw law_, wall_law_;
   KernelLaw kernel_law_;
+  PairwiseLaw pairwise_law_;
+  Periods periods_;
   double mass_kg_;
   float skin_m_;
 
   BedState state_;
-  std::vector<Float4> next_position_;
+  std::vector<Float4> next_position_, next_velocity_;
   std::vector<Float4> external_;
   std::vector<ContactSum> sums_;
   NeighbourList neighbours_;
+  FloatArray next_slip_x_, next_slip_y_, next_slip_z_;
   WorkerTeam team_;
   std::vector<Part> part_results_;
   StepConstants now_{};

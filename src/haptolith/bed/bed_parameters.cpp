@@ -1,6 +1,7 @@
 #include "haptolith/bed/bed_parameters.h"
 
 #include "haptolith/core/error.h"
+#include "haptolith/soil/contact_law.h"
 
 namespace haptolith {
 
@@ -12,6 +13,16 @@ void validate(const BedParameters& bed) {
   requireInRange("gravity_m_s2", bed.gravity_m_s2.norm(), {0, 1000});
   requireInRange("width_m", bed.width_m, {diameter, 100});
   requireInRange("length_m", bed.length_m, {diameter, 100});
+  requireInRange("wall_friction_ratio", bed.wall_friction_ratio, {0, 10});
+  // Three cells of the neighbour search, so that nobody meets another particle from both sides.
+  const double shortest_period =
+      3 * (makeContactLaw(bed.soil).cutoff_m + (1 + 2 * bed.soil.size_spread) * bed.soil.radius_m);
+  if (bed.periodic_x) {
+    requireInRange("width_m", bed.width_m, {shortest_period, 100});
+  }
+  if (bed.periodic_y) {
+    requireInRange("length_m", bed.length_m, {shortest_period, 100});
+  }
   if (bed.start == BedStart::kPacked) {
     requireInRange("depth_m", bed.depth_m, {diameter, 100});
   } else {

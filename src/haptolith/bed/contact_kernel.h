@@ -25,6 +25,14 @@ struct KernelLaw {
 };
 [[nodiscard]] KernelLaw kernelLaw(const ContactLaw& law, double radius_m);
 
+/// How often the box repeats itself, for beds that have periods instead of walls; 0 along an axis that has walls.
+struct Periods {
+  float width = 0, length = 0;          ///< m, along x and y
+  float per_width = 0, per_length = 0;  ///< 1 / width and 1 / length, or 0
+
+  [[nodiscard]] bool any() const noexcept { return width > 0 || length > 0; }
+};
+
 /// Who is near whom: particle i's neighbours are index[begin[i]] to index[end[i] - 1], whole blocks, the last one
 /// filled up with the ghost.
 struct Neighbours {
@@ -35,7 +43,7 @@ struct Neighbours {
 
 /// Sums the contact forces of particles first..last-1 with the best instruction set this machine has. May be called in
 /// the tick; parts of one bed may be summed by several threads at once.
-void sumContacts(const KernelLaw& law, const Float4* position, const Neighbours& neighbours, std::size_t first,
+void sumContacts(const KernelLaw& law, const Periods& periods, const Float4* position, const Neighbours& neighbours, std::size_t first,
                  std::size_t last, ContactSum* sums) noexcept;
 
 /// Name of the instruction set in use, for example "AVX3".
@@ -47,6 +55,7 @@ struct CellGrid {
   const std::int32_t* particle;     ///< who stands there
   const std::uint32_t* cell_begin;  ///< nx * ny * nz + 1 entries
   int nx, ny, nz;
+  bool periodic_x, periodic_y;  ///< the last cell of a row stands beside the first
 };
 
 /// Scratch for the particles of 27 cells: room for all particles and one block.
@@ -55,9 +64,12 @@ struct Candidates {
   std::int32_t* particle;
 };
 
-/// Lists for each particle all others within `reach_m`. Returns false when `capacity` (of index) is too small. May be
-/// called in the tick.
-[[nodiscard]] bool listNeighbours(const CellGrid& grid, const Candidates& candidates, const Float4* position,
-                                  float reach_m, std::size_t capacity, const Neighbours& neighbours) noexcept;
+/// What listNeighbours() returns when they do not fit.
+inline constexpr std::size_t kTooMany = ~std::size_t{0};
+
+/// Lists for each particle all others within `reach_m`. Returns how many entries that takes, kTooMany when `capacity` (of
+/// index) is too small. May be called in the tick.
+[[nodiscard]] std::size_t listNeighbours(const CellGrid& grid, const Candidates& candidates, const Periods& periods,
+                                  const Float4* position, float reach_m, std::size_t capacity, const Neighbours& neighbours) noexcept;
 
 }  // namespace haptolith

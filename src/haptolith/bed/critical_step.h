@@ -10,10 +10,13 @@ namespace haptolith {
 ///
 /// 8 k: the fastest mode of a close packing of springs k (neighbouring layers against each other); 2 k: a wall, which
 /// answers like a mirror image and so twice as stiffly; k_tool: the tool's contact (paper 21), 0 without a tool.
+///
+/// With pairwise friction all of it times 1 + k_t / k, for the springs across the contacts, and k is the largest slope of
+/// the contact: k itself, or 4 F_c / range where cohesion sets in.
 [[nodiscard]] double highestFrequency(const SoilParameters& soil, double tool_stiffness_n_m);
 
 /// Number of equal substeps of `tick_s` that keep dt * omega at or below 1, half of the semi-implicit step's limit
-/// of 2.
+/// of 2; with much damping less, as that lowers the limit.
 /// @throws InvalidParameter when more than `max_substeps` would be needed, naming the stiffness that would do.
 [[nodiscard]] int substepsFor(const SoilParameters& soil, double tool_stiffness_n_m, double tick_s, int max_substeps);
 

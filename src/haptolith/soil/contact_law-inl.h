@@ -23,12 +23,24 @@ struct LawOf {
   Real gamma, a_min, a_thr, h, k;
 };
 
-// Highway's Max for single numbers, so that one expression serves both.
+/// The constants of cohesion with pairwise friction: F_c, 2 / range, 0 and 1.
+template <class Real>
+struct CohesionOf {
+  Real largest, two_per_range, zero, one;
+};
+
+// Highway's functions for single numbers, so that one expression serves both.
 inline double Max(double a, double b) {
   return std::max(a, b);
 }
 inline float Max(float a, float b) {
   return std::max(a, b);
+}
+inline double Min(double a, double b) {
+  return std::min(a, b);
+}
+inline float Min(float a, float b) {
+  return std::min(a, b);
 }
 
 /// F(a) without its cutoff (paper 7). Both branches in one expression: below a_thr the hyperbola is held at a_thr and
@@ -37,6 +49,44 @@ template <class Real>
 HWY_INLINE Real uncutContactForce(const LawOf<Real>& law, Real a) {
   const Real held = Max(a, law.a_thr);
   return law.gamma / (held - law.a_min) - law.h + law.k * (held - a);
+}
+
+/// What cohesion does between two surfaces.
+template <class Real>
+struct Cohesion {
+  Real pull;    ///< towards each other: F_c (1 - u^2) = 4 F_c s (1 - s),  s = gap / range
+  Real weight;  ///< what it adds to repulsion where friction is limited: F_c max(u, 0)^2
+};
+
+/// Cohesion across a gap: with u = 1 - 2 gap / range, held between -1 and 1, the pull is none where the surfaces touch
+/// (u = 1), F_c halfway and none from the range on. Friction feels F_c while they touch and nothing from halfway on.
+template <class Real>
+HWY_INLINE Cohesion<Real> cohesionAcross(const CohesionOf<Real>& cohesion, Real gap) {
+  const Real u = Max(Min(cohesion.one - gap * cohesion.two_per_range, cohesion.one), cohesion.zero - cohesion.one);
+  const Real growing = Max(u, cohesion.zero);
+  return {cohesion.largest * (cohesion.one - u * u), cohesion.largest * growing * growing};
+}
+
+/// What two particles with pairwise friction do along the line between their centres.
+template <class Real>
+struct CohesiveContact {
+  Real normal;       ///< F > 0 repels
+  Real compression;  ///< what limits friction, over mu_p
+};
+
+/// Repulsion (paper 7) while particles overlap, cohesion beyond.
+template <class Real>
+HWY_INLINE CohesiveContact<Real> cohesiveContact(const LawOf<Real>& law, const CohesionOf<Real>& constants,
+                                                 Real diameter, Real a) {
+  const Real repulsion = Max(uncutContactForce(law, a), constants.zero);
+  const Cohesion<Real> cohesion = cohesionAcross(constants, a - diameter);
+  return {repulsion - cohesion.pull, repulsion + cohesion.weight};
+}
+
+/// The law's stiffness -dF/da (paper 7): gamma / (a - a_min)^2 down to a_thr, k from there on; its square root.
+template <class Real>
+HWY_INLINE Real rootOfStiffness(const LawOf<Real>& law, Real root_of_gamma, Real a) {
+  return root_of_gamma / (Max(a, law.a_thr) - law.a_min);
 }
 
 }  // namespace haptolith::HWY_NAMESPACE

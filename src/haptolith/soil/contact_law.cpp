@@ -17,36 +17,73 @@ ContactLaw makeContactLaw(const SoilParameters& soil) {
   law.gamma_nm = soil.gamma_nm;
   law.a_min_m = diameter / std::sqrt(3.0) * std::sqrt(2 * compaction * compaction + 1);
   law.h_n = soil.gamma_nm / (diameter - law.a_min_m);
+  law.diameter_m = diameter;
   law.cutoff_m = diameter * soil.attraction_ratio;
+  if (soil.friction == FrictionModel::kPairwise) {
+    law.own_cohesion = true;
+    law.cohesion_n = soil.contact_cohesion_n;
+    law.cohesion_range_m = soil.cohesion_range_ratio * soil.radius_m;
+    law.cutoff_m = diameter + (law.cohesion_n > 0 ? law.cohesion_range_m : 0);
+  }
   if (std::isinf(soil.stiffness_n_m)) {
     law.a_thr_m = law.a_min_m;
   } else {
-    // Softer than the hyperbola at 2R, and the line would begin outside the particles.
-    const double softest = soil.gamma_nm / std::pow(diameter - law.a_min_m, 2);
-    requireInRange("stiffness_n_m", soil.stiffness_n_m, {softest, Range{}.highest, Ends::kOpenBelow});
+    // Softer than the hyperbola at 2R, and the line would begin outside the particles. Just as stiff (to rounding) is a
+    // linear spring.
+    constexpr double kRounding = 1e-9;
+    const double softest = soil.gamma_nm / std::pow(diameter - law.a_min_m, 2) * (1 - kRounding);
+    requireInRange("stiffness_n_m", soil.stiffness_n_m, {softest, Range{}.highest});
     law.stiffness_n_m = soil.stiffness_n_m;
-    law.a_thr_m = law.a_min_m + std::sqrt(soil.gamma_nm / soil.stiffness_n_m);
+    law.a_thr_m = std::min(law.a_min_m + std::sqrt(soil.gamma_nm / soil.stiffness_n_m), diameter);
   }
   return law;
 }
+
+namespace {
+
+HWY_NAMESPACE::LawOf<double> repulsionOf(const ContactLaw& law) noexcept {
+  return {law.gamma_nm, law.a_min_m, law.a_thr_m, law.h_n, law.stiffness_n_m};
+}
+
+HWY_NAMESPACE::CohesionOf<double> cohesionOf(const ContactLaw& law) noexcept {
+  return {law.cohesion_n, 2 / law.cohesion_range_m, 0, 1};
+}
+
+/// Integral of (paper 7) from `a_m` to `end_m`.
+double hyperbolaEnergy(const ContactLaw& law, double a_m, double end_m) noexcept {
+  const double held = std::max(a_m, law.a_thr_m);
+  const double hyperbola =
+      law.gamma_nm * std::log((end_m - law.a_min_m) / (held - law.a_min_m)) - law.h_n * (end_m - held);
+  const double line = held - a_m;
+  return hyperbola + HWY_NAMESPACE::uncutContactForce(repulsionOf(law), held) * line +
+         law.stiffness_n_m / 2 * line * line;
+}
+
+/// Integral of the pull of F_c from `a_m` >= 2R to the cutoff: -4 F_c range (1/6 - s^2/2 + s^3/3).
+double cohesionEnergy(const ContactLaw& law, double a_m) noexcept {
+  const double s = (a_m - law.diameter_m) / law.cohesion_range_m;
+  return -4 * law.cohesion_n * law.cohesion_range_m * (1.0 / 6 - s * s / 2 + s * s * s / 3);
+}
+
+}  // namespace
 
 double contactForce(const ContactLaw& law, double a_m) noexcept {
   if (a_m >= law.cutoff_m) {
     return 0;
   }
-  const HWY_NAMESPACE::LawOf<double> constants{law.gamma_nm, law.a_min_m, law.a_thr_m, law.h_n, law.stiffness_n_m};
-  return HWY_NAMESPACE::uncutContactForce(constants, a_m);
+  return law.own_cohesion ? HWY_NAMESPACE::cohesiveContact(repulsionOf(law), cohesionOf(law), law.diameter_m, a_m).normal
+                          : HWY_NAMESPACE::uncutContactForce(repulsionOf(law), a_m);
 }
 
 double contactEnergy(const ContactLaw& law, double a_m) noexcept {
   if (a_m >= law.cutoff_m) {
     return 0;
   }
-  const double held = std::max(a_m, law.a_thr_m);
-  const double hyperbola =
-      law.gamma_nm * std::log((law.cutoff_m - law.a_min_m) / (held - law.a_min_m)) - law.h_n * (law.cutoff_m - held);
-  const double line = held - a_m;
-  return hyperbola + contactForce(law, held) * line + law.stiffness_n_m / 2 * line * line;
+  if (!law.own_cohesion) {
+    return hyperbolaEnergy(law, a_m, law.cutoff_m);
+  }
+  return a_m < law.diameter_m ? hyperbolaEnergy(law, a_m, law.diameter_m) + cohesionEnergy(law, law.diameter_m)
+                              : cohesionEnergy(law, a_m);
 }
 
 double distanceAtForce(const ContactLaw& law, double force_n) noexcept {
@@ -59,7 +96,9 @@ double distanceAtForce(const ContactLaw& law, double force_n) noexcept {
 
 ContactLaw wallLaw(const ContactLaw& law, double radius_m) noexcept {
   ContactLaw wall = law;
-  wall.cutoff_m = 2 * radius_m;
+  if (!law.own_cohesion) {
+    wall.cutoff_m = 2 * radius_m;
+  }
   return wall;
 }
 

@@ -12,13 +12,23 @@ namespace haptolith {
 ///
 /// a is the distance between two centres in m. F > 0 repels; between 2R and the cutoff F < 0 attracts, and at the
 /// cutoff it jumps to 0. a_thr is where the slope of the hyperbola is -k, so F is C1 there.
+///
+/// With pairwise friction repulsion is the same, and attraction is a parameter of its own: beyond 2R
+///
+///     F(a) = -4 F_c s (1 - s),   s = (a - 2R) / range        for 2R <= a < cutoff = 2R + range
+///
+/// which pulls hardest, with F_c, halfway and lets go gently; without cohesion the cutoff is 2R.
 struct ContactLaw {
   double gamma_nm = 0;
   double a_min_m = 0;        ///< (paper 8)
   double a_thr_m = 0;        ///< a_min + sqrt(gamma / k)
   double h_n = 0;            ///< gamma / (2R - a_min), makes F(2R) = 0
   double stiffness_n_m = 0;  ///< k; 0 when the soil's k is infinite: then a_thr = a_min and the line is never reached
-  double cutoff_m = 0;       ///< 2 R_attr
+  double cutoff_m = 0;       ///< 2 R_attr; with pairwise friction 2R + range
+  double diameter_m = 0;     ///< 2R
+  bool own_cohesion = false;    ///< pairwise: attraction is F_c's, not the hyperbola's
+  double cohesion_n = 0;        ///< F_c
+  double cohesion_range_m = 0;  ///< range, never 0
 };
 
 /// (paper 8): a_min = 2R/sqrt(3) sqrt(2 (rho0/rho_max)^2 + 1), and what follows from it.
@@ -36,7 +46,8 @@ struct ContactLaw {
 [[nodiscard]] double distanceAtForce(const ContactLaw& law, double force_n) noexcept;
 
 /// What a flat wall does to a particle: it answers like the particle's mirror image, so F is taken at twice the
-/// distance to the wall, and only repels. A layer on the floor is then as stiff as a layer on a layer.
+/// distance to the wall, and only repels; with pairwise friction a wall coheres like the soil. A layer on the floor is
+/// then as stiff as a layer on a layer.
 [[nodiscard]] ContactLaw wallLaw(const ContactLaw& law, double radius_m) noexcept;
 
 }  // namespace haptolith

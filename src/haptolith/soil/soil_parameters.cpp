@@ -23,6 +23,7 @@ void validate(const SoilParameters& soil) {
   requireInRange("contact_cohesion_n", soil.contact_cohesion_n, {0, 1e6});
   requireInRange("cohesion_range_ratio", soil.cohesion_range_ratio, {0.001, 0.5});
   requireInRange("tangential_ratio", soil.tangential_ratio, {0.01, 1});
+  requireInRange("size_spread", soil.size_spread, {0, 0.3});
   requireInRange("damping_ratio", soil.damping_ratio, {0, 0.5});
 }
 

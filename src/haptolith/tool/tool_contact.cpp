@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "haptolith/bed/friction-inl.h"
 #include "haptolith/tool/tool_shape.h"
 
 namespace haptolith {
@@ -17,18 +18,102 @@ double toolForce(const ToolParameters& tool, double radius_m, double dt_s, doubl
 
 namespace {
 
+namespace law = HWY_NAMESPACE;
+
+Float4 record(const Vec3& v) noexcept {
+  return {static_cast<float>(v.x()), static_cast<float>(v.y()), static_cast<float>(v.z()), 0};
+}
+
 /// How much of the tool's movement a contact really takes up: 1 when the particle stays where it is, 0 when it is
-/// pushed along, carried or flees.
+/// pushed along, carried or flees. Speeds of the tool against the particle, and of the tool.
 double heldShare(double closing_m_s, double tool_speed_m_s) noexcept {
   return tool_speed_m_s == 0 ? 1 : std::clamp(closing_m_s / tool_speed_m_s, 0.0, 1.0);
 }
 
+/// One particle that the tool may touch.
+struct Meeting {
+  Vec3 outward;       ///< unit normal from the tool to the particle
+  double depth_m;     ///< z of (paper 21)
+  Vec3 tool_m_s;      ///< velocity of the tool's surface
+  Vec3 particle_m_s;  ///< and of the particle
+
+  [[nodiscard]] Vec3 approach() const { return tool_m_s - particle_m_s; }
+};
+
+struct Answer {
+  Vec3 on_particle_n = Vec3::Zero();
+  Eigen::Matrix3d stiffness_n_m = Eigen::Matrix3d::Zero();
+};
+
+/// Contacts of soil with pairwise friction.
+class FrictionalTool {
+ public:
+  FrictionalTool(const ToolParameters& tool, const SoilParameters& soil, double dt_s)
+      : stiffness_(tool.stiffness_n_m),
+        tangential_stiffness_(soil.tangential_ratio * tool.stiffness_n_m),
+        damping_(tool.damping_factor * dt_s * tool.stiffness_n_m / 2),
+        coefficient_(tool.friction),
+        reach_m_(tool.adhesion_n > 0 ? soil.cohesion_range_ratio * soil.radius_m : 0),
+        adhesion_{tool.adhesion_n, 2 / (soil.cohesion_range_ratio * soil.radius_m), 0, 1},
+        friction_{dt_s, std::max(tangential_stiffness_, kTiny), 1 / std::max(tangential_stiffness_, kTiny),
+                  damping_ * soil.tangential_ratio, 0, 1, kTiny} {}
+
+  [[nodiscard]] double reach() const noexcept { return reach_m_; }
+
+  /// @param slip_m  how far the particle has slid along the tool so far, scene frame; read and written.
+  Answer meet(const Meeting& meeting, Vec3& slip_m) const noexcept {
+    const Vec3& n = meeting.outward;
+    if (meeting.depth_m <= -reach_m_) {
+      slip_m.setZero();
+      return {};
+    }
+    const law::Cohesion<double> adhesion = law::cohesionAcross(adhesion_, -meeting.depth_m);
+    const double spring = stiffness_ * std::max(meeting.depth_m, 0.0);
+    const double closing = n.dot(meeting.approach());
+    const double push = spring > 0 ? std::max(spring + damping_ * closing, 0.0) : 0;
+
+    const Vec3 sliding = -meeting.approach() + closing * n;  // of the particle along the tool
+    law::Triple<double> slip{slip_m.x(), slip_m.y(), slip_m.z()};
+    const law::Triple<double> drag = law::frictionForce<double>(friction_, coefficient_ * (spring + adhesion.weight),
+                                                                {n.x(), n.y(), n.z()},
+                                                                {sliding.x(), sliding.y(), sliding.z()}, slip);
+    slip_m = {slip.x, slip.y, slip.z};
+    Answer answer;
+    answer.on_particle_n = (push - adhesion.pull) * n + Vec3(drag.x, drag.y, drag.z);
+    if (push > 0) {
+      answer.stiffness_n_m = stiffness_ * heldShare(closing, n.dot(meeting.tool_m_s)) * n * n.transpose();
+    }
+    return answer;
+  }
+
+ private:
+  static constexpr double kTiny = 1e-20;
+
+  double stiffness_, tangential_stiffness_, damping_, coefficient_, reach_m_;
+  law::CohesionOf<double> adhesion_;
+  law::FrictionOf<double> friction_;
+};
+
+Answer paperAnswer(const ToolParameters& tool, double radius_m, double dt_s, const Meeting& meeting) noexcept {
+  const double tool_speed = meeting.outward.dot(meeting.tool_m_s);
+  const double closing = tool_speed - meeting.outward.dot(meeting.particle_m_s);
+  const double push = toolForce(tool, radius_m, dt_s, meeting.depth_m, closing);
+  if (push == 0) {
+    return {};
+  }
+  return {push * meeting.outward,
+          tool.stiffness_n_m * heldShare(closing, tool_speed) * meeting.outward * meeting.outward.transpose()};
+}
+
 }  // namespace
 
-ToolReaction applyToolContact(const ToolParameters& tool, const Pose& scene_T_tool, const Twist& twist, double radius_m,
-                              double dt_s, const BedState& state, std::vector<std::int8_t>& tool_side,
+ToolReaction applyToolContact(const ToolParameters& tool, const Pose& scene_T_tool, const Twist& twist,
+                              const SoilParameters& soil, double dt_s, const BedState& state, const ToolMemory& memory,
                               std::vector<Float4>& forces) noexcept {
-  const double reach = enclosingRadius(tool) + (1 + tool.adhesion_ratio) * radius_m;
+  const double radius_m = soil.radius_m;
+  const bool pairwise = soil.friction == FrictionModel::kPairwise;
+  const FrictionalTool frictional(tool, soil, dt_s);
+  const double reach = enclosingRadius(tool) + (1 + soil.size_spread) * radius_m + std::max(frictional.reach(), tool.adhesion_ratio * radius_m);
   const auto reach_squared = static_cast<float>(reach * reach);
   const auto tool_x = static_cast<float>(scene_T_tool.position_m.x());
   const auto tool_y = static_cast<float>(scene_T_tool.position_m.y());
@@ -43,25 +128,33 @@ ToolReaction applyToolContact(const ToolParameters& tool, const Pose& scene_T_to
     const float dz = p.z - tool_z;
     forces[i] = {};
     if (dx * dx + dy * dy + dz * dz > reach_squared) {
-      tool_side[i] = 0;
+      memory.side[i] = 0;
+      if (pairwise) {
+        memory.slip[i] = {};
+      }
       continue;
     }
     const Vec3 lever = Vec3(p.x, p.y, p.z) - scene_T_tool.position_m;
-    const Penetration contact = penetration(tool, rotation.transpose() * lever, radius_m, tool_side[i]);
-    tool_side[i] = static_cast<std::int8_t>(contact.side);
+    const Penetration contact = penetration(tool, rotation.transpose() * lever, radius_m + p.w, memory.side[i]);
+    memory.side[i] = static_cast<std::int8_t>(contact.side);
 
     const Vec3 outward = rotation * contact.outward;
-    const Vec3 point = lever - outward * (radius_m - contact.depth_m);  // on the tool's surface, from its origin
+    const Vec3 point = lever - outward * (radius_m + p.w - contact.depth_m);  // on the tool's surface, from its origin
     const Float4& v = state.velocity[i];
-    const double tool_speed = outward.dot(twist.at(point));
-    const double closing = tool_speed - outward.dot(Vec3(v.x, v.y, v.z));
-    const double push = toolForce(tool, radius_m, dt_s, contact.depth_m, closing);
-    if (push != 0) {
-      const Vec3 on_particle = push * outward;
-      forces[i] = {static_cast<float>(on_particle.x()), static_cast<float>(on_particle.y()),
-                   static_cast<float>(on_particle.z()), 0};
-      reaction.wrench.add(-on_particle, point);
-      reaction.stiffness_n_m += tool.stiffness_n_m * heldShare(closing, tool_speed) * outward * outward.transpose();
+    const Meeting meeting{outward, contact.depth_m, twist.at(point), Vec3(v.x, v.y, v.z)};
+    Answer answer;
+    if (pairwise) {
+      Float4& kept = memory.slip[i];
+      Vec3 slip = rotation * Vec3(kept.x, kept.y, kept.z);
+      answer = frictional.meet(meeting, slip);
+      kept = record(rotation.transpose() * slip);
+    } else {
+      answer = paperAnswer(tool, radius_m, dt_s, meeting);
+    }
+    if (!answer.on_particle_n.isZero(0)) {
+      forces[i] = record(answer.on_particle_n);
+      reaction.wrench.add(-answer.on_particle_n, point);
+      reaction.stiffness_n_m += answer.stiffness_n_m;
     }
   }
   return reaction;

@@ -5,6 +5,7 @@
 
 #include "haptolith/bed/bed_state.h"
 #include "haptolith/core/vec.h"
+#include "haptolith/soil/soil_parameters.h"
 #include "haptolith/tool/tool_parameters.h"
 
 namespace haptolith {
@@ -28,13 +29,25 @@ struct ToolReaction {
   Eigen::Matrix3d stiffness_n_m = Eigen::Matrix3d::Zero();
 };
 
+/// What the tool's contact remembers of every particle: which large face of the tool it lies on, and, with pairwise
+/// friction, how far it has slid along the tool, in m, tool frame.
+struct ToolMemory {
+  std::vector<std::int8_t>& side;
+  std::vector<Float4>& slip;
+};
+
 /// The tool against all particles: writes their forces to `forces` and returns the reaction on the tool. Particles
 /// outside the tool's enclosing sphere are passed over without an exact test. May be called in the tick.
+///
+/// Soil with the paper's friction meets the tool as (paper 21) says. With pairwise friction the normal force is the same
+/// while they overlap, but damping never pulls, adhesion is the tool's own (as cohesion, see cohesionAcross()), and
+/// Coulomb friction with a memory acts along the surface, tan(delta) (N + F_adhesion) at most.
 /// @param scene_T_tool  pose of the tool; `twist` its velocity.
-/// @param state   positions, velocities; tool_side is read and written.
+/// @param state   positions and velocities.
+/// @param memory  read and written; may be the state's own.
 /// @param forces  one per particle; overwritten with the tool's force, 0 where it does not reach.
-ToolReaction applyToolContact(const ToolParameters& tool, const Pose& scene_T_tool, const Twist& twist, double radius_m,
-                              double dt_s, const BedState& state, std::vector<std::int8_t>& tool_side,
+ToolReaction applyToolContact(const ToolParameters& tool, const Pose& scene_T_tool, const Twist& twist,
+                              const SoilParameters& soil, double dt_s, const BedState& state, const ToolMemory& memory,
                               std::vector<Float4>& forces) noexcept;
 
 }  // namespace haptolith

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <numbers>
+
 #include "haptolith/core/vec.h"
 
 namespace haptolith {
@@ -8,14 +10,18 @@ enum class ToolShape {
   kBox,     ///< `size_m`: the shovel; its largest faces look along the tool's z
   kSphere,  ///< `diameter_m`
   kPlate,   ///< a round plate, `diameter_m` across and `thickness_m` high, its axis along the tool's z
+  kCone,    ///< `diameter_m` at its base, `cone_angle_rad` between opposite sides, its point down, a shaft above
+  kTube,    ///< open at both ends: `diameter_m` in the middle of its wall, `thickness_m` the wall, `length_m` along z
 };
 
-/// The tool and its contact with macroparticles (paper 21). The tool's origin is its centre.
+/// The tool and its contact with macroparticles (paper 21). The tool's origin is its centre, a cone's its point.
 struct ToolParameters {
   ToolShape shape = ToolShape::kBox;
   Vec3 size_m{0.05, 0.04, 0.005};  ///< kBox: edges along the tool's x, y, z
-  double diameter_m = 0.06;        ///< kSphere, kPlate
-  double thickness_m = 0.005;      ///< kPlate
+  double diameter_m = 0.06;        ///< kSphere, kPlate, kCone, kTube
+  double thickness_m = 0.005;      ///< kPlate, kTube
+  double length_m = 0.15;          ///< kCone (with its shaft), kTube
+  double cone_angle_rad = std::numbers::pi / 6;  ///< kCone; 30 degrees, ASABE S313.3's
   double stiffness_n_m = 500;      ///< k_tool
   double damping_factor = 1.4;     ///< c_tool = damping_factor * dt * k_tool / 2
   double adhesion_ratio = 0.002;   ///< adhesion reaches this many radii outside the tool (paper 21)
