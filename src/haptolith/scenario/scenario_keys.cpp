@@ -1,7 +1,5 @@
 #include "haptolith/scenario/scenario_keys.h"
 
-#include <fmt/format.h>
-
 #include <cstdint>
 #include <limits>
 
@@ -51,6 +49,13 @@ void setGravity(Scenario& scene, const Vec3& direction, double magnitude_m_s2) {
 
 std::vector<ScenarioKey> allKeys() {
   using S = Scenario;
+  using NumberValue = ScenarioKey::NumberValue;
+  using CountValue = ScenarioKey::CountValue;
+  using VectorValue = ScenarioKey::VectorValue;
+  using SwitchValue = ScenarioKey::SwitchValue;
+  using WordValue = ScenarioKey::WordValue;
+  using TextValue = ScenarioKey::TextValue;
+  using PathValue = ScenarioKey::PathValue;
   return {
       {"", "title", "", TextValue{[](S& s, std::string_view v) { s.title = v; }}, "What the scene shows, in a line."},
 
@@ -160,8 +165,8 @@ std::vector<ScenarioKey> allKeys() {
        WordValue{namesOf(kManoeuvreWords),
                  [](S& s, std::string_view v) { s.hand.manoeuvre = valueOf(kManoeuvreWords, v); }},
        "What the hand does, over and over."},
-      {"hand", "poses", "poses", TextValue{[](S& s, std::string_view v) {
-         s.hand.poses_file = v;
+      {"hand", "poses", "poses", PathValue{[](S& s, const std::filesystem::path& v) {
+         s.hand.poses_file = v.string();
          s.hand.manoeuvre = Manoeuvre::kPoses;
        }},
        "A recorded movement: CSV with `t_s,x_m,y_m,z_m,qw,qx,qy,qz`, beside the scene file. Implies `manoeuvre`."},
@@ -205,36 +210,11 @@ std::vector<ScenarioKey> allKeys() {
   };
 }
 
-std::string anyOf(const std::vector<std::string_view>& words) {
-  std::string text;
-  for (std::size_t i = 0; i < words.size(); ++i) {
-    text += fmt::format("{}{}", i == 0 ? "" : i + 1 == words.size() ? " or " : ", ", words[i]);
-  }
-  return text;
-}
-
-struct ValidText {
-  std::string operator()(const NumberValue& value) const { return value.valid.text(); }
-  std::string operator()(const CountValue& value) const {
-    return fmt::format("a whole number, {}", value.valid.text());
-  }
-  std::string operator()(const VectorValue& value) const {
-    return fmt::format("three numbers, each {}", value.valid.text());
-  }
-  std::string operator()(const SwitchValue& /*value*/) const { return "true or false"; }
-  std::string operator()(const WordValue& value) const { return anyOf(value.valid); }
-  std::string operator()(const TextValue& /*value*/) const { return "text"; }
-};
-
 }  // namespace
 
 std::span<const ScenarioKey> scenarioKeys() {
   static const std::vector<ScenarioKey> kKeys = allKeys();
   return kKeys;
-}
-
-std::string validText(const ScenarioKey& key) {
-  return std::visit(ValidText{}, key.value);
 }
 
 }  // namespace haptolith
