@@ -24,14 +24,29 @@ int lineOf(const toml::node& node) {
   return static_cast<int>(node.source().begin.line);
 }
 
-/// The value as the file has it, shortened; what it is when it is no plain value.
-std::string quote(const toml::node& node) {
+/// The value as a person would write it. toml++ alone gives 17 digits: 0.69999999999999996 for 0.7.
+std::string written(const toml::node& node) {
   if (node.is_table()) {
     return "a table";
   }
+  if (node.is_floating_point()) {
+    return fmt::format("{:#}", node.ref<double>());
+  }
   std::ostringstream out;
-  out << toml::toml_formatter{node};
-  std::string text = out.str();
+  if (const toml::array* array = node.as_array(); array != nullptr && !array->empty()) {
+    for (const toml::node& element : *array) {
+      out << (&element == array->get(0) ? "[ " : ", ") << written(element);
+    }
+    out << " ]";
+  } else {
+    out << toml::toml_formatter{node};
+  }
+  return out.str();
+}
+
+/// On one line and shortened.
+std::string quote(const toml::node& node) {
+  std::string text = written(node);
   std::ranges::replace(text, '\n', ' ');
   return text.size() <= kLongestQuote ? text : text.substr(0, kLongestQuote) + "...";
 }
