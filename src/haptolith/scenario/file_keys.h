@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <type_traits>
@@ -27,6 +28,7 @@ struct FileKey {
   struct CountValue {
     Range valid;
     void (*set)(Target&, std::int64_t);
+    std::int64_t (*get)(const Target&) = nullptr;
   };
   struct VectorValue {
     Range valid;  ///< of each of the three numbers
@@ -35,6 +37,7 @@ struct FileKey {
   struct IntervalValue {
     Range valid;  ///< of both ends
     void (*set)(Target&, const Range&);
+    std::optional<Range> (*get)(const Target&) = nullptr;
   };
   struct SwitchValue {
     void (*set)(Target&, bool);
@@ -46,6 +49,7 @@ struct FileKey {
   };
   struct TextValue {
     void (*set)(Target&, std::string_view);
+    std::string_view (*get)(const Target&) = nullptr;  ///< empty: not written
   };
   /// The name of another file, which lies beside the one that names it.
   struct PathValue {

@@ -12,7 +12,16 @@ constexpr FileKind kScene{
 void refuseContradictions(const TomlReader& reader) {
   for (const char* number : {"gamma_nm", "rho0_kg_m3", "rho_max_kg_m3", "mu_hat"}) {
     reader.refuseBoth("soil", "preset", number);
+    reader.refuseBoth("soil", "name", number);
+    reader.refuseBoth("soil", "file", number);
   }
+  for (const char* number : {"contact_friction", "contact_cohesion_n"}) {  // a preset has none
+    reader.refuseBoth("soil", "name", number);
+    reader.refuseBoth("soil", "file", number);
+  }
+  reader.refuseBoth("soil", "preset", "name");
+  reader.refuseBoth("soil", "preset", "file");
+  reader.refuseBoth("soil", "name", "file");
   reader.refuseBoth("gravity", "body", "magnitude_m_s2");
   const toml::node* manoeuvre = reader.find("hand", "manoeuvre");
   if (manoeuvre != nullptr && manoeuvre->value_or(std::string_view()) != "poses") {

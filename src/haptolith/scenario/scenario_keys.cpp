@@ -4,7 +4,9 @@
 #include <cstdint>
 #include <limits>
 
+#include "haptolith/scenario/built_in_soils.h"
 #include "haptolith/scenario/scene_words.h"
+#include "haptolith/scenario/soil_file.h"
 #include "haptolith/soil/bodies.h"
 #include "haptolith/soil/presets.h"
 
@@ -63,7 +65,8 @@ std::vector<ScenarioKey> allKeys() {
   return {
       {"", "title", "", TextValue{[](S& s, std::string_view v) { s.title = v; }}, "What the scene shows, in a line."},
 
-      // The radius rescales the preset; the numbers after it are taken as they are, for particles of that radius.
+      // The radius rescales the preset or named soil; the numbers after it are taken as they are, for particles of that
+      // radius.
       {"soil", "preset", "",
        WordValue{namesOf(presets()),
                  [](S& s, std::string_view v) {
@@ -71,6 +74,11 @@ std::vector<ScenarioKey> allKeys() {
                    s.bed.soil = findPreset(v).soil;
                  }},
        "Soil of the paper's Table II; not together with `gamma_nm`, `rho0_kg_m3`, `rho_max_kg_m3` or `mu_hat`."},
+      {"soil", "name", "",
+       WordValue{namesOf(builtInSoils()), [](S& s, std::string_view v) { setSoil(s, findSoil(v)); }},
+       "A soil with a name; instead of a preset, and not together with the numbers that make a soil."},
+      {"soil", "file", "", PathValue{[](S& s, const std::filesystem::path& v) { setSoil(s, loadSoilFile(v)); }},
+       "A soil file (soils.md), beside the scene file; the same goes for it."},
       {"soil", "radius_mm", "radius_m",
        NumberValue{{0.01, 1000},
                    [](S& s, double v) { s.bed.soil = rescaled(s.bed.soil, v * kMm); },

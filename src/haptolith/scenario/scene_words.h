@@ -6,12 +6,13 @@
 
 #include "haptolith/bed/bed_parameters.h"
 #include "haptolith/device/hand_parameters.h"
+#include "haptolith/scenario/soil_file.h"
 #include "haptolith/soil/soil_parameters.h"
 #include "haptolith/tool/tool_parameters.h"
 
 namespace haptolith {
 
-/// A word of the scene files and the command line, and what it stands for.
+/// A word of scene files, soil files and the command line, and what it stands for.
 template <class Value>
 struct SceneWord {
   std::string_view name;
@@ -24,6 +25,11 @@ SceneWord(const char*, Value) -> SceneWord<Value>;  // clang 14 does not find it
 inline constexpr std::array kFrictionWords{
     SceneWord{"paper", FrictionModel::kPaper},
     SceneWord{"pairwise", FrictionModel::kPairwise},
+};
+
+inline constexpr std::array kSoilStrengthWords{
+    SceneWord{"residual", SoilStrength::kResidual},
+    SceneWord{"peak", SoilStrength::kPeak},
 };
 
 inline constexpr std::array kBedStartWords{
