@@ -1,6 +1,6 @@
-# cmake -DSOILS=folder -DOUTPUT=built_in_soils.cpp -P EmbedSoils.cmake
-# Makes one source of the files soils/*.toml, so that the program knows them wherever it is started.
-file(GLOB files ${SOILS}/*.toml)
+# cmake -DSOILS=a.toml,b.toml -DOUTPUT=built_in_soils.cpp -P EmbedSoils.cmake
+# Makes one source of soil files, so that the program knows them wherever it is started.
+string(REPLACE "," ";" files "${SOILS}")
 set(entries "")
 foreach(file ${files})
   get_filename_component(name ${file} NAME_WE)
