@@ -73,7 +73,6 @@ SoilFile read(const TomlReader& reader) {
   }
   // [soil] means what it means in a scene, so it is read into one.
   Scenario scene;
-  scene.bed.soil = SoilParameters{};
   for (const ScenarioKey& key : soilKeys()) {
     reader.apply(key, scene);
   }
@@ -132,9 +131,9 @@ bool isOfOtherModel(std::string_view key, FrictionModel friction) {
 
 /// Numbers of the other friction model are left out unless somebody has set them.
 std::string soilLines(const SoilParameters& soil) {
-  Scenario scene, defaults;
+  const Scenario defaults;
+  Scenario scene;
   scene.bed.soil = soil;
-  defaults.bed.soil = SoilParameters{};
   std::string lines;
   for (const ScenarioKey& key : soilKeys()) {
     if (!isOfOtherModel(key.name, soil.friction) || line(key, scene) != line(key, defaults)) {

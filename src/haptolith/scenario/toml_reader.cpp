@@ -274,7 +274,7 @@ std::string TomlReader::text(const Place& place) const {
 
 /// Looked for beside the file, wherever the program was started.
 fs::path TomlReader::besideFile(const Place& place) const {
-  const fs::path path = path_.parent_path() / text(place);
+  fs::path path = path_.parent_path() / text(place);
   if (!fs::is_regular_file(path)) {
     refuse(lineOf(place.node), fmt::format("{} = {}: no such file", fullName(place.key), path.string()));
   }
