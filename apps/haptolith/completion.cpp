@@ -10,6 +10,7 @@
 #include <string>
 #include <vector>
 
+#include "haptolith/scenario/soil_file.h"
 #include "haptolith/soil/bodies.h"
 #include "haptolith/soil/presets.h"
 
@@ -71,6 +72,9 @@ Words namesOf(const Table& table) {
 Words choicesOf(const CLI::Option& option) {
   if (option.check_lname("preset")) {
     return namesOf(presets());
+  }
+  if (option.check_lname("soil")) {
+    return soilNames();
   }
   if (option.check_lname("body")) {
     return namesOf(bodies());

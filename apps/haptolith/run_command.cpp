@@ -19,6 +19,7 @@
 #include "haptolith/haptics/haptic_loop.h"
 #include "haptolith/scenario/scenario.h"
 #include "haptolith/scenario/scene_words.h"
+#include "haptolith/scenario/soil_file.h"
 #include "haptolith/soil/bodies.h"
 #include "haptolith/soil/presets.h"
 
@@ -37,6 +38,7 @@ constexpr const char* kExamples = R"(Examples:
   haptolith run                                     the paper's scene until Ctrl-C
   haptolith run --hand stir --duration-s 10         ten seconds of stirring
   haptolith run --preset P1 --body Mars --json      another soil on another world
+  haptolith run --soil surveyor-3                   a soil by its name (haptolith soil list)
   haptolith run --hand press --trace press.csv --figure press.svg
   haptolith run scenarios/deep-bed.toml             a scene from a file
   haptolith run --poses movement.csv                a recorded hand
@@ -45,7 +47,8 @@ constexpr const char* kExamples = R"(Examples:
 /// What the command line says; everything else comes from the scenario.
 struct RunOptions {
   std::string scenario_file;
-  std::optional<std::string> preset, body, poses_file;
+  std::optional<std::string> preset, soil, body, poses_file;
+  std::optional<FrictionModel> friction;
   std::optional<Manoeuvre> manoeuvre;
   std::optional<double> duration_s;
   std::optional<int> threads;
@@ -62,7 +65,14 @@ Scenario scenarioFor(const RunOptions& options) {
     const Preset& preset = findPreset(*options.preset);
     bed.soil = rescaled(preset.soil, bed.soil.radius_m);
     scenario.preset = preset.name;
+    scenario.soil_name.clear();
   }
+  if (options.soil) {
+    SoilFile file = findSoil(*options.soil);
+    file.soil = rescaled(file.soil, bed.soil.radius_m);
+    setSoil(scenario, file);
+  }
+  bed.soil.friction = options.friction.value_or(bed.soil.friction);
   if (options.body) {
     const Body& body = findBody(*options.body);
     const double before = bed.gravity_m_s2.norm();
@@ -247,6 +257,8 @@ Json summaryJson(const Scenario& scenario, const Scene& scene, const HapticLoop&
   return {
       {"title", scenario.title},
       {"preset", scenario.preset},
+      {"soil", scenario.soil_name.empty() ? Json(nullptr) : Json(scenario.soil_name)},
+      {"friction", wordFor(kFrictionWords, scenario.bed.soil.friction)},
       {"body", scenario.body},
       {"particles", scene.bed().particles()},
       {"substeps", scene.substeps()},
@@ -266,13 +278,19 @@ Json summaryJson(const Scenario& scenario, const Scene& scene, const HapticLoop&
       {"realtime", {{"scheduler", summary.real_time.scheduler}, {"memory_locked", summary.real_time.memory_locked}}}};
 }
 
+std::string soilText(const Scenario& scenario) {
+  const std::string name = scenario.preset + scenario.soil_name;  // one of them at most
+  return fmt::format("{}, {} friction", name.empty() ? "own soil" : name,
+                     wordFor(kFrictionWords, scenario.bed.soil.friction));
+}
+
 std::string summaryText(const Scenario& scenario, const Scene& scene, const HapticLoop& loop,
                         const RunSummary& summary) {
   const LoopStatistics& s = loop.statistics();
   const Histogram& t = s.tickUs();
   return fmt::format(
       "{title}\n"
-      "  soil       {particles} macroparticles of {radius:g} mm, {preset}, g = {g:g} m/s2, {substeps} step(s) a tick\n"
+      "  soil       {particles} macroparticles of {radius:g} mm, {soil}, g = {g:g} m/s2, {substeps} step(s) a tick\n"
       "  time       {time:.3f} s in {ticks} ticks: {end}\n"
       "  tick       mean {mean:.1f}  p50 {p50:.1f}  p99 {p99:.1f}  p99.9 {p999:.1f}  max {max:.1f} us ({simd}, "
       "{threads} "
@@ -282,8 +300,7 @@ std::string summaryText(const Scenario& scenario, const Scene& scene, const Hapt
       "  torque     mean {mmean:.4f}  p99 {mp99:.4f}  max {mmax:.4f} N m\n"
       "  state      {hash:016x}\n",
       fmt::arg("title", scenario.title), fmt::arg("particles", scene.bed().particles()),
-      fmt::arg("radius", 1e3 * scenario.bed.soil.radius_m),
-      fmt::arg("preset", scenario.preset.empty() ? "own soil" : scenario.preset),
+      fmt::arg("radius", 1e3 * scenario.bed.soil.radius_m), fmt::arg("soil", soilText(scenario)),
       fmt::arg("g", scenario.bed.gravity_m_s2.norm()), fmt::arg("substeps", scene.substeps()),
       fmt::arg("time", loop.time()), fmt::arg("ticks", s.ticks()), fmt::arg("end", text(summary.end)),
       fmt::arg("mean", t.mean()), fmt::arg("p50", t.percentile(0.5)), fmt::arg("p99", t.percentile(0.99)),
@@ -353,6 +370,14 @@ void run(const RunOptions& options) {
   throwWhenItFailed(scenario, loop, summary.end);
 }
 
+std::map<std::string, FrictionModel> frictionChoices() {
+  std::map<std::string, FrictionModel> choices;
+  for (const auto& [name, friction] : kFrictionWords) {
+    choices.emplace(name, friction);
+  }
+  return choices;
+}
+
 /// What --hand takes: every manoeuvre but "poses", which has an option of its own.
 std::map<std::string, Manoeuvre> handChoices() {
   std::map<std::string, Manoeuvre> choices;
@@ -371,7 +396,14 @@ void addRunCommand(CLI::App& app) {
   CLI::App* command = app.add_subcommand("run", "Run a scene at 1 kHz under a hand, until Ctrl-C or --duration-s");
   command->footer(kExamples);
   command->add_option("scenario", options->scenario_file, "Scene (TOML, see docs/scenarios.md); default: the paper's");
-  command->add_option("--preset", options->preset, "Soil: P1 to P6, the paper's Table II")->option_text("NAME");
+  CLI::Option* preset = command->add_option("--preset", options->preset, "Soil: P1 to P6, the paper's Table II");
+  preset->option_text("NAME");
+  command->add_option("--soil", options->soil, "Soil by its name (haptolith soil list) or from a file (docs/soils.md)")
+      ->option_text("NAME|FILE")
+      ->excludes(preset);
+  command->add_option("--friction", options->friction, "What friction acts against; default: as the soil has it")
+      ->transform(CLI::CheckedTransformer(frictionChoices(), CLI::ignore_case))
+      ->option_text("paper|pairwise");
   command->add_option("--body", options->body, "World: Ceres, Pluto, Europa, Moon, Mars or Earth")->option_text("NAME");
   CLI::Option* hand = command->add_option("--hand", options->manoeuvre, "What the virtual hand does");
   hand->transform(CLI::CheckedTransformer(handChoices(), CLI::ignore_case))

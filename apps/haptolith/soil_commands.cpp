@@ -13,6 +13,8 @@
 #include <vector>
 
 #include "haptolith/core/error.h"
+#include "haptolith/scenario/scene_words.h"
+#include "haptolith/scenario/soil_file.h"
 #include "haptolith/soil/bodies.h"
 #include "haptolith/soil/calibration.h"
 #include "haptolith/soil/layers.h"
@@ -375,6 +377,57 @@ void addPresets(CLI::App& soil) {
   command->callback([json] { *json ? printPresetsJson() : printPresetsText(); });
 }
 
+// --- haptolith soil list ---------------------------------------------------------------------------------------------
+
+std::vector<SoilFile> namedSoils() {
+  std::vector<SoilFile> soils;
+  for (const std::string& name : soilNames()) {
+    soils.push_back(findSoil(name));
+  }
+  return soils;
+}
+
+Json rangeOrNull(const std::optional<Range>& range) {
+  return range ? Json{range->lowest, range->highest} : Json(nullptr);
+}
+
+void printSoilsJson() {
+  Json rows = Json::array();
+  for (const SoilFile& soil : namedSoils()) {
+    const SoilTarget& target = soil.target;
+    rows.push_back({{"name", soil.name},
+                    {"bulk_density_kg_m3", target.bulk_density_kg_m3},
+                    {"friction_angle_deg", target.friction_angle_deg},
+                    {"friction_angle_range_deg", rangeOrNull(target.friction_angle_range_deg)},
+                    {"cohesion_pa", target.cohesion_pa},
+                    {"cohesion_range_pa", rangeOrNull(target.cohesion_range_pa)},
+                    {"strength", wordFor(kSoilStrengthWords, target.strength)},
+                    {"friction", wordFor(kFrictionWords, soil.soil.friction)},
+                    {"calibrated", soil.reached.has_value()},
+                    {"source", soil.source}});
+  }
+  printJson(Json{{"soils", rows}});
+}
+
+void printSoilsText() {
+  fmt::print("Soils with a name, as they were measured\n\n");
+  fmt::print("                        density    angle   cohesion\n");
+  fmt::print("                          kg/m³        °         Pa   source\n");
+  for (const SoilFile& soil : namedSoils()) {
+    const SoilTarget& target = soil.target;
+    fmt::print("  {:<20}   {:>6.0f}   {:>6.1f}   {:>8.0f}   {}\n", soil.name, target.bulk_density_kg_m3,
+               target.friction_angle_deg, target.cohesion_pa, soil.source);
+  }
+}
+
+void addList(CLI::App& soil) {
+  auto json = std::make_shared<bool>(false);
+  CLI::App* command = soil.add_subcommand("list", "The soils with a name, and what was measured of them");
+  command->add_flag("--json", *json, "print one JSON object instead of a table");
+  command->footer("Examples:\n  haptolith soil list\n  haptolith run --soil lunar-0-15cm");
+  command->callback([json] { *json ? printSoilsJson() : printSoilsText(); });
+}
+
 }  // namespace
 
 void addSoilCommands(CLI::App& app) {
@@ -384,6 +437,7 @@ void addSoilCommands(CLI::App& app) {
   addProfile(*soil);
   addCalibrate(*soil);
   addPresets(*soil);
+  addList(*soil);
 }
 
 }  // namespace haptolith

@@ -123,6 +123,8 @@ TEST(Completion, BashOffersCommandsOptionsAndChoices) {
   EXPECT_EQ(bashOffers("completion --"), "--help\n");
   EXPECT_EQ(bashOffers("run --hand s"), "scoop shake still stir\n");
   EXPECT_EQ(bashOffers("run --body E"), "Europa Earth\n");
+  EXPECT_EQ(bashOffers("run --soil lunar"), "lunar-0-15cm lunar-trafficability\n");
+  EXPECT_EQ(bashOffers("run --friction p"), "pairwise paper\n");
   EXPECT_EQ(bashOffers("soil prof"), "profile\n");
 }
 

@@ -90,6 +90,52 @@ TEST_F(RunCommand, StateHashDependsOnTheSceneAndOnNothingElse) {
   EXPECT_NE(once["state_hash"], summaryOf(scoop + " --preset P1")["state_hash"]);
 }
 
+TEST_F(RunCommand, ASoilIsFoundByItsNameFromAnyFolder) {
+  const ProgramResult result = runInShell(
+      fmt::format("cd '{}' && \"$HAPTOLITH\" run --json --unpaced --duration-s 0.05 --soil LHS-1", folder_.string()));
+  ASSERT_EQ(result.exit_status, 0) << result.errors;
+  const json summary = json::parse(result.output);
+  EXPECT_EQ(summary["soil"], "lhs-1");
+  EXPECT_EQ(summary["preset"], "");
+  EXPECT_EQ(summary["friction"], "pairwise");
+}
+
+TEST_F(RunCommand, ASoilMayComeFromAFileAndReplacesTheScenes) {
+  const ProgramResult copied = runInShell(fmt::format(
+      "sed 's/^name = .*/name = \"mine\"/' '{}/soils/lhs-1.toml' > '{}'", HAPTOLITH_SOURCE_DIR, file("mine.toml")));
+  ASSERT_EQ(copied.exit_status, 0);
+  const std::string brief = "--unpaced --duration-s 0.05 ";
+  EXPECT_EQ(summaryOf(brief + "--soil " + file("mine.toml"))["soil"], "mine");
+  EXPECT_EQ(summaryOf(brief + "--soil " + file("mine.toml"))["state_hash"],
+            summaryOf(brief + "--soil lhs-1")["state_hash"]);
+  writeFile("scene.toml", "[soil]\nfile = \"mine.toml\"\n");
+  EXPECT_EQ(summaryOf(brief + file("scene.toml"))["soil"], "mine");
+  EXPECT_EQ(summaryOf(brief + file("scene.toml") + " --soil jsc-1a")["soil"], "jsc-1a");
+  const json preset = summaryOf(brief + file("scene.toml") + " --preset P2");
+  EXPECT_TRUE(preset["soil"].is_null());
+  EXPECT_EQ(preset["preset"], "P2");
+  EXPECT_EQ(preset["friction"], "paper");
+}
+
+TEST_F(RunCommand, FrictionIsTheSoilsUnlessToldOtherwise) {
+  const std::string brief = "--unpaced --duration-s 0.05 ";
+  EXPECT_EQ(summaryOf(brief)["friction"], "paper");
+  EXPECT_EQ(summaryOf(brief + "--friction Pairwise")["friction"], "pairwise");
+  EXPECT_EQ(summaryOf(brief + "--friction pairwise")["preset"], "P3");
+  EXPECT_EQ(summaryOf(brief + "--soil lms-1 --friction paper")["friction"], "paper");
+}
+
+TEST_F(RunCommand, AWrongSoilIsToldWithTheNearest) {
+  const ProgramResult unknown = runHaptolith("run --soil jsc-1b");
+  EXPECT_EQ(unknown.exit_status, 2);
+  EXPECT_THAT(unknown.errors, HasSubstr("soil = 'jsc-1b' is not valid: must be one of apollo-15-srp, "));
+  EXPECT_THAT(unknown.errors, HasSubstr("did you mean jsc-1a?"));
+  writeFile("wrong.toml", "name = \"x\"\n[target]\ncohesion_pa = -1\n");
+  const ProgramResult wrong = runHaptolith("run --soil " + file("wrong.toml"));
+  EXPECT_EQ(wrong.exit_status, 2);
+  EXPECT_THAT(wrong.errors, HasSubstr("wrong.toml:3: [target] cohesion_pa = -1 is not valid: must be 0 to 1000000"));
+}
+
 TEST_F(RunCommand, SeedChangesRainAndNothingElse) {
   writeFile("rain.toml", "[bed]\nstart = \"rain\"\nparticles = 60\nwidth_mm = 80\nlength_mm = 80\n");
   const std::string rain = "--unpaced --duration-s 0.01 " + file("rain.toml");
@@ -229,8 +275,9 @@ TEST_F(RunCommand, AHandThatLeavesTheSceneEndsTheRun) {
 
 TEST_F(RunCommand, WrongUseIsToldAndHasStatusTwo) {
   for (const char* arguments :
-       {"--preset P9", "--body Vulcan", "--hand dance", "--duration-s 0", "--duration-s nan", "--duration-s -1",
-        "--threads 0", "--threads two", "--seed -1", "--hand stir --poses x.csv", "one.toml two.toml"}) {
+       {"--preset P9", "--soil none.toml", "--soil lhs-1 --preset P1", "--friction none", "--body Vulcan",
+        "--hand dance", "--duration-s 0", "--duration-s nan", "--duration-s -1", "--threads 0", "--threads two",
+        "--seed -1", "--hand stir --poses x.csv", "one.toml two.toml"}) {
     const ProgramResult result = runInShell(std::string("timeout 20 \"$HAPTOLITH\" run --unpaced ") + arguments);
     EXPECT_EQ(result.exit_status, 2) << arguments;
     EXPECT_THAT(result.errors, HasSubstr("error:")) << arguments;

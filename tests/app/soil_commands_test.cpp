@@ -3,6 +3,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cstdio>
 #include <filesystem>
 #include <fstream>
@@ -172,8 +173,25 @@ TEST_F(SoilCommands, PresetsListsAllSix) {
   EXPECT_EQ(presets[3]["gamma_nm"], 6e-5);
 }
 
+TEST_F(SoilCommands, ListTellsWhatWasMeasuredOfTheNamedSoils) {
+  const json soils = runJson("soil list")["soils"];
+  ASSERT_EQ(soils.size(), 8u);
+  const auto soil =
+      std::find_if(soils.begin(), soils.end(), [](const json& row) { return row["name"] == "surveyor-3"; });
+  ASSERT_NE(soil, soils.end());
+  EXPECT_EQ((*soil)["bulk_density_kg_m3"], 1500);
+  EXPECT_EQ((*soil)["friction_angle_deg"], 37.5);
+  EXPECT_EQ((*soil)["friction_angle_range_deg"], json({35, 40}));
+  EXPECT_EQ((*soil)["cohesion_pa"], 425);
+  EXPECT_EQ((*soil)["friction"], "pairwise");
+  EXPECT_THAT((*soil)["source"], HasSubstr("Surveyor III"));
+  const Answer text = run("soil list");
+  EXPECT_EQ(text.status, 0);
+  EXPECT_THAT(text.out, HasSubstr("lunar-0-15cm             1500     42.0        520   Lunar Sourcebook"));
+}
+
 TEST_F(SoilCommands, EveryCommandExplainsItselfWithAnExample) {
-  for (const char* command : {"soil", "soil profile", "soil calibrate", "soil presets"}) {
+  for (const char* command : {"soil", "soil profile", "soil calibrate", "soil presets", "soil list"}) {
     const Answer answer = run(std::string(command) + " --help");
     EXPECT_EQ(answer.status, 0);
     EXPECT_THAT(answer.out, HasSubstr("  haptolith soil ")) << command;

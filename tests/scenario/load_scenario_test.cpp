@@ -74,6 +74,12 @@ TEST_F(LoadScenario, ThePapersSceneIsTheDefault) {
   EXPECT_DOUBLE_EQ(paper.bed.soil.stiffness_n_m, preset.bed.soil.stiffness_n_m);
   EXPECT_DOUBLE_EQ(paper.bed.soil.attraction_ratio, preset.bed.soil.attraction_ratio);
   EXPECT_DOUBLE_EQ(paper.bed.soil.moving_friction_ratio, preset.bed.soil.moving_friction_ratio);
+  EXPECT_EQ(paper.bed.soil.friction, preset.bed.soil.friction);
+  EXPECT_DOUBLE_EQ(paper.bed.soil.contact_friction, preset.bed.soil.contact_friction);
+  EXPECT_DOUBLE_EQ(paper.bed.soil.contact_cohesion_n, preset.bed.soil.contact_cohesion_n);
+  EXPECT_DOUBLE_EQ(paper.bed.soil.cohesion_range_ratio, preset.bed.soil.cohesion_range_ratio);
+  EXPECT_DOUBLE_EQ(paper.bed.soil.tangential_ratio, preset.bed.soil.tangential_ratio);
+  EXPECT_DOUBLE_EQ(paper.bed.soil.damping_ratio, preset.bed.soil.damping_ratio);
   EXPECT_TRUE(paper.bed.gravity_m_s2.isApprox(preset.bed.gravity_m_s2));
   EXPECT_EQ(paper.bed.start, preset.bed.start);
   EXPECT_EQ(paper.bed.particles, preset.bed.particles);
@@ -91,6 +97,8 @@ TEST_F(LoadScenario, ThePapersSceneIsTheDefault) {
   EXPECT_DOUBLE_EQ(paper.tool.stiffness_n_m, preset.tool.stiffness_n_m);
   EXPECT_DOUBLE_EQ(paper.tool.damping_factor, preset.tool.damping_factor);
   EXPECT_DOUBLE_EQ(paper.tool.adhesion_ratio, preset.tool.adhesion_ratio);
+  EXPECT_DOUBLE_EQ(paper.tool.friction, preset.tool.friction);
+  EXPECT_DOUBLE_EQ(paper.tool.adhesion_n, preset.tool.adhesion_n);
   EXPECT_EQ(paper.hand.manoeuvre, preset.hand.manoeuvre);
   EXPECT_EQ(paper.hand.compliance, preset.hand.compliance);
   EXPECT_DOUBLE_EQ(paper.hand.mass_kg, preset.hand.mass_kg);
@@ -153,6 +161,34 @@ TEST_F(LoadScenario, SoilGivenByNumbersIsNoPreset) {
   EXPECT_DOUBLE_EQ(scene.bed.soil.rho0_kg_m3, 1330);
 }
 
+TEST_F(LoadScenario, FrictionHasTwoModelsEachWithItsNumbers) {
+  EXPECT_EQ(load("[soil]\npreset = 'P3'\n").bed.soil.friction, FrictionModel::kPaper);
+  const Scenario scene = load(R"(
+    [soil]
+    preset = "P3"
+    radius_mm = 3.5
+    friction = "Pairwise"
+    contact_friction = 0.7
+    contact_cohesion_n = 0.1
+    cohesion_range_ratio = 0.2
+    tangential_ratio = 0.4
+    damping_ratio = 0.3
+    [tool]
+    friction = 0.5
+    adhesion_n = 0.02
+  )");
+  const SoilParameters& soil = scene.bed.soil;
+  EXPECT_EQ(soil.friction, FrictionModel::kPairwise);
+  EXPECT_EQ(soil.contact_friction, 0.7);
+  EXPECT_EQ(soil.contact_cohesion_n, 0.1) << "what is given is for the radius that is given";
+  EXPECT_EQ(soil.cohesion_range_ratio, 0.2);
+  EXPECT_EQ(soil.tangential_ratio, 0.4);
+  EXPECT_EQ(soil.damping_ratio, 0.3);
+  EXPECT_EQ(scene.tool.friction, 0.5);
+  EXPECT_EQ(scene.tool.adhesion_n, 0.02);
+  EXPECT_EQ(scene.preset, "P3") << "a preset says nothing about these";
+}
+
 TEST_F(LoadScenario, GravityHasABodyOrAMagnitudeAndADirection) {
   const Scenario mars = load("[gravity]\nbody = 'mars'\ndirection = [0, 3, -4]\n");
   EXPECT_EQ(mars.body, "Mars");
@@ -213,6 +249,22 @@ TEST_F(LoadScenario, ValuesOutOfRangeAreRefused) {
             "x.toml:2: [bed] particles = 0 is not valid: must be a whole number, 1 to 10000000");
   EXPECT_THAT(errorOf("[bed]\nparticles = 99999999999999\n"), HasSubstr("1 to 10000000"));
   EXPECT_THAT(errorOf("[bed]\nseed = -1\n"), HasSubstr("x.toml:2: [bed] seed = -1"));
+}
+
+TEST_F(LoadScenario, NonsenseAboutFrictionIsRefused) {
+  EXPECT_EQ(errorOf("[soil]\nfriction = 'none'\n"),
+            "x.toml:2: [soil] friction = 'none' is not valid: must be paper or pairwise");
+  EXPECT_EQ(errorOf("[soil]\nfriction = 0.7\n"),
+            "x.toml:2: [soil] friction = 0.7 is not valid: must be paper or pairwise");
+  EXPECT_EQ(errorOf("[soil]\n\ncontact_friction = -0.7\n"),
+            "x.toml:3: [soil] contact_friction = -0.7 is not valid: must be 0 to 10");
+  EXPECT_EQ(errorOf("[soil]\ncohesion_range_ratio = 0\n"),
+            "x.toml:2: [soil] cohesion_range_ratio = 0 is not valid: must be 0.001 to 0.5");
+  EXPECT_THAT(errorOf("[soil]\ncontact_cohesion_n = nan\n"), HasSubstr("contact_cohesion_n = nan is not valid"));
+  EXPECT_THAT(errorOf("[soil]\ntangential_ratio = 2\n"), HasSubstr("must be 0.01 to 1"));
+  EXPECT_THAT(errorOf("[soil]\ndamping_ratio = 0.6\n"), HasSubstr("must be 0 to 0.5"));
+  EXPECT_THAT(errorOf("[tool]\nfriction = 11\n"), HasSubstr("x.toml:2: [tool] friction = 11"));
+  EXPECT_THAT(errorOf("[tool]\nadhesion_n = -1\n"), HasSubstr("x.toml:2: [tool] adhesion_n = -1"));
 }
 
 TEST_F(LoadScenario, NanAndInfinityAreRefused) {

@@ -48,6 +48,11 @@ TEST(SoilParameters, NonsenseIsRefusedByName) {
   refuses("stiffness_n_m", &SoilParameters::stiffness_n_m, {0, -100, nan, -kInfinity});
   refuses("attraction_ratio", &SoilParameters::attraction_ratio, {0.99, 0, -1, nan});
   refuses("moving_friction_ratio", &SoilParameters::moving_friction_ratio, {-0.1, 1.1, nan});
+  refuses("contact_friction", &SoilParameters::contact_friction, {-0.1, 11, nan, kInfinity});
+  refuses("contact_cohesion_n", &SoilParameters::contact_cohesion_n, {-0.1, nan, kInfinity});
+  refuses("cohesion_range_ratio", &SoilParameters::cohesion_range_ratio, {0, -0.1, 0.6, nan});
+  refuses("tangential_ratio", &SoilParameters::tangential_ratio, {0, -0.1, 1.1, nan});
+  refuses("damping_ratio", &SoilParameters::damping_ratio, {-0.1, 0.6, nan});
 }
 
 TEST(SoilParameters, ASpringSofterThanTheHyperbolaIsRefused) {

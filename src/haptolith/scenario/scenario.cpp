@@ -6,6 +6,12 @@
 
 namespace haptolith {
 
+void setSoil(Scenario& scenario, const SoilFile& soil) {
+  scenario.preset.clear();
+  scenario.soil_name = soil.name;
+  scenario.bed.soil = soil.soil;
+}
+
 void validate(const Scenario& scenario) {
   validate(scenario.bed);
   validate(scenario.tool);

@@ -7,7 +7,7 @@
 
 namespace haptolith {
 
-/// Something in a scene file is wrong. The text begins with the file and, where one is known, the line:
+/// Something in a scene or a soil file is wrong. The text begins with the file and, where one is known, the line:
 ///
 ///     scenes/x.toml:12: [soil] rho_max_kg_m3 = 1000 is not valid: must be > 1330 and <= 1e+06
 class ScenarioError : public InvalidParameter {

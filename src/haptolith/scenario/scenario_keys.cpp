@@ -1,11 +1,12 @@
 #include "haptolith/scenario/scenario_keys.h"
 
-#include <fmt/format.h>
-
+#include <cmath>
 #include <cstdint>
 #include <limits>
 
+#include "haptolith/scenario/built_in_soils.h"
 #include "haptolith/scenario/scene_words.h"
+#include "haptolith/scenario/soil_file.h"
 #include "haptolith/soil/bodies.h"
 #include "haptolith/soil/presets.h"
 
@@ -19,30 +20,33 @@ constexpr Range kPositive{0, kInfinity, Ends::kOpen};
 constexpr Range kNotNegative{0, kInfinity};
 constexpr Range kLengthMm{0.01, 1e5};
 
-template <class Table>
-std::vector<std::string_view> namesOf(const Table& table) {
-  std::vector<std::string_view> names;
-  names.reserve(table.size());
-  for (const auto& entry : table) {
-    names.push_back(entry.name);
+/// The number of mm that is read as exactly `length_m`, where there is one.
+double millimetres(double length_m) {
+  const double mm = length_m / kMm;
+  for (const double near : {std::round(mm * 1e6) * 1e-6, mm, std::nextafter(mm, 0), std::nextafter(mm, kInfinity)}) {
+    if (near * kMm == length_m) {
+      return near;
+    }
   }
-  return names;
+  return mm;
 }
 
-/// The value of a word that is known to be in `table`.
-template <class Table>
-auto valueOf(const Table& table, std::string_view name) {
-  auto entry = table.begin();
-  while (entry->name != name) {
-    ++entry;
-  }
-  return entry->value;
+/// A number of the soil, in the unit of its key.
+template <double SoilParameters::*kNumber>
+ScenarioKey::NumberValue soilNumber(const Range& valid) {
+  return {valid, [](Scenario& scene, double value) { scene.bed.soil.*kNumber = value; },
+          [](const Scenario& scene) { return scene.bed.soil.*kNumber; }};
 }
 
 /// One of the numbers that make a preset: the soil is then no longer that preset.
-void setSoil(Scenario& scene, double SoilParameters::*number, double value) {
-  scene.preset.clear();
-  scene.bed.soil.*number = value;
+template <double SoilParameters::*kNumber>
+ScenarioKey::NumberValue presetNumber(const Range& valid) {
+  ScenarioKey::NumberValue value = soilNumber<kNumber>(valid);
+  value.set = [](Scenario& scene, double number) {
+    scene.preset.clear();
+    scene.bed.soil.*kNumber = number;
+  };
+  return value;
 }
 
 void setGravity(Scenario& scene, const Vec3& direction, double magnitude_m_s2) {
@@ -51,10 +55,18 @@ void setGravity(Scenario& scene, const Vec3& direction, double magnitude_m_s2) {
 
 std::vector<ScenarioKey> allKeys() {
   using S = Scenario;
+  using NumberValue = ScenarioKey::NumberValue;
+  using CountValue = ScenarioKey::CountValue;
+  using VectorValue = ScenarioKey::VectorValue;
+  using SwitchValue = ScenarioKey::SwitchValue;
+  using WordValue = ScenarioKey::WordValue;
+  using TextValue = ScenarioKey::TextValue;
+  using PathValue = ScenarioKey::PathValue;
   return {
       {"", "title", "", TextValue{[](S& s, std::string_view v) { s.title = v; }}, "What the scene shows, in a line."},
 
-      // The radius rescales the preset; the numbers after it are taken as they are, for particles of that radius.
+      // The radius rescales the preset or named soil; the numbers after it are taken as they are, for particles of that
+      // radius.
       {"soil", "preset", "",
        WordValue{namesOf(presets()),
                  [](S& s, std::string_view v) {
@@ -62,29 +74,49 @@ std::vector<ScenarioKey> allKeys() {
                    s.bed.soil = findPreset(v).soil;
                  }},
        "Soil of the paper's Table II; not together with `gamma_nm`, `rho0_kg_m3`, `rho_max_kg_m3` or `mu_hat`."},
+      {"soil", "name", "",
+       WordValue{namesOf(builtInSoils()), [](S& s, std::string_view v) { setSoil(s, findSoil(v)); }},
+       "A soil with a name; instead of a preset, and not together with the numbers that make a soil."},
+      {"soil", "file", "", PathValue{[](S& s, const std::filesystem::path& v) { setSoil(s, loadSoilFile(v)); }},
+       "A soil file (soils.md), beside the scene file; the same goes for it."},
       {"soil", "radius_mm", "radius_m",
-       NumberValue{{0.01, 1000}, [](S& s, double v) { s.bed.soil = rescaled(s.bed.soil, v * kMm); }},
-       "Radius of a macroparticle; `gamma_nm` and `stiffness_n_m` follow unless they are given too."},
-      {"soil", "gamma_nm", "gamma_nm",
-       NumberValue{kPositive, [](S& s, double v) { setSoil(s, &SoilParameters::gamma_nm, v); }},
+       NumberValue{{0.01, 1000},
+                   [](S& s, double v) { s.bed.soil = rescaled(s.bed.soil, v * kMm); },
+                   [](const S& s) { return millimetres(s.bed.soil.radius_m); }},
+       "Radius of a macroparticle; `gamma_nm`, `stiffness_n_m` and `contact_cohesion_n` follow unless they are given "
+       "too."},
+      {"soil", "gamma_nm", "gamma_nm", presetNumber<&SoilParameters::gamma_nm>(kPositive),
        "Strength of the contact law (paper 7), N m."},
-      {"soil", "rho0_kg_m3", "rho0_kg_m3",
-       NumberValue{{0, 1e5, Ends::kOpenBelow}, [](S& s, double v) { setSoil(s, &SoilParameters::rho0_kg_m3, v); }},
+      {"soil", "rho0_kg_m3", "rho0_kg_m3", presetNumber<&SoilParameters::rho0_kg_m3>({0, 1e5, Ends::kOpenBelow}),
        "Bulk density at the surface."},
       {"soil", "rho_max_kg_m3", "rho_max_kg_m3",
-       NumberValue{{0, 1e6, Ends::kOpenBelow}, [](S& s, double v) { setSoil(s, &SoilParameters::rho_max_kg_m3, v); }},
+       presetNumber<&SoilParameters::rho_max_kg_m3>({0, 1e6, Ends::kOpenBelow}),
        "Bulk density that no load exceeds (paper 8); more than `rho0_kg_m3`."},
-      {"soil", "mu_hat", "mu_hat", NumberValue{{0, 10}, [](S& s, double v) { setSoil(s, &SoilParameters::mu_hat, v); }},
-       "Model friction (paper 14)."},
-      {"soil", "stiffness_n_m", "stiffness_n_m",
-       NumberValue{kPositive, [](S& s, double v) { s.bed.soil.stiffness_n_m = v; }},
+      {"soil", "stiffness_n_m", "stiffness_n_m", soilNumber<&SoilParameters::stiffness_n_m>(kPositive),
        "Limiting stiffness k of a contact (paper 7)."},
-      {"soil", "attraction_ratio", "attraction_ratio",
-       NumberValue{{1, 2}, [](S& s, double v) { s.bed.soil.attraction_ratio = v; }},
-       "Reach of attraction over radius (paper 19); 1 switches attraction off."},
+      {"soil", "friction", "",
+       WordValue{namesOf(kFrictionWords),
+                 [](S& s, std::string_view v) { s.bed.soil.friction = valueOf(kFrictionWords, v); },
+                 [](const S& s) { return wordFor(kFrictionWords, s.bed.soil.friction); }},
+       "What friction acts against: absolute space, as in the paper (14), or the particles that a particle touches."},
+      {"soil", "mu_hat", "mu_hat", presetNumber<&SoilParameters::mu_hat>({0, 10}),
+       "Model friction (paper 14); for `paper`."},
+      {"soil", "attraction_ratio", "attraction_ratio", soilNumber<&SoilParameters::attraction_ratio>({1, 2}),
+       "Reach of attraction over radius (paper 19); 1 switches attraction off; for `paper`."},
       {"soil", "moving_friction_ratio", "moving_friction_ratio",
-       NumberValue{{0, 1}, [](S& s, double v) { s.bed.soil.moving_friction_ratio = v; }},
-       "Moving over static friction (paper 14)."},
+       soilNumber<&SoilParameters::moving_friction_ratio>({0, 1}),
+       "Moving over static friction (paper 14); for `paper`."},
+      {"soil", "contact_friction", "contact_friction", soilNumber<&SoilParameters::contact_friction>({0, 10}),
+       "Coulomb friction of a contact; for `pairwise`."},
+      {"soil", "contact_cohesion_n", "contact_cohesion_n", soilNumber<&SoilParameters::contact_cohesion_n>({0, 1e6}),
+       "Largest pull of a contact, and what it adds to the normal force; for `pairwise`."},
+      {"soil", "cohesion_range_ratio", "cohesion_range_ratio",
+       soilNumber<&SoilParameters::cohesion_range_ratio>({0.001, 0.5}),
+       "How many radii apart two particles still cohere; for `pairwise`."},
+      {"soil", "tangential_ratio", "tangential_ratio", soilNumber<&SoilParameters::tangential_ratio>({0.01, 1}),
+       "Tangential over normal stiffness of a contact; for `pairwise`."},
+      {"soil", "damping_ratio", "damping_ratio", soilNumber<&SoilParameters::damping_ratio>({0, 0.5}),
+       "Damping of a pair that bounces, over critical damping; for `pairwise`."},
 
       // A magnitude of 0 would forget the direction, so the direction comes first.
       {"gravity", "direction", "gravity_m_s2",
@@ -154,14 +186,18 @@ std::vector<ScenarioKey> allKeys() {
        "Damping between tool and particle, over half a tick times the stiffness (paper, II-E)."},
       {"tool", "adhesion_ratio", "adhesion_ratio",
        NumberValue{{0, 1}, [](S& s, double v) { s.tool.adhesion_ratio = v; }},
-       "How many radii outside the tool a particle still sticks to it (paper 21)."},
+       "How many radii outside the tool a particle still sticks to it (paper 21); with `paper` friction of the soil."},
+      {"tool", "friction", "friction", NumberValue{{0, 10}, [](S& s, double v) { s.tool.friction = v; }},
+       "Friction between soil and tool, tan(delta); with `pairwise` friction of the soil."},
+      {"tool", "adhesion_n", "adhesion_n", NumberValue{{0, 1e6}, [](S& s, double v) { s.tool.adhesion_n = v; }},
+       "Largest pull of a contact with the tool, and what it adds to the normal force; with `pairwise` friction."},
 
       {"hand", "manoeuvre", "",
        WordValue{namesOf(kManoeuvreWords),
                  [](S& s, std::string_view v) { s.hand.manoeuvre = valueOf(kManoeuvreWords, v); }},
        "What the hand does, over and over."},
-      {"hand", "poses", "poses", TextValue{[](S& s, std::string_view v) {
-         s.hand.poses_file = v;
+      {"hand", "poses", "poses", PathValue{[](S& s, const std::filesystem::path& v) {
+         s.hand.poses_file = v.string();
          s.hand.manoeuvre = Manoeuvre::kPoses;
        }},
        "A recorded movement: CSV with `t_s,x_m,y_m,z_m,qw,qx,qy,qz`, beside the scene file. Implies `manoeuvre`."},
@@ -205,36 +241,11 @@ std::vector<ScenarioKey> allKeys() {
   };
 }
 
-std::string anyOf(const std::vector<std::string_view>& words) {
-  std::string text;
-  for (std::size_t i = 0; i < words.size(); ++i) {
-    text += fmt::format("{}{}", i == 0 ? "" : i + 1 == words.size() ? " or " : ", ", words[i]);
-  }
-  return text;
-}
-
-struct ValidText {
-  std::string operator()(const NumberValue& value) const { return value.valid.text(); }
-  std::string operator()(const CountValue& value) const {
-    return fmt::format("a whole number, {}", value.valid.text());
-  }
-  std::string operator()(const VectorValue& value) const {
-    return fmt::format("three numbers, each {}", value.valid.text());
-  }
-  std::string operator()(const SwitchValue& /*value*/) const { return "true or false"; }
-  std::string operator()(const WordValue& value) const { return anyOf(value.valid); }
-  std::string operator()(const TextValue& /*value*/) const { return "text"; }
-};
-
 }  // namespace
 
 std::span<const ScenarioKey> scenarioKeys() {
   static const std::vector<ScenarioKey> kKeys = allKeys();
   return kKeys;
-}
-
-std::string validText(const ScenarioKey& key) {
-  return std::visit(ValidText{}, key.value);
 }
 
 }  // namespace haptolith

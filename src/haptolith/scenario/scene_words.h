@@ -2,14 +2,17 @@
 
 #include <array>
 #include <string_view>
+#include <vector>
 
 #include "haptolith/bed/bed_parameters.h"
 #include "haptolith/device/hand_parameters.h"
+#include "haptolith/scenario/soil_file.h"
+#include "haptolith/soil/soil_parameters.h"
 #include "haptolith/tool/tool_parameters.h"
 
 namespace haptolith {
 
-/// A word of the scene files and the command line, and what it stands for.
+/// A word of scene files, soil files and the command line, and what it stands for.
 template <class Value>
 struct SceneWord {
   std::string_view name;
@@ -18,6 +21,16 @@ struct SceneWord {
 
 template <class Value>
 SceneWord(const char*, Value) -> SceneWord<Value>;  // clang 14 does not find it by itself
+
+inline constexpr std::array kFrictionWords{
+    SceneWord{"paper", FrictionModel::kPaper},
+    SceneWord{"pairwise", FrictionModel::kPairwise},
+};
+
+inline constexpr std::array kSoilStrengthWords{
+    SceneWord{"residual", SoilStrength::kResidual},
+    SceneWord{"peak", SoilStrength::kPeak},
+};
 
 inline constexpr std::array kBedStartWords{
     SceneWord{"count", BedStart::kCount},
@@ -41,5 +54,36 @@ inline constexpr std::array kHandComplianceWords{
     SceneWord{"arm", HandCompliance::kArm},
     SceneWord{"rigid", HandCompliance::kRigid},
 };
+
+/// The names in a table of words, presets or bodies.
+template <class Table>
+[[nodiscard]] std::vector<std::string_view> namesOf(const Table& table) {
+  std::vector<std::string_view> names;
+  names.reserve(table.size());
+  for (const auto& entry : table) {
+    names.push_back(entry.name);
+  }
+  return names;
+}
+
+/// The value of a word that is known to be in `table`.
+template <class Table>
+[[nodiscard]] auto valueOf(const Table& table, std::string_view name) {
+  auto entry = table.begin();
+  while (entry->name != name) {
+    ++entry;
+  }
+  return entry->value;
+}
+
+/// The word for a value; every value has one.
+template <class Table, class Value>
+[[nodiscard]] std::string_view wordFor(const Table& table, Value value) {
+  auto entry = table.begin();
+  while (entry->value != value) {
+    ++entry;
+  }
+  return entry->name;
+}
 
 }  // namespace haptolith

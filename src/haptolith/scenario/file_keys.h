@@ -1,0 +1,96 @@
+#pragma once
+
+#include <fmt/format.h>
+
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <type_traits>
+#include <variant>
+#include <vector>
+
+#include "haptolith/core/error.h"
+#include "haptolith/core/vec.h"
+
+namespace haptolith {
+
+/// One key of a TOML file that is read into a Target: its place, what is valid there, and what it changes.
+/// A set() may throw InvalidParameter; a key without get() is never written.
+template <class Target>
+struct FileKey {
+  struct NumberValue {
+    Range valid;  ///< in the unit of the key's name
+    void (*set)(Target&, double);
+    double (*get)(const Target&) = nullptr;
+  };
+  struct CountValue {
+    Range valid;
+    void (*set)(Target&, std::int64_t);
+    std::int64_t (*get)(const Target&) = nullptr;
+  };
+  struct VectorValue {
+    Range valid;  ///< of each of the three numbers
+    void (*set)(Target&, const Vec3&);
+  };
+  struct IntervalValue {
+    Range valid;  ///< of both ends
+    void (*set)(Target&, const Range&);
+    std::optional<Range> (*get)(const Target&) = nullptr;
+  };
+  struct SwitchValue {
+    void (*set)(Target&, bool);
+  };
+  struct WordValue {
+    std::vector<std::string_view> valid;
+    void (*set)(Target&, std::string_view);
+    std::string_view (*get)(const Target&) = nullptr;
+  };
+  struct TextValue {
+    void (*set)(Target&, std::string_view);
+    std::string_view (*get)(const Target&) = nullptr;  ///< empty: not written
+  };
+  /// The name of another file, which lies beside the one that names it.
+  struct PathValue {
+    void (*set)(Target&, const std::filesystem::path&);
+  };
+
+  std::string_view table;  ///< "soil"; empty at the top of the file
+  std::string_view name;
+  std::string_view parameter;  ///< what validate() calls it, in SI: "width_m" for width_mm
+  std::variant<NumberValue, CountValue, VectorValue, IntervalValue, SwitchValue, WordValue, TextValue, PathValue> value;
+  std::string_view meaning;  ///< one sentence for the document
+};
+
+/// "P1, P2 or P3".
+[[nodiscard]] std::string anyOf(const std::vector<std::string_view>& words);
+
+/// For example "14 to 100000", "three numbers, each > 0", "count, packed or rain", "true or false".
+template <class Target>
+[[nodiscard]] std::string validText(const FileKey<Target>& key) {
+  using Key = FileKey<Target>;
+  const auto text = [](const auto& value) -> std::string {
+    using Value = std::decay_t<decltype(value)>;
+    if constexpr (std::is_same_v<Value, typename Key::NumberValue>) {
+      return value.valid.text();
+    } else if constexpr (std::is_same_v<Value, typename Key::CountValue>) {
+      return fmt::format("a whole number, {}", value.valid.text());
+    } else if constexpr (std::is_same_v<Value, typename Key::VectorValue>) {
+      return fmt::format("three numbers, each {}", value.valid.text());
+    } else if constexpr (std::is_same_v<Value, typename Key::IntervalValue>) {
+      return fmt::format("two numbers, each {}, the smaller first", value.valid.text());
+    } else if constexpr (std::is_same_v<Value, typename Key::SwitchValue>) {
+      return "true or false";
+    } else if constexpr (std::is_same_v<Value, typename Key::WordValue>) {
+      return anyOf(value.valid);
+    } else if constexpr (std::is_same_v<Value, typename Key::TextValue>) {
+      return "text";
+    } else {
+      return "a file";
+    }
+  };
+  return std::visit(text, key.value);
+}
+
+}  // namespace haptolith

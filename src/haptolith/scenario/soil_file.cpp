@@ -1,0 +1,213 @@
+#include "haptolith/scenario/soil_file.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <array>
+#include <cctype>
+#include <span>
+#include <sstream>
+
+#include "haptolith/core/atomic_file.h"
+#include "haptolith/core/nearest_word.h"
+#include "haptolith/scenario/built_in_soils.h"
+#include "haptolith/scenario/soil_file_keys.h"
+#include "haptolith/scenario/toml_reader.h"
+
+namespace haptolith {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr FileKind kSoil{
+    .name = "soil", .example_key = "name", .document = "docs/soils.md", .left_out = "left out, so the default"};
+
+// --- reading --------------------------------------------------------------------------------------------------------
+
+/// Without these a file would be half a soil, and nobody would see which half.
+void requireKeys(const TomlReader& reader, const SoilParameters& soil) {
+  reader.require("", "name");
+  for (const char* measured : {"bulk_density_kg_m3", "friction_angle_deg", "cohesion_pa"}) {
+    reader.require("target", measured);
+  }
+  for (const char* number : {"radius_mm", "gamma_nm", "rho0_kg_m3", "rho_max_kg_m3", "stiffness_n_m", "friction"}) {
+    reader.require("soil", number);
+  }
+  if (soil.friction == FrictionModel::kPaper) {
+    reader.require("soil", "mu_hat");
+  } else {
+    reader.require("soil", "contact_friction");
+    reader.require("soil", "contact_cohesion_n");
+  }
+  for (const SoilFileKey& key : soilFileKeys()) {
+    if (key.table == "reached" && reader.has("reached")) {
+      reader.require(key.table, key.name);
+    }
+  }
+}
+
+void requireInside(std::string_view key, double value, const std::optional<Range>& range) {
+  if (range) {
+    requireInRange(key, value, *range);
+  }
+}
+
+void validateWhole(const TomlReader& reader, const SoilFile& file) {
+  const SoilTarget& target = file.target;
+  reader.check(soilFileKeys(), "target", [&] {
+    requireInside("friction_angle_deg", target.friction_angle_deg, target.friction_angle_range_deg);
+    requireInside("cohesion_pa", target.cohesion_pa, target.cohesion_range_pa);
+  });
+  reader.check(soilKeys(), "soil", [&] { validate(file.soil); });
+}
+
+SoilFile read(const TomlReader& reader) {
+  std::vector<KeyName> known = keyNames(soilFileKeys());
+  std::ranges::copy(keyNames(soilKeys()), std::back_inserter(known));
+  reader.refuseUnknownKeys(known);
+  SoilFile file;
+  for (const SoilFileKey& key : soilFileKeys()) {
+    reader.apply(key, file);
+  }
+  // [soil] means what it means in a scene, so it is read into one.
+  Scenario scene;
+  for (const ScenarioKey& key : soilKeys()) {
+    reader.apply(key, scene);
+  }
+  file.soil = scene.bed.soil;
+  requireKeys(reader, file.soil);
+  validateWhole(reader, file);
+  return file;
+}
+
+// --- writing --------------------------------------------------------------------------------------------------------
+
+std::string quoted(std::string_view text) {
+  std::ostringstream out;
+  out << toml::toml_formatter{toml::value<std::string>{std::string(text)}, toml::format_flags::none};
+  return out.str();
+}
+
+/// A line of the file; empty when there is nothing to write. fmt's numbers are the shortest that read back the same.
+template <class Target>
+std::string line(const FileKey<Target>& key, const Target& target) {
+  using Key = FileKey<Target>;
+  const auto text = [&](const auto& value) -> std::string {
+    using Value = std::decay_t<decltype(value)>;
+    if constexpr (std::is_same_v<Value, typename Key::NumberValue> || std::is_same_v<Value, typename Key::CountValue>) {
+      return fmt::format("{}", value.get(target));
+    } else if constexpr (std::is_same_v<Value, typename Key::IntervalValue>) {
+      const std::optional<Range> interval = value.get(target);
+      return interval ? fmt::format("[{}, {}]", interval->lowest, interval->highest) : "";
+    } else if constexpr (std::is_same_v<Value, typename Key::WordValue> ||
+                         std::is_same_v<Value, typename Key::TextValue>) {
+      return value.get(target).empty() ? "" : quoted(value.get(target));
+    } else {
+      return "";
+    }
+  };
+  const std::string value = std::visit(text, key.value);
+  return value.empty() ? "" : fmt::format("{} = {}\n", key.name, value);
+}
+
+std::string linesOf(std::string_view table, const SoilFile& file) {
+  std::string lines;
+  for (const SoilFileKey& key : soilFileKeys()) {
+    lines += key.table == table ? line(key, file) : "";
+  }
+  return lines;
+}
+
+/// Whether only the friction model that this soil does not have uses the key.
+bool isOfOtherModel(std::string_view key, FrictionModel friction) {
+  constexpr std::array<std::string_view, 3> kPaper{"mu_hat", "attraction_ratio", "moving_friction_ratio"};
+  constexpr std::array<std::string_view, 5> kPairwise{"contact_friction", "contact_cohesion_n", "cohesion_range_ratio",
+                                                      "tangential_ratio", "damping_ratio"};
+  return friction == FrictionModel::kPairwise ? std::ranges::find(kPaper, key) != kPaper.end()
+                                              : std::ranges::find(kPairwise, key) != kPairwise.end();
+}
+
+/// Numbers of the other friction model are left out unless somebody has set them.
+std::string soilLines(const SoilParameters& soil) {
+  const Scenario defaults;
+  Scenario scene;
+  scene.bed.soil = soil;
+  std::string lines;
+  for (const ScenarioKey& key : soilKeys()) {
+    if (!isOfOtherModel(key.name, soil.friction) || line(key, scene) != line(key, defaults)) {
+      lines += line(key, scene);
+    }
+  }
+  return lines;
+}
+
+std::string tomlText(const SoilFile& file) {
+  std::string text = fmt::format(
+      "{}\n"
+      "# What an engineer measured.\n[target]\n{}\n"
+      "# What the macroparticles need to behave like that.\n[soil]\n{}",
+      linesOf("", file), linesOf("target", file), soilLines(file.soil));
+  if (file.reached) {
+    text +=
+        fmt::format("\n# What `haptolith lab calibrate` measured in the end.\n[reached]\n{}", linesOf("reached", file));
+  }
+  return text;
+}
+
+// --- finding --------------------------------------------------------------------------------------------------------
+
+std::string lowerCase(std::string_view text) {
+  std::string lower(text);
+  std::ranges::transform(lower, lower.begin(), [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  return lower;
+}
+
+[[noreturn]] void refuseName(std::string_view name) {
+  std::vector<std::string_view> names;
+  for (const BuiltInSoil& soil : builtInSoils()) {
+    names.push_back(soil.name);
+  }
+  const std::string_view nearest = nearestWord(lowerCase(name), names);
+  throw InvalidParameter("soil", fmt::format("'{}'", name),
+                         fmt::format("one of {}, or a soil file (.toml){}", fmt::join(names, ", "),
+                                     nearest.empty() ? "" : fmt::format("; did you mean {}?", nearest)));
+}
+
+}  // namespace
+
+SoilFile loadSoilFile(const fs::path& path) {
+  return read(TomlReader(path, kSoil));
+}
+
+SoilFile findSoil(std::string_view name_or_file) {
+  for (const BuiltInSoil& soil : builtInSoils()) {
+    if (lowerCase(name_or_file) == soil.name) {
+      return read(TomlReader(fmt::format("soils/{}.toml", soil.name), soil.text, kSoil));
+    }
+  }
+  std::error_code error;
+  if (name_or_file.ends_with(".toml") || fs::is_regular_file(name_or_file, error)) {
+    return loadSoilFile(name_or_file);
+  }
+  refuseName(name_or_file);
+}
+
+std::vector<std::string> soilNames() {
+  std::vector<std::string> names;
+  for (const BuiltInSoil& soil : builtInSoils()) {
+    names.emplace_back(soil.name);
+  }
+  return names;
+}
+
+void saveSoilFile(const fs::path& path, const SoilFile& soil) {
+  const std::string text = tomlText(soil);
+  static_cast<void>(read(TomlReader(path, text, kSoil)));  // what cannot be loaded is not written
+  AtomicFile file(path);
+  file.write(text);
+  file.commit();
+}
+
+}  // namespace haptolith

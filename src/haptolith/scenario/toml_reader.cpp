@@ -1,0 +1,284 @@
+#include "haptolith/scenario/toml_reader.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cctype>
+#include <cmath>
+#include <fstream>
+#include <iterator>
+#include <sstream>
+
+#include "haptolith/core/nearest_word.h"
+
+namespace haptolith {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr std::uintmax_t kLargestFileBytes = 1 << 20;  // a scene is some 2 kB; more is the wrong file
+constexpr std::size_t kLongestQuote = 60;              // letters of a wrong value that a message repeats
+
+int lineOf(const toml::node& node) {
+  return static_cast<int>(node.source().begin.line);
+}
+
+/// The value as a person would write it. toml++ alone gives 17 digits: 0.69999999999999996 for 0.7.
+std::string written(const toml::node& node) {
+  if (node.is_table()) {
+    return "a table";
+  }
+  if (node.is_floating_point()) {
+    return fmt::format("{:#}", node.ref<double>());
+  }
+  std::ostringstream out;
+  if (const toml::array* array = node.as_array(); array != nullptr && !array->empty()) {
+    for (const toml::node& element : *array) {
+      out << (&element == array->get(0) ? "[ " : ", ") << written(element);
+    }
+    out << " ]";
+  } else {
+    out << toml::toml_formatter{node};
+  }
+  return out.str();
+}
+
+/// On one line and shortened.
+std::string quote(const toml::node& node) {
+  std::string text = written(node);
+  std::ranges::replace(text, '\n', ' ');
+  return text.size() <= kLongestQuote ? text : text.substr(0, kLongestQuote) + "...";
+}
+
+std::string fullName(const KeyName& key) {
+  return key.table.empty() ? std::string(key.name) : fmt::format("[{}] {}", key.table, key.name);
+}
+
+bool knowsTable(std::span<const KeyName> known, std::string_view name) {
+  return !name.empty() && std::ranges::any_of(known, [&](const KeyName& key) { return key.table == name; });
+}
+
+bool knowsKey(std::span<const KeyName> known, std::string_view table, std::string_view name) {
+  return std::ranges::any_of(known, [&](const KeyName& key) { return key.table == table && key.name == name; });
+}
+
+}  // namespace
+
+// --- the file ---
+
+TomlReader::TomlReader(const fs::path& path, const FileKind& kind) : path_(path), kind_(kind) {
+  file_ = parse(readText());
+}
+
+TomlReader::TomlReader(const fs::path& path, std::string_view text, const FileKind& kind) : path_(path), kind_(kind) {
+  file_ = parse(text);
+}
+
+std::string TomlReader::readText() const {
+  std::error_code error;
+  const fs::file_status status = fs::status(path_, error);
+  if (!fs::exists(status)) {
+    refuseFile("no such file");
+  }
+  if (!fs::is_regular_file(status)) {
+    refuseFile("not a file");
+  }
+  if (fs::file_size(path_) > kLargestFileBytes) {
+    refuseFile(fmt::format("too large for a {}: must be at most 1 MiB", kind_.name));
+  }
+  std::ifstream file(path_, std::ios::binary);
+  std::string text{std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
+  if (!file.is_open() || file.bad()) {
+    throw Failure(fmt::format("cannot read {}", path_.string()));
+  }
+  return text;
+}
+
+toml::table TomlReader::parse(std::string_view text) const {
+  toml::table file;
+  try {
+    file = toml::parse(text, path_.string());
+  } catch (const toml::parse_error& error) {
+    const int line = static_cast<int>(error.source().begin.line);
+    refuse(line, fmt::format("not TOML: {}", error.description()));
+  }
+  if (file.empty()) {
+    refuseFile(fmt::format("empty: a {} has at least one key, for example {} ({})", kind_.name, kind_.example_key,
+                           kind_.document));
+  }
+  return file;
+}
+
+const toml::node* TomlReader::find(std::string_view table, std::string_view name) const {
+  const toml::table* at = table.empty() ? &file_ : file_[table].as_table();
+  return at == nullptr ? nullptr : at->get(name);
+}
+
+// --- refusing ---
+
+void TomlReader::refuse(int line, std::string_view message) const {
+  throw ScenarioError(fmt::format("{}:{}: {}", path_.string(), line, message), line);
+}
+
+void TomlReader::refuseFile(std::string_view why) const {
+  throw ScenarioError(fmt::format("{}: {}", path_.string(), why), 0);
+}
+
+void TomlReader::refuseValue(const Place& place) const {
+  refuse(lineOf(place.node),
+         fmt::format("{} = {} is not valid: must be {}", fullName(place.key), quote(place.node), place.valid));
+}
+
+void TomlReader::refuseLeftOut(const KeyName& key, std::string_view value, std::string_view valid) const {
+  refuseFile(fmt::format("{} = {} ({}) is not valid: must be {}", fullName(key), value, kind_.left_out, valid));
+}
+
+void TomlReader::refuseUnknownKeys(std::span<const KeyName> known) const {
+  for (const auto& [name, node] : file_) {
+    if (knowsTable(known, name.str())) {
+      refuseUnknownKeysIn(name.str(), node, known);
+    } else if (!knowsKey(known, "", name.str())) {
+      refuseUnknown({"", name.str()}, node, known);
+    }
+  }
+}
+
+void TomlReader::refuseUnknownKeysIn(std::string_view table, const toml::node& node,
+                                     std::span<const KeyName> known) const {
+  if (!node.is_table()) {
+    refuse(lineOf(node), fmt::format("{} = {} is not valid: must be a table, [{}]", table, quote(node), table));
+  }
+  for (const auto& [name, value] : *node.as_table()) {
+    if (!knowsKey(known, table, name.str())) {
+      refuseUnknown({table, name.str()}, value, known);
+    }
+  }
+}
+
+void TomlReader::refuseUnknown(const KeyName& key, const toml::node& node, std::span<const KeyName> known) const {
+  const std::string shown = node.is_table() ? fmt::format("[{}]", key.name) : fullName(key);
+  refuse(lineOf(node), fmt::format("{} is not known{}", shown, suggestion(key, known)));
+}
+
+/// The nearest key of the same table, or the same key in another table.
+std::string TomlReader::suggestion(const KeyName& key, std::span<const KeyName> known) const {
+  std::vector<std::string_view> beside;
+  for (const KeyName& other : known) {
+    if (other.table == key.table) {
+      beside.push_back(other.name);
+    } else if (key.table.empty()) {
+      beside.push_back(other.table);
+    }
+  }
+  if (const std::string_view nearest = nearestWord(key.name, beside); !nearest.empty()) {
+    const bool is_table = key.table.empty() && knowsTable(known, nearest);
+    return fmt::format("; did you mean {}?", is_table ? fmt::format("[{}]", nearest) : fullName({key.table, nearest}));
+  }
+  for (const KeyName& other : known) {
+    if (other.name == key.name) {
+      return fmt::format("; did you mean {}?", fullName(other));
+    }
+  }
+  return fmt::format(", see {}", kind_.document);
+}
+
+void TomlReader::refuseBoth(std::string_view table, std::string_view one, std::string_view other) const {
+  const toml::node* first = find(table, one);
+  const toml::node* second = find(table, other);
+  if (first != nullptr && second != nullptr) {
+    refuse(std::max(lineOf(*first), lineOf(*second)),
+           fmt::format("[{}] {} and {} cannot both be given", table, one, other));
+  }
+}
+
+void TomlReader::require(std::string_view table, std::string_view name) const {
+  if (find(table, name) == nullptr) {
+    refuseFile(fmt::format("{} is missing, see {}", fullName({table, name}), kind_.document));
+  }
+}
+
+// --- values ---
+
+/// A finite number in its range, written with or without a decimal point.
+double TomlReader::number(const Place& place, const Range& range) const {
+  const toml::node& node = place.node;
+  const double value = node.is_integer()          ? static_cast<double>(node.ref<std::int64_t>())
+                       : node.is_floating_point() ? node.ref<double>()
+                                                  : std::nan("");
+  if (!std::isfinite(value) || !range.contains(value)) {
+    refuseValue({place.key, node, node.is_number() ? place.valid : "a number, " + place.valid});
+  }
+  return value;
+}
+
+std::int64_t TomlReader::count(const Place& place, const Range& range) const {
+  const auto count = place.node.value_exact<std::int64_t>();
+  if (!count || !range.contains(static_cast<double>(*count))) {
+    refuseValue(place);
+  }
+  return *count;
+}
+
+Vec3 TomlReader::vector(const Place& place, const Range& range) const {
+  const toml::array* array = place.node.as_array();
+  if (array == nullptr || array->size() != 3) {
+    refuseValue(place);
+  }
+  Vec3 vector;
+  for (std::size_t i = 0; i < 3; ++i) {
+    vector[static_cast<Eigen::Index>(i)] = number({place.key, *array->get(i), place.valid}, range);
+  }
+  return vector;
+}
+
+Range TomlReader::interval(const Place& place, const Range& range) const {
+  const toml::array* array = place.node.as_array();
+  if (array == nullptr || array->size() != 2) {
+    refuseValue(place);
+  }
+  const Range interval{number({place.key, *array->get(0), place.valid}, range),
+                       number({place.key, *array->get(1), place.valid}, range)};
+  if (interval.lowest > interval.highest) {
+    refuseValue(place);
+  }
+  return interval;
+}
+
+bool TomlReader::onOrOff(const Place& place) const {
+  const auto on = place.node.value_exact<bool>();
+  if (!on) {
+    refuseValue(place);
+  }
+  return *on;
+}
+
+std::string_view TomlReader::word(const Place& place, const std::vector<std::string_view>& words) const {
+  const std::string given = place.node.value_or(std::string());
+  const auto same_letter = [](unsigned char a, unsigned char b) { return std::tolower(a) == std::tolower(b); };
+  for (const std::string_view valid : words) {
+    if (std::ranges::equal(given, valid, same_letter)) {
+      return valid;
+    }
+  }
+  refuseValue(place);
+}
+
+std::string TomlReader::text(const Place& place) const {
+  const toml::value<std::string>* text = place.node.as_string();
+  if (text == nullptr || text->get().empty()) {
+    refuseValue({place.key, place.node, text == nullptr ? place.valid : "text that is not empty"});
+  }
+  return text->get();
+}
+
+/// Looked for beside the file, wherever the program was started.
+fs::path TomlReader::besideFile(const Place& place) const {
+  fs::path path = path_.parent_path() / text(place);
+  if (!fs::is_regular_file(path)) {
+    refuse(lineOf(place.node), fmt::format("{} = {}: no such file", fullName(place.key), path.string()));
+  }
+  return path;
+}
+
+}  // namespace haptolith

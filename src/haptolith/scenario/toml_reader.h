@@ -1,0 +1,165 @@
+#pragma once
+
+#include <toml++/toml.h>
+
+#include <cstdint>
+#include <filesystem>
+#include <span>
+#include <string>
+#include <string_view>
+#include <type_traits>
+#include <variant>
+#include <vector>
+
+#include "haptolith/core/error.h"
+#include "haptolith/core/vec.h"
+#include "haptolith/scenario/file_keys.h"
+#include "haptolith/scenario/scenario_error.h"
+
+namespace haptolith {
+
+/// The words in which a reader speaks of its file.
+struct FileKind {
+  std::string_view name;         ///< "scene"
+  std::string_view example_key;  ///< "title"
+  std::string_view document;     ///< "docs/scenarios.md"
+  std::string_view left_out;     ///< what a key is that the file leaves out: "left out, so the paper's"
+};
+
+/// Where a key stands, whatever it is.
+struct KeyName {
+  std::string_view table, name;
+};
+
+template <class Target>
+[[nodiscard]] std::vector<KeyName> keyNames(std::span<const FileKey<Target>> keys) {
+  std::vector<KeyName> names;
+  for (const FileKey<Target>& key : keys) {
+    names.push_back({key.table, key.name});
+  }
+  return names;
+}
+
+/// A TOML file on its way into the program, key by key. Everything that is wrong with it is thrown as a ScenarioError
+/// with file, line, key, value and what would be valid.
+class TomlReader {
+ public:
+  /// @throws ScenarioError when there is no such file or it is no TOML; Failure when it cannot be read.
+  TomlReader(const std::filesystem::path& path, const FileKind& kind);
+
+  /// The same for a text that is no file, or no file yet; messages call it `path`.
+  TomlReader(const std::filesystem::path& path, std::string_view text, const FileKind& kind);
+
+  /// Null when the file does not have it.
+  [[nodiscard]] const toml::node* find(std::string_view table, std::string_view name) const;
+
+  [[nodiscard]] bool has(std::string_view table) const { return file_.contains(table); }
+
+  /// The nearest of the known keys is suggested.
+  void refuseUnknownKeys(std::span<const KeyName> known) const;
+
+  void refuseBoth(std::string_view table, std::string_view one, std::string_view other) const;
+
+  void require(std::string_view table, std::string_view name) const;
+
+  [[noreturn]] void refuse(int line, std::string_view message) const;
+
+  /// Sets what `key` stands for, if the file has it.
+  template <class Target>
+  void apply(const FileKey<Target>& key, Target& target) const;
+
+  /// Runs a check of values against each other; its error names an SI parameter, for which the key of `table` is looked
+  /// up in `keys`.
+  template <class Target, class Check>
+  void check(std::span<const FileKey<Target>> keys, std::string_view table, Check check) const;
+
+ private:
+  /// A value in the file, where it stands and what would be valid there.
+  struct Place {
+    KeyName key;
+    const toml::node& node;
+    std::string valid;
+  };
+
+  [[noreturn]] void refuseFile(std::string_view why) const;
+  [[noreturn]] void refuseValue(const Place& place) const;
+  [[noreturn]] void refuseLeftOut(const KeyName& key, std::string_view value, std::string_view valid) const;
+  void refuseUnknownKeysIn(std::string_view table, const toml::node& node, std::span<const KeyName> known) const;
+  [[noreturn]] void refuseUnknown(const KeyName& key, const toml::node& node, std::span<const KeyName> known) const;
+  [[nodiscard]] std::string suggestion(const KeyName& key, std::span<const KeyName> known) const;
+
+  [[nodiscard]] std::string readText() const;
+  [[nodiscard]] toml::table parse(std::string_view text) const;
+
+  [[nodiscard]] double number(const Place& place, const Range& range) const;
+  [[nodiscard]] std::int64_t count(const Place& place, const Range& range) const;
+  [[nodiscard]] Vec3 vector(const Place& place, const Range& range) const;
+  [[nodiscard]] Range interval(const Place& place, const Range& range) const;
+  [[nodiscard]] bool onOrOff(const Place& place) const;
+  [[nodiscard]] std::string_view word(const Place& place, const std::vector<std::string_view>& words) const;
+  [[nodiscard]] std::string text(const Place& place) const;
+  [[nodiscard]] std::filesystem::path besideFile(const Place& place) const;
+
+  std::filesystem::path path_;
+  FileKind kind_;
+  toml::table file_;
+};
+
+template <class Target>
+void TomlReader::apply(const FileKey<Target>& key, Target& target) const {
+  using Key = FileKey<Target>;
+  const toml::node* node = find(key.table, key.name);
+  if (node == nullptr) {
+    return;
+  }
+  const Place place{{key.table, key.name}, *node, validText(key)};
+  const auto set = [&](const auto& value) {
+    using Value = std::decay_t<decltype(value)>;
+    if constexpr (std::is_same_v<Value, typename Key::NumberValue>) {
+      value.set(target, number(place, value.valid));
+    } else if constexpr (std::is_same_v<Value, typename Key::CountValue>) {
+      value.set(target, count(place, value.valid));
+    } else if constexpr (std::is_same_v<Value, typename Key::VectorValue>) {
+      value.set(target, vector(place, value.valid));
+    } else if constexpr (std::is_same_v<Value, typename Key::IntervalValue>) {
+      value.set(target, interval(place, value.valid));
+    } else if constexpr (std::is_same_v<Value, typename Key::SwitchValue>) {
+      value.set(target, onOrOff(place));
+    } else if constexpr (std::is_same_v<Value, typename Key::WordValue>) {
+      value.set(target, word(place, value.valid));
+    } else if constexpr (std::is_same_v<Value, typename Key::TextValue>) {
+      value.set(target, text(place));
+    } else {
+      value.set(target, besideFile(place));
+    }
+  };
+  try {
+    std::visit(set, key.value);
+  } catch (const ScenarioError&) {
+    throw;
+  } catch (const InvalidParameter& error) {
+    refuseValue({place.key, *node, error.valid()});
+  }
+}
+
+template <class Target, class Check>
+void TomlReader::check(std::span<const FileKey<Target>> keys, std::string_view table, Check check) const {
+  try {
+    check();
+  } catch (const InvalidParameter& error) {
+    for (const FileKey<Target>& key : keys) {
+      if (key.table != table || key.parameter != error.key()) {
+        continue;
+      }
+      const bool same_unit = key.name == key.parameter;
+      const std::string valid = same_unit ? error.valid() : fmt::format("{} ({})", error.valid(), key.parameter);
+      if (const toml::node* node = find(key.table, key.name)) {
+        refuseValue({{key.table, key.name}, *node, valid});
+      }
+      refuseLeftOut({key.table, key.name}, error.value(), valid);
+    }
+    refuseFile(error.what());
+  }
+}
+
+}  // namespace haptolith
