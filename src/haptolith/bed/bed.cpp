@@ -106,10 +106,10 @@ struct WallForce {
   float away = 0, along_1 = 0, along_2 = 0;
 };
 
-/// The wall is the particle's mirror image, which comes as fast as it goes, and does not slide; the ratios are its
+/// The wall is the particle's mirror image, which comes as fast as it goes, and does not slide; `ratio` is its
 /// friction and cohesion over the soil's. The slip so far is read and written.
-WallForce wallForce(const PairwiseLaw& soil, float dt, float friction_ratio, float cohesion_ratio,
-                    const WallTouch& touch, float& slip_1, float& slip_2) noexcept {
+WallForce wallForce(const PairwiseLaw& soil, float dt, float ratio, const WallTouch& touch, float& slip_1,
+                    float& slip_2) noexcept {
   namespace law = HWY_NAMESPACE;
   const float a = 2 * touch.distance;
   if (a >= soil.normal.cutoff) {
@@ -117,14 +117,14 @@ WallForce wallForce(const PairwiseLaw& soil, float dt, float friction_ratio, flo
     return {};
   }
   const law::LawOf<float> normal{soil.normal.gamma, soil.normal.a_min, soil.normal.a_thr, soil.normal.h, soil.normal.k};
-  const law::CohesionOf<float> cohesion{cohesion_ratio * soil.cohesion, soil.two_per_range, 0, 1};
+  const law::CohesionOf<float> cohesion{ratio * soil.cohesion, soil.two_per_range, 0, 1};
   const law::FrictionOf<float> friction{dt, soil.stiffness, 1 / soil.stiffness, soil.tangential_damping, 0, 1, 1e-20F};
   const law::CohesiveContact<float> contact = law::cohesiveContact(normal, cohesion, soil.normal.diameter, a);
   const float damped =
       contact.normal - soil.damping * law::rootOfStiffness(normal, soil.root_of_gamma, a) * 2 * touch.away;
   law::Triple<float> slip{slip_1, slip_2, 0};
   const law::Triple<float> drag = law::frictionForce<float>(
-      friction, friction_ratio * soil.friction * contact.compression, {0, 0, 1}, {touch.along_1, touch.along_2, 0}, slip);
+      friction, ratio * soil.friction * contact.compression, {0, 0, 1}, {touch.along_1, touch.along_2, 0}, slip);
   slip_1 = slip.x;
   slip_2 = slip.y;
   return {std::max(damped, std::min(contact.normal, 0.0F)), drag.x, drag.y};
@@ -273,6 +273,7 @@ void Bed::sumNeighbours(std::size_t first, std::size_t last) noexcept {
   if (isPairwise()) {
     PairwiseLaw law = pairwise_law_;
     law.friction *= now_.friction_ratio;
+    law.cohesion *= now_.friction_ratio;
     sumPairwiseContacts(law, periods_, now_.dt, state_.position.data(), state_.velocity.data(),
                         neighbours_.view(), memory(), first, last, sums_.data());
   } else {
@@ -340,7 +341,7 @@ void Bed::advanceWithPairwiseFriction(std::size_t i) noexcept {
   const Float4& push = external_[i];
   WallSlip& slip = state_.wall_slip[i];
   const auto touch = [&](float ratio, const WallTouch& at, float& slip_1, float& slip_2) {
-    return wallForce(pairwise_law_, now_.dt, now_.friction_ratio * ratio, ratio, at, slip_1, slip_2);
+    return wallForce(pairwise_law_, now_.dt, now_.friction_ratio * ratio, at, slip_1, slip_2);
   };
   float fx = sum.force_x_n + now_.weight_x + push.x;
   float fy = sum.force_y_n + now_.weight_y + push.y;

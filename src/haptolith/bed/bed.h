@@ -51,7 +51,7 @@ class Bed {
   /// Lets a driven particle go.
   void release(std::size_t particle) noexcept;
 
-  /// Whether friction is switched off and falling soil slowed down, for a dense bed that comes to rest soon. With a tool
+  /// Whether friction and cohesion are switched off and falling soil slowed down, for a dense bed that comes to rest soon. With a tool
   /// in it settle() cannot be used; this can.
   void setSettling(bool settling) noexcept { friction_on_ = !settling; }
 
@@ -94,7 +94,7 @@ class Bed {
   /// Constants of one step, in the particles' precision.
   struct StepConstants {
     float dt, weight_x, weight_y, weight_z, inverse_mass, damping, static_friction, moving_friction, skin_half_squared;
-    float friction_ratio;  ///< pairwise friction over the soil's: 1, and 0 while settling
+    float friction_ratio;  ///< pairwise friction and cohesion over the soil's: 1, and 0 while settling
     float drag;            ///< pairwise friction: share of the speed kept, 1 but while settling
   };
   struct Part {

@@ -1,0 +1,239 @@
+#include "haptolith/lab/lab_bed.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+#include <random>
+
+#include "haptolith/bed/critical_step.h"
+#include "haptolith/core/error.h"
+
+namespace haptolith {
+
+namespace {
+
+constexpr double kTick_s = 1e-3;
+constexpr int kMostSubsteps = 1000;
+
+/// Share of the volume that spheres fill when they jam at random (O'Hern et al. 2003: 0.64 for equal ones).
+constexpr double kRandomPacking = 0.64;
+
+double evenly(std::mt19937_64& random) {
+  return static_cast<double>(random() >> 11) * 0x1p-52 - 1;  // -1 to 1, the same on every machine
+}
+
+BedParameters bedParameters(const LabConditions& conditions, const LabBox& box) {
+  BedParameters bed;
+  bed.soil = conditions.soil;
+  bed.gravity_m_s2 = {0, 0, -conditions.gravity_m_s2};
+  bed.width_m = box.width_m;
+  bed.length_m = box.length_m;
+  bed.periodic_x = box.periodic_x;
+  bed.periodic_y = box.periodic_y;
+  bed.wall_friction_ratio = box.wall_friction_ratio;
+  bed.seed = conditions.seed;
+  bed.threads = conditions.threads;
+  bed.max_substeps = kMostSubsteps;
+  bed.tick_s = kTick_s;
+  return bed;
+}
+
+double stepFor(const LabConditions& conditions, const std::optional<ToolParameters>& tool) {
+  validate(conditions.soil);
+  if (tool) {
+    validate(*tool);
+  }
+  return kTick_s / substepsFor(conditions.soil, tool ? tool->stiffness_n_m : 0, kTick_s, kMostSubsteps);
+}
+
+std::vector<Vec3> together(const std::vector<Vec3>& soil_m, const std::vector<std::vector<Vec3>>& bodies_m) {
+  std::vector<Vec3> all = soil_m;
+  for (const std::vector<Vec3>& body : bodies_m) {
+    all.insert(all.end(), body.begin(), body.end());
+  }
+  return all;
+}
+
+}  // namespace
+
+std::vector<Vec3> looseSoil(const SoilParameters& soil, const LabBox& box, std::size_t particles, double bottom_m,
+                            std::uint64_t seed, const std::function<bool(const Vec3&)>& inside) {
+  const double largest = soil.radius_m * (1 + soil.size_spread);
+  const double cell = 2.15 * largest;
+  const double play = cell / 2 - largest;
+  const int columns = std::max(1, static_cast<int>(box.width_m / cell));
+  const int rows = std::max(1, static_cast<int>(box.length_m / cell));
+  constexpr int kMostStoreys = 100'000;
+  std::mt19937_64 random(seed);
+  std::vector<Vec3> centres;
+  for (int storey = 0; centres.size() < particles && storey < kMostStoreys; ++storey) {
+    for (int row = 0; row < rows; ++row) {
+      for (int column = 0; column < columns; ++column) {
+        Vec3 centre((column + 0.5) * box.width_m / columns - box.width_m / 2,
+                    (row + 0.5) * box.length_m / rows - box.length_m / 2, bottom_m + (storey + 0.5) * cell);
+        for (int axis = 0; axis < 3; ++axis) {
+          centre[axis] += play * evenly(random);
+        }
+        if ((!inside || inside(centre)) && centres.size() < particles) {
+          centres.push_back(centre);
+        }
+      }
+    }
+    if (storey == 100 && centres.empty()) {
+      throw InvalidParameter("radius_m", fmt::format("{:g}", soil.radius_m), "small enough to fit where the soil goes");
+    }
+  }
+  return centres;
+}
+
+std::size_t particlesFor(const SoilParameters& soil, double volume_m3) {
+  const double sphere = 4.0 / 3 * std::numbers::pi * std::pow(soil.radius_m, 3);
+  return static_cast<std::size_t>(std::max(1.0, kRandomPacking * volume_m3 / sphere));
+}
+
+std::vector<Vec3> roughPlate(const SoilParameters& soil, const LabBox& box, double height_m, std::uint64_t seed) {
+  constexpr double kSpacing = 1.6;
+  constexpr double kRoughness = 0.6;
+  std::mt19937_64 random(seed);
+  const auto columns = static_cast<int>(std::ceil(box.width_m / (kSpacing * soil.radius_m)));
+  const auto rows = static_cast<int>(std::ceil(box.length_m / (kSpacing * soil.radius_m)));
+  std::vector<Vec3> centres;
+  for (int row = 0; row < rows; ++row) {
+    for (int column = 0; column < columns; ++column) {
+      centres.emplace_back((column + 0.5) / columns * box.width_m - box.width_m / 2,
+                           (row + 0.5) / rows * box.length_m - box.length_m / 2,
+                           height_m + kRoughness * soil.radius_m * evenly(random));
+    }
+  }
+  return centres;
+}
+
+LabBed::LabBed(const LabConditions& conditions, const LabBox& box, const std::vector<Vec3>& soil_m,
+               const std::vector<std::vector<Vec3>>& bodies_m, const std::optional<ToolParameters>& tool)
+    : conditions_(conditions),
+      dt_s_(stepFor(conditions, tool)),
+      soil_(soil_m.size()),
+      body_begin_{soil_m.size()},
+      bed_(bedParameters(conditions, box), together(soil_m, bodies_m)),
+      tool_(tool) {
+  for (std::size_t body = 0; body < bodies_m.size(); ++body) {
+    body_begin_.push_back(body_begin_.back() + bodies_m[body].size());
+    moveBody(body, Vec3::Zero());
+  }
+}
+
+Vec3 LabBed::centre(std::size_t particle) const noexcept {
+  const Float4& p = bed_.state().position[particle];
+  return {p.x, p.y, p.z};
+}
+
+std::vector<Vec3> LabBed::soilCentres() const {
+  std::vector<Vec3> centres;
+  for (std::size_t i = 0; i < soil_; ++i) {
+    centres.push_back(centre(i));
+  }
+  return centres;
+}
+
+double LabBed::surfaceHeight(double share) const {
+  std::vector<float> tops;
+  for (std::size_t i = 0; i < soil_; ++i) {
+    tops.push_back(bed_.state().position[i].z);
+  }
+  const auto at = tops.begin() + static_cast<std::ptrdiff_t>(share * static_cast<double>(soil_ - 1));
+  std::nth_element(tops.begin(), at, tops.end());
+  return static_cast<double>(*at) + conditions_.soil.radius_m;
+}
+
+double LabBed::bulkDensity(double bottom_m, double top_m) const {
+  const auto between = [&](std::size_t i) {
+    const double z = bed_.state().position[i].z;
+    return z >= bottom_m && z < top_m;
+  };
+  std::size_t count = 0;
+  for (std::size_t i = 0; i < soil_; ++i) {
+    count += between(i) ? 1 : 0;
+  }
+  const BedParameters& box = bed_.parameters();
+  return static_cast<double>(count) * bed_.mass() / (box.width_m * box.length_m * (top_m - bottom_m));
+}
+
+void LabBed::moveBody(std::size_t body, const Vec3& velocity_m_s) noexcept {
+  for (std::size_t i = body_begin_[body]; i < body_begin_[body + 1]; ++i) {
+    bed_.drive(i, velocity_m_s);
+  }
+}
+
+Vec3 LabBed::forceOnBody(std::size_t body) const noexcept {
+  Vec3 force = Vec3::Zero();
+  for (std::size_t i = body_begin_[body]; i < body_begin_[body + 1]; ++i) {
+    force += bed_.contactForce(i);
+  }
+  return force;
+}
+
+Vec3 LabBed::centreOfBody(std::size_t body) const noexcept {
+  Vec3 sum = Vec3::Zero();
+  for (std::size_t i = body_begin_[body]; i < body_begin_[body + 1]; ++i) {
+    sum += centre(i);
+  }
+  return sum / static_cast<double>(body_begin_[body + 1] - body_begin_[body]);
+}
+
+void LabBed::step() {
+  if (tool_) {
+    tool_pose_.position_m += dt_s_ * tool_twist_.linear_m_s;
+    const Vec3 turn = dt_s_ * tool_twist_.angular_rad_s;
+    if (!turn.isZero(0)) {
+      tool_pose_.orientation = (Quat(Eigen::AngleAxisd(turn.norm(), turn.normalized())) * tool_pose_.orientation).normalized();
+    }
+    wrench_ = applyToolContact(*tool_, tool_pose_, tool_twist_, conditions_.soil, dt_s_, bed_.state(),
+                               {bed_.toolSides(), bed_.toolSlip()}, bed_.externalForces())
+                  .wrench;
+  }
+  if (const StepStatus status = bed_.step(dt_s_); status != StepStatus::kOk) {
+    throw Failure(fmt::format("the test failed after {:.3f} s of simulated time: {}", time_s_, text(status)));
+  }
+  time_s_ += dt_s_;
+}
+
+void LabBed::run(double duration_s, std::string_view what, const std::function<void()>& each) {
+  constexpr long kStepsBetweenLooks = 50;
+  const auto steps = static_cast<long>(std::ceil(duration_s / dt_s_));
+  for (long i = 0; i < steps; ++i) {
+    step();
+    if (each) {
+      each();
+    }
+    if (conditions_.progress && i % kStepsBetweenLooks == 0 &&
+        !conditions_.progress(what, static_cast<double>(i) / static_cast<double>(steps))) {
+      throw Failure(fmt::format("interrupted: {}", what));
+    }
+  }
+}
+
+void LabBed::settle() {
+  constexpr double kLongest_s = 20;
+  bed_.setSettling(true);
+  settleUntilRest(kLongest_s, "the soil settles");
+  bed_.setSettling(false);
+  settleUntilRest(kLongest_s, "the soil comes to rest");
+}
+
+void LabBed::settleUntilRest(double longest_s, std::string_view what) {
+  // At rest: slower than what a particle gains in falling by 1/500 of its radius.
+  const double at_rest = std::sqrt(2 * conditions_.gravity_m_s2 * conditions_.soil.radius_m / 500) + 1e-6;
+  constexpr double kBetweenLooks_s = 0.1;
+  for (double t = 0; t < longest_s; t += kBetweenLooks_s) {
+    run(kBetweenLooks_s, what);
+    if (t > 0 && bed_.largestSpeed() < at_rest) {
+      return;
+    }
+  }
+  throw Failure(fmt::format("{}, but not within {:g} s: its fastest particle still moves at {:.2g} m/s", what, longest_s,
+                            bed_.largestSpeed()));
+}
+
+}  // namespace haptolith

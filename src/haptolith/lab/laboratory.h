@@ -1,0 +1,31 @@
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "haptolith/soil/soil_parameters.h"
+
+namespace haptolith {
+
+/// Told now and then what a test is doing and how much of that is done, 0 to 1; false gives up.
+using LabProgress = std::function<bool(std::string_view what, double share)>;
+
+/// What is tested, and where. Common to all tests of the laboratory.
+struct LabConditions {
+  SoilParameters soil;
+  double gravity_m_s2 = 1.625;
+  std::uint64_t seed = 1;  ///< of the specimen: where its particles fell
+  int threads = 1;
+  LabProgress progress;
+};
+
+/// What was measured while a test ran, one row a moment; column names carry units.
+struct LabTrace {
+  std::vector<std::string> columns;
+  std::vector<std::vector<double>> rows;
+};
+
+}  // namespace haptolith
