@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <cmath>
 #include <deque>
+#include <numbers>
+#include <string>
 
 #include "haptolith/core/error.h"
 #include "haptolith/figure/figure.h"
@@ -212,6 +214,46 @@ ShearResult shearTest(const LabConditions& conditions, const ShearOptions& optio
   result.peak = lineThrough(result.points, &ShearPointResult::peak_pa);
   result.residual = lineThrough(result.points, &ShearPointResult::residual_pa);
   return result;
+}
+
+void drawShear(const std::filesystem::path& path, const ShearResult& result, std::string_view title) {
+  Figure figure(path, 1100, 480);
+  std::vector<std::vector<double>> points;
+  double largest = 0;
+  for (const ShearPointResult& point : result.points) {
+    points.push_back({point.normal_pa / 1e3, point.peak_pa / 1e3, point.residual_pa / 1e3});
+    largest = std::max(largest, point.normal_pa / 1e3);
+  }
+  figure.data("points", points);
+  figure.command(fmt::format("set multiplot layout 1,2 title {}; set grid lc '#dddddd'", gnuplotQuoted(title)));
+  figure.command("set xlabel 'displacement / mm'; set ylabel 'shear stress / normal stress'; set key top right; set yrange [0:*]");
+  std::string curves;
+  for (std::size_t i = 0; i < result.points.size(); ++i) {
+    const ShearPointResult& point = result.points[i];
+    std::vector<std::vector<double>> rows;
+    for (const std::vector<double>& row : point.trace.rows) {
+      rows.push_back({row[0] * 1e3, row[1] / point.normal_pa});
+    }
+    figure.data(fmt::format("curve{}", i), rows);
+    curves += fmt::format("{}$curve{} with lines lw 1.5 title '{:.2g} kPa'", i == 0 ? "plot " : ", ", i,
+                          point.normal_pa / 1e3);
+  }
+  figure.command(curves);
+  const auto line = [](const MohrCoulomb& fit) {
+    return fmt::format("{} + {}*x", fit.cohesion_pa / 1e3, std::tan(fit.friction_angle_rad));
+  };
+  const auto label = [](std::string_view what, const MohrCoulomb& fit) {
+    return fmt::format("{}: {:.1f} deg, {:.0f} Pa", what, fit.friction_angle_rad * 180 / std::numbers::pi,
+                       fit.cohesion_pa);
+  };
+  figure.command(fmt::format("set xlabel 'normal stress / kPa'; set ylabel 'shear stress / kPa'; set key top left; "
+                             "set xrange [0:{:g}]; set yrange [0:*]",
+                             1.1 * largest));
+  figure.command(fmt::format("plot $points using 1:2 with points pt 9 ps 1.3 lc '#d2691e' notitle, {} lw 2 dt 2 lc '#d2691e' title '{}', "
+                             "$points using 1:3 with points pt 7 ps 1.2 lc '#1f6fb4' notitle, {} lw 2 lc '#1f6fb4' title '{}'",
+                             line(result.peak), label("peak", result.peak), line(result.residual),
+                             label("residual", result.residual)));
+  figure.save();
 }
 
 }  // namespace haptolith

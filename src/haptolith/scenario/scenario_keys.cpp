@@ -117,6 +117,8 @@ std::vector<ScenarioKey> allKeys() {
        "Tangential over normal stiffness of a contact; for `pairwise`."},
       {"soil", "damping_ratio", "damping_ratio", soilNumber<&SoilParameters::damping_ratio>({0, 0.5}),
        "Damping of a pair that bounces, over critical damping; for `pairwise`."},
+      {"soil", "size_spread", "size_spread", soilNumber<&SoilParameters::size_spread>({0, 0.3}),
+       "Radii lie evenly between (1 - spread) and (1 + spread) times the radius; for `pairwise`."},
 
       // A magnitude of 0 would forget the direction, so the direction comes first.
       {"gravity", "direction", "gravity_m_s2",

@@ -1,0 +1,227 @@
+#include "haptolith/lab/calibrate_soil.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <boost/math/tools/toms748_solve.hpp>
+#include <cmath>
+#include <numbers>
+#include <vector>
+
+#include "haptolith/core/error.h"
+#include "haptolith/lab/settle.h"
+#include "haptolith/soil/contact_law.h"
+
+namespace haptolith {
+
+namespace {
+
+constexpr double kTableRadius_m = 7e-3;
+
+double degrees(double radians) {
+  return radians * 180 / std::numbers::pi;
+}
+
+/// Contacts of lunar soil: gamma and rho_max / rho0 give the measured density with depth, k carries 3 kPa with an overlap
+/// that still leaves the particles round, and the sizes differ enough that they never crystallise.
+SoilParameters lunarContacts() {
+  SoilParameters soil;
+  soil.radius_m = kTableRadius_m;
+  soil.gamma_nm = 6e-5;
+  soil.rho0_kg_m3 = 1400;
+  soil.rho_max_kg_m3 = 1824;
+  soil.stiffness_n_m = 3000;
+  soil.friction = FrictionModel::kPairwise;
+  soil.size_spread = 0.15;
+  return soil;
+}
+
+/// A strength as a shear test gives it.
+struct Strength {
+  double angle_deg = 0;
+  double cohesion_pa = 0;
+};
+
+/// Contact friction and cohesion, the latter for R = 7 mm.
+struct Contact {
+  double friction = 0;
+  double cohesion_n = 0;
+};
+
+/// What shear tests of lunarContacts() showed (shearTest() with seed 1): the surrogate with which the search begins.
+constexpr std::array kFrictions{0.2, 0.35, 0.5, 0.7};
+constexpr std::array kCohesions_n{0.0, 0.1, 0.3, 0.9};
+using Table = std::array<std::array<Strength, 4>, 4>;  // [cohesion][friction]
+constexpr Table kResidual{{
+    RESIDUAL_TABLE
+}};
+constexpr Table kPeak{{
+    PEAK_TABLE
+}};
+
+template <std::size_t n>
+std::size_t cellOf(const std::array<double, n>& knots, double x) {
+  std::size_t cell = 0;
+  while (cell + 2 < n && x > knots[cell + 1]) {
+    ++cell;
+  }
+  return cell;
+}
+
+/// The table in between its knots, straight on beyond them.
+Strength surrogate(const Table& table, const Contact& contact) {
+  const std::size_t i = cellOf(kCohesions_n, contact.cohesion_n);
+  const std::size_t j = cellOf(kFrictions, contact.friction);
+  const double u = (contact.cohesion_n - kCohesions_n[i]) / (kCohesions_n[i + 1] - kCohesions_n[i]);
+  const double v = (contact.friction - kFrictions[j]) / (kFrictions[j + 1] - kFrictions[j]);
+  const auto mix = [&](double Strength::*what) {
+    return (1 - u) * ((1 - v) * (table[i][j].*what) + v * (table[i][j + 1].*what)) +
+           u * ((1 - v) * (table[i + 1][j].*what) + v * (table[i + 1][j + 1].*what));
+  };
+  return {mix(&Strength::angle_deg), mix(&Strength::cohesion_pa)};
+}
+
+/// Where an increasing function crosses zero between two ends; the nearer end when it does not.
+template <class Function>
+double crossing(double lowest, double highest, Function f) {
+  const double at_lowest = f(lowest);
+  const double at_highest = f(highest);
+  if (at_lowest >= 0 || at_highest <= 0) {
+    return at_lowest >= 0 ? lowest : highest;
+  }
+  std::uintmax_t iterations = 100;
+  const auto bracket = boost::math::tools::toms748_solve(f, lowest, highest, at_lowest, at_highest,
+                                                         boost::math::tools::eps_tolerance<double>(30), iterations);
+  return (bracket.first + bracket.second) / 2;
+}
+
+/// The contact for which the surrogate has the wanted strength, as near as contacts go.
+Contact contactFor(const Table& table, const Strength& wanted) {
+  constexpr double kLeastFriction = 0.1, kMostFriction = 0.85, kMostCohesion_n = 1.5;
+  const auto cohesionFor = [&](double friction) {
+    return wanted.cohesion_pa <= 0 ? 0 : crossing(0, kMostCohesion_n, [&](double cohesion) {
+      return surrogate(table, {friction, cohesion}).cohesion_pa - wanted.cohesion_pa;
+    });
+  };
+  const double friction = crossing(kLeastFriction, kMostFriction, [&](double mu) {
+    return surrogate(table, {mu, cohesionFor(mu)}).angle_deg - wanted.angle_deg;
+  });
+  return {friction, cohesionFor(friction)};
+}
+
+SoilParameters withContact(SoilParameters soil, const Contact& contact) {
+  soil.contact_friction = contact.friction;
+  soil.contact_cohesion_n = contact.cohesion_n * std::pow(soil.radius_m / kTableRadius_m, 2);
+  return soil;
+}
+
+/// rho0 and rho_max for which a settled column has the wanted mean density over its upper 15 cm.
+void calibrateDensity(SoilParameters& soil, double bulk_density, const CalibrateSoilOptions& options,
+                      double& reached) {
+  constexpr double kDepth_m = 0.15;
+  constexpr int kRounds = 3;
+  for (int round = 0; round < kRounds; ++round) {
+    const LabConditions column{soil, options.gravity_m_s2, options.seed, options.threads, options.progress};
+    reached = settleTest(column, {.depth_m = std::max(kDepth_m, 16 * soil.radius_m), .width_diameters = 14})
+                  .meanDensity(kDepth_m);
+    if (round + 1 < kRounds && std::abs(reached / bulk_density - 1) > 0.003) {
+      soil.rho0_kg_m3 *= bulk_density / reached;
+      soil.rho_max_kg_m3 *= bulk_density / reached;
+    }
+  }
+}
+
+/// Strengths of specimens with some seeds.
+std::vector<Strength> shear(const SoilParameters& soil, SoilStrength kind, const CalibrateSoilOptions& options,
+                            std::uint64_t first_seed, int seeds) {
+  std::vector<Strength> strengths;
+  for (int i = 0; i < seeds; ++i) {
+    const LabConditions conditions{soil, options.gravity_m_s2, first_seed + static_cast<std::uint64_t>(i),
+                                   options.threads, options.progress};
+    const ShearResult result = shearTest(conditions, options.shear);
+    const MohrCoulomb& line = kind == SoilStrength::kPeak ? result.peak : result.residual;
+    strengths.push_back({degrees(line.friction_angle_rad), line.cohesion_pa});
+  }
+  return strengths;
+}
+
+double mean(const std::vector<Strength>& strengths, double Strength::*what) {
+  double sum = 0;
+  for (const Strength& strength : strengths) {
+    sum += strength.*what;
+  }
+  return sum / static_cast<double>(strengths.size());
+}
+
+double standardDeviation(const std::vector<Strength>& strengths, double Strength::*what) {
+  const double middle = mean(strengths, what);
+  double sum = 0;
+  for (const Strength& strength : strengths) {
+    sum += std::pow(strength.*what - middle, 2);
+  }
+  return std::sqrt(sum / static_cast<double>(strengths.size() - 1));
+}
+
+void validate(const SoilTarget& target, const CalibrateSoilOptions& options) {
+  requireInRange("friction_angle_deg", target.friction_angle_deg, {kLeastFrictionAngle_deg, kMostFrictionAngle_deg});
+  requireInRange("cohesion_pa", target.cohesion_pa, {0, kMostCohesion_pa});
+  requireInRange("bulk_density_kg_m3", target.bulk_density_kg_m3, {800, 3000});
+  requireInRange("radius_m", options.radius_m, {0.5e-3, 20e-3});
+  requireInRange("gravity_m_s2", options.gravity_m_s2, {0.01, 100});
+  requireInRange("verification_seeds", options.verification_seeds, {2, 100});
+  validate(options.shear);
+}
+
+}  // namespace
+
+CalibratedSoil calibrateSoil(const SoilTarget& target, const CalibrateSoilOptions& options) {
+  validate(target, options);
+  constexpr int kSearchSeeds = 2;
+  constexpr int kMostRounds = 5;
+  const Table& table = target.strength == SoilStrength::kPeak ? kPeak : kResidual;
+  const Strength wanted{target.friction_angle_deg, target.cohesion_pa};
+
+  CalibratedSoil result;
+  SoilParameters soil = rescaled(lunarContacts(), options.radius_m);
+  calibrateDensity(soil, target.bulk_density_kg_m3, options, result.reached.bulk_density_kg_m3);
+
+  Strength aim = wanted;
+  Strength found;
+  Contact contact;
+  bool good = false;
+  while (!good && result.rounds < kMostRounds) {
+    contact = contactFor(table, aim);
+    const std::vector<Strength> measured =
+        shear(withContact(soil, contact), target.strength, options, options.seed, kSearchSeeds);
+    found = {mean(measured, &Strength::angle_deg), mean(measured, &Strength::cohesion_pa)};
+    ++result.rounds;
+    good = std::abs(found.angle_deg - wanted.angle_deg) <= 0.5 &&
+           std::abs(found.cohesion_pa - wanted.cohesion_pa) <= std::max(0.06 * wanted.cohesion_pa, 20.0);
+    if (wanted.cohesion_pa == 0 && contact.cohesion_n == 0) {  // nothing can lower the cohesion of none
+      good = std::abs(found.angle_deg - wanted.angle_deg) <= 0.5;
+    }
+    aim.angle_deg += wanted.angle_deg - found.angle_deg;
+    aim.cohesion_pa += wanted.cohesion_pa == 0 ? 0 : wanted.cohesion_pa - found.cohesion_pa;
+  }
+  if (std::abs(found.angle_deg - wanted.angle_deg) > 3 ||
+      std::abs(found.cohesion_pa - wanted.cohesion_pa) > std::max(0.3 * wanted.cohesion_pa, 100.0)) {
+    throw InvalidParameter("friction_angle_deg with cohesion_pa",
+                           fmt::format("{:g} with {:g}", wanted.angle_deg, wanted.cohesion_pa),
+                           fmt::format("within reach of contacts; these gave {:.1f} with {:.0f} at best",
+                                       found.angle_deg, found.cohesion_pa));
+  }
+  result.soil = withContact(soil, contact);
+  result.soil.mu_hat = std::tan(wanted.angle_deg * std::numbers::pi / 180) / std::sqrt(6.0);  // (paper 17)
+
+  const std::vector<Strength> verified = shear(result.soil, target.strength, options, options.seed + 1000,
+                                               options.verification_seeds);
+  result.reached.friction_angle_deg = mean(verified, &Strength::angle_deg);
+  result.reached.friction_angle_sd_deg = standardDeviation(verified, &Strength::angle_deg);
+  result.reached.cohesion_pa = mean(verified, &Strength::cohesion_pa);
+  result.reached.cohesion_sd_pa = standardDeviation(verified, &Strength::cohesion_pa);
+  result.reached.seeds = options.verification_seeds;
+  return result;
+}
+
+}  // namespace haptolith

@@ -1,0 +1,33 @@
+#pragma once
+
+#include <optional>
+
+#include "haptolith/core/error.h"
+
+namespace haptolith {
+
+/// Which strength of a sheared bed is compared with the target.
+enum class SoilStrength {
+  kResidual,  ///< what is left after long shearing
+  kPeak,      ///< the most it carries
+};
+
+/// What an engineer measured.
+struct SoilTarget {
+  double bulk_density_kg_m3 = 0;
+  double friction_angle_deg = 0;
+  std::optional<Range> friction_angle_range_deg;  ///< the measurement's own uncertainty, where it is known
+  double cohesion_pa = 0;
+  std::optional<Range> cohesion_range_pa;
+  SoilStrength strength = SoilStrength::kResidual;
+};
+
+/// What the virtual laboratory measured of the macroparticles in the end: mean and standard deviation over seeds.
+struct SoilReached {
+  double friction_angle_deg = 0, friction_angle_sd_deg = 0;
+  double cohesion_pa = 0, cohesion_sd_pa = 0;
+  double bulk_density_kg_m3 = 0;
+  int seeds = 0;
+};
+
+}  // namespace haptolith
