@@ -13,6 +13,7 @@
 #include "haptolith/core/nearest_word.h"
 
 #include "completion.h"
+#include "lab_command.h"
 #include "output.h"
 #include "run_command.h"
 #include "soil_commands.h"
@@ -27,6 +28,7 @@ constexpr const char* kExamples = R"(Examples:
   haptolith run                          the paper's scene, felt by a virtual hand
   haptolith run scenarios/rain.toml      another scene (docs/scenarios.md)
   haptolith soil profile --preset P3     density and strength over depth
+  haptolith lab shear --soil dry-sand    what a soil laboratory would measure
   source <(haptolith completion bash)    complete commands with the tab key
 
 Exit status: 0 done, 1 failed, 2 wrong usage.)";
@@ -34,6 +36,7 @@ Exit status: 0 done, 1 failed, 2 wrong usage.)";
 void addCommands(CLI::App& app) {
   addRunCommand(app);
   addSoilCommands(app);
+  addLabCommand(app);
   addCompletionCommand(app);
 }
 

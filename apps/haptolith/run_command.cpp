@@ -7,7 +7,6 @@
 
 #include <atomic>
 #include <chrono>
-#include <csignal>
 #include <map>
 #include <memory>
 #include <optional>
@@ -25,6 +24,7 @@
 
 #include "output.h"
 #include "run_figure.h"
+#include "stop_on_signal.h"
 #include "trace_file.h"
 
 namespace haptolith {
@@ -94,19 +94,6 @@ Scenario scenarioFor(const RunOptions& options) {
   return scenario;
 }
 
-std::atomic<bool> stop_asked{false};
-
-/// Ctrl-C and SIGTERM end the run in good order, however often they come.
-class StopOnSignal {
- public:
-  StopOnSignal() {
-    struct sigaction action {};
-    action.sa_handler = [](int) { stop_asked = true; };
-    sigaction(SIGINT, &action, nullptr);
-    sigaction(SIGTERM, &action, nullptr);
-  }
-};
-
 /// The loop's thread: real-time when the system grants it.
 class LoopThread {
  public:
@@ -116,12 +103,12 @@ class LoopThread {
             real_time_ = requestRealTime();
           }
           real_time_known_.store(true, std::memory_order_release);
-          end_ = loop.run(stop_asked);
+          end_ = loop.run(stopAsked());
           done_.store(true, std::memory_order_release);
         }) {}
   ~LoopThread() {
     if (thread_.joinable()) {  // an error on the other side: the hand is let go before anybody hears of it
-      stop_asked = true;
+      stopAsked() = true;
       thread_.join();
     }
   }
@@ -334,7 +321,7 @@ void run(const RunOptions& options) {
   }
   Scene scene(scenario.bed, scenario.tool, [&follower](double time_s, double speed_m_s) {
     follower.showSettling(time_s, speed_m_s);
-    return !stop_asked;
+    return !stopAsked();
   });
   if (!scenario.hand.surface_m) {
     scenario.hand.surface_m = scene.bed().surfaceHeight();

@@ -17,7 +17,7 @@ struct ShearOptions {
   double length_diameters = 10;  ///< across it, >= 6
   double height_diameters = 10;  ///< of the soil between the plates before it is loaded, >= 5
   /// How far the upper plate goes over the soil's height. Dense soil dilates until about 1.5; what follows is residual.
-  double strain = 8;
+  double strain = 6;
   double residual_from = 2;  ///< strain from which on stresses count as residual
   /// Shear rate as the inertial number I = rate d sqrt(rho / sigma) at the smallest stress; up to 0.02 the strength
   /// hardly depends on it.

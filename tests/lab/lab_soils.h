@@ -1,0 +1,21 @@
+#pragma once
+
+#include "haptolith/soil/soil_parameters.h"
+
+namespace haptolith {
+
+/// Lunar contacts (docs/soils.md) with another friction and cohesion, macroparticles of 7 mm.
+inline SoilParameters testSoil(double contact_friction, double contact_cohesion_n) {
+  SoilParameters soil;
+  soil.gamma_nm = 6e-5;
+  soil.rho0_kg_m3 = 1400;
+  soil.rho_max_kg_m3 = 1824;
+  soil.stiffness_n_m = 3000;
+  soil.friction = FrictionModel::kPairwise;
+  soil.contact_friction = contact_friction;
+  soil.contact_cohesion_n = contact_cohesion_n;
+  soil.size_spread = 0.15;
+  return soil;
+}
+
+}  // namespace haptolith

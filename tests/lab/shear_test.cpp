@@ -1,0 +1,104 @@
+#include "haptolith/lab/shear.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+
+#include "haptolith/core/error.h"
+#include "lab_soils.h"
+
+namespace haptolith {
+namespace {
+
+/// A cell so small that a test takes seconds; its strength scatters by some degrees.
+ShearOptions smallCell() {
+  return {.normal_stresses_pa = {500, 1000, 2000},
+          .width_diameters = 8,
+          .length_diameters = 6,
+          .height_diameters = 6,
+          .strain = 3,
+          .residual_from = 1.5};
+}
+
+double degrees(double radians) {
+  return radians * 180 / std::numbers::pi;
+}
+
+TEST(Shear, StrengthGrowsWithContactFrictionAndStress) {
+  LabConditions conditions{.soil = testSoil(0.2, 0)};
+  const ShearResult smooth = shearTest(conditions, smallCell());
+  conditions.soil = testSoil(0.5, 0);
+  const ShearResult rough = shearTest(conditions, smallCell());
+  EXPECT_NEAR(degrees(smooth.residual.friction_angle_rad), 26, 6);
+  EXPECT_NEAR(degrees(rough.residual.friction_angle_rad), 43, 8);
+  for (const ShearPointResult& point : rough.points) {
+    EXPECT_GT(point.peak_pa, point.residual_pa);  // dense soil has a peak
+    EXPECT_GT(point.residual_pa, 0.5 * point.normal_pa);
+  }
+}
+
+TEST(Shear, TheUpperPlateCarriesItsLoad) {
+  const ShearResult result = shearTest({.soil = testSoil(0.35, 0)}, smallCell());
+  for (std::size_t i = 0; i < result.points.size(); ++i) {
+    EXPECT_NEAR(result.points[i].normal_pa / smallCell().normal_stresses_pa[i], 1, 0.02);
+  }
+}
+
+TEST(Shear, CohesionOfContactsIsCohesionOfTheSoil) {
+  const ShearResult cohesive = shearTest({.soil = testSoil(0.35, 0.3)}, smallCell());
+  EXPECT_GT(cohesive.residual.cohesion_pa, 300);
+  EXPECT_GT(cohesive.peak.cohesion_pa, 500);
+}
+
+TEST(Shear, PaperFrictionTransmitsAlmostNothing) {
+  // (paper 14) acts against space: particles exert no tangential force on each other, so the plate hardly drags them.
+  LabConditions conditions{.soil = testSoil(0.5, 0)};
+  conditions.soil.friction = FrictionModel::kPaper;
+  conditions.soil.attraction_ratio = 1;
+  conditions.soil.mu_hat = 0.35;
+  const ShearResult paper = shearTest(conditions, smallCell());
+  EXPECT_LT(degrees(paper.residual.friction_angle_rad), 20);
+}
+
+TEST(Shear, IsTheSameForAnyNumberOfThreads) {
+  LabConditions conditions{.soil = testSoil(0.3, 0)};
+  ShearOptions options = smallCell();
+  options.strain = 0.4;
+  options.residual_from = 0.2;
+  const ShearResult one = shearTest(conditions, options);
+  conditions.threads = 3;
+  const ShearResult three = shearTest(conditions, options);
+  for (std::size_t i = 0; i < one.points.size(); ++i) {
+    EXPECT_EQ(one.points[i].residual_pa, three.points[i].residual_pa);
+  }
+}
+
+TEST(Shear, EndsWhenAskedTo) {
+  LabConditions conditions{.soil = testSoil(0.3, 0)};
+  int calls = 0;
+  conditions.progress = [&calls](std::string_view, double share) {
+    EXPECT_GE(share, 0);
+    EXPECT_LE(share, 1);
+    return ++calls < 20;
+  };
+  EXPECT_THROW((void)shearTest(conditions, smallCell()), Failure);
+}
+
+TEST(Shear, RefusesNonsense) {
+  const LabConditions conditions{.soil = testSoil(0.3, 0)};
+  const auto refused = [&](auto change) {
+    ShearOptions options = smallCell();
+    change(options);
+    EXPECT_THROW((void)shearTest(conditions, options), InvalidParameter);
+  };
+  refused([](ShearOptions& o) { o.normal_stresses_pa = {500, 500, 500}; });
+  refused([](ShearOptions& o) { o.normal_stresses_pa = {500, 1000}; });
+  refused([](ShearOptions& o) { o.normal_stresses_pa = {0, 500, 1000}; });
+  refused([](ShearOptions& o) { o.width_diameters = 2; });
+  refused([](ShearOptions& o) { o.residual_from = o.strain; });
+  refused([](ShearOptions& o) { o.inertial_number = 1; });
+}
+
+}  // namespace
+}  // namespace haptolith
