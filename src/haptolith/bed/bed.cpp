@@ -118,7 +118,7 @@ WallForce wallForce(const PairwiseLaw& soil, float dt, float ratio, const WallTo
   }
   const law::LawOf<float> normal{soil.normal.gamma, soil.normal.a_min, soil.normal.a_thr, soil.normal.h, soil.normal.k};
   const law::CohesionOf<float> cohesion{ratio * soil.cohesion, soil.two_per_range, 0, 1};
-  const law::FrictionOf<float> friction{dt, soil.stiffness, 1 / soil.stiffness, soil.tangential_damping, 0, 1, 1e-20F};
+  const law::FrictionOf<float> friction{dt, soil.stiffness, soil.tangential_damping, 0, 1, 1e-20F};
   const law::CohesiveContact<float> contact = law::cohesiveContact(normal, cohesion, soil.normal.diameter, a);
   const float damped =
       contact.normal - soil.damping * law::rootOfStiffness(normal, soil.root_of_gamma, a) * 2 * touch.away;
