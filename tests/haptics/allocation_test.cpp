@@ -119,6 +119,16 @@ TEST(Allocation, ATickAllocatesNothing) {
   EXPECT_EQ(allocationsIn(5000, bed, Manoeuvre::kStir, HandCompliance::kRigid), 0);
 }
 
+TEST(Allocation, ATickWithPairwiseFrictionAllocatesNothing) {
+  // Rebuilding the lists also moves the memory of every contact.
+  BedParameters bed;
+  bed.soil.friction = FrictionModel::kPairwise;
+  bed.soil.contact_cohesion_n = 0.003;
+  bed.soil.size_spread = 0.05;
+  EXPECT_EQ(allocationsIn(5000, bed, Manoeuvre::kStir, HandCompliance::kRigid), 0);
+  EXPECT_EQ(allocationsIn(5000, bed, Manoeuvre::kScoop, HandCompliance::kRigid), 0);
+}
+
 TEST(Allocation, ATickOnSeveralThreadsAllocatesNothing) {
   BedParameters bed;
   bed.soil = findPreset("P4").soil;

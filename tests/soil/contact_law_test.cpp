@@ -86,5 +86,43 @@ TEST(ContactLaw, InfiniteStiffnessIsTheHyperbolaAlone) {
   EXPECT_NEAR(contactForce(law, a), soil.gamma_nm / 1e-6 - law.h_n, 1e-6);
 }
 
+// --- with pairwise friction
+// --------------------------------------------------------------------------------------------
+
+SoilParameters pairwise(double cohesion_n) {
+  SoilParameters soil = findPreset("P3").soil;
+  soil.friction = FrictionModel::kPairwise;
+  soil.contact_cohesion_n = cohesion_n;
+  return soil;
+}
+
+TEST(PairwiseLaw, RepelsLikeThePapersAndPullsHardestHalfwayAcrossItsRange) {
+  // R = 7 mm: range 2.8 mm, the largest pull at 15.4 mm, none at 14 and from 16.8 mm on.
+  const ContactLaw law = makeContactLaw(pairwise(0.03));
+  for (double a = 0.008; a < 0.014; a += 1e-5) {
+    EXPECT_NEAR(contactForce(law, a), printedForce(findPreset("P3").soil, a), 1e-12) << a;
+  }
+  EXPECT_NEAR(contactForce(law, 0.0154), -0.03, 1e-12);
+  EXPECT_NEAR(contactForce(law, 0.0147), -0.0225, 1e-12);  // 4 F_c / 4 * 3 / 4
+  EXPECT_NEAR(contactForce(law, 0.014), 0, 1e-12);
+  EXPECT_NEAR(contactForce(law, 0.0168 - 1e-9), 0, 1e-6);
+  EXPECT_EQ(contactForce(law, 0.0168 + 1e-9), 0);
+  EXPECT_EQ(contactForce(makeContactLaw(pairwise(0)), 0.01401), 0);
+}
+
+TEST(ContactLaw, EnergyIsTheIntegralOfTheForce) {
+  SoilParameters paper = findPreset("P3").soil;
+  for (const SoilParameters& soil : {paper, pairwise(0), pairwise(0.03)}) {
+    const ContactLaw law = makeContactLaw(soil);
+    EXPECT_EQ(contactEnergy(law, law.cutoff_m), 0);
+    double work = 0;
+    constexpr double kStep_m = 1e-7;
+    for (double a = law.cutoff_m - kStep_m / 2; a > 0.009; a -= kStep_m) {  // midpoints
+      work += kStep_m * contactForce(law, a);
+      ASSERT_NEAR(contactEnergy(law, a - kStep_m / 2), work, 1e-9) << a;
+    }
+  }
+}
+
 }  // namespace
 }  // namespace haptolith

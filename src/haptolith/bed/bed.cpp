@@ -118,7 +118,7 @@ WallForce wallForce(const PairwiseLaw& soil, float dt, float ratio, const WallTo
   }
   const law::LawOf<float> normal{soil.normal.gamma, soil.normal.a_min, soil.normal.a_thr, soil.normal.h, soil.normal.k};
   const law::CohesionOf<float> cohesion{ratio * soil.cohesion, soil.two_per_range, 0, 1};
-  const law::FrictionOf<float> friction{dt, soil.stiffness, 1 / soil.stiffness, soil.tangential_damping, 0, 1, 1e-20F};
+  const law::FrictionOf<float> friction{dt, soil.stiffness, soil.tangential_damping, 0, 1, 1e-20F};
   const law::CohesiveContact<float> contact = law::cohesiveContact(normal, cohesion, soil.normal.diameter, a);
   const float damped =
       contact.normal - soil.damping * law::rootOfStiffness(normal, soil.root_of_gamma, a) * 2 * touch.away;
@@ -438,21 +438,32 @@ double Bed::energy() const {
     const Float4& p = state_.position[i];
     return Vec3(p.x, p.y, p.z);
   };
+  const auto cohering = [this](ContactLaw law, double ratio) {
+    law.cohesion_n *= (friction_on_ ? 1 : 0) * ratio;
+    return law;
+  };
+  const ContactLaw pair = cohering(law_, 1);
+  const ContactLaw floor = cohering(wall_law_, 1);
+  const ContactLaw side_wall = cohering(wall_law_, parameters_.wall_friction_ratio);
   for (std::size_t i = 0; i < n; ++i) {
     const Vec3 x = at(i);
     const Float4& v = state_.velocity[i];
     energy += mass_kg_ / 2 * Vec3(v.x, v.y, v.z).squaredNorm() - mass_kg_ * parameters_.gravity_m_s2.dot(x);
     // Half of a pair's: the mirror image moves as far as the particle.
-    energy += contactEnergy(wall_law_, 2 * x.z()) / 2;
-    energy += parameters_.periodic_x ? 0 : contactEnergy(wall_law_, parameters_.width_m - 2 * std::abs(x.x())) / 2;
-    energy += parameters_.periodic_y ? 0 : contactEnergy(wall_law_, parameters_.length_m - 2 * std::abs(x.y())) / 2;
+    const double excess = state_.position[i].w;
+    const auto to_walls = [&](double across_m, double from_middle_m) {
+      return contactEnergy(side_wall, across_m - 2 * (std::abs(from_middle_m) + excess)) / 2;
+    };
+    energy += contactEnergy(floor, 2 * (x.z() - excess)) / 2;
+    energy += parameters_.periodic_x ? 0 : to_walls(parameters_.width_m, x.x());
+    energy += parameters_.periodic_y ? 0 : to_walls(parameters_.length_m, x.y());
     for (std::uint32_t s = neighbours_.begin(i); s < neighbours_.end(i); ++s) {
       const auto j = static_cast<std::size_t>(neighbours_.indices()[s]);
       if (j > i && j < n) {
         Vec3 apart = x - at(j);
         apart.x() -= periods_.width * std::round(apart.x() * periods_.per_width);
         apart.y() -= periods_.length * std::round(apart.y() * periods_.per_length);
-        energy += contactEnergy(law_, apart.norm());
+        energy += contactEnergy(pair, apart.norm() - excess - state_.position[j].w);
         if (isPairwise()) {
           const Vec3 slip(state_.slip_x[s], state_.slip_y[s], state_.slip_z[s]);
           energy += pairwise_law_.stiffness / 2 * slip.squaredNorm();
@@ -483,7 +494,7 @@ double Bed::largestSpeed() const noexcept {
 double Bed::surfaceHeight() const noexcept {
   float highest = 0;
   for (std::size_t i = 0; i < particles(); ++i) {
-    highest = std::max(highest, state_.position[i].z);
+    highest = std::max(highest, state_.position[i].z + state_.position[i].w);
   }
   return highest + parameters_.soil.radius_m;
 }
@@ -496,21 +507,36 @@ void Bed::restore(const BedState& state) {
                            fmt::format("of this bed's {} particles", particles()));
   }
   // A saved state may come from a file: a position that is no number would become the number of a cell.
-  const auto is_number = [](const Float4& r) { return std::isfinite(r.x) && std::isfinite(r.y) && std::isfinite(r.z); };
-  for (const auto* records_of : {&state.position, &state.velocity, &state.listed_at}) {
+  const auto is_number = [](const Float4& r) {
+    return std::isfinite(r.x) && std::isfinite(r.y) && std::isfinite(r.z) && std::isfinite(r.w);
+  };
+  for (const auto* records_of : {&state.position, &state.velocity, &state.listed_at, &state.tool_slip}) {
     if (!std::all_of(records_of->begin(), records_of->end(), is_number)) {
-      throw InvalidParameter("state", "positions or velocities that are no numbers", "finite");
+      throw InvalidParameter("state", "positions, velocities or slips that are no numbers", "finite");
     }
+  }
+  // The neighbour list reaches as far as the largest particle of this soil does.
+  const auto largest = narrow<float>(largestExcess(parameters_.soil));
+  if (!std::all_of(state.position.begin(), state.position.end(),
+                   [largest](const Float4& p) { return std::abs(p.w) <= largest; })) {
+    throw InvalidParameter("state", "particles of other sizes", "of this bed's size_spread");
   }
   const std::size_t remembered = isPairwise() ? particles() : 0;
   if (state.wall_slip.size() != remembered || state.tool_slip.size() != remembered) {
     throw InvalidParameter("state", remembered == 0 ? "with a memory of friction" : "without a memory of friction",
                            "of a bed with this bed's friction");
   }
+  const auto finite = [](float value) { return std::isfinite(value); };
+  const auto wall_is_number = [&finite](const WallSlip& slip) {
+    return finite(slip.floor_x) && finite(slip.floor_y) && finite(slip.x_wall_y) && finite(slip.x_wall_z) &&
+           finite(slip.y_wall_x) && finite(slip.y_wall_z);
+  };
+  bool numbers = std::all_of(state.wall_slip.begin(), state.wall_slip.end(), wall_is_number);
   for (const FloatArray* slip : {&state.slip_x, &state.slip_y, &state.slip_z}) {
-    if (!std::all_of(slip->begin(), slip->end(), [](float value) { return std::isfinite(value); })) {
-      throw InvalidParameter("state", "a memory of friction that is no number", "finite");
-    }
+    numbers = numbers && std::all_of(slip->begin(), slip->end(), finite);
+  }
+  if (!numbers) {
+    throw InvalidParameter("state", "a memory of friction that is no number", "finite");
   }
   const bool built = neighbours_.build(state.listed_at);
   const std::size_t slips = isPairwise() ? neighbours_.slots() : 0;

@@ -11,8 +11,12 @@ void validate(const BedParameters& bed) {
                  {});  // the analysis of layers may have it infinite, a bed not
   const double diameter = 2 * bed.soil.radius_m;
   requireInRange("gravity_m_s2", bed.gravity_m_s2.norm(), {0, 1000});
-  requireInRange("width_m", bed.width_m, {diameter, 100});
-  requireInRange("length_m", bed.length_m, {diameter, 100});
+  // With pairwise friction a particle remembers only the nearer of two walls, so it must never feel both.
+  const double narrowest = bed.soil.friction == FrictionModel::kPairwise
+                               ? makeContactLaw(bed.soil).cutoff_m + 2 * bed.soil.size_spread * bed.soil.radius_m
+                               : diameter;
+  requireInRange("width_m", bed.width_m, {narrowest, 100});
+  requireInRange("length_m", bed.length_m, {narrowest, 100});
   requireInRange("wall_friction_ratio", bed.wall_friction_ratio, {0, 10});
   // Three cells of the neighbour search, so that nobody meets another particle from both sides.
   const double shortest_period =

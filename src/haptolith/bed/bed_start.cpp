@@ -191,8 +191,10 @@ std::vector<Vec3> counted(const BedParameters& bed) {
 }
 
 std::vector<Vec3> rained(const BedParameters& bed) {
-  const double cell = 2.3 * bed.soil.radius_m;
-  const double play = cell / 2 - bed.soil.radius_m;
+  const double largest =
+      bed.soil.radius_m * (1 + (bed.soil.friction == FrictionModel::kPairwise ? bed.soil.size_spread : 0));
+  const double cell = 2.3 * largest;
+  const double play = cell / 2 - largest;
   const int columns = std::max(1, static_cast<int>(bed.width_m / cell));
   const int rows = std::max(1, static_cast<int>(bed.length_m / cell));
   std::mt19937_64 random(bed.seed);

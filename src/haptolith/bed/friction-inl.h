@@ -24,12 +24,6 @@ inline double Sqrt(double a) {
 inline float Sqrt(float a) {
   return std::sqrt(a);
 }
-inline double IfThenElse(bool mask, double yes, double no) {
-  return mask ? yes : no;
-}
-inline float IfThenElse(bool mask, float yes, float no) {
-  return mask ? yes : no;
-}
 
 template <class Real>
 struct Triple {
@@ -52,17 +46,20 @@ HWY_INLINE Triple<Real> across(const Triple<Real>& v, const Triple<Real>& n) {
 template <class Real>
 struct FrictionOf {
   Real dt;
-  Real stiffness, per_stiffness;  ///< k_t, N/m, and 1 / k_t
-  Real damping;                   ///< c_t, N s/m
-  Real zero, one, tiny;           ///< 0, 1, and what is nothing beside any force
+  Real stiffness;        ///< k_t, N/m
+  Real damping;          ///< c_t, N s/m
+  Real zero, one, tiny;  ///< 0, 1, and what is nothing beside any force
 };
 
 /// Friction on the first of two bodies, with the normal `n` from the second to it (Cundall and Strack 1979, eq. 5, 15):
-/// a spring along the surface remembers how far they have slid against each other since they met, and gives way where
-/// its force, with the damper's, exceeds the Coulomb `limit`:
+/// a spring along the surface remembers how far they have slid against each other since they met, and beside it works a
+/// damper. Both together hold no more than the Coulomb `limit`, and neither does the spring alone, which gives way:
 ///
-///     xi <- xi - (xi n) n + v_t dt,     F_t = -(k_t xi + c_t v_t)
-///     |F_t| > limit:   F_t <- limit F_t / |F_t|,   xi <- -F_t / k_t
+///     xi <- xi - (xi n) n + v_t dt,     |k_t xi| > limit:  xi <- limit / k_t xi / |xi|
+///     F_t = -(k_t xi + c_t v_t),        |F_t| > limit:     F_t <- limit F_t / |F_t|
+///
+/// Often xi is set to -F_t / k_t wherever F_t is limited. That stretches the spring by the damper's force at one stroke,
+/// to more energy than sliding has given it: a particle at rest that is nudged would come out faster than it went in.
 ///
 /// Every term changes its sign with n, v and xi, so what the second body works out for itself is the exact opposite.
 /// @param slip      v_t, velocity of the first against the second, without its part along n.
@@ -70,20 +67,19 @@ struct FrictionOf {
 template <class Real>
 HWY_INLINE Triple<Real> frictionForce(const FrictionOf<Real>& friction, Real limit, const Triple<Real>& n,
                                       const Triple<Real>& slip, Triple<Real>& stretch) {
+  // How much of a force is left when it may not exceed the limit.
+  const auto share = [&](const Triple<Real>& force) {
+    return Min(limit / Max(Sqrt(dot(force, force)), friction.tiny), friction.one);
+  };
   const Triple<Real> old = across(stretch, n);
   const Triple<Real> xi{old.x + slip.x * friction.dt, old.y + slip.y * friction.dt, old.z + slip.z * friction.dt};
-  const auto held = [&friction](Real stretched, Real sliding) {
-    return friction.stiffness * stretched + friction.damping * sliding;
-  };
-  const Triple<Real> wanted{held(xi.x, slip.x), held(xi.y, slip.y), held(xi.z, slip.z)};  // -F_t
-  const Real share = limit / Max(Sqrt(dot(wanted, wanted)), friction.tiny);
-  const auto slides = share < friction.one;
-  const Real kept = Min(share, friction.one);
-  const Triple<Real> against{wanted.x * kept, wanted.y * kept, wanted.z * kept};
-  stretch = {IfThenElse(slides, against.x * friction.per_stiffness, xi.x),
-             IfThenElse(slides, against.y * friction.per_stiffness, xi.y),
-             IfThenElse(slides, against.z * friction.per_stiffness, xi.z)};
-  return {friction.zero - against.x, friction.zero - against.y, friction.zero - against.z};
+  const Triple<Real> spring{xi.x * friction.stiffness, xi.y * friction.stiffness, xi.z * friction.stiffness};
+  const Real held = share(spring);
+  stretch = {xi.x * held, xi.y * held, xi.z * held};
+  const auto both = [&](Real of_spring, Real sliding) { return of_spring * held + friction.damping * sliding; };
+  const Triple<Real> wanted{both(spring.x, slip.x), both(spring.y, slip.y), both(spring.z, slip.z)};  // -F_t
+  const Real kept = friction.zero - share(wanted);
+  return {wanted.x * kept, wanted.y * kept, wanted.z * kept};
 }
 
 }  // namespace haptolith::HWY_NAMESPACE

@@ -31,7 +31,6 @@ void sumPairwiseIn(const PairwiseLaw& scalar_law, const Periods& periods, float 
   const V diameter = set(normal.diameter);
   const FrictionOf<V> friction{set(dt),
                                set(scalar_law.stiffness),
-                               set(1 / scalar_law.stiffness),
                                set(scalar_law.tangential_damping),
                                zero,
                                one,

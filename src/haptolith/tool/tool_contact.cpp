@@ -50,13 +50,11 @@ class FrictionalTool {
  public:
   FrictionalTool(const ToolParameters& tool, const SoilParameters& soil, double dt_s)
       : stiffness_(tool.stiffness_n_m),
-        tangential_stiffness_(soil.tangential_ratio * tool.stiffness_n_m),
         damping_(tool.damping_factor * dt_s * tool.stiffness_n_m / 2),
         coefficient_(tool.friction),
         reach_m_(tool.adhesion_n > 0 ? soil.cohesion_range_ratio * soil.radius_m : 0),
         adhesion_{tool.adhesion_n, 2 / (soil.cohesion_range_ratio * soil.radius_m), 0, 1},
-        friction_{dt_s, std::max(tangential_stiffness_, kTiny), 1 / std::max(tangential_stiffness_, kTiny),
-                  damping_ * soil.tangential_ratio, 0, 1, kTiny} {}
+        friction_{dt_s, soil.tangential_ratio * tool.stiffness_n_m, damping_ * soil.tangential_ratio, 0, 1, kTiny} {}
 
   [[nodiscard]] double reach() const noexcept { return reach_m_; }
 
@@ -89,7 +87,7 @@ class FrictionalTool {
  private:
   static constexpr double kTiny = 1e-20;
 
-  double stiffness_, tangential_stiffness_, damping_, coefficient_, reach_m_;
+  double stiffness_, damping_, coefficient_, reach_m_;
   law::CohesionOf<double> adhesion_;
   law::FrictionOf<double> friction_;
 };
@@ -113,7 +111,8 @@ ToolReaction applyToolContact(const ToolParameters& tool, const Pose& scene_T_to
   const double radius_m = soil.radius_m;
   const bool pairwise = soil.friction == FrictionModel::kPairwise;
   const FrictionalTool frictional(tool, soil, dt_s);
-  const double reach = enclosingRadius(tool) + (1 + soil.size_spread) * radius_m + std::max(frictional.reach(), tool.adhesion_ratio * radius_m);
+  const double further = pairwise ? soil.size_spread * radius_m + frictional.reach() : 0;
+  const double reach = enclosingRadius(tool) + (1 + tool.adhesion_ratio) * radius_m + further;
   const auto reach_squared = static_cast<float>(reach * reach);
   const auto tool_x = static_cast<float>(scene_T_tool.position_m.x());
   const auto tool_y = static_cast<float>(scene_T_tool.position_m.y());
