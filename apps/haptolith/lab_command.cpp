@@ -4,22 +4,20 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include <cmath>
-#include <functional>
+#include <filesystem>
+#include <map>
 #include <memory>
-#include <numbers>
 #include <string>
 
 #include "haptolith/core/error.h"
 #include "haptolith/lab/calibrate_soil.h"
-#include "haptolith/lab/settle.h"
-#include "haptolith/lab/shear.h"
 #include "haptolith/scenario/scene_words.h"
 #include "haptolith/scenario/soil_file.h"
 #include "haptolith/soil/bodies.h"
-#include "haptolith/soil/lunar_density.h"
 
 #include "lab_options.h"
+#include "lab_report.h"
+#include "lab_tests.h"
 #include "output.h"
 #include "stop_on_signal.h"
 
@@ -29,145 +27,39 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-double degrees(double radians) {
-  return radians * 180 / std::numbers::pi;
+// --- haptolith lab TEST ----------------------------------------------------------------------------------------------
+
+void runTest(const LabTest& test, const LabOptions& options) {
+  const StopOnSignal stop_on_signal;
+  StatusLine status;
+  const LabSoil soil = labSoil(options, test.radius_mm);
+  const LabConditions conditions = labConditions(options, soil, status);
+  const LabOutput output = test.run(soil, conditions);
+  status.clear();
+  if (!options.trace_file.empty()) {
+    saveTrace(options.trace_file, output.trace);
+  }
+  const std::string circumstances = circumstancesText(options, soil, conditions);
+  if (!options.figure_file.empty()) {
+    output.draw(options.figure_file, circumstances);
+  }
+  if (options.json) {
+    Json document{{"test", test.name}};
+    document.update(circumstancesJson(options, soil, conditions));
+    document.update(output.json);
+    printJson(document);
+  } else {
+    printText(fmt::format("lab {}: {}\n\n{}", test.name, circumstances, output.text));
+  }
 }
 
-/// What a test has to say when it is done.
-struct LabOutput {
-  Json json;
-  std::string text;
-  LabTrace trace;
-  std::function<void(const std::string& path, const std::string& title)> draw;
-};
-
-/// Adds `haptolith lab NAME`: `more` adds the test's own options, `test` does the work.
-CLI::App* addTest(CLI::App& lab, const std::string& name, const std::string& description, const std::string& examples,
-                  const std::shared_ptr<LabOptions>& options,
-                  std::function<LabOutput(const LabOptions&, const LabConditions&)> test) {
-  CLI::App* command = lab.add_subcommand(name, description);
+void addTest(CLI::App& lab, const LabTest& test) {
+  auto options = std::make_shared<LabOptions>();
+  CLI::App* command = lab.add_subcommand(test.name, test.description);
   options->addTo(*command);
-  command->footer("Examples:\n" + examples);
-  command->callback([name, options, test = std::move(test)] {
-    const StopOnSignal stop_on_signal;
-    StatusLine status;
-    const LabConditions conditions = labConditions(*options, status);
-    const LabOutput output = test(*options, conditions);
-    status.clear();
-    if (!options->trace_file.empty()) {
-      saveTrace(options->trace_file, output.trace);
-    }
-    if (!options->figure_file.empty()) {
-      output.draw(options->figure_file, circumstancesText(*options, conditions));
-    }
-    if (options->json) {
-      Json document = circumstancesJson(*options, conditions);
-      document.insert(document.begin(), {"test", name});
-      document.update(output.json);
-      printJson(document);
-    } else {
-      printText(fmt::format("lab {}: {}\n\n{}", name, circumstancesText(*options, conditions), output.text));
-    }
-  });
-  return command;
-}
-
-// --- haptolith lab settle --------------------------------------------------------------------------------------------
-
-LabOutput settleOutput(const LabConditions& conditions, const SettleOptions& options) {
-  const SettleResult result = settleTest(conditions, options);
-  Json bands = Json::array();
-  Json slices = Json::array();
-  std::string text = "  depth / cm   density / (kg/m³)   on the Moon\n";
-  for (const SettledBand& band : result.bands) {
-    for (const MeasuredBand& measured : measuredBands()) {
-      if (measured.top_m == band.top_m && measured.bottom_m == band.bottom_m) {
-        bands.push_back({{"top_m", band.top_m},
-                         {"bottom_m", band.bottom_m},
-                         {"density_kg_m3", band.density_kg_m3},
-                         {"measured_kg_m3", measured.density_kg_m3},
-                         {"measured_tolerance_kg_m3", measured.tolerance_kg_m3}});
-        text += fmt::format("  {:>4.0f} - {:<3.0f}   {:>14.0f}        {:.0f} ± {:.0f}\n", band.top_m * 100,
-                            band.bottom_m * 100, band.density_kg_m3, measured.density_kg_m3, measured.tolerance_kg_m3);
-      }
-    }
-  }
-  for (const SettledSlice& slice : result.slices) {
-    slices.push_back({{"depth_m", slice.depth_m}, {"density_kg_m3", slice.density_kg_m3}});
-  }
-  return {{{"depth_m", result.depth_m}, {"settled_after_s", result.time_s}, {"bands", bands}, {"slices", slices}},
-          text,
-          result.trace,
-          [conditions, result](const std::string& path, const std::string& title) {
-            drawSettle(path, conditions, result, title);
-          }};
-}
-
-void addSettle(CLI::App& lab) {
-  auto options = std::make_shared<LabOptions>();
-  auto own = std::make_shared<SettleOptions>();
-  CLI::App* command = addTest(lab, "settle", "Density with depth of soil that has settled under its own weight",
-                              "  haptolith lab settle\n"
-                              "  haptolith lab settle --soil dry-sand --body Earth --figure density.svg",
-                              options, [own](const LabOptions&, const LabConditions& conditions) {
-                                return settleOutput(conditions, *own);
-                              });
-  command->add_option("--depth-m", own->depth_m, "depth of the column at least")->capture_default_str();
-}
-
-// --- haptolith lab shear ---------------------------------------------------------------------------------------------
-
-LabOutput shearOutput(const LabConditions& conditions, const ShearOptions& options) {
-  const ShearResult result = shearTest(conditions, options);
-  LabTrace trace{{"specimen", "displacement_m", "shear_pa", "normal_pa", "height_m"}, {}};
-  Json points = Json::array();
-  std::string text = "  normal / Pa   peak / Pa   residual / Pa   dilation / %\n";
-  for (const ShearPointResult& point : result.points) {
-    points.push_back({{"normal_pa", point.normal_pa},
-                      {"peak_pa", point.peak_pa},
-                      {"residual_pa", point.residual_pa},
-                      {"dilation", point.dilation}});
-    text += fmt::format("  {:>11.0f}   {:>9.0f}   {:>13.0f}   {:>12.1f}\n", point.normal_pa, point.peak_pa,
-                        point.residual_pa, 100 * point.dilation);
-    for (const std::vector<double>& row : point.trace.rows) {
-      trace.rows.push_back({static_cast<double>(points.size() - 1)});
-      trace.rows.back().insert(trace.rows.back().end(), row.begin(), row.end());
-    }
-  }
-  const auto line = [](std::string_view what, const MohrCoulomb& fit) {
-    return fmt::format("  {:<9} friction angle {:4.1f} ± {:.1f}°, cohesion {:5.0f} ± {:.0f} Pa\n", what,
-                       degrees(fit.friction_angle_rad), degrees(fit.friction_angle_se_rad), fit.cohesion_pa,
-                       fit.cohesion_se_pa);
-  };
-  text += "\n" + line("peak", result.peak) + line("residual", result.residual) +
-          fmt::format("  bulk density {:.0f} kg/m³ before shearing\n", result.bulk_density_kg_m3);
-  return {{{"points", points},
-           {"peak_friction_angle_deg", degrees(result.peak.friction_angle_rad)},
-           {"peak_cohesion_pa", result.peak.cohesion_pa},
-           {"residual_friction_angle_deg", degrees(result.residual.friction_angle_rad)},
-           {"residual_friction_angle_se_deg", degrees(result.residual.friction_angle_se_rad)},
-           {"cohesion_pa", result.residual.cohesion_pa},
-           {"cohesion_se_pa", result.residual.cohesion_se_pa},
-           {"bulk_density_kg_m3", result.bulk_density_kg_m3}},
-          text,
-          trace,
-          [result](const std::string& path, const std::string& title) { drawShear(path, result, title); }};
-}
-
-void addShear(CLI::App& lab) {
-  auto options = std::make_shared<LabOptions>();
-  auto own = std::make_shared<ShearOptions>();
-  CLI::App* command = addTest(lab, "shear", "Direct shear between rough plates: friction angle and cohesion",
-                              "  haptolith lab shear\n"
-                              "  haptolith lab shear --soil dry-sand --figure shear.svg\n"
-                              "  haptolith lab shear --friction paper --json",
-                              options, [own](const LabOptions&, const LabConditions& conditions) {
-                                return shearOutput(conditions, *own);
-                              });
-  command->add_option("--normal-pa", own->normal_stresses_pa, "normal stresses, three or more")
-      ->delimiter(',')
-      ->capture_default_str();
-  command->add_option("--strain", own->strain, "how far the plate goes over the specimen's height")->capture_default_str();
+  test.add_options(*command);
+  command->footer("Examples:\n" + test.examples);
+  command->callback([test, options] { runTest(test, *options); });
 }
 
 // --- haptolith lab calibrate -----------------------------------------------------------------------------------------
@@ -187,7 +79,7 @@ void runCalibrateSoil(const CalibrateCommand& command) {
   StatusLine status;
   LabOptions lab;
   lab.threads = command.threads;
-  const LabConditions conditions = labConditions(lab, status);
+  const LabConditions conditions = labConditions(lab, labSoil(lab, 0), status);
   CalibrateSoilOptions options;
   requireInRange("radius_mm", command.radius_mm, {0.5, 20});
   options.radius_m = command.radius_mm / 1e3;
@@ -271,9 +163,11 @@ void addLabCommand(CLI::App& app) {
   CLI::App* lab = app.add_subcommand("lab", "A soil laboratory: what a bed of macroparticles really does");
   lab->require_subcommand(1);
   lab->footer("Example:\n  haptolith lab shear --soil lunar-0-15cm\nEvery test explains itself with --help.");
-  addSettle(*lab);
-  addShear(*lab);
+  for (const LabTest& test : labTests()) {
+    addTest(*lab, test);
+  }
   addCalibrate(*lab);
+  addReport(*lab);
 }
 
 }  // namespace haptolith

@@ -50,7 +50,7 @@ void LabOptions::addTo(CLI::App& command) {
   command.add_flag("--json", json, "print one JSON object instead of a table");
 }
 
-LabSoil labSoil(const LabOptions& options) {
+LabSoil labSoil(const LabOptions& options, double radius_mm) {
   LabSoil found;
   if (isPreset(options.soil)) {
     const Preset& preset = findPreset(options.soil);
@@ -59,17 +59,18 @@ LabSoil labSoil(const LabOptions& options) {
     const SoilFile file = findSoil(options.soil);
     found = {file.name, file.soil, file.target};
   }
-  if (options.radius_mm) {
-    requireInRange("radius_mm", *options.radius_mm, {0.1, 100});
-    found.soil = rescaled(found.soil, *options.radius_mm * kMm);
+  const double wanted_mm = options.radius_mm.value_or(radius_mm);
+  if (options.radius_mm || radius_mm > 0) {
+    requireInRange("radius_mm", wanted_mm, {0.1, 100});
+    found.soil = rescaled(found.soil, wanted_mm * kMm);
   }
   found.soil.friction = options.friction.value_or(found.soil.friction);
   return found;
 }
 
-LabConditions labConditions(const LabOptions& options, StatusLine& status) {
+LabConditions labConditions(const LabOptions& options, const LabSoil& soil, StatusLine& status) {
   LabConditions conditions;
-  conditions.soil = labSoil(options).soil;
+  conditions.soil = soil.soil;
   conditions.gravity_m_s2 = findBody(options.body).gravity_m_s2;
   conditions.seed = options.seed;
   conditions.threads = threadsFor(options.threads);
@@ -82,8 +83,9 @@ LabConditions labConditions(const LabOptions& options, StatusLine& status) {
   return conditions;
 }
 
-nlohmann::ordered_json circumstancesJson(const LabOptions& options, const LabConditions& conditions) {
-  return {{"soil", labSoil(options).name},
+nlohmann::ordered_json circumstancesJson(const LabOptions& options, const LabSoil& soil,
+                                       const LabConditions& conditions) {
+  return {{"soil", soil.name},
           {"friction", wordFor(kFrictionWords, conditions.soil.friction)},
           {"body", findBody(options.body).name},
           {"gravity_m_s2", conditions.gravity_m_s2},
@@ -91,8 +93,8 @@ nlohmann::ordered_json circumstancesJson(const LabOptions& options, const LabCon
           {"seed", conditions.seed}};
 }
 
-std::string circumstancesText(const LabOptions& options, const LabConditions& conditions) {
-  return fmt::format("{}, {} friction, {}, macroparticles of {:.3g} mm, seed {}", labSoil(options).name,
+std::string circumstancesText(const LabOptions& options, const LabSoil& soil, const LabConditions& conditions) {
+  return fmt::format("{}, {} friction, {}, macroparticles of {:.3g} mm, seed {}", soil.name,
                      wordFor(kFrictionWords, conditions.soil.friction), findBody(options.body).name,
                      conditions.soil.radius_m / kMm, conditions.seed);
 }

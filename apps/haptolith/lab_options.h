@@ -38,14 +38,17 @@ struct LabSoil {
   SoilParameters soil;
   std::optional<SoilTarget> target;  ///< none for a preset
 };
-[[nodiscard]] LabSoil labSoil(const LabOptions& options);
+/// @param radius_mm  of the macroparticles when the options name none; 0 leaves them as the soil has them.
+[[nodiscard]] LabSoil labSoil(const LabOptions& options, double radius_mm);
 
 /// The conditions of a test, whose progress is shown in `status` and which ends when a signal asks for it.
-[[nodiscard]] LabConditions labConditions(const LabOptions& options, StatusLine& status);
+[[nodiscard]] LabConditions labConditions(const LabOptions& options, const LabSoil& soil, StatusLine& status);
 
 /// What every test says about its circumstances.
-[[nodiscard]] nlohmann::ordered_json circumstancesJson(const LabOptions& options, const LabConditions& conditions);
-[[nodiscard]] std::string circumstancesText(const LabOptions& options, const LabConditions& conditions);
+[[nodiscard]] nlohmann::ordered_json circumstancesJson(const LabOptions& options, const LabSoil& soil,
+                                                     const LabConditions& conditions);
+[[nodiscard]] std::string circumstancesText(const LabOptions& options, const LabSoil& soil,
+                                            const LabConditions& conditions);
 
 /// Writes a trace as CSV, whole or not at all.
 void saveTrace(const std::string& path, const LabTrace& trace);
