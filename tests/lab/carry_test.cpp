@@ -23,7 +23,7 @@ TEST(CarryTest, AHandFeelsTheWeightAndTheInertiaOfSoilAndNothingElse) {
     LabConditions conditions = pairwise();
     conditions.soil.contact_cohesion_n = cohesion;
     const CarryResult result = carryTest(conditions);
-    EXPECT_GT(result.carried_kg, 50 * macroparticleMass(conditions.soil)) << "hardly a heap";
+    EXPECT_GT(result.carried_kg, 100 * macroparticleMass(conditions.soil)) << "hardly a heap";
     EXPECT_NEAR(result.left_kg, result.carried_kg, 0.05 * result.carried_kg);
     EXPECT_NEAR(result.weight_ratio, 1, 0.03);
     EXPECT_NEAR(result.drag_ratio, 0, 0.03);
@@ -36,7 +36,7 @@ TEST(CarryTest, WithThePapersFrictionSoilHangsInSpaceAndStaysBehind) {
   LabConditions conditions;
   conditions.soil = findPreset("P4").soil;
   const CarryResult result = carryTest(conditions);
-  // Measured: 0.53 of the weight, and 0.01 of the way.
+  // Measured: 0.46 of the weight, and 0.004 of the way.
   EXPECT_LT(result.weight_ratio, 0.9);
   EXPECT_LT(result.follow_ratio, 0.5);
 }

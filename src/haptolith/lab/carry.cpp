@@ -126,9 +126,21 @@ class Carried {
   [[nodiscard]] std::vector<Vec3> heapAbove() const {
     const double tube = 0.35 * edge(conditions_, options_);
     const Vec3 above = start_;
-    return looseSoil(conditions_.soil, boxFor(conditions_, options_), static_cast<std::size_t>(options_.particles),
-                     start_.z() + conditions_.soil.radius_m, conditions_.seed,
-                     [above, tube](const Vec3& c) { return (c - above).head<2>().norm() < tube; });
+    std::vector<Vec3> soil =
+        looseSoil(conditions_.soil, boxFor(conditions_, options_), static_cast<std::size_t>(options_.particles),
+                  start_.z() + conditions_.soil.radius_m, conditions_.seed,
+                  [above, tube](const Vec3& c) { return (c - above).head<2>().norm() < tube; });
+    // Every storey turned against the one below: particles that do not turn would else stand on each other as columns.
+    Quat turn = Quat::Identity();
+    double height = start_.z();
+    for (Vec3& centre : soil) {
+      if (centre.z() > height + conditions_.soil.radius_m) {
+        turn = turn * Quat(Eigen::AngleAxisd(1, Vec3::UnitZ()));
+      }
+      height = centre.z();
+      centre = above + turn * (centre - above);
+    }
+    return soil;
   }
 
   void note(Felt& felt, const Vec3& velocity, double acceleration_up) {

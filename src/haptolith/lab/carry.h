@@ -13,7 +13,7 @@ struct CarryOptions {
   double shovel_radii = 20;  ///< edge of the square shovel in mean particle radii, 8 to 60
   double speed_m_s = 0.1;    ///< sideways, 0.01 to 0.2
   double shake_g = 0.2;      ///< largest acceleration while it is shaken up and down, over g, 0.01 to 0.8
-  /// How fast, 0.2 to 20. Loose soil is a soft spring: a heap of the default size has a frequency of its own near 5 Hz,
+  /// How fast, 0.2 to 20. Loose soil is a soft spring: piled up high it has a frequency of its own near 5 Hz,
   /// and well below that it goes up and down as one body.
   double shake_hz = 0.5;
   ToolParameters shovel{};  ///< its contact; shape and size are set by the test
