@@ -74,7 +74,8 @@ struct Crowd {
 
   [[nodiscard]] std::vector<ContactSum> kernel() {
     std::vector<ContactSum> sums(particles());
-    sumContacts(kernelLaw(makeContactLaw(soil), soil.radius_m), {}, position.data(), view(), 0, particles(), sums.data());
+    sumContacts(kernelLaw(makeContactLaw(soil), soil.radius_m), {}, position.data(), view(), 0, particles(),
+                sums.data());
     return sums;
   }
 };
@@ -140,8 +141,8 @@ TEST_F(ContactKernel, SumsExactlyTheRangeItIsGiven) {
     for (ContactSum& sum : some) {
       sum.contacts = -1;
     }
-    sumContacts(kernelLaw(makeContactLaw(crowd.soil), crowd.soil.radius_m), {}, crowd.position.data(), crowd.view(), 20, 30,
-                some.data());
+    sumContacts(kernelLaw(makeContactLaw(crowd.soil), crowd.soil.radius_m), {}, crowd.position.data(), crowd.view(), 20,
+                30, some.data());
     for (std::size_t i = 0; i < some.size(); ++i) {
       const bool summed = i >= 20 && i < 30;
       EXPECT_EQ(some[i].contacts, summed ? all[i].contacts : -1) << i;

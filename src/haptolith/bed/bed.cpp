@@ -123,8 +123,8 @@ WallForce wallForce(const PairwiseLaw& soil, float dt, float ratio, const WallTo
   const float damped =
       contact.normal - soil.damping * law::rootOfStiffness(normal, soil.root_of_gamma, a) * 2 * touch.away;
   law::Triple<float> slip{slip_1, slip_2, 0};
-  const law::Triple<float> drag = law::frictionForce<float>(
-      friction, ratio * soil.friction * contact.compression, {0, 0, 1}, {touch.along_1, touch.along_2, 0}, slip);
+  const law::Triple<float> drag = law::frictionForce<float>(friction, ratio * soil.friction * contact.compression,
+                                                            {0, 0, 1}, {touch.along_1, touch.along_2, 0}, slip);
   slip_1 = slip.x;
   slip_2 = slip.y;
   return {std::max(damped, std::min(contact.normal, 0.0F)), drag.x, drag.y};
@@ -159,7 +159,8 @@ Bed::Bed(const BedParameters& parameters, const std::vector<Vec3>& centres_m)
       periods_(periodsOf(parameters)),
       mass_kg_(macroparticleMass(parameters.soil)),
       skin_m_(narrow<float>(kSkinRadii * parameters.soil.radius_m)),
-      neighbours_(centres_m.size(), law_.cutoff_m + 2 * largestExcess(parameters.soil) + skin_m_, parameters.width_m, parameters.length_m, periods_),
+      neighbours_(centres_m.size(), law_.cutoff_m + 2 * largestExcess(parameters.soil) + skin_m_, parameters.width_m,
+                  parameters.length_m, periods_),
       team_(usefulThreads(parameters.threads, centres_m.size())),
       part_results_(static_cast<std::size_t>(team_.size())) {
   const std::size_t n = centres_m.size();
@@ -169,8 +170,8 @@ Bed::Bed(const BedParameters& parameters, const std::vector<Vec3>& centres_m)
     if (!centre.cast<float>().allFinite()) {
       throw InvalidParameter("centres_m", fmt::format("{} {} {}", centre.x(), centre.y(), centre.z()), "finite");
     }
-    state_.position.push_back({narrow<float>(centre.x()), narrow<float>(centre.y()), narrow<float>(centre.z()),
-                               narrow<float>(excess)});
+    state_.position.push_back(
+        {narrow<float>(centre.x()), narrow<float>(centre.y()), narrow<float>(centre.z()), narrow<float>(excess)});
   }
   state_.position.push_back(kGhost);
   state_.velocity.resize(n + 1);
@@ -181,7 +182,8 @@ Bed::Bed(const BedParameters& parameters, const std::vector<Vec3>& centres_m)
   external_.resize(n);
   sums_.resize(n);
   if (isPairwise()) {
-    for (FloatArray* slip : {&state_.slip_x, &state_.slip_y, &state_.slip_z, &next_slip_x_, &next_slip_y_, &next_slip_z_}) {
+    for (FloatArray* slip :
+         {&state_.slip_x, &state_.slip_y, &state_.slip_z, &next_slip_x_, &next_slip_y_, &next_slip_z_}) {
       slip->reserve(neighbours_.capacity());
     }
     state_.wall_slip.resize(n);
@@ -274,8 +276,8 @@ void Bed::sumNeighbours(std::size_t first, std::size_t last) noexcept {
     PairwiseLaw law = pairwise_law_;
     law.friction *= now_.friction_ratio;
     law.cohesion *= now_.friction_ratio;
-    sumPairwiseContacts(law, periods_, now_.dt, state_.position.data(), state_.velocity.data(),
-                        neighbours_.view(), memory(), first, last, sums_.data());
+    sumPairwiseContacts(law, periods_, now_.dt, state_.position.data(), state_.velocity.data(), neighbours_.view(),
+                        memory(), first, last, sums_.data());
   } else {
     sumContacts(kernel_law_, periods_, state_.position.data(), neighbours_.view(), first, last, sums_.data());
   }
@@ -370,7 +372,8 @@ void Bed::advanceWithPairwiseFriction(std::size_t i) noexcept {
   }
 
   const float per_mass = now_.dt * now_.inverse_mass;
-  moveOn(i, {(v.x + per_mass * fx) * now_.drag, (v.y + per_mass * fy) * now_.drag, (v.z + per_mass * fz) * now_.drag, 0});
+  moveOn(i,
+         {(v.x + per_mass * fx) * now_.drag, (v.y + per_mass * fy) * now_.drag, (v.z + per_mass * fz) * now_.drag, 0});
 }
 
 void Bed::moveOn(std::size_t i, const Float4& velocity) noexcept {
@@ -472,7 +475,8 @@ double Bed::energy() const {
     }
     if (isPairwise()) {
       const WallSlip& slip = state_.wall_slip[i];
-      for (const float slid : {slip.floor_x, slip.floor_y, slip.x_wall_y, slip.x_wall_z, slip.y_wall_x, slip.y_wall_z}) {
+      for (const float slid :
+           {slip.floor_x, slip.floor_y, slip.x_wall_y, slip.x_wall_z, slip.y_wall_x, slip.y_wall_z}) {
         energy += pairwise_law_.stiffness / 2 * slid * slid;
       }
     }

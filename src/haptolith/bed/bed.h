@@ -51,8 +51,8 @@ class Bed {
   /// Lets a driven particle go.
   void release(std::size_t particle) noexcept;
 
-  /// Whether friction and cohesion are switched off and falling soil slowed down, for a dense bed that comes to rest soon. With a tool
-  /// in it settle() cannot be used; this can.
+  /// Whether friction and cohesion are switched off and falling soil slowed down, for a dense bed that comes to rest
+  /// soon. With a tool in it settle() cannot be used; this can.
   void setSettling(bool settling) noexcept { friction_on_ = !settling; }
 
   /// Gravity from the next step on, in m/s^2, scene frame: a laboratory loads its specimens without their weight.
@@ -68,7 +68,8 @@ class Bed {
   /// @throws Failure when the bed does not come to rest within `longest_s` of simulated time, or `progress` gives up.
   void settle(double dt_s, double longest_s, const SettleProgress& progress = {});
 
-  /// Kinetic plus gravitational plus contact energy, that of stretched friction included, in J; gravity's zero is the origin. Not for the tick.
+  /// Kinetic plus gravitational plus contact energy, that of stretched friction included, in J; gravity's zero is the
+  /// origin. Not for the tick.
   [[nodiscard]] double energy() const;
 
   /// Largest speed of any particle, in m/s.

@@ -31,9 +31,9 @@ using FloatArray = std::vector<float, CacheAligned<float>>;
 
 /// How far a particle has slid along the floor and the nearest wall of each pair since it came to touch them, in m.
 struct WallSlip {
-  float floor_x = 0, floor_y = 0;      ///< floor
-  float x_wall_y = 0, x_wall_z = 0;    ///< walls at x = +-width/2
-  float y_wall_x = 0, y_wall_z = 0;    ///< walls at y = +-length/2
+  float floor_x = 0, floor_y = 0;    ///< floor
+  float x_wall_y = 0, x_wall_z = 0;  ///< walls at x = +-width/2
+  float y_wall_x = 0, y_wall_z = 0;  ///< walls at y = +-length/2
 };
 
 /// Everything that changes while a bed runs. Restoring it and going on gives the same bits as never having stopped.
@@ -55,8 +55,8 @@ struct BedState {
   [[nodiscard]] std::size_t particles() const noexcept { return tool_side.size(); }
 };
 
-/// 64-bit hash (XXH3) over positions, velocities and the memory of contacts. Equal states have equal hashes on one machine
-/// type.
+/// 64-bit hash (XXH3) over positions, velocities and the memory of contacts. Equal states have equal hashes on one
+/// machine type.
 [[nodiscard]] std::uint64_t stateHash(const BedState& state) noexcept;
 
 /// The state as bytes, and back. @throws Failure when the bytes are no state, are cut short or of another version.

@@ -19,8 +19,8 @@ using Indices = hn::RebindToSigned<D>;
 
 /// One particle against its list, a vector of neighbours at a time.
 template <bool kPeriodic>
-void sumContactsIn(const KernelLaw& scalar_law, const Periods& periods, const Float4* HWY_RESTRICT position, const Neighbours& neighbours,
-                   std::size_t first, std::size_t last, ContactSum* HWY_RESTRICT sums) {
+void sumContactsIn(const KernelLaw& scalar_law, const Periods& periods, const Float4* HWY_RESTRICT position,
+                   const Neighbours& neighbours, std::size_t first, std::size_t last, ContactSum* HWY_RESTRICT sums) {
   const D d;
   const LawOf<V> law{hn::Set(d, scalar_law.gamma), hn::Set(d, scalar_law.a_min), hn::Set(d, scalar_law.a_thr),
                      hn::Set(d, scalar_law.h), hn::Set(d, scalar_law.k)};
@@ -134,7 +134,8 @@ HWY_INLINE std::uint32_t appendNear(const Candidates& candidates, const Periods&
 }
 
 std::size_t listNeighboursOf(const CellGrid& grid, const Candidates& candidates, const Periods& periods,
-                      const Float4* HWY_RESTRICT position, float reach_m, std::size_t capacity, const Neighbours& neighbours) {
+                             const Float4* HWY_RESTRICT position, float reach_m, std::size_t capacity,
+                             const Neighbours& neighbours) {
   std::uint32_t next = 0;
   int cell = 0;
   for (int iz = 0; iz < grid.nz; ++iz) {
@@ -181,13 +182,14 @@ KernelLaw kernelLaw(const ContactLaw& law, double radius_m) {
           f(law.stiffness_n_m), f(law.cutoff_m), f(2 * radius_m)};
 }
 
-void sumContacts(const KernelLaw& law, const Periods& periods, const Float4* position, const Neighbours& neighbours, std::size_t first,
-                 std::size_t last, ContactSum* sums) noexcept {
+void sumContacts(const KernelLaw& law, const Periods& periods, const Float4* position, const Neighbours& neighbours,
+                 std::size_t first, std::size_t last, ContactSum* sums) noexcept {
   HWY_DYNAMIC_DISPATCH(sumContactsOf)(law, periods, position, neighbours, first, last, sums);
 }
 
-std::size_t listNeighbours(const CellGrid& grid, const Candidates& candidates, const Periods& periods, const Float4* position, float reach_m,
-                    std::size_t capacity, const Neighbours& neighbours) noexcept {
+std::size_t listNeighbours(const CellGrid& grid, const Candidates& candidates, const Periods& periods,
+                           const Float4* position, float reach_m, std::size_t capacity,
+                           const Neighbours& neighbours) noexcept {
   return HWY_DYNAMIC_DISPATCH(listNeighboursOf)(grid, candidates, periods, position, reach_m, capacity, neighbours);
 }
 

@@ -43,8 +43,8 @@ struct Neighbours {
 
 /// Sums the contact forces of particles first..last-1 with the best instruction set this machine has. May be called in
 /// the tick; parts of one bed may be summed by several threads at once.
-void sumContacts(const KernelLaw& law, const Periods& periods, const Float4* position, const Neighbours& neighbours, std::size_t first,
-                 std::size_t last, ContactSum* sums) noexcept;
+void sumContacts(const KernelLaw& law, const Periods& periods, const Float4* position, const Neighbours& neighbours,
+                 std::size_t first, std::size_t last, ContactSum* sums) noexcept;
 
 /// Name of the instruction set in use, for example "AVX3".
 [[nodiscard]] const char* simdTarget() noexcept;
@@ -67,9 +67,10 @@ struct Candidates {
 /// What listNeighbours() returns when they do not fit.
 inline constexpr std::size_t kTooMany = ~std::size_t{0};
 
-/// Lists for each particle all others within `reach_m`. Returns how many entries that takes, kTooMany when `capacity` (of
-/// index) is too small. May be called in the tick.
+/// Lists for each particle all others within `reach_m`. Returns how many entries that takes, kTooMany when `capacity`
+/// (of index) is too small. May be called in the tick.
 [[nodiscard]] std::size_t listNeighbours(const CellGrid& grid, const Candidates& candidates, const Periods& periods,
-                                  const Float4* position, float reach_m, std::size_t capacity, const Neighbours& neighbours) noexcept;
+                                         const Float4* position, float reach_m, std::size_t capacity,
+                                         const Neighbours& neighbours) noexcept;
 
 }  // namespace haptolith

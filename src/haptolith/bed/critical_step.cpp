@@ -12,7 +12,6 @@ namespace haptolith {
 namespace {
 constexpr double kLargestPhase = 1.0;  // dt * omega; the step is stable up to 2, and accurate enough up to 1
 
-
 /// The stiffest a contact gets: k, or where cohesion sets in, 4 F_c / range.
 double contactStiffness(const SoilParameters& soil) {
   if (soil.friction != FrictionModel::kPairwise) {
@@ -50,10 +49,10 @@ int substepsFor(const SoilParameters& soil, double tool_stiffness_n_m, double ti
     const double allowed = std::pow(max_substeps * largestPhase(soil) / tick_s, 2) * macroparticleMass(soil);
     const double softest = (allowed / withTangent(soil) - tool_stiffness_n_m) / 10;
     if (softest > soil.stiffness_n_m) {  // it is cohesion that is too stiff
-      throw InvalidParameter("contact_cohesion_n", fmt::format("{:g}", soil.contact_cohesion_n),
-                             fmt::format("<= {:.4g} with this range and macroparticles of {:g} mm (max_substeps = {})",
-                                         softest * soil.cohesion_range_ratio * soil.radius_m / 4, 1e3 * soil.radius_m,
-                                         max_substeps));
+      throw InvalidParameter(
+          "contact_cohesion_n", fmt::format("{:g}", soil.contact_cohesion_n),
+          fmt::format("<= {:.4g} with this range and macroparticles of {:g} mm (max_substeps = {})",
+                      softest * soil.cohesion_range_ratio * soil.radius_m / 4, 1e3 * soil.radius_m, max_substeps));
     }
     throw InvalidParameter(
         "stiffness_n_m", fmt::format("{:g}", soil.stiffness_n_m),

@@ -11,8 +11,8 @@ namespace haptolith {
 /// 8 k: the fastest mode of a close packing of springs k (neighbouring layers against each other); 2 k: a wall, which
 /// answers like a mirror image and so twice as stiffly; k_tool: the tool's contact (paper 21), 0 without a tool.
 ///
-/// With pairwise friction all of it times 1 + k_t / k, for the springs across the contacts, and k is the largest slope of
-/// the contact: k itself, or 4 F_c / range where cohesion sets in.
+/// With pairwise friction all of it times 1 + k_t / k, for the springs across the contacts, and k is the largest slope
+/// of the contact: k itself, or 4 F_c / range where cohesion sets in.
 [[nodiscard]] double highestFrequency(const SoilParameters& soil, double tool_stiffness_n_m);
 
 /// Number of equal substeps of `tick_s` that keep dt * omega at or below 1, half of the semi-implicit step's limit

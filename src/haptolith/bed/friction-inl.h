@@ -1,5 +1,5 @@
-// Friction between two bodies that touch, once, for every kind of number: the SIMD vectors of the bed's kernel, float for
-// its walls, double for the tool. Included again for every target, hence the toggled guard (Highway's idiom).
+// Friction between two bodies that touch, once, for every kind of number: the SIMD vectors of the bed's kernel, float
+// for its walls, double for the tool. Included again for every target, hence the toggled guard (Highway's idiom).
 
 #if defined(HAPTOLITH_FRICTION_INL_H_) == defined(HWY_TARGET_TOGGLE)
 #ifdef HAPTOLITH_FRICTION_INL_H_
@@ -58,8 +58,9 @@ struct FrictionOf {
 ///     xi <- xi - (xi n) n + v_t dt,     |k_t xi| > limit:  xi <- limit / k_t xi / |xi|
 ///     F_t = -(k_t xi + c_t v_t),        |F_t| > limit:     F_t <- limit F_t / |F_t|
 ///
-/// Often xi is set to -F_t / k_t wherever F_t is limited. That stretches the spring by the damper's force at one stroke,
-/// to more energy than sliding has given it: a particle at rest that is nudged would come out faster than it went in.
+/// Often xi is set to -F_t / k_t wherever F_t is limited. That stretches the spring by the damper's force at one
+/// stroke, to more energy than sliding has given it: a particle at rest that is nudged would come out faster than it
+/// went in.
 ///
 /// Every term changes its sign with n, v and xi, so what the second body works out for itself is the exact opposite.
 /// @param slip      v_t, velocity of the first against the second, without its part along n.

@@ -99,8 +99,8 @@ void NeighbourList::sortIntoCells(const std::vector<Float4>& position) noexcept 
 
 bool NeighbourList::build(const std::vector<Float4>& position) noexcept {
   sortIntoCells(position);
-  const CellGrid grid{x_.data(), y_.data(), z_.data(), particle_at_.data(), cell_begin_.data(), nx_, ny_, nz_,
-                      periods_.width > 0, periods_.length > 0};
+  const CellGrid grid{x_.data(), y_.data(), z_.data(), particle_at_.data(), cell_begin_.data(),
+                      nx_,       ny_,       nz_,       periods_.width > 0,  periods_.length > 0};
   const Candidates candidates{near_x_.data(), near_y_.data(), near_z_.data(), near_particle_.data()};
   std::swap(view_, previous_);
   slots_ = listNeighbours(grid, candidates, periods_, position.data(), reach_m_, capacity(), view_);

@@ -29,11 +29,7 @@ void sumPairwiseIn(const PairwiseLaw& scalar_law, const Periods& periods, float 
   const LawOf<V> law{set(normal.gamma), set(normal.a_min), set(normal.a_thr), set(normal.h), set(normal.k)};
   const CohesionOf<V> cohesion{set(scalar_law.cohesion), set(scalar_law.two_per_range), zero, one};
   const V diameter = set(normal.diameter);
-  const FrictionOf<V> friction{set(dt),
-                               set(scalar_law.stiffness),
-                               set(scalar_law.tangential_damping),
-                               zero,
-                               one,
+  const FrictionOf<V> friction{set(dt),    set(scalar_law.stiffness), set(scalar_law.tangential_damping), zero, one,
                                set(1e-20F)};
   const V cutoff = set(normal.cutoff);
   const V coefficient = set(scalar_law.friction);

@@ -16,15 +16,15 @@ struct PairwiseLaw {
 };
 [[nodiscard]] PairwiseLaw pairwiseLaw(const SoilParameters& soil);
 
-/// How far touching particles have slid against each other: one vector for each entry of the neighbour list, in m, scene
-/// frame, of the particle the list belongs to against its neighbour; 0 where they do not touch.
+/// How far touching particles have slid against each other: one vector for each entry of the neighbour list, in m,
+/// scene frame, of the particle the list belongs to against its neighbour; 0 where they do not touch.
 struct ContactMemory {
   float *x, *y, *z;
 };
 
-/// Sums the contact forces of particles first..last-1, friction included, and moves the contact memory on by `dt_s`. Each
-/// pair is worked out from both sides, with exactly opposite results. May be called in the tick; parts of one bed may be
-/// summed by several threads at once.
+/// Sums the contact forces of particles first..last-1, friction included, and moves the contact memory on by `dt_s`.
+/// Each pair is worked out from both sides, with exactly opposite results. May be called in the tick; parts of one bed
+/// may be summed by several threads at once.
 void sumPairwiseContacts(const PairwiseLaw& law, const Periods& periods, float dt_s, const Float4* position,
                          const Float4* velocity, const Neighbours& neighbours, const ContactMemory& memory,
                          std::size_t first, std::size_t last, ContactSum* sums) noexcept;

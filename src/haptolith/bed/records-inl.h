@@ -46,12 +46,13 @@ HWY_INLINE void storeSums(V fx, V fy, V fz, V repulsion, ContactSum& sum) {
 /// and turning them in registers takes a third of the time of three gathers on processors whose gathers are slow.
 template <class AnyD>
 HWY_INLINE hn::Vec<AnyD> loadEveryFourth(AnyD d, const Float4* HWY_RESTRICT records,
-                                     const std::int32_t* HWY_RESTRICT index) {
+                                         const std::int32_t* HWY_RESTRICT index) {
   if constexpr (hn::MaxLanes(d) == 4) {
     return hn::Load(d, &records[index[0]].x);
   } else {
     const hn::Half<AnyD> half;
-    return hn::Combine(d, loadEveryFourth(half, records, index + hn::MaxLanes(half)), loadEveryFourth(half, records, index));
+    return hn::Combine(d, loadEveryFourth(half, records, index + hn::MaxLanes(half)),
+                       loadEveryFourth(half, records, index));
   }
 }
 

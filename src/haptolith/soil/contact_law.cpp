@@ -71,8 +71,9 @@ double contactForce(const ContactLaw& law, double a_m) noexcept {
   if (a_m >= law.cutoff_m) {
     return 0;
   }
-  return law.own_cohesion ? HWY_NAMESPACE::cohesiveContact(repulsionOf(law), cohesionOf(law), law.diameter_m, a_m).normal
-                          : HWY_NAMESPACE::uncutContactForce(repulsionOf(law), a_m);
+  return law.own_cohesion
+             ? HWY_NAMESPACE::cohesiveContact(repulsionOf(law), cohesionOf(law), law.diameter_m, a_m).normal
+             : HWY_NAMESPACE::uncutContactForce(repulsionOf(law), a_m);
 }
 
 double contactEnergy(const ContactLaw& law, double a_m) noexcept {

@@ -20,14 +20,14 @@ namespace haptolith {
 /// which pulls hardest, with F_c, halfway and lets go gently; without cohesion the cutoff is 2R.
 struct ContactLaw {
   double gamma_nm = 0;
-  double a_min_m = 0;        ///< (paper 8)
-  double a_thr_m = 0;        ///< a_min + sqrt(gamma / k)
-  double h_n = 0;            ///< gamma / (2R - a_min), makes F(2R) = 0
-  double stiffness_n_m = 0;  ///< k; 0 when the soil's k is infinite: then a_thr = a_min and the line is never reached
-  double cutoff_m = 0;       ///< 2 R_attr; with pairwise friction 2R + range
-  double diameter_m = 0;     ///< 2R
-  bool own_cohesion = false;    ///< pairwise: attraction is F_c's, not the hyperbola's
-  double cohesion_n = 0;        ///< F_c
+  double a_min_m = 0;         ///< (paper 8)
+  double a_thr_m = 0;         ///< a_min + sqrt(gamma / k)
+  double h_n = 0;             ///< gamma / (2R - a_min), makes F(2R) = 0
+  double stiffness_n_m = 0;   ///< k; 0 when the soil's k is infinite: then a_thr = a_min and the line is never reached
+  double cutoff_m = 0;        ///< 2 R_attr; with pairwise friction 2R + range
+  double diameter_m = 0;      ///< 2R
+  bool own_cohesion = false;  ///< pairwise: attraction is F_c's, not the hyperbola's
+  double cohesion_n = 0;      ///< F_c
   double cohesion_range_m = 0;  ///< range, never 0
 };
 

@@ -21,12 +21,12 @@ struct SoilParameters {
   double moving_friction_ratio = 0.8;  ///< lambda, moving over static friction (paper 14)
 
   FrictionModel friction = FrictionModel::kPaper;
-  double contact_friction = 0.5;       ///< mu_p, Coulomb friction of a contact
-  double contact_cohesion_n = 0;       ///< F_c, largest pull of a contact, and what it adds to the normal force
-  double cohesion_range_ratio = 0.4;   ///< how far apart two particles still cohere, in R
-  double tangential_ratio = 0.5;       ///< k_t / k, tangential over normal stiffness of a contact
-  double size_spread = 0;              ///< radii lie evenly between R (1 - spread) and R (1 + spread); all weigh the same
-  double damping_ratio = 0.2;          ///< zeta, of a pair that bounces, over critical damping
+  double contact_friction = 0.5;      ///< mu_p, Coulomb friction of a contact
+  double contact_cohesion_n = 0;      ///< F_c, largest pull of a contact, and what it adds to the normal force
+  double cohesion_range_ratio = 0.4;  ///< how far apart two particles still cohere, in R
+  double tangential_ratio = 0.5;      ///< k_t / k, tangential over normal stiffness of a contact
+  double size_spread = 0;      ///< radii lie evenly between R (1 - spread) and R (1 + spread); all weigh the same
+  double damping_ratio = 0.2;  ///< zeta, of a pair that bounces, over critical damping
 };
 
 /// @throws InvalidParameter with the key, the value and the valid range. An infinite stiffness passes.

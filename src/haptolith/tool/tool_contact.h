@@ -39,9 +39,9 @@ struct ToolMemory {
 /// The tool against all particles: writes their forces to `forces` and returns the reaction on the tool. Particles
 /// outside the tool's enclosing sphere are passed over without an exact test. May be called in the tick.
 ///
-/// Soil with the paper's friction meets the tool as (paper 21) says. With pairwise friction the normal force is the same
-/// while they overlap, but damping never pulls, adhesion is the tool's own (as cohesion, see cohesionAcross()), and
-/// Coulomb friction with a memory acts along the surface, tan(delta) (N + F_adhesion) at most.
+/// Soil with the paper's friction meets the tool as (paper 21) says. With pairwise friction the normal force is the
+/// same while they overlap, but damping never pulls, adhesion is the tool's own (as cohesion, see cohesionAcross()),
+/// and Coulomb friction with a memory acts along the surface, tan(delta) (N + F_adhesion) at most.
 /// @param scene_T_tool  pose of the tool; `twist` its velocity.
 /// @param state   positions and velocities.
 /// @param memory  read and written; may be the state's own.

@@ -17,14 +17,14 @@ enum class ToolShape {
 /// The tool and its contact with macroparticles (paper 21). The tool's origin is its centre, a cone's its point.
 struct ToolParameters {
   ToolShape shape = ToolShape::kBox;
-  Vec3 size_m{0.05, 0.04, 0.005};  ///< kBox: edges along the tool's x, y, z
-  double diameter_m = 0.06;        ///< kSphere, kPlate, kCone, kTube
-  double thickness_m = 0.005;      ///< kPlate, kTube
-  double length_m = 0.15;          ///< kCone (with its shaft), kTube
+  Vec3 size_m{0.05, 0.04, 0.005};                ///< kBox: edges along the tool's x, y, z
+  double diameter_m = 0.06;                      ///< kSphere, kPlate, kCone, kTube
+  double thickness_m = 0.005;                    ///< kPlate, kTube
+  double length_m = 0.15;                        ///< kCone (with its shaft), kTube
   double cone_angle_rad = std::numbers::pi / 6;  ///< kCone; 30 degrees, ASABE S313.3's
-  double stiffness_n_m = 500;      ///< k_tool
-  double damping_factor = 1.4;     ///< c_tool = damping_factor * dt * k_tool / 2
-  double adhesion_ratio = 0.002;   ///< adhesion reaches this many radii outside the tool (paper 21)
+  double stiffness_n_m = 500;                    ///< k_tool
+  double damping_factor = 1.4;                   ///< c_tool = damping_factor * dt * k_tool / 2
+  double adhesion_ratio = 0.002;                 ///< adhesion reaches this many radii outside the tool (paper 21)
 
   // With soil whose friction is pairwise, these two replace the adhesion of (paper 21).
   double friction = 0.36;  ///< soil-tool friction, tan(delta); 20 degrees for polished steel

@@ -42,8 +42,8 @@ Penetration sphere(double tool_radius_m, const Vec3& centre_m, double radius_m) 
           .side = 0};
 }
 
-/// A shaft with a pointed end, thicker than a particle is deep: the nearest point of its side decides. Seen in the plane
-/// through the axis and the centre, the side is a segment from the point to the base's rim and one up the shaft.
+/// A shaft with a pointed end, thicker than a particle is deep: the nearest point of its side decides. Seen in the
+/// plane through the axis and the centre, the side is a segment from the point to the base's rim and one up the shaft.
 Penetration cone(const ToolParameters& tool, const Vec3& centre_m, double radius_m) {
   const double rim = tool.diameter_m / 2;
   const double half_angle = tool.cone_angle_rad / 2;
@@ -63,9 +63,7 @@ Penetration cone(const ToolParameters& tool, const Vec3& centre_m, double radius
   const double distance = inside ? -away.norm() : away.norm();
   constexpr double kOnTheSide_m = 1e-9;
   const Eigen::Vector2d direction = std::abs(distance) > kOnTheSide_m ? Eigen::Vector2d(away / distance) : normal;
-  return {.depth_m = radius_m - distance,
-          .outward = direction.x() * radial + direction.y() * Vec3::UnitZ(),
-          .side = 0};
+  return {.depth_m = radius_m - distance, .outward = direction.x() * radial + direction.y() * Vec3::UnitZ(), .side = 0};
 }
 
 /// The wall is a cylinder that is `thickness_m` thick and rounded at its ends.
