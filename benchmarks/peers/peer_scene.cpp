@@ -1,6 +1,6 @@
 // Scenes for the comparison with another discrete-element engine: writes where each begins, for the other engine, and
-// runs it. See README.md. Pairwise friction with a linear spring, and nothing but spheres: floors, plates, the blade and
-// the tray are made of driven particles, so that no engine's idea of a wall takes part.
+// runs it. See README.md. Pairwise friction with a linear spring, and nothing but spheres: floors, plates, the blade
+// and the tray are made of driven particles, so that no engine's idea of a wall takes part.
 
 #include <fmt/format.h>
 #include <fmt/ostream.h>
@@ -100,7 +100,8 @@ class Driver {
 
 /// Two balls, of which the upper one comes down obliquely; without gravity.
 Scene impact(const LabConditions& conditions) {
-  Scene scene{.conditions = conditions, .box = {.width_m = 0.2, .length_m = 0.2, .periodic_x = true, .periodic_y = true}};
+  Scene scene{.conditions = conditions,
+              .box = {.width_m = 0.2, .length_m = 0.2, .periodic_x = true, .periodic_y = true}};
   scene.conditions.gravity_m_s2 = 0;
   scene.soil_m = {{0.002, 0.001, 0.0655}, {0, 0, 0.05}};
   scene.soil_velocity_m_s = {{0.05, -0.1, -0.3}, {0, 0, 0}};
@@ -112,7 +113,8 @@ Scene impact(const LabConditions& conditions) {
 
 /// A ball on two rails of balls that move away under it: sticks, slips, and rolls over them without turning.
 Scene slide(const LabConditions& conditions) {
-  Scene scene{.conditions = conditions, .box = {.width_m = 0.14, .length_m = 0.1, .periodic_x = true, .periodic_y = true}};
+  Scene scene{.conditions = conditions,
+              .box = {.width_m = 0.14, .length_m = 0.1, .periodic_x = true, .periodic_y = true}};
   const double r = conditions.soil.radius_m;
   std::vector<Vec3> rails;
   for (int i = 0; i < 20; ++i) {
@@ -148,7 +150,7 @@ Scene shear(const LabConditions& conditions) {
   const SoilParameters& soil = conditions.soil;
   const double d = 2 * soil.radius_m;
   Scene scene{.conditions = conditions,
-              .box = {.width_m = 12 * d, .length_m = 8 * d, .periodic_x = true, .periodic_y = true}};
+              .box = {.width_m = 20 * d, .length_m = 12 * d, .periodic_x = true, .periodic_y = true}};
   const double area = scene.box.width_m * scene.box.length_m;
   scene.soil_m = looseSoil(soil, scene.box, particlesFor(soil, area * kHeightDiameters * d), 2 * d, conditions.seed);
   scene.bodies_m = {roughPlate(soil, scene.box, d, conditions.seed + 1),
@@ -165,9 +167,7 @@ Scene shear(const LabConditions& conditions) {
   lab.bed().setGravity(Vec3::Zero());
   scene.conditions.gravity_m_s2 = 0;
   Driver driver(scene);
-  const auto lower = [&] {
-    lab.moveBody(1, driver.velocityAt(0, lab.dt(), lab.forceOnBody(1).z()));
-  };
+  const auto lower = [&] { lab.moveBody(1, driver.velocityAt(0, lab.dt(), lab.forceOnBody(1).z())); };
   do {
     lab.run(0.2, "the plate comes down", lower);
   } while (std::abs(lab.forceOnBody(1).z() - scene.servo->load_n) > 0.02 * scene.servo->load_n ||
@@ -189,21 +189,20 @@ Scene blade(const LabConditions& conditions) {
   const double r = soil.radius_m;
   const double d = 2 * r;
   Scene scene{.conditions = conditions,
-              .box = {.width_m = 20 * d, .length_m = 10 * d, .periodic_x = true, .periodic_y = true}};
+              .box = {.width_m = 20 * d, .length_m = 12 * d, .periodic_x = true, .periodic_y = true}};
   const double depth = 7 * d;
   std::vector<Vec3> sheet;
   const double floor_m = 2 * r;
-  for (int column = 0; column < 7; ++column) {
+  for (int column = 0; column < 9; ++column) {
     for (int row = 0; row < 9; ++row) {
-      sheet.emplace_back(-6 * d, (column - 3) * kSpacing * r, floor_m + 4 * d + row * kSpacing * r);
+      sheet.emplace_back(-6 * d, (column - 4) * kSpacing * r, floor_m + 4 * d + row * kSpacing * r);
     }
   }
   const auto clear_of_blade = [&](const Vec3& centre) {
-    return std::abs(centre.x() + 6 * d) > 2.5 * r || std::abs(centre.y()) > 7 * r || centre.z() < floor_m + 2.7 * d;
+    return std::abs(centre.x() + 6 * d) > 2.5 * r || std::abs(centre.y()) > 8.6 * r || centre.z() < floor_m + 2.7 * d;
   };
   const double volume = scene.box.width_m * scene.box.length_m * depth;
-  scene.soil_m =
-      looseSoil(soil, scene.box, particlesFor(soil, volume), floor_m + d, conditions.seed, clear_of_blade);
+  scene.soil_m = looseSoil(soil, scene.box, particlesFor(soil, volume), floor_m + d, conditions.seed, clear_of_blade);
   scene.bodies_m = {roughPlate(soil, scene.box, floor_m, conditions.seed + 1), sheet};
   LabBed lab(conditions, scene.box, scene.soil_m, scene.bodies_m);
   lab.settle();
@@ -214,40 +213,42 @@ Scene blade(const LabConditions& conditions) {
   return scene;
 }
 
-/// A tray with soil to its brim and a bit above, held still, moved sideways at 0.1 m/s and stopped: some spills.
+/// A tray on which soil stands higher than its brim: it slumps and spills while the tray is held still, and again when
+/// the tray is moved sideways at 0.1 m/s.
 Scene carry(const LabConditions& conditions) {
   constexpr double kSpacing = 1.6;
   const SoilParameters& soil = conditions.soil;
   const double r = soil.radius_m;
   const double d = 2 * r;
   Scene scene{.conditions = conditions,
-              .box = {.width_m = 30 * d, .length_m = 20 * d, .periodic_x = true, .periodic_y = true}};
-  const double floor_m = 12 * d;
-  const int columns = 15, rows = 11, storeys = 4;
+              .box = {.width_m = 36 * d, .length_m = 26 * d, .periodic_x = true, .periodic_y = true}};
+  const double floor_m = 14 * d;
+  const int columns = 16, rows = 14, brim = 2, collar = 22;
   const double pitch = kSpacing * r;
   const double half_width = (columns - 1) / 2.0 * pitch;
   const double half_length = (rows - 1) / 2.0 * pitch;
-  std::vector<Vec3> tray;
+  std::vector<Vec3> tray, forming;  // the collar forms the soil and is taken off
   for (int column = 0; column < columns; ++column) {
     for (int row = 0; row < rows; ++row) {
       const bool is_rim = column == 0 || column == columns - 1 || row == 0 || row == rows - 1;
-      for (int storey = 0; storey < (is_rim ? storeys : 1); ++storey) {
-        tray.emplace_back(column * pitch - half_width, row * pitch - half_length, floor_m + storey * pitch);
+      for (int storey = 0; storey < (is_rim ? collar : 1); ++storey) {
+        (storey < brim ? tray : forming)
+            .emplace_back(column * pitch - half_width, row * pitch - half_length, floor_m + storey * pitch);
       }
     }
   }
   const auto above_tray = [&](const Vec3& centre) {
     return std::abs(centre.x()) < half_width - 2.2 * r && std::abs(centre.y()) < half_length - 2.2 * r;
   };
-  const double volume = (columns * pitch - 2 * r) * (rows * pitch - 2 * r) * 6 * d;
+  const double volume = 4 * (half_width - r) * (half_length - r) * 9 * d;
   scene.soil_m = looseSoil(soil, scene.box, particlesFor(soil, volume), floor_m + d, conditions.seed, above_tray);
-  scene.bodies_m = {tray};
-  LabBed lab(conditions, scene.box, scene.soil_m, scene.bodies_m);
+  LabBed lab(conditions, scene.box, scene.soil_m, {tray, forming});
   lab.settle();
+  scene.bodies_m = {tray};
   takePlaces(lab, scene);
   constexpr double kSpeed_m_s = 0.1;
-  scene.movement = {{0, 0}, {0.4, 0}, {0.43, kSpeed_m_s}, {1.23, kSpeed_m_s}, {1.26, 0}};
-  scene.duration_s = 2;
+  scene.movement = {{0, 0}, {1, 0}, {1.03, kSpeed_m_s}, {2.03, kSpeed_m_s}, {2.06, 0}};
+  scene.duration_s = 2.4;
   scene.spilled_below_m = floor_m - 3 * d;
   return scene;
 }
@@ -267,15 +268,16 @@ void writeScene(const std::filesystem::path& path, const Scene& scene, const Lab
   std::ofstream out(path);
   const double damping = soil.damping_ratio * std::sqrt(2 * macroparticleMass(soil));
   const double tangential_n_m = soil.tangential_ratio * soil.stiffness_n_m;
-  fmt::print(out,
-             "{{\"dt_s\": {:.17g}, \"steps\": {}, \"steps_per_row\": {},\n\"gravity_m_s2\": {:.17g}, \"width_m\": {:.17g}, "
-             "\"length_m\": {:.17g},\n\"mass_kg\": {:.17g}, \"radius_m\": {:.17g}, \"k_n_m\": {:.17g}, \"k_t_n_m\": "
-             "{:.17g}, \"c_n_s_m\": {:.17g}, \"c_t_n_s_m\": {:.17g}, \"mu\": {:.17g},\n\"spilled_below_m\": {:.17g},\n",
-             lab.dt(), std::lround(scene.duration_s / lab.dt()),
-             std::max(1L, std::lround(scene.duration_s / lab.dt() / kRows)), scene.conditions.gravity_m_s2,
-             scene.box.width_m, scene.box.length_m, lab.bed().mass(), soil.radius_m, soil.stiffness_n_m, tangential_n_m,
-             damping * std::sqrt(soil.stiffness_n_m), damping * std::sqrt(tangential_n_m), soil.contact_friction,
-             std::max(scene.spilled_below_m, -1e9));
+  fmt::print(
+      out,
+      "{{\"dt_s\": {:.17g}, \"steps\": {}, \"steps_per_row\": {},\n\"gravity_m_s2\": {:.17g}, \"width_m\": {:.17g}, "
+      "\"length_m\": {:.17g},\n\"mass_kg\": {:.17g}, \"radius_m\": {:.17g}, \"k_n_m\": {:.17g}, \"k_t_n_m\": "
+      "{:.17g}, \"c_n_s_m\": {:.17g}, \"c_t_n_s_m\": {:.17g}, \"mu\": {:.17g},\n\"spilled_below_m\": {:.17g},\n",
+      lab.dt(), std::lround(scene.duration_s / lab.dt()),
+      std::max(1L, std::lround(scene.duration_s / lab.dt() / kRows)), scene.conditions.gravity_m_s2, scene.box.width_m,
+      scene.box.length_m, lab.bed().mass(), soil.radius_m, soil.stiffness_n_m, tangential_n_m,
+      damping * std::sqrt(soil.stiffness_n_m), damping * std::sqrt(tangential_n_m), soil.contact_friction,
+      std::max(scene.spilled_below_m, -1e9));
   if (scene.servo) {
     const Servo& servo = *scene.servo;
     fmt::print(out,
