@@ -215,11 +215,12 @@ void LabBed::run(double duration_s, std::string_view what, const std::function<v
 }
 
 void LabBed::settle() {
-  constexpr double kLongest_s = 20;
+  // Falling soil is slowed down to a speed in proportion to gravity: 20 s are enough on the Moon, on Ceres they are not.
+  const double longest_s = 20 * std::max(1.0, 1.625 / conditions_.gravity_m_s2);
   bed_.setSettling(true);
-  settleUntilRest(kLongest_s, "the soil settles");
+  settleUntilRest(longest_s, "the soil settles");
   bed_.setSettling(false);
-  settleUntilRest(kLongest_s, "the soil comes to rest");
+  settleUntilRest(longest_s, "the soil comes to rest");
 }
 
 void LabBed::settleUntilRest(double longest_s, std::string_view what) {

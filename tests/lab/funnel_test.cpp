@@ -1,0 +1,92 @@
+#include "haptolith/lab/funnel.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <filesystem>
+#include <limits>
+
+#include "haptolith/core/error.h"
+
+namespace haptolith {
+namespace {
+
+/// On Earth, where soil falls and settles sooner.
+LabConditions rubbing() {
+  LabConditions conditions;
+  conditions.soil.friction = FrictionModel::kPairwise;
+  conditions.soil.stiffness_n_m = 3000;
+  conditions.soil.size_spread = 0.15;
+  conditions.soil.contact_friction = 0.4;
+  conditions.gravity_m_s2 = 9.81;
+  return conditions;
+}
+
+TEST(Funnel, RunsThroughAWideOpeningAndClogsOverANarrowOne) {
+  const FunnelResult funnel = funnelTest(rubbing(), {.openings = {2, 10}, .fill = 8, .margin = 3});
+  ASSERT_EQ(funnel.points.size(), 2U);
+  const FunnelPoint& narrow = funnel.points[0];
+  EXPECT_TRUE(narrow.clogged);
+  ASSERT_EQ(funnel.clogged_m.size(), 1U);
+  EXPECT_EQ(funnel.clogged_m[0], narrow.opening_m);
+
+  const FunnelPoint& wide = funnel.points[1];
+  EXPECT_FALSE(wide.clogged);
+  EXPECT_NEAR(wide.opening_m, 10 * 14e-3, 1e-12);
+  // Half to once Beverloo's rate for round grains: particles that do not roll are slower.
+  const double beverloo = beverlooRate(
+      {.opening_m = wide.opening_m, .particle_diameter_m = funnel.particle_diameter_m, .density_kg_m3 = 1400});
+  EXPECT_GT(wide.rate_kg_s, 0.2 * beverloo);
+  EXPECT_LT(wide.rate_kg_s, 1.2 * beverloo);
+
+  // Mass only ever runs out, and never faster than it could fall.
+  double last = 0;
+  for (const std::vector<double>& row : wide.trace.rows) {
+    EXPECT_GE(row[1], last);
+    last = row[1];
+  }
+  EXPECT_EQ(last, wide.discharged_kg);
+  EXPECT_EQ(funnel.fit.exponent, 0);  // one opening makes no law
+}
+
+TEST(Funnel, RunsWithoutFrictionThroughWhatClogsWithIt) {
+  LabConditions slippery = rubbing();
+  slippery.soil.contact_friction = 0;
+  const FunnelResult funnel = funnelTest(slippery, {.openings = {4}, .fill = 6, .margin = 3});
+  EXPECT_FALSE(funnel.points[0].clogged);
+  EXPECT_GT(funnel.points[0].rate_kg_s, 0);
+}
+
+TEST(Funnel, RefusesNonsense) {
+  const auto refuses = [](const FunnelOptions& options) {
+    EXPECT_THROW(static_cast<void>(funnelTest(rubbing(), options)), InvalidParameter);
+  };
+  refuses({.openings = {}});
+  refuses({.openings = {0.5}});
+  refuses({.openings = {8, std::numeric_limits<double>::quiet_NaN()}});
+  refuses({.fill = 1});
+  refuses({.margin = 0});
+  refuses({.smallest_fitted = 1});
+  LabConditions weightless = rubbing();
+  weightless.gravity_m_s2 = 0;
+  EXPECT_THROW(static_cast<void>(funnelTest(weightless)), InvalidParameter);
+}
+
+TEST(Funnel, IsDrawn) {
+  FunnelResult funnel;
+  funnel.particle_diameter_m = 2e-3;
+  funnel.widest_m = 20e-3;
+  funnel.points.resize(2);
+  funnel.points[0].opening_m = 4e-3;
+  funnel.points[0].clogged = true;
+  funnel.points[1].opening_m = 20e-3;
+  funnel.points[1].rate_kg_s = 0.1;
+  funnel.fit = {.prefactor = 1000, .exponent = 2.5, .exponent_se = 0.1, .gap = kBeverlooGap, .log_residual = 0};
+  const auto path = std::filesystem::temp_directory_path() / "haptolith_funnel_test.svg";
+  drawFunnel(path, funnel);
+  EXPECT_GT(std::filesystem::file_size(path), 1000U);
+  std::filesystem::remove(path);
+}
+
+}  // namespace
+}  // namespace haptolith
