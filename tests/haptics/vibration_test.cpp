@@ -55,11 +55,16 @@ class PressingArm : public HapticDevice {
 struct Case {
   const char* preset;
   double gravity_m_s2;
+  FrictionModel friction = FrictionModel::kPaper;
 };
 
 BedParameters deepBed(const Case& c) {
   BedParameters bed;
   bed.soil = findPreset(c.preset).soil;
+  if (c.friction == FrictionModel::kPairwise) {
+    bed.soil.friction = c.friction;
+    bed.soil.stiffness_n_m = 3000;  // as the named soils have it
+  }
   bed.gravity_m_s2 = {0, 0, -c.gravity_m_s2};
   bed.start = BedStart::kPacked;
   bed.depth_m = 0.06;
@@ -83,9 +88,12 @@ TEST_P(BuriedShovel, DoesNotVibrate) {
 
 INSTANTIATE_TEST_SUITE_P(PresetsAndWorlds, BuriedShovel,
                          testing::Values(Case{"P1", 1.625}, Case{"P1", 9.807}, Case{"P3", 1.625}, Case{"P3", 9.807},
-                                         Case{"P6", 1.625}, Case{"P6", 9.807}),
+                                         Case{"P6", 1.625}, Case{"P6", 9.807},
+                                         Case{"P3", 1.625, FrictionModel::kPairwise},
+                                         Case{"P3", 9.807, FrictionModel::kPairwise}),
                          [](const testing::TestParamInfo<Case>& test) {
-                           return test.param.preset + std::string(test.param.gravity_m_s2 > 5 ? "Earth" : "Moon");
+                           return test.param.preset + std::string(test.param.gravity_m_s2 > 5 ? "Earth" : "Moon") +
+                                  (test.param.friction == FrictionModel::kPairwise ? "Pairwise" : "");
                          });
 
 TEST(BuriedShovelWithALowPassAlone, Vibrates) {  // what the test above can tell apart

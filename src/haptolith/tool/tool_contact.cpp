@@ -69,23 +69,31 @@ class FrictionalTool {
     const double spring = stiffness_ * std::max(meeting.depth_m, 0.0);
     const double closing = n.dot(meeting.approach());
     const double push = spring > 0 ? std::max(spring + damping_ * closing, 0.0) : 0;
+    const double limit = coefficient_ * (spring + adhesion.weight);
 
     const Vec3 sliding = -meeting.approach() + closing * n;  // of the particle along the tool
     law::Triple<double> slip{slip_m.x(), slip_m.y(), slip_m.z()};
     const law::Triple<double> drag =
-        law::frictionForce<double>(friction_, coefficient_ * (spring + adhesion.weight), {n.x(), n.y(), n.z()},
+        law::frictionForce<double>(friction_, limit, {n.x(), n.y(), n.z()},
                                    {sliding.x(), sliding.y(), sliding.z()}, slip);
     slip_m = {slip.x, slip.y, slip.z};
     Answer answer;
     answer.on_particle_n = (push - adhesion.pull) * n + Vec3(drag.x, drag.y, drag.z);
     if (push > 0) {
       answer.stiffness_n_m = stiffness_ * heldShare(closing, n.dot(meeting.tool_m_s)) * n * n.transpose();
+      if (dot(drag, drag) < kSticks * limit * limit) {  // a particle that sticks holds the tool along its surface, too
+        const Vec3 tool_along = meeting.tool_m_s - n.dot(meeting.tool_m_s) * n;
+        const double along = tool_along.norm();
+        const double held = heldShare(along > 0 ? -sliding.dot(tool_along) / along : 0, along);
+        answer.stiffness_n_m += friction_.stiffness * held * (Eigen::Matrix3d::Identity() - n * n.transpose());
+      }
     }
     return answer;
   }
 
  private:
   static constexpr double kTiny = 1e-20;
+  static constexpr double kSticks = 0.99;  // square of the friction over its limit
 
   double stiffness_, damping_, coefficient_, reach_m_;
   law::CohesionOf<double> adhesion_;
