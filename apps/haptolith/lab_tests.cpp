@@ -275,9 +275,9 @@ LabOutput plateOutput(const LabConditions& conditions, const PlateOptions& optio
   output.text = "  sinkage / mm   force / N\n";
   for (std::size_t i = 0; i < result.curve.size(); ++i) {
     const PushReading& reading = result.curve[i];
-    curve.push_back({{"sinkage_m", reading.sinkage_m}, {"force_n", reading.force_n}});
+    curve.push_back({{"sinkage_m", reading.depth_m}, {"force_n", reading.force_n}});
     if (i % 6 == 0) {
-      output.text += fmt::format("  {:>12.1f}   {:>9.3g}\n", reading.sinkage_m / kMm, reading.force_n);
+      output.text += fmt::format("  {:>12.1f}   {:>9.3g}\n", reading.depth_m / kMm, reading.force_n);
     }
   }
   output.text += fmt::format("\n  p = k z^n: k = {:.4g} Pa/m^n, n = {:.2f}; bulk density {:.0f} kg/m³\n",

@@ -59,9 +59,11 @@ std::vector<Vec3> together(const std::vector<Vec3>& soil_m, const std::vector<st
 }  // namespace
 
 std::vector<Vec3> looseSoil(const SoilParameters& soil, const LabBox& box, std::size_t particles, double bottom_m,
-                            std::uint64_t seed, const std::function<bool(const Vec3&)>& inside) {
+                            std::uint64_t seed, const std::function<bool(const Vec3&)>& inside,
+                            Preparation preparation) {
+  const bool loose = preparation == Preparation::kLoose;
   const double largest = soil.radius_m * (1 + soil.size_spread);
-  const double cell = 2.15 * largest;
+  const double cell = (loose ? 2.6 : 2.15) * largest;
   const double play = cell / 2 - largest;
   const int columns = std::max(1, static_cast<int>(box.width_m / cell));
   const int rows = std::max(1, static_cast<int>(box.length_m / cell));
@@ -69,10 +71,12 @@ std::vector<Vec3> looseSoil(const SoilParameters& soil, const LabBox& box, std::
   std::mt19937_64 random(seed);
   std::vector<Vec3> centres;
   for (int storey = 0; centres.size() < particles && storey < kMostStoreys; ++storey) {
-    for (int row = 0; row < rows; ++row) {
-      for (int column = 0; column < columns; ++column) {
-        Vec3 centre((column + 0.5) * box.width_m / columns - box.width_m / 2,
-                    (row + 0.5) * box.length_m / rows - box.length_m / 2, bottom_m + (storey + 0.5) * cell);
+    const int over_gaps = loose ? storey % 2 : 0;
+    const double first = 0.5 + 0.5 * over_gaps;
+    for (int row = 0; row < std::max(1, rows - over_gaps); ++row) {
+      for (int column = 0; column < std::max(1, columns - over_gaps); ++column) {
+        Vec3 centre((column + first) * box.width_m / columns - box.width_m / 2,
+                    (row + first) * box.length_m / rows - box.length_m / 2, bottom_m + (storey + 0.5) * cell);
         for (int axis = 0; axis < 3; ++axis) {
           centre[axis] += play * evenly(random);
         }
@@ -214,11 +218,13 @@ void LabBed::run(double duration_s, std::string_view what, const std::function<v
   }
 }
 
-void LabBed::settle() {
+void LabBed::settle(Preparation preparation) {
   // Falling soil is slowed down to a speed in proportion to gravity: 20 s are enough on the Moon, on Ceres they are not.
   const double longest_s = 20 * std::max(1.0, 1.625 / conditions_.gravity_m_s2);
-  bed_.setSettling(true);
-  settleUntilRest(longest_s, "the soil settles");
+  if (preparation == Preparation::kDense) {
+    bed_.setSettling(true);
+    settleUntilRest(longest_s, "the soil settles");
+  }
   bed_.setSettling(false);
   settleUntilRest(longest_s, "the soil comes to rest");
 }
