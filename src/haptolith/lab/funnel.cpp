@@ -23,8 +23,7 @@ constexpr double kLook = 0.5;
 constexpr double kQuiet = 20;      // flow that pauses longer has stopped
 constexpr double kLongest = 2000;  // that a trickle is watched
 
-constexpr std::size_t kFloor = 0;  // the bodies
-constexpr std::size_t kPlug = 1;
+constexpr std::size_t kPlug = 1;  // the bodies: the floor is 0
 
 constexpr double kSteadyFrom = 0.25;  // of what came while the opening was covered
 constexpr int kFewestPassed = 30;     // particles, in the fitted part, for a rate
@@ -288,7 +287,7 @@ void drawFunnel(const std::filesystem::path& path, const FunnelResult& result) {
   figure.data("stopped", stopped);
   figure.data("law", law);
   figure.data("slice", slice);
-  double wall = result.widest_m;
+  double wall = result.widest_m / 2;
   for (const Vec3& c : result.centres_m) {
     wall = std::max(wall, std::abs(c.x()) + d / 2);
   }
