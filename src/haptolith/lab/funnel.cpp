@@ -142,12 +142,14 @@ class Discharge {
 
   void count() {
     const double passed_below = apparatus_.floor_z_m - 3 * conditions_.soil.radius_m;
+    // In the middle, which empties first: what stands around the rim falls down the sides and covers nothing.
+    const double middle = std::max(apparatus_.opening_m / 4, 2 * conditions_.soil.radius_m);
     int passed = 0;
     cover_m_ = 0;
     for (std::size_t i = 0; i < bed_.soil(); ++i) {
       const Vec3 c = bed_.centre(i);
       passed += c.z() < passed_below ? 1 : 0;
-      if (Apparatus::fromAxis(c) < apparatus_.opening_m / 2) {
+      if (Apparatus::fromAxis(c) < middle) {
         cover_m_ = std::max(cover_m_, c.z() - apparatus_.floor_z_m);
       }
     }
