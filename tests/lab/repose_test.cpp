@@ -69,7 +69,7 @@ TEST(Repose, TellsItsProgressWithoutGoingBackAndCanBeInterrupted) {
 
 TEST(Repose, RefusesNonsense) {
   const LabConditions conditions = conditionsWith(0.4);
-  const auto refuses = [&](LabConditions wrong, const ReposeOptions& options) {
+  const auto refuses = [](const LabConditions& wrong, const ReposeOptions& options) {
     EXPECT_THROW(static_cast<void>(reposeTest(wrong, options)), InvalidParameter);
   };
   refuses(conditions, {.tube_radius = 1});

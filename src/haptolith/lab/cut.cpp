@@ -162,11 +162,11 @@ CutResult verticalCutTest(const LabConditions& conditions, const CutOptions& opt
   CutResult result;
   result.radius_m = soil.radius_m;
   const double strip_m = std::max(kStrip * options.height_m, 4 * soil.radius_m);
-  const auto profileNow = [&] {
+  const auto profile_now = [&] {
     return profileOf(apparatus.fromFace(bed.soilCentres()), soil.radius_m, apparatus.box.length_m);
   };
   result.centres_before_m = apparatus.fromFace(bed.soilCentres());
-  result.before = profileNow();
+  result.before = profile_now();
   result.height_before_m = heightBehindFace(result.before, strip_m);
 
   const double fall_s = std::sqrt(options.height_m / conditions.gravity_m_s2);
@@ -189,12 +189,12 @@ CutResult verticalCutTest(const LabConditions& conditions, const CutOptions& opt
       bed.moveTool({});
     }
     const double fastest = bed.bed().largestSpeed();
-    result.trace.rows.push_back({bed.time(), ahead, heightBehindFace(profileNow(), strip_m), fastest});
+    result.trace.rows.push_back({bed.time(), ahead, heightBehindFace(profile_now(), strip_m), fastest});
     rests = ahead > far_m && fastest < at_rest;
   }
 
   result.centres_after_m = apparatus.fromFace(bed.soilCentres());
-  result.after = profileNow();
+  result.after = profile_now();
   result.height_after_m = heightBehindFace(result.after, strip_m);
   result.height_kept = result.height_after_m / result.height_before_m;
   result.stands = result.height_kept >= kStanding;
@@ -219,6 +219,7 @@ void drawCut(const std::filesystem::path& path, const CutResult& result) {
       }
     }
     std::vector<std::vector<double>> line;
+    line.reserve(top.size());
     for (const CutProfilePoint& point : top) {
       line.push_back({point.x_m * kMm, point.height_m * kMm});
     }

@@ -23,8 +23,7 @@ constexpr double kLook = 0.5;
 constexpr double kQuiet = 20;      // flow that pauses longer has stopped
 constexpr double kLongest = 2000;  // that a trickle is watched
 
-constexpr std::size_t kFloor = 0;  // the bodies
-constexpr std::size_t kPlug = 1;
+constexpr std::size_t kPlug = 1;  // the bodies: the floor is 0
 
 constexpr double kSteadyFrom = 0.25;  // of what came while the opening was covered
 constexpr int kFewestPassed = 30;     // particles, in the fitted part, for a rate
@@ -143,12 +142,14 @@ class Discharge {
 
   void count() {
     const double passed_below = apparatus_.floor_z_m - 3 * conditions_.soil.radius_m;
+    // In the middle, which empties first: what stands around the rim falls down the sides and covers nothing.
+    const double middle = std::max(apparatus_.opening_m / 4, 2 * conditions_.soil.radius_m);
     int passed = 0;
     cover_m_ = 0;
     for (std::size_t i = 0; i < bed_.soil(); ++i) {
       const Vec3 c = bed_.centre(i);
       passed += c.z() < passed_below ? 1 : 0;
-      if (Apparatus::fromAxis(c) < apparatus_.opening_m / 2) {
+      if (Apparatus::fromAxis(c) < middle) {
         cover_m_ = std::max(cover_m_, c.z() - apparatus_.floor_z_m);
       }
     }
@@ -288,7 +289,7 @@ void drawFunnel(const std::filesystem::path& path, const FunnelResult& result) {
   figure.data("stopped", stopped);
   figure.data("law", law);
   figure.data("slice", slice);
-  double wall = result.widest_m;
+  double wall = result.widest_m / 2;
   for (const Vec3& c : result.centres_m) {
     wall = std::max(wall, std::abs(c.x()) + d / 2);
   }
