@@ -1,10 +1,13 @@
 #include "haptolith/lab/fall.h"
 
+#include <fmt/format.h>
+
 #include <Eigen/Cholesky>
 
 #include <cmath>
 
 #include "haptolith/core/error.h"
+#include "haptolith/figure/figure.h"
 #include "haptolith/lab/lab_bed.h"
 
 namespace haptolith {
@@ -93,6 +96,18 @@ FallResult fallTest(const LabConditions& conditions, const FallOptions& options)
   }
   result.acceleration_ratio = curvature(result.trace.rows, 0, 1) / conditions.gravity_m_s2;
   return result;
+}
+
+void drawFall(const std::filesystem::path& path, const FallResult& result, std::string_view title) {
+  Figure figure(path, 760, 480);
+  figure.data("fall", result.trace.rows);
+  figure.command(fmt::format("set title {}", gnuplotQuoted(title)));
+  figure.command("set xlabel 'time / s'; set ylabel 'fallen / m'; set grid lc '#dddddd'");
+  figure.command("set yrange [*:*] reverse; set key bottom left");
+  figure.command(fmt::format("plot $fall using 1:3 with lines lw 6 lc '#bbbbbb' title 'free fall', "
+                             "$fall using 1:2 with lines lw 2 lc '#1f6fb4' title 'clump, {:.4f} g'",
+                             result.acceleration_ratio));
+  figure.save();
 }
 
 }  // namespace haptolith

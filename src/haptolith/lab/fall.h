@@ -1,5 +1,8 @@
 #pragma once
 
+#include <filesystem>
+#include <string_view>
+
 #include "haptolith/lab/laboratory.h"
 
 namespace haptolith {
@@ -25,5 +28,8 @@ struct FallResult {
 
 /// @throws InvalidParameter with the key, the value and the valid range.
 void validate(const FallOptions& options);
+
+/// How far the clump has fallen against time, and free fall. @throws as Figure.
+void drawFall(const std::filesystem::path& path, const FallResult& result, std::string_view title);
 
 }  // namespace haptolith
