@@ -14,8 +14,8 @@ struct CalibrateSoilOptions {
   std::uint64_t seed = 1;       ///< of the search; the verification takes other ones
   int threads = 1;
   int verification_seeds = 5;  ///< 2 or more
-  ShearOptions shear;
-  LabProgress progress;
+  ShearOptions shear{};
+  LabProgress progress{};
 };
 
 struct CalibratedSoil {

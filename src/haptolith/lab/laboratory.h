@@ -19,7 +19,7 @@ struct LabConditions {
   double gravity_m_s2 = 1.625;
   std::uint64_t seed = 1;  ///< of the specimen: where its particles fell
   int threads = 1;
-  LabProgress progress;
+  LabProgress progress{};
 };
 
 /// What was measured while a test ran, one row a moment; column names carry units.
