@@ -42,12 +42,13 @@ Penetration sphere(double tool_radius_m, const Vec3& centre_m, double radius_m) 
           .side = 0};
 }
 
-/// A shaft with a pointed end, thicker than a particle is deep: the nearest point of its side decides. Seen in the plane
-/// through the axis and the centre, the side is a segment from the point to the base's rim and one up the shaft.
+/// A shaft with a pointed end, thicker than a particle is deep: the nearest point of its side decides. Seen in the
+/// plane through the axis and the centre, the side is a segment from the point to the base's rim and one up the shaft.
 Penetration cone(const ToolParameters& tool, const Vec3& centre_m, double radius_m) {
   const double rim = tool.diameter_m / 2;
   const double half_angle = tool.cone_angle_rad / 2;
   const double height = rim / std::tan(half_angle);
+  const double top = std::max(height, tool.length_m);
   const Eigen::Vector2d centre(std::hypot(centre_m.x(), centre_m.y()), centre_m.z());
   const Vec3 radial = centre.x() > 0 ? Vec3(centre_m.x() / centre.x(), centre_m.y() / centre.x(), 0) : Vec3::UnitX();
 
@@ -55,17 +56,15 @@ Penetration cone(const ToolParameters& tool, const Vec3& centre_m, double radius
   const Eigen::Vector2d out(std::cos(half_angle), -std::sin(half_angle));
   const double slant = height / std::cos(half_angle);
   const Eigen::Vector2d on_cone = std::clamp(centre.dot(along), 0.0, slant) * along;
-  const Eigen::Vector2d on_shaft(rim, std::clamp(centre.y(), height, std::max(height, tool.length_m)));
+  const Eigen::Vector2d on_shaft(rim, std::clamp(centre.y(), height, top));
   const bool shaft_nearer = (centre - on_shaft).squaredNorm() < (centre - on_cone).squaredNorm();
   const Eigen::Vector2d away = centre - (shaft_nearer ? on_shaft : on_cone);
   const Eigen::Vector2d normal = shaft_nearer ? Eigen::Vector2d(1, 0) : out;
-  const bool inside = centre.y() > 0 && centre.dot(out) < 0 && centre.x() < rim && centre.y() < tool.length_m;
+  const bool inside = centre.y() > 0 && centre.dot(out) < 0 && centre.x() < rim && centre.y() < top;
   const double distance = inside ? -away.norm() : away.norm();
   constexpr double kOnTheSide_m = 1e-9;
   const Eigen::Vector2d direction = std::abs(distance) > kOnTheSide_m ? Eigen::Vector2d(away / distance) : normal;
-  return {.depth_m = radius_m - distance,
-          .outward = direction.x() * radial + direction.y() * Vec3::UnitZ(),
-          .side = 0};
+  return {.depth_m = radius_m - distance, .outward = direction.x() * radial + direction.y() * Vec3::UnitZ(), .side = 0};
 }
 
 /// The wall is a cylinder that is `thickness_m` thick and rounded at its ends.
@@ -137,7 +136,9 @@ double enclosingRadius(const ToolParameters& tool) noexcept {
     case ToolShape::kBox: return tool.size_m.norm() / 2;
     case ToolShape::kSphere: return tool.diameter_m / 2;
     case ToolShape::kPlate: return std::hypot(tool.diameter_m, tool.thickness_m) / 2;
-    case ToolShape::kCone: return std::hypot(tool.diameter_m / 2, tool.length_m);
+    case ToolShape::kCone:
+      return std::hypot(tool.diameter_m / 2,
+                        std::max(tool.length_m, tool.diameter_m / 2 / std::tan(tool.cone_angle_rad / 2)));
     case ToolShape::kTube: return std::hypot(tool.diameter_m, tool.length_m) / 2 + tool.thickness_m / 2;
   }
   return 0;
