@@ -16,6 +16,7 @@ namespace {
 
 constexpr double kTick_s = 1e-3;
 constexpr int kMostSubsteps = 1000;
+constexpr double kLongestSettling_s = 20;  // simulated; soil that is not at rest by then never will be
 
 /// Share of the volume that spheres fill when they jam at random (O'Hern et al. 2003: 0.64 for equal ones).
 constexpr double kRandomPacking = 0.64;
@@ -59,9 +60,11 @@ std::vector<Vec3> together(const std::vector<Vec3>& soil_m, const std::vector<st
 }  // namespace
 
 std::vector<Vec3> looseSoil(const SoilParameters& soil, const LabBox& box, std::size_t particles, double bottom_m,
-                            std::uint64_t seed, const std::function<bool(const Vec3&)>& inside) {
+                            std::uint64_t seed, const std::function<bool(const Vec3&)>& inside,
+                            Preparation preparation) {
+  const bool loose = preparation == Preparation::kLoose;
   const double largest = soil.radius_m * (1 + soil.size_spread);
-  const double cell = 2.15 * largest;
+  const double cell = (loose ? 2.6 : 2.15) * largest;
   const double play = cell / 2 - largest;
   const int columns = std::max(1, static_cast<int>(box.width_m / cell));
   const int rows = std::max(1, static_cast<int>(box.length_m / cell));
@@ -69,10 +72,12 @@ std::vector<Vec3> looseSoil(const SoilParameters& soil, const LabBox& box, std::
   std::mt19937_64 random(seed);
   std::vector<Vec3> centres;
   for (int storey = 0; centres.size() < particles && storey < kMostStoreys; ++storey) {
-    for (int row = 0; row < rows; ++row) {
-      for (int column = 0; column < columns; ++column) {
-        Vec3 centre((column + 0.5) * box.width_m / columns - box.width_m / 2,
-                    (row + 0.5) * box.length_m / rows - box.length_m / 2, bottom_m + (storey + 0.5) * cell);
+    const int over_gaps = loose ? storey % 2 : 0;
+    const double first = 0.5 + 0.5 * over_gaps;
+    for (int row = 0; row < std::max(1, rows - over_gaps); ++row) {
+      for (int column = 0; column < std::max(1, columns - over_gaps); ++column) {
+        Vec3 centre((column + first) * box.width_m / columns - box.width_m / 2,
+                    (row + first) * box.length_m / rows - box.length_m / 2, bottom_m + (storey + 0.5) * cell);
         for (int axis = 0; axis < 3; ++axis) {
           centre[axis] += play * evenly(random);
         }
@@ -187,7 +192,8 @@ void LabBed::step() {
     tool_pose_.position_m += dt_s_ * tool_twist_.linear_m_s;
     const Vec3 turn = dt_s_ * tool_twist_.angular_rad_s;
     if (!turn.isZero(0)) {
-      tool_pose_.orientation = (Quat(Eigen::AngleAxisd(turn.norm(), turn.normalized())) * tool_pose_.orientation).normalized();
+      tool_pose_.orientation =
+          (Quat(Eigen::AngleAxisd(turn.norm(), turn.normalized())) * tool_pose_.orientation).normalized();
     }
     wrench_ = applyToolContact(*tool_, tool_pose_, tool_twist_, conditions_.soil, dt_s_, bed_.state(),
                                {bed_.toolSides(), bed_.toolSlip()}, bed_.externalForces())
@@ -214,12 +220,13 @@ void LabBed::run(double duration_s, std::string_view what, const std::function<v
   }
 }
 
-void LabBed::settle() {
-  constexpr double kLongest_s = 20;
-  bed_.setSettling(true);
-  settleUntilRest(kLongest_s, "the soil settles");
+void LabBed::settle(Preparation preparation) {
+  if (preparation == Preparation::kDense) {
+    bed_.setSettling(true);
+    settleUntilRest(kLongestSettling_s, "the soil settles");
+  }
   bed_.setSettling(false);
-  settleUntilRest(kLongest_s, "the soil comes to rest");
+  settleUntilRest(kLongestSettling_s, "the soil comes to rest");
 }
 
 void LabBed::settleUntilRest(double longest_s, std::string_view what) {
@@ -232,8 +239,8 @@ void LabBed::settleUntilRest(double longest_s, std::string_view what) {
       return;
     }
   }
-  throw Failure(fmt::format("{}, but not within {:g} s: its fastest particle still moves at {:.2g} m/s", what, longest_s,
-                            bed_.largestSpeed()));
+  throw Failure(fmt::format("{}, but not within {:g} s: its fastest particle still moves at {:.2g} m/s", what,
+                            longest_s, bed_.largestSpeed()));
 }
 
 }  // namespace haptolith

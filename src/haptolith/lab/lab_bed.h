@@ -10,6 +10,12 @@
 
 namespace haptolith {
 
+/// How the soil comes into the box.
+enum class Preparation {
+  kDense,  ///< as if shaken: stronger before it fails than afterwards
+  kLoose,  ///< as if poured: yields until it is as strong as it gets
+};
+
 /// The box a test is done in. Axes as in BedParameters.
 struct LabBox {
   double width_m = 0.2, length_m = 0.2;
@@ -18,10 +24,12 @@ struct LabBox {
 };
 
 /// Centres for loose soil above `bottom_m`, about `particles` of them, at random on a grid wide enough that none touch;
-/// `inside` says where there may be soil. Lowest first.
+/// `inside` says where there may be soil. Lowest first. To be settled loosely every other storey stands over the gaps
+/// of the one below: particles do not turn, so with friction on a straight column of them would not fall.
 [[nodiscard]] std::vector<Vec3> looseSoil(const SoilParameters& soil, const LabBox& box, std::size_t particles,
                                           double bottom_m, std::uint64_t seed,
-                                          const std::function<bool(const Vec3&)>& inside = {});
+                                          const std::function<bool(const Vec3&)>& inside = {},
+                                          Preparation preparation = Preparation::kDense);
 
 /// How many particles fill `volume_m3` when densely packed without load.
 [[nodiscard]] std::size_t particlesFor(const SoilParameters& soil, double volume_m3);
@@ -74,9 +82,9 @@ class LabBed {
   /// @throws Failure as step(), and when progress gives up.
   void run(double duration_s, std::string_view what, const std::function<void()>& each = {});
 
-  /// Lets the soil fall densely, without friction and cohesion, until it rests; then switches them on and lets it rest
-  /// again. @throws Failure as run(), and when it never rests.
-  void settle();
+  /// Lets the soil fall until it rests. Densely: without friction and cohesion, which are then switched on, and it
+  /// rests again. Loosely: with them on, which leaves gaps. @throws Failure as run(), and when it never rests.
+  void settle(Preparation preparation = Preparation::kDense);
 
  private:
   void settleUntilRest(double longest_s, std::string_view what);

@@ -1,0 +1,210 @@
+#include "haptolith/lab/blade.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <vector>
+
+#include "haptolith/core/error.h"
+#include "haptolith/figure/figure.h"
+#include "haptolith/lab/earthmoving.h"
+#include "haptolith/tool/tool_shape.h"
+
+namespace haptolith {
+
+namespace {
+
+constexpr double kPi = std::numbers::pi;
+
+/// Stiffer than the particles, so that the blade does not give way before they do.
+constexpr double kToolStiffness = 2;
+constexpr double kThickness_m = 2e-3;
+constexpr double kAboveDepths = 1.5;   // of the blade over the surface
+constexpr double kBehindDepths = 1.2;  // of soil behind the blade; what it pushes on the back is a few per cent
+
+void validate(const LabConditions& conditions, const BladeOptions& options) {
+  const Range positive{0, 10, Ends::kOpenBelow};
+  validate(conditions.soil);
+  requireInRange("gravity_m_s2", conditions.gravity_m_s2, {0, 1000, Ends::kOpenBelow});
+  requireInRange("width_m", options.width_m, positive);
+  requireInRange("depth_m", options.depth_m, {4 * conditions.soil.radius_m, 10});
+  requireInRange("rake_rad", options.rake_rad, {kPi / 6, kPi * 2 / 3});
+  constexpr double kMostInertia = 0.1;
+  requireInRange("speed_m_s", options.speed_m_s,
+                 {0, std::sqrt(kMostInertia * conditions.gravity_m_s2 * options.depth_m), Ends::kOpenBelow});
+  requireInRange("tool_friction", options.tool_friction, {0, std::tan(kPi / 3)});
+  requireInRange("level_depths", options.level_depths, {0, 100});
+  requireInRange("travel_depths", options.travel_depths, {options.level_depths, 100, Ends::kOpenBelow});
+  requireInRange("side_room_depths", options.side_room_depths, {0, 100});
+  requireInRange("ahead_depths", options.ahead_depths, {0.5, 100});
+  requireInRange("below_depths", options.below_depths, {0.1, 100});
+  requireInRange("friction_angle_rad", options.friction_angle_rad, {0, kPi / 3});
+  requireInRange("cohesion_pa", options.cohesion_pa, {0, 1e6});
+}
+
+/// Where the blade and the soil are before anything has moved. The blade goes along x.
+struct Setup {
+  LabBox box;
+  ToolParameters tool;
+  Pose start;
+  double soil_volume_m3;
+};
+
+Setup setUp(const LabConditions& conditions, const BladeOptions& options) {
+  const double d = options.depth_m;
+  const bool as_wide_as_box = options.side_room_depths == 0;
+  const double leaning = d / std::tan(options.rake_rad);  // of the blade's top at the surface, backwards
+  const double behind = kBehindDepths * d + std::max(leaning, 0.0);
+  const double ahead = (options.travel_depths + options.ahead_depths) * d;
+  const double tip_height = options.below_depths * d;
+
+  Setup setup;
+  setup.box.width_m = behind + ahead;
+  setup.box.length_m = options.width_m + 2 * options.side_room_depths * d;
+  setup.box.periodic_y = as_wide_as_box;
+  setup.soil_volume_m3 = setup.box.width_m * setup.box.length_m * (tip_height + d);
+
+  const double length = (1 + kAboveDepths) * d / std::sin(options.rake_rad);
+  setup.tool.shape = ToolShape::kBox;
+  setup.tool.size_m = {length, as_wide_as_box ? 2 * options.width_m : options.width_m, kThickness_m};
+  setup.tool.stiffness_n_m = kToolStiffness * conditions.soil.stiffness_n_m;
+  setup.tool.friction = options.tool_friction;
+
+  const Vec3 up_the_blade(-std::cos(options.rake_rad), 0, std::sin(options.rake_rad));
+  const Vec3 forwards(std::sin(options.rake_rad), 0, std::cos(options.rake_rad));  // normal of its front
+  Eigen::Matrix3d axes;
+  axes << up_the_blade, forwards.cross(up_the_blade), forwards;
+  const Vec3 edge(behind - setup.box.width_m / 2, 0, tip_height);  // lower edge of the front
+  setup.start = {edge + length / 2 * up_the_blade - kThickness_m / 2 * forwards, Quat(axes)};
+  return setup;
+}
+
+/// What the soil does to the blade at one moment.
+struct Moment {
+  double travel_m, draft_n, vertical_n;
+};
+
+struct Mean {
+  double value = 0, standard_error = 0;
+};
+
+/// Mean of the moments, and its standard error from means over ten blocks.
+Mean meanOf(const std::vector<Moment>& moments, double Moment::*quantity) {
+  constexpr std::size_t kBlocks = 10;
+  std::array<double, kBlocks> blocks{};
+  Mean mean;
+  for (std::size_t block = 0; block < kBlocks; ++block) {
+    const std::size_t first = moments.size() * block / kBlocks;
+    const std::size_t last = moments.size() * (block + 1) / kBlocks;
+    for (std::size_t i = first; i < last; ++i) {
+      blocks[block] += moments[i].*quantity / static_cast<double>(last - first);
+    }
+    mean.value += blocks[block] / kBlocks;
+  }
+  double squares = 0;
+  for (const double block : blocks) {
+    squares += (block - mean.value) * (block - mean.value);
+  }
+  mean.standard_error = std::sqrt(squares / (kBlocks * (kBlocks - 1)));
+  return mean;
+}
+
+LabTrace traceOf(const std::vector<Moment>& moments, double stretch_m) {
+  LabTrace trace{.columns = {"travel_m", "draft_n", "vertical_n"}, .rows = {}};
+  for (std::size_t first = 0; first < moments.size();) {
+    std::vector<double> sums(3, 0);
+    std::size_t i = first;
+    for (; i < moments.size() && moments[i].travel_m < moments[first].travel_m + stretch_m; ++i) {
+      sums[0] += moments[i].travel_m;
+      sums[1] += moments[i].draft_n;
+      sums[2] += moments[i].vertical_n;
+    }
+    for (double& sum : sums) {
+      sum /= static_cast<double>(i - first);
+    }
+    trace.rows.push_back(sums);
+    first = i;
+  }
+  return trace;
+}
+
+void compareWithEquation(const LabConditions& conditions, const BladeOptions& options, BladeResult& result) {
+  const BladeForce force = earthmovingForce({.width_m = result.width_m,
+                                             .depth_m = result.depth_m,
+                                             .rake_rad = options.rake_rad,
+                                             .density_kg_m3 = result.bulk_density_kg_m3,
+                                             .gravity_m_s2 = conditions.gravity_m_s2,
+                                             .friction_angle_rad = options.friction_angle_rad,
+                                             .tool_friction_rad = std::atan(options.tool_friction),
+                                             .cohesion_pa = options.cohesion_pa});
+  result.earthmoving_draft_n = force.draft_n;
+  result.earthmoving_vertical_n = force.vertical_n;
+}
+
+}  // namespace
+
+BladeResult bladeTest(const LabConditions& conditions, const BladeOptions& options) {
+  validate(conditions, options);
+  const SoilParameters& soil = conditions.soil;
+  const Setup setup = setUp(conditions, options);
+  const double largest = soil.radius_m * (1 + soil.size_spread);
+  const auto beside_blade = [&](const Vec3& centre) {
+    return penetration(setup.tool, setup.start.toBody(centre), largest, 0).depth_m < 0;
+  };
+  // Gaps at the floor, the walls and the surface take some of the room; poured soil has larger gaps everywhere.
+  const double filled = options.preparation == Preparation::kDense ? 0.93 : 0.8;
+  const std::size_t wanted = particlesFor(soil, filled * setup.soil_volume_m3);
+  LabBed bed(conditions, setup.box,
+             looseSoil(soil, setup.box, wanted, 0, conditions.seed, beside_blade, options.preparation), {}, setup.tool);
+  bed.placeTool(setup.start);
+  bed.settle(options.preparation);
+
+  BladeResult result;
+  const double surface = bed.surfaceHeight();
+  result.particles = bed.soil();
+  result.depth_m = surface - options.below_depths * options.depth_m;
+  result.width_m = options.width_m;
+  result.bulk_density_kg_m3 = bed.bulkDensity(0.2 * surface, 0.8 * surface);
+  result.inertia = options.speed_m_s * options.speed_m_s / (conditions.gravity_m_s2 * result.depth_m);
+
+  std::vector<Moment> moments;
+  bed.moveTool({{options.speed_m_s, 0, 0}, Vec3::Zero()});
+  bed.run(options.travel_depths * options.depth_m / options.speed_m_s, "the blade moves", [&] {
+    const Vec3& force = bed.toolWrench().force_n;
+    moments.push_back({bed.toolPose().position_m.x() - setup.start.position_m.x(), -force.x(), -force.z()});
+  });
+  result.trace = traceOf(moments, options.depth_m / 50);
+  std::erase_if(moments,
+                [&](const Moment& moment) { return moment.travel_m < options.level_depths * options.depth_m; });
+  const Mean draft = meanOf(moments, &Moment::draft_n);
+  const Mean vertical = meanOf(moments, &Moment::vertical_n);
+  result.draft_n = draft.value;
+  result.draft_se_n = draft.standard_error;
+  result.vertical_n = vertical.value;
+  result.vertical_se_n = vertical.standard_error;
+  compareWithEquation(conditions, options, result);
+  return result;
+}
+
+void drawBlade(const std::filesystem::path& file, const BladeResult& result) {
+  constexpr double kMmPerM = 1000;
+  Figure figure(file, 900, 600);
+  std::vector<std::vector<double>> rows = result.trace.rows;
+  for (std::vector<double>& row : rows) {
+    row[0] *= kMmPerM;
+  }
+  figure.data("trace", rows);
+  figure.command("set xlabel 'travel in mm'; set ylabel 'force in N'; set key below; set grid; set xrange [0:*]");
+  figure.command(fmt::format(
+      "plot $trace using 1:2 with lines linewidth 2.5 linecolor rgb '#0072b2' title 'draft', "
+      "$trace using 1:3 with lines linewidth 2.5 linecolor rgb '#009e73' title 'vertical', "
+      "{} with lines dashtype (8,5) linewidth 1.5 linecolor rgb '#0072b2' title 'draft, earthmoving equation', "
+      "{} with lines dashtype (8,5) linewidth 1.5 linecolor rgb '#009e73' title 'vertical, earthmoving equation', "
+      "{} with lines dashtype (2,3) linewidth 1.5 linecolor rgb '#888888' title 'mean draft ± {:.2g} N'",
+      result.earthmoving_draft_n, result.earthmoving_vertical_n, result.draft_n, result.draft_se_n));
+  figure.save();
+}
+
+}  // namespace haptolith

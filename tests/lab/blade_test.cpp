@@ -1,0 +1,127 @@
+#include "haptolith/lab/blade.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <functional>
+#include <iterator>
+#include <limits>
+#include <numbers>
+#include <string>
+#include <vector>
+
+#include "haptolith/core/error.h"
+#include "haptolith/lab/earthmoving.h"
+
+#include "small_soil.h"
+
+namespace haptolith {
+namespace {
+
+constexpr double kDegree = std::numbers::pi / 180;
+constexpr double kRadius_m = 4e-3;
+
+/// The equation's plane case: as wide as its box.
+const BladeOptions kPlane{.width_m = 0.05,
+                          .depth_m = 0.025,
+                          .speed_m_s = 0.06,
+                          .side_room_depths = 0,
+                          .friction_angle_rad = 48 * kDegree};  // the peak of direct shear
+
+TEST(Blade, NeedsADraftOfTheEarthmovingEquationsSize) {
+  const BladeResult blade = bladeTest(coarseSand(kRadius_m), kPlane);
+  EXPECT_NEAR(blade.depth_m, 0.025, 0.004);
+  EXPECT_GT(blade.draft_n, 0.6 * blade.earthmoving_draft_n);
+  EXPECT_LT(blade.draft_n, 2.2 * blade.earthmoving_draft_n);
+  EXPECT_LT(blade.vertical_n, 0);  // it is lifted by the soil that climbs it
+  EXPECT_GT(blade.draft_se_n, 0);
+  EXPECT_LT(blade.draft_se_n, 0.3 * blade.draft_n);
+  EXPECT_LT(blade.inertia, 0.02);
+}
+
+TEST(Blade, IsComparedWithTheEquationForTheBedItReallyMovedThrough) {
+  const BladeResult blade = bladeTest(coarseSand(kRadius_m), kPlane);
+  const BladeForce force = earthmovingForce({.width_m = 0.05,
+                                             .depth_m = blade.depth_m,
+                                             .rake_rad = std::numbers::pi / 2,
+                                             .density_kg_m3 = blade.bulk_density_kg_m3,
+                                             .gravity_m_s2 = 9.807,
+                                             .friction_angle_rad = 48 * kDegree,
+                                             .tool_friction_rad = std::atan(0.36)});
+  EXPECT_DOUBLE_EQ(blade.earthmoving_draft_n, force.draft_n);
+  EXPECT_DOUBLE_EQ(blade.earthmoving_vertical_n, force.vertical_n);
+}
+
+TEST(Blade, LeaningBackIsEasierToDrawAndLiftedLess) {
+  BladeOptions flat = kPlane;
+  flat.rake_rad = 45 * kDegree;
+  const BladeResult upright = bladeTest(coarseSand(kRadius_m), kPlane);
+  const BladeResult leaning = bladeTest(coarseSand(kRadius_m), flat);
+  EXPECT_LT(leaning.draft_n, upright.draft_n);
+  EXPECT_GT(leaning.vertical_n, upright.vertical_n);
+}
+
+TEST(Blade, NeedsADraftInProportionToGravityWhenContactsAreAsMuchSofter) {
+  // The same soil in other units of time: only how the bed is brought to rest differs. With contacts as stiff on both
+  // bodies the ratio is less, for soil that is pressed together less dilates more.
+  constexpr double kWeaker = 9.807 / 1.625;
+  LabConditions conditions = coarseSand(kRadius_m);
+  const double earth = bladeTest(conditions, kPlane).draft_n;
+  BladeOptions slower = kPlane;
+  slower.speed_m_s /= std::sqrt(kWeaker);  // the same v^2/(g d)
+  conditions.gravity_m_s2 /= kWeaker;
+  conditions.soil.stiffness_n_m /= kWeaker;
+  conditions.soil.gamma_nm /= kWeaker;
+  EXPECT_NEAR(earth / bladeTest(conditions, slower).draft_n / kWeaker, 1, 0.35);
+}
+
+TEST(Blade, IsHarderToDrawThroughCohesiveSoil) {
+  LabConditions conditions = coarseSand(kRadius_m);
+  const double dry = bladeTest(conditions, kPlane).draft_n;
+  conditions.soil.contact_cohesion_n = 0.3;
+  BladeOptions options = kPlane;
+  options.cohesion_pa = 2500;
+  const BladeResult sticky = bladeTest(conditions, options);
+  EXPECT_GT(sticky.draft_n, 1.3 * dry);
+  EXPECT_GT(sticky.earthmoving_draft_n, 1.3 * dry);
+}
+
+TEST(Blade, TestRefusesNonsense) {
+  const std::vector<std::function<void(BladeOptions&)>> nonsense = {
+      [](BladeOptions& blade) { blade.width_m = 0; },
+      [](BladeOptions& blade) { blade.depth_m = 0.01; },  // under 2 particles
+      [](BladeOptions& blade) { blade.rake_rad = 90; },   // degrees
+      [](BladeOptions& blade) { blade.speed_m_s = 1; },   // inertia counts
+      [](BladeOptions& blade) { blade.speed_m_s = 0; },
+      [](BladeOptions& blade) { blade.tool_friction = 3; },
+      [](BladeOptions& blade) { blade.level_depths = 2; },  // after the end
+      [](BladeOptions& blade) { blade.travel_depths = std::numeric_limits<double>::infinity(); },
+      [](BladeOptions& blade) { blade.side_room_depths = -1; },
+      [](BladeOptions& blade) { blade.ahead_depths = 0; },
+      [](BladeOptions& blade) { blade.below_depths = 0; },
+      [](BladeOptions& blade) { blade.friction_angle_rad = 39; },  // degrees
+      [](BladeOptions& blade) { blade.cohesion_pa = std::nan(""); },
+  };
+  for (std::size_t i = 0; i < nonsense.size(); ++i) {
+    BladeOptions options = kPlane;
+    nonsense[i](options);
+    EXPECT_THROW(static_cast<void>(bladeTest(coarseSand(kRadius_m), options)), InvalidParameter) << i;
+  }
+}
+
+TEST(Blade, IsDrawnBesideTheEquation) {
+  BladeResult blade;
+  blade.trace = {.columns = {"travel_m", "draft_n", "vertical_n"}, .rows = {{0, 0, 0}, {0.01, 2, -1}, {0.02, 2.2, -1}}};
+  blade.draft_n = 2.1;
+  blade.earthmoving_draft_n = 1.9;
+  const auto file = std::filesystem::path(testing::TempDir()) / "blade.svg";
+  drawBlade(file, blade);
+  std::ifstream stream(file);
+  const std::string svg{std::istreambuf_iterator<char>(stream), {}};
+  EXPECT_NE(svg.find("earthmoving equation"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace haptolith
