@@ -49,7 +49,8 @@ TEST(Plate, IsCarriedByItsFitAndByASoilOfTheRightDensity) {
   EXPECT_LT(plate.fit.exponent, 3);
   const double fitted = plate.fit.pressureAt(0.012) * plate.area_m2;
   EXPECT_NEAR(fitted / force(plate, 0.012), 1, 0.3);
-  // Particles weigh as if they filled pi/sqrt(18) = 0.74 of the room with rho0 = 1330; at random they fill 0.55 to 0.66.
+  // Particles weigh as if they filled pi/sqrt(18) = 0.74 of the room with rho0 = 1330; at random they fill 0.55 to
+  // 0.66.
   EXPECT_GT(plate.bulk_density_kg_m3, 1330 * 0.52 / 0.74);
   EXPECT_LT(plate.bulk_density_kg_m3, 1330 * 0.70 / 0.74);
   EXPECT_EQ(plate.trace.columns.size(), 3U);

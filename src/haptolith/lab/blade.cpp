@@ -176,9 +176,8 @@ BladeResult bladeTest(const LabConditions& conditions, const BladeOptions& optio
     moments.push_back({bed.toolPose().position_m.x() - setup.start.position_m.x(), -force.x(), -force.z()});
   });
   result.trace = traceOf(moments, options.depth_m / 50);
-  std::erase_if(moments, [&](const Moment& moment) {
-    return moment.travel_m < options.level_depths * options.depth_m;
-  });
+  std::erase_if(moments,
+                [&](const Moment& moment) { return moment.travel_m < options.level_depths * options.depth_m; });
   const Mean draft = meanOf(moments, &Moment::draft_n);
   const Mean vertical = meanOf(moments, &Moment::vertical_n);
   result.draft_n = draft.value;

@@ -11,31 +11,31 @@ namespace haptolith {
 
 /// A blade, its path and the box it is tested in.
 struct BladeOptions {
-  double width_m = 0.05;                  ///< w, across the path
-  double depth_m = 0.03;                  ///< d, of the lower edge; at least 2 particle diameters, better 6
-  double rake_rad = std::numbers::pi / 2; ///< alpha, as BladeCase::rake_rad; 30 to 120 deg
-  double speed_m_s = 0.02;                ///< v; v^2/(g d) at most 0.1, better 0.02: the equation knows no inertia
-  double tool_friction = 0.36;            ///< tan(delta)
-  double level_depths = 0.5;              ///< forces are averaged from here, in depths of travel; see bladeTest()
-  double travel_depths = 1.5;             ///< to here
-  double side_room_depths = 2;            ///< of soil on either side of the blade, in d; 0: none, see bladeTest()
-  double ahead_depths = 3;                ///< of soil ahead of where the blade stops, in d
-  double below_depths = 0.8;              ///< of soil under the lower edge, in d
+  double width_m = 0.05;                   ///< w, across the path
+  double depth_m = 0.03;                   ///< d, of the lower edge; at least 2 particle diameters, better 6
+  double rake_rad = std::numbers::pi / 2;  ///< alpha, as BladeCase::rake_rad; 30 to 120 deg
+  double speed_m_s = 0.02;                 ///< v; v^2/(g d) at most 0.1, better 0.02: the equation knows no inertia
+  double tool_friction = 0.36;             ///< tan(delta)
+  double level_depths = 0.5;               ///< forces are averaged from here, in depths of travel; see bladeTest()
+  double travel_depths = 1.5;              ///< to here
+  double side_room_depths = 2;             ///< of soil on either side of the blade, in d; 0: none, see bladeTest()
+  double ahead_depths = 3;                 ///< of soil ahead of where the blade stops, in d
+  double below_depths = 0.8;               ///< of soil under the lower edge, in d
   Preparation preparation = Preparation::kDense;
-  double friction_angle_rad = 0.785;      ///< phi of the soil for the equation, as measured by shear
-  double cohesion_pa = 0;                 ///< c, likewise
+  double friction_angle_rad = 0.785;  ///< phi of the soil for the equation, as measured by shear
+  double cohesion_pa = 0;             ///< c, likewise
 };
 
 struct BladeResult {
-  double draft_n = 0;      ///< against the movement, mean from level_depths to travel_depths
-  double vertical_n = 0;   ///< > 0: the soil pushes the blade down
-  double draft_se_n = 0;   ///< standard error of draft_n, from the scatter of ten blocks
+  double draft_n = 0;     ///< against the movement, mean from level_depths to travel_depths
+  double vertical_n = 0;  ///< > 0: the soil pushes the blade down
+  double draft_se_n = 0;  ///< standard error of draft_n, from the scatter of ten blocks
   double vertical_se_n = 0;
   double earthmoving_draft_n = 0;  ///< of earthmovingForce() for `depth_m` and `bulk_density_kg_m3`
   double earthmoving_vertical_n = 0;
-  double depth_m = 0;              ///< below the settled surface: close to the wanted one, not exactly
-  double width_m = 0;              ///< of the blade, or of the box when the blade is as wide
-  double inertia = 0;              ///< v^2/(g d)
+  double depth_m = 0;  ///< below the settled surface: close to the wanted one, not exactly
+  double width_m = 0;  ///< of the blade, or of the box when the blade is as wide
+  double inertia = 0;  ///< v^2/(g d)
   double bulk_density_kg_m3 = 0;
   std::size_t particles = 0;
   LabTrace trace;  ///< travel, draft and vertical force, each row a mean over 1/50 of the depth
@@ -46,14 +46,17 @@ struct BladeResult {
 /// The soil settles around the blade in place, so nothing is disturbed before it moves. It stands as high as it is deep
 /// and half as much above the surface, so no soil flows over it.
 ///
+/// `friction_angle_rad` should be the bed's peak angle: a dense bed fails before it has loosened, and its residual
+/// angle gives half the draft (docs/plate-sand.md, "Blades").
+///
 /// The equation is the balance on the first wedge that breaks out, with a flat surface. The draft climbs while that
 /// wedge forms, levels off after about half a depth of travel, and then rises slowly for good, for soil heaps up before
-/// the blade. So the mean is taken from 0.5 to 1.5 depths: later the heap is a surcharge that the equation would have to
-/// be told.
+/// the blade. So the mean is taken from 0.5 to 1.5 depths: later the heap is a surcharge that the equation would have
+/// to be told.
 ///
 /// Nor does the equation know the wedges that break out to both sides, which add to the draft where a blade is not much
-/// wider than deep. With side_room_depths = 0 the blade is as wide as the box, `width_m`, which repeats itself sideways:
-/// the equation's own plane case.
+/// wider than deep. With side_room_depths = 0 the blade is as wide as the box, `width_m`, which repeats itself
+/// sideways: the equation's own plane case.
 /// @throws InvalidParameter outside the ranges above; Failure as LabBed::run(). Not for the tick.
 [[nodiscard]] BladeResult bladeTest(const LabConditions& conditions, const BladeOptions& options = {});
 

@@ -98,11 +98,11 @@ void drawCone(const std::filesystem::path& file, const ConeResult& result) {
   figure.command(
       "set xlabel 'resistance in kPa'; set ylabel 'depth of the base in mm'; set grid; "
       "set yrange [0:*] reverse; set xrange [0:*]; set key top right");
-  figure.command(fmt::format(
-      "plot $resistance using 1:2 with lines linewidth 2.5 linecolor rgb '#0072b2' title 'simulated', "
-      "$index using 1:2 with lines dashtype (8,5) linecolor rgb '#888888' title 'cone index {:.3g} kPa', "
-      "$line using 1:2 with lines dashtype (8,5) linecolor rgb '#d55e00' title 'gradient {:.3g} kPa/m'",
-      index, result.gradient_pa_m / kPaPerKpa));
+  figure.command(
+      fmt::format("plot $resistance using 1:2 with lines linewidth 2.5 linecolor rgb '#0072b2' title 'simulated', "
+                  "$index using 1:2 with lines dashtype (8,5) linecolor rgb '#888888' title 'cone index {:.3g} kPa', "
+                  "$line using 1:2 with lines dashtype (8,5) linecolor rgb '#d55e00' title 'gradient {:.3g} kPa/m'",
+                  index, result.gradient_pa_m / kPaPerKpa));
   figure.save();
 }
 

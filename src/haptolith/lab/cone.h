@@ -11,16 +11,16 @@ namespace haptolith {
 
 /// A cone penetrometer and the box it is tested in.
 struct ConeOptions {
-  double base_diameter_m = 0.02027;               ///< ASABE S313.3, the larger cone; above 0
-  double cone_angle_rad = std::numbers::pi / 6;   ///< between opposite sides; 30 deg
-  double max_depth_m = 0.1;                       ///< of the cone's base below the surface
-  double speed_m_s = 0.03;                        ///< ASABE EP542's 30 mm/s
-  double friction = 0.36;                         ///< of cone and shaft against soil
-  double bed_width_diameters = 10;                ///< of the square box, in base diameters; at least 4
-  double below_diameters = 2.5;                   ///< of soil under the point at the end, in base diameters
+  double base_diameter_m = 0.02027;              ///< ASABE S313.3, the larger cone; above 0
+  double cone_angle_rad = std::numbers::pi / 6;  ///< between opposite sides; 30 deg
+  double max_depth_m = 0.1;                      ///< of the cone's base below the surface
+  double speed_m_s = 0.03;                       ///< ASABE EP542's 30 mm/s
+  double friction = 0.36;                        ///< of cone and shaft against soil
+  double bed_width_diameters = 10;               ///< of the square box, in base diameters; at least 4
+  double below_diameters = 2.5;                  ///< of soil under the point at the end, in base diameters
   Preparation preparation = Preparation::kDense;
-  double window_m = 4e-3;                         ///< of depth over which a point of the curve is the mean
-  int points = 50;                                ///< of the curve behind its zero; 3 or more
+  double window_m = 4e-3;  ///< of depth over which a point of the curve is the mean
+  int points = 50;         ///< of the curve behind its zero; 3 or more
 };
 
 struct ConePoint {
@@ -30,8 +30,8 @@ struct ConePoint {
 
 struct ConeResult {
   std::vector<ConePoint> curve;
-  double cone_index_pa = 0;      ///< mean resistance over the depth
-  double gradient_pa_m = 0;      ///< slope of the straight line through the curve
+  double cone_index_pa = 0;  ///< mean resistance over the depth
+  double gradient_pa_m = 0;  ///< slope of the straight line through the curve
   double bulk_density_kg_m3 = 0;
   double bed_depth_m = 0;
   std::size_t particles = 0;

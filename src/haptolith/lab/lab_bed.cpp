@@ -16,6 +16,7 @@ namespace {
 
 constexpr double kTick_s = 1e-3;
 constexpr int kMostSubsteps = 1000;
+constexpr double kLongestSettling_s = 20;  // simulated; soil that is not at rest by then never will be
 
 /// Share of the volume that spheres fill when they jam at random (O'Hern et al. 2003: 0.64 for equal ones).
 constexpr double kRandomPacking = 0.64;
@@ -191,7 +192,8 @@ void LabBed::step() {
     tool_pose_.position_m += dt_s_ * tool_twist_.linear_m_s;
     const Vec3 turn = dt_s_ * tool_twist_.angular_rad_s;
     if (!turn.isZero(0)) {
-      tool_pose_.orientation = (Quat(Eigen::AngleAxisd(turn.norm(), turn.normalized())) * tool_pose_.orientation).normalized();
+      tool_pose_.orientation =
+          (Quat(Eigen::AngleAxisd(turn.norm(), turn.normalized())) * tool_pose_.orientation).normalized();
     }
     wrench_ = applyToolContact(*tool_, tool_pose_, tool_twist_, conditions_.soil, dt_s_, bed_.state(),
                                {bed_.toolSides(), bed_.toolSlip()}, bed_.externalForces())
@@ -219,14 +221,12 @@ void LabBed::run(double duration_s, std::string_view what, const std::function<v
 }
 
 void LabBed::settle(Preparation preparation) {
-  // Falling soil is slowed down to a speed in proportion to gravity: 20 s are enough on the Moon, on Ceres they are not.
-  const double longest_s = 20 * std::max(1.0, 1.625 / conditions_.gravity_m_s2);
   if (preparation == Preparation::kDense) {
     bed_.setSettling(true);
-    settleUntilRest(longest_s, "the soil settles");
+    settleUntilRest(kLongestSettling_s, "the soil settles");
   }
   bed_.setSettling(false);
-  settleUntilRest(longest_s, "the soil comes to rest");
+  settleUntilRest(kLongestSettling_s, "the soil comes to rest");
 }
 
 void LabBed::settleUntilRest(double longest_s, std::string_view what) {
@@ -239,8 +239,8 @@ void LabBed::settleUntilRest(double longest_s, std::string_view what) {
       return;
     }
   }
-  throw Failure(fmt::format("{}, but not within {:g} s: its fastest particle still moves at {:.2g} m/s", what, longest_s,
-                            bed_.largestSpeed()));
+  throw Failure(fmt::format("{}, but not within {:g} s: its fastest particle still moves at {:.2g} m/s", what,
+                            longest_s, bed_.largestSpeed()));
 }
 
 }  // namespace haptolith

@@ -24,8 +24,8 @@ struct LabBox {
 };
 
 /// Centres for loose soil above `bottom_m`, about `particles` of them, at random on a grid wide enough that none touch;
-/// `inside` says where there may be soil. Lowest first. To be settled loosely every other storey stands over the gaps of
-/// the one below: particles do not turn, so with friction on a straight column of them would not fall.
+/// `inside` says where there may be soil. Lowest first. To be settled loosely every other storey stands over the gaps
+/// of the one below: particles do not turn, so with friction on a straight column of them would not fall.
 [[nodiscard]] std::vector<Vec3> looseSoil(const SoilParameters& soil, const LabBox& box, std::size_t particles,
                                           double bottom_m, std::uint64_t seed,
                                           const std::function<bool(const Vec3&)>& inside = {},
@@ -82,8 +82,8 @@ class LabBed {
   /// @throws Failure as step(), and when progress gives up.
   void run(double duration_s, std::string_view what, const std::function<void()>& each = {});
 
-  /// Lets the soil fall until it rests. Densely: without friction and cohesion, which are then switched on, and it rests
-  /// again. Loosely: with them on, which leaves gaps. @throws Failure as run(), and when it never rests.
+  /// Lets the soil fall until it rests. Densely: without friction and cohesion, which are then switched on, and it
+  /// rests again. Loosely: with them on, which leaves gaps. @throws Failure as run(), and when it never rests.
   void settle(Preparation preparation = Preparation::kDense);
 
  private:

@@ -45,8 +45,7 @@ Push plateInto(const LabConditions& conditions, const PlateOptions& options, dou
   push.tool.stiffness_n_m = kToolStiffness * conditions.soil.stiffness_n_m;
   push.tool.friction = options.friction;
   push.zero_m = push.lowest_m = -push.tool.thickness_m / 2;
-  push.contact_n =
-      kContactShare * conditions.soil.rho0_kg_m3 * conditions.gravity_m_s2 * options.diameter_m * area_m2;
+  push.contact_n = kContactShare * conditions.soil.rho0_kg_m3 * conditions.gravity_m_s2 * options.diameter_m * area_m2;
   push.depth_m = options.max_sinkage_m;
   push.speed_m_s = options.speed_m_s;
   push.sample_m = options.max_sinkage_m / options.points;
@@ -103,8 +102,9 @@ void drawPlate(const std::filesystem::path& file, const PlateResult& result,
     plot += fmt::format(", $measured{} using 1:2 with lines linewidth 1 linecolor rgb '#888888' title {}", i,
                         gnuplotQuoted(measured[i].title));
   }
-  figure.command("set xlabel 'sinkage in mm'; set ylabel 'force in N'; set key top left; set grid; set xrange [0:*]; "
-                 "set yrange [0:*]");
+  figure.command(
+      "set xlabel 'sinkage in mm'; set ylabel 'force in N'; set key top left; set grid; set xrange [0:*]; "
+      "set yrange [0:*]");
   figure.command(plot);
   figure.save();
 }

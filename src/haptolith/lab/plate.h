@@ -12,15 +12,15 @@ namespace haptolith {
 
 /// A round plate and the box it is tested in.
 struct PlateOptions {
-  double diameter_m = 0.06;         ///< D; at least 4 particle diameters
-  double max_sinkage_m = 0.03;      ///< above 0
-  double speed_m_s = 0.02;          ///< slow: v^2/(g D) should be far below 1
-  double friction = 0.36;           ///< of plate against soil
-  double bed_width_diameters = 3.5; ///< of the square box, in D; at least 2
-  double bed_depth_diameters = 2.5; ///< of the soil as filled, in D; the floor is rough
+  double diameter_m = 0.06;          ///< D; at least 4 particle diameters
+  double max_sinkage_m = 0.03;       ///< above 0
+  double speed_m_s = 0.02;           ///< slow: v^2/(g D) should be far below 1
+  double friction = 0.36;            ///< of plate against soil
+  double bed_width_diameters = 3.5;  ///< of the square box, in D; at least 2
+  double bed_depth_diameters = 2.5;  ///< of the soil as filled, in D; the floor is rough
   Preparation preparation = Preparation::kDense;
-  double window_m = 1e-3;           ///< of sinkage over which a point of the curve is the mean
-  int points = 60;                  ///< of the curve behind its zero; 3 or more
+  double window_m = 1e-3;  ///< of sinkage over which a point of the curve is the mean
+  int points = 60;         ///< of the curve behind its zero; 3 or more
 };
 
 struct PlateResult {
@@ -38,7 +38,7 @@ struct PlateResult {
 /// Sinkage is counted from first contact: from where the force exceeds 5 % of rho0 g D times the plate's area. Before
 /// that the plate only meets the tips of single particles. The box's sides are smooth walls: they take no vertical
 /// force, but they keep soil from giving way sideways, and the floor keeps it from giving way downwards. Both make the
-/// soil look stronger; docs/plate-sand.md says by how much.
+/// soil look stronger; docs/plate-sand.md compares two depths of bed.
 /// @throws InvalidParameter outside the ranges above; Failure as LabBed::run() and fitPressureSinkage(). Not for the
 /// tick.
 [[nodiscard]] PlateResult plateTest(const LabConditions& conditions, const PlateOptions& options = {});

@@ -58,8 +58,7 @@ PushCurve pushIntoBed(const LabConditions& conditions, const Push& push) {
   const SoilParameters& soil = conditions.soil;
   const LabBox box{.width_m = push.bed_width_m, .length_m = push.bed_width_m};
   const std::size_t wanted = particlesFor(soil, push.bed_width_m * push.bed_width_m * push.bed_depth_m);
-  LabBed bed(conditions, box, looseSoil(soil, box, wanted, 0, conditions.seed, {}, push.preparation), {},
-             push.tool);
+  LabBed bed(conditions, box, looseSoil(soil, box, wanted, 0, conditions.seed, {}, push.preparation), {}, push.tool);
   constexpr double kFarAbove_m = 100;
   bed.placeTool({{0, 0, kFarAbove_m}, Quat::Identity()});
   bed.settle(push.preparation);

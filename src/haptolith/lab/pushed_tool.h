@@ -18,18 +18,18 @@ enum class DepthZero {
 
 /// A tool that is pushed straight down into the middle of a square box of soil, at constant speed.
 struct Push {
-  std::string_view what;         ///< in words, for the conditions' progress
-  ToolParameters tool;           ///< its axis is z
-  double zero_m = 0;             ///< height of the tool's point that depth is counted from, over its origin
-  double lowest_m = 0;           ///< height of its lowest point over its origin; negative for plates
+  std::string_view what;  ///< in words, for the conditions' progress
+  ToolParameters tool;    ///< its axis is z
+  double zero_m = 0;      ///< height of the tool's point that depth is counted from, over its origin
+  double lowest_m = 0;    ///< height of its lowest point over its origin; negative for plates
   DepthZero zero = DepthZero::kFirstContact;
-  double contact_n = 0;          ///< force that counts as contact
-  double depth_m = 0;            ///< to push, of the point at `zero_m`
+  double contact_n = 0;  ///< force that counts as contact
+  double depth_m = 0;    ///< to push, of the point at `zero_m`
   double speed_m_s = 0;
-  double sample_m = 0;           ///< depth from one reading to the next
-  double window_m = 0;           ///< depth over which a reading is the mean force
+  double sample_m = 0;  ///< depth from one reading to the next
+  double window_m = 0;  ///< depth over which a reading is the mean force
   double bed_width_m = 0;
-  double bed_depth_m = 0;        ///< as filled; the settled one is PushCurve::bed_depth_m
+  double bed_depth_m = 0;  ///< as filled; the settled one is PushCurve::bed_depth_m
   Preparation preparation = Preparation::kDense;
 };
 
@@ -46,8 +46,8 @@ struct PushCurve {
 };
 
 /// Fills a box, lets the soil settle and pushes the tool in: what plates and cones have in common.
-/// @throws InvalidParameter as LabBed and where lengths or the speed are not above 0; Failure as LabBed::run(), and when
-/// the tool never touches the soil. Not for the tick.
+/// @throws InvalidParameter as LabBed and where lengths or the speed are not above 0; Failure as LabBed::run(), and
+/// when the tool never touches the soil. Not for the tick.
 [[nodiscard]] PushCurve pushIntoBed(const LabConditions& conditions, const Push& push);
 
 /// Force at a depth between the first and the last reading, in N: linear between readings.
