@@ -34,7 +34,8 @@ int threadsFor(int wanted) {
 }  // namespace
 
 void LabOptions::addTo(CLI::App& command) {
-  command.add_option("--soil", soil, "a named soil (haptolith soil list), a soil file, or P1 to P6")->capture_default_str();
+  command.add_option("--soil", soil, "a named soil (haptolith soil list), a soil file, or P1 to P6")
+      ->capture_default_str();
   std::map<std::string, FrictionModel> models;
   for (const auto& word : kFrictionWords) {
     models.emplace(word.name, word.value);
@@ -84,7 +85,7 @@ LabConditions labConditions(const LabOptions& options, const LabSoil& soil, Stat
 }
 
 nlohmann::ordered_json circumstancesJson(const LabOptions& options, const LabSoil& soil,
-                                       const LabConditions& conditions) {
+                                         const LabConditions& conditions) {
   return {{"soil", soil.name},
           {"friction", wordFor(kFrictionWords, conditions.soil.friction)},
           {"body", findBody(options.body).name},

@@ -46,7 +46,7 @@ struct LabSoil {
 
 /// What every test says about its circumstances.
 [[nodiscard]] nlohmann::ordered_json circumstancesJson(const LabOptions& options, const LabSoil& soil,
-                                                     const LabConditions& conditions);
+                                                       const LabConditions& conditions);
 [[nodiscard]] std::string circumstancesText(const LabOptions& options, const LabSoil& soil,
                                             const LabConditions& conditions);
 

@@ -75,8 +75,8 @@ std::string nameOf(const LabTest& test) {
 void addRows(ReportPage& page, const LabTest& test, const Outcome& pairwise, const Outcome& paper) {
   const Outcome& either = pairwise.output ? pairwise : paper;
   if (!either.output) {
-    page.rows.push_back({nameOf(test), test.description, "", {pairwise.why_not, Verdict::kFail},
-                         {paper.why_not, Verdict::kFail}});
+    page.rows.push_back(
+        {nameOf(test), test.description, "", {pairwise.why_not, Verdict::kFail}, {paper.why_not, Verdict::kFail}});
     return;
   }
   for (std::size_t i = 0; i < either.output->findings.size(); ++i) {
@@ -118,9 +118,9 @@ void runReport(const LabOptions& options, const std::string& out_file) {
     for (const FrictionModel model : {FrictionModel::kPairwise, FrictionModel::kPaper}) {
       soil.soil.friction = model;
       conditions.progress = [&](std::string_view what, double share) {
-        return progress(fmt::format("[{}/{}] {}, {}: {}", i + 1, tests.size(), test.name,
-                                    wordFor(kFrictionWords, model), what),
-                        share);
+        return progress(
+            fmt::format("[{}/{}] {}, {}: {}", i + 1, tests.size(), test.name, wordFor(kFrictionWords, model), what),
+            share);
       };
       Outcome& outcome = outcomes[model == FrictionModel::kPaper ? 1 : 0];
       outcome = tryTest(test, soil, conditions);

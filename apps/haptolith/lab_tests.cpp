@@ -47,13 +47,14 @@ LabFinding near(std::string measured, std::string target, std::string value, dou
 
 /// An option in mm for a length in m.
 void addMm(CLI::App& command, const std::string& name, double& length_m, const std::string& help) {
-  command.add_option_function<double>(name, [&length_m](double mm) { length_m = mm * kMm; },
-                                      fmt::format("{} [{:g}]", help, length_m / kMm));
+  command.add_option_function<double>(
+      name, [&length_m](double mm) { length_m = mm * kMm; }, fmt::format("{} [{:g}]", help, length_m / kMm));
 }
 
 void addDegrees(CLI::App& command, const std::string& name, double& angle_rad, const std::string& help) {
-  command.add_option_function<double>(name, [&angle_rad](double deg) { angle_rad = radians(deg); },
-                                      fmt::format("{} [{:.3g}]", help, degrees(angle_rad)));
+  command.add_option_function<double>(
+      name, [&angle_rad](double deg) { angle_rad = radians(deg); },
+      fmt::format("{} [{:.3g}]", help, degrees(angle_rad)));
 }
 
 // --- settle ----------------------------------------------------------------------------------------------------------
@@ -72,9 +73,9 @@ LabOutput settleOutput(const LabConditions& conditions, const SettleOptions& opt
                          {"density_kg_m3", band.density_kg_m3},
                          {"measured_kg_m3", measured.density_kg_m3},
                          {"measured_tolerance_kg_m3", measured.tolerance_kg_m3}});
-        output.text += fmt::format("  {:>4.0f} - {:<3.0f}   {:>14.0f}        {:.0f} ± {:.0f}\n", band.top_m * 100,
-                                   band.bottom_m * 100, band.density_kg_m3, measured.density_kg_m3,
-                                   measured.tolerance_kg_m3);
+        output.text +=
+            fmt::format("  {:>4.0f} - {:<3.0f}   {:>14.0f}        {:.0f} ± {:.0f}\n", band.top_m * 100,
+                        band.bottom_m * 100, band.density_kg_m3, measured.density_kg_m3, measured.tolerance_kg_m3);
         output.findings.push_back(near(
             fmt::format("density {:.0f} - {:.0f} cm", band.top_m * 100, band.bottom_m * 100),
             fmt::format("{:.0f} ± {:.0f} kg/m³ (Lunar Sourcebook)", measured.density_kg_m3, measured.tolerance_kg_m3),
@@ -98,11 +99,13 @@ LabTest settle() {
   auto own = std::make_shared<SettleOptions>();
   return {.name = "settle",
           .description = "Density with depth of soil that has settled under its own weight",
-          .examples = "  haptolith lab settle\n"
-                      "  haptolith lab settle --soil dry-sand --body Earth --figure density.svg",
-          .add_options = [own](CLI::App& command) {
-            command.add_option("--depth-m", own->depth_m, "depth of the column at least")->capture_default_str();
-          },
+          .examples =
+              "  haptolith lab settle\n"
+              "  haptolith lab settle --soil dry-sand --body Earth --figure density.svg",
+          .add_options =
+              [own](CLI::App& command) {
+                command.add_option("--depth-m", own->depth_m, "depth of the column at least")->capture_default_str();
+              },
           .run = [own](const LabSoil&, const LabConditions& conditions) { return settleOutput(conditions, *own); }};
 }
 
@@ -171,9 +174,10 @@ LabTest shear() {
   auto own = std::make_shared<ShearOptions>();
   return {.name = "shear",
           .description = "Direct shear between rough plates: friction angle and cohesion",
-          .examples = "  haptolith lab shear\n"
-                      "  haptolith lab shear --soil dry-sand --figure shear.svg\n"
-                      "  haptolith lab shear --friction paper --json",
+          .examples =
+              "  haptolith lab shear\n"
+              "  haptolith lab shear --soil dry-sand --figure shear.svg\n"
+              "  haptolith lab shear --friction paper --json",
           .add_options =
               [own](CLI::App& command) {
                 command.add_option("--normal-pa", own->normal_stresses_pa, "normal stresses, three or more")
@@ -182,9 +186,8 @@ LabTest shear() {
                 command.add_option("--strain", own->strain, "how far the plate goes over the specimen's height")
                     ->capture_default_str();
               },
-          .run = [own](const LabSoil& soil, const LabConditions& conditions) {
-            return shearOutput(soil, conditions, *own);
-          }};
+          .run = [own](const LabSoil& soil,
+                       const LabConditions& conditions) { return shearOutput(soil, conditions, *own); }};
 }
 
 // --- repose ----------------------------------------------------------------------------------------------------------
@@ -216,19 +219,20 @@ LabOutput reposeOutput(const LabSoil& soil, const LabConditions& conditions, con
 
 LabTest repose() {
   auto own = std::make_shared<ReposeOptions>();
-  return {.name = "repose",
-          .description = "A tube of soil lifted off a rough floor: angle of repose",
-          .examples = "  haptolith lab repose --soil dry-sand --body Earth --figure heap.png\n"
-                      "  haptolith lab repose --soil dry-sand --body Ceres",
-          .without_cohesion = true,
-          .add_options =
-              [own](CLI::App& command) {
-                command.add_option("--tube-radius", own->tube_radius, "in radii of a particle")->capture_default_str();
-                command.add_option("--fill", own->fill, "height of the soil in the tube, in radii")->capture_default_str();
-              },
-          .run = [own](const LabSoil& soil, const LabConditions& conditions) {
-            return reposeOutput(soil, conditions, *own);
-          }};
+  return {
+      .name = "repose",
+      .description = "A tube of soil lifted off a rough floor: angle of repose",
+      .examples =
+          "  haptolith lab repose --soil dry-sand --body Earth --figure heap.png\n"
+          "  haptolith lab repose --soil dry-sand --body Ceres",
+      .without_cohesion = true,
+      .add_options =
+          [own](CLI::App& command) {
+            command.add_option("--tube-radius", own->tube_radius, "in radii of a particle")->capture_default_str();
+            command.add_option("--fill", own->fill, "height of the soil in the tube, in radii")->capture_default_str();
+          },
+      .run = [own](const LabSoil& soil,
+                   const LabConditions& conditions) { return reposeOutput(soil, conditions, *own); }};
 }
 
 // --- cut -------------------------------------------------------------------------------------------------------------
@@ -236,19 +240,21 @@ LabTest repose() {
 LabOutput cutOutput(const LabSoil& soil, const LabConditions& conditions, const CutOptions& options) {
   const CutResult result = verticalCutTest(conditions, options);
   LabOutput output;
-  output.text = fmt::format("  a vertical cut of {:.0f} mm {}\n  {:.0f} % of its height is left, its toe went {:.0f} mm ahead\n",
-                            options.height_m / kMm, result.stands ? "stands" : "does not stand",
-                            100 * result.height_kept, result.toe_ahead_m / kMm);
+  output.text =
+      fmt::format("  a vertical cut of {:.0f} mm {}\n  {:.0f} % of its height is left, its toe went {:.0f} mm ahead\n",
+                  options.height_m / kMm, result.stands ? "stands" : "does not stand", 100 * result.height_kept,
+                  result.toe_ahead_m / kMm);
   output.json = {{"height_m", options.height_m},
                  {"stands", result.stands},
                  {"height_kept", result.height_kept},
                  {"crest_back_m", result.crest_back_m},
                  {"toe_ahead_m", result.toe_ahead_m}};
   const bool cohesive = soil.target && soil.target->cohesion_pa >= 100;
-  output.findings = {{fmt::format("vertical cut of {:.0f} mm", options.height_m / kMm),
-                      cohesive ? "stands, as the astronauts' trenches did" : "falls, without cohesion",
-                      result.stands ? "stands" : fmt::format("{:.0f} % of the height is left", 100 * result.height_kept),
-                      soil.target ? verdict(result.stands == cohesive) : Verdict::kInfo}};
+  output.findings = {
+      {fmt::format("vertical cut of {:.0f} mm", options.height_m / kMm),
+       cohesive ? "stands, as the astronauts' trenches did" : "falls, without cohesion",
+       result.stands ? "stands" : fmt::format("{:.0f} % of the height is left", 100 * result.height_kept),
+       soil.target ? verdict(result.stands == cohesive) : Verdict::kInfo}};
   output.trace = result.trace;
   output.draw = [result](const std::string& path, const std::string&) { drawCut(path, result); };
   return output;
@@ -256,14 +262,14 @@ LabOutput cutOutput(const LabSoil& soil, const LabConditions& conditions, const 
 
 LabTest cut() {
   auto own = std::make_shared<CutOptions>();
-  return {.name = "cut",
-          .description = "A vertical cut whose support is taken away: does it stand?",
-          .examples = "  haptolith lab cut\n"
-                      "  haptolith lab cut --soil dry-sand --figure cut.png",
-          .add_options = [own](CLI::App& command) { addMm(command, "--height-mm", own->height_m, "of the cut"); },
-          .run = [own](const LabSoil& soil, const LabConditions& conditions) {
-            return cutOutput(soil, conditions, *own);
-          }};
+  return {
+      .name = "cut",
+      .description = "A vertical cut whose support is taken away: does it stand?",
+      .examples =
+          "  haptolith lab cut\n"
+          "  haptolith lab cut --soil dry-sand --figure cut.png",
+      .add_options = [own](CLI::App& command) { addMm(command, "--height-mm", own->height_m, "of the cut"); },
+      .run = [own](const LabSoil& soil, const LabConditions& conditions) { return cutOutput(soil, conditions, *own); }};
 }
 
 // --- plate and cone --------------------------------------------------------------------------------------------------
@@ -378,10 +384,10 @@ LabOutput bladeOutput(const LabSoil& soil, const LabConditions& conditions, Blad
                  {"bulk_density_kg_m3", result.bulk_density_kg_m3},
                  {"particles", result.particles}};
   const double ratio = result.draft_n / result.earthmoving_draft_n;
-  output.findings = {near(fmt::format("draft of a blade {:.0f} mm wide, {:.0f} mm deep", result.width_m / kMm,
-                                      result.depth_m / kMm),
-                          fmt::format("{:.3g} N ± 40 % (earthmoving equation)", result.earthmoving_draft_n),
-                          fmt::format("{:.3g} N ({:.2f} of it)", result.draft_n, ratio), ratio - 1, 0.4)};
+  output.findings = {
+      near(fmt::format("draft of a blade {:.0f} mm wide, {:.0f} mm deep", result.width_m / kMm, result.depth_m / kMm),
+           fmt::format("{:.3g} N ± 40 % (earthmoving equation)", result.earthmoving_draft_n),
+           fmt::format("{:.3g} N ({:.2f} of it)", result.draft_n, ratio), ratio - 1, 0.4)};
   if (!soil.target) {
     output.findings.front().verdict = Verdict::kInfo;
   }
@@ -402,9 +408,8 @@ LabTest blade() {
                 addMm(command, "--depth-mm", own->depth_m, "depth of its lower edge");
                 addDegrees(command, "--rake-deg", own->rake_rad, "angle between blade and path");
               },
-          .run = [own](const LabSoil& soil, const LabConditions& conditions) {
-            return bladeOutput(soil, conditions, *own);
-          }};
+          .run = [own](const LabSoil& soil,
+                       const LabConditions& conditions) { return bladeOutput(soil, conditions, *own); }};
 }
 
 // --- funnel ----------------------------------------------------------------------------------------------------------
@@ -440,8 +445,7 @@ LabOutput funnelOutput(const LabConditions& conditions, const FunnelOptions& opt
                  {"points", points}};
   output.findings = {near("discharge exponent", "2.5 ± 0.3 (Beverloo 1961)", fmt::format("{:.2f}", result.fit.exponent),
                           result.fit.exponent - 2.5, 0.3),
-                     {"clogs",
-                      "below about 4 particle diameters, not above 8",
+                     {"clogs", "below about 4 particle diameters, not above 8",
                       widest_clogged > 0 ? fmt::format("up to {:.1f} diameters", widest_clogged) : "never",
                       verdict(widest_clogged > 0 && widest_clogged <= 8 && narrowest_running >= 3)}};
   output.trace = result.trace;
@@ -453,8 +457,9 @@ LabTest funnel() {
   auto own = std::make_shared<FunnelOptions>();
   return {.name = "funnel",
           .description = "Discharge through openings: Beverloo's exponent, clogging",
-          .examples = "  haptolith lab funnel --soil dry-sand --body Earth\n"
-                      "  haptolith lab funnel --opening 2,4,6,8,10",
+          .examples =
+              "  haptolith lab funnel --soil dry-sand --body Earth\n"
+              "  haptolith lab funnel --opening 2,4,6,8,10",
           .without_cohesion = true,
           .add_options =
               [own](CLI::App& command) {
@@ -483,8 +488,8 @@ LabOutput carryOutput(const LabConditions& conditions, const CarryOptions& optio
                  {"carried_kg", result.carried_kg},     {"left_kg", result.left_kg}};
   output.findings = {near("weight felt over weight", "1 ± 3 % (Newton)", fmt::format("{:.3f}", result.weight_ratio),
                           result.weight_ratio - 1, 0.03),
-                     near("drag felt over weight, 0.1 m/s", "below 3 % (Newton)", fmt::format("{:.3f}", result.drag_ratio),
-                          result.drag_ratio, 0.03)};
+                     near("drag felt over weight, 0.1 m/s", "below 3 % (Newton)",
+                          fmt::format("{:.3f}", result.drag_ratio), result.drag_ratio, 0.03)};
   output.trace = result.trace;
   output.draw = [result](const std::string& path, const std::string& title) { drawCarry(path, result, title); };
   return output;
@@ -506,7 +511,8 @@ LabTest carry() {
 LabOutput fallOutput(const LabConditions& conditions, const FallOptions& options) {
   const FallResult result = fallTest(conditions, options);
   LabOutput output;
-  output.text = fmt::format("  acceleration / g   {:.5f}   ({} particles)\n", result.acceleration_ratio, result.particles);
+  output.text =
+      fmt::format("  acceleration / g   {:.5f}   ({} particles)\n", result.acceleration_ratio, result.particles);
   output.json = {{"acceleration_ratio", result.acceleration_ratio}, {"particles", result.particles}};
   output.findings = {near("acceleration of a falling clump over g", "1 ± 0.1 % (Newton)",
                           fmt::format("{:.5f}", result.acceleration_ratio), result.acceleration_ratio - 1, 0.001)};

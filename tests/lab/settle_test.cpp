@@ -4,6 +4,7 @@
 
 #include "haptolith/core/error.h"
 #include "haptolith/soil/lunar_density.h"
+
 #include "lab_soils.h"
 
 namespace haptolith {

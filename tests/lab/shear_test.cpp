@@ -6,6 +6,7 @@
 #include <numbers>
 
 #include "haptolith/core/error.h"
+
 #include "lab_soils.h"
 
 namespace haptolith {

@@ -1,10 +1,10 @@
 #include "haptolith/lab/calibrate_soil.h"
 
+#include <boost/math/tools/toms748_solve.hpp>
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <array>
-#include <boost/math/tools/toms748_solve.hpp>
 #include <cmath>
 #include <numbers>
 #include <vector>
@@ -23,8 +23,8 @@ double degrees(double radians) {
   return radians * 180 / std::numbers::pi;
 }
 
-/// Contacts of lunar soil: gamma and rho_max / rho0 give the measured density with depth, k carries 3 kPa with an overlap
-/// that still leaves the particles round, and the sizes differ enough that they never crystallise.
+/// Contacts of lunar soil: gamma and rho_max / rho0 give the measured density with depth, k carries 3 kPa with an
+/// overlap that still leaves the particles round, and the sizes differ enough that they never crystallise.
 SoilParameters lunarContacts() {
   SoilParameters soil;
   soil.radius_m = kTableRadius_m;
@@ -124,8 +124,7 @@ SoilParameters withContact(SoilParameters soil, const Contact& contact) {
 }
 
 /// rho0 and rho_max for which a settled column has the wanted mean density over its upper 15 cm.
-void calibrateDensity(SoilParameters& soil, double bulk_density, const CalibrateSoilOptions& options,
-                      double& reached) {
+void calibrateDensity(SoilParameters& soil, double bulk_density, const CalibrateSoilOptions& options, double& reached) {
   constexpr double kDepth_m = 0.15;
   constexpr int kRounds = 3;
   for (int round = 0; round < kRounds; ++round) {
@@ -221,8 +220,8 @@ CalibratedSoil calibrateSoil(const SoilTarget& target, const CalibrateSoilOption
   result.soil = withContact(soil, contact);
   result.soil.mu_hat = std::tan(wanted.angle_deg * std::numbers::pi / 180) / std::sqrt(6.0);  // (paper 17)
 
-  const std::vector<Strength> verified = shear(result.soil, target.strength, options, options.seed + 1000,
-                                               options.verification_seeds);
+  const std::vector<Strength> verified =
+      shear(result.soil, target.strength, options, options.seed + 1000, options.verification_seeds);
   result.reached.friction_angle_deg = mean(verified, &Strength::angle_deg);
   result.reached.friction_angle_sd_deg = standardDeviation(verified, &Strength::angle_deg);
   result.reached.cohesion_pa = mean(verified, &Strength::cohesion_pa);

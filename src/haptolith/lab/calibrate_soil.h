@@ -34,9 +34,9 @@ inline constexpr double kMostCohesion_pa = 4500;
 ///
 /// The shape of the contact law is that of lunar soil, whose density with depth it reproduces (docs/soils.md); rho0 and
 /// rho_max are scaled together until the mean density of the upper 15 cm of a settled column is the target's. Contact
-/// friction and cohesion start from a table of simulated shear tests, and are then corrected by shear tests of this very
-/// soil until its line lies within 0.5 degrees and 6 % (or 20 Pa) of the target; at last `verification_seeds` other
-/// specimens are sheared, and what they showed is reported as it came.
+/// friction and cohesion start from a table of simulated shear tests, and are then corrected by shear tests of this
+/// very soil until its line lies within 0.5 degrees and 6 % (or 20 Pa) of the target; at last `verification_seeds`
+/// other specimens are sheared, and what they showed is reported as it came.
 /// @param target  residual or peak strength; 1000 to 2500 kg/m^3, 20 to 52 degrees, 0 to 4500 Pa.
 /// @throws InvalidParameter for a target out of reach, with the reachable range; Failure as shearTest().
 [[nodiscard]] CalibratedSoil calibrateSoil(const SoilTarget& target, const CalibrateSoilOptions& options = {});

@@ -1,8 +1,7 @@
 #include "haptolith/lab/fall.h"
 
-#include <fmt/format.h>
-
 #include <Eigen/Cholesky>
+#include <fmt/format.h>
 
 #include <cmath>
 
@@ -104,9 +103,10 @@ void drawFall(const std::filesystem::path& path, const FallResult& result, std::
   figure.command(fmt::format("set title {}", gnuplotQuoted(title)));
   figure.command("set xlabel 'time / s'; set ylabel 'fallen / m'; set grid lc '#dddddd'");
   figure.command("set yrange [*:*] reverse; set key bottom left");
-  figure.command(fmt::format("plot $fall using 1:3 with lines lw 6 lc '#bbbbbb' title 'free fall', "
-                             "$fall using 1:2 with lines lw 2 lc '#1f6fb4' title 'clump, {:.4f} g'",
-                             result.acceleration_ratio));
+  figure.command(
+      fmt::format("plot $fall using 1:3 with lines lw 6 lc '#bbbbbb' title 'free fall', "
+                  "$fall using 1:2 with lines lw 2 lc '#1f6fb4' title 'clump, {:.4f} g'",
+                  result.acceleration_ratio));
   figure.save();
 }
 

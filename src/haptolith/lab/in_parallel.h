@@ -12,8 +12,8 @@ namespace haptolith {
 /// share anything they write. @throws what the first failing piece threw, after the running ones have ended.
 void inParallel(std::size_t count, int threads, const std::function<void(std::size_t)>& work);
 
-/// Conditions for piece `index` of `count` equal pieces that run in parallel: one thread each, and a progress that tells
-/// `conditions.progress`, one thread at a time, how far all of them together are.
+/// Conditions for piece `index` of `count` equal pieces that run in parallel: one thread each, and a progress that
+/// tells `conditions.progress`, one thread at a time, how far all of them together are.
 class SharedProgress {
  public:
   SharedProgress(const LabConditions& conditions, std::size_t count);

@@ -16,7 +16,6 @@ namespace {
 
 constexpr double kTick_s = 1e-3;
 constexpr int kMostSubsteps = 1000;
-constexpr double kLongestSettling_s = 20;  // simulated; soil that is not at rest by then never will be
 
 /// Share of the volume that spheres fill when they jam at random (O'Hern et al. 2003: 0.64 for equal ones).
 constexpr double kRandomPacking = 0.64;
@@ -221,12 +220,15 @@ void LabBed::run(double duration_s, std::string_view what, const std::function<v
 }
 
 void LabBed::settle(Preparation preparation) {
+  // Falling soil is slowed down to a speed in proportion to gravity: 20 s are enough on the Moon, on Ceres they are
+  // not.
+  const double longest_s = 20 * std::max(1.0, 1.625 / conditions_.gravity_m_s2);
   if (preparation == Preparation::kDense) {
     bed_.setSettling(true);
-    settleUntilRest(kLongestSettling_s, "the soil settles");
+    settleUntilRest(longest_s, "the soil settles");
   }
   bed_.setSettling(false);
-  settleUntilRest(kLongestSettling_s, "the soil comes to rest");
+  settleUntilRest(longest_s, "the soil comes to rest");
 }
 
 void LabBed::settleUntilRest(double longest_s, std::string_view what) {

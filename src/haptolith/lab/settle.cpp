@@ -61,7 +61,8 @@ SettleResult settleTest(const LabConditions& conditions, const SettleOptions& op
   std::sort(heights.begin(), heights.end(), std::greater<>());
   const double mass = lab.bed().mass();
   const auto massAbove = [&](double z) {
-    return mass * static_cast<double>(std::lower_bound(heights.begin(), heights.end(), z, std::greater<>()) - heights.begin());
+    return mass *
+           static_cast<double>(std::lower_bound(heights.begin(), heights.end(), z, std::greater<>()) - heights.begin());
   };
   const double roof = heights[heights.size() / 100];  // where soil is as dense as below, nearly
   const double reference = 4 * conditions.soil.radius_m;

@@ -33,7 +33,8 @@ class ShearCell {
     lab_.bed().setGravity(Vec3::Zero());
     load_n_ = normal_pa * area();
     plate_mass_kg_ = lab_.bed().mass() * area() / std::pow(2 * conditions_.soil.radius_m, 2);
-    damping_n_s_m_ = std::sqrt(plate_mass_kg_ * conditions_.soil.stiffness_n_m * area()) / (2 * conditions_.soil.radius_m) * kPlateDamping;
+    damping_n_s_m_ = std::sqrt(plate_mass_kg_ * conditions_.soil.stiffness_n_m * area()) /
+                     (2 * conditions_.soil.radius_m) * kPlateDamping;
     constexpr double kLongest_s = 20;
     constexpr double kBetweenLooks_s = 0.1;
     double waited = 0;
@@ -47,7 +48,8 @@ class ShearCell {
       });
       waited += kBetweenLooks_s;
       carried_n_ = carried / steps;
-    } while ((std::abs(carried_n_ - load_n_) > 0.01 * load_n_ || std::abs(vertical_m_s_) > 1e-4) && waited < kLongest_s);
+    } while ((std::abs(carried_n_ - load_n_) > 0.01 * load_n_ || std::abs(vertical_m_s_) > 1e-4) &&
+             waited < kLongest_s);
     if (std::abs(carried_n_ - load_n_) > 0.2 * load_n_) {
       throw Failure(fmt::format("the specimen does not hold a plate with {:g} Pa: it carries {:.3g} Pa", normal_pa,
                                 carried_n_ / area()));
@@ -89,8 +91,7 @@ class ShearCell {
     const SoilParameters& soil = conditions.soil;
     const double r = soil.radius_m;
     const double volume = box.width_m * box.length_m * options.height_diameters * 2 * r;
-    const std::vector<Vec3> loose =
-        looseSoil(soil, box, particlesFor(soil, volume), 4 * r, conditions.seed);
+    const std::vector<Vec3> loose = looseSoil(soil, box, particlesFor(soil, volume), 4 * r, conditions.seed);
     return {conditions,
             box,
             loose,
@@ -226,7 +227,8 @@ void drawShear(const std::filesystem::path& path, const ShearResult& result, std
   }
   figure.data("points", points);
   figure.command(fmt::format("set multiplot layout 1,2 title {}; set grid lc '#dddddd'", gnuplotQuoted(title)));
-  figure.command("set xlabel 'displacement / mm'; set ylabel 'shear stress / normal stress'; set key top right; set yrange [0:*]");
+  figure.command(
+      "set xlabel 'displacement / mm'; set ylabel 'shear stress / normal stress'; set key top right; set yrange [0:*]");
   std::string curves;
   for (std::size_t i = 0; i < result.points.size(); ++i) {
     const ShearPointResult& point = result.points[i];
@@ -246,13 +248,14 @@ void drawShear(const std::filesystem::path& path, const ShearResult& result, std
     return fmt::format("{}: {:.1f} deg, {:.0f} Pa", what, fit.friction_angle_rad * 180 / std::numbers::pi,
                        fit.cohesion_pa);
   };
-  figure.command(fmt::format("set xlabel 'normal stress / kPa'; set ylabel 'shear stress / kPa'; set key top left; "
-                             "set xrange [0:{:g}]; set yrange [0:*]",
-                             1.1 * largest));
-  figure.command(fmt::format("plot $points using 1:2 with points pt 9 ps 1.3 lc '#d2691e' notitle, {} lw 2 dt 2 lc '#d2691e' title '{}', "
-                             "$points using 1:3 with points pt 7 ps 1.2 lc '#1f6fb4' notitle, {} lw 2 lc '#1f6fb4' title '{}'",
-                             line(result.peak), label("peak", result.peak), line(result.residual),
-                             label("residual", result.residual)));
+  figure.command(
+      fmt::format("set xlabel 'normal stress / kPa'; set ylabel 'shear stress / kPa'; set key top left; "
+                  "set xrange [0:{:g}]; set yrange [0:*]",
+                  1.1 * largest));
+  figure.command(fmt::format(
+      "plot $points using 1:2 with points pt 9 ps 1.3 lc '#d2691e' notitle, {} lw 2 dt 2 lc '#d2691e' title '{}', "
+      "$points using 1:3 with points pt 7 ps 1.2 lc '#1f6fb4' notitle, {} lw 2 lc '#1f6fb4' title '{}'",
+      line(result.peak), label("peak", result.peak), line(result.residual), label("residual", result.residual)));
   figure.save();
 }
 

@@ -2,7 +2,6 @@
 
 #include <filesystem>
 #include <string_view>
-
 #include <vector>
 
 #include "haptolith/lab/laboratory.h"
@@ -13,8 +12,8 @@ namespace haptolith {
 /// How a direct shear test is done. Lengths in mean particle diameters.
 struct ShearOptions {
   std::vector<double> normal_stresses_pa{300, 600, 1000, 2000, 3000};  ///< at least 3 different ones, each above 0
-  double width_diameters = 14;   ///< along the movement, >= 6
-  double length_diameters = 10;  ///< across it, >= 6
+  double width_diameters = 14;                                         ///< along the movement, >= 6
+  double length_diameters = 10;                                        ///< across it, >= 6
   double height_diameters = 10;  ///< of the soil between the plates before it is loaded, >= 5
   /// How far the upper plate goes over the soil's height. Dense soil dilates until about 1.5; what follows is residual.
   double strain = 6;

@@ -124,7 +124,7 @@ std::string linesOf(std::string_view table, const SoilFile& file) {
 bool isOfOtherModel(std::string_view key, FrictionModel friction) {
   constexpr std::array<std::string_view, 3> kPaper{"mu_hat", "attraction_ratio", "moving_friction_ratio"};
   constexpr std::array<std::string_view, 6> kPairwise{"contact_friction", "contact_cohesion_n", "cohesion_range_ratio",
-                                                      "tangential_ratio", "damping_ratio", "size_spread"};
+                                                      "tangential_ratio", "damping_ratio",      "size_spread"};
   return friction == FrictionModel::kPairwise ? std::ranges::find(kPaper, key) != kPaper.end()
                                               : std::ranges::find(kPairwise, key) != kPairwise.end();
 }

@@ -73,9 +73,8 @@ class FrictionalTool {
 
     const Vec3 sliding = -meeting.approach() + closing * n;  // of the particle along the tool
     law::Triple<double> slip{slip_m.x(), slip_m.y(), slip_m.z()};
-    const law::Triple<double> drag =
-        law::frictionForce<double>(friction_, limit, {n.x(), n.y(), n.z()},
-                                   {sliding.x(), sliding.y(), sliding.z()}, slip);
+    const law::Triple<double> drag = law::frictionForce<double>(friction_, limit, {n.x(), n.y(), n.z()},
+                                                                {sliding.x(), sliding.y(), sliding.z()}, slip);
     slip_m = {slip.x, slip.y, slip.z};
     Answer answer;
     answer.on_particle_n = (push - adhesion.pull) * n + Vec3(drag.x, drag.y, drag.z);
