@@ -32,6 +32,7 @@ using Json = nlohmann::ordered_json;
 void runTest(const LabTest& test, const LabOptions& options) {
   const StopOnSignal stop_on_signal;
   StatusLine status;
+  requireWritable({options.trace_file, options.figure_file});
   const LabSoil soil = labSoil(options, test.radius_mm);
   const LabConditions conditions = labConditions(options, soil, status);
   const LabOutput output = test.run(soil, conditions);
@@ -80,6 +81,7 @@ void runCalibrateSoil(const CalibrateCommand& command) {
   LabOptions lab;
   lab.threads = command.threads;
   const LabConditions conditions = labConditions(lab, labSoil(lab, 0), status);
+  requireWritable({command.out_file});
   CalibrateSoilOptions options;
   requireInRange("radius_mm", command.radius_mm, {0.5, 20});
   options.radius_m = command.radius_mm / 1e3;

@@ -100,6 +100,14 @@ std::string circumstancesText(const LabOptions& options, const LabSoil& soil, co
                      conditions.soil.radius_m / kMm, conditions.seed);
 }
 
+void requireWritable(std::initializer_list<std::string> paths) {
+  for (const std::string& path : paths) {
+    if (!path.empty()) {
+      const AtomicFile left_unfinished(path);
+    }
+  }
+}
+
 void saveTrace(const std::string& path, const LabTrace& trace) {
   AtomicFile file(path);
   file.write(fmt::format("{}\n", fmt::join(trace.columns, ",")));

@@ -3,6 +3,7 @@
 #include <nlohmann/json.hpp>
 
 #include <cstdint>
+#include <initializer_list>
 #include <optional>
 #include <string>
 
@@ -49,6 +50,10 @@ struct LabSoil {
                                                        const LabConditions& conditions);
 [[nodiscard]] std::string circumstancesText(const LabOptions& options, const LabSoil& soil,
                                             const LabConditions& conditions);
+
+/// Hours of work must not end in a file that cannot be written: tries each path that is not empty.
+/// @throws Failure with the path and the system's reason.
+void requireWritable(std::initializer_list<std::string> paths);
 
 /// Writes a trace as CSV, whole or not at all.
 void saveTrace(const std::string& path, const LabTrace& trace);

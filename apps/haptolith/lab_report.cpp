@@ -94,6 +94,7 @@ void addRows(ReportPage& page, const LabTest& test, const Outcome& pairwise, con
 
 void runReport(const LabOptions& options, const std::string& out_file) {
   const StopOnSignal stop_on_signal;
+  requireWritable({out_file});
   const TemporaryFolder folder;
   StatusLine status;
   LabSoil soil = labSoil(options, 0);

@@ -3,6 +3,7 @@
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <memory>
 #include <numbers>
@@ -357,10 +358,21 @@ LabTest cone() {
 
 // --- blade -----------------------------------------------------------------------------------------------------------
 
-LabOutput bladeOutput(const LabSoil& soil, const LabConditions& conditions, BladeOptions options) {
-  if (soil.target) {  // what the soil is calibrated for is what the equation is told
-    options.friction_angle_rad = radians(soil.target->friction_angle_deg);
-    options.cohesion_pa = conditions.soil.contact_cohesion_n > 0 ? soil.target->cohesion_pa : 0;
+/// The equation describes how undisturbed soil first fails, so it is told what the same soil carries at most, under
+/// stresses as they are before a blade.
+MohrCoulomb peakStrength(const LabConditions& conditions) {
+  ShearOptions options;
+  options.normal_stresses_pa = {200, 400, 800};
+  options.strain = 1;
+  options.residual_from = 0.9;
+  return shearTest(conditions, options).peak;
+}
+
+LabOutput bladeOutput(const LabSoil& soil, const LabConditions& conditions, BladeOptions options, bool own_strength) {
+  if (!own_strength) {
+    const MohrCoulomb strength = peakStrength(conditions);
+    options.friction_angle_rad = std::clamp(strength.friction_angle_rad, radians(5), radians(59));
+    options.cohesion_pa = std::max(0.0, strength.cohesion_pa);
   }
   const BladeResult result = bladeTest(conditions, options);
   LabOutput output;
@@ -368,10 +380,11 @@ LabOutput bladeOutput(const LabSoil& soil, const LabConditions& conditions, Blad
       "                 measured           earthmoving equation\n"
       "  draft / N      {:7.3g} ± {:.2g}    {:7.3g}\n"
       "  downwards / N  {:7.3g} ± {:.2g}    {:7.3g}\n\n"
-      "  {:.0f} mm wide, {:.1f} mm deep, bulk density {:.0f} kg/m³, {} particles\n",
+      "  {:.0f} mm wide, {:.1f} mm deep, bulk density {:.0f} kg/m³, {} particles\n"
+      "  the equation is told {:.1f}° and {:.0f} Pa\n",
       result.draft_n, result.draft_se_n, result.earthmoving_draft_n, result.vertical_n, result.vertical_se_n,
       result.earthmoving_vertical_n, result.width_m / kMm, result.depth_m / kMm, result.bulk_density_kg_m3,
-      result.particles);
+      result.particles, degrees(options.friction_angle_rad), options.cohesion_pa);
   output.json = {{"width_mm", result.width_m / kMm},
                  {"depth_mm", result.depth_m / kMm},
                  {"rake_deg", degrees(options.rake_rad)},
@@ -381,6 +394,8 @@ LabOutput bladeOutput(const LabSoil& soil, const LabConditions& conditions, Blad
                  {"vertical_se_n", result.vertical_se_n},
                  {"earthmoving_draft_n", result.earthmoving_draft_n},
                  {"earthmoving_vertical_n", result.earthmoving_vertical_n},
+                 {"friction_angle_deg", degrees(options.friction_angle_rad)},
+                 {"cohesion_pa", options.cohesion_pa},
                  {"bulk_density_kg_m3", result.bulk_density_kg_m3},
                  {"particles", result.particles}};
   const double ratio = result.draft_n / result.earthmoving_draft_n;
@@ -398,18 +413,30 @@ LabOutput bladeOutput(const LabSoil& soil, const LabConditions& conditions, Blad
 
 LabTest blade() {
   auto own = std::make_shared<BladeOptions>();
+  auto own_strength = std::make_shared<bool>(false);
   return {.name = "blade",
           .description = "A blade drawn at constant depth: draft, against the earthmoving equation",
-          .examples = "  haptolith lab blade --width-mm 50 --depth-mm 30 --rake-deg 90",
-          .radius_mm = 2.5,
+          .examples =
+              "  haptolith lab blade --width-mm 50 --depth-mm 30 --rake-deg 90\n"
+              "  haptolith lab blade --soil dry-sand --friction-angle-deg 35 --soil-cohesion-pa 0",
+          .radius_mm = 3,
           .add_options =
-              [own](CLI::App& command) {
+              [own, own_strength](CLI::App& command) {
                 addMm(command, "--width-mm", own->width_m, "width of the blade");
                 addMm(command, "--depth-mm", own->depth_m, "depth of its lower edge");
                 addDegrees(command, "--rake-deg", own->rake_rad, "angle between blade and path");
+                command.add_option_function<double>(
+                    "--friction-angle-deg",
+                    [own, own_strength](double deg) {
+                      own->friction_angle_rad = radians(deg);
+                      *own_strength = true;
+                    },
+                    "for the equation [the soil's peak strength, measured by shearing it]");
+                command.add_option("--soil-cohesion-pa", own->cohesion_pa, "for the equation, with --friction-angle-deg");
               },
-          .run = [own](const LabSoil& soil,
-                       const LabConditions& conditions) { return bladeOutput(soil, conditions, *own); }};
+          .run = [own, own_strength](const LabSoil& soil, const LabConditions& conditions) {
+            return bladeOutput(soil, conditions, *own, *own_strength);
+          }};
 }
 
 // --- funnel ----------------------------------------------------------------------------------------------------------

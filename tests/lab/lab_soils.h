@@ -8,8 +8,8 @@ namespace haptolith {
 inline SoilParameters testSoil(double contact_friction, double contact_cohesion_n) {
   SoilParameters soil;
   soil.gamma_nm = 6e-5;
-  soil.rho0_kg_m3 = 1400;
-  soil.rho_max_kg_m3 = 1824;
+  soil.rho0_kg_m3 = 1430;
+  soil.rho_max_kg_m3 = 1840;
   soil.stiffness_n_m = 3000;
   soil.friction = FrictionModel::kPairwise;
   soil.contact_friction = contact_friction;

@@ -29,8 +29,8 @@ SoilParameters lunarContacts() {
   SoilParameters soil;
   soil.radius_m = kTableRadius_m;
   soil.gamma_nm = 6e-5;
-  soil.rho0_kg_m3 = 1400;
-  soil.rho_max_kg_m3 = 1824;
+  soil.rho0_kg_m3 = 1430;
+  soil.rho_max_kg_m3 = 1840;
   soil.stiffness_n_m = 3000;
   soil.friction = FrictionModel::kPairwise;
   soil.size_spread = 0.15;
@@ -126,12 +126,12 @@ SoilParameters withContact(SoilParameters soil, const Contact& contact) {
 /// rho0 and rho_max for which a settled column has the wanted mean density over its upper 15 cm.
 void calibrateDensity(SoilParameters& soil, double bulk_density, const CalibrateSoilOptions& options, double& reached) {
   constexpr double kDepth_m = 0.15;
-  constexpr int kRounds = 3;
+  constexpr double kColumn_m = 0.3;  // deep enough that the floor has no say in the upper 15 cm
+  constexpr int kRounds = 2;
   for (int round = 0; round < kRounds; ++round) {
     const LabConditions column{soil, options.gravity_m_s2, options.seed, options.threads, options.progress};
-    reached = settleTest(column, {.depth_m = std::max(kDepth_m, 16 * soil.radius_m), .width_diameters = 14})
-                  .meanDensity(kDepth_m);
-    if (round + 1 < kRounds && std::abs(reached / bulk_density - 1) > 0.003) {
+    reached = settleTest(column, {.depth_m = std::max(kColumn_m, 16 * soil.radius_m)}).meanDensity(kDepth_m);
+    if (round + 1 < kRounds) {
       soil.rho0_kg_m3 *= bulk_density / reached;
       soil.rho_max_kg_m3 *= bulk_density / reached;
     }

@@ -1,0 +1,73 @@
+#include <gmock/gmock.h>
+#include <nlohmann/json.hpp>
+#include <unistd.h>
+
+#include <filesystem>
+#include <fstream>
+#include <string>
+
+#include "program.h"
+
+namespace haptolith {
+namespace {
+
+namespace fs = std::filesystem;
+using nlohmann::json;
+using testing::HasSubstr;
+
+class LabCommand : public testing::Test {
+ protected:
+  LabCommand() { fs::create_directories(folder_); }
+  ~LabCommand() override { fs::remove_all(folder_); }
+
+  fs::path folder_ = fs::temp_directory_path() / ("haptolith_lab_" + std::to_string(getpid()));
+};
+
+TEST_F(LabCommand, FallPrintsOneJsonObjectAndWritesFigureAndTrace) {
+  const fs::path figure = folder_ / "fall.svg";
+  const fs::path trace = folder_ / "fall.csv";
+  const ProgramResult result =
+      runHaptolith("lab fall --json --figure " + figure.string() + " --trace " + trace.string());
+  ASSERT_EQ(result.exit_status, 0) << result.errors;
+  const json answer = json::parse(result.output);
+  EXPECT_EQ(answer.at("test"), "fall");
+  EXPECT_EQ(answer.at("soil"), "lunar-0-15cm");
+  EXPECT_EQ(answer.at("friction"), "pairwise");
+  EXPECT_NEAR(answer.at("acceleration_ratio").get<double>(), 1, 1e-3);
+  EXPECT_GT(fs::file_size(figure), 1000U);
+  std::string header;
+  std::getline(std::ifstream(trace) >> std::ws, header);
+  EXPECT_EQ(header, "time_s,fallen_m,free_fall_m");
+}
+
+TEST_F(LabCommand, PaperFrictionHangsInSpace) {
+  const ProgramResult result = runHaptolith("lab fall --friction paper --json");
+  ASSERT_EQ(result.exit_status, 0) << result.errors;
+  EXPECT_LT(json::parse(result.output).at("acceleration_ratio").get<double>(), 0.1);
+}
+
+TEST_F(LabCommand, ImpossibleTargetsAreRefusedWithWhatCanBeReached) {
+  const std::string rest = " --bulk-density-kg-m3 1500 --json";
+  const ProgramResult angle = runHaptolith("lab calibrate --friction-angle-deg 80 --cohesion-pa 0" + rest);
+  EXPECT_EQ(angle.exit_status, 2);
+  EXPECT_THAT(angle.errors, HasSubstr("friction_angle_deg = 80 is not valid: must be 20 to 52"));
+  const ProgramResult cohesion = runHaptolith("lab calibrate --friction-angle-deg 40 --cohesion-pa 1e6" + rest);
+  EXPECT_EQ(cohesion.exit_status, 2);
+  EXPECT_THAT(cohesion.errors, HasSubstr("must be 0 to 4500"));
+}
+
+TEST_F(LabCommand, NonsenseIsRefused) {
+  EXPECT_EQ(runHaptolith("lab").exit_status, 2);
+  EXPECT_EQ(runHaptolith("lab dig").exit_status, 2);
+  const ProgramResult soil = runHaptolith("lab fall --soil lunar-0-51cm");
+  EXPECT_EQ(soil.exit_status, 2);
+  EXPECT_THAT(soil.errors, HasSubstr("lunar-0-15cm"));
+  EXPECT_EQ(runHaptolith("lab fall --body Nowhere").exit_status, 2);
+  EXPECT_EQ(runHaptolith("lab fall --friction none").exit_status, 2);
+  EXPECT_EQ(runHaptolith("lab fall --radius-mm -3").exit_status, 2);
+  EXPECT_EQ(runHaptolith("lab shear --normal-pa 100,200").exit_status, 2);
+  EXPECT_EQ(runHaptolith("lab fall --figure nowhere/at/all.svg").exit_status, 1);
+}
+
+}  // namespace
+}  // namespace haptolith
