@@ -72,6 +72,7 @@ struct CalibrateCommand {
   std::string name, source, out_file;
   std::uint64_t seed = 1;
   int threads = 0;
+  int specimens = CalibrateSoilOptions{}.verification_seeds;
   bool json = false;
 };
 
@@ -89,6 +90,7 @@ void runCalibrateSoil(const CalibrateCommand& command) {
   options.seed = command.seed;
   options.threads = conditions.threads;
   options.progress = conditions.progress;
+  options.verification_seeds = command.specimens;
   const CalibratedSoil result = calibrateSoil(command.target, options);
   status.clear();
   const SoilReached& reached = result.reached;
@@ -144,6 +146,8 @@ void addCalibrate(CLI::App& lab) {
   app->add_option("--out", command->out_file, "soil file to write, for --soil: FILE.toml");
   app->add_option("--name", command->name, "the soil's name in that file [the file's name]");
   app->add_option("--source", command->source, "where the target comes from, for that file");
+  app->add_option("--specimens", command->specimens, "to verify with, 2 or more, each from another seed")
+      ->capture_default_str();
   app->add_option("--seed", command->seed, "of the specimens")->capture_default_str();
   app->add_option("--threads", command->threads, "threads to use [all]")->check(CLI::Range(1, 256));
   app->add_flag("--json", command->json, "print one JSON object instead of a table");

@@ -432,11 +432,12 @@ LabTest blade() {
                       *own_strength = true;
                     },
                     "for the equation [the soil's peak strength, measured by shearing it]");
-                command.add_option("--soil-cohesion-pa", own->cohesion_pa, "for the equation, with --friction-angle-deg");
+                command.add_option("--soil-cohesion-pa", own->cohesion_pa,
+                                   "for the equation, with --friction-angle-deg");
               },
-          .run = [own, own_strength](const LabSoil& soil, const LabConditions& conditions) {
-            return bladeOutput(soil, conditions, *own, *own_strength);
-          }};
+          .run = [own, own_strength](
+                     const LabSoil& soil,
+                     const LabConditions& conditions) { return bladeOutput(soil, conditions, *own, *own_strength); }};
 }
 
 // --- funnel ----------------------------------------------------------------------------------------------------------
