@@ -16,7 +16,7 @@ struct alignas(16) Float4 {
 /// Float arrays that SIMD registers load whole: they begin at a cache line.
 template <class T>
 struct CacheAligned {
-  using value_type = T;
+  using value_type = T;  // NOLINT(readability-identifier-naming): the standard's name
   static constexpr std::align_val_t kLine{64};
 
   CacheAligned() = default;

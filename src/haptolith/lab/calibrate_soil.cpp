@@ -67,10 +67,10 @@ constexpr Table kPeak{{
     {{{40.1, 4120}, {46.3, 5450}, {49.2, 7084}, {54, 9000}}},
 }};
 
-template <std::size_t n>
-std::size_t cellOf(const std::array<double, n>& knots, double x) {
+template <std::size_t kKnots>
+std::size_t cellOf(const std::array<double, kKnots>& knots, double x) {
   std::size_t cell = 0;
-  while (cell + 2 < n && x > knots[cell + 1]) {
+  while (cell + 2 < kKnots && x > knots[cell + 1]) {
     ++cell;
   }
   return cell;
@@ -106,15 +106,15 @@ double crossing(double lowest, double highest, Function f) {
 /// The contact for which the surrogate has the wanted strength, as near as contacts go.
 Contact contactFor(const Table& table, const Strength& wanted) {
   constexpr double kLeastFriction = 0.1, kMostFriction = 0.85, kMostCohesion_n = 1.5;
-  const auto cohesionFor = [&](double friction) {
+  const auto cohesion_for = [&](double friction) {
     return wanted.cohesion_pa <= 0 ? 0 : crossing(0, kMostCohesion_n, [&](double cohesion) {
       return surrogate(table, {friction, cohesion}).cohesion_pa - wanted.cohesion_pa;
     });
   };
   const double friction = crossing(kLeastFriction, kMostFriction, [&](double mu) {
-    return surrogate(table, {mu, cohesionFor(mu)}).angle_deg - wanted.angle_deg;
+    return surrogate(table, {mu, cohesion_for(mu)}).angle_deg - wanted.angle_deg;
   });
-  return {friction, cohesionFor(friction)};
+  return {friction, cohesion_for(friction)};
 }
 
 SoilParameters withContact(SoilParameters soil, const Contact& contact) {

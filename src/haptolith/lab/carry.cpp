@@ -87,7 +87,7 @@ class Carried {
     const double began = bed_.time();
     Vec3 before = velocity ? velocity(0) : Vec3(Vec3::Zero());
     const auto lead = [&] {
-      const Vec3 now = velocity ? velocity(bed_.time() - began + bed_.dt()) : Vec3(Vec3::Zero());
+      Vec3 now = velocity ? velocity(bed_.time() - began + bed_.dt()) : Vec3(Vec3::Zero());
       bed_.moveTool({now, Vec3::Zero()});
       return now;
     };

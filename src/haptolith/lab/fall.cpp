@@ -31,7 +31,7 @@ std::vector<Vec3> ballOfSoil(const LabConditions& conditions, double radius_m, c
       for (int k = -far; k <= far; ++k) {
         const Vec3 from_middle = i * along + j * across + k * up;
         if (from_middle.norm() <= radius_m) {
-          centres.push_back(middle + from_middle);
+          centres.emplace_back(middle + from_middle);
         }
       }
     }

@@ -60,14 +60,14 @@ SettleResult settleTest(const LabConditions& conditions, const SettleOptions& op
   }
   std::sort(heights.begin(), heights.end(), std::greater<>());
   const double mass = lab.bed().mass();
-  const auto massAbove = [&](double z) {
+  const auto mass_above = [&](double z) {
     return mass *
            static_cast<double>(std::lower_bound(heights.begin(), heights.end(), z, std::greater<>()) - heights.begin());
   };
   const double roof = heights[heights.size() / 100];  // where soil is as dense as below, nearly
   const double reference = 4 * conditions.soil.radius_m;
-  const double density_below = (massAbove(roof - 2 * reference) - massAbove(roof - reference)) / (area * reference);
-  const double surface = roof - reference + massAbove(roof - reference) / (area * density_below);
+  const double density_below = (mass_above(roof - 2 * reference) - mass_above(roof - reference)) / (area * reference);
+  const double surface = roof - reference + mass_above(roof - reference) / (area * density_below);
 
   SettleResult result;
   result.depth_m = surface;
@@ -76,7 +76,7 @@ SettleResult settleTest(const LabConditions& conditions, const SettleOptions& op
   const double slice = std::max(0.02, 3 * conditions.soil.radius_m);
   const double deepest = surface - 4 * conditions.soil.radius_m;  // the floor orders the layers next to it
   for (double top = 0; top + slice < deepest; top += slice) {
-    const double within = massAbove(surface - top - slice) - (top > 0 ? massAbove(surface - top) : 0);
+    const double within = mass_above(surface - top - slice) - (top > 0 ? mass_above(surface - top) : 0);
     result.slices.push_back({top + slice / 2, within / (area * slice)});
     result.trace.rows.push_back({top + slice / 2, within / (area * slice)});
   }
@@ -85,7 +85,8 @@ SettleResult settleTest(const LabConditions& conditions, const SettleOptions& op
   }
   for (const MeasuredBand& band : measuredBands()) {
     if (band.bottom_m <= surface) {
-      const double within = massAbove(surface - band.bottom_m) - (band.top_m > 0 ? massAbove(surface - band.top_m) : 0);
+      const double within =
+          mass_above(surface - band.bottom_m) - (band.top_m > 0 ? mass_above(surface - band.top_m) : 0);
       result.bands.push_back({band.top_m, band.bottom_m, within / (area * (band.bottom_m - band.top_m))});
     }
   }

@@ -174,6 +174,7 @@ ShearPointResult shearOne(const LabConditions& conditions, const ShearOptions& o
 
 MohrCoulomb lineThrough(const std::vector<ShearPointResult>& points, double ShearPointResult::*stress) {
   std::vector<ShearPoint> line;
+  line.reserve(points.size());
   for (const ShearPointResult& point : points) {
     line.push_back({point.normal_pa, point.*stress});
   }
