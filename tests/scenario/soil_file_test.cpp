@@ -184,6 +184,7 @@ TEST_F(SoilFiles, ASavedShippedSoilIsTheShippedFile) {
 
 TEST_F(SoilFiles, NumbersOfTheOtherFrictionModelAreLeftOutUntilSomebodySetsThem) {
   SoilFile soil = findSoil("lunar-0-15cm");
+  soil.soil.mu_hat = SoilParameters{}.mu_hat;
   saveSoilFile(folder_ / "saved.toml", soil);
   EXPECT_THAT(readFile(folder_ / "saved.toml"), Not(HasSubstr("mu_hat")));
   soil.soil.mu_hat = 0.3;
