@@ -10,6 +10,7 @@
 #include "haptolith/bed/critical_step.h"
 #include "haptolith/bed/friction-inl.h"
 #include "haptolith/core/error.h"
+#include "haptolith/core/random.h"
 #include "haptolith/soil/contact_law-inl.h"
 
 namespace haptolith {
@@ -66,11 +67,6 @@ Periods periodsOf(const BedParameters& bed) {
     periods.per_length = 1 / periods.length;
   }
   return periods;
-}
-
-/// A number between -1 and 1; the same on every machine, which the library's distributions are not.
-double evenly(std::mt19937_64& random) {
-  return static_cast<double>(random() >> 11) * 0x1p-52 - 1;
 }
 
 template <class To, class From>

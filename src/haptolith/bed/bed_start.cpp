@@ -8,6 +8,7 @@
 #include <random>
 
 #include "haptolith/core/error.h"
+#include "haptolith/core/random.h"
 #include "haptolith/soil/contact_law.h"
 #include "haptolith/soil/layers.h"
 
@@ -198,7 +199,7 @@ std::vector<Vec3> rained(const BedParameters& bed) {
   const int columns = std::max(1, static_cast<int>(bed.width_m / cell));
   const int rows = std::max(1, static_cast<int>(bed.length_m / cell));
   std::mt19937_64 random(bed.seed);
-  const auto jitter = [&] { return play * (static_cast<double>(random() >> 11) * 0x1p-52 - 1); };  // -play to play
+  const auto jitter = [&] { return play * evenly(random); };
   std::vector<Vec3> centres;
   for (int i = 0; i < bed.particles; ++i) {
     const int column = i % columns;

@@ -9,6 +9,7 @@
 
 #include "haptolith/bed/critical_step.h"
 #include "haptolith/core/error.h"
+#include "haptolith/core/random.h"
 
 namespace haptolith {
 
@@ -19,10 +20,6 @@ constexpr int kMostSubsteps = 1000;
 
 /// Share of the volume that spheres fill when they jam at random (O'Hern et al. 2003: 0.64 for equal ones).
 constexpr double kRandomPacking = 0.64;
-
-double evenly(std::mt19937_64& random) {
-  return static_cast<double>(random() >> 11) * 0x1p-52 - 1;  // -1 to 1, the same on every machine
-}
 
 BedParameters bedParameters(const LabConditions& conditions, const LabBox& box) {
   BedParameters bed;
