@@ -44,6 +44,7 @@ void LabOptions::addTo(CLI::App& command) {
       ->transform(CLI::CheckedTransformer(models, CLI::ignore_case).description(""));
   command.add_option("--body", body, "Ceres, Pluto, Europa, Moon, Mars or Earth")->capture_default_str();
   command.add_option("--radius-mm", radius_mm, "radius of a macroparticle; the soil stays the same [the test's own]");
+  command.add_option("--stiffness-n-m", stiffness_n_m, "of the contacts at that radius [the soil's]");
   command.add_option("--seed", seed, "of the specimen's particles")->capture_default_str();
   command.add_option("--threads", threads, "threads to use; the result is the same [all]")->check(CLI::Range(1, 256));
   command.add_option("--figure", figure_file, "draw what was measured: FILE.svg or FILE.png");
@@ -65,6 +66,7 @@ LabSoil labSoil(const LabOptions& options, double radius_mm) {
     requireInRange("radius_mm", wanted_mm, {0.1, 100});
     found.soil = rescaled(found.soil, wanted_mm * kMm);
   }
+  found.soil.stiffness_n_m = options.stiffness_n_m.value_or(found.soil.stiffness_n_m);
   found.soil.friction = options.friction.value_or(found.soil.friction);
   return found;
 }
@@ -91,6 +93,7 @@ nlohmann::ordered_json circumstancesJson(const LabOptions& options, const LabSoi
           {"body", findBody(options.body).name},
           {"gravity_m_s2", conditions.gravity_m_s2},
           {"radius_mm", conditions.soil.radius_m / kMm},
+          {"stiffness_n_m", conditions.soil.stiffness_n_m},
           {"seed", conditions.seed}};
 }
 

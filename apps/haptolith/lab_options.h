@@ -23,7 +23,7 @@ struct LabOptions {
   std::string soil = "lunar-0-15cm";
   std::optional<FrictionModel> friction;
   std::string body = "Moon";
-  std::optional<double> radius_mm;
+  std::optional<double> radius_mm, stiffness_n_m;
   std::uint64_t seed = 1;
   int threads = 0;  ///< 0: as many as the machine has
   bool json = false;

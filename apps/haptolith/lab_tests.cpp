@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <memory>
 #include <numbers>
 #include <optional>
@@ -56,6 +57,12 @@ void addDegrees(CLI::App& command, const std::string& name, double& angle_rad, c
   command.add_option_function<double>(
       name, [&angle_rad](double deg) { angle_rad = radians(deg); },
       fmt::format("{} [{:.3g}]", help, degrees(angle_rad)));
+}
+
+void addPreparation(CLI::App& command, Preparation& preparation) {
+  const std::map<std::string, Preparation> words{{"dense", Preparation::kDense}, {"loose", Preparation::kLoose}};
+  command.add_option("--preparation", preparation, "of the soil: dense, as if shaken, or loose, as if poured [dense]")
+      ->transform(CLI::CheckedTransformer(words, CLI::ignore_case).description(""));
 }
 
 // --- settle ----------------------------------------------------------------------------------------------------------
@@ -312,6 +319,7 @@ LabTest plate() {
               [own](CLI::App& command) {
                 addMm(command, "--plate-diameter-mm", own->diameter_m, "diameter of the plate");
                 addMm(command, "--max-sinkage-mm", own->max_sinkage_m, "how deep it goes");
+                addPreparation(command, own->preparation);
               },
           .run = [own](const LabSoil&, const LabConditions& conditions) { return plateOutput(conditions, *own); }};
 }
@@ -352,6 +360,7 @@ LabTest cone() {
               [own](CLI::App& command) {
                 addMm(command, "--cone-diameter-mm", own->base_diameter_m, "diameter of the cone's base");
                 addMm(command, "--max-depth-mm", own->max_depth_m, "how deep the base goes");
+                addPreparation(command, own->preparation);
               },
           .run = [own](const LabSoil&, const LabConditions& conditions) { return coneOutput(conditions, *own); }};
 }
@@ -359,10 +368,13 @@ LabTest cone() {
 // --- blade -----------------------------------------------------------------------------------------------------------
 
 /// The equation describes how undisturbed soil first fails, so it is told what the same soil carries at most, under
-/// stresses as they are before a blade.
-MohrCoulomb peakStrength(const LabConditions& conditions) {
+/// stresses as they are before a blade: dense soil its peak, loose soil, which has none, what it is left with.
+MohrCoulomb strengthBeforeBlade(const LabConditions& conditions, Preparation preparation) {
   ShearOptions options;
   options.normal_stresses_pa = {200, 400, 800};
+  if (preparation == Preparation::kLoose) {
+    return shearTest(conditions, options).residual;
+  }
   options.strain = 1;
   options.residual_from = 0.9;
   return shearTest(conditions, options).peak;
@@ -370,7 +382,7 @@ MohrCoulomb peakStrength(const LabConditions& conditions) {
 
 LabOutput bladeOutput(const LabSoil& soil, const LabConditions& conditions, BladeOptions options, bool own_strength) {
   if (!own_strength) {
-    const MohrCoulomb strength = peakStrength(conditions);
+    const MohrCoulomb strength = strengthBeforeBlade(conditions, options.preparation);
     options.friction_angle_rad = std::clamp(strength.friction_angle_rad, radians(5), radians(59));
     options.cohesion_pa = std::max(0.0, strength.cohesion_pa);
   }
@@ -394,6 +406,7 @@ LabOutput bladeOutput(const LabSoil& soil, const LabConditions& conditions, Blad
                  {"vertical_se_n", result.vertical_se_n},
                  {"earthmoving_draft_n", result.earthmoving_draft_n},
                  {"earthmoving_vertical_n", result.earthmoving_vertical_n},
+                 {"preparation", options.preparation == Preparation::kLoose ? "loose" : "dense"},
                  {"friction_angle_deg", degrees(options.friction_angle_rad)},
                  {"cohesion_pa", options.cohesion_pa},
                  {"bulk_density_kg_m3", result.bulk_density_kg_m3},
@@ -425,13 +438,14 @@ LabTest blade() {
                 addMm(command, "--width-mm", own->width_m, "width of the blade");
                 addMm(command, "--depth-mm", own->depth_m, "depth of its lower edge");
                 addDegrees(command, "--rake-deg", own->rake_rad, "angle between blade and path");
+                addPreparation(command, own->preparation);
                 command.add_option_function<double>(
                     "--friction-angle-deg",
                     [own, own_strength](double deg) {
                       own->friction_angle_rad = radians(deg);
                       *own_strength = true;
                     },
-                    "for the equation [the soil's peak strength, measured by shearing it]");
+                    "for the equation [measured by shearing the soil: its peak, or its residual when loose]");
                 command.add_option("--soil-cohesion-pa", own->cohesion_pa,
                                    "for the equation, with --friction-angle-deg");
               },
@@ -493,6 +507,8 @@ LabTest funnel() {
               [own](CLI::App& command) {
                 command.add_option("--opening", own->openings, "openings, in particle diameters")
                     ->delimiter(',')
+                    ->capture_default_str();
+                command.add_option("--fill", own->fill_openings, "height of the soil over the width of the opening")
                     ->capture_default_str();
               },
           .run = [own](const LabSoil&, const LabConditions& conditions) { return funnelOutput(conditions, *own); }};

@@ -23,7 +23,7 @@ LabConditions rubbing() {
 }
 
 TEST(Funnel, RunsThroughAWideOpeningAndClogsOverANarrowOne) {
-  const FunnelResult funnel = funnelTest(rubbing(), {.openings = {2, 10}, .fill = 8, .margin = 3});
+  const FunnelResult funnel = funnelTest(rubbing(), {.openings = {2, 10}, .fill = 8, .fill_openings = 0, .margin = 3});
   ASSERT_EQ(funnel.points.size(), 2U);
   const FunnelPoint& narrow = funnel.points[0];
   EXPECT_TRUE(narrow.clogged);
@@ -52,7 +52,7 @@ TEST(Funnel, RunsThroughAWideOpeningAndClogsOverANarrowOne) {
 TEST(Funnel, RunsWithoutFrictionThroughWhatClogsWithIt) {
   LabConditions slippery = rubbing();
   slippery.soil.contact_friction = 0;
-  const FunnelResult funnel = funnelTest(slippery, {.openings = {4}, .fill = 6, .margin = 3});
+  const FunnelResult funnel = funnelTest(slippery, {.openings = {4}, .fill = 6, .fill_openings = 0, .margin = 3});
   EXPECT_FALSE(funnel.points[0].clogged);
   EXPECT_GT(funnel.points[0].rate_kg_s, 0);
 }

@@ -18,6 +18,7 @@ namespace haptolith {
 namespace {
 
 constexpr double kTableRadius_m = 7e-3;
+constexpr double kTableDensity_kg_m3 = 1500;  ///< of lunarContacts() in the upper 15 cm, on the Moon
 
 double degrees(double radians) {
   return radians * 180 / std::numbers::pi;
@@ -123,19 +124,32 @@ SoilParameters withContact(SoilParameters soil, const Contact& contact) {
   return soil;
 }
 
-/// rho0 and rho_max for which a settled column has the wanted mean density over its upper 15 cm.
-void calibrateDensity(SoilParameters& soil, double bulk_density, const CalibrateSoilOptions& options, double& reached) {
+/// k with which a contact that carries the stress `pressure_pa` of its particle's cross-section gives way by 2.8 % of
+/// R.
+double stiffnessFor(double pressure_pa, double radius_m) {
+  constexpr double kOverlap = 0.028;
+  return 4 * radius_m * pressure_pa / kOverlap;
+}
+
+/// rho0 and rho_max, in their ratio, for which a settled column has the wanted mean density over its upper 15 cm.
+/// Contacts have no part in their scale, so neither has strength.
+double calibrateDensity(SoilParameters& soil, double bulk_density, const CalibrateSoilOptions& options) {
   constexpr double kDepth_m = 0.15;
-  constexpr double kColumn_m = 0.3;  // deep enough that the floor has no say in the upper 15 cm
-  constexpr int kRounds = 2;
-  for (int round = 0; round < kRounds; ++round) {
+  constexpr int kMostRounds = 3;
+  constexpr double kTolerance = 0.005;
+  double reached = 0;
+  for (int round = 0; round < kMostRounds; ++round) {
     const LabConditions column{soil, options.gravity_m_s2, options.seed, options.threads, options.progress};
-    reached = settleTest(column, {.depth_m = std::max(kColumn_m, 16 * soil.radius_m)}).meanDensity(kDepth_m);
-    if (round + 1 < kRounds) {
+    reached = settleTest(column).meanDensity(kDepth_m);
+    if (std::abs(reached / bulk_density - 1) < kTolerance) {
+      break;
+    }
+    if (round + 1 < kMostRounds) {
       soil.rho0_kg_m3 *= bulk_density / reached;
       soil.rho_max_kg_m3 *= bulk_density / reached;
     }
   }
+  return reached;
 }
 
 /// Strengths of specimens with some seeds.
@@ -175,6 +189,7 @@ void validate(const SoilTarget& target, const CalibrateSoilOptions& options) {
   requireInRange("bulk_density_kg_m3", target.bulk_density_kg_m3, {800, 3000});
   requireInRange("radius_m", options.radius_m, {0.5e-3, 20e-3});
   requireInRange("gravity_m_s2", options.gravity_m_s2, {0.01, 100});
+  requireInRange("stiffness_n_m", options.stiffness_n_m, {0, 1e7});
   requireInRange("verification_seeds", options.verification_seeds, {2, 100});
   validate(options.shear);
 }
@@ -190,7 +205,12 @@ CalibratedSoil calibrateSoil(const SoilTarget& target, const CalibrateSoilOption
 
   CalibratedSoil result;
   SoilParameters soil = rescaled(lunarContacts(), options.radius_m);
-  calibrateDensity(soil, target.bulk_density_kg_m3, options, result.reached.bulk_density_kg_m3);
+  soil.stiffness_n_m =
+      options.stiffness_n_m > 0
+          ? options.stiffness_n_m
+          : stiffnessFor(*std::ranges::max_element(options.shear.normal_stresses_pa), options.radius_m);
+  soil.rho0_kg_m3 *= target.bulk_density_kg_m3 / kTableDensity_kg_m3;
+  soil.rho_max_kg_m3 *= target.bulk_density_kg_m3 / kTableDensity_kg_m3;
 
   Strength aim = wanted;
   Strength found;
@@ -219,6 +239,7 @@ CalibratedSoil calibrateSoil(const SoilTarget& target, const CalibrateSoilOption
   }
   result.soil = withContact(soil, contact);
   result.soil.mu_hat = std::tan(wanted.angle_deg * std::numbers::pi / 180) / std::sqrt(6.0);  // (paper 17)
+  result.reached.bulk_density_kg_m3 = calibrateDensity(result.soil, target.bulk_density_kg_m3, options);
 
   const std::vector<Strength> verified =
       shear(result.soil, target.strength, options, options.seed + 1000, options.verification_seeds);

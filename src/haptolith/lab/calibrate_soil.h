@@ -10,6 +10,7 @@ namespace haptolith {
 
 struct CalibrateSoilOptions {
   double radius_m = 7e-3;       ///< R of the soil that comes out, 0.5 to 20 mm
+  double stiffness_n_m = 0;     ///< k; 0: what the greatest normal stress of the shear test needs, see calibrateSoil()
   double gravity_m_s2 = 1.625;  ///< under which the soil has the target's bulk density
   std::uint64_t seed = 1;       ///< of the search; the verification takes other ones
   int threads = 1;
@@ -32,10 +33,12 @@ inline constexpr double kMostCohesion_pa = 4500;
 /// Finds the contacts whose sheared bed has the wanted friction angle and cohesion, and the mass at which it has the
 /// wanted bulk density.
 ///
-/// The shape of the contact law is that of lunar soil, whose density with depth it reproduces (docs/soils.md); rho0 and
-/// rho_max are scaled together until the mean density of the upper 15 cm of a settled column is the target's. Contact
-/// friction and cohesion start from a table of simulated shear tests, and are then corrected by shear tests of this
-/// very soil until its line lies within 0.5 degrees and 6 % (or 20 Pa) of the target; at last `verification_seeds`
+/// The shape of the contact law is that of lunar soil, whose density with depth it reproduces (docs/soils.md).
+/// Stiffness is such that a contact under the greatest normal stress of the shear test gives way by 2.8 % of R:
+/// residual strength no longer depends on it then (docs/laboratory.md), and stiffer contacts only cost shorter steps.
+/// Contact friction and cohesion start from a table of simulated shear tests, and are then corrected by shear tests of
+/// this very soil until its line lies within 0.5 degrees and 6 % (or 20 Pa) of the target. rho0 and rho_max are scaled
+/// together until the mean density of the upper 15 cm of a settled column is the target's. At last `verification_seeds`
 /// other specimens are sheared, and what they showed is reported as it came.
 /// @param target  residual or peak strength; 1000 to 2500 kg/m^3, 20 to 52 degrees, 0 to 4500 Pa.
 /// @throws InvalidParameter for a target out of reach, with the reachable range; Failure as shearTest().

@@ -36,6 +36,7 @@ void validate(const LabConditions& conditions, const FunnelOptions& options) {
     requireInRange("opening", opening, {1, 40});
   }
   requireInRange("fill", options.fill, {5, 200});
+  requireInRange("fill_openings", options.fill_openings, {0, 20});
   requireInRange("margin", options.margin, {3, 100});
   requireInRange("smallest_fitted", options.smallest_fitted, {kBeverlooGap, 40, Ends::kOpenBelow});
 }
@@ -46,7 +47,8 @@ struct Apparatus {
   LabBox box;
 
   Apparatus(const SoilParameters& soil, const FunnelOptions& options, double opening)
-      : opening_m(opening * 2 * soil.radius_m), fill_m(options.fill * 2 * soil.radius_m) {
+      : opening_m(opening * 2 * soil.radius_m),
+        fill_m(std::max(options.fill, options.fill_openings * opening) * 2 * soil.radius_m) {
     box.width_m = box.length_m = opening_m + 2 * options.margin * 2 * soil.radius_m;
     // The bin takes all of the soil, even heaped up at 45 degrees, before it reaches the opening.
     floor_z_m = fill_m + box.width_m / 2;

@@ -11,10 +11,11 @@ namespace haptolith {
 
 /// Lengths are in particle diameters d = 2 R.
 struct FunnelOptions {
-  std::vector<double> openings{2, 3, 4, 6, 8, 10, 12, 14};  ///< D, each 1 to 40
-  double fill = 18;             ///< height of the soil, better more than the widest D; 5 to 200
-  double margin = 4;            ///< of flat floor around the opening, on each side; 3 to 100
-  double smallest_fitted = 10;  ///< narrower openings do not count for the exponent: flow halts there now and then
+  std::vector<double> openings{2, 3, 4, 6, 8, 10, 12};  ///< D, each 1 to 40
+  double fill = 18;                                     ///< height of the soil at least; 5 to 200
+  double fill_openings = 3;    ///< and over the opening it runs through: lower soil runs out more slowly; 0 to 20
+  double margin = 4;           ///< of flat floor around the opening, on each side; 3 to 100
+  double smallest_fitted = 6;  ///< narrower openings do not count for the exponent: flow halts there now and then
 };
 
 /// Discharge through one opening.

@@ -1,11 +1,13 @@
 #include "haptolith/lab/settle.h"
 
+#include <Eigen/Cholesky>
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
 
 #include "haptolith/core/error.h"
+#include "haptolith/core/vec.h"
 #include "haptolith/figure/figure.h"
 #include "haptolith/lab/lab_bed.h"
 #include "haptolith/soil/layers.h"
@@ -22,6 +24,29 @@ std::vector<Layer> analysedLayers(const LabConditions& conditions, double depth_
   } catch (const Failure&) {
     return {};
   }
+}
+
+/// Where the soil of a column begins: the mass above a height, as a parabola through all of the upper soil but its
+/// rough top, for density grows with depth, is 0 there. `heights` of equal particles, highest first.
+double surfaceOf(const std::vector<double>& heights, double radius_m) {
+  const double roof = heights[heights.size() / 100];  // where soil is as dense as below, nearly
+  const double top = roof - 2 * radius_m;
+  const double bottom = std::max(roof - 20 * radius_m, (roof + heights.back()) / 2);
+  // In units of the fitted depth, so that the normal equations are sound.
+  Eigen::Matrix3d normal = Eigen::Matrix3d::Zero();
+  Vec3 right = Vec3::Zero();
+  for (std::size_t above = 0; above < heights.size() && heights[above] >= bottom; ++above) {
+    if (heights[above] <= top) {
+      const double x = (roof - heights[above]) / (roof - bottom);
+      const Vec3 powers(1, x, x * x);
+      normal += powers * powers.transpose();
+      right += powers * (static_cast<double>(above) + 0.5);
+    }
+  }
+  const Vec3 fit = normal.ldlt().solve(right);
+  // The root of c + b x + a x^2 next to 0, in the form that is sound when a is small.
+  const double root = std::sqrt(std::max(0.0, fit[1] * fit[1] - 4 * fit[2] * fit[0]));
+  return roof + 2 * fit[0] / (fit[1] + root) * (roof - bottom);
 }
 
 }  // namespace
@@ -64,10 +89,7 @@ SettleResult settleTest(const LabConditions& conditions, const SettleOptions& op
     return mass *
            static_cast<double>(std::lower_bound(heights.begin(), heights.end(), z, std::greater<>()) - heights.begin());
   };
-  const double roof = heights[heights.size() / 100];  // where soil is as dense as below, nearly
-  const double reference = 4 * conditions.soil.radius_m;
-  const double density_below = (mass_above(roof - 2 * reference) - mass_above(roof - reference)) / (area * reference);
-  const double surface = roof - reference + mass_above(roof - reference) / (area * density_below);
+  const double surface = surfaceOf(heights, conditions.soil.radius_m);
 
   SettleResult result;
   result.depth_m = surface;

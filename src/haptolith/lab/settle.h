@@ -37,8 +37,8 @@ struct SettleResult {
 };
 
 /// Density with depth of soil that has settled densely under its own weight: falls without friction, comes to rest, and
-/// only then gets its friction and cohesion. The surface is where the mass above it, at the density just below it,
-/// would fill the volume: no particle decides it alone.
+/// only then gets its friction and cohesion. The surface is where the mass above a height, a parabola of depth,
+/// comes to nothing: no particle decides it alone.
 /// @throws InvalidParameter for nonsense; Failure as LabBed::settle().
 [[nodiscard]] SettleResult settleTest(const LabConditions& conditions, const SettleOptions& options = {});
 
