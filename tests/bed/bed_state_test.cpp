@@ -86,7 +86,7 @@ TEST(BedState, AnotherVersionIsRefusedAndSaysSo) {
 TEST(BedState, AnAbsurdNumberOfParticlesIsRefusedBeforeMemoryIsAskedFor) {
   std::string bytes = serialise(someState());
   for (const std::uint64_t particles : {std::uint64_t{257}, std::uint64_t{255}, std::uint64_t{0}, ~std::uint64_t{0},
-                                        std::uint64_t{1} << 60, (~std::uint64_t{0}) / 49}) {
+                                        std::uint64_t{1} << 60, (~std::uint64_t{0}) / 51}) {
     bytes.replace(16, 8, reinterpret_cast<const char*>(&particles), 8);
     EXPECT_THROW((void)deserialiseBedState(bytes), Failure) << particles;
   }

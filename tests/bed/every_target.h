@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "haptolith/bed/contact_kernel.h"
+#include "haptolith/bed/neighbourhood.h"
 
 namespace haptolith {
 

@@ -1,11 +1,10 @@
-#include "haptolith/bed/pairwise_kernel.h"
-
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <random>
 #include <vector>
 
+#include "haptolith/bed/step_kernel.h"
 #include "haptolith/core/vec.h"
 
 #include "every_target.h"
@@ -14,7 +13,6 @@
 namespace haptolith {
 namespace {
 
-constexpr Float4 kGhost{1e9F, 1e9F, 1e9F, 0};
 constexpr float kStep_s = 2e-4F;
 
 SoilParameters stiffSoil() {
@@ -29,16 +27,15 @@ Vec3 vec(const Float4& f) {
   return {f.x, f.y, f.z};
 }
 
-/// Particles, their full list and what their contacts remember.
+/// Particles, their lists and what their contacts remember.
 struct Crowd {
   SoilParameters soil = stiffSoil();
   Periods periods;
-  std::vector<Float4> position, velocity;  // the ghost last
-  std::vector<std::uint32_t> begin, end;
-  std::vector<std::int32_t> neighbours;
-  FloatArray slip_x, slip_y, slip_z;
+  std::vector<Float4> position, velocity;  // in whole groups, once listed
+  std::size_t n = 0;
+  ContactLists lists;
 
-  [[nodiscard]] std::size_t particles() const { return position.size() - 1; }
+  [[nodiscard]] std::size_t particles() const { return n; }
 
   [[nodiscard]] Vec3 between(std::size_t i, std::size_t j) const {
     Vec3 d = vec(position[i]) - vec(position[j]);
@@ -48,35 +45,39 @@ struct Crowd {
   }
 
   void list(double reach_m) {
-    const std::size_t n = particles();
+    n = position.size();
+    lists = ContactLists(n, true);
     for (std::size_t i = 0; i < n; ++i) {
-      begin.push_back(static_cast<std::uint32_t>(neighbours.size()));
       for (std::size_t j = 0; j < n; ++j) {
         if (i != j && between(i, j).norm() < reach_m) {
-          neighbours.push_back(static_cast<std::int32_t>(j));
+          ASSERT_TRUE(lists.add(i, static_cast<std::int32_t>(j)));
         }
       }
-      while (neighbours.size() % kNeighbourBlock != 0) {
-        neighbours.push_back(static_cast<std::int32_t>(n));
-      }
-      end.push_back(static_cast<std::uint32_t>(neighbours.size()));
     }
-    for (FloatArray* slip : {&slip_x, &slip_y, &slip_z}) {
-      slip->assign(neighbours.size(), 0);
-    }
+    position.resize(paddedCount(n), kGhost);
+    velocity.resize(paddedCount(n), kGhostVelocity);
   }
 
-  [[nodiscard]] Vec3 slip(std::size_t slot) const { return {slip_x[slot], slip_y[slot], slip_z[slot]}; }
-
-  [[nodiscard]] Neighbours view() {
-    return {neighbours.data(), begin.data(), end.data(), static_cast<std::int32_t>(particles())};
+  [[nodiscard]] std::size_t neighbour(std::size_t i, std::uint32_t s) const {
+    return static_cast<std::size_t>(lists.neighbour(i, s));
   }
-  [[nodiscard]] ContactMemory memory() { return {slip_x.data(), slip_y.data(), slip_z.data()}; }
+  [[nodiscard]] Vec3 slip(std::size_t i, std::uint32_t s) const {
+    const Slip slip = lists.slip(i, s);
+    return {slip.x, slip.y, slip.z};
+  }
 
-  [[nodiscard]] std::vector<ContactSum> kernel() {
-    std::vector<ContactSum> sums(particles());
-    sumPairwiseContacts(pairwiseLaw(soil), periods, kStep_s, position.data(), velocity.data(), view(), memory(), 0,
-                        particles(), sums.data());
+  [[nodiscard]] std::vector<ContactSum> kernel(std::size_t first_group = 0, std::size_t last_group = ~std::size_t{0}) {
+    StepArrays arrays{};
+    arrays.position = position.data();
+    arrays.velocity = velocity.data();
+    arrays.other = lists.others();
+    arrays.slip = lists.slips();
+    arrays.first_row = lists.firstRows();
+    arrays.rows = lists.rowCounts();
+    std::vector<ContactSum> sums(position.size());
+    sumPairwiseContacts(pairwiseLaw(soil), periods, kStep_s, arrays, first_group, std::min(last_group, lists.groups()),
+                        sums.data());
+    sums.resize(n);
     return sums;
   }
 };
@@ -106,19 +107,16 @@ Crowd randomCrowd(const SoilParameters& soil, double edge_m, std::uint64_t seed,
   for (std::size_t i = 0; i < 120; ++i) {
     crowd.velocity.push_back({unit(random) - 0.5F, unit(random) - 0.5F, unit(random) - 0.5F, 0});
   }
-  crowd.position.push_back(kGhost);
-  crowd.velocity.push_back({});
   crowd.list(law.cutoff_m + 2 * excess + 0.5 * soil.radius_m);
   for (std::size_t i = 0; i < crowd.particles(); ++i) {  // one slip for a pair, from both sides
-    for (std::uint32_t s = crowd.begin[i]; s < crowd.end[i]; ++s) {
-      const auto j = static_cast<std::size_t>(crowd.neighbours[s]);
-      if (j < crowd.particles()) {
-        std::mt19937_64 of_pair(std::min(i, j) * 1000 + std::max(i, j));
-        const float sign = i < j ? 1e-4F : -1e-4F;
-        crowd.slip_x[s] = sign * (2 * unit(of_pair) - 1);
-        crowd.slip_y[s] = sign * (2 * unit(of_pair) - 1);
-        crowd.slip_z[s] = sign * (2 * unit(of_pair) - 1);
-      }
+    for (std::uint32_t s = 0; s < crowd.lists.count(i); ++s) {
+      const std::size_t j = crowd.neighbour(i, s);
+      std::mt19937_64 of_pair(std::min(i, j) * 1000 + std::max(i, j));
+      const float sign = i < j ? 1e-4F : -1e-4F;
+      const auto anything = [&] { return sign * (2 * unit(of_pair) - 1); };
+      const float x = anything();
+      const float y = anything();
+      crowd.lists.setSlip(i, s, {x, y, anything()});
     }
   }
   return crowd;
@@ -141,22 +139,18 @@ void expectTheReference(Crowd& crowd) {
   double largest = 0;
   std::vector<ReferencePair> expected(crowd.particles());
   for (std::size_t i = 0; i < crowd.particles(); ++i) {
-    for (std::uint32_t s = crowd.begin[i]; s < crowd.end[i]; ++s) {
-      const auto j = static_cast<std::size_t>(crowd.neighbours[s]);
-      if (j == crowd.particles()) {
-        EXPECT_EQ(crowd.slip(s), Vec3::Zero()) << "a ghost remembers nothing";
-        continue;
-      }
+    for (std::uint32_t s = 0; s < crowd.lists.count(i); ++s) {
+      const std::size_t j = crowd.neighbour(i, s);
       const Vec3 apart = before.between(i, j);
       const double a = apart.norm() - crowd.position[i].w - crowd.position[j].w;
-      Vec3 slip = before.slip(s);
+      Vec3 slip = before.slip(i, s);
       const ReferencePair pair = referenceContact(crowd.soil, apart.normalized(), a,
                                                   vec(crowd.velocity[i]) - vec(crowd.velocity[j]), kStep_s, slip);
       expected[i].force_n += pair.force_n;
       expected[i].compression_n += pair.compression_n;
       // A slip of 0.2 mm is known to some float roundings of the normal it is turned with: 1e-6 of it; where it is
       // limited, by how well the force is known, over k_t.
-      EXPECT_LT((crowd.slip(s) - slip).norm(), 3e-9) << i << " " << j;
+      EXPECT_LT((crowd.slip(i, s) - slip).norm(), 3e-9) << i << " " << j;
     }
     largest = std::max(largest, expected[i].compression_n);
   }
@@ -193,13 +187,12 @@ TEST_F(PairwiseKernel, WhatAPairDoesToOneItUndoesToTheOtherToTheBit) {
       (void)crowd.kernel();
       std::size_t remembered = 0;
       for (std::size_t i = 0; i < crowd.particles(); ++i) {
-        for (std::uint32_t s = crowd.begin[i]; s < crowd.end[i]; ++s) {
-          const auto j = static_cast<std::size_t>(crowd.neighbours[s]);
-          for (std::uint32_t t = j < crowd.particles() ? crowd.begin[j] : 0; j < crowd.particles() && t < crowd.end[j];
-               ++t) {
-            if (static_cast<std::size_t>(crowd.neighbours[t]) == i) {
-              ASSERT_EQ(crowd.slip(s), -crowd.slip(t)) << i << " " << j;
-              remembered += crowd.slip(s).isZero(0) ? 0 : 1;
+        for (std::uint32_t s = 0; s < crowd.lists.count(i); ++s) {
+          const std::size_t j = crowd.neighbour(i, s);
+          for (std::uint32_t t = 0; t < crowd.lists.count(j); ++t) {
+            if (crowd.neighbour(j, t) == i) {
+              ASSERT_EQ(crowd.slip(i, s), -crowd.slip(j, t)) << i << " " << j;
+              remembered += crowd.slip(i, s).isZero(0) ? 0 : 1;
             }
           }
         }
@@ -225,16 +218,14 @@ TEST_F(PairwiseKernel, TheForcesOfACrowdAddUpToNothing) {
   });
 }
 
-TEST_F(PairwiseKernel, SumsExactlyTheRangeItIsGiven) {
+TEST_F(PairwiseKernel, SumsExactlyTheGroupsItIsGiven) {
   forEachTarget([] {
     Crowd crowd = randomCrowd(stiffSoil(), 0.07, 15);
     Crowd whole = crowd;
     const std::vector<ContactSum> all = whole.kernel();
-    std::vector<ContactSum> some(crowd.particles());
-    sumPairwiseContacts(pairwiseLaw(crowd.soil), {}, kStep_s, crowd.position.data(), crowd.velocity.data(),
-                        crowd.view(), crowd.memory(), 20, 30, some.data());
+    const std::vector<ContactSum> some = crowd.kernel(2, 4);
     for (std::size_t i = 0; i < some.size(); ++i) {
-      EXPECT_EQ(some[i].force_x_n, i >= 20 && i < 30 ? all[i].force_x_n : 0) << i;
+      EXPECT_EQ(some[i].force_x_n, i >= 2 * kGroup && i < 4 * kGroup ? all[i].force_x_n : 0) << i;
     }
   });
 }
@@ -242,41 +233,17 @@ TEST_F(PairwiseKernel, SumsExactlyTheRangeItIsGiven) {
 TEST_F(PairwiseKernel, TwoCentresInOnePointAreNoNaNAndCanGoOn) {
   forEachTarget([] {
     Crowd crowd;
-    crowd.position = {{0.01F, 0.02F, 0.03F, 0}, {0.01F, 0.02F, 0.03F, 0}, kGhost};
-    crowd.velocity = {{0.1F, 0, -0.2F, 0}, {}, {}};
+    crowd.position = {{0.01F, 0.02F, 0.03F, 0}, {0.01F, 0.02F, 0.03F, 0}};
+    crowd.velocity = {{0.1F, 0, -0.2F, 0}, {}};
     crowd.list(0.01);
     for (int i = 0; i < 3; ++i) {
       for (const ContactSum& sum : crowd.kernel()) {
         EXPECT_TRUE(std::isfinite(sum.force_x_n) && std::isfinite(sum.force_y_n) && std::isfinite(sum.force_z_n));
         EXPECT_TRUE(std::isfinite(sum.repulsion_n));
       }
-      EXPECT_TRUE(crowd.slip(0).allFinite());
+      EXPECT_TRUE(crowd.slip(0, 0).allFinite());
     }
   });
-}
-
-TEST(CarryMemory, FindsEveryPairThatIsStillListedWhereverItStandsNow) {
-  Crowd before = randomCrowd(stiffSoil(), 0.07, 17);
-  Crowd after = before;
-  after.begin.clear();
-  after.end.clear();
-  after.neighbours.clear();
-  after.list(0.016);  // a shorter reach: some pairs are gone, the others elsewhere
-  carryMemory(before.view(), before.memory(), after.view(), after.memory(), before.particles());
-  std::size_t kept = 0;
-  for (std::size_t i = 0; i < after.particles(); ++i) {
-    for (std::uint32_t now = after.begin[i]; now < after.end[i]; ++now) {
-      Vec3 expected = Vec3::Zero();
-      for (std::uint32_t old = before.begin[i]; old < before.end[i]; ++old) {
-        if (before.neighbours[old] == after.neighbours[now]) {
-          expected = before.slip(old);
-        }
-      }
-      ASSERT_EQ(after.slip(now), expected);
-      kept += expected.isZero(0) ? 0 : 1;
-    }
-  }
-  EXPECT_GT(kept, 200U);
 }
 
 }  // namespace

@@ -170,18 +170,24 @@ TEST(Rain, SettlesInsideTheWallsAtASaneDensityAndStaysThere) {
   BedParameters parameters = p4();
   parameters.start = BedStart::kRain;
   parameters.particles = 400;
-  Bed bed(parameters);
-  EXPECT_EQ(bed.state().step, 0U);
-  EXPECT_EQ(bed.largestSpeed(), 0);
-  expectInside(bed);
-  // Between a loose heap and the densest the law knows; the box is only 9 particles wide, so walls leave gaps.
-  const double density = static_cast<double>(bed.particles()) * bed.mass() /
-                         (parameters.width_m * parameters.length_m * bed.surfaceHeight());
+  double density = 0;
+  constexpr int kBeds = 4;
+  for (int seed = 1; seed <= kBeds; ++seed) {
+    parameters.seed = static_cast<std::uint64_t>(seed);
+    Bed bed(parameters);
+    EXPECT_EQ(bed.state().step, 0U);
+    EXPECT_EQ(bed.largestSpeed(), 0);
+    expectInside(bed);
+    density += static_cast<double>(bed.particles()) * bed.mass() /
+               (parameters.width_m * parameters.length_m * bed.surfaceHeight()) / kBeds;
+    run(bed, 5000);
+    EXPECT_LT(bed.largestSpeed(), kAtRest_m_s);
+    expectInside(bed);
+  }
+  // Between a loose heap and the densest the law knows. The box is only 9 particles wide, so walls leave gaps, and the
+  // highest particle says how high the soil is: that alone is 4 % from one bed to the next.
   EXPECT_GT(density, 0.7 * parameters.soil.rho0_kg_m3);
   EXPECT_LT(density, parameters.soil.rho_max_kg_m3);
-  run(bed, 5000);
-  EXPECT_LT(bed.largestSpeed(), kAtRest_m_s);
-  expectInside(bed);
 }
 
 TEST(Settle, SaysWhenABedDoesNotComeToRest) {

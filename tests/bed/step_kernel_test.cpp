@@ -68,8 +68,8 @@ struct Crowd {
 
   [[nodiscard]] std::vector<ContactSum> kernel(std::size_t first_group = 0, std::size_t last_group = ~std::size_t{0}) {
     std::vector<ContactSum> sums(position.size());
-    sumContacts(kernelLaw(makeContactLaw(soil), soil.radius_m), {}, arrays(),
-                first_group, std::min(last_group, lists.groups()), sums.data());
+    sumContacts(kernelLaw(makeContactLaw(soil), soil.radius_m), {}, arrays(), first_group,
+                std::min(last_group, lists.groups()), sums.data());
     sums.resize(n);
     return sums;
   }

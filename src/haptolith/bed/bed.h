@@ -7,9 +7,9 @@
 
 #include "haptolith/bed/bed_parameters.h"
 #include "haptolith/bed/bed_state.h"
-#include "haptolith/bed/contact_kernel.h"
-#include "haptolith/bed/neighbour_list.h"
-#include "haptolith/bed/pairwise_kernel.h"
+#include "haptolith/bed/kernel_law.h"
+#include "haptolith/bed/neighbourhood.h"
+#include "haptolith/bed/step_kernel.h"
 #include "haptolith/bed/worker_team.h"
 
 namespace haptolith {
@@ -23,7 +23,7 @@ enum class StepStatus { kOk, kNotFinite, kCollapsed };
 using SettleProgress = std::function<bool(double time_s, double speed_m_s)>;
 
 /// A box of identical macroparticles: their contacts, friction and gravity. With the paper's friction contacts follow
-/// (paper 19), friction (14) and damping (20); with pairwise friction see pairwise_kernel.h.
+/// (paper 19), friction (14) and damping (20); with pairwise friction see friction-inl.h.
 ///
 /// After construction nothing allocates. The same parameters, start and forces give the same bits for any number of
 /// threads, on machines with the same instruction set.
@@ -85,54 +85,41 @@ class Bed {
   [[nodiscard]] const BedState& state() const noexcept { return state_; }
   [[nodiscard]] std::vector<std::int8_t>& toolSides() noexcept { return state_.tool_side; }
   [[nodiscard]] std::vector<Float4>& toolSlip() noexcept { return state_.tool_slip; }
-  [[nodiscard]] std::uint64_t rebuilds() const noexcept { return rebuilds_; }
+  /// How often a particle was entered again into the neighbour lists because it had moved on: see Neighbourhood.
+  [[nodiscard]] std::uint64_t relistings() const noexcept { return relistings_; }
+  [[nodiscard]] const CellGrid& grid() const noexcept { return neighbourhood_.grid(); }
+  /// Bytes of memory in use for the particles, all arrays together.
+  [[nodiscard]] std::size_t bytes() const noexcept;
 
   /// Goes on from `state` bit for bit. Not for the tick. @throws InvalidParameter when it has another number of
   /// particles, holds what is no number, or has collapsed; the bed is then as it was.
   void restore(const BedState& state);
 
  private:
-  /// Constants of one step, in the particles' precision.
-  struct StepConstants {
-    float dt, weight_x, weight_y, weight_z, inverse_mass, damping, static_friction, moving_friction, skin_half_squared;
-    float friction_ratio;  ///< pairwise friction and cohesion over the soil's: 1, and 0 while settling
-    float drag;            ///< pairwise friction: share of the speed kept, 1 but while settling
-  };
-  struct Part {
-    bool moved_far = false;
-    bool finite = true;
-  };
-
   [[nodiscard]] StepConstants constantsFor(double dt_s) const noexcept;
-  [[nodiscard]] bool rebuildNeighbours() noexcept;
-  void advancePart(int part, int parts) noexcept;
-  void sumNeighbours(std::size_t first, std::size_t last) noexcept;
-  void advance(std::size_t i) noexcept;
-  void advanceWithPaperFriction(std::size_t i) noexcept;
-  void advanceWithPairwiseFriction(std::size_t i) noexcept;
-  void moveOn(std::size_t i, const Float4& velocity) noexcept;
-  [[nodiscard]] ContactMemory memory() noexcept;
+  void stepPart(int part, int parts) noexcept;
+  [[nodiscard]] bool enterAgainWhoMoved() noexcept;
   [[nodiscard]] bool isPairwise() const noexcept { return parameters_.soil.friction == FrictionModel::kPairwise; }
 
   BedParameters parameters_;
   ContactLaw law_, wall_law_;
   KernelLaw kernel_law_;
   PairwiseLaw pairwise_law_;
-  Periods periods_;
+  StepBox box_;
   double mass_kg_;
   float skin_m_;
 
   BedState state_;
   std::vector<Float4> next_position_, next_velocity_;
   std::vector<Float4> external_;
-  std::vector<ContactSum> sums_;
-  NeighbourList neighbours_;
-  FloatArray next_slip_x_, next_slip_y_, next_slip_z_;
+  std::vector<Float4> contact_force_;
+  Neighbourhood neighbourhood_;
+  std::vector<std::int32_t> moved_;  ///< who has left its place in this step: each part's from its first particle on
   WorkerTeam team_;
-  std::vector<Part> part_results_;
+  std::vector<Moved> moved_of_part_;
   StepConstants now_{};
   bool friction_on_ = true;
-  std::uint64_t rebuilds_ = 0;
+  std::uint64_t relistings_ = 0;
 };
 
 }  // namespace haptolith

@@ -13,20 +13,23 @@ namespace {
 
 static_assert(std::endian::native == std::endian::little, "saved states are little-endian");
 
-constexpr char kMagic[8] = {'H', 'A', 'P', 'B', 'E', 'D', '0', '2'};
+constexpr char kMagic[8] = {'H', 'A', 'P', 'B', 'E', 'D', '0', '3'};
 
 struct Header {
   char magic[8];
   std::uint64_t step;
   std::uint64_t particles;
-  std::uint64_t slips;       ///< entries of the contact memory
+  std::uint64_t contacts;    ///< entries of the neighbour lists
   std::uint64_t remembered;  ///< particles whose friction remembers: all, or 0 with the paper's friction
 };
 
 /// Length of what follows the header.
 std::uint64_t bytesAfter(const Header& header) {
-  return 3 * (header.particles + 1) * sizeof(Float4) + header.particles + 3 * header.slips * sizeof(float) +
-         header.remembered * (sizeof(WallSlip) + sizeof(Float4));
+  const bool remembers = header.remembered > 0;
+  const std::uint64_t groups = remembers ? paddedCount(header.particles) / kGroup : 0;
+  return header.particles * (3 * sizeof(Float4) + sizeof(std::int8_t) + sizeof(std::uint16_t)) +
+         header.contacts * (sizeof(std::int32_t) + (remembers ? sizeof(Slip) : 0)) + groups * sizeof(WallSlips) +
+         header.remembered * sizeof(Float4);
 }
 
 template <class Records>
@@ -34,19 +37,65 @@ std::uint64_t hashed(const Records& records, std::uint64_t seed) noexcept {
   return records.empty() ? seed : XXH3_64bits_withSeed(records.data(), records.size() * sizeof(records[0]), seed);
 }
 
-template <class Records>
-void append(std::string& bytes, const Records& records) {
-  bytes.append(reinterpret_cast<const char*>(records.data()), records.size() * sizeof(records[0]));
+template <class Record>
+void append(std::string& bytes, const Record* records, std::size_t count) {
+  bytes.append(reinterpret_cast<const char*>(records), count * sizeof(Record));
 }
 
-template <class Records>
-void take(std::string_view& bytes, Records& records, std::size_t count) {
-  const std::size_t size = count * sizeof(records[0]);
+template <class Record>
+void take(std::string_view& bytes, std::vector<Record>& records, std::size_t count) {
   records.resize(count);
-  if (size > 0) {
-    std::memcpy(records.data(), bytes.data(), size);
+  if (count > 0) {
+    std::memcpy(records.data(), bytes.data(), count * sizeof(Record));
   }
-  bytes.remove_prefix(size);
+  bytes.remove_prefix(count * sizeof(Record));
+}
+
+/// Neighbours and, with pairwise friction, what is remembered of them, list by list.
+void append(std::string& bytes, const ContactLists& contacts) {
+  for (std::size_t i = 0; i < contacts.particles(); ++i) {
+    const auto count = static_cast<std::uint16_t>(contacts.count(i));
+    append(bytes, &count, 1);
+  }
+  for (std::size_t i = 0; i < contacts.particles(); ++i) {
+    for (std::uint32_t s = 0; s < contacts.count(i); ++s) {
+      const std::int32_t other = contacts.neighbour(i, s);
+      append(bytes, &other, 1);
+      if (contacts.remembers()) {
+        const Slip slip = contacts.slip(i, s);
+        append(bytes, &slip, 1);
+      }
+    }
+  }
+}
+
+ContactLists takeContacts(std::string_view& bytes, const Header& header) {
+  std::vector<std::uint16_t> counts;
+  take(bytes, counts, header.particles);
+  ContactLists contacts(header.particles, header.remembered > 0);
+  std::uint64_t left = header.contacts;
+  for (std::size_t i = 0; i < header.particles; ++i) {
+    for (std::uint16_t s = 0; s < counts[i]; ++s) {
+      std::vector<std::int32_t> other;
+      std::vector<Slip> slip;
+      const bool there = left-- > 0;
+      if (there) {
+        take(bytes, other, 1);
+        take(bytes, slip, contacts.remembers() ? 1 : 0);
+      }
+      if (!there || other[0] < 0 || static_cast<std::uint64_t>(other[0]) >= header.particles ||
+          !contacts.add(i, other[0])) {
+        throw Failure("this saved bed is damaged: its lists of neighbours are none");
+      }
+      if (contacts.remembers()) {
+        contacts.setSlip(i, s, slip[0]);
+      }
+    }
+  }
+  if (left != 0) {
+    throw Failure("this saved bed is damaged: its lists of neighbours are cut short");
+  }
+  return contacts;
 }
 
 }  // namespace
@@ -56,26 +105,31 @@ std::uint64_t stateHash(const BedState& state) noexcept {
   std::uint64_t hash = XXH3_64bits_withSeed(state.position.data(), bytes, state.step);
   hash = XXH3_64bits_withSeed(state.velocity.data(), bytes, hash);
   hash = hashed(state.tool_side, hash);
-  hash = hashed(state.slip_x, hash);
-  hash = hashed(state.slip_y, hash);
-  hash = hashed(state.slip_z, hash);
+  const ContactLists& contacts = state.contacts;
+  for (std::size_t group = 0; contacts.remembers() && group < contacts.groups(); ++group) {
+    const std::size_t row = 3 * kGroup;
+    hash = XXH3_64bits_withSeed(contacts.slips() + contacts.firstRows()[group] * row,
+                                contacts.rowCounts()[group] * row * sizeof(float), hash);
+  }
   hash = hashed(state.wall_slip, hash);
   return hashed(state.tool_slip, hash);
 }
 
 std::string serialise(const BedState& state) {
-  Header header{{}, state.step, state.particles(), state.slip_x.size(), state.wall_slip.size()};
+  const std::size_t n = state.particles();
+  Header header{{}, state.step, n, 0, state.contacts.remembers() ? n : 0};
+  for (std::size_t i = 0; i < n; ++i) {
+    header.contacts += state.contacts.count(i);
+  }
   std::memcpy(header.magic, kMagic, sizeof kMagic);
   std::string bytes(reinterpret_cast<const char*>(&header), sizeof header);
-  append(bytes, state.position);
-  append(bytes, state.velocity);
-  append(bytes, state.listed_at);
-  append(bytes, state.tool_side);
-  append(bytes, state.slip_x);
-  append(bytes, state.slip_y);
-  append(bytes, state.slip_z);
-  append(bytes, state.wall_slip);
-  append(bytes, state.tool_slip);
+  append(bytes, state.position.data(), n);
+  append(bytes, state.velocity.data(), n);
+  append(bytes, state.listed_at.data(), n);
+  append(bytes, state.tool_side.data(), n);
+  append(bytes, state.contacts);
+  append(bytes, state.wall_slip.data(), state.wall_slip.size());
+  append(bytes, state.tool_slip.data(), state.tool_slip.size());
   return bytes;
 }
 
@@ -89,24 +143,25 @@ BedState deserialiseBedState(std::string_view bytes) {
     throw Failure("this is no saved bed, or one of another version");
   }
   bytes.remove_prefix(sizeof header);
-  const std::uint64_t records = header.particles + 1;
+  const std::uint64_t n = header.particles;
   constexpr std::uint64_t kMost = 100'000'000'000;  // no sum of lengths overflows
-  const bool possible = header.particles <= kMost && header.slips <= kMost &&
+  const bool possible = header.particles <= kMost && header.contacts <= kMost &&
                         (header.remembered == 0 || header.remembered == header.particles);
   if (!possible || bytes.size() != bytesAfter(header)) {
     throw Failure("this saved bed is damaged: its length does not fit its number of particles");
   }
   BedState state;
   state.step = header.step;
-  take(bytes, state.position, records);
-  take(bytes, state.velocity, records);
-  take(bytes, state.listed_at, records);
-  take(bytes, state.tool_side, header.particles);
-  take(bytes, state.slip_x, header.slips);
-  take(bytes, state.slip_y, header.slips);
-  take(bytes, state.slip_z, header.slips);
-  take(bytes, state.wall_slip, header.remembered);
+  take(bytes, state.position, n);
+  take(bytes, state.velocity, n);
+  take(bytes, state.listed_at, n);
+  take(bytes, state.tool_side, n);
+  state.contacts = takeContacts(bytes, header);
+  take(bytes, state.wall_slip, header.remembered > 0 ? paddedCount(n) / kGroup : 0);
   take(bytes, state.tool_slip, header.remembered);
+  state.position.resize(paddedCount(n), kGhost);
+  state.velocity.resize(paddedCount(n), kGhostVelocity);
+  state.listed_at.resize(paddedCount(n), kGhost);
   return state;
 }
 

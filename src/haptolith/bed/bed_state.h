@@ -1,10 +1,12 @@
 #pragma once
 
+#include <array>
 #include <cstdint>
-#include <new>
 #include <string>
 #include <string_view>
 #include <vector>
+
+#include "haptolith/bed/contact_lists.h"
 
 namespace haptolith {
 
@@ -13,44 +15,33 @@ struct alignas(16) Float4 {
   float x = 0, y = 0, z = 0, w = 0;
 };
 
-/// Float arrays that SIMD registers load whole: they begin at a cache line.
-template <class T>
-struct CacheAligned {
-  using value_type = T;  // NOLINT(readability-identifier-naming): the standard's name
-  static constexpr std::align_val_t kLine{64};
-
-  CacheAligned() = default;
-  template <class Other>
-  CacheAligned(const CacheAligned<Other>&) noexcept {}  // NOLINT(google-explicit-constructor): allocators convert
-
-  [[nodiscard]] T* allocate(std::size_t n) { return static_cast<T*>(::operator new(n * sizeof(T), kLine)); }
-  void deallocate(T* p, std::size_t) noexcept { ::operator delete(p, kLine); }
-  friend bool operator==(const CacheAligned&, const CacheAligned&) noexcept { return true; }
+/// How far a group's particles have slid along the floor and the nearest wall of each pair since they came to touch
+/// them, in m: 16 of each, side by side.
+struct alignas(64) WallSlips {
+  std::array<float, kGroup> floor_x{}, floor_y{};    ///< floor
+  std::array<float, kGroup> x_wall_y{}, x_wall_z{};  ///< walls at x = +-width/2
+  std::array<float, kGroup> y_wall_x{}, y_wall_z{};  ///< walls at y = +-length/2
 };
-using FloatArray = std::vector<float, CacheAligned<float>>;
 
-/// How far a particle has slid along the floor and the nearest wall of each pair since it came to touch them, in m.
-struct WallSlip {
-  float floor_x = 0, floor_y = 0;    ///< floor
-  float x_wall_y = 0, x_wall_z = 0;  ///< walls at x = +-width/2
-  float y_wall_x = 0, y_wall_z = 0;  ///< walls at y = +-length/2
-};
+/// A record behind the particles: infinitely far, and never moved.
+inline constexpr Float4 kGhost{1e9F, 1e9F, 1e9F, 0};
+inline constexpr Float4 kGhostVelocity{0, 0, 0, 1};
 
 /// Everything that changes while a bed runs. Restoring it and going on gives the same bits as never having stopped.
 ///
-/// position and velocity hold one record more than there are particles: a ghost, infinitely far for the contact law,
-/// that fills the last block of every neighbour list.
+/// Records come in groups (paddedCount()). Those behind the particles are ghosts, infinitely far for the contact law;
+/// the first of them, index n, fills up the lists.
 struct BedState {
   std::uint64_t step = 0;              ///< substeps since the start
   std::vector<Float4> position;        ///< m; w is by how much the particle's radius exceeds the mean
   std::vector<Float4> velocity;        ///< m/s; w is 1 for a driven particle, which keeps its velocity, else 0
-  std::vector<Float4> listed_at;       ///< positions at which the neighbour list was built: it fixes the order of sums
+  std::vector<Float4> listed_at;       ///< where the neighbour lists have each particle: see Neighbourhood
+  ContactLists contacts;               ///< who may touch whom; with pairwise friction what it remembers, in m
   std::vector<std::int8_t> tool_side;  ///< on which large face of the tool a particle lies: -1, 0 (neither), +1
 
-  // Memory of friction, in m; empty with the paper's friction, which remembers nothing.
-  FloatArray slip_x, slip_y, slip_z;  ///< one entry for each of the neighbour list: see ContactMemory
-  std::vector<WallSlip> wall_slip;    ///< one for each particle
-  std::vector<Float4> tool_slip;      ///< one for each particle, in the tool's frame
+  // Memory of friction besides that of contacts, in m; empty with the paper's friction, which remembers nothing.
+  std::vector<WallSlips> wall_slip;  ///< one for each group
+  std::vector<Float4> tool_slip;     ///< one for each particle, in the tool's frame
 
   [[nodiscard]] std::size_t particles() const noexcept { return tool_side.size(); }
 };

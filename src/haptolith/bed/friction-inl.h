@@ -10,20 +10,10 @@
 
 #include <hwy/highway.h>
 
-#include <cmath>
-
 #include "haptolith/soil/contact_law-inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace haptolith::HWY_NAMESPACE {
-
-// Highway's functions for single numbers, so that one expression serves both.
-inline double Sqrt(double a) {
-  return std::sqrt(a);
-}
-inline float Sqrt(float a) {
-  return std::sqrt(a);
-}
 
 template <class Real>
 struct Triple {
@@ -48,7 +38,7 @@ struct FrictionOf {
   Real dt;
   Real stiffness;        ///< k_t, N/m
   Real damping;          ///< c_t, N s/m
-  Real zero, one, tiny;  ///< 0, 1, and what is nothing beside any force
+  Real zero, one, tiny;  ///< 0, 1, and what is nothing beside any force's square
 };
 
 /// Friction on the first of two bodies, with the normal `n` from the second to it (Cundall and Strack 1979, eq. 5, 15):
@@ -70,7 +60,7 @@ HWY_INLINE Triple<Real> frictionForce(const FrictionOf<Real>& friction, Real lim
                                       const Triple<Real>& slip, Triple<Real>& stretch) {
   // How much of a force is left when it may not exceed the limit.
   const auto share = [&](const Triple<Real>& force) {
-    return Min(limit / Max(Sqrt(dot(force, force)), friction.tiny), friction.one);
+    return Min(limit * InverseSqrt(Max(dot(force, force), friction.tiny)), friction.one);
   };
   const Triple<Real> old = across(stretch, n);
   const Triple<Real> xi{old.x + slip.x * friction.dt, old.y + slip.y * friction.dt, old.z + slip.z * friction.dt};

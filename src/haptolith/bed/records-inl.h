@@ -11,7 +11,7 @@
 #include <hwy/highway.h>
 
 #include "haptolith/bed/bed_state.h"
-#include "haptolith/bed/contact_kernel.h"
+#include "haptolith/bed/contact_lists.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace haptolith::HWY_NAMESPACE {
@@ -33,11 +33,13 @@ HWY_INLINE Records loadRecords(const Float4* HWY_RESTRICT record, const std::int
   return {hn::Set(d, one.x), hn::Set(d, one.y), hn::Set(d, one.z), hn::Set(d, one.w)};
 }
 
-HWY_INLINE void storeSums(V fx, V fy, V fz, V repulsion, ContactSum& sum) {
-  sum.force_x_n = hn::GetLane(fx);
-  sum.force_y_n = hn::GetLane(fy);
-  sum.force_z_n = hn::GetLane(fz);
-  sum.repulsion_n = hn::GetLane(repulsion);
+HWY_INLINE Records loadInOrder(const Float4* HWY_RESTRICT record) {
+  const D d;
+  return {hn::Set(d, record->x), hn::Set(d, record->y), hn::Set(d, record->z), hn::Set(d, record->w)};
+}
+
+HWY_INLINE void storeInOrder(const Records& r, Float4* HWY_RESTRICT record) {
+  *record = {hn::GetLane(r.x), hn::GetLane(r.y), hn::GetLane(r.z), hn::GetLane(r.w)};
 }
 
 #else
@@ -56,43 +58,58 @@ HWY_INLINE hn::Vec<AnyD> loadEveryFourth(AnyD d, const Float4* HWY_RESTRICT reco
   }
 }
 
-/// Vectors of as many neighbours as a vector has lanes, in their order.
-HWY_INLINE Records loadRecords(const Float4* HWY_RESTRICT record, const std::int32_t* HWY_RESTRICT index) {
+/// From records to vectors of their parts, within every 128-bit block; and back, for that is the same thing.
+HWY_INLINE Records turned(V first, V second, V third, V fourth) {
   const D d;
-  const V first = loadEveryFourth(d, record, index);
-  const V second = loadEveryFourth(d, record, index + 1);
-  const V third = loadEveryFourth(d, record, index + 2);
-  const V fourth = loadEveryFourth(d, record, index + 3);
   const V xy_odd = hn::InterleaveLower(d, first, third);  // x0 x2 y0 y2 of every block
   const V xy_even = hn::InterleaveLower(d, second, fourth);
-  const V z_odd = hn::InterleaveUpper(d, first, third);
-  const V z_even = hn::InterleaveUpper(d, second, fourth);
+  const V zw_odd = hn::InterleaveUpper(d, first, third);
+  const V zw_even = hn::InterleaveUpper(d, second, fourth);
   return {hn::InterleaveLower(d, xy_odd, xy_even), hn::InterleaveUpper(d, xy_odd, xy_even),
-          hn::InterleaveLower(d, z_odd, z_even), hn::InterleaveUpper(d, z_odd, z_even)};
+          hn::InterleaveLower(d, zw_odd, zw_even), hn::InterleaveUpper(d, zw_odd, zw_even)};
 }
 
-/// Folds a vector's 128-bit blocks onto each other.
+/// Vectors of as many records as a vector has lanes, in the order of `index`.
+HWY_INLINE Records loadRecords(const Float4* HWY_RESTRICT record, const std::int32_t* HWY_RESTRICT index) {
+  const D d;
+  return turned(loadEveryFourth(d, record, index), loadEveryFourth(d, record, index + 1),
+                loadEveryFourth(d, record, index + 2), loadEveryFourth(d, record, index + 3));
+}
+
+/// The same of records that stand one behind the other.
 template <class AnyD>
-HWY_INLINE hn::Vec<hn::FixedTag<float, 4> > foldedBlocks(AnyD d, hn::Vec<AnyD> v) {
+HWY_INLINE hn::Vec<AnyD> loadEveryFourthInOrder(AnyD d, const Float4* HWY_RESTRICT record) {
   if constexpr (hn::MaxLanes(d) == 4) {
-    return v;
+    return hn::Load(d, &record->x);
   } else {
     const hn::Half<AnyD> half;
-    return foldedBlocks(half, hn::LowerHalf(half, v) + hn::UpperHalf(half, v));
+    return hn::Combine(d, loadEveryFourthInOrder(half, record + hn::MaxLanes(half)),
+                       loadEveryFourthInOrder(half, record));
   }
 }
-
-/// Sums the lanes of four vectors at once and stores them side by side.
-HWY_INLINE void storeSums(V fx, V fy, V fz, V repulsion, ContactSum& sum) {
+HWY_INLINE Records loadInOrder(const Float4* HWY_RESTRICT record) {
   const D d;
-  const hn::FixedTag<float, 4> block;
-  const auto x = foldedBlocks(d, fx);
-  const auto y = foldedBlocks(d, fy);
-  const auto z = foldedBlocks(d, fz);
-  const auto r = foldedBlocks(d, repulsion);
-  const auto xz = hn::InterleaveLower(block, x, z) + hn::InterleaveUpper(block, x, z);  // x02 z02 x13 z13
-  const auto yr = hn::InterleaveLower(block, y, r) + hn::InterleaveUpper(block, y, r);
-  hn::Store(hn::InterleaveLower(block, xz, yr) + hn::InterleaveUpper(block, xz, yr), block, &sum.force_x_n);
+  return turned(loadEveryFourthInOrder(d, record), loadEveryFourthInOrder(d, record + 1),
+                loadEveryFourthInOrder(d, record + 2), loadEveryFourthInOrder(d, record + 3));
+}
+
+template <class AnyD>
+HWY_INLINE void storeEveryFourth(AnyD d, hn::Vec<AnyD> v, Float4* HWY_RESTRICT record) {
+  if constexpr (hn::MaxLanes(d) == 4) {
+    hn::Store(v, d, &record->x);
+  } else {
+    const hn::Half<AnyD> half;
+    storeEveryFourth(half, hn::LowerHalf(half, v), record);
+    storeEveryFourth(half, hn::UpperHalf(half, v), record + hn::MaxLanes(half));
+  }
+}
+HWY_INLINE void storeInOrder(const Records& r, Float4* HWY_RESTRICT record) {
+  const D d;
+  const Records rows = turned(r.x, r.y, r.z, r.w);
+  storeEveryFourth(d, rows.x, record);
+  storeEveryFourth(d, rows.y, record + 1);
+  storeEveryFourth(d, rows.z, record + 2);
+  storeEveryFourth(d, rows.w, record + 3);
 }
 
 #endif

@@ -11,6 +11,7 @@
 #include <hwy/highway.h>
 
 #include <algorithm>
+#include <cmath>
 
 #include "haptolith/soil/contact_law.h"
 
@@ -43,12 +44,52 @@ inline float Min(float a, float b) {
   return std::min(a, b);
 }
 
+inline double Inverse(double a) {
+  return 1 / a;
+}
+inline float Inverse(float a) {
+  return 1 / a;
+}
+inline double InverseSqrt(double a) {
+  return 1 / std::sqrt(a);
+}
+inline float InverseSqrt(float a) {
+  return 1 / std::sqrt(a);
+}
+
+/// Newton's steps that take the processor's first guess (8 bits on NEON, 12 on SSE4 and AVX2, 14 on AVX-512) to 2e-7 or
+/// better: a third of the time of a division or a root.
+inline constexpr int kNewtonSteps = HWY_ARCH_ARM ? 2 : 1;
+
+template <class V>
+HWY_INLINE V Inverse(V a) {
+  const hwy::HWY_NAMESPACE::DFromV<V> d;
+  const V two = hwy::HWY_NAMESPACE::Set(d, 2);
+  V guess = hwy::HWY_NAMESPACE::ApproximateReciprocal(a);
+  for (int i = 0; i < kNewtonSteps; ++i) {
+    guess = guess * hwy::HWY_NAMESPACE::NegMulAdd(a, guess, two);
+  }
+  return guess;
+}
+
+template <class V>
+HWY_INLINE V InverseSqrt(V a) {
+  const hwy::HWY_NAMESPACE::DFromV<V> d;
+  const V half = hwy::HWY_NAMESPACE::Set(d, 0.5F);
+  V guess = hwy::HWY_NAMESPACE::ApproximateReciprocalSqrt(a);
+  for (int i = 0; i < kNewtonSteps; ++i) {
+    const V error = hwy::HWY_NAMESPACE::NegMulAdd(a * guess, guess * half, half);
+    guess = hwy::HWY_NAMESPACE::MulAdd(guess, error, guess);
+  }
+  return guess;
+}
+
 /// F(a) without its cutoff (paper 7). Both branches in one expression: below a_thr the hyperbola is held at a_thr and
 /// the line k (a_thr - a) is added; above it the line is zero.
 template <class Real>
 HWY_INLINE Real uncutContactForce(const LawOf<Real>& law, Real a) {
   const Real held = Max(a, law.a_thr);
-  return law.gamma / (held - law.a_min) - law.h + law.k * (held - a);
+  return law.gamma * Inverse(held - law.a_min) - law.h + law.k * (held - a);
 }
 
 /// What cohesion does between two surfaces.
@@ -86,7 +127,7 @@ HWY_INLINE CohesiveContact<Real> cohesiveContact(const LawOf<Real>& law, const C
 /// The law's stiffness -dF/da (paper 7): gamma / (a - a_min)^2 down to a_thr, k from there on; its square root.
 template <class Real>
 HWY_INLINE Real rootOfStiffness(const LawOf<Real>& law, Real root_of_gamma, Real a) {
-  return root_of_gamma / (Max(a, law.a_thr) - law.a_min);
+  return root_of_gamma * Inverse(Max(a, law.a_thr) - law.a_min);
 }
 
 }  // namespace haptolith::HWY_NAMESPACE

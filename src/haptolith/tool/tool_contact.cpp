@@ -91,7 +91,7 @@ class FrictionalTool {
   }
 
  private:
-  static constexpr double kTiny = 1e-20;
+  static constexpr double kTiny = 1e-40;
   static constexpr double kSticks = 0.99;  // square of the friction over its limit
 
   double stiffness_, damping_, coefficient_, reach_m_;

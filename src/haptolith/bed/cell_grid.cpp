@@ -1,0 +1,130 @@
+#include "haptolith/bed/cell_grid.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+
+namespace haptolith {
+
+namespace {
+
+/// Where in the box a place is that may be some periods away; without a period it is where it is.
+float intoBox(float metres, float period, float per_period) {
+  return metres - period * std::floor(metres * per_period);
+}
+
+/// How many cells of at least `cell_m` fit into `length_m`.
+int cellsIn(double length_m, double cell_m, double most) {
+  return static_cast<int>(std::clamp(std::floor(length_m / cell_m), 1.0, std::max(1.0, most)));
+}
+
+/// Positions beyond the grid count into its outermost cells: that never pulls two neighbours further apart.
+int indexOf(float metres, float cells_per_m, int cells) {
+  return static_cast<int>(std::clamp(metres * cells_per_m, 0.0F, static_cast<float>(cells - 1)));
+}
+
+}  // namespace
+
+CellGrid::CellGrid(std::size_t particles, double cell_m, const GridBox& box)
+    : periods_(box.periods),
+      origin_x_m_(static_cast<float>(-box.width_m / 2)),
+      origin_y_m_(static_cast<float>(-box.length_m / 2)),
+      spilled_(particles) {
+  // No more cells than make sense for so few particles, in a box however large.
+  const auto n = static_cast<double>(particles);
+  const double most_sideways = 4 * n + 64;
+  nx_ = cellsIn(box.width_m, cell_m, most_sideways);
+  ny_ = cellsIn(box.length_m, cell_m, most_sideways);
+  while (static_cast<double>(nx_) * ny_ > most_sideways) {
+    int& more = nx_ > ny_ ? nx_ : ny_;
+    more = (more + 1) / 2;
+  }
+  constexpr double kRoomAbove = 4;  // cells; what flies higher stands in the topmost one
+  nz_ = cellsIn(box.height_m + kRoomAbove * cell_m, cell_m, (8 * n + 4096) / (static_cast<double>(nx_) * ny_));
+  cells_per_m_x_ = static_cast<float>(nx_ / std::max(box.width_m, nx_ * cell_m));
+  cells_per_m_y_ = static_cast<float>(ny_ / std::max(box.length_m, ny_ * cell_m));
+  cells_per_m_z_ = static_cast<float>(1 / cell_m);
+  const std::size_t cells =
+      static_cast<std::size_t>(nx_) * static_cast<std::size_t>(ny_) * static_cast<std::size_t>(nz_);
+  particle_.resize(cells * kCellRoom);
+  count_.resize(cells);
+}
+
+CellGrid::Place CellGrid::placeOf(const Float4& p) const noexcept {
+  return {indexOf(intoBox(p.x - origin_x_m_, periods_.width, periods_.per_width), cells_per_m_x_, nx_),
+          indexOf(intoBox(p.y - origin_y_m_, periods_.length, periods_.per_length), cells_per_m_y_, ny_),
+          indexOf(p.z, cells_per_m_z_, nz_)};
+}
+
+std::uint32_t CellGrid::cellOf(const Float4& position) const noexcept {
+  return number(placeOf(position));
+}
+
+void CellGrid::insert(std::int32_t particle, std::uint32_t cell) noexcept {
+  if (count_[cell] < kCellRoom) {
+    particle_[cell * kCellRoom + count_[cell]++] = particle;
+  } else {
+    spilled_[spilled_count_++] = particle;
+  }
+}
+
+void CellGrid::remove(std::int32_t particle, std::uint32_t cell) noexcept {
+  std::int32_t* begin = particle_.data() + cell * kCellRoom;
+  std::int32_t* end = begin + count_[cell];
+  if (std::int32_t* found = std::find(begin, end, particle); found != end) {
+    *found = end[-1];
+    --count_[cell];
+    return;
+  }
+  const auto spilled_end = spilled_.begin() + static_cast<std::ptrdiff_t>(spilled_count_);
+  if (const auto found = std::find(spilled_.begin(), spilled_end, particle); found != spilled_end) {
+    *found = spilled_end[-1];
+    --spilled_count_;
+  }
+}
+
+void CellGrid::clear() noexcept {
+  std::ranges::fill(count_, std::uint8_t{0});
+  spilled_count_ = 0;
+}
+
+std::uint32_t CellGrid::candidates(std::uint32_t cell, std::int32_t* out) const noexcept {
+  const auto nx = static_cast<std::uint32_t>(nx_);
+  const auto ny = static_cast<std::uint32_t>(ny_);
+  const Place at{static_cast<int>(cell % nx), static_cast<int>(cell / nx % ny), static_cast<int>(cell / nx / ny)};
+  // Side by side, an axis that repeats itself has three different cells; one with walls has no cell beyond its ends.
+  struct Span {
+    int cells[3]{};
+    int count = 0;
+  };
+  const auto around = [](int middle, int cells, bool wraps) {
+    Span span;
+    for (int i = middle - 1; i <= middle + 1; ++i) {
+      if (wraps || (i >= 0 && i < cells)) {
+        span.cells[span.count++] = (i + cells) % cells;
+      }
+    }
+    return span;
+  };
+  const Span xs = around(at.x, nx_, periods_.width > 0);
+  const Span ys = around(at.y, ny_, periods_.length > 0);
+  const Span zs = around(at.z, nz_, false);
+  std::uint32_t found = 0;
+  for (int z = 0; z < zs.count; ++z) {
+    for (int y = 0; y < ys.count; ++y) {
+      for (int x = 0; x < xs.count; ++x) {
+        const std::uint32_t near = number({xs.cells[x], ys.cells[y], zs.cells[z]});
+        std::memcpy(out + found, particle_.data() + near * kCellRoom, kCellRoom * sizeof(std::int32_t));
+        found += count_[near];  // what was copied too much is overwritten next
+      }
+    }
+  }
+  std::copy_n(spilled_.begin(), spilled_count_, out + found);
+  return found + static_cast<std::uint32_t>(spilled_count_);
+}
+
+std::size_t CellGrid::bytes() const noexcept {
+  return particle_.size() * sizeof(particle_[0]) + count_.size() + spilled_.size() * sizeof(spilled_[0]);
+}
+
+}  // namespace haptolith

@@ -1,0 +1,95 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "haptolith/core/cache_aligned.h"
+
+namespace haptolith {
+
+/// Particles go through the kernel in groups of this many, side by side: one AVX-512 vector, two of AVX2, four of SSE4
+/// or NEON.
+constexpr std::size_t kGroup = 16;
+
+/// Records of particles come in whole groups; at least one more than there are particles, so that index n is a ghost.
+[[nodiscard]] constexpr std::size_t paddedCount(std::size_t particles) noexcept {
+  return (particles / kGroup + 1) * kGroup;
+}
+
+/// How far a particle has slid against a neighbour since they came to touch, in m, scene frame.
+struct Slip {
+  float x = 0, y = 0, z = 0;
+};
+
+/// Each particle's neighbours, and what friction remembers of them.
+///
+/// The lists of a group's 16 particles stand side by side in rows: row s holds the s-th neighbour of each, so that the
+/// kernel works on 16 pairs at once and adds up without turning registers. Shorter lists are filled up with the ghost
+/// (index n), which no force reaches. Rows lie in one pool, a group's in one piece with room to grow; a group that
+/// outgrows its room moves. Within what construct() reserved nothing allocates.
+class ContactLists {
+ public:
+  /// A particle with more neighbours has been collapsed onto.
+  static constexpr std::uint32_t kMostNeighbours = 96;
+
+  ContactLists() = default;
+  /// Empty lists. @param remembers  whether there is a slip with each entry (pairwise friction).
+  ContactLists(std::size_t particles, bool remembers);
+
+  [[nodiscard]] std::size_t particles() const noexcept { return count_.size(); }
+  [[nodiscard]] bool remembers() const noexcept { return remembers_; }
+  [[nodiscard]] std::uint32_t count(std::size_t i) const noexcept { return count_[i]; }
+  [[nodiscard]] std::int32_t neighbour(std::size_t i, std::uint32_t s) const noexcept { return other_[slot(i, s)]; }
+  [[nodiscard]] Slip slip(std::size_t i, std::uint32_t s) const noexcept;
+  void setSlip(std::size_t i, std::uint32_t s, const Slip& slip) noexcept;
+
+  /// Adds j to i's list, with nothing to remember. False when it does not fit.
+  [[nodiscard]] bool add(std::size_t i, std::int32_t j) noexcept;
+  /// Takes entry s from i's list; the last takes its place.
+  void remove(std::size_t i, std::uint32_t s) noexcept;
+  /// Takes j from i's list, where it must be.
+  void removeNeighbour(std::size_t i, std::int32_t j) noexcept;
+  /// Takes everything from all lists.
+  void clear() noexcept;
+
+  /// Becomes what another one of as many particles is, entry by entry, within its own storage.
+  void takeOver(const ContactLists& other) noexcept;
+
+  // As the kernel wants them. Of group g: rows firstRow(g) to firstRow(g) + rows(g) - 1 of 16 entries each.
+  [[nodiscard]] const std::int32_t* others() const noexcept { return other_.data(); }
+  [[nodiscard]] float* slips() noexcept { return slip_.data(); }  ///< of each row 16 x, 16 y, 16 z
+  [[nodiscard]] const float* slips() const noexcept { return slip_.data(); }
+  [[nodiscard]] const std::uint32_t* firstRows() const noexcept { return first_row_.data(); }
+  [[nodiscard]] const std::uint16_t* rowCounts() const noexcept { return rows_.data(); }
+  [[nodiscard]] std::size_t groups() const noexcept { return rows_.size(); }
+
+  /// Bytes in use.
+  [[nodiscard]] std::size_t bytes() const noexcept;
+
+ private:
+  static constexpr std::array<std::uint16_t, 4> kRooms{24, 32, 48, kMostNeighbours};
+  static constexpr std::uint32_t kNone = ~std::uint32_t{0};
+
+  [[nodiscard]] std::size_t slot(std::size_t i, std::uint32_t s) const noexcept {
+    return (first_row_[i / kGroup] + s) * kGroup + i % kGroup;
+  }
+  [[nodiscard]] float* slipAt(std::size_t i, std::uint32_t s) noexcept {
+    return slip_.data() + (first_row_[i / kGroup] + s) * std::size_t{3 * kGroup} + i % kGroup;
+  }
+  [[nodiscard]] std::uint32_t takeRows(std::size_t room_class) noexcept;
+  [[nodiscard]] bool grow(std::size_t group) noexcept;
+  void emptyRow(std::size_t row) noexcept;
+
+  bool remembers_ = false;
+  std::int32_t ghost_ = 0;
+  std::vector<std::int32_t, CacheAligned<std::int32_t>> other_;
+  FloatArray slip_;
+  std::vector<std::uint32_t> first_row_;                                       // one for each group
+  std::vector<std::uint16_t> rows_;                                            // length of the group's longest list
+  std::vector<std::uint8_t> room_;                                             // which of kRooms it has
+  std::vector<std::uint16_t> count_;                                           // one for each particle
+  std::array<std::uint32_t, kRooms.size()> free_{kNone, kNone, kNone, kNone};  // left rooms, each linked to the next
+};
+
+}  // namespace haptolith

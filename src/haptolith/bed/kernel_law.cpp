@@ -1,0 +1,28 @@
+#include "haptolith/bed/kernel_law.h"
+
+#include <cmath>
+
+namespace haptolith {
+
+KernelLaw kernelLaw(const ContactLaw& law, double radius_m) {
+  const auto f = [](double value) { return static_cast<float>(value); };
+  return {f(law.gamma_nm),      f(law.a_min_m),  f(law.a_thr_m), f(law.h_n),
+          f(law.stiffness_n_m), f(law.cutoff_m), f(2 * radius_m)};
+}
+
+PairwiseLaw pairwiseLaw(const SoilParameters& soil) {
+  const auto f = [](double value) { return static_cast<float>(value); };
+  const ContactLaw law = makeContactLaw(soil);
+  const double tangential_stiffness = soil.tangential_ratio * soil.stiffness_n_m;
+  const double damping = soil.damping_ratio * std::sqrt(2 * macroparticleMass(soil));
+  return {.normal = kernelLaw(law, soil.radius_m),
+          .cohesion = f(law.cohesion_n),
+          .two_per_range = f(2 / law.cohesion_range_m),
+          .root_of_gamma = f(std::sqrt(law.gamma_nm)),
+          .damping = f(damping),
+          .friction = f(soil.contact_friction),
+          .stiffness = f(tangential_stiffness),
+          .tangential_damping = f(damping * std::sqrt(tangential_stiffness))};
+}
+
+}  // namespace haptolith

@@ -1,0 +1,34 @@
+#pragma once
+
+#include "haptolith/soil/contact_law.h"
+#include "haptolith/soil/soil_parameters.h"
+
+namespace haptolith {
+
+/// The contact law's constants in the particles' precision.
+struct KernelLaw {
+  float gamma, a_min, a_thr, h, k, cutoff, diameter;
+};
+[[nodiscard]] KernelLaw kernelLaw(const ContactLaw& law, double radius_m);
+
+/// Constants of contacts with pairwise friction, as the kernel and its walls want them.
+struct PairwiseLaw {
+  KernelLaw normal;
+  float cohesion, two_per_range;  ///< F_c in N; 2 / range in 1/m
+  float root_of_gamma;            ///< sqrt(gamma)
+  float damping;                  ///< zeta sqrt(2 m): c = damping sqrt(-dF/da) is zeta of a pair's critical damping
+  float friction;                 ///< mu_p
+  float stiffness;                ///< k_t, N/m
+  float tangential_damping;       ///< c_t = damping sqrt(k_t), N s/m
+};
+[[nodiscard]] PairwiseLaw pairwiseLaw(const SoilParameters& soil);
+
+/// How often the box repeats itself, for beds that have periods instead of walls; 0 along an axis that has walls.
+struct Periods {
+  float width = 0, length = 0;          ///< m, along x and y
+  float per_width = 0, per_length = 0;  ///< 1 / width and 1 / length, or 0
+
+  [[nodiscard]] bool any() const noexcept { return width > 0 || length > 0; }
+};
+
+}  // namespace haptolith

@@ -1,0 +1,153 @@
+#include "haptolith/bed/neighbourhood.h"
+
+#include <algorithm>
+
+// This file is compiled once for every instruction set; selectNear() picks the best one at run time.
+// clang-format off
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "haptolith/bed/neighbourhood.cpp"
+#include <hwy/foreach_target.h>  // before highway.h
+#include <hwy/highway.h>
+#include "haptolith/bed/records-inl.h"
+// clang-format on
+
+HWY_BEFORE_NAMESPACE();
+namespace haptolith::HWY_NAMESPACE {
+
+using Indices = hn::RebindToSigned<D>;
+
+/// Writes those candidates to `out` that are within reach of the particle `self`, and returns how many.
+template <bool kPeriodic>
+std::uint32_t selectNearIn(const Float4* HWY_RESTRICT place, const Periods& periods, float reach_m, std::int32_t self,
+                           const std::int32_t* HWY_RESTRICT candidates, std::uint32_t count,
+                           std::int32_t* HWY_RESTRICT out) {
+  const D d;
+  const Indices di;
+  const Float4& here = place[self];
+  const V x = hn::Set(d, here.x);
+  const V y = hn::Set(d, here.y);
+  const V z = hn::Set(d, here.z);
+  const V width = hn::Set(d, periods.width);
+  const V length = hn::Set(d, periods.length);
+  const V per_width = hn::Set(d, periods.per_width);
+  const V per_length = hn::Set(d, periods.per_length);
+  std::uint32_t found = 0;
+  for (std::uint32_t n = 0; n < count; n += static_cast<std::uint32_t>(hn::Lanes(d))) {
+    const Records other = loadRecords(place, candidates + n);
+    const V dx = nearestImage<kPeriodic>(x - other.x, width, per_width);
+    const V dy = nearestImage<kPeriodic>(y - other.y, length, per_length);
+    const V dz = z - other.z;
+    const V reach = hn::Set(d, reach_m) + (hn::Set(d, here.w) + other.w);
+    const auto ids = hn::LoadU(di, candidates + n);
+    const auto near = hn::And(hn::MulAdd(dx, dx, hn::MulAdd(dy, dy, dz * dz)) < reach * reach,
+                              hn::RebindMask(d, hn::Ne(ids, hn::Set(di, self))));
+    found += static_cast<std::uint32_t>(hn::CompressStore(ids, hn::RebindMask(di, near), di, out + found));
+  }
+  return found;
+}
+
+std::uint32_t selectNearOf(const Float4* place, const Periods& periods, float reach_m, std::int32_t self,
+                           const std::int32_t* candidates, std::uint32_t count, std::int32_t* out) {
+  return (periods.any() ? selectNearIn<true> : selectNearIn<false>)(place, periods, reach_m, self, candidates, count,
+                                                                    out);
+}
+
+const char* targetName() {
+  return hwy::TargetName(HWY_TARGET);
+}
+
+}  // namespace haptolith::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace haptolith {
+
+HWY_EXPORT(selectNearOf);
+HWY_EXPORT(targetName);
+
+const char* simdTarget() noexcept {
+  return HWY_DYNAMIC_DISPATCH(targetName)();
+}
+
+Neighbourhood::Neighbourhood(std::size_t particles, double reach_m, double largest_excess_m, const GridBox& box)
+    : reach_m_(static_cast<float>(reach_m)),
+      periods_(box.periods),
+      grid_(particles, reach_m + 2 * largest_excess_m, box),
+      candidates_(grid_.candidatesAtMost()),
+      near_(grid_.candidatesAtMost()) {}
+
+std::uint32_t Neighbourhood::findNear(std::int32_t particle, std::uint32_t candidates,
+                                      const std::vector<Float4>& listed_at) noexcept {
+  // Whole vectors are read: what lies behind the candidates is the ghost, who is near nobody.
+  std::fill_n(candidates_.begin() + static_cast<std::ptrdiff_t>(candidates), kGroup,
+              static_cast<std::int32_t>(listed_at.size()) - 1);
+  return HWY_DYNAMIC_DISPATCH(selectNearOf)(listed_at.data(), periods_, reach_m_, particle, candidates_.data(),
+                                            candidates, near_.data());
+}
+
+bool Neighbourhood::enterAll(const std::vector<Float4>& listed_at, ContactLists& lists) noexcept {
+  const std::size_t n = lists.particles();
+  grid_.clear();
+  for (std::size_t i = 0; i < n; ++i) {
+    grid_.insert(static_cast<std::int32_t>(i), grid_.cellOf(listed_at[i]));
+  }
+  for (std::size_t i = 0; i < n; ++i) {
+    const auto particle = static_cast<std::int32_t>(i);
+    const std::uint32_t candidates = grid_.candidates(grid_.cellOf(listed_at[i]), candidates_.data());
+    const std::uint32_t near = findNear(particle, candidates, listed_at);
+    std::sort(near_.begin(), near_.begin() + static_cast<std::ptrdiff_t>(near));
+    for (std::uint32_t k = 0; k < near; ++k) {
+      if (!lists.add(i, near_[k])) {
+        return false;
+      }
+    }
+  }
+  return true;
+}
+
+bool Neighbourhood::enterAgain(std::span<const std::int32_t> particles, const std::vector<Float4>& position,
+                               std::vector<Float4>& listed_at, ContactLists& lists) noexcept {
+  // First everybody's place, then the lists: two that fly along together stay neighbours and forget nothing.
+  for (const std::int32_t particle : particles) {
+    Float4& place = listed_at[static_cast<std::size_t>(particle)];
+    const Float4& here = position[static_cast<std::size_t>(particle)];
+    const std::uint32_t left = grid_.cellOf(place);
+    const std::uint32_t cell = grid_.cellOf(here);
+    if (cell != left) {
+      grid_.remove(particle, left);
+      grid_.insert(particle, cell);
+    }
+    place = here;
+  }
+  return std::ranges::all_of(particles, [&](std::int32_t particle) { return listAgain(particle, listed_at, lists); });
+}
+
+bool Neighbourhood::listAgain(std::int32_t particle, const std::vector<Float4>& listed_at,
+                              ContactLists& lists) noexcept {
+  const auto i = static_cast<std::size_t>(particle);
+  std::int32_t* const near = near_.data();
+  std::uint32_t unlisted =
+      findNear(particle, grid_.candidates(grid_.cellOf(listed_at[i]), candidates_.data()), listed_at);
+  // Whom the list names already is taken out of `near`; whom it names wrongly is taken out of the list.
+  for (std::uint32_t s = lists.count(i); s-- > 0;) {
+    const std::int32_t other = lists.neighbour(i, s);
+    std::int32_t* const found = std::find(near, near + unlisted, other);
+    if (found != near + unlisted) {
+      *found = near[--unlisted];
+    } else {
+      lists.remove(i, s);
+      lists.removeNeighbour(static_cast<std::size_t>(other), particle);
+    }
+  }
+  std::sort(near, near + unlisted);  // else their order would be the cells', which no saved state has
+  return std::all_of(near, near + unlisted, [&](std::int32_t other) {
+    return lists.add(i, other) && lists.add(static_cast<std::size_t>(other), particle);
+  });
+}
+
+std::size_t Neighbourhood::bytes() const noexcept {
+  return grid_.bytes() + (candidates_.size() + near_.size()) * sizeof(near_[0]);
+}
+
+}  // namespace haptolith
+#endif  // HWY_ONCE

@@ -1,0 +1,54 @@
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "haptolith/bed/bed_state.h"
+#include "haptolith/bed/cell_grid.h"
+#include "haptolith/bed/contact_lists.h"
+
+namespace haptolith {
+
+/// Keeps the lists of who may touch whom, particle by particle: there is no moment at which all lists are made anew.
+///
+/// Each particle is entered at a place, BedState::listed_at. A pair is listed, from both sides, exactly when the places
+/// of the two are closer than the reach, which is as far as a contact acts plus a skin. As long as nobody is further
+/// from its place than half the skin, every contact is listed. Who has moved further is entered again where it is: that
+/// costs two tenths of a microsecond for each that moves, and nothing for those that do not. The memory of contacts
+/// stands beside the entries and stays where it is.
+class Neighbourhood {
+ public:
+  /// @param reach_m  largest distance of a listed pair of particles of the mean size; larger ones reach further.
+  /// @param largest_excess_m  by how much a radius may exceed the mean.
+  Neighbourhood(std::size_t particles, double reach_m, double largest_excess_m, const GridBox& box);
+
+  /// Enters all particles at `listed_at` into empty lists, each list in ascending order. Returns false when they do not
+  /// fit: the bed has collapsed onto itself. Not for the tick: it takes a tenth of a microsecond a particle.
+  [[nodiscard]] bool enterAll(const std::vector<Float4>& listed_at, ContactLists& lists) noexcept;
+
+  /// Enters some particles again, where `position` has them. May be called in the tick. False as enterAll().
+  [[nodiscard]] bool enterAgain(std::span<const std::int32_t> particles, const std::vector<Float4>& position,
+                                std::vector<Float4>& listed_at, ContactLists& lists) noexcept;
+
+  [[nodiscard]] const CellGrid& grid() const noexcept { return grid_; }
+  [[nodiscard]] std::size_t bytes() const noexcept;
+
+ private:
+  /// Makes a particle's list, and its entries in those of others, right for its new place.
+  [[nodiscard]] bool listAgain(std::int32_t particle, const std::vector<Float4>& listed_at,
+                               ContactLists& lists) noexcept;
+  /// Writes who is near a particle to near_, in any order, and returns how many.
+  [[nodiscard]] std::uint32_t findNear(std::int32_t particle, std::uint32_t candidates,
+                                       const std::vector<Float4>& listed_at) noexcept;
+
+  float reach_m_;
+  Periods periods_;
+  CellGrid grid_;
+  std::vector<std::int32_t> candidates_, near_;
+};
+
+/// Name of the instruction set in use, for example "AVX3".
+[[nodiscard]] const char* simdTarget() noexcept;
+
+}  // namespace haptolith

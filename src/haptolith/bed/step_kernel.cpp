@@ -1,0 +1,463 @@
+#include "haptolith/bed/step_kernel.h"
+
+// This file is compiled once for every instruction set; the functions at its end pick the best one at run time.
+// clang-format off
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "haptolith/bed/step_kernel.cpp"
+#include <hwy/foreach_target.h>  // before highway.h
+#include <hwy/highway.h>
+#include "haptolith/bed/friction-inl.h"
+#include "haptolith/bed/records-inl.h"
+#include "haptolith/soil/contact_law-inl.h"
+// clang-format on
+
+HWY_BEFORE_NAMESPACE();
+namespace haptolith::HWY_NAMESPACE {
+
+// Highway's dispatch tables take no noexcept functions; the public ones below are.
+
+HWY_INLINE V set(float value) {
+  return hn::Set(D(), value);
+}
+
+/// Where in the arrays a vector of particles stands: 16 particles are a group, one vector of AVX-512 or several.
+struct Lanes {
+  std::size_t group, in_group;
+  [[nodiscard]] std::size_t particle() const { return group * kGroup + in_group; }
+};
+
+/// Calls `each(lanes)` for all vectors of particles of groups first..last-1.
+template <class Each>
+HWY_INLINE void forEachVector(std::size_t first, std::size_t last, const Each& each) {
+  for (std::size_t group = first; group < last; ++group) {
+    for (std::size_t in_group = 0; in_group < kGroup; in_group += hn::Lanes(D())) {
+      each(Lanes{group, in_group});
+    }
+  }
+}
+
+/// A distance and its inverse from its square, both to the last bit but one: Goldschmidt's step from the processor's
+/// first guess, and one more for the distance, whose error the law magnifies.
+struct Distance {
+  V metres, inverse;
+};
+HWY_INLINE Distance distanceOf(V squared) {
+  const V half = set(0.5F);
+  const V guess = hn::ApproximateReciprocalSqrt(squared);
+  V metres = squared * guess;
+  V half_inverse = guess * half;
+  for (int i = 0; i < kNewtonSteps; ++i) {
+    const V error = hn::NegMulAdd(metres, half_inverse, half);
+    metres = hn::MulAdd(metres, error, metres);
+    half_inverse = hn::MulAdd(half_inverse, error, half_inverse);
+  }
+  metres = hn::MulAdd(hn::NegMulAdd(metres, metres, squared), half_inverse, metres);
+  return {metres, half_inverse + half_inverse};
+}
+
+struct PeriodsOf {
+  V width, length, per_width, per_length;
+  explicit PeriodsOf(const Periods& p)
+      : width(set(p.width)), length(set(p.length)), per_width(set(p.per_width)), per_length(set(p.per_length)) {}
+};
+
+/// From neighbours to particles: where they are, and how far that is.
+struct Apart {
+  V x, y, z, squared;
+};
+template <bool kPeriodic>
+HWY_INLINE Apart apart(const PeriodsOf& periods, const Records& here, const Records& other) {
+  const V x = nearestImage<kPeriodic>(here.x - other.x, periods.width, periods.per_width);
+  const V y = nearestImage<kPeriodic>(here.y - other.y, periods.length, periods.per_length);
+  const V z = here.z - other.z;
+  const V tiny = set(1e-24F);  // two centres in one point repel nowhere, instead of 0/0
+  return {x, y, z, hn::MulAdd(x, x, hn::MulAdd(y, y, hn::MulAdd(z, z, tiny)))};
+}
+
+/// What particles feel of their neighbours.
+struct Sums {
+  V x, y, z, repulsion, contacts;
+};
+
+LawOf<V> lawOf(const KernelLaw& law) {
+  return {set(law.gamma), set(law.a_min), set(law.a_thr), set(law.h), set(law.k)};
+}
+
+// --- the paper's friction --------------------------------------------------------------------------------------------
+
+struct PaperContacts {
+  LawOf<V> law;
+  V cutoff, diameter;
+  PeriodsOf periods;
+
+  PaperContacts(const KernelLaw& scalar, const Periods& box)
+      : law(lawOf(scalar)), cutoff(set(scalar.cutoff)), diameter(set(scalar.diameter)), periods(box) {}
+
+  /// (paper 19) over all neighbours.
+  template <bool kPeriodic>
+  HWY_INLINE Sums sum(const StepArrays& arrays, const Lanes& at, const Records& here) const {
+    const V zero = hn::Zero(D());
+    const V one = set(1);
+    Sums sums{zero, zero, zero, zero, zero};
+    const std::int32_t* HWY_RESTRICT other = arrays.other + arrays.first_row[at.group] * kGroup + at.in_group;
+    for (std::uint16_t row = 0; row < arrays.rows[at.group]; ++row, other += kGroup) {
+      const Apart d = apart<kPeriodic>(periods, here, loadRecords(arrays.position, other));
+      const Distance a = distanceOf(d.squared);
+      const V force = hn::IfThenElseZero(a.metres < cutoff, uncutContactForce(law, a.metres));
+      const V per_metre = force * a.inverse;
+      sums.x = hn::MulAdd(per_metre, d.x, sums.x);
+      sums.y = hn::MulAdd(per_metre, d.y, sums.y);
+      sums.z = hn::MulAdd(per_metre, d.z, sums.z);
+      sums.repulsion = sums.repulsion + hn::Max(force, zero);
+      sums.contacts = sums.contacts + hn::IfThenElseZero(a.metres < diameter, one);
+    }
+    return sums;
+  }
+
+  /// Adds the push of a wall at `distance` along one axis; `sign` is the axis's direction away from the wall. The wall
+  /// is the particle's mirror image (see wallLaw()) and, like any macroparticle, counts for friction and damping.
+  HWY_INLINE void addWall(V distance, V sign, V& force, Sums& sums) const {
+    const V a = distance + distance;
+    const auto touches = a < diameter;
+    if (hn::AllFalse(D(), touches)) {
+      return;
+    }
+    const V push = hn::IfThenElseZero(touches, uncutContactForce(law, a));
+    force = hn::MulAdd(sign, push, force);
+    sums.repulsion = sums.repulsion + push;
+    sums.contacts = sums.contacts + hn::IfThenElseZero(touches, set(1));
+  }
+};
+
+// --- pairwise friction -----------------------------------------------------------------------------------------------
+
+struct PairwiseContacts {
+  LawOf<V> law;
+  CohesionOf<V> cohesion;
+  FrictionOf<V> friction;
+  V cutoff, diameter, coefficient, damping, root_of_gamma;
+  PeriodsOf periods;
+
+  PairwiseContacts(const PairwiseLaw& scalar, const Periods& box, float dt, float ratio)
+      : law(lawOf(scalar.normal)),
+        cohesion{set(ratio * scalar.cohesion), set(scalar.two_per_range), hn::Zero(D()), set(1)},
+        friction{set(dt), set(scalar.stiffness), set(scalar.tangential_damping), hn::Zero(D()), set(1), set(1e-30F)},
+        cutoff(set(scalar.normal.cutoff)),
+        diameter(set(scalar.normal.diameter)),
+        coefficient(set(ratio * scalar.friction)),
+        damping(set(scalar.damping)),
+        root_of_gamma(set(scalar.root_of_gamma)),
+        periods(box) {}
+
+  /// Damping takes energy from approach and parting alike, but never pulls.
+  HWY_INLINE V damped(V normal, V a, V parting) const {
+    const V with_damping = normal - damping * rootOfStiffness(law, root_of_gamma, a) * parting;
+    return hn::Max(with_damping, hn::Min(normal, cohesion.zero));
+  }
+
+  /// All neighbours, friction included; their memory moves on.
+  template <bool kPeriodic>
+  HWY_INLINE Sums sum(const StepArrays& arrays, const Lanes& at, const Records& here, const Records& v) const {
+    const D d;
+    const V zero = hn::Zero(d);
+    Sums sums{zero, zero, zero, zero, zero};
+    const std::size_t first = arrays.first_row[at.group];
+    const std::int32_t* HWY_RESTRICT other = arrays.other + first * kGroup + at.in_group;
+    float* HWY_RESTRICT slip_x = arrays.slip + first * 3 * kGroup + at.in_group;
+    for (std::uint16_t row = 0; row < arrays.rows[at.group]; ++row, other += kGroup, slip_x += 3 * kGroup) {
+      float* HWY_RESTRICT slip_y = slip_x + kGroup;
+      float* HWY_RESTRICT slip_z = slip_y + kGroup;
+      const Records there = loadRecords(arrays.position, other);
+      const Apart way = apart<kPeriodic>(periods, here, there);
+      const Distance distance = distanceOf(way.squared);
+      const V a = distance.metres - (here.w + there.w);  // as far as two particles of the mean size would be
+      const auto near = a < cutoff;
+      if (hn::AllFalse(d, near)) {
+        hn::Store(zero, d, slip_x);
+        hn::Store(zero, d, slip_y);
+        hn::Store(zero, d, slip_z);
+        continue;
+      }
+      const Triple<V> towards{way.x * distance.inverse, way.y * distance.inverse, way.z * distance.inverse};
+      const CohesiveContact<V> contact = cohesiveContact(law, cohesion, diameter, a);
+      const Records u = loadRecords(arrays.velocity, other);
+      const Triple<V> relative{v.x - u.x, v.y - u.y, v.z - u.z};
+      const V parting = dot(relative, towards);
+      const V push = damped(contact.normal, a, parting);
+
+      const Triple<V> sliding{hn::NegMulAdd(parting, towards.x, relative.x),
+                              hn::NegMulAdd(parting, towards.y, relative.y),
+                              hn::NegMulAdd(parting, towards.z, relative.z)};
+      Triple<V> slip{hn::Load(d, slip_x), hn::Load(d, slip_y), hn::Load(d, slip_z)};
+      const Triple<V> drag = frictionForce(friction, coefficient * contact.compression, towards, sliding, slip);
+      hn::Store(hn::IfThenElseZero(near, slip.x), d, slip_x);
+      hn::Store(hn::IfThenElseZero(near, slip.y), d, slip_y);
+      hn::Store(hn::IfThenElseZero(near, slip.z), d, slip_z);
+
+      sums.x = sums.x + hn::IfThenElseZero(near, hn::MulAdd(push, towards.x, drag.x));
+      sums.y = sums.y + hn::IfThenElseZero(near, hn::MulAdd(push, towards.y, drag.y));
+      sums.z = sums.z + hn::IfThenElseZero(near, hn::MulAdd(push, towards.z, drag.z));
+      sums.repulsion = sums.repulsion + hn::IfThenElseZero(near, contact.compression);
+    }
+    return sums;
+  }
+
+  /// Particles against a wall: `distance` to it, velocity away from it and along it; what they have slid so far.
+  struct Touch {
+    V distance, away, along_1, along_2;
+    float *slip_1, *slip_2;
+  };
+  struct WallForce {
+    V away, along_1, along_2;
+  };
+  /// The wall is the particle's mirror image, which comes as fast as it goes, and does not slide. `ratio` is its
+  /// friction and cohesion over the soil's; its cohesion does not change how far it reaches.
+  HWY_INLINE WallForce wall(V ratio, const Touch& touch) const {
+    const D d;
+    const V zero = hn::Zero(d);
+    const V a = touch.distance + touch.distance;
+    const auto near = a < cutoff;
+    if (hn::AllFalse(d, near)) {
+      hn::Store(zero, d, touch.slip_1);
+      hn::Store(zero, d, touch.slip_2);
+      return {zero, zero, zero};
+    }
+    CohesionOf<V> own = cohesion;
+    own.largest = ratio * cohesion.largest;
+    const CohesiveContact<V> contact = cohesiveContact(law, own, diameter, a);
+    Triple<V> slip{hn::Load(d, touch.slip_1), hn::Load(d, touch.slip_2), zero};
+    const Triple<V> drag = frictionForce(friction, ratio * coefficient * contact.compression, {zero, zero, set(1)},
+                                         {touch.along_1, touch.along_2, zero}, slip);
+    hn::Store(hn::IfThenElseZero(near, slip.x), d, touch.slip_1);
+    hn::Store(hn::IfThenElseZero(near, slip.y), d, touch.slip_2);
+    return {hn::IfThenElseZero(near, damped(contact.normal, a, touch.away + touch.away)),
+            hn::IfThenElseZero(near, drag.x), hn::IfThenElseZero(near, drag.y)};
+  }
+};
+
+// --- a step ----------------------------------------------------------------------------------------------------------
+
+/// How far particles may leave their places, over half the skin: different for each, or all that move alike would have
+/// to be entered again in the same step.
+HWY_INLINE V patience(std::size_t particle) {
+  const D d;
+  const hn::RebindToSigned<D> di;
+  const auto number = hn::Iota(di, static_cast<std::int32_t>(particle & 0xFFFF));
+  const auto scattered = hn::And(number * hn::Set(di, 101), hn::Set(di, 255));
+  return hn::MulAdd(hn::ConvertTo(d, scattered), set(0.35F / 255), set(0.65F));
+}
+
+/// Moves particles on with their new velocity, and notes who has gone far.
+HWY_INLINE void moveOn(const StepConstants& now, const StepArrays& arrays, const Lanes& at, const Records& here,
+                       const Records& velocity, Moved& moved) {
+  const D d;
+  const V dt = set(now.dt);
+  const Records next{hn::MulAdd(dt, velocity.x, here.x), hn::MulAdd(dt, velocity.y, here.y),
+                     hn::MulAdd(dt, velocity.z, here.z), here.w};
+  storeInOrder(velocity, arrays.next_velocity + at.particle());
+  storeInOrder(next, arrays.next_position + at.particle());
+
+  const Records place = loadInOrder(arrays.listed_at + at.particle());
+  const V x = next.x - place.x;
+  const V y = next.y - place.y;
+  const V z = next.z - place.z;
+  const V squared = hn::MulAdd(x, x, hn::MulAdd(y, y, z * z));
+  const V share = patience(at.particle());
+  const auto stays = squared <= set(now.skin_half_squared) * share * share;  // false for what is no number, too
+  if (!hn::AllTrue(d, stays)) {
+    HWY_ALIGN float distances[hn::MaxLanes(D())];
+    HWY_ALIGN float limits[hn::MaxLanes(D())];
+    hn::Store(squared, d, distances);
+    hn::Store(set(now.skin_half_squared) * share * share, d, limits);
+    for (std::size_t lane = 0; lane < hn::Lanes(d); ++lane) {
+      if (!(distances[lane] <= limits[lane])) {
+        moved.particle[moved.count++] = static_cast<std::int32_t>(at.particle() + lane);
+        moved.finite = moved.finite && distances[lane] <= 1e30F;
+      }
+    }
+  }
+}
+
+/// A driven particle keeps its velocity, whatever pushes it.
+HWY_INLINE Records unlessDriven(const Records& v, const Records& wanted) {
+  const auto driven = v.w != hn::Zero(D());
+  return {hn::IfThenElse(driven, v.x, wanted.x), hn::IfThenElse(driven, v.y, wanted.y),
+          hn::IfThenElse(driven, v.z, wanted.z), v.w};
+}
+
+template <bool kPeriodic>
+void paperIn(const KernelLaw& law, const StepConstants& now, const StepBox& box, const StepArrays& arrays,
+             std::size_t first, std::size_t last, Moved& moved) {
+  const PaperContacts contacts(law, box.periods);
+  const D d;
+  const V zero = hn::Zero(d);
+  const V one = set(1);
+  const V per_mass = set(now.dt * now.inverse_mass);
+  const V half_width = set(box.half_width);
+  const V half_length = set(box.half_length);
+  forEachVector(first, last, [&](const Lanes& at) {
+    const Records x = loadInOrder(arrays.position + at.particle());
+    const Records v = loadInOrder(arrays.velocity + at.particle());
+    const Records push = loadInOrder(arrays.external + at.particle());
+    Sums sums = contacts.sum<kPeriodic>(arrays, at, x);
+    storeInOrder({sums.x, sums.y, sums.z, sums.repulsion}, arrays.contact_force + at.particle());
+    V fx = sums.x + (set(now.weight_x) + push.x);
+    V fy = sums.y + (set(now.weight_y) + push.y);
+    V fz = sums.z + (set(now.weight_z) + push.z);
+    contacts.addWall(x.z, one, fz, sums);
+    if (box.walls_x) {
+      contacts.addWall(half_width + x.x, one, fx, sums);
+      contacts.addWall(half_width - x.x, zero - one, fx, sums);
+    }
+    if (box.walls_y) {
+      contacts.addWall(half_length + x.y, one, fy, sums);
+      contacts.addWall(half_length - x.y, zero - one, fy, sums);
+    }
+
+    // Semi-implicit: damping (paper 20) acts on the new velocity, so it can never overshoot.
+    const V kept = Inverse(hn::MulAdd(per_mass * set(now.damping), sums.contacts, one));
+    const V vx = hn::MulAdd(per_mass, fx, v.x) * kept;
+    const V vy = hn::MulAdd(per_mass, fy, v.y) * kept;
+    const V vz = hn::MulAdd(per_mass, fz, v.z) * kept;
+
+    // Moving friction (paper 14, lower case) against the velocity; it stops the particle but never turns it round.
+    const V huge = set(1e30F);  // what is infinite shall not be braked to a stop, but found out
+    const V speed_squared = hn::Min(hn::MulAdd(vx, vx, hn::MulAdd(vy, vy, hn::MulAdd(vz, vz, set(1e-30F)))), huge);
+    const V slowed_by = per_mass * set(now.moving_friction) * sums.repulsion;
+    V left = hn::Max(hn::NegMulAdd(slowed_by, InverseSqrt(speed_squared), one), zero);
+
+    // A particle at rest stays at rest up to the static limit (paper 14, upper case).
+    const V limit = set(now.static_friction) * sums.repulsion;
+    const auto at_rest = hn::And(hn::And(v.x == zero, v.y == zero), v.z == zero);
+    const auto held = hn::MulAdd(fx, fx, hn::MulAdd(fy, fy, fz * fz)) <= limit * limit;
+    left = hn::IfThenZeroElse(hn::And(at_rest, held), left);
+    moveOn(now, arrays, at, x, unlessDriven(v, {vx * left, vy * left, vz * left, zero}), moved);
+  });
+}
+
+template <bool kPeriodic>
+void pairwiseIn(const PairwiseLaw& law, const StepConstants& now, const StepBox& box, const StepArrays& arrays,
+                std::size_t first, std::size_t last, Moved& moved) {
+  const PairwiseContacts contacts(law, box.periods, now.dt, now.friction_ratio);
+  const D d;
+  const V zero = hn::Zero(d);
+  const V one = set(1);
+  const V per_mass = set(now.dt * now.inverse_mass);
+  const V drag = set(now.drag);
+  const V ratio = set(box.wall_ratio);
+  forEachVector(first, last, [&](const Lanes& at) {
+    const Records x = loadInOrder(arrays.position + at.particle());
+    const Records v = loadInOrder(arrays.velocity + at.particle());
+    const Records push = loadInOrder(arrays.external + at.particle());
+    const Sums sums = contacts.sum<kPeriodic>(arrays, at, x, v);
+    storeInOrder({sums.x, sums.y, sums.z, sums.repulsion}, arrays.contact_force + at.particle());
+    V fx = sums.x + (set(now.weight_x) + push.x);
+    V fy = sums.y + (set(now.weight_y) + push.y);
+    V fz = sums.z + (set(now.weight_z) + push.z);
+    WallSlips& slips = arrays.wall_slip[at.group];
+    const auto of = [&](std::array<float, kGroup>& slip) { return slip.data() + at.in_group; };
+    const auto floor = contacts.wall(one, {x.z - x.w, v.z, v.x, v.y, of(slips.floor_x), of(slips.floor_y)});
+    fx = fx + floor.along_1;
+    fy = fy + floor.along_2;
+    fz = fz + floor.away;
+    if (box.walls_x) {
+      const V inwards = hn::IfThenElse(x.x < zero, one, zero - one);  // from the nearer of the two walls
+      const V distance = set(box.half_width) + inwards * x.x - x.w;
+      const auto wall =
+          contacts.wall(ratio, {distance, inwards * v.x, v.y, v.z, of(slips.x_wall_y), of(slips.x_wall_z)});
+      fx = hn::MulAdd(inwards, wall.away, fx);
+      fy = fy + wall.along_1;
+      fz = fz + wall.along_2;
+    }
+    if (box.walls_y) {
+      const V inwards = hn::IfThenElse(x.y < zero, one, zero - one);
+      const V distance = set(box.half_length) + inwards * x.y - x.w;
+      const auto wall =
+          contacts.wall(ratio, {distance, inwards * v.y, v.x, v.z, of(slips.y_wall_x), of(slips.y_wall_z)});
+      fx = fx + wall.along_1;
+      fy = hn::MulAdd(inwards, wall.away, fy);
+      fz = fz + wall.along_2;
+    }
+    const Records next{hn::MulAdd(per_mass, fx, v.x) * drag, hn::MulAdd(per_mass, fy, v.y) * drag,
+                       hn::MulAdd(per_mass, fz, v.z) * drag, zero};
+    moveOn(now, arrays, at, x, unlessDriven(v, next), moved);
+  });
+}
+
+void paper(const KernelLaw& law, const StepConstants& now, const StepBox& box, const StepArrays& arrays,
+           std::size_t first, std::size_t last, Moved& moved) {
+  (box.periods.any() ? paperIn<true> : paperIn<false>)(law, now, box, arrays, first, last, moved);
+}
+
+void pairwise(const PairwiseLaw& law, const StepConstants& now, const StepBox& box, const StepArrays& arrays,
+              std::size_t first, std::size_t last, Moved& moved) {
+  (box.periods.any() ? pairwiseIn<true> : pairwiseIn<false>)(law, now, box, arrays, first, last, moved);
+}
+
+// --- contacts alone --------------------------------------------------------------------------------------------------
+
+void storeSums(const Sums& sums, ContactSum* out) {
+  const D d;
+  HWY_ALIGN float of[5][hn::MaxLanes(D())];
+  hn::Store(sums.x, d, of[0]);
+  hn::Store(sums.y, d, of[1]);
+  hn::Store(sums.z, d, of[2]);
+  hn::Store(sums.repulsion, d, of[3]);
+  hn::Store(sums.contacts, d, of[4]);
+  for (std::size_t lane = 0; lane < hn::Lanes(d); ++lane) {
+    out[lane] = {of[0][lane], of[1][lane], of[2][lane], of[3][lane], of[4][lane]};
+  }
+}
+
+void paperSums(const KernelLaw& law, const Periods& periods, const StepArrays& arrays, std::size_t first,
+               std::size_t last, ContactSum* sums) {
+  const PaperContacts contacts(law, periods);
+  forEachVector(first, last, [&](const Lanes& at) {
+    const Records x = loadInOrder(arrays.position + at.particle());
+    storeSums(contacts.sum<true>(arrays, at, x), sums + at.particle());
+  });
+}
+
+void pairwiseSums(const PairwiseLaw& law, const Periods& periods, float dt, const StepArrays& arrays, std::size_t first,
+                  std::size_t last, ContactSum* sums) {
+  const PairwiseContacts contacts(law, periods, dt, 1);
+  forEachVector(first, last, [&](const Lanes& at) {
+    const Records x = loadInOrder(arrays.position + at.particle());
+    const Records v = loadInOrder(arrays.velocity + at.particle());
+    storeSums(contacts.sum<true>(arrays, at, x, v), sums + at.particle());
+  });
+}
+
+}  // namespace haptolith::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace haptolith {
+
+HWY_EXPORT(paper);
+HWY_EXPORT(pairwise);
+HWY_EXPORT(paperSums);
+HWY_EXPORT(pairwiseSums);
+
+void stepWithPaperFriction(const KernelLaw& law, const StepConstants& now, const StepBox& box, const StepArrays& arrays,
+                           std::size_t first, std::size_t last, Moved& moved) noexcept {
+  HWY_DYNAMIC_DISPATCH(paper)(law, now, box, arrays, first, last, moved);
+}
+
+void stepWithPairwiseFriction(const PairwiseLaw& law, const StepConstants& now, const StepBox& box,
+                              const StepArrays& arrays, std::size_t first, std::size_t last, Moved& moved) noexcept {
+  HWY_DYNAMIC_DISPATCH(pairwise)(law, now, box, arrays, first, last, moved);
+}
+
+void sumContacts(const KernelLaw& law, const Periods& periods, const StepArrays& arrays, std::size_t first,
+                 std::size_t last, ContactSum* sums) noexcept {
+  HWY_DYNAMIC_DISPATCH(paperSums)(law, periods, arrays, first, last, sums);
+}
+
+void sumPairwiseContacts(const PairwiseLaw& law, const Periods& periods, float dt_s, const StepArrays& arrays,
+                         std::size_t first, std::size_t last, ContactSum* sums) noexcept {
+  HWY_DYNAMIC_DISPATCH(pairwiseSums)(law, periods, dt_s, arrays, first, last, sums);
+}
+
+}  // namespace haptolith
+#endif  // HWY_ONCE

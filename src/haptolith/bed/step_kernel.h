@@ -1,0 +1,79 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+
+#include "haptolith/bed/bed_state.h"
+#include "haptolith/bed/kernel_law.h"
+
+namespace haptolith {
+
+/// Constants of one step, in the particles' precision.
+struct StepConstants {
+  float dt;
+  float weight_x, weight_y, weight_z;  ///< of a particle, N
+  float inverse_mass;
+  float skin_half_squared;  ///< m^2
+  // Paper's friction:
+  float damping, static_friction, moving_friction;
+  // Pairwise friction:
+  float friction_ratio;  ///< friction and cohesion over the soil's: 1, and 0 while settling
+  float drag;            ///< share of the speed kept, 1 but while settling
+};
+
+/// Floor at z = 0, and the side walls where the box does not repeat itself.
+struct StepBox {
+  float half_width, half_length;
+  bool walls_x, walls_y;
+  float wall_ratio;  ///< friction and cohesion of the side walls over the soil's, pairwise friction only
+  Periods periods;
+};
+
+/// What a step reads and writes. Records in whole groups; the next ones are written, the present ones only read.
+struct StepArrays {
+  const Float4 *position, *velocity;
+  const Float4* external;   ///< forces of others
+  const Float4* listed_at;  ///< see Neighbourhood
+  Float4 *next_position, *next_velocity;
+  Float4* contact_force;  ///< of the neighbours on each particle, N; w: sum of repulsion
+  WallSlips* wall_slip;   ///< pairwise friction only
+
+  // As in ContactLists.
+  const std::int32_t* other;
+  float* slip;
+  const std::uint32_t* first_row;
+  const std::uint16_t* rows;
+};
+
+/// Who has moved away from its place in the lists.
+struct Moved {
+  std::int32_t* particle;  ///< room for all
+  std::size_t count = 0;
+  bool finite = true;  ///< false when a position is no longer a number
+};
+
+/// Steps the particles of groups first..last-1: their neighbours, weight, walls and others' forces, then velocity, then
+/// position. May be called in the tick; parts of one bed may be stepped by several threads at once.
+void stepWithPaperFriction(const KernelLaw& law, const StepConstants& now, const StepBox& box, const StepArrays& arrays,
+                           std::size_t first, std::size_t last, Moved& moved) noexcept;
+
+/// The same with pairwise friction, whose memory moves on by the step. Each pair is worked out from both sides, with
+/// exactly opposite results.
+void stepWithPairwiseFriction(const PairwiseLaw& law, const StepConstants& now, const StepBox& box,
+                              const StepArrays& arrays, std::size_t first, std::size_t last, Moved& moved) noexcept;
+
+/// What a particle feels of its neighbours.
+struct ContactSum {
+  float force_x_n = 0, force_y_n = 0, force_z_n = 0;
+  float repulsion_n = 0;  ///< sum of the magnitudes of repulsive contact forces, for friction (paper 14); with pairwise
+                          ///< friction of what limits friction
+  float contacts = 0;     ///< p, number of macroparticles that overlap this one, for damping (paper 20)
+};
+
+/// Contacts alone, of groups first..last-1, 16 sums each.
+void sumContacts(const KernelLaw& law, const Periods& periods, const StepArrays& arrays, std::size_t first,
+                 std::size_t last, ContactSum* sums) noexcept;
+void sumPairwiseContacts(const PairwiseLaw& law, const Periods& periods, float dt_s, const StepArrays& arrays,
+                         std::size_t first, std::size_t last, ContactSum* sums) noexcept;
+
+}  // namespace haptolith
