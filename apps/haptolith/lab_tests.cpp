@@ -372,12 +372,23 @@ LabTest cone() {
 MohrCoulomb strengthBeforeBlade(const LabConditions& conditions, Preparation preparation) {
   ShearOptions options;
   options.normal_stresses_pa = {200, 400, 800};
-  if (preparation == Preparation::kLoose) {
-    return shearTest(conditions, options).residual;
+  const bool loose = preparation == Preparation::kLoose;
+  if (!loose) {
+    options.strain = 1;
+    options.residual_from = 0.9;
   }
-  options.strain = 1;
-  options.residual_from = 0.9;
-  return shearTest(conditions, options).peak;
+  const ShearResult shear = shearTest(conditions, options);
+  MohrCoulomb strength = loose ? shear.residual : shear.peak;
+  if (conditions.soil.contact_cohesion_n == 0) {  // then a line's cohesion is scatter, and goes into the angle
+    double stresses = 0;
+    double squares = 0;
+    for (const ShearPointResult& point : shear.points) {
+      stresses += point.normal_pa * (loose ? point.residual_pa : point.peak_pa);
+      squares += point.normal_pa * point.normal_pa;
+    }
+    strength = {.friction_angle_rad = std::atan(stresses / squares), .cohesion_pa = 0};
+  }
+  return strength;
 }
 
 LabOutput bladeOutput(const LabSoil& soil, const LabConditions& conditions, BladeOptions options, bool own_strength) {

@@ -74,6 +74,7 @@ struct Crowd {
     arrays.slip = lists.slips();
     arrays.first_row = lists.firstRows();
     arrays.rows = lists.rowCounts();
+    arrays.touched = lists.touchedRows();
     std::vector<ContactSum> sums(position.size());
     sumPairwiseContacts(pairwiseLaw(soil), periods, kStep_s, arrays, first_group, std::min(last_group, lists.groups()),
                         sums.data());

@@ -213,12 +213,13 @@ void Bed::stepPart(int part, int parts) noexcept {
                           .listed_at = state_.listed_at.data(),
                           .next_position = next_position_.data(),
                           .next_velocity = next_velocity_.data(),
-                          .contact_force = contact_force_.data(),
+                          .contact_force = driven_ > 0 ? contact_force_.data() : nullptr,
                           .wall_slip = state_.wall_slip.data(),
                           .other = state_.contacts.others(),
                           .slip = state_.contacts.slips(),
                           .first_row = state_.contacts.firstRows(),
-                          .rows = state_.contacts.rowCounts()};
+                          .rows = state_.contacts.rowCounts(),
+                          .touched = state_.contacts.touchedRows()};
   Moved moved{moved_.data() + first * kGroup};
   if (isPairwise()) {
     stepWithPairwiseFriction(pairwise_law_, now_, box_, arrays, first, last, moved);
@@ -239,11 +240,13 @@ bool Bed::enterAgainWhoMoved() noexcept {
 }
 
 void Bed::drive(std::size_t particle, const Vec3& velocity_m_s) noexcept {
+  driven_ += isDriven(particle) ? 0 : 1;
   state_.velocity[particle] = {narrow<float>(velocity_m_s.x()), narrow<float>(velocity_m_s.y()),
                                narrow<float>(velocity_m_s.z()), 1};
 }
 
 void Bed::release(std::size_t particle) noexcept {
+  driven_ -= isDriven(particle) ? 1 : 0;
   state_.velocity[particle].w = 0;
 }
 
@@ -431,6 +434,10 @@ void Bed::restore(const BedState& state) {
   state_.wall_slip = state.wall_slip;
   state_.tool_slip = state.tool_slip;
   state_.contacts.takeOver(state.contacts);
+  driven_ = 0;
+  for (std::size_t i = 0; i < n; ++i) {
+    driven_ += isDriven(i) ? 1 : 0;
+  }
   std::fill(state_.position.begin() + narrow<std::ptrdiff_t>(n), state_.position.end(), kGhost);
   std::fill(state_.listed_at.begin() + narrow<std::ptrdiff_t>(n), state_.listed_at.end(), kGhost);
   std::fill(state_.velocity.begin() + narrow<std::ptrdiff_t>(n), state_.velocity.end(), kGhostVelocity);

@@ -60,7 +60,7 @@ class Bed {
 
   [[nodiscard]] bool isDriven(std::size_t particle) const noexcept { return state_.velocity[particle].w != 0; }
 
-  /// Force of its neighbours on a particle in the last step, in N, scene frame; also for driven ones.
+  /// Force of its neighbours on a particle in the last step, in N, scene frame; kept while any particle is driven.
   [[nodiscard]] Vec3 contactForce(std::size_t particle) const noexcept;
 
   /// Lets the particles fall and come to rest without friction, then stops them where they are and sets the step count
@@ -119,6 +119,7 @@ class Bed {
   std::vector<Moved> moved_of_part_;
   StepConstants now_{};
   bool friction_on_ = true;
+  std::size_t driven_ = 0;  ///< particles
   std::uint64_t relistings_ = 0;
 };
 

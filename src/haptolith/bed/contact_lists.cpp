@@ -19,9 +19,10 @@ std::size_t reservedRows(std::size_t groups) {
 
 ContactLists::ContactLists(std::size_t particles, bool remembers)
     : remembers_(remembers),
-      ghost_(static_cast<std::int32_t>(particles)),
+      ghost_(offsetOf(static_cast<std::int32_t>(particles))),
       first_row_(paddedCount(particles) / kGroup),
       rows_(first_row_.size()),
+      touched_(first_row_.size()),
       room_(first_row_.size()),
       count_(particles) {
   const std::size_t rows = reservedRows(first_row_.size());
@@ -30,6 +31,7 @@ ContactLists::ContactLists(std::size_t particles, bool remembers)
   for (std::uint32_t& row : first_row_) {
     row = takeRows(0);
   }
+  first_row_.push_back(0);  // the kernel looks one group ahead
 }
 
 Slip ContactLists::slip(std::size_t i, std::uint32_t s) const noexcept {
@@ -42,6 +44,10 @@ void ContactLists::setSlip(std::size_t i, std::uint32_t s, const Slip& slip) noe
   x[0] = slip.x;
   x[kGroup] = slip.y;
   x[2 * kGroup] = slip.z;
+  if (slip.x != 0 || slip.y != 0 || slip.z != 0) {
+    std::uint16_t& touched = touched_[i / kGroup];
+    touched = std::max(touched, static_cast<std::uint16_t>(s + 1));
+  }
 }
 
 bool ContactLists::add(std::size_t i, std::int32_t j) noexcept {
@@ -50,7 +56,7 @@ bool ContactLists::add(std::size_t i, std::int32_t j) noexcept {
   if (s == kRooms[room_[group]] && !grow(group)) {
     return false;
   }
-  other_[slot(i, s)] = j;
+  other_[slot(i, s)] = offsetOf(j);
   ++count_[i];
   rows_[group] = std::max(rows_[group], count_[i]);
   return true;
@@ -86,6 +92,7 @@ void ContactLists::clear() noexcept {
       emptyRow(first_row_[group] + row);
     }
     rows_[group] = 0;
+    touched_[group] = 0;
   }
   std::ranges::fill(count_, std::uint16_t{0});
 }
@@ -103,7 +110,8 @@ void ContactLists::takeOver(const ContactLists& other) noexcept {
 
 std::size_t ContactLists::bytes() const noexcept {
   return other_.size() * sizeof(other_[0]) + slip_.size() * sizeof(slip_[0]) +
-         first_row_.size() * (sizeof(first_row_[0]) + sizeof(rows_[0]) + sizeof(room_[0])) +
+         first_row_.size() * sizeof(first_row_[0]) +
+         rows_.size() * (sizeof(rows_[0]) + sizeof(touched_[0]) + sizeof(room_[0])) +
          count_.size() * sizeof(count_[0]);
 }
 
@@ -111,7 +119,7 @@ std::uint32_t ContactLists::takeRows(std::size_t room_class) noexcept {
   const std::uint32_t left = free_[room_class];
   const std::size_t room = kRooms[room_class];
   if (left != kNone) {
-    free_[room_class] = static_cast<std::uint32_t>(other_[left * kGroup]);
+    free_[room_class] = other_[left * kGroup];
     for (std::size_t row = 0; row < room; ++row) {
       emptyRow(left + row);
     }
@@ -144,7 +152,7 @@ bool ContactLists::grow(std::size_t group) noexcept {
     std::copy_n(slip_.begin() + static_cast<std::ptrdiff_t>(from * kSlipRow), rows_[group] * kSlipRow,
                 slip_.begin() + static_cast<std::ptrdiff_t>(to * kSlipRow));
   }
-  other_[from * kGroup] = static_cast<std::int32_t>(free_[room_[group]]);
+  other_[from * kGroup] = free_[room_[group]];
   free_[room_[group]] = static_cast<std::uint32_t>(from);
   first_row_[group] = to;
   room_[group] = static_cast<std::uint8_t>(room_class);

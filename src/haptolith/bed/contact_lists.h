@@ -40,8 +40,12 @@ class ContactLists {
   [[nodiscard]] std::size_t particles() const noexcept { return count_.size(); }
   [[nodiscard]] bool remembers() const noexcept { return remembers_; }
   [[nodiscard]] std::uint32_t count(std::size_t i) const noexcept { return count_[i]; }
-  [[nodiscard]] std::int32_t neighbour(std::size_t i, std::uint32_t s) const noexcept { return other_[slot(i, s)]; }
+  [[nodiscard]] std::int32_t neighbour(std::size_t i, std::uint32_t s) const noexcept {
+    return static_cast<std::int32_t>(other_[slot(i, s)] / kRecordBytes);
+  }
   [[nodiscard]] Slip slip(std::size_t i, std::uint32_t s) const noexcept;
+  /// Entry s of i's list becomes j; what is remembered there stays.
+  void set(std::size_t i, std::uint32_t s, std::int32_t j) noexcept { other_[slot(i, s)] = offsetOf(j); }
   void setSlip(std::size_t i, std::uint32_t s, const Slip& slip) noexcept;
 
   /// Adds j to i's list, with nothing to remember. False when it does not fit.
@@ -57,11 +61,14 @@ class ContactLists {
   void takeOver(const ContactLists& other) noexcept;
 
   // As the kernel wants them. Of group g: rows firstRow(g) to firstRow(g) + rows(g) - 1 of 16 entries each.
-  [[nodiscard]] const std::int32_t* others() const noexcept { return other_.data(); }
+  // An entry is where its neighbour's record begins, in bytes: the kernel adds it to an address as it is.
+  [[nodiscard]] const std::uint32_t* others() const noexcept { return other_.data(); }
   [[nodiscard]] float* slips() noexcept { return slip_.data(); }  ///< of each row 16 x, 16 y, 16 z
   [[nodiscard]] const float* slips() const noexcept { return slip_.data(); }
   [[nodiscard]] const std::uint32_t* firstRows() const noexcept { return first_row_.data(); }
   [[nodiscard]] const std::uint16_t* rowCounts() const noexcept { return rows_.data(); }
+  /// Of each group, rows behind which no entry remembers anything. Whoever writes slips() keeps it.
+  [[nodiscard]] std::uint16_t* touchedRows() noexcept { return touched_.data(); }
   [[nodiscard]] std::size_t groups() const noexcept { return rows_.size(); }
 
   /// Bytes in use.
@@ -70,6 +77,10 @@ class ContactLists {
  private:
   static constexpr std::array<std::uint16_t, 4> kRooms{24, 32, 48, kMostNeighbours};
   static constexpr std::uint32_t kNone = ~std::uint32_t{0};
+  static constexpr std::uint32_t kRecordBytes = 16;  // sizeof(Float4)
+  [[nodiscard]] static std::uint32_t offsetOf(std::int32_t particle) noexcept {
+    return static_cast<std::uint32_t>(particle) * kRecordBytes;
+  }
 
   [[nodiscard]] std::size_t slot(std::size_t i, std::uint32_t s) const noexcept {
     return (first_row_[i / kGroup] + s) * kGroup + i % kGroup;
@@ -82,11 +93,12 @@ class ContactLists {
   void emptyRow(std::size_t row) noexcept;
 
   bool remembers_ = false;
-  std::int32_t ghost_ = 0;
-  std::vector<std::int32_t, CacheAligned<std::int32_t>> other_;
+  std::uint32_t ghost_ = 0;
+  std::vector<std::uint32_t, CacheAligned<std::uint32_t>> other_;
   FloatArray slip_;
   std::vector<std::uint32_t> first_row_;                                       // one for each group
   std::vector<std::uint16_t> rows_;                                            // length of the group's longest list
+  std::vector<std::uint16_t> touched_;
   std::vector<std::uint8_t> room_;                                             // which of kRooms it has
   std::vector<std::uint16_t> count_;                                           // one for each particle
   std::array<std::uint32_t, kRooms.size()> free_{kNone, kNone, kNone, kNone};  // left rooms, each linked to the next

@@ -22,14 +22,14 @@ struct Triple {
 
 template <class Real>
 HWY_INLINE Real dot(const Triple<Real>& a, const Triple<Real>& b) {
-  return a.x * b.x + a.y * b.y + a.z * b.z;
+  return MulAdd(a.x, b.x, MulAdd(a.y, b.y, a.z * b.z));
 }
 
 /// `v` without its part along the unit vector `n`.
 template <class Real>
 HWY_INLINE Triple<Real> across(const Triple<Real>& v, const Triple<Real>& n) {
   const Real along = dot(v, n);
-  return {v.x - along * n.x, v.y - along * n.y, v.z - along * n.z};
+  return {NegMulAdd(along, n.x, v.x), NegMulAdd(along, n.y, v.y), NegMulAdd(along, n.z, v.z)};
 }
 
 /// Constants of sticking and sliding.
@@ -63,11 +63,12 @@ HWY_INLINE Triple<Real> frictionForce(const FrictionOf<Real>& friction, Real lim
     return Min(limit * InverseSqrt(Max(dot(force, force), friction.tiny)), friction.one);
   };
   const Triple<Real> old = across(stretch, n);
-  const Triple<Real> xi{old.x + slip.x * friction.dt, old.y + slip.y * friction.dt, old.z + slip.z * friction.dt};
+  const Triple<Real> xi{MulAdd(slip.x, friction.dt, old.x), MulAdd(slip.y, friction.dt, old.y),
+                        MulAdd(slip.z, friction.dt, old.z)};
   const Triple<Real> spring{xi.x * friction.stiffness, xi.y * friction.stiffness, xi.z * friction.stiffness};
   const Real held = share(spring);
   stretch = {xi.x * held, xi.y * held, xi.z * held};
-  const auto both = [&](Real of_spring, Real sliding) { return of_spring * held + friction.damping * sliding; };
+  const auto both = [&](Real of_spring, Real sliding) { return MulAdd(of_spring, held, friction.damping * sliding); };
   const Triple<Real> wanted{both(spring.x, slip.x), both(spring.y, slip.y), both(spring.z, slip.z)};  // -F_t
   const Real kept = friction.zero - share(wanted);
   return {wanted.x * kept, wanted.y * kept, wanted.z * kept};

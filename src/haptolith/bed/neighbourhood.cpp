@@ -1,6 +1,8 @@
 #include "haptolith/bed/neighbourhood.h"
 
 #include <algorithm>
+#include <array>
+#include <cmath>
 
 // This file is compiled once for every instruction set; selectNear() picks the best one at run time.
 // clang-format off
@@ -95,14 +97,49 @@ bool Neighbourhood::enterAll(const std::vector<Float4>& listed_at, ContactLists&
     const auto particle = static_cast<std::int32_t>(i);
     const std::uint32_t candidates = grid_.candidates(grid_.cellOf(listed_at[i]), candidates_.data());
     const std::uint32_t near = findNear(particle, candidates, listed_at);
-    std::sort(near_.begin(), near_.begin() + static_cast<std::ptrdiff_t>(near));
     for (std::uint32_t k = 0; k < near; ++k) {
       if (!lists.add(i, near_[k])) {
         return false;
       }
     }
+    sortByDistance(i, listed_at, lists);
   }
   return true;
+}
+
+void Neighbourhood::sortByDistance(std::size_t i, const std::vector<Float4>& listed_at, ContactLists& lists) noexcept {
+  struct Entry {
+    float squared_m2;
+    std::int32_t other;
+    Slip slip;
+  };
+  std::array<Entry, ContactLists::kMostNeighbours> entries;
+  const std::uint32_t count = lists.count(i);
+  const Float4& here = listed_at[i];
+  for (std::uint32_t s = 0; s < count; ++s) {
+    const std::int32_t other = lists.neighbour(i, s);
+    const Float4& there = listed_at[static_cast<std::size_t>(other)];
+    float x = here.x - there.x;
+    float y = here.y - there.y;
+    const float z = here.z - there.z;
+    x -= periods_.width * std::round(x * periods_.per_width);
+    y -= periods_.length * std::round(y * periods_.per_length);
+    const Entry entry{x * x + y * y + z * z, other, lists.remembers() ? lists.slip(i, s) : Slip{}};
+    std::uint32_t at = s;  // by insertion: lists are short, and nearly sorted
+    const auto before = [](const Entry& a, const Entry& b) {
+      return a.squared_m2 < b.squared_m2 || (a.squared_m2 == b.squared_m2 && a.other < b.other);
+    };
+    for (; at > 0 && before(entry, entries[at - 1]); --at) {
+      entries[at] = entries[at - 1];
+    }
+    entries[at] = entry;
+  }
+  for (std::uint32_t s = 0; s < count; ++s) {
+    lists.set(i, s, entries[s].other);
+    if (lists.remembers()) {
+      lists.setSlip(i, s, entries[s].slip);
+    }
+  }
 }
 
 bool Neighbourhood::enterAgain(std::span<const std::int32_t> particles, const std::vector<Float4>& position,
@@ -139,10 +176,11 @@ bool Neighbourhood::listAgain(std::int32_t particle, const std::vector<Float4>& 
       lists.removeNeighbour(static_cast<std::size_t>(other), particle);
     }
   }
-  std::sort(near, near + unlisted);  // else their order would be the cells', which no saved state has
-  return std::all_of(near, near + unlisted, [&](std::int32_t other) {
+  const bool fits = std::all_of(near, near + unlisted, [&](std::int32_t other) {
     return lists.add(i, other) && lists.add(static_cast<std::size_t>(other), particle);
   });
+  sortByDistance(i, listed_at, lists);
+  return fits;
 }
 
 std::size_t Neighbourhood::bytes() const noexcept {

@@ -25,12 +25,21 @@ struct Records {
   V x, y, z, w;
 };
 
+/// A record by its number, and by where it begins in bytes, as in ContactLists.
+HWY_INLINE const float* recordAt(const Float4* records, std::int32_t number) {
+  return &records[number].x;
+}
+HWY_INLINE const float* recordAt(const Float4* records, std::uint32_t offset) {
+  return reinterpret_cast<const float*>(reinterpret_cast<const char*>(records) + offset);
+}
+
 #if HWY_TARGET == HWY_SCALAR
 
-HWY_INLINE Records loadRecords(const Float4* HWY_RESTRICT record, const std::int32_t* HWY_RESTRICT index) {
+template <class Index>
+HWY_INLINE Records loadRecords(const Float4* HWY_RESTRICT record, const Index* HWY_RESTRICT index) {
   const D d;
-  const Float4& one = record[*index];
-  return {hn::Set(d, one.x), hn::Set(d, one.y), hn::Set(d, one.z), hn::Set(d, one.w)};
+  const float* one = recordAt(record, *index);
+  return {hn::Set(d, one[0]), hn::Set(d, one[1]), hn::Set(d, one[2]), hn::Set(d, one[3])};
 }
 
 HWY_INLINE Records loadInOrder(const Float4* HWY_RESTRICT record) {
@@ -46,11 +55,11 @@ HWY_INLINE void storeInOrder(const Records& r, Float4* HWY_RESTRICT record) {
 
 /// Four records of every 128-bit block, one from each group of four neighbours, as one vector. Loading records whole
 /// and turning them in registers takes a third of the time of three gathers on processors whose gathers are slow.
-template <class AnyD>
+template <class AnyD, class Index>
 HWY_INLINE hn::Vec<AnyD> loadEveryFourth(AnyD d, const Float4* HWY_RESTRICT records,
-                                         const std::int32_t* HWY_RESTRICT index) {
+                                         const Index* HWY_RESTRICT index) {
   if constexpr (hn::MaxLanes(d) == 4) {
-    return hn::Load(d, &records[index[0]].x);
+    return hn::Load(d, recordAt(records, *index));
   } else {
     const hn::Half<AnyD> half;
     return hn::Combine(d, loadEveryFourth(half, records, index + hn::MaxLanes(half)),
@@ -70,7 +79,8 @@ HWY_INLINE Records turned(V first, V second, V third, V fourth) {
 }
 
 /// Vectors of as many records as a vector has lanes, in the order of `index`.
-HWY_INLINE Records loadRecords(const Float4* HWY_RESTRICT record, const std::int32_t* HWY_RESTRICT index) {
+template <class Index>
+HWY_INLINE Records loadRecords(const Float4* HWY_RESTRICT record, const Index* HWY_RESTRICT index) {
   const D d;
   return turned(loadEveryFourth(d, record, index), loadEveryFourth(d, record, index + 1),
                 loadEveryFourth(d, record, index + 2), loadEveryFourth(d, record, index + 3));

@@ -1,5 +1,7 @@
 #include "haptolith/bed/step_kernel.h"
 
+#include <hwy/cache_control.h>
+
 // This file is compiled once for every instruction set; the functions at its end pick the best one at run time.
 // clang-format off
 #undef HWY_TARGET_INCLUDE
@@ -26,6 +28,30 @@ struct Lanes {
   [[nodiscard]] std::size_t particle() const { return group * kGroup + in_group; }
 };
 
+/// The rows of a group and of the one after it. While one is worked on the other is asked for, a row at a time: lists
+/// are longer than processors look ahead, and large beds lie in memory far slower than the kernel is.
+struct Rows {
+  const std::uint32_t* HWY_RESTRICT other;
+  float* HWY_RESTRICT slip;
+  std::size_t count;
+  const char *next_other, *next_slip;
+
+  Rows(const StepArrays& arrays, const Lanes& at)
+      : other(arrays.other + arrays.first_row[at.group] * kGroup + at.in_group),
+        slip(arrays.slip + arrays.first_row[at.group] * std::size_t{3 * kGroup} + at.in_group),
+        count(arrays.rows[at.group]),
+        next_other(reinterpret_cast<const char*>(arrays.other + arrays.first_row[at.group + 1] * kGroup)),
+        next_slip(reinterpret_cast<const char*>(arrays.slip + arrays.first_row[at.group + 1] * std::size_t{3 * kGroup})) {}
+
+  HWY_INLINE void askForNextOthers(std::size_t row) const { hwy::Prefetch(next_other + row * kLine); }
+  HWY_INLINE void askForNextSlips(std::size_t row) const {
+    hwy::Prefetch(next_slip + 3 * row * kLine);
+    hwy::Prefetch(next_slip + (3 * row + 1) * kLine);
+    hwy::Prefetch(next_slip + (3 * row + 2) * kLine);
+  }
+  static constexpr std::size_t kLine = 64;
+};
+
 /// Calls `each(lanes)` for all vectors of particles of groups first..last-1.
 template <class Each>
 HWY_INLINE void forEachVector(std::size_t first, std::size_t last, const Each& each) {
@@ -36,8 +62,8 @@ HWY_INLINE void forEachVector(std::size_t first, std::size_t last, const Each& e
   }
 }
 
-/// A distance and its inverse from its square, both to the last bit but one: Goldschmidt's step from the processor's
-/// first guess, and one more for the distance, whose error the law magnifies.
+/// A distance and its inverse from its square, the distance to the last bit but one, for the law magnifies its error:
+/// Goldschmidt's step from the processor's first guess, and one more for the distance where that has 12 bits only.
 struct Distance {
   V metres, inverse;
 };
@@ -51,7 +77,10 @@ HWY_INLINE Distance distanceOf(V squared) {
     metres = hn::MulAdd(metres, error, metres);
     half_inverse = hn::MulAdd(half_inverse, error, half_inverse);
   }
-  metres = hn::MulAdd(hn::NegMulAdd(metres, metres, squared), half_inverse, metres);
+  constexpr bool kGoodGuess = HWY_TARGET <= HWY_AVX3 || HWY_ARCH_ARM;  // better targets have smaller numbers
+  if constexpr (!kGoodGuess) {
+    metres = hn::MulAdd(hn::NegMulAdd(metres, metres, squared), half_inverse, metres);
+  }
   return {metres, half_inverse + half_inverse};
 }
 
@@ -93,15 +122,22 @@ struct PaperContacts {
   PaperContacts(const KernelLaw& scalar, const Periods& box)
       : law(lawOf(scalar)), cutoff(set(scalar.cutoff)), diameter(set(scalar.diameter)), periods(box) {}
 
-  /// (paper 19) over all neighbours.
+  /// (paper 19) over all neighbours. While one row's forces are worked out, the next row's particles are fetched already:
+  /// either alone is a long chain in which each step waits for the one before.
   template <bool kPeriodic>
   HWY_INLINE Sums sum(const StepArrays& arrays, const Lanes& at, const Records& here) const {
     const V zero = hn::Zero(D());
     const V one = set(1);
     Sums sums{zero, zero, zero, zero, zero};
-    const std::int32_t* HWY_RESTRICT other = arrays.other + arrays.first_row[at.group] * kGroup + at.in_group;
-    for (std::uint16_t row = 0; row < arrays.rows[at.group]; ++row, other += kGroup) {
-      const Apart d = apart<kPeriodic>(periods, here, loadRecords(arrays.position, other));
+    const Rows rows(arrays, at);
+    const auto fetch = [&](std::size_t row) {
+      return apart<kPeriodic>(periods, here, loadRecords(arrays.position, rows.other + row * kGroup));
+    };
+    Apart next = fetch(0);  // there is room for a row, if with ghosts only
+    for (std::size_t row = 0; row < rows.count; ++row) {
+      const Apart d = next;
+      next = fetch(row + 1 < rows.count ? row + 1 : row);
+      rows.askForNextOthers(row);
       const Distance a = distanceOf(d.squared);
       const V force = hn::IfThenElseZero(a.metres < cutoff, uncutContactForce(law, a.metres));
       const V per_metre = force * a.inverse;
@@ -151,7 +187,7 @@ struct PairwiseContacts {
 
   /// Damping takes energy from approach and parting alike, but never pulls.
   HWY_INLINE V damped(V normal, V a, V parting) const {
-    const V with_damping = normal - damping * rootOfStiffness(law, root_of_gamma, a) * parting;
+    const V with_damping = hn::NegMulAdd(damping * rootOfStiffness(law, root_of_gamma, a), parting, normal);
     return hn::Max(with_damping, hn::Min(normal, cohesion.zero));
   }
 
@@ -161,23 +197,42 @@ struct PairwiseContacts {
     const D d;
     const V zero = hn::Zero(d);
     Sums sums{zero, zero, zero, zero, zero};
-    const std::size_t first = arrays.first_row[at.group];
-    const std::int32_t* HWY_RESTRICT other = arrays.other + first * kGroup + at.in_group;
-    float* HWY_RESTRICT slip_x = arrays.slip + first * 3 * kGroup + at.in_group;
-    for (std::uint16_t row = 0; row < arrays.rows[at.group]; ++row, other += kGroup, slip_x += 3 * kGroup) {
+    const Rows rows(arrays, at);
+    struct Met {
+      Apart way;
+      V excess;
+    };
+    const auto fetch = [&](std::size_t row) {
+      const Records there = loadRecords(arrays.position, rows.other + row * kGroup);
+      return Met{apart<kPeriodic>(periods, here, there), here.w + there.w};
+    };
+    std::uint16_t& touched = arrays.touched[at.group];
+    const std::size_t maybe_touched = touched;
+    std::size_t last_touched = 0;
+    Met next = fetch(0);  // there is room for a row, if with ghosts only
+    for (std::size_t row = 0; row < rows.count; ++row) {
+      const Apart way = next.way;
+      const V excess = next.excess;
+      next = fetch(row + 1 < rows.count ? row + 1 : row);
+      const std::uint32_t* HWY_RESTRICT other = rows.other + row * kGroup;
+      float* HWY_RESTRICT slip_x = rows.slip + row * 3 * kGroup;
       float* HWY_RESTRICT slip_y = slip_x + kGroup;
       float* HWY_RESTRICT slip_z = slip_y + kGroup;
-      const Records there = loadRecords(arrays.position, other);
-      const Apart way = apart<kPeriodic>(periods, here, there);
+      rows.askForNextOthers(row);
       const Distance distance = distanceOf(way.squared);
-      const V a = distance.metres - (here.w + there.w);  // as far as two particles of the mean size would be
+      const V a = distance.metres - excess;  // as far as two particles of the mean size would be
       const auto near = a < cutoff;
-      if (hn::AllFalse(d, near)) {
-        hn::Store(zero, d, slip_x);
-        hn::Store(zero, d, slip_y);
-        hn::Store(zero, d, slip_z);
+      if (hn::AllFalse(d, near)) {  // as most rows at the end of lists that have the nearest first
+        if (row < maybe_touched) {
+          hn::Store(zero, d, slip_x);
+          hn::Store(zero, d, slip_y);
+          hn::Store(zero, d, slip_z);
+        }
         continue;
       }
+      last_touched = row + 1;
+      rows.askForNextSlips(row);
+      Triple<V> slip{hn::Load(d, slip_x), hn::Load(d, slip_y), hn::Load(d, slip_z)};
       const Triple<V> towards{way.x * distance.inverse, way.y * distance.inverse, way.z * distance.inverse};
       const CohesiveContact<V> contact = cohesiveContact(law, cohesion, diameter, a);
       const Records u = loadRecords(arrays.velocity, other);
@@ -188,7 +243,6 @@ struct PairwiseContacts {
       const Triple<V> sliding{hn::NegMulAdd(parting, towards.x, relative.x),
                               hn::NegMulAdd(parting, towards.y, relative.y),
                               hn::NegMulAdd(parting, towards.z, relative.z)};
-      Triple<V> slip{hn::Load(d, slip_x), hn::Load(d, slip_y), hn::Load(d, slip_z)};
       const Triple<V> drag = frictionForce(friction, coefficient * contact.compression, towards, sliding, slip);
       hn::Store(hn::IfThenElseZero(near, slip.x), d, slip_x);
       hn::Store(hn::IfThenElseZero(near, slip.y), d, slip_y);
@@ -199,6 +253,8 @@ struct PairwiseContacts {
       sums.z = sums.z + hn::IfThenElseZero(near, hn::MulAdd(push, towards.z, drag.z));
       sums.repulsion = sums.repulsion + hn::IfThenElseZero(near, contact.compression);
     }
+    // Where a group is several vectors, the others' rows stay noted.
+    touched = static_cast<std::uint16_t>(hn::Lanes(d) == kGroup ? last_touched : HWY_MAX(last_touched, maybe_touched));
     return sums;
   }
 
@@ -285,6 +341,12 @@ HWY_INLINE Records unlessDriven(const Records& v, const Records& wanted) {
           hn::IfThenElse(driven, v.z, wanted.z), v.w};
 }
 
+HWY_INLINE void keepForces(const Sums& sums, const StepArrays& arrays, const Lanes& at) {
+  if (arrays.contact_force != nullptr) {
+    storeInOrder({sums.x, sums.y, sums.z, sums.repulsion}, arrays.contact_force + at.particle());
+  }
+}
+
 template <bool kPeriodic>
 void paperIn(const KernelLaw& law, const StepConstants& now, const StepBox& box, const StepArrays& arrays,
              std::size_t first, std::size_t last, Moved& moved) {
@@ -300,7 +362,7 @@ void paperIn(const KernelLaw& law, const StepConstants& now, const StepBox& box,
     const Records v = loadInOrder(arrays.velocity + at.particle());
     const Records push = loadInOrder(arrays.external + at.particle());
     Sums sums = contacts.sum<kPeriodic>(arrays, at, x);
-    storeInOrder({sums.x, sums.y, sums.z, sums.repulsion}, arrays.contact_force + at.particle());
+    keepForces(sums, arrays, at);
     V fx = sums.x + (set(now.weight_x) + push.x);
     V fy = sums.y + (set(now.weight_y) + push.y);
     V fz = sums.z + (set(now.weight_z) + push.z);
@@ -350,7 +412,7 @@ void pairwiseIn(const PairwiseLaw& law, const StepConstants& now, const StepBox&
     const Records v = loadInOrder(arrays.velocity + at.particle());
     const Records push = loadInOrder(arrays.external + at.particle());
     const Sums sums = contacts.sum<kPeriodic>(arrays, at, x, v);
-    storeInOrder({sums.x, sums.y, sums.z, sums.repulsion}, arrays.contact_force + at.particle());
+    keepForces(sums, arrays, at);
     V fx = sums.x + (set(now.weight_x) + push.x);
     V fy = sums.y + (set(now.weight_y) + push.y);
     V fz = sums.z + (set(now.weight_z) + push.z);

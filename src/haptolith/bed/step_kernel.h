@@ -35,14 +35,15 @@ struct StepArrays {
   const Float4* external;   ///< forces of others
   const Float4* listed_at;  ///< see Neighbourhood
   Float4 *next_position, *next_velocity;
-  Float4* contact_force;  ///< of the neighbours on each particle, N; w: sum of repulsion
+  Float4* contact_force;  ///< of the neighbours on each particle, N; w: sum of repulsion; not kept when null
   WallSlips* wall_slip;   ///< pairwise friction only
 
   // As in ContactLists.
-  const std::int32_t* other;
+  const std::uint32_t* other;
   float* slip;
   const std::uint32_t* first_row;
   const std::uint16_t* rows;
+  std::uint16_t* touched;
 };
 
 /// Who has moved away from its place in the lists.

@@ -1,11 +1,13 @@
 #include "haptolith/lab/calibrate_soil.h"
 
+#include <Eigen/Dense>
 #include <boost/math/tools/toms748_solve.hpp>
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <numbers>
 #include <vector>
 
@@ -118,6 +120,79 @@ Contact contactFor(const Table& table, const Strength& wanted) {
   return {friction, cohesion_for(friction)};
 }
 
+/// How a strength differs from another one, each part over what counts as the same.
+Eigen::Vector2d distance(const Strength& from, const Strength& to) {
+  constexpr double kAngle_deg = 0.5;
+  const double cohesion_pa = std::max(0.06 * to.cohesion_pa, 20.0);
+  return {(from.angle_deg - to.angle_deg) / kAngle_deg, (from.cohesion_pa - to.cohesion_pa) / cohesion_pa};
+}
+
+/// Broyden's method (1965) for the contact with the wanted strength: slopes come from the table at first, and then from
+/// what each shear test taught. Friction goes as it is, cohesion over that of the table's third row.
+class ContactSearch {
+ public:
+  ContactSearch(const Table& table, const Strength& wanted)
+      : wanted_(wanted), cohesive_(wanted.cohesion_pa > 0), at_(toPoint(contactFor(table, wanted))) {
+    constexpr double kStep = 0.02;
+    const auto tabulated = [&](const Eigen::Vector2d& point) {
+      return distance(surrogate(table, toContact(point)), wanted);
+    };
+    for (int axis = 0; axis < 2; ++axis) {
+      const Eigen::Vector2d step = kStep * Eigen::Vector2d::Unit(axis);
+      slopes_.col(axis) = (tabulated(at_ + step) - tabulated(at_ - step)) / (2 * kStep);
+    }
+    if (!cohesive_) {  // nothing can lower the cohesion of none
+      slopes_.row(1) = slopes_.col(1).transpose() = Eigen::RowVector2d(0, 1);
+    }
+  }
+
+  [[nodiscard]] Contact contact() const { return toContact(at_); }
+
+  /// What the present contact showed; the next one is better. True when it is good enough.
+  bool learn(const Strength& found) {
+    Eigen::Vector2d error = distance(found, wanted_);
+    error.y() = cohesive_ ? error.y() : 0;
+    if (error.norm() < best_error_) {
+      best_error_ = error.norm();
+      best_ = at_;
+      best_found_ = found;
+    }
+    if (error.cwiseAbs().maxCoeff() <= 1) {
+      return true;
+    }
+    const Eigen::Vector2d moved = at_ - before_;
+    constexpr double kScatter = 0.01;  // a shorter step says more about the specimens than about the slope
+    if (steps_++ > 0 && moved.norm() > kScatter) {
+      slopes_ += (error - error_before_ - slopes_ * moved) * moved.transpose() / moved.squaredNorm();
+    }
+    before_ = at_;
+    error_before_ = error;
+    constexpr double kLongest = 0.25;
+    Eigen::Vector2d step = -slopes_.fullPivLu().solve(error);
+    step *= std::min(1.0, kLongest / step.norm());
+    at_ = (at_ + step).cwiseMax(Eigen::Vector2d(0.02, 0)).cwiseMin(Eigen::Vector2d(1.5, 5));
+    return false;
+  }
+
+  [[nodiscard]] Contact best() const { return toContact(best_); }
+  [[nodiscard]] const Strength& bestFound() const { return best_found_; }
+
+ private:
+  static constexpr double kCohesion_n = 0.3;
+  [[nodiscard]] static Contact toContact(const Eigen::Vector2d& point) { return {point.x(), kCohesion_n * point.y()}; }
+  [[nodiscard]] static Eigen::Vector2d toPoint(const Contact& contact) {
+    return {contact.friction, contact.cohesion_n / kCohesion_n};
+  }
+
+  Strength wanted_;
+  bool cohesive_;
+  Eigen::Vector2d at_, before_, error_before_, best_;
+  Eigen::Matrix2d slopes_;
+  int steps_ = 0;
+  double best_error_ = std::numeric_limits<double>::infinity();
+  Strength best_found_;
+};
+
 SoilParameters withContact(SoilParameters soil, const Contact& contact) {
   soil.contact_friction = contact.friction;
   soil.contact_cohesion_n = contact.cohesion_n * std::pow(soil.radius_m / kTableRadius_m, 2);
@@ -199,7 +274,7 @@ void validate(const SoilTarget& target, const CalibrateSoilOptions& options) {
 CalibratedSoil calibrateSoil(const SoilTarget& target, const CalibrateSoilOptions& options) {
   validate(target, options);
   constexpr int kSearchSeeds = 2;
-  constexpr int kMostRounds = 5;
+  constexpr int kMostRounds = 7;
   const Table& table = target.strength == SoilStrength::kPeak ? kPeak : kResidual;
   const Strength wanted{target.friction_angle_deg, target.cohesion_pa};
 
@@ -212,24 +287,15 @@ CalibratedSoil calibrateSoil(const SoilTarget& target, const CalibrateSoilOption
   soil.rho0_kg_m3 *= target.bulk_density_kg_m3 / kTableDensity_kg_m3;
   soil.rho_max_kg_m3 *= target.bulk_density_kg_m3 / kTableDensity_kg_m3;
 
-  Strength aim = wanted;
-  Strength found;
-  Contact contact;
+  ContactSearch search(table, wanted);
   bool good = false;
   while (!good && result.rounds < kMostRounds) {
-    contact = contactFor(table, aim);
     const std::vector<Strength> measured =
-        shear(withContact(soil, contact), target.strength, options, options.seed, kSearchSeeds);
-    found = {mean(measured, &Strength::angle_deg), mean(measured, &Strength::cohesion_pa)};
+        shear(withContact(soil, search.contact()), target.strength, options, options.seed, kSearchSeeds);
+    good = search.learn({mean(measured, &Strength::angle_deg), mean(measured, &Strength::cohesion_pa)});
     ++result.rounds;
-    good = std::abs(found.angle_deg - wanted.angle_deg) <= 0.5 &&
-           std::abs(found.cohesion_pa - wanted.cohesion_pa) <= std::max(0.06 * wanted.cohesion_pa, 20.0);
-    if (wanted.cohesion_pa == 0 && contact.cohesion_n == 0) {  // nothing can lower the cohesion of none
-      good = std::abs(found.angle_deg - wanted.angle_deg) <= 0.5;
-    }
-    aim.angle_deg += wanted.angle_deg - found.angle_deg;
-    aim.cohesion_pa += wanted.cohesion_pa == 0 ? 0 : wanted.cohesion_pa - found.cohesion_pa;
   }
+  const Strength& found = search.bestFound();
   if (std::abs(found.angle_deg - wanted.angle_deg) > 3 ||
       std::abs(found.cohesion_pa - wanted.cohesion_pa) > std::max(0.3 * wanted.cohesion_pa, 100.0)) {
     throw InvalidParameter("friction_angle_deg with cohesion_pa",
@@ -237,7 +303,7 @@ CalibratedSoil calibrateSoil(const SoilTarget& target, const CalibrateSoilOption
                            fmt::format("within reach of contacts; these gave {:.1f} with {:.0f} at best",
                                        found.angle_deg, found.cohesion_pa));
   }
-  result.soil = withContact(soil, contact);
+  result.soil = withContact(soil, search.best());
   result.soil.mu_hat = std::tan(wanted.angle_deg * std::numbers::pi / 180) / std::sqrt(6.0);  // (paper 17)
   result.reached.bulk_density_kg_m3 = calibrateDensity(result.soil, target.bulk_density_kg_m3, options);
 

@@ -44,6 +44,24 @@ inline float Min(float a, float b) {
   return std::min(a, b);
 }
 
+inline double MulAdd(double a, double b, double c) {
+  return a * b + c;
+}
+inline float MulAdd(float a, float b, float c) {
+  return a * b + c;
+}
+inline double MulSub(double a, double b, double c) {
+  return a * b - c;
+}
+inline float MulSub(float a, float b, float c) {
+  return a * b - c;
+}
+inline double NegMulAdd(double a, double b, double c) {
+  return c - a * b;
+}
+inline float NegMulAdd(float a, float b, float c) {
+  return c - a * b;
+}
 inline double Inverse(double a) {
   return 1 / a;
 }
@@ -89,7 +107,7 @@ HWY_INLINE V InverseSqrt(V a) {
 template <class Real>
 HWY_INLINE Real uncutContactForce(const LawOf<Real>& law, Real a) {
   const Real held = Max(a, law.a_thr);
-  return law.gamma * Inverse(held - law.a_min) - law.h + law.k * (held - a);
+  return MulAdd(law.k, held - a, MulSub(law.gamma, Inverse(held - law.a_min), law.h));
 }
 
 /// What cohesion does between two surfaces.
@@ -103,9 +121,9 @@ struct Cohesion {
 /// (u = 1), F_c halfway and none from the range on. Friction feels F_c while they touch and nothing from halfway on.
 template <class Real>
 HWY_INLINE Cohesion<Real> cohesionAcross(const CohesionOf<Real>& cohesion, Real gap) {
-  const Real u = Max(Min(cohesion.one - gap * cohesion.two_per_range, cohesion.one), cohesion.zero - cohesion.one);
+  const Real u = Max(Min(NegMulAdd(gap, cohesion.two_per_range, cohesion.one), cohesion.one), cohesion.zero - cohesion.one);
   const Real growing = Max(u, cohesion.zero);
-  return {cohesion.largest * (cohesion.one - u * u), cohesion.largest * growing * growing};
+  return {cohesion.largest * NegMulAdd(u, u, cohesion.one), cohesion.largest * growing * growing};
 }
 
 /// What two particles with pairwise friction do along the line between their centres.
