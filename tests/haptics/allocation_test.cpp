@@ -120,7 +120,7 @@ TEST(Allocation, ATickAllocatesNothing) {
 }
 
 TEST(Allocation, ATickWithPairwiseFrictionAllocatesNothing) {
-  // Rebuilding the lists also moves the memory of every contact.
+  // Renewed lists also move the memory of contacts.
   BedParameters bed;
   bed.soil.friction = FrictionModel::kPairwise;
   bed.soil.contact_cohesion_n = 0.003;

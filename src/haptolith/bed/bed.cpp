@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <random>
 
@@ -19,6 +20,8 @@ namespace {
 /// Extra reach of the neighbour lists in radii. Larger: longer lists for every step; smaller: particles that move have
 /// to be entered again more often. At 0.5 the next shell of a close packing (2 sqrt(2) R) stays just outside.
 constexpr double kSkinRadii = 0.5;
+
+constexpr std::size_t kBits = 64;  // of a word
 
 /// A thread is worth waking for at least this many particles.
 constexpr std::size_t kParticlesPerThread = 512;
@@ -164,6 +167,9 @@ Bed::Bed(const BedParameters& parameters, const std::vector<Vec3>& centres_m)
   external_.resize(padded);
   contact_force_.resize(padded);
   moved_.resize(padded);
+  near_now_.resize(padded / kGroup / kBits + 1);
+  near_before_ = near_now_;
+  near_groups_.reserve(padded / kGroup);
   if (isPairwise()) {
     state_.wall_slip.resize(padded / kGroup);
     state_.tool_slip.resize(n);
@@ -203,6 +209,27 @@ StepConstants Bed::constantsFor(double dt_s) const noexcept {
           .moving_friction = narrow<float>(mu_hat * soil.moving_friction_ratio),
           .friction_ratio = friction_on_ ? 1.0F : 0.0F,
           .drag = friction_on_ ? 1 : 1 / (1 + kSettlingDrag_per_s * narrow<float>(dt_s))};
+}
+
+std::span<const std::uint32_t> Bed::groupsNear(const Vec3& centre_m, double radius_m) noexcept {
+  const double reach = radius_m + skin_m_ / 2;  // particles are not further from their places in the grid
+  const auto corner = [&](double sign) {
+    return Float4{narrow<float>(centre_m.x() + sign * reach), narrow<float>(centre_m.y() + sign * reach),
+                  narrow<float>(centre_m.z() + sign * reach), 0};
+  };
+  std::ranges::fill(near_now_, std::uint64_t{0});
+  neighbourhood_.grid().forEachNear(corner(-1), corner(1), [&](std::int32_t particle) {
+    const std::size_t group = static_cast<std::size_t>(particle) / kGroup;
+    near_now_[group / kBits] |= std::uint64_t{1} << (group % kBits);
+  });
+  near_groups_.clear();
+  for (std::size_t word = 0; word < near_now_.size(); ++word) {
+    for (std::uint64_t bits = near_now_[word] | near_before_[word]; bits != 0; bits &= bits - 1) {
+      near_groups_.push_back(narrow<std::uint32_t>(word * kBits + static_cast<std::size_t>(std::countr_zero(bits))));
+    }
+  }
+  near_now_.swap(near_before_);
+  return near_groups_;
 }
 
 void Bed::stepPart(int part, int parts) noexcept {
@@ -437,6 +464,7 @@ void Bed::restore(const BedState& state) {
   driven_ = 0;
   for (std::size_t i = 0; i < n; ++i) {
     driven_ += isDriven(i) ? 1 : 0;
+    near_before_[i / kGroup / kBits] |= std::uint64_t{1} << (i / kGroup % kBits);  // a tool may be anywhere
   }
   std::fill(state_.position.begin() + narrow<std::ptrdiff_t>(n), state_.position.end(), kGhost);
   std::fill(state_.listed_at.begin() + narrow<std::ptrdiff_t>(n), state_.listed_at.end(), kGhost);

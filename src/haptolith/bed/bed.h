@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <functional>
 #include <memory>
+#include <span>
 #include <vector>
 
 #include "haptolith/bed/bed_parameters.h"
@@ -39,6 +40,11 @@ class Bed {
   /// Forces that others (the tool) put on particles for the next step, in N, scene frame; one per particle.
   /// They count as load, not as contact between macroparticles: they raise no friction (paper 14).
   [[nodiscard]] std::vector<Float4>& externalForces() noexcept { return external_; }
+
+  /// Groups of particles of which some may lie within `radius_m` of a point, and those it returned the time before, in
+  /// ascending order: who puts forces on what is near a tool takes back those on what it has left. Valid until the next
+  /// call. May be called in the tick.
+  [[nodiscard]] std::span<const std::uint32_t> groupsNear(const Vec3& centre_m, double radius_m) noexcept;
 
   /// One semi-implicit step of `dt_s`: forces at the present positions, velocities, then positions. May be called in
   /// the tick. `dt_s` must be a stable step: see substepsFor() in critical_step.h.
@@ -114,6 +120,8 @@ class Bed {
   std::vector<Float4> external_;
   std::vector<Float4> contact_force_;
   Neighbourhood neighbourhood_;
+  std::vector<std::uint64_t> near_now_, near_before_;  ///< groupsNear(), a bit for each group
+  std::vector<std::uint32_t> near_groups_;
   std::vector<std::int32_t> moved_;  ///< who has left its place in this step: each part's from its first particle on
   WorkerTeam team_;
   std::vector<Moved> moved_of_part_;

@@ -28,14 +28,12 @@ Scene::Scene(const BedParameters& bed, const ToolParameters& tool, const SettleP
 
 StepStatus Scene::tick(const Pose& scene_T_tool, const Twist& twist) noexcept {
   const double dt = bed_.parameters().tick_s / substeps_;
-  const ToolMemory memory{bed_.toolSides(), bed_.toolSlip()};
   const Pose from = tool_pose_;
   Wrench sum;
   StepStatus status = StepStatus::kOk;
   for (int substep = 1; substep <= substeps_ && status == StepStatus::kOk; ++substep) {
     const Pose pose = between(from, scene_T_tool, static_cast<double>(substep) / substeps_);
-    const ToolReaction now =
-        applyToolContact(tool_, pose, twist, bed_.parameters().soil, dt, bed_.state(), memory, bed_.externalForces());
+    const ToolReaction now = applyToolContact(tool_, pose, twist, dt, bed_);
     sum.force_n += now.wrench.force_n;
     sum.torque_nm += now.wrench.torque_nm;
     stiffness_n_m_ = now.stiffness_n_m;

@@ -110,60 +110,110 @@ Answer paperAnswer(const ToolParameters& tool, double radius_m, double dt_s, con
           tool.stiffness_n_m * heldShare(closing, tool_speed) * meeting.outward * meeting.outward.transpose()};
 }
 
+/// A tool at one moment, and what it has met so far.
+class Encounter {
+ public:
+  Encounter(const ToolParameters& tool, const Pose& scene_T_tool, const Twist& twist, const SoilParameters& soil,
+            double dt_s)
+      : tool_(tool),
+        pose_(scene_T_tool),
+        twist_(twist),
+        frictional_(tool, soil, dt_s),
+        radius_m_(soil.radius_m),
+        dt_s_(dt_s),
+        pairwise_(soil.friction == FrictionModel::kPairwise),
+        reach_m_(enclosingRadius(tool) + (1 + tool.adhesion_ratio) * soil.radius_m +
+                 (pairwise_ ? soil.size_spread * soil.radius_m + frictional_.reach() : 0)),
+        rotation_(scene_T_tool.orientation.toRotationMatrix()) {}
+
+  /// From the tool's origin to the centre of a particle it may touch.
+  [[nodiscard]] double reach() const noexcept { return reach_m_; }
+
+  /// Meets particles first..last-1.
+  void meet(std::size_t first, std::size_t last, const BedState& state, const ToolMemory& memory,
+            std::vector<Float4>& forces) noexcept {
+    const auto tool_x = static_cast<float>(pose_.position_m.x());
+    const auto tool_y = static_cast<float>(pose_.position_m.y());
+    const auto tool_z = static_cast<float>(pose_.position_m.z());
+    const auto reach_squared = static_cast<float>(reach_m_ * reach_m_);
+    for (std::size_t i = first; i < last; ++i) {
+      const Float4& p = state.position[i];
+      const float dx = p.x - tool_x;
+      const float dy = p.y - tool_y;
+      const float dz = p.z - tool_z;
+      forces[i] = {};
+      if (dx * dx + dy * dy + dz * dz > reach_squared) {
+        memory.side[i] = 0;
+        if (pairwise_) {
+          memory.slip[i] = {};
+        }
+      } else {
+        forces[i] = meet(i, state, memory);
+      }
+    }
+  }
+
+  [[nodiscard]] const ToolReaction& reaction() const noexcept { return reaction_; }
+
+ private:
+  /// Force on one particle within reach.
+  Float4 meet(std::size_t i, const BedState& state, const ToolMemory& memory) noexcept {
+    const Float4& p = state.position[i];
+    const Vec3 lever = Vec3(p.x, p.y, p.z) - pose_.position_m;
+    const Penetration contact = penetration(tool_, rotation_.transpose() * lever, radius_m_ + p.w, memory.side[i]);
+    memory.side[i] = static_cast<std::int8_t>(contact.side);
+
+    const Vec3 outward = rotation_ * contact.outward;
+    const Vec3 point = lever - outward * (radius_m_ + p.w - contact.depth_m);  // on the tool's surface, from its origin
+    const Float4& v = state.velocity[i];
+    const Meeting meeting{outward, contact.depth_m, twist_.at(point), Vec3(v.x, v.y, v.z)};
+    Answer answer;
+    if (pairwise_) {
+      Float4& kept = memory.slip[i];
+      Vec3 slip = rotation_ * Vec3(kept.x, kept.y, kept.z);
+      answer = frictional_.meet(meeting, slip);
+      kept = record(rotation_.transpose() * slip);
+    } else {
+      answer = paperAnswer(tool_, radius_m_, dt_s_, meeting);
+    }
+    if (answer.on_particle_n.isZero(0)) {
+      return {};
+    }
+    reaction_.wrench.add(-answer.on_particle_n, point);
+    reaction_.stiffness_n_m += answer.stiffness_n_m;
+    return record(answer.on_particle_n);
+  }
+
+  const ToolParameters& tool_;
+  const Pose& pose_;
+  const Twist& twist_;
+  FrictionalTool frictional_;
+  double radius_m_, dt_s_;
+  bool pairwise_;
+  double reach_m_;
+  Eigen::Matrix3d rotation_;
+  ToolReaction reaction_;
+};
+
 }  // namespace
 
 ToolReaction applyToolContact(const ToolParameters& tool, const Pose& scene_T_tool, const Twist& twist,
                               const SoilParameters& soil, double dt_s, const BedState& state, const ToolMemory& memory,
                               std::vector<Float4>& forces) noexcept {
-  const double radius_m = soil.radius_m;
-  const bool pairwise = soil.friction == FrictionModel::kPairwise;
-  const FrictionalTool frictional(tool, soil, dt_s);
-  const double further = pairwise ? soil.size_spread * radius_m + frictional.reach() : 0;
-  const double reach = enclosingRadius(tool) + (1 + tool.adhesion_ratio) * radius_m + further;
-  const auto reach_squared = static_cast<float>(reach * reach);
-  const auto tool_x = static_cast<float>(scene_T_tool.position_m.x());
-  const auto tool_y = static_cast<float>(scene_T_tool.position_m.y());
-  const auto tool_z = static_cast<float>(scene_T_tool.position_m.z());
-  const Eigen::Matrix3d rotation = scene_T_tool.orientation.toRotationMatrix();
+  Encounter encounter(tool, scene_T_tool, twist, soil, dt_s);
+  encounter.meet(0, state.particles(), state, memory, forces);
+  return encounter.reaction();
+}
 
-  ToolReaction reaction;
-  for (std::size_t i = 0; i < state.particles(); ++i) {
-    const Float4& p = state.position[i];
-    const float dx = p.x - tool_x;
-    const float dy = p.y - tool_y;
-    const float dz = p.z - tool_z;
-    forces[i] = {};
-    if (dx * dx + dy * dy + dz * dz > reach_squared) {
-      memory.side[i] = 0;
-      if (pairwise) {
-        memory.slip[i] = {};
-      }
-      continue;
-    }
-    const Vec3 lever = Vec3(p.x, p.y, p.z) - scene_T_tool.position_m;
-    const Penetration contact = penetration(tool, rotation.transpose() * lever, radius_m + p.w, memory.side[i]);
-    memory.side[i] = static_cast<std::int8_t>(contact.side);
-
-    const Vec3 outward = rotation * contact.outward;
-    const Vec3 point = lever - outward * (radius_m + p.w - contact.depth_m);  // on the tool's surface, from its origin
-    const Float4& v = state.velocity[i];
-    const Meeting meeting{outward, contact.depth_m, twist.at(point), Vec3(v.x, v.y, v.z)};
-    Answer answer;
-    if (pairwise) {
-      Float4& kept = memory.slip[i];
-      Vec3 slip = rotation * Vec3(kept.x, kept.y, kept.z);
-      answer = frictional.meet(meeting, slip);
-      kept = record(rotation.transpose() * slip);
-    } else {
-      answer = paperAnswer(tool, radius_m, dt_s, meeting);
-    }
-    if (!answer.on_particle_n.isZero(0)) {
-      forces[i] = record(answer.on_particle_n);
-      reaction.wrench.add(-answer.on_particle_n, point);
-      reaction.stiffness_n_m += answer.stiffness_n_m;
-    }
+ToolReaction applyToolContact(const ToolParameters& tool, const Pose& scene_T_tool, const Twist& twist, double dt_s,
+                              Bed& bed) noexcept {
+  Encounter encounter(tool, scene_T_tool, twist, bed.parameters().soil, dt_s);
+  const ToolMemory memory{bed.toolSides(), bed.toolSlip()};
+  for (const std::uint32_t group : bed.groupsNear(scene_T_tool.position_m, encounter.reach())) {
+    const std::size_t first = group * kGroup;
+    encounter.meet(first, std::min(first + kGroup, bed.particles()), bed.state(), memory, bed.externalForces());
   }
-  return reaction;
+  return encounter.reaction();
 }
 
 }  // namespace haptolith

@@ -3,7 +3,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "haptolith/bed/bed_state.h"
+#include "haptolith/bed/bed.h"
 #include "haptolith/core/vec.h"
 #include "haptolith/soil/soil_parameters.h"
 #include "haptolith/tool/tool_parameters.h"
@@ -49,5 +49,9 @@ struct ToolMemory {
 ToolReaction applyToolContact(const ToolParameters& tool, const Pose& scene_T_tool, const Twist& twist,
                               const SoilParameters& soil, double dt_s, const BedState& state, const ToolMemory& memory,
                               std::vector<Float4>& forces) noexcept;
+
+/// The same for a tool in a bed: only particles near it are looked at.
+ToolReaction applyToolContact(const ToolParameters& tool, const Pose& scene_T_tool, const Twist& twist, double dt_s,
+                              Bed& bed) noexcept;
 
 }  // namespace haptolith
