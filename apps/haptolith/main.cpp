@@ -12,6 +12,7 @@
 #include "haptolith/core/error.h"
 #include "haptolith/core/nearest_word.h"
 
+#include "bench_command.h"
 #include "completion.h"
 #include "lab_command.h"
 #include "output.h"
@@ -37,6 +38,7 @@ void addCommands(CLI::App& app) {
   addRunCommand(app);
   addSoilCommands(app);
   addLabCommand(app);
+  addBenchCommand(app);
   addCompletionCommand(app);
 }
 

@@ -12,11 +12,11 @@ namespace {
 
 constexpr double kTick_s = 1e-3;
 
-/// A few thousand particles, so that three threads have work (a thread is used for every 512).
+/// So many particles that three threads have work (a thread is used for every 4096).
 BedParameters largeBed(int threads) {
   BedParameters bed;
   bed.soil = findPreset("P4").soil;
-  bed.width_m = bed.length_m = 0.3;
+  bed.width_m = bed.length_m = 0.75;
   bed.start = BedStart::kPacked;
   bed.depth_m = 0.06;
   bed.threads = threads;
@@ -46,7 +46,7 @@ TEST(Determinism, SameHashForAnyNumberOfThreadsAndForEveryRun) {
   std::vector<std::uint64_t> expected;
   for (const int threads : {1, 2, 3, 1, 3}) {
     Bed bed = tippedBed(threads);
-    ASSERT_GT(bed.particles(), 3U * 512);
+    ASSERT_GT(bed.particles(), 3U * 4096);
     std::vector<std::uint64_t> hashes;
     for (int hundred = 0; hundred < 4; ++hundred) {
       run(bed, 100);

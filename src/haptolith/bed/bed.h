@@ -93,6 +93,8 @@ class Bed {
   [[nodiscard]] std::vector<Float4>& toolSlip() noexcept { return state_.tool_slip; }
   /// How often a particle was entered again into the neighbour lists because it had moved on: see Neighbourhood.
   [[nodiscard]] std::uint64_t relistings() const noexcept { return relistings_; }
+  /// Time that took since the last call, in us. May be called in the tick.
+  [[nodiscard]] double takeRelistingTime_us() noexcept;
   [[nodiscard]] const CellGrid& grid() const noexcept { return neighbourhood_.grid(); }
   /// Bytes of memory in use for the particles, all arrays together.
   [[nodiscard]] std::size_t bytes() const noexcept;
@@ -129,6 +131,7 @@ class Bed {
   bool friction_on_ = true;
   std::size_t driven_ = 0;  ///< particles
   std::uint64_t relistings_ = 0;
+  std::int64_t relisting_ns_ = 0;
 };
 
 }  // namespace haptolith
