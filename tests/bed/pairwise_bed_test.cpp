@@ -385,6 +385,42 @@ Bed tippedBed(int threads) {
   return Bed(parameters);
 }
 
+TEST(PairwiseBed, NoContactIsEverMissedInAViolentScene) {
+  for (const double kick_m_s : {0.5, 5.0}) {
+    BedParameters parameters;
+    parameters.soil = space().soil;
+    parameters.soil.size_spread = 0.15;
+    parameters.soil.contact_cohesion_n = 0.003;
+    Bed bed(parameters);
+    std::mt19937_64 random(3);
+    std::normal_distribution<double> any(0, kick_m_s);
+    std::vector<Vec3> kicks;
+    for (std::size_t i = 0; i < bed.particles(); ++i) {
+      kicks.emplace_back(any(random), any(random), any(random));
+    }
+    setVelocities(bed, kicks);
+    std::size_t contacts = 0;
+    run(bed, 400, [&] {
+      const BedState& s = bed.state();
+      for (std::size_t i = 0; i < bed.particles(); ++i) {
+        std::vector<bool> listed(bed.particles());
+        for (std::uint32_t n = 0; n < s.contacts.count(i); ++n) {
+          listed[static_cast<std::size_t>(s.contacts.neighbour(i, n))] = true;
+        }
+        for (std::size_t j = 0; j < bed.particles(); ++j) {
+          const double apart = (position(bed, i) - position(bed, j)).norm() - s.position[i].w - s.position[j].w;
+          if (i != j && apart < bed.law().cutoff_m) {
+            ASSERT_TRUE(listed[j]) << i << " and " << j << " touch in step " << s.step;
+            ++contacts;
+          }
+        }
+      }
+    });
+    EXPECT_GT(contacts, 10'000U);
+    EXPECT_GT(bed.relistings(), 5 * bed.particles());
+  }
+}
+
 TEST(PairwiseBed, SameHashForAnyNumberOfThreads) {
   std::vector<std::uint64_t> expected;
   for (const int threads : {1, 2, 3, 4, 2}) {

@@ -235,5 +235,42 @@ TEST(ToolContact, OnlyContactsThatHoldAreStiff) {
   }
 }
 
+TEST(ToolContact, InABedItIsToTheBitWhatItIsAgainstAllParticles) {
+  // The shovel dives in, crosses the bed, leaves it, and comes back elsewhere.
+  for (const FrictionModel friction : {FrictionModel::kPaper, FrictionModel::kPairwise}) {
+    BedParameters parameters;
+    parameters.soil.friction = friction;
+    parameters.soil.stiffness_n_m = friction == FrictionModel::kPairwise ? 1000 : 100;
+    parameters.width_m = parameters.length_m = 0.3;
+    parameters.start = BedStart::kPacked;
+    parameters.depth_m = 0.05;
+    Bed bed(parameters);
+    std::vector<Float4> forces(bed.particles());
+    std::size_t touched = 0;
+    constexpr double kStep_s = 2e-4;
+    for (int step = 0; step < 3000; ++step) {
+      const double t = step / 3000.0;
+      const Pose pose{Vec3(0.25 * std::cos(9 * t), 0.1 * std::sin(7 * t), 0.05 + 0.06 * std::cos(20 * t)),
+                      Quat(Eigen::AngleAxisd(5 * t, Vec3(1, 2, 3).normalized()))};
+      const Twist twist{Vec3(0.1, 0.2, -0.3), Vec3(1, 2, 3)};
+      std::vector<std::int8_t> side = bed.toolSides();
+      std::vector<Float4> slip = bed.toolSlip();
+      const Wrench all =
+          applyToolContact(kShovel, pose, twist, parameters.soil, kStep_s, bed.state(), {side, slip}, forces).wrench;
+      const Wrench near = applyToolContact(kShovel, pose, twist, kStep_s, bed).wrench;
+      ASSERT_EQ(near.force_n, all.force_n) << step;
+      ASSERT_EQ(near.torque_nm, all.torque_nm) << step;
+      ASSERT_EQ(bed.toolSides(), side) << step;
+      for (std::size_t i = 0; i < bed.particles(); ++i) {
+        const Float4& f = bed.externalForces()[i];
+        ASSERT_TRUE(f.x == forces[i].x && f.y == forces[i].y && f.z == forces[i].z) << step << " " << i;
+        touched += f.x != 0 || f.y != 0 || f.z != 0 ? 1 : 0;
+      }
+      ASSERT_EQ(bed.step(kStep_s), StepStatus::kOk);
+    }
+    EXPECT_GT(touched, 10'000U);
+  }
+}
+
 }  // namespace
 }  // namespace haptolith
