@@ -100,13 +100,13 @@ BenchRow measure(const BenchOptions& options, int particles, FrictionModel frict
   HapticLoop loop(scene, device, LoopParameters{}, false);
   BenchRow row;
   const std::uint64_t relisted_before = scene.bed().relistings();
-  (void)scene.bed().takeRelistingTime_us();  // of settling
+  (void)scene.bed().takeRelistingUs();  // of settling
   const auto ticks = static_cast<std::uint64_t>(options.seconds / scene.bed().parameters().tick_s);
   for (std::uint64_t tick = 0; tick < ticks; ++tick) {
     if (const LoopEnd end = loop.tick(); end != LoopEnd::kRunning) {
       throw Failure(fmt::format("{}: {}", what, text(end)));
     }
-    row.relisting_us.add(scene.bed().takeRelistingTime_us());
+    row.relisting_us.add(scene.bed().takeRelistingUs());
     if (tick % 100 == 0) {
       if (stopAsked()) {
         throw Failure("interrupted");
@@ -126,7 +126,7 @@ BenchRow measure(const BenchOptions& options, int particles, FrictionModel frict
 }
 
 /// How late the machine wakes a thread that sleeps until a given time: no tick can be more punctual.
-Histogram timerLateness_us() {
+Histogram timerLatenessUs() {
   constexpr int kSleeps = 500;
   constexpr std::int64_t kPeriod_ns = 1'000'000;
   Histogram late_us(0.1);
@@ -205,7 +205,7 @@ void runBench(const BenchOptions& options) {
   }
   requireInRange("seconds", options.seconds, {0.1, 3600});
   status.update("how punctual is the machine?");
-  const Histogram late_us = timerLateness_us();
+  const Histogram late_us = timerLatenessUs();
   std::vector<BenchRow> rows;
   for (const int particles : options.particles) {
     for (const FrictionModel friction : options.friction) {

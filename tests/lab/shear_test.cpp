@@ -1,9 +1,12 @@
 #include "haptolith/lab/shear.h"
 
 #include <gtest/gtest.h>
+#include <unistd.h>
 
 #include <cmath>
+#include <filesystem>
 #include <numbers>
+#include <string>
 
 #include "haptolith/core/error.h"
 
@@ -99,6 +102,26 @@ TEST(Shear, RefusesNonsense) {
   refused([](ShearOptions& o) { o.width_diameters = 2; });
   refused([](ShearOptions& o) { o.residual_from = o.strain; });
   refused([](ShearOptions& o) { o.inertial_number = 1; });
+}
+
+TEST(Shear, DrawsItsCurvesAndLines) {
+  ShearResult result;
+  for (const double normal_pa : {500.0, 1000.0, 2000.0}) {
+    ShearPointResult point{.normal_pa = normal_pa, .peak_pa = 0.9 * normal_pa, .residual_pa = 0.7 * normal_pa};
+    for (int i = 0; i < 20; ++i) {
+      point.trace.rows.push_back({1e-3 * i, 0.7 * normal_pa, normal_pa, 0.1});
+    }
+    result.points.push_back(point);
+  }
+  result.peak = {.friction_angle_rad = std::atan(0.9)};
+  result.residual = {.friction_angle_rad = std::atan(0.7)};
+  for (const char* extension : {".svg", ".png"}) {
+    const std::filesystem::path path = std::filesystem::temp_directory_path() /
+                                       ("haptolith_shear_" + std::to_string(getpid()) + extension);
+    drawShear(path, result, "a soil");
+    EXPECT_GT(std::filesystem::file_size(path), 5000U);
+    std::filesystem::remove(path);
+  }
 }
 
 }  // namespace

@@ -398,7 +398,7 @@ double Bed::surfaceHeight() const noexcept {
   return highest + parameters_.soil.radius_m;
 }
 
-double Bed::takeRelistingTime_us() noexcept {
+double Bed::takeRelistingUs() noexcept {
   return 1e-3 * static_cast<double>(std::exchange(relisting_ns_, 0));
 }
 

@@ -94,7 +94,7 @@ class Bed {
   /// How often a particle was entered again into the neighbour lists because it had moved on: see Neighbourhood.
   [[nodiscard]] std::uint64_t relistings() const noexcept { return relistings_; }
   /// Time that took since the last call, in us. May be called in the tick.
-  [[nodiscard]] double takeRelistingTime_us() noexcept;
+  [[nodiscard]] double takeRelistingUs() noexcept;
   [[nodiscard]] const CellGrid& grid() const noexcept { return neighbourhood_.grid(); }
   /// Bytes of memory in use for the particles, all arrays together.
   [[nodiscard]] std::size_t bytes() const noexcept;

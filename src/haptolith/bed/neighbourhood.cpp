@@ -111,7 +111,10 @@ void Neighbourhood::sortByDistance(std::size_t i, const std::vector<Float4>& lis
   struct Entry {
     float squared_m2;
     std::int32_t other;
-    Slip slip;
+    std::uint32_t at;
+  };
+  const auto before = [](const Entry& a, const Entry& b) {
+    return a.squared_m2 < b.squared_m2 || (a.squared_m2 == b.squared_m2 && a.other < b.other);
   };
   std::array<Entry, ContactLists::kMostNeighbours> entries;
   const std::uint32_t count = lists.count(i);
@@ -122,22 +125,27 @@ void Neighbourhood::sortByDistance(std::size_t i, const std::vector<Float4>& lis
     float x = here.x - there.x;
     float y = here.y - there.y;
     const float z = here.z - there.z;
-    x -= periods_.width * std::round(x * periods_.per_width);
-    y -= periods_.length * std::round(y * periods_.per_length);
-    const Entry entry{x * x + y * y + z * z, other, lists.remembers() ? lists.slip(i, s) : Slip{}};
+    if (periods_.any()) {
+      x -= periods_.width * std::round(x * periods_.per_width);
+      y -= periods_.length * std::round(y * periods_.per_length);
+    }
+    const Entry entry{x * x + y * y + z * z, other, s};
     std::uint32_t at = s;  // by insertion: lists are short, and nearly sorted
-    const auto before = [](const Entry& a, const Entry& b) {
-      return a.squared_m2 < b.squared_m2 || (a.squared_m2 == b.squared_m2 && a.other < b.other);
-    };
     for (; at > 0 && before(entry, entries[at - 1]); --at) {
       entries[at] = entries[at - 1];
     }
     entries[at] = entry;
   }
+  std::array<Slip, ContactLists::kMostNeighbours> slips;
+  for (std::uint32_t s = 0; lists.remembers() && s < count; ++s) {
+    slips[s] = lists.slip(i, s);
+  }
   for (std::uint32_t s = 0; s < count; ++s) {
-    lists.set(i, s, entries[s].other);
-    if (lists.remembers()) {
-      lists.setSlip(i, s, entries[s].slip);
+    if (entries[s].at != s) {
+      lists.set(i, s, entries[s].other);
+      if (lists.remembers()) {
+        lists.setSlip(i, s, slips[entries[s].at]);
+      }
     }
   }
 }

@@ -257,6 +257,7 @@ void drawShear(const std::filesystem::path& path, const ShearResult& result, std
       "plot $points using 1:2 with points pt 9 ps 1.3 lc '#d2691e' notitle, {} lw 2 dt 2 lc '#d2691e' title '{}', "
       "$points using 1:3 with points pt 7 ps 1.2 lc '#1f6fb4' notitle, {} lw 2 lc '#1f6fb4' title '{}'",
       line(result.peak), label("peak", result.peak), line(result.residual), label("residual", result.residual)));
+  figure.command("unset multiplot");
   figure.save();
 }
 
