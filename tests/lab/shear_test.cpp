@@ -107,14 +107,17 @@ TEST(Shear, RefusesNonsense) {
 TEST(Shear, DrawsItsCurvesAndLines) {
   ShearResult result;
   for (const double normal_pa : {500.0, 1000.0, 2000.0}) {
-    ShearPointResult point{.normal_pa = normal_pa, .peak_pa = 0.9 * normal_pa, .residual_pa = 0.7 * normal_pa};
+    ShearPointResult point;
+    point.normal_pa = normal_pa;
+    point.peak_pa = 0.9 * normal_pa;
+    point.residual_pa = 0.7 * normal_pa;
     for (int i = 0; i < 20; ++i) {
       point.trace.rows.push_back({1e-3 * i, 0.7 * normal_pa, normal_pa, 0.1});
     }
     result.points.push_back(point);
   }
-  result.peak = {.friction_angle_rad = std::atan(0.9)};
-  result.residual = {.friction_angle_rad = std::atan(0.7)};
+  result.peak.friction_angle_rad = std::atan(0.9);
+  result.residual.friction_angle_rad = std::atan(0.7);
   for (const char* extension : {".svg", ".png"}) {
     const std::filesystem::path path = std::filesystem::temp_directory_path() /
                                        ("haptolith_shear_" + std::to_string(getpid()) + extension);
