@@ -272,6 +272,38 @@ TEST(HapticLoop, SnapshotsShowTheScene) {
   EXPECT_EQ(seen, 10);  // every 16th tick
 }
 
+TEST(HapticLoop, SnapshotsOfALargeBedAreCopiedBitByBit) {
+  BedParameters large = paperBed();
+  large.start = BedStart::kPacked;
+  large.width_m = large.length_m = 0.5;
+  large.depth_m = 0.08;
+  Scene scene(large, {});
+  const std::size_t n = scene.bed().particles();
+  ASSERT_GT(n, 5000U);
+  FakeDevice device(pushing);
+  HapticLoop loop(scene, device, unpaced(0), false);
+  std::vector<Float4> first_of_cycle, last_of_cycle;
+  int seen = 0;
+  for (int i = 0; i < 160; ++i) {
+    ASSERT_EQ(loop.tick(), LoopEnd::kRunning);
+    const std::vector<Float4>& position = scene.bed().state().position;
+    if (loop.snapshots().update()) {
+      ++seen;
+      const SceneSnapshot& now = loop.snapshots().latest();
+      ASSERT_EQ(now.position.size(), n);
+      EXPECT_EQ(now.position[n - 1].z, position[n - 1].z) << "the last part is of this tick";
+      if (i >= 16) {
+        EXPECT_EQ(now.position[0].z, first_of_cycle[0].z) << "the first is of 15 ticks ago";
+      }
+      EXPECT_GE(now.largest_speed_m_s, 0);
+    }
+    if (i % 16 == 1) {
+      first_of_cycle = position;
+    }
+  }
+  EXPECT_EQ(seen, 10);
+}
+
 TEST(HapticLoop, APacedLoopKeepsStepWithTheClock) {
   Scene scene(paperBed(), {});
   FakeDevice device(above);

@@ -379,13 +379,11 @@ double Bed::energy() const {
   return energy;
 }
 
-double Bed::largestSpeed() const noexcept {
+double Bed::largestSpeed(std::size_t first, std::size_t last) const noexcept {
   float largest = 0;
-  for (const Float4& v : state_.velocity) {
-    if (v.w != 0) {
-      continue;
-    }
-    largest = std::max(largest, v.x * v.x + v.y * v.y + v.z * v.z);
+  for (std::size_t i = first; i < last; ++i) {
+    const Float4& v = state_.velocity[i];
+    largest = v.w == 0 ? std::max(largest, v.x * v.x + v.y * v.y + v.z * v.z) : largest;
   }
   return std::sqrt(largest);
 }

@@ -78,8 +78,9 @@ class Bed {
   /// origin. Not for the tick.
   [[nodiscard]] double energy() const;
 
-  /// Largest speed of any particle, in m/s.
-  [[nodiscard]] double largestSpeed() const noexcept;
+  /// Largest speed of any particle, or of particles first..last-1, driven ones aside, in m/s.
+  [[nodiscard]] double largestSpeed() const noexcept { return largestSpeed(0, particles()); }
+  [[nodiscard]] double largestSpeed(std::size_t first, std::size_t last) const noexcept;
 
   /// Height of the highest point of any particle above the floor, in m.
   [[nodiscard]] double surfaceHeight() const noexcept;

@@ -24,9 +24,13 @@ constexpr double kReachBesideBox_m = 1.0;
 constexpr double kNsPerS = 1e9;
 constexpr std::int64_t kUnpacedPause_ns = 1'000'000;
 
-SceneSnapshot emptySnapshot(const Scene& scene) {
+/// A bed as small as this is copied in one tick; of a larger one each tick copies a part.
+constexpr std::size_t kCopiedAtOnce = 4096;
+
+SceneSnapshot firstSnapshot(const Scene& scene) {
   SceneSnapshot snapshot;
-  snapshot.position.resize(scene.bed().particles());
+  const std::vector<Float4>& position = scene.bed().state().position;
+  snapshot.position.assign(position.begin(), position.begin() + static_cast<std::ptrdiff_t>(scene.bed().particles()));
   return snapshot;
 }
 
@@ -62,7 +66,7 @@ HapticLoop::HapticLoop(Scene& scene, HapticDevice& device, const LoopParameters&
       filter_(parameters.filter_cutoff_hz, parameters.tick_s),
       quick_movement_(parameters.tick_s),
       records_(kRecordsInFlight),
-      snapshots_(emptySnapshot(scene)) {
+      snapshots_(firstSnapshot(scene)) {
   validate(parameters);
   if (parameters.tick_s != scene.bed().parameters().tick_s) {  // else time would run faster or slower than the clock
     throw InvalidParameter("tick_s", fmt::format("{}", parameters.tick_s),
@@ -142,20 +146,32 @@ bool HapticLoop::inWorkspace(const DeviceInput& hand) const noexcept {
 }
 
 void HapticLoop::publish(const DeviceInput& hand, const Wrench& felt) noexcept {
-  if (statistics_.ticks() % kTicksPerSnapshot != 0) {
+  // Part 0 in the tick after a snapshot went out, the last part in the tick of the next one.
+  const std::uint64_t part = (statistics_.ticks() + kTicksPerSnapshot - 1) % kTicksPerSnapshot;
+  const bool complete = part + 1 == kTicksPerSnapshot;
+  const std::size_t n = scene_.bed().particles();
+  const bool at_once = n <= kCopiedAtOnce;
+  if (at_once && !complete) {
     return;
   }
   SceneSnapshot& snapshot = snapshots_.draft();
+  const std::size_t first = at_once ? 0 : n * part / kTicksPerSnapshot;
+  const std::size_t last = n * (part + 1) / kTicksPerSnapshot;
+  const auto from = scene_.bed().state().position.begin();
+  std::copy(from + static_cast<std::ptrdiff_t>(first), from + static_cast<std::ptrdiff_t>(last),
+            snapshot.position.begin() + static_cast<std::ptrdiff_t>(first));
+  snapshot.largest_speed_m_s =
+      std::max(first == 0 ? 0 : snapshot.largest_speed_m_s, scene_.bed().largestSpeed(first, last));
+  if (!complete) {
+    return;
+  }
   snapshot.time_s = time();
   snapshot.scene_T_tool = hand.scene_T_tool;
   snapshot.felt = felt;
-  const std::vector<Float4>& position = scene_.bed().state().position;
-  std::copy_n(position.begin(), snapshot.position.size(), snapshot.position.begin());
   snapshot.ticks = statistics_.ticks();
   snapshot.deadline_misses = statistics_.deadlineMisses();
   snapshot.success_rate = statistics_.successRate();
   snapshot.tick_us_p99 = statistics_.tickUs().percentile(0.99);
-  snapshot.largest_speed_m_s = scene_.bed().largestSpeed();
   snapshots_.publish();
 }
 
