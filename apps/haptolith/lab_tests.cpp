@@ -215,11 +215,13 @@ LabOutput reposeOutput(const LabSoil& soil, const LabConditions& conditions, con
                  {"height_m", result.height_m},
                  {"particles", result.centres_m.size()},
                  {"profile", rings}};
-  const double wanted = soil.target ? soil.target->friction_angle_deg : 0;
+  // A soil that has cohesion is another one without it: nobody knows what it should show.
+  const bool known = soil.target && soil.target->cohesion_pa == 0;
+  const double wanted = known ? soil.target->friction_angle_deg : 0;
   output.findings = {
-      soil.target ? near("angle of repose", fmt::format("residual friction angle {:g} ± 3°", wanted),
+      known ? near("angle of repose", fmt::format("residual friction angle {:g} ± 3°", wanted),
                          fmt::format("{:.1f}°", degrees(result.angle_rad)), degrees(result.angle_rad) - wanted, 3)
-                  : LabFinding{"angle of repose", "", fmt::format("{:.1f}°", degrees(result.angle_rad))}};
+                  : LabFinding{"angle of repose, without cohesion", "", fmt::format("{:.1f}°", degrees(result.angle_rad))}};
   output.trace = result.trace;
   output.draw = [result](const std::string& path, const std::string&) { drawRepose(path, result); };
   return output;

@@ -220,7 +220,7 @@ set xlabel 'distance from the axis / mm'
 set ylabel 'height / mm'
 set size ratio -1
 set yrange [0:*]
-set key top right
+set key below
 set title 'Angle of repose {:.1f}° ± {:.1f}°'
 plot $slice using 1:2:3 with circles linecolor rgb '#cbb899' fillstyle solid 0.7 border linecolor rgb '#8c7b6b' title 'particles within 2 R of the plane', \
      $rings using 1:2 with points pointtype 7 pointsize 0.8 linecolor rgb '#1f4e79' title 'profile, mean of each ring', \
