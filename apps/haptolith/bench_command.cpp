@@ -88,8 +88,8 @@ void settle(Scene& scene) {
 }
 
 BenchRow measure(const BenchOptions& options, int particles, FrictionModel friction, int threads, StatusLine& status) {
-  const std::string what = fmt::format("{} particles, {} friction, {} threads", particles,
-                                       wordFor(kFrictionWords, friction), threads);
+  const std::string what =
+      fmt::format("{} particles, {} friction, {} threads", particles, wordFor(kFrictionWords, friction), threads);
   status.update(what + ": the bed settles");
   Scene scene(sandbox(particles, friction, threads), ToolParameters{});
   settle(scene);
@@ -244,7 +244,8 @@ void runBench(const BenchOptions& options) {
 
 void addBenchCommand(CLI::App& app) {
   auto options = std::make_shared<BenchOptions>();
-  CLI::App* command = app.add_subcommand("bench", "How long a tick takes, by number of particles, friction and threads");
+  CLI::App* command =
+      app.add_subcommand("bench", "How long a tick takes, by number of particles, friction and threads");
   command->add_option("--particles", options->particles, "about how many")->delimiter(',')->capture_default_str();
   std::map<std::string, FrictionModel> models;
   for (const auto& word : kFrictionWords) {
@@ -263,7 +264,8 @@ void addBenchCommand(CLI::App& app) {
   command->add_option("--seconds", options->seconds, "of simulated time for each row")->capture_default_str();
   command->add_option("--figure", options->figure_file, "draw ticks over particles: FILE.svg or FILE.png");
   command->add_flag("--json", options->json, "print one JSON object instead of a table");
-  command->footer("Examples:\n  haptolith bench --particles 256,2000 --threads 1\n  haptolith bench --figure bench.svg");
+  command->footer(
+      "Examples:\n  haptolith bench --particles 256,2000 --threads 1\n  haptolith bench --figure bench.svg");
   command->callback([options] { runBench(*options); });
 }
 

@@ -220,8 +220,8 @@ LabOutput reposeOutput(const LabSoil& soil, const LabConditions& conditions, con
   const double wanted = known ? soil.target->friction_angle_deg : 0;
   output.findings = {
       known ? near("angle of repose", fmt::format("residual friction angle {:g} ± 3°", wanted),
-                         fmt::format("{:.1f}°", degrees(result.angle_rad)), degrees(result.angle_rad) - wanted, 3)
-                  : LabFinding{"angle of repose, without cohesion", "", fmt::format("{:.1f}°", degrees(result.angle_rad))}};
+                   fmt::format("{:.1f}°", degrees(result.angle_rad)), degrees(result.angle_rad) - wanted, 3)
+            : LabFinding{"angle of repose, without cohesion", "", fmt::format("{:.1f}°", degrees(result.angle_rad))}};
   output.trace = result.trace;
   output.draw = [result](const std::string& path, const std::string&) { drawRepose(path, result); };
   return output;
@@ -235,6 +235,7 @@ LabTest repose() {
       .examples =
           "  haptolith lab repose --soil dry-sand --body Earth --figure heap.png\n"
           "  haptolith lab repose --soil dry-sand --body Ceres",
+      .radius_mm = 3,  // larger ones are too soft for Earth's gravity: 25.6 instead of 27.1 degrees for dry-sand
       .without_cohesion = true,
       .add_options =
           [own](CLI::App& command) {

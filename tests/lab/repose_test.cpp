@@ -29,8 +29,17 @@ LabConditions conditionsWith(double contact_friction) {
 }
 
 TEST(Repose, OfRubbingParticlesIsThatOfARealHeap) {
-  const ReposeResult heap = reposeTest(conditionsWith(0.4), kSmall);
-  EXPECT_NEAR(heap.angle_rad / kDegree, 39, 9);  // the residual angle of shear, and what so small a heap may be off by
+  // Over 36 seeds so small a heap has 35.5 +- 0.6 degrees, with a standard deviation of 3; shear's residual angle is 39.
+  double mean = 0;
+  constexpr int kHeaps = 4;
+  ReposeResult heap;
+  for (int seed = 1; seed <= kHeaps; ++seed) {
+    LabConditions conditions = conditionsWith(0.4);
+    conditions.seed = static_cast<std::uint64_t>(seed);
+    heap = reposeTest(conditions, kSmall);
+    mean += heap.angle_rad / kDegree / kHeaps;
+  }
+  EXPECT_NEAR(mean, 35.5, 5);
   EXPECT_GT(heap.angle_se_rad, 0);
   EXPECT_GT(heap.height_m, 5 * heap.radius_m);
 

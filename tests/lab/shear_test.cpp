@@ -119,8 +119,8 @@ TEST(Shear, DrawsItsCurvesAndLines) {
   result.peak.friction_angle_rad = std::atan(0.9);
   result.residual.friction_angle_rad = std::atan(0.7);
   for (const char* extension : {".svg", ".png"}) {
-    const std::filesystem::path path = std::filesystem::temp_directory_path() /
-                                       ("haptolith_shear_" + std::to_string(getpid()) + extension);
+    const std::filesystem::path path =
+        std::filesystem::temp_directory_path() / ("haptolith_shear_" + std::to_string(getpid()) + extension);
     drawShear(path, result, "a soil");
     EXPECT_GT(std::filesystem::file_size(path), 5000U);
     std::filesystem::remove(path);

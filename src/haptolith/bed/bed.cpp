@@ -25,8 +25,8 @@ constexpr double kSkinRadii = 0.5;
 
 constexpr std::size_t kBits = 64;  // of a word
 
-/// A thread is worth waking, which takes some 50 us, for at least this many particles; pairwise contacts take three times
-/// as long as the paper's, and several substeps a tick.
+/// A thread is worth waking, which takes some 50 us, for at least this many particles; pairwise contacts take three
+/// times as long as the paper's, and several substeps a tick.
 std::size_t particlesPerThread(FrictionModel friction) {
   return friction == FrictionModel::kPairwise ? 512 : 4096;
 }

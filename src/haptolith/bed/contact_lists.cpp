@@ -111,8 +111,7 @@ void ContactLists::takeOver(const ContactLists& other) noexcept {
 std::size_t ContactLists::bytes() const noexcept {
   return other_.size() * sizeof(other_[0]) + slip_.size() * sizeof(slip_[0]) +
          first_row_.size() * sizeof(first_row_[0]) +
-         rows_.size() * (sizeof(rows_[0]) + sizeof(touched_[0]) + sizeof(room_[0])) +
-         count_.size() * sizeof(count_[0]);
+         rows_.size() * (sizeof(rows_[0]) + sizeof(touched_[0]) + sizeof(room_[0])) + count_.size() * sizeof(count_[0]);
 }
 
 std::uint32_t ContactLists::takeRows(std::size_t room_class) noexcept {

@@ -96,8 +96,8 @@ class ContactLists {
   std::uint32_t ghost_ = 0;
   std::vector<std::uint32_t, CacheAligned<std::uint32_t>> other_;
   FloatArray slip_;
-  std::vector<std::uint32_t> first_row_;                                       // one for each group
-  std::vector<std::uint16_t> rows_;                                            // length of the group's longest list
+  std::vector<std::uint32_t> first_row_;  // one for each group
+  std::vector<std::uint16_t> rows_;       // length of the group's longest list
   std::vector<std::uint16_t> touched_;
   std::vector<std::uint8_t> room_;                                             // which of kRooms it has
   std::vector<std::uint16_t> count_;                                           // one for each particle

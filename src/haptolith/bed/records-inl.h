@@ -56,8 +56,7 @@ HWY_INLINE void storeInOrder(const Records& r, Float4* HWY_RESTRICT record) {
 /// Four records of every 128-bit block, one from each group of four neighbours, as one vector. Loading records whole
 /// and turning them in registers takes a third of the time of three gathers on processors whose gathers are slow.
 template <class AnyD, class Index>
-HWY_INLINE hn::Vec<AnyD> loadEveryFourth(AnyD d, const Float4* HWY_RESTRICT records,
-                                         const Index* HWY_RESTRICT index) {
+HWY_INLINE hn::Vec<AnyD> loadEveryFourth(AnyD d, const Float4* HWY_RESTRICT records, const Index* HWY_RESTRICT index) {
   if constexpr (hn::MaxLanes(d) == 4) {
     return hn::Load(d, recordAt(records, *index));
   } else {

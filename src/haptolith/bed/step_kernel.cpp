@@ -41,7 +41,8 @@ struct Rows {
         slip(arrays.slip + arrays.first_row[at.group] * std::size_t{3 * kGroup} + at.in_group),
         count(arrays.rows[at.group]),
         next_other(reinterpret_cast<const char*>(arrays.other + arrays.first_row[at.group + 1] * kGroup)),
-        next_slip(reinterpret_cast<const char*>(arrays.slip + arrays.first_row[at.group + 1] * std::size_t{3 * kGroup})) {}
+        next_slip(
+            reinterpret_cast<const char*>(arrays.slip + arrays.first_row[at.group + 1] * std::size_t{3 * kGroup})) {}
 
   HWY_INLINE void askForNextOthers(std::size_t row) const { hwy::Prefetch(next_other + row * kLine); }
   HWY_INLINE void askForNextSlips(std::size_t row) const {
@@ -122,8 +123,8 @@ struct PaperContacts {
   PaperContacts(const KernelLaw& scalar, const Periods& box)
       : law(lawOf(scalar)), cutoff(set(scalar.cutoff)), diameter(set(scalar.diameter)), periods(box) {}
 
-  /// (paper 19) over all neighbours. While one row's forces are worked out, the next row's particles are fetched already:
-  /// either alone is a long chain in which each step waits for the one before.
+  /// (paper 19) over all neighbours. While one row's forces are worked out, the next row's particles are fetched
+  /// already: either alone is a long chain in which each step waits for the one before.
   template <bool kPeriodic>
   HWY_INLINE Sums sum(const StepArrays& arrays, const Lanes& at, const Records& here) const {
     const V zero = hn::Zero(D());

@@ -25,8 +25,8 @@ struct TickRecord {
   double tick_us = 0;  ///< work of this tick, without sleep
 };
 
-/// A picture of the scene for whoever looks on, about 60 times a second. Of a large bed each tick copies a part, so that no
-/// tick is long: its first particles are then 15 ticks older than its last.
+/// A picture of the scene for whoever looks on, about 60 times a second. Of a large bed each tick copies a part, so
+/// that no tick is long: its first particles are then 15 ticks older than its last.
 struct SceneSnapshot {
   double time_s = 0;
   Pose scene_T_tool;

@@ -121,7 +121,8 @@ struct Cohesion {
 /// (u = 1), F_c halfway and none from the range on. Friction feels F_c while they touch and nothing from halfway on.
 template <class Real>
 HWY_INLINE Cohesion<Real> cohesionAcross(const CohesionOf<Real>& cohesion, Real gap) {
-  const Real u = Max(Min(NegMulAdd(gap, cohesion.two_per_range, cohesion.one), cohesion.one), cohesion.zero - cohesion.one);
+  const Real u =
+      Max(Min(NegMulAdd(gap, cohesion.two_per_range, cohesion.one), cohesion.one), cohesion.zero - cohesion.one);
   const Real growing = Max(u, cohesion.zero);
   return {cohesion.largest * NegMulAdd(u, u, cohesion.one), cohesion.largest * growing * growing};
 }
