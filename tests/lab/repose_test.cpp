@@ -29,7 +29,8 @@ LabConditions conditionsWith(double contact_friction) {
 }
 
 TEST(Repose, OfRubbingParticlesIsThatOfARealHeap) {
-  // Over 36 seeds so small a heap has 35.5 +- 0.6 degrees, with a standard deviation of 3; shear's residual angle is 39.
+  // Over 36 seeds so small a heap has 35.5 +- 0.6 degrees, with a standard deviation of 3; shear's residual angle
+  // is 39.
   double mean = 0;
   constexpr int kHeaps = 4;
   ReposeResult heap;
