@@ -34,7 +34,7 @@ struct BenchOptions {
   std::vector<FrictionModel> friction{FrictionModel::kPaper, FrictionModel::kPairwise};
   std::vector<int> threads{1, 2};
   Manoeuvre hand = Manoeuvre::kStir;
-  double seconds = 2;
+  double seconds = 1;
   bool json = false;
   std::string figure_file;
 };
@@ -80,6 +80,9 @@ void settle(Scene& scene) {
   for (const bool frictionless : {true, false}) {
     bed.setSettling(frictionless && bed.parameters().soil.friction == FrictionModel::kPairwise);
     for (int i = 0; i < kSettling_s / dt; ++i) {
+      if (stopAsked()) {
+        throw Failure("interrupted");
+      }
       if (const StepStatus status = bed.step(dt); status != StepStatus::kOk) {
         throw Failure(fmt::format("the bed did not settle: {}", text(status)));
       }

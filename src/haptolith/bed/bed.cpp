@@ -10,7 +10,6 @@
 
 #include "haptolith/bed/bed_start.h"
 #include "haptolith/bed/critical_step.h"
-#include "haptolith/bed/friction-inl.h"
 #include "haptolith/core/clock.h"
 #include "haptolith/core/error.h"
 #include "haptolith/core/random.h"

@@ -96,7 +96,6 @@ class Bed {
   [[nodiscard]] std::uint64_t relistings() const noexcept { return relistings_; }
   /// Time that took since the last call, in us. May be called in the tick.
   [[nodiscard]] double takeRelistingUs() noexcept;
-  [[nodiscard]] const CellGrid& grid() const noexcept { return neighbourhood_.grid(); }
   /// Bytes of memory in use for the particles, all arrays together.
   [[nodiscard]] std::size_t bytes() const noexcept;
 

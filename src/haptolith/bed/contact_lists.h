@@ -27,7 +27,7 @@ struct Slip {
 /// The lists of a group's 16 particles stand side by side in rows: row s holds the s-th neighbour of each, so that the
 /// kernel works on 16 pairs at once and adds up without turning registers. Shorter lists are filled up with the ghost
 /// (index n), which no force reaches. Rows lie in one pool, a group's in one piece with room to grow; a group that
-/// outgrows its room moves. Within what construct() reserved nothing allocates.
+/// outgrows its room moves. Within what the constructor reserved nothing allocates.
 class ContactLists {
  public:
   /// A particle with more neighbours has been collapsed onto.

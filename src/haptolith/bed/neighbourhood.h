@@ -15,8 +15,8 @@ namespace haptolith {
 /// Each particle is entered at a place, BedState::listed_at. A pair is listed, from both sides, exactly when the places
 /// of the two are closer than the reach, which is as far as a contact acts plus a skin. As long as nobody is further
 /// from its place than half the skin, every contact is listed. Who has moved further is entered again where it is: that
-/// costs two tenths of a microsecond for each that moves, and nothing for those that do not. The memory of contacts
-/// stands beside the entries and stays where it is.
+/// costs half a microsecond for each that moves, two and more out of cache, and nothing for those that do not. The
+/// memory of contacts stands beside the entries and stays where it is.
 class Neighbourhood {
  public:
   /// @param reach_m  largest distance of a listed pair of particles of the mean size; larger ones reach further.
@@ -24,7 +24,7 @@ class Neighbourhood {
   Neighbourhood(std::size_t particles, double reach_m, double largest_excess_m, const GridBox& box);
 
   /// Enters all particles at `listed_at` into empty lists, the nearest first. Returns false when they do not
-  /// fit: the bed has collapsed onto itself. Not for the tick: it takes a tenth of a microsecond a particle.
+  /// fit: the bed has collapsed onto itself. Not for the tick: it takes half a microsecond a particle.
   [[nodiscard]] bool enterAll(const std::vector<Float4>& listed_at, ContactLists& lists) noexcept;
 
   /// Enters some particles again, where `position` has them. May be called in the tick. False as enterAll().

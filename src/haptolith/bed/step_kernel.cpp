@@ -30,27 +30,35 @@ struct Lanes {
 
 /// The rows of a group and of the one after it. While one is worked on the other is asked for, a row at a time: lists
 /// are longer than processors look ahead, and large beds lie in memory far slower than the kernel is.
-struct Rows {
-  const std::uint32_t* HWY_RESTRICT other;
-  float* HWY_RESTRICT slip;
-  std::size_t count;
-  const char *next_other, *next_slip;
-
+class Rows {
+ public:
   Rows(const StepArrays& arrays, const Lanes& at)
-      : other(arrays.other + arrays.first_row[at.group] * kGroup + at.in_group),
-        slip(arrays.slip + arrays.first_row[at.group] * std::size_t{3 * kGroup} + at.in_group),
-        count(arrays.rows[at.group]),
-        next_other(reinterpret_cast<const char*>(arrays.other + arrays.first_row[at.group + 1] * kGroup)),
-        next_slip(
-            reinterpret_cast<const char*>(arrays.slip + arrays.first_row[at.group + 1] * std::size_t{3 * kGroup})) {}
+      : arrays_(arrays),
+        at_(at),
+        first_(arrays.first_row[at.group]),
+        next_(arrays.first_row[at.group + 1]),
+        count_(arrays.rows[at.group]) {}
 
-  HWY_INLINE void askForNextOthers(std::size_t row) const { hwy::Prefetch(next_other + row * kLine); }
-  HWY_INLINE void askForNextSlips(std::size_t row) const {
-    hwy::Prefetch(next_slip + 3 * row * kLine);
-    hwy::Prefetch(next_slip + (3 * row + 1) * kLine);
-    hwy::Prefetch(next_slip + (3 * row + 2) * kLine);
+  [[nodiscard]] HWY_INLINE std::size_t count() const { return count_; }
+  [[nodiscard]] HWY_INLINE const std::uint32_t* others(std::size_t row) const {
+    return arrays_.other + (first_ + row) * kGroup + at_.in_group;
   }
-  static constexpr std::size_t kLine = 64;
+  /// x of a row; y and z stand kGroup and 2 kGroup behind.
+  [[nodiscard]] HWY_INLINE float* slips(std::size_t row) const {
+    return arrays_.slip + (first_ + row) * 3 * kGroup + at_.in_group;
+  }
+  HWY_INLINE void askForNextOthers(std::size_t row) const { hwy::Prefetch(arrays_.other + (next_ + row) * kGroup); }
+  HWY_INLINE void askForNextSlips(std::size_t row) const {
+    const float* slip = arrays_.slip + (next_ + row) * 3 * kGroup;
+    hwy::Prefetch(slip);
+    hwy::Prefetch(slip + kGroup);
+    hwy::Prefetch(slip + 2 * kGroup);
+  }
+
+ private:
+  const StepArrays& arrays_;
+  const Lanes& at_;
+  std::size_t first_, next_, count_;
 };
 
 /// Calls `each(lanes)` for all vectors of particles of groups first..last-1.
@@ -132,12 +140,12 @@ struct PaperContacts {
     Sums sums{zero, zero, zero, zero, zero};
     const Rows rows(arrays, at);
     const auto fetch = [&](std::size_t row) {
-      return apart<kPeriodic>(periods, here, loadRecords(arrays.position, rows.other + row * kGroup));
+      return apart<kPeriodic>(periods, here, loadRecords(arrays.position, rows.others(row)));
     };
     Apart next = fetch(0);  // there is room for a row, if with ghosts only
-    for (std::size_t row = 0; row < rows.count; ++row) {
+    for (std::size_t row = 0; row < rows.count(); ++row) {
       const Apart d = next;
-      next = fetch(row + 1 < rows.count ? row + 1 : row);
+      next = fetch(row + 1 < rows.count() ? row + 1 : row);
       rows.askForNextOthers(row);
       const Distance a = distanceOf(d.squared);
       const V force = hn::IfThenElseZero(a.metres < cutoff, uncutContactForce(law, a.metres));
@@ -204,19 +212,18 @@ struct PairwiseContacts {
       V excess;
     };
     const auto fetch = [&](std::size_t row) {
-      const Records there = loadRecords(arrays.position, rows.other + row * kGroup);
+      const Records there = loadRecords(arrays.position, rows.others(row));
       return Met{apart<kPeriodic>(periods, here, there), here.w + there.w};
     };
     std::uint16_t& touched = arrays.touched[at.group];
     const std::size_t maybe_touched = touched;
     std::size_t last_touched = 0;
     Met next = fetch(0);  // there is room for a row, if with ghosts only
-    for (std::size_t row = 0; row < rows.count; ++row) {
+    for (std::size_t row = 0; row < rows.count(); ++row) {
       const Apart way = next.way;
       const V excess = next.excess;
-      next = fetch(row + 1 < rows.count ? row + 1 : row);
-      const std::uint32_t* HWY_RESTRICT other = rows.other + row * kGroup;
-      float* HWY_RESTRICT slip_x = rows.slip + row * 3 * kGroup;
+      next = fetch(row + 1 < rows.count() ? row + 1 : row);
+      float* HWY_RESTRICT slip_x = rows.slips(row);
       float* HWY_RESTRICT slip_y = slip_x + kGroup;
       float* HWY_RESTRICT slip_z = slip_y + kGroup;
       rows.askForNextOthers(row);
@@ -236,7 +243,7 @@ struct PairwiseContacts {
       Triple<V> slip{hn::Load(d, slip_x), hn::Load(d, slip_y), hn::Load(d, slip_z)};
       const Triple<V> towards{way.x * distance.inverse, way.y * distance.inverse, way.z * distance.inverse};
       const CohesiveContact<V> contact = cohesiveContact(law, cohesion, diameter, a);
-      const Records u = loadRecords(arrays.velocity, other);
+      const Records u = loadRecords(arrays.velocity, rows.others(row));
       const Triple<V> relative{v.x - u.x, v.y - u.y, v.z - u.z};
       const V parting = dot(relative, towards);
       const V push = damped(contact.normal, a, parting);
@@ -320,12 +327,13 @@ HWY_INLINE void moveOn(const StepConstants& now, const StepArrays& arrays, const
   const V z = next.z - place.z;
   const V squared = hn::MulAdd(x, x, hn::MulAdd(y, y, z * z));
   const V share = patience(at.particle());
-  const auto stays = squared <= set(now.skin_half_squared) * share * share;  // false for what is no number, too
+  const V limit = set(now.skin_half_squared) * share * share;
+  const auto stays = squared <= limit;  // false for what is no number, too
   if (!hn::AllTrue(d, stays)) {
     HWY_ALIGN float distances[hn::MaxLanes(D())];
     HWY_ALIGN float limits[hn::MaxLanes(D())];
     hn::Store(squared, d, distances);
-    hn::Store(set(now.skin_half_squared) * share * share, d, limits);
+    hn::Store(limit, d, limits);
     for (std::size_t lane = 0; lane < hn::Lanes(d); ++lane) {
       if (!(distances[lane] <= limits[lane])) {
         moved.particle[moved.count++] = static_cast<std::int32_t>(at.particle() + lane);
@@ -342,10 +350,15 @@ HWY_INLINE Records unlessDriven(const Records& v, const Records& wanted) {
           hn::IfThenElse(driven, v.z, wanted.z), v.w};
 }
 
-HWY_INLINE void keepForces(const Sums& sums, const StepArrays& arrays, const Lanes& at) {
+/// Neighbours, weight and others' forces together; the neighbours' share is kept if somebody wants to know it.
+HWY_INLINE Triple<V> besidesWalls(const Sums& sums, const StepConstants& now, const StepArrays& arrays,
+                                  const Lanes& at) {
   if (arrays.contact_force != nullptr) {
     storeInOrder({sums.x, sums.y, sums.z, sums.repulsion}, arrays.contact_force + at.particle());
   }
+  const Records push = loadInOrder(arrays.external + at.particle());
+  return {sums.x + (set(now.weight_x) + push.x), sums.y + (set(now.weight_y) + push.y),
+          sums.z + (set(now.weight_z) + push.z)};
 }
 
 template <bool kPeriodic>
@@ -361,12 +374,8 @@ void paperIn(const KernelLaw& law, const StepConstants& now, const StepBox& box,
   forEachVector(first, last, [&](const Lanes& at) {
     const Records x = loadInOrder(arrays.position + at.particle());
     const Records v = loadInOrder(arrays.velocity + at.particle());
-    const Records push = loadInOrder(arrays.external + at.particle());
     Sums sums = contacts.sum<kPeriodic>(arrays, at, x);
-    keepForces(sums, arrays, at);
-    V fx = sums.x + (set(now.weight_x) + push.x);
-    V fy = sums.y + (set(now.weight_y) + push.y);
-    V fz = sums.z + (set(now.weight_z) + push.z);
+    auto [fx, fy, fz] = besidesWalls(sums, now, arrays, at);
     contacts.addWall(x.z, one, fz, sums);
     if (box.walls_x) {
       contacts.addWall(half_width + x.x, one, fx, sums);
@@ -411,12 +420,8 @@ void pairwiseIn(const PairwiseLaw& law, const StepConstants& now, const StepBox&
   forEachVector(first, last, [&](const Lanes& at) {
     const Records x = loadInOrder(arrays.position + at.particle());
     const Records v = loadInOrder(arrays.velocity + at.particle());
-    const Records push = loadInOrder(arrays.external + at.particle());
     const Sums sums = contacts.sum<kPeriodic>(arrays, at, x, v);
-    keepForces(sums, arrays, at);
-    V fx = sums.x + (set(now.weight_x) + push.x);
-    V fy = sums.y + (set(now.weight_y) + push.y);
-    V fz = sums.z + (set(now.weight_z) + push.z);
+    auto [fx, fy, fz] = besidesWalls(sums, now, arrays, at);
     WallSlips& slips = arrays.wall_slip[at.group];
     const auto of = [&](std::array<float, kGroup>& slip) { return slip.data() + at.in_group; };
     const auto floor = contacts.wall(one, {x.z - x.w, v.z, v.x, v.y, of(slips.floor_x), of(slips.floor_y)});
