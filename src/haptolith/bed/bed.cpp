@@ -30,14 +30,10 @@ std::size_t particlesPerThread(FrictionModel friction) {
   return friction == FrictionModel::kPairwise ? 512 : 4096;
 }
 
-/// Simulated time after which falling particles that still move are given up. Free fall takes a second or two, but once
-/// they touch, damping (paper 20) lets them sink at no more than 2 m g / (p k dt), p = 12, and a deep bed sinks far.
+/// Simulated time after which falling particles that still move are given up: they calm down within a minute, and sink
+/// for as long as the deep ones among them take, with a margin.
 double longestSettling(const BedParameters& bed, double height_m, double dt_s) {
-  constexpr double kCalmingDown_s = 60;
-  constexpr double kMargin = 3;
-  const double sinking_m_s =
-      2 * macroparticleMass(bed.soil) * bed.gravity_m_s2.norm() / (12 * bed.soil.stiffness_n_m * dt_s);
-  return kCalmingDown_s + (sinking_m_s > 0 ? kMargin * height_m / sinking_m_s : 0);
+  return 60 + 3 * sinkingTime(bed.soil, bed.gravity_m_s2.norm(), height_m, dt_s);
 }
 
 /// With pairwise friction only contacts damp; falling soil comes to rest sooner in something thicker than space. Has no
@@ -176,6 +172,7 @@ Bed::Bed(const BedParameters& parameters, const std::vector<Vec3>& centres_m)
   near_groups_.reserve(padded / kGroup);
   if (isPairwise()) {
     state_.wall_slip.resize(padded / kGroup);
+    near_walls_.resize(padded / kGroup);
     state_.tool_slip.resize(n);
   }
   if (!neighbourhood_.enterAll(state_.listed_at, state_.contacts)) {
@@ -246,6 +243,7 @@ void Bed::stepPart(int part, int parts) noexcept {
                           .next_velocity = next_velocity_.data(),
                           .contact_force = driven_ > 0 ? contact_force_.data() : nullptr,
                           .wall_slip = state_.wall_slip.data(),
+                          .near_walls = near_walls_.data(),
                           .other = state_.contacts.others(),
                           .slip = state_.contacts.slips(),
                           .first_row = state_.contacts.firstRows(),
@@ -403,7 +401,7 @@ std::size_t Bed::bytes() const noexcept {
   const std::size_t records = state_.position.size() + state_.velocity.size() + state_.listed_at.size() +
                               next_position_.size() + next_velocity_.size() + external_.size() + contact_force_.size() +
                               state_.tool_slip.size();
-  return records * sizeof(Float4) + state_.wall_slip.size() * sizeof(WallSlips) + state_.tool_side.size() +
+  return records * sizeof(Float4) + state_.wall_slip.size() * (sizeof(WallSlips) + 1) + state_.tool_side.size() +
          moved_.size() * sizeof(moved_[0]) + state_.contacts.bytes() + neighbourhood_.bytes();
 }
 
@@ -472,6 +470,7 @@ void Bed::restore(const BedState& state) {
   state_.listed_at = state.listed_at;
   state_.tool_side = state.tool_side;
   state_.wall_slip = state.wall_slip;
+  std::ranges::fill(near_walls_, std::uint8_t{0xFF});
   state_.tool_slip = state.tool_slip;
   state_.contacts.takeOver(state.contacts);
   driven_ = 0;

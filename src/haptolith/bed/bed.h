@@ -121,6 +121,7 @@ class Bed {
   std::vector<Float4> next_position_, next_velocity_;
   std::vector<Float4> external_;
   std::vector<Float4> contact_force_;
+  std::vector<std::uint8_t> near_walls_;  ///< see StepArrays
   Neighbourhood neighbourhood_;
   std::vector<std::uint64_t> near_now_, near_before_;  ///< groupsNear(), a bit for each group
   std::vector<std::uint32_t> near_groups_;

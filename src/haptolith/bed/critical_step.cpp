@@ -66,4 +66,12 @@ int substepsFor(const SoilParameters& soil, double tool_stiffness_n_m, double ti
   return std::max(1, static_cast<int>(needed));
 }
 
+double sinkingTime(const SoilParameters& soil, double gravity_m_s2, double height_m, double dt_s) {
+  if (soil.friction == FrictionModel::kPairwise || gravity_m_s2 == 0) {
+    return 0;
+  }
+  constexpr double kNeighbours = 12;
+  return height_m * kNeighbours * soil.stiffness_n_m * dt_s / (2 * macroparticleMass(soil) * gravity_m_s2);
+}
+
 }  // namespace haptolith

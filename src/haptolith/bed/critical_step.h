@@ -20,4 +20,9 @@ namespace haptolith {
 /// @throws InvalidParameter when more than `max_substeps` would be needed, naming the stiffness that would do.
 [[nodiscard]] int substepsFor(const SoilParameters& soil, double tool_stiffness_n_m, double tick_s, int max_substeps);
 
+/// Simulated time that soil needs at most to sink by `height_m` once its particles touch, in s. The paper's damping
+/// (20) acts against space, and lets them sink no faster than 2 m g / (p k dt) with p = 12 neighbours; pairwise
+/// friction does not hinder them, and needs none.
+[[nodiscard]] double sinkingTime(const SoilParameters& soil, double gravity_m_s2, double height_m, double dt_s);
+
 }  // namespace haptolith

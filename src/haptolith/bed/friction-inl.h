@@ -36,14 +36,14 @@ HWY_INLINE Triple<Real> across(const Triple<Real>& v, const Triple<Real>& n) {
 template <class Real>
 struct FrictionOf {
   Real dt;
-  Real stiffness;        ///< k_t, N/m
-  Real damping;          ///< c_t, N s/m
-  Real zero, one, tiny;  ///< 0, 1, and what is nothing beside any force's square
+  Real minus_stiffness;  ///< -k_t, N/m
+  Real lag;              ///< c_t / k_t, s
+  Real one, tiny;        ///< 1, and what is nothing beside any stretch's square, m^2
 };
 
 /// Friction on the first of two bodies, with the normal `n` from the second to it (Cundall and Strack 1979, eq. 5, 15):
 /// a spring along the surface remembers how far they have slid against each other since they met, and beside it works a
-/// damper. Both together hold no more than the Coulomb `limit`, and neither does the spring alone, which gives way:
+/// damper. Both together hold no more than the Coulomb limit, and neither does the spring alone, which gives way:
 ///
 ///     xi <- xi - (xi n) n + v_t dt,     |k_t xi| > limit:  xi <- limit / k_t xi / |xi|
 ///     F_t = -(k_t xi + c_t v_t),        |F_t| > limit:     F_t <- limit F_t / |F_t|
@@ -53,25 +53,26 @@ struct FrictionOf {
 /// went in.
 ///
 /// Every term changes its sign with n, v and xi, so what the second body works out for itself is the exact opposite.
+/// @param reach     limit / k_t, how far the spring alone can be stretched, in m.
 /// @param slip      v_t, velocity of the first against the second, without its part along n.
 /// @param stretch   xi, read and written.
 template <class Real>
-HWY_INLINE Triple<Real> frictionForce(const FrictionOf<Real>& friction, Real limit, const Triple<Real>& n,
+HWY_INLINE Triple<Real> frictionForce(const FrictionOf<Real>& friction, Real reach, const Triple<Real>& n,
                                       const Triple<Real>& slip, Triple<Real>& stretch) {
-  // How much of a force is left when it may not exceed the limit.
-  const auto share = [&](const Triple<Real>& force) {
-    return Min(limit * InverseSqrt(Max(dot(force, force), friction.tiny)), friction.one);
+  // How much of a stretch is left when it may not exceed the reach.
+  const auto share = [&](const Triple<Real>& of) {
+    const Real squared = MulAdd(of.x, of.x, MulAdd(of.y, of.y, MulAdd(of.z, of.z, friction.tiny)));
+    return Min(reach * InverseSqrt(squared), friction.one);
   };
   const Triple<Real> old = across(stretch, n);
   const Triple<Real> xi{MulAdd(slip.x, friction.dt, old.x), MulAdd(slip.y, friction.dt, old.y),
                         MulAdd(slip.z, friction.dt, old.z)};
-  const Triple<Real> spring{xi.x * friction.stiffness, xi.y * friction.stiffness, xi.z * friction.stiffness};
-  const Real held = share(spring);
+  const Real held = share(xi);
   stretch = {xi.x * held, xi.y * held, xi.z * held};
-  const auto both = [&](Real of_spring, Real sliding) { return MulAdd(of_spring, held, friction.damping * sliding); };
-  const Triple<Real> wanted{both(spring.x, slip.x), both(spring.y, slip.y), both(spring.z, slip.z)};  // -F_t
-  const Real kept = friction.zero - share(wanted);
-  return {wanted.x * kept, wanted.y * kept, wanted.z * kept};
+  const Triple<Real> wanted{MulAdd(slip.x, friction.lag, stretch.x), MulAdd(slip.y, friction.lag, stretch.y),
+                            MulAdd(slip.z, friction.lag, stretch.z)};  // -F_t / k_t
+  const Real force = friction.minus_stiffness * share(wanted);
+  return {wanted.x * force, wanted.y * force, wanted.z * force};
 }
 
 }  // namespace haptolith::HWY_NAMESPACE

@@ -18,11 +18,10 @@ PairwiseLaw pairwiseLaw(const SoilParameters& soil) {
   return {.normal = kernelLaw(law, soil.radius_m),
           .cohesion = f(law.cohesion_n),
           .two_per_range = f(2 / law.cohesion_range_m),
-          .root_of_gamma = f(std::sqrt(law.gamma_nm)),
-          .damping = f(damping),
+          .damping = f(damping * std::sqrt(law.gamma_nm)),
           .friction = f(soil.contact_friction),
           .stiffness = f(tangential_stiffness),
-          .tangential_damping = f(damping * std::sqrt(tangential_stiffness))};
+          .lag = f(damping / std::sqrt(tangential_stiffness))};
 }
 
 }  // namespace haptolith

@@ -15,11 +15,10 @@ struct KernelLaw {
 struct PairwiseLaw {
   KernelLaw normal;
   float cohesion, two_per_range;  ///< F_c in N; 2 / range in 1/m
-  float root_of_gamma;            ///< sqrt(gamma)
-  float damping;                  ///< zeta sqrt(2 m): c = damping sqrt(-dF/da) is zeta of a pair's critical damping
-  float friction;                 ///< mu_p
-  float stiffness;                ///< k_t, N/m
-  float tangential_damping;       ///< c_t = damping sqrt(k_t), N s/m
+  float damping;    ///< zeta sqrt(2 m gamma): c is that times sqrt(-dF/da / gamma), zeta of a pair's critical
+  float friction;   ///< mu_p
+  float stiffness;  ///< k_t, N/m
+  float lag;        ///< c_t / k_t, s, with c_t = zeta sqrt(2 m k_t)
 };
 [[nodiscard]] PairwiseLaw pairwiseLaw(const SoilParameters& soil);
 

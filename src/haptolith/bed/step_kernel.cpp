@@ -180,28 +180,28 @@ struct PairwiseContacts {
   LawOf<V> law;
   CohesionOf<V> cohesion;
   FrictionOf<V> friction;
-  V cutoff, diameter, coefficient, damping, root_of_gamma;
+  V cutoff, diameter, damping;
+  V sliding_per_n;  ///< mu_p / k_t: how far a spring can be stretched by what presses the two together, m/N
   PeriodsOf periods;
 
   PairwiseContacts(const PairwiseLaw& scalar, const Periods& box, float dt, float ratio)
       : law(lawOf(scalar.normal)),
         cohesion{set(ratio * scalar.cohesion), set(scalar.two_per_range), hn::Zero(D()), set(1)},
-        friction{set(dt), set(scalar.stiffness), set(scalar.tangential_damping), hn::Zero(D()), set(1), set(1e-30F)},
+        friction{set(dt), set(-scalar.stiffness), set(scalar.lag), set(1), set(1e-30F)},
         cutoff(set(scalar.normal.cutoff)),
         diameter(set(scalar.normal.diameter)),
-        coefficient(set(ratio * scalar.friction)),
         damping(set(scalar.damping)),
-        root_of_gamma(set(scalar.root_of_gamma)),
+        sliding_per_n(set(ratio * scalar.friction / scalar.stiffness)),
         periods(box) {}
 
   /// Damping takes energy from approach and parting alike, but never pulls.
   HWY_INLINE V damped(V normal, V a, V parting) const {
-    const V with_damping = hn::NegMulAdd(damping * rootOfStiffness(law, root_of_gamma, a), parting, normal);
+    const V with_damping = hn::NegMulAdd(damping * rootOfStiffness(law, a), parting, normal);
     return hn::Max(with_damping, hn::Min(normal, cohesion.zero));
   }
 
-  /// All neighbours, friction included; their memory moves on.
-  template <bool kPeriodic>
+  /// All neighbours, friction included; their memory moves on. What limits friction is summed only for who asks.
+  template <bool kPeriodic, bool kCompression>
   HWY_INLINE Sums sum(const StepArrays& arrays, const Lanes& at, const Records& here, const Records& v) const {
     const D d;
     const V zero = hn::Zero(d);
@@ -251,7 +251,7 @@ struct PairwiseContacts {
       const Triple<V> sliding{hn::NegMulAdd(parting, towards.x, relative.x),
                               hn::NegMulAdd(parting, towards.y, relative.y),
                               hn::NegMulAdd(parting, towards.z, relative.z)};
-      const Triple<V> drag = frictionForce(friction, coefficient * contact.compression, towards, sliding, slip);
+      const Triple<V> drag = frictionForce(friction, sliding_per_n * contact.compression, towards, sliding, slip);
       hn::Store(hn::IfThenElseZero(near, slip.x), d, slip_x);
       hn::Store(hn::IfThenElseZero(near, slip.y), d, slip_y);
       hn::Store(hn::IfThenElseZero(near, slip.z), d, slip_z);
@@ -259,7 +259,9 @@ struct PairwiseContacts {
       sums.x = sums.x + hn::IfThenElseZero(near, hn::MulAdd(push, towards.x, drag.x));
       sums.y = sums.y + hn::IfThenElseZero(near, hn::MulAdd(push, towards.y, drag.y));
       sums.z = sums.z + hn::IfThenElseZero(near, hn::MulAdd(push, towards.z, drag.z));
-      sums.repulsion = sums.repulsion + hn::IfThenElseZero(near, contact.compression);
+      if constexpr (kCompression) {
+        sums.repulsion = sums.repulsion + hn::IfThenElseZero(near, contact.compression);
+      }
     }
     // Where a group is several vectors, the others' rows stay noted.
     touched = static_cast<std::uint16_t>(hn::Lanes(d) == kGroup ? last_touched : HWY_MAX(last_touched, maybe_touched));
@@ -270,27 +272,34 @@ struct PairwiseContacts {
   struct Touch {
     V distance, away, along_1, along_2;
     float *slip_1, *slip_2;
+    std::uint8_t bit;  ///< of the wall, in StepArrays::near_walls
   };
   struct WallForce {
     V away, along_1, along_2;
   };
   /// The wall is the particle's mirror image, which comes as fast as it goes, and does not slide. `ratio` is its
   /// friction and cohesion over the soil's; its cohesion does not change how far it reaches.
-  HWY_INLINE WallForce wall(V ratio, const Touch& touch) const {
+  HWY_INLINE WallForce wall(V ratio, const Touch& touch, std::uint8_t& near_walls) const {
     const D d;
     const V zero = hn::Zero(d);
     const V a = touch.distance + touch.distance;
     const auto near = a < cutoff;
     if (hn::AllFalse(d, near)) {
-      hn::Store(zero, d, touch.slip_1);
-      hn::Store(zero, d, touch.slip_2);
+      if ((near_walls & touch.bit) != 0) {
+        hn::Store(zero, d, touch.slip_1);
+        hn::Store(zero, d, touch.slip_2);
+        if (hn::Lanes(d) == kGroup) {  // else the group's other vectors may remember
+          near_walls = static_cast<std::uint8_t>(near_walls & ~touch.bit);
+        }
+      }
       return {zero, zero, zero};
     }
+    near_walls |= touch.bit;
     CohesionOf<V> own = cohesion;
     own.largest = ratio * cohesion.largest;
     const CohesiveContact<V> contact = cohesiveContact(law, own, diameter, a);
     Triple<V> slip{hn::Load(d, touch.slip_1), hn::Load(d, touch.slip_2), zero};
-    const Triple<V> drag = frictionForce(friction, ratio * coefficient * contact.compression, {zero, zero, set(1)},
+    const Triple<V> drag = frictionForce(friction, ratio * sliding_per_n * contact.compression, {zero, zero, set(1)},
                                          {touch.along_1, touch.along_2, zero}, slip);
     hn::Store(hn::IfThenElseZero(near, slip.x), d, touch.slip_1);
     hn::Store(hn::IfThenElseZero(near, slip.y), d, touch.slip_2);
@@ -420,11 +429,12 @@ void pairwiseIn(const PairwiseLaw& law, const StepConstants& now, const StepBox&
   forEachVector(first, last, [&](const Lanes& at) {
     const Records x = loadInOrder(arrays.position + at.particle());
     const Records v = loadInOrder(arrays.velocity + at.particle());
-    const Sums sums = contacts.sum<kPeriodic>(arrays, at, x, v);
+    const Sums sums = contacts.sum<kPeriodic, false>(arrays, at, x, v);
     auto [fx, fy, fz] = besidesWalls(sums, now, arrays, at);
     WallSlips& slips = arrays.wall_slip[at.group];
+    std::uint8_t& near = arrays.near_walls[at.group];
     const auto of = [&](std::array<float, kGroup>& slip) { return slip.data() + at.in_group; };
-    const auto floor = contacts.wall(one, {x.z - x.w, v.z, v.x, v.y, of(slips.floor_x), of(slips.floor_y)});
+    const auto floor = contacts.wall(one, {x.z - x.w, v.z, v.x, v.y, of(slips.floor_x), of(slips.floor_y), 1}, near);
     fx = fx + floor.along_1;
     fy = fy + floor.along_2;
     fz = fz + floor.away;
@@ -432,7 +442,7 @@ void pairwiseIn(const PairwiseLaw& law, const StepConstants& now, const StepBox&
       const V inwards = hn::IfThenElse(x.x < zero, one, zero - one);  // from the nearer of the two walls
       const V distance = set(box.half_width) + inwards * x.x - x.w;
       const auto wall =
-          contacts.wall(ratio, {distance, inwards * v.x, v.y, v.z, of(slips.x_wall_y), of(slips.x_wall_z)});
+          contacts.wall(ratio, {distance, inwards * v.x, v.y, v.z, of(slips.x_wall_y), of(slips.x_wall_z), 2}, near);
       fx = hn::MulAdd(inwards, wall.away, fx);
       fy = fy + wall.along_1;
       fz = fz + wall.along_2;
@@ -441,7 +451,7 @@ void pairwiseIn(const PairwiseLaw& law, const StepConstants& now, const StepBox&
       const V inwards = hn::IfThenElse(x.y < zero, one, zero - one);
       const V distance = set(box.half_length) + inwards * x.y - x.w;
       const auto wall =
-          contacts.wall(ratio, {distance, inwards * v.y, v.x, v.z, of(slips.y_wall_x), of(slips.y_wall_z)});
+          contacts.wall(ratio, {distance, inwards * v.y, v.x, v.z, of(slips.y_wall_x), of(slips.y_wall_z), 4}, near);
       fx = fx + wall.along_1;
       fy = hn::MulAdd(inwards, wall.away, fy);
       fz = fz + wall.along_2;
@@ -492,7 +502,7 @@ void pairwiseSums(const PairwiseLaw& law, const Periods& periods, float dt, cons
   forEachVector(first, last, [&](const Lanes& at) {
     const Records x = loadInOrder(arrays.position + at.particle());
     const Records v = loadInOrder(arrays.velocity + at.particle());
-    storeSums(contacts.sum<true>(arrays, at, x, v), sums + at.particle());
+    storeSums(contacts.sum<true, true>(arrays, at, x, v), sums + at.particle());
   });
 }
 

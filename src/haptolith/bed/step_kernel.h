@@ -35,8 +35,10 @@ struct StepArrays {
   const Float4* external;   ///< forces of others
   const Float4* listed_at;  ///< see Neighbourhood
   Float4 *next_position, *next_velocity;
-  Float4* contact_force;  ///< of the neighbours on each particle, N; w: sum of repulsion; not kept when null
+  Float4* contact_force;  ///< of the neighbours on each particle, N; not kept when null
   WallSlips* wall_slip;   ///< pairwise friction only
+  std::uint8_t*
+      near_walls;  ///< of each group a bit for each wall; where it is clear nothing is remembered of that wall
 
   // As in ContactLists.
   const std::uint32_t* other;

@@ -216,8 +216,9 @@ void LabBed::run(double duration_s, std::string_view what, const std::function<v
 
 void LabBed::settle(Preparation preparation) {
   // Falling soil is slowed down to a speed in proportion to gravity: 20 s are enough on the Moon, on Ceres they are
-  // not.
-  const double longest_s = 20 * std::max(1.0, 1.625 / conditions_.gravity_m_s2);
+  // not. And the paper's friction lets soil sink slowly.
+  const double longest_s = 20 * std::max(1.0, 1.625 / conditions_.gravity_m_s2) +
+                           3 * sinkingTime(conditions_.soil, conditions_.gravity_m_s2, bed_.surfaceHeight(), dt_s_);
   if (preparation == Preparation::kDense) {
     bed_.setSettling(true);
     settleUntilRest(longest_s, "the soil settles");

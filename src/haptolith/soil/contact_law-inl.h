@@ -143,10 +143,11 @@ HWY_INLINE CohesiveContact<Real> cohesiveContact(const LawOf<Real>& law, const C
   return {repulsion - cohesion.pull, repulsion + cohesion.weight};
 }
 
-/// The law's stiffness -dF/da (paper 7): gamma / (a - a_min)^2 down to a_thr, k from there on; its square root.
+/// Square root of the law's stiffness -dF/da (paper 7), over that of gamma: the stiffness is gamma / (a - a_min)^2 down
+/// to a_thr, and k from there on.
 template <class Real>
-HWY_INLINE Real rootOfStiffness(const LawOf<Real>& law, Real root_of_gamma, Real a) {
-  return root_of_gamma * Inverse(Max(a, law.a_thr) - law.a_min);
+HWY_INLINE Real rootOfStiffness(const LawOf<Real>& law, Real a) {
+  return Inverse(Max(a, law.a_thr) - law.a_min);
 }
 
 }  // namespace haptolith::HWY_NAMESPACE

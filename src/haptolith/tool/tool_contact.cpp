@@ -54,7 +54,8 @@ class FrictionalTool {
         coefficient_(tool.friction),
         reach_m_(tool.adhesion_n > 0 ? soil.cohesion_range_ratio * soil.radius_m : 0),
         adhesion_{tool.adhesion_n, 2 / (soil.cohesion_range_ratio * soil.radius_m), 0, 1},
-        friction_{dt_s, soil.tangential_ratio * tool.stiffness_n_m, damping_ * soil.tangential_ratio, 0, 1, kTiny} {}
+        tangential_stiffness_(soil.tangential_ratio * tool.stiffness_n_m),
+        friction_{dt_s, -tangential_stiffness_, tool.damping_factor * dt_s / 2, 1, kTiny} {}
 
   [[nodiscard]] double reach() const noexcept { return reach_m_; }
 
@@ -70,10 +71,11 @@ class FrictionalTool {
     const double closing = n.dot(meeting.approach());
     const double push = spring > 0 ? std::max(spring + damping_ * closing, 0.0) : 0;
     const double limit = coefficient_ * (spring + adhesion.weight);
+    const double slack_m = limit > 0 ? limit / tangential_stiffness_ : 0;
 
     const Vec3 sliding = -meeting.approach() + closing * n;  // of the particle along the tool
     law::Triple<double> slip{slip_m.x(), slip_m.y(), slip_m.z()};
-    const law::Triple<double> drag = law::frictionForce<double>(friction_, limit, {n.x(), n.y(), n.z()},
+    const law::Triple<double> drag = law::frictionForce<double>(friction_, slack_m, {n.x(), n.y(), n.z()},
                                                                 {sliding.x(), sliding.y(), sliding.z()}, slip);
     slip_m = {slip.x, slip.y, slip.z};
     Answer answer;
@@ -84,7 +86,7 @@ class FrictionalTool {
         const Vec3 tool_along = meeting.tool_m_s - n.dot(meeting.tool_m_s) * n;
         const double along = tool_along.norm();
         const double held = heldShare(along > 0 ? -sliding.dot(tool_along) / along : 0, along);
-        answer.stiffness_n_m += friction_.stiffness * held * (Eigen::Matrix3d::Identity() - n * n.transpose());
+        answer.stiffness_n_m += tangential_stiffness_ * held * (Eigen::Matrix3d::Identity() - n * n.transpose());
       }
     }
     return answer;
@@ -96,6 +98,7 @@ class FrictionalTool {
 
   double stiffness_, damping_, coefficient_, reach_m_;
   law::CohesionOf<double> adhesion_;
+  double tangential_stiffness_;
   law::FrictionOf<double> friction_;
 };
 
