@@ -7,6 +7,7 @@
 #include <cmath>
 #include <map>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -34,6 +35,7 @@ struct BenchOptions {
   std::vector<FrictionModel> friction{FrictionModel::kPaper, FrictionModel::kPairwise};
   std::vector<int> threads{1, 2};
   Manoeuvre hand = Manoeuvre::kStir;
+  std::optional<double> sleep_speed_m_s;
   double seconds = 1;
   bool json = false;
   std::string figure_file;
@@ -45,18 +47,20 @@ struct BenchRow {
   FrictionModel friction = FrictionModel::kPaper;
   int threads = 1, substeps = 1;
   Histogram tick_us{0.1}, relisting_us{0.01};
+  double made_s = 0;  ///< how long it took to make the bed, before it settled
+  double awake = 0;   ///< particles, in the mean of all ticks
   double bytes_per_particle = 0;
   double relistings_per_tick = 0;
 
-  [[nodiscard]] double particleStepsPerSecond() const {
-    return static_cast<double>(particles) * substeps / (1e-6 * tick_us.mean());
-  }
+  [[nodiscard]] double particleStepsPerSecond() const { return awake * substeps / (1e-6 * tick_us.mean()); }
 };
 
 /// A sandbox: as wide as it has to be, half as deep as wide and not deeper than a hand reaches; about `particles` of P3
 /// or of lunar-0-15cm, on the Moon.
-BedParameters sandbox(int particles, FrictionModel friction, int threads) {
+BedParameters sandbox(int particles, FrictionModel friction, int threads, std::optional<double> sleep_speed_m_s) {
   BedParameters bed;
+  bed.sleep = sleep_speed_m_s.has_value();
+  bed.sleep_speed_m_s = sleep_speed_m_s.value_or(0);
   const bool pairwise = friction == FrictionModel::kPairwise;
   bed.soil = pairwise ? findSoil("lunar-0-15cm").soil : findPreset("P3").soil;
   bed.threads = threads;
@@ -94,7 +98,9 @@ BenchRow measure(const BenchOptions& options, int particles, FrictionModel frict
   const std::string what =
       fmt::format("{} particles, {} friction, {} threads", particles, wordFor(kFrictionWords, friction), threads);
   status.update(what + ": the bed settles");
-  Scene scene(sandbox(particles, friction, threads), ToolParameters{});
+  const std::int64_t start_ns = monotonicNs();
+  Scene scene(sandbox(particles, friction, threads, options.sleep_speed_m_s), ToolParameters{});
+  const std::int64_t made_ns = monotonicNs() - start_ns;
   settle(scene);
   HandParameters hand;
   hand.manoeuvre = options.hand;
@@ -102,6 +108,7 @@ BenchRow measure(const BenchOptions& options, int particles, FrictionModel frict
   VirtualHand device(hand, scene.bed().parameters().tick_s);
   HapticLoop loop(scene, device, LoopParameters{}, false);
   BenchRow row;
+  row.made_s = 1e-9 * static_cast<double>(made_ns);
   const std::uint64_t relisted_before = scene.bed().relistings();
   (void)scene.bed().takeRelistingUs();  // of settling
   const auto ticks = static_cast<std::uint64_t>(options.seconds / scene.bed().parameters().tick_s);
@@ -110,6 +117,7 @@ BenchRow measure(const BenchOptions& options, int particles, FrictionModel frict
       throw Failure(fmt::format("{}: {}", what, text(end)));
     }
     row.relisting_us.add(scene.bed().takeRelistingUs());
+    row.awake += static_cast<double>(scene.bed().awake()) / static_cast<double>(ticks);
     if (tick % 100 == 0) {
       if (stopAsked()) {
         throw Failure("interrupted");
@@ -152,7 +160,7 @@ Json histogramJson(const Histogram& h) {
 
 Json rowJson(const BenchRow& row, Manoeuvre hand) {
   return {{"particles", row.particles},
-          {"awake", row.particles},
+          {"awake", std::lround(row.awake)},
           {"friction", wordFor(kFrictionWords, row.friction)},
           {"threads", row.threads},
           {"substeps", row.substeps},
@@ -163,15 +171,16 @@ Json rowJson(const BenchRow& row, Manoeuvre hand) {
           {"particle_steps_per_s", row.particleStepsPerSecond()},
           {"relistings_per_tick", row.relistings_per_tick},
           {"rebuild_us", {{"mean", row.relisting_us.mean()}, {"max", row.relisting_us.max()}}},
-          {"memory_bytes_per_particle", row.bytes_per_particle}};
+          {"memory_bytes_per_particle", row.bytes_per_particle},
+          {"made_s", row.made_s}};
 }
 
 std::string rowText(const BenchRow& row) {
-  return fmt::format("  {:>9} {:<8} {:>7} {:>8} {:>9.4g} {:>9.4g} {:>9.4g} {:>9.4g} {:>9.1f} {:>8.0f} {:>7.0f}\n",
-                     row.particles, wordFor(kFrictionWords, row.friction), row.threads, row.substeps,
-                     row.tick_us.percentile(0.5), row.tick_us.percentile(0.99), row.tick_us.percentile(0.999),
-                     row.tick_us.max(), 1e-6 * row.particleStepsPerSecond(), row.relisting_us.max(),
-                     row.bytes_per_particle);
+  return fmt::format(
+      "  {:>9} {:>9.0f} {:<8} {:>7} {:>8} {:>9.4g} {:>9.4g} {:>9.4g} {:>9.4g} {:>9.1f} {:>8.0f} {:>7.0f}\n",
+      row.particles, row.awake, wordFor(kFrictionWords, row.friction), row.threads, row.substeps,
+      row.tick_us.percentile(0.5), row.tick_us.percentile(0.99), row.tick_us.percentile(0.999), row.tick_us.max(),
+      1e-6 * row.particleStepsPerSecond(), row.relisting_us.max(), row.bytes_per_particle);
 }
 
 void drawBench(const std::string& path, const std::vector<BenchRow>& rows) {
@@ -207,6 +216,7 @@ void runBench(const BenchOptions& options) {
     requireInRange("particles", particles, {1, kMostParticles});
   }
   requireInRange("seconds", options.seconds, {0.1, 3600});
+  requireInRange("sleep-speed-m-s", options.sleep_speed_m_s.value_or(0), {0, 1});
   status.update("how punctual is the machine?");
   const Histogram late_us = timerLatenessUs();
   std::vector<BenchRow> rows;
@@ -231,14 +241,15 @@ void runBench(const BenchOptions& options) {
   }
   std::string table = fmt::format(
       "bench: {}, hand {}, {:g} s each. The machine wakes a sleeping thread {:.0f} us late (99 %: {:.0f}).\n\n"
-      "  particles friction threads substeps     p50 us    p99 us  p99.9 us    max us  M p.st./s lists us  B/part.\n",
+      "  particles     awake friction threads substeps     p50 us    p99 us  p99.9 us    max us  M p.st./s lists us  "
+      "B/part.\n",
       simdTarget(), wordFor(kManoeuvreWords, options.hand), options.seconds, late_us.percentile(0.5),
       late_us.percentile(0.99));
   for (const BenchRow& row : rows) {
     table += rowText(row);
   }
   table +=
-      "\n  us: work of one tick, everything included. M p.st./s: million particles times substeps a second.\n"
+      "\n  us: work of one tick, everything included. M p.st./s: million particles awake times substeps a second.\n"
       "  lists us: the most that one tick spent on neighbour lists.\n";
   printText(table);
 }
@@ -264,11 +275,14 @@ void addBenchCommand(CLI::App& app) {
   const std::map<std::string, Manoeuvre> hands{{"stir", Manoeuvre::kStir}, {"still", Manoeuvre::kStill}};
   command->add_option("--hand", options->hand, "stir or still [stir]")
       ->transform(CLI::CheckedTransformer(hands, CLI::ignore_case).description(""));
+  command->add_option("--sleep-speed-m-s", options->sleep_speed_m_s,
+                      "let soil sleep in which nothing moves faster [all stays awake]");
   command->add_option("--seconds", options->seconds, "of simulated time for each row")->capture_default_str();
   command->add_option("--figure", options->figure_file, "draw ticks over particles: FILE.svg or FILE.png");
   command->add_flag("--json", options->json, "print one JSON object instead of a table");
   command->footer(
-      "Examples:\n  haptolith bench --particles 256,2000 --threads 1\n  haptolith bench --figure bench.svg");
+      "Examples:\n  haptolith bench --particles 256,2000 --threads 1\n  haptolith bench --figure bench.svg\n"
+      "  haptolith bench --particles 1000000 --friction pairwise --threads 2 --sleep-speed-m-s 0.001");
   command->callback([options] { runBench(*options); });
 }
 

@@ -248,6 +248,7 @@ Json summaryJson(const Scenario& scenario, const Scene& scene, const HapticLoop&
       {"friction", wordFor(kFrictionWords, scenario.bed.soil.friction)},
       {"body", scenario.body},
       {"particles", scene.bed().particles()},
+      {"awake", scene.bed().awake()},
       {"substeps", scene.substeps()},
       {"threads", scenario.bed.threads},
       {"simd", simdTarget()},

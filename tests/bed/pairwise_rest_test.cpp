@@ -19,6 +19,7 @@ BedParameters papersScene() {
   bed.soil.friction = FrictionModel::kPairwise;
   bed.soil.contact_friction = 0.5;
   bed.soil.stiffness_n_m = 1000;
+  bed.sleep = false;  // or it would have no chance to creep
   return bed;
 }
 

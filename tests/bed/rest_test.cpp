@@ -27,6 +27,7 @@ constexpr double kAtRest_m_s = 1e-4;
 BedParameters p4() {
   BedParameters bed;
   bed.soil = findPreset("P4").soil;
+  bed.sleep = false;  // or it would have no chance to creep
   return bed;
 }
 

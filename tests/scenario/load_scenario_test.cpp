@@ -89,6 +89,8 @@ TEST_F(LoadScenario, ThePapersSceneIsTheDefault) {
   EXPECT_DOUBLE_EQ(paper.bed.depth_m, preset.bed.depth_m);
   EXPECT_EQ(paper.bed.seed, preset.bed.seed);
   EXPECT_EQ(paper.bed.threads, preset.bed.threads);
+  EXPECT_EQ(paper.bed.sleep, preset.bed.sleep);
+  EXPECT_DOUBLE_EQ(paper.bed.sleep_speed_m_s, preset.bed.sleep_speed_m_s);
   EXPECT_EQ(paper.bed.max_substeps, preset.bed.max_substeps);
   EXPECT_EQ(paper.tool.shape, preset.tool.shape);
   EXPECT_TRUE(paper.tool.size_m.isApprox(preset.tool.size_m));

@@ -36,6 +36,19 @@ double longestSettling(const BedParameters& bed, double height_m, double dt_s) {
   return 60 + 3 * sinkingTime(bed.soil, bed.gravity_m_s2.norm(), height_m, dt_s);
 }
 
+/// What rests has done so for this long, and has not gone further than at the speed of rest in that time.
+constexpr double kRest_s = 0.1;
+constexpr double kCreep_s = 0.02;
+
+RestRule restRule(const BedParameters& bed) {
+  const double dt_s = bed.tick_s / substepsFor(bed.soil, 0, bed.tick_s, bed.max_substeps);
+  const auto speed = static_cast<float>(bed.sleep_speed_m_s);
+  return {.sleep = bed.sleep,
+          .speed_m_s = speed,
+          .distance_m = speed * static_cast<float>(kCreep_s),
+          .steps = static_cast<std::uint16_t>(std::clamp(kRest_s / dt_s, double{Wakefulness::kTurn}, 60'000.0))};
+}
+
 /// With pairwise friction only contacts damp; falling soil comes to rest sooner in something thicker than space. Has no
 /// say in where it rests.
 constexpr float kSettlingDrag_per_s = 5;
@@ -88,6 +101,10 @@ double highest(const std::vector<Vec3>& centres_m) {
     height = std::max(height, centre.z());
   }
   return height;
+}
+
+bool isZero(const Float4& a) {
+  return a.x == 0 && a.y == 0 && a.z == 0;
 }
 
 /// Groups first..last-1 of a part of the work.
@@ -143,8 +160,10 @@ Bed::Bed(const BedParameters& parameters, const std::vector<Vec3>& centres_m)
       skin_m_(narrow<float>(kSkinRadii * parameters.soil.radius_m)),
       neighbourhood_(centres_m.size(), law_.cutoff_m + skin_m_, largestExcess(parameters.soil),
                      {parameters.width_m, parameters.length_m, highest(centres_m), periodsOf(parameters)}),
+      wakefulness_(paddedCount(centres_m.size()) / kGroup, restRule(parameters)),
       team_(usefulThreads(parameters, centres_m.size())),
       moved_of_part_(static_cast<std::size_t>(team_.size())) {
+  found_by_part_.resize(moved_of_part_.size());
   const std::size_t n = centres_m.size();
   const std::size_t padded = paddedCount(n);
   std::mt19937_64 random(parameters.seed);
@@ -161,6 +180,8 @@ Bed::Bed(const BedParameters& parameters, const std::vector<Vec3>& centres_m)
   state_.velocity.resize(padded, kGhostVelocity);
   state_.tool_side.resize(n);
   state_.listed_at = state_.position;
+  state_.rested.resize(padded / kGroup);
+  state_.rested_at = state_.position;
   state_.contacts = ContactLists(n, isPairwise());
   next_velocity_ = state_.velocity;
   next_position_ = state_.position;
@@ -182,6 +203,7 @@ Bed::Bed(const BedParameters& parameters, const std::vector<Vec3>& centres_m)
 
 StepStatus Bed::step(double dt_s) noexcept {
   now_ = constantsFor(dt_s);
+  wakefulness_.listAwake();  // somebody may have been woken since the last step
   team_.run([](void* bed, int part, int parts) noexcept { static_cast<Bed*>(bed)->stepPart(part, parts); }, this);
   state_.position.swap(next_position_);
   state_.velocity.swap(next_velocity_);
@@ -191,7 +213,11 @@ StepStatus Bed::step(double dt_s) noexcept {
       return StepStatus::kNotFinite;
     }
   }
-  return enterAgainWhoMoved() ? StepStatus::kOk : StepStatus::kCollapsed;
+  if (!enterAgainWhoMoved()) {
+    return StepStatus::kCollapsed;
+  }
+  wakeAndLetSleep();
+  return StepStatus::kOk;
 }
 
 StepConstants Bed::constantsFor(double dt_s) const noexcept {
@@ -204,6 +230,7 @@ StepConstants Bed::constantsFor(double dt_s) const noexcept {
           .weight_z = narrow<float>(weight.z()),
           .inverse_mass = narrow<float>(1 / mass_kg_),
           .skin_half_squared = skin_m_ * skin_m_ / 4,
+          .rest_squared = wakefulness_.rule().speed_m_s * wakefulness_.rule().speed_m_s,
           // c = k dt / 2 for each contact (paper 20), with the step that is really taken
           .damping = narrow<float>(soil.stiffness_n_m * dt_s / 2),
           .static_friction = narrow<float>(mu_hat),
@@ -230,12 +257,17 @@ std::span<const std::uint32_t> Bed::groupsNear(const Vec3& centre_m, double radi
     }
   }
   near_now_.swap(near_before_);
+  for (const std::uint32_t group : near_groups_) {
+    wakefulness_.wake(group, state_);
+  }
   return near_groups_;
 }
 
 void Bed::stepPart(int part, int parts) noexcept {
-  const auto [first, last] = groupsOf(part, parts, state_.contacts.groups());
-  const StepArrays arrays{.position = state_.position.data(),
+  const auto [first, last] = groupsOf(part, parts, wakefulness_.awake().size());
+  const StepArrays arrays{.groups = wakefulness_.awake().data(),
+                          .moving = wakefulness_.moving(),
+                          .position = state_.position.data(),
                           .velocity = state_.velocity.data(),
                           .external = external_.data(),
                           .listed_at = state_.listed_at.data(),
@@ -256,6 +288,7 @@ void Bed::stepPart(int part, int parts) noexcept {
     stepWithPaperFriction(kernel_law_, now_, box_, arrays, first, last, moved);
   }
   moved_of_part_[static_cast<std::size_t>(part)] = moved;
+  found_by_part_[static_cast<std::size_t>(part)] = wakefulness_.count(first, last, next_position_, state_);
 }
 
 bool Bed::enterAgainWhoMoved() noexcept {
@@ -271,18 +304,48 @@ bool Bed::enterAgainWhoMoved() noexcept {
   const std::int64_t start_ns = monotonicNs();
   const bool fits =
       neighbourhood_.enterAgain({moved_.data(), count}, state_.position, state_.listed_at, state_.contacts);
+  for (std::size_t k = 0; k < count; ++k) {
+    wakefulness_.wakeAround(static_cast<std::size_t>(moved_[k]), state_);  // they may have new neighbours
+  }
   relisting_ns_ += monotonicNs() - start_ns;
   return fits;
 }
 
+void Bed::wakeAndLetSleep() noexcept {
+  for (const Wakefulness::Found& found : found_by_part_) {
+    wakefulness_.wakeBeside({found.stirring, found.stirring_count}, state_);
+  }
+  for (const Wakefulness::Found& found : found_by_part_) {
+    wakefulness_.letSleep({found.tired, found.tired_count}, near_before_,
+                          {.state = state_, .next_position = next_position_, .next_velocity = next_velocity_});
+  }
+  wakefulness_.listAwake();
+}
+
+void Bed::setSettling(bool settling) noexcept {
+  if (friction_on_ == settling) {
+    wakefulness_.wakeAll(state_);
+  }
+  friction_on_ = !settling;
+}
+
+void Bed::setGravity(const Vec3& gravity_m_s2) noexcept {
+  if (gravity_m_s2 != parameters_.gravity_m_s2) {
+    wakefulness_.wakeAll(state_);
+  }
+  parameters_.gravity_m_s2 = gravity_m_s2;
+}
+
 void Bed::drive(std::size_t particle, const Vec3& velocity_m_s) noexcept {
   driven_ += isDriven(particle) ? 0 : 1;
+  wake(particle);
   state_.velocity[particle] = {narrow<float>(velocity_m_s.x()), narrow<float>(velocity_m_s.y()),
                                narrow<float>(velocity_m_s.z()), 1};
 }
 
 void Bed::release(std::size_t particle) noexcept {
   driven_ -= isDriven(particle) ? 1 : 0;
+  wake(particle);
   state_.velocity[particle].w = 0;
 }
 
@@ -400,23 +463,26 @@ double Bed::takeRelistingUs() noexcept {
 std::size_t Bed::bytes() const noexcept {
   const std::size_t records = state_.position.size() + state_.velocity.size() + state_.listed_at.size() +
                               next_position_.size() + next_velocity_.size() + external_.size() + contact_force_.size() +
-                              state_.tool_slip.size();
+                              state_.rested_at.size() + state_.tool_slip.size();
   return records * sizeof(Float4) + state_.wall_slip.size() * (sizeof(WallSlips) + 1) + state_.tool_side.size() +
-         moved_.size() * sizeof(moved_[0]) + state_.contacts.bytes() + neighbourhood_.bytes();
+         moved_.size() * sizeof(moved_[0]) + state_.rested.size() * sizeof(state_.rested[0]) + wakefulness_.bytes() +
+         state_.contacts.bytes() + neighbourhood_.bytes();
 }
 
 void Bed::restore(const BedState& state) {
   const std::size_t n = particles();
   const std::size_t records = paddedCount(n);
   if (state.particles() != n || state.position.size() != records || state.velocity.size() != records ||
-      state.listed_at.size() != records || state.contacts.particles() != n) {
+      state.listed_at.size() != records || state.rested_at.size() != records ||
+      state.rested.size() != records / kGroup || state.contacts.particles() != n) {
     throw InvalidParameter("state", fmt::format("{} particles", state.particles()),
                            fmt::format("of this bed's {} particles", n));
   }
   // A saved state may come from a file: a position that is no number would become the number of a cell.
   const auto finite = [](float value) { return std::isfinite(value); };
   const auto is_number = [&](const Float4& r) { return finite(r.x) && finite(r.y) && finite(r.z) && finite(r.w); };
-  for (const auto* records_of : {&state.position, &state.velocity, &state.listed_at, &state.tool_slip}) {
+  for (const auto* records_of :
+       {&state.position, &state.velocity, &state.listed_at, &state.rested_at, &state.tool_slip}) {
     if (!std::all_of(records_of->begin(), records_of->end(), is_number)) {
       throw InvalidParameter("state", "positions, velocities or slips that are no numbers", "finite");
     }
@@ -468,19 +534,30 @@ void Bed::restore(const BedState& state) {
   state_.position = state.position;
   state_.velocity = state.velocity;
   state_.listed_at = state.listed_at;
+  state_.rested = state.rested;
+  state_.rested_at = state.rested_at;
   state_.tool_side = state.tool_side;
   state_.wall_slip = state.wall_slip;
   std::ranges::fill(near_walls_, std::uint8_t{0xFF});
   state_.tool_slip = state.tool_slip;
   state_.contacts.takeOver(state.contacts);
   driven_ = 0;
+  std::ranges::fill(external_, Float4{});
+  std::ranges::fill(near_before_, std::uint64_t{0});
   for (std::size_t i = 0; i < n; ++i) {
     driven_ += isDriven(i) ? 1 : 0;
-    near_before_[i / kGroup / kBits] |= std::uint64_t{1} << (i / kGroup % kBits);  // a tool may be anywhere
+    const bool touched = state.tool_side[i] != 0 || (isPairwise() && !isZero(state.tool_slip[i]));
+    near_before_[i / kGroup / kBits] |= std::uint64_t{touched} << (i / kGroup % kBits);  // the tool was there
   }
   std::fill(state_.position.begin() + narrow<std::ptrdiff_t>(n), state_.position.end(), kGhost);
   std::fill(state_.listed_at.begin() + narrow<std::ptrdiff_t>(n), state_.listed_at.end(), kGhost);
   std::fill(state_.velocity.begin() + narrow<std::ptrdiff_t>(n), state_.velocity.end(), kGhostVelocity);
+  next_position_ = state_.position;  // who sleeps stands in both
+  next_velocity_ = state_.velocity;
+  wakefulness_.takeOver(state_);
+  if (!parameters_.sleep) {
+    wakefulness_.wakeAll(state_);
+  }
 }
 
 }  // namespace haptolith

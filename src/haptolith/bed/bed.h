@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <functional>
 #include <memory>
@@ -11,6 +12,7 @@
 #include "haptolith/bed/kernel_law.h"
 #include "haptolith/bed/neighbourhood.h"
 #include "haptolith/bed/step_kernel.h"
+#include "haptolith/bed/wakefulness.h"
 #include "haptolith/bed/worker_team.h"
 
 namespace haptolith {
@@ -38,12 +40,13 @@ class Bed {
   Bed(const BedParameters& parameters, const std::vector<Vec3>& centres_m);
 
   /// Forces that others (the tool) put on particles for the next step, in N, scene frame; one per particle.
-  /// They count as load, not as contact between macroparticles: they raise no friction (paper 14).
+  /// They count as load, not as contact between macroparticles: they raise no friction (paper 14). Soil that sleeps
+  /// does not feel them: wake() it, or ask groupsNear(), which does.
   [[nodiscard]] std::vector<Float4>& externalForces() noexcept { return external_; }
 
   /// Groups of particles of which some may lie within `radius_m` of a point, and those it returned the time before, in
   /// ascending order: who puts forces on what is near a tool takes back those on what it has left. Valid until the next
-  /// call. May be called in the tick.
+  /// call. They are awake, and stay so until the next call. May be called in the tick.
   [[nodiscard]] std::span<const std::uint32_t> groupsNear(const Vec3& centre_m, double radius_m) noexcept;
 
   /// One semi-implicit step of `dt_s`: forces at the present positions, velocities, then positions. May be called in
@@ -54,15 +57,18 @@ class Bed {
   /// plates and floors are made of such particles. May be called in the tick.
   void drive(std::size_t particle, const Vec3& velocity_m_s) noexcept;
 
+  /// Wakes a particle and what is next to it. May be called in the tick.
+  void wake(std::size_t particle) noexcept { wakefulness_.wakeAround(particle, state_); }
+
   /// Lets a driven particle go.
   void release(std::size_t particle) noexcept;
 
   /// Whether friction and cohesion are switched off and falling soil slowed down, for a dense bed that comes to rest
   /// soon. With a tool in it settle() cannot be used; this can.
-  void setSettling(bool settling) noexcept { friction_on_ = !settling; }
+  void setSettling(bool settling) noexcept;
 
   /// Gravity from the next step on, in m/s^2, scene frame: a laboratory loads its specimens without their weight.
-  void setGravity(const Vec3& gravity_m_s2) noexcept { parameters_.gravity_m_s2 = gravity_m_s2; }
+  void setGravity(const Vec3& gravity_m_s2) noexcept;
 
   [[nodiscard]] bool isDriven(std::size_t particle) const noexcept { return state_.velocity[particle].w != 0; }
 
@@ -86,6 +92,10 @@ class Bed {
   [[nodiscard]] double surfaceHeight() const noexcept;
 
   [[nodiscard]] std::size_t particles() const noexcept { return state_.particles(); }
+  /// How many of them are worked on, counted in whole groups: see Wakefulness.
+  [[nodiscard]] std::size_t awake() const noexcept {
+    return std::min(particles(), wakefulness_.awake().size() * kGroup);
+  }
   [[nodiscard]] const BedParameters& parameters() const noexcept { return parameters_; }
   [[nodiscard]] const ContactLaw& law() const noexcept { return law_; }
   [[nodiscard]] double mass() const noexcept { return mass_kg_; }
@@ -107,6 +117,7 @@ class Bed {
   [[nodiscard]] StepConstants constantsFor(double dt_s) const noexcept;
   void stepPart(int part, int parts) noexcept;
   [[nodiscard]] bool enterAgainWhoMoved() noexcept;
+  void wakeAndLetSleep() noexcept;
   [[nodiscard]] bool isPairwise() const noexcept { return parameters_.soil.friction == FrictionModel::kPairwise; }
 
   BedParameters parameters_;
@@ -123,6 +134,8 @@ class Bed {
   std::vector<Float4> contact_force_;
   std::vector<std::uint8_t> near_walls_;  ///< see StepArrays
   Neighbourhood neighbourhood_;
+  Wakefulness wakefulness_;
+  std::vector<Wakefulness::Found> found_by_part_;
   std::vector<std::uint64_t> near_now_, near_before_;  ///< groupsNear(), a bit for each group
   std::vector<std::uint32_t> near_groups_;
   std::vector<std::int32_t> moved_;  ///< who has left its place in this step: each part's from its first particle on

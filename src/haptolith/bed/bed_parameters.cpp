@@ -35,6 +35,7 @@ void validate(const BedParameters& bed) {
   if (bed.start == BedStart::kCount) {
     requireInRange("layers", bed.layers, {1, 1000});
   }
+  requireInRange("sleep_speed_m_s", bed.sleep_speed_m_s, {0, 1});
   requireInRange("tick_s", bed.tick_s, {1e-6, 0.1});
   requireInRange("max_substeps", bed.max_substeps, {1, 1000});
   requireInRange("threads", bed.threads, {1, 256});

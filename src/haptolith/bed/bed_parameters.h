@@ -31,6 +31,12 @@ struct BedParameters {
   double depth_m = 0.04;   ///< kPacked: height of the undisturbed soil
   std::uint64_t seed = 1;  ///< kRain
 
+  /// Whether soil at rest is left alone until something near it stirs (Wakefulness); what moves faster than this is not
+  /// at rest, nor what has crept further than it goes at that speed in 20 ms. The default is so slow that the position
+  /// does not change in its last digit; digging in large beds wants a thousand times that.
+  bool sleep = true;
+  double sleep_speed_m_s = 1e-6;
+
   double tick_s = 1e-3;
   int max_substeps = 32;  ///< a tick that would need more is refused
   int threads = 1;

@@ -13,7 +13,7 @@ namespace {
 
 static_assert(std::endian::native == std::endian::little, "saved states are little-endian");
 
-constexpr char kMagic[8] = {'H', 'A', 'P', 'B', 'E', 'D', '0', '3'};
+constexpr char kMagic[8] = {'H', 'A', 'P', 'B', 'E', 'D', '0', '4'};
 
 struct Header {
   char magic[8];
@@ -26,10 +26,10 @@ struct Header {
 /// Length of what follows the header.
 std::uint64_t bytesAfter(const Header& header) {
   const bool remembers = header.remembered > 0;
-  const std::uint64_t groups = remembers ? paddedCount(header.particles) / kGroup : 0;
-  return header.particles * (3 * sizeof(Float4) + sizeof(std::int8_t) + sizeof(std::uint16_t)) +
-         header.contacts * (sizeof(std::int32_t) + (remembers ? sizeof(Slip) : 0)) + groups * sizeof(WallSlips) +
-         header.remembered * sizeof(Float4);
+  const std::uint64_t groups = paddedCount(header.particles) / kGroup;
+  return header.particles * (4 * sizeof(Float4) + sizeof(std::int8_t) + sizeof(std::uint16_t)) +
+         groups * sizeof(std::uint16_t) + header.contacts * (sizeof(std::int32_t) + (remembers ? sizeof(Slip) : 0)) +
+         (remembers ? groups * sizeof(WallSlips) : 0) + header.remembered * sizeof(Float4);
 }
 
 template <class Records>
@@ -127,6 +127,8 @@ std::string serialise(const BedState& state) {
   append(bytes, state.velocity.data(), n);
   append(bytes, state.listed_at.data(), n);
   append(bytes, state.tool_side.data(), n);
+  append(bytes, state.rested.data(), state.rested.size());
+  append(bytes, state.rested_at.data(), n);
   append(bytes, state.contacts);
   append(bytes, state.wall_slip.data(), state.wall_slip.size());
   append(bytes, state.tool_slip.data(), state.tool_slip.size());
@@ -156,12 +158,15 @@ BedState deserialiseBedState(std::string_view bytes) {
   take(bytes, state.velocity, n);
   take(bytes, state.listed_at, n);
   take(bytes, state.tool_side, n);
+  take(bytes, state.rested, paddedCount(n) / kGroup);
+  take(bytes, state.rested_at, n);
   state.contacts = takeContacts(bytes, header);
   take(bytes, state.wall_slip, header.remembered > 0 ? paddedCount(n) / kGroup : 0);
   take(bytes, state.tool_slip, header.remembered);
   state.position.resize(paddedCount(n), kGhost);
   state.velocity.resize(paddedCount(n), kGhostVelocity);
   state.listed_at.resize(paddedCount(n), kGhost);
+  state.rested_at.resize(paddedCount(n), kGhost);
   return state;
 }
 

@@ -39,6 +39,10 @@ struct BedState {
   ContactLists contacts;               ///< who may touch whom; with pairwise friction what it remembers, in m
   std::vector<std::int8_t> tool_side;  ///< on which large face of the tool a particle lies: -1, 0 (neither), +1
 
+  static constexpr std::uint16_t kAsleep = 0xFFFF;
+  std::vector<std::uint16_t> rested;  ///< for how many steps each group has been at rest, or kAsleep: see Wakefulness
+  std::vector<Float4> rested_at;      ///< m; where its particles have been since
+
   // Memory of friction besides that of contacts, in m; empty with the paper's friction, which remembers nothing.
   std::vector<WallSlips> wall_slip;  ///< one for each group
   std::vector<Float4> tool_slip;     ///< one for each particle, in the tool's frame

@@ -78,12 +78,16 @@ void ContactLists::remove(std::size_t i, std::uint32_t s) noexcept {
   }
 }
 
-void ContactLists::removeNeighbour(std::size_t i, std::int32_t j) noexcept {
+std::uint32_t ContactLists::find(std::size_t i, std::int32_t j) const noexcept {
   std::uint32_t s = 0;
   while (neighbour(i, s) != j) {
     ++s;
   }
-  remove(i, s);
+  return s;
+}
+
+void ContactLists::removeNeighbour(std::size_t i, std::int32_t j) noexcept {
+  remove(i, find(i, j));
 }
 
 void ContactLists::clear() noexcept {

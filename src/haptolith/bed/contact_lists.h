@@ -52,6 +52,8 @@ class ContactLists {
   [[nodiscard]] bool add(std::size_t i, std::int32_t j) noexcept;
   /// Takes entry s from i's list; the last takes its place.
   void remove(std::size_t i, std::uint32_t s) noexcept;
+  /// The entry of i's list that is j, which must be there.
+  [[nodiscard]] std::uint32_t find(std::size_t i, std::int32_t j) const noexcept;
   /// Takes j from i's list, where it must be.
   void removeNeighbour(std::size_t i, std::int32_t j) noexcept;
   /// Takes everything from all lists.

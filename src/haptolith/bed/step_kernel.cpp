@@ -24,7 +24,7 @@ HWY_INLINE V set(float value) {
 
 /// Where in the arrays a vector of particles stands: 16 particles are a group, one vector of AVX-512 or several.
 struct Lanes {
-  std::size_t group, in_group;
+  std::size_t group, in_group, next_group;
   [[nodiscard]] std::size_t particle() const { return group * kGroup + in_group; }
 };
 
@@ -36,7 +36,7 @@ class Rows {
       : arrays_(arrays),
         at_(at),
         first_(arrays.first_row[at.group]),
-        next_(arrays.first_row[at.group + 1]),
+        next_(arrays.first_row[at.next_group]),
         count_(arrays.rows[at.group]) {}
 
   [[nodiscard]] HWY_INLINE std::size_t count() const { return count_; }
@@ -61,12 +61,14 @@ class Rows {
   std::size_t first_, next_, count_;
 };
 
-/// Calls `each(lanes)` for all vectors of particles of groups first..last-1.
+/// Calls `each(lanes)` for all vectors of particles of groups[first..last-1], or of groups first..last-1.
 template <class Each>
-HWY_INLINE void forEachVector(std::size_t first, std::size_t last, const Each& each) {
-  for (std::size_t group = first; group < last; ++group) {
+HWY_INLINE void forEachVector(const std::uint32_t* groups, std::size_t first, std::size_t last, const Each& each) {
+  for (std::size_t k = first; k < last; ++k) {
+    const std::size_t group = groups != nullptr ? groups[k] : k;
+    const std::size_t next = groups != nullptr ? groups[k + 1] : k + 1;
     for (std::size_t in_group = 0; in_group < kGroup; in_group += hn::Lanes(D())) {
-      each(Lanes{group, in_group});
+      each(Lanes{group, in_group, next});
     }
   }
 }
@@ -320,7 +322,7 @@ HWY_INLINE V patience(std::size_t particle) {
   return hn::MulAdd(hn::ConvertTo(d, scattered), set(0.35F / 255), set(0.65F));
 }
 
-/// Moves particles on with their new velocity, and notes who has gone far.
+/// Moves particles on with their new velocity, and notes who is not at rest and who has gone far.
 HWY_INLINE void moveOn(const StepConstants& now, const StepArrays& arrays, const Lanes& at, const Records& here,
                        const Records& velocity, Moved& moved) {
   const D d;
@@ -329,6 +331,12 @@ HWY_INLINE void moveOn(const StepConstants& now, const StepArrays& arrays, const
                      hn::MulAdd(dt, velocity.z, here.z), here.w};
   storeInOrder(velocity, arrays.next_velocity + at.particle());
   storeInOrder(next, arrays.next_position + at.particle());
+
+  const V speed_squared =
+      hn::MulAdd(velocity.x, velocity.x, hn::MulAdd(velocity.y, velocity.y, velocity.z * velocity.z));
+  const bool moving = !hn::AllTrue(d, speed_squared <= set(now.rest_squared));
+  std::uint8_t& any_moving = arrays.moving[at.group];
+  any_moving = static_cast<std::uint8_t>(moving || (at.in_group > 0 && any_moving != 0));
 
   const Records place = loadInOrder(arrays.listed_at + at.particle());
   const V x = next.x - place.x;
@@ -380,7 +388,7 @@ void paperIn(const KernelLaw& law, const StepConstants& now, const StepBox& box,
   const V per_mass = set(now.dt * now.inverse_mass);
   const V half_width = set(box.half_width);
   const V half_length = set(box.half_length);
-  forEachVector(first, last, [&](const Lanes& at) {
+  forEachVector(arrays.groups, first, last, [&](const Lanes& at) {
     const Records x = loadInOrder(arrays.position + at.particle());
     const Records v = loadInOrder(arrays.velocity + at.particle());
     Sums sums = contacts.sum<kPeriodic>(arrays, at, x);
@@ -426,7 +434,7 @@ void pairwiseIn(const PairwiseLaw& law, const StepConstants& now, const StepBox&
   const V per_mass = set(now.dt * now.inverse_mass);
   const V drag = set(now.drag);
   const V ratio = set(box.wall_ratio);
-  forEachVector(first, last, [&](const Lanes& at) {
+  forEachVector(arrays.groups, first, last, [&](const Lanes& at) {
     const Records x = loadInOrder(arrays.position + at.particle());
     const Records v = loadInOrder(arrays.velocity + at.particle());
     const Sums sums = contacts.sum<kPeriodic, false>(arrays, at, x, v);
@@ -490,7 +498,7 @@ void storeSums(const Sums& sums, ContactSum* out) {
 void paperSums(const KernelLaw& law, const Periods& periods, const StepArrays& arrays, std::size_t first,
                std::size_t last, ContactSum* sums) {
   const PaperContacts contacts(law, periods);
-  forEachVector(first, last, [&](const Lanes& at) {
+  forEachVector(arrays.groups, first, last, [&](const Lanes& at) {
     const Records x = loadInOrder(arrays.position + at.particle());
     storeSums(contacts.sum<true>(arrays, at, x), sums + at.particle());
   });
@@ -499,7 +507,7 @@ void paperSums(const KernelLaw& law, const Periods& periods, const StepArrays& a
 void pairwiseSums(const PairwiseLaw& law, const Periods& periods, float dt, const StepArrays& arrays, std::size_t first,
                   std::size_t last, ContactSum* sums) {
   const PairwiseContacts contacts(law, periods, dt, 1);
-  forEachVector(first, last, [&](const Lanes& at) {
+  forEachVector(arrays.groups, first, last, [&](const Lanes& at) {
     const Records x = loadInOrder(arrays.position + at.particle());
     const Records v = loadInOrder(arrays.velocity + at.particle());
     storeSums(contacts.sum<true, true>(arrays, at, x, v), sums + at.particle());

@@ -14,6 +14,7 @@ struct StepConstants {
   float weight_x, weight_y, weight_z;  ///< of a particle, N
   float inverse_mass;
   float skin_half_squared;  ///< m^2
+  float rest_squared;       ///< (m/s)^2: what moves faster is not at rest
   // Paper's friction:
   float damping, static_friction, moving_friction;
   // Pairwise friction:
@@ -31,6 +32,8 @@ struct StepBox {
 
 /// What a step reads and writes. Records in whole groups; the next ones are written, the present ones only read.
 struct StepArrays {
+  const std::uint32_t* groups;  ///< those to step, and one number more behind the last; null: all
+  std::uint8_t* moving;         ///< of each group, whether any of its particles is not at rest
   const Float4 *position, *velocity;
   const Float4* external;   ///< forces of others
   const Float4* listed_at;  ///< see Neighbourhood
@@ -55,8 +58,8 @@ struct Moved {
   bool finite = true;  ///< false when a position is no longer a number
 };
 
-/// Steps the particles of groups first..last-1: their neighbours, weight, walls and others' forces, then velocity, then
-/// position. May be called in the tick; parts of one bed may be stepped by several threads at once.
+/// Steps the particles of arrays.groups[first..last-1]: their neighbours, weight, walls and others' forces, then
+/// velocity, then position. May be called in the tick; parts of one bed may be stepped by several threads at once.
 void stepWithPaperFriction(const KernelLaw& law, const StepConstants& now, const StepBox& box, const StepArrays& arrays,
                            std::size_t first, std::size_t last, Moved& moved) noexcept;
 

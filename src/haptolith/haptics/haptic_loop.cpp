@@ -166,6 +166,7 @@ void HapticLoop::publish(const DeviceInput& hand, const Wrench& felt) noexcept {
     return;
   }
   snapshot.time_s = time();
+  snapshot.awake = scene_.bed().awake();
   snapshot.scene_T_tool = hand.scene_T_tool;
   snapshot.felt = felt;
   snapshot.ticks = statistics_.ticks();

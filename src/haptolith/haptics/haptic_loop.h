@@ -34,6 +34,7 @@ struct SceneSnapshot {
   std::vector<Float4> position;  ///< m; one per particle
   std::uint64_t ticks = 0, deadline_misses = 0;
   double success_rate = 1, tick_us_p99 = 0, largest_speed_m_s = 0;
+  std::size_t awake = 0;  ///< particles that are worked on: see Wakefulness
 };
 
 /// Why a loop ended.

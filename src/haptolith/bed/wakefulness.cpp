@@ -1,0 +1,210 @@
+#include "haptolith/bed/wakefulness.h"
+
+#include <algorithm>
+#include <bit>
+
+namespace haptolith {
+
+namespace {
+
+constexpr std::size_t kBits = 64;  // of a word
+
+bool asleep(const BedState& state, std::size_t group) noexcept {
+  return state.rested[group] == BedState::kAsleep;
+}
+
+/// Calls `each(i, s, j)` for all entries of a group's lists, as long as it returns true.
+template <class Each>
+bool forEachEntry(std::size_t group, const ContactLists& lists, Each each) {
+  const std::size_t last = std::min((group + 1) * kGroup, lists.particles());
+  for (std::size_t i = group * kGroup; i < last; ++i) {
+    for (std::uint32_t s = 0; s < lists.count(i); ++s) {
+      if (!each(i, s, static_cast<std::size_t>(lists.neighbour(i, s)))) {
+        return false;
+      }
+    }
+  }
+  return true;
+}
+
+Slip opposite(const Slip& slip) noexcept {
+  return {-slip.x, -slip.y, -slip.z};
+}
+
+}  // namespace
+
+Wakefulness::Wakefulness(std::size_t groups, const RestRule& rule)
+    : rule_(rule),
+      awake_(groups + 1),
+      awake_count_(groups),
+      awake_bits_(groups / kBits + 1),
+      moving_(groups),
+      stirring_(groups),
+      tired_(groups) {
+  for (std::size_t group = 0; group <= groups; ++group) {
+    awake_[group] = static_cast<std::uint32_t>(group);
+    awake_bits_[group / kBits] |= std::uint64_t{group < groups} << (group % kBits);
+  }
+}
+
+Wakefulness::Found Wakefulness::count(std::size_t first, std::size_t last, const std::vector<Float4>& position,
+                                      BedState& state) noexcept {
+  Found found{stirring_.data() + first, tired_.data() + first};
+  if (!rule_.sleep) {
+    return found;
+  }
+  for (std::size_t k = first; k < last; ++k) {
+    const std::uint32_t group = awake_[k];
+    const bool its_turn = (group + state.step) % kTurn == 0;
+    std::uint16_t& rested = state.rested[group];
+    if (moving_[group] != 0 || (its_turn && hasCrept(group, position, state))) {
+      if (rested >= rule_.steps) {
+        found.stirring[found.stirring_count++] = group;
+      }
+      rested = 0;
+    } else if (rested < rule_.steps) {
+      ++rested;
+    } else if (its_turn) {
+      found.tired[found.tired_count++] = group;
+    }
+  }
+  return found;
+}
+
+bool Wakefulness::hasCrept(std::size_t group, const std::vector<Float4>& position, BedState& state) const noexcept {
+  const auto first = static_cast<std::ptrdiff_t>(group * kGroup);
+  const auto here = position.begin() + first;
+  const auto there = state.rested_at.begin() + first;
+  const float limit = rule_.distance_m * rule_.distance_m;
+  const auto far = [limit](const Float4& a, const Float4& b) {
+    const float x = a.x - b.x;
+    const float y = a.y - b.y;
+    const float z = a.z - b.z;
+    return x * x + y * y + z * z > limit;
+  };
+  bool crept = false;
+  for (std::ptrdiff_t lane = 0; lane < static_cast<std::ptrdiff_t>(kGroup); ++lane) {
+    crept = crept || far(here[lane], there[lane]);
+  }
+  if (crept) {
+    std::copy_n(here, kGroup, there);
+  }
+  return crept;
+}
+
+void Wakefulness::wakeBeside(std::span<const std::uint32_t> stirring, BedState& state) noexcept {
+  for (const std::uint32_t group : stirring) {
+    forEachEntry(group, state.contacts, [&](std::size_t, std::uint32_t, std::size_t j) {
+      wake(j / kGroup, state);
+      return true;
+    });
+  }
+}
+
+void Wakefulness::wakeAround(std::size_t particle, BedState& state) noexcept {
+  wake(particle / kGroup, state);
+  for (std::uint32_t s = 0; s < state.contacts.count(particle); ++s) {
+    wake(static_cast<std::size_t>(state.contacts.neighbour(particle, s)) / kGroup, state);
+  }
+}
+
+void Wakefulness::wake(std::size_t group, BedState& state) noexcept {
+  if (!asleep(state, group)) {
+    return;
+  }
+  state.rested[group] = rule_.steps;  // it may sleep again at its next turn
+  awake_bits_[group / kBits] |= std::uint64_t{1} << (group % kBits);
+  changed_ = true;
+  ContactLists& lists = state.contacts;
+  if (lists.remembers()) {
+    forEachEntry(group, lists, [&](std::size_t i, std::uint32_t s, std::size_t j) {
+      if (j / kGroup != group && !asleep(state, j / kGroup)) {
+        lists.setSlip(i, s, opposite(lists.slip(j, lists.find(j, static_cast<std::int32_t>(i)))));
+      }
+      return true;
+    });
+  }
+}
+
+void Wakefulness::wakeAll(BedState& state) noexcept {
+  for (std::size_t group = 0; group < moving_.size(); ++group) {
+    wake(group, state);
+  }
+}
+
+void Wakefulness::letSleep(std::span<const std::uint32_t> tired, const std::vector<std::uint64_t>& keep_awake,
+                           const Records& records) noexcept {
+  for (const std::uint32_t group : tired) {
+    const bool kept = (keep_awake[group / kBits] >> (group % kBits) & 1) != 0;
+    if (!kept && maySleep(group, records.state)) {
+      sleep(group, records);
+    }
+  }
+}
+
+bool Wakefulness::maySleep(std::size_t group, const BedState& state) const noexcept {
+  const std::size_t last = std::min((group + 1) * kGroup, state.particles());
+  for (std::size_t i = group * kGroup; i < last; ++i) {
+    const Float4& v = state.velocity[i];
+    if (v.w != 0 && (v.x != 0 || v.y != 0 || v.z != 0)) {
+      return false;  // driven, however slowly
+    }
+  }
+  return state.rested[group] >= rule_.steps &&
+         forEachEntry(group, state.contacts, [&](std::size_t, std::uint32_t, std::size_t j) {
+           return state.rested[j / kGroup] >= rule_.steps;
+         });
+}
+
+void Wakefulness::sleep(std::size_t group, const Records& records) noexcept {
+  BedState& state = records.state;
+  for (std::size_t i = group * kGroup; i < (group + 1) * kGroup; ++i) {
+    const Float4& v = state.velocity[i];
+    state.velocity[i] = {v.x * 0, v.y * 0, v.z * 0, v.w};  // the sign of a zero stays
+    records.next_velocity[i] = state.velocity[i];
+    records.next_position[i] = state.position[i];
+  }
+  ContactLists& lists = state.contacts;
+  if (lists.remembers()) {
+    forEachEntry(group, lists, [&](std::size_t i, std::uint32_t s, std::size_t j) {
+      if (asleep(state, j / kGroup)) {
+        lists.setSlip(j, lists.find(j, static_cast<std::int32_t>(i)), opposite(lists.slip(i, s)));
+      }
+      return true;
+    });
+  }
+  state.rested[group] = BedState::kAsleep;
+  awake_bits_[group / kBits] &= ~(std::uint64_t{1} << (group % kBits));
+  changed_ = true;
+}
+
+void Wakefulness::listAwake() noexcept {
+  if (!changed_) {
+    return;
+  }
+  changed_ = false;
+  awake_count_ = 0;
+  for (std::size_t word = 0; word < awake_bits_.size(); ++word) {
+    for (std::uint64_t bits = awake_bits_[word]; bits != 0; bits &= bits - 1) {
+      awake_[awake_count_++] =
+          static_cast<std::uint32_t>(word * kBits + static_cast<std::size_t>(std::countr_zero(bits)));
+    }
+  }
+  awake_[awake_count_] = static_cast<std::uint32_t>(moving_.size());
+}
+
+void Wakefulness::takeOver(const BedState& state) noexcept {
+  for (std::size_t group = 0; group < moving_.size(); ++group) {
+    const std::uint64_t bit = std::uint64_t{1} << (group % kBits);
+    std::uint64_t& word = awake_bits_[group / kBits];
+    word = asleep(state, group) ? word & ~bit : word | bit;
+  }
+  changed_ = true;
+}
+
+std::size_t Wakefulness::bytes() const noexcept {
+  return (awake_.size() + stirring_.size() + tired_.size()) * sizeof(awake_[0]) +
+         awake_bits_.size() * sizeof(awake_bits_[0]) + moving_.size();
+}
+
+}  // namespace haptolith

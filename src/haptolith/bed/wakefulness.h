@@ -1,0 +1,93 @@
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "haptolith/bed/bed_state.h"
+
+namespace haptolith {
+
+/// When soil counts as at rest.
+struct RestRule {
+  bool sleep = true;        ///< whether what rests is left alone at all
+  float speed_m_s = 0;      ///< what moves faster does not rest,
+  float distance_m = 0;     ///< nor what is further from where it was when it came to rest,
+  std::uint16_t steps = 0;  ///< and rest must have lasted this many steps, at least kTurn
+};
+
+/// Which groups of particles are worked on.
+///
+/// A group may sleep when nothing in it and nothing next to it, that is in its neighbour lists, has stirred for a
+/// while. Then its particles stand still where they are, and what touches them feels them as before. It wakes when
+/// something next to it stirs, or when it is told to. Between what stirs and what sleeps there is so always a layer of
+/// groups that rest but are worked on, and notice.
+///
+/// The two sides of a contact each remember how far they have slid against each other, the exact opposite. The side
+/// that sleeps does not go on, so it takes over what the other remembers when it wakes.
+class Wakefulness {
+ public:
+  /// Steps between two looks at how far a group has crept. Each group has its turn.
+  static constexpr std::uint32_t kTurn = 64;
+
+  Wakefulness(std::size_t groups, const RestRule& rule);
+
+  /// Groups that are worked on, in ascending order. Behind the last stands one number more, that of no group.
+  [[nodiscard]] std::span<const std::uint32_t> awake() const noexcept { return {awake_.data(), awake_count_}; }
+  [[nodiscard]] const RestRule& rule() const noexcept { return rule_; }
+
+  /// For each group whether something in it moved faster than the rule allows: the step writes it.
+  [[nodiscard]] std::uint8_t* moving() noexcept { return moving_.data(); }
+
+  /// What one part of the work has found out; the lists have their place in this object.
+  struct Found {
+    std::uint32_t* stirring = nullptr;  ///< groups that rested and do so no longer
+    std::uint32_t* tired = nullptr;     ///< groups that have rested long enough, and whose turn it is
+    std::size_t stirring_count = 0, tired_count = 0;
+  };
+
+  /// Counts how long awake groups first..last-1 have been at rest, with `position` after the step. Several threads may
+  /// count different groups at once.
+  [[nodiscard]] Found count(std::size_t first, std::size_t last, const std::vector<Float4>& position,
+                            BedState& state) noexcept;
+
+  /// A bed's records, and those its next step will write: who sleeps stands in both.
+  struct Records {
+    BedState& state;
+    std::vector<Float4>&next_position, &next_velocity;
+  };
+
+  /// Wakes what is next to what stirs.
+  void wakeBeside(std::span<const std::uint32_t> stirring, BedState& state) noexcept;
+  /// Wakes what is next to one particle, and its own group.
+  void wakeAround(std::size_t particle, BedState& state) noexcept;
+  void wake(std::size_t group, BedState& state) noexcept;
+  void wakeAll(BedState& state) noexcept;
+
+  /// Lets those of the `tired` groups sleep that may, but none that `keep_awake` has a bit for.
+  void letSleep(std::span<const std::uint32_t> tired, const std::vector<std::uint64_t>& keep_awake,
+                const Records& records) noexcept;
+
+  /// Lists again who is awake, after groups have woken or fallen asleep.
+  void listAwake() noexcept;
+
+  /// Goes on with another state.
+  void takeOver(const BedState& state) noexcept;
+
+  [[nodiscard]] std::size_t bytes() const noexcept;
+
+ private:
+  [[nodiscard]] bool hasCrept(std::size_t group, const std::vector<Float4>& position, BedState& state) const noexcept;
+  [[nodiscard]] bool maySleep(std::size_t group, const BedState& state) const noexcept;
+  void sleep(std::size_t group, const Records& records) noexcept;
+
+  RestRule rule_;
+  std::vector<std::uint32_t> awake_;
+  std::size_t awake_count_;
+  std::vector<std::uint64_t> awake_bits_;
+  bool changed_ = false;
+  std::vector<std::uint8_t> moving_;
+  std::vector<std::uint32_t> stirring_, tired_;
+};
+
+}  // namespace haptolith

@@ -1,0 +1,268 @@
+// Soil at rest sleeps, and nobody can tell by what they feel.
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+#include "haptolith/device/virtual_hand.h"
+#include "haptolith/soil/presets.h"
+#include "haptolith/tool/scene.h"
+
+namespace haptolith {
+namespace {
+
+BedParameters sandbox(FrictionModel friction) {
+  BedParameters bed;
+  bed.soil = findPreset("P3").soil;
+  bed.soil.friction = friction;
+  bed.soil.contact_friction = 0.5;
+  bed.start = BedStart::kPacked;
+  bed.width_m = bed.length_m = 0.25;
+  bed.depth_m = 0.05;
+  return bed;
+}
+
+/// So wide that its borders sleep while the middle is stirred.
+BedParameters wide(int threads) {
+  BedParameters bed = sandbox(FrictionModel::kPairwise);
+  bed.width_m = bed.length_m = 0.5;
+  bed.sleep_speed_m_s = 2e-3;
+  bed.threads = threads;
+  return bed;
+}
+
+/// A scene and a hand that stirs in it.
+struct Stirred {
+  Scene scene;
+  VirtualHand hand;
+
+  explicit Stirred(const BedParameters& bed, const HandParameters& parameters = stirring())
+      : scene(bed, {}), hand(parameters, bed.tick_s) {}
+
+  static HandParameters stirring() {
+    HandParameters hand;
+    hand.manoeuvre = Manoeuvre::kStir;
+    hand.surface_m = 0.05;
+    return hand;
+  }
+
+  /// One tick; returns the force on the tool.
+  Vec3 tick() {
+    const DeviceInput input = hand.read();
+    EXPECT_EQ(scene.tick(input.scene_T_tool, input.twist), StepStatus::kOk);
+    hand.write({});
+    return scene.wrench().force_n;
+  }
+  void restFor(int steps) {
+    for (int i = 0; i < steps; ++i) {
+      ASSERT_EQ(scene.bed().step(scene.bed().parameters().tick_s / scene.substeps()), StepStatus::kOk);
+    }
+  }
+};
+
+/// Largest sum of what the two sides of a contact remember, both awake or both asleep: they are exact opposites.
+float worstDisagreement(const BedState& state) {
+  float worst = 0;
+  for (std::size_t i = 0; i < state.particles(); ++i) {
+    for (std::uint32_t s = 0; s < state.contacts.count(i); ++s) {
+      const auto j = static_cast<std::size_t>(state.contacts.neighbour(i, s));
+      const bool i_sleeps = state.rested[i / kGroup] == BedState::kAsleep;
+      const bool j_sleeps = state.rested[j / kGroup] == BedState::kAsleep;
+      if (i_sleeps == j_sleeps) {
+        const Slip a = state.contacts.slip(i, s);
+        const Slip b = state.contacts.slip(j, state.contacts.find(j, static_cast<std::int32_t>(i)));
+        worst = std::max({worst, std::abs(a.x + b.x), std::abs(a.y + b.y), std::abs(a.z + b.z)});
+      }
+    }
+  }
+  return worst;
+}
+
+TEST(Sleep, WithThePapersFrictionEveryBitIsAsIfNobodySlept) {
+  BedParameters parameters = sandbox(FrictionModel::kPaper);
+  parameters.sleep_speed_m_s = 0;
+  Stirred sleeping(parameters);
+  parameters.sleep = false;
+  Stirred waking(parameters);
+  sleeping.restFor(1500);
+  waking.restFor(1500);
+  EXPECT_EQ(sleeping.scene.bed().awake(), 0U);
+  std::size_t most = 0;
+  double felt = 0;
+  for (int tick = 0; tick < 4000; ++tick) {
+    const Vec3 force = sleeping.tick();
+    ASSERT_EQ(force, waking.tick()) << "tick " << tick;
+    felt += force.norm();
+    most = std::max(most, sleeping.scene.bed().awake());
+    ASSERT_EQ(waking.scene.bed().awake(), waking.scene.bed().particles());
+  }
+  EXPECT_EQ(stateHash(sleeping.scene.bed().state()), stateHash(waking.scene.bed().state()));
+  EXPECT_GT(felt, 100) << "nothing was stirred";
+  EXPECT_GT(most, 100U);
+  EXPECT_LT(most, sleeping.scene.bed().particles()) << "nothing slept";
+}
+
+TEST(Sleep, WithPairwiseFrictionTheToolFeelsTheSameToRounding) {
+  BedParameters parameters = sandbox(FrictionModel::kPairwise);
+  parameters.width_m = parameters.length_m = 0.15;
+  Stirred sleeping(parameters);
+  parameters.sleep = false;
+  Stirred waking(parameters);
+  for (Stirred* one : {&sleeping, &waking}) {
+    one->scene.bed().setSettling(true);
+    one->restFor(3000);
+    one->scene.bed().setSettling(false);
+    one->restFor(8000);
+  }
+  ASSERT_EQ(sleeping.scene.bed().awake(), 0U);
+  double felt = 0;
+  double apart = 0;
+  for (int tick = 0; tick < 1000; ++tick) {  // then the least difference has grown: a stirred bed is chaotic
+    const Vec3 force = sleeping.tick();
+    felt += force.norm();
+    apart += (force - waking.tick()).norm();
+  }
+  RecordProperty("relative_difference_1e6", static_cast<int>(1e6 * apart / felt));
+  EXPECT_GT(felt, 10);
+  EXPECT_LT(apart / felt, 1e-3);
+  EXPECT_GT(sleeping.scene.bed().awake(), 100U);
+}
+
+TEST(Sleep, ThirdLawHoldsThroughSleepingAndWaking) {
+  Stirred stirred(wide(1));
+  stirred.restFor(2500);
+  EXPECT_EQ(stirred.scene.bed().awake(), 0U);
+  std::size_t least = stirred.scene.bed().particles();
+  std::size_t most = 0;
+  for (int tick = 0; tick < 3000; ++tick) {
+    stirred.tick();
+    if (tick % 50 == 0) {
+      EXPECT_EQ(worstDisagreement(stirred.scene.bed().state()), 0) << "tick " << tick;
+    }
+    if (tick > 1000) {
+      least = std::min(least, stirred.scene.bed().awake());
+      most = std::max(most, stirred.scene.bed().awake());
+    }
+  }
+  EXPECT_LT(least, most / 2) << "nobody fell asleep";
+}
+
+TEST(Sleep, IsTheSameForAnyNumberOfThreadsAndAfterRestoring) {
+  std::vector<std::uint64_t> expected;
+  for (const int threads : {1, 2, 3}) {
+    Stirred stirred(wide(threads));
+    ASSERT_GT(stirred.scene.bed().particles(), 3U * 512);
+    stirred.restFor(2500);
+    std::vector<std::uint64_t> hashes;
+    for (int tick = 0; tick < 2500; ++tick) {
+      if (threads == 3 && tick == 1200) {
+        const BedState saved = deserialiseBedState(serialise(stirred.scene.bed().state()));
+        const std::size_t awake = stirred.scene.bed().awake();
+        stirred.scene.bed().restore(saved);
+        stirred.restFor(0);
+        EXPECT_LT(awake, stirred.scene.bed().particles());
+      }
+      stirred.tick();
+      if (tick % 100 == 99) {
+        hashes.push_back(stateHash(stirred.scene.bed().state()));
+        hashes.push_back(stirred.scene.bed().awake());
+      }
+    }
+    expected = expected.empty() ? hashes : expected;
+    EXPECT_EQ(hashes, expected) << threads << " threads";
+  }
+}
+
+class Waking : public testing::TestWithParam<FrictionModel> {
+ protected:
+  Waking() : stirred_(coarse(GetParam())) { stirred_.restFor(2500); }
+
+  static BedParameters coarse(FrictionModel friction) {
+    BedParameters bed = sandbox(friction);
+    bed.sleep_speed_m_s = friction == FrictionModel::kPaper ? 1e-6 : 1e-3;
+    return bed;
+  }
+  Bed& bed() { return stirred_.scene.bed(); }
+
+  Stirred stirred_;
+};
+
+TEST_P(Waking, ABedAtRestSleepsWholly) {
+  EXPECT_EQ(bed().awake(), 0U);
+  EXPECT_EQ(bed().largestSpeed(), 0);
+  const std::uint64_t before = stateHash(bed().state());
+  const std::uint64_t step = bed().state().step;
+  stirred_.restFor(100);
+  EXPECT_EQ(bed().state().step, step + 100);
+  BedState state = bed().state();
+  state.step = step;
+  EXPECT_EQ(stateHash(state), before);
+}
+
+TEST_P(Waking, GravityThatTurnsWakesAllAndTheSameGravityNobody) {
+  bed().setGravity(bed().parameters().gravity_m_s2);
+  stirred_.restFor(1);
+  EXPECT_EQ(bed().awake(), 0U);
+  bed().setGravity({5, 0, -1});
+  stirred_.restFor(1);
+  EXPECT_EQ(bed().awake(), bed().particles());
+  stirred_.restFor(100);
+  EXPECT_GT(bed().largestSpeed(), 0.05);
+}
+
+TEST_P(Waking, AToolThatComesNearWakesWhatItMayTouch) {
+  EXPECT_TRUE(bed().groupsNear({0, 0, 0.5}, 0.02).empty());
+  stirred_.restFor(1);
+  EXPECT_EQ(bed().awake(), 0U);
+  const auto near = bed().groupsNear({0, 0, 0.04}, 0.02);
+  ASSERT_FALSE(near.empty());
+  stirred_.restFor(1);
+  EXPECT_EQ(bed().awake(), near.size() * kGroup);
+  stirred_.restFor(300);
+  EXPECT_EQ(bed().awake(), near.size() * kGroup) << "they stay awake while it is there, and wake nobody";
+  (void)bed().groupsNear({0, 0, 0.5}, 0.02);  // those it has left
+  (void)bed().groupsNear({0, 0, 0.5}, 0.02);
+  stirred_.restFor(300);
+  EXPECT_EQ(bed().awake(), 0U);
+}
+
+TEST_P(Waking, WhoIsDrivenWakesOthersUntilItStands) {
+  const std::size_t top = bed().particles() - 1;
+  bed().drive(top, {0, 0, -0.05});
+  stirred_.restFor(100);
+  const std::size_t pressed = bed().awake();
+  EXPECT_GT(pressed, 2 * kGroup);
+  EXPECT_GT(bed().contactForce(top).z(), 1e-3);
+  bed().drive(top, {});
+  stirred_.restFor(3000);
+  EXPECT_LT(bed().awake(), pressed);
+}
+
+TEST_P(Waking, WhatFallsOnThemWakesThemInTime) {
+  // The highest is taken 60 mm up and let go: neither it nor those it falls on may sink into each other.
+  const std::size_t top = bed().particles() - 1;
+  const double dt = bed().parameters().tick_s / stirred_.scene.substeps();
+  const int lifting = static_cast<int>(0.2 / dt);
+  bed().drive(top, {0, 0, 0.3});
+  stirred_.restFor(lifting);
+  bed().release(top);
+  double deepest = 1;
+  const double diameter = 2 * bed().parameters().soil.radius_m;
+  for (int i = 0; i < 5 * lifting; ++i) {
+    stirred_.restFor(1);
+    const Float4& p = bed().state().position[top];
+    for (std::size_t j = 0; j < top; ++j) {
+      const Float4& q = bed().state().position[j];
+      deepest = std::min(deepest, static_cast<double>(std::hypot(p.x - q.x, p.y - q.y, p.z - q.z)) / diameter);
+    }
+  }
+  EXPECT_LT(deepest, 1) << "it fell on nobody";
+  EXPECT_GT(deepest, 0.75);
+}
+
+INSTANTIATE_TEST_SUITE_P(Frictions, Waking, testing::Values(FrictionModel::kPaper, FrictionModel::kPairwise));
+
+}  // namespace
+}  // namespace haptolith
