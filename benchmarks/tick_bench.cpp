@@ -5,6 +5,7 @@
 #include <benchmark/benchmark.h>
 
 #include "haptolith/bed/bed.h"
+#include "haptolith/bed/simd_target.h"
 #include "haptolith/core/clock.h"
 #include "haptolith/core/histogram.h"
 #include "haptolith/device/virtual_hand.h"

@@ -11,6 +11,7 @@
 #include <string>
 #include <vector>
 
+#include "haptolith/bed/simd_target.h"
 #include "haptolith/core/clock.h"
 #include "haptolith/core/error.h"
 #include "haptolith/device/virtual_hand.h"

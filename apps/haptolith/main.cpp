@@ -5,10 +5,12 @@
 #include <unistd.h>
 
 #include <csignal>
+#include <cstdlib>
 #include <string>
 #include <string_view>
 #include <vector>
 
+#include "haptolith/bed/simd_target.h"
 #include "haptolith/core/error.h"
 #include "haptolith/core/nearest_word.h"
 
@@ -31,6 +33,8 @@ constexpr const char* kExamples = R"(Examples:
   haptolith soil profile --preset P3     density and strength over depth
   haptolith lab shear --soil dry-sand    what a soil laboratory would measure
   source <(haptolith completion bash)    complete commands with the tab key
+
+HAPTOLITH_SIMD=SSE4 haptolith ...          with another instruction set than the best of the machine
 
 Exit status: 0 done, 1 failed, 2 wrong usage.)";
 
@@ -101,6 +105,9 @@ ExitStatus noCommand(const CLI::App& app, const std::string& message) {
 
 ExitStatus run(CLI::App& app, int argc, char** argv) {
   try {
+    if (const char* simd = std::getenv("HAPTOLITH_SIMD"); simd != nullptr && *simd != '\0') {
+      useSimdTarget(simd);
+    }
     app.parse(argc, argv);
     printText("");  // a full disk shows only when the last of the output goes out
     return kOk;

@@ -13,6 +13,7 @@
 #include <string>
 #include <thread>
 
+#include "haptolith/bed/simd_target.h"
 #include "haptolith/core/error.h"
 #include "haptolith/device/virtual_hand.h"
 #include "haptolith/haptics/haptic_loop.h"

@@ -285,5 +285,17 @@ TEST_F(RunCommand, WrongUseIsToldAndHasStatusTwo) {
   }
 }
 
+TEST_F(RunCommand, UsesTheInstructionSetItIsToldTo) {
+  const ProgramResult refused = runInShell("HAPTOLITH_SIMD=MMX \"$HAPTOLITH\" run --duration-s 0.1 --json");
+  EXPECT_EQ(refused.exit_status, 2);
+  ASSERT_THAT(refused.errors, HasSubstr("HAPTOLITH_SIMD = MMX is not valid: must be one of "));
+  const std::string last = refused.errors.substr(0, refused.errors.find(" on this machine"));
+  const std::string target = last.substr(last.find_last_of(' ') + 1);
+  const ProgramResult result =
+      runInShell("HAPTOLITH_SIMD=" + target + " \"$HAPTOLITH\" run --duration-s 0.1 --unpaced --json");
+  ASSERT_EQ(result.exit_status, 0) << result.errors;
+  EXPECT_EQ(json::parse(result.output).at("simd"), target);
+}
+
 }  // namespace
 }  // namespace haptolith

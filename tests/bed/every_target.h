@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "haptolith/bed/neighbourhood.h"
+#include "haptolith/bed/simd_target.h"
 
 namespace haptolith {
 

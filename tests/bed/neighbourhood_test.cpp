@@ -12,6 +12,8 @@
 #include <utility>
 #include <vector>
 
+#include "haptolith/bed/simd_target.h"
+
 namespace haptolith {
 namespace {
 

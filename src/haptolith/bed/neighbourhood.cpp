@@ -54,10 +54,6 @@ std::uint32_t selectNearOf(const Float4* place, const Periods& periods, float re
                                                                     out);
 }
 
-const char* targetName() {
-  return hwy::TargetName(HWY_TARGET);
-}
-
 }  // namespace haptolith::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();
 
@@ -65,11 +61,6 @@ HWY_AFTER_NAMESPACE();
 namespace haptolith {
 
 HWY_EXPORT(selectNearOf);
-HWY_EXPORT(targetName);
-
-const char* simdTarget() noexcept {
-  return HWY_DYNAMIC_DISPATCH(targetName)();
-}
 
 Neighbourhood::Neighbourhood(std::size_t particles, double reach_m, double largest_excess_m, const GridBox& box)
     : reach_m_(static_cast<float>(reach_m)),

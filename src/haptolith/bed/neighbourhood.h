@@ -51,7 +51,4 @@ class Neighbourhood {
   std::vector<std::int32_t> candidates_, near_;
 };
 
-/// Name of the instruction set in use, for example "AVX3".
-[[nodiscard]] const char* simdTarget() noexcept;
-
 }  // namespace haptolith

@@ -1,0 +1,14 @@
+#pragma once
+
+#include <string_view>
+
+namespace haptolith {
+
+/// Name of the instruction set in use, for example "AVX3" (Highway's names; AVX3 is AVX-512).
+[[nodiscard]] const char* simdTarget() noexcept;
+
+/// Uses this instruction set from now on instead of the best the machine has. Not for the tick.
+/// @throws InvalidParameter when the machine does not have it, with those it has.
+void useSimdTarget(std::string_view name);
+
+}  // namespace haptolith
