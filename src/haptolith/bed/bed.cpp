@@ -59,6 +59,18 @@ const BedParameters& validated(const BedParameters& parameters) {
   return parameters;
 }
 
+/// A loop is shared out in so many parts that a thread whose core is taken away holds up the others by little.
+int mostParts(int threads) {
+  constexpr int kPartsPerThread = 16;
+  return threads == 1 ? 1 : kPartsPerThread * threads;
+}
+
+/// Parts for so many groups: none so small that taking it costs more than a hundredth of it.
+int partsFor(std::size_t groups, int threads) {
+  constexpr std::size_t kGroupsPerPart = 16;
+  return std::clamp(static_cast<int>(groups / kGroupsPerPart), 1, mostParts(threads));
+}
+
 int usefulThreads(const BedParameters& bed, std::size_t particles) {
   return std::clamp(static_cast<int>(particles / particlesPerThread(bed.soil.friction)), 1, bed.threads);
 }
@@ -162,7 +174,7 @@ Bed::Bed(const BedParameters& parameters, const std::vector<Vec3>& centres_m)
                      {parameters.width_m, parameters.length_m, highest(centres_m), periodsOf(parameters)}),
       wakefulness_(paddedCount(centres_m.size()) / kGroup, restRule(parameters)),
       team_(usefulThreads(parameters, centres_m.size())),
-      moved_of_part_(static_cast<std::size_t>(team_.size())) {
+      moved_of_part_(static_cast<std::size_t>(mostParts(team_.size()))) {
   found_by_part_.resize(moved_of_part_.size());
   const std::size_t n = centres_m.size();
   const std::size_t padded = paddedCount(n);
@@ -204,11 +216,13 @@ Bed::Bed(const BedParameters& parameters, const std::vector<Vec3>& centres_m)
 StepStatus Bed::step(double dt_s) noexcept {
   now_ = constantsFor(dt_s);
   wakefulness_.listAwake();  // somebody may have been woken since the last step
-  team_.run([](void* bed, int part, int parts) noexcept { static_cast<Bed*>(bed)->stepPart(part, parts); }, this);
+  parts_ = partsFor(wakefulness_.awake().size(), team_.size());
+  team_.run([](void* bed, int part, int parts) noexcept { static_cast<Bed*>(bed)->stepPart(part, parts); }, this,
+            parts_);
   state_.position.swap(next_position_);
   state_.velocity.swap(next_velocity_);
   ++state_.step;
-  for (const Moved& moved : moved_of_part_) {
+  for (const Moved& moved : movedOfParts()) {
     if (!moved.finite) {
       return StepStatus::kNotFinite;
     }
@@ -293,7 +307,7 @@ void Bed::stepPart(int part, int parts) noexcept {
 
 bool Bed::enterAgainWhoMoved() noexcept {
   std::size_t count = 0;  // close the gaps between the parts
-  for (const Moved& moved : moved_of_part_) {
+  for (const Moved& moved : movedOfParts()) {
     std::copy_n(moved.particle, moved.count, moved_.data() + count);
     count += moved.count;
   }
@@ -312,10 +326,10 @@ bool Bed::enterAgainWhoMoved() noexcept {
 }
 
 void Bed::wakeAndLetSleep() noexcept {
-  for (const Wakefulness::Found& found : found_by_part_) {
+  for (const Wakefulness::Found& found : foundByParts()) {
     wakefulness_.wakeBeside({found.stirring, found.stirring_count}, state_);
   }
-  for (const Wakefulness::Found& found : found_by_part_) {
+  for (const Wakefulness::Found& found : foundByParts()) {
     wakefulness_.letSleep({found.tired, found.tired_count}, near_before_,
                           {.state = state_, .next_position = next_position_, .next_velocity = next_velocity_});
   }

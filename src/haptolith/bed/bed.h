@@ -116,6 +116,12 @@ class Bed {
  private:
   [[nodiscard]] StepConstants constantsFor(double dt_s) const noexcept;
   void stepPart(int part, int parts) noexcept;
+  [[nodiscard]] std::span<const Moved> movedOfParts() const noexcept {
+    return {moved_of_part_.data(), static_cast<std::size_t>(parts_)};
+  }
+  [[nodiscard]] std::span<const Wakefulness::Found> foundByParts() const noexcept {
+    return {found_by_part_.data(), static_cast<std::size_t>(parts_)};
+  }
   [[nodiscard]] bool enterAgainWhoMoved() noexcept;
   void wakeAndLetSleep() noexcept;
   [[nodiscard]] bool isPairwise() const noexcept { return parameters_.soil.friction == FrictionModel::kPairwise; }
@@ -140,6 +146,7 @@ class Bed {
   std::vector<std::uint32_t> near_groups_;
   std::vector<std::int32_t> moved_;  ///< who has left its place in this step: each part's from its first particle on
   WorkerTeam team_;
+  int parts_ = 1;  ///< that the present step is shared out in
   std::vector<Moved> moved_of_part_;
   StepConstants now_{};
   bool friction_on_ = true;

@@ -5,7 +5,7 @@ namespace haptolith {
 namespace {
 
 /// Looks this often before going to sleep: about 20 us, longer than the gap between two substeps of one tick, much
-/// shorter than a tick, so that a worker never burns a core that somebody else could use.
+/// shorter than a tick, so that nobody burns a core that somebody else could use.
 constexpr int kLooksBeforeSleep = 400;
 
 inline void relax() noexcept {
@@ -14,11 +14,27 @@ inline void relax() noexcept {
 #endif
 }
 
+/// Waits until `value` is no longer `old`.
+template <class T>
+void waitWhile(const std::atomic<T>& value, T old) noexcept {
+  for (int looks = 0; value.load(std::memory_order_acquire) == old; ++looks) {
+    if (looks < kLooksBeforeSleep) {
+      relax();
+    } else {
+      value.wait(old, std::memory_order_acquire);
+    }
+  }
+}
+
+constexpr int kRoundShift = 32;
+constexpr int kEndShift = 16;
+constexpr std::uint64_t kPartMask = 0xFFFF;
+
 }  // namespace
 
-WorkerTeam::WorkerTeam(int threads) : size_(threads) {
-  for (int part = 1; part < size_; ++part) {
-    threads_.emplace_back([this, part] { serve(part); });
+WorkerTeam::WorkerTeam(int threads) : ranges_(static_cast<std::size_t>(threads)) {
+  for (std::size_t own = 1; own < ranges_.size(); ++own) {
+    threads_.emplace_back([this, own] { serve(own); });
   }
 }
 
@@ -31,46 +47,53 @@ WorkerTeam::~WorkerTeam() {
   }
 }
 
-void WorkerTeam::run(Work work, void* context) noexcept {
-  if (size_ > 1) {
-    work_ = work;
-    context_ = context;
-    unfinished_.store(size_ - 1, std::memory_order_relaxed);
-    round_.fetch_add(1, std::memory_order_release);
+void WorkerTeam::run(Work work, void* context, int parts) noexcept {
+  work_ = work;
+  context_ = context;
+  parts_ = parts;
+  unfinished_.store(parts, std::memory_order_relaxed);
+  const std::uint32_t round = round_.load(std::memory_order_relaxed) + 1;
+  const auto share = [&](std::size_t thread) { return static_cast<std::uint64_t>(parts) * thread / ranges_.size(); };
+  for (std::size_t thread = 0; thread < ranges_.size(); ++thread) {
+    ranges_[thread].ticket.store(std::uint64_t{round} << kRoundShift | share(thread + 1) << kEndShift | share(thread),
+                                 std::memory_order_release);
+  }
+  round_.store(round, std::memory_order_release);
+  if (ranges_.size() > 1) {
     round_.notify_all();
   }
-  work(context, 0, size_);
-  for (int looks = 0;; ++looks) {
-    const int unfinished = unfinished_.load(std::memory_order_acquire);
-    if (unfinished == 0) {
-      return;
-    }
-    if (looks < kLooksBeforeSleep) {
-      relax();
-    } else {
-      unfinished_.wait(unfinished, std::memory_order_acquire);
+  workOn(round, 0);
+  for (int left = unfinished_.load(std::memory_order_acquire); left > 0;
+       left = unfinished_.load(std::memory_order_acquire)) {
+    waitWhile(unfinished_, left);
+  }
+}
+
+void WorkerTeam::workOn(std::uint32_t round, std::size_t own) noexcept {
+  for (std::size_t turn = 0; turn < ranges_.size(); ++turn) {
+    std::atomic<std::uint64_t>& ticket = ranges_[(own + turn) % ranges_.size()].ticket;
+    std::uint64_t seen = ticket.load(std::memory_order_acquire);
+    while (seen >> kRoundShift == round && (seen & kPartMask) < (seen >> kEndShift & kPartMask)) {
+      if (ticket.compare_exchange_weak(seen, seen + 1, std::memory_order_acq_rel, std::memory_order_acquire)) {
+        work_(context_, static_cast<int>(seen & kPartMask), parts_);
+        if (unfinished_.fetch_sub(1, std::memory_order_acq_rel) == 1) {
+          unfinished_.notify_one();
+        }
+        seen = ticket.load(std::memory_order_acquire);
+      }
     }
   }
 }
 
-void WorkerTeam::serve(int part) noexcept {
+void WorkerTeam::serve(std::size_t own) noexcept {
   std::uint32_t seen = 0;
   for (;;) {
-    for (int looks = 0; round_.load(std::memory_order_acquire) == seen; ++looks) {
-      if (looks < kLooksBeforeSleep) {
-        relax();
-      } else {
-        round_.wait(seen, std::memory_order_acquire);
-      }
-    }
-    ++seen;
+    waitWhile(round_, seen);
+    seen = round_.load(std::memory_order_acquire);
     if (stop_) {
       return;
     }
-    work_(context_, part, size_);
-    if (unfinished_.fetch_sub(1, std::memory_order_acq_rel) == 1) {
-      unfinished_.notify_one();
-    }
+    workOn(seen, own);
   }
 }
 

@@ -7,7 +7,12 @@
 
 namespace haptolith {
 
-/// A few threads that share out a loop, and sleep between the loops. run() does not allocate, lock or throw.
+/// A few threads that share out the parts of a loop, and sleep between the loops. run() does not allocate, lock or
+/// throw.
+///
+/// Each thread works through a range of its own first, the same one in every loop, so that what it has in its cache is
+/// what it needs; then it takes parts that others have not come to. A thread whose core has been taken away so holds up
+/// nobody but by the part that it is in.
 class WorkerTeam {
  public:
   /// `threads` counts the caller, so 1 makes no thread at all.
@@ -16,22 +21,32 @@ class WorkerTeam {
   WorkerTeam(const WorkerTeam&) = delete;
   WorkerTeam& operator=(const WorkerTeam&) = delete;
 
-  [[nodiscard]] int size() const noexcept { return size_; }
+  [[nodiscard]] int size() const noexcept { return static_cast<int>(ranges_.size()); }
 
-  /// Calls `work(context, part, parts)` once for every part in 0..parts-1, part 0 on the calling thread, and returns
-  /// when all are done. May be called in the tick.
+  /// Calls `work(context, part, parts)` once for every part in 0..parts-1, on whichever thread, and returns when all
+  /// are done. May be called in the tick. @param parts  at most kMostParts.
   using Work = void (*)(void* context, int part, int parts) noexcept;
-  void run(Work work, void* context) noexcept;
+  void run(Work work, void* context, int parts) noexcept;
+
+  static constexpr int kMostParts = 0xFFFF;
 
  private:
-  void serve(int part) noexcept;
+  /// Parts that one thread begins with: number of the loop (32 bits), end (16), next (16), in one so that nobody takes
+  /// a part of a loop that is over.
+  struct alignas(64) Range {
+    std::atomic<std::uint64_t> ticket{0};
+  };
 
-  int size_;
+  void serve(std::size_t own) noexcept;
+  void workOn(std::uint32_t round, std::size_t own) noexcept;
+
+  std::vector<Range> ranges_;  // one for each thread
   std::vector<std::thread> threads_;
   Work work_ = nullptr;
   void* context_ = nullptr;
-  std::atomic<std::uint32_t> round_{0};
-  std::atomic<int> unfinished_{0};
+  int parts_ = 0;
+  alignas(64) std::atomic<std::uint32_t> round_{0};
+  alignas(64) std::atomic<int> unfinished_{0};
   std::atomic<bool> stop_{false};
 };
 
