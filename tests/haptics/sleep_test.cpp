@@ -33,6 +33,14 @@ BedParameters wide(int threads) {
   return bed;
 }
 
+std::size_t highest(const Bed& bed) {
+  const std::vector<Float4>& position = bed.state().position;
+  return static_cast<std::size_t>(std::max_element(position.begin(),
+                                                   position.begin() + static_cast<std::ptrdiff_t>(bed.particles()),
+                                                   [](const Float4& a, const Float4& b) { return a.z < b.z; }) -
+                                  position.begin());
+}
+
 /// A scene and a hand that stirs in it.
 struct Stirred {
   Scene scene;
@@ -82,6 +90,7 @@ float worstDisagreement(const BedState& state) {
 
 TEST(Sleep, WithThePapersFrictionEveryBitIsAsIfNobodySlept) {
   BedParameters parameters = sandbox(FrictionModel::kPaper);
+  parameters.width_m = parameters.length_m = 0.5;
   parameters.sleep_speed_m_s = 0;
   Stirred sleeping(parameters);
   parameters.sleep = false;
@@ -90,18 +99,20 @@ TEST(Sleep, WithThePapersFrictionEveryBitIsAsIfNobodySlept) {
   waking.restFor(1500);
   EXPECT_EQ(sleeping.scene.bed().awake(), 0U);
   std::size_t most = 0;
+  std::size_t least = sleeping.scene.bed().particles();
   double felt = 0;
   for (int tick = 0; tick < 4000; ++tick) {
     const Vec3 force = sleeping.tick();
     ASSERT_EQ(force, waking.tick()) << "tick " << tick;
     felt += force.norm();
     most = std::max(most, sleeping.scene.bed().awake());
+    least = tick > 2000 ? std::min(least, sleeping.scene.bed().awake()) : least;
     ASSERT_EQ(waking.scene.bed().awake(), waking.scene.bed().particles());
   }
   EXPECT_EQ(stateHash(sleeping.scene.bed().state()), stateHash(waking.scene.bed().state()));
   EXPECT_GT(felt, 100) << "nothing was stirred";
   EXPECT_GT(most, 100U);
-  EXPECT_LT(most, sleeping.scene.bed().particles()) << "nothing slept";
+  EXPECT_LT(least, sleeping.scene.bed().particles() / 2) << "nothing slept";
 }
 
 TEST(Sleep, WithPairwiseFrictionTheToolFeelsTheSameToRounding) {
@@ -229,20 +240,25 @@ TEST_P(Waking, AToolThatComesNearWakesWhatItMayTouch) {
 }
 
 TEST_P(Waking, WhoIsDrivenWakesOthersUntilItStands) {
-  const std::size_t top = bed().particles() - 1;
+  const std::size_t top = highest(bed());
   bed().drive(top, {0, 0, -0.05});
-  stirred_.restFor(100);
-  const std::size_t pressed = bed().awake();
-  EXPECT_GT(pressed, 2 * kGroup);
-  EXPECT_GT(bed().contactForce(top).z(), 1e-3);
-  bed().drive(top, {});
-  stirred_.restFor(3000);
-  EXPECT_LT(bed().awake(), pressed);
+  stirred_.restFor(1);
+  EXPECT_GE(bed().awake(), kGroup);
+  bool pressed = false;
+  for (int i = 0; i < 100; ++i) {
+    stirred_.restFor(1);
+    pressed = pressed || bed().contactForce(top).z() > 1e-3;
+  }
+  EXPECT_TRUE(pressed);
+  EXPECT_GT(bed().awake(), 2 * kGroup);
+  bed().drive(top, Vec3::Zero());
+  stirred_.restFor(5000);
+  EXPECT_EQ(bed().awake(), 0U);
 }
 
 TEST_P(Waking, WhatFallsOnThemWakesThemInTime) {
   // The highest is taken 60 mm up and let go: neither it nor those it falls on may sink into each other.
-  const std::size_t top = bed().particles() - 1;
+  const std::size_t top = highest(bed());
   const double dt = bed().parameters().tick_s / stirred_.scene.substeps();
   const int lifting = static_cast<int>(0.2 / dt);
   bed().drive(top, {0, 0, 0.3});
@@ -253,7 +269,10 @@ TEST_P(Waking, WhatFallsOnThemWakesThemInTime) {
   for (int i = 0; i < 5 * lifting; ++i) {
     stirred_.restFor(1);
     const Float4& p = bed().state().position[top];
-    for (std::size_t j = 0; j < top; ++j) {
+    for (std::size_t j = 0; j < bed().particles(); ++j) {
+      if (j == top) {
+        continue;
+      }
       const Float4& q = bed().state().position[j];
       deepest = std::min(deepest, static_cast<double>(std::hypot(p.x - q.x, p.y - q.y, p.z - q.z)) / diameter);
     }

@@ -10,6 +10,7 @@
 
 #include "haptolith/bed/bed_start.h"
 #include "haptolith/bed/critical_step.h"
+#include "haptolith/bed/spatial_order.h"
 #include "haptolith/core/clock.h"
 #include "haptolith/core/error.h"
 #include "haptolith/core/random.h"
@@ -153,7 +154,7 @@ const char* text(StepStatus status) noexcept {
 }
 
 Bed::Bed(const BedParameters& parameters, const SettleProgress& progress)
-    : Bed(parameters, startingCentres(parameters)) {
+    : Bed(parameters, inSpatialOrder(startingCentres(parameters), parameters.soil.radius_m)) {
   if (parameters.start == BedStart::kRain) {
     const int substeps = substepsFor(parameters.soil, 0, parameters.tick_s, parameters.max_substeps);
     const double dt_s = parameters.tick_s / substeps;

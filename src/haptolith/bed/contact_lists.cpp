@@ -1,6 +1,7 @@
 #include "haptolith/bed/contact_lists.h"
 
 #include <algorithm>
+#include <bit>
 
 namespace haptolith {
 
@@ -44,7 +45,8 @@ void ContactLists::setSlip(std::size_t i, std::uint32_t s, const Slip& slip) noe
   x[0] = slip.x;
   x[kGroup] = slip.y;
   x[2 * kGroup] = slip.z;
-  if (slip.x != 0 || slip.y != 0 || slip.z != 0) {
+  const auto bits = [](float value) { return std::bit_cast<std::uint32_t>(value); };
+  if ((bits(slip.x) | bits(slip.y) | bits(slip.z)) != 0) {  // a zero with a sign counts: it is to be cleared, too
     std::uint16_t& touched = touched_[i / kGroup];
     touched = std::max(touched, static_cast<std::uint16_t>(s + 1));
   }
