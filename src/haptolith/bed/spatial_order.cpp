@@ -3,68 +3,45 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstdint>
+#include <tuple>
 
 namespace haptolith {
 
 namespace {
 
-constexpr int kBits = 20;  // of a coordinate
+/// Edges of a cell of 16 spheres in a close packing: four in a row, two rows, two layers; in diameters.
+const Vec3 kCellDiameters(4, std::sqrt(3.0), 2 * std::sqrt(2.0 / 3));
 
-/// How far along the curve a cell is. In Skilling's algorithm the coordinates, as bits, are first turned as the curve
-/// turns from the coarsest cube down, then Gray-decoded; taken in turns their bits are the number.
-std::uint64_t alongCurve(std::array<std::uint32_t, 3> x) {
-  for (std::uint32_t bit = 1U << (kBits - 1); bit > 1; bit >>= 1) {
-    const std::uint32_t below = bit - 1;
-    for (std::uint32_t& axis : x) {
-      if ((axis & bit) != 0) {
-        x[0] ^= below;
-      } else {
-        const std::uint32_t exchanged = (x[0] ^ axis) & below;
-        x[0] ^= exchanged;
-        axis ^= exchanged;
-      }
-    }
-  }
-  x[1] ^= x[0];
-  x[2] ^= x[1];
-  std::uint32_t flips = 0;
-  for (std::uint32_t bit = 1U << (kBits - 1); bit > 1; bit >>= 1) {
-    flips ^= (x[2] & bit) != 0 ? bit - 1 : 0;
-  }
-  std::uint64_t number = 0;
-  for (int bit = kBits - 1; bit >= 0; --bit) {
-    for (const std::uint32_t axis : x) {
-      number = number << 1 | ((axis ^ flips) >> bit & 1);
-    }
-  }
-  return number;
-}
+struct Place {
+  std::array<int, 3> cell;  // z, y, x
+  std::size_t point;
+};
 
 }  // namespace
 
-std::vector<Vec3> inSpatialOrder(const std::vector<Vec3>& points_m, double cell_m) {
+std::vector<Vec3> inSpatialOrder(const std::vector<Vec3>& points_m, double radius_m) {
   if (points_m.empty()) {
     return {};
   }
   Vec3 lowest = points_m.front();
+  Vec3 highest = lowest;
   for (const Vec3& point : points_m) {
     lowest = lowest.cwiseMin(point);
+    highest = highest.cwiseMax(point);
   }
-  const auto cellOf = [&](double metres) {
-    return static_cast<std::uint32_t>(std::clamp(std::floor(metres / cell_m), 0.0, (1 << kBits) - 1.0));
-  };
-  struct Place {
-    std::uint64_t number;
-    std::size_t point;
-  };
+  const Vec3 edges = highest - lowest + Vec3::Constant(2 * radius_m);
+  // Of a close packing as loose as these points are.
+  const double diameter = std::cbrt(std::sqrt(2.0) * edges.prod() / static_cast<double>(points_m.size()));
+  lowest -= Vec3::Constant(diameter / 4);  // the lowest of a packing are well inside their cells
   std::vector<Place> places;
   for (std::size_t i = 0; i < points_m.size(); ++i) {
-    const Vec3 from_lowest = points_m[i] - lowest;
-    places.push_back({alongCurve({cellOf(from_lowest.x()), cellOf(from_lowest.y()), cellOf(from_lowest.z())}), i});
+    const Vec3 cell = (points_m[i] - lowest).cwiseQuotient(diameter * kCellDiameters);
+    places.push_back({{static_cast<int>(cell.z()), static_cast<int>(cell.y()), static_cast<int>(cell.x())}, i});
   }
-  std::ranges::sort(places, [](const Place& a, const Place& b) {
-    return a.number < b.number || (a.number == b.number && a.point < b.point);
+  std::ranges::sort(places, [&](const Place& a, const Place& b) {
+    const Vec3& p = points_m[a.point];
+    const Vec3& q = points_m[b.point];
+    return std::tie(a.cell, p.z(), p.y(), p.x(), a.point) < std::tie(b.cell, q.z(), q.y(), q.x(), b.point);
   });
   std::vector<Vec3> ordered;
   for (const Place& place : places) {
