@@ -30,6 +30,7 @@ struct OnTheShovel {
   explicit OnTheShovel(double depth_m, double excess_m = 0) {
     state.position = {
         {0, 0, static_cast<float>(0.0025 + kRadius_m + excess_m - depth_m), static_cast<float>(excess_m)}};
+    state.position.resize(kGroup, kGhost);
     state.velocity.resize(1);
     state.tool_side.resize(1);
     state.tool_slip.resize(1);

@@ -73,7 +73,9 @@ struct Crowd {
   static Vec3 vec(const Float4& f) { return {f.x, f.y, f.z}; }
 
   ToolReaction react(const ToolParameters& tool, const Pose& pose, const Twist& twist = {}) {
-    return applyToolContact(tool, pose, twist, soil, kTick_s, state, {side, state.tool_slip}, forces);
+    BedState whole = state;
+    whole.position.resize(paddedCount(state.particles()), kGhost);
+    return applyToolContact(tool, pose, twist, soil, kTick_s, whole, {side, state.tool_slip}, forces);
   }
   Wrench apply(const ToolParameters& tool, const Pose& pose, const Twist& twist = {}) {
     return react(tool, pose, twist).wrench;

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "haptolith/bed/friction-inl.h"
+#include "haptolith/tool/tool_box.h"
 #include "haptolith/tool/tool_shape.h"
 
 namespace haptolith {
@@ -125,33 +126,30 @@ class Encounter {
         radius_m_(soil.radius_m),
         dt_s_(dt_s),
         pairwise_(soil.friction == FrictionModel::kPairwise),
-        reach_m_(enclosingRadius(tool) + (1 + tool.adhesion_ratio) * soil.radius_m +
-                 (pairwise_ ? soil.size_spread * soil.radius_m + frictional_.reach() : 0)),
+        contact_m_((1 + tool.adhesion_ratio) * soil.radius_m +
+                   (pairwise_ ? soil.size_spread * soil.radius_m + frictional_.reach() : 0)),
+        around_m_(static_cast<float>(contact_m_ + kRounding_m)),
+        reach_m_(enclosingRadius(tool) + contact_m_),
+        box_(boxAround(tool, scene_T_tool)),
         rotation_(scene_T_tool.orientation.toRotationMatrix()) {}
 
   /// From the tool's origin to the centre of a particle it may touch.
   [[nodiscard]] double reach() const noexcept { return reach_m_; }
 
-  /// Meets particles first..last-1.
+  /// Meets particles first..last-1, a group or what there is of it. Who is further from the box around the tool than
+  /// contact reaches is not looked at more closely: it has let go of the tool, and forgets it.
   void meet(std::size_t first, std::size_t last, const BedState& state, const ToolMemory& memory,
             std::vector<Float4>& forces) noexcept {
-    const auto tool_x = static_cast<float>(pose_.position_m.x());
-    const auto tool_y = static_cast<float>(pose_.position_m.y());
-    const auto tool_z = static_cast<float>(pose_.position_m.z());
-    const auto reach_squared = static_cast<float>(reach_m_ * reach_m_);
+    const std::uint32_t near = nearBox(box_, around_m_, state.position.data() + first);
     for (std::size_t i = first; i < last; ++i) {
-      const Float4& p = state.position[i];
-      const float dx = p.x - tool_x;
-      const float dy = p.y - tool_y;
-      const float dz = p.z - tool_z;
-      forces[i] = {};
-      if (dx * dx + dy * dy + dz * dz > reach_squared) {
+      if ((near >> (i - first) & 1) != 0) {
+        forces[i] = meet(i, state, memory);
+      } else {
+        forces[i] = {};
         memory.side[i] = 0;
         if (pairwise_) {
           memory.slip[i] = {};
         }
-      } else {
-        forces[i] = meet(i, state, memory);
       }
     }
   }
@@ -193,7 +191,11 @@ class Encounter {
   FrictionalTool frictional_;
   double radius_m_, dt_s_;
   bool pairwise_;
+  static constexpr double kRounding_m = 2e-6;  // of the box's test, in single precision
+  double contact_m_;                           // from the tool's surface to the centre of a particle that feels it
+  float around_m_;
   double reach_m_;
+  ToolBox box_;
   Eigen::Matrix3d rotation_;
   ToolReaction reaction_;
 };
@@ -204,7 +206,9 @@ ToolReaction applyToolContact(const ToolParameters& tool, const Pose& scene_T_to
                               const SoilParameters& soil, double dt_s, const BedState& state, const ToolMemory& memory,
                               std::vector<Float4>& forces) noexcept {
   Encounter encounter(tool, scene_T_tool, twist, soil, dt_s);
-  encounter.meet(0, state.particles(), state, memory, forces);
+  for (std::size_t first = 0; first < state.particles(); first += kGroup) {
+    encounter.meet(first, std::min(first + kGroup, state.particles()), state, memory, forces);
+  }
   return encounter.reaction();
 }
 

@@ -37,7 +37,8 @@ struct ToolMemory {
 };
 
 /// The tool against all particles: writes their forces to `forces` and returns the reaction on the tool. Particles
-/// outside the tool's enclosing sphere are passed over without an exact test. May be called in the tick.
+/// further from the box around the tool than contact reaches are passed over without an exact test, 16 at a time. May
+/// be called in the tick.
 ///
 /// Soil with the paper's friction meets the tool as (paper 21) says. With pairwise friction the normal force is the
 /// same while they overlap, but damping never pulls, adhesion is the tool's own (as cohesion, see cohesionAcross()),

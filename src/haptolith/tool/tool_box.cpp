@@ -1,0 +1,90 @@
+#include "haptolith/tool/tool_box.h"
+
+#include <algorithm>
+#include <cmath>
+
+// clang-format off
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "haptolith/tool/tool_box.cpp"
+#include <hwy/foreach_target.h>  // before highway.h
+#include <hwy/highway.h>
+#include "haptolith/bed/records-inl.h"
+// clang-format on
+
+HWY_BEFORE_NAMESPACE();
+namespace haptolith::HWY_NAMESPACE {
+
+std::uint32_t nearBoxOf(const ToolBox& box, float reach_m, const Float4* group) {
+  const D d;
+  std::uint32_t near = 0;
+  for (std::size_t in_group = 0; in_group < kGroup; in_group += hn::Lanes(d)) {
+    const Records centre = loadInOrder(group + in_group);
+    const V x = centre.x - hn::Set(d, box.origin_m[0]);
+    const V y = centre.y - hn::Set(d, box.origin_m[1]);
+    const V z = centre.z - hn::Set(d, box.origin_m[2]);
+    V squared = hn::Zero(d);
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      const auto& a = box.axes[axis];
+      const V along = hn::MulAdd(x, hn::Set(d, a[0]), hn::MulAdd(y, hn::Set(d, a[1]), z * hn::Set(d, a[2])));
+      const V outside =
+          hn::Max(hn::Abs(along - hn::Set(d, box.middle_m[axis])) - hn::Set(d, box.half_edges_m[axis]), hn::Zero(d));
+      squared = hn::MulAdd(outside, outside, squared);
+    }
+    std::uint8_t bits[8] = {};
+    hn::StoreMaskBits(d, squared <= hn::Set(d, reach_m * reach_m), bits);
+    near |= (bits[0] | std::uint32_t{bits[1]} << 8) << in_group;
+  }
+  return near;
+}
+
+}  // namespace haptolith::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace haptolith {
+
+HWY_EXPORT(nearBoxOf);
+
+std::uint32_t nearBox(const ToolBox& box, float reach_m, const Float4* group) noexcept {
+  return HWY_DYNAMIC_DISPATCH(nearBoxOf)(box, reach_m, group);
+}
+
+namespace {
+
+/// Lowest and highest corner in the tool's frame.
+struct Corners {
+  Vec3 low, high;
+};
+Corners cornersOf(const ToolParameters& tool) noexcept {
+  const double r = tool.diameter_m / 2;
+  const auto around = [](const Vec3& half) { return Corners{-half, half}; };
+  switch (tool.shape) {
+    case ToolShape::kBox: return around(tool.size_m / 2);
+    case ToolShape::kSphere: return around({r, r, r});
+    case ToolShape::kPlate: return around({r, r, tool.thickness_m / 2});
+    case ToolShape::kCone: return {{-r, -r, 0}, {r, r, std::max(tool.length_m, r / std::tan(tool.cone_angle_rad / 2))}};
+    case ToolShape::kTube: {
+      const double outer = r + tool.thickness_m / 2;
+      return around({outer, outer, (tool.length_m + tool.thickness_m) / 2});
+    }
+  }
+  return around(Vec3::Constant(1e3));
+}
+
+std::array<float, 3> floats(const Vec3& v) noexcept {
+  return {static_cast<float>(v.x()), static_cast<float>(v.y()), static_cast<float>(v.z())};
+}
+
+}  // namespace
+
+ToolBox boxAround(const ToolParameters& tool, const Pose& scene_T_tool) noexcept {
+  const Corners corners = cornersOf(tool);
+  const Eigen::Matrix3d rotation = scene_T_tool.orientation.toRotationMatrix();
+  return {.origin_m = floats(scene_T_tool.position_m),
+          .axes = {floats(rotation.col(0)), floats(rotation.col(1)), floats(rotation.col(2))},
+          .middle_m = floats((corners.low + corners.high) / 2),
+          .half_edges_m = floats((corners.high - corners.low) / 2)};
+}
+
+}  // namespace haptolith
+#endif  // HWY_ONCE
