@@ -19,6 +19,7 @@ namespace {
 /// A bed of about `particles`, close-packed, in a square box half as deep as it is wide: 1.8 cm^3 a particle.
 BedParameters bedOf(std::int64_t particles) {
   BedParameters bed;
+  bed.sleep = false;  // or there would soon be nothing to measure
   if (particles == 256) {
     return bed;  // the paper's scene
   }

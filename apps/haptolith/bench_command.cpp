@@ -77,22 +77,28 @@ BedParameters sandbox(int particles, FrictionModel friction, int threads, std::o
   return bed;
 }
 
-/// Lets a bed come to rest, more or less: what moves afterwards moves by the shovel.
+/// Lets a bed come to rest, more or less: what moves afterwards moves by the shovel. If it may sleep, until it does.
 void settle(Scene& scene) {
   constexpr double kSettling_s = 0.3;
+  constexpr double kLongest_s = 5;
   Bed& bed = scene.bed();
   const double dt = bed.parameters().tick_s / scene.substeps();
-  for (const bool frictionless : {true, false}) {
-    bed.setSettling(frictionless && bed.parameters().soil.friction == FrictionModel::kPairwise);
-    for (int i = 0; i < kSettling_s / dt; ++i) {
+  const auto run = [&](double duration_s) {
+    double t = 0;
+    do {
       if (stopAsked()) {
         throw Failure("interrupted");
       }
       if (const StepStatus status = bed.step(dt); status != StepStatus::kOk) {
         throw Failure(fmt::format("the bed did not settle: {}", text(status)));
       }
-    }
-  }
+      t += dt;
+    } while (t < duration_s && bed.awake() > 0);
+  };
+  bed.setSettling(bed.parameters().soil.friction == FrictionModel::kPairwise);
+  run(kSettling_s);
+  bed.setSettling(false);
+  run(bed.parameters().sleep ? kLongest_s : kSettling_s);
 }
 
 BenchRow measure(const BenchOptions& options, int particles, FrictionModel friction, int threads, StatusLine& status) {

@@ -207,9 +207,10 @@ class Follower {
 
   [[nodiscard]] std::string statusText(const SceneSnapshot& now) const {
     const double wanted = scenario_.loop.duration_s;
-    return fmt::format("{}{}  force {:6.2f} N  tick p99 {:5.0f} us  in time {:5.1f} %  misses {}",
+    return fmt::format("{}{}  force {:6.2f} N  tick p99 {:5.0f} us  in time {:5.1f} %  misses {}  awake {}",
                        fmt::format("{:7.1f} s", now.time_s), wanted > 0 ? fmt::format(" of {:g} s", wanted) : "",
-                       now.felt.force_n.norm(), now.tick_us_p99, 100 * now.success_rate, now.deadline_misses);
+                       now.felt.force_n.norm(), now.tick_us_p99, 100 * now.success_rate, now.deadline_misses,
+                       now.awake);
   }
 
   const Scenario& scenario_;
@@ -279,7 +280,8 @@ std::string summaryText(const Scenario& scenario, const Scene& scene, const Hapt
   const Histogram& t = s.tickUs();
   return fmt::format(
       "{title}\n"
-      "  soil       {particles} macroparticles of {radius:g} mm, {soil}, g = {g:g} m/s2, {substeps} step(s) a tick\n"
+      "  soil       {particles} macroparticles of {radius:g} mm, {soil}, g = {g:g} m/s2, {substeps} step(s) a tick; in "
+      "the end {awake} awake\n"
       "  time       {time:.3f} s in {ticks} ticks: {end}\n"
       "  tick       mean {mean:.1f}  p50 {p50:.1f}  p99 {p99:.1f}  p99.9 {p999:.1f}  max {max:.1f} us ({simd}, "
       "{threads} "
@@ -289,12 +291,12 @@ std::string summaryText(const Scenario& scenario, const Scene& scene, const Hapt
       "  torque     mean {mmean:.4f}  p99 {mp99:.4f}  max {mmax:.4f} N m\n"
       "  state      {hash:016x}\n",
       fmt::arg("title", scenario.title), fmt::arg("particles", scene.bed().particles()),
-      fmt::arg("radius", 1e3 * scenario.bed.soil.radius_m), fmt::arg("soil", soilText(scenario)),
-      fmt::arg("g", scenario.bed.gravity_m_s2.norm()), fmt::arg("substeps", scene.substeps()),
-      fmt::arg("time", loop.time()), fmt::arg("ticks", s.ticks()), fmt::arg("end", text(summary.end)),
-      fmt::arg("mean", t.mean()), fmt::arg("p50", t.percentile(0.5)), fmt::arg("p99", t.percentile(0.99)),
-      fmt::arg("p999", t.percentile(0.999)), fmt::arg("max", t.max()), fmt::arg("simd", simdTarget()),
-      fmt::arg("threads", scenario.bed.threads), fmt::arg("misses", s.deadlineMisses()),
+      fmt::arg("awake", scene.bed().awake()), fmt::arg("radius", 1e3 * scenario.bed.soil.radius_m),
+      fmt::arg("soil", soilText(scenario)), fmt::arg("g", scenario.bed.gravity_m_s2.norm()),
+      fmt::arg("substeps", scene.substeps()), fmt::arg("time", loop.time()), fmt::arg("ticks", s.ticks()),
+      fmt::arg("end", text(summary.end)), fmt::arg("mean", t.mean()), fmt::arg("p50", t.percentile(0.5)),
+      fmt::arg("p99", t.percentile(0.99)), fmt::arg("p999", t.percentile(0.999)), fmt::arg("max", t.max()),
+      fmt::arg("simd", simdTarget()), fmt::arg("threads", scenario.bed.threads), fmt::arg("misses", s.deadlineMisses()),
       fmt::arg("success", 100 * s.successRate()), fmt::arg("scheduler", summary.real_time.scheduler),
       fmt::arg("locked", summary.real_time.memory_locked ? "locked" : "not locked"),
       fmt::arg("fmean", s.forceN().mean()), fmt::arg("fp99", s.forceN().percentile(0.99)),

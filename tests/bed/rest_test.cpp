@@ -117,7 +117,7 @@ double roundingEnergy(std::size_t particles) {
 TEST(Energy, NeverGrowsInABedThatNobodyTouches) {
   for (const Preset& preset : presets()) {
     SCOPED_TRACE(preset.name);
-    BedParameters parameters;
+    BedParameters parameters = p4();
     parameters.soil = preset.soil;
     Bed bed(parameters);
     EXPECT_LT(largestRise(bed, 2000, kTick_s), roundingEnergy(bed.particles()));

@@ -4,6 +4,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <memory>
+#include <string>
 #include <vector>
 
 #include "haptolith/device/virtual_hand.h"
@@ -163,22 +165,27 @@ TEST(Sleep, ThirdLawHoldsThroughSleepingAndWaking) {
 TEST(Sleep, IsTheSameForAnyNumberOfThreadsAndAfterRestoring) {
   std::vector<std::uint64_t> expected;
   for (const int threads : {1, 2, 3}) {
-    Stirred stirred(wide(threads));
-    ASSERT_GT(stirred.scene.bed().particles(), 3U * 512);
-    stirred.restFor(2500);
+    auto stirred = std::make_unique<Stirred>(wide(threads));
+    ASSERT_GT(stirred->scene.bed().particles(), 3U * 512);
+    stirred->restFor(2500);
     std::vector<std::uint64_t> hashes;
     for (int tick = 0; tick < 2500; ++tick) {
-      if (threads == 3 && tick == 1200) {
-        const BedState saved = deserialiseBedState(serialise(stirred.scene.bed().state()));
-        const std::size_t awake = stirred.scene.bed().awake();
-        stirred.scene.bed().restore(saved);
-        stirred.restFor(0);
-        EXPECT_LT(awake, stirred.scene.bed().particles());
+      if (threads == 3 && tick == 1200) {  // into a bed that is all awake, with a hand that has come as far
+        const std::string saved = serialise(stirred->scene.bed().state());
+        EXPECT_LT(stirred->scene.bed().awake(), stirred->scene.bed().particles());
+        auto other = std::make_unique<Stirred>(wide(2));
+        for (int i = 0; i < 1200; ++i) {
+          other->hand.write({});
+          const DeviceInput input = other->hand.read();
+          other->scene.placeTool(input.scene_T_tool);
+        }
+        other->scene.bed().restore(deserialiseBedState(saved));
+        stirred = std::move(other);
       }
-      stirred.tick();
+      stirred->tick();
       if (tick % 100 == 99) {
-        hashes.push_back(stateHash(stirred.scene.bed().state()));
-        hashes.push_back(stirred.scene.bed().awake());
+        hashes.push_back(stateHash(stirred->scene.bed().state()));
+        hashes.push_back(stirred->scene.bed().awake());
       }
     }
     expected = expected.empty() ? hashes : expected;
@@ -265,20 +272,57 @@ TEST_P(Waking, WhatFallsOnThemWakesThemInTime) {
   stirred_.restFor(lifting);
   bed().release(top);
   double deepest = 1;
+  std::size_t moved = 0;
+  const BedState before = bed().state();
   const double diameter = 2 * bed().parameters().soil.radius_m;
   for (int i = 0; i < 5 * lifting; ++i) {
     stirred_.restFor(1);
     const Float4& p = bed().state().position[top];
     for (std::size_t j = 0; j < bed().particles(); ++j) {
-      if (j == top) {
-        continue;
-      }
       const Float4& q = bed().state().position[j];
-      deepest = std::min(deepest, static_cast<double>(std::hypot(p.x - q.x, p.y - q.y, p.z - q.z)) / diameter);
+      if (j != top) {
+        deepest = std::min(deepest, static_cast<double>(std::hypot(p.x - q.x, p.y - q.y, p.z - q.z)) / diameter);
+      }
     }
+  }
+  for (std::size_t j = 0; j < bed().particles(); ++j) {
+    const Float4& p = before.position[j];
+    const Float4& q = bed().state().position[j];
+    moved += j != top && std::hypot(p.x - q.x, p.y - q.y, p.z - q.z) > 1e-6 ? 1 : 0;
   }
   EXPECT_LT(deepest, 1) << "it fell on nobody";
   EXPECT_GT(deepest, 0.75);
+  EXPECT_GT(moved, 0U) << "those it fell on slept on";
+}
+
+TEST_P(Waking, WhoIsHeldInTheAirAndLetGoFalls) {
+  const std::size_t top = highest(bed());
+  const int lifting = static_cast<int>(0.2 / (bed().parameters().tick_s / stirred_.scene.substeps()));
+  bed().drive(top, {0, 0, 0.3});
+  stirred_.restFor(lifting);
+  for (int turn = 0; turn < 64; ++turn) {  // whenever in the sleepers' round it is let go
+    bed().drive(top, Vec3::Zero());
+    stirred_.restFor(3 * lifting + 1);
+    ASSERT_EQ(bed().awake(), 0U) << "it may sleep while it is held";
+    const float height = bed().state().position[top].z;
+    bed().release(top);
+    stirred_.restFor(20);
+    EXPECT_LT(bed().state().position[top].z, height) << turn;
+    EXPECT_GT(bed().largestSpeed(), 1e-3);
+  }
+}
+
+TEST_P(Waking, FrictionThatIsSwitchedOffAndAWishWake) {
+  bed().setSettling(true);
+  stirred_.restFor(1);
+  EXPECT_EQ(bed().awake(), bed().particles());
+  bed().setSettling(false);
+  stirred_.restFor(6000);
+  EXPECT_EQ(bed().awake(), 0U);
+  bed().wake(0);
+  stirred_.restFor(1);
+  EXPECT_GE(bed().awake(), kGroup);
+  EXPECT_LT(bed().awake(), bed().particles());
 }
 
 INSTANTIATE_TEST_SUITE_P(Frictions, Waking, testing::Values(FrictionModel::kPaper, FrictionModel::kPairwise));

@@ -37,12 +37,13 @@ double longestSettling(const BedParameters& bed, double height_m, double dt_s) {
   return 60 + 3 * sinkingTime(bed.soil, bed.gravity_m_s2.norm(), height_m, dt_s);
 }
 
-/// What rests has done so for this long, and has not gone further than at the speed of rest in that time.
+/// For so long, about, nothing must have stirred: counted in steps of the bed alone, which a tool may make shorter.
 constexpr double kRest_s = 0.1;
+/// What has gone further than it goes at the speed of rest in this time has stirred, however slowly it went.
 constexpr double kCreep_s = 0.02;
 
 RestRule restRule(const BedParameters& bed) {
-  const double dt_s = bed.tick_s / substepsFor(bed.soil, 0, bed.tick_s, bed.max_substeps);
+  const double dt_s = std::min(bed.tick_s, 1 / highestFrequency(bed.soil, 0));
   const auto speed = static_cast<float>(bed.sleep_speed_m_s);
   return {.sleep = bed.sleep,
           .speed_m_s = speed,
@@ -60,20 +61,22 @@ const BedParameters& validated(const BedParameters& parameters) {
   return parameters;
 }
 
+int usefulThreads(const BedParameters& bed, std::size_t particles) {
+  return std::clamp(static_cast<int>(particles / particlesPerThread(bed.soil.friction)), 1, bed.threads);
+}
+
 /// A loop is shared out in so many parts that a thread whose core is taken away holds up the others by little.
 int mostParts(int threads) {
-  constexpr int kPartsPerThread = 16;
+  constexpr int kPartsPerThread = 32;
   return threads == 1 ? 1 : kPartsPerThread * threads;
 }
 
 /// Parts for so many groups: none so small that taking it costs more than a hundredth of it.
-int partsFor(std::size_t groups, int threads) {
-  constexpr std::size_t kGroupsPerPart = 16;
-  return std::clamp(static_cast<int>(groups / kGroupsPerPart), 1, mostParts(threads));
-}
-
-int usefulThreads(const BedParameters& bed, std::size_t particles) {
-  return std::clamp(static_cast<int>(particles / particlesPerThread(bed.soil.friction)), 1, bed.threads);
+int partsFor(const BedParameters& bed, std::size_t groups, int threads) {
+  constexpr std::size_t kGroupsPerPart = 8;
+  return usefulThreads(bed, groups * kGroup) == 1
+             ? 1
+             : std::clamp(static_cast<int>(groups / kGroupsPerPart), 1, mostParts(threads));
 }
 
 /// How much the largest particle's radius exceeds the mean, in m.
@@ -217,7 +220,7 @@ Bed::Bed(const BedParameters& parameters, const std::vector<Vec3>& centres_m)
 StepStatus Bed::step(double dt_s) noexcept {
   now_ = constantsFor(dt_s);
   wakefulness_.listAwake();  // somebody may have been woken since the last step
-  parts_ = partsFor(wakefulness_.awake().size(), team_.size());
+  parts_ = partsFor(parameters_, wakefulness_.awake().size(), team_.size());
   team_.run([](void* bed, int part, int parts) noexcept { static_cast<Bed*>(bed)->stepPart(part, parts); }, this,
             parts_);
   state_.position.swap(next_position_);
@@ -352,6 +355,9 @@ void Bed::setGravity(const Vec3& gravity_m_s2) noexcept {
 }
 
 void Bed::drive(std::size_t particle, const Vec3& velocity_m_s) noexcept {
+  if (driven_ == 0) {
+    wakefulness_.wakeAll(state_);  // from now on somebody may ask for contactForce()
+  }
   driven_ += isDriven(particle) ? 0 : 1;
   wake(particle);
   state_.velocity[particle] = {narrow<float>(velocity_m_s.x()), narrow<float>(velocity_m_s.y()),
@@ -375,11 +381,11 @@ void Bed::settle(double dt_s, double longest_s, const SettleProgress& progress) 
   const double falling_m_s = std::sqrt(4 * parameters_.gravity_m_s2.norm() * parameters_.soil.radius_m);
   const double at_rest_m_s = isPairwise() ? std::max(1e-4, 1e-3 * falling_m_s) : 1e-4;
   constexpr int kStepsBetweenLooks = 100;
-  friction_on_ = false;
+  setSettling(true);
   const struct FrictionAgain {  // however this ends
-    bool& on;
-    ~FrictionAgain() { on = true; }
-  } friction_again{friction_on_};
+    Bed& bed;
+    ~FrictionAgain() { bed.setSettling(false); }
+  } friction_again{*this};
   double time_s = 0;
   double speed = 0;
   do {
@@ -400,6 +406,7 @@ void Bed::settle(double dt_s, double longest_s, const SettleProgress& progress) 
       throw Failure(fmt::format("interrupted while the bed settled, after {:.1f} s of simulated time", time_s));
     }
   } while (speed > at_rest_m_s);
+  wakefulness_.wakeAll(state_);
   for (std::size_t i = 0; i < particles(); ++i) {
     state_.velocity[i] = isDriven(i) ? state_.velocity[i] : Float4{};
   }
@@ -439,8 +446,10 @@ double Bed::energy() const {
         apart.x() -= box_.periods.width * std::round(apart.x() * box_.periods.per_width);
         apart.y() -= box_.periods.length * std::round(apart.y() * box_.periods.per_length);
         energy += contactEnergy(pair, apart.norm() - excess - state_.position[j].w);
-        if (isPairwise()) {
-          const Slip slip = state_.contacts.slip(i, s);
+        if (isPairwise()) {  // of the side that is awake
+          const bool other_side = state_.rested[i / kGroup] == BedState::kAsleep;
+          const Slip slip = other_side ? state_.contacts.slip(j, state_.contacts.find(j, narrow<std::int32_t>(i)))
+                                       : state_.contacts.slip(i, s);
           energy += pairwise_law_.stiffness / 2 * Vec3(slip.x, slip.y, slip.z).squaredNorm();
         }
       }
@@ -460,6 +469,10 @@ double Bed::energy() const {
 double Bed::largestSpeed(std::size_t first, std::size_t last) const noexcept {
   float largest = 0;
   for (std::size_t i = first; i < last; ++i) {
+    if (state_.rested[i / kGroup] == BedState::kAsleep) {
+      i += kGroup - 1 - i % kGroup;
+      continue;
+    }
     const Float4& v = state_.velocity[i];
     largest = v.w == 0 ? std::max(largest, v.x * v.x + v.y * v.y + v.z * v.z) : largest;
   }
@@ -573,9 +586,6 @@ void Bed::restore(const BedState& state) {
   next_position_ = state_.position;  // who sleeps stands in both
   next_velocity_ = state_.velocity;
   wakefulness_.takeOver(state_);
-  if (!parameters_.sleep) {
-    wakefulness_.wakeAll(state_);
-  }
 }
 
 }  // namespace haptolith

@@ -46,7 +46,7 @@ class Bed {
 
   /// Groups of particles of which some may lie within `radius_m` of a point, and those it returned the time before, in
   /// ascending order: who puts forces on what is near a tool takes back those on what it has left. Valid until the next
-  /// call. They are awake, and stay so until the next call. May be called in the tick.
+  /// call. All of them are woken, and those near stay awake until the next call. May be called in the tick.
   [[nodiscard]] std::span<const std::uint32_t> groupsNear(const Vec3& centre_m, double radius_m) noexcept;
 
   /// One semi-implicit step of `dt_s`: forces at the present positions, velocities, then positions. May be called in
@@ -72,7 +72,8 @@ class Bed {
 
   [[nodiscard]] bool isDriven(std::size_t particle) const noexcept { return state_.velocity[particle].w != 0; }
 
-  /// Force of its neighbours on a particle in the last step, in N, scene frame; kept while any particle is driven.
+  /// Force of its neighbours on a particle in the last step that it was awake, in N, scene frame; kept while any
+  /// particle is driven.
   [[nodiscard]] Vec3 contactForce(std::size_t particle) const noexcept;
 
   /// Lets the particles fall and come to rest without friction, then stops them where they are and sets the step count
@@ -92,7 +93,7 @@ class Bed {
   [[nodiscard]] double surfaceHeight() const noexcept;
 
   [[nodiscard]] std::size_t particles() const noexcept { return state_.particles(); }
-  /// How many of them are worked on, counted in whole groups: see Wakefulness.
+  /// How many of them the last step left awake, counted in whole groups: see Wakefulness.
   [[nodiscard]] std::size_t awake() const noexcept {
     return std::min(particles(), wakefulness_.awake().size() * kGroup);
   }
@@ -142,7 +143,7 @@ class Bed {
   Neighbourhood neighbourhood_;
   Wakefulness wakefulness_;
   std::vector<Wakefulness::Found> found_by_part_;
-  std::vector<std::uint64_t> near_now_, near_before_;  ///< groupsNear(), a bit for each group
+  std::vector<std::uint64_t> near_now_, near_before_;  ///< groupsNear(), a bit for each group; those before stay awake
   std::vector<std::uint32_t> near_groups_;
   std::vector<std::int32_t> moved_;  ///< who has left its place in this step: each part's from its first particle on
   WorkerTeam team_;

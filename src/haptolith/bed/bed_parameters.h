@@ -32,8 +32,9 @@ struct BedParameters {
   std::uint64_t seed = 1;  ///< kRain
 
   /// Whether soil at rest is left alone until something near it stirs (Wakefulness); what moves faster than this is not
-  /// at rest, nor what has crept further than it goes at that speed in 20 ms. The default is so slow that the position
-  /// does not change in its last digit; digging in large beds wants a thousand times that.
+  /// at rest, nor what has crept further than it goes at that speed in 20 ms. The default is so slow that hardly a
+  /// position changes in its last digit; digging in large beds wants a thousand times that. At 0 only what stands quite
+  /// still sleeps, as soil with the paper's friction does, and no bit changes.
   bool sleep = true;
   double sleep_speed_m_s = 1e-6;
 

@@ -28,7 +28,7 @@ bool forEachEntry(std::size_t group, const ContactLists& lists, Each each) {
 }
 
 Slip opposite(const Slip& slip) noexcept {
-  return {-slip.x, -slip.y, -slip.z};
+  return {0 - slip.x, 0 - slip.y, 0 - slip.z};  // of zero it is zero without a sign
 }
 
 }  // namespace
@@ -62,7 +62,7 @@ Wakefulness::Found Wakefulness::count(std::size_t first, std::size_t last, const
         found.stirring[found.stirring_count++] = group;
       }
       rested = 0;
-    } else if (rested < rule_.steps) {
+    } else if (rested < tired()) {
       ++rested;
     } else if (its_turn) {
       found.tired[found.tired_count++] = group;
@@ -112,7 +112,7 @@ void Wakefulness::wake(std::size_t group, BedState& state) noexcept {
   if (!asleep(state, group)) {
     return;
   }
-  state.rested[group] = rule_.steps;  // it may sleep again at its next turn
+  state.rested[group] = rule_.steps;  // at rest, but it has a turn's time to begin to move
   awake_bits_[group / kBits] |= std::uint64_t{1} << (group % kBits);
   changed_ = true;
   ContactLists& lists = state.contacts;
@@ -193,7 +193,18 @@ void Wakefulness::listAwake() noexcept {
   awake_[awake_count_] = static_cast<std::uint32_t>(moving_.size());
 }
 
-void Wakefulness::takeOver(const BedState& state) noexcept {
+void Wakefulness::takeOver(BedState& state) noexcept {
+  // It may come from a bed in which rest takes another time: nobody sleeps beside what does not rest here.
+  for (std::size_t group = 0; group < moving_.size(); ++group) {
+    std::uint16_t& rested = state.rested[group];
+    rested = rested == BedState::kAsleep ? rested : std::min<std::uint16_t>(rested, tired());
+    const bool beside_unrest = asleep(state, group) && !forEachEntry(group, state.contacts, [&](auto, auto, auto j) {
+                                 return state.rested[j / kGroup] >= rule_.steps;
+                               });
+    if (!rule_.sleep || beside_unrest) {
+      wake(group, state);
+    }
+  }
   for (std::size_t group = 0; group < moving_.size(); ++group) {
     const std::uint64_t bit = std::uint64_t{1} << (group % kBits);
     std::uint64_t& word = awake_bits_[group / kBits];

@@ -13,7 +13,7 @@ struct RestRule {
   bool sleep = true;        ///< whether what rests is left alone at all
   float speed_m_s = 0;      ///< what moves faster does not rest,
   float distance_m = 0;     ///< nor what is further from where it was when it came to rest,
-  std::uint16_t steps = 0;  ///< and rest must have lasted this many steps, at least kTurn
+  std::uint16_t steps = 0;  ///< and rest must have lasted this many steps
 };
 
 /// Which groups of particles are worked on.
@@ -72,11 +72,14 @@ class Wakefulness {
   void listAwake() noexcept;
 
   /// Goes on with another state.
-  void takeOver(const BedState& state) noexcept;
+  void takeOver(BedState& state) noexcept;
 
   [[nodiscard]] std::size_t bytes() const noexcept;
 
  private:
+  /// Steps of rest after which a group may sleep: a turn more than makes it one that rests, so that what has just been
+  /// woken, or has lost its hold, has the time to begin to move.
+  [[nodiscard]] std::uint16_t tired() const noexcept { return static_cast<std::uint16_t>(rule_.steps + kTurn); }
   [[nodiscard]] bool hasCrept(std::size_t group, const std::vector<Float4>& position, BedState& state) const noexcept;
   [[nodiscard]] bool maySleep(std::size_t group, const BedState& state) const noexcept;
   void sleep(std::size_t group, const Records& records) noexcept;

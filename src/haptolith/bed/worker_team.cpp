@@ -1,12 +1,15 @@
 #include "haptolith/bed/worker_team.h"
 
+#include "haptolith/core/clock.h"
+
 namespace haptolith {
 
 namespace {
 
-/// Looks this often before going to sleep: about 20 us, longer than the gap between two substeps of one tick, much
-/// shorter than a tick, so that nobody burns a core that somebody else could use.
-constexpr int kLooksBeforeSleep = 400;
+/// Looks so long before going to sleep: longer than the gap between two substeps of one tick, for it takes some 100 us
+/// to be woken; much shorter than a tick, so that nobody burns a core that somebody else could use.
+constexpr std::int64_t kLooking_ns = 50'000;
+constexpr int kLooksBetweenClocks = 64;
 
 inline void relax() noexcept {
 #if defined(__x86_64__)
@@ -17,11 +20,15 @@ inline void relax() noexcept {
 /// Waits until `value` is no longer `old`.
 template <class T>
 void waitWhile(const std::atomic<T>& value, T old) noexcept {
-  for (int looks = 0; value.load(std::memory_order_acquire) == old; ++looks) {
-    if (looks < kLooksBeforeSleep) {
-      relax();
-    } else {
-      value.wait(old, std::memory_order_acquire);
+  std::int64_t until_ns = 0;
+  for (int looks = 1; value.load(std::memory_order_acquire) == old; ++looks) {
+    relax();
+    if (looks % kLooksBetweenClocks == 0) {
+      const std::int64_t now_ns = monotonicNs();
+      until_ns = until_ns == 0 ? now_ns + kLooking_ns : until_ns;
+      if (now_ns >= until_ns) {
+        value.wait(old, std::memory_order_acquire);
+      }
     }
   }
 }
@@ -48,6 +55,12 @@ WorkerTeam::~WorkerTeam() {
 }
 
 void WorkerTeam::run(Work work, void* context, int parts) noexcept {
+  if (ranges_.size() == 1 || parts == 1) {
+    for (int part = 0; part < parts; ++part) {
+      work(context, part, parts);
+    }
+    return;
+  }
   work_ = work;
   context_ = context;
   parts_ = parts;
@@ -59,9 +72,7 @@ void WorkerTeam::run(Work work, void* context, int parts) noexcept {
                                  std::memory_order_release);
   }
   round_.store(round, std::memory_order_release);
-  if (ranges_.size() > 1) {
-    round_.notify_all();
-  }
+  round_.notify_all();
   workOn(round, 0);
   for (int left = unfinished_.load(std::memory_order_acquire); left > 0;
        left = unfinished_.load(std::memory_order_acquire)) {

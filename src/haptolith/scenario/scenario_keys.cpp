@@ -167,7 +167,8 @@ std::vector<ScenarioKey> allKeys() {
        "Whether soil at rest is left alone until something near it stirs."},
       {"bed", "sleep_speed_m_s", "sleep_speed_m_s",
        NumberValue{{0, 1}, [](S& s, double v) { s.bed.sleep_speed_m_s = v; }},
-       "What moves faster is not at rest. The default changes nothing; 0.001 lets far more of a large bed sleep."},
+       "What moves faster is not at rest. 0 changes no bit, the default next to nothing, and 0.001 lets far more of a "
+       "large bed sleep."},
       {"bed", "threads", "threads",
        CountValue{{1, 256}, [](S& s, std::int64_t v) { s.bed.threads = static_cast<int>(v); }},
        "Threads that share a tick; the result is the same for any number."},
