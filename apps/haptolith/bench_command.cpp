@@ -11,6 +11,7 @@
 #include <string>
 #include <vector>
 
+#include "haptolith/bed/bed_start.h"
 #include "haptolith/bed/simd_target.h"
 #include "haptolith/core/clock.h"
 #include "haptolith/core/error.h"
@@ -56,8 +57,7 @@ struct BenchRow {
   [[nodiscard]] double particleStepsPerSecond() const { return awake * substeps / (1e-6 * tick_us.mean()); }
 };
 
-/// A sandbox: as wide as it has to be, half as deep as wide and not deeper than a hand reaches; about `particles` of P3
-/// or of lunar-0-15cm, on the Moon.
+/// A sandbox of about `particles` of P3 or of lunar-0-15cm, on the Moon.
 BedParameters sandbox(int particles, FrictionModel friction, int threads, std::optional<double> sleep_speed_m_s) {
   BedParameters bed;
   bed.sleep = sleep_speed_m_s.has_value();
@@ -68,13 +68,7 @@ BedParameters sandbox(int particles, FrictionModel friction, int threads, std::o
   if (particles == 256 && !pairwise) {
     return bed;  // the paper's scene
   }
-  constexpr double kVolume_m3 = 2e-6;  // of a macroparticle of 7 mm and its share of the gaps
-  constexpr double kDeepest_m = 0.12;
-  const double volume = particles * kVolume_m3;
-  bed.depth_m = std::min(std::cbrt(volume / 4), kDeepest_m);
-  bed.width_m = bed.length_m = std::sqrt(volume / bed.depth_m);
-  bed.start = BedStart::kPacked;
-  return bed;
+  return withRoomFor(particles, bed);
 }
 
 /// Lets a bed come to rest, more or less: what moves afterwards moves by the shovel. If it may sleep, until it does.
@@ -204,7 +198,7 @@ void drawBench(const std::string& path, const std::vector<BenchRow>& rows) {
     const std::string name = fmt::format("curve{}", i);
     figure.data(name, points);
     plot += fmt::format(
-        ", ${0} using 1:2:3:3 with yerrorlines pointtype 7 linewidth 2 linecolor rgb '{1}' title '{2}, {3} thread{4}'",
+        ", ${0} using 1:2:2:3 with yerrorlines pointtype 7 linewidth 2 linecolor rgb '{1}' title '{2}, {3} thread{4}'",
         name, colours[i % 4], wordFor(kFrictionWords, what.first), what.second, what.second == 1 ? "" : "s");
     ++i;
   }

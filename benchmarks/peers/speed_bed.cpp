@@ -14,6 +14,7 @@
 #include <string>
 
 #include "haptolith/bed/bed.h"
+#include "haptolith/bed/bed_start.h"
 #include "haptolith/bed/critical_step.h"
 #include "haptolith/core/clock.h"
 #include "haptolith/core/error.h"
@@ -32,10 +33,7 @@ BedParameters sandbox(int particles, FrictionModel friction, int threads) {
   bed.sleep = false;
   bed.threads = threads;
   bed.start = BedStart::kPacked;
-  const double volume = particles * 2e-6;
-  bed.depth_m = std::min(std::cbrt(volume / 4), 0.12);
-  bed.width_m = bed.length_m = std::sqrt(volume / bed.depth_m);
-  return bed;
+  return withRoomFor(particles, bed);
 }
 
 void step(Bed& bed, double dt_s, long steps) {
@@ -85,6 +83,9 @@ int run(int argc, char** argv) {
     return 2;
   }
   const std::string friction = argv[2];
+  if (friction != "paper" && friction != "pairwise") {
+    throw InvalidParameter("friction", friction, "paper or pairwise");
+  }
   const std::string folder = argv[4];
   Bed bed(sandbox(std::stoi(argv[1]), friction == "paper" ? FrictionModel::kPaper : FrictionModel::kPairwise,
                   std::stoi(argv[3])));

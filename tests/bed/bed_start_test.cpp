@@ -198,5 +198,17 @@ TEST(RainStart, DropsApartInsideTheWallsAndDependsOnTheSeedAlone) {
   EXPECT_NE(startingCentres(bed), centres);
 }
 
+TEST(Sandbox, HasRoomForAboutAsManyAsAskedFor) {
+  for (const double radius_m : {0.002, 0.007}) {
+    for (const int particles : {1000, 20'000}) {
+      BedParameters bed;
+      bed.soil.radius_m = radius_m;
+      const BedParameters sandbox = withRoomFor(particles, bed);
+      EXPECT_NEAR(static_cast<double>(startingCentres(sandbox).size()) / particles, 1, 0.15);
+      EXPECT_LE(sandbox.depth_m, 0.12);
+    }
+  }
+}
+
 }  // namespace
 }  // namespace haptolith

@@ -226,4 +226,14 @@ std::vector<Vec3> startingCentres(const BedParameters& bed) {
   return {};
 }
 
+BedParameters withRoomFor(int particles, BedParameters bed) {
+  constexpr double kVolumePerCubedRadius = 5.83;  // of a particle and its share of the gaps, walls' included
+  constexpr double kDeepest_m = 0.12;
+  const double volume = particles * kVolumePerCubedRadius * std::pow(bed.soil.radius_m, 3);
+  bed.start = BedStart::kPacked;
+  bed.depth_m = std::min(std::cbrt(volume / 4), kDeepest_m);
+  bed.width_m = bed.length_m = std::sqrt(volume / bed.depth_m);
+  return bed;
+}
+
 }  // namespace haptolith

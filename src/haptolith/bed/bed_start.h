@@ -15,4 +15,7 @@ namespace haptolith {
 /// @throws InvalidParameter when the particles do not fit.
 [[nodiscard]] std::vector<Vec3> startingCentres(const BedParameters& bed);
 
+/// The bed as a packed sandbox for about so many particles: half as deep as wide, but no deeper than a hand reaches.
+[[nodiscard]] BedParameters withRoomFor(int particles, BedParameters bed);
+
 }  // namespace haptolith
