@@ -19,8 +19,6 @@
 #include "haptolith/figure/figure.h"
 #include "haptolith/haptics/haptic_loop.h"
 #include "haptolith/scenario/scene_words.h"
-#include "haptolith/scenario/soil_file.h"
-#include "haptolith/soil/presets.h"
 
 #include "lab_options.h"
 #include "output.h"
@@ -33,6 +31,7 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 struct BenchOptions {
+  LabOptions soil;  ///< which soil, and of how large macroparticles
   std::vector<int> particles{256, 2000, 10'000, 100'000, 200'000};
   std::vector<FrictionModel> friction{FrictionModel::kPaper, FrictionModel::kPairwise};
   std::vector<int> threads{1, 2};
@@ -57,18 +56,16 @@ struct BenchRow {
   [[nodiscard]] double particleStepsPerSecond() const { return awake * substeps / (1e-6 * tick_us.mean()); }
 };
 
-/// A sandbox of about `particles` of P3 or of lunar-0-15cm, on the Moon.
-BedParameters sandbox(int particles, FrictionModel friction, int threads, std::optional<double> sleep_speed_m_s) {
+/// A sandbox of about `particles` on the Moon; 256 of 7 mm are the paper's scene.
+BedParameters sandbox(const BenchOptions& options, int particles, FrictionModel friction, int threads) {
   BedParameters bed;
-  bed.sleep = sleep_speed_m_s.has_value();
-  bed.sleep_speed_m_s = sleep_speed_m_s.value_or(0);
-  const bool pairwise = friction == FrictionModel::kPairwise;
-  bed.soil = pairwise ? findSoil("lunar-0-15cm").soil : findPreset("P3").soil;
+  bed.sleep = options.sleep_speed_m_s.has_value();
+  bed.sleep_speed_m_s = options.sleep_speed_m_s.value_or(0);
+  bed.soil = labSoil(options.soil, 0).soil;
+  bed.soil.friction = friction;
   bed.threads = threads;
-  if (particles == 256 && !pairwise) {
-    return bed;  // the paper's scene
-  }
-  return withRoomFor(particles, bed);
+  const bool paper_scene = particles == 256 && options.soil.soil == "P3" && !options.soil.radius_mm;
+  return paper_scene ? bed : withRoomFor(particles, bed);
 }
 
 /// Lets a bed come to rest, more or less: what moves afterwards moves by the shovel. If it may sleep, until it does.
@@ -100,7 +97,7 @@ BenchRow measure(const BenchOptions& options, int particles, FrictionModel frict
       fmt::format("{} particles, {} friction, {} threads", particles, wordFor(kFrictionWords, friction), threads);
   status.update(what + ": the bed settles");
   const std::int64_t start_ns = monotonicNs();
-  Scene scene(sandbox(particles, friction, threads, options.sleep_speed_m_s), ToolParameters{});
+  Scene scene(sandbox(options, particles, friction, threads), ToolParameters{});
   const std::int64_t made_ns = monotonicNs() - start_ns;
   settle(scene);
   HandParameters hand;
@@ -237,14 +234,14 @@ void runBench(const BenchOptions& options) {
     for (const BenchRow& row : rows) {
       all.push_back(rowJson(row, options.hand));
     }
-    printJson({{"timer_late_us", histogramJson(late_us)}, {"rows", all}});
+    printJson({{"soil", options.soil.soil}, {"timer_late_us", histogramJson(late_us)}, {"rows", all}});
     return;
   }
   std::string table = fmt::format(
-      "bench: {}, hand {}, {:g} s each. The machine wakes a sleeping thread {:.0f} us late (99 %: {:.0f}).\n\n"
+      "bench: {}, {}, hand {}, {:g} s each. The machine wakes a sleeping thread {:.0f} us late (99 %: {:.0f}).\n\n"
       "  particles     awake friction threads substeps     p50 us    p99 us  p99.9 us    max us  M p.st./s lists us  "
       "B/part.\n",
-      simdTarget(), wordFor(kManoeuvreWords, options.hand), options.seconds, late_us.percentile(0.5),
+      options.soil.soil, simdTarget(), wordFor(kManoeuvreWords, options.hand), options.seconds, late_us.percentile(0.5),
       late_us.percentile(0.99));
   for (const BenchRow& row : rows) {
     table += rowText(row);
@@ -259,6 +256,7 @@ void runBench(const BenchOptions& options) {
 
 void addBenchCommand(CLI::App& app) {
   auto options = std::make_shared<BenchOptions>();
+  options->soil.soil = "P3";
   CLI::App* command =
       app.add_subcommand("bench", "How long a tick takes, by number of particles, friction and threads");
   command->add_option("--particles", options->particles, "about how many")->delimiter(',')->capture_default_str();
@@ -273,6 +271,8 @@ void addBenchCommand(CLI::App& app) {
       ->delimiter(',')
       ->check(CLI::Range(1, 256))
       ->capture_default_str();
+  command->add_option("--soil", options->soil.soil, "a named soil, a soil file, or P1 to P6 [P3]");
+  command->add_option("--radius-mm", options->soil.radius_mm, "of the macroparticles [the soil's]");
   const std::map<std::string, Manoeuvre> hands{{"stir", Manoeuvre::kStir}, {"still", Manoeuvre::kStill}};
   command->add_option("--hand", options->hand, "stir or still [stir]")
       ->transform(CLI::CheckedTransformer(hands, CLI::ignore_case).description(""));
