@@ -34,6 +34,7 @@ std::vector<Vec3> inSpatialOrder(const std::vector<Vec3>& points_m, double radiu
   const double diameter = std::cbrt(std::sqrt(2.0) * edges.prod() / static_cast<double>(points_m.size()));
   lowest -= Vec3::Constant(diameter / 4);  // the lowest of a packing are well inside their cells
   std::vector<Place> places;
+  places.reserve(points_m.size());
   for (std::size_t i = 0; i < points_m.size(); ++i) {
     const Vec3 cell = (points_m[i] - lowest).cwiseQuotient(diameter * kCellDiameters);
     places.push_back({{static_cast<int>(cell.z()), static_cast<int>(cell.y()), static_cast<int>(cell.x())}, i});
@@ -44,6 +45,7 @@ std::vector<Vec3> inSpatialOrder(const std::vector<Vec3>& points_m, double radiu
     return std::tie(a.cell, p.z(), p.y(), p.x(), a.point) < std::tie(b.cell, q.z(), q.y(), q.x(), b.point);
   });
   std::vector<Vec3> ordered;
+  ordered.reserve(points_m.size());
   for (const Place& place : places) {
     ordered.push_back(points_m[place.point]);
   }

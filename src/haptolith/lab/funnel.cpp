@@ -315,6 +315,7 @@ set xrange [*:*]
 set yrange [*:*]
 set size ratio -1
 set xlabel 'distance from the axis / mm'
+set xtics 100
 set ylabel 'height above the opening / mm'
 set title 'Opening of {:.3g} d'
 plot $slice using 1:2:3 with circles linecolor rgb '#cbb899' fillstyle solid 0.7 border linecolor rgb '#8c7b6b' notitle, \
