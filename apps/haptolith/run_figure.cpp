@@ -102,7 +102,7 @@ set multiplot layout 2,2 title {title} font ",17" noenhanced
 set lmargin 9
 set rmargin 3
 
-set title sprintf('Cut through the tool at t = %.2f s, when the hand felt most: %.2f N', {time}, {force})
+set title sprintf('Cut through the tool at t = %.2f s, when the hand felt %.2f N', {time}, {force})
 set xlabel 'x (mm)'
 set ylabel 'height (mm)'
 set size ratio -1

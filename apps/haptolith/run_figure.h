@@ -12,7 +12,7 @@ namespace haptolith {
 /// What a figure of a run is drawn from.
 struct RunHistory {
   std::vector<TickRecord> records;  ///< thinned out evenly once there are too many to see
-  SceneSnapshot strongest;          ///< the scene when the hand felt most
+  SceneSnapshot strongest;          ///< the scene when the hand felt most, of the moments looked at
 };
 
 constexpr int kRunFigureWidth_px = 1200;

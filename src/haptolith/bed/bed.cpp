@@ -25,7 +25,7 @@ constexpr double kSkinRadii = 0.5;
 
 constexpr std::size_t kBits = 64;  // of a word
 
-/// A thread is worth waking, which takes some 50 us, for at least this many particles; pairwise contacts take three
+/// A thread is worth waking, which takes some 100 us, for at least this many particles; pairwise contacts take three
 /// times as long as the paper's, and several substeps a tick.
 std::size_t particlesPerThread(FrictionModel friction) {
   return friction == FrictionModel::kPairwise ? 512 : 4096;
@@ -71,7 +71,7 @@ int mostParts(int threads) {
   return threads == 1 ? 1 : kPartsPerThread * threads;
 }
 
-/// Parts for so many groups: none so small that taking it costs more than a hundredth of it.
+/// Parts for so many groups: none so small that taking it costs more than a few hundredths of it.
 int partsFor(const BedParameters& bed, std::size_t groups, int threads) {
   constexpr std::size_t kGroupsPerPart = 8;
   return usefulThreads(bed, groups * kGroup) == 1
@@ -355,9 +355,6 @@ void Bed::setGravity(const Vec3& gravity_m_s2) noexcept {
 }
 
 void Bed::drive(std::size_t particle, const Vec3& velocity_m_s) noexcept {
-  if (driven_ == 0) {
-    wakefulness_.wakeAll(state_);  // from now on somebody may ask for contactForce()
-  }
   driven_ += isDriven(particle) ? 0 : 1;
   wake(particle);
   state_.velocity[particle] = {narrow<float>(velocity_m_s.x()), narrow<float>(velocity_m_s.y()),

@@ -72,8 +72,8 @@ class Bed {
 
   [[nodiscard]] bool isDriven(std::size_t particle) const noexcept { return state_.velocity[particle].w != 0; }
 
-  /// Force of its neighbours on a particle in the last step that it was awake, in N, scene frame; kept while any
-  /// particle is driven.
+  /// Force of its neighbours on a particle, in N, scene frame: in the last step in which it was awake and any particle
+  /// was driven.
   [[nodiscard]] Vec3 contactForce(std::size_t particle) const noexcept;
 
   /// Lets the particles fall and come to rest without friction, then stops them where they are and sets the step count
