@@ -152,5 +152,59 @@ TEST(VirtualHand, RefusesWrongParametersAndMissingFiles) {
   EXPECT_THROW((VirtualHand{hand, kTick_s}), Failure);
 }
 
+DeviceInput after(VirtualHand& hand, int ticks) {
+  DeviceInput now;
+  for (int i = 0; i < ticks; ++i) {
+    now = hand.read();
+  }
+  return now;
+}
+
+TEST(VirtualHand, WhoeverHoldsTheToolPullsItToThePoseAndBringsItToRestThere) {
+  VirtualHand hand(HandParameters{}, kTick_s);
+  (void)after(hand, 100);
+  const Pose wanted{Vec3(0.03, -0.02, 0.06), Quat(Eigen::AngleAxisd(0.5, Vec3::UnitY()))};
+  hand.wish({.held = wanted});
+  const DeviceInput soon = after(hand, 60);
+  EXPECT_GT((soon.scene_T_tool.position_m - wanted.position_m).norm(), 1e-3) << "it is pulled, not put there";
+  const DeviceInput later = after(hand, 1000);
+  EXPECT_LT((later.scene_T_tool.position_m - wanted.position_m).norm(), 1e-6);
+  EXPECT_LT(later.scene_T_tool.orientation.angularDistance(wanted.orientation), 1e-6);
+  EXPECT_LT(later.twist.linear_m_s.norm(), 1e-5);
+}
+
+TEST(VirtualHand, WhoeverHoldsTheToolCannotForceItThroughWhatIsStrongerThanTheDevice) {
+  HandParameters parameters = still();
+  parameters.max_force_n = 5;
+  VirtualHand hand(parameters, kTick_s);
+  const Vec3 start = hand.read().scene_T_tool.position_m;
+  hand.wish({.held = Pose{start - Vec3(0, 0, 1)}});  // 300 N by the coupling's stiffness alone
+  hand.write({Vec3(0, 0, 5.01), Vec3::Zero()});
+  EXPECT_GE(after(hand, 1000).scene_T_tool.position_m.z(), start.z());
+  hand.write({Vec3(0, 0, 4.9), Vec3::Zero()});
+  EXPECT_LT(after(hand, 1000).scene_T_tool.position_m.z(), start.z());
+}
+
+TEST(VirtualHand, AManoeuvreBeginsAnewFromWhereSomebodyLeftTheTool) {
+  HandParameters parameters;
+  parameters.surface_m = 0.04;
+  VirtualHand hand(parameters, kTick_s);
+  hand.wish({.held = Pose{Vec3(-0.05, 0.05, 0.03)}, .surface_m = 0.04});
+  DeviceInput now = after(hand, 2000);
+  hand.wish({.manoeuvre = Manoeuvre::kStir, .surface_m = 0.04, .beginnings = 1});
+  double fastest = 0;
+  for (int i = 0; i < 1000; ++i) {
+    now = hand.read();
+    fastest = std::max(fastest, now.twist.linear_m_s.norm());
+  }
+  EXPECT_LT(fastest, 0.35) << "it is led back, not flung";
+  // One second later it stirs as a hand that has stirred from the first tick.
+  HandParameters stir = parameters;
+  stir.manoeuvre = Manoeuvre::kStir;
+  now = after(hand, 3000);
+  const Pose there = manoeuvrePose(stir, 3.0);
+  EXPECT_LT((now.scene_T_tool.position_m - there.position_m).norm(), 0.01);
+}
+
 }  // namespace
 }  // namespace haptolith

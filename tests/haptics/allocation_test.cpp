@@ -139,6 +139,42 @@ TEST(Allocation, ATickOnSeveralThreadsAllocatesNothing) {
   EXPECT_EQ(allocationsIn(1200, bed, Manoeuvre::kStir, HandCompliance::kRigid), 0);  // the blade is in the soil by then
 }
 
+TEST(Allocation, WhatIsAskedOfTheLoopAllocatesNothing) {
+  BedParameters bed;
+  bed.soil = findPreset("P4").soil;
+  Scene scene(bed, {});
+  Scene other(bed, {});
+  Stage next(other);
+  HandParameters hand_parameters;
+  hand_parameters.surface_m = scene.bed().surfaceHeight();
+  VirtualHand hand(hand_parameters, bed.tick_s);
+  LoopParameters loop_parameters;
+  loop_parameters.paced = false;
+  HapticLoop loop(scene, hand, loop_parameters, false);
+  const LoopRequest requests[] = {request::Speed{0.5},
+                                  request::Gravity{Vec3(0, 0, -3)},
+                                  request::Soil{SoilLaws(findPreset("P4").soil)},
+                                  request::ExchangeTool{ToolParameters{.shape = ToolShape::kSphere}},
+                                  request::ExchangeStage{&next},
+                                  request::Pause{},
+                                  request::Advance{3},
+                                  request::Resume{}};
+  const long before = allocations;
+  for (const LoopRequest& asked : requests) {
+    ASSERT_TRUE(loop.ask(asked));
+    hand.wish({.held = Pose{Vec3(0.01, 0, 0.05)}, .surface_m = 0.04});
+    for (int i = 0; i < 300; ++i) {
+      (void)loop.tick();
+    }
+    hand.wish({.manoeuvre = Manoeuvre::kStir, .surface_m = 0.04, .beginnings = 1});
+    for (int i = 0; i < 300; ++i) {
+      (void)loop.tick();
+    }
+  }
+  EXPECT_EQ(allocations, before);
+  EXPECT_EQ(&loop.stage(), &next);
+}
+
 TEST(Allocation, ALoopWithoutItsRecorderAllocatesNothingEither) {
   BedParameters bed;
   bed.soil = findPreset("P4").soil;

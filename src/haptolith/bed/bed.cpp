@@ -167,14 +167,10 @@ Bed::Bed(const BedParameters& parameters, const SettleProgress& progress)
 
 Bed::Bed(const BedParameters& parameters, const std::vector<Vec3>& centres_m)
     : parameters_(validated(parameters)),
-      law_(makeContactLaw(parameters.soil)),
-      wall_law_(wallLaw(law_, parameters.soil.radius_m)),
-      kernel_law_(kernelLaw(law_, parameters.soil.radius_m)),
-      pairwise_law_(pairwiseLaw(parameters.soil)),
+      laws_(parameters.soil),
       box_(stepBox(parameters)),
-      mass_kg_(macroparticleMass(parameters.soil)),
       skin_m_(narrow<float>(kSkinRadii * parameters.soil.radius_m)),
-      neighbourhood_(centres_m.size(), law_.cutoff_m + skin_m_, largestExcess(parameters.soil),
+      neighbourhood_(centres_m.size(), laws_.pair.cutoff_m + skin_m_, largestExcess(parameters.soil),
                      {parameters.width_m, parameters.length_m, highest(centres_m), periodsOf(parameters)}),
       wakefulness_(paddedCount(centres_m.size()) / kGroup, restRule(parameters)),
       team_(usefulThreads(parameters, centres_m.size())),
@@ -240,13 +236,13 @@ StepStatus Bed::step(double dt_s) noexcept {
 
 StepConstants Bed::constantsFor(double dt_s) const noexcept {
   const SoilParameters& soil = parameters_.soil;
-  const Vec3 weight = mass_kg_ * parameters_.gravity_m_s2;
+  const Vec3 weight = laws_.mass_kg * parameters_.gravity_m_s2;
   const double mu_hat = friction_on_ ? soil.mu_hat : 0;
   return {.dt = narrow<float>(dt_s),
           .weight_x = narrow<float>(weight.x()),
           .weight_y = narrow<float>(weight.y()),
           .weight_z = narrow<float>(weight.z()),
-          .inverse_mass = narrow<float>(1 / mass_kg_),
+          .inverse_mass = narrow<float>(1 / laws_.mass_kg),
           .skin_half_squared = skin_m_ * skin_m_ / 4,
           .rest_squared = wakefulness_.rule().speed_m_s * wakefulness_.rule().speed_m_s,
           // c = k dt / 2 for each contact (paper 20), with the step that is really taken
@@ -301,9 +297,9 @@ void Bed::stepPart(int part, int parts) noexcept {
                           .touched = state_.contacts.touchedRows()};
   Moved moved{moved_.data() + first * kGroup};
   if (isPairwise()) {
-    stepWithPairwiseFriction(pairwise_law_, now_, box_, arrays, first, last, moved);
+    stepWithPairwiseFriction(laws_.pairwise, now_, box_, arrays, first, last, moved);
   } else {
-    stepWithPaperFriction(kernel_law_, now_, box_, arrays, first, last, moved);
+    stepWithPaperFriction(laws_.kernel, now_, box_, arrays, first, last, moved);
   }
   moved_of_part_[static_cast<std::size_t>(part)] = moved;
   found_by_part_[static_cast<std::size_t>(part)] = wakefulness_.count(first, last, next_position_, state_);
@@ -352,6 +348,12 @@ void Bed::setGravity(const Vec3& gravity_m_s2) noexcept {
     wakefulness_.wakeAll(state_);
   }
   parameters_.gravity_m_s2 = gravity_m_s2;
+}
+
+void Bed::setSoil(const SoilLaws& laws) noexcept {
+  wakefulness_.wakeAll(state_);
+  parameters_.soil = laws.soil;
+  laws_ = laws;
 }
 
 void Bed::drive(std::size_t particle, const Vec3& velocity_m_s) noexcept {
@@ -421,13 +423,13 @@ double Bed::energy() const {
     law.cohesion_n *= (friction_on_ ? 1 : 0) * ratio;
     return law;
   };
-  const ContactLaw pair = cohering(law_, 1);
-  const ContactLaw floor = cohering(wall_law_, 1);
-  const ContactLaw side_wall = cohering(wall_law_, parameters_.wall_friction_ratio);
+  const ContactLaw pair = cohering(laws_.pair, 1);
+  const ContactLaw floor = cohering(laws_.wall, 1);
+  const ContactLaw side_wall = cohering(laws_.wall, parameters_.wall_friction_ratio);
   for (std::size_t i = 0; i < n; ++i) {
     const Vec3 x = at(i);
     const Float4& v = state_.velocity[i];
-    energy += mass_kg_ / 2 * Vec3(v.x, v.y, v.z).squaredNorm() - mass_kg_ * parameters_.gravity_m_s2.dot(x);
+    energy += laws_.mass_kg / 2 * Vec3(v.x, v.y, v.z).squaredNorm() - laws_.mass_kg * parameters_.gravity_m_s2.dot(x);
     // Half of a pair's: the mirror image moves as far as the particle.
     const double excess = state_.position[i].w;
     const auto to_walls = [&](double across_m, double from_middle_m) {
@@ -447,7 +449,7 @@ double Bed::energy() const {
           const bool other_side = state_.rested[i / kGroup] == BedState::kAsleep;
           const Slip slip = other_side ? state_.contacts.slip(j, state_.contacts.find(j, narrow<std::int32_t>(i)))
                                        : state_.contacts.slip(i, s);
-          energy += pairwise_law_.stiffness / 2 * Vec3(slip.x, slip.y, slip.z).squaredNorm();
+          energy += laws_.pairwise.stiffness / 2 * Vec3(slip.x, slip.y, slip.z).squaredNorm();
         }
       }
     }
@@ -456,7 +458,7 @@ double Bed::energy() const {
       for (const auto* slip :
            {&slips.floor_x, &slips.floor_y, &slips.x_wall_y, &slips.x_wall_z, &slips.y_wall_x, &slips.y_wall_z}) {
         const float slid = (*slip)[i % kGroup];
-        energy += pairwise_law_.stiffness / 2 * slid * slid;
+        energy += laws_.pairwise.stiffness / 2 * slid * slid;
       }
     }
   }

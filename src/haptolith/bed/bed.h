@@ -9,8 +9,8 @@
 
 #include "haptolith/bed/bed_parameters.h"
 #include "haptolith/bed/bed_state.h"
-#include "haptolith/bed/kernel_law.h"
 #include "haptolith/bed/neighbourhood.h"
+#include "haptolith/bed/soil_laws.h"
 #include "haptolith/bed/step_kernel.h"
 #include "haptolith/bed/wakefulness.h"
 #include "haptolith/bed/worker_team.h"
@@ -70,6 +70,10 @@ class Bed {
   /// Gravity from the next step on, in m/s^2, scene frame: a laboratory loads its specimens without their weight.
   void setGravity(const Vec3& gravity_m_s2) noexcept;
 
+  /// Another soil from the next step on, its particles lying as they lie; `laws.soil` must be one that the bed
+  /// canGoOnWith(). May be called in the tick.
+  void setSoil(const SoilLaws& laws) noexcept;
+
   [[nodiscard]] bool isDriven(std::size_t particle) const noexcept { return state_.velocity[particle].w != 0; }
 
   /// Force of its neighbours on a particle, in N, scene frame: in the last step in which it was awake and any particle
@@ -98,8 +102,8 @@ class Bed {
     return std::min(particles(), wakefulness_.awake().size() * kGroup);
   }
   [[nodiscard]] const BedParameters& parameters() const noexcept { return parameters_; }
-  [[nodiscard]] const ContactLaw& law() const noexcept { return law_; }
-  [[nodiscard]] double mass() const noexcept { return mass_kg_; }
+  [[nodiscard]] const ContactLaw& law() const noexcept { return laws_.pair; }
+  [[nodiscard]] double mass() const noexcept { return laws_.mass_kg; }
   [[nodiscard]] const BedState& state() const noexcept { return state_; }
   [[nodiscard]] std::vector<std::int8_t>& toolSides() noexcept { return state_.tool_side; }
   [[nodiscard]] std::vector<Float4>& toolSlip() noexcept { return state_.tool_slip; }
@@ -128,11 +132,8 @@ class Bed {
   [[nodiscard]] bool isPairwise() const noexcept { return parameters_.soil.friction == FrictionModel::kPairwise; }
 
   BedParameters parameters_;
-  ContactLaw law_, wall_law_;
-  KernelLaw kernel_law_;
-  PairwiseLaw pairwise_law_;
+  SoilLaws laws_;
   StepBox box_;
-  double mass_kg_;
   float skin_m_;
 
   BedState state_;

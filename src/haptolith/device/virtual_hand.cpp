@@ -2,6 +2,9 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <cmath>
+
 #include "haptolith/core/error.h"
 #include "haptolith/device/manoeuvre.h"
 
@@ -9,29 +12,38 @@ namespace haptolith {
 
 namespace {
 
-/// The rotation from one orientation to another as a vector: axis times angle, in rad, scene frame.
-Vec3 rotationBetween(const Quat& from, const Quat& to) {
-  const Eigen::AngleAxisd turn((to * from.conjugate()).normalized());
-  return turn.angle() > EIGEN_PI ? Vec3((turn.angle() - 2 * EIGEN_PI) * turn.axis()) : Vec3(turn.angle() * turn.axis());
+/// The coupling of a tool that is pulled by hand: an arm's mass, stiffer than it so that the tool keeps up with a
+/// mouse, and critically damped so that it does not swing.
+constexpr ArmParameters kCoupling{.mass_kg = 0.3, .damping_n_s_m = 19, .stiffness_n_m = 300, .lever_m = 0.1};
+
+/// Poses come 60 times a second: their steps are rounded off with this time constant.
+constexpr double kSmoothing_s = 0.02;
+
+/// From where somebody left the tool a manoeuvre is begun in this time.
+constexpr double kReturn_s = 1;
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
+ArmParameters armOf(const HandParameters& hand) noexcept {
+  return {hand.mass_kg, hand.damping_n_s_m, hand.stiffness_n_m, hand.lever_m};
 }
 
-Quat turnedBy(const Vec3& rotation, const Quat& orientation) {
-  const double angle = rotation.norm();
-  if (angle == 0) {
-    return orientation;
-  }
-  return (Quat(Eigen::AngleAxisd(angle, rotation / angle)) * orientation).normalized();
-}
-
-/// The semi-implicit step of yield() is stable for K dt^2 / m + 2 B dt / m < 4; for rotation the lever cancels out.
 void requireStableArm(const HandParameters& hand, double tick_s) {
-  const double least_mass_kg = (hand.stiffness_n_m * tick_s * tick_s + 2 * hand.damping_n_s_m * tick_s) / 4;
+  const double least_mass_kg = lightestArm(armOf(hand), tick_s);
   if (hand.compliance == HandCompliance::kArm && hand.mass_kg <= least_mass_kg) {
     throw InvalidParameter(
         "mass_kg", fmt::format("{:g}", hand.mass_kg),
         fmt::format("> {:g}, or the arm's stiffness and damping shake it to pieces at a tick of {:g} s", least_mass_kg,
                     tick_s));
   }
+}
+
+Pose between(const Pose& from, const Pose& to, double share) noexcept {
+  return {from.position_m + share * (to.position_m - from.position_m), from.orientation.slerp(share, to.orientation)};
+}
+
+Movement movement(const Pose& from, const Pose& to, double tick_s) noexcept {
+  return {to, {(to.position_m - from.position_m) / tick_s, rotationBetween(from.orientation, to.orientation) / tick_s}};
 }
 
 }  // namespace
@@ -42,40 +54,79 @@ VirtualHand::VirtualHand(const HandParameters& hand, double tick_s) : hand_(hand
   if (hand.manoeuvre == Manoeuvre::kPoses) {
     poses_ = PoseFile::read(hand.poses_file);
   }
-  pose_ = wanted(0);
+  tool_.pose = wanted(0);
 }
 
-Pose VirtualHand::wanted(double time_s) const noexcept {
-  return poses_ ? poses_->at(time_s) : manoeuvrePose(hand_, time_s);
+void VirtualHand::wish(const HandWish& wish) noexcept {
+  wishes_.draft() = wish;
+  wishes_.publish();
 }
 
 DeviceInput VirtualHand::read() noexcept {
-  const double now_s = static_cast<double>(ticks_) * tick_s_;
-  const double next_s = static_cast<double>(++ticks_) * tick_s_;
-  const Pose from = wanted(now_s);
-  const Pose to = wanted(next_s);
-  const Twist wanted_twist{(to.position_m - from.position_m) / tick_s_,
-                           rotationBetween(from.orientation, to.orientation) / tick_s_};
-  if (hand_.compliance == HandCompliance::kRigid) {
-    pose_ = to;
-    twist_ = wanted_twist;
+  takeWish();
+  if (wishes_.latest().held) {
+    followWish(*wishes_.latest().held);
   } else {
-    yield(to, wanted_twist);
+    followManoeuvre();
   }
-  return {pose_, twist_, poses_ && next_s > poses_->duration()};
+  const bool finished = poses_ && hand_.manoeuvre == Manoeuvre::kPoses && !wishes_.latest().held &&
+                        static_cast<double>(ticks_) * tick_s_ > poses_->duration();
+  return {tool_.pose, tool_.twist, finished};
 }
 
-void VirtualHand::yield(const Pose& wanted_pose, const Twist& wanted_twist) noexcept {
-  const double lever_squared = hand_.lever_m * hand_.lever_m;
-  const Vec3 force = hand_.stiffness_n_m * (wanted_pose.position_m - pose_.position_m) +
-                     hand_.damping_n_s_m * (wanted_twist.linear_m_s - twist_.linear_m_s) + felt_.force_n;
-  const Vec3 torque =
-      lever_squared * hand_.stiffness_n_m * rotationBetween(pose_.orientation, wanted_pose.orientation) +
-      lever_squared * hand_.damping_n_s_m * (wanted_twist.angular_rad_s - twist_.angular_rad_s) + felt_.torque_nm;
-  twist_.linear_m_s += tick_s_ / hand_.mass_kg * force;
-  twist_.angular_rad_s += tick_s_ / (hand_.mass_kg * lever_squared) * torque;
-  pose_.position_m += tick_s_ * twist_.linear_m_s;
-  pose_.orientation = turnedBy(tick_s_ * twist_.angular_rad_s, pose_.orientation);
+void VirtualHand::takeWish() noexcept {
+  const bool was_held = wishes_.latest().held.has_value();
+  if (!wishes_.update()) {
+    return;
+  }
+  const HandWish& now = wishes_.latest();
+  hand_.surface_m = now.surface_m;
+  hand_.manoeuvre = now.manoeuvre;
+  if (now.held && !was_held) {
+    smooth_ = tool_.pose;
+  }
+  if (beginnings_ != now.beginnings) {
+    beginnings_ = now.beginnings;
+    ticks_ = 0;
+    return_ticks_ = 0;
+    return_from_ = tool_.pose;
+  }
+}
+
+void VirtualHand::followManoeuvre() noexcept {
+  const auto time_s = [this](std::uint64_t ticks) { return static_cast<double>(ticks) * tick_s_; };
+  Pose from;
+  Pose to;
+  if (return_from_) {
+    const auto on_the_way = [&](std::uint64_t ticks) {
+      const double s = std::min(1.0, time_s(ticks) / kReturn_s);
+      return between(*return_from_, wanted(0), s * s * (3 - 2 * s));
+    };
+    from = on_the_way(return_ticks_);
+    to = on_the_way(++return_ticks_);
+    if (time_s(return_ticks_) >= kReturn_s) {
+      return_from_.reset();
+    }
+  } else {
+    from = wanted(time_s(ticks_));
+    to = wanted(time_s(++ticks_));
+  }
+  const Movement wish = movement(from, to, tick_s_);
+  if (hand_.compliance == HandCompliance::kRigid) {
+    tool_ = wish;
+  } else {
+    moveArm(armOf(hand_), wish, felt_, kInfinity, tick_s_, tool_);
+  }
+}
+
+void VirtualHand::followWish(const Pose& held) noexcept {
+  const Pose before = smooth_;
+  smooth_ = between(before, held, 1 - std::exp(-tick_s_ / kSmoothing_s));
+  moveArm(kCoupling, movement(before, smooth_, tick_s_), felt_, hand_.max_force_n, tick_s_, tool_);
+}
+
+Pose VirtualHand::wanted(double time_s) const noexcept {
+  return poses_ && hand_.manoeuvre == Manoeuvre::kPoses ? poses_->at(time_s) : manoeuvrePose(hand_, time_s);
 }
 
 }  // namespace haptolith

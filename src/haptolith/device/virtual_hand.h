@@ -1,19 +1,20 @@
 #pragma once
 
+#include <limits>
 #include <optional>
 
+#include "haptolith/core/exchange.h"
+#include "haptolith/device/arm.h"
 #include "haptolith/device/hand_parameters.h"
+#include "haptolith/device/hand_wish.h"
 #include "haptolith/device/haptic_device.h"
 #include "haptolith/device/pose_file.h"
 
 namespace haptolith {
 
-/// A device without hardware: a human arm that pulls the tool along a manoeuvre and yields to what it feels.
-///
-///     m x'' = K (x_d - x) + B (x_d' - x') + F        x_d: the manoeuvre, F: the soil's force on the tool
-///
-/// and likewise for rotation with m l^2, K l^2, B l^2 (l = hand.lever_m). One semi-implicit step a tick. The arm's own
-/// weight and the tool's are carried by the arm, so that the tool weighs nothing, as in the paper.
+/// A device without hardware: a human arm (moveArm()) that pulls the tool along a manoeuvre and yields to what it
+/// feels, until somebody takes the tool from it. The arm's own weight and the tool's are carried by the arm, so that
+/// the tool weighs nothing, as in the paper.
 class VirtualHand final : public HapticDevice {
  public:
   /// @throws InvalidParameter, Failure: as validate(HandParameters) and PoseFile::read(), and for an arm so stiff or
@@ -25,17 +26,28 @@ class VirtualHand final : public HapticDevice {
   [[nodiscard]] DeviceInput read() noexcept override;
   void write(const Wrench& wrench) noexcept override { felt_ = wrench; }
 
+  /// For one other thread: where somebody wants the tool. The tool follows through a virtual coupling that pulls no
+  /// harder than the device's largest force, so that nobody can force it through the soil. May be called at any time.
+  void wish(const HandWish& wish) noexcept;
+
  private:
+  void takeWish() noexcept;
+  void followManoeuvre() noexcept;
+  void followWish(const Pose& held) noexcept;
   [[nodiscard]] Pose wanted(double time_s) const noexcept;
-  void yield(const Pose& wanted_pose, const Twist& wanted_twist) noexcept;
 
   HandParameters hand_;
   double tick_s_;
   std::optional<PoseFile> poses_;
-  std::uint64_t ticks_ = 0;
-  Pose pose_;
-  Twist twist_;
+  std::uint64_t ticks_ = 0;  ///< of the manoeuvre
+  Movement tool_;
   Wrench felt_;
+
+  LatestValue<HandWish> wishes_;
+  std::uint32_t beginnings_ = 0;
+  Pose smooth_;                      ///< the held pose, its steps rounded off
+  std::optional<Pose> return_from_;  ///< on the way back to a manoeuvre
+  std::uint64_t return_ticks_ = 0;   ///< of that way
 };
 
 }  // namespace haptolith

@@ -27,12 +27,18 @@ constexpr std::int64_t kUnpacedPause_ns = 1'000'000;
 /// A bed as small as this is copied in one tick; of a larger one each tick copies a part.
 constexpr std::size_t kCopiedAtOnce = 4096;
 
-SceneSnapshot firstSnapshot(const Scene& scene) {
-  SceneSnapshot snapshot;
-  const std::vector<Float4>& position = scene.bed().state().position;
-  snapshot.position.assign(position.begin(), position.begin() + static_cast<std::ptrdiff_t>(scene.bed().particles()));
-  return snapshot;
-}
+constexpr std::size_t kRequestsWaiting = 64;
+
+/// How long the tool takes to leave the soil before an exchange, and to come back.
+constexpr double kFadeOut_s = 0.1;
+constexpr double kFadeIn_s = 0.3;
+
+template <class... Handlers>
+struct OneOf : Handlers... {
+  using Handlers::operator()...;
+};
+template <class... Handlers>
+OneOf(Handlers...) -> OneOf<Handlers...>;
 
 LoopEnd endFor(StepStatus status) noexcept {
   switch (status) {
@@ -59,14 +65,16 @@ const char* text(LoopEnd end) noexcept {
 }
 
 HapticLoop::HapticLoop(Scene& scene, HapticDevice& device, const LoopParameters& parameters, bool keep_records)
-    : scene_(scene),
+    : first_(scene),
+      shown_(&first_),
+      scene_(&scene),
       device_(device),
       parameters_(parameters),
       keep_records_(keep_records),
       filter_(parameters.filter_cutoff_hz, parameters.tick_s),
       quick_movement_(parameters.tick_s),
       records_(kRecordsInFlight),
-      snapshots_(firstSnapshot(scene)) {
+      requests_(kRequestsWaiting) {
   validate(parameters);
   if (parameters.tick_s != scene.bed().parameters().tick_s) {  // else time would run faster or slower than the clock
     throw InvalidParameter("tick_s", fmt::format("{}", parameters.tick_s),
@@ -76,29 +84,40 @@ HapticLoop::HapticLoop(Scene& scene, HapticDevice& device, const LoopParameters&
 
 LoopEnd HapticLoop::tick() noexcept {
   const std::int64_t start_ns = monotonicNs();
+  takeRequests();
+  if (paused_ && ticks_left_ == 0) {
+    device_.write(Wrench{});
+    publish(scene_->toolPose(), Wrench{});
+    return LoopEnd::kRunning;
+  }
   const DeviceInput hand = device_.read();
   if (!inWorkspace(hand)) {
     device_.write(Wrench{});
     return LoopEnd::kHandLeft;
   }
-  if (statistics_.ticks() == 0) {
-    scene_.placeTool(hand.scene_T_tool);  // it begins where the hand is, not with a sweep through the soil to get there
+  fadeTool();
+  if (!placed_) {
+    scene_->placeTool(
+        hand.scene_T_tool);  // it begins where the hand is, not with a sweep through the soil to get there
+    placed_ = true;
   }
-  const StepStatus status = scene_.tick(hand.scene_T_tool, hand.twist);
-  if (status != StepStatus::kOk || !scene_.wrench().force_n.allFinite() || !scene_.wrench().torque_nm.allFinite()) {
+  const StepStatus status = scene_->tick(hand.scene_T_tool, hand.twist);
+  if (status != StepStatus::kOk || !scene_->wrench().force_n.allFinite() || !scene_->wrench().torque_nm.allFinite()) {
     device_.write(Wrench{});
     return status == StepStatus::kOk ? LoopEnd::kNotFinite : endFor(status);
   }
   const Vec3 own_change_n =
-      -parameters_.tick_s * scene_.contactStiffness() * quick_movement_.step(hand.twist.linear_m_s);
-  const Wrench felt = limited(filter_.step(scene_.wrench(), own_change_n), device_.limits());
+      -parameters_.tick_s * scene_->contactStiffness() * quick_movement_.step(hand.twist.linear_m_s);
+  const Wrench felt = limited(filter_.step(scene_->wrench(), own_change_n), device_.limits());
   device_.write(felt);
-  publish(hand, felt);
+  publish(hand.scene_T_tool, felt);
 
   const std::int64_t end_ns = monotonicNs();
   const double tick_us = 1e-3 * static_cast<double>(end_ns - start_ns);
   const bool in_time = deadline_ns_ == 0 ? tick_us <= 1e6 * parameters_.tick_s : end_ns <= deadline_ns_;
   statistics_.add(tick_us, in_time, felt);
+  longest_tick_us_ = std::max(longest_tick_us_, tick_us);
+  ticks_left_ -= paused_ ? 1 : 0;
   record(hand, felt, tick_us);
   return hand.finished ? LoopEnd::kFinished : LoopEnd::kRunning;
 }
@@ -123,7 +142,10 @@ LoopEnd HapticLoop::run(const std::atomic<bool>& stop) noexcept {
       end = LoopEnd::kDuration;
     } else if (parameters_.paced) {
       // A late tick is not made up for by a burst of early ones: the hand would feel time run faster.
-      start_ns = std::max(start_ns + period_ns, monotonicNs() - period_ns);
+      const auto stretched_ns = static_cast<std::int64_t>(static_cast<double>(period_ns) / speed_);
+      start_ns = std::max(start_ns + stretched_ns, monotonicNs() - period_ns);
+    } else if (paused_ && ticks_left_ == 0) {
+      sleepUntilNs(monotonicNs() + kUnpacedPause_ns);
     } else {
       while (keep_records_ && records_.write_available() == 0 && !stop.load(std::memory_order_relaxed)) {
         sleepUntilNs(monotonicNs() + kUnpacedPause_ns);  // nobody feels this loop: it may wait for its recorder
@@ -134,8 +156,61 @@ LoopEnd HapticLoop::run(const std::atomic<bool>& stop) noexcept {
   return end;
 }
 
+void HapticLoop::takeRequests() noexcept {
+  LoopRequest asked;
+  while (!exchange_ && requests_.pop(asked)) {
+    carryOut(asked);
+  }
+}
+
+void HapticLoop::carryOut(const LoopRequest& asked) noexcept {
+  std::visit(OneOf{[this](const request::Pause&) { paused_ = true; },
+                   [this](const request::Resume&) {
+                     paused_ = false;
+                     ticks_left_ = 0;
+                   },
+                   [this](const request::Advance& advance) { ticks_left_ = paused_ ? advance.ticks : 0; },
+                   [this](const request::Speed& speed) { speed_ = speed.factor; },
+                   [this](const request::Gravity& gravity) { scene_->bed().setGravity(gravity.gravity_m_s2); },
+                   [this](const request::Soil& soil) { scene_->bed().setSoil(soil.laws); },
+                   [this](const request::Exchange& exchange) {
+                     if (paused_) {  // nobody feels anything
+                       carryOut(exchange);
+                     } else {
+                       exchange_ = exchange;
+                     }
+                   }},
+             asked);
+}
+
+void HapticLoop::carryOut(const request::Exchange& exchange) noexcept {
+  std::visit(OneOf{[this](const request::ExchangeTool& tool) { scene_->setTool(tool.tool); },
+                   [this](const request::ExchangeStage& next) {
+                     next.stage->scene.placeTool(scene_->toolPose());
+                     scene_ = &next.stage->scene;
+                     shown_.store(next.stage, std::memory_order_release);
+                   }},
+             exchange);
+  placed_ = false;
+  presence_ = 0;
+  scene_->setToolPresence(0);
+}
+
+void HapticLoop::fadeTool() noexcept {
+  if (exchange_) {
+    presence_ = std::max(0.0, presence_ - parameters_.tick_s / kFadeOut_s);
+    if (presence_ == 0) {
+      carryOut(*exchange_);
+      exchange_.reset();
+    }
+  } else {
+    presence_ = std::min(1.0, presence_ + parameters_.tick_s / kFadeIn_s);
+  }
+  scene_->setToolPresence(presence_ * presence_);
+}
+
 bool HapticLoop::inWorkspace(const DeviceInput& hand) const noexcept {
-  const BedParameters& bed = scene_.bed().parameters();
+  const BedParameters& bed = scene_->bed().parameters();
   const Pose& pose = hand.scene_T_tool;
   const Vec3& p = pose.position_m;
   // Written so that NaN is outside.
@@ -145,39 +220,47 @@ bool HapticLoop::inWorkspace(const DeviceInput& hand) const noexcept {
          hand.twist.angular_rad_s.allFinite();
 }
 
-void HapticLoop::publish(const DeviceInput& hand, const Wrench& felt) noexcept {
+void HapticLoop::publish(const Pose& scene_T_tool, const Wrench& felt) noexcept {
   // Part 0 in the tick after a snapshot went out, the last part in the tick of the next one.
-  const std::uint64_t part = (statistics_.ticks() + kTicksPerSnapshot - 1) % kTicksPerSnapshot;
+  const std::uint64_t part = (published_++ + kTicksPerSnapshot - 1) % kTicksPerSnapshot;
   const bool complete = part + 1 == kTicksPerSnapshot;
-  const std::size_t n = scene_.bed().particles();
-  const bool at_once = n <= kCopiedAtOnce;
+  const Bed& bed = scene_->bed();
+  const std::size_t groups = bed.state().rested.size();
+  const bool at_once = bed.particles() <= kCopiedAtOnce;
   if (at_once && !complete) {
     return;
   }
-  SceneSnapshot& snapshot = snapshots_.draft();
-  const std::size_t first = at_once ? 0 : n * part / kTicksPerSnapshot;
-  const std::size_t last = n * (part + 1) / kTicksPerSnapshot;
-  const auto from = scene_.bed().state().position.begin();
-  std::copy(from + static_cast<std::ptrdiff_t>(first), from + static_cast<std::ptrdiff_t>(last),
-            snapshot.position.begin() + static_cast<std::ptrdiff_t>(first));
-  snapshot.largest_speed_m_s =
-      std::max(first == 0 ? 0 : snapshot.largest_speed_m_s, scene_.bed().largestSpeed(first, last));
+  SceneSnapshot& snapshot = stage().snapshots.draft();
+  const std::size_t first_group = at_once ? 0 : groups * part / kTicksPerSnapshot;
+  const std::size_t last_group = groups * (part + 1) / kTicksPerSnapshot;
+  const std::size_t first = first_group * kGroup;
+  const std::size_t last = std::min(last_group * kGroup, bed.particles());
+  std::copy_n(bed.state().position.data() + first, last - first, snapshot.position.data() + first);
+  for (std::size_t group = first_group; group < last_group; ++group) {
+    snapshot.asleep[group] = bed.state().rested[group] == BedState::kAsleep ? 1 : 0;
+  }
+  snapshot.largest_speed_m_s = std::max(first == 0 ? 0 : snapshot.largest_speed_m_s, bed.largestSpeed(first, last));
   if (!complete) {
     return;
   }
   snapshot.time_s = time();
-  snapshot.awake = scene_.bed().awake();
-  snapshot.scene_T_tool = hand.scene_T_tool;
+  snapshot.awake = bed.awake();
+  snapshot.scene_T_tool = scene_T_tool;
   snapshot.felt = felt;
   snapshot.ticks = statistics_.ticks();
   snapshot.deadline_misses = statistics_.deadlineMisses();
   snapshot.success_rate = statistics_.successRate();
+  snapshot.tick_us_p50 = statistics_.tickUs().percentile(0.5);
   snapshot.tick_us_p99 = statistics_.tickUs().percentile(0.99);
-  snapshots_.publish();
+  snapshot.tick_us_max = statistics_.tickUs().max();
+  snapshot.tick_us_lately = longest_tick_us_;
+  snapshot.paused = paused_;
+  longest_tick_us_ = 0;
+  stage().snapshots.publish();
 }
 
 void HapticLoop::record(const DeviceInput& hand, const Wrench& felt, double tick_us) noexcept {
-  if (keep_records_ && !records_.push({time(), hand.scene_T_tool, scene_.wrench(), felt, tick_us})) {
+  if (keep_records_ && !records_.push({time(), hand.scene_T_tool, scene_->wrench(), felt, tick_us})) {
     lost_records_.fetch_add(1, std::memory_order_relaxed);
   }
 }

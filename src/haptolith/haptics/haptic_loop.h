@@ -4,13 +4,15 @@
 
 #include <atomic>
 #include <cstdint>
+#include <optional>
 #include <vector>
 
-#include "haptolith/core/exchange.h"
 #include "haptolith/device/haptic_device.h"
 #include "haptolith/haptics/loop_parameters.h"
+#include "haptolith/haptics/loop_request.h"
 #include "haptolith/haptics/loop_statistics.h"
 #include "haptolith/haptics/real_time.h"
+#include "haptolith/haptics/stage.h"
 #include "haptolith/haptics/wrench_filter.h"
 #include "haptolith/tool/scene.h"
 
@@ -23,18 +25,6 @@ struct TickRecord {
   Wrench soil;         ///< of the soil on the tool, unfiltered
   Wrench felt;         ///< what went to the hand: filtered and limited
   double tick_us = 0;  ///< work of this tick, without sleep
-};
-
-/// A picture of the scene for whoever looks on, about 60 times a second. Of a large bed each tick copies a part, so
-/// that no tick is long: its first particles are then 15 ticks older than its last.
-struct SceneSnapshot {
-  double time_s = 0;
-  Pose scene_T_tool;
-  Wrench felt;
-  std::vector<Float4> position;  ///< m; one per particle
-  std::uint64_t ticks = 0, deadline_misses = 0;
-  double success_rate = 1, tick_us_p99 = 0, largest_speed_m_s = 0;
-  std::size_t awake = 0;  ///< particles that are worked on: see Wakefulness
 };
 
 /// Why a loop ended.
@@ -67,8 +57,13 @@ class HapticLoop {
 
   /// For one other thread: moves all waiting records to the end of `records`.
   void takeRecords(std::vector<TickRecord>& records);
-  /// For one other thread: newest snapshot.
-  [[nodiscard]] LatestValue<SceneSnapshot>& snapshots() noexcept { return snapshots_; }
+  /// For one other thread: newest snapshot of the scene that is shown. From the thread that ask()s.
+  [[nodiscard]] LatestValue<SceneSnapshot>& snapshots() noexcept { return stage().snapshots; }
+
+  /// For one other thread: asks for a change between two ticks. False when too many wait already.
+  bool ask(const LoopRequest& request) noexcept { return requests_.push(request); }
+  /// For one other thread: the stage that is shown. Another one is no longer touched, and may be shown again or go.
+  [[nodiscard]] Stage& stage() const noexcept { return *shown_.load(std::memory_order_acquire); }
 
   /// Records that nobody took in time; only a paced loop loses any.
   [[nodiscard]] std::uint64_t lostRecords() const noexcept { return lost_records_.load(std::memory_order_relaxed); }
@@ -77,11 +72,17 @@ class HapticLoop {
   [[nodiscard]] double time() const noexcept { return static_cast<double>(statistics_.ticks()) * parameters_.tick_s; }
 
  private:
+  void takeRequests() noexcept;
+  void carryOut(const LoopRequest& request) noexcept;
+  void carryOut(const request::Exchange& exchange) noexcept;
+  void fadeTool() noexcept;
   [[nodiscard]] bool inWorkspace(const DeviceInput& hand) const noexcept;
-  void publish(const DeviceInput& hand, const Wrench& felt) noexcept;
+  void publish(const Pose& scene_T_tool, const Wrench& felt) noexcept;
   void record(const DeviceInput& hand, const Wrench& felt, double tick_us) noexcept;
 
-  Scene& scene_;
+  Stage first_;
+  std::atomic<Stage*> shown_;
+  Scene* scene_;  ///< of the stage that is shown
   HapticDevice& device_;
   LoopParameters parameters_;
   bool keep_records_;
@@ -91,7 +92,16 @@ class HapticLoop {
   std::int64_t deadline_ns_ = 0;  ///< when the present tick has to be done; 0 when nobody paces
   boost::lockfree::spsc_queue<TickRecord> records_;
   std::atomic<std::uint64_t> lost_records_{0};
-  LatestValue<SceneSnapshot> snapshots_;
+
+  boost::lockfree::spsc_queue<LoopRequest> requests_;
+  bool paused_ = false;
+  int ticks_left_ = 0;                         ///< to go while paused
+  double speed_ = 1;                           ///< of time
+  bool placed_ = false;                        ///< whether the tool has been where the hand is, in this scene
+  std::optional<request::Exchange> exchange_;  ///< waits until the tool has faded
+  double presence_ = 1;                        ///< of the tool; the scene is given its square
+  std::uint64_t published_ = 0;                ///< calls of publish()
+  double longest_tick_us_ = 0;                 ///< since the last snapshot
 };
 
 }  // namespace haptolith

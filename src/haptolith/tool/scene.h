@@ -1,5 +1,7 @@
 #pragma once
 
+#include <vector>
+
 #include "haptolith/bed/bed.h"
 #include "haptolith/tool/tool_parameters.h"
 
@@ -11,6 +13,9 @@ class Scene {
   /// @throws InvalidParameter when the parameters are not valid, or when one tick would need too many substeps; Failure
   /// as Bed::settle().
   Scene(const BedParameters& bed, const ToolParameters& tool, const SettleProgress& progress = {});
+
+  /// The same with its soil where the caller wants it, at rest.
+  Scene(const BedParameters& bed, const ToolParameters& tool, const std::vector<Vec3>& centres_m);
 
   /// One tick: moves the tool from where it was to `scene_T_tool` in equal substeps, steps the bed each time, and
   /// leaves the mean wrench on the tool in `wrench()`. May be called in the tick.
@@ -25,6 +30,15 @@ class Scene {
   /// Puts the tool somewhere without moving it there.
   void placeTool(const Pose& scene_T_tool) noexcept { tool_pose_ = scene_T_tool; }
 
+  /// How much of itself the tool is, 0 to 1: with less than 1 it presses, damps and coheres by so much less, and the
+  /// soil on it likewise. Soil that finds itself inside a tool is moved out gently when this grows slowly. May be
+  /// called in the tick.
+  void setToolPresence(double share) noexcept { presence_ = share; }
+
+  /// Another tool, as stiff as the one before it (else a tick might need more substeps), which forgets what the other
+  /// touched. May be called in the tick.
+  void setTool(const ToolParameters& tool) noexcept;
+
   [[nodiscard]] Bed& bed() noexcept { return bed_; }
   [[nodiscard]] const Bed& bed() const noexcept { return bed_; }
   [[nodiscard]] const ToolParameters& tool() const noexcept { return tool_; }
@@ -36,6 +50,7 @@ class Scene {
   int substeps_;
   Bed bed_;
   Pose tool_pose_;
+  double presence_ = 1;
   Wrench wrench_;
   Eigen::Matrix3d stiffness_n_m_ = Eigen::Matrix3d::Zero();
 };

@@ -1,0 +1,25 @@
+#pragma once
+
+#include "haptolith/bed/kernel_law.h"
+#include "haptolith/soil/contact_law.h"
+#include "haptolith/soil/soil_parameters.h"
+
+namespace haptolith {
+
+/// A soil and every law that follows from it, worked out once so that a bed can go on with them between two ticks.
+struct SoilLaws {
+  /// @throws InvalidParameter as validate(SoilParameters).
+  explicit SoilLaws(const SoilParameters& made_of);
+
+  SoilParameters soil;
+  ContactLaw pair, wall;
+  KernelLaw kernel;      ///< with the paper's friction
+  PairwiseLaw pairwise;  ///< with pairwise friction
+  double mass_kg;        ///< of a macroparticle
+};
+
+/// Whether a bed made of one soil can go on with another, its particles lying as they lie: they keep their size, mass
+/// and model of friction, reach no further than its neighbour lists, and need no shorter steps.
+[[nodiscard]] bool canGoOnWith(const SoilParameters& made_of, const SoilParameters& soil, double tool_stiffness_n_m);
+
+}  // namespace haptolith

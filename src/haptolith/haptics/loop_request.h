@@ -1,0 +1,46 @@
+#pragma once
+
+#include <variant>
+
+#include "haptolith/bed/soil_laws.h"
+#include "haptolith/core/vec.h"
+#include "haptolith/tool/tool_parameters.h"
+
+namespace haptolith {
+
+struct Stage;
+
+/// What another thread may ask of a running loop. It is done between two ticks.
+namespace request {
+
+struct Pause {};  ///< time stands still, and the hand is let go
+struct Resume {};
+struct Advance {  ///< so many ticks while it is paused
+  int ticks = 1;
+};
+struct Speed {  ///< slow motion: a simulated second takes 1 / factor seconds; for hands that are simulated, too
+  double factor = 1;
+};
+struct Gravity {
+  Vec3 gravity_m_s2;
+};
+struct Soil {  ///< one that the bed canGoOnWith()
+  SoilLaws laws;
+};
+
+// The tool fades out of the soil before these, and into it again afterwards: no hand feels a jump, and soil that finds
+// itself inside the tool is moved out of its way instead of shot.
+struct ExchangeTool {  ///< must be as stiff as the one before: see Scene::setTool()
+  ToolParameters tool;
+};
+struct ExchangeStage {
+  Stage* stage = nullptr;
+};
+using Exchange = std::variant<ExchangeTool, ExchangeStage>;
+
+}  // namespace request
+
+using LoopRequest = std::variant<request::Pause, request::Resume, request::Advance, request::Speed, request::Gravity,
+                                 request::Soil, request::Exchange>;
+
+}  // namespace haptolith

@@ -1,0 +1,21 @@
+#include "haptolith/haptics/stage.h"
+
+namespace haptolith {
+
+namespace {
+
+SceneSnapshot firstSnapshot(const Scene& scene) {
+  SceneSnapshot snapshot;
+  const Bed& bed = scene.bed();
+  snapshot.position.assign(bed.state().position.begin(),
+                           bed.state().position.begin() + static_cast<std::ptrdiff_t>(bed.particles()));
+  snapshot.asleep.resize(bed.state().rested.size());
+  snapshot.awake = bed.awake();
+  return snapshot;
+}
+
+}  // namespace
+
+Stage::Stage(Scene& shown) : scene(shown), snapshots(firstSnapshot(shown)) {}
+
+}  // namespace haptolith

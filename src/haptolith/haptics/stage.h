@@ -1,0 +1,35 @@
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "haptolith/core/exchange.h"
+#include "haptolith/core/vec.h"
+#include "haptolith/tool/scene.h"
+
+namespace haptolith {
+
+/// A picture of the scene for whoever looks on, about 60 times a second. Of a large bed each tick copies a part, so
+/// that no tick is long: its first particles are then 15 ticks older than its last.
+struct SceneSnapshot {
+  double time_s = 0;
+  Pose scene_T_tool;
+  Wrench felt;
+  std::vector<Float4> position;      ///< m; one per particle
+  std::vector<std::uint8_t> asleep;  ///< one per group of kGroup particles, 1 when it sleeps: see Wakefulness
+  std::uint64_t ticks = 0, deadline_misses = 0;
+  double success_rate = 1, tick_us_p50 = 0, tick_us_p99 = 0, tick_us_max = 0, largest_speed_m_s = 0;
+  double tick_us_lately = 0;  ///< the longest tick since the snapshot before
+  std::size_t awake = 0;      ///< particles that are worked on
+  bool paused = false;
+};
+
+/// A scene as a loop shows it: with the place where its pictures are handed over.
+struct Stage {
+  explicit Stage(Scene& shown);
+
+  Scene& scene;
+  LatestValue<SceneSnapshot> snapshots;
+};
+
+}  // namespace haptolith
