@@ -31,9 +31,11 @@ const std::map<std::string, Folders> kArrows = {
     {"scenario", {"haptics"}},
     // A virtual laboratory has no hand in it.
     {"lab", {"tool", "figure"}},
-    {"study", {"haptics", "scenario", "figure"}},
+    // What a person may change while it runs.
+    {"session", {"scenario"}},
+    {"study", {"session", "figure"}},
     {"teleop", {"haptics", "scenario", "figure"}},
-    {"viewer", {"haptics", "scenario"}},
+    {"viewer", {"session"}},
 };
 
 Folders mayInclude(const std::string& folder) {

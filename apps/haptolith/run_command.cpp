@@ -1,12 +1,13 @@
 #include "run_command.h"
 
 #include <CLI/CLI.hpp>
+#include <fmt/chrono.h>
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 #include <spdlog/spdlog.h>
 
-#include <atomic>
 #include <chrono>
+#include <ctime>
 #include <map>
 #include <memory>
 #include <optional>
@@ -15,13 +16,11 @@
 
 #include "haptolith/bed/simd_target.h"
 #include "haptolith/core/error.h"
-#include "haptolith/device/virtual_hand.h"
-#include "haptolith/haptics/haptic_loop.h"
 #include "haptolith/scenario/scenario.h"
 #include "haptolith/scenario/scene_words.h"
-#include "haptolith/scenario/soil_file.h"
-#include "haptolith/soil/bodies.h"
-#include "haptolith/soil/presets.h"
+#include "haptolith/session/session.h"
+#include "haptolith/viewer/access.h"
+#include "haptolith/viewer/live_view.h"
 
 #include "output.h"
 #include "run_figure.h"
@@ -43,7 +42,8 @@ constexpr const char* kExamples = R"(Examples:
   haptolith run --hand press --trace press.csv --figure press.svg
   haptolith run scenarios/deep-bed.toml             a scene from a file
   haptolith run --poses movement.csv                a recorded hand
-  haptolith run --unpaced --duration-s 60 --json    as fast as it can, for experiments)";
+  haptolith run --unpaced --duration-s 60 --json    as fast as it can, for experiments
+  haptolith run --hand still --port 9000            to dig in, at http://127.0.0.1:9000/)";
 
 /// What the command line says; everything else comes from the scenario.
 struct RunOptions {
@@ -57,28 +57,22 @@ struct RunOptions {
   bool unpaced = false;
   std::string trace_file, figure_file;
   bool json = false;
+  std::optional<bool> serve;
+  WebServerOptions web;
 };
 
 Scenario scenarioFor(const RunOptions& options) {
   Scenario scenario = options.scenario_file.empty() ? Scenario{} : loadScenario(options.scenario_file);
   BedParameters& bed = scenario.bed;
   if (options.preset) {
-    const Preset& preset = findPreset(*options.preset);
-    bed.soil = rescaled(preset.soil, bed.soil.radius_m);
-    scenario.preset = preset.name;
-    scenario.soil_name.clear();
+    changePreset(scenario, *options.preset);
   }
   if (options.soil) {
-    SoilFile file = findSoil(*options.soil);
-    file.soil = rescaled(file.soil, bed.soil.radius_m);
-    setSoil(scenario, file);
+    changeSoil(scenario, *options.soil);
   }
   bed.soil.friction = options.friction.value_or(bed.soil.friction);
   if (options.body) {
-    const Body& body = findBody(*options.body);
-    const double before = bed.gravity_m_s2.norm();
-    bed.gravity_m_s2 = body.gravity_m_s2 * (before > 0 ? Vec3(bed.gravity_m_s2 / before) : Vec3(-Vec3::UnitZ()));
-    scenario.body = body.name;
+    changeBody(scenario, *options.body);
   }
   if (options.manoeuvre) {
     scenario.hand.manoeuvre = *options.manoeuvre;
@@ -95,48 +89,6 @@ Scenario scenarioFor(const RunOptions& options) {
   return scenario;
 }
 
-/// The loop's thread: real-time when the system grants it.
-class LoopThread {
- public:
-  LoopThread(HapticLoop& loop, bool paced)
-      : thread_([this, &loop, paced] {
-          if (paced) {
-            real_time_ = requestRealTime();
-          }
-          real_time_known_.store(true, std::memory_order_release);
-          end_ = loop.run(stopAsked());
-          done_.store(true, std::memory_order_release);
-        }) {}
-  ~LoopThread() {
-    if (thread_.joinable()) {  // an error on the other side: the hand is let go before anybody hears of it
-      stopAsked() = true;
-      thread_.join();
-    }
-  }
-  LoopThread(const LoopThread&) = delete;
-  LoopThread& operator=(const LoopThread&) = delete;
-
-  [[nodiscard]] bool done() const noexcept { return done_.load(std::memory_order_acquire); }
-
-  const RealTime& realTime() const {
-    while (!real_time_known_.load(std::memory_order_acquire)) {
-      std::this_thread::sleep_for(1ms);
-    }
-    return real_time_;
-  }
-
-  LoopEnd join() {
-    thread_.join();
-    return end_;
-  }
-
- private:
-  std::atomic<bool> done_{false}, real_time_known_{false};
-  RealTime real_time_;
-  LoopEnd end_ = LoopEnd::kRunning;
-  std::thread thread_;
-};
-
 /// Everything that follows the loop from a distance: trace, history for the figure, the status line.
 class Follower {
  public:
@@ -149,19 +101,22 @@ class Follower {
 
   [[nodiscard]] bool wantsRecords() const noexcept { return trace_ || keep_history_; }
 
-  void follow(HapticLoop& loop) {
+  void follow(Session& session, bool newer) {
     fresh_.clear();
-    loop.takeRecords(fresh_);
+    session.loop().takeRecords(fresh_);
     for (const TickRecord& record : fresh_) {
       if (trace_) {
         trace_->write(record);
+      }
+      if (recording_) {
+        recording_->write(record);
       }
       if (keep_history_) {
         remember(record);
       }
     }
-    if (loop.snapshots().update()) {
-      const SceneSnapshot& now = loop.snapshots().latest();
+    if (newer) {
+      const SceneSnapshot& now = session.snapshot();
       if (keep_history_ &&
           (history_.strongest.position.empty() || now.felt.force_n.norm() > history_.strongest.felt.force_n.norm())) {
         history_.strongest = now;
@@ -178,9 +133,24 @@ class Follower {
     }
   }
 
+  /// Begins or ends a recording that somebody who looks on has asked for; returns its file's name while there is one.
+  std::string record(bool on) {
+    if (recording_) {
+      recording_->commit();
+      recording_.reset();
+    }
+    if (!on) {
+      return {};
+    }
+    std::string name = fmt::format("haptolith-{:%Y%m%d-%H%M%S}.csv", fmt::localtime(std::time(nullptr)));
+    recording_.emplace(name);
+    return name;
+  }
+
   /// Saves the trace; whoever prints next finds a clean line.
   void finish() {
     status_.clear();
+    record(false);
     if (trace_) {
       trace_->commit();
     }
@@ -215,7 +185,7 @@ class Follower {
 
   const Scenario& scenario_;
   bool keep_history_;
-  std::optional<TraceFile> trace_;
+  std::optional<TraceFile> trace_, recording_;
   StatusLine status_;
   std::vector<TickRecord> fresh_;
   RunHistory history_;
@@ -314,51 +284,77 @@ void throwWhenItFailed(const Scenario& scenario, const HapticLoop& loop, LoopEnd
   }
 }
 
-void run(const RunOptions& options) {
+/// The view in the browser: unless somebody measures or a program reads what is printed. None when no port is free and
+/// nobody has asked for it.
+std::unique_ptr<LiveView> viewOf(Session& session, Follower& follower, const RunOptions& options) {
+  if (!options.serve.value_or(session.scenario().loop.paced && !options.json)) {
+    return nullptr;
+  }
+  try {
+    auto view = std::make_unique<LiveView>(session, options.web, HAPTOLITH_VERSION,
+                                           [&follower](bool on) { return follower.record(on); });
+    printNotice(fmt::format("see and touch it at {}\n", view->url()));
+    return view;
+  } catch (const Failure& failure) {
+    if (options.serve) {
+      throw;
+    }
+    spdlog::warn("no view in the browser: {}", failure.what());
+    return nullptr;
+  }
+}
+
+void run(RunOptions options) {
   const StopOnSignal stop_on_signal;
-  Scenario scenario = scenarioFor(options);
+  const Scenario scenario = scenarioFor(options);
+  if (!isLoopback(options.web.bind) && options.web.token.empty()) {
+    options.web.token = newToken();
+  }
   // Files that cannot be written are refused before the bed is made.
   Follower follower(options, scenario);
   std::optional<Figure> figure;
   if (!options.figure_file.empty()) {
     figure.emplace(options.figure_file, kRunFigureWidth_px, kRunFigureHeight_px);
   }
-  Scene scene(scenario.bed, scenario.tool, [&follower](double time_s, double speed_m_s) {
+  const bool may_record = follower.wantsRecords() || options.serve.value_or(scenario.loop.paced);
+  Session session(scenario, may_record, [&follower](double time_s, double speed_m_s) {
     follower.showSettling(time_s, speed_m_s);
     return !stopAsked();
   });
-  if (!scenario.hand.surface_m) {
-    scenario.hand.surface_m = scene.bed().surfaceHeight();
+  const std::unique_ptr<LiveView> view = viewOf(session, follower, options);
+  session.start(stopAsked());
+  if (const std::string& advice = session.realTime().advice; !advice.empty()) {
+    spdlog::warn("{}", advice);
   }
-  VirtualHand hand(scenario.hand, scenario.bed.tick_s);
-  HapticLoop loop(scene, hand, scenario.loop, follower.wantsRecords());
-
-  RunSummary summary{};
-  {
-    LoopThread thread(loop, scenario.loop.paced);
-    if (const std::string& advice = thread.realTime().advice; !advice.empty()) {
-      spdlog::warn("{}", advice);
+  const auto between_looks = !scenario.loop.paced ? 1ms : view ? 4ms : 20ms;
+  while (!session.done()) {
+    if (view) {
+      view->obey();
     }
-    while (!thread.done()) {
-      follower.follow(loop);
-      std::this_thread::sleep_for(scenario.loop.paced ? 20ms : 1ms);
+    const bool changed = session.poll();
+    const bool newer = session.update();
+    follower.follow(session, newer);
+    if (view) {
+      view->show(newer, changed);
     }
-    summary = {thread.join(), thread.realTime(), loop.lostRecords()};
+    std::this_thread::sleep_for(between_looks);
   }
-  follower.follow(loop);
+  const RunSummary summary{session.join(), session.realTime(), session.loop().lostRecords()};
+  session.poll();
+  follower.follow(session, session.update());
   follower.finish();
   if (summary.lost_records > 0) {
     spdlog::warn("{} ticks are missing in the trace: the disk was too slow for 8 s", summary.lost_records);
   }
   if (figure) {
-    drawRun(*figure, scenario, follower.history(), loop.statistics());
+    drawRun(*figure, session.scenario(), follower.history(), session.loop().statistics());
   }
   if (options.json) {
-    printJson(summaryJson(scenario, scene, loop, summary));
+    printJson(summaryJson(session.scenario(), session.scene(), session.loop(), summary));
   } else {
-    printText(summaryText(scenario, scene, loop, summary));
+    printText(summaryText(session.scenario(), session.scene(), session.loop(), summary));
   }
-  throwWhenItFailed(scenario, loop, summary.end);
+  throwWhenItFailed(session.scenario(), session.loop(), summary.end);
 }
 
 std::map<std::string, FrictionModel> frictionChoices() {
@@ -415,6 +411,16 @@ void addRunCommand(CLI::App& app) {
   command->add_option("--trace", options->trace_file, "Write every tick to this CSV file")->option_text("FILE");
   command->add_option("--figure", options->figure_file, "Draw the run (.svg or .png)")->option_text("FILE");
   command->add_flag("--json", options->json, "Print the summary as one JSON object");
+  command->add_flag("--serve,!--no-serve", options->serve,
+                    "Show it in the browser, or not; default: unless --unpaced or --json");
+  command->add_option("--port", options->web.port, "Port of the page, or the next that is free; 0: any [8080]")
+      ->option_text("PORT");
+  command
+      ->add_option("--bind", options->web.bind,
+                   "Address to listen on [127.0.0.1]; any but this machine's own wants a token")
+      ->option_text("ADDRESS");
+  command->add_option("--token", options->web.token, "What a browser must know; default beyond this machine: made up")
+      ->option_text("TEXT");
   command->callback([options] { run(*options); });
 }
 

@@ -84,19 +84,6 @@ double largestExcess(const SoilParameters& soil) {
   return soil.friction == FrictionModel::kPairwise ? soil.size_spread * soil.radius_m : 0;
 }
 
-Periods periodsOf(const BedParameters& bed) {
-  Periods periods;
-  if (bed.periodic_x) {
-    periods.width = static_cast<float>(bed.width_m);
-    periods.per_width = 1 / periods.width;
-  }
-  if (bed.periodic_y) {
-    periods.length = static_cast<float>(bed.length_m);
-    periods.per_length = 1 / periods.length;
-  }
-  return periods;
-}
-
 template <class To, class From>
 To narrow(From value) noexcept {
   return static_cast<To>(value);

@@ -24,4 +24,17 @@ PairwiseLaw pairwiseLaw(const SoilParameters& soil) {
           .lag = f(damping / std::sqrt(tangential_stiffness))};
 }
 
+Periods periodsOf(const BedParameters& bed) {
+  Periods periods;
+  if (bed.periodic_x) {
+    periods.width = static_cast<float>(bed.width_m);
+    periods.per_width = 1 / periods.width;
+  }
+  if (bed.periodic_y) {
+    periods.length = static_cast<float>(bed.length_m);
+    periods.per_length = 1 / periods.length;
+  }
+  return periods;
+}
+
 }  // namespace haptolith

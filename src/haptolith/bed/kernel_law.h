@@ -1,5 +1,6 @@
 #pragma once
 
+#include "haptolith/bed/bed_parameters.h"
 #include "haptolith/soil/contact_law.h"
 #include "haptolith/soil/soil_parameters.h"
 
@@ -29,5 +30,6 @@ struct Periods {
 
   [[nodiscard]] bool any() const noexcept { return width > 0 || length > 0; }
 };
+[[nodiscard]] Periods periodsOf(const BedParameters& bed);
 
 }  // namespace haptolith

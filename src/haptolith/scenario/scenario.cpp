@@ -3,6 +3,8 @@
 #include <fmt/format.h>
 
 #include "haptolith/core/error.h"
+#include "haptolith/soil/bodies.h"
+#include "haptolith/soil/presets.h"
 
 namespace haptolith {
 
@@ -13,6 +15,27 @@ void setSoil(Scenario& scenario, const SoilFile& soil) {
   if (soil.soil.friction == FrictionModel::kPairwise && scenario.bed.start == BedStart::kCount) {
     scenario.bed.start = BedStart::kRain;  // a lattice is a crystal, with planes it slips on: not what was calibrated
   }
+}
+
+void changePreset(Scenario& scenario, std::string_view name) {
+  const Preset& preset = findPreset(name);
+  scenario.bed.soil = rescaled(preset.soil, scenario.bed.soil.radius_m);
+  scenario.preset = preset.name;
+  scenario.soil_name.clear();
+}
+
+void changeSoil(Scenario& scenario, std::string_view name_or_file) {
+  SoilFile file = findSoil(name_or_file);
+  file.soil = rescaled(file.soil, scenario.bed.soil.radius_m);
+  setSoil(scenario, file);
+}
+
+void changeBody(Scenario& scenario, std::string_view name) {
+  const Body& body = findBody(name);
+  const double before = scenario.bed.gravity_m_s2.norm();
+  const Vec3 direction = before > 0 ? Vec3(scenario.bed.gravity_m_s2 / before) : Vec3(-Vec3::UnitZ());
+  scenario.bed.gravity_m_s2 = body.gravity_m_s2 * direction;
+  scenario.body = body.name;
 }
 
 void validate(const Scenario& scenario) {

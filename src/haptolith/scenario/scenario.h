@@ -2,6 +2,7 @@
 
 #include <filesystem>
 #include <string>
+#include <string_view>
 
 #include "haptolith/bed/bed_parameters.h"
 #include "haptolith/device/hand_parameters.h"
@@ -30,6 +31,14 @@ struct Scenario {
 
 /// Puts a named soil into the scene, its macroparticles as large as its file has them.
 void setSoil(Scenario& scenario, const SoilFile& soil);
+
+/// Puts a preset or a soil with a name (or in a file) into the scene, its macroparticles as large as the scene's were.
+/// @throws InvalidParameter, Failure: as findPreset() and findSoil().
+void changePreset(Scenario& scenario, std::string_view name);
+void changeSoil(Scenario& scenario, std::string_view name_or_file);
+
+/// Takes the scene to another world; gravity keeps its direction. @throws InvalidParameter as findBody().
+void changeBody(Scenario& scenario, std::string_view name);
 
 /// Checks what no single key can tell: for example that the bed, the tool and the hand fit into one scene.
 /// @throws InvalidParameter.

@@ -27,6 +27,8 @@ struct SoilParameters {
   double tangential_ratio = 0.5;      ///< k_t / k, tangential over normal stiffness of a contact
   double size_spread = 0;      ///< radii lie evenly between R (1 - spread) and R (1 + spread); all weigh the same
   double damping_ratio = 0.2;  ///< zeta, of a pair that bounces, over critical damping
+
+  [[nodiscard]] bool operator==(const SoilParameters&) const = default;
 };
 
 /// @throws InvalidParameter with the key, the value and the valid range. An infinite stiffness passes.

@@ -1,0 +1,39 @@
+# cmake -DDIST=web/dist -DOUTPUT=web_files.cpp -P EmbedWeb.cmake
+# Makes one source of the page's files, so that the program serves them wherever it is started and needs nothing beside it.
+file(GLOB_RECURSE files RELATIVE ${DIST} ${DIST}/*)
+list(SORT files)
+set(symbols "")
+set(entries "")
+set(number 0)
+foreach(file ${files})
+  string(APPEND symbols
+"__asm__(
+    \".pushsection .rodata\\n\"
+    \"haptolith_web_${number}: .incbin \\\"${DIST}/${file}\\\"\\n\"
+    \"haptolith_web_${number}_end: .byte 0\\n\"
+    \".globl haptolith_web_${number}, haptolith_web_${number}_end\\n\"
+    \".popsection\\n\");
+extern \"C\" const char haptolith_web_${number}[], haptolith_web_${number}_end[];
+")
+  string(APPEND entries
+"      {\"/${file}\", {haptolith_web_${number}, static_cast<std::size_t>(haptolith_web_${number}_end - haptolith_web_${number})}},
+")
+  math(EXPR number "${number} + 1")
+endforeach()
+file(WRITE ${OUTPUT}
+"// Made of web/dist by cmake/EmbedWeb.cmake.
+#include \"haptolith/viewer/web_files.h\"
+
+#include <cstddef>
+
+${symbols}
+namespace haptolith {
+
+std::span<const WebFile> webFiles() {
+  static const WebFile kFiles[]{
+${entries}  };
+  return kFiles;
+}
+
+}  // namespace haptolith
+")

@@ -1,0 +1,122 @@
+#pragma once
+
+#include <atomic>
+#include <future>
+#include <memory>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "haptolith/device/virtual_hand.h"
+#include "haptolith/haptics/haptic_loop.h"
+#include "haptolith/scenario/scenario.h"
+#include "haptolith/session/loop_thread.h"
+#include "haptolith/session/scene_change.h"
+
+namespace haptolith {
+
+/// A scene that runs, and may be changed while it does: soil, world, tool and hand. Beds are made on a thread of their
+/// own while the one before goes on, and come on stage without the hand feeling a jump. All calls from one thread,
+/// which is not the loop's; none of them can delay a tick.
+class Session {
+ public:
+  /// Makes the first bed, telling `progress`. @throws InvalidParameter, Failure: as Scene, VirtualHand and HapticLoop.
+  Session(Scenario scenario, bool keep_records, const SettleProgress& progress = {});
+  ~Session();
+
+  /// Starts the loop; `stop` ends it.
+  void start(std::atomic<bool>& stop);
+  [[nodiscard]] bool done() const { return thread_->done(); }
+  /// Waits for the loop's end.
+  LoopEnd join();
+  [[nodiscard]] const RealTime& realTime() const { return thread_->realTime(); }
+
+  /// Moves on what others have finished: call it some hundred times a second. True when something has changed that
+  /// scenario() and scenes() tell.
+  bool poll();
+
+  /// Moves on to the newest snapshot; false when there is none newer than snapshot().
+  bool update();
+  [[nodiscard]] const SceneSnapshot& snapshot() const { return snapshots_->latest(); }
+
+  // --- changes: @throws InvalidParameter, Failure as changed(); then nothing has changed
+
+  void change(const SceneChange& change);
+  void reset();  ///< the scene as it was started
+  void level();  ///< the same soil, level again
+  void undo();   ///< the bed as it was before the last new one; a second undo brings that back
+
+  void pause() { ask(request::Pause{}); }
+  void resume() { ask(request::Resume{}); }
+  void advance(int ticks) { ask(request::Advance{ticks}); }
+  void setSpeed(double factor);
+
+  void hold(const Pose& scene_T_tool);
+  void release();  ///< the tool stays where it is
+  void play(Manoeuvre manoeuvre);
+
+  // --- what there is
+
+  /// The scene as it is wanted; the bed of it may still be on its way.
+  [[nodiscard]] const Scenario& scenario() const noexcept { return wanted_; }
+  [[nodiscard]] const Scene& scene() const noexcept { return *current_.scene; }
+  /// How many beds have been shown: particles of one are not those of another.
+  [[nodiscard]] std::uint32_t scenes() const noexcept { return scenes_; }
+  /// Height of the soil's surface when the bed that is shown was made, in m.
+  [[nodiscard]] double surface() const noexcept { return current_.surface_m; }
+  [[nodiscard]] double speed() const noexcept { return speed_; }
+  [[nodiscard]] const std::optional<Pose>& held() const noexcept { return wish_.held; }
+  [[nodiscard]] Manoeuvre manoeuvre() const noexcept { return wish_.manoeuvre; }
+  /// Where the tool may be pulled to, in m.
+  [[nodiscard]] Vec3 workspaceLow() const noexcept;
+  [[nodiscard]] Vec3 workspaceHigh() const noexcept;
+  /// What takes a while just now, in words; empty when nothing does.
+  [[nodiscard]] std::string busy() const;
+  /// What undo() would take back; empty when nothing.
+  [[nodiscard]] std::string_view undoable() const noexcept { return previous_ ? previous_->replaced_by : ""; }
+  /// Why the last bed could not be made; empty when it could.
+  [[nodiscard]] const std::string& problem() const noexcept { return problem_; }
+  [[nodiscard]] std::string_view deviceName() const noexcept { return hand_->name(); }
+
+  [[nodiscard]] HapticLoop& loop() noexcept { return *loop_; }
+  [[nodiscard]] const HapticLoop& loop() const noexcept { return *loop_; }
+
+ private:
+  /// A bed that is, was or will be on stage.
+  struct Showing {
+    Scenario scenario;        ///< as it was last wanted of this bed
+    SoilParameters made_of;   ///< what its lists and steps are good for
+    std::vector<Vec3> fresh;  ///< its particles' centres when it was made, m
+    double surface_m = 0;
+    std::unique_ptr<Scene> scene;
+    std::unique_ptr<Stage> own_stage;  ///< none for the first: the loop has that
+    Stage* stage = nullptr;
+    std::string_view replaced_by;
+  };
+  struct Making;
+
+  [[nodiscard]] static Showing show(const Scenario& scenario, const std::vector<Vec3>* centres_m,
+                                    const SettleProgress& progress);
+  void make(const Scenario& scenario, std::string_view why, std::vector<Vec3> centres_m);
+  void abandonMaking() noexcept;
+  void bringOnStage(Showing next);
+  void ask(const LoopRequest& request);
+  void wish() { hand_->wish(wish_); }
+
+  Scenario initial_, wanted_;
+  Showing current_;
+  std::optional<Showing> previous_, coming_;
+  std::unique_ptr<Making> making_;
+  std::uint32_t scenes_ = 1;
+  double speed_ = 1;
+  HandWish wish_;
+  std::string problem_;
+
+  std::unique_ptr<VirtualHand> hand_;
+  std::unique_ptr<HapticLoop> loop_;
+  LatestValue<SceneSnapshot>* snapshots_ = nullptr;
+  std::unique_ptr<LoopThread> thread_;  // the last member: it ends before what it uses
+};
+
+}  // namespace haptolith

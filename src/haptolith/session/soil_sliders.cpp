@@ -1,0 +1,84 @@
+#include "haptolith/session/soil_sliders.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <string>
+
+#include "haptolith/core/error.h"
+#include "haptolith/soil/strength.h"
+
+namespace haptolith {
+
+namespace {
+
+constexpr double kDegree = std::numbers::pi / 180;
+constexpr double kMilli = 1e-3;
+
+constexpr std::string_view kFrictionAngle = "friction_angle_deg";
+constexpr std::string_view kCohesion = "cohesion_pa";
+constexpr std::string_view kContactFriction = "contact_friction";
+constexpr std::string_view kContactCohesion = "contact_cohesion_mn";
+
+/// Contacts of P3 and its like hold together with some millinewtons; stress at equal relative size goes with R^2.
+double strongestCohesion_mn(const SoilParameters& soil) {
+  constexpr double kOfP3_mn = 10;
+  constexpr double kRadiusOfP3_m = 7e-3;
+  const double ratio = soil.radius_m / kRadiusOfP3_m;
+  return std::max(kOfP3_mn * ratio * ratio, 2 * soil.contact_cohesion_n / kMilli);
+}
+
+/// The cohesion of (paper 18) if the law allows it, else none: it diverges for soil that cannot be compacted so far.
+double paperCohesion(const SoilParameters& soil) {
+  try {
+    return cohesion(soil);
+  } catch (const InvalidParameter&) {
+    return 0;
+  }
+}
+
+}  // namespace
+
+std::vector<SoilSlider> slidersOf(const SoilParameters& soil) {
+  if (soil.friction == FrictionModel::kPairwise) {
+    const double strongest = strongestCohesion_mn(soil);
+    return {
+        {kContactFriction, "contact friction", "", soil.contact_friction, 0, 2, 0.01},
+        {kContactCohesion, "contact cohesion", "mN", soil.contact_cohesion_n / kMilli, 0, strongest, strongest / 200}};
+  }
+  const double angle_deg = frictionAngle(frictionCoefficient(soil.mu_hat)) / kDegree;
+  std::vector<SoilSlider> sliders{{kFrictionAngle, "friction angle", "°", angle_deg, 1, 70, 0.5}};
+  if (const double now_pa = paperCohesion(soil); now_pa > 0) {
+    sliders.push_back({kCohesion, "cohesion", "Pa", now_pa, 10, std::max(3000.0, 2 * now_pa), 10});
+  }
+  return sliders;
+}
+
+SoilParameters withSlider(SoilParameters soil, std::string_view key, double value) {
+  const std::vector<SoilSlider> sliders = slidersOf(soil);
+  const auto slider = std::ranges::find(sliders, key, &SoilSlider::key);
+  if (slider == sliders.end()) {
+    std::vector<std::string_view> keys;
+    std::ranges::transform(sliders, std::back_inserter(keys), &SoilSlider::key);
+    throw InvalidParameter("sliders", std::string(key), fmt::format("{}", fmt::join(keys, " or ")));
+  }
+  requireInRange(key, value, {slider->low, slider->high});
+  if (key == kFrictionAngle) {
+    // (paper 18) has friction in it: cohesion is kept as it was.
+    const double kept_pa = paperCohesion(soil);
+    soil.mu_hat = modelFriction(std::tan(value * kDegree));
+    soil.gamma_nm *= kept_pa > 0 ? kept_pa / paperCohesion(soil) : 1;
+  } else if (key == kCohesion) {
+    soil.gamma_nm *= value / paperCohesion(soil);
+  } else if (key == kContactFriction) {
+    soil.contact_friction = value;
+  } else {
+    soil.contact_cohesion_n = value * kMilli;
+  }
+  return soil;
+}
+
+}  // namespace haptolith

@@ -1,0 +1,30 @@
+#pragma once
+
+#include <string>
+#include <string_view>
+
+namespace haptolith {
+
+/// Who may connect to the view. A page that somebody has open may ask any server on the machine for anything, and is
+/// known only by its Origin; a name that an attacker points at 127.0.0.1 is known by the Host.
+
+/// Whether an address is one that only this machine reaches: 127.0.0.0/8, ::1 or localhost.
+[[nodiscard]] bool isLoopback(std::string_view address);
+
+/// Whether a Host header, with or without a port, names this machine.
+[[nodiscard]] bool namesLoopback(std::string_view host);
+
+/// Whether a page from `origin` ("http://localhost:8080") came from the host it now speaks to ("localhost:8080").
+[[nodiscard]] bool isFromHere(std::string_view origin, std::string_view host);
+
+/// Value of `token` in the query of a request's target; empty when there is none. %xx and + are not decoded: tokens
+/// have no such letters.
+[[nodiscard]] std::string_view tokenOf(std::string_view target);
+
+/// Compares without telling by its duration how much was right.
+[[nodiscard]] bool sameToken(std::string_view a, std::string_view b) noexcept;
+
+/// 128 random bits in hexadecimal. @throws Failure when the system gives none.
+[[nodiscard]] std::string newToken();
+
+}  // namespace haptolith

@@ -1,0 +1,58 @@
+#include "haptolith/viewer/board.h"
+
+#include <utility>
+
+namespace haptolith {
+
+void Board::setScene(std::string text) {
+  const std::scoped_lock lock(mutex_);
+  scene_ = std::make_shared<const std::string>(std::move(text));
+  ++scene_version_;
+}
+
+void Board::setScene(std::string text, std::uint32_t scene, std::size_t particles, const FrameEncoder::Space& space) {
+  const std::scoped_lock lock(mutex_);
+  scene_ = std::make_shared<const std::string>(std::move(text));
+  ++scene_version_;
+  encoder_.emplace(scene, particles, space, encoder_ ? encoder_->number() : 0);
+}
+
+void Board::setStatus(std::string text) {
+  const std::scoped_lock lock(mutex_);
+  status_ = std::make_shared<const std::string>(std::move(text));
+  ++status_version_;
+}
+
+void Board::setPicture(const SceneSnapshot& snapshot, const FrameEncoder::Beside& beside) {
+  const std::scoped_lock lock(mutex_);
+  encoder_->take(snapshot, beside);
+}
+
+std::optional<Board::Message> Board::next(std::uint32_t client, Seen& seen) {
+  const std::scoped_lock lock(mutex_);
+  if (!seen.hello) {
+    constexpr std::string_view kPlace = "\"$client\"";
+    seen.hello = true;
+    std::string hello = hello_;
+    if (const std::size_t at = hello.find(kPlace); at != std::string::npos) {
+      hello.replace(at, kPlace.size(), std::to_string(client));
+    }
+    return Message{std::make_shared<const std::string>(std::move(hello))};
+  }
+  if (scene_ && seen.scene != scene_version_) {
+    seen.scene = scene_version_;
+    return Message{scene_};
+  }
+  if (encoder_ && encoder_->hasPicture() && seen.frame != encoder_->number()) {
+    const std::shared_ptr<const std::string> frame = encoder_->frameSince(seen.frame);
+    seen.frame = encoder_->number();
+    return Message{frame, true};
+  }
+  if (status_ && seen.status != status_version_) {
+    seen.status = status_version_;
+    return Message{status_};
+  }
+  return std::nullopt;
+}
+
+}  // namespace haptolith

@@ -1,0 +1,254 @@
+#include "haptolith/viewer/command.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+#include <nlohmann/json.hpp>
+
+#include <algorithm>
+#include <array>
+#include <map>
+#include <set>
+
+#include "haptolith/core/error.h"
+#include "haptolith/scenario/scene_words.h"
+
+namespace haptolith {
+
+namespace {
+
+using Json = nlohmann::json;
+
+constexpr double kMm = 1e-3;  // m
+constexpr int kMostTicks = 1000;
+constexpr double kLargestNumber = 1e9;
+
+/// Reads the keys of one JSON object, and knows which it was asked for.
+class Keys {
+ public:
+  explicit Keys(const Json& object, std::set<std::string> known = {}) : object_(object), asked_(std::move(known)) {
+    if (!object.is_object()) {
+      throw InvalidParameter("message", shortened(object.dump(-1, ' ', false, Json::error_handler_t::replace)),
+                             "a JSON object");
+    }
+  }
+
+  [[nodiscard]] const Json* find(const std::string& key) {
+    asked_.insert(key);
+    const auto at = object_.find(key);
+    return at == object_.end() ? nullptr : &*at;
+  }
+
+  [[nodiscard]] const Json& need(const std::string& key) {
+    const Json* value = find(key);
+    if (value == nullptr) {
+      throw InvalidParameter(key, "nothing", "given");
+    }
+    return *value;
+  }
+
+  [[nodiscard]] std::optional<double> number(const std::string& key, const Range& valid) {
+    const Json* value = find(key);
+    return value == nullptr ? std::nullopt : std::optional(numberOf(key, *value, valid));
+  }
+
+  [[nodiscard]] std::optional<std::string> text(const std::string& key) {
+    const Json* value = find(key);
+    return value == nullptr ? std::nullopt : std::optional(textOf(key, *value));
+  }
+
+  template <class Table>
+  [[nodiscard]] auto word(const std::string& key, const Table& table) -> std::optional<decltype(table.begin()->value)> {
+    const std::optional<std::string> name = text(key);
+    if (!name) {
+      return std::nullopt;
+    }
+    for (const auto& entry : table) {
+      if (entry.name == *name) {
+        return entry.value;
+      }
+    }
+    throw InvalidParameter(key, shortened(*name), fmt::format("{}", fmt::join(namesOf(table), ", ")));
+  }
+
+  void refuseOthers() const {
+    for (const auto& [key, value] : object_.items()) {
+      if (!asked_.contains(key)) {
+        throw InvalidParameter(shortened(key), "given", "left out: there is no such key here");
+      }
+    }
+  }
+
+  static double numberOf(const std::string& key, const Json& value, const Range& valid) {
+    if (!value.is_number()) {
+      throw InvalidParameter(key, std::string(value.type_name()), "a number");
+    }
+    return requireInRange(key, value.get<double>(), valid);
+  }
+
+  static std::string textOf(const std::string& key, const Json& value) {
+    if (!value.is_string()) {
+      throw InvalidParameter(key, std::string(value.type_name()), "a text");
+    }
+    return value.get<std::string>();
+  }
+
+  /// What somebody sent, short enough to send back.
+  static std::string shortened(const std::string& text) {
+    constexpr std::size_t kLongest = 60;
+    return text.size() <= kLongest ? text : text.substr(0, kLongest) + "...";
+  }
+
+ private:
+  const Json& object_;
+  std::set<std::string> asked_;
+};
+
+template <std::size_t kCount>
+std::array<double, kCount> numbers(const std::string& key, const Json& value, const Range& valid) {
+  if (!value.is_array() || value.size() != kCount) {
+    throw InvalidParameter(key, std::string(value.type_name()), fmt::format("{} numbers", kCount));
+  }
+  std::array<double, kCount> read{};
+  for (std::size_t i = 0; i < kCount; ++i) {
+    read[i] = Keys::numberOf(key, value[i], valid);
+  }
+  return read;
+}
+
+command::Hold hold(Keys& keys) {
+  const auto p = numbers<7>("pose", keys.need("pose"), {-1000, 1000});
+  return {{Vec3(p[0], p[1], p[2]), Quat(p[3], p[4], p[5], p[6])}};
+}
+
+command::Play play(Keys& keys) {
+  const auto manoeuvre = keys.word("manoeuvre", kManoeuvreWords);
+  if (!manoeuvre || *manoeuvre == Manoeuvre::kPoses) {
+    throw InvalidParameter("manoeuvre", manoeuvre ? "poses" : "nothing", "still, press, stir, scoop, carry or shake");
+  }
+  return {*manoeuvre};
+}
+
+void readTool(const Json& object, SceneChange& change) {
+  constexpr Range kLengthMm{1, 1000};
+  Keys keys(object);
+  change.tool_shape = keys.word("shape", kToolShapeWords);
+  if (const Json* size = keys.find("size_mm")) {
+    const auto edges = numbers<3>("size_mm", *size, kLengthMm);
+    change.tool_size_m = kMm * Vec3(edges[0], edges[1], edges[2]);
+  }
+  const auto metres = [](std::optional<double> mm) { return mm ? std::optional(*mm * kMm) : std::nullopt; };
+  change.tool_diameter_m = metres(keys.number("diameter_mm", kLengthMm));
+  change.tool_thickness_m = metres(keys.number("thickness_mm", kLengthMm));
+  keys.refuseOthers();
+}
+
+/// A name that the program knows; a client may not make it read files.
+std::optional<std::string> soilName(Keys& keys) {
+  const std::optional<std::string> name = keys.text("soil");
+  const std::vector<std::string> known = soilNames();
+  if (name && std::ranges::find(known, *name) == known.end()) {
+    throw InvalidParameter("soil", Keys::shortened(*name), fmt::format("{}", fmt::join(known, ", ")));
+  }
+  return name;
+}
+
+command::Change change(Keys& keys) {
+  SceneChange change;
+  change.preset = keys.text("preset");
+  change.soil = soilName(keys);
+  change.body = keys.text("body");
+  change.friction = keys.word("friction", kFrictionWords);
+  if (const Json* sliders = keys.find("sliders")) {
+    if (!sliders->is_object()) {
+      throw InvalidParameter("sliders", std::string(sliders->type_name()), "an object of numbers");
+    }
+    for (const auto& [key, value] : sliders->items()) {
+      change.sliders.emplace_back(key, Keys::numberOf(Keys::shortened(key), value, {-kLargestNumber, kLargestNumber}));
+    }
+  }
+  if (const Json* tool = keys.find("tool")) {
+    readTool(*tool, change);
+  }
+  return {change};
+}
+
+command::Step step(Keys& keys) {
+  const double ticks = keys.number("ticks", {1, kMostTicks}).value_or(1);
+  return {static_cast<int>(ticks)};
+}
+
+command::Speed speed(Keys& keys) {
+  return {Keys::numberOf("factor", keys.need("factor"), {0.01, 1})};
+}
+
+command::Record record(Keys& keys) {
+  const Json& on = keys.need("on");
+  if (!on.is_boolean()) {
+    throw InvalidParameter("on", std::string(on.type_name()), "true or false");
+  }
+  return {on.get<bool>()};
+}
+
+command::Colour colour(Keys& keys) {
+  static constexpr std::array kColours{SceneWord{"plain", false}, SceneWord{"force", true}, SceneWord{"speed", false},
+                                       SceneWord{"depth", false}, SceneWord{"sleep", false}};
+  const std::optional<bool> by_force = keys.word("by", kColours);
+  if (!by_force) {
+    throw InvalidParameter("by", "nothing", "plain, force, speed, depth or sleep");
+  }
+  return {*by_force};
+}
+
+Command commandOf(const Json& message) {
+  Keys keys(message, {"id"});
+  const std::string what = Keys::textOf("do", keys.need("do"));
+  using Reader = Command (*)(Keys&);
+  static const std::map<std::string, Reader> kReaders = {
+      {"hold", [](Keys& k) -> Command { return hold(k); }},
+      {"release", [](Keys&) -> Command { return command::Release{}; }},
+      {"play", [](Keys& k) -> Command { return play(k); }},
+      {"scene", [](Keys& k) -> Command { return change(k); }},
+      {"reset", [](Keys&) -> Command { return command::Reset{}; }},
+      {"level", [](Keys&) -> Command { return command::Level{}; }},
+      {"undo", [](Keys&) -> Command { return command::Undo{}; }},
+      {"pause", [](Keys&) -> Command { return command::Pause{}; }},
+      {"resume", [](Keys&) -> Command { return command::Resume{}; }},
+      {"step", [](Keys& k) -> Command { return step(k); }},
+      {"speed", [](Keys& k) -> Command { return speed(k); }},
+      {"record", [](Keys& k) -> Command { return record(k); }},
+      {"colour", [](Keys& k) -> Command { return colour(k); }},
+  };
+  const auto reader = kReaders.find(what);
+  if (reader == kReaders.end()) {
+    std::vector<std::string> names;
+    for (const auto& [name, read] : kReaders) {
+      names.push_back(name);
+    }
+    throw InvalidParameter("do", Keys::shortened(what), fmt::format("{}", fmt::join(names, ", ")));
+  }
+  const Command command = reader->second(keys);
+  keys.refuseOthers();
+  return command;
+}
+
+}  // namespace
+
+ClientMessage parseClientMessage(std::string_view text) {
+  ClientMessage message;
+  const Json json = Json::parse(text, nullptr, false);
+  if (json.is_discarded()) {
+    message.refused = "the message is not JSON";
+    return message;
+  }
+  if (json.is_object() && json.contains("id") && json["id"].is_number_integer()) {
+    message.id = json["id"].get<std::int64_t>();
+  }
+  try {
+    message.command = commandOf(json);
+  } catch (const InvalidParameter& error) {
+    message.refused = error.what();
+  }
+  return message;
+}
+
+}  // namespace haptolith

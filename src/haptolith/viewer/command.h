@@ -1,0 +1,61 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <variant>
+
+#include "haptolith/device/hand_parameters.h"
+#include "haptolith/session/scene_change.h"
+
+namespace haptolith {
+
+/// What a client of the view asks for: docs/protocol.md.
+namespace command {
+
+struct Hold {
+  Pose scene_T_tool;
+};
+struct Release {};
+struct Play {
+  Manoeuvre manoeuvre = Manoeuvre::kStill;
+};
+struct Change {
+  SceneChange change;
+};
+struct Reset {};
+struct Level {};
+struct Undo {};
+struct Pause {};
+struct Resume {};
+struct Step {
+  int ticks = 1;
+};
+struct Speed {
+  double factor = 1;
+};
+struct Record {
+  bool on = false;
+};
+struct Colour {
+  bool by_force = false;
+};
+
+}  // namespace command
+
+using Command = std::variant<command::Hold, command::Release, command::Play, command::Change, command::Reset,
+                             command::Level, command::Undo, command::Pause, command::Resume, command::Step,
+                             command::Speed, command::Record, command::Colour>;
+
+/// A message of a client, taken apart as far as that went.
+struct ClientMessage {
+  std::optional<std::int64_t> id;  ///< of the reply; none: no reply is wanted
+  std::optional<Command> command;  ///< none: it is refused
+  std::string refused;             ///< why
+};
+
+/// Never throws for what a client may send, however wrong it is.
+[[nodiscard]] ClientMessage parseClientMessage(std::string_view text);
+
+}  // namespace haptolith

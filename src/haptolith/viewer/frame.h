@@ -1,0 +1,80 @@
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "haptolith/core/vec.h"
+#include "haptolith/haptics/stage.h"
+
+namespace haptolith {
+
+/// Pictures of the bed as bytes: docs/protocol.md. Positions are quantised, and only particles whose bytes have changed
+/// since a client's last frame are in its next. Not thread-safe.
+class FrameEncoder {
+ public:
+  /// A space that holds the bed; what leaves it is shown at its border.
+  struct Space {
+    Vec3 low_m, high_m;
+  };
+
+  /// @param scene  number of the scene, counted up when the particles are others.
+  /// @param after  number of the last picture of the scene before: whoever has seen no later one gets everything.
+  FrameEncoder(std::uint32_t scene, std::size_t particles, const Space& space, std::uint32_t after = 0);
+
+  /// What a snapshot does not know.
+  struct Beside {
+    std::optional<Pose> wanted;  ///< where the hand wants the tool
+    bool held = false;
+    std::span<const float> load_n;  ///< contact force of each particle; empty: unknown
+  };
+
+  /// Takes a newer snapshot of this scene.
+  void take(const SceneSnapshot& snapshot, const Beside& beside);
+
+  /// Number of the picture that was taken last; that of the scene before until there is one.
+  [[nodiscard]] std::uint32_t number() const noexcept { return number_; }
+  [[nodiscard]] bool hasPicture() const noexcept { return number_ != after_; }
+
+  /// The newest picture for somebody who has seen picture number `seen`; everything for one who has seen none (0).
+  /// Clients that have seen the same share one buffer.
+  [[nodiscard]] std::shared_ptr<const std::string> frameSince(std::uint32_t seen);
+
+  [[nodiscard]] const Space& space() const noexcept { return space_; }
+
+ private:
+  struct Record {
+    std::uint16_t x, y, z;
+    std::uint8_t speed, force;
+    [[nodiscard]] bool operator==(const Record&) const = default;
+  };
+  static_assert(sizeof(Record) == 8);
+  struct Head;
+  struct Kept {
+    std::uint32_t seen;
+    std::shared_ptr<const std::string> frame;
+  };
+
+  [[nodiscard]] std::string headFor(std::uint32_t runs, std::uint32_t records) const;
+
+  std::uint32_t scene_;
+  Space space_;
+  std::uint32_t after_, number_;
+  std::vector<Record> records_;
+  std::vector<std::uint32_t> changed_;  ///< number of the picture in which a group's records changed last
+  std::vector<Float4> before_;          ///< positions in the snapshot before, m
+  double before_s_ = 0;
+
+  // Of the last snapshot.
+  Pose tool_, wanted_;
+  Wrench felt_;
+  double time_s_ = 0, tick_us_ = 0;
+  std::uint32_t misses_ = 0, awake_ = 0;
+  bool paused_ = false, held_ = false, loads_known_ = false;
+  std::vector<Kept> kept_;  ///< frames of the last snapshot
+};
+
+}  // namespace haptolith

@@ -1,0 +1,168 @@
+#include "haptolith/viewer/live_view.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "haptolith/bed/contact_load.h"
+#include "haptolith/core/error.h"
+#include "haptolith/viewer/messages.h"
+
+namespace haptolith {
+
+namespace {
+
+using namespace std::chrono_literals;
+using Clock = std::chrono::steady_clock;
+
+constexpr auto kBetweenStatus = 250ms;
+constexpr auto kRateOver = 1s;
+
+/// Contact forces take some microseconds a particle to work out; no more than this share of the time goes to them.
+constexpr double kShareForLoads = 0.2;
+
+/// Thrown particles fly this high before they are shown at the border.
+constexpr double kAboveSurface_m = 0.4;
+constexpr double kBesideBox_m = 0.02;
+
+template <class... Handlers>
+struct OneOf : Handlers... {
+  using Handlers::operator()...;
+};
+template <class... Handlers>
+OneOf(Handlers...) -> OneOf<Handlers...>;
+
+FrameEncoder::Space spaceOf(const Session& session) {
+  const BedParameters& bed = session.scenario().bed;
+  const double x = bed.width_m / 2 + kBesideBox_m;
+  const double y = bed.length_m / 2 + kBesideBox_m;
+  return {Vec3(-x, -y, -kBesideBox_m), Vec3(x, y, session.surface() + kAboveSurface_m)};
+}
+
+}  // namespace
+
+LiveView::LiveView(Session& session, const WebServerOptions& options, std::string_view version, Recorder recorder)
+    : session_(session),
+      recorder_(std::move(recorder)),
+      board_(helloMessage(version)),
+      server_(options, board_),
+      space_(spaceOf(session)) {}
+
+void LiveView::obey() {
+  events_.clear();
+  server_.takeEvents(events_);
+  for (const WebServer::Event& event : events_) {
+    if (event.kind == WebServer::Event::Kind::kLeft) {
+      letGo(event.client);
+      coloured_by_force_.erase(event.client);
+    }
+    if (event.kind != WebServer::Event::Kind::kMessage) {
+      continue;
+    }
+    ClientMessage message = parseClientMessage(event.text);
+    if (message.command) {
+      try {
+        carryOut(event.client, *message.command);
+      } catch (const InvalidParameter& error) {
+        message.refused = error.what();
+      } catch (const Failure& error) {
+        message.refused = error.what();
+      }
+    }
+    if (message.id) {
+      server_.send(event.client, replyMessage(*message.id, message.refused));
+    }
+  }
+}
+
+void LiveView::carryOut(std::uint32_t client, const Command& asked) {
+  scene_changed_ = scene_changed_ || !std::holds_alternative<command::Hold>(asked);
+  std::visit(OneOf{[&](const command::Hold& hold) {
+                     if (holder_ && *holder_ != client) {
+                       throw Failure("somebody else holds the tool");
+                     }
+                     session_.hold(hold.scene_T_tool);
+                     holder_ = client;
+                   },
+                   [&](const command::Release&) { letGo(client); },
+                   [&](const command::Play& play) {
+                     if (holder_ && *holder_ != client) {
+                       throw Failure("somebody else holds the tool");
+                     }
+                     holder_.reset();
+                     session_.play(play.manoeuvre);
+                   },
+                   [&](const command::Change& change) { session_.change(change.change); },
+                   [&](const command::Reset&) { session_.reset(); }, [&](const command::Level&) { session_.level(); },
+                   [&](const command::Undo&) { session_.undo(); }, [&](const command::Pause&) { session_.pause(); },
+                   [&](const command::Resume&) { session_.resume(); },
+                   [&](const command::Step& step) { session_.advance(step.ticks); },
+                   [&](const command::Speed& speed) { session_.setSpeed(speed.factor); },
+                   [&](const command::Record& record) { recording_ = recorder_(record.on); },
+                   [&](const command::Colour& colour) {
+                     if (colour.by_force) {
+                       coloured_by_force_.insert(client);
+                     } else {
+                       coloured_by_force_.erase(client);
+                     }
+                   }},
+             asked);
+}
+
+void LiveView::letGo(std::uint32_t client) {
+  if (holder_ == client) {
+    holder_.reset();
+    session_.release();
+  }
+}
+
+void LiveView::show(bool newer, bool changed) {
+  const Clock::time_point now = Clock::now();
+  if (changed || scene_changed_) {
+    showScene();
+    scene_changed_ = false;
+  }
+  if (newer && scene_shown_ == session_.scenes()) {
+    const SceneSnapshot& snapshot = session_.snapshot();
+    if (coloured_by_force_.empty()) {
+      loads_n_.clear();
+    } else if (now >= loads_at_) {
+      loads_n_ = contactLoads(session_.scenario().bed, snapshot.position);
+      loads_at_ = now + std::chrono::duration_cast<Clock::duration>((Clock::now() - now) / kShareForLoads);
+    }
+    board_.setPicture(snapshot, {.wanted = session_.held(), .held = holder_.has_value(), .load_n = loads_n_});
+  }
+  if (now >= status_at_) {
+    status_at_ = now + kBetweenStatus;
+    showStatus();
+    newer = true;
+  }
+  if (newer || changed) {
+    server_.notify();
+  }
+}
+
+void LiveView::showScene() {
+  if (scene_shown_ == session_.scenes()) {
+    board_.setScene(sceneMessage(session_, space_));
+    return;
+  }
+  scene_shown_ = session_.scenes();
+  space_ = spaceOf(session_);
+  loads_n_.clear();
+  board_.setScene(sceneMessage(session_, space_), scene_shown_, session_.snapshot().position.size(), space_);
+}
+
+void LiveView::showStatus() {
+  const Clock::time_point now = Clock::now();
+  const std::uint64_t ticks = session_.snapshot().ticks;
+  if (now - rate_at_ >= kRateOver) {
+    const double elapsed_s = std::chrono::duration<double>(now - rate_at_).count();
+    rate_hz_ = static_cast<double>(ticks - rate_ticks_) / elapsed_s;
+    rate_at_ = now;
+    rate_ticks_ = ticks;
+  }
+  board_.setStatus(statusMessage(
+      session_, {.rate_hz = rate_hz_, .clients = server_.clients(), .held_by = holder_, .recording = recording_}));
+}
+
+}  // namespace haptolith

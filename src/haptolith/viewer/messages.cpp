@@ -1,0 +1,182 @@
+#include "haptolith/viewer/messages.h"
+
+#include <nlohmann/json.hpp>
+
+#include <cmath>
+#include <numbers>
+
+#include "haptolith/bed/simd_target.h"
+#include "haptolith/core/error.h"
+#include "haptolith/scenario/scene_words.h"
+#include "haptolith/scenario/soil_file.h"
+#include "haptolith/session/soil_sliders.h"
+#include "haptolith/soil/bodies.h"
+#include "haptolith/soil/presets.h"
+#include "haptolith/soil/strength.h"
+
+namespace haptolith {
+
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+constexpr int kProtocol = 1;
+constexpr double kPerMetre_mm = 1e3;
+constexpr double kDegree = std::numbers::pi / 180;
+
+Json array(const Vec3& v) {
+  return {v.x(), v.y(), v.z()};
+}
+
+/// Wrong letters, which can only come from a client or a file, are replaced.
+std::string written(const Json& message) {
+  return message.dump(-1, ' ', false, Json::error_handler_t::replace);
+}
+
+Json orNull(std::string_view text) {
+  return text.empty() ? Json(nullptr) : Json(text);
+}
+
+/// Friction angle and cohesion that the soil shows: a named soil's as the laboratory measured them, a preset's as
+/// (paper 17, 18) have them. Nothing is known of a named soil whose numbers have been changed.
+Json strengthOf(const Scenario& scenario) {
+  const SoilParameters& soil = scenario.bed.soil;
+  Json strength{{"friction_angle_deg", nullptr}, {"cohesion_pa", nullptr}};
+  if (!scenario.soil_name.empty()) {
+    try {
+      const SoilFile file = findSoil(scenario.soil_name);
+      if (rescaled(file.soil, soil.radius_m) == soil) {
+        strength["friction_angle_deg"] = file.target.friction_angle_deg;
+        strength["cohesion_pa"] = file.target.cohesion_pa;
+      }
+    } catch (const std::exception&) {  // a file that has gone: its strength is not known, that is all
+      return strength;
+    }
+  } else if (soil.friction == FrictionModel::kPaper) {
+    for (const SoilSlider& slider : slidersOf(soil)) {
+      strength[std::string(slider.key)] = slider.value;
+    }
+  }
+  return strength;
+}
+
+Json soilJson(const Scenario& scenario) {
+  Json soil{{"preset", orNull(scenario.preset)},
+            {"name", orNull(scenario.soil_name)},
+            {"friction", wordFor(kFrictionWords, scenario.bed.soil.friction)}};
+  soil.update(strengthOf(scenario));
+  soil["bulk_density_kg_m3"] = scenario.bed.soil.rho0_kg_m3;
+  return soil;
+}
+
+}  // namespace
+
+std::string helloMessage(std::string_view version) {
+  Json message{{"type", "hello"}, {"protocol", kProtocol}, {"version", version}, {"client", "$client"}};
+  Json& presets_list = message["presets"] = Json::array();
+  for (const Preset& preset : presets()) {
+    presets_list.push_back({{"name", preset.name}, {"friction_coefficient", preset.friction_coefficient}});
+  }
+  Json& soils = message["soils"] = Json::array();
+  for (const std::string& name : soilNames()) {
+    const SoilFile file = findSoil(name);
+    soils.push_back({{"name", name},
+                     {"source", file.source},
+                     {"friction_angle_deg", file.target.friction_angle_deg},
+                     {"cohesion_pa", file.target.cohesion_pa},
+                     {"bulk_density_kg_m3", file.target.bulk_density_kg_m3}});
+  }
+  Json& bodies_list = message["bodies"] = Json::array();
+  for (const Body& body : bodies()) {
+    bodies_list.push_back({{"name", body.name}, {"gravity_m_s2", body.gravity_m_s2}});
+  }
+  message["frictions"] = namesOf(kFrictionWords);
+  message["shapes"] = namesOf(kToolShapeWords);
+  Json& manoeuvres = message["manoeuvres"] = Json::array();
+  for (const auto& [name, manoeuvre] : kManoeuvreWords) {
+    if (manoeuvre != Manoeuvre::kPoses) {
+      manoeuvres.push_back(name);
+    }
+  }
+  return written(message);
+}
+
+std::string sceneMessage(const Session& session, const FrameEncoder::Space& space) {
+  const Scenario& scenario = session.scenario();
+  const BedParameters& bed = scenario.bed;
+  Json sliders = Json::array();
+  for (const SoilSlider& slider : slidersOf(bed.soil)) {
+    sliders.push_back({{"key", slider.key},
+                       {"label", slider.label},
+                       {"unit", slider.unit},
+                       {"value", slider.value},
+                       {"low", slider.low},
+                       {"high", slider.high},
+                       {"step", slider.step}});
+  }
+  return written(
+      {{"type", "scene"},
+       {"scene", session.scenes()},
+       {"title", scenario.title},
+       {"particles", session.scene().bed().particles()},
+       {"radius_m", bed.soil.radius_m},
+       {"size_spread", bed.soil.friction == FrictionModel::kPairwise ? bed.soil.size_spread : 0.0},
+       {"box",
+        {{"width_m", bed.width_m},
+         {"length_m", bed.length_m},
+         {"surface_m", session.surface()},
+         {"periodic_x", bed.periodic_x},
+         {"periodic_y", bed.periodic_y}}},
+       {"quantised", {{"low_m", array(space.low_m)}, {"high_m", array(space.high_m)}}},
+       {"soil", soilJson(scenario)},
+       {"sliders", sliders},
+       {"body", orNull(scenario.body)},
+       {"gravity_m_s2", array(bed.gravity_m_s2)},
+       {"tool",
+        {{"shape", wordFor(kToolShapeWords, scenario.tool.shape)},
+         {"size_mm", array(kPerMetre_mm * scenario.tool.size_m)},
+         {"diameter_mm", kPerMetre_mm * scenario.tool.diameter_m},
+         {"thickness_mm", kPerMetre_mm * scenario.tool.thickness_m}}},
+       {"hand",
+        {{"manoeuvre", wordFor(kManoeuvreWords, session.manoeuvre())},
+         {"max_force_n", scenario.hand.max_force_n},
+         {"max_torque_nm", scenario.hand.max_torque_nm}}},
+       {"workspace", {{"low_m", array(session.workspaceLow())}, {"high_m", array(session.workspaceHigh())}}}});
+}
+
+std::string statusMessage(const Session& session, const StatusBeside& beside) {
+  const SceneSnapshot& now = session.snapshot();
+  const RealTime& real_time = session.realTime();
+  return written({{"type", "status"},
+                  {"time_s", now.time_s},
+                  {"ticks", now.ticks},
+                  {"misses", now.deadline_misses},
+                  {"success_rate", now.success_rate},
+                  {"rate_hz", beside.rate_hz},
+                  {"tick_us", {{"p50", now.tick_us_p50}, {"p99", now.tick_us_p99}, {"max", now.tick_us_max}}},
+                  {"particles", now.position.size()},
+                  {"awake", now.awake},
+                  {"paused", now.paused},
+                  {"speed", session.speed()},
+                  {"held_by", beside.held_by ? Json(*beside.held_by) : Json(nullptr)},
+                  {"clients", beside.clients},
+                  {"device", session.deviceName()},
+                  {"real_time", {{"scheduler", real_time.scheduler}, {"memory_locked", real_time.memory_locked}}},
+                  {"simd", simdTarget()},
+                  {"threads", session.scenario().bed.threads},
+                  {"busy", orNull(session.busy())},
+                  {"problem", orNull(session.problem())},
+                  {"can_undo", !session.undoable().empty()},
+                  {"undo", orNull(session.undoable())},
+                  {"recording", orNull(beside.recording)}});
+}
+
+std::string replyMessage(std::int64_t id, std::string_view refused) {
+  Json message{{"type", "reply"}, {"id", id}, {"ok", refused.empty()}};
+  if (!refused.empty()) {
+    message["error"] = refused;
+  }
+  return written(message);
+}
+
+}  // namespace haptolith

@@ -1,0 +1,32 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
+
+#include "haptolith/session/session.h"
+#include "haptolith/viewer/frame.h"
+
+namespace haptolith {
+
+/// The JSON messages of docs/protocol.md.
+
+/// "$client" in it stands for the number of the client it goes to: see Board.
+[[nodiscard]] std::string helloMessage(std::string_view version);
+
+[[nodiscard]] std::string sceneMessage(const Session& session, const FrameEncoder::Space& space);
+
+/// What a session does not know about itself.
+struct StatusBeside {
+  double rate_hz = 0;  ///< ticks a second, lately
+  std::size_t clients = 0;
+  std::optional<std::uint32_t> held_by;  ///< a client's number
+  std::string_view recording;            ///< a file's name; empty: none
+};
+[[nodiscard]] std::string statusMessage(const Session& session, const StatusBeside& beside);
+
+/// @param refused  why it was not done; empty: it was.
+[[nodiscard]] std::string replyMessage(std::int64_t id, std::string_view refused);
+
+}  // namespace haptolith

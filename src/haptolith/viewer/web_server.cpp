@@ -1,0 +1,477 @@
+#include "haptolith/viewer/web_server.h"
+
+#include <boost/asio/io_context.hpp>
+#include <boost/asio/ip/tcp.hpp>
+#include <boost/asio/post.hpp>
+#include <boost/beast/core.hpp>
+#include <boost/beast/http.hpp>
+#include <boost/beast/version.hpp>
+#include <boost/beast/websocket.hpp>
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <atomic>
+#include <chrono>
+#include <deque>
+#include <map>
+#include <mutex>
+#include <optional>
+#include <string_view>
+#include <thread>
+#include <utility>
+
+#include "haptolith/core/error.h"
+#include "haptolith/viewer/access.h"
+#include "haptolith/viewer/web_files.h"
+
+namespace haptolith {
+
+namespace {
+
+namespace asio = boost::asio;
+namespace beast = boost::beast;
+namespace http = beast::http;
+namespace websocket = beast::websocket;
+using Tcp = asio::ip::tcp;
+using namespace std::chrono_literals;
+
+constexpr std::string_view kSubprotocol = "haptolith.1";
+constexpr std::size_t kMostClients = 32;
+constexpr std::size_t kMostSockets = 128;
+constexpr std::size_t kLargestMessage = 4096;     // bytes, from a client
+constexpr std::size_t kLargestHeader = 8192;      // bytes
+constexpr std::size_t kMostMessagesPerS = 250;    // from a client
+constexpr std::size_t kMostEventsWaiting = 8192;  // of all clients together
+constexpr std::size_t kMostRepliesWaiting = 64;   // to a client
+constexpr int kPortsTried = 100;
+constexpr auto kRequestTime = 10s;
+constexpr auto kIdleTime = 20s;  // half of it passes before a ping
+
+std::string_view view(beast::string_view text) {
+  return {text.data(), text.size()};
+}
+beast::string_view view(std::string_view text) {
+  return {text.data(), text.size()};
+}
+
+std::string_view contentType(std::string_view path) {
+  constexpr std::pair<std::string_view, std::string_view> kTypes[] = {{".html", "text/html; charset=utf-8"},
+                                                                      {".js", "text/javascript; charset=utf-8"},
+                                                                      {".css", "text/css; charset=utf-8"},
+                                                                      {".svg", "image/svg+xml"},
+                                                                      {".png", "image/png"},
+                                                                      {".json", "application/json"},
+                                                                      {".woff2", "font/woff2"}};
+  for (const auto& [ending, type] : kTypes) {
+    if (path.ends_with(ending)) {
+      return type;
+    }
+  }
+  return "application/octet-stream";
+}
+
+const WebFile* findFile(std::string_view target) {
+  std::string_view path = target.substr(0, target.find('?'));
+  if (path == "/") {
+    path = "/index.html";
+  }
+  const auto files = webFiles();
+  const auto file = std::ranges::find(files, path, &WebFile::path);
+  return file == files.end() ? nullptr : &*file;
+}
+
+}  // namespace
+
+class WebServer::Implementation {
+ public:
+  Implementation(const WebServerOptions& options, Board& board);
+  ~Implementation();
+
+  class Client;
+  class Visitor;
+
+  void accept();
+  [[nodiscard]] bool knowsToken(std::string_view target) const {
+    return token_.empty() || sameToken(tokenOf(target), token_);
+  }
+  [[nodiscard]] bool isHostAllowed(std::string_view host) const { return !loopback_only_ || namesLoopback(host); }
+  void join(const std::shared_ptr<Client>& client);
+  void leave(std::uint32_t client);
+  bool push(Event event);
+
+  asio::io_context io_{1};
+  Tcp::acceptor acceptor_{io_};
+  Board& board_;
+  std::string address_, token_;
+  bool loopback_only_ = true;
+  std::atomic<std::size_t> sockets_{0}, joined_{0};
+  std::map<std::uint32_t, std::weak_ptr<Client>> clients_;  // of the server's thread, as is what follows
+  std::uint32_t last_client_ = 0;
+
+  std::mutex mutex_;
+  std::vector<Event> events_;
+  std::atomic<bool> notified_{false};
+  std::thread thread_;
+};
+
+/// A WebSocket. At most one message is on its way; the next is chosen when that has gone, so a slow client skips
+/// pictures.
+class WebServer::Implementation::Client : public std::enable_shared_from_this<Client> {
+ public:
+  Client(Implementation& server, Tcp::socket socket, std::uint32_t number)
+      : server_(server), ws_(std::move(socket)), number_(number) {}
+  ~Client() { --server_.sockets_; }
+  Client(const Client&) = delete;
+  Client& operator=(const Client&) = delete;
+
+  void start(const http::request<http::empty_body>& request) {
+    websocket::stream_base::timeout times{};
+    times.handshake_timeout = kRequestTime;
+    times.idle_timeout = kIdleTime;
+    times.keep_alive_pings = true;
+    ws_.set_option(times);
+    ws_.set_option(websocket::stream_base::decorator([](websocket::response_type& response) {
+      response.set(http::field::sec_websocket_protocol, view(kSubprotocol));
+    }));
+    ws_.read_message_max(kLargestMessage);
+    beast::get_lowest_layer(ws_).expires_never();
+    ws_.async_accept(request, [self = shared_from_this()](beast::error_code error) {
+      if (error) {
+        self->end();
+        return;
+      }
+      self->open_ = self->server_.push({Event::Kind::kJoined, self->number_, {}});
+      self->read();
+      self->pump();
+    });
+  }
+
+  /// Sends what there is, unless something is on its way already.
+  void pump() {
+    if (writing_ || !open_) {
+      return;
+    }
+    if (seen_.hello && !replies_.empty()) {
+      on_its_way_ = {std::make_shared<const std::string>(std::move(replies_.front()))};
+      replies_.pop_front();
+    } else if (std::optional<Board::Message> next = server_.board_.next(number_, seen_)) {
+      on_its_way_ = *std::move(next);
+    } else {
+      return;
+    }
+    writing_ = true;
+    ws_.binary(on_its_way_.binary);
+    ws_.async_write(asio::buffer(*on_its_way_.bytes),
+                    [self = shared_from_this()](beast::error_code error, std::size_t) {
+                      self->writing_ = false;
+                      if (error) {
+                        self->end();
+                      } else {
+                        self->pump();
+                      }
+                    });
+  }
+
+  void reply(std::string text) {
+    if (replies_.size() >= kMostRepliesWaiting) {
+      close(websocket::close_code::policy_error);
+      return;
+    }
+    replies_.push_back(std::move(text));
+    pump();
+  }
+
+  void close(websocket::close_code code) {
+    if (!open_) {
+      return;
+    }
+    end();
+    if (writing_) {  // a client that does not read will not read a farewell either
+      beast::get_lowest_layer(ws_).cancel();
+      return;
+    }
+    writing_ = true;
+    ws_.async_close(code, [self = shared_from_this()](beast::error_code) {});
+  }
+
+ private:
+  void read() {
+    ws_.async_read(buffer_, [self = shared_from_this()](beast::error_code error, std::size_t) {
+      if (error || !self->open_) {
+        self->end();
+        return;
+      }
+      self->take();
+    });
+  }
+
+  void take() {
+    if (!ws_.got_text()) {
+      close(websocket::close_code::unknown_data);
+      return;
+    }
+    if (const auto now = std::chrono::steady_clock::now(); now - second_began_ > 1s) {
+      second_began_ = now;
+      messages_this_second_ = 0;
+    }
+    if (++messages_this_second_ > kMostMessagesPerS ||
+        !server_.push({Event::Kind::kMessage, number_, beast::buffers_to_string(buffer_.data())})) {
+      close(websocket::close_code::policy_error);
+      return;
+    }
+    buffer_.consume(buffer_.size());
+    read();
+  }
+
+  void end() {
+    if (std::exchange(open_, false)) {
+      server_.push({Event::Kind::kLeft, number_, {}});
+    }
+    server_.leave(number_);
+  }
+
+  Implementation& server_;
+  websocket::stream<beast::tcp_stream> ws_;
+  std::uint32_t number_;
+  Board::Seen seen_;
+  beast::flat_buffer buffer_;
+  std::deque<std::string> replies_;
+  Board::Message on_its_way_;
+  bool writing_ = false, open_ = false;
+  std::chrono::steady_clock::time_point second_began_;
+  std::size_t messages_this_second_ = 0;
+};
+
+/// A connection that has not become a WebSocket: asks for files.
+class WebServer::Implementation::Visitor : public std::enable_shared_from_this<Visitor> {
+ public:
+  Visitor(Implementation& server, Tcp::socket socket) : server_(server), stream_(std::move(socket)) {}
+  ~Visitor() {
+    if (!handed_on_) {
+      --server_.sockets_;
+    }
+  }
+  Visitor(const Visitor&) = delete;
+  Visitor& operator=(const Visitor&) = delete;
+
+  void read() {
+    parser_.emplace();
+    parser_->header_limit(kLargestHeader);
+    parser_->body_limit(0);
+    stream_.expires_after(kRequestTime);
+    http::async_read(stream_, buffer_, *parser_, [self = shared_from_this()](beast::error_code error, std::size_t) {
+      if (!error) {
+        self->answer();
+      }
+    });
+  }
+
+ private:
+  void answer() {
+    const auto& request = parser_->get();
+    const std::string_view target = view(request.target());
+    const std::string_view host = view(request[http::field::host]);
+    const std::string_view origin = view(request[http::field::origin]);
+    const bool is_socket = websocket::is_upgrade(request);
+    const std::string_view path = target.substr(0, target.find('?'));
+    if (!server_.isHostAllowed(host)) {
+      refuse(http::status::forbidden, "this address is not one of the program's\n");
+    } else if (is_socket && !origin.empty() && !isFromHere(origin, host)) {
+      refuse(http::status::forbidden, "pages from elsewhere may not connect\n");
+    } else if ((is_socket || path == "/" || path == "/index.html") && !server_.knowsToken(target)) {
+      refuse(http::status::unauthorized, "the address lacks the token that the program printed\n");
+    } else if (is_socket) {
+      upgrade(path);
+    } else if (request.method() != http::verb::get && request.method() != http::verb::head) {
+      refuse(http::status::method_not_allowed, "only GET and HEAD\n");
+    } else if (const WebFile* file = findFile(target)) {
+      send(http::status::ok, contentType(file->path), file->content);
+    } else {
+      refuse(http::status::not_found, "there is no such file\n");
+    }
+  }
+
+  void upgrade(std::string_view path) {
+    const auto& request = parser_->get();
+    const std::string_view protocols = view(request[http::field::sec_websocket_protocol]);
+    if (path != "/ws") {
+      refuse(http::status::not_found, "the WebSocket is /ws\n");
+    } else if (protocols.find(kSubprotocol) == std::string_view::npos) {
+      refuse(http::status::bad_request, "the WebSocket speaks haptolith.1\n");
+    } else if (server_.joined_ >= kMostClients) {
+      refuse(http::status::service_unavailable, "32 clients look on already\n");
+    } else {
+      handed_on_ = true;
+      const auto client = std::make_shared<Client>(server_, stream_.release_socket(), ++server_.last_client_);
+      server_.join(client);
+      client->start(request);
+    }
+  }
+
+  void refuse(http::status status, std::string_view why) { send(status, "text/plain; charset=utf-8", why); }
+
+  void send(http::status status, std::string_view type, std::string_view content) {
+    const auto& request = parser_->get();
+    response_.emplace(std::piecewise_construct, std::make_tuple(content.data(), content.size()),
+                      std::make_tuple(status, request.version()));
+    response_->set(http::field::server, "haptolith");
+    response_->set(http::field::content_type, view(type));
+    response_->set(http::field::cache_control, "no-store");
+    response_->set("Content-Security-Policy",
+                   "default-src 'self'; style-src 'self' 'unsafe-inline'; img-src 'self' data: blob:; "
+                   "connect-src 'self' ws: wss:; frame-ancestors 'self'; base-uri 'none'");
+    response_->set("X-Content-Type-Options", "nosniff");
+    response_->set("Referrer-Policy", "no-referrer");  // the address may hold the token
+    response_->keep_alive(request.keep_alive());
+    response_->prepare_payload();
+    const auto sent = [self = shared_from_this()](beast::error_code error, std::size_t) {
+      if (!error && self->response_->keep_alive()) {
+        self->read();
+      }
+    };
+    if (request.method() == http::verb::head) {
+      serializer_.emplace(*response_);
+      http::async_write_header(stream_, *serializer_, sent);
+    } else {
+      http::async_write(stream_, *response_, sent);
+    }
+  }
+
+  Implementation& server_;
+  beast::tcp_stream stream_;
+  beast::flat_buffer buffer_;
+  std::optional<http::request_parser<http::empty_body>> parser_;
+  using Response = http::response<http::span_body<const char>>;
+  std::optional<Response> response_;
+  std::optional<http::response_serializer<http::span_body<const char>>> serializer_;
+  bool handed_on_ = false;
+};
+
+WebServer::Implementation::Implementation(const WebServerOptions& options, Board& board)
+    : board_(board), address_(options.bind), token_(options.token), loopback_only_(isLoopback(options.bind)) {
+  beast::error_code error;
+  const auto address = asio::ip::make_address(options.bind == "localhost" ? "127.0.0.1" : options.bind, error);
+  if (error) {
+    throw InvalidParameter("bind", options.bind, "an address such as 127.0.0.1, ::1 or 0.0.0.0");
+  }
+  if (!loopback_only_ && token_.empty()) {
+    throw InvalidParameter("bind", options.bind, "a loopback address unless there is a token");
+  }
+  for (int i = 0; i < kPortsTried; ++i) {
+    const auto port = static_cast<std::uint16_t>(options.port == 0 ? 0 : options.port + i);
+    const Tcp::endpoint endpoint(address, port);
+    acceptor_ = Tcp::acceptor(io_);
+    acceptor_.open(endpoint.protocol(), error);
+    if (!error) {
+      acceptor_.set_option(asio::socket_base::reuse_address(true), error);
+      acceptor_.bind(endpoint, error);
+    }
+    if (!error) {
+      acceptor_.listen(asio::socket_base::max_listen_connections, error);
+    }
+    if (!error || error != asio::error::address_in_use || port == 65535) {
+      break;
+    }
+  }
+  if (error) {
+    throw Failure(fmt::format("cannot listen on {}, port {}: {}", options.bind, options.port, error.message()));
+  }
+  accept();
+  thread_ = std::thread([this] { io_.run(); });
+}
+
+WebServer::Implementation::~Implementation() {
+  io_.stop();
+  thread_.join();
+}
+
+void WebServer::Implementation::accept() {
+  acceptor_.async_accept([this](beast::error_code error, Tcp::socket socket) {
+    if (!error) {
+      if (++sockets_ <= kMostSockets) {
+        beast::error_code ignored;
+        socket.set_option(Tcp::no_delay(true), ignored);
+        std::make_shared<Visitor>(*this, std::move(socket))->read();
+      } else {
+        --sockets_;
+      }
+    }
+    if (acceptor_.is_open()) {
+      accept();
+    }
+  });
+}
+
+void WebServer::Implementation::join(const std::shared_ptr<Client>& client) {
+  clients_[last_client_] = client;
+  joined_ = clients_.size();
+}
+
+void WebServer::Implementation::leave(std::uint32_t client) {
+  clients_.erase(client);
+  joined_ = clients_.size();
+}
+
+bool WebServer::Implementation::push(Event event) {
+  const std::scoped_lock lock(mutex_);
+  if (event.kind != Event::Kind::kLeft && events_.size() >= kMostEventsWaiting) {
+    return false;
+  }
+  events_.push_back(std::move(event));
+  return true;
+}
+
+WebServer::WebServer(const WebServerOptions& options, Board& board)
+    : implementation_(std::make_unique<Implementation>(options, board)) {}
+
+WebServer::~WebServer() = default;
+
+std::string WebServer::url() const {
+  const Implementation& server = *implementation_;
+  const bool v6 = server.address_.find(':') != std::string::npos;
+  return fmt::format("http://{}{}{}:{}/{}{}", v6 ? "[" : "", server.address_, v6 ? "]" : "", port(),
+                     server.token_.empty() ? "" : "?token=", server.token_);
+}
+
+std::uint16_t WebServer::port() const noexcept {
+  beast::error_code ignored;
+  return implementation_->acceptor_.local_endpoint(ignored).port();
+}
+
+std::size_t WebServer::clients() const noexcept {
+  return implementation_->joined_;
+}
+
+void WebServer::takeEvents(std::vector<Event>& events) {
+  const std::scoped_lock lock(implementation_->mutex_);
+  std::ranges::move(implementation_->events_, std::back_inserter(events));
+  implementation_->events_.clear();
+}
+
+void WebServer::notify() {
+  if (implementation_->notified_.exchange(true)) {
+    return;  // it has been told and has not come to it
+  }
+  asio::post(implementation_->io_, [server = implementation_.get()] {
+    server->notified_ = false;
+    for (const auto& [number, weak] : std::map(server->clients_)) {
+      if (const auto client = weak.lock()) {
+        client->pump();
+      }
+    }
+  });
+}
+
+void WebServer::send(std::uint32_t client, std::string text) {
+  asio::post(implementation_->io_, [server = implementation_.get(), client, text = std::move(text)]() mutable {
+    const auto at = server->clients_.find(client);
+    if (at == server->clients_.end()) {
+      return;
+    }
+    if (const auto found = at->second.lock()) {
+      found->reply(std::move(text));
+    }
+  });
+}
+
+}  // namespace haptolith

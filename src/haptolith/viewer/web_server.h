@@ -1,0 +1,53 @@
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "haptolith/viewer/board.h"
+
+namespace haptolith {
+
+struct WebServerOptions {
+  std::string bind = "127.0.0.1";  ///< an address; "localhost" is 127.0.0.1
+  std::uint16_t port = 8080;       ///< the first that is tried; 0: any
+  std::string token;               ///< what clients must know; empty: nothing, and then `bind` must be loopback
+};
+
+/// Serves the page, and a WebSocket each to at most 32 clients (docs/protocol.md), on a thread of its own. It knows
+/// nothing of what the messages mean.
+class WebServer {
+ public:
+  struct Event {
+    enum class Kind { kJoined, kMessage, kLeft };
+    Kind kind = Kind::kMessage;
+    std::uint32_t client = 0;
+    std::string text;
+  };
+
+  /// Listens. @throws InvalidParameter for an address that is none, or one beyond loopback without a token; Failure
+  /// when none of the ports it tries is free.
+  WebServer(const WebServerOptions& options, Board& board);
+  ~WebServer();
+
+  /// Address of the page, token included.
+  [[nodiscard]] std::string url() const;
+  [[nodiscard]] std::uint16_t port() const noexcept;
+  [[nodiscard]] std::size_t clients() const noexcept;
+
+  // For one thread that is not the server's. None of them waits for a client.
+
+  /// Moves everything that has happened since the last call to the end of `events`.
+  void takeEvents(std::vector<Event>& events);
+  /// Tells all clients that the board has something new.
+  void notify();
+  /// Sends a text to one client, after what it has been sent before. One that lets too many wait is dropped.
+  void send(std::uint32_t client, std::string text);
+
+ private:
+  class Implementation;
+  std::unique_ptr<Implementation> implementation_;
+};
+
+}  // namespace haptolith
