@@ -411,8 +411,12 @@ void addRunCommand(CLI::App& app) {
   command->add_option("--trace", options->trace_file, "Write every tick to this CSV file")->option_text("FILE");
   command->add_option("--figure", options->figure_file, "Draw the run (.svg or .png)")->option_text("FILE");
   command->add_flag("--json", options->json, "Print the summary as one JSON object");
-  command->add_flag("--serve,!--no-serve", options->serve,
-                    "Show it in the browser, or not; default: unless --unpaced or --json");
+  CLI::Option* serve = command->add_flag_callback(
+      "--serve", [options] { options->serve = true; }, "Show it in the browser; default: unless --unpaced or --json");
+  command
+      ->add_flag_callback(
+          "--no-serve", [options] { options->serve = false; }, "Do not show it in the browser")
+      ->excludes(serve);
   command->add_option("--port", options->web.port, "Port of the page, or the next that is free; 0: any [8080]")
       ->option_text("PORT");
   command
