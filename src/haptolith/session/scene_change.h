@@ -12,12 +12,12 @@ namespace haptolith {
 
 /// What is to be different about a scene while it is shown; what is left out stays as it is.
 struct SceneChange {
-  std::optional<std::string> preset, soil, body;  ///< not both of preset and soil
-  std::optional<FrictionModel> friction;
-  std::vector<std::pair<std::string, double>> sliders;  ///< see slidersOf()
-  std::optional<ToolShape> tool_shape;
-  std::optional<Vec3> tool_size_m;
-  std::optional<double> tool_diameter_m, tool_thickness_m;
+  std::optional<std::string> preset = {}, soil = {}, body = {};  ///< not both of preset and soil
+  std::optional<FrictionModel> friction = {};
+  std::vector<std::pair<std::string, double>> sliders = {};  ///< see slidersOf()
+  std::optional<ToolShape> tool_shape = {};
+  std::optional<Vec3> tool_size_m = {};
+  std::optional<double> tool_diameter_m = {}, tool_thickness_m = {};
 
   /// Whether it asks for other soil, of which a bed has to be made, or only for what a bed can go on with.
   [[nodiscard]] bool wantsNewBed() const noexcept { return preset || soil || friction; }

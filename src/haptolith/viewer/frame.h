@@ -27,9 +27,9 @@ class FrameEncoder {
 
   /// What a snapshot does not know.
   struct Beside {
-    std::optional<Pose> wanted;  ///< where the hand wants the tool
+    std::optional<Pose> wanted = {};  ///< where the hand wants the tool
     bool held = false;
-    std::span<const float> load_n;  ///< contact force of each particle; empty: unknown
+    std::span<const float> load_n = {};  ///< contact force of each particle; empty: unknown
   };
 
   /// Takes a newer snapshot of this scene.

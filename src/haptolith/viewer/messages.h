@@ -21,8 +21,8 @@ namespace haptolith {
 struct StatusBeside {
   double rate_hz = 0;  ///< ticks a second, lately
   std::size_t clients = 0;
-  std::optional<std::uint32_t> held_by;  ///< a client's number
-  std::string_view recording;            ///< a file's name; empty: none
+  std::optional<std::uint32_t> held_by = {};  ///< a client's number
+  std::string_view recording = {};            ///< a file's name; empty: none
 };
 [[nodiscard]] std::string statusMessage(const Session& session, const StatusBeside& beside);
 

@@ -12,7 +12,7 @@ namespace haptolith {
 struct WebServerOptions {
   std::string bind = "127.0.0.1";  ///< an address; "localhost" is 127.0.0.1
   std::uint16_t port = 8080;       ///< the first that is tried; 0: any
-  std::string token;               ///< what clients must know; empty: nothing, and then `bind` must be loopback
+  std::string token = {};          ///< what clients must know; empty: nothing, and then `bind` must be loopback
 };
 
 /// Serves the page, and a WebSocket each to at most 32 clients (docs/protocol.md), on a thread of its own. It knows

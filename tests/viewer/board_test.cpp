@@ -1,0 +1,68 @@
+#include "haptolith/viewer/board.h"
+
+#include <gtest/gtest.h>
+
+namespace haptolith {
+namespace {
+
+const FrameEncoder::Space kSpace{Vec3(-1, -1, 0), Vec3(1, 1, 1)};
+
+SceneSnapshot snapshotOf(std::size_t particles) {
+  SceneSnapshot snapshot;
+  snapshot.position.resize(particles);
+  snapshot.asleep.resize(particles / kGroup + 1);
+  return snapshot;
+}
+
+std::string nextText(Board& board, Board::Seen& seen) {
+  const auto message = board.next(5, seen);
+  return message ? (message->binary ? "frame" : *message->bytes) : "nothing";
+}
+
+TEST(Board, ShowsANewcomerEverythingInOrderAndThenNothing) {
+  Board board(R"({"client":"$client"})");
+  board.setScene("scene", 1, 10, kSpace);
+  board.setPicture(snapshotOf(10), {});
+  board.setStatus("status");
+  Board::Seen seen;
+  EXPECT_EQ(nextText(board, seen), R"({"client":5})");
+  EXPECT_EQ(nextText(board, seen), "scene");
+  EXPECT_EQ(nextText(board, seen), "frame");
+  EXPECT_EQ(nextText(board, seen), "status");
+  EXPECT_EQ(nextText(board, seen), "nothing");
+}
+
+TEST(Board, OnlyTheNewestOfEachIsShown) {
+  Board board("hello");
+  Board::Seen seen;
+  EXPECT_EQ(nextText(board, seen), "hello");
+  EXPECT_EQ(nextText(board, seen), "nothing") << "there is no scene yet";
+  board.setScene("old", 1, 10, kSpace);
+  board.setScene("new");
+  board.setStatus("earlier");
+  board.setStatus("later");
+  EXPECT_EQ(nextText(board, seen), "new");
+  EXPECT_EQ(nextText(board, seen), "later");
+  board.setPicture(snapshotOf(10), {});
+  board.setPicture(snapshotOf(10), {});
+  EXPECT_EQ(nextText(board, seen), "frame");
+  EXPECT_EQ(nextText(board, seen), "nothing");
+}
+
+TEST(Board, AnotherSceneIsToldBeforeItsFirstPicture) {
+  Board board("hello");
+  Board::Seen seen;
+  board.setScene("first", 1, 10, kSpace);
+  board.setPicture(snapshotOf(10), {});
+  while (board.next(1, seen)) {
+  }
+  board.setScene("second", 2, 20, kSpace);
+  board.setPicture(snapshotOf(20), {});
+  EXPECT_EQ(nextText(board, seen), "second");
+  const auto frame = board.next(1, seen);
+  ASSERT_TRUE(frame && frame->binary);
+  EXPECT_EQ(frame->bytes->size(), 128U + 8 + 20 * 8) << "all of it";
+}
+
+}  // namespace
+}  // namespace haptolith

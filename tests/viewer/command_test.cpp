@@ -1,0 +1,120 @@
+#include "haptolith/viewer/command.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <random>
+#include <string>
+
+namespace haptolith {
+namespace {
+
+using testing::HasSubstr;
+
+template <class Wanted>
+Wanted parsed(std::string_view text) {
+  const ClientMessage message = parseClientMessage(text);
+  EXPECT_EQ(message.refused, "") << text;
+  if (!message.command || !std::holds_alternative<Wanted>(*message.command)) {
+    ADD_FAILURE() << text;
+    return {};
+  }
+  return std::get<Wanted>(*message.command);
+}
+
+std::string refused(std::string_view text) {
+  const ClientMessage message = parseClientMessage(text);
+  EXPECT_FALSE(message.command) << text;
+  EXPECT_NE(message.refused, "") << text;
+  return message.refused;
+}
+
+TEST(Command, EveryCommandOfTheProtocolIsUnderstood) {
+  const auto hold = parsed<command::Hold>(R"({"do": "hold", "pose": [0.1, 0.2, 0.3, 1, 0, 0, 0]})");
+  EXPECT_EQ(hold.scene_T_tool.position_m, Vec3(0.1, 0.2, 0.3));
+  EXPECT_EQ(hold.scene_T_tool.orientation.w(), 1);
+  parsed<command::Release>(R"({"do": "release"})");
+  EXPECT_EQ(parsed<command::Play>(R"({"do": "play", "manoeuvre": "stir"})").manoeuvre, Manoeuvre::kStir);
+  parsed<command::Reset>(R"({"do": "reset"})");
+  parsed<command::Level>(R"({"do": "level"})");
+  parsed<command::Undo>(R"({"do": "undo"})");
+  parsed<command::Pause>(R"({"do": "pause"})");
+  parsed<command::Resume>(R"({"do": "resume"})");
+  EXPECT_EQ(parsed<command::Step>(R"({"do": "step", "ticks": 10})").ticks, 10);
+  EXPECT_EQ(parsed<command::Speed>(R"({"do": "speed", "factor": 0.1})").factor, 0.1);
+  EXPECT_TRUE(parsed<command::Record>(R"({"do": "record", "on": true})").on);
+  EXPECT_TRUE(parsed<command::Colour>(R"({"do": "colour", "by": "force"})").by_force);
+  EXPECT_FALSE(parsed<command::Colour>(R"({"do": "colour", "by": "depth"})").by_force);
+}
+
+TEST(Command, AChangeOfTheSceneIsReadWhole) {
+  const SceneChange change = parsed<command::Change>(
+                                 R"({"do": "scene", "preset": "P1", "body": "Mars", "friction": "pairwise",
+                                     "sliders": {"contact_friction": 0.5},
+                                     "tool": {"shape": "plate", "size_mm": [50, 40, 5], "diameter_mm": 30, "thickness_mm": 4}})")
+                                 .change;
+  EXPECT_EQ(change.preset, "P1");
+  EXPECT_EQ(change.body, "Mars");
+  EXPECT_EQ(change.friction, FrictionModel::kPairwise);
+  ASSERT_EQ(change.sliders.size(), 1U);
+  EXPECT_EQ(change.sliders[0], std::pair(std::string("contact_friction"), 0.5));
+  EXPECT_EQ(change.tool_shape, ToolShape::kPlate);
+  EXPECT_NEAR((change.tool_size_m.value() - Vec3(0.05, 0.04, 0.005)).norm(), 0, 1e-12);
+  EXPECT_DOUBLE_EQ(change.tool_diameter_m.value(), 0.03);
+  EXPECT_DOUBLE_EQ(change.tool_thickness_m.value(), 0.004);
+}
+
+TEST(Command, TheIdComesBackEvenWithWhatIsRefused) {
+  EXPECT_EQ(parseClientMessage(R"({"id": 7, "do": "reset"})").id, 7);
+  EXPECT_EQ(parseClientMessage(R"({"id": 8, "do": "nonsense"})").id, 8);
+  EXPECT_EQ(parseClientMessage(R"({"id": "x", "do": "reset"})").id, std::nullopt);
+  EXPECT_EQ(parseClientMessage(R"({"do": "reset"})").id, std::nullopt);
+}
+
+TEST(Command, WhatIsWrongIsSaid) {
+  EXPECT_THAT(refused("{"), HasSubstr("not JSON"));
+  EXPECT_THAT(refused("[]"), HasSubstr("a JSON object"));
+  EXPECT_THAT(refused("{}"), HasSubstr("do"));
+  EXPECT_THAT(refused(R"({"do": 1})"), HasSubstr("a text"));
+  EXPECT_THAT(refused(R"({"do": "format"})"), HasSubstr("release"));
+  EXPECT_THAT(refused(R"({"do": "reset", "also": 1})"), HasSubstr("also"));
+  EXPECT_THAT(refused(R"({"do": "hold"})"), HasSubstr("pose"));
+  EXPECT_THAT(refused(R"({"do": "hold", "pose": [1, 2, 3]})"), HasSubstr("7 numbers"));
+  EXPECT_THAT(refused(R"({"do": "hold", "pose": [1, 2, 3, "4", 5, 6, 7]})"), HasSubstr("a number"));
+  EXPECT_THAT(refused(R"({"do": "hold", "pose": [1e300, 2, 3, 4, 5, 6, 7]})"), HasSubstr("-1000 to 1000"));
+  EXPECT_THAT(refused(R"({"do": "play"})"), HasSubstr("scoop"));
+  EXPECT_THAT(refused(R"({"do": "play", "manoeuvre": "poses"})"), HasSubstr("scoop"));
+  EXPECT_THAT(refused(R"({"do": "step", "ticks": 0})"), HasSubstr("1 to 1000"));
+  EXPECT_THAT(refused(R"({"do": "speed", "factor": 2})"), HasSubstr("0.01 to 1"));
+  EXPECT_THAT(refused(R"({"do": "record", "on": 1})"), HasSubstr("true or false"));
+  EXPECT_THAT(refused(R"({"do": "scene", "tool": {"shape": "fork"}})"), HasSubstr("sphere"));
+  EXPECT_THAT(refused(R"({"do": "scene", "tool": {"size_mm": [0, 1, 1]}})"), HasSubstr("1 to 1000"));
+  EXPECT_THAT(refused(R"({"do": "scene", "tool": {"colour": 1}})"), HasSubstr("colour"));
+  EXPECT_THAT(refused(R"({"do": "scene", "sliders": [1]})"), HasSubstr("an object"));
+}
+
+TEST(Command, AClientCannotMakeTheProgramReadFiles) {
+  EXPECT_THAT(refused(R"({"do": "scene", "soil": "/etc/passwd"})"), HasSubstr("dry-sand"));
+  EXPECT_EQ(parsed<command::Change>(R"({"do": "scene", "soil": "dry-sand"})").change.soil, "dry-sand");
+}
+
+TEST(Command, ALongWrongWordComesBackShort) {
+  const std::string text = R"({"do": ")" + std::string(3000, 'x') + R"("})";
+  EXPECT_LT(refused(text).size(), 400U);
+}
+
+TEST(Command, NoBytesMakeItThrow) {
+  std::mt19937 random(1);
+  const std::string seed = R"({"id": 3, "do": "scene", "sliders": {"a": 1e5}, "tool": {"size_mm": [1, 2, 3]}})";
+  for (int i = 0; i < 20'000; ++i) {
+    std::string text = seed;
+    for (int k = 0; k < 3; ++k) {
+      text[random() % text.size()] = static_cast<char>(random());
+    }
+    EXPECT_NO_THROW((void)parseClientMessage(text)) << text;
+  }
+  EXPECT_NO_THROW((void)parseClientMessage(std::string(4096, '[')));
+}
+
+}  // namespace
+}  // namespace haptolith

@@ -1,0 +1,215 @@
+#include "haptolith/viewer/frame.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <cstring>
+#include <fstream>
+#include <iterator>
+#include <numbers>
+
+namespace haptolith {
+namespace {
+
+const FrameEncoder::Space kSpace{Vec3(-0.1, -0.1, 0), Vec3(0.1, 0.1, 0.5)};
+
+SceneSnapshot still(std::size_t particles, double time_s) {
+  SceneSnapshot snapshot;
+  snapshot.time_s = time_s;
+  snapshot.asleep.resize(particles / kGroup + 1);
+  snapshot.awake = particles;
+  for (std::size_t i = 0; i < particles; ++i) {
+    const auto share = static_cast<float>(i) / static_cast<float>(particles);
+    snapshot.position.push_back({-0.1F + 0.2F * share, 0.05F, 0.1F * share, 0});
+  }
+  return snapshot;
+}
+
+/// A frame taken apart by docs/protocol.md, without the encoder's help.
+struct Read {
+  explicit Read(const std::string& bytes) : bytes_(bytes) {
+    at(2, flags), at(4, scene), at(8, time_s), at(96, tick_us), at(100, misses), at(104, awake), at(108, particles);
+    at(112, runs), at(116, records), at(120, number);
+    EXPECT_EQ(bytes[0], 1);
+    EXPECT_EQ(bytes[1], 1);
+    EXPECT_EQ(bytes.size(), 128 + 8 * runs + 8 * records);
+    std::size_t record = 128 + 8 * runs;
+    for (std::uint32_t run = 0; run < runs; ++run) {
+      std::uint32_t first = 0;
+      std::uint32_t count = 0;
+      at(128 + 8 * run, first), at(132 + 8 * run, count);
+      for (std::uint32_t i = 0; i < count; ++i, record += 8) {
+        std::array<std::uint16_t, 3> q{};
+        std::memcpy(q.data(), bytes.data() + record, 6);
+        shown.push_back(
+            {first + i, q, static_cast<std::uint8_t>(bytes[record + 6]), static_cast<std::uint8_t>(bytes[record + 7])});
+      }
+    }
+  }
+  template <class Number>
+  void at(std::size_t offset, Number& value) const {
+    std::memcpy(&value, bytes_.data() + offset, sizeof(value));
+  }
+  [[nodiscard]] float real(std::size_t offset) const {
+    float value = 0;
+    at(offset, value);
+    return value;
+  }
+
+  struct Shown {
+    std::uint32_t particle;
+    std::array<std::uint16_t, 3> q;
+    std::uint8_t speed, force;
+  };
+  const std::string& bytes_;
+  std::uint16_t flags = 0;
+  std::uint32_t scene = 0, misses = 0, awake = 0, particles = 0, runs = 0, records = 0, number = 0;
+  double time_s = 0;
+  float tick_us = 0;
+  std::vector<Shown> shown;
+};
+
+TEST(Frame, TheFirstHoldsEveryParticleWithinHalfAStep) {
+  const SceneSnapshot snapshot = still(100, 1);
+  FrameEncoder encoder(3, 100, kSpace);
+  encoder.take(snapshot, {});
+  const auto bytes = encoder.frameSince(0);
+  const Read frame(*bytes);
+  EXPECT_EQ(frame.scene, 3U);
+  EXPECT_EQ(frame.particles, 100U);
+  EXPECT_EQ(frame.runs, 1U);
+  EXPECT_EQ(frame.flags, 4);  // all particles
+  ASSERT_EQ(frame.shown.size(), 100U);
+  for (const Read::Shown& shown : frame.shown) {
+    const Float4& p = snapshot.position[shown.particle];
+    EXPECT_NEAR(-0.1 + 0.2 * shown.q[0] / 65535.0, p.x, 0.1 / 65535 * 1.01);
+    EXPECT_NEAR(-0.1 + 0.2 * shown.q[1] / 65535.0, p.y, 0.1 / 65535 * 1.01);
+    EXPECT_NEAR(0.5 * shown.q[2] / 65535.0, p.z, 0.25 / 65535 * 1.01);
+  }
+}
+
+TEST(Frame, LaterOnesHoldOnlyTheGroupsThatChanged) {
+  FrameEncoder encoder(1, 1000, kSpace);
+  SceneSnapshot snapshot = still(1000, 1);
+  encoder.take(snapshot, {});
+  snapshot.time_s += 0.016;
+  encoder.take(snapshot, {});  // speeds are known from here on
+  snapshot.time_s += 0.016;
+  encoder.take(snapshot, {});
+  const std::uint32_t seen = encoder.number();
+  snapshot.time_s += 0.016;
+  snapshot.position[35].z += 0.001F;
+  snapshot.position[999].z += 0.001F;
+  encoder.take(snapshot, {});
+  const auto bytes = encoder.frameSince(seen);
+  const Read frame(*bytes);
+  EXPECT_EQ(frame.flags, 0);
+  EXPECT_EQ(frame.runs, 2U);
+  EXPECT_EQ(frame.records, 16U + 8U);  // 32 to 47, and the last, unfinished group
+  EXPECT_EQ(frame.shown[3].particle, 35U);
+  EXPECT_EQ(frame.shown.back().particle, 999U);
+  // 1 mm in 16 ms: 62.5 mm/s.
+  EXPECT_NEAR(std::pow(10, -4 + 4 * (frame.shown[3].speed - 1) / 254.0), 0.0625, 0.0015);
+  EXPECT_EQ(frame.shown[2].speed, 1);
+
+  EXPECT_EQ(encoder.frameSince(seen), bytes) << "shared by all who have seen the same";
+  const auto everything = encoder.frameSince(0);
+  EXPECT_EQ(Read(*everything).records, 1000U);
+  const auto nothing = encoder.frameSince(encoder.number());
+  EXPECT_EQ(Read(*nothing).records, 0U);
+}
+
+TEST(Frame, WhoMissesSomeGetsAllThatChangedMeanwhile) {
+  FrameEncoder encoder(1, 320, kSpace);
+  SceneSnapshot snapshot = still(320, 1);
+  encoder.take(snapshot, {});
+  const auto first = encoder.frameSince(0);
+  std::vector<std::array<std::uint16_t, 3>> client(320);
+  const auto apply = [&client](const std::string& bytes) {
+    for (const Read::Shown& shown : Read(bytes).shown) {
+      client[shown.particle] = shown.q;
+    }
+  };
+  apply(*first);
+  std::uint32_t seen = encoder.number();
+  for (int i = 1; i <= 50; ++i) {
+    snapshot.time_s += 0.016;
+    snapshot.position[static_cast<std::size_t>(i * 37 % 320)].x *= 0.9F;
+    encoder.take(snapshot, {});
+    if (i % 7 == 0) {
+      apply(*encoder.frameSince(seen));
+      seen = encoder.number();
+    }
+  }
+  apply(*encoder.frameSince(seen));
+  const auto whole = encoder.frameSince(0);
+  for (const Read::Shown& shown : Read(*whole).shown) {
+    EXPECT_EQ(client[shown.particle], shown.q) << shown.particle;
+  }
+}
+
+TEST(Frame, ASceneAfterAnotherBeginsWithEverything) {
+  FrameEncoder before(1, 100, kSpace);
+  before.take(still(100, 1), {});
+  before.take(still(100, 2), {});
+  FrameEncoder after(2, 50, kSpace, before.number());
+  EXPECT_FALSE(after.hasPicture());
+  after.take(still(50, 3), {});
+  EXPECT_TRUE(after.hasPicture());
+  const auto bytes = after.frameSince(before.number());  // a client that saw all of the scene before
+  const Read frame(*bytes);
+  EXPECT_EQ(frame.scene, 2U);
+  EXPECT_EQ(frame.records, 50U);
+}
+
+TEST(Frame, SleepersAndForcesAndWhatLeavesTheSpace) {
+  SceneSnapshot snapshot = still(32, 1);
+  snapshot.asleep[1] = 1;
+  snapshot.position[0] = {7, -7, -1, 0};
+  std::vector<float> loads(32, 0);
+  loads[2] = 1.001e-5F;
+  loads[3] = 0.1F;
+  loads[4] = 50;
+  FrameEncoder encoder(1, 32, kSpace);
+  encoder.take(snapshot, {.load_n = loads});
+  const auto bytes = encoder.frameSince(0);
+  const Read frame(*bytes);
+  EXPECT_EQ(frame.flags, 4 + 8);
+  EXPECT_EQ(frame.shown[0].q, (std::array<std::uint16_t, 3>{65535, 0, 0}));
+  EXPECT_EQ(frame.shown[15].speed, 1);
+  EXPECT_EQ(frame.shown[16].speed, 0);
+  EXPECT_EQ(frame.shown[1].force, 0);
+  EXPECT_EQ(frame.shown[2].force, 1);
+  EXPECT_NEAR(std::pow(10, -5 + 6 * (frame.shown[3].force - 1) / 254.0), 0.1, 0.003);
+  EXPECT_EQ(frame.shown[4].force, 255);
+}
+
+// The same bytes as web/tests/unit/protocol.test.ts reads.
+TEST(Frame, HasTheBytesThatThePageIsTestedWith) {
+  SceneSnapshot snapshot = still(40, 12.345);
+  snapshot.scene_T_tool = {Vec3(0.01, -0.02, 0.03), Quat(std::sqrt(0.5), 0, std::sqrt(0.5), 0)};
+  snapshot.felt = {Vec3(1, -2, 3), Vec3(0.01, 0.02, -0.03)};
+  snapshot.tick_us_lately = 17.5;
+  snapshot.deadline_misses = 2;
+  snapshot.awake = 32;
+  snapshot.asleep[2] = 1;
+  snapshot.paused = true;
+  std::vector<float> loads(40, 0.5F);
+  FrameEncoder encoder(7, 40, kSpace, 99);
+  encoder.take(snapshot, {.wanted = Pose{Vec3(0, 0, 0.1)}, .held = true, .load_n = loads});
+  const auto bytes = encoder.frameSince(0);
+  const Read frame(*bytes);
+  EXPECT_EQ(frame.real(16), 0.01F);
+  EXPECT_EQ(frame.real(28), static_cast<float>(std::sqrt(0.5)));
+  EXPECT_EQ(frame.real(44), 1.0F);
+  EXPECT_EQ(frame.real(64), -0.03F);
+  EXPECT_EQ(frame.real(76), 0.1F);
+  EXPECT_EQ(frame.number, 100U);
+
+  std::ifstream file(HAPTOLITH_SOURCE_DIR "/tests/data/frame-v1.bin", std::ios::binary);
+  const std::string expected{std::istreambuf_iterator<char>(file), {}};
+  EXPECT_EQ(*bytes, expected) << "another format needs another version, in docs/protocol.md, the page and here";
+}
+
+}  // namespace
+}  // namespace haptolith

@@ -1,0 +1,224 @@
+#include "haptolith/viewer/web_server.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <functional>
+#include <memory>
+#include <thread>
+#include <vector>
+
+#include "haptolith/core/error.h"
+
+#include "ws_client.h"
+
+namespace haptolith {
+namespace {
+
+using namespace std::chrono_literals;
+using testing::HasSubstr;
+using testing::StartsWith;
+namespace http = boost::beast::http;
+
+class WebServerTest : public testing::Test {
+ protected:
+  explicit WebServerTest(const WebServerOptions& options = {.port = 0}) : server_(options, board_) {}
+
+  bool soon(const std::function<bool()>& is_so) {
+    for (int i = 0; i < 5000; ++i) {
+      server_.takeEvents(events_);
+      if (is_so()) {
+        return true;
+      }
+      std::this_thread::sleep_for(1ms);
+    }
+    return false;
+  }
+
+  Board board_{R"({"type":"hello","client":"$client"})"};
+  WebServer server_;
+  std::vector<WebServer::Event> events_;
+};
+
+TEST_F(WebServerTest, ServesThePageAndNothingElse) {
+  const auto [status, body] = WsClient::get(server_.port(), "/");
+  EXPECT_EQ(status, 200U);
+  EXPECT_THAT(body, HasSubstr("haptolith"));
+  EXPECT_EQ(WsClient::get(server_.port(), "/index.html?view=top").first, 200U);
+  for (const char* nothing : {"/no", "/../etc/passwd", "/%2e%2e/etc/passwd", "//", "/index.html/", "*"}) {
+    EXPECT_EQ(WsClient::get(server_.port(), nothing).first, 404U) << nothing;
+  }
+  EXPECT_EQ(WsClient::get(server_.port(), "/", {}, http::verb::head).first, 200U);
+  EXPECT_EQ(WsClient::get(server_.port(), "/", {}, http::verb::delete_).first, 405U);
+}
+
+TEST_F(WebServerTest, OnlyPagesOfThisMachineMayConnect) {
+  EXPECT_EQ(WsClient::get(server_.port(), "/", "evil.com").first, 403U) << "a name that was pointed at us";
+  EXPECT_EQ(WsClient::get(server_.port(), "/", "localhost:1234").first, 200U) << "forwarded through SSH";
+  const auto status = [&](const std::string& origin, const std::string& host) {
+    WsClient client(server_.port());
+    client.origin_ = origin;
+    if (!host.empty()) {
+      client.host_ = host;
+    }
+    return client.upgrade();
+  };
+  const std::string port = std::to_string(server_.port());
+  EXPECT_EQ(status("", ""), 101U) << "a program";
+  EXPECT_EQ(status("http://127.0.0.1:" + port, ""), 101U);
+  EXPECT_EQ(status("http://localhost:9000", "localhost:9000"), 101U);
+  EXPECT_EQ(status("http://evil.com", ""), 403U);
+  EXPECT_EQ(status("http://localhost:" + port, ""), 403U);
+  EXPECT_EQ(status("null", ""), 403U);
+  EXPECT_EQ(status("http://evil.com", "evil.com"), 403U);
+}
+
+TEST_F(WebServerTest, AnotherProtocolOrPathIsRefused) {
+  WsClient old(server_.port());
+  old.protocol_ = "haptolith.0";
+  EXPECT_EQ(old.upgrade(), 400U);
+  WsClient none(server_.port());
+  none.protocol_.clear();
+  EXPECT_EQ(none.upgrade(), 400U);
+  WsClient elsewhere(server_.port());
+  elsewhere.target_ = "/socket";
+  EXPECT_EQ(elsewhere.upgrade(), 404U);
+}
+
+TEST_F(WebServerTest, MessagesGoBothWaysAndLeavingIsNoticed) {
+  auto client = std::make_unique<WsClient>(server_.port());
+  ASSERT_EQ(client->upgrade(), 101U);
+  EXPECT_EQ(client->receive(), R"({"type":"hello","client":1})");
+  ASSERT_TRUE(soon([&] { return events_.size() == 1; }));
+  EXPECT_EQ(events_[0].kind, WebServer::Event::Kind::kJoined);
+  EXPECT_EQ(server_.clients(), 1U);
+
+  client->send("to you");
+  ASSERT_TRUE(soon([&] { return events_.size() == 2; }));
+  EXPECT_EQ(events_[1].text, "to you");
+  EXPECT_EQ(events_[1].client, 1U);
+  server_.send(1, "to me");
+  EXPECT_EQ(client->receive(), "to me");
+  server_.send(77, "to nobody");
+
+  board_.setStatus("status");
+  server_.notify();
+  EXPECT_EQ(client->receive(), "status");
+
+  client.reset();
+  ASSERT_TRUE(soon([&] { return events_.size() == 3; }));
+  EXPECT_EQ(events_[2].kind, WebServer::Event::Kind::kLeft);
+  EXPECT_TRUE(soon([&] { return server_.clients() == 0; }));
+}
+
+TEST_F(WebServerTest, AMessageThatIsTooLongOrNoTextEndsTheConnection) {
+  WsClient longwinded(server_.port());
+  ASSERT_EQ(longwinded.upgrade(), 101U);
+  (void)longwinded.receive();
+  longwinded.send(std::string(4097, 'x'));
+  EXPECT_EQ(longwinded.receive(), std::nullopt);
+  EXPECT_EQ(longwinded.closeCode(), 1009);
+
+  WsClient binary(server_.port());
+  ASSERT_EQ(binary.upgrade(), 101U);
+  (void)binary.receive();
+  binary.send("bytes", true);
+  EXPECT_EQ(binary.receive(), std::nullopt);
+  EXPECT_EQ(binary.closeCode(), 1003);
+}
+
+TEST_F(WebServerTest, WhoTalksTooMuchIsDropped) {
+  WsClient client(server_.port());
+  ASSERT_EQ(client.upgrade(), 101U);
+  (void)client.receive();
+  for (int i = 0; i < 300; ++i) {
+    client.send("again");
+  }
+  EXPECT_EQ(client.receive(), std::nullopt);
+  EXPECT_EQ(client.closeCode(), 1008);
+  soon([&] { return events_.size() > 251; });
+  EXPECT_LE(events_.size(), 252U);
+}
+
+TEST_F(WebServerTest, ThirtyTwoClientsAreFineAndOneMoreIsNot) {
+  std::vector<std::unique_ptr<WsClient>> clients;
+  for (int i = 0; i < 32; ++i) {
+    clients.push_back(std::make_unique<WsClient>(server_.port()));
+    ASSERT_EQ(clients.back()->upgrade(), 101U) << i;
+  }
+  WsClient late(server_.port());
+  EXPECT_EQ(late.upgrade(), 503U);
+  board_.setStatus("status");
+  server_.notify();
+  for (const auto& client : clients) {
+    EXPECT_THAT(client->receive().value_or(""), HasSubstr("hello"));
+    EXPECT_EQ(client->receive(), "status");
+  }
+  clients.pop_back();
+  ASSERT_TRUE(soon([&] { return server_.clients() == 31; }));
+  WsClient next(server_.port());
+  EXPECT_EQ(next.upgrade(), 101U);
+}
+
+TEST_F(WebServerTest, AClientThatDoesNotReadGetsNoQueueAndHoldsUpNobody) {
+  WsClient stalled(server_.port());
+  ASSERT_EQ(stalled.upgrade(), 101U);
+  WsClient quick(server_.port());
+  ASSERT_EQ(quick.upgrade(), 101U);
+  EXPECT_THAT(quick.receive().value_or(""), HasSubstr("hello"));
+  const std::string large(4'000'000, 'x');  // fills the socket's buffers
+  for (int i = 0; i < 50; ++i) {
+    board_.setStatus(std::to_string(i) + large);
+    server_.notify();
+    EXPECT_THAT(quick.receive().value_or(""), StartsWith(std::to_string(i)));
+  }
+  // The stalled one is sent what was on its way, and then the newest, not the fifty.
+  std::vector<std::string> received;
+  for (std::optional<std::string> text; received.size() < 50 && (text = stalled.receive());) {
+    received.push_back(text->substr(0, 2));
+    if (received.back() == "49") {
+      break;
+    }
+  }
+  EXPECT_LE(received.size(), 5U);
+  EXPECT_EQ(received.back(), "49");
+}
+
+TEST_F(WebServerTest, RubbishInsteadOfARequestIsSurvived) {
+  for (const std::string& rubbish :
+       {std::string("\r\n\r\n"), std::string(10'000, 'A'), std::string("GET / HTTP/9\r\n\r\n"),
+        std::string("GET /ws HTTP/1.1\r\nHost: localhost\r\nUpgrade: websocket\r\n\r\n"), std::string(64, '\0')}) {
+    boost::asio::io_context io;
+    boost::asio::ip::tcp::socket socket(io);
+    socket.connect({boost::asio::ip::make_address("127.0.0.1"), server_.port()});
+    boost::beast::error_code ignored;
+    boost::asio::write(socket, boost::asio::buffer(rubbish), ignored);
+  }
+  EXPECT_EQ(WsClient::get(server_.port(), "/").first, 200U);
+}
+
+TEST_F(WebServerTest, ATakenPortIsPassedOver) {
+  Board board("hello");
+  const WebServer second({.port = server_.port()}, board);
+  EXPECT_GT(second.port(), server_.port());
+  EXPECT_EQ(second.url(), "http://127.0.0.1:" + std::to_string(second.port()) + "/");
+}
+
+TEST(WebServerAddress, BeyondThisMachineATokenIsDemanded) {
+  Board board("hello");
+  EXPECT_THROW(WebServer({.bind = "0.0.0.0", .port = 0}, board), InvalidParameter);
+  EXPECT_THROW(WebServer({.bind = "nowhere", .port = 0}, board), InvalidParameter);
+  const WebServer server({.bind = "0.0.0.0", .port = 0, .token = "secret"}, board);
+  EXPECT_THAT(server.url(), HasSubstr("?token=secret"));
+  EXPECT_EQ(WsClient::get(server.port(), "/").first, 401U);
+  EXPECT_EQ(WsClient::get(server.port(), "/?token=secre").first, 401U);
+  EXPECT_EQ(WsClient::get(server.port(), "/?token=secret", "lab.example").first, 200U);
+  WsClient stranger(server.port());
+  EXPECT_EQ(stranger.upgrade(), 401U);
+  WsClient guest(server.port());
+  guest.target_ = "/ws?token=secret";
+  EXPECT_EQ(guest.upgrade(), 101U);
+}
+
+}  // namespace
+}  // namespace haptolith
