@@ -1,0 +1,63 @@
+// What comes in through the socket: rubbish in place of a request, or, after a proper upgrade, in place of frames. The
+// server answers or hangs up, and goes on serving.
+
+#include <boost/asio/io_context.hpp>
+#include <boost/asio/ip/tcp.hpp>
+#include <boost/asio/read_until.hpp>
+#include <boost/asio/streambuf.hpp>
+#include <boost/asio/write.hpp>
+#include <boost/system/error_code.hpp>
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <cstdlib>
+#include <string>
+#include <vector>
+
+#include "haptolith/viewer/web_server.h"
+
+namespace {
+
+namespace asio = boost::asio;
+using boost::system::error_code;
+
+constexpr const char* kUpgrade =
+    "GET /ws HTTP/1.1\r\nHost: localhost\r\nConnection: Upgrade\r\nUpgrade: websocket\r\nSec-WebSocket-Version: 13\r\n"
+    "Sec-WebSocket-Key: dGhlIHNhbXBsZSBub25jZQ==\r\nSec-WebSocket-Protocol: haptolith.1\r\n\r\n";
+
+struct Target {
+  haptolith::Board board{"hello"};
+  haptolith::WebServer server{{.port = 0}, board};
+};
+
+}  // namespace
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  static Target target;
+  if (size == 0) {
+    return 0;
+  }
+  asio::io_context io;
+  asio::ip::tcp::socket socket(io);
+  error_code error;
+  socket.connect({asio::ip::make_address("127.0.0.1"), target.server.port()}, error);
+  if (error) {
+    std::abort();  // it no longer serves
+  }
+  socket.set_option(asio::socket_base::linger(true, 0), error);  // else thousands of ports wait to be free again
+  if (data[0] % 2 == 1) {                                        // a client, whose frames are rubbish
+    asio::write(socket, asio::buffer(kUpgrade, std::char_traits<char>::length(kUpgrade)), error);
+    asio::streambuf answer;
+    asio::read_until(socket, answer, "\r\n\r\n", error);
+  }
+  asio::write(socket, asio::buffer(data + 1, size - 1), error);
+  socket.shutdown(asio::socket_base::shutdown_send, error);
+  std::array<char, 4096> answer{};
+  while (!error) {  // until it hangs up
+    socket.read_some(asio::buffer(answer), error);
+  }
+  std::vector<haptolith::WebServer::Event> events;
+  target.server.takeEvents(events);
+  return 0;
+}
