@@ -310,6 +310,7 @@ void run(RunOptions options) {
   if (!isLoopback(options.web.bind) && options.web.token.empty()) {
     options.web.token = newToken();
   }
+  validate(options.web);
   // Files that cannot be written are refused before the bed is made.
   Follower follower(options, scenario);
   std::optional<Figure> figure;

@@ -285,6 +285,35 @@ TEST_F(RunCommand, WrongUseIsToldAndHasStatusTwo) {
   }
 }
 
+TEST_F(RunCommand, ServesItsPageAndSaysWhere) {
+  // The address is read from standard error while the program runs; bash can ask for a page by itself.
+  const std::string ask = R"( 2> $0.log & trap "rm -f $0.log" EXIT
+    for i in $(seq 100); do port=$(sed -nE "s|.*http://127.0.0.1:([0-9]+)/.*|\1|p" $0.log); [ "$port" ] && break; sleep 0.05; done
+    exec 3<>/dev/tcp/127.0.0.1/$port; printf "GET / HTTP/1.0\r\nHost: localhost\r\n\r\n" >&3; cat <&3; kill -INT %1; wait)";
+  const auto served = [&](const std::string& arguments) {
+    return runInShell("bash -c 'set -m; \"$HAPTOLITH\" run --port 0 " + arguments + ask + "' " + file("serve"));
+  };
+  const ProgramResult result = served("--hand still");
+  EXPECT_THAT(result.output, HasSubstr("200 OK"));
+  EXPECT_THAT(result.output, HasSubstr("<title>haptolith"));
+  EXPECT_THAT(served("--json --unpaced --serve").output, HasSubstr("200 OK"));
+
+  EXPECT_THAT(runHaptolith("run --duration-s 0.1 --json").errors, testing::Not(HasSubstr("http://")));
+  EXPECT_THAT(runHaptolith("run --duration-s 0.1 --no-serve").errors, testing::Not(HasSubstr("http://")));
+}
+
+TEST_F(RunCommand, BeyondThisMachineTheAddressHasAToken) {
+  const ProgramResult made_up = runHaptolith("run --duration-s 0.1 --port 0 --bind 0.0.0.0");
+  EXPECT_THAT(made_up.errors, testing::ContainsRegex("http://0.0.0.0:[0-9]+/\\?token=[0-9a-f]{32}"));
+  const ProgramResult given = runHaptolith("run --duration-s 0.1 --port 0 --bind 0.0.0.0 --token moon");
+  EXPECT_THAT(given.errors, HasSubstr("/?token=moon"));
+  const ProgramResult wrong = runHaptolith("run --duration-s 0.1 --bind everywhere");
+  EXPECT_EQ(wrong.exit_status, 2);
+  EXPECT_THAT(wrong.errors, HasSubstr("bind = everywhere"));
+  EXPECT_EQ(runHaptolith("run --duration-s 0.1 --port 65536").exit_status, 2);
+  EXPECT_EQ(runHaptolith("run --duration-s 0.1 --serve --no-serve").exit_status, 2);
+}
+
 TEST_F(RunCommand, UsesTheInstructionSetItIsToldTo) {
   const ProgramResult refused = runInShell("HAPTOLITH_SIMD=MMX \"$HAPTOLITH\" run --duration-s 0.1 --json");
   EXPECT_EQ(refused.exit_status, 2);

@@ -70,6 +70,12 @@ std::string_view contentType(std::string_view path) {
   return "application/octet-stream";
 }
 
+std::optional<asio::ip::address> addressOf(const WebServerOptions& options) {
+  beast::error_code error;
+  const auto address = asio::ip::make_address(options.bind == "localhost" ? "127.0.0.1" : options.bind, error);
+  return error ? std::nullopt : std::optional(address);
+}
+
 const WebFile* findFile(std::string_view target) {
   std::string_view path = target.substr(0, target.find('?'));
   if (path == "/") {
@@ -81,6 +87,15 @@ const WebFile* findFile(std::string_view target) {
 }
 
 }  // namespace
+
+void validate(const WebServerOptions& options) {
+  if (!addressOf(options)) {
+    throw InvalidParameter("bind", options.bind, "an address such as 127.0.0.1, ::1 or 0.0.0.0");
+  }
+  if (!isLoopback(options.bind) && options.token.empty()) {
+    throw InvalidParameter("bind", options.bind, "a loopback address unless there is a token");
+  }
+}
 
 class WebServer::Implementation {
  public:
@@ -349,14 +364,9 @@ class WebServer::Implementation::Visitor : public std::enable_shared_from_this<V
 
 WebServer::Implementation::Implementation(const WebServerOptions& options, Board& board)
     : board_(board), address_(options.bind), token_(options.token), loopback_only_(isLoopback(options.bind)) {
+  validate(options);
+  const auto address = *addressOf(options);
   beast::error_code error;
-  const auto address = asio::ip::make_address(options.bind == "localhost" ? "127.0.0.1" : options.bind, error);
-  if (error) {
-    throw InvalidParameter("bind", options.bind, "an address such as 127.0.0.1, ::1 or 0.0.0.0");
-  }
-  if (!loopback_only_ && token_.empty()) {
-    throw InvalidParameter("bind", options.bind, "a loopback address unless there is a token");
-  }
   for (int i = 0; i < kPortsTried; ++i) {
     const auto port = static_cast<std::uint16_t>(options.port == 0 ? 0 : options.port + i);
     const Tcp::endpoint endpoint(address, port);

@@ -15,6 +15,9 @@ struct WebServerOptions {
   std::string token = {};          ///< what clients must know; empty: nothing, and then `bind` must be loopback
 };
 
+/// @throws InvalidParameter for an address that is none, or one beyond loopback without a token.
+void validate(const WebServerOptions& options);
+
 /// Serves the page, and a WebSocket each to at most 32 clients (docs/protocol.md), on a thread of its own. It knows
 /// nothing of what the messages mean.
 class WebServer {
