@@ -1,0 +1,83 @@
+// window.haptolith: what tests and `haptolith snapshot` see and steer.
+
+import type { Layout } from './panels/layout';
+import type { ColourMode, Frame, FrameHeader, Scene, Status } from './protocol';
+import type { Theme, ViewName } from './settings';
+import type { Stage } from './view/stage';
+
+export interface Automation {
+  /** the first picture with grains in it is drawn */
+  readonly ready: boolean;
+  readonly scene: Scene | null;
+  readonly status: Status | null;
+  /** header of the last frame */
+  readonly frame: FrameHeader | null;
+  readonly client: number | null;
+  readonly particlesDrawn: number;
+  readonly framesDrawn: number;
+  /** where the tool is in the picture, in CSS pixels of the page */
+  readonly toolOnScreen: { x: number; y: number } | null;
+  readonly inHeadset: boolean;
+  setCamera(name: ViewName): void;
+  setColour(mode: ColourMode): void;
+  setTheme(theme: Theme): void;
+  hidePanels(hide: boolean): void;
+}
+
+declare global {
+  interface Window {
+    haptolith?: Automation;
+  }
+}
+
+interface Parts {
+  stage: Stage;
+  layout: Layout;
+  now: { hello: { client: number } | null; scene: Scene | null; status: Status | null; frame: Frame | null };
+  setColour(mode: ColourMode): void;
+  setTheme(theme: Theme): void;
+}
+
+export function publish({ stage, layout, now, setColour, setTheme }: Parts): void {
+  let ready = false;
+  const drawn = stage.onDrawn;
+  stage.onDrawn = () => {
+    drawn();
+    if (stage.bed.drawn > 0) ready = true;
+  };
+  window.haptolith = {
+    get ready() {
+      return ready;
+    },
+    get scene() {
+      return now.scene;
+    },
+    get status() {
+      return now.status;
+    },
+    get frame() {
+      if (!now.frame) return null;
+      const { runs: _runs, records: _records, ...header } = now.frame;
+      return header;
+    },
+    get client() {
+      return now.hello?.client ?? null;
+    },
+    get particlesDrawn() {
+      return stage.bed.drawn;
+    },
+    get framesDrawn() {
+      return stage.frames_drawn;
+    },
+    get toolOnScreen() {
+      return stage.toolOnScreen();
+    },
+    get inHeadset() {
+      return stage.renderer.xr.isPresenting;
+    },
+    setCamera: (name) => stage.setView(name, false),
+    setColour,
+    setTheme: (theme) => setTheme(theme),
+    hidePanels: (hide) => layout.showPanels(!hide),
+  };
+}

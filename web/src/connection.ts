@@ -1,0 +1,153 @@
+// The WebSocket: opens it, opens it again when it breaks, and pairs replies with the commands they answer.
+
+import {
+  decodeFrame,
+  decodeMessage,
+  encodeCommand,
+  SUBPROTOCOL,
+  type Command,
+  type Frame,
+  type Hello,
+  type Scene,
+  type Status,
+} from './protocol';
+
+export interface Listener {
+  hello(hello: Hello): void;
+  scene(scene: Scene): void;
+  status(status: Status): void;
+  frame(frame: Frame): void;
+  /** `connected` after a hello; otherwise why not, in words for a person */
+  link(connected: boolean, why: string | null): void;
+  /** a message that could not be understood */
+  damaged(error: unknown): void;
+}
+
+/** The program refused a command, or could not be reached. */
+export class CommandError extends Error {
+  override name = 'CommandError';
+}
+
+const FIRST_RETRY_MS = 250;
+const LONGEST_RETRY_MS = 4000;
+// A half-open connection looks alive for minutes; the program sends a status four times a second, so 8 s of silence mean
+// that it is gone.
+const SILENCE_MS = 8000;
+
+export function socketAddress(location: Location): string {
+  const scheme = location.protocol === 'https:' ? 'wss:' : 'ws:';
+  const token = new URLSearchParams(location.search).get('token');
+  const query = token === null ? '' : `?token=${encodeURIComponent(token)}`;
+  return `${scheme}//${location.host}/ws${query}`;
+}
+
+export class Connection {
+  private socket: WebSocket | null = null;
+  private next_id = 1;
+  private retry_ms = FIRST_RETRY_MS;
+  private retry_timer = 0;
+  private silence_timer = 0;
+  private closed = false;
+  private readonly waiting = new Map<number, { resolve: () => void; reject: (error: Error) => void }>();
+
+  constructor(
+    private readonly address: string,
+    private readonly listener: Listener,
+  ) {}
+
+  open(): void {
+    const socket = new WebSocket(this.address, SUBPROTOCOL);
+    socket.binaryType = 'arraybuffer';
+    this.socket = socket;
+    socket.onmessage = (event: MessageEvent<ArrayBuffer | string>) => this.receive(event.data);
+    socket.onclose = (event) => this.lost(socket, event);
+    this.watchForSilence();
+  }
+
+  close(): void {
+    this.closed = true;
+    clearTimeout(this.retry_timer);
+    clearTimeout(this.silence_timer);
+    this.socket?.close();
+  }
+
+  /** Tries again at once, for instance when the page becomes visible or the person presses the button. */
+  retryNow(): void {
+    if (this.closed || this.socket) return;
+    clearTimeout(this.retry_timer);
+    this.open();
+  }
+
+  get connected(): boolean {
+    return this.socket?.readyState === WebSocket.OPEN;
+  }
+
+  /** Sends a command; resolves when the program accepts it, rejects with its words when it does not. */
+  request(command: Command): Promise<void> {
+    if (!this.connected) return Promise.reject(new CommandError('not connected to the program'));
+    const id = this.next_id++;
+    return new Promise((resolve, reject) => {
+      this.waiting.set(id, { resolve, reject });
+      this.socket!.send(encodeCommand(command, id));
+    });
+  }
+
+  /** Sends a command that needs no reply: the poses of a hold, sixty times a second. */
+  send(command: Command): void {
+    if (this.connected) this.socket!.send(encodeCommand(command));
+  }
+
+  private receive(data: ArrayBuffer | string): void {
+    this.watchForSilence();
+    try {
+      if (typeof data === 'string') this.receiveText(data);
+      else this.listener.frame(decodeFrame(data));
+    } catch (error) {
+      this.listener.damaged(error);
+    }
+  }
+
+  private receiveText(text: string): void {
+    const message = decodeMessage(text);
+    switch (message?.type) {
+      case 'hello':
+        this.retry_ms = FIRST_RETRY_MS;
+        this.listener.link(true, null);
+        return this.listener.hello(message);
+      case 'scene':
+        return this.listener.scene(message);
+      case 'status':
+        return this.listener.status(message);
+      case 'reply': {
+        const waiting = this.waiting.get(message.id);
+        this.waiting.delete(message.id);
+        if (message.ok) waiting?.resolve();
+        else waiting?.reject(new CommandError(message.error ?? 'the program refused'));
+      }
+    }
+  }
+
+  private lost(socket: WebSocket, event: CloseEvent): void {
+    if (socket !== this.socket) return;
+    this.socket = null;
+    clearTimeout(this.silence_timer);
+    for (const { reject } of this.waiting.values()) reject(new CommandError('the connection was lost'));
+    this.waiting.clear();
+    if (this.closed) return;
+    const refused = event.code === 1008 || event.code === 1009 || event.code === 1003;
+    const why = refused ? `the program ended the connection (${event.reason || event.code})` : 'connection lost';
+    this.listener.link(false, why);
+    this.retry_timer = window.setTimeout(() => this.open(), this.retry_ms);
+    this.retry_ms = Math.min(LONGEST_RETRY_MS, this.retry_ms * 1.6);
+  }
+
+  private watchForSilence(): void {
+    clearTimeout(this.silence_timer);
+    this.silence_timer = window.setTimeout(() => {
+      const socket = this.socket;
+      socket?.close();
+      // A half-open socket may take long to report its end; do not wait for it.
+      if (socket) this.lost(socket, new CloseEvent('close', { code: 1006 }));
+    }, SILENCE_MS);
+  }
+}

@@ -1,0 +1,154 @@
+// Mouse and fingers. The left button or one finger on the tool drags it; beside the tool it turns the view, as the right
+// and the middle button and two fingers always do.
+//
+// Which plane the tool is dragged in: looking from the side (also in the three-quarter view) an upright plane that faces
+// the eye, so that down is down into the soil and a level stroke stays level; the wheel moves the tool away and nearer.
+// Looking from above a level plane, and the wheel lowers and raises. Either way the tool stays under the pointer.
+
+import { Plane, Raycaster, Vector2, Vector3 } from 'three';
+import type { Stage } from '../view/stage';
+import type { Hand } from './hand';
+
+const GRAB_RADIUS_PX = 44;
+const TURN_DEG_PER_PX = 0.35;
+const FINE = 0.2;
+const WHEEL_M_PER_NOTCH = 0.003;
+
+interface Finger {
+  x: number;
+  y: number;
+}
+
+export class PointerHand {
+  /** the left button drags the tool wherever it is pressed */
+  dig_anywhere = false;
+  private readonly fingers = new Map<number, Finger>();
+  private dragging: number | null = null;
+  private readonly caster = new Raycaster();
+
+  constructor(
+    private readonly stage: Stage,
+    private readonly hand: Hand,
+    private readonly canvas: HTMLElement,
+  ) {
+    canvas.addEventListener('pointerdown', (event) => this.down(event));
+    canvas.addEventListener('pointermove', (event) => this.moved(event));
+    for (const end of ['pointerup', 'pointercancel', 'lostpointercapture'] as const)
+      canvas.addEventListener(end, (event) => this.up(event));
+    canvas.addEventListener('wheel', (event) => this.wheel(event), { passive: false });
+    canvas.addEventListener('contextmenu', (event) => event.preventDefault());
+    canvas.addEventListener('auxclick', (event) => event.preventDefault());
+  }
+
+  private down(event: PointerEvent): void {
+    this.canvas.setPointerCapture(event.pointerId);
+    this.fingers.set(event.pointerId, { x: event.clientX, y: event.clientY });
+    if (this.fingers.size > 1) return this.stopDragging();
+    const may_grab = event.pointerType !== 'mouse' || event.button === 0;
+    if (may_grab && (this.dig_anywhere || this.isNearTool(event, event.pointerType === 'touch' ? 1.4 : 1))) {
+      if (this.hand.grab('mouse')) this.dragging = event.pointerId;
+    }
+    if (event.button === 1) event.preventDefault();
+    this.showCursor(event);
+  }
+
+  private moved(event: PointerEvent): void {
+    const finger = this.fingers.get(event.pointerId);
+    if (!finger) return this.showCursor(event);
+    const before = { ...finger };
+    const spread_before = this.spread();
+    finger.x = event.clientX;
+    finger.y = event.clientY;
+    if (this.dragging === event.pointerId) return this.drag(before, finger, event.shiftKey);
+    if (event.shiftKey) {
+      this.stage.orbit.pan(finger.x - before.x, finger.y - before.y, this.canvas.clientHeight);
+      return this.stage.invalidate();
+    }
+    // Of two fingers each turns the view by its half.
+    const share = TURN_DEG_PER_PX / this.fingers.size;
+    this.stage.orbit.orbit(-(finger.x - before.x) * share, (finger.y - before.y) * share);
+    const spread = this.spread();
+    if (spread > 0 && spread_before > 0) this.stage.orbit.zoomBy(spread / spread_before);
+    this.stage.invalidate();
+  }
+
+  private up(event: PointerEvent): void {
+    if (!this.fingers.delete(event.pointerId)) return;
+    if (this.dragging === event.pointerId) this.stopDragging();
+    this.showCursor(event);
+  }
+
+  private stopDragging(): void {
+    if (this.dragging === null) return;
+    this.dragging = null;
+    this.hand.letGo('mouse');
+  }
+
+  private drag(before: Finger, now: Finger, fine: boolean): void {
+    if (!this.hand.isHeldBy('mouse')) return;
+    const from = this.onPlane(before);
+    const to = this.onPlane(now);
+    if (!from || !to) return;
+    const by = to.sub(from).multiplyScalar(fine ? FINE : 1);
+    this.hand.move([by.x, by.y, by.z]);
+    this.stage.invalidate();
+  }
+
+  private wheel(event: WheelEvent): void {
+    event.preventDefault();
+    // Lines or pages instead of pixels, depending on browser and mouse.
+    const pixels = event.deltaY * (event.deltaMode === 1 ? 33 : event.deltaMode === 2 ? 400 : 1);
+    if (this.dragging === null || event.ctrlKey) {
+      this.stage.orbit.zoomBy(Math.exp(-pixels * (event.ctrlKey ? 0.006 : 0.0012)));
+      this.stage.invalidate();
+      return;
+    }
+    const step_m = (-pixels / 100) * WHEEL_M_PER_NOTCH * this.worldScale() * (event.shiftKey ? FINE : 1);
+    const way = this.stage.orbit.lookingFromAbove ? new Vector3(0, 0, 1) : this.stage.orbit.ahead();
+    this.hand.move([way.x * step_m, way.y * step_m, way.z * step_m]);
+  }
+
+  /** Steps grow with the box, from 1 for the paper's box of 126 mm. */
+  private worldScale(): number {
+    return (this.stage.currentScene?.box.width_m ?? 0.126) / 0.126;
+  }
+
+  private spread(): number {
+    if (this.fingers.size !== 2) return 0;
+    const [a, b] = [...this.fingers.values()];
+    return Math.hypot(a!.x - b!.x, a!.y - b!.y);
+  }
+
+  private onPlane(finger: Finger): Vector3 | null {
+    const rect = this.canvas.getBoundingClientRect();
+    const at = new Vector2(
+      ((finger.x - rect.left) / rect.width) * 2 - 1,
+      1 - ((finger.y - rect.top) / rect.height) * 2,
+    );
+    const orbit = this.stage.orbit;
+    this.caster.setFromCamera(at, orbit.camera);
+    const normal = orbit.lookingFromAbove ? new Vector3(0, 0, 1) : orbit.ahead();
+    const plane = new Plane().setFromNormalAndCoplanarPoint(normal, new Vector3(...this.hand.wished.position_m));
+    return this.caster.ray.intersectPlane(plane, new Vector3());
+  }
+
+  private isNearTool(event: PointerEvent, generosity: number): boolean {
+    const frame = this.stage.currentFrame;
+    const scene = this.stage.currentScene;
+    if (!frame || !scene) return false;
+    const rect = this.canvas.getBoundingClientRect();
+    const orbit = this.stage.orbit;
+    const at = new Vector3(...frame.tool.position_m).project(orbit.camera);
+    const x = rect.left + ((at.x + 1) / 2) * rect.width;
+    const y = rect.top + ((1 - at.y) / 2) * rect.height;
+    const { shape, size_mm, diameter_mm } = scene.tool;
+    const size_m = (shape === 'box' ? Math.max(size_mm[0], size_mm[1]) : diameter_mm) / 1000;
+    const reach_px = Math.max(GRAB_RADIUS_PX, (0.8 * size_m) / orbit.metresPerPixel(rect.height)) * generosity;
+    return Math.hypot(event.clientX - x, event.clientY - y) < reach_px;
+  }
+
+  private showCursor(event: PointerEvent): void {
+    const near = this.dig_anywhere || (event.pointerType === 'mouse' && this.isNearTool(event, 1));
+    this.canvas.style.cursor = this.dragging !== null ? 'grabbing' : near ? 'grab' : 'default';
+  }
+}

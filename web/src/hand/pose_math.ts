@@ -1,0 +1,30 @@
+// Small sums with poses, in the protocol's own order (quaternions w, x, y, z).
+
+import { Quaternion, Vector3 } from 'three';
+import type { Pose, Quat, Range3, Vec3 } from '../protocol';
+
+export function clampTo(range: Range3, at_m: Vec3): Vec3 {
+  return at_m.map((value, axis) => Math.min(range.high_m[axis]!, Math.max(range.low_m[axis]!, value))) as Vec3;
+}
+
+export function toThree([w, x, y, z]: Quat): Quaternion {
+  return new Quaternion(x, y, z, w);
+}
+
+export function fromThree(q: Quaternion): Quat {
+  return [q.w, q.x, q.y, q.z];
+}
+
+/** Turns by an angle about an axis of the scene (`after` the rotation) or of the tool (`before` it). */
+export function turned(rotation: Quat, axis: Vec3, angle_rad: number, frame: 'scene' | 'tool'): Quat {
+  const turn = new Quaternion().setFromAxisAngle(new Vector3(...axis), angle_rad);
+  const now = toThree(rotation);
+  return fromThree((frame === 'scene' ? turn.multiply(now) : now.multiply(turn)).normalize());
+}
+
+export function samePose(a: Pose, b: Pose): boolean {
+  return (
+    a.position_m.every((value, i) => value === b.position_m[i]) &&
+    a.rotation.every((value, i) => value === b.rotation[i])
+  );
+}

@@ -1,0 +1,370 @@
+// The column at the side: soil, world, tool, hand, bed, time, picture. It shows what the program says is so, and asks for
+// what the person wants; a control changes for good only when the program's next `scene` or `status` says so.
+
+import {
+  COLOUR_MODES,
+  type ColourMode,
+  type Command,
+  type Hello,
+  type Scene,
+  type SceneChange,
+  type Slider,
+  type Status,
+  type Vec3,
+} from '../protocol';
+import { VIEW_NAMES, type ViewName } from '../settings';
+import { h, setText } from './html';
+
+const SLIDER_DELAY_MS = 150;
+const SPEEDS = [1, 0.5, 0.2, 0.1, 0.05, 0.01];
+
+export interface Actions {
+  ask(command: Command): void;
+  setColour(mode: ColourMode): void;
+  setView(name: ViewName): void;
+  resetView(): void;
+  setDigAnywhere(on: boolean): void;
+}
+
+export class Controls {
+  readonly element: HTMLElement;
+  private readonly soil = h('select', { id: 'soil' });
+  private readonly friction = h('select', { id: 'friction' });
+  private readonly soil_facts = h('p', { class: 'facts numbers' });
+  private readonly sliders = h('div', { class: 'sliders' });
+  private readonly body = h('select', { id: 'body' });
+  private readonly shapes = h('div', { class: 'segmented', role: 'group', 'aria-label': 'Tool' });
+  private readonly sizes = h('div', { class: 'sizes' });
+  private readonly manoeuvre = h('select', { id: 'manoeuvre' });
+  private readonly still: HTMLButtonElement;
+  private readonly dig = h('input', { type: 'checkbox', id: 'dig' });
+  private readonly undo: HTMLButtonElement;
+  private readonly pause: HTMLButtonElement;
+  private readonly step: HTMLButtonElement;
+  private readonly speed = h('select', { id: 'speed' });
+  private readonly record: HTMLButtonElement;
+  private readonly record_file = h('p', { class: 'facts record-file' });
+  private readonly colours = h('div', { class: 'segmented', role: 'group', 'aria-label': 'Colour by' });
+  private readonly slider_inputs = new Map<string, { input: HTMLInputElement; value: HTMLElement; spec: Slider }>();
+  private readonly slider_timers = new Map<string, number>();
+  private size_key = '';
+  private hello: Hello | null = null;
+  private scene: Scene | null = null;
+  private status: Status | null = null;
+
+  constructor(private readonly act: Actions) {
+    const button = (label: string, title: string, run: () => void): HTMLButtonElement =>
+      h('button', { type: 'button', title, onclick: run }, label);
+
+    this.soil.addEventListener('change', () => {
+      const [kind, name] = this.soil.value.split(':') as [string, string];
+      this.change(kind === 'preset' ? { preset: name } : { soil: name });
+    });
+    this.friction.addEventListener('change', () => this.change({ friction: this.friction.value }));
+    this.body.addEventListener('change', () => this.change({ body: this.body.value }));
+    this.manoeuvre.addEventListener('change', () => this.act.ask({ do: 'play', manoeuvre: this.manoeuvre.value }));
+    this.speed.addEventListener('change', () => this.act.ask({ do: 'speed', factor: Number(this.speed.value) }));
+    this.dig.addEventListener('change', () => this.act.setDigAnywhere(this.dig.checked));
+    this.speed.append(
+      ...SPEEDS.map((factor) => h('option', { value: factor }, factor === 1 ? 'real time' : `${factor} ×`)),
+    );
+
+    this.still = button('Hold still', 'Stop the virtual hand where it is (Y)', () => this.holdStill());
+    this.undo = button('Undo', 'Take back the last change of the bed (Ctrl+Z)', () => this.act.ask({ do: 'undo' }));
+    this.pause = button('Pause', 'Pause or go on (space)', () => this.togglePause());
+    this.step = button('Step', 'While paused: one tick (.); with Shift: 100', () => this.stepOnce(1));
+    this.record = button('Record', 'Write every tick to a file (O)', () => this.toggleRecord());
+
+    for (const mode of COLOUR_MODES)
+      this.colours.append(
+        h(
+          'button',
+          { type: 'button', 'data-colour': mode, 'aria-pressed': 'false', onclick: () => this.act.setColour(mode) },
+          mode,
+        ),
+      );
+    const views = h(
+      'div',
+      { class: 'segmented', role: 'group', 'aria-label': 'View' },
+      ...VIEW_NAMES.map((name, i) =>
+        h(
+          'button',
+          { type: 'button', title: `key ${i + 1}`, onclick: () => this.act.setView(name) },
+          name === 'three-quarter' ? '¾' : name,
+        ),
+      ),
+    );
+
+    this.element = h(
+      'aside',
+      { class: 'controls', 'aria-label': 'Controls' },
+      group('Soil', field('Soil', this.soil), field('Friction', this.friction), this.soil_facts, this.sliders),
+      group('World', field('Body', this.body)),
+      group('Tool', this.shapes, this.sizes),
+      group(
+        'Hand',
+        h('div', { class: 'row' }, field('Manoeuvre', this.manoeuvre), this.still),
+        h('label', { class: 'check' }, this.dig, h('span', {}, 'drag anywhere to dig')),
+      ),
+      group(
+        'Bed',
+        h(
+          'div',
+          { class: 'row buttons' },
+          button('Reset', 'The scene as it was started (R)', () => this.act.ask({ do: 'reset' })),
+          button('Level', 'The same soil, its surface level again (L)', () => this.act.ask({ do: 'level' })),
+          this.undo,
+        ),
+      ),
+      group(
+        'Time',
+        h('div', { class: 'row buttons' }, this.pause, this.step, this.record),
+        field('Speed', this.speed),
+        this.record_file,
+      ),
+      group('Picture', this.colours, views),
+    );
+    this.setConnected(false);
+  }
+
+  setHello(hello: Hello): void {
+    this.hello = hello;
+    this.soil.replaceChildren(
+      h(
+        'optgroup',
+        { label: "The paper's presets" },
+        ...hello.presets.map((preset) =>
+          h('option', { value: `preset:${preset.name}` }, `${preset.name}, friction ${preset.friction_coefficient}`),
+        ),
+      ),
+      h(
+        'optgroup',
+        { label: 'Soils as measured' },
+        ...hello.soils.map((soil) =>
+          h('option', { value: `soil:${soil.name}`, title: soil.source }, `${soil.name}, ${soil.friction_angle_deg}°`),
+        ),
+      ),
+    );
+    this.friction.replaceChildren(...hello.frictions.map((name) => h('option', { value: name }, name)));
+    this.body.replaceChildren(
+      ...hello.bodies.map((body) => h('option', { value: body.name }, `${body.name}, ${body.gravity_m_s2} m/s²`)),
+    );
+    this.manoeuvre.replaceChildren(...hello.manoeuvres.map((name) => h('option', { value: name }, name)));
+    this.shapes.replaceChildren(
+      ...hello.shapes.map((shape) =>
+        h(
+          'button',
+          {
+            type: 'button',
+            'data-shape': shape,
+            'aria-pressed': 'false',
+            onclick: () => this.change({ tool: { shape: shape as Scene['tool']['shape'] } }),
+          },
+          shape === 'box' ? 'shovel' : shape,
+        ),
+      ),
+    );
+  }
+
+  setScene(scene: Scene): void {
+    this.scene = scene;
+    const { soil, tool } = scene;
+    select(this.soil, soil.preset ? `preset:${soil.preset}` : soil.name ? `soil:${soil.name}` : '', 'own soil');
+    select(this.friction, soil.friction, soil.friction);
+    select(this.body, scene.body ?? '', `${Math.hypot(...scene.gravity_m_s2).toFixed(2)} m/s²`);
+    select(this.manoeuvre, scene.hand.manoeuvre, scene.hand.manoeuvre);
+    const angle = soil.friction_angle_deg === null ? '' : `${soil.friction_angle_deg.toFixed(1)}°, `;
+    const cohesion = soil.cohesion_pa === null ? '' : `${Math.round(soil.cohesion_pa)} Pa, `;
+    setText(this.soil_facts, `${angle}${cohesion}${Math.round(soil.bulk_density_kg_m3)} kg/m³`);
+    this.soil_facts.title = soil.preset
+      ? 'friction angle and cohesion as (17) and (18) predict; bulk density'
+      : 'friction angle, cohesion, bulk density';
+    for (const button of this.shapes.children as HTMLCollectionOf<HTMLElement>)
+      button.setAttribute('aria-pressed', String(button.dataset.shape === tool.shape));
+    this.showSizes(scene);
+    this.showSliders(scene.sliders);
+  }
+
+  setStatus(status: Status): void {
+    this.status = status;
+    setText(this.pause, status.paused ? 'Go on' : 'Pause');
+    this.pause.setAttribute('aria-pressed', String(status.paused));
+    this.step.disabled = !status.paused;
+    this.undo.disabled = !status.can_undo;
+    setText(this.undo, status.undo ? `Undo ${status.undo}` : 'Undo');
+    setText(this.record, status.recording ? 'Stop' : 'Record');
+    this.record.setAttribute('aria-pressed', String(status.recording !== null));
+    setText(this.record_file, status.recording ? `recording ${status.recording}` : '');
+    select(this.speed, String(status.speed), `${status.speed} ×`);
+  }
+
+  setColour(mode: ColourMode): void {
+    for (const button of this.colours.children as HTMLCollectionOf<HTMLElement>)
+      button.setAttribute('aria-pressed', String(button.dataset.colour === mode));
+  }
+
+  setConnected(connected: boolean): void {
+    this.element.classList.toggle('offline', !connected);
+  }
+
+  togglePause(): void {
+    this.act.ask({ do: this.status?.paused ? 'resume' : 'pause' });
+  }
+
+  stepOnce(ticks: number): void {
+    this.act.ask({ do: 'step', ticks });
+  }
+
+  toggleRecord(): void {
+    this.act.ask({ do: 'record', on: this.status?.recording == null });
+  }
+
+  toggleSlowMotion(): void {
+    this.act.ask({ do: 'speed', factor: (this.status?.speed ?? 1) === 1 ? 0.1 : 1 });
+  }
+
+  toggleDig(): void {
+    this.dig.checked = !this.dig.checked;
+    this.act.setDigAnywhere(this.dig.checked);
+  }
+
+  holdStill(): void {
+    this.act.ask({ do: 'play', manoeuvre: 'still' });
+  }
+
+  /** The next entry of a list, for keys: soil, body, friction, shape, manoeuvre. */
+  next(what: 'soil' | 'body' | 'friction' | 'shape' | 'manoeuvre', by: 1 | -1 = 1): void {
+    if (!this.hello || !this.scene) return;
+    if (what === 'shape') {
+      const shape = following(this.hello.shapes, this.scene.tool.shape, by);
+      return this.change({ tool: { shape: shape as Scene['tool']['shape'] } });
+    }
+    const list = this[what];
+    const values = [...list.options].map((option) => option.value);
+    list.value = following(values, list.value, by);
+    list.dispatchEvent(new Event('change'));
+  }
+
+  private change(change: SceneChange): void {
+    this.act.ask({ do: 'scene', ...change });
+  }
+
+  private showSizes(scene: Scene): void {
+    const { tool } = scene;
+    const fields: [string, number, (value: number) => Partial<Scene['tool']>][] =
+      tool.shape === 'box'
+        ? (['length', 'width', 'thickness'] as const).map((name, axis) => [
+            name,
+            tool.size_mm[axis]!,
+            (value) => ({ size_mm: tool.size_mm.map((old, i) => (i === axis ? value : old)) as Vec3 }),
+          ])
+        : tool.shape === 'sphere'
+          ? [['diameter', tool.diameter_mm, (value) => ({ diameter_mm: value })]]
+          : [
+              ['diameter', tool.diameter_mm, (value) => ({ diameter_mm: value })],
+              ['thickness', tool.thickness_mm, (value) => ({ thickness_mm: value })],
+            ];
+    const key = JSON.stringify(tool);
+    if (key === this.size_key) return;
+    this.size_key = key;
+    // Rebuilding would take the focus away from the field that was just changed.
+    const focused = document.activeElement instanceof HTMLInputElement ? document.activeElement.name : '';
+    this.sizes.replaceChildren(
+      ...fields.map(([name, value, toChange]) => {
+        const input = h('input', {
+          type: 'number',
+          name: `size-${name}`,
+          min: 1,
+          max: 1000,
+          step: 1,
+          value,
+          'aria-label': `${name} in mm`,
+        });
+        input.addEventListener('change', () => {
+          const number = input.valueAsNumber;
+          if (Number.isFinite(number) && number > 0) this.change({ tool: toChange(number) });
+          else input.value = String(value);
+        });
+        return h('label', { class: 'size' }, h('span', {}, name), input, h('span', { class: 'unit' }, 'mm'));
+      }),
+    );
+    if (focused.startsWith('size-')) this.sizes.querySelector<HTMLInputElement>(`[name="${focused}"]`)?.focus();
+  }
+
+  private showSliders(sliders: Slider[]): void {
+    const same =
+      sliders.length === this.slider_inputs.size && sliders.every((slider) => this.slider_inputs.has(slider.key));
+    if (!same) this.buildSliders(sliders);
+    for (const slider of sliders) {
+      const shown = this.slider_inputs.get(slider.key)!;
+      shown.spec = slider;
+      Object.assign(shown.input, { min: String(slider.low), max: String(slider.high), step: String(slider.step) });
+      // A thumb under the person's finger stays there.
+      if (this.slider_timers.has(slider.key)) continue;
+      shown.input.value = String(slider.value);
+      setText(shown.value, sliderText(slider.value, slider));
+    }
+  }
+
+  private buildSliders(sliders: Slider[]): void {
+    this.slider_inputs.clear();
+    this.sliders.replaceChildren(
+      ...sliders.map((slider) => {
+        const input = h('input', {
+          type: 'range',
+          min: slider.low,
+          max: slider.high,
+          step: slider.step,
+          value: slider.value,
+          'data-key': slider.key,
+          'aria-label': slider.label,
+        });
+        const value = h('output', { class: 'numbers' }, sliderText(slider.value, slider));
+        const entry = { input, value, spec: slider };
+        input.addEventListener('input', () => this.slid(entry));
+        this.slider_inputs.set(slider.key, entry);
+        return h('label', { class: 'slider' }, h('span', {}, slider.label), value, input);
+      }),
+    );
+  }
+
+  private slid(entry: { input: HTMLInputElement; value: HTMLElement; spec: Slider }): void {
+    const { key } = entry.spec;
+    setText(entry.value, sliderText(entry.input.valueAsNumber, entry.spec));
+    clearTimeout(this.slider_timers.get(key));
+    this.slider_timers.set(
+      key,
+      window.setTimeout(() => {
+        this.slider_timers.delete(key);
+        this.change({ sliders: { [key]: entry.input.valueAsNumber } });
+      }, SLIDER_DELAY_MS),
+    );
+  }
+}
+
+function sliderText(value: number, slider: Slider): string {
+  const digits = Math.max(0, Math.min(6, Math.ceil(-Math.log10(slider.step) - 1e-9)));
+  const text = digits > 4 ? value.toExponential(1).replace('-', '\u2212') : value.toFixed(digits);
+  return slider.unit ? `${text} ${slider.unit}` : text;
+}
+
+function following(values: string[], now: string, by: number): string {
+  const at = values.indexOf(now);
+  return values[(at + by + values.length) % values.length] ?? now;
+}
+
+function group(title: string, ...children: HTMLElement[]): HTMLElement {
+  return h('fieldset', { class: 'group' }, h('legend', {}, title), ...children);
+}
+
+function field(label: string, control: HTMLElement): HTMLElement {
+  return h('label', { class: 'field' }, h('span', {}, label), control);
+}
+
+/** Chooses a value; one that the list does not have is shown as an entry of its own that cannot be chosen. */
+function select(list: HTMLSelectElement, value: string, foreign_label: string): void {
+  list.querySelector('option[data-foreign]')?.remove();
+  if (![...list.options].some((option) => option.value === value))
+    list.prepend(h('option', { value, disabled: true, hidden: true, 'data-foreign': true }, foreign_label));
+  if (list.value !== value) list.value = value;
+}

@@ -1,0 +1,246 @@
+// The last ten seconds: force, torque, and how long ticks took against the millisecond they have.
+
+import uPlot from 'uplot';
+import 'uplot/dist/uPlot.min.css';
+import type { Frame } from '../protocol';
+import { h } from './html';
+
+const SPAN_S = 10;
+// Frames come at most 62 times a second; room for a little more than the span.
+const CAPACITY = 720;
+const DRAW_INTERVAL_MS = 66;
+const DEADLINE_US = 1000;
+
+/** Values over time, in a ring. */
+class History {
+  private readonly times_s = new Float64Array(CAPACITY);
+  private readonly columns: Float32Array[];
+  private next = 0;
+  private count = 0;
+  private last_s = -Infinity;
+
+  constructor(columns: number) {
+    this.columns = Array.from({ length: columns }, () => new Float32Array(CAPACITY));
+  }
+
+  add(time_s: number, values: readonly number[]): void {
+    // Time went back: another scene, or an undo.
+    if (time_s < this.last_s) this.count = 0;
+    if (time_s === this.last_s) return;
+    this.last_s = time_s;
+    this.times_s[this.next] = time_s;
+    values.forEach((value, column) => (this.columns[column]![this.next] = value));
+    this.next = (this.next + 1) % CAPACITY;
+    this.count = Math.min(CAPACITY, this.count + 1);
+  }
+
+  /** Seconds before now, and the columns; NaN becomes a gap. */
+  table(): uPlot.AlignedData {
+    const x: number[] = [];
+    const ys: (number | null)[][] = this.columns.map(() => []);
+    for (let i = 0; i < this.count; ++i) {
+      const at = (this.next - this.count + i + CAPACITY) % CAPACITY;
+      const before_s = this.times_s[at]! - this.last_s;
+      if (before_s < -SPAN_S) continue;
+      x.push(before_s);
+      ys.forEach((y, column) => {
+        const value = this.columns[column]![at]!;
+        y.push(Number.isNaN(value) ? null : value);
+      });
+    }
+    return [x, ...ys] as uPlot.AlignedData;
+  }
+}
+
+interface Line {
+  name: string;
+  /** CSS variable with its colour */
+  colour: string;
+  width: number;
+  points?: boolean;
+}
+
+interface PlotSpec {
+  title: string;
+  unit: string;
+  lines: Line[];
+  range: (low: number, high: number) => [number, number];
+  log?: boolean;
+  deadline?: boolean;
+  digits?: number;
+}
+
+/** Bounds that move in steps, and never closer than `least` around 0. */
+function steppedRange(least: number): (low: number, high: number) => [number, number] {
+  return (low, high) => {
+    const step = (value: number): number => {
+      const size = Math.max(Math.abs(value) * 1.05, least);
+      const decade = 10 ** Math.floor(Math.log10(size));
+      const nice = [1, 1.5, 2, 3, 4, 5, 6, 8, 10].find((factor) => factor * decade >= size) ?? 10;
+      return nice * decade;
+    };
+    return [low < -0.02 * least ? -step(low) : -0.25 * least, step(high)];
+  };
+}
+
+const AXES: Line[] = [
+  { name: 'x', colour: '--plot-x', width: 1.25 },
+  { name: 'y', colour: '--plot-y', width: 1.25 },
+  { name: 'z', colour: '--plot-z', width: 1.25 },
+  { name: 'size', colour: '--plot-size', width: 1.75 },
+];
+
+const SPECS: PlotSpec[] = [
+  { title: 'Force', unit: 'N', lines: AXES, range: steppedRange(0.5) },
+  { title: 'Torque', unit: 'mN m', lines: AXES, range: steppedRange(5) },
+  {
+    title: 'Longest tick',
+    unit: 'µs',
+    lines: [
+      { name: 'tick', colour: '--plot-z', width: 1.25 },
+      { name: 'late', colour: '--plot-x', width: 0, points: true },
+    ],
+    range: () => [1, 10_000],
+    log: true,
+    deadline: true,
+  },
+];
+
+export class Plots {
+  readonly element: HTMLElement;
+  private readonly histories = SPECS.map((spec) => new History(spec.lines.length));
+  private plots: uPlot[] = [];
+  private readonly hosts: HTMLElement[] = [];
+  private drawn_ms = 0;
+  private stale = false;
+  private misses: number | null = null;
+
+  constructor() {
+    const figures = SPECS.map((spec) => {
+      const host = h('div', { class: 'plot-host' });
+      this.hosts.push(host);
+      const keys = spec.lines.map((line) =>
+        h('span', { class: 'plot-key' }, h('i', { style: `background:var(${line.colour})` }), line.name),
+      );
+      if (spec.deadline) keys.push(h('span', { class: 'plot-key' }, h('i', { class: 'dashed' }), '1 ms'));
+      return h(
+        'figure',
+        { class: 'plot' },
+        h('figcaption', {}, h('strong', {}, spec.title), h('span', { class: 'unit' }, spec.unit), ...keys),
+        host,
+      );
+    });
+    this.element = h('section', { class: 'plots', 'aria-label': 'The last ten seconds' }, ...figures);
+    new ResizeObserver(() => this.fit()).observe(this.element);
+  }
+
+  /** Draws the plots anew in the colours of the page. */
+  restyle(): void {
+    for (const plot of this.plots) plot.destroy();
+    const style = getComputedStyle(document.documentElement);
+    const colour = (name: string): string => style.getPropertyValue(name).trim();
+    this.plots = SPECS.map(
+      (spec, i) => new uPlot(this.options(spec, i, colour), this.histories[i]!.table(), this.hosts[i]!),
+    );
+    this.stale = true;
+  }
+
+  clear(): void {
+    this.misses = null;
+  }
+
+  setFrame(frame: Frame): void {
+    const torque_mnm = frame.torque_nm.map((value) => value * 1000);
+    const late = this.misses !== null && frame.misses > this.misses;
+    this.misses = frame.misses;
+    const tick_us = Math.max(1, frame.longestTick_us);
+    this.histories[0]!.add(frame.time_s, [...frame.force_n, Math.hypot(...frame.force_n)]);
+    this.histories[1]!.add(frame.time_s, [...torque_mnm, Math.hypot(...torque_mnm)]);
+    this.histories[2]!.add(frame.time_s, [tick_us, late ? Math.max(tick_us, DEADLINE_US) : NaN]);
+    this.stale = true;
+  }
+
+  tick(now_ms: number): void {
+    if (!this.stale || now_ms - this.drawn_ms < DRAW_INTERVAL_MS || this.element.clientWidth === 0) return;
+    this.drawn_ms = now_ms;
+    this.stale = false;
+    this.plots.forEach((plot, i) => plot.setData(this.histories[i]!.table()));
+  }
+
+  private fit(): void {
+    this.plots.forEach((plot, i) => {
+      const host = this.hosts[i]!;
+      const width = host.clientWidth;
+      const height = host.clientHeight;
+      if (width > 0 && height > 0 && (plot.width !== width || plot.height !== height)) plot.setSize({ width, height });
+    });
+  }
+
+  private options(spec: PlotSpec, index: number, colour: (name: string) => string): uPlot.Options {
+    const host = this.hosts[index]!;
+    const grid = { stroke: colour('--plot-grid'), width: 1 };
+    const axis: uPlot.Axis = {
+      stroke: colour('--muted'),
+      font: '11px system-ui, sans-serif',
+      grid,
+      ticks: { show: false },
+      gap: 4,
+    };
+    return {
+      width: Math.max(120, host.clientWidth),
+      height: Math.max(60, host.clientHeight),
+      legend: { show: false },
+      cursor: { show: false },
+      padding: [6, 10, 0, 0],
+      pxAlign: true,
+      scales: {
+        x: { time: false, range: [-SPAN_S, 0] },
+        y: {
+          distr: spec.log ? 3 : 1,
+          range: (_plot, low, high) => spec.range(low ?? 0, high ?? 0),
+        },
+      },
+      axes: [
+        {
+          ...axis,
+          size: 20,
+          values: (_plot, ticks) =>
+            ticks.map((tick) => (tick === 0 ? 'now' : tick === -SPAN_S ? '' : `${tick} s`.replace('-', '\u2212'))),
+        },
+        {
+          ...axis,
+          size: 44,
+          splits: spec.log ? () => [1, 10, 100, 1000, 10_000] : undefined,
+          space: 24,
+          values: (_plot, ticks) =>
+            ticks.map((tick) => (tick === null ? '' : String(Number(tick.toPrecision(4))).replace('-', '\u2212'))),
+        },
+      ],
+      series: [
+        {},
+        ...spec.lines.map((line): uPlot.Series => ({
+          stroke: colour(line.colour),
+          width: line.width,
+          paths: line.points ? () => null : undefined,
+          points: { show: line.points === true, size: 6, fill: colour(line.colour) },
+          spanGaps: false,
+        })),
+      ],
+      hooks: spec.deadline ? { draw: [(plot) => drawDeadline(plot, colour('--plot-x'))] } : {},
+    };
+  }
+}
+
+function drawDeadline(plot: uPlot, colour: string): void {
+  const { ctx, bbox } = plot;
+  const y = plot.valToPos(DEADLINE_US, 'y', true);
+  ctx.save();
+  ctx.strokeStyle = colour;
+  ctx.lineWidth = devicePixelRatio;
+  ctx.setLineDash([6 * devicePixelRatio, 5 * devicePixelRatio]);
+  ctx.beginPath();
+  ctx.moveTo(bbox.left, y);
+  ctx.lineTo(bbox.left + bbox.width, y);
+  ctx.stroke();
+  ctx.restore();
+}

@@ -1,0 +1,88 @@
+// The strip along the top: how the loop runs, and on what.
+
+import type { Scene, Status } from '../protocol';
+import { fixed, h, setText } from './html';
+
+type Level = 'good' | 'warn' | 'bad' | 'none';
+
+class Cell {
+  readonly element: HTMLElement;
+  private readonly value: HTMLElement;
+
+  constructor(name: string, width_ch: number, title: string) {
+    this.value = h('span', { class: 'cell-value numbers', style: `min-width:${width_ch}ch` }, '–');
+    this.element = h('div', { class: 'cell', title }, h('span', { class: 'cell-name' }, name), this.value);
+  }
+
+  set(text: string, level: Level = 'none'): void {
+    setText(this.value, text);
+    this.element.dataset.level = level;
+  }
+}
+
+export class StatusStrip {
+  readonly element: HTMLElement;
+  private readonly rate = new Cell('rate', 8, 'ticks a second over the last second');
+  private readonly success = new Cell('in time', 6, 'ticks of the last hundred that were done within their time');
+  private readonly p99 = new Cell('tick p99', 8, '99 of 100 ticks take no longer');
+  private readonly awake = new Cell('awake', 13, 'grains awake, of all');
+  private readonly body = new Cell('body', 6, 'whose gravity pulls');
+  private readonly soil = new Cell('soil', 12, 'preset of the paper, or soil by name');
+  private readonly device = new Cell('device', 12, 'what the tool hangs on');
+  private readonly real_time = new Cell('real time', 7, 'whether the kernel grants the loop real time');
+  private readonly clients = new Cell('clients', 3, 'pages connected; who holds the tool');
+
+  constructor(own_client: () => number | null) {
+    this.own_client = own_client;
+    const cells = [
+      this.rate,
+      this.success,
+      this.p99,
+      this.awake,
+      this.body,
+      this.soil,
+      this.device,
+      this.real_time,
+      this.clients,
+    ];
+    this.element = h(
+      'div',
+      { class: 'cells', role: 'group', 'aria-label': 'Status' },
+      ...cells.map((cell) => cell.element),
+    );
+  }
+
+  private readonly own_client: () => number | null;
+
+  setScene(scene: Scene): void {
+    this.body.set(scene.body ?? `${Math.hypot(...scene.gravity_m_s2).toFixed(2)} m/s²`);
+    this.soil.set(scene.soil.preset ?? scene.soil.name ?? 'own');
+  }
+
+  setStatus(status: Status): void {
+    const wanted_hz = 1000 * status.speed;
+    const slow = !status.paused && status.rate_hz < 0.97 * wanted_hz;
+    if (status.paused) this.rate.set('paused', 'warn');
+    else this.rate.set(`${fixed(status.rate_hz, 0, 4)} Hz`, slow ? 'warn' : 'good');
+    const percent = 100 * status.success_rate;
+    this.success.set(`${fixed(percent, 0, 3)} %`, percent >= 99 ? 'good' : percent >= 90 ? 'warn' : 'bad');
+    const p99_us = status.tick_us.p99;
+    this.p99.set(
+      `${fixed(p99_us, p99_us < 100 ? 1 : 0, 5)} µs`,
+      p99_us < 500 ? 'good' : p99_us < 1000 ? 'warn' : 'bad',
+    );
+    const all = String(status.particles);
+    this.awake.set(`${String(status.awake).padStart(all.length, '\u2007')} / ${all}`);
+    this.device.set(status.device);
+    const granted = status.real_time.scheduler !== null && status.real_time.scheduler !== 'SCHED_OTHER';
+    this.real_time.set(granted ? 'granted' : 'no', granted ? 'good' : 'warn');
+    this.real_time.element.title = granted
+      ? `${status.real_time.scheduler}, memory ${status.real_time.memory_locked ? 'locked' : 'not locked'}`
+      : 'the kernel does not grant real time: other programs can delay a tick';
+    const holder = status.held_by;
+    const mine = holder !== null && holder === this.own_client();
+    this.clients.set(
+      holder === null ? String(status.clients) : `${status.clients}, ${mine ? 'you hold' : `${holder} holds`}`,
+    );
+  }
+}

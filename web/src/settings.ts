@@ -1,0 +1,54 @@
+// What the person chose for this page: from the address first (a snapshot command chooses what is drawn that way), else
+// remembered from the last visit, else the browser's preference.
+
+import { COLOUR_MODES, type ColourMode } from './protocol';
+
+export const VIEW_NAMES = ['front', 'side', 'top', 'three-quarter'] as const;
+export type ViewName = (typeof VIEW_NAMES)[number];
+export type Theme = 'dark' | 'light';
+
+export interface Settings {
+  view: ViewName;
+  colour: ColourMode;
+  theme: Theme;
+  panels: boolean;
+}
+
+const THEME_KEY = 'haptolith.theme';
+const COLOUR_KEY = 'haptolith.colour';
+
+function oneOf<T extends string>(names: readonly T[], value: string | null): T | null {
+  return names.find((name) => name === value) ?? null;
+}
+
+// Storage can be forbidden (private windows); then nothing is remembered.
+function recall(key: string): string | null {
+  try {
+    return localStorage.getItem(key);
+  } catch {
+    return null;
+  }
+}
+
+function remember(key: string, value: string): void {
+  try {
+    localStorage.setItem(key, value);
+  } catch {
+    // see recall
+  }
+}
+
+const THEMES: readonly Theme[] = ['dark', 'light'];
+
+export function readSettings(search: string, prefers_light: boolean): Settings {
+  const query = new URLSearchParams(search);
+  return {
+    view: oneOf(VIEW_NAMES, query.get('view')) ?? 'three-quarter',
+    colour: oneOf(COLOUR_MODES, query.get('colour')) ?? oneOf(COLOUR_MODES, recall(COLOUR_KEY)) ?? 'plain',
+    theme: oneOf(THEMES, query.get('theme')) ?? oneOf(THEMES, recall(THEME_KEY)) ?? (prefers_light ? 'light' : 'dark'),
+    panels: query.get('panels') !== '0',
+  };
+}
+
+export const rememberTheme = (theme: Theme): void => remember(THEME_KEY, theme);
+export const rememberColour = (colour: ColourMode): void => remember(COLOUR_KEY, colour);

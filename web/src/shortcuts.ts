@@ -1,0 +1,58 @@
+// Every keyboard shortcut, in one table: the keyboard acts on it, the help shows it.
+
+export interface Shortcut {
+  /** as `KeyboardEvent.key`, lower case */
+  keys: string[];
+  /** as written in the help; the keys themselves when missing, no line of its own when empty */
+  shown?: string;
+  label: string;
+  group: 'tool' | 'view' | 'bed' | 'time' | 'page';
+  run?: () => void;
+}
+
+/** Keys that move the tool; hand/key_hand.ts acts on them. */
+export const TOOL_KEYS: Shortcut[] = [
+  { keys: [], shown: 'drag the tool', label: 'hold it and dig; Shift for fine', group: 'tool' },
+  { keys: [], shown: 'wheel while held', label: 'away and nearer; from above: lower and raise', group: 'tool' },
+  { keys: [], shown: '← → ↑ ↓', label: 'move it level', group: 'tool' },
+  { keys: [], shown: 'Page Up / Down', label: 'raise and lower it', group: 'tool' },
+  { keys: [], shown: 'Q E', label: 'turn it (yaw)', group: 'tool' },
+  { keys: [], shown: 'W S', label: 'nose down and up (pitch)', group: 'tool' },
+  { keys: [], shown: 'A D', label: 'roll it', group: 'tool' },
+  { keys: [], shown: 'gamepad', label: 'left stick level, right stick up and yaw, triggers pitch', group: 'tool' },
+];
+
+export const VIEW_KEYS: Shortcut[] = [
+  {
+    keys: [],
+    shown: 'drag beside the tool',
+    label: 'look around (also right or middle button, two fingers)',
+    group: 'view',
+  },
+  { keys: [], shown: 'Shift + drag', label: 'look at another place', group: 'view' },
+  { keys: [], shown: 'wheel, pinch', label: 'nearer and farther', group: 'view' },
+];
+
+/** Runs the shortcut of a key; false when it has none. */
+export function runShortcut(shortcuts: Shortcut[], event: KeyboardEvent): boolean {
+  if (event.altKey || event.metaKey) return false;
+  const name = (event.ctrlKey ? 'ctrl+' : '') + event.key.toLowerCase();
+  const shortcut = shortcuts.find((candidate) => candidate.keys.includes(name));
+  if (!shortcut?.run) return false;
+  shortcut.run();
+  return true;
+}
+
+/** Keys typed into a field, or that a focused control acts on itself, are no shortcuts. */
+export function isTyping(event: KeyboardEvent): boolean {
+  const target = event.target;
+  // A dialog that was just closed keeps the focus for a moment.
+  if (!(target instanceof HTMLElement) || target.closest('dialog:not([open])')) return false;
+  if (target instanceof HTMLInputElement) {
+    if (target.type === 'number' || target.type === 'text') return event.key !== 'Escape';
+    return ['ArrowLeft', 'ArrowRight', 'ArrowUp', 'ArrowDown', 'PageUp', 'PageDown', ' '].includes(event.key);
+  }
+  if (target instanceof HTMLSelectElement) return event.key !== 'Escape' && event.key !== '?';
+  if (target instanceof HTMLButtonElement) return event.key === ' ' || event.key === 'Enter';
+  return false;
+}

@@ -1,0 +1,171 @@
+// The bed: all grains in one draw call. A frame's records go to the graphics card as they came, eight bytes a grain;
+// the shader turns them into positions, and only runs that changed are sent again.
+
+import {
+  Color,
+  CustomBlending,
+  DynamicDrawUsage,
+  GLSL3,
+  InstancedBufferAttribute,
+  InstancedBufferGeometry,
+  BufferAttribute,
+  MaxEquation,
+  Mesh,
+  OneFactor,
+  RawShaderMaterial,
+  Vector3,
+  ZeroFactor,
+} from 'three';
+import { COLOUR_MODES, type ColourMode, type Frame, type Scene } from '../protocol';
+import { lookOf } from './body_looks';
+import { ASLEEP_COLOUR, AWAKE_COLOUR, VIRIDIS } from './colour_maps';
+import { GRAIN_FRAGMENT_SHADER, GRAIN_VERTEX_SHADER } from './grain_shader';
+import { HeightField } from './height_field';
+import { lightScene, type LightUniforms } from './light_shader';
+
+// Beyond these, the sun is asked for once a grain instead of once a pixel, and grains stay smooth.
+const MOST_WITH_PIXEL_SUN = 20_000;
+
+// The height field need not follow every frame when building it takes long.
+const FIELD_INTERVAL_MS = { small: 30, large: 80 } as const;
+
+export class BedView {
+  readonly mesh: Mesh<InstancedBufferGeometry, RawShaderMaterial>;
+  field: HeightField | null = null;
+  drawn = 0;
+
+  private readonly material: RawShaderMaterial;
+  private geometry = new InstancedBufferGeometry();
+  private records: InstancedBufferAttribute | null = null;
+  private scene: Scene | null = null;
+  private field_stale = false;
+  private field_built_ms = 0;
+
+  constructor(
+    private readonly light: LightUniforms,
+    private readonly conservative_depth: boolean,
+  ) {
+    this.material = new RawShaderMaterial({
+      glslVersion: GLSL3,
+      vertexShader: GRAIN_VERTEX_SHADER,
+      fragmentShader: GRAIN_FRAGMENT_SHADER,
+      // A grain's alpha says how much of a pixel it covers; the picture itself stays opaque.
+      alphaToCoverage: true,
+      blending: CustomBlending,
+      blendSrc: OneFactor,
+      blendDst: ZeroFactor,
+      blendSrcAlpha: OneFactor,
+      blendDstAlpha: OneFactor,
+      blendEquationAlpha: MaxEquation,
+      uniforms: {
+        ...light,
+        u_quantised_low_m: { value: new Vector3() },
+        u_quantised_high_m: { value: new Vector3() },
+        u_colour_mode: { value: 0 },
+        u_flatness: { value: 0 },
+        u_surface_m: { value: 0 },
+        u_depth_range_m: { value: 0.04 },
+        u_soil: { value: new Color() },
+        u_map: { value: VIRIDIS.map((colour) => new Color(colour)) },
+        u_asleep: { value: new Color(ASLEEP_COLOUR) },
+        u_awake: { value: new Color(AWAKE_COLOUR) },
+      },
+    });
+    this.mesh = new Mesh(this.geometry, this.material);
+    // The box of the geometry says nothing about where the grains are.
+    this.mesh.frustumCulled = false;
+  }
+
+  /** Colours that mean depth span from the level surface to the floor. */
+  get depthRange_m(): number {
+    return Math.max(0.005, this.scene?.box.surface_m ?? 0.04);
+  }
+
+  setScene(scene: Scene): void {
+    const particles_changed =
+      !this.scene ||
+      this.scene.scene !== scene.scene ||
+      this.scene.particles !== scene.particles ||
+      this.scene.radius_m !== scene.radius_m;
+    this.scene = scene;
+    if (particles_changed) this.makeRoom(scene);
+    if (this.field && particles_changed) lightScene(this.light, scene, this.field);
+    const uniforms = this.material.uniforms;
+    (uniforms.u_quantised_low_m!.value as Vector3).set(...scene.quantised.low_m);
+    (uniforms.u_quantised_high_m!.value as Vector3).set(...scene.quantised.high_m);
+    uniforms.u_surface_m!.value = scene.box.surface_m;
+    uniforms.u_depth_range_m!.value = this.depthRange_m;
+    (uniforms.u_soil!.value as Color).set(lookOf(scene.body).soil);
+  }
+
+  setColour(mode: ColourMode): void {
+    this.material.uniforms.u_colour_mode!.value = COLOUR_MODES.indexOf(mode);
+    this.material.uniforms.u_flatness!.value = mode === 'plain' ? 0 : 0.75;
+  }
+
+  /** The cheaper way to draw, for machines that are slow at this. */
+  setDetail(detailed: boolean): void {
+    const few = (this.scene?.particles ?? 0) <= MOST_WITH_PIXEL_SUN;
+    const defines: Record<string, string> = detailed && few ? { GRAIN_DETAIL: '1' } : { SUN_PER_GRAIN: '1' };
+    if (this.conservative_depth) defines.CONSERVATIVE_DEPTH = '1';
+    if (JSON.stringify(defines) === JSON.stringify(this.material.defines)) return;
+    this.material.defines = defines;
+    this.material.needsUpdate = true;
+  }
+
+  /** Takes over a frame's records; false when they belong to other particles than the scene's. */
+  setFrame(frame: Frame): boolean {
+    const scene = this.scene;
+    const attribute = this.records;
+    if (!scene || !attribute || frame.scene !== scene.scene || frame.particles !== attribute.count) return false;
+    const all = attribute.array as Uint16Array;
+    let from = 0;
+    for (let i = 0; i < frame.runs.length; i += 2) {
+      const first = frame.runs[i]! * 4;
+      const count = frame.runs[i + 1]! * 4;
+      all.set(frame.records.subarray(from, from + count), first);
+      attribute.addUpdateRange(first, count);
+      from += count;
+    }
+    if (from > 0) {
+      attribute.needsUpdate = true;
+      this.field_stale = true;
+    }
+    if (frame.whole) {
+      this.drawn = frame.particles;
+      this.geometry.instanceCount = frame.particles;
+    }
+    return true;
+  }
+
+  /** Brings the height field up to date, when it is due. True while it is not yet. */
+  refreshField(now_ms: number): boolean {
+    if (!this.field_stale || !this.field || !this.records || this.drawn === 0) return false;
+    const interval_ms = this.records.count <= MOST_WITH_PIXEL_SUN ? FIELD_INTERVAL_MS.small : FIELD_INTERVAL_MS.large;
+    if (now_ms - this.field_built_ms < interval_ms) return true;
+    this.field.build(this.records.array as Uint16Array, this.records.count);
+    this.light.u_field_top_m.value = this.field.top_m;
+    this.field_built_ms = now_ms;
+    this.field_stale = false;
+    return false;
+  }
+
+  private makeRoom(scene: Scene): void {
+    this.geometry.dispose();
+    this.geometry = new InstancedBufferGeometry();
+    this.geometry.setAttribute(
+      'position',
+      new BufferAttribute(new Float32Array([-1, -1, 0, 1, -1, 0, 1, 1, 0, -1, 1, 0]), 3),
+    );
+    this.geometry.setIndex([0, 1, 2, 0, 2, 3]);
+    this.records = new InstancedBufferAttribute(new Uint16Array(scene.particles * 4), 4, true);
+    this.records.setUsage(DynamicDrawUsage);
+    this.geometry.setAttribute('a_record', this.records);
+    this.geometry.instanceCount = 0;
+    this.mesh.geometry = this.geometry;
+    this.drawn = 0;
+    this.field?.dispose();
+    this.field = new HeightField(scene);
+    this.field_built_ms = 0;
+  }
+}

@@ -1,0 +1,143 @@
+// How high the soil stands over each point of the floor: a small picture of the bed from above. Shaders look into it to
+// find out how much sky and sun a grain sees. Each point has two heights: as it is, and smoothed over about two grains.
+
+import { DataTexture, DataUtils, HalfFloatType, LinearFilter, RGFormat } from 'three';
+import { dequantise, type Scene } from '../protocol';
+
+const LARGEST_SIDE = 192;
+// A grain is a few cells wide, enough to see its round top; more cells than this cost time without being seen.
+const CELLS_PER_RADIUS = 3.5;
+
+export class HeightField {
+  readonly columns: number;
+  readonly rows: number;
+  readonly low_x_m: number;
+  readonly low_y_m: number;
+  readonly width_m: number;
+  readonly length_m: number;
+  readonly texture: DataTexture;
+  /** highest point of the soil, in m */
+  top_m = 0;
+
+  private readonly cell_m: number;
+  private readonly heights: Float32Array;
+  private readonly smoothed: Float32Array;
+  private readonly scratch: Float32Array;
+  private readonly halves: Uint16Array;
+
+  constructor(private readonly scene: Scene) {
+    // One grain of margin, so that the edge of the picture is bare ground and everything beyond it reads as such.
+    const margin_m = 1.5 * scene.radius_m;
+    this.width_m = scene.box.width_m + 2 * margin_m;
+    this.length_m = scene.box.length_m + 2 * margin_m;
+    this.low_x_m = -this.width_m / 2;
+    this.low_y_m = -this.length_m / 2;
+    this.cell_m = Math.max(Math.max(this.width_m, this.length_m) / LARGEST_SIDE, scene.radius_m / CELLS_PER_RADIUS);
+    this.columns = Math.max(4, Math.ceil(this.width_m / this.cell_m));
+    this.rows = Math.max(4, Math.ceil(this.length_m / this.cell_m));
+    const cells = this.columns * this.rows;
+    this.heights = new Float32Array(cells);
+    this.smoothed = new Float32Array(cells);
+    this.scratch = new Float32Array(cells);
+    this.halves = new Uint16Array(cells * 2);
+    this.texture = new DataTexture(this.halves, this.columns, this.rows, RGFormat, HalfFloatType);
+    this.texture.magFilter = LinearFilter;
+    this.texture.minFilter = LinearFilter;
+  }
+
+  /** Builds the field from all records (four u16 a particle, as in a frame). */
+  build(records: Uint16Array, particles: number): void {
+    this.raise(records, particles);
+    this.smooth();
+    const { heights, smoothed, halves } = this;
+    let top_m = 0;
+    for (let i = 0; i < heights.length; ++i) {
+      const height = heights[i]!;
+      if (height > top_m) top_m = height;
+      halves[2 * i] = DataUtils.toHalfFloat(height);
+      halves[2 * i + 1] = DataUtils.toHalfFloat(smoothed[i]!);
+    }
+    this.top_m = top_m;
+    this.texture.needsUpdate = true;
+  }
+
+  /** Height of the soil at a point, in m; 0 beside the field. */
+  heightAt(x_m: number, y_m: number): number {
+    const column = Math.floor((x_m - this.low_x_m) / this.cellWidth);
+    const row = Math.floor((y_m - this.low_y_m) / this.cellLength);
+    if (column < 0 || row < 0 || column >= this.columns || row >= this.rows) return 0;
+    return this.heights[row * this.columns + column]!;
+  }
+
+  dispose(): void {
+    this.texture.dispose();
+  }
+
+  private get cellWidth(): number {
+    return this.width_m / this.columns;
+  }
+
+  private get cellLength(): number {
+    return this.length_m / this.rows;
+  }
+
+  /** Lays the round top of every grain over the floor. */
+  private raise(records: Uint16Array, particles: number): void {
+    const { heights, columns, rows } = this;
+    const { low_m, high_m } = this.scene.quantised;
+    const radius_m = this.scene.radius_m;
+    const dx = this.cellWidth;
+    const dy = this.cellLength;
+    const squared = radius_m * radius_m;
+    heights.fill(0);
+    for (let i = 0; i < particles; ++i) {
+      const x = dequantise(records[4 * i]!, low_m[0], high_m[0]) - this.low_x_m;
+      const y = dequantise(records[4 * i + 1]!, low_m[1], high_m[1]) - this.low_y_m;
+      const z = dequantise(records[4 * i + 2]!, low_m[2], high_m[2]);
+      const first_column = Math.max(0, Math.ceil((x - radius_m) / dx - 0.5));
+      const last_column = Math.min(columns - 1, Math.floor((x + radius_m) / dx - 0.5));
+      const first_row = Math.max(0, Math.ceil((y - radius_m) / dy - 0.5));
+      const last_row = Math.min(rows - 1, Math.floor((y + radius_m) / dy - 0.5));
+      for (let row = first_row; row <= last_row; ++row) {
+        const off_y = (row + 0.5) * dy - y;
+        const left = squared - off_y * off_y;
+        for (let column = first_column; column <= last_column; ++column) {
+          const off_x = (column + 0.5) * dx - x;
+          const rest = left - off_x * off_x;
+          if (rest <= 0) continue;
+          const at = row * columns + column;
+          const top = z + Math.sqrt(rest);
+          if (top > heights[at]!) heights[at] = top;
+        }
+      }
+    }
+  }
+
+  private smooth(): void {
+    const reach_columns = Math.max(1, Math.round((1.2 * this.scene.radius_m) / this.cellWidth));
+    const reach_rows = Math.max(1, Math.round((1.2 * this.scene.radius_m) / this.cellLength));
+    const { columns, rows } = this;
+    for (let row = 0; row < rows; ++row) boxBlur(this.heights, this.scratch, row * columns, 1, columns, reach_columns);
+    for (let column = 0; column < columns; ++column)
+      boxBlur(this.scratch, this.smoothed, column, columns, rows, reach_rows);
+  }
+}
+
+/** Mean over 2 reach + 1 neighbours along one line of a picture; the ends stand for what is beyond them. */
+function boxBlur(
+  from: Float32Array,
+  to: Float32Array,
+  start: number,
+  stride: number,
+  count: number,
+  reach: number,
+): void {
+  const at = (i: number): number => from[start + Math.min(count - 1, Math.max(0, i)) * stride]!;
+  let sum = 0;
+  for (let i = -reach; i <= reach; ++i) sum += at(i);
+  const share = 1 / (2 * reach + 1);
+  for (let i = 0; i < count; ++i) {
+    to[start + i * stride] = sum * share;
+    sum += at(i + reach + 1) - at(i - reach);
+  }
+}

@@ -1,0 +1,183 @@
+// Light on soil, shared by the shaders of the grains and of the ground. Everything is in the scene's frame, in metres.
+//
+// Sun shadow: a short walk towards the sun over the height field. Fill light: how much of the sky the height field leaves
+// free. Shadow of the tool: its signed distance, walked along the same ray, with the soft edge that the ratio of
+// distance to way gives.
+
+import {
+  Color,
+  Data3DTexture,
+  DataTexture,
+  Matrix3,
+  Matrix4,
+  Quaternion,
+  Vector2,
+  Vector3,
+  Vector4,
+  type IUniform,
+} from 'three';
+import type { Pose, Scene, Tool } from '../protocol';
+import { lookOf } from './body_looks';
+import type { HeightField } from './height_field';
+import { makeNoiseTexture } from './noise_texture';
+
+/** Towards the sun: from the left, a little from the front, 38 degrees high. */
+export const TO_SUN = new Vector3(-0.62, -0.48, 0.62).normalize();
+
+const SHAPE_NUMBERS: Record<Tool['shape'], number> = { box: 0, sphere: 1, plate: 2 };
+
+export interface LightUniforms {
+  [name: string]: IUniform;
+  u_noise: IUniform<Data3DTexture>;
+  u_field: IUniform<DataTexture>;
+  u_field_rect: IUniform<Vector4>;
+  u_field_top_m: IUniform<number>;
+  u_radius_m: IUniform<number>;
+  u_box_half_m: IUniform<Vector2>;
+  u_to_sun: IUniform<Vector3>;
+  u_sun: IUniform<Color>;
+  u_fill: IUniform<Color>;
+  u_tool_shape: IUniform<number>;
+  u_tool_half_m: IUniform<Vector3>;
+  u_tool_origin_m: IUniform<Vector3>;
+  u_tool_T_scene: IUniform<Matrix3>;
+}
+
+export function makeLightUniforms(): LightUniforms {
+  return {
+    u_noise: { value: makeNoiseTexture() },
+    u_field: { value: new DataTexture(new Uint8Array(4), 1, 1) },
+    u_field_rect: { value: new Vector4(0, 0, 1, 1) },
+    u_field_top_m: { value: 0 },
+    u_radius_m: { value: 0.007 },
+    u_box_half_m: { value: new Vector2(0.1, 0.1) },
+    u_to_sun: { value: TO_SUN },
+    u_sun: { value: new Color(1, 1, 1) },
+    u_fill: { value: new Color(1, 1, 1) },
+    u_tool_shape: { value: 0 },
+    u_tool_half_m: { value: new Vector3(0.025, 0.02, 0.0025) },
+    u_tool_origin_m: { value: new Vector3(0, 0, 1) },
+    u_tool_T_scene: { value: new Matrix3() },
+  };
+}
+
+export function lightScene(uniforms: LightUniforms, scene: Scene, field: HeightField): void {
+  uniforms.u_field.value = field.texture;
+  uniforms.u_field_rect.value.set(field.low_x_m, field.low_y_m, 1 / field.width_m, 1 / field.length_m);
+  uniforms.u_radius_m.value = scene.radius_m;
+  uniforms.u_box_half_m.value.set(scene.box.width_m / 2, scene.box.length_m / 2);
+}
+
+export function lightBody(uniforms: LightUniforms, body: string | null): void {
+  const look = lookOf(body);
+  uniforms.u_sun.value.set(look.sun).multiplyScalar(look.sun_strength);
+  uniforms.u_fill.value.set(look.fill).multiplyScalar(look.fill_strength);
+}
+
+export function shadeTool(uniforms: LightUniforms, tool: Tool): void {
+  uniforms.u_tool_shape.value = SHAPE_NUMBERS[tool.shape];
+  const half = uniforms.u_tool_half_m.value;
+  const [x, y, z] = tool.size_mm;
+  if (tool.shape === 'box') half.set(x / 2000, y / 2000, z / 2000);
+  else half.set(tool.diameter_mm / 2000, tool.diameter_mm / 2000, tool.thickness_mm / 2000);
+}
+
+const rotation = new Quaternion();
+const scratch = new Matrix4();
+
+export function shadeToolAt(uniforms: LightUniforms, pose: Pose): void {
+  const [w, x, y, z] = pose.rotation;
+  uniforms.u_tool_origin_m.value.set(...pose.position_m);
+  // The inverse of a rotation is its transpose.
+  uniforms.u_tool_T_scene.value
+    .setFromMatrix4(scratch.makeRotationFromQuaternion(rotation.set(x, y, z, w)))
+    .transpose();
+}
+
+export const LIGHT_SHADER = /* glsl */ `
+precision highp sampler3D;
+uniform sampler3D u_noise;         // height; slope along x, y, z about 0.5
+uniform sampler2D u_field;
+uniform vec4 u_field_rect;      // low x, low y, 1 / width, 1 / length
+uniform float u_field_top_m;
+uniform float u_radius_m;
+uniform vec2 u_box_half_m;
+uniform vec3 u_to_sun;
+uniform vec3 u_sun;
+uniform vec3 u_fill;
+uniform int u_tool_shape;       // 0 box, 1 sphere, 2 plate
+uniform vec3 u_tool_half_m;
+uniform vec3 u_tool_origin_m;
+uniform mat3 u_tool_T_scene;
+
+// x: height of the soil as it is, y: smoothed; in m. Beside the field there is bare ground.
+vec2 soilHeight(vec2 at_m) {
+  vec2 uv = (at_m - u_field_rect.xy) * u_field_rect.zw;
+  if (any(lessThan(uv, vec2(0.0))) || any(greaterThan(uv, vec2(1.0)))) return vec2(0.0);
+  return textureLod(u_field, uv, 0.0).xy;
+}
+
+// 1 where the sun reaches a point, 0 in shadow. The walk starts one grain away, so that a grain does not lie in the
+// shadow of its own top.
+float sunOverSoil(vec3 from_m, int steps) {
+  // Ground beyond the longest shadow is settled at once.
+  vec2 longest_m = u_box_half_m + u_radius_m + max(u_field_top_m - from_m.z, 0.0) * abs(u_to_sun.xy) / u_to_sun.z;
+  if (any(greaterThan(abs(from_m.xy), longest_m))) return 1.0;
+  float start_m = 1.25 * u_radius_m;
+  float end_m = min((u_field_top_m - from_m.z) / u_to_sun.z, 40.0 * u_radius_m);
+  if (end_m <= start_m) return 1.0;
+  float light = 1.0;
+  for (int i = 0; i < steps; ++i) {
+    float share = (float(i) + 0.5) / float(steps);
+    float way_m = mix(start_m, end_m, share * mix(share, 1.0, 0.5));  // denser near the grain
+    vec3 at_m = from_m + way_m * u_to_sun;
+    float free_m = at_m.z - soilHeight(at_m.xy).x;
+    light = min(light, 0.5 + free_m / (0.35 * u_radius_m + 0.10 * way_m));
+  }
+  return smoothstep(0.0, 1.0, clamp(light, 0.0, 1.0));
+}
+
+// Distance from a point of the scene to the tool's surface, in m; negative inside.
+float distanceToTool(vec3 at_m) {
+  vec3 p = u_tool_T_scene * (at_m - u_tool_origin_m);
+  if (u_tool_shape == 1) return length(p) - u_tool_half_m.x;
+  vec3 d = u_tool_shape == 0 ? abs(p) - u_tool_half_m
+                             : vec3(length(p.xy) - u_tool_half_m.x, -1.0, abs(p.z) - u_tool_half_m.z);
+  return length(max(d, 0.0)) + min(max(d.x, max(d.y, d.z)), 0.0);
+}
+
+float sunPastTool(vec3 from_m) {
+  // Most points are far from the tool's shadow: one look at its enclosing sphere settles them.
+  vec3 to_tool = u_tool_origin_m - from_m;
+  float along_m = dot(to_tool, u_to_sun);
+  float reach_m = length(u_tool_half_m);
+  float beside_m = length(to_tool - along_m * u_to_sun);
+  if (along_m < -reach_m || beside_m > reach_m * 1.3 + 0.06 * max(along_m, 0.0)) return 1.0;
+  float light = 1.0;
+  float way_m = 0.15 * u_radius_m;
+  for (int i = 0; i < 14; ++i) {
+    float free_m = distanceToTool(from_m + way_m * u_to_sun);
+    light = min(light, 0.5 + 9.0 * free_m / (way_m + 0.01));
+    if (light <= 0.0 || way_m > along_m + reach_m) break;
+    way_m += max(free_m, 0.12 * u_radius_m);
+  }
+  return smoothstep(0.0, 1.0, clamp(light, 0.0, 1.0));
+}
+
+// How much of the sky is free above a point, 0 to 1, and where the free part is (not normalised).
+vec4 openSky(vec3 at_m) {
+  vec3 towards = vec3(0.0, 0.0, 0.6);
+  float open = 0.0;
+  for (int i = 0; i < 6; ++i) {
+    float angle = 1.0471976 * float(i) + 0.4;
+    vec2 way = vec2(cos(angle), sin(angle));
+    float slope = (soilHeight(at_m.xy + 2.4 * u_radius_m * way).y - at_m.z) / (2.4 * u_radius_m);
+    slope = max(slope, (soilHeight(at_m.xy + 5.5 * u_radius_m * way).y - at_m.z) / (5.5 * u_radius_m));
+    slope = max(slope, 0.0);
+    float free = 1.0 - slope * inversesqrt(1.0 + slope * slope);
+    open += free;
+    towards.xy += way * free / 3.0;
+  }
+  return vec4(towards, open / 6.0);
+}
+`;

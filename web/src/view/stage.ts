@@ -1,0 +1,201 @@
+// The picture: everything that stands in it, and when it is drawn. A frame is drawn only when something changed, so a
+// paused bed costs nothing.
+
+import {
+  AmbientLight,
+  Color,
+  DirectionalLight,
+  Group,
+  HemisphereLight,
+  Scene as World,
+  Vector3,
+  WebGLRenderer,
+} from 'three';
+import type { ColourMode, Frame, Scene } from '../protocol';
+import type { ViewName } from '../settings';
+import { ArrowsView } from './arrows';
+import { BedView } from './bed_view';
+import { lookOf } from './body_looks';
+import { BoxView } from './box_view';
+import { OrbitCamera } from './camera';
+import { GroundView } from './ground_view';
+import { lightBody, makeLightUniforms, shadeTool, shadeToolAt, TO_SUN } from './light_shader';
+import { Resolution } from './resolution';
+import { SkyView } from './sky_view';
+import { ToolView } from './tool_view';
+
+const HIGHEST_PIXEL_RATIO = 2;
+
+export interface StageOptions {
+  reduced_motion: boolean;
+  /** always all pixels, for pictures */
+  full_quality: boolean;
+}
+
+export class Stage {
+  readonly renderer: WebGLRenderer;
+  readonly world = new World();
+  /** holds all of the scene's frame; a headset's table moves and scales it */
+  readonly bench = new Group();
+  readonly orbit = new OrbitCamera();
+  readonly bed: BedView;
+  readonly ground: GroundView;
+  readonly sky = new SkyView();
+  readonly box = new BoxView();
+  readonly tool = new ToolView();
+  readonly arrows = new ArrowsView();
+  frames_drawn = 0;
+  /** called before each picture is drawn */
+  onTick: (now_ms: number) => void = () => {};
+  onDrawn: () => void = () => {};
+
+  private readonly light = makeLightUniforms();
+  private readonly sun = new DirectionalLight(0xffffff, 2);
+  private readonly fill = new HemisphereLight(0xffffff, 0x555555, 1);
+  private readonly resolution: Resolution;
+  private scene: Scene | null = null;
+  private frame: Frame | null = null;
+  private dirty = true;
+
+  constructor(
+    private readonly host: HTMLElement,
+    private readonly options: StageOptions,
+  ) {
+    const software = !options.full_quality && drawsInSoftware();
+    this.renderer = new WebGLRenderer({ antialias: !software, powerPreference: 'high-performance' });
+    this.renderer.domElement.className = 'stage-canvas';
+    host.append(this.renderer.domElement);
+    const highest_ratio = Math.min(HIGHEST_PIXEL_RATIO, window.devicePixelRatio);
+    this.resolution = new Resolution(highest_ratio, !options.full_quality, software);
+    this.renderer.setPixelRatio(this.resolution.ratio);
+    this.renderer.setClearColor(new Color('#000000'));
+
+    this.bed = new BedView(this.light, this.renderer.extensions.has('EXT_conservative_depth'));
+    this.ground = new GroundView(this.light);
+    this.sun.position.copy(TO_SUN);
+    this.fill.position.set(0, 0, 1);
+    this.bench.add(this.sky.mesh, this.ground.mesh, this.bed.mesh, this.box.group, this.tool.group, this.tool.ghost);
+    this.bench.add(this.arrows.group, this.sun, this.sun.target, this.fill, new AmbientLight(0xffffff, 0.15));
+    this.world.add(this.bench);
+
+    new ResizeObserver(() => this.resize()).observe(host);
+    this.resize();
+  }
+
+  start(): void {
+    this.renderer.setAnimationLoop((now_ms: number) => this.draw(now_ms));
+  }
+
+  invalidate(): void {
+    this.dirty = true;
+  }
+
+  setScene(scene: Scene): void {
+    this.scene = scene;
+    this.bed.setScene(scene);
+    this.setDetail(this.resolution.detailed);
+    this.ground.setScene(scene);
+    this.box.setScene(scene);
+    this.tool.setTool(scene.tool);
+    this.arrows.setScene(scene);
+    this.sky.setBody(scene.body);
+    lightBody(this.light, scene.body);
+    shadeTool(this.light, scene.tool);
+    const look = lookOf(scene.body);
+    this.sun.color.set(look.sun);
+    this.sun.intensity = 1.1 * look.sun_strength;
+    this.fill.color.set(look.fill);
+    this.fill.groundColor.set(look.soil).multiplyScalar(0.5);
+    this.fill.intensity = 1.3 * look.fill_strength;
+    this.orbit.setScene(scene);
+    this.dirty = true;
+  }
+
+  setFrame(frame: Frame, held: boolean): void {
+    if (!this.bed.setFrame(frame)) return;
+    this.frame = frame;
+    this.tool.setPoses(frame.tool, frame.wished, held);
+    shadeToolAt(this.light, frame.tool);
+    this.arrows.setFrame(frame, held);
+    this.dirty = true;
+  }
+
+  setColour(mode: ColourMode): void {
+    this.bed.setColour(mode);
+    this.dirty = true;
+  }
+
+  setView(name: ViewName, animate = true): void {
+    this.orbit.setView(name, animate && !this.options.reduced_motion);
+    this.dirty = true;
+  }
+
+  resetView(): void {
+    this.orbit.resetView(!this.options.reduced_motion);
+    this.dirty = true;
+  }
+
+  get currentScene(): Scene | null {
+    return this.scene;
+  }
+
+  get currentFrame(): Frame | null {
+    return this.frame;
+  }
+
+  /** Where the tool is in the page, in CSS pixels. */
+  toolOnScreen(): { x: number; y: number } | null {
+    if (!this.frame) return null;
+    const at = new Vector3(...this.frame.tool.position_m).project(this.orbit.camera);
+    const rect = this.renderer.domElement.getBoundingClientRect();
+    return { x: rect.left + ((at.x + 1) / 2) * rect.width, y: rect.top + ((1 - at.y) / 2) * rect.height };
+  }
+
+  /** Fits the picture to the page again, after a headset had it. */
+  refit(): void {
+    this.resize();
+  }
+
+  private setDetail(detailed: boolean): void {
+    this.bed.setDetail(detailed);
+    this.ground.setDetail(detailed);
+  }
+
+  private resize(): void {
+    const width = Math.max(1, this.host.clientWidth);
+    const height = Math.max(1, this.host.clientHeight);
+    if (this.renderer.xr.isPresenting) return;
+    this.renderer.setSize(width, height, false);
+    this.orbit.setAspect(width / height);
+    this.dirty = true;
+  }
+
+  private draw(now_ms: number): void {
+    this.onTick(now_ms);
+    const in_headset = this.renderer.xr.isPresenting;
+    if (this.orbit.advance(now_ms)) this.dirty = true;
+    if (!this.dirty && !in_headset) {
+      this.resolution.rest();
+      return;
+    }
+    // A field that is not due yet is built with one of the next pictures.
+    this.dirty = this.bed.refreshField(now_ms);
+    this.renderer.render(this.world, this.orbit.camera);
+    this.frames_drawn += 1;
+    this.onDrawn();
+    if (!in_headset && this.resolution.drawn(now_ms)) {
+      this.renderer.setPixelRatio(this.resolution.ratio);
+      this.setDetail(this.resolution.detailed);
+      this.resize();
+    }
+  }
+}
+
+/** Whether there is no graphics card: then the first pictures are already drawn the cheaper way. */
+function drawsInSoftware(): boolean {
+  const gl = document.createElement('canvas').getContext('webgl2');
+  const info = gl?.getExtension('WEBGL_debug_renderer_info');
+  const name = gl && info ? String(gl.getParameter(info.UNMASKED_RENDERER_WEBGL)) : '';
+  gl?.getExtension('WEBGL_lose_context')?.loseContext();
+  return /swiftshader|llvmpipe|softpipe|software|basic render/i.test(name);
+}

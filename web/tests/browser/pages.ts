@@ -1,0 +1,77 @@
+// A browser for the tests, and what one does with a page again and again.
+
+import { chromium, type Browser, type Page } from 'playwright-core';
+import { expect } from 'vitest';
+
+const WAIT_MS = 30_000;
+
+export function launch(): Promise<Browser> {
+  return chromium.launch({
+    executablePath: process.env.CHROMIUM ?? '/usr/bin/chromium',
+    args: ['--no-sandbox', '--use-angle=swiftshader', '--enable-unsafe-swiftshader', '--ignore-gpu-blocklist'],
+  });
+}
+
+export interface Watched {
+  page: Page;
+  /** errors and warnings on the console, and errors that nobody caught */
+  complaints: string[];
+}
+
+// Of the software renderer, and of a server that is meant to be away; none of them is the page's own.
+const NOT_OURS = /GPU stall|swiftshader|GL Driver Message|ERR_CONNECTION_REFUSED|WebSocket connection to/i;
+
+// Small pictures: the tests are about what happens, and every pixel is drawn in software.
+const VIEWPORT = { width: 800, height: 600 };
+
+export async function openPage(browser: Browser, address: string, script?: { content: string }): Promise<Watched> {
+  const page = await browser.newPage({ viewport: VIEWPORT, reducedMotion: 'reduce' });
+  const complaints: string[] = [];
+  page.on('console', (message) => {
+    const kind = message.type();
+    if ((kind === 'error' || kind === 'warning') && !NOT_OURS.test(message.text())) complaints.push(message.text());
+  });
+  page.on('pageerror', (error) => complaints.push(error.message));
+  page.setDefaultTimeout(WAIT_MS);
+  if (script) await page.addInitScript(script);
+  await page.goto(address);
+  await page.waitForFunction(() => window.haptolith?.ready === true);
+  return { page, complaints };
+}
+
+export function scene(page: Page) {
+  return page.evaluate(() => window.haptolith!.scene!);
+}
+
+export function frame(page: Page) {
+  return page.evaluate(() => window.haptolith!.frame!);
+}
+
+/** Where the tool is in the page; fails when it is out of the picture. */
+export async function toolOnScreen(page: Page): Promise<{ x: number; y: number }> {
+  const at = await page.evaluate(() => window.haptolith!.toolOnScreen);
+  expect(at).not.toBeNull();
+  return at!;
+}
+
+/** Stops the virtual hand, so that the tool is where it was when the test goes to take it. */
+export async function holdStill(page: Page): Promise<void> {
+  await page.keyboard.press('y');
+  await page.waitForFunction(() => window.haptolith!.scene!.hand.manoeuvre === 'still');
+  await page.waitForFunction(() => {
+    const memory = window as unknown as { last_z?: number };
+    const z = window.haptolith!.frame!.tool.position_m[2];
+    const same = memory.last_z !== undefined && Math.abs(memory.last_z - z) < 2e-5;
+    memory.last_z = z;
+    return same;
+  }, null, { polling: 200 }); // prettier-ignore
+}
+
+/** Takes the tool with the mouse and leaves the button down. */
+export async function grabTool(page: Page): Promise<{ x: number; y: number }> {
+  const at = await toolOnScreen(page);
+  await page.mouse.move(at.x, at.y);
+  await page.mouse.down();
+  await page.waitForFunction(() => window.haptolith!.frame!.held);
+  return at;
+}

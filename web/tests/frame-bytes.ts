@@ -1,0 +1,52 @@
+// Writes frames as docs/protocol.md says, for tests and for the mock: the other half of decodeFrame.
+
+import type { FrameHeader } from '../src/protocol';
+
+export interface RecordValues {
+  x: number;
+  y: number;
+  z: number;
+  speed: number;
+  force: number;
+}
+
+export function encodeFrame(
+  header: FrameHeader,
+  runs: [first: number, count: number][],
+  records: RecordValues[],
+): ArrayBuffer {
+  const buffer = new ArrayBuffer(128 + 8 * runs.length + 8 * records.length);
+  const view = new DataView(buffer);
+  const f32 = (at: number, values: readonly number[]): void =>
+    values.forEach((value, i) => view.setFloat32(at + 4 * i, value, true));
+  view.setUint8(0, 1);
+  view.setUint8(1, 1);
+  const flags =
+    Number(header.paused) + 2 * Number(header.held) + 4 * Number(header.whole) + 8 * Number(header.forcesValid);
+  view.setUint16(2, flags, true);
+  view.setUint32(4, header.scene, true);
+  view.setFloat64(8, header.time_s, true);
+  f32(16, [...header.tool.position_m, ...header.tool.rotation]);
+  f32(44, [...header.force_n, ...header.torque_nm]);
+  f32(68, [...header.wished.position_m, ...header.wished.rotation]);
+  f32(96, [header.longestTick_us]);
+  view.setUint32(100, header.misses, true);
+  view.setUint32(104, header.awake, true);
+  view.setUint32(108, header.particles, true);
+  view.setUint32(112, runs.length, true);
+  view.setUint32(116, records.length, true);
+  view.setUint32(120, header.number, true);
+  let at = 128;
+  for (const [first, count] of runs) {
+    view.setUint32(at, first, true);
+    view.setUint32(at + 4, count, true);
+    at += 8;
+  }
+  for (const { x, y, z, speed, force } of records) {
+    [x, y, z].forEach((value, axis) => view.setUint16(at + 2 * axis, value, true));
+    view.setUint8(at + 6, speed);
+    view.setUint8(at + 7, force);
+    at += 8;
+  }
+  return buffer;
+}

@@ -1,0 +1,88 @@
+import { describe, expect, it } from 'vitest';
+import type { Scene } from '../../src/protocol';
+import { niceStep, scaleOf } from '../../src/view/colour_maps';
+import { HeightField } from '../../src/view/height_field';
+import { Resolution } from '../../src/view/resolution';
+import { lookOf } from '../../src/view/body_looks';
+
+const SCENE = {
+  radius_m: 0.01,
+  box: { width_m: 0.2, length_m: 0.1, surface_m: 0.04, periodic_x: false, periodic_y: false },
+  quantised: { low_m: [-0.2, -0.2, 0], high_m: [0.2, 0.2, 0.4] },
+} as unknown as Scene;
+
+const quantise = (value: number, low: number, high: number): number =>
+  Math.round((65535 * (value - low)) / (high - low));
+
+describe('the height field', () => {
+  it('is as high as the top of a grain, and bare ground beside it', () => {
+    const field = new HeightField(SCENE);
+    const record = [quantise(0.05, -0.2, 0.2), quantise(0.02, -0.2, 0.2), quantise(0.03, 0, 0.4), 0];
+    field.build(new Uint16Array(record), 1);
+    expect(field.heightAt(0.05, 0.02)).toBeCloseTo(0.04, 3);
+    expect(field.heightAt(0.05 + 0.008, 0.02)).toBeCloseTo(0.036, 2);
+    expect(field.heightAt(0.05 + 0.015, 0.02)).toBe(0);
+    expect(field.heightAt(9, 9)).toBe(0);
+    expect(field.top_m).toBeCloseTo(0.04, 3);
+  });
+
+  it('leaves out grains beyond its edge without a trace', () => {
+    const field = new HeightField(SCENE);
+    field.build(new Uint16Array([65535, 65535, 65535, 0, 0, 0, 65535, 0]), 2);
+    expect(field.top_m).toBe(0);
+  });
+});
+
+describe('the resolution', () => {
+  const run = (resolution: Resolution, delta_ms: number, frames: number): void => {
+    for (let i = 0, t = 0; i < frames; ++i, t += delta_ms) resolution.drawn(t);
+  };
+
+  it('falls when frames are slow, then gives up detail, and has a floor', () => {
+    const resolution = new Resolution(1, true, false);
+    run(resolution, 60, 45);
+    expect(resolution.ratio).toBeLessThan(1);
+    run(resolution, 60, 2000);
+    expect(resolution.detailed).toBe(false);
+    expect(resolution.ratio).toBe(0.4);
+  });
+
+  it('stays when frames are in time', () => {
+    const resolution = new Resolution(2, true, false);
+    run(resolution, 16.7, 500);
+    expect(resolution.ratio).toBe(2);
+  });
+
+  it('is left alone for pictures', () => {
+    const resolution = new Resolution(2, false, false);
+    run(resolution, 500, 500);
+    expect(resolution.ratio).toBe(2);
+  });
+});
+
+describe('a legend', () => {
+  it('has ticks within its colours', () => {
+    for (const mode of ['force', 'speed', 'depth'] as const)
+      for (const { at } of scaleOf(mode, 0.041)!.ticks) {
+        expect(at).toBeGreaterThanOrEqual(-1e-9);
+        expect(at).toBeLessThanOrEqual(1 + 1e-9);
+      }
+  });
+
+  it('has none where colours mean no number', () => {
+    expect(scaleOf('plain', 0.04)).toBeNull();
+    expect(scaleOf('sleep', 0.04)).toBeNull();
+  });
+
+  it('steps by 1, 2 or 5', () => {
+    expect([0.9, 1, 1.1, 3, 7, 30].map(niceStep)).toEqual([1, 1, 2, 5, 10, 50]);
+  });
+});
+
+describe('a body', () => {
+  it('that nobody knows looks like the Moon', () => {
+    expect(lookOf(null)).toBe(lookOf('Moon'));
+    expect(lookOf('Venus')).toBe(lookOf('Moon'));
+    expect(lookOf('Mars')).not.toBe(lookOf('Moon'));
+  });
+});

@@ -1,0 +1,148 @@
+import { readFileSync, existsSync } from 'node:fs';
+import { fileURLToPath } from 'node:url';
+import { describe, expect, it } from 'vitest';
+import {
+  contactForceOf,
+  decodeFrame,
+  decodeMessage,
+  dequantise,
+  encodeCommand,
+  ProtocolError,
+  speedOf,
+  type FrameHeader,
+} from '../../src/protocol';
+import { encodeFrame } from '../frame-bytes';
+
+const HEADER: FrameHeader = {
+  scene: 3,
+  time_s: 12.25,
+  paused: false,
+  held: true,
+  whole: false,
+  forcesValid: true,
+  tool: { position_m: [0.5, -0.25, 0.125], rotation: [1, 0, 0, 0] },
+  force_n: [1, 2, -3],
+  torque_nm: [0.5, 0.25, -0.125],
+  wished: { position_m: [0, 0, 1], rotation: [0, 1, 0, 0] },
+  longestTick_us: 40.5,
+  misses: 7,
+  awake: 3,
+  particles: 10,
+  number: 99,
+};
+
+const RECORDS = [
+  { x: 0, y: 65535, z: 256, speed: 0, force: 255 },
+  { x: 1, y: 2, z: 3, speed: 4, force: 5 },
+  { x: 6, y: 7, z: 8, speed: 255, force: 0 },
+];
+
+describe('a frame', () => {
+  it('is read as it was written', () => {
+    const frame = decodeFrame(encodeFrame(HEADER, [[0, 1], [8, 2]], RECORDS)); // prettier-ignore
+    expect(frame).toMatchObject(HEADER);
+    expect([...frame.runs]).toEqual([0, 1, 8, 2]);
+    expect([...frame.records.subarray(0, 4)]).toEqual([0, 65535, 256, 255 * 256]);
+    expect([...frame.records.subarray(4, 8)]).toEqual([1, 2, 3, 4 + 5 * 256]);
+  });
+
+  it('is read from bytes written by hand', () => {
+    const bytes = new Uint8Array(128 + 8 + 8);
+    bytes.set([1, 1, 5, 0, 2, 0, 0, 0]); // frame, version 1, paused and whole, scene 2
+    bytes.set([0, 0, 0, 0, 0, 0, 0xf8, 0x3f], 8); // 1.5 s
+    bytes.set([0, 0, 0x80, 0x3f], 28); // w of the tool's rotation = 1
+    bytes.set([0, 0, 0, 0xc0], 52); // force z = -2 N
+    bytes.set([1, 0, 0, 0], 108); // particles
+    bytes.set([1, 0, 0, 0], 112); // runs
+    bytes.set([1, 0, 0, 0], 116); // records
+    bytes.set([0, 0, 0, 0, 1, 0, 0, 0], 128); // particles 0 to 0
+    bytes.set([0x34, 0x12, 0xff, 0xff, 0, 0, 9, 10], 136);
+    const frame = decodeFrame(bytes.buffer);
+    expect(frame.paused && frame.whole && !frame.held && !frame.forcesValid).toBe(true);
+    expect(frame.scene).toBe(2);
+    expect(frame.time_s).toBe(1.5);
+    expect(frame.tool.rotation).toEqual([1, 0, 0, 0]);
+    expect(frame.force_n).toEqual([0, 0, -2]);
+    expect([...frame.records]).toEqual([0x1234, 0xffff, 0, 9 + 256 * 10]);
+  });
+
+  it('looks into the message instead of copying it', () => {
+    const buffer = encodeFrame(HEADER, [[0, 3]], RECORDS);
+    expect(decodeFrame(buffer).records.buffer).toBe(buffer);
+  });
+
+  it.each<[string, (bytes: Uint8Array, view: DataView) => void]>([
+    ['another kind', (bytes) => (bytes[0] = 2)],
+    ['another version', (bytes) => (bytes[1] = 2)],
+    ['more runs than bytes', (_, view) => view.setUint32(112, 2, true)],
+    ['fewer records than bytes', (_, view) => view.setUint32(116, 2, true)],
+    ['an enormous count of records', (_, view) => view.setUint32(116, 0xffffffff, true)],
+    ['a run beyond the last particle', (_, view) => view.setUint32(128, 8, true)],
+    ['a run whose end does not fit into 32 bits', (_, view) => view.setUint32(128, 0xffffffff, true)],
+    ['a run of another length than its records', (_, view) => view.setUint32(132, 2, true)],
+    ['a force that is not finite', (_, view) => view.setFloat32(44, NaN, true)],
+    ['a pose that is not finite', (_, view) => view.setFloat32(16, Infinity, true)],
+  ])('with %s is refused', (_name, damage) => {
+    const buffer = encodeFrame(HEADER, [[0, 3]], RECORDS);
+    damage(new Uint8Array(buffer), new DataView(buffer));
+    expect(() => decodeFrame(buffer)).toThrow(ProtocolError);
+  });
+
+  it('of any shorter length is refused', () => {
+    const buffer = encodeFrame(HEADER, [[0, 3]], RECORDS);
+    for (let length = 0; length < buffer.byteLength; ++length)
+      expect(() => decodeFrame(buffer.slice(0, length))).toThrow(ProtocolError);
+  });
+});
+
+// The program's tests read the same bytes.
+const SHARED = fileURLToPath(new URL('../../../tests/data/frame-v1.bin', import.meta.url));
+describe.runIf(existsSync(SHARED))('the frame that the program is tested against', () => {
+  it('can be read', () => {
+    const bytes = readFileSync(SHARED);
+    const frame = decodeFrame(bytes.buffer.slice(bytes.byteOffset, bytes.byteOffset + bytes.byteLength) as ArrayBuffer);
+    expect(frame.particles).toBeGreaterThan(0);
+    expect(frame.records.length % 4).toBe(0);
+  });
+});
+
+describe('the bytes of a record', () => {
+  it('span 0.1 mm/s to 1 m/s', () => {
+    expect(speedOf(0)).toBe(0);
+    expect(speedOf(1)).toBeCloseTo(1e-4, 12);
+    expect(speedOf(255)).toBeCloseTo(1, 12);
+  });
+
+  it('span 10 uN to 10 N', () => {
+    expect(contactForceOf(0)).toBe(0);
+    expect(contactForceOf(1)).toBeCloseTo(1e-5, 12);
+    expect(contactForceOf(255)).toBeCloseTo(10, 12);
+  });
+
+  it('span the quantised box', () => {
+    expect(dequantise(0, -0.2, 0.2)).toBe(-0.2);
+    expect(dequantise(65535, -0.2, 0.2)).toBeCloseTo(0.2, 15);
+  });
+});
+
+describe('a message', () => {
+  it('of a type that is not known is left out', () => {
+    expect(decodeMessage('{"type": "news"}')).toBeNull();
+  });
+
+  it('that is not JSON, or has no type, is refused', () => {
+    for (const text of ['', '{', '7', 'null', '{}', '{"type": 3}'])
+      expect(() => decodeMessage(text)).toThrow(ProtocolError);
+  });
+
+  it('of another protocol is refused', () => {
+    expect(() => decodeMessage('{"type": "hello", "protocol": 2}')).toThrow(/reload/);
+  });
+});
+
+describe('a command', () => {
+  it('has an id only when a reply is wanted', () => {
+    expect(JSON.parse(encodeCommand({ do: 'scene', body: 'Mars' }, 17))).toEqual({ id: 17, do: 'scene', body: 'Mars' });
+    expect(JSON.parse(encodeCommand({ do: 'release' }))).toEqual({ do: 'release' });
+  });
+});

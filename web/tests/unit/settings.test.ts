@@ -1,0 +1,23 @@
+import { describe, expect, it } from 'vitest';
+import { readSettings } from '../../src/settings';
+
+describe('settings', () => {
+  it('come from the address', () => {
+    expect(readSettings('?view=top&colour=force&theme=light&panels=0', false)).toEqual({
+      view: 'top',
+      colour: 'force',
+      theme: 'light',
+      panels: false,
+    });
+  });
+
+  it('fall back to what the browser prefers, and forget nonsense', () => {
+    expect(readSettings('?view=below&colour=mood', true)).toEqual({
+      view: 'three-quarter',
+      colour: 'plain',
+      theme: 'light',
+      panels: true,
+    });
+    expect(readSettings('', false).theme).toBe('dark');
+  });
+});

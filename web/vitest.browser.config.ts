@@ -1,0 +1,12 @@
+import { defineConfig } from 'vitest/config';
+
+// One browser at a time: software rendering on two busy cores is slow enough already.
+export default defineConfig({
+  test: {
+    include: ['tests/browser/**/*.test.ts'],
+    environment: 'node',
+    fileParallelism: false,
+    testTimeout: 60_000,
+    hookTimeout: 60_000,
+  },
+});
