@@ -72,7 +72,7 @@ export class Controls {
     this.still = button('Hold still', 'Stop the virtual hand where it is (Y)', () => this.holdStill());
     this.undo = button('Undo', 'Take back the last change of the bed (Ctrl+Z)', () => this.act.ask({ do: 'undo' }));
     this.pause = button('Pause', 'Pause or go on (space)', () => this.togglePause());
-    this.step = button('Step', 'While paused: one tick (.); with Shift: 100', () => this.stepOnce(1));
+    this.step = button('Step', 'While paused: one tick (. on the keyboard; , for 100)', () => this.stepOnce(1));
     this.record = button('Record', 'Write every tick to a file (O)', () => this.toggleRecord());
 
     for (const mode of COLOUR_MODES)
