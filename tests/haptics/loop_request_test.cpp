@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "haptolith/core/clock.h"
+#include "haptolith/device/virtual_hand.h"
 #include "haptolith/haptics/haptic_loop.h"
 #include "haptolith/soil/presets.h"
 
@@ -53,6 +54,12 @@ LoopParameters unpaced() {
   LoopParameters loop;
   loop.paced = false;
   return loop;
+}
+
+HandParameters scooping() {
+  HandParameters hand;
+  hand.surface_m = 0.04;
+  return hand;
 }
 
 /// A scene that is stirred.
@@ -104,6 +111,35 @@ TEST(LoopRequest, APauseStopsTimeAndLetsGoAndLeavesNoTrace) {
   never.ticks(100);
   EXPECT_EQ(paused.hash(), never.hash());
   EXPECT_EQ(paused.device.last_.force_n, never.device.last_.force_n);
+}
+
+TEST(LoopRequest, ASimulatedHandMovesTheSameWithAndWithoutPauses) {
+  struct Scooped {
+    Scene scene{paperBed(), {}};
+    VirtualHand hand{scooping(), 1e-3};
+    HapticLoop loop{scene, hand, unpaced(), false};
+  };
+  Scooped paused;
+  Scooped never;
+  ASSERT_TRUE(paused.loop.ask(request::Pause{}));
+  double largest_n = 0;
+  for (int part = 0; part < 25; ++part) {
+    ASSERT_TRUE(paused.loop.ask(request::Advance{32}));
+    for (int i = 0; i < 32 + 40; ++i) {  // time stands still for the last 40
+      ASSERT_EQ(paused.loop.tick(), LoopEnd::kRunning);
+    }
+    for (int i = 0; i < 32; ++i) {
+      ASSERT_EQ(never.loop.tick(), LoopEnd::kRunning);
+    }
+    // A picture of the pause shows what was felt when it began.
+    ASSERT_TRUE(paused.loop.snapshots().update());
+    ASSERT_TRUE(never.loop.snapshots().update());
+    EXPECT_EQ(paused.loop.snapshots().latest().ticks, never.loop.statistics().ticks());
+    EXPECT_GT(paused.loop.snapshots().latest().tick_us_lately, 0);
+    largest_n = std::max(largest_n, paused.loop.snapshots().latest().felt.force_n.norm());
+    ASSERT_EQ(stateHash(paused.scene.bed().state()), stateHash(never.scene.bed().state())) << part;
+  }
+  EXPECT_GT(largest_n, 0.1);
 }
 
 TEST(LoopRequest, ASlowedLoopTakesItsTime) {

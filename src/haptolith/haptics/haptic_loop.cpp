@@ -87,8 +87,13 @@ LoopEnd HapticLoop::tick() noexcept {
   takeRequests();
   if (paused_ && ticks_left_ == 0) {
     device_.write(Wrench{});
-    publish(scene_->toolPose(), Wrench{});
+    let_go_ = true;
+    publish(scene_->toolPose(), felt_);
     return LoopEnd::kRunning;
+  }
+  if (let_go_) {  // time goes on where it stopped: a hand that is simulated must not notice
+    device_.write(felt_);
+    let_go_ = false;
   }
   const DeviceInput hand = device_.read();
   if (!inWorkspace(hand)) {
@@ -108,17 +113,17 @@ LoopEnd HapticLoop::tick() noexcept {
   }
   const Vec3 own_change_n =
       -parameters_.tick_s * scene_->contactStiffness() * quick_movement_.step(hand.twist.linear_m_s);
-  const Wrench felt = limited(filter_.step(scene_->wrench(), own_change_n), device_.limits());
-  device_.write(felt);
-  publish(hand.scene_T_tool, felt);
+  felt_ = limited(filter_.step(scene_->wrench(), own_change_n), device_.limits());
+  device_.write(felt_);
+  publish(hand.scene_T_tool, felt_);
 
   const std::int64_t end_ns = monotonicNs();
   const double tick_us = 1e-3 * static_cast<double>(end_ns - start_ns);
   const bool in_time = deadline_ns_ == 0 ? tick_us <= 1e6 * parameters_.tick_s : end_ns <= deadline_ns_;
-  statistics_.add(tick_us, in_time, felt);
+  statistics_.add(tick_us, in_time, felt_);
   longest_tick_us_ = std::max(longest_tick_us_, tick_us);
   ticks_left_ -= paused_ ? 1 : 0;
-  record(hand, felt, tick_us);
+  record(hand, felt_, tick_us);
   return hand.finished ? LoopEnd::kFinished : LoopEnd::kRunning;
 }
 
@@ -192,6 +197,7 @@ void HapticLoop::carryOut(const request::Exchange& exchange) noexcept {
                    }},
              exchange);
   placed_ = false;
+  felt_ = {};
   presence_ = 0;
   scene_->setToolPresence(0);
 }
@@ -255,7 +261,9 @@ void HapticLoop::publish(const Pose& scene_T_tool, const Wrench& felt) noexcept 
   snapshot.tick_us_max = statistics_.tickUs().max();
   snapshot.tick_us_lately = longest_tick_us_;
   snapshot.paused = paused_;
-  longest_tick_us_ = 0;
+  if (!paused_ || ticks_left_ > 0) {
+    longest_tick_us_ = 0;
+  }
   stage().snapshots.publish();
 }
 

@@ -94,6 +94,8 @@ class HapticLoop {
   std::atomic<std::uint64_t> lost_records_{0};
 
   boost::lockfree::spsc_queue<LoopRequest> requests_;
+  Wrench felt_;          ///< in the last tick
+  bool let_go_ = false;  ///< the hand feels nothing, because time stands still
   bool paused_ = false;
   int ticks_left_ = 0;                         ///< to go while paused
   double speed_ = 1;                           ///< of time
@@ -101,7 +103,7 @@ class HapticLoop {
   std::optional<request::Exchange> exchange_;  ///< waits until the tool has faded
   double presence_ = 1;                        ///< of the tool; the scene is given its square
   std::uint64_t published_ = 0;                ///< calls of publish()
-  double longest_tick_us_ = 0;                 ///< since the last snapshot
+  double longest_tick_us_ = 0;                 ///< since the last snapshot while time went on
 };
 
 }  // namespace haptolith

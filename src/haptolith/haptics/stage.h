@@ -14,7 +14,7 @@ namespace haptolith {
 struct SceneSnapshot {
   double time_s = 0;
   Pose scene_T_tool;
-  Wrench felt;
+  Wrench felt;                       ///< in the last tick, also while time stands still and the hand is let go
   std::vector<Float4> position;      ///< m; one per particle
   std::vector<std::uint8_t> asleep;  ///< one per group of kGroup particles, 1 when it sleeps: see Wakefulness
   std::uint64_t ticks = 0, deadline_misses = 0;
