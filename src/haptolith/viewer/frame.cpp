@@ -75,6 +75,7 @@ void FrameEncoder::take(const SceneSnapshot& snapshot, const Beside& beside) {
   kept_.clear();
   const double elapsed_s = snapshot.time_s - before_s_;
   const bool speeds_known = before_.size() == snapshot.position.size() && elapsed_s > 0;
+  const bool stands_still = !before_.empty() && elapsed_s == 0;  // paused: speeds are as they were
   loads_known_ = beside.load_n.size() == records_.size();
   for (std::size_t i = 0; i < records_.size(); ++i) {
     const Float4& p = snapshot.position[i];
@@ -84,10 +85,13 @@ void FrameEncoder::take(const SceneSnapshot& snapshot, const Beside& beside) {
       const Float4& q = before_[i];
       speed_m_s = std::hypot(p.x - q.x, p.y - q.y, p.z - q.z) / elapsed_s;
     }
-    const Record now{
-        quantised(p.x, space_.low_m.x(), space_.high_m.x()), quantised(p.y, space_.low_m.y(), space_.high_m.y()),
-        quantised(p.z, space_.low_m.z(), space_.high_m.z()), asleep ? std::uint8_t{0} : speedByte(speed_m_s),
-        loads_known_ ? forceByte(beside.load_n[i]) : std::uint8_t{0}};
+    const Record now{quantised(p.x, space_.low_m.x(), space_.high_m.x()),
+                     quantised(p.y, space_.low_m.y(), space_.high_m.y()),
+                     quantised(p.z, space_.low_m.z(), space_.high_m.z()),
+                     asleep         ? std::uint8_t{0}
+                     : stands_still ? records_[i].speed
+                                    : speedByte(speed_m_s),
+                     loads_known_ ? forceByte(beside.load_n[i]) : std::uint8_t{0}};
     if (!(now == records_[i]) || first) {
       records_[i] = now;
       changed_[i / kGroup] = number_;
