@@ -1,20 +1,15 @@
 #include "haptolith/figure/figure.h"
 
 #include <fmt/format.h>
-#include <spawn.h>
-#include <sys/wait.h>
 #include <unistd.h>
 
 #include <algorithm>
-#include <array>
 #include <cctype>
-#include <cerrno>
 #include <cmath>
-#include <cstdio>
-#include <cstring>
 #include <string>
 
 #include "haptolith/core/atomic_file.h"
+#include "haptolith/core/child_process.h"
 #include "haptolith/core/error.h"
 
 // gnuplot reads its commands from an unnamed temporary file and writes its complaints to another. A pipe would be
@@ -24,61 +19,22 @@ namespace haptolith {
 
 namespace {
 
-using TemporaryFile = std::unique_ptr<std::FILE, int (*)(std::FILE*)>;
-
-TemporaryFile makeTemporaryFile() {
-  TemporaryFile file(std::tmpfile(), &std::fclose);
-  if (file == nullptr) {
-    throw Failure(fmt::format("cannot create a temporary file: {}", std::strerror(errno)));
-  }
-  return file;
-}
-
 struct GnuplotAnswer {
   bool succeeded = false;
   std::string words;  ///< stdout and stderr
 };
 
-std::string readAll(std::FILE* file) {
-  std::string text;
-  std::array<char, 4096> chunk{};
-  std::rewind(file);
-  while (const std::size_t size = std::fread(chunk.data(), 1, chunk.size(), file)) {
-    text.append(chunk.data(), size);
-  }
-  return text;
-}
-
 /// Runs gnuplot on `script`, or with --version when it is empty. @throws Failure when it is not installed.
 GnuplotAnswer runGnuplot(const std::string& script) {
-  const TemporaryFile input = makeTemporaryFile();
-  const TemporaryFile output = makeTemporaryFile();
-  if (std::fwrite(script.data(), 1, script.size(), input.get()) != script.size() || std::fflush(input.get()) != 0) {
-    throw Failure(fmt::format("cannot write gnuplot's commands: {}", std::strerror(errno)));
+  const Descriptor input = temporaryFile(script);
+  const Descriptor output = temporaryFile();
+  ChildProcess::Command command{.arguments = {"gnuplot"}, .package = "gnuplot-nox", .environment = {}};
+  if (script.empty()) {
+    command.arguments.emplace_back("--version");
   }
-  std::rewind(input.get());
-
-  posix_spawn_file_actions_t redirections;
-  posix_spawn_file_actions_init(&redirections);
-  posix_spawn_file_actions_adddup2(&redirections, fileno(input.get()), STDIN_FILENO);
-  posix_spawn_file_actions_adddup2(&redirections, fileno(output.get()), STDOUT_FILENO);
-  posix_spawn_file_actions_adddup2(&redirections, fileno(output.get()), STDERR_FILENO);
-  std::string program = "gnuplot", version = "--version";
-  char* const arguments[]{program.data(), script.empty() ? version.data() : nullptr, nullptr};
-  pid_t process = 0;
-  const int spawn_error = posix_spawnp(&process, "gnuplot", &redirections, nullptr, arguments, environ);
-  posix_spawn_file_actions_destroy(&redirections);
-  if (spawn_error == ENOENT) {
-    throw Failure("gnuplot is not installed: apt install gnuplot-nox");
-  }
-  if (spawn_error != 0) {
-    throw Failure(fmt::format("cannot start gnuplot: {}", std::strerror(spawn_error)));
-  }
-
-  int status = 0;
-  while (waitpid(process, &status, 0) < 0 && errno == EINTR) {
-  }
-  return {WIFEXITED(status) && WEXITSTATUS(status) == 0, readAll(output.get())};
+  ChildProcess gnuplot(command, {{input, STDIN_FILENO}, {output, STDOUT_FILENO}, {output, STDERR_FILENO}});
+  const bool succeeded = gnuplot.wait();
+  return {succeeded, contentOf(output)};
 }
 
 std::string terminalFor(const std::filesystem::path& path, int width_px, int height_px) {

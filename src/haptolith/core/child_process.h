@@ -1,0 +1,95 @@
+#pragma once
+
+#include <sys/types.h>
+
+#include <chrono>
+#include <functional>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+namespace haptolith {
+
+/// A file descriptor that is closed with the object, and that no child inherits by accident.
+class Descriptor {
+ public:
+  Descriptor() = default;
+  explicit Descriptor(int number) noexcept : number_(number) {}
+  ~Descriptor() { close(); }
+  Descriptor(Descriptor&& other) noexcept : number_(std::exchange(other.number_, -1)) {}
+  Descriptor& operator=(Descriptor&& other) noexcept {
+    std::swap(number_, other.number_);
+    return *this;
+  }
+
+  [[nodiscard]] int number() const noexcept { return number_; }
+  void close() noexcept;
+
+ private:
+  int number_ = -1;
+};
+
+/// Both ends of a pipe. @throws Failure when the system has none left.
+struct Pipe {
+  Pipe();
+  Descriptor to_read, to_write;
+};
+
+/// How long to wait for the other end of a pipe.
+struct Patience {
+  std::chrono::steady_clock::time_point until = std::chrono::steady_clock::time_point::max();
+  const std::function<bool()>& stopped;  ///< whether nobody wants the result any more; asked ten times a second
+};
+
+/// Writes all of `bytes`; false when nobody reads them any more, if SIGPIPE is ignored.
+/// @throws Failure when patience ends or the work is stopped.
+[[nodiscard]] bool writeAll(const Descriptor& to, std::string_view bytes, const Patience& patience);
+
+/// Waits for bytes and appends them to `bytes`; false at the end of what there is.
+/// @throws Failure as writeAll().
+[[nodiscard]] bool readSome(const Descriptor& from, std::string& bytes, const Patience& patience);
+
+/// An unnamed file for what a child reads or says, to be read from its beginning. @throws Failure.
+[[nodiscard]] Descriptor temporaryFile(std::string_view content = {});
+
+/// All that is in a file, from its beginning.
+[[nodiscard]] std::string contentOf(const Descriptor& file);
+
+/// Another program that works for us. It is killed with this object, and with it all that it has started. Signals from
+/// the terminal do not reach it: who started it decides what Ctrl-C means. Not for the tick.
+class ChildProcess {
+ public:
+  /// A descriptor of ours, and the number under which the child finds it.
+  struct Given {
+    const Descriptor& ours;
+    int number;
+  };
+
+  struct Command {
+    std::vector<std::string> arguments;    ///< the program first, looked for in PATH
+    std::string package;                   ///< Debian's, that brings it
+    std::vector<std::string> environment;  ///< "NAME=value", beside what we have ourselves
+  };
+
+  /// Starts the program; it sees no descriptor but the given ones.
+  /// @throws Failure when it cannot be started, naming the package when it is not installed.
+  ChildProcess(const Command& command, const std::vector<Given>& given);
+  ~ChildProcess();
+  ChildProcess(const ChildProcess&) = delete;
+  ChildProcess& operator=(const ChildProcess&) = delete;
+
+  /// Waits for its end. True when it succeeded (exit status 0).
+  bool wait();
+
+  /// Waits for its end, but not for ever; false when it still runs.
+  bool endsWithin(std::chrono::milliseconds patience);
+
+ private:
+  void look(int options);
+
+  pid_t process_ = 0;
+  bool running_ = true, succeeded_ = false;
+};
+
+}  // namespace haptolith
