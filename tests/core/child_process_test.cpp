@@ -1,0 +1,85 @@
+#include "haptolith/core/child_process.h"
+
+#include <gmock/gmock.h>
+#include <unistd.h>
+
+#include <chrono>
+#include <csignal>
+#include <string>
+
+#include "haptolith/core/error.h"
+
+namespace haptolith {
+namespace {
+
+using namespace std::chrono_literals;
+
+const std::function<bool()> kNever;
+
+ChildProcess::Command shell(const std::string& script) {
+  return {.arguments = {"sh", "-c", script}, .package = "dash", .environment = {"GREETING=hello"}};
+}
+
+TEST(ChildProcess, ReadsAndWritesWhatItIsGivenAndKnowsWhatItIsTold) {
+  Pipe to;
+  Pipe from;
+  ChildProcess child(shell("read line <&5; echo \"$GREETING $line\" >&6; ls /proc/self/fd | wc -l >&6"),
+                     {{to.to_read, 5}, {from.to_write, 6}});
+  to.to_read.close();
+  from.to_write.close();
+  ASSERT_TRUE(writeAll(to.to_write, "world\n", {.stopped = kNever}));
+  std::string answer;
+  while (readSome(from.to_read, answer, {.stopped = kNever})) {
+  }
+  EXPECT_THAT(answer, testing::StartsWith("hello world\n"));
+  EXPECT_TRUE(child.wait());
+}
+
+TEST(ChildProcess, ItsFailureIsSeenAndItsWordsAreKept) {
+  const Descriptor words = temporaryFile();
+  ChildProcess child(shell("echo no >&2; exit 3"), {{words, STDERR_FILENO}});
+  EXPECT_FALSE(child.wait());
+  EXPECT_EQ(contentOf(words), "no\n");
+}
+
+TEST(ChildProcess, IsKilledWithAllItHasStarted) {
+  Pipe from;
+  {
+    ChildProcess child(shell("sleep 100 & echo >&6; sleep 100"), {{from.to_write, 6}});
+    from.to_write.close();
+    std::string started;
+    ASSERT_TRUE(readSome(from.to_read, started, {.stopped = kNever}));
+    EXPECT_FALSE(child.endsWithin(1ms));
+  }
+  std::string rest;
+  EXPECT_FALSE(readSome(from.to_read, rest, {.until = std::chrono::steady_clock::now() + 10s, .stopped = kNever}))
+      << "nobody holds the other end any more";
+}
+
+TEST(ChildProcess, OneThatIsNotInstalledIsToldWithItsPackage) {
+  try {
+    const ChildProcess child({.arguments = {"no-such-program"}, .package = "its-package", .environment = {}}, {});
+    FAIL();
+  } catch (const Failure& failure) {
+    EXPECT_STREQ(failure.what(), "no-such-program is not installed: apt install its-package");
+  }
+}
+
+TEST(Pipes, WaitNoLongerThanTheyAreTold) {
+  const Pipe pipe;
+  std::string nothing;
+  EXPECT_THROW((void)readSome(pipe.to_read, nothing, {.until = {}, .stopped = kNever}), Failure);
+  EXPECT_THROW((void)readSome(pipe.to_read, nothing, {.stopped = [] { return true; }}), Failure);
+  const std::string more_than_fits(1 << 20, 'x');
+  EXPECT_THROW((void)writeAll(pipe.to_write, more_than_fits, {.stopped = [] { return true; }}), Failure);
+}
+
+TEST(Pipes, TellWhenNobodyReadsAnyMore) {
+  std::signal(SIGPIPE, SIG_IGN);
+  Pipe pipe;
+  pipe.to_read.close();
+  EXPECT_FALSE(writeAll(pipe.to_write, "anybody?", {.stopped = kNever}));
+}
+
+}  // namespace
+}  // namespace haptolith
