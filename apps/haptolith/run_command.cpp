@@ -8,7 +8,6 @@
 
 #include <chrono>
 #include <ctime>
-#include <map>
 #include <memory>
 #include <optional>
 #include <string>
@@ -24,6 +23,7 @@
 
 #include "output.h"
 #include "run_figure.h"
+#include "scene_options.h"
 #include "stop_on_signal.h"
 #include "trace_file.h"
 
@@ -47,13 +47,8 @@ constexpr const char* kExamples = R"(Examples:
 
 /// What the command line says; everything else comes from the scenario.
 struct RunOptions {
-  std::string scenario_file;
-  std::optional<std::string> preset, soil, body, poses_file;
-  std::optional<FrictionModel> friction;
-  std::optional<Manoeuvre> manoeuvre;
+  SceneOptions scene;
   std::optional<double> duration_s;
-  std::optional<int> threads;
-  std::optional<std::uint64_t> seed;
   bool unpaced = false;
   std::string trace_file, figure_file;
   bool json = false;
@@ -62,27 +57,7 @@ struct RunOptions {
 };
 
 Scenario scenarioFor(const RunOptions& options) {
-  Scenario scenario = options.scenario_file.empty() ? Scenario{} : loadScenario(options.scenario_file);
-  BedParameters& bed = scenario.bed;
-  if (options.preset) {
-    changePreset(scenario, *options.preset);
-  }
-  if (options.soil) {
-    changeSoil(scenario, *options.soil);
-  }
-  bed.soil.friction = options.friction.value_or(bed.soil.friction);
-  if (options.body) {
-    changeBody(scenario, *options.body);
-  }
-  if (options.manoeuvre) {
-    scenario.hand.manoeuvre = *options.manoeuvre;
-  }
-  if (options.poses_file) {
-    scenario.hand.manoeuvre = Manoeuvre::kPoses;
-    scenario.hand.poses_file = *options.poses_file;
-  }
-  bed.threads = options.threads.value_or(bed.threads);
-  bed.seed = options.seed.value_or(bed.seed);
+  Scenario scenario = scenarioFor(options.scene);
   scenario.loop.duration_s = options.duration_s.value_or(scenario.loop.duration_s);
   scenario.loop.paced = scenario.loop.paced && !options.unpaced;
   validate(scenario);
@@ -127,11 +102,7 @@ class Follower {
     }
   }
 
-  void showSettling(double time_s, double speed_m_s) {
-    if (status_.visible()) {
-      status_.update(fmt::format("the bed settles: {:.1f} s, fastest particle {:.4f} m/s", time_s, speed_m_s));
-    }
-  }
+  [[nodiscard]] StatusLine& status() noexcept { return status_; }
 
   /// Begins or ends a recording that somebody who looks on has asked for; returns its file's name while there is one.
   std::string record(bool on) {
@@ -318,10 +289,7 @@ void run(RunOptions options) {
     figure.emplace(options.figure_file, kRunFigureWidth_px, kRunFigureHeight_px);
   }
   const bool may_record = follower.wantsRecords() || options.serve.value_or(scenario.loop.paced);
-  Session session(scenario, may_record, [&follower](double time_s, double speed_m_s) {
-    follower.showSettling(time_s, speed_m_s);
-    return !stopAsked();
-  });
+  Session session(scenario, may_record, settlingIn(follower.status()));
   const std::unique_ptr<LiveView> view = viewOf(session, follower, options);
   session.start(stopAsked());
   if (const std::string& advice = session.realTime().advice; !advice.empty()) {
@@ -358,57 +326,17 @@ void run(RunOptions options) {
   throwWhenItFailed(session.scenario(), session.loop(), summary.end);
 }
 
-std::map<std::string, FrictionModel> frictionChoices() {
-  std::map<std::string, FrictionModel> choices;
-  for (const auto& [name, friction] : kFrictionWords) {
-    choices.emplace(name, friction);
-  }
-  return choices;
-}
-
-/// What --hand takes: every manoeuvre but "poses", which has an option of its own.
-std::map<std::string, Manoeuvre> handChoices() {
-  std::map<std::string, Manoeuvre> choices;
-  for (const auto& [name, manoeuvre] : kManoeuvreWords) {
-    if (manoeuvre != Manoeuvre::kPoses) {
-      choices.emplace(name, manoeuvre);
-    }
-  }
-  return choices;
-}
-
 }  // namespace
 
 void addRunCommand(CLI::App& app) {
   auto options = std::make_shared<RunOptions>();
   CLI::App* command = app.add_subcommand("run", "Run a scene at 1 kHz under a hand, until Ctrl-C or --duration-s");
   command->footer(kExamples);
-  command->add_option("scenario", options->scenario_file, "Scene (TOML, see docs/scenarios.md); default: the paper's");
-  CLI::Option* preset = command->add_option("--preset", options->preset, "Soil: P1 to P6, the paper's Table II");
-  preset->option_text("NAME");
-  command->add_option("--soil", options->soil, "Soil by its name (haptolith soil list) or from a file (docs/soils.md)")
-      ->option_text("NAME|FILE")
-      ->excludes(preset);
-  command->add_option("--friction", options->friction, "What friction acts against; default: as the soil has it")
-      ->transform(CLI::CheckedTransformer(frictionChoices(), CLI::ignore_case))
-      ->option_text("paper|pairwise");
-  command->add_option("--body", options->body, "World: Ceres, Pluto, Europa, Moon, Mars or Earth")->option_text("NAME");
-  CLI::Option* hand = command->add_option("--hand", options->manoeuvre, "What the virtual hand does");
-  hand->transform(CLI::CheckedTransformer(handChoices(), CLI::ignore_case))
-      ->option_text("still|press|stir|scoop|carry|shake");
-  command->add_option("--poses", options->poses_file, "CSV of poses the hand follows: t_s,x_m,y_m,z_m,qw,qx,qy,qz")
-      ->option_text("FILE")
-      ->excludes(hand);
+  options->scene.addTo(*command);
   command->add_option("--duration-s", options->duration_s, "Simulated time; default: until Ctrl-C")
       ->check(CLI::Range(1e-3, 1e7))
       ->option_text("SECONDS");
   command->add_flag("--unpaced", options->unpaced, "As fast as it can instead of in step with the clock");
-  command->add_option("--threads", options->threads, "Threads that share a large bed; the result does not depend on it")
-      ->check(CLI::Range(1, 256))
-      ->option_text("N");
-  command->add_option("--seed", options->seed, "Seed of a bed that starts as rain")
-      ->check(CLI::NonNegativeNumber)
-      ->option_text("N");
   command->add_option("--trace", options->trace_file, "Write every tick to this CSV file")->option_text("FILE");
   command->add_option("--figure", options->figure_file, "Draw the run (.svg or .png)")->option_text("FILE");
   command->add_flag("--json", options->json, "Print the summary as one JSON object");

@@ -1,0 +1,97 @@
+#include "scene_options.h"
+
+#include <CLI/CLI.hpp>
+#include <fmt/format.h>
+
+#include <map>
+
+#include "haptolith/scenario/scene_words.h"
+
+#include "output.h"
+#include "stop_on_signal.h"
+
+namespace haptolith {
+
+namespace {
+
+std::map<std::string, FrictionModel> frictionChoices() {
+  std::map<std::string, FrictionModel> choices;
+  for (const auto& [name, friction] : kFrictionWords) {
+    choices.emplace(name, friction);
+  }
+  return choices;
+}
+
+/// What --hand takes: every manoeuvre but "poses", which has an option of its own.
+std::map<std::string, Manoeuvre> handChoices() {
+  std::map<std::string, Manoeuvre> choices;
+  for (const auto& [name, manoeuvre] : kManoeuvreWords) {
+    if (manoeuvre != Manoeuvre::kPoses) {
+      choices.emplace(name, manoeuvre);
+    }
+  }
+  return choices;
+}
+
+}  // namespace
+
+void SceneOptions::addTo(CLI::App& command) {
+  command.add_option("scenario", scenario_file, "Scene (TOML, see docs/scenarios.md); default: the paper's");
+  CLI::Option* by_preset = command.add_option("--preset", preset, "Soil: P1 to P6, the paper's Table II");
+  by_preset->option_text("NAME");
+  command.add_option("--soil", soil, "Soil by its name (haptolith soil list) or from a file (docs/soils.md)")
+      ->option_text("NAME|FILE")
+      ->excludes(by_preset);
+  command.add_option("--friction", friction, "What friction acts against; default: as the soil has it")
+      ->transform(CLI::CheckedTransformer(frictionChoices(), CLI::ignore_case))
+      ->option_text("paper|pairwise");
+  command.add_option("--body", body, "World: Ceres, Pluto, Europa, Moon, Mars or Earth")->option_text("NAME");
+  CLI::Option* hand = command.add_option("--hand", manoeuvre, "What the virtual hand does");
+  hand->transform(CLI::CheckedTransformer(handChoices(), CLI::ignore_case))
+      ->option_text("still|press|stir|scoop|carry|shake");
+  command.add_option("--poses", poses_file, "CSV of poses the hand follows: t_s,x_m,y_m,z_m,qw,qx,qy,qz")
+      ->option_text("FILE")
+      ->excludes(hand);
+  command.add_option("--threads", threads, "Threads that share a large bed; the result does not depend on it")
+      ->check(CLI::Range(1, 256))
+      ->option_text("N");
+  command.add_option("--seed", seed, "Seed of a bed that starts as rain")
+      ->check(CLI::NonNegativeNumber)
+      ->option_text("N");
+}
+
+Scenario scenarioFor(const SceneOptions& options) {
+  Scenario scenario = options.scenario_file.empty() ? Scenario{} : loadScenario(options.scenario_file);
+  BedParameters& bed = scenario.bed;
+  if (options.preset) {
+    changePreset(scenario, *options.preset);
+  }
+  if (options.soil) {
+    changeSoil(scenario, *options.soil);
+  }
+  bed.soil.friction = options.friction.value_or(bed.soil.friction);
+  if (options.body) {
+    changeBody(scenario, *options.body);
+  }
+  if (options.manoeuvre) {
+    scenario.hand.manoeuvre = *options.manoeuvre;
+  }
+  if (options.poses_file) {
+    scenario.hand.manoeuvre = Manoeuvre::kPoses;
+    scenario.hand.poses_file = *options.poses_file;
+  }
+  bed.threads = options.threads.value_or(bed.threads);
+  bed.seed = options.seed.value_or(bed.seed);
+  return scenario;
+}
+
+SettleProgress settlingIn(StatusLine& status) {
+  return [&status](double time_s, double speed_m_s) {
+    if (status.visible()) {
+      status.update(fmt::format("the bed settles: {:.1f} s, fastest particle {:.4f} m/s", time_s, speed_m_s));
+    }
+    return !stopAsked();
+  };
+}
+
+}  // namespace haptolith
