@@ -19,6 +19,7 @@
 #include "lab_command.h"
 #include "output.h"
 #include "run_command.h"
+#include "snapshot_command.h"
 #include "soil_commands.h"
 
 namespace haptolith {
@@ -30,6 +31,7 @@ enum ExitStatus { kOk = 0, kFailed = 1, kUsage = 2 };
 constexpr const char* kExamples = R"(Examples:
   haptolith run                          the paper's scene, felt by a virtual hand
   haptolith run scenarios/rain.toml      another scene (docs/scenarios.md)
+  haptolith snapshot --out view.png      a picture of it, without a screen
   haptolith soil profile --preset P3     density and strength over depth
   haptolith lab shear --soil dry-sand    what a soil laboratory would measure
   source <(haptolith completion bash)    complete commands with the tab key
@@ -40,6 +42,7 @@ Exit status: 0 done, 1 failed, 2 wrong usage.)";
 
 void addCommands(CLI::App& app) {
   addRunCommand(app);
+  addSnapshotCommand(app);
   addSoilCommands(app);
   addLabCommand(app);
   addBenchCommand(app);

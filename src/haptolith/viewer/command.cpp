@@ -190,9 +190,7 @@ command::Record record(Keys& keys) {
 }
 
 command::Colour colour(Keys& keys) {
-  static constexpr std::array kColours{SceneWord{"plain", false}, SceneWord{"force", true}, SceneWord{"speed", false},
-                                       SceneWord{"depth", false}, SceneWord{"sleep", false}};
-  const std::optional<bool> by_force = keys.word("by", kColours);
+  const std::optional<bool> by_force = keys.word("by", kColourWords);
   if (!by_force) {
     throw InvalidParameter("by", "nothing", "plain, force, speed, depth or sleep");
   }

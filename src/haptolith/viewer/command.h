@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <optional>
 #include <string>
@@ -7,9 +8,14 @@
 #include <variant>
 
 #include "haptolith/device/hand_parameters.h"
+#include "haptolith/scenario/scene_words.h"
 #include "haptolith/session/scene_change.h"
 
 namespace haptolith {
+
+/// What a client may colour particles by, and whether that takes their contact forces.
+inline constexpr std::array kColourWords{SceneWord{"plain", false}, SceneWord{"force", true}, SceneWord{"speed", false},
+                                         SceneWord{"depth", false}, SceneWord{"sleep", false}};
 
 /// What a client of the view asks for: docs/protocol.md.
 namespace command {

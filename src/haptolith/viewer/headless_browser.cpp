@@ -1,0 +1,277 @@
+#include "haptolith/viewer/headless_browser.h"
+
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <array>
+#include <chrono>
+#include <cstdint>
+#include <cstdlib>
+#include <filesystem>
+#include <system_error>
+#include <thread>
+#include <utility>
+#include <vector>
+
+#include "haptolith/core/child_process.h"
+#include "haptolith/core/error.h"
+
+// Chromium is steered through two pipes with JSON messages that end in a zero byte (--remote-debugging-pipe; the
+// commands are those of https://chromedevtools.github.io/devtools-protocol). A port would do the same, but to everybody
+// on the machine; and when a pipe closes, because we have crashed, Chromium ends by itself.
+
+namespace haptolith {
+
+namespace {
+
+using namespace std::chrono_literals;
+using nlohmann::json;
+namespace fs = std::filesystem;
+
+/// A large bed, drawn in software on a busy machine, takes its time.
+constexpr auto kPatience = 120s;
+constexpr auto kPatienceAtTheEnd = 3s;
+
+/// Where Chromium expects the pipes.
+constexpr int kItReads = 3;
+constexpr int kItWrites = 4;
+
+constexpr const char* kPackage = "chromium";
+
+/// A folder that goes with the object, and all that is in it.
+class TemporaryFolder {
+ public:
+  TemporaryFolder() {
+    std::string name = (fs::temp_directory_path() / "haptolith-XXXXXX").string();
+    if (mkdtemp(name.data()) == nullptr) {
+      throw Failure(fmt::format("cannot create a folder in {}", fs::temp_directory_path().string()));
+    }
+    path_ = name;
+  }
+  ~TemporaryFolder() {
+    // Processes that were killed a moment ago may still be writing their last.
+    std::error_code error;
+    for (int i = 0; i < 20; ++i) {
+      fs::remove_all(path_, error);
+      if (!fs::exists(path_, error)) {
+        return;
+      }
+      std::this_thread::sleep_for(50ms);
+    }
+  }
+  TemporaryFolder(const TemporaryFolder&) = delete;
+  TemporaryFolder& operator=(const TemporaryFolder&) = delete;
+
+  [[nodiscard]] const std::string& path() const noexcept { return path_; }
+
+ private:
+  std::string path_;
+};
+
+bool isInPath(const std::string& program) {
+  const char* const path = std::getenv("PATH");
+  std::string_view folders = path == nullptr ? "" : path;
+  while (!folders.empty()) {
+    const std::string_view folder = folders.substr(0, folders.find(':'));
+    folders.remove_prefix(std::min(folder.size() + 1, folders.size()));
+    if (!folder.empty() && access((fs::path(folder) / program).c_str(), X_OK) == 0) {
+      return true;
+    }
+  }
+  return false;
+}
+
+/// The name or path to start Chromium by.
+std::string chromium() {
+  if (const char* named = std::getenv("HAPTOLITH_CHROMIUM"); named != nullptr && *named != '\0') {
+    if (access(named, X_OK) != 0) {
+      throw Failure(fmt::format("HAPTOLITH_CHROMIUM={} is no program; without it Debian's is used: apt install {}",
+                                named, kPackage));
+    }
+    return named;
+  }
+  for (const char* name : {"chromium", "chromium-browser", "google-chrome"}) {
+    if (isInPath(name)) {
+      return name;
+    }
+  }
+  throw Failure(fmt::format("chromium is not installed: apt install {}", kPackage));
+}
+
+ChildProcess::Command commandFor(const HeadlessBrowser::Options& options, const std::string& folder) {
+  ChildProcess::Command command{
+      .arguments = {chromium(), "--headless=new", "--remote-debugging-pipe", "--user-data-dir=" + folder,
+                    // The same picture with and without a graphics card.
+                    "--use-angle=swiftshader", "--enable-unsafe-swiftshader", "--force-device-scale-factor=1",
+                    "--force-color-profile=srgb", "--hide-scrollbars", "--mute-audio",
+                    fmt::format("--window-size={},{}", options.width_px, options.height_px),
+                    // Nothing but the page: no welcome, no updates, no questions to servers.
+                    "--no-first-run", "--no-default-browser-check", "--disable-background-networking",
+                    "--disable-component-update", "--disable-breakpad", "--disable-extensions", "--disable-sync",
+                    // Containers have a /dev/shm that is too small.
+                    "--disable-dev-shm-usage"},
+      .package = kPackage,
+      .environment = {"TMPDIR=" + folder}};
+  if (geteuid() == 0) {
+    command.arguments.emplace_back("--no-sandbox");  // Chromium refuses to start as root otherwise
+  }
+  return command;
+}
+
+int sextet(char letter) noexcept {
+  if (letter >= 'A' && letter <= 'Z') {
+    return letter - 'A';
+  }
+  if (letter >= 'a' && letter <= 'z') {
+    return letter - 'a' + 26;
+  }
+  if (letter >= '0' && letter <= '9') {
+    return letter - '0' + 52;
+  }
+  return letter == '+' ? 62 : letter == '/' ? 63 : -1;
+}
+
+std::string fromBase64(std::string_view text) {
+  std::string bytes;
+  bytes.reserve(text.size() / 4 * 3);
+  std::uint32_t bits = 0;
+  int count = 0;
+  for (const char letter : text) {
+    const int value = sextet(letter);
+    if (value < 0) {  // "=" at the end
+      break;
+    }
+    bits = bits << 6 | static_cast<std::uint32_t>(value);
+    count += 6;
+    if (count >= 8) {
+      count -= 8;
+      bytes.push_back(static_cast<char>(bits >> count & 0xff));
+    }
+  }
+  return bytes;
+}
+
+}  // namespace
+
+class HeadlessBrowser::Implementation {
+ public:
+  explicit Implementation(const Options& options)
+      : options_(options),
+        words_(temporaryFile()),
+        process_(commandFor(options, folder_.path()), {{temporaryFile(), STDIN_FILENO},
+                                                       {words_, STDOUT_FILENO},
+                                                       {words_, STDERR_FILENO},
+                                                       {to_.to_read, kItReads},
+                                                       {from_.to_write, kItWrites}}) {
+    to_.to_read.close();
+    from_.to_write.close();
+    const json page = call("Target.createTarget", {{"url", "about:blank"}});
+    const json session = call("Target.attachToTarget", {{"targetId", page["targetId"]}, {"flatten", true}});
+    session_ = session["sessionId"];
+    call("Emulation.setDeviceMetricsOverride",
+         {{"width", options.width_px}, {"height", options.height_px}, {"deviceScaleFactor", 1}, {"mobile", false}});
+  }
+
+  ~Implementation() {
+    // Asked first, it ends its own processes and clears up; whatever does not listen is killed.
+    session_.clear();
+    const std::function<bool()> never;
+    const std::string close = messageFor("Browser.close", json::object());
+    try {
+      if (writeAll(to_.to_write, close, {.until = std::chrono::steady_clock::now() + 1s, .stopped = never})) {
+        process_.endsWithin(kPatienceAtTheEnd);
+      }
+    } catch (const Failure&) {  // it will be killed
+    }
+  }
+
+  Implementation(const Implementation&) = delete;
+  Implementation& operator=(const Implementation&) = delete;
+
+  /// Sends a command and waits for its result; events in between are not for us.
+  json call(const std::string& method, const json& parameters) {
+    const Patience patience{.until = std::chrono::steady_clock::now() + kPatience, .stopped = options_.stopped};
+    const std::string message = messageFor(method, parameters);
+    if (!writeAll(to_.to_write, message, patience)) {
+      throwBecauseItEnded();
+    }
+    while (true) {
+      json answer = json::parse(nextMessage(patience));
+      if (answer.value("id", 0) != id_) {
+        continue;
+      }
+      if (answer.contains("error")) {
+        throw Failure(fmt::format("Chromium refuses {}: {}", method, answer["error"].value("message", "")));
+      }
+      return std::move(answer["result"]);
+    }
+  }
+
+ private:
+  std::string messageFor(const std::string& method, const json& parameters) {
+    json message{{"id", ++id_}, {"method", method}, {"params", parameters}};
+    if (!session_.empty()) {
+      message["sessionId"] = session_;
+    }
+    return message.dump(-1, ' ', false, json::error_handler_t::replace) + '\0';
+  }
+
+  std::string nextMessage(const Patience& patience) {
+    std::size_t end = std::string::npos, searched = 0;
+    while ((end = received_.find('\0', searched)) == std::string::npos) {
+      searched = received_.size();
+      if (!readSome(from_.to_read, received_, patience)) {
+        throwBecauseItEnded();
+      }
+    }
+    std::string message = received_.substr(0, end);
+    received_.erase(0, end + 1);
+    return message;
+  }
+
+  /// Tells the last of what it said: there the reason stands.
+  [[noreturn]] void throwBecauseItEnded() const {
+    constexpr std::size_t kMost = 600;
+    std::string words = contentOf(words_);
+    if (words.size() > kMost) {
+      words = words.substr(words.size() - kMost);
+    }
+    throw Failure("Chromium has ended; it says" + (words.empty() ? " nothing" : ":\n" + words));
+  }
+
+  const Options options_;
+  TemporaryFolder folder_;
+  Pipe to_, from_;
+  Descriptor words_;  ///< what it says on standard output and error
+  ChildProcess process_;
+  std::string session_;  ///< of the page; empty: messages go to the browser
+  std::string received_;
+  int id_ = 0;
+};
+
+HeadlessBrowser::HeadlessBrowser(const Options& options) : implementation_(std::make_unique<Implementation>(options)) {}
+
+HeadlessBrowser::~HeadlessBrowser() = default;
+
+void HeadlessBrowser::open(const std::string& url) {
+  const json answer = implementation_->call("Page.navigate", {{"url", url}});
+  if (answer.contains("errorText")) {
+    throw Failure(fmt::format("Chromium cannot open {}: {}", url, answer["errorText"].get<std::string>()));
+  }
+}
+
+json HeadlessBrowser::evaluate(std::string_view expression) {
+  json answer = implementation_->call("Runtime.evaluate",
+                                      {{"expression", expression}, {"returnByValue", true}, {"awaitPromise", true}});
+  if (answer.contains("exceptionDetails")) {
+    throw Failure(fmt::format("the page fails: {}", answer["result"].value("description", "")));
+  }
+  return answer["result"].value("value", json());
+}
+
+std::string HeadlessBrowser::screenshot() {
+  const json answer = implementation_->call("Page.captureScreenshot", {{"format", "png"}, {"optimizeForSpeed", true}});
+  return fromBase64(answer["data"].get_ref<const std::string&>());
+}
+
+}  // namespace haptolith
