@@ -119,7 +119,7 @@ class Studio {
   /// What the page shows, once it shows what the scene is now.
   std::string picture() {
     waitUntilDrawn();
-    return browser_.screenshot();
+    return browser_.screenshot(options_.film ? HeadlessBrowser::Png::kQuick : HeadlessBrowser::Png::kSmall);
   }
 
  private:
@@ -277,10 +277,10 @@ void addSnapshotCommand(CLI::App& app) {
       ->check(CLI::IsMember({"dark", "light"}))
       ->option_text("dark|light");
   CLI::Option* panels = command->add_flag_callback(
-      "--panels", [options] { options->panels = true; }, "With the numbers, plots and controls around it: the default");
+      "--panels", [options] { options->panels = true; }, "With status, plots and controls around it: the default");
   command
       ->add_flag_callback(
-          "--no-panels", [options] { options->panels = false; }, "The bed alone")
+          "--no-panels", [options] { options->panels = false; }, "Only the bed, and what the hand feels")
       ->excludes(panels);
   CLI::Option* film = command->add_flag("--film", options->film, "A film instead of a picture");
   command->add_option("--duration-s", options->duration_s, "Simulated time that the film shows [8]")

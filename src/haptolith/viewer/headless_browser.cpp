@@ -269,8 +269,9 @@ json HeadlessBrowser::evaluate(std::string_view expression) {
   return answer["result"].value("value", json());
 }
 
-std::string HeadlessBrowser::screenshot() {
-  const json answer = implementation_->call("Page.captureScreenshot", {{"format", "png"}, {"optimizeForSpeed", true}});
+std::string HeadlessBrowser::screenshot(Png png) {
+  const json answer =
+      implementation_->call("Page.captureScreenshot", {{"format", "png"}, {"optimizeForSpeed", png == Png::kQuick}});
   return fromBase64(answer["data"].get_ref<const std::string&>());
 }
 

@@ -30,8 +30,9 @@ class HeadlessBrowser {
   /// The value of a JavaScript expression; when that is a promise, what it resolves to.
   nlohmann::json evaluate(std::string_view expression);
 
-  /// What the page shows, as the bytes of a PNG.
-  std::string screenshot();
+  /// What the page shows, as the bytes of a PNG: a small one to keep, or a quick one for a film.
+  enum class Png { kSmall, kQuick };
+  std::string screenshot(Png png);
 
  private:
   class Implementation;
