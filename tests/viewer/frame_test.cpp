@@ -162,6 +162,21 @@ TEST(Frame, ASceneAfterAnotherBeginsWithEverything) {
   EXPECT_EQ(frame.records, 50U);
 }
 
+TEST(Frame, SpeedsStayWhatTheyWereWhileTimeStandsStill) {
+  FrameEncoder encoder(1, 32, kSpace);
+  SceneSnapshot snapshot = still(32, 1);
+  encoder.take(snapshot, {});
+  snapshot.time_s += 0.016;
+  snapshot.position[3].z += 0.001F;
+  encoder.take(snapshot, {});
+  const std::uint32_t seen = encoder.number();
+  const auto moving = encoder.frameSince(0);
+  EXPECT_GT(Read(*moving).shown[3].speed, 100);
+  encoder.take(snapshot, {});  // paused: another picture of the same moment
+  const auto paused = encoder.frameSince(seen);
+  EXPECT_EQ(Read(*paused).records, 0U);
+}
+
 TEST(Frame, SleepersAndForcesAndWhatLeavesTheSpace) {
   SceneSnapshot snapshot = still(32, 1);
   snapshot.asleep[1] = 1;
