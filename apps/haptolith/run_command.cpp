@@ -22,6 +22,7 @@
 #include "haptolith/viewer/live_view.h"
 
 #include "output.h"
+#include "recording.h"
 #include "run_figure.h"
 #include "scene_options.h"
 #include "stop_on_signal.h"
@@ -83,9 +84,7 @@ class Follower {
       if (trace_) {
         trace_->write(record);
       }
-      if (recording_) {
-        recording_->write(record);
-      }
+      recording_.write(record);
       if (keep_history_) {
         remember(record);
       }
@@ -104,27 +103,15 @@ class Follower {
 
   [[nodiscard]] StatusLine& status() noexcept { return status_; }
 
-  /// Begins or ends a recording that somebody who looks on has asked for; returns its file's name while there is one.
-  std::string record(bool on) {
-    if (recording_) {
-      recording_->commit();
-      recording_.reset();
-    }
-    if (!on) {
-      return {};
-    }
-    std::string name = fmt::format("haptolith-{:%Y%m%d-%H%M%S}.csv", fmt::localtime(std::time(nullptr)));
-    recording_.emplace(name);
-    return name;
-  }
+  [[nodiscard]] Recording& recording() noexcept { return recording_; }
 
   /// Saves the trace; whoever prints next finds a clean line.
   void finish() {
     status_.clear();
-    record(false);
     if (trace_) {
       trace_->commit();
     }
+    recording_.stop();
   }
 
   [[nodiscard]] const RunHistory& history() const noexcept { return history_; }
@@ -156,7 +143,8 @@ class Follower {
 
   const Scenario& scenario_;
   bool keep_history_;
-  std::optional<TraceFile> trace_, recording_;
+  std::optional<TraceFile> trace_;
+  Recording recording_;
   StatusLine status_;
   std::vector<TickRecord> fresh_;
   RunHistory history_;
@@ -258,12 +246,12 @@ void throwWhenItFailed(const Scenario& scenario, const HapticLoop& loop, LoopEnd
 /// The view in the browser: unless somebody measures or a program reads what is printed. None when no port is free and
 /// nobody has asked for it.
 std::unique_ptr<LiveView> viewOf(Session& session, Follower& follower, const RunOptions& options) {
-  if (!options.serve.value_or(session.scenario().loop.paced && !options.json)) {
-    return nullptr;
-  }
   try {
+    Recording& recording = follower.recording();
     auto view = std::make_unique<LiveView>(session, options.web, HAPTOLITH_VERSION,
-                                           [&follower](bool on) { return follower.record(on); });
+                                           LiveView::Recorder{.start = [&recording] { recording.start(); },
+                                                              .stop = [&recording] { recording.stop(); },
+                                                              .name = [&recording] { return recording.name(); }});
     printNotice(fmt::format("see and touch it at {}\n", view->url()));
     return view;
   } catch (const Failure& failure) {
@@ -288,9 +276,9 @@ void run(RunOptions options) {
   if (!options.figure_file.empty()) {
     figure.emplace(options.figure_file, kRunFigureWidth_px, kRunFigureHeight_px);
   }
-  const bool may_record = follower.wantsRecords() || options.serve.value_or(scenario.loop.paced);
-  Session session(scenario, may_record, settlingIn(follower.status()));
-  const std::unique_ptr<LiveView> view = viewOf(session, follower, options);
+  const bool serves = options.serve.value_or(scenario.loop.paced && !options.json);
+  Session session(scenario, follower.wantsRecords() || serves, settlingIn(follower.status()));
+  const std::unique_ptr<LiveView> view = serves ? viewOf(session, follower, options) : nullptr;
   session.start(stopAsked());
   if (const std::string& advice = session.realTime().advice; !advice.empty()) {
     spdlog::warn("{}", advice);
@@ -312,18 +300,18 @@ void run(RunOptions options) {
   session.poll();
   follower.follow(session, session.update());
   follower.finish();
-  if (summary.lost_records > 0) {
+  if (summary.lost_records > 0 && !options.trace_file.empty()) {
     spdlog::warn("{} ticks are missing in the trace: the disk was too slow for 8 s", summary.lost_records);
   }
   if (figure) {
-    drawRun(*figure, session.scenario(), follower.history(), session.loop().statistics());
+    drawRun(*figure, session.shown(), follower.history(), session.loop().statistics());
   }
   if (options.json) {
-    printJson(summaryJson(session.scenario(), session.scene(), session.loop(), summary));
+    printJson(summaryJson(session.shown(), session.scene(), session.loop(), summary));
   } else {
-    printText(summaryText(session.scenario(), session.scene(), session.loop(), summary));
+    printText(summaryText(session.shown(), session.scene(), session.loop(), summary));
   }
-  throwWhenItFailed(session.scenario(), session.loop(), summary.end);
+  throwWhenItFailed(session.shown(), session.loop(), summary.end);
 }
 
 }  // namespace

@@ -27,9 +27,26 @@ TEST(Board, ShowsANewcomerEverythingInOrderAndThenNothing) {
   Board::Seen seen;
   EXPECT_EQ(nextText(board, seen), R"({"client":5})");
   EXPECT_EQ(nextText(board, seen), "scene");
-  EXPECT_EQ(nextText(board, seen), "frame");
   EXPECT_EQ(nextText(board, seen), "status");
+  EXPECT_EQ(nextText(board, seen), "frame");
   EXPECT_EQ(nextText(board, seen), "nothing");
+  board.setScene("scene");
+  EXPECT_EQ(nextText(board, seen), "nothing") << "it is what it was";
+}
+
+TEST(Board, WhoIsSoSlowThatThereIsAlwaysANewerPictureIsToldTheStatusAllTheSame) {
+  Board board("hello");
+  board.setScene("scene", 1, 10, kSpace);
+  Board::Seen seen;
+  int told = 0;
+  for (int i = 0; i < 40; ++i) {
+    board.setPicture(snapshotOf(10), {});
+    if (i % 10 == 0) {
+      board.setStatus("status");
+    }
+    told += nextText(board, seen) == "status" ? 1 : 0;
+  }
+  EXPECT_EQ(told, 4);
 }
 
 TEST(Board, OnlyTheNewestOfEachIsShown) {

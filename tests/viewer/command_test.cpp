@@ -85,6 +85,7 @@ TEST(Command, WhatIsWrongIsSaid) {
   EXPECT_THAT(refused(R"({"do": "play"})"), HasSubstr("scoop"));
   EXPECT_THAT(refused(R"({"do": "play", "manoeuvre": "poses"})"), HasSubstr("scoop"));
   EXPECT_THAT(refused(R"({"do": "step", "ticks": 0})"), HasSubstr("1 to 1000"));
+  EXPECT_THAT(refused(R"({"do": "step", "ticks": 1.5})"), HasSubstr("whole number"));
   EXPECT_THAT(refused(R"({"do": "speed", "factor": 2})"), HasSubstr("0.01 to 1"));
   EXPECT_THAT(refused(R"({"do": "record", "on": 1})"), HasSubstr("true or false"));
   EXPECT_THAT(refused(R"({"do": "scene", "tool": {"shape": "fork"}})"), HasSubstr("sphere"));

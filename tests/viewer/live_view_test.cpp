@@ -22,10 +22,10 @@ class LiveViewTest : public testing::Test {
     scenario.hand.manoeuvre = Manoeuvre::kStill;
     scenario.loop.paced = false;
     session_ = std::make_unique<Session>(scenario, false);
-    view_ = std::make_unique<LiveView>(*session_, WebServerOptions{.port = 0}, "test", [this](bool on) {
-      recording_ = on;
-      return std::string(on ? "tape.csv" : "");
-    });
+    view_ = std::make_unique<LiveView>(*session_, WebServerOptions{.port = 0}, "test",
+                                       LiveView::Recorder{.start = [this] { recording_ = true; },
+                                                          .stop = [this] { recording_ = false; },
+                                                          .name = [this] { return recording_ ? "tape.csv" : ""; }});
     const std::string url = view_->url();
     port_ = static_cast<std::uint16_t>(std::stoi(url.substr(url.rfind(':') + 1)));
     session_->start(stop_);
@@ -137,6 +137,20 @@ TEST_F(LiveViewTest, TheFirstToHoldHasTheToolUntilItLetsGoOrLeaves) {
   EXPECT_EQ(ask(*first, hold)["ok"], true);
   first.reset();
   EXPECT_TRUE(until(second, "status", [](const Json& s) { return s["held_by"].is_null() && s["clients"] == 1; }));
+}
+
+TEST_F(LiveViewTest, APauseLetsGoOfTheToolForEverybody) {
+  WsClient first(port_);
+  WsClient second(port_);
+  ASSERT_EQ(first.upgrade(), 101U);
+  ASSERT_EQ(second.upgrade(), 101U);
+  const Json hold{{"do", "hold"}, {"pose", {0, 0, 0.1, 1, 0, 0, 0}}};
+  EXPECT_EQ(ask(first, {{"do", "step"}})["ok"], false) << "time goes on";
+  EXPECT_EQ(ask(first, hold)["ok"], true);
+  EXPECT_EQ(ask(first, {{"do", "pause"}})["ok"], true);
+  EXPECT_EQ(ask(first, {{"do", "step"}})["ok"], true);
+  EXPECT_EQ(ask(first, {{"do", "resume"}})["ok"], true);
+  EXPECT_EQ(ask(second, hold)["ok"], true);
 }
 
 TEST_F(LiveViewTest, ForcesAreWorkedOutForWhoAsks) {

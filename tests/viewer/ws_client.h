@@ -51,8 +51,11 @@ class WsClient {
     stream_.write(boost::asio::buffer(text), error);
   }
 
-  /// The next message; none when the other side has ended.
+  /// The next message; none when the other side has ended, or takes too long.
   std::optional<std::string> receive() {
+    if (std::chrono::steady_clock::now() > end_) {
+      return std::nullopt;
+    }
     boost::beast::flat_buffer buffer;
     boost::beast::error_code error;
     stream_.read(buffer, error);
@@ -123,6 +126,7 @@ class WsClient {
     return {response.get().result_int(), response.get().body()};
   }
 
+  std::chrono::steady_clock::time_point end_ = std::chrono::steady_clock::now() + std::chrono::seconds(30);
   std::uint16_t port_;
   boost::asio::io_context io_;
   boost::beast::websocket::stream<boost::beast::tcp_stream> stream_;

@@ -29,7 +29,7 @@ constexpr std::size_t kCopiedAtOnce = 4096;
 
 constexpr std::size_t kRequestsWaiting = 64;
 
-/// How long the tool takes to leave the soil before an exchange, and to come back.
+/// How long the tool takes to leave the soil before an exchange, by the clock, and to come back, in simulated time.
 constexpr double kFadeOut_s = 0.1;
 constexpr double kFadeIn_s = 0.3;
 
@@ -162,9 +162,11 @@ LoopEnd HapticLoop::run(const std::atomic<bool>& stop) noexcept {
 }
 
 void HapticLoop::takeRequests() noexcept {
-  LoopRequest asked;
-  while (!exchange_ && requests_.pop(asked)) {
-    carryOut(asked);
+  // One exchange at a time: what stands behind another waits with it.
+  while (requests_.read_available() > 0 &&
+         !(exchange_ && std::holds_alternative<request::Exchange>(requests_.front()))) {
+    carryOut(requests_.front());
+    requests_.pop();
   }
 }
 
@@ -174,7 +176,7 @@ void HapticLoop::carryOut(const LoopRequest& asked) noexcept {
                      paused_ = false;
                      ticks_left_ = 0;
                    },
-                   [this](const request::Advance& advance) { ticks_left_ = paused_ ? advance.ticks : 0; },
+                   [this](const request::Advance& advance) { ticks_left_ += paused_ ? advance.ticks : 0; },
                    [this](const request::Speed& speed) { speed_ = speed.factor; },
                    [this](const request::Gravity& gravity) { scene_->bed().setGravity(gravity.gravity_m_s2); },
                    [this](const request::Soil& soil) { scene_->bed().setSoil(soil.laws); },
@@ -204,7 +206,7 @@ void HapticLoop::carryOut(const request::Exchange& exchange) noexcept {
 
 void HapticLoop::fadeTool() noexcept {
   if (exchange_) {
-    presence_ = std::max(0.0, presence_ - parameters_.tick_s / kFadeOut_s);
+    presence_ = std::max(0.0, presence_ - parameters_.tick_s / (kFadeOut_s * speed_));
     if (presence_ == 0) {
       carryOut(*exchange_);
       exchange_.reset();

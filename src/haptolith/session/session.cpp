@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <chrono>
-#include <thread>
 #include <utility>
 
 #include "haptolith/bed/critical_step.h"
@@ -30,11 +29,6 @@ std::vector<Vec3> centresOf(const std::vector<Float4>& positions) {
   return centres_m;
 }
 
-/// Whether a bed made for one scene lies as one made for the other would when it is new.
-bool sameStart(const Scenario& a, const Scenario& b) {
-  return a.bed.soil == b.bed.soil && a.bed.gravity_m_s2 == b.bed.gravity_m_s2;
-}
-
 bool sameTool(const ToolParameters& a, const ToolParameters& b) {
   return a.shape == b.shape && a.size_m == b.size_m && a.diameter_m == b.diameter_m && a.thickness_m == b.thickness_m;
 }
@@ -49,24 +43,34 @@ struct Session::Making {
   std::future<Showing> result;
 };
 
-Session::Showing Session::show(const Scenario& scenario, const std::vector<Vec3>* centres_m,
-                               const SettleProgress& progress) {
+Session::Showing Session::showNew(const Scenario& scenario, const SettleProgress& progress) {
   Showing made;
   made.scenario = scenario;
   made.made_of = scenario.bed.soil;
-  made.scene = centres_m == nullptr ? std::make_unique<Scene>(scenario.bed, scenario.tool, progress)
-                                    : std::make_unique<Scene>(scenario.bed, scenario.tool, *centres_m);
+  made.scene = std::make_unique<Scene>(scenario.bed, scenario.tool, progress);
   const Bed& bed = made.scene->bed();
-  made.fresh = centresOf(bed.state().position);
-  made.fresh.resize(bed.particles());
-  made.surface_m = bed.surfaceHeight();
+  std::vector<Vec3> centres_m = centresOf(bed.state().position);
+  centres_m.resize(bed.particles());
+  made.fresh = std::make_shared<const Fresh>(
+      Fresh{scenario.bed.soil, scenario.bed.gravity_m_s2, std::move(centres_m), bed.surfaceHeight()});
+  return made;
+}
+
+Session::Showing Session::showAgain(const Scenario& scenario, const std::vector<Vec3>& centres_m,
+                                    std::shared_ptr<const Fresh> fresh) {
+  Showing made;
+  made.scenario = scenario;
+  made.made_of = scenario.bed.soil;
+  made.scene = std::make_unique<Scene>(scenario.bed, scenario.tool, centres_m);
+  made.fresh = std::move(fresh);
   return made;
 }
 
 Session::Session(Scenario scenario, bool keep_records, const SettleProgress& progress)
-    : initial_(std::move(scenario)), wanted_(initial_), current_(show(initial_, nullptr, progress)) {
+    : initial_(std::move(scenario)), wanted_(initial_), current_(showNew(initial_, progress)) {
+  initial_fresh_ = current_.fresh;
   if (!wanted_.hand.surface_m) {
-    wanted_.hand.surface_m = current_.surface_m;
+    wanted_.hand.surface_m = current_.fresh->surface_m;
   }
   wish_.manoeuvre = wanted_.hand.manoeuvre;
   wish_.surface_m = *wanted_.hand.surface_m;
@@ -77,7 +81,9 @@ Session::Session(Scenario scenario, bool keep_records, const SettleProgress& pro
 }
 
 Session::~Session() {
-  abandonMaking();
+  if (making_) {
+    making_->unwanted = true;
+  }
 }
 
 void Session::start(std::atomic<bool>& stop) {
@@ -93,70 +99,76 @@ bool Session::update() {
 }
 
 bool Session::poll() {
-  bool changed = false;
-  if (coming_ && &loop_->stage() == coming_->stage) {
-    changed = true;
-    previous_ = std::move(current_);
-    current_ = std::move(*coming_);
-    coming_.reset();
-    ++scenes_;
-    snapshots_ = &current_.stage->snapshots;
-    wish_.surface_m = initial_.hand.surface_m.value_or(current_.surface_m);
-    ++wish_.beginnings;
-    wish();
+  const bool on_stage = takeStage();
+  const bool made = takeMade();
+  pursue();
+  return on_stage || made;
+}
+
+/// Moves on to the bed that has come on stage, once there is a picture of it.
+bool Session::takeStage() {
+  if (!coming_) {
+    return false;
   }
-  if (making_ && !coming_ && making_->result.wait_for(0s) == std::future_status::ready) {
-    changed = true;
-    const std::unique_ptr<Making> made = std::move(making_);
-    try {
-      Showing next = made->result.get();
+  if (!coming_is_asked_for_) {
+    coming_is_asked_for_ = loop_->ask(request::Exchange{request::ExchangeStage{coming_->stage}});
+  }
+  if (&loop_->stage() != coming_->stage || !coming_->stage->snapshots.update()) {
+    return false;
+  }
+  previous_ = std::move(current_);
+  current_ = std::move(*coming_);
+  coming_.reset();
+  ++scenes_;
+  snapshots_ = &current_.stage->snapshots;
+  wish_.surface_m = initial_.hand.surface_m.value_or(current_.fresh->surface_m);
+  ++wish_.beginnings;
+  wish();
+  return true;
+}
+
+bool Session::takeMade() {
+  if (!making_ || coming_ || making_->result.wait_for(0s) != std::future_status::ready) {
+    return false;
+  }
+  const std::unique_ptr<Making> made = std::move(making_);
+  try {
+    Showing next = made->result.get();
+    if (!made->unwanted) {
       current_.replaced_by = made->why;
       bringOnStage(std::move(next));
-    } catch (const std::exception& error) {  // the bed that is there stays
+    }
+  } catch (const std::exception& error) {  // the bed that is there stays
+    if (!made->unwanted) {
       problem_ = error.what();
       wanted_ = current_.scenario;
     }
   }
-  return changed;
+  return true;
 }
 
 void Session::change(const SceneChange& change) {
   const Scenario next = changed(wanted_, change);
   (void)substepsFor(next.bed.soil, next.tool.stiffness_n_m, next.bed.tick_s, next.bed.max_substeps);  // throws
   problem_.clear();
-  const bool on_its_way = making_ || coming_;
-  const bool other_soil = !(next.bed.soil == wanted_.bed.soil);
-  const bool goes_on = canGoOnWith(current_.made_of, next.bed.soil, next.tool.stiffness_n_m);
-  Scenario& now = current_.scenario;
-  if (next.bed.gravity_m_s2 != now.bed.gravity_m_s2) {
-    ask(request::Gravity{next.bed.gravity_m_s2});
-    now.bed.gravity_m_s2 = next.bed.gravity_m_s2;
-    now.body = next.body;
-  }
-  if (!sameTool(next.tool, now.tool)) {
-    ask(request::Exchange{request::ExchangeTool{next.tool}});
-    now.tool = next.tool;
-  }
   wanted_ = next;
-  if (change.wantsNewBed() || on_its_way) {
-    make(next, making_ ? making_->why : "soil", {});
-  } else if (other_soil && goes_on) {
-    ask(request::Soil{SoilLaws(next.bed.soil)});
-    now = next;
-  } else if (other_soil) {
-    make(next, "soil", centresOf(snapshot().position));  // the soil as it lies
+  if (change.wantsNewBed()) {
+    wantBed("soil");
   }
+  pursue();
 }
 
 void Session::reset() {
   problem_.clear();
   wanted_ = initial_;
-  make(wanted_, "reset", {});
+  wantBed("reset");
+  pursue();
 }
 
 void Session::level() {
   problem_.clear();
-  make(wanted_, "level", {});
+  wantBed("level");
+  pursue();
 }
 
 void Session::undo() {
@@ -171,36 +183,104 @@ void Session::undo() {
   previous_.reset();
 }
 
-void Session::make(const Scenario& scenario, std::string_view why, std::vector<Vec3> centres_m) {
-  abandonMaking();
-  if (centres_m.empty() && sameStart(scenario, current_.scenario) && current_.made_of == scenario.bed.soil) {
-    centres_m = current_.fresh;  // no need to settle again
+/// Notes that another bed is wanted; one that is being made is so no longer.
+void Session::wantBed(std::string_view why) {
+  bed_wanted_ = why;
+  if (making_) {
+    making_->unwanted = true;
+  }
+}
+
+/// Does what is wanted and not done yet, as far as it can be now: one bed at a time.
+void Session::pursue() {
+  if (making_ || coming_) {
+    return;
+  }
+  if (!bed_wanted_.empty()) {
+    make(std::exchange(bed_wanted_, {}), false);
+  } else {
+    changeWhatIsThere();
+  }
+}
+
+/// What the loop does not take now is asked for again at the next poll().
+void Session::changeWhatIsThere() {
+  Scenario& now = current_.scenario;
+  if (wanted_.bed.gravity_m_s2 != now.bed.gravity_m_s2) {
+    if (!loop_->ask(request::Gravity{wanted_.bed.gravity_m_s2})) {
+      return;
+    }
+    now.bed.gravity_m_s2 = wanted_.bed.gravity_m_s2;
+  }
+  now.body = wanted_.body;
+  if (!sameTool(wanted_.tool, now.tool)) {
+    if (!loop_->ask(request::Exchange{request::ExchangeTool{wanted_.tool}})) {
+      return;
+    }
+    now.tool = wanted_.tool;
+  }
+  if (wanted_.bed.soil == now.bed.soil) {
+    return;
+  }
+  if (!canGoOnWith(current_.made_of, wanted_.bed.soil, wanted_.tool.stiffness_n_m)) {
+    make("soil", true);
+  } else if (loop_->ask(request::Soil{SoilLaws(wanted_.bed.soil)})) {
+    now.bed.soil = wanted_.bed.soil;
+  }
+}
+
+std::shared_ptr<const Session::Fresh> Session::freshFor(const Scenario& scenario) const {
+  for (const auto& fresh : {current_.fresh, previous_ ? previous_->fresh : nullptr, initial_fresh_}) {
+    if (fresh && fresh->soil == scenario.bed.soil && fresh->gravity_m_s2 == scenario.bed.gravity_m_s2) {
+      return fresh;
+    }
+  }
+  return nullptr;
+}
+
+void Session::make(std::string_view why, bool as_it_lies) {
+  const std::shared_ptr<const Fresh> fresh = as_it_lies ? current_.fresh : freshFor(wanted_);
+  std::vector<Vec3> centres_m;
+  if (as_it_lies) {
+    centres_m = centresOf(snapshot().position);
+  } else if (fresh) {
+    centres_m = fresh->centres_m;  // no need to settle again
   }
   making_ = std::make_unique<Making>();
   making_->why = why;
-  making_->result =
-      std::async(std::launch::async, [scenario, centres_m = std::move(centres_m), making = making_.get()] {
-        Showing made = show(scenario, centres_m.empty() ? nullptr : &centres_m, [making](double time_s, double) {
-          making->settled_s = time_s;
-          return !making->unwanted;
-        });
-        made.own_stage = std::make_unique<Stage>(*made.scene);
-        made.stage = made.own_stage.get();
-        return made;
-      });
-}
-
-void Session::abandonMaking() noexcept {
-  if (making_) {
-    making_->unwanted = true;
-    making_->result.wait();
-    making_.reset();
-  }
+  making_->result = std::async(std::launch::async, [scenario = wanted_, fresh, centres_m = std::move(centres_m),
+                                                    making = making_.get()] {
+    Showing made = fresh ? showAgain(scenario, centres_m, fresh) : showNew(scenario, [making](double time_s, double) {
+      making->settled_s = time_s;
+      return !making->unwanted;
+    });
+    made.own_stage = std::make_unique<Stage>(*made.scene);
+    made.stage = made.own_stage.get();
+    return made;
+  });
 }
 
 void Session::bringOnStage(Showing next) {
   coming_ = std::move(next);
-  ask(request::Exchange{request::ExchangeStage{coming_->stage}});
+  (void)coming_->stage->snapshots.update();  // an old picture, of the last time it was on stage
+  coming_is_asked_for_ = false;
+}
+
+void Session::pause() {
+  ask(request::Pause{});
+  paused_ = true;
+}
+
+void Session::resume() {
+  ask(request::Resume{});
+  paused_ = false;
+}
+
+void Session::advance(int ticks) {
+  if (!paused_) {
+    throw InvalidParameter("step", fmt::format("{} tick(s) while time goes on", ticks), "asked for in a pause");
+  }
+  ask(request::Advance{ticks});
 }
 
 void Session::setSpeed(double factor) {
@@ -209,15 +289,9 @@ void Session::setSpeed(double factor) {
 }
 
 void Session::ask(const LoopRequest& request) {
-  // The loop takes them within a tick, but for the tenth of a second in which a tool fades.
-  constexpr int kTries = 1000;
-  for (int i = 0; i < kTries; ++i) {
-    if (loop_->ask(request)) {
-      return;
-    }
-    std::this_thread::sleep_for(1ms);
+  if (!loop_->ask(request)) {
+    throw Failure("too much is asked for at once: try again");
   }
-  throw Failure("the loop takes no more requests: it has stopped");
 }
 
 void Session::hold(const Pose& scene_T_tool) {
@@ -253,7 +327,7 @@ Vec3 Session::workspaceLow() const noexcept {
 
 Vec3 Session::workspaceHigh() const noexcept {
   const BedParameters& bed = current_.scenario.bed;
-  return {bed.width_m / 2 + kBesideBox_m, bed.length_m / 2 + kBesideBox_m, current_.surface_m + kAboveSurface_m};
+  return {bed.width_m / 2 + kBesideBox_m, bed.length_m / 2 + kBesideBox_m, surface() + kAboveSurface_m};
 }
 
 std::string Session::busy() const {

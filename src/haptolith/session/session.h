@@ -27,7 +27,7 @@ class Session {
 
   /// Starts the loop; `stop` ends it.
   void start(std::atomic<bool>& stop);
-  [[nodiscard]] bool done() const { return thread_->done(); }
+  [[nodiscard]] bool done() const { return thread_ && thread_->done(); }
   /// Waits for the loop's end.
   LoopEnd join();
   [[nodiscard]] const RealTime& realTime() const { return thread_->realTime(); }
@@ -40,16 +40,17 @@ class Session {
   bool update();
   [[nodiscard]] const SceneSnapshot& snapshot() const { return snapshots_->latest(); }
 
-  // --- changes: @throws InvalidParameter, Failure as changed(); then nothing has changed
+  // --- changes: @throws InvalidParameter, Failure as changed(); then nothing has changed. What cannot be done at once,
+  // because a bed is on its way, is done when that has come.
 
   void change(const SceneChange& change);
   void reset();  ///< the scene as it was started
   void level();  ///< the same soil, level again
   void undo();   ///< the bed as it was before the last new one; a second undo brings that back
 
-  void pause() { ask(request::Pause{}); }
-  void resume() { ask(request::Resume{}); }
-  void advance(int ticks) { ask(request::Advance{ticks}); }
+  void pause();
+  void resume();
+  void advance(int ticks);  ///< only while paused
   void setSpeed(double factor);
 
   void hold(const Pose& scene_T_tool);
@@ -60,11 +61,13 @@ class Session {
 
   /// The scene as it is wanted; the bed of it may still be on its way.
   [[nodiscard]] const Scenario& scenario() const noexcept { return wanted_; }
+  /// The scene that is shown.
+  [[nodiscard]] const Scenario& shown() const noexcept { return current_.scenario; }
   [[nodiscard]] const Scene& scene() const noexcept { return *current_.scene; }
   /// How many beds have been shown: particles of one are not those of another.
   [[nodiscard]] std::uint32_t scenes() const noexcept { return scenes_; }
   /// Height of the soil's surface when the bed that is shown was made, in m.
-  [[nodiscard]] double surface() const noexcept { return current_.surface_m; }
+  [[nodiscard]] double surface() const noexcept { return current_.fresh->surface_m; }
   [[nodiscard]] double speed() const noexcept { return speed_; }
   [[nodiscard]] const std::optional<Pose>& held() const noexcept { return wish_.held; }
   [[nodiscard]] Manoeuvre manoeuvre() const noexcept { return wish_.manoeuvre; }
@@ -83,12 +86,18 @@ class Session {
   [[nodiscard]] const HapticLoop& loop() const noexcept { return *loop_; }
 
  private:
+  /// How a bed lay when it was new: level, and at rest with this soil under this gravity.
+  struct Fresh {
+    SoilParameters soil;
+    Vec3 gravity_m_s2;
+    std::vector<Vec3> centres_m;
+    double surface_m = 0;
+  };
   /// A bed that is, was or will be on stage.
   struct Showing {
-    Scenario scenario;        ///< as it was last wanted of this bed
-    SoilParameters made_of;   ///< what its lists and steps are good for
-    std::vector<Vec3> fresh;  ///< its particles' centres when it was made, m
-    double surface_m = 0;
+    Scenario scenario;       ///< what has been asked for of this bed, and done
+    SoilParameters made_of;  ///< what its lists and steps are good for
+    std::shared_ptr<const Fresh> fresh;
     std::unique_ptr<Scene> scene;
     std::unique_ptr<Stage> own_stage;  ///< none for the first: the loop has that
     Stage* stage = nullptr;
@@ -96,10 +105,16 @@ class Session {
   };
   struct Making;
 
-  [[nodiscard]] static Showing show(const Scenario& scenario, const std::vector<Vec3>* centres_m,
-                                    const SettleProgress& progress);
-  void make(const Scenario& scenario, std::string_view why, std::vector<Vec3> centres_m);
-  void abandonMaking() noexcept;
+  [[nodiscard]] static Showing showNew(const Scenario& scenario, const SettleProgress& progress);
+  [[nodiscard]] static Showing showAgain(const Scenario& scenario, const std::vector<Vec3>& centres_m,
+                                         std::shared_ptr<const Fresh> fresh);
+  void wantBed(std::string_view why);
+  void pursue();
+  void changeWhatIsThere();
+  void make(std::string_view why, bool as_it_lies);
+  [[nodiscard]] std::shared_ptr<const Fresh> freshFor(const Scenario& scenario) const;
+  bool takeMade();
+  bool takeStage();
   void bringOnStage(Showing next);
   void ask(const LoopRequest& request);
   void wish() { hand_->wish(wish_); }
@@ -107,7 +122,11 @@ class Session {
   Scenario initial_, wanted_;
   Showing current_;
   std::optional<Showing> previous_, coming_;
+  bool coming_is_asked_for_ = false;
   std::unique_ptr<Making> making_;
+  std::string_view bed_wanted_;  ///< why another bed is wanted when nothing is on its way any more; empty: it is not
+  std::shared_ptr<const Fresh> initial_fresh_;
+  bool paused_ = false;
   std::uint32_t scenes_ = 1;
   double speed_ = 1;
   HandWish wish_;

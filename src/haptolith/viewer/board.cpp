@@ -6,6 +6,9 @@ namespace haptolith {
 
 void Board::setScene(std::string text) {
   const std::scoped_lock lock(mutex_);
+  if (scene_ && *scene_ == text) {
+    return;
+  }
   scene_ = std::make_shared<const std::string>(std::move(text));
   ++scene_version_;
 }
@@ -43,14 +46,15 @@ std::optional<Board::Message> Board::next(std::uint32_t client, Seen& seen) {
     seen.scene = scene_version_;
     return Message{scene_};
   }
+  // Before the picture: of that there is always a newer one for a client that is slow.
+  if (status_ && seen.status != status_version_) {
+    seen.status = status_version_;
+    return Message{status_};
+  }
   if (encoder_ && encoder_->hasPicture() && seen.frame != encoder_->number()) {
     const std::shared_ptr<const std::string> frame = encoder_->frameSince(seen.frame);
     seen.frame = encoder_->number();
     return Message{frame, true};
-  }
-  if (status_ && seen.status != status_version_) {
-    seen.status = status_version_;
-    return Message{status_};
   }
   return std::nullopt;
 }

@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <map>
 #include <set>
 
@@ -174,6 +175,9 @@ command::Change change(Keys& keys) {
 
 command::Step step(Keys& keys) {
   const double ticks = keys.number("ticks", {1, kMostTicks}).value_or(1);
+  if (ticks != std::floor(ticks)) {
+    throw InvalidParameter("ticks", fmt::format("{}", ticks), "a whole number");
+  }
   return {static_cast<int>(ticks)};
 }
 

@@ -32,7 +32,7 @@ template <class... Handlers>
 OneOf(Handlers...) -> OneOf<Handlers...>;
 
 FrameEncoder::Space spaceOf(const Session& session) {
-  const BedParameters& bed = session.scenario().bed;
+  const BedParameters& bed = session.shown().bed;
   const double x = bed.width_m / 2 + kBesideBox_m;
   const double y = bed.length_m / 2 + kBesideBox_m;
   return {Vec3(-x, -y, -kBesideBox_m), Vec3(x, y, session.surface() + kAboveSurface_m)};
@@ -51,6 +51,9 @@ void LiveView::obey() {
   events_.clear();
   server_.takeEvents(events_);
   for (const WebServer::Event& event : events_) {
+    if (session_.done()) {
+      return;
+    }
     if (event.kind == WebServer::Event::Kind::kLeft) {
       letGo(event.client);
       coloured_by_force_.erase(event.client);
@@ -93,11 +96,22 @@ void LiveView::carryOut(std::uint32_t client, const Command& asked) {
                    },
                    [&](const command::Change& change) { session_.change(change.change); },
                    [&](const command::Reset&) { session_.reset(); }, [&](const command::Level&) { session_.level(); },
-                   [&](const command::Undo&) { session_.undo(); }, [&](const command::Pause&) { session_.pause(); },
+                   [&](const command::Undo&) { session_.undo(); },
+                   [&](const command::Pause&) {
+                     session_.pause();
+                     if (holder_) {
+                       letGo(*holder_);
+                     }
+                   },
                    [&](const command::Resume&) { session_.resume(); },
                    [&](const command::Step& step) { session_.advance(step.ticks); },
                    [&](const command::Speed& speed) { session_.setSpeed(speed.factor); },
-                   [&](const command::Record& record) { recording_ = recorder_(record.on); },
+                   [&](const command::Record& record) {
+                     if (!recorder_.start) {
+                       throw Failure("nothing can be recorded here");
+                     }
+                     record.on ? recorder_.start() : recorder_.stop();
+                   },
                    [&](const command::Colour& colour) {
                      if (colour.by_force) {
                        coloured_by_force_.insert(client);
@@ -126,7 +140,7 @@ void LiveView::show(bool newer, bool changed) {
     if (coloured_by_force_.empty()) {
       loads_n_.clear();
     } else if (now >= loads_at_) {
-      loads_n_ = contactLoads(session_.scenario().bed, snapshot.position);
+      loads_n_ = contactLoads(session_.shown().bed, snapshot.position);
       loads_at_ = now + std::chrono::duration_cast<Clock::duration>((Clock::now() - now) / kShareForLoads);
     }
     board_.setPicture(snapshot, {.wanted = session_.held(), .held = holder_.has_value(), .load_n = loads_n_});
@@ -154,6 +168,7 @@ void LiveView::showScene() {
 
 void LiveView::showStatus() {
   const Clock::time_point now = Clock::now();
+  const std::string recording = recorder_.name ? recorder_.name() : "";
   const std::uint64_t ticks = session_.snapshot().ticks;
   if (now - rate_at_ >= kRateOver) {
     const double elapsed_s = std::chrono::duration<double>(now - rate_at_).count();
@@ -162,7 +177,7 @@ void LiveView::showStatus() {
     rate_ticks_ = ticks;
   }
   board_.setStatus(statusMessage(
-      session_, {.rate_hz = rate_hz_, .clients = server_.clients(), .held_by = holder_, .recording = recording_}));
+      session_, {.rate_hz = rate_hz_, .clients = server_.clients(), .held_by = holder_, .recording = recording}));
 }
 
 }  // namespace haptolith

@@ -20,8 +20,11 @@ namespace haptolith {
 /// which it asks on the thread that calls it, and the server, which has a thread of its own; the loop knows of neither.
 class LiveView {
  public:
-  /// Starts and stops recording: given true returns the file's name. May throw Failure.
-  using Recorder = std::function<std::string(bool on)>;
+  /// Who writes what clients ask to be recorded; without functions nothing is.
+  struct Recorder {
+    std::function<void()> start, stop;  ///< may throw Failure
+    std::function<std::string()> name;  ///< of the file while there is one, else empty
+  };
 
   /// @throws InvalidParameter, Failure: as WebServer.
   LiveView(Session& session, const WebServerOptions& options, std::string_view version, Recorder recorder);
@@ -48,7 +51,6 @@ class LiveView {
   std::vector<WebServer::Event> events_;
   std::optional<std::uint32_t> holder_;
   std::set<std::uint32_t> coloured_by_force_;
-  std::string recording_;
   std::uint32_t scene_shown_ = 0;
   bool scene_changed_ = true;
   std::vector<float> loads_n_;

@@ -104,6 +104,7 @@ std::string helloMessage(std::string_view version) {
 std::string sceneMessage(const Session& session, const FrameEncoder::Space& space) {
   const Scenario& scenario = session.scenario();
   const BedParameters& bed = scenario.bed;
+  const SoilParameters& shown = session.shown().bed.soil;
   Json sliders = Json::array();
   for (const SoilSlider& slider : slidersOf(bed.soil)) {
     sliders.push_back({{"key", slider.key},
@@ -120,7 +121,7 @@ std::string sceneMessage(const Session& session, const FrameEncoder::Space& spac
        {"title", scenario.title},
        {"particles", session.scene().bed().particles()},
        {"radius_m", bed.soil.radius_m},
-       {"size_spread", bed.soil.friction == FrictionModel::kPairwise ? bed.soil.size_spread : 0.0},
+       {"size_spread", shown.friction == FrictionModel::kPairwise ? shown.size_spread : 0.0},
        {"box",
         {{"width_m", bed.width_m},
          {"length_m", bed.length_m},
