@@ -52,7 +52,11 @@ export class Controls {
   private scene: Scene | null = null;
   private status: Status | null = null;
 
-  constructor(private readonly act: Actions) {
+  /** `neutral`: a pause is no news, for pictures, which are taken while time stands still. */
+  constructor(
+    private readonly act: Actions,
+    private readonly neutral: boolean,
+  ) {
     const button = (label: string, title: string, run: () => void): HTMLButtonElement =>
       h('button', { type: 'button', title, onclick: run }, label);
 
@@ -188,7 +192,7 @@ export class Controls {
   setStatus(status: Status): void {
     this.status = status;
     setText(this.pause, status.paused ? 'Go on' : 'Pause');
-    this.pause.setAttribute('aria-pressed', String(status.paused));
+    this.pause.setAttribute('aria-pressed', String(status.paused && !this.neutral));
     this.step.disabled = !status.paused;
     this.undo.disabled = !status.can_undo;
     setText(this.undo, status.undo ? `Undo ${status.undo}` : 'Undo');

@@ -32,8 +32,11 @@ export class StatusStrip {
   private readonly real_time = new Cell('real time', 7, 'whether the kernel grants the loop real time');
   private readonly clients = new Cell('clients', 3, 'pages connected; who holds the tool');
 
-  constructor(own_client: () => number | null) {
-    this.own_client = own_client;
+  /** `neutral`: a pause is no news, for pictures, which are taken while time stands still. */
+  constructor(
+    private readonly own_client: () => number | null,
+    private readonly neutral: boolean,
+  ) {
     const cells = [
       this.rate,
       this.success,
@@ -52,8 +55,6 @@ export class StatusStrip {
     );
   }
 
-  private readonly own_client: () => number | null;
-
   setScene(scene: Scene): void {
     this.body.set(scene.body ?? `${Math.hypot(...scene.gravity_m_s2).toFixed(2)} m/s²`);
     this.soil.set(scene.soil.preset ?? scene.soil.name ?? 'own');
@@ -62,7 +63,7 @@ export class StatusStrip {
   setStatus(status: Status): void {
     const wanted_hz = 1000 * status.speed;
     const slow = !status.paused && status.rate_hz < 0.97 * wanted_hz;
-    if (status.paused) this.rate.set('paused', 'warn');
+    if (status.paused) this.rate.set('paused', this.neutral ? 'none' : 'warn');
     else this.rate.set(`${fixed(status.rate_hz, 0, 4)} Hz`, slow ? 'warn' : 'good');
     const percent = 100 * status.success_rate;
     this.success.set(`${fixed(percent, 0, 3)} %`, percent >= 99 ? 'good' : percent >= 90 ? 'warn' : 'bad');
