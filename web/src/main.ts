@@ -224,6 +224,7 @@ function onFrame(frame: Frame): void {
   hand.setFrame(frame);
   stage.setFrame(frame, frame.held);
   plots.setFrame(frame);
+  strip.setTime(frame.time_s);
   if (now.scene) readouts.setFrame(frame, now.scene, performance.now());
 }
 

@@ -22,6 +22,7 @@ class Cell {
 
 export class StatusStrip {
   readonly element: HTMLElement;
+  private readonly time = new Cell('time', 8, 'simulated time');
   private readonly rate = new Cell('rate', 8, 'ticks a second over the last second');
   private readonly success = new Cell('in time', 6, 'ticks of the last hundred that were done within their time');
   private readonly p99 = new Cell('tick p99', 8, '99 of 100 ticks take no longer');
@@ -38,6 +39,7 @@ export class StatusStrip {
     private readonly neutral: boolean,
   ) {
     const cells = [
+      this.time,
       this.rate,
       this.success,
       this.p99,
@@ -53,6 +55,11 @@ export class StatusStrip {
       { class: 'cells', role: 'group', 'aria-label': 'Status' },
       ...cells.map((cell) => cell.element),
     );
+  }
+
+  /** Simulated time, of the frame that is shown. */
+  setTime(time_s: number): void {
+    this.time.set(`${fixed(time_s, 1, 6)} s`);
   }
 
   setScene(scene: Scene): void {
