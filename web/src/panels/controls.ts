@@ -1,4 +1,4 @@
-// The column at the side: soil, world, tool, hand, bed, time, picture. It shows what the program says is so, and asks for
+// The column at the side: world, tool, hand, bed, time, picture. It shows what the program says is so, and asks for
 // what the person wants; a control changes for good only when the program's next `scene` or `status` says so.
 
 import {
@@ -102,8 +102,14 @@ export class Controls {
     this.element = h(
       'aside',
       { class: 'controls', 'aria-label': 'Controls' },
-      group('Soil', field('Soil', this.soil), field('Friction', this.friction), this.soil_facts, this.sliders),
-      group('World', field('Body', this.body)),
+      group(
+        'World',
+        field('Soil', this.soil),
+        field('Friction', this.friction),
+        this.soil_facts,
+        this.sliders,
+        field('Body', this.body),
+      ),
       group('Tool', this.shapes, this.sizes),
       group(
         'Hand',
@@ -123,8 +129,7 @@ export class Controls {
       group(
         'Time',
         h('div', { class: 'row buttons' }, this.pause, this.step, this.record),
-        field('Speed', this.speed),
-        this.record_file,
+        h('div', { class: 'row' }, field('Speed', this.speed), this.record_file),
       ),
       group('Picture', this.colours, views),
     );
@@ -327,7 +332,7 @@ export class Controls {
         const entry = { input, value, spec: slider };
         input.addEventListener('input', () => this.slid(entry));
         this.slider_inputs.set(slider.key, entry);
-        return h('label', { class: 'slider' }, h('span', {}, slider.label), value, input);
+        return h('label', { class: 'slider', title: slider.label }, h('span', {}, slider.label), value, input);
       }),
     );
   }
