@@ -132,6 +132,8 @@ export class ArrowsView {
     }
     this.ring_tip.position.set(Math.cos(turn), Math.sin(turn), 0);
     this.ring_tip.rotation.z = turn;
+    // A torque that turns less than its tip is long has a smaller tip.
+    this.ring_tip.scale.setScalar(Math.min(1, turn / 0.7));
     this.torque.quaternion.setFromUnitVectors(Z, vector.normalize());
   }
 
