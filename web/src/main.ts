@@ -76,18 +76,21 @@ const keys = new KeyHand(hand, stage.orbit, box_scale);
 const gamepad = new GamepadHand(hand, stage.orbit, box_scale, force_n);
 const vr = new VrHand(stage, hand, force_n, showVr);
 
-const strip = new StatusStrip(() => now.hello?.client ?? null);
+const strip = new StatusStrip(() => now.hello?.client ?? null, settings.for_pictures);
 const readouts = new Readouts();
 const legend = new Legend();
 const scale_bar = new ScaleBar();
 const plots = new Plots();
-const controls = new Controls({
-  ask,
-  setColour,
-  setView: (name) => stage.setView(name),
-  resetView: () => stage.resetView(),
-  setDigAnywhere: (on) => (pointer.dig_anywhere = on),
-});
+const controls = new Controls(
+  {
+    ask,
+    setColour,
+    setView: (name) => stage.setView(name),
+    resetView: () => stage.resetView(),
+    setDigAnywhere: (on) => (pointer.dig_anywhere = on),
+  },
+  settings.for_pictures,
+);
 
 const shortcuts: Shortcut[] = [
   ...TOOL_KEYS,
@@ -146,6 +149,7 @@ const help_button = h(
   '?',
 );
 const hint = h('div', { class: 'hint' }, 'Drag the tool to dig · drag beside it to look around · ? for help');
+hint.hidden = settings.for_pictures;
 
 layout.assemble({
   strip: strip.element,
@@ -220,6 +224,7 @@ function onFrame(frame: Frame): void {
   hand.setFrame(frame);
   stage.setFrame(frame, frame.held);
   plots.setFrame(frame);
+  strip.setTime(frame.time_s);
   if (now.scene) readouts.setFrame(frame, now.scene, performance.now());
 }
 
@@ -279,7 +284,7 @@ function makeStage(): Stage {
   try {
     return new Stage(layout.view, {
       reduced_motion: matchMedia('(prefers-reduced-motion: reduce)').matches,
-      full_quality: new URLSearchParams(location.search).get('quality') === 'full',
+      full_quality: settings.for_pictures,
     });
   } catch (error) {
     layout.view.append(h('p', { class: 'no-picture' }, 'This browser does not show WebGL 2, which the picture needs.'));

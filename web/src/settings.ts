@@ -12,6 +12,8 @@ export interface Settings {
   colour: ColourMode;
   theme: Theme;
   panels: boolean;
+  /** the page is drawn for a picture or a film: always all pixels, and nothing that is only for a person at work */
+  for_pictures: boolean;
 }
 
 const THEME_KEY = 'haptolith.theme';
@@ -47,6 +49,7 @@ export function readSettings(search: string, prefers_light: boolean): Settings {
     colour: oneOf(COLOUR_MODES, query.get('colour')) ?? oneOf(COLOUR_MODES, recall(COLOUR_KEY)) ?? 'plain',
     theme: oneOf(THEMES, query.get('theme')) ?? oneOf(THEMES, recall(THEME_KEY)) ?? (prefers_light ? 'light' : 'dark'),
     panels: query.get('panels') !== '0',
+    for_pictures: query.get('quality') === 'full',
   };
 }
 

@@ -1,4 +1,4 @@
-// The column at the side: soil, world, tool, hand, bed, time, picture. It shows what the program says is so, and asks for
+// The column at the side: world, tool, hand, bed, time, picture. It shows what the program says is so, and asks for
 // what the person wants; a control changes for good only when the program's next `scene` or `status` says so.
 
 import {
@@ -52,7 +52,11 @@ export class Controls {
   private scene: Scene | null = null;
   private status: Status | null = null;
 
-  constructor(private readonly act: Actions) {
+  /** `neutral`: a pause is no news, for pictures, which are taken while time stands still. */
+  constructor(
+    private readonly act: Actions,
+    private readonly neutral: boolean,
+  ) {
     const button = (label: string, title: string, run: () => void): HTMLButtonElement =>
       h('button', { type: 'button', title, onclick: run }, label);
 
@@ -98,8 +102,14 @@ export class Controls {
     this.element = h(
       'aside',
       { class: 'controls', 'aria-label': 'Controls' },
-      group('Soil', field('Soil', this.soil), field('Friction', this.friction), this.soil_facts, this.sliders),
-      group('World', field('Body', this.body)),
+      group(
+        'World',
+        field('Soil', this.soil),
+        field('Friction', this.friction),
+        this.soil_facts,
+        this.sliders,
+        field('Body', this.body),
+      ),
       group('Tool', this.shapes, this.sizes),
       group(
         'Hand',
@@ -119,8 +129,7 @@ export class Controls {
       group(
         'Time',
         h('div', { class: 'row buttons' }, this.pause, this.step, this.record),
-        field('Speed', this.speed),
-        this.record_file,
+        h('div', { class: 'row' }, field('Speed', this.speed), this.record_file),
       ),
       group('Picture', this.colours, views),
     );
@@ -188,7 +197,7 @@ export class Controls {
   setStatus(status: Status): void {
     this.status = status;
     setText(this.pause, status.paused ? 'Go on' : 'Pause');
-    this.pause.setAttribute('aria-pressed', String(status.paused));
+    this.pause.setAttribute('aria-pressed', String(status.paused && !this.neutral));
     this.step.disabled = !status.paused;
     this.undo.disabled = !status.can_undo;
     setText(this.undo, status.undo ? `Undo ${status.undo}` : 'Undo');
@@ -323,7 +332,7 @@ export class Controls {
         const entry = { input, value, spec: slider };
         input.addEventListener('input', () => this.slid(entry));
         this.slider_inputs.set(slider.key, entry);
-        return h('label', { class: 'slider' }, h('span', {}, slider.label), value, input);
+        return h('label', { class: 'slider', title: slider.label }, h('span', {}, slider.label), value, input);
       }),
     );
   }

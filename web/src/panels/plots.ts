@@ -58,6 +58,7 @@ interface Line {
   colour: string;
   width: number;
   points?: boolean;
+  explains?: string;
 }
 
 interface PlotSpec {
@@ -98,7 +99,15 @@ const SPECS: PlotSpec[] = [
     unit: 'µs',
     lines: [
       { name: 'tick', colour: '--plot-z', width: 1.25 },
-      { name: 'late', colour: '--plot-x', width: 0, points: true },
+      {
+        name: 'woke late',
+        colour: '--plot-x',
+        width: 0,
+        points: true,
+        explains:
+          'A tick missed its millisecond. On the dashed line: the loop was woken late, the tick itself was short. ' +
+          'Above it: the tick itself took too long.',
+      },
     ],
     range: () => [1, 10_000],
     log: true,
@@ -120,9 +129,17 @@ export class Plots {
       const host = h('div', { class: 'plot-host' });
       this.hosts.push(host);
       const keys = spec.lines.map((line) =>
-        h('span', { class: 'plot-key' }, h('i', { style: `background:var(${line.colour})` }), line.name),
+        h(
+          'span',
+          { class: 'plot-key', title: line.explains },
+          h('i', { class: line.points ? 'point' : null, style: `background:var(${line.colour})` }),
+          line.name,
+        ),
       );
-      if (spec.deadline) keys.push(h('span', { class: 'plot-key' }, h('i', { class: 'dashed' }), '1 ms'));
+      if (spec.deadline)
+        keys.push(
+          h('span', { class: 'plot-key', title: 'the time that a tick has' }, h('i', { class: 'dashed' }), '1 ms'),
+        );
       return h(
         'figure',
         { class: 'plot' },

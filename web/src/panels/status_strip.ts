@@ -22,6 +22,7 @@ class Cell {
 
 export class StatusStrip {
   readonly element: HTMLElement;
+  private readonly time = new Cell('time', 8, 'simulated time');
   private readonly rate = new Cell('rate', 8, 'ticks a second over the last second');
   private readonly success = new Cell('in time', 6, 'ticks of the last hundred that were done within their time');
   private readonly p99 = new Cell('tick p99', 8, '99 of 100 ticks take no longer');
@@ -32,9 +33,13 @@ export class StatusStrip {
   private readonly real_time = new Cell('real time', 7, 'whether the kernel grants the loop real time');
   private readonly clients = new Cell('clients', 3, 'pages connected; who holds the tool');
 
-  constructor(own_client: () => number | null) {
-    this.own_client = own_client;
+  /** `neutral`: a pause is no news, for pictures, which are taken while time stands still. */
+  constructor(
+    private readonly own_client: () => number | null,
+    private readonly neutral: boolean,
+  ) {
     const cells = [
+      this.time,
       this.rate,
       this.success,
       this.p99,
@@ -52,7 +57,10 @@ export class StatusStrip {
     );
   }
 
-  private readonly own_client: () => number | null;
+  /** Simulated time, of the frame that is shown. */
+  setTime(time_s: number): void {
+    this.time.set(`${fixed(time_s, 1, 6)} s`);
+  }
 
   setScene(scene: Scene): void {
     this.body.set(scene.body ?? `${Math.hypot(...scene.gravity_m_s2).toFixed(2)} m/s²`);
@@ -62,7 +70,7 @@ export class StatusStrip {
   setStatus(status: Status): void {
     const wanted_hz = 1000 * status.speed;
     const slow = !status.paused && status.rate_hz < 0.97 * wanted_hz;
-    if (status.paused) this.rate.set('paused', 'warn');
+    if (status.paused) this.rate.set('paused', this.neutral ? 'none' : 'warn');
     else this.rate.set(`${fixed(status.rate_hz, 0, 4)} Hz`, slow ? 'warn' : 'good');
     const percent = 100 * status.success_rate;
     this.success.set(`${fixed(percent, 0, 3)} %`, percent >= 99 ? 'good' : percent >= 90 ? 'warn' : 'bad');

@@ -1,5 +1,6 @@
 // What the hand feels, as arrows at the tool: the force straight, the torque around its axis. And the spring that pulls
-// the tool to where the hand wants it. Drawn over everything: an arrow that soil hides says nothing.
+// the tool to where the hand wants it. Drawn over everything: an arrow that soil hides says nothing. Arrows are as long as
+// the picture, not the box, asks for: legible in each; and thin beside the tool, which they must not hide.
 
 import {
   BufferGeometry,
@@ -26,6 +27,8 @@ const SPRING_COLOUR = '#7fd7e6';
 const LEAST_FORCE_N = 0.01;
 const LEAST_TORQUE_NM = 0.0005;
 
+// Length of 1 N, as a share of the shorter side of the picture.
+const NEWTON_LENGTH = 0.065;
 const LARGEST_TURN = 1.75 * Math.PI;
 const SPRING_POINTS = 96;
 
@@ -41,9 +44,10 @@ export class ArrowsView {
   private readonly ring_tip: Mesh;
   private readonly spring: Line<BufferGeometry, LineBasicMaterial>;
   private ring_turn = 0;
-  private unit_m = 0.02;
-  private size_m = 0.02;
+  private picture_m = 0.2;
+  private tool_m = 0.05;
   private most_nm = 0.2;
+  private force_n: Vec3 = [0, 0, 0];
 
   constructor() {
     const force_material = overlay(FORCE_COLOUR);
@@ -67,42 +71,51 @@ export class ArrowsView {
     this.group.add(this.force, this.torque, this.spring);
   }
 
-  /** Length of 1 N in mm, for the legend. */
-  get millimetresPerNewton(): number {
-    return this.unit_m * 1000;
+  setScene(scene: Scene): void {
+    const [x, y] = scene.tool.size_mm;
+    this.tool_m = (scene.tool.shape === 'box' ? Math.max(x, y) : scene.tool.diameter_mm) / 1000;
+    this.most_nm = scene.hand.max_torque_nm;
+    this.showSizes();
   }
 
-  setScene(scene: Scene): void {
-    const width_m = Math.max(scene.box.width_m, scene.box.length_m);
-    // 1 N is as long as a sixth of the box, so that a scoop's two or three newtons fill half of it.
-    this.unit_m = Math.max(0.001, Math.round((width_m * 1000) / 6 / 5) * 0.005);
-    this.size_m = 0.012 + 0.02 * width_m;
-    const [x, y] = scene.tool.size_mm;
-    const tool_m = (scene.tool.shape === 'box' ? Math.max(x, y) : scene.tool.diameter_mm) / 1000;
-    this.size_m = Math.max(0.42 * tool_m, 0.03 * width_m);
-    this.most_nm = scene.hand.max_torque_nm;
+  /** How many metres at the bed the shorter side of the picture is. */
+  setPicture(picture_m: number): void {
+    if (Math.abs(picture_m - this.picture_m) < 0.002 * this.picture_m) return;
+    this.picture_m = picture_m;
+    this.showSizes();
   }
 
   setFrame(frame: Frame, held: boolean): void {
     this.group.position.set(...frame.tool.position_m);
-    this.showForce(frame.force_n);
+    this.force_n = frame.force_n;
+    this.showForce();
     this.showTorque(frame.torque_nm);
     this.showSpring(frame, held);
   }
 
-  private showForce(force_n: Vec3): void {
-    const vector = new Vector3(...force_n);
+  private get ring_m(): number {
+    return Math.max(0.42 * this.tool_m, 0.04 * this.picture_m);
+  }
+
+  private showSizes(): void {
+    this.torque.scale.setScalar(this.ring_m);
+    this.showForce();
+  }
+
+  private showForce(): void {
+    const vector = new Vector3(...this.force_n);
     const newtons = vector.length();
     this.force.visible = newtons >= LEAST_FORCE_N;
     if (!this.force.visible) return;
     // Six newtons are the longest that is drawn; beyond, the number beside the view tells.
-    const length_m = Math.min(newtons, 6) * this.unit_m;
-    const thick_m = 0.0035 * Math.min(1, length_m / 0.02) * (this.unit_m / 0.02) ** 0.6 * 0.7;
-    const tip_m = Math.min(0.45 * length_m, 5 * thick_m);
+    const length_m = Math.min(newtons, 6) * NEWTON_LENGTH * this.picture_m;
+    const thick_m = Math.max(Math.min(0.012 * this.picture_m, 0.05 * this.tool_m), 0.0035 * this.picture_m);
+    const drawn_m = thick_m * Math.min(1, length_m / (0.1 * this.picture_m));
+    const tip_m = Math.min(0.45 * length_m, 5 * drawn_m);
     this.force.quaternion.copy(new Quaternion().setFromUnitVectors(Z, vector.normalize()));
-    this.shaft.scale.set(thick_m * 0.55, thick_m * 0.55, length_m - tip_m);
+    this.shaft.scale.set(drawn_m * 0.55, drawn_m * 0.55, length_m - tip_m);
     this.tip.position.z = length_m - tip_m;
-    this.tip.scale.set(thick_m * 1.6, thick_m * 1.6, tip_m);
+    this.tip.scale.set(drawn_m * 1.6, drawn_m * 1.6, tip_m);
   }
 
   private showTorque(torque_nm: Vec3): void {
@@ -119,7 +132,8 @@ export class ArrowsView {
     }
     this.ring_tip.position.set(Math.cos(turn), Math.sin(turn), 0);
     this.ring_tip.rotation.z = turn;
-    this.torque.scale.setScalar(this.size_m);
+    // A torque that turns less than its tip is long has a smaller tip.
+    this.ring_tip.scale.setScalar(Math.min(1, turn / 0.7));
     this.torque.quaternion.setFromUnitVectors(Z, vector.normalize());
   }
 
@@ -132,7 +146,7 @@ export class ArrowsView {
     const side = new Vector3().crossVectors(way, across).normalize();
     const other = new Vector3().crossVectors(way, side).normalize();
     const position = this.spring.geometry.getAttribute('position');
-    const coil_m = Math.min(0.05 * this.size_m + 0.06 * length_m, 0.1 * this.size_m);
+    const coil_m = Math.min(0.05 * this.ring_m + 0.06 * length_m, 0.1 * this.ring_m);
     for (let i = 0; i < SPRING_POINTS; ++i) {
       const share = i / (SPRING_POINTS - 1);
       // Straight at both ends, eight coils between them.

@@ -20,7 +20,7 @@ import { COLOUR_MODES, type ColourMode, type Frame, type Scene } from '../protoc
 import { lookOf } from './body_looks';
 import { ASLEEP_COLOUR, AWAKE_COLOUR, VIRIDIS } from './colour_maps';
 import { GRAIN_FRAGMENT_SHADER, GRAIN_VERTEX_SHADER } from './grain_shader';
-import { HeightField } from './height_field';
+import { HeightField, type Carrier } from './height_field';
 import { lightScene, type LightUniforms } from './light_shader';
 
 // Beyond these, the sun is asked for once a grain instead of once a pixel, and grains stay smooth.
@@ -38,6 +38,7 @@ export class BedView {
   private geometry = new InstancedBufferGeometry();
   private records: InstancedBufferAttribute | null = null;
   private scene: Scene | null = null;
+  private carrier: Carrier | null = null;
   private field_stale = false;
   private field_built_ms = 0;
 
@@ -118,6 +119,7 @@ export class BedView {
     const scene = this.scene;
     const attribute = this.records;
     if (!scene || !attribute || frame.scene !== scene.scene || frame.particles !== attribute.count) return false;
+    this.carrier = { at_m: frame.tool.position_m, radius_m: toolReach_m(scene) };
     const all = attribute.array as Uint16Array;
     let from = 0;
     for (let i = 0; i < frame.runs.length; i += 2) {
@@ -143,7 +145,9 @@ export class BedView {
     if (!this.field_stale || !this.field || !this.records || this.drawn === 0) return false;
     const interval_ms = this.records.count <= MOST_WITH_PIXEL_SUN ? FIELD_INTERVAL_MS.small : FIELD_INTERVAL_MS.large;
     if (now_ms - this.field_built_ms < interval_ms) return true;
-    this.field.build(this.records.array as Uint16Array, this.records.count);
+    this.field.build(this.records.array as Uint16Array, this.records.count, this.carrier);
+    this.light.u_flying_m.value = this.field.flying_m;
+    this.light.u_flying_count.value = this.field.flying_count;
     this.light.u_field_top_m.value = this.field.top_m;
     this.field_built_ms = now_ms;
     this.field_stale = false;
@@ -168,4 +172,10 @@ export class BedView {
     this.field = new HeightField(scene);
     this.field_built_ms = 0;
   }
+}
+
+/** Radius of the sphere around the tool. */
+function toolReach_m({ tool }: Scene): number {
+  if (tool.shape === 'box') return Math.hypot(...tool.size_mm) / 2000;
+  return tool.diameter_mm / 2000;
 }

@@ -4,10 +4,26 @@
 import { PerspectiveCamera, Vector3 } from 'three';
 import type { Scene } from '../protocol';
 import type { ViewName } from '../settings';
+import { BoxView } from './box_view';
 
 interface View {
   azimuth_deg: number;
   elevation_deg: number;
+}
+
+interface Fit {
+  distance_m: number;
+  target_z_m: number;
+}
+
+type Place = View & Fit & { zoom: number };
+
+interface Extent {
+  width_m: number;
+  length_m: number;
+  surface_m: number;
+  /** height of the walls as they are drawn */
+  wall_m: number;
 }
 
 // Azimuth 0 looks along +y, from the front; it turns against the clock seen from above.
@@ -21,11 +37,15 @@ const VIEWS: Record<ViewName, View> = {
 const FIELD_OF_VIEW_DEG = 40;
 // The eye looks a little over the bed: the tool works above it, and the horizon tells what is level.
 const LOOK_OVER_DEG = 5;
-const LARGEST_FIT_TOOLS = 7;
+// A named view shows the box over so much of the free picture's width or height, whichever is reached first.
+const FILLED = 0.65;
+// The picture has room above the box for a tool that is raised so high.
+const RAISED_TOOL_M = 0.12;
 const LOWEST_DEG = 2;
 const HIGHEST_DEG = 89.5;
 const TURN_S = 0.35;
 const DEGREES = Math.PI / 180;
+const HALF_HEIGHT = Math.tan((FIELD_OF_VIEW_DEG / 2) * DEGREES);
 
 /** Above this elevation one looks onto the bed from above, and the mouse moves the tool level instead of upright. */
 export const FROM_ABOVE_DEG = 52;
@@ -34,50 +54,57 @@ export class OrbitCamera {
   readonly camera = new PerspectiveCamera(FIELD_OF_VIEW_DEG, 1, 0.01, 100);
   azimuth_deg = VIEWS['three-quarter'].azimuth_deg;
   elevation_deg = VIEWS['three-quarter'].elevation_deg;
+  /** where the axis of the view turns */
   private readonly target_m = new Vector3(0, 0, 0.03);
   private readonly aside_m = new Vector3();
-  private fitted_m = 0.5;
+  /** what shows all of the box in the named view */
+  private fitted: Fit = { distance_m: 0.5, target_z_m: 0.03 };
+  /** of the picture now: `fitted`, but while it turns to another view */
+  private shown: Fit = this.fitted;
   private zoom = 1;
-  private box_m = 0.126;
-  private width_m = 0.126;
-  private height_m = 0.06;
+  private box: Extent = { width_m: 0.126, length_m: 0.126, surface_m: 0.04, wall_m: 0.06 };
   private view: ViewName = 'three-quarter';
-  private turn: { from: View & { zoom: number }; to: View & { zoom: number }; start_ms: number } | null = null;
+  private moved = false;
+  private turn: { from: Place; to: Place; start_ms: number } | null = null;
 
   constructor() {
     this.camera.up.set(0, 0, 1);
+    this.fit();
   }
 
   setScene(scene: Scene): void {
-    // Of a box much larger than the tool only the middle is shown at first: what matters happens at the tool.
-    const tool_m = Math.max(...scene.tool.size_mm.slice(0, 2), scene.tool.diameter_mm) / 1000;
-    const box_m = Math.max(scene.box.width_m, scene.box.length_m);
-    this.box_m = box_m;
-    this.width_m = Math.min(box_m, Math.max(LARGEST_FIT_TOOLS * tool_m, 0.25 * box_m));
-    this.height_m = scene.box.surface_m;
+    const { width_m, length_m, surface_m } = scene.box;
+    const box = { width_m, length_m, surface_m, wall_m: BoxView.wallHeight(scene) };
+    if (JSON.stringify(box) === JSON.stringify(this.box)) return;
+    this.box = box;
+    this.aside_m.clampLength(0, this.longest_m / 2);
     this.fit();
   }
 
+  /** A picture of another shape is framed anew, unless a person has chosen what it shows. */
   setAspect(aspect: number): void {
     this.camera.aspect = aspect;
+    // A headset leaves its own.
+    this.camera.fov = FIELD_OF_VIEW_DEG;
     this.camera.updateProjectionMatrix();
-    this.fit();
+    if (this.moved) this.apply();
+    else this.fit();
   }
 
   setView(name: ViewName, animate: boolean): void {
     this.view = name;
+    this.moved = false;
+    const from = { ...this.shown, azimuth_deg: this.azimuth_deg, elevation_deg: this.elevation_deg, zoom: this.zoom };
     this.aside_m.set(0, 0, 0);
-    const to = { ...VIEWS[name], zoom: 1 };
-    if (!animate) {
-      this.turn = null;
-      Object.assign(this, { azimuth_deg: to.azimuth_deg, elevation_deg: to.elevation_deg, zoom: 1 });
-      this.apply();
-      return;
-    }
+    this.zoom = 1;
+    this.turn = null;
+    Object.assign(this, VIEWS[name]);
+    this.fit();
+    if (!animate) return;
     // The short way round.
-    const azimuth_deg = this.azimuth_deg - 360 * Math.round((this.azimuth_deg - to.azimuth_deg) / 360);
-    const from = { azimuth_deg, elevation_deg: this.elevation_deg, zoom: this.zoom };
-    this.turn = { from, to, start_ms: performance.now() };
+    from.azimuth_deg -= 360 * Math.round((from.azimuth_deg - this.azimuth_deg) / 360);
+    this.turn = { from, to: { ...this.fitted, ...VIEWS[name], zoom: 1 }, start_ms: performance.now() };
+    this.go(from);
   }
 
   resetView(animate: boolean): void {
@@ -85,24 +112,24 @@ export class OrbitCamera {
   }
 
   orbit(azimuth_deg: number, elevation_deg: number): void {
-    this.turn = null;
+    this.takeOver();
     this.azimuth_deg += azimuth_deg;
     this.elevation_deg = Math.min(HIGHEST_DEG, Math.max(LOWEST_DEG, this.elevation_deg + elevation_deg));
     this.apply();
   }
 
   zoomBy(factor: number): void {
-    this.turn = null;
+    this.takeOver();
     this.zoom = Math.min(8, Math.max(0.15, this.zoom * factor));
     this.apply();
   }
 
   /** Looks at a place beside the middle; pixels to the right and down, of a picture so high. */
   pan(right_px: number, down_px: number, height_px: number): void {
-    this.turn = null;
+    this.takeOver();
     const scale = this.metresPerPixel(height_px);
     this.aside_m.addScaledVector(this.right(), -right_px * scale).addScaledVector(this.ahead(), down_px * scale);
-    this.aside_m.clampLength(0, this.box_m / 2);
+    this.aside_m.clampLength(0, this.longest_m / 2);
     this.apply();
   }
 
@@ -112,10 +139,14 @@ export class OrbitCamera {
     const { from, to, start_ms } = this.turn;
     const share = Math.min(1, (now_ms - start_ms) / (1000 * TURN_S));
     const eased = share * share * (3 - 2 * share);
-    this.azimuth_deg = from.azimuth_deg + eased * (to.azimuth_deg - from.azimuth_deg);
-    this.elevation_deg = from.elevation_deg + eased * (to.elevation_deg - from.elevation_deg);
-    this.zoom = from.zoom + eased * (to.zoom - from.zoom);
-    this.apply();
+    const between = (key: keyof Place): number => from[key] + eased * (to[key] - from[key]);
+    this.go({
+      azimuth_deg: between('azimuth_deg'),
+      elevation_deg: between('elevation_deg'),
+      zoom: between('zoom'),
+      distance_m: between('distance_m'),
+      target_z_m: between('target_z_m'),
+    });
     if (share >= 1) this.turn = null;
     return true;
   }
@@ -138,29 +169,104 @@ export class OrbitCamera {
 
   /** How many metres at the middle of the bed one CSS pixel is. */
   metresPerPixel(height_px: number): number {
-    const distance_m = this.camera.position.distanceTo(this.target_m);
-    return (2 * distance_m * Math.tan((FIELD_OF_VIEW_DEG / 2) * DEGREES)) / height_px;
+    const middle_m = new Vector3(this.aside_m.x, this.aside_m.y, 0.6 * this.box.surface_m);
+    const distance_m = this.camera.position.distanceTo(middle_m);
+    return (2 * distance_m * HALF_HEIGHT) / height_px;
   }
 
-  /** Far enough away that the box fits into the narrower side of the picture. */
+  /** How many metres at the middle of the bed the shorter side of the picture is; in a headset, that of a usual picture. */
+  shorterSide_m(in_headset: boolean): number {
+    return in_headset ? 1.6 * this.longest_m : this.metresPerPixel(1) * Math.min(1, this.camera.aspect);
+  }
+
+  private get longest_m(): number {
+    return Math.max(this.box.width_m, this.box.length_m);
+  }
+
+  /** A person moves the eye: it stays where they leave it. */
+  private takeOver(): void {
+    this.turn = null;
+    this.moved = true;
+  }
+
+  /** Finds the place from which the named view shows all of the box. */
   private fit(): void {
-    const half_height = Math.tan((FIELD_OF_VIEW_DEG / 2) * DEGREES);
-    const half_width = half_height * this.camera.aspect;
-    // Seen from a corner the box is 1.4 widths wide; the tool wants as much above the bed.
-    const for_width_m = (0.8 * this.width_m) / half_width;
-    const for_height_m = (0.79 * this.width_m) / half_height;
-    this.fitted_m = Math.max(for_width_m, for_height_m) + 0.25 * this.width_m;
-    this.camera.near = 0.06 * this.fitted_m;
-    this.camera.far = 400 * this.fitted_m;
+    const view = VIEWS[this.view];
+    const { azimuth_deg, elevation_deg, zoom, shown } = this;
+    const aside_m = this.aside_m.clone();
+    Object.assign(this, { ...view, zoom: 1 });
+    this.aside_m.set(0, 0, 0);
+    // Nearer, all is larger in the picture: the nearest place at which all of it fits.
+    const longest_m = this.longest_m + this.box.wall_m;
+    let near_m = 0.6 * longest_m;
+    let far_m = near_m + 20 * longest_m * Math.max(1, 1 / this.camera.aspect);
+    for (let i = 0; i < 24; ++i) {
+      const distance_m = (near_m + far_m) / 2;
+      this.shown = { distance_m, target_z_m: this.centred(distance_m) };
+      this.apply();
+      const { box, above } = this.extentInPicture();
+      const free = 2 - Math.max(0, above - box.top);
+      const fits = box.aside <= FILLED && box.top - box.bottom <= FILLED * free;
+      if (fits) far_m = distance_m;
+      else near_m = distance_m;
+    }
+    this.fitted = { distance_m: far_m, target_z_m: this.centred(far_m) };
+    this.camera.near = 0.06 * far_m;
+    this.camera.far = 400 * far_m;
     this.camera.updateProjectionMatrix();
+    Object.assign(this, { azimuth_deg, elevation_deg, zoom, shown });
+    this.aside_m.copy(aside_m);
+    if (this.turn) Object.assign(this.turn.to, this.fitted);
+    else this.shown = this.fitted;
+    this.apply();
+  }
+
+  /** Height of the target at which box and raised tool together are in the middle of the picture. */
+  private centred(distance_m: number): number {
+    let low_m = -distance_m;
+    let high_m = distance_m;
+    for (let i = 0; i < 24; ++i) {
+      const target_z_m = (low_m + high_m) / 2;
+      this.shown = { distance_m, target_z_m };
+      this.apply();
+      const { box, above } = this.extentInPicture();
+      if (above + box.bottom > 0) low_m = target_z_m;
+      else high_m = target_z_m;
+    }
+    return (low_m + high_m) / 2;
+  }
+
+  /** Where box and raised tool are in the picture, whose edges are at -1 and 1. */
+  private extentInPicture(): { box: { aside: number; bottom: number; top: number }; above: number } {
+    const into_camera = this.camera.matrixWorldInverse;
+    const at_m = new Vector3();
+    const box = { aside: 0, bottom: Infinity, top: -Infinity };
+    const look = (x_m: number, y_m: number, z_m: number): { x: number; y: number } => {
+      at_m.set(x_m, y_m, z_m).applyMatrix4(into_camera);
+      const depth_m = Math.max(1e-3 * this.longest_m, -at_m.z);
+      return { x: at_m.x / (depth_m * HALF_HEIGHT * this.camera.aspect), y: at_m.y / (depth_m * HALF_HEIGHT) };
+    };
+    const { width_m, length_m, wall_m } = this.box;
+    for (let corner = 0; corner < 8; ++corner) {
+      const sign = (bit: number): number => (corner & bit ? 0.5 : -0.5);
+      const { x, y } = look(sign(1) * width_m, sign(2) * length_m, corner & 4 ? wall_m : 0);
+      box.aside = Math.max(box.aside, Math.abs(x));
+      box.bottom = Math.min(box.bottom, y);
+      box.top = Math.max(box.top, y);
+    }
+    return { box, above: Math.max(box.top, look(0, 0, RAISED_TOOL_M).y) };
+  }
+
+  private go({ azimuth_deg, elevation_deg, zoom, distance_m, target_z_m }: Place): void {
+    Object.assign(this, { azimuth_deg, elevation_deg, zoom, shown: { distance_m, target_z_m } });
     this.apply();
   }
 
   private apply(): void {
     const azimuth = this.azimuth_deg * DEGREES;
     const elevation = this.elevation_deg * DEGREES;
-    this.target_m.set(this.aside_m.x, this.aside_m.y, 0.6 * this.height_m);
-    const distance_m = this.fitted_m / this.zoom;
+    this.target_m.set(this.aside_m.x, this.aside_m.y, this.shown.target_z_m);
+    const distance_m = this.shown.distance_m / this.zoom;
     const level_m = distance_m * Math.cos(elevation);
     this.camera.position.set(
       this.target_m.x + level_m * Math.sin(azimuth),
@@ -168,7 +274,7 @@ export class OrbitCamera {
       this.target_m.z + distance_m * Math.sin(elevation),
     );
     // Under the ground there is nothing to see.
-    this.camera.position.z = Math.max(this.camera.position.z, 0.15 * this.height_m);
+    this.camera.position.z = Math.max(this.camera.position.z, 0.15 * this.box.surface_m);
     this.camera.lookAt(this.target_m);
     this.camera.rotateX(LOOK_OVER_DEG * DEGREES * Math.cos(elevation));
     this.camera.updateMatrixWorld();

@@ -166,7 +166,7 @@ void main() {
 #else
   float sun = sunOverSoil(at_m, 9);
 #endif
-  sun *= sunPastTool(at_m);
+  sun *= sunPastTool(at_m) * sunPastFlying(at_m);
   float facing = max(dot(normal, u_to_sun), 0.0);
   // Soil scatters back more evenly than a matt sphere: its terminator is steeper, its middle flatter.
   facing = facing * (1.35 - 0.35 * facing);

@@ -1,12 +1,25 @@
 // How high the soil stands over each point of the floor: a small picture of the bed from above. Shaders look into it to
 // find out how much sky and sun a grain sees. Each point has two heights: as it is, and smoothed over about two grains.
+//
+// A grain in the air is no height: below it there is light. Such grains are listed instead, for round shadows of their own.
 
-import { DataTexture, DataUtils, HalfFloatType, LinearFilter, RGFormat } from 'three';
-import { dequantise, type Scene } from '../protocol';
+import { DataTexture, DataUtils, HalfFloatType, LinearFilter, RGFormat, Vector3 } from 'three';
+import { dequantise, type Scene, type Vec3 } from '../protocol';
 
 const LARGEST_SIDE = 192;
 // A grain is a few cells wide, enough to see its round top; more cells than this cost time without being seen.
 const CELLS_PER_RADIUS = 3.5;
+// With nothing so close below its lowest point, a grain flies.
+const FLYING_RADII = 3;
+/** More grains in the air than these cast no shadow. */
+export const MOST_FLYING = 16;
+const HEIGHT_BINS = 1024;
+
+/** What carries grains though it is no soil: the sphere around the tool. */
+export interface Carrier {
+  at_m: Vec3;
+  radius_m: number;
+}
 
 export class HeightField {
   readonly columns: number;
@@ -18,12 +31,17 @@ export class HeightField {
   readonly texture: DataTexture;
   /** highest point of the soil, in m */
   top_m = 0;
+  /** the lowest of the grains in the air; the first `flying_count` are valid */
+  readonly flying_m = Array.from({ length: MOST_FLYING }, () => new Vector3());
+  flying_count = 0;
 
   private readonly cell_m: number;
   private readonly heights: Float32Array;
   private readonly smoothed: Float32Array;
   private readonly scratch: Float32Array;
   private readonly halves: Uint16Array;
+  private readonly bins = new Uint32Array(HEIGHT_BINS + 1);
+  private order = new Uint32Array(0);
 
   constructor(private readonly scene: Scene) {
     // One grain of margin, so that the edge of the picture is bare ground and everything beyond it reads as such.
@@ -46,8 +64,9 @@ export class HeightField {
   }
 
   /** Builds the field from all records (four u16 a particle, as in a frame). */
-  build(records: Uint16Array, particles: number): void {
-    this.raise(records, particles);
+  build(records: Uint16Array, particles: number, carrier: Carrier | null = null): void {
+    this.sort(records, particles);
+    this.raise(records, particles, carrier);
     this.smooth();
     const { heights, smoothed, halves } = this;
     let top_m = 0;
@@ -81,8 +100,18 @@ export class HeightField {
     return this.length_m / this.rows;
   }
 
-  /** Lays the round top of every grain over the floor. */
-  private raise(records: Uint16Array, particles: number): void {
+  /** Orders the grains from the lowest to the highest, about. */
+  private sort(records: Uint16Array, particles: number): void {
+    const { bins } = this;
+    if (this.order.length !== particles) this.order = new Uint32Array(particles);
+    bins.fill(0);
+    for (let i = 0; i < particles; ++i) bins[(records[4 * i + 2]! >> 6) + 1]! += 1;
+    for (let bin = 1; bin <= HEIGHT_BINS; ++bin) bins[bin]! += bins[bin - 1]!;
+    for (let i = 0; i < particles; ++i) this.order[bins[records[4 * i + 2]! >> 6]!++] = i;
+  }
+
+  /** Lays the round top of every grain that does not fly over the floor and what lies below it. */
+  private raise(records: Uint16Array, particles: number, carrier: Carrier | null): void {
     const { heights, columns, rows } = this;
     const { low_m, high_m } = this.scene.quantised;
     const radius_m = this.scene.radius_m;
@@ -90,10 +119,17 @@ export class HeightField {
     const dy = this.cellLength;
     const squared = radius_m * radius_m;
     heights.fill(0);
-    for (let i = 0; i < particles; ++i) {
+    this.flying_count = 0;
+    for (let nth = 0; nth < particles; ++nth) {
+      const i = this.order[nth]!;
       const x = dequantise(records[4 * i]!, low_m[0], high_m[0]) - this.low_x_m;
       const y = dequantise(records[4 * i + 1]!, low_m[1], high_m[1]) - this.low_y_m;
       const z = dequantise(records[4 * i + 2]!, low_m[2], high_m[2]);
+      if (z - radius_m > FLYING_RADII * radius_m && this.flies(x + this.low_x_m, y + this.low_y_m, z, carrier)) {
+        if (this.flying_count < MOST_FLYING)
+          this.flying_m[this.flying_count++]!.set(x + this.low_x_m, y + this.low_y_m, z);
+        continue;
+      }
       const first_column = Math.max(0, Math.ceil((x - radius_m) / dx - 0.5));
       const last_column = Math.min(columns - 1, Math.floor((x + radius_m) / dx - 0.5));
       const first_row = Math.max(0, Math.ceil((y - radius_m) / dy - 0.5));
@@ -111,6 +147,20 @@ export class HeightField {
         }
       }
     }
+  }
+
+  /** Whether neither soil, of the lower grains laid so far, nor what carries is close below a grain. */
+  private flies(x_m: number, y_m: number, z_m: number, carrier: Carrier | null): boolean {
+    const radius_m = this.scene.radius_m;
+    if (carrier) {
+      const [x, y, z] = carrier.at_m;
+      if (Math.hypot(x_m - x, y_m - y, z_m - z) < carrier.radius_m + FLYING_RADII * radius_m) return false;
+    }
+    const low_m = z_m - (1 + FLYING_RADII) * radius_m;
+    for (let row = -1; row <= 1; ++row)
+      for (let column = -1; column <= 1; ++column)
+        if (this.heightAt(x_m + 0.7 * column * radius_m, y_m + 0.7 * row * radius_m) > low_m) return false;
+    return true;
   }
 
   private smooth(): void {

@@ -1,7 +1,7 @@
 // Light on soil, shared by the shaders of the grains and of the ground. Everything is in the scene's frame, in metres.
 //
 // Sun shadow: a short walk towards the sun over the height field. Fill light: how much of the sky the height field leaves
-// free. Shadow of the tool: its signed distance, walked along the same ray, with the soft edge that the ratio of
+// free. Grains in the air, which are not in the field, cast a round shadow. Shadow of the tool: its signed distance, walked along the same ray, with the soft edge that the ratio of
 // distance to way gives.
 
 import {
@@ -18,7 +18,7 @@ import {
 } from 'three';
 import type { Pose, Scene, Tool } from '../protocol';
 import { lookOf } from './body_looks';
-import type { HeightField } from './height_field';
+import { MOST_FLYING, type HeightField } from './height_field';
 import { makeNoiseTexture } from './noise_texture';
 
 /** Towards the sun: from the left, a little from the front, 38 degrees high. */
@@ -32,6 +32,8 @@ export interface LightUniforms {
   u_field: IUniform<DataTexture>;
   u_field_rect: IUniform<Vector4>;
   u_field_top_m: IUniform<number>;
+  u_flying_m: IUniform<Vector3[]>;
+  u_flying_count: IUniform<number>;
   u_radius_m: IUniform<number>;
   u_box_half_m: IUniform<Vector2>;
   u_to_sun: IUniform<Vector3>;
@@ -49,6 +51,8 @@ export function makeLightUniforms(): LightUniforms {
     u_field: { value: new DataTexture(new Uint8Array(4), 1, 1) },
     u_field_rect: { value: new Vector4(0, 0, 1, 1) },
     u_field_top_m: { value: 0 },
+    u_flying_m: { value: Array.from({ length: MOST_FLYING }, () => new Vector3()) },
+    u_flying_count: { value: 0 },
     u_radius_m: { value: 0.007 },
     u_box_half_m: { value: new Vector2(0.1, 0.1) },
     u_to_sun: { value: TO_SUN },
@@ -63,6 +67,7 @@ export function makeLightUniforms(): LightUniforms {
 
 export function lightScene(uniforms: LightUniforms, scene: Scene, field: HeightField): void {
   uniforms.u_field.value = field.texture;
+  uniforms.u_flying_count.value = 0;
   uniforms.u_field_rect.value.set(field.low_x_m, field.low_y_m, 1 / field.width_m, 1 / field.length_m);
   uniforms.u_radius_m.value = scene.radius_m;
   uniforms.u_box_half_m.value.set(scene.box.width_m / 2, scene.box.length_m / 2);
@@ -100,6 +105,8 @@ uniform sampler3D u_noise;         // height; slope along x, y, z about 0.5
 uniform sampler2D u_field;
 uniform vec4 u_field_rect;      // low x, low y, 1 / width, 1 / length
 uniform float u_field_top_m;
+uniform vec3 u_flying_m[${MOST_FLYING}];
+uniform int u_flying_count;
 uniform float u_radius_m;
 uniform vec2 u_box_half_m;
 uniform vec3 u_to_sun;
@@ -133,6 +140,20 @@ float sunOverSoil(vec3 from_m, int steps) {
     vec3 at_m = from_m + way_m * u_to_sun;
     float free_m = at_m.z - soilHeight(at_m.xy).x;
     light = min(light, 0.5 + free_m / (0.35 * u_radius_m + 0.10 * way_m));
+  }
+  return smoothstep(0.0, 1.0, clamp(light, 0.0, 1.0));
+}
+
+// Shadows of grains in the air: round, and softer with the way.
+float sunPastFlying(vec3 from_m) {
+  float light = 1.0;
+  for (int i = 0; i < u_flying_count; ++i) {
+    vec3 to_grain = u_flying_m[i] - from_m;
+    float along_m = dot(to_grain, u_to_sun);
+    if (along_m < 1.05 * u_radius_m) continue;  // its own surface
+    float free_m = length(to_grain - along_m * u_to_sun) - u_radius_m;
+    light = min(light, 0.5 + free_m / (0.35 * u_radius_m + 0.10 * along_m));
+    if (light <= 0.0) break;
   }
   return smoothstep(0.0, 1.0, clamp(light, 0.0, 1.0));
 }

@@ -180,6 +180,7 @@ export class Stage {
     }
     // A field that is not due yet is built with one of the next pictures.
     this.dirty = this.bed.refreshField(now_ms);
+    this.arrows.setPicture(this.orbit.shorterSide_m(in_headset));
     this.renderer.render(this.world, this.orbit.camera);
     this.frames_drawn += 1;
     this.onDrawn();

@@ -26,6 +26,26 @@ describe('the height field', () => {
     expect(field.top_m).toBeCloseTo(0.04, 3);
   });
 
+  it('leaves out grains in the air, and lists them', () => {
+    const field = new HeightField(SCENE);
+    const grain = (x: number, z: number): number[] => [quantise(x, -0.2, 0.2), quantise(0, -0.2, 0.2), quantise(z, 0, 0.4), 0]; // prettier-ignore
+    const records = new Uint16Array([...grain(0, 0.09), ...grain(0, 0.11), ...grain(0, 0.01), ...grain(0.05, 0.02)]);
+    field.build(records, 4);
+    expect(field.heightAt(0, 0)).toBeCloseTo(0.02, 3);
+    expect(field.heightAt(0.05, 0)).toBeCloseTo(0.03, 3);
+    expect(field.flying_count).toBe(2);
+    expect(field.flying_m[0]!.z).toBeCloseTo(0.09, 3);
+    expect(field.flying_m[1]!.z).toBeCloseTo(0.11, 3);
+  });
+
+  it('keeps what the tool carries', () => {
+    const field = new HeightField(SCENE);
+    const record = [quantise(0, -0.2, 0.2), quantise(0, -0.2, 0.2), quantise(0.1, 0, 0.4), 0];
+    field.build(new Uint16Array(record), 1, { at_m: [0, 0.01, 0.08], radius_m: 0.02 });
+    expect(field.flying_count).toBe(0);
+    expect(field.top_m).toBeCloseTo(0.11, 3);
+  });
+
   it('leaves out grains beyond its edge without a trace', () => {
     const field = new HeightField(SCENE);
     field.build(new Uint16Array([65535, 65535, 65535, 0, 0, 0, 65535, 0]), 2);

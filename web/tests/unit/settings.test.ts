@@ -3,11 +3,12 @@ import { readSettings } from '../../src/settings';
 
 describe('settings', () => {
   it('come from the address', () => {
-    expect(readSettings('?view=top&colour=force&theme=light&panels=0', false)).toEqual({
+    expect(readSettings('?view=top&colour=force&theme=light&panels=0&quality=full', false)).toEqual({
       view: 'top',
       colour: 'force',
       theme: 'light',
       panels: false,
+      for_pictures: true,
     });
   });
 
@@ -17,6 +18,7 @@ describe('settings', () => {
       colour: 'plain',
       theme: 'light',
       panels: true,
+      for_pictures: false,
     });
     expect(readSettings('', false).theme).toBe('dark');
   });

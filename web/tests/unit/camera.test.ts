@@ -1,0 +1,60 @@
+import { Vector3 } from 'three';
+import { describe, expect, it } from 'vitest';
+import type { Scene } from '../../src/protocol';
+import { VIEW_NAMES } from '../../src/settings';
+import { BoxView } from '../../src/view/box_view';
+import { OrbitCamera } from '../../src/view/camera';
+
+const sceneOf = (width_m: number): Scene =>
+  ({ box: { width_m, length_m: width_m, surface_m: Math.min(0.09, width_m / 3) } }) as unknown as Scene;
+
+/** How much of the picture the box is wide and high, and how far its farthest corner is from the middle. */
+function filled(orbit: OrbitCamera, scene: Scene): { wide: number; high: number; farthest: number } {
+  const half_m = scene.box.width_m / 2;
+  const corners = [-half_m, half_m].flatMap((x) =>
+    [-half_m, half_m].flatMap((y) =>
+      [0, BoxView.wallHeight(scene)].map((z) => new Vector3(x, y, z).project(orbit.camera)),
+    ),
+  );
+  const span = (values: number[]): number => (Math.max(...values) - Math.min(...values)) / 2;
+  return {
+    wide: span(corners.map(({ x }) => x)),
+    high: span(corners.map(({ y }) => y)),
+    farthest: Math.max(...corners.flatMap(({ x, y }) => [Math.abs(x), Math.abs(y)])),
+  };
+}
+
+describe('a named view', () => {
+  for (const width_m of [0.126, 0.3, 1])
+    for (const aspect of [0.55, 1, 1.94])
+      for (const name of VIEW_NAMES)
+        it(`fills the picture with a box of ${width_m} m: ${name}, ${aspect}`, () => {
+          const orbit = new OrbitCamera();
+          const scene = sceneOf(width_m);
+          orbit.setScene(scene);
+          orbit.setAspect(aspect);
+          orbit.setView(name, false);
+          const { wide, high, farthest } = filled(orbit, scene);
+          expect(farthest).toBeLessThan(0.95);
+          expect(Math.max(wide, high)).toBeLessThan(0.66);
+          expect(Math.max(wide, high)).toBeGreaterThan(0.45);
+          const raised = new Vector3(0, 0, 0.12).project(orbit.camera);
+          expect(Math.abs(raised.y)).toBeLessThan(0.95);
+        });
+
+  it('is framed anew for another picture, unless the eye was moved', () => {
+    const orbit = new OrbitCamera();
+    orbit.setScene(sceneOf(0.126));
+    orbit.setAspect(2);
+    const wide_m = orbit.camera.position.length();
+    orbit.setAspect(0.5);
+    const upright_m = orbit.camera.position.length();
+    expect(upright_m).toBeGreaterThan(1.2 * wide_m);
+    orbit.zoomBy(1.5);
+    const moved = orbit.camera.position.clone();
+    orbit.setAspect(2);
+    expect(orbit.camera.position.distanceTo(moved)).toBeLessThan(1e-9);
+    orbit.setView('three-quarter', false);
+    expect(orbit.camera.position.length()).toBeCloseTo(wide_m, 6);
+  });
+});
