@@ -211,12 +211,15 @@ function onScene(scene: Scene): void {
 }
 
 function onStatus(status: Status): void {
+  if (status.problem && status.problem !== now.status?.problem) {
+    notices.toast(`The bed could not be made: ${status.problem}`);
+  }
   now.status = status;
   strip.setStatus(status);
   controls.setStatus(status);
   notices.setBusy(status.busy);
   // Pausing, and a hand elsewhere, take the tool out of this one.
-  if (status.paused || (status.held_by !== null && status.held_by !== now.hello?.client)) hand.drop();
+  if (status.paused || (status.held_by !== null && status.held_by !== now.hello?.client)) hand.giveUp();
 }
 
 function onFrame(frame: Frame): void {

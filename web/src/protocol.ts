@@ -124,6 +124,7 @@ export interface Status {
   simd: string;
   threads: number;
   busy: string | null;
+  problem: string | null;
   can_undo: boolean;
   undo: string | null;
   recording: string | null;

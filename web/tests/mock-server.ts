@@ -193,6 +193,7 @@ export class MockServer {
       simd: 'AVX3',
       threads: 1,
       busy: this.busy,
+      problem: null,
       can_undo: this.undo !== null,
       undo: this.undo_name,
       recording: this.recording,

@@ -74,6 +74,13 @@ export class Hand {
     this.onChange();
   }
 
+  /** Lets go because the program says that somebody else has the tool, or nobody: whatever it knew when it said so. */
+  giveUp(): void {
+    if (!this.held) return;
+    this.drop();
+    this.connection.send({ do: 'release' });
+  }
+
   move(by_m: Vec3): void {
     const range = this.scene!.workspace;
     const loose = {

@@ -1,4 +1,4 @@
-import { readFileSync, existsSync } from 'node:fs';
+import { readFileSync } from 'node:fs';
 import { fileURLToPath } from 'node:url';
 import { describe, expect, it } from 'vitest';
 import {
@@ -95,14 +95,33 @@ describe('a frame', () => {
   });
 });
 
-// The program's tests read the same bytes.
+// The program's tests make these bytes: Frame.HasTheBytesThatThePageIsTestedWith in tests/viewer/frame_test.cpp.
 const SHARED = fileURLToPath(new URL('../../../tests/data/frame-v1.bin', import.meta.url));
-describe.runIf(existsSync(SHARED))('the frame that the program is tested against', () => {
-  it('can be read', () => {
-    const bytes = readFileSync(SHARED);
-    const frame = decodeFrame(bytes.buffer.slice(bytes.byteOffset, bytes.byteOffset + bytes.byteLength) as ArrayBuffer);
-    expect(frame.particles).toBeGreaterThan(0);
-    expect(frame.records.length % 4).toBe(0);
+describe('the frame that the program is tested against', () => {
+  const bytes = readFileSync(SHARED);
+  const frame = decodeFrame(bytes.buffer.slice(bytes.byteOffset, bytes.byteOffset + bytes.byteLength) as ArrayBuffer);
+  const single = (values: number[]): number[] => Array.from(new Float32Array(values));
+
+  it('says what the program meant', () => {
+    expect(frame).toMatchObject({ scene: 7, time_s: 12.345, paused: true, held: true, whole: true, forcesValid: true });
+    expect(frame).toMatchObject({ longestTick_us: 17.5, misses: 2, awake: 32, particles: 40, number: 100 });
+    expect(frame.tool.position_m).toEqual(single([0.01, -0.02, 0.03]));
+    expect(frame.tool.rotation).toEqual(single([Math.SQRT1_2, 0, Math.SQRT1_2, 0]));
+    expect(frame.force_n).toEqual([1, -2, 3]);
+    expect(frame.torque_nm).toEqual(single([0.01, 0.02, -0.03]));
+    expect(frame.wished.position_m).toEqual(single([0, 0, 0.1]));
+    expect(Array.from(frame.runs)).toEqual([0, 40]);
+  });
+
+  it('shows every grain where it is', () => {
+    for (let i = 0; i < 40; ++i) {
+      const [x, y, z, state] = frame.records.subarray(4 * i, 4 * i + 4) as unknown as [number, number, number, number];
+      expect(dequantise(x, -0.1, 0.1)).toBeCloseTo(-0.1 + (0.2 * i) / 40, 5);
+      expect(dequantise(y, -0.1, 0.1)).toBeCloseTo(0.05, 5);
+      expect(dequantise(z, 0, 0.5)).toBeCloseTo((0.1 * i) / 40, 5);
+      expect(state & 0xff).toBe(i < 32 ? 1 : 0); // the last group sleeps
+      expect(contactForceOf(state >> 8)).toBeCloseTo(0.5, 1);
+    }
   });
 });
 
