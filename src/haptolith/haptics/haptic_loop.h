@@ -73,7 +73,7 @@ class HapticLoop {
 
  private:
   void takeRequests() noexcept;
-  void carryOut(const LoopRequest& request) noexcept;
+  void carryOut(const LoopRequest& asked) noexcept;
   void carryOut(const request::Exchange& exchange) noexcept;
   void fadeTool() noexcept;
   [[nodiscard]] bool inWorkspace(const DeviceInput& hand) const noexcept;

@@ -23,8 +23,8 @@ constexpr std::string_view kCohesion = "cohesion_pa";
 constexpr std::string_view kContactFriction = "contact_friction";
 constexpr std::string_view kContactCohesion = "contact_cohesion_mn";
 
-/// Contacts of P3 and its like hold together with some millinewtons; stress at equal relative size goes with R^2.
-double strongestCohesion_mn(const SoilParameters& soil) {
+/// In mN. Contacts of P3 and its like hold together with some of those; stress at equal relative size goes with R^2.
+double strongestCohesion(const SoilParameters& soil) {
   constexpr double kOfP3_mn = 10;
   constexpr double kRadiusOfP3_m = 7e-3;
   const double ratio = soil.radius_m / kRadiusOfP3_m;
@@ -44,13 +44,12 @@ double paperCohesion(const SoilParameters& soil) {
 
 std::vector<SoilSlider> slidersOf(const SoilParameters& soil) {
   if (soil.friction == FrictionModel::kPairwise) {
-    const double strongest = strongestCohesion_mn(soil);
-    return {
-        {kContactFriction, "contact friction", "", soil.contact_friction, 0, 2, 0.01},
-        {kContactCohesion, "contact cohesion", "mN", soil.contact_cohesion_n / kMilli, 0, strongest, strongest / 200}};
+    const double strongest = strongestCohesion(soil);
+    return {{kContactFriction, "friction", "", soil.contact_friction, 0, 2, 0.01},
+            {kContactCohesion, "cohesion", "mN", soil.contact_cohesion_n / kMilli, 0, strongest, strongest / 200}};
   }
   const double angle_deg = frictionAngle(frictionCoefficient(soil.mu_hat)) / kDegree;
-  std::vector<SoilSlider> sliders{{kFrictionAngle, "friction angle", "°", angle_deg, 1, 70, 0.5}};
+  std::vector<SoilSlider> sliders{{kFrictionAngle, "friction", "°", angle_deg, 1, 70, 0.5}};
   if (const double now_pa = paperCohesion(soil); now_pa > 0) {
     sliders.push_back({kCohesion, "cohesion", "Pa", now_pa, 10, std::max(3000.0, 2 * now_pa), 10});
   }

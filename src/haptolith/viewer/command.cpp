@@ -145,7 +145,7 @@ void readTool(const Json& object, SceneChange& change) {
 
 /// A name that the program knows; a client may not make it read files.
 std::optional<std::string> soilName(Keys& keys) {
-  const std::optional<std::string> name = keys.text("soil");
+  std::optional<std::string> name = keys.text("soil");
   const std::vector<std::string> known = soilNames();
   if (name && std::ranges::find(known, *name) == known.end()) {
     throw InvalidParameter("soil", Keys::shortened(*name), fmt::format("{}", fmt::join(known, ", ")));
@@ -223,12 +223,13 @@ Command commandOf(const Json& message) {
   const auto reader = kReaders.find(what);
   if (reader == kReaders.end()) {
     std::vector<std::string> names;
+    names.reserve(kReaders.size());
     for (const auto& [name, read] : kReaders) {
       names.push_back(name);
     }
     throw InvalidParameter("do", Keys::shortened(what), fmt::format("{}", fmt::join(names, ", ")));
   }
-  const Command command = reader->second(keys);
+  Command command = reader->second(keys);
   keys.refuseOthers();
   return command;
 }

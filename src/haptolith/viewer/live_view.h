@@ -37,7 +37,7 @@ class LiveView {
   void show(bool newer, bool changed);
 
  private:
-  void carryOut(std::uint32_t client, const Command& command);
+  void carryOut(std::uint32_t client, const Command& asked);
   void letGo(std::uint32_t client);
   void showScene();
   void showStatus();

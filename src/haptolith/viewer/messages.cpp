@@ -2,9 +2,6 @@
 
 #include <nlohmann/json.hpp>
 
-#include <cmath>
-#include <numbers>
-
 #include "haptolith/bed/simd_target.h"
 #include "haptolith/core/error.h"
 #include "haptolith/scenario/scene_words.h"
@@ -22,7 +19,6 @@ using Json = nlohmann::ordered_json;
 
 constexpr int kProtocol = 1;
 constexpr double kPerMetre_mm = 1e3;
-constexpr double kDegree = std::numbers::pi / 180;
 
 Json array(const Vec3& v) {
   return {v.x(), v.y(), v.z()};

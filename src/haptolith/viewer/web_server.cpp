@@ -99,7 +99,7 @@ void validate(const WebServerOptions& options) {
 
 class WebServer::Implementation {
  public:
-  Implementation(const WebServerOptions& options, Board& board);
+  Implementation(const WebServerOptions& options, Board& shared_board);
   ~Implementation();
 
   class Client;
@@ -107,26 +107,26 @@ class WebServer::Implementation {
 
   void accept();
   [[nodiscard]] bool knowsToken(std::string_view target) const {
-    return token_.empty() || sameToken(tokenOf(target), token_);
+    return token.empty() || sameToken(tokenOf(target), token);
   }
-  [[nodiscard]] bool isHostAllowed(std::string_view host) const { return !loopback_only_ || namesLoopback(host); }
+  [[nodiscard]] bool isHostAllowed(std::string_view host) const { return !loopback_only || namesLoopback(host); }
   void join(const std::shared_ptr<Client>& client);
   void leave(std::uint32_t client);
   bool push(Event event);
 
-  asio::io_context io_{1};
-  Tcp::acceptor acceptor_{io_};
-  Board& board_;
-  std::string address_, token_;
-  bool loopback_only_ = true;
-  std::atomic<std::size_t> sockets_{0}, joined_{0};
-  std::map<std::uint32_t, std::weak_ptr<Client>> clients_;  // of the server's thread, as is what follows
-  std::uint32_t last_client_ = 0;
+  asio::io_context io{1};
+  Tcp::acceptor acceptor{io};
+  Board& board;
+  std::string address, token;
+  bool loopback_only = true;
+  std::atomic<std::size_t> sockets{0}, joined{0};
+  std::map<std::uint32_t, std::weak_ptr<Client>> clients;  // of the server's thread, as is what follows
+  std::uint32_t last_client = 0;
 
-  std::mutex mutex_;
-  std::vector<Event> events_;
-  std::atomic<bool> notified_{false};
-  std::thread thread_;
+  std::mutex mutex;
+  std::vector<Event> events;
+  std::atomic<bool> notified{false};
+  std::thread thread;
 };
 
 /// A WebSocket. At most one message is on its way; the next is chosen when that has gone, so a slow client skips
@@ -135,7 +135,7 @@ class WebServer::Implementation::Client : public std::enable_shared_from_this<Cl
  public:
   Client(Implementation& server, Tcp::socket socket, std::uint32_t number)
       : server_(server), ws_(std::move(socket)), number_(number) {}
-  ~Client() { --server_.sockets_; }
+  ~Client() { --server_.sockets; }
   Client(const Client&) = delete;
   Client& operator=(const Client&) = delete;
 
@@ -169,7 +169,7 @@ class WebServer::Implementation::Client : public std::enable_shared_from_this<Cl
     if (seen_.hello && !replies_.empty()) {
       on_its_way_ = {std::make_shared<const std::string>(std::move(replies_.front()))};
       replies_.pop_front();
-    } else if (std::optional<Board::Message> next = server_.board_.next(number_, seen_)) {
+    } else if (std::optional<Board::Message> next = server_.board.next(number_, seen_)) {
       on_its_way_ = *std::move(next);
     } else {
       return;
@@ -263,7 +263,7 @@ class WebServer::Implementation::Visitor : public std::enable_shared_from_this<V
   Visitor(Implementation& server, Tcp::socket socket) : server_(server), stream_(std::move(socket)) {}
   ~Visitor() {
     if (!handed_on_) {
-      --server_.sockets_;
+      --server_.sockets;
     }
   }
   Visitor(const Visitor&) = delete;
@@ -313,11 +313,11 @@ class WebServer::Implementation::Visitor : public std::enable_shared_from_this<V
       refuse(http::status::not_found, "the WebSocket is /ws\n");
     } else if (protocols.find(kSubprotocol) == std::string_view::npos) {
       refuse(http::status::bad_request, "the WebSocket speaks haptolith.1\n");
-    } else if (server_.joined_ >= kMostClients) {
+    } else if (server_.joined >= kMostClients) {
       refuse(http::status::service_unavailable, "32 clients look on already\n");
     } else {
       handed_on_ = true;
-      const auto client = std::make_shared<Client>(server_, stream_.release_socket(), ++server_.last_client_);
+      const auto client = std::make_shared<Client>(server_, stream_.release_socket(), ++server_.last_client);
       server_.join(client);
       client->start(request);
     }
@@ -362,22 +362,22 @@ class WebServer::Implementation::Visitor : public std::enable_shared_from_this<V
   bool handed_on_ = false;
 };
 
-WebServer::Implementation::Implementation(const WebServerOptions& options, Board& board)
-    : board_(board), address_(options.bind), token_(options.token), loopback_only_(isLoopback(options.bind)) {
+WebServer::Implementation::Implementation(const WebServerOptions& options, Board& shared_board)
+    : board(shared_board), address(options.bind), token(options.token), loopback_only(isLoopback(options.bind)) {
   validate(options);
-  const auto address = *addressOf(options);
+  const asio::ip::address ip = *addressOf(options);
   beast::error_code error;
   for (int i = 0; i < kPortsTried; ++i) {
     const auto port = static_cast<std::uint16_t>(options.port == 0 ? 0 : options.port + i);
-    const Tcp::endpoint endpoint(address, port);
-    acceptor_ = Tcp::acceptor(io_);
-    acceptor_.open(endpoint.protocol(), error);
+    const Tcp::endpoint endpoint(ip, port);
+    acceptor = Tcp::acceptor(io);
+    acceptor.open(endpoint.protocol(), error);
     if (!error) {
-      acceptor_.set_option(asio::socket_base::reuse_address(true), error);
-      acceptor_.bind(endpoint, error);
+      acceptor.set_option(asio::socket_base::reuse_address(true), error);
+      acceptor.bind(endpoint, error);
     }
     if (!error) {
-      acceptor_.listen(asio::socket_base::max_listen_connections, error);
+      acceptor.listen(asio::socket_base::max_listen_connections, error);
     }
     if (!error || error != asio::error::address_in_use || port == 65535) {
       break;
@@ -387,47 +387,47 @@ WebServer::Implementation::Implementation(const WebServerOptions& options, Board
     throw Failure(fmt::format("cannot listen on {}, port {}: {}", options.bind, options.port, error.message()));
   }
   accept();
-  thread_ = std::thread([this] { io_.run(); });
+  thread = std::thread([this] { io.run(); });
 }
 
 WebServer::Implementation::~Implementation() {
-  io_.stop();
-  thread_.join();
+  io.stop();
+  thread.join();
 }
 
 void WebServer::Implementation::accept() {
-  acceptor_.async_accept([this](beast::error_code error, Tcp::socket socket) {
+  acceptor.async_accept([this](beast::error_code error, Tcp::socket socket) {
     if (!error) {
-      if (++sockets_ <= kMostSockets) {
+      if (++sockets <= kMostSockets) {
         beast::error_code ignored;
         socket.set_option(Tcp::no_delay(true), ignored);
         std::make_shared<Visitor>(*this, std::move(socket))->read();
       } else {
-        --sockets_;
+        --sockets;
       }
     }
-    if (acceptor_.is_open()) {
+    if (acceptor.is_open()) {
       accept();
     }
   });
 }
 
 void WebServer::Implementation::join(const std::shared_ptr<Client>& client) {
-  clients_[last_client_] = client;
-  joined_ = clients_.size();
+  clients[last_client] = client;
+  joined = clients.size();
 }
 
 void WebServer::Implementation::leave(std::uint32_t client) {
-  clients_.erase(client);
-  joined_ = clients_.size();
+  clients.erase(client);
+  joined = clients.size();
 }
 
 bool WebServer::Implementation::push(Event event) {
-  const std::scoped_lock lock(mutex_);
-  if (event.kind != Event::Kind::kLeft && events_.size() >= kMostEventsWaiting) {
+  const std::scoped_lock lock(mutex);
+  if (event.kind != Event::Kind::kLeft && events.size() >= kMostEventsWaiting) {
     return false;
   }
-  events_.push_back(std::move(event));
+  events.push_back(std::move(event));
   return true;
 }
 
@@ -438,33 +438,33 @@ WebServer::~WebServer() = default;
 
 std::string WebServer::url() const {
   const Implementation& server = *implementation_;
-  const bool v6 = server.address_.find(':') != std::string::npos;
-  return fmt::format("http://{}{}{}:{}/{}{}", v6 ? "[" : "", server.address_, v6 ? "]" : "", port(),
-                     server.token_.empty() ? "" : "?token=", server.token_);
+  const bool v6 = server.address.find(':') != std::string::npos;
+  return fmt::format("http://{}{}{}:{}/{}{}", v6 ? "[" : "", server.address, v6 ? "]" : "", port(),
+                     server.token.empty() ? "" : "?token=", server.token);
 }
 
 std::uint16_t WebServer::port() const noexcept {
   beast::error_code ignored;
-  return implementation_->acceptor_.local_endpoint(ignored).port();
+  return implementation_->acceptor.local_endpoint(ignored).port();
 }
 
 std::size_t WebServer::clients() const noexcept {
-  return implementation_->joined_;
+  return implementation_->joined;
 }
 
 void WebServer::takeEvents(std::vector<Event>& events) {
-  const std::scoped_lock lock(implementation_->mutex_);
-  std::ranges::move(implementation_->events_, std::back_inserter(events));
-  implementation_->events_.clear();
+  const std::scoped_lock lock(implementation_->mutex);
+  std::ranges::move(implementation_->events, std::back_inserter(events));
+  implementation_->events.clear();
 }
 
 void WebServer::notify() {
-  if (implementation_->notified_.exchange(true)) {
+  if (implementation_->notified.exchange(true)) {
     return;  // it has been told and has not come to it
   }
-  asio::post(implementation_->io_, [server = implementation_.get()] {
-    server->notified_ = false;
-    for (const auto& [number, weak] : std::map(server->clients_)) {
+  asio::post(implementation_->io, [server = implementation_.get()] {
+    server->notified = false;
+    for (const auto& [number, weak] : std::map(server->clients)) {
       if (const auto client = weak.lock()) {
         client->pump();
       }
@@ -473,9 +473,9 @@ void WebServer::notify() {
 }
 
 void WebServer::send(std::uint32_t client, std::string text) {
-  asio::post(implementation_->io_, [server = implementation_.get(), client, text = std::move(text)]() mutable {
-    const auto at = server->clients_.find(client);
-    if (at == server->clients_.end()) {
+  asio::post(implementation_->io, [server = implementation_.get(), client, text = std::move(text)]() mutable {
+    const auto at = server->clients.find(client);
+    if (at == server->clients.end()) {
       return;
     }
     if (const auto found = at->second.lock()) {
