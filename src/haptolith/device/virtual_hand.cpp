@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "haptolith/core/between.h"
 #include "haptolith/core/error.h"
 #include "haptolith/device/manoeuvre.h"
 
@@ -36,10 +37,6 @@ void requireStableArm(const HandParameters& hand, double tick_s) {
         fmt::format("> {:g}, or the arm's stiffness and damping shake it to pieces at a tick of {:g} s", least_mass_kg,
                     tick_s));
   }
-}
-
-Pose between(const Pose& from, const Pose& to, double share) noexcept {
-  return {from.position_m + share * (to.position_m - from.position_m), from.orientation.slerp(share, to.orientation)};
 }
 
 Movement movement(const Pose& from, const Pose& to, double tick_s) noexcept {

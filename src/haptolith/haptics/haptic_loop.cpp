@@ -7,6 +7,7 @@
 
 #include "haptolith/core/clock.h"
 #include "haptolith/core/error.h"
+#include "haptolith/core/one_of.h"
 
 namespace haptolith {
 
@@ -32,13 +33,6 @@ constexpr std::size_t kRequestsWaiting = 64;
 /// How long the tool takes to leave the soil before an exchange, by the clock, and to come back, in simulated time.
 constexpr double kFadeOut_s = 0.1;
 constexpr double kFadeIn_s = 0.3;
-
-template <class... Handlers>
-struct OneOf : Handlers... {
-  using Handlers::operator()...;
-};
-template <class... Handlers>
-OneOf(Handlers...) -> OneOf<Handlers...>;
 
 LoopEnd endFor(StepStatus status) noexcept {
   switch (status) {

@@ -18,7 +18,7 @@ struct Resume {};
 struct Advance {  ///< so many ticks while it is paused
   int ticks = 1;
 };
-struct Speed {  ///< slow motion: a simulated second takes 1 / factor seconds; for hands that are simulated, too
+struct Speed {  ///< slow motion: a simulated second takes 1 / factor seconds; for simulated hands only
   double factor = 1;
 };
 struct Gravity {

@@ -4,6 +4,7 @@
 #include <cstdint>
 
 #include "haptolith/bed/critical_step.h"
+#include "haptolith/core/between.h"
 #include "haptolith/tool/tool_contact.h"
 
 namespace haptolith {
@@ -14,14 +15,6 @@ int checkedSubsteps(const BedParameters& bed, const ToolParameters& tool) {
   validate(bed);
   validate(tool);
   return substepsFor(bed.soil, tool.stiffness_n_m, bed.tick_s, bed.max_substeps);
-}
-
-/// The pose a share of the way from one to the other; exactly `to` at 1.
-Pose between(const Pose& from, const Pose& to, double share) noexcept {
-  if (share == 1) {
-    return to;
-  }
-  return {from.position_m + share * (to.position_m - from.position_m), from.orientation.slerp(share, to.orientation)};
 }
 
 /// A tool that is only partly there.

@@ -5,6 +5,7 @@
 
 #include "haptolith/bed/contact_load.h"
 #include "haptolith/core/error.h"
+#include "haptolith/core/one_of.h"
 #include "haptolith/viewer/messages.h"
 
 namespace haptolith {
@@ -23,13 +24,6 @@ constexpr double kShareForLoads = 0.2;
 /// Thrown particles fly this high before they are shown at the border.
 constexpr double kAboveSurface_m = 0.4;
 constexpr double kBesideBox_m = 0.02;
-
-template <class... Handlers>
-struct OneOf : Handlers... {
-  using Handlers::operator()...;
-};
-template <class... Handlers>
-OneOf(Handlers...) -> OneOf<Handlers...>;
 
 FrameEncoder::Space spaceOf(const Session& session) {
   const BedParameters& bed = session.shown().bed;

@@ -1,0 +1,15 @@
+#pragma once
+
+#include "haptolith/core/vec.h"
+
+namespace haptolith {
+
+/// The pose a share (0 to 1) of the way from one to the other; exactly `to` at 1. May be called in the tick.
+[[nodiscard]] inline Pose between(const Pose& from, const Pose& to, double share) noexcept {
+  if (share == 1) {
+    return to;
+  }
+  return {from.position_m + share * (to.position_m - from.position_m), from.orientation.slerp(share, to.orientation)};
+}
+
+}  // namespace haptolith
