@@ -130,5 +130,40 @@ TEST(Manoeuvre, StillIsStill) {
   }
 }
 
+TEST(ManoeuvreOpening, ClosesAtTheLowestPointAndOpensWhereTheSoilIsTippedOut) {
+  const HandParameters hand = handFor(Manoeuvre::kScoop);
+  double lowest_m = 1;
+  double lowest_s = 0;
+  double before = 1;
+  for (double t = 0; t < 4; t += kTick_s) {
+    const double open = manoeuvreOpening(hand, t);
+    EXPECT_GE(open, 0);
+    EXPECT_LE(open, 1);
+    EXPECT_LT(std::abs(open - before), 0.01) << "no jumps";
+    before = open;
+    if (const double z_m = manoeuvrePose(hand, t).position_m.z(); z_m < lowest_m) {
+      lowest_m = z_m;
+      lowest_s = t;
+    }
+  }
+  EXPECT_EQ(manoeuvreOpening(hand, 0), 1);
+  EXPECT_EQ(manoeuvreOpening(hand, lowest_s - 0.4), 1) << "open on the way down";
+  EXPECT_LT(manoeuvreOpening(hand, lowest_s), 0.2);
+  EXPECT_EQ(manoeuvreOpening(hand, lowest_s + 0.1), 0) << "closed on the way up";
+  EXPECT_EQ(manoeuvreOpening(hand, 4 - kTick_s), 1);
+}
+
+TEST(ManoeuvreOpening, IsOpenInAnythingThatLiftsNothingAndAtTheEnd) {
+  for (const Manoeuvre manoeuvre : {Manoeuvre::kStill, Manoeuvre::kPress, Manoeuvre::kStir}) {
+    for (double t = 0; t < 8; t += 0.01) {
+      EXPECT_EQ(manoeuvreOpening(handFor(manoeuvre), t), 1);
+    }
+  }
+  HandParameters hand = handFor(Manoeuvre::kCarry);
+  EXPECT_EQ(manoeuvreOpening(hand, 4 * 0.5), 0);
+  hand.active_s = 4;
+  EXPECT_EQ(manoeuvreOpening(hand, 4 * 1.5), 1) << "over";
+}
+
 }  // namespace
 }  // namespace haptolith

@@ -151,11 +151,11 @@ TEST_F(PoseFileTest, TheVirtualHandFollowsItAndSaysWhenItIsOver) {
   VirtualHand hand(parameters, 0.01);
   for (int tick = 1; tick <= 100; ++tick) {
     const DeviceInput now = hand.read();
-    EXPECT_NEAR(now.scene_T_tool.position_m.x(), 0.002 * tick, 1e-12);
+    EXPECT_NEAR(now.pose.position_m.x(), 0.002 * tick, 1e-12);
     EXPECT_NEAR(now.twist.linear_m_s.x(), 0.2, 1e-9);
-    EXPECT_FALSE(now.finished) << tick;
+    EXPECT_EQ(now.state, DeviceState::kLive) << tick;
   }
-  EXPECT_TRUE(hand.read().finished);
+  EXPECT_EQ(hand.read().state, DeviceState::kFinished);
 }
 
 }  // namespace

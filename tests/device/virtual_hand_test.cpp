@@ -21,28 +21,28 @@ HandParameters still() {
 
 TEST(VirtualHand, YieldsByForceOverStiffness) {
   VirtualHand hand(still(), kTick_s);
-  const Vec3 home = hand.read().scene_T_tool.position_m;
-  hand.write({Vec3(1.35, -2.7, 0.675), Vec3::Zero()});
+  const Vec3 home = hand.read().pose.position_m;
+  hand.write({{Vec3(1.35, -2.7, 0.675), Vec3::Zero()}});
   DeviceInput now;
   for (int i = 0; i < 10'000; ++i) {
     now = hand.read();
   }
   // F / K with K = 135 N/m: 10, -20 and 5 mm. After 10 s exp(-B/2m t) = exp(-58) is left of the swing.
-  EXPECT_LT((now.scene_T_tool.position_m - home - Vec3(0.010, -0.020, 0.005)).norm(), 1e-12);
+  EXPECT_LT((now.pose.position_m - home - Vec3(0.010, -0.020, 0.005)).norm(), 1e-12);
   EXPECT_LT(now.twist.linear_m_s.norm(), 1e-12);
 }
 
 TEST(VirtualHand, TurnsByTorqueOverItsRotationalStiffness) {
   VirtualHand hand(still(), kTick_s);
-  const Quat home = hand.read().scene_T_tool.orientation;
+  const Quat home = hand.read().pose.orientation;
   const Vec3 axis = Vec3(1, 2, -2) / 3;
-  hand.write({Vec3::Zero(), 0.3 * axis});
+  hand.write({{Vec3::Zero(), 0.3 * axis}});
   DeviceInput now;
   for (int i = 0; i < 10'000; ++i) {
     now = hand.read();
   }
   // K l^2 = 135 * 0.01 = 1.35 N m/rad: 0.2222 rad about the torque's axis.
-  const Eigen::AngleAxisd turned(now.scene_T_tool.orientation * home.conjugate());
+  const Eigen::AngleAxisd turned(now.pose.orientation * home.conjugate());
   EXPECT_NEAR(turned.angle(), 0.3 / 1.35, 1e-9);
   EXPECT_LT((turned.axis() - axis).norm(), 1e-9);
 }
@@ -57,11 +57,11 @@ double stepResponse(double force_n, double t) {
 
 TEST(VirtualHand, AnswersAStepLikeADampedOscillator) {
   VirtualHand hand(still(), kTick_s);
-  const double home = hand.read().scene_T_tool.position_m.z();
-  hand.write({Vec3(0, 0, 2.7), Vec3::Zero()});
+  const double home = hand.read().pose.position_m.z();
+  hand.write({{Vec3(0, 0, 2.7), Vec3::Zero()}});
   double largest = 0;
   for (int tick = 1; tick <= 2000; ++tick) {
-    const double moved = hand.read().scene_T_tool.position_m.z() - home;
+    const double moved = hand.read().pose.position_m.z() - home;
     // One semi-implicit step is late or early by up to half a tick: v dt / 2 < 0.16 m/s * 0.5 ms = 8e-5 m.
     ASSERT_NEAR(moved, stepResponse(2.7, tick * kTick_s), 2e-4) << tick;
     largest = std::max(largest, moved);
@@ -73,12 +73,11 @@ TEST(VirtualHand, AnswersAStepLikeADampedOscillator) {
 TEST(VirtualHand, StepResponseConvergesWithTheTick) {
   const auto worst = [](double tick_s) {
     VirtualHand hand(still(), tick_s);
-    const double home = hand.read().scene_T_tool.position_m.z();
-    hand.write({Vec3(0, 0, 2.7), Vec3::Zero()});
+    const double home = hand.read().pose.position_m.z();
+    hand.write({{Vec3(0, 0, 2.7), Vec3::Zero()}});
     double error = 0;
     for (int tick = 1; tick * tick_s <= 1; ++tick) {
-      error =
-          std::max(error, std::abs(hand.read().scene_T_tool.position_m.z() - home - stepResponse(2.7, tick * tick_s)));
+      error = std::max(error, std::abs(hand.read().pose.position_m.z() - home - stepResponse(2.7, tick * tick_s)));
     }
     return error;
   };
@@ -93,8 +92,8 @@ TEST(VirtualHand, RigidFollowsTheManoeuvreExactlyWhateverItFeels) {
   for (int tick = 1; tick <= 4000; ++tick) {
     const DeviceInput now = hand.read();
     const Pose wanted = manoeuvrePose(parameters, tick * kTick_s);
-    ASSERT_EQ(now.scene_T_tool.position_m, wanted.position_m);
-    ASSERT_EQ(now.scene_T_tool.orientation.coeffs(), wanted.orientation.coeffs());
+    ASSERT_EQ(now.pose.position_m, wanted.position_m);
+    ASSERT_EQ(now.pose.orientation.coeffs(), wanted.orientation.coeffs());
     ASSERT_LT((now.twist.linear_m_s - (wanted.position_m - before.position_m) / kTick_s).norm(), 1e-12);
     // The angular velocity turns the last orientation into this one.
     const Vec3 turn = kTick_s * now.twist.angular_rad_s;
@@ -102,7 +101,7 @@ TEST(VirtualHand, RigidFollowsTheManoeuvreExactlyWhateverItFeels) {
                                          : Quat(Eigen::AngleAxisd(turn.norm(), turn.normalized())) * before.orientation;
     ASSERT_LT(turned.angularDistance(wanted.orientation), 1e-7) << tick;
     before = wanted;
-    hand.write({Vec3(12, 12, 12), Vec3(1, 1, 1)});
+    hand.write({{Vec3(12, 12, 12), Vec3(1, 1, 1)}});
   }
 }
 
@@ -115,8 +114,8 @@ TEST(VirtualHand, AFreeArmFollowsItsManoeuvreClosely) {
       const DeviceInput now = hand.read();
       const Pose wanted = manoeuvrePose(parameters, tick * kTick_s);
       // m x_d'' / K with 5.774 * 0.08 m / (0.32 s)^2 = 4.5 m/s^2: 18 mm, and a little for the swing.
-      ASSERT_LT((now.scene_T_tool.position_m - wanted.position_m).norm(), 0.03) << tick;
-      ASSERT_NEAR(now.scene_T_tool.orientation.norm(), 1, 1e-12);
+      ASSERT_LT((now.pose.position_m - wanted.position_m).norm(), 0.03) << tick;
+      ASSERT_NEAR(now.pose.orientation.norm(), 1, 1e-12);
     }
   }
 }
@@ -166,10 +165,10 @@ TEST(VirtualHand, WhoeverHoldsTheToolPullsItToThePoseAndBringsItToRestThere) {
   const Pose wanted{Vec3(0.03, -0.02, 0.06), Quat(Eigen::AngleAxisd(0.5, Vec3::UnitY()))};
   hand.wish({.held = wanted});
   const DeviceInput soon = after(hand, 60);
-  EXPECT_GT((soon.scene_T_tool.position_m - wanted.position_m).norm(), 1e-3) << "it is pulled, not put there";
+  EXPECT_GT((soon.pose.position_m - wanted.position_m).norm(), 1e-3) << "it is pulled, not put there";
   const DeviceInput later = after(hand, 1000);
-  EXPECT_LT((later.scene_T_tool.position_m - wanted.position_m).norm(), 1e-6);
-  EXPECT_LT(later.scene_T_tool.orientation.angularDistance(wanted.orientation), 1e-6);
+  EXPECT_LT((later.pose.position_m - wanted.position_m).norm(), 1e-6);
+  EXPECT_LT(later.pose.orientation.angularDistance(wanted.orientation), 1e-6);
   EXPECT_LT(later.twist.linear_m_s.norm(), 1e-5);
 }
 
@@ -177,12 +176,12 @@ TEST(VirtualHand, WhoeverHoldsTheToolCannotForceItThroughWhatIsStrongerThanTheDe
   HandParameters parameters = still();
   parameters.max_force_n = 5;
   VirtualHand hand(parameters, kTick_s);
-  const Vec3 start = hand.read().scene_T_tool.position_m;
+  const Vec3 start = hand.read().pose.position_m;
   hand.wish({.held = Pose{start - Vec3(0, 0, 1)}});  // 300 N by the coupling's stiffness alone
-  hand.write({Vec3(0, 0, 5.01), Vec3::Zero()});
-  EXPECT_GE(after(hand, 1000).scene_T_tool.position_m.z(), start.z());
-  hand.write({Vec3(0, 0, 4.9), Vec3::Zero()});
-  EXPECT_LT(after(hand, 1000).scene_T_tool.position_m.z(), start.z());
+  hand.write({{Vec3(0, 0, 5.01), Vec3::Zero()}});
+  EXPECT_GE(after(hand, 1000).pose.position_m.z(), start.z());
+  hand.write({{Vec3(0, 0, 4.9), Vec3::Zero()}});
+  EXPECT_LT(after(hand, 1000).pose.position_m.z(), start.z());
 }
 
 TEST(VirtualHand, AManoeuvreBeginsAnewFromWhereSomebodyLeftTheTool) {
@@ -203,7 +202,7 @@ TEST(VirtualHand, AManoeuvreBeginsAnewFromWhereSomebodyLeftTheTool) {
   stir.manoeuvre = Manoeuvre::kStir;
   now = after(hand, 3000);
   const Pose there = manoeuvrePose(stir, 3.0);
-  EXPECT_LT((now.scene_T_tool.position_m - there.position_m).norm(), 0.01);
+  EXPECT_LT((now.pose.position_m - there.position_m).norm(), 0.01);
 }
 
 }  // namespace

@@ -10,6 +10,8 @@ struct ArmParameters {
   double damping_n_s_m = 6.45;
   double stiffness_n_m = 135;
   double lever_m = 0.1;  ///< rotation: inertia, damping and stiffness are the above times lever^2
+
+  [[nodiscard]] bool operator==(const ArmParameters&) const = default;
 };
 
 /// What moves, and how fast.
@@ -25,13 +27,20 @@ struct Movement {
 /// and likewise for rotation with m l^2, K l^2, B l^2 (l = lever). Stable for K dt^2 / m + 2 B dt / m < 4; for rotation
 /// the lever cancels out. May be called in the tick.
 /// @param strongest_n  the arm pulls no harder than this, and turns no harder than this times the lever.
-void moveArm(const ArmParameters& arm, const Movement& wanted, const Wrench& felt, double strongest_n, double tick_s,
-             Movement& tool) noexcept;
+/// @return what the spring and damper pull the tool with, scene frame.
+Wrench moveArm(const ArmParameters& arm, const Movement& wanted, const Wrench& felt, double strongest_n, double tick_s,
+               Movement& tool) noexcept;
 
 /// The lightest arm of this stiffness and damping that a tick can follow, in kg: see moveArm().
 [[nodiscard]] double lightestArm(const ArmParameters& arm, double tick_s) noexcept;
 
 /// The rotation from one orientation to another as a vector: axis times angle, in rad, scene frame.
 [[nodiscard]] Vec3 rotationBetween(const Quat& from, const Quat& to) noexcept;
+
+/// An orientation, turned on by a rotation vector: the other way round of rotationBetween().
+[[nodiscard]] Quat turnedBy(const Vec3& rotation, const Quat& orientation) noexcept;
+
+/// The vector, shortened to `largest` where it is longer.
+[[nodiscard]] Vec3 atMost(double largest, const Vec3& v) noexcept;
 
 }  // namespace haptolith

@@ -34,6 +34,8 @@ struct HandParameters {
   double reach_m = 0.035;           ///< largest distance to the side
   double max_force_n = 12;          ///< what the device can show, as a sigma.7 as CHAI3D describes it
   double max_torque_nm = 0.2;
+
+  [[nodiscard]] bool operator==(const HandParameters&) const = default;
 };
 
 /// @throws InvalidParameter with the key, the value and the valid range.

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <limits>
 #include <string_view>
 
@@ -7,21 +8,55 @@
 
 namespace haptolith {
 
-/// What a device tells about the hand, in the scene's frame.
-struct DeviceInput {
-  Pose scene_T_tool;
-  Twist twist;
-  bool finished = false;  ///< nothing more will come, for example at the end of a pose file
+/// Whether what a device tells can be believed.
+enum class DeviceState : std::uint8_t {
+  kLive,
+  kStale,     ///< nothing new for longer than the driver waits: the pose is the last one known
+  kLost,      ///< gone; the driver's problem() says why
+  kFinished,  ///< nothing more will come, for example at the end of a pose file
 };
 
-/// What a device can show without harm.
+/// What a device tells about the hand, in the device's own frame: right-handed, m and rad.
+struct DeviceInput {
+  Pose pose;                  ///< of the handle; the identity turn from a device that has none
+  Twist twist;                ///< of the handle
+  double gripper_open = 0;    ///< 0 closed to 1 wide open
+  std::uint32_t buttons = 0;  ///< bit n: button n is down
+  DeviceState state = DeviceState::kLive;
+};
+
+/// What a hand is made to feel, in the device's own frame.
+struct DeviceOutput {
+  Wrench wrench;               ///< about the handle's origin
+  double gripper_force_n = 0;  ///< > 0 opens the fingers
+};
+
+/// What a device declares of itself. An infinite limit is none; 0 N means that it shows no force.
 struct DeviceLimits {
-  double max_force_n = std::numeric_limits<double>::infinity();
-  double max_torque_nm = std::numeric_limits<double>::infinity();
+  static constexpr double kNone = std::numeric_limits<double>::infinity();
+
+  double max_force_n = kNone;
+  double max_torque_nm = kNone;
+  double max_gripper_force_n = kNone;
+  double max_force_rate_n_s = kNone;  ///< how fast a force may change, except to zero
+  double max_torque_rate_nm_s = kNone;
+  double max_gripper_rate_n_s = kNone;
+  double max_stiffness_n_m = kNone;  ///< that it shows without shaking, at `rate_hz`
+  double max_stiffness_nm_rad = kNone;
+  double damping_n_s_m = 0;  ///< its own, as a hand that holds it loosely finds it
+  Vec3 turn_rad =
+      Vec3::Zero();  ///< turns its frame into that of a person before it: x right, y away, z up; as in Mapping
+  Vec3 workspace_centre_m = Vec3::Zero();
+  double workspace_radius_m = kNone;
+  double rate_hz = 1000;    ///< at which it tells and shows something new
+  double delay_s = 0;       ///< from write() to what the next read() then tells of it, beyond a tick
+  bool turns = true;        ///< whether the handle's turn is known
+  bool shows_force = true;  ///< as a force, not as a rumble
+  bool grips = false;       ///< whether it has a gripper
 };
 
 /// Something that moves the tool and feels the wrench on it. read() and write() are called once a tick, in that order,
-/// from the loop's thread.
+/// from the loop's thread; neither may allocate, lock, throw or wait.
 class HapticDevice {
  public:
   virtual ~HapticDevice() = default;
@@ -29,11 +64,24 @@ class HapticDevice {
   [[nodiscard]] virtual std::string_view name() const noexcept = 0;
   [[nodiscard]] virtual DeviceLimits limits() const noexcept = 0;
 
-  /// Pose and velocity of the tool now. Must not allocate, lock or throw.
+  /// Whether nobody's hand is at it: time may then run slower, and forces need no soft start.
+  [[nodiscard]] virtual bool simulated() const noexcept { return false; }
+
+  /// The handle now. Never NaN in a live input; a driver that cannot read says so in `state`.
   [[nodiscard]] virtual DeviceInput read() noexcept = 0;
 
-  /// Makes the hand feel `wrench` (scene frame, about the tool's origin). Must not allocate, lock or throw.
-  virtual void write(const Wrench& wrench) noexcept = 0;
+  /// Makes the hand feel something. What fails shows in the state of the next read().
+  virtual void write(const DeviceOutput& output) noexcept = 0;
+
+  /// Zero force at once and from now on, whatever write() is told: the last resort of another thread or of a signal's
+  /// handler when the loop does not answer. May be called from anywhere, also twice.
+  virtual void letGo() noexcept = 0;
+
+  /// Takes a letGo() back. From the loop's thread.
+  virtual void takeUp() noexcept = 0;
+
+  /// Why it is lost, and what to do; empty when it is not. Not for the tick.
+  [[nodiscard]] virtual std::string_view problem() const noexcept { return {}; }
 };
 
 }  // namespace haptolith

@@ -1,7 +1,9 @@
 #include "haptolith/device/manoeuvre.h"
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <optional>
 #include <span>
 
 namespace haptolith {
@@ -74,6 +76,20 @@ std::span<const KeyPose> tableOf(Manoeuvre manoeuvre) {
   return kStillTable;
 }
 
+/// When a gripper closes and opens, in shares of the period.
+struct Grip {
+  double closes, closed, opens, open;
+};
+
+std::optional<Grip> gripOf(Manoeuvre manoeuvre) {
+  switch (manoeuvre) {
+    case Manoeuvre::kScoop: return Grip{0.34, 0.44, 0.74, 0.84};
+    case Manoeuvre::kCarry: return Grip{0.26, 0.34, 0.78, 0.86};
+    case Manoeuvre::kShake: return Grip{0.26, 0.34, 0.84, 0.90};
+    default: return {};
+  }
+}
+
 /// Minimum-jerk course from 0 to 1.
 double minimumJerk(double s) {
   return s * s * s * (10 - s * (15 - 6 * s));
@@ -103,12 +119,28 @@ KeyPose between(std::span<const KeyPose> table, double share, const HandParamete
           mix(a.shake, b.shake)};
 }
 
+/// How much of the period is over.
+double shareOfPeriod(const HandParameters& hand, double time_s) {
+  const double last_end_s = std::ceil(hand.active_s / hand.period_s) * hand.period_s;
+  return time_s < last_end_s ? std::fmod(time_s, hand.period_s) / hand.period_s : 0;
+}
+
 }  // namespace
 
+double manoeuvreOpening(const HandParameters& hand, double time_s) noexcept {
+  const std::optional<Grip> grip = gripOf(hand.manoeuvre);
+  if (!grip) {
+    return 1;
+  }
+  const double share = shareOfPeriod(hand, time_s);
+  const auto course = [share](double from, double to) {
+    return minimumJerk(std::clamp((share - from) / (to - from), 0.0, 1.0));
+  };
+  return std::clamp(1 - course(grip->closes, grip->closed) + course(grip->opens, grip->open), 0.0, 1.0);
+}
+
 Pose manoeuvrePose(const HandParameters& hand, double time_s) noexcept {
-  const double last_end_s = std::ceil(hand.active_s / hand.period_s) * hand.period_s;
-  const double share = time_s < last_end_s ? std::fmod(time_s, hand.period_s) / hand.period_s : 0;
-  const KeyPose key = between(tableOf(hand.manoeuvre), share, hand);
+  const KeyPose key = between(tableOf(hand.manoeuvre), shareOfPeriod(hand, time_s), hand);
 
   const double angle = kTurn * key.turn;
   const double out_m = key.out * hand.reach_m;

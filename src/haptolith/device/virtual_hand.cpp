@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "haptolith/core/between.h"
 #include "haptolith/core/error.h"
@@ -22,6 +23,9 @@ constexpr double kSmoothing_s = 0.02;
 
 /// From where somebody left the tool a manoeuvre is begun in this time.
 constexpr double kReturn_s = 1;
+
+/// From closed to wide open, at the fastest. A manoeuvre that is broken off opens the gripper as quickly.
+constexpr double kGrip_s = 0.1;
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
@@ -59,16 +63,33 @@ void VirtualHand::wish(const HandWish& wish) noexcept {
   wishes_.publish();
 }
 
+DeviceLimits VirtualHand::limits() const noexcept {
+  DeviceLimits limits;
+  limits.max_force_n = hand_.max_force_n;
+  limits.max_torque_nm = hand_.max_torque_nm;
+  limits.grips = true;
+  return limits;
+}
+
 DeviceInput VirtualHand::read() noexcept {
+  if (let_go_.load(std::memory_order_relaxed)) {
+    felt_ = {};
+  }
   takeWish();
   if (wishes_.latest().held) {
     followWish(*wishes_.latest().held);
   } else {
     followManoeuvre();
   }
+  moveGripper();
   const bool finished = poses_ && hand_.manoeuvre == Manoeuvre::kPoses && !wishes_.latest().held &&
                         static_cast<double>(ticks_) * tick_s_ > poses_->duration();
-  return {tool_.pose, tool_.twist, finished};
+  DeviceInput input;
+  input.pose = tool_.pose;
+  input.twist = tool_.twist;
+  input.gripper_open = gripper_open_;
+  input.state = finished ? DeviceState::kFinished : DeviceState::kLive;
+  return input;
 }
 
 void VirtualHand::takeWish() noexcept {
@@ -120,6 +141,13 @@ void VirtualHand::followWish(const Pose& held) noexcept {
   const Pose before = smooth_;
   smooth_ = between(before, held, 1 - std::exp(-tick_s_ / kSmoothing_s));
   moveArm(kCoupling, movement(before, smooth_, tick_s_), felt_, hand_.max_force_n, tick_s_, tool_);
+}
+
+void VirtualHand::moveGripper() noexcept {
+  const bool follows = !wishes_.latest().held && !return_from_ && hand_.manoeuvre != Manoeuvre::kPoses;
+  const double wanted = follows ? manoeuvreOpening(hand_, static_cast<double>(ticks_) * tick_s_) : 1;
+  const double most = tick_s_ / kGrip_s;
+  gripper_open_ += std::clamp(wanted - gripper_open_, -most, most);
 }
 
 Pose VirtualHand::wanted(double time_s) const noexcept {

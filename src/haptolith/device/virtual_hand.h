@@ -1,6 +1,6 @@
 #pragma once
 
-#include <limits>
+#include <atomic>
 #include <optional>
 
 #include "haptolith/core/exchange.h"
@@ -22,9 +22,13 @@ class VirtualHand final : public HapticDevice {
   VirtualHand(const HandParameters& hand, double tick_s);
 
   [[nodiscard]] std::string_view name() const noexcept override { return "virtual hand"; }
-  [[nodiscard]] DeviceLimits limits() const noexcept override { return {hand_.max_force_n, hand_.max_torque_nm}; }
+  /// Its frame is the scene's. It shows what a sigma.7 shows.
+  [[nodiscard]] DeviceLimits limits() const noexcept override;
+  [[nodiscard]] bool simulated() const noexcept override { return true; }
   [[nodiscard]] DeviceInput read() noexcept override;
-  void write(const Wrench& wrench) noexcept override { felt_ = wrench; }
+  void write(const DeviceOutput& output) noexcept override { felt_ = output.wrench; }
+  void letGo() noexcept override { let_go_.store(true, std::memory_order_relaxed); }
+  void takeUp() noexcept override { let_go_.store(false, std::memory_order_relaxed); }
 
   /// For one other thread: where somebody wants the tool. The tool follows through a virtual coupling that pulls no
   /// harder than the device's largest force, so that nobody can force it through the soil. May be called at any time.
@@ -35,13 +39,16 @@ class VirtualHand final : public HapticDevice {
   void followManoeuvre() noexcept;
   void followWish(const Pose& held) noexcept;
   [[nodiscard]] Pose wanted(double time_s) const noexcept;
+  void moveGripper() noexcept;
 
   HandParameters hand_;
   double tick_s_;
   std::optional<PoseFile> poses_;
   std::uint64_t ticks_ = 0;  ///< of the manoeuvre
   Movement tool_;
+  double gripper_open_ = 1;
   Wrench felt_;
+  std::atomic<bool> let_go_{false};
 
   LatestValue<HandWish> wishes_;
   std::uint32_t beginnings_ = 0;

@@ -1,0 +1,30 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+
+namespace haptolith {
+
+enum class DeviceKind { kVirtualHand, kForceDimension, kInverse3, kSpaceMouse, kGamepad, kMouse, kNetwork };
+
+/// Which device to open, and how.
+struct DeviceParameters {
+  DeviceKind kind = DeviceKind::kVirtualHand;
+  std::string id;  ///< which of several: its number, serial or name as `haptolith devices` prints it; empty: the first
+  std::string library;  ///< kForceDimension: the SDK's folder or library; empty: looked for
+  std::string address;  ///< kInverse3: of the service, kNetwork: to listen on; empty: the driver's usual one
+
+  [[nodiscard]] bool operator==(const DeviceParameters&) const = default;
+};
+
+/// One device that a driver has found, or why it found none.
+struct DeviceReport {
+  DeviceKind kind = DeviceKind::kVirtualHand;
+  std::string name;  ///< "sigma.7"
+  std::string id;    ///< what DeviceParameters::id takes
+  bool usable = false;
+  std::string why_not;  ///< when it is not: what was tried
+  std::string remedy;   ///< and what to do about it
+};
+
+}  // namespace haptolith

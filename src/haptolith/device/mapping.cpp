@@ -1,0 +1,70 @@
+#include "haptolith/device/mapping.h"
+
+#include <algorithm>
+
+#include "haptolith/core/error.h"
+
+namespace haptolith {
+
+namespace {
+/// How long force takes to come back after the clutch.
+constexpr double kClutchFade_s = 0.2;
+
+Quat turnOf(const Vec3& angles_rad) {
+  return Eigen::AngleAxisd(angles_rad.z(), Vec3::UnitZ()) * Eigen::AngleAxisd(angles_rad.y(), Vec3::UnitY()) *
+         Eigen::AngleAxisd(angles_rad.x(), Vec3::UnitX());
+}
+
+}  // namespace
+
+void validate(const MappingParameters& mapping) {
+  for (const double axis : mapping.offset_m) {
+    requireInRange("offset_m", axis, {-10, 10});
+  }
+  for (const double angle : mapping.turn_rad) {
+    requireInRange("turn_rad", angle, {-7, 7});
+  }
+  requireInRange("scale", mapping.scale, {0.01, 100});
+  requireInRange("force_scale", mapping.force_scale, {0, 100});
+  requireInRange("clutch_button", mapping.clutch_button, {-1, 31});
+}
+
+Mapping::Mapping(const MappingParameters& parameters, const DeviceLimits& device, double tick_s)
+    : mapping_(parameters),
+      turn_(turnOf(parameters.turn_rad) * turnOf(device.turn_rad)),
+      anchor_device_m_(device.workspace_centre_m),
+      anchor_scene_m_(parameters.offset_m),
+      grip_per_tick_(tick_s / kClutchFade_s) {
+  validate(parameters);
+  mapping_.gripper = parameters.gripper && device.grips;
+}
+
+Movement Mapping::toScene(const DeviceInput& input) noexcept {
+  const Quat turned = turn_ * input.pose.orientation * turn_.conjugate();
+  const bool was_clutched = clutched_;
+  clutched_ = mapping_.clutch_button >= 0 && (input.buttons >> mapping_.clutch_button & 1U) != 0;
+  grip_ = clutched_ ? 0 : std::min(1.0, grip_ + grip_per_tick_);
+  if (clutched_ && known_) {
+    return {tool_, {}};
+  }
+  known_ = true;
+  if (was_clutched) {  // the tool is where it was, the hand somewhere else
+    anchor_device_m_ = input.pose.position_m;
+    anchor_scene_m_ = tool_.position_m;
+    anchor_turn_ = (turned.conjugate() * tool_.orientation).normalized();
+  }
+  tool_.position_m = anchor_scene_m_ + mapping_.scale * (turn_ * (input.pose.position_m - anchor_device_m_));
+  tool_.orientation = turned * anchor_turn_;
+  return {tool_, {mapping_.scale * (turn_ * input.twist.linear_m_s), turn_ * input.twist.angular_rad_s}};
+}
+
+Wrench Mapping::toDevice(const Wrench& scene) const noexcept {
+  const Quat back = turn_.conjugate();
+  return {share() * (back * scene.force_n), share() / mapping_.scale * (back * scene.torque_nm)};
+}
+
+Wrench Mapping::shownInScene(const Wrench& device) const noexcept {
+  return {turn_ * device.force_n, turn_ * device.torque_nm};
+}
+
+}  // namespace haptolith

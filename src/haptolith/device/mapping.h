@@ -1,0 +1,63 @@
+#pragma once
+
+#include "haptolith/core/vec.h"
+#include "haptolith/device/arm.h"
+#include "haptolith/device/haptic_device.h"
+
+namespace haptolith {
+
+/// Where a device's workspace lies in the scene, and how large it is there.
+struct MappingParameters {
+  Vec3 offset_m = Vec3::Zero();  ///< where the middle of the device's workspace lies in the scene
+  /// Turns the frame of the person before the device (DeviceLimits::turn_rad) into the scene's: about the scene's x,
+  /// then y, then z.
+  Vec3 turn_rad = Vec3::Zero();
+  double scale = 1;        ///< metres in the scene for a metre at the device
+  double force_scale = 1;  ///< newtons at the hand for a newton on the tool
+  int clutch_button = -1;  ///< while it is down the tool stays where it is and the hand goes elsewhere; -1: none
+  bool gripper = true;     ///< whether the gripper opens the tool's jaws; else they stay open
+
+  [[nodiscard]] bool operator==(const MappingParameters&) const = default;
+};
+
+/// @throws InvalidParameter with the key, the value and the valid range.
+void validate(const MappingParameters& mapping);
+
+/// Between the device's frame and the scene's:
+///
+///     x_scene = a_scene + s R (x_device - a_device)        q_scene = R q_device R^-1 b
+///     F_device = s_F R^-1 F_scene                          T_device = s_F / s R^-1 T_scene
+///
+/// Levers are s times shorter at the device, hence the torque: power at the device is s_F / s of that in the scene, the
+/// same where s_F = s. The anchors a and b move when the clutch has been held, so that the tool never jumps, and force
+/// comes back within 0.2 s. All functions may be called in the tick.
+class Mapping {
+ public:
+  /// @throws InvalidParameter as validate().
+  Mapping(const MappingParameters& parameters, const DeviceLimits& device, double tick_s);
+
+  /// Where the hand has the tool. While the clutch is held: where it had it, at rest, and the hand feels nothing.
+  [[nodiscard]] Movement toScene(const DeviceInput& input) noexcept;
+  [[nodiscard]] Wrench toDevice(const Wrench& scene) const noexcept;
+  /// How far the jaws are open, 0 to 1, and what the fingers feel of them, in N.
+  [[nodiscard]] double opening(const DeviceInput& input) const noexcept {
+    return mapping_.gripper ? input.gripper_open : 1;
+  }
+  [[nodiscard]] double toGripper(double grip_n) const noexcept { return mapping_.gripper ? share() * grip_n : 0; }
+  /// A wrench at the device as it looks in the scene, as large as it is at the device.
+  [[nodiscard]] Wrench shownInScene(const Wrench& device) const noexcept;
+
+ private:
+  [[nodiscard]] double share() const noexcept { return grip_ * mapping_.force_scale; }
+
+  MappingParameters mapping_;
+  Quat turn_;
+  Vec3 anchor_device_m_, anchor_scene_m_;
+  Quat anchor_turn_ = Quat::Identity();  ///< b
+  Pose tool_;                            ///< the last one
+  bool known_ = false;                   ///< whether there is a last one
+  bool clutched_ = false;
+  double grip_ = 1, grip_per_tick_;  ///< share of the force that the hand feels: less than 1 after the clutch
+};
+
+}  // namespace haptolith

@@ -1,0 +1,55 @@
+#include "haptolith/device/open_device.h"
+
+#include <utility>
+
+#include "haptolith/core/error.h"
+#include "haptolith/device/force_dimension.h"
+#include "haptolith/device/gamepad.h"
+#include "haptolith/device/inverse3.h"
+#include "haptolith/device/mouse.h"
+#include "haptolith/device/network_device.h"
+#include "haptolith/device/space_mouse.h"
+
+namespace haptolith {
+
+namespace {
+
+std::vector<DeviceReport> findAnyForceDimension(const DeviceParameters& parameters) {
+  return findForceDimension(parameters);
+}
+
+DeviceReport alwaysThere(DeviceKind kind, const char* name) {
+  DeviceReport report;
+  report.kind = kind;
+  report.name = name;
+  report.usable = true;
+  return report;
+}
+
+}  // namespace
+
+std::unique_ptr<HapticDevice> openDevice(const DeviceParameters& parameters, double tick_s) {
+  switch (parameters.kind) {
+    case DeviceKind::kVirtualHand: break;
+    case DeviceKind::kForceDimension: return std::make_unique<ForceDimension>(parameters);
+    case DeviceKind::kInverse3: return std::make_unique<Inverse3>(parameters);
+    case DeviceKind::kSpaceMouse: return std::make_unique<SpaceMouse>(parameters, tick_s);
+    case DeviceKind::kGamepad: return std::make_unique<Gamepad>(parameters, tick_s);
+    case DeviceKind::kMouse: return std::make_unique<Mouse>(parameters, tick_s);
+    case DeviceKind::kNetwork: return std::make_unique<NetworkDevice>(parameters);
+  }
+  throw InvalidParameter("kind", "virtual-hand", "a device with hardware");
+}
+
+std::vector<DeviceReport> findDevices(const DeviceParameters& parameters) {
+  std::vector<DeviceReport> all{alwaysThere(DeviceKind::kVirtualHand, "virtual hand")};
+  for (const auto find : {findAnyForceDimension, findInverse3, findSpaceMouse, findGamepads, findMouse}) {
+    for (DeviceReport& report : find(parameters)) {
+      all.push_back(std::move(report));
+    }
+  }
+  all.push_back(alwaysThere(DeviceKind::kNetwork, "network device"));
+  return all;
+}
+
+}  // namespace haptolith

@@ -1,0 +1,19 @@
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "haptolith/device/device_parameters.h"
+#include "haptolith/device/haptic_device.h"
+
+namespace haptolith {
+
+/// Opens a device that a person holds; a sigma.7 finds its zero by moving its handle, which takes seconds. Not for
+/// kVirtualHand, which has no hardware.
+/// @throws Failure that says what was tried and what to do; InvalidParameter for an address that is none.
+[[nodiscard]] std::unique_ptr<HapticDevice> openDevice(const DeviceParameters& parameters, double tick_s);
+
+/// What is there, and why the rest is not: at least one report for each kind of device. Opens nothing.
+[[nodiscard]] std::vector<DeviceReport> findDevices(const DeviceParameters& parameters = {});
+
+}  // namespace haptolith

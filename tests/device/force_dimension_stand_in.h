@@ -1,0 +1,55 @@
+#pragma once
+
+#include <array>
+#include <atomic>
+#include <climits>
+
+namespace haptolith {
+
+/// A device that the stand-in for Force Dimension's SDK pretends to have.
+struct StandInDevice {
+  const char* name = "sigma.7";
+  int type = 104;
+  unsigned short serial = 4711;
+  bool left_handed = false, wrist = true, active_wrist = true, gripper = true, active_gripper = true;
+  bool in_use = false;
+};
+
+/// What a test orders the stand-in to do, and what the stand-in was told. A test gets it from `standIn` in the library.
+struct StandIn {
+  // Orders.
+  int devices = 1;
+  std::array<StandInDevice, 3> device{};
+  const char* failing = nullptr;  ///< the call that fails
+  int failing_after = 0;          ///< so many of them work first
+  int failing_times = INT_MAX;    ///< and so many fail
+  int error = 2;                  ///< with this error
+  bool initialized = false;
+  int homed_by_forces = INT_MAX;  ///< a Falcon is homed after so many of them
+  bool frozen = false;            ///< the pose stays as it is
+  bool not_a_number = false, no_rotation = false;
+  double turned_rad = 0;  ///< about z
+  double gripper_rad = 0;
+  unsigned int buttons = 0;
+  int reading_result = 0, setting_result = 0;
+  bool forces_on = false;
+  int forces_off_cause = 0;
+  std::atomic<bool> hangs{false};  ///< a call that sets forces does not return
+  int raises = 0;                  ///< a signal, once, in the midst of a call that sets forces
+
+  // What it was told.
+  std::array<double, 7> wrench{};
+  double max_force = -1, max_torque = -1, max_gripper = -1;
+  int watchdog = -1;
+  bool expert = false, brakes = true, open = false, gravity = false;
+  std::atomic<bool> in_call{false};  ///< somebody is setting forces
+  std::array<const char*, 1 << 16> calls{};
+  std::atomic<int> called{0};
+
+  // Its own.
+  int last_error = 0;
+  int failing_seen = 0;
+  int poses = 0;
+};
+
+}  // namespace haptolith

@@ -1,0 +1,53 @@
+#pragma once
+
+#include <arpa/inet.h>
+#include <gtest/gtest.h>
+#include <netinet/in.h>
+#include <poll.h>
+#include <sys/socket.h>
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <span>
+
+#include "haptolith/core/child_process.h"
+#include "haptolith/device/device_packet.h"
+
+namespace haptolith {
+
+/// The other end of a network device on this machine.
+class UdpClient {
+ public:
+  explicit UdpClient(std::uint16_t port) : socket_(socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0)) {
+    sockaddr_in address{};
+    address.sin_family = AF_INET;
+    address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+    address.sin_port = htons(port);
+    EXPECT_EQ(connect(socket_.number(), reinterpret_cast<const sockaddr*>(&address), sizeof address), 0);
+  }
+
+  void send(std::span<const std::byte> bytes) const {
+    EXPECT_EQ(::send(socket_.number(), bytes.data(), bytes.size(), 0), static_cast<ssize_t>(bytes.size()));
+  }
+  void send(const DevicePacket& packet) const { send(bytesOf(packet)); }
+
+  /// The next answer; none when there is none within `patience_ms`.
+  [[nodiscard]] std::optional<AnswerPacket> receive(int patience_ms = 0) const {
+    pollfd wanted{socket_.number(), POLLIN, 0};
+    if (poll(&wanted, 1, patience_ms) != 1) {
+      return std::nullopt;
+    }
+    std::array<std::byte, 1000> bytes{};
+    const ssize_t size = recv(socket_.number(), bytes.data(), bytes.size(), 0);
+    const auto answer = size < 0 ? std::nullopt : parseAnswer(std::span(bytes).first(static_cast<std::size_t>(size)));
+    EXPECT_TRUE(answer) << "something that is no answer";
+    return answer;
+  }
+
+ private:
+  Descriptor socket_;
+};
+
+}  // namespace haptolith
