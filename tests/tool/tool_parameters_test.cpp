@@ -41,6 +41,7 @@ TEST(ToolParameters, NonsenseIsRefusedByName) {
     }
     expectRefused("diameter_m", [&](ToolParameters& tool) { tool.diameter_m = value; });
     expectRefused("thickness_m", [&](ToolParameters& tool) { tool.thickness_m = value; });
+    expectRefused("opening_m", [&](ToolParameters& tool) { tool.opening_m = value; });
     expectRefused("stiffness_n_m", [&](ToolParameters& tool) { tool.stiffness_n_m = value; });
     expectRefused("damping_factor", [&](ToolParameters& tool) { tool.damping_factor = value; });
     expectRefused("adhesion_ratio", [&](ToolParameters& tool) { tool.adhesion_ratio = value; });

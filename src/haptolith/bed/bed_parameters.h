@@ -41,6 +41,8 @@ struct BedParameters {
   double tick_s = 1e-3;
   int max_substeps = 32;  ///< a tick that would need more is refused
   int threads = 1;
+
+  [[nodiscard]] bool operator==(const BedParameters&) const = default;
 };
 
 /// No bed is larger: it would need gigabytes and minutes for a tick.

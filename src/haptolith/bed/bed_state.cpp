@@ -2,6 +2,7 @@
 
 #include <xxhash.h>
 
+#include <algorithm>
 #include <bit>
 #include <cstring>
 
@@ -30,11 +31,6 @@ std::uint64_t bytesAfter(const Header& header) {
   return header.particles * (4 * sizeof(Float4) + sizeof(std::int8_t) + sizeof(std::uint16_t)) +
          groups * sizeof(std::uint16_t) + header.contacts * (sizeof(std::int32_t) + (remembers ? sizeof(Slip) : 0)) +
          (remembers ? groups * sizeof(WallSlips) : 0) + header.remembered * sizeof(Float4);
-}
-
-template <class Records>
-std::uint64_t hashed(const Records& records, std::uint64_t seed) noexcept {
-  return records.empty() ? seed : XXH3_64bits_withSeed(records.data(), records.size() * sizeof(records[0]), seed);
 }
 
 template <class Record>
@@ -100,19 +96,28 @@ ContactLists takeContacts(std::string_view& bytes, const Header& header) {
 
 }  // namespace
 
-std::uint64_t stateHash(const BedState& state) noexcept {
-  const std::size_t bytes = state.particles() * sizeof(Float4);
-  std::uint64_t hash = XXH3_64bits_withSeed(state.position.data(), bytes, state.step);
-  hash = XXH3_64bits_withSeed(state.velocity.data(), bytes, hash);
-  hash = hashed(state.tool_side, hash);
+std::uint64_t stateHash(const BedState& state, std::size_t part, std::size_t parts) noexcept {
+  const std::size_t groups = (state.particles() + kGroup - 1) / kGroup;
+  const std::size_t first = groups * part / parts;
+  const std::size_t last = groups * (part + 1) / parts;
+  std::uint64_t hash = state.step;
+  const auto add = [&](const auto& values, std::size_t per_group, std::size_t count) {
+    const std::size_t from = std::min(first * per_group, count);
+    const std::size_t to = std::min(last * per_group, count);
+    hash = from < to ? XXH3_64bits_withSeed(values.data() + from, (to - from) * sizeof values[0], hash) : hash;
+  };
+  add(state.position, kGroup, state.particles());
+  add(state.velocity, kGroup, state.particles());
+  add(state.tool_side, kGroup, state.particles());
   const ContactLists& contacts = state.contacts;
-  for (std::size_t group = 0; contacts.remembers() && group < contacts.groups(); ++group) {
+  for (std::size_t group = first; contacts.remembers() && group < std::min(last, contacts.groups()); ++group) {
     const std::size_t row = 3 * kGroup;
     hash = XXH3_64bits_withSeed(contacts.slips() + contacts.firstRows()[group] * row,
                                 contacts.rowCounts()[group] * row * sizeof(float), hash);
   }
-  hash = hashed(state.wall_slip, hash);
-  return hashed(state.tool_slip, hash);
+  add(state.wall_slip, 1, state.wall_slip.size());
+  add(state.tool_slip, kGroup, state.tool_slip.size());
+  return hash;
 }
 
 std::string serialise(const BedState& state) {

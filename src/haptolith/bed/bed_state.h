@@ -51,8 +51,8 @@ struct BedState {
 };
 
 /// 64-bit hash (XXH3) over positions, velocities and the memory of contacts. Equal states have equal hashes on one
-/// machine type.
-[[nodiscard]] std::uint64_t stateHash(const BedState& state) noexcept;
+/// machine type. May be called in the tick; of a large bed a part at a time, which takes part + 1 of `parts` groups.
+[[nodiscard]] std::uint64_t stateHash(const BedState& state, std::size_t part = 0, std::size_t parts = 1) noexcept;
 
 /// The state as bytes, and back. @throws Failure when the bytes are no state, are cut short or of another version.
 [[nodiscard]] std::string serialise(const BedState& state);

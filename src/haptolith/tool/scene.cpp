@@ -1,6 +1,7 @@
 #include "haptolith/tool/scene.h"
 
 #include <algorithm>
+#include <cmath>
 #include <cstdint>
 
 #include "haptolith/bed/critical_step.h"
@@ -14,7 +15,8 @@ namespace {
 int checkedSubsteps(const BedParameters& bed, const ToolParameters& tool) {
   validate(bed);
   validate(tool);
-  return substepsFor(bed.soil, tool.stiffness_n_m, bed.tick_s, bed.max_substeps);
+  const double jaws = tool.shape == ToolShape::kJaws ? 2 : 1;  // that hold a particle from both sides
+  return substepsFor(bed.soil, jaws * tool.stiffness_n_m, bed.tick_s, bed.max_substeps);
 }
 
 /// A tool that is only partly there.
@@ -27,10 +29,10 @@ ToolParameters faded(ToolParameters tool, double presence) noexcept {
 }  // namespace
 
 Scene::Scene(const BedParameters& bed, const ToolParameters& tool, const SettleProgress& progress)
-    : tool_(tool), substeps_(checkedSubsteps(bed, tool)), bed_(bed, progress) {}
+    : tool_(tool), substeps_(checkedSubsteps(bed, tool)), bed_(bed, progress), opening_m_(tool.opening_m) {}
 
 Scene::Scene(const BedParameters& bed, const ToolParameters& tool, const std::vector<Vec3>& centres_m)
-    : tool_(tool), substeps_(checkedSubsteps(bed, tool)), bed_(bed, centres_m) {}
+    : tool_(tool), substeps_(checkedSubsteps(bed, tool)), bed_(bed, centres_m), opening_m_(tool.opening_m) {}
 
 void Scene::setTool(const ToolParameters& tool) noexcept {
   for (const std::uint32_t group : bed_.groupsNear(tool_pose_.position_m, 0)) {  // and those that the old one was near
@@ -43,23 +45,44 @@ void Scene::setTool(const ToolParameters& tool) noexcept {
     }
   }
   tool_ = tool;
+  opening_m_ = opening_ * tool.opening_m;
+}
+
+void Scene::setOpening(double share) noexcept {
+  if (std::isfinite(share)) {
+    opening_ = std::clamp(share, 0.0, 1.0);
+  }
+}
+
+void Scene::placeTool(const Pose& scene_T_tool) noexcept {
+  tool_pose_ = scene_T_tool;
+  opening_m_ = opening_ * tool_.opening_m;
 }
 
 StepStatus Scene::tick(const Pose& scene_T_tool, const Twist& twist) noexcept {
   const double dt = bed_.parameters().tick_s / substeps_;
   const Pose from = tool_pose_;
-  const ToolParameters tool = presence_ < 1 ? faded(tool_, presence_) : tool_;
+  ToolParameters tool = presence_ < 1 ? faded(tool_, presence_) : tool_;
+  const double opening_from_m = opening_m_;
+  const double opening_to_m = opening_ * tool_.opening_m;
+  const double opening_m_s = (opening_to_m - opening_from_m) / bed_.parameters().tick_s;
   Wrench sum;
+  double grip_n = 0;
   StepStatus status = StepStatus::kOk;
   for (int substep = 1; substep <= substeps_ && status == StepStatus::kOk; ++substep) {
-    const Pose pose = between(from, scene_T_tool, static_cast<double>(substep) / substeps_);
-    const ToolReaction now = applyToolContact(tool, pose, twist, dt, bed_);
+    const double share = static_cast<double>(substep) / substeps_;
+    const Pose pose = between(from, scene_T_tool, share);
+    tool.opening_m = std::lerp(opening_from_m, opening_to_m, share);
+    const ToolReaction now = applyToolContact(tool, pose, twist, dt, bed_, opening_m_s);
     sum.force_n += now.wrench.force_n;
     sum.torque_nm += now.wrench.torque_nm;
+    grip_n += now.grip_n;
     stiffness_n_m_ = now.stiffness_n_m;
     status = bed_.step(dt);
   }
   tool_pose_ = scene_T_tool;
+  opening_m_ = opening_to_m;
+  grip_n_ = grip_n / substeps_;
   wrench_ = {sum.force_n / substeps_, sum.torque_nm / substeps_};
   return status;
 }

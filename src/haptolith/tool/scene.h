@@ -27,8 +27,19 @@ class Scene {
   /// How the force changes with the tool's place at the end of the last tick: see ToolReaction.
   [[nodiscard]] const Eigen::Matrix3d& contactStiffness() const noexcept { return stiffness_n_m_; }
 
-  /// Puts the tool somewhere without moving it there.
-  void placeTool(const Pose& scene_T_tool) noexcept { tool_pose_ = scene_T_tool; }
+  /// How hard the soil pushed the jaws apart over the last tick, in N, > 0 opening them: see ToolReaction. 0 with
+  /// another tool.
+  [[nodiscard]] double gripForce() const noexcept { return grip_n_; }
+
+  /// How far the next tick opens jaws, evenly, 0 closed to 1 wide open; what is no number changes nothing. They are
+  /// wide open at first. No other tool takes notice. May be called in the tick.
+  void setOpening(double share) noexcept;
+
+  /// Between the jaws now, in m; 0 with another tool.
+  [[nodiscard]] double opening() const noexcept { return tool_.shape == ToolShape::kJaws ? opening_m_ : 0; }
+
+  /// Puts the tool somewhere without moving it there, jaws as far open as they are to be.
+  void placeTool(const Pose& scene_T_tool) noexcept;
 
   /// How much of itself the tool is, 0 to 1: with less than 1 it presses, damps and coheres by so much less, and the
   /// soil on it likewise. Soil that finds itself inside a tool is moved out gently when this grows slowly. May be
@@ -50,8 +61,11 @@ class Scene {
   int substeps_;
   Bed bed_;
   Pose tool_pose_;
+  double opening_ = 1;  ///< to be reached by the end of a tick
+  double opening_m_;    ///< now
   double presence_ = 1;
   Wrench wrench_;
+  double grip_n_ = 0;
   Eigen::Matrix3d stiffness_n_m_ = Eigen::Matrix3d::Zero();
 };
 

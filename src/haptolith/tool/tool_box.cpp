@@ -67,6 +67,8 @@ Corners cornersOf(const ToolParameters& tool) noexcept {
       const double outer = r + tool.thickness_m / 2;
       return around({outer, outer, (tool.length_m + tool.thickness_m) / 2});
     }
+    case ToolShape::kJaws:
+      return around({tool.opening_m / 2 + tool.size_m.z(), tool.size_m.y() / 2, tool.size_m.x() / 2});
   }
   return around(Vec3::Constant(1e3));
 }

@@ -114,14 +114,46 @@ Answer paperAnswer(const ToolParameters& tool, double radius_m, double dt_s, con
           tool.stiffness_n_m * heldShare(closing, tool_speed) * meeting.outward * meeting.outward.transpose()};
 }
 
+/// Two directions along a surface, for each normal of it: those of one surface, turned the shortest way. The normals of
+/// a box are nowhere near the one where that is not defined but at one corner.
+class Tangents {
+ public:
+  explicit Tangents(const Vec3& normal)
+      : turned_(Quat::FromTwoVectors(Vec3::Constant(1), normal).toRotationMatrix() * alongTheFirst()) {}
+
+  [[nodiscard]] Vec3 along(const Eigen::Vector2d& components) const { return turned_ * components; }
+  [[nodiscard]] Eigen::Vector2d of(const Vec3& v) const { return turned_.transpose() * v; }
+
+ private:
+  using Columns = Eigen::Matrix<double, 3, 2>;
+  static Columns alongTheFirst() {
+    Columns columns;
+    columns << Vec3(1, -1, 0).normalized(), Vec3(1, 1, -2).normalized();
+    return columns;
+  }
+
+  Columns turned_;
+};
+
+/// What one of two jaws remembers of a particle's slip, tool frame: see ToolMemory.
+Vec3 slipAlong(const Float4& kept, std::size_t jaw, const Vec3& normal) {
+  return Tangents(normal).along(jaw == 0 ? Eigen::Vector2d(kept.x, kept.y) : Eigen::Vector2d(kept.z, kept.w));
+}
+void keepSlip(Float4& kept, std::size_t jaw, const Vec3& normal, const Vec3& slip_m) {
+  const Eigen::Vector2f slid = Tangents(normal).of(slip_m).cast<float>();
+  (jaw == 0 ? kept.x : kept.z) = slid.x();
+  (jaw == 0 ? kept.y : kept.w) = slid.y();
+}
+
 /// A tool at one moment, and what it has met so far.
 class Encounter {
  public:
-  Encounter(const ToolParameters& tool, const Pose& scene_T_tool, const Twist& twist, const SoilParameters& soil,
-            double dt_s)
+  Encounter(const ToolParameters& tool, const Pose& scene_T_tool, const Twist& twist, double opening_m_s,
+            const SoilParameters& soil, double dt_s)
       : tool_(tool),
         pose_(scene_T_tool),
         twist_(twist),
+        opening_m_s_(opening_m_s),
         frictional_(tool, soil, dt_s),
         radius_m_(soil.radius_m),
         dt_s_(dt_s),
@@ -161,33 +193,91 @@ class Encounter {
   Float4 meet(std::size_t i, const BedState& state, const ToolMemory& memory) noexcept {
     const Float4& p = state.position[i];
     const Vec3 lever = Vec3(p.x, p.y, p.z) - pose_.position_m;
-    const Penetration contact = penetration(tool_, rotation_.transpose() * lever, radius_m_ + p.w, memory.side[i]);
+    const Grain grain{lever, radius_m_ + p.w, state.velocity[i]};
+    if (tool_.shape == ToolShape::kJaws) {
+      return meetJaws(grain, memory.side[i], pairwise_ ? &memory.slip[i] : nullptr);
+    }
+    const Penetration contact = penetration(tool_, rotation_.transpose() * lever, grain.radius_m, memory.side[i]);
     memory.side[i] = static_cast<std::int8_t>(contact.side);
 
-    const Vec3 outward = rotation_ * contact.outward;
-    const Vec3 point = lever - outward * (radius_m_ + p.w - contact.depth_m);  // on the tool's surface, from its origin
-    const Float4& v = state.velocity[i];
-    const Meeting meeting{outward, contact.depth_m, twist_.at(point), Vec3(v.x, v.y, v.z)};
-    Answer answer;
+    Vec3 slip = Vec3::Zero();
     if (pairwise_) {
-      Float4& kept = memory.slip[i];
-      Vec3 slip = rotation_ * Vec3(kept.x, kept.y, kept.z);
-      answer = frictional_.meet(meeting, slip);
-      kept = record(rotation_.transpose() * slip);
-    } else {
-      answer = paperAnswer(tool_, radius_m_, dt_s_, meeting);
+      const Float4& kept = memory.slip[i];
+      slip = rotation_ * Vec3(kept.x, kept.y, kept.z);
+    }
+    const Touch touch = touchOf(contact, grain);
+    const Answer answer = answerTo(touch, twist_.at(touch.point_m), grain, slip);
+    if (pairwise_) {
+      memory.slip[i] = record(rotation_.transpose() * slip);
     }
     if (answer.on_particle_n.isZero(0)) {
       return {};
     }
-    reaction_.wrench.add(-answer.on_particle_n, point);
-    reaction_.stiffness_n_m += answer.stiffness_n_m;
+    feel(answer, touch.point_m);
     return record(answer.on_particle_n);
+  }
+
+  /// A particle within reach, its centre from the tool's origin.
+  struct Grain {
+    Vec3 lever_m;
+    double radius_m;
+    const Float4& velocity;
+  };
+
+  /// Where and how it touches, scene frame.
+  struct Touch {
+    Vec3 outward, point_m;  ///< on the tool's surface, from its origin
+    double depth_m;
+  };
+
+  [[nodiscard]] Touch touchOf(const Penetration& contact, const Grain& grain) const noexcept {
+    const Vec3 outward = rotation_ * contact.outward;
+    return {outward, grain.lever_m - outward * (grain.radius_m - contact.depth_m), contact.depth_m};
+  }
+
+  /// @param slip_m  of a soil with pairwise friction, scene frame; read and written.
+  [[nodiscard]] Answer answerTo(const Touch& touch, const Vec3& tool_m_s, const Grain& grain,
+                                Vec3& slip_m) const noexcept {
+    const Float4& v = grain.velocity;
+    const Meeting meeting{touch.outward, touch.depth_m, tool_m_s, Vec3(v.x, v.y, v.z)};
+    return pairwise_ ? frictional_.meet(meeting, slip_m) : paperAnswer(tool_, radius_m_, dt_s_, meeting);
+  }
+
+  void feel(const Answer& answer, const Vec3& point_m) noexcept {
+    reaction_.wrench.add(-answer.on_particle_n, point_m);
+    reaction_.stiffness_n_m += answer.stiffness_n_m;
+  }
+
+  /// The same with both jaws, each of which moves by itself. @param kept  null without pairwise friction.
+  Float4 meetJaws(const Grain& grain, std::int8_t& sides, Float4* kept) noexcept {
+    const JawContacts contacts = jawContacts(tool_, rotation_.transpose() * grain.lever_m, grain.radius_m, sides);
+    sides = contacts.sides;
+    Vec3 on_particle_n = Vec3::Zero();
+    for (std::size_t i = 0; i < 2; ++i) {
+      const JawContact& jaw = contacts.jaws[i];
+      const Touch touch = touchOf(jaw.found, grain);
+      const Vec3 away = (i == 0 ? -0.5 : 0.5) * rotation_.col(0);  // how it moves when the jaws open
+      Vec3 slip = Vec3::Zero();
+      if (kept != nullptr) {
+        slip = rotation_ * slipAlong(*kept, i, jaw.found.outward);
+      }
+      Answer answer = answerTo(touch, twist_.at(touch.point_m) + opening_m_s_ * away, grain, slip);
+      if (kept != nullptr) {
+        keepSlip(*kept, i, jaw.found.outward, rotation_.transpose() * slip);
+      }
+      answer.on_particle_n *= jaw.share;
+      answer.stiffness_n_m *= jaw.share;
+      feel(answer, touch.point_m);
+      reaction_.grip_n -= answer.on_particle_n.dot(away);
+      on_particle_n += answer.on_particle_n;
+    }
+    return record(on_particle_n);
   }
 
   const ToolParameters& tool_;
   const Pose& pose_;
   const Twist& twist_;
+  double opening_m_s_;
   FrictionalTool frictional_;
   double radius_m_, dt_s_;
   bool pairwise_;
@@ -204,8 +294,8 @@ class Encounter {
 
 ToolReaction applyToolContact(const ToolParameters& tool, const Pose& scene_T_tool, const Twist& twist,
                               const SoilParameters& soil, double dt_s, const BedState& state, const ToolMemory& memory,
-                              std::vector<Float4>& forces) noexcept {
-  Encounter encounter(tool, scene_T_tool, twist, soil, dt_s);
+                              std::vector<Float4>& forces, double opening_m_s) noexcept {
+  Encounter encounter(tool, scene_T_tool, twist, opening_m_s, soil, dt_s);
   for (std::size_t first = 0; first < state.particles(); first += kGroup) {
     encounter.meet(first, std::min(first + kGroup, state.particles()), state, memory, forces);
   }
@@ -213,8 +303,8 @@ ToolReaction applyToolContact(const ToolParameters& tool, const Pose& scene_T_to
 }
 
 ToolReaction applyToolContact(const ToolParameters& tool, const Pose& scene_T_tool, const Twist& twist, double dt_s,
-                              Bed& bed) noexcept {
-  Encounter encounter(tool, scene_T_tool, twist, bed.parameters().soil, dt_s);
+                              Bed& bed, double opening_m_s) noexcept {
+  Encounter encounter(tool, scene_T_tool, twist, opening_m_s, bed.parameters().soil, dt_s);
   const ToolMemory memory{bed.toolSides(), bed.toolSlip()};
   for (const std::uint32_t group : bed.groupsNear(scene_T_tool.position_m, encounter.reach())) {
     const std::size_t first = group * kGroup;

@@ -27,10 +27,15 @@ struct ToolReaction {
   /// of k_tool s n n^T over the contacts, in N/m, scene frame; n is the normal, s the share of the tool's speed along n
   /// that the contact takes up: 1 when the particle stays where it is, 0 when it moves with the tool.
   Eigen::Matrix3d stiffness_n_m = Eigen::Matrix3d::Zero();
+  /// How hard the soil pushes jaws apart, > 0 opening them: half the difference of its forces on the right and the left
+  /// jaw, along the tool's x. With it, wrench times twist and grip_n times opening speed are the power of the soil on
+  /// the tool. 0 with other tools.
+  double grip_n = 0;
 };
 
 /// What the tool's contact remembers of every particle: which large face of the tool it lies on, and, with pairwise
-/// friction, how far it has slid along the tool, in m, tool frame.
+/// friction, how far it has slid along the tool, in m, tool frame. With jaws it is the sides of both (see JawContacts),
+/// and of both slips, which are along a surface, the two numbers that are not 0.
 struct ToolMemory {
   std::vector<std::int8_t>& side;
   std::vector<Float4>& slip;
@@ -43,16 +48,18 @@ struct ToolMemory {
 /// Soil with the paper's friction meets the tool as (paper 21) says. With pairwise friction the normal force is the
 /// same while they overlap, but damping never pulls, adhesion is the tool's own (as cohesion, see cohesionAcross()),
 /// and Coulomb friction with a memory acts along the surface, tan(delta) (N + F_adhesion) at most.
+/// @param tool    of jaws, `opening_m` is how far apart they are now.
 /// @param scene_T_tool  pose of the tool; `twist` its velocity.
+/// @param opening_m_s  how fast jaws open.
 /// @param state   positions and velocities.
 /// @param memory  read and written; may be the state's own.
 /// @param forces  one per particle; overwritten with the tool's force, 0 where it does not reach.
 ToolReaction applyToolContact(const ToolParameters& tool, const Pose& scene_T_tool, const Twist& twist,
                               const SoilParameters& soil, double dt_s, const BedState& state, const ToolMemory& memory,
-                              std::vector<Float4>& forces) noexcept;
+                              std::vector<Float4>& forces, double opening_m_s = 0) noexcept;
 
 /// The same for a tool in a bed: only particles near it are looked at.
 ToolReaction applyToolContact(const ToolParameters& tool, const Pose& scene_T_tool, const Twist& twist, double dt_s,
-                              Bed& bed) noexcept;
+                              Bed& bed, double opening_m_s = 0) noexcept;
 
 }  // namespace haptolith

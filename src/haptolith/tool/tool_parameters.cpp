@@ -11,6 +11,7 @@ void validate(const ToolParameters& tool) {
   }
   requireInRange("diameter_m", tool.diameter_m, kLength);
   requireInRange("thickness_m", tool.thickness_m, kLength);
+  requireInRange("opening_m", tool.opening_m, kLength);
   requireInRange("length_m", tool.length_m, kLength);
   requireInRange("cone_angle_rad", tool.cone_angle_rad, {0.1, 3});
   requireInRange("stiffness_n_m", tool.stiffness_n_m, {0, 1e7});

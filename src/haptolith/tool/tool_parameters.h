@@ -12,14 +12,22 @@ enum class ToolShape {
   kPlate,   ///< a round plate, `diameter_m` across and `thickness_m` high, its axis along the tool's z
   kCone,    ///< `diameter_m` at its base, `cone_angle_rad` between opposite sides, its point down, a shaft above
   kTube,    ///< open at both ends: `diameter_m` in the middle of its wall, `thickness_m` the wall, `length_m` along z
+  kJaws,    ///< two boxes that face each other across the tool's x, each the `size_m` of a shovel that stands upright
 };
 
-/// The tool and its contact with macroparticles (paper 21). The tool's origin is its centre, a cone's its point.
+/// The tool and its contact with macroparticles (paper 21). The tool's origin is its centre, a cone's its point, and of
+/// jaws the middle between them:
+///
+///       |     |     z
+///       |     |     |
+///       |     |     o-- x
+///        <--->            opening; the jaws' size_m.z is along x, size_m.y along y, size_m.x along z
 struct ToolParameters {
   ToolShape shape = ToolShape::kBox;
-  Vec3 size_m{0.05, 0.04, 0.005};                ///< kBox: edges along the tool's x, y, z
+  Vec3 size_m{0.05, 0.04, 0.005};                ///< kBox: edges along the tool's x, y, z; kJaws: along z, y, x
   double diameter_m = 0.06;                      ///< kSphere, kPlate, kCone, kTube
   double thickness_m = 0.005;                    ///< kPlate, kTube
+  double opening_m = 0.06;                       ///< kJaws: between them when they are wide open
   double length_m = 0.15;                        ///< kCone (with its shaft), kTube
   double cone_angle_rad = std::numbers::pi / 6;  ///< kCone; 30 degrees, ASABE S313.3's
   double stiffness_n_m = 500;                    ///< k_tool
@@ -29,6 +37,8 @@ struct ToolParameters {
   // With soil whose friction is pairwise, these two replace the adhesion of (paper 21).
   double friction = 0.36;  ///< soil-tool friction, tan(delta); 20 degrees for polished steel
   double adhesion_n = 0;   ///< largest pull of a contact, and what it adds to the normal force
+
+  [[nodiscard]] bool operator==(const ToolParameters&) const = default;
 };
 
 /// @throws InvalidParameter with the key, the value and the valid range.

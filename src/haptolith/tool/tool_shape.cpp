@@ -108,6 +108,42 @@ Penetration overFace(const Outline& outline, double half_height_m, const Vec3& c
   return {.depth_m = radius_m + half_height_m - side * centre_m.z(), .outward = Vec3(0, 0, side), .side = side};
 }
 
+// --- jaws ---
+
+/// From the frame of a box to that of a jaw, which is the box upright, and back: z becomes x. That this mirrors does
+/// not matter to a box.
+Vec3 upright(const Vec3& v) {
+  return {v.z(), v.y(), v.x()};
+}
+
+/// Two sides, each -1, 0 or 1, as one number from -4 to 4; 0 is none.
+std::int8_t packed(const std::array<int, 2>& sides) {
+  return static_cast<std::int8_t>(sides[0] + 3 * sides[1]);
+}
+std::array<int, 2> sidesOf(std::int8_t packed) {
+  const int right = (packed + 4) / 3 - 1;
+  return {packed - 3 * right, right};
+}
+
+/// Sets the shares of two contacts: see jawContacts().
+void share(JawContacts& contacts, const ToolParameters& tool, double radius_m) {
+  const bool right_deeper = contacts.jaws[1].found.depth_m > contacts.jaws[0].found.depth_m;
+  JawContact& deeper = contacts.jaws[right_deeper ? 1 : 0];
+  JawContact& other = contacts.jaws[right_deeper ? 0 : 1];
+  const double one_surface = std::clamp(2 * deeper.found.outward.dot(other.found.outward), 0.0, 1.0);
+  if (one_surface == 0 || other.found.depth_m < -tool.adhesion_ratio * radius_m) {
+    return;
+  }
+  const auto to_surface = [radius_m](const Penetration& found) {
+    return Vec3((found.depth_m - radius_m) * found.outward);
+  };
+  const double apart_m = (to_surface(deeper.found) - to_surface(other.found)).norm();
+  const double slot = tool.opening_m < apart_m ? tool.opening_m / apart_m : tool.opening_m > 0 ? 1 : 0;
+  const double depths = other.found.depth_m > 0 ? other.found.depth_m / deeper.found.depth_m : 0;
+  deeper.share = 1 - one_surface * slot / 2 * depths;
+  other.share = 1 - one_surface * (1 - slot / 2);
+}
+
 }  // namespace
 
 Penetration penetration(const ToolParameters& tool, const Vec3& centre_m, double radius_m, int side) noexcept {
@@ -120,15 +156,31 @@ Penetration penetration(const ToolParameters& tool, const Vec3& centre_m, double
   if (tool.shape == ToolShape::kTube) {
     return tube(tool, centre_m, radius_m);
   }
-  const bool box = tool.shape == ToolShape::kBox;
-  const double half_height = box ? tool.size_m.z() / 2 : tool.thickness_m / 2;
-  const Outline outline = box ? boxOutline(tool.size_m / 2, centre_m) : discOutline(tool.diameter_m / 2, centre_m);
+  const bool disc = tool.shape == ToolShape::kPlate;
+  const double half_height = disc ? tool.thickness_m / 2 : tool.size_m.z() / 2;
+  const Outline outline = !disc ? boxOutline(tool.size_m / 2, centre_m) : discOutline(tool.diameter_m / 2, centre_m);
   Penetration found = outline.inside_m < 0 ? beside(outline, half_height, centre_m, radius_m)
                                            : overFace(outline, half_height, centre_m, radius_m, side);
   if (found.depth_m < -tool.adhesion_ratio * radius_m) {
     found.side = 0;  // it has let go
   }
   return found;
+}
+
+JawContacts jawContacts(const ToolParameters& tool, const Vec3& centre_m, double radius_m, std::int8_t sides) noexcept {
+  ToolParameters jaw = tool;
+  jaw.shape = ToolShape::kBox;
+  const std::array<int, 2> before = sidesOf(sides);
+  JawContacts contacts;
+  for (std::size_t i = 0; i < 2; ++i) {
+    const double from_middle_m = (i == 0 ? -1 : 1) * (tool.opening_m + tool.size_m.z()) / 2;
+    const Vec3 in_jaw = upright(centre_m - Vec3(from_middle_m, 0, 0));
+    contacts.jaws[i].found = penetration(jaw, in_jaw, radius_m, before[i]);
+    contacts.jaws[i].found.outward = upright(contacts.jaws[i].found.outward);
+  }
+  contacts.sides = packed({contacts.jaws[0].found.side, contacts.jaws[1].found.side});
+  share(contacts, tool, radius_m);
+  return contacts;
 }
 
 double enclosingRadius(const ToolParameters& tool) noexcept {
@@ -140,6 +192,8 @@ double enclosingRadius(const ToolParameters& tool) noexcept {
       return std::hypot(tool.diameter_m / 2,
                         std::max(tool.length_m, tool.diameter_m / 2 / std::tan(tool.cone_angle_rad / 2)));
     case ToolShape::kTube: return std::hypot(tool.diameter_m, tool.length_m) / 2 + tool.thickness_m / 2;
+    case ToolShape::kJaws:
+      return Vec3(tool.opening_m + 2 * tool.size_m.z(), tool.size_m.y(), tool.size_m.x()).norm() / 2;
   }
   return 0;
 }
