@@ -42,16 +42,19 @@ class FakeDevice final : public HapticDevice {
  public:
   explicit FakeDevice(std::function<DeviceInput(int)> input) : input_(std::move(input)) {}
   [[nodiscard]] std::string_view name() const noexcept override { return "fake"; }
+  [[nodiscard]] bool simulated() const noexcept override { return true; }
   [[nodiscard]] DeviceLimits limits() const noexcept override { return limits_; }
   [[nodiscard]] DeviceInput read() noexcept override {
     events_ += 'r';
     return input_(reads_++);
   }
-  void write(const Wrench& wrench) noexcept override {
+  void write(const DeviceOutput& output) noexcept override {
     events_ += 'w';
-    last_ = wrench;
-    largest_force_n_ = std::max(largest_force_n_, wrench.force_n.norm());
+    last_ = output.wrench;
+    largest_force_n_ = std::max(largest_force_n_, last_.force_n.norm());
   }
+  void letGo() noexcept override {}
+  void takeUp() noexcept override {}
 
   DeviceLimits limits_;
   int reads_ = 0;
@@ -66,14 +69,14 @@ class FakeDevice final : public HapticDevice {
 /// A shovel pushed into the soil at 0.1 m/s from just above it.
 DeviceInput pushing(int tick) {
   DeviceInput input;
-  input.scene_T_tool.position_m = Vec3(0, 0, 0.046 - 1e-4 * tick);
+  input.pose.position_m = Vec3(0, 0, 0.046 - 1e-4 * tick);
   input.twist.linear_m_s = Vec3(0, 0, -0.1);
   return input;
 }
 
 DeviceInput above(int) {
   DeviceInput input;
-  input.scene_T_tool.position_m = Vec3(0, 0, 0.12);
+  input.pose.position_m = Vec3(0, 0, 0.12);
   return input;
 }
 
@@ -116,7 +119,7 @@ TEST(HapticLoop, TheHandFeelsTheFilteredAndLimitedWrenchOfTheSoil) {
     ASSERT_EQ(device.last_.force_n, expected.force_n);
     ASSERT_EQ(device.last_.torque_nm, expected.torque_nm);
     loop.takeRecords(records);
-    ASSERT_EQ(records.back().felt.force_n, expected.force_n);
+    ASSERT_EQ(records.back().felt.wrench.force_n, expected.force_n);
     ASSERT_EQ(records.back().soil.force_n, scene.wrench().force_n);
   }
   EXPECT_NEAR(device.largest_force_n_, 0.3, 1e-12);  // the limit was reached, and not passed
@@ -138,16 +141,16 @@ TEST(HapticLoop, AStopFlagEndsItAndTheHandIsLetGo) {
 
 TEST(HapticLoop, AHandThatIsNoNumberOrFarAwayEndsItAndIsLetGo) {
   const std::function<void(DeviceInput&)> spoils[] = {
-      [](DeviceInput& input) { input.scene_T_tool.position_m.x() = kNaN; },
-      [](DeviceInput& input) { input.scene_T_tool.position_m.z() = kNaN; },
-      [](DeviceInput& input) { input.scene_T_tool.position_m.y() = std::numeric_limits<double>::infinity(); },
-      [](DeviceInput& input) { input.scene_T_tool.orientation.w() = kNaN; },
+      [](DeviceInput& input) { input.pose.position_m.x() = kNaN; },
+      [](DeviceInput& input) { input.pose.position_m.z() = kNaN; },
+      [](DeviceInput& input) { input.pose.position_m.y() = std::numeric_limits<double>::infinity(); },
+      [](DeviceInput& input) { input.pose.orientation.w() = kNaN; },
       [](DeviceInput& input) { input.twist.linear_m_s.z() = kNaN; },
       [](DeviceInput& input) { input.twist.angular_rad_s.x() = kNaN; },
-      [](DeviceInput& input) { input.scene_T_tool.position_m.x() = 1.1; },
-      [](DeviceInput& input) { input.scene_T_tool.position_m.y() = -1.1; },
-      [](DeviceInput& input) { input.scene_T_tool.position_m.z() = -1.1; },
-      [](DeviceInput& input) { input.scene_T_tool.position_m.z() = 3.1; }};
+      [](DeviceInput& input) { input.pose.position_m.x() = 1.1; },
+      [](DeviceInput& input) { input.pose.position_m.y() = -1.1; },
+      [](DeviceInput& input) { input.pose.position_m.z() = -1.1; },
+      [](DeviceInput& input) { input.pose.position_m.z() = 3.1; }};
   int number = 0;
   for (const auto& spoil : spoils) {
     for (const bool through_run : {true, false}) {
@@ -264,7 +267,7 @@ TEST(HapticLoop, SnapshotsShowTheScene) {
       const SceneSnapshot& now = loop.snapshots().latest();
       ASSERT_EQ(now.position.size(), 256U);
       EXPECT_EQ(now.position[17].z, scene.bed().state().position[17].z);
-      EXPECT_EQ(now.scene_T_tool.position_m, pushing(i).scene_T_tool.position_m);
+      EXPECT_EQ(now.scene_T_tool.position_m, pushing(i).pose.position_m);
       EXPECT_GE(now.ticks, ticks);
       ticks = now.ticks;
     }
@@ -360,7 +363,7 @@ TEST(HapticLoop, TheToolBeginsWhereTheHandIs) {
   ASSERT_LT(scene.bed().surfaceHeight(), 0.025);
   FakeDevice device([](int) {
     DeviceInput input;
-    input.scene_T_tool.position_m = Vec3(0, 0, 0.032);  // clear of the soil, but halfway to the origin is not
+    input.pose.position_m = Vec3(0, 0, 0.032);  // clear of the soil, but halfway to the origin is not
     return input;
   });
   HapticLoop loop(scene, device, unpaced(0.05), true);

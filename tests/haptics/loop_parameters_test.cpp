@@ -28,6 +28,9 @@ TEST(LoopParameters, NonsenseIsRefusedByName) {
   refuses("tick_s", &LoopParameters::tick_s, {kNaN, kInfinity, 0, -1e-3, 1});
   refuses("duration_s", &LoopParameters::duration_s, {kNaN, kInfinity, -1});
   refuses("filter_cutoff_hz", &LoopParameters::filter_cutoff_hz, {kNaN, kInfinity, 0, -30, 500.1});
+  EXPECT_NO_THROW(validate(LoopParameters{.cpu = 1023}));
+  EXPECT_THROW(validate(LoopParameters{.cpu = 1024}), InvalidParameter);
+  EXPECT_THROW(validate(LoopParameters{.cpu = -2}), InvalidParameter);
 }
 
 }  // namespace

@@ -21,23 +21,26 @@ namespace {
 class Stirrer final : public HapticDevice {
  public:
   [[nodiscard]] std::string_view name() const noexcept override { return "stirrer"; }
+  [[nodiscard]] bool simulated() const noexcept override { return true; }
   [[nodiscard]] DeviceLimits limits() const noexcept override { return {}; }
   [[nodiscard]] DeviceInput read() noexcept override {
     constexpr double kRadius_m = 0.02;
     constexpr double kSpeed_rad_s = 3;
     const double angle = kSpeed_rad_s * 1e-3 * reads_++;
     DeviceInput input;
-    input.scene_T_tool.position_m = Vec3(kRadius_m * std::cos(angle), kRadius_m * std::sin(angle), 0.03);
-    input.scene_T_tool.orientation = Quat(Eigen::AngleAxisd(angle + std::numbers::pi / 2, Vec3::UnitZ()) *
-                                          Eigen::AngleAxisd(std::numbers::pi / 2, Vec3::UnitY()));
+    input.pose.position_m = Vec3(kRadius_m * std::cos(angle), kRadius_m * std::sin(angle), 0.03);
+    input.pose.orientation = Quat(Eigen::AngleAxisd(angle + std::numbers::pi / 2, Vec3::UnitZ()) *
+                                  Eigen::AngleAxisd(std::numbers::pi / 2, Vec3::UnitY()));
     input.twist.linear_m_s = kRadius_m * kSpeed_rad_s * Vec3(-std::sin(angle), std::cos(angle), 0);
     input.twist.angular_rad_s = Vec3(0, 0, kSpeed_rad_s);
     return input;
   }
-  void write(const Wrench& wrench) noexcept override {
-    largest_jump_n_ = std::max(largest_jump_n_, (wrench.force_n - last_.force_n).norm());
-    last_ = wrench;
+  void write(const DeviceOutput& output) noexcept override {
+    largest_jump_n_ = std::max(largest_jump_n_, (output.wrench.force_n - last_.force_n).norm());
+    last_ = output.wrench;
   }
+  void letGo() noexcept override {}
+  void takeUp() noexcept override {}
 
   int reads_ = 0;
   double largest_jump_n_ = 0;

@@ -40,6 +40,12 @@ TEST(LoopStatistics, CollectsTimesForcesAndTorques) {
   EXPECT_DOUBLE_EQ(statistics.forceN().mean(), 3);
   EXPECT_DOUBLE_EQ(statistics.forceN().max(), 5);
   EXPECT_DOUBLE_EQ(statistics.torqueNm().max(), 0.1);
+  EXPECT_EQ(statistics.lateUs().count(), 0U);
+  statistics.addLateness(7);
+  statistics.addLateness(9);
+  EXPECT_EQ(statistics.lateUs().count(), 2U);
+  EXPECT_DOUBLE_EQ(statistics.lateUs().mean(), 8);
+  EXPECT_EQ(statistics.ticks(), 2U) << "lateness is no tick";
 }
 
 }  // namespace

@@ -61,8 +61,8 @@ struct Stirred {
   /// One tick; returns the force on the tool.
   Vec3 tick() {
     const DeviceInput input = hand.read();
-    EXPECT_EQ(scene.tick(input.scene_T_tool, input.twist), StepStatus::kOk);
-    hand.write({});
+    EXPECT_EQ(scene.tick(input.pose, input.twist), StepStatus::kOk);
+    hand.write({{}});
     return scene.wrench().force_n;
   }
   void restFor(int steps) {
@@ -175,9 +175,9 @@ TEST(Sleep, IsTheSameForAnyNumberOfThreadsAndAfterRestoring) {
         EXPECT_LT(stirred->scene.bed().awake(), stirred->scene.bed().particles());
         auto other = std::make_unique<Stirred>(wide(2));
         for (int i = 0; i < 1200; ++i) {
-          other->hand.write({});
+          other->hand.write({{}});
           const DeviceInput input = other->hand.read();
-          other->scene.placeTool(input.scene_T_tool);
+          other->scene.placeTool(input.pose);
         }
         other->scene.bed().restore(deserialiseBedState(saved));
         stirred = std::move(other);

@@ -24,7 +24,13 @@ class PressingArm : public HapticDevice {
   explicit PressingArm(const Vec3& start_m) : start_m_(start_m), position_m_(start_m) {}
 
   [[nodiscard]] std::string_view name() const noexcept override { return "pressing arm"; }
-  [[nodiscard]] DeviceLimits limits() const noexcept override { return {arm_.max_force_n, arm_.max_torque_nm}; }
+  [[nodiscard]] bool simulated() const noexcept override { return true; }
+  [[nodiscard]] DeviceLimits limits() const noexcept override {
+    DeviceLimits limits;
+    limits.max_force_n = arm_.max_force_n;
+    limits.max_torque_nm = arm_.max_torque_nm;
+    return limits;
+  }
 
   [[nodiscard]] DeviceInput read() noexcept override {
     const double time_s = static_cast<double>(++ticks_) * kTick_s;
@@ -36,9 +42,14 @@ class PressingArm : public HapticDevice {
       highest_m_ = std::max(highest_m_, position_m_.z());
       lowest_m_ = std::min(lowest_m_, position_m_.z());
     }
-    return {{position_m_, Quat::Identity()}, {velocity_m_s_, Vec3::Zero()}};
+    DeviceInput input;
+    input.pose.position_m = position_m_;
+    input.twist.linear_m_s = velocity_m_s_;
+    return input;
   }
-  void write(const Wrench& wrench) noexcept override { felt_ = wrench; }
+  void write(const DeviceOutput& output) noexcept override { felt_ = output.wrench; }
+  void letGo() noexcept override {}
+  void takeUp() noexcept override {}
 
   /// How far the hand still moved up and down in the end, in m.
   [[nodiscard]] double vibration() const { return highest_m_ - lowest_m_; }
@@ -104,8 +115,8 @@ TEST(BuriedShovelWithALowPassAlone, Vibrates) {  // what the test above can tell
   scene.placeTool({Vec3(0, 0, 0.03), Quat::Identity()});
   for (int tick = 0; tick < 5000; ++tick) {
     const DeviceInput hand = arm.read();
-    ASSERT_EQ(scene.tick(hand.scene_T_tool, hand.twist), StepStatus::kOk);
-    arm.write(filter.step(scene.wrench()));
+    ASSERT_EQ(scene.tick(hand.pose, hand.twist), StepStatus::kOk);
+    arm.write({filter.step(scene.wrench())});
   }
   EXPECT_GT(arm.vibration(), 1e-4);
 }
@@ -129,9 +140,9 @@ TEST_P(Digging, FeelsAsALowPassAloneWouldShowIt) {
   double felt = 0, expected = 0, apart = 0;
   for (const TickRecord& record : records) {
     const Vec3 low_passed = plain.step(record.soil).force_n;
-    felt += record.felt.force_n.norm();
+    felt += record.felt.wrench.force_n.norm();
     expected += low_passed.norm();
-    apart += (record.felt.force_n - low_passed).norm();
+    apart += (record.felt.wrench.force_n - low_passed).norm();
   }
   // Over eight hands that differ by 10 um, carrying has 0.954 +- 0.002 and 0.103 +- 0.003; the others less.
   EXPECT_NEAR(felt / expected, 1, 0.05);

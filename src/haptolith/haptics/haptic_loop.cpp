@@ -28,19 +28,27 @@ constexpr std::int64_t kUnpacedPause_ns = 1'000'000;
 /// A bed as small as this is copied in one tick; of a larger one each tick copies a part.
 constexpr std::size_t kCopiedAtOnce = 4096;
 
+/// 4 us of hashing.
+constexpr std::size_t kHashedAtOnce = 1024;
+
 constexpr std::size_t kRequestsWaiting = 64;
 
 /// How long the tool takes to leave the soil before an exchange, by the clock, and to come back, in simulated time.
 constexpr double kFadeOut_s = 0.1;
 constexpr double kFadeIn_s = 0.3;
 
-LoopEnd endFor(StepStatus status) noexcept {
+LoopEnd failure(StepStatus status) noexcept {
   switch (status) {
     case StepStatus::kOk: return LoopEnd::kRunning;
     case StepStatus::kNotFinite: return LoopEnd::kNotFinite;
     case StepStatus::kCollapsed: return LoopEnd::kCollapsed;
   }
   return LoopEnd::kNotFinite;
+}
+
+/// What stores the most energy for a force: see Passivity.
+double softestSpring(const Scene& scene, const Coupling& coupling) noexcept {
+  return std::min({scene.tool().stiffness_n_m, scene.bed().parameters().soil.stiffness_n_m, coupling.stiffness()});
 }
 
 }  // namespace
@@ -52,21 +60,25 @@ const char* text(LoopEnd end) noexcept {
     case LoopEnd::kStopped: return "stopped";
     case LoopEnd::kFinished: return "the recorded movement is over";
     case LoopEnd::kHandLeft: return "the hand left the scene: it may move up to 1 m beyond the box";
+    case LoopEnd::kLost: return text(SafetyTrip::kLost);
     case LoopEnd::kNotFinite: return text(StepStatus::kNotFinite);
     case LoopEnd::kCollapsed: return text(StepStatus::kCollapsed);
   }
   return "";
 }
 
-HapticLoop::HapticLoop(Scene& scene, HapticDevice& device, const LoopParameters& parameters, bool keep_records)
+HapticLoop::HapticLoop(Scene& scene, HapticDevice& device, const LoopParameters& parameters, bool keep_records,
+                       const HandlingParameters& handling)
     : first_(scene),
       shown_(&first_),
       scene_(&scene),
       device_(device),
       parameters_(parameters),
       keep_records_(keep_records),
-      filter_(parameters.filter_cutoff_hz, parameters.tick_s),
-      quick_movement_(parameters.tick_s),
+      mapping_(handling.mapping, device.limits(), parameters.tick_s),
+      coupling_(handling.coupling, suitsDirectly(device.limits()), parameters.filter_cutoff_hz, parameters.tick_s),
+      safety_(handling.safety, device.limits(), device.simulated(), softestSpring(scene, coupling_), parameters.tick_s),
+      watchdog_(device, handling.safety.heartbeat_s),
       records_(kRecordsInFlight),
       requests_(kRequestsWaiting) {
   validate(parameters);
@@ -74,72 +86,104 @@ HapticLoop::HapticLoop(Scene& scene, HapticDevice& device, const LoopParameters&
     throw InvalidParameter("tick_s", fmt::format("{}", parameters.tick_s),
                            fmt::format("the bed's {}", scene.bed().parameters().tick_s));
   }
+  presence_ = device.simulated() ? 1 : 0;  // soil that lies where a person's hand is moves out of its way gently
 }
 
 LoopEnd HapticLoop::tick() noexcept {
   const std::int64_t start_ns = monotonicNs();
+  watchdog_.beat();
   takeRequests();
   if (paused_ && ticks_left_ == 0) {
-    device_.write(Wrench{});
-    let_go_ = true;
-    publish(scene_->toolPose(), felt_);
+    standStill();
     return LoopEnd::kRunning;
   }
-  if (let_go_) {  // time goes on where it stopped: a hand that is simulated must not notice
-    device_.write(felt_);
-    let_go_ = false;
+  takeUpAgain();
+
+  // Where is the hand? What cannot be believed leaves the tool where it was, and it fades out of the soil.
+  const DeviceInput input = device_.read();
+  safety_.check(input, health());
+  followHand(input);
+  if (const LoopEnd end = endFor(safety_.trip()); end != LoopEnd::kRunning) {
+    device_.write({});
+    reportTrip();
+    return end;
   }
-  const DeviceInput hand = device_.read();
-  if (!inWorkspace(hand)) {
-    device_.write(Wrench{});
-    return LoopEnd::kHandLeft;
-  }
+
+  // The tool follows it, and the soil answers.
   fadeTool();
-  if (!placed_) {
-    scene_->placeTool(
-        hand.scene_T_tool);  // it begins where the hand is, not with a sweep through the soil to get there
+  scene_->setOpening(opening_);
+  if (!placed_) {  // it begins where the hand is, not with a sweep through the soil to get there
+    coupling_.place(hand_);
+    scene_->placeTool(hand_.pose);
     placed_ = true;
   }
-  const StepStatus status = scene_->tick(hand.scene_T_tool, hand.twist);
+  const Movement& tool = coupling_.moveTool(hand_);
+  const StepStatus status = scene_->tick(tool.pose, tool.twist);
   if (status != StepStatus::kOk || !scene_->wrench().force_n.allFinite() || !scene_->wrench().torque_nm.allFinite()) {
-    device_.write(Wrench{});
-    return status == StepStatus::kOk ? LoopEnd::kNotFinite : endFor(status);
+    device_.write({});
+    return status == StepStatus::kOk ? LoopEnd::kNotFinite : failure(status);
   }
-  const Vec3 own_change_n =
-      -parameters_.tick_s * scene_->contactStiffness() * quick_movement_.step(hand.twist.linear_m_s);
-  felt_ = limited(filter_.step(scene_->wrench(), own_change_n), device_.limits());
-  device_.write(felt_);
-  publish(hand.scene_T_tool, felt_);
+
+  // The hand feels it, as far as is safe.
+  const DeviceOutput rendered{mapping_.toDevice(coupling_.feel(scene_->wrench(), scene_->contactStiffness())),
+                              mapping_.toGripper(coupling_.feelGrip(scene_->gripForce()))};
+  felt_ = safety_.step(rendered);
+  if (!watchdog_.barked()) {
+    device_.write(felt_);
+  }
+  publish(tool.pose);
 
   const std::int64_t end_ns = monotonicNs();
   const double tick_us = 1e-3 * static_cast<double>(end_ns - start_ns);
   const bool in_time = deadline_ns_ == 0 ? tick_us <= 1e6 * parameters_.tick_s : end_ns <= deadline_ns_;
-  statistics_.add(tick_us, in_time, felt_);
+  late_ = deadline_ns_ != 0 && !in_time;
+  statistics_.add(tick_us, in_time, felt_.wrench);
   longest_tick_us_ = std::max(longest_tick_us_, tick_us);
   ticks_left_ -= paused_ ? 1 : 0;
-  record(hand, felt_, tick_us);
-  return hand.finished ? LoopEnd::kFinished : LoopEnd::kRunning;
+  record(input, tool.pose, rendered, tick_us);
+  if (safety_.justTripped()) {
+    reportTrip();
+  }
+  return input.state == DeviceState::kFinished ? LoopEnd::kFinished : LoopEnd::kRunning;
 }
 
 LoopEnd HapticLoop::run(const std::atomic<bool>& stop) noexcept {
+  if (parameters_.paced && !device_.simulated()) {
+    watchdog_.start();
+  }
+  const LoopEnd end = runTicks(stop);
+  watchdog_.stop();
+  device_.write({});
+  return end;
+}
+
+LoopEnd HapticLoop::runTicks(const std::atomic<bool>& stop) noexcept {
   const auto period_ns = static_cast<std::int64_t>(std::llround(parameters_.tick_s * kNsPerS));
   const auto last_tick = static_cast<std::uint64_t>(std::llround(parameters_.duration_s / parameters_.tick_s));
   std::int64_t start_ns = monotonicNs();
-  LoopEnd end = LoopEnd::kRunning;
-  while (end == LoopEnd::kRunning) {
+  LoopEnd wanted_end = LoopEnd::kRunning;
+  while (true) {
     if (parameters_.paced) {
       sleepUntilNs(start_ns);
       deadline_ns_ = start_ns + period_ns;
+      late_us_ = 1e-3 * static_cast<double>(monotonicNs() - start_ns);
+      statistics_.addLateness(late_us_);
     }
-    end = tick();
-    if (end != LoopEnd::kRunning) {
-      break;
+    if (const LoopEnd end = tick(); end != LoopEnd::kRunning) {
+      return end;
     }
-    if (stop.load(std::memory_order_relaxed)) {
-      end = LoopEnd::kStopped;
-    } else if (last_tick > 0 && statistics_.ticks() >= last_tick) {
-      end = LoopEnd::kDuration;
-    } else if (parameters_.paced) {
+    if (wanted_end == LoopEnd::kRunning && stop.load(std::memory_order_relaxed)) {
+      wanted_end = LoopEnd::kStopped;
+    } else if (wanted_end == LoopEnd::kRunning && last_tick > 0 && statistics_.ticks() >= last_tick) {
+      wanted_end = LoopEnd::kDuration;
+    }
+    if (wanted_end != LoopEnd::kRunning) {  // a person's hand is let go softly
+      letGoSoftly();
+      if (safety_.stopped() || paused_) {
+        return wanted_end;
+      }
+    }
+    if (parameters_.paced) {
       // A late tick is not made up for by a burst of early ones: the hand would feel time run faster.
       const auto stretched_ns = static_cast<std::int64_t>(static_cast<double>(period_ns) / speed_);
       start_ns = std::max(start_ns + stretched_ns, monotonicNs() - period_ns);
@@ -151,8 +195,69 @@ LoopEnd HapticLoop::run(const std::atomic<bool>& stop) noexcept {
       }
     }
   }
-  device_.write(Wrench{});
-  return end;
+}
+
+/// Moves hand_ to where the device has it, unless that cannot be believed.
+void HapticLoop::followHand(const DeviceInput& input) noexcept {
+  hand_.twist = {};
+  if (!safety_.allWell()) {
+    return;
+  }
+  const Movement there = mapping_.toScene(input);
+  if (!nearBed(there.pose.position_m)) {
+    safety_.letGo(SafetyTrip::kWorkspace);
+  } else if (safety_.trip() == SafetyTrip::kNone) {
+    hand_ = there;
+    opening_ = mapping_.opening(input);
+  }
+}
+
+/// Time stands still, and the hand is let go.
+void HapticLoop::standStill() noexcept {
+  if (!device_.simulated()) {
+    (void)device_.read();  // some devices fall asleep when nobody asks
+  }
+  device_.write({});
+  let_go_ = true;
+  publish(scene_->toolPose());
+}
+
+/// Time goes on where it stopped. A hand that is simulated must not notice; a person's has moved meanwhile.
+void HapticLoop::takeUpAgain() noexcept {
+  resumed_ = let_go_;
+  if (!let_go_) {
+    return;
+  }
+  let_go_ = false;
+  if (device_.simulated()) {
+    device_.write(felt_);
+  } else {
+    safety_.restart();
+    presence_ = 0;
+    placed_ = false;
+  }
+}
+
+/// How the loop is doing. After silence the hand is taken up again at once: the safety layer then shows it nothing for
+/// a while.
+LoopHealth HapticLoop::health() noexcept {
+  LoopHealth now{late_, watchdog_.barked()};
+  if (now.heartbeat_lost) {
+    watchdog_.takeUp();
+  }
+  now = believed_.value_or(now);
+  believed_.reset();
+  heartbeat_lost_ = now.heartbeat_lost;
+  return now;
+}
+
+/// Whether a run cannot go on after this: a person's hand comes back, a simulated one does not.
+LoopEnd HapticLoop::endFor(SafetyTrip trip) const noexcept {
+  if (trip == SafetyTrip::kLost) {
+    return LoopEnd::kLost;
+  }
+  const bool away = trip == SafetyTrip::kDeviceNotFinite || trip == SafetyTrip::kWorkspace;
+  return device_.simulated() && away ? LoopEnd::kHandLeft : LoopEnd::kRunning;
 }
 
 void HapticLoop::takeRequests() noexcept {
@@ -172,13 +277,20 @@ void HapticLoop::carryOut(const LoopRequest& asked) noexcept {
                    },
                    [this](const request::Advance& advance) { ticks_left_ += paused_ ? advance.ticks : 0; },
                    [this](const request::Speed& speed) { speed_ = speed.factor; },
-                   [this](const request::Gravity& gravity) { scene_->bed().setGravity(gravity.gravity_m_s2); },
-                   [this](const request::Soil& soil) { scene_->bed().setSoil(soil.laws); },
+                   [this](const request::Gravity& gravity) {
+                     scene_changed_ = true;
+                     scene_->bed().setGravity(gravity.gravity_m_s2);
+                   },
+                   [this](const request::Soil& soil) {
+                     scene_changed_ = true;
+                     scene_->bed().setSoil(soil.laws);
+                   },
                    [this](const request::Exchange& exchange) {
                      if (paused_) {  // nobody feels anything
                        carryOut(exchange);
                      } else {
                        exchange_ = exchange;
+                       scene_changed_ = true;  // the tool begins to fade
                      }
                    }},
              asked);
@@ -192,6 +304,7 @@ void HapticLoop::carryOut(const request::Exchange& exchange) noexcept {
                      shown_.store(next.stage, std::memory_order_release);
                    }},
              exchange);
+  scene_changed_ = true;
   placed_ = false;
   felt_ = {};
   presence_ = 0;
@@ -199,7 +312,13 @@ void HapticLoop::carryOut(const request::Exchange& exchange) noexcept {
 }
 
 void HapticLoop::fadeTool() noexcept {
-  if (exchange_) {
+  if (safety_.justRecovered()) {
+    placed_ = false;
+    presence_ = 0;
+  }
+  if (safety_.trip() != SafetyTrip::kNone && !exchange_) {
+    presence_ = std::max(0.0, presence_ - parameters_.tick_s / kFadeOut_s);
+  } else if (exchange_) {
     presence_ = std::max(0.0, presence_ - parameters_.tick_s / (kFadeOut_s * speed_));
     if (presence_ == 0) {
       carryOut(*exchange_);
@@ -211,18 +330,14 @@ void HapticLoop::fadeTool() noexcept {
   scene_->setToolPresence(presence_ * presence_);
 }
 
-bool HapticLoop::inWorkspace(const DeviceInput& hand) const noexcept {
+bool HapticLoop::nearBed(const Vec3& p) const noexcept {
   const BedParameters& bed = scene_->bed().parameters();
-  const Pose& pose = hand.scene_T_tool;
-  const Vec3& p = pose.position_m;
-  // Written so that NaN is outside.
   return std::abs(p.x()) <= bed.width_m / 2 + kReachBesideBox_m &&
          std::abs(p.y()) <= bed.length_m / 2 + kReachBesideBox_m && p.z() >= -kReachBesideBox_m &&
-         p.z() <= 3 * kReachBesideBox_m && pose.orientation.coeffs().allFinite() && hand.twist.linear_m_s.allFinite() &&
-         hand.twist.angular_rad_s.allFinite();
+         p.z() <= 3 * kReachBesideBox_m;
 }
 
-void HapticLoop::publish(const Pose& scene_T_tool, const Wrench& felt) noexcept {
+void HapticLoop::publish(const Pose& scene_T_tool) noexcept {
   // Part 0 in the tick after a snapshot went out, the last part in the tick of the next one.
   const std::uint64_t part = (published_++ + kTicksPerSnapshot - 1) % kTicksPerSnapshot;
   const bool complete = part + 1 == kTicksPerSnapshot;
@@ -248,7 +363,8 @@ void HapticLoop::publish(const Pose& scene_T_tool, const Wrench& felt) noexcept 
   snapshot.time_s = time();
   snapshot.awake = bed.awake();
   snapshot.scene_T_tool = scene_T_tool;
-  snapshot.felt = felt;
+  snapshot.opening_m = scene_->opening();
+  snapshot.felt = mapping_.shownInScene(felt_.wrench);
   snapshot.ticks = statistics_.ticks();
   snapshot.deadline_misses = statistics_.deadlineMisses();
   snapshot.success_rate = statistics_.successRate();
@@ -257,16 +373,55 @@ void HapticLoop::publish(const Pose& scene_T_tool, const Wrench& felt) noexcept 
   snapshot.tick_us_max = statistics_.tickUs().max();
   snapshot.tick_us_lately = longest_tick_us_;
   snapshot.paused = paused_;
+  snapshot.trip = safety_.trip();
+  snapshot.trips = safety_.trips();
   if (!paused_ || ticks_left_ > 0) {
     longest_tick_us_ = 0;
   }
   stage().snapshots.publish();
 }
 
-void HapticLoop::record(const DeviceInput& hand, const Wrench& felt, double tick_us) noexcept {
-  if (keep_records_ && !records_.push({time(), hand.scene_T_tool, scene_->wrench(), felt, tick_us})) {
+void HapticLoop::record(const DeviceInput& input, const Pose& scene_T_tool, const DeviceOutput& rendered,
+                        double tick_us) noexcept {
+  TickRecord& now = last_[statistics_.ticks() % last_.size()];
+  now.time_s = time();
+  now.device = input;
+  now.scene_T_tool = scene_T_tool;
+  now.soil = scene_->wrench();
+  now.rendered = rendered;
+  now.felt = felt_;
+  now.injected_j = safety_.passivity().injected();
+  now.quick_injected_j = safety_.passivity().quickInjected();
+  now.tick_us = tick_us;
+  now.late_us = late_us_;
+  now.flags = safety_.flags() | (late_ ? kTickLate : 0U) | (resumed_ ? kTickResumed : 0U) |
+              (heartbeat_lost_ ? kTickHeartbeatLost : 0U) | (scene_changed_ ? kTickSceneChanged : 0U);
+  scene_changed_ = false;
+  now.trip = static_cast<std::uint8_t>(safety_.trip());
+  if (!keep_records_) {
+    return;
+  }
+  const std::size_t parts = hashedParts();
+  now.state_hash = hashes_ ? stateHash(scene_->bed().state(), statistics_.ticks() % parts, parts) : 0;
+  if (!records_.push(now)) {
     lost_records_.fetch_add(1, std::memory_order_relaxed);
   }
+}
+
+std::size_t HapticLoop::hashedParts() const noexcept {
+  return (scene_->bed().particles() + kHashedAtOnce - 1) / kHashedAtOnce;
+}
+
+void HapticLoop::reportTrip() noexcept {
+  TripReport& report = trip_reports_.draft();
+  const std::uint64_t ticks = statistics_.ticks();
+  report.trip = safety_.trip();
+  report.time_s = time();
+  report.count = std::min<std::uint64_t>(ticks, TripReport::kTicks);
+  for (std::size_t i = 0; i < report.count; ++i) {
+    report.ticks[i] = last_[(ticks + 1 - report.count + i) % last_.size()];
+  }
+  trip_reports_.publish();
 }
 
 void HapticLoop::takeRecords(std::vector<TickRecord>& records) {

@@ -2,30 +2,25 @@
 
 #include <boost/lockfree/spsc_queue.hpp>
 
+#include <array>
 #include <atomic>
 #include <cstdint>
 #include <optional>
 #include <vector>
 
 #include "haptolith/device/haptic_device.h"
+#include "haptolith/haptics/handling_parameters.h"
 #include "haptolith/haptics/loop_parameters.h"
 #include "haptolith/haptics/loop_request.h"
 #include "haptolith/haptics/loop_statistics.h"
 #include "haptolith/haptics/real_time.h"
+#include "haptolith/haptics/safety_layer.h"
 #include "haptolith/haptics/stage.h"
-#include "haptolith/haptics/wrench_filter.h"
+#include "haptolith/haptics/tick_record.h"
+#include "haptolith/haptics/watchdog.h"
 #include "haptolith/tool/scene.h"
 
 namespace haptolith {
-
-/// One tick, as it is recorded.
-struct TickRecord {
-  double time_s = 0;
-  Pose scene_T_tool;
-  Wrench soil;         ///< of the soil on the tool, unfiltered
-  Wrench felt;         ///< what went to the hand: filtered and limited
-  double tick_us = 0;  ///< work of this tick, without sleep
-};
 
 /// Why a loop ended.
 enum class LoopEnd {
@@ -33,19 +28,31 @@ enum class LoopEnd {
   kDuration,   ///< the time asked for is over
   kStopped,    ///< somebody asked it to stop
   kFinished,   ///< the device has nothing more to give: a pose file's end
-  kHandLeft,   ///< the tool left the space around the bed, or its pose or velocity is no number
+  kHandLeft,   ///< a simulated hand left the space around the bed, or its pose or velocity is no number
+  kLost,       ///< the device is gone
   kNotFinite,  ///< the bed, the tool or the wrench is no longer a number
   kCollapsed,  ///< the bed has collapsed onto itself
 };
 
 [[nodiscard]] const char* text(LoopEnd end) noexcept;
 
+/// The last ticks before the hand was let go, oldest first.
+struct TripReport {
+  static constexpr std::size_t kTicks = 50;
+
+  SafetyTrip trip = SafetyTrip::kNone;
+  double time_s = 0;
+  std::size_t count = 0;
+  std::array<TickRecord, kTicks> ticks;
+};
+
 /// Soil and hand, joined at 1 kHz. Records and snapshots leave through lock-free queues; nobody can delay a tick.
 class HapticLoop {
  public:
   /// @param keep_records  whether anyone will call takeRecords(); without, records are not kept.
-  /// @throws InvalidParameter as validate(LoopParameters), and when the bed was made for another tick.
-  HapticLoop(Scene& scene, HapticDevice& device, const LoopParameters& parameters, bool keep_records);
+  /// @throws InvalidParameter as validate() of all parameters, and when the bed was made for another tick.
+  HapticLoop(Scene& scene, HapticDevice& device, const LoopParameters& parameters, bool keep_records,
+             const HandlingParameters& handling = {});
 
   /// Runs ticks on the calling thread until something ends it, in step with the clock when paced. On return the device
   /// has been given zero force.
@@ -55,8 +62,21 @@ class HapticLoop {
   /// allocate, lock, throw, log or touch a file.
   LoopEnd tick() noexcept;
 
+  /// Before the first tick: records hold hashes of the bed, of a part of it in each tick (see stateHash()).
+  void hashRecords() noexcept { hashes_ = true; }
+  /// After how many ticks all of the bed has been hashed.
+  [[nodiscard]] std::size_t hashedParts() const noexcept;
+
+  /// Before tick(): how the loop was doing when what is now replayed was recorded, instead of how it is doing now.
+  void believe(const LoopHealth& health) noexcept { believed_ = health; }
+
+  /// From the loop's thread: the run is about to end, and a person's hand is let go softly.
+  void letGoSoftly() noexcept { safety_.stop(); }
+
   /// For one other thread: moves all waiting records to the end of `records`.
   void takeRecords(std::vector<TickRecord>& records);
+  /// For one other thread: what led to the newest trip of the safety layer.
+  [[nodiscard]] LatestValue<TripReport>& trips() noexcept { return trip_reports_; }
   /// For one other thread: newest snapshot of the scene that is shown. From the thread that ask()s.
   [[nodiscard]] LatestValue<SceneSnapshot>& snapshots() noexcept { return stage().snapshots; }
 
@@ -72,13 +92,21 @@ class HapticLoop {
   [[nodiscard]] double time() const noexcept { return static_cast<double>(statistics_.ticks()) * parameters_.tick_s; }
 
  private:
+  [[nodiscard]] LoopEnd runTicks(const std::atomic<bool>& stop) noexcept;
+  void standStill() noexcept;
+  void takeUpAgain() noexcept;
+  [[nodiscard]] LoopHealth health() noexcept;
   void takeRequests() noexcept;
   void carryOut(const LoopRequest& asked) noexcept;
   void carryOut(const request::Exchange& exchange) noexcept;
   void fadeTool() noexcept;
-  [[nodiscard]] bool inWorkspace(const DeviceInput& hand) const noexcept;
-  void publish(const Pose& scene_T_tool, const Wrench& felt) noexcept;
-  void record(const DeviceInput& hand, const Wrench& felt, double tick_us) noexcept;
+  void followHand(const DeviceInput& input) noexcept;
+  [[nodiscard]] LoopEnd endFor(SafetyTrip trip) const noexcept;
+  [[nodiscard]] bool nearBed(const Vec3& position_m) const noexcept;
+  void publish(const Pose& scene_T_tool) noexcept;
+  void record(const DeviceInput& input, const Pose& scene_T_tool, const DeviceOutput& rendered,
+              double tick_us) noexcept;
+  void reportTrip() noexcept;
 
   Stage first_;
   std::atomic<Stage*> shown_;
@@ -86,15 +114,19 @@ class HapticLoop {
   HapticDevice& device_;
   LoopParameters parameters_;
   bool keep_records_;
-  WrenchFilter filter_;
-  QuickMovement quick_movement_;
+  Mapping mapping_;
+  Coupling coupling_;
+  SafetyLayer safety_;
+  Watchdog watchdog_;
   LoopStatistics statistics_;
+  Movement hand_;                 ///< the last that could be believed, in the scene
+  double opening_ = 1;            ///< of the jaws, 0 to 1
   std::int64_t deadline_ns_ = 0;  ///< when the present tick has to be done; 0 when nobody paces
   boost::lockfree::spsc_queue<TickRecord> records_;
   std::atomic<std::uint64_t> lost_records_{0};
 
   boost::lockfree::spsc_queue<LoopRequest> requests_;
-  Wrench felt_;          ///< in the last tick
+  DeviceOutput felt_;    ///< in the last tick
   bool let_go_ = false;  ///< the hand feels nothing, because time stands still
   bool paused_ = false;
   int ticks_left_ = 0;                         ///< to go while paused
@@ -103,7 +135,16 @@ class HapticLoop {
   std::optional<request::Exchange> exchange_;  ///< waits until the tool has faded
   double presence_ = 1;                        ///< of the tool; the scene is given its square
   std::uint64_t published_ = 0;                ///< calls of publish()
-  double longest_tick_us_ = 0;                 ///< since the last snapshot while time went on
+  bool scene_changed_ = false;                 ///< before this tick
+  bool heartbeat_lost_ = false;                ///< before this tick
+  bool late_ = false;                          ///< whether the last tick was
+  double late_us_ = 0;                         ///< how late this one began
+  bool hashes_ = false;
+  bool resumed_ = false;  ///< whether time stood still before this tick
+  std::optional<LoopHealth> believed_;
+  std::array<TickRecord, TripReport::kTicks> last_;  ///< the last ticks, round and round
+  LatestValue<TripReport> trip_reports_;
+  double longest_tick_us_ = 0;  ///< since the last snapshot while time went on
 };
 
 }  // namespace haptolith

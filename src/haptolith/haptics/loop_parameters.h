@@ -2,12 +2,17 @@
 
 namespace haptolith {
 
+inline constexpr int kAnyCpu = -1;
+
 /// The 1 kHz loop: pacing and what happens to the wrench between the soil and the hand.
 struct LoopParameters {
   double tick_s = 1e-3;
   double duration_s = 0;         ///< simulated time; 0 runs until stopped
   bool paced = true;             ///< false: as fast as it can, for tests and studies of the soil
   double filter_cutoff_hz = 30;  ///< low-pass of force and torque (paper, II-E)
+  int cpu = kAnyCpu;             ///< the only one that the loop's thread runs on; kAnyCpu leaves it to the system
+
+  [[nodiscard]] bool operator==(const LoopParameters&) const = default;
 };
 
 /// @throws InvalidParameter with the key, the value and the valid range.

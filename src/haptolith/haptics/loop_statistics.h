@@ -14,6 +14,9 @@ class LoopStatistics {
   /// One tick: how long its work took, whether it ended in time, and what the hand was made to feel.
   void add(double tick_us, bool in_time, const Wrench& felt) noexcept;
 
+  /// How long after its time a paced tick began: the system woke its thread late, or the tick before took too long.
+  void addLateness(double late_us) noexcept { late_us_.add(late_us); }
+
   [[nodiscard]] std::uint64_t ticks() const noexcept { return tick_us_.count(); }
   [[nodiscard]] std::uint64_t deadlineMisses() const noexcept { return misses_; }
 
@@ -21,13 +24,15 @@ class LoopStatistics {
   [[nodiscard]] double successRate() const noexcept;
 
   [[nodiscard]] const Histogram& tickUs() const noexcept { return tick_us_; }
+  /// Empty when no tick was paced.
+  [[nodiscard]] const Histogram& lateUs() const noexcept { return late_us_; }
   [[nodiscard]] const Histogram& forceN() const noexcept { return force_n_; }
   [[nodiscard]] const Histogram& torqueNm() const noexcept { return torque_nm_; }
 
  private:
   static constexpr std::size_t kWindow = 100;
 
-  Histogram tick_us_{0.1}, force_n_{1e-6}, torque_nm_{1e-8};
+  Histogram tick_us_{0.1}, late_us_{0.1}, force_n_{1e-6}, torque_nm_{1e-8};
   std::uint64_t misses_ = 0;
   std::bitset<kWindow> missed_lately_;
 };

@@ -4,32 +4,107 @@
 #include <pthread.h>
 #include <sched.h>
 #include <sys/mman.h>
+#include <sys/prctl.h>
 
+#include <array>
 #include <cerrno>
 #include <cstring>
+#include <thread>
+
+#include "haptolith/core/error.h"
 
 namespace haptolith {
 
 namespace {
-/// Above ordinary real-time work, below the kernel's own threads.
-constexpr int kPriority = 80;
+
+/// CPUs that a thread of ours may be pinned to. Those that it runs on of itself are not all: isolcpus keeps it from the
+/// isolated ones until it asks for them. So a thread asks for all, and looks which it got.
+cpu_set_t usableCpus() {
+  cpu_set_t usable;
+  CPU_ZERO(&usable);
+  std::thread([&usable] {
+    cpu_set_t all;
+    std::memset(&all, 0xff, sizeof all);
+    sched_setaffinity(0, sizeof all, &all);
+    sched_getaffinity(0, sizeof usable, &usable);
+  }).join();
+  return usable;
+}
+
+/// For example "0-3,6".
+std::string text(const cpu_set_t& cpus) {
+  std::string list;
+  for (int first = 0; first < CPU_SETSIZE; ++first) {
+    if (!CPU_ISSET(first, &cpus)) {
+      continue;
+    }
+    int last = first;
+    while (last + 1 < CPU_SETSIZE && CPU_ISSET(last + 1, &cpus)) {
+      ++last;
+    }
+    list += fmt::format("{}{}{}", list.empty() ? "" : ",", first, last > first ? fmt::format("-{}", last) : "");
+    first = last;
+  }
+  return list;
+}
+
+/// Pages of the stack that the ticks will use are fetched now. Locked memory is there anyway; this is for the other
+/// case.
+void fetchStack() noexcept {
+  constexpr std::size_t kUsedByTicks = 256 * 1024;
+  constexpr std::size_t kPage = 4096;
+  std::array<volatile char, kUsedByTicks> stack;
+  for (std::size_t byte = 0; byte < stack.size(); byte += kPage) {
+    stack[byte] = 0;
+  }
+}
+
+void addAdvice(std::string& advice, std::string_view lack, int error, std::string_view remedy) {
+  advice += fmt::format("{}{} ({}){}{}", advice.empty() ? "" : "; ", lack, std::strerror(error),
+                        remedy.empty() ? "" : ": ", remedy);
+}
+
 }  // namespace
 
-RealTime requestRealTime() {
+void requireUsableCpu(int cpu) {
+  if (cpu == kAnyCpu) {
+    return;
+  }
+  const cpu_set_t usable = usableCpus();
+  if (cpu < 0 || cpu >= CPU_SETSIZE || !CPU_ISSET(cpu, &usable)) {
+    throw InvalidParameter("cpu", fmt::format("{}", cpu),
+                           fmt::format("{} (any) or a CPU that this process may use: {}", kAnyCpu, text(usable)));
+  }
+}
+
+RealTime requestRealTime(const LoopParameters& loop) {
   RealTime granted;
+  if (loop.cpu != kAnyCpu) {
+    cpu_set_t only;
+    CPU_ZERO(&only);
+    CPU_SET(static_cast<std::size_t>(loop.cpu), &only);
+    if (const int refused = pthread_setaffinity_np(pthread_self(), sizeof only, &only); refused == 0) {
+      granted.cpu = loop.cpu;
+    } else {
+      addAdvice(granted.advice, fmt::format("not pinned to CPU {}", loop.cpu), refused, "");
+    }
+  }
+  if (!loop.paced) {
+    return granted;
+  }
+  fetchStack();
   sched_param parameters{};
-  parameters.sched_priority = kPriority;
-  const int refused = pthread_setschedparam(pthread_self(), SCHED_FIFO, &parameters);
-  if (refused == 0) {
+  parameters.sched_priority = kRealTimePriority;
+  if (const int refused = pthread_setschedparam(pthread_self(), SCHED_FIFO, &parameters); refused == 0) {
     granted.scheduler = "SCHED_FIFO";
   } else {
-    granted.advice = fmt::format("no real-time priority ({}); add 'USER - rtprio {}' to /etc/security/limits.conf",
-                                 std::strerror(refused), kPriority);
+    addAdvice(granted.advice, "no real-time priority", refused, kPriorityRemedy);
+    // Else the kernel may wake the thread up to 50 us late, to wake several at once. Real-time threads it never delays.
+    prctl(PR_SET_TIMERSLACK, 1);
   }
   granted.memory_locked = mlockall(MCL_CURRENT | MCL_FUTURE) == 0;
   if (!granted.memory_locked) {
-    granted.advice += fmt::format("{}memory not locked ({}); add 'USER - memlock unlimited' there",
-                                  granted.advice.empty() ? "" : "; ", std::strerror(errno));
+    addAdvice(granted.advice, "memory not locked", errno, kMemoryRemedy);
   }
   return granted;
 }

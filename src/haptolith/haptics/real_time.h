@@ -1,17 +1,35 @@
 #pragma once
 
 #include <string>
+#include <string_view>
+
+#include "haptolith/haptics/loop_parameters.h"
 
 namespace haptolith {
+
+/// Priority of the loop's thread: above ordinary real-time work, below the kernel's own threads.
+inline constexpr int kRealTimePriority = 80;
+
+/// What a person types to be granted more from the next login on.
+inline constexpr std::string_view kPriorityRemedy =
+    R"(echo "$USER - rtprio 80" | sudo tee -a /etc/security/limits.d/haptolith.conf, then log in again)";
+inline constexpr std::string_view kMemoryRemedy =
+    R"(echo "$USER - memlock unlimited" | sudo tee -a /etc/security/limits.d/haptolith.conf, then log in again)";
 
 /// What the system granted to the calling thread.
 struct RealTime {
   std::string scheduler = "SCHED_OTHER";  ///< "SCHED_FIFO" when granted
   bool memory_locked = false;
-  std::string advice;  ///< empty when all was granted; else one line that says what is missing and how to get it
+  int cpu = kAnyCpu;     ///< the only one that it runs on
+  std::string advice{};  ///< empty when all was granted; else one line that says what is missing and how to get it
 };
 
-/// Asks for SCHED_FIFO and locked memory for the calling thread and tells what came of it. Call before the first tick.
-[[nodiscard]] RealTime requestRealTime();
+/// @throws InvalidParameter unless `cpu` is kAnyCpu or the number of a CPU that this process may use: an isolated one,
+/// and one that taskset has left out, it may; one outside its control group it may not. Not for the tick.
+void requireUsableCpu(int cpu);
+
+/// Makes the calling thread ready for the loop: pins it to the CPU that the parameters name and, when they are paced,
+/// asks for SCHED_FIFO and locked memory. Tells what came of it. Call before the first tick.
+[[nodiscard]] RealTime requestRealTime(const LoopParameters& loop);
 
 }  // namespace haptolith

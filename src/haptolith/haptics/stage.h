@@ -5,6 +5,7 @@
 
 #include "haptolith/core/exchange.h"
 #include "haptolith/core/vec.h"
+#include "haptolith/haptics/safety_layer.h"
 #include "haptolith/tool/scene.h"
 
 namespace haptolith {
@@ -14,6 +15,7 @@ namespace haptolith {
 struct SceneSnapshot {
   double time_s = 0;
   Pose scene_T_tool;
+  double opening_m = 0;              ///< between the tool's jaws
   Wrench felt;                       ///< in the last tick, also while time stands still and the hand is let go
   std::vector<Float4> position;      ///< m; one per particle
   std::vector<std::uint8_t> asleep;  ///< one per group of kGroup particles, 1 when it sleeps: see Wakefulness
@@ -22,6 +24,8 @@ struct SceneSnapshot {
   double tick_us_lately = 0;  ///< the longest tick since the snapshot before
   std::size_t awake = 0;      ///< particles that are worked on
   bool paused = false;
+  SafetyTrip trip = SafetyTrip::kNone;  ///< why the hand feels nothing just now
+  std::uint32_t trips = 0;              ///< so far
 };
 
 /// A scene as a loop shows it: with the place where its pictures are handed over.

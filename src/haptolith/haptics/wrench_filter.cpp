@@ -4,6 +4,7 @@
 #include <numbers>
 
 #include "haptolith/core/error.h"
+#include "haptolith/device/arm.h"
 
 namespace haptolith {
 
@@ -29,11 +30,6 @@ void approach(Vec3& output, const Vec3& input, double share) noexcept {
   }
 }
 
-Vec3 shortened(const Vec3& vector, double longest) noexcept {
-  const double length = vector.norm();
-  return length > longest ? Vec3(vector * (longest / length)) : vector;
-}
-
 }  // namespace
 
 WrenchFilter::WrenchFilter(double cutoff_hz, double tick_s) {
@@ -56,7 +52,7 @@ Vec3 QuickMovement::step(const Vec3& velocity_m_s) noexcept {
 }
 
 Wrench limited(const Wrench& wrench, const DeviceLimits& limits) noexcept {
-  return {shortened(wrench.force_n, limits.max_force_n), shortened(wrench.torque_nm, limits.max_torque_nm)};
+  return {atMost(limits.max_force_n, wrench.force_n), atMost(limits.max_torque_nm, wrench.torque_nm)};
 }
 
 }  // namespace haptolith

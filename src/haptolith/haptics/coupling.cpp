@@ -1,0 +1,69 @@
+#include "haptolith/haptics/coupling.h"
+
+#include <fmt/format.h>
+
+#include <limits>
+
+#include "haptolith/core/error.h"
+
+namespace haptolith {
+
+bool suitsDirectly(const DeviceLimits& device) noexcept {
+  constexpr double kLongestDelay_s = 0.002;
+  return device.shows_force && device.delay_s <= kLongestDelay_s;
+}
+
+void validate(const CouplingParameters& coupling, double tick_s) {
+  const ArmParameters& spring = coupling.spring;
+  requireInRange("stiffness_n_m", spring.stiffness_n_m, {0, 1e5, Ends::kOpenBelow});
+  requireInRange("damping_n_s_m", spring.damping_n_s_m, {0, 1e3});
+  requireInRange("lever_m", spring.lever_m, {1e-3, 1});
+  requireInRange("max_force_n", coupling.max_force_n, {0, 1000, Ends::kOpenBelow});
+  requireInRange("mass_kg", spring.mass_kg, {1e-3, 100});
+  if (spring.mass_kg <= lightestArm(spring, tick_s)) {
+    throw InvalidParameter("mass_kg", fmt::format("{:g}", spring.mass_kg),
+                           fmt::format("> {:g}, or spring and damper shake the tool to pieces at a tick of {:g} s",
+                                       lightestArm(spring, tick_s), tick_s));
+  }
+}
+
+Coupling::Coupling(const CouplingParameters& parameters, bool suits_directly, double filter_cutoff_hz, double tick_s)
+    : coupling_(parameters),
+      virtual_(parameters.kind == CouplingKind::kVirtual ||
+               (parameters.kind == CouplingKind::kAuto && !suits_directly)),
+      tick_s_(tick_s),
+      filter_(filter_cutoff_hz, tick_s),
+      grip_filter_(filter_cutoff_hz, tick_s),
+      quick_movement_(tick_s) {
+  validate(parameters, tick_s);
+}
+
+const Movement& Coupling::moveTool(const Movement& hand) noexcept {
+  if (virtual_) {
+    pull_ = moveArm(coupling_.spring, hand, soil_, coupling_.max_force_n, tick_s_, tool_);
+  } else {
+    tool_ = hand;
+  }
+  return tool_;
+}
+
+Wrench Coupling::feel(const Wrench& soil, const Eigen::Matrix3d& contact_stiffness_n_m) noexcept {
+  soil_ = soil;
+  if (virtual_) {
+    return {-pull_.force_n, -pull_.torque_nm};
+  }
+  const Vec3 own_change_n = -tick_s_ * contact_stiffness_n_m * quick_movement_.step(tool_.twist.linear_m_s);
+  return filter_.step(soil, own_change_n);
+}
+
+double Coupling::stiffness() const noexcept {
+  return virtual_ ? coupling_.spring.stiffness_n_m : std::numeric_limits<double>::infinity();
+}
+
+void Coupling::place(const Movement& hand) noexcept {
+  tool_ = {hand.pose, {}};
+  soil_ = {};
+  pull_ = {};
+}
+
+}  // namespace haptolith

@@ -1,0 +1,73 @@
+#pragma once
+
+#include "haptolith/core/vec.h"
+#include "haptolith/device/arm.h"
+#include "haptolith/device/haptic_device.h"
+#include "haptolith/haptics/wrench_filter.h"
+
+namespace haptolith {
+
+/// What joins the hand to the tool.
+enum class CouplingKind {
+  kAuto,     ///< as suitsDirectly() says
+  kDirect,   ///< the tool is where the hand is, and the hand feels the soil: the paper's way
+  kVirtual,  ///< a spring and a damper pull the tool after the hand, and the hand feels these
+};
+
+/// Whether a device is coupled directly unless somebody says otherwise: it shows force, and no more than 2 ms late,
+/// with which a direct coupling has been found to stay passive (docs/safety.md).
+[[nodiscard]] bool suitsDirectly(const DeviceLimits& device) noexcept;
+
+struct CouplingParameters {
+  CouplingKind kind = CouplingKind::kAuto;
+  ArmParameters spring{.mass_kg = 0.3, .damping_n_s_m = 19, .stiffness_n_m = 300, .lever_m = 0.1};
+  double max_force_n = 12;  ///< the spring pulls no harder than this, and turns no harder than this times the lever
+
+  [[nodiscard]] bool operator==(const CouplingParameters&) const = default;
+};
+
+/// @throws InvalidParameter with the key, the value and the valid range: also for a spring and damper that a tick
+/// cannot follow, 4 m <= K dt^2 + 2 B dt (see moveArm()).
+void validate(const CouplingParameters& coupling, double tick_s);
+
+/// The tool between hand and soil. A direct coupling is what the paper does: nothing between them but the low-pass. It
+/// feels every grain and is as stable as the soil's stiffness, the filter's delay and the hand allow. A virtual
+/// coupling (Colgate, Stanley and Brown 1995, "Issues in the haptic display of tool use", IROS, 140-145) gives the tool
+/// a mass of its own: however stiff the soil, the hand meets no more than the spring K and damper B, stable at a device
+/// with damping b as long as b > K dt / 2 + B (Colgate and Schenkel 1997, J. Robotic Systems 14:37; sufficient, and far
+/// from necessary with a person's hand at the device). Its force needs no low-pass. Functions may be called in the
+/// tick.
+class Coupling {
+ public:
+  /// @param suits_directly  see CouplingKind::kAuto.
+  /// @throws InvalidParameter as validate().
+  Coupling(const CouplingParameters& parameters, bool suits_directly, double filter_cutoff_hz, double tick_s);
+
+  /// Where the tool goes in this tick.
+  [[nodiscard]] const Movement& moveTool(const Movement& hand) noexcept;
+  /// What the hand feels of it, scene frame, once the soil has answered.
+  [[nodiscard]] Wrench feel(const Wrench& soil, const Eigen::Matrix3d& contact_stiffness_n_m) noexcept;
+
+  /// What the fingers feel of the soil between the jaws, in N, > 0 opens them.
+  [[nodiscard]] double feelGrip(double soil_n) noexcept {
+    return grip_filter_.step({Vec3(soil_n, 0, 0), {}}).force_n.x();
+  }
+
+  /// The tool is where the hand is, at rest.
+  void place(const Movement& hand) noexcept;
+
+  [[nodiscard]] bool isVirtual() const noexcept { return virtual_; }
+  /// Of the spring between hand and tool, in N/m; infinite for a direct coupling.
+  [[nodiscard]] double stiffness() const noexcept;
+
+ private:
+  CouplingParameters coupling_;
+  bool virtual_;
+  double tick_s_;
+  WrenchFilter filter_, grip_filter_;
+  QuickMovement quick_movement_;
+  Movement tool_;
+  Wrench soil_, pull_;
+};
+
+}  // namespace haptolith

@@ -1,0 +1,199 @@
+#include "haptolith/haptics/safety_layer.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "haptolith/haptics/tick_record.h"
+#include "haptolith/haptics/wrench_filter.h"
+
+namespace haptolith {
+
+namespace {
+
+/// A device that stands at the edge of its workspace does not leave it by the last bit, nor by what its radius was
+/// rounded by.
+constexpr double kBeyondWorkspace = 1.01;
+
+/// How far the norm of an orientation may be off: an empty message gives 0, and no device rounds so coarsely.
+constexpr double kNormOff = 0.01;
+
+bool isFinite(const DeviceInput& input) noexcept {
+  return input.pose.position_m.allFinite() && std::abs(input.pose.orientation.norm() - 1) <= kNormOff &&
+         input.twist.linear_m_s.allFinite() && input.twist.angular_rad_s.allFinite() &&
+         std::isfinite(input.gripper_open);
+}
+
+bool isFinite(const DeviceOutput& output) noexcept {
+  return output.wrench.force_n.allFinite() && output.wrench.torque_nm.allFinite() &&
+         std::isfinite(output.gripper_force_n);
+}
+
+/// From `from` towards `to`, but no further than `furthest`.
+Vec3 stepTowards(const Vec3& from, const Vec3& to, double furthest) noexcept {
+  const Vec3 way = to - from;
+  const double length = way.norm();
+  return length > furthest ? Vec3(from + way * (furthest / length)) : to;
+}
+
+/// An s-curve: without a kink at either end.
+double smooth(double share) noexcept {
+  return share * share * (3 - 2 * share);
+}
+
+}  // namespace
+
+const char* text(SafetyTrip trip) noexcept {
+  switch (trip) {
+    case SafetyTrip::kNone: return "none";
+    case SafetyTrip::kDeviceNotFinite: return "the device's pose or velocity is no number";
+    case SafetyTrip::kStale: return "the device tells nothing new";
+    case SafetyTrip::kLost: return "the device is gone";
+    case SafetyTrip::kWorkspace: return "the hand left the workspace";
+    case SafetyTrip::kMissedDeadlines: return "too many deadlines in a row were missed";
+    case SafetyTrip::kHeartbeat: return "the loop did not answer in time";
+    case SafetyTrip::kForceNotFinite: return "the force is no number";
+  }
+  return "";
+}
+
+SafetyLayer::SafetyLayer(const SafetyParameters& parameters, const DeviceLimits& limits, bool simulated,
+                         double storage_n_m, double tick_s)
+    : limits_(limits),
+      simulated_(simulated),
+      damps_(parameters.passivity),
+      tick_s_(tick_s),
+      soft_start_s_(simulated ? 0 : parameters.soft_start_s),
+      soft_stop_s_(simulated ? 0 : parameters.soft_stop_s),
+      most_misses_(parameters.most_misses),
+      calm_ticks_(static_cast<int>(std::lround(parameters.calm_s / tick_s))),
+      passivity_(storage_n_m, limits.delay_s, tick_s),
+      presence_(soft_start_s_ == 0 ? 1 : 0) {
+  validate(parameters);
+  limits_.max_force_n = std::min(limits.max_force_n, parameters.max_force_n);
+  limits_.max_torque_nm = std::min(limits.max_torque_nm, parameters.max_torque_nm);
+}
+
+void SafetyLayer::check(const DeviceInput& input, const LoopHealth& health) noexcept {
+  just_tripped_ = just_recovered_ = false;
+  misses_ = health.late ? misses_ + 1 : 0;
+  const SafetyTrip now = reason(input, health);
+  if (now != SafetyTrip::kNone) {
+    letGo(now);
+  } else if (trip_ != SafetyTrip::kNone && ++well_for_ > calm_ticks_) {
+    trip_ = SafetyTrip::kNone;
+    just_recovered_ = true;
+    restart();
+  }
+  if (trip_ == SafetyTrip::kNone) {
+    begun_ = true;
+    passivity_.observe(input.pose, held_.wrench);
+  }
+}
+
+SafetyTrip SafetyLayer::reason(const DeviceInput& input, const LoopHealth& health) noexcept {
+  if (input.state == DeviceState::kLost) {
+    return SafetyTrip::kLost;
+  }
+  if (input.state == DeviceState::kStale) {
+    return SafetyTrip::kStale;
+  }
+  if (!isFinite(input)) {
+    return SafetyTrip::kDeviceNotFinite;
+  }
+  if ((input.pose.position_m - limits_.workspace_centre_m).norm() > kBeyondWorkspace * limits_.workspace_radius_m) {
+    return SafetyTrip::kWorkspace;
+  }
+  if (health.heartbeat_lost) {
+    return SafetyTrip::kHeartbeat;
+  }
+  return !simulated_ && misses_ > most_misses_ ? SafetyTrip::kMissedDeadlines : SafetyTrip::kNone;
+}
+
+/// A reason that follows from the first one does not replace it.
+void SafetyLayer::letGo(SafetyTrip why) noexcept {
+  if (trip_ == SafetyTrip::kNone) {
+    trip_ = why;
+    just_tripped_ = begun_;
+    trips_ += begun_ ? 1 : 0;
+  }
+  well_for_ = 0;
+}
+
+void SafetyLayer::restart() noexcept {
+  presence_ = soft_start_s_ == 0 ? 1 : 0;
+  passivity_.restart();
+  held_ = {};
+}
+
+DeviceOutput SafetyLayer::step(const DeviceOutput& rendered) noexcept {
+  flags_ = stopping_ ? kTickSoftStop : 0U;
+  if (!isFinite(rendered)) {
+    letGo(SafetyTrip::kForceNotFinite);
+  }
+  if (trip_ != SafetyTrip::kNone) {
+    flags_ |= kTickForceZeroed;
+    held_ = {};
+    return held_;
+  }
+  grow();
+  DeviceOutput wanted = limited(rendered);
+  if (presence_ < 1) {  // a share of what is limited: else ten times too much would be all there is within a third
+    const double share = smooth(presence_);
+    wanted.wrench = {share * wanted.wrench.force_n, share * wanted.wrench.torque_nm};
+    wanted.gripper_force_n *= share;
+    flags_ |= kTickSoftStart;
+  }
+  if (const Wrench damping = passivity_.damping();
+      damps_ && !(damping.force_n.isZero(0) && damping.torque_nm.isZero(0))) {
+    wanted.wrench.force_n += damping.force_n;
+    wanted.wrench.torque_nm += damping.torque_nm;
+    wanted = limited(wanted);
+    flags_ |= kTickPassivityDamped;
+  }
+  held_ = reachable(wanted);
+  return held_;
+}
+
+bool SafetyLayer::stopped() const noexcept {
+  if (!stopping_ || soft_stop_s_ == 0 || trip_ != SafetyTrip::kNone) {
+    return stopping_;
+  }
+  // Where force may change slowly only, it still falls when nothing is wanted any more.
+  return presence_ == 0 && held_.wrench.force_n.norm() <= tick_s_ * limits_.max_force_rate_n_s &&
+         held_.wrench.torque_nm.norm() <= tick_s_ * limits_.max_torque_rate_nm_s;
+}
+
+void SafetyLayer::grow() noexcept {
+  if (stopping_) {
+    presence_ = soft_stop_s_ == 0 ? presence_ : std::max(0.0, presence_ - tick_s_ / soft_stop_s_);
+  } else if (presence_ < 1) {
+    presence_ = std::min(1.0, presence_ + tick_s_ / soft_start_s_);
+  }
+}
+
+/// What the device can show; directions stay.
+DeviceOutput SafetyLayer::limited(const DeviceOutput& wanted) noexcept {
+  const double finger_n = limits_.max_gripper_force_n;
+  DeviceOutput can{haptolith::limited(wanted.wrench, limits_), std::clamp(wanted.gripper_force_n, -finger_n, finger_n)};
+  if (can.wrench.force_n != wanted.wrench.force_n || can.wrench.torque_nm != wanted.wrench.torque_nm ||
+      can.gripper_force_n != wanted.gripper_force_n) {
+    flags_ |= kTickForceSaturated;
+  }
+  return can;
+}
+
+/// As far from what the hand feels now towards `wanted` as a tick may go.
+DeviceOutput SafetyLayer::reachable(const DeviceOutput& wanted) noexcept {
+  const double finger_n = tick_s_ * limits_.max_gripper_rate_n_s;
+  DeviceOutput next{
+      {stepTowards(held_.wrench.force_n, wanted.wrench.force_n, tick_s_ * limits_.max_force_rate_n_s),
+       stepTowards(held_.wrench.torque_nm, wanted.wrench.torque_nm, tick_s_ * limits_.max_torque_rate_nm_s)},
+      std::clamp(wanted.gripper_force_n, held_.gripper_force_n - finger_n, held_.gripper_force_n + finger_n)};
+  if (next.wrench.force_n != wanted.wrench.force_n || next.wrench.torque_nm != wanted.wrench.torque_nm ||
+      next.gripper_force_n != wanted.gripper_force_n) {
+    flags_ |= kTickForceRateLimited;
+  }
+  return next;
+}
+
+}  // namespace haptolith

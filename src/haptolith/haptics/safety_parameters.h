@@ -1,0 +1,24 @@
+#pragma once
+
+#include "haptolith/device/haptic_device.h"
+
+namespace haptolith {
+
+/// What stands between the simulation and a person's hand. On by default.
+struct SafetyParameters {
+  double soft_start_s = 2;                   ///< forces grow from nothing in this time, at first and after every trip
+  double soft_stop_s = 0.2;                  ///< and fall to nothing in this time when a run ends in good order
+  int most_misses = 20;                      ///< deadlines missed in a row that are borne
+  double heartbeat_s = 0.004;                ///< without a tick for so long the hand is let go from outside the loop
+  double calm_s = 1;                         ///< all must have been well for so long before forces come back
+  bool passivity = true;                     ///< whether energy in excess is damped; it is observed in any case
+  double max_force_n = DeviceLimits::kNone;  ///< less than the device could show, if one likes
+  double max_torque_nm = DeviceLimits::kNone;
+
+  [[nodiscard]] bool operator==(const SafetyParameters&) const = default;
+};
+
+/// @throws InvalidParameter with the key, the value and the valid range.
+void validate(const SafetyParameters& safety);
+
+}  // namespace haptolith
