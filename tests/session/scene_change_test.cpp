@@ -14,6 +14,7 @@ TEST(SceneChange, ChangesWhatItNamesAndNothingElse) {
   change.body = "Mars";
   change.tool_shape = ToolShape::kSphere;
   change.tool_diameter_m = 0.02;
+  change.tool_opening_m = 0.03;
   const Scenario next = changed(Scenario{}, change);
   EXPECT_EQ(next.preset, "P1");
   EXPECT_EQ(next.bed.soil, findPreset("P1").soil);
@@ -21,6 +22,7 @@ TEST(SceneChange, ChangesWhatItNamesAndNothingElse) {
   EXPECT_EQ(next.body, "Mars");
   EXPECT_EQ(next.tool.shape, ToolShape::kSphere);
   EXPECT_EQ(next.tool.diameter_m, 0.02);
+  EXPECT_EQ(next.tool.opening_m, 0.03);
   EXPECT_EQ(next.tool.size_m, ToolParameters{}.size_m);
   EXPECT_EQ(next.bed.width_m, BedParameters{}.width_m);
 }

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <cstddef>
 #include <cstdint>
 #include <filesystem>
 #include <optional>
@@ -16,44 +17,50 @@
 
 namespace haptolith {
 
-/// One key of a TOML file that is read into a Target: its place, what is valid there, and what it changes.
-/// A set() may throw InvalidParameter; a key without get() is never written.
+/// Instead of get(): a way to choose what other keys write by its numbers.
+inline constexpr std::nullptr_t kOnlyRead = nullptr;
+
+/// One key of a TOML file that is read into a Target and written from it: its place, what is valid there, what it
+/// changes, and what it is. A set() may throw InvalidParameter. Every key says how it is written, or kOnlyRead.
 template <class Target>
 struct FileKey {
   struct NumberValue {
     Range valid;  ///< in the unit of the key's name
     void (*set)(Target&, double);
-    double (*get)(const Target&) = nullptr;
+    double (*get)(const Target&);  ///< NaN: left out
   };
   struct CountValue {
     Range valid;
     void (*set)(Target&, std::int64_t);
-    std::int64_t (*get)(const Target&) = nullptr;
+    std::int64_t (*get)(const Target&);
   };
   struct VectorValue {
     Range valid;  ///< of each of the three numbers
     void (*set)(Target&, const Vec3&);
+    Vec3 (*get)(const Target&);
   };
   struct IntervalValue {
     Range valid;  ///< of both ends
     void (*set)(Target&, const Range&);
-    std::optional<Range> (*get)(const Target&) = nullptr;
+    std::optional<Range> (*get)(const Target&);  ///< none: left out
   };
   struct SwitchValue {
     void (*set)(Target&, bool);
+    bool (*get)(const Target&);
   };
   struct WordValue {
     std::vector<std::string_view> valid;
     void (*set)(Target&, std::string_view);
-    std::string_view (*get)(const Target&) = nullptr;
+    std::string_view (*get)(const Target&);
   };
   struct TextValue {
     void (*set)(Target&, std::string_view);
-    std::string_view (*get)(const Target&) = nullptr;  ///< empty: not written
+    std::string_view (*get)(const Target&);  ///< empty: left out
   };
   /// The name of another file, which lies beside the one that names it.
   struct PathValue {
     void (*set)(Target&, const std::filesystem::path&);
+    std::filesystem::path (*get)(const Target&);  ///< empty: left out
   };
 
   std::string_view table;  ///< "soil"; empty at the top of the file

@@ -23,6 +23,9 @@ void refuseContradictions(const TomlReader& reader) {
   reader.refuseBoth("soil", "preset", "file");
   reader.refuseBoth("soil", "name", "file");
   reader.refuseBoth("gravity", "body", "magnitude_m_s2");
+  for (const char* part : {"direction", "body", "magnitude_m_s2"}) {
+    reader.refuseBoth("gravity", "vector_m_s2", part);
+  }
   const toml::node* manoeuvre = reader.find("hand", "manoeuvre");
   if (manoeuvre != nullptr && manoeuvre->value_or(std::string_view()) != "poses") {
     reader.refuseBoth("hand", "poses", "manoeuvre");
@@ -43,13 +46,13 @@ void validateWhole(const TomlReader& reader, const Scenario& scene) {
   reader.check(keys, "tool", [&] { validate(scene.tool); });
   reader.check(keys, "hand", [&] { validate(scene.hand); });
   reader.check(keys, "loop", [&] { validate(scene.loop); });
+  reader.check(keys, "mapping", [&] { validate(scene.handling.mapping); });
+  reader.check(keys, "coupling", [&] { validate(scene.handling.coupling, scene.loop.tick_s); });
+  reader.check(keys, "safety", [&] { validate(scene.handling.safety); });
   reader.check(keys, "", [&] { validate(scene); });
 }
 
-}  // namespace
-
-Scenario loadScenario(const std::filesystem::path& path) {
-  const TomlReader reader(path, kScene);
+Scenario read(const TomlReader& reader) {
   reader.refuseUnknownKeys(keyNames(scenarioKeys()));
   refuseContradictions(reader);
   Scenario scene;
@@ -59,6 +62,16 @@ Scenario loadScenario(const std::filesystem::path& path) {
   requirePoses(reader, scene);
   validateWhole(reader, scene);
   return scene;
+}
+
+}  // namespace
+
+Scenario loadScenario(const std::filesystem::path& path) {
+  return read(TomlReader(path, kScene));
+}
+
+Scenario loadScenarioText(std::string_view text, std::string_view name) {
+  return read(TomlReader(name, text, kScene));
 }
 
 }  // namespace haptolith

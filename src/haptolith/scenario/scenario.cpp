@@ -8,6 +8,16 @@
 
 namespace haptolith {
 
+HandlingParameters handlingOf(const Scenario& scenario, double surface_m) {
+  HandlingParameters handling = scenario.handling;
+  if (scenario.device.kind == DeviceKind::kVirtualHand) {
+    handling.mapping = {};
+  } else {
+    handling.mapping.offset_m.z() += surface_m;
+  }
+  return handling;
+}
+
 void setSoil(Scenario& scenario, const SoilFile& soil) {
   scenario.preset.clear();
   scenario.soil_name = soil.name;
@@ -43,6 +53,9 @@ void validate(const Scenario& scenario) {
   validate(scenario.tool);
   validate(scenario.hand);
   validate(scenario.loop);
+  validate(scenario.handling.mapping);
+  validate(scenario.handling.coupling, scenario.loop.tick_s);
+  validate(scenario.handling.safety);
   if (scenario.bed.tick_s != scenario.loop.tick_s) {
     throw InvalidParameter("tick_s", fmt::format("{}", scenario.loop.tick_s),
                            fmt::format("the bed's {}", scenario.bed.tick_s));

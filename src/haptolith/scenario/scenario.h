@@ -5,12 +5,21 @@
 #include <string_view>
 
 #include "haptolith/bed/bed_parameters.h"
+#include "haptolith/device/device_parameters.h"
 #include "haptolith/device/hand_parameters.h"
+#include "haptolith/haptics/handling_parameters.h"
 #include "haptolith/haptics/loop_parameters.h"
 #include "haptolith/scenario/soil_file.h"
 #include "haptolith/tool/tool_parameters.h"
 
 namespace haptolith {
+
+/// What a device in a person's hand begins with: as high above the surface as the virtual hand.
+[[nodiscard]] inline HandlingParameters handlingAboveTheBed() {
+  HandlingParameters handling;
+  handling.mapping.offset_m = HandParameters().home_m;
+  return handling;
+}
 
 /// A whole scene: soil in a box, a tool, a hand and the loop that joins them. The default is the paper's scene.
 struct Scenario {
@@ -22,12 +31,30 @@ struct Scenario {
   ToolParameters tool;
   HandParameters hand;
   LoopParameters loop;
+  DeviceParameters device;
+  HandlingParameters handling = handlingAboveTheBed();  ///< its offset is above the surface; not for the virtual hand
+
+  [[nodiscard]] bool operator==(const Scenario&) const = default;
 };
 
 /// Reads a TOML scene; keys that are left out keep the values of the paper's scene. docs/scenarios.md lists every key.
 /// @throws InvalidParameter for an unknown key, a wrong type or a value out of range, with file, line, key, value and
 /// valid range; Failure when the file cannot be read.
 [[nodiscard]] Scenario loadScenario(const std::filesystem::path& path);
+
+/// The same for a text that is no file; messages call it `name`, and other files lie beside what that would be.
+[[nodiscard]] Scenario loadScenarioText(std::string_view text, std::string_view name);
+
+/// The whole scene as TOML, for recordings: loadScenarioText() gives the same scene to the last bit, wherever the
+/// program stands then and whatever its presets, named soils and bodies are by then. Soil and gravity are written by
+/// their numbers, their names for information; a file of poses by its absolute path, and only if the hand follows it.
+/// @throws InvalidParameter for a scene that no file can hold: a value out of its key's range, one of those that only
+/// the laboratory sets (a periodic box, another tick), a length that is no number of mm, a file of poses that has gone.
+[[nodiscard]] std::string scenarioText(const Scenario& scenario);
+
+/// How hand and tool are joined above soil whose surface is so high: the virtual hand's frame is the scene's, another
+/// device's workspace lies above the surface.
+[[nodiscard]] HandlingParameters handlingOf(const Scenario& scenario, double surface_m);
 
 /// Puts a named soil into the scene, its macroparticles as large as its file has them.
 void setSoil(Scenario& scenario, const SoilFile& soil);

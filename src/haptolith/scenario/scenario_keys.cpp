@@ -3,6 +3,7 @@
 #include <cmath>
 #include <cstdint>
 #include <limits>
+#include <numbers>
 
 #include "haptolith/scenario/built_in_soils.h"
 #include "haptolith/scenario/scene_words.h"
@@ -16,19 +17,36 @@ namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr double kMm = 1e-3;  // m
+constexpr double kMs = 1e-3;  // s
+constexpr double kDegree = std::numbers::pi / 180;
+constexpr double kLeftOut = std::numeric_limits<double>::quiet_NaN();
 constexpr Range kPositive{0, kInfinity, Ends::kOpen};
 constexpr Range kNotNegative{0, kInfinity};
 constexpr Range kLengthMm{0.01, 1e5};
 
-/// The number of mm that is read as exactly `length_m`, where there is one.
-double millimetres(double length_m) {
-  const double mm = length_m / kMm;
-  for (const double near : {std::round(mm * 1e6) * 1e-6, mm, std::nextafter(mm, 0), std::nextafter(mm, kInfinity)}) {
-    if (near * kMm == length_m) {
+/// The number of `unit`s that is read as exactly `value`, where there is one.
+double inUnits(double value, double unit) {
+  const double number = value / unit;
+  for (const double near : {std::round(number * 1e6) * 1e-6, number, std::nextafter(number, -kInfinity),
+                            std::nextafter(number, kInfinity)}) {
+    if (near * unit == value) {
       return near;
     }
   }
-  return mm;
+  return number;
+}
+
+double millimetres(double length_m) {
+  return inUnits(length_m, kMm);
+}
+
+Vec3 millimetres(const Vec3& lengths_m) {
+  return lengths_m.unaryExpr([](double x) { return millimetres(x); });
+}
+
+/// A limit that may be left out.
+double limitOrLeftOut(double limit) {
+  return limit == DeviceLimits::kNone ? kLeftOut : limit;
 }
 
 /// A number of the soil, in the unit of its key.
@@ -63,7 +81,9 @@ std::vector<ScenarioKey> allKeys() {
   using TextValue = ScenarioKey::TextValue;
   using PathValue = ScenarioKey::PathValue;
   return {
-      {"", "title", "", TextValue{[](S& s, std::string_view v) { s.title = v; }}, "What the scene shows, in a line."},
+      {"", "title", "",
+       TextValue{[](S& s, std::string_view v) { s.title = v; }, [](const S& s) { return std::string_view(s.title); }},
+       "What the scene shows, in a line."},
 
       // The radius rescales the preset or named soil; the numbers after it are taken as they are, for particles of that
       // radius.
@@ -72,12 +92,14 @@ std::vector<ScenarioKey> allKeys() {
                  [](S& s, std::string_view v) {
                    s.preset = v;
                    s.bed.soil = findPreset(v).soil;
-                 }},
+                 },
+                 kOnlyRead},
        "Soil of the paper's Table II; not together with `gamma_nm`, `rho0_kg_m3`, `rho_max_kg_m3` or `mu_hat`."},
       {"soil", "name", "",
-       WordValue{namesOf(builtInSoils()), [](S& s, std::string_view v) { setSoil(s, findSoil(v)); }},
+       WordValue{namesOf(builtInSoils()), [](S& s, std::string_view v) { setSoil(s, findSoil(v)); }, kOnlyRead},
        "A soil with a name; instead of a preset, and not together with the numbers that make a soil."},
-      {"soil", "file", "", PathValue{[](S& s, const std::filesystem::path& v) { setSoil(s, loadSoilFile(v)); }},
+      {"soil", "file", "",
+       PathValue{[](S& s, const std::filesystem::path& v) { setSoil(s, loadSoilFile(v)); }, kOnlyRead},
        "A soil file (soils.md), beside the scene file; the same goes for it."},
       {"soil", "radius_mm", "radius_m",
        NumberValue{{0.01, 1000},
@@ -128,124 +150,349 @@ std::vector<ScenarioKey> allKeys() {
                        throw InvalidParameter("direction", "the zero vector", "a direction, for example [0, 0, -1]");
                      }
                      setGravity(s, v, s.bed.gravity_m_s2.norm());
-                   }},
+                   },
+                   kOnlyRead},
        "Where things fall to, of any length but 0."},
       {"gravity", "body", "",
        WordValue{namesOf(bodies()),
                  [](S& s, std::string_view v) {
                    s.body = v;
                    setGravity(s, s.bed.gravity_m_s2, findBody(v).gravity_m_s2);
-                 }},
+                 },
+                 kOnlyRead},
        "Gravity of a celestial body; not together with `magnitude_m_s2`."},
       {"gravity", "magnitude_m_s2", "gravity_m_s2",
        NumberValue{{0, 1000},
                    [](S& s, double v) {
                      s.body.clear();
                      setGravity(s, s.bed.gravity_m_s2, v);
-                   }},
+                   },
+                   kOnlyRead},
        "Gravity by its number."},
+      {"gravity", "vector_m_s2", "gravity_m_s2",
+       VectorValue{{-1000, 1000},
+                   [](S& s, const Vec3& v) {
+                     s.body.clear();
+                     s.bed.gravity_m_s2 = v;
+                   },
+                   [](const S& s) { return s.bed.gravity_m_s2; }},
+       "Gravity by its three numbers; instead of all others."},
+
+      // What the program writes beside the numbers it writes.
+      {"names", "preset", "",
+       TextValue{[](S& s, std::string_view v) { s.preset = v; }, [](const S& s) { return std::string_view(s.preset); }},
+       "What the soil is called when it is a preset."},
+      {"names", "soil", "",
+       TextValue{[](S& s, std::string_view v) { s.soil_name = v; },
+                 [](const S& s) { return std::string_view(s.soil_name); }},
+       "What the soil is called when it has a name of its own."},
+      {"names", "body", "",
+       TextValue{[](S& s, std::string_view v) { s.body = v; }, [](const S& s) { return std::string_view(s.body); }},
+       "What the world is called."},
 
       {"bed", "start", "",
-       WordValue{namesOf(kBedStartWords), [](S& s, std::string_view v) { s.bed.start = valueOf(kBedStartWords, v); }},
+       WordValue{namesOf(kBedStartWords), [](S& s, std::string_view v) { s.bed.start = valueOf(kBedStartWords, v); },
+                 [](const S& s) { return wordFor(kBedStartWords, s.bed.start); }},
        "How the soil lies at first: `particles` in `layers`; closely packed up to `depth_mm`; or dropped at random."},
       {"bed", "particles", "particles",
-       CountValue{{1, 1e7}, [](S& s, std::int64_t v) { s.bed.particles = static_cast<int>(v); }},
+       CountValue{{1, 1e7},
+                  [](S& s, std::int64_t v) { s.bed.particles = static_cast<int>(v); },
+                  [](const S& s) { return static_cast<std::int64_t>(s.bed.particles); }},
        "Number of macroparticles; for `count` and `rain`."},
       {"bed", "layers", "layers",
-       CountValue{{1, 1000}, [](S& s, std::int64_t v) { s.bed.layers = static_cast<int>(v); }},
+       CountValue{{1, 1000},
+                  [](S& s, std::int64_t v) { s.bed.layers = static_cast<int>(v); },
+                  [](const S& s) { return static_cast<std::int64_t>(s.bed.layers); }},
        "Number of layers; for `count`."},
-      {"bed", "width_mm", "width_m", NumberValue{kLengthMm, [](S& s, double v) { s.bed.width_m = v * kMm; }},
+      {"bed", "width_mm", "width_m",
+       NumberValue{kLengthMm, [](S& s, double v) { s.bed.width_m = v * kMm; },
+                   [](const S& s) { return millimetres(s.bed.width_m); }},
        "Inner size of the box along x; at least a particle."},
-      {"bed", "length_mm", "length_m", NumberValue{kLengthMm, [](S& s, double v) { s.bed.length_m = v * kMm; }},
+      {"bed", "length_mm", "length_m",
+       NumberValue{kLengthMm, [](S& s, double v) { s.bed.length_m = v * kMm; },
+                   [](const S& s) { return millimetres(s.bed.length_m); }},
        "Inner size of the box along y; at least a particle."},
-      {"bed", "depth_mm", "depth_m", NumberValue{kLengthMm, [](S& s, double v) { s.bed.depth_m = v * kMm; }},
+      {"bed", "depth_mm", "depth_m",
+       NumberValue{kLengthMm, [](S& s, double v) { s.bed.depth_m = v * kMm; },
+                   [](const S& s) { return millimetres(s.bed.depth_m); }},
        "Height of the undisturbed soil; for `packed`; at least a particle."},
       {"bed", "seed", "seed",
-       CountValue{{0, 9e15}, [](S& s, std::int64_t v) { s.bed.seed = static_cast<std::uint64_t>(v); }},
+       CountValue{{0, 9e15},
+                  [](S& s, std::int64_t v) { s.bed.seed = static_cast<std::uint64_t>(v); },
+                  [](const S& s) { return static_cast<std::int64_t>(s.bed.seed); }},
        "Seed of the random numbers; for `rain`. One seed, one bed."},
-      {"bed", "sleep", "", SwitchValue{[](S& s, bool v) { s.bed.sleep = v; }},
+      {"bed", "sleep", "", SwitchValue{[](S& s, bool v) { s.bed.sleep = v; }, [](const S& s) { return s.bed.sleep; }},
        "Whether soil at rest is left alone until something near it stirs."},
       {"bed", "sleep_speed_m_s", "sleep_speed_m_s",
-       NumberValue{{0, 1}, [](S& s, double v) { s.bed.sleep_speed_m_s = v; }},
+       NumberValue{
+           {0, 1}, [](S& s, double v) { s.bed.sleep_speed_m_s = v; }, [](const S& s) { return s.bed.sleep_speed_m_s; }},
        "What moves faster is not at rest. 0 changes no bit, the default next to nothing, and 0.001 lets far more of a "
        "large bed sleep."},
       {"bed", "threads", "threads",
-       CountValue{{1, 256}, [](S& s, std::int64_t v) { s.bed.threads = static_cast<int>(v); }},
+       CountValue{{1, 256},
+                  [](S& s, std::int64_t v) { s.bed.threads = static_cast<int>(v); },
+                  [](const S& s) { return static_cast<std::int64_t>(s.bed.threads); }},
        "Threads that share a tick; the result is the same for any number."},
       {"bed", "max_substeps", "max_substeps",
-       CountValue{{1, 1000}, [](S& s, std::int64_t v) { s.bed.max_substeps = static_cast<int>(v); }},
+       CountValue{{1, 1000},
+                  [](S& s, std::int64_t v) { s.bed.max_substeps = static_cast<int>(v); },
+                  [](const S& s) { return static_cast<std::int64_t>(s.bed.max_substeps); }},
        "A soil that would need more steps in a tick to be stable is refused."},
 
       {"tool", "shape", "",
-       WordValue{namesOf(kToolShapeWords),
-                 [](S& s, std::string_view v) { s.tool.shape = valueOf(kToolShapeWords, v); }},
-       "Shape of the tool: the shovel, a ball, or a round plate that lies flat."},
-      {"tool", "size_mm", "size_m", VectorValue{kLengthMm, [](S& s, const Vec3& v) { s.tool.size_m = v * kMm; }},
-       "Edges of the `box` along its x, y and z."},
-      {"tool", "diameter_mm", "diameter_m", NumberValue{kLengthMm, [](S& s, double v) { s.tool.diameter_m = v * kMm; }},
+       WordValue{namesOf(kToolShapeWords), [](S& s, std::string_view v) { s.tool.shape = valueOf(kToolShapeWords, v); },
+                 [](const S& s) { return wordFor(kToolShapeWords, s.tool.shape); }},
+       "Shape of the tool: the shovel, a ball, a round plate that lies flat, or two jaws that open along x."},
+      {"tool", "size_mm", "size_m",
+       VectorValue{kLengthMm, [](S& s, const Vec3& v) { s.tool.size_m = v * kMm; },
+                   [](const S& s) { return millimetres(s.tool.size_m); }},
+       "Edges of the `box` along its x, y and z; of each of the `jaws` along z, y and x."},
+      {"tool", "diameter_mm", "diameter_m",
+       NumberValue{kLengthMm, [](S& s, double v) { s.tool.diameter_m = v * kMm; },
+                   [](const S& s) { return millimetres(s.tool.diameter_m); }},
        "Diameter of the `sphere` or `plate`."},
       {"tool", "thickness_mm", "thickness_m",
-       NumberValue{kLengthMm, [](S& s, double v) { s.tool.thickness_m = v * kMm; }}, "Height of the `plate`."},
+       NumberValue{kLengthMm, [](S& s, double v) { s.tool.thickness_m = v * kMm; },
+                   [](const S& s) { return millimetres(s.tool.thickness_m); }},
+       "Height of the `plate`."},
+      {"tool", "opening_mm", "opening_m",
+       NumberValue{kLengthMm, [](S& s, double v) { s.tool.opening_m = v * kMm; },
+                   [](const S& s) { return millimetres(s.tool.opening_m); }},
+       "How far apart the `jaws` are when they are wide open."},
       {"tool", "stiffness_n_m", "stiffness_n_m",
-       NumberValue{{0, 1e7}, [](S& s, double v) { s.tool.stiffness_n_m = v; }},
+       NumberValue{
+           {0, 1e7}, [](S& s, double v) { s.tool.stiffness_n_m = v; }, [](const S& s) { return s.tool.stiffness_n_m; }},
        "Stiffness between tool and particle (paper 21)."},
       {"tool", "damping_factor", "damping_factor",
-       NumberValue{{0, 10}, [](S& s, double v) { s.tool.damping_factor = v; }},
+       NumberValue{{0, 10},
+                   [](S& s, double v) { s.tool.damping_factor = v; },
+                   [](const S& s) { return s.tool.damping_factor; }},
        "Damping between tool and particle, over half a tick times the stiffness (paper, II-E)."},
       {"tool", "adhesion_ratio", "adhesion_ratio",
-       NumberValue{{0, 1}, [](S& s, double v) { s.tool.adhesion_ratio = v; }},
+       NumberValue{
+           {0, 1}, [](S& s, double v) { s.tool.adhesion_ratio = v; }, [](const S& s) { return s.tool.adhesion_ratio; }},
        "How many radii outside the tool a particle still sticks to it (paper 21); with `paper` friction of the soil."},
-      {"tool", "friction", "friction", NumberValue{{0, 10}, [](S& s, double v) { s.tool.friction = v; }},
+      {"tool", "friction", "friction",
+       NumberValue{{0, 10}, [](S& s, double v) { s.tool.friction = v; }, [](const S& s) { return s.tool.friction; }},
        "Friction between soil and tool, tan(delta); with `pairwise` friction of the soil."},
-      {"tool", "adhesion_n", "adhesion_n", NumberValue{{0, 1e6}, [](S& s, double v) { s.tool.adhesion_n = v; }},
+      {"tool", "adhesion_n", "adhesion_n",
+       NumberValue{
+           {0, 1e6}, [](S& s, double v) { s.tool.adhesion_n = v; }, [](const S& s) { return s.tool.adhesion_n; }},
        "Largest pull of a contact with the tool, and what it adds to the normal force; with `pairwise` friction."},
 
       {"hand", "manoeuvre", "",
        WordValue{namesOf(kManoeuvreWords),
-                 [](S& s, std::string_view v) { s.hand.manoeuvre = valueOf(kManoeuvreWords, v); }},
+                 [](S& s, std::string_view v) { s.hand.manoeuvre = valueOf(kManoeuvreWords, v); },
+                 [](const S& s) { return wordFor(kManoeuvreWords, s.hand.manoeuvre); }},
        "What the hand does, over and over."},
-      {"hand", "poses", "poses", PathValue{[](S& s, const std::filesystem::path& v) {
-         s.hand.poses_file = v.string();
-         s.hand.manoeuvre = Manoeuvre::kPoses;
-       }},
+      {"hand", "poses", "poses",
+       PathValue{[](S& s, const std::filesystem::path& v) {
+                   s.hand.poses_file = v.string();
+                   s.hand.manoeuvre = Manoeuvre::kPoses;
+                 },
+                 [](const S& s) {
+                   return s.hand.manoeuvre == Manoeuvre::kPoses ? std::filesystem::absolute(s.hand.poses_file)
+                                                                : std::filesystem::path();
+                 }},
        "A recorded movement: CSV with `t_s,x_m,y_m,z_m,qw,qx,qy,qz`, beside the scene file. Implies `manoeuvre`."},
       {"hand", "compliance", "",
        WordValue{namesOf(kHandComplianceWords),
-                 [](S& s, std::string_view v) { s.hand.compliance = valueOf(kHandComplianceWords, v); }},
+                 [](S& s, std::string_view v) { s.hand.compliance = valueOf(kHandComplianceWords, v); },
+                 [](const S& s) { return wordFor(kHandComplianceWords, s.hand.compliance); }},
        "Whether the hand yields to force like an arm or follows the manoeuvre whatever it feels."},
-      {"hand", "mass_kg", "mass_kg", NumberValue{{0.01, 100}, [](S& s, double v) { s.hand.mass_kg = v; }},
+      {"hand", "mass_kg", "mass_kg",
+       NumberValue{{0.01, 100}, [](S& s, double v) { s.hand.mass_kg = v; }, [](const S& s) { return s.hand.mass_kg; }},
        "Mass of the arm as the hand feels it."},
       {"hand", "damping_n_s_m", "damping_n_s_m",
-       NumberValue{{0, 1000}, [](S& s, double v) { s.hand.damping_n_s_m = v; }}, "Damping of the arm."},
+       NumberValue{{0, 1000},
+                   [](S& s, double v) { s.hand.damping_n_s_m = v; },
+                   [](const S& s) { return s.hand.damping_n_s_m; }},
+       "Damping of the arm."},
       {"hand", "stiffness_n_m", "stiffness_n_m",
-       NumberValue{{0, 1e5}, [](S& s, double v) { s.hand.stiffness_n_m = v; }}, "Stiffness of the arm."},
-      {"hand", "lever_mm", "lever_m", NumberValue{{5, 1000}, [](S& s, double v) { s.hand.lever_m = v * kMm; }},
+       NumberValue{
+           {0, 1e5}, [](S& s, double v) { s.hand.stiffness_n_m = v; }, [](const S& s) { return s.hand.stiffness_n_m; }},
+       "Stiffness of the arm."},
+      {"hand", "lever_mm", "lever_m",
+       NumberValue{{5, 1000},
+                   [](S& s, double v) { s.hand.lever_m = v * kMm; },
+                   [](const S& s) { return millimetres(s.hand.lever_m); }},
        "Turns the arm's mass, damping and stiffness into those of its rotation: times lever squared."},
-      {"hand", "period_s", "period_s", NumberValue{{0.1, 3600}, [](S& s, double v) { s.hand.period_s = v; }},
+      {"hand", "period_s", "period_s",
+       NumberValue{
+           {0.1, 3600}, [](S& s, double v) { s.hand.period_s = v; }, [](const S& s) { return s.hand.period_s; }},
        "Duration of one manoeuvre."},
-      {"hand", "active_s", "active_s", NumberValue{kNotNegative, [](S& s, double v) { s.hand.active_s = v; }},
+      {"hand", "active_s", "active_s",
+       NumberValue{kNotNegative, [](S& s, double v) { s.hand.active_s = v; },
+                   [](const S& s) { return s.hand.active_s; }},
        "After this time the hand leaves the soil and waits above it."},
-      {"hand", "home_mm", "home_m", VectorValue{{-1e4, 1e4}, [](S& s, const Vec3& v) { s.hand.home_m = v * kMm; }},
+      {"hand", "home_mm", "home_m",
+       VectorValue{{-1e4, 1e4},
+                   [](S& s, const Vec3& v) { s.hand.home_m = v * kMm; },
+                   [](const S& s) { return millimetres(s.hand.home_m); }},
        "Where the manoeuvre starts and ends: x and y in the scene, z above the surface."},
-      {"hand", "depth_mm", "depth_m", NumberValue{{0, 1e4}, [](S& s, double v) { s.hand.depth_m = v * kMm; }},
+      {"hand", "depth_mm", "depth_m",
+       NumberValue{{0, 1e4},
+                   [](S& s, double v) { s.hand.depth_m = v * kMm; },
+                   [](const S& s) { return millimetres(s.hand.depth_m); }},
        "How far below the surface the tool's centre goes."},
-      {"hand", "surface_mm", "surface_m", NumberValue{{0, 1e4}, [](S& s, double v) { s.hand.surface_m = v * kMm; }},
+      {"hand", "surface_mm", "surface_m",
+       NumberValue{{0, 1e4},
+                   [](S& s, double v) { s.hand.surface_m = v * kMm; },
+                   [](const S& s) { return millimetres(s.hand.surface_m.value_or(kLeftOut)); }},
        "Height of the soil's surface over the floor, as the hand takes it; left out, it is measured."},
-      {"hand", "reach_mm", "reach_m", NumberValue{{0, 1e4}, [](S& s, double v) { s.hand.reach_m = v * kMm; }},
+      {"hand", "reach_mm", "reach_m",
+       NumberValue{{0, 1e4},
+                   [](S& s, double v) { s.hand.reach_m = v * kMm; },
+                   [](const S& s) { return millimetres(s.hand.reach_m); }},
        "How far to the sides the tool's centre goes."},
-      {"hand", "max_force_n", "max_force_n", NumberValue{{0, 1e6}, [](S& s, double v) { s.hand.max_force_n = v; }},
+      {"hand", "max_force_n", "max_force_n",
+       NumberValue{
+           {0, 1e6}, [](S& s, double v) { s.hand.max_force_n = v; }, [](const S& s) { return s.hand.max_force_n; }},
        "Largest force the device shows."},
       {"hand", "max_torque_nm", "max_torque_nm",
-       NumberValue{{0, 1e6}, [](S& s, double v) { s.hand.max_torque_nm = v; }},
+       NumberValue{
+           {0, 1e6}, [](S& s, double v) { s.hand.max_torque_nm = v; }, [](const S& s) { return s.hand.max_torque_nm; }},
        "Largest torque the device shows, N m."},
 
-      {"loop", "duration_s", "duration_s", NumberValue{{0, 1e6}, [](S& s, double v) { s.loop.duration_s = v; }},
+      {"loop", "duration_s", "duration_s",
+       NumberValue{
+           {0, 1e6}, [](S& s, double v) { s.loop.duration_s = v; }, [](const S& s) { return s.loop.duration_s; }},
        "Simulated time; 0 runs until stopped."},
-      {"loop", "paced", "paced", SwitchValue{[](S& s, bool v) { s.loop.paced = v; }},
+      {"loop", "paced", "paced",
+       SwitchValue{[](S& s, bool v) { s.loop.paced = v; }, [](const S& s) { return s.loop.paced; }},
        "Whether a simulated second takes a second, or as little as it can."},
       {"loop", "filter_cutoff_hz", "filter_cutoff_hz",
-       NumberValue{{0.1, 500}, [](S& s, double v) { s.loop.filter_cutoff_hz = v; }},
+       NumberValue{{0.1, 500},
+                   [](S& s, double v) { s.loop.filter_cutoff_hz = v; },
+                   [](const S& s) { return s.loop.filter_cutoff_hz; }},
        "Cutoff of the low-pass filter of force and torque (paper, II-E)."},
+      {"loop", "cpu", "cpu",
+       CountValue{{kAnyCpu, 1023},
+                  [](S& s, std::int64_t v) { s.loop.cpu = static_cast<int>(v); },
+                  [](const S& s) -> std::int64_t { return s.loop.cpu; }},
+       "The only CPU that the loop's thread runs on; -1 leaves it to the system."},
+
+      {"device", "kind", "",
+       WordValue{namesOf(kDeviceWords), [](S& s, std::string_view v) { s.device.kind = valueOf(kDeviceWords, v); },
+                 [](const S& s) { return wordFor(kDeviceWords, s.device.kind); }},
+       "What the hand holds (devices.md); the virtual hand is told by [hand] what to do, the others by a person."},
+      {"device", "id", "",
+       TextValue{[](S& s, std::string_view v) { s.device.id = v; },
+                 [](const S& s) -> std::string_view { return s.device.id; }},
+       "Which one, where there are several: as `haptolith devices` names them."},
+      {"device", "library", "",
+       TextValue{[](S& s, std::string_view v) { s.device.library = v; },
+                 [](const S& s) -> std::string_view { return s.device.library; }},
+       "Folder or file of the SDK; for `force-dimension`, which is looked for otherwise."},
+      {"device", "address", "",
+       TextValue{[](S& s, std::string_view v) { s.device.address = v; },
+                 [](const S& s) -> std::string_view { return s.device.address; }},
+       "Where `network` listens [127.0.0.1:9050], or the service of `inverse3` is [ws://localhost:10001]."},
+
+      {"mapping", "offset_mm", "offset_m",
+       VectorValue{{-1e4, 1e4},
+                   [](S& s, const Vec3& v) { s.handling.mapping.offset_m = v * kMm; },
+                   [](const S& s) { return millimetres(s.handling.mapping.offset_m); }},
+       "Where the middle of the device's workspace lies: x and y in the scene, z above the surface."},
+      {"mapping", "turn_deg", "turn_rad",
+       VectorValue{{-360, 360},
+                   [](S& s, const Vec3& v) { s.handling.mapping.turn_rad = v * kDegree; },
+                   [](const S& s) -> Vec3 {
+                     return s.handling.mapping.turn_rad.unaryExpr([](double x) { return inUnits(x, kDegree); });
+                   }},
+       "Turns what is right, away and up for a person at the device from the scene's x, y and z: about its x, then y, "
+       "then z."},
+      {"mapping", "scale", "scale",
+       NumberValue{{0.01, 100},
+                   [](S& s, double v) { s.handling.mapping.scale = v; },
+                   [](const S& s) { return s.handling.mapping.scale; }},
+       "Metres in the scene for a metre at the device."},
+      {"mapping", "force_scale", "force_scale",
+       NumberValue{{0, 100},
+                   [](S& s, double v) { s.handling.mapping.force_scale = v; },
+                   [](const S& s) { return s.handling.mapping.force_scale; }},
+       "Newtons at the hand for a newton on the tool."},
+      {"mapping", "clutch_button", "clutch_button",
+       CountValue{{-1, 31},
+                  [](S& s, std::int64_t v) { s.handling.mapping.clutch_button = static_cast<int>(v); },
+                  [](const S& s) -> std::int64_t { return s.handling.mapping.clutch_button; }},
+       "While this button is down the tool stays where it is and the hand feels nothing; -1: none."},
+      {"mapping", "gripper", "",
+       SwitchValue{[](S& s, bool v) { s.handling.mapping.gripper = v; },
+                   [](const S& s) { return s.handling.mapping.gripper; }},
+       "Whether the gripper opens and closes the tool's jaws, where both have some."},
+
+      {"coupling", "kind", "",
+       WordValue{namesOf(kCouplingWords),
+                 [](S& s, std::string_view v) { s.handling.coupling.kind = valueOf(kCouplingWords, v); },
+                 [](const S& s) { return wordFor(kCouplingWords, s.handling.coupling.kind); }},
+       "The tool is where the hand is, as in the paper; or a spring and a damper pull it there; `auto`: direct where "
+       "the device shows force at most 2 ms late."},
+      {"coupling", "stiffness_n_m", "stiffness_n_m",
+       NumberValue{{0, 1e5, Ends::kOpenBelow},
+                   [](S& s, double v) { s.handling.coupling.spring.stiffness_n_m = v; },
+                   [](const S& s) { return s.handling.coupling.spring.stiffness_n_m; }},
+       "Stiffness of the spring; this and the rest for `virtual`."},
+      {"coupling", "damping_n_s_m", "damping_n_s_m",
+       NumberValue{{0, 1000},
+                   [](S& s, double v) { s.handling.coupling.spring.damping_n_s_m = v; },
+                   [](const S& s) { return s.handling.coupling.spring.damping_n_s_m; }},
+       "Damping of the damper."},
+      {"coupling", "mass_kg", "mass_kg",
+       NumberValue{{0.001, 100},
+                   [](S& s, double v) { s.handling.coupling.spring.mass_kg = v; },
+                   [](const S& s) { return s.handling.coupling.spring.mass_kg; }},
+       "Mass that the tool has then; enough for a tick to follow spring and damper."},
+      {"coupling", "lever_mm", "lever_m",
+       NumberValue{{1, 1000},
+                   [](S& s, double v) { s.handling.coupling.spring.lever_m = v * kMm; },
+                   [](const S& s) { return millimetres(s.handling.coupling.spring.lever_m); }},
+       "Turns mass, damping and stiffness into those of its rotation: times lever squared."},
+      {"coupling", "max_force_n", "max_force_n",
+       NumberValue{{0, 1000, Ends::kOpenBelow},
+                   [](S& s, double v) { s.handling.coupling.max_force_n = v; },
+                   [](const S& s) { return s.handling.coupling.max_force_n; }},
+       "The spring pulls no harder, and turns no harder than this times the lever."},
+
+      {"safety", "soft_start_s", "soft_start_s",
+       NumberValue{{0, 60},
+                   [](S& s, double v) { s.handling.safety.soft_start_s = v; },
+                   [](const S& s) { return s.handling.safety.soft_start_s; }},
+       "Forces grow from nothing in this time, at first and after every interruption; not at a simulated hand."},
+      {"safety", "soft_stop_s", "soft_stop_s",
+       NumberValue{{0, 5},
+                   [](S& s, double v) { s.handling.safety.soft_stop_s = v; },
+                   [](const S& s) { return s.handling.safety.soft_stop_s; }},
+       "Forces fall to nothing in this time when a run ends in good order; not at a simulated hand."},
+      {"safety", "most_misses", "most_misses",
+       CountValue{{1, 1000},
+                  [](S& s, std::int64_t v) { s.handling.safety.most_misses = static_cast<int>(v); },
+                  [](const S& s) -> std::int64_t { return s.handling.safety.most_misses; }},
+       "Deadlines missed in a row that are borne before the hand is let go; not at a simulated hand."},
+      {"safety", "heartbeat_ms", "heartbeat_s",
+       NumberValue{{2, 1000},
+                   [](S& s, double v) { s.handling.safety.heartbeat_s = v * kMs; },
+                   [](const S& s) { return inUnits(s.handling.safety.heartbeat_s, kMs); }},
+       "Without a tick for so long the hand is let go from outside the loop; not at a simulated hand."},
+      {"safety", "calm_s", "calm_s",
+       NumberValue{{0, 60},
+                   [](S& s, double v) { s.handling.safety.calm_s = v; },
+                   [](const S& s) { return s.handling.safety.calm_s; }},
+       "All must have been well for so long before forces come back."},
+      {"safety", "passivity", "",
+       SwitchValue{[](S& s, bool v) { s.handling.safety.passivity = v; },
+                   [](const S& s) { return s.handling.safety.passivity; }},
+       "Whether energy that soil could not give is damped."},
+      {"safety", "max_force_n", "max_force_n",
+       NumberValue{{0, 1000},
+                   [](S& s, double v) { s.handling.safety.max_force_n = v; },
+                   [](const S& s) { return limitOrLeftOut(s.handling.safety.max_force_n); }},
+       "Largest force at the hand; left out: what the device declares."},
+      {"safety", "max_torque_nm", "max_torque_nm",
+       NumberValue{{0, 1000},
+                   [](S& s, double v) { s.handling.safety.max_torque_nm = v; },
+                   [](const S& s) { return limitOrLeftOut(s.handling.safety.max_torque_nm); }},
+       "Largest torque at the hand; left out: what the device declares, N m."},
   };
 }
 

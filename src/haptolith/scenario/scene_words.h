@@ -5,7 +5,9 @@
 #include <vector>
 
 #include "haptolith/bed/bed_parameters.h"
+#include "haptolith/device/device_parameters.h"
 #include "haptolith/device/hand_parameters.h"
+#include "haptolith/haptics/coupling.h"
 #include "haptolith/scenario/soil_file.h"
 #include "haptolith/soil/soil_parameters.h"
 #include "haptolith/tool/tool_parameters.h"
@@ -42,12 +44,26 @@ inline constexpr std::array kToolShapeWords{
     SceneWord{"box", ToolShape::kBox},
     SceneWord{"sphere", ToolShape::kSphere},
     SceneWord{"plate", ToolShape::kPlate},
+    SceneWord{"jaws", ToolShape::kJaws},
 };
 
 inline constexpr std::array kManoeuvreWords{
     SceneWord{"still", Manoeuvre::kStill}, SceneWord{"press", Manoeuvre::kPress}, SceneWord{"stir", Manoeuvre::kStir},
     SceneWord{"scoop", Manoeuvre::kScoop}, SceneWord{"carry", Manoeuvre::kCarry}, SceneWord{"shake", Manoeuvre::kShake},
     SceneWord{"poses", Manoeuvre::kPoses},
+};
+
+inline constexpr std::array kDeviceWords{
+    SceneWord{"virtual-hand", DeviceKind::kVirtualHand}, SceneWord{"force-dimension", DeviceKind::kForceDimension},
+    SceneWord{"inverse3", DeviceKind::kInverse3},        SceneWord{"spacemouse", DeviceKind::kSpaceMouse},
+    SceneWord{"gamepad", DeviceKind::kGamepad},          SceneWord{"mouse", DeviceKind::kMouse},
+    SceneWord{"network", DeviceKind::kNetwork},
+};
+
+inline constexpr std::array kCouplingWords{
+    SceneWord{"auto", CouplingKind::kAuto},
+    SceneWord{"direct", CouplingKind::kDirect},
+    SceneWord{"virtual", CouplingKind::kVirtual},
 };
 
 inline constexpr std::array kHandComplianceWords{

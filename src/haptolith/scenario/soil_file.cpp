@@ -7,13 +7,13 @@
 #include <array>
 #include <cctype>
 #include <span>
-#include <sstream>
 
 #include "haptolith/core/atomic_file.h"
 #include "haptolith/core/nearest_word.h"
 #include "haptolith/scenario/built_in_soils.h"
 #include "haptolith/scenario/soil_file_keys.h"
 #include "haptolith/scenario/toml_reader.h"
+#include "haptolith/scenario/toml_writer.h"
 
 namespace haptolith {
 
@@ -84,38 +84,10 @@ SoilFile read(const TomlReader& reader) {
 
 // --- writing --------------------------------------------------------------------------------------------------------
 
-std::string quoted(std::string_view text) {
-  std::ostringstream out;
-  out << toml::toml_formatter{toml::value<std::string>{std::string(text)}, toml::format_flags::none};
-  return out.str();
-}
-
-/// A line of the file; empty when there is nothing to write. fmt's numbers are the shortest that read back the same.
-template <class Target>
-std::string line(const FileKey<Target>& key, const Target& target) {
-  using Key = FileKey<Target>;
-  const auto text = [&](const auto& value) -> std::string {
-    using Value = std::decay_t<decltype(value)>;
-    if constexpr (std::is_same_v<Value, typename Key::NumberValue> || std::is_same_v<Value, typename Key::CountValue>) {
-      return fmt::format("{}", value.get(target));
-    } else if constexpr (std::is_same_v<Value, typename Key::IntervalValue>) {
-      const std::optional<Range> interval = value.get(target);
-      return interval ? fmt::format("[{}, {}]", interval->lowest, interval->highest) : "";
-    } else if constexpr (std::is_same_v<Value, typename Key::WordValue> ||
-                         std::is_same_v<Value, typename Key::TextValue>) {
-      return value.get(target).empty() ? "" : quoted(value.get(target));
-    } else {
-      return "";
-    }
-  };
-  const std::string value = std::visit(text, key.value);
-  return value.empty() ? "" : fmt::format("{} = {}\n", key.name, value);
-}
-
 std::string linesOf(std::string_view table, const SoilFile& file) {
   std::string lines;
   for (const SoilFileKey& key : soilFileKeys()) {
-    lines += key.table == table ? line(key, file) : "";
+    lines += key.table == table ? tomlLine(key, file) : "";
   }
   return lines;
 }
@@ -136,14 +108,14 @@ std::string soilLines(const SoilParameters& soil) {
   scene.bed.soil = soil;
   std::string lines;
   for (const ScenarioKey& key : soilKeys()) {
-    if (!isOfOtherModel(key.name, soil.friction) || line(key, scene) != line(key, defaults)) {
-      lines += line(key, scene);
+    if (!isOfOtherModel(key.name, soil.friction) || tomlLine(key, scene) != tomlLine(key, defaults)) {
+      lines += tomlLine(key, scene);
     }
   }
   return lines;
 }
 
-std::string tomlText(const SoilFile& file) {
+std::string textOf(const SoilFile& file) {
   std::string text = fmt::format(
       "{}\n"
       "# What an engineer measured.\n[target]\n{}\n"
@@ -203,7 +175,7 @@ std::vector<std::string> soilNames() {
 }
 
 void saveSoilFile(const fs::path& path, const SoilFile& soil) {
-  const std::string text = tomlText(soil);
+  const std::string text = textOf(soil);
   static_cast<void>(read(TomlReader(path, text, kSoil)));  // what cannot be loaded is not written
   AtomicFile file(path);
   file.write(text);

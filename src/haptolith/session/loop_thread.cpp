@@ -4,15 +4,15 @@
 
 namespace haptolith {
 
-LoopThread::LoopThread(HapticLoop& loop, bool paced, std::atomic<bool>& stop)
-    : stop_(stop), thread_([this, &loop, paced] {
-        if (paced) {
-          real_time_ = requestRealTime();
-        }
-        real_time_known_.store(true, std::memory_order_release);
-        end_ = loop.run(stop_);
-        done_.store(true, std::memory_order_release);
-      }) {}
+LoopThread::LoopThread(HapticLoop& loop, const LoopParameters& parameters, std::atomic<bool>& stop) : stop_(stop) {
+  requireUsableCpu(parameters.cpu);
+  thread_ = std::thread([this, &loop, parameters] {
+    real_time_ = requestRealTime(parameters);
+    real_time_known_.store(true, std::memory_order_release);
+    end_ = loop.run(stop_);
+    done_.store(true, std::memory_order_release);
+  });
+}
 
 LoopThread::~LoopThread() {
   if (thread_.joinable()) {  // an error on the other side: the hand is let go before anybody hears of it

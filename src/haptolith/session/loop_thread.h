@@ -8,12 +8,13 @@
 
 namespace haptolith {
 
-/// The loop's thread: real-time when the loop is paced and the system grants it. The hand is let go when it ends, and
-/// when this object does.
+/// The loop's thread: on the CPU that the parameters name, and real-time when they are paced and the system grants it.
+/// The hand is let go when it ends, and when this object does.
 class LoopThread {
  public:
   /// @param stop  ends the loop when it becomes true; set by the destructor.
-  LoopThread(HapticLoop& loop, bool paced, std::atomic<bool>& stop);
+  /// @throws InvalidParameter as requireUsableCpu(); then no thread has been started.
+  LoopThread(HapticLoop& loop, const LoopParameters& parameters, std::atomic<bool>& stop);
   ~LoopThread();
   LoopThread(const LoopThread&) = delete;
   LoopThread& operator=(const LoopThread&) = delete;

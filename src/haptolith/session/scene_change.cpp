@@ -27,6 +27,7 @@ Scenario changed(Scenario scenario, const SceneChange& change) {
   tool.size_m = change.tool_size_m.value_or(tool.size_m);
   tool.diameter_m = change.tool_diameter_m.value_or(tool.diameter_m);
   tool.thickness_m = change.tool_thickness_m.value_or(tool.thickness_m);
+  tool.opening_m = change.tool_opening_m.value_or(tool.opening_m);
   validate(scenario);
   return scenario;
 }

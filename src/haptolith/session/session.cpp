@@ -8,6 +8,7 @@
 
 #include "haptolith/bed/critical_step.h"
 #include "haptolith/core/error.h"
+#include "haptolith/device/open_device.h"
 #include "haptolith/soil/soil_parameters.h"
 
 namespace haptolith {
@@ -30,7 +31,8 @@ std::vector<Vec3> centresOf(const std::vector<Float4>& positions) {
 }
 
 bool sameTool(const ToolParameters& a, const ToolParameters& b) {
-  return a.shape == b.shape && a.size_m == b.size_m && a.diameter_m == b.diameter_m && a.thickness_m == b.thickness_m;
+  return a.shape == b.shape && a.size_m == b.size_m && a.diameter_m == b.diameter_m && a.thickness_m == b.thickness_m &&
+         a.opening_m == b.opening_m;
 }
 
 }  // namespace
@@ -66,7 +68,8 @@ Session::Showing Session::showAgain(const Scenario& scenario, const std::vector<
   return made;
 }
 
-Session::Session(Scenario scenario, bool keep_records, const SettleProgress& progress)
+Session::Session(Scenario scenario, bool keep_records, const SettleProgress& progress,
+                 std::unique_ptr<HapticDevice> device)
     : initial_(std::move(scenario)), wanted_(initial_), current_(showNew(initial_, progress)) {
   initial_fresh_ = current_.fresh;
   if (!wanted_.hand.surface_m) {
@@ -74,8 +77,9 @@ Session::Session(Scenario scenario, bool keep_records, const SettleProgress& pro
   }
   wish_.manoeuvre = wanted_.hand.manoeuvre;
   wish_.surface_m = *wanted_.hand.surface_m;
-  hand_ = std::make_unique<VirtualHand>(wanted_.hand, wanted_.bed.tick_s);
-  loop_ = std::make_unique<HapticLoop>(*current_.scene, *hand_, wanted_.loop, keep_records);
+  openHand(std::move(device));
+  loop_ = std::make_unique<HapticLoop>(*current_.scene, *device_, wanted_.loop, keep_records,
+                                       handlingOf(wanted_, *wanted_.hand.surface_m));
   current_.stage = &loop_->stage();
   snapshots_ = &current_.stage->snapshots;
 }
@@ -86,8 +90,36 @@ Session::~Session() {
   }
 }
 
+void Session::openHand(std::unique_ptr<HapticDevice> device) {
+  if (device) {
+    device_ = std::move(device);
+  } else if (wanted_.device.kind == DeviceKind::kVirtualHand) {
+    auto hand = std::make_unique<VirtualHand>(wanted_.hand, wanted_.bed.tick_s);
+    hand_ = hand.get();
+    device_ = std::move(hand);
+  } else {
+    device_ = openDevice(wanted_.device, wanted_.bed.tick_s);
+  }
+  if (!device_->simulated()) {
+    last_resort_.emplace(*device_);
+  }
+}
+
+void Session::requireVirtualHand(const char* asked) const {
+  if (hand_ == nullptr) {
+    throw InvalidParameter(asked, fmt::format("while a person has the tool ({})", device_->name()),
+                           "asked for when the virtual hand has it");
+  }
+}
+
+void Session::wish() {
+  if (hand_ != nullptr) {
+    hand_->wish(wish_);
+  }
+}
+
 void Session::start(std::atomic<bool>& stop) {
-  thread_ = std::make_unique<LoopThread>(*loop_, wanted_.loop.paced, stop);
+  thread_ = std::make_unique<LoopThread>(*loop_, wanted_.loop, stop);
 }
 
 LoopEnd Session::join() {
@@ -284,6 +316,10 @@ void Session::advance(int ticks) {
 }
 
 void Session::setSpeed(double factor) {
+  if (!device_->simulated()) {
+    throw InvalidParameter("factor", fmt::format("{:g} while a person has the tool ({})", factor, device_->name()),
+                           "asked for when a simulated hand has it");
+  }
   ask(request::Speed{requireInRange("factor", factor, {0.01, 1})});
   speed_ = factor;
 }
@@ -295,6 +331,7 @@ void Session::ask(const LoopRequest& request) {
 }
 
 void Session::hold(const Pose& scene_T_tool) {
+  requireVirtualHand("hold");
   const Vec3 low = workspaceLow();
   const Vec3 high = workspaceHigh();
   for (int axis = 0; axis < 3; ++axis) {
@@ -314,6 +351,7 @@ void Session::release() {
 }
 
 void Session::play(Manoeuvre manoeuvre) {
+  requireVirtualHand("play");
   wish_.held.reset();
   wish_.manoeuvre = manoeuvre;
   ++wish_.beginnings;

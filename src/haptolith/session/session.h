@@ -10,6 +10,7 @@
 
 #include "haptolith/device/virtual_hand.h"
 #include "haptolith/haptics/haptic_loop.h"
+#include "haptolith/haptics/last_resort.h"
 #include "haptolith/scenario/scenario.h"
 #include "haptolith/session/loop_thread.h"
 #include "haptolith/session/scene_change.h"
@@ -21,11 +22,13 @@ namespace haptolith {
 /// which is not the loop's; none of them can delay a tick.
 class Session {
  public:
-  /// Makes the first bed, telling `progress`. @throws InvalidParameter, Failure: as Scene, VirtualHand and HapticLoop.
-  Session(Scenario scenario, bool keep_records, const SettleProgress& progress = {});
+  /// Makes the first bed, telling `progress`, and opens the scenario's device, unless it is given another.
+  /// @throws InvalidParameter, Failure: as Scene, VirtualHand, openDevice() and HapticLoop.
+  Session(Scenario scenario, bool keep_records, const SettleProgress& progress = {},
+          std::unique_ptr<HapticDevice> device = nullptr);
   ~Session();
 
-  /// Starts the loop; `stop` ends it.
+  /// Starts the loop; `stop` ends it. @throws InvalidParameter as requireUsableCpu().
   void start(std::atomic<bool>& stop);
   [[nodiscard]] bool done() const { return thread_ && thread_->done(); }
   /// Waits for the loop's end.
@@ -50,9 +53,10 @@ class Session {
 
   void pause();
   void resume();
-  void advance(int ticks);  ///< only while paused
-  void setSpeed(double factor);
+  void advance(int ticks);       ///< only while paused
+  void setSpeed(double factor);  ///< of a simulated hand's time; a person's runs as it does
 
+  // While the virtual hand has the tool:
   void hold(const Pose& scene_T_tool);
   void release();  ///< the tool stays where it is
   void play(Manoeuvre manoeuvre);
@@ -80,7 +84,11 @@ class Session {
   [[nodiscard]] std::string_view undoable() const noexcept { return previous_ ? previous_->replaced_by : ""; }
   /// Why the last bed could not be made; empty when it could.
   [[nodiscard]] const std::string& problem() const noexcept { return problem_; }
-  [[nodiscard]] std::string_view deviceName() const noexcept { return hand_->name(); }
+  [[nodiscard]] std::string_view deviceName() const noexcept { return device_->name(); }
+  [[nodiscard]] const HapticDevice& device() const noexcept { return *device_; }
+
+  /// How many ticks the newest snapshot knows of; 0 before the first.
+  [[nodiscard]] std::uint64_t loopTicks() const noexcept { return snapshot().ticks; }
 
   [[nodiscard]] HapticLoop& loop() noexcept { return *loop_; }
   [[nodiscard]] const HapticLoop& loop() const noexcept { return *loop_; }
@@ -117,7 +125,9 @@ class Session {
   bool takeStage();
   void bringOnStage(Showing next);
   void ask(const LoopRequest& request);
-  void wish() { hand_->wish(wish_); }
+  void openHand(std::unique_ptr<HapticDevice> device);
+  void requireVirtualHand(const char* asked) const;
+  void wish();
 
   Scenario initial_, wanted_;
   Showing current_;
@@ -132,7 +142,9 @@ class Session {
   HandWish wish_;
   std::string problem_;
 
-  std::unique_ptr<VirtualHand> hand_;
+  std::unique_ptr<HapticDevice> device_;
+  VirtualHand* hand_ = nullptr;  ///< the device, when it is one
+  std::optional<LastResort> last_resort_;
   std::unique_ptr<HapticLoop> loop_;
   LatestValue<SceneSnapshot>* snapshots_ = nullptr;
   std::unique_ptr<LoopThread> thread_;  // the last member: it ends before what it uses

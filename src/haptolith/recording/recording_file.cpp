@@ -1,0 +1,268 @@
+#include "haptolith/recording/recording_file.h"
+
+#include <fmt/format.h>
+#include <sys/mman.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cmath>
+#include <string_view>
+#include <system_error>
+#include <utility>
+
+#include "haptolith/core/child_process.h"
+#include "haptolith/core/error.h"
+
+namespace haptolith::hdf5 {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+// A chunk of ticks is full before the oldest tick in it has to be in the file, so that chunks are written once.
+constexpr double kChunk_s = 0.15;
+constexpr std::uint64_t kFewestTicks = 16, kMostTicks = 4096;  // per chunk
+
+// These are not compressed, and may be written again in their place.
+constexpr std::uint64_t kPositionsPerChunk = 8192, kFramesPerChunk = 64, kEventsPerChunk = 16;
+
+std::uint64_t ticksPerChunk(double tick_s) {
+  return std::clamp(static_cast<std::uint64_t>(std::min(kChunk_s / tick_s, 1e6)), kFewestTicks, kMostTicks);
+}
+
+void validate(const RecordingHeader& header) {
+  requireInRange("tick_s", header.tick_s, {.lowest = 0, .ends = Ends::kOpenBelow});
+  for (const HeaderEntry& entry : kHeaderEntries) {
+    if (const auto* text = std::get_if<HeaderEntry::Member<std::string>>(&entry.member)) {
+      const std::string& value = header.*(*text);
+      if (value.size() > kLongestText || value.find('\0') != std::string::npos) {
+        throw InvalidParameter(entry.name, fmt::format("a text of {} bytes", value.size()),
+                               fmt::format("at most {} bytes, none of them zero", kLongestText));
+      }
+    }
+  }
+}
+
+void writeAttribute(const Handle& file, const char* name, const Handle& type, const void* value) {
+  const Handle space = handle(H5Screate(H5S_SCALAR), "make a space");
+  const Handle attribute =
+      handle(H5Acreate2(file.id(), name, type.id(), space.id(), H5P_DEFAULT, H5P_DEFAULT), "write the header");
+  done(H5Awrite(attribute.id(), type.id(), value), "write the header");
+}
+
+void writeEntry(const Handle& file, const char* name, const std::string& value) {
+  writeAttribute(file, name, textType(std::max<std::size_t>(1, value.size())), value.c_str());
+}
+
+void writeEntry(const Handle& file, const char* name, std::uint64_t value) {
+  writeAttribute(file, name, countType(Place::kFile), &value);
+}
+
+void writeEntry(const Handle& file, const char* name, double value) {
+  writeAttribute(file, name, numberType(Place::kFile), &value);
+}
+
+void writeHeader(const Handle& file, const RecordingHeader& header) {
+  writeEntry(file, "schema", kSchema);
+  writeEntry(file, "schema_version", kSchemaVersion);
+  for (const HeaderEntry& entry : kHeaderEntries) {
+    std::visit([&](auto member) { writeEntry(file, entry.name, header.*member); }, entry.member);
+  }
+}
+
+Handle createFile(const fs::path& path) {
+  const Handle access = handle(H5Pcreate(H5P_FILE_ACCESS), "make a property list");
+  done(H5Pset_libver_bounds(access.id(), H5F_LIBVER_LATEST, H5F_LIBVER_LATEST), "choose the format");  // for SWMR
+  done(H5Pset_file_locking(access.id(), true, true), "choose locking");  // where the disk's file system has locks
+  const Handle creation = handle(H5Pcreate(H5P_FILE_CREATE), "make a property list");
+  done(H5Pset_attr_phase_change(creation.id(), 64, 0), "choose the format");  // the header stays in one place
+  return handle(H5Fcreate(path.c_str(), H5F_ACC_TRUNC, creation.id(), access.id()), "create it");
+}
+
+/// Copies at most as many bytes as there is room for, no part of a letter.
+template <std::size_t kSize>
+void copyText(std::string_view from, std::array<char, kSize>& to) {
+  std::size_t size = std::min(from.size(), kSize);
+  if (size < from.size()) {
+    while (size > 0 && (static_cast<unsigned char>(from[size]) & 0xC0U) == 0x80U) {
+      --size;  // the byte after the cut goes on with a letter
+    }
+  }
+  std::copy_n(from.begin(), size, to.begin());
+}
+
+}  // namespace
+
+Growing::Growing(const Handle& file, const char* path, Layout layout)
+    : memory_type_(std::move(layout.memory_type)), columns_(layout.columns) {
+  const int rank = columns_ == 0 ? 1 : 2;
+  const std::array<hsize_t, 2> none{0, columns_}, endless{H5S_UNLIMITED, columns_}, chunk{layout.chunk_rows, columns_};
+  const Handle space = handle(H5Screate_simple(rank, none.data(), endless.data()), "make a space");
+  const Handle creation = handle(H5Pcreate(H5P_DATASET_CREATE), "make a property list");
+  done(H5Pset_chunk(creation.id(), rank, chunk.data()), "choose chunks");
+  if (layout.deflated) {
+    done(H5Pset_shuffle(creation.id()), "choose compression");
+    done(H5Pset_deflate(creation.id(), 1), "choose compression");
+  }
+  const Handle links = handle(H5Pcreate(H5P_LINK_CREATE), "make a property list");
+  done(H5Pset_create_intermediate_group(links.id(), 1), "make a group");
+  dataset_ =
+      handle(H5Dcreate2(file.id(), path, layout.file_type.id(), space.id(), links.id(), creation.id(), H5P_DEFAULT),
+             "create it");
+}
+
+void Growing::append(const void* values, std::uint64_t rows) {
+  if (rows == 0) {
+    return;
+  }
+  const int rank = columns_ == 0 ? 1 : 2;
+  const std::array<hsize_t, 2> begin{rows_, 0}, count{rows, columns_}, end{rows_ + rows, columns_};
+  done(H5Dset_extent(dataset_.id(), end.data()), "write");
+  const Handle to = handle(H5Dget_space(dataset_.id()), "write");
+  done(H5Sselect_hyperslab(to.id(), H5S_SELECT_SET, begin.data(), nullptr, count.data(), nullptr), "write");
+  const Handle from = handle(H5Screate_simple(rank, count.data(), nullptr), "write");
+  done(H5Dwrite(dataset_.id(), memory_type_.id(), from.id(), to.id(), H5P_DEFAULT, values), "write");
+  rows_ += rows;
+}
+
+void Growing::flush() {
+  done(H5Dflush(dataset_.id()), "write");
+  flushed_rows_ = rows_;
+}
+
+void requireFree(const fs::path& path, bool overwrite) {
+  const fs::file_status there = fs::status(path);
+  if (fs::exists(there) && !overwrite) {
+    throw Failure(
+        fmt::format("{} exists already: choose another name, or ask for it to be overwritten", path.string()));
+  }
+  if (fs::exists(there) && !fs::is_regular_file(there)) {
+    throw Failure(fmt::format("cannot overwrite {}: not a regular file", path.string()));
+  }
+}
+
+RecordingFile::RecordingFile(fs::path path, const RecordingHeader& header, bool overwrite)
+    : path_(std::move(path)), ticks_per_chunk_(0) {
+  validate(header);
+  ticks_per_chunk_ = ticksPerChunk(header.tick_s);
+  prepareThread();
+  requireFree(path_, overwrite);
+  // Under its own name the file is there as soon as a killed program would leave one that opens, and not before.
+  const fs::path making =
+      path_.parent_path() / fmt::format(".{}.part-{}{}", path_.stem().string(), getpid(), path_.extension().string());
+  try {
+    file_ = createFile(making);
+    writeHeader(file_, header);
+    ticks_ = Growing(file_, kTicks,
+                     {.file_type = tickType(Place::kFile),
+                      .memory_type = tickType(Place::kMemory),
+                      .chunk_rows = ticks_per_chunk_,
+                      .deflated = true});
+    position_ = Growing(file_, kPosition,
+                        {.file_type = coordinateType(Place::kFile),
+                         .memory_type = coordinateType(Place::kMemory),
+                         .chunk_rows = kPositionsPerChunk,
+                         .columns = 3});
+    frames_ = Growing(file_, kFrames,
+                      {.file_type = frameType(Place::kFile),
+                       .memory_type = frameType(Place::kMemory),
+                       .chunk_rows = kFramesPerChunk});
+    events_ = Growing(file_, kEvents,
+                      {.file_type = eventType(Place::kFile),
+                       .memory_type = eventType(Place::kMemory),
+                       .chunk_rows = kEventsPerChunk});
+    done(H5Fstart_swmr_write(file_.id()), "start writing");
+    fs::rename(making, path_);
+  } catch (const std::exception& error) {
+    abandon();
+    std::error_code ignored;
+    fs::remove(making, ignored);
+    throw Failure(fmt::format("cannot record to {}: {}", path_.string(), error.what()));
+  }
+}
+
+void RecordingFile::take(const std::vector<TickRecord>& ticks, const std::vector<ParticleFrame>& frames,
+                         const std::vector<RecordingEvent>& events) {
+  unwritten_ticks_.insert(unwritten_ticks_.end(), ticks.begin(), ticks.end());
+  for (const ParticleFrame& frame : frames) {
+    unwritten_frames_.push_back({.time_s = frame.time_s,
+                                 .tick = frame.tick,
+                                 .first = position_.rows() + unwritten_positions_.size(),
+                                 .count = frame.position_m.size()});
+    unwritten_positions_.insert(unwritten_positions_.end(), frame.position_m.begin(), frame.position_m.end());
+  }
+  for (const RecordingEvent& event : events) {
+    EventRow& row = unwritten_events_.emplace_back(EventRow{.time_s = event.time_s, .tick = event.tick});
+    copyText(event.kind, row.kind);
+    copyText(event.text, row.text);
+  }
+}
+
+bool RecordingFile::hasUnwritten() const noexcept {
+  return !unwritten_ticks_.empty() || !unwritten_frames_.empty() || !unwritten_events_.empty();
+}
+
+bool RecordingFile::writeWholeChunks() {
+  const std::uint64_t begun = ticks_.rows() % ticks_per_chunk_ + unwritten_ticks_.size();
+  if (begun < ticks_per_chunk_) {
+    return false;
+  }
+  write(unwritten_ticks_.size() - begun % ticks_per_chunk_);
+  return true;
+}
+
+void RecordingFile::write(std::size_t ticks) {
+  if (!hasUnwritten()) {
+    return;
+  }
+  struct stat now {};
+  if (fstat(descriptor(), &now) == 0 && now.st_nlink == 0) {
+    throw Failure("somebody has removed the file");
+  }
+  ticks_.append(unwritten_ticks_.data(), ticks);
+  position_.append(unwritten_positions_.data(), unwritten_positions_.size());
+  frames_.append(unwritten_frames_.data(), unwritten_frames_.size());
+  events_.append(unwritten_events_.data(), unwritten_events_.size());
+  // Positions before the frames that point at them.
+  for (Growing* each : {&ticks_, &position_, &frames_, &events_}) {
+    each->flush();
+  }
+  unwritten_ticks_.erase(unwritten_ticks_.begin(), unwritten_ticks_.begin() + static_cast<std::ptrdiff_t>(ticks));
+  unwritten_positions_.clear();
+  unwritten_frames_.clear();
+  unwritten_events_.clear();
+}
+
+void RecordingFile::close() {
+  for (Growing* each : {&ticks_, &position_, &frames_, &events_}) {
+    each->close();
+  }
+  if (!file_.close()) {
+    throw Failure(fmt::format("cannot close it: {}", reason()));
+  }
+}
+
+void RecordingFile::abandon() noexcept {
+  // HDF5 would try again to write what it could not, and part of that might succeed: from now on it writes to nowhere.
+  if (file_.id() >= 0) {
+    const Descriptor nowhere(memfd_create("haptolith", MFD_CLOEXEC));
+    dup2(nowhere.number(), descriptor());
+  }
+  for (Growing* each : {&ticks_, &position_, &frames_, &events_}) {
+    each->close();
+  }
+  file_.close();
+}
+
+std::uint64_t RecordingFile::bytes() const {
+  struct stat now {};
+  return fstat(descriptor(), &now) == 0 ? static_cast<std::uint64_t>(now.st_size) : 0;
+}
+
+int RecordingFile::descriptor() const {
+  void* number = nullptr;
+  return H5Fget_vfd_handle(file_.id(), H5P_DEFAULT, &number) >= 0 ? *static_cast<int*>(number) : -1;
+}
+
+}  // namespace haptolith::hdf5

@@ -1,0 +1,89 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <filesystem>
+#include <vector>
+
+#include "haptolith/recording/recording_types.h"
+
+namespace haptolith::hdf5 {
+
+/// A dataset that grows at its end.
+class Growing {
+ public:
+  /// Rows of `columns` values each, or of one value when that is 0.
+  struct Layout {
+    Handle file_type, memory_type;
+    std::uint64_t chunk_rows = 0, columns = 0;
+    bool deflated = false;
+  };
+
+  Growing() = default;
+  /// @throws Failure.
+  Growing(const Handle& file, const char* path, Layout layout);
+
+  /// @throws Failure; the rows in the file are then those before.
+  void append(const void* values, std::uint64_t rows);
+  /// Hands everything to the system. @throws Failure.
+  void flush();
+  void close() noexcept { dataset_.close(); }
+
+  [[nodiscard]] std::uint64_t rows() const noexcept { return rows_; }
+  /// Those that the system has been given.
+  [[nodiscard]] std::uint64_t flushedRows() const noexcept { return flushed_rows_; }
+
+ private:
+  Handle dataset_, memory_type_;
+  std::uint64_t columns_ = 0, rows_ = 0, flushed_rows_ = 0;
+};
+
+/// @throws Failure when the file is there and may not be overwritten.
+void requireFree(const std::filesystem::path& path, bool overwrite);
+
+/// A recording's file while it is written, in HDF5's SWMR mode: at any moment what is on the disk is a file that opens.
+/// From one thread.
+class RecordingFile {
+ public:
+  /// @throws as RecordingWriter.
+  RecordingFile(std::filesystem::path path, const RecordingHeader& header, bool overwrite);
+
+  /// Takes what is to be written; nothing is written yet.
+  void take(const std::vector<TickRecord>& ticks, const std::vector<ParticleFrame>& frames,
+            const std::vector<RecordingEvent>& events);
+
+  [[nodiscard]] bool hasUnwritten() const noexcept;
+
+  /// Writes all when at least one more chunk of ticks is full, except the ticks of the next chunk: a compressed chunk
+  /// that is written twice leaves a hole in the file. False when there was nothing to do. @throws Failure.
+  bool writeWholeChunks();
+  /// @throws Failure.
+  void writeAll() { write(unwritten_ticks_.size()); }
+
+  /// Marks the file as complete. @throws Failure.
+  void close();
+  /// After a failure: leaves the file on the disk as it was after the last write that went well.
+  void abandon() noexcept;
+
+  // What is safe on the disk.
+  [[nodiscard]] std::uint64_t ticks() const noexcept { return ticks_.flushedRows(); }
+  [[nodiscard]] std::uint64_t frames() const noexcept { return frames_.flushedRows(); }
+  [[nodiscard]] std::uint64_t events() const noexcept { return events_.flushedRows(); }
+  [[nodiscard]] std::uint64_t bytes() const;
+
+ private:
+  void write(std::size_t ticks);
+  [[nodiscard]] int descriptor() const;
+
+  std::filesystem::path path_;
+  std::uint64_t ticks_per_chunk_;
+  Handle file_;
+  Growing ticks_, position_, frames_, events_;
+
+  std::vector<TickRecord> unwritten_ticks_;
+  std::vector<std::array<float, 3>> unwritten_positions_;
+  std::vector<FrameRow> unwritten_frames_;
+  std::vector<EventRow> unwritten_events_;
+};
+
+}  // namespace haptolith::hdf5

@@ -1,0 +1,189 @@
+#include "haptolith/recording/recording_format.h"
+
+#include <fmt/chrono.h>
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+#include <unistd.h>
+
+#include <cstring>
+#include <ctime>
+#include <iterator>
+#include <utility>
+
+#include "haptolith/core/error.h"
+
+namespace haptolith {
+
+void stampNow(RecordingHeader& header) {
+  header.started_utc = fmt::format("{:%Y-%m-%dT%H:%M:%SZ}", fmt::gmtime(std::time(nullptr)));
+  std::array<char, 256> name{};
+  header.host = gethostname(name.data(), name.size() - 1) == 0 ? name.data() : "";
+}
+
+ParticleFrame particleFrame(const SceneSnapshot& snapshot) {
+  ParticleFrame frame{.time_s = snapshot.time_s, .tick = snapshot.ticks, .position_m = {}};
+  frame.position_m.reserve(snapshot.position.size());
+  for (const Float4& position : snapshot.position) {
+    frame.position_m.push_back({position.x, position.y, position.z});
+  }
+  return frame;
+}
+
+namespace {
+
+/// Names the members of a record one after the other.
+class ColumnList {
+ public:
+  template <class T>
+  void add(std::string name, const T& member) {
+    columns_.push_back({std::move(name), T{}, offset(&member)});
+  }
+
+  // An enumeration is read and written as the byte that it is.
+  void add(std::string name, const DeviceState& state) {
+    columns_.push_back({std::move(name), std::uint8_t{}, offset(&state)});
+  }
+
+  void addVector(const std::string& name, const Vec3& vector, const std::string& unit) {
+    add(name + "x" + unit, vector.x());
+    add(name + "y" + unit, vector.y());
+    add(name + "z" + unit, vector.z());
+  }
+
+  void addPose(const std::string& name, const Pose& pose) {
+    addVector(name, pose.position_m, "_m");
+    add(name + "qw", pose.orientation.coeffs().w());
+    add(name + "qx", pose.orientation.coeffs().x());
+    add(name + "qy", pose.orientation.coeffs().y());
+    add(name + "qz", pose.orientation.coeffs().z());
+  }
+
+  void addWrench(const std::string& name, const Wrench& wrench) {
+    addVector(name + "f", wrench.force_n, "_n");
+    addVector(name + "t", wrench.torque_nm, "_nm");
+  }
+
+  void addOutput(const std::string& name, const DeviceOutput& output) {
+    addWrench(name, output.wrench);
+    add(name + "gripper_n", output.gripper_force_n);
+  }
+
+  [[nodiscard]] const TickRecord& record() const noexcept { return record_; }
+  [[nodiscard]] std::vector<TickColumn> columns() && { return std::move(columns_); }
+
+ private:
+  [[nodiscard]] std::size_t offset(const void* member) const noexcept {
+    return static_cast<std::size_t>(static_cast<const std::byte*>(member) -
+                                    reinterpret_cast<const std::byte*>(&record_));
+  }
+
+  TickRecord record_;
+  std::vector<TickColumn> columns_;
+};
+
+using Json = nlohmann::ordered_json;
+
+constexpr std::array<std::pair<const char*, double DeviceLimits::*>, 12> kNumbers{{
+    {"max_force_n", &DeviceLimits::max_force_n},
+    {"max_torque_nm", &DeviceLimits::max_torque_nm},
+    {"max_gripper_force_n", &DeviceLimits::max_gripper_force_n},
+    {"max_force_rate_n_s", &DeviceLimits::max_force_rate_n_s},
+    {"max_torque_rate_nm_s", &DeviceLimits::max_torque_rate_nm_s},
+    {"max_gripper_rate_n_s", &DeviceLimits::max_gripper_rate_n_s},
+    {"max_stiffness_n_m", &DeviceLimits::max_stiffness_n_m},
+    {"max_stiffness_nm_rad", &DeviceLimits::max_stiffness_nm_rad},
+    {"damping_n_s_m", &DeviceLimits::damping_n_s_m},
+    {"workspace_radius_m", &DeviceLimits::workspace_radius_m},
+    {"rate_hz", &DeviceLimits::rate_hz},
+    {"delay_s", &DeviceLimits::delay_s},
+}};
+constexpr std::array<std::pair<const char*, bool DeviceLimits::*>, 3> kSwitches{
+    {{"turns", &DeviceLimits::turns}, {"shows_force", &DeviceLimits::shows_force}, {"grips", &DeviceLimits::grips}}};
+
+std::vector<TickColumn> makeColumns() {
+  ColumnList list;
+  const TickRecord& tick = list.record();
+  list.add("t_s", tick.time_s);
+  list.addPose("device_", tick.device.pose);
+  list.addVector("device_v", tick.device.twist.linear_m_s, "_m_s");
+  list.addVector("device_w", tick.device.twist.angular_rad_s, "_rad_s");
+  list.add("gripper_open", tick.device.gripper_open);
+  list.add("buttons", tick.device.buttons);
+  list.add("device_state", tick.device.state);
+  list.addPose("tool_", tick.scene_T_tool);
+  list.addWrench("soil_", tick.soil);
+  list.addOutput("rendered_", tick.rendered);
+  list.addOutput("felt_", tick.felt);
+  list.add("injected_j", tick.injected_j);
+  list.add("quick_injected_j", tick.quick_injected_j);
+  list.add("tick_us", tick.tick_us);
+  list.add("late_us", tick.late_us);
+  list.add("state_hash", tick.state_hash);
+  list.add("flags", tick.flags);
+  list.add("trip", tick.trip);
+  return std::move(list).columns();
+}
+
+}  // namespace
+
+TickColumn::Value TickColumn::of(const TickRecord& record) const noexcept {
+  return std::visit(
+      [&](auto value) -> Value {
+        std::memcpy(&value, reinterpret_cast<const std::byte*>(&record) + offset, sizeof(value));
+        return value;
+      },
+      type);
+}
+
+std::string csvHeader() {
+  std::string text;
+  for (const TickColumn& column : tickColumns()) {
+    text += (text.empty() ? "" : ",") + column.name;
+  }
+  return text + '\n';
+}
+
+void appendCsv(std::string& text, const TickRecord& record) {
+  for (const TickColumn& column : tickColumns()) {
+    std::visit([&](auto value) { fmt::format_to(std::back_inserter(text), "{},", value); }, column.of(record));
+  }
+  text.back() = '\n';
+}
+
+std::string limitsText(const DeviceLimits& limits, bool simulated) {
+  Json json{{"simulated", simulated}, {"workspace_centre_m", limits.workspace_centre_m}, {"turn_rad", limits.turn_rad}};
+  for (const auto& [name, member] : kNumbers) {
+    json[name] = limits.*member;  // an infinite one becomes null
+  }
+  for (const auto& [name, member] : kSwitches) {
+    json[name] = limits.*member;
+  }
+  return json.dump();
+}
+
+DeclaredLimits limitsOf(std::string_view text) try {
+  const Json json = Json::parse(text);
+  DeclaredLimits declared;
+  declared.simulated = json.at("simulated").get<bool>();
+  for (int axis = 0; axis < 3; ++axis) {
+    declared.limits.workspace_centre_m[axis] = json.at("workspace_centre_m").at(axis).get<double>();
+    declared.limits.turn_rad[axis] = json.at("turn_rad").at(axis).get<double>();
+  }
+  for (const auto& [name, member] : kNumbers) {
+    const Json& value = json.at(name);
+    declared.limits.*member = value.is_null() ? DeviceLimits::kNone : value.get<double>();
+  }
+  for (const auto& [name, member] : kSwitches) {
+    declared.limits.*member = json.at(name).get<bool>();
+  }
+  return declared;
+} catch (const Json::exception& error) {
+  throw Failure(fmt::format("what the recorded device declared cannot be read: {}", error.what()));
+}
+
+const std::vector<TickColumn>& tickColumns() {
+  static const std::vector<TickColumn> kColumns = makeColumns();
+  return kColumns;
+}
+
+}  // namespace haptolith

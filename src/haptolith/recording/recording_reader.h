@@ -1,0 +1,42 @@
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <memory>
+#include <vector>
+
+#include "haptolith/recording/recording_format.h"
+
+namespace haptolith {
+
+/// Reads a recording, also one whose writer was killed or still writes: it has what was in the file when it was opened.
+/// Lengths and types that the file claims are checked before memory is taken. Not for the tick.
+class RecordingReader {
+ public:
+  /// @throws Failure when the file cannot be read, is no recording, is one of another version, or is damaged.
+  explicit RecordingReader(const std::filesystem::path& path);
+  ~RecordingReader();
+  RecordingReader(RecordingReader&&) noexcept;
+  RecordingReader& operator=(RecordingReader&&) noexcept;
+
+  [[nodiscard]] const RecordingHeader& header() const noexcept;
+  /// False when its writer was killed or still writes.
+  [[nodiscard]] bool finished() const noexcept;
+
+  [[nodiscard]] std::uint64_t ticks() const noexcept;
+  [[nodiscard]] std::uint64_t frames() const noexcept;
+  [[nodiscard]] std::uint64_t events() const noexcept;
+
+  /// `count` of them beginning with number `first`, or as many as there are. @throws Failure when the file is damaged.
+  [[nodiscard]] std::vector<TickRecord> readTicks(std::uint64_t first, std::uint64_t count) const;
+  [[nodiscard]] std::vector<FrameRow> readFrameRows(std::uint64_t first, std::uint64_t count) const;
+  [[nodiscard]] std::vector<RecordingEvent> readEvents(std::uint64_t first, std::uint64_t count) const;
+  /// The particles of a frame. @throws Failure as readTicks(), and when the row is of another file.
+  [[nodiscard]] ParticleFrame readFrame(const FrameRow& row) const;
+
+ private:
+  class File;
+  std::unique_ptr<File> file_;
+};
+
+}  // namespace haptolith

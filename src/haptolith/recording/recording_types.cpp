@@ -1,0 +1,106 @@
+#include "haptolith/recording/recording_types.h"
+
+#include <cstddef>
+#include <type_traits>
+#include <utility>
+#include <variant>
+#include <vector>
+
+namespace haptolith::hdf5 {
+
+namespace {
+
+template <class T>
+hid_t scalar(Place place) {
+  const bool in_file = place == Place::kFile;
+  if constexpr (std::is_same_v<T, double>) {
+    return in_file ? H5T_IEEE_F64LE : H5T_NATIVE_DOUBLE;
+  } else if constexpr (std::is_same_v<T, float>) {
+    return in_file ? H5T_IEEE_F32LE : H5T_NATIVE_FLOAT;
+  } else if constexpr (std::is_same_v<T, std::uint64_t>) {
+    return in_file ? H5T_STD_U64LE : H5T_NATIVE_UINT64;
+  } else if constexpr (std::is_same_v<T, std::uint32_t>) {
+    return in_file ? H5T_STD_U32LE : H5T_NATIVE_UINT32;
+  } else {
+    static_assert(std::is_same_v<T, std::uint8_t>);
+    return in_file ? H5T_STD_U8LE : H5T_NATIVE_UINT8;
+  }
+}
+
+/// A member of a compound: where it lies in memory. In the file one follows the other without gaps.
+struct Member {
+  const char* name;
+  std::size_t offset;
+  Handle type;
+};
+
+Handle compound(std::size_t memory_size, const std::vector<Member>& members, Place place) {
+  std::size_t packed = 0;
+  for (const Member& member : members) {
+    packed += H5Tget_size(member.type.id());
+  }
+  Handle type = handle(H5Tcreate(H5T_COMPOUND, place == Place::kFile ? packed : memory_size), "make a type");
+  std::size_t next = 0;
+  for (const Member& member : members) {
+    const std::size_t offset = place == Place::kFile ? next : member.offset;
+    done(H5Tinsert(type.id(), member.name, offset, member.type.id()), "make a type");
+    next += H5Tget_size(member.type.id());
+  }
+  return type;
+}
+
+template <class T>
+Handle copyOf(Place place) {
+  return handle(H5Tcopy(scalar<T>(place)), "make a type");
+}
+
+}  // namespace
+
+Handle tickType(Place place) {
+  std::vector<Member> members;
+  for (const TickColumn& column : tickColumns()) {
+    Handle type = std::visit([&](auto value) { return copyOf<decltype(value)>(place); }, column.type);
+    members.push_back({column.name.c_str(), column.offset, std::move(type)});
+  }
+  return compound(sizeof(TickRecord), members, place);
+}
+
+Handle frameType(Place place) {
+  std::vector<Member> members;
+  members.push_back({"t_s", offsetof(FrameRow, time_s), numberType(place)});
+  members.push_back({"tick", offsetof(FrameRow, tick), countType(place)});
+  members.push_back({"first", offsetof(FrameRow, first), countType(place)});
+  members.push_back({"count", offsetof(FrameRow, count), countType(place)});
+  return compound(sizeof(FrameRow), members, place);
+}
+
+Handle eventType(Place place) {
+  std::vector<Member> members;
+  members.push_back({"t_s", offsetof(EventRow, time_s), numberType(place)});
+  members.push_back({"tick", offsetof(EventRow, tick), countType(place)});
+  members.push_back({"kind", offsetof(EventRow, kind), textType(RecordingEvent::kMostKind)});
+  members.push_back({"text", offsetof(EventRow, text), textType(RecordingEvent::kMostText)});
+  return compound(sizeof(EventRow), members, place);
+}
+
+Handle coordinateType(Place place) {
+  return copyOf<float>(place);
+}
+
+Handle textType(std::size_t bytes) {
+  Handle type = handle(H5Tcopy(H5T_C_S1), "make a type");
+  done(H5Tset_size(type.id(), bytes), "make a type");
+  done(H5Tset_strpad(type.id(), H5T_STR_NULLPAD), "make a type");
+  done(H5Tset_cset(type.id(), H5T_CSET_UTF8), "make a type");
+  return type;
+}
+
+Handle countType(Place place) {
+  return copyOf<std::uint64_t>(place);
+}
+
+Handle numberType(Place place) {
+  return copyOf<double>(place);
+}
+
+}  // namespace haptolith::hdf5

@@ -1,0 +1,71 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <string>
+#include <variant>
+
+#include "haptolith/recording/hdf5_handle.h"
+#include "haptolith/recording/recording_format.h"
+
+// How what a recording holds lies in the HDF5 file, for its writer and its reader. Each type exists twice: as it lies
+// in the file (packed, little-endian), and as it lies in memory.
+
+namespace haptolith::hdf5 {
+
+inline constexpr const char* kSchema = "haptolith recording";
+inline constexpr std::uint64_t kSchemaVersion = 1;
+
+inline constexpr const char* kTicks = "/ticks";
+inline constexpr const char* kPosition = "/particles/position";
+inline constexpr const char* kFrames = "/particles/frames";
+inline constexpr const char* kEvents = "/events";
+
+enum class Place { kFile, kMemory };
+
+/// A row of /events.
+struct EventRow {
+  double time_s = 0;
+  std::uint64_t tick = 0;
+  std::array<char, RecordingEvent::kMostKind> kind{};
+  std::array<char, RecordingEvent::kMostText> text{};
+};
+
+[[nodiscard]] Handle tickType(Place place);
+[[nodiscard]] Handle frameType(Place place);
+[[nodiscard]] Handle eventType(Place place);
+[[nodiscard]] Handle coordinateType(Place place);
+/// UTF-8 of at most `bytes`, filled up with zeros.
+[[nodiscard]] Handle textType(std::size_t bytes);
+[[nodiscard]] Handle countType(Place place);   ///< 64 bits without sign
+[[nodiscard]] Handle numberType(Place place);  ///< double precision
+
+/// An attribute of the file's root.
+struct HeaderEntry {
+  template <class T>
+  using Member = T RecordingHeader::*;
+
+  const char* name;
+  std::variant<Member<std::string>, Member<std::uint64_t>, Member<double>> member;
+};
+
+inline constexpr HeaderEntry kHeaderEntries[]{
+    {"scenario", &RecordingHeader::scenario},
+    {"title", &RecordingHeader::title},
+    {"program_version", &RecordingHeader::program_version},
+    {"instruction_set", &RecordingHeader::instruction_set},
+    {"device", &RecordingHeader::device},
+    {"device_limits", &RecordingHeader::device_limits},
+    {"host", &RecordingHeader::host},
+    {"started_utc", &RecordingHeader::started_utc},
+    {"seed", &RecordingHeader::seed},
+    {"threads", &RecordingHeader::threads},
+    {"hashed_parts", &RecordingHeader::hashed_parts},
+    {"start_tick", &RecordingHeader::start_tick},
+    {"tick_s", &RecordingHeader::tick_s},
+};
+
+/// Of any text in the header, in bytes.
+inline constexpr std::size_t kLongestText = std::size_t{1} << 20;
+
+}  // namespace haptolith::hdf5

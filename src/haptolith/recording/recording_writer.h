@@ -1,0 +1,63 @@
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <memory>
+#include <span>
+#include <string>
+
+#include "haptolith/recording/recording_format.h"
+
+namespace haptolith {
+
+struct RecordingOptions {
+  bool overwrite = false;  ///< an existing file; it stays as it is until the new one has been made
+  /// What add() does when the disk is so slow that 64 MiB wait to be written: wait, as suits a loop that nobody paces,
+  /// or end the recording. Particles are left out before, when 32 MiB wait.
+  bool wait_when_full = false;
+};
+
+/// Writes a recording. All work on the file is done by a thread of its own, so that a slow disk delays nobody; whatever
+/// happens to the disk, nothing is thrown into the owner. What was added is in the file within half a second, and a
+/// program that is killed leaves a file that RecordingReader opens. Functions are for one owner, and not for the tick.
+class RecordingWriter {
+ public:
+  /// What the constructor would say of a file that is there already, before anything long is begun. @throws Failure.
+  static void requireFree(const std::filesystem::path& path, bool overwrite);
+
+  /// Makes the file.
+  /// @throws InvalidParameter when the header cannot be written as it is; Failure when the file exists or cannot be
+  /// made.
+  RecordingWriter(const std::filesystem::path& path, const RecordingHeader& header,
+                  const RecordingOptions& options = {});
+  /// As finish().
+  ~RecordingWriter();
+  RecordingWriter(const RecordingWriter&) = delete;
+  RecordingWriter& operator=(const RecordingWriter&) = delete;
+
+  /// Copies what is to be written. Does nothing after a problem().
+  void add(std::span<const TickRecord> ticks);
+  void add(const ParticleFrame& frame);
+  void add(const RecordingEvent& event);
+
+  /// Writes what waits and closes the file; problem() then tells whether all is in it.
+  void finish() noexcept;
+
+  /// Why nothing is recorded any more, and how much is in the file; empty when all is well.
+  [[nodiscard]] std::string problem() const;
+
+  /// What is safe in the file.
+  struct Written {
+    std::uint64_t ticks = 0, frames = 0, events = 0, bytes = 0;
+  };
+  [[nodiscard]] Written written() const;
+
+  /// Frames that were left out because the disk was too slow for them.
+  [[nodiscard]] std::uint64_t framesLeftOut() const;
+
+ private:
+  class Thread;
+  std::unique_ptr<Thread> thread_;
+};
+
+}  // namespace haptolith

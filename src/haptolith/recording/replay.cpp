@@ -1,0 +1,105 @@
+#include "haptolith/recording/replay.h"
+
+#include <fmt/format.h>
+
+#include <bit>
+
+#include "haptolith/core/error.h"
+#include "haptolith/device/replay_device.h"
+
+namespace haptolith {
+
+namespace {
+
+constexpr std::uint64_t kBlock = 1024;  ///< ticks that are read at a time
+
+/// To the last bit, so that NaN equals NaN.
+bool same(const DeviceOutput& a, const DeviceOutput& b) noexcept {
+  const auto equal = [](double x, double y) {
+    return std::bit_cast<std::uint64_t>(x) == std::bit_cast<std::uint64_t>(y) || x == y;
+  };
+  for (int axis = 0; axis < 3; ++axis) {
+    if (!equal(a.wrench.force_n[axis], b.wrench.force_n[axis]) ||
+        !equal(a.wrench.torque_nm[axis], b.wrench.torque_nm[axis])) {
+      return false;
+    }
+  }
+  return equal(a.gripper_force_n, b.gripper_force_n);
+}
+
+const char* differenceOf(const TickRecord& was, const TickRecord& is) noexcept {
+  if (was.state_hash != 0 && was.state_hash != is.state_hash) {
+    return "state_hash";
+  }
+  if (!same(was.rendered, is.rendered)) {
+    return "rendered force";
+  }
+  return same(was.felt, is.felt) ? nullptr : "felt force";
+}
+
+}  // namespace
+
+Replay::Replay(const RecordingReader& recording, std::optional<int> threads, const SettleProgress& progress)
+    : recording_(recording) {
+  const RecordingHeader& header = recording.header();
+  if (header.start_tick != 0) {
+    throw Failure(
+        fmt::format("this recording cannot be replayed: it began at tick {} of its run, and how the bed lay "
+                    "then is not known; record a whole run with 'haptolith run --record'",
+                    header.start_tick));
+  }
+  scenario_ = loadScenarioText(header.scenario, "the recorded scene");
+  scenario_.bed.threads = threads.value_or(scenario_.bed.threads);
+  scenario_.loop.paced = false;
+  scene_ = std::make_unique<Scene>(scenario_.bed, scenario_.tool, progress);
+  const DeclaredLimits declared = limitsOf(header.device_limits);
+  device_ = std::make_unique<ReplayDevice>(header.device, declared.limits, declared.simulated);
+  const double surface_m = scenario_.hand.surface_m.value_or(scene_->bed().surfaceHeight());
+  loop_ = std::make_unique<HapticLoop>(*scene_, *device_, scenario_.loop, true, handlingOf(scenario_, surface_m));
+  loop_->hashRecords();
+}
+
+ReplayResult Replay::run(const std::function<bool(const TickRecord& was, const TickRecord& is)>& go_on) {
+  ReplayResult result;
+  std::vector<TickRecord> replayed;
+  bool late = false;
+  for (std::uint64_t first = 0; first < recording_.ticks(); first += kBlock) {
+    for (const TickRecord& was : recording_.readTicks(first, kBlock)) {
+      if ((was.flags & kTickSceneChanged) != 0) {
+        result.ended_early = fmt::format("at {:.3f} s somebody changed the scene", was.time_s);
+        return result;
+      }
+      device_->feed(was.device);
+      if ((was.flags & kTickResumed) != 0) {
+        loop_->ask(request::Pause{});
+        (void)loop_->tick();
+        loop_->ask(request::Resume{});
+      }
+      if ((was.flags & kTickSoftStop) != 0) {
+        loop_->letGoSoftly();
+      }
+      loop_->believe({late, (was.flags & kTickHeartbeatLost) != 0});
+      const LoopEnd end = loop_->tick();
+      late = (was.flags & kTickLate) != 0;
+      replayed.clear();
+      loop_->takeRecords(replayed);
+      if (replayed.size() != 1) {
+        result.ended_early = fmt::format("at {:.3f} s the replay ended: {}", was.time_s, text(end));
+        return result;
+      }
+      ++result.ticks;
+      result.hashes += was.state_hash != 0 ? 1 : 0;
+      if (const char* what = differenceOf(was, replayed.front())) {
+        result.difference = {result.ticks - 1, was.time_s, what};
+        return result;
+      }
+      if (!go_on(was, replayed.front())) {
+        result.ended_early = "interrupted";
+        return result;
+      }
+    }
+  }
+  return result;
+}
+
+}  // namespace haptolith

@@ -1,0 +1,55 @@
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+
+#include "haptolith/device/replay_device.h"
+#include "haptolith/haptics/haptic_loop.h"
+#include "haptolith/recording/recording_reader.h"
+#include "haptolith/scenario/scenario.h"
+
+namespace haptolith {
+
+/// Where a replay first differs from its recording.
+struct ReplayDifference {
+  std::uint64_t tick = 0;
+  double time_s = 0;
+  std::string what;  ///< "state_hash", "rendered force", "felt force"
+};
+
+struct ReplayResult {
+  std::uint64_t ticks = 0;   ///< replayed
+  std::uint64_t hashes = 0;  ///< compared
+  std::optional<ReplayDifference> difference;
+  std::string ended_early;  ///< why the rest of the recording could not be replayed; empty when all was
+};
+
+/// Runs a recording again: the same scene under what the device told in each tick.
+class Replay {
+ public:
+  /// Makes the recorded scene anew.
+  /// @param threads  that share a tick; none: as recorded. The result must not depend on it.
+  /// @throws Failure when the recording began in the middle of a run or its scene cannot be read; InvalidParameter,
+  /// Failure as Scene.
+  Replay(const RecordingReader& recording, std::optional<int> threads, const SettleProgress& progress = {});
+
+  /// Goes through all ticks and compares hashes of the bed and forces bit by bit, to the first difference. Forces after
+  /// the safety layer are compared as well: it is told how the loop was doing then.
+  /// @param go_on  called after each tick with its record and the replayed one; false ends it.
+  [[nodiscard]] ReplayResult run(const std::function<bool(const TickRecord& was, const TickRecord& is)>& go_on);
+
+  [[nodiscard]] const Scenario& scenario() const noexcept { return scenario_; }
+  [[nodiscard]] HapticLoop& loop() noexcept { return *loop_; }
+
+ private:
+  const RecordingReader& recording_;
+  Scenario scenario_;
+  std::unique_ptr<Scene> scene_;
+  std::unique_ptr<ReplayDevice> device_;
+  std::unique_ptr<HapticLoop> loop_;
+};
+
+}  // namespace haptolith

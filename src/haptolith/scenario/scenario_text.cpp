@@ -1,0 +1,45 @@
+#include <filesystem>
+
+#include "haptolith/scenario/scenario.h"
+#include "haptolith/scenario/scenario_keys.h"
+#include "haptolith/scenario/toml_writer.h"
+
+namespace haptolith {
+
+namespace {
+
+std::string textOf(const Scenario& scene) {
+  std::string text;
+  std::string_view table;
+  for (const ScenarioKey& key : scenarioKeys()) {
+    const std::string line = tomlLine(key, scene);
+    if (!line.empty() && key.table != table) {
+      table = key.table;
+      text += fmt::format("\n[{}]\n", table);
+    }
+    text += line;
+  }
+  return text;
+}
+
+/// What reading its text gives: the same, but for where the poses lie.
+Scenario readBack(Scenario scene) {
+  std::string& poses = scene.hand.poses_file;
+  poses = scene.hand.manoeuvre == Manoeuvre::kPoses ? std::filesystem::absolute(poses).string() : "";
+  return scene;
+}
+
+}  // namespace
+
+std::string scenarioText(const Scenario& scenario) {
+  std::string text = textOf(scenario);
+  if (!(loadScenarioText(text, "the scene as text") == readBack(scenario))) {
+    throw InvalidParameter(
+        "scenario", fmt::format("'{}'", scenario.title),
+        "one that a scene file can hold: with a title, lengths in mm, walls on all sides, and the tick "
+        "and the parts of the tool that no key changes as they are by default");
+  }
+  return text;
+}
+
+}  // namespace haptolith

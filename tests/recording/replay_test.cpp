@@ -1,0 +1,376 @@
+// A recording of a run under a person's device, run again: bit for bit, or with the reason why not.
+
+#include "haptolith/recording/replay.h"
+
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <atomic>
+#include <chrono>
+#include <cmath>
+#include <filesystem>
+#include <functional>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "haptolith/bed/simd_target.h"
+#include "haptolith/core/error.h"
+#include "haptolith/recording/recording_writer.h"
+#include "haptolith/soil/presets.h"
+
+namespace haptolith {
+namespace {
+
+using testing::AllOf;
+using testing::HasSubstr;
+using testing::IsEmpty;
+using testing::ThrowsMessage;
+namespace fs = std::filesystem;
+
+/// A device in a person's hand, which pushes the shovel into the soil and pulls it out, twice a second. What else goes
+/// wrong in its n-th read() is a test's choice.
+class PersonsDevice final : public HapticDevice {
+ public:
+  using Accident = std::function<void(int read, DeviceInput& input)>;
+
+  explicit PersonsDevice(Accident accident) : accident_(std::move(accident)) {}
+
+  [[nodiscard]] std::string_view name() const noexcept override { return "a person's"; }
+  [[nodiscard]] DeviceLimits limits() const noexcept override {
+    DeviceLimits limits;
+    limits.max_force_n = 2;
+    limits.max_force_rate_n_s = 300;
+    limits.workspace_centre_m = Vec3(0.01, 0, 0.005);
+    limits.workspace_radius_m = 0.2;
+    limits.grips = true;
+    return limits;
+  }
+  [[nodiscard]] DeviceInput read() noexcept override {
+    const double phase = 4 * 3.14159265358979 * 1e-3 * reads_;
+    DeviceInput input;
+    input.pose.position_m = Vec3(0.02 * std::sin(phase / 3), 0.003, -0.045 - 0.055 * std::sin(phase));
+    input.twist.linear_m_s = Vec3(0, 0, -0.055 * 12.5 * std::cos(phase));
+    input.gripper_open = 0.5;
+    accident_(reads_++, input);
+    return input;
+  }
+  void write(const DeviceOutput& output) noexcept override { last_ = output; }
+  void letGo() noexcept override {}
+  void takeUp() noexcept override {}
+
+  int reads_ = 0;
+  DeviceOutput last_;
+
+ private:
+  Accident accident_;
+};
+
+Scenario personsScene() {
+  Scenario scenario;
+  scenario.bed.soil = findPreset("P3").soil;
+  scenario.device.kind = DeviceKind::kNetwork;  // any but the virtual hand
+  scenario.handling.safety.soft_start_s = 0.1;
+  scenario.handling.safety.soft_stop_s = 0.05;
+  scenario.handling.safety.calm_s = 0.05;
+  scenario.handling.safety.most_misses = 5;
+  scenario.loop.paced = false;
+  return scenario;
+}
+
+/// As personsScene(), with a bed that is large enough for several threads to share.
+Scenario largeScene() {
+  Scenario scenario = personsScene();
+  scenario.bed.width_m = scenario.bed.length_m = 0.4;
+  scenario.bed.particles = 3000;
+  scenario.bed.layers = 4;
+  return scenario;
+}
+
+class ReplayTest : public testing::Test {
+ protected:
+  ReplayTest() : folder_(fs::path(testing::TempDir()) / fmt::format("haptolith_replay_{}", getpid())) {
+    fs::create_directories(folder_);
+  }
+  ~ReplayTest() override { fs::remove_all(folder_); }
+
+  /// Lets `drive` run a loop of the scene, and keeps what was recorded of it.
+  void record(const Scenario& scenario, const PersonsDevice::Accident& accident,
+              const std::function<void(HapticLoop&)>& drive) {
+    Scene scene(scenario.bed, scenario.tool);
+    PersonsDevice device([&](int read, DeviceInput& input) { accident(read, input); });
+    HapticLoop loop(scene, device, scenario.loop, true, handlingOf(scenario, scene.bed().surfaceHeight()));
+    loop.hashRecords();
+    drive(loop);
+    loop.takeRecords(ticks_);
+    header_.scenario = scenarioText(scenario);
+    header_.instruction_set = simdTarget();
+    header_.device = device.name();
+    header_.device_limits = limitsText(device.limits(), device.simulated());
+    header_.hashed_parts = loop.hashedParts();
+    last_felt_ = device.last_;
+  }
+
+  [[nodiscard]] RecordingReader recording() const {
+    const fs::path file = folder_ / "run.h5";
+    RecordingWriter(file, header_, {.overwrite = true}).add(ticks_);
+    return RecordingReader(file);
+  }
+
+  [[nodiscard]] ReplayResult replayed(std::optional<int> threads = {}) const {
+    const RecordingReader reader = recording();
+    return Replay(reader, threads).run([](const TickRecord&, const TickRecord&) { return true; });
+  }
+
+  void expectBitForBit(const ReplayResult& result) const {
+    EXPECT_EQ(result.ticks, ticks_.size());
+    EXPECT_EQ(result.hashes, ticks_.size());
+    EXPECT_THAT(result.ended_early, IsEmpty());
+    EXPECT_FALSE(result.difference) << result.difference->what << " in tick " << result.difference->tick;
+  }
+
+  [[nodiscard]] std::size_t ticksWith(TickFlag flag) const {
+    return static_cast<std::size_t>(
+        std::count_if(ticks_.begin(), ticks_.end(), [flag](const TickRecord& t) { return (t.flags & flag) != 0; }));
+  }
+  [[nodiscard]] std::size_t ticksWith(SafetyTrip trip) const {
+    return static_cast<std::size_t>(std::count_if(ticks_.begin(), ticks_.end(), [trip](const TickRecord& t) {
+      return t.trip == static_cast<std::uint8_t>(trip);
+    }));
+  }
+  [[nodiscard]] double largestFelt() const {
+    double largest_n = 0;
+    for (const TickRecord& tick : ticks_) {
+      largest_n = std::max(largest_n, tick.felt.wrench.force_n.norm());
+    }
+    return largest_n;
+  }
+
+  fs::path folder_;
+  RecordingHeader header_;
+  std::vector<TickRecord> ticks_;
+  DeviceOutput last_felt_;
+};
+
+/// A device without accidents.
+void nothingHappens(int, DeviceInput&) {}
+
+void tickTimes(HapticLoop& loop, int count) {
+  for (int i = 0; i < count; ++i) {
+    ASSERT_EQ(loop.tick(), LoopEnd::kRunning);
+  }
+}
+
+TEST_F(ReplayTest, EveryTripOfAPersonsHandComesOutBitForBitWhateverTheThreads) {
+  const auto accident = [](int read, DeviceInput& input) {
+    if (read >= 200 && read < 220) {
+      input.state = DeviceState::kStale;
+    } else if (read >= 330 && read < 340) {
+      input.pose.position_m.x() = 0.5;  // beyond the workspace
+    } else if (read >= 460 && read < 463) {
+      input.pose.position_m.y() = std::nan("");
+    }
+  };
+  record(largeScene(), accident, [](HapticLoop& loop) {
+    tickTimes(loop, 600);
+    loop.believe({.late = false, .heartbeat_lost = true});
+    tickTimes(loop, 150);
+    ASSERT_TRUE(loop.ask(request::Pause{}));
+    tickTimes(loop, 40);  // the hand moves on
+    ASSERT_TRUE(loop.ask(request::Advance{3}));
+    tickTimes(loop, 10);
+    ASSERT_TRUE(loop.ask(request::Resume{}));
+    tickTimes(loop, 150);
+    loop.letGoSoftly();
+    tickTimes(loop, 60);
+  });
+  ASSERT_EQ(ticks_.size(), 963U);
+  EXPECT_GE(ticksWith(kTickSoftStart), 300U);
+  EXPECT_GE(ticksWith(SafetyTrip::kStale), 20U);
+  EXPECT_GE(ticksWith(SafetyTrip::kWorkspace), 10U);
+  EXPECT_GE(ticksWith(SafetyTrip::kDeviceNotFinite), 3U);
+  EXPECT_GE(ticksWith(SafetyTrip::kHeartbeat), 1U);
+  EXPECT_EQ(ticksWith(kTickHeartbeatLost), 1U);
+  EXPECT_EQ(ticksWith(kTickResumed), 2U);
+  EXPECT_EQ(ticksWith(kTickSoftStop), 60U);
+  EXPECT_GT(largestFelt(), 0.5);
+  EXPECT_GT(header_.hashed_parts, 1U);
+  expectBitForBit(replayed(1));
+  expectBitForBit(replayed(2));
+}
+
+TEST_F(ReplayTest, ARunByTheClockComesOutBitForBitHoweverLateItWas) {
+  using std::chrono::milliseconds;
+  Scenario scenario = personsScene();
+  scenario.loop.paced = true;
+  scenario.loop.duration_s = 0.8;
+  HapticLoop* running = nullptr;
+  const auto accident = [&running](int read, DeviceInput&) {
+    if (read >= 200 && read < 210) {
+      std::this_thread::sleep_for(milliseconds(2));  // misses its deadline
+    } else if (read == 450) {
+      std::this_thread::sleep_for(milliseconds(100));  // longer than the watchdog waits
+    } else if (read == 650) {
+      running->ask(request::Pause{});
+    } else if (read == 700) {
+      running->ask(request::Resume{});
+    }
+  };
+  record(scenario, accident, [&running](HapticLoop& loop) {
+    running = &loop;
+    const std::atomic<bool> stop{false};
+    EXPECT_EQ(loop.run(stop), LoopEnd::kDuration);
+  });
+  EXPECT_GE(ticksWith(kTickLate), 11U);
+  EXPECT_GE(ticksWith(kTickHeartbeatLost), 1U);
+  EXPECT_EQ(ticksWith(kTickResumed), 1U);
+  EXPECT_EQ(last_felt_.wrench.force_n, Vec3::Zero());
+  expectBitForBit(replayed());
+}
+
+TEST_F(ReplayTest, ADeviceThatShowsNoForceComesOutBitForBitThroughItsVirtualCoupling) {
+  Scenario scenario = personsScene();
+  scenario.handling.coupling.kind = CouplingKind::kVirtual;
+  scenario.handling.mapping.scale = 1.3;
+  scenario.handling.mapping.turn_rad = Vec3(0.1, 0.2, 0.3);
+  scenario.handling.mapping.clutch_button = 0;
+  const auto clutch = [](int read, DeviceInput& input) { input.buttons = read >= 200 && read < 300 ? 1 : 0; };
+  record(scenario, clutch, [](HapticLoop& loop) { tickTimes(loop, 500); });
+  EXPECT_GT(largestFelt(), 0.1);
+  expectBitForBit(replayed());
+}
+
+TEST_F(ReplayTest, OneBitOfWhatTheDeviceToldIsFoundInItsTick) {
+  record(personsScene(), nothingHappens, [](HapticLoop& loop) { tickTimes(loop, 700); });
+  constexpr std::size_t kDeep = 620;  // in the second push
+  ASSERT_GT(ticks_[kDeep].soil.force_n.norm(), 0.1) << "the tool is in the soil";
+  double& z_m = ticks_[kDeep].device.pose.position_m.z();
+  z_m = std::nextafter(z_m, 1.0);
+  const ReplayResult result = replayed();
+  ASSERT_TRUE(result.difference);
+  EXPECT_EQ(result.difference->tick, kDeep);
+  EXPECT_EQ(result.difference->time_s, ticks_[kDeep].time_s);
+  EXPECT_EQ(result.ticks, kDeep + 1);
+}
+
+TEST_F(ReplayTest, AHashOrAForceThatWasAnotherIsFoundByName) {
+  record(personsScene(), nothingHappens, [](HapticLoop& loop) { tickTimes(loop, 100); });
+  const std::vector<TickRecord> whole = ticks_;
+  const auto findsIn50 = [this](const char* what) {
+    const ReplayResult result = replayed();
+    ASSERT_TRUE(result.difference);
+    EXPECT_EQ(result.difference->tick, 50U);
+    EXPECT_EQ(result.difference->what, what);
+  };
+  ticks_[50].state_hash ^= 1;
+  findsIn50("state_hash");
+  ticks_ = whole;
+  ticks_[50].rendered.wrench.torque_nm.y() += 1e-12;
+  findsIn50("rendered force");
+  ticks_ = whole;
+  ticks_[50].felt.gripper_force_n = -1e-300;
+  findsIn50("felt force");
+}
+
+TEST_F(ReplayTest, ATickThatIsMissingIsFound) {
+  record(personsScene(), nothingHappens, [](HapticLoop& loop) { tickTimes(loop, 700); });
+  ticks_.erase(ticks_.begin() + 620);
+  const ReplayResult result = replayed();
+  ASSERT_TRUE(result.difference);
+  EXPECT_EQ(result.difference->tick, 620U);
+}
+
+TEST_F(ReplayTest, AChangedSceneEndsTheComparisonAndSaysWhy) {
+  record(personsScene(), nothingHappens, [](HapticLoop& loop) {
+    tickTimes(loop, 120);
+    ASSERT_TRUE(loop.ask(request::Gravity{Vec3(0, 0, -9.81)}));
+    tickTimes(loop, 50);
+  });
+  const ReplayResult result = replayed();
+  EXPECT_EQ(result.ticks, 120U);
+  EXPECT_FALSE(result.difference);
+  EXPECT_EQ(result.ended_early, "at 0.121 s somebody changed the scene");
+}
+
+TEST_F(ReplayTest, WhoeverLooksOnMayEndIt) {
+  record(personsScene(), nothingHappens, [](HapticLoop& loop) { tickTimes(loop, 30); });
+  const RecordingReader reader = recording();
+  const ReplayResult result =
+      Replay(reader, {}).run([](const TickRecord& was, const TickRecord&) { return was.time_s < 0.0105; });
+  EXPECT_EQ(result.ticks, 11U);
+  EXPECT_EQ(result.ended_early, "interrupted");
+}
+
+TEST_F(ReplayTest, ARecordingOfTheMiddleOfARunIsRefused) {
+  record(personsScene(), nothingHappens, [](HapticLoop& loop) { tickTimes(loop, 10); });
+  header_.start_tick = 4711;
+  EXPECT_THAT([this] { (void)replayed(); },
+              ThrowsMessage<Failure>(AllOf(HasSubstr("tick 4711"), HasSubstr("haptolith run --record"))));
+}
+
+TEST_F(ReplayTest, ASceneOrDeviceThatCannotBeReadIsRefused) {
+  record(personsScene(), nothingHappens, [](HapticLoop& loop) { tickTimes(loop, 10); });
+  const RecordingHeader whole = header_;
+  header_.scenario = "[bed]\nparticles = \"many\"\n";
+  EXPECT_THAT([this] { (void)replayed(); }, ThrowsMessage<InvalidParameter>(HasSubstr("the recorded scene")));
+  header_ = whole;
+  header_.device_limits = "{}";
+  EXPECT_THAT([this] { (void)replayed(); }, ThrowsMessage<Failure>(HasSubstr("the recorded device")));
+}
+
+TEST(DeclaredLimitsText, ComesBackAsItWasAlsoWithoutLimits) {
+  DeviceLimits limits;
+  limits.max_force_n = 0.1 + 0.2;  // a number that needs 17 digits
+  limits.max_torque_nm = 5e-324;
+  limits.max_gripper_force_n = 3;
+  limits.max_torque_rate_nm_s = 4;
+  limits.max_stiffness_nm_rad = 5;
+  limits.damping_n_s_m = 1.0 / 3;
+  limits.workspace_centre_m = Vec3(-0.1, 1e-17, 7);
+  limits.workspace_radius_m = 0.25;
+  limits.rate_hz = 60;
+  limits.delay_s = 0.016;
+  limits.turns = false;
+  limits.shows_force = false;
+  limits.grips = true;
+  for (const bool simulated : {false, true}) {
+    const DeclaredLimits read = limitsOf(limitsText(limits, simulated));
+    EXPECT_EQ(read.simulated, simulated);
+    EXPECT_EQ(read.limits.max_force_n, limits.max_force_n);
+    EXPECT_EQ(read.limits.max_torque_nm, limits.max_torque_nm);
+    EXPECT_EQ(read.limits.max_gripper_force_n, limits.max_gripper_force_n);
+    EXPECT_EQ(read.limits.max_force_rate_n_s, DeviceLimits::kNone);
+    EXPECT_EQ(read.limits.max_torque_rate_nm_s, limits.max_torque_rate_nm_s);
+    EXPECT_EQ(read.limits.max_gripper_rate_n_s, DeviceLimits::kNone);
+    EXPECT_EQ(read.limits.max_stiffness_n_m, DeviceLimits::kNone);
+    EXPECT_EQ(read.limits.max_stiffness_nm_rad, limits.max_stiffness_nm_rad);
+    EXPECT_EQ(read.limits.damping_n_s_m, limits.damping_n_s_m);
+    EXPECT_EQ(read.limits.workspace_centre_m, limits.workspace_centre_m);
+    EXPECT_EQ(read.limits.workspace_radius_m, limits.workspace_radius_m);
+    EXPECT_EQ(read.limits.rate_hz, limits.rate_hz);
+    EXPECT_EQ(read.limits.delay_s, limits.delay_s);
+    EXPECT_EQ(read.limits.turns, limits.turns);
+    EXPECT_EQ(read.limits.shows_force, limits.shows_force);
+    EXPECT_EQ(read.limits.grips, limits.grips);
+  }
+  EXPECT_EQ(limitsOf(limitsText({}, true)).limits.workspace_radius_m, DeviceLimits::kNone);
+}
+
+TEST(DeclaredLimitsText, GarbageIsRefused) {
+  const std::string whole = limitsText({}, true);
+  std::string wrong_type = whole;
+  wrong_type.replace(wrong_type.find("\"rate_hz\":"), 10, "\"rate_hz\":true,\"x\":");
+  std::string short_centre = whole;
+  short_centre.replace(short_centre.find("[0.0,0.0,0.0]"), 13, "[0.0,0.0]");
+  for (const std::string& text :
+       {std::string(), std::string("nonsense"), std::string("[]"), std::string("{}"), std::string("{\"simulated\": 1}"),
+        whole.substr(0, whole.size() / 2), wrong_type, short_centre}) {
+    EXPECT_THAT([&] { (void)limitsOf(text); }, ThrowsMessage<Failure>(HasSubstr("what the recorded device declared")))
+        << text;
+  }
+}
+
+}  // namespace
+}  // namespace haptolith

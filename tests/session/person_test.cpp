@@ -1,0 +1,221 @@
+// A session whose tool is in a person's hand.
+
+#include <gmock/gmock.h>
+
+#include <algorithm>
+#include <atomic>
+#include <chrono>
+#include <functional>
+#include <memory>
+#include <thread>
+#include <vector>
+
+#include "haptolith/core/error.h"
+#include "haptolith/session/session.h"
+
+namespace haptolith {
+namespace {
+
+using namespace std::chrono_literals;
+using testing::AllOf;
+using testing::HasSubstr;
+using testing::ThrowsMessage;
+
+constexpr double kRate_n_s = 100;
+
+/// What a test and the device in a session share.
+struct Handle {
+  std::atomic<double> z_m{0};        ///< where the person wants it: above the middle of the device's workspace
+  std::atomic<double> step_m{2e-4};  ///< how far it gets in a tick, at most
+  std::atomic<bool> letting_go{false}, gone{false};
+  std::atomic<double> last_force_n{0};
+};
+
+class PersonsDevice final : public HapticDevice {
+ public:
+  explicit PersonsDevice(std::shared_ptr<Handle> handle) : handle_(std::move(handle)) {}
+  ~PersonsDevice() override { handle_->gone = true; }
+  PersonsDevice(const PersonsDevice&) = delete;
+  PersonsDevice& operator=(const PersonsDevice&) = delete;
+
+  [[nodiscard]] std::string_view name() const noexcept override { return "a person's"; }
+  [[nodiscard]] DeviceLimits limits() const noexcept override {
+    DeviceLimits limits;
+    limits.max_force_n = 10;
+    limits.max_force_rate_n_s = kRate_n_s;
+    limits.workspace_centre_m = Vec3(0.3, 0.2, 0.1);
+    return limits;
+  }
+  [[nodiscard]] DeviceInput read() noexcept override {
+    at_m_ += std::clamp(handle_->z_m - at_m_, -handle_->step_m, +handle_->step_m);
+    DeviceInput input;
+    input.pose.position_m = limits().workspace_centre_m + Vec3(0, 0, at_m_);
+    return input;
+  }
+  void write(const DeviceOutput& output) noexcept override { handle_->last_force_n = output.wrench.force_n.norm(); }
+  void letGo() noexcept override { handle_->letting_go = true; }
+  void takeUp() noexcept override {}
+
+ private:
+  std::shared_ptr<Handle> handle_;
+  double at_m_ = 0;
+};
+
+/// A session that runs as fast as it can, with all its records.
+class PersonsSession : public testing::Test {
+ protected:
+  PersonsSession() {
+    Scenario scenario;
+    scenario.loop.paced = false;
+    scenario.device.kind = DeviceKind::kNetwork;  // any but the virtual hand
+    scenario.handling.safety.soft_start_s = 0.5;
+    session_ = std::make_unique<Session>(scenario, true, SettleProgress{}, std::make_unique<PersonsDevice>(handle_));
+    session_->start(stop_);
+  }
+  ~PersonsSession() override {
+    stop_ = true;
+    session_.reset();
+  }
+
+  /// Waits until something is so; it takes milliseconds unless something is wrong.
+  testing::AssertionResult soon(const std::function<bool()>& is_so) {
+    for (int i = 0; i < 20'000; ++i) {
+      session_->poll();
+      session_->update();
+      session_->loop().takeRecords(records_);
+      if (is_so()) {
+        return testing::AssertionSuccess();
+      }
+      std::this_thread::sleep_for(500us);
+    }
+    return testing::AssertionFailure() << "not within ten seconds";
+  }
+  [[nodiscard]] double toolHeight() const { return session_->snapshot().scene_T_tool.position_m.z(); }
+  /// Moves the hand into the soil, until it has felt that for a while.
+  void dig() {
+    handle_->z_m = below(0.02);
+    ASSERT_TRUE(soon([&] { return toolHeight() < session_->surface() - 0.0199; }));
+    waitTicks(300);
+    ASSERT_TRUE(soon([&] { return session_->snapshot().felt.force_n.norm() > 0.05; }));
+  }
+  void waitTicks(std::uint64_t count) {
+    const std::uint64_t ticks = session_->snapshot().ticks;
+    ASSERT_TRUE(soon([&] { return session_->snapshot().ticks > ticks + count; }));
+  }
+  /// How far below the middle of the workspace the tool's centre is so deep in the soil.
+  [[nodiscard]] static double below(double depth_m) { return -HandParameters().home_m.z() - depth_m; }
+
+  /// How much the force at the hand changed in a tick, at most, from record number `first` on.
+  [[nodiscard]] double largestChange(std::size_t first) const {
+    double largest_n = 0;
+    for (std::size_t i = std::max<std::size_t>(first, 1); i < records_.size(); ++i) {
+      largest_n = std::max(largest_n, (records_[i].felt.wrench.force_n - records_[i - 1].felt.wrench.force_n).norm());
+    }
+    return largest_n;
+  }
+  void stopAndTakeAll() {
+    stop_ = true;
+    session_->join();
+    session_->loop().takeRecords(records_);
+  }
+
+  std::atomic<bool> stop_{false};
+  std::shared_ptr<Handle> handle_ = std::make_shared<Handle>();
+  std::vector<TickRecord> records_;
+  std::unique_ptr<Session> session_;
+};
+
+TEST_F(PersonsSession, WhatOnlyASimulatedHandCanDoIsRefusedAndSaysWho) {
+  const auto refused = [](const char* what) {
+    return ThrowsMessage<InvalidParameter>(AllOf(HasSubstr(what), HasSubstr("a person has the tool (a person's)")));
+  };
+  EXPECT_THAT([this] { session_->hold(Pose{Vec3(0, 0, 0.1)}); }, refused("hold"));
+  EXPECT_THAT([this] { session_->play(Manoeuvre::kStir); }, refused("play"));
+  EXPECT_THAT([this] { session_->setSpeed(0.5); }, refused("factor"));
+  EXPECT_FALSE(session_->held());
+  EXPECT_EQ(session_->speed(), 1);
+  session_->release();  // of what is not held: nothing
+  waitTicks(100);
+}
+
+TEST_F(PersonsSession, TheMiddleOfTheWorkspaceLiesAboveTheSurface) {
+  waitTicks(50);
+  const Vec3 wanted_m = Vec3(0, 0, session_->surface()) + HandParameters().home_m;
+  EXPECT_LT((session_->snapshot().scene_T_tool.position_m - wanted_m).norm(), 1e-12);
+  EXPECT_EQ(session_->snapshot().felt.force_n, Vec3::Zero());
+}
+
+TEST_F(PersonsSession, APauseLetsGoAndForceComesBackSoftlyWhereTheHandIsThen) {
+  waitTicks(1000);  // the soft start is over
+  dig();
+  session_->pause();
+  ASSERT_TRUE(soon([&] { return session_->snapshot().paused; }));
+  EXPECT_EQ(handle_->last_force_n, 0);
+  const double before_m = toolHeight();
+  const std::size_t ticks = records_.size();
+
+  handle_->step_m = 1;  // time stands still, and the hand does not
+  handle_->z_m = below(0.01);
+  session_->resume();
+  ASSERT_TRUE(soon([&] { return records_.size() > ticks + 900; }));
+  stopAndTakeAll();
+  const TickRecord& first = records_[ticks];
+  ASSERT_NE(first.flags & kTickResumed, 0U);
+  EXPECT_NE(first.flags & kTickSoftStart, 0U);
+  EXPECT_NEAR(first.scene_T_tool.position_m.z(), before_m + 0.01, 1e-9) << "where the hand is, not on its way there";
+  EXPECT_LT(first.soil.force_n.norm(), 0.01) << "the tool comes back into the soil gently";
+  for (std::size_t i = ticks; i < ticks + 900; ++i) {
+    ASSERT_NEAR(records_[i].scene_T_tool.position_m.z(), first.scene_T_tool.position_m.z(), 1e-12);
+  }
+  for (std::size_t i = ticks; i < ticks + 400; ++i) {  // of the 500 of the soft start
+    ASSERT_NE(records_[i].flags & kTickSoftStart, 0U);
+    const double share = static_cast<double>(i + 1 - ticks) / 500;
+    ASSERT_LE(records_[i].felt.wrench.force_n.norm(),
+              1.001 * share * share * (3 - 2 * share) * records_[i].rendered.wrench.force_n.norm() + 1e-3);
+  }
+  EXPECT_EQ(records_[ticks + 600].flags & kTickSoftStart, 0U);
+}
+
+TEST_F(PersonsSession, AnotherBedUnderTheHandIsNoJolt) {
+  waitTicks(1000);
+  dig();
+  const std::size_t ticks = records_.size();
+  session_->level();
+  ASSERT_TRUE(soon([&] { return session_->scenes() == 2; }));
+  waitTicks(800);
+  session_->change({.tool_shape = ToolShape::kSphere});
+  waitTicks(800);
+  EXPECT_TRUE(soon([&] { return session_->snapshot().felt.force_n.norm() > 0.01; })) << "it is in the soil again";
+  const std::size_t end = records_.size();
+  stopAndTakeAll();
+  records_.resize(end);
+  const auto changes = std::count_if(records_.begin(), records_.end(),
+                                     [](const TickRecord& tick) { return (tick.flags & kTickSceneChanged) != 0; });
+  EXPECT_EQ(changes, 4) << "for each: the tool begins to fade, and then there is another bed or tool";
+  EXPECT_LT(largestChange(ticks), 1.000001 * kRate_n_s * 1e-3);
+  EXPECT_EQ(session_->snapshot().trips, 0U);
+}
+
+TEST_F(PersonsSession, ItsEndLetsGoOfTheHandSoftly) {
+  waitTicks(1000);
+  dig();
+  const std::size_t ticks = records_.size();
+  stopAndTakeAll();
+  EXPECT_EQ(handle_->last_force_n, 0);
+  EXPECT_LT(largestChange(ticks), 1.000001 * kRate_n_s * 1e-3);
+  EXPECT_LT(records_.back().felt.wrench.force_n.norm(), 0.01);
+  EXPECT_FALSE(handle_->gone);
+  session_.reset();
+  EXPECT_TRUE(handle_->gone);
+}
+
+TEST_F(PersonsSession, OneThatIsThrownAwayLetsGoToo) {
+  waitTicks(1000);
+  dig();
+  session_.reset();
+  EXPECT_EQ(handle_->last_force_n, 0);
+  EXPECT_TRUE(handle_->gone);
+}
+
+}  // namespace
+}  // namespace haptolith
