@@ -51,7 +51,8 @@ TEST(Command, AChangeOfTheSceneIsReadWhole) {
   const SceneChange change = parsed<command::Change>(
                                  R"({"do": "scene", "preset": "P1", "body": "Mars", "friction": "pairwise",
                                      "sliders": {"contact_friction": 0.5},
-                                     "tool": {"shape": "plate", "size_mm": [50, 40, 5], "diameter_mm": 30, "thickness_mm": 4}})")
+                                     "tool": {"shape": "plate", "size_mm": [50, 40, 5], "diameter_mm": 30, "thickness_mm": 4,
+                                              "opening_mm": 20}})")
                                  .change;
   EXPECT_EQ(change.preset, "P1");
   EXPECT_EQ(change.body, "Mars");
@@ -62,6 +63,7 @@ TEST(Command, AChangeOfTheSceneIsReadWhole) {
   EXPECT_NEAR((change.tool_size_m.value() - Vec3(0.05, 0.04, 0.005)).norm(), 0, 1e-12);
   EXPECT_DOUBLE_EQ(change.tool_diameter_m.value(), 0.03);
   EXPECT_DOUBLE_EQ(change.tool_thickness_m.value(), 0.004);
+  EXPECT_DOUBLE_EQ(change.tool_opening_m.value(), 0.02);
 }
 
 TEST(Command, TheIdComesBackEvenWithWhatIsRefused) {

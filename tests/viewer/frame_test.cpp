@@ -69,6 +69,14 @@ struct Read {
   std::vector<Shown> shown;
 };
 
+TEST(Frame, SaysHowFarJawsAreOpen) {
+  SceneSnapshot snapshot = still(20, 1);
+  snapshot.opening_m = 0.0625;
+  FrameEncoder encoder(1, 20, kSpace);
+  encoder.take(snapshot, {});
+  EXPECT_EQ(Read(*encoder.frameSince(0)).real(124), 0.0625F);
+}
+
 TEST(Frame, TheFirstHoldsEveryParticleWithinHalfAStep) {
   const SceneSnapshot snapshot = still(100, 1);
   FrameEncoder encoder(3, 100, kSpace);

@@ -214,6 +214,9 @@ function onStatus(status: Status): void {
   if (status.problem && status.problem !== now.status?.problem) {
     notices.toast(`The bed could not be made: ${status.problem}`);
   }
+  if (status.let_go && status.let_go !== now.status?.let_go) {
+    notices.toast(`The hand was let go: ${status.let_go}.`);
+  }
   now.status = status;
   strip.setStatus(status);
   controls.setStatus(status);

@@ -15,7 +15,7 @@ export interface Pose {
   rotation: Quat;
 }
 
-export type Shape = 'box' | 'sphere' | 'plate';
+export type Shape = 'box' | 'sphere' | 'plate' | 'jaws';
 export const COLOUR_MODES = ['plain', 'force', 'speed', 'depth', 'sleep'] as const;
 export type ColourMode = (typeof COLOUR_MODES)[number];
 
@@ -65,6 +65,8 @@ export interface Tool {
   size_mm: Vec3;
   diameter_mm: number;
   thickness_mm: number;
+  /** between jaws that are wide open */
+  opening_mm: number;
 }
 
 export interface Box {
@@ -120,6 +122,8 @@ export interface Status {
   held_by: number | null;
   clients: number;
   device: string;
+  /** Why the hand at the device feels nothing just now. */
+  let_go: string | null;
   real_time: { scheduler: string | null; memory_locked: boolean };
   simd: string;
   threads: number;
@@ -215,6 +219,8 @@ export interface FrameHeader {
   awake: number;
   particles: number;
   number: number;
+  /** between the tool's jaws; 0 with another tool */
+  opening_m: number;
 }
 
 export interface Frame extends FrameHeader {
@@ -275,13 +281,14 @@ export function decodeFrame(buffer: ArrayBuffer): Frame {
     awake: view.getUint32(104, true),
     particles,
     number: view.getUint32(120, true),
+    opening_m: view.getFloat32(124, true),
     // Header and runs are multiples of 8 bytes, so the views are aligned. They read in the machine's byte order, which
     // is little-endian wherever browsers run.
     runs: new Uint32Array(buffer, HEADER_BYTES, run_count * 2),
     records: new Uint16Array(buffer, HEADER_BYTES + run_count * RUN_BYTES, record_count * 4),
   };
   if (
-    !allFinite(frame.time_s, frame.longestTick_us, ...frame.force_n, ...frame.torque_nm) ||
+    !allFinite(frame.time_s, frame.longestTick_us, frame.opening_m, ...frame.force_n, ...frame.torque_nm) ||
     !allFinite(...frame.tool.position_m, ...frame.tool.rotation) ||
     !allFinite(...frame.wished.position_m, ...frame.wished.rotation)
   )

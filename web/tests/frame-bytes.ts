@@ -36,6 +36,7 @@ export function encodeFrame(
   view.setUint32(112, runs.length, true);
   view.setUint32(116, records.length, true);
   view.setUint32(120, header.number, true);
+  f32(124, [header.opening_m]);
   let at = 128;
   for (const [first, count] of runs) {
     view.setUint32(at, first, true);

@@ -163,6 +163,8 @@ export class MockBed {
 
 function halfSize(tool: Tool): Vec3 {
   if (tool.shape === 'box') return tool.size_mm.map((mm) => mm / 2000) as Vec3;
+  if (tool.shape === 'jaws')
+    return [tool.opening_mm / 2000 + tool.size_mm[2] / 1000, tool.size_mm[1] / 2000, tool.size_mm[0] / 2000];
   const radius_m = tool.diameter_mm / 2000;
   return tool.shape === 'plate'
     ? [0.8 * radius_m, 0.8 * radius_m, tool.thickness_mm / 2000]

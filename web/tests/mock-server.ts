@@ -152,7 +152,7 @@ export class MockServer {
       ],
       body: 'Moon',
       gravity_m_s2: [0, 0, -1.625],
-      tool: { shape: 'box', size_mm: [50, 40, 5], diameter_mm: 60, thickness_mm: 5 },
+      tool: { shape: 'box', size_mm: [50, 40, 5], diameter_mm: 60, thickness_mm: 5, opening_mm: 60 },
       hand: { manoeuvre: 'still', max_force_n: 12, max_torque_nm: 0.2 },
       workspace: { low_m: [-far, -far, 0], high_m: [far, far, 0.4] },
     };
@@ -168,7 +168,7 @@ export class MockServer {
       soils: SOILS,
       bodies: Object.entries(BODIES).map(([name, gravity_m_s2]) => ({ name, gravity_m_s2 })),
       frictions: ['paper', 'pairwise'],
-      shapes: ['box', 'sphere', 'plate'],
+      shapes: ['box', 'sphere', 'plate', 'jaws'],
       manoeuvres: ['still', 'press', 'stir', 'scoop', 'carry', 'shake'],
     };
   }
@@ -189,6 +189,7 @@ export class MockServer {
       held_by: this.holder,
       clients: this.clients.length,
       device: 'virtual hand',
+      let_go: null,
       real_time: { scheduler: 'SCHED_FIFO', memory_locked: true },
       simd: 'AVX3',
       threads: 1,
@@ -271,7 +272,7 @@ export class MockServer {
         this.speed = command.factor;
         return null;
       case 'record':
-        this.recording = command.on ? 'haptolith-20260101-120000.csv' : null;
+        this.recording = command.on ? 'haptolith-20260101-120000.h5' : null;
         return null;
       case 'colour':
         return null;
@@ -405,6 +406,7 @@ export class MockServer {
         awake: this.bed.awake,
         particles: this.bed.count,
         number: this.frame_number,
+        opening_m: this.scene.tool.shape === 'jaws' ? this.scene.tool.opening_mm / 1000 : 0,
       },
       [[0, this.bed.count]],
       all,

@@ -140,6 +140,7 @@ void readTool(const Json& object, SceneChange& change) {
   const auto metres = [](std::optional<double> mm) { return mm ? std::optional(*mm * kMm) : std::nullopt; };
   change.tool_diameter_m = metres(keys.number("diameter_mm", kLengthMm));
   change.tool_thickness_m = metres(keys.number("thickness_mm", kLengthMm));
+  change.tool_opening_m = metres(keys.number("opening_mm", kLengthMm));
   keys.refuseOthers();
 }
 

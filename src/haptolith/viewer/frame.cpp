@@ -105,6 +105,7 @@ void FrameEncoder::take(const SceneSnapshot& snapshot, const Beside& beside) {
   wanted_ = beside.wanted.value_or(tool_);
   held_ = beside.held;
   felt_ = snapshot.felt;
+  opening_m_ = snapshot.opening_m;
   time_s_ = snapshot.time_s;
   tick_us_ = snapshot.tick_us_lately;
   misses_ = static_cast<std::uint32_t>(snapshot.deadline_misses);
@@ -168,7 +169,7 @@ std::string FrameEncoder::headFor(std::uint32_t runs, std::uint32_t records) con
   put(bytes, runs);
   put(bytes, records);
   put(bytes, number_);
-  put(bytes, std::uint32_t{0});
+  put(bytes, static_cast<float>(opening_m_));
   return bytes;
 }
 

@@ -71,7 +71,7 @@ class FrameEncoder {
   // Of the last snapshot.
   Pose tool_, wanted_;
   Wrench felt_;
-  double time_s_ = 0, tick_us_ = 0;
+  double time_s_ = 0, tick_us_ = 0, opening_m_ = 0;
   std::uint32_t misses_ = 0, awake_ = 0;
   bool paused_ = false, held_ = false, loads_known_ = false;
   std::vector<Kept> kept_;  ///< frames of the last snapshot

@@ -142,7 +142,7 @@ export class PointerHand {
     const x = rect.left + ((at.x + 1) / 2) * rect.width;
     const y = rect.top + ((1 - at.y) / 2) * rect.height;
     const { shape, size_mm, diameter_mm } = scene.tool;
-    const size_m = (shape === 'box' ? Math.max(size_mm[0], size_mm[1]) : diameter_mm) / 1000;
+    const size_m = (shape === 'box' || shape === 'jaws' ? Math.max(size_mm[0], size_mm[1]) : diameter_mm) / 1000;
     const reach_px = Math.max(GRAB_RADIUS_PX, (0.8 * size_m) / orbit.metresPerPixel(rect.height)) * generosity;
     return Math.hypot(event.clientX - x, event.clientY - y) < reach_px;
   }

@@ -260,19 +260,23 @@ export class Controls {
 
   private showSizes(scene: Scene): void {
     const { tool } = scene;
-    const fields: [string, number, (value: number) => Partial<Scene['tool']>][] =
+    type Field = [string, number, (value: number) => Partial<Scene['tool']>];
+    const edges = (['length', 'width', 'thickness'] as const).map((name, axis): Field => [
+      name,
+      tool.size_mm[axis]!,
+      (value) => ({ size_mm: tool.size_mm.map((old, i) => (i === axis ? value : old)) as Vec3 }),
+    ]);
+    const fields: Field[] =
       tool.shape === 'box'
-        ? (['length', 'width', 'thickness'] as const).map((name, axis) => [
-            name,
-            tool.size_mm[axis]!,
-            (value) => ({ size_mm: tool.size_mm.map((old, i) => (i === axis ? value : old)) as Vec3 }),
-          ])
-        : tool.shape === 'sphere'
-          ? [['diameter', tool.diameter_mm, (value) => ({ diameter_mm: value })]]
-          : [
-              ['diameter', tool.diameter_mm, (value) => ({ diameter_mm: value })],
-              ['thickness', tool.thickness_mm, (value) => ({ thickness_mm: value })],
-            ];
+        ? edges
+        : tool.shape === 'jaws'
+          ? [...edges, ['opening', tool.opening_mm, (value) => ({ opening_mm: value })]]
+          : tool.shape === 'sphere'
+            ? [['diameter', tool.diameter_mm, (value) => ({ diameter_mm: value })]]
+            : [
+                ['diameter', tool.diameter_mm, (value) => ({ diameter_mm: value })],
+                ['thickness', tool.thickness_mm, (value) => ({ thickness_mm: value })],
+              ];
     const key = JSON.stringify(tool);
     if (key === this.size_key) return;
     this.size_key = key;

@@ -72,8 +72,8 @@ export class ArrowsView {
   }
 
   setScene(scene: Scene): void {
-    const [x, y] = scene.tool.size_mm;
-    this.tool_m = (scene.tool.shape === 'box' ? Math.max(x, y) : scene.tool.diameter_mm) / 1000;
+    const { shape, size_mm, diameter_mm } = scene.tool;
+    this.tool_m = (shape === 'box' || shape === 'jaws' ? Math.max(size_mm[0], size_mm[1]) : diameter_mm) / 1000;
     this.most_nm = scene.hand.max_torque_nm;
     this.showSizes();
   }

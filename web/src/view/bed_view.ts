@@ -177,5 +177,9 @@ export class BedView {
 /** Radius of the sphere around the tool. */
 function toolReach_m({ tool }: Scene): number {
   if (tool.shape === 'box') return Math.hypot(...tool.size_mm) / 2000;
+  if (tool.shape === 'jaws') {
+    const [height_mm, width_mm, thickness_mm] = tool.size_mm;
+    return Math.hypot(tool.opening_mm + 2 * thickness_mm, width_mm, height_mm) / 2000;
+  }
   return tool.diameter_mm / 2000;
 }

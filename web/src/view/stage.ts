@@ -114,8 +114,8 @@ export class Stage {
   setFrame(frame: Frame, held: boolean): void {
     if (!this.bed.setFrame(frame)) return;
     this.frame = frame;
-    this.tool.setPoses(frame.tool, frame.wished, held);
-    shadeToolAt(this.light, frame.tool);
+    this.tool.setPoses(frame.tool, frame.wished, held, frame.opening_m);
+    shadeToolAt(this.light, frame.tool, frame.opening_m);
     this.arrows.setFrame(frame, held);
     this.dirty = true;
   }

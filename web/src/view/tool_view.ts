@@ -1,4 +1,4 @@
-// The tool: a shovel, a ball or a round plate. What touches soil has exactly the size that the simulation has; handle,
+// The tool: a shovel, a ball, a round plate or two jaws. What touches soil has exactly the size that the simulation has; handle,
 // bevel and rims are there so that it can be recognised, and the handle is translucent because soil passes through it.
 
 import {
@@ -32,6 +32,9 @@ export class ToolView {
   /** where the hand wants it */
   readonly ghost = new Group();
   private built_for = '';
+  /** what moves along the tool's x when jaws open */
+  private jaws: { part: Object3D; side: number }[] = [];
+  private jaw_thickness_m = 0;
   private readonly metal = new MeshStandardMaterial({ ...METAL, flatShading: false });
   private readonly handle = new MeshStandardMaterial({
     color: '#d8a04a',
@@ -60,16 +63,24 @@ export class ToolView {
     this.built_for = wanted;
     dispose(this.group);
     dispose(this.ghost);
+    this.jaws = [];
+    this.jaw_thickness_m = tool.size_mm[2] / 1000;
     const solid = bodyGeometry(tool);
-    this.group.add(new Mesh(solid, this.metal), ...this.extras(tool));
-    const fill = new Mesh(solid, this.ghost_fill);
-    const lines = new LineSegments(new EdgesGeometry(solid, tool.shape === 'sphere' ? 0 : 25), this.ghost_lines);
-    fill.renderOrder = 19;
-    lines.renderOrder = 20;
-    this.ghost.add(fill, lines);
+    for (const side of tool.shape === 'jaws' ? [-1, 1] : [0]) {
+      const body = new Mesh(solid, this.metal);
+      const fill = new Mesh(solid, this.ghost_fill);
+      const lines = new LineSegments(new EdgesGeometry(solid, tool.shape === 'sphere' ? 0 : 25), this.ghost_lines);
+      fill.renderOrder = 19;
+      lines.renderOrder = 20;
+      this.group.add(body);
+      this.ghost.add(fill, lines);
+      if (side !== 0) this.jaws.push(...[body, fill, lines].map((part) => ({ part, side })));
+    }
+    this.group.add(...this.extras(tool));
   }
 
-  setPoses(tool: Pose, wished: Pose, show_ghost: boolean): void {
+  setPoses(tool: Pose, wished: Pose, show_ghost: boolean, opening_m: number): void {
+    for (const { part, side } of this.jaws) part.position.x = (side * (opening_m + this.jaw_thickness_m)) / 2;
     place(this.group, tool);
     place(this.ghost, wished);
     this.ghost.visible = show_ghost;
@@ -83,6 +94,8 @@ export class ToolView {
         return [this.stick(tool.diameter_mm / 2000, tool.diameter_mm / 1000, 0.045)];
       case 'plate':
         return [this.stick(tool.thickness_mm / 2000, tool.diameter_mm / 1000, 0.045)];
+      case 'jaws':
+        return this.yoke(tool);
     }
   }
 
@@ -93,6 +106,16 @@ export class ToolView {
     mesh.rotation.x = Math.PI / 2;
     mesh.position.z = from_m + length_m / 2;
     return mesh;
+  }
+
+  /** A beam on which the jaws slide, and a stick to hold it by. */
+  private yoke(tool: Tool): Object3D[] {
+    const [height_m, width_m, thickness_m] = tool.size_mm.map((mm) => mm / 1000) as [number, number, number];
+    const across_m = tool.opening_mm / 1000 + 2 * thickness_m;
+    const beam_m = 0.12 * height_m;
+    const beam = new Mesh(new BoxGeometry(across_m, 0.3 * width_m, beam_m), this.handle);
+    beam.position.z = (height_m + beam_m) / 2;
+    return [beam, this.stick(height_m / 2 + beam_m, height_m, 0.06)];
   }
 
   /** Rims on both sides and at the back, a socket and a handle that rises backwards to a grip. */
@@ -140,6 +163,10 @@ function bodyGeometry(tool: Tool): BufferGeometry {
     case 'plate': {
       const radius_m = tool.diameter_mm / 2000;
       return new CylinderGeometry(radius_m, radius_m, tool.thickness_mm / 1000, 64).rotateX(Math.PI / 2);
+    }
+    case 'jaws': {
+      const [height_m, width_m, thickness_m] = tool.size_mm.map((mm) => mm / 1000) as [number, number, number];
+      return new BoxGeometry(thickness_m, width_m, height_m);
     }
     case 'box':
       return bladeGeometry(tool.size_mm.map((mm) => mm / 1000) as [number, number, number]);

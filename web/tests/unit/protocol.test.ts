@@ -29,6 +29,7 @@ const HEADER: FrameHeader = {
   awake: 3,
   particles: 10,
   number: 99,
+  opening_m: 0.0625,
 };
 
 const RECORDS = [
