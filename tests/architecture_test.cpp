@@ -29,6 +29,7 @@ const std::map<std::string, Folders> kArrows = {
     {"device", {"core"}},
     {"haptics", {"tool", "device"}},
     {"scenario", {"haptics"}},
+    {"recording", {"scenario"}},
     // A virtual laboratory has no hand in it.
     {"lab", {"tool", "figure"}},
     // What a person may change while it runs.

@@ -20,6 +20,7 @@
 #include "haptolith/haptics/haptic_loop.h"
 #include "haptolith/scenario/scene_words.h"
 
+#include "histogram_json.h"
 #include "lab_options.h"
 #include "output.h"
 #include "stop_on_signal.h"
@@ -146,14 +147,6 @@ Histogram timerLatenessUs() {
     late_us.add(1e-3 * static_cast<double>(monotonicNs() - deadline_ns));
   }
   return late_us;
-}
-
-Json histogramJson(const Histogram& h) {
-  return {{"mean", h.mean()},
-          {"p50", h.percentile(0.5)},
-          {"p99", h.percentile(0.99)},
-          {"p99_9", h.percentile(0.999)},
-          {"max", h.max()}};
 }
 
 Json rowJson(const BenchRow& row, Manoeuvre hand) {

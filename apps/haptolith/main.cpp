@@ -16,8 +16,12 @@
 
 #include "bench_command.h"
 #include "completion.h"
+#include "devices_command.h"
+#include "doctor_command.h"
+#include "export_command.h"
 #include "lab_command.h"
 #include "output.h"
+#include "replay_command.h"
 #include "run_command.h"
 #include "snapshot_command.h"
 #include "soil_commands.h"
@@ -34,6 +38,7 @@ constexpr const char* kExamples = R"(Examples:
   haptolith snapshot --out view.png      a picture of it, without a screen
   haptolith soil profile --preset P3     density and strength over depth
   haptolith lab shear --soil dry-sand    what a soil laboratory would measure
+  haptolith doctor                       can this machine run it in real time?
   source <(haptolith completion bash)    complete commands with the tab key
 
 HAPTOLITH_SIMD=SSE4 haptolith ...          with another instruction set than the best of the machine
@@ -43,9 +48,13 @@ Exit status: 0 done, 1 failed, 2 wrong usage.)";
 void addCommands(CLI::App& app) {
   addRunCommand(app);
   addSnapshotCommand(app);
+  addReplayCommand(app);
+  addExportCommand(app);
   addSoilCommands(app);
   addLabCommand(app);
   addBenchCommand(app);
+  addDevicesCommand(app);
+  addDoctorCommand(app);
   addCompletionCommand(app);
 }
 

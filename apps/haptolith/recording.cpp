@@ -4,59 +4,120 @@
 #include <fmt/format.h>
 #include <spdlog/spdlog.h>
 
-#include <ctime>
+#include <cmath>
 #include <filesystem>
 #include <utility>
 
+#include "haptolith/bed/simd_target.h"
 #include "haptolith/core/error.h"
+
+#include "new_file_name.h"
 
 namespace haptolith {
 
 namespace {
 
-/// An hour at 1 kHz, about 0.9 GB: somebody has forgotten it.
+/// An hour at 1 kHz, about 0.8 GB: somebody has forgotten it.
 constexpr std::uint64_t kMostTicks = 3'600'000;
 
-std::string newName() {
-  const std::string stem = fmt::format("haptolith-{:%Y%m%d-%H%M%S}", fmt::localtime(std::time(nullptr)));
-  std::string name = stem + ".csv";
-  for (int again = 2; std::filesystem::exists(name); ++again) {
-    name = fmt::format("{}-{}.csv", stem, again);
-  }
-  return name;
+RecordingHeader headerOf(const Session& session) {
+  const Scenario& scenario = session.shown();
+  RecordingHeader header;
+  header.scenario = scenarioText(scenario);
+  header.title = scenario.title;
+  header.program_version = HAPTOLITH_VERSION;
+  header.instruction_set = simdTarget();
+  header.device = session.deviceName();
+  header.device_limits = limitsText(session.device().limits(), session.device().simulated());
+  header.seed = scenario.bed.seed;
+  header.threads = static_cast<std::uint64_t>(scenario.bed.threads);
+  header.hashed_parts = session.loop().hashedParts();
+  header.tick_s = scenario.loop.tick_s;
+  stampNow(header);
+  return header;
 }
 
 }  // namespace
 
-void Recording::start() {
+void Recording::start(const Session& session) {
+  requireNoWholeRun();
   stop();
-  std::string name = newName();
-  file_ = std::make_unique<TraceFile>(name);
-  name_ = std::move(name);
+  begin(session, newFileName("haptolith", ".h5"), false);
+  endless_ = false;
+}
+
+void Recording::start(const Session& session, const std::string& file, bool overwrite) {
+  begin(session, file, overwrite);
+  endless_ = true;
+}
+
+void Recording::begin(const Session& session, const std::string& file, bool overwrite) {
+  RecordingHeader header = headerOf(session);
+  header.start_tick = session.loopTicks();
+  writer_ = std::make_unique<RecordingWriter>(
+      file, header, RecordingOptions{.overwrite = overwrite, .wait_when_full = !session.shown().loop.paced});
+  name_ = file;
+  problem_.clear();
   ticks_ = 0;
+  next_frame_s_ = 0;
 }
 
 void Recording::stop() {
   name_.clear();
-  if (const std::unique_ptr<TraceFile> ended = std::move(file_)) {
-    ended->commit();
+  if (const std::unique_ptr<RecordingWriter> ended = std::move(writer_)) {
+    ended->finish();
+    problem_ = ended->problem();
+    if (!problem_.empty()) {
+      throw Failure(problem_);
+    }
   }
 }
 
-void Recording::write(const TickRecord& record) {
-  if (!file_) {
-    return;
+/// Who looks on cannot end what was asked for at the start.
+void Recording::requireNoWholeRun() const {
+  if (writer_ && endless_) {
+    throw Failure(fmt::format("the whole run is being recorded to {}", name_));
   }
-  try {
-    file_->write(record);
-    if (++ticks_ >= kMostTicks) {
-      spdlog::warn("the recording {} has ended: it is an hour long", name_);
-      stop();
-    }
-  } catch (const Failure& failure) {
-    spdlog::warn("the recording has ended: {}", failure.what());
-    file_.reset();
+}
+
+void Recording::stopPart() {
+  requireNoWholeRun();
+  stop();
+}
+
+bool Recording::goesOn() {
+  if (!writer_) {
+    return false;
+  }
+  problem_ = writer_->problem();
+  if (!problem_.empty()) {
+    spdlog::warn("the recording has ended: {}", problem_);
+    writer_.reset();
     name_.clear();
+  } else if (!endless_ && ticks_ >= kMostTicks) {
+    spdlog::warn("the recording {} has ended: it is an hour long", name_);
+    stop();
+  }
+  return writer_ != nullptr;
+}
+
+void Recording::add(const std::vector<TickRecord>& ticks) {
+  if (goesOn() && !ticks.empty()) {
+    writer_->add(ticks);
+    ticks_ += ticks.size();
+  }
+}
+
+void Recording::add(const SceneSnapshot& snapshot) {
+  if (writer_ && frames_per_s_ > 0 && snapshot.time_s >= next_frame_s_) {
+    writer_->add(particleFrame(snapshot));
+    next_frame_s_ = std::max(next_frame_s_ + 1 / frames_per_s_, snapshot.time_s);
+  }
+}
+
+void Recording::note(const std::string& kind, double time_s, const std::string& text) {
+  if (writer_) {
+    writer_->add(RecordingEvent{.time_s = time_s, .tick = ticks_, .kind = kind, .text = text});
   }
 }
 

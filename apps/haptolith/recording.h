@@ -3,32 +3,52 @@
 #include <cstdint>
 #include <memory>
 #include <string>
+#include <vector>
 
-#include "haptolith/haptics/haptic_loop.h"
-
-#include "trace_file.h"
+#include "haptolith/recording/recording_writer.h"
+#include "haptolith/session/session.h"
 
 namespace haptolith {
 
-/// What somebody who looks on has asked to be recorded: every tick, in a new file where the program was started.
-/// Whatever goes wrong with it ends the recording and not the run.
+/// A recording of the session that runs: of all of it (`run --record`), or of a part that somebody who looks on has
+/// asked for, in a new file where the program was started. Whatever goes wrong with it ends the recording and not the
+/// run. From the thread that follows the loop.
 class Recording {
  public:
-  /// Begins; saves what was being recorded before. @throws Failure when either cannot be done.
-  void start();
-  /// Saves it, if there is one. @throws Failure when that cannot be done.
+  explicit Recording(double frames_per_s) : frames_per_s_(frames_per_s) {}
+
+  /// Begins a file with a name of its own; finishes the part that was being recorded before. @throws Failure as
+  /// RecordingWriter, and when the whole run is being recorded.
+  void start(const Session& session);
+  /// Finishes a part. @throws Failure as stop(), and when the whole run is being recorded.
+  void stopPart();
+  /// Begins this file; before the first tick. @throws Failure as RecordingWriter.
+  void start(const Session& session, const std::string& file, bool overwrite);
+  /// Finishes it, if there is one. @throws Failure when not all of it could be written.
   void stop();
-  /// Adds a tick while something is being recorded. After an hour, or when the disk takes no more, the recording ends,
-  /// and a warning says so.
-  void write(const TickRecord& record);
+
+  /// Adds what is new while something is being recorded. After an hour that nobody has asked for beforehand, or when
+  /// the disk takes no more, the recording ends, and a warning says so.
+  void add(const std::vector<TickRecord>& ticks);
+  void add(const SceneSnapshot& snapshot);
+  void note(const std::string& kind, double time_s, const std::string& text);
 
   /// Its file's name; empty when nothing is being recorded.
   [[nodiscard]] const std::string& name() const noexcept { return name_; }
+  /// What went wrong with the last one; empty when nothing did.
+  [[nodiscard]] const std::string& problem() const noexcept { return problem_; }
 
  private:
-  std::unique_ptr<TraceFile> file_;
-  std::string name_;
+  void begin(const Session& session, const std::string& file, bool overwrite);
+  void requireNoWholeRun() const;
+  [[nodiscard]] bool goesOn();
+
+  double frames_per_s_;
+  std::unique_ptr<RecordingWriter> writer_;
+  std::string name_, problem_;
+  bool endless_ = false;
   std::uint64_t ticks_ = 0;
+  double next_frame_s_ = 0;
 };
 
 }  // namespace haptolith

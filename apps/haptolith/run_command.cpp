@@ -15,18 +15,21 @@
 
 #include "haptolith/bed/simd_target.h"
 #include "haptolith/core/error.h"
+#include "haptolith/haptics/stiffness_check.h"
 #include "haptolith/scenario/scenario.h"
 #include "haptolith/scenario/scene_words.h"
 #include "haptolith/session/session.h"
 #include "haptolith/viewer/access.h"
 #include "haptolith/viewer/live_view.h"
 
+#include "histogram_json.h"
 #include "output.h"
 #include "recording.h"
 #include "run_figure.h"
 #include "scene_options.h"
 #include "stop_on_signal.h"
 #include "trace_file.h"
+#include "trip_file.h"
 
 namespace haptolith {
 
@@ -44,14 +47,19 @@ constexpr const char* kExamples = R"(Examples:
   haptolith run scenarios/deep-bed.toml             a scene from a file
   haptolith run --poses movement.csv                a recorded hand
   haptolith run --unpaced --duration-s 60 --json    as fast as it can, for experiments
-  haptolith run --hand still --port 9000            to dig in, at http://127.0.0.1:9000/)";
+  haptolith run --hand still --port 9000            to dig in, at http://127.0.0.1:9000/
+  haptolith run --device force-dimension            feel it (haptolith devices, haptolith doctor)
+  haptolith run --duration-s 60 --record run.h5     for haptolith replay and haptolith export)";
 
 /// What the command line says; everything else comes from the scenario.
 struct RunOptions {
   SceneOptions scene;
   std::optional<double> duration_s;
   bool unpaced = false;
-  std::string trace_file, figure_file;
+  std::optional<int> cpu;
+  std::string trace_file, figure_file, record_file;
+  bool overwrite = false;
+  double frames_per_s = 10;
   bool json = false;
   std::optional<bool> serve;
   WebServerOptions web;
@@ -61,7 +69,9 @@ Scenario scenarioFor(const RunOptions& options) {
   Scenario scenario = scenarioFor(options.scene);
   scenario.loop.duration_s = options.duration_s.value_or(scenario.loop.duration_s);
   scenario.loop.paced = scenario.loop.paced && !options.unpaced;
+  scenario.loop.cpu = options.cpu.value_or(scenario.loop.cpu);
   validate(scenario);
+  requireUsableCpu(scenario.loop.cpu);
   return scenario;
 }
 
@@ -69,28 +79,38 @@ Scenario scenarioFor(const RunOptions& options) {
 class Follower {
  public:
   Follower(const RunOptions& options, const Scenario& scenario)
-      : scenario_(scenario), keep_history_(!options.figure_file.empty()) {
+      : scenario_(scenario), keep_history_(!options.figure_file.empty()), recording_(options.frames_per_s) {
     if (!options.trace_file.empty()) {
       trace_.emplace(options.trace_file);
+    }
+    if (!options.record_file.empty()) {
+      RecordingWriter::requireFree(options.record_file, options.overwrite);
     }
   }
 
   [[nodiscard]] bool wantsRecords() const noexcept { return trace_ || keep_history_; }
 
+  /// Records the session from its first tick on.
+  void record(Session& session, const RunOptions& options) {
+    session.loop().hashRecords();
+    recording_.start(session, options.record_file, options.overwrite);
+  }
+
   void follow(Session& session, bool newer) {
     fresh_.clear();
     session.loop().takeRecords(fresh_);
+    recording_.add(fresh_);
     for (const TickRecord& record : fresh_) {
       if (trace_) {
         trace_->write(record);
       }
-      recording_.write(record);
       if (keep_history_) {
         remember(record);
       }
     }
     if (newer) {
       const SceneSnapshot& now = session.snapshot();
+      recording_.add(now);
       if (keep_history_ &&
           (history_.strongest.position.empty() || now.felt.force_n.norm() > history_.strongest.felt.force_n.norm())) {
         history_.strongest = now;
@@ -105,9 +125,29 @@ class Follower {
 
   [[nodiscard]] Recording& recording() noexcept { return recording_; }
 
-  /// Saves the trace; whoever prints next finds a clean line.
-  void finish() {
+  /// Tells of a trip of the safety layer, and writes what led to it.
+  void tellOfTrips(Session& session) {
+    if (!session.loop().trips().update()) {
+      return;
+    }
+    const TripReport& report = session.loop().trips().latest();
     status_.clear();
+    recording_.note("trip", report.time_s, text(report.trip));
+    std::string where;
+    try {
+      where = fmt::format("; the last {} ticks are in {}", report.count, writeTripFile(report));
+    } catch (const Failure& failure) {
+      where = fmt::format("; the last ticks could not be written: {}", failure.what());
+    }
+    const std::string_view reason = session.device().problem();
+    spdlog::warn("at {:.3f} s the hand was let go: {}{}{}{}", report.time_s, text(report.trip),
+                 reason.empty() ? "" : ": ", reason, where);
+  }
+
+  /// Saves trace and recording; whoever prints next finds a clean line.
+  void finish(LoopEnd end, double time_s) {
+    status_.clear();
+    recording_.note("end", time_s, text(end));
     if (trace_) {
       trace_->commit();
     }
@@ -135,10 +175,10 @@ class Follower {
 
   [[nodiscard]] std::string statusText(const SceneSnapshot& now) const {
     const double wanted = scenario_.loop.duration_s;
-    return fmt::format("{}{}  force {:6.2f} N  tick p99 {:5.0f} us  in time {:5.1f} %  misses {}  awake {}",
+    return fmt::format("{}{}  {} {:6.2f} N  tick p99 {:5.0f} us  in time {:5.1f} %  misses {}  awake {}",
                        fmt::format("{:7.1f} s", now.time_s), wanted > 0 ? fmt::format(" of {:g} s", wanted) : "",
-                       now.felt.force_n.norm(), now.tick_us_p99, 100 * now.success_rate, now.deadline_misses,
-                       now.awake);
+                       now.trip == SafetyTrip::kNone ? "force" : "LET GO", now.felt.force_n.norm(), now.tick_us_p99,
+                       100 * now.success_rate, now.deadline_misses, now.awake);
   }
 
   const Scenario& scenario_;
@@ -162,45 +202,48 @@ Json statisticsJson(const Histogram& h) {
   return {{"mean", h.mean()}, {"p99", h.percentile(0.99)}, {"max", h.max()}};
 }
 
-Json tickJson(const Histogram& h) {
-  return {{"mean", h.mean()},
-          {"p50", h.percentile(0.5)},
-          {"p99", h.percentile(0.99)},
-          {"p99_9", h.percentile(0.999)},
-          {"max", h.max()}};
-}
-
 Json summaryJson(const Scenario& scenario, const Scene& scene, const HapticLoop& loop, const RunSummary& summary) {
   const LoopStatistics& statistics = loop.statistics();
-  return {
-      {"title", scenario.title},
-      {"preset", scenario.preset},
-      {"soil", scenario.soil_name.empty() ? Json(nullptr) : Json(scenario.soil_name)},
-      {"friction", wordFor(kFrictionWords, scenario.bed.soil.friction)},
-      {"body", scenario.body},
-      {"particles", scene.bed().particles()},
-      {"awake", scene.bed().awake()},
-      {"substeps", scene.substeps()},
-      {"threads", scenario.bed.threads},
-      {"simd", simdTarget()},
-      {"ticks", statistics.ticks()},
-      {"duration_s", loop.time()},
-      {"ended", text(summary.end)},
-      {"tick_us", tickJson(statistics.tickUs())},
-      {"deadline_misses", statistics.deadlineMisses()},
-      {"success_rate_last_100", statistics.successRate()},
-      {"force_n", statisticsJson(statistics.forceN())},
-      {"torque_nm", statisticsJson(statistics.torqueNm())},
-      {"largest_speed_m_s", scene.bed().largestSpeed()},
-      {"lost_records", summary.lost_records},
-      {"state_hash", fmt::format("{:016x}", stateHash(scene.bed().state()))},
-      {"realtime", {{"scheduler", summary.real_time.scheduler}, {"memory_locked", summary.real_time.memory_locked}}}};
+  return {{"title", scenario.title},
+          {"preset", scenario.preset},
+          {"soil", scenario.soil_name.empty() ? Json(nullptr) : Json(scenario.soil_name)},
+          {"friction", wordFor(kFrictionWords, scenario.bed.soil.friction)},
+          {"body", scenario.body},
+          {"particles", scene.bed().particles()},
+          {"awake", scene.bed().awake()},
+          {"substeps", scene.substeps()},
+          {"threads", scenario.bed.threads},
+          {"simd", simdTarget()},
+          {"ticks", statistics.ticks()},
+          {"duration_s", loop.time()},
+          {"ended", text(summary.end)},
+          {"tick_us", histogramJsonWithBuckets(statistics.tickUs())},
+          {"late_us", scenario.loop.paced ? histogramJsonWithBuckets(statistics.lateUs()) : Json(nullptr)},
+          {"deadline_misses", statistics.deadlineMisses()},
+          {"success_rate_last_100", statistics.successRate()},
+          {"force_n", statisticsJson(statistics.forceN())},
+          {"torque_nm", statisticsJson(statistics.torqueNm())},
+          {"largest_speed_m_s", scene.bed().largestSpeed()},
+          {"lost_records", summary.lost_records},
+          {"state_hash", fmt::format("{:016x}", stateHash(scene.bed().state()))},
+          {"realtime",
+           {{"scheduler", summary.real_time.scheduler},
+            {"memory_locked", summary.real_time.memory_locked},
+            {"cpu", summary.real_time.cpu == kAnyCpu ? Json(nullptr) : Json(summary.real_time.cpu)}}}};
 }
 
 std::string soilText(const Scenario& scenario) {
   const std::string name = scenario.preset + scenario.soil_name;  // one of them at most
   return fmt::format("{}, {} friction", name.empty() ? "own soil" : name,
                      wordFor(kFrictionWords, scenario.bed.soil.friction));
+}
+
+/// How late paced ticks began; empty when none was.
+std::string wakeUpText(const Histogram& late_us) {
+  return late_us.count() == 0
+             ? ""
+             : fmt::format("  wake-up    p50 {:.1f}  p99 {:.1f}  p99.9 {:.1f}  max {:.1f} us late\n",
+                           late_us.percentile(0.5), late_us.percentile(0.99), late_us.percentile(0.999), late_us.max());
 }
 
 std::string summaryText(const Scenario& scenario, const Scene& scene, const HapticLoop& loop,
@@ -215,7 +258,8 @@ std::string summaryText(const Scenario& scenario, const Scene& scene, const Hapt
       "  tick       mean {mean:.1f}  p50 {p50:.1f}  p99 {p99:.1f}  p99.9 {p999:.1f}  max {max:.1f} us ({simd}, "
       "{threads} "
       "thread(s))\n"
-      "  deadlines  {misses} missed; {success:.0f} % of the last 100 in time; {scheduler}, memory {locked}\n"
+      "{wakeup}"
+      "  deadlines  {misses} missed; {success:.0f} % of the last 100 in time; {scheduler}{cpu}, memory {locked}\n"
       "  force      mean {fmean:.2f}  p99 {fp99:.2f}  max {fmax:.2f} N\n"
       "  torque     mean {mmean:.4f}  p99 {mp99:.4f}  max {mmax:.4f} N m\n"
       "  state      {hash:016x}\n",
@@ -227,6 +271,8 @@ std::string summaryText(const Scenario& scenario, const Scene& scene, const Hapt
       fmt::arg("p99", t.percentile(0.99)), fmt::arg("p999", t.percentile(0.999)), fmt::arg("max", t.max()),
       fmt::arg("simd", simdTarget()), fmt::arg("threads", scenario.bed.threads), fmt::arg("misses", s.deadlineMisses()),
       fmt::arg("success", 100 * s.successRate()), fmt::arg("scheduler", summary.real_time.scheduler),
+      fmt::arg("cpu", summary.real_time.cpu == kAnyCpu ? "" : fmt::format(" on CPU {}", summary.real_time.cpu)),
+      fmt::arg("wakeup", wakeUpText(s.lateUs())),
       fmt::arg("locked", summary.real_time.memory_locked ? "locked" : "not locked"),
       fmt::arg("fmean", s.forceN().mean()), fmt::arg("fp99", s.forceN().percentile(0.99)),
       fmt::arg("fmax", s.forceN().max()), fmt::arg("mmean", s.torqueNm().mean()),
@@ -237,9 +283,21 @@ std::string summaryText(const Scenario& scenario, const Scene& scene, const Hapt
 /// A run that was to last a certain time and did not, or that went wrong, has failed; its trace is kept all the same.
 void throwWhenItFailed(const Scenario& scenario, const HapticLoop& loop, LoopEnd end) {
   const bool cut_short = end == LoopEnd::kStopped && scenario.loop.duration_s > 0;
-  if (cut_short || end == LoopEnd::kHandLeft || end == LoopEnd::kNotFinite || end == LoopEnd::kCollapsed) {
+  if (cut_short || end == LoopEnd::kHandLeft || end == LoopEnd::kLost || end == LoopEnd::kNotFinite ||
+      end == LoopEnd::kCollapsed) {
     throw Failure(cut_short ? fmt::format("interrupted after {:.3f} s of {:g} s", loop.time(), scenario.loop.duration_s)
                             : fmt::format("stopped at {:.3f} s: {}", loop.time(), text(end)));
+  }
+}
+
+/// Whether a device could shake where the soil is stiffest.
+void warnOfStiffness(const Session& session) {
+  const Scenario& scenario = session.shown();
+  const DeviceLimits limits = session.device().limits();
+  const StiffnessCheck check =
+      checkStiffness(scenario.handling, scenario.tool, scenario.bed.soil.radius_m, limits, scenario.loop.tick_s);
+  if (!session.device().simulated() && limits.max_force_n > 0 && !check.stable()) {
+    spdlog::warn("{}", check.text);
   }
 }
 
@@ -248,10 +306,11 @@ void throwWhenItFailed(const Scenario& scenario, const HapticLoop& loop, LoopEnd
 std::unique_ptr<LiveView> viewOf(Session& session, Follower& follower, const RunOptions& options) {
   try {
     Recording& recording = follower.recording();
-    auto view = std::make_unique<LiveView>(session, options.web, HAPTOLITH_VERSION,
-                                           LiveView::Recorder{.start = [&recording] { recording.start(); },
-                                                              .stop = [&recording] { recording.stop(); },
-                                                              .name = [&recording] { return recording.name(); }});
+    auto view =
+        std::make_unique<LiveView>(session, options.web, HAPTOLITH_VERSION,
+                                   LiveView::Recorder{.start = [&recording, &session] { recording.start(session); },
+                                                      .stop = [&recording] { recording.stopPart(); },
+                                                      .name = [&recording] { return recording.name(); }});
     printNotice(fmt::format("see and touch it at {}\n", view->url()));
     return view;
   } catch (const Failure& failure) {
@@ -277,8 +336,14 @@ void run(RunOptions options) {
     figure.emplace(options.figure_file, kRunFigureWidth_px, kRunFigureHeight_px);
   }
   const bool serves = options.serve.value_or(scenario.loop.paced && !options.json);
-  Session session(scenario, follower.wantsRecords() || serves, settlingIn(follower.status()));
+  Session session(scenario, follower.wantsRecords() || serves || !options.record_file.empty(),
+                  settlingIn(follower.status()));
+  follower.status().clear();
+  warnOfStiffness(session);
   const std::unique_ptr<LiveView> view = serves ? viewOf(session, follower, options) : nullptr;
+  if (!options.record_file.empty()) {
+    follower.record(session, options);
+  }
   session.start(stopAsked());
   if (const std::string& advice = session.realTime().advice; !advice.empty()) {
     spdlog::warn("{}", advice);
@@ -291,6 +356,7 @@ void run(RunOptions options) {
     const bool changed = session.poll();
     const bool newer = session.update();
     follower.follow(session, newer);
+    follower.tellOfTrips(session);
     if (view) {
       view->show(newer, changed);
     }
@@ -299,7 +365,8 @@ void run(RunOptions options) {
   const RunSummary summary{session.join(), session.realTime(), session.loop().lostRecords()};
   session.poll();
   follower.follow(session, session.update());
-  follower.finish();
+  follower.tellOfTrips(session);
+  follower.finish(summary.end, session.loop().time());
   if (summary.lost_records > 0 && !options.trace_file.empty()) {
     spdlog::warn("{} ticks are missing in the trace: the disk was too slow for 8 s", summary.lost_records);
   }
@@ -312,6 +379,9 @@ void run(RunOptions options) {
     printText(summaryText(session.shown(), session.scene(), session.loop(), summary));
   }
   throwWhenItFailed(session.shown(), session.loop(), summary.end);
+  if (!follower.recording().problem().empty()) {
+    throw Failure(fmt::format("the recording is not whole: {}", follower.recording().problem()));
+  }
 }
 
 }  // namespace
@@ -325,8 +395,16 @@ void addRunCommand(CLI::App& app) {
       ->check(CLI::Range(1e-3, 1e7))
       ->option_text("SECONDS");
   command->add_flag("--unpaced", options->unpaced, "As fast as it can instead of in step with the clock");
+  command->add_option("--cpu", options->cpu, "The only CPU that the loop's thread runs on; default: any")
+      ->option_text("N");
   command->add_option("--trace", options->trace_file, "Write every tick to this CSV file")->option_text("FILE");
   command->add_option("--figure", options->figure_file, "Draw the run (.svg or .png)")->option_text("FILE");
+  command->add_option("--record", options->record_file, "Record every tick to this HDF5 file (docs/recording.md)")
+      ->option_text("FILE.h5");
+  command->add_option("--record-frames", options->frames_per_s, "Pictures of all particles a second in it [10]")
+      ->check(CLI::Range(0, 60))
+      ->option_text("N");
+  command->add_flag("--overwrite", options->overwrite, "Let --record replace a file");
   command->add_flag("--json", options->json, "Print the summary as one JSON object");
   CLI::Option* serve = command->add_flag_callback(
       "--serve", [options] { options->serve = true; }, "Show it in the browser; default: unless --unpaced or --json");

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <array>
+#include <iterator>
 #include <numbers>
 
 namespace haptolith {
@@ -27,8 +28,17 @@ Rows particlesBehindTheCut(const SceneSnapshot& scene, double length_m) {
   return rows;
 }
 
-/// Edges of the tool as x, z, dx, dz in mm.
-Rows toolEdges(const ToolParameters& tool, const Pose& pose) {
+/// Edges of the tool as x, z, dx, dz in mm. @param opening_m  between its jaws.
+Rows toolEdges(const ToolParameters& tool, const Pose& pose, double opening_m) {
+  if (tool.shape == ToolShape::kJaws) {
+    ToolParameters jaw = tool;
+    jaw.shape = ToolShape::kBox;
+    jaw.size_m = {tool.size_m.z(), tool.size_m.y(), tool.size_m.x()};
+    const Vec3 from_middle((opening_m + tool.size_m.z()) / 2, 0, 0);
+    Rows edges = toolEdges(jaw, {pose.toScene(-from_middle), pose.orientation}, 0);
+    std::ranges::copy(toolEdges(jaw, {pose.toScene(from_middle), pose.orientation}, 0), std::back_inserter(edges));
+    return edges;
+  }
   std::vector<Vec3> ring;  // the upper outline; the lower one and the uprights follow from it
   double half_height = tool.size_m.z() / 2;
   if (tool.shape == ToolShape::kBox) {
@@ -81,7 +91,7 @@ Rows tickHistogram(const Histogram& ticks) {
 void drawRun(Figure& figure, const Scenario& scenario, const RunHistory& history, const LoopStatistics& statistics) {
   Rows forces;
   for (const TickRecord& r : history.records) {
-    const Vec3& f = r.felt.force_n;
+    const Vec3& f = r.felt.wrench.force_n;
     forces.push_back({r.time_s, f.x(), f.y(), f.z(), kMm * r.scene_T_tool.position_m.z(), r.soil.force_n.z()});
   }
   const BedParameters& bed = scenario.bed;
@@ -93,7 +103,7 @@ void drawRun(Figure& figure, const Scenario& scenario, const RunHistory& history
   }
 
   figure.data("particles", particlesBehindTheCut(scene, bed.length_m));
-  figure.data("tool", toolEdges(scenario.tool, scene.scene_T_tool));
+  figure.data("tool", toolEdges(scenario.tool, scene.scene_T_tool, scene.opening_m));
   figure.data("forces", forces);
   figure.data("ticks", tickHistogram(statistics.tickUs()));
   figure.data("strongest", {{scene.time_s, scene.felt.force_n.norm()}});

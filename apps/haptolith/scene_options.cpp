@@ -14,22 +14,19 @@ namespace haptolith {
 
 namespace {
 
-std::map<std::string, FrictionModel> frictionChoices() {
-  std::map<std::string, FrictionModel> choices;
-  for (const auto& [name, friction] : kFrictionWords) {
-    choices.emplace(name, friction);
+template <class Value, std::size_t kWords>
+std::map<std::string, Value> choicesOf(const std::array<SceneWord<Value>, kWords>& words) {
+  std::map<std::string, Value> choices;
+  for (const auto& [name, value] : words) {
+    choices.emplace(name, value);
   }
   return choices;
 }
 
 /// What --hand takes: every manoeuvre but "poses", which has an option of its own.
 std::map<std::string, Manoeuvre> handChoices() {
-  std::map<std::string, Manoeuvre> choices;
-  for (const auto& [name, manoeuvre] : kManoeuvreWords) {
-    if (manoeuvre != Manoeuvre::kPoses) {
-      choices.emplace(name, manoeuvre);
-    }
-  }
+  auto choices = choicesOf(kManoeuvreWords);
+  std::erase_if(choices, [](const auto& choice) { return choice.second == Manoeuvre::kPoses; });
   return choices;
 }
 
@@ -43,7 +40,7 @@ void SceneOptions::addTo(CLI::App& command) {
       ->option_text("NAME|FILE")
       ->excludes(by_preset);
   command.add_option("--friction", friction, "What friction acts against; default: as the soil has it")
-      ->transform(CLI::CheckedTransformer(frictionChoices(), CLI::ignore_case))
+      ->transform(CLI::CheckedTransformer(choicesOf(kFrictionWords), CLI::ignore_case))
       ->option_text("paper|pairwise");
   command.add_option("--body", body, "World: Ceres, Pluto, Europa, Moon, Mars or Earth")->option_text("NAME");
   CLI::Option* hand = command.add_option("--hand", manoeuvre, "What the virtual hand does");
@@ -58,6 +55,14 @@ void SceneOptions::addTo(CLI::App& command) {
   command.add_option("--seed", seed, "Seed of a bed that starts as rain")
       ->check(CLI::NonNegativeNumber)
       ->option_text("N");
+  command.add_option("--device", device, "What the hand holds (haptolith devices); default: the virtual hand")
+      ->transform(CLI::CheckedTransformer(choicesOf(kDeviceWords), CLI::ignore_case))
+      ->option_text("NAME")
+      ->excludes(hand);
+  command.add_option("--device-id", device_id, "Which one, where there are several")->option_text("ID");
+  command.add_option("--device-library", device_library, "Folder or file of the device's SDK")->option_text("PATH");
+  command.add_option("--device-address", device_address, "Where the device's service is, or where to listen")
+      ->option_text("ADDRESS");
 }
 
 Scenario scenarioFor(const SceneOptions& options) {
@@ -82,6 +87,10 @@ Scenario scenarioFor(const SceneOptions& options) {
   }
   bed.threads = options.threads.value_or(bed.threads);
   bed.seed = options.seed.value_or(bed.seed);
+  scenario.device.kind = options.device.value_or(scenario.device.kind);
+  scenario.device.id = options.device_id.value_or(scenario.device.id);
+  scenario.device.library = options.device_library.value_or(scenario.device.library);
+  scenario.device.address = options.device_address.value_or(scenario.device.address);
   return scenario;
 }
 

@@ -23,6 +23,8 @@ struct SceneOptions {
   std::optional<Manoeuvre> manoeuvre;
   std::optional<int> threads;
   std::optional<std::uint64_t> seed;
+  std::optional<DeviceKind> device;
+  std::optional<std::string> device_id, device_library, device_address;
 
   void addTo(CLI::App& command);
 };

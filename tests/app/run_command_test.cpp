@@ -276,8 +276,8 @@ TEST_F(RunCommand, AHandThatLeavesTheSceneEndsTheRun) {
 TEST_F(RunCommand, WrongUseIsToldAndHasStatusTwo) {
   for (const char* arguments :
        {"--preset P9", "--soil none.toml", "--soil lhs-1 --preset P1", "--friction none", "--body Vulcan",
-        "--hand dance", "--duration-s 0", "--duration-s nan", "--duration-s -1", "--threads 0", "--threads two",
-        "--seed -1", "--hand stir --poses x.csv", "one.toml two.toml"}) {
+        "--hand dance", "--cpu one", "--cpu -2", "--cpu 1024", "--duration-s 0", "--duration-s nan", "--duration-s -1",
+        "--threads 0", "--threads two", "--seed -1", "--hand stir --poses x.csv", "one.toml two.toml"}) {
     const ProgramResult result = runInShell(std::string("timeout 20 \"$HAPTOLITH\" run --unpaced ") + arguments);
     EXPECT_EQ(result.exit_status, 2) << arguments;
     EXPECT_THAT(result.errors, HasSubstr("error:")) << arguments;
@@ -312,6 +312,35 @@ TEST_F(RunCommand, BeyondThisMachineTheAddressHasAToken) {
   EXPECT_THAT(wrong.errors, HasSubstr("bind = everywhere"));
   EXPECT_EQ(runHaptolith("run --duration-s 0.1 --port 65536").exit_status, 2);
   EXPECT_EQ(runHaptolith("run --duration-s 0.1 --serve --no-serve").exit_status, 2);
+}
+
+TEST_F(RunCommand, TellsHowLateItsTicksBegan) {
+  const json paced = summaryOf("--duration-s 0.2");
+  for (const char* key : {"mean", "p50", "p99", "p99_9", "max"}) {
+    EXPECT_GT(paced["late_us"][key].get<double>(), 0) << key;
+  }
+  std::uint64_t counted = 0;
+  for (const json& count : paced["late_us"]["buckets"]["count"]) {
+    counted += count.get<std::uint64_t>();
+  }
+  EXPECT_EQ(counted, paced["ticks"]);
+  EXPECT_TRUE(summaryOf("--duration-s 0.2 --unpaced")["late_us"].is_null());
+  EXPECT_THAT(runHaptolith("run --duration-s 0.1 --no-serve").output,
+              testing::ContainsRegex("\n  wake-up    p50 [0-9.]+  p99 [0-9.]+  p99.9 [0-9.]+  max [0-9.]+ us late\n"));
+  EXPECT_THAT(runHaptolith("run --duration-s 0.1 --unpaced").output, testing::Not(HasSubstr("wake-up")));
+}
+
+TEST_F(RunCommand, RunsOnTheCpuItIsTold) {
+  EXPECT_TRUE(summaryOf("--unpaced --duration-s 0.05")["realtime"]["cpu"].is_null());
+  EXPECT_EQ(summaryOf("--unpaced --duration-s 0.05 --cpu 0")["realtime"]["cpu"], 0);
+  EXPECT_THAT(runHaptolith("run --duration-s 0.1 --no-serve --cpu 0").output, HasSubstr(" on CPU 0, memory "));
+  writeFile("pinned.toml", "[loop]\ncpu = 0\n");
+  EXPECT_EQ(summaryOf("--unpaced --duration-s 0.05 " + file("pinned.toml"))["realtime"]["cpu"], 0);
+  EXPECT_TRUE(summaryOf("--unpaced --duration-s 0.05 --cpu -1 " + file("pinned.toml"))["realtime"]["cpu"].is_null());
+
+  const ProgramResult none = runHaptolith("run --duration-s 0.1 --cpu 1023");
+  EXPECT_EQ(none.exit_status, 2);
+  EXPECT_THAT(none.errors, HasSubstr("cpu = 1023 is not valid: must be -1 (any) or a CPU that this process may use: "));
 }
 
 TEST_F(RunCommand, UsesTheInstructionSetItIsToldTo) {

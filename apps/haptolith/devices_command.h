@@ -1,0 +1,11 @@
+#pragma once
+
+namespace CLI {
+class App;
+}
+
+namespace haptolith {
+
+void addDevicesCommand(CLI::App& app);
+
+}  // namespace haptolith

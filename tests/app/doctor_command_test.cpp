@@ -1,0 +1,112 @@
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+#include <nlohmann/json.hpp>
+#include <unistd.h>
+
+#include <set>
+#include <string>
+
+#include "program.h"
+
+namespace haptolith {
+namespace {
+
+using nlohmann::json;
+using testing::HasSubstr;
+using testing::Not;
+
+/// The program for a user whom the system grants nothing, whoever runs the tests.
+std::string withoutRights(const std::string& arguments) {
+  const char* drop = geteuid() == 0 ? "setpriv --bounding-set=-sys_nice,-ipc_lock,-sys_resource " : "";
+  return fmt::format("prlimit --rtprio=0 --memlock=65536 {}\"$HAPTOLITH\" {}", drop, arguments);
+}
+
+TEST(DoctorCommand, JsonIsOneObjectWithEveryCheck) {
+  const ProgramResult result = runHaptolith("doctor --seconds 0.5 --json");
+  const json report = json::parse(result.output);
+  std::set<std::string> names;
+  bool lacking = false;
+  for (const json& check : report.at("checks")) {
+    EXPECT_EQ(check.size(), 5U);
+    for (const char* key : {"name", "found", "needed"}) {
+      EXPECT_NE(check.at(key).get<std::string>(), "") << check;
+    }
+    EXPECT_TRUE(check.at("remedy").is_string());
+    EXPECT_THAT(check.at("verdict"), testing::AnyOf("ok", "could be better", "lacking"));
+    lacking = lacking || check.at("verdict") == "lacking";
+    names.insert(check.at("name"));
+  }
+  EXPECT_EQ(names, (std::set<std::string>{"kernel", "scheduler", "real-time share", "memory lock", "CPUs",
+                                          "isolated CPUs", "CPU governor", "idle states", "machine", "wake-up"}));
+  EXPECT_EQ(result.exit_status, lacking ? 1 : 0);
+  EXPECT_EQ(report.at("verdict") == "lacking", lacking);
+  EXPECT_EQ(report.at("wake_ups"), 500);
+  EXPECT_TRUE(report.at("missed").is_number_unsigned());
+  EXPECT_GE(report.at("seconds").get<double>(), 0.499);
+  EXPECT_TRUE(report.at("cpu").is_null());
+  EXPECT_TRUE(report.at("scheduler").is_string());
+  EXPECT_TRUE(report.at("memory_locked").is_boolean());
+  const json& late_us = report.at("late_us");
+  for (const char* key : {"mean", "p50", "p99", "p99_9", "max"}) {
+    EXPECT_GT(late_us.at(key).get<double>(), 0) << key;
+  }
+  EXPECT_EQ(late_us.at("buckets").at("count").size(), late_us.at("buckets").at("upper_end").size());
+  int counted = 0;
+  for (const json& count : late_us.at("buckets").at("count")) {
+    counted += count.get<int>();
+  }
+  EXPECT_EQ(counted, 500);
+}
+
+TEST(DoctorCommand, WithoutRightsItSaysWhatIsLackingAndHowToMendIt) {
+  const ProgramResult result = runInShell(withoutRights("doctor --seconds 0.2"));
+  EXPECT_EQ(result.exit_status, 1) << result.errors;
+  EXPECT_THAT(result.errors, HasSubstr("the loop cannot run in real time here: scheduler, memory lock"));
+  EXPECT_THAT(result.output, HasSubstr("  lacking          scheduler"));
+  EXPECT_THAT(result.output, HasSubstr("needed: SCHED_FIFO at priority 80"));
+  EXPECT_THAT(result.output, testing::AnyOf(HasSubstr("rtprio 80\" | sudo tee"), HasSubstr("--ulimit rtprio=80")));
+  EXPECT_THAT(result.output, HasSubstr("No. Lacking: scheduler, memory lock"));
+  EXPECT_THAT(result.output, Not(HasSubstr("\033["))) << "colours without a terminal";
+  const json report = json::parse(runInShell(withoutRights("doctor --seconds 0.2 --json")).output);
+  EXPECT_EQ(report.at("scheduler"), "SCHED_OTHER");
+  EXPECT_EQ(report.at("verdict"), "lacking");
+}
+
+TEST(DoctorCommand, CtrlCEndsItWithWhatWasMeasured) {
+  const ProgramResult result =
+      runInShell("timeout --preserve-status -s INT 1 \"$HAPTOLITH\" doctor --seconds 1000 --json");
+  const json report = json::parse(result.output);
+  EXPECT_GT(report.at("wake_ups").get<int>(), 10);
+  EXPECT_LT(report.at("seconds").get<double>(), 100);
+}
+
+TEST(DoctorCommand, MeasuresOnTheCpuItIsTold) {
+  const ProgramResult result = runInShell("taskset -c 0 \"$HAPTOLITH\" doctor --seconds 0.2 --json --cpu 0");
+  EXPECT_EQ(json::parse(result.output).at("cpu"), 0) << result.errors;
+  const ProgramResult text = runInShell("\"$HAPTOLITH\" doctor --seconds 0.2 --cpu 0");
+  EXPECT_THAT(text.output, HasSubstr("CPU 0)"));
+  EXPECT_THAT(text.output, HasSubstr("the loop needs"));
+}
+
+TEST(DoctorCommand, WrongUseIsToldAndHasStatusTwo) {
+  const struct {
+    const char *arguments, *told;
+  } cases[] = {{"--seconds 0", "seconds = 0 is not valid: must be 0.1 to "},
+               {"--seconds -1", "seconds = -1"},
+               {"--seconds nan", "seconds = nan"},
+               {"--seconds ten", "ten"},
+               {"--cpu 1024", "cpu = 1024"},
+               {"--cpu 1023", "cpu = 1023 is not valid: must be -1 (any) or a CPU that this process may use: "},
+               {"--cpu -2", "cpu = -2"},
+               {"--cpu first", "first"},
+               {"now", "now"}};
+  for (const auto& [arguments, told] : cases) {
+    const ProgramResult result = runInShell(fmt::format("timeout 20 \"$HAPTOLITH\" doctor {}", arguments));
+    EXPECT_EQ(result.exit_status, 2) << arguments;
+    EXPECT_THAT(result.errors, HasSubstr(told));
+    EXPECT_TRUE(result.output.empty()) << arguments;
+  }
+}
+
+}  // namespace
+}  // namespace haptolith
