@@ -1,0 +1,226 @@
+// What a hand, a device and the soil do together: a sweep over grips, devices, delays and soils, each with and without
+// the passivity controller. CSV on stdout, a summary on stderr.
+//
+//     build/release/benchmarks/haptolith_stability --figure docs/images/stability.svg > stability.csv
+
+#include <CLI/CLI.hpp>
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cstdio>
+#include <exception>
+#include <string>
+#include <vector>
+
+#include "haptolith/figure/figure.h"
+#include "haptolith/lab/in_parallel.h"
+#include "haptolith/soil/bodies.h"
+#include "haptolith/soil/presets.h"
+
+#include "stability.h"
+
+namespace haptolith {
+namespace {
+
+/// Energy that a hand may be given, J.
+constexpr double kHarmless_j = 1e-3;
+
+struct Soil {
+  std::string preset, body;
+  FrictionModel friction = FrictionModel::kPaper;
+  BedParameters bed;
+  std::vector<Vec3> centres_m;
+};
+
+struct Cell {
+  const Soil* soil = nullptr;
+  StabilityCase setting;
+  StabilityResult result;
+};
+
+Soil soilOf(const std::string& preset, const std::string& body, FrictionModel friction) {
+  BedParameters bed;
+  bed.soil = findPreset(preset).soil;
+  bed.gravity_m_s2 = {0, 0, -findBody(body).gravity_m_s2};
+  if (friction == FrictionModel::kPairwise) {
+    bed.soil.friction = friction;
+    bed.soil.stiffness_n_m = 3000;  // as the named soils have it
+    bed.start = BedStart::kRain;
+  }
+  return {preset, body, friction, bed, {}};
+}
+
+std::vector<Soil> soils(int threads) {
+  std::vector<Soil> all;
+  for (const FrictionModel friction : {FrictionModel::kPaper, FrictionModel::kPairwise}) {
+    for (const char* preset : {"P1", "P3", "P6"}) {
+      for (const char* body : {"Moon", "Earth"}) {
+        all.push_back(soilOf(preset, body, friction));
+      }
+    }
+  }
+  inParallel(all.size(), threads, [&all](std::size_t i) { all[i].centres_m = settled(all[i].bed); });
+  return all;
+}
+
+std::vector<Cell> cellsOf(const std::vector<Soil>& soils) {
+  std::vector<Cell> cells;
+  for (const CouplingKind coupling : {CouplingKind::kDirect, CouplingKind::kVirtual}) {
+    for (const Soil& soil : soils) {
+      for (const Grip grip : {Grip::kStiff, Grip::kLoose, Grip::kNone, Grip::kLetsGo}) {
+        for (const double damping_n_s_m : {0.0, 1.0, 2.0}) {
+          for (const int delay : {0, 2, 5}) {
+            for (const bool passivity : {false, true}) {
+              cells.push_back({&soil, {grip, damping_n_s_m, delay, coupling, passivity}, {}});
+            }
+          }
+        }
+      }
+    }
+  }
+  return cells;
+}
+
+const char* text(CouplingKind coupling) {
+  return coupling == CouplingKind::kVirtual ? "virtual" : "direct";
+}
+
+const char* text(FrictionModel friction) {
+  return friction == FrictionModel::kPairwise ? "pairwise" : "paper";
+}
+
+void print(const std::vector<Cell>& cells) {
+  fmt::print(
+      "coupling,friction,preset,body,grip,damping_n_s_m,delay_ms,controller,"
+      "injected_mj,returned_mj,vibration_mm,damped_share,end\n");
+  for (const Cell& cell : cells) {
+    const auto& [soil, setting, result] = cell;
+    fmt::print("{},{},{},{},{},{:g},{},{},{:.4g},{:.4g},{:.4g},{:.4g},{}\n", text(setting.coupling),
+               text(soil->friction), soil->preset, soil->body, haptolith::text(setting.grip), setting.damping_n_s_m,
+               setting.delay_ticks, setting.passivity ? "on" : "off", 1e3 * result.injected_j, 1e3 * result.returned_j,
+               1e3 * result.vibration_m, result.damped_share, result.end == LoopEnd::kRunning ? "" : "ended early");
+  }
+}
+
+/// The worst and the middle of some cells.
+struct Worst {
+  std::size_t cells = 0, harmful = 0, ended = 0;
+  double injected_j = 0, vibration_m = 0, usual_vibration_m = 0, damped_share = 0;
+};
+
+template <class Belongs>
+Worst worstOf(const std::vector<Cell>& cells, const Belongs& belongs) {
+  Worst worst;
+  std::vector<double> vibrations_m;
+  for (const Cell& cell : cells) {
+    if (belongs(cell)) {
+      ++worst.cells;
+      worst.harmful += cell.result.injected_j > kHarmless_j ? 1 : 0;
+      worst.ended += cell.result.end != LoopEnd::kRunning ? 1 : 0;
+      worst.injected_j = std::max(worst.injected_j, cell.result.injected_j);
+      worst.vibration_m = std::max(worst.vibration_m, cell.result.vibration_m);
+      worst.damped_share = std::max(worst.damped_share, cell.result.damped_share);
+      vibrations_m.push_back(cell.result.vibration_m);
+    }
+  }
+  std::ranges::sort(vibrations_m);
+  worst.usual_vibration_m = vibrations_m.empty() ? 0 : vibrations_m[vibrations_m.size() / 2];
+  return worst;
+}
+
+void summarise(const std::vector<Cell>& cells) {
+  fmt::print(stderr, "{:9}{:10}{:9}{:>6}{:>5}{:>7}{:>6}{:>7}{:>14}{:>15}{:>13}{:>9}\n", "coupling", "friction", "grip",
+             "delay", "ctl", "cells", ">1mJ", "ended", "injected_mj", "vibration_mm", "median_mm", "damped");
+  for (const CouplingKind coupling : {CouplingKind::kDirect, CouplingKind::kVirtual}) {
+    for (const FrictionModel friction : {FrictionModel::kPaper, FrictionModel::kPairwise}) {
+      for (const Grip grip : {Grip::kStiff, Grip::kLoose, Grip::kNone, Grip::kLetsGo}) {
+        for (const int delay : {0, 2, 5}) {
+          for (const bool passivity : {false, true}) {
+            const Worst worst = worstOf(cells, [&](const Cell& cell) {
+              return cell.setting.coupling == coupling && cell.soil->friction == friction &&
+                     cell.setting.grip == grip && cell.setting.delay_ticks == delay &&
+                     cell.setting.passivity == passivity;
+            });
+            if (worst.cells > 0) {
+              fmt::print(stderr, "{:9}{:10}{:9}{:>6}{:>5}{:>7}{:>6}{:>7}{:>14.3g}{:>15.3g}{:>13.3g}{:>9.2g}\n",
+                         text(coupling), text(friction), haptolith::text(grip), delay, passivity ? "on" : "off",
+                         worst.cells, worst.harmful, worst.ended, 1e3 * worst.injected_j, 1e3 * worst.vibration_m,
+                         1e3 * worst.usual_vibration_m, worst.damped_share);
+            }
+          }
+        }
+      }
+    }
+  }
+}
+
+/// Each cell a point: what the hand was given without the controller and with it, and how far the handle shook.
+void draw(const std::string& path, const std::vector<Cell>& cells) {
+  const double grounds[] = {1e-4, 1e-5};  // what is less lies on the frame: mJ, mm
+  Figure figure(path, 1100, 520);
+  for (const CouplingKind coupling : {CouplingKind::kDirect, CouplingKind::kVirtual}) {
+    std::vector<std::vector<double>> rows;
+    for (std::size_t i = 0; i + 1 < cells.size(); i += 2) {  // controller off and on stand side by side
+      const Cell& off = cells[i];
+      const Cell& on = cells[i + 1];
+      if (off.setting.coupling == coupling) {
+        rows.push_back(
+            {std::max(grounds[0], 1e3 * off.result.injected_j), std::max(grounds[0], 1e3 * on.result.injected_j),
+             std::max(grounds[1], 1e3 * off.result.vibration_m), std::max(grounds[1], 1e3 * on.result.vibration_m)});
+      }
+    }
+    figure.data(text(coupling), rows);
+  }
+  figure.command(fmt::format(R"(
+set multiplot layout 1,2
+set logscale xy
+set format '10^{{%T}}'
+set key top left
+set xlabel 'controller off'
+set ylabel 'controller on'
+set title 'most energy given to the hand, mJ (on the frame: less than 10^{{-4}})'
+set xrange [{0}:*]
+set yrange [{0}:*]
+plot x with lines lc '#999999' title 'no difference', {2} with lines dt 2 lc '#cc0000' title '1 mJ', \
+  $direct using 1:2 with points pt 7 ps 0.5 lc '#0072b2' title 'direct', $virtual using 1:2 with points pt 6 ps 0.7 lc '#e69f00' title 'virtual'
+set title 'vibration above 6 Hz, hand at rest, mm'
+set xrange [{1}:*]
+set yrange [{1}:*]
+plot x with lines lc '#999999' title 'no difference', \
+  $direct using 3:4 with points pt 7 ps 0.5 lc '#0072b2' title 'direct', $virtual using 3:4 with points pt 6 ps 0.7 lc '#e69f00' title 'virtual'
+unset multiplot)",
+                             grounds[0], grounds[1], 1e3 * kHarmless_j));
+  figure.save();
+}
+
+int sweep(int argc, char** argv) {
+  CLI::App app("A simulated hand at a simulated device in soil: what becomes of energy, cell by cell, as CSV.");
+  std::string figure;
+  int threads = 2;
+  app.add_option("--figure", figure, "draw the cells into this .svg or .png file");
+  app.add_option("--threads", threads, "cells at a time")->check(CLI::Range(1, 256))->capture_default_str();
+  CLI11_PARSE(app, argc, argv);
+  const std::vector<Soil> beds = soils(threads);
+  std::vector<Cell> cells = cellsOf(beds);
+  inParallel(cells.size(), threads, [&cells](std::size_t i) {
+    cells[i].result = measureStability(cells[i].soil->bed, cells[i].soil->centres_m, cells[i].setting);
+  });
+  print(cells);
+  summarise(cells);
+  if (!figure.empty()) {
+    draw(figure, cells);
+  }
+  return 0;
+}
+
+}  // namespace
+}  // namespace haptolith
+
+int main(int argc, char** argv) {
+  try {
+    return haptolith::sweep(argc, argv);
+  } catch (const std::exception& error) {
+    fmt::print(stderr, "haptolith_stability: {}\n", error.what());
+    return 1;
+  }
+}

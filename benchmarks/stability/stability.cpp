@@ -1,0 +1,189 @@
+#include "stability.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numbers>
+#include <vector>
+
+#include "haptolith/haptics/wrench_filter.h"
+
+namespace haptolith {
+
+namespace {
+
+constexpr double kTick_s = 1e-3;
+constexpr int kTicks = 6500;
+constexpr std::size_t kStirs = 1500, kStops = 3500, kOpens = 4000, kStill = 4500;  // first ticks
+
+constexpr double kAbove_m = 0.02, kDepth_m = 0.015;
+constexpr double kHandle_kg = 0.25;
+constexpr double kPositionStep_m = 2e-5, kForceStep_n = 0.01;
+
+Vec3 inSteps(const Vec3& value, double step) {
+  return (value / step).array().round() * step;
+}
+
+struct HoldingHand {
+  double stiffness_n_m, damping_n_s_m, mass_kg, weight_n;
+};
+
+HoldingHand handOf(Grip grip) {
+  switch (grip) {
+    case Grip::kStiff:
+    case Grip::kLetsGo: return {800, 10, 0.5, 0};
+    case Grip::kLoose: return {100, 3, 0.3, 0};
+    case Grip::kNone: return {0, 0, 0, 2};
+  }
+  return {};
+}
+
+/// A device in a simulated hand, which moves a thousandth of a second with each write(), ten times finer.
+class HeldDevice final : public HapticDevice {
+ public:
+  HeldDevice(const StabilityCase& parameters, double surface_m)
+      : case_(parameters),
+        hand_(handOf(parameters.grip)),
+        above_m_(0, 0, surface_m + kAbove_m),
+        position_m_(above_m_),
+        told_m_(inSteps(above_m_, kPositionStep_m)),
+        quick_(kTick_s) {}
+
+  [[nodiscard]] std::string_view name() const noexcept override { return "device in a simulated hand"; }
+  [[nodiscard]] bool simulated() const noexcept override { return true; }
+  [[nodiscard]] DeviceLimits limits() const noexcept override {
+    DeviceLimits limits;
+    limits.max_force_n = 12;
+    limits.max_torque_nm = 0.2;
+    limits.max_force_rate_n_s = 4000;
+    limits.max_torque_rate_nm_s = 67;
+    limits.damping_n_s_m = case_.damping_n_s_m;
+    limits.delay_s = case_.delay_ticks * kTick_s;
+    return limits;
+  }
+
+  [[nodiscard]] DeviceInput read() noexcept override {
+    const Vec3 now_m = inSteps(position_m_, kPositionStep_m);
+    told_m_s_ += 0.3 * ((now_m - told_m_) / kTick_s - told_m_s_);  // as drivers smooth the steps of their encoders
+    told_m_ = now_m;
+    DeviceInput input;
+    input.pose.position_m = now_m;
+    input.twist.linear_m_s = told_m_s_;
+    return input;
+  }
+
+  void write(const DeviceOutput& output) noexcept override {
+    sent_n_[ticks_ % sent_n_.size()] = inSteps(output.wrench.force_n, kForceStep_n);
+    const std::size_t delay = static_cast<std::size_t>(case_.delay_ticks);
+    const Vec3 force_n = ticks_ < delay ? Vec3::Zero() : sent_n_[(ticks_ - delay) % sent_n_.size()];
+    if (case_.grip == Grip::kLetsGo && ticks_ >= kOpens) {
+      hand_ = {};
+    }
+    const Vec3 from_m = position_m_;
+    move(force_n);
+    account(force_n.dot(position_m_ - from_m), (position_m_ - from_m) / kTick_s);
+    ++ticks_;
+  }
+
+  void letGo() noexcept override {}
+  void takeUp() noexcept override {}
+
+  StabilityResult result;
+
+ private:
+  /// Where the hand wants the handle.
+  [[nodiscard]] Vec3 wanted() const {
+    const double time_s = static_cast<double>(ticks_) * kTick_s;
+    Vec3 there = above_m_ - Vec3(0, 0, (kAbove_m + kDepth_m) * std::min(1.0, time_s));
+    if (ticks_ >= kStirs && ticks_ < kStops) {
+      there.x() = 0.02 * std::sin(std::numbers::pi * (time_s - 1e-3 * kStirs));
+    }
+    return there;
+  }
+
+  void move(const Vec3& force_n) {
+    constexpr int kSteps = 10;
+    const double mass_kg = kHandle_kg + hand_.mass_kg;
+    const double damping_n_s_m = hand_.damping_n_s_m + case_.damping_n_s_m;
+    const Vec3 wanted_m = wanted();
+    for (int step = 0; step < kSteps; ++step) {
+      const Vec3 sum_n = hand_.stiffness_n_m * (wanted_m - position_m_) - damping_n_s_m * velocity_m_s_ + force_n -
+                         Vec3(0, 0, hand_.weight_n);
+      velocity_m_s_ += kTick_s / kSteps / mass_kg * sum_n;
+      position_m_ += kTick_s / kSteps * velocity_m_s_;
+    }
+  }
+
+  void account(double given_j, const Vec3& velocity_m_s) {
+    given_j_ += given_j;
+    result.injected_j = std::max(result.injected_j, given_j_);
+    const Vec3 quick_m_s = quick_.step(velocity_m_s);
+    if (ticks_ < kStill) {
+      lowest_j_ = given_j_;
+      return;
+    }
+    lowest_j_ = std::min(lowest_j_, given_j_);
+    result.returned_j = std::max(result.returned_j, given_j_ - lowest_j_);
+    quick_m_ += kTick_s * quick_m_s;
+    lowest_m_ = lowest_m_.cwiseMin(quick_m_);
+    highest_m_ = highest_m_.cwiseMax(quick_m_);
+    result.vibration_m = (highest_m_ - lowest_m_).maxCoeff();
+  }
+
+  StabilityCase case_;
+  HoldingHand hand_;
+  Vec3 above_m_, position_m_, velocity_m_s_ = Vec3::Zero();
+  Vec3 told_m_, told_m_s_ = Vec3::Zero();
+  std::array<Vec3, 32> sent_n_;  ///< in the last ticks, round and round
+  std::size_t ticks_ = 0;
+  double given_j_ = 0, lowest_j_ = 0;
+  QuickMovement quick_;
+  Vec3 quick_m_ = Vec3::Zero(), lowest_m_ = Vec3::Zero(), highest_m_ = Vec3::Zero();
+};
+
+}  // namespace
+
+const char* text(Grip grip) noexcept {
+  switch (grip) {
+    case Grip::kStiff: return "stiff";
+    case Grip::kLoose: return "loose";
+    case Grip::kNone: return "none";
+    case Grip::kLetsGo: return "lets go";
+  }
+  return "";
+}
+
+std::vector<Vec3> settled(const BedParameters& bed) {
+  const Scene scene(bed, ToolParameters{});
+  std::vector<Vec3> centres_m;
+  for (std::size_t i = 0; i < scene.bed().particles(); ++i) {
+    const Float4& p = scene.bed().state().position[i];
+    centres_m.emplace_back(p.x, p.y, p.z);
+  }
+  return centres_m;
+}
+
+StabilityResult measureStability(const BedParameters& bed, const std::vector<Vec3>& centres_m,
+                                 const StabilityCase& parameters) {
+  Scene scene(bed, ToolParameters{}, centres_m);
+  HeldDevice device(parameters, scene.bed().surfaceHeight());
+  LoopParameters unpaced;
+  unpaced.paced = false;
+  HandlingParameters handling;
+  handling.coupling.kind = parameters.coupling;
+  handling.safety.passivity = parameters.passivity;
+  HapticLoop loop(scene, device, unpaced, true, handling);
+  std::vector<TickRecord> records;
+  std::size_t damped = 0;
+  for (int tick = 0; tick < kTicks && device.result.end == LoopEnd::kRunning; ++tick) {
+    device.result.end = loop.tick();
+    records.clear();
+    loop.takeRecords(records);
+    damped += static_cast<std::size_t>(
+        std::ranges::count_if(records, [](const TickRecord& r) { return (r.flags & kTickPassivityDamped) != 0; }));
+  }
+  device.result.damped_share = static_cast<double>(damped) / kTicks;
+  return device.result;
+}
+
+}  // namespace haptolith

@@ -1,0 +1,93 @@
+#!/usr/bin/env python3
+"""Leads haptolith's tool along a circle through its network device, and prints the force that a hand would feel.
+
+    haptolith run --device network          in one terminal
+    examples/network_device.py              in another
+
+Both packets are described in src/haptolith/device/device_packet.h. Nothing but Python's standard library is needed.
+"""
+
+import argparse
+import math
+import socket
+import struct
+import sys
+import time
+
+# little-endian: magic, version, flags, sequence, buttons, time; position, orientation, velocities, gripper
+DEVICE = struct.Struct("<4sHHIIQ 3d4d3d3d d")
+# little-endian: magic, version, flags, sequence, number, time; force, torque, gripper force
+ANSWER = struct.Struct("<4sHHIIQ 3d3d d")
+VERSION = 1
+HELD = 1  # flags of what is sent: the dead-man switch is held
+LIVE, LET_GO = 1, 2  # flags of the answer
+
+
+def arguments():
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--address", default="127.0.0.1:9050", help="HOST:PORT that haptolith listens at")
+    parser.add_argument("--seconds", type=float, default=10, help="how long")
+    parser.add_argument("--radius-mm", type=float, default=20, help="of the circle")
+    parser.add_argument("--period-s", type=float, default=4, help="of one round")
+    parser.add_argument("--height-mm", type=float, default=0, help="of the circle, in the device's frame")
+    return parser.parse_args()
+
+
+def circle(t, radius, period, height):
+    """Position (m) and velocity (m/s) after t seconds."""
+    turn = 2 * math.pi / period
+    c, s = math.cos(turn * t), math.sin(turn * t)
+    return (radius * c, radius * s, height), (-radius * turn * s, radius * turn * c, 0.0)
+
+
+def newest_answer(sock):
+    """The newest answer that has come, or None."""
+    newest = None
+    while True:
+        try:
+            packet = sock.recv(ANSWER.size + 1)
+        except BlockingIOError:
+            return newest
+        except ConnectionRefusedError:
+            sys.exit("nobody listens there: start `haptolith run --device network` first, or give --address")
+        if len(packet) == ANSWER.size:
+            answer = ANSWER.unpack(packet)
+            if answer[0] == b"HLAN" and answer[1] == VERSION:
+                newest = answer
+
+
+def main():
+    args = arguments()
+    host, port = args.address.rsplit(":", 1)
+    sock = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
+    sock.connect((host, int(port)))
+    sock.setblocking(False)
+
+    start = time.monotonic()
+    answers, strongest, last_print, round_trip_ms = 0, 0.0, start, math.nan
+    sequence = 0
+    while time.monotonic() - start < args.seconds:
+        now = time.monotonic()
+        position, velocity = circle(now - start, args.radius_mm / 1000, args.period_s, args.height_mm / 1000)
+        upright, no_turning = (1.0, 0.0, 0.0, 0.0), (0.0, 0.0, 0.0)
+        sock.send(DEVICE.pack(b"HLDV", VERSION, HELD, sequence % 2**32, 0, time.monotonic_ns(),
+                              *position, *upright, *velocity, *no_turning, 0.0))
+        sequence += 1
+
+        answer = newest_answer(sock)
+        if answer is not None:
+            _, _, flags, _, _, sent_ns, fx, fy, fz, *_ = answer
+            answers += 1
+            strongest = max(strongest, math.hypot(fx, fy, fz))
+            round_trip_ms = (time.monotonic_ns() - sent_ns) / 1e6
+            if now - last_print > 0.1:
+                last_print = now
+                state = "let go" if flags & LET_GO else "live" if flags & LIVE else "not held"
+                print(f"force {fx:7.3f} {fy:7.3f} {fz:7.3f} N  round trip {round_trip_ms:6.2f} ms  {state}", flush=True)
+        # A program that shows force to a hand would also make it zero here when no answer has come for 20 ms.
+        time.sleep(0.001)
+    print(f"{sequence} packets sent, {answers} answers, strongest force {strongest:.3f} N")
+
+
+if __name__ == "__main__":
+    main()
