@@ -34,7 +34,9 @@ const std::map<std::string, Folders> kArrows = {
     {"lab", {"tool", "figure"}},
     // What a person may change while it runs.
     {"session", {"scenario"}},
-    {"study", {"session", "figure"}},
+    // Answers and curves: it knows neither soil nor hands.
+    {"psychometrics", {"core", "figure"}},
+    {"study", {"session", "psychometrics"}},
     {"teleop", {"haptics", "scenario", "figure"}},
     {"viewer", {"session"}},
 };
