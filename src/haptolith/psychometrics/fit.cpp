@@ -28,7 +28,7 @@ Fit fitAt(const Model& model, const ParameterPoint& point, const ParameterPoint&
   fit.jnd.value = jndOf(fit.function);
   fit.weber_fraction.value = weberFractionOf(fit.function);
   if (isWeber(options.sigmoid)) {
-    fit.w = Estimate{.value = point[kScale]};
+    fit.w = Estimate{.value = weberParameter(options.sigmoid, fit.function.width)};
   }
   fit.lapse.value = fit.function.lapse;
   fit.guess.value = fit.function.guess;
@@ -62,6 +62,15 @@ Interval derivedInterval(const Model& model, const Posterior& posterior, double 
   return percentileInterval(std::move(values), confidence);
 }
 
+/// Every parameter at the median of its marginal.
+ParameterPoint medianOf(const Posterior& posterior) {
+  ParameterPoint point;
+  for (int i = 0; i < kParameters; ++i) {
+    point[i] = credibleInterval(posterior, i, 0).low;
+  }
+  return point;
+}
+
 void setIntervals(Fit& fit, const Model& model, const Posterior& posterior) {
   const double confidence = fit.confidence;
   const Interval place = credibleInterval(posterior, kThreshold, confidence);
@@ -69,7 +78,8 @@ void setIntervals(Fit& fit, const Model& model, const Posterior& posterior) {
   const Interval scale = credibleInterval(posterior, kScale, confidence);
   fit.width.interval = {model.widthOf(scale.low), model.widthOf(scale.high)};
   if (fit.w) {
-    fit.w->interval = scale;
+    fit.w->interval = {weberParameter(fit.function.sigmoid, fit.width.interval.low),
+                       weberParameter(fit.function.sigmoid, fit.width.interval.high)};
   }
   fit.jnd.interval = derivedInterval(model, posterior, confidence, jndOf);
   fit.weber_fraction.interval = derivedInterval(model, posterior, confidence, weberFractionOf);
@@ -129,7 +139,11 @@ Fit fitPsychometric(std::span<const Level> levels, const FitOptions& options) {
   const Posterior posterior = posteriorOf(model);
   const ParameterPoint most_probable = optimumNear(model, posterior.best, Objective::kPosterior);
   const ParameterPoint most_likely = optimumNear(model, most_probable, Objective::kLikelihood);
-  Fit fit = fitAt(model, most_probable, most_likely);
+  const bool median =
+      options.estimate.value_or(isWeber(options.sigmoid) ? PointEstimate::kMedian : PointEstimate::kMap) ==
+      PointEstimate::kMedian;
+  Fit fit = fitAt(model, median ? medianOf(posterior) : most_probable, most_likely);
+  fit.method = median ? FitMethod::kMedian : FitMethod::kMap;
   fit.log_evidence = posterior.log_evidence;
   setIntervals(fit, model, posterior);
   for (const ParameterPoint& point : drawsOf(posterior, kDraws)) {
@@ -153,7 +167,8 @@ Fit fitMaximumLikelihood(std::span<const Level> levels, const FitOptions& option
   fit.jnd.interval = bootstrap.interval(jndOf);
   fit.weber_fraction.interval = bootstrap.interval(weberFractionOf);
   if (fit.w) {
-    fit.w->interval = of(kScale);
+    fit.w->interval =
+        bootstrap.interval([](const PsychometricFunction& it) { return weberParameter(it.sigmoid, it.width); });
   }
   fit.lapse.interval = of(kLapse);
   fit.guess.interval = bootstrap.interval([](const PsychometricFunction& it) { return it.guess; });

@@ -20,6 +20,12 @@ struct GridSizes {
   int alone = 401;  ///< of the width, where it is the only free parameter
 };
 
+/// Which value stands for the posterior.
+enum class PointEstimate {
+  kMap,    ///< the most probable one, as psignifit
+  kMedian  ///< of each parameter its median: nearly unbiased where w alone is free, docs/psychometrics.md
+};
+
 /// What is fitted and how. Parameters that are given a value are fixed.
 struct FitOptions {
   Sigmoid sigmoid = Sigmoid::kNorm;
@@ -27,8 +33,9 @@ struct FitOptions {
   bool log_axis = false;                           ///< weber, as-printed and weibull are logarithmic anyway
   std::optional<double> threshold = std::nullopt;  ///< weber: the reference p of (paper 22)
   std::optional<double> lapse = std::nullopt;
-  std::optional<double> guess = std::nullopt;           ///< of kYesNo
-  std::optional<double> overdispersion = std::nullopt;  ///< eta; 0 is the binomial model
+  std::optional<double> guess = std::nullopt;            ///< of kYesNo
+  std::optional<double> overdispersion = std::nullopt;   ///< eta; 0 is the binomial model
+  std::optional<PointEstimate> estimate = std::nullopt;  ///< of weber sigmoids the median, else the most probable
   double confidence = 0.95;
   int simulations = 1000;  ///< for the p value and for bootstrap intervals; 0 leaves them out
   std::uint64_t seed = 1;  ///< of the simulations
@@ -49,7 +56,7 @@ struct Estimate {
   Interval interval = {};
 };
 
-enum class FitMethod { kMap, kMaximumLikelihood };
+enum class FitMethod { kMap, kMedian, kMaximumLikelihood };
 
 /// A psychometric function that has been fitted, docs/psychometrics.md.
 struct Fit {
@@ -82,9 +89,9 @@ struct Fit {
   std::vector<PsychometricFunction> draws = {};
 };
 
-/// The most probable psychometric function and credible intervals, from a posterior on a grid as psignifit computes it
-/// (Schuett et al. 2016), refined by NLopt; the intervals are percentiles of the marginals. Deterministic. With w alone
-/// free it takes less than a millisecond (without simulations), with all parameters about half a second.
+/// The most probable (or median) psychometric function and credible intervals, from a posterior on a grid as psignifit
+/// computes it (Schuett et al. 2016), refined by NLopt; the intervals are percentiles of the marginals. Deterministic.
+/// With w alone free it takes less than a millisecond (without simulations), with all parameters about half a second.
 /// @throws InvalidParameter for options or levels that make no sense, for instance a single stimulus where threshold
 /// and width are free.
 [[nodiscard]] Fit fitPsychometric(std::span<const Level> levels, const FitOptions& options);

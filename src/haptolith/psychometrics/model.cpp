@@ -20,16 +20,17 @@ constexpr double kMinusInfinity = -std::numeric_limits<double>::infinity();
 constexpr double kMostAsymptote = 0.5;
 // eta = 1 would make all answers to a stimulus alike, whatever the function.
 constexpr double kMostOverdispersion = 1 - 1e-9;
-constexpr double kBeta = 10;  // of the Beta(1, 10) priors
+constexpr double kBeta = 10;       // of the Beta(1, 10) priors
+constexpr double kWeberBeta = 60;  // of the rates of weber sigmoids, chosen by simulation: docs/psychometrics.md
 
 /// Falls from 1 to 0 as a cosine while `share` goes from 0 to 1.
 double cosineFall(double share) noexcept {
   return (1 + std::cos(std::numbers::pi * std::clamp(share, 0.0, 1.0))) / 2;
 }
 
-/// ln of the density of Beta(1, 10).
-double logBetaPrior(double value) noexcept {
-  return std::log(kBeta) + (kBeta - 1) * std::log1p(-value);
+/// ln of the density of Beta(1, beta).
+double logBetaPrior(double value, double beta) noexcept {
+  return std::log(beta) + (beta - 1) * std::log1p(-value);
 }
 
 void requireRate(const char* key, const std::optional<double>& value, double highest) {
@@ -104,8 +105,8 @@ void Model::setSupports() {
   }
   supports_[kScale] = {least_distance_, 3 * range};
   if (isWeber(options_.sigmoid)) {
-    supports_[kScale] = {weberParameter(options_.sigmoid, least_distance_ / 4),
-                         weberParameter(options_.sigmoid, 3 * range)};
+    supports_[kScale] = {weberParameter(Sigmoid::kWeber, least_distance_ / 4),
+                         weberParameter(Sigmoid::kWeber, 3 * range)};
   }
   supports_[kLapse] = options_.lapse ? fixed(*options_.lapse) : Support{0, kMostAsymptote};
   supports_[kGuess] = options_.guess ? fixed(*options_.guess) : Support{0, kMostAsymptote};
@@ -134,7 +135,7 @@ int Model::freeParameters() const noexcept {
 }
 
 double Model::widthOf(double scale) const noexcept {
-  return isWeber(options_.sigmoid) ? weberWidth(options_.sigmoid, scale) : scale;
+  return isWeber(options_.sigmoid) ? weberWidth(Sigmoid::kWeber, scale) : scale;
 }
 
 double Model::guessAt(const ParameterPoint& point) const noexcept {
@@ -164,10 +165,11 @@ double Model::logPrior(int parameter, double value) const noexcept {
     return std::log(cosineFall(outside / (range / 2)) / (1.5 * range));
   }
   if (parameter == kScale) {
-    return isWeber(options_.sigmoid) ? -std::log(value * std::log(support.high / support.low))
+    return isWeber(options_.sigmoid) ? -2 * std::log(value) - std::log(1 / support.low - 1 / support.high)
                                      : std::log(widthPriorShape(value) / width_prior_integral_);
   }
-  return logBetaPrior(value);
+  const bool of_weber = isWeber(options_.sigmoid) && parameter != kOverdispersion;
+  return logBetaPrior(value, of_weber ? kWeberBeta : kBeta);
 }
 
 double Model::logPrior(const ParameterPoint& point) const noexcept {

@@ -14,7 +14,8 @@ namespace haptolith {
 enum Parameter { kThreshold, kScale, kLapse, kGuess, kOverdispersion };
 inline constexpr int kParameters = 5;
 
-/// Values of all of them. kThreshold is its place on the axis (x or ln x); kScale is the width, of weber sigmoids w.
+/// Values of all of them. kThreshold is its place on the axis (x or ln x); kScale is the width, of weber sigmoids the
+/// Weber fraction x84/x50 - 1.
 using ParameterPoint = std::array<double, kParameters>;
 
 /// Where a parameter may be. It is fixed when both ends are the same.
@@ -31,8 +32,8 @@ struct Support {
 /// Schuett et al. 2016; docs/psychometrics.md):
 /// - threshold: flat over the range, a cosine's fall to 0 over R/2 on either side;
 /// - width: flat from 2 d to R, a cosine's rise from d and its fall to 3 R;
-/// - w of weber sigmoids: 1/w, as it has no scale of its own, with widths from d/4 to 3 R;
-/// - lapse and guess rate: Beta(1, 10) up to 1/2; eta: Beta(1, 10).
+/// - Weber fraction v of weber sigmoids: 1/v^2, which is flat in the sensitivity 1/v; for widths from d/4 to 3 R;
+/// - lapse and guess rate: Beta(1, 10) up to 1/2, of weber sigmoids Beta(1, 60); eta: Beta(1, 10).
 class Model {
  public:
   /// @throws InvalidParameter when the options and levels make no sense, alone or together.

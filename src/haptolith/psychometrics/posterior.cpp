@@ -36,16 +36,30 @@ Sizes fineSizes(const Model& model) {
   return {grid.threshold, grid.width, grid.asymptotes, grid.asymptotes, grid.overdispersion};
 }
 
-/// Evenly from end to end; w, which has no scale of its own, evenly in its logarithm.
-std::vector<double> gridOf(const Support& support, int size, bool logarithmic) {
+/// How the values of a grid lie.
+enum class Spacing {
+  kEven,
+  kLogarithmic,  ///< of the Weber fraction, which has no scale of its own
+  kQuadratic     ///< dense at the lower end, where rates and eta are most probable
+};
+
+Spacing spacingOf(const Model& model, int parameter) {
+  if (parameter == kScale) {
+    return isWeber(model.options().sigmoid) ? Spacing::kLogarithmic : Spacing::kEven;
+  }
+  return parameter == kThreshold ? Spacing::kEven : Spacing::kQuadratic;
+}
+
+std::vector<double> gridOf(const Support& support, int size, Spacing spacing) {
   if (support.isFixed()) {
     return {support.low};
   }
   std::vector<double> values(static_cast<std::size_t>(size));
   for (int i = 0; i < size; ++i) {
     const double share = double(i) / (size - 1);
-    values[i] = logarithmic ? support.low * std::pow(support.high / support.low, share)
-                            : support.low + (support.high - support.low) * share;
+    const double place = spacing == Spacing::kQuadratic ? share * share : share;
+    values[i] = spacing == Spacing::kLogarithmic ? support.low * std::pow(support.high / support.low, place)
+                                                 : support.low + (support.high - support.low) * place;
   }
   values.back() = support.high;
   return values;
@@ -65,8 +79,7 @@ std::vector<double> trapezoidWeights(const std::vector<double>& values) {
   return weights;
 }
 
-/// The log-likelihood of the levels at each eta, without what depends on neither psi nor k: the beta-binomial's
-/// numerators are products, so that one logarithm serves for several levels.
+/// Adds the log-likelihood of the levels at each eta to `sums`.
 void addLogLikelihoods(const std::vector<Level>& levels, const std::vector<double>& psi,
                        const std::vector<double>& etas, double* sums) {
   for (std::size_t e = 0; e < etas.size(); ++e) {
@@ -83,7 +96,7 @@ class GridSum {
   GridSum(const Model& model, const Supports& supports, const Sizes& sizes) : model_(model) {
     std::size_t points = 1;
     for (int i = 0; i < kParameters; ++i) {
-      posterior_.values[i] = gridOf(supports[i], sizes[i], i == kScale && isWeber(model.options().sigmoid));
+      posterior_.values[i] = gridOf(supports[i], sizes[i], spacingOf(model, i));
       points *= posterior_.values[i].size();
       for (const double value : posterior_.values[i]) {
         log_priors_[i].push_back(model.logPrior(i, value));
