@@ -21,8 +21,8 @@ struct Stimulus {
 };
 
 /// What a trial asks. kReferenceFirst: the reference, then the test; "was the second heavier?" (the paper's).
-/// kRandomOrder: the same question with the order drawn. kTwoInterval: "which of the two was heavier?", the first or the
-/// second. Whatever is asked, a stored answer is positive when the test was said to have more.
+/// kRandomOrder: the same question with the order drawn. kTwoInterval: "which of the two was heavier?", the first or
+/// the second. Whatever is asked, a stored answer is positive when the test was said to have more.
 enum class TaskKind { kReferenceFirst, kRandomOrder, kTwoInterval };
 
 /// Who chooses the levels: a list made beforehand, or the answers so far.
@@ -34,9 +34,9 @@ struct FormItem {
 
   std::string key = {}, label = {};
   Kind kind = Kind::kText;
-  std::vector<std::string> choices = {};              ///< of a choice
-  double low = 0, high = 0;                           ///< ends of a scale, or of what a number may be; equal: any number
-  std::string low_label = {}, high_label = {};        ///< of a scale
+  std::vector<std::string> choices = {};        ///< of a choice
+  double low = 0, high = 0;                     ///< ends of a scale, or of what a number may be; equal: any number
+  std::string low_label = {}, high_label = {};  ///< of a scale
   bool required = false;
   bool personal = false;  ///< kept in the table that an export leaves out
 };
@@ -51,18 +51,18 @@ struct StudyBlock {
   std::vector<Stimulus> levels = {};  ///< in the order of their values, the smallest first
   TaskKind task = TaskKind::kReferenceFirst;
   ProcedureKind procedure = ProcedureKind::kConstant;
-  int repeats = 3;                     ///< constant: of each level
-  StaircaseOptions staircase = {};     ///< over the values of `levels`
-  QuestPlusOptions quest_plus = {};    ///< over the values of `levels`
-  int practice_trials = 0;             ///< before the others
-  int catch_trials = 0;                ///< among the others, with the level farthest from the reference
-  bool feedback = false;               ///< whether a participant is told that an answer was right
-  bool practice_feedback = true;       ///< the same in practice trials
-  bool visual = true;                  ///< false: the participant's page is blank while a stimulus is felt
-  double interval_s = 0;               ///< longest time with one stimulus; 0: until the participant goes on
-  double answer_limit_s = 0;           ///< longest time for an answer; 0: none
-  int break_every_trials = 0;          ///< 0: no breaks
-  double break_s = 0;                  ///< shortest length of a break
+  int repeats = 3;                           ///< constant: of each level
+  StaircaseOptions staircase = {};           ///< over the values of `levels`
+  QuestPlusOptions quest_plus = {};          ///< over the values of `levels`
+  int practice_trials = 0;                   ///< before the others
+  int catch_trials = 0;                      ///< among the others, with the level farthest from the reference
+  bool feedback = false;                     ///< whether a participant is told that an answer was right
+  bool practice_feedback = true;             ///< the same in practice trials
+  bool visual = true;                        ///< false: the participant's page is blank while a stimulus is felt
+  double interval_s = 0;                     ///< longest time with one stimulus; 0: until the participant goes on
+  double answer_limit_s = 0;                 ///< longest time for an answer; 0: none
+  int break_every_trials = 0;                ///< 0: no breaks
+  double break_s = 0;                        ///< shortest length of a break
   std::vector<FormItem> questionnaire = {};  ///< after the block
 };
 

@@ -9,6 +9,7 @@
 #include <memory>
 #include <optional>
 #include <set>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -31,6 +32,16 @@ struct TrialSummary {
   double work_j = std::numeric_limits<double>::quiet_NaN();  ///< done by the hand on the soil
   int deadline_misses = 0;
 };
+
+/// A number of TrialSummary: its column in the store's table `felt` and, with "first_" or "second_" before it, in
+/// exports.
+struct SummaryColumn {
+  std::string_view name, unit, meaning;
+  double TrialSummary::*value;
+};
+
+/// All but deadline_misses.
+[[nodiscard]] std::span<const SummaryColumn> summaryColumns();
 
 /// A trial as it begins: what is to be felt.
 struct TrialBegun {
@@ -55,15 +66,15 @@ struct TrialAnswer {
   std::string recording = {};          ///< its name, beside the study's file; empty: none
 };
 
-/// kBegun: under way, or cut off by a crash, until somebody calls it lost. kRepeated: by the experimenter, who said why;
-/// its answer, if it had one, is kept and does not count. kLost: no answer; done again.
+/// kBegun: under way, or cut off by a crash, until somebody calls it lost. kRepeated: by the experimenter, who said
+/// why; its answer, if it had one, is kept and does not count. kLost: no answer; done again.
 enum class TrialState { kBegun, kAnswered, kRepeated, kLost };
 
 struct TrialRow : TrialBegun {
   std::int64_t id = 0;
   TrialState state = TrialState::kBegun;
   std::optional<TrialAnswer> answer = {};
-  std::string reason = {};                     ///< why it was repeated or lost
+  std::string reason = {};                      ///< why it was repeated or lost
   std::string begun_at = {}, answered_at = {};  ///< UTC, "2026-11-21T10:00:00.123Z"
 };
 
@@ -89,8 +100,8 @@ struct NoteRow {
 };
 
 /// A study in a file: its protocol, who has taken part and what they answered. What a call has written is on the disk
-/// when it returns, and is there after a crash, a kill or a power cut; a call that throws has written nothing, and can be
-/// made again. docs/studies.md describes the tables. Not for the tick; one thread at a time.
+/// when it returns, and is there after a crash, a kill or a power cut; a call that throws has written nothing, and can
+/// be made again. docs/studies.md describes the tables. Not for the tick; one thread at a time.
 ///
 /// Every member throws Failure for a disk that is full, a file that is read-only, locked or damaged; the message says
 /// which, and what to do.
