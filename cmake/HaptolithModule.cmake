@@ -28,3 +28,18 @@ function(haptolith_module name)
     PUBLIC haptolith_flags ${ARG_DEPENDS} ${ARG_PUBLIC_LIBRARIES}
     PRIVATE ${ARG_LIBRARIES})
 endfunction()
+
+# haptolith_embed_toml(soils built_in_soils.cpp HEADER haptolith/... TYPE BuiltInSoil FUNCTION builtInSoils)
+# Makes a source, in the current binary folder, of the TOML files in a folder of the project.
+function(haptolith_embed_toml folder output)
+  cmake_parse_arguments(ARG "" "HEADER;TYPE;FUNCTION" "" ${ARGN})
+  file(GLOB files CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/${folder}/*.toml)
+  list(JOIN files "," file_list)  # in the command itself, so that a file that goes away is noticed
+  set(embed ${PROJECT_SOURCE_DIR}/cmake/EmbedToml.cmake)
+  add_custom_command(
+    OUTPUT ${output}
+    COMMAND ${CMAKE_COMMAND} -DFILES=${file_list} -DHEADER=${ARG_HEADER} -DTYPE=${ARG_TYPE} -DFUNCTION=${ARG_FUNCTION}
+            -DOUTPUT=${CMAKE_CURRENT_BINARY_DIR}/${output} -P ${embed}
+    DEPENDS ${files} ${embed}
+    VERBATIM)
+endfunction()

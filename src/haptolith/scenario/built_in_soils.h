@@ -11,7 +11,7 @@ struct BuiltInSoil {
   std::string_view text;
 };
 
-/// In the order of their names. The build writes this function: cmake/EmbedSoils.cmake.
+/// In the order of their names. The build writes this function: cmake/EmbedToml.cmake.
 [[nodiscard]] std::span<const BuiltInSoil> builtInSoils();
 
 }  // namespace haptolith

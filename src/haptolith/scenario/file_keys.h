@@ -20,6 +20,12 @@ namespace haptolith {
 /// Instead of get(): a way to choose what other keys write by its numbers.
 inline constexpr std::nullptr_t kOnlyRead = nullptr;
 
+/// "P3" or 0.835; a number has the text with which it would be written.
+struct TextOrNumber {
+  std::string text = {};
+  std::optional<double> number = {};
+};
+
 /// One key of a TOML file that is read into a Target and written from it: its place, what is valid there, what it
 /// changes, and what it is. A set() may throw InvalidParameter. Every key says how it is written, or kOnlyRead.
 template <class Target>
@@ -57,6 +63,11 @@ struct FileKey {
     void (*set)(Target&, std::string_view);
     std::string_view (*get)(const Target&);  ///< empty: left out
   };
+  /// Texts or numbers, several or one alone; what is more to say about them, set() checks. Only read.
+  struct ItemsValue {
+    std::string_view valid;
+    void (*set)(Target&, const std::vector<TextOrNumber>&);
+  };
   /// The name of another file, which lies beside the one that names it.
   struct PathValue {
     void (*set)(Target&, const std::filesystem::path&);
@@ -66,7 +77,9 @@ struct FileKey {
   std::string_view table;  ///< "soil"; empty at the top of the file
   std::string_view name;
   std::string_view parameter;  ///< what validate() calls it, in SI: "width_m" for width_mm
-  std::variant<NumberValue, CountValue, VectorValue, IntervalValue, SwitchValue, WordValue, TextValue, PathValue> value;
+  std::variant<NumberValue, CountValue, VectorValue, IntervalValue, SwitchValue, WordValue, TextValue, ItemsValue,
+               PathValue>
+      value;
   std::string_view meaning;  ///< one sentence for the document
 };
 
@@ -93,6 +106,8 @@ template <class Target>
       return anyOf(value.valid);
     } else if constexpr (std::is_same_v<Value, typename Key::TextValue>) {
       return "text";
+    } else if constexpr (std::is_same_v<Value, typename Key::ItemsValue>) {
+      return std::string(value.valid);
     } else {
       return "a file";
     }

@@ -51,10 +51,6 @@ std::string quote(const toml::node& node) {
   return text.size() <= kLongestQuote ? text : text.substr(0, kLongestQuote) + "...";
 }
 
-std::string fullName(const KeyName& key) {
-  return key.table.empty() ? std::string(key.name) : fmt::format("[{}] {}", key.table, key.name);
-}
-
 bool knowsTable(std::span<const KeyName> known, std::string_view name) {
   return !name.empty() && std::ranges::any_of(known, [&](const KeyName& key) { return key.table == name; });
 }
@@ -68,12 +64,18 @@ bool knowsKey(std::span<const KeyName> known, std::string_view table, std::strin
 // --- the file ---
 
 TomlReader::TomlReader(const fs::path& path, const FileKind& kind) : path_(path), kind_(kind) {
-  file_ = parse(readText());
+  table_ = std::make_shared<const toml::table>(parse(readText()));
 }
 
 TomlReader::TomlReader(const fs::path& path, std::string_view text, const FileKind& kind) : path_(path), kind_(kind) {
-  file_ = parse(text);
+  table_ = std::make_shared<const toml::table>(parse(text));
 }
+
+TomlReader::TomlReader(const TomlReader& whole, std::string_view name, const toml::table& part)
+    : path_(whole.path_),
+      kind_(whole.kind_),
+      part_(whole.part_.empty() ? name : fmt::format("{}.{}", whole.part_, name)),
+      table_(whole.table_, &part) {}
 
 std::string TomlReader::readText() const {
   std::error_code error;
@@ -111,8 +113,37 @@ toml::table TomlReader::parse(std::string_view text) const {
 }
 
 const toml::node* TomlReader::find(std::string_view table, std::string_view name) const {
-  const toml::table* at = table.empty() ? &file_ : file_[table].as_table();
+  const toml::table* at = table.empty() ? table_.get() : (*table_)[table].as_table();
   return at == nullptr ? nullptr : at->get(name);
+}
+
+std::vector<TomlReader> TomlReader::parts(std::string_view name) const {
+  const toml::node* node = find("", name);
+  if (node == nullptr) {
+    return {};
+  }
+  const toml::array* array = node->as_array();
+  if (array == nullptr || !array->is_array_of_tables()) {
+    refuseKey({"", name}, fmt::format("tables, each under [[{}{}{}]]", part_, part_.empty() ? "" : ".", name));
+  }
+  std::vector<TomlReader> parts;
+  for (const toml::node& part : *array) {
+    parts.push_back(TomlReader(*this, name, *part.as_table()));
+  }
+  return parts;
+}
+
+int TomlReader::line() const {
+  return part_.empty() ? 1 : lineOf(*table_);
+}
+
+/// "title", "[soil] preset", "[[block]] title" or "[block.scene] preset".
+std::string TomlReader::fullName(const KeyName& key) const {
+  if (part_.empty()) {
+    return key.table.empty() ? std::string(key.name) : fmt::format("[{}] {}", key.table, key.name);
+  }
+  return key.table.empty() ? fmt::format("[[{}]] {}", part_, key.name)
+                           : fmt::format("[{}.{}] {}", part_, key.table, key.name);
 }
 
 // --- refusing ---
@@ -125,17 +156,26 @@ void TomlReader::refuseFile(std::string_view why) const {
   throw ScenarioError(fmt::format("{}: {}", path_.string(), why), 0);
 }
 
+void TomlReader::refuseKey(const KeyName& key, std::string_view valid) const {
+  refuseValue({key, *find(key.table, key.name), std::string(valid)});
+}
+
 void TomlReader::refuseValue(const Place& place) const {
   refuse(lineOf(place.node),
          fmt::format("{} = {} is not valid: must be {}", fullName(place.key), quote(place.node), place.valid));
 }
 
 void TomlReader::refuseLeftOut(const KeyName& key, std::string_view value, std::string_view valid) const {
-  refuseFile(fmt::format("{} = {} ({}) is not valid: must be {}", fullName(key), value, kind_.left_out, valid));
+  const std::string message =
+      fmt::format("{} = {} ({}) is not valid: must be {}", fullName(key), value, kind_.left_out, valid);
+  if (!part_.empty()) {
+    refuse(line(), message);
+  }
+  refuseFile(message);
 }
 
 void TomlReader::refuseUnknownKeys(std::span<const KeyName> known) const {
-  for (const auto& [name, node] : file_) {
+  for (const auto& [name, node] : *table_) {
     if (knowsTable(known, name.str())) {
       refuseUnknownKeysIn(name.str(), node, known);
     } else if (!knowsKey(known, "", name.str())) {
@@ -194,7 +234,11 @@ void TomlReader::refuseBoth(std::string_view table, std::string_view one, std::s
 
 void TomlReader::require(std::string_view table, std::string_view name) const {
   if (find(table, name) == nullptr) {
-    refuseFile(fmt::format("{} is missing, see {}", fullName({table, name}), kind_.document));
+    const std::string message = fmt::format("{} is missing, see {}", fullName({table, name}), kind_.document);
+    if (!part_.empty()) {
+      refuse(line(), message);
+    }
+    refuseFile(message);
   }
 }
 
@@ -270,6 +314,29 @@ std::string TomlReader::text(const Place& place) const {
     refuseValue({place.key, place.node, text == nullptr ? place.valid : "text that is not empty"});
   }
   return text->get();
+}
+
+/// Several, or one alone.
+std::vector<TextOrNumber> TomlReader::items(const Place& place) const {
+  const auto item = [&](const toml::node& node) -> TextOrNumber {
+    if (const toml::value<std::string>* text = node.as_string()) {
+      return {.text = text->get(), .number = std::nullopt};
+    }
+    const double value = node.value_or(std::nan(""));
+    if (!node.is_number() || !std::isfinite(value)) {
+      refuseValue(place);
+    }
+    return {.text = fmt::format("{}", value), .number = value};
+  };
+  const toml::array* array = place.node.as_array();
+  if (array == nullptr) {
+    return {item(place.node)};
+  }
+  std::vector<TextOrNumber> items;
+  for (const toml::node& node : *array) {
+    items.push_back(item(node));
+  }
+  return items;
 }
 
 /// Looked for beside the file, wherever the program was started.

@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <memory>
 #include <span>
 #include <string>
 #include <string_view>
@@ -53,7 +54,14 @@ class TomlReader {
   /// Null when the file does not have it.
   [[nodiscard]] const toml::node* find(std::string_view table, std::string_view name) const;
 
-  [[nodiscard]] bool has(std::string_view table) const { return file_.contains(table); }
+  [[nodiscard]] bool has(std::string_view table) const { return table_->contains(table); }
+
+  /// A reader for each of the tables [[name]], which reads their keys as if each were a file of its own.
+  /// @throws ScenarioError when there is something else of that name.
+  [[nodiscard]] std::vector<TomlReader> parts(std::string_view name) const;
+
+  /// Where the table begins that this reads; 1 for a whole file.
+  [[nodiscard]] int line() const;
 
   /// The nearest of the known keys is suggested.
   void refuseUnknownKeys(std::span<const KeyName> known) const;
@@ -63,6 +71,9 @@ class TomlReader {
   void require(std::string_view table, std::string_view name) const;
 
   [[noreturn]] void refuse(int line, std::string_view message) const;
+
+  /// What is wrong with the value of a key that the file has.
+  [[noreturn]] void refuseKey(const KeyName& key, std::string_view valid) const;
 
   /// Sets what `key` stands for, if the file has it.
   template <class Target>
@@ -81,6 +92,8 @@ class TomlReader {
     std::string valid;
   };
 
+  TomlReader(const TomlReader& whole, std::string_view name, const toml::table& part);
+
   [[noreturn]] void refuseFile(std::string_view why) const;
   [[noreturn]] void refuseValue(const Place& place) const;
   [[noreturn]] void refuseLeftOut(const KeyName& key, std::string_view value, std::string_view valid) const;
@@ -88,6 +101,7 @@ class TomlReader {
   [[noreturn]] void refuseUnknown(const KeyName& key, const toml::node& node, std::span<const KeyName> known) const;
   [[nodiscard]] std::string suggestion(const KeyName& key, std::span<const KeyName> known) const;
 
+  [[nodiscard]] std::string fullName(const KeyName& key) const;
   [[nodiscard]] std::string readText() const;
   [[nodiscard]] toml::table parse(std::string_view text) const;
 
@@ -98,11 +112,13 @@ class TomlReader {
   [[nodiscard]] bool onOrOff(const Place& place) const;
   [[nodiscard]] std::string_view word(const Place& place, const std::vector<std::string_view>& words) const;
   [[nodiscard]] std::string text(const Place& place) const;
+  [[nodiscard]] std::vector<TextOrNumber> items(const Place& place) const;
   [[nodiscard]] std::filesystem::path besideFile(const Place& place) const;
 
   std::filesystem::path path_;
   FileKind kind_;
-  toml::table file_;
+  std::string part_;                          // "block" in a reader of [[block]]; empty for the whole file
+  std::shared_ptr<const toml::table> table_;  // or a part of what it points into
 };
 
 template <class Target>
@@ -129,6 +145,8 @@ void TomlReader::apply(const FileKey<Target>& key, Target& target) const {
       value.set(target, word(place, value.valid));
     } else if constexpr (std::is_same_v<Value, typename Key::TextValue>) {
       value.set(target, text(place));
+    } else if constexpr (std::is_same_v<Value, typename Key::ItemsValue>) {
+      value.set(target, items(place));
     } else {
       value.set(target, besideFile(place));
     }

@@ -25,24 +25,28 @@ template <class Target>
   using Key = FileKey<Target>;
   const auto text = [&](const auto& value) -> std::string {
     using Value = std::decay_t<decltype(value)>;
-    if (value.get == nullptr) {
-      return "";
-    }
-    const auto now = value.get(target);
-    if constexpr (std::is_same_v<Value, typename Key::NumberValue>) {
-      return std::isnan(now) ? "" : tomlNumber(now);
-    } else if constexpr (std::is_same_v<Value, typename Key::CountValue>) {
-      return fmt::format("{}", now);
-    } else if constexpr (std::is_same_v<Value, typename Key::VectorValue>) {
-      return fmt::format("[{}, {}, {}]", tomlNumber(now.x()), tomlNumber(now.y()), tomlNumber(now.z()));
-    } else if constexpr (std::is_same_v<Value, typename Key::IntervalValue>) {
-      return now ? fmt::format("[{}, {}]", tomlNumber(now->lowest), tomlNumber(now->highest)) : "";
-    } else if constexpr (std::is_same_v<Value, typename Key::SwitchValue>) {
-      return now ? "true" : "false";
-    } else if constexpr (std::is_same_v<Value, typename Key::PathValue>) {
-      return now.empty() ? "" : tomlText(now.string());
+    if constexpr (std::is_same_v<Value, typename Key::ItemsValue>) {
+      return "";  // only read
     } else {
-      return now.empty() ? "" : tomlText(now);
+      if (value.get == nullptr) {
+        return "";
+      }
+      const auto now = value.get(target);
+      if constexpr (std::is_same_v<Value, typename Key::NumberValue>) {
+        return std::isnan(now) ? "" : tomlNumber(now);
+      } else if constexpr (std::is_same_v<Value, typename Key::CountValue>) {
+        return fmt::format("{}", now);
+      } else if constexpr (std::is_same_v<Value, typename Key::VectorValue>) {
+        return fmt::format("[{}, {}, {}]", tomlNumber(now.x()), tomlNumber(now.y()), tomlNumber(now.z()));
+      } else if constexpr (std::is_same_v<Value, typename Key::IntervalValue>) {
+        return now ? fmt::format("[{}, {}]", tomlNumber(now->lowest), tomlNumber(now->highest)) : "";
+      } else if constexpr (std::is_same_v<Value, typename Key::SwitchValue>) {
+        return now ? "true" : "false";
+      } else if constexpr (std::is_same_v<Value, typename Key::PathValue>) {
+        return now.empty() ? "" : tomlText(now.string());
+      } else {
+        return now.empty() ? "" : tomlText(now);
+      }
     }
   };
   const std::string value = std::visit(text, key.value);

@@ -1,0 +1,371 @@
+#include "haptolith/study/protocol.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <cmath>
+#include <fstream>
+#include <iterator>
+#include <optional>
+#include <utility>
+
+#include "haptolith/core/error.h"
+#include "haptolith/scenario/toml_reader.h"
+#include "haptolith/soil/bodies.h"
+#include "haptolith/soil/presets.h"
+#include "haptolith/study/built_in_protocols.h"
+#include "haptolith/study/protocol_keys.h"
+
+namespace haptolith {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr FileKind kProtocol{
+    .name = "protocol", .example_key = "title", .document = "docs/studies.md", .left_out = "left out"};
+
+// --- levels
+// -----------------------------------------------------------------------------------------------------------
+
+/// What a block may vary: how messages and axes call it, and the stimulus that a word or number of the file stands for.
+struct Variation {
+  std::string_view levels_are, axis_label;
+  Stimulus (*stimulus)(std::string_view varies, const TextOrNumber& level);
+};
+
+Stimulus presetStimulus(std::string_view /*varies*/, const TextOrNumber& level) {
+  const Preset& preset = findPreset(level.text);
+  return {.name = std::string(preset.name),
+          .value = preset.friction_coefficient,
+          .change = {.preset = std::string(preset.name)}};
+}
+
+Stimulus bodyStimulus(std::string_view /*varies*/, const TextOrNumber& level) {
+  const Body& body = findBody(level.text);
+  return {.name = std::string(body.name), .value = body.gravity_m_s2, .change = {.body = std::string(body.name)}};
+}
+
+Stimulus soilStimulus(std::string_view /*varies*/, const TextOrNumber& level) {
+  const std::vector<std::string> names = soilNames();  // a file beside the protocol would not travel with the study
+  if (std::ranges::find(names, level.text) == names.end()) {
+    throw InvalidParameter("soil", fmt::format("'{}'", level.text), fmt::format("one of {}", fmt::join(names, ", ")));
+  }
+  return {.name = level.text, .value = 0, .change = {.soil = level.text}};
+}
+
+Stimulus sliderStimulus(std::string_view varies, const TextOrNumber& level) {
+  if (!level.number) {
+    throw InvalidParameter(std::string(varies), fmt::format("'{}'", level.text), "a number");
+  }
+  return {.name = level.text, .value = *level.number, .change = {.sliders = {{std::string(varies), *level.number}}}};
+}
+
+Variation variationOf(std::string_view varies) {
+  if (varies == "preset") {
+    return {"presets", "friction coefficient", presetStimulus};
+  }
+  if (varies == "body") {
+    return {"bodies", "gravity (m/s²)", bodyStimulus};
+  }
+  if (varies == "soil") {
+    return {"soils by name", "", soilStimulus};
+  }
+  if (varies == "friction_angle_deg") {
+    return {"numbers", "friction angle (°)", sliderStimulus};
+  }
+  if (varies == "cohesion_pa") {
+    return {"numbers", "cohesion (Pa)", sliderStimulus};
+  }
+  if (varies == "contact_friction") {
+    return {"numbers", "friction of a contact", sliderStimulus};
+  }
+  return {"numbers", "cohesion of a contact (mN)", sliderStimulus};
+}
+
+/// The stimulus a level stands for. @throws InvalidParameter for the key of the block in which it stands.
+Stimulus stimulusOf(const BlockDraft& draft, std::string_view key, const TextOrNumber& level) {
+  const Variation variation = variationOf(draft.varies);
+  try {
+    return variation.stimulus(draft.varies, level);
+  } catch (const InvalidParameter& error) {
+    throw InvalidParameter(std::string(key), error.value(),
+                           fmt::format("{}; {} is not: {}", variation.levels_are, error.value(), error.valid()));
+  }
+}
+
+void readReference(BlockDraft& draft) {
+  if (draft.reference.size() != 1) {
+    throw InvalidParameter("reference", "", "one name or number");
+  }
+  draft.block.reference = stimulusOf(draft, "reference", draft.reference.front());
+  if (draft.reference_value) {
+    draft.block.reference.value = *draft.reference_value;
+  } else if (draft.varies == "soil" || !draft.values.empty()) {
+    throw InvalidParameter("reference_value", "nothing", "given, because the levels have `values` of their own");
+  }
+}
+
+void readLevels(BlockDraft& draft) {
+  for (const TextOrNumber& level : draft.levels) {
+    draft.block.levels.push_back(stimulusOf(draft, "levels", level));
+  }
+  if (draft.levels.size() < 2) {
+    throw InvalidParameter("levels", "", "two or more: one level makes no curve");
+  }
+  if (draft.values.empty() && (draft.varies == "soil" || draft.reference_value)) {
+    throw InvalidParameter("values", "nothing", "given: where each level lies on the axis");
+  }
+  if (draft.values.empty()) {
+    return;
+  }
+  if (draft.values.size() != draft.levels.size()) {
+    throw InvalidParameter("values", "", fmt::format("as many numbers as there are levels, {}", draft.levels.size()));
+  }
+  for (std::size_t i = 0; i < draft.values.size(); ++i) {
+    if (!draft.values[i].number) {
+      throw InvalidParameter("values", "", fmt::format("numbers; '{}' is none", draft.values[i].text));
+    }
+    draft.block.levels[i].value = *draft.values[i].number;
+  }
+}
+
+void sortLevels(StudyBlock& block) {
+  std::ranges::stable_sort(block.levels, {}, &Stimulus::value);
+  for (std::size_t i = 1; i < block.levels.size(); ++i) {
+    const Stimulus& one = block.levels[i - 1];
+    const Stimulus& other = block.levels[i];
+    if (one.value == other.value) {
+      throw InvalidParameter("levels", "",
+                             one.name == other.name ? fmt::format("each there once; {} is there twice", one.name)
+                                                    : fmt::format("apart on the axis; {} and {} are both {}", one.name,
+                                                                  other.name, one.value));
+    }
+  }
+}
+
+/// Whether there is a level on each side of the reference is what tells "more" from "less".
+void requireReferenceAmongLevels(const StudyBlock& block) {
+  const double low = block.levels.front().value;
+  const double high = block.levels.back().value;
+  const double value = block.reference.value;
+  const bool needed = block.task != TaskKind::kTwoInterval && block.procedure != ProcedureKind::kStaircase;
+  if (needed && (value <= low || value >= high)) {
+    throw InvalidParameter("reference", "", fmt::format("between the levels, {} to {}; it is at {}", low, high, value));
+  }
+  if (block.log_axis && (low <= 0 || value <= 0)) {
+    throw InvalidParameter("log_axis", "", fmt::format("false: {} has no logarithm", std::min(low, value)));
+  }
+}
+
+/// Every stimulus must make a scene that can be run.
+void requireScenes(const StudyProtocol& protocol, const StudyBlock& block) {
+  const auto require = [&](std::string_view key, const Stimulus& stimulus) {
+    try {
+      (void)sceneOf(protocol, block, stimulus);
+    } catch (const InvalidParameter& error) {
+      throw InvalidParameter(std::string(key), stimulus.name,
+                             fmt::format("what the scene can show; with '{}': {}", stimulus.name, error.what()));
+    }
+  };
+  require("reference", block.reference);
+  for (const Stimulus& level : block.levels) {
+    require("levels", level);
+  }
+}
+
+// --- forms
+// ------------------------------------------------------------------------------------------------------------
+
+void requireWholeItem(const FormItem& item) {
+  const bool is_scale = item.kind == FormItem::Kind::kScale;
+  if (item.kind == FormItem::Kind::kChoice && item.choices.size() < 2) {
+    throw InvalidParameter("choices", "", "at least two texts");
+  }
+  if (item.kind != FormItem::Kind::kChoice && !item.choices.empty()) {
+    throw InvalidParameter("choices", "", "left out: only `kind = \"choice\"` has them");
+  }
+  if (item.low > item.high || (is_scale && item.low == item.high)) {
+    throw InvalidParameter("high", fmt::format("{}", item.high), fmt::format("> low, {}", item.low));
+  }
+}
+
+std::vector<FormItem> readItems(const TomlReader& reader, std::string_view name) {
+  std::vector<FormItem> items;
+  for (const TomlReader& part : reader.parts(name)) {
+    part.refuseUnknownKeys(keyNames(itemKeys()));
+    FormItem item;
+    for (const ItemKey& key : itemKeys()) {
+      part.apply(key, item);
+    }
+    part.require("", "key");
+    part.require("", "label");
+    part.check(itemKeys(), "", [&] { requireWholeItem(item); });
+    if (std::ranges::find(items, item.key, &FormItem::key) != items.end()) {
+      part.refuseKey({"", "key"}, "another one: an item above has it");
+    }
+    items.push_back(std::move(item));
+  }
+  return items;
+}
+
+std::vector<FormItem> withTaskLoadIndex(bool wanted, std::vector<FormItem> items) {
+  if (wanted) {
+    const std::span<const FormItem> index = nasaTaskLoadIndex();
+    items.insert(items.begin(), index.begin(), index.end());
+  }
+  return items;
+}
+
+// --- the file
+// ---------------------------------------------------------------------------------------------------------
+
+/// Keys of one procedure in a block that has another are a mistake that nobody would see.
+void refuseKeysOfOtherProcedures(const TomlReader& reader, const StudyBlock& block) {
+  if (block.procedure != ProcedureKind::kConstant && reader.find("", "repeats") != nullptr) {
+    reader.refuseKey({"", "repeats"}, "left out: the procedure ends by itself");
+  }
+  if (block.procedure != ProcedureKind::kStaircase && reader.has("staircase")) {
+    reader.refuseKey({"", "staircase"}, "left out: the procedure is no staircase");
+  }
+  if (block.procedure != ProcedureKind::kQuestPlus && reader.has("quest_plus")) {
+    reader.refuseKey({"", "quest_plus"}, "left out: the procedure is not quest+");
+  }
+}
+
+StudyBlock readBlock(const TomlReader& reader, const StudyProtocol& protocol) {
+  std::vector<KeyName> known = keyNames(blockKeys());
+  known.push_back({"", "item"});
+  reader.refuseUnknownKeys(known);
+  reader.refuseBoth("scene", "preset", "soil");
+  for (const char* needed : {"name", "question", "answers", "varies", "reference", "levels"}) {
+    reader.require("", needed);
+  }
+  BlockDraft draft;
+  for (const BlockKey& key : blockKeys()) {
+    reader.apply(key, draft);
+  }
+  StudyBlock& block = draft.block;
+  refuseKeysOfOtherProcedures(reader, block);
+  if (block.axis_label.empty()) {
+    block.axis_label = variationOf(draft.varies).axis_label;
+  }
+  reader.check(blockKeys(), "", [&] {
+    readReference(draft);
+    readLevels(draft);
+    sortLevels(block);
+    requireReferenceAmongLevels(block);
+    requireScenes(protocol, block);
+  });
+  if (block.axis_label.empty()) {
+    reader.require("", "axis_label");
+  }
+  block.questionnaire = withTaskLoadIndex(draft.task_load_index, readItems(reader, "item"));
+  return block;
+}
+
+StudyProtocol read(const TomlReader& reader, const Scenario* scene) {
+  std::vector<KeyName> known = keyNames(protocolKeys());
+  for (const char* tables : {"block", "demographics", "item"}) {
+    known.push_back({"", tables});
+  }
+  reader.refuseUnknownKeys(known);
+  reader.require("", "title");
+  ProtocolDraft draft;
+  for (const ProtocolKey& key : protocolKeys()) {
+    if (scene == nullptr || key.name != "scene") {
+      reader.apply(key, draft);
+    }
+  }
+  StudyProtocol& protocol = draft.protocol;
+  if (scene != nullptr) {
+    protocol.scene = *scene;
+  } else if (!draft.scene_file.empty()) {
+    protocol.scene = loadScenario(draft.scene_file);
+  }
+  reader.require("", "block");
+  for (const TomlReader& part : reader.parts("block")) {
+    StudyBlock block = readBlock(part, protocol);
+    if (std::ranges::find(protocol.blocks, block.name, &StudyBlock::name) != protocol.blocks.end()) {
+      part.refuseKey({"", "name"}, "another one: a block above has it");
+    }
+    protocol.blocks.push_back(std::move(block));
+  }
+  protocol.demographics = readItems(reader, "demographics");
+  protocol.questionnaire = withTaskLoadIndex(draft.task_load_index, readItems(reader, "item"));
+  return protocol;
+}
+
+}  // namespace
+
+StudyProtocol loadProtocol(const fs::path& path) {
+  return read(TomlReader(path, kProtocol), nullptr);
+}
+
+StudyProtocol loadProtocolText(std::string_view toml, std::string_view name, const Scenario* scene) {
+  return read(TomlReader(fs::path(name), toml, kProtocol), scene);
+}
+
+std::vector<std::string_view> protocolNames() {
+  std::vector<std::string_view> names;
+  std::ranges::transform(builtInProtocols(), std::back_inserter(names), &BuiltInProtocol::name);
+  return names;
+}
+
+ProtocolText findProtocol(std::string_view name_or_file) {
+  const auto same_letter = [](unsigned char a, unsigned char b) { return std::tolower(a) == std::tolower(b); };
+  for (const BuiltInProtocol& protocol : builtInProtocols()) {
+    if (std::ranges::equal(name_or_file, protocol.name, same_letter)) {
+      return {.name = std::string(protocol.name), .text = std::string(protocol.text)};
+    }
+  }
+  const fs::path path(name_or_file);
+  if (!fs::is_regular_file(path)) {
+    throw InvalidParameter("protocol", fmt::format("'{}'", name_or_file),
+                           fmt::format("{}, or a protocol file (docs/studies.md)", fmt::join(protocolNames(), ", ")));
+  }
+  std::ifstream file(path, std::ios::binary);
+  std::string text{std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
+  if (!file.is_open() || file.bad()) {
+    throw Failure(fmt::format("cannot read {}", path.string()));
+  }
+  return {.name = path.string(), .text = std::move(text)};
+}
+
+Scenario sceneOf(const StudyProtocol& protocol, const StudyBlock& block, const Stimulus& stimulus) {
+  return changed(changed(protocol.scene, block.scene), stimulus.change);
+}
+
+std::size_t farthestLevel(const StudyBlock& block) {
+  const auto distance = [&](const Stimulus& level) {
+    return block.log_axis ? std::abs(std::log(level.value / block.reference.value))
+                          : std::abs(level.value - block.reference.value);
+  };
+  return static_cast<std::size_t>(std::ranges::max_element(block.levels, {}, distance) - block.levels.begin());
+}
+
+std::span<const FormItem> nasaTaskLoadIndex() {
+  const auto scale = [](const char* key, const char* label, const char* low, const char* high) {
+    return FormItem{.key = key,
+                    .label = label,
+                    .kind = FormItem::Kind::kScale,
+                    .low = 0,
+                    .high = 100,
+                    .low_label = low,
+                    .high_label = high,
+                    .required = true};
+  };
+  static const std::vector<FormItem> kScales{
+      scale("tlx_mental_demand", "Mental demand: how much thinking, deciding and remembering did it take?", "very low",
+            "very high"),
+      scale("tlx_physical_demand", "Physical demand: how much bodily effort did it take?", "very low", "very high"),
+      scale("tlx_temporal_demand", "Temporal demand: how hurried did you feel?", "very low", "very high"),
+      scale("tlx_performance", "Performance: how well do you think you did?", "perfect", "failure"),
+      scale("tlx_effort", "Effort: how hard did you have to work to do that well?", "very low", "very high"),
+      scale("tlx_frustration", "Frustration: how annoyed, stressed or discouraged were you?", "very low", "very high"),
+  };
+  return kScales;
+}
+
+}  // namespace haptolith

@@ -1,0 +1,316 @@
+#include "haptolith/study/protocol_keys.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cctype>
+#include <limits>
+
+#include "haptolith/scenario/scene_words.h"
+#include "haptolith/scenario/soil_file.h"
+#include "haptolith/soil/bodies.h"
+#include "haptolith/soil/presets.h"
+
+namespace haptolith {
+
+namespace {
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+constexpr Range kAnyNumber{-kInfinity, kInfinity};
+constexpr Range kSeconds{0, 3600};
+constexpr Range kTrials{0, 1000};
+constexpr std::size_t kLongestName = 32;
+
+constexpr std::array<std::string_view, 7> kVariedThings{
+    "preset", "body", "soil", "friction_angle_deg", "cohesion_pa", "contact_friction", "contact_cohesion_mn"};
+
+constexpr std::array kOrderWords{
+    SceneWord{"fixed", BlockOrder::kFixed},
+    SceneWord{"latin-square", BlockOrder::kLatinSquare},
+    SceneWord{"random", BlockOrder::kRandom},
+};
+
+constexpr std::array kTaskWords{
+    SceneWord{"reference-first", TaskKind::kReferenceFirst},
+    SceneWord{"random-order", TaskKind::kRandomOrder},
+    SceneWord{"two-interval", TaskKind::kTwoInterval},
+};
+
+constexpr std::array kProcedureWords{
+    SceneWord{"constant", ProcedureKind::kConstant},
+    SceneWord{"staircase", ProcedureKind::kStaircase},
+    SceneWord{"quest+", ProcedureKind::kQuestPlus},
+};
+
+constexpr std::array kItemWords{
+    SceneWord{"text", FormItem::Kind::kText},     SceneWord{"number", FormItem::Kind::kNumber},
+    SceneWord{"choice", FormItem::Kind::kChoice}, SceneWord{"scale", FormItem::Kind::kScale},
+    SceneWord{"yes-no", FormItem::Kind::kYesNo},
+};
+
+const std::vector<std::string_view> kQuestionnaires{"nasa-tlx"};
+
+/// Names become names of columns, files and BIDS tasks, hence so few letters.
+std::string nameOf(std::string_view key, std::string_view text, std::string_view also) {
+  const bool valid = text.size() <= kLongestName && std::ranges::all_of(text, [&](unsigned char letter) {
+                       return (letter < 0x80 && std::isalnum(letter) != 0) ||
+                              also.find(static_cast<char>(letter)) != std::string_view::npos;
+                     });
+  if (!valid) {
+    throw InvalidParameter(std::string(key), std::string(text),
+                           fmt::format("at most {} letters (a to z) and digits{}", kLongestName,
+                                       also.empty() ? "" : fmt::format(" and {}", also)));
+  }
+  return std::string(text);
+}
+
+std::vector<std::string> textsOf(const std::vector<TextOrNumber>& items) {
+  std::vector<std::string> texts;
+  std::ranges::transform(items, std::back_inserter(texts), &TextOrNumber::text);
+  return texts;
+}
+
+void setAnswers(BlockDraft& draft, const std::vector<TextOrNumber>& items) {
+  if (items.size() != 2 || items[0].text.empty() || items[1].text.empty() || items[0].text == items[1].text) {
+    throw InvalidParameter("answers", "", "two different texts, the one for \"the test had more\" second");
+  }
+  draft.block.answers = {items[0].text, items[1].text};
+}
+
+template <double StudyBlock::*kNumber>
+BlockKey::NumberValue seconds() {
+  return {kSeconds, [](BlockDraft& d, double v) { d.block.*kNumber = v; }, kOnlyRead};
+}
+
+template <int StudyBlock::*kCount>
+BlockKey::CountValue trials(const Range& valid = kTrials) {
+  return {valid, [](BlockDraft& d, std::int64_t v) { d.block.*kCount = static_cast<int>(v); }, kOnlyRead};
+}
+
+template <bool StudyBlock::*kSwitch>
+BlockKey::SwitchValue onOrOff() {
+  return {[](BlockDraft& d, bool v) { d.block.*kSwitch = v; }, kOnlyRead};
+}
+
+template <std::string StudyBlock::*kText>
+BlockKey::TextValue text() {
+  return {[](BlockDraft& d, std::string_view v) { d.block.*kText = v; }, kOnlyRead};
+}
+
+template <std::string FormItem::*kText>
+ItemKey::TextValue itemText() {
+  return {[](FormItem& i, std::string_view v) { i.*kText = v; }, kOnlyRead};
+}
+
+template <std::string StudyProtocol::*kText>
+ProtocolKey::TextValue pageText() {
+  return {[](ProtocolDraft& d, std::string_view v) { d.protocol.*kText = v; }, kOnlyRead};
+}
+
+std::vector<std::string_view> builtInSoilNames() {
+  static const std::vector<std::string> kNames = soilNames();
+  return {kNames.begin(), kNames.end()};
+}
+
+std::vector<ProtocolKey> allProtocolKeys() {
+  using D = ProtocolDraft;
+  return {
+      {"", "title", "", pageText<&StudyProtocol::title>(), "What the study is about, in a line; participants see it."},
+      {"", "consent", "", pageText<&StudyProtocol::consent>(),
+       "What a participant agrees to before anything else; paragraphs are split by blank lines. Left out: no such "
+       "page."},
+      {"", "instructions", "", pageText<&StudyProtocol::instructions>(), "What is read before the first block."},
+      {"", "thanks", "", pageText<&StudyProtocol::thanks>(), "What is read at the end."},
+      {"", "scene", "",
+       ProtocolKey::PathValue{[](D& d, const std::filesystem::path& v) { d.scene_file = v; }, kOnlyRead},
+       "A scene file (scenarios.md), beside the protocol; left out: the paper's scene."},
+      {"", "order", "",
+       ProtocolKey::WordValue{namesOf(kOrderWords),
+                              [](D& d, std::string_view v) { d.protocol.order = valueOf(kOrderWords, v); }, kOnlyRead},
+       "In what order a participant comes to the blocks: as they stand, balanced over participants, or drawn for each; "
+       "left out: `fixed`."},
+      {"", "record", "", ProtocolKey::SwitchValue{[](D& d, bool v) { d.protocol.record = v; }, kOnlyRead},
+       "Whether each trial goes into a recording of its own (recording.md); left out: true."},
+      {"", "questionnaire", "",
+       ProtocolKey::WordValue{kQuestionnaires, [](D& d, std::string_view) { d.task_load_index = true; }, kOnlyRead},
+       "A questionnaire after the last block, before the items of `[[item]]`."},
+  };
+}
+
+std::vector<BlockKey> designKeys() {
+  using D = BlockDraft;
+  return {
+      {"", "name", "",
+       BlockKey::TextValue{[](D& d, std::string_view v) { d.block.name = nameOf("name", v, ""); }, kOnlyRead},
+       "What files and tables call the block: letters and digits."},
+      {"", "title", "", text<&StudyBlock::title>(), "What participants see above it; left out: nothing."},
+      {"", "instructions", "", text<&StudyBlock::instructions>(), "What is read before its first trial."},
+      {"", "question", "", text<&StudyBlock::question>(), "What is asked after the two stimuli."},
+      {"", "answers", "", BlockKey::ItemsValue{"two different texts", setAnswers},
+       "The two answers, left and right: first \"the test had less\", then \"the test had more\"; with `two-interval` "
+       "the "
+       "first and the second stimulus."},
+      {"", "varies", "",
+       BlockKey::WordValue{
+           {kVariedThings.begin(), kVariedThings.end()}, [](D& d, std::string_view v) { d.varies = v; }, kOnlyRead},
+       "What differs between test and reference: the soil as a preset or by name, the celestial body, or one number of "
+       "the soil. The first two of those numbers are for `paper` friction, the other two for `pairwise`."},
+      {"", "reference", "", BlockKey::ItemsValue{"a name, or a number", [](D& d, const auto& v) { d.reference = v; }},
+       "What each test is compared with."},
+      {"", "levels", "",
+       BlockKey::ItemsValue{"names, or numbers, at least two", [](D& d, const auto& v) { d.levels = v; }},
+       "What is compared with the reference, in any order; two at least."},
+      {"", "values", "", BlockKey::ItemsValue{"a number for each level", [](D& d, const auto& v) { d.values = v; }},
+       "Where the levels lie on the axis, in the same order; needed for soils by name. Left out: a preset's "
+       "coefficient of "
+       "friction (paper, Table II), a body's gravity, a number itself."},
+      {"", "reference_value", "",
+       BlockKey::NumberValue{kAnyNumber, [](D& d, double v) { d.reference_value = v; }, kOnlyRead},
+       "Where the reference lies on the axis; needed with `values`."},
+      {"", "axis_label", "", text<&StudyBlock::axis_label>(),
+       "What the axis shows, with its unit; left out: the name of what varies. Needed for soils by name."},
+      {"", "log_axis", "", onOrOff<&StudyBlock::log_axis>(),
+       "Whether curves are drawn over the logarithm; left out: false."},
+      {"", "task", "",
+       BlockKey::WordValue{namesOf(kTaskWords), [](D& d, std::string_view v) { d.block.task = valueOf(kTaskWords, v); },
+                           kOnlyRead},
+       "What comes first and what is asked: reference, then test; the same question with the order drawn; or which of "
+       "the "
+       "two. Left out: `reference-first`, the paper's."},
+      {"", "procedure", "",
+       BlockKey::WordValue{namesOf(kProcedureWords),
+                           [](D& d, std::string_view v) { d.block.procedure = valueOf(kProcedureWords, v); },
+                           kOnlyRead},
+       "Who chooses the levels: a list made beforehand, or the answers so far; left out: `constant`."},
+      {"", "repeats", "", trials<&StudyBlock::repeats>({1, 1000}),
+       "How often each level is shown; for `constant`. Left out: 3."},
+  };
+}
+
+std::vector<BlockKey> courseKeys() {
+  using D = BlockDraft;
+  return {
+      {"", "practice_trials", "", trials<&StudyBlock::practice_trials>(),
+       "Trials before the others, which count for nothing."},
+      {"", "catch_trials", "", trials<&StudyBlock::catch_trials>(),
+       "Easy trials among the others, with the level farthest from the reference: they show whether somebody attends."},
+      {"", "feedback", "", onOrOff<&StudyBlock::feedback>(),
+       "Whether a participant is told that an answer was right; left out: false."},
+      {"", "practice_feedback", "", onOrOff<&StudyBlock::practice_feedback>(),
+       "The same in practice trials; left out: true."},
+      {"", "visual", "", onOrOff<&StudyBlock::visual>(),
+       "Whether the scene is seen while it is felt; false for haptics alone. Left out: true."},
+      {"", "interval_s", "", seconds<&StudyBlock::interval_s>(),
+       "Longest time with one stimulus; 0: until the participant goes on."},
+      {"", "answer_limit_s", "", seconds<&StudyBlock::answer_limit_s>(), "Longest time for an answer; 0: none."},
+      {"", "break_every_trials", "", trials<&StudyBlock::break_every_trials>(),
+       "After how many trials a break comes; 0: no breaks."},
+      {"", "break_s", "", seconds<&StudyBlock::break_s>(), "Shortest length of a break."},
+      {"", "questionnaire", "",
+       BlockKey::WordValue{kQuestionnaires, [](D& d, std::string_view) { d.task_load_index = true; }, kOnlyRead},
+       "A questionnaire after the block, before the items of `[[block.item]]`."},
+  };
+}
+
+/// A number that the soil of the whole block is given.
+#define SLIDER_KEY(name, range, meaning)                                                                           \
+  BlockKey {                                                                                                       \
+    "scene", name, "",                                                                                             \
+        BlockKey::NumberValue{range, [](BlockDraft& d, double v) { d.block.scene.sliders.emplace_back(name, v); }, \
+                              kOnlyRead},                                                                          \
+        meaning                                                                                                    \
+  }
+
+std::vector<BlockKey> sceneKeys() {
+  using D = BlockDraft;
+  return {
+      {"scene", "preset", "",
+       BlockKey::WordValue{namesOf(presets()), [](D& d, std::string_view v) { d.block.scene.preset = v; }, kOnlyRead},
+       "Soil of the paper's Table II."},
+      {"scene", "soil", "",
+       BlockKey::WordValue{builtInSoilNames(), [](D& d, std::string_view v) { d.block.scene.soil = v; }, kOnlyRead},
+       "A soil with a name; not together with a preset."},
+      {"scene", "body", "",
+       BlockKey::WordValue{namesOf(bodies()), [](D& d, std::string_view v) { d.block.scene.body = v; }, kOnlyRead},
+       "The celestial body."},
+      {"scene", "friction", "",
+       BlockKey::WordValue{namesOf(kFrictionWords),
+                           [](D& d, std::string_view v) { d.block.scene.friction = valueOf(kFrictionWords, v); },
+                           kOnlyRead},
+       "What friction acts against (scenarios.md)."},
+      SLIDER_KEY("friction_angle_deg", (Range{1, 70}), "Friction angle of the soil; for `paper` friction."),
+      SLIDER_KEY("cohesion_pa", (Range{0, kInfinity}), "Its cohesion; for `paper` friction."),
+      SLIDER_KEY("contact_friction", (Range{0, 2}), "Friction of a contact; for `pairwise` friction."),
+      SLIDER_KEY("contact_cohesion_mn", (Range{0, kInfinity}), "Largest pull of a contact; for `pairwise` friction."),
+  };
+}
+
+#undef SLIDER_KEY
+
+/// Checks of values against each other call a parameter what the file calls it.
+template <class Key>
+std::vector<Key> named(std::vector<Key> keys) {
+  for (Key& key : keys) {
+    key.parameter = key.name;
+  }
+  return keys;
+}
+
+std::vector<BlockKey> allBlockKeys() {
+  std::vector<BlockKey> keys = designKeys();
+  for (const std::vector<BlockKey>& more : {courseKeys(), sceneKeys()}) {
+    keys.insert(keys.end(), more.begin(), more.end());
+  }
+  return keys;
+}
+
+std::vector<ItemKey> allItemKeys() {
+  return {
+      {"", "key", "",
+       ItemKey::TextValue{[](FormItem& i, std::string_view v) { i.key = nameOf("key", v, "_"); }, kOnlyRead},
+       "What tables call the answer: letters, digits and _."},
+      {"", "label", "", itemText<&FormItem::label>(), "The question."},
+      {"", "kind", "",
+       ItemKey::WordValue{namesOf(kItemWords), [](FormItem& i, std::string_view v) { i.kind = valueOf(kItemWords, v); },
+                          kOnlyRead},
+       "How it is answered; left out: `text`."},
+      {"", "choices", "",
+       ItemKey::ItemsValue{"texts, at least two", [](FormItem& i, const auto& v) { i.choices = textsOf(v); }},
+       "What can be chosen; for `choice`."},
+      {"", "low", "", ItemKey::NumberValue{kAnyNumber, [](FormItem& i, double v) { i.low = v; }, kOnlyRead},
+       "The least a number may be, or the left end of a scale."},
+      {"", "high", "", ItemKey::NumberValue{kAnyNumber, [](FormItem& i, double v) { i.high = v; }, kOnlyRead},
+       "The most a number may be, or the right end of a scale."},
+      {"", "low_label", "", itemText<&FormItem::low_label>(), "What the left end of a scale stands for."},
+      {"", "high_label", "", itemText<&FormItem::high_label>(), "What the right end of a scale stands for."},
+      {"", "required", "", ItemKey::SwitchValue{[](FormItem& i, bool v) { i.required = v; }, kOnlyRead},
+       "Whether it has to be answered; left out: false."},
+      {"", "personal", "", ItemKey::SwitchValue{[](FormItem& i, bool v) { i.personal = v; }, kOnlyRead},
+       "Whether the answer could tell who somebody is: it is kept apart, and exported only when asked for. Left out: "
+       "false."},
+  };
+}
+
+}  // namespace
+
+std::span<const ProtocolKey> protocolKeys() {
+  static const std::vector<ProtocolKey> kKeys = named(allProtocolKeys());
+  return kKeys;
+}
+
+std::span<const BlockKey> blockKeys() {
+  static const std::vector<BlockKey> kKeys = named(allBlockKeys());
+  return kKeys;
+}
+
+std::span<const ItemKey> itemKeys() {
+  static const std::vector<ItemKey> kKeys = named(allItemKeys());
+  return kKeys;
+}
+
+std::span<const std::string_view> variedThings() {
+  return kVariedThings;
+}
+
+}  // namespace haptolith

@@ -1,0 +1,41 @@
+#pragma once
+
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "haptolith/scenario/file_keys.h"
+#include "haptolith/study/protocol.h"
+
+namespace haptolith {
+
+/// What the top of a protocol says, before it is made sense of.
+struct ProtocolDraft {
+  StudyProtocol protocol = {};
+  std::filesystem::path scene_file = {};  ///< empty: the paper's scene
+  bool task_load_index = false;
+};
+
+/// What a [[block]] says, before it is made sense of.
+struct BlockDraft {
+  StudyBlock block = {};
+  std::string varies = {};
+  std::vector<TextOrNumber> levels = {}, values = {}, reference = {};
+  std::optional<double> reference_value = {};
+  bool task_load_index = false;
+};
+
+using ProtocolKey = FileKey<ProtocolDraft>;
+using BlockKey = FileKey<BlockDraft>;
+using ItemKey = FileKey<FormItem>;
+
+/// The keys of a protocol: at its top, in a [[block]], and in an item of a form. docs/studies.md has each of them.
+[[nodiscard]] std::span<const ProtocolKey> protocolKeys();
+[[nodiscard]] std::span<const BlockKey> blockKeys();
+[[nodiscard]] std::span<const ItemKey> itemKeys();
+
+/// What a block may vary: "preset", "body", "soil" or the key of a slider.
+[[nodiscard]] std::span<const std::string_view> variedThings();
+
+}  // namespace haptolith

@@ -1,0 +1,242 @@
+#include "haptolith/study/sequence.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <initializer_list>
+#include <limits>
+#include <numeric>
+#include <random>
+#include <utility>
+
+#include "haptolith/core/error.h"
+
+namespace haptolith {
+
+namespace {
+
+/// What random numbers are for; each purpose has a stream of its own, so that no draw shifts another's.
+enum class Purpose : std::uint64_t { kBlockOrder, kPractice, kMain, kCatch, kTrialSeed, kAdaptiveOrder };
+
+/// The finaliser of SplitMix64 (Steele, Lea and Flood 2014): each bit of the result depends on every bit of the number.
+constexpr std::uint64_t mixed(std::uint64_t number) {
+  number = (number ^ (number >> 30)) * 0xBF58476D1CE4E5B9;
+  number = (number ^ (number >> 27)) * 0x94D049BB133111EB;
+  return number ^ (number >> 31);
+}
+
+/// One number out of several, whose order counts.
+std::uint64_t seedOf(std::initializer_list<std::uint64_t> parts) {
+  std::uint64_t seed = 0;
+  for (const std::uint64_t part : parts) {
+    seed = mixed(seed + 0x9E3779B97F4A7C15 + mixed(part));
+  }
+  return seed;
+}
+
+/// Evenly among 0 ... count - 1; the same on every machine, which the library's distributions are not.
+std::size_t drawn(std::mt19937_64& random, std::size_t count) {
+  const std::uint64_t largest = std::numeric_limits<std::uint64_t>::max();
+  const std::uint64_t unfair = largest - largest % count;  // numbers from here on would favour the small ones
+  std::uint64_t number = random();
+  while (number >= unfair) {
+    number = random();
+  }
+  return number % count;
+}
+
+/// Fisher and Yates: every order is equally likely.
+template <class Value>
+void shuffle(std::vector<Value>& values, std::mt19937_64& random) {
+  for (std::size_t left = values.size(); left > 1; --left) {
+    std::swap(values[left - 1], values[drawn(random, left)]);
+  }
+}
+
+/// The random numbers and seeds of one participant in one block.
+class Draw {
+ public:
+  Draw(std::uint64_t study_seed, int participant_number, std::size_t block)
+      : study_seed_(study_seed), participant_(static_cast<std::uint64_t>(participant_number)), block_(block) {}
+
+  [[nodiscard]] std::mt19937_64 random(Purpose purpose) const { return std::mt19937_64(seed(purpose, 0)); }
+
+  [[nodiscard]] std::uint64_t trialSeed(std::uint64_t trial) const { return seed(Purpose::kTrialSeed, trial) >> 11; }
+
+  [[nodiscard]] std::uint64_t seed(Purpose purpose, std::uint64_t number) const {
+    return seedOf({study_seed_, participant_, block_, static_cast<std::uint64_t>(purpose), number});
+  }
+
+ private:
+  std::uint64_t study_seed_, participant_, block_;
+};
+
+// Seeds of an adaptive block's main trials, apart from those of its planned ones.
+constexpr std::uint64_t kAdaptiveSeeds = std::uint64_t{1} << 32;
+
+/// Each level in `levels`, in random order, with the test first in half of the trials of each; where that does not come
+/// out even, in half of those left over, to one.
+std::vector<PlannedTrial> shuffledTrials(TrialKind kind, const StudyBlock& block,
+                                         const std::vector<std::size_t>& levels, std::mt19937_64& random) {
+  std::vector<std::size_t> times(block.levels.size());
+  for (const std::size_t level : levels) {
+    ++times[level];
+  }
+  std::vector<std::size_t> odd_ones;
+  for (std::size_t level = 0; level < times.size(); ++level) {
+    if (times[level] % 2 == 1) {
+      odd_ones.push_back(level);
+    }
+  }
+  shuffle(odd_ones, random);
+  const std::size_t either = drawn(random, 2);
+  std::vector<std::size_t> with_test_first(times.size());
+  for (std::size_t level = 0; level < times.size(); ++level) {
+    with_test_first[level] = times[level] / 2;
+  }
+  for (std::size_t i = 0; i < odd_ones.size(); ++i) {
+    with_test_first[odd_ones[i]] += (i + either) % 2;
+  }
+  std::vector<PlannedTrial> trials;
+  for (std::size_t level = 0; level < times.size(); ++level) {
+    for (std::size_t i = 0; i < times[level]; ++i) {
+      const bool drawn_first = i < with_test_first[level];
+      trials.push_back(
+          {.kind = kind, .level = level, .test_first = drawn_first && block.task != TaskKind::kReferenceFirst});
+    }
+  }
+  shuffle(trials, random);
+  return trials;
+}
+
+/// As even a choice of `count` levels as there can be, each as often as the others, to one.
+std::vector<std::size_t> evenLevels(std::size_t count, std::size_t level_count, std::mt19937_64& random) {
+  std::vector<std::size_t> levels;
+  while (levels.size() < count) {
+    std::vector<std::size_t> round(level_count);
+    std::iota(round.begin(), round.end(), std::size_t{0});
+    shuffle(round, random);
+    round.resize(std::min(round.size(), count - levels.size()));
+    levels.insert(levels.end(), round.begin(), round.end());
+  }
+  return levels;
+}
+
+std::vector<PlannedTrial> mainTrials(const StudyBlock& block, const Draw& draw) {
+  if (block.procedure != ProcedureKind::kConstant) {
+    return {};
+  }
+  std::vector<std::size_t> levels;
+  for (std::size_t level = 0; level < block.levels.size(); ++level) {
+    levels.insert(levels.end(), static_cast<std::size_t>(block.repeats), level);
+  }
+  std::mt19937_64 random = draw.random(Purpose::kMain);
+  return shuffledTrials(TrialKind::kMain, block, levels, random);
+}
+
+/// About how many main trials a block has; exact unless it is adaptive.
+std::size_t expectedTrials(const StudyBlock& block) {
+  switch (block.procedure) {
+    case ProcedureKind::kConstant: return block.levels.size() * static_cast<std::size_t>(block.repeats);
+    case ProcedureKind::kStaircase: return static_cast<std::size_t>(block.staircase.most_trials);
+    case ProcedureKind::kQuestPlus: return static_cast<std::size_t>(block.quest_plus.most_trials);
+  }
+  return 0;
+}
+
+/// Mixes the catch trials in, anywhere but before the first main trial.
+std::vector<PlannedTrial> withCatchTrials(const StudyBlock& block, std::vector<PlannedTrial> main, const Draw& draw) {
+  std::mt19937_64 random = draw.random(Purpose::kCatch);
+  const std::vector<std::size_t> levels(static_cast<std::size_t>(block.catch_trials), farthestLevel(block));
+  std::vector<PlannedTrial> easy = shuffledTrials(TrialKind::kCatch, block, levels, random);
+  for (PlannedTrial& trial : easy) {
+    trial.before_main = static_cast<int>(1 + drawn(random, std::max<std::size_t>(expectedTrials(block), 2) - 1));
+  }
+  std::ranges::stable_sort(easy, {}, &PlannedTrial::before_main);
+  if (block.procedure != ProcedureKind::kConstant) {
+    return easy;
+  }
+  for (auto trial = easy.rbegin(); trial != easy.rend(); ++trial) {
+    main.insert(main.begin() + std::min<std::ptrdiff_t>(std::exchange(trial->before_main, 0), std::ssize(main)),
+                *trial);
+  }
+  return main;
+}
+
+PlannedBlock plannedBlock(const StudyProtocol& protocol, std::size_t number, const Draw& draw) {
+  const StudyBlock& block = protocol.blocks[number];
+  std::mt19937_64 random = draw.random(Purpose::kPractice);
+  const std::vector<std::size_t> levels =
+      evenLevels(static_cast<std::size_t>(block.practice_trials), block.levels.size(), random);
+  PlannedBlock planned{.block = number, .trials = shuffledTrials(TrialKind::kPractice, block, levels, random)};
+  const std::vector<PlannedTrial> others = withCatchTrials(block, mainTrials(block, draw), draw);
+  planned.trials.insert(planned.trials.end(), others.begin(), others.end());
+  for (std::size_t i = 0; i < planned.trials.size(); ++i) {
+    planned.trials[i].seed = draw.trialSeed(i);
+  }
+  return planned;
+}
+
+void requireParticipantNumber(int number) {
+  if (number < 1) {
+    throw InvalidParameter("participant_number", fmt::format("{}", number), ">= 1");
+  }
+}
+
+std::vector<std::size_t> blockOrder(const StudyProtocol& protocol, std::uint64_t study_seed, int participant_number) {
+  std::vector<std::size_t> order(protocol.blocks.size());
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  if (protocol.order == BlockOrder::kLatinSquare) {
+    const auto design = williamsDesign(order.size());
+    return design[static_cast<std::size_t>(participant_number - 1) % design.size()];
+  }
+  if (protocol.order == BlockOrder::kRandom) {
+    std::mt19937_64 random = Draw(study_seed, participant_number, 0).random(Purpose::kBlockOrder);
+    shuffle(order, random);
+  }
+  return order;
+}
+
+}  // namespace
+
+std::vector<std::vector<std::size_t>> williamsDesign(std::size_t count) {
+  std::vector<std::size_t> first;  // 0, 1, n - 1, 2, n - 2, ...: its neighbours have every difference once
+  for (std::size_t i = 0; i < count; ++i) {
+    first.push_back(i % 2 == 1 ? (i + 1) / 2 : (count - i / 2) % count);
+  }
+  std::vector<std::vector<std::size_t>> rows;
+  for (std::size_t shift = 0; shift < count; ++shift) {
+    std::vector<std::size_t> row;
+    for (const std::size_t block : first) {
+      row.push_back((block + shift) % count);
+    }
+    rows.push_back(row);
+    if (count % 2 == 1 && count > 1) {  // an odd square is balanced only together with its mirror image
+      rows.emplace_back(row.rbegin(), row.rend());
+    }
+  }
+  return rows;
+}
+
+std::vector<PlannedBlock> sequenceFor(const StudyProtocol& protocol, std::uint64_t study_seed, int participant_number) {
+  requireParticipantNumber(participant_number);
+  std::vector<PlannedBlock> sequence;
+  for (const std::size_t block : blockOrder(protocol, study_seed, participant_number)) {
+    sequence.push_back(plannedBlock(protocol, block, Draw(study_seed, participant_number, block)));
+  }
+  return sequence;
+}
+
+PlannedTrial adaptiveTrial(const StudyProtocol& protocol, std::size_t block, std::uint64_t study_seed,
+                           int participant_number, int n, std::size_t level) {
+  requireParticipantNumber(participant_number);
+  const Draw draw(study_seed, participant_number, block);
+  const auto number = static_cast<std::uint64_t>(n);
+  const bool first_of_pair = draw.seed(Purpose::kAdaptiveOrder, number / 2) >> 63 == number % 2;
+  return {.kind = TrialKind::kMain,
+          .level = level,
+          .test_first = first_of_pair && protocol.blocks.at(block).task != TaskKind::kReferenceFirst,
+          .seed = draw.trialSeed(kAdaptiveSeeds + number)};
+}
+
+}  // namespace haptolith

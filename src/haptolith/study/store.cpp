@@ -1,0 +1,750 @@
+#include "haptolith/study/store.h"
+
+#include <SQLiteCpp/SQLiteCpp.h>
+#include <fcntl.h>
+#include <fmt/chrono.h>
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+#include <sqlite3.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <charconv>
+#include <chrono>
+#include <cmath>
+#include <cstdio>
+#include <cstring>
+#include <system_error>
+#include <utility>
+
+#include "haptolith/core/error.h"
+#include "haptolith/study/form.h"
+#include "haptolith/study/runner_lock.h"
+#include "haptolith/study/study_schema.h"
+
+namespace haptolith {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr int kBusyTimeout_ms = 2000;  // longer than another program's commit, shorter than a participant's patience
+constexpr std::size_t kLongestCode = 16;
+constexpr std::uint64_t kLargestSeed =
+    (std::uint64_t{1} << 53) - 1;  // what JSON and other programs' tables keep exactly
+
+constexpr std::array kKindWords{
+    std::pair{TrialKind::kPractice, std::string_view("practice")},
+    std::pair{TrialKind::kMain, std::string_view("main")},
+    std::pair{TrialKind::kCatch, std::string_view("catch")},
+};
+
+constexpr std::array kStateWords{
+    std::pair{TrialState::kBegun, std::string_view("begun")},
+    std::pair{TrialState::kAnswered, std::string_view("answered")},
+    std::pair{TrialState::kRepeated, std::string_view("repeated")},
+    std::pair{TrialState::kLost, std::string_view("lost")},
+};
+
+constexpr std::array kSummaryColumns{
+    SummaryColumn{"duration_s", "s", "How long the stimulus was felt.", &TrialSummary::duration_s},
+    SummaryColumn{"path_m", "m", "Length of the tool's path.", &TrialSummary::path_m},
+    SummaryColumn{"peak_speed_m_s", "m/s", "Largest speed of the tool.", &TrialSummary::peak_speed_m_s},
+    SummaryColumn{"mean_speed_m_s", "m/s", "Mean speed of the tool.", &TrialSummary::mean_speed_m_s},
+    SummaryColumn{"peak_force_n", "N", "Largest force on the hand.", &TrialSummary::peak_force_n},
+    SummaryColumn{"mean_force_n", "N", "Mean force on the hand.", &TrialSummary::mean_force_n},
+    SummaryColumn{"force_sd_n", "N", "Standard deviation of the force on the hand.", &TrialSummary::force_sd_n},
+    SummaryColumn{"peak_torque_nm", "N m", "Largest torque on the hand.", &TrialSummary::peak_torque_nm},
+    SummaryColumn{"work_j", "J", "Work that the hand did on the soil.", &TrialSummary::work_j},
+};
+
+template <class Words, class Value>
+std::string_view wordIn(const Words& words, Value value) {
+  return std::ranges::find(words, value, [](const auto& entry) { return entry.first; })->second;
+}
+
+template <class Words>
+auto valueIn(const Words& words, std::string_view word) {
+  return std::ranges::find(words, word, [](const auto& entry) { return entry.second; })->first;
+}
+
+std::string nowText() {
+  const auto now = std::chrono::floor<std::chrono::milliseconds>(std::chrono::system_clock::now());
+  return fmt::format("{:%Y-%m-%dT%H:%M:%S}.{:03}Z", fmt::gmtime(std::chrono::system_clock::to_time_t(now)),
+                     now.time_since_epoch().count() % 1000);
+}
+
+// --- SQL with values
+// --------------------------------------------------------------------------------------------------
+
+void bindAt(SQLite::Statement& query, int at, double value) {
+  if (std::isnan(value)) {
+    query.bind(at);
+  } else {
+    query.bind(at, value);
+  }
+}
+void bindAt(SQLite::Statement& query, int at, std::string_view value) {
+  query.bind(at, std::string(value));
+}
+void bindAt(SQLite::Statement& query, int at, std::int64_t value) {
+  query.bind(at, value);
+}
+void bindAt(SQLite::Statement& query, int at, int value) {
+  query.bind(at, value);
+}
+void bindAt(SQLite::Statement& query, int at, bool value) {
+  query.bind(at, value ? 1 : 0);
+}
+void bindAt(SQLite::Statement& query, int at, std::size_t value) {
+  query.bind(at, static_cast<std::int64_t>(value));
+}
+template <class Value>
+void bindAt(SQLite::Statement& query, int at, const std::optional<Value>& value) {
+  if (value) {
+    bindAt(query, at, *value);
+  } else {
+    query.bind(at);
+  }
+}
+
+template <class... Values>
+SQLite::Statement prepared(SQLite::Database& database, const std::string& sql, const Values&... values) {
+  SQLite::Statement query(database, sql);
+  int at = 0;
+  (bindAt(query, ++at, values), ...);
+  return query;
+}
+
+template <class... Values>
+int execute(SQLite::Database& database, const std::string& sql, const Values&... values) {
+  return prepared(database, sql, values...).exec();
+}
+
+double numberOrNan(const SQLite::Column& column) {
+  return column.isNull() ? std::nan("") : column.getDouble();
+}
+
+// --- opening
+// ----------------------------------------------------------------------------------------------------------
+
+/// For a file that nobody writes, in a folder where nothing can be made.
+std::string immutableUri(const fs::path& file) {
+  std::string uri = "file:";
+  for (const char letter : fs::absolute(file).string()) {
+    const bool plain = std::isalnum(static_cast<unsigned char>(letter)) != 0 ||
+                       std::string_view("/-_.~").find(letter) != std::string_view::npos;
+    uri += plain ? std::string(1, letter) : fmt::format("%{:02X}", static_cast<unsigned char>(letter));
+  }
+  return uri + "?immutable=1";
+}
+
+bool isEmptyOrMissing(const fs::path& file) {
+  std::error_code error;
+  const std::uintmax_t size = fs::file_size(file, error);
+  return error || size == 0;
+}
+
+SQLite::Database openToRead(const fs::path& file) {
+  // Opened for writing, if that is allowed, so that the last one to close it leaves no -wal and -shm behind.
+  SQLite::Database database(file.string(), SQLite::OPEN_READWRITE, kBusyTimeout_ms);
+  try {
+    database.exec("PRAGMA query_only = ON");
+    (void)versionOf(database);
+    return database;
+  } catch (const SQLite::Exception& error) {
+    const bool cannot_write = error.getErrorCode() == SQLITE_CANTOPEN || error.getErrorCode() == SQLITE_READONLY;
+    if (!cannot_write || !isEmptyOrMissing(file.string() + "-wal")) {
+      throw;
+    }
+  }
+  return {immutableUri(file), SQLite::OPEN_READONLY | SQLite::OPEN_URI};
+}
+
+SQLite::Database openToRun(const fs::path& file) {
+  SQLite::Database database(file.string(), SQLite::OPEN_READWRITE, kBusyTimeout_ms);
+  (void)versionOf(database);
+  if (sqlite3_db_readonly(database.getHandle(), "main") != 0) {
+    throw Failure(fmt::format("cannot run {}: it is read-only: allow writing (`chmod u+w`) or copy it", file.string()));
+  }
+  database.exec("PRAGMA synchronous = FULL; PRAGMA foreign_keys = ON; PRAGMA secure_delete = ON");
+  return database;
+}
+
+void requireStudy(SQLite::Database& database, const fs::path& file) {
+  if (database.execAndGet("PRAGMA application_id").getInt() != kStudyApplicationId) {
+    throw Failure(fmt::format("{} is not a study: must be a file that `haptolith study new` has made", file.string()));
+  }
+}
+
+void requireWhole(SQLite::Database& database, const fs::path& file) {
+  const std::string found = database.execAndGet("PRAGMA integrity_check(1)").getString();
+  if (found != "ok") {
+    throw Failure(
+        fmt::format("{} is damaged ({}): go on with a copy of it; `sqlite3 FILE .recover` saves what can still be read",
+                    file.string(), found));
+  }
+}
+
+void requireVersion(SQLite::Database& database, const fs::path& file) {
+  const int newest = static_cast<int>(studyMigrations().size());
+  if (const int version = versionOf(database); version != newest) {
+    throw Failure(fmt::format("{} was made by {} version of haptolith (its tables are version {}, not {}){}",
+                              file.string(), version > newest ? "a newer" : "an older", version, newest,
+                              version > newest ? ": use that one" : ": `haptolith study resume` brings it up to date"));
+  }
+}
+
+// --- making
+// -----------------------------------------------------------------------------------------------------------
+
+void removeWithCompanions(const fs::path& file) {
+  std::error_code ignored;
+  for (const char* ending : {"", "-wal", "-shm", "-journal"}) {
+    fs::remove(file.string() + ending, ignored);
+  }
+}
+
+/// Gives a file that is whole its name, unless that is taken.
+void publish(const fs::path& made, const fs::path& file) {
+  int result = renameat2(AT_FDCWD, made.c_str(), AT_FDCWD, file.c_str(), RENAME_NOREPLACE);
+  if (result != 0 && errno == EINVAL && !fs::exists(file)) {  // a file system that cannot promise it
+    result = std::rename(made.c_str(), file.c_str());
+  }
+  if (result != 0) {
+    throw Failure(fmt::format("cannot create {}: {}", file.string(), std::strerror(errno)));
+  }
+  const fs::path folder = file.parent_path().empty() ? fs::path(".") : file.parent_path();
+  if (const int descriptor = open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC); descriptor >= 0) {
+    fsync(descriptor);
+    close(descriptor);
+  }
+}
+
+void writeNewStudy(const fs::path& file, const StudyProtocol& protocol, std::string_view protocol_text,
+                   std::uint64_t seed) {
+  SQLite::Database database(file.string(), SQLite::OPEN_READWRITE | SQLite::OPEN_CREATE, kBusyTimeout_ms);
+  database.exec(fmt::format("PRAGMA synchronous = FULL; PRAGMA application_id = {}", kStudyApplicationId));
+  database.exec("PRAGMA journal_mode = WAL");
+  migrate(database, studyMigrations());
+  execute(database, "INSERT INTO study (id, title, protocol, scene, seed, created_at) VALUES (1, ?, ?, ?, ?, ?)",
+          std::string_view(protocol.title), protocol_text, std::string_view(scenarioText(protocol.scene)),
+          static_cast<std::int64_t>(seed), std::string_view(nowText()));
+}
+
+// --- rows
+// -------------------------------------------------------------------------------------------------------------
+
+ParticipantRow participantOf(const SQLite::Statement& row) {
+  return {.id = row.getColumn(0).getInt64(),
+          .number = row.getColumn(1).getInt(),
+          .code = row.getColumn(2).getString(),
+          .state = row.getColumn(3).getString(),
+          .begun_at = row.getColumn(4).getString(),
+          .ended_at = row.getColumn(5).getString()};
+}
+
+constexpr const char* kParticipants = "SELECT id, number, code, state, begun_at, ended_at FROM participant";
+
+/// The columns of trial, answer, and twice felt, in the order in which trialOf() takes them.
+std::string selectTrials() {
+  std::string sql =
+      "SELECT trial.id, participant, block, position, trial.trial, attempt, kind, block_name, level, reference, value, "
+      "reference_value, test_first, seed, state, reason, begun_at, answered_at, answer.trial, positive, correct, "
+      "reaction_s, timed_out, recording";
+  for (const char* interval : {"first", "second"}) {
+    for (const SummaryColumn& column : kSummaryColumns) {
+      sql += fmt::format(", {}.{}", interval, column.name);
+    }
+    sql += fmt::format(", {}.deadline_misses", interval);
+  }
+  return sql +
+         " FROM trial LEFT JOIN answer ON answer.trial = trial.id"
+         " LEFT JOIN felt AS first ON first.trial = answer.trial AND first.interval = 1"
+         " LEFT JOIN felt AS second ON second.trial = answer.trial AND second.interval = 2";
+}
+
+/// The columns of a row, one after the other.
+class Columns {
+ public:
+  explicit Columns(SQLite::Statement& row) : row_(row) {}
+  SQLite::Column next() { return row_.getColumn(at_++); }
+
+ private:
+  SQLite::Statement& row_;
+  int at_ = 0;
+};
+
+TrialSummary summaryOf(Columns& columns) {
+  TrialSummary summary;
+  for (const SummaryColumn& column : kSummaryColumns) {
+    summary.*column.value = numberOrNan(columns.next());
+  }
+  summary.deadline_misses = columns.next().getInt();
+  return summary;
+}
+
+std::optional<TrialAnswer> answerOf(Columns& columns) {
+  if (columns.next().isNull()) {
+    return std::nullopt;
+  }
+  TrialAnswer answer;
+  answer.positive = columns.next().getInt() != 0;
+  const SQLite::Column correct = columns.next();
+  answer.correct = correct.isNull() ? std::nullopt : std::optional(correct.getInt() != 0);
+  answer.reaction_s = numberOrNan(columns.next());
+  answer.timed_out = columns.next().getInt() != 0;
+  answer.recording = columns.next().getString();
+  answer.felt = {summaryOf(columns), summaryOf(columns)};
+  return answer;
+}
+
+TrialRow trialOf(SQLite::Statement& statement) {
+  Columns columns(statement);
+  TrialRow row;
+  row.id = columns.next().getInt64();
+  row.participant = columns.next().getInt64();
+  row.block = columns.next().getUInt();
+  row.position = columns.next().getUInt();
+  row.index = columns.next().getInt();
+  row.attempt = columns.next().getInt();
+  row.kind = valueIn(kKindWords, columns.next().getString());
+  row.block_name = columns.next().getString();
+  row.level = columns.next().getString();
+  row.reference = columns.next().getString();
+  row.value = columns.next().getDouble();
+  row.reference_value = columns.next().getDouble();
+  row.test_first = columns.next().getInt() != 0;
+  row.seed = static_cast<std::uint64_t>(columns.next().getInt64());
+  row.state = valueIn(kStateWords, columns.next().getString());
+  row.reason = columns.next().getString();
+  row.begun_at = columns.next().getString();
+  row.answered_at = columns.next().getString();
+  row.answer = answerOf(columns);
+  return row;
+}
+
+std::vector<TrialRow> trialsOf(SQLite::Statement query) {
+  std::vector<TrialRow> rows;
+  while (query.executeStep()) {
+    rows.push_back(trialOf(query));
+  }
+  return rows;
+}
+
+void insertFelt(SQLite::Database& database, std::int64_t trial, int interval, const TrialSummary& felt) {
+  std::string names, marks;
+  for (const SummaryColumn& column : kSummaryColumns) {
+    names += fmt::format(", {}", column.name);
+    marks += ", ?";
+  }
+  SQLite::Statement query(
+      database, fmt::format("INSERT INTO felt (trial, interval, deadline_misses{}) VALUES (?, ?, ?{})", names, marks));
+  int at = 0;
+  bindAt(query, ++at, trial);
+  bindAt(query, ++at, interval);
+  bindAt(query, ++at, felt.deadline_misses);
+  for (const SummaryColumn& column : kSummaryColumns) {
+    bindAt(query, ++at, felt.*column.value);
+  }
+  query.exec();
+}
+
+bool isCode(std::string_view code) {
+  return !code.empty() && code.size() <= kLongestCode &&
+         std::ranges::all_of(code, [](unsigned char letter) { return letter < 0x80 && std::isalnum(letter) != 0; });
+}
+
+}  // namespace
+
+std::string_view wordOf(TrialKind kind) {
+  return wordIn(kKindWords, kind);
+}
+
+std::string_view wordOf(TrialState state) {
+  return wordIn(kStateWords, state);
+}
+
+std::span<const SummaryColumn> summaryColumns() {
+  return kSummaryColumns;
+}
+
+// --- the store
+// --------------------------------------------------------------------------------------------------------
+
+class StudyStore::Implementation {
+ public:
+  Implementation(const fs::path& path, Access access) : file(path) {
+    std::error_code error;
+    if (!fs::is_regular_file(path, error)) {
+      throw InvalidParameter("study", fmt::format("'{}'", path.string()),
+                             "a file that `haptolith study new` has made; there is no such file");
+    }
+    if (access == Access::kRun) {
+      lock.emplace(fs::canonical(path));  // another name of the same file is the same study
+    }
+    tellWhatIsWrong(file, [&] { openDatabase(access); });
+  }
+
+  /// All that a call writes is written, or nothing of it.
+  template <class Work>
+  auto write(Work work) {
+    if (!lock) {
+      throw Failure(fmt::format("{} has been opened to be read only", file.string()));
+    }
+    std::invoke_result_t<Work> result{};
+    tellWhatIsWrong(file, [&] {
+      SQLite::Transaction transaction(*database, SQLite::TransactionBehavior::IMMEDIATE);
+      result = work();
+      transaction.commit();
+    });
+    return result;
+  }
+
+  template <class Work>
+  auto read(Work work) {
+    std::invoke_result_t<Work> result{};
+    tellWhatIsWrong(file, [&] { result = work(); });
+    return result;
+  }
+
+  TrialState stateOf(std::int64_t trial) {
+    SQLite::Statement query = prepared(*database, "SELECT state FROM trial WHERE id = ?", trial);
+    if (!query.executeStep()) {
+      throw Failure(fmt::format("{} has no trial {}", file.string(), trial));
+    }
+    return valueIn(kStateWords, query.getColumn(0).getString());
+  }
+
+  void requireParticipant(std::int64_t id) {
+    if (!prepared(*database, "SELECT 1 FROM participant WHERE id = ?", id).executeStep()) {
+      throw Failure(fmt::format("{} has no participant with the id {}", file.string(), id));
+    }
+  }
+
+  /// Deleted rows are overwritten (secure_delete); what the log still holds of them goes with it.
+  void dropLog() {
+    tellWhatIsWrong(file, [&] { database->exec("PRAGMA wal_checkpoint(TRUNCATE)"); });
+  }
+
+  fs::path file;
+  std::optional<RunnerLock> lock;  // goes last
+  std::optional<SQLite::Database> database;
+  std::string title, protocol_text, created_at;
+  std::uint64_t seed = 0;
+  StudyProtocol protocol;
+
+ private:
+  void openDatabase(Access access) {
+    database.emplace(access == Access::kRun ? openToRun(file) : openToRead(file));
+    requireStudy(*database, file);
+    requireWhole(*database, file);
+    if (access == Access::kRun) {
+      migrate(*database, studyMigrations());
+      database->exec("PRAGMA journal_mode = WAL");
+    }
+    requireVersion(*database, file);
+    SQLite::Statement row(*database, "SELECT title, protocol, scene, seed, created_at FROM study");
+    if (!row.executeStep()) {
+      throw Failure(fmt::format("{} is damaged: it has no protocol", file.string()));
+    }
+    title = row.getColumn(0).getString();
+    protocol_text = row.getColumn(1).getString();
+    seed = static_cast<std::uint64_t>(row.getColumn(3).getInt64());
+    created_at = row.getColumn(4).getString();
+    const Scenario scene = loadScenarioText(row.getColumn(2).getString(), file.string() + " (scene)");
+    protocol = loadProtocolText(protocol_text, file.string() + " (protocol)", &scene);
+  }
+};
+
+void StudyStore::create(const fs::path& file, const StudyProtocol& protocol, std::string_view protocol_text,
+                        std::uint64_t seed) {
+  if (seed > kLargestSeed) {
+    throw InvalidParameter("seed", fmt::format("{}", seed), fmt::format("0 to {}", kLargestSeed));
+  }
+  if (fs::exists(fs::symlink_status(file))) {
+    throw Failure(
+        fmt::format("{} exists already: a study's answers are never overwritten; choose another name", file.string()));
+  }
+  fs::path made = file;
+  made.replace_filename(fmt::format(".{}.part-{}", file.filename().string(), getpid()));
+  removeWithCompanions(made);
+  try {
+    tellWhatIsWrong(file, [&] { writeNewStudy(made, protocol, protocol_text, seed); });
+    publish(made, file);
+  } catch (...) {
+    removeWithCompanions(made);
+    throw;
+  }
+}
+
+StudyStore::StudyStore(const fs::path& file, Access access)
+    : implementation_(std::make_unique<Implementation>(file, access)) {}
+StudyStore::~StudyStore() = default;
+StudyStore::StudyStore(StudyStore&&) noexcept = default;
+StudyStore& StudyStore::operator=(StudyStore&&) noexcept = default;
+
+const fs::path& StudyStore::file() const noexcept {
+  return implementation_->file;
+}
+const StudyProtocol& StudyStore::protocol() const noexcept {
+  return implementation_->protocol;
+}
+const std::string& StudyStore::protocolText() const noexcept {
+  return implementation_->protocol_text;
+}
+std::uint64_t StudyStore::seed() const noexcept {
+  return implementation_->seed;
+}
+const std::string& StudyStore::title() const noexcept {
+  return implementation_->title;
+}
+const std::string& StudyStore::createdAt() const noexcept {
+  return implementation_->created_at;
+}
+
+// --- participants
+// -----------------------------------------------------------------------------------------------------
+
+std::vector<ParticipantRow> StudyStore::participants() const {
+  return implementation_->read([&] {
+    std::vector<ParticipantRow> rows;
+    SQLite::Statement query(*implementation_->database, fmt::format("{} ORDER BY number", kParticipants));
+    while (query.executeStep()) {
+      rows.push_back(participantOf(query));
+    }
+    return rows;
+  });
+}
+
+ParticipantRow StudyStore::addParticipant(std::string_view code) {
+  if (!code.empty() && !isCode(code)) {
+    throw InvalidParameter("participant", fmt::format("'{}'", code), "1 to 16 letters and digits, such as S01");
+  }
+  SQLite::Database& database = *implementation_->database;
+  const auto taken = [&](std::string_view name) {
+    return prepared(database, "SELECT 1 FROM participant WHERE code = ?", name).executeStep();
+  };
+  return implementation_->write([&] {
+    const int number = database.execAndGet("SELECT coalesce(max(number), 0) + 1 FROM participant").getInt();
+    std::string name(code);
+    for (int next = number; name.empty() || (code.empty() && taken(name)); ++next) {
+      name = fmt::format("S{:02}", next);
+    }
+    if (taken(name)) {
+      throw InvalidParameter("participant", fmt::format("'{}'", name), "a code that nobody has yet");
+    }
+    const std::string now = nowText();
+    execute(database, "INSERT INTO participant (number, code, state, begun_at) VALUES (?, ?, 'running', ?)", number,
+            std::string_view(name), std::string_view(now));
+    return ParticipantRow{.id = database.getLastInsertRowid(),
+                          .number = number,
+                          .code = name,
+                          .state = "running",
+                          .begun_at = now,
+                          .ended_at = ""};
+  });
+}
+
+void StudyStore::endParticipant(std::int64_t id, std::string_view state) {
+  constexpr std::array<std::string_view, 3> kStates{"running", "finished", "withdrawn"};
+  if (std::ranges::find(kStates, state) == kStates.end()) {
+    throw InvalidParameter("state", fmt::format("'{}'", state), "running, finished or withdrawn");
+  }
+  implementation_->write([&] {
+    implementation_->requireParticipant(id);
+    return execute(*implementation_->database, "UPDATE participant SET state = ?, ended_at = ? WHERE id = ?", state,
+                   std::string_view(state == "running" ? "" : nowText()), id);
+  });
+}
+
+void StudyStore::markStep(std::int64_t participant, std::string_view step) {
+  implementation_->write([&] {
+    implementation_->requireParticipant(participant);
+    return execute(*implementation_->database,
+                   "INSERT INTO step (participant, step, at) VALUES (?, ?, ?) ON CONFLICT DO NOTHING", participant,
+                   step, std::string_view(nowText()));
+  });
+}
+
+std::set<std::string> StudyStore::steps(std::int64_t participant) const {
+  return implementation_->read([&] {
+    std::set<std::string> steps;
+    SQLite::Statement query =
+        prepared(*implementation_->database, "SELECT step FROM step WHERE participant = ?", participant);
+    while (query.executeStep()) {
+      steps.insert(query.getColumn(0).getString());
+    }
+    return steps;
+  });
+}
+
+void StudyStore::setAnswers(std::int64_t participant, std::string_view form, const std::vector<FormItem>& items,
+                            const std::map<std::string, std::string>& values) {
+  requireFormValues(items, values);
+  SQLite::Database& database = *implementation_->database;
+  implementation_->write([&] {
+    implementation_->requireParticipant(participant);
+    for (const char* table : {"form_answer", "personal_answer"}) {
+      execute(database, fmt::format("DELETE FROM {} WHERE participant = ? AND form = ?", table), participant, form);
+    }
+    int written = 0;
+    for (const FormItem& item : items) {
+      const auto value = values.find(item.key);
+      if (value != values.end() && !value->second.empty()) {
+        written += execute(database,
+                           fmt::format("INSERT INTO {} (participant, form, key, value, at) VALUES (?, ?, ?, ?, ?)",
+                                       item.personal ? "personal_answer" : "form_answer"),
+                           participant, form, std::string_view(item.key), std::string_view(value->second),
+                           std::string_view(nowText()));
+      }
+    }
+    return written;
+  });
+}
+
+std::vector<FormAnswerRow> StudyStore::formAnswers(bool personal) const {
+  return implementation_->read([&] {
+    std::vector<FormAnswerRow> rows;
+    for (const bool of_personal : {false, true}) {
+      if (of_personal && !personal) {
+        break;
+      }
+      SQLite::Statement query(
+          *implementation_->database,
+          fmt::format("SELECT participant, form, key, value FROM {} ORDER BY participant, form, rowid",
+                      of_personal ? "personal_answer" : "form_answer"));
+      while (query.executeStep()) {
+        rows.push_back({.participant = query.getColumn(0).getInt64(),
+                        .form = query.getColumn(1).getString(),
+                        .key = query.getColumn(2).getString(),
+                        .value = query.getColumn(3).getString(),
+                        .personal = of_personal});
+      }
+    }
+    return rows;
+  });
+}
+
+int StudyStore::forgetPersonal(std::int64_t participant) {
+  const int forgotten = implementation_->write([&] {
+    implementation_->requireParticipant(participant);
+    return execute(*implementation_->database, "DELETE FROM personal_answer WHERE participant = ?", participant);
+  });
+  implementation_->dropLog();
+  return forgotten;
+}
+
+void StudyStore::removeParticipant(std::int64_t participant) {
+  implementation_->write([&] {
+    implementation_->requireParticipant(participant);
+    return execute(*implementation_->database, "DELETE FROM participant WHERE id = ?", participant);
+  });
+  implementation_->dropLog();
+}
+
+// --- trials
+// -----------------------------------------------------------------------------------------------------------
+
+std::int64_t StudyStore::beginTrial(const TrialBegun& trial) {
+  SQLite::Database& database = *implementation_->database;
+  return implementation_->write([&] {
+    implementation_->requireParticipant(trial.participant);
+    if (prepared(database, "SELECT 1 FROM trial WHERE participant = ? AND state = 'begun'", trial.participant)
+            .executeStep()) {
+      throw Failure(fmt::format("{}: a trial is under way: answer it or call it lost before the next one begins",
+                                implementation_->file.string()));
+    }
+    if (prepared(database,
+                 "SELECT 1 FROM trial WHERE participant = ? AND block = ? AND trial = ? AND state = 'answered'",
+                 trial.participant, trial.block, trial.index)
+            .executeStep()) {
+      throw Failure(fmt::format("{}: trial {} of block '{}' has an answer already", implementation_->file.string(),
+                                trial.index, trial.block_name));
+    }
+    execute(
+        database,
+        "INSERT INTO trial (participant, block, position, trial, attempt, kind, block_name, level, reference, value, "
+        "reference_value, test_first, seed, begun_at) VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?)",
+        trial.participant, trial.block, trial.position, trial.index, trial.attempt, wordOf(trial.kind),
+        std::string_view(trial.block_name), std::string_view(trial.level), std::string_view(trial.reference),
+        trial.value, trial.reference_value, trial.test_first, static_cast<std::int64_t>(trial.seed),
+        std::string_view(nowText()));
+    return database.getLastInsertRowid();
+  });
+}
+
+void StudyStore::answerTrial(std::int64_t id, const TrialAnswer& answer) {
+  SQLite::Database& database = *implementation_->database;
+  implementation_->write([&] {
+    if (const TrialState state = implementation_->stateOf(id); state != TrialState::kBegun) {
+      throw Failure(fmt::format("{}: trial {} is {}: only one that is under way takes an answer",
+                                implementation_->file.string(), id, wordOf(state)));
+    }
+    execute(database,
+            "INSERT INTO answer (trial, positive, correct, reaction_s, timed_out, recording) VALUES (?, ?, ?, ?, ?, ?)",
+            id, answer.positive, answer.correct, answer.reaction_s, answer.timed_out,
+            std::string_view(answer.recording));
+    insertFelt(database, id, 1, answer.felt[0]);
+    insertFelt(database, id, 2, answer.felt[1]);
+    return execute(database, "UPDATE trial SET state = 'answered', answered_at = ? WHERE id = ?",
+                   std::string_view(nowText()), id);
+  });
+}
+
+void StudyStore::voidTrial(std::int64_t id, TrialState state, std::string_view reason) {
+  if (state != TrialState::kRepeated && state != TrialState::kLost) {
+    throw InvalidParameter("state", std::string(wordOf(state)), "repeated or lost");
+  }
+  implementation_->write([&] {
+    const TrialState now = implementation_->stateOf(id);
+    const bool allowed = now == TrialState::kBegun || (now == TrialState::kAnswered && state == TrialState::kRepeated);
+    if (!allowed) {
+      throw Failure(fmt::format("{}: trial {} is {}: it cannot be called {}", implementation_->file.string(), id,
+                                wordOf(now), wordOf(state)));
+    }
+    return execute(*implementation_->database, "UPDATE trial SET state = ?, reason = ? WHERE id = ?", wordOf(state),
+                   reason, id);
+  });
+}
+
+std::vector<TrialRow> StudyStore::trials(std::int64_t participant) const {
+  return implementation_->read([&] {
+    return trialsOf(
+        prepared(*implementation_->database, selectTrials() + " WHERE participant = ? ORDER BY trial.id", participant));
+  });
+}
+
+std::vector<TrialRow> StudyStore::trials() const {
+  return implementation_->read(
+      [&] { return trialsOf(prepared(*implementation_->database, selectTrials() + " ORDER BY trial.id")); });
+}
+
+// --- notes
+// ------------------------------------------------------------------------------------------------------------
+
+void StudyStore::addNote(std::int64_t participant, std::string_view text, std::string_view kind) {
+  implementation_->write([&] {
+    const std::optional<std::int64_t> whose = participant == 0 ? std::nullopt : std::optional(participant);
+    return execute(*implementation_->database, "INSERT INTO note (participant, at, kind, text) VALUES (?, ?, ?, ?)",
+                   whose, std::string_view(nowText()), kind, text);
+  });
+}
+
+std::vector<NoteRow> StudyStore::notes() const {
+  return implementation_->read([&] {
+    std::vector<NoteRow> rows;
+    SQLite::Statement query(*implementation_->database, "SELECT id, participant, at, kind, text FROM note ORDER BY id");
+    while (query.executeStep()) {
+      rows.push_back({.id = query.getColumn(0).getInt64(),
+                      .participant = query.getColumn(1).getInt64(),
+                      .at = query.getColumn(2).getString(),
+                      .kind = query.getColumn(3).getString(),
+                      .text = query.getColumn(4).getString()});
+    }
+    return rows;
+  });
+}
+
+}  // namespace haptolith

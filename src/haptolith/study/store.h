@@ -1,0 +1,198 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <limits>
+#include <map>
+#include <memory>
+#include <optional>
+#include <set>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "haptolith/study/protocol.h"
+#include "haptolith/study/sequence.h"
+
+namespace haptolith {
+
+/// How a stimulus was explored and what the hand felt. NaN: not known.
+struct TrialSummary {
+  double duration_s = std::numeric_limits<double>::quiet_NaN();
+  double path_m = std::numeric_limits<double>::quiet_NaN();  ///< of the tool
+  double peak_speed_m_s = std::numeric_limits<double>::quiet_NaN();
+  double mean_speed_m_s = std::numeric_limits<double>::quiet_NaN();
+  double peak_force_n = std::numeric_limits<double>::quiet_NaN();
+  double mean_force_n = std::numeric_limits<double>::quiet_NaN();
+  double force_sd_n = std::numeric_limits<double>::quiet_NaN();
+  double peak_torque_nm = std::numeric_limits<double>::quiet_NaN();
+  double work_j = std::numeric_limits<double>::quiet_NaN();  ///< done by the hand on the soil
+  int deadline_misses = 0;
+};
+
+/// A number of TrialSummary: its column in the store's table `felt` and, with "first_" or "second_" before it, in
+/// exports.
+struct SummaryColumn {
+  std::string_view name, unit, meaning;
+  double TrialSummary::*value;
+};
+
+/// All but deadline_misses.
+[[nodiscard]] std::span<const SummaryColumn> summaryColumns();
+
+/// A trial as it begins: what is to be felt.
+struct TrialBegun {
+  std::int64_t participant = 0;  ///< ParticipantRow::id
+  std::size_t block = 0;         ///< of the protocol's blocks
+  std::size_t position = 0;      ///< of the block in this participant's order
+  int index = 0;                 ///< of the trial in the block, counted from 0
+  int attempt = 0;               ///< counted from 0; another one after a trial that was lost or is repeated
+  TrialKind kind = TrialKind::kMain;
+  std::string block_name = {}, level = {}, reference = {};
+  double value = 0, reference_value = 0;  ///< on the block's axis
+  bool test_first = false;
+  std::uint64_t seed = 0;
+};
+
+struct TrialAnswer {
+  bool positive = false;               ///< the test was said to have more; means nothing when timed_out
+  std::optional<bool> correct = {};    ///< none: the test has as much as the reference, or no answer came
+  double reaction_s = 0;               ///< from the question to the answer
+  bool timed_out = false;              ///< no answer came in time
+  std::array<TrialSummary, 2> felt{};  ///< in the first and in the second interval
+  std::string recording = {};          ///< its name, beside the study's file; empty: none
+};
+
+/// kBegun: under way, or cut off by a crash, until somebody calls it lost. kRepeated: by the experimenter, who said
+/// why; its answer, if it had one, is kept and does not count. kLost: no answer; done again.
+enum class TrialState { kBegun, kAnswered, kRepeated, kLost };
+
+struct TrialRow : TrialBegun {
+  std::int64_t id = 0;
+  TrialState state = TrialState::kBegun;
+  std::optional<TrialAnswer> answer = {};
+  std::string reason = {};                      ///< why it was repeated or lost
+  std::string begun_at = {}, answered_at = {};  ///< UTC, "2026-11-21T10:00:00.123Z"
+};
+
+struct ParticipantRow {
+  std::int64_t id = 0;
+  int number = 0;          ///< 1 is the first: chooses the sequence
+  std::string code = {};   ///< the pseudonym: "S01"
+  std::string state = {};  ///< "running", "finished" or "withdrawn"
+  std::string begun_at = {}, ended_at = {};
+};
+
+/// An answer to a question of a form.
+struct FormAnswerRow {
+  std::int64_t participant = 0;
+  std::string form = {}, key = {}, value = {};
+  bool personal = false;
+};
+
+struct NoteRow {
+  std::int64_t id = 0;
+  std::int64_t participant = 0;  ///< 0: of the study
+  std::string at = {}, kind = {}, text = {};
+};
+
+/// A study in a file: its protocol, who has taken part and what they answered. What a call has written is on the disk
+/// when it returns, and is there after a crash, a kill or a power cut; a call that throws has written nothing, and can
+/// be made again. docs/studies.md describes the tables. Not for the tick; one thread at a time.
+///
+/// Every member throws Failure for a disk that is full, a file that is read-only, locked or damaged; the message says
+/// which, and what to do.
+class StudyStore {
+ public:
+  /// A new file, with the protocol as text and its scene as scenarioText().
+  /// @param seed  below 2^53.
+  /// @throws Failure when the file exists or cannot be written; InvalidParameter for a scene that no file can hold.
+  static void create(const std::filesystem::path& file, const StudyProtocol& protocol, std::string_view protocol_text,
+                     std::uint64_t seed);
+
+  /// kRead: reads, also while another program runs the study and in a folder that cannot be written. kRun: the only one
+  /// that writes; the lock on FILE-lock is freed by the system when its process ends, however that comes.
+  enum class Access { kRead, kRun };
+
+  /// @throws InvalidParameter when there is no such file; Failure for a file of another kind or of a newer version, and
+  /// for kRun when the study is run by somebody else.
+  StudyStore(const std::filesystem::path& file, Access access);
+  ~StudyStore();
+  StudyStore(StudyStore&&) noexcept;
+  StudyStore& operator=(StudyStore&&) noexcept;
+
+  [[nodiscard]] const std::filesystem::path& file() const noexcept;
+  [[nodiscard]] const StudyProtocol& protocol() const noexcept;
+  [[nodiscard]] const std::string& protocolText() const noexcept;
+  [[nodiscard]] std::uint64_t seed() const noexcept;
+  [[nodiscard]] const std::string& title() const noexcept;
+  [[nodiscard]] const std::string& createdAt() const noexcept;
+
+  // --- participants -------------------------------------------------------------------------------------------------
+
+  /// In the order of their numbers.
+  [[nodiscard]] std::vector<ParticipantRow> participants() const;
+
+  /// @param code  1 to 16 letters and digits, which nobody has yet; empty: "S01", "S02", ...
+  /// @throws InvalidParameter for another code.
+  ParticipantRow addParticipant(std::string_view code);
+
+  /// @param state  "finished", "withdrawn", or "running" for somebody who comes back.
+  void endParticipant(std::int64_t id, std::string_view state);
+
+  /// Remembers that a participant has come so far: "consent", "block 0 done". Marking twice is marking once.
+  void markStep(std::int64_t participant, std::string_view step);
+  [[nodiscard]] std::set<std::string> steps(std::int64_t participant) const;
+
+  /// The answers to a form; those to personal items go to their own table. A form that is filled in again replaces its
+  /// answers.
+  /// @throws InvalidParameter for a value whose item does not exist or does not allow it, and for a missing one that is
+  /// required.
+  void setAnswers(std::int64_t participant, std::string_view form, const std::vector<FormItem>& items,
+                  const std::map<std::string, std::string>& values);
+
+  /// @param personal  whether to read those of personal items, too.
+  [[nodiscard]] std::vector<FormAnswerRow> formAnswers(bool personal) const;
+
+  /// Deletes what a participant's personal items hold, and leaves no trace of it in the file. @return how many.
+  int forgetPersonal(std::int64_t participant);
+
+  /// Deletes all there is of a participant, and leaves no trace of it in the file. The recordings are other files.
+  void removeParticipant(std::int64_t participant);
+
+  // --- trials -------------------------------------------------------------------------------------------------------
+
+  /// @return its id. @throws Failure when the participant has another trial under way, or has answered this one.
+  std::int64_t beginTrial(const TrialBegun& trial);
+
+  /// @throws Failure when the trial is not under way: it has an answer already, or was called lost.
+  void answerTrial(std::int64_t id, const TrialAnswer& answer);
+
+  /// Calls a trial under way lost or repeated, or an answered one repeated.
+  /// @param state  kRepeated or kLost.
+  void voidTrial(std::int64_t id, TrialState state, std::string_view reason);
+
+  /// In the order in which they began.
+  [[nodiscard]] std::vector<TrialRow> trials(std::int64_t participant) const;
+  [[nodiscard]] std::vector<TrialRow> trials() const;
+
+  // --- notes --------------------------------------------------------------------------------------------------------
+
+  /// @param participant  0: of the study.
+  /// @param kind  "note", "pause", "resume", "break", "program" or another word.
+  void addNote(std::int64_t participant, std::string_view text, std::string_view kind);
+  [[nodiscard]] std::vector<NoteRow> notes() const;
+
+ private:
+  class Implementation;
+  std::unique_ptr<Implementation> implementation_;
+};
+
+/// The words of the store and of exports: "practice", "main", "catch"; "begun", "answered", "repeated", "lost".
+[[nodiscard]] std::string_view wordOf(TrialKind kind);
+[[nodiscard]] std::string_view wordOf(TrialState state);
+
+}  // namespace haptolith

@@ -1,0 +1,179 @@
+#include "haptolith/study/study_schema.h"
+
+#include <fmt/format.h>
+#include <sqlite3.h>
+
+#include <array>
+#include <string_view>
+
+#include "haptolith/core/error.h"
+
+namespace haptolith {
+
+namespace {
+
+// docs/studies.md describes the tables.
+constexpr std::array kMigrations{
+    R"sql(
+CREATE TABLE study (
+  id INTEGER PRIMARY KEY CHECK (id = 1),
+  title TEXT NOT NULL,
+  protocol TEXT NOT NULL,
+  scene TEXT NOT NULL,
+  seed INTEGER NOT NULL CHECK (seed >= 0),
+  created_at TEXT NOT NULL
+) STRICT;
+
+CREATE TABLE participant (
+  id INTEGER PRIMARY KEY,
+  number INTEGER NOT NULL UNIQUE CHECK (number >= 1),
+  code TEXT NOT NULL COLLATE NOCASE UNIQUE CHECK (code <> ''),
+  state TEXT NOT NULL CHECK (state IN ('running', 'finished', 'withdrawn')),
+  begun_at TEXT NOT NULL,
+  ended_at TEXT NOT NULL DEFAULT ''
+) STRICT;
+
+CREATE TABLE step (
+  participant INTEGER NOT NULL REFERENCES participant ON DELETE CASCADE,
+  step TEXT NOT NULL CHECK (step <> ''),
+  at TEXT NOT NULL,
+  PRIMARY KEY (participant, step)
+) STRICT;
+
+CREATE TABLE form_answer (
+  participant INTEGER NOT NULL REFERENCES participant ON DELETE CASCADE,
+  form TEXT NOT NULL,
+  key TEXT NOT NULL,
+  value TEXT NOT NULL,
+  at TEXT NOT NULL,
+  PRIMARY KEY (participant, form, key)
+) STRICT;
+
+CREATE TABLE personal_answer (
+  participant INTEGER NOT NULL REFERENCES participant ON DELETE CASCADE,
+  form TEXT NOT NULL,
+  key TEXT NOT NULL,
+  value TEXT NOT NULL,
+  at TEXT NOT NULL,
+  PRIMARY KEY (participant, form, key)
+) STRICT;
+
+CREATE TABLE trial (
+  id INTEGER PRIMARY KEY,
+  participant INTEGER NOT NULL REFERENCES participant ON DELETE CASCADE,
+  block INTEGER NOT NULL CHECK (block >= 0),
+  position INTEGER NOT NULL CHECK (position >= 0),
+  trial INTEGER NOT NULL CHECK (trial >= 0),
+  attempt INTEGER NOT NULL CHECK (attempt >= 0),
+  kind TEXT NOT NULL CHECK (kind IN ('practice', 'main', 'catch')),
+  block_name TEXT NOT NULL,
+  level TEXT NOT NULL,
+  reference TEXT NOT NULL,
+  value REAL NOT NULL,
+  reference_value REAL NOT NULL,
+  test_first INTEGER NOT NULL CHECK (test_first IN (0, 1)),
+  seed INTEGER NOT NULL CHECK (seed >= 0),
+  state TEXT NOT NULL DEFAULT 'begun' CHECK (state IN ('begun', 'answered', 'repeated', 'lost')),
+  reason TEXT NOT NULL DEFAULT '',
+  begun_at TEXT NOT NULL,
+  answered_at TEXT NOT NULL DEFAULT '',
+  UNIQUE (participant, block, trial, attempt)
+) STRICT;
+CREATE UNIQUE INDEX one_answer ON trial (participant, block, trial) WHERE state = 'answered';
+CREATE UNIQUE INDEX one_under_way ON trial (participant) WHERE state = 'begun';
+
+CREATE TABLE answer (
+  trial INTEGER PRIMARY KEY REFERENCES trial ON DELETE CASCADE,
+  positive INTEGER NOT NULL CHECK (positive IN (0, 1)),
+  correct INTEGER CHECK (correct IN (0, 1)),
+  reaction_s REAL,
+  timed_out INTEGER NOT NULL CHECK (timed_out IN (0, 1)),
+  recording TEXT NOT NULL
+) STRICT;
+CREATE TRIGGER answers_stay BEFORE UPDATE ON answer BEGIN SELECT raise(ABORT, 'an answer is never changed'); END;
+
+CREATE TABLE felt (
+  trial INTEGER NOT NULL REFERENCES answer ON DELETE CASCADE,
+  interval INTEGER NOT NULL CHECK (interval IN (1, 2)),
+  duration_s REAL,
+  path_m REAL,
+  peak_speed_m_s REAL,
+  mean_speed_m_s REAL,
+  peak_force_n REAL,
+  mean_force_n REAL,
+  force_sd_n REAL,
+  peak_torque_nm REAL,
+  work_j REAL,
+  deadline_misses INTEGER NOT NULL,
+  PRIMARY KEY (trial, interval)
+) STRICT;
+
+CREATE TABLE note (
+  id INTEGER PRIMARY KEY,
+  participant INTEGER REFERENCES participant ON DELETE CASCADE,
+  at TEXT NOT NULL,
+  kind TEXT NOT NULL CHECK (kind <> ''),
+  text TEXT NOT NULL
+) STRICT;
+)sql",
+};
+
+/// What a person can do about an error, by SQLite's code.
+std::string_view remedyFor(int code) {
+  switch (code) {
+    case SQLITE_FULL:
+    case SQLITE_IOERR: return "the disk is full or failing: make room, then go on; every answer so far is kept";
+    case SQLITE_BUSY:
+    case SQLITE_LOCKED: return "another program has locked it: close that (a database browser?), then go on";
+    case SQLITE_READONLY: return "it cannot be written: check the permissions of the file and of its folder";
+    case SQLITE_CANTOPEN:
+      return "it cannot be opened: check the permissions of the file and of its folder; a folder that cannot be "
+             "written "
+             "needs the files FILE-wal and FILE-shm, if there is a FILE-wal";
+    case SQLITE_CORRUPT:
+      return "it is damaged: go on with a copy of it; `sqlite3 FILE .recover` saves what can still be read";
+    case SQLITE_NOTADB: return "it is not a study: must be a file that `haptolith study new` has made";
+    default: return "";
+  }
+}
+
+}  // namespace
+
+std::span<const char* const> studyMigrations() {
+  return kMigrations;
+}
+
+int versionOf(SQLite::Database& database) {
+  return database.execAndGet("PRAGMA user_version").getInt();
+}
+
+void migrate(SQLite::Database& database, std::span<const char* const> migrations) {
+  const int newest = static_cast<int>(migrations.size());
+  const int version = versionOf(database);
+  if (version > newest) {
+    throw Failure(
+        fmt::format("{}: made by a newer version of haptolith (its tables are version {}, known are up to {}): "
+                    "use that one",
+                    database.getFilename(), version, newest));
+  }
+  if (version == newest) {
+    return;
+  }
+  SQLite::Transaction transaction(database, SQLite::TransactionBehavior::IMMEDIATE);
+  for (int next = version; next < newest; ++next) {
+    database.exec(migrations[static_cast<std::size_t>(next)]);
+  }
+  database.exec(fmt::format("PRAGMA user_version = {}", newest));
+  transaction.commit();
+}
+
+void tellWhatIsWrong(const std::filesystem::path& file, const std::function<void()>& work) {
+  try {
+    work();
+  } catch (const SQLite::Exception& error) {
+    const std::string_view remedy = remedyFor(error.getErrorCode() & 0xFF);
+    throw Failure(fmt::format("{}: {}{}{}", file.string(), error.what(), remedy.empty() ? "" : "; ", remedy));
+  }
+}
+
+}  // namespace haptolith
