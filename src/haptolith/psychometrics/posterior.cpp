@@ -18,7 +18,8 @@ using Supports = std::array<Support, kParameters>;
 // What is less dense than the best point by more than this (e^-9 = 1.2e-4) is left out of the last grid.
 constexpr double kNegligible = 9;
 constexpr Sizes kCoarse{17, 17, 6, 6, 5};
-constexpr int kRounds = 3;  // of coarse grids, each over what the one before has left
+constexpr Sizes kNuisance{41, 41, 9, 9, 7};  // where other parameters are summed over their whole support
+constexpr int kRounds = 3;                   // of coarse grids, each over what the one before has left
 
 Supports wholeSupport(const Model& model) {
   Supports supports;
@@ -103,6 +104,17 @@ class GridSum {
       }
     }
     log_density_.resize(points);
+  }
+
+  /// Takes these values of one parameter instead of the grid's, without a prior.
+  void prescribe(int parameter, const std::vector<double>& values) {
+    posterior_.values[parameter] = values;
+    log_priors_[parameter].assign(values.size(), 0);
+    std::size_t points = 1;
+    for (const std::vector<double>& of_one : posterior_.values) {
+      points *= of_one.size();
+    }
+    log_density_.assign(points, 0);
   }
 
   /// Fills in ln(likelihood times prior) at every point.
@@ -221,6 +233,19 @@ Posterior posteriorOf(const Model& model) {
   GridSum fine(model, supports, fineSizes(model));
   fine.evaluate();
   return std::move(fine).summed();
+}
+
+std::vector<double> marginalLikelihood(const Model& model, int parameter, const std::vector<double>& values) {
+  GridSum grid(model, wholeSupport(model), kNuisance);
+  grid.prescribe(parameter, values);
+  grid.evaluate();
+  Posterior posterior = std::move(grid).summed();
+  std::vector<double> likelihood = std::move(posterior.marginals[parameter]);
+  const double most = *std::ranges::max_element(likelihood);
+  for (double& value : likelihood) {
+    value /= most;
+  }
+  return likelihood;
 }
 
 ParameterPoint pointOf(const Posterior& posterior, std::size_t index) {

@@ -28,6 +28,11 @@ struct Posterior {
 /// Sums the posterior where it is: first on coarse grids over the whole support, to find what to leave out.
 [[nodiscard]] Posterior posteriorOf(const Model& model);
 
+/// The likelihood of the levels at each of `values` of one parameter, all other parameters summed over with their
+/// priors; the largest is 1.
+[[nodiscard]] std::vector<double> marginalLikelihood(const Model& model, int parameter,
+                                                     const std::vector<double>& values);
+
 /// The interval between the percentiles (1 - confidence)/2 and (1 + confidence)/2 of one parameter's marginal; where it
 /// is fixed, that value.
 [[nodiscard]] Interval credibleInterval(const Posterior& posterior, int parameter, double confidence);
