@@ -1,0 +1,22 @@
+#pragma once
+
+#include <span>
+#include <vector>
+
+namespace haptolith {
+
+/// Answers to one stimulus: `k` positive ones of `n`.
+struct Level {
+  double x = 0;  ///< the stimulus, in the unit of the axis
+  double k = 0;  ///< positive answers, a whole number, 0 to n
+  double n = 0;  ///< answers, a whole number
+};
+
+/// The levels in ascending order of x, answers to the same stimulus added up, stimuli without an answer left out.
+/// @throws InvalidParameter unless every x is finite and k, n are whole numbers with 0 <= k <= n.
+[[nodiscard]] std::vector<Level> pooled(std::span<const Level> levels);
+
+/// All participants' levels as if they were of one person; see pooled() above.
+[[nodiscard]] std::vector<Level> pooled(std::span<const std::vector<Level>> participants);
+
+}  // namespace haptolith

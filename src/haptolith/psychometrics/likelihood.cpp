@@ -1,0 +1,74 @@
+#include "haptolith/psychometrics/likelihood.h"
+
+#include <cmath>
+
+namespace haptolith {
+
+namespace {
+
+/// The logarithm of a product of many factors at the price of few logarithms.
+class LogProduct {
+ public:
+  void multiply(double factor) noexcept {
+    product_ *= factor;
+    if (product_ < kSmall) {  // before it underflows
+      log_ += std::log(product_);
+      product_ = 1;
+    }
+  }
+  [[nodiscard]] double value() const noexcept { return log_ + std::log(product_); }
+
+ private:
+  static constexpr double kSmall = 1e-150;
+  double product_ = 1;
+  double log_ = 0;
+};
+
+/// count ln(share), also where both are 0.
+double logPower(double count, double share) noexcept {
+  return count > 0 ? count * std::log(share) : 0;
+}
+
+double logBinomial(double k, double n, double psi) noexcept {
+  return logPower(k, psi) + logPower(n - k, 1 - psi);
+}
+
+}  // namespace
+
+double logLikelihood(double k, double n, double psi, double eta) noexcept {
+  const double s = eta * eta;
+  if (s == 0) {
+    return logBinomial(k, n, psi);
+  }
+  // B(k + a, n - k + b)/B(a, b) is a(a+1).. b(b+1).. / (a+b)(a+b+1)..; each factor is multiplied by s.
+  LogProduct product;
+  const double a = psi * (1 - s);
+  const double b = (1 - psi) * (1 - s);
+  double place = 0;  // in the product of the denominator
+  for (double j = 0; j < k; ++j, ++place) {
+    product.multiply((a + j * s) / (1 - s + place * s));
+  }
+  for (double j = 0; j < n - k; ++j, ++place) {
+    product.multiply((b + j * s) / (1 - s + place * s));
+  }
+  return product.value();
+}
+
+double logLikelihood(std::span<const Level> levels, const PsychometricFunction& function, double eta) noexcept {
+  double sum = 0;
+  for (const Level& level : levels) {
+    sum += logLikelihood(level.k, level.n, probability(function, level.x), eta);
+  }
+  return sum;
+}
+
+double devianceOf(std::span<const Level> levels, const PsychometricFunction& function) noexcept {
+  double sum = 0;
+  for (const Level& level : levels) {
+    sum += logBinomial(level.k, level.n, level.k / level.n) -
+           logBinomial(level.k, level.n, probability(function, level.x));
+  }
+  return 2 * sum;
+}
+
+}  // namespace haptolith

@@ -1,0 +1,77 @@
+#pragma once
+
+#include <array>
+#include <span>
+#include <vector>
+
+#include "haptolith/psychometrics/fit.h"
+#include "haptolith/psychometrics/levels.h"
+#include "haptolith/psychometrics/psychometric_function.h"
+
+namespace haptolith {
+
+/// The parameters of a fit, in the order of their grid.
+enum Parameter { kThreshold, kScale, kLapse, kGuess, kOverdispersion };
+inline constexpr int kParameters = 5;
+
+/// Values of all of them. kThreshold is its place on the axis (x or ln x); kScale is the width, of weber sigmoids the
+/// Weber fraction x84/x50 - 1.
+using ParameterPoint = std::array<double, kParameters>;
+
+/// Where a parameter may be. It is fixed when both ends are the same.
+struct Support {
+  double low = 0;
+  double high = 0;
+
+  [[nodiscard]] bool isFixed() const noexcept { return low == high; }
+};
+
+/// The model of one fit: its data, what is free, and the priors.
+///
+/// Priors, with R the range of the levels on the axis and d the least distance between two of them (psignifit's,
+/// Schuett et al. 2016; docs/psychometrics.md):
+/// - threshold: flat over the range, a cosine's fall to 0 over R/2 on either side;
+/// - width: flat from 2 d to R, a cosine's rise from d and its fall to 3 R;
+/// - Weber fraction v of weber sigmoids: 1/v^2, which is flat in the sensitivity 1/v; for widths from d/4 to 3 R;
+/// - lapse and guess rate: Beta(1, 10) up to 1/2, of weber sigmoids Beta(1, 60); eta: Beta(1, 10).
+class Model {
+ public:
+  /// @throws InvalidParameter when the options and levels make no sense, alone or together.
+  Model(std::span<const Level> levels, const FitOptions& options);
+
+  [[nodiscard]] const std::vector<Level>& levels() const noexcept { return levels_; }
+  [[nodiscard]] const Support& support(int parameter) const noexcept { return supports_[parameter]; }
+  [[nodiscard]] const FitOptions& options() const noexcept { return options_; }
+  [[nodiscard]] bool isLogarithmic() const noexcept { return log_axis_; }
+  [[nodiscard]] int freeParameters() const noexcept;
+
+  /// The width on the axis that a value of kScale means.
+  [[nodiscard]] double widthOf(double scale) const noexcept;
+  /// The guess rate at a point: its own, or the lapse rate, or 1/2.
+  [[nodiscard]] double guessAt(const ParameterPoint& point) const noexcept;
+  [[nodiscard]] PsychometricFunction functionAt(const ParameterPoint& point) const noexcept;
+
+  /// The logarithm of the parameter's prior density; 0 when it is fixed, minus infinity outside its support.
+  [[nodiscard]] double logPrior(int parameter, double value) const noexcept;
+  [[nodiscard]] double logPrior(const ParameterPoint& point) const noexcept;
+  [[nodiscard]] double logLikelihood(const ParameterPoint& point) const noexcept;
+
+  /// The same model of other answers to the same stimuli, its priors unchanged.
+  [[nodiscard]] Model withAnswers(std::vector<Level> levels) const;
+
+ private:
+  void setAxis();
+  void setSupports();
+  void normaliseWidthPrior();
+  [[nodiscard]] double widthPriorShape(double width) const noexcept;
+
+  std::vector<Level> levels_;
+  FitOptions options_;
+  bool log_axis_ = false;
+  double first_ = 0, last_ = 0;  // the levels' ends on the axis
+  double least_distance_ = 0;    // on the axis
+  double width_prior_integral_ = 1;
+  std::array<Support, kParameters> supports_;
+};
+
+}  // namespace haptolith

@@ -1,0 +1,49 @@
+#pragma once
+
+#include <array>
+#include <vector>
+
+#include "haptolith/psychometrics/model.h"
+
+namespace haptolith {
+
+/// A value with its share of the posterior.
+struct WeightedValue {
+  double value = 0;
+  double mass = 0;
+};
+
+/// The posterior of a model on a grid, summed by the trapezoidal rule.
+struct Posterior {
+  /// The grid's values along each parameter, one where it is fixed.
+  std::array<std::vector<double>, kParameters> values = {};
+  /// The posterior's density along each parameter, all others summed over; empty where it is fixed.
+  std::array<std::vector<double>, kParameters> marginals = {};
+  /// Its mass at each point; the last parameter runs fastest. Sums to 1.
+  std::vector<double> mass = {};
+  ParameterPoint best = {};  ///< the densest point of the grid
+  double log_evidence = 0;   ///< ln of the integral of likelihood times prior
+};
+
+/// Sums the posterior where it is: first on coarse grids over the whole support, to find what to leave out.
+[[nodiscard]] Posterior posteriorOf(const Model& model);
+
+/// The likelihood of the levels at each of `values` of one parameter, all other parameters summed over with their
+/// priors; the largest is 1.
+[[nodiscard]] std::vector<double> marginalLikelihood(const Model& model, int parameter,
+                                                     const std::vector<double>& values);
+
+/// The interval between the percentiles (1 - confidence)/2 and (1 + confidence)/2 of one parameter's marginal; where it
+/// is fixed, that value.
+[[nodiscard]] Interval credibleInterval(const Posterior& posterior, int parameter, double confidence);
+
+/// The same of any values with their masses, which need not sum to 1.
+[[nodiscard]] Interval percentileInterval(std::vector<WeightedValue> values, double confidence);
+
+/// The point of the grid with this index into `mass`.
+[[nodiscard]] ParameterPoint pointOf(const Posterior& posterior, std::size_t index);
+
+/// `count` points, spread evenly over the posterior's mass.
+[[nodiscard]] std::vector<ParameterPoint> drawsOf(const Posterior& posterior, int count);
+
+}  // namespace haptolith

@@ -1,0 +1,203 @@
+#include "haptolith/psychometrics/quest_plus.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "haptolith/core/error.h"
+
+namespace haptolith {
+
+namespace {
+
+constexpr int kThresholds = 15;
+constexpr int kWidths = 25;
+// Expected entropies that differ by less are equal but for rounding.
+constexpr double kSameEntropy = 1e-12;
+
+/// -p ln p, 0 at 0.
+double entropyTerm(double p) noexcept {
+  return p > 0 ? -p * std::log(p) : 0;
+}
+
+std::vector<double> spaced(double low, double high, int count) {
+  std::vector<double> values;
+  for (int i = 0; i < count; ++i) {
+    values.push_back(low + (high - low) * i / (count - 1));
+  }
+  return values;
+}
+
+/// Makes up what the options leave open.
+struct Grid {
+  std::vector<double> thresholds = {};
+  std::vector<double> widths = {};  // on the axis
+};
+
+Grid gridOf(const QuestPlusOptions& options, const std::vector<double>& levels, double reference) {
+  PsychometricFunction axis{.sigmoid = options.sigmoid,
+                            .log_axis = options.log_axis || isAlwaysLogarithmic(options.sigmoid)};
+  const double low = toAxis(axis, levels.front());
+  const double range = toAxis(axis, levels.back()) - low;
+  double least = range;
+  for (std::size_t i = 1; i < levels.size(); ++i) {
+    least = std::min(least, toAxis(axis, levels[i]) - toAxis(axis, levels[i - 1]));
+  }
+  Grid grid{.thresholds = options.thresholds};
+  if (grid.thresholds.empty()) {
+    const double middle = isWeber(options.sigmoid) ? toAxis(axis, reference) : low + range / 2;
+    const double half = isWeber(options.sigmoid) ? range / 4 : range / 2;
+    for (const double place : spaced(middle - half, middle + half, kThresholds)) {
+      grid.thresholds.push_back(fromAxis(axis, place));
+    }
+  }
+  for (const double width : options.widths) {
+    grid.widths.push_back(isWeber(options.sigmoid) ? weberWidth(Sigmoid::kWeber, width) : width);
+  }
+  if (grid.widths.empty()) {
+    for (const double log_width : spaced(std::log(least), std::log(3 * range), kWidths)) {
+      grid.widths.push_back(std::exp(log_width));
+    }
+  }
+  return grid;
+}
+
+double guessOf(Design design, double lapse) noexcept {
+  switch (design) {
+    case Design::kForcedChoice: return 0.5;
+    case Design::kEqualAsymptote: return lapse;
+    case Design::kYesNo: break;
+  }
+  return 0;
+}
+
+}  // namespace
+
+QuestPlus::QuestPlus(std::vector<double> levels, std::vector<Hypothesis> hypotheses, int trials, double enough_spread)
+    : levels_(std::move(levels)), hypotheses_(std::move(hypotheses)), trials_(trials), enough_spread_(enough_spread) {
+  requireInRange("levels of QUEST+", double(levels_.size()), {.lowest = 1});
+  requireInRange("hypotheses of QUEST+", double(hypotheses_.size()), {.lowest = 1});
+  requireInRange("trials of QUEST+", trials, {.lowest = 1});
+  requireInRange("enough_spread", enough_spread, {.lowest = 0});
+  for (const double level : levels_) {
+    std::vector<double>& row = positive_.emplace_back();
+    for (const Hypothesis& hypothesis : hypotheses_) {
+      row.push_back(haptolith::probability(hypothesis.function, level));
+    }
+  }
+}
+
+double QuestPlus::expectedEntropy(std::size_t level) const {
+  // With joint probabilities j = p(answer, hypothesis) and their sum s, s times the entropy of j/s is
+  // sum(-j ln j) + s ln s.
+  double positive = 0;
+  double entropy = 0;
+  for (std::size_t i = 0; i < hypotheses_.size(); ++i) {
+    const double joint = hypotheses_[i].probability * positive_[level][i];
+    positive += joint;
+    entropy += entropyTerm(joint) + entropyTerm(hypotheses_[i].probability - joint);
+  }
+  return entropy - entropyTerm(positive) - entropyTerm(1 - positive);
+}
+
+std::optional<double> QuestPlus::next() const {
+  if (answered_ >= trials_ || (enough_spread_ > 0 && answered_ > 0 && logWidthSpread() < enough_spread_)) {
+    return std::nullopt;
+  }
+  std::size_t best = 0;
+  double least = expectedEntropy(0);
+  for (std::size_t i = 1; i < levels_.size(); ++i) {
+    const double entropy = expectedEntropy(i);
+    if (entropy < least - kSameEntropy) {
+      best = i;
+      least = entropy;
+    }
+  }
+  return levels_[best];
+}
+
+void QuestPlus::answer(double x, bool positive) {
+  const auto found = std::ranges::find(levels_, x);
+  if (found == levels_.end()) {
+    throw InvalidParameter("level of an answer", fmt::format("{}", x), "a level of QUEST+");
+  }
+  const std::vector<double>& row = positive_[static_cast<std::size_t>(found - levels_.begin())];
+  double sum = 0;
+  for (std::size_t i = 0; i < hypotheses_.size(); ++i) {
+    hypotheses_[i].probability *= positive ? row[i] : 1 - row[i];
+    sum += hypotheses_[i].probability;
+  }
+  if (sum <= 0) {
+    throw InvalidParameter("answer", fmt::format("{} to {}", positive ? "positive" : "negative", x),
+                           "what one of the hypotheses allows; give QUEST+ a lapse rate above 0");
+  }
+  for (Hypothesis& hypothesis : hypotheses_) {
+    hypothesis.probability /= sum;
+  }
+  ++answered_;
+}
+
+double QuestPlus::logWidthSpread() const {
+  double mean = 0;
+  double square = 0;
+  for (const Hypothesis& hypothesis : hypotheses_) {
+    const double place = std::log(hypothesis.function.width);
+    mean += hypothesis.probability * place;
+    square += hypothesis.probability * place * place;
+  }
+  return std::sqrt(std::max(square - mean * mean, 0.0));
+}
+
+std::optional<AdaptiveEstimate> QuestPlus::estimate() const {
+  if (answered_ == 0) {
+    return std::nullopt;
+  }
+  double place = 0;
+  double log_jnd = 0;
+  for (const auto& [function, probability] : hypotheses_) {
+    place += probability * toAxis(function, function.threshold);
+    log_jnd += probability * std::log(jndOf(function));
+  }
+  return AdaptiveEstimate{fromAxis(hypotheses_.front().function, place), std::exp(log_jnd)};
+}
+
+std::unique_ptr<QuestPlus> makeQuestPlus(const QuestPlusOptions& options, std::vector<double> levels,
+                                         double reference) {
+  const bool log_axis = options.log_axis || isAlwaysLogarithmic(options.sigmoid);
+  const Range on_axis = log_axis ? Range{.lowest = 0, .ends = Ends::kOpen} : Range{};
+  for (const double level : levels) {
+    requireInRange("level", level, on_axis);
+  }
+  requireInRange("reference", reference, on_axis);
+  if (levels.size() < 2 || std::ranges::adjacent_find(levels, std::ranges::greater_equal{}) != levels.end()) {
+    throw InvalidParameter("levels", fmt::format("{} of them", levels.size()), "two or more in ascending order");
+  }
+  if (options.lapses.empty()) {
+    throw InvalidParameter("lapses", "none", "one lapse rate or more");
+  }
+  const Grid grid = gridOf(options, levels, reference);
+  std::vector<Hypothesis> hypotheses;
+  for (const double threshold : grid.thresholds) {
+    requireInRange("threshold", threshold, on_axis);
+    for (const double width : grid.widths) {
+      requireInRange("width", width, {.lowest = 0, .ends = Ends::kOpen});
+      for (const double lapse : options.lapses) {
+        requireInRange("lapse", lapse, {0, 0.5});
+        hypotheses.push_back({{.sigmoid = options.sigmoid,
+                               .log_axis = log_axis,
+                               .threshold = threshold,
+                               .width = width,
+                               .guess = guessOf(options.design, lapse),
+                               .lapse = lapse}});
+      }
+    }
+  }
+  for (Hypothesis& hypothesis : hypotheses) {
+    hypothesis.probability = 1.0 / double(hypotheses.size());
+  }
+  return std::make_unique<QuestPlus>(std::move(levels), std::move(hypotheses), options.trials, options.enough_spread);
+}
+
+}  // namespace haptolith
