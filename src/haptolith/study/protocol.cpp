@@ -234,6 +234,26 @@ void refuseKeysOfOtherProcedures(const TomlReader& reader, const StudyBlock& blo
   }
 }
 
+/// The procedures check their options themselves, when they are made.
+void requireProcedure(StudyBlock& block) {
+  block.staircase.log_axis = block.log_axis;
+  block.quest_plus.log_axis = block.log_axis;
+  std::vector<double> levels;
+  std::ranges::transform(block.levels, std::back_inserter(levels), &Stimulus::value);
+  const auto make = [&](std::string_view key, const auto& maker, const auto& options) {
+    try {
+      (void)maker(options, levels, block.reference.value);
+    } catch (const InvalidParameter& error) {
+      throw InvalidParameter(std::string(key), error.value(), fmt::format("one that can be done: {}", error.what()));
+    }
+  };
+  if (block.procedure == ProcedureKind::kStaircase) {
+    make("procedure", makeStaircase, block.staircase);
+  } else if (block.procedure == ProcedureKind::kQuestPlus) {
+    make("procedure", makeQuestPlus, block.quest_plus);
+  }
+}
+
 StudyBlock readBlock(const TomlReader& reader, const StudyProtocol& protocol) {
   std::vector<KeyName> known = keyNames(blockKeys());
   known.push_back({"", "item"});
@@ -256,6 +276,7 @@ StudyBlock readBlock(const TomlReader& reader, const StudyProtocol& protocol) {
     readLevels(draft);
     sortLevels(block);
     requireReferenceAmongLevels(block);
+    requireProcedure(block);
     requireScenes(protocol, block);
   });
   if (block.axis_label.empty()) {

@@ -7,7 +7,8 @@
 #include <string_view>
 #include <vector>
 
-#include "haptolith/psychometrics/adaptive_procedure.h"
+#include "haptolith/psychometrics/quest_plus.h"
+#include "haptolith/psychometrics/staircase.h"
 #include "haptolith/scenario/scenario.h"
 #include "haptolith/session/scene_change.h"
 
@@ -52,7 +53,7 @@ struct StudyBlock {
   TaskKind task = TaskKind::kReferenceFirst;
   ProcedureKind procedure = ProcedureKind::kConstant;
   int repeats = 3;                           ///< constant: of each level
-  StaircaseOptions staircase = {};           ///< over the values of `levels`
+  StaircaseOptions staircase = {};           ///< over the values of `levels`; its seed is the runner's
   QuestPlusOptions quest_plus = {};          ///< over the values of `levels`
   int practice_trials = 0;                   ///< before the others
   int catch_trials = 0;                      ///< among the others, with the level farthest from the reference

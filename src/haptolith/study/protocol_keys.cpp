@@ -43,6 +43,11 @@ constexpr std::array kProcedureWords{
     SceneWord{"quest+", ProcedureKind::kQuestPlus},
 };
 
+constexpr std::array kTargetWords{
+    SceneWord{"difference", StaircaseTarget::kDifference},
+    SceneWord{"equality", StaircaseTarget::kEquality},
+};
+
 constexpr std::array kItemWords{
     SceneWord{"text", FormItem::Kind::kText},     SceneWord{"number", FormItem::Kind::kNumber},
     SceneWord{"choice", FormItem::Kind::kChoice}, SceneWord{"scale", FormItem::Kind::kScale},
@@ -86,6 +91,25 @@ BlockKey::NumberValue seconds() {
 template <int StudyBlock::*kCount>
 BlockKey::CountValue trials(const Range& valid = kTrials) {
   return {valid, [](BlockDraft& d, std::int64_t v) { d.block.*kCount = static_cast<int>(v); }, kOnlyRead};
+}
+
+template <int StaircaseOptions::*kCount>
+BlockKey::CountValue ofStaircase(const Range& valid) {
+  return {valid, [](BlockDraft& d, std::int64_t v) { d.block.staircase.*kCount = static_cast<int>(v); }, kOnlyRead};
+}
+
+template <std::vector<double> QuestPlusOptions::*kNumbers>
+BlockKey::ItemsValue ofQuestPlus(std::string_view valid) {
+  return {valid, [](BlockDraft& d, const std::vector<TextOrNumber>& items) {
+            std::vector<double>& numbers = d.block.quest_plus.*kNumbers;
+            numbers.clear();
+            for (const TextOrNumber& item : items) {
+              if (!item.number) {
+                throw InvalidParameter("", "", fmt::format("numbers; '{}' is none", item.text));
+              }
+              numbers.push_back(*item.number);
+            }
+          }};
 }
 
 template <bool StudyBlock::*kSwitch>
@@ -213,6 +237,54 @@ std::vector<BlockKey> courseKeys() {
   };
 }
 
+std::vector<BlockKey> procedureKeys() {
+  using D = BlockDraft;
+  constexpr Range kFew{1, 10};
+  return {
+      {"staircase", "target", "",
+       BlockKey::WordValue{namesOf(kTargetWords),
+                           [](D& d, std::string_view v) { d.block.staircase.target = valueOf(kTargetWords, v); },
+                           kOnlyRead},
+       "The least difference that is told apart, by a staircase on each side of the reference, or the level that feels "
+       "like "
+       "the reference; left out: `difference`."},
+      {"staircase", "down", "", ofStaircase<&StaircaseOptions::down>(kFew),
+       "Right answers in a row that lead a step on; left out: 2."},
+      {"staircase", "up", "", ofStaircase<&StaircaseOptions::up>(kFew),
+       "Wrong answers in a row that lead a step back; left out: 1."},
+      {"staircase", "start", "",
+       BlockKey::NumberValue{kAnyNumber, [](D& d, double v) { d.block.staircase.start = v; }, kOnlyRead},
+       "With `equality`, where on the axis it begins; left out: at the last level."},
+      {"staircase", "first_step", "", ofStaircase<&StaircaseOptions::first_step>({1, 100}),
+       "Levels at a time until the first reversal; left out: 2."},
+      {"staircase", "step", "", ofStaircase<&StaircaseOptions::step>({1, 100}),
+       "Levels at a time after it; left out: 1."},
+      {"staircase", "reversals", "", ofStaircase<&StaircaseOptions::reversals>({1, 100}),
+       "Reversals that end a staircase; left out: 8."},
+      {"staircase", "uncounted_reversals", "", ofStaircase<&StaircaseOptions::uncounted_reversals>({0, 99}),
+       "How many of them, the first, do not count for the result; left out: 2."},
+      {"staircase", "most_trials", "", ofStaircase<&StaircaseOptions::most_trials>({1, 1000}),
+       "Trials that end the procedure in any case; left out: 80."},
+      {"quest_plus", "sigmoid", "",
+       BlockKey::WordValue{namesOf(kSigmoidNames),
+                           [](D& d, std::string_view v) { d.block.quest_plus.sigmoid = sigmoidNamed(v); }, kOnlyRead},
+       "Shape of the psychometric function; left out: `weber` (paper 22)."},
+      {"quest_plus", "thresholds", "", ofQuestPlus<&QuestPlusOptions::thresholds>("numbers"),
+       "Thresholds that are thought possible, on the axis; left out: 15 within the levels, about the reference."},
+      {"quest_plus", "widths", "", ofQuestPlus<&QuestPlusOptions::widths>("numbers"),
+       "Widths that are thought possible, with `weber` Weber fractions; left out: 25 that the levels can tell apart."},
+      {"quest_plus", "lapses", "", ofQuestPlus<&QuestPlusOptions::lapses>("numbers"),
+       "Lapse rates that are thought possible; left out: 0, 0.02 and 0.05."},
+      {"quest_plus", "trials", "",
+       BlockKey::CountValue{
+           {1, 1000}, [](D& d, std::int64_t v) { d.block.quest_plus.trials = static_cast<int>(v); }, kOnlyRead},
+       "Trials that end the procedure; left out: 30."},
+      {"quest_plus", "enough_spread", "",
+       BlockKey::NumberValue{{0, 10}, [](D& d, double v) { d.block.quest_plus.enough_spread = v; }, kOnlyRead},
+       "Ends it before, once the logarithm of the width is known with this standard deviation; left out: never."},
+  };
+}
+
 /// A number that the soil of the whole block is given.
 #define SLIDER_KEY(name, range, meaning)                                                                           \
   BlockKey {                                                                                                       \
@@ -259,7 +331,7 @@ std::vector<Key> named(std::vector<Key> keys) {
 
 std::vector<BlockKey> allBlockKeys() {
   std::vector<BlockKey> keys = designKeys();
-  for (const std::vector<BlockKey>& more : {courseKeys(), sceneKeys()}) {
+  for (const std::vector<BlockKey>& more : {courseKeys(), sceneKeys(), procedureKeys()}) {
     keys.insert(keys.end(), more.begin(), more.end());
   }
   return keys;

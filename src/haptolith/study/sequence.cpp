@@ -139,7 +139,7 @@ std::size_t expectedTrials(const StudyBlock& block) {
   switch (block.procedure) {
     case ProcedureKind::kConstant: return block.levels.size() * static_cast<std::size_t>(block.repeats);
     case ProcedureKind::kStaircase: return static_cast<std::size_t>(block.staircase.most_trials);
-    case ProcedureKind::kQuestPlus: return static_cast<std::size_t>(block.quest_plus.most_trials);
+    case ProcedureKind::kQuestPlus: return static_cast<std::size_t>(block.quest_plus.trials);
   }
   return 0;
 }

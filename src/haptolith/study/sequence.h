@@ -18,6 +18,8 @@ struct PlannedTrial {
   bool test_first = false;  ///< whether the test comes before the reference
   std::uint64_t seed = 0;   ///< below 2^53: tables and JSON keep it exactly
   int before_main = 0;      ///< a catch trial of an adaptive block comes before this main trial, counted from 0
+
+  [[nodiscard]] bool operator==(const PlannedTrial&) const = default;
 };
 
 /// A block at its place in a participant's order. The main trials of an adaptive block are not planned, since their

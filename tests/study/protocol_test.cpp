@@ -1,0 +1,314 @@
+#include "haptolith/study/protocol.h"
+
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "haptolith/core/error.h"
+#include "haptolith/soil/presets.h"
+#include "haptolith/study/protocol_keys.h"
+
+namespace haptolith {
+namespace {
+
+namespace fs = std::filesystem;
+using testing::AllOf;
+using testing::ElementsAre;
+using testing::HasSubstr;
+using testing::StartsWith;
+
+const std::string kTitle = "title = 'x'\n";
+const std::string kNames = "[[block]]\nname = 'a'\nquestion = 'Which?'\nanswers = ['less', 'more']\n";
+const std::string kFriction = "varies = 'preset'\nreference = 'P3'\nlevels = ['P1', 'P6']\n";
+
+StudyProtocol load(const std::string& text) {
+  return loadProtocolText(text, "x.toml");
+}
+
+std::string errorOf(const std::string& text) {
+  try {
+    (void)load(text);
+  } catch (const InvalidParameter& error) {
+    return error.what();
+  }
+  return "no error";
+}
+
+std::string readSource(const std::string& name) {
+  std::ifstream file(std::string(HAPTOLITH_SOURCE_DIR "/") + name);
+  return {std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
+}
+
+std::vector<std::string> names(const std::vector<Stimulus>& stimuli) {
+  std::vector<std::string> names;
+  std::ranges::transform(stimuli, std::back_inserter(names), &Stimulus::name);
+  return names;
+}
+
+std::vector<double> values(const std::vector<Stimulus>& stimuli) {
+  std::vector<double> values;
+  std::ranges::transform(stimuli, std::back_inserter(values), &Stimulus::value);
+  return values;
+}
+
+// --- what ships
+// -------------------------------------------------------------------------------------------------------
+
+TEST(ShippedProtocols, AreAllValid) {
+  ASSERT_GE(protocolNames().size(), 4U);
+  for (const std::string_view name : protocolNames()) {
+    const ProtocolText found = findProtocol(name);
+    const StudyProtocol protocol = loadProtocolText(found.text, found.name);
+    EXPECT_FALSE(protocol.consent.empty()) << name;
+    EXPECT_THAT(protocol.consent, HasSubstr("[NAME OF THE LABORATORY")) << name;
+    for (const StudyBlock& block : protocol.blocks) {
+      EXPECT_FALSE(block.instructions.empty()) << name;
+    }
+  }
+}
+
+TEST(ShippedProtocols, AreTheFilesInTheirFolder) {
+  EXPECT_EQ(findProtocol("PAPER").text, readSource("protocols/paper.toml"));
+}
+
+TEST(ShippedProtocols, HaveThePapersFrictionExperiment) {
+  const StudyProtocol protocol = load(findProtocol("paper-friction").text);
+  ASSERT_EQ(protocol.blocks.size(), 1U);
+  const StudyBlock& block = protocol.blocks[0];
+  EXPECT_THAT(names(block.levels), ElementsAre("P6", "P5", "P4", "P2", "P1"));
+  EXPECT_THAT(values(block.levels), ElementsAre(0.600, 0.648, 0.735, 1.00, 1.21));  // Table II, desired mu
+  EXPECT_EQ(block.reference.name, "P3");
+  EXPECT_EQ(block.reference.value, 0.835);
+  EXPECT_EQ(block.repeats, 3);
+  EXPECT_EQ(block.task, TaskKind::kReferenceFirst);
+  EXPECT_EQ(block.procedure, ProcedureKind::kConstant);
+  EXPECT_FALSE(block.log_axis);
+  EXPECT_TRUE(block.visual);
+  EXPECT_EQ(block.practice_trials + block.catch_trials, 0);
+}
+
+TEST(ShippedProtocols, HaveThePapersGravityExperimentWithP4) {
+  const StudyProtocol protocol = load(findProtocol("paper-gravity").text);
+  const StudyBlock& block = protocol.blocks.at(0);
+  EXPECT_THAT(names(block.levels), ElementsAre("Ceres", "Pluto", "Europa", "Mars", "Earth"));
+  EXPECT_THAT(values(block.levels), ElementsAre(0.270, 0.625, 1.314, 3.721, 9.807));
+  EXPECT_EQ(block.reference.value, 1.625);
+  EXPECT_TRUE(block.log_axis);
+  const Scenario mars = sceneOf(protocol, block, block.levels[3]);
+  EXPECT_EQ(mars.preset, "P4");
+  EXPECT_EQ(mars.bed.soil, findPreset("P4").soil);
+  EXPECT_DOUBLE_EQ(mars.bed.gravity_m_s2.z(), -3.721);
+}
+
+TEST(ShippedProtocols, HaveBothInTurns) {
+  const StudyProtocol protocol = load(findProtocol("paper").text);
+  ASSERT_EQ(protocol.blocks.size(), 2U);
+  EXPECT_EQ(protocol.order, BlockOrder::kLatinSquare);
+}
+
+TEST(ShippedProtocols, HaveOneOfHapticsAlone) {
+  const StudyProtocol protocol = load(findProtocol("friction-quest").text);
+  const StudyBlock& block = protocol.blocks.at(0);
+  EXPECT_EQ(block.task, TaskKind::kTwoInterval);
+  EXPECT_EQ(block.procedure, ProcedureKind::kQuestPlus);
+  EXPECT_FALSE(block.visual);
+  EXPECT_GT(block.catch_trials, 0);
+  EXPECT_EQ(block.questionnaire.size(), 6U);
+}
+
+TEST(ShippedProtocols, AreListedWhenAnotherIsAskedFor) {
+  try {
+    (void)findProtocol("papr");
+    FAIL() << "no error";
+  } catch (const InvalidParameter& error) {
+    EXPECT_THAT(error.what(), AllOf(HasSubstr("'papr'"), HasSubstr("paper-gravity")));
+  }
+}
+
+// --- what can be varied
+// -----------------------------------------------------------------------------------------------
+
+TEST(Protocol, SortsLevelsByTheirValues) {
+  const StudyProtocol protocol =
+      load(kTitle + kNames + "varies = 'friction_angle_deg'\nreference = 40\nlevels = [45, 30.5]\n");
+  const StudyBlock& block = protocol.blocks[0];
+  EXPECT_THAT(names(block.levels), ElementsAre("30.5", "45"));
+  EXPECT_EQ(block.axis_label, "friction angle (°)");
+  const Scenario steep = sceneOf(protocol, block, block.levels[1]);
+  EXPECT_NEAR(steep.bed.soil.mu_hat * std::sqrt(6), 1.0, 1e-3);  // tan 45 deg; mu_hat = mu / sqrt(6)
+}
+
+TEST(Protocol, VariesSoilsByNameOverValuesOfItsOwn) {
+  const StudyProtocol protocol = load(kTitle + kNames +
+                                      "varies = 'soil'\nreference = 'lms-1'\nreference_value = 2\naxis_label = 'rank'\n"
+                                      "levels = ['jsc-1a', 'dry-sand']\nvalues = [3, 1]\n");
+  const StudyBlock& block = protocol.blocks[0];
+  EXPECT_THAT(names(block.levels), ElementsAre("dry-sand", "jsc-1a"));
+  EXPECT_EQ(block.reference.value, 2);
+  EXPECT_EQ(sceneOf(protocol, block, block.levels[0]).soil_name, "dry-sand");
+}
+
+TEST(Protocol, ChangesTheSceneOfABlock) {
+  const StudyProtocol protocol = load(kTitle + kNames +
+                                      "varies = 'contact_friction'\nreference = 0.5\nlevels = [0.25, "
+                                      "1]\n[block.scene]\nsoil = 'lms-1'\nbody = 'Earth'\n");
+  const Scenario scene = sceneOf(protocol, protocol.blocks[0], protocol.blocks[0].levels[0]);
+  EXPECT_EQ(scene.bed.soil.contact_friction, 0.25);
+  EXPECT_EQ(scene.body, "Earth");
+}
+
+TEST(Protocol, TakesItsSceneFromBesideIt) {
+  const fs::path folder = fs::path(testing::TempDir()) / fmt::format("haptolith_protocol_{}", getpid());
+  fs::create_directories(folder);
+  std::ofstream(folder / "scene.toml") << "[gravity]\nbody = 'Earth'\n";
+  std::ofstream(folder / "p.toml") << kTitle << "scene = 'scene.toml'\n" << kNames << kFriction;
+  EXPECT_EQ(loadProtocol(folder / "p.toml").scene.body, "Earth");
+  fs::remove(folder / "scene.toml");
+  EXPECT_THROW((void)loadProtocol(folder / "p.toml"), InvalidParameter);
+  fs::remove_all(folder);
+}
+
+TEST(Protocol, ShowsTheFarthestLevelInCatchTrials) {
+  EXPECT_EQ(farthestLevel(load(findProtocol("paper-friction").text).blocks[0]), 4U);  // P1
+  // Ceres is six times less than the Moon, Earth six times more; over the logarithm Earth is a little farther.
+  StudyBlock gravity = load(findProtocol("paper-gravity").text).blocks[0];
+  EXPECT_EQ(gravity.levels[farthestLevel(gravity)].name, "Earth");
+  gravity.levels[0].value = 0.1;
+  EXPECT_EQ(gravity.levels[farthestLevel(gravity)].name, "Ceres");
+  gravity.log_axis = false;
+  EXPECT_EQ(gravity.levels[farthestLevel(gravity)].name, "Earth");
+}
+
+TEST(Protocol, AsksForms) {
+  const StudyProtocol protocol =
+      load(kTitle +
+           "questionnaire = 'nasa-tlx'\n[[demographics]]\nkey = 'hand'\nlabel = 'Hand?'\nkind = 'choice'\n"
+           "choices = ['left', 'right']\nrequired = true\n" +
+           kNames + kFriction + "[[block.item]]\nkey = 'how'\nlabel = 'How?'\npersonal = true\n");
+  ASSERT_EQ(protocol.demographics.size(), 1U);
+  EXPECT_THAT(protocol.demographics[0].choices, ElementsAre("left", "right"));
+  EXPECT_TRUE(protocol.demographics[0].required);
+  EXPECT_EQ(protocol.questionnaire.size(), 6U);
+  EXPECT_EQ(protocol.questionnaire[5].key, "tlx_frustration");
+  ASSERT_EQ(protocol.blocks[0].questionnaire.size(), 1U);
+  EXPECT_TRUE(protocol.blocks[0].questionnaire[0].personal);
+}
+
+// --- what is refused
+// --------------------------------------------------------------------------------------------------
+
+struct Wrong {
+  std::string what, text, message;
+};
+
+void PrintTo(const Wrong& wrong, std::ostream* out) {
+  *out << wrong.what;
+}
+
+class WrongProtocol : public testing::TestWithParam<Wrong> {};
+
+TEST_P(WrongProtocol, IsRefusedWithItsLine) {
+  const std::string error = errorOf(GetParam().text);
+  EXPECT_THAT(error, StartsWith("x.toml:"));
+  EXPECT_THAT(error, HasSubstr(GetParam().message));
+}
+
+const std::string kBlock = kTitle + kNames + kFriction;
+
+INSTANTIATE_TEST_SUITE_P(
+    Of, WrongProtocol,
+    testing::Values(
+        Wrong{"NoBlock", kTitle, "block is missing"}, Wrong{"NoTitle", kNames + kFriction, "title is missing"},
+        Wrong{"AnUnknownKey", "titel = 'x'\n" + kNames, "x.toml:1: titel is not known; did you mean title?"},
+        Wrong{"AnUnknownKeyOfABlock", kBlock + "repeat = 4\n",
+              "9: [[block]] repeat is not known; did you mean [[block]] repeats?"},
+        Wrong{"AMissingLevel", kTitle + kNames + "varies = 'preset'\nreference = 'P3'\n",
+              ":2: [[block]] levels is missing"},
+        Wrong{"OneLevel", kTitle + kNames + "varies = 'preset'\nreference = 'P3'\nlevels = ['P1']\n",
+              ":8: [[block]] levels = [ 'P1' ] is not valid: must be two or more"},
+        Wrong{"NoLevels", kTitle + kNames + "varies = 'preset'\nreference = 'P3'\nlevels = []\n", "two or more"},
+        Wrong{"ALevelTwice", kTitle + kNames + "varies = 'preset'\nreference = 'P3'\nlevels = ['P1', 'P6', 'P1']\n",
+              "P1 is there twice"},
+        Wrong{"ALevelThatIsNone", kTitle + kNames + "varies = 'preset'\nreference = 'P3'\nlevels = ['P1', 'P9']\n",
+              "'P9' is not: one of P1, P2"},
+        Wrong{"ANumberForAName", kTitle + kNames + "varies = 'body'\nreference = 'Moon'\nlevels = ['Mars', 9.8]\n",
+              "'9.8' is not: one of Ceres"},
+        Wrong{"ANameForANumber", kTitle + kNames + "varies = 'cohesion_pa'\nreference = 900\nlevels = [500, 'much']\n",
+              "numbers; 'much' is not"},
+        Wrong{"AReferenceOutsideTheLevels",
+              kTitle + kNames + "varies = 'preset'\nreference = 'P6'\nlevels = ['P1', 'P2']\n",
+              ":7: [[block]] reference = 'P6' is not valid: must be between the levels, 1 to 1.21; it is at 0.6"},
+        Wrong{"TwoReferences", kTitle + kNames + "varies = 'preset'\nreference = ['P3', 'P4']\nlevels = ['P1', 'P2']\n",
+              "one name or number"},
+        Wrong{"ValuesOfOtherLength", kBlock + "values = [1]\nreference_value = 2\n",
+              "as many numbers as there are levels, 2"},
+        Wrong{"ValuesWithoutTheReferences", kBlock + "values = [3, 1]\n", "reference_value"},
+        Wrong{"SoilsWithoutValues",
+              kTitle + kNames +
+                  "varies = 'soil'\nreference = 'lms-1'\nreference_value = 2\nlevels = ['jsc-1a', 'dry-sand']\n",
+              "values"},
+        Wrong{"TheSameValueTwice", kBlock + "values = [1, 1]\nreference_value = 2\n", "are both 1"},
+        Wrong{"ALogarithmOfNothing", kBlock + "values = [3, 0]\nreference_value = 2\nlog_axis = true\n",
+              ":11: [[block]] log_axis"},
+        Wrong{"ASliderThatTheSoilHasNot",
+              kTitle + kNames + "varies = 'contact_friction'\nreference = 0.5\nlevels = [0.2, 1]\n",
+              "friction_angle_deg"},
+        Wrong{"ALevelOutOfRange",
+              kTitle + kNames + "varies = 'friction_angle_deg'\nreference = 40\nlevels = [30, 95]\n", "95"},
+        Wrong{"AnswersThatAreTheSame",
+              kTitle + "[[block]]\nname = 'a'\nquestion = 'q'\nanswers = ['more', 'more']\n" + kFriction,
+              "two different texts"},
+        Wrong{"ANameThatIsNoFileName",
+              kTitle + "[[block]]\nname = 'a/b'\nquestion = 'q'\nanswers = ['l', 'm']\n" + kFriction,
+              "[[block]] name = 'a/b'"},
+        Wrong{"TwoBlocksOfOneName", kBlock + kNames + kFriction, ":10: [[block]] name"},
+        Wrong{"RepeatsOfAnAdaptiveBlock", kBlock + "procedure = 'quest+'\nrepeats = 3\n",
+              "the procedure ends by itself"},
+        Wrong{"AStaircaseThatIsNone", kBlock + "[block.staircase]\ndown = 3\n", "the procedure is no staircase"},
+        Wrong{"AStaircaseThatCannotBe",
+              kBlock + "procedure = 'staircase'\n[block.staircase]\nreversals = 2\nuncounted_reversals = 5\n",
+              "procedure"},
+        Wrong{"TooManyRepeats", kBlock + "repeats = 100000\n", "1 to 1000"},
+        Wrong{"ABlockThatIsNoTable", kTitle + "block = 3\n", "tables, each under [[block]]"},
+        Wrong{"TwoSoils", kBlock + "[block.scene]\npreset = 'P1'\nsoil = 'lms-1'\n", "cannot both be given"},
+        Wrong{"AChoiceWithoutChoices",
+              kTitle + "[[demographics]]\nkey = 'a'\nlabel = 'A'\nkind = 'choice'\n" + kNames + kFriction,
+              "[[demographics]] choices"},
+        Wrong{"AScaleWithoutLength", kTitle + "[[item]]\nkey = 'a'\nlabel = 'A'\nkind = 'scale'\n" + kNames + kFriction,
+              "[[item]] high"},
+        Wrong{"TwoItemsOfOneKey",
+              kBlock + "[[block.item]]\nkey = 'a'\nlabel = 'A'\n[[block.item]]\nkey = 'a'\nlabel = 'B'\n",
+              ":13: [[block.item]] key"},
+        Wrong{"NoToml", "title = \n", "not TOML"}),
+    [](const auto& of) { return of.param.what; });
+
+// --- the document
+// -----------------------------------------------------------------------------------------------------
+
+template <class Key>
+void expectDocumented(std::span<const Key> keys, const std::string& top) {
+  const std::string document = readSource("docs/studies.md");
+  for (const Key& key : keys) {
+    const std::string heading = key.table.empty() ? top : fmt::format("### [block.{}]\n", key.table);
+    const std::size_t section = document.find(heading);
+    ASSERT_NE(section, std::string::npos) << "no section " << heading;
+    const std::string text = document.substr(section, document.find("\n##", section + 1) - section);
+    EXPECT_THAT(text, HasSubstr(fmt::format("| `{}` | {} | {} |\n", key.name, validText(key), key.meaning)));
+  }
+}
+
+TEST(ProtocolKeys, AreAllInTheDocument) {
+  expectDocumented(protocolKeys(), "### At the top\n");
+  expectDocumented(blockKeys(), "### [[block]]\n");
+  expectDocumented(itemKeys(), "### [[demographics]], [[block.item]], [[item]]\n");
+}
+
+}  // namespace
+}  // namespace haptolith
