@@ -25,6 +25,7 @@
 #include "run_command.h"
 #include "snapshot_command.h"
 #include "soil_commands.h"
+#include "study_command.h"
 
 namespace haptolith {
 namespace {
@@ -52,6 +53,7 @@ void addCommands(CLI::App& app) {
   addExportCommand(app);
   addSoilCommands(app);
   addLabCommand(app);
+  addStudyCommand(app);
   addBenchCommand(app);
   addDevicesCommand(app);
   addDoctorCommand(app);
