@@ -1,25 +1,20 @@
 #include "export_command.h"
 
 #include <fmt/format.h>
-#include <unistd.h>
 
 #include <algorithm>
-#include <cerrno>
 #include <cstdint>
-#include <cstdio>
-#include <cstring>
 #include <filesystem>
 #include <iterator>
 #include <memory>
 #include <string>
 #include <string_view>
-#include <system_error>
-#include <utility>
 #include <variant>
 #include <vector>
 
 #include "haptolith/core/atomic_file.h"
 #include "haptolith/core/error.h"
+#include "haptolith/core/new_folder.h"
 #include "haptolith/recording/recording_reader.h"
 
 #include "output.h"
@@ -154,47 +149,6 @@ void exportXdmf(const RecordingReader& recording, const ExportOptions& options) 
   file.write("</Grid>\n</Domain>\n</Xdmf>\n");
   file.commit();
 }
-
-/// A folder that appears with all its files or not at all.
-class NewFolder {
- public:
-  explicit NewFolder(fs::path path) : path_(std::move(path)) {
-    if (fs::exists(path_)) {
-      throw Failure(fmt::format("{} exists already: choose another folder with --out", path_.string()));
-    }
-    making_ = path_;
-    making_.replace_filename(fmt::format(".{}.part-{}", path_.filename().string(), getpid()));
-    std::error_code error;
-    if (!fs::create_directory(making_, error)) {
-      throw Failure(fmt::format("cannot create {}: {}", path_.string(), error.message()));
-    }
-  }
-  ~NewFolder() {
-    std::error_code ignored;
-    fs::remove_all(making_, ignored);
-  }
-  NewFolder(const NewFolder&) = delete;
-  NewFolder& operator=(const NewFolder&) = delete;
-
-  void write(const std::string& name, std::string_view bytes) const {
-    const std::unique_ptr<std::FILE, int (*)(std::FILE*)> file(std::fopen((making_ / name).c_str(), "wb"), std::fclose);
-    if (!file || std::fwrite(bytes.data(), 1, bytes.size(), file.get()) != bytes.size() ||
-        std::fflush(file.get()) != 0) {
-      throw Failure(fmt::format("cannot write {}: {}", (path_ / name).string(), std::strerror(errno)));
-    }
-  }
-
-  void commit() const {
-    std::error_code error;
-    fs::rename(making_, path_, error);
-    if (error) {
-      throw Failure(fmt::format("cannot save {}: {}", path_.string(), error.message()));
-    }
-  }
-
- private:
-  fs::path path_, making_;
-};
 
 template <class T>
 void appendBlock(std::string& bytes, const std::vector<T>& values) {

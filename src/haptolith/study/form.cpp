@@ -50,6 +50,17 @@ std::string validText(const FormItem& item) {
   return "";
 }
 
+std::vector<Form> formsOf(const StudyProtocol& protocol) {
+  std::vector<Form> forms;
+  forms.push_back({std::string(kDemographicsForm), protocol.demographics});
+  for (const StudyBlock& block : protocol.blocks) {
+    forms.push_back({block.name, block.questionnaire});
+  }
+  forms.push_back({std::string(kQuestionnaireForm), protocol.questionnaire});
+  std::erase_if(forms, [](const Form& form) { return form.items.empty(); });
+  return forms;
+}
+
 void requireFormValues(const std::vector<FormItem>& items, const std::map<std::string, std::string>& values) {
   for (const auto& [key, value] : values) {
     const auto item = std::ranges::find(items, key, &FormItem::key);

@@ -1,0 +1,29 @@
+#pragma once
+
+#include <filesystem>
+#include <string_view>
+
+namespace haptolith {
+
+/// A folder that appears with all its files or not at all: made beside its name, renamed on commit(), removed
+/// otherwise. Not for the tick.
+class NewFolder {
+ public:
+  /// @param replace  whether commit() may take the place of a folder that is there.
+  /// @throws Failure when there is something of that name that may not be replaced, or when it cannot be made.
+  explicit NewFolder(std::filesystem::path path, bool replace = false);
+  ~NewFolder();
+  NewFolder(const NewFolder&) = delete;
+  NewFolder& operator=(const NewFolder&) = delete;
+
+  /// Writes a file; the folders it lies in are made. @throws Failure with the path and the system's reason.
+  void write(const std::filesystem::path& name, std::string_view bytes) const;
+
+  /// Nothing may be written afterwards. @throws Failure as write().
+  void commit() const;
+
+ private:
+  std::filesystem::path path_, making_;
+};
+
+}  // namespace haptolith

@@ -1,0 +1,39 @@
+#pragma once
+
+#include <filesystem>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "haptolith/study/store.h"
+
+namespace haptolith {
+
+struct ExportOptions {
+  bool personal = false;   ///< with the answers to personal items
+  bool overwrite = false;  ///< may take the place of an earlier export
+};
+
+/// A column of a study's trials.
+struct TrialColumn {
+  std::string name;       ///< in CSV files
+  std::string bids_name;  ///< in BIDS folders, where some names are given; empty: the folders and files tell it
+  std::string meaning, unit;
+  std::vector<std::pair<std::string, std::string>> levels = {};  ///< values and what they mean, where there are few
+};
+
+/// The columns of every export, before those of the forms. docs/studies.md has each of them.
+[[nodiscard]] std::span<const TrialColumn> trialColumns();
+
+/// One table: a row for each attempt at a trial, in the order in which they began, with what its participant answered
+/// to the forms in further columns. Numbers read back as the same; what is missing is empty.
+/// @throws Failure when the file exists or cannot be written.
+void exportCsv(const StudyStore& study, const std::filesystem::path& file, const ExportOptions& options);
+
+/// A folder as the Brain Imaging Data Structure has them (https://bids-specification.readthedocs.io): participants.tsv
+/// with the forms, and a _beh.tsv with its _beh.json for each participant and block. What is missing is n/a.
+/// @throws Failure when the folder exists (to be overwritten it must be an earlier export) or cannot be written.
+void exportBids(const StudyStore& study, const std::filesystem::path& folder, const ExportOptions& options);
+
+}  // namespace haptolith

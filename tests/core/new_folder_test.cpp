@@ -1,0 +1,94 @@
+#include "haptolith/core/new_folder.h"
+
+#include <gmock/gmock.h>
+#include <sys/resource.h>
+#include <unistd.h>
+
+#include <csignal>
+#include <fstream>
+#include <iterator>
+#include <string>
+
+#include "haptolith/core/error.h"
+
+namespace haptolith {
+namespace {
+
+namespace fs = std::filesystem;
+using testing::HasSubstr;
+
+class NewFolderTest : public testing::Test {
+ protected:
+  NewFolderTest() : folder_(fs::path(testing::TempDir()) / ("haptolith_new_folder_" + std::to_string(getpid()))) {
+    fs::create_directories(folder_);
+  }
+  ~NewFolderTest() override { fs::remove_all(folder_); }
+
+  [[nodiscard]] int entries() const {
+    return static_cast<int>(std::distance(fs::directory_iterator(folder_), fs::directory_iterator()));
+  }
+
+  static std::string read(const fs::path& path) {
+    std::ifstream file(path);
+    return {std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
+  }
+
+  fs::path folder_;
+};
+
+TEST_F(NewFolderTest, AppearsWithAllItsFilesOnCommit) {
+  const NewFolder made(folder_ / "out/");
+  made.write("a.txt", "a");
+  made.write("in/side/b.txt", "b");
+  EXPECT_FALSE(fs::exists(folder_ / "out"));
+  made.commit();
+  EXPECT_EQ(read(folder_ / "out/a.txt"), "a");
+  EXPECT_EQ(read(folder_ / "out/in/side/b.txt"), "b");
+  EXPECT_EQ(entries(), 1);
+}
+
+TEST_F(NewFolderTest, LeavesNothingWithoutCommit) {
+  { NewFolder(folder_ / "out").write("a.txt", "a"); }
+  EXPECT_EQ(entries(), 0);
+}
+
+TEST_F(NewFolderTest, RefusesANameThatIsTaken) {
+  fs::create_directory(folder_ / "out");
+  std::ofstream(folder_ / "file") << "x";
+  EXPECT_THROW(NewFolder(folder_ / "out"), Failure);
+  EXPECT_THROW(NewFolder(folder_ / "file", true), Failure);
+  EXPECT_THROW(NewFolder(folder_ / "no/such/folder"), Failure);
+  EXPECT_EQ(entries(), 2);
+}
+
+TEST_F(NewFolderTest, ReplacesAFolderWholeWhenAskedTo) {
+  fs::create_directory(folder_ / "out");
+  std::ofstream(folder_ / "out/old.txt") << "old";
+  const NewFolder made(folder_ / "out", true);
+  made.write("new.txt", "new");
+  EXPECT_TRUE(fs::exists(folder_ / "out/old.txt"));
+  made.commit();
+  EXPECT_FALSE(fs::exists(folder_ / "out/old.txt"));
+  EXPECT_EQ(read(folder_ / "out/new.txt"), "new");
+  EXPECT_EQ(entries(), 1);
+}
+
+TEST_F(NewFolderTest, ReportsAFullDisk) {
+  rlimit before{};
+  getrlimit(RLIMIT_FSIZE, &before);
+  const auto handler = std::signal(SIGXFSZ, SIG_IGN);
+  const rlimit full{100, before.rlim_max};
+  setrlimit(RLIMIT_FSIZE, &full);
+  try {
+    NewFolder(folder_ / "out").write("a.txt", std::string(1000, 'a'));
+    ADD_FAILURE() << "no error";
+  } catch (const Failure& error) {
+    EXPECT_THAT(error.what(), HasSubstr("out/a.txt"));
+  }
+  setrlimit(RLIMIT_FSIZE, &before);
+  std::signal(SIGXFSZ, handler);
+  EXPECT_EQ(entries(), 0);
+}
+
+}  // namespace
+}  // namespace haptolith
