@@ -85,6 +85,7 @@ void draw(const Options& options, const std::vector<PlanOutcome>& outcomes) {
   Figure figure(options.figure, kFigureWidth_px, kFigureHeight_px);
   const bool power = options.parameters.against.has_value();
   std::string plots, ranges;
+  double shift = 1;  // bars beside each other
   for (const int repeats : options.repeats) {
     std::vector<std::vector<double>> rows;
     for (const PlanOutcome& outcome : outcomes) {
@@ -97,18 +98,21 @@ void draw(const Options& options, const std::vector<PlanOutcome>& outcomes) {
     const char* joint = plots.empty() ? "plot " : ", ";
     plots +=
         fmt::format("{}$r{} using 1:2 with linespoints pt 7 lw 2 title '{} of each level'", joint, repeats, repeats);
-    ranges += fmt::format("{}$r{} using 1:3:4:5 with yerrorlines pt 7 lw 2 title '{} of each level'", joint, repeats,
-                          repeats);
+    ranges += fmt::format("{}$r{} using ($1*{}):3:4:5 with yerrorlines pt 7 lw 2 title '{} of each level'", joint, repeats, shift, repeats);
+    shift *= 1.04;
   }
   figure.command(fmt::format(R"(
 set multiplot layout 1,{0}
 set logscale x 2
+set xrange [{3}:{4}]
 set key top right
 set xlabel 'participants'
 set ylabel 'estimated Weber fraction'
 set title 'median and 95 % range of the estimates'
 {1}, {2} with lines dt 2 lc '#666666' title 'true')",
-                             power ? 2 : 1, ranges, options.parameters.observer.weber_fraction));
+                             power ? 2 : 1, ranges, options.parameters.observer.weber_fraction,
+                             0.85 * std::ranges::min(options.participants),
+                             1.2 * std::ranges::max(options.participants)));
   if (power) {
     figure.command(fmt::format(R"(
 set key bottom right
