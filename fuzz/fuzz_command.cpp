@@ -12,8 +12,8 @@
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   using namespace haptolith;
   const ClientMessage message = parseClientMessage({reinterpret_cast<const char*>(data), size});
-  if (message.command.has_value() == !message.refused.empty()) {
-    std::abort();  // one of the two
+  if (int{message.command.has_value()} + int{message.for_guest} + int{!message.refused.empty()} != 1) {
+    std::abort();  // one of the three
   }
   if (message.command && std::holds_alternative<command::Change>(*message.command)) {
     try {

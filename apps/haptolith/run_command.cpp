@@ -19,7 +19,6 @@
 #include "haptolith/scenario/scenario.h"
 #include "haptolith/scenario/scene_words.h"
 #include "haptolith/session/session.h"
-#include "haptolith/viewer/access.h"
 #include "haptolith/viewer/live_view.h"
 
 #include "histogram_json.h"
@@ -30,6 +29,7 @@
 #include "stop_on_signal.h"
 #include "trace_file.h"
 #include "trip_file.h"
+#include "web_options.h"
 
 namespace haptolith {
 
@@ -125,24 +125,7 @@ class Follower {
 
   [[nodiscard]] Recording& recording() noexcept { return recording_; }
 
-  /// Tells of a trip of the safety layer, and writes what led to it.
-  void tellOfTrips(Session& session) {
-    if (!session.loop().trips().update()) {
-      return;
-    }
-    const TripReport& report = session.loop().trips().latest();
-    status_.clear();
-    recording_.note("trip", report.time_s, text(report.trip));
-    std::string where;
-    try {
-      where = fmt::format("; the last {} ticks are in {}", report.count, writeTripFile(report));
-    } catch (const Failure& failure) {
-      where = fmt::format("; the last ticks could not be written: {}", failure.what());
-    }
-    const std::string_view reason = session.device().problem();
-    spdlog::warn("at {:.3f} s the hand was let go: {}{}{}{}", report.time_s, text(report.trip),
-                 reason.empty() ? "" : ": ", reason, where);
-  }
+  void tellOfTrips(Session& session) { haptolith::tellOfTrips(session, status_, recording_); }
 
   /// Saves trace and recording; whoever prints next finds a clean line.
   void finish(LoopEnd end, double time_s) {
@@ -325,10 +308,7 @@ std::unique_ptr<LiveView> viewOf(Session& session, Follower& follower, const Run
 void run(RunOptions options) {
   const StopOnSignal stop_on_signal;
   const Scenario scenario = scenarioFor(options);
-  if (!isLoopback(options.web.bind) && options.web.token.empty()) {
-    options.web.token = newToken();
-  }
-  validate(options.web);
+  completeWebOptions(options.web);
   // Files that cannot be written are refused before the bed is made.
   Follower follower(options, scenario);
   std::optional<Figure> figure;
@@ -412,14 +392,7 @@ void addRunCommand(CLI::App& app) {
       ->add_flag_callback(
           "--no-serve", [options] { options->serve = false; }, "Do not show it in the browser")
       ->excludes(serve);
-  command->add_option("--port", options->web.port, "Port of the page, or the next that is free; 0: any [8080]")
-      ->option_text("PORT");
-  command
-      ->add_option("--bind", options->web.bind,
-                   "Address to listen on [127.0.0.1]; any but this machine's own wants a token")
-      ->option_text("ADDRESS");
-  command->add_option("--token", options->web.token, "What a browser must know; default beyond this machine: made up")
-      ->option_text("TEXT");
+  addWebOptions(*command, options->web);
   command->callback([options] { run(*options); });
 }
 

@@ -32,6 +32,25 @@ std::map<std::string, Manoeuvre> handChoices() {
 
 }  // namespace
 
+CLI::Option* DeviceOptions::addTo(CLI::App& command) {
+  CLI::Option* named =
+      command.add_option("--device", kind, "What the hand holds (haptolith devices); default: the virtual hand")
+          ->transform(CLI::CheckedTransformer(choicesOf(kDeviceWords), CLI::ignore_case))
+          ->option_text("NAME");
+  command.add_option("--device-id", id, "Which one, where there are several")->option_text("ID");
+  command.add_option("--device-library", library, "Folder or file of the device's SDK")->option_text("PATH");
+  command.add_option("--device-address", address, "Where the device's service is, or where to listen")
+      ->option_text("ADDRESS");
+  return named;
+}
+
+void DeviceOptions::applyTo(DeviceParameters& device) const {
+  device.kind = kind.value_or(device.kind);
+  device.id = id.value_or(device.id);
+  device.library = library.value_or(device.library);
+  device.address = address.value_or(device.address);
+}
+
 void SceneOptions::addTo(CLI::App& command) {
   command.add_option("scenario", scenario_file, "Scene (TOML, see docs/scenarios.md); default: the paper's");
   CLI::Option* by_preset = command.add_option("--preset", preset, "Soil: P1 to P6, the paper's Table II");
@@ -55,14 +74,7 @@ void SceneOptions::addTo(CLI::App& command) {
   command.add_option("--seed", seed, "Seed of a bed that starts as rain")
       ->check(CLI::NonNegativeNumber)
       ->option_text("N");
-  command.add_option("--device", device, "What the hand holds (haptolith devices); default: the virtual hand")
-      ->transform(CLI::CheckedTransformer(choicesOf(kDeviceWords), CLI::ignore_case))
-      ->option_text("NAME")
-      ->excludes(hand);
-  command.add_option("--device-id", device_id, "Which one, where there are several")->option_text("ID");
-  command.add_option("--device-library", device_library, "Folder or file of the device's SDK")->option_text("PATH");
-  command.add_option("--device-address", device_address, "Where the device's service is, or where to listen")
-      ->option_text("ADDRESS");
+  device.addTo(command)->excludes(hand);
 }
 
 Scenario scenarioFor(const SceneOptions& options) {
@@ -87,10 +99,7 @@ Scenario scenarioFor(const SceneOptions& options) {
   }
   bed.threads = options.threads.value_or(bed.threads);
   bed.seed = options.seed.value_or(bed.seed);
-  scenario.device.kind = options.device.value_or(scenario.device.kind);
-  scenario.device.id = options.device_id.value_or(scenario.device.id);
-  scenario.device.library = options.device_library.value_or(scenario.device.library);
-  scenario.device.address = options.device_address.value_or(scenario.device.address);
+  options.device.applyTo(scenario.device);
   return scenario;
 }
 

@@ -9,11 +9,22 @@
 
 namespace CLI {
 class App;
-}
+class Option;
+}  // namespace CLI
 
 namespace haptolith {
 
 class StatusLine;
+
+/// Which device holds the tool, as the command line says it.
+struct DeviceOptions {
+  std::optional<DeviceKind> kind;
+  std::optional<std::string> id, library, address;
+
+  /// @return the option that names the device.
+  CLI::Option* addTo(CLI::App& command);
+  void applyTo(DeviceParameters& device) const;
+};
 
 /// Which scene, as the command line says it; everything else comes from the scenario.
 struct SceneOptions {
@@ -23,8 +34,7 @@ struct SceneOptions {
   std::optional<Manoeuvre> manoeuvre;
   std::optional<int> threads;
   std::optional<std::uint64_t> seed;
-  std::optional<DeviceKind> device;
-  std::optional<std::string> device_id, device_library, device_address;
+  DeviceOptions device;
 
   void addTo(CLI::App& command);
 };

@@ -1,11 +1,12 @@
 #pragma once
 
-#include <CLI/CLI.hpp>
+namespace CLI {
+class App;
+}
 
 namespace haptolith {
 
-/// Adds `haptolith study` with its commands. They run while `app` parses.
-/// Parsing then throws CLI::ParseError for wrong usage, InvalidParameter for a wrong value, Failure for work undone.
+/// `haptolith study ...`: user studies, docs/studies.md.
 void addStudyCommand(CLI::App& app);
 
 }  // namespace haptolith

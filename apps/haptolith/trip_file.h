@@ -1,13 +1,14 @@
 #pragma once
 
-#include <string>
+#include "haptolith/session/session.h"
 
-#include "haptolith/haptics/haptic_loop.h"
+#include "output.h"
+#include "recording.h"
 
 namespace haptolith {
 
-/// Writes the last ticks before the hand was let go to a new CSV file where the program was started, and returns its
-/// name. @throws Failure when that cannot be done.
-std::string writeTripFile(const TripReport& report);
+/// When the safety layer has let go of the hand since the last call: says why, notes it in the recording, and writes
+/// the last ticks before it to a new CSV file where the program was started.
+void tellOfTrips(Session& session, StatusLine& status, Recording& recording);
 
 }  // namespace haptolith

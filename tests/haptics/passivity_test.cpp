@@ -80,6 +80,30 @@ TEST(Passivity, CountsADelayedForceAgainstTheMovementDuringWhichItIsShown) {
   }
 }
 
+TEST(Passivity, AllOfAForceThatIsShownAtOnceIsAffordable) {
+  Passivity passivity(kStiffness_n_m, 0, kTick_s);
+  passivity.observe(at(0), force(0));
+  passivity.observe(at(0.001), force(0));
+  EXPECT_EQ(passivity.affordable(force(100)), 1);
+}
+
+TEST(Passivity, AForceThatIsShownLateMustHaveBeenPaidFor) {
+  Passivity passivity(kStiffness_n_m, 5 * kTick_s, kTick_s);
+  passivity.observe(at(0), force(0));
+  EXPECT_EQ(passivity.affordable(force(0)), 1);
+  // At rest, F = sqrt(2 m 0.5 mJ) / T with the lightest handle, 0.1 kg: 2 N.
+  EXPECT_NEAR(passivity.affordable(force(8)), 0.25, 1e-12);
+  EXPECT_EQ(passivity.affordable(force(1.9)), 1);
+  passivity.observe(at(1e-4), force(0));  // 0.1 m/s: F T v + (F T)^2 / 2 m = 0.5 mJ
+  const double shown_n = 8 * passivity.affordable(force(8));
+  EXPECT_NEAR(5e-3 * shown_n * 0.1 + 5e-3 * shown_n * 5e-3 * shown_n / 0.2, 0.5e-3, 1e-12);
+  for (int tick = 2; tick < 100; ++tick) {
+    passivity.observe(at(1e-4 * tick), force(-4));  // the hand pays 0.4 mJ a tick
+  }
+  passivity.observe(at(1e-4 * 99), force(0));
+  EXPECT_EQ(passivity.affordable(force(8)), 1);
+}
+
 /// What gives no more than it has been given. Springs are swung at 0.2 m/s at most: of a faster swing the quick account
 /// forgets a part before it comes back, and it forgives no more than soil stores.
 struct Passive {

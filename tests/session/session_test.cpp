@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
 #include <atomic>
 #include <chrono>
 #include <cmath>
@@ -210,6 +211,47 @@ TEST_F(SessionTest, APausedSessionGoesOnTickByTick) {
   ASSERT_TRUE(soon([&] { return session_->snapshot().ticks == ticks + 10; }));
   session_->resume();
   ASSERT_TRUE(soon([&] { return session_->snapshot().ticks > ticks + 1000; }));
+}
+
+TEST_F(SessionTest, ShowsOneStimulusAfterAnotherEachOnALevelBed) {
+  start();
+  const SceneChange block{.preset = "P4"}, mars{.body = "Mars"}, ceres{.body = "Ceres"};
+  session_->show(std::array{block, mars});
+  EXPECT_FALSE(session_->settled());
+  ASSERT_TRUE(soon([&] { return session_->settled(); }));
+  EXPECT_EQ(session_->shown().preset, "P4");
+  EXPECT_EQ(session_->shown().body, "Mars");
+  const std::vector<Float4> level = session_->snapshot().position;
+  session_->play(Manoeuvre::kStir);
+  waitTicks(3000);
+  EXPECT_GT(farthest(session_->snapshot().position, level), 0.005);
+  session_->play(Manoeuvre::kStill);
+  session_->show(std::array{ceres});  // not of what is shown: of the scene as it was started
+  ASSERT_TRUE(soon([&] { return session_->settled(); }));
+  EXPECT_EQ(session_->shown().preset, "P3");
+  EXPECT_EQ(session_->shown().body, "Ceres");
+  session_->show(std::array{block, mars});
+  ASSERT_TRUE(soon([&] { return session_->settled(); }));
+  EXPECT_LT(farthest(session_->snapshot().position, level), 1e-3);
+  EXPECT_THROW(session_->show(std::array{SceneChange{.body = "Venus"}}), InvalidParameter);
+  EXPECT_EQ(session_->scenario().body, "Mars");
+}
+
+TEST_F(SessionTest, AToolThatTouchesNothingFadesOutOfTheSoilAndBackWithoutAJump) {
+  start();
+  session_->hold(Pose{Vec3(0.01, 0, 0.02)});
+  const auto force_n = [&] { return session_->snapshot().felt.force_n.norm(); };
+  ASSERT_TRUE(soon([&] { return force_n() > 1; }));
+  session_->touch(false);
+  ASSERT_TRUE(soon([&] { return force_n() < 1e-3; }));
+  waitTicks(500);
+  EXPECT_LT(force_n(), 1e-3);
+  session_->level();  // another bed is not touched either
+  ASSERT_TRUE(soon([&] { return session_->scenes() == 2; }));
+  waitTicks(500);
+  EXPECT_LT(force_n(), 1e-3);
+  session_->touch(true);
+  ASSERT_TRUE(soon([&] { return force_n() > 1; }));
 }
 
 TEST_F(SessionTest, ManyChangesAtOnceEndWithTheLast) {

@@ -96,6 +96,17 @@ TEST(Command, WhatIsWrongIsSaid) {
   EXPECT_THAT(refused(R"({"do": "scene", "sliders": [1]})"), HasSubstr("an object"));
 }
 
+TEST(Command, WhatIsTheGuestsIsLeftToTheGuest) {
+  const ClientMessage message = parseClientMessage(R"({"id": 5, "do": "study", "act": "answer", "choice": 1})");
+  EXPECT_TRUE(message.for_guest);
+  EXPECT_FALSE(message.command);
+  EXPECT_EQ(message.refused, "");
+  EXPECT_EQ(message.id, 5);
+  EXPECT_FALSE(parseClientMessage(R"({"do": "reset"})").for_guest);
+  EXPECT_FALSE(parseClientMessage(R"({"do": ["study"]})").for_guest);
+  EXPECT_FALSE(parseClientMessage(R"(["study"])").for_guest);
+}
+
 TEST(Command, AClientCannotMakeTheProgramReadFiles) {
   EXPECT_THAT(refused(R"({"do": "scene", "soil": "/etc/passwd"})"), HasSubstr("dry-sand"));
   EXPECT_EQ(parsed<command::Change>(R"({"do": "scene", "soil": "dry-sand"})").change.soil, "dry-sand");
@@ -116,7 +127,7 @@ TEST(Command, NoBytesMakeItThrow) {
     }
     EXPECT_NO_THROW((void)parseClientMessage(text)) << text;
   }
-  EXPECT_NO_THROW((void)parseClientMessage(std::string(4096, '[')));
+  EXPECT_NO_THROW((void)parseClientMessage(std::string(16384, '[')));
 }
 
 }  // namespace

@@ -6,6 +6,8 @@
 #include <atomic>
 #include <thread>
 
+#include "haptolith/core/error.h"
+
 #include "ws_client.h"
 
 namespace haptolith {
@@ -14,10 +16,44 @@ namespace {
 using namespace std::chrono_literals;
 using Json = nlohmann::json;
 
+/// A guest that greets, and lets the tool be held until it is told otherwise, but nothing else be done.
+struct TalkingGuest {
+  LiveView* view = nullptr;
+  std::atomic<std::uint32_t> left{0};
+  std::atomic<bool> may_hold{true};
+
+  std::string obey(std::uint32_t client, const Json& message) {
+    if (message["act"] == "throw") {
+      throw InvalidParameter("act", "throw", "kind");
+    }
+    if (message["act"] == "let go") {
+      view->letGo();
+    }
+    if (message["act"] == "hold no more") {
+      may_hold = false;
+    }
+    if (message["act"] == "join") {
+      view->send(client, Json{{"type", "study"}, {"welcome", client}}.dump());
+    }
+    return message["act"] == "nonsense" ? "there is no such act" : "";
+  }
+
+  LiveView::Guest functions() {
+    return {.obey = [this](std::uint32_t client, std::string_view text) { return obey(client, Json::parse(text)); },
+            .left = [this](std::uint32_t client) { left = client; },
+            .refuse = [this](std::uint32_t, const Command& asked) -> std::string {
+              if (std::holds_alternative<command::Hold>(asked)) {
+                return may_hold ? "" : "not now";
+              }
+              return std::holds_alternative<command::Release>(asked) ? "" : "a study is running";
+            }};
+  }
+};
+
 /// A running session with its view, driven by a thread as `haptolith run` does.
 class LiveViewTest : public testing::Test {
  protected:
-  LiveViewTest() {
+  explicit LiveViewTest(bool has_guest = false) {
     Scenario scenario;
     scenario.hand.manoeuvre = Manoeuvre::kStill;
     scenario.loop.paced = false;
@@ -25,7 +61,9 @@ class LiveViewTest : public testing::Test {
     view_ = std::make_unique<LiveView>(*session_, WebServerOptions{.port = 0}, "test",
                                        LiveView::Recorder{.start = [this] { recording_ = true; },
                                                           .stop = [this] { recording_ = false; },
-                                                          .name = [this] { return recording_ ? "tape.csv" : ""; }});
+                                                          .name = [this] { return recording_ ? "tape.csv" : ""; }},
+                                       has_guest ? guest_.functions() : LiveView::Guest{});
+    guest_.view = view_.get();
     const std::string url = view_->url();
     port_ = static_cast<std::uint16_t>(std::stoi(url.substr(url.rfind(':') + 1)));
     session_->start(stop_);
@@ -61,6 +99,7 @@ class LiveViewTest : public testing::Test {
   }
 
   std::atomic<bool> stop_{false}, recording_{false};
+  TalkingGuest guest_;
   std::unique_ptr<Session> session_;
   std::unique_ptr<LiveView> view_;
   std::thread thread_;
@@ -163,6 +202,81 @@ TEST_F(LiveViewTest, ForcesAreWorkedOutForWhoAsks) {
     message = client.receive();
   } while (message && (client.gotText() || (flagsOf(*message) & 8) == 0));
   ASSERT_TRUE(message);
+}
+
+TEST_F(LiveViewTest, WithoutAGuestNoStudyIsRunning) {
+  WsClient client(port_);
+  ASSERT_EQ(client.upgrade(), 101U);
+  const Json reply = ask(client, {{"do", "study"}, {"act", "join"}, {"as", "participant"}});
+  EXPECT_EQ(reply["ok"], false);
+  EXPECT_EQ(reply["error"], "no study is running");
+}
+
+class GuestOfLiveViewTest : public LiveViewTest {
+ protected:
+  GuestOfLiveViewTest() : LiveViewTest(true) {}
+};
+
+TEST_F(GuestOfLiveViewTest, TheGuestTalksWithClients) {
+  WsClient other(port_);
+  WsClient client(port_);
+  ASSERT_EQ(other.upgrade(), 101U);
+  ASSERT_EQ(client.upgrade(), 101U);
+  client.send(R"({"do": "study", "act": "join"})");
+  const std::optional<Json> welcome = client.receive("study");
+  ASSERT_TRUE(welcome);
+  EXPECT_EQ((*welcome)["welcome"], 2);
+  EXPECT_EQ(ask(client, {{"do", "study"}, {"act", "read"}, {"text", std::string(10'000, 'x')}})["ok"], true);
+}
+
+TEST_F(GuestOfLiveViewTest, WhatTheGuestRefusesOrThrowsIsSaid) {
+  WsClient client(port_);
+  ASSERT_EQ(client.upgrade(), 101U);
+  EXPECT_EQ(ask(client, {{"do", "study"}, {"act", "nonsense"}})["error"], "there is no such act");
+  const Json thrown = ask(client, {{"do", "study"}, {"act", "throw"}});
+  EXPECT_EQ(thrown["ok"], false);
+  EXPECT_THAT(thrown["error"].get<std::string>(), testing::HasSubstr("kind"));
+  EXPECT_EQ(ask(client, {{"do", "study"}, {"act", "go"}})["ok"], true) << "and all goes on";
+}
+
+TEST_F(GuestOfLiveViewTest, TheGuestKeepsClientsFromCommanding) {
+  WsClient client(port_);
+  ASSERT_EQ(client.upgrade(), 101U);
+  const Json refused = ask(client, {{"do", "scene"}, {"preset", "P1"}});
+  EXPECT_EQ(refused["error"], "a study is running");
+  EXPECT_EQ(ask(client, {{"do", "pause"}})["ok"], false);
+  EXPECT_THAT(ask(client, {{"do", "step"}, {"ticks", 0}})["error"].get<std::string>(), testing::HasSubstr("1 to 1000"))
+      << "nonsense is refused before the guest is asked";
+  EXPECT_TRUE(until(client, "status", [](const Json& s) { return s["paused"] == false; }));
+}
+
+TEST_F(GuestOfLiveViewTest, WhoMayHoldNoMoreIsLetGo) {
+  WsClient client(port_);
+  WsClient other(port_);
+  ASSERT_EQ(client.upgrade(), 101U);
+  ASSERT_EQ(other.upgrade(), 101U);
+  const Json hold{{"do", "hold"}, {"pose", {0, 0, 0.1, 1, 0, 0, 0}}};
+  EXPECT_EQ(ask(client, hold)["ok"], true);
+  EXPECT_EQ(ask(other, {{"do", "study"}, {"act", "let go"}})["ok"], true);
+  EXPECT_TRUE(until(client, "status", [](const Json& s) { return s["held_by"].is_null(); }));
+  EXPECT_EQ(ask(client, hold)["ok"], true);
+  EXPECT_TRUE(until(client, "status", [](const Json& s) { return s["held_by"] == 1; }));
+  EXPECT_EQ(ask(other, {{"do", "study"}, {"act", "hold no more"}})["ok"], true);
+  EXPECT_EQ(ask(client, hold)["error"], "not now");
+  EXPECT_TRUE(until(client, "status", [](const Json& s) { return s["held_by"].is_null(); }));
+}
+
+TEST_F(GuestOfLiveViewTest, TheGuestIsToldWhoLeft) {
+  WsClient stays(port_);
+  auto leaves = std::make_unique<WsClient>(port_);
+  ASSERT_EQ(stays.upgrade(), 101U);
+  ASSERT_EQ(leaves->upgrade(), 101U);
+  leaves.reset();
+  EXPECT_TRUE(until(stays, "status", [](const Json& s) { return s["clients"] == 1; }));
+  for (int i = 0; i < 1000 && guest_.left == 0; ++i) {
+    std::this_thread::sleep_for(1ms);
+  }
+  EXPECT_EQ(guest_.left, 2U);
 }
 
 }  // namespace

@@ -32,7 +32,8 @@ declare global {
 
 interface Parts {
   stage: Stage;
-  layout: Layout;
+  /** none: there are no panels to hide */
+  layout?: Layout;
   now: { hello: { client: number } | null; scene: Scene | null; status: Status | null; frame: Frame | null };
   setColour(mode: ColourMode): void;
   setTheme(theme: Theme): void;
@@ -78,6 +79,6 @@ export function publish({ stage, layout, now, setColour, setTheme }: Parts): voi
     setCamera: (name) => stage.setView(name, false),
     setColour,
     setTheme: (theme) => setTheme(theme),
-    hidePanels: (hide) => layout.showPanels(!hide),
+    hidePanels: (hide) => layout?.showPanels(!hide),
   };
 }

@@ -11,12 +11,15 @@ import {
   type Scene,
   type Status,
 } from './protocol';
+import type { StudyMessage } from './study/protocol';
 
 export interface Listener {
   hello(hello: Hello): void;
   scene(scene: Scene): void;
   status(status: Status): void;
   frame(frame: Frame): void;
+  /** left out: this page takes no part in studies */
+  study?(message: StudyMessage): void;
   /** `connected` after a hello; otherwise why not, in words for a person */
   link(connected: boolean, why: string | null): void;
   /** a message that could not be understood */
@@ -118,6 +121,8 @@ export class Connection {
         return this.listener.scene(message);
       case 'status':
         return this.listener.status(message);
+      case 'study':
+        return this.listener.study?.(message);
       case 'reply': {
         const waiting = this.waiting.get(message.id);
         this.waiting.delete(message.id);

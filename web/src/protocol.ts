@@ -3,6 +3,9 @@
 // Text is JSON, with the types below. A binary message is a frame: 128 bytes, then runs, then one record of 8 bytes for
 // each particle. Nothing of a frame is copied here; the arrays look into the message that came.
 
+import { ProtocolError } from './protocol_error';
+import { readStudyMessage, type StudyCommand, type StudyMessage } from './study/protocol';
+
 export const PROTOCOL_VERSION = 1;
 export const SUBPROTOCOL = 'haptolith.1';
 
@@ -141,7 +144,7 @@ export interface Reply {
   error?: string;
 }
 
-export type Message = Hello | Scene | Status | Reply;
+export type Message = Hello | Scene | Status | Reply | StudyMessage;
 
 export type Command =
   | { do: 'hold'; pose: [number, number, number, number, number, number, number] }
@@ -151,7 +154,8 @@ export type Command =
   | { do: 'step'; ticks: number }
   | { do: 'speed'; factor: number }
   | { do: 'record'; on: boolean }
-  | { do: 'colour'; by: ColourMode };
+  | { do: 'colour'; by: ColourMode }
+  | StudyCommand;
 
 export interface SceneChange {
   preset?: string;
@@ -167,11 +171,9 @@ export function encodeCommand(command: Command, id?: number): string {
   return JSON.stringify(id === undefined ? command : { id, ...command });
 }
 
-export class ProtocolError extends Error {
-  override name = 'ProtocolError';
-}
+export { ProtocolError };
 
-const MESSAGE_TYPES = new Set(['hello', 'scene', 'status', 'reply']);
+const MESSAGE_TYPES = new Set(['hello', 'scene', 'status', 'reply', 'study']);
 
 /** Reads a JSON message; a type that this page does not know is null, so that later programs may add some. */
 export function decodeMessage(text: string): Message | null {
@@ -188,6 +190,7 @@ export function decodeMessage(text: string): Message | null {
     throw new ProtocolError(
       `the program speaks protocol ${String((value as Hello).protocol)}, this page ${PROTOCOL_VERSION}; reload the page`,
     );
+  if (value.type === 'study') return readStudyMessage(value);
   return value as Message;
 }
 

@@ -2,6 +2,7 @@
 // remembered from the last visit, else the browser's preference.
 
 import { COLOUR_MODES, type ColourMode } from './protocol';
+import { ROLES, type Role } from './study/protocol';
 
 export const VIEW_NAMES = ['front', 'side', 'top', 'three-quarter'] as const;
 export type ViewName = (typeof VIEW_NAMES)[number];
@@ -14,6 +15,8 @@ export interface Settings {
   panels: boolean;
   /** the page is drawn for a picture or a film: always all pixels, and nothing that is only for a person at work */
   for_pictures: boolean;
+  /** the page of a study, and whose; null: the bed's own page */
+  study: Role | null;
 }
 
 const THEME_KEY = 'haptolith.theme';
@@ -50,6 +53,7 @@ export function readSettings(search: string, prefers_light: boolean): Settings {
     theme: oneOf(THEMES, query.get('theme')) ?? oneOf(THEMES, recall(THEME_KEY)) ?? (prefers_light ? 'light' : 'dark'),
     panels: query.get('panels') !== '0',
     for_pictures: query.get('quality') === 'full',
+    study: oneOf(ROLES, query.get('study')),
   };
 }
 

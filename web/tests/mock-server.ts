@@ -9,6 +9,7 @@ import { WebSocketServer, type WebSocket } from 'ws';
 import type { Command, Hello, Pose, Scene, SceneChange, Status, Vec3 } from '../src/protocol';
 import { encodeFrame, type RecordValues } from './frame-bytes';
 import { MockBed } from './mock-bed';
+import { MockStudy } from './mock-study';
 
 const DIST = fileURLToPath(new URL('../dist', import.meta.url));
 const TYPES: Record<string, string> = {
@@ -21,6 +22,7 @@ const POLICY =
   "default-src 'self'; style-src 'self' 'unsafe-inline'; img-src 'self' data: blob:; connect-src 'self' ws: wss:";
 const FRAME_MS = 16;
 const STATUS_MS = 250;
+const STUDY_MS = 100;
 const BODIES: Record<string, number> = {
   Ceres: 0.27,
   Pluto: 0.62,
@@ -48,6 +50,8 @@ export interface MockOptions {
   /** width of the box, in m, and layers of grains of 7 mm */
   width_m?: number;
   layers?: number;
+  /** none: no study is running */
+  study?: MockStudy;
 }
 
 interface Client {
@@ -95,7 +99,7 @@ export class MockServer {
     this.sockets = new WebSocketServer({
       server: this.http,
       path: '/ws',
-      maxPayload: 4096,
+      maxPayload: 16384,
       handleProtocols: (protocols) => (protocols.has('haptolith.1') ? 'haptolith.1' : false),
     });
     this.sockets.on('connection', (socket) => this.welcome(socket));
@@ -105,6 +109,7 @@ export class MockServer {
     await new Promise<void>((resolve) => this.http.listen(this.options.port ?? 0, '127.0.0.1', resolve));
     this.timers.push(setInterval(() => this.tick(), FRAME_MS));
     this.timers.push(setInterval(() => this.sendAll(this.status()), STATUS_MS));
+    this.timers.push(setInterval(() => this.sendStudy(), STUDY_MS));
     return (this.http.address() as { port: number }).port;
   }
 
@@ -207,6 +212,7 @@ export class MockServer {
     socket.on('close', () => {
       this.clients.splice(this.clients.indexOf(client), 1);
       if (this.holder === client.number) this.holder = null;
+      this.options.study?.left(client.number);
     });
     socket.on('message', (data) => this.receive(client, String(data)));
     socket.send(JSON.stringify(this.hello(client.number)));
@@ -222,6 +228,14 @@ export class MockServer {
   }
 
   private carryOut(client: Client, command: Command): string | null {
+    const { study } = this.options;
+    if (command.do === 'study') {
+      const refused = study ? study.obey(client.number, command) : 'no study is running';
+      this.sendStudy();
+      return refused;
+    }
+    const refused = study?.refuse(client.number, command) ?? null;
+    if (refused !== null) return refused;
     switch (command.do) {
       case 'hold': {
         if (this.paused) return 'the program is paused';
@@ -336,6 +350,12 @@ export class MockServer {
 
   private sendAll(message: object): void {
     for (const { socket } of this.clients) socket.send(JSON.stringify(message));
+  }
+
+  private sendStudy(): void {
+    const force_n = Math.hypot(...this.bed.force_on_hand_n);
+    for (const [number, message] of this.options.study?.messages(force_n) ?? [])
+      this.clients.find((client) => client.number === number)?.socket.send(JSON.stringify(message));
   }
 
   private tick(): void {

@@ -285,6 +285,10 @@ void HapticLoop::carryOut(const LoopRequest& asked) noexcept {
                      scene_changed_ = true;
                      scene_->bed().setSoil(soil.laws);
                    },
+                   [this](const request::Touch& touch) {
+                     scene_changed_ = true;
+                     touches_ = touch.on;
+                   },
                    [this](const request::Exchange& exchange) {
                      if (paused_) {  // nobody feels anything
                        carryOut(exchange);
@@ -316,7 +320,7 @@ void HapticLoop::fadeTool() noexcept {
     placed_ = false;
     presence_ = 0;
   }
-  if (safety_.trip() != SafetyTrip::kNone && !exchange_) {
+  if (!exchange_ && (!touches_ || safety_.trip() != SafetyTrip::kNone)) {
     presence_ = std::max(0.0, presence_ - parameters_.tick_s / kFadeOut_s);
   } else if (exchange_) {
     presence_ = std::max(0.0, presence_ - parameters_.tick_s / (kFadeOut_s * speed_));

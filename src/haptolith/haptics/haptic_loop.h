@@ -133,6 +133,7 @@ class HapticLoop {
   double speed_ = 1;                           ///< of time
   bool placed_ = false;                        ///< whether the tool has been where the hand is, in this scene
   std::optional<request::Exchange> exchange_;  ///< waits until the tool has faded
+  bool touches_ = true;                        ///< whether the tool is to be felt
   double presence_ = 1;                        ///< of the tool; the scene is given its square
   std::uint64_t published_ = 0;                ///< calls of publish()
   bool scene_changed_ = false;                 ///< before this tick

@@ -27,6 +27,9 @@ struct Gravity {
 struct Soil {  ///< one that the bed canGoOnWith()
   SoilLaws laws;
 };
+struct Touch {  ///< whether the tool touches the soil: it fades into it, or out of it
+  bool on = true;
+};
 
 // The tool fades out of the soil before these, and into it again afterwards: no hand feels a jump, and soil that finds
 // itself inside the tool is moved out of its way instead of shot.
@@ -41,6 +44,6 @@ using Exchange = std::variant<ExchangeTool, ExchangeStage>;
 }  // namespace request
 
 using LoopRequest = std::variant<request::Pause, request::Resume, request::Advance, request::Speed, request::Gravity,
-                                 request::Soil, request::Exchange>;
+                                 request::Soil, request::Touch, request::Exchange>;
 
 }  // namespace haptolith

@@ -21,6 +21,10 @@ constexpr double kForgiveness_s = 2;
 /// Joins turning to moving: a handle's radius of gyration, about.
 constexpr double kLever_m = 0.05;
 
+/// What a hand that has paid nothing yet may be given by a force that comes late.
+constexpr double kCredit_j = 0.5e-3;
+constexpr double kLightestHandle_kg = 0.1;
+
 double squaredSpeed(const Twist& twist) noexcept {
   return twist.linear_m_s.squaredNorm() + kLever_m * kLever_m * twist.angular_rad_s.squaredNorm();
 }
@@ -73,6 +77,28 @@ void Passivity::restart() noexcept {
   const double spent_j = std::min(0.0, whole_j_);  // a jump to elsewhere is no error to be made good
   *this = Passivity(stiffness_n_m_, static_cast<double>(delay_) * tick_s_, tick_s_);
   whole_j_ = spent_j;
+}
+
+double Passivity::affordable(const Wrench& wrench) const noexcept {
+  const double late_s = static_cast<double>(delay_) * tick_s_;
+  const double asked_n =
+      std::sqrt(wrench.force_n.squaredNorm() + wrench.torque_nm.squaredNorm() / (kLever_m * kLever_m));
+  if (late_s == 0 || asked_n == 0) {
+    return 1;
+  }
+  // What is on its way already, and how it will move the handle.
+  Twist twist = twist_;
+  double given_j = whole_j_;
+  for (std::size_t age = delay_; age > 0; --age) {
+    const Wrench& on_its_way = sent_[(calls_ + sent_.size() - age) % sent_.size()];
+    given_j += tick_s_ * (on_its_way.force_n.dot(twist.linear_m_s) + on_its_way.torque_nm.dot(twist.angular_rad_s));
+    twist.linear_m_s += tick_s_ / kLightestHandle_kg * on_its_way.force_n;
+    twist.angular_rad_s += tick_s_ / (kLightestHandle_kg * kLever_m * kLever_m) * on_its_way.torque_nm;
+  }
+  const double speed_squared = std::max(squaredSpeed(twist), squaredSpeed(twist_));
+  const double left_j = std::max(0.0, kCredit_j - std::max(given_j, whole_j_));
+  const double gain_m_s = std::sqrt(speed_squared + 2 * left_j / kLightestHandle_kg) - std::sqrt(speed_squared);
+  return std::min(1.0, kLightestHandle_kg * gain_m_s / (late_s * asked_n));
 }
 
 Wrench Passivity::damping() const noexcept {

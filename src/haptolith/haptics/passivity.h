@@ -23,6 +23,13 @@ namespace haptolith {
 ///     E_quick >= -F_quick^2 / (2 k)
 ///
 /// What is in excess is taken back with a damper, F -= alpha v, alpha = E / (dt v^2), as far as a damper may go.
+///
+/// A force that is shown T late may push where the hand presses no more, and so may the damper's. In that time it can
+/// give the hand F T (v + F T / 2 m) at most, m being the lightest handle. No more force is shown than the hand has
+/// paid for: that energy stays below what the whole account has left, and half a millijoule of credit.
+///
+///     F <= m / T (sqrt(v^2 + 2 (0.5 mJ - E) / m) - v)
+///
 /// Functions may be called in the tick.
 class Passivity {
  public:
@@ -36,6 +43,9 @@ class Passivity {
 
   /// What to add to the wrench: zero while nothing is in excess.
   [[nodiscard]] Wrench damping() const noexcept;
+
+  /// How much of this wrench the hand has paid for, 0 to 1; all of it when the device shows it at once.
+  [[nodiscard]] double affordable(const Wrench& wrench) const noexcept;
 
   /// Forgets where the device was, how it moved and what was sent, but not what has been dissipated: it is somewhere
   /// else, or has not been looked at for a while.

@@ -150,6 +150,10 @@ DeviceOutput SafetyLayer::step(const DeviceOutput& rendered) noexcept {
     wanted = limited(wanted);
     flags_ |= kTickPassivityDamped;
   }
+  if (const double share = damps_ ? passivity_.affordable(wanted.wrench) : 1; share < 1) {
+    wanted.wrench = {share * wanted.wrench.force_n, share * wanted.wrench.torque_nm};
+    flags_ |= kTickPassivityDamped;
+  }
   held_ = reachable(wanted);
   return held_;
 }

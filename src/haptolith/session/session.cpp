@@ -21,6 +21,9 @@ using namespace std::chrono_literals;
 constexpr double kBesideBox_m = 0.15;
 constexpr double kAboveSurface_m = 0.35;
 
+/// How many level beds are remembered: the stimuli of a study.
+constexpr std::size_t kMostFresh = 16;
+
 std::vector<Vec3> centresOf(const std::vector<Float4>& positions) {
   std::vector<Vec3> centres_m;
   centres_m.reserve(positions.size());
@@ -71,7 +74,7 @@ Session::Showing Session::showAgain(const Scenario& scenario, const std::vector<
 Session::Session(Scenario scenario, bool keep_records, const SettleProgress& progress,
                  std::unique_ptr<HapticDevice> device)
     : initial_(std::move(scenario)), wanted_(initial_), current_(showNew(initial_, progress)) {
-  initial_fresh_ = current_.fresh;
+  keepFresh(current_.fresh);
   if (!wanted_.hand.surface_m) {
     wanted_.hand.surface_m = current_.fresh->surface_m;
   }
@@ -151,6 +154,7 @@ bool Session::takeStage() {
   previous_ = std::move(current_);
   current_ = std::move(*coming_);
   coming_.reset();
+  keepFresh(current_.fresh);
   ++scenes_;
   snapshots_ = &current_.stage->snapshots;
   wish_.surface_m = initial_.hand.surface_m.value_or(current_.fresh->surface_m);
@@ -194,6 +198,18 @@ void Session::reset() {
   problem_.clear();
   wanted_ = initial_;
   wantBed("reset");
+  pursue();
+}
+
+void Session::show(std::span<const SceneChange> changes) {
+  Scenario next = initial_;
+  for (const SceneChange& change : changes) {
+    next = changed(std::move(next), change);
+  }
+  (void)substepsFor(next.bed.soil, next.tool.stiffness_n_m, next.bed.tick_s, next.bed.max_substeps);  // throws
+  problem_.clear();
+  wanted_ = std::move(next);
+  wantBed("stimulus");
   pursue();
 }
 
@@ -262,12 +278,22 @@ void Session::changeWhatIsThere() {
 }
 
 std::shared_ptr<const Session::Fresh> Session::freshFor(const Scenario& scenario) const {
-  for (const auto& fresh : {current_.fresh, previous_ ? previous_->fresh : nullptr, initial_fresh_}) {
-    if (fresh && fresh->soil == scenario.bed.soil && fresh->gravity_m_s2 == scenario.bed.gravity_m_s2) {
-      return fresh;
-    }
+  const auto same = [&scenario](const std::shared_ptr<const Fresh>& fresh) {
+    return fresh->soil == scenario.bed.soil && fresh->gravity_m_s2 == scenario.bed.gravity_m_s2;
+  };
+  const auto found = std::ranges::find_if(fresh_, same);
+  return found == fresh_.end() ? nullptr : *found;
+}
+
+/// The first, which the scene was started with, stays.
+void Session::keepFresh(std::shared_ptr<const Fresh> fresh) {
+  if (std::ranges::find(fresh_, fresh) != fresh_.end()) {
+    return;
   }
-  return nullptr;
+  if (fresh_.size() == kMostFresh) {
+    fresh_.erase(fresh_.begin() + 1);
+  }
+  fresh_.push_back(std::move(fresh));
 }
 
 void Session::make(std::string_view why, bool as_it_lies) {
@@ -296,6 +322,10 @@ void Session::bringOnStage(Showing next) {
   coming_ = std::move(next);
   (void)coming_->stage->snapshots.update();  // an old picture, of the last time it was on stage
   coming_is_asked_for_ = false;
+}
+
+void Session::touch(bool on) {
+  ask(request::Touch{on});
 }
 
 void Session::pause() {

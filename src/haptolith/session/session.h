@@ -4,6 +4,7 @@
 #include <future>
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -48,8 +49,14 @@ class Session {
 
   void change(const SceneChange& change);
   void reset();  ///< the scene as it was started
+  /// The scene as it was started with these changes, one after the other, and a bed of its own, level and untouched.
+  void show(std::span<const SceneChange> changes);
   void level();  ///< the same soil, level again
   void undo();   ///< the bed as it was before the last new one; a second undo brings that back
+
+  /// Whether the tool touches the soil: it fades out of it in a tenth of a second, and into it again. A bed that comes
+  /// on stage meanwhile is not touched.
+  void touch(bool on);
 
   void pause();
   void resume();
@@ -78,6 +85,8 @@ class Session {
   /// Where the tool may be pulled to, in m.
   [[nodiscard]] Vec3 workspaceLow() const noexcept;
   [[nodiscard]] Vec3 workspaceHigh() const noexcept;
+  /// Whether the bed that was wanted last is there.
+  [[nodiscard]] bool settled() const noexcept { return bed_wanted_.empty() && !making_ && !coming_; }
   /// What takes a while just now, in words; empty when nothing does.
   [[nodiscard]] std::string busy() const;
   /// What undo() would take back; empty when nothing.
@@ -121,6 +130,7 @@ class Session {
   void changeWhatIsThere();
   void make(std::string_view why, bool as_it_lies);
   [[nodiscard]] std::shared_ptr<const Fresh> freshFor(const Scenario& scenario) const;
+  void keepFresh(std::shared_ptr<const Fresh> fresh);
   bool takeMade();
   bool takeStage();
   void bringOnStage(Showing next);
@@ -135,7 +145,7 @@ class Session {
   bool coming_is_asked_for_ = false;
   std::unique_ptr<Making> making_;
   std::string_view bed_wanted_;  ///< why another bed is wanted when nothing is on its way any more; empty: it is not
-  std::shared_ptr<const Fresh> initial_fresh_;
+  std::vector<std::shared_ptr<const Fresh>> fresh_;  ///< beds that need not settle again, the newest last
   bool paused_ = false;
   std::uint32_t scenes_ = 1;
   double speed_ = 1;

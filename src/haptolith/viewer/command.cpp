@@ -22,6 +22,7 @@ using Json = nlohmann::json;
 constexpr double kMm = 1e-3;  // m
 constexpr int kMostTicks = 1000;
 constexpr double kLargestNumber = 1e9;
+constexpr std::string_view kForGuest = "study";
 
 /// Reads the keys of one JSON object, and knows which it was asked for.
 class Keys {
@@ -224,10 +225,11 @@ Command commandOf(const Json& message) {
   const auto reader = kReaders.find(what);
   if (reader == kReaders.end()) {
     std::vector<std::string> names;
-    names.reserve(kReaders.size());
+    names.reserve(kReaders.size() + 1);
     for (const auto& [name, read] : kReaders) {
       names.push_back(name);
     }
+    names.emplace_back(kForGuest);
     throw InvalidParameter("do", Keys::shortened(what), fmt::format("{}", fmt::join(names, ", ")));
   }
   Command command = reader->second(keys);
@@ -246,6 +248,10 @@ ClientMessage parseClientMessage(std::string_view text) {
   }
   if (json.is_object() && json.contains("id") && json["id"].is_number_integer()) {
     message.id = json["id"].get<std::int64_t>();
+  }
+  if (json.is_object() && json.contains("do") && json["do"] == kForGuest) {
+    message.for_guest = true;
+    return message;
   }
   try {
     message.command = commandOf(json);

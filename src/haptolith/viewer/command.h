@@ -57,7 +57,8 @@ using Command = std::variant<command::Hold, command::Release, command::Play, com
 /// A message of a client, taken apart as far as that went.
 struct ClientMessage {
   std::optional<std::int64_t> id;  ///< of the reply; none: no reply is wanted
-  std::optional<Command> command;  ///< none: it is refused
+  std::optional<Command> command;  ///< none: it is refused, or the guest's
+  bool for_guest = false;          ///< "do": "study": not the view's to understand
   std::string refused;             ///< why
 };
 

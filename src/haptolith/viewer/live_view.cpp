@@ -34,9 +34,11 @@ FrameEncoder::Space spaceOf(const Session& session) {
 
 }  // namespace
 
-LiveView::LiveView(Session& session, const WebServerOptions& options, std::string_view version, Recorder recorder)
+LiveView::LiveView(Session& session, const WebServerOptions& options, std::string_view version, Recorder recorder,
+                   Guest guest)
     : session_(session),
       recorder_(std::move(recorder)),
+      guest_(std::move(guest)),
       board_(helloMessage(version)),
       server_(options, board_),
       space_(spaceOf(session)) {}
@@ -51,24 +53,43 @@ void LiveView::obey() {
     if (event.kind == WebServer::Event::Kind::kLeft) {
       letGo(event.client);
       coloured_by_force_.erase(event.client);
+      if (guest_.left) {
+        guest_.left(event.client);
+      }
     }
     if (event.kind != WebServer::Event::Kind::kMessage) {
       continue;
     }
-    ClientMessage message = parseClientMessage(event.text);
-    if (message.command) {
-      try {
-        carryOut(event.client, *message.command);
-      } catch (const InvalidParameter& error) {
-        message.refused = error.what();
-      } catch (const Failure& error) {
-        message.refused = error.what();
-      }
-    }
+    const ClientMessage message = parseClientMessage(event.text);
+    const std::string refused = answer(event.client, message, event.text);
     if (message.id) {
-      server_.send(event.client, replyMessage(*message.id, message.refused));
+      server_.send(event.client, replyMessage(*message.id, refused));
     }
   }
+}
+
+/// Does what a message asks for; returns why not, empty when it is done.
+std::string LiveView::answer(std::uint32_t client, const ClientMessage& message, std::string_view text) {
+  try {
+    if (message.for_guest) {
+      return guest_.obey ? guest_.obey(client, text) : "no study is running";
+    }
+    if (!message.command) {
+      return message.refused;
+    }
+    if (std::string refused = guest_.refuse ? guest_.refuse(client, *message.command) : ""; !refused.empty()) {
+      if (std::holds_alternative<command::Hold>(*message.command)) {
+        letGo(client);
+      }
+      return refused;
+    }
+    carryOut(client, *message.command);
+  } catch (const InvalidParameter& error) {
+    return error.what();
+  } catch (const Failure& error) {
+    return error.what();
+  }
+  return {};
 }
 
 void LiveView::carryOut(std::uint32_t client, const Command& asked) {
@@ -93,9 +114,7 @@ void LiveView::carryOut(std::uint32_t client, const Command& asked) {
                    [&](const command::Undo&) { session_.undo(); },
                    [&](const command::Pause&) {
                      session_.pause();
-                     if (holder_) {
-                       letGo(*holder_);
-                     }
+                     letGo();
                    },
                    [&](const command::Resume&) { session_.resume(); },
                    [&](const command::Step& step) { session_.advance(step.ticks); },
@@ -114,6 +133,12 @@ void LiveView::carryOut(std::uint32_t client, const Command& asked) {
                      }
                    }},
              asked);
+}
+
+void LiveView::letGo() {
+  if (holder_) {
+    letGo(*holder_);
+  }
 }
 
 void LiveView::letGo(std::uint32_t client) {

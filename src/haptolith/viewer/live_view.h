@@ -7,6 +7,7 @@
 #include <set>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "haptolith/session/session.h"
@@ -26,8 +27,20 @@ class LiveView {
     std::function<std::string()> name;  ///< of the file while there is one, else empty
   };
 
+  /// Whoever else talks with clients over the view's WebSocket, on the thread that calls obey(), and may keep them from
+  /// commanding; functions that are missing refuse no command and understand no message.
+  struct Guest {
+    /// Does what a message with "do": "study" asks for; returns why it is refused, empty when it is done. May throw
+    /// InvalidParameter or Failure, which refuses it as well.
+    std::function<std::string(std::uint32_t client, std::string_view message)> obey;
+    std::function<void(std::uint32_t client)> left;
+    /// Why this client may not have this command carried out now; empty: it may.
+    std::function<std::string(std::uint32_t client, const Command& asked)> refuse;
+  };
+
   /// @throws InvalidParameter, Failure: as WebServer.
-  LiveView(Session& session, const WebServerOptions& options, std::string_view version, Recorder recorder);
+  LiveView(Session& session, const WebServerOptions& options, std::string_view version, Recorder recorder,
+           Guest guest = {});
 
   [[nodiscard]] std::string url() const { return server_.url(); }
 
@@ -36,7 +49,14 @@ class LiveView {
   /// Shows what is new. `newer` and `changed` are what Session::update() and poll() said.
   void show(bool newer, bool changed);
 
+  /// Sends a client a message of the guest's, a whole JSON object. A client that lets too many wait is dropped; for one
+  /// that has left nothing happens.
+  void send(std::uint32_t client, std::string text) { server_.send(client, std::move(text)); }
+  /// Lets go of the tool for the client who holds it, if one does.
+  void letGo();
+
  private:
+  [[nodiscard]] std::string answer(std::uint32_t client, const ClientMessage& message, std::string_view text);
   void carryOut(std::uint32_t client, const Command& asked);
   void letGo(std::uint32_t client);
   void showScene();
@@ -44,6 +64,7 @@ class LiveView {
 
   Session& session_;
   Recorder recorder_;
+  Guest guest_;
   Board board_;
   WebServer server_;
   FrameEncoder::Space space_;

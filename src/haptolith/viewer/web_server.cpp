@@ -38,7 +38,7 @@ using namespace std::chrono_literals;
 constexpr std::string_view kSubprotocol = "haptolith.1";
 constexpr std::size_t kMostClients = 32;
 constexpr std::size_t kMostSockets = 128;
-constexpr std::size_t kLargestMessage = 4096;     // bytes, from a client
+constexpr std::size_t kLargestMessage = 16384;    // bytes, from a client: a form with long texts
 constexpr std::size_t kLargestHeader = 8192;      // bytes
 constexpr std::size_t kMostMessagesPerS = 250;    // from a client
 constexpr std::size_t kMostEventsWaiting = 8192;  // of all clients together

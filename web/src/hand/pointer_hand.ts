@@ -22,6 +22,8 @@ interface Finger {
 export class PointerHand {
   /** the left button drags the tool wherever it is pressed */
   dig_anywhere = false;
+  /** false: it only turns the view */
+  may_dig = true;
   private readonly fingers = new Map<number, Finger>();
   private dragging: number | null = null;
   private readonly caster = new Raycaster();
@@ -44,7 +46,7 @@ export class PointerHand {
     this.canvas.setPointerCapture(event.pointerId);
     this.fingers.set(event.pointerId, { x: event.clientX, y: event.clientY });
     if (this.fingers.size > 1) return this.stopDragging();
-    const may_grab = event.pointerType !== 'mouse' || event.button === 0;
+    const may_grab = this.may_dig && (event.pointerType !== 'mouse' || event.button === 0);
     if (may_grab && (this.dig_anywhere || this.isNearTool(event, event.pointerType === 'touch' ? 1.4 : 1))) {
       if (this.hand.grab('mouse')) this.dragging = event.pointerId;
     }
@@ -148,7 +150,7 @@ export class PointerHand {
   }
 
   private showCursor(event: PointerEvent): void {
-    const near = this.dig_anywhere || (event.pointerType === 'mouse' && this.isNearTool(event, 1));
+    const near = this.may_dig && (this.dig_anywhere || (event.pointerType === 'mouse' && this.isNearTool(event, 1)));
     this.canvas.style.cursor = this.dragging !== null ? 'grabbing' : near ? 'grab' : 'default';
   }
 }

@@ -61,10 +61,12 @@ interface Line {
   explains?: string;
 }
 
-interface PlotSpec {
+export interface PlotSpec {
   title: string;
   unit: string;
   lines: Line[];
+  /** A value for each line; `late`: a tick has been late since the frame before. */
+  sample: (frame: Frame, late: boolean) => number[];
   range: (low: number, high: number) => [number, number];
   log?: boolean;
   deadline?: boolean;
@@ -72,7 +74,7 @@ interface PlotSpec {
 }
 
 /** Bounds that move in steps, and never closer than `least` around 0. */
-function steppedRange(least: number): (low: number, high: number) => [number, number] {
+export function steppedRange(least: number): (low: number, high: number) => [number, number] {
   return (low, high) => {
     const step = (value: number): number => {
       const size = Math.max(Math.abs(value) * 1.05, least);
@@ -91,9 +93,17 @@ const AXES: Line[] = [
   { name: 'size', colour: '--plot-size', width: 1.75 },
 ];
 
+const withSize = (values: readonly number[]): number[] => [...values, Math.hypot(...values)];
+
 const SPECS: PlotSpec[] = [
-  { title: 'Force', unit: 'N', lines: AXES, range: steppedRange(0.5) },
-  { title: 'Torque', unit: 'mN m', lines: AXES, range: steppedRange(5) },
+  { title: 'Force', unit: 'N', lines: AXES, sample: (frame) => withSize(frame.force_n), range: steppedRange(0.5) },
+  {
+    title: 'Torque',
+    unit: 'mN m',
+    lines: AXES,
+    sample: (frame) => withSize(frame.torque_nm.map((value) => value * 1000)),
+    range: steppedRange(5),
+  },
   {
     title: 'Longest tick',
     unit: 'µs',
@@ -109,6 +119,10 @@ const SPECS: PlotSpec[] = [
           'Above it: the tick itself took too long.',
       },
     ],
+    sample: (frame, late) => {
+      const tick_us = Math.max(1, frame.longestTick_us);
+      return [tick_us, late ? Math.max(tick_us, DEADLINE_US) : NaN];
+    },
     range: () => [1, 10_000],
     log: true,
     deadline: true,
@@ -117,15 +131,16 @@ const SPECS: PlotSpec[] = [
 
 export class Plots {
   readonly element: HTMLElement;
-  private readonly histories = SPECS.map((spec) => new History(spec.lines.length));
+  private readonly histories: History[];
   private plots: uPlot[] = [];
   private readonly hosts: HTMLElement[] = [];
   private drawn_ms = 0;
   private stale = false;
   private misses: number | null = null;
 
-  constructor() {
-    const figures = SPECS.map((spec) => {
+  constructor(private readonly specs: readonly PlotSpec[] = SPECS) {
+    this.histories = specs.map((spec) => new History(spec.lines.length));
+    const figures = specs.map((spec) => {
       const host = h('div', { class: 'plot-host' });
       this.hosts.push(host);
       const keys = spec.lines.map((line) =>
@@ -156,7 +171,7 @@ export class Plots {
     for (const plot of this.plots) plot.destroy();
     const style = getComputedStyle(document.documentElement);
     const colour = (name: string): string => style.getPropertyValue(name).trim();
-    this.plots = SPECS.map(
+    this.plots = this.specs.map(
       (spec, i) => new uPlot(this.options(spec, i, colour), this.histories[i]!.table(), this.hosts[i]!),
     );
     this.stale = true;
@@ -167,13 +182,9 @@ export class Plots {
   }
 
   setFrame(frame: Frame): void {
-    const torque_mnm = frame.torque_nm.map((value) => value * 1000);
     const late = this.misses !== null && frame.misses > this.misses;
     this.misses = frame.misses;
-    const tick_us = Math.max(1, frame.longestTick_us);
-    this.histories[0]!.add(frame.time_s, [...frame.force_n, Math.hypot(...frame.force_n)]);
-    this.histories[1]!.add(frame.time_s, [...torque_mnm, Math.hypot(...torque_mnm)]);
-    this.histories[2]!.add(frame.time_s, [tick_us, late ? Math.max(tick_us, DEADLINE_US) : NaN]);
+    this.specs.forEach((spec, i) => this.histories[i]!.add(frame.time_s, spec.sample(frame, late)));
     this.stale = true;
   }
 

@@ -30,6 +30,8 @@ export interface StageOptions {
   reduced_motion: boolean;
   /** always all pixels, for pictures */
   full_quality: boolean;
+  /** shows nothing that tells what the hand feels or which soil or world it is: no arrows, and every body as the Moon */
+  neutral?: boolean;
 }
 
 export class Stage {
@@ -45,6 +47,8 @@ export class Stage {
   readonly tool = new ToolView();
   readonly arrows = new ArrowsView();
   frames_drawn = 0;
+  /** false: nothing is drawn for now */
+  shown = true;
   /** called before each picture is drawn */
   onTick: (now_ms: number) => void = () => {};
   onDrawn: () => void = () => {};
@@ -74,8 +78,9 @@ export class Stage {
     this.ground = new GroundView(this.light);
     this.sun.position.copy(TO_SUN);
     this.fill.position.set(0, 0, 1);
-    this.bench.add(this.sky.mesh, this.ground.mesh, this.bed.mesh, this.box.group, this.tool.group, this.tool.ghost);
-    this.bench.add(this.arrows.group, this.sun, this.sun.target, this.fill, new AmbientLight(0xffffff, 0.15));
+    this.bench.add(this.sky.mesh, this.ground.mesh, this.bed.mesh, this.box.group, this.tool.group);
+    if (!options.neutral) this.bench.add(this.tool.ghost, this.arrows.group);
+    this.bench.add(this.sun, this.sun.target, this.fill, new AmbientLight(0xffffff, 0.15));
     this.world.add(this.bench);
 
     new ResizeObserver(() => this.resize()).observe(host);
@@ -90,7 +95,8 @@ export class Stage {
     this.dirty = true;
   }
 
-  setScene(scene: Scene): void {
+  setScene(given: Scene): void {
+    const scene = this.options.neutral ? { ...given, body: 'Moon' } : given;
     this.scene = scene;
     this.bed.setScene(scene);
     this.setDetail(this.resolution.detailed);
@@ -174,7 +180,7 @@ export class Stage {
     this.onTick(now_ms);
     const in_headset = this.renderer.xr.isPresenting;
     if (this.orbit.advance(now_ms)) this.dirty = true;
-    if (!this.dirty && !in_headset) {
+    if ((!this.dirty || !this.shown) && !in_headset) {
       this.resolution.rest();
       return;
     }

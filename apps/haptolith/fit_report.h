@@ -1,0 +1,29 @@
+#pragma once
+
+#include <nlohmann/json_fwd.hpp>
+
+#include <string>
+
+#include "haptolith/psychometrics/fit.h"
+#include "haptolith/psychometrics/group.h"
+
+namespace haptolith {
+
+/// A fit as `study fit --json` prints it: threshold, width, jnd, weber_fraction, lapse, guess, overdispersion,
+/// intervals and so on; w for the sigmoids of (paper 22).
+[[nodiscard]] nlohmann::ordered_json fitJson(const Fit& fit);
+
+/// The group's median and spread, and each participant as far as their own answers tell.
+/// @param names  of the participants, in their order.
+[[nodiscard]] nlohmann::ordered_json groupJson(const GroupFit& group, const std::vector<std::string>& names);
+
+/// A fit for people: a table of estimates and how well it fits.
+[[nodiscard]] std::string fitText(const Fit& fit);
+
+/// The group for people: a line for each participant, then median and spread.
+[[nodiscard]] std::string groupText(const GroupFit& group, const std::vector<std::string>& names);
+
+/// Several fits to the same answers, best first, for people.
+[[nodiscard]] std::string comparisonText(const std::vector<Fit>& fits);
+
+}  // namespace haptolith

@@ -1,0 +1,39 @@
+#pragma once
+
+#include <filesystem>
+#include <istream>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "haptolith/psychometrics/levels.h"
+
+namespace haptolith {
+
+/// One person's answers in one block.
+struct AnswersOf {
+  std::string block = {};        ///< empty where the file has no such column
+  std::string participant = {};  ///< the same
+  std::vector<Level> levels = {};
+};
+
+/// Reads answers from a table with a line of column names: a row for each level,
+///
+///     x,k,n            stimulus, positive answers, answers
+///
+/// or a row for each trial,
+///
+///     x,response       response: 1, yes, true, or 0, no, false
+///
+/// where x may also be called `value` and response `positive`, as in a study's export. Columns `participant` and
+/// `block` part the rows; rows whose `kind` is not "main", whose `state` is not "answered" or whose response is empty
+/// or "n/a" do not count; other columns are ignored. Commas, semicolons or tabs part the cells, quotes may surround
+/// them, and lines that begin with # are comments. The order is that of the first appearance; levels are pooled().
+/// @param name  of the table, for messages.
+/// @throws InvalidParameter with line and column for what cannot be understood, or when there is no answer.
+[[nodiscard]] std::vector<AnswersOf> readAnswers(std::istream& table, std::string_view name);
+
+/// The same from a file. @throws Failure when it cannot be read.
+[[nodiscard]] std::vector<AnswersOf> readAnswersFile(const std::filesystem::path& path);
+
+}  // namespace haptolith

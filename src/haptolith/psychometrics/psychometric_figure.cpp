@@ -1,0 +1,224 @@
+#include "haptolith/psychometrics/psychometric_figure.h"
+
+#include <boost/math/special_functions/erf.hpp>
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <numbers>
+#include <string_view>
+
+#include "haptolith/core/error.h"
+#include "haptolith/figure/figure.h"
+
+namespace haptolith {
+
+namespace {
+
+constexpr int kCurvePoints = 240;
+constexpr double kOneSigma = 0.8413447460685429;  // where the JND ends
+constexpr double kMargin = 0.06;                  // of the axis, beyond the outermost stimuli
+
+// Okabe and Ito's colours, which the colour-blind can tell apart; the bold curve is black.
+constexpr std::array<std::string_view, 7> kColours{"#e69f00", "#56b4e9", "#009e73", "#cc79a7",
+                                                   "#0072b2", "#d55e00", "#999999"};
+constexpr std::string_view kBold = "#111111";
+
+using Rows = std::vector<std::vector<double>>;
+
+/// The stimuli that are drawn, evenly along the axis.
+std::vector<double> stimuliOf(const PsychometricFigure& wanted) {
+  double low = std::numeric_limits<double>::infinity();
+  double high = -low;
+  const auto reach = [&](double x) {
+    if (wanted.log_axis) {
+      requireInRange("x on a logarithmic axis", x, {.lowest = 0, .ends = Ends::kOpen});
+    }
+    low = std::min(low, wanted.log_axis ? std::log(x) : x);
+    high = std::max(high, wanted.log_axis ? std::log(x) : x);
+  };
+  const auto reachAll = [&](const FigureCurve& curve) {
+    for (const Level& level : curve.fit.levels) {
+      reach(level.x);
+    }
+  };
+  std::ranges::for_each(wanted.participants, reachAll);
+  if (wanted.group) {
+    reachAll(*wanted.group);
+  }
+  if (wanted.reference) {
+    reach(*wanted.reference);
+  }
+  const double margin = kMargin * (high - low);
+  const bool at_zero = !wanted.log_axis && low >= 0 && low < margin;
+  low = at_zero ? 0 : low - margin;
+  high += margin;
+  std::vector<double> xs;
+  for (int i = 0; i <= kCurvePoints; ++i) {
+    const double place = low + (high - low) * i / kCurvePoints;
+    xs.push_back(wanted.log_axis ? std::exp(place) : place);
+  }
+  return xs;
+}
+
+/// Builds one figure: gnuplot's data blocks, and its plot clauses in their order.
+class Drawing {
+ public:
+  Drawing(Figure& figure, const PsychometricFigure& wanted, std::vector<double> xs)
+      : figure_(figure), wanted_(wanted), xs_(std::move(xs)) {}
+
+  void drawBand(const Fit& fit) {
+    Rows rows;
+    const std::vector<double> xs = defined(fit);
+    const std::vector<Interval> band = credibleBand(fit, xs);
+    for (std::size_t i = 0; i < xs.size(); ++i) {
+      rows.push_back({xs[i], 100 * band[i].low, 100 * band[i].high});
+    }
+    add(rows, fmt::format("using 1:2:3 with filledcurves fillcolor rgb '{}' fillstyle solid 0.12 noborder", kBold));
+  }
+
+  /// Where half of the answers are positive, and how far the JND reaches from there.
+  void drawMarks(const Fit& fit) {
+    const PsychometricFunction& function = fit.function;
+    const double x50 = function.threshold;
+    const double x84 = stimulusAt(function, kOneSigma);
+    const double floor = 0;
+    constexpr double kGap = std::numeric_limits<double>::quiet_NaN();
+    const double at50 = 100 * probability(function, x50);
+    const double at84 = 100 * probability(function, x84);
+    add({{x50, floor}, {x50, at50}, {kGap, kGap}, {x84, floor}, {x84, at84}},
+        fmt::format("using 1:2 with lines dashtype (3,4) linewidth 1.3 linecolor rgb '{}'", kBold));
+    if (inside(x84)) {
+      figure_.command(
+          fmt::format("set arrow from first {},graph 0.03 to first {},graph 0.03 heads size graph 0.012,20 "
+                      "filled linewidth 1.4 linecolor rgb '{}' front",
+                      x50, x84, kBold));
+      figure_.command(fmt::format("set label {} at first {},graph 0.065 center front textcolor rgb '{}'",
+                                  gnuplotQuoted("JND"), middle(x50, x84), kBold));
+    }
+  }
+
+  void drawCurve(const FigureCurve& curve, std::string_view colour, double line_width) {
+    Rows rows;
+    for (const double x : defined(curve.fit)) {
+      rows.push_back({x, 100 * probability(curve.fit.function, x)});
+    }
+    add(rows, fmt::format("using 1:2 with lines linewidth {} linecolor rgb '{}' title {}", line_width, colour,
+                          gnuplotQuoted(curve.title)));
+  }
+
+  void drawPoints(const Fit& fit, std::string_view colour, bool bold) {
+    Rows rows;
+    for (const Level& level : fit.levels) {
+      const Interval interval = wilsonInterval(level.k, level.n, fit.confidence);
+      const double size = (bold ? 0.55 : 0.35) + 0.14 * std::sqrt(level.n);
+      rows.push_back({level.x, 100 * level.k / level.n, 100 * interval.low, 100 * interval.high, size});
+    }
+    if (bold) {
+      add(rows, fmt::format("using 1:2:3:4 with yerrorbars pointtype 7 pointsize 0 linewidth 1.4 linecolor rgb '{}'",
+                            colour));
+    }
+    add(rows, fmt::format("using 1:2:5 with points pointtype 7 pointsize variable linecolor rgb '{}'", colour));
+  }
+
+  void plot() {
+    figure_.command(fmt::format("set xrange [{}:{}]", xs_.front(), xs_.back()));
+    figure_.command(plot_);
+  }
+
+ private:
+  void add(const Rows& rows, std::string_view how) {
+    const std::string name = fmt::format("rows{}", clauses_++);
+    figure_.data(name, rows);
+    plot_ += fmt::format("{}${} {}", plot_.empty() ? "plot " : ", \\\n     ", name, how);
+  }
+
+  /// The drawn stimuli that the fit's own axis knows.
+  [[nodiscard]] std::vector<double> defined(const Fit& fit) const {
+    std::vector<double> xs = xs_;
+    if (fit.function.log_axis) {
+      std::erase_if(xs, [](double x) { return x <= 0; });
+    }
+    return xs;
+  }
+
+  [[nodiscard]] bool inside(double x) const { return xs_.front() <= x && x <= xs_.back(); }
+
+  [[nodiscard]] double middle(double a, double b) const { return wanted_.log_axis ? std::sqrt(a * b) : (a + b) / 2; }
+
+  Figure& figure_;
+  const PsychometricFigure& wanted_;
+  std::vector<double> xs_;
+  std::string plot_;
+  int clauses_ = 0;
+};
+
+void setAxes(Figure& figure, const PsychometricFigure& wanted) {
+  figure.command(fmt::format(R"(
+set title {} offset 0,0.3
+set xlabel {}
+set ylabel {}
+set yrange [0:100]
+set ytics 0,25,100 format '%.0f %%'
+set key outside right center Left reverse samplen 2.2 spacing 1.3
+set bars 0.5
+)",
+                             gnuplotQuoted(wanted.title), gnuplotQuoted(wanted.x_label),
+                             gnuplotQuoted(wanted.y_label)));
+  if (wanted.log_axis) {
+    figure.command("set logscale x\nset xtics add (0.15,0.2,0.3,0.5,0.7,1.5,2,3,5,7,15,20,30,50,70)");
+  }
+  if (wanted.reference) {
+    figure.command(
+        fmt::format("set arrow from first {0},graph 0 to first {0},graph 1 nohead linewidth 1.2 "
+                    "linecolor rgb '#aaaaaa' back",
+                    *wanted.reference));
+    figure.command(
+        fmt::format("set label 'reference' at first {},graph 0.985 right rotate by 90 offset -0.6,0 "
+                    "textcolor rgb '#888888' back",
+                    *wanted.reference));
+  }
+}
+
+}  // namespace
+
+Interval wilsonInterval(double k, double n, double confidence) {
+  requireInRange("n", n, {.lowest = 0, .ends = Ends::kOpen});
+  const double z = std::numbers::sqrt2 * boost::math::erf_inv(confidence);
+  const double share = k / n;
+  const double middle = (share + z * z / (2 * n)) / (1 + z * z / n);
+  const double half = z / (1 + z * z / n) * std::sqrt(share * (1 - share) / n + z * z / (4 * n * n));
+  return {std::max(middle - half, 0.0), std::min(middle + half, 1.0)};
+}
+
+void drawPsychometricFigure(const std::filesystem::path& path, const PsychometricFigure& wanted) {
+  if (wanted.participants.empty() && !wanted.group) {
+    throw InvalidParameter("curves of a figure", "none", "one or more");
+  }
+  Figure figure(path, 1000, 640);
+  setAxes(figure, wanted);
+  Drawing drawing(figure, wanted, stimuliOf(wanted));
+  const bool alone = !wanted.group && wanted.participants.size() == 1;
+  const FigureCurve* bold = wanted.group ? &*wanted.group : alone ? &wanted.participants.front() : nullptr;
+  if (bold != nullptr) {
+    drawing.drawBand(bold->fit);
+    drawing.drawMarks(bold->fit);
+  }
+  if (!alone) {
+    for (std::size_t i = 0; i < wanted.participants.size(); ++i) {
+      const std::string_view colour = kColours[i % kColours.size()];
+      drawing.drawCurve(wanted.participants[i], colour, 1.6);
+      drawing.drawPoints(wanted.participants[i].fit, colour, false);
+    }
+  }
+  if (bold != nullptr) {
+    drawing.drawCurve(*bold, kBold, 3.5);
+    drawing.drawPoints(bold->fit, kBold, true);
+  }
+  drawing.plot();
+  figure.save();
+}
+
+}  // namespace haptolith

@@ -1,0 +1,644 @@
+#include "haptolith/study/conductor.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "haptolith/core/error.h"
+
+namespace haptolith {
+
+namespace {
+
+constexpr double kFeedback_s = 1.5;
+
+/// A key that is still down from before does not end what has just begun.
+constexpr double kShortestInterval_s = 0.3;
+
+[[noreturn]] void refuse(const char* asked, std::string_view when, std::string_view valid) {
+  throw InvalidParameter(asked, std::string(when), std::string(valid));
+}
+
+std::string blockStep(std::size_t position, std::string_view what) {
+  return fmt::format("block {} {}", position, what);
+}
+
+bool isTrialPhase(StudyPhase phase) {
+  return phase == StudyPhase::kPreparing || phase == StudyPhase::kInterval || phase == StudyPhase::kQuestion;
+}
+
+std::unique_ptr<AdaptiveProcedure> procedureOf(const StudyBlock& block) {
+  std::vector<double> values;
+  for (const Stimulus& level : block.levels) {
+    values.push_back(level.value);
+  }
+  return block.procedure == ProcedureKind::kStaircase
+             ? makeStaircase(block.staircase, std::move(values), block.reference.value)
+             : makeQuestPlus(block.quest_plus, std::move(values), block.reference.value);
+}
+
+std::size_t levelOf(const StudyBlock& block, double value) {
+  const auto nearer = [value](const Stimulus& a, const Stimulus& b) {
+    return std::abs(a.value - value) < std::abs(b.value - value);
+  };
+  return static_cast<std::size_t>(std::ranges::min_element(block.levels, nearer) - block.levels.begin());
+}
+
+}  // namespace
+
+Conductor::Conductor(StudyStore& store, Rig& rig, ConductorOptions options)
+    : store_(store), rig_(rig), options_(std::move(options)) {}
+
+// --- a participant comes
+// ----------------------------------------------------------------------------------------------
+
+void Conductor::begin(std::string_view code) {
+  start(store_.addParticipant(code));
+}
+
+void Conductor::goOn(std::string_view code) {
+  const std::vector<ParticipantRow> all = store_.participants();
+  const auto wanted = [code](const ParticipantRow& row) {
+    return row.state == "running" && (code.empty() || row.code == code);
+  };
+  const auto found = std::find_if(all.rbegin(), all.rend(), wanted);
+  if (found == all.rend()) {
+    refuse("participant", code, "one who has begun and not finished");
+  }
+  for (const TrialRow& row : store_.trials(found->id)) {
+    if (row.state == TrialState::kBegun) {
+      store_.voidTrial(row.id, TrialState::kLost, "the program ended before the answer");
+    }
+  }
+  store_.addNote(found->id, "came back", "resume");
+  start(*found);
+}
+
+void Conductor::start(ParticipantRow participant) {
+  participant_ = std::move(participant);
+  sequence_ = sequenceFor(store_.protocol(), store_.seed(), participant_->number);
+  steps_ = stepsOf();
+  readRows();
+  const std::set<std::string> done = store_.steps(participant_->id);
+  step_ = 0;
+  while (step_ < steps_.size() && done.contains(steps_[step_].name)) {
+    ++step_;
+  }
+  if (step_ < steps_.size() && steps_[step_].phase == StudyPhase::kPreparing && (!done.empty() || !rows_.empty())) {
+    steps_.insert(
+        steps_.begin() + static_cast<std::ptrdiff_t>(step_),
+        {.phase = StudyPhase::kInstructions, .name = {}, .title = "Welcome back", .text = "You go on where you were."});
+  }
+  guarded([this] { enterStep(); });
+}
+
+std::vector<Conductor::Step> Conductor::stepsOf() const {
+  const StudyProtocol& protocol = store_.protocol();
+  std::vector<Step> steps;
+  if (!protocol.consent.empty()) {
+    steps.push_back(
+        {.phase = StudyPhase::kConsent, .name = "consent", .title = protocol.title, .text = protocol.consent});
+  }
+  if (!protocol.demographics.empty()) {
+    steps.push_back({.phase = StudyPhase::kForm,
+                     .name = "demographics",
+                     .title = "About you",
+                     .text = {},
+                     .form = &protocol.demographics});
+  }
+  if (!protocol.instructions.empty()) {
+    steps.push_back({.phase = StudyPhase::kInstructions,
+                     .name = "instructions",
+                     .title = protocol.title,
+                     .text = protocol.instructions});
+  }
+  for (std::size_t position = 0; position < sequence_.size(); ++position) {
+    const StudyBlock& block = protocol.blocks[sequence_[position].block];
+    if (!block.instructions.empty()) {
+      steps.push_back({.phase = StudyPhase::kInstructions,
+                       .name = blockStep(position, "instructions"),
+                       .title = block.title,
+                       .text = block.instructions,
+                       .position = position,
+                       .of_block = true});
+    }
+    steps.push_back({.phase = StudyPhase::kPreparing,
+                     .name = blockStep(position, "trials"),
+                     .title = block.title,
+                     .text = {},
+                     .position = position,
+                     .of_block = true});
+    if (!block.questionnaire.empty()) {
+      steps.push_back({.phase = StudyPhase::kForm,
+                       .name = blockStep(position, "questionnaire"),
+                       .title = block.title,
+                       .text = "About the trials that you have just done.",
+                       .position = position,
+                       .of_block = true,
+                       .form = &block.questionnaire});
+    }
+  }
+  if (!protocol.questionnaire.empty()) {
+    steps.push_back({.phase = StudyPhase::kForm,
+                     .name = "questionnaire",
+                     .title = "About all of it",
+                     .text = {},
+                     .form = &protocol.questionnaire});
+  }
+  return steps;
+}
+
+const StudyBlock& Conductor::block() const {
+  return store_.protocol().blocks[sequence_[step().position].block];
+}
+
+void Conductor::enter(StudyPhase phase) {
+  phase_ = phase;
+  since_s_ = options_.now_s();
+  buttons_.ask();
+  ++changes_;
+}
+
+void Conductor::enterStep() {
+  if (step_ == steps_.size()) {
+    store_.endParticipant(participant_->id, "finished");
+    enter(StudyPhase::kFinished);
+  } else if (step().phase == StudyPhase::kPreparing) {
+    since_break_ = 0;
+    goToNextTrial();
+  } else {
+    enter(step().phase);
+  }
+}
+
+void Conductor::finishStep() {
+  if (!step().name.empty()) {
+    store_.markStep(participant_->id, step().name);
+  }
+  ++step_;
+  enterStep();
+}
+
+// --- trials
+// -----------------------------------------------------------------------------------------------------------
+
+/// Answered trials of the block under way, in their order.
+std::vector<const TrialRow*> Conductor::answered() const {
+  std::vector<const TrialRow*> done;
+  for (const TrialRow& row : rows_) {
+    if (row.position == step().position && row.state == TrialState::kAnswered) {
+      done.push_back(&row);
+    }
+  }
+  return done;
+}
+
+/// What the answers so far leave to do in this block; nothing when it is done.
+std::optional<Conductor::Trial> Conductor::nextTrial() const {
+  return block().procedure == ProcedureKind::kConstant ? plannedTrial(-1) : nextAdaptive();
+}
+
+/// The first trial of a list made beforehand that has no answer yet, other than the one with the index `but`.
+std::optional<Conductor::Trial> Conductor::plannedTrial(int but) const {
+  const std::vector<const TrialRow*> done = answered();
+  const std::vector<PlannedTrial>& planned = sequence_[step().position].trials;
+  for (int index = 0; index < static_cast<int>(planned.size()); ++index) {
+    if (index != but && std::ranges::none_of(done, [index](const TrialRow* row) { return row->index == index; })) {
+      return Trial{.plan = planned[static_cast<std::size_t>(index)], .index = index};
+    }
+  }
+  return std::nullopt;
+}
+
+/// The one after the trial under way, as far as that does not depend on answers to come.
+std::optional<Conductor::Trial> Conductor::upcoming() const {
+  if (trial_ && !underWay()) {
+    return trial_;
+  }
+  if (block().procedure != ProcedureKind::kConstant) {
+    return std::nullopt;
+  }
+  return plannedTrial(trial_ ? trial_->index : -1);
+}
+
+std::optional<Conductor::Trial> Conductor::nextAdaptive() const {
+  const std::vector<const TrialRow*> done = answered();
+  const std::unique_ptr<AdaptiveProcedure> procedure = procedureOf(block());
+  const int index = static_cast<int>(done.size());
+  int practised = 0, caught = 0, main_trials = 0;
+  for (const TrialRow* row : done) {
+    practised += row->kind == TrialKind::kPractice ? 1 : 0;
+    caught += row->kind == TrialKind::kCatch ? 1 : 0;
+    if (row->kind == TrialKind::kMain) {
+      ++main_trials;
+      procedure->answer(row->value, row->answer->positive);
+    }
+  }
+  for (const PlannedTrial& planned : sequence_[step().position].trials) {
+    const bool practice = planned.kind == TrialKind::kPractice;
+    int& before = practice ? practised : caught;
+    if (before-- <= 0 && (practice || planned.before_main <= main_trials)) {
+      return Trial{.plan = planned, .index = index};
+    }
+  }
+  const std::optional<double> value = procedure->next();
+  if (!value) {
+    return std::nullopt;
+  }
+  return Trial{.plan = adaptiveTrial(store_.protocol(), sequence_[step().position].block, store_.seed(),
+                                     participant_->number, main_trials, levelOf(block(), *value)),
+               .index = index};
+}
+
+void Conductor::goToNextTrial() {
+  right_.reset();
+  trial_ = nextTrial();
+  if (!trial_) {
+    finishStep();
+  } else if (block().break_every_trials > 0 && since_break_ >= block().break_every_trials) {
+    enter(StudyPhase::kBreak);
+  } else {
+    beginTrial();
+  }
+}
+
+void Conductor::beginTrial() {
+  enter(StudyPhase::kPreparing);  // whatever fails now, it is a trial that is begun again
+  const StudyBlock& now = block();
+  const Stimulus& test = now.levels[trial_->plan.level];
+  const auto same = [this](const TrialRow& row) {
+    return row.position == step().position && row.index == trial_->index;
+  };
+  TrialBegun begun;
+  begun.participant = participant_->id;
+  begun.block = sequence_[step().position].block;
+  begun.position = step().position;
+  begun.index = trial_->index;
+  begun.attempt = static_cast<int>(std::ranges::count_if(rows_, same));
+  begun.kind = trial_->plan.kind;
+  begun.block_name = now.name;
+  begun.level = test.name;
+  begun.reference = now.reference.name;
+  begun.value = test.value;
+  begun.reference_value = now.reference.value;
+  begun.test_first = trial_->plan.test_first;
+  begun.seed = trial_->plan.seed;
+  trial_->id = store_.beginTrial(begun);
+  if (store_.protocol().record && !options_.recordings.empty()) {
+    trial_->recording = fmt::format("{}-{}-{:03}-{}", participant_->code, now.name, begun.index + 1, begun.attempt + 1);
+  }
+  readRows();
+  prepareInterval(1);
+}
+
+const Stimulus& Conductor::stimulus(int interval) const {
+  const bool test = (interval == 1) == trial_->plan.test_first;
+  return test ? block().levels[trial_->plan.level] : block().reference;
+}
+
+void Conductor::prepareInterval(int interval) {
+  trial_->interval = interval;
+  enter(StudyPhase::kPreparing);
+  rig_.show(block(), stimulus(interval));
+}
+
+void Conductor::endInterval() {
+  trial_->felt[static_cast<std::size_t>(trial_->interval - 1)] = rig_.rest();
+  stopRecording();
+  if (trial_->interval == 1) {
+    prepareInterval(2);
+  } else {
+    enter(StudyPhase::kQuestion);
+  }
+}
+
+void Conductor::stopRecording() {
+  if (trial_->recording_runs) {
+    trial_->recording_runs = false;
+    try {
+      rig_.stopRecording();
+    } catch (const Failure& failure) {  // the answer counts for more
+      problem_ = fmt::format("the recording of this trial is not whole: {}", failure.what());
+      store_.addNote(participant_->id, problem_, "problem");
+    }
+  }
+}
+
+/// Ends the trial under way without an answer: it is done again.
+void Conductor::dropTrial(TrialState state, std::string_view reason) {
+  if (!underWay() || !isTrialPhase(phase_)) {
+    return;
+  }
+  if (phase_ == StudyPhase::kInterval) {
+    (void)rig_.rest();
+    stopRecording();
+  }
+  store_.voidTrial(trial_->id, state, reason);
+  trial_.reset();
+  readRows();
+}
+
+void Conductor::save(const Unsaved& unsaved) {
+  store_.answerTrial(unsaved.id, unsaved.answer);
+  const TrialAnswer answer = unsaved.answer;
+  unsaved_.reset();
+  readRows();
+  afterAnswer(answer);
+}
+
+void Conductor::afterAnswer(const TrialAnswer& answer) {
+  ++since_break_;
+  const bool practice = trial_->plan.kind == TrialKind::kPractice;
+  const bool tells = answer.correct && (practice ? block().practice_feedback : block().feedback);
+  trial_.reset();
+  if (tells) {
+    right_ = answer.correct;
+    enter(StudyPhase::kFeedback);
+  } else {
+    goToNextTrial();
+  }
+}
+
+void Conductor::readRows() {
+  rows_ = store_.trials(participant_->id);
+  ++changes_;
+}
+
+// --- time
+// -------------------------------------------------------------------------------------------------------------
+
+void Conductor::poll() {
+  if (!participant_ || paused_ || over()) {
+    return;
+  }
+  guarded([this] {
+    const std::optional<double> left_s = remaining();
+    const std::optional<int> pressed = buttons_.step(rig_.buttons(), options_.now_s());
+    switch (phase_) {
+      case StudyPhase::kPreparing:
+        if (underWay() && rig_.ready()) {
+          if (!trial_->recording.empty()) {
+            rig_.startRecording(options_.recordings /
+                                fmt::format("{}-{}.h5", trial_->recording, trial_->interval == 1 ? "first" : "second"));
+            trial_->recording_runs = true;
+          }
+          rig_.feel();
+          enter(StudyPhase::kInterval);
+        }
+        break;
+      case StudyPhase::kInterval:
+        if ((left_s && *left_s <= 0) || (pressed && elapsed() > kShortestInterval_s)) {
+          endInterval();
+        }
+        break;
+      case StudyPhase::kQuestion:
+        if (pressed) {
+          answer(*pressed);
+        } else if (left_s && *left_s <= 0) {
+          dropTrial(TrialState::kLost, fmt::format("no answer within {:g} s", block().answer_limit_s));
+          goToNextTrial();
+        }
+        break;
+      case StudyPhase::kFeedback:
+        if (elapsed() >= kFeedback_s) {
+          goToNextTrial();
+        }
+        break;
+      default: break;
+    }
+  });
+}
+
+std::optional<double> Conductor::remaining() const {
+  double limit_s = 0;
+  if (phase_ == StudyPhase::kInterval) {
+    limit_s = block().interval_s;
+  } else if (phase_ == StudyPhase::kQuestion) {
+    limit_s = block().answer_limit_s;
+  } else if (phase_ == StudyPhase::kBreak) {
+    limit_s = block().break_s;
+  }
+  return limit_s > 0 ? std::optional(std::max(0.0, limit_s - elapsed())) : std::nullopt;
+}
+
+/// Does what may fail; when it does, the study pauses and says why.
+template <class Work>
+void Conductor::guarded(Work work) {
+  try {
+    work();
+  } catch (const Failure& failure) {
+    halt(failure.what());
+  } catch (const InvalidParameter& error) {
+    halt(error.what());
+  }
+}
+
+void Conductor::halt(std::string_view problem) {
+  problem_ = problem;
+  paused_ = true;
+  ++changes_;
+  rig_.pause();
+}
+
+// --- what a participant does
+// ------------------------------------------------------------------------------------------
+
+void Conductor::proceed() {
+  if (paused_) {
+    refuse("go", "in a pause", "asked for when it is over");
+  }
+  switch (phase_) {
+    case StudyPhase::kConsent:
+    case StudyPhase::kInstructions: return guarded([this] { finishStep(); });
+    case StudyPhase::kInterval:
+      if (elapsed() > kShortestInterval_s) {
+        guarded([this] { endInterval(); });
+      }
+      return;
+    case StudyPhase::kBreak:
+      if (remaining().value_or(0) > 0) {
+        refuse("go", "in a break", fmt::format("asked for in {:.0f} s", std::ceil(*remaining())));
+      }
+      since_break_ = 0;
+      return guarded([this] { beginTrial(); });
+    default: refuse("go", "now", "asked for when there is something to go on from");
+  }
+}
+
+void Conductor::fill(const std::map<std::string, std::string>& values) {
+  if (paused_ || phase_ != StudyPhase::kForm) {
+    refuse("fill", "now", "asked for when there is a form");
+  }
+  store_.setAnswers(participant_->id, step().name, *step().form, values);  // throws for what is wrong in it
+  guarded([this] { finishStep(); });
+}
+
+void Conductor::answer(int choice) {
+  if (paused_ || phase_ != StudyPhase::kQuestion || unsaved_) {
+    refuse("answer", "now", "given to a question that is open");
+  }
+  if (choice != 0 && choice != 1) {
+    refuse("choice", fmt::format("{}", choice), "0 or 1");
+  }
+  const Stimulus& test = block().levels[trial_->plan.level];
+  TrialAnswer given;
+  given.positive = (choice == 1) != trial_->plan.test_first;
+  if (test.value != block().reference.value) {
+    given.correct = given.positive == (test.value > block().reference.value);
+  }
+  given.reaction_s = elapsed();
+  given.felt = trial_->felt;
+  given.recording = trial_->recording;
+  unsaved_ = Unsaved{trial_->id, given};
+  guarded([this] { save(*unsaved_); });
+}
+
+void Conductor::withdraw() {
+  if (!participant_ || over()) {
+    refuse("quit", "now", "asked for by somebody who takes part");
+  }
+  guarded([this] {
+    dropTrial(TrialState::kLost, "the participant withdrew");
+    store_.endParticipant(participant_->id, "withdrawn");
+    problem_.clear();
+    enter(StudyPhase::kWithdrawn);
+  });
+}
+
+// --- what an experimenter does
+// ------------------------------------------------------------------------------------------
+
+void Conductor::pause() {
+  if (!participant_ || paused_ || over()) {
+    refuse("pause", "now", "asked for while somebody takes part");
+  }
+  guarded([this] {
+    dropTrial(TrialState::kRepeated, "paused");
+    store_.addNote(participant_->id, "", "pause");
+  });
+  paused_ = true;
+  ++changes_;
+  rig_.pause();
+}
+
+void Conductor::resume() {
+  if (!paused_) {
+    refuse("resume", "now", "asked for in a pause");
+  }
+  problem_.clear();
+  paused_ = false;
+  ++changes_;
+  rig_.resume();
+  guarded([this] {
+    if (unsaved_) {
+      save(*unsaved_);
+      return;
+    }
+    store_.addNote(participant_->id, "", "resume");
+    if (underWay()) {
+      dropTrial(TrialState::kLost, "something failed");
+    }
+    if (isTrialPhase(phase_) || phase_ == StudyPhase::kWaiting || step_ == steps_.size()) {
+      enterStep();
+    }
+  });
+}
+
+void Conductor::repeat(std::string_view reason) {
+  if (reason.empty()) {
+    refuse("reason", "nothing", "some words");
+  }
+  if (!participant_ || over() || unsaved_ || step_ == steps_.size() || step().phase != StudyPhase::kPreparing) {
+    refuse("repeat", "now", "asked for during a block's trials");
+  }
+  guarded([this, reason] {
+    if (underWay() && isTrialPhase(phase_)) {
+      dropTrial(TrialState::kRepeated, reason);
+    } else if (const auto done = answered(); !done.empty()) {
+      store_.voidTrial(done.back()->id, TrialState::kRepeated, reason);
+      readRows();
+    }
+    if (!paused_) {
+      goToNextTrial();
+    }
+  });
+}
+
+void Conductor::note(std::string_view text) {
+  if (text.empty()) {
+    refuse("text", "nothing", "some words");
+  }
+  store_.addNote(participant_ ? participant_->id : 0, text, "note");
+  ++changes_;
+}
+
+void Conductor::stop() {
+  if (participant_ && !over()) {
+    guarded([this] {
+      dropTrial(TrialState::kLost, "stopped for today");
+      store_.addNote(participant_->id, "stopped for today", "stop");
+    });
+  }
+  participant_.reset();
+  trial_.reset();
+  enter(StudyPhase::kWaiting);
+}
+
+// --- what is the case
+// -------------------------------------------------------------------------------------------------
+
+StudyMoment Conductor::moment() const {
+  StudyMoment now;
+  now.phase = phase_;
+  now.paused = paused_;
+  now.problem = problem_;
+  now.title = store_.protocol().title;
+  now.blocks = sequence_.size();
+  if (!participant_) {
+    return now;
+  }
+  now.participant = participant_->code;
+  if (phase_ == StudyPhase::kFinished || phase_ == StudyPhase::kWithdrawn || step_ == steps_.size()) {
+    now.text = phase_ == StudyPhase::kFinished ? store_.protocol().thanks : "";
+    now.position = sequence_.size();
+    return now;
+  }
+  now.title = step().title;
+  now.text = step().text;
+  now.form = phase_ == StudyPhase::kForm ? step().form : nullptr;
+  now.position = step().position;
+  now.remaining_s = remaining();
+  now.right = right_;
+  if (step().of_block) {
+    now.block = &block();
+  }
+  if (step().phase == StudyPhase::kPreparing) {
+    const bool known = block().procedure == ProcedureKind::kConstant;
+    now.trials = known ? static_cast<int>(sequence_[step().position].trials.size()) : 0;
+    now.trial = static_cast<int>(answered().size()) + (phase_ == StudyPhase::kFeedback ? 0 : 1);
+    const auto shown = [this](const Trial& trial) {
+      return ShownTrial{trial.plan.kind, &block(), &block().levels[trial.plan.level], trial.plan.test_first};
+    };
+    if (underWay()) {
+      now.now = shown(*trial_);
+      now.interval = phase_ == StudyPhase::kPreparing || phase_ == StudyPhase::kInterval ? trial_->interval : 0;
+    }
+    if (const std::optional<Trial> next = upcoming()) {
+      now.next = shown(*next);
+    }
+  }
+  switch (phase_) {
+    case StudyPhase::kConsent: now.button = "I agree and take part"; break;
+    case StudyPhase::kInstructions: now.button = "Go on"; break;
+    case StudyPhase::kInterval:
+      now.button = now.interval == 1 ? "I have felt enough" : "I have felt enough: answer";
+      break;
+    case StudyPhase::kBreak: now.button = now.remaining_s.value_or(0) > 0 ? "" : "Go on"; break;
+    default: break;
+  }
+  return now;
+}
+
+}  // namespace haptolith

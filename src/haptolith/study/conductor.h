@@ -1,0 +1,189 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <functional>
+#include <map>
+#include <memory>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "haptolith/study/button_answer.h"
+#include "haptolith/study/rig.h"
+#include "haptolith/study/sequence.h"
+#include "haptolith/study/store.h"
+
+namespace haptolith {
+
+/// Where a participant is.
+enum class StudyPhase {
+  kWaiting,       ///< nobody has begun
+  kConsent,       ///< reads what will happen, and agrees
+  kForm,          ///< answers questions about themselves or the block
+  kInstructions,  ///< reads what to do
+  kPreparing,     ///< waits for a stimulus
+  kInterval,      ///< feels it
+  kQuestion,      ///< says what it was like
+  kFeedback,      ///< is told whether that was right
+  kBreak,
+  kFinished,
+  kWithdrawn,
+};
+
+/// A trial as the experimenter sees it.
+struct ShownTrial {
+  TrialKind kind = TrialKind::kMain;
+  const StudyBlock* block = nullptr;
+  const Stimulus* test = nullptr;
+  bool test_first = false;
+};
+
+/// What is the case now, for whoever shows it.
+struct StudyMoment {
+  StudyPhase phase = StudyPhase::kWaiting;
+  bool paused = false;
+  std::string participant = {};
+  std::string title = {}, text = {};
+  std::string button = {};  ///< what goes on says; empty: it cannot be gone on now
+  const std::vector<FormItem>* form = nullptr;
+  const StudyBlock* block = nullptr;     ///< that is under way; none between blocks
+  std::size_t position = 0, blocks = 0;  ///< of the block in the participant's order
+  int trial = 0, trials = 0;             ///< from 1; trials 0: the answers decide how many
+  int interval = 0;                      ///< 1 or 2 while a stimulus is prepared or felt, else 0
+  std::optional<double> remaining_s = {};
+  std::optional<bool> right = {};  ///< feedback
+  std::optional<ShownTrial> now = {}, next = {};
+  std::string problem = {};
+};
+
+struct ConductorOptions {
+  std::function<double()> now_s;          ///< a clock that only goes forward
+  std::filesystem::path recordings = {};  ///< a folder; each trial is recorded into it when the protocol wants it
+};
+
+/// Leads one participant through a study, step by step: consent, forms, blocks of trials, breaks. Every step that is
+/// done is in the store before the next begins, so that whoever comes back after a crash goes on at the trial that was
+/// cut off. All calls from one thread; none waits. What a participant or an experimenter asks for in vain throws
+/// InvalidParameter with the reason. When the store or the rig fails, the study pauses with a problem(), keeps what has
+/// not been written yet, and tries again on resume().
+class Conductor {
+ public:
+  Conductor(StudyStore& store, Rig& rig, ConductorOptions options);
+
+  /// A new participant; an empty code is the next that is free. @throws InvalidParameter for a code that is taken.
+  void begin(std::string_view code);
+  /// One who has not finished goes on where they were. @throws InvalidParameter when there is none with that code; an
+  /// empty one is whoever began last.
+  void goOn(std::string_view code);
+
+  /// Moves on what time, the rig and the device's buttons decide: call it a hundred times a second.
+  void poll();
+
+  [[nodiscard]] StudyMoment moment() const;
+  /// Trials of this participant, in the order in which they began.
+  [[nodiscard]] const std::vector<TrialRow>& trials() const noexcept { return rows_; }
+  [[nodiscard]] const StudyStore& store() const noexcept { return store_; }
+  [[nodiscard]] const Rig& rig() const noexcept { return rig_; }
+  [[nodiscard]] bool over() const noexcept {
+    return phase_ == StudyPhase::kFinished || phase_ == StudyPhase::kWithdrawn;
+  }
+  /// Counts up whenever moment() says something else, other than the time that remains.
+  [[nodiscard]] std::uint64_t changes() const noexcept { return changes_; }
+
+  // --- what a participant does
+
+  void proceed();  ///< agrees, has read, has felt enough, comes back from a break
+  void fill(const std::map<std::string, std::string>& values);  ///< the form that is shown
+  void answer(int choice);                                      ///< 0 or 1, as the block's answers stand
+  void withdraw();
+
+  // --- what an experimenter does
+
+  void pause();
+  void resume();
+  /// The trial under way, or else the last one of this block, once more. @param reason  not empty.
+  void repeat(std::string_view reason);
+  void note(std::string_view text);
+  /// Ends here for today: the trial under way is done again when the participant comes back.
+  void stop();
+
+ private:
+  struct Step {
+    StudyPhase phase;  ///< kPreparing: a block's trials
+    std::string name = {};  ///< in the store
+    std::string title = {}, text = {};
+    std::size_t position = 0;
+    bool of_block = false;
+    const std::vector<FormItem>* form = nullptr;
+  };
+  struct Trial {
+    PlannedTrial plan = {};
+    int index = 0;
+    std::int64_t id = 0;
+    int interval = 0;
+    std::array<TrialSummary, 2> felt = {};
+    std::string recording = {};
+    bool recording_runs = false;
+  };
+  struct Unsaved {
+    std::int64_t id;
+    TrialAnswer answer;
+  };
+
+  void start(ParticipantRow participant);
+  [[nodiscard]] std::vector<Step> stepsOf() const;
+  [[nodiscard]] const Step& step() const { return steps_[step_]; }
+  [[nodiscard]] const StudyBlock& block() const;
+  void finishStep();
+  void enterStep();
+  void enter(StudyPhase phase);
+
+  [[nodiscard]] std::optional<Trial> nextTrial() const;
+  [[nodiscard]] std::optional<Trial> plannedTrial(int but) const;
+  [[nodiscard]] std::optional<Trial> nextAdaptive() const;
+  [[nodiscard]] std::optional<Trial> upcoming() const;
+  [[nodiscard]] std::vector<const TrialRow*> answered() const;
+  void goToNextTrial();
+  void beginTrial();
+  void prepareInterval(int interval);
+  void endInterval();
+  void save(const Unsaved& unsaved);
+  void afterAnswer(const TrialAnswer& answer);
+  void stopRecording();
+  void dropTrial(TrialState state, std::string_view reason);
+  [[nodiscard]] bool underWay() const noexcept { return trial_.has_value() && trial_->id != 0; }
+  [[nodiscard]] const Stimulus& stimulus(int interval) const;
+  [[nodiscard]] std::optional<double> remaining() const;
+  [[nodiscard]] double elapsed() const { return options_.now_s() - since_s_; }
+  void readRows();
+  void halt(std::string_view problem);
+  template <class Work>
+  void guarded(Work work);
+
+  StudyStore& store_;
+  Rig& rig_;
+  ConductorOptions options_;
+
+  std::optional<ParticipantRow> participant_;
+  std::vector<PlannedBlock> sequence_;
+  std::vector<Step> steps_;
+  std::size_t step_ = 0;
+  std::vector<TrialRow> rows_;
+
+  StudyPhase phase_ = StudyPhase::kWaiting;
+  double since_s_ = 0;  ///< when this phase began
+  bool paused_ = false;
+  std::optional<Trial> trial_;
+  std::optional<Unsaved> unsaved_;
+  std::optional<bool> right_;
+  int since_break_ = 0;  ///< trials
+  ButtonAnswer buttons_;
+  std::string problem_;
+  std::uint64_t changes_ = 0;
+};
+
+}  // namespace haptolith

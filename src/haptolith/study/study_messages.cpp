@@ -1,0 +1,308 @@
+#include "haptolith/study/study_messages.h"
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <map>
+#include <optional>
+#include <span>
+#include <utility>
+#include <vector>
+
+#include "haptolith/core/error.h"
+#include "haptolith/study/study_results.h"
+
+namespace haptolith {
+
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+constexpr std::size_t kLatest = 100;  ///< answers and notes
+constexpr int kCurvePoints = 61;
+
+const char* wordOf(StudyPhase phase) {
+  switch (phase) {
+    case StudyPhase::kWaiting: return "waiting";
+    case StudyPhase::kConsent: return "consent";
+    case StudyPhase::kForm: return "form";
+    case StudyPhase::kInstructions: return "instructions";
+    case StudyPhase::kPreparing: return "preparing";
+    case StudyPhase::kInterval: return "interval";
+    case StudyPhase::kQuestion: return "question";
+    case StudyPhase::kFeedback: return "feedback";
+    case StudyPhase::kBreak: return "break";
+    case StudyPhase::kFinished: return "finished";
+    case StudyPhase::kWithdrawn: return "withdrawn";
+  }
+  return "";
+}
+
+const char* wordOf(FormItem::Kind kind) {
+  switch (kind) {
+    case FormItem::Kind::kText: return "text";
+    case FormItem::Kind::kNumber: return "number";
+    case FormItem::Kind::kChoice: return "choice";
+    case FormItem::Kind::kScale: return "scale";
+    case FormItem::Kind::kYesNo: return "yes-no";
+  }
+  return "";
+}
+
+Json orNull(const std::string& text) {
+  return text.empty() ? Json(nullptr) : Json(text);
+}
+
+template <class Value>
+Json orNull(const std::optional<Value>& value) {
+  return value ? Json(*value) : Json(nullptr);
+}
+
+std::string phaseWord(const StudyMoment& now) {
+  return now.paused ? "paused" : wordOf(now.phase);
+}
+
+Json progressJson(const StudyMoment& now) {
+  return {{"block", std::min(now.position + 1, now.blocks)},
+          {"blocks", now.blocks},
+          {"trial", now.trial},
+          {"trials", now.trials > 0 ? Json(now.trials) : Json(nullptr)}};
+}
+
+Json fieldJson(const FormItem& item) {
+  const bool any_number = item.kind == FormItem::Kind::kNumber && item.low == item.high;
+  Json field{{"key", item.key}, {"label", item.label}, {"kind", wordOf(item.kind)}, {"required", item.required}};
+  if (item.kind == FormItem::Kind::kChoice) {
+    field["choices"] = item.choices;
+  }
+  if ((item.kind == FormItem::Kind::kNumber || item.kind == FormItem::Kind::kScale) && !any_number) {
+    field["low"] = item.low;
+    field["high"] = item.high;
+  }
+  if (item.kind == FormItem::Kind::kScale) {
+    field["low_label"] = item.low_label;
+    field["high_label"] = item.high_label;
+  }
+  return field;
+}
+
+Json trialJson(const StudyMoment& now, const std::optional<ShownTrial>& trial, bool with_interval) {
+  if (!trial) {
+    return nullptr;
+  }
+  return {{"kind", wordOf(trial->kind)},
+          {"block", trial->block->name},
+          {"question", trial->block->question},
+          {"reference", trial->block->reference.name},
+          {"test", trial->test->name},
+          {"value", trial->test->value},
+          {"test_first", trial->test_first},
+          {"interval", with_interval && now.interval > 0 ? Json(now.interval) : Json(nullptr)}};
+}
+
+template <class Row>
+std::span<const Row> latest(const std::vector<Row>& rows) {
+  return std::span(rows).last(std::min(rows.size(), kLatest));
+}
+
+Json notesJson(const Conductor& conductor) {
+  const std::vector<NoteRow> all = conductor.store().notes();
+  Json notes = Json::array();
+  for (const NoteRow& note : latest(all)) {
+    notes.push_back({{"at", note.at}, {"kind", note.kind}, {"text", note.text}});
+  }
+  return notes;
+}
+
+Json answersJson(const std::vector<TrialRow>& rows) {
+  Json answers = Json::array();
+  for (const TrialRow& row : latest(rows)) {
+    answers.push_back({{"trial", row.index + 1},
+                       {"block", row.block_name},
+                       {"kind", wordOf(row.kind)},
+                       {"test", row.level},
+                       {"value", row.value},
+                       {"positive", row.answer ? Json(row.answer->positive) : Json(nullptr)},
+                       {"correct", row.answer ? orNull(row.answer->correct) : Json(nullptr)},
+                       {"reaction_s", row.answer ? Json(row.answer->reaction_s) : Json(nullptr)},
+                       {"state", wordOf(row.state)},
+                       {"reason", row.reason}});
+  }
+  return answers;
+}
+
+/// The curve through enough answers: at least two levels, and not all of them alike.
+Json curveJson(const StudyBlock& block, const std::vector<Level>& levels, Json& result) {
+  const auto all_alike = [&levels](double share) {
+    return std::ranges::all_of(levels, [share](const Level& level) { return level.k == share * level.n; });
+  };
+  if (levels.size() < 2 || all_alike(0) || all_alike(1)) {
+    return nullptr;
+  }
+  FitOptions options = fitOptionsOf(block);
+  options.simulations = 0;
+  const Fit fit = fitPsychometric(levels, options);
+  result["threshold"] = fit.threshold.value;
+  result["weber_fraction"] = fit.weber_fraction.value;
+  const bool log_axis = block.log_axis;
+  const double low = std::min(block.levels.front().value, block.reference.value);
+  const double high = std::max(block.levels.back().value, block.reference.value);
+  Json curve = Json::array();
+  for (int i = 0; i < kCurvePoints; ++i) {
+    const double share = static_cast<double>(i) / (kCurvePoints - 1);
+    const double x = log_axis ? low * std::pow(high / low, share) : low + share * (high - low);
+    curve.push_back({x, probability(fit.function, x)});
+  }
+  return curve;
+}
+
+std::string textAt(const Json& message, const char* key) {
+  if (!message.contains(key) || !message[key].is_string()) {
+    throw InvalidParameter(key, message.contains(key) ? message[key].dump() : "nothing", "a text");
+  }
+  return message[key].get<std::string>();
+}
+
+void obeyParticipant(Conductor& conductor, const std::string& act, const Json& message) {
+  if (act == "go") {
+    conductor.proceed();
+  } else if (act == "fill") {
+    std::map<std::string, std::string> values;
+    if (!message.contains("values") || !message["values"].is_object()) {
+      throw InvalidParameter("values", "nothing", "an object of texts");
+    }
+    for (const auto& [key, value] : message["values"].items()) {
+      values[key] = textAt(message["values"], key.c_str());
+    }
+    conductor.fill(values);
+  } else if (act == "answer") {
+    if (!message.contains("choice") || !message["choice"].is_number_integer()) {
+      throw InvalidParameter("choice", "nothing", "0 or 1");
+    }
+    conductor.answer(message["choice"].get<int>());
+  } else if (act == "quit") {
+    conductor.withdraw();
+  } else {
+    throw InvalidParameter("act", act, "go, fill, answer or quit for a participant");
+  }
+}
+
+void obeyExperimenter(Conductor& conductor, const std::string& act, const Json& message) {
+  if (act == "pause") {
+    conductor.pause();
+  } else if (act == "resume") {
+    conductor.resume();
+  } else if (act == "repeat") {
+    conductor.repeat(textAt(message, "reason"));
+  } else if (act == "note") {
+    conductor.note(textAt(message, "text"));
+  } else if (act == "end") {
+    conductor.stop();
+  } else {
+    throw InvalidParameter("act", act, "pause, resume, repeat, note or end for an experimenter");
+  }
+}
+
+}  // namespace
+
+std::string participantMessage(const Conductor& conductor) {
+  const StudyMoment now = conductor.moment();
+  const bool asks = !now.paused && now.phase == StudyPhase::kQuestion;
+  const bool feels = !now.paused && now.phase == StudyPhase::kInterval;
+  Json fields = Json::array();
+  if (now.form != nullptr) {
+    for (const FormItem& item : *now.form) {
+      fields.push_back(fieldJson(item));
+    }
+  }
+  Json message{{"type", "study"},
+               {"as", "participant"},
+               {"study", conductor.store().title()},
+               {"phase", phaseWord(now)},
+               {"title", asks ? now.block->question : now.title},
+               {"text", now.text},
+               {"fields", std::move(fields)},
+               {"button", now.paused ? Json(nullptr) : orNull(now.button)},
+               {"interval", now.interval > 0 ? Json(now.interval) : Json(nullptr)},
+               {"intervals", 2},
+               {"label", now.interval == 0 ? Json(nullptr) : Json(now.interval == 1 ? "First" : "Second")},
+               {"remaining_s", now.paused ? Json(nullptr) : orNull(now.remaining_s)},
+               {"choices", asks ? Json(now.block->answers) : Json::array()},
+               {"visual", feels && now.block->visual},
+               {"can_dig", feels && conductor.rig().pageMayHold()},
+               {"feedback", now.right ? Json(*now.right ? "right" : "wrong") : Json(nullptr)},
+               {"progress", progressJson(now)},
+               {"problem", nullptr}};
+  return message.dump(-1, ' ', false, Json::error_handler_t::replace);
+}
+
+std::string historyJson(const Conductor& conductor) {
+  const std::vector<StudyBlock>& blocks = conductor.store().protocol().blocks;
+  Json results = Json::array();
+  for (std::size_t i = 0; i < blocks.size(); ++i) {
+    const std::vector<Level> levels = levelsOf(conductor.trials(), i);
+    Json points = Json::array();
+    for (const Level& level : levels) {
+      points.push_back({{"x", level.x}, {"k", level.k}, {"n", level.n}});
+    }
+    Json result{{"name", blocks[i].name},         {"axis_label", blocks[i].axis_label},
+                {"log_axis", blocks[i].log_axis}, {"reference", blocks[i].reference.value},
+                {"levels", std::move(points)},    {"curve", nullptr},
+                {"threshold", nullptr},           {"weber_fraction", nullptr}};
+    Json curve = curveJson(blocks[i], levels, result);
+    result["curve"] = std::move(curve);
+    results.push_back(std::move(result));
+  }
+  const Json history{
+      {"answers", answersJson(conductor.trials())}, {"blocks", std::move(results)}, {"notes", notesJson(conductor)}};
+  return history.dump(-1, ' ', false, Json::error_handler_t::replace);
+}
+
+std::string experimenterMessage(const Conductor& conductor, std::string_view history, double force_n,
+                                double peak_force_n) {
+  const StudyMoment now = conductor.moment();
+  Json message{{"type", "study"},
+               {"as", "experimenter"},
+               {"study", conductor.store().title()},
+               {"file", conductor.store().file().filename().string()},
+               {"participant", orNull(now.participant)},
+               {"phase", phaseWord(now)},
+               {"paused", now.paused},
+               {"progress", progressJson(now)},
+               {"now", trialJson(now, now.now, true)},
+               {"next", trialJson(now, now.next, false)},
+               {"force_n", force_n},
+               {"peak_force_n", peak_force_n},
+               {"problem", orNull(now.problem)}};
+  message.update(Json::parse(history));
+  return message.dump(-1, ' ', false, Json::error_handler_t::replace);
+}
+
+StudyRole obeyStudyMessage(Conductor& conductor, std::string_view text, StudyRole role, bool joined) {
+  const Json message = Json::parse(text, nullptr, false);
+  if (!message.is_object()) {
+    throw InvalidParameter("message", "no JSON object", "an object");
+  }
+  const std::string act = textAt(message, "act");
+  if (act == "join") {
+    const std::string as = textAt(message, "as");
+    if (as != "participant" && as != "experimenter") {
+      throw InvalidParameter("as", as, "participant or experimenter");
+    }
+    return as == "participant" ? StudyRole::kParticipant : StudyRole::kExperimenter;
+  }
+  if (!joined) {
+    throw InvalidParameter("act", act, "join at first");
+  }
+  if (role == StudyRole::kParticipant) {
+    obeyParticipant(conductor, act, message);
+  } else {
+    obeyExperimenter(conductor, act, message);
+  }
+  return role;
+}
+
+}  // namespace haptolith

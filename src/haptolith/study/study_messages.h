@@ -1,0 +1,29 @@
+#pragma once
+
+#include <string>
+#include <string_view>
+
+#include "haptolith/study/conductor.h"
+
+namespace haptolith {
+
+/// The messages of a study between program and pages: docs/protocol.md.
+
+enum class StudyRole { kParticipant, kExperimenter };
+
+/// Everything that a participant may see: nothing that tells one stimulus from another.
+[[nodiscard]] std::string participantMessage(const Conductor& conductor);
+
+/// Answers, curves and notes so far, which are new only when Conductor::changes() has counted up: an object.
+[[nodiscard]] std::string historyJson(const Conductor& conductor);
+
+/// @param history  historyJson(), perhaps of a moment ago.
+[[nodiscard]] std::string experimenterMessage(const Conductor& conductor, std::string_view history, double force_n,
+                                              double peak_force_n);
+
+/// Does what a page asks for. "join" is the caller's: it says who speaks.
+/// @return the role for a "join", `role` otherwise.
+/// @throws InvalidParameter for a message that is none, or that somebody in this role may not send now.
+StudyRole obeyStudyMessage(Conductor& conductor, std::string_view message, StudyRole role, bool joined);
+
+}  // namespace haptolith

@@ -1,0 +1,53 @@
+#pragma once
+
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include "haptolith/core/error.h"
+#include "haptolith/study/rig.h"
+
+namespace haptolith {
+
+/// A rig without a bed: it writes down what it is told, is ready at once, and fails to order.
+class FakeRig final : public Rig {
+ public:
+  void show(const StudyBlock& block, const Stimulus& stimulus) override {
+    if (fails_to_show) {
+      throw Failure("the bed cannot be made");
+    }
+    if (feels) {
+      throw std::logic_error("another stimulus under a hand that feels");
+    }
+    shown.push_back(block.name + " " + stimulus.name);
+  }
+  [[nodiscard]] bool ready() override { return is_ready; }
+  void feel() override { feels = true; }
+  TrialSummary rest() override {
+    if (!feels) {
+      throw std::logic_error("rests twice");
+    }
+    feels = false;
+    TrialSummary felt;
+    felt.mean_force_n = static_cast<double>(shown.size());
+    return felt;
+  }
+  void pause() override { paused = true; }
+  void resume() override { paused = false; }
+  void startRecording(const std::filesystem::path& file) override { recordings.push_back(file.filename().string()); }
+  void stopRecording() override {
+    if (fails_to_record) {
+      throw Failure("the disk is full");
+    }
+  }
+  [[nodiscard]] double force() const override { return 1; }
+  [[nodiscard]] std::uint32_t buttons() const override { return down; }
+  [[nodiscard]] bool pageMayHold() const override { return true; }
+  [[nodiscard]] std::string deviceName() const override { return "nothing"; }
+
+  std::vector<std::string> shown, recordings;
+  bool is_ready = true, feels = false, paused = false, fails_to_show = false, fails_to_record = false;
+  std::uint32_t down = 0;
+};
+
+}  // namespace haptolith

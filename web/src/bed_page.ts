@@ -1,0 +1,296 @@
+// The page that shows the bed and holds the tool.
+
+import { publish } from './automation';
+import { Connection, socketAddress } from './connection';
+import { GamepadHand } from './hand/gamepad_hand';
+import { Hand } from './hand/hand';
+import { KeyHand } from './hand/key_hand';
+import { PointerHand } from './hand/pointer_hand';
+import { VrHand } from './hand/vr_hand';
+import { Controls } from './panels/controls';
+import { Help } from './panels/help';
+import { h, setText } from './panels/html';
+import { Layout } from './panels/layout';
+import { Legend, ScaleBar } from './panels/legend';
+import { Notices } from './panels/notices';
+import { Plots } from './panels/plots';
+import { Readouts } from './panels/readouts';
+import { StatusStrip } from './panels/status_strip';
+import {
+  COLOUR_MODES,
+  type ColourMode,
+  type Command,
+  type Frame,
+  type Hello,
+  type Scene,
+  type Status,
+} from './protocol';
+import { rememberColour, rememberTheme, VIEW_NAMES, type Settings, type Theme } from './settings';
+import { isTyping, runShortcut, TOOL_KEYS, VIEW_KEYS, type Shortcut } from './shortcuts';
+import { makeStage } from './view/make_stage';
+
+export function openBedPage(settings: Settings): void {
+  const now = {
+    hello: null as Hello | null,
+    scene: null as Scene | null,
+    status: null as Status | null,
+    frame: null as Frame | null,
+    colour: settings.colour,
+    theme: settings.theme,
+  };
+
+  const notices = new Notices(() => connection.retryNow());
+  const connection = new Connection(socketAddress(location), {
+    hello: onHello,
+    scene: onScene,
+    status: onStatus,
+    frame: onFrame,
+    link: onLink,
+    damaged: (error) => notices.toast(error instanceof Error ? error.message : String(error)),
+  });
+
+  const ask = (command: Command): void => {
+    connection.request(command).catch((error: Error) => notices.toast(error.message));
+  };
+
+  const layout = new Layout(settings.panels);
+  const stage = makeStage(layout.view, {
+    reduced_motion: matchMedia('(prefers-reduced-motion: reduce)').matches,
+    full_quality: settings.for_pictures,
+  });
+  const hand = new Hand(connection, (error) => notices.toast(error.message), showHolding);
+  const force_n = (): number => (now.frame ? Math.hypot(...now.frame.force_n) : 0);
+  const box_scale = (): number => (now.scene?.box.width_m ?? 0.126) / 0.126;
+  const pointer = new PointerHand(stage, hand, stage.renderer.domElement);
+  const keys = new KeyHand(hand, stage.orbit, box_scale);
+  const gamepad = new GamepadHand(hand, stage.orbit, box_scale, force_n);
+  const vr = new VrHand(stage, hand, force_n, showVr);
+
+  const strip = new StatusStrip(() => now.hello?.client ?? null, settings.for_pictures);
+  const readouts = new Readouts();
+  const legend = new Legend();
+  const scale_bar = new ScaleBar();
+  const plots = new Plots();
+  const controls = new Controls(
+    {
+      ask,
+      setColour,
+      setView: (name) => stage.setView(name),
+      resetView: () => stage.resetView(),
+      setDigAnywhere: (on) => (pointer.dig_anywhere = on),
+    },
+    settings.for_pictures,
+  );
+
+  const shortcuts: Shortcut[] = [
+    ...TOOL_KEYS,
+    { keys: ['g'], label: 'drag anywhere to dig, on and off', group: 'tool', run: () => controls.toggleDig() },
+    { keys: ['y'], label: 'virtual hand: hold still', group: 'tool', run: () => controls.holdStill() },
+    { keys: ['m'], label: 'virtual hand: next manoeuvre', group: 'tool', run: () => controls.next('manoeuvre') },
+    { keys: ['x'], label: 'next tool', group: 'tool', run: () => controls.next('shape') },
+    ...VIEW_KEYS,
+    ...VIEW_NAMES.map((name, i): Shortcut => ({
+      keys: [String(i + 1)],
+      shown: i === 0 ? '1 2 3 4' : '',
+      label: `view: ${VIEW_NAMES.join(', ')}`,
+      group: 'view',
+      run: () => stage.setView(name),
+    })),
+    { keys: ['0'], label: 'view as it was', group: 'view', run: () => stage.resetView() },
+    { keys: ['+', '='], shown: '+ −', label: 'nearer, farther', group: 'view', run: () => zoom(1.15) },
+    { keys: ['-'], shown: '', label: 'farther', group: 'view', run: () => zoom(1 / 1.15) },
+    { keys: ['c'], label: 'next colours', group: 'view', run: nextColour },
+    { keys: ['v'], label: 'enter or leave VR', group: 'view', run: toggleVr },
+    { keys: ['r'], label: 'reset: the scene as it was started', group: 'bed', run: () => ask({ do: 'reset' }) },
+    { keys: ['l'], label: 'level the surface', group: 'bed', run: () => ask({ do: 'level' }) },
+    { keys: ['ctrl+z', 'u'], shown: 'Ctrl+Z  U', label: 'undo', group: 'bed', run: () => ask({ do: 'undo' }) },
+    { keys: [']'], shown: '[ ]', label: 'soil before, next soil', group: 'bed', run: () => controls.next('soil') },
+    { keys: ['['], shown: '', label: 'soil before', group: 'bed', run: () => controls.next('soil', -1) },
+    { keys: ['b'], label: 'next body', group: 'bed', run: () => controls.next('body') },
+    { keys: ['f'], label: 'next friction model', group: 'bed', run: () => controls.next('friction') },
+    { keys: [' '], shown: 'Space', label: 'pause, go on', group: 'time', run: () => controls.togglePause() },
+    { keys: ['.'], label: 'while paused: one tick', group: 'time', run: () => controls.stepOnce(1) },
+    { keys: [','], label: 'while paused: 100 ticks', group: 'time', run: () => controls.stepOnce(100) },
+    { keys: ['n'], label: 'slow motion, on and off', group: 'time', run: () => controls.toggleSlowMotion() },
+    { keys: ['o'], label: 'record, on and off', group: 'time', run: () => controls.toggleRecord() },
+    {
+      keys: ['h'],
+      label: 'hide or show the panels',
+      group: 'page',
+      run: () => layout.showPanels(!layout.panels_shown),
+    },
+    {
+      keys: ['t'],
+      label: 'dark or light',
+      group: 'page',
+      run: () => setTheme(now.theme === 'dark' ? 'light' : 'dark'),
+    },
+    { keys: ['?'], label: 'this help', group: 'page', run: () => help.toggle() },
+  ];
+  const help = new Help(shortcuts, () =>
+    now.hello ? `haptolith ${now.hello.version}, protocol ${now.hello.protocol}` : 'haptolith',
+  );
+
+  const vr_button = h('button', { type: 'button', class: 'quiet vr', onclick: toggleVr }, 'Enter VR');
+  const theme_button = h(
+    'button',
+    {
+      type: 'button',
+      class: 'icon-button',
+      'aria-label': 'Dark or light',
+      title: 'Dark or light (T)',
+      onclick: () => setTheme(now.theme === 'dark' ? 'light' : 'dark'),
+    },
+    '◐',
+  );
+  const help_button = h(
+    'button',
+    { type: 'button', class: 'icon-button', 'aria-label': 'Help', title: 'Help (?)', onclick: () => help.toggle() },
+    '?',
+  );
+  const hint = h('div', { class: 'hint' }, 'Drag the tool to dig · drag beside it to look around · ? for help');
+  hint.hidden = settings.for_pictures;
+
+  layout.assemble({
+    strip: strip.element,
+    buttons: [vr_button, theme_button, help_button],
+    over_view: [
+      readouts.element,
+      legend.element,
+      scale_bar.element,
+      hint,
+      notices.banner,
+      notices.busy,
+      notices.toasts,
+    ],
+    plots: plots.element,
+    controls: controls.element,
+    dialogs: [help.element],
+  });
+  setTheme(now.theme, false);
+  setColour(now.colour);
+  stage.setView(settings.view, false);
+  showVr();
+
+  addEventListener('keydown', (event) => {
+    if (help.element.open) {
+      if (event.key === '?') help.toggle();
+      return;
+    }
+    if (event.defaultPrevented || isTyping(event)) return;
+    if (keys.down(event) || (!event.repeat && runShortcut(shortcuts, event))) event.preventDefault();
+  });
+  addEventListener('keyup', (event) => keys.up(event));
+  document.addEventListener('visibilitychange', () => {
+    if (!document.hidden) connection.retryNow();
+  });
+
+  stage.onTick = (now_ms) => {
+    keys.tick(now_ms);
+    gamepad.tick(now_ms);
+    vr.tick(now_ms);
+    hand.tick(now_ms);
+    plots.tick(now_ms);
+  };
+  stage.onDrawn = () => {
+    scale_bar.show(stage.orbit.metresPerPixel(stage.renderer.domElement.clientHeight || 1));
+  };
+  stage.start();
+  connection.open();
+  publish({ stage, layout, now, setColour, setTheme });
+
+  function onHello(hello: Hello): void {
+    now.hello = hello;
+    controls.setHello(hello);
+    plots.clear();
+    // The program forgets a client's colours with its connection.
+    connection.send({ do: 'colour', by: now.colour });
+  }
+
+  function onScene(scene: Scene): void {
+    now.scene = scene;
+    stage.setScene(scene);
+    hand.setScene(scene);
+    vr.setScene(scene);
+    strip.setScene(scene);
+    controls.setScene(scene);
+    layout.setTitle(scene.title);
+    legend.show(now.colour, stage.bed.depthRange_m);
+  }
+
+  function onStatus(status: Status): void {
+    if (status.problem && status.problem !== now.status?.problem) {
+      notices.toast(`The bed could not be made: ${status.problem}`);
+    }
+    if (status.let_go && status.let_go !== now.status?.let_go) {
+      notices.toast(`The hand was let go: ${status.let_go}.`);
+    }
+    now.status = status;
+    strip.setStatus(status);
+    controls.setStatus(status);
+    notices.setBusy(status.busy);
+    // Pausing, and a hand elsewhere, take the tool out of this one.
+    if (status.paused || (status.held_by !== null && status.held_by !== now.hello?.client)) hand.giveUp();
+  }
+
+  function onFrame(frame: Frame): void {
+    now.frame = frame;
+    hand.setFrame(frame);
+    stage.setFrame(frame, frame.held);
+    plots.setFrame(frame);
+    strip.setTime(frame.time_s);
+    if (now.scene) readouts.setFrame(frame, now.scene, performance.now());
+  }
+
+  function onLink(connected: boolean, why: string | null): void {
+    notices.setLink(connected, why);
+    controls.setConnected(connected);
+    if (!connected) {
+      notices.setBusy(null);
+      hand.drop();
+    }
+  }
+
+  function setColour(mode: ColourMode): void {
+    now.colour = mode;
+    rememberColour(mode);
+    stage.setColour(mode);
+    controls.setColour(mode);
+    legend.show(mode, stage.bed.depthRange_m);
+    connection.send({ do: 'colour', by: mode });
+  }
+
+  function nextColour(): void {
+    setColour(COLOUR_MODES[(COLOUR_MODES.indexOf(now.colour) + 1) % COLOUR_MODES.length]!);
+  }
+
+  function setTheme(theme: Theme, remember = true): void {
+    now.theme = theme;
+    document.documentElement.dataset.theme = theme;
+    if (remember) rememberTheme(theme);
+    plots.restyle();
+  }
+
+  function zoom(factor: number): void {
+    stage.orbit.zoomBy(factor);
+    stage.invalidate();
+  }
+
+  function toggleVr(): void {
+    if (vr.unavailable) return notices.toast(`No VR: ${vr.unavailable}.`);
+    vr.toggle().catch((error: unknown) =>
+      notices.toast(`VR did not start: ${error instanceof Error ? error.message : String(error)}`),
+    );
+  }
+
+  function showVr(): void {
+    setText(vr_button, vr.active ? 'Leave VR' : 'Enter VR');
+    vr_button.disabled = vr.unavailable !== null;
+    vr_button.title = vr.unavailable ? `No VR: ${vr.unavailable}` : 'Enter or leave VR (V)';
+  }
+
+  function showHolding(): void {
+    if (hand.held) hint.classList.add('gone');
+    stage.invalidate();
+  }
+}

@@ -1,0 +1,81 @@
+// Small dialogs that ask before something is done.
+
+import { h } from '../panels/html';
+
+interface Question {
+  title: string;
+  text: string;
+  stay: string;
+  go_on: string;
+  /** more to fill in, above the buttons */
+  input?: HTMLInputElement;
+  suggestions?: string[];
+}
+
+/** Asks; what is meant to be done needs the second button, and words where there is an input. */
+export function askFirst(question: Question, act: (words: string) => void): void {
+  const { input } = question;
+  const go_on = h('button', { type: 'submit', class: 'danger' }, question.go_on);
+  const enable = (): void => {
+    go_on.disabled = input !== undefined && input.value.trim() === '';
+  };
+  const suggestions = (question.suggestions ?? []).map((text) =>
+    h(
+      'button',
+      {
+        type: 'button',
+        onclick: () => {
+          input!.value = text;
+          enable();
+          input!.focus();
+        },
+      },
+      text,
+    ),
+  );
+  const stay = h('button', { type: 'button', onclick: () => dialog.close() }, question.stay);
+  const form = h(
+    'form',
+    { method: 'dialog' },
+    h('h2', { id: 'question-title' }, question.title),
+    h('p', {}, question.text),
+    input,
+    suggestions.length > 0 && h('div', { class: 'suggestions' }, ...suggestions),
+    h('div', { class: 'dialog-buttons' }, stay, go_on),
+  );
+  const dialog = h('dialog', { class: 'question-dialog', 'aria-labelledby': 'question-title' }, form);
+  let sure = false;
+  form.addEventListener('submit', () => (sure = true));
+  dialog.addEventListener('close', () => {
+    dialog.remove();
+    if (sure) act(input?.value.trim() ?? '');
+  });
+  input?.addEventListener('input', enable);
+  enable();
+  (document.querySelector('.study') ?? document.body).append(dialog);
+  dialog.showModal();
+  (input ?? stay).focus();
+}
+
+/** Asks a participant twice whether to stop taking part. */
+export function askToStop(act: () => void): void {
+  const again = (): void =>
+    askFirst(
+      {
+        title: 'Are you sure?',
+        text: 'The study then ends for you, here and now.',
+        stay: 'No, go on',
+        go_on: 'Yes, end it',
+      },
+      act,
+    );
+  askFirst(
+    {
+      title: 'Do you want to stop taking part?',
+      text: 'You may stop at any time, and need not say why.',
+      stay: 'No, go on',
+      go_on: 'Stop',
+    },
+    again,
+  );
+}

@@ -1,0 +1,312 @@
+// The experimenter's page: the scene, how far the study is, what is shown, what was answered, and what can be done.
+
+import { publish } from '../automation';
+import { Connection, socketAddress } from '../connection';
+import { Hand } from '../hand/hand';
+import { PointerHand } from '../hand/pointer_hand';
+import { fixed, h, setText } from '../panels/html';
+import { Notices } from '../panels/notices';
+import { Plots, steppedRange, type PlotSpec } from '../panels/plots';
+import type { Frame, Scene, Status } from '../protocol';
+import { rememberTheme, type Settings, type Theme } from '../settings';
+import { isTyping } from '../shortcuts';
+import { makeStage } from '../view/make_stage';
+import { AnswersTable } from './answers_table';
+import { askFirst } from './dialogs';
+import { NotesPanel } from './notes_panel';
+import type { ExperimenterMessage, Phase, StudyCommand, StudyMessage } from './protocol';
+import { ResultsPanel } from './results_panel';
+import { shareDone } from './shown';
+import { trialCard } from './trial_card';
+
+const JOIN_AGAIN_MS = 2000;
+
+const PHASE_WORDS: Record<Phase, string> = {
+  waiting: 'waiting for the participant',
+  consent: 'reads the consent page',
+  form: 'fills in a form',
+  instructions: 'reads the instructions',
+  preparing: 'the bed is made ready',
+  interval: 'feels',
+  question: 'answers',
+  feedback: 'sees whether it was right',
+  break: 'has a break',
+  paused: 'paused',
+  finished: 'has finished',
+  withdrawn: 'has stopped taking part',
+};
+
+const FORCE: PlotSpec = {
+  title: 'Force',
+  unit: 'N',
+  lines: [{ name: 'size', colour: '--accent', width: 1.5 }],
+  sample: (frame) => [Math.hypot(...frame.force_n)],
+  range: steppedRange(0.5),
+};
+
+const REASONS = ['distracted', 'pressed the wrong key', 'did not touch the soil', 'trouble with the device'];
+
+export function openExperimenterPage(settings: Settings): void {
+  const now = {
+    hello: null as { client: number } | null,
+    scene: null as Scene | null,
+    status: null as Status | null,
+    frame: null as Frame | null,
+    study: null as ExperimenterMessage | null,
+    theme: settings.theme,
+    next_shown: false,
+  };
+
+  const notices = new Notices(() => connection.retryNow());
+  const connection = new Connection(socketAddress(location), {
+    hello: (hello) => {
+      now.hello = hello;
+      force_plot.clear();
+      join();
+    },
+    scene: (scene) => {
+      now.scene = scene;
+      stage.setScene(scene);
+    },
+    status: (status) => {
+      now.status = status;
+    },
+    frame: (frame) => {
+      now.frame = frame;
+      stage.setFrame(frame, frame.held);
+      force_plot.setFrame(frame);
+    },
+    study: onStudy,
+    link: (connected, why) => {
+      notices.setLink(connected, why);
+      page.classList.toggle('offline', !connected);
+    },
+    damaged: (error) => notices.toast(error instanceof Error ? error.message : String(error)),
+  });
+
+  const ask = (command: StudyCommand): Promise<void> =>
+    connection.request(command).catch((error: Error) => {
+      notices.toast(error.message);
+      throw error;
+    });
+  const tell = (command: StudyCommand): void => void ask(command).catch(() => {});
+
+  const title = h('strong', { class: 'study-title' }, 'Study');
+  const file = h('span', { class: 'title' });
+  const participant = h('strong', { class: 'participant-code' }, '–');
+  const phase = h('span', { class: 'phase' }, 'not connected to a study');
+  const progress_text = h('span', { class: 'numbers progress-text' });
+  const progress_bar = h('div', { class: 'progress-bar', 'aria-hidden': 'true' });
+  const problem = h('div', { class: 'problem', role: 'alert', hidden: true });
+  const theme_button = h(
+    'button',
+    {
+      type: 'button',
+      class: 'icon-button',
+      'aria-label': 'Dark or light',
+      title: 'Dark or light (T)',
+      onclick: () => setTheme(now.theme === 'dark' ? 'light' : 'dark'),
+    },
+    '◐',
+  );
+
+  const pause_button = h('button', { type: 'button', class: 'main', title: 'Pause or go on (P)', onclick: pause });
+  const repeat_button = h(
+    'button',
+    { type: 'button', title: 'Repeat a trial (R)', onclick: repeat },
+    'Repeat a trial…',
+  );
+  const note_button = h('button', { type: 'button', title: 'Write a note (N)', onclick: () => notes.focus() }, 'Note');
+  const end_button = h('button', { type: 'button', class: 'end', onclick: end }, 'End for today…');
+  const now_body = h('div', { class: 'trial', 'aria-live': 'polite' });
+  const next_body = h('div', { class: 'trial' });
+  const next_button = h(
+    'button',
+    { type: 'button', class: 'reveal', 'aria-pressed': 'false', onclick: () => showNext(!now.next_shown) },
+    'Show',
+  );
+
+  const force_plot = new Plots([FORCE]);
+  const force = h('span', { class: 'force-number numbers', 'data-test': 'force' }, '–');
+  const peak = h('span', { class: 'unit numbers' });
+  const results = new ResultsPanel();
+  const answers = new AnswersTable();
+  const notes = new NotesPanel((text) => ask({ do: 'study', act: 'note', text }));
+
+  const view = h('main', { class: 'view', 'aria-label': 'The bed' }, notices.banner, notices.toasts);
+  const page = h(
+    'div',
+    { class: 'study experimenter' },
+    h(
+      'header',
+      { class: 'strip' },
+      h('div', { class: 'brand' }, title, file),
+      h('div', { class: 'who' }, participant, phase),
+      h('div', { class: 'progress' }, progress_text, progress_bar),
+      h('div', { class: 'strip-buttons' }, pause_button, repeat_button, note_button, end_button, theme_button),
+    ),
+    problem,
+    h(
+      'div',
+      { class: 'left' },
+      view,
+      h(
+        'section',
+        { class: 'force-card', 'aria-label': 'Force on the hand' },
+        h('div', { class: 'force-now' }, h('span', { class: 'unit' }, 'force'), force, peak),
+        force_plot.element,
+      ),
+    ),
+    h(
+      'div',
+      { class: 'right' },
+      h('section', { class: 'card', 'aria-label': 'Shown now' }, h('h2', {}, 'Now'), now_body),
+      h('section', { class: 'card', 'aria-label': 'Shown next' }, h('h2', {}, 'Next', next_button), next_body),
+      results.element,
+      answers.element,
+      notes.element,
+    ),
+  );
+  document.querySelector('#app')!.append(page);
+
+  const stage = makeStage(view, {
+    reduced_motion: matchMedia('(prefers-reduced-motion: reduce)').matches,
+    full_quality: settings.for_pictures,
+  });
+  const hand = new Hand(
+    connection,
+    () => {},
+    () => {},
+  );
+  const pointer = new PointerHand(stage, hand, stage.renderer.domElement);
+  pointer.may_dig = false;
+
+  stage.onTick = (now_ms) => force_plot.tick(now_ms);
+  stage.setView(settings.view, false);
+  setTheme(now.theme, false);
+  addEventListener('keydown', onKeyDown);
+  document.addEventListener('visibilitychange', () => {
+    if (!document.hidden) connection.retryNow();
+  });
+  showNext(false);
+  show(null);
+  stage.start();
+  connection.open();
+  publish({ stage, now, setColour: (mode) => stage.setColour(mode), setTheme });
+
+  function join(): void {
+    connection.request({ do: 'study', act: 'join', as: 'experimenter' }).catch((error: Error) => {
+      if (!connection.connected) return;
+      show(null);
+      setText(phase, error.message);
+      setTimeout(() => connection.connected && join(), JOIN_AGAIN_MS);
+    });
+  }
+
+  function onStudy(message: StudyMessage): void {
+    if (message.as === 'experimenter') show(message);
+  }
+
+  function show(message: ExperimenterMessage | null): void {
+    now.study = message;
+    for (const button of [pause_button, repeat_button, note_button, end_button]) button.disabled = message === null;
+    setText(pause_button, message?.paused ? 'Go on' : 'Pause');
+    showTrial(now_body, message?.now ?? null, 'Nothing is shown now.');
+    showNext(now.next_shown);
+    if (!message) return;
+    const over = message.phase === 'finished' || message.phase === 'withdrawn';
+    repeat_button.disabled = over || message.progress === null;
+    pause_button.disabled = end_button.disabled = over;
+    setText(title, message.study);
+    setText(file, message.file);
+    setText(participant, message.participant || '–');
+    setText(phase, message.paused ? PHASE_WORDS.paused : PHASE_WORDS[message.phase]);
+    phase.dataset.phase = message.paused ? 'paused' : message.phase;
+    document.title = `${message.participant} · ${message.study}, haptolith`;
+    const { progress } = message;
+    setText(progress_text, progressText(progress));
+    progress_bar.style.setProperty('--share', String(over ? 1 : shareDone(progress)));
+    problem.hidden = message.problem === null;
+    setText(problem, message.problem ?? '');
+    setText(force, `${fixed(message.force_n, 2, 5)} N`);
+    setText(peak, `peak ${fixed(message.peak_force_n, 1, 4)} N`);
+    results.set(message.blocks);
+    answers.set(message.answers);
+    notes.set(message.notes);
+  }
+
+  function showTrial(host: HTMLElement, trial: ExperimenterMessage['now'], nothing: string): void {
+    const shown = JSON.stringify([trial, nothing]);
+    if (host.dataset.shown === shown) return;
+    host.dataset.shown = shown;
+    host.replaceChildren(...trialCard(trial, nothing));
+  }
+
+  function showNext(shown: boolean): void {
+    now.next_shown = shown;
+    next_button.setAttribute('aria-pressed', String(shown));
+    setText(next_button, shown ? 'Hide' : 'Show');
+    if (shown) showTrial(next_body, now.study?.next ?? null, 'Not known yet.');
+    else showTrial(next_body, null, 'Hidden, so that nothing in your voice or face tells it.');
+  }
+
+  function pause(): void {
+    tell({ do: 'study', act: now.study?.paused ? 'resume' : 'pause' });
+  }
+
+  function repeat(): void {
+    const input = h('input', { type: 'text', 'aria-label': 'Reason', placeholder: 'Why?', maxlength: 500 });
+    askFirst(
+      {
+        title: 'Repeat a trial',
+        text: 'The trial under way is done again, or the one answered last. Its answer is kept, marked as repeated, with your reason.',
+        input,
+        suggestions: REASONS,
+        stay: 'Cancel',
+        go_on: 'Repeat it',
+      },
+      (reason) => tell({ do: 'study', act: 'repeat', reason }),
+    );
+  }
+
+  function end(): void {
+    askFirst(
+      {
+        title: `End for today?`,
+        text: 'The participant is done for today. What has been answered is kept, and the study can be resumed later.',
+        stay: 'Cancel',
+        go_on: 'End for today',
+      },
+      () => tell({ do: 'study', act: 'end' }),
+    );
+  }
+
+  function setTheme(theme: Theme, remember = true): void {
+    now.theme = theme;
+    document.documentElement.dataset.theme = theme;
+    if (remember) rememberTheme(theme);
+    force_plot.restyle();
+  }
+
+  function onKeyDown(event: KeyboardEvent): void {
+    if (document.querySelector('dialog[open]') || isTyping(event) || event.repeat) return;
+    if (event.ctrlKey || event.metaKey || event.altKey) return;
+    const press: Record<string, HTMLButtonElement> = {
+      p: pause_button,
+      r: repeat_button,
+      n: note_button,
+      t: theme_button,
+    };
+    const button = press[event.key.toLowerCase()];
+    if (!button) return;
+    event.preventDefault();
+    button.click();
+  }
+}
+
+function progressText(progress: ExperimenterMessage['progress']): string {
+  if (!progress) return '';
+  const trial = progress.trial > 0 ? ` · trial ${progress.trial}` : '';
+  const of = progress.trials === null || progress.trial === 0 ? '' : ` of ${progress.trials}`;
+  return `part ${progress.block} of ${progress.blocks}${trial}${of}`;
+}

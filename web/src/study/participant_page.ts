@@ -1,0 +1,228 @@
+// The participant's page: one thing at a time, and nothing that tells what is shown.
+
+import { publish } from '../automation';
+import { Connection, socketAddress } from '../connection';
+import { Hand } from '../hand/hand';
+import { KeyHand } from '../hand/key_hand';
+import { PointerHand } from '../hand/pointer_hand';
+import { h, setText } from '../panels/html';
+import { Notices } from '../panels/notices';
+import type { Frame, Scene, Status } from '../protocol';
+import type { Settings } from '../settings';
+import { isTyping } from '../shortcuts';
+import { makeStage } from '../view/make_stage';
+import { Countdown } from './countdown';
+import { askToStop } from './dialogs';
+import { OneAct } from './one_act';
+import { Prompts } from './prompts';
+import type { ParticipantMessage, Phase, StudyCommand, StudyMessage } from './protocol';
+import { shareDone, waiting, whatIsShown } from './shown';
+
+const JOIN_AGAIN_MS = 2000;
+const CLOCK_INTERVAL_MS = 100;
+const OVER: Phase[] = ['finished', 'withdrawn'];
+
+export function openParticipantPage(settings: Settings): void {
+  const now = {
+    hello: null as { client: number } | null,
+    scene: null as Scene | null,
+    status: null as Status | null,
+    frame: null as Frame | null,
+    study: null as ParticipantMessage | null,
+    shown: '',
+  };
+  const act = new OneAct();
+  const countdown = new Countdown();
+
+  const notices = new Notices(() => connection.retryNow());
+  const connection = new Connection(socketAddress(location), {
+    hello: (hello) => {
+      now.hello = hello;
+      join();
+    },
+    scene: (scene) => {
+      now.scene = scene;
+      stage.setScene(scene);
+      hand.setScene(scene);
+    },
+    status: (status) => {
+      now.status = status;
+      if (status.paused || (status.held_by !== null && status.held_by !== now.hello?.client)) hand.giveUp();
+    },
+    frame: (frame) => {
+      now.frame = frame;
+      hand.setFrame(frame);
+      stage.setFrame(frame, frame.held);
+    },
+    study: onStudy,
+    link: onLink,
+    damaged: (error) => notices.toast(error instanceof Error ? error.message : String(error)),
+  });
+
+  const prompts = new Prompts(
+    {
+      go: () => send({ do: 'study', act: 'go' }),
+      fill: (values) => send({ do: 'study', act: 'fill', values }),
+      answer: (choice) => send({ do: 'study', act: 'answer', choice }, choice),
+    },
+    countdown,
+  );
+  const progress_text = h('span', { class: 'numbers' });
+  const progress_bar = h('div', { class: 'progress-bar', 'aria-hidden': 'true' });
+  const problem = h('div', { class: 'problem', role: 'alert', hidden: true });
+  const stop_button = h('button', { type: 'button', class: 'stop', onclick: stop }, 'Stop taking part');
+  const view = h('div', { class: 'view', 'aria-hidden': 'true' });
+  const page = h(
+    'div',
+    { class: 'study participant' },
+    view,
+    h('header', { class: 'participant-head' }, progress_bar, progress_text, stop_button),
+    prompts.element,
+    problem,
+    notices.banner,
+    notices.toasts,
+  );
+  document.querySelector('#app')!.append(page);
+  document.documentElement.dataset.theme = settings.theme;
+  document.title = 'Study, haptolith';
+
+  const stage = makeStage(view, {
+    reduced_motion: matchMedia('(prefers-reduced-motion: reduce)').matches,
+    full_quality: settings.for_pictures,
+    neutral: true,
+  });
+  const hand = new Hand(
+    connection,
+    (error) => notices.toast(error.message),
+    () => stage.invalidate(),
+  );
+  const pointer = new PointerHand(stage, hand, stage.renderer.domElement);
+  const keys = new KeyHand(hand, stage.orbit, () => (now.scene?.box.width_m ?? 0.126) / 0.126);
+
+  stage.onTick = (now_ms) => {
+    keys.tick(now_ms);
+    hand.tick(now_ms);
+  };
+  stage.setView(settings.view, false);
+  addEventListener('keydown', onKeyDown, { capture: true });
+  addEventListener('keyup', (event) => keys.up(event));
+  document.addEventListener('visibilitychange', () => {
+    if (!document.hidden) connection.retryNow();
+  });
+  setInterval(() => prompts.tick(), CLOCK_INTERVAL_MS);
+  onStudy(waiting(''));
+  stage.start();
+  connection.open();
+  publish({ stage, now, setColour: (mode) => stage.setColour(mode), setTheme });
+
+  function setTheme(theme: Settings['theme']): void {
+    document.documentElement.dataset.theme = theme;
+  }
+
+  function join(): void {
+    connection.request({ do: 'study', act: 'join', as: 'participant' }).catch((error: Error) => {
+      if (!connection.connected) return;
+      onStudy(waiting(`${error.message}.`));
+      setTimeout(() => connection.connected && join(), JOIN_AGAIN_MS);
+    });
+  }
+
+  function onStudy(message: StudyMessage): void {
+    if (message.as !== 'participant') return;
+    now.study = message;
+    const shown = whatIsShown(message);
+    if (shown !== now.shown) {
+      now.shown = shown;
+      act.renew();
+      countdown.begin(message.remaining_s);
+      prompts.show(message);
+      showScene(message);
+      showProgress(message);
+      page.dataset.phase = message.phase;
+      stop_button.hidden = OVER.includes(message.phase) || message.study === '';
+    }
+    countdown.set(message.remaining_s);
+    problem.hidden = message.problem === null;
+    setText(problem, message.problem ?? '');
+  }
+
+  function showScene(message: ParticipantMessage): void {
+    const feels = message.phase === 'interval';
+    const can_dig = feels && message.can_dig;
+    const visible = feels && message.visual;
+    page.classList.toggle('scene-shown', visible);
+    page.classList.toggle('can-dig', can_dig);
+    if (!can_dig) hand.giveUp();
+    pointer.may_dig = can_dig;
+    // What is not to be seen cannot be aimed at.
+    pointer.dig_anywhere = can_dig && !visible;
+    stage.shown = visible;
+    stage.invalidate();
+  }
+
+  function showProgress({ progress, phase }: ParticipantMessage): void {
+    const in_block = progress !== null && !OVER.includes(phase);
+    const trial = progress && progress.trial > 0 && progress.trials !== null ? progress : null;
+    setText(
+      progress_text,
+      !in_block
+        ? ''
+        : `Part ${progress.block} of ${progress.blocks}` + (trial ? ` · ${trial.trial} of ${trial.trials}` : ''),
+    );
+    progress_bar.hidden = !in_block;
+    progress_bar.style.setProperty('--share', String(shareDone(progress)));
+  }
+
+  function onLink(connected: boolean, why: string | null): void {
+    notices.setLink(connected, why === null ? null : 'The connection is lost. It comes back by itself');
+    page.classList.toggle('offline', !connected);
+    if (connected) return;
+    hand.drop();
+    act.giveBack();
+    prompts.lock(false);
+  }
+
+  function send(command: StudyCommand, choice: 0 | 1 | null = null): void {
+    if (!act.take()) return;
+    prompts.lock(true, choice);
+    const shown = now.shown;
+    connection.request(command).catch((error: Error) => {
+      if (shown !== now.shown) return;
+      act.giveBack();
+      prompts.lock(false);
+      notices.toast(error.message);
+    });
+  }
+
+  function stop(): void {
+    askToStop(() =>
+      connection
+        .request({ do: 'study', act: 'quit' })
+        .catch((error: Error) => notices.toast(`${error.message}. Please tell the experimenter.`)),
+    );
+  }
+
+  function onKeyDown(event: KeyboardEvent): void {
+    if (document.querySelector('dialog[open]') || event.ctrlKey || event.metaKey || event.altKey) return;
+    const study = now.study!;
+    if (study.phase === 'interval' && study.can_dig && keys.down(event)) return event.preventDefault();
+    const press = pressOf(event, study);
+    if (!press) return;
+    event.preventDefault();
+    // A key that is held down says nothing new.
+    if (!event.repeat) press();
+  }
+
+  /** What a key does in this phase, wherever the focus is; null: what it always does. */
+  function pressOf(event: KeyboardEvent, study: ParticipantMessage): (() => void) | null {
+    if (study.phase === 'question') {
+      if (event.key === '1' || event.key === 'ArrowLeft') return () => prompts.choose(0);
+      if (event.key === '2' || event.key === 'ArrowRight') return () => prompts.choose(1);
+    }
+    if (event.key !== 'Enter' && event.key !== ' ') return null;
+    const on_button = event.target instanceof HTMLButtonElement;
+    if (event.repeat && on_button) return () => {};
+    if (on_button || isTyping(event) || study.phase === 'form' || study.button === null) return null;
+    return () => send({ do: 'study', act: 'go' });
+  }
+}

@@ -1,0 +1,199 @@
+// What the participant's page shows in each phase: one thing at a time, large enough to be read from two metres.
+
+import { h, setText } from '../panels/html';
+import { clockText, type Countdown } from './countdown';
+import { Form } from './form';
+import type { ParticipantMessage, Phase } from './protocol';
+
+export interface Acts {
+  go(): void;
+  fill(values: Record<string, string>): void;
+  answer(choice: 0 | 1): void;
+}
+
+const TITLES: Partial<Record<Phase, string>> = {
+  waiting: 'Please wait',
+  consent: 'Taking part',
+  form: 'A few questions',
+  instructions: 'What to do',
+  preparing: 'One moment',
+  break: 'Time for a break',
+  paused: 'A short pause',
+  finished: 'Thank you',
+  withdrawn: 'Thank you',
+};
+
+const TEXTS: Partial<Record<Phase, string>> = {
+  waiting: 'It begins soon.',
+  preparing: 'The next one is being made ready.',
+  paused: 'It goes on in a moment. Please stay as you are.',
+  finished: 'You have done everything there was to do.',
+  withdrawn: 'You have stopped taking part. You need not do anything more.',
+};
+
+export class Prompts {
+  readonly element = h('main', { class: 'prompt' });
+  private readonly announcer = h('p', { class: 'only-read-aloud', 'aria-live': 'polite' });
+  private clock: HTMLElement | null = null;
+  private bar: HTMLElement | null = null;
+  private buttons: HTMLButtonElement[] = [];
+
+  constructor(
+    private readonly acts: Acts,
+    private readonly countdown: Countdown,
+  ) {
+    this.element.append(this.announcer);
+  }
+
+  show(message: ParticipantMessage): void {
+    const { phase } = message;
+    const title = message.title || (TITLES[phase] ?? '');
+    const text = message.text || (TEXTS[phase] ?? '');
+    this.clock = null;
+    this.bar = null;
+    this.buttons = [];
+    const parts = this.partsOf(message, title, text);
+    this.element.dataset.phase = phase;
+    this.element.replaceChildren(this.announcer, ...parts);
+    this.element.scrollTop = 0;
+    setText(this.announcer, [phase === 'interval' ? message.label : title, text].filter(Boolean).join('. '));
+    this.tick();
+  }
+
+  /** Once something was done: nothing more can be until something else is shown. */
+  lock(locked: boolean, choice: 0 | 1 | null = null): void {
+    this.buttons.forEach((button, i) => {
+      button.disabled = locked;
+      button.classList.toggle('chosen', locked && i === choice);
+    });
+  }
+
+  /** An answer by key: as if its button were pressed. */
+  choose(choice: 0 | 1): void {
+    this.buttons[choice]?.click();
+  }
+
+  /** Shows what is left of the time. */
+  tick(): void {
+    const left_s = this.countdown.remaining_s;
+    if (this.clock) {
+      this.clock.hidden = left_s === null;
+      setText(this.clock, clockText(left_s ?? 0));
+    }
+    if (this.bar) {
+      this.bar.hidden = left_s === null;
+      this.bar.style.setProperty('--share', String(this.countdown.share));
+    }
+  }
+
+  private partsOf(message: ParticipantMessage, title: string, text: string): HTMLElement[] {
+    switch (message.phase) {
+      case 'form':
+        return this.form(message, title, text);
+      case 'interval':
+        return this.interval(message, text);
+      case 'question':
+        return [this.timeBar(), h('h1', {}, title), ...paragraphs(text), this.answers(message)];
+      case 'feedback':
+        return [
+          mark(message.feedback),
+          h('h1', {}, title || WORDS[message.feedback ?? 'none']),
+          ...paragraphs(text),
+          ...this.goButton(message),
+        ];
+      case 'break':
+        return [h('h1', {}, title), ...paragraphs(text), this.clockFace(), ...this.goButton(message)];
+      case 'preparing':
+      case 'waiting':
+        return [
+          h('h1', {}, title),
+          ...paragraphs(text),
+          h('div', { class: 'breathing', 'aria-hidden': 'true' }, h('i'), h('i'), h('i')),
+          ...this.goButton(message),
+        ];
+      default:
+        return [h('h1', {}, title), h('div', { class: 'words' }, ...paragraphs(text)), ...this.goButton(message)];
+    }
+  }
+
+  private form(message: ParticipantMessage, title: string, text: string): HTMLElement[] {
+    const form = new Form(message.fields, (values) => this.acts.fill(values));
+    const button = h('button', { type: 'submit', class: 'go' }, message.button ?? 'Go on');
+    this.buttons = [button];
+    form.element.append(h('div', { class: 'go-row' }, button));
+    queueMicrotask(() => form.focus());
+    return [h('h1', {}, title), ...paragraphs(text), form.element];
+  }
+
+  private interval(message: ParticipantMessage, text: string): HTMLElement[] {
+    const dots = Array.from({ length: message.intervals }, (_, i) =>
+      h('i', { class: i + 1 === message.interval ? 'now' : i + 1 < message.interval ? 'past' : null }),
+    );
+    this.clock = h('span', { class: 'clock numbers' });
+    return [
+      this.timeBar(),
+      h(
+        'div',
+        { class: 'interval-label' },
+        h('h1', {}, message.label),
+        h('div', { class: 'dots', 'aria-hidden': 'true' }, ...dots),
+        this.clock,
+      ),
+      h('div', { class: 'interval-foot' }, ...paragraphs(text), ...this.goButton(message)),
+    ];
+  }
+
+  private answers(message: ParticipantMessage): HTMLElement {
+    const keys = ['1', '2'];
+    const arrows = ['←', '→'];
+    this.buttons = message.choices
+      .slice(0, 2)
+      .map((choice, i) =>
+        h(
+          'button',
+          { type: 'button', class: 'answer', onclick: () => this.acts.answer(i === 0 ? 0 : 1) },
+          h('span', { class: 'answer-text' }, choice),
+          h('span', { class: 'keys', 'aria-hidden': 'true' }, h('kbd', {}, keys[i]!), h('kbd', {}, arrows[i]!)),
+        ),
+      );
+    return h('div', { class: 'answers' }, ...this.buttons);
+  }
+
+  private goButton(message: ParticipantMessage): HTMLElement[] {
+    if (message.button === null) return [];
+    const button = h('button', { type: 'button', class: 'go', onclick: () => this.acts.go() }, message.button);
+    this.buttons = [button];
+    queueMicrotask(() => button.focus({ preventScroll: true }));
+    return [h('div', { class: 'go-row' }, button)];
+  }
+
+  private clockFace(): HTMLElement {
+    this.clock = h('div', { class: 'clock-face numbers', role: 'timer' });
+    return this.clock;
+  }
+
+  private timeBar(): HTMLElement {
+    this.bar = h('div', { class: 'time-bar', 'aria-hidden': 'true' });
+    return this.bar;
+  }
+}
+
+/** Paragraphs of a text that has blank lines between them. */
+export function splitParagraphs(text: string): string[] {
+  return text
+    .split(/\n\s*\n/)
+    .map((paragraph) => paragraph.trim())
+    .filter((paragraph) => paragraph !== '');
+}
+
+function paragraphs(text: string): HTMLElement[] {
+  return splitParagraphs(text).map((paragraph) => h('p', {}, paragraph));
+}
+
+const WORDS = { right: 'That was right', wrong: 'That was not right', none: 'Thank you' };
+
+/** A tick or a cross in a ring: told by shape and by colour. */
+function mark(feedback: ParticipantMessage['feedback']): HTMLElement {
+  const sign = { right: '✓', wrong: '✕', none: '·' }[feedback ?? 'none'];
+  return h('div', { class: `mark ${feedback ?? 'none'}`, 'aria-hidden': 'true' }, sign);
+}

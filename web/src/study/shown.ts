@@ -1,0 +1,39 @@
+// What the participant's page works out from a message.
+
+import type { ParticipantMessage } from './protocol';
+
+/** What is shown before the program has said anything. */
+export function waiting(text: string): ParticipantMessage {
+  return {
+    type: 'study',
+    as: 'participant',
+    study: '',
+    phase: 'waiting',
+    title: '',
+    text,
+    fields: [],
+    button: null,
+    interval: 0,
+    intervals: 0,
+    label: '',
+    remaining_s: null,
+    choices: [],
+    visual: false,
+    can_dig: false,
+    feedback: null,
+    progress: null,
+    problem: null,
+  };
+}
+
+/** Equal for messages that show the same, however much time is left. */
+export function whatIsShown(message: ParticipantMessage): string {
+  return JSON.stringify({ ...message, remaining_s: null, problem: null });
+}
+
+/** Share of the whole study that is done, 0 to 1; a block whose length nobody knows counts when it is over. */
+export function shareDone(progress: ParticipantMessage['progress']): number {
+  if (!progress || progress.blocks === 0) return 0;
+  const in_block = progress.trials && progress.trial > 0 ? (progress.trial - 1) / progress.trials : 0;
+  return (progress.block - 1 + Math.min(1, in_block)) / progress.blocks;
+}

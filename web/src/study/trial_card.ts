@@ -1,0 +1,35 @@
+// What is shown now, or next: block, reference and test, in the order in which they are felt.
+
+import { h } from '../panels/html';
+import type { TrialKind, TrialShown } from './protocol';
+
+const KINDS: Record<TrialKind, string> = { practice: 'practice', main: 'main trial', catch: 'catch trial' };
+
+export function trialCard(trial: TrialShown | null, nothing: string): HTMLElement[] {
+  if (!trial) return [h('p', { class: 'nothing' }, nothing)];
+  const reference = { what: 'reference', name: trial.reference, value: '' };
+  const test = { what: 'test', name: trial.test, value: String(Number(trial.value.toPrecision(4))) };
+  const order = trial.test_first ? [test, reference] : [reference, test];
+  return [
+    h(
+      'p',
+      { class: 'trial-head' },
+      h('span', { class: `kind ${trial.kind}` }, KINDS[trial.kind]),
+      h('strong', {}, trial.block),
+      h('span', { class: 'unit trial-question', title: trial.question }, trial.question),
+    ),
+    h(
+      'ol',
+      { class: 'stimuli' },
+      ...order.map(({ what, name, value }, i) =>
+        h(
+          'li',
+          { class: trial.interval === i + 1 ? 'now' : null, 'aria-current': trial.interval === i + 1 ? 'step' : null },
+          h('span', { class: 'unit' }, `${i + 1} · ${what}`),
+          h('strong', {}, name),
+          value && h('span', { class: 'unit numbers' }, value),
+        ),
+      ),
+    ),
+  ];
+}
