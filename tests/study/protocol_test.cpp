@@ -313,5 +313,16 @@ TEST(ProtocolKeys, AreAllInTheDocument) {
   expectDocumented(itemKeys(), "### [[demographics]], [[block.item]], [[item]]\n");
 }
 
+TEST(ProtocolKeys, TheDocumentHasNoOthers) {
+  const std::string document = readSource("docs/studies.md");
+  const std::size_t begin = document.find("\n## Protocols\n");
+  const std::string section = document.substr(begin, document.find("\n## ", begin + 1) - begin);
+  std::size_t rows = 0;
+  for (std::size_t at = section.find("\n| `"); at != std::string::npos; at = section.find("\n| `", at + 1)) {
+    ++rows;
+  }
+  EXPECT_EQ(rows, protocolKeys().size() + blockKeys().size() + itemKeys().size());
+}
+
 }  // namespace
 }  // namespace haptolith
