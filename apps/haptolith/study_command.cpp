@@ -5,6 +5,7 @@
 #include "study_export_command.h"
 #include "study_figure_command.h"
 #include "study_fit_command.h"
+#include "study_forget_command.h"
 #include "study_new_command.h"
 #include "study_plan_command.h"
 #include "study_run_command.h"
@@ -32,6 +33,7 @@ void addStudyCommand(CLI::App& app) {
   addStudyRunCommands(*study);
   addStudyStatusCommand(*study);
   addStudyExportCommand(*study);
+  addStudyForgetCommand(*study);
   addStudyFigureCommand(*study);
   addStudyFitCommand(*study);
   addStudySimulateCommand(*study);

@@ -269,6 +269,9 @@ INSTANTIATE_TEST_SUITE_P(
               kTitle + "[[block]]\nname = 'a/b'\nquestion = 'q'\nanswers = ['l', 'm']\n" + kFriction,
               "[[block]] name = 'a/b'"},
         Wrong{"TwoBlocksOfOneName", kBlock + kNames + kFriction, ":10: [[block]] name"},
+        Wrong{"ABlockOfAFormsName",
+              kTitle + "[[block]]\nname = 'demographics'\nquestion = 'q'\nanswers = ['l', 'm']\n" + kFriction,
+              "a form of every study has it"},
         Wrong{"RepeatsOfAnAdaptiveBlock", kBlock + "procedure = 'quest+'\nrepeats = 3\n",
               "the procedure ends by itself"},
         Wrong{"AStaircaseThatIsNone", kBlock + "[block.staircase]\ndown = 3\n", "the procedure is no staircase"},
@@ -308,6 +311,17 @@ TEST(ProtocolKeys, AreAllInTheDocument) {
   expectDocumented(protocolKeys(), "### At the top\n");
   expectDocumented(blockKeys(), "### [[block]]\n");
   expectDocumented(itemKeys(), "### [[demographics]], [[block.item]], [[item]]\n");
+}
+
+TEST(ProtocolKeys, TheDocumentHasNoOthers) {
+  const std::string document = readSource("docs/studies.md");
+  const std::size_t begin = document.find("\n## Protocols\n");
+  const std::string section = document.substr(begin, document.find("\n## ", begin + 1) - begin);
+  std::size_t rows = 0;
+  for (std::size_t at = section.find("\n| `"); at != std::string::npos; at = section.find("\n| `", at + 1)) {
+    ++rows;
+  }
+  EXPECT_EQ(rows, protocolKeys().size() + blockKeys().size() + itemKeys().size());
 }
 
 }  // namespace

@@ -471,7 +471,9 @@ void Conductor::fill(const std::map<std::string, std::string>& values) {
   if (paused_ || phase_ != StudyPhase::kForm) {
     refuse("fill", "now", "asked for when there is a form");
   }
-  store_.setAnswers(participant_->id, step().name, *step().form, values);  // throws for what is wrong in it
+  // The store and its exports know a form by its block, wherever that stands in this participant's order.
+  const std::string& form = step().of_block ? block().name : step().name;
+  store_.setAnswers(participant_->id, form, *step().form, values);  // throws for what is wrong in it
   guarded([this] { finishStep(); });
 }
 

@@ -15,6 +15,7 @@
 #include "haptolith/soil/bodies.h"
 #include "haptolith/soil/presets.h"
 #include "haptolith/study/built_in_protocols.h"
+#include "haptolith/study/form.h"
 #include "haptolith/study/protocol_keys.h"
 
 namespace haptolith {
@@ -310,6 +311,9 @@ StudyProtocol read(const TomlReader& reader, const Scenario* scene) {
     StudyBlock block = readBlock(part, protocol);
     if (std::ranges::find(protocol.blocks, block.name, &StudyBlock::name) != protocol.blocks.end()) {
       part.refuseKey({"", "name"}, "another one: a block above has it");
+    }
+    if (block.name == kDemographicsForm || block.name == kQuestionnaireForm) {
+      part.refuseKey({"", "name"}, "another one: a form of every study has it");
     }
     protocol.blocks.push_back(std::move(block));
   }

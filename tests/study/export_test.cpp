@@ -1,0 +1,189 @@
+#include "haptolith/study/export.h"
+
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <set>
+#include <string>
+
+#include "haptolith/core/error.h"
+
+#include "a_study.h"
+
+namespace haptolith {
+namespace {
+
+namespace fs = std::filesystem;
+using testing::HasSubstr;
+using testing::Not;
+using Access = StudyStore::Access;
+
+constexpr const char* kPython = "/usr/bin/python3";  // Debian's own, which has Debian's packages
+
+std::string readFile(const fs::path& path) {
+  std::ifstream file(path);
+  return {std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
+}
+
+/// Two participants, of whom the second has quit; a trial of each state and kind, and awkward texts.
+class StudyExport : public AStudy {
+ protected:
+  StudyExport() {
+    StudyStore store(file_, Access::kRun);
+    const std::int64_t one = store.addParticipant("").id;
+    store.setAnswers(one, "demographics", store.protocol().demographics,
+                     {{"name", "Ada, \"Countess\""}, {"age", "36"}});
+    TrialBegun practice = trial(one, 0);
+    practice.kind = TrialKind::kPractice;
+    store.answerTrial(store.beginTrial(practice), answer(0.5));
+    store.voidTrial(store.beginTrial(trial(one, 1)), TrialState::kLost, "a tab\there, a line\nthere and a \"quote\"");
+    const std::int64_t repeated = store.beginTrial(trial(one, 1, 1));
+    store.answerTrial(repeated, answer(0.75));
+    store.voidTrial(repeated, TrialState::kRepeated, "noise");
+    TrialAnswer negative = answer(1.0 / 3);
+    negative.positive = false;
+    negative.correct = std::nullopt;
+    store.answerTrial(store.beginTrial(trial(one, 1, 2)), negative);
+    TrialAnswer late = answer(5);
+    late.timed_out = true;
+    store.answerTrial(store.beginTrial(trial(one, 2)), late);
+    const std::int64_t other = store.addParticipant("").id;
+    store.beginTrial({.participant = other,
+                      .block = 1,
+                      .kind = TrialKind::kCatch,
+                      .block_name = "gravity",
+                      .level = "Earth",
+                      .reference = "Moon",
+                      .value = 9.807,
+                      .reference_value = 1.625,
+                      .seed = 12});
+    store.endParticipant(other, "withdrawn");
+  }
+
+  [[nodiscard]] StudyStore study() const { return {file_, Access::kRead}; }
+
+  /// Runs a Python program in the folder; what it asserts must be so.
+  void expectTrueInPython(const std::string& program) const {
+    std::ofstream(folder_ / "check.py") << program;
+    EXPECT_EQ(std::system(fmt::format("cd '{}' && {} check.py", folder_.string(), kPython).c_str()), 0);
+  }
+};
+
+TEST_F(StudyExport, PandasReadsEveryTrialFromTheTable) {
+  exportCsv(study(), folder_ / "a.csv", {});
+  expectTrueInPython(R"(
+import pandas
+t = pandas.read_csv('a.csv', float_precision='round_trip')
+assert len(t) == 6
+assert list(t.participant) == ['S01'] * 5 + ['S02']
+assert list(t.kind) == ['practice', 'main', 'main', 'main', 'main', 'catch']
+assert list(t.state) == ['answered', 'lost', 'repeated', 'answered', 'answered', 'begun']
+assert list(t.trial) == [1, 2, 2, 2, 3, 1] and list(t.attempt) == [1, 1, 2, 3, 1, 1]
+assert t.block.iloc[5] == 'gravity' and t.level.iloc[5] == 'Earth' and t.x.iloc[5] == 9.807
+assert (t.x[:5] == 1.21).all() and (t.x_reference[:5] == 0.835).all()
+assert list(t.test_first) == [0, 1, 1, 1, 0, 0]
+assert t.response.isna().tolist() == [False, True, False, False, True, True]
+assert t.response.iloc[0] == 1 and t.response.iloc[3] == 0
+assert t.correct.isna().iloc[3] and t.correct.iloc[0] == 1
+assert t.response_time_s.iloc[3] == 1 / 3
+assert t.timed_out.iloc[4] == 1
+assert t.first_duration_s.iloc[0] == 3.25 and t.second_work_j.iloc[0] == -0.5
+assert t.first_work_j.isna().all() and t.second_deadline_misses.iloc[0] == 3
+assert t.seed.dtype.kind == 'i' and t.seed.iloc[0] == 2**53 - 1
+assert t.reason.iloc[1] == 'a tab\there, a line\nthere and a "quote"'
+assert t.recording.iloc[0] == 'S01.h5'
+assert t.demographics_age.iloc[0] == 36 and t.demographics_age.isna().iloc[5]
+assert not any('name' in column for column in t.columns if column.startswith('demographics'))
+counting = t[(t.kind == 'main') & (t.state == 'answered') & t.response.notna()]
+assert len(counting) == 1
+)");
+}
+
+TEST_F(StudyExport, PandasReadsTheBidsFolder) {
+  exportBids(study(), folder_ / "bids", {});
+  expectTrueInPython(R"(
+import json, os, pandas
+def table(name):
+    return pandas.read_csv('bids/' + name, sep='\t', na_values='n/a', keep_default_na=False)
+description = json.load(open('bids/dataset_description.json'))
+assert description['Name'] == 'A study' and description['BIDSVersion'] and description['DatasetType'] == 'raw'
+assert open('bids/README.md').read().startswith('# A study')
+people = table('participants.tsv')
+assert list(people.columns)[0] == 'participant_id'
+assert list(people.participant_id) == ['sub-S01', 'sub-S02'] and list(people.state) == ['running', 'withdrawn']
+assert people.demographics_age.iloc[0] == 36 and people.demographics_age.isna().iloc[1]
+assert set(people.columns) == set(json.load(open('bids/participants.json')))
+files = sorted(os.path.join(at, name)[5:] for at, _, names in os.walk('bids') for name in names if at != 'bids')
+assert files == ['sub-S01/beh/sub-S01_task-friction_beh.json', 'sub-S01/beh/sub-S01_task-friction_beh.tsv',
+                 'sub-S02/beh/sub-S02_task-gravity_beh.json', 'sub-S02/beh/sub-S02_task-gravity_beh.tsv'], files
+trials = table('sub-S01/beh/sub-S01_task-friction_beh.tsv')
+assert list(trials.trial_type) == ['practice', 'main', 'main', 'main', 'main']
+assert list(trials.response_time.dropna()) == [0.5, 0.75, 1 / 3, 5.0]
+assert trials.reason.iloc[1] == 'a tab here, a line there and a "quote"'
+assert trials.answered_at.isna().tolist() == [False, True, False, False, False]
+sidecar = json.load(open('bids/sub-S01/beh/sub-S01_task-friction_beh.json'))
+assert sidecar['TaskName'] == 'friction'
+assert sidecar['x']['LongName'] == 'friction coefficient'
+for column in trials.columns:
+    assert sidecar[column]['Description'].endswith('.'), column
+assert sidecar['response']['Levels']['1'] == 'the test was said to have more'
+assert sidecar['first_peak_force_n']['Units'] == 'N'
+)");
+}
+
+TEST_F(StudyExport, LeavesPersonalAnswersOutUnlessAskedFor) {
+  exportCsv(study(), folder_ / "a.csv", {});
+  exportBids(study(), folder_ / "bids", {});
+  EXPECT_THAT(readFile(folder_ / "a.csv"), Not(HasSubstr("Countess")));
+  EXPECT_THAT(readFile(folder_ / "bids/participants.tsv"), Not(HasSubstr("Countess")));
+  EXPECT_THAT(readFile(folder_ / "bids/participants.json"), Not(HasSubstr("demographics_name")));
+  exportCsv(study(), folder_ / "b.csv", {.personal = true});
+  exportBids(study(), folder_ / "bids2", {.personal = true});
+  expectTrueInPython(R"(
+import pandas
+assert pandas.read_csv('b.csv').demographics_name.iloc[0] == 'Ada, "Countess"'
+people = pandas.read_csv('bids2/participants.tsv', sep='\t', quoting=3)
+assert people.demographics_name.iloc[0] == 'Ada, "Countess"'
+)");
+}
+
+TEST_F(StudyExport, ReplacesOnlyAnEarlierExportAndOnlyWhenAskedTo) {
+  exportCsv(study(), folder_ / "a.csv", {});
+  exportBids(study(), folder_ / "bids", {});
+  EXPECT_THROW(exportCsv(study(), folder_ / "a.csv", {}), Failure);
+  EXPECT_THROW(exportBids(study(), folder_ / "bids", {}), Failure);
+  exportCsv(study(), folder_ / "a.csv", {.overwrite = true});
+  exportBids(study(), folder_ / "bids", {.overwrite = true});
+  fs::create_directory(folder_ / "mine");
+  std::ofstream(folder_ / "mine/thesis.txt") << "years";
+  EXPECT_THROW(exportBids(study(), folder_ / "mine", {.overwrite = true}), Failure);
+  EXPECT_EQ(readFile(folder_ / "mine/thesis.txt"), "years");
+}
+
+TEST_F(StudyExport, TellsWhatIsInTheWay) {
+  EXPECT_THROW(exportCsv(study(), folder_ / "no/such/folder.csv", {}), Failure);
+  EXPECT_THROW(exportBids(study(), folder_ / "no/such/folder", {}), Failure);
+}
+
+TEST_F(StudyExport, ReadsAStudyThatRuns) {
+  const StudyStore runner(file_, Access::kRun);
+  exportCsv(study(), folder_ / "a.csv", {});
+  EXPECT_THAT(readFile(folder_ / "a.csv"), HasSubstr("S02"));
+}
+
+TEST(StudyColumns, AreAllInTheDocument) {
+  const std::string document = readFile(HAPTOLITH_SOURCE_DIR "/docs/studies.md");
+  std::set<std::string> names;
+  for (const TrialColumn& column : trialColumns()) {
+    EXPECT_TRUE(names.insert(column.name).second) << column.name;
+    const bool second = column.name.starts_with("second_");  // stands beside the first, in its row
+    EXPECT_THAT(document, HasSubstr(fmt::format("{}`{}`", second ? ", " : "\n| ", column.name)));
+  }
+}
+
+}  // namespace
+}  // namespace haptolith
