@@ -86,8 +86,8 @@ TEST(AnswersFile, NonsenseIsToldWithLineAndColumn) {
 }
 
 TEST(AnswersFile, MissingFilesAreToldByName) {
-  EXPECT_THROW((void)readAnswersFile("/missing/answers.csv"), Failure);
-  EXPECT_THROW((void)readAnswersFile("/"), Failure);
+  EXPECT_THROW((void)readAnswersFile("/missing/answers.csv"), InvalidParameter);
+  EXPECT_THROW((void)readAnswersFile("/"), InvalidParameter);
 }
 
 }  // namespace

@@ -231,10 +231,12 @@ std::vector<AnswersOf> readAnswers(std::istream& text, std::string_view name) {
 }
 
 std::vector<AnswersOf> readAnswersFile(const std::filesystem::path& path) {
+  if (!std::filesystem::is_regular_file(path) && !std::filesystem::is_fifo(path)) {
+    throw InvalidParameter("table of answers", path.string(), "a file that exists");
+  }
   std::ifstream file(path);
-  if (!file || std::filesystem::is_directory(path)) {
-    throw Failure(fmt::format("cannot read {}: {}", path.string(),
-                              std::filesystem::is_directory(path) ? "it is a folder" : std::strerror(errno)));
+  if (!file) {
+    throw Failure(fmt::format("cannot read {}: {}", path.string(), std::strerror(errno)));
   }
   return readAnswers(file, path.filename().string());
 }

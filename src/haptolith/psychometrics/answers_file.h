@@ -33,7 +33,7 @@ struct AnswersOf {
 /// @throws InvalidParameter with line and column for what cannot be understood, or when there is no answer.
 [[nodiscard]] std::vector<AnswersOf> readAnswers(std::istream& table, std::string_view name);
 
-/// The same from a file. @throws Failure when it cannot be read.
+/// The same from a file. @throws InvalidParameter when there is none; Failure when it cannot be read.
 [[nodiscard]] std::vector<AnswersOf> readAnswersFile(const std::filesystem::path& path);
 
 }  // namespace haptolith

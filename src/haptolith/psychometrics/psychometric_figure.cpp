@@ -8,7 +8,9 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
+#include <string>
 #include <string_view>
+#include <utility>
 
 #include "haptolith/core/error.h"
 #include "haptolith/figure/figure.h"
@@ -21,10 +23,32 @@ constexpr int kCurvePoints = 240;
 constexpr double kOneSigma = 0.8413447460685429;  // where the JND ends
 constexpr double kMargin = 0.06;                  // of the axis, beyond the outermost stimuli
 
-// Okabe and Ito's colours, which the colour-blind can tell apart; the bold curve is black.
+constexpr double kDodge = 0.006;  // of the axis, between the points of one participant and the next
+
+// Okabe and Ito's colours, which the colour-blind can tell apart; the bold curve is black. Whoever comes after the last
+// colour has it again with another dash.
 constexpr std::array<std::string_view, 7> kColours{"#e69f00", "#56b4e9", "#009e73", "#cc79a7",
                                                    "#0072b2", "#d55e00", "#999999"};
+constexpr std::array<std::string_view, 3> kDashes{"dashtype 1", "dashtype (9,4)", "dashtype (2,3)"};
 constexpr std::string_view kBold = "#111111";
+
+/// How a curve and its points are drawn.
+struct Look {
+  std::string_view colour = kBold;
+  std::string_view dash = kDashes.front();
+  double line_width = 3.5;
+  double dodge = 0;  // of the axis
+  bool bold = true;
+};
+
+/// The look of the i-th of `count` participants: their points stand side by side.
+Look lookOf(std::size_t i, std::size_t count) {
+  return {.colour = kColours[i % kColours.size()],
+          .dash = kDashes[i / kColours.size() % kDashes.size()],
+          .line_width = 1.6,
+          .dodge = kDodge * (double(i) - double(count - 1) / 2),
+          .bold = false};
+}
 
 using Rows = std::vector<std::vector<double>>;
 
@@ -76,7 +100,8 @@ class Drawing {
     for (std::size_t i = 0; i < xs.size(); ++i) {
       rows.push_back({xs[i], 100 * band[i].low, 100 * band[i].high});
     }
-    add(rows, fmt::format("using 1:2:3 with filledcurves fillcolor rgb '{}' fillstyle solid 0.12 noborder", kBold));
+    add(rows, fmt::format("using 1:2:3 with filledcurves fillcolor rgb '{}' fillstyle solid 0.12 noborder title {}",
+                          kBold, gnuplotQuoted(fmt::format("{:g} % band", 100 * fit.confidence))));
   }
 
   /// Where half of the answers are positive, and how far the JND reaches from there.
@@ -84,43 +109,43 @@ class Drawing {
     const PsychometricFunction& function = fit.function;
     const double x50 = function.threshold;
     const double x84 = stimulusAt(function, kOneSigma);
-    const double floor = 0;
     constexpr double kGap = std::numeric_limits<double>::quiet_NaN();
     const double at50 = 100 * probability(function, x50);
     const double at84 = 100 * probability(function, x84);
-    add({{x50, floor}, {x50, at50}, {kGap, kGap}, {x84, floor}, {x84, at84}},
+    add({{x50, 0}, {x50, at50}, {kGap, kGap}, {x84, 0}, {x84, at84}},
         fmt::format("using 1:2 with lines dashtype (3,4) linewidth 1.3 linecolor rgb '{}'", kBold));
     if (inside(x84)) {
       figure_.command(
-          fmt::format("set arrow from first {},graph 0.03 to first {},graph 0.03 heads size graph 0.012,20 "
+          fmt::format("set arrow from first {},graph 0.045 to first {},graph 0.045 heads size graph 0.012,20 "
                       "filled linewidth 1.4 linecolor rgb '{}' front",
                       x50, x84, kBold));
-      figure_.command(fmt::format("set label {} at first {},graph 0.065 center front textcolor rgb '{}'",
-                                  gnuplotQuoted("JND"), middle(x50, x84), kBold));
+      figure_.command(fmt::format("set label {} at first {},graph 0.085 center front textcolor rgb '{}'",
+                                  gnuplotQuoted(fmt::format("JND {:.3g}", x84 - x50)), middle(x50, x84), kBold));
     }
   }
 
-  void drawCurve(const FigureCurve& curve, std::string_view colour, double line_width) {
+  void drawCurve(const FigureCurve& curve, const Look& look) {
     Rows rows;
     for (const double x : defined(curve.fit)) {
       rows.push_back({x, 100 * probability(curve.fit.function, x)});
     }
-    add(rows, fmt::format("using 1:2 with lines linewidth {} linecolor rgb '{}' title {}", line_width, colour,
-                          gnuplotQuoted(curve.title)));
+    add(rows, fmt::format("using 1:2 with lines linewidth {} {} linecolor rgb '{}' title {}", look.line_width,
+                          look.dash, look.colour, gnuplotQuoted(curve.title)));
   }
 
-  void drawPoints(const Fit& fit, std::string_view colour, bool bold) {
+  void drawPoints(const Fit& fit, const Look& look) {
     Rows rows;
     for (const Level& level : fit.levels) {
       const Interval interval = wilsonInterval(level.k, level.n, fit.confidence);
-      const double size = (bold ? 0.55 : 0.35) + 0.14 * std::sqrt(level.n);
-      rows.push_back({level.x, 100 * level.k / level.n, 100 * interval.low, 100 * interval.high, size});
+      const double size = (look.bold ? 0.6 : 0.4) + 0.22 * std::sqrt(level.n);
+      rows.push_back(
+          {dodged(level.x, look.dodge), 100 * level.k / level.n, 100 * interval.low, 100 * interval.high, size});
     }
-    if (bold) {
+    if (look.bold) {
       add(rows, fmt::format("using 1:2:3:4 with yerrorbars pointtype 7 pointsize 0 linewidth 1.4 linecolor rgb '{}'",
-                            colour));
+                            look.colour));
     }
-    add(rows, fmt::format("using 1:2:5 with points pointtype 7 pointsize variable linecolor rgb '{}'", colour));
+    add(rows, fmt::format("using 1:2:5 with points pointtype 7 pointsize variable linecolor rgb '{}'", look.colour));
   }
 
   void plot() {
@@ -144,6 +169,11 @@ class Drawing {
     return xs;
   }
 
+  /// A stimulus moved by a share of the axis.
+  [[nodiscard]] double dodged(double x, double share) const {
+    return wanted_.log_axis ? x * std::pow(xs_.back() / xs_.front(), share) : x + share * (xs_.back() - xs_.front());
+  }
+
   [[nodiscard]] bool inside(double x) const { return xs_.front() <= x && x <= xs_.back(); }
 
   [[nodiscard]] double middle(double a, double b) const { return wanted_.log_axis ? std::sqrt(a * b) : (a + b) / 2; }
@@ -155,12 +185,30 @@ class Drawing {
   int clauses_ = 0;
 };
 
-void setAxes(Figure& figure, const PsychometricFigure& wanted) {
+/// 1, 2 and 5 of every decade that is drawn; more of them where that is little.
+std::string logarithmicTics(const std::vector<double>& xs) {
+  const double decades = std::log10(xs.back() / xs.front());
+  const std::vector<double> steps = decades < 0.8   ? std::vector{1.0, 1.2, 1.5, 2.0, 2.5, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0}
+                                    : decades < 2.5 ? std::vector{1.0, 2.0, 3.0, 5.0}
+                                                    : std::vector{1.0};
+  std::string tics;
+  for (double decade = std::pow(10, std::floor(std::log10(xs.front()))); decade < xs.back(); decade *= 10) {
+    for (const double step : steps) {
+      const double tic = step * decade;
+      if (xs.front() <= tic && tic <= xs.back()) {
+        tics += fmt::format("{}'{:.4g}' {}", tics.empty() ? "" : ",", tic, tic);
+      }
+    }
+  }
+  return tics;
+}
+
+void setAxes(Figure& figure, const PsychometricFigure& wanted, const std::vector<double>& xs) {
   figure.command(fmt::format(R"(
 set title {} offset 0,0.3
 set xlabel {}
 set ylabel {}
-set yrange [0:100]
+set yrange [-3:103]
 set ytics 0,25,100 format '%.0f %%'
 set key outside right center Left reverse samplen 2.2 spacing 1.3
 set bars 0.5
@@ -168,7 +216,7 @@ set bars 0.5
                              gnuplotQuoted(wanted.title), gnuplotQuoted(wanted.x_label),
                              gnuplotQuoted(wanted.y_label)));
   if (wanted.log_axis) {
-    figure.command("set logscale x\nset xtics add (0.15,0.2,0.3,0.5,0.7,1.5,2,3,5,7,15,20,30,50,70)");
+    figure.command(fmt::format("set logscale x\nset xtics ({})\nset mxtics 1", logarithmicTics(xs)));
   }
   if (wanted.reference) {
     figure.command(
@@ -198,8 +246,9 @@ void drawPsychometricFigure(const std::filesystem::path& path, const Psychometri
     throw InvalidParameter("curves of a figure", "none", "one or more");
   }
   Figure figure(path, 1000, 640);
-  setAxes(figure, wanted);
-  Drawing drawing(figure, wanted, stimuliOf(wanted));
+  const std::vector<double> xs = stimuliOf(wanted);
+  setAxes(figure, wanted, xs);
+  Drawing drawing(figure, wanted, xs);
   const bool alone = !wanted.group && wanted.participants.size() == 1;
   const FigureCurve* bold = wanted.group ? &*wanted.group : alone ? &wanted.participants.front() : nullptr;
   if (bold != nullptr) {
@@ -208,14 +257,14 @@ void drawPsychometricFigure(const std::filesystem::path& path, const Psychometri
   }
   if (!alone) {
     for (std::size_t i = 0; i < wanted.participants.size(); ++i) {
-      const std::string_view colour = kColours[i % kColours.size()];
-      drawing.drawCurve(wanted.participants[i], colour, 1.6);
-      drawing.drawPoints(wanted.participants[i].fit, colour, false);
+      const Look look = lookOf(i, wanted.participants.size());
+      drawing.drawCurve(wanted.participants[i], look);
+      drawing.drawPoints(wanted.participants[i].fit, look);
     }
   }
   if (bold != nullptr) {
-    drawing.drawCurve(*bold, kBold, 3.5);
-    drawing.drawPoints(bold->fit, kBold, true);
+    drawing.drawCurve(*bold, {});
+    drawing.drawPoints(bold->fit, {});
   }
   drawing.plot();
   figure.save();

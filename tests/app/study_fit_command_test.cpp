@@ -1,0 +1,117 @@
+// `haptolith study fit` as its users meet it.
+
+#include <gmock/gmock.h>
+#include <nlohmann/json.hpp>
+#include <unistd.h>
+
+#include <filesystem>
+#include <fstream>
+#include <string>
+
+#include "program.h"
+
+namespace haptolith {
+namespace {
+
+namespace fs = std::filesystem;
+using nlohmann::json;
+using testing::HasSubstr;
+using testing::IsEmpty;
+
+class StudyFit : public testing::Test {
+ protected:
+  ~StudyFit() override { fs::remove_all(folder_); }
+
+  std::string file(const std::string& name, const std::string& text) const {
+    fs::create_directories(folder_);
+    std::ofstream(folder_ / name) << text;
+    return (folder_ / name).string();
+  }
+  static json fitOf(const std::string& arguments) {
+    const ProgramResult result = runHaptolith("study fit --json " + arguments);
+    EXPECT_EQ(result.exit_status, 0) << result.errors;
+    EXPECT_THAT(result.errors, IsEmpty());
+    return json::parse(result.output);
+  }
+  static void expectWrongUse(const std::string& arguments, const std::string& words) {
+    const ProgramResult result = runHaptolith("study fit " + arguments);
+    EXPECT_EQ(result.exit_status, 2) << arguments;
+    EXPECT_THAT(result.output, IsEmpty()) << arguments;
+    EXPECT_THAT(result.errors, HasSubstr(words)) << arguments;
+  }
+
+  const fs::path folder_ = fs::temp_directory_path() / ("haptolith-study-fit-" + std::to_string(getpid()));
+  const std::string friction_ = file("friction.csv", "x,k,n\n0.6,2,24\n0.648,4,24\n0.735,8,24\n1,18,24\n1.21,22,24\n");
+};
+
+TEST_F(StudyFit, TellsThePapersNumbersAsJson) {
+  const json fit = fitOf("--data " + friction_ + " --sigmoid weber --reference 0.835");
+  EXPECT_NEAR(fit["w"], 0.2952, 1e-3);
+  EXPECT_NEAR(fit["weber_fraction"], 0.2952, 1e-3);
+  EXPECT_EQ(fit["threshold"], 0.835);
+  EXPECT_NEAR(fit["jnd"], 0.835 * 0.2952, 1e-3);
+  EXPECT_EQ(fit["n_trials"], 120);
+  for (const char* key : {"threshold", "width", "jnd", "weber_fraction", "lapse", "guess", "overdispersion"}) {
+    ASSERT_EQ(fit["intervals"][key].size(), 2u) << key;
+    EXPECT_LE(fit["intervals"][key][0], fit["intervals"][key][1]) << key;
+    EXPECT_TRUE(fit[key].is_number()) << key;
+  }
+  EXPECT_GT(fit["p_value"], 0.2);
+  EXPECT_LT(fit["deviance"], 2);
+}
+
+TEST_F(StudyFit, TellsThemToPeople) {
+  const ProgramResult result = runHaptolith("study fit --reference 0.835 --compare --data " + friction_);
+  EXPECT_EQ(result.exit_status, 0) << result.errors;
+  for (const char* words : {"Weber fraction", "0.2952", "JND", "deviance", "log evidence", "logistic"}) {
+    EXPECT_THAT(result.output, HasSubstr(words));
+  }
+}
+
+TEST_F(StudyFit, FitsTwoAlternativesByMaximumLikelihood) {
+  const json fit = fitOf("--design 2afc --sigmoid norm --method ml --overdispersion 0 --simulations 100 --data " +
+                         file("2afc.csv", "x,k,n\n1,50,100\n2,55,100\n3,75,100\n4,93,100\n5,99,100\n"));
+  EXPECT_EQ(fit["guess"], 0.5);
+  EXPECT_EQ(fit["method"], "ml");
+  EXPECT_NEAR(fit["threshold"], 3, 0.1);
+  EXPECT_TRUE(fit["log_evidence"].is_null());
+}
+
+TEST_F(StudyFit, TellsPeopleOfAGroupApartAndDrawsThem) {
+  std::string table = "participant,block,value,response\n";
+  for (const char* person : {"S01", "S02", "S03"}) {
+    for (const auto& [x, positives] : {std::pair("0.6", 0), {"0.735", 1}, {"1", 2}, {"1.21", 3}}) {
+      for (int trial = 0; trial < 3; ++trial) {
+        table += std::string(person) + ",friction," + x + (trial < positives ? ",1\n" : ",0\n");
+      }
+    }
+  }
+  const std::string figure = (folder_ / "figure.svg").string();
+  const std::string data = file("trials.csv", table);
+  const json fit = fitOf("--group --reference 0.835 --figure " + figure + " --data " + data);
+  EXPECT_EQ(fit["n_trials"], 36);
+  ASSERT_EQ(fit["group"]["participants"].size(), 3u);
+  EXPECT_EQ(fit["group"]["participants"][1]["participant"], "S02");
+  EXPECT_GT(fit["group"]["weber_fraction"]["median"], 0);
+  EXPECT_TRUE(fs::exists(figure));
+  expectWrongUse("--block gravity --data " + data, "'friction'");
+}
+
+TEST_F(StudyFit, WrongUseIsToldWithWhatWouldBeRight) {
+  expectWrongUse("", "--data");
+  expectWrongUse("--data /missing.csv", "/missing.csv");
+  expectWrongUse("--sigmoid cosine --data " + friction_, "cosine");
+  expectWrongUse("--design 3afc --data " + friction_, "3afc");
+  expectWrongUse("--lapse much --data " + friction_, "a number or free");
+  expectWrongUse("--confidence 2 --data " + friction_, "confidence");
+  expectWrongUse("--reference -1 --data " + friction_, "threshold");
+  expectWrongUse("--data " + file("bad.csv", "x,k,n\n1,2,1\n"), "bad.csv, line 2, column k");
+  expectWrongUse("--data " + file("negative.csv", "x,k,n\n-1,0,3\n1,3,3\n"), "logarithmic axis");
+  expectWrongUse("--data " + file("columns.csv", "a,b\n1,2\n"), "x,k,n");
+  expectWrongUse("--figure drawing.pdf --data " + friction_, ".svg or .png");
+  const std::string blocks = file("blocks.csv", "block,x,k,n\na,1,0,3\na,2,3,3\nb,1,1,3\n");
+  expectWrongUse("--data " + blocks, "one of 'a', 'b'");
+}
+
+}  // namespace
+}  // namespace haptolith
