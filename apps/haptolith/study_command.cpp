@@ -3,9 +3,13 @@
 #include <CLI/CLI.hpp>
 
 #include "study_export_command.h"
+#include "study_figure_command.h"
 #include "study_fit_command.h"
+#include "study_forget_command.h"
 #include "study_new_command.h"
+#include "study_plan_command.h"
 #include "study_run_command.h"
+#include "study_simulate_command.h"
 #include "study_status_command.h"
 
 namespace haptolith {
@@ -15,9 +19,9 @@ namespace {
 constexpr const char* kExamples = R"(Examples:
   haptolith study new friction.study --protocol paper-friction
   haptolith study run friction.study
-  haptolith study fit --data answers.csv --sigmoid weber --reference 0.835
+  haptolith study figure friction.study --out friction.svg
 
-Every command explains itself with --help.)";
+Every command explains itself with --help; docs/studies.md tells the whole story.)";
 
 }  // namespace
 
@@ -29,7 +33,11 @@ void addStudyCommand(CLI::App& app) {
   addStudyRunCommands(*study);
   addStudyStatusCommand(*study);
   addStudyExportCommand(*study);
+  addStudyForgetCommand(*study);
+  addStudyFigureCommand(*study);
   addStudyFitCommand(*study);
+  addStudySimulateCommand(*study);
+  addStudyPlanCommand(*study);
 }
 
 }  // namespace haptolith

@@ -259,7 +259,12 @@ export class MockStudy {
   private repeat(reason: string): string | null {
     const under_way = this.screen.trial;
     const last = this.answers.at(-1);
-    const trial = under_way ?? this.screens.slice(0, this.at).reverse().find((screen) => screen.trial)?.trial;
+    const trial =
+      under_way ??
+      this.screens
+        .slice(0, this.at)
+        .reverse()
+        .find((screen) => screen.trial)?.trial;
     if (!trial) return 'no trial has begun';
     if (!under_way && last) Object.assign(last, { state: 'repeated', reason });
     else this.answers.push({ ...this.emptyAnswer(trial), state: 'repeated', reason });

@@ -86,6 +86,10 @@ class Conductor {
   [[nodiscard]] StudyMoment moment() const;
   /// Trials of this participant, in the order in which they began.
   [[nodiscard]] const std::vector<TrialRow>& trials() const noexcept { return rows_; }
+  /// At a question: what was done and felt in the two intervals.
+  [[nodiscard]] std::array<TrialSummary, 2> felt() const {
+    return trial_ ? trial_->felt : std::array<TrialSummary, 2>{};
+  }
   [[nodiscard]] const StudyStore& store() const noexcept { return store_; }
   [[nodiscard]] const Rig& rig() const noexcept { return rig_; }
   [[nodiscard]] bool over() const noexcept {
@@ -113,7 +117,7 @@ class Conductor {
 
  private:
   struct Step {
-    StudyPhase phase;  ///< kPreparing: a block's trials
+    StudyPhase phase;       ///< kPreparing: a block's trials
     std::string name = {};  ///< in the store
     std::string title = {}, text = {};
     std::size_t position = 0;

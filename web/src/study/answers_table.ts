@@ -10,7 +10,7 @@ export class AnswersTable {
   private shown = '';
 
   constructor() {
-    const heads = ['trial', 'block', 'test', 'said', 'right', 'time'];
+    const heads = ['trial', 'block', 'test', 'said', 'right', 'time, s'];
     this.element = h(
       'section',
       { class: 'card answers-card', 'aria-label': 'Answers so far' },
@@ -53,6 +53,6 @@ function row(answer: Answer): HTMLElement {
     h('td', {}, answer.test, h('span', { class: 'unit numbers' }, ` ${String(Number(answer.value.toPrecision(4)))}`)),
     h('td', {}, said),
     right,
-    h('td', { class: 'numbers' }, answer.reaction_s === null ? '–' : `${fixed(answer.reaction_s, 1, 4)} s`),
+    h('td', { class: 'numbers' }, answer.reaction_s === null ? '–' : fixed(answer.reaction_s, 1, 4)),
   );
 }

@@ -27,7 +27,7 @@ const PHASE_WORDS: Record<Phase, string> = {
   form: 'fills in a form',
   instructions: 'reads the instructions',
   preparing: 'the bed is made ready',
-  interval: 'feels',
+  interval: 'feels the soil',
   question: 'answers',
   feedback: 'sees whether it was right',
   break: 'has a break',
@@ -220,7 +220,7 @@ export function openExperimenterPage(settings: Settings): void {
     setText(title, message.study);
     setText(file, message.file);
     setText(participant, message.participant || '–');
-    setText(phase, message.paused ? PHASE_WORDS.paused : PHASE_WORDS[message.phase]);
+    setText(phase, phaseWords(message));
     phase.dataset.phase = message.paused ? 'paused' : message.phase;
     document.title = `${message.participant} · ${message.study}, haptolith`;
     const { progress } = message;
@@ -302,6 +302,12 @@ export function openExperimenterPage(settings: Settings): void {
     event.preventDefault();
     button.click();
   }
+}
+
+function phaseWords({ paused, phase, now }: ExperimenterMessage): string {
+  if (paused) return PHASE_WORDS.paused;
+  if (phase === 'interval' && now) return now.interval === 2 ? 'feels the second' : 'feels the first';
+  return PHASE_WORDS[phase];
 }
 
 function progressText(progress: ExperimenterMessage['progress']): string {

@@ -133,12 +133,14 @@ function askChoice(field: Field, id: string, choices: [string, string][], look =
     'fieldset',
     { class: 'asked', 'aria-required': String(field.required) },
     h('legend', {}, field.label, optional(field)),
-    h(
-      'div',
-      { class: `choices ${look}` },
-      ...choices.map(([, label], i) => h('label', { class: 'pill' }, inputs[i], h('span', {}, label))),
+    withEnds(
+      field,
+      h(
+        'div',
+        { class: `choices ${look}` },
+        ...choices.map(([, label], i) => h('label', { class: 'pill' }, inputs[i], h('span', {}, label))),
+      ),
     ),
-    ends(field),
   );
   return {
     element: group,
@@ -192,8 +194,10 @@ function askSlider(field: Field, id: string): Asked {
       'div',
       { class: 'asked' },
       h('label', { for: id }, field.label, optional(field)),
-      h('div', { class: 'scale' }, h('div', { class: 'marks', 'aria-hidden': 'true' }, ...marks), slider),
-      ends(field),
+      withEnds(
+        field,
+        h('div', { class: 'scale' }, h('div', { class: 'marks', 'aria-hidden': 'true' }, ...marks), slider),
+      ),
     ),
     answer: () => (slider.classList.contains('unset') ? null : slider.value),
     fault: () => null,
@@ -201,7 +205,9 @@ function askSlider(field: Field, id: string): Asked {
   };
 }
 
-function ends({ low_label, high_label }: Field): HTMLElement | null {
-  if (!low_label && !high_label) return null;
-  return h('div', { class: 'ends' }, h('span', {}, low_label), h('span', {}, high_label));
+/** A scale between the words for its ends. */
+function withEnds({ low_label, high_label }: Field, scale: HTMLElement): HTMLElement {
+  if (!low_label && !high_label) return scale;
+  const end = (label: string): HTMLElement => h('span', { class: 'end' }, label);
+  return h('div', { class: 'with-ends' }, end(low_label), scale, end(high_label));
 }

@@ -131,12 +131,12 @@ export class Prompts {
     );
     this.clock = h('span', { class: 'clock numbers' });
     return [
-      this.timeBar(),
       h(
         'div',
         { class: 'interval-label' },
         h('h1', {}, message.label),
         h('div', { class: 'dots', 'aria-hidden': 'true' }, ...dots),
+        this.timeBar(),
         this.clock,
       ),
       h('div', { class: 'interval-foot' }, ...paragraphs(text), ...this.goButton(message)),

@@ -4,7 +4,7 @@
 import type { BlockResult } from './protocol';
 import { makeScale } from './plot_scale';
 
-const MARGIN = { left: 40, right: 14, top: 12, bottom: 36 };
+const MARGIN = { left: 40, right: 14, top: 26, bottom: 36 };
 const PADDING = 0.06;
 const SHARES = [0, 0.25, 0.5, 0.75, 1];
 
@@ -44,7 +44,7 @@ export function shareAt(curve: readonly [number, number][], x: number): number |
 
 /** Radius of the point of n answers: its area grows with n. */
 export function pointRadius(n: number): number {
-  return Math.min(13, 2.6 * Math.sqrt(n));
+  return Math.min(13, 3 * Math.sqrt(n));
 }
 
 export function drawPsychometric(block: BlockResult, width: number, height: number): SVGSVGElement {
@@ -76,7 +76,9 @@ export function drawPsychometric(block: BlockResult, width: number, height: numb
   picture.append(
     line('axis', left, bottom, right, bottom),
     label('axis-label', (left + right) / 2, height - 4, block.axis_label),
-    line('reference', x.px(block.reference), MARGIN.top, x.px(block.reference), bottom),
+    label('axis-label', 8, 12, '% said “more”', 'start'),
+    label('tick', x.px(block.reference), 12, 'reference'),
+    line('reference', x.px(block.reference), 16, x.px(block.reference), bottom),
     ...curveOf(block, x.px, y.px, bottom),
     ...block.levels.filter(({ n }) => n > 0).map((level) => pointOf(level, x.px, y.px)),
   );

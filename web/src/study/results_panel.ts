@@ -33,12 +33,7 @@ export class ResultsPanel {
     }));
     this.element.replaceChildren(
       ...this.figures.map(({ host, facts, name }) =>
-        h(
-          'figure',
-          { class: 'result' },
-          h('figcaption', {}, name, h('span', { class: 'unit' }, '% said “more”'), facts),
-          host,
-        ),
+        h('figure', { class: 'result' }, h('figcaption', {}, name, facts), host),
       ),
     );
   }

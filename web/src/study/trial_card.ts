@@ -16,7 +16,6 @@ export function trialCard(trial: TrialShown | null, nothing: string): HTMLElemen
       { class: 'trial-head' },
       h('span', { class: `kind ${trial.kind}` }, KINDS[trial.kind]),
       h('strong', {}, trial.block),
-      h('span', { class: 'unit trial-question', title: trial.question }, trial.question),
     ),
     h(
       'ol',
@@ -31,5 +30,6 @@ export function trialCard(trial: TrialShown | null, nothing: string): HTMLElemen
         ),
       ),
     ),
+    h('p', { class: 'unit trial-question' }, trial.question),
   ];
 }

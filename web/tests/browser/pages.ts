@@ -24,7 +24,8 @@ const NOT_OURS = /GPU stall|swiftshader|GL Driver Message|ERR_CONNECTION_REFUSED
 // Small pictures: the tests are about what happens, and every pixel is drawn in software.
 const VIEWPORT = { width: 800, height: 600 };
 
-export async function openPage(browser: Browser, address: string, script?: { content: string }): Promise<Watched> {
+/** A page that is not anywhere yet. */
+export async function newPage(browser: Browser): Promise<Watched> {
   const page = await browser.newPage({ viewport: VIEWPORT, reducedMotion: 'reduce' });
   const complaints: string[] = [];
   page.on('console', (message) => {
@@ -33,6 +34,11 @@ export async function openPage(browser: Browser, address: string, script?: { con
   });
   page.on('pageerror', (error) => complaints.push(error.message));
   page.setDefaultTimeout(WAIT_MS);
+  return { page, complaints };
+}
+
+export async function openPage(browser: Browser, address: string, script?: { content: string }): Promise<Watched> {
+  const { page, complaints } = await newPage(browser);
   if (script) await page.addInitScript(script);
   await page.goto(address);
   await page.waitForFunction(() => window.haptolith?.ready === true);

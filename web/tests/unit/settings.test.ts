@@ -9,6 +9,7 @@ describe('settings', () => {
       theme: 'light',
       panels: false,
       for_pictures: true,
+      study: null,
     });
   });
 
@@ -19,6 +20,7 @@ describe('settings', () => {
       theme: 'light',
       panels: true,
       for_pictures: false,
+      study: null,
     });
     expect(readSettings('', false).theme).toBe('dark');
   });

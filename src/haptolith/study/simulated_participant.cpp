@@ -1,0 +1,128 @@
+#include "haptolith/study/simulated_participant.h"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <limits>
+#include <map>
+#include <numbers>
+
+#include "haptolith/core/error.h"
+
+namespace haptolith {
+
+namespace {
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
+/// Between 0 and 1, both excluded.
+double share(std::mt19937_64& random) {
+  return (static_cast<double>(random() >> 11) + 0.5) * 0x1p-53;
+}
+
+/// Something that a form accepts.
+std::string answerTo(const FormItem& item) {
+  switch (item.kind) {
+    case FormItem::Kind::kText: return "simulated";
+    case FormItem::Kind::kChoice: return item.choices.front();
+    case FormItem::Kind::kYesNo: return "no";
+    case FormItem::Kind::kNumber:
+    case FormItem::Kind::kScale: return fmt::format("{:.0f}", 0.5 * (item.low + item.high));
+  }
+  return "";
+}
+
+double judged(const TrialSummary& felt, JudgedBy by) {
+  switch (by) {
+    case JudgedBy::kMeanForce: return felt.mean_force_n;
+    case JudgedBy::kPeakForce: return felt.peak_force_n;
+    default: return felt.work_j;
+  }
+}
+
+}  // namespace
+
+void validate(const ObserverParameters& observer) {
+  requireInRange("weber_fraction", observer.weber_fraction, {0, kInfinity, Ends::kOpen});
+  requireInRange("bias", observer.bias, {-1, kInfinity, Ends::kOpen});
+  requireInRange("lapse", observer.lapse, {0, 1});
+  requireInRange("learning", observer.learning, {0, kInfinity});
+  requireInRange("learning_trials", observer.learning_trials, {0, kInfinity, Ends::kOpen});
+}
+
+double normal(std::mt19937_64& random) {
+  const double radius = std::sqrt(-2 * std::log(share(random)));
+  return radius * std::cos(2 * std::numbers::pi * share(random));
+}
+
+SimulatedObserver::SimulatedObserver(const ObserverParameters& observer, std::uint64_t seed)
+    : observer_(observer), random_(seed) {
+  validate(observer);
+}
+
+bool SimulatedObserver::saysMore(double test, double reference) {
+  if (!(test > 0) || !(reference > 0)) {
+    throw InvalidParameter("stimulus", fmt::format("{:g} against {:g}", test, reference),
+                           "two values above 0: a simulated observer judges ratios");
+  }
+  const double learnt = std::exp(-trials_++ / observer_.learning_trials);
+  const double w = observer_.weber_fraction * (1 + observer_.learning * learnt);
+  const double noise = std::log1p(w) / std::numbers::sqrt2;
+  const double felt_test = std::log(test) + std::log1p(observer_.bias) + noise * normal(random_);
+  const double felt_reference = std::log(reference) + noise * normal(random_);
+  const bool lapses = share(random_) < observer_.lapse;
+  const bool guess = share(random_) < 0.5;
+  return lapses ? guess : felt_test > felt_reference;
+}
+
+void SimulatedParticipant::takePart(Conductor& conductor) {
+  constexpr int kMostSteps = 1'000'000;
+  for (int i = 0; i < kMostSteps && !conductor.over(); ++i) {
+    if (const StudyMoment now = conductor.moment(); now.paused) {
+      throw Failure(now.problem);
+    }
+    step(conductor);
+    conductor.poll();
+  }
+}
+
+void SimulatedParticipant::step(Conductor& conductor) {
+  const StudyMoment now = conductor.moment();
+  now_s_ += now.remaining_s.value_or(1);
+  switch (now.phase) {
+    case StudyPhase::kConsent:
+    case StudyPhase::kInstructions:
+    case StudyPhase::kBreak: return conductor.proceed();
+    case StudyPhase::kInterval:
+      if (!now.remaining_s) {
+        conductor.proceed();
+      }
+      return;
+    case StudyPhase::kQuestion:
+      now_s_ += 1 - now.remaining_s.value_or(1);  // after a second, whatever the limit
+      return conductor.answer(choose(conductor, now));
+    case StudyPhase::kForm: {
+      std::map<std::string, std::string> values;
+      for (const FormItem& item : *now.form) {
+        values[item.key] = answerTo(item);
+      }
+      return conductor.fill(values);
+    }
+    default: now_s_ += 2; return;
+  }
+}
+
+int SimulatedParticipant::choose(const Conductor& conductor, const StudyMoment& now) {
+  const ShownTrial& trial = *now.now;
+  double test = trial.test->value;
+  double reference = trial.block->reference.value;
+  if (by_ != JudgedBy::kValue) {
+    const std::array<TrialSummary, 2> felt = conductor.felt();
+    test = judged(felt[trial.test_first ? 0 : 1], by_);
+    reference = judged(felt[trial.test_first ? 1 : 0], by_);
+  }
+  const bool more = observer_.saysMore(test, reference);
+  return more != trial.test_first ? 1 : 0;
+}
+
+}  // namespace haptolith
