@@ -71,7 +71,7 @@ Json fitJson(const Fit& fit) {
             {"deviance", fit.deviance},
             {"p_value", fit.p_value},
             {"p_value_chi_square", fit.p_value_chi_square},
-            {"n_trials", fit.n_trials},
+            {"n_trials", std::llround(fit.n_trials)},
             {"sigmoid", nameOf(fit.function.sigmoid)},
             {"design", nameOf(fit.design)},
             {"log_x", fit.function.log_axis},
@@ -86,7 +86,7 @@ Json fitJson(const Fit& fit) {
     json["intervals"]["w"] = intervalJson(fit.w->interval);
   }
   for (const Level& level : fit.levels) {
-    json["levels"].push_back({{"x", level.x}, {"k", level.k}, {"n", level.n}});
+    json["levels"].push_back({{"x", level.x}, {"k", std::llround(level.k)}, {"n", std::llround(level.n)}});
   }
   return json;
 }
@@ -106,7 +106,7 @@ Json groupJson(const GroupFit& group, const std::vector<std::string>& names) {
   for (std::size_t i = 0; i < group.participants.size(); ++i) {
     const Fit& fit = group.participants[i];
     json["participants"].push_back({{"participant", names[i]},
-                                    {"n_trials", fit.n_trials},
+                                    {"n_trials", std::llround(fit.n_trials)},
                                     {"threshold", fit.threshold.value},
                                     {"weber_fraction", fit.weber_fraction.value},
                                     {"weber_fraction_interval", intervalJson(fit.weber_fraction.interval)},

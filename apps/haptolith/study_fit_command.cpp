@@ -107,6 +107,21 @@ std::vector<AnswersOf> answersOf(const Options& options) {
   return all;
 }
 
+/// The sigmoids to compare with the wanted one: on its axis, and Weibull where there is a logarithm.
+std::vector<Sigmoid> comparable(const FitOptions& wanted, const std::vector<Level>& levels) {
+  std::vector<Sigmoid> sigmoids{Sigmoid::kNorm, Sigmoid::kLogistic};
+  if (!wanted.log_axis) {
+    sigmoids.push_back(Sigmoid::kGumbel);  // on a logarithmic axis it is Weibull's
+  }
+  if (levels.front().x > 0) {
+    sigmoids.push_back(Sigmoid::kWeibull);
+  }
+  if (std::ranges::find(sigmoids, wanted.sigmoid) == sigmoids.end()) {
+    sigmoids.push_back(wanted.sigmoid);
+  }
+  return sigmoids;
+}
+
 /// What the command found.
 struct Result {
   Fit fit;
@@ -131,12 +146,7 @@ Result fitAll(const Options& options, const std::vector<AnswersOf>& answers) {
     result.group = fitGroup(participants, quick);
   }
   if (options.compare) {
-    std::vector<Sigmoid> sigmoids{Sigmoid::kNorm, Sigmoid::kLogistic, Sigmoid::kGumbel};
-    if (all.front().x > 0) {
-      sigmoids.push_back(Sigmoid::kWeibull);
-      sigmoids.push_back(Sigmoid::kWeber);
-    }
-    result.comparison = compareSigmoids(all, wanted, sigmoids);
+    result.comparison = compareSigmoids(all, wanted, comparable(wanted, all));
   }
   return result;
 }

@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "haptolith/study/store.h"
-#include "haptolith/study/study_results.h"
+#include "haptolith/study/answers.h"
 
 #include "output.h"
 

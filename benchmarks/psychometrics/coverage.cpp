@@ -1,5 +1,5 @@
-// Simulated studies of the paper's design, fitted: is the Weber fraction found again, and does the interval hold what it
-// says? docs/psychometrics.md has the table this prints.
+// Simulated studies of the paper's design, fitted: is the Weber fraction found again, and does the interval hold what
+// it says? docs/psychometrics.md has the table this prints.
 //
 //     coverage [studies]        1000 without a number
 
@@ -88,7 +88,9 @@ void tell(const Experiment& experiment, const Case& of, int studies) {
 int main(int argc, char** argv) {
   const int studies = argc > 1 ? std::max(1, std::atoi(argv[1])) : 1000;
   fmt::print("{} simulated studies of each kind; 95 % credible intervals\n\n", studies);
-  fmt::print("experiment fitted                        w    mean     bias  median     16 %    84 %   covered    above   below\n");
+  fmt::print(
+      "experiment fitted                        w    mean     bias  median     16 %    84 %   covered    above   "
+      "below\n");
   for (const Experiment& experiment : kExperiments) {
     for (const Case& of : kCases) {
       tell(experiment, of, studies);

@@ -8,7 +8,7 @@
 
 #include "haptolith/core/error.h"
 #include "haptolith/study/study_plan.h"
-#include "haptolith/study/study_results.h"
+#include "haptolith/study/answers.h"
 
 namespace haptolith {
 namespace {

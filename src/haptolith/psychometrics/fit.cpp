@@ -19,7 +19,8 @@ namespace {
 constexpr int kDraws = 400;
 
 /// What the estimates and statistics of both methods have in common.
-Fit fitAt(const Model& model, const ParameterPoint& point, const ParameterPoint& most_likely) {
+Fit fitAt(const Model& model, const ParameterPoint& point, const ParameterPoint& most_likely,
+          const SimulatedFits& simulated) {
   const FitOptions& options = model.options();
   Fit fit{.design = options.design, .confidence = options.confidence, .levels = model.levels()};
   fit.function = model.functionAt(point);
@@ -42,7 +43,7 @@ Fit fitAt(const Model& model, const ParameterPoint& point, const ParameterPoint&
   fit.aic = 2 * fit.free_parameters - 2 * fit.log_likelihood;
   fit.bic = fit.free_parameters * std::log(fit.n_trials) - 2 * fit.log_likelihood;
   const double least_deviance = devianceOf(model.levels(), model.functionAt(most_likely));
-  fit.p_value = simulatedPValue(model, most_likely, least_deviance);
+  fit.p_value = simulatedPValue(simulated, least_deviance);
   fit.p_value_chi_square = chiSquarePValue(model, least_deviance);
   return fit;
 }
@@ -89,24 +90,18 @@ void setIntervals(Fit& fit, const Model& model, const Posterior& posterior) {
   fit.overdispersion.interval = credibleInterval(posterior, kOverdispersion, confidence);
 }
 
-/// The estimates of many simulated studies, for percentiles.
+/// The percentiles of simulated fits.
 class Bootstrap {
  public:
-  Bootstrap(const Model& model, const ParameterPoint& point) : model_(model) {
-    std::mt19937_64 random(model.options().seed);
-    const PsychometricFunction truth = model.functionAt(point);
-    for (int i = 0; i < model.options().simulations; ++i) {
-      const Model simulated = model.withAnswers(simulatedAnswers(model.levels(), truth, random));
-      points_.push_back(optimumNear(simulated, point, Objective::kLikelihood));
-    }
-  }
+  Bootstrap(const Model& model, const SimulatedFits& fits) : model_(model), fits_(fits) {}
 
+  /// Of a value that each fitted point has; NaN without simulations.
   [[nodiscard]] Interval interval(const std::function<double(const ParameterPoint&)>& value) const {
-    if (points_.empty()) {
+    if (fits_.points.empty()) {
       return {};
     }
     std::vector<WeightedValue> values;
-    for (const ParameterPoint& point : points_) {
+    for (const ParameterPoint& point : fits_.points) {
       values.push_back({value(point), 1});
     }
     return percentileInterval(std::move(values), model_.options().confidence);
@@ -116,11 +111,13 @@ class Bootstrap {
     return interval([&](const ParameterPoint& point) { return derived(model_.functionAt(point)); });
   }
 
-  [[nodiscard]] const std::vector<ParameterPoint>& points() const noexcept { return points_; }
+  [[nodiscard]] Interval interval(Parameter parameter) const {
+    return interval([parameter](const ParameterPoint& point) { return point[parameter]; });
+  }
 
  private:
   const Model& model_;
-  std::vector<ParameterPoint> points_;
+  const SimulatedFits& fits_;
 };
 
 }  // namespace
@@ -142,7 +139,8 @@ Fit fitPsychometric(std::span<const Level> levels, const FitOptions& options) {
   const bool median =
       options.estimate.value_or(isWeber(options.sigmoid) ? PointEstimate::kMedian : PointEstimate::kMap) ==
       PointEstimate::kMedian;
-  Fit fit = fitAt(model, median ? medianOf(posterior) : most_probable, most_likely);
+  const SimulatedFits simulated = simulatedFits(model, most_likely);
+  Fit fit = fitAt(model, median ? medianOf(posterior) : most_probable, most_likely, simulated);
   fit.method = median ? FitMethod::kMedian : FitMethod::kMap;
   fit.log_evidence = posterior.log_evidence;
   setIntervals(fit, model, posterior);
@@ -156,24 +154,22 @@ Fit fitMaximumLikelihood(std::span<const Level> levels, const FitOptions& option
   const Model model(levels, options);
   const ParameterPoint start = posteriorOf(model).best;
   const ParameterPoint best = optimumNear(model, start, Objective::kLikelihood);
-  Fit fit = fitAt(model, best, best);
+  const SimulatedFits simulated = simulatedFits(model, best);
+  Fit fit = fitAt(model, best, best, simulated);
   fit.method = FitMethod::kMaximumLikelihood;
-  const Bootstrap bootstrap(model, best);
-  const auto of = [&](Parameter parameter) {
-    return bootstrap.interval([parameter](const ParameterPoint& point) { return point[parameter]; });
-  };
-  fit.threshold.interval = bootstrap.interval([](const PsychometricFunction& it) { return it.threshold; });
-  fit.width.interval = bootstrap.interval([](const PsychometricFunction& it) { return it.width; });
+  const Bootstrap bootstrap(model, simulated);
+  fit.threshold.interval = bootstrap.interval(+[](const PsychometricFunction& it) { return it.threshold; });
+  fit.width.interval = bootstrap.interval(+[](const PsychometricFunction& it) { return it.width; });
   fit.jnd.interval = bootstrap.interval(jndOf);
   fit.weber_fraction.interval = bootstrap.interval(weberFractionOf);
   if (fit.w) {
     fit.w->interval =
-        bootstrap.interval([](const PsychometricFunction& it) { return weberParameter(it.sigmoid, it.width); });
+        bootstrap.interval(+[](const PsychometricFunction& it) { return weberParameter(it.sigmoid, it.width); });
   }
-  fit.lapse.interval = of(kLapse);
-  fit.guess.interval = bootstrap.interval([](const PsychometricFunction& it) { return it.guess; });
-  fit.overdispersion.interval = of(kOverdispersion);
-  for (const ParameterPoint& point : bootstrap.points()) {
+  fit.lapse.interval = bootstrap.interval(kLapse);
+  fit.guess.interval = bootstrap.interval(+[](const PsychometricFunction& it) { return it.guess; });
+  fit.overdispersion.interval = bootstrap.interval(kOverdispersion);
+  for (const ParameterPoint& point : simulated.points) {
     fit.draws.push_back(model.functionAt(point));
   }
   return fit;

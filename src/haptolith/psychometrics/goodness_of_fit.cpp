@@ -2,6 +2,7 @@
 
 #include <boost/math/distributions/chi_squared.hpp>
 
+#include <algorithm>
 #include <limits>
 
 #include "haptolith/core/random.h"
@@ -24,22 +25,24 @@ std::vector<Level> simulatedAnswers(std::span<const Level> levels, const Psychom
   return result;
 }
 
-double simulatedPValue(const Model& model, const ParameterPoint& point, double observed) {
-  const int simulations = model.options().simulations;
-  if (simulations == 0) {
-    return std::numeric_limits<double>::quiet_NaN();
-  }
+SimulatedFits simulatedFits(const Model& model, const ParameterPoint& point) {
   std::mt19937_64 random(model.options().seed);
   const PsychometricFunction function = model.functionAt(point);
-  ParameterPoint start = point;
-  int worse = 0;
-  for (int i = 0; i < simulations; ++i) {
+  SimulatedFits fits;
+  for (int i = 0; i < model.options().simulations; ++i) {
     const Model simulated = model.withAnswers(simulatedAnswers(model.levels(), function, random));
-    const ParameterPoint best = optimumNear(simulated, start, Objective::kLikelihood);
-    const double deviance = devianceOf(simulated.levels(), simulated.functionAt(best));
-    worse += deviance >= observed ? 1 : 0;
+    fits.points.push_back(optimumNear(simulated, point, Objective::kLikelihood));
+    fits.deviances.push_back(devianceOf(simulated.levels(), simulated.functionAt(fits.points.back())));
   }
-  return (worse + 1.0) / (simulations + 1.0);
+  return fits;
+}
+
+double simulatedPValue(const SimulatedFits& fits, double observed) {
+  if (fits.deviances.empty()) {
+    return std::numeric_limits<double>::quiet_NaN();
+  }
+  const auto worse = std::ranges::count_if(fits.deviances, [&](double deviance) { return deviance >= observed; });
+  return (double(worse) + 1) / (double(fits.deviances.size()) + 1);
 }
 
 double chiSquarePValue(const Model& model, double deviance) {

@@ -10,9 +10,18 @@ namespace haptolith {
 [[nodiscard]] std::vector<Level> simulatedAnswers(std::span<const Level> levels, const PsychometricFunction& function,
                                                   std::mt19937_64& random);
 
-/// How often answers made up from `function` fit their own most likely function worse than the model's answers fit
-/// theirs (deviance `observed`), of `simulations`; NaN when that is 0.
-[[nodiscard]] double simulatedPValue(const Model& model, const ParameterPoint& point, double observed);
+/// Studies made up from one function, and what the most likely fits to them were.
+struct SimulatedFits {
+  std::vector<ParameterPoint> points = {};
+  std::vector<double> deviances = {};
+};
+
+/// Makes up as many studies as the model's options ask for, from its function at `point`, and fits each.
+[[nodiscard]] SimulatedFits simulatedFits(const Model& model, const ParameterPoint& point);
+
+/// The share of simulated studies whose fit is no better than one with the deviance `observed`; NaN without any. The
+/// observed study counts as one more.
+[[nodiscard]] double simulatedPValue(const SimulatedFits& fits, double observed);
 
 /// The probability that chi-square with as many degrees of freedom as levels exceed the function's free parameters is
 /// above `deviance`; NaN when none is left. An approximation for many answers to each level.

@@ -14,8 +14,6 @@ namespace {
 
 constexpr int kThresholds = 15;
 constexpr int kWidths = 25;
-// Expected entropies that differ by less are equal but for rounding.
-constexpr double kSameEntropy = 1e-12;
 
 /// -p ln p, 0 at 0.
 double entropyTerm(double p) noexcept {
@@ -110,7 +108,7 @@ std::optional<double> QuestPlus::next() const {
   double least = expectedEntropy(0);
   for (std::size_t i = 1; i < levels_.size(); ++i) {
     const double entropy = expectedEntropy(i);
-    if (entropy < least - kSameEntropy) {
+    if (entropy < least) {
       best = i;
       least = entropy;
     }

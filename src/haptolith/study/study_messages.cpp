@@ -13,7 +13,7 @@
 #include <vector>
 
 #include "haptolith/core/error.h"
-#include "haptolith/study/study_results.h"
+#include "haptolith/study/answers.h"
 
 namespace haptolith {
 

@@ -1,0 +1,12 @@
+#pragma once
+
+namespace CLI {
+class App;
+}
+
+namespace haptolith {
+
+/// `haptolith study figure`.
+void addStudyFigureCommand(CLI::App& study);
+
+}  // namespace haptolith

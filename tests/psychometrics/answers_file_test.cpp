@@ -1,0 +1,94 @@
+#include "haptolith/psychometrics/answers_file.h"
+
+#include <gmock/gmock.h>
+
+#include <sstream>
+
+#include "haptolith/core/error.h"
+
+namespace haptolith {
+namespace {
+
+using testing::HasSubstr;
+
+std::vector<AnswersOf> read(const std::string& text) {
+  std::istringstream stream(text);
+  return readAnswers(stream, "answers.csv");
+}
+
+std::string refusalOf(const std::string& text) {
+  try {
+    (void)read(text);
+  } catch (const InvalidParameter& error) {
+    return error.what();
+  }
+  return "no refusal";
+}
+
+TEST(AnswersFile, RowsOfLevels) {
+  const std::vector<AnswersOf> answers = read("# a comment\nx,k,n\n2,3,4\n\n1.5e0, 1, 4\n");
+  ASSERT_EQ(answers.size(), 1u);
+  ASSERT_EQ(answers[0].levels.size(), 2u);
+  EXPECT_EQ(answers[0].levels[0].x, 1.5);
+  EXPECT_EQ(answers[0].levels[0].k, 1);
+  EXPECT_EQ(answers[0].levels[1].n, 4);
+}
+
+TEST(AnswersFile, RowsOfTrials) {
+  const std::vector<AnswersOf> answers = read("x,response\n1,1\n1,0\n1,yes\n2,True\n2,no\n2,n/a\n2,\n");
+  ASSERT_EQ(answers.size(), 1u);
+  EXPECT_EQ(answers[0].levels[0].k, 2);
+  EXPECT_EQ(answers[0].levels[0].n, 3);
+  EXPECT_EQ(answers[0].levels[1].k, 1);
+  EXPECT_EQ(answers[0].levels[1].n, 2);
+}
+
+TEST(AnswersFile, ExportOfAStudyPartsPeopleAndBlocks) {
+  const std::vector<AnswersOf> answers = read(
+      "participant,block,kind,state,level,value,response,note\n"
+      "S01,friction,practice,answered,P1,1.21,0,\n"
+      "S01,friction,main,answered,P1,1.21,1,\"a, b\"\n"
+      "S01,friction,main,lost,P1,1.21,0,\n"
+      "S02,friction,main,answered,P1,1.21,0,\n"
+      "S01,gravity,main,answered,Mars,3.721,1,\n");
+  ASSERT_EQ(answers.size(), 3u);
+  EXPECT_EQ(answers[0].participant, "S01");
+  EXPECT_EQ(answers[0].block, "friction");
+  EXPECT_EQ(answers[0].levels[0].n, 1);
+  EXPECT_EQ(answers[0].levels[0].k, 1);
+  EXPECT_EQ(answers[1].participant, "S02");
+  EXPECT_EQ(answers[2].block, "gravity");
+}
+
+TEST(AnswersFile, ColumnNamesAreMatchedWhole) {
+  EXPECT_EQ(read("max,x,reaction,response\n9,1,0.3,1\n")[0].levels[0].x, 1);
+  EXPECT_THAT(refusalOf("xx,responses\n1,1\n"), HasSubstr("x,k,n"));
+}
+
+TEST(AnswersFile, TabsSemicolonsQuotesAndWindowsLineEndsAreUnderstood) {
+  EXPECT_EQ(read("x\tk\tn\r\n1\t2\t3\r\n")[0].levels[0].k, 2);
+  EXPECT_EQ(read("x;k;n\n1;2;3\n")[0].levels[0].k, 2);
+  EXPECT_EQ(read("\xef\xbb\xbf\"x\",\"k\",\"n\"\n\"1\",2,3\n")[0].levels[0].k, 2);
+}
+
+TEST(AnswersFile, NonsenseIsToldWithLineAndColumn) {
+  EXPECT_THAT(refusalOf("x,k,n\n1,2,3\nabc,2,3\n"), HasSubstr("answers.csv, line 3, column x"));
+  EXPECT_THAT(refusalOf("x,k,n\n1,4,3\n"), HasSubstr("line 2, column k"));
+  EXPECT_THAT(refusalOf("x,k,n\n1,-1,3\n"), HasSubstr("column k"));
+  EXPECT_THAT(refusalOf("x,k,n\n1,1,2.5\n"), HasSubstr("column n"));
+  EXPECT_THAT(refusalOf("x,k,n\n1,nan,3\n"), HasSubstr("column k"));
+  EXPECT_THAT(refusalOf("x,k,n\n1,2\n"), HasSubstr("line 2"));
+  EXPECT_THAT(refusalOf("x,response\n1,maybe\n"), HasSubstr("line 2, column response"));
+  EXPECT_THAT(refusalOf("x,x,k,n\n1,1,2,3\n"), HasSubstr("twice"));
+  EXPECT_THAT(refusalOf(""), HasSubstr("nothing in it"));
+  EXPECT_THAT(refusalOf("x,k,n\n"), HasSubstr("no answer"));
+  EXPECT_THAT(refusalOf("x,k,n\n1,0,0\n"), HasSubstr("no answer"));
+}
+
+TEST(AnswersFile, MissingFilesAreToldByName) {
+  EXPECT_THROW((void)readAnswersFile("/missing/answers.csv"), Failure);
+  EXPECT_THROW((void)readAnswersFile("/"), Failure);
+}
+
+}  // namespace
+}  // namespace haptolith
