@@ -28,7 +28,9 @@ class StudyCommands : public testing::Test {
   }
   ~StudyCommands() override { fs::remove_all(folder_); }
 
-  [[nodiscard]] std::string file(const std::string& name) const { return "'" + (folder_ / name).string() + "'"; }
+  [[nodiscard]] std::string file(const std::string& name) const {
+    return fmt::format("'{}'", (folder_ / name).string());
+  }
 
   void makeStudy(const std::string& protocol = "paper") const {
     const ProgramResult made =
@@ -38,18 +40,21 @@ class StudyCommands : public testing::Test {
 
   /// Two people; the second has said once that P1 has more, once that it has not, and once in practice.
   void fillStudy() const {
-    std::ofstream(folder_ / "fill.py") << R"(
+    std::ofstream(folder_ / "fill.py") << R"py(
 import sqlite3
 study = sqlite3.connect('a.study')
-study.execute("INSERT INTO participant (number, code, state, begun_at) VALUES (1, 'S01', 'running', 'then'), (2, 'S02', 'finished', 'then')")
+study.execute("INSERT INTO participant (number, code, state, begun_at) "
+              "VALUES (1, 'S01', 'running', 'then'), (2, 'S02', 'finished', 'then')")
 for number, (kind, positive) in enumerate([('practice', 1), ('main', 1), ('main', 0)]):
-    trial = study.execute("INSERT INTO trial (participant, block, position, trial, attempt, kind, block_name, level, reference, "
-        "value, reference_value, test_first, seed, state, begun_at) VALUES (2, 0, 0, ?, 0, ?, 'friction', 'P1', 'P3', 1.21, "
-        "0.835, 0, 1, 'answered', 'then')", (number, kind)).lastrowid
-    study.execute("INSERT INTO answer (trial, positive, reaction_s, timed_out, recording) VALUES (?, ?, 0.5, 0, '')", (trial, positive))
+    trial = study.execute(
+        "INSERT INTO trial (participant, block, position, trial, attempt, kind, block_name, level, reference, value, "
+        "reference_value, test_first, seed, state, begun_at) "
+        "VALUES (2, 0, 0, ?, 0, ?, 'friction', 'P1', 'P3', 1.21, 0.835, 0, 1, 'answered', 'then')", (number, kind)).lastrowid
+    study.execute("INSERT INTO answer (trial, positive, reaction_s, timed_out, recording) VALUES (?, ?, 0.5, 0, '')",
+                  (trial, positive))
 study.execute("INSERT INTO personal_answer VALUES (2, 'demographics', 'name', 'Grace', 'then')")
 study.commit()
-)";
+)py";
     const ProgramResult filled = runInShell(fmt::format("cd '{}' && /usr/bin/python3 fill.py", folder_.string()));
     ASSERT_EQ(filled.exit_status, 0) << filled.errors;
   }
