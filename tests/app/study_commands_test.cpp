@@ -1,0 +1,225 @@
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+#include <nlohmann/json.hpp>
+#include <unistd.h>
+
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <string>
+
+#include "program.h"
+
+namespace haptolith {
+namespace {
+
+using testing::AllOf;
+using testing::HasSubstr;
+using testing::Not;
+using Json = nlohmann::json;
+namespace fs = std::filesystem;
+
+/// A folder with a study that two people have taken part in, written as the tables are described.
+class StudyCommands : public testing::Test {
+ protected:
+  StudyCommands() : folder_(fs::path(testing::TempDir()) / fmt::format("haptolith_study_commands_{}", getpid())) {
+    fs::remove_all(folder_);
+    fs::create_directories(folder_);
+  }
+  ~StudyCommands() override { fs::remove_all(folder_); }
+
+  [[nodiscard]] std::string file(const std::string& name) const {
+    return fmt::format("'{}'", (folder_ / name).string());
+  }
+
+  void makeStudy(const std::string& protocol = "paper") const {
+    const ProgramResult made =
+        runHaptolith(fmt::format("study new {} --protocol {} --seed 7", file("a.study"), protocol));
+    ASSERT_EQ(made.exit_status, 0) << made.errors;
+  }
+
+  /// Two people; the second has said once that P1 has more, once that it has not, and once in practice.
+  void fillStudy() const {
+    std::ofstream(folder_ / "fill.py") << R"py(
+import sqlite3
+study = sqlite3.connect('a.study')
+study.execute("INSERT INTO participant (number, code, state, begun_at) "
+              "VALUES (1, 'S01', 'running', 'then'), (2, 'S02', 'finished', 'then')")
+for number, (kind, positive) in enumerate([('practice', 1), ('main', 1), ('main', 0)]):
+    trial = study.execute(
+        "INSERT INTO trial (participant, block, position, trial, attempt, kind, block_name, level, reference, value, "
+        "reference_value, test_first, seed, state, begun_at) "
+        "VALUES (2, 0, 0, ?, 0, ?, 'friction', 'P1', 'P3', 1.21, 0.835, 0, 1, 'answered', 'then')", (number, kind)).lastrowid
+    study.execute("INSERT INTO answer (trial, positive, reaction_s, timed_out, recording) VALUES (?, ?, 0.5, 0, '')",
+                  (trial, positive))
+study.execute("INSERT INTO personal_answer VALUES (2, 'demographics', 'name', 'Grace', 'then')")
+study.commit()
+)py";
+    const ProgramResult filled = runInShell(fmt::format("cd '{}' && /usr/bin/python3 fill.py", folder_.string()));
+    ASSERT_EQ(filled.exit_status, 0) << filled.errors;
+  }
+
+  [[nodiscard]] std::string read(const std::string& name) const {
+    std::ifstream stream(folder_ / name, std::ios::binary);
+    return {std::istreambuf_iterator<char>(stream), std::istreambuf_iterator<char>()};
+  }
+
+  fs::path folder_;
+};
+
+// --- new
+// --------------------------------------------------------------------------------------------------------------
+
+TEST_F(StudyCommands, NewTellsWhatItHasMade) {
+  const ProgramResult made = runHaptolith(fmt::format("study new {} --protocol paper --seed 7", file("a.study")));
+  EXPECT_EQ(made.exit_status, 0) << made.errors;
+  EXPECT_THAT(made.output,
+              AllOf(HasSubstr("seed 7"), HasSubstr("5 levels against P3, 15 trials"), HasSubstr("gravity")));
+  EXPECT_THAT(made.errors, HasSubstr("[BRACKETS]"));
+  EXPECT_TRUE(fs::exists(folder_ / "a.study"));
+}
+
+TEST_F(StudyCommands, NewDrawsASeedThatDiffersFromTimeToTime) {
+  const auto seed = [&](const std::string& name) {
+    EXPECT_EQ(runHaptolith(fmt::format("study new {} --protocol paper-gravity", file(name))).exit_status, 0);
+    return Json::parse(runHaptolith(fmt::format("study status --json {}", file(name))).output)["seed"]
+        .get<std::uint64_t>();
+  };
+  const std::uint64_t one = seed("a.study");
+  EXPECT_NE(one, seed("b.study"));
+  EXPECT_LT(one, std::uint64_t{1} << 53);
+}
+
+TEST_F(StudyCommands, NewTakesAProtocolFromAFile) {
+  std::ofstream(folder_ / "mine.toml")
+      << "title = 'Mine'\n[[block]]\nname = 'a'\nquestion = 'q'\nanswers = ['l', 'm']\n"
+         "varies = 'preset'\nreference = 'P3'\nlevels = ['P1', 'P6']\n";
+  const ProgramResult made =
+      runHaptolith(fmt::format("study new {} --protocol {}", file("a.study"), file("mine.toml")));
+  EXPECT_EQ(made.exit_status, 0) << made.errors;
+  EXPECT_THAT(made.output, AllOf(HasSubstr("Mine"), HasSubstr("2 levels against P3, 6 trials")));
+  EXPECT_EQ(made.errors, "");
+}
+
+TEST_F(StudyCommands, NewRefusesWhatIsWrongAndLeavesNoFile) {
+  std::ofstream(folder_ / "bad.toml") << "title = 'Mine'\n[[block]]\nname = 'a'\nquestion = 'q'\nanswers = ['l', 'm']\n"
+                                         "varies = 'preset'\nreference = 'P3'\nlevels = ['P1']\n";
+  const ProgramResult bad = runHaptolith(fmt::format("study new {} --protocol {}", file("a.study"), file("bad.toml")));
+  EXPECT_EQ(bad.exit_status, 2);
+  EXPECT_THAT(bad.errors, HasSubstr("bad.toml:8: [[block]] levels = [ 'P1' ] is not valid: must be two or more"));
+  const ProgramResult unknown = runHaptolith(fmt::format("study new {} --protocol papr", file("a.study")));
+  EXPECT_EQ(unknown.exit_status, 2);
+  EXPECT_THAT(unknown.errors, HasSubstr("paper-friction"));
+  EXPECT_EQ(
+      runHaptolith(fmt::format("study new {} --protocol paper --seed 9007199254740992", file("a.study"))).exit_status,
+      2);
+  EXPECT_EQ(runHaptolith(fmt::format("study new {} --protocol paper --seed -1", file("a.study"))).exit_status, 2);
+  EXPECT_EQ(runHaptolith(fmt::format("study new {}", file("a.study"))).exit_status, 2);
+  EXPECT_FALSE(fs::exists(folder_ / "a.study"));
+}
+
+TEST_F(StudyCommands, NewNeverOverwritesAStudy) {
+  makeStudy();
+  const std::string before = read("a.study");
+  const ProgramResult again = runHaptolith(fmt::format("study new {} --protocol paper", file("a.study")));
+  EXPECT_EQ(again.exit_status, 1);
+  EXPECT_THAT(again.errors, HasSubstr("exists already"));
+  EXPECT_EQ(read("a.study"), before);
+}
+
+// --- status
+// -----------------------------------------------------------------------------------------------------------
+
+TEST_F(StudyCommands, StatusTellsHowFarEverybodyIs) {
+  makeStudy();
+  EXPECT_THAT(runHaptolith("study status " + file("a.study")).output, HasSubstr("Nobody has taken part yet"));
+  fillStudy();
+  const ProgramResult status = runHaptolith("study status " + file("a.study"));
+  EXPECT_EQ(status.exit_status, 0) << status.errors;
+  EXPECT_THAT(status.output, AllOf(HasSubstr("S01"), HasSubstr("finished"), HasSubstr("2 of 15"), HasSubstr("1 of 2")));
+}
+
+TEST_F(StudyCommands, StatusAsJsonHasAnswersByLevel) {
+  makeStudy();
+  fillStudy();
+  const ProgramResult status = runHaptolith("study status --json " + file("a.study"));
+  ASSERT_EQ(status.exit_status, 0) << status.errors;
+  const Json json = Json::parse(status.output);
+  EXPECT_EQ(json["seed"], 7);
+  ASSERT_EQ(json["participants"].size(), 2U);
+  EXPECT_EQ(json["participants"][1]["participant"], "S02");
+  EXPECT_EQ(json["participants"][1]["blocks"][0]["answered"], 2);
+  EXPECT_EQ(json["participants"][0]["blocks"][0]["answered"], 0);
+  EXPECT_EQ(json["participants"][1]["blocks"][0]["trials"], 15);
+  ASSERT_EQ(json["blocks"][0]["levels"].size(), 1U);
+  EXPECT_EQ(json["blocks"][0]["levels"][0], Json({{"level", "P1"}, {"x", 1.21}, {"k", 1}, {"n", 2}}));
+  EXPECT_TRUE(json["blocks"][1]["levels"].empty());
+}
+
+TEST_F(StudyCommands, StatusRefusesWhatIsNoStudy) {
+  std::ofstream(folder_ / "text") << std::string(2000, 'x');
+  const ProgramResult text = runHaptolith("study status " + file("text"));
+  EXPECT_EQ(text.exit_status, 1);
+  EXPECT_THAT(text.errors, HasSubstr("is not a study"));
+  EXPECT_EQ(runHaptolith("study status " + file("nothing")).exit_status, 2);
+}
+
+// --- export
+// -----------------------------------------------------------------------------------------------------------
+
+TEST_F(StudyCommands, ExportWritesATable) {
+  makeStudy();
+  fillStudy();
+  const ProgramResult result = runHaptolith(fmt::format("study export {} --to {}", file("a.study"), file("a.csv")));
+  EXPECT_EQ(result.exit_status, 0) << result.errors;
+  EXPECT_THAT(read("a.csv"), AllOf(HasSubstr("participant,participant_number,block"),
+                                   HasSubstr("S02,2,friction,1,3,1,main"), Not(HasSubstr("Grace"))));
+  EXPECT_EQ(runHaptolith(fmt::format("study export {} --to {}", file("a.study"), file("a.csv"))).exit_status, 1);
+  const ProgramResult personal =
+      runHaptolith(fmt::format("study export {} --to {} --personal --overwrite", file("a.study"), file("a.csv")));
+  EXPECT_EQ(personal.exit_status, 0) << personal.errors;
+  EXPECT_THAT(read("a.csv"), HasSubstr("Grace"));
+}
+
+TEST_F(StudyCommands, ExportMakesABidsFolder) {
+  makeStudy();
+  fillStudy();
+  const ProgramResult result =
+      runHaptolith(fmt::format("study export {} --to {} --format bids", file("a.study"), file("bids")));
+  EXPECT_EQ(result.exit_status, 0) << result.errors;
+  EXPECT_TRUE(fs::exists(folder_ / "bids/sub-S02/beh/sub-S02_task-friction_beh.tsv"));
+  EXPECT_EQ(runHaptolith(fmt::format("study export {} --to {} --format spss", file("a.study"), file("b"))).exit_status,
+            2);
+}
+
+TEST_F(StudyCommands, FitTakesWhatExportHasWritten) {
+  makeStudy();
+  fillStudy();
+  ASSERT_EQ(runHaptolith(fmt::format("study export {} --to {}", file("a.study"), file("a.csv"))).exit_status, 0);
+  const ProgramResult fit = runHaptolith(
+      fmt::format("study fit --data {} --sigmoid weber --reference 0.835 --simulations 10 --json", file("a.csv")));
+  ASSERT_EQ(fit.exit_status, 0) << fit.errors;
+  EXPECT_EQ(Json::parse(fit.output)["n_trials"], 2);
+}
+
+// --- forget
+// -----------------------------------------------------------------------------------------------------------
+
+TEST_F(StudyCommands, ForgetDeletesWhatIsPersonalOrEverything) {
+  makeStudy();
+  fillStudy();
+  ASSERT_THAT(read("a.study") + read("a.study-wal"), HasSubstr("Grace"));
+  const ProgramResult personal = runHaptolith(fmt::format("study forget {} S02 --personal", file("a.study")));
+  EXPECT_EQ(personal.exit_status, 0) << personal.errors;
+  EXPECT_THAT(personal.output, HasSubstr("1 personal answers deleted"));
+  EXPECT_THAT(read("a.study"), Not(HasSubstr("Grace")));
+  EXPECT_THAT(runHaptolith("study status " + file("a.study")).output, HasSubstr("2 of 15"));
+  EXPECT_EQ(runHaptolith(fmt::format("study forget {} S02", file("a.study"))).exit_status, 0);
+  EXPECT_THAT(runHaptolith("study status " + file("a.study")).output, Not(HasSubstr("S02")));
+  const ProgramResult nobody = runHaptolith(fmt::format("study forget {} S02", file("a.study")));
+  EXPECT_EQ(nobody.exit_status, 2);
+  EXPECT_THAT(nobody.errors, HasSubstr("one of S01"));
+}
+
+}  // namespace
+}  // namespace haptolith
