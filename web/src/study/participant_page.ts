@@ -13,6 +13,7 @@ import { isTyping } from '../shortcuts';
 import { makeStage } from '../view/make_stage';
 import { Countdown } from './countdown';
 import { askToStop } from './dialogs';
+import { isTooLong } from './form';
 import { OneAct } from './one_act';
 import { Prompts } from './prompts';
 import type { ParticipantMessage, Phase, StudyCommand, StudyMessage } from './protocol';
@@ -62,7 +63,10 @@ export function openParticipantPage(settings: Settings): void {
   const prompts = new Prompts(
     {
       go: () => send({ do: 'study', act: 'go' }),
-      fill: (values) => send({ do: 'study', act: 'fill', values }),
+      fill: (values) => {
+        if (isTooLong(values)) notices.toast('This is too much to send: please write less.');
+        else send({ do: 'study', act: 'fill', values });
+      },
       answer: (choice) => send({ do: 'study', act: 'answer', choice }, choice),
     },
     countdown,
@@ -105,6 +109,9 @@ export function openParticipantPage(settings: Settings): void {
   };
   stage.setView(settings.view, false);
   addEventListener('keydown', onKeyDown, { capture: true });
+  page.addEventListener('click', (event) => {
+    if (event.target instanceof Element && event.target.closest('dialog')) act.settle();
+  });
   addEventListener('keyup', (event) => keys.up(event));
   document.addEventListener('visibilitychange', () => {
     if (!document.hidden) connection.retryNow();
@@ -174,7 +181,7 @@ export function openParticipantPage(settings: Settings): void {
   }
 
   function onLink(connected: boolean, why: string | null): void {
-    notices.setLink(connected, why === null ? null : 'The connection is lost. It comes back by itself');
+    notices.setLink(connected, why === null ? null : 'The connection is lost');
     page.classList.toggle('offline', !connected);
     if (connected) return;
     hand.drop();

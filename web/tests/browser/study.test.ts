@@ -215,9 +215,16 @@ describe("the participant's page", () => {
     await page.getByRole('button', { name: 'No, go on' }).click();
     expect(study.phase).toBe('question');
     await page.getByRole('button', { name: 'Stop taking part' }).click();
-    await page.getByRole('button', { name: 'Stop', exact: true }).click();
+    await page.getByRole('button', { name: 'Stop', exact: true }).dblclick(); // the second click is none
+    await page.waitForTimeout(300);
     expect(study.phase).toBe('question');
-    await page.getByRole('button', { name: 'Yes, end it' }).click();
+    const sure = page.getByRole('button', { name: 'Yes, end it' });
+    if (!(await sure.isVisible())) {
+      await page.getByRole('button', { name: 'Stop taking part' }).click();
+      await page.getByRole('button', { name: 'Stop', exact: true }).click();
+    }
+    expect(study.phase).toBe('question');
+    await sure.click();
     await shows(page, 'withdrawn');
     expect(study.phase).toBe('withdrawn');
     expect(study.given).toEqual([]);

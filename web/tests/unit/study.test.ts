@@ -1,7 +1,7 @@
 import { describe, expect, it } from 'vitest';
 import { readSettings } from '../../src/settings';
 import { clockText, Countdown } from '../../src/study/countdown';
-import { scaleStep, wholeSteps } from '../../src/study/form';
+import { isTooLong, scaleStep, wholeSteps } from '../../src/study/form';
 import { OneAct } from '../../src/study/one_act';
 import { linearTicks, logTicks, makeScale } from '../../src/study/plot_scale';
 import { splitParagraphs } from '../../src/study/prompts';
@@ -32,6 +32,18 @@ describe('an act', () => {
     act.renew();
     clock.ms += 200;
     expect(act.take()).toBe(true);
+  });
+
+  it('does not count just after something was in front of what is shown', () => {
+    act.renew();
+    clock.ms += 5000;
+    act.settle();
+    expect(act.take()).toBe(false);
+    clock.ms += 200;
+    expect(act.take()).toBe(true);
+    act.settle();
+    clock.ms += 200;
+    expect(act.take()).toBe(false);
   });
 
   it('may be tried again when it did not reach the program', () => {
@@ -92,6 +104,14 @@ describe('what is shown', () => {
     expect(shareDone({ block: 1, blocks: 2, trial: 0, trials: 10 })).toBe(0);
     expect(shareDone({ block: 2, blocks: 2, trial: 6, trials: 10 })).toBe(0.75);
     expect(shareDone({ block: 2, blocks: 2, trial: 30, trials: null })).toBe(0.5);
+  });
+});
+
+describe('a form', () => {
+  it('is sent only when it fits into a message', () => {
+    expect(isTooLong({ remarks: 'x'.repeat(15_000) })).toBe(false);
+    expect(isTooLong({ remarks: 'x'.repeat(16_400) })).toBe(true);
+    expect(isTooLong({ remarks: '\u2603'.repeat(6000) })).toBe(true);
   });
 });
 
