@@ -17,7 +17,7 @@ import { isTooLong } from './form';
 import { OneAct } from './one_act';
 import { Prompts } from './prompts';
 import type { ParticipantMessage, Phase, StudyCommand, StudyMessage } from './protocol';
-import { shareDone, waiting, whatIsShown } from './shown';
+import { asSentence, shareDone, waiting, whatIsShown } from './shown';
 
 const JOIN_AGAIN_MS = 2000;
 const CLOCK_INTERVAL_MS = 100;
@@ -82,6 +82,7 @@ export function openParticipantPage(settings: Settings): void {
     view,
     h('header', { class: 'participant-head' }, progress_bar, progress_text, stop_button),
     prompts.element,
+    prompts.announcer,
     problem,
     notices.banner,
     notices.toasts,
@@ -129,7 +130,7 @@ export function openParticipantPage(settings: Settings): void {
   function join(): void {
     connection.request({ do: 'study', act: 'join', as: 'participant' }).catch((error: Error) => {
       if (!connection.connected) return;
-      onStudy(waiting(`${error.message}.`));
+      onStudy(waiting(asSentence(error.message)));
       setTimeout(() => connection.connected && join(), JOIN_AGAIN_MS);
     });
   }
@@ -197,7 +198,7 @@ export function openParticipantPage(settings: Settings): void {
       if (shown !== now.shown) return;
       act.giveBack();
       prompts.lock(false);
-      notices.toast(error.message);
+      notices.toast(asSentence(error.message));
     });
   }
 
@@ -205,7 +206,7 @@ export function openParticipantPage(settings: Settings): void {
     askToStop(() =>
       connection
         .request({ do: 'study', act: 'quit' })
-        .catch((error: Error) => notices.toast(`${error.message}. Please tell the experimenter.`)),
+        .catch((error: Error) => notices.toast(`${asSentence(error.message)} Please tell the experimenter.`)),
     );
   }
 

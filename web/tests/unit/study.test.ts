@@ -7,7 +7,7 @@ import { linearTicks, logTicks, makeScale } from '../../src/study/plot_scale';
 import { splitParagraphs } from '../../src/study/prompts';
 import type { BlockResult, Field } from '../../src/study/protocol';
 import { boundsOf, isLog, pointRadius, shareAt } from '../../src/study/psychometric_plot';
-import { shareDone, waiting, whatIsShown } from '../../src/study/shown';
+import { asSentence, shareDone, waiting, whatIsShown } from '../../src/study/shown';
 
 describe('the page', () => {
   it('is the one that the address asks for', () => {
@@ -97,6 +97,12 @@ describe('what is shown', () => {
   it('has paragraphs with blank lines between them', () => {
     expect(splitParagraphs('one\nstill one\n \n\ntwo\n')).toEqual(['one\nstill one', 'two']);
     expect(splitParagraphs('')).toEqual([]);
+  });
+
+  it('has the words of the program as sentences', () => {
+    expect(asSentence('no study is running')).toBe('No study is running.');
+    expect(asSentence('The disk is full!')).toBe('The disk is full!');
+    expect(asSentence('')).toBe('');
   });
 
   it('tells how much of the study is done', () => {
