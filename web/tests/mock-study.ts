@@ -326,7 +326,7 @@ export class MockStudy {
     const { trial, message } = this.screen;
     if (trial && message.phase === 'question') {
       const more = shareOfMore(BLOCKS[trial.block]!, trial.test[1]);
-      const noise = ((this.answers.length * 7 + 3) % 10) / 10 + 0.05;
+      const noise = ((this.answers.length * 3 + 5) % 10) / 10 + 0.05;
       this.answer(noise < more, 0.6 + 0.17 * ((this.answers.length * 3) % 9));
     }
     this.goOn();

@@ -10,6 +10,8 @@ interface Question {
   /** more to fill in, above the buttons */
   input?: HTMLInputElement;
   suggestions?: string[];
+  /** the buttons change places: a double click on the question before does not answer this one */
+  swapped?: boolean;
 }
 
 /** Asks; what is meant to be done needs the second button, and words where there is an input. */
@@ -41,7 +43,7 @@ export function askFirst(question: Question, act: (words: string) => void): void
     h('p', {}, question.text),
     input,
     suggestions.length > 0 && h('div', { class: 'suggestions' }, ...suggestions),
-    h('div', { class: 'dialog-buttons' }, stay, go_on),
+    h('div', { class: 'dialog-buttons' }, ...(question.swapped ? [go_on, stay] : [stay, go_on])),
   );
   const dialog = h('dialog', { class: 'question-dialog', 'aria-labelledby': 'question-title' }, form);
   let sure = false;
@@ -66,6 +68,7 @@ export function askToStop(act: () => void): void {
         text: 'The study then ends for you, here and now.',
         stay: 'No, go on',
         go_on: 'Yes, end it',
+        swapped: true,
       },
       act,
     );

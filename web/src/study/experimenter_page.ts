@@ -199,6 +199,7 @@ export function openExperimenterPage(settings: Settings): void {
       if (!connection.connected) return;
       show(null);
       setText(phase, error.message);
+      delete phase.dataset.phase;
       setTimeout(() => connection.connected && join(), JOIN_AGAIN_MS);
     });
   }

@@ -7,6 +7,8 @@ const MOST_BUTTONS = 11;
 const MOST_PILLS = 7;
 const SCALE_STEPS = 20;
 const LONGEST_TEXT = 500;
+// The program ends a connection that sends a message of more than 16384 bytes.
+const MOST_BYTES = 16_000;
 
 /** One field: what is asked, and what has been answered. */
 interface Asked {
@@ -59,6 +61,11 @@ export class Form {
     first?.focus();
     return first === null;
   }
+}
+
+/** Whether a form is more than one message can carry. */
+export function isTooLong(values: Record<string, string>): boolean {
+  return new TextEncoder().encode(JSON.stringify(values)).length > MOST_BYTES;
 }
 
 function ask(field: Field, id: string): Asked {

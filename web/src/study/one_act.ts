@@ -11,8 +11,13 @@ export class OneAct {
 
   /** Something else is shown. */
   renew(): void {
-    this.shown_ms = this.now_ms();
+    this.settle();
     this.done = false;
+  }
+
+  /** Something was in front of it: for a moment an act may be meant for that. */
+  settle(): void {
+    this.shown_ms = this.now_ms();
   }
 
   /** Whether an act counts now; if so the next one does not. */

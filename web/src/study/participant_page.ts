@@ -13,10 +13,11 @@ import { isTyping } from '../shortcuts';
 import { makeStage } from '../view/make_stage';
 import { Countdown } from './countdown';
 import { askToStop } from './dialogs';
+import { isTooLong } from './form';
 import { OneAct } from './one_act';
 import { Prompts } from './prompts';
 import type { ParticipantMessage, Phase, StudyCommand, StudyMessage } from './protocol';
-import { shareDone, waiting, whatIsShown } from './shown';
+import { asSentence, shareDone, waiting, whatIsShown } from './shown';
 
 const JOIN_AGAIN_MS = 2000;
 const CLOCK_INTERVAL_MS = 100;
@@ -62,7 +63,10 @@ export function openParticipantPage(settings: Settings): void {
   const prompts = new Prompts(
     {
       go: () => send({ do: 'study', act: 'go' }),
-      fill: (values) => send({ do: 'study', act: 'fill', values }),
+      fill: (values) => {
+        if (isTooLong(values)) notices.toast('This is too much to send: please write less.');
+        else send({ do: 'study', act: 'fill', values });
+      },
       answer: (choice) => send({ do: 'study', act: 'answer', choice }, choice),
     },
     countdown,
@@ -78,6 +82,7 @@ export function openParticipantPage(settings: Settings): void {
     view,
     h('header', { class: 'participant-head' }, progress_bar, progress_text, stop_button),
     prompts.element,
+    prompts.announcer,
     problem,
     notices.banner,
     notices.toasts,
@@ -105,6 +110,9 @@ export function openParticipantPage(settings: Settings): void {
   };
   stage.setView(settings.view, false);
   addEventListener('keydown', onKeyDown, { capture: true });
+  page.addEventListener('click', (event) => {
+    if (event.target instanceof Element && event.target.closest('dialog')) act.settle();
+  });
   addEventListener('keyup', (event) => keys.up(event));
   document.addEventListener('visibilitychange', () => {
     if (!document.hidden) connection.retryNow();
@@ -122,7 +130,7 @@ export function openParticipantPage(settings: Settings): void {
   function join(): void {
     connection.request({ do: 'study', act: 'join', as: 'participant' }).catch((error: Error) => {
       if (!connection.connected) return;
-      onStudy(waiting(`${error.message}.`));
+      onStudy(waiting(asSentence(error.message)));
       setTimeout(() => connection.connected && join(), JOIN_AGAIN_MS);
     });
   }
@@ -174,7 +182,7 @@ export function openParticipantPage(settings: Settings): void {
   }
 
   function onLink(connected: boolean, why: string | null): void {
-    notices.setLink(connected, why === null ? null : 'The connection is lost. It comes back by itself');
+    notices.setLink(connected, why === null ? null : 'The connection is lost');
     page.classList.toggle('offline', !connected);
     if (connected) return;
     hand.drop();
@@ -190,7 +198,7 @@ export function openParticipantPage(settings: Settings): void {
       if (shown !== now.shown) return;
       act.giveBack();
       prompts.lock(false);
-      notices.toast(error.message);
+      notices.toast(asSentence(error.message));
     });
   }
 
@@ -198,7 +206,7 @@ export function openParticipantPage(settings: Settings): void {
     askToStop(() =>
       connection
         .request({ do: 'study', act: 'quit' })
-        .catch((error: Error) => notices.toast(`${error.message}. Please tell the experimenter.`)),
+        .catch((error: Error) => notices.toast(`${asSentence(error.message)} Please tell the experimenter.`)),
     );
   }
 

@@ -33,7 +33,8 @@ const TEXTS: Partial<Record<Phase, string>> = {
 
 export class Prompts {
   readonly element = h('main', { class: 'prompt' });
-  private readonly announcer = h('p', { class: 'only-read-aloud', 'aria-live': 'polite' });
+  /** says to screen readers what is shown; it stays in the page while everything else changes */
+  readonly announcer = h('p', { class: 'only-read-aloud', 'aria-live': 'polite' });
   private clock: HTMLElement | null = null;
   private bar: HTMLElement | null = null;
   private buttons: HTMLButtonElement[] = [];
@@ -41,9 +42,7 @@ export class Prompts {
   constructor(
     private readonly acts: Acts,
     private readonly countdown: Countdown,
-  ) {
-    this.element.append(this.announcer);
-  }
+  ) {}
 
   show(message: ParticipantMessage): void {
     const { phase } = message;
@@ -54,7 +53,7 @@ export class Prompts {
     this.buttons = [];
     const parts = this.partsOf(message, title, text);
     this.element.dataset.phase = phase;
-    this.element.replaceChildren(this.announcer, ...parts);
+    this.element.replaceChildren(...parts);
     this.element.scrollTop = 0;
     setText(this.announcer, [phase === 'interval' ? message.label : title, text].filter(Boolean).join('. '));
     this.tick();

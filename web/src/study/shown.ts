@@ -26,6 +26,12 @@ export function waiting(text: string): ParticipantMessage {
   };
 }
 
+/** The program's words, "no study is running", as a sentence. */
+export function asSentence(words: string): string {
+  if (words === '') return '';
+  return words.charAt(0).toUpperCase() + words.slice(1) + (/[.!?]$/.test(words) ? '' : '.');
+}
+
 /** Equal for messages that show the same, however much time is left. */
 export function whatIsShown(message: ParticipantMessage): string {
   return JSON.stringify({ ...message, remaining_s: null, problem: null });

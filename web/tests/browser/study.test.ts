@@ -137,7 +137,7 @@ describe("the participant's page", () => {
     study.obey = () => 'the disk is full';
     await settle(page);
     await page.getByRole('button', { name: 'Harder' }).click();
-    await page.getByText('the disk is full').waitFor();
+    await page.getByText('The disk is full.').waitFor();
     expect(await page.getByRole('button', { name: 'Harder' }).isEnabled()).toBe(true);
     study.obey = obey;
     await page.getByRole('button', { name: 'Harder' }).click();
@@ -215,9 +215,16 @@ describe("the participant's page", () => {
     await page.getByRole('button', { name: 'No, go on' }).click();
     expect(study.phase).toBe('question');
     await page.getByRole('button', { name: 'Stop taking part' }).click();
-    await page.getByRole('button', { name: 'Stop', exact: true }).click();
+    await page.getByRole('button', { name: 'Stop', exact: true }).dblclick(); // the second click is none
+    await page.waitForTimeout(300);
     expect(study.phase).toBe('question');
-    await page.getByRole('button', { name: 'Yes, end it' }).click();
+    const sure = page.getByRole('button', { name: 'Yes, end it' });
+    if (!(await sure.isVisible())) {
+      await page.getByRole('button', { name: 'Stop taking part' }).click();
+      await page.getByRole('button', { name: 'Stop', exact: true }).click();
+    }
+    expect(study.phase).toBe('question');
+    await sure.click();
     await shows(page, 'withdrawn');
     expect(study.phase).toBe('withdrawn');
     expect(study.given).toEqual([]);
@@ -240,7 +247,7 @@ describe("the participant's page", () => {
     const server = new MockServer();
     servers.push(server);
     const { page } = await visit(`http://127.0.0.1:${await server.listen()}/`, 'participant');
-    await page.locator('main').getByText('no study is running.', { exact: true }).waitFor();
+    await page.locator('main').getByText('No study is running.', { exact: true }).waitFor();
   });
 
   it('reads what is shown aloud', async () => {

@@ -1,13 +1,13 @@
 import { describe, expect, it } from 'vitest';
 import { readSettings } from '../../src/settings';
 import { clockText, Countdown } from '../../src/study/countdown';
-import { scaleStep, wholeSteps } from '../../src/study/form';
+import { isTooLong, scaleStep, wholeSteps } from '../../src/study/form';
 import { OneAct } from '../../src/study/one_act';
 import { linearTicks, logTicks, makeScale } from '../../src/study/plot_scale';
 import { splitParagraphs } from '../../src/study/prompts';
 import type { BlockResult, Field } from '../../src/study/protocol';
 import { boundsOf, isLog, pointRadius, shareAt } from '../../src/study/psychometric_plot';
-import { shareDone, waiting, whatIsShown } from '../../src/study/shown';
+import { asSentence, shareDone, waiting, whatIsShown } from '../../src/study/shown';
 
 describe('the page', () => {
   it('is the one that the address asks for', () => {
@@ -32,6 +32,18 @@ describe('an act', () => {
     act.renew();
     clock.ms += 200;
     expect(act.take()).toBe(true);
+  });
+
+  it('does not count just after something was in front of what is shown', () => {
+    act.renew();
+    clock.ms += 5000;
+    act.settle();
+    expect(act.take()).toBe(false);
+    clock.ms += 200;
+    expect(act.take()).toBe(true);
+    act.settle();
+    clock.ms += 200;
+    expect(act.take()).toBe(false);
   });
 
   it('may be tried again when it did not reach the program', () => {
@@ -87,11 +99,25 @@ describe('what is shown', () => {
     expect(splitParagraphs('')).toEqual([]);
   });
 
+  it('has the words of the program as sentences', () => {
+    expect(asSentence('no study is running')).toBe('No study is running.');
+    expect(asSentence('The disk is full!')).toBe('The disk is full!');
+    expect(asSentence('')).toBe('');
+  });
+
   it('tells how much of the study is done', () => {
     expect(shareDone(null)).toBe(0);
     expect(shareDone({ block: 1, blocks: 2, trial: 0, trials: 10 })).toBe(0);
     expect(shareDone({ block: 2, blocks: 2, trial: 6, trials: 10 })).toBe(0.75);
     expect(shareDone({ block: 2, blocks: 2, trial: 30, trials: null })).toBe(0.5);
+  });
+});
+
+describe('a form', () => {
+  it('is sent only when it fits into a message', () => {
+    expect(isTooLong({ remarks: 'x'.repeat(15_000) })).toBe(false);
+    expect(isTooLong({ remarks: 'x'.repeat(16_400) })).toBe(true);
+    expect(isTooLong({ remarks: '\u2603'.repeat(6000) })).toBe(true);
   });
 });
 
