@@ -2,6 +2,7 @@
 
 #include <CLI/CLI.hpp>
 
+#include "study_explore_command.h"
 #include "study_fit_command.h"
 #include "study_run_command.h"
 
@@ -24,6 +25,7 @@ void addStudyCommand(CLI::App& app) {
   study->footer(kExamples);
   addStudyRunCommands(*study);
   addStudyFitCommand(*study);
+  addStudyExploreCommand(*study);
 }
 
 }  // namespace haptolith
