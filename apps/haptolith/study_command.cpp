@@ -2,6 +2,7 @@
 
 #include <CLI/CLI.hpp>
 
+#include "study_explore_command.h"
 #include "study_export_command.h"
 #include "study_figure_command.h"
 #include "study_fit_command.h"
@@ -38,6 +39,7 @@ void addStudyCommand(CLI::App& app) {
   addStudyFitCommand(*study);
   addStudySimulateCommand(*study);
   addStudyPlanCommand(*study);
+  addStudyExploreCommand(*study);
 }
 
 }  // namespace haptolith

@@ -14,7 +14,7 @@ namespace {
 
 constexpr double kFeedback_s = 1.5;
 
-/// A key that is still down from before does not end what has just begun.
+/// A device's button that is pressed a moment late does not end what has just begun; pages have a guard of their own.
 constexpr double kShortestInterval_s = 0.3;
 
 [[noreturn]] void refuse(const char* asked, std::string_view when, std::string_view valid) {
@@ -452,11 +452,7 @@ void Conductor::proceed() {
   switch (phase_) {
     case StudyPhase::kConsent:
     case StudyPhase::kInstructions: return guarded([this] { finishStep(); });
-    case StudyPhase::kInterval:
-      if (elapsed() > kShortestInterval_s) {
-        guarded([this] { endInterval(); });
-      }
-      return;
+    case StudyPhase::kInterval: return guarded([this] { endInterval(); });
     case StudyPhase::kBreak:
       if (remaining().value_or(0) > 0) {
         refuse("go", "in a break", fmt::format("asked for in {:.0f} s", std::ceil(*remaining())));

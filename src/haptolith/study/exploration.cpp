@@ -1,0 +1,158 @@
+#include "haptolith/study/exploration.h"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <random>
+#include <utility>
+
+#include "haptolith/core/error.h"
+#include "haptolith/core/random.h"
+#include "haptolith/device/virtual_hand.h"
+#include "haptolith/haptics/haptic_loop.h"
+#include "haptolith/study/felt_summary.h"
+
+namespace haptolith {
+
+namespace {
+
+constexpr double kPlace_m = 0.008;
+constexpr double kTempo = 0.1, kDepth = 0.1, kArm = 0.2;
+
+constexpr int kMostRounds = 1000;
+constexpr int kTicksPerLook = 20;  ///< between two looks at what lies on the tool
+
+void validate(const ExplorationOptions& options) {
+  if (options.manoeuvre == Manoeuvre::kPoses) {
+    throw InvalidParameter("manoeuvre", "poses", "one that the hand knows by itself: still, press, stir, scoop ...");
+  }
+  requireInRange("rounds", options.rounds, {1, kMostRounds});
+  requireInRange("variation", options.variation, {0, 2});
+}
+
+/// Soil as the hand finds it that comes from another side.
+std::vector<Vec3> turned(std::vector<Vec3> centres_m, const ExploringHand& from) {
+  for (Vec3& p : centres_m) {
+    p.y() = from.mirrored ? -p.y() : p.y();
+    for (int turn = 0; turn < from.quarter_turns; ++turn) {
+      p = Vec3(-p.y(), p.x(), p.z());
+    }
+  }
+  return centres_m;
+}
+
+/// Whether the tool holds soil up: nose up, and so high that it does not touch what lies in the box.
+bool carries(const Pose& scene_T_tool, const HandParameters& hand) {
+  constexpr double kNoseUp = 0.1;  // sine of 6 degrees
+  const Vec3 nose = scene_T_tool.orientation * Vec3::UnitX();
+  return nose.z() > kNoseUp && scene_T_tool.position_m.z() - hand.surface_m.value_or(0) > 0.6 * hand.home_m.z();
+}
+
+/// In kg, what is above the tool and no farther than a heap on it can be high.
+double massAbove(const Scene& scene) {
+  const ToolParameters& tool = scene.tool();
+  const double reach_m = tool.shape == ToolShape::kBox ? tool.size_m.x() : tool.diameter_m;
+  const double radius_m = scene.bed().parameters().soil.radius_m;
+  double mass_kg = 0;
+  for (std::size_t i = 0; i < scene.bed().particles(); ++i) {
+    const Float4& p = scene.bed().state().position[i];
+    const Vec3 there_m = scene.toolPose().toBody(Vec3(p.x, p.y, p.z));
+    const bool above = std::abs(there_m.x()) < reach_m / 2 + radius_m && std::abs(there_m.y()) < reach_m / 2 + radius_m;
+    mass_kg += above && there_m.z() > 0 && there_m.z() < reach_m ? scene.bed().mass() : 0;
+  }
+  return mass_kg;
+}
+
+/// A mean that is NaN of nothing.
+class Mean {
+ public:
+  void add(double value) {
+    sum_ += value;
+    ++count_;
+  }
+  [[nodiscard]] double value() const { return sum_ / count_; }
+
+ private:
+  double sum_ = 0;
+  int count_ = 0;
+};
+
+}  // namespace
+
+LevelBed levelBed(const Scenario& scenario, const SettleProgress& progress) {
+  const Scene scene(scenario.bed, scenario.tool, progress);
+  LevelBed bed{.centres_m = {}, .surface_m = scene.bed().surfaceHeight()};
+  for (std::size_t i = 0; i < scene.bed().particles(); ++i) {
+    const Float4& p = scene.bed().state().position[i];
+    bed.centres_m.emplace_back(p.x, p.y, p.z);
+  }
+  return bed;
+}
+
+ExploringHand exploringHand(const Scenario& scenario, const ExplorationOptions& options) {
+  validate(options);
+  std::mt19937_64 random(options.seed);
+  const auto about = [&](double share) { return 1 + options.variation * share * evenly(random); };
+  ExploringHand exploring{.hand = scenario.hand};
+  HandParameters& hand = exploring.hand;
+  hand.manoeuvre = options.manoeuvre;
+  hand.home_m.x() += options.variation * kPlace_m * evenly(random);
+  hand.home_m.y() += options.variation * kPlace_m * evenly(random);
+  hand.period_s *= about(kTempo);
+  hand.depth_m *= about(kDepth);
+  const double arm = about(kArm);
+  hand.mass_kg *= arm;
+  hand.damping_n_s_m *= arm;
+  hand.stiffness_n_m *= arm;
+  if (options.variation > 0) {
+    const bool square = scenario.bed.width_m == scenario.bed.length_m;
+    exploring.quarter_turns = square ? static_cast<int>(random() % 4) : 2 * static_cast<int>(random() % 2);
+    exploring.mirrored = random() % 2 == 1;
+  }
+  return exploring;
+}
+
+Exploration explore(const Scenario& scenario, const LevelBed& bed, const ExplorationOptions& options) {
+  return explore(scenario, bed, exploringHand(scenario, options), options.rounds);
+}
+
+Exploration explore(const Scenario& scenario, const LevelBed& bed, const ExploringHand& exploring, int rounds) {
+  Scenario unpaced = scenario;
+  unpaced.device.kind = DeviceKind::kVirtualHand;
+  unpaced.loop.paced = false;
+  unpaced.hand = exploring.hand;
+  unpaced.hand.surface_m = scenario.hand.surface_m.value_or(bed.surface_m);
+  Scene scene(unpaced.bed, unpaced.tool, turned(bed.centres_m, exploring));
+  VirtualHand hand(unpaced.hand, unpaced.bed.tick_s);
+  HapticLoop loop(scene, hand, unpaced.loop, true, handlingOf(unpaced, *unpaced.hand.surface_m));
+
+  FeltSummary felt;
+  Mean carried_n, carried_kg;
+  std::vector<TickRecord> records;
+  const auto ticks = std::llround(rounds * unpaced.hand.period_s / unpaced.loop.tick_s);
+  for (long long tick = 0; tick < ticks; ++tick) {
+    if (const LoopEnd end = loop.tick(); end != LoopEnd::kRunning) {
+      throw Failure(fmt::format("the exploration broke off after {:g} s: {}", loop.time(), text(end)));
+    }
+    records.clear();
+    loop.takeRecords(records);
+    felt.add(records.back());
+    if (carries(scene.toolPose(), unpaced.hand)) {
+      carried_n.add(-records.back().felt.wrench.force_n.z());
+      if (tick % kTicksPerLook == 0) {
+        carried_kg.add(massAbove(scene));
+      }
+    }
+  }
+  Exploration done{.felt = felt.summary()};
+  done.drag_n = done.felt.work_j / done.felt.path_m;
+  done.carried_n = carried_n.value();
+  done.carried_kg = carried_kg.value();
+  return done;
+}
+
+Exploration explore(const Scenario& scenario, const ExplorationOptions& options) {
+  return explore(scenario, levelBed(scenario), options);
+}
+
+}  // namespace haptolith

@@ -1,0 +1,69 @@
+#pragma once
+
+#include <cstdint>
+#include <limits>
+#include <vector>
+
+#include "haptolith/bed/bed.h"
+#include "haptolith/scenario/scenario.h"
+#include "haptolith/study/store.h"
+
+namespace haptolith {
+
+/// Undisturbed soil, settled once, for as many explorations as wanted.
+struct LevelBed {
+  std::vector<Vec3> centres_m;
+  double surface_m = 0;
+};
+
+/// The soil of a scene before anybody touches it.
+/// @throws InvalidParameter, Failure: as Scene.
+[[nodiscard]] LevelBed levelBed(const Scenario& scenario, const SettleProgress& progress = {});
+
+/// How a virtual hand explores soil.
+struct ExplorationOptions {
+  Manoeuvre manoeuvre = Manoeuvre::kStir;  ///< not kPoses
+  int rounds = 2;                          ///< of the manoeuvre, 1 to 1000
+  std::uint64_t seed = 1;
+  /// How much one exploration differs from the next, 0 to 2: see exploringHand(). 0: not at all.
+  double variation = 1;
+};
+
+/// One exploration: which hand comes to which side of the bed.
+struct ExploringHand {
+  HandParameters hand = {};
+  int quarter_turns = 0;  ///< of the soil under the hand: it comes from another side
+  bool mirrored = false;  ///< the soil, across the scene's x-z plane
+};
+
+/// Draws how the hand of `options.seed` explores. With a variation of 1, evenly: the place up to 8 mm from the scene's
+/// in x and y, tempo and depth up to 10 %, the arm's mass, damping and stiffness together up to 20 % more or less; the
+/// bed from any side, and mirrored or not.
+/// @throws InvalidParameter for options out of range.
+[[nodiscard]] ExploringHand exploringHand(const Scenario& scenario, const ExplorationOptions& options);
+
+/// What a hand did and felt.
+struct Exploration {
+  TrialSummary felt;
+  /// Work over path: the mean force against the movement, N.
+  double drag_n = std::numeric_limits<double>::quiet_NaN();
+  /// Mean downward force on the hand while it carries: the tool is clear of the surface with its nose up. N; NaN when
+  /// it never carries.
+  double carried_n = std::numeric_limits<double>::quiet_NaN();
+  /// Mean mass of the soil above the tool meanwhile, in kg, whether it presses on the tool or not.
+  double carried_kg = std::numeric_limits<double>::quiet_NaN();
+};
+
+/// Explores soil by a script, as fast as the machine can: no clock, no device. The same arguments give the same
+/// numbers. Takes a fraction of a second of computing for the paper's scene.
+/// @param bed  levelBed() of the same scene.
+/// @throws InvalidParameter for options out of range and as HapticLoop; Failure when the exploration cannot go on.
+[[nodiscard]] Exploration explore(const Scenario& scenario, const LevelBed& bed, const ExplorationOptions& options);
+
+/// The same for a hand that has been chosen already.
+[[nodiscard]] Exploration explore(const Scenario& scenario, const LevelBed& bed, const ExploringHand& hand, int rounds);
+
+/// The same on a bed that is settled for it.
+[[nodiscard]] Exploration explore(const Scenario& scenario, const ExplorationOptions& options);
+
+}  // namespace haptolith
