@@ -99,7 +99,8 @@ export function openParticipantPage(settings: Settings): void {
   });
   const hand = new Hand(
     connection,
-    (error) => notices.toast(error.message),
+    // Who takes the tool as the interval ends comes too late, and need not be told.
+    (error) => now.study?.phase === 'interval' && notices.toast(asSentence(error.message)),
     () => stage.invalidate(),
   );
   const pointer = new PointerHand(stage, hand, stage.renderer.domElement);
