@@ -297,6 +297,11 @@ export class MockStudy {
     };
   }
 
+  private underWay(): Answer[] {
+    const { trial, message } = this.screen;
+    return trial && message.phase !== 'feedback' ? [{ ...this.emptyAnswer(trial), state: 'begun' }] : [];
+  }
+
   private note(kind: string, text: string): void {
     this.notes.push({ at: new Date().toISOString(), kind, text });
   }
@@ -438,7 +443,7 @@ export class MockStudy {
       next: next ? { ...this.shown(next), interval: 0 } : null,
       force_n,
       peak_force_n: this.peak_n,
-      answers: this.answers.slice(-100),
+      answers: [...this.answers, ...this.underWay()].slice(-100),
       blocks: BLOCKS.map((block) => this.result(block)),
       notes: this.notes,
       problem: this.problem,

@@ -24,7 +24,8 @@ export class AnswersTable {
     );
   }
 
-  set(answers: readonly Answer[]): void {
+  set(trials: readonly Answer[]): void {
+    const answers = trials.filter(({ state }) => state !== 'begun');
     const shown = JSON.stringify(answers);
     if (shown === this.shown) return;
     this.shown = shown;

@@ -22,6 +22,7 @@ import { asSentence, shareDone, waiting, whatIsShown } from './shown';
 const JOIN_AGAIN_MS = 2000;
 const CLOCK_INTERVAL_MS = 100;
 const OVER: Phase[] = ['finished', 'withdrawn'];
+const BESIDE_BLOCKS: Phase[] = ['waiting', 'consent', ...OVER];
 
 export function openParticipantPage(settings: Settings): void {
   const now = {
@@ -98,7 +99,8 @@ export function openParticipantPage(settings: Settings): void {
   });
   const hand = new Hand(
     connection,
-    (error) => notices.toast(error.message),
+    // Who takes the tool as the interval ends comes too late, and need not be told.
+    (error) => now.study?.phase === 'interval' && notices.toast(asSentence(error.message)),
     () => stage.invalidate(),
   );
   const pointer = new PointerHand(stage, hand, stage.renderer.domElement);
@@ -169,7 +171,7 @@ export function openParticipantPage(settings: Settings): void {
   }
 
   function showProgress({ progress, phase }: ParticipantMessage): void {
-    const in_block = progress !== null && !OVER.includes(phase);
+    const in_block = progress !== null && !BESIDE_BLOCKS.includes(phase);
     const trial = progress && progress.trial > 0 && progress.trials !== null ? progress : null;
     setText(
       progress_text,

@@ -105,7 +105,8 @@ export interface Answer {
   positive: boolean | null;
   correct: boolean | null;
   reaction_s: number | null;
-  state: 'answered' | 'repeated' | 'lost';
+  /** begun: it is under way */
+  state: 'begun' | 'answered' | 'repeated' | 'lost';
   reason: string;
 }
 
@@ -254,7 +255,7 @@ function readAnswer(value: unknown, where: string): Answer {
     positive: keys.orNull('positive', asFlag),
     correct: keys.orNull('correct', asFlag),
     reaction_s: keys.orNull('reaction_s', asNumber),
-    state: keys.oneOf('state', ['answered', 'repeated', 'lost'] as const),
+    state: keys.oneOf('state', ['begun', 'answered', 'repeated', 'lost'] as const),
     reason: keys.text('reason', ''),
   };
 }
