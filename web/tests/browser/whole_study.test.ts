@@ -106,14 +106,13 @@ describe.skipIf(executable === '')('a whole study', () => {
       const phase = await phaseOf(page);
       if (phase === 'finished') break;
       if (before === 'question' && phase !== 'question' && phase !== 'paused' && phase !== '') ++answers;
-      if (phase !== before) console.log(Date.now() % 1000000, phase, answers);
       before = phase;
       if (kills.length > 0 && answers >= kills[0]![0] && phase === kills[0]![1]) {
         kills.shift();
         await kill(child);
         before = '';
         ({ child } = await lead('resume', port));
-        await page.getByText('Welcome back').waitFor();
+        await page.getByRole('heading', { name: 'Welcome back' }).waitFor();
       } else if (!dug && phase === 'interval') {
         await grabTool(page);
         await page.mouse.move(400, 500, { steps: 5 });
