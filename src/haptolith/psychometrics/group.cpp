@@ -42,9 +42,9 @@ std::vector<double> normalShares(const std::vector<double>& places, double mean,
 }
 
 std::vector<double> evenPlaces(double low, double high, int count) {
-  std::vector<double> places;
+  std::vector<double> places(static_cast<std::size_t>(count));
   for (int i = 0; i < count; ++i) {
-    places.push_back(low + (high - low) * i / (count - 1));
+    places[i] = low + (high - low) * i / (count - 1);
   }
   return places;
 }
@@ -186,12 +186,12 @@ GroupFit fitGroup(std::span<const std::vector<Level>> participants, const FitOpt
     const auto same = [](double place) { return place; };
     const PsychometricFunction& axis = group.pooled.function;
     group.threshold = populationOf(models, kThreshold, options.confidence, same, same);
-    const auto inUnit = [&axis](Estimate& estimate) {
+    const auto in_unit = [&axis](Estimate& estimate) {
       estimate = {fromAxis(axis, estimate.value),
                   {fromAxis(axis, estimate.interval.low), fromAxis(axis, estimate.interval.high)}};
     };
-    inUnit(group.threshold->median);
-    std::ranges::for_each(group.threshold->participants, inUnit);
+    in_unit(group.threshold->median);
+    std::ranges::for_each(group.threshold->participants, in_unit);
   }
   return group;
 }
