@@ -92,16 +92,16 @@ Json fitJson(const Fit& fit) {
 }
 
 Json groupJson(const GroupFit& group, const std::vector<std::string>& names) {
-  const auto populationJson = [](const Population& population) {
+  const auto population_json = [](const Population& population) {
     return Json{{"median", population.median.value},
                 {"median_interval", intervalJson(population.median.interval)},
                 {"spread", population.spread.value},
                 {"spread_interval", intervalJson(population.spread.interval)}};
   };
   const char* scale = isWeber(group.pooled.function.sigmoid) ? "weber_fraction" : "width";
-  Json json{{scale, populationJson(group.scale)}};
+  Json json{{scale, population_json(group.scale)}};
   if (group.threshold) {
-    json["threshold"] = populationJson(*group.threshold);
+    json["threshold"] = population_json(*group.threshold);
   }
   for (std::size_t i = 0; i < group.participants.size(); ++i) {
     const Fit& fit = group.participants[i];

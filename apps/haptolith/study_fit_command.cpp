@@ -192,9 +192,10 @@ void run(const Options& options) {
   print(options, result);
 }
 
-template <class Kind, std::size_t n>
-std::vector<std::string> namesOf(const std::array<NamedKind<Kind>, n>& named) {
+template <class Kind, std::size_t kCount>
+std::vector<std::string> namesOf(const std::array<NamedKind<Kind>, kCount>& named) {
   std::vector<std::string> names;
+  names.reserve(kCount);
   for (const NamedKind<Kind>& it : named) {
     names.emplace_back(it.name);
   }

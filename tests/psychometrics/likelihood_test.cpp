@@ -36,6 +36,19 @@ TEST(Likelihood, SumsToOneOverAllAnswers) {
   }
 }
 
+TEST(Likelihood, OfManyAnswersIsTheSameByGammaFunctions) {
+  for (const double eta : {1e-4, 0.05, 0.8}) {
+    // Answer by answer: the probability of the next positive one is (psi (1 - s) + k s) / (1 - s + n s), s = eta^2.
+    const double s = eta * eta;
+    double sum = 0;
+    for (int i = 0; i < 100; ++i) {
+      const double share = i < 70 ? 0.6 * (1 - s) + i * s : 0.4 * (1 - s) + (i - 70) * s;
+      sum += std::log(share / (1 - s + i * s));
+    }
+    EXPECT_NEAR(logLikelihood(70, 100, 0.6, eta), sum, 1e-6) << eta;
+  }
+}
+
 TEST(Likelihood, OfManyAnswersDoesNotUnderflow) {
   EXPECT_NEAR(logLikelihood(3000, 6000, 0.5, 1e-9), 6000 * std::log(0.5), 1e-6);
 }

@@ -31,7 +31,7 @@ struct AnswersOf {
 /// them, and lines that begin with # are comments. The order is that of the first appearance; levels are pooled().
 /// @param name  of the table, for messages.
 /// @throws InvalidParameter with line and column for what cannot be understood, or when there is no answer.
-[[nodiscard]] std::vector<AnswersOf> readAnswers(std::istream& table, std::string_view name);
+[[nodiscard]] std::vector<AnswersOf> readAnswers(std::istream& text, std::string_view name);
 
 /// The same from a file. @throws InvalidParameter when there is none; Failure when it cannot be read.
 [[nodiscard]] std::vector<AnswersOf> readAnswersFile(const std::filesystem::path& path);

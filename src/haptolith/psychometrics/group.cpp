@@ -12,10 +12,14 @@ namespace haptolith {
 
 namespace {
 
-constexpr int kPlaces = 301;         // of a participant's parameter
-constexpr int kMeans = 121;          // of the population
-constexpr int kSpreads = 61;         // between people
-constexpr double kMostSpread = 0.5;  // of the parameter's whole range
+constexpr int kPlaces = 301;  // of a participant's parameter
+constexpr int kMeans = 121;   // of the population
+constexpr int kSpreads = 61;  // between people
+// Half-normal priors of the spread between people keep a few answers from leaving it open: of ln(Weber fraction) or
+// ln(width) a factor of e^0.5 = 1.6 between people is usual; of thresholds a quarter of the stimuli's range.
+constexpr double kUsualLogSpread = 0.5;
+constexpr double kUsualThresholdSpread = 1.0 / 8;  // of the support, which is twice that range
+constexpr double kMostSpread = 0.5;                // of the parameter's whole range
 
 /// Evenly spaced places, and each participant's likelihood at them.
 struct Likelihoods {
@@ -42,9 +46,9 @@ std::vector<double> normalShares(const std::vector<double>& places, double mean,
 }
 
 std::vector<double> evenPlaces(double low, double high, int count) {
-  std::vector<double> places;
+  std::vector<double> places(static_cast<std::size_t>(count));
   for (int i = 0; i < count; ++i) {
-    places.push_back(low + (high - low) * i / (count - 1));
+    places[i] = low + (high - low) * i / (count - 1);
   }
   return places;
 }
@@ -52,18 +56,19 @@ std::vector<double> evenPlaces(double low, double high, int count) {
 /// Sums over means and spreads of the population.
 class Hierarchy {
  public:
-  explicit Hierarchy(const Likelihoods& likelihoods) : likelihoods_(likelihoods) {
+  Hierarchy(const Likelihoods& likelihoods, double usual_spread) : likelihoods_(likelihoods) {
     const double low = likelihoods.places.front();
     const double high = likelihoods.places.back();
     const std::vector<double> means = evenPlaces(low, high, kMeans);
+    const double most_spread = std::min(kMostSpread * (high - low), 4 * usual_spread);
     for (int i = 0; i < kSpreads; ++i) {
       // The middles of cells: a spread of nothing is no place of the grid.
-      const double spread = kMostSpread * (high - low) * (i + 0.5) / kSpreads;
+      const double spread = most_spread * (i + 0.5) / kSpreads;
       for (const double mean : means) {
         points_.push_back({mean, spread, normalShares(likelihoods.places, mean, spread)});
       }
     }
-    weigh();
+    weigh(usual_spread);
   }
 
   [[nodiscard]] std::vector<WeightedValue> means() const { return values(&Point::mean); }
@@ -100,10 +105,11 @@ class Hierarchy {
     return sum;
   }
 
-  void weigh() {
+  void weigh(double usual_spread) {
     std::vector<double> logs;
     for (const Point& point : points_) {
-      double sum = 0;
+      const double spreads = point.spread / usual_spread;
+      double sum = -spreads * spreads / 2;
       for (const std::vector<double>& likelihood : likelihoods_.of_participants) {
         sum += std::log(integral(likelihood, point.shares));
       }
@@ -140,8 +146,8 @@ Estimate estimateOf(const std::vector<WeightedValue>& values, double confidence,
 
 /// The population of one parameter. `to_place` is where the normal distribution lives, `to_value` its inverse.
 template <class ToPlace, class ToValue>
-Population populationOf(const std::vector<Model>& models, int parameter, double confidence, const ToPlace& to_place,
-                        const ToValue& to_value) {
+Population populationOf(const std::vector<Model>& models, Parameter parameter, double confidence,
+                        const ToPlace& to_place, const ToValue& to_value) {
   double low = to_place(models.front().support(parameter).low);
   double high = to_place(models.front().support(parameter).high);
   for (const Model& model : models) {
@@ -156,7 +162,7 @@ Population populationOf(const std::vector<Model>& models, int parameter, double 
   for (const Model& model : models) {
     likelihoods.of_participants.push_back(marginalLikelihood(model, parameter, values));
   }
-  const Hierarchy hierarchy(likelihoods);
+  const Hierarchy hierarchy(likelihoods, parameter == kScale ? kUsualLogSpread : kUsualThresholdSpread * (high - low));
   Population population;
   population.median = estimateOf(hierarchy.means(), confidence, to_value);
   population.spread = estimateOf(hierarchy.spreads(), confidence, [](double spread) { return spread; });
@@ -186,12 +192,12 @@ GroupFit fitGroup(std::span<const std::vector<Level>> participants, const FitOpt
     const auto same = [](double place) { return place; };
     const PsychometricFunction& axis = group.pooled.function;
     group.threshold = populationOf(models, kThreshold, options.confidence, same, same);
-    const auto inUnit = [&axis](Estimate& estimate) {
+    const auto in_unit = [&axis](Estimate& estimate) {
       estimate = {fromAxis(axis, estimate.value),
                   {fromAxis(axis, estimate.interval.low), fromAxis(axis, estimate.interval.high)}};
     };
-    inUnit(group.threshold->median);
-    std::ranges::for_each(group.threshold->participants, inUnit);
+    in_unit(group.threshold->median);
+    std::ranges::for_each(group.threshold->participants, in_unit);
   }
   return group;
 }

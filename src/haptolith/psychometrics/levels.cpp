@@ -34,6 +34,7 @@ std::vector<Level> pooled(std::span<const Level> levels) {
     }
   }
   std::vector<Level> result;
+  result.reserve(by_x.size());
   for (const auto& [x, level] : by_x) {
     result.push_back(level);
   }

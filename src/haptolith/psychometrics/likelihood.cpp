@@ -33,12 +33,25 @@ double logBinomial(double k, double n, double psi) noexcept {
   return logPower(k, psi) + logPower(n - k, 1 - psi);
 }
 
+/// The same by gamma functions, for answers so many that their product takes longer.
+double logBetaBinomial(double k, double n, double psi, double s) noexcept {
+  const double nu = 1 / s - 1;
+  const auto rise = [](double from, double count) { return std::lgamma(from + count) - std::lgamma(from); };
+  return (k > 0 ? rise(psi * nu, k) : 0) + (n - k > 0 ? rise((1 - psi) * nu, n - k) : 0) - rise(nu, n);
+}
+
+constexpr double kMany = 60;
+constexpr double kBinomial = 1e-9;  // eta^2 below which many answers cannot be told from binomial ones
+
 }  // namespace
 
 double logLikelihood(double k, double n, double psi, double eta) noexcept {
   const double s = eta * eta;
-  if (s == 0) {
+  if (s == 0 || (n > kMany && s < kBinomial)) {
     return logBinomial(k, n, psi);
+  }
+  if (n > kMany && psi > 0 && psi < 1) {
+    return logBetaBinomial(k, n, psi, s);
   }
   // B(k + a, n - k + b)/B(a, b) is a(a+1).. b(b+1).. / (a+b)(a+b+1)..; each factor is multiplied by s.
   LogProduct product;

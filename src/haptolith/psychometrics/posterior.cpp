@@ -2,15 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include "haptolith/psychometrics/likelihood.h"
 
 namespace haptolith {
 
 namespace {
-
-constexpr double kMinusInfinity = -std::numeric_limits<double>::infinity();
 
 using Sizes = std::array<int, kParameters>;
 using Supports = std::array<Support, kParameters>;

@@ -63,14 +63,14 @@ std::vector<double> stimuliOf(const PsychometricFigure& wanted) {
     low = std::min(low, wanted.log_axis ? std::log(x) : x);
     high = std::max(high, wanted.log_axis ? std::log(x) : x);
   };
-  const auto reachAll = [&](const FigureCurve& curve) {
+  const auto reach_all = [&](const FigureCurve& curve) {
     for (const Level& level : curve.fit.levels) {
       reach(level.x);
     }
   };
-  std::ranges::for_each(wanted.participants, reachAll);
+  std::ranges::for_each(wanted.participants, reach_all);
   if (wanted.group) {
-    reachAll(*wanted.group);
+    reach_all(*wanted.group);
   }
   if (wanted.reference) {
     reach(*wanted.reference);

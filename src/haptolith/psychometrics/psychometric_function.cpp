@@ -38,8 +38,8 @@ double standardPlace(Sigmoid sigmoid, double share) {
   return std::numbers::sqrt2 * boost::math::erf_inv(2 * share - 1) / kGaussianWidth;
 }
 
-template <class Kind, std::size_t n>
-std::string_view nameIn(const std::array<NamedKind<Kind>, n>& names, Kind kind) {
+template <class Kind, std::size_t kCount>
+std::string_view nameIn(const std::array<NamedKind<Kind>, kCount>& names, Kind kind) {
   for (const NamedKind<Kind>& named : names) {
     if (named.kind == kind) {
       return named.name;
@@ -48,8 +48,8 @@ std::string_view nameIn(const std::array<NamedKind<Kind>, n>& names, Kind kind) 
   return "";
 }
 
-template <class Kind, std::size_t n>
-Kind kindNamed(std::string_view key, const std::array<NamedKind<Kind>, n>& names, std::string_view name) {
+template <class Kind, std::size_t kCount>
+Kind kindNamed(std::string_view key, const std::array<NamedKind<Kind>, kCount>& names, std::string_view name) {
   std::string all;
   for (const NamedKind<Kind>& named : names) {
     if (named.name == name) {

@@ -21,9 +21,9 @@ double entropyTerm(double p) noexcept {
 }
 
 std::vector<double> spaced(double low, double high, int count) {
-  std::vector<double> values;
+  std::vector<double> values(static_cast<std::size_t>(count));
   for (int i = 0; i < count; ++i) {
-    values.push_back(low + (high - low) * i / (count - 1));
+    values[i] = low + (high - low) * i / (count - 1);
   }
   return values;
 }
