@@ -67,6 +67,7 @@ struct FileKey {
   struct ItemsValue {
     std::string_view valid;
     void (*set)(Target&, const std::vector<TextOrNumber>&);
+    std::nullptr_t get = kOnlyRead;
   };
   /// The name of another file, which lies beside the one that names it.
   struct PathValue {

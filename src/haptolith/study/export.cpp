@@ -142,7 +142,10 @@ std::vector<FilledColumn> recordColumns() {
   return {
       {{"seed", "seed", "Seed of what is random in the trial's scene.", ""},
        [](const TrialOf& of) { return fmt::format("{}", of.trial.seed); }},
-      {{"recording", "recording", "Recordings of the trial: their names before -first.h5 and -second.h5, in the folder of the study's recordings.", ""},
+      {{"recording", "recording",
+        "Recordings of the trial: their names before -first.h5 and -second.h5, in the folder of the study's "
+        "recordings.",
+        ""},
        ofAnswer([](const TrialAnswer& a) { return a.recording; })},
       {{"begun_at", "begun_at", "When it began, UTC.", ""}, [](const TrialOf& of) { return of.trial.begun_at; }},
       {{"answered_at", "answered_at", "When it was answered, UTC.", ""},
