@@ -47,8 +47,10 @@ std::string ticsOf(const PerceptionBlock& block) {
   std::string tics;
   for (const PerceptionStimulus& stimulus : block.stimuli) {
     const bool reference = &stimulus == &block.stimuli[block.reference];
-    tics += fmt::format("{}'{}' {}", tics.empty() ? "" : ", ",
-                        reference ? fmt::format("{{/:Bold {}}}", stimulus.name) : stimulus.name, stimulus.x);
+    const std::string name = reference ? fmt::format("{{/:Bold {}}}", stimulus.name) : stimulus.name;
+    // Europa and the Moon are close together.
+    tics +=
+        fmt::format("{}\"{}{}\" {}", tics.empty() ? "" : ", ", stimulus.name == "Moon" ? "\\n" : "", name, stimulus.x);
   }
   return tics;
 }
@@ -62,7 +64,7 @@ void drawForces(const std::filesystem::path& path, const std::vector<PerceptionB
   figure.command(
       fmt::format("set multiplot layout {},3 margins 0.055,0.985,{},0.93 spacing 0.055,0.16\nset bars 0.4\n"
                   "set grid ytics linecolor rgb '#e6e6e6'\nset logscale x\nset border 3\nset xtics nomirror "
-                  "scale 0.5 rotate by 35 right\nset ytics nomirror\nset mxtics 0",
+                  "scale 0.5\nset ytics nomirror\nset mxtics 0",
                   names.size(), names.size() == 1 ? 0.2 : 0.11));
   for (const std::string& name : names) {
     for (const Panel& panel : kPanels) {
@@ -97,9 +99,10 @@ void drawForces(const std::filesystem::path& path, const std::vector<PerceptionB
         figure.command("set multiplot next");
         continue;
       }
-      figure.command(fmt::format("set title '{}: {}, {}'\nset yrange [0:*]\nset key {} top left Left reverse samplen 1",
-                                 wordFor(kManoeuvreWords, panel.hand), drawn->title, drawn->unit,
-                                 &panel == kPanels ? "on" : "off"));
+      figure.command(
+          fmt::format("set title '{}: {}, {}'\nset yrange [0:{}]\nset key {} top left Left reverse samplen 1",
+                      wordFor(kManoeuvreWords, panel.hand), drawn->title, drawn->unit,
+                      panel.cue == "weight" ? "0.05<*" : "*", &panel == kPanels ? "on" : "off"));
       figure.command(fmt::format("set xlabel '{}' offset 0,-0.6",
                                  name == "friction" ? "friction coefficient of the set" : "gravity"));
       if (panel.cue == "weight") {

@@ -16,7 +16,7 @@ namespace haptolith {
 
 namespace {
 
-constexpr double kPlace_m = 0.008;
+constexpr double kPlace_m = 0.005;  // farther out a grain jams between the tool and a wall
 constexpr double kTempo = 0.1, kDepth = 0.1, kArm = 0.2;
 
 constexpr int kMostRounds = 1000;
@@ -41,11 +41,11 @@ std::vector<Vec3> turned(std::vector<Vec3> centres_m, const ExploringHand& from)
   return centres_m;
 }
 
-/// Whether the tool holds soil up: nose up, and so high that it does not touch what lies in the box.
+/// Whether the tool holds soil up: nose up, and as high as it comes, where it nearly stands still.
 bool carries(const Pose& scene_T_tool, const HandParameters& hand) {
   constexpr double kNoseUp = 0.1;  // sine of 6 degrees
   const Vec3 nose = scene_T_tool.orientation * Vec3::UnitX();
-  return nose.z() > kNoseUp && scene_T_tool.position_m.z() - hand.surface_m.value_or(0) > 0.6 * hand.home_m.z();
+  return nose.z() > kNoseUp && scene_T_tool.position_m.z() - hand.surface_m.value_or(0) > 0.9 * hand.home_m.z();
 }
 
 /// In kg, what is above the tool and no farther than a heap on it can be high.

@@ -36,7 +36,7 @@ struct ExploringHand {
   bool mirrored = false;  ///< the soil, across the scene's x-z plane
 };
 
-/// Draws how the hand of `options.seed` explores. With a variation of 1, evenly: the place up to 8 mm from the scene's
+/// Draws how the hand of `options.seed` explores. With a variation of 1, evenly: the place up to 5 mm from the scene's
 /// in x and y, tempo and depth up to 10 %, the arm's mass, damping and stiffness together up to 20 % more or less; the
 /// bed from any side, and mirrored or not.
 /// @throws InvalidParameter for options out of range.

@@ -1,0 +1,63 @@
+#include <gmock/gmock.h>
+#include <nlohmann/json.hpp>
+#include <unistd.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <string>
+
+#include "program.h"
+
+namespace haptolith {
+namespace {
+
+namespace fs = std::filesystem;
+using nlohmann::json;
+
+const std::string kQuick = "study explore --block friction --friction paper --hand stir --repeats 2 --rounds 1";
+
+class StudyExploreCommand : public testing::Test {
+ protected:
+  StudyExploreCommand() { fs::create_directories(folder_); }
+  ~StudyExploreCommand() override { fs::remove_all(folder_); }
+
+  fs::path folder_ = fs::temp_directory_path() / ("haptolith_explore_" + std::to_string(getpid()));
+};
+
+TEST_F(StudyExploreCommand, TellsWhatAHandFeelsOfEachStimulus) {
+  const fs::path csv = folder_ / "all.csv";
+  const fs::path forces = folder_ / "forces.svg";
+  const fs::path weber = folder_ / "weber.svg";
+  const ProgramResult result = runHaptolith(kQuick + " --json --csv " + csv.string() + " --figure " + forces.string() +
+                                            " --weber-figure " + weber.string());
+  ASSERT_EQ(result.exit_status, 0) << result.errors;
+  const json block = json::parse(result.output).at("blocks").at(0);
+  EXPECT_EQ(block.at("reference"), "P3");
+  ASSERT_EQ(block.at("stimuli").size(), 6U);
+  EXPECT_EQ(block.at("stimuli").at(5).at("name"), "P1");
+  const json& mean_force = block.at("cues").at(0);
+  EXPECT_EQ(mean_force.at("cue"), "mean force");
+  EXPECT_TRUE(mean_force.at("rises"));
+  EXPECT_GT(mean_force.at("jnds_from_reference").at(5), 0.5);
+  EXPECT_EQ(mean_force.at("jnds_between_neighbours").size(), 5U);
+  std::ifstream file(csv);
+  EXPECT_EQ(std::count(std::istreambuf_iterator<char>(file), {}, '\n'), 1 + 6 * 2);
+  EXPECT_GT(fs::file_size(forces), 1000U);
+  EXPECT_GT(fs::file_size(weber), 1000U);
+}
+
+TEST_F(StudyExploreCommand, IsTheSameForAnyNumberOfThreads) {
+  EXPECT_EQ(runHaptolith(kQuick + " --json --threads 1").output, runHaptolith(kQuick + " --json --threads 3").output);
+}
+
+TEST_F(StudyExploreCommand, NonsenseIsRefused) {
+  EXPECT_EQ(runHaptolith("study explore --block weight").exit_status, 2);
+  EXPECT_EQ(runHaptolith("study explore --repeats 1").exit_status, 2);
+  EXPECT_EQ(runHaptolith("study explore --hand carry").exit_status, 2);
+  EXPECT_EQ(runHaptolith(kQuick + " --csv /no/such/folder/file.csv").exit_status, 1);
+}
+
+}  // namespace
+}  // namespace haptolith

@@ -1,0 +1,128 @@
+#include "haptolith/study/exploration.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "haptolith/core/error.h"
+
+namespace haptolith {
+namespace {
+
+Scenario paperScene(const char* preset = "P3") {
+  Scenario scene;
+  changePreset(scene, preset);
+  return scene;
+}
+
+/// Grains without cohesion, and a hand that digs deep and holds the tool firmly.
+Scenario grains(const char* body) {
+  Scenario scene;
+  SoilParameters& soil = scene.bed.soil;
+  soil.gamma_nm = 6e-5;
+  soil.stiffness_n_m = 3000;
+  soil.friction = FrictionModel::kPairwise;
+  soil.contact_friction = 0.3;
+  soil.size_spread = 0.15;
+  scene.bed.start = BedStart::kRain;
+  scene.hand.depth_m = 0.032;
+  scene.hand.stiffness_n_m = 400;
+  scene.hand.damping_n_s_m = 15;
+  changeBody(scene, body);
+  return scene;
+}
+
+TEST(Exploration, OfTheSameSeedFeelsTheSame) {
+  const ExplorationOptions options{.rounds = 1, .seed = 7};
+  const LevelBed bed = levelBed(paperScene());
+  const Exploration once = explore(paperScene(), bed, options);
+  EXPECT_EQ(explore(paperScene(), options).felt.mean_force_n, once.felt.mean_force_n);
+  EXPECT_NE(explore(paperScene(), bed, {.rounds = 1, .seed = 8}).felt.mean_force_n, once.felt.mean_force_n);
+}
+
+TEST(Exploration, WithoutVariationRepeatsItselfWhateverTheSeed) {
+  const LevelBed bed = levelBed(paperScene());
+  const Exploration one = explore(paperScene(), bed, {.rounds = 1, .seed = 1, .variation = 0});
+  const Exploration other = explore(paperScene(), bed, {.rounds = 1, .seed = 2, .variation = 0});
+  EXPECT_EQ(one.felt.mean_force_n, other.felt.mean_force_n);
+}
+
+TEST(Exploration, LastsItsRounds) {
+  const Exploration done = explore(paperScene(), {.rounds = 3, .variation = 0});
+  EXPECT_NEAR(done.felt.duration_s, 3 * paperScene().hand.period_s, 0.002);
+}
+
+TEST(Exploration, DrawsHandsAroundTheScenes) {
+  const HandParameters usual = paperScene().hand;
+  bool mirrored = false;
+  int turns = 0;
+  double sum_m = 0;
+  for (std::uint64_t seed = 1; seed <= 200; ++seed) {
+    const ExploringHand drawn = exploringHand(paperScene(), {.manoeuvre = Manoeuvre::kPress, .seed = seed});
+    EXPECT_NEAR(drawn.hand.home_m.x(), usual.home_m.x(), 0.005);
+    EXPECT_NEAR(drawn.hand.period_s / usual.period_s, 1, 0.1);
+    EXPECT_DOUBLE_EQ(drawn.hand.mass_kg / usual.mass_kg, drawn.hand.stiffness_n_m / usual.stiffness_n_m);
+    EXPECT_EQ(drawn.hand.manoeuvre, Manoeuvre::kPress);
+    mirrored = mirrored || drawn.mirrored;
+    turns |= 1 << drawn.quarter_turns;
+    sum_m += drawn.hand.home_m.y();
+  }
+  EXPECT_TRUE(mirrored);
+  EXPECT_EQ(turns, 0b1111);
+  EXPECT_NEAR(sum_m / 200, usual.home_m.y(), 0.001);  // 4.9 standard errors
+}
+
+TEST(Exploration, FeelsTheSameWhenHandAndSoilAreMirrored) {
+  const LevelBed bed = levelBed(paperScene());
+  ExploringHand hand{.hand = paperScene().hand};
+  hand.hand.manoeuvre = Manoeuvre::kPress;
+  hand.hand.home_m.y() = 0.004;
+  const double here_n = explore(paperScene(), bed, hand, 1).felt.mean_force_n;
+  hand.hand.home_m.y() = -0.004;
+  const double there_n = explore(paperScene(), bed, hand, 1).felt.mean_force_n;
+  hand.mirrored = true;
+  const double mirrored_n = explore(paperScene(), bed, hand, 1).felt.mean_force_n;
+  EXPECT_NEAR(mirrored_n, here_n, 1e-5 * here_n);
+  EXPECT_GT(std::abs(there_n - here_n), 1e-4 * here_n);
+}
+
+TEST(Exploration, MeetsMoreResistanceWhereThereIsMoreFriction) {
+  const ExplorationOptions stir{.rounds = 1, .variation = 0};
+  EXPECT_GT(explore(paperScene("P1"), stir).felt.mean_force_n, 1.2 * explore(paperScene("P6"), stir).felt.mean_force_n);
+}
+
+TEST(Exploration, OnlyLiftingCarries) {
+  EXPECT_TRUE(std::isnan(explore(paperScene(), {.manoeuvre = Manoeuvre::kPress, .rounds = 1}).carried_n));
+  EXPECT_TRUE(std::isfinite(explore(paperScene(), {.manoeuvre = Manoeuvre::kScoop, .rounds = 1}).carried_n));
+}
+
+TEST(Exploration, FeelsTheWeightOfTheGrainsOnTheTool) {
+  const Scenario earth = grains("Earth");
+  const LevelBed bed = levelBed(earth);
+  int right = 0;  // now and then a grain jams between the tool and a wall
+  for (std::uint64_t seed = 1; seed <= 5; ++seed) {
+    const Exploration scoop = explore(earth, bed, {.manoeuvre = Manoeuvre::kScoop, .rounds = 1, .seed = seed});
+    const double weight_n = scoop.carried_kg * 9.807;
+    EXPECT_GT(weight_n, 0.02);
+    right += std::abs(scoop.carried_n - weight_n) < 0.12 * weight_n ? 1 : 0;
+  }
+  EXPECT_GE(right, 4);
+}
+
+TEST(Exploration, FeelsNoWeightWithoutGravity) {
+  Scenario scene = grains("Moon");
+  const LevelBed bed = levelBed(scene);
+  scene.bed.gravity_m_s2 = Vec3::Zero();
+  const Exploration scoop = explore(scene, bed, {.manoeuvre = Manoeuvre::kScoop, .rounds = 1});
+  EXPECT_NEAR(scoop.carried_n, 0, 0.01);  // on Earth some 0.08
+}
+
+TEST(Exploration, RefusesNonsense) {
+  EXPECT_THROW((void)explore(paperScene(), {.manoeuvre = Manoeuvre::kPoses}), InvalidParameter);
+  EXPECT_THROW((void)explore(paperScene(), {.rounds = 0}), InvalidParameter);
+  EXPECT_THROW((void)explore(paperScene(), {.variation = -0.1}), InvalidParameter);
+  EXPECT_THROW((void)explore(paperScene(), {.variation = 2.1}), InvalidParameter);
+}
+
+}  // namespace
+}  // namespace haptolith

@@ -1,0 +1,58 @@
+#include "haptolith/study/feeling_rig.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+#include "haptolith/core/error.h"
+
+#include "a_study.h"
+
+namespace haptolith {
+namespace {
+
+constexpr ExplorationOptions kStir{.manoeuvre = Manoeuvre::kStir, .rounds = 1};
+
+const Stimulus& levelNamed(const StudyBlock& block, std::string_view name) {
+  return *std::ranges::find(block.levels, name, &Stimulus::name);
+}
+
+TEST(FeelingRig, FeelsTheStimulusThatIsShown) {
+  const StudyProtocol protocol = loadProtocolText(kTwoBlocks, "two.toml");
+  const StudyBlock& friction = protocol.blocks[0];
+  FeelingRig rig(protocol, kStir);
+  rig.show(friction, friction.reference);
+  ASSERT_TRUE(rig.ready());
+  rig.feel();
+  const TrialSummary felt = rig.rest();
+  EXPECT_EQ(felt.mean_force_n, explore(sceneOf(protocol, friction, friction.reference), kStir).felt.mean_force_n);
+
+  rig.show(friction, levelNamed(friction, "P1"));
+  rig.feel();
+  EXPECT_GT(rig.rest().mean_force_n, 1.1 * felt.mean_force_n);
+}
+
+TEST(FeelingRig, ExploresAnewEachTime) {
+  const StudyProtocol protocol = loadProtocolText(kTwoBlocks, "two.toml");
+  FeelingRig rig(protocol, kStir);
+  FeelingRig same(protocol, kStir);
+  double before_n = 0;
+  for (int trial = 0; trial < 3; ++trial) {
+    for (FeelingRig* each : {&rig, &same}) {
+      each->show(protocol.blocks[0], protocol.blocks[0].reference);
+      each->feel();
+    }
+    const double felt_n = rig.rest().mean_force_n;
+    EXPECT_EQ(same.rest().mean_force_n, felt_n);
+    EXPECT_NE(felt_n, before_n);
+    before_n = felt_n;
+  }
+}
+
+TEST(FeelingRig, RefusesHandsThatCannotExplore) {
+  const StudyProtocol protocol = loadProtocolText(kTwoBlocks, "two.toml");
+  EXPECT_THROW(FeelingRig(protocol, {.manoeuvre = Manoeuvre::kPoses}), InvalidParameter);
+}
+
+}  // namespace
+}  // namespace haptolith
