@@ -3,7 +3,7 @@
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
-#include <array>
+#include <cmath>
 #include <cstdint>
 #include <map>
 #include <memory>
@@ -13,6 +13,7 @@
 
 #include "haptolith/core/error.h"
 #include "haptolith/study/answers.h"
+#include "haptolith/study/feeling_rig.h"
 #include "haptolith/study/simulated_participant.h"
 
 #include "output.h"
@@ -25,7 +26,8 @@ namespace {
 constexpr const char* kExamples = R"(Examples:
   haptolith study new try.study --protocol paper-friction
   haptolith study simulate try.study --participants 8 --weber 0.29
-  haptolith study figure try.study --out try.svg)";
+  haptolith study figure try.study --out try.svg
+  haptolith study simulate try.study --hand stir --judge mean-force --weber 0.1    by what a hand really feels)";
 
 constexpr const char* kCode = "sim";
 
@@ -35,7 +37,29 @@ struct Options {
   ObserverParameters observer;
   double spread = 0;
   std::uint64_t seed = 1;
+  std::optional<Manoeuvre> hand;
 };
+
+/// Those by which a hand can explore by itself.
+const std::map<std::string, Manoeuvre>& handChoices() {
+  static const std::map<std::string, Manoeuvre> kChoices{
+      {"stir", Manoeuvre::kStir}, {"press", Manoeuvre::kPress}, {"scoop", Manoeuvre::kScoop}};
+  return kChoices;
+}
+
+const std::map<std::string, JudgedBy>& judgeChoices() {
+  static const std::map<std::string, JudgedBy> kChoices{
+      {"mean-force", JudgedBy::kMeanForce}, {"peak-force", JudgedBy::kPeakForce}, {"work", JudgedBy::kWork}};
+  return kChoices;
+}
+
+/// A hand that explores when there is something to judge by, else none.
+std::unique_ptr<Rig> rigFor(const Options& options, const StudyProtocol& protocol) {
+  if (!options.hand) {
+    return std::make_unique<RigWithoutBed>();
+  }
+  return std::make_unique<FeelingRig>(protocol, ExplorationOptions{.manoeuvre = *options.hand, .seed = options.seed});
+}
 
 /// Simulated answers never stand beside a person's.
 void requireNobody(const StudyStore& study) {
@@ -53,7 +77,7 @@ void simulate(const Options& options) {
   StudyStore study(options.file, StudyStore::Access::kRun);
   requireNobody(study);
   StatusLine status;
-  RigWithoutBed rig;
+  const std::unique_ptr<Rig> rig = rigFor(options, study.protocol());
   std::mt19937_64 random(options.seed);
   const std::size_t before = study.participants().size();
   for (int person = 0; person < options.participants; ++person) {
@@ -64,7 +88,7 @@ void simulate(const Options& options) {
     ObserverParameters who = options.observer;
     who.weber_fraction *= std::exp(options.spread * normal(random));
     SimulatedParticipant participant(who, random());
-    Conductor conductor(study, rig, {.now_s = [&participant] { return participant.now(); }});
+    Conductor conductor(study, *rig, {.now_s = [&participant] { return participant.now(); }});
     conductor.begin(fmt::format("{}{:03}", kCode, before + static_cast<std::size_t>(person) + 1));
     participant.takePart(conductor);
   }
@@ -95,6 +119,17 @@ void addStudySimulateCommand(CLI::App& study) {
   command->add_option("--lapse", options->observer.lapse, "Share of answers given blindly [0]")->option_text("SHARE");
   command->add_option("--learning", options->observer.learning, "W is 1 + LEARNING times as large at first [0]")
       ->option_text("LEARNING");
+  CLI::Option* judge =
+      command
+          ->add_option("--judge", options->observer.judged_by,
+                       "What they compare, with Weber fraction W: what the hand felt; default: the stimulus' value")
+          ->transform(CLI::CheckedTransformer(judgeChoices(), CLI::ignore_case))
+          ->option_text("mean-force|peak-force|work");
+  CLI::Option* hand = command->add_option("--hand", options->hand, "How they explore, with --judge")
+                          ->transform(CLI::CheckedTransformer(handChoices(), CLI::ignore_case))
+                          ->option_text("stir|press|scoop")
+                          ->needs(judge);
+  judge->needs(hand);
   command->add_option("--seed", options->seed, "Of their answers [1]")->option_text("N");
   command->callback([options] { simulate(*options); });
 }
