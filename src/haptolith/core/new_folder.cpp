@@ -37,8 +37,7 @@ void moveTo(const fs::path& from, const fs::path& to) {
 
 }  // namespace
 
-NewFolder::NewFolder(const fs::path& path, bool replace)
-    : path_(withoutSlash(path)), making_(besideOf(path_, "part")) {
+NewFolder::NewFolder(const fs::path& path, bool replace) : path_(withoutSlash(path)), making_(besideOf(path_, "part")) {
   if (fs::exists(path_) && (!replace || !fs::is_directory(path_))) {
     throw Failure(fmt::format("{} exists already: choose another name", path_.string()));
   }
