@@ -9,8 +9,8 @@
 #include <string>
 #include <vector>
 
-#include "haptolith/study/store.h"
 #include "haptolith/study/answers.h"
+#include "haptolith/study/store.h"
 
 #include "output.h"
 

@@ -46,6 +46,9 @@ log_axis = true
 
 /// A study of kTwoBlocks in a folder of its own.
 class AStudy : public testing::Test {
+ public:
+  ~AStudy() override { std::filesystem::remove_all(folder_); }
+
  protected:
   AStudy() : folder_(std::filesystem::path(testing::TempDir()) / fmt::format("haptolith_study_{}", getpid())) {
     std::filesystem::remove_all(folder_);
@@ -53,7 +56,6 @@ class AStudy : public testing::Test {
     file_ = folder_ / "a.study";
     StudyStore::create(file_, loadProtocolText(kTwoBlocks, "two.toml"), kTwoBlocks, 42);
   }
-  ~AStudy() override { std::filesystem::remove_all(folder_); }
 
   /// The `index`-th trial of the first block.
   static TrialBegun trial(std::int64_t participant, int index, int attempt = 0) {

@@ -208,8 +208,8 @@ struct Wrong {
   std::string what, text, message;
 };
 
-void PrintTo(const Wrong& wrong, std::ostream* out) {
-  *out << wrong.what;
+std::ostream& operator<<(std::ostream& out, const Wrong& wrong) {
+  return out << wrong.what;
 }
 
 class WrongProtocol : public testing::TestWithParam<Wrong> {};

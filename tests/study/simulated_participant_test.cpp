@@ -7,8 +7,8 @@
 #include <filesystem>
 
 #include "haptolith/core/error.h"
-#include "haptolith/study/study_plan.h"
 #include "haptolith/study/answers.h"
+#include "haptolith/study/study_plan.h"
 
 namespace haptolith {
 namespace {

@@ -31,7 +31,6 @@ namespace {
 
 namespace fs = std::filesystem;
 using testing::AllOf;
-using testing::AnyOf;
 using testing::HasSubstr;
 using Access = StudyStore::Access;
 using StoreFaults = AStudy;

@@ -8,7 +8,6 @@
 #include <cstring>
 #include <memory>
 #include <system_error>
-#include <utility>
 
 #include "haptolith/core/error.h"
 
@@ -19,7 +18,7 @@ namespace {
 namespace fs = std::filesystem;
 
 /// "out/" and "out" are one folder.
-fs::path withoutSlash(fs::path path) {
+fs::path withoutSlash(const fs::path& path) {
   return path.has_filename() ? path : path.parent_path();
 }
 
@@ -38,8 +37,7 @@ void moveTo(const fs::path& from, const fs::path& to) {
 
 }  // namespace
 
-NewFolder::NewFolder(fs::path path, bool replace)
-    : path_(withoutSlash(std::move(path))), making_(besideOf(path_, "part")) {
+NewFolder::NewFolder(const fs::path& path, bool replace) : path_(withoutSlash(path)), making_(besideOf(path_, "part")) {
   if (fs::exists(path_) && (!replace || !fs::is_directory(path_))) {
     throw Failure(fmt::format("{} exists already: choose another name", path_.string()));
   }

@@ -11,7 +11,7 @@ class NewFolder {
  public:
   /// @param replace  whether commit() may take the place of a folder that is there.
   /// @throws Failure when there is something of that name that may not be replaced, or when it cannot be made.
-  explicit NewFolder(std::filesystem::path path, bool replace = false);
+  explicit NewFolder(const std::filesystem::path& path, bool replace = false);
   ~NewFolder();
   NewFolder(const NewFolder&) = delete;
   NewFolder& operator=(const NewFolder&) = delete;

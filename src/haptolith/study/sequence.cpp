@@ -156,9 +156,10 @@ std::vector<PlannedTrial> withCatchTrials(const StudyBlock& block, std::vector<P
   if (block.procedure != ProcedureKind::kConstant) {
     return easy;
   }
-  for (auto trial = easy.rbegin(); trial != easy.rend(); ++trial) {
-    main.insert(main.begin() + std::min<std::ptrdiff_t>(std::exchange(trial->before_main, 0), std::ssize(main)),
-                *trial);
+  std::ptrdiff_t inserted = 0;
+  for (PlannedTrial& trial : easy) {
+    main.insert(main.begin() + std::exchange(trial.before_main, 0) + inserted, trial);
+    ++inserted;
   }
   return main;
 }
@@ -206,10 +207,8 @@ std::vector<std::vector<std::size_t>> williamsDesign(std::size_t count) {
   }
   std::vector<std::vector<std::size_t>> rows;
   for (std::size_t shift = 0; shift < count; ++shift) {
-    std::vector<std::size_t> row;
-    for (const std::size_t block : first) {
-      row.push_back((block + shift) % count);
-    }
+    std::vector<std::size_t> row(count);
+    std::ranges::transform(first, row.begin(), [&](std::size_t block) { return (block + shift) % count; });
     rows.push_back(row);
     if (count % 2 == 1 && count > 1) {  // an odd square is balanced only together with its mirror image
       rows.emplace_back(row.rbegin(), row.rend());
