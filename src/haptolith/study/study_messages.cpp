@@ -23,6 +23,7 @@ using Json = nlohmann::ordered_json;
 
 constexpr std::size_t kLatest = 100;  ///< answers and notes
 constexpr int kCurvePoints = 61;
+constexpr double kEnoughAnswers = 10;  ///< for a curve
 
 const char* wordOf(StudyPhase phase) {
   switch (phase) {
@@ -134,12 +135,16 @@ Json answersJson(const std::vector<TrialRow>& rows) {
   return answers;
 }
 
-/// The curve through enough answers: at least two levels, and not all of them alike.
+/// The curve through enough answers: some, to at least two levels, and not all of them alike.
 Json curveJson(const StudyBlock& block, const std::vector<Level>& levels, Json& result) {
   const auto all_alike = [&levels](double share) {
     return std::ranges::all_of(levels, [share](const Level& level) { return level.k == share * level.n; });
   };
-  if (levels.size() < 2 || all_alike(0) || all_alike(1)) {
+  double answers = 0;
+  for (const Level& level : levels) {
+    answers += level.n;
+  }
+  if (answers < kEnoughAnswers || levels.size() < 2 || all_alike(0) || all_alike(1)) {
     return nullptr;
   }
   FitOptions options = fitOptionsOf(block);
