@@ -61,7 +61,8 @@ struct Exploration {
 [[nodiscard]] Exploration explore(const Scenario& scenario, const LevelBed& bed, const ExplorationOptions& options);
 
 /// The same for a hand that has been chosen already.
-[[nodiscard]] Exploration explore(const Scenario& scenario, const LevelBed& bed, const ExploringHand& hand, int rounds);
+[[nodiscard]] Exploration explore(const Scenario& scenario, const LevelBed& bed, const ExploringHand& exploring,
+                                  int rounds);
 
 /// The same on a bed that is settled for it.
 [[nodiscard]] Exploration explore(const Scenario& scenario, const ExplorationOptions& options);
