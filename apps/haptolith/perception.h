@@ -34,7 +34,7 @@ struct PerceptionOptions {
   std::vector<FrictionModel> frictions{FrictionModel::kPaper, FrictionModel::kPairwise};
   std::vector<Manoeuvre> hands{Manoeuvre::kStir, Manoeuvre::kPress, Manoeuvre::kScoop};
   double contact_cohesion_n = 0;  ///< F_c of pairwise soil
-  int repeats = 20;               ///< explorations of each stimulus by each hand, 2 or more
+  int repeats = 15;               ///< explorations of each stimulus by each hand, 2 or more
   int rounds = 2;                 ///< of a manoeuvre in each
   std::uint64_t seed = 1;
   int threads = 1;

@@ -99,12 +99,13 @@ void drawForces(const std::filesystem::path& path, const std::vector<PerceptionB
         figure.command("set multiplot next");
         continue;
       }
-      figure.command(
-          fmt::format("set title '{}: {}, {}'\nset yrange [0:{}]\nset key {} top left Left reverse samplen 1",
-                      wordFor(kManoeuvreWords, panel.hand), drawn->title, drawn->unit,
-                      panel.cue == "weight" ? "0.05<*" : "*", &panel == kPanels ? "on" : "off"));
-      figure.command(fmt::format("set xlabel '{}' offset 0,-0.6",
-                                 name == "friction" ? "friction coefficient of the set" : "gravity"));
+      figure.command(fmt::format(
+          "set title '{}: {}, {}'\nset yrange [0:{}]\nset key {} top left Left reverse samplen 1",
+          wordFor(kManoeuvreWords, panel.hand), drawn->title, drawn->unit, panel.cue == "weight" ? "0.05<*" : "*",
+          &panel == kPanels && name == names.front() ? "on" : "off"));
+      figure.command(fmt::format("set xlabel '{}' offset 0,{}",
+                                 name == "friction" ? "friction coefficient of the set" : "gravity",
+                                 name == "friction" ? -0.2 : -1));
       if (panel.cue == "weight") {
         figure.command(
             fmt::format("set arrow 1 from graph 0, first {0} to graph 1, first {0} nohead dashtype (6,4) "
@@ -163,12 +164,14 @@ void drawWeberFractions(const std::filesystem::path& path, const std::vector<Per
     const double participants = participantsWeberFraction(name);
     figure.command(fmt::format(
         "set title '{0}' offset 0,1.2\nset xlabel 'Weber fraction'\nset yrange [0.4:{1}]\nset ytics ({2})\n"
-        "set xrange [{3}:{4}]\nset arrow 1 from {5}, graph 0 to {5}, graph 1 nohead linewidth 1.6 dashtype (6,4) "
+        "set xrange [{3}:{4}]\nset xtics ({6})\nset arrow 1 from {5}, graph 0 to {5}, graph 1 nohead linewidth 1.6 "
+        "dashtype (6,4) "
         "linecolor rgb '#111111' back\nset label 1 'participants {5}' at {5}, graph 1.03 center textcolor rgb "
         "'#111111'\n"
         "set key bottom left opaque Left reverse samplen 0.5",
         name == "friction" ? "friction coefficient" : "gravity", static_cast<double>(rows) + 0.6, tics,
-        name == "friction" ? 0.02 : 0.1, most * 1.15, participants));
+        name == "friction" ? 0.15 : 0.8, most * 1.15, participants,
+        name == "friction" ? "0.2, 0.3, 0.4, 0.5, 0.7" : "1, 2, 3, 5, 10, 20"));
     if (&name != &names.front()) {
       figure.command("set key off");
     }

@@ -47,7 +47,7 @@ struct Exploration {
   TrialSummary felt;
   /// Work over path: the mean force against the movement, N.
   double drag_n = std::numeric_limits<double>::quiet_NaN();
-  /// Mean downward force on the hand while it carries: the tool is clear of the surface with its nose up. N; NaN when
+  /// Mean downward force on the hand while it carries: its nose is up, and it is as high as it comes. N; NaN when
   /// it never carries.
   double carried_n = std::numeric_limits<double>::quiet_NaN();
   /// Mean mass of the soil above the tool meanwhile, in kg, whether it presses on the tool or not.
@@ -61,7 +61,8 @@ struct Exploration {
 [[nodiscard]] Exploration explore(const Scenario& scenario, const LevelBed& bed, const ExplorationOptions& options);
 
 /// The same for a hand that has been chosen already.
-[[nodiscard]] Exploration explore(const Scenario& scenario, const LevelBed& bed, const ExploringHand& hand, int rounds);
+[[nodiscard]] Exploration explore(const Scenario& scenario, const LevelBed& bed, const ExploringHand& exploring,
+                                  int rounds);
 
 /// The same on a bed that is settled for it.
 [[nodiscard]] Exploration explore(const Scenario& scenario, const ExplorationOptions& options);
