@@ -159,6 +159,9 @@ std::vector<BlockResult> resultsOf(const Options& options, const StudyStore& stu
 }
 
 void show(const Options& options) {
+  if (options.sigmoid) {
+    (void)sigmoidNamed(*options.sigmoid);  // throws, whatever the study holds
+  }
   const StudyStore study(options.file, StudyStore::Access::kRead);
   const std::vector<BlockResult> results = resultsOf(options, study);
   Json json{{"study", study.title()}, {"blocks", Json::array()}};

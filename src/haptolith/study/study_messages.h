@@ -24,6 +24,6 @@ enum class StudyRole { kParticipant, kExperimenter };
 /// Does what a page asks for. "join" is the caller's: it says who speaks.
 /// @return the role for a "join", `role` otherwise.
 /// @throws InvalidParameter for a message that is none, or that somebody in this role may not send now.
-StudyRole obeyStudyMessage(Conductor& conductor, std::string_view message, StudyRole role, bool joined);
+StudyRole obeyStudyMessage(Conductor& conductor, std::string_view text, StudyRole role, bool joined);
 
 }  // namespace haptolith

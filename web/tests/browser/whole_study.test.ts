@@ -14,7 +14,7 @@ const TRIALS = 15; // of a block
 const KILLED_AT: [number, string][] = [
   [7, 'interval'],
   [9, 'question'],
-  [TRIALS + 4, 'preparing'],
+  [TRIALS + 4, 'question'],
   [TRIALS + 8, 'interval'],
 ];
 

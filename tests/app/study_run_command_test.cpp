@@ -1,0 +1,163 @@
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+#include <nlohmann/json.hpp>
+#include <unistd.h>
+
+#include <filesystem>
+#include <string>
+
+#include "program.h"
+
+namespace haptolith {
+namespace {
+
+using testing::AllOf;
+using testing::HasSubstr;
+using Json = nlohmann::json;
+namespace fs = std::filesystem;
+
+/// A folder with a study, and what can be done with it without a browser. The whole of it with one:
+/// web/tests/browser/whole_study.test.ts.
+class StudyRunCommands : public testing::Test {
+ protected:
+  StudyRunCommands() {
+    fs::remove_all(folder_);
+    fs::create_directories(folder_);
+  }
+  ~StudyRunCommands() override { fs::remove_all(folder_); }
+
+  [[nodiscard]] std::string file(const std::string& name) const { return (folder_ / name).string(); }
+  void makeStudy(const std::string& protocol = "paper-friction") const {
+    ASSERT_EQ(runHaptolith(fmt::format("study new {} --protocol {} --seed 7", file("a.study"), protocol)).exit_status,
+              0);
+  }
+  /// Until Ctrl-C after a second.
+  [[nodiscard]] ProgramResult runForASecond(const std::string& arguments) const {
+    return runInShell(fmt::format("timeout --preserve-status -s INT 3 \"$HAPTOLITH\" study {}", arguments));
+  }
+  [[nodiscard]] Json status() const {
+    return Json::parse(runHaptolith("study status --json " + file("a.study")).output);
+  }
+
+  fs::path folder_ = fs::path(testing::TempDir()) / fmt::format("haptolith_study_run_{}", getpid());
+};
+
+TEST_F(StudyRunCommands, RunGivesTheNextCodeAndTwoPages) {
+  makeStudy();
+  const ProgramResult run = runForASecond(fmt::format("run {} --port 0", file("a.study")));
+  EXPECT_EQ(run.exit_status, 0) << run.errors;
+  EXPECT_THAT(run.errors,
+              AllOf(HasSubstr("S01 takes part"), HasSubstr("/?study=participant"), HasSubstr("/?study=experimenter")));
+  EXPECT_THAT(run.output, AllOf(HasSubstr("0 answers"), HasSubstr("study resume")));
+  EXPECT_EQ(status()["participants"][0]["state"], "running");
+  EXPECT_TRUE(fs::is_directory(folder_ / "a-recordings"));
+}
+
+TEST_F(StudyRunCommands, WhoHasNotFinishedComesFirst) {
+  makeStudy();
+  (void)runForASecond(fmt::format("run {} --port 0", file("a.study")));
+  const ProgramResult next = runForASecond(fmt::format("run {} --port 0", file("a.study")));
+  EXPECT_EQ(next.exit_status, 1);
+  EXPECT_THAT(next.errors, AllOf(HasSubstr("S01 has not finished"), HasSubstr("study resume")));
+  const ProgramResult back = runForASecond(fmt::format("resume {} --port 0", file("a.study")));
+  EXPECT_EQ(back.exit_status, 0) << back.errors;
+  EXPECT_THAT(back.errors, HasSubstr("S01 takes part"));
+  const ProgramResult other = runForASecond(fmt::format("run {} --port 0 --participant B2", file("a.study")));
+  EXPECT_EQ(other.exit_status, 0) << other.errors;
+  EXPECT_EQ(status()["participants"].size(), 2U);
+}
+
+TEST_F(StudyRunCommands, NobodyRunsAStudyTwiceAtTheSameTime) {
+  makeStudy();
+  const ProgramResult both = runInShell(
+      fmt::format("\"$HAPTOLITH\" study run {0} --port 0 2> {1} & sleep 2; \"$HAPTOLITH\" study run {0} --port 0; "
+                  "code=$?; kill -INT $!; wait; exit $code",
+                  file("a.study"), file("first.err")));
+  EXPECT_EQ(both.exit_status, 1);
+  EXPECT_THAT(both.errors, HasSubstr("a.study")) << both.errors;
+}
+
+TEST_F(StudyRunCommands, WrongUseIsToldAndHasStatusTwo) {
+  makeStudy();
+  for (const auto& [arguments, told] : {
+           std::pair<std::string, std::string>{"run " + file("none.study"), "none.study"},
+           {"run", "study"},
+           {"resume " + file("a.study"), "participant"},
+           {"run " + file("a.study") + " --participant 'S 1'", "S 1"},
+           {"run " + file("a.study") + " --device nosuch", "nosuch"},
+           {"run " + file("a.study") + " --bind nowhere", "nowhere"},
+           {"simulate " + file("a.study") + " --weber 0", "weber_fraction = 0"},
+           {"simulate " + file("a.study") + " --lapse 2", "lapse = 2"},
+           {"simulate " + file("a.study") + " --hand stir", "--judge"},
+           {"figure " + file("a.study") + " --block gravity", "gravity"},
+           {"figure " + file("a.study") + " --sigmoid round", "round"},
+           {"plan --protocol nosuch", "nosuch"},
+           {"plan --participants 0", "participants = 0"},
+           {"plan --studies 1", "studies = 1"},
+           {"plan --against 0", "against = 0"},
+       }) {
+    const ProgramResult result = runInShell("timeout 20 \"$HAPTOLITH\" study " + arguments);
+    EXPECT_EQ(result.exit_status, 2) << arguments << "\n" << result.errors;
+    EXPECT_THAT(result.errors, HasSubstr(told)) << arguments;
+  }
+}
+
+TEST_F(StudyRunCommands, SimulatedPeopleMakeAFigureThatFindsTheirWeberFraction) {
+  makeStudy("paper");
+  const ProgramResult simulated = runHaptolith("study simulate --participants 30 --weber 0.29 " + file("a.study"));
+  EXPECT_EQ(simulated.exit_status, 0) << simulated.errors;
+  EXPECT_THAT(simulated.output, HasSubstr("900 answers"));
+  const ProgramResult figure =
+      runHaptolith(fmt::format("study figure {} --json --out {}", file("a.study"), file("fig.svg")));
+  EXPECT_EQ(figure.exit_status, 0) << figure.errors;
+  const Json blocks = Json::parse(figure.output)["blocks"];
+  ASSERT_EQ(blocks.size(), 2U);
+  EXPECT_NEAR(blocks[0]["pooled"]["weber_fraction"].get<double>(), 0.29, 0.06);
+  EXPECT_EQ(blocks[0]["pooled"]["n_trials"], 450);
+  EXPECT_TRUE(fs::exists(folder_ / "fig-friction.svg"));
+  EXPECT_TRUE(fs::exists(folder_ / "fig-gravity.svg"));
+  const ProgramResult one =
+      runHaptolith(fmt::format("study figure {} --block friction --out {}", file("a.study"), file("one.png")));
+  EXPECT_TRUE(fs::exists(folder_ / "one.png")) << one.errors;
+  EXPECT_THAT(one.output, AllOf(HasSubstr("30 participant(s)"), HasSubstr("Weber fraction")));
+}
+
+TEST_F(StudyRunCommands, SimulatedAnswersStandBesideNoPersons) {
+  makeStudy();
+  (void)runForASecond(fmt::format("run {} --port 0", file("a.study")));
+  const ProgramResult refused = runHaptolith("study simulate " + file("a.study"));
+  EXPECT_EQ(refused.exit_status, 1);
+  EXPECT_THAT(refused.errors, HasSubstr("S01 has taken part"));
+}
+
+TEST_F(StudyRunCommands, AHandThatFeelsTellsFrictionApart) {
+  makeStudy();
+  const ProgramResult simulated =
+      runHaptolith("study simulate --participants 1 --hand stir --judge mean-force --weber 0.001 " + file("a.study"));
+  EXPECT_EQ(simulated.exit_status, 0) << simulated.errors;
+  const Json levels = status()["blocks"][0]["levels"];
+  ASSERT_EQ(levels.size(), 5U);
+  EXPECT_EQ(levels[4]["level"], "P1");
+  EXPECT_EQ(levels[4]["k"], 3) << "the stickiest always resists more than the reference";
+}
+
+TEST_F(StudyRunCommands, AFigureOfNothingIsAFailure) {
+  makeStudy();
+  const ProgramResult figure = runHaptolith("study figure " + file("a.study"));
+  EXPECT_EQ(figure.exit_status, 1);
+  EXPECT_THAT(figure.errors, HasSubstr("nobody has answered yet"));
+}
+
+TEST_F(StudyRunCommands, APlanTellsHowManyPeopleAreNeeded) {
+  const ProgramResult plan = runHaptolith(fmt::format(
+      "study plan --participants 4,16 --repeats 3 --studies 40 --against 0.5 --json --figure {}", file("plan.svg")));
+  ASSERT_EQ(plan.exit_status, 0) << plan.errors;
+  const Json sizes = Json::parse(plan.output)["sizes"];
+  ASSERT_EQ(sizes.size(), 2U);
+  EXPECT_EQ(sizes[1]["answers"], 16 * 3 * 5);
+  EXPECT_GT(sizes[1]["power"].get<double>(), sizes[0]["power"].get<double>());
+  EXPECT_TRUE(fs::exists(folder_ / "plan.svg"));
+}
+
+}  // namespace
+}  // namespace haptolith

@@ -1,0 +1,153 @@
+#include "haptolith/study/study_messages.h"
+
+#include <gmock/gmock.h>
+#include <nlohmann/json.hpp>
+#include <unistd.h>
+
+#include <filesystem>
+#include <memory>
+#include <string>
+
+#include "haptolith/core/error.h"
+
+#include "a_study.h"
+#include "fake_rig.h"
+
+namespace haptolith {
+namespace {
+
+using nlohmann::json;
+using testing::HasSubstr;
+using testing::Not;
+
+class StudyMessages : public testing::Test {
+ protected:
+  void SetUp() override {
+    file_ = std::filesystem::path(testing::TempDir()) / ("messages_" + std::to_string(getpid()) + ".study");
+    std::filesystem::remove(file_);
+    StudyStore::create(file_, loadProtocolText(kTwoBlocks, "test"), kTwoBlocks, 7);
+    store_ = std::make_unique<StudyStore>(file_, StudyStore::Access::kRun);
+    conductor_ = std::make_unique<Conductor>(*store_, rig_, ConductorOptions{.now_s = [this] { return now_s_; }});
+  }
+  void TearDown() override {
+    conductor_.reset();
+    store_.reset();
+    std::filesystem::remove(file_);
+  }
+
+  void says(const json& message, StudyRole role = StudyRole::kParticipant) {
+    (void)obeyStudyMessage(*conductor_, message.dump(), role, true);
+  }
+  [[nodiscard]] json participant() const { return json::parse(participantMessage(*conductor_)); }
+  [[nodiscard]] json experimenter() const {
+    return json::parse(experimenterMessage(*conductor_, historyJson(*conductor_), 1.5, 3));
+  }
+  /// To the question of the first trial.
+  void comeToAQuestion() {
+    conductor_->begin("");
+    says({{"act", "fill"}, {"values", {{"age", "30"}, {"name", "Ada"}}}});
+    for (int interval = 1; interval <= 2; ++interval) {
+      now_s_ += 1;
+      conductor_->poll();
+      now_s_ += 1;
+      says({{"act", "go"}});
+    }
+  }
+
+  std::filesystem::path file_;
+  double now_s_ = 0;
+  FakeRig rig_;
+  std::unique_ptr<StudyStore> store_;
+  std::unique_ptr<Conductor> conductor_;
+};
+
+TEST_F(StudyMessages, AnEmptyStudyWaits) {
+  EXPECT_EQ(participant()["phase"], "waiting");
+  EXPECT_EQ(experimenter()["participant"], nullptr);
+  EXPECT_EQ(experimenter()["blocks"].size(), 2U);
+}
+
+TEST_F(StudyMessages, AFormIsFilledInByMessage) {
+  conductor_->begin("");
+  const json form = participant();
+  EXPECT_EQ(form["phase"], "form");
+  ASSERT_EQ(form["fields"].size(), 2U);
+  EXPECT_EQ(form["fields"][1]["kind"], "number");
+  EXPECT_EQ(form["fields"][1]["low"], 18);
+  EXPECT_EQ(form["fields"][1]["required"], true);
+  EXPECT_THROW(says({{"act", "fill"}, {"values", {{"age", "3"}}}}), InvalidParameter);
+  EXPECT_THROW(says({{"act", "fill"}, {"values", {{"age", 30}}}}), InvalidParameter);
+  EXPECT_THROW(says({{"act", "fill"}}), InvalidParameter);
+  EXPECT_EQ(participant()["phase"], "form");
+}
+
+TEST_F(StudyMessages, TheParticipantIsToldNothingThatTellsTheStimulus) {
+  comeToAQuestion();
+  EXPECT_EQ(participant()["phase"], "question");
+  EXPECT_EQ(participant()["choices"].size(), 2U);
+  const std::string test = conductor_->moment().now->test->name;
+  for (const std::string& word : {test, std::string("P3"), std::string("Moon"), std::string("force")}) {
+    EXPECT_THAT(participantMessage(*conductor_), Not(HasSubstr("\"" + word))) << word;
+  }
+  EXPECT_EQ(experimenter()["now"]["test"], test);
+  EXPECT_EQ(experimenter()["force_n"], 1.5);
+}
+
+TEST_F(StudyMessages, AnAnswerReachesTheStoreAndTheExperimenter) {
+  comeToAQuestion();
+  says({{"act", "answer"}, {"choice", 1}});
+  EXPECT_TRUE(store_->trials().front().answer->positive);
+  EXPECT_EQ(experimenter()["answers"][0]["positive"], true);
+  EXPECT_EQ(experimenter()["answers"][0]["state"], "answered");
+  EXPECT_EQ(experimenter()["blocks"][store_->trials().front().block]["levels"][0]["n"], 1);
+  EXPECT_THROW(says({{"act", "answer"}, {"choice", 1}}), InvalidParameter) << "there is no question open";
+}
+
+TEST_F(StudyMessages, ACurveIsDrawnThroughSomeAnswersNotThroughTwo) {
+  comeToAQuestion();
+  for (int answers = 1; answers <= 12; ++answers) {
+    says({{"act", "answer"}, {"choice", answers % 2}});
+    const std::size_t block = store_->trials().front().block;
+    EXPECT_EQ(experimenter()["blocks"][block]["curve"].is_array(), answers >= 10) << answers;
+    for (int interval = 1; interval <= 2; ++interval) {
+      now_s_ += 1;
+      conductor_->poll();
+      now_s_ += 1;
+      says({{"act", "go"}});
+    }
+  }
+}
+
+TEST_F(StudyMessages, EachRoleMayAskForItsOwnOnly) {
+  comeToAQuestion();
+  EXPECT_THROW(says({{"act", "pause"}}), InvalidParameter);
+  EXPECT_THROW(says({{"act", "answer"}, {"choice", 1}}, StudyRole::kExperimenter), InvalidParameter);
+  says({{"act", "pause"}}, StudyRole::kExperimenter);
+  EXPECT_EQ(participant()["phase"], "paused");
+  EXPECT_EQ(experimenter()["paused"], true);
+  says({{"act", "note"}, {"text", "sneezed"}}, StudyRole::kExperimenter);
+  EXPECT_EQ(experimenter()["notes"].back()["text"], "sneezed");
+  says({{"act", "resume"}}, StudyRole::kExperimenter);
+  says({{"act", "quit"}});
+  EXPECT_EQ(participant()["phase"], "withdrawn");
+}
+
+TEST_F(StudyMessages, WhoHasNotJoinedOrTalksNonsenseIsRefused) {
+  const auto refused = [this](const std::string& text) {
+    EXPECT_THROW((void)obeyStudyMessage(*conductor_, text, StudyRole::kParticipant, true), InvalidParameter) << text;
+  };
+  refused("");
+  refused("[1, 2]");
+  refused("{}");
+  refused(R"({"act": 3})");
+  refused(R"({"act": "dance"})");
+  refused(R"({"act": "join", "as": "director"})");
+  refused(R"({"act": "answer", "choice": "1"})");
+  EXPECT_THROW((void)obeyStudyMessage(*conductor_, R"({"act": "go"})", StudyRole::kParticipant, false),
+               InvalidParameter);
+  EXPECT_EQ(obeyStudyMessage(*conductor_, R"({"act": "join", "as": "experimenter"})", StudyRole::kParticipant, false),
+            StudyRole::kExperimenter);
+}
+
+}  // namespace
+}  // namespace haptolith
