@@ -16,9 +16,9 @@ class Stability : public testing::TestWithParam<Grip> {
   static StabilityResult measure(StabilityCase setting) {
     BedParameters bed;
     bed.soil = findPreset("P1").soil;  // the stickiest: the worst in the sweep
-    static const std::vector<Vec3> at_rest_m = settled(bed);
+    static const std::vector<Vec3> kAtRest = settled(bed);
     setting.grip = GetParam();
-    return measureStability(bed, at_rest_m, setting);
+    return measureStability(bed, kAtRest, setting);
   }
 };
 
