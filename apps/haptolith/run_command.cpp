@@ -125,7 +125,7 @@ class Follower {
 
   [[nodiscard]] Recording& recording() noexcept { return recording_; }
 
-  void tellOfTrips(Session& session) { haptolith::tellOfTrips(session, status_, recording_); }
+  void tellOfTrips(Session& session) { (void)haptolith::tellOfTrips(session, status_, recording_); }
 
   /// Saves trace and recording; whoever prints next finds a clean line.
   void finish(LoopEnd end, double time_s) {

@@ -66,10 +66,13 @@ FitOptions fitOptionsFor(const Options& options, const StudyBlock& block) {
 std::optional<BlockResult> resultOf(const Options& options, const StudyStore& study, std::size_t index) {
   BlockResult result;
   result.block = &study.protocol().blocks[index];
-  const std::vector<TrialRow> trials = study.trials();
+  std::vector<TrialRow> trials = study.trials();
   for (const ParticipantRow& person : study.participants()) {
+    if (person.state == "withdrawn" && !options.withdrawn) {
+      std::erase_if(trials, [&person](const TrialRow& trial) { return trial.participant == person.id; });
+    }
     std::vector<Level> levels = levelsOf(trials, index, person.id);
-    if (!levels.empty() && (options.withdrawn || person.state != "withdrawn")) {
+    if (!levels.empty()) {
       result.codes.push_back(person.code);
       result.levels.push_back(std::move(levels));
     }

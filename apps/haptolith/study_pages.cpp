@@ -1,7 +1,11 @@
 #include "study_pages.h"
 
+#include <spdlog/spdlog.h>
+
 #include <algorithm>
 #include <variant>
+
+#include "haptolith/core/error.h"
 
 namespace haptolith {
 
@@ -57,7 +61,12 @@ void StudyPages::show(LiveView& view, double force_n) {
     return;
   }
   if (news || history_.empty()) {
-    history_ = historyJson(conductor_);
+    try {
+      history_ = historyJson(conductor_);
+    } catch (const Failure& failure) {  // pages may wait; the study goes on
+      spdlog::warn("the experimenter's page shows no news: {}", failure.what());
+      history_ = history_.empty() ? R"({"answers": [], "blocks": [], "notes": []})" : history_;
+    }
   }
   next_ = Clock::now() + kBetweenMessages;
   told_changes_ = conductor_.changes();

@@ -98,7 +98,8 @@ void draw(const Options& options, const std::vector<PlanOutcome>& outcomes) {
     const char* joint = plots.empty() ? "plot " : ", ";
     plots +=
         fmt::format("{}$r{} using 1:2 with linespoints pt 7 lw 2 title '{} of each level'", joint, repeats, repeats);
-    ranges += fmt::format("{}$r{} using ($1*{}):3:4:5 with yerrorlines pt 7 lw 2 title '{} of each level'", joint, repeats, shift, repeats);
+    ranges += fmt::format("{}$r{} using ($1*{}):3:4:5 with yerrorlines pt 7 lw 2 title '{} of each level'", joint,
+                          repeats, shift, repeats);
     shift *= 1.04;
   }
   figure.command(fmt::format(R"(

@@ -16,6 +16,7 @@
 #include "haptolith/session/session.h"
 #include "haptolith/study/conductor.h"
 #include "haptolith/study/session_rig.h"
+#include "haptolith/study/simulated_participant.h"
 #include "haptolith/viewer/live_view.h"
 
 #include "output.h"
@@ -66,8 +67,16 @@ std::filesystem::path recordingsOf(const std::filesystem::path& study) {
   return folder;
 }
 
-void requireNobodyUnfinished(const StudyStore& store, const StudyRunOptions& options) {
+/// Nobody comes before who has not finished, and no person beside simulated ones.
+void requireRoom(const StudyStore& store, const StudyRunOptions& options) {
+  if (options.participant.starts_with(kSimulatedCode)) {
+    throw InvalidParameter("participant", options.participant,
+                           fmt::format("a code that does not begin with {}", kSimulatedCode));
+  }
   for (const ParticipantRow& row : store.participants()) {
+    if (row.code.starts_with(kSimulatedCode)) {
+      throw Failure(fmt::format("{} holds simulated answers: run a study of its own", options.file));
+    }
     if (row.state == "running" && options.participant.empty()) {
       throw Failure(
           fmt::format("{} has not finished: go on with 'haptolith study resume {}', or name another with --participant",
@@ -85,7 +94,7 @@ class StudyRun {
         recording_(options.frames_per_s),
         session_(sceneFor(options, store_.protocol()), true, settlingIn(status_)),
         rig_(session_, {.start = [this](const std::filesystem::path& file) { recording_.start(session_, file, true); },
-                        .stop = [this] { recording_.stop(); }}),
+                        .stop = [this] { stopRecording(); }}),
         conductor_(store_, rig_, {.now_s = &StudyRun::now, .recordings = recordings()}),
         pages_(conductor_),
         view_(session_, options.web, HAPTOLITH_VERSION, {}, pages_.guest()) {
@@ -103,11 +112,16 @@ class StudyRun {
       view_.obey();
       const bool changed = session_.poll();
       const bool newer = session_.update();
+      if (newer) {
+        recording_.add(session_.snapshot());
+      }
       fresh.clear();
       session_.loop().takeRecords(fresh);
       rig_.follow(fresh);
       recording_.add(fresh);
-      tellOfTrips(session_, status_, recording_);
+      if (const std::string trip = tellOfTrips(session_, status_, recording_); !trip.empty()) {
+        conductor_.remark(trip);
+      }
       conductor_.poll();
       pages_.show(view_, rig_.force());
       view_.show(newer, changed);
@@ -135,11 +149,19 @@ class StudyRun {
     return folder;
   }
 
+  /// @throws Failure also when it has ended by itself before.
+  void stopRecording() {
+    recording_.stop();
+    if (!recording_.problem().empty()) {
+      throw Failure(recording_.problem());
+    }
+  }
+
   void begin() {
     if (options_.resumes) {
       conductor_.goOn(options_.participant);
     } else {
-      requireNobodyUnfinished(store_, options_);
+      requireRoom(store_, options_);
       conductor_.begin(options_.participant);
     }
     code_ = conductor_.moment().participant;

@@ -29,8 +29,6 @@ constexpr const char* kExamples = R"(Examples:
   haptolith study figure try.study --out try.svg
   haptolith study simulate try.study --hand stir --judge mean-force --weber 0.1    by what a hand really feels)";
 
-constexpr const char* kCode = "sim";
-
 struct Options {
   std::string file;
   int participants = 8;
@@ -64,7 +62,7 @@ std::unique_ptr<Rig> rigFor(const Options& options, const StudyProtocol& protoco
 /// Simulated answers never stand beside a person's.
 void requireNobody(const StudyStore& study) {
   for (const ParticipantRow& row : study.participants()) {
-    if (!row.code.starts_with(kCode)) {
+    if (!row.code.starts_with(kSimulatedCode)) {
       throw Failure(
           fmt::format("{} has taken part in {}: simulate in a study of its own", row.code, study.file().string()));
     }
@@ -89,7 +87,7 @@ void simulate(const Options& options) {
     who.weber_fraction *= std::exp(options.spread * normal(random));
     SimulatedParticipant participant(who, random());
     Conductor conductor(study, *rig, {.now_s = [&participant] { return participant.now(); }});
-    conductor.begin(fmt::format("{}{:03}", kCode, before + static_cast<std::size_t>(person) + 1));
+    conductor.begin(fmt::format("{}{:03}", kSimulatedCode, before + static_cast<std::size_t>(person) + 1));
     participant.takePart(conductor);
   }
   status.clear();

@@ -31,9 +31,9 @@ std::string writeTripFile(const TripReport& report) {
 
 }  // namespace
 
-void tellOfTrips(Session& session, StatusLine& status, Recording& recording) {
+std::string tellOfTrips(Session& session, StatusLine& status, Recording& recording) {
   if (!session.loop().trips().update()) {
-    return;
+    return {};
   }
   const TripReport& report = session.loop().trips().latest();
   status.clear();
@@ -45,8 +45,10 @@ void tellOfTrips(Session& session, StatusLine& status, Recording& recording) {
     where = fmt::format("; the last ticks could not be written: {}", failure.what());
   }
   const std::string_view reason = session.device().problem();
-  spdlog::warn("at {:.3f} s the hand was let go: {}{}{}{}", report.time_s, text(report.trip),
-               reason.empty() ? "" : ": ", reason, where);
+  std::string told = fmt::format("at {:.3f} s the hand was let go: {}{}{}{}", report.time_s, text(report.trip),
+                                 reason.empty() ? "" : ": ", reason, where);
+  spdlog::warn("{}", told);
+  return told;
 }
 
 }  // namespace haptolith

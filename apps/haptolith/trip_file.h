@@ -1,5 +1,7 @@
 #pragma once
 
+#include <string>
+
 #include "haptolith/session/session.h"
 
 #include "output.h"
@@ -9,6 +11,7 @@ namespace haptolith {
 
 /// When the safety layer has let go of the hand since the last call: says why, notes it in the recording, and writes
 /// the last ticks before it to a new CSV file where the program was started.
-void tellOfTrips(Session& session, StatusLine& status, Recording& recording);
+/// @return what it has told; empty: there was nothing to tell.
+std::string tellOfTrips(Session& session, StatusLine& status, Recording& recording);
 
 }  // namespace haptolith

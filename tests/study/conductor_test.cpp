@@ -300,17 +300,29 @@ TEST_F(ConductorTest, APauseDropsTheTrialUnderWayAndDoesItAgain) {
 
 TEST_F(ConductorTest, AnAnswerOrATrialUnderWayIsRepeatedForAReason) {
   comeToTheTrials();
-  EXPECT_THROW(conductor_->repeat(""), InvalidParameter);
+  EXPECT_THROW(conductor_->repeat(Conductor::Again::kNow, ""), InvalidParameter);
   doTrial();  // practice
   doTrial();
   const std::string level = store_->trials()[1].level;
-  conductor_->repeat("somebody came in");  // the one that has just begun
+  conductor_->repeat(Conductor::Again::kNow, "somebody came in");  // the one that has just begun
   EXPECT_EQ(store_->trials()[2].state, TrialState::kRepeated);
   EXPECT_EQ(store_->trials()[2].reason, "somebody came in");
   doTrial();  // after three trials comes a break
   ASSERT_EQ(phase(), StudyPhase::kBreak);
-  conductor_->repeat("pressed the wrong key");  // the last answer
+  conductor_->repeat(Conductor::Again::kNow, "pressed the wrong key");  // the last answer
   EXPECT_EQ(countOf(TrialState::kRepeated), 2U);
+}
+
+TEST_F(ConductorTest, TheLastAnswerIsRepeatedThoughTheNextTrialHasBegun) {
+  comeToTheTrials();
+  doTrial();  // practice
+  doTrial();
+  wait(0.1);
+  const std::string level = store_->trials()[1].level;
+  conductor_->repeat(Conductor::Again::kLast, "pressed the wrong key");
+  EXPECT_EQ(store_->trials()[1].state, TrialState::kRepeated);
+  EXPECT_EQ(store_->trials()[2].state, TrialState::kLost);
+  EXPECT_EQ(conductor_->moment().now->test->name, level);
 }
 
 TEST_F(ConductorTest, TimeEndsIntervalsAndQuestionsAndKeepsBreaksLong) {
@@ -405,6 +417,15 @@ TEST_F(ConductorTest, WhoWithdrawsKeepsTheirAnswersAndDoesNotComeBack) {
   EXPECT_EQ(countOf(TrialState::kAnswered), 1U);
   open();
   EXPECT_THROW(conductor_->goOn("S01"), InvalidParameter);
+}
+
+TEST_F(ConductorTest, WhoWithdrawsInAPauseIsDoneAndReadsSo) {
+  comeToTheTrials();
+  conductor_->pause();
+  conductor_->withdraw();
+  EXPECT_FALSE(conductor_->moment().paused);
+  EXPECT_FALSE(rig_->paused);
+  EXPECT_EQ(phase(), StudyPhase::kWithdrawn);
 }
 
 TEST_F(ConductorTest, StoppedForTodayIsNotFinished) {

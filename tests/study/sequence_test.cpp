@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 
 #include <algorithm>
+#include <array>
 #include <cstdlib>
 #include <map>
 #include <set>
@@ -299,6 +300,19 @@ TEST(WilliamsDesign, HasEachBlockInEachPlaceAndAfterEachOtherEquallyOften) {
       EXPECT_EQ(times, squares) << count << " blocks";
     }
   }
+}
+
+TEST(NextNumber, GivesTheRowThatIsLeastUsedByThoseWhoStay) {
+  const ProtocolText text = findProtocol("paper");
+  const StudyProtocol paper = loadProtocolText(text.text, text.name);
+  EXPECT_EQ(nextNumber(paper, {}, 0), 1);
+  EXPECT_EQ(nextNumber(paper, std::array{1}, 1), 2);
+  EXPECT_EQ(nextNumber(paper, std::array{1, 2}, 2), 3);
+  EXPECT_EQ(nextNumber(paper, std::array{1}, 2), 4) << "the second withdrew: its order comes again";
+  EXPECT_EQ(nextNumber(paper, std::array{1, 4}, 4), 5);
+  StudyProtocol fixed = paper;
+  fixed.order = BlockOrder::kFixed;
+  EXPECT_EQ(nextNumber(fixed, std::array{1}, 2), 3);
 }
 
 }  // namespace

@@ -208,9 +208,11 @@ std::vector<AnswersOf> readAnswers(std::istream& text, std::string_view name) {
   const auto participant = table.column({"participant"});
   const auto kind = table.column({"kind"});
   const auto state = table.column({"state"});
+  const auto participant_state = table.column({"participant_state"});
   Answers answers;
   for (const Row& row : table.rows()) {
-    if ((kind && row.cells[*kind] != "main") || (state && row.cells[*state] != "answered")) {
+    const bool withdrawn = participant_state && row.cells[*participant_state] == "withdrawn";
+    if (withdrawn || (kind && row.cells[*kind] != "main") || (state && row.cells[*state] != "answered")) {
       continue;
     }
     Level level;

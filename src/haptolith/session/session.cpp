@@ -22,7 +22,7 @@ constexpr double kBesideBox_m = 0.15;
 constexpr double kAboveSurface_m = 0.35;
 
 /// How many level beds are remembered: the stimuli of a study.
-constexpr std::size_t kMostFresh = 16;
+constexpr std::size_t kMostFresh = 64;
 
 std::vector<Vec3> centresOf(const std::vector<Float4>& positions) {
   std::vector<Vec3> centres_m;

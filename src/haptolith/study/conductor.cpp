@@ -340,22 +340,24 @@ void Conductor::dropTrial(TrialState state, std::string_view reason) {
   readRows();
 }
 
-void Conductor::save(const Unsaved& unsaved) {
-  store_.answerTrial(unsaved.id, unsaved.answer);
-  const TrialAnswer answer = unsaved.answer;
-  unsaved_.reset();
-  readRows();
-  afterAnswer(answer);
+/// Writes the answer that waits, if one does. When this throws, nothing has been written and it waits on.
+void Conductor::saveWhatWaits() {
+  if (unsaved_) {
+    store_.answerTrial(unsaved_->id, unsaved_->answer);
+    unsaved_.reset();
+    trial_.reset();  // it is no longer under way, whatever fails now
+  }
 }
 
-void Conductor::afterAnswer(const TrialAnswer& answer) {
+void Conductor::finishTrial() {
+  const Unsaved done = *unsaved_;
+  saveWhatWaits();
   ++since_break_;
-  const bool practice = trial_->plan.kind == TrialKind::kPractice;
-  const bool tells = answer.correct && (practice ? block().practice_feedback : block().feedback);
-  trial_.reset();
-  if (tells) {
-    right_ = answer.correct;
-    enter(StudyPhase::kFeedback);
+  enter(StudyPhase::kFeedback);
+  readRows();
+  const bool tells = done.practice ? block().practice_feedback : block().feedback;
+  if (done.answer.correct && tells) {
+    right_ = done.answer.correct;
   } else {
     goToNextTrial();
   }
@@ -489,8 +491,8 @@ void Conductor::answer(int choice) {
   given.reaction_s = elapsed();
   given.felt = trial_->felt;
   given.recording = trial_->recording;
-  unsaved_ = Unsaved{trial_->id, given};
-  guarded([this] { save(*unsaved_); });
+  unsaved_ = Unsaved{trial_->id, given, trial_->plan.kind == TrialKind::kPractice};
+  guarded([this] { finishTrial(); });
 }
 
 void Conductor::withdraw() {
@@ -498,9 +500,14 @@ void Conductor::withdraw() {
     refuse("quit", "now", "asked for by somebody who takes part");
   }
   guarded([this] {
+    saveWhatWaits();
     dropTrial(TrialState::kLost, "the participant withdrew");
     store_.endParticipant(participant_->id, "withdrawn");
     problem_.clear();
+    if (paused_) {
+      paused_ = false;
+      rig_.resume();
+    }
     enter(StudyPhase::kWithdrawn);
   });
 }
@@ -531,7 +538,7 @@ void Conductor::resume() {
   rig_.resume();
   guarded([this] {
     if (unsaved_) {
-      save(*unsaved_);
+      finishTrial();
       return;
     }
     store_.addNote(participant_->id, "", "resume");
@@ -544,19 +551,23 @@ void Conductor::resume() {
   });
 }
 
-void Conductor::repeat(std::string_view reason) {
+void Conductor::repeat(Again which, std::string_view reason) {
   if (reason.empty()) {
     refuse("reason", "nothing", "some words");
   }
   if (!participant_ || over() || unsaved_ || step_ == steps_.size() || step().phase != StudyPhase::kPreparing) {
     refuse("repeat", "now", "asked for during a block's trials");
   }
-  guarded([this, reason] {
-    if (underWay() && isTrialPhase(phase_)) {
+  guarded([this, which, reason] {
+    const bool under_way = underWay() && isTrialPhase(phase_);
+    if (which == Again::kLast || !under_way) {
+      dropTrial(TrialState::kLost, "the one before it is repeated");
+      if (const auto done = answered(); !done.empty()) {
+        store_.voidTrial(done.back()->id, TrialState::kRepeated, reason);
+        readRows();
+      }
+    } else {
       dropTrial(TrialState::kRepeated, reason);
-    } else if (const auto done = answered(); !done.empty()) {
-      store_.voidTrial(done.back()->id, TrialState::kRepeated, reason);
-      readRows();
     }
     if (!paused_) {
       goToNextTrial();
@@ -572,15 +583,24 @@ void Conductor::note(std::string_view text) {
   ++changes_;
 }
 
+void Conductor::remark(std::string_view text) {
+  guarded([this, text] {
+    store_.addNote(participant_ ? participant_->id : 0, text, "program");
+    ++changes_;
+  });
+}
+
 void Conductor::stop() {
   if (participant_ && !over()) {
     guarded([this] {
+      saveWhatWaits();
       dropTrial(TrialState::kLost, "stopped for today");
       store_.addNote(participant_->id, "stopped for today", "stop");
     });
   }
   participant_.reset();
   trial_.reset();
+  paused_ = false;
   enter(StudyPhase::kWaiting);
 }
 

@@ -109,9 +109,14 @@ class Conductor {
 
   void pause();
   void resume();
-  /// The trial under way, or else the last one of this block, once more. @param reason  not empty.
-  void repeat(std::string_view reason);
+  /// Which trial is done once more: the one under way, or else the one answered last; or that one whatever is under
+  /// way, which is then done again, too.
+  enum class Again { kNow, kLast };
+  /// Within its block. @param reason  not empty.
+  void repeat(Again which, std::string_view reason);
   void note(std::string_view text);
+  /// The same for what the program has noticed.
+  void remark(std::string_view text);
   /// Ends here for today: the trial under way is done again when the participant comes back.
   void stop();
 
@@ -134,8 +139,9 @@ class Conductor {
     bool recording_runs = false;
   };
   struct Unsaved {
-    std::int64_t id;
-    TrialAnswer answer;
+    std::int64_t id = 0;
+    TrialAnswer answer = {};
+    bool practice = false;
   };
 
   void start(ParticipantRow participant);
@@ -155,8 +161,8 @@ class Conductor {
   void beginTrial();
   void prepareInterval(int interval);
   void endInterval();
-  void save(const Unsaved& unsaved);
-  void afterAnswer(const TrialAnswer& answer);
+  void saveWhatWaits();
+  void finishTrial();
   void stopRecording();
   void dropTrial(TrialState state, std::string_view reason);
   [[nodiscard]] bool underWay() const noexcept { return trial_.has_value() && trial_->id != 0; }

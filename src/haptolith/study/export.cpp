@@ -60,6 +60,12 @@ std::vector<FilledColumn> designColumns() {
       {{"participant", "", "Pseudonym of the participant.", ""}, [](const TrialOf& of) { return of.participant.code; }},
       {{"participant_number", "", "The participant's place in the study: 1 is the first.", ""},
        [](const TrialOf& of) { return fmt::format("{}", of.participant.number); }},
+      {{"participant_state",
+        "",
+        "What has become of the participant.",
+        "",
+        {{"running", "has not finished"}, {"finished", "has"}, {"withdrawn", "ended it; figures leave them out"}}},
+       [](const TrialOf& of) { return of.participant.state; }},
       {{"block", "", "Name of the block.", ""}, [](const TrialOf& of) { return of.trial.block_name; }},
       {{"block_position", "block_position", "The block's place in this participant's order: 1 is the first.", ""},
        [](const TrialOf& of) { return fmt::format("{}", of.trial.position + 1); }},
@@ -80,7 +86,7 @@ std::vector<FilledColumn> designColumns() {
         "What became of it; only answered trials count.",
         "",
         {{"begun", "under way, or cut off by a crash"},
-         {"answered", "has its answer, or its time was over"},
+         {"answered", "has its answer"},
          {"repeated", "done again by the experimenter's wish; the answer, if any, does not count"},
          {"lost", "ended without an answer and done again"}}},
        [](const TrialOf& of) { return std::string(wordOf(of.trial.state)); }},
@@ -113,7 +119,9 @@ std::vector<FilledColumn> answerColumns() {
        ofAnswer([](const TrialAnswer& a) { return textOf(a.reaction_s); })},
       {{"timed_out",
         "timed_out",
-        "Whether the time for an answer was over before one came.",
+        "Whether the time for an answer was over before one came; such a trial is called lost and done again, so that "
+        "it is "
+        "always 0.",
         "",
         {{"0", "no"}, {"1", "yes"}}},
        ofAnswer([](const TrialAnswer& a) { return textOf(a.timed_out); })},
@@ -140,7 +148,8 @@ std::vector<FilledColumn> feltColumns() {
 
 std::vector<FilledColumn> recordColumns() {
   return {
-      {{"seed", "seed", "Seed of what is random in the trial's scene.", ""},
+      {{"seed", "seed", "Drawn for the trial, for scenes that draw something; the beds of one stimulus are all alike.",
+        ""},
        [](const TrialOf& of) { return fmt::format("{}", of.trial.seed); }},
       {{"recording", "recording",
         "Recordings of the trial: their names before -first.h5 and -second.h5, in the folder of the study's "
@@ -405,6 +414,9 @@ void exportCsv(const StudyStore& study, const fs::path& file, const ExportOption
   std::ranges::transform(forms.columns, std::back_inserter(names), &FormColumn::name);
   std::string text = csvLine(names);
   for (const TrialRow& trial : study.trials()) {
+    if (!participants.contains(trial.participant)) {
+      continue;  // who has begun since the list was read
+    }
     const ParticipantRow& participant = participants.at(trial.participant);
     std::vector<std::string> fields;
     for (const FilledColumn& column : filledColumns()) {

@@ -172,7 +172,8 @@ std::vector<BlockKey> designKeys() {
       {"", "instructions", "", text<&StudyBlock::instructions>(), "What is read before its first trial."},
       {"", "question", "", text<&StudyBlock::question>(), "What is asked after the two stimuli."},
       {"", "answers", "", BlockKey::ItemsValue{"two different texts", setAnswers},
-       "The two answers, left and right: first \"the test had less\", then \"the test had more\"; with `two-interval` "
+       "The two answers, left and right: first \"the second had less\", then \"the second had more\"; with "
+       "`two-interval` "
        "the "
        "first and the second stimulus."},
       {"", "varies", "",

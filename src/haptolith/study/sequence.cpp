@@ -226,6 +226,21 @@ std::vector<PlannedBlock> sequenceFor(const StudyProtocol& protocol, std::uint64
   return sequence;
 }
 
+int nextNumber(const StudyProtocol& protocol, std::span<const int> kept, int last) {
+  if (protocol.order != BlockOrder::kLatinSquare) {
+    return last + 1;
+  }
+  const int rows = static_cast<int>(williamsDesign(protocol.blocks.size()).size());
+  const auto uses = [&](int number) {
+    return std::ranges::count_if(kept, [&](int other) { return (other - number) % rows == 0; });
+  };
+  int best = last + 1;
+  for (int number = last + 2; number <= last + rows; ++number) {
+    best = uses(number) < uses(best) ? number : best;
+  }
+  return best;
+}
+
 PlannedTrial adaptiveTrial(const StudyProtocol& protocol, std::size_t block, std::uint64_t study_seed,
                            int participant_number, int n, std::size_t level) {
   requireParticipantNumber(participant_number);

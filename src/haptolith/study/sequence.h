@@ -2,6 +2,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "haptolith/study/protocol.h"
@@ -39,6 +40,11 @@ struct PlannedBlock {
 /// test first if the task's order is drawn.
 [[nodiscard]] PlannedTrial adaptiveTrial(const StudyProtocol& protocol, std::size_t block, std::uint64_t study_seed,
                                          int participant_number, int n, std::size_t level);
+
+/// The number that the next participant gets: the least above `last` whose row of the Latin square is the least used by
+/// those who have not withdrawn; the next one where there is no such square.
+/// @param kept  their numbers, 1 is the first.
+[[nodiscard]] int nextNumber(const StudyProtocol& protocol, std::span<const int> kept, int last);
 
 /// The orders of `count` blocks that participants take in turn: a Latin square for an even count, a pair of them for
 /// an odd one, in which each block follows each other equally often (Williams 1949).

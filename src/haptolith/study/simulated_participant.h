@@ -9,6 +9,9 @@
 
 namespace haptolith {
 
+/// What the codes of simulated participants begin with, and no others.
+inline constexpr const char* kSimulatedCode = "sim";
+
 /// What a simulated participant judges by.
 enum class JudgedBy {
   kValue,      ///< the stimulus' value on the block's axis, as if it were felt directly

@@ -527,9 +527,18 @@ ParticipantRow StudyStore::addParticipant(std::string_view code) {
     return prepared(database, "SELECT 1 FROM participant WHERE code = ?", name).executeStep();
   };
   return implementation_->write([&] {
-    const int number = database.execAndGet("SELECT coalesce(max(number), 0) + 1 FROM participant").getInt();
+    std::vector<int> kept;
+    int last = 0, participants = 0;
+    for (const ParticipantRow& row : this->participants()) {
+      last = std::max(last, row.number);
+      ++participants;
+      if (row.state != "withdrawn") {
+        kept.push_back(row.number);
+      }
+    }
+    const int number = nextNumber(protocol(), kept, last);
     std::string name(code);
-    for (int next = number; name.empty() || (code.empty() && taken(name)); ++next) {
+    for (int next = participants + 1; name.empty() || (code.empty() && taken(name)); ++next) {
       name = fmt::format("S{:02}", next);
     }
     if (taken(name)) {

@@ -66,6 +66,12 @@ std::string phaseWord(const StudyMoment& now) {
   return now.paused ? "paused" : wordOf(now.phase);
 }
 
+/// What the page has words of its own for.
+bool speaksForItself(const StudyMoment& now) {
+  return now.paused || now.phase == StudyPhase::kPreparing || now.phase == StudyPhase::kFeedback ||
+         now.phase == StudyPhase::kBreak || now.phase == StudyPhase::kWithdrawn;
+}
+
 Json progressJson(const StudyMoment& now) {
   return {{"block", std::min(now.position + 1, now.blocks)},
           {"blocks", now.blocks},
@@ -201,7 +207,11 @@ void obeyExperimenter(Conductor& conductor, const std::string& act, const Json& 
   } else if (act == "resume") {
     conductor.resume();
   } else if (act == "repeat") {
-    conductor.repeat(textAt(message, "reason"));
+    const std::string which = message.contains("which") ? textAt(message, "which") : "now";
+    if (which != "now" && which != "last") {
+      throw InvalidParameter("which", which, "now or last");
+    }
+    conductor.repeat(which == "now" ? Conductor::Again::kNow : Conductor::Again::kLast, textAt(message, "reason"));
   } else if (act == "note") {
     conductor.note(textAt(message, "text"));
   } else if (act == "end") {
@@ -227,8 +237,10 @@ std::string participantMessage(const Conductor& conductor) {
                {"as", "participant"},
                {"study", conductor.store().title()},
                {"phase", phaseWord(now)},
-               {"title", asks ? now.block->question : now.title},
-               {"text", now.text},
+               {"title", speaksForItself(now) ? ""
+                         : asks               ? now.block->question
+                                              : now.title},
+               {"text", speaksForItself(now) ? "" : now.text},
                {"fields", std::move(fields)},
                {"button", now.paused ? Json(nullptr) : orNull(now.button)},
                {"interval", now.interval > 0 ? Json(now.interval) : Json(nullptr)},

@@ -10,6 +10,8 @@ interface Question {
   /** more to fill in, above the buttons */
   input?: HTMLInputElement;
   suggestions?: string[];
+  /** more to choose, below the suggestions */
+  choice?: HTMLElement;
   /** the buttons change places: a double click on the question before does not answer this one */
   swapped?: boolean;
 }
@@ -43,6 +45,7 @@ export function askFirst(question: Question, act: (words: string) => void): void
     h('p', {}, question.text),
     input,
     suggestions.length > 0 && h('div', { class: 'suggestions' }, ...suggestions),
+    question.choice,
     h('div', { class: 'dialog-buttons' }, ...(question.swapped ? [go_on, stay] : [stay, go_on])),
   );
   const dialog = h('dialog', { class: 'question-dialog', 'aria-labelledby': 'question-title' }, form);

@@ -217,7 +217,7 @@ export function openExperimenterPage(settings: Settings): void {
     if (!message) return;
     const over = message.phase === 'finished' || message.phase === 'withdrawn';
     repeat_button.disabled = over || message.progress === null;
-    pause_button.disabled = end_button.disabled = over;
+    pause_button.disabled = over;
     setText(title, message.study);
     setText(file, message.file);
     setText(participant, message.participant || '–');
@@ -257,16 +257,18 @@ export function openExperimenterPage(settings: Settings): void {
 
   function repeat(): void {
     const input = h('input', { type: 'text', 'aria-label': 'Reason', placeholder: 'Why?', maxlength: 500 });
+    const last = h('input', { type: 'checkbox' });
     askFirst(
       {
         title: 'Repeat a trial',
-        text: 'The trial under way is done again, or the one answered last. Its answer is kept, marked as repeated, with your reason.',
+        text: 'The trial under way is done again; between trials, the one answered last. An answer is kept, marked as repeated, with your reason.',
         input,
         suggestions: REASONS,
+        choice: h('label', { class: 'check' }, last, ' The one answered last, though another is under way'),
         stay: 'Cancel',
         go_on: 'Repeat it',
       },
-      (reason) => tell({ do: 'study', act: 'repeat', reason }),
+      (reason) => tell({ do: 'study', act: 'repeat', which: last.checked ? 'last' : 'now', reason }),
     );
   }
 

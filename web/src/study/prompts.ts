@@ -38,6 +38,8 @@ export class Prompts {
   private clock: HTMLElement | null = null;
   private bar: HTMLElement | null = null;
   private buttons: HTMLButtonElement[] = [];
+  /** The last form with what has been filled in: it comes back after a pause. */
+  private kept: { asked: string; form: Form; button: HTMLButtonElement } | null = null;
 
   constructor(
     private readonly acts: Acts,
@@ -116,10 +118,16 @@ export class Prompts {
   }
 
   private form(message: ParticipantMessage, title: string, text: string): HTMLElement[] {
-    const form = new Form(message.fields, (values) => this.acts.fill(values));
-    const button = h('button', { type: 'submit', class: 'go' }, message.button ?? 'Go on');
+    const asked = JSON.stringify([title, message.fields]);
+    if (this.kept?.asked !== asked) {
+      const form = new Form(message.fields, (values) => this.acts.fill(values));
+      const button = h('button', { type: 'submit', class: 'go' }, message.button ?? 'Go on');
+      form.element.append(h('div', { class: 'go-row' }, button));
+      this.kept = { asked, form, button };
+    }
+    const { form, button } = this.kept;
+    button.disabled = false;
     this.buttons = [button];
-    form.element.append(h('div', { class: 'go-row' }, button));
     queueMicrotask(() => form.focus());
     return [h('h1', {}, title), ...paragraphs(text), form.element];
   }

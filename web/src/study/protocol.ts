@@ -29,7 +29,7 @@ export type StudyCommand = { do: 'study' } & (
   | { act: 'answer'; choice: 0 | 1 }
   // an experimenter's
   | { act: 'pause' | 'resume' | 'end' }
-  | { act: 'repeat'; reason: string }
+  | { act: 'repeat'; which: 'now' | 'last'; reason: string }
   | { act: 'note'; text: string }
 );
 
