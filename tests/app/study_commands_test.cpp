@@ -172,8 +172,8 @@ TEST_F(StudyCommands, ExportWritesATable) {
   fillStudy();
   const ProgramResult result = runHaptolith(fmt::format("study export {} --to {}", file("a.study"), file("a.csv")));
   EXPECT_EQ(result.exit_status, 0) << result.errors;
-  EXPECT_THAT(read("a.csv"), AllOf(HasSubstr("participant,participant_number,block"),
-                                   HasSubstr("S02,2,friction,1,3,1,main"), Not(HasSubstr("Grace"))));
+  EXPECT_THAT(read("a.csv"), AllOf(HasSubstr("participant,participant_number,participant_state,block"),
+                                   HasSubstr("S02,2,finished,friction,1,3,1,main"), Not(HasSubstr("Grace"))));
   EXPECT_EQ(runHaptolith(fmt::format("study export {} --to {}", file("a.study"), file("a.csv"))).exit_status, 1);
   const ProgramResult personal =
       runHaptolith(fmt::format("study export {} --to {} --personal --overwrite", file("a.study"), file("a.csv")));
