@@ -21,10 +21,6 @@ constexpr double kShortestInterval_s = 0.3;
   throw InvalidParameter(asked, std::string(when), std::string(valid));
 }
 
-std::string blockStep(std::size_t position, std::string_view what) {
-  return fmt::format("block {} {}", position, what);
-}
-
 bool isTrialPhase(StudyPhase phase) {
   return phase == StudyPhase::kPreparing || phase == StudyPhase::kInterval || phase == StudyPhase::kQuestion;
 }
@@ -52,7 +48,6 @@ Conductor::Conductor(StudyStore& store, Rig& rig, ConductorOptions options)
     : store_(store), rig_(rig), options_(std::move(options)) {}
 
 // --- a participant comes
-// ----------------------------------------------------------------------------------------------
 
 void Conductor::begin(std::string_view code) {
   start(store_.addParticipant(code));
@@ -79,7 +74,7 @@ void Conductor::goOn(std::string_view code) {
 void Conductor::start(ParticipantRow participant) {
   participant_ = std::move(participant);
   sequence_ = sequenceFor(store_.protocol(), store_.seed(), participant_->number);
-  steps_ = stepsOf();
+  steps_ = stepsOf(store_.protocol(), sequence_);
   readRows();
   const std::set<std::string> done = store_.steps(participant_->id);
   step_ = 0;
@@ -92,62 +87,6 @@ void Conductor::start(ParticipantRow participant) {
         {.phase = StudyPhase::kInstructions, .name = {}, .title = "Welcome back", .text = "You go on where you were."});
   }
   guarded([this] { enterStep(); });
-}
-
-std::vector<Conductor::Step> Conductor::stepsOf() const {
-  const StudyProtocol& protocol = store_.protocol();
-  std::vector<Step> steps;
-  if (!protocol.consent.empty()) {
-    steps.push_back(
-        {.phase = StudyPhase::kConsent, .name = "consent", .title = protocol.title, .text = protocol.consent});
-  }
-  if (!protocol.demographics.empty()) {
-    steps.push_back({.phase = StudyPhase::kForm,
-                     .name = "demographics",
-                     .title = "About you",
-                     .text = {},
-                     .form = &protocol.demographics});
-  }
-  if (!protocol.instructions.empty()) {
-    steps.push_back({.phase = StudyPhase::kInstructions,
-                     .name = "instructions",
-                     .title = protocol.title,
-                     .text = protocol.instructions});
-  }
-  for (std::size_t position = 0; position < sequence_.size(); ++position) {
-    const StudyBlock& block = protocol.blocks[sequence_[position].block];
-    if (!block.instructions.empty()) {
-      steps.push_back({.phase = StudyPhase::kInstructions,
-                       .name = blockStep(position, "instructions"),
-                       .title = block.title,
-                       .text = block.instructions,
-                       .position = position,
-                       .of_block = true});
-    }
-    steps.push_back({.phase = StudyPhase::kPreparing,
-                     .name = blockStep(position, "trials"),
-                     .title = block.title,
-                     .text = {},
-                     .position = position,
-                     .of_block = true});
-    if (!block.questionnaire.empty()) {
-      steps.push_back({.phase = StudyPhase::kForm,
-                       .name = blockStep(position, "questionnaire"),
-                       .title = block.title,
-                       .text = "About the trials that you have just done.",
-                       .position = position,
-                       .of_block = true,
-                       .form = &block.questionnaire});
-    }
-  }
-  if (!protocol.questionnaire.empty()) {
-    steps.push_back({.phase = StudyPhase::kForm,
-                     .name = "questionnaire",
-                     .title = "About all of it",
-                     .text = {},
-                     .form = &protocol.questionnaire});
-  }
-  return steps;
 }
 
 const StudyBlock& Conductor::block() const {
@@ -182,7 +121,6 @@ void Conductor::finishStep() {
 }
 
 // --- trials
-// -----------------------------------------------------------------------------------------------------------
 
 /// Answered trials of the block under way, in their order.
 std::vector<const TrialRow*> Conductor::answered() const {
@@ -369,7 +307,6 @@ void Conductor::readRows() {
 }
 
 // --- time
-// -------------------------------------------------------------------------------------------------------------
 
 void Conductor::poll() {
   if (!participant_ || paused_ || over()) {
@@ -445,7 +382,6 @@ void Conductor::halt(std::string_view problem) {
 }
 
 // --- what a participant does
-// ------------------------------------------------------------------------------------------
 
 void Conductor::proceed() {
   if (paused_) {
@@ -513,7 +449,6 @@ void Conductor::withdraw() {
 }
 
 // --- what an experimenter does
-// ------------------------------------------------------------------------------------------
 
 void Conductor::pause() {
   if (!participant_ || paused_ || over()) {
@@ -605,7 +540,6 @@ void Conductor::stop() {
 }
 
 // --- what is the case
-// -------------------------------------------------------------------------------------------------
 
 StudyMoment Conductor::moment() const {
   StudyMoment now;

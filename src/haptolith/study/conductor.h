@@ -16,23 +16,9 @@
 #include "haptolith/study/rig.h"
 #include "haptolith/study/sequence.h"
 #include "haptolith/study/store.h"
+#include "haptolith/study/study_steps.h"
 
 namespace haptolith {
-
-/// Where a participant is.
-enum class StudyPhase {
-  kWaiting,       ///< nobody has begun
-  kConsent,       ///< reads what will happen, and agrees
-  kForm,          ///< answers questions about themselves or the block
-  kInstructions,  ///< reads what to do
-  kPreparing,     ///< waits for a stimulus
-  kInterval,      ///< feels it
-  kQuestion,      ///< says what it was like
-  kFeedback,      ///< is told whether that was right
-  kBreak,
-  kFinished,
-  kWithdrawn,
-};
 
 /// A trial as the experimenter sees it.
 struct ShownTrial {
@@ -121,14 +107,6 @@ class Conductor {
   void stop();
 
  private:
-  struct Step {
-    StudyPhase phase;       ///< kPreparing: a block's trials
-    std::string name = {};  ///< in the store
-    std::string title = {}, text = {};
-    std::size_t position = 0;
-    bool of_block = false;
-    const std::vector<FormItem>* form = nullptr;
-  };
   struct Trial {
     PlannedTrial plan = {};
     int index = 0;
@@ -145,8 +123,7 @@ class Conductor {
   };
 
   void start(ParticipantRow participant);
-  [[nodiscard]] std::vector<Step> stepsOf() const;
-  [[nodiscard]] const Step& step() const { return steps_[step_]; }
+  [[nodiscard]] const StudyStep& step() const { return steps_[step_]; }
   [[nodiscard]] const StudyBlock& block() const;
   void finishStep();
   void enterStep();
@@ -180,7 +157,7 @@ class Conductor {
 
   std::optional<ParticipantRow> participant_;
   std::vector<PlannedBlock> sequence_;
-  std::vector<Step> steps_;
+  std::vector<StudyStep> steps_;
   std::size_t step_ = 0;
   std::vector<TrialRow> rows_;
 
