@@ -280,22 +280,5 @@ TEST_F(RecordingWriterTest, AKilledProgramLeavesAFileThatOpens) {
   killOften(file("a.h5"), 10, std::random_device{}());
 }
 
-TEST_F(RecordingWriterTest, DISABLED_AProgramKilledAHundredTimesLeavesFilesThatOpen) {
-  killOften(file("a.h5"), 100, std::random_device{}());
-}
-
-/// What recording costs, for docs: run by name.
-TEST_F(RecordingWriterTest, DISABLED_Cost) {
-  RecordingWriter writer(file("a.h5"), madeUpHeader(), {.wait_when_full = true});
-  const std::vector<TickRecord> ticks = madeUpTicks(0, 10'000);
-  const auto start = std::chrono::steady_clock::now();
-  for (std::uint64_t n = 0; n < 100; ++n) {
-    writer.add(ticks);
-  }
-  writer.finish();
-  const double taken_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-  std::printf("%.0f ticks/s, %.1f bytes a tick\n", 1e6 / taken_s, static_cast<double>(writer.written().bytes) / 1e6);
-}
-
 }  // namespace
 }  // namespace haptolith
