@@ -1,0 +1,197 @@
+// What six scenes come to, bit for bit, on each instruction set.
+//
+// Bits are a promise: a recording that somebody keeps replays with a later version, and a study that is repeated meets
+// the same soil. These numbers change only when physics is changed on purpose, in a commit that says why and what it
+// does to measured values, and with a line in CHANGELOG.md; never to make a refactoring pass. To renew them, run
+//
+//     build/release/tests/scenario/test_scenario --gtest_filter='Golden*'
+//
+// which prints the new hashes where they differ. Numbers that differ between two builds of one source are a bug of the
+// build: look there first.
+
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+#include <hwy/detect_targets.h>
+#include <hwy/targets.h>
+#include <xxhash.h>
+
+#include <algorithm>
+#include <cstdint>
+#include <map>
+#include <ostream>
+#include <string>
+#include <vector>
+
+#include "haptolith/bed/bed_state.h"
+#include "haptolith/bed/simd_target.h"
+#include "haptolith/device/virtual_hand.h"
+#include "haptolith/haptics/haptic_loop.h"
+#include "haptolith/scenario/scenario.h"
+
+namespace haptolith {
+namespace {
+
+struct Golden {
+  const char* name;
+  const char* toml;
+  double duration_s;                          ///< simulated
+  std::map<std::string, std::uint64_t> hash;  ///< by instruction set
+};
+
+const Golden kScenes[]{
+    {"PaperScoop",
+     R"(
+[hand]
+manoeuvre = "scoop"
+)",
+     8,
+     {{"AVX3", 0x853e971c88b028edU},
+      {"AVX2", 0x701758d21de33a58U},
+      {"SSE4", 0x59c608acca51a370U},
+      {"SSSE3", 0x59c608acca51a370U},
+      {"SCALAR", 0x76ffd2bd40d3f779U}}},
+    {"PaperStir",
+     R"(
+[hand]
+manoeuvre = "stir"
+)",
+     8,
+     {{"AVX3", 0x29d251383686f1ebU},
+      {"AVX2", 0x3101e8619702c032U},
+      {"SSE4", 0xd92218c08a179b40U},
+      {"SSSE3", 0xd92218c08a179b40U},
+      {"SCALAR", 0x38267b3673d193a0U}}},
+    {"LunarStir",
+     R"(
+[soil]
+name = "lunar-0-15cm"
+[hand]
+manoeuvre = "stir"
+)",
+     4,
+     {{"AVX3", 0x511e34d0ec5f3d4U},
+      {"AVX2", 0x3dd3e46c59569ae0U},
+      {"SSE4", 0x11e320eab55a1db1U},
+      {"SSSE3", 0x11e320eab55a1db1U},
+      {"SCALAR", 0xfb830839036e539fU}}},
+    {"SandboxThatSleeps",
+     R"(
+[bed]
+start = "packed"
+width_mm = 400
+length_mm = 400
+depth_mm = 90
+[hand]
+manoeuvre = "stir"
+)",
+     4,
+     {{"AVX3", 0xa1d9a95e4b9d445fU},
+      {"AVX2", 0xc793703ddaa1fda9U},
+      {"SSE4", 0x50423769d8c9653eU},
+      {"SSSE3", 0x50423769d8c9653eU},
+      {"SCALAR", 0x7352134a4f5ce0b3U}}},
+    {"Jaws",
+     R"(
+[soil]
+preset = "P4"
+friction = "pairwise"
+[tool]
+shape = "jaws"
+size_mm = [50, 40, 5]
+opening_mm = 40
+[hand]
+manoeuvre = "scoop"
+depth_mm = 15
+)",
+     8,
+     {{"AVX3", 0x77799a8a946600fdU},
+      {"AVX2", 0x458fa793a06ea081U},
+      {"SSE4", 0x42ababf70fc57b5cU},
+      {"SSSE3", 0x42ababf70fc57b5cU},
+      {"SCALAR", 0x5eb14bb052b11089U}}},
+    {"Rain",
+     R"(
+[bed]
+start = "rain"
+particles = 300
+seed = 7
+[hand]
+manoeuvre = "stir"
+)",
+     8,
+     {{"AVX3", 0x45723445e747db35U},
+      {"AVX2", 0x2d8da8c8cf991ab6U},
+      {"SSE4", 0x1324a776c03bc7c3U},
+      {"SSSE3", 0x1324a776c03bc7c3U},
+      {"SCALAR", 0xc7f30c39fef9d7c7U}}},
+};
+
+void PrintTo(const Golden& golden, std::ostream* out) {
+  *out << golden.name;
+}
+
+std::uint64_t fold(std::uint64_t hash, const void* data, std::size_t bytes) {
+  return XXH3_64bits_withSeed(data, bytes, hash);
+}
+
+/// The soil, the tool and each force that the hand was given.
+std::uint64_t outcomeOf(const Scenario& scenario) {
+  Scene scene(scenario.bed, scenario.tool);
+  const double surface_m = scene.bed().surfaceHeight();
+  HandParameters hand_parameters = scenario.hand;
+  hand_parameters.surface_m = surface_m;
+  VirtualHand hand(hand_parameters, scenario.bed.tick_s);
+  HapticLoop loop(scene, hand, scenario.loop, true, handlingOf(scenario, surface_m));
+  std::vector<TickRecord> records;
+  std::uint64_t hash = 0;
+  const int ticks = static_cast<int>(scenario.loop.duration_s / scenario.loop.tick_s);
+  double strongest_n = 0;
+  for (int tick = 0; tick < ticks; ++tick) {
+    EXPECT_EQ(loop.tick(), LoopEnd::kRunning);
+    records.clear();
+    loop.takeRecords(records);
+    for (const TickRecord& record : records) {
+      const Vec3& force_n = record.felt.wrench.force_n;
+      const Vec3& torque_nm = record.felt.wrench.torque_nm;
+      hash = fold(hash, force_n.data(), sizeof(double) * 3);
+      hash = fold(hash, torque_nm.data(), sizeof(double) * 3);
+      strongest_n = std::max(strongest_n, force_n.norm());
+    }
+  }
+  EXPECT_GT(strongest_n, 0.05) << "the tool never touched the soil";
+  const std::uint64_t state = stateHash(scene.bed().state());
+  return fold(hash, &state, sizeof state);
+}
+
+class GoldenScene : public testing::TestWithParam<Golden> {
+ protected:
+  void TearDown() override { hwy::SetSupportedTargetsForTest(0); }
+};
+
+TEST_P(GoldenScene, HasTheBitsItAlwaysHad) {
+  const Golden& golden = GetParam();
+  Scenario scenario = loadScenarioText(golden.toml, golden.name);
+  scenario.loop.paced = false;
+  scenario.loop.duration_s = golden.duration_s;
+  int compared = 0;
+  for (std::int64_t targets = hwy::SupportedTargets() & HWY_TARGETS; targets != 0; targets &= targets - 1) {
+    hwy::SetSupportedTargetsForTest(targets & -targets);
+    const std::string target = simdTarget();
+    const auto stored = golden.hash.find(target);
+    const std::uint64_t hash = outcomeOf(scenario);
+    const std::string row = fmt::format("{{\"{}\", 0x{:x}U}}", target, hash);
+    if (stored == golden.hash.end()) {
+      fmt::print("{}: no hash of this instruction set has been stored yet: {}\n", golden.name, row);
+      continue;
+    }
+    ++compared;
+    EXPECT_EQ(stored->second, hash) << row;
+  }
+  EXPECT_GT(compared, 0) << "add this machine's instruction sets to the table";
+}
+
+INSTANTIATE_TEST_SUITE_P(Golden, GoldenScene, testing::ValuesIn(kScenes),
+                         [](const auto& scene) { return std::string(scene.param.name); });
+
+}  // namespace
+}  // namespace haptolith
