@@ -10,6 +10,7 @@
 #include <cstdio>
 #include <exception>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "haptolith/figure/figure.h"
@@ -24,6 +25,8 @@ namespace {
 
 /// Energy that a hand may be given, J.
 constexpr double kHarmless_j = 1e-3;
+
+constexpr HoldingHand kHands[]{kStiffHand, kLooseHand, kNoHand, kOpeningHand};
 
 struct Soil {
   std::string preset, body;
@@ -67,11 +70,17 @@ std::vector<Cell> cellsOf(const std::vector<Soil>& soils) {
   std::vector<Cell> cells;
   for (const CouplingKind coupling : {CouplingKind::kDirect, CouplingKind::kVirtual}) {
     for (const Soil& soil : soils) {
-      for (const Grip grip : {Grip::kStiff, Grip::kLoose, Grip::kNone, Grip::kLetsGo}) {
+      for (const HoldingHand& hand : kHands) {
         for (const double damping_n_s_m : {0.0, 1.0, 2.0}) {
           for (const int delay : {0, 2, 5}) {
             for (const bool passivity : {false, true}) {
-              cells.push_back({&soil, {grip, damping_n_s_m, delay, coupling, passivity}, {}});
+              StabilityCase setting;
+              setting.hand = hand;
+              setting.damping_n_s_m = damping_n_s_m;
+              setting.delay_ticks = delay;
+              setting.coupling = coupling;
+              setting.passivity = passivity;
+              cells.push_back({&soil, setting, {}});
             }
           }
         }
@@ -96,7 +105,7 @@ void print(const std::vector<Cell>& cells) {
   for (const Cell& cell : cells) {
     const auto& [soil, setting, result] = cell;
     fmt::print("{},{},{},{},{},{:g},{},{},{:.4g},{:.4g},{:.4g},{:.4g},{}\n", text(setting.coupling),
-               text(soil->friction), soil->preset, soil->body, haptolith::text(setting.grip), setting.damping_n_s_m,
+               text(soil->friction), soil->preset, soil->body, setting.hand.name, setting.damping_n_s_m,
                setting.delay_ticks, setting.passivity ? "on" : "off", 1e3 * result.injected_j, 1e3 * result.returned_j,
                1e3 * result.vibration_m, result.damped_share, result.end == LoopEnd::kRunning ? "" : "ended early");
   }
@@ -133,18 +142,18 @@ void summarise(const std::vector<Cell>& cells) {
              "delay", "ctl", "cells", ">1mJ", "ended", "injected_mj", "vibration_mm", "median_mm", "damped");
   for (const CouplingKind coupling : {CouplingKind::kDirect, CouplingKind::kVirtual}) {
     for (const FrictionModel friction : {FrictionModel::kPaper, FrictionModel::kPairwise}) {
-      for (const Grip grip : {Grip::kStiff, Grip::kLoose, Grip::kNone, Grip::kLetsGo}) {
+      for (const HoldingHand& hand : kHands) {
         for (const int delay : {0, 2, 5}) {
           for (const bool passivity : {false, true}) {
             const Worst worst = worstOf(cells, [&](const Cell& cell) {
               return cell.setting.coupling == coupling && cell.soil->friction == friction &&
-                     cell.setting.grip == grip && cell.setting.delay_ticks == delay &&
+                     cell.setting.hand.name == std::string_view(hand.name) && cell.setting.delay_ticks == delay &&
                      cell.setting.passivity == passivity;
             });
             if (worst.cells > 0) {
               fmt::print(stderr, "{:9}{:10}{:9}{:>6}{:>5}{:>7}{:>6}{:>7}{:>14.3g}{:>15.3g}{:>13.3g}{:>9.2g}\n",
-                         text(coupling), text(friction), haptolith::text(grip), delay, passivity ? "on" : "off",
-                         worst.cells, worst.harmful, worst.ended, 1e3 * worst.injected_j, 1e3 * worst.vibration_m,
+                         text(coupling), text(friction), hand.name, delay, passivity ? "on" : "off", worst.cells,
+                         worst.harmful, worst.ended, 1e3 * worst.injected_j, 1e3 * worst.vibration_m,
                          1e3 * worst.usual_vibration_m, worst.damped_share);
             }
           }

@@ -13,44 +13,30 @@ namespace haptolith {
 namespace {
 
 constexpr double kTick_s = 1e-3;
-constexpr int kTicks = 6500;
-constexpr std::size_t kStirs = 1500, kStops = 3500, kOpens = 4000, kStill = 4500;  // first ticks
+constexpr int kTicks = 6900;
+constexpr std::size_t kBegins = 400, kStirs = 1900, kStops = 3900, kOpens = 4400, kStill = 4900,
+                      kWindow = 1000;  // first ticks
 
 constexpr double kAbove_m = 0.02, kDepth_m = 0.015;
-constexpr double kHandle_kg = 0.25;
-constexpr double kPositionStep_m = 2e-5, kForceStep_n = 0.01;
+constexpr double kForceStep_n = 0.01;
 
 Vec3 inSteps(const Vec3& value, double step) {
-  return (value / step).array().round() * step;
+  return step == 0 ? value : Vec3((value / step).array().round() * step);
 }
 
-struct HoldingHand {
-  double stiffness_n_m, damping_n_s_m, mass_kg, weight_n;
-};
-
-HoldingHand handOf(Grip grip) {
-  switch (grip) {
-    case Grip::kStiff:
-    case Grip::kLetsGo: return {800, 10, 0.5, 0};
-    case Grip::kLoose: return {100, 3, 0.3, 0};
-    case Grip::kNone: return {0, 0, 0, 2};
-  }
-  return {};
-}
-
-/// A device in a simulated hand, which moves a thousandth of a second with each write(), ten times finer.
+/// A device in a simulated hand, to the program a person's, which moves a thousandth of a second with each write(), ten
+/// times finer.
 class HeldDevice final : public HapticDevice {
  public:
   HeldDevice(const StabilityCase& parameters, double surface_m)
       : case_(parameters),
-        hand_(handOf(parameters.grip)),
+        hand_(parameters.hand),
         above_m_(0, 0, surface_m + kAbove_m),
         position_m_(above_m_),
-        told_m_(inSteps(above_m_, kPositionStep_m)),
+        told_m_(inSteps(above_m_, parameters.step_m)),
         quick_(kTick_s) {}
 
   [[nodiscard]] std::string_view name() const noexcept override { return "device in a simulated hand"; }
-  [[nodiscard]] bool simulated() const noexcept override { return true; }
   [[nodiscard]] DeviceLimits limits() const noexcept override {
     DeviceLimits limits;
     limits.max_force_n = 12;
@@ -58,12 +44,15 @@ class HeldDevice final : public HapticDevice {
     limits.max_force_rate_n_s = 4000;
     limits.max_torque_rate_nm_s = 67;
     limits.damping_n_s_m = case_.damping_n_s_m;
-    limits.delay_s = case_.delay_ticks * kTick_s;
+    limits.resolution_m = case_.resolution_m;
+    limits.delay_known = case_.declared_ticks < 0;
+    limits.delay_s = (case_.declared_ticks < 0 ? case_.delay_ticks : case_.declared_ticks) * kTick_s;
     return limits;
   }
 
   [[nodiscard]] DeviceInput read() noexcept override {
-    const Vec3 now_m = inSteps(position_m_, kPositionStep_m);
+    const Vec3 noise_m = case_.noise_m * Vec3(uniform(), uniform(), uniform());
+    const Vec3 now_m = inSteps(position_m_ + noise_m, case_.step_m);
     told_m_s_ += 0.3 * ((now_m - told_m_) / kTick_s - told_m_s_);  // as drivers smooth the steps of their encoders
     told_m_ = now_m;
     DeviceInput input;
@@ -76,7 +65,7 @@ class HeldDevice final : public HapticDevice {
     sent_n_[ticks_ % sent_n_.size()] = inSteps(output.wrench.force_n, kForceStep_n);
     const std::size_t delay = static_cast<std::size_t>(case_.delay_ticks);
     const Vec3 force_n = ticks_ < delay ? Vec3::Zero() : sent_n_[(ticks_ - delay) % sent_n_.size()];
-    if (case_.grip == Grip::kLetsGo && ticks_ >= kOpens) {
+    if (case_.hand.opens && ticks_ >= kOpens) {
       hand_ = {};
     }
     const Vec3 from_m = position_m_;
@@ -91,10 +80,18 @@ class HeldDevice final : public HapticDevice {
   StabilityResult result;
 
  private:
+  /// -1 to 1, the same in every run.
+  [[nodiscard]] double uniform() noexcept {
+    random_ ^= random_ << 13U;
+    random_ ^= random_ >> 7U;
+    random_ ^= random_ << 17U;
+    return 2 * (static_cast<double>(random_ >> 11U) * 0x1p-53) - 1;
+  }
+
   /// Where the hand wants the handle.
   [[nodiscard]] Vec3 wanted() const {
     const double time_s = static_cast<double>(ticks_) * kTick_s;
-    Vec3 there = above_m_ - Vec3(0, 0, (kAbove_m + kDepth_m) * std::min(1.0, time_s));
+    Vec3 there = above_m_ - Vec3(0, 0, (kAbove_m + kDepth_m) * std::clamp(time_s - 1e-3 * kBegins, 0.0, 1.0));
     if (ticks_ >= kStirs && ticks_ < kStops) {
       there.x() = 0.02 * std::sin(std::numbers::pi * (time_s - 1e-3 * kStirs));
     }
@@ -103,7 +100,10 @@ class HeldDevice final : public HapticDevice {
 
   void move(const Vec3& force_n) {
     constexpr int kSteps = 10;
-    const double mass_kg = kHandle_kg + hand_.mass_kg;
+    if (ticks_ < kBegins) {  // somebody holds the handle until the tool can be felt
+      return;
+    }
+    const double mass_kg = case_.handle_kg + hand_.mass_kg;
     const double damping_n_s_m = hand_.damping_n_s_m + case_.damping_n_s_m;
     const Vec3 wanted_m = wanted();
     for (int step = 0; step < kSteps; ++step) {
@@ -122,6 +122,10 @@ class HeldDevice final : public HapticDevice {
       lowest_j_ = given_j_;
       return;
     }
+    if (ticks_ == kStill + kWindow) {
+      result.vibration_before_m = (highest_m_ - lowest_m_).maxCoeff();
+      lowest_m_ = highest_m_ = quick_m_;
+    }
     lowest_j_ = std::min(lowest_j_, given_j_);
     result.returned_j = std::max(result.returned_j, given_j_ - lowest_j_);
     quick_m_ += kTick_s * quick_m_s;
@@ -137,21 +141,12 @@ class HeldDevice final : public HapticDevice {
   std::array<Vec3, 32> sent_n_;  ///< in the last ticks, round and round
   std::size_t ticks_ = 0;
   double given_j_ = 0, lowest_j_ = 0;
+  std::uint64_t random_ = 0x9E3779B97F4A7C15U;
   QuickMovement quick_;
   Vec3 quick_m_ = Vec3::Zero(), lowest_m_ = Vec3::Zero(), highest_m_ = Vec3::Zero();
 };
 
 }  // namespace
-
-const char* text(Grip grip) noexcept {
-  switch (grip) {
-    case Grip::kStiff: return "stiff";
-    case Grip::kLoose: return "loose";
-    case Grip::kNone: return "none";
-    case Grip::kLetsGo: return "lets go";
-  }
-  return "";
-}
 
 std::vector<Vec3> settled(const BedParameters& bed) {
   const Scene scene(bed, ToolParameters{});
@@ -164,25 +159,46 @@ std::vector<Vec3> settled(const BedParameters& bed) {
 }
 
 StabilityResult measureStability(const BedParameters& bed, const std::vector<Vec3>& centres_m,
-                                 const StabilityCase& parameters) {
-  Scene scene(bed, ToolParameters{}, centres_m);
+                                 const StabilityCase& parameters, const ToolParameters& tool) {
+  Scene scene(bed, tool, centres_m);
   HeldDevice device(parameters, scene.bed().surfaceHeight());
   LoopParameters unpaced;
   unpaced.paced = false;
   HandlingParameters handling;
   handling.coupling.kind = parameters.coupling;
+  handling.coupling.spring = parameters.spring;
   handling.safety.passivity = parameters.passivity;
+  handling.safety.soft_start_s = 0;  // it would only hide what comes after
   HapticLoop loop(scene, device, unpaced, true, handling);
   std::vector<TickRecord> records;
   std::size_t damped = 0;
+  std::vector<Vec3> last_n;
   for (int tick = 0; tick < kTicks && device.result.end == LoopEnd::kRunning; ++tick) {
     device.result.end = loop.tick();
     records.clear();
     loop.takeRecords(records);
+    if (!records.empty() && records.back().rendered.wrench.force_n.norm() > 0.5) {
+      device.result.softest = std::min(device.result.softest, records.back().felt.wrench.force_n.norm() /
+                                                                  records.back().rendered.wrench.force_n.norm());
+    }
+    if (tick >= kTicks - 1000 && !records.empty()) {
+      last_n.push_back(records.back().felt.wrench.force_n);
+    }
     damped += static_cast<std::size_t>(
         std::ranges::count_if(records, [](const TickRecord& r) { return (r.flags & kTickPassivityDamped) != 0; }));
   }
   device.result.damped_share = static_cast<double>(damped) / kTicks;
+  if (!last_n.empty()) {
+    Vec3 sum_n = Vec3::Zero();
+    double squares = 0;
+    for (const Vec3& force_n : last_n) {
+      sum_n += force_n;
+      squares += force_n.squaredNorm();
+    }
+    const double count = static_cast<double>(last_n.size());
+    device.result.held_n = (sum_n / count).norm();
+    device.result.felt_sd_n = std::sqrt(std::max(0.0, squares / count - device.result.held_n * device.result.held_n));
+  }
   return device.result;
 }
 

@@ -8,22 +8,40 @@
 
 namespace haptolith {
 
-/// How a simulated hand holds the handle of a device that weighs 0.25 kg.
-enum class Grip {
-  kStiff,   ///< 800 N/m, 10 N s/m, 0.5 kg of hand
-  kLoose,   ///< 100 N/m, 3 N s/m, 0.3 kg of hand
-  kNone,    ///< nobody: the handle rests on the soil with 2 N
-  kLetsGo,  ///< stiff, until it opens suddenly 15 mm deep in the soil; the handle's weight is balanced
+/// How a simulated hand holds the handle of a device.
+struct HoldingHand {
+  const char* name = "";
+  double stiffness_n_m = 0, damping_n_s_m = 0;
+  double mass_kg = 0;  ///< moves with the handle
+  double weight_n = 0;
+  bool opens = false;  ///< lets go of the handle suddenly, 15 mm deep in the soil; the handle's weight is balanced
 };
 
-[[nodiscard]] const char* text(Grip grip) noexcept;
+/// Hands that a person could have, and one that is away: the handle rests on the soil with 2 N.
+inline constexpr HoldingHand kStiffHand{"stiff", 800, 10, 0.5, 0, false};
+inline constexpr HoldingHand kLooseHand{"loose", 100, 3, 0.3, 0, false};
+inline constexpr HoldingHand kNoHand{"none", 0, 0, 0, 2, false};
+inline constexpr HoldingHand kOpeningHand{"lets go", 800, 10, 0.5, 0, true};
+/// Hands without mass are harder to keep still at a light handle.
+inline constexpr HoldingHand kLightHands[]{
+    {"stiff, light", 1500, 20, 0, 0, false},
+    {"firm, light", 800, 10, 0, 0, false},
+    {"medium, light", 300, 5, 0, 0, false},
+    {"loose, light", 50, 1, 0, 0, false},
+};
 
 /// A hand, a device and a way to join it to the soil. Everything but the soil.
 struct StabilityCase {
-  Grip grip = Grip::kStiff;
-  double damping_n_s_m = 0;  ///< the device's own
-  int delay_ticks = 0;       ///< from write() to the force
+  HoldingHand hand = kStiffHand;
+  double handle_kg = 0.25;
+  double damping_n_s_m = 0;    ///< the device's own
+  int delay_ticks = 0;         ///< from write() to the force
+  int declared_ticks = -1;     ///< what the device declares of that; -1: nothing
+  double step_m = 2e-5;        ///< of positions
+  double noise_m = 0;          ///< of positions, to either side
+  double resolution_m = 2e-5;  ///< what the device declares of both
   CouplingKind coupling = CouplingKind::kDirect;
+  ArmParameters spring = CouplingParameters().spring;  ///< of a virtual coupling
   bool passivity = true;
 };
 
@@ -35,17 +53,21 @@ struct StabilityResult {
   double returned_j = 0;
   /// How far the handle moves to and fro above 6 Hz in the last two seconds, when the hand is still, in m.
   double vibration_m = 0;
-  double damped_share = 0;  ///< of all ticks in which the controller added damping
+  double vibration_before_m = 0;  ///< the same in the second before
+  double damped_share = 0;        ///< of all ticks in which the controller changed the force
+  double held_n = 0;              ///< mean force in the last second
+  double felt_sd_n = 0;           ///< and its standard deviation
+  double softest = 1;             ///< the smallest share of the force that was left
   LoopEnd end = LoopEnd::kRunning;
 };
 
 /// Presses the tool 15 mm into the soil within 1 s, stirs for 2 s at 0.5 Hz, and holds still for 3 s. The device tells
-/// positions in steps of 0.02 mm and a low-pass of their differences, and shows forces in steps of 0.01 N, 12 N at
-/// most and 4000 N/s at most.
+/// positions in steps and a low-pass of their differences, and shows forces in steps of 0.01 N, 12 N at most and
+/// 4000 N/s at most.
 /// @param bed  at rest, as Scene takes it.
 /// @throws InvalidParameter as Scene and HapticLoop.
 [[nodiscard]] StabilityResult measureStability(const BedParameters& bed, const std::vector<Vec3>& centres_m,
-                                               const StabilityCase& parameters);
+                                               const StabilityCase& parameters, const ToolParameters& tool = {});
 
 /// Where the particles of this bed are when it has come to rest.
 [[nodiscard]] std::vector<Vec3> settled(const BedParameters& bed);

@@ -19,6 +19,7 @@ const Eigen::Matrix3d kNoStiffness = Eigen::Matrix3d::Zero();
 CouplingParameters virtualOne() {
   CouplingParameters coupling;
   coupling.kind = CouplingKind::kVirtual;
+  coupling.spring = {.mass_kg = 0.3, .damping_n_s_m = 19, .stiffness_n_m = 300, .lever_m = 0.1};
   return coupling;
 }
 
@@ -165,11 +166,16 @@ TEST(Coupling, RefusesNonsense) {
 TEST(SuitsDirectly, ADeviceThatShowsForceSoonEnough) {
   DeviceLimits device;
   EXPECT_TRUE(suitsDirectly(device));
-  device.delay_s = 0.002;
+  device.delay_s = 0.001;
   EXPECT_TRUE(suitsDirectly(device));
-  device.delay_s = 0.003;
+  device.delay_s = 0.002;
   EXPECT_FALSE(suitsDirectly(device));
   device.delay_s = 0;
+  device.resolution_m = 2e-5;
+  EXPECT_TRUE(suitsDirectly(device));
+  device.resolution_m = 3e-5;
+  EXPECT_FALSE(suitsDirectly(device));
+  device.resolution_m = 0;
   device.shows_force = false;
   EXPECT_FALSE(suitsDirectly(device));
 }

@@ -24,6 +24,7 @@ ToolParameters sphere() {
 HandlingParameters joined(CouplingKind kind) {
   HandlingParameters handling;
   handling.coupling.kind = kind;
+  handling.coupling.spring = {.mass_kg = 0.3, .damping_n_s_m = 19, .stiffness_n_m = 300, .lever_m = 0.1};
   return handling;
 }
 

@@ -1,7 +1,10 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string>
+
+#include "haptolith/device/haptic_device.h"
 
 namespace haptolith {
 
@@ -14,8 +17,14 @@ struct DeviceParameters {
   std::string library;  ///< kForceDimension: the SDK's folder or library; empty: looked for
   std::string address;  ///< kInverse3: of the service, kNetwork: to listen on; empty: the driver's usual one
 
+  /// What its owner has measured, instead of what the driver assumes: see DeviceLimits.
+  std::optional<double> delay_s, resolution_m;
+
   [[nodiscard]] bool operator==(const DeviceParameters&) const = default;
 };
+
+/// The same device, with what its owner has measured.
+[[nodiscard]] DeviceLimits measured(DeviceLimits limits, const DeviceParameters& parameters) noexcept;
 
 /// One device that a driver has found, or why it found none.
 struct DeviceReport {

@@ -53,6 +53,7 @@ struct Model {
   double force_n, torque_nm, gripper_n;
   double stiffness_n_m, stiffness_nm_rad;  ///< closed loop, at 1 kHz
   double radius_m, centre_x_m, centre_y_m;
+  double resolution_m = 1e-5;  ///< as makers give it, rounded up; not measured
 };
 constexpr Model kModels[] = {
     {104, 12, 0.2, 8, 4000, 1, 0.075, 0.01, -0.02},  // sigma.7, right hand
@@ -62,12 +63,12 @@ constexpr Model kModels[] = {
     {36, 12, 0, 0, 5000, 0, 0.075, 0, 0},            // omega.6, left hand
     {35, 12, 0, 8, 5000, 0, 0.075, 0, 0},            // omega.7, right hand
     {37, 12, 0, 8, 5000, 0, 0.075, 0, 0},            // omega.7, left hand
-    {63, 20, 0, 0, 5000, 0, 0.15, 0, 0},             // delta.3
-    {64, 20, 0.2, 0, 5000, 1, 0.15, 0, 0},           // delta.6
-    {60, 8, 0, 0, 3000, 0, 0.04, 0, 0},              // Falcon
+    {63, 20, 0, 0, 5000, 0, 0.15, 0, 0, 3e-5},       // delta.3
+    {64, 20, 0.2, 0, 5000, 1, 0.15, 0, 0, 3e-5},     // delta.6
+    {60, 8, 0, 0, 3000, 0, 0.04, 0, 0, 6.4e-5},      // Falcon, 400 dpi
 };
 /// lambda.3, lambda.7, sigma.3 and what is new: nothing published was found, so the smallest of the others.
-constexpr Model kUnknownModel{0, 8, 0.2, 8, 3000, 1, 0.04, 0, 0};
+constexpr Model kUnknownModel{0, 8, 0.2, 8, 3000, 1, 0.04, 0, 0, 1e-4};
 
 const Model& modelOf(int type) {
   const auto* const found =
@@ -93,6 +94,7 @@ DeviceLimits limitsOf(const Model& model, bool wrist, bool active_wrist, bool ac
   limits.workspace_centre_m = Vec3(model.centre_x_m, model.centre_y_m, 0);
   limits.workspace_radius_m = model.radius_m;
   limits.turns = wrist;
+  limits.resolution_m = model.resolution_m;
   return limits;
 }
 
@@ -299,6 +301,7 @@ ForceDimension::ForceDimension(const DeviceParameters& parameters, const ForceDi
       gripper_(sdk_.has_gripper(device_.id)),
       active_gripper_(sdk_.has_active_gripper(device_.id)),
       limits_(limitsOf(modelOf(type_), wrist_, active_wrist_, active_gripper_)) {
+  limits_ = measured(limits_, parameters);
   limits_.grips = gripper_;
   limits_.turn_rad = {0, 0, -std::numbers::pi / 2};  // x is to the person, y to the right
   findZero(places);

@@ -50,6 +50,8 @@ struct DeviceLimits {
   double workspace_radius_m = kNone;
   double rate_hz = 1000;    ///< at which it tells and shows something new
   double delay_s = 0;       ///< from write() to what the next read() then tells of it, beyond a tick
+  bool delay_known = true;  ///< else the delay is anything up to delay_s
+  double resolution_m = 0;  ///< positions come in steps, or with noise to either side, of at most this; 0: exact
   bool turns = true;        ///< whether the handle's turn is known
   bool shows_force = true;  ///< as a force, not as a rumble
   bool grips = false;       ///< whether it has a gripper

@@ -285,7 +285,8 @@ class Inverse3::Connection {
   std::thread thread_;
 };
 
-Inverse3::Inverse3(const DeviceParameters& parameters) : connection_(std::make_unique<Connection>(parameters)) {}
+Inverse3::Inverse3(const DeviceParameters& parameters)
+    : parameters_(parameters), connection_(std::make_unique<Connection>(parameters)) {}
 Inverse3::~Inverse3() = default;
 
 DeviceLimits Inverse3::limits() const noexcept {
@@ -300,7 +301,11 @@ DeviceLimits Inverse3::limits() const noexcept {
   limits.workspace_centre_m = Vec3(0, -0.12, 0.15);
   limits.workspace_radius_m = 0.1;
   limits.turns = connection_->hasGrip();
-  return limits;
+  // A message goes through the service on its way to the device and back; neither has been measured.
+  limits.delay_s = 0.005;
+  limits.delay_known = false;
+  limits.resolution_m = 1e-4;
+  return measured(limits, parameters_);
 }
 
 DeviceInput Inverse3::read() noexcept {

@@ -40,6 +40,7 @@ class Inverse3 final : public HapticDevice {
 
  private:
   class Connection;
+  DeviceParameters parameters_;
   std::unique_ptr<Connection> connection_;
 };
 

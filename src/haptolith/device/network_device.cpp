@@ -83,7 +83,8 @@ std::int64_t nanoseconds(double seconds) {
 }  // namespace
 
 NetworkDevice::NetworkDevice(const DeviceParameters& parameters, const NetworkPatience& patience)
-    : fresh_ns_(nanoseconds(requireInRange("fresh_s", patience.fresh_s, {0.001, 10}))),
+    : parameters_(parameters),
+      fresh_ns_(nanoseconds(requireInRange("fresh_s", patience.fresh_s, {0.001, 10}))),
       holder_ns_(nanoseconds(requireInRange("holder_s", patience.holder_s, {patience.fresh_s, 60}))) {
   const std::string text(parameters.address.empty() ? kUsualAddress : std::string_view(parameters.address));
   sockaddr_in address = addressOf(text);
@@ -116,7 +117,11 @@ DeviceLimits NetworkDevice::limits() const noexcept {
   limits.max_force_rate_n_s = limits.max_force_n / kFullForceIn_s;
   limits.max_torque_rate_nm_s = limits.max_torque_nm / kFullForceIn_s;
   limits.max_gripper_rate_n_s = limits.max_gripper_force_n / kFullForceIn_s;
-  return limits;
+  // Nobody knows what stands behind the socket: assumed bad until its owner has measured it.
+  limits.delay_s = 0.01;
+  limits.delay_known = false;
+  limits.resolution_m = 1e-4;
+  return measured(limits, parameters_);
 }
 
 DeviceInput NetworkDevice::read() noexcept {

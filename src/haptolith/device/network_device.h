@@ -61,6 +61,7 @@ class NetworkDevice final : public HapticDevice {
   void lose(const char* reason) noexcept;
   [[nodiscard]] bool answer(const DeviceOutput& output) noexcept;
 
+  DeviceParameters parameters_;
   Descriptor socket_;
   std::uint16_t port_ = 0;
   std::int64_t fresh_ns_, holder_ns_;

@@ -28,6 +28,13 @@ DeviceReport alwaysThere(DeviceKind kind, const char* name) {
 
 }  // namespace
 
+DeviceLimits measured(DeviceLimits limits, const DeviceParameters& parameters) noexcept {
+  limits.delay_s = parameters.delay_s.value_or(limits.delay_s);
+  limits.delay_known = limits.delay_known || parameters.delay_s.has_value();
+  limits.resolution_m = parameters.resolution_m.value_or(limits.resolution_m);
+  return limits;
+}
+
 std::unique_ptr<HapticDevice> openDevice(const DeviceParameters& parameters, double tick_s) {
   switch (parameters.kind) {
     case DeviceKind::kVirtualHand: break;

@@ -9,8 +9,9 @@
 namespace haptolith {
 
 bool suitsDirectly(const DeviceLimits& device) noexcept {
-  constexpr double kLongestDelay_s = 0.002;
-  return device.shows_force && device.delay_s <= kLongestDelay_s;
+  constexpr double kLongestDelay_s = 0.001;
+  constexpr double kCoarsest_m = 2e-5;  // a step of the shovel's stiffest contact, 8500 N/m, is then 0.2 N
+  return device.shows_force && device.delay_s <= kLongestDelay_s && device.resolution_m <= kCoarsest_m;
 }
 
 void validate(const CouplingParameters& coupling, double tick_s) {

@@ -14,13 +14,16 @@ enum class CouplingKind {
   kVirtual,  ///< a spring and a damper pull the tool after the hand, and the hand feels these
 };
 
-/// Whether a device is coupled directly unless somebody says otherwise: it shows force, and no more than 2 ms late,
-/// with which a direct coupling has been found to stay passive (docs/safety.md).
+/// Whether a device is coupled directly unless a scene says otherwise: it shows force, no more than 1 ms late, and
+/// tells positions finely enough (docs/safety.md).
 [[nodiscard]] bool suitsDirectly(const DeviceLimits& device) noexcept;
 
 struct CouplingParameters {
   CouplingKind kind = CouplingKind::kAuto;
-  ArmParameters spring{.mass_kg = 0.3, .damping_n_s_m = 19, .stiffness_n_m = 300, .lever_m = 0.1};
+  /// Soft enough for a handle of 0.1 kg that shows a force 10 ms late, in any hand: a damper B shakes a handle of mass
+  /// m when B > pi m / (2 T), 16 N s/m, and a spring K when K T > B. Light, so that a hand does not feel the tool's
+  /// mass in the air. A device that is known to be faster can have more of all three.
+  ArmParameters spring{.mass_kg = 0.05, .damping_n_s_m = 5, .stiffness_n_m = 200, .lever_m = 0.05};
   double max_force_n = 12;  ///< the spring pulls no harder than this, and turns no harder than this times the lever
 
   [[nodiscard]] bool operator==(const CouplingParameters&) const = default;

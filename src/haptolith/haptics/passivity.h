@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cstddef>
+#include <span>
 
 #include "haptolith/core/vec.h"
 #include "haptolith/device/haptic_device.h"
@@ -9,10 +10,23 @@
 
 namespace haptolith {
 
+/// What the controller has to know of soil and device.
+struct PassivityParameters {
+  double stiffness_n_m = 0;  ///< k of the softest spring that stores what the hand presses with
+  double delay_s = 0;        ///< from a force that is sent to one that acts, 31 ticks at most
+  bool delay_known = true;   ///< else it is anything up to delay_s
+  /// Positions are told in steps, or with noise to either side, of at most this. 0: they are exact, and nothing below
+  /// about dead bands, noise and shaking applies, as for a simulated hand.
+  double resolution_m = 0;
+};
+
 /// Observes the energy that the hand is given and damps what soil could not give: time-domain passivity (Hannaford and
 /// Ryu 2002, IEEE Trans. Robotics and Automation 18:1), device's frame.
 ///
 ///     E += F_held . dx + T_held . dr          F_held: what was shown between the two readings
+///
+/// dx passes a dead band as wide as the device's resolution, or as the noise that is measured: a handle at rest that is
+/// told to be one step here, one step there does no work, though soil that is stiff answers each step with a force.
 ///
 /// Two accounts. The whole one begins at zero, and soil that nobody has pressed has nothing to give: E > 0 is an error.
 /// But digging dissipates so much that it could hide seconds of shaking, and a load that is lowered rightly gives
@@ -22,47 +36,73 @@ namespace haptolith {
 ///
 ///     E_quick >= -F_quick^2 / (2 k)
 ///
-/// What is in excess is taken back with a damper, F -= alpha v, alpha = E / (dt v^2), as far as a damper may go.
+/// Both are kept for each delay that the device may have, and the worst counts: a force that is shown later than it was
+/// sent pushes where it should have braked.
 ///
-/// A force that is shown T late may push where the hand presses no more, and so may the damper's. In that time it can
-/// give the hand F T (v + F T / 2 m) at most, m being the lightest handle. No more force is shown than the hand has
-/// paid for: that energy stays below what the whole account has left, and half a millijoule of credit.
+/// What is in excess is taken back with a damper, F -= alpha v, alpha = E / (dt v^2), as far as a damper may go: no
+/// further than a step of the device's resolution makes a force that nobody feels.
+///
+/// Shaking that goes on all the same lowers the force (softening()): what the quick account has above 0.3 mJ is booked
+/// as E_shaken, 5 mW at most, and forgotten within some 10 s.
+///
+///     F *= 1 / (1 + E_shaken / 1 mJ)
+///
+/// A force that is known to be shown T late may push where the hand presses no more, and so may the damper's. In that
+/// time it can give the hand F T (v + F T / 2 m) at most, m being the lightest handle. No more force is shown than the
+/// hand has paid for: that energy stays below what the whole account has left, and half a millijoule of credit.
 ///
 ///     F <= m / T (sqrt(v^2 + 2 (0.5 mJ - E) / m) - v)
 ///
 /// Functions may be called in the tick.
 class Passivity {
  public:
-  /// @param stiffness_n_m  k of the softest spring that stores what the hand presses with.
-  /// @param delay_s        the device's: a force is held against the movement that many seconds later, 31 ticks at
-  /// most.
-  Passivity(double stiffness_n_m, double delay_s, double tick_s) noexcept;
+  Passivity(const PassivityParameters& parameters, double tick_s) noexcept;
 
-  /// Accounts for the time since the last call, during which `held` was sent.
+  /// Accounts for the time since the last call, during which `sent` was sent.
   void observe(const Pose& device, const Wrench& sent) noexcept;
 
   /// What to add to the wrench: zero while nothing is in excess.
   [[nodiscard]] Wrench damping() const noexcept;
 
-  /// How much of this wrench the hand has paid for, 0 to 1; all of it when the device shows it at once.
+  /// The share of the wrench that is left to a hand that has been shaken, 0 to 1.
+  [[nodiscard]] double softening() const noexcept;
+
+  /// How much of this wrench the hand has paid for, 0 to 1; all of it when the device shows it at
+  /// once, or how late is not known.
   [[nodiscard]] double affordable(const Wrench& wrench) const noexcept;
 
-  /// Forgets where the device was, how it moved and what was sent, but not what has been dissipated: it is somewhere
-  /// else, or has not been looked at for a while.
+  /// Forgets where the device was, how it moved and what was sent, but not what has been dissipated, nor how it shook:
+  /// it is somewhere else, or has not been looked at for a while.
   void restart() noexcept;
 
-  [[nodiscard]] double injected() const noexcept { return whole_j_; }       ///< J, whole account
-  [[nodiscard]] double quickInjected() const noexcept { return quick_j_; }  ///< J, quick account
+  [[nodiscard]] double injected() const noexcept;       ///< J, whole account
+  [[nodiscard]] double quickInjected() const noexcept;  ///< J, quick account
 
  private:
-  double stiffness_n_m_, tick_s_;
+  /// What the hand was given, if forces are shown so many ticks after they are sent.
+  struct Account {
+    std::size_t delay = 0;
+    QuickMovement quick_force, quick_torque;
+    double whole_j = 0, quick_j = 0;
+  };
+
+  void count(Account& account) noexcept;
+  [[nodiscard]] double deadBand(const Vec3& position_m) noexcept;
+
+  PassivityParameters parameters_;
+  double tick_s_, strongest_damper_n_s_m_;
   bool known_ = false;
-  Pose last_;
+  Pose last_;  ///< behind the dead band
   Twist twist_, quick_twist_;
-  QuickMovement quick_velocity_, quick_rotation_, quick_force_, quick_torque_;
+  QuickMovement quick_velocity_, quick_rotation_;
   std::array<Wrench, 32> sent_;  ///< in the last ticks, round and round
   std::size_t delay_, calls_ = 0;
-  double whole_j_ = 0, quick_j_ = 0, forgiven_j_;
+  std::array<Account, 6> accounts_;
+  std::size_t account_count_;
+  double forgiven_j_, shaken_j_ = 0;
+  std::array<Vec3, 3> told_m_;  ///< the last positions, oldest first
+  std::size_t told_ = 0;
+  double noise_m2_ = 0;  ///< variance of positions about a smooth movement
 };
 
 }  // namespace haptolith

@@ -66,7 +66,11 @@ SafetyLayer::SafetyLayer(const SafetyParameters& parameters, const DeviceLimits&
       soft_stop_s_(simulated ? 0 : parameters.soft_stop_s),
       most_misses_(parameters.most_misses),
       calm_ticks_(static_cast<int>(std::lround(parameters.calm_s / tick_s))),
-      passivity_(storage_n_m, limits.delay_s, tick_s),
+      passivity_({.stiffness_n_m = storage_n_m,
+                  .delay_s = limits.delay_s,
+                  .delay_known = limits.delay_known,
+                  .resolution_m = limits.resolution_m},
+                 tick_s),
       presence_(soft_start_s_ == 0 ? 1 : 0) {
   validate(parameters);
   limits_.max_force_n = std::min(limits.max_force_n, parameters.max_force_n);
@@ -142,6 +146,11 @@ DeviceOutput SafetyLayer::step(const DeviceOutput& rendered) noexcept {
     wanted.wrench = {share * wanted.wrench.force_n, share * wanted.wrench.torque_nm};
     wanted.gripper_force_n *= share;
     flags_ |= kTickSoftStart;
+  }
+  if (const double share = damps_ ? passivity_.softening() : 1; share < 1) {
+    wanted.wrench = {share * wanted.wrench.force_n, share * wanted.wrench.torque_nm};
+    wanted.gripper_force_n *= share;
+    flags_ |= kTickPassivityDamped;
   }
   if (const Wrench damping = passivity_.damping();
       damps_ && !(damping.force_n.isZero(0) && damping.torque_nm.isZero(0))) {

@@ -83,7 +83,7 @@ class ColumnList {
 
 using Json = nlohmann::ordered_json;
 
-constexpr std::array<std::pair<const char*, double DeviceLimits::*>, 12> kNumbers{{
+constexpr std::array<std::pair<const char*, double DeviceLimits::*>, 13> kNumbers{{
     {"max_force_n", &DeviceLimits::max_force_n},
     {"max_torque_nm", &DeviceLimits::max_torque_nm},
     {"max_gripper_force_n", &DeviceLimits::max_gripper_force_n},
@@ -96,9 +96,13 @@ constexpr std::array<std::pair<const char*, double DeviceLimits::*>, 12> kNumber
     {"workspace_radius_m", &DeviceLimits::workspace_radius_m},
     {"rate_hz", &DeviceLimits::rate_hz},
     {"delay_s", &DeviceLimits::delay_s},
+    {"resolution_m", &DeviceLimits::resolution_m},
 }};
-constexpr std::array<std::pair<const char*, bool DeviceLimits::*>, 3> kSwitches{
-    {{"turns", &DeviceLimits::turns}, {"shows_force", &DeviceLimits::shows_force}, {"grips", &DeviceLimits::grips}}};
+constexpr std::array<std::pair<const char*, bool DeviceLimits::*>, 4> kSwitches{
+    {{"turns", &DeviceLimits::turns},
+     {"shows_force", &DeviceLimits::shows_force},
+     {"grips", &DeviceLimits::grips},
+     {"delay_known", &DeviceLimits::delay_known}}};
 
 std::vector<TickColumn> makeColumns() {
   ColumnList list;
@@ -169,12 +173,21 @@ DeclaredLimits limitsOf(std::string_view text) try {
     declared.limits.workspace_centre_m[axis] = json.at("workspace_centre_m").at(axis).get<double>();
     declared.limits.turn_rad[axis] = json.at("turn_rad").at(axis).get<double>();
   }
+  // Recordings of version 0.1.0 know neither of these: their devices were taken to be exact.
+  const auto unknown = [&json](std::string_view name) {
+    return !json.contains(name) && (name == "resolution_m" || name == "delay_known");
+  };
   for (const auto& [name, member] : kNumbers) {
+    if (unknown(name)) {
+      continue;
+    }
     const Json& value = json.at(name);
     declared.limits.*member = value.is_null() ? DeviceLimits::kNone : value.get<double>();
   }
   for (const auto& [name, member] : kSwitches) {
-    declared.limits.*member = json.at(name).get<bool>();
+    if (!unknown(name)) {
+      declared.limits.*member = json.at(name).get<bool>();
+    }
   }
   return declared;
 } catch (const Json::exception& error) {

@@ -389,6 +389,20 @@ std::vector<ScenarioKey> allKeys() {
                  [](const S& s) -> std::string_view { return s.device.address; }},
        "Where `network` listens [127.0.0.1:9050], or the service of `inverse3` is [ws://localhost:10001]."},
 
+      {"device", "delay_ms", "delay_s",
+       NumberValue{{0, 30},
+                   [](S& s, double v) { s.device.delay_s = v * kMs; },
+                   [](const S& s) { return inUnits(s.device.delay_s.value_or(kLeftOut), kMs); }},
+       "How much later than the next millisecond a force acts on what the device tells, as measured; left out: what "
+       "the "
+       "driver assumes."},
+      {"device", "resolution_mm", "resolution_m",
+       NumberValue{{0, 5, Ends::kOpenBelow},
+                   [](S& s, double v) { s.device.resolution_m = v * kMm; },
+                   [](const S& s) { return millimetres(s.device.resolution_m.value_or(kLeftOut)); }},
+       "Steps or noise of the positions it tells, whichever is larger, as measured; left out: what the driver "
+       "assumes."},
+
       {"mapping", "offset_mm", "offset_m",
        VectorValue{{-1e4, 1e4},
                    [](S& s, const Vec3& v) { s.handling.mapping.offset_m = v * kMm; },
@@ -427,7 +441,7 @@ std::vector<ScenarioKey> allKeys() {
                  [](S& s, std::string_view v) { s.handling.coupling.kind = valueOf(kCouplingWords, v); },
                  [](const S& s) { return wordFor(kCouplingWords, s.handling.coupling.kind); }},
        "The tool is where the hand is, as in the paper; or a spring and a damper pull it there; `auto`: direct where "
-       "the device shows force at most 2 ms late."},
+       "the device shows force at most 1 ms late and tells positions to 0.02 mm."},
       {"coupling", "stiffness_n_m", "stiffness_n_m",
        NumberValue{{0, 1e5, Ends::kOpenBelow},
                    [](S& s, double v) { s.handling.coupling.spring.stiffness_n_m = v; },
