@@ -29,7 +29,7 @@ struct Options {
   std::vector<std::string> soils, grips;
   std::vector<double> delays_ms, steps_mm, noises_mm;
   std::string csv, filter, keep, record;
-  int jobs = 1, repeat = 1, count = 200;
+  int jobs = 1, again = 1, repeat = 1, count = 200;
   std::uint32_t seed = 1;
   double seconds = 0;
   bool json = false;
@@ -224,8 +224,8 @@ int play(const Options& options) {
   std::size_t done = 0;
   int failures = 0;
   StallCount stalls;
-  const bool whole =
-      playAll(runs, options.jobs, [&](const Settings& s, const Json* result, const std::string& failure) {
+  const bool whole = playAll(
+      runs, options.jobs, options.again, [&](const Settings& s, const Json* result, const std::string& failure) {
         ++done;
         if (result == nullptr) {
           ++failures;
@@ -302,6 +302,9 @@ void addOptions(CLI::App& app, Options& o) {
   app.add_option("--repeat", o.repeat, "each run so often, with other seeds")->check(CLI::PositiveNumber);
   app.add_option("--seed", o.seed, "other random numbers")->capture_default_str();
   app.add_option("--jobs", o.jobs, "runs at a time")->check(CLI::Range(1, 64))->capture_default_str();
+  app.add_option("--again", o.again, "a run in which the machine was late is played up to so many times more")
+      ->check(CLI::Range(0, 100))
+      ->capture_default_str();
   app.add_option("--csv", o.csv, "rows are added to this file; runs that are in it are skipped");
   app.add_flag("--json", o.json, "one JSON object a line instead of text");
   app.add_option("--keep", o.keep, "keep scenes, output and trip files in this folder");

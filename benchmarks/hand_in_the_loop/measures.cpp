@@ -60,7 +60,7 @@ void Observer::answer(double at_s, Phase phase, const Answer& answer) {
   const bool zero = answer.force_n == Vec3{} && answer.torque_nm == Vec3{};
   if (any_) {
     const std::uint32_t between = answer.number - last_.number;
-    m.longest_gap_ms = std::max(m.longest_gap_ms, 1e3 * (at_s - last_s_));
+    m.longest_gap_ms = phase > Phase::kWait ? std::max(m.longest_gap_ms, 1e3 * (at_s - last_s_)) : 0;
     if (between > 0 && between < 1U << 31U) {
       m.lost += between - 1;
       if (!zero) {
@@ -74,7 +74,7 @@ void Observer::answer(double at_s, Phase phase, const Answer& answer) {
   constexpr double kFelt_n = 0.05;
   const bool falls = zero && any_ && length(last_.force_n) > kFelt_n;
   const bool before = let_go_;
-  let_go_ = at_s >= 0 && (answer.let_go || !answer.live || falls || (let_go_ && zero));
+  let_go_ = phase > Phase::kWait && (answer.let_go || !answer.live || falls || (let_go_ && zero));
   if (let_go_ && !before) {
     let_goes_s_.push_back(at_s);
     m.first_let_go_s = m.first_let_go_s < 0 ? at_s : m.first_let_go_s;

@@ -52,6 +52,7 @@ class HighPass {
 enum class Phase { kWait, kPress, kSettle, kDraw, kStill, kOver };
 
 /// Takes in what happens in a run, in the order of time; times are since the script's start and negative before it.
+/// Let-goes and gaps count from when the wait is over: nothing is felt before.
 class Observer {
  public:
   explicit Observer(const Bars& bars, double end_s) : bars_(bars), end_s_(end_s) {}

@@ -172,7 +172,10 @@ class Session {
         continue;
       }
       const std::int64_t arrived_ns = at_ns(arrival->at_ns);
-      if (start_ns_ < 0 && answer.live && !answer.let_go) {
+      const bool holds = answer.live && !answer.let_go;
+      if (start_ns_ < 0 ? holds : !holds && restarts_ < kMostRestarts && waits(arrived_ns)) {
+        // A hand that is let go before it has touched anything waits for the next soft start.
+        restarts_ += start_ns_ < 0 ? 0 : 1;
         start_ns_ = done_ns_;
       }
       device_.take(answer, arrived_ns);
@@ -185,6 +188,7 @@ class Session {
       last_ = answer;
     }
   }
+  [[nodiscard]] int restarts() const { return restarts_; }
   [[nodiscard]] bool waitForAnswer(int timeout_ms) { return link_.wait(timeout_ms); }
 
   [[nodiscard]] bool started() const { return start_ns_ >= 0; }
@@ -235,6 +239,11 @@ class Session {
 
  private:
   static constexpr double kAfterGlitch_s = 0.05, kAfterStall_s = 0.15, kStallsApart_s = 1.6, kPressed_n = 0.5;
+  static constexpr int kMostRestarts = 30;
+
+  [[nodiscard]] bool waits(std::int64_t at_ns) const {
+    return in_step_ == nullptr && settings_.script.phase(scriptTime(at_ns)) == Phase::kWait;
+  }
 
   [[nodiscard]] double scriptTime(std::int64_t at_ns) const {
     return start_ns_ < 0 ? -1 : 1e-9 * static_cast<double>(at_ns - start_ns_);
@@ -330,6 +339,7 @@ class Session {
   Observer observer_;
   double end_s_;
   std::int64_t done_ns_ = 0, start_ns_ = -1;
+  int restarts_ = 0;
   Reading reading_;
   Answer last_;
   std::uint32_t sequence_ = 0;
@@ -406,9 +416,10 @@ const char* text(DelayAt at) {
   return at == DelayAt::kSplit ? "split" : at == DelayAt::kShow ? "show" : "measure";
 }
 
-Json rowOf(const Settings& s, const Measures& m, const Observer& observer, const Punctuality& punctuality,
-           std::optional<int> early_end, int exit_status) {
-  const Verdict verdict = judge(m, observer.letGoes(), s.bars);
+Json rowOf(const Settings& s, const Session& session, const Punctuality& punctuality, std::optional<int> early_end,
+           int exit_status) {
+  const Measures m = session.observer().measures();
+  const Verdict verdict = judge(m, session.observer().letGoes(), s.bars);
   return {{"name", s.name},
           {"soil", s.soil},
           {"grip", s.grip},
@@ -447,6 +458,7 @@ Json rowOf(const Settings& s, const Measures& m, const Observer& observer, const
           {"late_max_ms", punctuality.latest_ms},
           {"late_share", punctuality.ticks > 0 ? static_cast<double>(punctuality.late) / punctuality.ticks : 0},
           {"skipped_ticks", punctuality.skipped},
+          {"restarts", session.restarts()},
           {"exit_status", exit_status}};
 }
 
@@ -532,7 +544,7 @@ Json judgeProgram(const Settings& settings) {
     const std::int64_t late_ns = monotonicNs() - base_ns - tick * kTick_ns;
     const std::int64_t skipped = late_ns / kTick_ns;
     tick += skipped;
-    if (session.started() && over_ns < 0) {
+    if (session.time() >= settings.script.wait_s && over_ns < 0) {
       punctuality.latest_ms = std::max(punctuality.latest_ms, 1e-6 * static_cast<double>(late_ns));
       ++punctuality.ticks;
       punctuality.late += skipped > 0 ? 1 : 0;
@@ -561,7 +573,7 @@ Json judgeProgram(const Settings& settings) {
   }
   const std::optional<int> early_end = over_ns < 0 ? ended : std::nullopt;
   Json result = session.lists();
-  result["row"] = rowOf(settings, session.observer().measures(), session.observer(), punctuality, early_end, *ended);
+  result["row"] = rowOf(settings, session, punctuality, early_end, *ended);
   if (*ended != 0) {
     result["said"] = lastLine(readAll(log));
   }
