@@ -151,18 +151,42 @@ void tellLists(const Json& result) {
                   w["sd_n"].get<double>(), w["largest_n"].get<double>(), w["energy_mj"].get<double>());
     }
   }
-  if (result.contains("glitches")) {
-    std::printf("    in the 50 ms after:\n");
-    for (const Json& g : result["glitches"]) {
-      const double let_go_ms = g["let_go_ms"].get<double>();
-      std::printf("    %-22s %5.2f N before, then at most %5.2f N, %4.2f N/ms, %.3f N m, %+7.2f mJ; %s\n",
-                  g["what"].get<std::string>().c_str(), g["before_n"].get<double>(), g["largest_n"].get<double>(),
-                  g["largest_step_n_ms"].get<double>(), g["largest_torque_nm"].get<double>(),
-                  g["energy_mj"].get<double>(),
-                  let_go_ms < 0 ? "not let go" : ("let go after " + shortNumber(let_go_ms) + " ms").c_str());
+}
+
+/// What the hand felt after each kind of glitch.
+class GlitchCount {
+ public:
+  void add(const Json& glitches) {
+    for (const Json& glitch : glitches) {
+      const auto most = [&glitch](double& x, const char* key) { x = std::max(x, glitch[key].get<double>()); };
+      Part& part = parts_[glitch["what"]];
+      ++part.all;
+      part.let_go += glitch["let_go_ms"].get<double>() >= 0 ? 1 : 0;
+      most(part.let_go_ms, "let_go_ms");
+      most(part.before_n, "before_n");
+      most(part.largest_n, "largest_n");
+      part.rise_n = std::max(part.rise_n, glitch["largest_n"].get<double>() - glitch["before_n"].get<double>());
+      most(part.step_n_ms, "largest_step_n_ms");
+      most(part.torque_nm, "largest_torque_nm");
+      most(part.energy_mj, "energy_mj");
     }
   }
-}
+  void tell() const {
+    std::printf("\nLargest in the 50 ms after:\n%-22s %8s %7s %8s %8s %8s %8s %8s %8s %9s\n", "one packet", "packets",
+                "let go", "after ms", "before N", "N", "more N", "N/ms", "N m", "energy mJ");
+    for (const auto& [what, p] : parts_) {
+      std::printf("%-22s %8d %7d %8.1f %8.2f %8.2f %8.2f %8.2f %8.3f %9.2f\n", what.c_str(), p.all, p.let_go,
+                  p.let_go_ms, p.before_n, p.largest_n, p.rise_n, p.step_n_ms, p.torque_nm, p.energy_mj);
+    }
+  }
+
+ private:
+  struct Part {
+    int all = 0, let_go = 0;
+    double let_go_ms = 0, before_n = 0, largest_n = 0, rise_n = 0, step_n_ms = 0, torque_nm = 0, energy_mj = 0;
+  };
+  std::map<std::string, Part> parts_;
+};
 
 /// Of how many stalls the hand felt something at once.
 class StallCount {
@@ -224,6 +248,7 @@ int play(const Options& options) {
   std::size_t done = 0;
   int failures = 0;
   StallCount stalls;
+  GlitchCount glitches;
   const bool whole = playAll(
       runs, options.jobs, options.again, [&](const Settings& s, const Json* result, const std::string& failure) {
         ++done;
@@ -244,6 +269,9 @@ int play(const Options& options) {
           if (!s.record.empty()) {
             std::printf("    recorded in %s\n", s.record.c_str());
           }
+          if (result->contains("glitches")) {
+            glitches.add((*result)["glitches"]);
+          }
           if (result->contains("stalls")) {
             stalls.add((*result)["stalls"]);
           }
@@ -253,6 +281,8 @@ int play(const Options& options) {
   if (!options.json) {
     if (options.settings.task == Task::kStalls) {
       stalls.tell();
+    } else if (options.settings.task == Task::kGlitches) {
+      glitches.tell();
     } else if (options.settings.task == Task::kHold && table.rows().size() > 1) {
       summarise(table.rows());
     }
@@ -317,32 +347,31 @@ int run(int argc, char** argv) {
   CLI::App app("Plays a person's hand at a haptic device against haptolith, and judges what the hand was given.");
   app.require_subcommand(1);
   std::map<std::string, Options> all;
-  const auto command = [&](const char* name, const char* what) -> Options& {
+  const auto command = [&all](const char* name) -> Options& {
     Options& options = all[name];
     options.soils = {"A"};
     options.grips = {"stiff"};
     options.delays_ms = options.steps_mm = options.noises_mm = {0};
     return options;
-    (void)what;
   };
-  Options& one = command("run", "");
-  Options& matrix = command("matrix", "");
+  Options& one = command("run");
+  Options& matrix = command("matrix");
   matrix.soils = {"A", "B", "C"};
   matrix.grips = {"stiff", "firm", "medium", "loose", "none"};
   matrix.delays_ms = {0, 1, 2, 5, 10};
   matrix.steps_mm = {0, 0.02, 0.06};
   matrix.noises_mm = {0, 0.1};
-  Options& rest = command("rest", "");
+  Options& rest = command("rest");
   rest.grips = {"medium"};
   rest.steps_mm = {0.02, 0.06};
   rest.settings.windows_s = 10;
   rest.settings.script.draw_s = 0;
   rest.settings.script.still_s = 60;
-  Options& glitches = command("glitches", "");
+  Options& glitches = command("glitches");
   glitches.settings.task = Task::kGlitches;
   glitches.settings.script.draw_s = 0;
-  glitches.settings.script.still_s = 14;
-  Options& stalls = command("stalls", "");
+  glitches.count = 9;
+  Options& stalls = command("stalls");
   stalls.settings.task = Task::kStalls;
   stalls.settings.script.draw_s = 0;
   stalls.settings.extra_toml = "[safety]; calm_s = 0.2; soft_start_s = 1";
@@ -350,7 +379,11 @@ int run(int argc, char** argv) {
   addOptions(*app.add_subcommand("run", "one run, or several: lists are taken together in all ways"), one);
   addOptions(*app.add_subcommand("matrix", "3 soils, 5 grips, 5 delays, 3 steps, 2 noises: 450 runs"), matrix);
   addOptions(*app.add_subcommand("rest", "a minute at rest in the soil, told in stretches of 10 s"), rest);
-  addOptions(*app.add_subcommand("glitches", "single packets that no hand can mean"), glitches);
+  CLI::App* glitches_command = app.add_subcommand("glitches", "single packets that no hand can mean");
+  addOptions(*glitches_command, glitches);
+  glitches_command->add_option("--count", glitches.count, "packets in each run, of each kind in turn")
+      ->check(CLI::PositiveNumber)
+      ->capture_default_str();
   CLI::App* stalls_command = app.add_subcommand("stalls", "the program is stopped for 5 to 500 ms, again and again");
   addOptions(*stalls_command, stalls);
   stalls_command->add_option("--count", stalls.count, "stalls, shared out among --repeat runs")->capture_default_str();
@@ -364,11 +397,15 @@ int run(int argc, char** argv) {
   Options& options = all[chosen];
   Settings& s = options.settings;
   s.program = fs::absolute(s.program).string();
+  if (chosen == "glitches") {
+    s.count = options.count;
+    s.script.still_s = 5 + 8.0 * s.count;  // at most; it ends with the last
+  }
   if (chosen == "stalls") {
     constexpr double kMostApart_s = 2.4;  // a stall, the force's way back, the next
     const std::size_t runs = options.soils.size() * options.grips.size() * static_cast<std::size_t>(options.repeat);
-    s.stalls = (options.count + static_cast<int>(runs) - 1) / static_cast<int>(runs);
-    s.script.still_s = 5 + kMostApart_s * s.stalls;
+    s.count = (options.count + static_cast<int>(runs) - 1) / static_cast<int>(runs);
+    s.script.still_s = 5 + kMostApart_s * s.count;
   }
   if (options.seconds > 0) {
     s.script.still_s = options.seconds - (s.script.end() - s.script.still_s);

@@ -9,8 +9,8 @@
 namespace hand_in_the_loop {
 
 /// Plays each run in a process of its own, `jobs` at a time, and tells each as soon as it is over: its result, or why
-/// there is none. A noisy run is played up to `again` times more. Ctrl-C ends all of them at once, and so does the death
-/// of this process.
+/// there is none. A noisy run is played up to `again` times more. Ctrl-C ends all of them at once, and so does the
+/// death of this process.
 /// @returns false when it was interrupted.
 bool playAll(const std::vector<Settings>& runs, int jobs, int again,
              const std::function<void(const Settings&, const Json* result, const std::string& failure)>& tell);

@@ -81,7 +81,7 @@ struct Window {
   }
 };
 
-enum class Attack { kNone, kJump, kTurn, kVelocity };
+enum class Attack { kJump, kTurn, kVelocity };
 constexpr std::array<std::pair<Attack, const char*>, 3> kAttacks = {
     {{Attack::kJump, "5 cm off"}, {Attack::kTurn, "turned by 180 degrees"}, {Attack::kVelocity, "99 m/s, still pose"}}};
 
@@ -90,6 +90,8 @@ struct Glitch {
   double at_s = 0, before_n = 0, largest_n = 0, largest_step_n_ms = 0, torque_nm = 0, energy_before_mj = 0,
          energy_mj = 0;
   double let_go_ms = -1;
+  std::uint32_t sequence = 0;
+  bool seen = false;  ///< an answer was to this packet
 
   [[nodiscard]] Json json() const {
     return {{"what", what},
@@ -193,7 +195,7 @@ class Session {
 
   [[nodiscard]] bool started() const { return start_ns_ >= 0; }
   [[nodiscard]] double time() const { return scriptTime(done_ns_); }
-  [[nodiscard]] bool over() const { return time() > end_s_ || (settings_.task == Task::kStalls && stallsDone()); }
+  [[nodiscard]] bool over() const { return time() > end_s_ || stallsDone() || glitchesDone(); }
   [[nodiscard]] const Observer& observer() const { return observer_; }
   [[nodiscard]] const Handle& handle() const { return handle_; }
 
@@ -203,7 +205,9 @@ class Session {
       json["windows"].push_back(window.json());
     }
     for (const Glitch& glitch : glitches_) {
-      json["glitches"].push_back(glitch.json());
+      if (glitch.seen) {
+        json["glitches"].push_back(glitch.json());
+      }
     }
     for (const Stall& stall : stalls_) {
       if (stall.first_n >= 0) {
@@ -238,7 +242,8 @@ class Session {
   }
 
  private:
-  static constexpr double kAfterGlitch_s = 0.05, kAfterStall_s = 0.15, kStallsApart_s = 1.6, kPressed_n = 0.5;
+  static constexpr double kAfterGlitch_s = 0.05, kGlitchesApart_s = 0.5, kForceIsBack_s = 3.5, kAfterStall_s = 0.15,
+                          kStallsApart_s = 1.6, kPressed_n = 0.5;
   static constexpr int kMostRestarts = 30;
 
   [[nodiscard]] bool waits(std::int64_t at_ns) const {
@@ -263,19 +268,30 @@ class Session {
     return open ? std::pair{Hand{}, settings_.weight_n} : std::pair{grip_.hand, 0.0};
   }
 
-  /// One packet in a few seconds tells something that no hand does.
+  /// Now and then, when all is well, one packet tells something that no hand does.
   void disturb(DevicePacket& packet) {
-    constexpr double kFirst_s = 1, kApart_s = 4.5;  // after a let-go the program's force is back in 3 s
     const double at_s = time();
-    const double since_s = at_s - (settings_.script.end() - settings_.script.still_s) - kFirst_s;
-    const std::size_t next = glitches_.size();
-    if (settings_.task != Task::kGlitches || next >= kAttacks.size() ||
-        since_s < kApart_s * static_cast<double>(next)) {
+    const std::vector<double>& let_goes_s = observer_.letGoes();
+    if (settings_.task != Task::kGlitches || settings_.script.phase(at_s) != Phase::kStill ||
+        length(last_.force_n) < kPressed_n || observer_.letGo() ||
+        (!let_goes_s.empty() && at_s < let_goes_s.back() + kForceIsBack_s)) {
       return;
     }
-    const auto [attack, what] = kAttacks[next];
+    if (!glitches_.empty()) {
+      if (at_s < glitches_.back().at_s + kGlitchesApart_s) {
+        return;
+      }
+      if (!glitches_.back().seen) {  // the next packet came in the same tick; once more
+        glitches_.pop_back();
+      }
+    }
+    if (glitches_.size() >= static_cast<std::size_t>(settings_.count)) {
+      return;
+    }
+    const auto [attack, what] = kAttacks[glitches_.size() % kAttacks.size()];
     Glitch glitch;
     glitch.what = what;
+    glitch.sequence = packet.sequence;
     glitch.at_s = at_s;
     glitch.before_n = length(last_.force_n);
     glitch.energy_before_mj = 1e3 * handle_.ledger().device_j;
@@ -284,7 +300,6 @@ class Session {
       case Attack::kJump: packet.position_m.z -= 0.05; break;
       case Attack::kTurn: packet.orientation_wxyz = {0, 1, 0, 0}; break;
       case Attack::kVelocity: packet.velocity_m_s.z = -99; break;
-      case Attack::kNone: break;
     }
   }
 
@@ -292,6 +307,7 @@ class Session {
     const double force_n = length(answer.force_n);
     if (!glitches_.empty() && at_s >= glitches_.back().at_s && at_s <= glitches_.back().at_s + kAfterGlitch_s) {
       Glitch& glitch = glitches_.back();
+      glitch.seen = glitch.seen || answer.sequence == glitch.sequence;
       glitch.largest_n = std::max(glitch.largest_n, force_n);
       glitch.torque_nm = std::max(glitch.torque_nm, length(answer.torque_nm));
       if (answer.number == last_.number + 1 && force_n > 0) {
@@ -323,8 +339,12 @@ class Session {
     }
   }
 
+  [[nodiscard]] bool glitchesDone() const {
+    return settings_.task == Task::kGlitches && static_cast<int>(glitches_.size()) >= settings_.count &&
+           glitches_.back().seen && time() > glitches_.back().at_s + 1;
+  }
   [[nodiscard]] bool stallsDone() const {
-    return static_cast<int>(stalls_.size()) >= settings_.stalls && resume_s_ < 0 &&
+    return settings_.task == Task::kStalls && static_cast<int>(stalls_.size()) >= settings_.count && resume_s_ < 0 &&
            time() > resumed_s_ + 2 * kAfterStall_s;
   }
 

@@ -53,7 +53,7 @@ struct Settings {
   Script script;
   Bars bars;
   Task task = Task::kHold;
-  int stalls = 50;
+  int count = 50;        ///< of glitches or stalls
   double windows_s = 0;  ///< above 0: the still hold is also told in windows of this length
   std::uint32_t seed = 1;
 };
