@@ -60,6 +60,7 @@ std::string nameOf(const Settings& s, const std::string& given, int repeat) {
   add("mass", s.handle.mass_kg, usual.handle.mass_kg);
   add("damping", s.handle.damping_n_s_m, usual.handle.damping_n_s_m);
   add("weight", s.weight_n, usual.weight_n);
+  add("handle-weight", s.handle_weight_n, usual.handle_weight_n);
   add("jitter", s.device.jitter_ms, usual.device.jitter_ms);
   add("drop", s.device.drop, usual.device.drop);
   add("force-step", s.device.force_step_n, usual.device.force_step_n);
@@ -312,6 +313,7 @@ void addOptions(CLI::App& app, Options& o) {
       ->check(CLI::Range(0.0, 100.0))
       ->capture_default_str();
   app.add_option("--weight", s.weight_n, "of a handle that nobody holds, N")->capture_default_str();
+  app.add_option("--handle-weight", s.handle_weight_n, "of the handle, in a hand as well, N")->capture_default_str();
   app.add_option("--jitter", s.device.jitter_ms, "each answer is shown up to so much later, ms")->capture_default_str();
   app.add_option("--drop", s.device.drop, "share of packets and answers that get lost")
       ->check(CLI::Range(0.0, 1.0))

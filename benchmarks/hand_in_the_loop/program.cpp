@@ -12,6 +12,7 @@ namespace hand_in_the_loop {
 
 Program::Program(const std::vector<std::string>& command, const std::string& folder, const std::string& log) {
   std::vector<char*> arguments;
+  arguments.reserve(command.size() + 1);
   for (const std::string& argument : command) {
     arguments.push_back(const_cast<char*>(argument.c_str()));  // NOLINT(cppcoreguidelines-pro-type-const-cast)
   }

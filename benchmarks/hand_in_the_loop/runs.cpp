@@ -150,6 +150,7 @@ bool playAll(const std::vector<Settings>& runs, int jobs, int again,
       workers.push_back(begin(runs[next++], again));
     }
     std::vector<pollfd> waiting;
+    waiting.reserve(workers.size());
     for (const Worker& worker : workers) {
       waiting.push_back({worker.pipe, POLLIN, 0});
     }
@@ -254,7 +255,7 @@ std::string lineOf(const Json& row) {
 
 void summarise(const std::vector<Json>& rows) {
   struct Cell {
-    int runs = 0, failed = 0, let_go = 0, noisy = 0;
+    int runs = 0, failed = 0, failed_noisy = 0, let_go = 0, noisy = 0;
     double energy_mj = 0, rise_mj = 0, vibration_mm = 0, after_mm = 0, force_n = 0, step_n_ms = 0, least_force = 1e9;
   };
   std::map<std::pair<std::string, std::string>, Cell> cells;
@@ -263,6 +264,7 @@ void summarise(const std::vector<Json>& rows) {
     Cell& cell = cells[{row["soil"], row["grip"]}];
     ++cell.runs;
     cell.failed += failed(row) ? 1 : 0;
+    cell.failed_noisy += failed(row) && noisy(row) ? 1 : 0;
     cell.let_go += row["first_let_go_s"].get<double>() >= 0 ? 1 : 0;
     cell.noisy += noisy(row) ? 1 : 0;
     most(cell.energy_mj, "energy_max_mj");
@@ -277,17 +279,18 @@ void summarise(const std::vector<Json>& rows) {
           std::min(cell.least_force, row["press_n"].get<double>() / (*reference)["press_n"].get<double>());
     }
   }
-  std::printf("\n%-6s %-7s %5s %6s %7s %7s %9s %9s %11s %10s %8s %7s %10s\n", "soil", "grip", "runs", "failed",
-              "let go", "noisy", "energy mJ", "rise mJ", "vibration mm", "last s mm", "force N", "N/ms", "press left");
+  std::printf("\n%-6s %-7s %5s %7s %6s %7s %6s %10s %9s %13s %11s %8s %6s %6s\n", "soil", "grip", "runs", "failed",
+              "noisy", "let go", "noisy", "energy mJ", "rise mJ", "vibration mm", "last s mm", "force N", "N/ms",
+              "left");
   for (const auto& [key, cell] : cells) {
-    std::printf("%-6s %-7s %5d %6d %7d %7d %9.2f %9.2f %12.3f %10.3f %8.2f %7.2f %9s%%\n", key.first.c_str(),
-                key.second.c_str(), cell.runs, cell.failed, cell.let_go, cell.noisy, cell.energy_mj, cell.rise_mj,
-                cell.vibration_mm, cell.after_mm, cell.force_n, cell.step_n_ms,
+    std::printf("%-6s %-7s %5d %7d %6d %7d %6d %10.2f %9.2f %13.3f %11.3f %8.2f %6.2f %5s%%\n", key.first.c_str(),
+                key.second.c_str(), cell.runs, cell.failed, cell.failed_noisy, cell.let_go, cell.noisy, cell.energy_mj,
+                cell.rise_mj, cell.vibration_mm, cell.after_mm, cell.force_n, cell.step_n_ms,
                 cell.least_force < 1e9 ? std::to_string(std::lround(100 * cell.least_force)).c_str() : "-");
   }
   std::printf(
-      "noisy: the judge was more than 4 ms late or the program silent for more than 3 ms\n"
-      "press left: least of the mean force while pressing and just after, against a stiff hand's with nothing wrong\n");
+      "noisy, of the failed and of all: the judge was more than 4 ms late or the program silent for more than 3 ms\n"
+      "left: the least mean force while pressing and just after, against a stiff hand's with nothing wrong\n");
   bool any = false;
   for (const Json& row : rows) {
     if (failed(row)) {

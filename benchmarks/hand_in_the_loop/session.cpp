@@ -11,6 +11,7 @@
 #include <fstream>
 #include <memory>
 #include <numbers>
+#include <sstream>
 #include <stdexcept>
 #include <utility>
 
@@ -265,7 +266,8 @@ class Session {
     const Phase phase = settings_.script.phase(at_s);
     const bool open = (grip_.opens == Grip::Opens::kAtSoil && phase >= Phase::kSettle) ||
                       (grip_.opens == Grip::Opens::kWhenStill && phase >= Phase::kStill);
-    return open ? std::pair{Hand{}, settings_.weight_n} : std::pair{grip_.hand, 0.0};
+    const double weight_n = settings_.handle_weight_n + (open ? settings_.weight_n : 0);
+    return {open ? Hand{} : grip_.hand, weight_n};
   }
 
   /// Now and then, when all is well, one packet tells something that no hand does.
@@ -423,13 +425,17 @@ std::string linesOf(const std::string& extra, const DeviceParameters& device) {
   return replaced(text, "{noise_mm}", device.noise_mm) + '\n';
 }
 
-std::string lastLine(const std::string& text) {
-  const std::size_t end = text.find_last_not_of(" \n\r");
-  if (end == std::string::npos) {
-    return "(it said nothing)";
+/// The line that has an error in it, or else the last.
+std::string whatItSaid(const std::string& log) {
+  std::istringstream lines(log);
+  std::string line, last = "(it said nothing)";
+  while (std::getline(lines, line)) {
+    if (line.find("error:") != std::string::npos) {
+      return line;
+    }
+    last = line.empty() ? last : line;
   }
-  const std::size_t from = text.find_last_of('\n', end);
-  return text.substr(from == std::string::npos ? 0 : from + 1, end - (from == std::string::npos ? -1 : from));
+  return last;
 }
 
 const char* text(DelayAt at) {
@@ -578,7 +584,7 @@ Json judgeProgram(const Settings& settings) {
       break;
     }
     if (!session.started() && tick * kTick_ns > kMostWait_ns) {
-      throw std::runtime_error("the program has not taken the hand within two minutes: " + lastLine(readAll(log)));
+      throw std::runtime_error("the program has not taken the hand within two minutes: " + whatItSaid(readAll(log)));
     }
     if (session.over() && over_ns < 0) {
       over_ns = tick * kTick_ns;
@@ -589,13 +595,14 @@ Json judgeProgram(const Settings& settings) {
     }
   }
   if (!session.started()) {
-    throw std::runtime_error("the program ended with status " + std::to_string(*ended) + ": " + lastLine(readAll(log)));
+    throw std::runtime_error("the program ended with status " + std::to_string(*ended) + ": " +
+                             whatItSaid(readAll(log)));
   }
   const std::optional<int> early_end = over_ns < 0 ? ended : std::nullopt;
   Json result = session.lists();
   result["row"] = rowOf(settings, session, punctuality, early_end, *ended);
   if (*ended != 0) {
-    result["said"] = lastLine(readAll(log));
+    result["said"] = whatItSaid(readAll(log));
   }
   return result;
 }

@@ -49,7 +49,8 @@ struct Settings {
   std::string folder;      ///< where the program runs and its output goes; it exists
   DeviceParameters device;
   HandleParameters handle;
-  double weight_n = 2;  ///< of a handle that nobody holds
+  double weight_n = 2;         ///< of a handle that nobody holds
+  double handle_weight_n = 0;  ///< of a handle, always
   Script script;
   Bars bars;
   Task task = Task::kHold;
