@@ -1,0 +1,98 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "packets.h"
+#include "vec.h"
+
+namespace hand_in_the_loop {
+
+/// What a run is judged by.
+struct Bars {
+  double energy_mj = 5;   ///< most energy that the hand may have been given
+  double still_mm = 0.1;  ///< a vibration that is smaller need not fall
+  double let_go_s = 0.5;  ///< in this time after the first excess the program may let go instead
+};
+
+/// What a hand was given. Energies are the work of the shown force on the handle.
+struct Measures {
+  double largest_force_n = 0;    ///< of all answers
+  double largest_step_n_ms = 0;  ///< between two answers that follow each other; a fall to zero is none
+  double largest_torque_nm = 0;
+  double energy_max_mj = 0;  ///< the most that the sum since the start has been
+  double energy_end_mj = 0;
+  double energy_rise_mj = 0;   ///< the most that the sum has risen above an earlier value
+  double first_excess_s = -1;  ///< since the script's start, when the sum first was above the bar; -1: never
+  double vibration_mm = 0;     ///< above 6 Hz, peak to peak, in the last 2 s
+  double vibration_hz = 0;
+  double vibration_before_mm = 0;  ///< in the first of the last two seconds
+  double vibration_after_mm = 0;   ///< in the last second
+  double first_let_go_s = -1;
+  double let_go_share = 0;                      ///< of the answers since the tool is in the soil
+  double press_n = 0, draw_n = 0, still_n = 0;  ///< means of the force's size; still: the last 2 s
+  double press_up_n = 0, still_up_n = 0;        ///< means of the force's upward part
+  double still_sd_n = 0;                        ///< of the force's upward part in the last 2 s
+  double answers = 0, lost = 0;                 ///< lost: numbers that never came
+  double longest_gap_ms = 0;                    ///< between two answers
+};
+
+/// High-pass, Butterworth of second order, for samples at 1 kHz.
+class HighPass {
+ public:
+  explicit HighPass(double cutoff_hz);
+  [[nodiscard]] double step(double x);
+
+ private:
+  double b0_, a1_, a2_, x1_ = 0, x2_ = 0, y1_ = 0, y2_ = 0;
+  bool begun_ = false;
+};
+
+enum class Phase { kWait, kPress, kSettle, kDraw, kStill, kOver };
+
+/// Takes in what happens in a run, in the order of time; times are since the script's start and negative before it.
+/// Let-goes and gaps count from when the wait is over: nothing is felt before.
+class Observer {
+ public:
+  explicit Observer(const Bars& bars, double end_s) : bars_(bars), end_s_(end_s) {}
+
+  void answer(double at_s, Phase phase, const Answer& answer);
+  /// Once a millisecond; energy is the work of the shown force since the start.
+  void handle(double at_s, const Vec3& position_m, double energy_j);
+  [[nodiscard]] Measures measures() const;
+  /// True from when an answer has let go of the hand until one holds it again.
+  [[nodiscard]] bool letGo() const { return let_go_; }
+  /// Every let-go, since the script's start.
+  [[nodiscard]] const std::vector<double>& letGoes() const { return let_goes_s_; }
+
+ private:
+  struct Mean {
+    double sum = 0, squares = 0;
+    long n = 0;
+    void add(double x) { sum += x, squares += x * x, ++n; }
+    [[nodiscard]] double mean() const { return n > 0 ? sum / n : 0; }
+    [[nodiscard]] double sd() const { return n > 1 ? std::sqrt(std::max(0.0, squares / n - mean() * mean())) : 0; }
+  };
+
+  Bars bars_;
+  double end_s_;
+  Measures measures_;
+  bool any_ = false, let_go_ = false;
+  Answer last_;
+  double last_s_ = 0;
+  long in_soil_ = 0, let_go_in_soil_ = 0;
+  Mean press_, draw_, still_, press_up_, still_up_;
+  double lowest_mj_ = 0;
+  std::vector<double> let_goes_s_;
+  std::array<HighPass, 3> quick_ = {HighPass(6), HighPass(6), HighPass(6)};
+  std::array<std::vector<double>, 3> quick_mm_;  ///< in the last 2 s
+};
+
+enum class Verdict { kOk, kLetGo, kEnergy, kShaking, kBoth };
+
+/// Ok: no more energy than the bar, and a vibration that is small or falls. Let go: too much, but let go in time.
+[[nodiscard]] Verdict judge(const Measures& measures, const std::vector<double>& let_goes_s, const Bars& bars);
+[[nodiscard]] const char* text(Verdict verdict);
+
+}  // namespace hand_in_the_loop
