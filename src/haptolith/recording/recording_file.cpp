@@ -27,6 +27,10 @@ constexpr std::uint64_t kFewestTicks = 16, kMostTicks = 4096;  // per chunk
 // These are not compressed, and may be written again in their place.
 constexpr std::uint64_t kPositionsPerChunk = 8192, kFramesPerChunk = 64, kEventsPerChunk = 16;
 
+// What HDF5 may keep in memory; the largest chunk has less than the first.
+constexpr std::size_t kChunkBytes = std::size_t{2} << 20;
+constexpr std::size_t kMetadataBytes = std::size_t{32} << 10;
+
 std::uint64_t ticksPerChunk(double tick_s) {
   return std::clamp(static_cast<std::uint64_t>(std::min(kChunk_s / tick_s, 1e6)), kFewestTicks, kMostTicks);
 }
@@ -71,10 +75,27 @@ void writeHeader(const Handle& file, const RecordingHeader& header) {
   }
 }
 
+/// HDF5 would keep more and more in memory for as long as the file grows: 521 chunks of each dataset, of which only the
+/// last is written to, and up to 32 MiB of what it knows about where they are. For the whole file: what is chosen for a
+/// dataset is forgotten when SWMR begins.
+void boundMemory(const Handle& access) {
+  done(H5Pset_cache(access.id(), 0, 1, kChunkBytes, 1), "bound its memory");
+  H5AC_cache_config_t metadata{};
+  metadata.version = H5AC__CURR_CACHE_CONFIG_VERSION;
+  done(H5Pget_mdc_config(access.id(), &metadata), "bound its memory");
+  metadata.set_initial_size = true;
+  metadata.initial_size = metadata.min_size = metadata.max_size = kMetadataBytes;
+  metadata.incr_mode = H5C_incr__off;
+  metadata.flash_incr_mode = H5C_flash_incr__off;
+  metadata.decr_mode = H5C_decr__off;
+  done(H5Pset_mdc_config(access.id(), &metadata), "bound its memory");
+}
+
 Handle createFile(const fs::path& path) {
   const Handle access = handle(H5Pcreate(H5P_FILE_ACCESS), "make a property list");
   done(H5Pset_libver_bounds(access.id(), H5F_LIBVER_LATEST, H5F_LIBVER_LATEST), "choose the format");  // for SWMR
   done(H5Pset_file_locking(access.id(), true, true), "choose locking");  // where the disk's file system has locks
+  boundMemory(access);
   const Handle creation = handle(H5Pcreate(H5P_FILE_CREATE), "make a property list");
   done(H5Pset_attr_phase_change(creation.id(), 64, 0), "choose the format");  // the header stays in one place
   return handle(H5Fcreate(path.c_str(), H5F_ACC_TRUNC, creation.id(), access.id()), "create it");
