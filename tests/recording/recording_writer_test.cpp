@@ -76,6 +76,39 @@ void expectSameHeader(const RecordingHeader& got, const RecordingHeader& wanted)
   EXPECT_EQ(got.tick_s, wanted.tick_s);
 }
 
+TEST_F(RecordingWriterTest, TicksThatNeverCameAreNotedWhereTheyAreMissingAndCounted) {
+  RecordingHeader header = madeUpHeader();
+  header.start_tick = 0;
+  RecordingWriter writer(file("gap.h5"), header);
+  writer.add(madeUpTicks(1, 100));
+  writer.add(madeUpTicks(151, 50));
+  writer.finish(60);
+  EXPECT_EQ(writer.problem(), "");
+  EXPECT_EQ(writer.written().missing, 60U);
+  const RecordingReader reader(file("gap.h5"));
+  EXPECT_TRUE(reader.finished());
+  EXPECT_EQ(reader.ticks(), 150U);
+  EXPECT_EQ(reader.missingTicks(), 60U);
+  const std::vector<RecordingEvent> events = reader.readEvents(0, 9);
+  ASSERT_EQ(events.size(), 2U);
+  EXPECT_EQ(events[0].kind, "missing");
+  EXPECT_EQ(events[0].tick, 100U);
+  EXPECT_EQ(events[0].time_s, madeUpTick(151).time_s);
+  EXPECT_THAT(events[0].text, HasSubstr("50 ticks"));
+  EXPECT_THAT(events[1].text, HasSubstr("10 ticks"));
+}
+
+TEST_F(RecordingWriterTest, AWholeRecordingAndAPartOfARunLackNothing) {
+  RecordingHeader header = madeUpHeader();
+  header.start_tick = 40;
+  {
+    RecordingWriter writer(file("part.h5"), header);
+    writer.add(madeUpTicks(57, 100));  // the snapshot that it began with was older
+  }
+  EXPECT_EQ(RecordingReader(file("part.h5")).missingTicks(), 0U);
+  EXPECT_EQ(RecordingReader(file("part.h5")).events(), 0U);
+}
+
 // As many chunks as half an hour has at 1 kHz. With HDF5's own caches 0.9 MiB more are in use at its end.
 TEST_F(RecordingWriterTest, AFileThatGrowsTakesNoMoreMemory) {
   constexpr int kChunks = 12'000, kChunksAtFirst = 800, kTicksPerChunk = 16;

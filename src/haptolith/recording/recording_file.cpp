@@ -164,7 +164,7 @@ void requireFree(const fs::path& path, bool overwrite) {
 }
 
 RecordingFile::RecordingFile(fs::path path, const RecordingHeader& header, bool overwrite)
-    : path_(std::move(path)), ticks_per_chunk_(0) {
+    : path_(std::move(path)), ticks_per_chunk_(0), tick_s_(header.tick_s), whole_run_(header.start_tick == 0) {
   validate(header);
   ticks_per_chunk_ = ticksPerChunk(header.tick_s);
   prepareThread();
@@ -175,6 +175,7 @@ RecordingFile::RecordingFile(fs::path path, const RecordingHeader& header, bool 
   try {
     file_ = createFile(making);
     writeHeader(file_, header);
+    writeEntry(file_, kMissingTicks, std::uint64_t{0});
     ticks_ = Growing(file_, kTicks,
                      {.file_type = tickType(Place::kFile),
                       .memory_type = tickType(Place::kMemory),
@@ -205,7 +206,16 @@ RecordingFile::RecordingFile(fs::path path, const RecordingHeader& header, bool 
 
 void RecordingFile::take(const std::vector<TickRecord>& ticks, const std::vector<ParticleFrame>& frames,
                          const std::vector<RecordingEvent>& events) {
-  unwritten_ticks_.insert(unwritten_ticks_.end(), ticks.begin(), ticks.end());
+  for (const TickRecord& tick : ticks) {
+    const std::uint64_t number = tickNumber(tick.time_s, tick_s_);
+    const bool begins = last_number_ == 0 && !whole_run_;
+    if (!begins && number > last_number_ + 1) {
+      noteMissing(number - last_number_ - 1, tick.time_s);
+    }
+    last_number_ = number;
+    last_time_s_ = tick.time_s;
+    unwritten_ticks_.push_back(tick);
+  }
   for (const ParticleFrame& frame : frames) {
     unwritten_frames_.push_back({.time_s = frame.time_s,
                                  .tick = frame.tick,
@@ -217,6 +227,21 @@ void RecordingFile::take(const std::vector<TickRecord>& ticks, const std::vector
     EventRow& row = unwritten_events_.emplace_back(EventRow{.time_s = event.time_s, .tick = event.tick});
     copyText(event.kind, row.kind);
     copyText(event.text, row.text);
+  }
+}
+
+void RecordingFile::noteMissing(std::uint64_t ticks, double time_s) {
+  missing_ += ticks;
+  EventRow& row =
+      unwritten_events_.emplace_back(EventRow{.time_s = time_s, .tick = ticks_.rows() + unwritten_ticks_.size()});
+  copyText("missing", row.kind);
+  copyText(fmt::format("{} ticks before this time could not be recorded", ticks), row.text);
+}
+
+void RecordingFile::countLost(std::uint64_t lost) {
+  if (lost > missing_) {
+    const std::uint64_t at_the_end = lost - missing_;
+    noteMissing(at_the_end, last_time_s_ + static_cast<double>(at_the_end) * tick_s_);
   }
 }
 
@@ -256,6 +281,10 @@ void RecordingFile::write(std::size_t ticks) {
 }
 
 void RecordingFile::close() {
+  if (missing_ > 0) {
+    const Handle entry = handle(H5Aopen(file_.id(), kMissingTicks, H5P_DEFAULT), "write the header");
+    done(H5Awrite(entry.id(), countType(Place::kMemory).id(), &missing_), "write the header");
+  }
   for (Growing* each : {&ticks_, &position_, &frames_, &events_}) {
     each->close();
   }
