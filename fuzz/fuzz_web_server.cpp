@@ -57,7 +57,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   while (!error) {  // until it hangs up
     socket.read_some(asio::buffer(answer), error);
   }
-  std::vector<haptolith::WebServer::Event> events;
-  target.server.takeEvents(events);
+  for (haptolith::WebServer::Event event; target.server.takeEvent(event);) {
+  }
   return 0;
 }

@@ -1,11 +1,13 @@
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
-#include <spdlog/sinks/stdout_color_sinks.h>
+#include <spdlog/sinks/base_sink.h>
 #include <spdlog/spdlog.h>
 #include <unistd.h>
 
 #include <csignal>
 #include <cstdlib>
+#include <memory>
+#include <mutex>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -60,8 +62,28 @@ void addCommands(CLI::App& app) {
   addCompletionCommand(app);
 }
 
+/// The log on standard error, which waits for no terminal.
+class PostingSink final : public spdlog::sinks::base_sink<std::mutex> {
+ protected:
+  void sink_it_(const spdlog::details::log_msg& message) override {
+    spdlog::memory_buf_t line;
+    formatter_->format(message, line);
+    std::string text(line.data(), line.size());
+    if (coloured_ && message.color_range_end > message.color_range_start) {
+      const bool grave = message.level >= spdlog::level::err;
+      text.insert(message.color_range_end, "\033[0m");
+      text.insert(message.color_range_start, grave ? "\033[1;31m" : "\033[1;33m");
+    }
+    post(std::move(text));
+  }
+  void flush_() override {}
+
+ private:
+  const bool coloured_ = isColoured(STDERR_FILENO);
+};
+
 void logToStandardError() {
-  auto logger = spdlog::stderr_color_mt("haptolith");
+  auto logger = std::make_shared<spdlog::logger>("haptolith", std::make_shared<PostingSink>());
   logger->set_pattern("%n: %^%l%$: %v");
   spdlog::set_default_logger(std::move(logger));
 }

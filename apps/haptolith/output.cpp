@@ -5,9 +5,14 @@
 #include <unistd.h>
 
 #include <cerrno>
+#include <condition_variable>
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
+#include <deque>
+#include <mutex>
+#include <thread>
+#include <utility>
 
 #include "haptolith/core/clock.h"
 #include "haptolith/core/error.h"
@@ -15,11 +20,106 @@
 namespace haptolith {
 
 namespace {
+
+/// Standard error, by a thread that may wait for it. The thread is there while there is something to print.
+class Posted {
+ public:
+  ~Posted() { finish(); }
+
+  /// A line takes the place of one before it that still waits.
+  void post(std::string text, bool is_line) {
+    const std::lock_guard lock(mutex_);
+    if (is_line && !waiting_.empty() && waiting_.back().is_line) {
+      bytes_ += text.size() - waiting_.back().text.size();
+      waiting_.back().text = std::move(text);
+      return;
+    }
+    if (bytes_ + text.size() > kMostBytes) {
+      left_out_ += is_line ? 0 : 1;
+      return;
+    }
+    if (left_out_ > 0 && !is_line) {
+      text.insert(0, fmt::format("({} messages were left out: nobody took them)\n", std::exchange(left_out_, 0)));
+    }
+    bytes_ += text.size();
+    waiting_.push_back({std::move(text), is_line});
+    if (!thread_.joinable()) {
+      thread_ = std::thread([this] { print(); });
+    }
+    changed_.notify_all();
+  }
+
+  void printAll() {
+    std::unique_lock lock(mutex_);
+    changed_.wait(lock, [this] { return waiting_.empty() && !printing_; });
+  }
+
+  void finish() {
+    printAll();
+    {
+      const std::lock_guard lock(mutex_);
+      ends_ = true;
+    }
+    changed_.notify_all();
+    if (thread_.joinable()) {
+      thread_.join();
+    }
+  }
+
+ private:
+  struct Text {
+    std::string text;
+    bool is_line = false;
+  };
+  static constexpr std::size_t kMostBytes = std::size_t{64} << 10;
+
+  void print() {
+    std::unique_lock lock(mutex_);
+    while (true) {
+      changed_.wait(lock, [this] { return ends_ || !waiting_.empty(); });
+      if (waiting_.empty()) {
+        return;
+      }
+      const std::string text = std::move(waiting_.front().text);
+      waiting_.pop_front();
+      bytes_ -= text.size();
+      printing_ = true;
+      lock.unlock();
+      std::fwrite(text.data(), 1, text.size(), stderr);
+      std::fflush(stderr);
+      lock.lock();
+      printing_ = false;
+      changed_.notify_all();
+    }
+  }
+
+  std::mutex mutex_;
+  std::condition_variable changed_;
+  std::deque<Text> waiting_;
+  std::size_t bytes_ = 0, left_out_ = 0;
+  bool printing_ = false, ends_ = false;
+  std::thread thread_;
+};
+
+Posted& posted() {
+  static Posted kPosted;
+  return kPosted;
+}
+
 constexpr std::int64_t kUpdateIntervalNs = 100'000'000;
 constexpr std::string_view kEraseLine = "\r\033[K";
 }  // namespace
 
+void post(std::string text) {
+  posted().post(std::move(text), false);
+}
+
+void printPosted() noexcept {
+  posted().printAll();
+}
+
 void printText(std::string_view text) {
+  printPosted();
   if (std::fwrite(text.data(), 1, text.size(), stdout) != text.size() || std::fflush(stdout) != 0) {
     throw Failure(fmt::format("cannot write to standard output: {}", std::strerror(errno)));
   }
@@ -31,6 +131,7 @@ void printJson(const nlohmann::ordered_json& object) {
 }
 
 void printNotice(std::string_view text) noexcept {
+  printPosted();
   std::fwrite(text.data(), 1, text.size(), stderr);
   std::fflush(stderr);
 }
@@ -55,7 +156,7 @@ StatusLine::~StatusLine() {
 
 void StatusLine::clear() {
   if (next_ns_ != 0) {
-    printNotice(kEraseLine);
+    posted().post(std::string(kEraseLine), false);
     next_ns_ = 0;
   }
 }
@@ -65,7 +166,8 @@ void StatusLine::update(std::string_view text) {
     return;
   }
   next_ns_ = monotonicNs() + kUpdateIntervalNs;
-  printNotice(fmt::format("{}{}{}{}", kEraseLine, coloured_ ? "\033[36m" : "", text, coloured_ ? "\033[0m" : ""));
+  posted().post(fmt::format("{}{}{}{}", kEraseLine, coloured_ ? "\033[36m" : "", text, coloured_ ? "\033[0m" : ""),
+                true);
 }
 
 }  // namespace haptolith

@@ -3,6 +3,7 @@
 #include <nlohmann/json_fwd.hpp>
 
 #include <cstdint>
+#include <string>
 #include <string_view>
 
 namespace haptolith {
@@ -14,7 +15,7 @@ void printJson(const nlohmann::ordered_json& object);
 /// Prints `text` as it is. @throws Failure as printJson().
 void printText(std::string_view text);
 
-/// Prints `text` on standard error. Nobody can be told when that fails, so it never does.
+/// Prints `text` on standard error, after what post() was given. Nobody can be told when that fails, so it never does.
 void printNotice(std::string_view text) noexcept;
 
 [[nodiscard]] bool isTerminal(int descriptor) noexcept;
@@ -22,8 +23,15 @@ void printNotice(std::string_view text) noexcept;
 /// Whether to colour what goes to `descriptor`: a terminal, and neither NO_COLOR nor TERM=dumb asks for none.
 [[nodiscard]] bool isColoured(int descriptor) noexcept;
 
+/// Prints `text` on standard error soon, and does not wait for it: a terminal need not take anything (Ctrl-S, a hung
+/// connection). What comes when 64 KiB wait is left out, and said to be.
+void post(std::string text);
+
+/// Waits until all that was posted has been printed. The functions that print at once begin with it.
+void printPosted() noexcept;
+
 /// One line on standard error that is written over and over while something takes long; silent when nobody watches.
-/// The line vanishes with the object. Not for the tick.
+/// The line vanishes with the object. Waits for no terminal. Not for the tick.
 class StatusLine {
  public:
   StatusLine();

@@ -54,69 +54,94 @@ void Recording::start(const Session& session, const std::string& file, bool over
 void Recording::begin(const Session& session, const std::string& file, bool overwrite) {
   RecordingHeader header = headerOf(session);
   header.start_tick = session.loopTicks();
-  writer_ = std::make_unique<RecordingWriter>(
+  auto writer = std::make_unique<RecordingWriter>(
       file, header, RecordingOptions{.overwrite = overwrite, .wait_when_full = !session.shown().loop.paced});
   name_ = file;
   problem_.clear();
-  ticks_ = 0;
   next_frame_s_ = 0;
+  loop_ = &session.loop();
+  lost_before_ = loop_->lostRecords();
+  const std::lock_guard lock(mutex_);
+  writer_ = std::move(writer);
+  ticks_ = 0;
+}
+
+std::unique_ptr<RecordingWriter> Recording::takeWriter() {
+  const std::lock_guard lock(mutex_);
+  return std::move(writer_);
 }
 
 void Recording::stop() {
-  name_.clear();
-  if (const std::unique_ptr<RecordingWriter> ended = std::move(writer_)) {
-    ended->finish();
-    problem_ = ended->problem();
-    if (!problem_.empty()) {
-      throw Failure(problem_);
-    }
+  const std::string name = std::exchange(name_, {});
+  const std::unique_ptr<RecordingWriter> ended = takeWriter();
+  if (!ended) {
+    return;
+  }
+  ended->finish(loop_->lostRecords() - lost_before_);
+  problem_ = ended->problem();
+  if (!problem_.empty()) {
+    throw Failure(problem_);
+  }
+  if (const std::uint64_t missing = ended->written().missing; missing > 0) {
+    problem_ = fmt::format("{} ticks are missing in {}: the program was held up for too long", missing, name);
+    spdlog::warn("{}", problem_);
   }
 }
 
 /// Who looks on cannot end what was asked for at the start.
 void Recording::requireNoWholeRun() const {
-  if (writer_ && endless_) {
+  if (!name_.empty() && endless_) {
     throw Failure(fmt::format("the whole run is being recorded to {}", name_));
   }
 }
 
 void Recording::stopPart() {
   requireNoWholeRun();
+  const bool any = !name_.empty();
   stop();
+  if (any && !problem_.empty()) {
+    throw Failure(problem_);
+  }
 }
 
-bool Recording::goesOn() {
-  if (!writer_) {
-    return false;
+void Recording::check() {
+  if (name_.empty()) {
+    return;
   }
-  problem_ = writer_->problem();
+  bool too_long = false;
+  {
+    const std::lock_guard lock(mutex_);
+    problem_ = writer_->problem();
+    too_long = !endless_ && ticks_ >= kMostTicks;
+  }
   if (!problem_.empty()) {
     spdlog::warn("the recording has ended: {}", problem_);
-    writer_.reset();
+    takeWriter().reset();
     name_.clear();
-  } else if (!endless_ && ticks_ >= kMostTicks) {
+  } else if (too_long) {
     spdlog::warn("the recording {} has ended: it is an hour long", name_);
     stop();
   }
-  return writer_ != nullptr;
 }
 
 void Recording::add(const std::vector<TickRecord>& ticks) {
-  if (goesOn() && !ticks.empty()) {
+  const std::lock_guard lock(mutex_);
+  if (writer_ && !ticks.empty()) {
     writer_->add(ticks);
     ticks_ += ticks.size();
   }
 }
 
 void Recording::add(const SceneSnapshot& snapshot) {
-  if (writer_ && frames_per_s_ > 0 && snapshot.time_s >= next_frame_s_) {
+  if (!name_.empty() && frames_per_s_ > 0 && snapshot.time_s >= next_frame_s_) {
     writer_->add(particleFrame(snapshot));
     next_frame_s_ = std::max(next_frame_s_ + 1 / frames_per_s_, snapshot.time_s);
   }
 }
 
 void Recording::note(const std::string& kind, double time_s, const std::string& text) {
-  if (writer_) {
+  if (!name_.empty()) {
+    const std::lock_guard lock(mutex_);
     writer_->add(RecordingEvent{.time_s = time_s, .tick = ticks_, .kind = kind, .text = text});
   }
 }

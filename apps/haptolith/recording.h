@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <mutex>
 #include <string>
 #include <vector>
 
@@ -12,7 +13,7 @@ namespace haptolith {
 
 /// A recording of the session that runs: of all of it (`run --record`), or of a part that somebody who looks on has
 /// asked for, in a new file where the program was started. Whatever goes wrong with it ends the recording and not the
-/// run. From the thread that follows the loop.
+/// run. From the thread that follows the loop, but for add(ticks).
 class Recording {
  public:
   explicit Recording(double frames_per_s) : frames_per_s_(frames_per_s) {}
@@ -20,15 +21,19 @@ class Recording {
   /// Begins a file with a name of its own; finishes the part that was being recorded before. @throws Failure as
   /// RecordingWriter, and when the whole run is being recorded.
   void start(const Session& session);
-  /// Finishes a part. @throws Failure as stop(), and when the whole run is being recorded.
+  /// Finishes a part. @throws Failure as stop(), also when ticks are missing, and when the whole run is being recorded.
   void stopPart();
   /// Begins this file; before the first tick. @throws Failure as RecordingWriter.
   void start(const Session& session, const std::string& file, bool overwrite);
-  /// Finishes it, if there is one. @throws Failure when not all of it could be written.
+  /// Finishes it, if there is one. A warning and problem() tell when ticks are missing in it. @throws Failure when not
+  /// all of what it was given could be written.
   void stop();
 
-  /// Adds what is new while something is being recorded. After an hour that nobody has asked for beforehand, or when
-  /// the disk takes no more, the recording ends, and a warning says so.
+  /// Ends the recording when the disk takes no more, or after an hour that nobody has asked for beforehand; a warning
+  /// says so. To be called often.
+  void check();
+
+  /// Adds what is new while something is being recorded; ticks from any one thread.
   void add(const std::vector<TickRecord>& ticks);
   void add(const SceneSnapshot& snapshot);
   void note(const std::string& kind, double time_s, const std::string& text);
@@ -41,14 +46,18 @@ class Recording {
  private:
   void begin(const Session& session, const std::string& file, bool overwrite);
   void requireNoWholeRun() const;
-  [[nodiscard]] bool goesOn();
+  [[nodiscard]] std::unique_ptr<RecordingWriter> takeWriter();
 
   double frames_per_s_;
-  std::unique_ptr<RecordingWriter> writer_;
   std::string name_, problem_;
   bool endless_ = false;
-  std::uint64_t ticks_ = 0;
+  const HapticLoop* loop_ = nullptr;
+  std::uint64_t lost_before_ = 0;  ///< HapticLoop::lostRecords() when it began
   double next_frame_s_ = 0;
+
+  std::mutex mutex_;  ///< for what follows, which add(ticks) touches
+  std::unique_ptr<RecordingWriter> writer_;
+  std::uint64_t ticks_ = 0;
 };
 
 }  // namespace haptolith

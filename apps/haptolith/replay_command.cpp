@@ -28,13 +28,19 @@ constexpr const char* kExamples = R"(Examples:
   haptolith replay run.h5                           the same scene under the same hand
   haptolith replay run.h5 --verify --threads 2      does every tick come out bit for bit?
 
-Exit status: 1 when --verify finds a difference.)";
+Exit status: 1 when --verify finds a difference, or ticks are missing in the recording.)";
 
 struct ReplayOptions {
   std::string file;
   bool verify = false, json = false;
   std::optional<int> threads;
 };
+
+std::string gapText(const ReplayGap& gap) {
+  return gap.ticks == 0
+             ? fmt::format("the ticks after {:.3f} s are not in the order of a run", gap.time_s)
+             : fmt::format("{} ticks after {:.3f} s: what follows cannot be replayed", gap.ticks, gap.time_s);
+}
 
 std::string summary(const ReplayOptions& options, const RecordingReader& recording, const Replay& replay,
                     const ReplayResult& result) {
@@ -44,8 +50,13 @@ std::string summary(const ReplayOptions& options, const RecordingReader& recordi
   if (result.difference) {
     text += fmt::format("  differs    in tick {} at {:.3f} s: {}\n", result.difference->tick, result.difference->time_s,
                         result.difference->what);
+  } else if (result.gap) {
+    text += fmt::format("  missing    {}\n", gapText(*result.gap));
   } else if (options.verify) {
     text += "  verified   every hash and every force to the last bit\n";
+  }
+  if (!result.end.empty()) {
+    text += fmt::format("  end        as recorded, {}\n", result.end);
   }
   return text + (result.ended_early.empty() ? "" : fmt::format("  ended      {}\n", result.ended_early));
 }
@@ -61,6 +72,8 @@ Json summaryJson(const RecordingReader& recording, const Replay& replay, const R
           {"replayed_ticks", result.ticks},
           {"hashes", result.hashes},
           {"difference", difference},
+          {"end", result.end},
+          {"missing_ticks", result.gap ? result.gap->ticks : 0},
           {"ended_early", result.ended_early},
           {"recorded_simd", recording.header().instruction_set},
           {"simd", simdTarget()},
@@ -88,6 +101,10 @@ void replay(const ReplayOptions& options) {
                : printText(summary(options, recording, replay, result));
   if (options.verify && result.difference) {
     throw Failure("the replay differs from the recording");
+  }
+  if (options.verify && result.gap) {
+    throw Failure(
+        fmt::format("the recording is not whole, and cannot be verified; missing are {}", gapText(*result.gap)));
   }
   if (options.verify && result.ticks == 0) {
     throw Failure("nothing could be compared");

@@ -23,6 +23,7 @@
 
 #include "histogram_json.h"
 #include "output.h"
+#include "record_taker.h"
 #include "recording.h"
 #include "run_figure.h"
 #include "scene_options.h"
@@ -89,6 +90,7 @@ class Follower {
   }
 
   [[nodiscard]] bool wantsRecords() const noexcept { return trace_ || keep_history_; }
+  [[nodiscard]] bool traces() const noexcept { return trace_.has_value(); }
 
   /// Records the session from its first tick on.
   void record(Session& session, const RunOptions& options) {
@@ -96,10 +98,12 @@ class Follower {
     recording_.start(session, options.record_file, options.overwrite);
   }
 
-  void follow(Session& session, bool newer) {
+  void follow(Session& session, RecordTaker* taker, bool newer) {
     fresh_.clear();
-    session.loop().takeRecords(fresh_);
-    recording_.add(fresh_);
+    if (taker != nullptr) {
+      taker->take(fresh_);
+    }
+    recording_.check();
     for (const TickRecord& record : fresh_) {
       if (trace_) {
         trace_->write(record);
@@ -125,16 +129,17 @@ class Follower {
 
   [[nodiscard]] Recording& recording() noexcept { return recording_; }
 
-  void tellOfTrips(Session& session) { (void)haptolith::tellOfTrips(session, status_, recording_); }
+  void tellOfTrips(Session& session) { (void)trips_.tell(session, status_, recording_); }
 
   /// Saves trace and recording; whoever prints next finds a clean line.
   void finish(LoopEnd end, double time_s) {
-    status_.clear();
     recording_.note("end", time_s, text(end));
     if (trace_) {
       trace_->commit();
     }
     recording_.stop();
+    status_.clear();
+    trips_.tellOfTheRest();
   }
 
   [[nodiscard]] const RunHistory& history() const noexcept { return history_; }
@@ -169,6 +174,7 @@ class Follower {
   std::optional<TraceFile> trace_;
   Recording recording_;
   StatusLine status_;
+  TripTeller trips_;
   std::vector<TickRecord> fresh_;
   RunHistory history_;
   std::uint64_t seen_ = 0, stride_ = 1;
@@ -316,14 +322,21 @@ void run(RunOptions options) {
     figure.emplace(options.figure_file, kRunFigureWidth_px, kRunFigureHeight_px);
   }
   const bool serves = options.serve.value_or(scenario.loop.paced && !options.json);
-  Session session(scenario, follower.wantsRecords() || serves || !options.record_file.empty(),
-                  settlingIn(follower.status()));
+  const bool keeps_records = follower.wantsRecords() || serves || !options.record_file.empty();
+  Session session(scenario, keeps_records, settlingIn(follower.status()));
   follower.status().clear();
   warnOfStiffness(session);
   const std::unique_ptr<LiveView> view = serves ? viewOf(session, follower, options) : nullptr;
   if (!options.record_file.empty()) {
     follower.record(session, options);
   }
+  std::optional<RecordTaker> taker;
+  if (keeps_records) {
+    taker.emplace(session.loop(), follower.recording(),
+                  follower.wantsRecords() ? RecordTaker::Keep::kForTake : RecordTaker::Keep::kNothing,
+                  scenario.loop.paced);
+  }
+  RecordTaker* const records = taker ? &*taker : nullptr;
   session.start(stopAsked());
   if (const std::string& advice = session.realTime().advice; !advice.empty()) {
     spdlog::warn("{}", advice);
@@ -335,21 +348,19 @@ void run(RunOptions options) {
     }
     const bool changed = session.poll();
     const bool newer = session.update();
-    follower.follow(session, newer);
+    follower.follow(session, records, newer);
     follower.tellOfTrips(session);
     if (view) {
       view->show(newer, changed);
     }
     std::this_thread::sleep_for(between_looks);
   }
-  const RunSummary summary{session.join(), session.realTime(), session.loop().lostRecords()};
+  const LoopEnd end = session.join();
   session.poll();
-  follower.follow(session, session.update());
+  follower.follow(session, records, session.update());
+  const RunSummary summary{end, session.realTime(), taker ? taker->lost() : 0};
   follower.tellOfTrips(session);
   follower.finish(summary.end, session.loop().time());
-  if (summary.lost_records > 0 && !options.trace_file.empty()) {
-    spdlog::warn("{} ticks are missing in the trace: the disk was too slow for 8 s", summary.lost_records);
-  }
   if (figure) {
     drawRun(*figure, session.shown(), follower.history(), session.loop().statistics());
   }
@@ -361,6 +372,11 @@ void run(RunOptions options) {
   throwWhenItFailed(session.shown(), session.loop(), summary.end);
   if (!follower.recording().problem().empty()) {
     throw Failure(fmt::format("the recording is not whole: {}", follower.recording().problem()));
+  }
+  if (summary.lost_records > 0 && follower.traces()) {
+    throw Failure(
+        fmt::format("the trace is not whole: {} ticks are missing, because the program was held up for too long",
+                    summary.lost_records));
   }
 }
 

@@ -20,6 +20,7 @@
 #include "haptolith/viewer/live_view.h"
 
 #include "output.h"
+#include "record_taker.h"
 #include "recording.h"
 #include "scene_options.h"
 #include "stop_on_signal.h"
@@ -103,6 +104,7 @@ class StudyRun {
 
   void run() {
     begin();
+    RecordTaker taker(session_.loop(), recording_, RecordTaker::Keep::kForTake, true);
     session_.start(stopAsked());
     if (const std::string& advice = session_.realTime().advice; !advice.empty()) {
       spdlog::warn("{}", advice);
@@ -116,12 +118,13 @@ class StudyRun {
         recording_.add(session_.snapshot());
       }
       fresh.clear();
-      session_.loop().takeRecords(fresh);
+      taker.take(fresh);
       rig_.follow(fresh);
-      recording_.add(fresh);
-      if (const std::string trip = tellOfTrips(session_, status_, recording_); !trip.empty()) {
+      recording_.check();
+      if (const std::string trip = trips_.tell(session_, status_, recording_); !trip.empty()) {
         conductor_.remark(trip);
       }
+      tellOfLost(taker.lost());
       conductor_.poll();
       pages_.show(view_, rig_.force());
       view_.show(newer, changed);
@@ -157,6 +160,16 @@ class StudyRun {
     }
   }
 
+  /// Recordings tell of their own; what a trial says of forces would be worked out without these ticks as well.
+  void tellOfLost(std::uint64_t lost) {
+    if (lost > told_lost_) {
+      const std::string text = fmt::format("the program was held up: {} ticks are missing", lost - told_lost_);
+      told_lost_ = lost;
+      spdlog::warn("{}", text);
+      conductor_.remark(text);
+    }
+  }
+
   void begin() {
     if (options_.resumes) {
       conductor_.goOn(options_.participant);
@@ -186,6 +199,7 @@ class StudyRun {
 
   void finish() {
     status_.clear();
+    trips_.tellOfTheRest();
     const bool over = conductor_.over();
     conductor_.stop();
     stopAsked() = true;
@@ -212,6 +226,8 @@ class StudyRun {
   Conductor conductor_;
   StudyPages pages_;
   LiveView view_;
+  TripTeller trips_;
+  std::uint64_t told_lost_ = 0;
   std::string code_;
 };
 

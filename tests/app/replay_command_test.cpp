@@ -250,6 +250,55 @@ TEST_F(ReplayCommand, AKilledRunLeavesWhatCanBeExportedAndReplayed) {
   EXPECT_TRUE(replay.at("difference").is_null());
 }
 
+TEST_F(ReplayCommand, TicksThatAreMissingFailToVerify) {
+  (void)recorded("--hand press --unpaced --duration-s 0.5");
+  const ProgramResult cut =
+      runInShell(fmt::format(R"(/usr/bin/python3 -c "import h5py; file = h5py.File('{}', 'r+'); )"
+                             R"(ticks = file['ticks']; rows = ticks[:]; ticks.resize(400, 0); )"
+                             R"(ticks[:] = rows[[*range(200), *range(300, 500)]]; del file.attrs['missing_ticks']")",
+                             file("run.h5")));
+  ASSERT_EQ(cut.exit_status, 0) << cut.errors;
+  const ProgramResult failed = runHaptolith(fmt::format("replay --verify --json '{}'", file("run.h5")));
+  EXPECT_EQ(failed.exit_status, 1);
+  EXPECT_THAT(failed.errors, AllOf(HasSubstr("not whole"), HasSubstr("100 ticks after 0.200 s")));
+  EXPECT_EQ(json::parse(failed.output).at("missing_ticks"), 100);
+  EXPECT_EQ(json::parse(failed.output).at("replayed_ticks"), 200);
+  const ProgramResult told = runHaptolith(fmt::format("replay '{}'", file("run.h5")));
+  EXPECT_EQ(told.exit_status, 0);
+  EXPECT_THAT(told.output, HasSubstr("missing    100 ticks after 0.200 s"));
+}
+
+// The terminal has been stopped, as by Ctrl-S, and goes on only when the recording is complete.
+TEST_F(ReplayCommand, ATerminalThatNobodyReadsHoldsUpNoRecording) {
+  std::ofstream(file("stopped.py")) << R"(
+import os, pty, subprocess, sys, termios, time
+program, recording = sys.argv[1:]
+terminal, end = pty.openpty()
+termios.tcflow(end, termios.TCOOFF)
+run = subprocess.Popen([program, 'run', '--hand', 'still', '--duration-s', '1', '--no-serve', '--record', recording],
+                       stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL, stderr=end)
+complete = False
+for _ in range(300):
+    if os.path.exists(recording):
+        with open(recording, 'rb') as file:
+            complete = file.read(12)[11:] == b'\0'
+    if complete:
+        break
+    time.sleep(0.1)
+termios.tcflow(end, termios.TCOON)
+os.close(end)
+try:
+    run.wait(20)
+except subprocess.TimeoutExpired:
+    run.kill()
+sys.exit(0 if complete and run.returncode == 0 else 1)
+)";
+  const ProgramResult result =
+      runInShell(fmt::format("/usr/bin/python3 '{}' \"$HAPTOLITH\" '{}'", file("stopped.py"), file("run.h5")));
+  EXPECT_EQ(result.exit_status, 0) << result.errors;
+  EXPECT_EQ(verified().at("replayed_ticks"), 1000);
+}
+
 TEST_F(ReplayCommand, AnInterruptedRunKeepsItsRecording) {
   const ProgramResult interrupted = runInShell(fmt::format(
       "timeout --preserve-status -s INT 1.5 \"$HAPTOLITH\" run --json --hand stir --record '{}'", file("run.h5")));

@@ -191,6 +191,14 @@ TEST_P(FaultTable, TheHandFeelsNothingWithinFiveTicksAndForceComesBackSoftly) {
   EXPECT_EQ(end, fault.end);
   if (fault.end != LoopEnd::kRunning) {
     tell(fault.name, text(fault.end), zero_after, -1, -1);
+    const TickRecord& last = bench.records.back();
+    EXPECT_EQ(bench.records.size(), static_cast<std::size_t>(kPressed + 1)) << "the tick that failed is recorded";
+    EXPECT_NE(last.flags & kTickFailed, 0U);
+    EXPECT_EQ(last.felt.wrench.force_n.norm(), 0);
+    ASSERT_TRUE(bench.loop->trips().update());
+    const TripReport& report = bench.loop->trips().latest();
+    EXPECT_STREQ(report.reason(), text(fault.end));
+    EXPECT_EQ(report.ticks[report.count - 1].time_s, last.time_s) << "and reported";
     return;
   }
   EXPECT_EQ(bench.records.back().trip, static_cast<int>(fault.trip));

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 #include <gmock/gmock.h>
+#include <malloc.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -18,6 +19,7 @@
 
 #include "haptolith/core/child_process.h"
 #include "haptolith/core/error.h"
+#include "haptolith/recording/recording_file.h"
 #include "haptolith/recording/recording_reader.h"
 
 #include "made_up.h"
@@ -72,6 +74,62 @@ void expectSameHeader(const RecordingHeader& got, const RecordingHeader& wanted)
   EXPECT_EQ(got.hashed_parts, wanted.hashed_parts);
   EXPECT_EQ(got.start_tick, wanted.start_tick);
   EXPECT_EQ(got.tick_s, wanted.tick_s);
+}
+
+TEST_F(RecordingWriterTest, TicksThatNeverCameAreNotedWhereTheyAreMissingAndCounted) {
+  RecordingHeader header = madeUpHeader();
+  header.start_tick = 0;
+  RecordingWriter writer(file("gap.h5"), header);
+  writer.add(madeUpTicks(1, 100));
+  writer.add(madeUpTicks(151, 50));
+  writer.finish(60);
+  EXPECT_EQ(writer.problem(), "");
+  EXPECT_EQ(writer.written().missing, 60U);
+  const RecordingReader reader(file("gap.h5"));
+  EXPECT_TRUE(reader.finished());
+  EXPECT_EQ(reader.ticks(), 150U);
+  EXPECT_EQ(reader.missingTicks(), 60U);
+  const std::vector<RecordingEvent> events = reader.readEvents(0, 9);
+  ASSERT_EQ(events.size(), 2U);
+  EXPECT_EQ(events[0].kind, "missing");
+  EXPECT_EQ(events[0].tick, 100U);
+  EXPECT_EQ(events[0].time_s, madeUpTick(151).time_s);
+  EXPECT_THAT(events[0].text, HasSubstr("50 ticks"));
+  EXPECT_THAT(events[1].text, HasSubstr("10 ticks"));
+}
+
+TEST_F(RecordingWriterTest, AWholeRecordingAndAPartOfARunLackNothing) {
+  RecordingHeader header = madeUpHeader();
+  header.start_tick = 40;
+  {
+    RecordingWriter writer(file("part.h5"), header);
+    writer.add(madeUpTicks(57, 100));  // the snapshot that it began with was older
+  }
+  EXPECT_EQ(RecordingReader(file("part.h5")).missingTicks(), 0U);
+  EXPECT_EQ(RecordingReader(file("part.h5")).events(), 0U);
+}
+
+// As many chunks as half an hour has at 1 kHz. With HDF5's own caches 0.9 MiB more are in use at its end.
+TEST_F(RecordingWriterTest, AFileThatGrowsTakesNoMoreMemory) {
+  constexpr int kChunks = 12'000, kChunksAtFirst = 800, kTicksPerChunk = 16;
+  constexpr double kMostGrowth_kib = 256;
+  const auto heap_kib = [] { return static_cast<double>(mallinfo2().uordblks) / 1024; };
+  if (heap_kib() == 0) {
+    GTEST_SKIP() << "another heap than the system's";
+  }
+  RecordingHeader header = madeUpHeader();
+  header.tick_s = 0.01;
+  hdf5::RecordingFile recording(file("long.h5"), header, false);
+  const std::vector<TickRecord> ticks = madeUpTicks(0, kTicksPerChunk);
+  const std::vector<ParticleFrame> frames{madeUpFrame(0, 256), madeUpFrame(1, 256)};
+  double at_first_kib = 0;
+  for (int chunk = 0; chunk < kChunks; ++chunk) {
+    recording.take(ticks, frames, {});
+    ASSERT_TRUE(recording.writeWholeChunks());
+    at_first_kib = chunk == kChunksAtFirst ? heap_kib() : at_first_kib;
+  }
+  EXPECT_LT(heap_kib() - at_first_kib, kMostGrowth_kib);
+  recording.close();
 }
 
 TEST_F(RecordingWriterTest, EveryBitComesBack) {

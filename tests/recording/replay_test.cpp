@@ -278,8 +278,57 @@ TEST_F(ReplayTest, ATickThatIsMissingIsFound) {
   record(personsScene(), nothingHappens, [](HapticLoop& loop) { tickTimes(loop, 700); });
   ticks_.erase(ticks_.begin() + 620);
   const ReplayResult result = replayed();
-  ASSERT_TRUE(result.difference);
-  EXPECT_EQ(result.difference->tick, 620U);
+  ASSERT_TRUE(result.gap);
+  EXPECT_EQ(result.gap->ticks, 1U);
+  EXPECT_EQ(result.gap->time_s, 0.62);
+  EXPECT_EQ(result.ticks, 620U) << "what came before is compared";
+  EXPECT_FALSE(result.difference);
+}
+
+TEST_F(ReplayTest, AFirstOrLastTickThatIsMissingIsFound) {
+  record(personsScene(), nothingHappens, [](HapticLoop& loop) { tickTimes(loop, 50); });
+  EXPECT_FALSE(replayed().gap);
+  const std::vector<TickRecord> whole = ticks_;
+  ticks_.erase(ticks_.begin(), ticks_.begin() + 3);
+  ASSERT_TRUE(replayed().gap);
+  EXPECT_EQ(replayed().gap->ticks, 3U);
+  ticks_ = {whole.begin(), whole.end() - 7};
+  const fs::path file = folder_ / "run.h5";
+  {
+    RecordingWriter writer(file, header_, {.overwrite = true});
+    writer.add(ticks_);
+    writer.add(RecordingEvent{.time_s = 0.05, .tick = 43, .kind = "end", .text = "stopped"});
+  }
+  const RecordingReader reader(file);
+  const ReplayResult result = Replay(reader, {}).run([](const TickRecord&, const TickRecord&) { return true; });
+  ASSERT_TRUE(result.gap);
+  EXPECT_EQ(result.gap->ticks, 7U);
+  EXPECT_EQ(result.ticks, 43U);
+}
+
+TEST_F(ReplayTest, ARunThatFailsIsReplayedUpToTheTickThatFailed) {
+  const auto fails = [](const PersonsDevice::Accident& accident, LoopEnd wanted) {
+    return std::pair(accident, wanted);
+  };
+  for (const auto& [accident, wanted] :
+       {fails([](int read, DeviceInput&i) { i.state = read == 80 ? DeviceState::kLost : i.state; }, LoopEnd::kLost),
+        fails([](int read, DeviceInput&i) { i.twist.linear_m_s.z() = read == 80 ? -1e300 : i.twist.linear_m_s.z(); },
+              LoopEnd::kNotFinite)}) {
+    ticks_.clear();
+    record(personsScene(), accident, [end = wanted](HapticLoop& loop) {
+      tickTimes(loop, 80);
+      EXPECT_EQ(loop.tick(), end);
+    });
+    ASSERT_EQ(ticks_.size(), 81U);
+    EXPECT_EQ(ticksWith(kTickFailed), 1U);
+    const ReplayResult result = replayed();
+    EXPECT_EQ(result.ticks, 81U);
+    EXPECT_FALSE(result.difference);
+    EXPECT_EQ(result.end, fmt::format("at 0.081 s: {}", text(wanted)));
+    ticks_.back().flags &= ~static_cast<std::uint32_t>(kTickFailed);
+    ASSERT_TRUE(replayed().difference) << "a run that did not end there";
+    EXPECT_EQ(replayed().difference->what, "end");
+  }
 }
 
 TEST_F(ReplayTest, AChangedSceneEndsTheComparisonAndSaysWhy) {

@@ -117,6 +117,15 @@ TEST(Command, ALongWrongWordComesBackShort) {
   EXPECT_LT(refused(text).size(), 400U);
 }
 
+TEST(Command, WhatIsNestedDeeplyIsRefusedAndNotTakenApart) {
+  const auto nested = [](int deep) { return std::string(deep, '[') + std::string(deep, ']'); };
+  EXPECT_THAT(refused(nested(8192)), HasSubstr("more than 8 deep"));
+  EXPECT_THAT(refused(nested(9)), HasSubstr("more than 8 deep"));
+  EXPECT_THAT(refused(nested(8)), HasSubstr("a JSON object"));
+  EXPECT_THAT(refused(std::string(9, '[')), HasSubstr("more than 8 deep"));
+  EXPECT_THAT(refused(R"({"do": "[[[[[[\"[[[[[[[["})"), HasSubstr("release")) << "brackets in a text are none";
+}
+
 TEST(Command, NoBytesMakeItThrow) {
   std::mt19937 random(1);
   const std::string seed = R"({"id": 3, "do": "scene", "sliders": {"a": 1e5}, "tool": {"size_mm": [1, 2, 3]}})";

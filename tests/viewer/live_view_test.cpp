@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <atomic>
+#include <system_error>
 #include <thread>
 
 #include "haptolith/core/error.h"
@@ -25,6 +26,9 @@ struct TalkingGuest {
   std::string obey(std::uint32_t client, const Json& message) {
     if (message["act"] == "throw") {
       throw InvalidParameter("act", "throw", "kind");
+    }
+    if (message["act"] == "ask too much") {
+      throw std::system_error(std::make_error_code(std::errc::resource_unavailable_try_again), "no thread");
     }
     if (message["act"] == "let go") {
       view->letGo();
@@ -236,6 +240,8 @@ TEST_F(GuestOfLiveViewTest, WhatTheGuestRefusesOrThrowsIsSaid) {
   const Json thrown = ask(client, {{"do", "study"}, {"act", "throw"}});
   EXPECT_EQ(thrown["ok"], false);
   EXPECT_THAT(thrown["error"].get<std::string>(), testing::HasSubstr("kind"));
+  const Json refused_by_system = ask(client, {{"do", "study"}, {"act", "ask too much"}});
+  EXPECT_THAT(refused_by_system["error"].get<std::string>(), testing::HasSubstr("no thread"));
   EXPECT_EQ(ask(client, {{"do", "study"}, {"act", "go"}})["ok"], true) << "and all goes on";
 }
 

@@ -24,9 +24,15 @@ class WebServerTest : public testing::Test {
  protected:
   explicit WebServerTest(const WebServerOptions& options = {.port = 0}) : server_(options, board_) {}
 
+  void takeAll() {
+    for (WebServer::Event event; server_.takeEvent(event);) {
+      events_.push_back(std::move(event));
+    }
+  }
+
   bool soon(const std::function<bool()>& is_so) {
     for (int i = 0; i < 5000; ++i) {
-      server_.takeEvents(events_);
+      takeAll();
       if (is_so()) {
         return true;
       }
@@ -140,11 +146,53 @@ TEST_F(WebServerTest, WhoTalksTooMuchIsDropped) {
       client.send("again");
     }
     std::this_thread::sleep_for(100ms);
-    server_.takeEvents(events_);
+    takeAll();
     left = events_.back().kind == WebServer::Event::Kind::kLeft;
   }
   EXPECT_TRUE(left);
   EXPECT_EQ(client.receive(), std::nullopt);
+}
+
+TEST_F(WebServerTest, WhoSendsMoreThanMayWaitIsDroppedAndWithItWhatWaits) {
+  WsClient client(server_.port());
+  ASSERT_EQ(client.upgrade(), 101U);
+  (void)client.receive();
+  for (int i = 0; i < 9; ++i) {  // eight may wait, and nobody takes them
+    client.send(std::string(16384, 'x'));
+  }
+  EXPECT_EQ(client.receive(), std::nullopt);
+  EXPECT_EQ(client.closeCode(), 1008);
+  ASSERT_TRUE(soon([&] { return !events_.empty() && events_.back().kind == WebServer::Event::Kind::kLeft; }));
+  EXPECT_EQ(events_.size(), 2U) << "it came and went";
+}
+
+TEST_F(WebServerTest, ClientsHaveTheirTurnsWhoeverSendsMore) {
+  {
+    WsClient talks(server_.port());
+    ASSERT_EQ(talks.upgrade(), 101U);
+    (void)talks.receive();  // else the connection would be reset when it ends, and what is on its way be lost
+    for (int i = 0; i < 100; ++i) {
+      talks.send(std::to_string(i));
+    }
+    WsClient says_one_word(server_.port());
+    ASSERT_EQ(says_one_word.upgrade(), 101U);
+    (void)says_one_word.receive();
+    says_one_word.send("word");
+  }
+  for (int i = 0; i < 5000 && server_.clients() > 0; ++i) {
+    std::this_thread::sleep_for(1ms);
+  }
+  takeAll();
+  ASSERT_EQ(events_.size(), 105U);
+  EXPECT_EQ(events_[0].client, 1U);
+  EXPECT_EQ(events_[3].text, "word") << "both have come, one has said something";
+  int next = 0;
+  for (const WebServer::Event& event : events_) {
+    if (event.client == 1 && event.kind == WebServer::Event::Kind::kMessage) {
+      EXPECT_EQ(event.text, std::to_string(next++)) << "each client's in their order";
+    }
+  }
+  EXPECT_EQ(next, 100);
 }
 
 TEST_F(WebServerTest, ThirtyTwoClientsAreFineAndOneMoreIsNot) {

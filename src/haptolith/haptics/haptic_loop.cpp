@@ -67,6 +67,10 @@ const char* text(LoopEnd end) noexcept {
   return "";
 }
 
+const char* TripReport::reason() const noexcept {
+  return end == LoopEnd::kRunning ? text(trip) : text(end);
+}
+
 HapticLoop::HapticLoop(Scene& scene, HapticDevice& device, const LoopParameters& parameters, bool keep_records,
                        const HandlingParameters& handling)
     : first_(scene),
@@ -104,9 +108,7 @@ LoopEnd HapticLoop::tick() noexcept {
   safety_.check(input, health());
   followHand(input);
   if (const LoopEnd end = endFor(safety_.trip()); end != LoopEnd::kRunning) {
-    device_.write({});
-    reportTrip();
-    return end;
+    return endWith(end, input, start_ns);
   }
 
   // The tool follows it, and the soil answers.
@@ -120,8 +122,7 @@ LoopEnd HapticLoop::tick() noexcept {
   const Movement& tool = coupling_.moveTool(hand_);
   const StepStatus status = scene_->tick(tool.pose, tool.twist);
   if (status != StepStatus::kOk || !scene_->wrench().force_n.allFinite() || !scene_->wrench().torque_nm.allFinite()) {
-    device_.write({});
-    return status == StepStatus::kOk ? LoopEnd::kNotFinite : failure(status);
+    return endWith(status == StepStatus::kOk ? LoopEnd::kNotFinite : failure(status), input, start_ns);
   }
 
   // The hand feels it, as far as is safe.
@@ -133,6 +134,15 @@ LoopEnd HapticLoop::tick() noexcept {
   }
   publish(tool.pose);
 
+  record(input, tool.pose, rendered, count(start_ns));
+  if (safety_.justTripped()) {
+    reportTrip();
+  }
+  return input.state == DeviceState::kFinished ? LoopEnd::kFinished : LoopEnd::kRunning;
+}
+
+/// Counts a tick that is done, and returns the work that it was, in us.
+double HapticLoop::count(std::int64_t start_ns) noexcept {
   const std::int64_t end_ns = monotonicNs();
   const double tick_us = 1e-3 * static_cast<double>(end_ns - start_ns);
   const bool in_time = deadline_ns_ == 0 ? tick_us <= 1e6 * parameters_.tick_s : end_ns <= deadline_ns_;
@@ -140,11 +150,17 @@ LoopEnd HapticLoop::tick() noexcept {
   statistics_.add(tick_us, in_time, felt_.wrench);
   longest_tick_us_ = std::max(longest_tick_us_, tick_us);
   ticks_left_ -= paused_ ? 1 : 0;
-  record(input, tool.pose, rendered, tick_us);
-  if (safety_.justTripped()) {
-    reportTrip();
-  }
-  return input.state == DeviceState::kFinished ? LoopEnd::kFinished : LoopEnd::kRunning;
+  return tick_us;
+}
+
+/// A tick that cannot be felt ends the run; it is counted, recorded and reported as others are.
+LoopEnd HapticLoop::endWith(LoopEnd end, const DeviceInput& input, std::int64_t start_ns) noexcept {
+  felt_ = {};
+  device_.write(felt_);
+  failed_ = true;
+  record(input, scene_->toolPose(), {}, count(start_ns));
+  reportTrip(end);
+  return end;
 }
 
 LoopEnd HapticLoop::run(const std::atomic<bool>& stop) noexcept {
@@ -399,14 +415,16 @@ void HapticLoop::record(const DeviceInput& input, const Pose& scene_T_tool, cons
   now.tick_us = tick_us;
   now.late_us = late_us_;
   now.flags = safety_.flags() | (late_ ? kTickLate : 0U) | (resumed_ ? kTickResumed : 0U) |
-              (heartbeat_lost_ ? kTickHeartbeatLost : 0U) | (scene_changed_ ? kTickSceneChanged : 0U);
+              (heartbeat_lost_ ? kTickHeartbeatLost : 0U) | (scene_changed_ ? kTickSceneChanged : 0U) |
+              (failed_ ? kTickFailed : 0U);
   scene_changed_ = false;
   now.trip = static_cast<std::uint8_t>(safety_.trip());
   if (!keep_records_) {
     return;
   }
   const std::size_t parts = hashedParts();
-  now.state_hash = hashes_ ? stateHash(scene_->bed().state(), statistics_.ticks() % parts, parts) : 0;
+  // A bed that has failed has been stepped in part only.
+  now.state_hash = hashes_ && !failed_ ? stateHash(scene_->bed().state(), statistics_.ticks() % parts, parts) : 0;
   if (!records_.push(now)) {
     lost_records_.fetch_add(1, std::memory_order_relaxed);
   }
@@ -416,10 +434,11 @@ std::size_t HapticLoop::hashedParts() const noexcept {
   return (scene_->bed().particles() + kHashedAtOnce - 1) / kHashedAtOnce;
 }
 
-void HapticLoop::reportTrip() noexcept {
+void HapticLoop::reportTrip(LoopEnd end) noexcept {
   TripReport& report = trip_reports_.draft();
   const std::uint64_t ticks = statistics_.ticks();
   report.trip = safety_.trip();
+  report.end = end;
   report.time_s = time();
   report.count = std::min<std::uint64_t>(ticks, TripReport::kTicks);
   for (std::size_t i = 0; i < report.count; ++i) {

@@ -36,14 +36,17 @@ enum class LoopEnd {
 
 [[nodiscard]] const char* text(LoopEnd end) noexcept;
 
-/// The last ticks before the hand was let go, oldest first.
+/// The last ticks before the hand was let go, and the one that did it, oldest first.
 struct TripReport {
   static constexpr std::size_t kTicks = 50;
 
   SafetyTrip trip = SafetyTrip::kNone;
+  LoopEnd end = LoopEnd::kRunning;  ///< of the run, when it ended with that
   double time_s = 0;
   std::size_t count = 0;
   std::array<TickRecord, kTicks> ticks;
+
+  [[nodiscard]] const char* reason() const noexcept;
 };
 
 /// Soil and hand, joined at 1 kHz. Records and snapshots leave through lock-free queues; nobody can delay a tick.
@@ -106,7 +109,9 @@ class HapticLoop {
   void publish(const Pose& scene_T_tool) noexcept;
   void record(const DeviceInput& input, const Pose& scene_T_tool, const DeviceOutput& rendered,
               double tick_us) noexcept;
-  void reportTrip() noexcept;
+  [[nodiscard]] LoopEnd endWith(LoopEnd end, const DeviceInput& input, std::int64_t start_ns) noexcept;
+  double count(std::int64_t start_ns) noexcept;
+  void reportTrip(LoopEnd end = LoopEnd::kRunning) noexcept;
 
   Stage first_;
   std::atomic<Stage*> shown_;
@@ -137,6 +142,7 @@ class HapticLoop {
   double presence_ = 1;                        ///< of the tool; the scene is given its square
   std::uint64_t published_ = 0;                ///< calls of publish()
   bool scene_changed_ = false;                 ///< before this tick
+  bool failed_ = false;                        ///< the run ends with this tick
   bool heartbeat_lost_ = false;                ///< before this tick
   bool late_ = false;                          ///< whether the last tick was
   double late_us_ = 0;                         ///< how late this one began

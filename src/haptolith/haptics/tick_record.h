@@ -18,7 +18,8 @@ enum TickFlag : std::uint32_t {
   kTickResumed = 64,         ///< time stood still before it
   kTickHeartbeatLost = 128,  ///< the watchdog had let go of the hand
   kTickSoftStop = 512,       ///< the run was about to end
-  kTickSceneChanged = 256,   ///< somebody has changed soil, gravity, tool or bed, or the tool fades for that
+  kTickFailed = 1024,       ///< the run ended with it: the device is gone, or the bed or the hand no longer makes sense
+  kTickSceneChanged = 256,  ///< somebody has changed soil, gravity, tool or bed, or the tool fades for that
 };
 
 /// One tick, as it is recorded.

@@ -27,6 +27,10 @@ constexpr std::uint64_t kFewestTicks = 16, kMostTicks = 4096;  // per chunk
 // These are not compressed, and may be written again in their place.
 constexpr std::uint64_t kPositionsPerChunk = 8192, kFramesPerChunk = 64, kEventsPerChunk = 16;
 
+// What HDF5 may keep in memory; the largest chunk has less than the first.
+constexpr std::size_t kChunkBytes = std::size_t{2} << 20;
+constexpr std::size_t kMetadataBytes = std::size_t{32} << 10;
+
 std::uint64_t ticksPerChunk(double tick_s) {
   return std::clamp(static_cast<std::uint64_t>(std::min(kChunk_s / tick_s, 1e6)), kFewestTicks, kMostTicks);
 }
@@ -71,10 +75,27 @@ void writeHeader(const Handle& file, const RecordingHeader& header) {
   }
 }
 
+/// HDF5 would keep more and more in memory for as long as the file grows: 521 chunks of each dataset, of which only the
+/// last is written to, and up to 32 MiB of what it knows about where they are. For the whole file: what is chosen for a
+/// dataset is forgotten when SWMR begins.
+void boundMemory(const Handle& access) {
+  done(H5Pset_cache(access.id(), 0, 1, kChunkBytes, 1), "bound its memory");
+  H5AC_cache_config_t metadata{};
+  metadata.version = H5AC__CURR_CACHE_CONFIG_VERSION;
+  done(H5Pget_mdc_config(access.id(), &metadata), "bound its memory");
+  metadata.set_initial_size = true;
+  metadata.initial_size = metadata.min_size = metadata.max_size = kMetadataBytes;
+  metadata.incr_mode = H5C_incr__off;
+  metadata.flash_incr_mode = H5C_flash_incr__off;
+  metadata.decr_mode = H5C_decr__off;
+  done(H5Pset_mdc_config(access.id(), &metadata), "bound its memory");
+}
+
 Handle createFile(const fs::path& path) {
   const Handle access = handle(H5Pcreate(H5P_FILE_ACCESS), "make a property list");
   done(H5Pset_libver_bounds(access.id(), H5F_LIBVER_LATEST, H5F_LIBVER_LATEST), "choose the format");  // for SWMR
   done(H5Pset_file_locking(access.id(), true, true), "choose locking");  // where the disk's file system has locks
+  boundMemory(access);
   const Handle creation = handle(H5Pcreate(H5P_FILE_CREATE), "make a property list");
   done(H5Pset_attr_phase_change(creation.id(), 64, 0), "choose the format");  // the header stays in one place
   return handle(H5Fcreate(path.c_str(), H5F_ACC_TRUNC, creation.id(), access.id()), "create it");
@@ -143,7 +164,7 @@ void requireFree(const fs::path& path, bool overwrite) {
 }
 
 RecordingFile::RecordingFile(fs::path path, const RecordingHeader& header, bool overwrite)
-    : path_(std::move(path)), ticks_per_chunk_(0) {
+    : path_(std::move(path)), ticks_per_chunk_(0), tick_s_(header.tick_s), whole_run_(header.start_tick == 0) {
   validate(header);
   ticks_per_chunk_ = ticksPerChunk(header.tick_s);
   prepareThread();
@@ -154,6 +175,7 @@ RecordingFile::RecordingFile(fs::path path, const RecordingHeader& header, bool 
   try {
     file_ = createFile(making);
     writeHeader(file_, header);
+    writeEntry(file_, kMissingTicks, std::uint64_t{0});
     ticks_ = Growing(file_, kTicks,
                      {.file_type = tickType(Place::kFile),
                       .memory_type = tickType(Place::kMemory),
@@ -184,7 +206,16 @@ RecordingFile::RecordingFile(fs::path path, const RecordingHeader& header, bool 
 
 void RecordingFile::take(const std::vector<TickRecord>& ticks, const std::vector<ParticleFrame>& frames,
                          const std::vector<RecordingEvent>& events) {
-  unwritten_ticks_.insert(unwritten_ticks_.end(), ticks.begin(), ticks.end());
+  for (const TickRecord& tick : ticks) {
+    const std::uint64_t number = tickNumber(tick.time_s, tick_s_);
+    const bool begins = last_number_ == 0 && !whole_run_;
+    if (!begins && number > last_number_ + 1) {
+      noteMissing(number - last_number_ - 1, tick.time_s);
+    }
+    last_number_ = number;
+    last_time_s_ = tick.time_s;
+    unwritten_ticks_.push_back(tick);
+  }
   for (const ParticleFrame& frame : frames) {
     unwritten_frames_.push_back({.time_s = frame.time_s,
                                  .tick = frame.tick,
@@ -196,6 +227,21 @@ void RecordingFile::take(const std::vector<TickRecord>& ticks, const std::vector
     EventRow& row = unwritten_events_.emplace_back(EventRow{.time_s = event.time_s, .tick = event.tick});
     copyText(event.kind, row.kind);
     copyText(event.text, row.text);
+  }
+}
+
+void RecordingFile::noteMissing(std::uint64_t ticks, double time_s) {
+  missing_ += ticks;
+  EventRow& row =
+      unwritten_events_.emplace_back(EventRow{.time_s = time_s, .tick = ticks_.rows() + unwritten_ticks_.size()});
+  copyText("missing", row.kind);
+  copyText(fmt::format("{} ticks before this time could not be recorded", ticks), row.text);
+}
+
+void RecordingFile::countLost(std::uint64_t lost) {
+  if (lost > missing_) {
+    const std::uint64_t at_the_end = lost - missing_;
+    noteMissing(at_the_end, last_time_s_ + static_cast<double>(at_the_end) * tick_s_);
   }
 }
 
@@ -235,6 +281,10 @@ void RecordingFile::write(std::size_t ticks) {
 }
 
 void RecordingFile::close() {
+  if (missing_ > 0) {
+    const Handle entry = handle(H5Aopen(file_.id(), kMissingTicks, H5P_DEFAULT), "write the header");
+    done(H5Awrite(entry.id(), countType(Place::kMemory).id(), &missing_), "write the header");
+  }
   for (Growing* each : {&ticks_, &position_, &frames_, &events_}) {
     each->close();
   }

@@ -60,6 +60,10 @@ class RecordingFile {
   /// @throws Failure.
   void writeAll() { write(unwritten_ticks_.size()); }
 
+  /// Of the ticks between the first and the last that were to be recorded, so many never came. take() has noticed those
+  /// before others; the rest were the last. Noted as events, and on close() in the header.
+  void countLost(std::uint64_t lost);
+
   /// Marks the file as complete. @throws Failure.
   void close();
   /// After a failure: leaves the file on the disk as it was after the last write that went well.
@@ -71,12 +75,20 @@ class RecordingFile {
   [[nodiscard]] std::uint64_t events() const noexcept { return events_.flushedRows(); }
   [[nodiscard]] std::uint64_t bytes() const;
 
+  /// Ticks that were to be in the file and never came.
+  [[nodiscard]] std::uint64_t missing() const noexcept { return missing_; }
+
  private:
   void write(std::size_t ticks);
   [[nodiscard]] int descriptor() const;
+  void noteMissing(std::uint64_t ticks, double time_s);
 
   std::filesystem::path path_;
   std::uint64_t ticks_per_chunk_;
+  double tick_s_;
+  bool whole_run_;
+  std::uint64_t last_number_ = 0, missing_ = 0;
+  double last_time_s_ = 0;
   Handle file_;
   Growing ticks_, position_, frames_, events_;
 

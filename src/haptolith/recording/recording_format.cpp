@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 #include <unistd.h>
 
+#include <cmath>
 #include <cstring>
 #include <ctime>
 #include <iterator>
@@ -13,6 +14,12 @@
 #include "haptolith/core/error.h"
 
 namespace haptolith {
+
+std::uint64_t tickNumber(double time_s, double tick_s) noexcept {
+  constexpr double kMost = 1e15;  // whole numbers are exact up to there
+  const double number = std::round(time_s / tick_s);
+  return number > 0 && number < kMost ? static_cast<std::uint64_t>(number) : 0;
+}
 
 void stampNow(RecordingHeader& header) {
   header.started_utc = fmt::format("{:%Y-%m-%dT%H:%M:%SZ}", fmt::gmtime(std::time(nullptr)));

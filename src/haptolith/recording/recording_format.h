@@ -32,6 +32,10 @@ struct RecordingHeader {
   double tick_s = 0.001;           ///< > 0
 };
 
+/// Number of a tick in its run, from 1, by its time; 0 when that is none that a run has. Numbers of consecutive ticks
+/// follow one another, however often the run was paused.
+[[nodiscard]] std::uint64_t tickNumber(double time_s, double tick_s) noexcept;
+
 /// Writes this machine's name and the time of day into a header.
 void stampNow(RecordingHeader& header);
 

@@ -325,6 +325,9 @@ class RecordingReader::File {
  public:
   explicit File(const std::filesystem::path& path)
       : path_(path.string()), raw_(checked(path)), hdf5_(openFile(path)), header_(readHeader(hdf5_)) {
+    if (H5Aexists(hdf5_.id(), kMissingTicks) > 0) {
+      readEntry(hdf5_, kMissingTicks, missing_ticks_);
+    }
     requireMember(raw_, hdf5_, "/particles");
     ticks_ = table(kTicks, tickType(Place::kFile), tickType(Place::kMemory));
     position_ = table(kPosition, coordinateType(Place::kFile), coordinateType(Place::kMemory), 3);
@@ -334,6 +337,7 @@ class RecordingReader::File {
 
   [[nodiscard]] const RecordingHeader& header() const noexcept { return header_; }
   [[nodiscard]] bool finished() const noexcept { return raw_.finished(); }
+  [[nodiscard]] std::uint64_t missingTicks() const noexcept { return missing_ticks_; }
   [[nodiscard]] const Table& ticks() const noexcept { return *ticks_; }
   [[nodiscard]] const Table& position() const noexcept { return *position_; }
   [[nodiscard]] const Table& frames() const noexcept { return *frames_; }
@@ -371,6 +375,7 @@ class RecordingReader::File {
   RawFile raw_;
   Handle hdf5_;
   RecordingHeader header_;
+  std::uint64_t missing_ticks_ = 0;
   std::unique_ptr<Table> ticks_, position_, frames_, events_;
 };
 
@@ -393,6 +398,10 @@ const RecordingHeader& RecordingReader::header() const noexcept {
 
 bool RecordingReader::finished() const noexcept {
   return file_->finished();
+}
+
+std::uint64_t RecordingReader::missingTicks() const noexcept {
+  return file_->missingTicks();
 }
 
 std::uint64_t RecordingReader::ticks() const noexcept {

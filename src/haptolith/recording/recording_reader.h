@@ -23,6 +23,10 @@ class RecordingReader {
   /// False when its writer was killed or still writes.
   [[nodiscard]] bool finished() const noexcept;
 
+  /// Ticks that were to be recorded and could not be, as its writer has counted them; 0 when that was an older program,
+  /// or one that was killed: then only the ticks tell, whose numbers do not follow one another.
+  [[nodiscard]] std::uint64_t missingTicks() const noexcept;
+
   [[nodiscard]] std::uint64_t ticks() const noexcept;
   [[nodiscard]] std::uint64_t frames() const noexcept;
   [[nodiscard]] std::uint64_t events() const noexcept;

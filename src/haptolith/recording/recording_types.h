@@ -21,6 +21,9 @@ inline constexpr const char* kPosition = "/particles/position";
 inline constexpr const char* kFrames = "/particles/frames";
 inline constexpr const char* kEvents = "/events";
 
+/// An attribute of the file's root, which the first recordings lack: RecordingReader::missingTicks().
+inline constexpr const char* kMissingTicks = "missing_ticks";
+
 enum class Place { kFile, kMemory };
 
 /// A row of /events.

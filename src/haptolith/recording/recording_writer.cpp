@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <chrono>
 #include <condition_variable>
 #include <future>
@@ -67,10 +68,11 @@ class RecordingWriter::Thread {
     add(sizeof(event) + event.kind.size() + event.text.size(), kMostWaiting, [&] { waiting_.events.push_back(event); });
   }
 
-  void finish() noexcept {
+  void finish(std::uint64_t lost) noexcept {
     {
       const std::lock_guard lock(mutex_);
       ending_ = true;
+      lost_ = std::max(lost_, lost);
     }
     changed_.notify_all();
     if (thread_.joinable()) {
@@ -117,7 +119,11 @@ class RecordingWriter::Thread {
 
   /// With the lock held.
   void count(const hdf5::RecordingFile& file) {
-    written_ = {.ticks = file.ticks(), .frames = file.frames(), .events = file.events(), .bytes = file.bytes()};
+    written_ = {.ticks = file.ticks(),
+                .frames = file.frames(),
+                .events = file.events(),
+                .bytes = file.bytes(),
+                .missing = file.missing()};
   }
 
   [[nodiscard]] bool takes() const noexcept { return problem_.empty() && !ending_; }
@@ -159,10 +165,12 @@ class RecordingWriter::Thread {
     Clock::time_point oldest = Clock::now();  // of what is not yet in the file
     for (bool last = false; !last;) {
       Batch batch;
+      std::uint64_t lost = 0;
       {
         std::unique_lock lock(mutex_);
         changed_.wait_for(lock, kLookEvery, [&] { return ending_ || !problem_.empty(); });
         last = ending_ || !problem_.empty();
+        lost = lost_;
         std::swap(batch, waiting_);
       }
       changed_.notify_all();
@@ -170,6 +178,9 @@ class RecordingWriter::Thread {
         oldest = Clock::now() - kLookEvery;
       }
       file.take(batch.ticks, batch.frames, batch.events);
+      if (last) {
+        file.countLost(lost);
+      }
       if (last || Clock::now() - oldest >= kOldest) {
         file.writeAll();
       } else if (file.writeWholeChunks()) {
@@ -187,6 +198,7 @@ class RecordingWriter::Thread {
   std::condition_variable changed_;
   Batch waiting_;
   bool ending_ = false;
+  std::uint64_t lost_ = 0;
   std::string problem_;
   Written written_;
   std::uint64_t left_out_ = 0;
@@ -218,8 +230,8 @@ void RecordingWriter::add(const RecordingEvent& event) {
   thread_->add(event);
 }
 
-void RecordingWriter::finish() noexcept {
-  thread_->finish();
+void RecordingWriter::finish(std::uint64_t lost) noexcept {
+  thread_->finish(lost);
 }
 
 std::string RecordingWriter::problem() const {

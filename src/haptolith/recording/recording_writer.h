@@ -41,7 +41,8 @@ class RecordingWriter {
   void add(const RecordingEvent& event);
 
   /// Writes what waits and closes the file; problem() then tells whether all is in it.
-  void finish() noexcept;
+  /// @param lost  ticks that were to be recorded and are known to have been lost on the way here.
+  void finish(std::uint64_t lost = 0) noexcept;
 
   /// Why nothing is recorded any more, and how much is in the file; empty when all is well.
   [[nodiscard]] std::string problem() const;
@@ -49,6 +50,7 @@ class RecordingWriter {
   /// What is safe in the file.
   struct Written {
     std::uint64_t ticks = 0, frames = 0, events = 0, bytes = 0;
+    std::uint64_t missing = 0;  ///< ticks that are not, and should be
   };
   [[nodiscard]] Written written() const;
 

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <bit>
 
 #include "haptolith/core/error.h"
@@ -27,6 +28,18 @@ bool same(const DeviceOutput& a, const DeviceOutput& b) noexcept {
   return equal(a.gripper_force_n, b.gripper_force_n);
 }
 
+/// What is missing after the last tick: the end is an event of its own, and the writer has counted.
+std::uint64_t missingAtTheEnd(const RecordingReader& recording, std::uint64_t last) {
+  std::uint64_t missing = recording.missingTicks();
+  for (const RecordingEvent& event : recording.readEvents(0, recording.events())) {
+    const std::uint64_t number = tickNumber(event.time_s, recording.header().tick_s);
+    if (event.kind == "end" && number > last) {
+      missing = std::max(missing, number - last);
+    }
+  }
+  return missing;
+}
+
 const char* differenceOf(const TickRecord& was, const TickRecord& is) noexcept {
   if (was.state_hash != 0 && was.state_hash != is.state_hash) {
     return "state_hash";
@@ -34,7 +47,10 @@ const char* differenceOf(const TickRecord& was, const TickRecord& is) noexcept {
   if (!same(was.rendered, is.rendered)) {
     return "rendered force";
   }
-  return same(was.felt, is.felt) ? nullptr : "felt force";
+  if (!same(was.felt, is.felt)) {
+    return "felt force";
+  }
+  return ((was.flags ^ is.flags) & kTickFailed) == 0 ? nullptr : "end";
 }
 
 }  // namespace
@@ -63,12 +79,21 @@ ReplayResult Replay::run(const std::function<bool(const TickRecord& was, const T
   ReplayResult result;
   std::vector<TickRecord> replayed;
   bool late = false;
+  std::uint64_t last = 0;
+  double last_s = 0;
   for (std::uint64_t first = 0; first < recording_.ticks(); first += kBlock) {
     for (const TickRecord& was : recording_.readTicks(first, kBlock)) {
       if ((was.flags & kTickSceneChanged) != 0) {
         result.ended_early = fmt::format("at {:.3f} s somebody changed the scene", was.time_s);
         return result;
       }
+      const std::uint64_t number = tickNumber(was.time_s, recording_.header().tick_s);
+      if (number != last + 1) {
+        result.gap = {number > last ? number - last - 1 : 0, last_s};
+        return result;
+      }
+      last = number;
+      last_s = was.time_s;
       device_->feed(was.device);
       if ((was.flags & kTickResumed) != 0) {
         loop_->ask(request::Pause{});
@@ -93,11 +118,17 @@ ReplayResult Replay::run(const std::function<bool(const TickRecord& was, const T
         result.difference = {result.ticks - 1, was.time_s, what};
         return result;
       }
+      if ((was.flags & kTickFailed) != 0) {
+        result.end = fmt::format("at {:.3f} s: {}", was.time_s, text(end));
+      }
       if (!go_on(was, replayed.front())) {
         result.ended_early = "interrupted";
         return result;
       }
     }
+  }
+  if (const std::uint64_t missing = missingAtTheEnd(recording_, last); missing > 0) {
+    result.gap = {missing, last_s};
   }
   return result;
 }

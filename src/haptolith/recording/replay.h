@@ -17,13 +17,21 @@ namespace haptolith {
 struct ReplayDifference {
   std::uint64_t tick = 0;
   double time_s = 0;
-  std::string what;  ///< "state_hash", "rendered force", "felt force"
+  std::string what;  ///< "state_hash", "rendered force", "felt force", "end"
+};
+
+/// Where ticks are missing in a recording: what comes after them cannot be replayed.
+struct ReplayGap {
+  std::uint64_t ticks = 0;  ///< that are missing
+  double time_s = 0;        ///< of the last before them
 };
 
 struct ReplayResult {
   std::uint64_t ticks = 0;   ///< replayed
   std::uint64_t hashes = 0;  ///< compared
   std::optional<ReplayDifference> difference;
+  std::optional<ReplayGap> gap;
+  std::string end;          ///< how the recorded run failed in its last tick, and the replay too; empty when it did not
   std::string ended_early;  ///< why the rest of the recording could not be replayed; empty when all was
 };
 
@@ -36,8 +44,8 @@ class Replay {
   /// Failure as Scene.
   Replay(const RecordingReader& recording, std::optional<int> threads, const SettleProgress& progress = {});
 
-  /// Goes through all ticks and compares hashes of the bed and forces bit by bit, to the first difference. Forces after
-  /// the safety layer are compared as well: it is told how the loop was doing then.
+  /// Goes through all ticks up to the first that is missing, and compares hashes of the bed and forces bit by bit, to
+  /// the first difference. Forces after the safety layer are compared as well: it is told how the loop was doing then.
   /// @param go_on  called after each tick with its record and the replayed one; false ends it.
   [[nodiscard]] ReplayResult run(const std::function<bool(const TickRecord& was, const TickRecord& is)>& go_on);
 

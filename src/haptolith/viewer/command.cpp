@@ -22,6 +22,7 @@ using Json = nlohmann::json;
 constexpr double kMm = 1e-3;  // m
 constexpr int kMostTicks = 1000;
 constexpr double kLargestNumber = 1e9;
+constexpr int kDeepest = 8;
 constexpr std::string_view kForGuest = "study";
 
 /// Reads the keys of one JSON object, and knows which it was asked for.
@@ -29,8 +30,7 @@ class Keys {
  public:
   explicit Keys(const Json& object, std::set<std::string> known = {}) : object_(object), asked_(std::move(known)) {
     if (!object.is_object()) {
-      throw InvalidParameter("message", shortened(object.dump(-1, ' ', false, Json::error_handler_t::replace)),
-                             "a JSON object");
+      throw InvalidParameter("message", std::string(object.type_name()), "a JSON object");
     }
   }
 
@@ -203,6 +203,29 @@ command::Colour colour(Keys& keys) {
   return {*by_force};
 }
 
+/// Whether brackets are nested more deeply than any message has them; what can be nested without end costs more and
+/// more to take apart, and its parts are taken apart and freed recursively.
+bool isTooDeep(std::string_view text) {
+  int depth = 0;
+  bool in_text = false;
+  for (std::size_t i = 0; i < text.size(); ++i) {
+    const char c = text[i];
+    if (in_text) {
+      i += c == '\\' ? 1 : 0;
+      in_text = c != '"';
+    } else if (c == '"') {
+      in_text = true;
+    } else if (c == '[' || c == '{') {
+      if (++depth > kDeepest) {
+        return true;
+      }
+    } else if (c == ']' || c == '}') {
+      --depth;
+    }
+  }
+  return false;
+}
+
 Command commandOf(const Json& message) {
   Keys keys(message, {"id"});
   const std::string what = Keys::textOf("do", keys.need("do"));
@@ -241,6 +264,10 @@ Command commandOf(const Json& message) {
 
 ClientMessage parseClientMessage(std::string_view text) {
   ClientMessage message;
+  if (isTooDeep(text)) {
+    message.refused = fmt::format("the message is nested more than {} deep", kDeepest);
+    return message;
+  }
   const Json json = Json::parse(text, nullptr, false);
   if (json.is_discarded()) {
     message.refused = "the message is not JSON";

@@ -18,6 +18,10 @@ using Clock = std::chrono::steady_clock;
 constexpr auto kBetweenStatus = 250ms;
 constexpr auto kRateOver = 1s;
 
+/// However much clients ask for, the rest of the main thread's work has its turn.
+constexpr auto kLongestRound = 2ms;
+constexpr int kMostInARound = 256;
+
 /// Contact forces take some microseconds a particle to work out; no more than this share of the time goes to them.
 constexpr double kShareForLoads = 0.2;
 
@@ -44,12 +48,9 @@ LiveView::LiveView(Session& session, const WebServerOptions& options, std::strin
       space_(spaceOf(session)) {}
 
 void LiveView::obey() {
-  events_.clear();
-  server_.takeEvents(events_);
-  for (const WebServer::Event& event : events_) {
-    if (session_.done()) {
-      return;
-    }
+  const Clock::time_point until = Clock::now() + kLongestRound;
+  WebServer::Event event;
+  for (int i = 0; i < kMostInARound && !session_.done() && Clock::now() < until && server_.takeEvent(event); ++i) {
     if (event.kind == WebServer::Event::Kind::kLeft) {
       letGo(event.client);
       coloured_by_force_.erase(event.client);
@@ -84,9 +85,7 @@ std::string LiveView::answer(std::uint32_t client, const ClientMessage& message,
       return refused;
     }
     carryOut(client, *message.command);
-  } catch (const InvalidParameter& error) {
-    return error.what();
-  } catch (const Failure& error) {
+  } catch (const std::exception& error) {  // a thread or memory that the system refuses, too
     return error.what();
   }
   return {};

@@ -44,7 +44,8 @@ class LiveView {
 
   [[nodiscard]] std::string url() const { return server_.url(); }
 
-  /// Does what clients have asked for. Call it as often as Session::poll(), before it.
+  /// Does what clients have asked for, for 2 ms at most; the rest waits for the next time. Call it as often as
+  /// Session::poll(), before it.
   void obey();
   /// Shows what is new. `newer` and `changed` are what Session::update() and poll() said.
   void show(bool newer, bool changed);
@@ -69,7 +70,6 @@ class LiveView {
   WebServer server_;
   FrameEncoder::Space space_;
 
-  std::vector<WebServer::Event> events_;
   std::optional<std::uint32_t> holder_;
   std::set<std::uint32_t> coloured_by_force_;
   std::uint32_t scene_shown_ = 0;

@@ -38,11 +38,13 @@ using namespace std::chrono_literals;
 constexpr std::string_view kSubprotocol = "haptolith.1";
 constexpr std::size_t kMostClients = 32;
 constexpr std::size_t kMostSockets = 128;
-constexpr std::size_t kLargestMessage = 16384;    // bytes, from a client: a form with long texts
-constexpr std::size_t kLargestHeader = 8192;      // bytes
-constexpr std::size_t kMostMessagesPerS = 250;    // from a client
-constexpr std::size_t kMostEventsWaiting = 8192;  // of all clients together
-constexpr std::size_t kMostRepliesWaiting = 64;   // to a client
+constexpr std::size_t kLargestMessage = 16384;   // bytes, from a client: a form with long texts
+constexpr std::size_t kLargestHeader = 8192;     // bytes
+constexpr std::size_t kMostMessagesPerS = 250;   // from a client
+constexpr std::size_t kMostBytesPerS = 131'072;  // from a client: eight of the largest messages, or 250 of usual ones
+constexpr std::size_t kMostBytesWaiting = 131'072;  // of a client
+constexpr std::size_t kMostEventsWaiting = 2048;    // of a client
+constexpr std::size_t kMostRepliesWaiting = 64;     // to a client
 constexpr int kPortsTried = 100;
 constexpr auto kRequestTime = 10s;
 constexpr auto kIdleTime = 20s;  // half of it passes before a ping
@@ -105,6 +107,7 @@ class WebServer::Implementation {
   class Client;
   class Visitor;
 
+  void serve() noexcept;
   void accept();
   [[nodiscard]] bool knowsToken(std::string_view target) const {
     return token.empty() || sameToken(tokenOf(target), token);
@@ -113,7 +116,9 @@ class WebServer::Implementation {
   void join(const std::shared_ptr<Client>& client);
   void leave(std::uint32_t client);
   bool push(Event event);
+  void forget(std::uint32_t client);
 
+  bool ends = false;  // outlives io, which destroys the clients that are left
   asio::io_context io{1};
   Tcp::acceptor acceptor{io};
   Board& board;
@@ -123,8 +128,14 @@ class WebServer::Implementation {
   std::map<std::uint32_t, std::weak_ptr<Client>> clients;  // of the server's thread, as is what follows
   std::uint32_t last_client = 0;
 
+  /// What waits of a client.
+  struct Queue {
+    std::deque<Event> events;
+    std::size_t bytes = 0;
+  };
   std::mutex mutex;
-  std::vector<Event> events;
+  std::map<std::uint32_t, Queue> queues;  // none of them empty
+  std::uint32_t last_taken = 0;
   std::atomic<bool> notified{false};
   std::thread thread;
 };
@@ -135,7 +146,15 @@ class WebServer::Implementation::Client : public std::enable_shared_from_this<Cl
  public:
   Client(Implementation& server, Tcp::socket socket, std::uint32_t number)
       : server_(server), ws_(std::move(socket)), number_(number) {}
-  ~Client() { --server_.sockets; }
+  ~Client() {
+    if (!server_.ends) {
+      try {
+        end();                           // when a handler has thrown, nobody has
+      } catch (const std::exception&) {  // no memory to say so
+      }
+    }
+    --server_.sockets;
+  }
   Client(const Client&) = delete;
   Client& operator=(const Client&) = delete;
 
@@ -228,9 +247,12 @@ class WebServer::Implementation::Client : public std::enable_shared_from_this<Cl
     if (const auto now = std::chrono::steady_clock::now(); now - second_began_ > 1s) {
       second_began_ = now;
       messages_this_second_ = 0;
+      bytes_this_second_ = 0;
     }
-    if (++messages_this_second_ > kMostMessagesPerS ||
+    bytes_this_second_ += buffer_.size();
+    if (++messages_this_second_ > kMostMessagesPerS || bytes_this_second_ > kMostBytesPerS ||
         !server_.push({Event::Kind::kMessage, number_, beast::buffers_to_string(buffer_.data())})) {
+      server_.forget(number_);
       close(websocket::close_code::policy_error);
       return;
     }
@@ -254,7 +276,7 @@ class WebServer::Implementation::Client : public std::enable_shared_from_this<Cl
   Board::Message on_its_way_;
   bool writing_ = false, open_ = false;
   std::chrono::steady_clock::time_point second_began_;
-  std::size_t messages_this_second_ = 0;
+  std::size_t messages_this_second_ = 0, bytes_this_second_ = 0;
 };
 
 /// A connection that has not become a WebSocket: asks for files.
@@ -387,12 +409,24 @@ WebServer::Implementation::Implementation(const WebServerOptions& options, Board
     throw Failure(fmt::format("cannot listen on {}, port {}: {}", options.bind, options.port, error.message()));
   }
   accept();
-  thread = std::thread([this] { io.run(); });
+  thread = std::thread([this] { serve(); });
 }
 
 WebServer::Implementation::~Implementation() {
   io.stop();
   thread.join();
+  ends = true;
+}
+
+/// An exception in a handler ends its client: nobody asks for what that client does next, and so it goes.
+void WebServer::Implementation::serve() noexcept {
+  while (!io.stopped()) {
+    try {
+      io.run();
+    } catch (const std::exception&) {
+      continue;
+    }
+  }
 }
 
 void WebServer::Implementation::accept() {
@@ -401,7 +435,13 @@ void WebServer::Implementation::accept() {
       if (++sockets <= kMostSockets) {
         beast::error_code ignored;
         socket.set_option(Tcp::no_delay(true), ignored);
-        std::make_shared<Visitor>(*this, std::move(socket))->read();
+        std::shared_ptr<Visitor> visitor;
+        try {
+          visitor = std::make_shared<Visitor>(*this, std::move(socket));
+          visitor->read();
+        } catch (const std::exception&) {  // no memory; the next is accepted all the same
+          sockets -= visitor ? 0 : 1;
+        }
       } else {
         --sockets;
       }
@@ -424,11 +464,26 @@ void WebServer::Implementation::leave(std::uint32_t client) {
 
 bool WebServer::Implementation::push(Event event) {
   const std::scoped_lock lock(mutex);
-  if (event.kind != Event::Kind::kLeft && events.size() >= kMostEventsWaiting) {
+  Queue& queue = queues[event.client];
+  if (event.kind != Event::Kind::kLeft &&
+      (queue.events.size() >= kMostEventsWaiting || queue.bytes + event.text.size() > kMostBytesWaiting)) {
     return false;
   }
-  events.push_back(std::move(event));
+  queue.bytes += event.text.size();
+  queue.events.push_back(std::move(event));
   return true;
+}
+
+/// Who has come is still told to have left.
+void WebServer::Implementation::forget(std::uint32_t client) {
+  const std::scoped_lock lock(mutex);
+  if (const auto at = queues.find(client); at != queues.end()) {
+    std::erase_if(at->second.events, [](const Event& event) { return event.kind == Event::Kind::kMessage; });
+    at->second.bytes = 0;
+    if (at->second.events.empty()) {
+      queues.erase(at);
+    }
+  }
 }
 
 WebServer::WebServer(const WebServerOptions& options, Board& board)
@@ -452,10 +507,24 @@ std::size_t WebServer::clients() const noexcept {
   return implementation_->joined;
 }
 
-void WebServer::takeEvents(std::vector<Event>& events) {
+bool WebServer::takeEvent(Event& event) {
   const std::scoped_lock lock(implementation_->mutex);
-  std::ranges::move(implementation_->events, std::back_inserter(events));
-  implementation_->events.clear();
+  auto& queues = implementation_->queues;
+  if (queues.empty()) {
+    return false;
+  }
+  auto next = queues.upper_bound(implementation_->last_taken);  // after who had the last turn
+  if (next == queues.end()) {
+    next = queues.begin();
+  }
+  implementation_->last_taken = next->first;
+  event = std::move(next->second.events.front());
+  next->second.events.pop_front();
+  next->second.bytes -= event.text.size();
+  if (next->second.events.empty()) {
+    queues.erase(next);
+  }
+  return true;
 }
 
 void WebServer::notify() {

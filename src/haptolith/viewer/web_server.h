@@ -19,7 +19,8 @@ struct WebServerOptions {
 void validate(const WebServerOptions& options);
 
 /// Serves the page, and a WebSocket each to at most 32 clients (docs/protocol.md), on a thread of its own. It knows
-/// nothing of what the messages mean.
+/// nothing of what the messages mean. A client that sends more than the protocol allows is dropped, and so is what
+/// waits of it.
 class WebServer {
  public:
   struct Event {
@@ -41,8 +42,9 @@ class WebServer {
 
   // For one thread that is not the server's. None of them waits for a client.
 
-  /// Moves everything that has happened since the last call to the end of `events`.
-  void takeEvents(std::vector<Event>& events);
+  /// The next thing that has happened: messages from all clients in turn, and each client's in their order. False when
+  /// there is nothing.
+  bool takeEvent(Event& event);
   /// Tells all clients that the board has something new.
   void notify();
   /// Sends a text to one client, after what it has been sent before. One that lets too many wait is dropped.
