@@ -211,6 +211,20 @@ TEST(NetworkDevice, SilenceMakesItStaleAndAFreshPacketLiveAgain) {
   EXPECT_EQ(readUntil(device, DeviceState::kLive).pose.position_m.x(), 0.02);
 }
 
+TEST(NetworkDevice, WhatHasWaitedWhileTheProgramStoodStillIsNotFresh) {
+  NetworkDevice device(kAnyPort, {.fresh_s = 0.05, .holder_s = 60});
+  const UdpClient client(device.port());
+  for (std::uint32_t sequence = 1; sequence <= 5; ++sequence) {
+    client.send(packet(sequence, 1e-3 * sequence));
+  }
+  std::this_thread::sleep_for(100ms);
+  const DeviceInput input = readUntilSeen(device, 5);
+  EXPECT_EQ(input.state, DeviceState::kStale);
+  EXPECT_EQ(input.pose.position_m.x(), 5e-3);
+  client.send(packet(6, 0.02));
+  EXPECT_EQ(readUntil(device, DeviceState::kLive).pose.position_m.x(), 0.02);
+}
+
 TEST(NetworkDevice, AReleasedDeadManSwitchMakesItStaleAndTheToolStays) {
   NetworkDevice device(kAnyPort, kPatient);
   const UdpClient client(device.port());

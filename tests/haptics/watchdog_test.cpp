@@ -41,7 +41,7 @@ TEST(Watchdog, LetsGoOfTheHandWhenTheLoopFallsSilent) {
   Hand hand;
   Watchdog watchdog(hand, kPatience_s);
   watchdog.start();
-  watchdog.beat();
+  (void)watchdog.beat();
   const std::int64_t last_beat_ns = monotonicNs();
   waitFor(watchdog);
   ASSERT_TRUE(watchdog.barked());
@@ -55,7 +55,7 @@ TEST(Watchdog, IsQuietWhileTheLoopLives) {
   Watchdog watchdog(hand, 1);
   watchdog.start();
   for (int i = 0; i < 30; ++i) {
-    watchdog.beat();
+    (void)watchdog.beat();
     std::this_thread::sleep_for(5ms);
   }
   EXPECT_FALSE(watchdog.barked());
@@ -71,7 +71,7 @@ TEST(Watchdog, LetsGoOnceForASilenceAndAgainForTheNext) {
     waitFor(watchdog);
     std::this_thread::sleep_for(3 * std::chrono::milliseconds(50));
     EXPECT_EQ(hand.let_goes, silence);
-    watchdog.beat();
+    (void)watchdog.beat();
     watchdog.takeUp();
     EXPECT_EQ(hand.take_ups, silence);
     EXPECT_FALSE(watchdog.barked());

@@ -10,6 +10,7 @@
 #include <charconv>
 #include <cmath>
 #include <cstring>
+#include <ctime>
 #include <optional>
 
 #include "haptolith/core/clock.h"
@@ -76,6 +77,23 @@ bool passes(int error) noexcept {
   return error == EINTR || error == ECONNREFUSED || error == ENOBUFS || error == ENOMEM || error == ENETDOWN;
 }
 
+std::int64_t wallClockNs() noexcept {
+  timespec now{};
+  clock_gettime(CLOCK_REALTIME, &now);
+  return now.tv_sec * 1'000'000'000 + now.tv_nsec;
+}
+
+/// When the packet came to this machine, by its wall clock in ns.
+std::optional<std::int64_t> stampOf(const msghdr& message) noexcept {
+  const cmsghdr* header = CMSG_FIRSTHDR(&message);  // nothing else has been asked for
+  if (header == nullptr || header->cmsg_level != SOL_SOCKET || header->cmsg_type != SCM_TIMESTAMPNS) {
+    return std::nullopt;
+  }
+  timespec stamp{};
+  std::memcpy(&stamp, CMSG_DATA(header), sizeof stamp);
+  return stamp.tv_sec * 1'000'000'000 + stamp.tv_nsec;
+}
+
 std::int64_t nanoseconds(double seconds) {
   return std::llround(seconds * 1e9);
 }
@@ -96,6 +114,8 @@ NetworkDevice::NetworkDevice(const DeviceParameters& parameters, const NetworkPa
   }
   socket_ = Descriptor(number);
   setsockopt(number, SOL_SOCKET, SO_RCVBUF, &kReceiveBuffer, sizeof kReceiveBuffer);
+  constexpr int kYes = 1;
+  setsockopt(number, SOL_SOCKET, SO_TIMESTAMPNS, &kYes, sizeof kYes);
   if (bind(number, generic(address), sizeof address) != 0) {
     throw fail(errno == EADDRINUSE ? "end the program that listens there, or choose another port"
                                    : "choose an address of this machine (ip -4 addr) and a port above 1023");
@@ -124,19 +144,11 @@ DeviceInput NetworkDevice::read() noexcept {
     return input_;
   }
   now_ns_ = monotonicNs();
-  std::array<std::byte, DevicePacket::kBytes + 1> bytes;  // one more: a packet that is too long is seen to be
-  for (int i = 0; i < kMostPackets; ++i) {
-    sockaddr_in sender{};
-    socklen_t size = sizeof sender;
-    const ssize_t received = recvfrom(socket_.number(), bytes.data(), bytes.size(), 0, generic(sender), &size);
-    if (received >= 0) {
-      take(std::span(bytes).first(static_cast<std::size_t>(received)), packed(sender));
-    } else if (errno == EAGAIN) {
-      break;
-    } else if (!passes(errno)) {
-      lose(strerrordesc_np(errno));
-      return input_;
-    }
+  const std::int64_t clock_ahead_ns = wallClockNs() - now_ns_;
+  for (int i = 0; i < kMostPackets && receive(clock_ahead_ns); ++i) {
+  }
+  if (lost_.load(std::memory_order_relaxed)) {
+    return input_;
   }
   if (now_ns_ - taken_ns_ > holder_ns_) {
     holder_.store(0);
@@ -150,7 +162,39 @@ DeviceInput NetworkDevice::read() noexcept {
   return input_;
 }
 
-void NetworkDevice::take(std::span<const std::byte> bytes, std::uint64_t sender) noexcept {
+/// Takes the next packet that waits. False when none does, or when the socket is broken.
+/// @param clock_ahead_ns  of the wall clock before the monotonic one, now.
+bool NetworkDevice::receive(std::int64_t clock_ahead_ns) noexcept {
+  std::array<std::byte, DevicePacket::kBytes + 1> bytes;  // one more: a packet that is too long is seen to be
+  alignas(cmsghdr) std::array<std::byte, CMSG_SPACE(sizeof(timespec))> control;
+  sockaddr_in sender{};
+  iovec into{bytes.data(), bytes.size()};
+  msghdr message{};
+  message.msg_name = &sender;
+  message.msg_namelen = sizeof sender;
+  message.msg_iov = &into;
+  message.msg_iovlen = 1;
+  message.msg_control = control.data();
+  message.msg_controllen = control.size();
+  const ssize_t received = recvmsg(socket_.number(), &message, 0);
+  if (received >= 0) {
+    // Stamps are of the wall clock. Set forward between packet and read() it makes the packet too old, which is
+    // harmless; set back, it makes it new, as it would be without a stamp.
+    const std::int64_t came_ns = stampOf(message).value_or(now_ns_ + clock_ahead_ns) - clock_ahead_ns;
+    take(std::span(bytes).first(static_cast<std::size_t>(received)), packed(sender), std::min(came_ns, now_ns_));
+    return true;
+  }
+  if (errno == EAGAIN) {
+    return false;
+  }
+  if (!passes(errno)) {
+    lose(strerrordesc_np(errno));
+    return false;
+  }
+  return true;
+}
+
+void NetworkDevice::take(std::span<const std::byte> bytes, std::uint64_t sender, std::int64_t came_ns) noexcept {
   PacketFault fault{};
   const std::optional<DevicePacket> packet = parse(bytes, &fault);
   if (!packet) {
@@ -171,7 +215,7 @@ void NetworkDevice::take(std::span<const std::byte> bytes, std::uint64_t sender)
     return;
   }
   ++counts_.taken;
-  taken_ns_ = now_ns_;
+  taken_ns_ = std::max(taken_ns_, came_ns);
   sequence_.store(packet->sequence);
   sender_time_.store(packet->sender_time);
   holder_.store(sender);

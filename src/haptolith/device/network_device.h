@@ -29,8 +29,9 @@ struct NetworkCounts {
 
 /// Any other device or program, by UDP: it sends DevicePackets and is sent an AnswerPacket after each write(). The
 /// first sender holds the tool until it falls silent; then the next one takes it, with whatever sequence number. While
-/// its packets are late or its dead-man switch is released the state is stale and the tool stays where it was. There is
-/// neither password nor encryption: beyond this machine, for networks only whose users are all trusted.
+/// its packets are late or its dead-man switch is released the state is stale and the tool stays where it was. A packet
+/// is as old as the system says that it has waited: what has piled up while the program stood still is not fresh. There
+/// is neither password nor encryption: beyond this machine, for networks only whose users are all trusted.
 class NetworkDevice final : public HapticDevice {
  public:
   /// Listens at `parameters.address`, an IPv4 address of this machine and a port: "127.0.0.1:9050" when it is empty,
@@ -57,7 +58,8 @@ class NetworkDevice final : public HapticDevice {
   [[nodiscard]] const NetworkCounts& counts() const noexcept { return counts_; }
 
  private:
-  void take(std::span<const std::byte> bytes, std::uint64_t sender) noexcept;
+  [[nodiscard]] bool receive(std::int64_t clock_ahead_ns) noexcept;
+  void take(std::span<const std::byte> bytes, std::uint64_t sender, std::int64_t came_ns) noexcept;
   void lose(const char* reason) noexcept;
   [[nodiscard]] bool answer(const DeviceOutput& output) noexcept;
 
@@ -67,7 +69,7 @@ class NetworkDevice final : public HapticDevice {
 
   // Of the loop's thread.
   DeviceInput input_;
-  std::int64_t now_ns_ = 0, taken_ns_ = 0;  ///< of this read(), of the newest packet
+  std::int64_t now_ns_ = 0, taken_ns_ = 0;  ///< of this read(), when the newest packet came to this machine
   bool held_ = false;                       ///< the dead-man switch
   NetworkCounts counts_;
 

@@ -78,7 +78,6 @@ HapticLoop::HapticLoop(Scene& scene, HapticDevice& device, const LoopParameters&
       mapping_(handling.mapping, device.limits(), parameters.tick_s),
       coupling_(handling.coupling, suitsDirectly(device.limits()), parameters.filter_cutoff_hz, parameters.tick_s),
       safety_(handling.safety, device.limits(), device.simulated(), softestSpring(scene, coupling_), parameters.tick_s),
-      watchdog_(device, handling.safety.heartbeat_s),
       records_(kRecordsInFlight),
       requests_(kRequestsWaiting) {
   validate(parameters);
@@ -86,12 +85,18 @@ HapticLoop::HapticLoop(Scene& scene, HapticDevice& device, const LoopParameters&
     throw InvalidParameter("tick_s", fmt::format("{}", parameters.tick_s),
                            fmt::format("the bed's {}", scene.bed().parameters().tick_s));
   }
+  if (parameters.paced && !device.simulated()) {
+    watchdog_.emplace(device, handling.safety.heartbeat_s);
+  }
   presence_ = device.simulated() ? 1 : 0;  // soil that lies where a person's hand is moves out of its way gently
 }
 
 LoopEnd HapticLoop::tick() noexcept {
   const std::int64_t start_ns = monotonicNs();
-  watchdog_.beat();
+  silent_ = watchdog_ && watchdog_->beat();
+  if (silent_) {  // first of all: what the hand feels now is as old as the silence is long
+    device_.write({});
+  }
   takeRequests();
   if (paused_ && ticks_left_ == 0) {
     standStill();
@@ -128,9 +133,8 @@ LoopEnd HapticLoop::tick() noexcept {
   const DeviceOutput rendered{mapping_.toDevice(coupling_.feel(scene_->wrench(), scene_->contactStiffness())),
                               mapping_.toGripper(coupling_.feelGrip(scene_->gripForce()))};
   felt_ = safety_.step(rendered);
-  if (!watchdog_.barked()) {
-    device_.write(felt_);
-  }
+  // After a tick that took too long, the force in it comes from where the hand no longer is; the next tick trips.
+  device_.write(watchdog_ && watchdog_->tooLate() ? DeviceOutput{} : felt_);
   publish(tool.pose);
 
   const std::int64_t end_ns = monotonicNs();
@@ -148,11 +152,13 @@ LoopEnd HapticLoop::tick() noexcept {
 }
 
 LoopEnd HapticLoop::run(const std::atomic<bool>& stop) noexcept {
-  if (parameters_.paced && !device_.simulated()) {
-    watchdog_.start();
+  if (watchdog_) {
+    watchdog_->start();
   }
   const LoopEnd end = runTicks(stop);
-  watchdog_.stop();
+  if (watchdog_) {
+    watchdog_->stop();
+  }
   device_.write({});
   return end;
 }
@@ -241,9 +247,9 @@ void HapticLoop::takeUpAgain() noexcept {
 /// How the loop is doing. After silence the hand is taken up again at once: the safety layer then shows it nothing for
 /// a while.
 LoopHealth HapticLoop::health() noexcept {
-  LoopHealth now{late_, watchdog_.barked()};
-  if (now.heartbeat_lost) {
-    watchdog_.takeUp();
+  LoopHealth now{late_, silent_};
+  if (silent_) {
+    watchdog_->takeUp();
   }
   now = believed_.value_or(now);
   believed_.reset();
