@@ -1,12 +1,15 @@
 #include "haptolith/haptics/watchdog.h"
 
-#include <gtest/gtest.h>
+#include <gmock/gmock.h>
+#include <pthread.h>
 
 #include <atomic>
 #include <chrono>
+#include <string>
 #include <thread>
 
 #include "haptolith/core/clock.h"
+#include "haptolith/core/error.h"
 
 namespace haptolith {
 namespace {
@@ -87,6 +90,34 @@ TEST(Watchdog, OnceItHasBarkedTheHandHasBeenLetGo) {  // else it could be taken 
     }
     ASSERT_EQ(hand.let_goes, 1);
   }
+}
+
+TEST(Watchdog, TheLoopHearsOfItsSilenceEvenWhenItComesFirst) {
+  Hand hand;
+  Watchdog watchdog(hand, 1);
+  std::this_thread::sleep_for(30ms);  // its thread has nothing to do yet
+
+  watchdog.start();
+  EXPECT_FALSE(watchdog.beat());
+  EXPECT_FALSE(watchdog.tooLate());
+}
+
+TEST(Watchdog, WithoutAThreadForItThereIsAFailureBeforeTheFirstTick) {
+  pthread_attr_t usual;
+  ASSERT_EQ(pthread_getattr_default_np(&usual), 0);
+  pthread_attr_t impossible;
+  ASSERT_EQ(pthread_getattr_default_np(&impossible), 0);
+  ASSERT_EQ(pthread_attr_setstacksize(&impossible, std::size_t{1} << 47U), 0);
+  ASSERT_EQ(pthread_setattr_default_np(&impossible), 0);
+  Hand hand;
+  std::string words;
+  try {
+    const Watchdog watchdog(hand, kPatience_s);
+  } catch (const Failure& failure) {
+    words = failure.what();
+  }
+  ASSERT_EQ(pthread_setattr_default_np(&usual), 0);
+  EXPECT_THAT(words, testing::HasSubstr("watchdog"));
 }
 
 TEST(Watchdog, WatchesOnlyBetweenStartAndStop) {

@@ -8,6 +8,8 @@
 #include "haptolith/core/clock.h"
 #include "haptolith/core/error.h"
 #include "haptolith/core/one_of.h"
+#include "haptolith/core/signal_stack.h"
+#include "haptolith/haptics/last_resort.h"
 
 namespace haptolith {
 
@@ -94,6 +96,7 @@ HapticLoop::HapticLoop(Scene& scene, HapticDevice& device, const LoopParameters&
 LoopEnd HapticLoop::tick() noexcept {
   const std::int64_t start_ns = monotonicNs();
   silent_ = watchdog_ && watchdog_->beat();
+  silent_ = (watchdog_ && LastResort::letGoMeanwhile()) || silent_;
   if (silent_) {  // first of all: what the hand feels now is as old as the silence is long
     device_.write({});
   }
@@ -152,6 +155,7 @@ LoopEnd HapticLoop::tick() noexcept {
 }
 
 LoopEnd HapticLoop::run(const std::atomic<bool>& stop) noexcept {
+  const SignalStack stack;
   if (watchdog_) {
     watchdog_->start();
   }
