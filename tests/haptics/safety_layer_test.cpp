@@ -91,7 +91,7 @@ TEST(SafetyLayer, WhateverHappensForcesStayWithinTheLimitsAndJumpToNothingOnly) 
     int zeroed = 0, shown = 0;
     for (int tick = 0; tick < 50'000; ++tick) {
       DeviceInput told = input;
-      input.pose.position_m = 0.9 * input.pose.position_m + 1e-2 * any();  // up to 10 m/s
+      input.pose.position_m = 0.9 * input.pose.position_m + 4e-3 * any();  // up to 9 m/s
       const double dice = evenly(random);
       told.state = dice > 0.998 ? DeviceState::kStale : dice < -0.998 ? DeviceState::kLost : DeviceState::kLive;
       if (std::abs(dice) < 5e-4) {
