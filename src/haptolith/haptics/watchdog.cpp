@@ -38,11 +38,12 @@ void Watchdog::stop() noexcept {
 bool Watchdog::beat() noexcept {
   const std::int64_t now_ns = monotonicNs();
   const std::int64_t silent_ns = now_ns - last_beat_ns_.exchange(now_ns, std::memory_order_acq_rel);
-  return barked() || silent_ns > patience_ns_;
+  return barked() || (watches() && silent_ns > patience_ns_);
 }
 
 bool Watchdog::tooLate() const noexcept {
-  return barked() || monotonicNs() - last_beat_ns_.load(std::memory_order_relaxed) > patience_ns_;
+  const std::int64_t silent_ns = monotonicNs() - last_beat_ns_.load(std::memory_order_relaxed);
+  return barked() || (watches() && silent_ns > patience_ns_);
 }
 
 void Watchdog::takeUp() noexcept {

@@ -42,6 +42,7 @@ class Watchdog {
   /// kIdle: nobody is watched, and the thread knows. kStopping: the thread has yet to notice.
   enum class State : std::uint8_t { kIdle, kWatching, kStopping, kOver };
 
+  [[nodiscard]] bool watches() const noexcept { return state_.load(std::memory_order_relaxed) == State::kWatching; }
   void live() noexcept;
   void watch() noexcept;
 
