@@ -4,10 +4,13 @@
     haptolith run --device network          in one terminal
     examples/network_device.py              in another
 
-Both packets are described in src/haptolith/device/device_packet.h. Nothing but Python's standard library is needed.
+With a key that both know, packets are signed: openssl rand -hex 32 > device.key, and --device-key-file device.key there,
+--key-file device.key here. Both packets are described in src/haptolith/device/device_packet.h. Nothing but Python's standard library is needed.
 """
 
 import argparse
+import hashlib
+import hmac
 import math
 import socket
 import struct
@@ -21,6 +24,9 @@ ANSWER = struct.Struct("<4sHHIIQ 3d3d d")
 VERSION = 1
 HELD = 1  # flags of what is sent: the dead-man switch is held
 LIVE, LET_GO = 1, 2  # flags of the answer
+NONCE_BYTES = TAG_BYTES = 16  # of signed packets
+NO_NONCE = bytes(NONCE_BYTES)
+FORGET_NONCE_S = 0.5  # without an answer: somebody else may have had the tool since
 
 
 def arguments():
@@ -30,7 +36,67 @@ def arguments():
     parser.add_argument("--radius-mm", type=float, default=20, help="of the circle")
     parser.add_argument("--period-s", type=float, default=4, help="of one round")
     parser.add_argument("--height-mm", type=float, default=0, help="of the circle, in the device's frame")
+    parser.add_argument("--key-file", help="with the key that packets are signed with, 64 hexadecimal digits")
     return parser.parse_args()
+
+
+def tag(key, nonce, packet):
+    return hashlib.blake2b(nonce + packet, key=key, digest_size=TAG_BYTES).digest()
+
+
+class Connection:
+    """Sends packets and receives answers, signed when there is a key."""
+
+    def __init__(self, address, key_file):
+        host, port = address.rsplit(":", 1)
+        self.key = None
+        if key_file:
+            with open(key_file, encoding="ascii") as file:
+                self.key = bytes.fromhex(file.read().strip())
+        self.nonce = NO_NONCE  # packets that are signed with it ask for the nonce to use
+        self.answered = time.monotonic()
+        self.sock = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
+        self.sock.connect((host, int(port)))
+        self.sock.setblocking(False)
+
+    def send(self, packet):
+        try:
+            self.sock.send(packet + tag(self.key, self.nonce, packet) if self.key else packet)
+        except ConnectionRefusedError:
+            self.nobody()
+
+    def newest_answer(self):
+        """The newest answer that has come, or None."""
+        newest = None
+        while True:
+            try:
+                packet = self.sock.recv(ANSWER.size + NONCE_BYTES + TAG_BYTES + 1)
+            except BlockingIOError:
+                if time.monotonic() - self.answered > FORGET_NONCE_S:
+                    self.nonce = NO_NONCE
+                return newest
+            except ConnectionRefusedError:
+                self.nobody()
+            newest = self.read(packet) or newest
+
+    def read(self, packet):
+        size = ANSWER.size + (NONCE_BYTES + TAG_BYTES if self.key else 0)
+        if len(packet) != size:
+            return None
+        if self.key and not hmac.compare_digest(tag(self.key, NO_NONCE, packet[:-TAG_BYTES]), packet[-TAG_BYTES:]):
+            return None
+        answer = ANSWER.unpack(packet[:ANSWER.size])
+        sent_ns = answer[5]
+        # An old answer may be one that somebody has kept and sends again. Who shows force to a hand bears 20 ms.
+        fresh = 0 <= time.monotonic_ns() - sent_ns <= FORGET_NONCE_S * 1e9
+        if answer[0] != b"HLAN" or answer[1] != VERSION or not fresh:
+            return None
+        self.nonce = packet[ANSWER.size:ANSWER.size + NONCE_BYTES]
+        self.answered = time.monotonic()
+        return answer
+
+    def nobody(self):
+        sys.exit("nobody listens there: start `haptolith run --device network` first, or give --address")
 
 
 def circle(t, radius, period, height):
@@ -40,28 +106,9 @@ def circle(t, radius, period, height):
     return (radius * c, radius * s, height), (-radius * turn * s, radius * turn * c, 0.0)
 
 
-def newest_answer(sock):
-    """The newest answer that has come, or None."""
-    newest = None
-    while True:
-        try:
-            packet = sock.recv(ANSWER.size + 1)
-        except BlockingIOError:
-            return newest
-        except ConnectionRefusedError:
-            sys.exit("nobody listens there: start `haptolith run --device network` first, or give --address")
-        if len(packet) == ANSWER.size:
-            answer = ANSWER.unpack(packet)
-            if answer[0] == b"HLAN" and answer[1] == VERSION:
-                newest = answer
-
-
 def main():
     args = arguments()
-    host, port = args.address.rsplit(":", 1)
-    sock = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
-    sock.connect((host, int(port)))
-    sock.setblocking(False)
+    connection = Connection(args.address, args.key_file)
 
     start = time.monotonic()
     answers, strongest, last_print, round_trip_ms = 0, 0.0, start, math.nan
@@ -70,11 +117,11 @@ def main():
         now = time.monotonic()
         position, velocity = circle(now - start, args.radius_mm / 1000, args.period_s, args.height_mm / 1000)
         upright, no_turning = (1.0, 0.0, 0.0, 0.0), (0.0, 0.0, 0.0)
-        sock.send(DEVICE.pack(b"HLDV", VERSION, HELD, sequence % 2**32, 0, time.monotonic_ns(),
-                              *position, *upright, *velocity, *no_turning, 0.0))
+        connection.send(DEVICE.pack(b"HLDV", VERSION, HELD, sequence % 2**32, 0, time.monotonic_ns(),
+                                    *position, *upright, *velocity, *no_turning, 0.0))
         sequence += 1
 
-        answer = newest_answer(sock)
+        answer = connection.newest_answer()
         if answer is not None:
             _, _, flags, _, _, sent_ns, fx, fy, fz, *_ = answer
             answers += 1

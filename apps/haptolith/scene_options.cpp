@@ -3,8 +3,12 @@
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <cstdlib>
+#include <fstream>
 #include <map>
 
+#include "haptolith/core/error.h"
 #include "haptolith/scenario/scene_words.h"
 
 #include "output.h"
@@ -30,6 +34,25 @@ std::map<std::string, Manoeuvre> handChoices() {
   return choices;
 }
 
+/// The network device's key: from the file, or from the environment; never from a scene, which may come from anybody.
+std::string keyFrom(const std::optional<std::string>& file) {
+  constexpr std::size_t kLongest = 200;
+  if (!file) {
+    const char* said = std::getenv("HAPTOLITH_DEVICE_KEY");
+    return said != nullptr ? said : "";
+  }
+  std::ifstream stream(*file);
+  std::string key(kLongest, '\0');
+  stream.read(key.data(), static_cast<std::streamsize>(key.size()));
+  if (stream.bad() || (stream.fail() && !stream.eof())) {
+    throw Failure(
+        fmt::format("cannot read the device's key in '{}'; make one with: openssl rand -hex 32 > '{}'", *file, *file));
+  }
+  key.resize(static_cast<std::size_t>(stream.gcount()));
+  key.erase(std::find_if(key.begin(), key.end(), [](char c) { return c == '\n' || c == '\r'; }), key.end());
+  return key.empty() ? "(empty)" : key;  // a key was asked for
+}
+
 }  // namespace
 
 CLI::Option* DeviceOptions::addTo(CLI::App& command) {
@@ -41,6 +64,13 @@ CLI::Option* DeviceOptions::addTo(CLI::App& command) {
   command.add_option("--device-library", library, "Folder or file of the device's SDK")->option_text("PATH");
   command.add_option("--device-address", address, "Where the device's service is, or where to listen")
       ->option_text("ADDRESS");
+  command
+      .add_option("--device-key-file", key_file,
+                  "network: file with the key that packets are signed with, 64 hexadecimal digits; or in "
+                  "HAPTOLITH_DEVICE_KEY")
+      ->option_text("FILE");
+  command.add_flag("--device-insecure", insecure,
+                   "network: listen beyond this machine without a key, where all users of the network are trusted");
   return named;
 }
 
@@ -49,6 +79,8 @@ void DeviceOptions::applyTo(DeviceParameters& device) const {
   device.id = id.value_or(device.id);
   device.library = library.value_or(device.library);
   device.address = address.value_or(device.address);
+  device.insecure = insecure;
+  device.key = device.kind == DeviceKind::kNetwork ? keyFrom(key_file) : "";
 }
 
 void SceneOptions::addTo(CLI::App& command) {

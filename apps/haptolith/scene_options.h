@@ -19,10 +19,12 @@ class StatusLine;
 /// Which device holds the tool, as the command line says it.
 struct DeviceOptions {
   std::optional<DeviceKind> kind;
-  std::optional<std::string> id, library, address;
+  std::optional<std::string> id, library, address, key_file;
+  bool insecure = false;
 
   /// @return the option that names the device.
   CLI::Option* addTo(CLI::App& command);
+  /// @throws InvalidParameter, Failure when a key that it wants cannot be read.
   void applyTo(DeviceParameters& device) const;
 };
 

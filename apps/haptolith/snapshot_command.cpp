@@ -16,6 +16,7 @@
 #include "haptolith/core/atomic_file.h"
 #include "haptolith/core/error.h"
 #include "haptolith/scenario/scenario.h"
+#include "haptolith/scenario/scene_words.h"
 #include "haptolith/session/session.h"
 #include "haptolith/viewer/headless_browser.h"
 #include "haptolith/viewer/live_view.h"
@@ -66,6 +67,15 @@ struct SnapshotOptions {
 /// The scene, unpaced and without an end of its own: time passes only where a picture asks for it.
 Scenario scenarioFor(const SnapshotOptions& options) {
   Scenario scenario = scenarioFor(options.scene);
+  if (options.scene.manoeuvre || options.scene.poses_file) {
+    scenario.device = {};
+  }
+  if (scenario.device.kind != DeviceKind::kVirtualHand) {  // it would move, and be driven faster or slower than time
+    throw InvalidParameter(
+        "device", fmt::format("'{}'", wordFor(kDeviceWords, scenario.device.kind)),
+        "the virtual hand, which is all that a snapshot uses: add --device virtual-hand, or say with "
+        "--hand what it does");
+  }
   scenario.loop.paced = false;
   scenario.loop.duration_s = 0;
   validate(scenario);

@@ -1,6 +1,9 @@
 #include <gmock/gmock.h>
 #include <nlohmann/json.hpp>
+#include <unistd.h>
 
+#include <filesystem>
+#include <fstream>
 #include <set>
 #include <string>
 
@@ -9,6 +12,7 @@
 namespace haptolith {
 namespace {
 
+namespace fs = std::filesystem;
 using nlohmann::json;
 using testing::AllOf;
 using testing::HasSubstr;
@@ -116,6 +120,39 @@ TEST(RunDevice, ANetworkDeviceThatNobodyHoldsShowsNoForceAndTheRunEnds) {
   EXPECT_GE(summary.at("duration_s").get<double>(), 0.3);
   EXPECT_LT(summary.at("duration_s").get<double>(), 0.6);
   EXPECT_EQ(summary.at("ended"), "the time asked for is over");
+}
+
+TEST(RunWithADevice, NobodysHandIsPutAtALoopWithoutAClock) {
+  const ProgramResult unpaced = runHaptolith("run --unpaced --device network --device-address 127.0.0.1:0 --no-serve");
+  EXPECT_EQ(unpaced.exit_status, 2);
+  EXPECT_THAT(unpaced.errors, AllOf(HasSubstr("paced"), HasSubstr("network"), HasSubstr("--unpaced")));
+
+  const fs::path scene = fs::temp_directory_path() / ("haptolith-unpaced-" + std::to_string(getpid()) + ".toml");
+  std::ofstream(scene) << "[loop]\npaced = false\n[device]\nkind = \"network\"\naddress = \"127.0.0.1:0\"\n";
+  const ProgramResult by_scene = runHaptolith("run --no-serve '" + scene.string() + "'");
+  EXPECT_EQ(by_scene.exit_status, 2);
+  EXPECT_THAT(by_scene.errors, AllOf(HasSubstr("paced"), HasSubstr("network")));
+
+  const ProgramResult snapshot = runHaptolith("snapshot '" + scene.string() + "' --out picture.png");
+  EXPECT_EQ(snapshot.exit_status, 2);
+  EXPECT_THAT(snapshot.errors, AllOf(HasSubstr("network"), HasSubstr("virtual hand")));
+  fs::remove(scene);
+}
+
+TEST(RunWithADevice, TheNetworkDeviceListensBeyondThisMachineOnlyWithAKeyOrWhenAskedTo) {
+  const std::string everywhere = "run --device network --device-address 0.0.0.0:0 --no-serve --duration-s 0.01 ";
+  const ProgramResult without = runHaptolith(everywhere);
+  EXPECT_EQ(without.exit_status, 2);
+  EXPECT_THAT(without.errors, AllOf(HasSubstr("--device-key-file"), HasSubstr("--device-insecure")));
+  EXPECT_EQ(runHaptolith(everywhere + "--device-insecure").exit_status, 0);
+
+  const ProgramResult lost = runHaptolith(everywhere + "--device-key-file /nowhere/device.key");
+  EXPECT_EQ(lost.exit_status, 1);
+  EXPECT_THAT(lost.errors, AllOf(HasSubstr("/nowhere/device.key"), HasSubstr("openssl rand -hex 32")));
+  const ProgramResult no_key = runHaptolith(everywhere + "--device-key-file /dev/null");
+  EXPECT_EQ(no_key.exit_status, 2);
+  EXPECT_THAT(no_key.errors, HasSubstr("64 hexadecimal digits"));
+  EXPECT_EQ(runInShell("HAPTOLITH_DEVICE_KEY=$(printf 'a%.0s' $(seq 64)) \"$HAPTOLITH\" " + everywhere).exit_status, 0);
 }
 
 }  // namespace

@@ -2,8 +2,10 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <chrono>
 #include <span>
+#include <string>
 #include <thread>
 #include <vector>
 
@@ -52,6 +54,42 @@ TEST(DeviceAllocation, ANetworkDeviceAllocatesNothing) {
   EXPECT_EQ(during, 0);
   EXPECT_GT(device.counts().taken, 900U);
   EXPECT_GT(device.counts().others, 900U);
+}
+
+TEST(DeviceAllocation, ANetworkDeviceWithAKeyAllocatesNothing) {
+  DeviceParameters parameters;
+  parameters.address = "127.0.0.1:0";
+  parameters.key = std::string(64, '7');
+  NetworkDevice device(parameters, {.fresh_s = 10, .holder_s = 60});
+  const PacketKey key(parameters.key);
+  const UdpClient client(device.port());
+  PacketKey::Nonce nonce{};
+  DevicePacket packet;
+  packet.held = true;
+  long during = 0;
+  for (int tick = 0; tick < 500; ++tick) {
+    ++packet.sequence;
+    const auto body = bytesOf(packet);
+    std::vector<std::byte> bytes(DevicePacket::kBytes + PacketKey::kTagBytes);
+    std::ranges::copy(body, bytes.begin());
+    std::ranges::copy(key.tagOf(body, nonce), bytes.begin() + DevicePacket::kBytes);
+    client.send(bytes);
+    bytes.back() ^= std::byte{1};
+    client.send(bytes);
+    const long before = allocations_of_thread;
+    (void)device.read();
+    device.write({{Vec3(1, 2, 3), Vec3::Zero()}});
+    if (tick == 400) {
+      device.letGo();
+    }
+    during += allocations_of_thread - before;
+    for (std::vector<std::byte> answer = client.receiveBytes(); !answer.empty(); answer = client.receiveBytes()) {
+      std::ranges::copy(std::span(answer).subspan(80, 16), nonce.begin());
+    }
+  }
+  EXPECT_EQ(during, 0);
+  EXPECT_GT(device.counts().taken, 400U);
+  EXPECT_GT(device.counts().forged + device.counts().late, 400U);
 }
 
 TEST(DeviceAllocation, AnInverse3AllocatesNothingInTheLoopsThread) {

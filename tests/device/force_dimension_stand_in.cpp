@@ -38,6 +38,13 @@ int result(const char* name) {
   return called(name) ? 0 : -1;
 }
 
+/// Half of the time that talking to the device takes: what is told happens in the middle of it.
+void talk() {
+  if (stand_in.call_us > 0) {
+    std::this_thread::sleep_for(std::chrono::microseconds(stand_in.call_us) / 2);
+  }
+}
+
 haptolith::StandInDevice& device(char id) {
   return stand_in.device.at(static_cast<std::size_t>(id));
 }
@@ -135,6 +142,8 @@ bool dhdHasActiveGripper(char id) {
 
 int dhdGetPositionAndOrientationFrame(double* x, double* y, double* z, double r[3][3], char) {
   const std::lock_guard lock(in_use);
+  talk();
+  talk();
   if (!called("dhdGetPositionAndOrientationFrame")) {
     return -1;
   }
@@ -149,6 +158,8 @@ int dhdGetPositionAndOrientationFrame(double* x, double* y, double* z, double r[
 }
 int dhdGetLinearVelocity(double* x, double* y, double* z, char) {
   const std::lock_guard lock(in_use);
+  talk();
+  talk();
   *x = 0.1;
   *y = 0.2;
   *z = 0.3;
@@ -156,6 +167,8 @@ int dhdGetLinearVelocity(double* x, double* y, double* z, char) {
 }
 int dhdGetAngularVelocityRad(double* x, double* y, double* z, char) {
   const std::lock_guard lock(in_use);
+  talk();
+  talk();
   *x = 1;
   *y = 2;
   *z = 3;
@@ -163,6 +176,8 @@ int dhdGetAngularVelocityRad(double* x, double* y, double* z, char) {
 }
 int dhdGetGripperAngleRad(double* angle, char id) {
   const std::lock_guard lock(in_use);
+  talk();
+  talk();
   *angle = device(id).left_handed ? -stand_in.gripper_rad : stand_in.gripper_rad;
   return called("dhdGetGripperAngleRad") ? stand_in.reading_result : -1;
 }
@@ -190,7 +205,12 @@ int dhdSetForceAndTorqueAndGripperForce(double fx, double fy, double fz, double 
   while (stand_in.hangs) {
     std::this_thread::sleep_for(std::chrono::milliseconds(1));
   }
+  talk();
   const bool works = called("dhdSetForceAndTorqueAndGripperForce");
+  if (works && stand_in.motors != nullptr) {
+    stand_in.motors->force_n = std::sqrt(fx * fx + fy * fy + fz * fz);
+  }
+  talk();
   stand_in.wrench = {fx, fy, fz, tx, ty, tz, fg};
   if (--stand_in.homed_by_forces == 0) {
     stand_in.initialized = true;
@@ -211,8 +231,14 @@ int dhdSetBrakes(int on, char) {
 }
 int dhdStop(char) {
   const std::lock_guard lock(in_use);
+  talk();
   stand_in.forces_on = false;
   stand_in.brakes = true;
+  if (stand_in.motors != nullptr) {
+    stand_in.motors->force_n = 0;
+    ++stand_in.motors->stops;
+  }
+  talk();
   return result("dhdStop");
 }
 int dhdSetGravityCompensation(int on, char) {

@@ -15,6 +15,12 @@ struct StandInDevice {
   bool in_use = false;
 };
 
+/// What the motors of the stand-in's device do, in memory that may be shared with another process.
+struct StandInMotors {
+  std::atomic<double> force_n{0};
+  std::atomic<int> stops{0};
+};
+
 /// What a test orders the stand-in to do, and what the stand-in was told. A test gets it from `standIn` in the library.
 struct StandIn {
   // Orders.
@@ -35,9 +41,11 @@ struct StandIn {
   bool forces_on = false;
   int forces_off_cause = 0;
   std::atomic<bool> hangs{false};  ///< a call that sets forces does not return
+  int call_us = 0;                 ///< that a call which talks to the device takes
   int raises = 0;                  ///< a signal, once, in the midst of a call that sets forces
 
   // What it was told.
+  StandInMotors* motors = nullptr;  ///< where the force goes as well, when a test wants to see it outlive the program
   std::array<double, 7> wrench{};
   double max_force = -1, max_torque = -1, max_gripper = -1;
   int watchdog = -1;

@@ -48,6 +48,7 @@ class HaplyService {
     bool begins = true;         ///< with its inventory
     int closes_after = kNever;  ///< so many commands
     int silent_after = kNever;
+    int answers_each = 1;                                                  ///< so many messages to each command
     std::function<std::string(int)> answer = [](int) { return state(); };  ///< to the n-th command, from 1
   };
 
@@ -115,7 +116,7 @@ class HaplyService {
         stream.close(boost::beast::websocket::close_code::going_away, error);
         return;
       }
-      if (commands_ < behaviour_.silent_after) {
+      for (int i = 0; i < behaviour_.answers_each && commands_ < behaviour_.silent_after && !error; ++i) {
         stream.write(boost::asio::buffer(behaviour_.answer(commands_)), error);
       }
     }

@@ -1,8 +1,10 @@
 #include "haptolith/device/inverse3.h"
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 
 #include <chrono>
+#include <cmath>
 #include <functional>
 #include <limits>
 #include <thread>
@@ -149,6 +151,38 @@ TEST(Inverse3, ASilentServiceMakesItStaleAndIsNotPressed) {
   std::this_thread::sleep_for(30ms);
   EXPECT_EQ(service.commands(), 30) << "one answer for each message";
   EXPECT_EQ(device.problem(), "");
+}
+
+TEST(Inverse3, MessagesThatNobodyAskedForDoNotPileUp) {
+  HaplyService::Behaviour behaviour;
+  behaviour.answers_each = 3;
+  // The place tells which command it answers.
+  behaviour.answer = [](int command) { return HaplyService::state(fmt::format("{:.6f}", 1e-5 * command)); };
+  const HaplyService service(behaviour);
+  Inverse3 device(at(service.address()));
+  ASSERT_TRUE(shows(device, Vec3::Zero(), [&](const DeviceInput&) { return service.commands() >= 600; }));
+  // 1200 too many have come: 1.2 s of lag if they were read one in a millisecond.
+  int least_lag = 1000;
+  for (int i = 0; i < 200; ++i) {
+    const int answered = static_cast<int>(std::lround(1e5 * device.read().pose.position_m.x()));
+    least_lag = std::min(least_lag, service.commands() - answered);
+    std::this_thread::sleep_for(1ms);
+  }
+  EXPECT_LE(least_lag, 20);
+}
+
+TEST(Inverse3, SaysWhenTheZeroOfLettingGoIsOut) {
+  const HaplyService service({});
+  Inverse3 device(at(service.address()));
+  const Vec3 force_n(0.5, -1.25, 2);
+  ASSERT_TRUE(shows(device, force_n, [&](const DeviceInput&) { return service.force() == force_n; }));
+  device.letGo();
+  const auto end = Clock::now() + 10s;
+  while (device.lettingGo() != LettingGo::kDone && Clock::now() < end) {
+    std::this_thread::sleep_for(1ms);
+  }
+  EXPECT_EQ(device.lettingGo(), LettingGo::kDone);
+  EXPECT_TRUE(shows(device, force_n, [&](const DeviceInput&) { return service.force() == Vec3::Zero(); }));
 }
 
 TEST(Inverse3, AServiceThatEndsTheConnectionIsALostDevice) {

@@ -6,10 +6,13 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <cstdlib>
 #include <cstring>
+#include <filesystem>
+#include <fstream>
 #include <functional>
 #include <limits>
 #include <numbers>
@@ -175,21 +178,246 @@ TEST(NetworkDevice, SequenceNumbersBeginAgainAtZero) {
   EXPECT_EQ(device.counts().late, 1U);
 }
 
-TEST(NetworkDevice, OneTickLooksAtNoMoreThan64Packets) {
+TEST(NetworkDevice, OneReadLooksAtAllThatWaitsAndTellsTheNewest) {
   NetworkDevice device(kAnyPort, kPatient);
   const UdpClient client(device.port());
-  for (std::uint32_t i = 1; i <= 65; ++i) {
+  const UdpClient flood(device.port());
+  for (std::uint32_t i = 1; i <= 60; ++i) {
     client.send(packet(i, 1e-3 * i));
+    flood.send(packet(i, 1));
   }
+  const DeviceInput input = device.read();  // on this machine a packet is there when send() returns
+  EXPECT_EQ(device.counts().taken, 60U);
+  EXPECT_EQ(device.counts().others, 60U);
+  EXPECT_DOUBLE_EQ(input.pose.position_m.x(), 0.06);
+}
+
+TEST(NetworkDevice, AnswersAreNoMoreThanPackets) {
+  NetworkDevice device(kAnyPort, {.fresh_s = 0.05, .holder_s = 60});
+  const UdpClient client(device.port());
+  const auto answers = [&] {
+    int count = 0;
+    for (int tick = 0; tick < 100; ++tick) {
+      (void)device.read();
+      device.write({{Vec3(1, 0, 0), Vec3::Zero()}});
+      std::this_thread::sleep_for(1ms);
+      while (client.receive()) {
+        ++count;
+      }
+    }
+    return count;
+  };
+  DevicePacket released = packet(1);
+  released.held = false;
+  client.send(released);
+  EXPECT_EQ(answers(), 1);
+  EXPECT_EQ(answers(), 0);
+  client.send(packet(2));
+  EXPECT_EQ(answers(), 2) << "and one more that says that it has become silent";
+  for (std::uint32_t i = 3; i < 103; ++i) {
+    client.send(packet(i));
+  }
+  EXPECT_LE(answers(), 21) << "what was sent at once is not answered for long";
+}
+
+TEST(NetworkDevice, WhoeverFallsSilentIsSentZero) {
+  NetworkDevice device(kAnyPort, {.fresh_s = 0.03, .holder_s = 60});
+  const UdpClient client(device.port());
+  client.send(packet(1));
+  (void)readUntil(device, DeviceState::kLive);
+  device.write({{Vec3(1, 0, 0), Vec3::Zero()}});
+  EXPECT_EQ(client.receive(5000)->output.wrench.force_n.x(), 1);
+  (void)readUntil(device, DeviceState::kStale);
+  device.write({});
+  const auto last = client.receive(5000);
+  ASSERT_TRUE(last);
+  EXPECT_FALSE(last->live);
+  EXPECT_EQ(last->output.wrench.force_n, Vec3::Zero());
+}
+
+TEST(NetworkDevice, WhoKeepsTheSwitchReleasedDoesNotKeepTheToolFromOthers) {
+  NetworkDevice device(kAnyPort, {.fresh_s = 0.05, .holder_s = 0.3});
+  const UdpClient first(device.port());
+  const UdpClient second(device.port());
+  DevicePacket released = packet(0);
+  released.held = false;
   const auto end = std::chrono::steady_clock::now() + 10s;
-  std::uint64_t most = 0;
-  while (device.counts().taken < 65 && std::chrono::steady_clock::now() < end) {
-    const std::uint64_t before = device.counts().taken;
-    (void)device.read();
-    most = std::max(most, device.counts().taken - before);
+  while (device.read().state != DeviceState::kLive && std::chrono::steady_clock::now() < end) {
+    ++released.sequence;
+    first.send(released);
+    second.send(packet(released.sequence, 0.02));
+    std::this_thread::sleep_for(5ms);
   }
-  EXPECT_EQ(device.counts().taken, 65U);
-  EXPECT_LE(most, 64U);
+  EXPECT_EQ(device.read().pose.position_m.x(), 0.02);
+}
+
+/// A client that knows the key.
+class SignedClient {
+ public:
+  SignedClient(std::uint16_t port, const std::string& hex) : client_(port), key_(hex) {}
+
+  [[nodiscard]] std::vector<std::byte> bytes(const DevicePacket& packet) const {
+    const auto body = bytesOf(packet);
+    std::vector<std::byte> all(DevicePacket::kBytes + PacketKey::kTagBytes);
+    std::ranges::copy(body, all.begin());
+    std::ranges::copy(key_.tagOf(body, nonce), all.begin() + DevicePacket::kBytes);
+    return all;
+  }
+  void send(const DevicePacket& packet) const { client_.send(bytes(packet)); }
+  void send(const std::vector<std::byte>& bytes) const { client_.send(bytes); }
+
+  /// The next answer; takes the nonce that is in it.
+  std::optional<AnswerPacket> receive(int patience_ms = 0) {
+    const std::vector<std::byte> all = client_.receiveBytes(patience_ms);
+    if (all.empty()) {
+      return std::nullopt;
+    }
+    const std::span<const std::byte> whole(all);
+    EXPECT_EQ(whole.size(), 112U);
+    EXPECT_TRUE(key_.signs(whole.last(16), whole.first(96), {}));
+    std::ranges::copy(whole.subspan(80, 16), nonce.begin());
+    return parseAnswer(whole.first(80));
+  }
+
+  PacketKey::Nonce nonce{};
+
+ private:
+  UdpClient client_;
+  PacketKey key_;
+};
+
+const std::string kKey = std::string(60, 'a') + "0123";
+
+DeviceParameters withKey() {
+  DeviceParameters parameters = kAnyPort;
+  parameters.key = kKey;
+  return parameters;
+}
+
+/// Reads until so many greetings have come.
+void readUntilGreeted(NetworkDevice& device, std::uint64_t greetings) {
+  for (int i = 0; i < 5000 && device.counts().greetings < greetings; ++i) {
+    (void)device.read();
+    std::this_thread::sleep_for(1ms);
+  }
+  EXPECT_EQ(device.counts().greetings, greetings);
+}
+
+TEST(NetworkDeviceWithAKey, WhoKnowsItHoldsTheToolAndIsPushed) {
+  NetworkDevice device(withKey(), kPatient);
+  SignedClient client(device.port(), kKey);
+  client.send(packet(1, 0.01));
+  readUntilGreeted(device, 1);
+  EXPECT_EQ(device.read().state, DeviceState::kStale) << "a greeting is no movement";
+  const auto greeting = client.receive(5000);
+  ASSERT_TRUE(greeting);
+  EXPECT_FALSE(greeting->live);
+  EXPECT_EQ(greeting->sequence, 1U);
+  client.send(packet(2, 0.02));
+  EXPECT_EQ(readUntil(device, DeviceState::kLive).pose.position_m.x(), 0.02);
+  device.write({{Vec3(1, 2, 3), Vec3::Zero()}});
+  const auto answer = client.receive(5000);
+  ASSERT_TRUE(answer);
+  EXPECT_EQ(answer->output.wrench.force_n, Vec3(1, 2, 3));
+  client.send(packet(3, 0.03));
+  (void)readUntilSeen(device, 2);
+  EXPECT_EQ(device.counts().taken, 2U) << "the nonce stays the same for who holds the tool";
+}
+
+TEST(NetworkDeviceWithAKey, WhoDoesNotKnowItIsNotListenedTo) {
+  NetworkDevice device(withKey(), kPatient);
+  const UdpClient nobody(device.port());
+  nobody.send(packet(1));
+  SignedClient other(device.port(), std::string(64, 'b'));
+  other.send(packet(1));
+  SignedClient client(device.port(), kKey);
+  std::vector<std::byte> changed = client.bytes(packet(1));
+  changed[24] ^= std::byte{1};
+  client.send(changed);
+  for (int i = 0; i < 5000 && device.counts().forged < 2; ++i) {
+    EXPECT_EQ(device.read().state, DeviceState::kStale);
+  }
+  EXPECT_EQ(device.counts().forged, 2U);
+  EXPECT_EQ(device.counts().malformed[0], 1U) << "without a tag it is too short";
+  EXPECT_EQ(device.counts().taken + device.counts().greetings, 0U);
+  device.write({{Vec3(1, 2, 3), Vec3::Zero()}});
+  EXPECT_FALSE(client.receive(20));
+  EXPECT_FALSE(nobody.receive(0));
+}
+
+TEST(NetworkDeviceWithAKey, WhatSomebodyHasListenedToIsOfNoUseLater) {
+  NetworkDevice device(withKey(), {.fresh_s = 0.05, .holder_s = 0.2});
+  SignedClient client(device.port(), kKey);
+  client.send(packet(1));
+  readUntilGreeted(device, 1);
+  (void)client.receive(5000);
+  const auto heard = client.bytes(packet(7, 0.07));
+  client.send(heard);
+  EXPECT_EQ(readUntil(device, DeviceState::kLive).pose.position_m.x(), 0.07);
+  client.send(heard);
+  (void)readUntilSeen(device, 2);
+  EXPECT_EQ(device.counts().late, 1U);
+  std::this_thread::sleep_for(300ms);  // nobody holds the tool any more
+  (void)device.read();
+  client.send(heard);  // from the very same address
+  for (int i = 0; i < 5000 && device.counts().forged < 1; ++i) {
+    (void)device.read();
+  }
+  EXPECT_EQ(device.counts().forged, 1U);
+  EXPECT_EQ(device.counts().taken, 1U);
+
+  NetworkDevice next_run(withKey(), kPatient);
+  SignedClient again(next_run.port(), kKey);
+  again.nonce = client.nonce;
+  again.send(packet(8));
+  for (int i = 0; i < 5000 && next_run.counts().forged < 1; ++i) {
+    (void)next_run.read();
+  }
+  EXPECT_EQ(next_run.counts().forged, 1U);
+}
+
+TEST(NetworkDeviceWithAKey, LettingGoIsSignedToo) {
+  NetworkDevice device(withKey(), kPatient);
+  SignedClient client(device.port(), kKey);
+  client.send(packet(1));
+  readUntilGreeted(device, 1);
+  (void)client.receive(5000);
+  client.send(packet(2));
+  (void)readUntil(device, DeviceState::kLive);
+  device.letGo();
+  const auto answer = client.receive(5000);
+  ASSERT_TRUE(answer);
+  EXPECT_TRUE(answer->let_go);
+}
+
+TEST(NetworkDeviceWithAKey, RefusesAKeyThatIsNone) {
+  for (const std::string key : {"1234", "(empty)", "zz", std::string(64, 'g').c_str(), std::string(66, 'a').c_str()}) {
+    DeviceParameters parameters = kAnyPort;
+    parameters.key = key;
+    try {
+      const NetworkDevice device(parameters);
+      FAIL() << key;
+    } catch (const InvalidParameter& error) {
+      EXPECT_THAT(error.valid(), HasSubstr("64 hexadecimal digits"));
+      EXPECT_THAT(error.what(), testing::Not(HasSubstr(key)));
+    }
+  }
+}
+
+TEST(NetworkDevice, BeyondThisMachineItWantsAKeyOrToBeToldThatItNeedsNone) {
+  DeviceParameters everywhere = listeningAt("0.0.0.0:0");
+  try {
+    const NetworkDevice device(everywhere);
+    FAIL();
+  } catch (const InvalidParameter& error) {
+    EXPECT_THAT(error.what(), AllOf(HasSubstr("--device-key-file"), HasSubstr("--device-insecure")));
+  }
+  everywhere.key = kKey;
+  EXPECT_NO_THROW(NetworkDevice{everywhere});
+  everywhere.key.clear();
+  everywhere.insecure = true;
+  EXPECT_NO_THROW(NetworkDevice{everywhere});
+  EXPECT_NO_THROW(NetworkDevice{listeningAt("127.1.2.3:0")});
 }
 
 TEST(NetworkDevice, SilenceMakesItStaleAndAFreshPacketLiveAgain) {
@@ -208,6 +436,20 @@ TEST(NetworkDevice, SilenceMakesItStaleAndAFreshPacketLiveAgain) {
   client.send(packet(1, 0.02));  // a repeated packet is not fresh
   EXPECT_EQ(readUntilSeen(device, 2).state, DeviceState::kStale);
   client.send(packet(2, 0.02));
+  EXPECT_EQ(readUntil(device, DeviceState::kLive).pose.position_m.x(), 0.02);
+}
+
+TEST(NetworkDevice, WhatHasWaitedWhileTheProgramStoodStillIsNotFresh) {
+  NetworkDevice device(kAnyPort, {.fresh_s = 0.05, .holder_s = 60});
+  const UdpClient client(device.port());
+  for (std::uint32_t sequence = 1; sequence <= 5; ++sequence) {
+    client.send(packet(sequence, 1e-3 * sequence));
+  }
+  std::this_thread::sleep_for(100ms);
+  const DeviceInput input = readUntilSeen(device, 5);
+  EXPECT_EQ(input.state, DeviceState::kStale);
+  EXPECT_EQ(input.pose.position_m.x(), 5e-3);
+  client.send(packet(6, 0.02));
   EXPECT_EQ(readUntil(device, DeviceState::kLive).pose.position_m.x(), 0.02);
 }
 
@@ -287,7 +529,9 @@ TEST(NetworkDevice, LettingGoSendsZeroAtOnceAndFromThenOn) {
   EXPECT_EQ(at_once->output.wrench.force_n, Vec3::Zero());
   EXPECT_EQ(at_once->output.wrench.torque_nm, Vec3::Zero());
   EXPECT_EQ(at_once->output.gripper_force_n, 0);
-  for (int i = 0; i < 3; ++i) {
+  for (std::uint32_t i = 0; i < 3; ++i) {
+    client.send(packet(2 + i));
+    (void)readUntilSeen(device, 2 + i);
     device.write(push);
     const auto answer = client.receive(5000);
     ASSERT_TRUE(answer);
@@ -296,6 +540,8 @@ TEST(NetworkDevice, LettingGoSendsZeroAtOnceAndFromThenOn) {
     EXPECT_EQ(answer->output.gripper_force_n, 0);
   }
   device.takeUp();
+  client.send(packet(5));
+  (void)readUntilSeen(device, 5);
   device.write(push);
   EXPECT_EQ(client.receive(5000)->output.wrench.force_n.x(), 5);
 }
@@ -305,8 +551,10 @@ TEST(NetworkDevice, WhoeverLetsGoWhileTheLoopWritesHasTheLastWord) {
   const UdpClient client(device.port());
   client.send(packet(1));
   (void)readUntilSeen(device, 1);
-  for (int round = 0; round < 200; ++round) {
+  for (std::uint32_t round = 0; round < 200; ++round) {
     device.takeUp();
+    client.send(packet(2 + round));
+    (void)readUntilSeen(device, 2 + round);
     std::atomic<bool> go{false};
     std::thread other([&] {
       while (!go) {
@@ -389,7 +637,9 @@ TEST(NetworkDevice, SaysWhyItCannotListenAndWhatToDo) {
     EXPECT_THAT(failure.what(), AllOf(HasSubstr(std::to_string(first.port())), HasSubstr("another port")));
   }
   try {
-    const NetworkDevice elsewhere(listeningAt("192.0.2.1:9050"));  // RFC 5737: nobody's
+    DeviceParameters nobodys = listeningAt("192.0.2.1:9050");  // RFC 5737
+    nobodys.insecure = true;
+    const NetworkDevice elsewhere(nobodys);
     FAIL();
   } catch (const Failure& failure) {
     EXPECT_THAT(failure.what(), AllOf(HasSubstr("192.0.2.1:9050"), HasSubstr("an address of this machine")));
@@ -406,17 +656,26 @@ TEST(NetworkDevice, TrustsNoOneBeyondASigma7) {
   EXPECT_EQ(device.name(), "network device");
 }
 
-TEST(NetworkDevice, TheExampleInPythonLeadsTheToolInACircleAndFeelsIt) {
+class PythonsExample : public testing::TestWithParam<bool> {};
+
+TEST_P(PythonsExample, LeadsTheToolInACircleAndFeelsIt) {
   if (std::system("python3 --version > /dev/null 2>&1") != 0) {
     GTEST_SKIP() << "no python3";
   }
-  NetworkDevice device(kAnyPort, kPatient);
+  const std::filesystem::path key_file = std::filesystem::temp_directory_path() / "haptolith-network-device.key";
+  std::ofstream(key_file) << kKey << '\n';
+  NetworkDevice device(GetParam() ? withKey() : kAnyPort, kPatient);
   const Descriptor words = temporaryFile();
-  ChildProcess example({.arguments = {"python3", HAPTOLITH_SOURCE_DIR "/examples/network_device.py", "--address",
-                                      "127.0.0.1:" + std::to_string(device.port()), "--seconds", "1", "--period-s",
-                                      "0.5", "--radius-mm", "30"},
-                        .package = "python3",
-                        .environment = {}},
+  std::vector<std::string> arguments{"python3",     HAPTOLITH_SOURCE_DIR "/examples/network_device.py",
+                                     "--address",   "127.0.0.1:" + std::to_string(device.port()),
+                                     "--seconds",   "1",
+                                     "--period-s",  "0.5",
+                                     "--radius-mm", "30"};
+  if (GetParam()) {
+    arguments.emplace_back("--key-file");
+    arguments.push_back(key_file.string());
+  }
+  ChildProcess example({.arguments = arguments, .package = "python3", .environment = {}},
                        {{words, STDOUT_FILENO}, {words, STDERR_FILENO}});
   const auto end = std::chrono::steady_clock::now() + 60s;
   double least_x_m = 0;
@@ -434,6 +693,7 @@ TEST(NetworkDevice, TheExampleInPythonLeadsTheToolInACircleAndFeelsIt) {
     std::this_thread::sleep_for(1ms);
   }
   EXPECT_TRUE(example.wait());
+  std::filesystem::remove(key_file);
   const std::string said = contentOf(words);
   EXPECT_THAT(said, AllOf(HasSubstr("force   3.000   0.000   4.000 N"), HasSubstr("live"),
                           HasSubstr("strongest force 5.000 N")));
@@ -441,7 +701,12 @@ TEST(NetworkDevice, TheExampleInPythonLeadsTheToolInACircleAndFeelsIt) {
   EXPECT_LT(least_x_m, -0.015);
   EXPECT_GT(most_x_m, 0.015);
   EXPECT_EQ(seen(device.counts()), device.counts().taken) << "every packet of it is a good one";
+  EXPECT_EQ(device.counts().forged, 0U);
 }
+
+INSTANTIATE_TEST_SUITE_P(All, PythonsExample, testing::Bool(), [](const testing::TestParamInfo<bool>& test) {
+  return std::string(test.param ? "WithAKey" : "WithoutAKey");
+});
 
 }  // namespace
 }  // namespace haptolith

@@ -6,11 +6,12 @@
 #include <poll.h>
 #include <sys/socket.h>
 
-#include <array>
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <optional>
 #include <span>
+#include <vector>
 
 #include "haptolith/core/child_process.h"
 #include "haptolith/device/device_packet.h"
@@ -35,15 +36,25 @@ class UdpClient {
 
   /// The next answer; none when there is none within `patience_ms`.
   [[nodiscard]] std::optional<AnswerPacket> receive(int patience_ms = 0) const {
-    pollfd wanted{socket_.number(), POLLIN, 0};
-    if (poll(&wanted, 1, patience_ms) != 1) {
+    const std::vector<std::byte> bytes = receiveBytes(patience_ms);
+    if (bytes.empty()) {
       return std::nullopt;
     }
-    std::array<std::byte, 1000> bytes{};
-    const ssize_t size = recv(socket_.number(), bytes.data(), bytes.size(), 0);
-    const auto answer = size < 0 ? std::nullopt : parseAnswer(std::span(bytes).first(static_cast<std::size_t>(size)));
+    const auto answer = parseAnswer(bytes);
     EXPECT_TRUE(answer) << "something that is no answer";
     return answer;
+  }
+
+  /// As receive(), whatever it is.
+  [[nodiscard]] std::vector<std::byte> receiveBytes(int patience_ms = 0) const {
+    pollfd wanted{socket_.number(), POLLIN, 0};
+    if (poll(&wanted, 1, patience_ms) != 1) {
+      return {};
+    }
+    std::vector<std::byte> bytes(1000);
+    const ssize_t size = recv(socket_.number(), bytes.data(), bytes.size(), 0);
+    bytes.resize(static_cast<std::size_t>(std::max<ssize_t>(0, size)));
+    return bytes;
   }
 
  private:

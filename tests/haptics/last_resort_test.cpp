@@ -5,6 +5,8 @@
 #include <unistd.h>
 
 #include <array>
+#include <atomic>
+#include <chrono>
 #include <csignal>
 #include <cstdlib>
 #include <functional>
@@ -29,10 +31,26 @@ class Piped final : public HapticDevice {
   [[nodiscard]] DeviceLimits limits() const noexcept override { return {}; }
   [[nodiscard]] DeviceInput read() noexcept override { return {}; }
   void write(const DeviceOutput&) noexcept override {}
-  void letGo() noexcept override { (void)!::write(pipe_, &letter_, 1); }
+  void letGo() noexcept override { tell(letter_); }
+  void letGoRegardless() noexcept override { tell('r'); }
+  [[nodiscard]] LettingGo lettingGo() const noexcept override {
+    if (--looks_left_ >= 0) {
+      return LettingGo::kUnderWay;
+    }
+    if (stuck_) {
+      return LettingGo::kStuck;
+    }
+    tell('.');
+    return LettingGo::kDone;
+  }
   void takeUp() noexcept override {}
 
+  mutable std::atomic<int> looks_left_{0};  ///< so often a thread is still inside the library
+  bool stuck_ = false;                      ///< the thread that asks is
+
  private:
+  void tell(char letter) const noexcept { (void)!::write(pipe_, &letter, 1); }
+
   int pipe_;
   char letter_;
 };
@@ -79,14 +97,145 @@ TEST_P(DeadlySignal, LetsGoOfTheHandAndEndsTheProgramAsEver) {
     const LastResort last_resort(hand);
     std::raise(GetParam());
   });
-  EXPECT_EQ(death.let_go, "a");
+  EXPECT_EQ(death.let_go, "a.");
   EXPECT_EQ(death.signal, GetParam());
 }
 
 INSTANTIATE_TEST_SUITE_P(All, DeadlySignal,
-                         testing::Values(SIGSEGV, SIGBUS, SIGFPE, SIGILL, SIGABRT, SIGSYS, SIGHUP, SIGQUIT, SIGXCPU,
-                                         SIGXFSZ),
+                         testing::Values(SIGSEGV, SIGBUS, SIGFPE, SIGILL, SIGABRT, SIGSYS, SIGTRAP, SIGHUP, SIGQUIT,
+                                         SIGINT, SIGTERM, SIGXCPU, SIGXFSZ, SIGUSR1, SIGUSR2, SIGALRM, SIGPROF,
+                                         SIGVTALRM, SIGIO, SIGPWR, SIGSTKFLT, SIGPIPE, SIGRTMIN, SIGRTMAX),
+                         [](const testing::TestParamInfo<int>& test) {
+                           const char* name = sigabbrev_np(test.param);
+                           return name != nullptr ? std::string(name) : "Number" + std::to_string(test.param);
+                         });
+
+class HaltingSignal : public testing::TestWithParam<int> {};
+
+TEST_P(HaltingSignal, LetsGoOfTheHandHaltsTheProgramAndTellsTheLoopWhenItGoesOn) {
+  std::array<int, 2> ends{};
+  ASSERT_EQ(pipe(ends.data()), 0);
+  const pid_t child = fork();
+  if (child == 0) {
+    setpgid(0, 0);  // as a shell does; what nobody could continue is not halted
+    Piped hand(ends[1], 'a');
+    const LastResort last_resort(hand);
+    for (int round = 0; round < 2; ++round) {
+      std::raise(GetParam());
+      if (!LastResort::letGoMeanwhile() || LastResort::letGoMeanwhile()) {
+        _exit(1);
+      }
+    }
+    _exit(0);
+  }
+  close(ends[1]);
+  int status = 0;
+  for (int round = 0; round < 2; ++round) {
+    ASSERT_EQ(waitpid(child, &status, WUNTRACED), child);
+    ASSERT_TRUE(WIFSTOPPED(status));
+    EXPECT_EQ(WSTOPSIG(status), GetParam());
+    std::array<char, 9> letters{};
+    ASSERT_EQ(read(ends[0], letters.data(), 8), 2) << "before it halts";
+    EXPECT_STREQ(letters.data(), "a.");
+    kill(child, SIGCONT);
+  }
+  waitpid(child, &status, 0);
+  close(ends[0]);
+  ASSERT_TRUE(WIFEXITED(status));
+  EXPECT_EQ(WEXITSTATUS(status), 0) << "the loop is told once";
+}
+
+INSTANTIATE_TEST_SUITE_P(All, HaltingSignal, testing::Values(SIGTSTP, SIGTTIN, SIGTTOU),
                          [](const testing::TestParamInfo<int>& test) { return std::string(sigabbrev_np(test.param)); });
+
+TEST(LastResort, WaitsForACallThatIsInsideTheDevicesLibrary) {
+  const Death death = died([](int pipe) {
+    Piped hand(pipe, 'a');
+    hand.looks_left_ = 8;
+    const LastResort last_resort(hand);
+    std::raise(SIGHUP);
+  });
+  EXPECT_EQ(death.let_go, "a.");
+  EXPECT_EQ(death.signal, SIGHUP);
+}
+
+TEST(LastResort, WaitsNotForEverAndThenTriesToGetPastTheCall) {
+  const auto began = std::chrono::steady_clock::now();
+  const Death hangs = died([](int pipe) {
+    Piped hand(pipe, 'a');
+    hand.looks_left_ = 1 << 30;
+    const LastResort last_resort(hand);
+    std::raise(SIGHUP);
+  });
+  EXPECT_EQ(hangs.let_go, "ar");
+  EXPECT_EQ(hangs.signal, SIGHUP);
+  const Death crashed_inside = died([](int pipe) {
+    Piped hand(pipe, 'a');
+    hand.stuck_ = true;
+    const LastResort last_resort(hand);
+    std::raise(SIGABRT);
+  });
+  EXPECT_EQ(crashed_inside.let_go, "ar");
+  EXPECT_EQ(crashed_inside.signal, SIGABRT);
+  EXPECT_LT(std::chrono::steady_clock::now() - began, std::chrono::seconds(20));
+}
+
+int fallsDeeper(int depth) {
+  std::array<volatile char, 4096> frame{};
+  frame[0] = static_cast<char>(depth);
+  return depth < 0 ? 0 : fallsDeeper(depth + 1) + frame[0];
+}
+
+TEST(LastResort, AnOverflowOfTheStackLetsGo) {
+  if (kSanitized) {
+    GTEST_SKIP() << "the sanitizer handles it";
+  }
+  const Death own = died([](int pipe) {
+    Piped hand(pipe, 'a');
+    const LastResort last_resort(hand);
+    _exit(fallsDeeper(0));
+  });
+  EXPECT_EQ(own.let_go, "a.") << "of the thread that made it";
+  EXPECT_EQ(own.signal, SIGSEGV);
+  const Death other = died([](int pipe) {
+    Piped hand(pipe, 'a');
+    const LastResort last_resort(hand);
+    std::thread([] {
+      const SignalStack stack;
+      _exit(fallsDeeper(0));
+    }).join();
+  });
+  EXPECT_EQ(other.let_go, "a.");
+  EXPECT_EQ(other.signal, SIGSEGV);
+}
+
+TEST(LastResort, AnotherThreadThatDiesMeanwhileWaitsUntilTheHandIsLetGo) {
+  const Death death = died([](int pipe) {
+    Piped hand(pipe, 'a');
+    hand.looks_left_ = 8;
+    const LastResort last_resort(hand);
+    std::thread other([&hand] {
+      while (hand.looks_left_ == 8) {
+      }
+      std::raise(SIGTERM);
+    });
+    std::raise(SIGHUP);
+    other.join();
+  });
+  EXPECT_EQ(death.let_go, "a.");
+  EXPECT_TRUE(death.signal == SIGHUP || death.signal == SIGTERM) << death.signal;
+}
+
+TEST(LastResort, WhoHandlesASignalKeepsIt) {
+  const Death death = died([](int pipe) {
+    std::signal(SIGUSR1, [](int) {});
+    Piped hand(pipe, 'a');
+    const LastResort last_resort(hand);
+    std::raise(SIGUSR1);
+  });
+  EXPECT_EQ(death.let_go, "");
+  EXPECT_EQ(death.signal, 0);
+}
 
 TEST(LastResort, AWildPointerLetsGo) {
   if (kSanitized) {
@@ -98,7 +247,7 @@ TEST(LastResort, AWildPointerLetsGo) {
     volatile int* nowhere = nullptr;
     *nowhere = 1;
   });
-  EXPECT_EQ(death.let_go, "a");
+  EXPECT_EQ(death.let_go, "a.");
   EXPECT_EQ(death.signal, SIGSEGV);
 }
 
@@ -111,7 +260,7 @@ TEST(LastResort, AnExceptionThatNobodyCatchesLetsGo) {
     const LastResort last_resort(hand);
     std::thread([] { throw std::runtime_error("nobody catches this"); }).join();
   });
-  EXPECT_EQ(death.let_go, "a");
+  EXPECT_EQ(death.let_go, "a.");
   EXPECT_EQ(death.signal, SIGABRT);
 }
 
@@ -132,14 +281,14 @@ TEST(LastResort, ASecondOneTakesOverUntilItGoes) {
     const LastResort one_more(second);
     std::raise(SIGHUP);
   });
-  EXPECT_EQ(inner.let_go, "b");
+  EXPECT_EQ(inner.let_go, "b.");
   const Death outer = died([](int pipe) {
     Piped first(pipe, 'a'), second(pipe, 'b');
     const LastResort outermost(first);
     { const LastResort one_more(second); }
     std::raise(SIGHUP);
   });
-  EXPECT_EQ(outer.let_go, "a");
+  EXPECT_EQ(outer.let_go, "a.");
   EXPECT_EQ(outer.signal, SIGHUP);
 }
 

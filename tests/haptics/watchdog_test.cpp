@@ -1,12 +1,15 @@
 #include "haptolith/haptics/watchdog.h"
 
-#include <gtest/gtest.h>
+#include <gmock/gmock.h>
+#include <pthread.h>
 
 #include <atomic>
 #include <chrono>
+#include <string>
 #include <thread>
 
 #include "haptolith/core/clock.h"
+#include "haptolith/core/error.h"
 
 namespace haptolith {
 namespace {
@@ -41,7 +44,7 @@ TEST(Watchdog, LetsGoOfTheHandWhenTheLoopFallsSilent) {
   Hand hand;
   Watchdog watchdog(hand, kPatience_s);
   watchdog.start();
-  watchdog.beat();
+  (void)watchdog.beat();
   const std::int64_t last_beat_ns = monotonicNs();
   waitFor(watchdog);
   ASSERT_TRUE(watchdog.barked());
@@ -55,7 +58,7 @@ TEST(Watchdog, IsQuietWhileTheLoopLives) {
   Watchdog watchdog(hand, 1);
   watchdog.start();
   for (int i = 0; i < 30; ++i) {
-    watchdog.beat();
+    (void)watchdog.beat();
     std::this_thread::sleep_for(5ms);
   }
   EXPECT_FALSE(watchdog.barked());
@@ -71,7 +74,7 @@ TEST(Watchdog, LetsGoOnceForASilenceAndAgainForTheNext) {
     waitFor(watchdog);
     std::this_thread::sleep_for(3 * std::chrono::milliseconds(50));
     EXPECT_EQ(hand.let_goes, silence);
-    watchdog.beat();
+    (void)watchdog.beat();
     watchdog.takeUp();
     EXPECT_EQ(hand.take_ups, silence);
     EXPECT_FALSE(watchdog.barked());
@@ -87,6 +90,35 @@ TEST(Watchdog, OnceItHasBarkedTheHandHasBeenLetGo) {  // else it could be taken 
     }
     ASSERT_EQ(hand.let_goes, 1);
   }
+}
+
+TEST(Watchdog, TheLoopHearsOfItsSilenceAndOfNoneWhenNobodyWatches) {
+  Hand hand;
+  Watchdog watchdog(hand, 0.002);
+  std::this_thread::sleep_for(10ms);
+  EXPECT_FALSE(watchdog.beat());
+  watchdog.start();
+  std::this_thread::sleep_for(10ms);
+  EXPECT_TRUE(watchdog.tooLate());
+  EXPECT_TRUE(watchdog.beat());
+}
+
+TEST(Watchdog, WithoutAThreadForItThereIsAFailureBeforeTheFirstTick) {
+  pthread_attr_t usual;
+  ASSERT_EQ(pthread_getattr_default_np(&usual), 0);
+  pthread_attr_t impossible;
+  ASSERT_EQ(pthread_getattr_default_np(&impossible), 0);
+  ASSERT_EQ(pthread_attr_setstacksize(&impossible, std::size_t{1} << 47U), 0);
+  ASSERT_EQ(pthread_setattr_default_np(&impossible), 0);
+  Hand hand;
+  std::string words;
+  try {
+    const Watchdog watchdog(hand, kPatience_s);
+  } catch (const Failure& failure) {
+    words = failure.what();
+  }
+  ASSERT_EQ(pthread_setattr_default_np(&usual), 0);
+  EXPECT_THAT(words, testing::HasSubstr("watchdog"));
 }
 
 TEST(Watchdog, WatchesOnlyBetweenStartAndStop) {

@@ -26,7 +26,7 @@ namespace haptolith {
 ///        104  f64[3]  angular velocity, rad/s     each within 1000 rad/s
 ///        128  f64     gripper, 0 closed to 1 wide open
 ///
-/// There is no checksum: UDP has its own.
+/// There is no checksum: UDP has its own. With a key (PacketKey) 16 bytes of a tag follow, 152 in all.
 struct DevicePacket {
   static constexpr std::size_t kBytes = 136;
   static constexpr std::uint16_t kVersion = 1;
@@ -40,7 +40,8 @@ struct DevicePacket {
   double gripper_open = 0;
 };
 
-/// What it is sent after each tick: what its hand shall feel. One UDP packet of 80 bytes:
+/// What it is sent: what its hand shall feel. One answer at most to each packet, after a tick; and one more, with zero
+/// force, when it falls silent and when it is let go. One UDP packet of 80 bytes:
 ///
 ///     offset  type    what
 ///          0  u8[4]   "HLAN"
@@ -53,6 +54,9 @@ struct DevicePacket {
 ///         24  f64[3]  force on the hand, N
 ///         48  f64[3]  torque about the handle's origin, N m
 ///         72  f64     gripper force, N; > 0 opens the fingers
+///
+/// With a key 16 bytes follow of the nonce that the sender has to sign with, and 16 of a tag, 112 in all; the tag is
+/// made of the 96 bytes before it, with a nonce of zeros.
 struct AnswerPacket {
   static constexpr std::size_t kBytes = 80;
   static constexpr std::uint16_t kVersion = 1;

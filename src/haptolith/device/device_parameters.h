@@ -15,7 +15,11 @@ struct DeviceParameters {
   DeviceKind kind = DeviceKind::kVirtualHand;
   std::string id;  ///< which of several: its number, serial or name as `haptolith devices` prints it; empty: the first
   std::string library;  ///< kForceDimension: the SDK's folder or library; empty: looked for
-  std::string address;  ///< kInverse3: of the service, kNetwork: to listen on; empty: the driver's usual one
+  /// kNetwork, from the command line only, since a scene may come from anybody: 64 hexadecimal digits that both ends
+  /// know.
+  std::string key{};
+  bool insecure = false;  ///< kNetwork: whether it may listen beyond this machine without a key
+  std::string address;    ///< kInverse3: of the service, kNetwork: to listen on; empty: the driver's usual one
 
   /// What its owner has measured, instead of what the driver assumes: see DeviceLimits.
   std::optional<double> delay_s, resolution_m;

@@ -389,9 +389,9 @@ void ForceDimension::switchOn() {
 /// this thread sees let_go_: both are sequentially consistent.
 class ForceDimension::InSdk {
  public:
-  explicit InSdk(ForceDimension& device) noexcept : device_(device) { device_.in_sdk_ = true; }
+  explicit InSdk(ForceDimension& device) noexcept : device_(device) { device_.in_sdk_ = pthread_self(); }
   ~InSdk() {
-    device_.in_sdk_ = false;
+    device_.in_sdk_ = kNobody;
     if (device_.let_go_ && !device_.stopped_) {
       device_.stop();
     }
@@ -563,19 +563,35 @@ int ForceDimension::send(const DeviceOutput& output) noexcept {
 void ForceDimension::letGo() noexcept {
   let_go_ = true;
   stopped_ = false;
-  if (!in_sdk_) {
+  if (in_sdk_ == kNobody) {
     stop();
   }
 }
 
+LettingGo ForceDimension::lettingGo() const noexcept {
+  if (stopped_) {
+    return LettingGo::kDone;
+  }
+  const pthread_t asks = pthread_self();
+  return in_sdk_ == asks || stopping_ == asks ? LettingGo::kStuck : LettingGo::kUnderWay;
+}
+
+/// Does not say that the device is stopped: a call that comes out after all shall stop it once more.
+void ForceDimension::letGoRegardless() noexcept {
+  let_go_ = true;
+  sendZero(sdk_, device_.id);
+  sdk_.stop(device_.id);
+}
+
 /// May be called from several threads, and from a signal's handler in the midst of itself.
 void ForceDimension::stop() noexcept {
-  if (stopping_.exchange(true)) {
+  pthread_t nobody = kNobody;
+  if (!stopping_.compare_exchange_strong(nobody, pthread_self())) {
     return;
   }
   sendZero(sdk_, device_.id);
   stopped_ = sdk_.stop(device_.id) >= 0;
-  stopping_ = false;
+  stopping_ = kNobody;
 }
 
 void ForceDimension::takeUp() noexcept {

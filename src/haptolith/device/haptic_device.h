@@ -25,6 +25,13 @@ struct DeviceInput {
   DeviceState state = DeviceState::kLive;
 };
 
+/// What has become of a letGo().
+enum class LettingGo : std::uint8_t {
+  kDone,
+  kUnderWay,  ///< another thread is inside the device's library and lets go when it comes out
+  kStuck,     ///< the thread that asks is itself inside the device's library
+};
+
 /// What a hand is made to feel, in the device's own frame.
 struct DeviceOutput {
   Wrench wrench;               ///< about the handle's origin
@@ -78,6 +85,13 @@ class HapticDevice {
   /// Zero force at once and from now on, whatever write() is told: the last resort of another thread or of a signal's
   /// handler when the loop does not answer. May be called from anywhere, also twice.
   virtual void letGo() noexcept = 0;
+
+  /// Whether the last letGo() has reached the device. May be called from anywhere.
+  [[nodiscard]] virtual LettingGo lettingGo() const noexcept { return LettingGo::kDone; }
+
+  /// As letGo(), even if a call is inside the device's library that may hold a lock of it: it may never return. For a
+  /// program that dies.
+  virtual void letGoRegardless() noexcept { letGo(); }
 
   /// Takes a letGo() back. From the loop's thread.
   virtual void takeUp() noexcept = 0;

@@ -3,6 +3,7 @@
 #include <boost/asio/connect.hpp>
 #include <boost/asio/io_context.hpp>
 #include <boost/asio/ip/tcp.hpp>
+#include <boost/asio/steady_timer.hpp>
 #include <boost/beast/core.hpp>
 #include <boost/beast/websocket.hpp>
 #include <fmt/format.h>
@@ -20,6 +21,8 @@
 #include "haptolith/core/clock.h"
 #include "haptolith/core/error.h"
 #include "haptolith/core/exchange.h"
+#include "haptolith/core/signal_stack.h"
+#include "haptolith/core/start_thread.h"
 #include "haptolith/device/inverse3_messages.h"
 
 namespace haptolith {
@@ -39,7 +42,7 @@ constexpr std::string_view kInstall =
 constexpr std::string_view kPlugIn = "plug it in and switch it on, and see that the Haply Hub shows it";
 constexpr auto kOpenPatience = 2s;
 constexpr auto kFindPatience = 300ms;
-constexpr std::int64_t kPeriod_ns = 1'000'000;
+constexpr auto kPeriod = 1ms;
 constexpr std::int64_t kFresh_ns = 20'000'000;
 constexpr std::size_t kLargestMessage = 256 * 1024;  // bytes: an inventory is some kilobytes
 
@@ -153,13 +156,13 @@ class Inverse3::Connection {
     device_ = parameters.id.empty() ? there.front() : parameters.id;
     grip_ = session_.inventory.grips.empty() ? std::string() : session_.inventory.grips.front();
     input_.state = DeviceState::kStale;
+    nothing_waited_ns_ = monotonicNs();
     take(session_.inventory_text);
-    next_ns_ = monotonicNs();
-    send();
-    thread_ = std::thread([this] { session_.io.run(); });
+    thread_ = startThread("the Inverse3", [this] { serve(); });
   }
 
   ~Connection() {
+    over_.store(true);
     session_.io.stop();
     thread_.join();
   }
@@ -193,7 +196,11 @@ class Inverse3::Connection {
 
   // Of any.
 
-  void letGo(bool go) noexcept { let_go_.store(go); }
+  void letGo(bool go) noexcept {
+    zero_sent_.store(false);
+    let_go_.store(go);
+  }
+  [[nodiscard]] bool hasLetGo() const noexcept { return zero_sent_.load() || lost_.load(); }
   [[nodiscard]] bool hasGrip() const noexcept { return !grip_.empty(); }
   [[nodiscard]] std::uint64_t badAnswers() const noexcept { return bad_answers_.load(std::memory_order_relaxed); }
   [[nodiscard]] std::string_view problem() const noexcept {
@@ -203,22 +210,55 @@ class Inverse3::Connection {
  private:
   struct Told {
     Inverse3State state;
-    std::int64_t at_ns = 0;
+    std::int64_t at_ns = 0;  ///< at the earliest
   };
   struct Wanted {
     Vec3 force_n = Vec3::Zero();
     std::int64_t at_ns = 0;
   };
 
-  // Of the driver's thread: a force, its answer, a rest until the millisecond is over.
+  // Of the driver's thread: reads messages as they come, and sends a force each millisecond, unless the one before has
+  // not been answered: a service that is slow is not given more than it can do.
+
+  void serve() {
+    const SignalStack stack;
+    receive();
+    send();
+    wait();
+    while (!over_.load() && !lost_.load()) {
+      const std::int64_t now_ns = monotonicNs();
+      if (session_.io.poll_one() == 0) {  // what comes from now on is no older than this
+        nothing_waited_ns_ = now_ns;
+        session_.io.run_one();
+      }
+    }
+  }
+
+  void wait() {
+    timer_.async_wait([this](beast::error_code error) {
+      if (error) {
+        return;
+      }
+      const bool zero_is_due = let_go_.load() && !zero_sent_.load();
+      if (!writing_ && (answered_ || zero_is_due)) {
+        send();
+      }
+      timer_.expires_at(std::max(timer_.expiry() + kPeriod, Clock::now()));  // what was missed is not made up for
+      wait();
+    });
+  }
 
   void send() {
-    command_ = inverse3Command(device_, force(), session_.inventory.dialect);
-    session_.stream.async_write(asio::buffer(command_), [this](beast::error_code error, std::size_t) {
+    const bool let_go = let_go_.load();
+    command_ = inverse3Command(device_, let_go ? Vec3(Vec3::Zero()) : force(), session_.inventory.dialect);
+    writing_ = true;
+    answered_ = false;
+    session_.stream.async_write(asio::buffer(command_), [this, let_go](beast::error_code error, std::size_t) {
+      writing_ = false;
       if (error) {
         lose(error);
-      } else {
-        receive();
+      } else if (let_go) {
+        zero_sent_.store(true);
       }
     });
   }
@@ -229,18 +269,17 @@ class Inverse3::Connection {
         lose(error);
         return;
       }
+      answered_ = true;
       take(beast::buffers_to_string(session_.buffer.data()));
       session_.buffer.consume(session_.buffer.size());
-      next_ns_ = std::max(next_ns_ + kPeriod_ns, monotonicNs());  // what was missed is not made up for
-      sleepUntilNs(next_ns_);
-      send();
+      receive();
     });
   }
 
   [[nodiscard]] Vec3 force() {
     wanted_.update();
     const Wanted& wanted = wanted_.latest();
-    const bool believed = !let_go_.load() && monotonicNs() - wanted.at_ns <= kFresh_ns && wanted.force_n.allFinite();
+    const bool believed = monotonicNs() - wanted.at_ns <= kFresh_ns && wanted.force_n.allFinite();
     return believed ? wanted.force_n : Vec3(Vec3::Zero());
   }
 
@@ -259,7 +298,7 @@ class Inverse3::Connection {
     }
     newest_.position_m = state->position_m;
     newest_.velocity_m_s = state->velocity_m_s;
-    told_.draft() = {newest_, monotonicNs()};
+    told_.draft() = {newest_, nothing_waited_ns_};
     told_.publish();
   }
 
@@ -273,13 +312,15 @@ class Inverse3::Connection {
   Session session_;
   std::string device_, grip_;
   std::string command_;
-  std::int64_t next_ns_ = 0;
+  asio::steady_timer timer_{session_.io, Clock::now()};
+  bool writing_ = false, answered_ = false;
+  std::int64_t nothing_waited_ns_ = 0;  ///< when that was seen last: no message that comes now is older
   Inverse3State newest_;
 
   LatestValue<Told> told_;
   LatestValue<Wanted> wanted_;
   DeviceInput input_;
-  std::atomic<bool> let_go_{false}, lost_{false};
+  std::atomic<bool> let_go_{false}, zero_sent_{false}, lost_{false}, over_{false};
   std::atomic<std::uint64_t> bad_answers_{0};
   std::string problem_;
   std::thread thread_;
@@ -316,6 +357,9 @@ void Inverse3::write(const DeviceOutput& output) noexcept {
 }
 void Inverse3::letGo() noexcept {
   connection_->letGo(true);
+}
+LettingGo Inverse3::lettingGo() const noexcept {
+  return connection_->hasLetGo() ? LettingGo::kDone : LettingGo::kUnderWay;
 }
 void Inverse3::takeUp() noexcept {
   connection_->letGo(false);

@@ -9,12 +9,14 @@
 namespace haptolith {
 
 /// Haply Inverse3, through the Haply Inverse Service, which tells and shows something for each message it is sent: a
-/// thread of the driver's own sends it one a millisecond and exchanges the newest state and force with the loop, which
-/// waits for nothing. Three degrees of freedom; a wireless VerseGrip that was switched on before adds orientation and
-/// buttons. Its frame is the service's: right-handed, z up, origin at the arm's base.
+/// thread of the driver's own sends it one a millisecond, reads all that comes, asked for or not, and exchanges the
+/// newest state and force with the loop, which waits for nothing. Three degrees of freedom; a wireless VerseGrip that
+/// was switched on before adds orientation and buttons. Its frame is the service's: right-handed, z up, origin at the
+/// arm's base.
 ///
-/// The state is stale when the service has told nothing for 20 ms, and lost when it ends the connection; the driver
-/// does not connect again. Force is zero when the loop has written nothing for 20 ms, and when it is no finite number.
+/// The state is stale when the service has told nothing for 20 ms, or more than can be read (what has waited, or might
+/// have, is not fresh), and lost when it ends the connection; the driver does not connect again. Force is zero when the
+/// loop has written nothing for 20 ms, and when it is no finite number.
 class Inverse3 final : public HapticDevice {
  public:
   /// Opens the device `parameters.id`, or the first, of the service at `parameters.address`: "ws://HOST:PORT" with an
@@ -32,6 +34,7 @@ class Inverse3 final : public HapticDevice {
   void write(const DeviceOutput& output) noexcept override;
   /// The next message, at most a millisecond later, says zero. When the service takes none any more, it lets go itself.
   void letGo() noexcept override;
+  [[nodiscard]] LettingGo lettingGo() const noexcept override;
   void takeUp() noexcept override;
   [[nodiscard]] std::string_view problem() const noexcept override;
 

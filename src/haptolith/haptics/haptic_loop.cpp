@@ -8,6 +8,8 @@
 #include "haptolith/core/clock.h"
 #include "haptolith/core/error.h"
 #include "haptolith/core/one_of.h"
+#include "haptolith/core/signal_stack.h"
+#include "haptolith/haptics/last_resort.h"
 
 namespace haptolith {
 
@@ -82,7 +84,6 @@ HapticLoop::HapticLoop(Scene& scene, HapticDevice& device, const LoopParameters&
       mapping_(handling.mapping, device.limits(), parameters.tick_s),
       coupling_(handling.coupling, suitsDirectly(device.limits()), parameters.filter_cutoff_hz, parameters.tick_s),
       safety_(handling.safety, device.limits(), device.simulated(), softestSpring(scene, coupling_), parameters.tick_s),
-      watchdog_(device, handling.safety.heartbeat_s),
       records_(kRecordsInFlight),
       requests_(kRequestsWaiting) {
   validate(parameters);
@@ -90,12 +91,19 @@ HapticLoop::HapticLoop(Scene& scene, HapticDevice& device, const LoopParameters&
     throw InvalidParameter("tick_s", fmt::format("{}", parameters.tick_s),
                            fmt::format("the bed's {}", scene.bed().parameters().tick_s));
   }
+  if (parameters.paced && !device.simulated()) {
+    watchdog_.emplace(device, handling.safety.heartbeat_s);
+  }
   presence_ = device.simulated() ? 1 : 0;  // soil that lies where a person's hand is moves out of its way gently
 }
 
 LoopEnd HapticLoop::tick() noexcept {
   const std::int64_t start_ns = monotonicNs();
-  watchdog_.beat();
+  silent_ = watchdog_ && watchdog_->beat();
+  silent_ = (watchdog_ && LastResort::letGoMeanwhile()) || silent_;
+  if (silent_) {  // first of all: what the hand feels now is as old as the silence is long
+    device_.write({});
+  }
   takeRequests();
   if (paused_ && ticks_left_ == 0) {
     standStill();
@@ -129,9 +137,8 @@ LoopEnd HapticLoop::tick() noexcept {
   const DeviceOutput rendered{mapping_.toDevice(coupling_.feel(scene_->wrench(), scene_->contactStiffness())),
                               mapping_.toGripper(coupling_.feelGrip(scene_->gripForce()))};
   felt_ = safety_.step(rendered);
-  if (!watchdog_.barked()) {
-    device_.write(felt_);
-  }
+  // After a tick that took too long, the force in it comes from where the hand no longer is; the next tick trips.
+  device_.write(watchdog_ && watchdog_->tooLate() ? DeviceOutput{} : felt_);
   publish(tool.pose);
 
   record(input, tool.pose, rendered, count(start_ns));
@@ -164,11 +171,14 @@ LoopEnd HapticLoop::endWith(LoopEnd end, const DeviceInput& input, std::int64_t 
 }
 
 LoopEnd HapticLoop::run(const std::atomic<bool>& stop) noexcept {
-  if (parameters_.paced && !device_.simulated()) {
-    watchdog_.start();
+  const SignalStack stack;
+  if (watchdog_) {
+    watchdog_->start();
   }
   const LoopEnd end = runTicks(stop);
-  watchdog_.stop();
+  if (watchdog_) {
+    watchdog_->stop();
+  }
   device_.write({});
   return end;
 }
@@ -257,9 +267,9 @@ void HapticLoop::takeUpAgain() noexcept {
 /// How the loop is doing. After silence the hand is taken up again at once: the safety layer then shows it nothing for
 /// a while.
 LoopHealth HapticLoop::health() noexcept {
-  LoopHealth now{late_, watchdog_.barked()};
-  if (now.heartbeat_lost) {
-    watchdog_.takeUp();
+  LoopHealth now{late_, silent_};
+  if (silent_) {
+    watchdog_->takeUp();
   }
   now = believed_.value_or(now);
   believed_.reset();

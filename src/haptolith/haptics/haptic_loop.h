@@ -53,7 +53,8 @@ struct TripReport {
 class HapticLoop {
  public:
   /// @param keep_records  whether anyone will call takeRecords(); without, records are not kept.
-  /// @throws InvalidParameter as validate() of all parameters, and when the bed was made for another tick.
+  /// @throws InvalidParameter as validate() of all parameters, and when the bed was made for another tick; Failure when
+  /// there is no thread for the watchdog of a person's device.
   HapticLoop(Scene& scene, HapticDevice& device, const LoopParameters& parameters, bool keep_records,
              const HandlingParameters& handling = {});
 
@@ -122,7 +123,7 @@ class HapticLoop {
   Mapping mapping_;
   Coupling coupling_;
   SafetyLayer safety_;
-  Watchdog watchdog_;
+  std::optional<Watchdog> watchdog_;  ///< of a person's device, in step with the clock
   LoopStatistics statistics_;
   Movement hand_;                 ///< the last that could be believed, in the scene
   double opening_ = 1;            ///< of the jaws, 0 to 1
@@ -143,7 +144,8 @@ class HapticLoop {
   std::uint64_t published_ = 0;                ///< calls of publish()
   bool scene_changed_ = false;                 ///< before this tick
   bool failed_ = false;                        ///< the run ends with this tick
-  bool heartbeat_lost_ = false;                ///< before this tick
+  bool silent_ = false;                        ///< whether the loop was, for too long, before this tick
+  bool heartbeat_lost_ = false;                ///< before this tick; in a replay, as it was recorded
   bool late_ = false;                          ///< whether the last tick was
   double late_us_ = 0;                         ///< how late this one began
   bool hashes_ = false;

@@ -1,57 +1,232 @@
 #include "haptolith/haptics/last_resort.h"
 
+#include <pthread.h>
+#include <semaphore.h>
+#include <unistd.h>
+
+#include <algorithm>
 #include <array>
 #include <atomic>
+#include <cerrno>
 #include <csignal>
+#include <ctime>
+
+#include "haptolith/core/clock.h"
+#include "haptolith/core/start_thread.h"
 
 namespace haptolith {
 
 namespace {
 
-/// Signals that end a program unless somebody handles them; SIGINT and SIGTERM are handled in good order elsewhere.
-constexpr std::array kDeadly{SIGSEGV, SIGBUS, SIGFPE, SIGILL, SIGABRT, SIGSYS, SIGHUP, SIGQUIT, SIGXCPU, SIGXFSZ};
+/// A call of a device's library takes 2 ms at most when all is well, and a tick has some ten of them.
+constexpr std::int64_t kPatience_ns = 50'000'000;
+constexpr long kBetweenLooks_ns = 50'000;
 
-std::atomic<HapticDevice*> hand_at{nullptr};
-std::array<struct sigaction, kDeadly.size()> usual;
+constexpr std::array kCrashes{SIGSEGV, SIGBUS, SIGFPE, SIGILL, SIGABRT, SIGSYS, SIGTRAP};
+constexpr std::array kHalting{SIGTSTP, SIGTTIN, SIGTTOU};
+/// Do nothing unless somebody handles them, or cannot be handled.
+constexpr std::array kLeftAlone{SIGCHLD, SIGCONT, SIGURG, SIGWINCH, SIGKILL, SIGSTOP};
 
-void letGoAndDie(int signal) {
-  if (HapticDevice* device = hand_at.exchange(nullptr)) {
-    device->letGo();
-  }
-  std::signal(signal, SIG_DFL);
-  std::raise(signal);
+constexpr int kSignals = 65;  // Linux has 1 to 64
+constexpr int kFinish = -1;   // what the helper may be told, beside a signal
+constexpr int kTryRegardless = -2;
+
+template <std::size_t kCount>
+constexpr bool isOneOf(int signal, const std::array<int, kCount>& signals) noexcept {
+  return std::find(signals.begin(), signals.end(), signal) != signals.end();
 }
 
-void handleDeadlySignals() noexcept {
+// All that a handler of signals touches may be touched in one: lock-free atomics, and what POSIX names.
+static_assert(std::atomic<HapticDevice*>::is_always_lock_free && std::atomic<int>::is_always_lock_free);
+std::atomic<HapticDevice*> hand_at{nullptr};
+std::atomic<bool> dying{false};       ///< a signal that ends the program has come
+std::atomic<bool> done{false};        ///< and what can be done for the hand has been
+std::atomic<bool> helped{false};      ///< zero has been sent regardless
+std::atomic<bool> has_let_go{false};  ///< see letGoMeanwhile()
+std::atomic<int> told{0};             ///< to the helper
+sem_t call;                           ///< of the helper
+std::array<struct sigaction, kSignals> usual;
+std::array<bool, kSignals> handled{};
+
+void onSignal(int signal, siginfo_t* info, void* context);
+
+void handle(int signal) noexcept {
   struct sigaction action {};
-  action.sa_handler = letGoAndDie;
-  for (std::size_t i = 0; i < kDeadly.size(); ++i) {
-    sigaction(kDeadly[i], &action, &usual[i]);
-    if (usual[i].sa_handler == SIG_IGN) {  // somebody wants it to be harmless
-      sigaction(kDeadly[i], &usual[i], nullptr);
+  action.sa_sigaction = onSignal;
+  action.sa_flags = SA_SIGINFO | SA_ONSTACK | SA_RESTART;
+  sigfillset(&action.sa_mask);
+  sigaction(signal, &action, nullptr);
+}
+
+/// What the signal does when nobody handles it. Returns when a program that was halted goes on.
+void takeEffect(int signal) noexcept {
+  sigaction(signal, &usual[static_cast<std::size_t>(signal)], nullptr);
+  sigset_t only;
+  sigset_t before;
+  sigemptyset(&only);
+  sigaddset(&only, signal);
+  (void)std::raise(signal);
+  pthread_sigmask(SIG_UNBLOCK, &only, &before);
+  pthread_sigmask(SIG_SETMASK, &before, nullptr);
+  handle(signal);
+}
+
+template <class Condition>
+bool within(std::int64_t patience_ns, const Condition& met) noexcept {
+  const std::int64_t until_ns = monotonicNs() + patience_ns;
+  while (!met()) {
+    if (monotonicNs() > until_ns) {
+      return false;
+    }
+    const timespec moment{0, kBetweenLooks_ns};
+    nanosleep(&moment, nullptr);
+  }
+  return true;
+}
+
+/// Until the device has been let go, or this thread finds that it is itself what holds it up.
+LettingGo waitFor(const HapticDevice& device) noexcept {
+  LettingGo how = LettingGo::kUnderWay;
+  (void)within(kPatience_ns, [&] { return (how = device.lettingGo()) != LettingGo::kUnderWay; });
+  return how;
+}
+
+void callHelper(int what) noexcept {
+  told.store(what);
+  sem_post(&call);
+}
+
+/// Whether the thread that was interrupted caused the signal: when it is sent back, it does so again or is lost.
+bool causedHere(int signal, const siginfo_t& info) noexcept {
+  const bool sent = info.si_code <= 0;  // by kill(), raise() and the like, not by the kernel
+  return sent ? info.si_code == SI_TKILL && info.si_pid == getpid() : isOneOf(signal, kCrashes);
+}
+
+void onSignal(int signal, siginfo_t* info, void* /*context*/) {
+  const int error = errno;
+  const bool halts = isOneOf(signal, kHalting);
+  if (halts ? dying.load() : dying.exchange(true)) {  // another thread is at it
+    if (!halts) {
+      (void)within(3 * kPatience_ns, [] { return done.load(); });
+      takeEffect(signal);
+    }
+    errno = error;
+    return;
+  }
+  HapticDevice* const device = hand_at.load();
+  if (device != nullptr) {
+    device->letGo();
+    const LettingGo how = waitFor(*device);
+    if (how == LettingGo::kStuck && !causedHere(signal, *info)) {
+      callHelper(signal);
+      errno = error;
+      return;
+    }
+    if (how != LettingGo::kDone) {
+      callHelper(kTryRegardless);
+      (void)within(kPatience_ns, [] { return helped.load(); });
+    }
+  }
+  done = !halts;
+  takeEffect(signal);
+  has_let_go = true;
+  errno = error;
+}
+
+void help() noexcept {
+  while (true) {
+    while (sem_wait(&call) != 0) {
+    }
+    const int what = told.load();
+    if (what == kFinish) {
+      return;
+    }
+    HapticDevice* const device = hand_at.load();
+    if (device == nullptr) {
+      continue;
+    }
+    if (what == kTryRegardless) {
+      device->letGoRegardless();
+      helped = true;
+      continue;
+    }
+    (void)waitFor(*device);
+    done = !isOneOf(what, kHalting);
+    takeEffect(what);
+    has_let_go = true;
+  }
+}
+
+void handleAll() noexcept {
+  for (int signal = 1; signal < kSignals; ++signal) {
+    const auto at = static_cast<std::size_t>(signal);
+    handled[at] = false;
+    if (isOneOf(signal, kLeftAlone) || sigaction(signal, nullptr, &usual[at]) != 0) {  // glibc keeps two to itself
+      continue;
+    }
+    const bool is_default = (usual[at].sa_flags & SA_SIGINFO) == 0 && usual[at].sa_handler == SIG_DFL;
+    const bool is_ignored = (usual[at].sa_flags & SA_SIGINFO) == 0 && usual[at].sa_handler == SIG_IGN;
+    if (is_default || (isOneOf(signal, kCrashes) && !is_ignored)) {
+      handled[at] = true;
+      handle(signal);
     }
   }
 }
 
+/// Unless somebody else handles it by now.
 void handleAsUsual() noexcept {
-  for (std::size_t i = 0; i < kDeadly.size(); ++i) {
-    sigaction(kDeadly[i], &usual[i], nullptr);
+  for (int signal = 1; signal < kSignals; ++signal) {
+    const auto at = static_cast<std::size_t>(signal);
+    struct sigaction now {};
+    if (handled[at] && sigaction(signal, nullptr, &now) == 0 && now.sa_sigaction == onSignal) {
+      sigaction(signal, &usual[at], nullptr);
+    }
+  }
+}
+
+/// A thread that no signal ever interrupts.
+std::thread startHelper() {
+  sem_init(&call, 0, 0);
+  sigset_t all;
+  sigset_t before;
+  sigfillset(&all);
+  pthread_sigmask(SIG_SETMASK, &all, &before);
+  try {
+    std::thread helper = startThread("the helper that lets go of the hand when the program dies", help);
+    pthread_sigmask(SIG_SETMASK, &before, nullptr);
+    return helper;
+  } catch (...) {
+    pthread_sigmask(SIG_SETMASK, &before, nullptr);
+    throw;
   }
 }
 
 }  // namespace
 
-LastResort::LastResort(HapticDevice& device) noexcept : before_(hand_at.exchange(&device)) {
+LastResort::LastResort(HapticDevice& device) : before_(hand_at.load()) {
   if (before_ == nullptr) {
-    handleDeadlySignals();
+    dying = done = helped = has_let_go = false;
+    helper_ = startHelper();
+  }
+  hand_at = &device;
+  if (before_ == nullptr) {
+    handleAll();
   }
 }
 
 LastResort::~LastResort() {
-  hand_at = before_;
   if (before_ == nullptr) {
     handleAsUsual();
   }
+  hand_at = before_;
+  if (helper_.joinable()) {
+    callHelper(kFinish);
+    helper_.join();
+  }
+}
+
+bool LastResort::letGoMeanwhile() noexcept {
+  return has_let_go.exchange(false);
 }
 
 }  // namespace haptolith

@@ -12,6 +12,7 @@
 #include <thread>
 
 #include "haptolith/core/error.h"
+#include "haptolith/core/start_thread.h"
 
 namespace haptolith {
 
@@ -22,7 +23,7 @@ namespace {
 cpu_set_t usableCpus() {
   cpu_set_t usable;
   CPU_ZERO(&usable);
-  std::thread([&usable] {
+  startThread("finding out which CPUs there are", [&usable] {
     cpu_set_t all;
     std::memset(&all, 0xff, sizeof all);
     sched_setaffinity(0, sizeof all, &all);

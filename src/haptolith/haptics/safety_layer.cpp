@@ -52,6 +52,7 @@ const char* text(SafetyTrip trip) noexcept {
     case SafetyTrip::kMissedDeadlines: return "too many deadlines in a row were missed";
     case SafetyTrip::kHeartbeat: return "the loop did not answer in time";
     case SafetyTrip::kForceNotFinite: return "the force is no number";
+    case SafetyTrip::kImplausible: return "the device told a movement that no hand makes";
   }
   return "";
 }
@@ -66,6 +67,7 @@ SafetyLayer::SafetyLayer(const SafetyParameters& parameters, const DeviceLimits&
       soft_stop_s_(simulated ? 0 : parameters.soft_stop_s),
       most_misses_(parameters.most_misses),
       calm_ticks_(static_cast<int>(std::lround(parameters.calm_s / tick_s))),
+      plausibility_(limits.rate_hz, tick_s),
       passivity_({.stiffness_n_m = storage_n_m,
                   .delay_s = limits.delay_s,
                   .delay_known = limits.delay_known,
@@ -104,11 +106,15 @@ SafetyTrip SafetyLayer::reason(const DeviceInput& input, const LoopHealth& healt
   if (!isFinite(input)) {
     return SafetyTrip::kDeviceNotFinite;
   }
+  const bool plausible = simulated_ || plausibility_.observe(input);
   if ((input.pose.position_m - limits_.workspace_centre_m).norm() > kBeyondWorkspace * limits_.workspace_radius_m) {
     return SafetyTrip::kWorkspace;
   }
   if (health.heartbeat_lost) {
     return SafetyTrip::kHeartbeat;
+  }
+  if (!plausible) {
+    return SafetyTrip::kImplausible;
   }
   return !simulated_ && misses_ > most_misses_ ? SafetyTrip::kMissedDeadlines : SafetyTrip::kNone;
 }
@@ -125,6 +131,7 @@ void SafetyLayer::letGo(SafetyTrip why) noexcept {
 
 void SafetyLayer::restart() noexcept {
   presence_ = soft_start_s_ == 0 ? 1 : 0;
+  plausibility_.restart();
   passivity_.restart();
   held_ = {};
 }

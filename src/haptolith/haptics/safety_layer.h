@@ -4,6 +4,7 @@
 
 #include "haptolith/device/haptic_device.h"
 #include "haptolith/haptics/passivity.h"
+#include "haptolith/haptics/plausibility.h"
 #include "haptolith/haptics/safety_parameters.h"
 
 namespace haptolith {
@@ -18,6 +19,7 @@ enum class SafetyTrip : std::uint8_t {
   kMissedDeadlines = 5,  ///< too many in a row
   kHeartbeat = 6,        ///< the loop did not answer
   kForceNotFinite = 7,   ///< what the hand should have felt is no number
+  kImplausible = 8,      ///< no hand moves as the device told
 };
 
 [[nodiscard]] const char* text(SafetyTrip trip) noexcept;
@@ -79,6 +81,7 @@ class SafetyLayer {
   bool simulated_, damps_;
   double tick_s_, soft_start_s_, soft_stop_s_;
   int most_misses_, calm_ticks_;
+  Plausibility plausibility_;
   Passivity passivity_;
 
   SafetyTrip trip_ = SafetyTrip::kNone;

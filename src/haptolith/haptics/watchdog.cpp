@@ -3,33 +3,47 @@
 #include <cmath>
 
 #include "haptolith/core/clock.h"
+#include "haptolith/core/signal_stack.h"
+#include "haptolith/core/start_thread.h"
 #include "haptolith/haptics/real_time.h"
 
 namespace haptolith {
 
 Watchdog::Watchdog(HapticDevice& device, double patience_s)
-    : device_(device), patience_ns_(std::llround(patience_s * 1e9)) {}
+    : device_(device),
+      patience_ns_(std::llround(patience_s * 1e9)),
+      thread_(startThread("the watchdog that lets go of the hand", [this] { live(); })) {}
 
 Watchdog::~Watchdog() {
   stop();
+  state_ = State::kOver;
+  state_.notify_all();
+  thread_.join();
 }
 
-void Watchdog::start() {
+void Watchdog::start() noexcept {
   stop();
-  over_ = false;
-  beat();
-  thread_ = std::thread([this] { watch(); });
+  last_beat_ns_ = monotonicNs();
+  state_ = State::kWatching;
+  state_.notify_all();
 }
 
 void Watchdog::stop() noexcept {
-  if (thread_.joinable()) {
-    over_ = true;
-    thread_.join();
+  if (state_ == State::kWatching) {
+    state_ = State::kStopping;
+    state_.wait(State::kStopping);
   }
 }
 
-void Watchdog::beat() noexcept {
-  last_beat_ns_.store(monotonicNs(), std::memory_order_release);
+bool Watchdog::beat() noexcept {
+  const std::int64_t now_ns = monotonicNs();
+  const std::int64_t silent_ns = now_ns - last_beat_ns_.exchange(now_ns, std::memory_order_acq_rel);
+  return barked() || (watches() && silent_ns > patience_ns_);
+}
+
+bool Watchdog::tooLate() const noexcept {
+  const std::int64_t silent_ns = monotonicNs() - last_beat_ns_.load(std::memory_order_relaxed);
+  return barked() || (watches() && silent_ns > patience_ns_);
 }
 
 void Watchdog::takeUp() noexcept {
@@ -38,9 +52,22 @@ void Watchdog::takeUp() noexcept {
   device_.takeUp();
 }
 
-void Watchdog::watch() noexcept {
+void Watchdog::live() noexcept {
+  const SignalStack stack;
   (void)requestRealTime({});  // else whatever holds up the loop holds this up as well
-  while (!over_.load(std::memory_order_relaxed)) {
+  while (true) {
+    state_.wait(State::kIdle);
+    if (state_ == State::kOver) {
+      return;
+    }
+    watch();
+    state_ = State::kIdle;
+    state_.notify_all();
+  }
+}
+
+void Watchdog::watch() noexcept {
+  while (state_.load(std::memory_order_relaxed) == State::kWatching) {
     const std::int64_t silent_at_ns = last_beat_ns_.load(std::memory_order_acquire) + patience_ns_;
     const std::int64_t now_ns = monotonicNs();
     if (now_ns < silent_at_ns) {

@@ -8,36 +8,49 @@
 
 namespace haptolith {
 
-/// Lets go of the hand when the loop falls silent: from a thread of its own, since the loop cannot. One for a loop; it
-/// sleeps until start().
+/// Lets go of the hand when the loop falls silent: from a thread of its own, since the loop cannot. When it is the
+/// whole process that stood still, the loop may be the first to wake; so the loop itself asks, too, how long it was
+/// silent. One for a loop; it sleeps until start().
 class Watchdog {
  public:
   /// @param patience_s  the longest silence that is borne.
+  /// @throws Failure when the system grants no thread.
   Watchdog(HapticDevice& device, double patience_s);
   ~Watchdog();
   Watchdog(const Watchdog&) = delete;
   Watchdog& operator=(const Watchdog&) = delete;
 
-  /// Begins and ends to watch. start() and stop() wait and lock: before the first tick and after the last.
-  void start();
+  /// Begins and ends to watch: before the first tick and after the last. Once stop() has returned, it no longer touches
+  /// the device.
+  void start() noexcept;
   void stop() noexcept;
 
-  /// The loop lives. May be called in the tick.
-  void beat() noexcept;
+  /// The loop lives. Whether it has been silent for too long before, no matter who noticed. May be called in the tick.
+  [[nodiscard]] bool beat() noexcept;
 
-  /// Whether the hand has been let go since the last takeUp(). May be called in the tick.
+  /// Whether a force that was computed since the last beat() must not be shown any more: the hand has been let go since
+  /// the last takeUp(), or should have been. May be called in the tick.
+  [[nodiscard]] bool tooLate() const noexcept;
+
+  /// Whether this thread has let go of the hand since the last takeUp(). May be called in the tick.
   [[nodiscard]] bool barked() const noexcept { return barked_.load(std::memory_order_acquire); }
 
   /// The loop lives again, and gives the hand force again. In the tick.
   void takeUp() noexcept;
 
  private:
+  /// kIdle: nobody is watched, and the thread knows. kStopping: the thread has yet to notice.
+  enum class State : std::uint8_t { kIdle, kWatching, kStopping, kOver };
+
+  [[nodiscard]] bool watches() const noexcept { return state_.load(std::memory_order_relaxed) == State::kWatching; }
+  void live() noexcept;
   void watch() noexcept;
 
   HapticDevice& device_;
   std::int64_t patience_ns_;
   std::atomic<std::int64_t> last_beat_ns_{0};
-  std::atomic<bool> barked_{false}, over_{false};
+  std::atomic<bool> barked_{false};
+  std::atomic<State> state_{State::kIdle};
   std::thread thread_;
 };
 

@@ -2,11 +2,13 @@
 
 #include <chrono>
 
+#include "haptolith/core/start_thread.h"
+
 namespace haptolith {
 
 LoopThread::LoopThread(HapticLoop& loop, const LoopParameters& parameters, std::atomic<bool>& stop) : stop_(stop) {
   requireUsableCpu(parameters.cpu);
-  thread_ = std::thread([this, &loop, parameters] {
+  thread_ = startThread("the loop", [this, &loop, parameters] {
     real_time_ = requestRealTime(parameters);
     real_time_known_.store(true, std::memory_order_release);
     end_ = loop.run(stop_);

@@ -13,7 +13,8 @@ namespace haptolith {
 class LoopThread {
  public:
   /// @param stop  ends the loop when it becomes true; set by the destructor.
-  /// @throws InvalidParameter as requireUsableCpu(); then no thread has been started.
+  /// @throws InvalidParameter as requireUsableCpu(), Failure when the system grants no thread; then none has been
+  /// started.
   LoopThread(HapticLoop& loop, const LoopParameters& parameters, std::atomic<bool>& stop);
   ~LoopThread();
   LoopThread(const LoopThread&) = delete;

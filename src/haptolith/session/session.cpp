@@ -9,6 +9,7 @@
 #include "haptolith/bed/critical_step.h"
 #include "haptolith/core/error.h"
 #include "haptolith/device/open_device.h"
+#include "haptolith/scenario/scene_words.h"
 #include "haptolith/soil/soil_parameters.h"
 
 namespace haptolith {
@@ -31,6 +32,17 @@ std::vector<Vec3> centresOf(const std::vector<Float4>& positions) {
     centres_m.emplace_back(p.x, p.y, p.z);
   }
   return centres_m;
+}
+
+/// Before anything is made or moves.
+Scenario forItsHand(Scenario scenario, const HapticDevice* device) {
+  if (device == nullptr && scenario.device.kind != DeviceKind::kVirtualHand && !scenario.loop.paced) {
+    throw InvalidParameter("paced", "false",
+                           fmt::format("true (without --unpaced) while a person may hold the tool at the device '{}': "
+                                       "what a hand feels must keep time with the clock",
+                                       wordFor(kDeviceWords, scenario.device.kind)));
+  }
+  return scenario;
 }
 
 bool sameTool(const ToolParameters& a, const ToolParameters& b) {
@@ -73,7 +85,9 @@ Session::Showing Session::showAgain(const Scenario& scenario, const std::vector<
 
 Session::Session(Scenario scenario, bool keep_records, const SettleProgress& progress,
                  std::unique_ptr<HapticDevice> device)
-    : initial_(std::move(scenario)), wanted_(initial_), current_(showNew(initial_, progress)) {
+    : initial_(forItsHand(std::move(scenario), device.get())),
+      wanted_(initial_),
+      current_(showNew(initial_, progress)) {
   keepFresh(current_.fresh);
   if (!wanted_.hand.surface_m) {
     wanted_.hand.surface_m = current_.fresh->surface_m;
