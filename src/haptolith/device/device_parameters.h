@@ -11,7 +11,7 @@ enum class DeviceKind { kVirtualHand, kForceDimension, kInverse3, kSpaceMouse, k
 struct DeviceParameters {
   DeviceKind kind = DeviceKind::kVirtualHand;
   std::string id;  ///< which of several: its number, serial or name as `haptolith devices` prints it; empty: the first
-  std::string library;  ///< kForceDimension: the SDK's folder or library; empty: looked for
+  std::string library;  ///< kForceDimension: the SDK's folder or library; empty: looked for. Never from a file
   std::string address;  ///< kInverse3: of the service, kNetwork: to listen on; empty: the driver's usual one
 
   [[nodiscard]] bool operator==(const DeviceParameters&) const = default;
