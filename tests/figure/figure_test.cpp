@@ -1,19 +1,26 @@
 #include "haptolith/figure/figure.h"
 
+#include <fcntl.h>
 #include <fmt/format.h>
 #include <gmock/gmock.h>
+#include <sys/stat.h>
+#include <sys/wait.h>
 #include <unistd.h>
 
 #include <algorithm>
+#include <chrono>
 #include <cmath>
+#include <csignal>
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
+#include <functional>
 #include <regex>
 #include <sstream>
 #include <string>
 #include <utility>
 
+#include "haptolith/core/child_process.h"
 #include "haptolith/core/error.h"
 
 namespace haptolith {
@@ -141,6 +148,27 @@ TEST_F(FigureTest, ErrorsOfGnuplotAreToldAndLeaveNothingBehind) {
     EXPECT_THAT(failure.what(), testing::HasSubstr("with nonsense"));
   }
   EXPECT_EQ(filesInFolder(), 0u);
+}
+
+TEST_F(FigureTest, AGnuplotThatDoesNotEndIsKilledWithUs) {
+  const fs::path pipe = folder_ / "pipe";
+  ASSERT_EQ(mkfifo(pipe.c_str(), 0600), 0);
+  const Descriptor from(open(pipe.c_str(), O_RDONLY | O_NONBLOCK | O_CLOEXEC));
+  const pid_t us = fork();
+  if (us == 0) {  // another one of us
+    Figure figure(folder_ / "figure.svg", 400, 300);
+    figure.command(fmt::format("set print '{}'\nprint 'drawing'\nwhile (1) {{ x = 1 }}", pipe.string()));
+    figure.save();
+    _exit(0);
+  }
+  const std::function<bool()> never;
+  const Patience patience{.until = std::chrono::steady_clock::now() + std::chrono::minutes(1), .stopped = never};
+  std::string said;
+  ASSERT_TRUE(readSome(from, said, patience));
+  EXPECT_EQ(said, "drawing\n");
+  kill(us, SIGKILL);
+  waitpid(us, nullptr, 0);
+  EXPECT_FALSE(readSome(from, said, patience)) << "gnuplot has closed its end";
 }
 
 TEST_F(FigureTest, UnsavedFiguresLeaveNothingBehind) {

@@ -77,10 +77,10 @@ struct Figure::Process {
   std::string script;
 };
 
-Figure::Figure(const std::filesystem::path& path, int width_px, int height_px) {
-  const std::string terminal = terminalFor(path, width_px, height_px);
+Figure::Figure(const OutputFile& file, int width_px, int height_px) {
+  const std::string terminal = terminalFor(file.path, width_px, height_px);
   runGnuplot("");  // before anyone computes for minutes: is it there?
-  process_.reset(new Process{AtomicFile(path), path.string(), {}});
+  process_.reset(new Process{AtomicFile(file), file.path.string(), {}});
   command(fmt::format("set terminal {}", terminal));
   command(kStyle);
 }

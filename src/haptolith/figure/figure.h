@@ -1,11 +1,12 @@
 #pragma once
 
 #include <cstddef>
-#include <filesystem>
 #include <memory>
 #include <string>
 #include <string_view>
 #include <vector>
+
+#include "haptolith/core/atomic_file.h"
 
 namespace haptolith {
 
@@ -23,9 +24,9 @@ inline constexpr std::size_t kFigureTextLetters = 300;
 ///     figure.save();
 class Figure {
  public:
-  /// @throws InvalidParameter when the extension is neither .svg nor .png; Failure when the file cannot be written or
+  /// @throws InvalidParameter when the extension is neither .svg nor .png; Failure as AtomicFile, or when
   /// gnuplot is not installed.
-  Figure(const std::filesystem::path& path, int width_px, int height_px);
+  Figure(const OutputFile& file, int width_px, int height_px);
   ~Figure();
 
   /// Defines the data block `$name`, one row a line; NaN leaves a gap.

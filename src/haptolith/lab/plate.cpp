@@ -78,8 +78,7 @@ PlateResult plateTest(const LabConditions& conditions, const PlateOptions& optio
   return result;
 }
 
-void drawPlate(const std::filesystem::path& file, const PlateResult& result,
-               const std::vector<MeasuredPlate>& measured) {
+void drawPlate(const OutputFile& file, const PlateResult& result, const std::vector<MeasuredPlate>& measured) {
   Figure figure(file, 900, 600);
   std::vector<std::vector<double>> simulated;
   std::vector<std::vector<double>> fitted;
