@@ -1,11 +1,14 @@
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
+#include <spdlog/pattern_formatter.h>
 #include <spdlog/sinks/stdout_color_sinks.h>
 #include <spdlog/spdlog.h>
 #include <unistd.h>
 
 #include <csignal>
 #include <cstdlib>
+#include <ctime>
+#include <memory>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -13,6 +16,7 @@
 #include "haptolith/bed/simd_target.h"
 #include "haptolith/core/error.h"
 #include "haptolith/core/nearest_word.h"
+#include "haptolith/core/plain_text.h"
 
 #include "bench_command.h"
 #include "completion.h"
@@ -60,9 +64,23 @@ void addCommands(CLI::App& app) {
   addCompletionCommand(app);
 }
 
+/// A message without what a terminal would obey: texts of files are in it.
+class PlainMessage : public spdlog::custom_flag_formatter {
+ public:
+  void format(const spdlog::details::log_msg& message, const std::tm&, spdlog::memory_buf_t& to) override {
+    const std::string plain = plainText({message.payload.data(), message.payload.size()}, Lines::kSeveral);
+    to.append(plain.data(), plain.data() + plain.size());
+  }
+  [[nodiscard]] std::unique_ptr<spdlog::custom_flag_formatter> clone() const override {
+    return std::make_unique<PlainMessage>();
+  }
+};
+
 void logToStandardError() {
   auto logger = spdlog::stderr_color_mt("haptolith");
-  logger->set_pattern("%n: %^%l%$: %v");
+  auto formatter = std::make_unique<spdlog::pattern_formatter>();
+  formatter->add_flag<PlainMessage>('*').set_pattern("%n: %^%l%$: %*");
+  logger->set_formatter(std::move(formatter));
   spdlog::set_default_logger(std::move(logger));
 }
 
