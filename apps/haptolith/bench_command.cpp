@@ -23,6 +23,7 @@
 #include "histogram_json.h"
 #include "lab_options.h"
 #include "output.h"
+#include "overwrite.h"
 #include "stop_on_signal.h"
 
 namespace haptolith {
@@ -41,6 +42,7 @@ struct BenchOptions {
   double seconds = 1;
   bool json = false;
   std::string figure_file;
+  Overwrite overwrite;
 };
 
 /// One line of the table.
@@ -174,8 +176,8 @@ std::string rowText(const BenchRow& row) {
       1e-6 * row.particleStepsPerSecond(), row.relisting_us.max(), row.bytes_per_particle);
 }
 
-void drawBench(const std::string& path, const std::vector<BenchRow>& rows) {
-  Figure figure(path, 900, 600);
+void drawBench(const OutputFile& file, const std::vector<BenchRow>& rows) {
+  Figure figure(file, 900, 600);
   std::string plot = "plot 1000 with lines dashtype 2 linecolor rgb '#888888' title 'one tick of 1 kHz'";
   std::map<std::pair<FrictionModel, int>, std::vector<std::vector<double>>> curves;
   for (const BenchRow& row : rows) {
@@ -202,7 +204,7 @@ void drawBench(const std::string& path, const std::vector<BenchRow>& rows) {
 void runBench(const BenchOptions& options) {
   const StopOnSignal stop_on_signal;
   StatusLine status;
-  requireWritable({options.figure_file});
+  requireWritable({options.overwrite(options.figure_file)});
   for (const int particles : options.particles) {
     requireInRange("particles", particles, {1, kMostParticles});
   }
@@ -220,7 +222,7 @@ void runBench(const BenchOptions& options) {
   }
   status.clear();
   if (!options.figure_file.empty()) {
-    drawBench(options.figure_file, rows);
+    drawBench(options.overwrite(options.figure_file), rows);
   }
   if (options.json) {
     Json all = Json::array();
@@ -273,6 +275,7 @@ void addBenchCommand(CLI::App& app) {
                       "let soil sleep in which nothing moves faster [all stays awake]");
   command->add_option("--seconds", options->seconds, "of simulated time for each row")->capture_default_str();
   command->add_option("--figure", options->figure_file, "draw ticks over particles: FILE.svg or FILE.png");
+  options->overwrite.addTo(*command);
   command->add_flag("--json", options->json, "print one JSON object instead of a table");
   command->footer(
       "Examples:\n  haptolith bench --particles 256,2000 --threads 1\n  haptolith bench --figure bench.svg\n"

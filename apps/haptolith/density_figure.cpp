@@ -106,7 +106,7 @@ void addLinearModel(Curves& curves, const DensityFigure& wanted) {
 
 }  // namespace
 
-void drawDensityFigure(const std::filesystem::path& path, const DensityFigure& wanted) {
+void drawDensityFigure(const OutputFile& path, const DensityFigure& wanted) {
   Figure figure(path, 1080, 640);
   figure.command(fmt::format(R"(
 set xlabel 'bulk density / (kg/m^3)'

@@ -1,8 +1,8 @@
 #pragma once
 
-#include <filesystem>
 #include <string>
 
+#include "haptolith/core/atomic_file.h"
 #include "haptolith/soil/soil_parameters.h"
 
 namespace haptolith {
@@ -18,6 +18,6 @@ struct DensityFigure {
 /// emphasised, and the linear model with the paper's k = 100 N/m (at R = 7 mm); else the soil alone. With both, the
 /// lunar law and the measured band means.
 /// @throws as Figure.
-void drawDensityFigure(const std::filesystem::path& path, const DensityFigure& wanted);
+void drawDensityFigure(const OutputFile& path, const DensityFigure& wanted);
 
 }  // namespace haptolith

@@ -18,6 +18,7 @@
 #include "haptolith/recording/recording_reader.h"
 
 #include "output.h"
+#include "overwrite.h"
 #include "stop_on_signal.h"
 
 namespace haptolith {
@@ -35,6 +36,7 @@ constexpr std::uint64_t kBlock = 4096;  // rows that are read at a time
 
 struct ExportOptions {
   std::string file, format, out;
+  Overwrite overwrite;
 };
 
 /// Tells how far it is; ends the work when somebody asks for that.
@@ -51,14 +53,26 @@ class Progress {
     }
   }
 
+  void end() { status_.clear(); }
+
  private:
   const StopOnSignal stop_on_signal_;
   StatusLine status_;
   std::string of_;
 };
 
+/// Where to, when nobody says: run.csv for run.h5. Never the recording's own name.
 fs::path outFor(const ExportOptions& options, const char* extension) {
-  return options.out.empty() ? fs::path(options.file).replace_extension(extension) : fs::path(options.out);
+  if (!options.out.empty()) {
+    return options.out;
+  }
+  const fs::path file = options.file;
+  return file.extension() == ".h5" ? fs::path(file).replace_extension(extension)
+                                   : fs::path(file.string() + (*extension == '\0' ? ".vtk" : extension));
+}
+
+void tellOf(const fs::path& out, std::uint64_t count, std::string_view what) {
+  printText(fmt::format("saved {}: {} {}\n", out.string(), count, what));
 }
 
 void requireFrames(const RecordingReader& recording, const ExportOptions& options) {
@@ -69,7 +83,8 @@ void requireFrames(const RecordingReader& recording, const ExportOptions& option
 
 /// Every tick as a row, every number so that it reads back as the same.
 void exportCsv(const RecordingReader& recording, const ExportOptions& options) {
-  AtomicFile file(outFor(options, ".csv"));
+  const fs::path out = outFor(options, ".csv");
+  AtomicFile file(options.overwrite(out.string()));
   Progress progress("tick");
   std::string text = csvHeader();
   for (std::uint64_t first = 0; first < recording.ticks(); first += kBlock) {
@@ -82,6 +97,8 @@ void exportCsv(const RecordingReader& recording, const ExportOptions& options) {
   }
   file.write(text);
   file.commit();
+  progress.end();
+  tellOf(out, recording.ticks(), "ticks");
 }
 
 std::string escaped(std::string_view text) {
@@ -120,7 +137,7 @@ void exportXdmf(const RecordingReader& recording, const ExportOptions& options) 
                     options.file, options.file));
   }
   const fs::path out = outFor(options, ".xdmf");
-  AtomicFile file(out);
+  AtomicFile file(options.overwrite(out.string()));
   const std::string data = escaped(fs::proximate(options.file, fs::absolute(out).parent_path()).string());
   const std::vector<FrameRow> frames = framesOf(recording);
   std::uint64_t rows = 0;
@@ -148,6 +165,7 @@ void exportXdmf(const RecordingReader& recording, const ExportOptions& options) 
   }
   file.write("</Grid>\n</Domain>\n</Xdmf>\n");
   file.commit();
+  tellOf(out, frames.size(), "pictures of the particles");
 }
 
 template <class T>
@@ -202,6 +220,8 @@ void exportVtk(const RecordingReader& recording, const ExportOptions& options) {
   }
   folder.write(out.filename().string() + ".pvd", collection + "</Collection></VTKFile>\n");
   folder.commit();
+  progress.end();
+  tellOf(out, frames.size(), "pictures of the particles");
 }
 
 void exportRecording(const ExportOptions& options) {
@@ -228,6 +248,7 @@ void addExportCommand(CLI::App& app) {
       ->option_text("csv|xdmf|vtk");
   command->add_option("--out", options->out, "Where to: a file, for vtk a new folder [named after the recording]")
       ->option_text("PATH");
+  options->overwrite.addTo(*command);
   command->callback([options] { exportRecording(*options); });
 }
 

@@ -16,6 +16,12 @@ namespace {
 
 using Words = std::vector<std::string>;
 
+/// An hour of film takes some hours of a processor.
+constexpr std::chrono::hours kMostCpu{24};
+
+/// Between two pictures, and for the last of them.
+constexpr std::chrono::minutes kPatience{10};
+
 /// What is asked of the encoder: no film that shows grains as mud, none that takes minutes.
 Words encoderFor(const std::filesystem::path& path) {
   if (path.extension() == ".mp4") {
@@ -35,40 +41,37 @@ ChildProcess::Command commandFor(const std::filesystem::path& path, const std::s
               "-color_primaries", "bt709", "-color_trc", "bt709"};
   const Words encoder = encoderFor(path);
   words.insert(words.end(), encoder.begin(), encoder.end());
-  words.insert(words.end(), {"-y", output});
-  return {.arguments = std::move(words), .package = "ffmpeg", .environment = {}};
+  words.insert(words.end(), {"-y", "file:" + output});  // whatever the name looks like
+  return {.arguments = std::move(words), .package = "ffmpeg", .environment = {}, .most_cpu = kMostCpu};
 }
 
-AtomicFile fileFor(const std::filesystem::path& path) {
-  (void)encoderFor(path);  // a wrong ending is told before anything is written
-  return AtomicFile(path);
+AtomicFile fileFor(const OutputFile& file) {
+  (void)encoderFor(file.path);  // a wrong ending is told before anything is written
+  return AtomicFile(file);
 }
 
 }  // namespace
 
-FilmFile::FilmFile(const std::filesystem::path& path, double pictures_per_s)
-    : path_(path.string()),
-      file_(fileFor(path)),
+FilmFile::FilmFile(const OutputFile& file, double pictures_per_s)
+    : path_(file.path.string()),
+      file_(fileFor(file)),
       words_(temporaryFile()),
-      ffmpeg_(commandFor(path, file_.temporaryPath().string(), pictures_per_s),
+      ffmpeg_(commandFor(file.path, file_.temporaryPath().string(), pictures_per_s),
               {{pictures_.to_read, STDIN_FILENO}, {words_, STDOUT_FILENO}, {words_, STDERR_FILENO}}) {
   pictures_.to_read.close();
 }
 
 void FilmFile::add(std::string_view png) {
-  if (!writeAll(pictures_.to_write, png, {.stopped = [] { return stopAsked().load(); }})) {
+  if (!writeAll(pictures_.to_write, png, {.until = std::chrono::steady_clock::now() + kPatience, .stopped = [] {
+                                            return stopAsked().load();
+                                          }})) {
     fail();
   }
 }
 
 void FilmFile::save() {
   pictures_.to_write.close();
-  while (!ffmpeg_.endsWithin(std::chrono::milliseconds(100))) {
-    if (stopAsked()) {
-      throw Failure("interrupted");
-    }
-  }
-  if (!ffmpeg_.wait()) {
+  if (!ffmpeg_.wait(kPatience)) {
     fail();
   }
   file_.commit();

@@ -1,6 +1,5 @@
 #pragma once
 
-#include <filesystem>
 #include <string>
 #include <string_view>
 
@@ -13,7 +12,7 @@ namespace haptolith {
 class FilmFile {
  public:
   /// @throws InvalidParameter for another ending; Failure when the file cannot be written or ffmpeg is not installed.
-  FilmFile(const std::filesystem::path& path, double pictures_per_s);
+  FilmFile(const OutputFile& file, double pictures_per_s);
 
   /// Adds a picture, the bytes of a PNG. @throws Failure with ffmpeg's words; when the work is stopped.
   void add(std::string_view png);

@@ -32,17 +32,17 @@ using Json = nlohmann::ordered_json;
 void runTest(const LabTest& test, const LabOptions& options) {
   const StopOnSignal stop_on_signal;
   StatusLine status;
-  requireWritable({options.trace_file, options.figure_file});
+  requireWritable({options.overwrite(options.trace_file), options.overwrite(options.figure_file)});
   const LabSoil soil = labSoil(options, test.radius_mm);
   const LabConditions conditions = labConditions(options, soil, status);
   const LabOutput output = test.run(soil, conditions);
   status.clear();
   if (!options.trace_file.empty()) {
-    saveTrace(options.trace_file, output.trace);
+    saveTrace(options.overwrite(options.trace_file), output.trace);
   }
   const std::string circumstances = circumstancesText(options, soil, conditions);
   if (!options.figure_file.empty()) {
-    output.draw(options.figure_file, circumstances);
+    output.draw(options.overwrite(options.figure_file), circumstances);
   }
   if (options.json) {
     Json document{{"test", test.name}};
@@ -74,6 +74,7 @@ struct CalibrateCommand {
   std::uint64_t seed = 1;
   int threads = 0;
   int specimens = CalibrateSoilOptions{}.verification_seeds;
+  Overwrite overwrite;
   bool json = false;
 };
 
@@ -83,7 +84,7 @@ void runCalibrateSoil(const CalibrateCommand& command) {
   LabOptions lab;
   lab.threads = command.threads;
   const LabConditions conditions = labConditions(lab, labSoil(lab, 0), status);
-  requireWritable({command.out_file});
+  requireWritable({command.overwrite(command.out_file)});
   CalibrateSoilOptions options;
   requireInRange("radius_mm", command.radius_mm, {0.5, 20});
   options.radius_m = command.radius_mm / 1e3;
@@ -97,7 +98,10 @@ void runCalibrateSoil(const CalibrateCommand& command) {
   status.clear();
   const SoilReached& reached = result.reached;
   if (!command.out_file.empty()) {
-    saveSoilFile(command.out_file, {command.name, command.source, command.target, result.soil, reached});
+    const OutputFile out = command.overwrite(command.out_file);
+    const std::filesystem::path made = temporaryBeside(out.path, "part");
+    saveSoilFile(made, {command.name, command.source, command.target, result.soil, reached});
+    giveName(made, out.path, out.if_there);
   }
   if (command.json) {
     printJson({{"friction_angle_deg", reached.friction_angle_deg},
@@ -148,6 +152,7 @@ void addCalibrate(CLI::App& lab) {
                   "of the contacts [they give way by 2.8 % of the radius at 3 kPa]");
   app->add_option("--body", command->body, "where the soil has that density")->capture_default_str();
   app->add_option("--out", command->out_file, "soil file to write, for --soil: FILE.toml");
+  command->overwrite.addTo(*app);
   app->add_option("--name", command->name, "the soil's name in that file [the file's name]");
   app->add_option("--source", command->source, "where the target comes from, for that file");
   app->add_option("--specimens", command->specimens, "to verify with, 2 or more, each from another seed")

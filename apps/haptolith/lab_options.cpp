@@ -49,6 +49,7 @@ void LabOptions::addTo(CLI::App& command) {
   command.add_option("--threads", threads, "threads to use; the result is the same [all]")->check(CLI::Range(1, 256));
   command.add_option("--figure", figure_file, "draw what was measured: FILE.svg or FILE.png");
   command.add_option("--trace", trace_file, "write what was measured over time: FILE.csv");
+  overwrite.addTo(command);
   command.add_flag("--json", json, "print one JSON object instead of a table");
 }
 
@@ -103,21 +104,21 @@ std::string circumstancesText(const LabOptions& options, const LabSoil& soil, co
                      conditions.soil.radius_m / kMm, conditions.seed);
 }
 
-void requireWritable(std::initializer_list<std::string> paths) {
-  for (const std::string& path : paths) {
-    if (!path.empty()) {
-      const AtomicFile left_unfinished(path);
+void requireWritable(const std::vector<OutputFile>& files) {
+  for (const OutputFile& file : files) {
+    if (!file.path.empty()) {
+      const AtomicFile left_unfinished(file);
     }
   }
 }
 
-void saveTrace(const std::string& path, const LabTrace& trace) {
-  AtomicFile file(path);
-  file.write(fmt::format("{}\n", fmt::join(trace.columns, ",")));
+void saveTrace(const OutputFile& file, const LabTrace& trace) {
+  AtomicFile whole(file);
+  whole.write(fmt::format("{}\n", fmt::join(trace.columns, ",")));
   for (const std::vector<double>& row : trace.rows) {
-    file.write(fmt::format("{:.7g}\n", fmt::join(row, ",")));
+    whole.write(fmt::format("{:.7g}\n", fmt::join(row, ",")));
   }
-  file.commit();
+  whole.commit();
 }
 
 }  // namespace haptolith

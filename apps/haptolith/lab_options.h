@@ -3,12 +3,14 @@
 #include <nlohmann/json.hpp>
 
 #include <cstdint>
-#include <initializer_list>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "haptolith/lab/laboratory.h"
 #include "haptolith/soil/soil_target.h"
+
+#include "overwrite.h"
 
 namespace CLI {
 class App;
@@ -28,6 +30,7 @@ struct LabOptions {
   int threads = 0;  ///< 0: as many as the machine has
   bool json = false;
   std::string figure_file, trace_file;
+  Overwrite overwrite;
 
   /// The command's options; a test without a figure or trace leaves those out.
   void addTo(CLI::App& command);
@@ -51,11 +54,11 @@ struct LabSoil {
 [[nodiscard]] std::string circumstancesText(const LabOptions& options, const LabSoil& soil,
                                             const LabConditions& conditions);
 
-/// Hours of work must not end in a file that cannot be written: tries each path that is not empty.
+/// Hours of work must not end in a file that cannot be written: tries each whose path is not empty.
 /// @throws Failure with the path and the system's reason.
-void requireWritable(std::initializer_list<std::string> paths);
+void requireWritable(const std::vector<OutputFile>& files);
 
 /// Writes a trace as CSV, whole or not at all.
-void saveTrace(const std::string& path, const LabTrace& trace);
+void saveTrace(const OutputFile& file, const LabTrace& trace);
 
 }  // namespace haptolith

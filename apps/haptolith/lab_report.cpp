@@ -94,7 +94,7 @@ void addRows(ReportPage& page, const LabTest& test, const Outcome& pairwise, con
 
 void runReport(const LabOptions& options, const std::string& out_file) {
   const StopOnSignal stop_on_signal;
-  requireWritable({out_file});
+  requireWritable({options.overwrite(out_file)});
   const TemporaryFolder folder;
   StatusLine status;
   LabSoil soil = labSoil(options, 0);
@@ -129,14 +129,14 @@ void runReport(const LabOptions& options, const std::string& out_file) {
         const std::string caption = fmt::format("{}, {} friction", nameOf(test), wordFor(kFrictionWords, model));
         const std::filesystem::path figure =
             folder.path() / fmt::format("{}-{}.png", test.name, wordFor(kFrictionWords, model));
-        outcome.output->draw(figure.string(), caption);
+        outcome.output->draw(figure, caption);
         page.figures.push_back({figure, caption});
       }
     }
     addRows(page, test, outcomes[0], outcomes[1]);
   }
   status.clear();
-  saveReport(out_file, page);
+  saveReport(options.overwrite(out_file), page);
   printText(fmt::format("saved {}\n", out_file));
 }
 

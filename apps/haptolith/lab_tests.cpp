@@ -97,7 +97,7 @@ LabOutput settleOutput(const LabConditions& conditions, const SettleOptions& opt
   }
   output.json = {{"depth_m", result.depth_m}, {"settled_after_s", result.time_s}, {"bands", bands}, {"slices", slices}};
   output.trace = result.trace;
-  output.draw = [conditions, result](const std::string& path, const std::string& title) {
+  output.draw = [conditions, result](const OutputFile& path, const std::string& title) {
     drawSettle(path, conditions, result, title);
   };
   return output;
@@ -174,7 +174,7 @@ LabOutput shearOutput(const LabSoil& soil, const LabConditions& conditions, cons
                  {"cohesion_se_pa", result.residual.cohesion_se_pa},
                  {"bulk_density_kg_m3", result.bulk_density_kg_m3}};
   output.findings = shearFindings(result, soil);
-  output.draw = [result](const std::string& path, const std::string& title) { drawShear(path, result, title); };
+  output.draw = [result](const OutputFile& path, const std::string& title) { drawShear(path, result, title); };
   return output;
 }
 
@@ -223,7 +223,7 @@ LabOutput reposeOutput(const LabSoil& soil, const LabConditions& conditions, con
                    fmt::format("{:.1f}°", degrees(result.angle_rad)), degrees(result.angle_rad) - wanted, 3)
             : LabFinding{"angle of repose, without cohesion", "", fmt::format("{:.1f}°", degrees(result.angle_rad))}};
   output.trace = result.trace;
-  output.draw = [result](const std::string& path, const std::string&) { drawRepose(path, result); };
+  output.draw = [result](const OutputFile& path, const std::string&) { drawRepose(path, result); };
   return output;
 }
 
@@ -267,7 +267,7 @@ LabOutput cutOutput(const LabSoil& soil, const LabConditions& conditions, const 
        result.stands ? "stands" : fmt::format("{:.0f} % of the height is left", 100 * result.height_kept),
        soil.target ? verdict(result.stands == cohesive) : Verdict::kInfo}};
   output.trace = result.trace;
-  output.draw = [result](const std::string& path, const std::string&) { drawCut(path, result); };
+  output.draw = [result](const OutputFile& path, const std::string&) { drawCut(path, result); };
   return output;
 }
 
@@ -308,7 +308,7 @@ LabOutput plateOutput(const LabConditions& conditions, const PlateOptions& optio
   output.findings = {{fmt::format("pressure of a {:.0f} mm plate, p = k z^n", options.diameter_m / kMm), "",
                       fmt::format("k = {:.3g} Pa/m^n, n = {:.2f}", result.fit.modulus, result.fit.exponent)}};
   output.trace = result.trace;
-  output.draw = [result](const std::string& path, const std::string&) { drawPlate(path, result); };
+  output.draw = [result](const OutputFile& path, const std::string&) { drawPlate(path, result); };
   return output;
 }
 
@@ -349,7 +349,7 @@ LabOutput coneOutput(const LabConditions& conditions, const ConeOptions& options
   output.findings = {{"cone index", "",
                       fmt::format("{:.3g} kPa, {:.3g} kPa/m", result.cone_index_pa / 1e3, result.gradient_pa_m / 1e3)}};
   output.trace = result.trace;
-  output.draw = [result](const std::string& path, const std::string&) { drawCone(path, result); };
+  output.draw = [result](const OutputFile& path, const std::string&) { drawCone(path, result); };
   return output;
 }
 
@@ -434,7 +434,7 @@ LabOutput bladeOutput(const LabSoil& soil, const LabConditions& conditions, Blad
     output.findings.front().verdict = Verdict::kInfo;
   }
   output.trace = result.trace;
-  output.draw = [result](const std::string& path, const std::string&) { drawBlade(path, result); };
+  output.draw = [result](const OutputFile& path, const std::string&) { drawBlade(path, result); };
   return output;
 }
 
@@ -505,7 +505,7 @@ LabOutput funnelOutput(const LabConditions& conditions, const FunnelOptions& opt
                       widest_clogged > 0 ? fmt::format("up to {:.1f} diameters", widest_clogged) : "never",
                       verdict(widest_clogged > 0 && widest_clogged <= 8 && narrowest_running >= 3)}};
   output.trace = result.trace;
-  output.draw = [result](const std::string& path, const std::string&) { drawFunnel(path, result); };
+  output.draw = [result](const OutputFile& path, const std::string&) { drawFunnel(path, result); };
   return output;
 }
 
@@ -549,7 +549,7 @@ LabOutput carryOutput(const LabConditions& conditions, const CarryOptions& optio
                      near("drag felt over weight, 0.1 m/s", "below 3 % (Newton)",
                           fmt::format("{:.3f}", result.drag_ratio), result.drag_ratio, 0.03)};
   output.trace = result.trace;
-  output.draw = [result](const std::string& path, const std::string& title) { drawCarry(path, result, title); };
+  output.draw = [result](const OutputFile& path, const std::string& title) { drawCarry(path, result, title); };
   return output;
 }
 
@@ -575,7 +575,7 @@ LabOutput fallOutput(const LabConditions& conditions, const FallOptions& options
   output.findings = {near("acceleration of a falling clump over g", "1 ± 0.1 % (Newton)",
                           fmt::format("{:.5f}", result.acceleration_ratio), result.acceleration_ratio - 1, 0.001)};
   output.trace = result.trace;
-  output.draw = [result](const std::string& path, const std::string& title) { drawFall(path, result, title); };
+  output.draw = [result](const OutputFile& path, const std::string& title) { drawFall(path, result, title); };
   return output;
 }
 

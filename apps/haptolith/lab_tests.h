@@ -26,7 +26,7 @@ struct LabOutput {
   std::string text;  ///< a table
   LabTrace trace;
   std::vector<LabFinding> findings;
-  std::function<void(const std::string& path, const std::string& title)> draw;
+  std::function<void(const OutputFile& file, const std::string& title)> draw;
 };
 
 /// A test of the laboratory as the command line knows it.

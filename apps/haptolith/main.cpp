@@ -15,6 +15,7 @@
 #include "haptolith/bed/simd_target.h"
 #include "haptolith/core/error.h"
 #include "haptolith/core/nearest_word.h"
+#include "haptolith/core/plain_text.h"
 
 #include "bench_command.h"
 #include "completion.h"
@@ -62,17 +63,20 @@ void addCommands(CLI::App& app) {
   addCompletionCommand(app);
 }
 
-/// The log on standard error, which waits for no terminal.
+/// The log on standard error, which waits for no terminal. Texts of files are in its messages: what a terminal would obey
+/// is taken out of them.
 class PostingSink final : public spdlog::sinks::base_sink<std::mutex> {
  protected:
   void sink_it_(const spdlog::details::log_msg& message) override {
+    const std::string plain = plainText({message.payload.data(), message.payload.size()}, Lines::kSeveral);
+    const spdlog::details::log_msg harmless(message.time, message.source, message.logger_name, message.level, plain);
     spdlog::memory_buf_t line;
-    formatter_->format(message, line);
+    formatter_->format(harmless, line);
     std::string text(line.data(), line.size());
-    if (coloured_ && message.color_range_end > message.color_range_start) {
+    if (coloured_ && harmless.color_range_end > harmless.color_range_start) {
       const bool grave = message.level >= spdlog::level::err;
-      text.insert(message.color_range_end, "\033[0m");
-      text.insert(message.color_range_start, grave ? "\033[1;31m" : "\033[1;33m");
+      text.insert(harmless.color_range_end, "\033[0m");
+      text.insert(harmless.color_range_start, grave ? "\033[1;31m" : "\033[1;33m");
     }
     post(std::move(text));
   }

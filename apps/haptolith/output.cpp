@@ -4,6 +4,7 @@
 #include <nlohmann/json.hpp>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cerrno>
 #include <condition_variable>
 #include <cstdio>
@@ -11,11 +12,14 @@
 #include <cstring>
 #include <deque>
 #include <mutex>
+#include <new>
+#include <string>
 #include <thread>
 #include <utility>
 
 #include "haptolith/core/clock.h"
 #include "haptolith/core/error.h"
+#include "haptolith/core/plain_text.h"
 
 namespace haptolith {
 
@@ -108,6 +112,12 @@ Posted& posted() {
 
 constexpr std::int64_t kUpdateIntervalNs = 100'000'000;
 constexpr std::string_view kEraseLine = "\r\033[K";
+
+void writeNotice(std::string_view text) noexcept {
+  std::fwrite(text.data(), 1, text.size(), stderr);
+  std::fflush(stderr);
+}
+
 }  // namespace
 
 void post(std::string text) {
@@ -118,8 +128,33 @@ void printPosted() noexcept {
   posted().printAll();
 }
 
-void printText(std::string_view text) {
+namespace {
+
+/// Text comes from files, too: whatever a terminal would obey is shown instead, but for the colours (\033[32m) that we
+/// set ourselves, which do no harm.
+std::string forTerminal(std::string_view text) {
+  std::string result;
+  while (!text.empty()) {
+    const std::size_t escape = std::min(text.find('\033'), text.size());
+    result += plainText(text.substr(0, escape), Lines::kSeveral);
+    text.remove_prefix(escape);
+    if (text.empty()) {
+      break;
+    }
+    const std::size_t end = text.find_first_not_of("0123456789;", std::min<std::size_t>(2, text.size()));
+    const bool colour = text.starts_with("\033[") && end != std::string_view::npos && text[end] == 'm';
+    const std::size_t size = colour ? end + 1 : 1;
+    result += colour ? std::string(text.substr(0, size)) : plainText(text.substr(0, size));
+    text.remove_prefix(size);
+  }
+  return result;
+}
+
+}  // namespace
+
+void printText(std::string_view given) {
   printPosted();
+  const std::string text = forTerminal(given);
   if (std::fwrite(text.data(), 1, text.size(), stdout) != text.size() || std::fflush(stdout) != 0) {
     throw Failure(fmt::format("cannot write to standard output: {}", std::strerror(errno)));
   }
@@ -132,8 +167,11 @@ void printJson(const nlohmann::ordered_json& object) {
 
 void printNotice(std::string_view text) noexcept {
   printPosted();
-  std::fwrite(text.data(), 1, text.size(), stderr);
-  std::fflush(stderr);
+  try {
+    writeNotice(forTerminal(text));
+  } catch (const std::bad_alloc&) {
+    writeNotice("haptolith: out of memory\n");
+  }
 }
 
 bool isTerminal(int descriptor) noexcept {
@@ -166,7 +204,7 @@ void StatusLine::update(std::string_view text) {
     return;
   }
   next_ns_ = monotonicNs() + kUpdateIntervalNs;
-  posted().post(fmt::format("{}{}{}{}", kEraseLine, coloured_ ? "\033[36m" : "", text, coloured_ ? "\033[0m" : ""),
+  posted().post(fmt::format("{}{}{}{}", kEraseLine, coloured_ ? "\033[36m" : "", plainText(text), coloured_ ? "\033[0m" : ""),
                 true);
 }
 

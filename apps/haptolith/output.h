@@ -12,10 +12,12 @@ namespace haptolith {
 /// @throws Failure when standard output does not take it: a full disk, a closed pipe.
 void printJson(const nlohmann::ordered_json& object);
 
-/// Prints `text` as it is. @throws Failure as printJson().
+/// Prints `text`; control characters in it, which a terminal would obey, are shown as "\u001b" (newlines, tabs and
+/// colours stay). @throws Failure as printJson().
 void printText(std::string_view text);
 
-/// Prints `text` on standard error, after what post() was given. Nobody can be told when that fails, so it never does.
+/// Prints `text` on standard error, like printText(), after what post() was given. Nobody can be told when that fails, so
+/// it never does.
 void printNotice(std::string_view text) noexcept;
 
 [[nodiscard]] bool isTerminal(int descriptor) noexcept;

@@ -57,7 +57,7 @@ std::string ticsOf(const PerceptionBlock& block) {
 
 }  // namespace
 
-void drawForces(const std::filesystem::path& path, const std::vector<PerceptionBlock>& blocks,
+void drawForces(const OutputFile& path, const std::vector<PerceptionBlock>& blocks,
                 const std::vector<std::vector<PerceivedCue>>& perceived) {
   const std::vector<std::string> names = namesOf(blocks);
   Figure figure(path, 1320, 90 + 430 * static_cast<int>(names.size()));
@@ -121,7 +121,7 @@ void drawForces(const std::filesystem::path& path, const std::vector<PerceptionB
   figure.save();
 }
 
-void drawWeberFractions(const std::filesystem::path& path, const std::vector<PerceptionBlock>& blocks,
+void drawWeberFractions(const OutputFile& path, const std::vector<PerceptionBlock>& blocks,
                         const std::vector<std::vector<PerceivedCue>>& perceived) {
   const std::vector<std::string> names = namesOf(blocks);
   Figure figure(path, 200 + 560 * static_cast<int>(names.size()), 640);

@@ -1,7 +1,8 @@
 #pragma once
 
-#include <filesystem>
 #include <vector>
+
+#include "haptolith/core/atomic_file.h"
 
 #include "perception.h"
 
@@ -9,11 +10,11 @@ namespace haptolith {
 
 /// What a hand feels of each stimulus: for each experiment a row of panels, one for the most telling cue of each hand.
 /// @param perceived  perceive() of each block. @throws as Figure.
-void drawForces(const std::filesystem::path& path, const std::vector<PerceptionBlock>& blocks,
+void drawForces(const OutputFile& path, const std::vector<PerceptionBlock>& blocks,
                 const std::vector<std::vector<PerceivedCue>>& perceived);
 
 /// The Weber fraction of an ideal observer for each cue, beside the participants'. @throws as Figure.
-void drawWeberFractions(const std::filesystem::path& path, const std::vector<PerceptionBlock>& blocks,
+void drawWeberFractions(const OutputFile& path, const std::vector<PerceptionBlock>& blocks,
                         const std::vector<std::vector<PerceivedCue>>& perceived);
 
 }  // namespace haptolith

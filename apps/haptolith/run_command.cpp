@@ -8,6 +8,7 @@
 
 #include <chrono>
 #include <ctime>
+#include <filesystem>
 #include <memory>
 #include <optional>
 #include <string>
@@ -15,6 +16,7 @@
 
 #include "haptolith/bed/simd_target.h"
 #include "haptolith/core/error.h"
+#include "haptolith/core/plain_text.h"
 #include "haptolith/haptics/stiffness_check.h"
 #include "haptolith/scenario/scenario.h"
 #include "haptolith/scenario/scene_words.h"
@@ -23,6 +25,7 @@
 
 #include "histogram_json.h"
 #include "output.h"
+#include "overwrite.h"
 #include "record_taker.h"
 #include "recording.h"
 #include "run_figure.h"
@@ -59,7 +62,7 @@ struct RunOptions {
   bool unpaced = false;
   std::optional<int> cpu;
   std::string trace_file, figure_file, record_file;
-  bool overwrite = false;
+  Overwrite overwrite;
   double frames_per_s = 10;
   bool json = false;
   std::optional<bool> serve;
@@ -76,16 +79,29 @@ Scenario scenarioFor(const RunOptions& options) {
   return scenario;
 }
 
+/// Of a name that no program takes for another kind of file.
+void requireRecordingName(const std::filesystem::path& file) {
+  if (file.extension() != ".h5") {
+    throw InvalidParameter("record", inQuotes(file.string()), "a file name ending in .h5");
+  }
+  std::error_code ignored;
+  if (std::filesystem::file_size(file, ignored) > 0 && !ignored && irreplaceable(file) != "a recording") {
+    throw Failure(
+        fmt::format("{} is not a recording: only a recording is replaced by one; choose another name", file.string()));
+  }
+}
+
 /// Everything that follows the loop from a distance: trace, history for the figure, the status line.
 class Follower {
  public:
   Follower(const RunOptions& options, const Scenario& scenario)
       : scenario_(scenario), keep_history_(!options.figure_file.empty()), recording_(options.frames_per_s) {
     if (!options.trace_file.empty()) {
-      trace_.emplace(options.trace_file);
+      trace_.emplace(options.overwrite(options.trace_file));
     }
     if (!options.record_file.empty()) {
-      RecordingWriter::requireFree(options.record_file, options.overwrite);
+      RecordingWriter::requireFree(options.record_file, options.overwrite.allowed);
+      requireRecordingName(options.record_file);
     }
   }
 
@@ -95,7 +111,7 @@ class Follower {
   /// Records the session from its first tick on.
   void record(Session& session, const RunOptions& options) {
     session.loop().hashRecords();
-    recording_.start(session, options.record_file, options.overwrite);
+    recording_.start(session, options.record_file, options.overwrite.allowed);
   }
 
   void follow(Session& session, RecordTaker* taker, bool newer) {
@@ -319,7 +335,7 @@ void run(RunOptions options) {
   Follower follower(options, scenario);
   std::optional<Figure> figure;
   if (!options.figure_file.empty()) {
-    figure.emplace(options.figure_file, kRunFigureWidth_px, kRunFigureHeight_px);
+    figure.emplace(options.overwrite(options.figure_file), kRunFigureWidth_px, kRunFigureHeight_px);
   }
   const bool serves = options.serve.value_or(scenario.loop.paced && !options.json);
   const bool keeps_records = follower.wantsRecords() || serves || !options.record_file.empty();
@@ -400,7 +416,7 @@ void addRunCommand(CLI::App& app) {
   command->add_option("--record-frames", options->frames_per_s, "Pictures of all particles a second in it [10]")
       ->check(CLI::Range(0, 60))
       ->option_text("N");
-  command->add_flag("--overwrite", options->overwrite, "Let --record replace a file");
+  options->overwrite.addTo(*command);
   command->add_flag("--json", options->json, "Print the summary as one JSON object");
   CLI::Option* serve = command->add_flag_callback(
       "--serve", [options] { options->serve = true; }, "Show it in the browser; default: unless --unpaced or --json");

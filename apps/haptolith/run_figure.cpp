@@ -108,7 +108,7 @@ void drawRun(Figure& figure, const Scenario& scenario, const RunHistory& history
   figure.data("ticks", tickHistogram(statistics.tickUs()));
   figure.data("strongest", {{scene.time_s, scene.felt.force_n.norm()}});
   figure.command(fmt::format(R"gnuplot(
-set multiplot layout 2,2 title {title} font ",17" noenhanced
+set multiplot layout 2,2 title {title} font ",17"
 set lmargin 9
 set rmargin 3
 

@@ -23,6 +23,7 @@
 
 #include "film_file.h"
 #include "output.h"
+#include "overwrite.h"
 #include "scene_options.h"
 #include "stop_on_signal.h"
 
@@ -56,6 +57,7 @@ constexpr auto kPatienceForPage = 120s;
 struct SnapshotOptions {
   SceneOptions scene;
   std::string out_file;
+  Overwrite overwrite;
   std::optional<double> at_s;
   int width_px = 1280, height_px = 720;
   std::string view = "three-quarter", colour = "plain", theme = "dark";
@@ -219,7 +221,7 @@ void takePicture(const SnapshotOptions& options) {
                            "a file name ending in .png, or with --film in .mp4 or .webm");
   }
   const Scenario scenario = scenarioFor(options);
-  AtomicFile file(options.out_file);
+  AtomicFile file(options.overwrite(options.out_file));
   StatusLine status;
   Studio studio(options, scenario, status);
   studio.play(options.at_s.value_or(kUsual_s));
@@ -233,7 +235,7 @@ void makeFilm(const SnapshotOptions& options) {
                            "even for a film");
   }
   const Scenario scenario = scenarioFor(options);
-  FilmFile film(options.out_file, options.frames_per_s);
+  FilmFile film(options.overwrite(options.out_file), options.frames_per_s);
   StatusLine status;
   Studio studio(options, scenario, status);
   const double start_s = options.at_s.value_or(0);
@@ -267,6 +269,7 @@ void addSnapshotCommand(CLI::App& app) {
   command->add_option("--out", options->out_file, "Where to: .png, or with --film .mp4 or .webm")
       ->required()
       ->option_text("FILE");
+  options->overwrite.addTo(*command);
   command->add_option("--at-s", options->at_s, "Simulated time of the picture [2], or at which the film begins [0]")
       ->check(CLI::Range(0.0, 1e5))
       ->option_text("SECONDS");

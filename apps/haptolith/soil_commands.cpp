@@ -24,6 +24,7 @@
 
 #include "density_figure.h"
 #include "output.h"
+#include "overwrite.h"
 
 namespace haptolith {
 
@@ -142,6 +143,7 @@ struct ProfileOptions {
   std::optional<double> gamma_nm, rho0_kg_m3, rho_max_kg_m3, mu_hat;
   Conditions conditions;
   std::string figure;
+  Overwrite overwrite;
   bool json = false;
 };
 
@@ -244,7 +246,7 @@ void printProfileText(const Profile& profile, const Conditions& conditions) {
 void runProfile(const ProfileOptions& options) {
   const Profile profile = makeProfile(options);
   if (!options.figure.empty()) {
-    drawDensityFigure(options.figure, {profile.soil, options.conditions.gravity(), profile.preset});
+    drawDensityFigure(options.overwrite(options.figure), {profile.soil, options.conditions.gravity(), profile.preset});
   }
   if (options.json) {
     printProfileJson(profile, options.conditions);
@@ -268,6 +270,7 @@ void addProfile(CLI::App& soil) {
   options->conditions.addOptions(
       *command, "radius of a macroparticle; a preset stays the same soil: gamma is scaled with R cubed");
   command->add_option("--figure", options->figure, "also draw density against depth: FILE.svg or FILE.png");
+  options->overwrite.addTo(*command);
   command->add_flag("--json", options->json, "print one JSON object instead of tables");
   command->footer(
       "Examples:\n"

@@ -4,11 +4,6 @@
 
 namespace haptolith {
 
-std::atomic<bool>& stopAsked() noexcept {
-  static std::atomic<bool> asked{false};
-  return asked;
-}
-
 StopOnSignal::StopOnSignal() {
   stopAsked() = false;  // made before a signal can come, as well
   struct sigaction action {};

@@ -1,11 +1,8 @@
 #pragma once
 
-#include <atomic>
+#include "haptolith/core/stop_asked.h"
 
 namespace haptolith {
-
-/// Whether somebody wants the work to end; long work looks at it now and then.
-[[nodiscard]] std::atomic<bool>& stopAsked() noexcept;
 
 /// From here on Ctrl-C and SIGTERM end the work in good order, however often they come: they set stopAsked().
 class StopOnSignal {

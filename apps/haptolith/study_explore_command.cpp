@@ -17,6 +17,7 @@
 
 #include "lab_options.h"
 #include "output.h"
+#include "overwrite.h"
 #include "perception.h"
 #include "perception_figure.h"
 #include "stop_on_signal.h"
@@ -38,6 +39,7 @@ struct Options {
   PerceptionOptions perception;
   std::string block = "both", friction = "both", hand = "all";
   std::string csv_file, figure_file, weber_figure_file;
+  Overwrite overwrite;
   bool json = false;
 };
 
@@ -110,7 +112,7 @@ Json jsonOf(const PerceptionBlock& block, const std::vector<PerceivedCue>& perce
 }
 
 void saveCsv(const Options& options, const PerceptionOptions& wanted, const std::vector<PerceptionBlock>& blocks) {
-  AtomicFile file(options.csv_file);
+  AtomicFile file(options.overwrite(options.csv_file));
   file.write("block,friction,stimulus,x,hand,repeat,duration_s,path_m,work_j");
   for (const Cue& cue : cues()) {
     std::string name(cue.name);
@@ -140,7 +142,8 @@ void saveCsv(const Options& options, const PerceptionOptions& wanted, const std:
 
 void run(const Options& options) {
   const StopOnSignal stop_on_signal;
-  requireWritable({options.csv_file, options.figure_file, options.weber_figure_file});
+  requireWritable({options.overwrite(options.csv_file), options.overwrite(options.figure_file),
+                   options.overwrite(options.weber_figure_file)});
   const PerceptionOptions wanted = perceptionOf(options);
   StatusLine status;
   const std::vector<PerceptionBlock> blocks = explorePaperStimuli(wanted, [&](double share) {
@@ -166,10 +169,10 @@ void run(const Options& options) {
     saveCsv(options, wanted, blocks);
   }
   if (!options.figure_file.empty()) {
-    drawForces(options.figure_file, blocks, perceived);
+    drawForces(options.overwrite(options.figure_file), blocks, perceived);
   }
   if (!options.weber_figure_file.empty()) {
-    drawWeberFractions(options.weber_figure_file, blocks, perceived);
+    drawWeberFractions(options.overwrite(options.weber_figure_file), blocks, perceived);
   }
   options.json ? printJson(json) : printText(text);
 }
@@ -205,6 +208,7 @@ void addStudyExploreCommand(CLI::App& study) {
   command->add_option("--csv", options->csv_file, "write every exploration: FILE.csv");
   command->add_option("--figure", options->figure_file, "draw the forces, .svg or .png");
   command->add_option("--weber-figure", options->weber_figure_file, "draw the Weber fractions, .svg or .png");
+  options->overwrite.addTo(*command);
   command->add_flag("--json", options->json, "print one JSON object instead of tables");
   command->footer(kExamples);
   command->callback([options] { run(*options); });

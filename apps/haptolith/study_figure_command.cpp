@@ -19,6 +19,7 @@
 
 #include "fit_report.h"
 #include "output.h"
+#include "overwrite.h"
 
 namespace haptolith {
 
@@ -36,6 +37,7 @@ struct Options {
   std::optional<std::string> sigmoid;
   bool free_threshold = false, json = false, withdrawn = false;
   double confidence = 0.95;
+  Overwrite overwrite;
 };
 
 /// One block of a study, fitted.
@@ -86,15 +88,15 @@ std::optional<BlockResult> resultOf(const Options& options, const StudyStore& st
 }
 
 /// "figure.svg", or "figure-friction.svg" where there are several blocks.
-std::filesystem::path fileFor(const Options& options, const StudyBlock& block, bool several) {
+OutputFile fileFor(const Options& options, const StudyBlock& block, bool several) {
   std::filesystem::path file = options.out;
   if (several) {
     file.replace_filename(fmt::format("{}-{}{}", file.stem().string(), block.name, file.extension().string()));
   }
-  return file;
+  return options.overwrite(file.string());
 }
 
-void draw(const std::filesystem::path& file, const StudyStore& study, const BlockResult& result) {
+void draw(const OutputFile& file, const StudyStore& study, const BlockResult& result) {
   PsychometricFigure figure;
   figure.title =
       study.protocol().blocks.size() > 1 && !result.block->title.empty() ? result.block->title : study.title();
@@ -199,6 +201,7 @@ void addStudyFigureCommand(CLI::App& study) {
                     "Fit the point of subjective equality too, instead of taking the reference for it");
   command->add_option("--confidence", options->confidence, "Of all intervals [0.95]")->check(CLI::Range(0.01, 0.999));
   command->add_flag("--withdrawn", options->withdrawn, "Count those, too, who have withdrawn");
+  options->overwrite.addTo(*command);
   command->add_flag("--json", options->json, "Print one JSON object");
   command->callback([options] { show(*options); });
 }

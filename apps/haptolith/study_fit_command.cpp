@@ -19,6 +19,7 @@
 
 #include "fit_report.h"
 #include "output.h"
+#include "overwrite.h"
 
 namespace haptolith {
 
@@ -42,6 +43,7 @@ struct Options {
   bool free_threshold = false;
   bool compare = false;
   bool group = false;
+  Overwrite overwrite;
   bool json = false;
   std::optional<double> reference;
   double confidence = 0.95;
@@ -159,7 +161,7 @@ void draw(const Options& options, const Result& result) {
       figure.participants.push_back({.title = result.names[i], .fit = result.group->participants[i]});
     }
   }
-  drawPsychometricFigure(options.figure, figure);
+  drawPsychometricFigure(options.overwrite(options.figure), figure);
 }
 
 void print(const Options& options, const Result& result) {
@@ -234,6 +236,7 @@ void addStudyFitCommand(CLI::App& study) {
   command->add_flag("--group", options->group, "also fit each participant, and the spread between them");
   command->add_option("--figure", options->figure, "draw it, .svg or .png");
   command->add_option("--x-label", options->x_label, "of the figure's axis")->capture_default_str();
+  options->overwrite.addTo(*command);
   command->add_flag("--json", options->json, "print one JSON object instead of a table");
   command->footer(kExamples);
   command->callback([options] { run(*options); });

@@ -14,6 +14,7 @@
 #include "haptolith/study/study_plan.h"
 
 #include "output.h"
+#include "overwrite.h"
 #include "stop_on_signal.h"
 
 namespace haptolith {
@@ -33,6 +34,7 @@ struct Options {
   std::string protocol = "paper-friction", block, figure;
   std::vector<int> participants{4, 8, 16, 32}, repeats{3, 6, 12};
   PlanParameters parameters;
+  Overwrite overwrite;
   bool json = false;
 };
 
@@ -82,7 +84,7 @@ Json jsonOf(const Options& options, const StudyBlock& block, const std::vector<P
 
 /// How well a study of each size tells, over the number of participants; a curve for each number of repeats.
 void draw(const Options& options, const std::vector<PlanOutcome>& outcomes) {
-  Figure figure(options.figure, kFigureWidth_px, kFigureHeight_px);
+  Figure figure(options.overwrite(options.figure), kFigureWidth_px, kFigureHeight_px);
   const bool power = options.parameters.against.has_value();
   std::string plots, ranges;
   double shift = 1;  // bars beside each other
@@ -182,6 +184,7 @@ void addStudyPlanCommand(CLI::App& study) {
       ->check(CLI::Range(0.01, 0.999));
   command->add_option("--seed", options->parameters.seed, "Of the answers [1]")->option_text("N");
   command->add_option("--figure", options->figure, "Draw it (.svg or .png)")->option_text("FILE");
+  options->overwrite.addTo(*command);
   command->add_flag("--json", options->json, "Print one JSON object");
   command->callback([options] { plan(*options); });
 }

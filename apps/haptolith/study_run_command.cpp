@@ -3,6 +3,7 @@
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
 #include <spdlog/spdlog.h>
+#include <sys/stat.h>
 
 #include <algorithm>
 #include <chrono>
@@ -241,6 +242,7 @@ void addRunOptions(CLI::App& command, const std::shared_ptr<StudyRunOptions>& op
   addWebOptions(command, options->web);
   command.callback([options] {
     const StopOnSignal stop_on_signal;
+    umask(077);  // recordings of people are for those who run the study
     completeWebOptions(options->web);
     StudyRun(*options).run();
   });

@@ -4,7 +4,7 @@
 
 namespace haptolith {
 
-TraceFile::TraceFile(const std::filesystem::path& path) : file_(path) {
+TraceFile::TraceFile(const OutputFile& file) : file_(file) {
   file_.write(
       "t_s,x_m,y_m,z_m,qw,qx,qy,qz,soil_fx_n,soil_fy_n,soil_fz_n,soil_tx_nm,soil_ty_nm,soil_tz_nm,"
       "felt_fx_n,felt_fy_n,felt_fz_n,felt_tx_nm,felt_ty_nm,felt_tz_nm,tick_us\n");

@@ -1,7 +1,5 @@
 #pragma once
 
-#include <filesystem>
-
 #include "haptolith/core/atomic_file.h"
 #include "haptolith/haptics/haptic_loop.h"
 
@@ -10,7 +8,7 @@ namespace haptolith {
 /// Every tick of a run as CSV, columns as in header(): the first eight make a pose file. Appears whole or not at all.
 class TraceFile {
  public:
-  explicit TraceFile(const std::filesystem::path& path);
+  explicit TraceFile(const OutputFile& file);
   void write(const TickRecord& record);
   void commit() { file_.commit(); }
 

@@ -166,7 +166,7 @@ void summarise(const std::vector<Cell>& cells) {
 /// Each cell a point: what the hand was given without the controller and with it, and how far the handle shook.
 void draw(const std::string& path, const std::vector<Cell>& cells) {
   const double grounds[] = {1e-4, 1e-5};  // what is less lies on the frame: mJ, mm
-  Figure figure(path, 1100, 520);
+  Figure figure({path, IfThere::kReplace}, 1100, 520);
   for (const CouplingKind coupling : {CouplingKind::kDirect, CouplingKind::kVirtual}) {
     std::vector<std::vector<double>> rows;
     for (std::size_t i = 0; i + 1 < cells.size(); i += 2) {  // controller off and on stand side by side

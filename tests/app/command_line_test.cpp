@@ -142,5 +142,12 @@ TEST(Completion, ScriptsPassTheirShellsSyntaxCheck) {
   }
 }
 
+TEST(CommandLine, WhatATerminalWouldObeyIsShownInErrors) {
+  const ProgramResult result = runInShell("\"$HAPTOLITH\" run \"$(printf '\\033]0;pwned\\007.toml')\"");
+  EXPECT_EQ(result.exit_status, 2);
+  EXPECT_THAT(result.errors, testing::HasSubstr("\\u001b]0;pwned\\u0007.toml: no such file"));
+  EXPECT_THAT(result.errors, testing::Not(testing::HasSubstr("\033")));
+}
+
 }  // namespace
 }  // namespace haptolith

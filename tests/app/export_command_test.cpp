@@ -159,6 +159,66 @@ TEST_F(ExportCommand, NothingHalfIsLeftBehind) {
   EXPECT_EQ(files(), std::vector<std::string>{"run.h5"});
 }
 
+TEST_F(ExportCommand, SaysWhatItHasWritten) {
+  makeRecording(400, 20);
+  EXPECT_EQ(runHaptolith("export --format csv " + file("run.h5")).output, "saved " + file("run.csv") + ": 400 ticks\n");
+  EXPECT_THAT(runHaptolith("export --format xdmf " + file("run.h5")).output,
+              HasSubstr(file("run.xdmf") + ": 13 pictures"));
+  EXPECT_THAT(runHaptolith("export --format vtk " + file("run.h5")).output, HasSubstr(file("run") + ": 13 pictures"));
+}
+
+TEST_F(ExportCommand, ShowsWhatATerminalWouldObey) {
+  makeRecording(40, 2);
+  const ProgramResult result =
+      runHaptolith(fmt::format("export '{}' --format csv --out '{}'", file("run.h5"), file("\033]0;pwned\007.csv")));
+  EXPECT_EQ(result.exit_status, 0) << result.errors;
+  EXPECT_THAT(result.output, HasSubstr("\\u001b]0;pwned\\u0007.csv: 40 ticks\n"));
+}
+
+TEST_F(ExportCommand, NeverDestroysARecording) {
+  makeRecording(40, 2);
+  fs::create_hard_link(file("run.h5"), file("also.csv"));
+  fs::create_symlink("run.h5", file("link.csv"));
+  const auto size = fs::file_size(file("run.h5"));
+  for (const char* out : {"run.h5", "also.csv", "link.csv"}) {
+    for (const char* format : {"csv", "xdmf", "vtk"}) {
+      for (const char* option : {"", "--overwrite"}) {
+        const ProgramResult result = runHaptolith(
+            fmt::format("export '{}' --format {} --out '{}' {}", file("run.h5"), format, file(out), option));
+        EXPECT_EQ(result.exit_status, 1) << out << ' ' << format << ' ' << option;
+        EXPECT_THAT(result.errors, HasSubstr("choose another name"));
+      }
+    }
+  }
+  EXPECT_EQ(fs::file_size(file("run.h5")), size);
+  EXPECT_TRUE(fs::is_symlink(file("link.csv")));
+  EXPECT_EQ(runHaptolith(fmt::format("export '{}' --format csv", file("run.h5"))).exit_status, 0);
+}
+
+TEST_F(ExportCommand, ItsOwnNameForTheResultIsNeverTheRecordings) {
+  makeRecording(40, 2);
+  for (const char* name : {"a.csv", "b", "c.xdmf"}) {
+    fs::copy(file("run.h5"), file(name));
+    EXPECT_EQ(runHaptolith(fmt::format("export '{}' --format csv", file(name))).exit_status, 0);
+    EXPECT_EQ(runHaptolith(fmt::format("export '{}' --format vtk", file(name))).exit_status, 0);
+    EXPECT_EQ(fs::file_size(file(name)), fs::file_size(file("run.h5")));
+    EXPECT_TRUE(fs::exists(file(std::string(name) + ".csv")));
+    EXPECT_TRUE(fs::exists(file(std::string(name) + ".vtk")));
+  }
+}
+
+TEST_F(ExportCommand, ReplacesAFileOnlyWhenAskedTo) {
+  makeRecording(40, 2);
+  std::ofstream(file("notes.csv")) << "mine";
+  const std::string command = fmt::format("export '{}' --format csv --out '{}'", file("run.h5"), file("notes.csv"));
+  const ProgramResult refused = runHaptolith(command);
+  EXPECT_EQ(refused.exit_status, 1);
+  EXPECT_THAT(refused.errors, HasSubstr("notes.csv exists already: choose another name, or add --overwrite"));
+  EXPECT_EQ(fs::file_size(file("notes.csv")), 4U);
+  EXPECT_EQ(runHaptolith(command + " --overwrite").exit_status, 0);
+  EXPECT_GT(fs::file_size(file("notes.csv")), 4U);
+}
+
 TEST_F(ExportCommand, WrongUseIsToldSo) {
   EXPECT_EQ(runHaptolith("export --format png a.h5").exit_status, 2);
   EXPECT_EQ(runHaptolith("export a.h5").exit_status, 2);

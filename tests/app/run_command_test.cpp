@@ -260,7 +260,7 @@ TEST_F(RunCommand, BadPosesAreToldWithFileLineAndColumn) {
     EXPECT_THAT(result.errors, HasSubstr(told));
     EXPECT_THAT(result.errors, HasSubstr("poses.csv"));
   }
-  EXPECT_EQ(runHaptolith("run --poses /no/such/poses.csv").exit_status, 1);
+  EXPECT_EQ(runHaptolith("run --poses /no/such/poses.csv").exit_status, 2);
   writeFile("poses.csv", "");
   EXPECT_EQ(runHaptolith("run --poses " + file("poses.csv")).exit_status, 2);
 }
@@ -353,6 +353,73 @@ TEST_F(RunCommand, UsesTheInstructionSetItIsToldTo) {
       runInShell("HAPTOLITH_SIMD=" + target + " \"$HAPTOLITH\" run --duration-s 0.1 --unpaced --json");
   ASSERT_EQ(result.exit_status, 0) << result.errors;
   EXPECT_EQ(json::parse(result.output).at("simd"), target);
+}
+
+// --- what comes from strangers ---
+
+TEST_F(RunCommand, ASceneRunsNoCommand) {
+  writeFile("gp.toml", fmt::format("title = \"A nice scene\\nsystem(\\\"touch {}\\\")\\n#\"\n", file("pwned")));
+  const ProgramResult result = runHaptolith(fmt::format(
+      "run '{}' --hand press --duration-s 0.05 --unpaced --no-serve --figure '{}'", file("gp.toml"), file("g.svg")));
+  EXPECT_EQ(result.exit_status, 2);
+  EXPECT_THAT(result.errors, HasSubstr("gp.toml:1: title"));
+  EXPECT_EQ(files(), std::vector<std::string>{"gp.toml"});
+}
+
+TEST_F(RunCommand, ASceneLoadsNoLibrary) {
+  writeFile("x.toml", "[device]\nkind = 'force-dimension'\nlibrary = './evil.so'\n");
+  for (const char* command : {"run '{}' --duration-s 0.05 --unpaced --no-serve", "snapshot '{}' --out x.png"}) {
+    const ProgramResult result = runHaptolith(fmt::format(fmt::runtime(command), file("x.toml")));
+    EXPECT_EQ(result.exit_status, 2);
+    EXPECT_THAT(result.errors, HasSubstr("x.toml:3: [device] library = './evil.so' is not valid"));
+    EXPECT_THAT(result.errors, HasSubstr("--device-library"));
+  }
+}
+
+TEST_F(RunCommand, PosesWithoutEndAreRefused) {
+  fs::create_symlink("/dev/zero", file("zero.csv"));
+  const ProgramResult result =
+      runHaptolith(fmt::format("run --poses '{}' --duration-s 0.05 --unpaced --no-serve", file("zero.csv")));
+  EXPECT_EQ(result.exit_status, 2);
+  EXPECT_THAT(result.errors, HasSubstr("a device is not valid: must be a file that exists"));
+}
+
+// --- what is there already ---
+
+TEST_F(RunCommand, ReplacesNoFileUnlessItIsAskedTo) {
+  writeFile("mine.csv", "mine");
+  writeFile("mine.svg", "mine");
+  for (const char* option : {"--trace", "--figure"}) {
+    const std::string name = file(option == std::string("--trace") ? "mine.csv" : "mine.svg");
+    const std::string command = fmt::format("run --duration-s 0.02 --unpaced --no-serve {} '{}'", option, name);
+    const ProgramResult refused = runHaptolith(command);
+    EXPECT_EQ(refused.exit_status, 1);
+    EXPECT_THAT(refused.errors, HasSubstr("exists already: choose another name, or add --overwrite"));
+    EXPECT_EQ(fs::file_size(name), 4U);
+    EXPECT_EQ(runHaptolith(command + " --overwrite").exit_status, 0);
+    EXPECT_GT(fs::file_size(name), 4U);
+  }
+}
+
+TEST_F(RunCommand, NeverWritesOverTheSceneThatItRuns) {
+  writeFile("x.toml", "title = 'mine'\n");
+  const ProgramResult result = runHaptolith(
+      fmt::format("run '{0}' --duration-s 0.02 --unpaced --no-serve --overwrite --trace '{0}'", file("x.toml")));
+  EXPECT_EQ(result.exit_status, 1);
+  EXPECT_THAT(result.errors, HasSubstr("x.toml is read by this command"));
+}
+
+TEST_F(RunCommand, ARecordingIsNamedAsOneAndReplacesNothingElse) {
+  const ProgramResult named =
+      runHaptolith(fmt::format("run --duration-s 0.02 --unpaced --no-serve --record '{}'", file("x.csv")));
+  EXPECT_EQ(named.exit_status, 2);
+  EXPECT_THAT(named.errors, HasSubstr("a file name ending in .h5"));
+  writeFile("notes.h5", "mine");
+  const ProgramResult replaced = runHaptolith(
+      fmt::format("run --duration-s 0.02 --unpaced --no-serve --overwrite --record '{}'", file("notes.h5")));
+  EXPECT_EQ(replaced.exit_status, 1);
+  EXPECT_THAT(replaced.errors, HasSubstr("notes.h5 is not a recording"));
+  EXPECT_EQ(files(), std::vector<std::string>{"notes.h5"});
 }
 
 }  // namespace

@@ -205,6 +205,22 @@ TEST_F(StudyCommands, FitTakesWhatExportHasWritten) {
 // --- forget
 // -----------------------------------------------------------------------------------------------------------
 
+TEST_F(StudyCommands, ExportStaysInItsFolderWhateverTheStudySays) {
+  makeStudy();
+  fillStudy();
+  const ProgramResult forged = runInShell(
+      fmt::format("cd '{}' && /usr/bin/python3 -c \"import sqlite3; s = sqlite3.connect('a.study'); "
+                  "s.execute('UPDATE participant SET code=\\'/../../../escaped\\' WHERE number=2'); s.commit()\"",
+                  folder_.string()));
+  ASSERT_EQ(forged.exit_status, 0) << forged.errors;
+  const ProgramResult result =
+      runHaptolith(fmt::format("study export {} --to {} --format bids", file("a.study"), file("out")));
+  EXPECT_EQ(result.exit_status, 1);
+  EXPECT_THAT(result.errors, HasSubstr("code = '/../../../escaped'; must be 1 to 16 letters and digits"));
+  EXPECT_FALSE(fs::exists(folder_ / "out"));
+  EXPECT_FALSE(fs::exists(folder_.parent_path() / "escaped"));
+}
+
 TEST_F(StudyCommands, ForgetDeletesWhatIsPersonalOrEverything) {
   makeStudy();
   fillStudy();

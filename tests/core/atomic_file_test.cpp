@@ -2,14 +2,17 @@
 
 #include <gmock/gmock.h>
 #include <sys/resource.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include <csignal>
 #include <fstream>
 #include <iterator>
 #include <string>
+#include <utility>
 
 #include "haptolith/core/error.h"
+#include "haptolith/core/input_file.h"
 
 namespace haptolith {
 namespace {
@@ -69,14 +72,77 @@ TEST_F(AtomicFileTest, KeepsTheOldFileUntilTheNewOneIsWhole) {
   const fs::path path = folder_ / "data.csv";
   std::ofstream(path) << "old";
   {
-    AtomicFile file(path);
+    AtomicFile file({path, IfThere::kReplace});
     file.write("new, never finished");
   }
   EXPECT_EQ(read(path), "old");
-  AtomicFile file(path);
+  AtomicFile file({path, IfThere::kReplace});
   file.write("new");
   file.commit();
   EXPECT_EQ(read(path), "new");
+}
+
+TEST_F(AtomicFileTest, ReplacesNothingUnlessItIsAskedTo) {
+  const fs::path path = folder_ / "data.csv";
+  std::ofstream(path) << "old";
+  EXPECT_EQ(failureOf([&] { AtomicFile file(path); }),
+            path.string() + " exists already: choose another name, or add --overwrite");
+  fs::create_symlink("nowhere", folder_ / "link.csv");
+  EXPECT_THAT(failureOf([&] { AtomicFile file(folder_ / "link.csv"); }), HasSubstr("exists already"));
+  EXPECT_EQ(read(path), "old");
+  EXPECT_EQ(files(), 2);
+}
+
+TEST_F(AtomicFileTest, ReplacesNothingThatHasComeMeanwhile) {
+  const fs::path path = folder_ / "data.csv";
+  const std::string message = failureOf([&] {
+    AtomicFile file(path);
+    file.write("new");
+    std::ofstream(path) << "somebody else's";
+    file.commit();
+  });
+  EXPECT_THAT(message, HasSubstr("File exists"));
+  EXPECT_EQ(read(path), "somebody else's");
+  EXPECT_EQ(files(), 1);
+}
+
+TEST_F(AtomicFileTest, NeverReplacesARecordingOrAStudy) {
+  std::ofstream(folder_ / "run.csv", std::ios::binary) << "\x89HDF\r\n\x1a\n and so on";
+  std::ofstream(folder_ / "friction.csv") << "SQLite format 3" << '\0' << "and so on";
+  EXPECT_THAT(failureOf([&] { AtomicFile file({folder_ / "run.csv", IfThere::kReplace}); }), HasSubstr("a recording"));
+  EXPECT_THAT(failureOf([&] { AtomicFile file({folder_ / "friction.csv", IfThere::kReplace}); }), HasSubstr("a study"));
+}
+
+TEST_F(AtomicFileTest, NeverReplacesWhatThisProgramHasRead) {
+  std::ofstream(folder_ / "poses.csv") << "t_s\n";
+  (void)openInput(folder_ / "poses.csv", 1000);
+  fs::create_hard_link(folder_ / "poses.csv", folder_ / "other name.csv");
+  for (const char* name : {"poses.csv", "other name.csv"}) {
+    EXPECT_THAT(failureOf([&] {
+                  AtomicFile file({folder_ / name, IfThere::kReplace});
+                }),
+                HasSubstr("is read by this command"));
+  }
+}
+
+TEST_F(AtomicFileTest, ItsTemporaryNameCannotBeGuessedAndIsItsOwn) {
+  const AtomicFile one(folder_ / "data.csv"), other(folder_ / "data.csv");
+  EXPECT_NE(one.temporaryPath(), other.temporaryPath());
+  fs::create_symlink(folder_ / "target", folder_ / "link");
+  EXPECT_LT(makeNewFile(folder_ / "link", Readers::kAsUsual), 0) << "no link is followed";
+  EXPECT_FALSE(fs::exists(folder_ / "target"));
+}
+
+TEST_F(AtomicFileTest, IsForItsOwnerAloneWhenAskedTo) {
+  const mode_t before = umask(022);
+  for (const auto& [name, readers] : {std::pair{"usual.csv", Readers::kAsUsual}, {"owner.csv", Readers::kOwner}}) {
+    AtomicFile file({folder_ / name, IfThere::kRefuse, readers});
+    file.commit();
+  }
+  umask(before);
+  constexpr fs::perms kOwner = fs::perms::owner_read | fs::perms::owner_write;
+  EXPECT_EQ(fs::status(folder_ / "owner.csv").permissions(), kOwner);
+  EXPECT_EQ(fs::status(folder_ / "usual.csv").permissions(), kOwner | fs::perms::group_read | fs::perms::others_read);
 }
 
 TEST_F(AtomicFileTest, KeepsTheExtensionLastSoThatOtherProgramsKnowTheFormat) {
@@ -110,7 +176,7 @@ TEST_F(AtomicFileTest, AFullDiskIsAFailureAndLeavesTheOldFile) {
   std::ofstream(path) << "old";
   const std::string message = failureOf([&] {
     const SizeLimit limit(4096);
-    AtomicFile file(path);
+    AtomicFile file({path, IfThere::kReplace});
     file.write(std::string(1 << 20, 'x'));
     file.commit();
   });

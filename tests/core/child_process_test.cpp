@@ -1,6 +1,8 @@
 #include "haptolith/core/child_process.h"
 
+#include <fcntl.h>
 #include <gmock/gmock.h>
+#include <sys/wait.h>
 #include <unistd.h>
 
 #include <chrono>
@@ -8,6 +10,7 @@
 #include <string>
 
 #include "haptolith/core/error.h"
+#include "haptolith/core/stop_asked.h"
 
 namespace haptolith {
 namespace {
@@ -17,7 +20,7 @@ using namespace std::chrono_literals;
 const std::function<bool()> kNever;
 
 ChildProcess::Command shell(const std::string& script) {
-  return {.arguments = {"sh", "-c", script}, .package = "dash", .environment = {"GREETING=hello"}};
+  return {.arguments = {"sh", "-c", script}, .package = "dash", .environment = {"GREETING=hello"}, .most_cpu = 300s};
 }
 
 TEST(ChildProcess, ReadsAndWritesWhatItIsGivenAndKnowsWhatItIsTold) {
@@ -56,9 +59,53 @@ TEST(ChildProcess, IsKilledWithAllItHasStarted) {
       << "nobody holds the other end any more";
 }
 
+TEST(ChildProcess, EndsWithUsHoweverWeEnd) {
+  Pipe from;
+  const pid_t parent = fork();
+  if (parent == 0) {  // another one of us, to be killed
+    const ChildProcess child(shell("echo >&6; while :; do :; done"), {{from.to_write, 6}});
+    from.to_write.close();
+    pause();
+    _exit(0);
+  }
+  from.to_write.close();
+  std::string started;
+  const Patience patience{.until = std::chrono::steady_clock::now() + 60s, .stopped = kNever};
+  ASSERT_TRUE(readSome(from.to_read, started, patience));
+  kill(parent, SIGKILL);
+  waitpid(parent, nullptr, 0);
+  std::string rest;
+  EXPECT_FALSE(readSome(from.to_read, rest, patience)) << "nobody holds the other end any more";
+}
+
+TEST(ChildProcess, TakesNoMoreOfAProcessorThanItMay) {
+  ChildProcess::Command command = shell("while :; do :; done");
+  command.most_cpu = 1s;
+  ChildProcess child(command, {});
+  EXPECT_FALSE(child.wait());
+}
+
+TEST(ChildProcess, IsNotWaitedForWithoutEnd) {
+  ChildProcess child(shell("sleep 100"), {});
+  EXPECT_THROW(child.wait(1ms), Failure);
+  stopAsked() = true;
+  EXPECT_THROW(child.wait(), Failure);
+  stopAsked() = false;
+}
+
+TEST(ChildProcess, SeesNoDescriptorThatItIsNotGiven) {
+  const int ours = open("/dev/null", O_RDONLY);  // not closed by exec
+  const Descriptor words = temporaryFile();
+  ChildProcess child(shell("ls /proc/self/fd | tr '\\n' ' '"), {{words, STDOUT_FILENO}});
+  EXPECT_TRUE(child.wait());
+  close(ours);
+  EXPECT_EQ(contentOf(words), "0 1 2 3 ") << "3 is that of the listing itself";
+}
+
 TEST(ChildProcess, OneThatIsNotInstalledIsToldWithItsPackage) {
   try {
-    const ChildProcess child({.arguments = {"no-such-program"}, .package = "its-package", .environment = {}}, {});
+    const ChildProcess child(
+        {.arguments = {"no-such-program"}, .package = "its-package", .environment = {}, .most_cpu = 300s}, {});
     FAIL();
   } catch (const Failure& failure) {
     EXPECT_STREQ(failure.what(), "no-such-program is not installed: apt install its-package");

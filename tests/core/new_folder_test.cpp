@@ -56,7 +56,7 @@ TEST_F(NewFolderTest, RefusesANameThatIsTaken) {
   fs::create_directory(folder_ / "out");
   std::ofstream(folder_ / "file") << "x";
   EXPECT_THROW(NewFolder(folder_ / "out"), Failure);
-  EXPECT_THROW(NewFolder(folder_ / "file", true), Failure);
+  EXPECT_THROW(NewFolder(folder_ / "file", IfThere::kReplace), Failure);
   EXPECT_THROW(NewFolder(folder_ / "no/such/folder"), Failure);
   EXPECT_EQ(entries(), 2);
 }
@@ -64,13 +64,38 @@ TEST_F(NewFolderTest, RefusesANameThatIsTaken) {
 TEST_F(NewFolderTest, ReplacesAFolderWholeWhenAskedTo) {
   fs::create_directory(folder_ / "out");
   std::ofstream(folder_ / "out/old.txt") << "old";
-  const NewFolder made(folder_ / "out", true);
+  const NewFolder made(folder_ / "out", IfThere::kReplace);
   made.write("new.txt", "new");
   EXPECT_TRUE(fs::exists(folder_ / "out/old.txt"));
   made.commit();
   EXPECT_FALSE(fs::exists(folder_ / "out/old.txt"));
   EXPECT_EQ(read(folder_ / "out/new.txt"), "new");
   EXPECT_EQ(entries(), 1);
+}
+
+TEST_F(NewFolderTest, NoNameLeadsOutOfIt) {
+  const NewFolder made(folder_ / "out");
+  for (const char* name : {"../a.txt", "/tmp/haptolith-escaped.txt", "in/../../a.txt", "", "in/./a.txt"}) {
+    EXPECT_THROW(made.write(name, "a"), Failure) << name;
+  }
+  EXPECT_THROW(made.write(std::string("a\0b", 3), "a"), Failure);
+  made.commit();
+  EXPECT_TRUE(fs::is_empty(folder_ / "out"));
+  EXPECT_EQ(entries(), 1);
+}
+
+TEST_F(NewFolderTest, IsForItsOwnerAloneWhenAskedTo) {
+  const NewFolder made(folder_ / "out", IfThere::kRefuse, Readers::kOwner);
+  made.write("in/a.txt", "a");
+  made.commit();
+  EXPECT_EQ(fs::status(folder_ / "out").permissions(), fs::perms::owner_all);
+  EXPECT_EQ(fs::status(folder_ / "out/in/a.txt").permissions(), fs::perms::owner_read | fs::perms::owner_write);
+}
+
+TEST_F(NewFolderTest, TakesNoNameThatSomebodyElseHasTakenMeanwhile) {
+  const NewFolder made(folder_ / "out");
+  fs::create_directory(folder_ / "out");
+  EXPECT_THROW(made.commit(), Failure);
 }
 
 TEST_F(NewFolderTest, ReportsAFullDisk) {

@@ -83,13 +83,13 @@ TEST_F(PoseFileTest, QuaternionsAreMadeUnitAndTheShortWayIsTaken) {
   EXPECT_NEAR(poses.at(0.5).orientation.angularDistance(Quat::Identity()), 0, 1e-7);  // q and -q are one rotation
 }
 
-TEST_F(PoseFileTest, MissingFilesAndFoldersAreFailures) {
+TEST_F(PoseFileTest, MissingFilesAndFoldersAreRefused) {
   for (const fs::path& path : {folder_ / "nothing.csv", folder_}) {
     try {
       (void)PoseFile::read(path);
       ADD_FAILURE() << path;
-    } catch (const Failure& failure) {
-      EXPECT_THAT(failure.what(), HasSubstr(path.string()));
+    } catch (const InvalidParameter& error) {
+      EXPECT_THAT(error.what(), HasSubstr(path.string()));
     }
   }
 }
@@ -156,6 +156,29 @@ TEST_F(PoseFileTest, TheVirtualHandFollowsItAndSaysWhenItIsOver) {
     EXPECT_EQ(now.state, DeviceState::kLive) << tick;
   }
   EXPECT_EQ(hand.read().state, DeviceState::kFinished);
+}
+
+TEST_F(PoseFileTest, AFileWithoutEndIsRefusedAtOnce) {
+  const fs::path link = folder_ / "zero.csv";
+  fs::create_symlink("/dev/zero", link);
+  EXPECT_THROW((void)PoseFile::read(link), InvalidParameter);
+}
+
+TEST_F(PoseFileTest, OfALineWithoutEndOnlyTheBeginningIsReadAndQuoted) {
+  const fs::path path = write(kHeader + std::string(kTwo) + "\033[31m" + std::string(10'000'000, 'x'));
+  try {
+    (void)PoseFile::read(path);
+    FAIL();
+  } catch (const InvalidParameter& error) {
+    const std::string message = error.what();
+    EXPECT_THAT(message, HasSubstr(":4: line = '\\u001b[31mxxx"));
+    EXPECT_THAT(message, HasSubstr("at most 1000 bytes"));
+    EXPECT_LT(message.size(), 400U);
+  }
+}
+
+TEST_F(PoseFileTest, AWrongNumberIsQuotedWithoutWhatATerminalObeys) {
+  expectRefused(kHeader + std::string("0,\033]0;pwned\a,0,0.1,1,0,0,0\n"), 2, "x_m = '\\u001b]0;pwned\\u0007'");
 }
 
 }  // namespace

@@ -148,7 +148,7 @@ TEST(VirtualHand, RefusesWrongParametersAndMissingFiles) {
   hand = {};
   hand.manoeuvre = Manoeuvre::kPoses;
   hand.poses_file = "/nowhere/poses.csv";
-  EXPECT_THROW((VirtualHand{hand, kTick_s}), Failure);
+  EXPECT_THROW((VirtualHand{hand, kTick_s}), InvalidParameter);
 }
 
 DeviceInput after(VirtualHand& hand, int ticks) {

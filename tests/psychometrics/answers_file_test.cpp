@@ -90,5 +90,22 @@ TEST(AnswersFile, MissingFilesAreToldByName) {
   EXPECT_THROW((void)readAnswersFile("/"), InvalidParameter);
 }
 
+TEST(AnswersFile, WhatATableHasTooMuchOfIsRefusedWithItsBeginning) {
+  const std::string line = refusalOf("x,k,n\n" + std::string(1'000'000, 'x'));
+  EXPECT_THAT(line, testing::AllOf(HasSubstr("answers.csv:2: line = 'xxx"), HasSubstr("at most 100000 bytes")));
+  EXPECT_LT(line.size(), 300U);
+  std::string names = "x,k,n";
+  for (int i = 0; i < 1000; ++i) {
+    names += ',';
+    names += std::to_string(i);
+  }
+  EXPECT_THAT(refusalOf(names + "\n"), HasSubstr("at most 1000"));
+  EXPECT_LT(refusalOf("x,response\n1," + std::string(90'000, '\033') + "\n").size(), 700U);
+}
+
+TEST(AnswersFile, WhatHasNoEndIsNoTable) {
+  EXPECT_THROW((void)readAnswersFile("/dev/zero"), InvalidParameter);
+}
+
 }  // namespace
 }  // namespace haptolith

@@ -47,6 +47,38 @@ class LoadScenario : public testing::Test {
   fs::path folder_;
 };
 
+// --- what comes from strangers ---
+
+TEST_F(LoadScenario, AFileNamesNoLibrary) {
+  const std::string error = errorOf("[device]\nkind = 'force-dimension'\nlibrary = 'evil.so'\n");
+  EXPECT_THAT(error, HasSubstr("x.toml:3: [device] library = 'evil.so' is not valid"));
+  EXPECT_THAT(error, HasSubstr("--device-library PATH"));
+  EXPECT_THAT(error, HasSubstr("FORCEDIM_SDK"));
+}
+
+TEST_F(LoadScenario, ALibraryThatAnOldRecordingHoldsIsPassedOver) {
+  const Scenario scene = loadScenarioText("[device]\nkind = 'force-dimension'\nlibrary = '/tmp/evil.so'\n", "old");
+  EXPECT_EQ(scene.device.kind, DeviceKind::kForceDimension);
+  EXPECT_EQ(scene.device.library, "");
+}
+
+TEST_F(LoadScenario, ALibraryOfTheCommandLineIsNotStored) {
+  Scenario scene;
+  scene.device.library = "/opt/sdk";
+  EXPECT_THAT(scenarioText(scene), testing::Not(HasSubstr("/opt/sdk")));
+}
+
+TEST_F(LoadScenario, ATitleIsALineThatCanBeShown) {
+  EXPECT_THAT(
+      errorOf("title = \"A nice scene\\nsystem('id')\"\n"),
+      testing::AllOf(HasSubstr("x.toml:1: title = "), HasSubstr("text on one line without control characters")));
+  EXPECT_THAT(errorOf("title = \"\\u001b]0;pwned\\u0007\"\n"), HasSubstr("without control characters"));
+  EXPECT_EQ(load("title = '" + std::string(200, 'x') + "'\n").title.size(), 200U);
+  const std::string error = errorOf("title = '" + std::string(1'000'000, 'x') + "'\n");
+  EXPECT_THAT(error, HasSubstr("at most 200 bytes long, not 1000000"));
+  EXPECT_LT(error.size(), 300U);
+}
+
 // --- what is read ---
 
 TEST_F(LoadScenario, ShippedScenesAreValid) {
@@ -227,7 +259,7 @@ TEST_F(LoadScenario, WrongTypesAreRefused) {
   EXPECT_EQ(errorOf("[bed]\nlayers = 3.0\n"),
             "x.toml:2: [bed] layers = 3.0 is not valid: must be a whole number, 1 to 1000");
   EXPECT_EQ(errorOf("[loop]\npaced = 1\n"), "x.toml:2: [loop] paced = 1 is not valid: must be true or false");
-  EXPECT_EQ(errorOf("title = 3\n"), "x.toml:1: title = 3 is not valid: must be text");
+  EXPECT_EQ(errorOf("title = 3\n"), "x.toml:1: title = 3 is not valid: must be a line of text");
   EXPECT_EQ(errorOf("title = ''\n"), "x.toml:1: title = '' is not valid: must be text that is not empty");
   EXPECT_EQ(errorOf("soil = 'P3'\n"), "x.toml:1: soil = 'P3' is not valid: must be a table, [soil]");
   EXPECT_THAT(errorOf("[[soil]]\npreset = 'P3'\n"), HasSubstr("must be a table, [soil]"));

@@ -93,7 +93,7 @@ TEST(ScenarioText, KeepsWhatNumbersWereCalledAndWhatHasNoName) {
   scene.body = "";
   expectSameAgain(scene, "a preset with another number");
   scene.preset = "";
-  scene.title = "Quotes \" and ' and \\ and\nlines, é";
+  scene.title = "Quotes \" and ' and \\, é";
   expectSameAgain(scene, "numbers without a name");
   scene.soil_name = "my \"own\" soil";
   expectSameAgain(scene, "a soil of one's own");
@@ -247,7 +247,7 @@ TEST(ScenarioText, RefusesWhatNoFileCanHold) {
        {with([](Scenario& s) { s.bed.periodic_x = true; }),
         with([](Scenario& s) { s.bed.tick_s = s.loop.tick_s = 5e-4; }),
         with([](Scenario& s) { s.tool.length_m = 0.1; }), with([](Scenario& s) { s.title = ""; }),
-        with([](Scenario& s) { s.bed.soil.mu_hat = std::nan(""); }),
+        with([](Scenario& s) { s.title = "two\nlines"; }), with([](Scenario& s) { s.bed.soil.mu_hat = std::nan(""); }),
         with([](Scenario& s) { s.bed.soil.stiffness_n_m = INFINITY; }),
         with([](Scenario& s) { s.bed.seed = ~std::uint64_t{0}; }),
         with([&](Scenario& s) { s.bed.width_m = without_mm(); })}) {

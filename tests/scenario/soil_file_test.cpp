@@ -159,6 +159,7 @@ TEST_F(SoilFiles, WhatIsSavedIsLoadedToTheLastBit) {
     SoilFile soil = awkwardSoil();
     soil.soil.friction = friction;
     soil.soil.mu_hat = 0.1 / 3;
+    fs::remove(folder_ / "saved.toml");
     saveSoilFile(folder_ / "saved.toml", soil);
     expectSame(loadSoilFile(folder_ / "saved.toml"), soil);
   }
@@ -170,6 +171,7 @@ TEST_F(SoilFiles, RadiiInMillimetresComeBackToTheLastBit) {
   for (int tenths = 1; tenths <= 300; ++tenths) {
     const double radius_m = tenths * 0.1 * 1e-3;
     soil.soil = rescaled(soil.soil, radius_m);
+    fs::remove(folder_ / "saved.toml");
     saveSoilFile(folder_ / "saved.toml", soil);
     ASSERT_EQ(loadSoilFile(folder_ / "saved.toml").soil.radius_m, radius_m) << tenths;
   }
@@ -177,6 +179,7 @@ TEST_F(SoilFiles, RadiiInMillimetresComeBackToTheLastBit) {
 
 TEST_F(SoilFiles, ASavedShippedSoilIsTheShippedFile) {
   for (const std::string& name : soilNames()) {
+    fs::remove(folder_ / "saved.toml");
     saveSoilFile(folder_ / "saved.toml", findSoil(name));
     EXPECT_EQ(readFile(folder_ / "saved.toml"), readFile(fs::path(HAPTOLITH_SOURCE_DIR "/soils") / (name + ".toml")));
   }
@@ -188,8 +191,14 @@ TEST_F(SoilFiles, NumbersOfTheOtherFrictionModelAreLeftOutUntilSomebodySetsThem)
   saveSoilFile(folder_ / "saved.toml", soil);
   EXPECT_THAT(readFile(folder_ / "saved.toml"), Not(HasSubstr("mu_hat")));
   soil.soil.mu_hat = 0.3;
-  saveSoilFile(folder_ / "saved.toml", soil);
-  EXPECT_THAT(readFile(folder_ / "saved.toml"), HasSubstr("mu_hat = 0.3\n"));
+  saveSoilFile(folder_ / "other.toml", soil);
+  EXPECT_THAT(readFile(folder_ / "other.toml"), HasSubstr("mu_hat = 0.3\n"));
+}
+
+TEST_F(SoilFiles, ASoilIsNotSavedOverAnother) {
+  saveSoilFile(folder_ / "saved.toml", findSoil("jsc-1a"));
+  EXPECT_THROW(saveSoilFile(folder_ / "saved.toml", findSoil("lunar-0-15cm")), Failure);
+  EXPECT_EQ(loadSoilFile(folder_ / "saved.toml").name, findSoil("jsc-1a").name);
 }
 
 TEST_F(SoilFiles, WhatMayBeLeftOutHasItsDefault) {
@@ -302,7 +311,7 @@ TEST_F(SoilFiles, NonsenseIsRefusedWithItsLine) {
             "x.toml:6: [target] friction_angel_deg is not known; did you mean [target] friction_angle_deg?");
   EXPECT_EQ(errorOf(kTarget + kSoil + "preset = 'P3'\n"), "x.toml:15: [soil] preset is not known, see docs/soils.md");
   EXPECT_EQ(errorOf("title = 'x'\n"), "x.toml:1: title is not known, see docs/soils.md");
-  EXPECT_EQ(errorOf("name = 3\n"), "x.toml:1: name = 3 is not valid: must be text");
+  EXPECT_EQ(errorOf("name = 3\n"), "x.toml:1: name = 3 is not valid: must be a line of text");
   EXPECT_EQ(errorOf("name = 'x'\ntarget = 42\n"), "x.toml:2: target = 42 is not valid: must be a table, [target]");
   EXPECT_EQ(errorOf("[target]\nfriction_angle_deg = 95.5\n"),
             "x.toml:2: [target] friction_angle_deg = 95.5 is not valid: must be 0 to 89");

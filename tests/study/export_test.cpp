@@ -164,6 +164,45 @@ TEST_F(StudyExport, ReplacesOnlyAnEarlierExportAndOnlyWhenAskedTo) {
   EXPECT_EQ(readFile(folder_ / "mine/thesis.txt"), "years");
 }
 
+TEST_F(StudyExport, TextThatASpreadsheetWouldObeyIsMarkedAsText) {
+  {
+    StudyStore store(file_, Access::kRun);
+    const std::int64_t id = store.participants()[0].id;
+    store.setAnswers(id, "demographics", store.protocol().demographics, {{"name", "=cmd|'/C calc'!A1"}, {"age", "36"}});
+    int attempt = 0;
+    for (const char* reason : {"@SUM(1+9)", "+1+cmd", "-2+3", "-2.5"}) {
+      store.voidTrial(store.beginTrial(trial(id, 3, attempt++)), TrialState::kLost, reason);
+    }
+  }
+  exportCsv(study(), folder_ / "a.csv", {.personal = true});
+  exportBids(study(), folder_ / "bids", {.personal = true});
+  expectTrueInPython(R"py(
+import pandas
+text = pandas.read_csv('a.csv', dtype=str, keep_default_na=False)
+assert text.demographics_name.iloc[0] == "'=cmd|'/C calc'!A1"
+assert {"'@SUM(1+9)", "'+1+cmd", "'-2+3", "-2.5"} <= set(text.reason), set(text.reason)
+people = pandas.read_csv('bids/participants.tsv', sep='\t', quoting=3)
+assert people.demographics_name.iloc[0] == "'=cmd|'/C calc'!A1"
+numbers = pandas.read_csv('a.csv')
+assert numbers.x.dtype == 'float64' and numbers.first_work_j.dtype == 'float64'
+)py");
+}
+
+TEST_F(StudyExport, WhatIsPersonalIsForItsOwnerAlone) {
+  exportCsv(study(), folder_ / "a.csv", {.personal = true});
+  exportBids(study(), folder_ / "bids", {.personal = true});
+  for (const char* name : {"a.csv", "bids/participants.tsv"}) {
+    EXPECT_EQ(fs::status(folder_ / name).permissions(), fs::perms::owner_read | fs::perms::owner_write) << name;
+  }
+  EXPECT_EQ(fs::status(folder_ / "bids").permissions(), fs::perms::owner_all);
+}
+
+TEST_F(StudyExport, NeverReplacesTheStudyThatItReads) {
+  EXPECT_THROW(exportCsv(study(), file_, {.overwrite = true}), Failure);
+  EXPECT_THROW(exportBids(study(), file_, {.overwrite = true}), Failure);
+  EXPECT_EQ(study().participants().size(), 2U);
+}
+
 TEST_F(StudyExport, TellsWhatIsInTheWay) {
   EXPECT_THROW(exportCsv(study(), folder_ / "no/such/folder.csv", {}), Failure);
   EXPECT_THROW(exportBids(study(), folder_ / "no/such/folder", {}), Failure);

@@ -2,6 +2,7 @@
 
 #include <SQLiteCpp/SQLiteCpp.h>
 #include <fcntl.h>
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <sys/resource.h>
 #include <sys/wait.h>
@@ -225,7 +226,13 @@ TEST_F(StoreFaults, AReadOnlyFileIsReadAndNotRun) {
   }));
 }
 
+/// What its owner does to let others read a study.
+void letOthersRead(const fs::path& file) {
+  fs::permissions(file, fs::perms::group_read | fs::perms::others_read, fs::perm_options::add);
+}
+
 TEST_F(StoreFaults, AReadOnlyFolderIsReadAndNotRun) {
+  letOthersRead(file_);
   {
     StudyStore store(file_, Access::kRun);
     store.answerTrial(store.beginTrial(trial(store.addParticipant("").id, 0)), answer(1));
@@ -241,6 +248,7 @@ TEST_F(StoreFaults, AReadOnlyFolderIsReadAndNotRun) {
 }
 
 TEST_F(StoreFaults, AStudyThatRunsInAReadOnlyFolderIsReadUpToItsLastAnswer) {
+  letOthersRead(file_);
   StudyStore store(file_, Access::kRun);
   const std::int64_t id = store.addParticipant("").id;
   store.answerTrial(store.beginTrial(trial(id, 0)), answer(1));
@@ -250,6 +258,61 @@ TEST_F(StoreFaults, AStudyThatRunsInAReadOnlyFolderIsReadUpToItsLastAnswer) {
   const fs::path file = file_;
   EXPECT_TRUE(asSomebodyElse([&] { return StudyStore(file, Access::kRead).trials().size() == 1; }));
   fs::permissions(folder_, fs::perms::owner_all);
+}
+
+TEST_F(StoreFaults, AStudyAndAllBesideItIsForItsOwnerAlone) {
+  constexpr fs::perms kOwner = fs::perms::owner_read | fs::perms::owner_write;
+  StudyStore store(file_, Access::kRun);
+  (void)store.addParticipant("");
+  for (const char* ending : {"", "-wal", "-shm", "-lock"}) {
+    EXPECT_EQ(fs::status(file_.string() + ending).permissions(), kOwner) << ending;
+  }
+}
+
+// --- what another program has written
+// -----------------------------------------------------------------------------------
+
+/// Changes a study as no version of haptolith does.
+void forge(const fs::path& file, const std::string& sql) {
+  SQLite::Database database(file.string(), SQLite::OPEN_READWRITE);
+  database.exec("PRAGMA ignore_check_constraints = ON");
+  ASSERT_GE(database.exec(sql), 1);
+}
+
+TEST_F(StoreFaults, ACodeThatIsNoneIsRefusedWhereverItIsRead) {
+  {
+    StudyStore store(file_, Access::kRun);
+    store.answerTrial(store.beginTrial(trial(store.addParticipant("").id, 0)), answer(1));
+  }
+  for (const char* code :
+       {"/../../../../tmp/escaped", "a/b", "..", "S01\ninjected", "S\x1b[31m", "12345678901234567"}) {
+    forge(file_, fmt::format("UPDATE participant SET code = '{}'", code));
+    const StudyStore store(file_, Access::kRead);
+    const std::string error = messageOf<Failure>([&] { (void)store.participants(); });
+    EXPECT_THAT(error, AllOf(HasSubstr("a.study: it holds what haptolith does not write: code = '"),
+                             HasSubstr("1 to 16 letters and digits")));
+    EXPECT_EQ(error.find('\x1b'), std::string::npos);
+  }
+}
+
+TEST_F(StoreFaults, AWordThatIsInNoTableIsRefused) {
+  std::int64_t id = 0;
+  {
+    StudyStore store(file_, Access::kRun);
+    id = store.addParticipant("").id;
+    store.answerTrial(store.beginTrial(trial(id, 0)), answer(1));
+  }
+  forge(file_, "UPDATE trial SET kind = 'other'");
+  EXPECT_THAT(messageOf<Failure>([&] { (void)StudyStore(file_, Access::kRead).trials(); }),
+              HasSubstr("kind = 'other'; must be one of practice, main, catch"));
+  forge(file_, "UPDATE trial SET kind = 'main', state = 'gone'");
+  EXPECT_THAT(messageOf<Failure>([&] { (void)StudyStore(file_, Access::kRead).trials(id); }),
+              HasSubstr("state = 'gone'; must be one of begun, answered"));
+  EXPECT_THAT(messageOf<Failure>([&] { StudyStore(file_, Access::kRun).answerTrial(1, answer(1)); }),
+              HasSubstr("state = 'gone'"));
+  forge(file_, "UPDATE participant SET state = 'lost'");
+  EXPECT_THAT(messageOf<Failure>([&] { (void)StudyStore(file_, Access::kRead).participants(); }),
+              HasSubstr("state = 'lost'"));
 }
 
 // --- others at the same file
@@ -270,6 +333,16 @@ TEST_F(StoreFaults, ASecondRunnerIsRefusedWhateverNameItGivesTheFile) {
   const StudyStore runner(file_, Access::kRun);
   fs::create_symlink(file_, folder_ / "link.study");
   EXPECT_THAT(errorOfOpening(folder_ / "link.study", Access::kRun), HasSubstr("runs it already"));
+}
+
+TEST_F(StoreFaults, AStudyWithTwoNamesIsRunByNeither) {
+  fs::create_hard_link(file_, folder_ / "other.study");
+  for (const char* name : {"a.study", "other.study"}) {
+    EXPECT_THAT(errorOfOpening(folder_ / name, Access::kRun), HasSubstr("2 names (hard links)"));
+    EXPECT_EQ(errorOfOpening(folder_ / name, Access::kRead), "no error");
+  }
+  fs::remove(folder_ / "other.study");
+  EXPECT_EQ(errorOfOpening(file_, Access::kRun), "no error");
 }
 
 TEST_F(StoreFaults, TheNextRunnerNeedNotWaitForAKilledOne) {

@@ -1,31 +1,106 @@
 #include "haptolith/core/atomic_file.h"
 
+#include <fcntl.h>
 #include <fmt/format.h>
+#include <sys/random.h>
 #include <unistd.h>
 
+#include <array>
 #include <cerrno>
+#include <cstdint>
 #include <cstring>
+#include <fstream>
+#include <string>
 #include <system_error>
 #include <utility>
 
 #include "haptolith/core/error.h"
+#include "haptolith/core/input_file.h"
 
 namespace haptolith {
 
-AtomicFile::AtomicFile(std::filesystem::path path) : path_(std::move(path)) {
-  // The extension stays last, so that a program that chooses the format by it can write here.
-  temporary_ = path_;
-  temporary_.replace_filename(
-      fmt::format(".{}.part-{}{}", path_.stem().string(), getpid(), path_.extension().string()));
-  if (std::filesystem::is_directory(path_)) {
+namespace {
+
+namespace fs = std::filesystem;
+
+[[noreturn]] void failAt(const char* what, const fs::path& path) {
+  throw Failure(fmt::format("cannot {} {}: {}", what, path.string(), std::strerror(errno)));
+}
+
+}  // namespace
+
+std::string_view irreplaceable(const fs::path& path) {
+  constexpr std::string_view kHdf5 = "\x89HDF\r\n\x1a\n";
+  constexpr std::string_view kSqlite = "SQLite format 3";
+  std::array<char, kSqlite.size()> bytes{};
+  std::ifstream(path, std::ios::binary).read(bytes.data(), bytes.size());
+  const std::string_view beginning(bytes.data(), bytes.size());
+  return beginning.starts_with(kHdf5) ? "a recording" : beginning == kSqlite ? "a study" : "";
+}
+
+void requireFree(const OutputFile& file) {
+  const fs::path& path = file.path;
+  std::error_code ignored;  // what cannot be looked at cannot be replaced either, and the rename says why
+  if (!fs::exists(fs::symlink_status(path, ignored))) {
+    return;
+  }
+  const fs::file_status status = fs::status(path, ignored);
+  if (fs::is_directory(status)) {
     errno = EISDIR;
-    fail("open");
+    failAt("open", path);
   }
-  if (std::filesystem::exists(path_) && !std::filesystem::is_regular_file(path_)) {
-    // The rename would put a file in the place of /dev/null.
-    throw Failure(fmt::format("cannot replace {}: not a regular file", path_.string()));
+  if (fs::exists(status) && !fs::is_regular_file(status)) {  // the rename would put a file in the place of /dev/null
+    throw Failure(fmt::format("cannot replace {}: not a regular file", path.string()));
   }
-  file_ = std::fopen(temporary_.c_str(), "wb");
+  if (const std::string_view kind = irreplaceable(path); !kind.empty()) {
+    throw Failure(
+        fmt::format("{} is {}, and no other kind of file replaces it: choose another name", path.string(), kind));
+  }
+  if (isInput(path)) {
+    throw Failure(fmt::format("{} is read by this command: choose another name", path.string()));
+  }
+  if (file.if_there == IfThere::kRefuse) {
+    throw Failure(fmt::format("{} exists already: choose another name, or add --overwrite", path.string()));
+  }
+}
+
+fs::path temporaryBeside(const fs::path& path, std::string_view what) {
+  std::uint64_t random = 0;
+  if (getrandom(&random, sizeof(random), 0) != sizeof(random)) {
+    failAt("find a name beside", path);
+  }
+  // The extension stays last, so that a program that chooses the format by it can write here.
+  fs::path beside = path;
+  return beside.replace_filename(
+      fmt::format(".{}.{}-{:016x}{}", path.stem().string(), what, random, path.extension().string()));
+}
+
+int makeNewFile(const fs::path& path, Readers readers) {
+  const mode_t mode = readers == Readers::kOwner ? 0600 : 0666;  // less the umask
+  return open(path.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_NOFOLLOW | O_CLOEXEC, mode);
+}
+
+void giveName(const fs::path& made, const fs::path& name, IfThere if_there) {
+  int result =
+      renameat2(AT_FDCWD, made.c_str(), AT_FDCWD, name.c_str(), if_there == IfThere::kRefuse ? RENAME_NOREPLACE : 0U);
+  if (result != 0 && errno == EINVAL && access(name.c_str(), F_OK) != 0) {  // a file system without NOREPLACE
+    result = std::rename(made.c_str(), name.c_str());
+  }
+  if (result != 0) {
+    failAt("save", name);
+  }
+  const fs::path folder = name.parent_path().empty() ? fs::path(".") : name.parent_path();
+  if (const int descriptor = open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC); descriptor >= 0) {
+    fsync(descriptor);
+    close(descriptor);
+  }
+}
+
+AtomicFile::AtomicFile(OutputFile file) : target_(std::move(file)) {
+  requireFree(target_);
+  temporary_ = temporaryBeside(target_.path, "part");
+  const int descriptor = makeNewFile(temporary_, target_.readers);
+  file_ = descriptor < 0 ? nullptr : fdopen(descriptor, "wb");
   if (file_ == nullptr) {
     fail("create");
   }
@@ -36,7 +111,7 @@ AtomicFile::~AtomicFile() {
     std::fclose(file_);
   }
   std::error_code ignored;
-  std::filesystem::remove(temporary_, ignored);
+  fs::remove(temporary_, ignored);
 }
 
 void AtomicFile::write(std::string_view text) {
@@ -49,14 +124,14 @@ void AtomicFile::commit() {
   if (std::fflush(file_) != 0 || fsync(fileno(file_)) != 0) {
     fail("write");
   }
-  const bool closed = std::fclose(std::exchange(file_, nullptr)) == 0;
-  if (!closed || std::rename(temporary_.c_str(), path_.c_str()) != 0) {
+  if (std::fclose(std::exchange(file_, nullptr)) != 0) {
     fail("save");
   }
+  giveName(temporary_, target_.path, target_.if_there);
 }
 
 void AtomicFile::fail(const char* what) const {
-  throw Failure(fmt::format("cannot {} {}: {}", what, path_.string(), std::strerror(errno)));
+  failAt(what, target_.path);
 }
 
 }  // namespace haptolith

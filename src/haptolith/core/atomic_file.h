@@ -3,15 +3,54 @@
 #include <cstdio>
 #include <filesystem>
 #include <string_view>
+#include <type_traits>
 
 namespace haptolith {
+
+/// What becomes of a file that has the name already. The program asks its user before it takes anything away: the
+/// option --overwrite.
+enum class IfThere { kRefuse, kReplace };
+
+/// Who may read what is written: whoever the umask lets, or the owner alone.
+enum class Readers { kAsUsual, kOwner };
+
+/// The name of a file to be written, and how.
+struct OutputFile {
+  template <class Path>
+  requires std::is_convertible_v<Path, std::filesystem::path>
+  // NOLINTNEXTLINE(google-explicit-constructor): a path alone is a file that nobody may lose
+  OutputFile(const Path& where, IfThere if_it_is_there = IfThere::kRefuse, Readers who = Readers::kAsUsual)
+      : path(where), if_there(if_it_is_there), readers(who) {}
+
+  std::filesystem::path path;
+  IfThere if_there;
+  Readers readers;
+};
+
+/// "a recording" (HDF5) or "a study" (SQLite) when a file begins like one: what nobody can draw or compute again. Empty
+/// for any other.
+[[nodiscard]] std::string_view irreplaceable(const std::filesystem::path& path);
+
+/// @throws Failure when `file` may not be written: it is there and may not be replaced; it is a recording or a study,
+/// which no other kind of file ever replaces; this program has read it (input_file.h); it is no regular file.
+void requireFree(const OutputFile& file);
+
+/// "x-3f2a...9c" beside `path`, hidden, with its extension: a name that nobody can guess.
+[[nodiscard]] std::filesystem::path temporaryBeside(const std::filesystem::path& path, std::string_view what);
+
+/// Makes an empty file that was not there, and that no link leads to. @return its descriptor. @throws Failure.
+[[nodiscard]] int makeNewFile(const std::filesystem::path& path, Readers readers);
+
+/// Gives a file or a folder that is whole its name, and the name to the disk; with kRefuse only when nothing has the
+/// name by then. @throws Failure.
+void giveName(const std::filesystem::path& made, const std::filesystem::path& name, IfThere if_there);
 
 /// A file that appears whole or not at all: written beside its name, renamed on commit(), removed otherwise.
 /// Not for the tick.
 class AtomicFile {
  public:
-  /// @throws Failure when the folder does not exist or cannot be written.
-  explicit AtomicFile(std::filesystem::path path);
+  /// @throws Failure when the folder does not exist or cannot be written, and as requireFree().
+  explicit AtomicFile(OutputFile file);
   ~AtomicFile();
   AtomicFile(const AtomicFile&) = delete;
   AtomicFile& operator=(const AtomicFile&) = delete;
@@ -22,13 +61,14 @@ class AtomicFile {
   /// Flushes to the disk and renames. Nothing may be written afterwards. @throws Failure as write().
   void commit();
 
-  /// Where the bytes are until commit(); other programs (gnuplot) may write there.
+  /// Where the bytes are until commit(); other programs (ffmpeg) may write there.
   [[nodiscard]] const std::filesystem::path& temporaryPath() const noexcept { return temporary_; }
 
  private:
   [[noreturn]] void fail(const char* what) const;
 
-  std::filesystem::path path_, temporary_;
+  OutputFile target_;
+  std::filesystem::path temporary_;
   std::FILE* file_ = nullptr;
 };
 

@@ -3,7 +3,8 @@
 #include <fcntl.h>
 #include <fmt/format.h>
 #include <poll.h>
-#include <spawn.h>
+#include <sys/prctl.h>
+#include <sys/resource.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -12,11 +13,13 @@
 #include <cerrno>
 #include <csignal>
 #include <cstdio>
+#include <cstdlib>
 #include <cstring>
 #include <memory>
 #include <thread>
 
 #include "haptolith/core/error.h"
+#include "haptolith/core/stop_asked.h"
 
 namespace haptolith {
 
@@ -115,50 +118,97 @@ std::string contentOf(const Descriptor& file) {
   return content;
 }
 
-ChildProcess::ChildProcess(const Command& command, const std::vector<Given>& given) {
+namespace {
+
+/// What execvpe() takes of a list of texts.
+std::vector<char*> pointersTo(const std::vector<std::string>& texts) {
+  std::vector<char*> pointers;
+  for (const std::string& text : texts) {
+    pointers.push_back(const_cast<char*>(text.c_str()));
+  }
+  pointers.push_back(nullptr);
+  return pointers;
+}
+
+/// All that the child needs, made beforehand: between fork and exec nothing may be allocated.
+struct Start {
   std::vector<char*> arguments, environment;
-  for (const std::string& argument : command.arguments) {
-    arguments.push_back(const_cast<char*>(argument.c_str()));
-  }
-  arguments.push_back(nullptr);
-  for (const std::string& variable : command.environment) {  // the first of a name counts
-    environment.push_back(const_cast<char*>(variable.c_str()));
-  }
-  for (char** variable = environ; *variable != nullptr; ++variable) {
-    environment.push_back(*variable);
-  }
-  environment.push_back(nullptr);
+  const std::vector<ChildProcess::Given>& given;
+  pid_t parent;
+  rlim_t most_cpu_s;
+  int error_to;  ///< where to tell why it could not be started
+};
 
-  posix_spawn_file_actions_t files;
-  posix_spawn_file_actions_init(&files);
-  int highest = STDERR_FILENO;
-  for (const Given& one : given) {
-    posix_spawn_file_actions_adddup2(&files, one.ours.number(), one.number);
-    highest = std::max(highest, one.number);
+/// Becomes the program. Only calls that are safe after a fork of a program with threads.
+[[noreturn]] void become(const Start& start) noexcept {
+  // A group of its own, so that it can be killed with its own children and the terminal's Ctrl-C passes it by.
+  setpgid(0, 0);
+  // It ends with the thread that has started it, however that ends; who has gone already sends no signal any more.
+  prctl(PR_SET_PDEATHSIG, SIGKILL);
+  if (getppid() != start.parent) {
+    _exit(EXIT_FAILURE);
   }
-  posix_spawn_file_actions_addclosefrom_np(&files, highest + 1);
-
-  // A group of its own, so that it can be killed with its own children and the terminal's Ctrl-C passes it by; signals
-  // as a program expects them at its start.
-  posix_spawnattr_t attributes;
-  posix_spawnattr_init(&attributes);
-  posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETPGROUP | POSIX_SPAWN_SETSIGDEF);
-  sigset_t usual;
-  sigemptyset(&usual);
+  // What escapes all that, children of the child for example, does not spin for ever either.
+  const rlimit cpu{start.most_cpu_s, start.most_cpu_s};
+  setrlimit(RLIMIT_CPU, &cpu);
+  // Signals as a program expects them at its start.
+  struct sigaction usual {};
+  usual.sa_handler = SIG_DFL;
   for (const int signal : {SIGPIPE, SIGINT, SIGTERM}) {
-    sigaddset(&usual, signal);
+    sigaction(signal, &usual, nullptr);
   }
-  posix_spawnattr_setsigdefault(&attributes, &usual);
+  sigset_t none;
+  sigemptyset(&none);
+  sigprocmask(SIG_SETMASK, &none, nullptr);
+  for (const ChildProcess::Given& one : start.given) {
+    dup2(one.ours.number(), one.number);
+  }
+  // Every other descriptor is closed by the exec.
+  close_range(STDERR_FILENO + 1, ~0U, CLOSE_RANGE_CLOEXEC);
+  for (const ChildProcess::Given& one : start.given) {
+    if (one.number > STDERR_FILENO) {
+      fcntl(one.number, F_SETFD, 0);
+    }
+  }
+  execvpe(start.arguments[0], start.arguments.data(), start.environment.data());
+  const int error = errno;
+  [[maybe_unused]] const ssize_t told = ::write(start.error_to, &error, sizeof(error));
+  _exit(EXIT_FAILURE);
+}
 
-  const int error = posix_spawnp(&process_, arguments[0], &files, &attributes, arguments.data(), environment.data());
-  posix_spawnattr_destroy(&attributes);
-  posix_spawn_file_actions_destroy(&files);
+}  // namespace
+
+ChildProcess::ChildProcess(const Command& command, const std::vector<Given>& given) {
+  Start start{.arguments = pointersTo(command.arguments),
+              .environment = pointersTo(command.environment),  // the first of a name counts
+              .given = given,
+              .parent = getpid(),
+              .most_cpu_s = static_cast<rlim_t>(command.most_cpu.count()),
+              .error_to = -1};
+  start.environment.pop_back();
+  for (char** variable = environ; *variable != nullptr; ++variable) {
+    start.environment.push_back(*variable);
+  }
+  start.environment.push_back(nullptr);
+  Pipe failed;
+  start.error_to = failed.to_write.number();
+  process_ = fork();
+  if (process_ == 0) {
+    become(start);
+  }
+  int error = process_ < 0 ? errno : 0;
+  failed.to_write.close();
+  // Says nothing when the program has begun, for then the other end is closed.
+  if (process_ > 0 && TEMP_FAILURE_RETRY(::read(failed.to_read.number(), &error, sizeof(error))) > 0) {
+    waitpid(process_, nullptr, 0);
+  }
   if (error == ENOENT) {
     throw Failure(fmt::format("{} is not installed: apt install {}", command.arguments[0], command.package));
   }
   if (error != 0) {
     throw Failure(fmt::format("cannot start {}: {}", command.arguments[0], std::strerror(error)));
   }
+  name_ = command.arguments[0];
 }
 
 ChildProcess::~ChildProcess() {
@@ -167,9 +217,15 @@ ChildProcess::~ChildProcess() {
   }
 }
 
-bool ChildProcess::wait() {
-  while (running_) {
-    look(0);
+bool ChildProcess::wait(std::chrono::milliseconds patience) {
+  const auto until = std::chrono::steady_clock::now() + patience;
+  while (!endsWithin(100ms)) {
+    if (stopAsked()) {
+      throw Failure("interrupted");
+    }
+    if (std::chrono::steady_clock::now() > until) {
+      throw Failure(fmt::format("{} has not ended in time, and is ended", name_));
+    }
   }
   return succeeded_;
 }

@@ -56,8 +56,10 @@ struct Patience {
 /// All that is in a file, from its beginning.
 [[nodiscard]] std::string contentOf(const Descriptor& file);
 
-/// Another program that works for us. It is killed with this object, and with it all that it has started. Signals from
-/// the terminal do not reach it: who started it decides what Ctrl-C means. Not for the tick.
+/// Another program that works for us. It is killed with this object, and with it all that it has started; it is killed
+/// as well when the thread that started it ends, so also when this whole program is killed; and none of them takes more
+/// time of a processor than `most_cpu`. Signals from the terminal do not reach it: who started it decides what Ctrl-C
+/// means. Not for the tick, and not while it ticks: the fork makes every page that is written to fault once.
 class ChildProcess {
  public:
   /// A descriptor of ours, and the number under which the child finds it.
@@ -70,6 +72,7 @@ class ChildProcess {
     std::vector<std::string> arguments;    ///< the program first, looked for in PATH
     std::string package;                   ///< Debian's, that brings it
     std::vector<std::string> environment;  ///< "NAME=value", beside what we have ourselves
+    std::chrono::seconds most_cpu{300};    ///< of a processor's time, for it and each that it starts
   };
 
   /// Starts the program; it sees no descriptor but the given ones.
@@ -80,7 +83,8 @@ class ChildProcess {
   ChildProcess& operator=(const ChildProcess&) = delete;
 
   /// Waits for its end. True when it succeeded (exit status 0).
-  bool wait();
+  /// @throws Failure when patience ends or stopAsked().
+  bool wait(std::chrono::milliseconds patience = std::chrono::minutes(2));
 
   /// Waits for its end, but not for ever; false when it still runs.
   bool endsWithin(std::chrono::milliseconds patience);
@@ -88,6 +92,7 @@ class ChildProcess {
  private:
   void look(int options);
 
+  std::string name_;
   pid_t process_ = 0;
   bool running_ = true, succeeded_ = false;
 };

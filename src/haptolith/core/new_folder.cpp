@@ -1,8 +1,9 @@
 #include "haptolith/core/new_folder.h"
 
 #include <fmt/format.h>
-#include <unistd.h>
+#include <sys/stat.h>
 
+#include <algorithm>
 #include <cerrno>
 #include <cstdio>
 #include <cstring>
@@ -10,6 +11,7 @@
 #include <system_error>
 
 #include "haptolith/core/error.h"
+#include "haptolith/core/plain_text.h"
 
 namespace haptolith {
 
@@ -22,28 +24,25 @@ fs::path withoutSlash(const fs::path& path) {
   return path.has_filename() ? path : path.parent_path();
 }
 
-fs::path besideOf(const fs::path& path, std::string_view what) {
-  fs::path beside = path;
-  return beside.replace_filename(fmt::format(".{}.{}-{}", path.filename().string(), what, getpid()));
-}
-
-void moveTo(const fs::path& from, const fs::path& to) {
-  std::error_code error;
-  fs::rename(from, to, error);
-  if (error) {
-    throw Failure(fmt::format("cannot save {}: {}", to.string(), error.message()));
+/// Names may be made of what somebody has written.
+void requireInside(const fs::path& name) {
+  const bool inside = !name.empty() && name.is_relative() &&
+                      std::ranges::none_of(name, [](const fs::path& part) { return part == ".." || part == "."; });
+  if (!inside || name.string().find('\0') != std::string::npos) {
+    throw Failure(
+        fmt::format("cannot write {}: must be the name of a file inside its folder", inQuotes(name.string())));
   }
 }
 
 }  // namespace
 
-NewFolder::NewFolder(const fs::path& path, bool replace) : path_(withoutSlash(path)), making_(besideOf(path_, "part")) {
-  if (fs::exists(path_) && (!replace || !fs::is_directory(path_))) {
+NewFolder::NewFolder(const fs::path& path, IfThere if_there, Readers readers)
+    : path_(withoutSlash(path)), making_(temporaryBeside(path_, "part")), if_there_(if_there), readers_(readers) {
+  if (fs::exists(fs::symlink_status(path_)) && (if_there == IfThere::kRefuse || !fs::is_directory(path_))) {
     throw Failure(fmt::format("{} exists already: choose another name", path_.string()));
   }
-  std::error_code error;
-  if (!fs::create_directory(making_, error)) {
-    throw Failure(fmt::format("cannot create {}: {}", path_.string(), error.message()));
+  if (mkdir(making_.c_str(), readers == Readers::kOwner ? 0700 : 0777) != 0) {
+    throw Failure(fmt::format("cannot create {}: {}", path_.string(), std::strerror(errno)));
   }
 }
 
@@ -53,23 +52,26 @@ NewFolder::~NewFolder() {
 }
 
 void NewFolder::write(const fs::path& name, std::string_view bytes) const {
+  requireInside(name);
   std::error_code error;
   fs::create_directories((making_ / name).parent_path(), error);
-  const std::unique_ptr<std::FILE, int (*)(std::FILE*)> file(std::fopen((making_ / name).c_str(), "wb"), std::fclose);
+  const int descriptor = makeNewFile(making_ / name, readers_);
+  const std::unique_ptr<std::FILE, int (*)(std::FILE*)> file(descriptor < 0 ? nullptr : fdopen(descriptor, "wb"),
+                                                             std::fclose);
   if (!file || std::fwrite(bytes.data(), 1, bytes.size(), file.get()) != bytes.size() || std::fflush(file.get()) != 0) {
     throw Failure(fmt::format("cannot write {}: {}", (path_ / name).string(), std::strerror(errno)));
   }
 }
 
 void NewFolder::commit() const {
-  if (!fs::exists(path_)) {
-    moveTo(making_, path_);
+  if (if_there_ == IfThere::kRefuse || !fs::exists(path_)) {
+    giveName(making_, path_, IfThere::kRefuse);
     return;
   }
-  const fs::path before = besideOf(path_, "before");
-  moveTo(path_, before);
+  const fs::path before = temporaryBeside(path_, "before");
+  giveName(path_, before, IfThere::kRefuse);
   try {
-    moveTo(making_, path_);
+    giveName(making_, path_, IfThere::kRefuse);
   } catch (...) {
     std::error_code ignored;
     fs::rename(before, path_, ignored);

@@ -3,20 +3,24 @@
 #include <filesystem>
 #include <string_view>
 
+#include "haptolith/core/atomic_file.h"
+
 namespace haptolith {
 
 /// A folder that appears with all its files or not at all: made beside its name, renamed on commit(), removed
 /// otherwise. Not for the tick.
 class NewFolder {
  public:
-  /// @param replace  whether commit() may take the place of a folder that is there.
+  /// @param if_there  whether commit() may take the place of a folder that is there.
   /// @throws Failure when there is something of that name that may not be replaced, or when it cannot be made.
-  explicit NewFolder(const std::filesystem::path& path, bool replace = false);
+  explicit NewFolder(const std::filesystem::path& path, IfThere if_there = IfThere::kRefuse,
+                     Readers readers = Readers::kAsUsual);
   ~NewFolder();
   NewFolder(const NewFolder&) = delete;
   NewFolder& operator=(const NewFolder&) = delete;
 
-  /// Writes a file; the folders it lies in are made. @throws Failure with the path and the system's reason.
+  /// Writes a file; the folders it lies in are made.
+  /// @throws Failure with the path and the system's reason; for a name that leads out of the folder, or is taken.
   void write(const std::filesystem::path& name, std::string_view bytes) const;
 
   /// Nothing may be written afterwards. @throws Failure as write().
@@ -24,6 +28,8 @@ class NewFolder {
 
  private:
   std::filesystem::path path_, making_;
+  IfThere if_there_;
+  Readers readers_;
 };
 
 }  // namespace haptolith

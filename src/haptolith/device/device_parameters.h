@@ -14,7 +14,7 @@ enum class DeviceKind { kVirtualHand, kForceDimension, kInverse3, kSpaceMouse, k
 struct DeviceParameters {
   DeviceKind kind = DeviceKind::kVirtualHand;
   std::string id;  ///< which of several: its number, serial or name as `haptolith devices` prints it; empty: the first
-  std::string library;  ///< kForceDimension: the SDK's folder or library; empty: looked for
+  std::string library;  ///< kForceDimension: the SDK's folder or library; empty: looked for. Never from a file
   /// kNetwork, from the command line only, since a scene may come from anybody: 64 hexadecimal digits that both ends
   /// know.
   std::string key{};

@@ -42,8 +42,8 @@ constexpr double kWidestGripper_rad = 30 * std::numbers::pi / 180;
 constexpr double kRotationTolerance = 1e-3;
 
 constexpr const char* kSdkRemedy =
-    "install the SDK from forcedimension.com (3.14 or newer) and name its folder in FORCEDIM_SDK or as the device's "
-    "library";
+    "install the SDK from forcedimension.com (3.14 or newer) and name its folder in FORCEDIM_SDK or with "
+    "--device-library";
 
 /// What a device shows without getting hot or shaking. Numbers of CHAI3D 3.2, src/devices/CDeltaDevices.cpp
 /// (m_maxLinearForce, m_maxAngularTorque, m_maxGripperForce, m_maxLinearStiffness, m_maxAngularStiffness,

@@ -51,12 +51,14 @@ std::vector<fs::path> librariesBelow(const fs::path& folder) {
 std::vector<fs::path> candidates(const fs::path& library, const ForceDimensionPlaces& places) {
   if (!library.empty()) {     // another SDK than the one that was asked for would be a surprise
     std::error_code ignored;  // what cannot be looked at cannot be loaded either, and the loader says why
-    return fs::is_directory(library, ignored) ? librariesBelow(library) : std::vector{library};
+    // A name without a slash would be looked for in the loader's folders, even if there is such a file here.
+    const fs::path there = fs::exists(library, ignored) ? fs::absolute(library) : library;
+    return fs::is_directory(there, ignored) ? librariesBelow(there) : std::vector{there};
   }
   std::vector<fs::path> all;
   const auto add = [&all](const std::vector<fs::path>& some) { all.insert(all.end(), some.begin(), some.end()); };
   for (const char* variable : {"FORCEDIM_SDK", "FDSDK"}) {
-    if (const char* folder = std::getenv(variable); folder != nullptr && *folder != '\0') {
+    if (const char* folder = std::getenv(variable); folder != nullptr && *folder == '/') {
       add(librariesBelow(folder));
     }
   }

@@ -29,7 +29,7 @@ struct ForceDimensionSdk {
 
   /// Loads `wanted`: the SDK's folder, a folder with libdrd.so* or the file itself. When it is empty looks in
   /// $FORCEDIM_SDK and $FDSDK, in the loader's own path and in places.local_libraries; of several versions in one
-  /// folder the newest.
+  /// folder the newest. Folders in the environment that are relative are passed over.
   /// @throws Failure with every path tried; or the function that a library lacks, and the library.
   explicit ForceDimensionSdk(const std::filesystem::path& wanted, const ForceDimensionPlaces& places = {});
 

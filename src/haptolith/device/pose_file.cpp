@@ -4,15 +4,14 @@
 
 #include <algorithm>
 #include <array>
-#include <cerrno>
 #include <charconv>
 #include <cmath>
-#include <cstring>
-#include <fstream>
 #include <string>
 #include <string_view>
 
 #include "haptolith/core/error.h"
+#include "haptolith/core/input_file.h"
+#include "haptolith/core/plain_text.h"
 
 namespace haptolith {
 
@@ -20,6 +19,9 @@ namespace {
 
 constexpr std::array<std::string_view, 8> kColumns{"t_s", "x_m", "y_m", "z_m", "qw", "qx", "qy", "qz"};
 constexpr std::string_view kHeader = "t_s,x_m,y_m,z_m,qw,qx,qy,qz";
+
+/// More than an hour at 1 kHz, with as many digits as numbers have.
+constexpr TextLimits kLimits{.bytes = 1 << 30, .line_bytes = 1000, .rows = 5'000'000};
 
 struct Place {
   const std::filesystem::path& path;
@@ -44,11 +46,11 @@ std::array<double, 8> numbersIn(std::string_view line, const Place& place) {
     const std::size_t comma = rest.find(',');
     const std::string_view field = trimmed(rest.substr(0, comma));
     if (column == numbers.size()) {
-      throw InvalidParameter(place.key("line"), fmt::format("'{}'", line), "eight numbers");
+      throw InvalidParameter(place.key("line"), inQuotes(line), "eight numbers");
     }
     const auto [end, error] = std::from_chars(field.data(), field.data() + field.size(), numbers[column]);
     if (error != std::errc{} || end != field.data() + field.size() || !std::isfinite(numbers[column])) {
-      throw InvalidParameter(place.key(kColumns[column]), fmt::format("'{}'", field), "a finite number");
+      throw InvalidParameter(place.key(kColumns[column]), inQuotes(field), "a finite number");
     }
     if (comma == std::string_view::npos) {
       break;
@@ -56,7 +58,7 @@ std::array<double, 8> numbersIn(std::string_view line, const Place& place) {
     rest.remove_prefix(comma + 1);
   }
   if (column + 1 != numbers.size()) {
-    throw InvalidParameter(place.key("line"), fmt::format("'{}'", line), "eight numbers");
+    throw InvalidParameter(place.key("line"), inQuotes(line), "eight numbers");
   }
   return numbers;
 }
@@ -73,23 +75,20 @@ Pose poseFrom(const std::array<double, 8>& numbers, double largest_m, const Plac
 }  // namespace
 
 PoseFile PoseFile::read(const std::filesystem::path& path, double largest_m) {
-  std::ifstream in(path);
-  if (!in || std::filesystem::is_directory(path)) {
-    throw Failure(fmt::format("cannot read {}: {}", path.string(),
-                              std::filesystem::is_directory(path) ? "it is a folder" : std::strerror(errno)));
-  }
+  std::ifstream in = openInput(path, kLimits.bytes);
+  LineReader lines(in, path.string(), kLimits);
   PoseFile file;
   bool header_seen = false;
   std::string text;
-  for (int line = 1; std::getline(in, text); ++line) {
-    const Place place{path, line};
+  while (lines.next(text)) {
+    const Place place{path, lines.number()};
     const std::string_view row = trimmed(text);
     if (row.empty() || row.front() == '#') {
       continue;
     }
     if (!header_seen) {
       if (row != kHeader) {
-        throw InvalidParameter(place.key("header"), fmt::format("'{}'", row), fmt::format("'{}'", kHeader));
+        throw InvalidParameter(place.key("header"), inQuotes(row), fmt::format("'{}'", kHeader));
       }
       header_seen = true;
       continue;
@@ -98,6 +97,10 @@ PoseFile PoseFile::read(const std::filesystem::path& path, double largest_m) {
     if (!file.times_s_.empty() && numbers[0] <= file.times_s_.back()) {
       throw InvalidParameter(place.key("t_s"), fmt::format("{}", numbers[0]),
                              fmt::format("> {}, the time before: time goes forward", file.times_s_.back()));
+    }
+    if (file.size() == static_cast<std::size_t>(kLimits.rows)) {
+      throw InvalidParameter(place.key("row"), fmt::format("{}", file.size() + 1),
+                             fmt::format("at most {} poses", kLimits.rows));
     }
     file.times_s_.push_back(numbers[0]);
     file.poses_.push_back(poseFrom(numbers, largest_m, place));

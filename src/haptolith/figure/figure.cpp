@@ -11,9 +11,11 @@
 #include "haptolith/core/atomic_file.h"
 #include "haptolith/core/child_process.h"
 #include "haptolith/core/error.h"
+#include "haptolith/core/plain_text.h"
 
-// gnuplot reads its commands from an unnamed temporary file and writes its complaints to another. A pipe would be
-// shorter, but when gnuplot stops at an error, writing on into the pipe kills us (SIGPIPE) before its words are read.
+// gnuplot reads its commands from an unnamed temporary file and writes picture and complaints to two others, so that it
+// is never told the name of a file: "|command" would be one. A pipe would be shorter, but when gnuplot stops at an
+// error, writing on into the pipe kills us (SIGPIPE) before its words are read.
 
 namespace haptolith {
 
@@ -21,20 +23,24 @@ namespace {
 
 struct GnuplotAnswer {
   bool succeeded = false;
-  std::string words;  ///< stdout and stderr
+  std::string picture;  ///< what it wrote on standard output
+  std::string words;    ///< and on standard error
 };
 
 /// Runs gnuplot on `script`, or with --version when it is empty. @throws Failure when it is not installed.
 GnuplotAnswer runGnuplot(const std::string& script) {
   const Descriptor input = temporaryFile(script);
-  const Descriptor output = temporaryFile();
-  ChildProcess::Command command{.arguments = {"gnuplot"}, .package = "gnuplot-nox", .environment = {}};
+  const Descriptor picture = temporaryFile();
+  const Descriptor words = temporaryFile();
+  // Nobody's settings, which are commands, too.
+  ChildProcess::Command command{
+      .arguments = {"gnuplot", "--default-settings"}, .package = "gnuplot-nox", .environment = {}};
   if (script.empty()) {
     command.arguments.emplace_back("--version");
   }
-  ChildProcess gnuplot(command, {{input, STDIN_FILENO}, {output, STDOUT_FILENO}, {output, STDERR_FILENO}});
+  ChildProcess gnuplot(command, {{input, STDIN_FILENO}, {picture, STDOUT_FILENO}, {words, STDERR_FILENO}});
   const bool succeeded = gnuplot.wait();
-  return {succeeded, contentOf(output)};
+  return {succeeded, contentOf(picture), contentOf(words)};
 }
 
 std::string terminalFor(const std::filesystem::path& path, int width_px, int height_px) {
@@ -71,19 +77,24 @@ struct Figure::Process {
   std::string script;
 };
 
-Figure::Figure(const std::filesystem::path& path, int width_px, int height_px) {
-  const std::string terminal = terminalFor(path, width_px, height_px);
+Figure::Figure(const OutputFile& file, int width_px, int height_px) {
+  const std::string terminal = terminalFor(file.path, width_px, height_px);
   runGnuplot("");  // before anyone computes for minutes: is it there?
-  process_.reset(new Process{AtomicFile(path), path.string(), {}});
-  command(
-      fmt::format("set terminal {}\nset output {}", terminal, gnuplotQuoted(process_->file.temporaryPath().string())));
+  process_.reset(new Process{AtomicFile(file), file.path.string(), {}});
+  command(fmt::format("set terminal {}", terminal));
   command(kStyle);
 }
 
 std::string gnuplotQuoted(std::string_view text) {
+  constexpr std::string_view kMarks = "\\@^_{}&~";  // of enhanced text
   std::string result = "'";
-  for (const char letter : text) {
-    result += letter == '\'' ? "''" : std::string(1, letter);
+  for (const char letter : shortened(text, kFigureTextLetters)) {
+    if (letter == '\'') {
+      result += "\\047";  // gnuplot 5.4 takes a string that begins with '' for an empty one
+    } else {
+      result += kMarks.find(letter) != std::string_view::npos ? "\\" : "";
+      result += letter;
+    }
   }
   return result + "'";
 }
@@ -91,6 +102,9 @@ std::string gnuplotQuoted(std::string_view text) {
 Figure::~Figure() = default;
 
 void Figure::data(std::string_view name, const std::vector<std::vector<double>>& rows) {
+  if (!std::ranges::all_of(name, [](unsigned char c) { return c < 0x80 && (std::isalnum(c) != 0 || c == '_'); })) {
+    throw InvalidParameter("data", inQuotes(name), "a name of letters, digits and underscores");
+  }
   process_->script += fmt::format("${} << END_OF_DATA\n", name);
   for (const std::vector<double>& row : rows) {
     for (const double value : row) {
@@ -106,11 +120,11 @@ void Figure::command(std::string_view gnuplot_commands) {
 }
 
 void Figure::save() {
-  command("unset output");
   const GnuplotAnswer answer = runGnuplot(process_->script);
   if (!answer.succeeded) {
     throw Failure(fmt::format("gnuplot could not draw {}:\n{}", process_->path, answer.words));
   }
+  process_->file.write(answer.picture);
   process_->file.commit();
 }
 

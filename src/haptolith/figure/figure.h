@@ -1,15 +1,20 @@
 #pragma once
 
-#include <filesystem>
+#include <cstddef>
 #include <memory>
 #include <string>
 #include <string_view>
 #include <vector>
 
+#include "haptolith/core/atomic_file.h"
+
 namespace haptolith {
 
-/// `text` as a gnuplot string: in single quotes, where only the quote itself is special.
+/// `text` as a gnuplot string that shows it letter by letter, whoever wrote it: on one line in single quotes, where
+/// gnuplot substitutes nothing, without a quote inside, and with a backslash before every mark of enhanced text. At
+/// most kFigureTextLetters letters of it.
 [[nodiscard]] std::string gnuplotQuoted(std::string_view text);
+inline constexpr std::size_t kFigureTextLetters = 300;
 
 /// A figure drawn by gnuplot into an .svg or .png file that appears whole or not at all. Not for the tick.
 ///
@@ -19,15 +24,16 @@ namespace haptolith {
 ///     figure.save();
 class Figure {
  public:
-  /// @throws InvalidParameter when the extension is neither .svg nor .png; Failure when the file cannot be written or
+  /// @throws InvalidParameter when the extension is neither .svg nor .png; Failure as AtomicFile, or when
   /// gnuplot is not installed.
-  Figure(const std::filesystem::path& path, int width_px, int height_px);
+  Figure(const OutputFile& file, int width_px, int height_px);
   ~Figure();
 
   /// Defines the data block `$name`, one row a line; NaN leaves a gap.
+  /// @throws InvalidParameter for a name that is not letters, digits and underscores.
   void data(std::string_view name, const std::vector<std::vector<double>>& rows);
 
-  /// Passes gnuplot commands through.
+  /// Passes gnuplot commands through: whoever reads a figure's text from a file hands it over as gnuplotQuoted().
   void command(std::string_view gnuplot_commands);
 
   /// Waits for gnuplot and renames the file into place. @throws Failure with gnuplot's own words when it failed.

@@ -188,7 +188,7 @@ BladeResult bladeTest(const LabConditions& conditions, const BladeOptions& optio
   return result;
 }
 
-void drawBlade(const std::filesystem::path& file, const BladeResult& result) {
+void drawBlade(const OutputFile& file, const BladeResult& result) {
   constexpr double kMmPerM = 1000;
   Figure figure(file, 900, 600);
   std::vector<std::vector<double>> rows = result.trace.rows;

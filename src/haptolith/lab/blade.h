@@ -1,9 +1,9 @@
 #pragma once
 
 #include <cstddef>
-#include <filesystem>
 #include <numbers>
 
+#include "haptolith/core/atomic_file.h"
 #include "haptolith/lab/lab_bed.h"
 #include "haptolith/lab/laboratory.h"
 
@@ -61,6 +61,6 @@ struct BladeResult {
 [[nodiscard]] BladeResult bladeTest(const LabConditions& conditions, const BladeOptions& options = {});
 
 /// Draws draft and vertical force against travel, with the equation's, into an .svg or .png file. @throws as Figure.
-void drawBlade(const std::filesystem::path& file, const BladeResult& result);
+void drawBlade(const OutputFile& file, const BladeResult& result);
 
 }  // namespace haptolith

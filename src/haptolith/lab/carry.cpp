@@ -231,7 +231,7 @@ CarryResult carryTest(const LabConditions& conditions, const CarryOptions& optio
   return result;
 }
 
-void drawCarry(const std::filesystem::path& path, const CarryResult& result, std::string_view title) {
+void drawCarry(const OutputFile& path, const CarryResult& result, std::string_view title) {
   std::vector<std::vector<double>> rows;
   const double began = result.trace.rows.empty() ? 0 : result.trace.rows.front()[0];
   for (const std::vector<double>& row : result.trace.rows) {

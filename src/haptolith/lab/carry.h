@@ -1,8 +1,8 @@
 #pragma once
 
-#include <filesystem>
 #include <string_view>
 
+#include "haptolith/core/atomic_file.h"
 #include "haptolith/lab/laboratory.h"
 #include "haptolith/tool/tool_parameters.h"
 
@@ -43,6 +43,6 @@ struct CarryResult {
 void validate(const CarryOptions& options);
 
 /// Force against time, and the weight. @throws as Figure.
-void drawCarry(const std::filesystem::path& path, const CarryResult& result, std::string_view title);
+void drawCarry(const OutputFile& path, const CarryResult& result, std::string_view title);
 
 }  // namespace haptolith

@@ -80,7 +80,7 @@ ConeResult coneTest(const LabConditions& conditions, const ConeOptions& options)
   return result;
 }
 
-void drawCone(const std::filesystem::path& file, const ConeResult& result) {
+void drawCone(const OutputFile& file, const ConeResult& result) {
   constexpr double kMmPerM = 1000;
   constexpr double kPaPerKpa = 1000;
   Figure figure(file, 700, 800);

@@ -1,9 +1,9 @@
 #pragma once
 
-#include <filesystem>
 #include <numbers>
 #include <vector>
 
+#include "haptolith/core/atomic_file.h"
 #include "haptolith/lab/laboratory.h"
 #include "haptolith/lab/pushed_tool.h"
 
@@ -47,6 +47,6 @@ struct ConeResult {
 [[nodiscard]] ConeResult coneTest(const LabConditions& conditions, const ConeOptions& options = {});
 
 /// Draws resistance against depth, its mean and its straight line into an .svg or .png file. @throws as Figure.
-void drawCone(const std::filesystem::path& file, const ConeResult& result);
+void drawCone(const OutputFile& file, const ConeResult& result);
 
 }  // namespace haptolith

@@ -207,7 +207,7 @@ CutResult verticalCutTest(const LabConditions& conditions, const CutOptions& opt
   return result;
 }
 
-void drawCut(const std::filesystem::path& path, const CutResult& result) {
+void drawCut(const OutputFile& path, const CutResult& result) {
   constexpr double kMm = 1e3;
   const double r = result.radius_m;
   Figure figure(path, 1000, 760);

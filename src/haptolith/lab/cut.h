@@ -1,8 +1,8 @@
 #pragma once
 
-#include <filesystem>
 #include <vector>
 
+#include "haptolith/core/atomic_file.h"
 #include "haptolith/core/vec.h"
 #include "haptolith/lab/laboratory.h"
 
@@ -61,6 +61,6 @@ struct CutResult {
 [[nodiscard]] CutResult verticalCutTest(const LabConditions& conditions, const CutOptions& options = {});
 
 /// Draws the soil before and after. @throws as Figure.
-void drawCut(const std::filesystem::path& path, const CutResult& result);
+void drawCut(const OutputFile& path, const CutResult& result);
 
 }  // namespace haptolith

@@ -97,7 +97,7 @@ FallResult fallTest(const LabConditions& conditions, const FallOptions& options)
   return result;
 }
 
-void drawFall(const std::filesystem::path& path, const FallResult& result, std::string_view title) {
+void drawFall(const OutputFile& path, const FallResult& result, std::string_view title) {
   Figure figure(path, 760, 480);
   figure.data("fall", result.trace.rows);
   figure.command(fmt::format("set title {}", gnuplotQuoted(title)));

@@ -1,8 +1,8 @@
 #pragma once
 
-#include <filesystem>
 #include <string_view>
 
+#include "haptolith/core/atomic_file.h"
 #include "haptolith/lab/laboratory.h"
 
 namespace haptolith {
@@ -30,6 +30,6 @@ struct FallResult {
 void validate(const FallOptions& options);
 
 /// How far the clump has fallen against time, and free fall. @throws as Figure.
-void drawFall(const std::filesystem::path& path, const FallResult& result, std::string_view title);
+void drawFall(const OutputFile& path, const FallResult& result, std::string_view title);
 
 }  // namespace haptolith

@@ -241,7 +241,7 @@ FunnelResult funnelTest(const LabConditions& conditions, const FunnelOptions& op
   return result;
 }
 
-void drawFunnel(const std::filesystem::path& path, const FunnelResult& result) {
+void drawFunnel(const OutputFile& path, const FunnelResult& result) {
   constexpr double kMm = 1e3;
   const double d = result.particle_diameter_m;
   std::vector<std::vector<double>> ran;

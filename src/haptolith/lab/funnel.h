@@ -1,8 +1,8 @@
 #pragma once
 
-#include <filesystem>
 #include <vector>
 
+#include "haptolith/core/atomic_file.h"
 #include "haptolith/core/vec.h"
 #include "haptolith/lab/beverloo.h"
 #include "haptolith/lab/laboratory.h"
@@ -57,6 +57,6 @@ struct FunnelResult {
 [[nodiscard]] FunnelResult funnelTest(const LabConditions& conditions, const FunnelOptions& options = {});
 
 /// Draws rates over D - k d with the fitted power, and a slice of the flow. @throws as Figure.
-void drawFunnel(const std::filesystem::path& path, const FunnelResult& result);
+void drawFunnel(const OutputFile& path, const FunnelResult& result);
 
 }  // namespace haptolith

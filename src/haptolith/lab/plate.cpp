@@ -78,8 +78,7 @@ PlateResult plateTest(const LabConditions& conditions, const PlateOptions& optio
   return result;
 }
 
-void drawPlate(const std::filesystem::path& file, const PlateResult& result,
-               const std::vector<MeasuredPlate>& measured) {
+void drawPlate(const OutputFile& file, const PlateResult& result, const std::vector<MeasuredPlate>& measured) {
   Figure figure(file, 900, 600);
   std::vector<std::vector<double>> simulated;
   std::vector<std::vector<double>> fitted;
@@ -91,8 +90,8 @@ void drawPlate(const std::filesystem::path& file, const PlateResult& result,
   figure.data("fitted", fitted);
   std::string plot = fmt::format(
       "plot $simulated using 1:2 with lines linewidth 2.5 linecolor rgb '#0072b2' title 'simulated', "
-      "$fitted using 1:2 with lines dashtype (8,5) linewidth 1.5 linecolor rgb '#d55e00' title {}",
-      gnuplotQuoted(fmt::format("p = k z^n, n = {:.2f}", result.fit.exponent)));
+      "$fitted using 1:2 with lines dashtype (8,5) linewidth 1.5 linecolor rgb '#d55e00' title 'p = k z^n, n = {:.2f}'",
+      result.fit.exponent);
   for (std::size_t i = 0; i < measured.size(); ++i) {
     std::vector<std::vector<double>> rows;
     for (const PushReading& point : measured[i].points) {

@@ -1,9 +1,9 @@
 #pragma once
 
-#include <filesystem>
 #include <string>
 #include <vector>
 
+#include "haptolith/core/atomic_file.h"
 #include "haptolith/lab/laboratory.h"
 #include "haptolith/lab/pressure_sinkage.h"
 #include "haptolith/lab/pushed_tool.h"
@@ -50,7 +50,6 @@ struct MeasuredPlate {
 };
 
 /// Draws force against sinkage, the fit and measured curves into an .svg or .png file. @throws as Figure.
-void drawPlate(const std::filesystem::path& file, const PlateResult& result,
-               const std::vector<MeasuredPlate>& measured = {});
+void drawPlate(const OutputFile& file, const PlateResult& result, const std::vector<MeasuredPlate>& measured = {});
 
 }  // namespace haptolith

@@ -175,7 +175,7 @@ std::string reportHtml(const ReportPage& page) {
   return html + "</body>\n</html>\n";
 }
 
-void saveReport(const std::filesystem::path& path, const ReportPage& page) {
+void saveReport(const OutputFile& path, const ReportPage& page) {
   const std::string html = reportHtml(page);
   AtomicFile file(path);
   file.write(html);

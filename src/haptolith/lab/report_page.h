@@ -5,6 +5,8 @@
 #include <string_view>
 #include <vector>
 
+#include "haptolith/core/atomic_file.h"
+
 namespace haptolith {
 
 /// Whether a value meets its target; kInfo where there is no target for it.
@@ -59,6 +61,6 @@ struct ReportPage {
 
 /// Writes reportHtml() to a file that appears whole or not at all.
 /// @throws as reportHtml() and AtomicFile.
-void saveReport(const std::filesystem::path& path, const ReportPage& page);
+void saveReport(const OutputFile& path, const ReportPage& page);
 
 }  // namespace haptolith

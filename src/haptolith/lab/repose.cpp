@@ -190,7 +190,7 @@ ReposeResult reposeTest(const LabConditions& conditions, const ReposeOptions& op
   return heap.result();
 }
 
-void drawRepose(const std::filesystem::path& path, const ReposeResult& result) {
+void drawRepose(const OutputFile& path, const ReposeResult& result) {
   constexpr double kDegree = std::numbers::pi / 180;
   constexpr double kMm = 1e3;
   std::vector<std::vector<double>> slice;

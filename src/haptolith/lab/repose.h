@@ -1,8 +1,8 @@
 #pragma once
 
-#include <filesystem>
 #include <vector>
 
+#include "haptolith/core/atomic_file.h"
 #include "haptolith/core/vec.h"
 #include "haptolith/lab/heap_profile.h"
 #include "haptolith/lab/laboratory.h"
@@ -44,6 +44,6 @@ struct ReposeResult {
 [[nodiscard]] ReposeResult reposeTest(const LabConditions& conditions, const ReposeOptions& options = {});
 
 /// Draws the heap: a slice through its axis, the measured profile and the line that was fitted. @throws as Figure.
-void drawRepose(const std::filesystem::path& path, const ReposeResult& result);
+void drawRepose(const OutputFile& path, const ReposeResult& result);
 
 }  // namespace haptolith

@@ -115,7 +115,7 @@ SettleResult settleTest(const LabConditions& conditions, const SettleOptions& op
   return result;
 }
 
-void drawSettle(const std::filesystem::path& path, const LabConditions& conditions, const SettleResult& result,
+void drawSettle(const OutputFile& path, const LabConditions& conditions, const SettleResult& result,
                 std::string_view title) {
   std::vector<std::vector<double>> measured, lunar, analysed;
   for (const SettledSlice& slice : result.slices) {

@@ -1,9 +1,9 @@
 #pragma once
 
-#include <filesystem>
 #include <string_view>
 #include <vector>
 
+#include "haptolith/core/atomic_file.h"
 #include "haptolith/lab/laboratory.h"
 
 namespace haptolith {
@@ -45,7 +45,7 @@ struct SettleResult {
 void validate(const SettleOptions& options);
 
 /// Density against depth: the settled column, the lunar law (paper 1) and the analysis of layers (paper 6).
-void drawSettle(const std::filesystem::path& path, const LabConditions& conditions, const SettleResult& result,
+void drawSettle(const OutputFile& path, const LabConditions& conditions, const SettleResult& result,
                 std::string_view title);
 
 }  // namespace haptolith

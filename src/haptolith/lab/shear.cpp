@@ -218,7 +218,7 @@ ShearResult shearTest(const LabConditions& conditions, const ShearOptions& optio
   return result;
 }
 
-void drawShear(const std::filesystem::path& path, const ShearResult& result, std::string_view title) {
+void drawShear(const OutputFile& path, const ShearResult& result, std::string_view title) {
   Figure figure(path, 1100, 480);
   std::vector<std::vector<double>> points;
   double largest = 0;

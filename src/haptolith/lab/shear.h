@@ -1,9 +1,9 @@
 #pragma once
 
-#include <filesystem>
 #include <string_view>
 #include <vector>
 
+#include "haptolith/core/atomic_file.h"
 #include "haptolith/lab/laboratory.h"
 #include "haptolith/lab/mohr_coulomb.h"
 
@@ -51,6 +51,6 @@ struct ShearResult {
 void validate(const ShearOptions& options);
 
 /// The lines and what happened on the way, as a figure. @throws as Figure.
-void drawShear(const std::filesystem::path& path, const ShearResult& result, std::string_view title);
+void drawShear(const OutputFile& path, const ShearResult& result, std::string_view title);
 
 }  // namespace haptolith

@@ -7,20 +7,24 @@
 #include <algorithm>
 #include <array>
 #include <cctype>
-#include <cerrno>
 #include <charconv>
 #include <cmath>
-#include <cstring>
-#include <fstream>
 #include <initializer_list>
 #include <map>
 #include <optional>
 
 #include "haptolith/core/error.h"
+#include "haptolith/core/input_file.h"
+#include "haptolith/core/plain_text.h"
 
 namespace haptolith {
 
 namespace {
+
+/// A study of a thousand people has some hundred thousand rows; answers to a form make some of them long.
+constexpr TextLimits kLimits{.bytes = 256 << 20, .line_bytes = 100'000, .rows = 1'000'000};
+constexpr std::size_t kMostColumns = 1000;
+constexpr std::size_t kMostCells = 20'000'000;  // some 0.7 GB
 
 /// A line of the table with its number in the file.
 struct Row {
@@ -60,9 +64,11 @@ char separatorOf(const std::string& header) {
 class Table {
  public:
   Table(std::istream& text, std::string_view name) : name_(name) {
+    LineReader lines(text, name, kLimits);
     std::string line;
     char separator = ',';
-    for (int number = 1; std::getline(text, line); ++number) {
+    while (lines.next(line)) {
+      const int number = lines.number();
       if (number == 1 && line.starts_with("\xef\xbb\xbf")) {
         line.erase(0, 3);  // some spreadsheets mark UTF-8 so
       }
@@ -72,8 +78,10 @@ class Table {
       if (header_.cells.empty()) {
         separator = separatorOf(line);
         header_ = {number, cellsOf(line, separator)};
+        requireHeader();
       } else {
         rows_.push_back({number, cellsOf(line, separator)});
+        requireRow();
       }
     }
     requireHeader();
@@ -108,31 +116,43 @@ class Table {
   }
 
   [[noreturn]] void refuse(const Row& row, std::size_t column, std::string_view valid) const {
-    throw InvalidParameter(fmt::format("{}, line {}, column {}", name_, row.line, header_.cells[column]),
-                           fmt::format("'{}'", row.cells[column]), std::string(valid));
+    throw InvalidParameter(fmt::format("{}, line {}, column {}", name_, row.line, shortened(header_.cells[column])),
+                           inQuotes(row.cells[column]), std::string(valid));
   }
 
   [[noreturn]] void refuse(std::string_view what, std::string_view valid) const {
     throw InvalidParameter(name_, std::string(what), std::string(valid));
   }
 
-  [[nodiscard]] std::string columns() const { return fmt::format("{}", fmt::join(header_.cells, ", ")); }
+  [[nodiscard]] std::string columns() const {
+    return shortened(fmt::format("{}", fmt::join(header_.cells, ", ")), 5 * kQuoteLetters);
+  }
 
  private:
   void requireHeader() const {
     if (header_.cells.empty()) {
       refuse("nothing in it", "a line of column names, x,k,n or x,response, and rows below it");
     }
+    if (header_.cells.size() > kMostColumns) {
+      refuse(fmt::format("{} columns", header_.cells.size()), fmt::format("at most {}", kMostColumns));
+    }
     for (const std::string& name : header_.cells) {
       if (std::ranges::count(header_.cells, name) > 1) {
-        refuse(fmt::format("column '{}' twice", name), "every column once");
+        refuse(fmt::format("column {} twice", inQuotes(name)), "every column once");
       }
     }
-    for (const Row& row : rows_) {
-      if (row.cells.size() != header_.cells.size()) {
-        throw InvalidParameter(fmt::format("{}, line {}", name_, row.line), fmt::format("{} cells", row.cells.size()),
-                               fmt::format("{}, as many as columns", header_.cells.size()));
-      }
+  }
+
+  /// Checks the last one.
+  void requireRow() const {
+    const Row& row = rows_.back();
+    if (row.cells.size() != header_.cells.size()) {
+      throw InvalidParameter(fmt::format("{}, line {}", name_, row.line), fmt::format("{} cells", row.cells.size()),
+                             fmt::format("{}, as many as columns", header_.cells.size()));
+    }
+    if (rows_.size() > static_cast<std::size_t>(kLimits.rows) || rows_.size() * header_.cells.size() > kMostCells) {
+      refuse(fmt::format("more than {} rows of {} cells", rows_.size() - 1, header_.cells.size()),
+             fmt::format("at most {} rows and {} cells", kLimits.rows, kMostCells));
     }
   }
 
@@ -233,13 +253,7 @@ std::vector<AnswersOf> readAnswers(std::istream& text, std::string_view name) {
 }
 
 std::vector<AnswersOf> readAnswersFile(const std::filesystem::path& path) {
-  if (!std::filesystem::is_regular_file(path) && !std::filesystem::is_fifo(path)) {
-    throw InvalidParameter("table of answers", path.string(), "a file that exists");
-  }
-  std::ifstream file(path);
-  if (!file) {
-    throw Failure(fmt::format("cannot read {}: {}", path.string(), std::strerror(errno)));
-  }
+  std::ifstream file = openInput(path, kLimits.bytes);
   return readAnswers(file, path.filename().string());
 }
 

@@ -33,7 +33,8 @@ struct AnswersOf {
 /// @throws InvalidParameter with line and column for what cannot be understood, or when there is no answer.
 [[nodiscard]] std::vector<AnswersOf> readAnswers(std::istream& text, std::string_view name);
 
-/// The same from a file. @throws InvalidParameter when there is none; Failure when it cannot be read.
+/// The same from a file: at most a million rows, 256 MiB, and lines of 100 000 bytes.
+/// @throws InvalidParameter when there is none; Failure when it cannot be read, or somebody wants the work to end.
 [[nodiscard]] std::vector<AnswersOf> readAnswersFile(const std::filesystem::path& path);
 
 }  // namespace haptolith

@@ -241,7 +241,7 @@ Interval wilsonInterval(double k, double n, double confidence) {
   return {std::max(middle - half, 0.0), std::min(middle + half, 1.0)};
 }
 
-void drawPsychometricFigure(const std::filesystem::path& path, const PsychometricFigure& wanted) {
+void drawPsychometricFigure(const OutputFile& path, const PsychometricFigure& wanted) {
   if (wanted.participants.empty() && !wanted.group) {
     throw InvalidParameter("curves of a figure", "none", "one or more");
   }

@@ -1,11 +1,11 @@
 #pragma once
 
-#include <filesystem>
 #include <optional>
 #include <span>
 #include <string>
 #include <vector>
 
+#include "haptolith/core/atomic_file.h"
 #include "haptolith/psychometrics/fit.h"
 
 namespace haptolith {
@@ -30,7 +30,7 @@ struct PsychometricFigure {
 /// Draws points (k of n, larger for more answers), binomial (Wilson) intervals of the bold curve's points, curves and
 /// the credible band, into an .svg or .png file that appears whole or not at all.
 /// @throws InvalidParameter without a curve or for stimuli that a logarithmic axis cannot show; as Figure otherwise.
-void drawPsychometricFigure(const std::filesystem::path& path, const PsychometricFigure& wanted);
+void drawPsychometricFigure(const OutputFile& path, const PsychometricFigure& wanted);
 
 /// Wilson's score interval of a share k of n, 0 to 1 (Wilson 1927, J. Am. Stat. Assoc. 22, 209). @param n above 0.
 [[nodiscard]] Interval wilsonInterval(double k, double n, double confidence);

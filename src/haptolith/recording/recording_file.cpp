@@ -11,6 +11,7 @@
 #include <system_error>
 #include <utility>
 
+#include "haptolith/core/atomic_file.h"
 #include "haptolith/core/child_process.h"
 #include "haptolith/core/error.h"
 
@@ -98,7 +99,7 @@ Handle createFile(const fs::path& path) {
   boundMemory(access);
   const Handle creation = handle(H5Pcreate(H5P_FILE_CREATE), "make a property list");
   done(H5Pset_attr_phase_change(creation.id(), 64, 0), "choose the format");  // the header stays in one place
-  return handle(H5Fcreate(path.c_str(), H5F_ACC_TRUNC, creation.id(), access.id()), "create it");
+  return handle(H5Fcreate(path.c_str(), H5F_ACC_EXCL, creation.id(), access.id()), "create it");
 }
 
 /// Copies at most as many bytes as there is room for, no part of a letter.
@@ -153,10 +154,10 @@ void Growing::flush() {
 }
 
 void requireFree(const fs::path& path, bool overwrite) {
-  const fs::file_status there = fs::status(path);
+  std::error_code ignored;  // what cannot be looked at cannot be made either, and that says why
+  const fs::file_status there = fs::status(path, ignored);
   if (fs::exists(there) && !overwrite) {
-    throw Failure(
-        fmt::format("{} exists already: choose another name, or ask for it to be overwritten", path.string()));
+    throw Failure(fmt::format("{} exists already: choose another name, or add --overwrite", path.string()));
   }
   if (fs::exists(there) && !fs::is_regular_file(there)) {
     throw Failure(fmt::format("cannot overwrite {}: not a regular file", path.string()));
@@ -170,8 +171,7 @@ RecordingFile::RecordingFile(fs::path path, const RecordingHeader& header, bool 
   prepareThread();
   requireFree(path_, overwrite);
   // Under its own name the file is there as soon as a killed program would leave one that opens, and not before.
-  const fs::path making =
-      path_.parent_path() / fmt::format(".{}.part-{}{}", path_.stem().string(), getpid(), path_.extension().string());
+  const fs::path making = temporaryBeside(path_, "part");
   try {
     file_ = createFile(making);
     writeHeader(file_, header);

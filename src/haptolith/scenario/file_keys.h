@@ -26,6 +26,14 @@ struct TextOrNumber {
   std::optional<double> number = {};
 };
 
+/// How long a text may be: a line such as a title, the path of a file, or paragraphs for a page.
+enum class TextSize { kLine, kPath, kPage };
+
+/// In bytes of UTF-8.
+[[nodiscard]] constexpr std::size_t mostBytes(TextSize size) noexcept {
+  return size == TextSize::kLine ? 200 : size == TextSize::kPath ? 4096 : 20'000;
+}
+
 /// One key of a TOML file that is read into a Target and written from it: its place, what is valid there, what it
 /// changes, and what it is. A set() may throw InvalidParameter. Every key says how it is written, or kOnlyRead.
 template <class Target>
@@ -62,6 +70,7 @@ struct FileKey {
   struct TextValue {
     void (*set)(Target&, std::string_view);
     std::string_view (*get)(const Target&);  ///< empty: left out
+    TextSize size = TextSize::kLine;
   };
   /// Texts or numbers, several or one alone; what is more to say about them, set() checks. Only read.
   struct ItemsValue {
@@ -106,7 +115,7 @@ template <class Target>
     } else if constexpr (std::is_same_v<Value, typename Key::WordValue>) {
       return anyOf(value.valid);
     } else if constexpr (std::is_same_v<Value, typename Key::TextValue>) {
-      return "text";
+      return value.size == TextSize::kLine ? "a line of text" : "text";
     } else if constexpr (std::is_same_v<Value, typename Key::ItemsValue>) {
       return std::string(value.valid);
     } else {

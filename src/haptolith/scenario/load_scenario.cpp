@@ -52,8 +52,28 @@ void validateWhole(const TomlReader& reader, const Scenario& scene) {
   reader.check(keys, "", [&] { validate(scene); });
 }
 
-Scenario read(const TomlReader& reader) {
-  reader.refuseUnknownKeys(keyNames(scenarioKeys()));
+/// Where a scene's text comes from: recordings and studies hold what earlier versions have written.
+enum class From { kFile, kStored };
+
+/// A scene comes from anybody, and a library is code: only the command line and the environment name one. Recordings
+/// and studies of earlier versions may hold the key; it has no meaning any more.
+constexpr KeyName kLibrary{"device", "library"};
+
+void refuseLibrary(const TomlReader& reader) {
+  if (reader.find(kLibrary.table, kLibrary.name) != nullptr) {
+    reader.refuseKey(kLibrary,
+                     "left out: no file names code that is loaded; name the library on the command line "
+                     "(--device-library PATH) or in the environment (FORCEDIM_SDK)");
+  }
+}
+
+Scenario read(const TomlReader& reader, From from) {
+  std::vector<KeyName> known = keyNames(scenarioKeys());
+  known.push_back(kLibrary);
+  reader.refuseUnknownKeys(known);
+  if (from == From::kFile) {
+    refuseLibrary(reader);
+  }
   refuseContradictions(reader);
   Scenario scene;
   for (const ScenarioKey& key : scenarioKeys()) {
@@ -67,11 +87,11 @@ Scenario read(const TomlReader& reader) {
 }  // namespace
 
 Scenario loadScenario(const std::filesystem::path& path) {
-  return read(TomlReader(path, kScene));
+  return read(TomlReader(path, kScene), From::kFile);
 }
 
 Scenario loadScenarioText(std::string_view text, std::string_view name) {
-  return read(TomlReader(name, text, kScene));
+  return read(TomlReader(name, text, kScene), From::kStored);
 }
 
 }  // namespace haptolith

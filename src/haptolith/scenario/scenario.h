@@ -42,12 +42,12 @@ struct Scenario {
 /// valid range; Failure when the file cannot be read.
 [[nodiscard]] Scenario loadScenario(const std::filesystem::path& path);
 
-/// The same for a text that is no file; messages call it `name`, and other files lie beside what that would be.
+/// The same for a stored text, called `name`, with files beside what that would be; a device's library is passed over.
 [[nodiscard]] Scenario loadScenarioText(std::string_view text, std::string_view name);
 
 /// The whole scene as TOML, for recordings: loadScenarioText() gives the same scene to the last bit, wherever the
 /// program stands then and whatever its presets, named soils and bodies are by then. Soil and gravity are written by
-/// their numbers, their names for information; a file of poses by its absolute path, and only if the hand follows it.
+/// their numbers, their names for information; poses by their absolute path, if the hand follows them; no library.
 /// @throws InvalidParameter for a scene that no file can hold: a value out of its key's range, one of those that only
 /// the laboratory sets (a periodic box, another tick), a length that is no number of mm, a file of poses that has gone.
 [[nodiscard]] std::string scenarioText(const Scenario& scenario);

@@ -22,10 +22,11 @@ std::string textOf(const Scenario& scene) {
   return text;
 }
 
-/// What reading its text gives: the same, but for where the poses lie.
+/// What reading its text gives: the same, but for where the poses lie, and without a library.
 Scenario readBack(Scenario scene) {
   std::string& poses = scene.hand.poses_file;
   poses = scene.hand.manoeuvre == Manoeuvre::kPoses ? std::filesystem::absolute(poses).string() : "";
+  scene.device.library.clear();
   return scene;
 }
 

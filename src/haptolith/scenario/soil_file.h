@@ -32,7 +32,7 @@ struct SoilFile {
 
 /// Writes the file, whole or not at all; loadSoilFile() gives the same numbers, to the last bit (a radius that is no
 /// number of mm may lose it).
-/// @throws InvalidParameter for what loadSoilFile() would refuse; Failure when the file cannot be written.
+/// @throws InvalidParameter for what loadSoilFile() would refuse; Failure when it is there or cannot be written.
 void saveSoilFile(const std::filesystem::path& path, const SoilFile& soil);
 
 }  // namespace haptolith

@@ -29,7 +29,8 @@ std::vector<SoilFileKey> allKeys() {
        TextValue{[](F& f, std::string_view v) { f.name = v; }, [](const F& f) { return std::string_view(f.name); }},
        "What the soil is called."},
       {"", "source", "source",
-       TextValue{[](F& f, std::string_view v) { f.source = v; }, [](const F& f) { return std::string_view(f.source); }},
+       TextValue{[](F& f, std::string_view v) { f.source = v; }, [](const F& f) { return std::string_view(f.source); },
+                 TextSize::kPage},
        "Where the measured values come from; may be left out."},
 
       {"target", "bulk_density_kg_m3", "bulk_density_kg_m3",

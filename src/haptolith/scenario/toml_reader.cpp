@@ -6,10 +6,11 @@
 #include <cctype>
 #include <cmath>
 #include <fstream>
-#include <iterator>
 #include <sstream>
 
+#include "haptolith/core/input_file.h"
 #include "haptolith/core/nearest_word.h"
+#include "haptolith/core/plain_text.h"
 
 namespace haptolith {
 
@@ -17,8 +18,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::uintmax_t kLargestFileBytes = 1 << 20;  // a scene is some 2 kB; more is the wrong file
-constexpr std::size_t kLongestQuote = 60;              // letters of a wrong value that a message repeats
+constexpr std::size_t kLargestFileBytes = 1 << 20;  // a scene is some 2 kB; more is the wrong file
 
 int lineOf(const toml::node& node) {
   return static_cast<int>(node.source().begin.line);
@@ -48,7 +48,7 @@ std::string written(const toml::node& node) {
 std::string quote(const toml::node& node) {
   std::string text = written(node);
   std::ranges::replace(text, '\n', ' ');
-  return text.size() <= kLongestQuote ? text : text.substr(0, kLongestQuote) + "...";
+  return shortened(text);
 }
 
 bool knowsTable(std::span<const KeyName> known, std::string_view name) {
@@ -86,13 +86,16 @@ std::string TomlReader::readText() const {
   if (!fs::is_regular_file(status)) {
     refuseFile("not a file");
   }
-  if (fs::file_size(path_) > kLargestFileBytes) {
-    refuseFile(fmt::format("too large for a {}: must be at most 1 MiB", kind_.name));
-  }
   std::ifstream file(path_, std::ios::binary);
-  std::string text{std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
+  std::string text(kLargestFileBytes + 1, '\0');  // more than the size that the system tells, which may be wrong
+  file.read(text.data(), static_cast<std::streamsize>(text.size()));
   if (!file.is_open() || file.bad()) {
     throw Failure(fmt::format("cannot read {}", path_.string()));
+  }
+  rememberInput(path_);
+  text.resize(static_cast<std::size_t>(file.gcount()));
+  if (text.size() > kLargestFileBytes) {
+    refuseFile(fmt::format("too large for a {}: must be at most 1 MiB", kind_.name));
   }
   return text;
 }
@@ -198,7 +201,7 @@ void TomlReader::refuseUnknownKeysIn(std::string_view table, const toml::node& n
 
 void TomlReader::refuseUnknown(const KeyName& key, const toml::node& node, std::span<const KeyName> known) const {
   const std::string shown = node.is_table() ? fmt::format("[{}]", key.name) : fullName(key);
-  refuse(lineOf(node), fmt::format("{} is not known{}", shown, suggestion(key, known)));
+  refuse(lineOf(node), fmt::format("{} is not known{}", shortened(shown), suggestion(key, known)));
 }
 
 /// The nearest key of the same table, or the same key in another table.
@@ -308,18 +311,33 @@ std::string_view TomlReader::word(const Place& place, const std::vector<std::str
   refuseValue(place);
 }
 
-std::string TomlReader::text(const Place& place) const {
+/// Texts are shown on pages, in figures and on terminals, and written into tables.
+std::string TomlReader::text(const Place& place, TextSize size) const {
   const toml::value<std::string>* text = place.node.as_string();
   if (text == nullptr || text->get().empty()) {
     refuseValue({place.key, place.node, text == nullptr ? place.valid : "text that is not empty"});
   }
+  requireSize(place, text->get(), size);
   return text->get();
+}
+
+void TomlReader::requireSize(const Place& place, std::string_view text, TextSize size) const {
+  const Lines lines = size == TextSize::kLine ? Lines::kOne : Lines::kSeveral;
+  if (!isPlainText(text, lines)) {
+    refuseValue({place.key, place.node,
+                 lines == Lines::kOne ? "text on one line without control characters"
+                                      : "text without control characters but newlines and tabs"});
+  }
+  if (const std::size_t most = mostBytes(size); text.size() > most) {
+    refuseValue({place.key, place.node, fmt::format("at most {} bytes long, not {}", most, text.size())});
+  }
 }
 
 /// Several, or one alone.
 std::vector<TextOrNumber> TomlReader::items(const Place& place) const {
   const auto item = [&](const toml::node& node) -> TextOrNumber {
     if (const toml::value<std::string>* text = node.as_string()) {
+      requireSize(place, text->get(), TextSize::kLine);
       return {.text = text->get(), .number = std::nullopt};
     }
     const double value = node.value_or(std::nan(""));
@@ -341,7 +359,7 @@ std::vector<TextOrNumber> TomlReader::items(const Place& place) const {
 
 /// Looked for beside the file, wherever the program was started.
 fs::path TomlReader::besideFile(const Place& place) const {
-  fs::path path = path_.parent_path() / text(place);
+  fs::path path = path_.parent_path() / text(place, TextSize::kPath);
   if (!fs::is_regular_file(path)) {
     refuse(lineOf(place.node), fmt::format("{} = {}: no such file", fullName(place.key), path.string()));
   }

@@ -111,7 +111,8 @@ class TomlReader {
   [[nodiscard]] Range interval(const Place& place, const Range& range) const;
   [[nodiscard]] bool onOrOff(const Place& place) const;
   [[nodiscard]] std::string_view word(const Place& place, const std::vector<std::string_view>& words) const;
-  [[nodiscard]] std::string text(const Place& place) const;
+  [[nodiscard]] std::string text(const Place& place, TextSize size) const;
+  void requireSize(const Place& place, std::string_view text, TextSize size) const;
   [[nodiscard]] std::vector<TextOrNumber> items(const Place& place) const;
   [[nodiscard]] std::filesystem::path besideFile(const Place& place) const;
 
@@ -144,7 +145,7 @@ void TomlReader::apply(const FileKey<Target>& key, Target& target) const {
     } else if constexpr (std::is_same_v<Value, typename Key::WordValue>) {
       value.set(target, word(place, value.valid));
     } else if constexpr (std::is_same_v<Value, typename Key::TextValue>) {
-      value.set(target, text(place));
+      value.set(target, text(place, value.size));
     } else if constexpr (std::is_same_v<Value, typename Key::ItemsValue>) {
       value.set(target, items(place));
     } else {

@@ -4,6 +4,7 @@
 #include <nlohmann/json.hpp>
 
 #include <algorithm>
+#include <charconv>
 #include <cmath>
 #include <functional>
 #include <map>
@@ -221,8 +222,22 @@ Forms formsOf(const StudyStore& study, bool personal) {
 // --- CSV
 // --------------------------------------------------------------------------------------------------------------
 
+/// Spreadsheets take text that begins like this for a formula, which may start programs: an apostrophe before it says
+/// that it is text. Numbers stay numbers.
+std::string withoutFormula(std::string text) {
+  constexpr std::string_view kBeginnings = "=+-@\t\r";
+  if (text.empty() || kBeginnings.find(text.front()) == std::string_view::npos) {
+    return text;
+  }
+  double number = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
+  const bool is_number = error == std::errc() && end == text.data() + text.size();
+  return is_number ? text : "'" + text;
+}
+
 /// Quoted where it has to be (RFC 4180).
-std::string csvField(const std::string& text) {
+std::string csvField(std::string text) {
+  text = withoutFormula(std::move(text));
   if (text.find_first_of(",\"\r\n") == std::string::npos) {
     return text;
   }
@@ -248,6 +263,7 @@ std::string csvLine(const std::vector<std::string>& fields) {
 
 /// A field of a TSV file, which knows no quotes.
 std::string tsvField(std::string text) {
+  text = withoutFormula(std::move(text));
   std::ranges::replace_if(
       text, [](char letter) { return letter == '\t' || letter == '\n' || letter == '\r'; }, ' ');
   return text.empty() ? "n/a" : text;
@@ -377,11 +393,19 @@ Json behaviourJson(const StudyBlock& block) {
   return json;
 }
 
+IfThere ifThere(const ExportOptions& options) {
+  return options.overwrite ? IfThere::kReplace : IfThere::kRefuse;
+}
+
+/// What tells who somebody is, is for the one who asked for it.
+Readers readersOf(const ExportOptions& options) {
+  return options.personal ? Readers::kOwner : Readers::kAsUsual;
+}
+
 /// A folder that somebody asks to be overwritten is deleted: nothing but an earlier export may be.
 void requireEarlierExport(const fs::path& folder, bool overwrite) {
   if (fs::exists(folder) && !overwrite) {
-    throw Failure(
-        fmt::format("{} exists already: choose another name, or ask for it to be overwritten", folder.string()));
+    throw Failure(fmt::format("{} exists already: choose another name, or add --overwrite", folder.string()));
   }
   if (fs::exists(folder) && !fs::exists(folder / "dataset_description.json")) {
     throw Failure(fmt::format("{} is no earlier export, and is not overwritten: choose another name", folder.string()));
@@ -400,10 +424,7 @@ std::span<const TrialColumn> trialColumns() {
 }
 
 void exportCsv(const StudyStore& study, const fs::path& file, const ExportOptions& options) {
-  if (fs::exists(file) && !options.overwrite) {
-    throw Failure(
-        fmt::format("{} exists already: choose another name, or ask for it to be overwritten", file.string()));
-  }
+  AtomicFile out({file, ifThere(options), readersOf(options)});
   const Forms forms = formsOf(study, options.personal);
   std::map<std::int64_t, ParticipantRow> participants;
   for (const ParticipantRow& participant : study.participants()) {
@@ -427,14 +448,13 @@ void exportCsv(const StudyStore& study, const fs::path& file, const ExportOption
     }
     text += csvLine(fields);
   }
-  AtomicFile out(file);
   out.write(text);
   out.commit();
 }
 
 void exportBids(const StudyStore& study, const fs::path& folder, const ExportOptions& options) {
   requireEarlierExport(folder, options.overwrite);
-  const NewFolder made(folder, options.overwrite);
+  const NewFolder made(folder, ifThere(options), readersOf(options));
   const Forms forms = formsOf(study, options.personal);
   const std::vector<ParticipantRow> participants = study.participants();
   made.write("dataset_description.json", datasetJson(study).dump(2) + "\n");

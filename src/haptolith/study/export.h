@@ -11,7 +11,7 @@
 namespace haptolith {
 
 struct ExportOptions {
-  bool personal = false;   ///< with the answers to personal items
+  bool personal = false;   ///< with the answers to personal items; only the owner may read the files then
   bool overwrite = false;  ///< may take the place of an earlier export
 };
 
@@ -25,6 +25,9 @@ struct TrialColumn {
 
 /// The columns of every export, before those of the forms. docs/studies.md has each of them.
 [[nodiscard]] std::span<const TrialColumn> trialColumns();
+
+/// Text that a spreadsheet would take for a formula (it begins with = + - @, a tab or a carriage return, and is no
+/// number) has an apostrophe before it in both formats.
 
 /// One table: a row for each attempt at a trial, in the order in which they began, with what its participant answered
 /// to the forms in further columns. Numbers read back as the same; what is missing is empty.

@@ -118,18 +118,18 @@ BlockKey::SwitchValue onOrOff() {
 }
 
 template <std::string StudyBlock::*kText>
-BlockKey::TextValue text() {
-  return {[](BlockDraft& d, std::string_view v) { d.block.*kText = v; }, kOnlyRead};
+BlockKey::TextValue text(TextSize size = TextSize::kLine) {
+  return {[](BlockDraft& d, std::string_view v) { d.block.*kText = v; }, kOnlyRead, size};
 }
 
 template <std::string FormItem::*kText>
-ItemKey::TextValue itemText() {
-  return {[](FormItem& i, std::string_view v) { i.*kText = v; }, kOnlyRead};
+ItemKey::TextValue itemText(TextSize size = TextSize::kLine) {
+  return {[](FormItem& i, std::string_view v) { i.*kText = v; }, kOnlyRead, size};
 }
 
 template <std::string StudyProtocol::*kText>
-ProtocolKey::TextValue pageText() {
-  return {[](ProtocolDraft& d, std::string_view v) { d.protocol.*kText = v; }, kOnlyRead};
+ProtocolKey::TextValue pageText(TextSize size = TextSize::kPage) {
+  return {[](ProtocolDraft& d, std::string_view v) { d.protocol.*kText = v; }, kOnlyRead, size};
 }
 
 std::vector<std::string_view> builtInSoilNames() {
@@ -140,7 +140,8 @@ std::vector<std::string_view> builtInSoilNames() {
 std::vector<ProtocolKey> allProtocolKeys() {
   using D = ProtocolDraft;
   return {
-      {"", "title", "", pageText<&StudyProtocol::title>(), "What the study is about, in a line; participants see it."},
+      {"", "title", "", pageText<&StudyProtocol::title>(TextSize::kLine),
+       "What the study is about, in a line; participants see it."},
       {"", "consent", "", pageText<&StudyProtocol::consent>(),
        "What a participant agrees to before anything else; paragraphs are split by blank lines. Left out: no such "
        "page."},
@@ -169,8 +170,9 @@ std::vector<BlockKey> designKeys() {
        BlockKey::TextValue{[](D& d, std::string_view v) { d.block.name = nameOf("name", v, ""); }, kOnlyRead},
        "What files and tables call the block: letters and digits."},
       {"", "title", "", text<&StudyBlock::title>(), "What participants see above it; left out: nothing."},
-      {"", "instructions", "", text<&StudyBlock::instructions>(), "What is read before its first trial."},
-      {"", "question", "", text<&StudyBlock::question>(), "What is asked after the two stimuli."},
+      {"", "instructions", "", text<&StudyBlock::instructions>(TextSize::kPage),
+       "What is read before its first trial."},
+      {"", "question", "", text<&StudyBlock::question>(TextSize::kPage), "What is asked after the two stimuli."},
       {"", "answers", "", BlockKey::ItemsValue{"two different texts", setAnswers},
        "The two answers, left and right: first \"the second had less\", then \"the second had more\"; with "
        "`two-interval` "
@@ -343,7 +345,7 @@ std::vector<ItemKey> allItemKeys() {
       {"", "key", "",
        ItemKey::TextValue{[](FormItem& i, std::string_view v) { i.key = nameOf("key", v, "_"); }, kOnlyRead},
        "What tables call the answer: letters, digits and _."},
-      {"", "label", "", itemText<&FormItem::label>(), "The question."},
+      {"", "label", "", itemText<&FormItem::label>(TextSize::kPage), "The question."},
       {"", "kind", "",
        ItemKey::WordValue{namesOf(kItemWords), [](FormItem& i, std::string_view v) { i.kind = valueOf(kItemWords, v); },
                           kOnlyRead},

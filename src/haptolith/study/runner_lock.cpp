@@ -27,7 +27,7 @@ std::string holderOf(int descriptor) {
 
 RunnerLock::RunnerLock(const std::filesystem::path& study) {
   const std::string path = study.string() + "-lock";
-  descriptor_ = open(path.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0666);
+  descriptor_ = open(path.c_str(), O_RDWR | O_CREAT | O_CLOEXEC | O_NOFOLLOW, 0600);
   if (descriptor_ < 0) {
     throw Failure(fmt::format("cannot run {}: cannot open {}: {}", study.string(), path, std::strerror(errno)));
   }

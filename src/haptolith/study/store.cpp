@@ -1,7 +1,6 @@
 #include "haptolith/study/store.h"
 
 #include <SQLiteCpp/SQLiteCpp.h>
-#include <fcntl.h>
 #include <fmt/chrono.h>
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -13,12 +12,13 @@
 #include <charconv>
 #include <chrono>
 #include <cmath>
-#include <cstdio>
 #include <cstring>
 #include <system_error>
 #include <utility>
 
+#include "haptolith/core/atomic_file.h"
 #include "haptolith/core/error.h"
+#include "haptolith/core/plain_text.h"
 #include "haptolith/study/form.h"
 #include "haptolith/study/runner_lock.h"
 #include "haptolith/study/study_schema.h"
@@ -64,9 +64,22 @@ std::string_view wordIn(const Words& words, Value value) {
   return std::ranges::find(words, value, [](const auto& entry) { return entry.first; })->second;
 }
 
+/// Somebody may have changed the file with another program. tellWhatIsWrong() adds the file's name, as to what SQLite
+/// throws.
+[[noreturn]] void throwForeign(std::string_view column, std::string_view value, std::string_view valid) {
+  throw SQLite::Exception(
+      fmt::format("it holds what haptolith does not write: {} = {}; must be {}", column, inQuotes(value), valid));
+}
+
 template <class Words>
-auto valueIn(const Words& words, std::string_view word) {
-  return std::ranges::find(words, word, [](const auto& entry) { return entry.second; })->first;
+auto valueIn(const Words& words, std::string_view column, std::string_view word) {
+  const auto found = std::ranges::find(words, word, [](const auto& entry) { return entry.second; });
+  if (found == words.end()) {
+    std::vector<std::string_view> valid;
+    std::ranges::transform(words, std::back_inserter(valid), [](const auto& entry) { return entry.second; });
+    throwForeign(column, word, fmt::format("one of {}", fmt::join(valid, ", ")));
+  }
+  return found->first;
 }
 
 std::string nowText() {
@@ -187,6 +200,17 @@ void requireWhole(SQLite::Database& database, const fs::path& file) {
   }
 }
 
+/// SQLite keeps what it has just written beside the name by which the file was opened, and so lies the lock: by another
+/// name the same study would lack answers, and could be run twice.
+void requireOneName(const fs::path& file) {
+  if (const std::uintmax_t names = fs::hard_link_count(file); names > 1) {
+    throw Failure(
+        fmt::format("cannot run {}: the file has {} names (hard links), and answers could be lost between them: "
+                    "remove the others, or copy it",
+                    file.string(), names));
+  }
+}
+
 void requireVersion(SQLite::Database& database, const fs::path& file) {
   const int newest = static_cast<int>(studyMigrations().size());
   if (const int version = versionOf(database); version != newest) {
@@ -206,25 +230,9 @@ void removeWithCompanions(const fs::path& file) {
   }
 }
 
-/// Gives a file that is whole its name, unless that is taken.
-void publish(const fs::path& made, const fs::path& file) {
-  int result = renameat2(AT_FDCWD, made.c_str(), AT_FDCWD, file.c_str(), RENAME_NOREPLACE);
-  if (result != 0 && errno == EINVAL && !fs::exists(file)) {  // a file system that cannot promise it
-    result = std::rename(made.c_str(), file.c_str());
-  }
-  if (result != 0) {
-    throw Failure(fmt::format("cannot create {}: {}", file.string(), std::strerror(errno)));
-  }
-  const fs::path folder = file.parent_path().empty() ? fs::path(".") : file.parent_path();
-  if (const int descriptor = open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC); descriptor >= 0) {
-    fsync(descriptor);
-    close(descriptor);
-  }
-}
-
 void writeNewStudy(const fs::path& file, const StudyProtocol& protocol, std::string_view protocol_text,
                    std::uint64_t seed) {
-  SQLite::Database database(file.string(), SQLite::OPEN_READWRITE | SQLite::OPEN_CREATE, kBusyTimeout_ms);
+  SQLite::Database database(file.string(), SQLite::OPEN_READWRITE, kBusyTimeout_ms);
   database.exec(fmt::format("PRAGMA synchronous = FULL; PRAGMA application_id = {}", kStudyApplicationId));
   database.exec("PRAGMA journal_mode = WAL");
   migrate(database, studyMigrations());
@@ -236,13 +244,29 @@ void writeNewStudy(const fs::path& file, const StudyProtocol& protocol, std::str
 // --- rows
 // -------------------------------------------------------------------------------------------------------------
 
+constexpr std::array<std::string_view, 3> kParticipantStates{"running", "finished", "withdrawn"};
+constexpr const char* kValidCode = "1 to 16 letters and digits, such as S01";
+
+/// Codes become names of files and folders.
+bool isCode(std::string_view code) {
+  return !code.empty() && code.size() <= kLongestCode &&
+         std::ranges::all_of(code, [](unsigned char letter) { return letter < 0x80 && std::isalnum(letter) != 0; });
+}
+
 ParticipantRow participantOf(const SQLite::Statement& row) {
-  return {.id = row.getColumn(0).getInt64(),
-          .number = row.getColumn(1).getInt(),
-          .code = row.getColumn(2).getString(),
-          .state = row.getColumn(3).getString(),
-          .begun_at = row.getColumn(4).getString(),
-          .ended_at = row.getColumn(5).getString()};
+  ParticipantRow participant{.id = row.getColumn(0).getInt64(),
+                             .number = row.getColumn(1).getInt(),
+                             .code = row.getColumn(2).getString(),
+                             .state = row.getColumn(3).getString(),
+                             .begun_at = row.getColumn(4).getString(),
+                             .ended_at = row.getColumn(5).getString()};
+  if (!isCode(participant.code)) {
+    throwForeign("code", participant.code, kValidCode);
+  }
+  if (std::ranges::find(kParticipantStates, participant.state) == kParticipantStates.end()) {
+    throwForeign("state", participant.state, "running, finished or withdrawn");
+  }
+  return participant;
 }
 
 constexpr const char* kParticipants = "SELECT id, number, code, state, begun_at, ended_at FROM participant";
@@ -309,7 +333,7 @@ TrialRow trialOf(SQLite::Statement& statement) {
   row.position = columns.next().getUInt();
   row.index = columns.next().getInt();
   row.attempt = columns.next().getInt();
-  row.kind = valueIn(kKindWords, columns.next().getString());
+  row.kind = valueIn(kKindWords, "kind", columns.next().getString());
   row.block_name = columns.next().getString();
   row.level = columns.next().getString();
   row.reference = columns.next().getString();
@@ -317,7 +341,7 @@ TrialRow trialOf(SQLite::Statement& statement) {
   row.reference_value = columns.next().getDouble();
   row.test_first = columns.next().getInt() != 0;
   row.seed = static_cast<std::uint64_t>(columns.next().getInt64());
-  row.state = valueIn(kStateWords, columns.next().getString());
+  row.state = valueIn(kStateWords, "state", columns.next().getString());
   row.reason = columns.next().getString();
   row.begun_at = columns.next().getString();
   row.answered_at = columns.next().getString();
@@ -351,11 +375,6 @@ void insertFelt(SQLite::Database& database, std::int64_t trial, int interval, co
   query.exec();
 }
 
-bool isCode(std::string_view code) {
-  return !code.empty() && code.size() <= kLongestCode &&
-         std::ranges::all_of(code, [](unsigned char letter) { return letter < 0x80 && std::isalnum(letter) != 0; });
-}
-
 }  // namespace
 
 std::string_view wordOf(TrialKind kind) {
@@ -382,6 +401,7 @@ class StudyStore::Implementation {
                              "a file that `haptolith study new` has made; there is no such file");
     }
     if (access == Access::kRun) {
+      requireOneName(path);
       lock.emplace(fs::canonical(path));  // another name of the same file is the same study
     }
     tellWhatIsWrong(file, [&] { openDatabase(access); });
@@ -414,7 +434,7 @@ class StudyStore::Implementation {
     if (!query.executeStep()) {
       throw Failure(fmt::format("{} has no trial {}", file.string(), trial));
     }
-    return valueIn(kStateWords, query.getColumn(0).getString());
+    return valueIn(kStateWords, "state", query.getColumn(0).getString());
   }
 
   void requireParticipant(std::int64_t id) {
@@ -445,16 +465,16 @@ class StudyStore::Implementation {
       database->exec("PRAGMA journal_mode = WAL");
     }
     requireVersion(*database, file);
-    SQLite::Statement row(*database, "SELECT title, protocol, scene, seed, created_at FROM study");
+    SQLite::Statement row(*database, "SELECT protocol, scene, seed, created_at FROM study");
     if (!row.executeStep()) {
       throw Failure(fmt::format("{} is damaged: it has no protocol", file.string()));
     }
-    title = row.getColumn(0).getString();
-    protocol_text = row.getColumn(1).getString();
-    seed = static_cast<std::uint64_t>(row.getColumn(3).getInt64());
-    created_at = row.getColumn(4).getString();
-    const Scenario scene = loadScenarioText(row.getColumn(2).getString(), file.string() + " (scene)");
+    protocol_text = row.getColumn(0).getString();
+    seed = static_cast<std::uint64_t>(row.getColumn(2).getInt64());
+    created_at = row.getColumn(3).getString();
+    const Scenario scene = loadScenarioText(row.getColumn(1).getString(), file.string() + " (scene)");
     protocol = loadProtocolText(protocol_text, file.string() + " (protocol)", &scene);
+    title = protocol.title;
   }
 };
 
@@ -467,12 +487,16 @@ void StudyStore::create(const fs::path& file, const StudyProtocol& protocol, std
     throw Failure(
         fmt::format("{} exists already: a study's answers are never overwritten; choose another name", file.string()));
   }
-  fs::path made = file;
-  made.replace_filename(fmt::format(".{}.part-{}", file.filename().string(), getpid()));
-  removeWithCompanions(made);
+  // Only the owner may read what people have answered; SQLite's files beside it are made alike.
+  const fs::path made = temporaryBeside(file, "part");
+  const int descriptor = makeNewFile(made, Readers::kOwner);
+  if (descriptor < 0) {
+    throw Failure(fmt::format("cannot create {}: {}", file.string(), std::strerror(errno)));
+  }
+  close(descriptor);
   try {
     tellWhatIsWrong(file, [&] { writeNewStudy(made, protocol, protocol_text, seed); });
-    publish(made, file);
+    giveName(made, file, IfThere::kRefuse);
   } catch (...) {
     removeWithCompanions(made);
     throw;
@@ -520,7 +544,7 @@ std::vector<ParticipantRow> StudyStore::participants() const {
 
 ParticipantRow StudyStore::addParticipant(std::string_view code) {
   if (!code.empty() && !isCode(code)) {
-    throw InvalidParameter("participant", fmt::format("'{}'", code), "1 to 16 letters and digits, such as S01");
+    throw InvalidParameter("participant", inQuotes(code), kValidCode);
   }
   SQLite::Database& database = *implementation_->database;
   const auto taken = [&](std::string_view name) {
@@ -557,8 +581,7 @@ ParticipantRow StudyStore::addParticipant(std::string_view code) {
 }
 
 void StudyStore::endParticipant(std::int64_t id, std::string_view state) {
-  constexpr std::array<std::string_view, 3> kStates{"running", "finished", "withdrawn"};
-  if (std::ranges::find(kStates, state) == kStates.end()) {
+  if (std::ranges::find(kParticipantStates, state) == kParticipantStates.end()) {
     throw InvalidParameter("state", fmt::format("'{}'", state), "running, finished or withdrawn");
   }
   implementation_->write([&] {

@@ -111,7 +111,8 @@ ChildProcess::Command commandFor(const HeadlessBrowser::Options& options, const 
                     // Containers have a /dev/shm that is too small.
                     "--disable-dev-shm-usage"},
       .package = kPackage,
-      .environment = {"TMPDIR=" + folder}};
+      .environment = {"TMPDIR=" + folder},
+      .most_cpu = std::chrono::hours(24)};  // an hour of film is drawn in some hours
   if (geteuid() == 0) {
     command.arguments.emplace_back("--no-sandbox");  // Chromium refuses to start as root otherwise
   }

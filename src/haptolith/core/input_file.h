@@ -1,0 +1,53 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <fstream>
+#include <istream>
+#include <string>
+#include <string_view>
+
+namespace haptolith {
+
+/// Opens a file that somebody has made, to be read. Regular files only: a pipe or a device may have no end, or nothing
+/// to give. Not for the tick.
+/// @throws InvalidParameter when there is no such file, or a larger one, or something else of that name; Failure when
+/// it cannot be read.
+[[nodiscard]] std::ifstream openInput(const std::filesystem::path& path, std::uintmax_t most_bytes);
+
+/// Remembers that this program reads a file, so that it does not write over it (openInput() does so).
+void rememberInput(const std::filesystem::path& path);
+
+/// Whether a file is one of those that this program has read, under whatever name.
+[[nodiscard]] bool isInput(const std::filesystem::path& path);
+
+/// What a text may be at most.
+struct TextLimits {
+  std::uintmax_t bytes;
+  std::size_t line_bytes;
+  int rows;  ///< for whoever counts rows
+};
+
+/// The lines of a text that somebody has made, each no longer than its limit. Ends when somebody wants the work to end.
+class LineReader {
+ public:
+  /// @param name  of the text, for messages.
+  LineReader(std::istream& text, std::string_view name, const TextLimits& limits);
+
+  /// The next line, without its end; false when there is none.
+  /// @throws InvalidParameter for a line or a text that is too long; Failure when stopAsked().
+  [[nodiscard]] bool next(std::string& line);
+
+  /// Of the line that next() gave; 1 is the first.
+  [[nodiscard]] int number() const noexcept { return number_; }
+
+ private:
+  std::streambuf& text_;
+  std::string name_;
+  TextLimits limits_;
+  std::uintmax_t bytes_ = 0;
+  int number_ = 0;
+};
+
+}  // namespace haptolith
