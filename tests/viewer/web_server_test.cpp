@@ -1,8 +1,16 @@
 #include "haptolith/viewer/web_server.h"
 
+#include <boost/asio/buffer.hpp>
+#include <boost/asio/read_until.hpp>
+#include <boost/asio/write.hpp>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <sys/resource.h>
+#include <unistd.h>
 
+#include <algorithm>
+#include <ctime>
+#include <deque>
 #include <functional>
 #include <memory>
 #include <thread>
@@ -202,6 +210,101 @@ TEST_F(WebServerTest, RubbishInsteadOfARequestIsSurvived) {
     boost::asio::write(socket, boost::asio::buffer(rubbish), ignored);
   }
   EXPECT_EQ(WsClient::get(server_.port(), "/").first, 200U);
+}
+
+/// A connection that may ask for something later.
+class Idler {
+ public:
+  explicit Idler(std::uint16_t port, const char* from = "127.0.0.1") {
+    socket_.open(Tcp::v4());
+    socket_.bind({boost::asio::ip::make_address(from), 0});
+    socket_.connect({boost::asio::ip::make_address("127.0.0.1"), port});
+  }
+  void ask() {
+    boost::beast::error_code ignored;
+    boost::asio::write(socket_, boost::asio::buffer(std::string("GET / HTTP/1.1\r\nHost: localhost\r\n\r\n")), ignored);
+  }
+  /// The first line that comes; empty when the other side has hung up.
+  std::string answer() {
+    std::string line;
+    boost::beast::error_code ignored;
+    boost::asio::read_until(socket_, boost::asio::dynamic_buffer(line), "\r\n", ignored);
+    return line.substr(0, line.find("\r\n"));
+  }
+
+ private:
+  using Tcp = boost::asio::ip::tcp;
+  boost::asio::io_context io_;
+  Tcp::socket socket_{io_};
+};
+
+TEST_F(WebServerTest, ConnectionsThatAskForNothingKeepNobodyOut) {
+  WsClient inside(server_.port());
+  ASSERT_EQ(inside.upgrade(), 101U);
+  EXPECT_THAT(inside.receive().value_or(""), HasSubstr("hello"));
+  std::deque<Idler> idlers;
+  for (int visitor = 0; visitor < 14; ++visitor) {
+    for (int i = 0; i < (visitor == 0 ? 300 : 70); ++i) {
+      idlers.emplace_back(server_.port());
+      if (idlers.size() > 300) {
+        idlers.pop_front();
+      }
+    }
+    ASSERT_EQ(WsClient::get(server_.port(), "/").first, 200U) << visitor;
+    WsClient newcomer(server_.port());
+    ASSERT_EQ(newcomer.upgrade(), 101U) << visitor;
+    board_.setStatus(std::to_string(visitor));
+    server_.notify();
+    EXPECT_EQ(inside.receive(), std::to_string(visitor));
+  }
+}
+
+TEST_F(WebServerTest, ConnectionsThatStayAfterTheirAnswerKeepNobodyOut) {
+  std::deque<Idler> idlers;
+  for (int i = 0; i < 300; ++i) {
+    idlers.emplace_back(server_.port()).ask();  // and does not read
+  }
+  EXPECT_EQ(WsClient::get(server_.port(), "/").first, 200U);
+}
+
+TEST_F(WebServerTest, WhoComesFromElsewhereDoesNotPayForThem) {
+  Idler patient(server_.port(), "127.0.0.2");
+  std::deque<Idler> idlers;
+  for (int i = 0; i < 200; ++i) {
+    idlers.emplace_back(server_.port());
+  }
+  EXPECT_EQ(WsClient::get(server_.port(), "/").first, 200U);
+  EXPECT_EQ(idlers.front().answer(), "") << "sent away for the others";
+  patient.ask();
+  EXPECT_EQ(patient.answer(), "HTTP/1.1 200 OK");
+}
+
+TEST_F(WebServerTest, WithoutFileDescriptorsTheServerWaitsInsteadOfSpinning) {
+  constexpr rlim_t kFewFiles = 256;
+  rlimit before{};
+  ASSERT_EQ(getrlimit(RLIMIT_NOFILE, &before), 0);
+  const rlimit few{std::min(kFewFiles, before.rlim_max), before.rlim_max};
+  ASSERT_EQ(setrlimit(RLIMIT_NOFILE, &few), 0);
+  boost::asio::io_context io;
+  boost::asio::ip::tcp::socket late(io);
+  late.open(boost::asio::ip::tcp::v4());
+  std::vector<int> all_others;
+  for (int file = dup(STDIN_FILENO); file >= 0; file = dup(STDIN_FILENO)) {
+    all_others.push_back(file);
+  }
+  late.connect({boost::asio::ip::make_address("127.0.0.1"), server_.port()});
+  const std::clock_t began = std::clock();
+  std::this_thread::sleep_for(500ms);
+  const double spent_s = static_cast<double>(std::clock() - began) / CLOCKS_PER_SEC;
+  for (const int file : all_others) {
+    close(file);
+  }
+  ASSERT_EQ(setrlimit(RLIMIT_NOFILE, &before), 0);
+  EXPECT_LT(spent_s, 0.1);
+  boost::asio::write(late, boost::asio::buffer(std::string("GET / HTTP/1.1\r\nHost: localhost\r\n\r\n")));
+  std::string line;
+  boost::asio::read_until(late, boost::asio::dynamic_buffer(line), "\r\n");
+  EXPECT_THAT(line, StartsWith("HTTP/1.1 200")) << "and serves who waited";
 }
 
 TEST_F(WebServerTest, ATakenPortIsPassedOver) {

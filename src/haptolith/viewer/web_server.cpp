@@ -3,6 +3,7 @@
 #include <boost/asio/io_context.hpp>
 #include <boost/asio/ip/tcp.hpp>
 #include <boost/asio/post.hpp>
+#include <boost/asio/steady_timer.hpp>
 #include <boost/beast/core.hpp>
 #include <boost/beast/http.hpp>
 #include <boost/beast/version.hpp>
@@ -13,6 +14,9 @@
 #include <atomic>
 #include <chrono>
 #include <deque>
+#include <exception>
+#include <iterator>
+#include <list>
 #include <map>
 #include <mutex>
 #include <optional>
@@ -37,15 +41,20 @@ using namespace std::chrono_literals;
 
 constexpr std::string_view kSubprotocol = "haptolith.1";
 constexpr std::size_t kMostClients = 32;
-constexpr std::size_t kMostSockets = 128;
+constexpr std::size_t kMostLeaving = 16;          // WebSockets that wait for the other side's farewell
+constexpr std::size_t kMostAsking = 64;           // connections that have not sent a whole request yet
+constexpr std::size_t kMostServed = 64;           // those that have, and stay for the next
 constexpr std::size_t kLargestMessage = 16384;    // bytes, from a client: a form with long texts
 constexpr std::size_t kLargestHeader = 8192;      // bytes
 constexpr std::size_t kMostMessagesPerS = 250;    // from a client
 constexpr std::size_t kMostEventsWaiting = 8192;  // of all clients together
 constexpr std::size_t kMostRepliesWaiting = 64;   // to a client
 constexpr int kPortsTried = 100;
-constexpr auto kRequestTime = 10s;
-constexpr auto kIdleTime = 20s;  // half of it passes before a ping
+constexpr auto kHeaderTime = 3s;    // for the first request
+constexpr auto kRequestTime = 10s;  // for each further one, and to take an answer
+constexpr auto kFarewellTime = 1s;
+constexpr auto kWithoutFiles = 10ms;  // pause when the system gives no socket, as when there are too many open files
+constexpr auto kIdleTime = 20s;       // half of it passes before a ping
 
 std::string_view view(beast::string_view text) {
   return {text.data(), text.size()};
@@ -74,6 +83,17 @@ std::optional<asio::ip::address> addressOf(const WebServerOptions& options) {
   beast::error_code error;
   const auto address = asio::ip::make_address(options.bind == "localhost" ? "127.0.0.1" : options.bind, error);
   return error ? std::nullopt : std::optional(address);
+}
+
+/// Where somebody is, as far as they cannot choose it themselves: an IPv6 network gives everybody in it 2^64 addresses.
+std::string networkOf(const Tcp::socket& socket) {
+  beast::error_code ignored;
+  const asio::ip::address address = socket.remote_endpoint(ignored).address();
+  if (!address.is_v6() || address.to_v6().is_v4_mapped()) {
+    return address.to_string();
+  }
+  const auto bytes = address.to_v6().to_bytes();
+  return {bytes.begin(), bytes.begin() + 8};
 }
 
 const WebFile* findFile(std::string_view target) {
@@ -105,7 +125,13 @@ class WebServer::Implementation {
   class Client;
   class Visitor;
 
+  /// Visitors, the oldest first.
+  using Crowd = std::list<Visitor*>;
+
+  void serve() noexcept;
   void accept();
+  void admit(Tcp::socket socket);
+  static void sendAwayOneOf(Crowd& crowd);
   [[nodiscard]] bool knowsToken(std::string_view target) const {
     return token.empty() || sameToken(tokenOf(target), token);
   }
@@ -114,14 +140,19 @@ class WebServer::Implementation {
   void leave(std::uint32_t client);
   bool push(Event event);
 
-  asio::io_context io{1};
+  bool accepting = false;                                  ///< or about to, after a pause
+  Crowd asking, served;                                    // of the server's thread, as is what follows
+  std::map<std::uint32_t, std::weak_ptr<Client>> clients;  // those that have not ended
+  std::size_t sockets_of_clients = 0;
+  std::uint32_t last_client = 0;
+
+  asio::io_context io{1};  // its end is that of visitors and clients, who use the above
   Tcp::acceptor acceptor{io};
+  asio::steady_timer pause{io};
   Board& board;
   std::string address, token;
   bool loopback_only = true;
-  std::atomic<std::size_t> sockets{0}, joined{0};
-  std::map<std::uint32_t, std::weak_ptr<Client>> clients;  // of the server's thread, as is what follows
-  std::uint32_t last_client = 0;
+  std::atomic<std::size_t> joined{0};
 
   std::mutex mutex;
   std::vector<Event> events;
@@ -134,14 +165,16 @@ class WebServer::Implementation {
 class WebServer::Implementation::Client : public std::enable_shared_from_this<Client> {
  public:
   Client(Implementation& server, Tcp::socket socket, std::uint32_t number)
-      : server_(server), ws_(std::move(socket)), number_(number) {}
-  ~Client() { --server_.sockets; }
+      : server_(server), ws_(std::move(socket)), number_(number) {
+    ++server_.sockets_of_clients;
+  }
+  ~Client() { --server_.sockets_of_clients; }
   Client(const Client&) = delete;
   Client& operator=(const Client&) = delete;
 
   void start(const http::request<http::empty_body>& request) {
     websocket::stream_base::timeout times{};
-    times.handshake_timeout = kRequestTime;
+    times.handshake_timeout = kHeaderTime;
     times.idle_timeout = kIdleTime;
     times.keep_alive_pings = true;
     ws_.set_option(times);
@@ -200,13 +233,14 @@ class WebServer::Implementation::Client : public std::enable_shared_from_this<Cl
     if (!open_) {
       return;
     }
+    const bool reads = !writing_;  // one that does not read will not read a farewell either
     end();
-    if (writing_) {  // a client that does not read will not read a farewell either
-      beast::get_lowest_layer(ws_).cancel();
-      return;
+    if (reads && server_.sockets_of_clients <= server_.clients.size() + kMostLeaving) {
+      writing_ = true;
+      ws_.async_close(code, [self = shared_from_this()](beast::error_code) {});
+    } else {
+      beast::get_lowest_layer(ws_).close();
     }
-    writing_ = true;
-    ws_.async_close(code, [self = shared_from_this()](beast::error_code) {});
   }
 
  private:
@@ -243,6 +277,9 @@ class WebServer::Implementation::Client : public std::enable_shared_from_this<Cl
       server_.push({Event::Kind::kLeft, number_, {}});
     }
     server_.leave(number_);
+    if (writing_) {  // else the socket stays for as long as the other side does not read
+      beast::get_lowest_layer(ws_).close();
+    }
   }
 
   Implementation& server_;
@@ -257,31 +294,57 @@ class WebServer::Implementation::Client : public std::enable_shared_from_this<Cl
   std::size_t messages_this_second_ = 0;
 };
 
-/// A connection that has not become a WebSocket: asks for files.
+/// A connection that has not become a WebSocket: asks for files. Who lets others wait is sent away for them: see
+/// admit().
 class WebServer::Implementation::Visitor : public std::enable_shared_from_this<Visitor> {
  public:
-  Visitor(Implementation& server, Tcp::socket socket) : server_(server), stream_(std::move(socket)) {}
-  ~Visitor() {
-    if (!handed_on_) {
-      --server_.sockets;
-    }
+  Visitor(Implementation& server, Tcp::socket socket)
+      : server_(server), network_(networkOf(socket)), stream_(std::move(socket)) {
+    stand(server_.asking);
   }
+  ~Visitor() { leaveCrowd(); }
   Visitor(const Visitor&) = delete;
   Visitor& operator=(const Visitor&) = delete;
+
+  [[nodiscard]] const std::string& network() const noexcept { return network_; }
 
   void read() {
     parser_.emplace();
     parser_->header_limit(kLargestHeader);
     parser_->body_limit(0);
-    stream_.expires_after(kRequestTime);
+    stream_.expires_after(crowd_ == &server_.asking ? kHeaderTime : kRequestTime);
     http::async_read(stream_, buffer_, *parser_, [self = shared_from_this()](beast::error_code error, std::size_t) {
-      if (!error) {
+      if (!error && self->stream_.socket().is_open()) {
+        self->stand(self->server_.served);
         self->answer();
       }
     });
   }
 
+  void sendAway() {
+    leaveCrowd();
+    stream_.close();
+  }
+
  private:
+  void stand(Crowd& crowd) {
+    if (crowd_ == &crowd) {
+      return;
+    }
+    if (&crowd == &server_.served && crowd.size() >= kMostServed) {
+      sendAwayOneOf(crowd);
+    }
+    leaveCrowd();
+    crowd.push_back(this);
+    crowd_ = &crowd;
+    place_ = std::prev(crowd.end());
+  }
+  void leaveCrowd() {
+    if (Crowd* crowd = std::exchange(crowd_, nullptr)) {
+      crowd->erase(place_);
+    }
+  }
+
   void answer() {
     const auto& request = parser_->get();
     const std::string_view target = view(request.target());
@@ -316,7 +379,7 @@ class WebServer::Implementation::Visitor : public std::enable_shared_from_this<V
     } else if (server_.joined >= kMostClients) {
       refuse(http::status::service_unavailable, "32 clients look on already\n");
     } else {
-      handed_on_ = true;
+      leaveCrowd();
       const auto client = std::make_shared<Client>(server_, stream_.release_socket(), ++server_.last_client);
       server_.join(client);
       client->start(request);
@@ -353,13 +416,15 @@ class WebServer::Implementation::Visitor : public std::enable_shared_from_this<V
   }
 
   Implementation& server_;
+  std::string network_;
+  Crowd* crowd_ = nullptr;  ///< one of the server's; none: sent away, or a client by now
+  Crowd::iterator place_;
   beast::tcp_stream stream_;
   beast::flat_buffer buffer_;
   std::optional<http::request_parser<http::empty_body>> parser_;
   using Response = http::response<http::span_body<const char>>;
   std::optional<Response> response_;
   std::optional<http::response_serializer<http::span_body<const char>>> serializer_;
-  bool handed_on_ = false;
 };
 
 WebServer::Implementation::Implementation(const WebServerOptions& options, Board& shared_board)
@@ -387,7 +452,21 @@ WebServer::Implementation::Implementation(const WebServerOptions& options, Board
     throw Failure(fmt::format("cannot listen on {}, port {}: {}", options.bind, options.port, error.message()));
   }
   accept();
-  thread = std::thread([this] { io.run(); });
+  thread = std::thread([this] { serve(); });
+}
+
+/// A handler that gets no memory takes the connection with it that it was for, and not the program.
+void WebServer::Implementation::serve() noexcept {
+  for (bool done = false; !done;) {
+    try {
+      if (!accepting) {
+        accept();
+      }
+      io.run();
+      done = true;
+    } catch (const std::exception&) {  // whoever it was: the next handler's turn
+    }
+  }
 }
 
 WebServer::Implementation::~Implementation() {
@@ -397,19 +476,53 @@ WebServer::Implementation::~Implementation() {
 
 void WebServer::Implementation::accept() {
   acceptor.async_accept([this](beast::error_code error, Tcp::socket socket) {
+    accepting = false;
+    if (error == asio::error::operation_aborted) {
+      return;
+    }
     if (!error) {
-      if (++sockets <= kMostSockets) {
-        beast::error_code ignored;
-        socket.set_option(Tcp::no_delay(true), ignored);
-        std::make_shared<Visitor>(*this, std::move(socket))->read();
-      } else {
-        --sockets;
-      }
-    }
-    if (acceptor.is_open()) {
       accept();
+      admit(std::move(socket));
+      return;
     }
+    // There is no file descriptor for a socket, and asking again at once would take a whole core.
+    for (std::size_t left = asking.size() / 2; asking.size() > left;) {
+      sendAwayOneOf(asking);
+    }
+    pause.expires_after(kWithoutFiles);
+    pause.async_wait([this](beast::error_code stopped) {
+      accepting = false;
+      if (!stopped) {
+        accept();
+      }
+    });
+    accepting = true;
   });
+  accepting = true;
+}
+
+/// A newcomer always gets in: connections that ask for nothing, and those that stay for a next request, are as many as
+/// they may be at most, and one of them goes then. Clients with a WebSocket are counted apart.
+void WebServer::Implementation::admit(Tcp::socket socket) {
+  if (asking.size() >= kMostAsking) {
+    sendAwayOneOf(asking);
+  }
+  beast::error_code ignored;
+  socket.set_option(Tcp::no_delay(true), ignored);
+  std::make_shared<Visitor>(*this, std::move(socket))->read();
+}
+
+/// The one who has been there longest of the network that most come from: who crowds out others crowds out themselves.
+void WebServer::Implementation::sendAwayOneOf(Crowd& crowd) {
+  std::map<std::string_view, std::size_t> from;
+  std::size_t most = 0;
+  for (const Visitor* visitor : crowd) {
+    most = std::max(most, ++from[visitor->network()]);
+  }
+  const auto found = std::ranges::find_if(crowd, [&](const Visitor* one) { return from[one->network()] == most; });
+  if (found != crowd.end()) {
+    (*found)->sendAway();
+  }
 }
 
 void WebServer::Implementation::join(const std::shared_ptr<Client>& client) {

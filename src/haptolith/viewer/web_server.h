@@ -19,7 +19,7 @@ struct WebServerOptions {
 void validate(const WebServerOptions& options);
 
 /// Serves the page, and a WebSocket each to at most 32 clients (docs/protocol.md), on a thread of its own. It knows
-/// nothing of what the messages mean.
+/// nothing of what the messages mean. Connections that ask for nothing, however many, keep nobody else out.
 class WebServer {
  public:
   struct Event {
