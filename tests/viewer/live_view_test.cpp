@@ -40,6 +40,7 @@ struct TalkingGuest {
 
   LiveView::Guest functions() {
     return {.obey = [this](std::uint32_t client, std::string_view text) { return obey(client, Json::parse(text)); },
+            .joined = {},
             .left = [this](std::uint32_t client) { left = client; },
             .refuse = [this](std::uint32_t, const Command& asked) -> std::string {
               if (std::holds_alternative<command::Hold>(asked)) {

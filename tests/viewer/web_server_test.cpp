@@ -14,6 +14,7 @@
 #include <functional>
 #include <memory>
 #include <thread>
+#include <tuple>
 #include <vector>
 
 #include "haptolith/core/error.h"
@@ -318,7 +319,7 @@ TEST(WebServerAddress, BeyondThisMachineATokenIsDemanded) {
   Board board("hello");
   EXPECT_THROW(WebServer({.bind = "0.0.0.0", .port = 0}, board), InvalidParameter);
   EXPECT_THROW(WebServer({.bind = "nowhere", .port = 0}, board), InvalidParameter);
-  const WebServer server({.bind = "0.0.0.0", .port = 0, .token = "secret"}, board);
+  const WebServer server({.bind = "0.0.0.0", .port = 0, .entrances = {{.token = "secret"}}}, board);
   EXPECT_THAT(server.url(), HasSubstr("?token=secret"));
   EXPECT_EQ(WsClient::get(server.port(), "/").first, 401U);
   EXPECT_EQ(WsClient::get(server.port(), "/?token=secre").first, 401U);
@@ -328,6 +329,31 @@ TEST(WebServerAddress, BeyondThisMachineATokenIsDemanded) {
   WsClient guest(server.port());
   guest.target_ = "/ws?token=secret";
   EXPECT_EQ(guest.upgrade(), 101U);
+}
+
+TEST(WebServerAddress, EachTokenIsAnEntranceOfItsOwn) {
+  Board board("hello");
+  WebServer server({.port = 0, .entrances = {{.token = "one", .nameless = true}, {.token = "another"}}}, board);
+  board.setScene({"P1", "some soil"});
+  EXPECT_THAT(server.url(0), HasSubstr("?token=one"));
+  EXPECT_THAT(server.url(1), HasSubstr("?token=another"));
+  WsClient stranger(server.port());
+  EXPECT_EQ(stranger.upgrade(), 401U) << "on this machine, too";
+  std::vector<WebServer::Event> events;
+  for (const auto& [token, entrance, scene] : {std::tuple("another", 1U, "P1"), std::tuple("one", 0U, "some soil")}) {
+    WsClient client(server.port());
+    client.target_ = std::string("/ws?token=") + token;
+    ASSERT_EQ(client.upgrade(), 101U);
+    EXPECT_EQ(client.receive(), "hello");
+    EXPECT_EQ(client.receive(), scene);
+    events.clear();
+    server.takeEvents(events);
+    const auto joined = std::ranges::find(events, WebServer::Event::Kind::kJoined, &WebServer::Event::kind);
+    ASSERT_NE(joined, events.end());
+    EXPECT_EQ(joined->entrance, entrance);
+  }
+  EXPECT_THROW(WebServer({.port = 0, .entrances = {{.token = "one"}, {.token = "one"}}}, board), InvalidParameter);
+  EXPECT_THROW(WebServer({.port = 0, .entrances = {{.token = "one"}, {}}}, board), InvalidParameter);
 }
 
 }  // namespace

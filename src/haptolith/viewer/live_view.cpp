@@ -50,6 +50,9 @@ void LiveView::obey() {
     if (session_.done()) {
       return;
     }
+    if (event.kind == WebServer::Event::Kind::kJoined && guest_.joined) {
+      guest_.joined(event.client, event.entrance);
+    }
     if (event.kind == WebServer::Event::Kind::kLeft) {
       letGo(event.client);
       coloured_by_force_.erase(event.client);
@@ -176,13 +179,13 @@ void LiveView::show(bool newer, bool changed) {
 
 void LiveView::showScene() {
   if (scene_shown_ == session_.scenes()) {
-    board_.setScene(sceneMessage(session_, space_));
+    board_.setScene(sceneMessages(session_, space_));
     return;
   }
   scene_shown_ = session_.scenes();
   space_ = spaceOf(session_);
   loads_n_.clear();
-  board_.setScene(sceneMessage(session_, space_), scene_shown_, session_.snapshot().position.size(), space_);
+  board_.setScene(sceneMessages(session_, space_), scene_shown_, session_.snapshot().position.size(), space_);
 }
 
 void LiveView::showStatus() {

@@ -33,6 +33,8 @@ class LiveView {
     /// Does what a message with "do": "study" asks for; returns why it is refused, empty when it is done. May throw
     /// InvalidParameter or Failure, which refuses it as well.
     std::function<std::string(std::uint32_t client, std::string_view message)> obey;
+    /// A client has come by an entrance: a number in WebServerOptions::entrances.
+    std::function<void(std::uint32_t client, std::size_t entrance)> joined;
     std::function<void(std::uint32_t client)> left;
     /// Why this client may not have this command carried out now; empty: it may.
     std::function<std::string(std::uint32_t client, const Command& asked)> refuse;
@@ -42,7 +44,7 @@ class LiveView {
   LiveView(Session& session, const WebServerOptions& options, std::string_view version, Recorder recorder,
            Guest guest = {});
 
-  [[nodiscard]] std::string url() const { return server_.url(); }
+  [[nodiscard]] std::string url(std::size_t entrance = 0) const { return server_.url(entrance); }
 
   /// Does what clients have asked for. Call it as often as Session::poll(), before it.
   void obey();

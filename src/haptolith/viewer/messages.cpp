@@ -2,6 +2,8 @@
 
 #include <nlohmann/json.hpp>
 
+#include <utility>
+
 #include "haptolith/bed/simd_target.h"
 #include "haptolith/core/error.h"
 #include "haptolith/scenario/scene_words.h"
@@ -97,7 +99,7 @@ std::string helloMessage(std::string_view version) {
   return written(message);
 }
 
-std::string sceneMessage(const Session& session, const FrameEncoder::Space& space) {
+Board::SceneTexts sceneMessages(const Session& session, const FrameEncoder::Space& space) {
   const Scenario& scenario = session.scenario();
   const BedParameters& bed = scenario.bed;
   const SoilParameters& shown = session.shown().bed.soil;
@@ -111,35 +113,42 @@ std::string sceneMessage(const Session& session, const FrameEncoder::Space& spac
                        {"high", slider.high},
                        {"step", slider.step}});
   }
-  return written(
-      {{"type", "scene"},
-       {"scene", session.scenes()},
-       {"title", scenario.title},
-       {"particles", session.scene().bed().particles()},
-       {"radius_m", bed.soil.radius_m},
-       {"size_spread", shown.friction == FrictionModel::kPairwise ? shown.size_spread : 0.0},
-       {"box",
-        {{"width_m", bed.width_m},
-         {"length_m", bed.length_m},
-         {"surface_m", session.surface()},
-         {"periodic_x", bed.periodic_x},
-         {"periodic_y", bed.periodic_y}}},
-       {"quantised", {{"low_m", array(space.low_m)}, {"high_m", array(space.high_m)}}},
-       {"soil", soilJson(scenario)},
-       {"sliders", sliders},
-       {"body", orNull(scenario.body)},
-       {"gravity_m_s2", array(bed.gravity_m_s2)},
-       {"tool",
-        {{"shape", wordFor(kToolShapeWords, scenario.tool.shape)},
-         {"size_mm", array(kPerMetre_mm * scenario.tool.size_m)},
-         {"diameter_mm", kPerMetre_mm * scenario.tool.diameter_m},
-         {"thickness_mm", kPerMetre_mm * scenario.tool.thickness_m},
-         {"opening_mm", kPerMetre_mm * scenario.tool.opening_m}}},
-       {"hand",
-        {{"manoeuvre", wordFor(kManoeuvreWords, session.manoeuvre())},
-         {"max_force_n", scenario.hand.max_force_n},
-         {"max_torque_nm", scenario.hand.max_torque_nm}}},
-       {"workspace", {{"low_m", array(session.workspaceLow())}, {"high_m", array(session.workspaceHigh())}}}});
+  Json message({{"type", "scene"},
+                {"scene", session.scenes()},
+                {"title", scenario.title},
+                {"particles", session.scene().bed().particles()},
+                {"radius_m", bed.soil.radius_m},
+                {"size_spread", shown.friction == FrictionModel::kPairwise ? shown.size_spread : 0.0},
+                {"box",
+                 {{"width_m", bed.width_m},
+                  {"length_m", bed.length_m},
+                  {"surface_m", session.surface()},
+                  {"periodic_x", bed.periodic_x},
+                  {"periodic_y", bed.periodic_y}}},
+                {"quantised", {{"low_m", array(space.low_m)}, {"high_m", array(space.high_m)}}},
+                {"soil", soilJson(scenario)},
+                {"sliders", sliders},
+                {"body", orNull(scenario.body)},
+                {"gravity_m_s2", array(bed.gravity_m_s2)},
+                {"tool",
+                 {{"shape", wordFor(kToolShapeWords, scenario.tool.shape)},
+                  {"size_mm", array(kPerMetre_mm * scenario.tool.size_m)},
+                  {"diameter_mm", kPerMetre_mm * scenario.tool.diameter_m},
+                  {"thickness_mm", kPerMetre_mm * scenario.tool.thickness_m},
+                  {"opening_mm", kPerMetre_mm * scenario.tool.opening_m}}},
+                {"hand",
+                 {{"manoeuvre", wordFor(kManoeuvreWords, session.manoeuvre())},
+                  {"max_force_n", scenario.hand.max_force_n},
+                  {"max_torque_nm", scenario.hand.max_torque_nm}}},
+                {"workspace", {{"low_m", array(session.workspaceLow())}, {"high_m", array(session.workspaceHigh())}}}});
+  std::string whole = written(message);
+  for (auto& [key, value] : message["soil"].items()) {
+    value = nullptr;
+  }
+  message["sliders"] = Json::array();
+  message["body"] = nullptr;
+  message["gravity_m_s2"] = array(Vec3::Zero());
+  return {std::move(whole), written(message)};
 }
 
 std::string statusMessage(const Session& session, const StatusBeside& beside) {

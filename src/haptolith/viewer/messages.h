@@ -6,6 +6,7 @@
 #include <string_view>
 
 #include "haptolith/session/session.h"
+#include "haptolith/viewer/board.h"
 #include "haptolith/viewer/frame.h"
 
 namespace haptolith {
@@ -15,7 +16,7 @@ namespace haptolith {
 /// "$client" in it stands for the number of the client it goes to: see Board.
 [[nodiscard]] std::string helloMessage(std::string_view version);
 
-[[nodiscard]] std::string sceneMessage(const Session& session, const FrameEncoder::Space& space);
+[[nodiscard]] Board::SceneTexts sceneMessages(const Session& session, const FrameEncoder::Space& space);
 
 /// What a session does not know about itself.
 struct StatusBeside {

@@ -112,8 +112,18 @@ void validate(const WebServerOptions& options) {
   if (!addressOf(options)) {
     throw InvalidParameter("bind", options.bind, "an address such as 127.0.0.1, ::1 or 0.0.0.0");
   }
-  if (!isLoopback(options.bind) && options.token.empty()) {
+  const std::vector<Entrance>& all = options.entrances;
+  const bool open = std::ranges::any_of(all, [](const Entrance& one) { return one.token.empty(); });
+  if (open && !isLoopback(options.bind)) {
     throw InvalidParameter("bind", options.bind, "a loopback address unless there is a token");
+  }
+  for (auto one = all.begin(); one != all.end(); ++one) {
+    if (open && all.size() > 1) {
+      throw InvalidParameter("token", "left out", "given where there is more than one entrance");
+    }
+    if (std::ranges::find(all.begin(), one, one->token, &Entrance::token) != one) {
+      throw InvalidParameter("token", "the same twice", "another one for each entrance");
+    }
   }
 }
 
@@ -132,9 +142,8 @@ class WebServer::Implementation {
   void accept();
   void admit(Tcp::socket socket);
   static void sendAwayOneOf(Crowd& crowd);
-  [[nodiscard]] bool knowsToken(std::string_view target) const {
-    return token.empty() || sameToken(tokenOf(target), token);
-  }
+  /// Number of the entrance that a request's token opens.
+  [[nodiscard]] std::optional<std::size_t> entranceOf(std::string_view target) const;
   [[nodiscard]] bool isHostAllowed(std::string_view host) const { return !loopback_only || namesLoopback(host); }
   void join(const std::shared_ptr<Client>& client);
   void leave(std::uint32_t client);
@@ -150,7 +159,8 @@ class WebServer::Implementation {
   Tcp::acceptor acceptor{io};
   asio::steady_timer pause{io};
   Board& board;
-  std::string address, token;
+  std::string address;
+  std::vector<Entrance> entrances;
   bool loopback_only = true;
   std::atomic<std::size_t> joined{0};
 
@@ -164,8 +174,9 @@ class WebServer::Implementation {
 /// pictures.
 class WebServer::Implementation::Client : public std::enable_shared_from_this<Client> {
  public:
-  Client(Implementation& server, Tcp::socket socket, std::uint32_t number)
-      : server_(server), ws_(std::move(socket)), number_(number) {
+  Client(Implementation& server, Tcp::socket socket, std::uint32_t number, std::size_t entrance)
+      : server_(server), ws_(std::move(socket)), number_(number), entrance_(entrance) {
+    seen_.nameless = server_.entrances[entrance].nameless;
     ++server_.sockets_of_clients;
   }
   ~Client() { --server_.sockets_of_clients; }
@@ -188,7 +199,7 @@ class WebServer::Implementation::Client : public std::enable_shared_from_this<Cl
         self->end();
         return;
       }
-      self->open_ = self->server_.push({Event::Kind::kJoined, self->number_, {}});
+      self->open_ = self->server_.push({Event::Kind::kJoined, self->number_, {}, self->entrance_});
       self->read();
       self->pump();
     });
@@ -285,6 +296,7 @@ class WebServer::Implementation::Client : public std::enable_shared_from_this<Cl
   Implementation& server_;
   websocket::stream<beast::tcp_stream> ws_;
   std::uint32_t number_;
+  std::size_t entrance_;
   Board::Seen seen_;
   beast::flat_buffer buffer_;
   std::deque<std::string> replies_;
@@ -352,14 +364,15 @@ class WebServer::Implementation::Visitor : public std::enable_shared_from_this<V
     const std::string_view origin = view(request[http::field::origin]);
     const bool is_socket = websocket::is_upgrade(request);
     const std::string_view path = target.substr(0, target.find('?'));
+    const std::optional<std::size_t> entrance = server_.entranceOf(target);
     if (!server_.isHostAllowed(host)) {
       refuse(http::status::forbidden, "this address is not one of the program's\n");
     } else if (is_socket && !origin.empty() && !isFromHere(origin, host)) {
       refuse(http::status::forbidden, "pages from elsewhere may not connect\n");
-    } else if ((is_socket || path == "/" || path == "/index.html") && !server_.knowsToken(target)) {
+    } else if ((is_socket || path == "/" || path == "/index.html") && !entrance) {
       refuse(http::status::unauthorized, "the address lacks the token that the program printed\n");
     } else if (is_socket) {
-      upgrade(path);
+      upgrade(path, *entrance);
     } else if (request.method() != http::verb::get && request.method() != http::verb::head) {
       refuse(http::status::method_not_allowed, "only GET and HEAD\n");
     } else if (const WebFile* file = findFile(target)) {
@@ -369,7 +382,7 @@ class WebServer::Implementation::Visitor : public std::enable_shared_from_this<V
     }
   }
 
-  void upgrade(std::string_view path) {
+  void upgrade(std::string_view path, std::size_t entrance) {
     const auto& request = parser_->get();
     const std::string_view protocols = view(request[http::field::sec_websocket_protocol]);
     if (path != "/ws") {
@@ -380,7 +393,7 @@ class WebServer::Implementation::Visitor : public std::enable_shared_from_this<V
       refuse(http::status::service_unavailable, "32 clients look on already\n");
     } else {
       leaveCrowd();
-      const auto client = std::make_shared<Client>(server_, stream_.release_socket(), ++server_.last_client);
+      const auto client = std::make_shared<Client>(server_, stream_.release_socket(), ++server_.last_client, entrance);
       server_.join(client);
       client->start(request);
     }
@@ -428,7 +441,10 @@ class WebServer::Implementation::Visitor : public std::enable_shared_from_this<V
 };
 
 WebServer::Implementation::Implementation(const WebServerOptions& options, Board& shared_board)
-    : board(shared_board), address(options.bind), token(options.token), loopback_only(isLoopback(options.bind)) {
+    : board(shared_board),
+      address(options.bind),
+      entrances(options.entrances),
+      loopback_only(isLoopback(options.bind)) {
   validate(options);
   const asio::ip::address ip = *addressOf(options);
   beast::error_code error;
@@ -525,6 +541,17 @@ void WebServer::Implementation::sendAwayOneOf(Crowd& crowd) {
   }
 }
 
+std::optional<std::size_t> WebServer::Implementation::entranceOf(std::string_view target) const {
+  const std::string_view token = tokenOf(target);
+  std::optional<std::size_t> found;
+  for (std::size_t i = 0; i < entrances.size(); ++i) {  // all of them, so that the time it takes tells nothing
+    if (entrances[i].token.empty() || sameToken(token, entrances[i].token)) {
+      found = i;
+    }
+  }
+  return found;
+}
+
 void WebServer::Implementation::join(const std::shared_ptr<Client>& client) {
   clients[last_client] = client;
   joined = clients.size();
@@ -549,11 +576,12 @@ WebServer::WebServer(const WebServerOptions& options, Board& board)
 
 WebServer::~WebServer() = default;
 
-std::string WebServer::url() const {
+std::string WebServer::url(std::size_t entrance) const {
   const Implementation& server = *implementation_;
+  const std::string& token = server.entrances[entrance].token;
   const bool v6 = server.address.find(':') != std::string::npos;
   return fmt::format("http://{}{}{}:{}/{}{}", v6 ? "[" : "", server.address, v6 ? "]" : "", port(),
-                     server.token.empty() ? "" : "?token=", server.token);
+                     token.empty() ? "" : "?token=", token);
 }
 
 std::uint16_t WebServer::port() const noexcept {

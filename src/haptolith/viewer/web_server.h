@@ -9,13 +9,21 @@
 
 namespace haptolith {
 
+/// A way in: an address of the page with its token.
+struct Entrance {
+  std::string token = {};  ///< what clients must know; empty: nothing
+  bool nameless = false;   ///< who comes this way is not told what soil and world they see
+};
+
 struct WebServerOptions {
   std::string bind = "127.0.0.1";  ///< an address; "localhost" is 127.0.0.1
   std::uint16_t port = 8080;       ///< the first that is tried; 0: any
-  std::string token = {};          ///< what clients must know; empty: nothing, and then `bind` must be loopback
+  /// One without a token only when it is the only one and `bind` is loopback.
+  std::vector<Entrance> entrances = {{}};
 };
 
-/// @throws InvalidParameter for an address that is none, or one beyond loopback without a token.
+/// @throws InvalidParameter for an address that is none, an entrance that needs a token and has none, two with the
+/// same.
 void validate(const WebServerOptions& options);
 
 /// Serves the page, and a WebSocket each to at most 32 clients (docs/protocol.md), on a thread of its own. It knows
@@ -27,15 +35,15 @@ class WebServer {
     Kind kind = Kind::kMessage;
     std::uint32_t client = 0;
     std::string text;
+    std::size_t entrance = 0;  ///< by which one has joined
   };
 
-  /// Listens. @throws InvalidParameter for an address that is none, or one beyond loopback without a token; Failure
-  /// when none of the ports it tries is free.
+  /// Listens. @throws InvalidParameter as validate(); Failure when none of the ports it tries is free.
   WebServer(const WebServerOptions& options, Board& board);
   ~WebServer();
 
-  /// Address of the page, token included.
-  [[nodiscard]] std::string url() const;
+  /// Address of the page, the entrance's token included.
+  [[nodiscard]] std::string url(std::size_t entrance = 0) const;
   [[nodiscard]] std::uint16_t port() const noexcept;
   [[nodiscard]] std::size_t clients() const noexcept;
 
