@@ -290,12 +290,13 @@ std::unique_ptr<LiveView> viewOf(Session& session, Follower& follower, const Run
                                  const WebServerOptions& web) {
   try {
     Recording& recording = follower.recording();
-    auto view =
-        std::make_unique<LiveView>(session, web, HAPTOLITH_VERSION,
-                                   LiveView::Recorder{.start = [&recording, &session] { recording.start(session); },
-                                                      .stop = [&recording] { recording.stopPart(); },
-                                                      .name = [&recording] { return recording.name(); }});
-    printNotice(fmt::format("see and touch it at {}\n", view->url()));
+    auto view = std::make_unique<LiveView>(
+        session, web, HAPTOLITH_VERSION,
+        LiveView::Recorder{.start = [&recording, &session] { recording.start(session); },
+                           .stop = [&recording] { recording.stopPart(); },
+                           .name = [&recording] { return recording.name(); }},
+        LiveView::Guest{}, options.web.read_only ? LiveView::Clients::kLookOn : LiveView::Clients::kCommand);
+    printNotice(fmt::format("see {} at {}\n", options.web.read_only ? "it" : "and touch it", view->url()));
     return view;
   } catch (const Failure& failure) {
     if (options.serve) {
@@ -393,7 +394,7 @@ void addRunCommand(CLI::App& app) {
       ->add_flag_callback(
           "--no-serve", [options] { options->serve = false; }, "Do not show it in the browser")
       ->excludes(serve);
-  options->web.addTo(*command);
+  options->web.addToRun(*command);
   command->callback([options] { run(*options); });
 }
 

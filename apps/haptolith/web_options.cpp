@@ -62,6 +62,11 @@ void WebOptions::addTo(CLI::App& command) {
       ->excludes(text);
 }
 
+void WebOptions::addToRun(CLI::App& command) {
+  addTo(command);
+  command.add_flag("--read-only", read_only, "Who opens the page may look on, and neither dig nor change anything");
+}
+
 void WebOptions::addToStudy(CLI::App& command) {
   addTo(command);
   command

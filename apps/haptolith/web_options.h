@@ -16,10 +16,11 @@ struct WebOptions {
   std::string bind = WebServerOptions{}.bind;
   std::uint16_t port = WebServerOptions{}.port;
   std::string token, token_file, participant_token;
+  bool read_only = false;
 
-  /// --port, --bind, --token and --token-file.
-  void addTo(CLI::App& command);
-  /// And --participant-token.
+  /// --port, --bind, --token, --token-file and --read-only.
+  void addToRun(CLI::App& command);
+  /// The same without --read-only, and --participant-token.
   void addToStudy(CLI::App& command);
 
   /// For a page that everybody shares: with a token where one is given, or needed because other machines can connect.
@@ -30,6 +31,7 @@ struct WebOptions {
   [[nodiscard]] WebServerOptions forStudy() const;
 
  private:
+  void addTo(CLI::App& command);
   [[nodiscard]] std::string givenToken() const;
 };
 

@@ -40,9 +40,12 @@ class LiveView {
     std::function<std::string(std::uint32_t client, const Command& asked)> refuse;
   };
 
+  /// Whether clients may command, or only look on and choose what they see.
+  enum class Clients { kCommand, kLookOn };
+
   /// @throws InvalidParameter, Failure: as WebServer.
   LiveView(Session& session, const WebServerOptions& options, std::string_view version, Recorder recorder,
-           Guest guest = {});
+           Guest guest = {}, Clients clients = Clients::kCommand);
 
   [[nodiscard]] std::string url(std::size_t entrance = 0) const { return server_.url(entrance); }
 
@@ -59,6 +62,7 @@ class LiveView {
 
  private:
   [[nodiscard]] std::string answer(std::uint32_t client, const ClientMessage& message, std::string_view text);
+  [[nodiscard]] std::string refusal(std::uint32_t client, const ClientMessage& message) const;
   void carryOut(std::uint32_t client, const Command& asked);
   void letGo(std::uint32_t client);
   void showScene();
@@ -67,6 +71,7 @@ class LiveView {
   Session& session_;
   Recorder recorder_;
   Guest guest_;
+  Clients clients_;
   Board board_;
   WebServer server_;
   FrameEncoder::Space space_;

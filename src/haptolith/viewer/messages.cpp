@@ -69,8 +69,12 @@ Json soilJson(const Scenario& scenario) {
 
 }  // namespace
 
-std::string helloMessage(std::string_view version) {
-  Json message{{"type", "hello"}, {"protocol", kProtocol}, {"version", version}, {"client", "$client"}};
+std::string helloMessage(std::string_view version, bool read_only) {
+  Json message{{"type", "hello"},
+               {"protocol", kProtocol},
+               {"version", version},
+               {"client", "$client"},
+               {"read_only", read_only}};
   Json& presets_list = message["presets"] = Json::array();
   for (const Preset& preset : presets()) {
     presets_list.push_back({{"name", preset.name}, {"friction_coefficient", preset.friction_coefficient}});
@@ -168,6 +172,7 @@ std::string statusMessage(const Session& session, const StatusBeside& beside) {
                   {"held_by", beside.held_by ? Json(*beside.held_by) : Json(nullptr)},
                   {"clients", beside.clients},
                   {"device", session.deviceName()},
+                  {"person_feels", session.personFeels()},
                   {"let_go", orNull(now.trip == SafetyTrip::kNone ? "" : text(now.trip))},
                   {"real_time", {{"scheduler", real_time.scheduler}, {"memory_locked", real_time.memory_locked}}},
                   {"simd", simdTarget()},
@@ -179,8 +184,8 @@ std::string statusMessage(const Session& session, const StatusBeside& beside) {
                   {"recording", orNull(beside.recording)}});
 }
 
-std::string replyMessage(std::int64_t id, std::string_view refused) {
-  Json message{{"type", "reply"}, {"id", id}, {"ok", refused.empty()}};
+std::string replyMessage(std::optional<std::int64_t> id, std::string_view refused) {
+  Json message{{"type", "reply"}, {"id", id ? Json(*id) : Json(nullptr)}, {"ok", refused.empty()}};
   if (!refused.empty()) {
     message["error"] = refused;
   }
