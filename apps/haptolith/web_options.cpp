@@ -89,6 +89,7 @@ WebServerOptions WebOptions::forAll() const {
   WebServerOptions options{.bind = bind, .port = port};
   Entrance& entrance = options.entrances.front();
   entrance.token = givenToken();
+  options.guessable = !entrance.token.empty();
   if (!isLoopback(bind) && entrance.token.empty()) {
     entrance.token = newToken();
   }
@@ -101,6 +102,7 @@ WebServerOptions WebOptions::forStudy() const {
   std::string participants = participant_token.empty() ? checked(variable(kParticipantVariable), kParticipantVariable)
                                                        : checked(participant_token, "participant-token");
   WebServerOptions options{.bind = bind, .port = port};
+  options.guessable = !participants.empty() || !experimenters.empty();
   options.entrances = StudyPages::entrances(participants.empty() ? newToken() : std::move(participants),
                                             experimenters.empty() ? newToken() : std::move(experimenters));
   validate(options);

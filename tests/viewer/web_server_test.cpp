@@ -1,6 +1,7 @@
 #include "haptolith/viewer/web_server.h"
 
 #include <boost/asio/buffer.hpp>
+#include <boost/asio/read.hpp>
 #include <boost/asio/read_until.hpp>
 #include <boost/asio/write.hpp>
 #include <gmock/gmock.h>
@@ -18,6 +19,7 @@
 #include <vector>
 
 #include "haptolith/core/error.h"
+#include "haptolith/viewer/access.h"
 
 #include "ws_client.h"
 
@@ -25,7 +27,9 @@ namespace haptolith {
 namespace {
 
 using namespace std::chrono_literals;
+using testing::AllOf;
 using testing::HasSubstr;
+using testing::Not;
 using testing::StartsWith;
 namespace http = boost::beast::http;
 
@@ -200,6 +204,57 @@ TEST_F(WebServerTest, AClientThatDoesNotReadGetsNoQueueAndHoldsUpNobody) {
   EXPECT_EQ(received.back(), "49");
 }
 
+/// What the server answers to these bytes, until it hangs up.
+std::string answerTo(std::uint16_t port, const std::string& request) {
+  boost::asio::io_context io;
+  boost::asio::ip::tcp::socket socket(io);
+  socket.connect({boost::asio::ip::make_address("127.0.0.1"), port});
+  boost::beast::error_code ignored;
+  boost::asio::write(socket, boost::asio::buffer(request), ignored);
+  std::string answer;
+  boost::asio::read(socket, boost::asio::dynamic_buffer(answer), ignored);
+  return answer;
+}
+
+TEST_F(WebServerTest, AnotherSubprotocolThatContainsItsNameIsRefused) {
+  for (const auto& [asked, status] : {std::pair("evilhaptolith.1x", 400U),
+                                      {"haptolith.10", 400U},
+                                      {"haptolith", 400U},
+                                      {"HAPTOLITH.1", 400U},
+                                      {"chat, haptolith.1", 101U},
+                                      {"haptolith.1,chat", 101U}}) {
+    WsClient client(server_.port());
+    client.protocol_ = asked;
+    EXPECT_EQ(client.upgrade(), status) << asked;
+  }
+}
+
+TEST_F(WebServerTest, WhatIsNoRequestIsAnsweredSo) {
+  const auto starts = [&](const std::string& request) { return answerTo(server_.port(), request).substr(0, 12); };
+  EXPECT_EQ(starts("rubbish\r\n\r\n"), "HTTP/1.1 400");
+  EXPECT_EQ(starts("GET / HTTP/9\r\n\r\n"), "HTTP/1.1 400");
+  EXPECT_EQ(starts("POST / HTTP/1.1\r\nHost: localhost\r\nContent-Length: 5\r\n\r\nhello"), "HTTP/1.1 400");
+  EXPECT_EQ(starts("GET / HTTP/1.1\r\nHost: localhost\r\nX: " + std::string(10'000, 'x') + "\r\n\r\n"), "HTTP/1.1 431");
+}
+
+TEST_F(WebServerTest, HostAndOriginMayBeGivenOnlyOnce) {
+  const std::string upgrade =
+      "Connection: Upgrade\r\nUpgrade: websocket\r\nSec-WebSocket-Version: 13\r\nSec-WebSocket-Protocol: "
+      "haptolith.1\r\nSec-WebSocket-Key: dGhlIHNhbXBsZSBub25jZQ==\r\n\r\n";
+  for (const char* twice : {"Host: localhost\r\nHost: evil.com\r\n", "Host: evil.com\r\nHost: localhost\r\n",
+                            "Host: localhost\r\nOrigin: http://localhost\r\nOrigin: http://evil.com\r\n",
+                            "Host: localhost\r\nOrigin:\r\nOrigin: http://evil.com\r\n"}) {
+    EXPECT_THAT(answerTo(server_.port(), std::string("GET /ws HTTP/1.1\r\n") + twice + upgrade),
+                StartsWith("HTTP/1.1 400"))
+        << twice;
+  }
+}
+
+TEST_F(WebServerTest, ThePageMayConnectToItsOwnProgramOnly) {
+  const std::string answer = answerTo(server_.port(), "GET / HTTP/1.0\r\nHost: localhost\r\n\r\n");
+  EXPECT_THAT(answer, AllOf(StartsWith("HTTP/1.0 200"), HasSubstr("connect-src 'self';"), Not(HasSubstr("ws:"))));
+}
+
 TEST_F(WebServerTest, RubbishInsteadOfARequestIsSurvived) {
   for (const std::string& rubbish :
        {std::string("\r\n\r\n"), std::string(10'000, 'A'), std::string("GET / HTTP/9\r\n\r\n"),
@@ -221,9 +276,9 @@ class Idler {
     socket_.bind({boost::asio::ip::make_address(from), 0});
     socket_.connect({boost::asio::ip::make_address("127.0.0.1"), port});
   }
-  void ask() {
+  void ask(const std::string& target = "/") {
     boost::beast::error_code ignored;
-    boost::asio::write(socket_, boost::asio::buffer(std::string("GET / HTTP/1.1\r\nHost: localhost\r\n\r\n")), ignored);
+    boost::asio::write(socket_, boost::asio::buffer("GET " + target + " HTTP/1.1\r\nHost: localhost\r\n\r\n"), ignored);
   }
   /// The first line that comes; empty when the other side has hung up.
   std::string answer() {
@@ -321,14 +376,39 @@ TEST(WebServerAddress, BeyondThisMachineATokenIsDemanded) {
   EXPECT_THROW(WebServer({.bind = "nowhere", .port = 0}, board), InvalidParameter);
   const WebServer server({.bind = "0.0.0.0", .port = 0, .entrances = {{.token = "secret"}}}, board);
   EXPECT_THAT(server.url(), HasSubstr("?token=secret"));
-  EXPECT_EQ(WsClient::get(server.port(), "/").first, 401U);
-  EXPECT_EQ(WsClient::get(server.port(), "/?token=secre").first, 401U);
-  EXPECT_EQ(WsClient::get(server.port(), "/?token=secret", "lab.example").first, 200U);
+  EXPECT_EQ(WsClient::get(server.port(), "/ws").first, 401U);
+  EXPECT_EQ(WsClient::get(server.port(), "/ws?token=secre").first, 401U);
+  EXPECT_EQ(WsClient::get(server.port(), "/ws?token=secret", "lab.example").first, 426U);
+  EXPECT_EQ(WsClient::get(server.port(), "/").first, 200U)
+      << "the page, which has nothing to hide, may be loaded again";
   WsClient stranger(server.port());
   EXPECT_EQ(stranger.upgrade(), 401U);
   WsClient guest(server.port());
   guest.target_ = "/ws?token=secret";
   EXPECT_EQ(guest.upgrade(), 101U);
+}
+
+TEST(WebServerAddress, GuessesAreTakenSlowlyFromEachAddress) {
+  Board board("hello");
+  const WebServer server({.port = 0, .entrances = {{.token = "right"}}, .guessable = true}, board);
+  unsigned guessed = 0;
+  unsigned last = 0;
+  for (int i = 0; i < 100; ++i) {
+    last = WsClient::get(server.port(), "/ws?token=wrong").first;
+    guessed += last == 401U ? 1 : 0;
+  }
+  EXPECT_EQ(last, 429U);
+  EXPECT_GE(guessed, 20U);
+  EXPECT_LT(guessed, 60U) << "one a second more";
+  EXPECT_EQ(WsClient::get(server.port(), "/").first, 200U);
+  Idler elsewhere(server.port(), "127.0.0.2");
+  elsewhere.ask("/ws?token=right");
+  EXPECT_EQ(elsewhere.answer(), "HTTP/1.1 426 Upgrade Required");
+
+  const WebServer unguessable({.port = 0, .entrances = {{.token = newToken()}}}, board);
+  for (int i = 0; i < 100; ++i) {
+    EXPECT_EQ(WsClient::get(unguessable.port(), "/ws?token=wrong").first, 401U);
+  }
 }
 
 TEST(WebServerAddress, EachTokenIsAnEntranceOfItsOwn) {

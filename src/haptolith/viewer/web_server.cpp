@@ -49,6 +49,9 @@ constexpr std::size_t kLargestHeader = 8192;      // bytes
 constexpr std::size_t kMostMessagesPerS = 250;    // from a client
 constexpr std::size_t kMostEventsWaiting = 8192;  // of all clients together
 constexpr std::size_t kMostRepliesWaiting = 64;   // to a client
+constexpr double kMostGuesses = 20;  // wrong tokens at once, from a network; a page that comes back with an old one
+constexpr double kGuessesPerS = 1;   // after that
+constexpr std::size_t kMostGuessing = 1024;  // networks that are remembered
 constexpr int kPortsTried = 100;
 constexpr auto kHeaderTime = 3s;    // for the first request
 constexpr auto kRequestTime = 10s;  // for each further one, and to take an answer
@@ -96,6 +99,15 @@ std::string networkOf(const Tcp::socket& socket) {
   return {bytes.begin(), bytes.begin() + 8};
 }
 
+/// Whether one of the subprotocols that are asked for, with commas between them, is ours.
+bool speaksOurs(const http::fields& request) {
+  const auto [first, last] = request.equal_range(http::field::sec_websocket_protocol);
+  return std::any_of(first, last, [](const auto& line) {
+    const http::token_list asked(line.value());
+    return std::any_of(asked.begin(), asked.end(), [](beast::string_view one) { return view(one) == kSubprotocol; });
+  });
+}
+
 const WebFile* findFile(std::string_view target) {
   std::string_view path = target.substr(0, target.find('?'));
   if (path == "/") {
@@ -135,6 +147,11 @@ class WebServer::Implementation {
   class Client;
   class Visitor;
 
+  /// Wrong tokens that a network may still send.
+  struct Guesses {
+    double left = kMostGuesses;
+    std::chrono::steady_clock::time_point at;
+  };
   /// Visitors, the oldest first.
   using Crowd = std::list<Visitor*>;
 
@@ -142,6 +159,8 @@ class WebServer::Implementation {
   void accept();
   void admit(Tcp::socket socket);
   static void sendAwayOneOf(Crowd& crowd);
+  /// Whether a network may try a token now; counts one that is wrong.
+  [[nodiscard]] bool mayGuess(const std::string& network, bool wrong);
   /// Number of the entrance that a request's token opens.
   [[nodiscard]] std::optional<std::size_t> entranceOf(std::string_view target) const;
   [[nodiscard]] bool isHostAllowed(std::string_view host) const { return !loopback_only || namesLoopback(host); }
@@ -154,6 +173,7 @@ class WebServer::Implementation {
   std::map<std::uint32_t, std::weak_ptr<Client>> clients;  // those that have not ended
   std::size_t sockets_of_clients = 0;
   std::uint32_t last_client = 0;
+  std::map<std::string, Guesses> guesses;  // by network
 
   asio::io_context io{1};  // its end is that of visitors and clients, who use the above
   Tcp::acceptor acceptor{io};
@@ -161,6 +181,7 @@ class WebServer::Implementation {
   Board& board;
   std::string address;
   std::vector<Entrance> entrances;
+  bool guessable = false;
   bool loopback_only = true;
   std::atomic<std::size_t> joined{0};
 
@@ -326,9 +347,18 @@ class WebServer::Implementation::Visitor : public std::enable_shared_from_this<V
     parser_->body_limit(0);
     stream_.expires_after(crowd_ == &server_.asking ? kHeaderTime : kRequestTime);
     http::async_read(stream_, buffer_, *parser_, [self = shared_from_this()](beast::error_code error, std::size_t) {
-      if (!error && self->stream_.socket().is_open()) {
+      if (!self->stream_.socket().is_open() || self->crowd_ == nullptr) {
+        return;
+      }
+      if (!error) {
         self->stand(self->server_.served);
         self->answer();
+      } else if (error.category() == http::make_error_code(http::error::bad_method).category() &&
+                 error != http::error::end_of_stream && error != http::error::partial_message) {
+        self->stand(self->server_.served);
+        self->refuse(error == http::error::header_limit ? http::status::request_header_fields_too_large
+                                                        : http::status::bad_request,
+                     "this is no request that the program understands\n");
       }
     });
   }
@@ -365,16 +395,22 @@ class WebServer::Implementation::Visitor : public std::enable_shared_from_this<V
     const bool is_socket = websocket::is_upgrade(request);
     const std::string_view path = target.substr(0, target.find('?'));
     const std::optional<std::size_t> entrance = server_.entranceOf(target);
-    if (!server_.isHostAllowed(host)) {
+    if (request.count(http::field::host) > 1 || request.count(http::field::origin) > 1) {
+      refuse(http::status::bad_request, "Host and Origin may be given once only\n");
+    } else if (!server_.isHostAllowed(host)) {
       refuse(http::status::forbidden, "this address is not one of the program's\n");
     } else if (is_socket && !origin.empty() && !isFromHere(origin, host)) {
       refuse(http::status::forbidden, "pages from elsewhere may not connect\n");
-    } else if ((is_socket || path == "/" || path == "/index.html") && !entrance) {
+    } else if ((is_socket || path == "/ws") && !server_.mayGuess(network_, !entrance && !tokenOf(target).empty())) {
+      refuse(http::status::too_many_requests, "too many wrong tokens: try again in a while\n");
+    } else if ((is_socket || path == "/ws") && !entrance) {
       refuse(http::status::unauthorized, "the address lacks the token that the program printed\n");
     } else if (is_socket) {
       upgrade(path, *entrance);
     } else if (request.method() != http::verb::get && request.method() != http::verb::head) {
       refuse(http::status::method_not_allowed, "only GET and HEAD\n");
+    } else if (path == "/ws") {
+      refuse(http::status::upgrade_required, "this is a WebSocket\n");
     } else if (const WebFile* file = findFile(target)) {
       send(http::status::ok, contentType(file->path), file->content);
     } else {
@@ -384,10 +420,9 @@ class WebServer::Implementation::Visitor : public std::enable_shared_from_this<V
 
   void upgrade(std::string_view path, std::size_t entrance) {
     const auto& request = parser_->get();
-    const std::string_view protocols = view(request[http::field::sec_websocket_protocol]);
     if (path != "/ws") {
       refuse(http::status::not_found, "the WebSocket is /ws\n");
-    } else if (protocols.find(kSubprotocol) == std::string_view::npos) {
+    } else if (!speaksOurs(request)) {
       refuse(http::status::bad_request, "the WebSocket speaks haptolith.1\n");
     } else if (server_.joined >= kMostClients) {
       refuse(http::status::service_unavailable, "32 clients look on already\n");
@@ -404,20 +439,22 @@ class WebServer::Implementation::Visitor : public std::enable_shared_from_this<V
   void send(http::status status, std::string_view type, std::string_view content) {
     const auto& request = parser_->get();
     response_.emplace(std::piecewise_construct, std::make_tuple(content.data(), content.size()),
-                      std::make_tuple(status, request.version()));
+                      std::make_tuple(status, request.version() == 10 ? 10U : 11U));
     response_->set(http::field::server, "haptolith");
     response_->set(http::field::content_type, view(type));
     response_->set(http::field::cache_control, "no-store");
     response_->set("Content-Security-Policy",
                    "default-src 'self'; style-src 'self' 'unsafe-inline'; img-src 'self' data: blob:; "
-                   "connect-src 'self' ws: wss:; frame-ancestors 'self'; base-uri 'none'");
+                   "connect-src 'self'; frame-ancestors 'self'; base-uri 'none'");
     response_->set("X-Content-Type-Options", "nosniff");
     response_->set("Referrer-Policy", "no-referrer");  // the address may hold the token
-    response_->keep_alive(request.keep_alive());
+    response_->keep_alive(status == http::status::ok && request.keep_alive());
     response_->prepare_payload();
     const auto sent = [self = shared_from_this()](beast::error_code error, std::size_t) {
       if (!error && self->response_->keep_alive()) {
         self->read();
+      } else if (!error) {
+        self->hangUp();
       }
     };
     if (request.method() == http::verb::head) {
@@ -426,6 +463,23 @@ class WebServer::Implementation::Visitor : public std::enable_shared_from_this<V
     } else {
       http::async_write(stream_, *response_, sent);
     }
+  }
+
+  /// Ends when the other side does, or soon: to close a socket with something unread in it takes the answer back.
+  void hangUp() {
+    beast::error_code ignored;
+    stream_.socket().shutdown(Tcp::socket::shutdown_send, ignored);
+    stream_.expires_after(kFarewellTime);
+    takeTheRest();
+  }
+  void takeTheRest() {
+    buffer_.clear();
+    stream_.async_read_some(buffer_.prepare(kLargestHeader),
+                            [self = shared_from_this()](beast::error_code error, std::size_t) {
+                              if (!error && self->crowd_ != nullptr) {
+                                self->takeTheRest();
+                              }
+                            });
   }
 
   Implementation& server_;
@@ -444,6 +498,7 @@ WebServer::Implementation::Implementation(const WebServerOptions& options, Board
     : board(shared_board),
       address(options.bind),
       entrances(options.entrances),
+      guessable(options.guessable),
       loopback_only(isLoopback(options.bind)) {
   validate(options);
   const asio::ip::address ip = *addressOf(options);
@@ -539,6 +594,29 @@ void WebServer::Implementation::sendAwayOneOf(Crowd& crowd) {
   if (found != crowd.end()) {
     (*found)->sendAway();
   }
+}
+
+bool WebServer::Implementation::mayGuess(const std::string& network, bool wrong) {
+  if (!guessable) {
+    return true;
+  }
+  const auto now = std::chrono::steady_clock::now();
+  const auto leftOf = [now](const Guesses& some) {
+    return std::min(kMostGuesses, some.left + kGuessesPerS * std::chrono::duration<double>(now - some.at).count());
+  };
+  if (guesses.size() >= kMostGuessing && !guesses.contains(network)) {
+    std::erase_if(guesses, [&](const auto& some) { return leftOf(some.second) >= kMostGuesses; });
+    if (guesses.size() >= kMostGuessing) {
+      return false;
+    }
+  }
+  Guesses& some = guesses[network];
+  some = {leftOf(some), now};
+  if (some.left < 1) {
+    return false;  // a right one would tell that it is
+  }
+  some.left -= wrong ? 1 : 0;
+  return true;
 }
 
 std::optional<std::size_t> WebServer::Implementation::entranceOf(std::string_view target) const {

@@ -20,6 +20,9 @@ struct WebServerOptions {
   std::uint16_t port = 8080;       ///< the first that is tried; 0: any
   /// One without a token only when it is the only one and `bind` is loopback.
   std::vector<Entrance> entrances = {{}};
+  /// Whether somebody has thought up a token: then wrong ones are taken slowly from each address. One that newToken()
+  /// has made up nobody guesses, and nobody can be kept out by guessing.
+  bool guessable = false;
 };
 
 /// @throws InvalidParameter for an address that is none, an entrance that needs a token and has none, two with the
