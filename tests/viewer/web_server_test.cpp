@@ -294,7 +294,13 @@ class Idler {
   Tcp::socket socket_{io_};
 };
 
-TEST_F(WebServerTest, ConnectionsThatAskForNothingKeepNobodyOut) {
+/// With so few visitors that a test can crowd them out.
+class CrowdedWebServerTest : public WebServerTest {
+ protected:
+  CrowdedWebServerTest() : WebServerTest({.port = 0, .most_asking = 64, .most_served = 64}) {}
+};
+
+TEST_F(CrowdedWebServerTest, ConnectionsThatAskForNothingKeepNobodyOut) {
   WsClient inside(server_.port());
   ASSERT_EQ(inside.upgrade(), 101U);
   EXPECT_THAT(inside.receive().value_or(""), HasSubstr("hello"));
@@ -315,7 +321,7 @@ TEST_F(WebServerTest, ConnectionsThatAskForNothingKeepNobodyOut) {
   }
 }
 
-TEST_F(WebServerTest, ConnectionsThatStayAfterTheirAnswerKeepNobodyOut) {
+TEST_F(CrowdedWebServerTest, ConnectionsThatStayAfterTheirAnswerKeepNobodyOut) {
   std::deque<Idler> idlers;
   for (int i = 0; i < 300; ++i) {
     idlers.emplace_back(server_.port()).ask();  // and does not read
@@ -323,7 +329,7 @@ TEST_F(WebServerTest, ConnectionsThatStayAfterTheirAnswerKeepNobodyOut) {
   EXPECT_EQ(WsClient::get(server_.port(), "/").first, 200U);
 }
 
-TEST_F(WebServerTest, WhoComesFromElsewhereDoesNotPayForThem) {
+TEST_F(CrowdedWebServerTest, WhoComesFromElsewhereDoesNotPayForThem) {
   Idler patient(server_.port(), "127.0.0.2");
   std::deque<Idler> idlers;
   for (int i = 0; i < 200; ++i) {

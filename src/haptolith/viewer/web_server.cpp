@@ -9,6 +9,7 @@
 #include <boost/beast/version.hpp>
 #include <boost/beast/websocket.hpp>
 #include <fmt/format.h>
+#include <sys/resource.h>
 
 #include <algorithm>
 #include <atomic>
@@ -41,9 +42,9 @@ using namespace std::chrono_literals;
 
 constexpr std::string_view kSubprotocol = "haptolith.1";
 constexpr std::size_t kMostClients = 32;
-constexpr std::size_t kMostLeaving = 16;          // WebSockets that wait for the other side's farewell
-constexpr std::size_t kMostAsking = 64;           // connections that have not sent a whole request yet
-constexpr std::size_t kMostServed = 64;           // those that have, and stay for the next
+constexpr std::size_t kMostLeaving = 16;  // WebSockets that wait for the other side's farewell
+constexpr rlim_t kFilesForAll = 4096;
+constexpr std::size_t kFilesOfOthers = 256;       // clients, recordings and whatever the rest of the program opens
 constexpr std::size_t kLargestMessage = 16384;    // bytes, from a client: a form with long texts
 constexpr std::size_t kLargestHeader = 8192;      // bytes
 constexpr std::size_t kMostMessagesPerS = 250;    // from a client
@@ -99,6 +100,22 @@ std::string networkOf(const Tcp::socket& socket) {
   return {bytes.begin(), bytes.begin() + 8};
 }
 
+/// How many files this process may have open; as many as we want where the system lets it. At least twice
+/// kFilesOfOthers is said: with less, connections go as files run out.
+std::size_t filesForAll() {
+  rlimit files{};
+  if (getrlimit(RLIMIT_NOFILE, &files) != 0) {
+    return 2 * kFilesOfOthers;
+  }
+  if (files.rlim_cur < kFilesForAll) {
+    const rlimit more{std::min(kFilesForAll, files.rlim_max), files.rlim_max};
+    if (more.rlim_cur > files.rlim_cur && setrlimit(RLIMIT_NOFILE, &more) == 0) {
+      files = more;
+    }
+  }
+  return std::max<std::size_t>(2 * kFilesOfOthers, std::min(files.rlim_cur, kFilesForAll));
+}
+
 /// Whether one of the subprotocols that are asked for, with commas between them, is ours.
 bool speaksOurs(const http::fields& request) {
   const auto [first, last] = request.equal_range(http::field::sec_websocket_protocol);
@@ -152,8 +169,11 @@ class WebServer::Implementation {
     double left = kMostGuesses;
     std::chrono::steady_clock::time_point at;
   };
-  /// Visitors, the oldest first.
-  using Crowd = std::list<Visitor*>;
+  /// Visitors by where they are, of each place the oldest first.
+  struct Crowd {
+    std::map<std::string, std::list<Visitor*>> from;
+    std::size_t size = 0;
+  };
 
   void serve() noexcept;
   void accept();
@@ -168,7 +188,8 @@ class WebServer::Implementation {
   void leave(std::uint32_t client);
   bool push(Event event);
 
-  bool accepting = false;                                  ///< or about to, after a pause
+  bool accepting = false;  ///< or about to, after a pause
+  std::size_t most_asking = 0, most_served = 0;
   Crowd asking, served;                                    // of the server's thread, as is what follows
   std::map<std::uint32_t, std::weak_ptr<Client>> clients;  // those that have not ended
   std::size_t sockets_of_clients = 0;
@@ -339,8 +360,6 @@ class WebServer::Implementation::Visitor : public std::enable_shared_from_this<V
   Visitor(const Visitor&) = delete;
   Visitor& operator=(const Visitor&) = delete;
 
-  [[nodiscard]] const std::string& network() const noexcept { return network_; }
-
   void read() {
     parser_.emplace();
     parser_->header_limit(kLargestHeader);
@@ -373,17 +392,23 @@ class WebServer::Implementation::Visitor : public std::enable_shared_from_this<V
     if (crowd_ == &crowd) {
       return;
     }
-    if (&crowd == &server_.served && crowd.size() >= kMostServed) {
+    if (&crowd == &server_.served && crowd.size >= server_.most_served) {
       sendAwayOneOf(crowd);
     }
     leaveCrowd();
-    crowd.push_back(this);
+    std::list<Visitor*>& here = crowd.from[network_];
+    place_ = here.insert(here.end(), this);
+    ++crowd.size;
     crowd_ = &crowd;
-    place_ = std::prev(crowd.end());
   }
   void leaveCrowd() {
     if (Crowd* crowd = std::exchange(crowd_, nullptr)) {
-      crowd->erase(place_);
+      const auto here = crowd->from.find(network_);
+      here->second.erase(place_);
+      if (here->second.empty()) {
+        crowd->from.erase(here);
+      }
+      --crowd->size;
     }
   }
 
@@ -485,7 +510,7 @@ class WebServer::Implementation::Visitor : public std::enable_shared_from_this<V
   Implementation& server_;
   std::string network_;
   Crowd* crowd_ = nullptr;  ///< one of the server's; none: sent away, or a client by now
-  Crowd::iterator place_;
+  std::list<Visitor*>::iterator place_;
   beast::tcp_stream stream_;
   beast::flat_buffer buffer_;
   std::optional<http::request_parser<http::empty_body>> parser_;
@@ -522,6 +547,9 @@ WebServer::Implementation::Implementation(const WebServerOptions& options, Board
   if (error) {
     throw Failure(fmt::format("cannot listen on {}, port {}: {}", options.bind, options.port, error.message()));
   }
+  const std::size_t files = filesForAll() - kFilesOfOthers;
+  most_served = std::min(options.most_served, files / 4);
+  most_asking = std::min(options.most_asking, files / 2);
   accept();
   thread = std::thread([this] { serve(); });
 }
@@ -557,7 +585,7 @@ void WebServer::Implementation::accept() {
       return;
     }
     // There is no file descriptor for a socket, and asking again at once would take a whole core.
-    for (std::size_t left = asking.size() / 2; asking.size() > left;) {
+    for (const std::size_t left = asking.size / 2; asking.size > left;) {
       sendAwayOneOf(asking);
     }
     pause.expires_after(kWithoutFiles);
@@ -575,7 +603,7 @@ void WebServer::Implementation::accept() {
 /// A newcomer always gets in: connections that ask for nothing, and those that stay for a next request, are as many as
 /// they may be at most, and one of them goes then. Clients with a WebSocket are counted apart.
 void WebServer::Implementation::admit(Tcp::socket socket) {
-  if (asking.size() >= kMostAsking) {
+  if (asking.size >= most_asking) {
     sendAwayOneOf(asking);
   }
   beast::error_code ignored;
@@ -585,14 +613,9 @@ void WebServer::Implementation::admit(Tcp::socket socket) {
 
 /// The one who has been there longest of the network that most come from: who crowds out others crowds out themselves.
 void WebServer::Implementation::sendAwayOneOf(Crowd& crowd) {
-  std::map<std::string_view, std::size_t> from;
-  std::size_t most = 0;
-  for (const Visitor* visitor : crowd) {
-    most = std::max(most, ++from[visitor->network()]);
-  }
-  const auto found = std::ranges::find_if(crowd, [&](const Visitor* one) { return from[one->network()] == most; });
-  if (found != crowd.end()) {
-    (*found)->sendAway();
+  const auto most = std::ranges::max_element(crowd.from, {}, [](const auto& here) { return here.second.size(); });
+  if (most != crowd.from.end()) {
+    most->second.front()->sendAway();
   }
 }
 

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <memory>
 #include <string>
@@ -23,6 +24,10 @@ struct WebServerOptions {
   /// Whether somebody has thought up a token: then wrong ones are taken slowly from each address. One that newToken()
   /// has made up nobody guesses, and nobody can be kept out by guessing.
   bool guessable = false;
+  /// Connections that have not sent a whole request yet, and those that stay after one; fewer where the system lets the
+  /// program have few files. So many that who crowds others out by the thousand needs a while for it, in which anybody
+  /// else has sent a request.
+  std::size_t most_asking = 2048, most_served = 512;
 };
 
 /// @throws InvalidParameter for an address that is none, an entrance that needs a token and has none, two with the
