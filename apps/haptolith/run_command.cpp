@@ -66,7 +66,7 @@ struct RunOptions {
   double frames_per_s = 10;
   bool json = false;
   std::optional<bool> serve;
-  WebServerOptions web;
+  WebOptions web;
 };
 
 Scenario scenarioFor(const RunOptions& options) {
@@ -308,15 +308,17 @@ void warnOfStiffness(const Session& session) {
 
 /// The view in the browser: unless somebody measures or a program reads what is printed. None when no port is free and
 /// nobody has asked for it.
-std::unique_ptr<LiveView> viewOf(Session& session, Follower& follower, const RunOptions& options) {
+std::unique_ptr<LiveView> viewOf(Session& session, Follower& follower, const RunOptions& options,
+                                 const WebServerOptions& web) {
   try {
     Recording& recording = follower.recording();
-    auto view =
-        std::make_unique<LiveView>(session, options.web, HAPTOLITH_VERSION,
-                                   LiveView::Recorder{.start = [&recording, &session] { recording.start(session); },
-                                                      .stop = [&recording] { recording.stopPart(); },
-                                                      .name = [&recording] { return recording.name(); }});
-    printNotice(fmt::format("see and touch it at {}\n", view->url()));
+    auto view = std::make_unique<LiveView>(
+        session, web, HAPTOLITH_VERSION,
+        LiveView::Recorder{.start = [&recording, &session] { recording.start(session); },
+                           .stop = [&recording] { recording.stopPart(); },
+                           .name = [&recording] { return recording.name(); }},
+        LiveView::Guest{}, options.web.read_only ? LiveView::Clients::kLookOn : LiveView::Clients::kCommand);
+    printNotice(fmt::format("see {} at {}\n", options.web.read_only ? "it" : "and touch it", view->url()));
     return view;
   } catch (const Failure& failure) {
     if (options.serve) {
@@ -327,10 +329,10 @@ std::unique_ptr<LiveView> viewOf(Session& session, Follower& follower, const Run
   }
 }
 
-void run(RunOptions options) {
+void run(const RunOptions& options) {
   const StopOnSignal stop_on_signal;
   const Scenario scenario = scenarioFor(options);
-  completeWebOptions(options.web);
+  const WebServerOptions web = options.web.forAll();
   // Files that cannot be written are refused before the bed is made.
   Follower follower(options, scenario);
   std::optional<Figure> figure;
@@ -342,7 +344,7 @@ void run(RunOptions options) {
   Session session(scenario, keeps_records, settlingIn(follower.status()));
   follower.status().clear();
   warnOfStiffness(session);
-  const std::unique_ptr<LiveView> view = serves ? viewOf(session, follower, options) : nullptr;
+  const std::unique_ptr<LiveView> view = serves ? viewOf(session, follower, options, web) : nullptr;
   if (!options.record_file.empty()) {
     follower.record(session, options);
   }
@@ -424,7 +426,7 @@ void addRunCommand(CLI::App& app) {
       ->add_flag_callback(
           "--no-serve", [options] { options->serve = false; }, "Do not show it in the browser")
       ->excludes(serve);
-  addWebOptions(*command, options->web);
+  options->web.addToRun(*command);
   command->callback([options] { run(*options); });
 }
 

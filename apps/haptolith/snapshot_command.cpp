@@ -100,7 +100,7 @@ class Studio {
                   .height_px = options.height_px,
                   .stopped = [] { return stopAsked().load(); }}),
         session_(scenario, false, settlingIn(status)),
-        view_(session_, {.bind = "127.0.0.1", .port = 0, .token = ""}, HAPTOLITH_VERSION, {}) {
+        view_(session_, {.bind = "127.0.0.1", .port = 0}, HAPTOLITH_VERSION, {}) {
     session_.pause();
     session_.start(stopAsked());
     browser_.open(fmt::format("{}?view={}&colour={}&theme={}&panels={}&quality=full", view_.url(), options.view,

@@ -3,6 +3,7 @@
 #include <spdlog/spdlog.h>
 
 #include <algorithm>
+#include <utility>
 #include <variant>
 
 #include "haptolith/core/error.h"
@@ -17,18 +18,28 @@ constexpr auto kBetweenMessages = 100ms;
 
 }  // namespace
 
+std::vector<Entrance> StudyPages::entrances(std::string participant, std::string experimenter) {
+  std::vector<Entrance> both(2);
+  both[kParticipants] = {.token = std::move(participant), .nameless = true};
+  both[kExperimenters] = {.token = std::move(experimenter)};
+  return both;
+}
+
 LiveView::Guest StudyPages::guest() {
   return {.obey = [this](std::uint32_t client, std::string_view message) { return obey(client, message); },
-          .left = [this](std::uint32_t client) { roles_.erase(client); },
+          .joined =
+              [this](std::uint32_t client, std::size_t entrance) {
+                pages_[client].role = entrance == kExperimenters ? StudyRole::kExperimenter : StudyRole::kParticipant;
+              },
+          .left = [this](std::uint32_t client) { pages_.erase(client); },
           .refuse = [this](std::uint32_t client, const Command& asked) { return refuse(client, asked); }};
 }
 
 std::string StudyPages::obey(std::uint32_t client, std::string_view message) {
-  const auto known = roles_.find(client);
-  const bool joined = known != roles_.end();
-  roles_[client] =
-      obeyStudyMessage(conductor_, message, joined ? known->second : StudyRole::kParticipant, joined);  // throws
-  somebody_new_ = somebody_new_ || !joined;
+  Page& page = pages_.at(client);
+  const bool joined = obeyStudyMessage(conductor_, message, page.role, page.joined);  // throws
+  somebody_new_ = somebody_new_ || !page.joined;
+  page.joined = joined;
   return "";
 }
 
@@ -37,8 +48,8 @@ std::string StudyPages::refuse(std::uint32_t client, const Command& asked) const
   if (std::holds_alternative<command::Colour>(asked) || std::holds_alternative<command::Release>(asked)) {
     return "";
   }
-  const auto role = roles_.find(client);
-  const bool takes_part = role != roles_.end() && role->second == StudyRole::kParticipant;
+  const Page& page = pages_.at(client);
+  const bool takes_part = page.joined && page.role == StudyRole::kParticipant;
   if (!takes_part || !std::holds_alternative<command::Hold>(asked)) {
     return "a study is running: nobody changes the scene";
   }
@@ -57,7 +68,8 @@ void StudyPages::show(LiveView& view, double force_n) {
   feels_ = feels;
   peak_force_n_ = std::max(peak_force_n_, force_n);
   const bool news = conductor_.changes() != told_changes_ || somebody_new_;
-  if (roles_.empty() || (!news && Clock::now() < next_)) {
+  if (std::ranges::none_of(pages_, [](const auto& page) { return page.second.joined; }) ||
+      (!news && Clock::now() < next_)) {
     return;
   }
   if (news || history_.empty()) {
@@ -73,8 +85,10 @@ void StudyPages::show(LiveView& view, double force_n) {
   somebody_new_ = false;
   const std::string for_participant = participantMessage(conductor_);
   const std::string for_experimenter = experimenterMessage(conductor_, history_, force_n, peak_force_n_);
-  for (const auto& [client, role] : roles_) {
-    view.send(client, role == StudyRole::kParticipant ? for_participant : for_experimenter);
+  for (const auto& [client, page] : pages_) {
+    if (page.joined) {
+      view.send(client, page.role == StudyRole::kParticipant ? for_participant : for_experimenter);
+    }
   }
 }
 

@@ -5,6 +5,7 @@
 #include <map>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "haptolith/study/conductor.h"
 #include "haptolith/study/study_messages.h"
@@ -16,6 +17,11 @@ namespace haptolith {
 class StudyPages {
  public:
   explicit StudyPages(Conductor& conductor) : conductor_(conductor) {}
+
+  /// The two ways in, with these tokens. Who has the participant's is not told what is shown, and can never act as the
+  /// experimenter.
+  [[nodiscard]] static std::vector<Entrance> entrances(std::string participant, std::string experimenter);
+  static constexpr std::size_t kParticipants = 0, kExperimenters = 1;
 
   /// What stands between the view and the study; for as long as this object lives.
   [[nodiscard]] LiveView::Guest guest();
@@ -30,7 +36,12 @@ class StudyPages {
   [[nodiscard]] std::string refuse(std::uint32_t client, const Command& asked) const;
 
   Conductor& conductor_;
-  std::map<std::uint32_t, StudyRole> roles_;
+  struct Page {
+    StudyRole role = StudyRole::kParticipant;  ///< from the address that it came by: see entrances()
+    bool joined = false;
+  };
+
+  std::map<std::uint32_t, Page> pages_;
   bool somebody_new_ = false;
   std::uint64_t told_changes_ = ~std::uint64_t{0};
   std::string history_;

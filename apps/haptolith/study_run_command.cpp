@@ -47,7 +47,7 @@ struct StudyRunOptions {
   std::string file, participant;
   bool resumes = false;
   DeviceOptions device;
-  WebServerOptions web;
+  WebOptions web;
   double frames_per_s = 0;
 };
 
@@ -90,7 +90,7 @@ void requireRoom(const StudyStore& store, const StudyRunOptions& options) {
 /// The study, its scene and its pages, from the first page to the end.
 class StudyRun {
  public:
-  explicit StudyRun(const StudyRunOptions& options)
+  StudyRun(const StudyRunOptions& options, const WebServerOptions& web)
       : options_(options),
         store_(options.file, StudyStore::Access::kRun),
         recording_(options.frames_per_s),
@@ -99,7 +99,7 @@ class StudyRun {
                         .stop = [this] { stopRecording(); }}),
         conductor_(store_, rig_, {.now_s = &StudyRun::now, .recordings = recordings()}),
         pages_(conductor_),
-        view_(session_, options.web, HAPTOLITH_VERSION, {}, pages_.guest()) {
+        view_(session_, web, HAPTOLITH_VERSION, {}, pages_.guest()) {
     status_.clear();
   }
 
@@ -179,12 +179,10 @@ class StudyRun {
       conductor_.begin(options_.participant);
     }
     code_ = conductor_.moment().participant;
-    const std::string url = view_.url();
-    const char* joint = url.find('?') == std::string::npos ? "?" : "&";
     printNotice(
-        fmt::format("{} takes part\n  participant's page   {}{}study=participant\n  experimenter's page  "
-                    "{}{}study=experimenter\n",
-                    code_, url, joint, url, joint));
+        fmt::format("{} takes part\n  participant's page   {}&study=participant\n  experimenter's page  "
+                    "{}&study=experimenter\n",
+                    code_, view_.url(StudyPages::kParticipants), view_.url(StudyPages::kExperimenters)));
   }
 
   void showStatus() {
@@ -239,12 +237,11 @@ void addRunOptions(CLI::App& command, const std::shared_ptr<StudyRunOptions>& op
   command.add_option("--record-frames", options->frames_per_s, "Pictures of all particles a second in recordings [0]")
       ->check(CLI::Range(0, 60))
       ->option_text("N");
-  addWebOptions(command, options->web);
+  options->web.addToStudy(command);
   command.callback([options] {
     const StopOnSignal stop_on_signal;
     umask(077);  // recordings of people are for those who run the study
-    completeWebOptions(options->web);
-    StudyRun(*options).run();
+    StudyRun(*options, options->web.forStudy()).run();
   });
 }
 

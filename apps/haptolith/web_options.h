@@ -1,5 +1,8 @@
 #pragma once
 
+#include <cstdint>
+#include <string>
+
 #include "haptolith/viewer/web_server.h"
 
 namespace CLI {
@@ -8,10 +11,28 @@ class App;
 
 namespace haptolith {
 
-/// --port, --bind and --token.
-void addWebOptions(CLI::App& command, WebServerOptions& options);
+/// Who may come to the page, and from where.
+struct WebOptions {
+  std::string bind = WebServerOptions{}.bind;
+  std::uint16_t port = WebServerOptions{}.port;
+  std::string token, token_file, participant_token;
+  bool read_only = false;
 
-/// Makes up a token where one is needed and none was given. @throws InvalidParameter as validate().
-void completeWebOptions(WebServerOptions& options);
+  /// --port, --bind, --token, --token-file and --read-only.
+  void addToRun(CLI::App& command);
+  /// The same without --read-only, and --participant-token.
+  void addToStudy(CLI::App& command);
+
+  /// For a page that everybody shares: with a token where one is given, or needed because other machines can connect.
+  /// @throws InvalidParameter as validate(), and for a token that is too short; Failure when its file cannot be read.
+  [[nodiscard]] WebServerOptions forAll() const;
+  /// For the two pages of a study (StudyPages::entrances), which need a token each, on this machine too: the
+  /// participant's browser is on the same one. @throws as forAll().
+  [[nodiscard]] WebServerOptions forStudy() const;
+
+ private:
+  void addTo(CLI::App& command);
+  [[nodiscard]] std::string givenToken() const;
+};
 
 }  // namespace haptolith

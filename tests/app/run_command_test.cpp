@@ -305,13 +305,39 @@ TEST_F(RunCommand, ServesItsPageAndSaysWhere) {
 TEST_F(RunCommand, BeyondThisMachineTheAddressHasAToken) {
   const ProgramResult made_up = runHaptolith("run --duration-s 0.1 --port 0 --bind 0.0.0.0");
   EXPECT_THAT(made_up.errors, testing::ContainsRegex("http://0.0.0.0:[0-9]+/\\?token=[0-9a-f]{32}"));
-  const ProgramResult given = runHaptolith("run --duration-s 0.1 --port 0 --bind 0.0.0.0 --token moon");
-  EXPECT_THAT(given.errors, HasSubstr("/?token=moon"));
   const ProgramResult wrong = runHaptolith("run --duration-s 0.1 --bind everywhere");
   EXPECT_EQ(wrong.exit_status, 2);
   EXPECT_THAT(wrong.errors, HasSubstr("bind = everywhere"));
   EXPECT_EQ(runHaptolith("run --duration-s 0.1 --port 65536").exit_status, 2);
   EXPECT_EQ(runHaptolith("run --duration-s 0.1 --serve --no-serve").exit_status, 2);
+}
+
+TEST_F(RunCommand, ATokenMayBeGivenWhereNoListOfProcessesShowsIt) {
+  const std::string run = "\"$HAPTOLITH\" run --duration-s 0.1 --port 0 ";
+  for (const std::string& command :
+       {run + "--token dust_of_the-Moon0", "echo dust_of_the-Moon0 | " + run + "--token-file /dev/stdin",
+        "HAPTOLITH_TOKEN=dust_of_the-Moon0 " + run}) {
+    EXPECT_THAT(runInShell(command).errors, HasSubstr("/?token=dust_of_the-Moon0\n")) << command;
+  }
+  for (const auto& [command, told] :
+       {std::pair<std::string, std::string>{run + "--token moon", "token = a text of 4 letters"},
+        {run + "--token 'a b c d e f g h i'", "16 to 128 of A to Z, a to z, 0 to 9, - and _"},
+        {"HAPTOLITH_TOKEN=secret " + run, "HAPTOLITH_TOKEN = a text of 6 letters"},
+        {run + "--token-file /dev/null", "/dev/null = a text of 0 letters"},
+        {run + "--token-file /dev/zero", "/dev/zero = a text with other letters"},
+        {run + "--token a --token-file b", "--token"}}) {
+    const ProgramResult wrong = runInShell(command);
+    EXPECT_EQ(wrong.exit_status, 2) << command;
+    EXPECT_THAT(wrong.errors, testing::AllOf(HasSubstr(told), testing::Not(HasSubstr("secret")))) << command;
+  }
+  const ProgramResult missing = runInShell(run + "--token-file no-such-file");
+  EXPECT_EQ(missing.exit_status, 1);
+  EXPECT_THAT(missing.errors, HasSubstr("cannot read no-such-file"));
+}
+
+TEST_F(RunCommand, WhoMayOnlyLookOnIsNotInvitedToTouch) {
+  EXPECT_THAT(runHaptolith("run --duration-s 0.1 --port 0 --read-only").errors,
+              HasSubstr("see it at http://127.0.0.1:"));
 }
 
 TEST_F(RunCommand, TellsHowLateItsTicksBegan) {

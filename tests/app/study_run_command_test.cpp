@@ -3,9 +3,19 @@
 #include <nlohmann/json.hpp>
 #include <unistd.h>
 
+#include <chrono>
+#include <csignal>
+#include <cstdlib>
 #include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <memory>
+#include <regex>
 #include <string>
+#include <thread>
+#include <tuple>
 
+#include "../viewer/ws_client.h"
 #include "program.h"
 
 namespace haptolith {
@@ -47,10 +57,98 @@ TEST_F(StudyRunCommands, RunGivesTheNextCodeAndTwoPages) {
   const ProgramResult run = runForASecond(fmt::format("run {} --port 0", file("a.study")));
   EXPECT_EQ(run.exit_status, 0) << run.errors;
   EXPECT_THAT(run.errors,
-              AllOf(HasSubstr("S01 takes part"), HasSubstr("/?study=participant"), HasSubstr("/?study=experimenter")));
+              AllOf(HasSubstr("S01 takes part"), HasSubstr("&study=participant"), HasSubstr("&study=experimenter")));
   EXPECT_THAT(run.output, AllOf(HasSubstr("0 answers"), HasSubstr("study resume")));
   EXPECT_EQ(status()["participants"][0]["state"], "running");
   EXPECT_TRUE(fs::is_directory(folder_ / "a-recordings"));
+}
+
+/// `study run` in the background, until the end of the test.
+class RunningStudy : public StudyRunCommands {
+ protected:
+  ~RunningStudy() override {
+    if (pid_t pid = 0; std::ifstream(file("pid")) >> pid) {
+      kill(pid, SIGINT);
+    }
+    if (program_.joinable()) {
+      program_.join();
+    }
+  }
+
+  void start(const std::string& arguments = "", const std::string& environment = "") {
+    makeStudy("paper");
+    program_ =
+        std::thread([command = fmt::format("{} \"$HAPTOLITH\" study run {} --port 0 {} > {} 2> {} & echo $! > {}; wait",
+                                           environment, file("a.study"), arguments, file("out"), file("err"),
+                                           file("pid"))] { std::ignore = std::system(command.c_str()); });
+    for (int i = 0; i < 3000 && said().find("study=experimenter") == std::string::npos; ++i) {
+      std::this_thread::sleep_for(std::chrono::milliseconds(10));
+    }
+    std::smatch found;
+    const std::string text = said();
+    ASSERT_TRUE(std::regex_search(text, found, std::regex("127.0.0.1:([0-9]+)/.token=([^&]+)&study=participant")))
+        << text;
+    port_ = static_cast<std::uint16_t>(std::stoi(found[1]));
+    participants_ = found[2];
+    ASSERT_TRUE(std::regex_search(text, found, std::regex("token=([^&]+)&study=experimenter"))) << text;
+    experimenters_ = found[1];
+  }
+  [[nodiscard]] std::string said() const {
+    std::ifstream stream(file("err"));
+    return {std::istreambuf_iterator<char>(stream), {}};
+  }
+  [[nodiscard]] std::unique_ptr<WsClient> pageWith(const std::string& token) const {
+    auto page = std::make_unique<WsClient>(port_);
+    page->target_ = "/ws?token=" + token;
+    EXPECT_EQ(page->upgrade(), 101U);
+    return page;
+  }
+  static Json ask(WsClient& page, Json message) {
+    message.update({{"id", 1}, {"do", "study"}});
+    page.send(message.dump());
+    return page.receive("reply").value_or(Json());
+  }
+
+  std::thread program_;
+  std::uint16_t port_ = 0;
+  std::string participants_, experimenters_;
+};
+
+TEST_F(RunningStudy, AParticipantsAddressIsNoExperimenters) {
+  start();
+  EXPECT_NE(participants_, experimenters_);
+  WsClient stranger(port_);
+  EXPECT_EQ(stranger.upgrade(), 401U) << "a token is wanted on this machine, too";
+
+  const auto participant = pageWith(participants_);
+  const Json scene = participant->receive("scene").value();
+  EXPECT_EQ(scene["soil"]["preset"], nullptr);
+  EXPECT_EQ(scene["body"], nullptr);
+  EXPECT_EQ(scene["sliders"], Json::array());
+  EXPECT_EQ(ask(*participant, {{"act", "join"}, {"as", "experimenter"}})["ok"], false);
+  EXPECT_EQ(ask(*participant, {{"act", "note"}, {"text", "before joining"}})["ok"], false);
+  EXPECT_EQ(ask(*participant, {{"act", "join"}, {"as", "participant"}})["ok"], true);
+  EXPECT_EQ(ask(*participant, {{"act", "join"}, {"as", "experimenter"}})["ok"], false) << "nor later";
+  for (const char* act : {"pause", "resume", "repeat", "note", "end"}) {
+    EXPECT_EQ(ask(*participant, {{"act", act}, {"text", "mine"}, {"reason", "mine"}})["ok"], false) << act;
+  }
+  const Json shown = participant->receive("study").value();
+  EXPECT_EQ(shown["as"], "participant");
+  EXPECT_FALSE(shown.contains("next"));
+
+  const auto experimenter = pageWith(experimenters_);
+  EXPECT_TRUE(experimenter->receive("scene").value()["body"].is_string());
+  EXPECT_EQ(ask(*experimenter, {{"act", "join"}, {"as", "participant"}})["ok"], false);
+  EXPECT_EQ(ask(*experimenter, {{"act", "join"}, {"as", "experimenter"}})["ok"], true);
+  EXPECT_EQ(ask(*experimenter, {{"act", "note"}, {"text", "sits well"}})["ok"], true);
+  EXPECT_TRUE(experimenter->receive("study").value().contains("next"));
+  EXPECT_EQ(ask(*experimenter, {{"act", "answer"}, {"choice", 1}})["ok"], false);
+}
+
+TEST_F(RunningStudy, TokensThatAreGivenStayTheSame) {
+  start("--participant-token the_participants_token", "HAPTOLITH_TOKEN=the_experimenters_token");
+  EXPECT_EQ(participants_, "the_participants_token");
+  EXPECT_EQ(experimenters_, "the_experimenters_token");
 }
 
 TEST_F(StudyRunCommands, WhoHasNotFinishedComesFirst) {
@@ -86,6 +184,10 @@ TEST_F(StudyRunCommands, WrongUseIsToldAndHasStatusTwo) {
            {"run " + file("a.study") + " --participant 'S 1'", "S 1"},
            {"run " + file("a.study") + " --device nosuch", "nosuch"},
            {"run " + file("a.study") + " --bind nowhere", "nowhere"},
+           {"run " + file("a.study") + " --token short", "16 to 128 of A to Z"},
+           {"run " + file("a.study") + " --participant-token 'a b c d e f g h i'", "16 to 128 of A to Z"},
+           {"run " + file("a.study") + " --token aaaabbbbccccdddd --participant-token aaaabbbbccccdddd",
+            "the same twice"},
            {"simulate " + file("a.study") + " --weber 0", "weber_fraction = 0"},
            {"simulate " + file("a.study") + " --lapse 2", "lapse = 2"},
            {"simulate " + file("a.study") + " --hand stir", "--judge"},

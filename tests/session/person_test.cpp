@@ -21,6 +21,7 @@ using testing::AllOf;
 using testing::HasSubstr;
 using testing::ThrowsMessage;
 
+constexpr double kMost_n = 10;
 constexpr double kRate_n_s = 100;
 
 /// What a test and the device in a session share.
@@ -41,7 +42,7 @@ class PersonsDevice final : public HapticDevice {
   [[nodiscard]] std::string_view name() const noexcept override { return "a person's"; }
   [[nodiscard]] DeviceLimits limits() const noexcept override {
     DeviceLimits limits;
-    limits.max_force_n = 10;
+    limits.max_force_n = kMost_n;
     limits.max_force_rate_n_s = kRate_n_s;
     limits.workspace_centre_m = Vec3(0.3, 0.2, 0.1);
     return limits;
@@ -194,6 +195,34 @@ TEST_F(PersonsSession, AnotherBedUnderTheHandIsNoJolt) {
   EXPECT_EQ(changes, 4) << "for each: the tool begins to fade, and then there is another bed or tool";
   EXPECT_LT(largestChange(ticks), 1.000001 * kRate_n_s * 1e-3);
   EXPECT_EQ(session_->snapshot().trips, 0U);
+}
+
+TEST_F(PersonsSession, TheLargestToolThatAPageMayAskForIsNoJoltAndNoCollapse) {
+  waitTicks(1000);
+  dig();
+  const double largest_m = toolLengths(session_->shown().bed).highest;
+  for (const ToolShape shape : {ToolShape::kBox, ToolShape::kSphere, ToolShape::kPlate, ToolShape::kJaws}) {
+    const std::size_t ticks = records_.size();
+    session_->change({.tool_shape = shape,
+                      .tool_size_m = Vec3::Constant(largest_m),
+                      .tool_diameter_m = largest_m,
+                      .tool_thickness_m = largest_m,
+                      .tool_opening_m = largest_m});
+    waitTicks(1000);
+    const std::uint32_t scenes = session_->scenes();
+    session_->level();  // a bed whose soil finds the tool in its place
+    ASSERT_TRUE(soon([&] { return session_->done() || session_->scenes() > scenes; }));
+    handle_->z_m = below(0.035);  // and down, almost to the floor
+    waitTicks(1000);
+    handle_->z_m = below(0.02);
+    waitTicks(500);
+    ASSERT_FALSE(session_->done()) << "the bed has collapsed";
+    EXPECT_LT(largestChange(ticks), 1.000001 * kRate_n_s * 1e-3);
+    EXPECT_TRUE(std::all_of(records_.begin(), records_.end(), [](const TickRecord& tick) {
+      return tick.felt.wrench.force_n.norm() < 1.000001 * kMost_n;
+    }));
+    EXPECT_EQ(session_->snapshot().trips, 0U);
+  }
 }
 
 TEST_F(PersonsSession, ItsEndLetsGoOfTheHandSoftly) {

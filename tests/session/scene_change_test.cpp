@@ -1,5 +1,6 @@
 #include "haptolith/session/scene_change.h"
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include "haptolith/core/error.h"
@@ -48,6 +49,29 @@ TEST(SceneChange, WhatCannotBeIsRefused) {
   refused([](SceneChange& c) { c.preset = "P1", c.soil = "dry-sand"; });
   refused([](SceneChange& c) { c.sliders = {{"friction_angle_deg", 89}}; });
   refused([](SceneChange& c) { c.tool_size_m = Vec3(0, 1, 1); });
+}
+
+TEST(SceneChange, NoToolBecomesLargerThanTheBox) {
+  const auto refused = [](auto set) {
+    SceneChange change;
+    set(change);
+    EXPECT_THAT([&] { (void)changed(Scenario{}, change); },
+                testing::ThrowsMessage<InvalidParameter>(
+                    testing::AllOf(testing::HasSubstr("_mm = 127"), testing::HasSubstr("1 to 126"))));
+  };
+  refused([](SceneChange& c) { c.tool_size_m = Vec3(0.127, 0.05, 0.05); });
+  refused([](SceneChange& c) { c.tool_size_m = Vec3(0.05, 0.127, 0.05); });
+  refused([](SceneChange& c) { c.tool_size_m = Vec3(0.05, 0.05, 0.127); });
+  refused([](SceneChange& c) { c.tool_diameter_m = 0.127; });
+  refused([](SceneChange& c) { c.tool_thickness_m = 0.127; });
+  refused([](SceneChange& c) { c.tool_opening_m = 0.127; });
+  SceneChange largest;
+  largest.tool_size_m = Vec3::Constant(Scenario{}.bed.width_m);
+  EXPECT_EQ(changed(Scenario{}, largest).tool.size_m, largest.tool_size_m);
+
+  Scenario long_box;
+  long_box.bed.length_m = 0.5;
+  EXPECT_EQ(toolLengths(long_box.bed).highest, long_box.bed.width_m) << "the tool can be turned";
 }
 
 TEST(SceneChange, OnlyOtherSoilWantsANewBed) {

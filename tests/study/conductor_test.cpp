@@ -398,6 +398,18 @@ TEST_F(ConductorTest, WhenABedCannotBeMadeTheStudyPausesAndGoesOnLater) {
   EXPECT_EQ(countOf(TrialState::kLost), 1U);
 }
 
+TEST_F(ConductorTest, WithoutAThreadForARecordingTheStudyPausesAndGoesOnLater) {
+  comeToTheTrials();
+  rig_->has_no_thread = true;
+  wait(0.1);
+  EXPECT_TRUE(conductor_->moment().paused);
+  EXPECT_NE(conductor_->moment().problem, "");
+  rig_->has_no_thread = false;
+  conductor_->resume();
+  doTrial();
+  EXPECT_EQ(countOf(TrialState::kAnswered), 1U);
+}
+
 TEST_F(ConductorTest, ARecordingThatFailsCostsNoAnswer) {
   comeToTheTrials();
   rig_->fails_to_record = true;

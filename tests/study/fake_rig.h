@@ -2,6 +2,7 @@
 
 #include <stdexcept>
 #include <string>
+#include <system_error>
 #include <vector>
 
 #include "haptolith/core/error.h"
@@ -34,7 +35,12 @@ class FakeRig final : public Rig {
   }
   void pause() override { paused = true; }
   void resume() override { paused = false; }
-  void startRecording(const std::filesystem::path& file) override { recordings.push_back(file.filename().string()); }
+  void startRecording(const std::filesystem::path& file) override {
+    if (has_no_thread) {
+      throw std::system_error(std::make_error_code(std::errc::resource_unavailable_try_again));
+    }
+    recordings.push_back(file.filename().string());
+  }
   void stopRecording() override {
     if (fails_to_record) {
       throw Failure("the disk is full");
@@ -47,6 +53,7 @@ class FakeRig final : public Rig {
 
   std::vector<std::string> shown, recordings;
   bool is_ready = true, feels = false, paused = false, fails_to_show = false, fails_to_record = false;
+  bool has_no_thread = false;
   std::uint32_t down = 0;
 };
 

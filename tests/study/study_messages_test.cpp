@@ -145,8 +145,19 @@ TEST_F(StudyMessages, WhoHasNotJoinedOrTalksNonsenseIsRefused) {
   refused(R"({"act": "answer", "choice": "1"})");
   EXPECT_THROW((void)obeyStudyMessage(*conductor_, R"({"act": "go"})", StudyRole::kParticipant, false),
                InvalidParameter);
-  EXPECT_EQ(obeyStudyMessage(*conductor_, R"({"act": "join", "as": "experimenter"})", StudyRole::kParticipant, false),
-            StudyRole::kExperimenter);
+}
+
+TEST_F(StudyMessages, NobodyJoinsInAnotherRoleThanTheirAddressGives) {
+  const std::string as_experimenter = R"({"act": "join", "as": "experimenter"})";
+  const std::string as_participant = R"({"act": "join", "as": "participant"})";
+  for (const bool joined : {false, true}) {
+    EXPECT_THROW((void)obeyStudyMessage(*conductor_, as_experimenter, StudyRole::kParticipant, joined),
+                 InvalidParameter);
+    EXPECT_THROW((void)obeyStudyMessage(*conductor_, as_participant, StudyRole::kExperimenter, joined),
+                 InvalidParameter);
+    EXPECT_TRUE(obeyStudyMessage(*conductor_, as_experimenter, StudyRole::kExperimenter, joined));
+    EXPECT_TRUE(obeyStudyMessage(*conductor_, as_participant, StudyRole::kParticipant, joined));
+  }
 }
 
 }  // namespace

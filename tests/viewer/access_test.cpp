@@ -1,8 +1,11 @@
 #include "haptolith/viewer/access.h"
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
+
+#include "haptolith/core/error.h"
 
 namespace haptolith {
 namespace {
@@ -52,6 +55,25 @@ TEST(Access, TokensAreComparedWhole) {
   EXPECT_FALSE(sameToken("abc", "abd"));
   EXPECT_FALSE(sameToken("abc", "ab"));
   EXPECT_FALSE(sameToken("", "abc"));
+}
+
+TEST(Access, ATokenThatIsEasyToGuessOrThatNoAddressCanHoldIsRefusedWithoutTellingIt) {
+  EXPECT_NO_THROW(requireGoodToken("ABCxyz_-01234567", "token"));
+  EXPECT_NO_THROW(requireGoodToken(newToken(), "token"));
+  for (const std::string& bad :
+       {std::string(), std::string("x"), std::string(15, 'x'), std::string(129, 'x'), std::string("secret with spaces"),
+        std::string("secret&secret&secret"), std::string("secret%20secret%20"),
+        std::string("s\xc3\xa4"
+                    "cret_secret_secret"),
+        std::string("secret_secret_se\0", 17)}) {
+    try {
+      requireGoodToken(bad, "token");
+      ADD_FAILURE() << bad;
+    } catch (const InvalidParameter& error) {
+      EXPECT_THAT(error.what(), testing::HasSubstr("16 to 128 of A to Z"));
+      EXPECT_THAT(error.what(), testing::Not(testing::HasSubstr("secret")));
+    }
+  }
 }
 
 TEST(Access, NewTokensAreLongAndDiffer) {

@@ -21,7 +21,7 @@ std::string nextText(Board& board, Board::Seen& seen) {
 
 TEST(Board, ShowsANewcomerEverythingInOrderAndThenNothing) {
   Board board(R"({"client":"$client"})");
-  board.setScene("scene", 1, 10, kSpace);
+  board.setScene({"scene", "nameless"}, 1, 10, kSpace);
   board.setPicture(snapshotOf(10), {});
   board.setStatus("status");
   Board::Seen seen;
@@ -30,13 +30,23 @@ TEST(Board, ShowsANewcomerEverythingInOrderAndThenNothing) {
   EXPECT_EQ(nextText(board, seen), "status");
   EXPECT_EQ(nextText(board, seen), "frame");
   EXPECT_EQ(nextText(board, seen), "nothing");
-  board.setScene("scene");
+  board.setScene({"scene", "nameless"});
   EXPECT_EQ(nextText(board, seen), "nothing") << "it is what it was";
+}
+
+TEST(Board, WhoIsNotToBeToldWhatItIsSeesTheSameScenesWithoutNames) {
+  Board board("hello");
+  board.setScene({"P1", "some soil"}, 1, 10, kSpace);
+  Board::Seen seen{.nameless = true};
+  EXPECT_EQ(nextText(board, seen), "hello");
+  EXPECT_EQ(nextText(board, seen), "some soil");
+  board.setScene({"P2", "some soil"});
+  EXPECT_EQ(nextText(board, seen), "some soil");
 }
 
 TEST(Board, WhoIsSoSlowThatThereIsAlwaysANewerPictureIsToldTheStatusAllTheSame) {
   Board board("hello");
-  board.setScene("scene", 1, 10, kSpace);
+  board.setScene({"scene", "nameless"}, 1, 10, kSpace);
   Board::Seen seen;
   int told = 0;
   for (int i = 0; i < 40; ++i) {
@@ -54,8 +64,8 @@ TEST(Board, OnlyTheNewestOfEachIsShown) {
   Board::Seen seen;
   EXPECT_EQ(nextText(board, seen), "hello");
   EXPECT_EQ(nextText(board, seen), "nothing") << "there is no scene yet";
-  board.setScene("old", 1, 10, kSpace);
-  board.setScene("new");
+  board.setScene({"old", "nameless"}, 1, 10, kSpace);
+  board.setScene({"new", "nameless"});
   board.setStatus("earlier");
   board.setStatus("later");
   EXPECT_EQ(nextText(board, seen), "new");
@@ -69,11 +79,11 @@ TEST(Board, OnlyTheNewestOfEachIsShown) {
 TEST(Board, AnotherSceneIsToldBeforeItsFirstPicture) {
   Board board("hello");
   Board::Seen seen;
-  board.setScene("first", 1, 10, kSpace);
+  board.setScene({"first", "nameless"}, 1, 10, kSpace);
   board.setPicture(snapshotOf(10), {});
   while (board.next(1, seen)) {
   }
-  board.setScene("second", 2, 20, kSpace);
+  board.setScene({"second", "nameless"}, 2, 20, kSpace);
   board.setPicture(snapshotOf(20), {});
   EXPECT_EQ(nextText(board, seen), "second");
   const auto frame = board.next(1, seen);

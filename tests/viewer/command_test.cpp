@@ -9,6 +9,7 @@
 namespace haptolith {
 namespace {
 
+using testing::AllOf;
 using testing::HasSubstr;
 
 template <class Wanted>
@@ -69,8 +70,30 @@ TEST(Command, AChangeOfTheSceneIsReadWhole) {
 TEST(Command, TheIdComesBackEvenWithWhatIsRefused) {
   EXPECT_EQ(parseClientMessage(R"({"id": 7, "do": "reset"})").id, 7);
   EXPECT_EQ(parseClientMessage(R"({"id": 8, "do": "nonsense"})").id, 8);
-  EXPECT_EQ(parseClientMessage(R"({"id": "x", "do": "reset"})").id, std::nullopt);
-  EXPECT_EQ(parseClientMessage(R"({"do": "reset"})").id, std::nullopt);
+  EXPECT_EQ(parseClientMessage(R"({"id": 9007199254740991, "do": "reset"})").id, 9007199254740991);
+  EXPECT_FALSE(parseClientMessage(R"({"do": "reset"})").wants_reply);
+}
+
+TEST(Command, AnIdThatCannotBeRepeatedExactlyIsRefused) {
+  for (const char* id : {"9007199254740992", "18446744073709551615", "1e300", "-1", "1.5", "\"x\"", "null", "[1]"}) {
+    const std::string text = std::string(R"({"do": "reset", "id": )") + id + "}";
+    const ClientMessage message = parseClientMessage(text);
+    EXPECT_THAT(refused(text), HasSubstr("0 to 9007199254740991"));
+    EXPECT_TRUE(message.wants_reply) << id;
+    EXPECT_EQ(message.id, std::nullopt) << id;
+  }
+}
+
+TEST(Command, AConfirmationIsTrueOrFalse) {
+  EXPECT_FALSE(parseClientMessage(R"({"do": "reset"})").confirmed);
+  EXPECT_FALSE(parseClientMessage(R"({"do": "reset", "confirmed": false})").confirmed);
+  EXPECT_TRUE(parseClientMessage(R"({"do": "reset", "confirmed": true})").confirmed);
+  EXPECT_THAT(refused(R"({"do": "reset", "confirmed": 1})"), HasSubstr("true or false"));
+}
+
+TEST(Command, ControlCharactersComeBackVisible) {
+  EXPECT_THAT(refused(R"({"do": "scene", "soil": "a\u0000b\u001b]0;"})"),
+              AllOf(HasSubstr("a\\u0000b\\u001b]0;"), HasSubstr("dry-sand")));
 }
 
 TEST(Command, WhatIsWrongIsSaid) {

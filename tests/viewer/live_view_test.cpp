@@ -2,10 +2,15 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <pthread.h>
 
 #include <atomic>
+#include <cstddef>
+#include <memory>
 #include <system_error>
 #include <thread>
+#include <utility>
+#include <vector>
 
 #include "haptolith/core/error.h"
 
@@ -44,6 +49,7 @@ struct TalkingGuest {
 
   LiveView::Guest functions() {
     return {.obey = [this](std::uint32_t client, std::string_view text) { return obey(client, Json::parse(text)); },
+            .joined = {},
             .left = [this](std::uint32_t client) { left = client; },
             .refuse = [this](std::uint32_t, const Command& asked) -> std::string {
               if (std::holds_alternative<command::Hold>(asked)) {
@@ -57,16 +63,21 @@ struct TalkingGuest {
 /// A running session with its view, driven by a thread as `haptolith run` does.
 class LiveViewTest : public testing::Test {
  protected:
-  explicit LiveViewTest(bool has_guest = false) {
+  explicit LiveViewTest(bool has_guest = false, LiveView::Clients clients = LiveView::Clients::kCommand,
+                        std::unique_ptr<HapticDevice> device = nullptr) {
     Scenario scenario;
     scenario.hand.manoeuvre = Manoeuvre::kStill;
     scenario.loop.paced = false;
-    session_ = std::make_unique<Session>(scenario, false);
+    session_ = std::make_unique<Session>(scenario, false, SettleProgress{}, std::move(device));
     view_ = std::make_unique<LiveView>(*session_, WebServerOptions{.port = 0}, "test",
-                                       LiveView::Recorder{.start = [this] { recording_ = true; },
+                                       LiveView::Recorder{.start =
+                                                              [this] {
+                                                                startThread();
+                                                                recording_ = true;
+                                                              },
                                                           .stop = [this] { recording_ = false; },
                                                           .name = [this] { return recording_ ? "tape.csv" : ""; }},
-                                       has_guest ? guest_.functions() : LiveView::Guest{});
+                                       has_guest ? guest_.functions() : LiveView::Guest{}, clients);
     guest_.view = view_.get();
     const std::string url = view_->url();
     port_ = static_cast<std::uint16_t>(std::stoi(url.substr(url.rfind(':') + 1)));
@@ -83,6 +94,10 @@ class LiveViewTest : public testing::Test {
   ~LiveViewTest() override {
     stop_ = true;
     thread_.join();
+  }
+
+  static void startThread() {
+    std::thread([] {}).join();
   }
 
   static Json ask(WsClient& client, Json command) {
@@ -161,6 +176,130 @@ TEST_F(LiveViewTest, WhatIsRefusedIsSaidAndChangesNothing) {
   EXPECT_THAT(reply["error"].get<std::string>(), testing::HasSubstr("Ceres"));
   EXPECT_EQ(ask(client, {{"do", "undo"}})["ok"], false);
   EXPECT_EQ(ask(client, {{"do", "hold"}, {"pose", {0, 0, 9, 1, 0, 0, 0}}})["ok"], false);
+}
+
+/// For as long as it lives, no thread can be started: each would get a larger stack than there are addresses.
+class NoMoreThreads {
+ public:
+  NoMoreThreads() {
+    pthread_getattr_default_np(&before_);
+    pthread_attr_t huge;
+    pthread_getattr_default_np(&huge);
+    pthread_attr_setstacksize(&huge, std::size_t{1} << 60);
+    pthread_setattr_default_np(&huge);
+    pthread_attr_destroy(&huge);
+  }
+  ~NoMoreThreads() {
+    pthread_setattr_default_np(&before_);
+    pthread_attr_destroy(&before_);
+  }
+  NoMoreThreads(const NoMoreThreads&) = delete;
+  NoMoreThreads& operator=(const NoMoreThreads&) = delete;
+
+ private:
+  pthread_attr_t before_{};
+};
+
+TEST_F(LiveViewTest, WithoutThreadsACommandIsRefusedAndTheRunGoesOn) {
+  WsClient client(port_);
+  ASSERT_EQ(client.upgrade(), 101U);
+  {
+    const NoMoreThreads none;
+    ASSERT_ANY_THROW(startThread());
+    for (const Json& command : {Json{{"do", "level"}}, Json{{"do", "reset"}}, Json{{"do", "scene"}, {"preset", "P1"}},
+                                Json{{"do", "record"}, {"on", true}}}) {
+      const Json reply = ask(client, command);
+      EXPECT_EQ(reply["ok"], false) << command;
+      EXPECT_THAT(reply["error"].get<std::string>(), testing::HasSubstr(" now: ")) << command;
+    }
+  }
+  EXPECT_EQ(ask(client, {{"do", "scene"}, {"body", "Mars"}})["ok"], true);
+  EXPECT_TRUE(until(client, "scene", [](const Json& s) { return s["body"] == "Mars" && s["soil"]["preset"] == "P3"; }));
+  EXPECT_EQ(ask(client, {{"do", "level"}})["ok"], true);
+  EXPECT_TRUE(until(client, "scene", [](const Json& s) { return s["scene"] == 2; }));
+}
+
+class OnlookersOfLiveViewTest : public LiveViewTest {
+ protected:
+  OnlookersOfLiveViewTest() : LiveViewTest(false, LiveView::Clients::kLookOn) {}
+};
+
+TEST_F(OnlookersOfLiveViewTest, SeeEverythingAndChangeNothing) {
+  WsClient client(port_);
+  ASSERT_EQ(client.upgrade(), 101U);
+  EXPECT_EQ(Json::parse(client.receive().value())["read_only"], true);
+  for (const Json& command :
+       {Json{{"do", "scene"}, {"body", "Mars"}}, Json{{"do", "hold"}, {"pose", {0, 0, 0.1, 1, 0, 0, 0}}},
+        Json{{"do", "play"}, {"manoeuvre", "stir"}}, Json{{"do", "pause"}}, Json{{"do", "resume"}},
+        Json{{"do", "step"}}, Json{{"do", "speed"}, {"factor", 0.5}}, Json{{"do", "reset"}}, Json{{"do", "level"}},
+        Json{{"do", "undo"}}, Json{{"do", "record"}, {"on", true}}}) {
+    const Json reply = ask(client, command);
+    EXPECT_EQ(reply["ok"], false) << command;
+    EXPECT_THAT(reply["error"].get<std::string>(), testing::HasSubstr("--read-only"));
+  }
+  EXPECT_EQ(ask(client, {{"do", "colour"}, {"by", "force"}})["ok"], true);
+  EXPECT_TRUE(until(client, "status", [](const Json& s) { return s["paused"] == false; }));
+}
+
+/// A handle that a person holds, or has put down.
+class Handle final : public HapticDevice {
+ public:
+  explicit Handle(const std::atomic<bool>& held) : held_(held) {}
+  [[nodiscard]] std::string_view name() const noexcept override { return "a handle"; }
+  [[nodiscard]] DeviceLimits limits() const noexcept override {
+    DeviceLimits limits;
+    limits.max_force_n = 10;
+    limits.max_force_rate_n_s = 100;
+    return limits;
+  }
+  [[nodiscard]] DeviceInput read() noexcept override {
+    DeviceInput input;
+    input.state = held_ ? DeviceState::kLive : DeviceState::kStale;
+    return input;
+  }
+  void write(const DeviceOutput&) noexcept override {}
+  void letGo() noexcept override {}
+  void takeUp() noexcept override {}
+
+ private:
+  const std::atomic<bool>& held_;
+};
+
+class PersonInLiveViewTest : public LiveViewTest {
+ protected:
+  PersonInLiveViewTest() : LiveViewTest(false, LiveView::Clients::kCommand, std::make_unique<Handle>(held())) {}
+  static std::atomic<bool>& held() {
+    static std::atomic<bool> held;
+    return held;
+  }
+};
+
+TEST_F(PersonInLiveViewTest, WhatAPersonFeelsIsChangedOnlyWhenThatIsConfirmed) {
+  held() = true;
+  WsClient client(port_);
+  ASSERT_EQ(client.upgrade(), 101U);
+  ASSERT_TRUE(until(client, "status", [](const Json& s) { return s["person_feels"] == true; }));
+  const std::vector<Json> changes{{{"do", "scene"}, {"body", "Mars"}},
+                                  {{"do", "scene"}, {"tool", {{"shape", "sphere"}}}},
+                                  {{"do", "scene"}, {"sliders", {{"friction_angle_deg", 30}}}},
+                                  {{"do", "level"}},
+                                  {{"do", "reset"}}};
+  for (Json change : changes) {
+    EXPECT_THAT(ask(client, change)["error"].get<std::string>(),
+                testing::HasSubstr("a person holds the device (a handle)"));
+    change["confirmed"] = false;
+    EXPECT_EQ(ask(client, change)["ok"], false) << change;
+  }
+  EXPECT_EQ(ask(client, {{"do", "undo"}})["ok"], false);
+  EXPECT_EQ(ask(client, {{"do", "pause"}})["ok"], true) << "which lets go of the hand";
+  EXPECT_EQ(ask(client, {{"do", "resume"}})["ok"], true);
+  for (Json change : changes) {
+    change["confirmed"] = true;
+    EXPECT_EQ(ask(client, change)["ok"], true) << change;
+  }
+  held() = false;
+  ASSERT_TRUE(until(client, "status", [](const Json& s) { return s["person_feels"] == false; }));
+  EXPECT_EQ(ask(client, changes.front())["ok"], true) << "nobody is there";
 }
 
 TEST_F(LiveViewTest, TheFirstToHoldHasTheToolUntilItLetsGoOrLeaves) {

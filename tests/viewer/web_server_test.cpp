@@ -1,14 +1,25 @@
 #include "haptolith/viewer/web_server.h"
 
+#include <boost/asio/buffer.hpp>
+#include <boost/asio/read.hpp>
+#include <boost/asio/read_until.hpp>
+#include <boost/asio/write.hpp>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <sys/resource.h>
+#include <unistd.h>
 
+#include <algorithm>
+#include <ctime>
+#include <deque>
 #include <functional>
 #include <memory>
 #include <thread>
+#include <tuple>
 #include <vector>
 
 #include "haptolith/core/error.h"
+#include "haptolith/viewer/access.h"
 
 #include "ws_client.h"
 
@@ -16,7 +27,9 @@ namespace haptolith {
 namespace {
 
 using namespace std::chrono_literals;
+using testing::AllOf;
 using testing::HasSubstr;
+using testing::Not;
 using testing::StartsWith;
 namespace http = boost::beast::http;
 
@@ -239,6 +252,57 @@ TEST_F(WebServerTest, AClientThatDoesNotReadGetsNoQueueAndHoldsUpNobody) {
   EXPECT_EQ(received.back(), "49");
 }
 
+/// What the server answers to these bytes, until it hangs up.
+std::string answerTo(std::uint16_t port, const std::string& request) {
+  boost::asio::io_context io;
+  boost::asio::ip::tcp::socket socket(io);
+  socket.connect({boost::asio::ip::make_address("127.0.0.1"), port});
+  boost::beast::error_code ignored;
+  boost::asio::write(socket, boost::asio::buffer(request), ignored);
+  std::string answer;
+  boost::asio::read(socket, boost::asio::dynamic_buffer(answer), ignored);
+  return answer;
+}
+
+TEST_F(WebServerTest, AnotherSubprotocolThatContainsItsNameIsRefused) {
+  for (const auto& [asked, status] : {std::pair("evilhaptolith.1x", 400U),
+                                      {"haptolith.10", 400U},
+                                      {"haptolith", 400U},
+                                      {"HAPTOLITH.1", 400U},
+                                      {"chat, haptolith.1", 101U},
+                                      {"haptolith.1,chat", 101U}}) {
+    WsClient client(server_.port());
+    client.protocol_ = asked;
+    EXPECT_EQ(client.upgrade(), status) << asked;
+  }
+}
+
+TEST_F(WebServerTest, WhatIsNoRequestIsAnsweredSo) {
+  const auto starts = [&](const std::string& request) { return answerTo(server_.port(), request).substr(0, 12); };
+  EXPECT_EQ(starts("rubbish\r\n\r\n"), "HTTP/1.1 400");
+  EXPECT_EQ(starts("GET / HTTP/9\r\n\r\n"), "HTTP/1.1 400");
+  EXPECT_EQ(starts("POST / HTTP/1.1\r\nHost: localhost\r\nContent-Length: 5\r\n\r\nhello"), "HTTP/1.1 400");
+  EXPECT_EQ(starts("GET / HTTP/1.1\r\nHost: localhost\r\nX: " + std::string(10'000, 'x') + "\r\n\r\n"), "HTTP/1.1 431");
+}
+
+TEST_F(WebServerTest, HostAndOriginMayBeGivenOnlyOnce) {
+  const std::string upgrade =
+      "Connection: Upgrade\r\nUpgrade: websocket\r\nSec-WebSocket-Version: 13\r\nSec-WebSocket-Protocol: "
+      "haptolith.1\r\nSec-WebSocket-Key: dGhlIHNhbXBsZSBub25jZQ==\r\n\r\n";
+  for (const char* twice : {"Host: localhost\r\nHost: evil.com\r\n", "Host: evil.com\r\nHost: localhost\r\n",
+                            "Host: localhost\r\nOrigin: http://localhost\r\nOrigin: http://evil.com\r\n",
+                            "Host: localhost\r\nOrigin:\r\nOrigin: http://evil.com\r\n"}) {
+    EXPECT_THAT(answerTo(server_.port(), std::string("GET /ws HTTP/1.1\r\n") + twice + upgrade),
+                StartsWith("HTTP/1.1 400"))
+        << twice;
+  }
+}
+
+TEST_F(WebServerTest, ThePageMayConnectToItsOwnProgramOnly) {
+  const std::string answer = answerTo(server_.port(), "GET / HTTP/1.0\r\nHost: localhost\r\n\r\n");
+  EXPECT_THAT(answer, AllOf(StartsWith("HTTP/1.0 200"), HasSubstr("connect-src 'self';"), Not(HasSubstr("ws:"))));
+}
+
 TEST_F(WebServerTest, RubbishInsteadOfARequestIsSurvived) {
   for (const std::string& rubbish :
        {std::string("\r\n\r\n"), std::string(10'000, 'A'), std::string("GET / HTTP/9\r\n\r\n"),
@@ -252,6 +316,107 @@ TEST_F(WebServerTest, RubbishInsteadOfARequestIsSurvived) {
   EXPECT_EQ(WsClient::get(server_.port(), "/").first, 200U);
 }
 
+/// A connection that may ask for something later.
+class Idler {
+ public:
+  explicit Idler(std::uint16_t port, const char* from = "127.0.0.1") {
+    socket_.open(Tcp::v4());
+    socket_.bind({boost::asio::ip::make_address(from), 0});
+    socket_.connect({boost::asio::ip::make_address("127.0.0.1"), port});
+  }
+  void ask(const std::string& target = "/") {
+    boost::beast::error_code ignored;
+    boost::asio::write(socket_, boost::asio::buffer("GET " + target + " HTTP/1.1\r\nHost: localhost\r\n\r\n"), ignored);
+  }
+  /// The first line that comes; empty when the other side has hung up.
+  std::string answer() {
+    std::string line;
+    boost::beast::error_code ignored;
+    boost::asio::read_until(socket_, boost::asio::dynamic_buffer(line), "\r\n", ignored);
+    return line.substr(0, line.find("\r\n"));
+  }
+
+ private:
+  using Tcp = boost::asio::ip::tcp;
+  boost::asio::io_context io_;
+  Tcp::socket socket_{io_};
+};
+
+/// With so few visitors that a test can crowd them out.
+class CrowdedWebServerTest : public WebServerTest {
+ protected:
+  CrowdedWebServerTest() : WebServerTest({.port = 0, .most_asking = 64, .most_served = 64}) {}
+};
+
+TEST_F(CrowdedWebServerTest, ConnectionsThatAskForNothingKeepNobodyOut) {
+  WsClient inside(server_.port());
+  ASSERT_EQ(inside.upgrade(), 101U);
+  EXPECT_THAT(inside.receive().value_or(""), HasSubstr("hello"));
+  std::deque<Idler> idlers;
+  for (int visitor = 0; visitor < 14; ++visitor) {
+    for (int i = 0; i < (visitor == 0 ? 300 : 70); ++i) {
+      idlers.emplace_back(server_.port());
+      if (idlers.size() > 300) {
+        idlers.pop_front();
+      }
+    }
+    ASSERT_EQ(WsClient::get(server_.port(), "/").first, 200U) << visitor;
+    WsClient newcomer(server_.port());
+    ASSERT_EQ(newcomer.upgrade(), 101U) << visitor;
+    board_.setStatus(std::to_string(visitor));
+    server_.notify();
+    EXPECT_EQ(inside.receive(), std::to_string(visitor));
+  }
+}
+
+TEST_F(CrowdedWebServerTest, ConnectionsThatStayAfterTheirAnswerKeepNobodyOut) {
+  std::deque<Idler> idlers;
+  for (int i = 0; i < 300; ++i) {
+    idlers.emplace_back(server_.port()).ask();  // and does not read
+  }
+  EXPECT_EQ(WsClient::get(server_.port(), "/").first, 200U);
+}
+
+TEST_F(CrowdedWebServerTest, WhoComesFromElsewhereDoesNotPayForThem) {
+  Idler patient(server_.port(), "127.0.0.2");
+  std::deque<Idler> idlers;
+  for (int i = 0; i < 200; ++i) {
+    idlers.emplace_back(server_.port());
+  }
+  EXPECT_EQ(WsClient::get(server_.port(), "/").first, 200U);
+  EXPECT_EQ(idlers.front().answer(), "") << "sent away for the others";
+  patient.ask();
+  EXPECT_EQ(patient.answer(), "HTTP/1.1 200 OK");
+}
+
+TEST_F(WebServerTest, WithoutFileDescriptorsTheServerWaitsInsteadOfSpinning) {
+  constexpr rlim_t kFewFiles = 256;
+  rlimit before{};
+  ASSERT_EQ(getrlimit(RLIMIT_NOFILE, &before), 0);
+  const rlimit few{std::min(kFewFiles, before.rlim_max), before.rlim_max};
+  ASSERT_EQ(setrlimit(RLIMIT_NOFILE, &few), 0);
+  boost::asio::io_context io;
+  boost::asio::ip::tcp::socket late(io);
+  late.open(boost::asio::ip::tcp::v4());
+  std::vector<int> all_others;
+  for (int file = dup(STDIN_FILENO); file >= 0; file = dup(STDIN_FILENO)) {
+    all_others.push_back(file);
+  }
+  late.connect({boost::asio::ip::make_address("127.0.0.1"), server_.port()});
+  const std::clock_t began = std::clock();
+  std::this_thread::sleep_for(500ms);
+  const double spent_s = static_cast<double>(std::clock() - began) / CLOCKS_PER_SEC;
+  for (const int file : all_others) {
+    close(file);
+  }
+  ASSERT_EQ(setrlimit(RLIMIT_NOFILE, &before), 0);
+  EXPECT_LT(spent_s, 0.1);
+  boost::asio::write(late, boost::asio::buffer(std::string("GET / HTTP/1.1\r\nHost: localhost\r\n\r\n")));
+  std::string line;
+  boost::asio::read_until(late, boost::asio::dynamic_buffer(line), "\r\n");
+  EXPECT_THAT(line, StartsWith("HTTP/1.1 200")) << "and serves who waited";
+}
+
 TEST_F(WebServerTest, ATakenPortIsPassedOver) {
   Board board("hello");
   const WebServer second({.port = server_.port()}, board);
@@ -263,16 +428,66 @@ TEST(WebServerAddress, BeyondThisMachineATokenIsDemanded) {
   Board board("hello");
   EXPECT_THROW(WebServer({.bind = "0.0.0.0", .port = 0}, board), InvalidParameter);
   EXPECT_THROW(WebServer({.bind = "nowhere", .port = 0}, board), InvalidParameter);
-  const WebServer server({.bind = "0.0.0.0", .port = 0, .token = "secret"}, board);
+  const WebServer server({.bind = "0.0.0.0", .port = 0, .entrances = {{.token = "secret"}}}, board);
   EXPECT_THAT(server.url(), HasSubstr("?token=secret"));
-  EXPECT_EQ(WsClient::get(server.port(), "/").first, 401U);
-  EXPECT_EQ(WsClient::get(server.port(), "/?token=secre").first, 401U);
-  EXPECT_EQ(WsClient::get(server.port(), "/?token=secret", "lab.example").first, 200U);
+  EXPECT_EQ(WsClient::get(server.port(), "/ws").first, 401U);
+  EXPECT_EQ(WsClient::get(server.port(), "/ws?token=secre").first, 401U);
+  EXPECT_EQ(WsClient::get(server.port(), "/ws?token=secret", "lab.example").first, 426U);
+  EXPECT_EQ(WsClient::get(server.port(), "/").first, 200U)
+      << "the page, which has nothing to hide, may be loaded again";
   WsClient stranger(server.port());
   EXPECT_EQ(stranger.upgrade(), 401U);
   WsClient guest(server.port());
   guest.target_ = "/ws?token=secret";
   EXPECT_EQ(guest.upgrade(), 101U);
+}
+
+TEST(WebServerAddress, GuessesAreTakenSlowlyFromEachAddress) {
+  Board board("hello");
+  const WebServer server({.port = 0, .entrances = {{.token = "right"}}, .guessable = true}, board);
+  unsigned guessed = 0;
+  unsigned last = 0;
+  for (int i = 0; i < 100; ++i) {
+    last = WsClient::get(server.port(), "/ws?token=wrong").first;
+    guessed += last == 401U ? 1 : 0;
+  }
+  EXPECT_EQ(last, 429U);
+  EXPECT_GE(guessed, 20U);
+  EXPECT_LT(guessed, 60U) << "one a second more";
+  EXPECT_EQ(WsClient::get(server.port(), "/").first, 200U);
+  Idler elsewhere(server.port(), "127.0.0.2");
+  elsewhere.ask("/ws?token=right");
+  EXPECT_EQ(elsewhere.answer(), "HTTP/1.1 426 Upgrade Required");
+
+  const WebServer unguessable({.port = 0, .entrances = {{.token = newToken()}}}, board);
+  for (int i = 0; i < 100; ++i) {
+    EXPECT_EQ(WsClient::get(unguessable.port(), "/ws?token=wrong").first, 401U);
+  }
+}
+
+TEST(WebServerAddress, EachTokenIsAnEntranceOfItsOwn) {
+  Board board("hello");
+  WebServer server({.port = 0, .entrances = {{.token = "one", .nameless = true}, {.token = "another"}}}, board);
+  board.setScene({"P1", "some soil"});
+  EXPECT_THAT(server.url(0), HasSubstr("?token=one"));
+  EXPECT_THAT(server.url(1), HasSubstr("?token=another"));
+  WsClient stranger(server.port());
+  EXPECT_EQ(stranger.upgrade(), 401U) << "on this machine, too";
+  std::vector<WebServer::Event> events;
+  for (const auto& [token, entrance, scene] : {std::tuple("another", 1U, "P1"), std::tuple("one", 0U, "some soil")}) {
+    WsClient client(server.port());
+    client.target_ = std::string("/ws?token=") + token;
+    ASSERT_EQ(client.upgrade(), 101U);
+    EXPECT_EQ(client.receive(), "hello");
+    EXPECT_EQ(client.receive(), scene);
+    events.clear();
+    server.takeEvents(events);
+    const auto joined = std::ranges::find(events, WebServer::Event::Kind::kJoined, &WebServer::Event::kind);
+    ASSERT_NE(joined, events.end());
+    EXPECT_EQ(joined->entrance, entrance);
+  }
+  EXPECT_THROW(WebServer({.port = 0, .entrances = {{.token = "one"}, {.token = "one"}}}, board), InvalidParameter);
+  EXPECT_THROW(WebServer({.port = 0, .entrances = {{.token = "one"}, {}}}, board), InvalidParameter);
 }
 
 }  // namespace

@@ -1,7 +1,7 @@
 // The page that shows the bed and holds the tool.
 
 import { publish } from './automation';
-import { Connection, socketAddress } from './connection';
+import { Connection } from './connection';
 import { GamepadHand } from './hand/gamepad_hand';
 import { Hand } from './hand/hand';
 import { KeyHand } from './hand/key_hand';
@@ -18,6 +18,7 @@ import { Readouts } from './panels/readouts';
 import { StatusStrip } from './panels/status_strip';
 import {
   COLOUR_MODES,
+  isFeltChange,
   type ColourMode,
   type Command,
   type Frame,
@@ -26,10 +27,11 @@ import {
   type Status,
 } from './protocol';
 import { rememberColour, rememberTheme, VIEW_NAMES, type Settings, type Theme } from './settings';
+import { askFirst } from './study/dialogs';
 import { isTyping, runShortcut, TOOL_KEYS, VIEW_KEYS, type Shortcut } from './shortcuts';
 import { makeStage } from './view/make_stage';
 
-export function openBedPage(settings: Settings): void {
+export function openBedPage(settings: Settings, address: string): void {
   const now = {
     hello: null as Hello | null,
     scene: null as Scene | null,
@@ -40,7 +42,7 @@ export function openBedPage(settings: Settings): void {
   };
 
   const notices = new Notices(() => connection.retryNow());
-  const connection = new Connection(socketAddress(location), {
+  const connection = new Connection(address, {
     hello: onHello,
     scene: onScene,
     status: onStatus,
@@ -49,8 +51,27 @@ export function openBedPage(settings: Settings): void {
     damaged: (error) => notices.toast(error instanceof Error ? error.message : String(error)),
   });
 
-  const ask = (command: Command): void => {
+  const tell = (command: Command): void => {
     connection.request(command).catch((error: Error) => notices.toast(error.message));
+  };
+  /** Whether it was agreed to that changes go on while the person at the device holds it: asked once for each holding. */
+  let agreed = false;
+  const ask = (command: Command): void => {
+    if (!isFeltChange(command) || !now.status?.person_feels) return tell(command);
+    if (agreed) return tell({ ...command, confirmed: true });
+    askFirst(
+      {
+        title: 'A person is holding the device',
+        text: `Changes of soil, world or tool change what the hand at the device (${now.status.device}) feels. Tell them before. You are not asked again until they let go.`,
+        stay: 'Cancel',
+        go_on: 'Change it',
+      },
+      () => {
+        agreed = true;
+        tell({ ...command, confirmed: true });
+      },
+      () => controls.showAgain(),
+    );
   };
 
   const layout = new Layout(settings.panels);
@@ -201,6 +222,8 @@ export function openBedPage(settings: Settings): void {
 
   function onHello(hello: Hello): void {
     now.hello = hello;
+    pointer.may_dig = !hello.read_only;
+    hint.hidden = settings.for_pictures || hello.read_only;
     controls.setHello(hello);
     plots.clear();
     // The program forgets a client's colours with its connection.
@@ -210,7 +233,7 @@ export function openBedPage(settings: Settings): void {
   function onScene(scene: Scene): void {
     now.scene = scene;
     stage.setScene(scene);
-    hand.setScene(scene);
+    if (!now.hello?.read_only) hand.setScene(scene); // without a scene it takes nothing
     vr.setScene(scene);
     strip.setScene(scene);
     controls.setScene(scene);
@@ -225,6 +248,7 @@ export function openBedPage(settings: Settings): void {
     if (status.let_go && status.let_go !== now.status?.let_go) {
       notices.toast(`The hand was let go: ${status.let_go}.`);
     }
+    agreed &&= status.person_feels;
     now.status = status;
     strip.setStatus(status);
     controls.setStatus(status);

@@ -37,11 +37,24 @@ const LONGEST_RETRY_MS = 4000;
 // that it is gone.
 const SILENCE_MS = 8000;
 
-export function socketAddress(location: Location): string {
+export const NO_TOKEN = 'this address lacks the token: open the page by the address that the program printed';
+
+export function socketAddress(location: Location, token: string | null): string {
   const scheme = location.protocol === 'https:' ? 'wss:' : 'ws:';
-  const token = new URLSearchParams(location.search).get('token');
   const query = token === null ? '' : `?token=${encodeURIComponent(token)}`;
   return `${scheme}//${location.host}/ws${query}`;
+}
+
+/** Why a WebSocket did not even open: a browser does not tell, but an ordinary request to the same address does. */
+async function whyNotOpened(address: string): Promise<string | null> {
+  try {
+    const { status } = await fetch(address.replace(/^ws/, 'http'), { cache: 'no-store' });
+    if (status === 401) return NO_TOKEN;
+    if (status === 429) return 'too many wrong tokens came from here';
+  } catch {
+    // nobody is there
+  }
+  return null;
 }
 
 export class Connection {
@@ -51,6 +64,7 @@ export class Connection {
   private retry_timer = 0;
   private silence_timer = 0;
   private closed = false;
+  private opened = false;
   private readonly waiting = new Map<number, { resolve: () => void; reject: (error: Error) => void }>();
 
   constructor(
@@ -61,6 +75,8 @@ export class Connection {
   open(): void {
     const socket = new WebSocket(this.address, SUBPROTOCOL);
     socket.binaryType = 'arraybuffer';
+    socket.onopen = () => (this.opened = true);
+    this.opened = false;
     this.socket = socket;
     socket.onmessage = (event: MessageEvent<ArrayBuffer | string>) => this.receive(event.data);
     socket.onclose = (event) => this.lost(socket, event);
@@ -124,6 +140,7 @@ export class Connection {
       case 'study':
         return this.listener.study?.(message);
       case 'reply': {
+        if (message.id === null) return;
         const waiting = this.waiting.get(message.id);
         this.waiting.delete(message.id);
         if (message.ok) waiting?.resolve();
@@ -142,6 +159,10 @@ export class Connection {
     const refused = event.code === 1008 || event.code === 1009 || event.code === 1003;
     const why = refused ? `the program ended the connection (${event.reason || event.code})` : 'connection lost';
     this.listener.link(false, why);
+    if (!this.opened)
+      void whyNotOpened(this.address).then((reason) => {
+        if (reason !== null && !this.connected) this.listener.link(false, reason);
+      });
     this.retry_timer = window.setTimeout(() => this.open(), this.retry_ms);
     this.retry_ms = Math.min(LONGEST_RETRY_MS, this.retry_ms * 1.6);
   }

@@ -6,7 +6,7 @@
 // and what they are made of:
 //
 //   protocol.ts     what the program says and understands (docs/protocol.md); study/protocol.ts: what a study adds
-//   connection.ts   the WebSocket; comes back by itself
+//   connection.ts   the WebSocket; comes back by itself; token.ts: what the program wants to know first
 //   view/           the picture: Stage holds all that stands in it; each thing has a file; shaders work in the scene's
 //                   frame, in metres, so that a screen and a headset see the same
 //   hand/           holding the tool: Hand sends where it is wished; mouse, keys, gamepad and controller move the wish
@@ -19,12 +19,19 @@
 import './style.css';
 import './study/study.css';
 import { openBedPage } from './bed_page';
+import { socketAddress } from './connection';
 import { readSettings } from './settings';
 import { openExperimenterPage } from './study/experimenter_page';
 import { openParticipantPage } from './study/participant_page';
+import { takeToken } from './token';
 
 const settings = readSettings(location.search, matchMedia('(prefers-color-scheme: light)').matches);
 
-if (settings.study === 'participant') openParticipantPage(settings);
-else if (settings.study === 'experimenter') openExperimenterPage(settings);
-else openBedPage(settings);
+const address = socketAddress(
+  location,
+  takeToken(location, history, () => sessionStorage),
+);
+
+if (settings.study === 'participant') openParticipantPage(settings, address);
+else if (settings.study === 'experimenter') openExperimenterPage(settings, address);
+else openBedPage(settings, address);

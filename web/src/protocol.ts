@@ -45,6 +45,8 @@ export interface Hello {
   protocol: number;
   version: string;
   client: number;
+  /** pages may look on only */
+  read_only: boolean;
   presets: PresetEntry[];
   soils: SoilEntry[];
   bodies: BodyEntry[];
@@ -125,6 +127,8 @@ export interface Status {
   held_by: number | null;
   clients: number;
   device: string;
+  /** A person's hand is at the device: what changes the scene has to be confirmed. */
+  person_feels: boolean;
   /** Why the hand at the device feels nothing just now. */
   let_go: string | null;
   real_time: { scheduler: string | null; memory_locked: boolean };
@@ -139,7 +143,8 @@ export interface Status {
 
 export interface Reply {
   type: 'reply';
-  id: number;
+  /** null: that of the command was none */
+  id: number | null;
   ok: boolean;
   error?: string;
 }
@@ -148,14 +153,21 @@ export type Message = Hello | Scene | Status | Reply | StudyMessage;
 
 export type Command =
   | { do: 'hold'; pose: [number, number, number, number, number, number, number] }
-  | { do: 'release' | 'reset' | 'level' | 'undo' | 'pause' | 'resume' }
+  | { do: 'release' | 'pause' | 'resume' }
   | { do: 'play'; manoeuvre: string }
-  | ({ do: 'scene' } & SceneChange)
+  | FeltChange
   | { do: 'step'; ticks: number }
   | { do: 'speed'; factor: number }
   | { do: 'record'; on: boolean }
   | { do: 'colour'; by: ColourMode }
   | StudyCommand;
+
+/** What a person at a device feels. */
+export type FeltChange = ({ do: 'reset' | 'level' | 'undo' } | ({ do: 'scene' } & SceneChange)) & { confirmed?: true };
+
+export function isFeltChange(command: Command): command is FeltChange {
+  return ['reset', 'level', 'undo', 'scene'].includes(command.do);
+}
 
 export interface SceneChange {
   preset?: string;

@@ -6,7 +6,16 @@ import { createServer, type Server } from 'node:http';
 import { extname, join, normalize } from 'node:path';
 import { fileURLToPath } from 'node:url';
 import { WebSocketServer, type WebSocket } from 'ws';
-import type { Command, Hello, Pose, Scene, SceneChange, Status, Vec3 } from '../src/protocol';
+import {
+  isFeltChange,
+  type Command,
+  type Hello,
+  type Pose,
+  type Scene,
+  type SceneChange,
+  type Status,
+  type Vec3,
+} from '../src/protocol';
 import { encodeFrame, type RecordValues } from './frame-bytes';
 import { MockBed } from './mock-bed';
 import { MockStudy } from './mock-study';
@@ -18,8 +27,7 @@ const TYPES: Record<string, string> = {
   '.css': 'text/css; charset=utf-8',
   '.svg': 'image/svg+xml',
 };
-const POLICY =
-  "default-src 'self'; style-src 'self' 'unsafe-inline'; img-src 'self' data: blob:; connect-src 'self' ws: wss:";
+const POLICY = "default-src 'self'; style-src 'self' 'unsafe-inline'; img-src 'self' data: blob:; connect-src 'self'";
 const FRAME_MS = 16;
 const STATUS_MS = 250;
 const STUDY_MS = 100;
@@ -50,6 +58,11 @@ export interface MockOptions {
   /** width of the box, in m, and layers of grains of 7 mm */
   width_m?: number;
   layers?: number;
+  read_only?: boolean;
+  /** a person's hand is at a device */
+  person_feels?: boolean;
+  /** what must be in the address of the WebSocket */
+  token?: string;
   /** none: no study is running */
   study?: MockStudy;
 }
@@ -88,6 +101,7 @@ export class MockServer {
     this.scene = this.startScene();
     this.http = createServer((request, response) => {
       const path = normalize((request.url ?? '/').split('?')[0]!);
+      if (path === '/ws') return void response.writeHead(this.knowsToken(request.url) ? 426 : 401).end();
       const file = join(DIST, path === '/' ? 'index.html' : path);
       if (!file.startsWith(DIST) || !existsSync(file)) return void response.writeHead(404).end();
       response.writeHead(200, {
@@ -100,6 +114,7 @@ export class MockServer {
       server: this.http,
       path: '/ws',
       maxPayload: 16384,
+      verifyClient: ({ req }, done) => done(this.knowsToken(req.url), 401),
       handleProtocols: (protocols) => (protocols.has('haptolith.1') ? 'haptolith.1' : false),
     });
     this.sockets.on('connection', (socket) => this.welcome(socket));
@@ -119,6 +134,11 @@ export class MockServer {
     this.sockets.close();
     this.http.closeAllConnections();
     await new Promise((resolve) => this.http.close(resolve));
+  }
+
+  private knowsToken(url = ''): boolean {
+    const { token } = this.options;
+    return token === undefined || new URL(url, 'http://localhost').searchParams.get('token') === token;
   }
 
   private makeBed(): MockBed {
@@ -169,6 +189,7 @@ export class MockServer {
       protocol: 1,
       version: '0.1.0',
       client,
+      read_only: this.options.read_only ?? false,
       presets: PRESETS.map(([name, friction_coefficient]) => ({ name, friction_coefficient })),
       soils: SOILS,
       bodies: Object.entries(BODIES).map(([name, gravity_m_s2]) => ({ name, gravity_m_s2 })),
@@ -193,7 +214,8 @@ export class MockServer {
       speed: this.speed,
       held_by: this.holder,
       clients: this.clients.length,
-      device: 'virtual hand',
+      device: this.options.person_feels ? 'a handle' : 'virtual hand',
+      person_feels: this.options.person_feels ?? false,
       let_go: null,
       real_time: { scheduler: 'SCHED_FIFO', memory_locked: true },
       simd: 'AVX3',
@@ -236,6 +258,9 @@ export class MockServer {
     }
     const refused = study?.refuse(client.number, command) ?? null;
     if (refused !== null) return refused;
+    if (this.options.read_only && command.do !== 'colour') return 'who looks on changes nothing here';
+    if (isFeltChange(command) && this.options.person_feels && !command.confirmed)
+      return 'confirmed = not true is not valid: must be true while a person holds the device (a handle)';
     switch (command.do) {
       case 'hold': {
         if (this.paused) return 'the program is paused';

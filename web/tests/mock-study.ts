@@ -153,7 +153,10 @@ export class MockStudy {
 
   obey(client: number, command: StudyCommand): string | null {
     if (command.act === 'join') {
-      this.roles.set(client, command.as);
+      // The program knows it by the address; here who joins first says so, once.
+      const role = this.roles.get(client) ?? command.as;
+      if (role !== command.as) return `as = ${command.as} is not valid: must be ${role}: the address is the ${role}'s`;
+      this.roles.set(client, role);
       return null;
     }
     const role = this.roles.get(client);

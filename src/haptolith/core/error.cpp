@@ -7,8 +7,23 @@
 
 namespace haptolith {
 
+namespace {
+
+/// Control characters as "\u001b": they would end the text, or command a terminal.
+std::string printable(std::string_view text) {
+  std::string shown;
+  for (const char c : text) {
+    const auto code = static_cast<unsigned char>(c);
+    const bool control = (code < 0x20 && c != '\n') || code == 0x7f;
+    shown += control ? fmt::format("\\u{:04x}", code) : std::string(1, c);
+  }
+  return shown;
+}
+
+}  // namespace
+
 InvalidParameter::InvalidParameter(std::string key, std::string value, std::string valid)
-    : std::invalid_argument(fmt::format("{} = {} is not valid: must be {}", key, value, valid)),
+    : std::invalid_argument(fmt::format("{} = {} is not valid: must be {}", printable(key), printable(value), valid)),
       key_(std::move(key)),
       value_(std::move(value)),
       valid_(std::move(valid)) {}

@@ -1,9 +1,28 @@
 #include "haptolith/session/scene_change.h"
 
-#include "haptolith/core/error.h"
+#include <algorithm>
+#include <cmath>
+#include <string_view>
+
 #include "haptolith/session/soil_sliders.h"
 
 namespace haptolith {
+
+namespace {
+
+constexpr double kMm = 1e-3;  // m
+
+double checkedLength(std::string_view key, double length_m, const Range& valid_m) {
+  const auto mm = [](double m) { return std::round(m / kMm * 1e6) / 1e6; };  // 126, not 126.00000000000001
+  requireInRange(key, mm(length_m), {mm(valid_m.lowest), mm(valid_m.highest)});
+  return length_m;
+}
+
+}  // namespace
+
+Range toolLengths(const BedParameters& bed) {
+  return {kMm, std::min(bed.width_m, bed.length_m)};
+}
 
 Scenario changed(Scenario scenario, const SceneChange& change) {
   if (change.preset && change.soil) {
@@ -24,10 +43,16 @@ Scenario changed(Scenario scenario, const SceneChange& change) {
   }
   ToolParameters& tool = scenario.tool;
   tool.shape = change.tool_shape.value_or(tool.shape);
-  tool.size_m = change.tool_size_m.value_or(tool.size_m);
-  tool.diameter_m = change.tool_diameter_m.value_or(tool.diameter_m);
-  tool.thickness_m = change.tool_thickness_m.value_or(tool.thickness_m);
-  tool.opening_m = change.tool_opening_m.value_or(tool.opening_m);
+  const Range lengths_m = toolLengths(scenario.bed);
+  for (int axis = 0; axis < 3 && change.tool_size_m; ++axis) {
+    tool.size_m[axis] = checkedLength("size_mm", (*change.tool_size_m)[axis], lengths_m);
+  }
+  const auto set = [&](double& length_m, std::string_view key, const std::optional<double>& wanted_m) {
+    length_m = wanted_m ? checkedLength(key, *wanted_m, lengths_m) : length_m;
+  };
+  set(tool.diameter_m, "diameter_mm", change.tool_diameter_m);
+  set(tool.thickness_m, "thickness_mm", change.tool_thickness_m);
+  set(tool.opening_m, "opening_mm", change.tool_opening_m);
   validate(scenario);
   return scenario;
 }

@@ -5,6 +5,7 @@
 #include <utility>
 #include <vector>
 
+#include "haptolith/core/error.h"
 #include "haptolith/core/vec.h"
 #include "haptolith/scenario/scenario.h"
 
@@ -22,6 +23,10 @@ struct SceneChange {
   /// Whether it asks for other soil, of which a bed has to be made, or only for what a bed can go on with.
   [[nodiscard]] bool wantsNewBed() const noexcept { return preset || soil || friction; }
 };
+
+/// How long, wide or thick a tool may become while a scene is shown, in m: as the box at most. One that is larger
+/// leaves the soil no place, which pushes the hand away with all the force there is, and makes the bed collapse.
+[[nodiscard]] Range toolLengths(const BedParameters& bed);
 
 /// The scene with the change made. @throws InvalidParameter naming what cannot be; Failure when a soil file cannot be
 /// read.

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <exception>
 #include <utility>
 
 #include "haptolith/bed/critical_step.h"
@@ -129,6 +130,11 @@ void Session::requireVirtualHand(const char* asked) const {
   }
 }
 
+bool Session::personFeels() const noexcept {
+  const DeviceLimits limits = device_->limits();
+  return !device_->simulated() && limits.shows_force && limits.max_force_n > 0 && snapshot().trip == SafetyTrip::kNone;
+}
+
 void Session::wish() {
   if (hand_ != nullptr) {
     hand_->wish(wish_);
@@ -149,8 +155,13 @@ bool Session::update() {
 
 bool Session::poll() {
   const bool on_stage = takeStage();
-  const bool made = takeMade();
-  pursue();
+  bool made = takeMade();
+  try {
+    pursue();
+  } catch (const Failure& failure) {
+    problem_ = failure.what();
+    made = true;
+  }
   return on_stage || made;
 }
 
@@ -318,18 +329,24 @@ void Session::make(std::string_view why, bool as_it_lies) {
   } else if (fresh) {
     centres_m = fresh->centres_m;  // no need to settle again
   }
-  making_ = std::make_unique<Making>();
-  making_->why = why;
-  making_->result = std::async(std::launch::async, [scenario = wanted_, fresh, centres_m = std::move(centres_m),
-                                                    making = making_.get()] {
-    Showing made = fresh ? showAgain(scenario, centres_m, fresh) : showNew(scenario, [making](double time_s, double) {
-      making->settled_s = time_s;
-      return !making->unwanted;
+  auto making = std::make_unique<Making>();
+  making->why = why;
+  try {
+    making->result = std::async(std::launch::async, [scenario = wanted_, fresh, centres_m = std::move(centres_m),
+                                                     making = making.get()] {
+      Showing made = fresh ? showAgain(scenario, centres_m, fresh) : showNew(scenario, [making](double time_s, double) {
+        making->settled_s = time_s;
+        return !making->unwanted;
+      });
+      made.own_stage = std::make_unique<Stage>(*made.scene);
+      made.stage = made.own_stage.get();
+      return made;
     });
-    made.own_stage = std::make_unique<Stage>(*made.scene);
-    made.stage = made.own_stage.get();
-    return made;
-  });
+  } catch (const std::exception& error) {  // no thread: the bed that is there stays
+    wanted_ = current_.scenario;
+    throw Failure(fmt::format("no other bed can be made now: {}", error.what()));
+  }
+  making_ = std::move(making);
 }
 
 void Session::bringOnStage(Showing next) {

@@ -44,8 +44,9 @@ class Session {
   bool update();
   [[nodiscard]] const SceneSnapshot& snapshot() const { return snapshots_->latest(); }
 
-  // --- changes: @throws InvalidParameter, Failure as changed(); then nothing has changed. What cannot be done at once,
-  // because a bed is on its way, is done when that has come.
+  // --- changes: @throws InvalidParameter, Failure as changed(), Failure when there is no thread or no memory for
+  // another bed; then nothing has changed. What cannot be done at once, because a bed is on its way, is done when that
+  // has come.
 
   void change(const SceneChange& change);
   void reset();  ///< the scene as it was started
@@ -95,6 +96,9 @@ class Session {
   [[nodiscard]] const std::string& problem() const noexcept { return problem_; }
   [[nodiscard]] std::string_view deviceName() const noexcept { return device_->name(); }
   [[nodiscard]] const HapticDevice& device() const noexcept { return *device_; }
+  /// Whether a person is at a device that shows forces, and has not been let go: what changes the scene changes what
+  /// they feel. Also in a pause.
+  [[nodiscard]] bool personFeels() const noexcept;
 
   /// How many ticks the newest snapshot knows of; 0 before the first.
   [[nodiscard]] std::uint64_t loopTicks() const noexcept { return snapshot().ticks; }

@@ -4,6 +4,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <new>
+#include <stdexcept>
 #include <utility>
 
 #include "haptolith/core/error.h"
@@ -367,9 +369,11 @@ template <class Work>
 void Conductor::guarded(Work work) {
   try {
     work();
-  } catch (const Failure& failure) {
-    halt(failure.what());
   } catch (const InvalidParameter& error) {
+    halt(error.what());
+  } catch (const std::runtime_error& error) {  // a Failure, or that there is no thread for a bed or a recording
+    halt(error.what());
+  } catch (const std::bad_alloc& error) {
     halt(error.what());
   }
 }

@@ -298,7 +298,7 @@ std::string experimenterMessage(const Conductor& conductor, std::string_view his
   return message.dump(-1, ' ', false, Json::error_handler_t::replace);
 }
 
-StudyRole obeyStudyMessage(Conductor& conductor, std::string_view text, StudyRole role, bool joined) {
+bool obeyStudyMessage(Conductor& conductor, std::string_view text, StudyRole role, bool joined) {
   const Json message = Json::parse(text, nullptr, false);
   if (!message.is_object()) {
     throw InvalidParameter("message", "no JSON object", "an object");
@@ -306,10 +306,11 @@ StudyRole obeyStudyMessage(Conductor& conductor, std::string_view text, StudyRol
   const std::string act = textAt(message, "act");
   if (act == "join") {
     const std::string as = textAt(message, "as");
-    if (as != "participant" && as != "experimenter") {
-      throw InvalidParameter("as", as, "participant or experimenter");
+    const std::string_view own = role == StudyRole::kParticipant ? "participant" : "experimenter";
+    if (as != own) {
+      throw InvalidParameter("as", as, fmt::format("{}: the address is the {}'s", own, own));
     }
-    return as == "participant" ? StudyRole::kParticipant : StudyRole::kExperimenter;
+    return true;
   }
   if (!joined) {
     throw InvalidParameter("act", act, "join at first");
@@ -319,7 +320,7 @@ StudyRole obeyStudyMessage(Conductor& conductor, std::string_view text, StudyRol
   } else {
     obeyExperimenter(conductor, act, message);
   }
-  return role;
+  return true;
 }
 
 }  // namespace haptolith

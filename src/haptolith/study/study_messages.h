@@ -21,9 +21,10 @@ enum class StudyRole { kParticipant, kExperimenter };
 [[nodiscard]] std::string experimenterMessage(const Conductor& conductor, std::string_view history, double force_n,
                                               double peak_force_n);
 
-/// Does what a page asks for. "join" is the caller's: it says who speaks.
-/// @return the role for a "join", `role` otherwise.
+/// Does what a page asks for. It has its role from the address it came by: "join" says that it is ready, and which page
+/// it is.
+/// @return whether it has joined.
 /// @throws InvalidParameter for a message that is none, or that somebody in this role may not send now.
-StudyRole obeyStudyMessage(Conductor& conductor, std::string_view text, StudyRole role, bool joined);
+bool obeyStudyMessage(Conductor& conductor, std::string_view text, StudyRole role, bool joined);
 
 }  // namespace haptolith

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <string>
 #include <string_view>
 
@@ -23,6 +24,13 @@ namespace haptolith {
 
 /// Compares without telling by its duration how much was right.
 [[nodiscard]] bool sameToken(std::string_view a, std::string_view b) noexcept;
+
+/// How long a token may be that somebody has thought up.
+inline constexpr std::size_t kShortestToken = 16, kLongestToken = 128;
+
+/// @param key  where the token is from; the token itself is not told again. @throws InvalidParameter for a token that
+/// is too short to be hard to guess, or has letters that an address would have to write another way.
+void requireGoodToken(std::string_view token, std::string_view key);
 
 /// 128 random bits in hexadecimal. @throws Failure when the system gives none.
 [[nodiscard]] std::string newToken();

@@ -4,20 +4,25 @@
 
 namespace haptolith {
 
-void Board::setScene(std::string text) {
+void Board::setScene(const SceneTexts& texts) {
   const std::scoped_lock lock(mutex_);
-  if (scene_ && *scene_ == text) {
+  if (scene_ && *scene_ == texts.whole) {
     return;
   }
-  scene_ = std::make_shared<const std::string>(std::move(text));
-  ++scene_version_;
+  put(texts);
 }
 
-void Board::setScene(std::string text, std::uint32_t scene, std::size_t particles, const FrameEncoder::Space& space) {
+void Board::setScene(const SceneTexts& texts, std::uint32_t scene, std::size_t particles,
+                     const FrameEncoder::Space& space) {
   const std::scoped_lock lock(mutex_);
-  scene_ = std::make_shared<const std::string>(std::move(text));
-  ++scene_version_;
+  put(texts);
   encoder_.emplace(scene, particles, space, encoder_ ? encoder_->number() : 0);
+}
+
+void Board::put(const SceneTexts& texts) {
+  scene_ = std::make_shared<const std::string>(texts.whole);
+  nameless_scene_ = std::make_shared<const std::string>(texts.nameless);
+  ++scene_version_;
 }
 
 void Board::setStatus(std::string text) {
@@ -44,7 +49,7 @@ std::optional<Board::Message> Board::next(std::uint32_t client, Seen& seen) {
   }
   if (scene_ && seen.scene != scene_version_) {
     seen.scene = scene_version_;
-    return Message{scene_};
+    return Message{seen.nameless ? nameless_scene_ : scene_};
   }
   // Before the picture: of that there is always a newer one for a client that is slow.
   if (status_ && seen.status != status_version_) {

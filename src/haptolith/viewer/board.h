@@ -16,6 +16,7 @@ class Board {
  public:
   /// What one client has seen already.
   struct Seen {
+    bool nameless = false;  ///< is not told what soil and world it sees
     bool hello = false;
     std::uint32_t scene = 0, status = 0, frame = 0;
   };
@@ -27,9 +28,13 @@ class Board {
   /// The first message to everybody is `hello`, in which "$client" stands for the client's number.
   explicit Board(std::string hello) : hello_(std::move(hello)) {}
 
+  /// A scene's message, and the same without what soil and world it is.
+  struct SceneTexts {
+    std::string whole, nameless;
+  };
   /// Another scene, or other values of the one that is shown. With `particles` pictures begin anew.
-  void setScene(std::string text);
-  void setScene(std::string text, std::uint32_t scene, std::size_t particles, const FrameEncoder::Space& space);
+  void setScene(const SceneTexts& texts);
+  void setScene(const SceneTexts& texts, std::uint32_t scene, std::size_t particles, const FrameEncoder::Space& space);
   void setStatus(std::string text);
   void setPicture(const SceneSnapshot& snapshot, const FrameEncoder::Beside& beside);
 
@@ -37,9 +42,11 @@ class Board {
   [[nodiscard]] std::optional<Message> next(std::uint32_t client, Seen& seen);
 
  private:
+  void put(const SceneTexts& texts);
+
   std::mutex mutex_;
   std::string hello_;
-  std::shared_ptr<const std::string> scene_, status_;
+  std::shared_ptr<const std::string> scene_, nameless_scene_, status_;
   std::uint32_t scene_version_ = 0, status_version_ = 0;
   std::optional<FrameEncoder> encoder_;
 };

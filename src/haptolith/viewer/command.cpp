@@ -23,6 +23,7 @@ constexpr double kMm = 1e-3;  // m
 constexpr int kMostTicks = 1000;
 constexpr double kLargestNumber = 1e9;
 constexpr int kDeepest = 8;
+constexpr std::int64_t kLargestId = (std::int64_t{1} << 53) - 1;  // what a page's numbers hold exactly
 constexpr std::string_view kForGuest = "study";
 
 /// Reads the keys of one JSON object, and knows which it was asked for.
@@ -187,12 +188,25 @@ command::Speed speed(Keys& keys) {
   return {Keys::numberOf("factor", keys.need("factor"), {0.01, 1})};
 }
 
-command::Record record(Keys& keys) {
-  const Json& on = keys.need("on");
-  if (!on.is_boolean()) {
-    throw InvalidParameter("on", std::string(on.type_name()), "true or false");
+bool flag(const std::string& key, const Json& value) {
+  if (!value.is_boolean()) {
+    throw InvalidParameter(key, std::string(value.type_name()), "true or false");
   }
-  return {on.get<bool>()};
+  return value.get<bool>();
+}
+
+command::Record record(Keys& keys) {
+  return {flag("on", keys.need("on"))};
+}
+
+/// A number that the reply can repeat exactly.
+std::int64_t idOf(const Json& value) {
+  const bool whole = value.is_number_integer() && (value.is_number_unsigned() || value.get<std::int64_t>() >= 0);
+  if (!whole || value.get<std::uint64_t>() > static_cast<std::uint64_t>(kLargestId)) {
+    throw InvalidParameter("id", value.is_number() ? value.dump() : std::string(value.type_name()),
+                           fmt::format("a whole number from 0 to {}", kLargestId));
+  }
+  return value.get<std::int64_t>();
 }
 
 command::Colour colour(Keys& keys) {
@@ -227,7 +241,7 @@ bool isTooDeep(std::string_view text) {
 }
 
 Command commandOf(const Json& message) {
-  Keys keys(message, {"id"});
+  Keys keys(message, {"id", "confirmed"});
   const std::string what = Keys::textOf("do", keys.need("do"));
   using Reader = Command (*)(Keys&);
   static const std::map<std::string, Reader> kReaders = {
@@ -273,14 +287,16 @@ ClientMessage parseClientMessage(std::string_view text) {
     message.refused = "the message is not JSON";
     return message;
   }
-  if (json.is_object() && json.contains("id") && json["id"].is_number_integer()) {
-    message.id = json["id"].get<std::int64_t>();
-  }
-  if (json.is_object() && json.contains("do") && json["do"] == kForGuest) {
-    message.for_guest = true;
-    return message;
-  }
   try {
+    if (json.is_object() && json.contains("id")) {
+      message.wants_reply = true;
+      message.id = idOf(json["id"]);
+    }
+    if (json.is_object() && json.contains("do") && json["do"] == kForGuest) {
+      message.for_guest = true;
+      return message;
+    }
+    message.confirmed = json.is_object() && json.contains("confirmed") && flag("confirmed", json["confirmed"]);
     message.command = commandOf(json);
   } catch (const InvalidParameter& error) {
     message.refused = error.what();

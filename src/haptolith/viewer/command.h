@@ -56,8 +56,10 @@ using Command = std::variant<command::Hold, command::Release, command::Play, com
 
 /// A message of a client, taken apart as far as that went.
 struct ClientMessage {
-  std::optional<std::int64_t> id;  ///< of the reply; none: no reply is wanted
+  bool wants_reply = false;
+  std::optional<std::int64_t> id;  ///< of the reply; none: no reply is wanted, or the id is the reason for the refusal
   std::optional<Command> command;  ///< none: it is refused, or the guest's
+  bool confirmed = false;          ///< it is known that a person feels what it changes
   bool for_guest = false;          ///< "do": "study": not the view's to understand
   std::string refused;             ///< why
 };

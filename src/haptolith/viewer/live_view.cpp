@@ -1,6 +1,9 @@
 #include "haptolith/viewer/live_view.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
+#include <exception>
 #include <utility>
 
 #include "haptolith/bed/contact_load.h"
@@ -36,14 +39,21 @@ FrameEncoder::Space spaceOf(const Session& session) {
   return {Vec3(-x, -y, -kBesideBox_m), Vec3(x, y, session.surface() + kAboveSurface_m)};
 }
 
+/// Whether a hand in the soil feels another force after this.
+bool changesWhatIsFelt(const Command& asked) {
+  return std::holds_alternative<command::Change>(asked) || std::holds_alternative<command::Reset>(asked) ||
+         std::holds_alternative<command::Level>(asked) || std::holds_alternative<command::Undo>(asked);
+}
+
 }  // namespace
 
 LiveView::LiveView(Session& session, const WebServerOptions& options, std::string_view version, Recorder recorder,
-                   Guest guest)
+                   Guest guest, Clients clients)
     : session_(session),
       recorder_(std::move(recorder)),
       guest_(std::move(guest)),
-      board_(helloMessage(version)),
+      clients_(clients),
+      board_(helloMessage(version, clients == Clients::kLookOn)),
       server_(options, board_),
       space_(spaceOf(session)) {}
 
@@ -51,6 +61,9 @@ void LiveView::obey() {
   const Clock::time_point until = Clock::now() + kLongestRound;
   WebServer::Event event;
   for (int i = 0; i < kMostInARound && !session_.done() && Clock::now() < until && server_.takeEvent(event); ++i) {
+    if (event.kind == WebServer::Event::Kind::kJoined && guest_.joined) {
+      guest_.joined(event.client, event.entrance);
+    }
     if (event.kind == WebServer::Event::Kind::kLeft) {
       letGo(event.client);
       coloured_by_force_.erase(event.client);
@@ -63,8 +76,8 @@ void LiveView::obey() {
     }
     const ClientMessage message = parseClientMessage(event.text);
     const std::string refused = answer(event.client, message, event.text);
-    if (message.id) {
-      server_.send(event.client, replyMessage(*message.id, refused));
+    if (message.wants_reply) {
+      server_.send(event.client, replyMessage(message.id, refused));
     }
   }
 }
@@ -78,15 +91,35 @@ std::string LiveView::answer(std::uint32_t client, const ClientMessage& message,
     if (!message.command) {
       return message.refused;
     }
-    if (std::string refused = guest_.refuse ? guest_.refuse(client, *message.command) : ""; !refused.empty()) {
+    if (std::string refused = refusal(client, message); !refused.empty()) {
       if (std::holds_alternative<command::Hold>(*message.command)) {
         letGo(client);
       }
       return refused;
     }
     carryOut(client, *message.command);
-  } catch (const std::exception& error) {  // a thread or memory that the system refuses, too
+  } catch (const InvalidParameter& error) {
     return error.what();
+  } catch (const Failure& error) {
+    return error.what();
+  } catch (const std::exception& error) {  // no thread or no memory: what somebody looking on asks for ends no run
+    return fmt::format("this cannot be done now: {}", error.what());
+  }
+  return {};
+}
+
+/// Why a command that makes sense may not be carried out now; empty: it may.
+std::string LiveView::refusal(std::uint32_t client, const ClientMessage& message) const {
+  const Command& asked = *message.command;
+  if (clients_ == Clients::kLookOn && !std::holds_alternative<command::Colour>(asked)) {
+    return "who looks on changes nothing here: the program was started with --read-only";
+  }
+  if (std::string refused = guest_.refuse ? guest_.refuse(client, asked) : ""; !refused.empty()) {
+    return refused;
+  }
+  if (changesWhatIsFelt(asked) && !message.confirmed && session_.personFeels()) {
+    throw InvalidParameter("confirmed", "not true",
+                           fmt::format("true while a person holds the device ({})", session_.deviceName()));
   }
   return {};
 }
@@ -175,13 +208,13 @@ void LiveView::show(bool newer, bool changed) {
 
 void LiveView::showScene() {
   if (scene_shown_ == session_.scenes()) {
-    board_.setScene(sceneMessage(session_, space_));
+    board_.setScene(sceneMessages(session_, space_));
     return;
   }
   scene_shown_ = session_.scenes();
   space_ = spaceOf(session_);
   loads_n_.clear();
-  board_.setScene(sceneMessage(session_, space_), scene_shown_, session_.snapshot().position.size(), space_);
+  board_.setScene(sceneMessages(session_, space_), scene_shown_, session_.snapshot().position.size(), space_);
 }
 
 void LiveView::showStatus() {

@@ -33,16 +33,21 @@ class LiveView {
     /// Does what a message with "do": "study" asks for; returns why it is refused, empty when it is done. May throw
     /// InvalidParameter or Failure, which refuses it as well.
     std::function<std::string(std::uint32_t client, std::string_view message)> obey;
+    /// A client has come by an entrance: a number in WebServerOptions::entrances.
+    std::function<void(std::uint32_t client, std::size_t entrance)> joined;
     std::function<void(std::uint32_t client)> left;
     /// Why this client may not have this command carried out now; empty: it may.
     std::function<std::string(std::uint32_t client, const Command& asked)> refuse;
   };
 
+  /// Whether clients may command, or only look on and choose what they see.
+  enum class Clients { kCommand, kLookOn };
+
   /// @throws InvalidParameter, Failure: as WebServer.
   LiveView(Session& session, const WebServerOptions& options, std::string_view version, Recorder recorder,
-           Guest guest = {});
+           Guest guest = {}, Clients clients = Clients::kCommand);
 
-  [[nodiscard]] std::string url() const { return server_.url(); }
+  [[nodiscard]] std::string url(std::size_t entrance = 0) const { return server_.url(entrance); }
 
   /// Does what clients have asked for, for 2 ms at most; the rest waits for the next time. Call it as often as
   /// Session::poll(), before it.
@@ -58,6 +63,7 @@ class LiveView {
 
  private:
   [[nodiscard]] std::string answer(std::uint32_t client, const ClientMessage& message, std::string_view text);
+  [[nodiscard]] std::string refusal(std::uint32_t client, const ClientMessage& message) const;
   void carryOut(std::uint32_t client, const Command& asked);
   void letGo(std::uint32_t client);
   void showScene();
@@ -66,6 +72,7 @@ class LiveView {
   Session& session_;
   Recorder recorder_;
   Guest guest_;
+  Clients clients_;
   Board board_;
   WebServer server_;
   FrameEncoder::Space space_;

@@ -2,6 +2,8 @@
 
 #include <nlohmann/json.hpp>
 
+#include <utility>
+
 #include "haptolith/bed/simd_target.h"
 #include "haptolith/core/error.h"
 #include "haptolith/scenario/scene_words.h"
@@ -67,8 +69,12 @@ Json soilJson(const Scenario& scenario) {
 
 }  // namespace
 
-std::string helloMessage(std::string_view version) {
-  Json message{{"type", "hello"}, {"protocol", kProtocol}, {"version", version}, {"client", "$client"}};
+std::string helloMessage(std::string_view version, bool read_only) {
+  Json message{{"type", "hello"},
+               {"protocol", kProtocol},
+               {"version", version},
+               {"client", "$client"},
+               {"read_only", read_only}};
   Json& presets_list = message["presets"] = Json::array();
   for (const Preset& preset : presets()) {
     presets_list.push_back({{"name", preset.name}, {"friction_coefficient", preset.friction_coefficient}});
@@ -97,7 +103,7 @@ std::string helloMessage(std::string_view version) {
   return written(message);
 }
 
-std::string sceneMessage(const Session& session, const FrameEncoder::Space& space) {
+Board::SceneTexts sceneMessages(const Session& session, const FrameEncoder::Space& space) {
   const Scenario& scenario = session.scenario();
   const BedParameters& bed = scenario.bed;
   const SoilParameters& shown = session.shown().bed.soil;
@@ -111,35 +117,42 @@ std::string sceneMessage(const Session& session, const FrameEncoder::Space& spac
                        {"high", slider.high},
                        {"step", slider.step}});
   }
-  return written(
-      {{"type", "scene"},
-       {"scene", session.scenes()},
-       {"title", scenario.title},
-       {"particles", session.scene().bed().particles()},
-       {"radius_m", bed.soil.radius_m},
-       {"size_spread", shown.friction == FrictionModel::kPairwise ? shown.size_spread : 0.0},
-       {"box",
-        {{"width_m", bed.width_m},
-         {"length_m", bed.length_m},
-         {"surface_m", session.surface()},
-         {"periodic_x", bed.periodic_x},
-         {"periodic_y", bed.periodic_y}}},
-       {"quantised", {{"low_m", array(space.low_m)}, {"high_m", array(space.high_m)}}},
-       {"soil", soilJson(scenario)},
-       {"sliders", sliders},
-       {"body", orNull(scenario.body)},
-       {"gravity_m_s2", array(bed.gravity_m_s2)},
-       {"tool",
-        {{"shape", wordFor(kToolShapeWords, scenario.tool.shape)},
-         {"size_mm", array(kPerMetre_mm * scenario.tool.size_m)},
-         {"diameter_mm", kPerMetre_mm * scenario.tool.diameter_m},
-         {"thickness_mm", kPerMetre_mm * scenario.tool.thickness_m},
-         {"opening_mm", kPerMetre_mm * scenario.tool.opening_m}}},
-       {"hand",
-        {{"manoeuvre", wordFor(kManoeuvreWords, session.manoeuvre())},
-         {"max_force_n", scenario.hand.max_force_n},
-         {"max_torque_nm", scenario.hand.max_torque_nm}}},
-       {"workspace", {{"low_m", array(session.workspaceLow())}, {"high_m", array(session.workspaceHigh())}}}});
+  Json message({{"type", "scene"},
+                {"scene", session.scenes()},
+                {"title", scenario.title},
+                {"particles", session.scene().bed().particles()},
+                {"radius_m", bed.soil.radius_m},
+                {"size_spread", shown.friction == FrictionModel::kPairwise ? shown.size_spread : 0.0},
+                {"box",
+                 {{"width_m", bed.width_m},
+                  {"length_m", bed.length_m},
+                  {"surface_m", session.surface()},
+                  {"periodic_x", bed.periodic_x},
+                  {"periodic_y", bed.periodic_y}}},
+                {"quantised", {{"low_m", array(space.low_m)}, {"high_m", array(space.high_m)}}},
+                {"soil", soilJson(scenario)},
+                {"sliders", sliders},
+                {"body", orNull(scenario.body)},
+                {"gravity_m_s2", array(bed.gravity_m_s2)},
+                {"tool",
+                 {{"shape", wordFor(kToolShapeWords, scenario.tool.shape)},
+                  {"size_mm", array(kPerMetre_mm * scenario.tool.size_m)},
+                  {"diameter_mm", kPerMetre_mm * scenario.tool.diameter_m},
+                  {"thickness_mm", kPerMetre_mm * scenario.tool.thickness_m},
+                  {"opening_mm", kPerMetre_mm * scenario.tool.opening_m}}},
+                {"hand",
+                 {{"manoeuvre", wordFor(kManoeuvreWords, session.manoeuvre())},
+                  {"max_force_n", scenario.hand.max_force_n},
+                  {"max_torque_nm", scenario.hand.max_torque_nm}}},
+                {"workspace", {{"low_m", array(session.workspaceLow())}, {"high_m", array(session.workspaceHigh())}}}});
+  std::string whole = written(message);
+  for (auto& [key, value] : message["soil"].items()) {
+    value = nullptr;
+  }
+  message["sliders"] = Json::array();
+  message["body"] = nullptr;
+  message["gravity_m_s2"] = array(Vec3::Zero());
+  return {std::move(whole), written(message)};
 }
 
 std::string statusMessage(const Session& session, const StatusBeside& beside) {
@@ -159,6 +172,7 @@ std::string statusMessage(const Session& session, const StatusBeside& beside) {
                   {"held_by", beside.held_by ? Json(*beside.held_by) : Json(nullptr)},
                   {"clients", beside.clients},
                   {"device", session.deviceName()},
+                  {"person_feels", session.personFeels()},
                   {"let_go", orNull(now.trip == SafetyTrip::kNone ? "" : text(now.trip))},
                   {"real_time", {{"scheduler", real_time.scheduler}, {"memory_locked", real_time.memory_locked}}},
                   {"simd", simdTarget()},
@@ -170,8 +184,8 @@ std::string statusMessage(const Session& session, const StatusBeside& beside) {
                   {"recording", orNull(beside.recording)}});
 }
 
-std::string replyMessage(std::int64_t id, std::string_view refused) {
-  Json message{{"type", "reply"}, {"id", id}, {"ok", refused.empty()}};
+std::string replyMessage(std::optional<std::int64_t> id, std::string_view refused) {
+  Json message{{"type", "reply"}, {"id", id ? Json(*id) : Json(nullptr)}, {"ok", refused.empty()}};
   if (!refused.empty()) {
     message["error"] = refused;
   }

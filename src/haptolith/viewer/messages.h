@@ -6,6 +6,7 @@
 #include <string_view>
 
 #include "haptolith/session/session.h"
+#include "haptolith/viewer/board.h"
 #include "haptolith/viewer/frame.h"
 
 namespace haptolith {
@@ -13,9 +14,9 @@ namespace haptolith {
 /// The JSON messages of docs/protocol.md.
 
 /// "$client" in it stands for the number of the client it goes to: see Board.
-[[nodiscard]] std::string helloMessage(std::string_view version);
+[[nodiscard]] std::string helloMessage(std::string_view version, bool read_only);
 
-[[nodiscard]] std::string sceneMessage(const Session& session, const FrameEncoder::Space& space);
+[[nodiscard]] Board::SceneTexts sceneMessages(const Session& session, const FrameEncoder::Space& space);
 
 /// What a session does not know about itself.
 struct StatusBeside {
@@ -26,7 +27,8 @@ struct StatusBeside {
 };
 [[nodiscard]] std::string statusMessage(const Session& session, const StatusBeside& beside);
 
+/// @param id  null in the reply when there is none that can be repeated.
 /// @param refused  why it was not done; empty: it was.
-[[nodiscard]] std::string replyMessage(std::int64_t id, std::string_view refused);
+[[nodiscard]] std::string replyMessage(std::optional<std::int64_t> id, std::string_view refused);
 
 }  // namespace haptolith

@@ -3,16 +3,21 @@
 #include <boost/asio/io_context.hpp>
 #include <boost/asio/ip/tcp.hpp>
 #include <boost/asio/post.hpp>
+#include <boost/asio/steady_timer.hpp>
 #include <boost/beast/core.hpp>
 #include <boost/beast/http.hpp>
 #include <boost/beast/version.hpp>
 #include <boost/beast/websocket.hpp>
 #include <fmt/format.h>
+#include <sys/resource.h>
 
 #include <algorithm>
 #include <atomic>
 #include <chrono>
 #include <deque>
+#include <exception>
+#include <iterator>
+#include <list>
 #include <map>
 #include <mutex>
 #include <optional>
@@ -37,17 +42,25 @@ using namespace std::chrono_literals;
 
 constexpr std::string_view kSubprotocol = "haptolith.1";
 constexpr std::size_t kMostClients = 32;
-constexpr std::size_t kMostSockets = 128;
-constexpr std::size_t kLargestMessage = 16384;   // bytes, from a client: a form with long texts
-constexpr std::size_t kLargestHeader = 8192;     // bytes
-constexpr std::size_t kMostMessagesPerS = 250;   // from a client
+constexpr std::size_t kMostLeaving = 16;  // WebSockets that wait for the other side's farewell
+constexpr rlim_t kFilesForAll = 4096;
+constexpr std::size_t kFilesOfOthers = 256;       // clients, recordings and whatever the rest of the program opens
+constexpr std::size_t kLargestMessage = 16384;    // bytes, from a client: a form with long texts
+constexpr std::size_t kLargestHeader = 8192;      // bytes
+constexpr std::size_t kMostMessagesPerS = 250;    // from a client
 constexpr std::size_t kMostBytesPerS = 131'072;  // from a client: eight of the largest messages, or 250 of usual ones
 constexpr std::size_t kMostBytesWaiting = 131'072;  // of a client
 constexpr std::size_t kMostEventsWaiting = 2048;    // of a client
-constexpr std::size_t kMostRepliesWaiting = 64;     // to a client
+constexpr std::size_t kMostRepliesWaiting = 64;   // to a client
+constexpr double kMostGuesses = 20;  // wrong tokens at once, from a network; a page that comes back with an old one
+constexpr double kGuessesPerS = 1;   // after that
+constexpr std::size_t kMostGuessing = 1024;  // networks that are remembered
 constexpr int kPortsTried = 100;
-constexpr auto kRequestTime = 10s;
-constexpr auto kIdleTime = 20s;  // half of it passes before a ping
+constexpr auto kHeaderTime = 3s;    // for the first request
+constexpr auto kRequestTime = 10s;  // for each further one, and to take an answer
+constexpr auto kFarewellTime = 1s;
+constexpr auto kWithoutFiles = 10ms;  // pause when the system gives no socket, as when there are too many open files
+constexpr auto kIdleTime = 20s;       // half of it passes before a ping
 
 std::string_view view(beast::string_view text) {
   return {text.data(), text.size()};
@@ -78,6 +91,42 @@ std::optional<asio::ip::address> addressOf(const WebServerOptions& options) {
   return error ? std::nullopt : std::optional(address);
 }
 
+/// Where somebody is, as far as they cannot choose it themselves: an IPv6 network gives everybody in it 2^64 addresses.
+std::string networkOf(const Tcp::socket& socket) {
+  beast::error_code ignored;
+  const asio::ip::address address = socket.remote_endpoint(ignored).address();
+  if (!address.is_v6() || address.to_v6().is_v4_mapped()) {
+    return address.to_string();
+  }
+  const auto bytes = address.to_v6().to_bytes();
+  return {bytes.begin(), bytes.begin() + 8};
+}
+
+/// How many files this process may have open; as many as we want where the system lets it. At least twice
+/// kFilesOfOthers is said: with less, connections go as files run out.
+std::size_t filesForAll() {
+  rlimit files{};
+  if (getrlimit(RLIMIT_NOFILE, &files) != 0) {
+    return 2 * kFilesOfOthers;
+  }
+  if (files.rlim_cur < kFilesForAll) {
+    const rlimit more{std::min(kFilesForAll, files.rlim_max), files.rlim_max};
+    if (more.rlim_cur > files.rlim_cur && setrlimit(RLIMIT_NOFILE, &more) == 0) {
+      files = more;
+    }
+  }
+  return std::max<std::size_t>(2 * kFilesOfOthers, std::min(files.rlim_cur, kFilesForAll));
+}
+
+/// Whether one of the subprotocols that are asked for, with commas between them, is ours.
+bool speaksOurs(const http::fields& request) {
+  const auto [first, last] = request.equal_range(http::field::sec_websocket_protocol);
+  return std::any_of(first, last, [](const auto& line) {
+    const http::token_list asked(line.value());
+    return std::any_of(asked.begin(), asked.end(), [](beast::string_view one) { return view(one) == kSubprotocol; });
+  });
+}
+
 const WebFile* findFile(std::string_view target) {
   std::string_view path = target.substr(0, target.find('?'));
   if (path == "/") {
@@ -94,8 +143,18 @@ void validate(const WebServerOptions& options) {
   if (!addressOf(options)) {
     throw InvalidParameter("bind", options.bind, "an address such as 127.0.0.1, ::1 or 0.0.0.0");
   }
-  if (!isLoopback(options.bind) && options.token.empty()) {
+  const std::vector<Entrance>& all = options.entrances;
+  const bool open = std::ranges::any_of(all, [](const Entrance& one) { return one.token.empty(); });
+  if (open && !isLoopback(options.bind)) {
     throw InvalidParameter("bind", options.bind, "a loopback address unless there is a token");
+  }
+  for (auto one = all.begin(); one != all.end(); ++one) {
+    if (open && all.size() > 1) {
+      throw InvalidParameter("token", "left out", "given where there is more than one entrance");
+    }
+    if (std::ranges::find(all.begin(), one, one->token, &Entrance::token) != one) {
+      throw InvalidParameter("token", "the same twice", "another one for each entrance");
+    }
   }
 }
 
@@ -107,11 +166,25 @@ class WebServer::Implementation {
   class Client;
   class Visitor;
 
+  /// Wrong tokens that a network may still send.
+  struct Guesses {
+    double left = kMostGuesses;
+    std::chrono::steady_clock::time_point at;
+  };
+  /// Visitors by where they are, of each place the oldest first.
+  struct Crowd {
+    std::map<std::string, std::list<Visitor*>> from;
+    std::size_t size = 0;
+  };
+
   void serve() noexcept;
   void accept();
-  [[nodiscard]] bool knowsToken(std::string_view target) const {
-    return token.empty() || sameToken(tokenOf(target), token);
-  }
+  void admit(Tcp::socket socket);
+  static void sendAwayOneOf(Crowd& crowd);
+  /// Whether a network may try a token now; counts one that is wrong.
+  [[nodiscard]] bool mayGuess(const std::string& network, bool wrong);
+  /// Number of the entrance that a request's token opens.
+  [[nodiscard]] std::optional<std::size_t> entranceOf(std::string_view target) const;
   [[nodiscard]] bool isHostAllowed(std::string_view host) const { return !loopback_only || namesLoopback(host); }
   void join(const std::shared_ptr<Client>& client);
   void leave(std::uint32_t client);
@@ -119,14 +192,23 @@ class WebServer::Implementation {
   void forget(std::uint32_t client);
 
   bool ends = false;  // outlives io, which destroys the clients that are left
-  asio::io_context io{1};
-  Tcp::acceptor acceptor{io};
-  Board& board;
-  std::string address, token;
-  bool loopback_only = true;
-  std::atomic<std::size_t> sockets{0}, joined{0};
-  std::map<std::uint32_t, std::weak_ptr<Client>> clients;  // of the server's thread, as is what follows
+  bool accepting = false;  ///< or about to, after a pause
+  std::size_t most_asking = 0, most_served = 0;
+  Crowd asking, served;                                    // of the server's thread, as is what follows
+  std::map<std::uint32_t, std::weak_ptr<Client>> clients;  // those that have not ended
+  std::size_t sockets_of_clients = 0;
   std::uint32_t last_client = 0;
+  std::map<std::string, Guesses> guesses;  // by network
+
+  asio::io_context io{1};  // its end is that of visitors and clients, who use the above
+  Tcp::acceptor acceptor{io};
+  asio::steady_timer pause{io};
+  Board& board;
+  std::string address;
+  std::vector<Entrance> entrances;
+  bool guessable = false;
+  bool loopback_only = true;
+  std::atomic<std::size_t> joined{0};
 
   /// What waits of a client.
   struct Queue {
@@ -144,8 +226,11 @@ class WebServer::Implementation {
 /// pictures.
 class WebServer::Implementation::Client : public std::enable_shared_from_this<Client> {
  public:
-  Client(Implementation& server, Tcp::socket socket, std::uint32_t number)
-      : server_(server), ws_(std::move(socket)), number_(number) {}
+  Client(Implementation& server, Tcp::socket socket, std::uint32_t number, std::size_t entrance)
+      : server_(server), ws_(std::move(socket)), number_(number), entrance_(entrance) {
+    seen_.nameless = server_.entrances[entrance].nameless;
+    ++server_.sockets_of_clients;
+  }
   ~Client() {
     if (!server_.ends) {
       try {
@@ -153,14 +238,14 @@ class WebServer::Implementation::Client : public std::enable_shared_from_this<Cl
       } catch (const std::exception&) {  // no memory to say so
       }
     }
-    --server_.sockets;
+    --server_.sockets_of_clients;
   }
   Client(const Client&) = delete;
   Client& operator=(const Client&) = delete;
 
   void start(const http::request<http::empty_body>& request) {
     websocket::stream_base::timeout times{};
-    times.handshake_timeout = kRequestTime;
+    times.handshake_timeout = kHeaderTime;
     times.idle_timeout = kIdleTime;
     times.keep_alive_pings = true;
     ws_.set_option(times);
@@ -174,7 +259,7 @@ class WebServer::Implementation::Client : public std::enable_shared_from_this<Cl
         self->end();
         return;
       }
-      self->open_ = self->server_.push({Event::Kind::kJoined, self->number_, {}});
+      self->open_ = self->server_.push({Event::Kind::kJoined, self->number_, {}, self->entrance_});
       self->read();
       self->pump();
     });
@@ -219,13 +304,14 @@ class WebServer::Implementation::Client : public std::enable_shared_from_this<Cl
     if (!open_) {
       return;
     }
+    const bool reads = !writing_;  // one that does not read will not read a farewell either
     end();
-    if (writing_) {  // a client that does not read will not read a farewell either
-      beast::get_lowest_layer(ws_).cancel();
-      return;
+    if (reads && server_.sockets_of_clients <= server_.clients.size() + kMostLeaving) {
+      writing_ = true;
+      ws_.async_close(code, [self = shared_from_this()](beast::error_code) {});
+    } else {
+      beast::get_lowest_layer(ws_).close();
     }
-    writing_ = true;
-    ws_.async_close(code, [self = shared_from_this()](beast::error_code) {});
   }
 
  private:
@@ -265,11 +351,15 @@ class WebServer::Implementation::Client : public std::enable_shared_from_this<Cl
       server_.push({Event::Kind::kLeft, number_, {}});
     }
     server_.leave(number_);
+    if (writing_) {  // else the socket stays for as long as the other side does not read
+      beast::get_lowest_layer(ws_).close();
+    }
   }
 
   Implementation& server_;
   websocket::stream<beast::tcp_stream> ws_;
   std::uint32_t number_;
+  std::size_t entrance_;
   Board::Seen seen_;
   beast::flat_buffer buffer_;
   std::deque<std::string> replies_;
@@ -279,15 +369,15 @@ class WebServer::Implementation::Client : public std::enable_shared_from_this<Cl
   std::size_t messages_this_second_ = 0, bytes_this_second_ = 0;
 };
 
-/// A connection that has not become a WebSocket: asks for files.
+/// A connection that has not become a WebSocket: asks for files. Who lets others wait is sent away for them: see
+/// admit().
 class WebServer::Implementation::Visitor : public std::enable_shared_from_this<Visitor> {
  public:
-  Visitor(Implementation& server, Tcp::socket socket) : server_(server), stream_(std::move(socket)) {}
-  ~Visitor() {
-    if (!handed_on_) {
-      --server_.sockets;
-    }
+  Visitor(Implementation& server, Tcp::socket socket)
+      : server_(server), network_(networkOf(socket)), stream_(std::move(socket)) {
+    stand(server_.asking);
   }
+  ~Visitor() { leaveCrowd(); }
   Visitor(const Visitor&) = delete;
   Visitor& operator=(const Visitor&) = delete;
 
@@ -295,15 +385,54 @@ class WebServer::Implementation::Visitor : public std::enable_shared_from_this<V
     parser_.emplace();
     parser_->header_limit(kLargestHeader);
     parser_->body_limit(0);
-    stream_.expires_after(kRequestTime);
+    stream_.expires_after(crowd_ == &server_.asking ? kHeaderTime : kRequestTime);
     http::async_read(stream_, buffer_, *parser_, [self = shared_from_this()](beast::error_code error, std::size_t) {
+      if (!self->stream_.socket().is_open() || self->crowd_ == nullptr) {
+        return;
+      }
       if (!error) {
+        self->stand(self->server_.served);
         self->answer();
+      } else if (error.category() == http::make_error_code(http::error::bad_method).category() &&
+                 error != http::error::end_of_stream && error != http::error::partial_message) {
+        self->stand(self->server_.served);
+        self->refuse(error == http::error::header_limit ? http::status::request_header_fields_too_large
+                                                        : http::status::bad_request,
+                     "this is no request that the program understands\n");
       }
     });
   }
 
+  void sendAway() {
+    leaveCrowd();
+    stream_.close();
+  }
+
  private:
+  void stand(Crowd& crowd) {
+    if (crowd_ == &crowd) {
+      return;
+    }
+    if (&crowd == &server_.served && crowd.size >= server_.most_served) {
+      sendAwayOneOf(crowd);
+    }
+    leaveCrowd();
+    std::list<Visitor*>& here = crowd.from[network_];
+    place_ = here.insert(here.end(), this);
+    ++crowd.size;
+    crowd_ = &crowd;
+  }
+  void leaveCrowd() {
+    if (Crowd* crowd = std::exchange(crowd_, nullptr)) {
+      const auto here = crowd->from.find(network_);
+      here->second.erase(place_);
+      if (here->second.empty()) {
+        crowd->from.erase(here);
+      }
+      --crowd->size;
+    }
+  }
+
   void answer() {
     const auto& request = parser_->get();
     const std::string_view target = view(request.target());
@@ -311,16 +440,23 @@ class WebServer::Implementation::Visitor : public std::enable_shared_from_this<V
     const std::string_view origin = view(request[http::field::origin]);
     const bool is_socket = websocket::is_upgrade(request);
     const std::string_view path = target.substr(0, target.find('?'));
-    if (!server_.isHostAllowed(host)) {
+    const std::optional<std::size_t> entrance = server_.entranceOf(target);
+    if (request.count(http::field::host) > 1 || request.count(http::field::origin) > 1) {
+      refuse(http::status::bad_request, "Host and Origin may be given once only\n");
+    } else if (!server_.isHostAllowed(host)) {
       refuse(http::status::forbidden, "this address is not one of the program's\n");
     } else if (is_socket && !origin.empty() && !isFromHere(origin, host)) {
       refuse(http::status::forbidden, "pages from elsewhere may not connect\n");
-    } else if ((is_socket || path == "/" || path == "/index.html") && !server_.knowsToken(target)) {
+    } else if ((is_socket || path == "/ws") && !server_.mayGuess(network_, !entrance && !tokenOf(target).empty())) {
+      refuse(http::status::too_many_requests, "too many wrong tokens: try again in a while\n");
+    } else if ((is_socket || path == "/ws") && !entrance) {
       refuse(http::status::unauthorized, "the address lacks the token that the program printed\n");
     } else if (is_socket) {
-      upgrade(path);
+      upgrade(path, *entrance);
     } else if (request.method() != http::verb::get && request.method() != http::verb::head) {
       refuse(http::status::method_not_allowed, "only GET and HEAD\n");
+    } else if (path == "/ws") {
+      refuse(http::status::upgrade_required, "this is a WebSocket\n");
     } else if (const WebFile* file = findFile(target)) {
       send(http::status::ok, contentType(file->path), file->content);
     } else {
@@ -328,18 +464,17 @@ class WebServer::Implementation::Visitor : public std::enable_shared_from_this<V
     }
   }
 
-  void upgrade(std::string_view path) {
+  void upgrade(std::string_view path, std::size_t entrance) {
     const auto& request = parser_->get();
-    const std::string_view protocols = view(request[http::field::sec_websocket_protocol]);
     if (path != "/ws") {
       refuse(http::status::not_found, "the WebSocket is /ws\n");
-    } else if (protocols.find(kSubprotocol) == std::string_view::npos) {
+    } else if (!speaksOurs(request)) {
       refuse(http::status::bad_request, "the WebSocket speaks haptolith.1\n");
     } else if (server_.joined >= kMostClients) {
       refuse(http::status::service_unavailable, "32 clients look on already\n");
     } else {
-      handed_on_ = true;
-      const auto client = std::make_shared<Client>(server_, stream_.release_socket(), ++server_.last_client);
+      leaveCrowd();
+      const auto client = std::make_shared<Client>(server_, stream_.release_socket(), ++server_.last_client, entrance);
       server_.join(client);
       client->start(request);
     }
@@ -350,20 +485,22 @@ class WebServer::Implementation::Visitor : public std::enable_shared_from_this<V
   void send(http::status status, std::string_view type, std::string_view content) {
     const auto& request = parser_->get();
     response_.emplace(std::piecewise_construct, std::make_tuple(content.data(), content.size()),
-                      std::make_tuple(status, request.version()));
+                      std::make_tuple(status, request.version() == 10 ? 10U : 11U));
     response_->set(http::field::server, "haptolith");
     response_->set(http::field::content_type, view(type));
     response_->set(http::field::cache_control, "no-store");
     response_->set("Content-Security-Policy",
                    "default-src 'self'; style-src 'self' 'unsafe-inline'; img-src 'self' data: blob:; "
-                   "connect-src 'self' ws: wss:; frame-ancestors 'self'; base-uri 'none'");
+                   "connect-src 'self'; frame-ancestors 'self'; base-uri 'none'");
     response_->set("X-Content-Type-Options", "nosniff");
     response_->set("Referrer-Policy", "no-referrer");  // the address may hold the token
-    response_->keep_alive(request.keep_alive());
+    response_->keep_alive(status == http::status::ok && request.keep_alive());
     response_->prepare_payload();
     const auto sent = [self = shared_from_this()](beast::error_code error, std::size_t) {
       if (!error && self->response_->keep_alive()) {
         self->read();
+      } else if (!error) {
+        self->hangUp();
       }
     };
     if (request.method() == http::verb::head) {
@@ -374,18 +511,41 @@ class WebServer::Implementation::Visitor : public std::enable_shared_from_this<V
     }
   }
 
+  /// Ends when the other side does, or soon: to close a socket with something unread in it takes the answer back.
+  void hangUp() {
+    beast::error_code ignored;
+    stream_.socket().shutdown(Tcp::socket::shutdown_send, ignored);
+    stream_.expires_after(kFarewellTime);
+    takeTheRest();
+  }
+  void takeTheRest() {
+    buffer_.clear();
+    stream_.async_read_some(buffer_.prepare(kLargestHeader),
+                            [self = shared_from_this()](beast::error_code error, std::size_t) {
+                              if (!error && self->crowd_ != nullptr) {
+                                self->takeTheRest();
+                              }
+                            });
+  }
+
   Implementation& server_;
+  std::string network_;
+  Crowd* crowd_ = nullptr;  ///< one of the server's; none: sent away, or a client by now
+  std::list<Visitor*>::iterator place_;
   beast::tcp_stream stream_;
   beast::flat_buffer buffer_;
   std::optional<http::request_parser<http::empty_body>> parser_;
   using Response = http::response<http::span_body<const char>>;
   std::optional<Response> response_;
   std::optional<http::response_serializer<http::span_body<const char>>> serializer_;
-  bool handed_on_ = false;
 };
 
 WebServer::Implementation::Implementation(const WebServerOptions& options, Board& shared_board)
-    : board(shared_board), address(options.bind), token(options.token), loopback_only(isLoopback(options.bind)) {
+    : board(shared_board),
+      address(options.bind),
+      entrances(options.entrances),
+      guessable(options.guessable),
+      loopback_only(isLoopback(options.bind)) {
   validate(options);
   const asio::ip::address ip = *addressOf(options);
   beast::error_code error;
@@ -408,6 +568,9 @@ WebServer::Implementation::Implementation(const WebServerOptions& options, Board
   if (error) {
     throw Failure(fmt::format("cannot listen on {}, port {}: {}", options.bind, options.port, error.message()));
   }
+  const std::size_t files = filesForAll() - kFilesOfOthers;
+  most_served = std::min(options.most_served, files / 4);
+  most_asking = std::min(options.most_asking, files / 2);
   accept();
   thread = std::thread([this] { serve(); });
 }
@@ -418,10 +581,14 @@ WebServer::Implementation::~Implementation() {
   ends = true;
 }
 
-/// An exception in a handler ends its client: nobody asks for what that client does next, and so it goes.
+/// An exception in a handler ends the connection that it was for, since nobody waits for anything on it any more; the
+/// program goes on.
 void WebServer::Implementation::serve() noexcept {
   while (!io.stopped()) {
     try {
+      if (!accepting) {
+        accept();
+      }
       io.run();
     } catch (const std::exception&) {
       continue;
@@ -431,25 +598,82 @@ void WebServer::Implementation::serve() noexcept {
 
 void WebServer::Implementation::accept() {
   acceptor.async_accept([this](beast::error_code error, Tcp::socket socket) {
+    accepting = false;
+    if (error == asio::error::operation_aborted) {
+      return;
+    }
     if (!error) {
-      if (++sockets <= kMostSockets) {
-        beast::error_code ignored;
-        socket.set_option(Tcp::no_delay(true), ignored);
-        std::shared_ptr<Visitor> visitor;
-        try {
-          visitor = std::make_shared<Visitor>(*this, std::move(socket));
-          visitor->read();
-        } catch (const std::exception&) {  // no memory; the next is accepted all the same
-          sockets -= visitor ? 0 : 1;
-        }
-      } else {
-        --sockets;
-      }
-    }
-    if (acceptor.is_open()) {
       accept();
+      admit(std::move(socket));
+      return;
     }
+    // There is no file descriptor for a socket, and asking again at once would take a whole core.
+    for (const std::size_t left = asking.size / 2; asking.size > left;) {
+      sendAwayOneOf(asking);
+    }
+    pause.expires_after(kWithoutFiles);
+    pause.async_wait([this](beast::error_code stopped) {
+      accepting = false;
+      if (!stopped) {
+        accept();
+      }
+    });
+    accepting = true;
   });
+  accepting = true;
+}
+
+/// A newcomer always gets in: connections that ask for nothing, and those that stay for a next request, are as many as
+/// they may be at most, and one of them goes then. Clients with a WebSocket are counted apart.
+void WebServer::Implementation::admit(Tcp::socket socket) {
+  if (asking.size >= most_asking) {
+    sendAwayOneOf(asking);
+  }
+  beast::error_code ignored;
+  socket.set_option(Tcp::no_delay(true), ignored);
+  std::make_shared<Visitor>(*this, std::move(socket))->read();
+}
+
+/// The one who has been there longest of the network that most come from: who crowds out others crowds out themselves.
+void WebServer::Implementation::sendAwayOneOf(Crowd& crowd) {
+  const auto most = std::ranges::max_element(crowd.from, {}, [](const auto& here) { return here.second.size(); });
+  if (most != crowd.from.end()) {
+    most->second.front()->sendAway();
+  }
+}
+
+bool WebServer::Implementation::mayGuess(const std::string& network, bool wrong) {
+  if (!guessable) {
+    return true;
+  }
+  const auto now = std::chrono::steady_clock::now();
+  const auto leftOf = [now](const Guesses& some) {
+    return std::min(kMostGuesses, some.left + kGuessesPerS * std::chrono::duration<double>(now - some.at).count());
+  };
+  if (guesses.size() >= kMostGuessing && !guesses.contains(network)) {
+    std::erase_if(guesses, [&](const auto& some) { return leftOf(some.second) >= kMostGuesses; });
+    if (guesses.size() >= kMostGuessing) {
+      return false;
+    }
+  }
+  Guesses& some = guesses[network];
+  some = {leftOf(some), now};
+  if (some.left < 1) {
+    return false;  // a right one would tell that it is
+  }
+  some.left -= wrong ? 1 : 0;
+  return true;
+}
+
+std::optional<std::size_t> WebServer::Implementation::entranceOf(std::string_view target) const {
+  const std::string_view token = tokenOf(target);
+  std::optional<std::size_t> found;
+  for (std::size_t i = 0; i < entrances.size(); ++i) {  // all of them, so that the time it takes tells nothing
+    if (entrances[i].token.empty() || sameToken(token, entrances[i].token)) {
+      found = i;
+    }
+  }
+  return found;
 }
 
 void WebServer::Implementation::join(const std::shared_ptr<Client>& client) {
@@ -491,11 +715,12 @@ WebServer::WebServer(const WebServerOptions& options, Board& board)
 
 WebServer::~WebServer() = default;
 
-std::string WebServer::url() const {
+std::string WebServer::url(std::size_t entrance) const {
   const Implementation& server = *implementation_;
+  const std::string& token = server.entrances[entrance].token;
   const bool v6 = server.address.find(':') != std::string::npos;
   return fmt::format("http://{}{}{}:{}/{}{}", v6 ? "[" : "", server.address, v6 ? "]" : "", port(),
-                     server.token.empty() ? "" : "?token=", server.token);
+                     token.empty() ? "" : "?token=", token);
 }
 
 std::uint16_t WebServer::port() const noexcept {

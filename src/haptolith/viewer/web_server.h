@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <memory>
 #include <string>
@@ -9,18 +10,33 @@
 
 namespace haptolith {
 
+/// A way in: an address of the page with its token.
+struct Entrance {
+  std::string token = {};  ///< what clients must know; empty: nothing
+  bool nameless = false;   ///< who comes this way is not told what soil and world they see
+};
+
 struct WebServerOptions {
   std::string bind = "127.0.0.1";  ///< an address; "localhost" is 127.0.0.1
   std::uint16_t port = 8080;       ///< the first that is tried; 0: any
-  std::string token = {};          ///< what clients must know; empty: nothing, and then `bind` must be loopback
+  /// One without a token only when it is the only one and `bind` is loopback.
+  std::vector<Entrance> entrances = {{}};
+  /// Whether somebody has thought up a token: then wrong ones are taken slowly from each address. One that newToken()
+  /// has made up nobody guesses, and nobody can be kept out by guessing.
+  bool guessable = false;
+  /// Connections that have not sent a whole request yet, and those that stay after one; fewer where the system lets the
+  /// program have few files. So many that who crowds others out by the thousand needs a while for it, in which anybody
+  /// else has sent a request.
+  std::size_t most_asking = 2048, most_served = 512;
 };
 
-/// @throws InvalidParameter for an address that is none, or one beyond loopback without a token.
+/// @throws InvalidParameter for an address that is none, an entrance that needs a token and has none, two with the
+/// same.
 void validate(const WebServerOptions& options);
 
 /// Serves the page, and a WebSocket each to at most 32 clients (docs/protocol.md), on a thread of its own. It knows
 /// nothing of what the messages mean. A client that sends more than the protocol allows is dropped, and so is what
-/// waits of it.
+/// waits of it. Connections that ask for nothing, however many, keep nobody else out.
 class WebServer {
  public:
   struct Event {
@@ -28,15 +44,15 @@ class WebServer {
     Kind kind = Kind::kMessage;
     std::uint32_t client = 0;
     std::string text;
+    std::size_t entrance = 0;  ///< by which one has joined
   };
 
-  /// Listens. @throws InvalidParameter for an address that is none, or one beyond loopback without a token; Failure
-  /// when none of the ports it tries is free.
+  /// Listens. @throws InvalidParameter as validate(); Failure when none of the ports it tries is free.
   WebServer(const WebServerOptions& options, Board& board);
   ~WebServer();
 
-  /// Address of the page, token included.
-  [[nodiscard]] std::string url() const;
+  /// Address of the page, the entrance's token included.
+  [[nodiscard]] std::string url(std::size_t entrance = 0) const;
   [[nodiscard]] std::uint16_t port() const noexcept;
   [[nodiscard]] std::size_t clients() const noexcept;
 

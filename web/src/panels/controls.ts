@@ -43,10 +43,12 @@ export class Controls {
   private readonly step: HTMLButtonElement;
   private readonly speed = h('select', { id: 'speed' });
   private readonly record: HTMLButtonElement;
+  private readonly look_on = h('p', { class: 'look-on', role: 'note', hidden: true });
   private readonly record_file = h('p', { class: 'facts record-file' });
   private readonly colours = h('div', { class: 'segmented', role: 'group', 'aria-label': 'Colour by' });
   private readonly slider_inputs = new Map<string, { input: HTMLInputElement; value: HTMLElement; spec: Slider }>();
   private readonly slider_timers = new Map<string, number>();
+  private readonly changing: HTMLFieldSetElement[];
   private size_key = '';
   private hello: Hello | null = null;
   private scene: Scene | null = null;
@@ -99,9 +101,7 @@ export class Controls {
       ),
     );
 
-    this.element = h(
-      'aside',
-      { class: 'controls', 'aria-label': 'Controls' },
+    const changing = [
       group(
         'World',
         field('Soil', this.soil),
@@ -131,6 +131,13 @@ export class Controls {
         h('div', { class: 'row buttons' }, this.pause, this.step, this.record),
         h('div', { class: 'row' }, field('Speed', this.speed), this.record_file),
       ),
+    ];
+    this.changing = changing;
+    this.element = h(
+      'aside',
+      { class: 'controls', 'aria-label': 'Controls' },
+      this.look_on,
+      ...changing,
       group('Picture', this.colours, views),
     );
     this.setConnected(false);
@@ -138,6 +145,9 @@ export class Controls {
 
   setHello(hello: Hello): void {
     this.hello = hello;
+    this.look_on.hidden = !hello.read_only;
+    setText(this.look_on, hello.read_only ? 'Only to look at: the program was started with --read-only.' : '');
+    for (const fieldset of this.changing) fieldset.disabled = hello.read_only;
     this.soil.replaceChildren(
       h(
         'optgroup',
@@ -216,6 +226,12 @@ export class Controls {
     this.element.classList.toggle('offline', !connected);
   }
 
+  /** What is so, where a change was asked for and not made. */
+  showAgain(): void {
+    this.size_key = '';
+    if (this.scene) this.setScene(this.scene);
+  }
+
   togglePause(): void {
     this.act.ask({ do: this.status?.paused ? 'resume' : 'pause' });
   }
@@ -277,6 +293,7 @@ export class Controls {
                 ['diameter', tool.diameter_mm, (value) => ({ diameter_mm: value })],
                 ['thickness', tool.thickness_mm, (value) => ({ thickness_mm: value })],
               ];
+    const largest_mm = Math.round(1000 * Math.min(scene.box.width_m, scene.box.length_m));
     const key = JSON.stringify(tool);
     if (key === this.size_key) return;
     this.size_key = key;
@@ -288,7 +305,7 @@ export class Controls {
           type: 'number',
           name: `size-${name}`,
           min: 1,
-          max: 1000,
+          max: largest_mm,
           step: 1,
           value,
           'aria-label': `${name} in mm`,
@@ -366,7 +383,7 @@ function following(values: string[], now: string, by: number): string {
   return values[(at + by + values.length) % values.length] ?? now;
 }
 
-function group(title: string, ...children: HTMLElement[]): HTMLElement {
+function group(title: string, ...children: HTMLElement[]): HTMLFieldSetElement {
   return h('fieldset', { class: 'group' }, h('legend', {}, title), ...children);
 }
 

@@ -17,7 +17,7 @@ interface Question {
 }
 
 /** Asks; what is meant to be done needs the second button, and words where there is an input. */
-export function askFirst(question: Question, act: (words: string) => void): void {
+export function askFirst(question: Question, act: (words: string) => void, otherwise?: () => void): void {
   const { input } = question;
   const go_on = h('button', { type: 'submit', class: 'danger' }, question.go_on);
   const enable = (): void => {
@@ -54,6 +54,7 @@ export function askFirst(question: Question, act: (words: string) => void): void
   dialog.addEventListener('close', () => {
     dialog.remove();
     if (sure) act(input?.value.trim() ?? '');
+    else otherwise?.();
   });
   input?.addEventListener('input', enable);
   enable();

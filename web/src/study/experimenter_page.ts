@@ -1,7 +1,7 @@
 // The experimenter's page: the scene, how far the study is, what is shown, what was answered, and what can be done.
 
 import { publish } from '../automation';
-import { Connection, socketAddress } from '../connection';
+import { Connection } from '../connection';
 import { Hand } from '../hand/hand';
 import { PointerHand } from '../hand/pointer_hand';
 import { fixed, h, setText } from '../panels/html';
@@ -46,7 +46,7 @@ const FORCE: PlotSpec = {
 
 const REASONS = ['distracted', 'pressed the wrong key', 'did not touch the soil', 'trouble with the device'];
 
-export function openExperimenterPage(settings: Settings): void {
+export function openExperimenterPage(settings: Settings, address: string): void {
   const now = {
     hello: null as { client: number } | null,
     scene: null as Scene | null,
@@ -58,7 +58,7 @@ export function openExperimenterPage(settings: Settings): void {
   };
 
   const notices = new Notices(() => connection.retryNow());
-  const connection = new Connection(socketAddress(location), {
+  const connection = new Connection(address, {
     hello: (hello) => {
       now.hello = hello;
       force_plot.clear();

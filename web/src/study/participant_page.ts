@@ -1,7 +1,7 @@
 // The participant's page: one thing at a time, and nothing that tells what is shown.
 
 import { publish } from '../automation';
-import { Connection, socketAddress } from '../connection';
+import { Connection, NO_TOKEN } from '../connection';
 import { Hand } from '../hand/hand';
 import { KeyHand } from '../hand/key_hand';
 import { PointerHand } from '../hand/pointer_hand';
@@ -24,7 +24,7 @@ const CLOCK_INTERVAL_MS = 100;
 const OVER: Phase[] = ['finished', 'withdrawn'];
 const BESIDE_BLOCKS: Phase[] = ['waiting', 'consent', ...OVER];
 
-export function openParticipantPage(settings: Settings): void {
+export function openParticipantPage(settings: Settings, address: string): void {
   const now = {
     hello: null as { client: number } | null,
     scene: null as Scene | null,
@@ -37,7 +37,7 @@ export function openParticipantPage(settings: Settings): void {
   const countdown = new Countdown();
 
   const notices = new Notices(() => connection.retryNow());
-  const connection = new Connection(socketAddress(location), {
+  const connection = new Connection(address, {
     hello: (hello) => {
       now.hello = hello;
       join();
@@ -184,7 +184,7 @@ export function openParticipantPage(settings: Settings): void {
   }
 
   function onLink(connected: boolean, why: string | null): void {
-    notices.setLink(connected, why === null ? null : 'The connection is lost');
+    notices.setLink(connected, why === null || why === NO_TOKEN ? why : 'The connection is lost');
     page.classList.toggle('offline', !connected);
     if (connected) return;
     hand.drop();

@@ -38,7 +38,12 @@ const tell = (...words: string[]): string => execFileSync(executable, ['study', 
 
 /** Starts it and waits for the participant's address. */
 function lead(how: 'run' | 'resume', port: string): Promise<{ child: ChildProcess; address: string }> {
-  const child = spawn(executable, ['study', how, study(), '--port', port], { stdio: ['ignore', 'ignore', 'pipe'] });
+  // The same for every run, so that the page finds the program again.
+  const env = { ...process.env, HAPTOLITH_PARTICIPANT_TOKEN: 'the_same_one_in_all_runs' };
+  const child = spawn(executable, ['study', how, study(), '--port', port], {
+    env,
+    stdio: ['ignore', 'ignore', 'pipe'],
+  });
   running.push(child);
   return new Promise((resolve, reject) => {
     let said = '';

@@ -1,0 +1,22 @@
+// The token that the program printed with the address. It is kept for this tab only, so that the page can be loaded again,
+// and taken out of the address bar, where whoever stands by could read it, and out of the history.
+
+const KEY = 'haptolith.token';
+
+export function takeToken(
+  at: Pick<Location, 'href'>,
+  history: Pick<History, 'state' | 'replaceState'>,
+  storage: () => Pick<Storage, 'getItem' | 'setItem'>,
+): string | null {
+  const address = new URL(at.href);
+  const token = address.searchParams.get('token');
+  try {
+    if (token === null) return storage().getItem(KEY);
+    storage().setItem(KEY, token);
+  } catch {
+    return token; // storage can be forbidden: then the address stays as it is
+  }
+  address.searchParams.delete('token');
+  history.replaceState(history.state, '', address);
+  return token;
+}

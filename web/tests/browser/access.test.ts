@@ -1,0 +1,90 @@
+// Who may do what from the page: tokens, pages that only look on, and a person at a device.
+
+import type { Browser } from 'playwright-core';
+import { afterAll, afterEach, beforeAll, describe, expect, it } from 'vitest';
+import { MockServer, type MockOptions } from '../mock-server';
+import { MockStudy } from '../mock-study';
+import { launch, newPage, scene, type Watched } from './pages';
+
+let browser: Browser;
+const open: Watched[] = [];
+const servers: MockServer[] = [];
+
+async function visit(options: MockOptions, query = ''): Promise<Watched> {
+  const server = new MockServer(options);
+  servers.push(server);
+  const watched = await newPage(browser);
+  open.push(watched);
+  await watched.page.goto(`http://127.0.0.1:${await server.listen()}/${query}`);
+  return watched;
+}
+
+const connected = ({ page }: Watched) => page.waitForFunction(() => window.haptolith?.client != null);
+
+beforeAll(async () => {
+  browser = await launch();
+});
+
+afterEach(async () => {
+  for (const { page } of open.splice(0)) await page.close();
+  for (const server of servers.splice(0)) await server.close();
+});
+
+afterAll(async () => {
+  await browser?.close();
+});
+
+describe('access', () => {
+  it('takes the token out of the address, and finds the program again when the page is loaded again', async () => {
+    const watched = await visit({ token: 'a_long_secret_token' }, '?token=a_long_secret_token&view=top');
+    await connected(watched);
+    expect(watched.page.url()).toMatch(/\/\?view=top$/);
+    await watched.page.reload();
+    await connected(watched);
+    expect(watched.complaints).toEqual([]);
+  });
+
+  it.each(['', '?study=participant', '?study=experimenter'])(
+    'says what is missing without a token: %s',
+    async (query) => {
+      const { page } = await visit({ token: 'a_long_secret_token', study: new MockStudy() }, query);
+      await page.getByText('this address lacks the token').waitFor();
+    },
+  );
+
+  it('lets who may only look on change nothing, and says why', async () => {
+    const watched = await visit({ read_only: true });
+    await connected(watched);
+    const { page } = watched;
+    await page.getByText('the program was started with --read-only').waitFor();
+    for (const name of ['Soil', 'Body', 'Manoeuvre', 'Speed'])
+      expect(await page.getByLabel(name).isDisabled()).toBe(true);
+    for (const name of ['Reset', 'Level', 'Pause', 'Record'])
+      expect(await page.getByRole('button', { name, exact: true }).isDisabled()).toBe(true);
+    expect(await page.getByRole('button', { name: 'speed' }).isDisabled()).toBe(false); // a colour
+    await page.keyboard.press('PageUp');
+    await page.waitForTimeout(200);
+    expect(await page.evaluate(() => window.haptolith!.frame!.held)).toBe(false);
+    expect(await page.locator('.toast').count()).toBe(0);
+  });
+
+  it('asks before it changes what a person feels, once', async () => {
+    const watched = await visit({ person_feels: true });
+    await connected(watched);
+    const { page } = watched;
+    await page.waitForFunction(() => window.haptolith!.status?.person_feels);
+    const body = page.getByLabel('Body');
+    await body.selectOption('Mars');
+    await page.getByRole('button', { name: 'Cancel' }).click();
+    expect(await body.inputValue()).toBe('Moon');
+    expect((await scene(page)).body).toBe('Moon');
+    await body.selectOption('Mars');
+    await page.getByRole('heading', { name: 'A person is holding the device' }).waitFor();
+    await page.getByRole('button', { name: 'Change it' }).click();
+    await page.waitForFunction(() => window.haptolith!.scene!.body === 'Mars');
+    await page.getByLabel('Body').selectOption('Earth');
+    await page.waitForFunction(() => window.haptolith!.scene!.body === 'Earth');
+    expect(await page.locator('dialog[open]').count()).toBe(0);
+    expect(watched.complaints).toEqual([]);
+  });
+});
