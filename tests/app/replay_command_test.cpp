@@ -64,7 +64,7 @@ class ReplayCommand : public testing::Test {
   /// The rows of run.h5 as CSV: a number for each column's name.
   [[nodiscard]] std::vector<json> ticks() const {
     const ProgramResult result =
-        runHaptolith(fmt::format("export '{}' --format csv --out '{}'", file("run.h5"), file("run.csv")));
+        runHaptolith(fmt::format("export '{}' --format csv --overwrite --out '{}'", file("run.h5"), file("run.csv")));
     EXPECT_EQ(result.exit_status, 0) << result.errors;
     std::ifstream in(file("run.csv"));
     const auto cells = [](const std::string& line) {

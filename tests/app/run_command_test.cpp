@@ -202,9 +202,9 @@ TEST_F(RunCommand, CtrlCEndsAnEndlessRunWithItsSummary) {
 
 TEST_F(RunCommand, ARunCutShortHasFailedButKeepsWhatItHas) {
   for (const char* signal : {"INT", "TERM"}) {
-    const ProgramResult result =
-        runInShell(fmt::format("timeout --preserve-status -s {} 2 \"$HAPTOLITH\" run --duration-s 1000 --trace {}",
-                               signal, file("trace.csv")));
+    const ProgramResult result = runInShell(
+        fmt::format("timeout --preserve-status -s {} 2 \"$HAPTOLITH\" run --duration-s 1000 --overwrite --trace {}",
+                    signal, file("trace.csv")));
     EXPECT_EQ(result.exit_status, 1) << signal;
     EXPECT_THAT(result.errors, HasSubstr("interrupted after"));
     EXPECT_THAT(result.errors, HasSubstr("of 1000 s"));
