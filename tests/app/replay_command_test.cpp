@@ -165,14 +165,15 @@ TEST_F(ReplayCommand, ARunByTheClockUnderADeviceThatNobodyHoldsIsStaleThroughout
 }
 
 TEST_F(ReplayCommand, AFileIsOverwrittenOnlyWhenThatIsAskedFor) {
-  std::ofstream(file("run.h5")) << "the only copy";
   const std::string run =
       fmt::format("run --hand still --unpaced --no-serve --duration-s 0.05 --record '{}'", file("run.h5"));
+  ASSERT_EQ(runHaptolith(run).exit_status, 0);
+  const std::string only_copy = bytesOf(file("run.h5"));
   const ProgramResult refused = runHaptolith(run);
   EXPECT_EQ(refused.exit_status, 1);
   EXPECT_THAT(refused.errors, AllOf(HasSubstr(file("run.h5")), HasSubstr("exists already")));
   EXPECT_THAT(refused.output, IsEmpty());
-  EXPECT_EQ(bytesOf(file("run.h5")), "the only copy");
+  EXPECT_EQ(bytesOf(file("run.h5")), only_copy);
   EXPECT_THAT(files(), ElementsAre("run.h5"));
 
   EXPECT_EQ(runHaptolith(run + " --overwrite").exit_status, 0);

@@ -177,8 +177,9 @@ TEST_F(ReportPageTest, LeavesOutHeadingsWithoutContent) {
 
 TEST_F(ReportPageTest, IsSavedWhole) {
   const fs::path file = folder_ / "report.html";
-  saveReport(file, page());
-  EXPECT_EQ(textOf(file), reportHtml(page()));
+  const ReportPage report = page();
+  saveReport(file, report);
+  EXPECT_EQ(textOf(file), reportHtml(report));
 }
 
 TEST_F(ReportPageTest, SavesNothingWhenAFigureIsMissingOrOfAnotherKind) {

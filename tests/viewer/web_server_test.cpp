@@ -481,7 +481,9 @@ TEST(WebServerAddress, EachTokenIsAnEntranceOfItsOwn) {
     EXPECT_EQ(client.receive(), "hello");
     EXPECT_EQ(client.receive(), scene);
     events.clear();
-    server.takeEvents(events);
+    for (WebServer::Event event; server.takeEvent(event);) {
+      events.push_back(event);
+    }
     const auto joined = std::ranges::find(events, WebServer::Event::Kind::kJoined, &WebServer::Event::kind);
     ASSERT_NE(joined, events.end());
     EXPECT_EQ(joined->entrance, entrance);

@@ -92,7 +92,7 @@ double Passivity::deadBand(const Vec3& position_m) noexcept {
   }
   if (told_ == told_m_.size()) {
     const Vec3 third_m = position_m - 3 * told_m_[2] + 3 * told_m_[1] - told_m_[0];
-    noise_m2_ += (third_m.squaredNorm() / 60 - noise_m2_) * tick_s_ / kNoise_s;
+    noise_m2_ += (third_m.cwiseAbs2().maxCoeff() / 20 - noise_m2_) * tick_s_ / kNoise_s;
   } else {
     ++told_;
   }

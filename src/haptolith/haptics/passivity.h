@@ -102,7 +102,7 @@ class Passivity {
   double forgiven_j_, shaken_j_ = 0;
   std::array<Vec3, 3> told_m_;  ///< the last positions, oldest first
   std::size_t told_ = 0;
-  double noise_m2_ = 0;  ///< variance of positions about a smooth movement
+  double noise_m2_ = 0;  ///< variance of positions about a smooth movement, along the noisiest axis
 };
 
 }  // namespace haptolith

@@ -76,7 +76,7 @@ describe('access', () => {
     const body = page.getByLabel('Body');
     await body.selectOption('Mars');
     await page.getByRole('button', { name: 'Cancel' }).click();
-    expect(await body.inputValue()).toBe('Moon');
+    await page.waitForFunction((select) => (select as HTMLSelectElement).value === 'Moon', await body.elementHandle());
     expect((await scene(page)).body).toBe('Moon');
     await body.selectOption('Mars');
     await page.getByRole('heading', { name: 'A person is holding the device' }).waitFor();
