@@ -63,8 +63,8 @@ void addCommands(CLI::App& app) {
   addCompletionCommand(app);
 }
 
-/// The log on standard error, which waits for no terminal. Texts of files are in its messages: what a terminal would obey
-/// is taken out of them.
+/// The log on standard error, which waits for no terminal. Texts of files are in its messages: what a terminal would
+/// obey is taken out of them.
 class PostingSink final : public spdlog::sinks::base_sink<std::mutex> {
  protected:
   void sink_it_(const spdlog::details::log_msg& message) override {

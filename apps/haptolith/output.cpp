@@ -204,8 +204,9 @@ void StatusLine::update(std::string_view text) {
     return;
   }
   next_ns_ = monotonicNs() + kUpdateIntervalNs;
-  posted().post(fmt::format("{}{}{}{}", kEraseLine, coloured_ ? "\033[36m" : "", plainText(text), coloured_ ? "\033[0m" : ""),
-                true);
+  posted().post(
+      fmt::format("{}{}{}{}", kEraseLine, coloured_ ? "\033[36m" : "", plainText(text), coloured_ ? "\033[0m" : ""),
+      true);
 }
 
 }  // namespace haptolith

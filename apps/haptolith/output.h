@@ -16,8 +16,8 @@ void printJson(const nlohmann::ordered_json& object);
 /// colours stay). @throws Failure as printJson().
 void printText(std::string_view text);
 
-/// Prints `text` on standard error, like printText(), after what post() was given. Nobody can be told when that fails, so
-/// it never does.
+/// Prints `text` on standard error, like printText(), after what post() was given. Nobody can be told when that fails,
+/// so it never does.
 void printNotice(std::string_view text) noexcept;
 
 [[nodiscard]] bool isTerminal(int descriptor) noexcept;

@@ -44,14 +44,14 @@ constexpr std::string_view kSubprotocol = "haptolith.1";
 constexpr std::size_t kMostClients = 32;
 constexpr std::size_t kMostLeaving = 16;  // WebSockets that wait for the other side's farewell
 constexpr rlim_t kFilesForAll = 4096;
-constexpr std::size_t kFilesOfOthers = 256;       // clients, recordings and whatever the rest of the program opens
-constexpr std::size_t kLargestMessage = 16384;    // bytes, from a client: a form with long texts
-constexpr std::size_t kLargestHeader = 8192;      // bytes
-constexpr std::size_t kMostMessagesPerS = 250;    // from a client
+constexpr std::size_t kFilesOfOthers = 256;      // clients, recordings and whatever the rest of the program opens
+constexpr std::size_t kLargestMessage = 16384;   // bytes, from a client: a form with long texts
+constexpr std::size_t kLargestHeader = 8192;     // bytes
+constexpr std::size_t kMostMessagesPerS = 250;   // from a client
 constexpr std::size_t kMostBytesPerS = 131'072;  // from a client: eight of the largest messages, or 250 of usual ones
 constexpr std::size_t kMostBytesWaiting = 131'072;  // of a client
 constexpr std::size_t kMostEventsWaiting = 2048;    // of a client
-constexpr std::size_t kMostRepliesWaiting = 64;   // to a client
+constexpr std::size_t kMostRepliesWaiting = 64;     // to a client
 constexpr double kMostGuesses = 20;  // wrong tokens at once, from a network; a page that comes back with an old one
 constexpr double kGuessesPerS = 1;   // after that
 constexpr std::size_t kMostGuessing = 1024;  // networks that are remembered
@@ -191,7 +191,7 @@ class WebServer::Implementation {
   bool push(Event event);
   void forget(std::uint32_t client);
 
-  bool ends = false;  // outlives io, which destroys the clients that are left
+  bool ends = false;       // outlives io, which destroys the clients that are left
   bool accepting = false;  ///< or about to, after a pause
   std::size_t most_asking = 0, most_served = 0;
   Crowd asking, served;                                    // of the server's thread, as is what follows
