@@ -647,17 +647,17 @@ bool WebServer::Implementation::mayGuess(const std::string& network, bool wrong)
     return true;
   }
   const auto now = std::chrono::steady_clock::now();
-  const auto leftOf = [now](const Guesses& some) {
+  const auto left_of = [now](const Guesses& some) {
     return std::min(kMostGuesses, some.left + kGuessesPerS * std::chrono::duration<double>(now - some.at).count());
   };
   if (guesses.size() >= kMostGuessing && !guesses.contains(network)) {
-    std::erase_if(guesses, [&](const auto& some) { return leftOf(some.second) >= kMostGuesses; });
+    std::erase_if(guesses, [&](const auto& some) { return left_of(some.second) >= kMostGuesses; });
     if (guesses.size() >= kMostGuessing) {
       return false;
     }
   }
   Guesses& some = guesses[network];
-  some = {leftOf(some), now};
+  some = {left_of(some), now};
   if (some.left < 1) {
     return false;  // a right one would tell that it is
   }
