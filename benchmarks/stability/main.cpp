@@ -2,6 +2,10 @@
 // the passivity controller. CSV on stdout, a summary on stderr.
 //
 //     build/release/benchmarks/haptolith_stability --figure docs/images/stability.svg > stability.csv
+//
+// and of devices whose delay, steps and noise nobody has declared, with light hands and the default settings:
+//
+//     build/release/benchmarks/haptolith_stability --unknown > unknown.csv
 
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
@@ -15,6 +19,7 @@
 
 #include "haptolith/figure/figure.h"
 #include "haptolith/lab/in_parallel.h"
+#include "haptolith/scenario/scenario.h"
 #include "haptolith/soil/bodies.h"
 #include "haptolith/soil/presets.h"
 
@@ -202,13 +207,95 @@ unset multiplot)",
   figure.save();
 }
 
+/// What stands behind the network device for all that anybody knows: see NetworkDevice::limits().
+constexpr int kAssumedDelay_ticks = 10;
+constexpr double kAssumedResolution_m = 1e-4;
+
+struct UnknownCell {
+  const Scenario* scenario = nullptr;
+  const std::vector<Vec3>* centres_m = nullptr;
+  StabilityCase setting;
+  StabilityResult result, without;
+};
+
+/// 3 soils, 5 hands, 5 delays, 3 steps, 2 noises, at a handle of 0.1 kg.
+int unknownDevices(int threads) {
+  const std::vector<Scenario> scenes{
+      loadScenarioText("title = \"P3, Moon\"", "A"),
+      loadScenarioText("title = \"P6, Earth, pairwise\"\n[soil]\npreset = \"P6\"\nfriction = \"pairwise\"\n"
+                       "stiffness_n_m = 3000\n[gravity]\nbody = \"Earth\"\n[bed]\nstart = \"rain\"",
+                       "B"),
+      loadScenarioText("title = \"apollo-15-srp\"\n[soil]\nname = \"apollo-15-srp\"", "C")};
+  std::vector<std::vector<Vec3>> centres_m(scenes.size());
+  inParallel(scenes.size(), threads, [&](std::size_t i) { centres_m[i] = settled(scenes[i].bed); });
+  std::vector<HoldingHand> hands(std::begin(kLightHands), std::end(kLightHands));
+  hands.push_back(kNoHand);
+  std::vector<UnknownCell> cells;
+  for (std::size_t i = 0; i < scenes.size(); ++i) {
+    for (const HoldingHand& hand : hands) {
+      for (const int delay : {0, 1, 2, 5, 10}) {
+        for (const double step_m : {0.0, 2e-5, 6e-5}) {
+          for (const double noise_m : {0.0, 1e-4}) {
+            StabilityCase setting;
+            setting.hand = hand;
+            setting.handle_kg = 0.1;
+            setting.delay_ticks = delay;
+            setting.declared_ticks = kAssumedDelay_ticks;
+            setting.step_m = step_m;
+            setting.noise_m = noise_m;
+            setting.resolution_m = kAssumedResolution_m;
+            setting.coupling = CouplingKind::kVirtual;
+            cells.push_back({&scenes[i], &centres_m[i], setting, {}, {}});
+          }
+        }
+      }
+    }
+  }
+  inParallel(cells.size(), threads, [&cells](std::size_t i) {
+    UnknownCell& cell = cells[i];
+    StabilityCase setting = cell.setting;
+    cell.result = measureStability(cell.scenario->bed, *cell.centres_m, setting, cell.scenario->tool);
+    setting.passivity = false;
+    cell.without = measureStability(cell.scenario->bed, *cell.centres_m, setting, cell.scenario->tool);
+  });
+  fmt::print(
+      "soil,hand,delay_ms,step_mm,noise_mm,injected_mj,vibration_mm,vibration_before_mm,held_n,held_without_n\n");
+  double injected_j = 0, vibration_m = 0, left_exact = 1, left_steps = 1;
+  for (const UnknownCell& cell : cells) {
+    const StabilityCase& setting = cell.setting;
+    const StabilityResult& result = cell.result;
+    fmt::print("\"{}\",\"{}\",{},{:g},{:g},{:.4g},{:.4g},{:.4g},{:.4g},{:.4g}\n", cell.scenario->title,
+               setting.hand.name, setting.delay_ticks, 1e3 * setting.step_m, 1e3 * setting.noise_m,
+               1e3 * result.injected_j, 1e3 * result.vibration_m, 1e3 * result.vibration_before_m, result.held_n,
+               cell.without.held_n);
+    injected_j = std::max(injected_j, result.injected_j);
+    vibration_m = std::max(vibration_m, result.vibration_m);
+    if (setting.hand.name == std::string_view(kLightHands[0].name) && setting.delay_ticks == 0 &&
+        setting.noise_m == 0) {
+      double& left = setting.step_m == 0 ? left_exact : left_steps;
+      left = std::min(left, result.held_n / cell.without.held_n);
+    }
+  }
+  fmt::print(
+      stderr,
+      "{} settings: at most {:.3g} mJ given to the hand and {:.3g} mm of vibration; a stiff hand without delay keeps "
+      "{:.3g} of the force, in steps {:.3g}\n",
+      cells.size(), 1e3 * injected_j, 1e3 * vibration_m, left_exact, left_steps);
+  return 0;
+}
+
 int sweep(int argc, char** argv) {
   CLI::App app("A simulated hand at a simulated device in soil: what becomes of energy, cell by cell, as CSV.");
   std::string figure;
   int threads = 2;
   app.add_option("--figure", figure, "draw the cells into this .svg or .png file");
   app.add_option("--threads", threads, "cells at a time")->check(CLI::Range(1, 256))->capture_default_str();
+  bool unknown = false;
+  app.add_flag("--unknown", unknown, "devices that nobody has measured, instead of the sweep");
   CLI11_PARSE(app, argc, argv);
+  if (unknown) {
+    return unknownDevices(threads);
+  }
   const std::vector<Soil> beds = soils(threads);
   std::vector<Cell> cells = cellsOf(beds);
   inParallel(cells.size(), threads, [&cells](std::size_t i) {
