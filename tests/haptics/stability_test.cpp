@@ -69,7 +69,7 @@ class UnknownDevice : public Stability {
 };
 
 TEST_P(UnknownDevice, GivesAHandNoEnergyWhateverItsDelayStepsAndNoise) {
-  for (const int delay : {0, 2, 5, 10}) {
+  for (const int delay : {0, 10}) {  // benchmarks/stability --unknown has the others
     for (const double noise_m : {0.0, 1e-4}) {
       const StabilityResult result = measure(unknown(delay, 6e-5, noise_m));
       EXPECT_LT(result.injected_j, kHarmless_j) << delay << " ms, noise of " << noise_m;
