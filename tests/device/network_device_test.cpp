@@ -391,7 +391,8 @@ TEST(NetworkDeviceWithAKey, LettingGoIsSignedToo) {
 }
 
 TEST(NetworkDeviceWithAKey, RefusesAKeyThatIsNone) {
-  for (const std::string key : {"1234", "(empty)", "zz", std::string(64, 'g').c_str(), std::string(66, 'a').c_str()}) {
+  for (const std::string& key :
+       std::vector<std::string>{"1234", "(empty)", "zz", std::string(64, 'g'), std::string(66, 'a')}) {
     DeviceParameters parameters = kAnyPort;
     parameters.key = key;
     try {
