@@ -106,8 +106,8 @@ class Posted {
 };
 
 Posted& posted() {
-  static Posted kPosted;
-  return kPosted;
+  static Posted messages;
+  return messages;
 }
 
 constexpr std::int64_t kUpdateIntervalNs = 100'000'000;
@@ -152,10 +152,10 @@ std::string forTerminal(std::string_view text) {
 
 }  // namespace
 
-void printText(std::string_view given) {
+void printText(std::string_view text) {
   printPosted();
-  const std::string text = forTerminal(given);
-  if (std::fwrite(text.data(), 1, text.size(), stdout) != text.size() || std::fflush(stdout) != 0) {
+  const std::string harmless = forTerminal(text);
+  if (std::fwrite(harmless.data(), 1, harmless.size(), stdout) != harmless.size() || std::fflush(stdout) != 0) {
     throw Failure(fmt::format("cannot write to standard output: {}", std::strerror(errno)));
   }
 }
