@@ -117,6 +117,7 @@ TEST(Blade, IsDrawnBesideTheEquation) {
   blade.draft_n = 2.1;
   blade.earthmoving_draft_n = 1.9;
   const auto file = std::filesystem::path(testing::TempDir()) / "blade.svg";
+  std::filesystem::remove(file);  // of an earlier run
   drawBlade(file, blade);
   std::ifstream stream(file);
   const std::string svg{std::istreambuf_iterator<char>(stream), {}};

@@ -134,6 +134,7 @@ TEST(Plate, IsDrawnBesideWhatWasMeasured) {
   plate.area_m2 = 0.0028;
   plate.fit = {.modulus = 1e6, .exponent = 1.2};
   const auto file = std::filesystem::path(testing::TempDir()) / "plate.svg";
+  std::filesystem::remove(file);  // of an earlier run
   drawPlate(file, plate, {{"run 1", {{0, 0}, {0.01, 11}}}});
   std::ifstream stream(file);
   const std::string svg{std::istreambuf_iterator<char>(stream), {}};
