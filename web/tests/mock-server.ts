@@ -258,7 +258,7 @@ export class MockServer {
     }
     const refused = study?.refuse(client.number, command) ?? null;
     if (refused !== null) return refused;
-    if (this.options.read_only && command.do !== 'colour') return 'who looks on changes nothing here';
+    if (this.options.read_only && command.do !== 'colour') return 'viewers cannot change anything';
     if (isFeltChange(command) && this.options.person_feels && !command.confirmed)
       return 'confirmed = not true is not valid: must be true while a person holds the device (a handle)';
     switch (command.do) {

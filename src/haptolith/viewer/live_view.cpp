@@ -112,7 +112,7 @@ std::string LiveView::answer(std::uint32_t client, const ClientMessage& message,
 std::string LiveView::refusal(std::uint32_t client, const ClientMessage& message) const {
   const Command& asked = *message.command;
   if (clients_ == Clients::kLookOn && !std::holds_alternative<command::Colour>(asked)) {
-    return "who looks on changes nothing here: the program was started with --read-only";
+    return "viewers cannot change anything: the program was started with --read-only";
   }
   if (std::string refused = guest_.refuse ? guest_.refuse(client, asked) : ""; !refused.empty()) {
     return refused;
