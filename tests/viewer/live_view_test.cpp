@@ -66,6 +66,8 @@ class LiveViewTest : public testing::Test {
   explicit LiveViewTest(bool has_guest = false, LiveView::Clients clients = LiveView::Clients::kCommand,
                         std::unique_ptr<HapticDevice> device = nullptr) {
     Scenario scenario;
+    scenario.handling.safety.heartbeat_s = 1;  // a busy machine is no reason to let go of a hand here
+    scenario.handling.safety.most_misses = 1000;
     scenario.hand.manoeuvre = Manoeuvre::kStill;
     scenario.loop.paced = false;
     session_ = std::make_unique<Session>(scenario, false, SettleProgress{}, std::move(device));
