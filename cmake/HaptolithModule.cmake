@@ -17,6 +17,24 @@ if(HAPTOLITH_SANITIZE)
   endif()
 endif()
 
+# haptolith_precompile(tests LIBRARIES fmt::fmt HEADERS <vector>): headers that most sources of a kind include, compiled once.
+# haptolith_precompiled(test_core tests): a target of that kind. What a source needs it still includes: clang-tidy knows of none.
+option(HAPTOLITH_PRECOMPILED_HEADERS "Compile headers that most sources include once" ON)
+file(GENERATE OUTPUT ${PROJECT_BINARY_DIR}/empty.cpp CONTENT "// For targets that only precompile headers.\n")
+function(haptolith_precompile kind)
+  cmake_parse_arguments(ARG "" "" "LIBRARIES;HEADERS" ${ARGN})
+  add_library(haptolith_precompiled_${kind} OBJECT ${PROJECT_BINARY_DIR}/empty.cpp)
+  target_link_libraries(haptolith_precompiled_${kind} PRIVATE haptolith_flags ${ARG_LIBRARIES})
+  target_precompile_headers(haptolith_precompiled_${kind} PRIVATE ${ARG_HEADERS})
+  # So that ccache finds them again in another checkout.
+  target_compile_options(haptolith_precompiled_${kind} PRIVATE $<$<CXX_COMPILER_ID:GNU>:-fpch-preprocess>)
+endfunction()
+function(haptolith_precompiled target kind)
+  if(HAPTOLITH_PRECOMPILED_HEADERS)
+    target_precompile_headers(${target} REUSE_FROM haptolith_precompiled_${kind})
+  endif()
+endfunction()
+
 # haptolith_module(soil SOURCES a.cpp b.cpp DEPENDS core LIBRARIES PkgConfig::nlopt)
 # DEPENDS names folders that stand above this one (docs/architecture.md); LIBRARIES are external and stay private.
 function(haptolith_module name)
@@ -27,6 +45,7 @@ function(haptolith_module name)
   target_link_libraries(haptolith_${name}
     PUBLIC haptolith_flags ${ARG_DEPENDS} ${ARG_PUBLIC_LIBRARIES}
     PRIVATE ${ARG_LIBRARIES})
+  haptolith_precompiled(haptolith_${name} library)
 endfunction()
 
 # haptolith_embed_toml(soils built_in_soils.cpp HEADER haptolith/... TYPE BuiltInSoil FUNCTION builtInSoils)

@@ -11,6 +11,8 @@
 #include <string>
 #include <vector>
 
+#include "source_dir.h"
+
 namespace haptolith {
 namespace {
 
@@ -76,7 +78,7 @@ std::vector<std::string> violationsIn(const std::string& folder, const std::stri
 }
 
 TEST(Architecture, NoFolderIncludesUpwards) {
-  const fs::path root = fs::path(HAPTOLITH_SOURCE_DIR) / "src" / "haptolith";
+  const fs::path root = sourceDir() / "src" / "haptolith";
   std::vector<std::string> found;
   int files = 0;
   for (const fs::directory_entry& entry : fs::recursive_directory_iterator(root)) {

@@ -1,6 +1,7 @@
 #include "export_command.h"
 
 #include <fmt/format.h>
+#include <spdlog/spdlog.h>
 
 #include <algorithm>
 #include <cstdint>
@@ -232,6 +233,12 @@ void exportRecording(const ExportOptions& options) {
     exportXdmf(recording, options);
   } else {
     exportVtk(recording, options);
+  }
+  if (recording.missingTicks() > 0) {
+    spdlog::warn(
+        "{} lacks {} ticks that the disk or the machine was too slow for; the numbers of those before and after tell "
+        "where",
+        options.file, recording.missingTicks());
   }
 }
 

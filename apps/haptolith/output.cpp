@@ -20,6 +20,7 @@
 #include "haptolith/core/clock.h"
 #include "haptolith/core/error.h"
 #include "haptolith/core/plain_text.h"
+#include "haptolith/core/start_thread.h"
 
 namespace haptolith {
 
@@ -49,7 +50,7 @@ class Posted {
     bytes_ += text.size();
     waiting_.push_back({std::move(text), is_line});
     if (!thread_.joinable()) {
-      thread_ = std::thread([this] { print(); });
+      thread_ = startThread("the terminal", [this] { print(); });
     }
     changed_.notify_all();
   }

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <chrono>
 
+#include "haptolith/core/start_thread.h"
+
 namespace haptolith {
 
 namespace {
@@ -16,7 +18,7 @@ constexpr std::size_t kMostKept = 30'000;
 
 RecordTaker::RecordTaker(HapticLoop& loop, Recording& recording, Keep keep, bool paced)
     : loop_(loop), recording_(recording), keeps_(keep == Keep::kForTake), paced_(paced) {
-  thread_ = std::thread([this] {
+  thread_ = startThread("taking what is recorded", [this] {
     while (!ends_) {
       {
         const std::lock_guard lock(mutex_);

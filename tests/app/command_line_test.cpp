@@ -6,6 +6,7 @@
 #include <fstream>
 #include <string>
 
+#include "../source_dir.h"
 #include "program.h"
 
 namespace haptolith {
@@ -72,7 +73,7 @@ TEST(Run, ASceneThatIsWrongIsAUsageErrorWithItsLine) {
 }
 
 TEST(Run, EveryShippedSceneRuns) {
-  for (const auto& entry : std::filesystem::directory_iterator(HAPTOLITH_SOURCE_DIR "/scenarios")) {
+  for (const auto& entry : std::filesystem::directory_iterator(sourceDir() / "scenarios")) {
     if (entry.path().extension() == ".toml") {
       const ProgramResult result = runHaptolith("run '" + entry.path().string() + "' --unpaced --duration-s 0.05");
       EXPECT_EQ(result.exit_status, 0) << entry.path() << ": " << result.errors;
@@ -100,9 +101,10 @@ TEST(StandardOutput, AClosedPipeIsAFailure) {
 
 /// What bash offers after `words`, which are words of a bash array; the last is the one under the cursor.
 std::string bashOffers(const std::string& words) {
-  return runHaptolith("completion bash > /dev/null; bash -c 'source <(\"" HAPTOLITH_EXECUTABLE
-                      "\" completion bash); COMP_WORDS=(haptolith " +
-                      words + "); COMP_CWORD=$((${#COMP_WORDS[@]} - 1)); _haptolith; echo \"${COMPREPLY[*]}\"'")
+  return runHaptolith(
+             "completion bash > /dev/null; bash -c 'source <(\"$HAPTOLITH\" completion bash);"
+             " COMP_WORDS=(haptolith " +
+             words + "); COMP_CWORD=$((${#COMP_WORDS[@]} - 1)); _haptolith; echo \"${COMPREPLY[*]}\"'")
       .output;
 }
 

@@ -31,7 +31,7 @@ class ExportCommand : public testing::Test {
 
   void makeRecording(int ticks, int particles) const {
     ASSERT_EQ(
-        runInShell(fmt::format("'{}' make '{}' {} {}", RECORDING_HELPER, file("run.h5"), ticks, particles)).exit_status,
+        runInShell(fmt::format("\"$RECORDING_HELPER\" make '{}' {} {}", file("run.h5"), ticks, particles)).exit_status,
         0);
   }
 
@@ -54,6 +54,15 @@ class ExportCommand : public testing::Test {
 
   fs::path folder_;
 };
+
+TEST_F(ExportCommand, TicksThatAreMissingAreTold) {
+  makeRecording(500, 10);
+  EXPECT_THAT(runHaptolith("export --format csv " + file("run.h5")).errors, testing::IsEmpty());
+  expectTrueInPython("import h5py; h5py.File('run.h5', 'r+').attrs['missing_ticks'] = 100");
+  const ProgramResult told = runHaptolith("export --overwrite --format csv " + file("run.h5"));
+  EXPECT_EQ(told.exit_status, 0);
+  EXPECT_THAT(told.errors, HasSubstr("lacks 100 ticks"));
+}
 
 TEST_F(ExportCommand, PandasFindsTheSameNumbersInCsvAndHdf5) {
   makeRecording(5000, 10);
@@ -134,7 +143,7 @@ for each, row in zip(sets, rows):
 }
 
 TEST_F(ExportCommand, AnUnfinishedRecordingIsExportedToo) {
-  runInShell(fmt::format("timeout -s KILL 1 '{}' record '{}'", RECORDING_HELPER, file("run.h5")));
+  runInShell(fmt::format("timeout -s KILL 1 \"$RECORDING_HELPER\" record '{}'", file("run.h5")));
   EXPECT_EQ(runHaptolith("export --format csv " + file("run.h5")).exit_status, 0);
   EXPECT_EQ(runHaptolith("export --format vtk " + file("run.h5")).exit_status, 0);
   const ProgramResult xdmf = runHaptolith("export --format xdmf " + file("run.h5"));

@@ -15,7 +15,8 @@ struct ProgramResult {
 /// (`run > /dev/full`).
 ProgramResult runHaptolith(const std::string& arguments);
 
-/// Runs a shell command in which "$HAPTOLITH" stands for the program: for signals, limits and pipes.
+/// Runs a shell command in which "$HAPTOLITH" stands for the program and "$RECORDING_HELPER" for tests/recording's: for
+/// signals, limits and pipes.
 ProgramResult runInShell(const std::string& command);
 
 }  // namespace haptolith

@@ -10,6 +10,7 @@
 #include <string>
 #include <vector>
 
+#include "../source_dir.h"
 #include "program.h"
 
 namespace haptolith {
@@ -102,7 +103,7 @@ TEST_F(RunCommand, ASoilIsFoundByItsNameFromAnyFolder) {
 
 TEST_F(RunCommand, ASoilMayComeFromAFileAndReplacesTheScenes) {
   const ProgramResult copied = runInShell(fmt::format(
-      "sed 's/^name = .*/name = \"mine\"/' '{}/soils/lhs-1.toml' > '{}'", HAPTOLITH_SOURCE_DIR, file("mine.toml")));
+      "sed 's/^name = .*/name = \"mine\"/' '{}/soils/lhs-1.toml' > '{}'", sourceDir().string(), file("mine.toml")));
   ASSERT_EQ(copied.exit_status, 0);
   const std::string brief = "--unpaced --duration-s 0.05 ";
   EXPECT_EQ(summaryOf(brief + "--soil " + file("mine.toml"))["soil"], "mine");
@@ -169,7 +170,7 @@ TEST_F(RunCommand, FigureIsDrawn) {
 // The plate's movement is real (scenarios/plate-in-sand.csv); the bed's answer must be force that grows with sinkage.
 TEST_F(RunCommand, PlateWithARecordedMovementFeelsForceThatGrowsWithSinkage) {
   summaryOf(
-      fmt::format("--unpaced --trace {} {}/scenarios/plate-in-sand.toml", file("plate.csv"), HAPTOLITH_SOURCE_DIR));
+      fmt::format("--unpaced --trace {} {}/scenarios/plate-in-sand.toml", file("plate.csv"), sourceDir().string()));
   constexpr double kStartHeight_m = 0.117188 + 0.0025;  // of the plate's centre at no sinkage
   std::vector<double> sum(4), count(4);                 // in bins of 9 mm of sinkage
   const auto rows = readCsv(file("plate.csv"));

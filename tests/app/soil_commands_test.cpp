@@ -1,14 +1,14 @@
 #include <gmock/gmock.h>
 #include <nlohmann/json.hpp>
-#include <sys/wait.h>
 #include <unistd.h>
 
 #include <algorithm>
-#include <cstdio>
 #include <filesystem>
 #include <fstream>
 #include <sstream>
 #include <string>
+
+#include "program.h"
 
 // The program as its users meet it: arguments in; stdout, stderr and the exit status out.
 
@@ -20,11 +20,6 @@ using nlohmann::json;
 using testing::HasSubstr;
 using testing::IsEmpty;
 
-struct Answer {
-  int status = 0;
-  std::string out, err;
-};
-
 class SoilCommands : public testing::Test {
  protected:
   SoilCommands() { fs::create_directories(folder_); }
@@ -35,23 +30,17 @@ class SoilCommands : public testing::Test {
     text << std::ifstream(path, std::ios::binary).rdbuf();
     return text.str();
   }
-  Answer run(const std::string& arguments) const {
-    const std::string command = "\"" HAPTOLITH_EXECUTABLE "\" " + arguments + " >" + (folder_ / "out").string() +
-                                " 2>" + (folder_ / "err").string();
-    const int status = std::system(command.c_str());
-    return {WEXITSTATUS(status), textOf(folder_ / "out"), textOf(folder_ / "err")};
+  static json runJson(const std::string& arguments) {
+    const ProgramResult answer = runHaptolith(arguments + " --json");
+    EXPECT_EQ(answer.exit_status, 0) << answer.errors;
+    EXPECT_THAT(answer.errors, IsEmpty());
+    return json::parse(answer.output);
   }
-  json runJson(const std::string& arguments) const {
-    const Answer answer = run(arguments + " --json");
-    EXPECT_EQ(answer.status, 0) << answer.err;
-    EXPECT_THAT(answer.err, IsEmpty());
-    return json::parse(answer.out);
-  }
-  void expectWrongUse(const std::string& arguments, const std::string& words) const {
-    const Answer answer = run(arguments);
-    EXPECT_EQ(answer.status, 2) << arguments;
-    EXPECT_THAT(answer.out, IsEmpty()) << arguments;
-    EXPECT_THAT(answer.err, HasSubstr(words)) << arguments;
+  static void expectWrongUse(const std::string& arguments, const std::string& words) {
+    const ProgramResult answer = runHaptolith(arguments);
+    EXPECT_EQ(answer.exit_status, 2) << arguments;
+    EXPECT_THAT(answer.output, IsEmpty()) << arguments;
+    EXPECT_THAT(answer.errors, HasSubstr(words)) << arguments;
   }
 
   const fs::path folder_ = fs::temp_directory_path() / ("haptolith-soil-commands-test-" + std::to_string(getpid()));
@@ -97,7 +86,7 @@ TEST_F(SoilCommands, ProfileOfNumbersIsThatOfThePresetWithTheSameNumbers) {
 TEST_F(SoilCommands, ProfileOfSoilTooDenseToCompactHasNoCohesion) {
   const std::string soil = "soil profile --gamma-nm 4e-5 --rho0-kg-m3 2000 --rho-max-kg-m3 2600 --mu-hat 0.3";
   EXPECT_TRUE(runJson(soil)["cohesion_pa"].is_null());
-  EXPECT_THAT(run(soil).out, HasSubstr("cohesion undefined"));
+  EXPECT_THAT(runHaptolith(soil).output, HasSubstr("cohesion undefined"));
 }
 
 TEST_F(SoilCommands, ProfileDrawsFigures) {
@@ -105,21 +94,22 @@ TEST_F(SoilCommands, ProfileDrawsFigures) {
                            "--gamma-nm 4e-5 --rho0-kg-m3 1330 --rho-max-kg-m3 1824 --mu-hat 0.342"}) {
     const fs::path figure = folder_ / "figure.svg";
     fs::remove(figure);
-    const Answer answer = run(std::string("soil profile --figure ") + figure.string() + " " + soil);
-    EXPECT_EQ(answer.status, 0) << answer.err;
+    const ProgramResult answer = runHaptolith(std::string("soil profile --figure ") + figure.string() + " " + soil);
+    EXPECT_EQ(answer.exit_status, 0) << answer.errors;
     EXPECT_THAT(textOf(figure), HasSubstr("lunar law"));
   }
 }
 
 TEST_F(SoilCommands, TextIsForPeople) {
-  const Answer answer = run("soil profile --preset P3");
-  EXPECT_EQ(answer.status, 0);
-  EXPECT_THAT(answer.out, HasSubstr("Soil P3 (Moon, gravity 1.625 m/s², R = 7 mm, k infinite)"));
-  EXPECT_THAT(answer.out, HasSubstr("1500 ± 50   1501"));
-  EXPECT_THAT(run("soil calibrate --friction-coefficient 0.9 --cohesion-pa 970").out, HasSubstr("1580 ± 50"));
-  EXPECT_THAT(run("soil calibrate --friction-coefficient 0.9 --cohesion-pa 970 --body Earth").out,
+  const ProgramResult answer = runHaptolith("soil profile --preset P3");
+  EXPECT_EQ(answer.exit_status, 0);
+  EXPECT_THAT(answer.output, HasSubstr("Soil P3 (Moon, gravity 1.625 m/s², R = 7 mm, k infinite)"));
+  EXPECT_THAT(answer.output, HasSubstr("1500 ± 50   1501"));
+  EXPECT_THAT(runHaptolith("soil calibrate --friction-coefficient 0.9 --cohesion-pa 970").output,
+              HasSubstr("1580 ± 50"));
+  EXPECT_THAT(runHaptolith("soil calibrate --friction-coefficient 0.9 --cohesion-pa 970 --body Earth").output,
               HasSubstr("outside the measurement"));
-  EXPECT_THAT(run("soil presets").out, HasSubstr("P6"));
+  EXPECT_THAT(runHaptolith("soil presets").output, HasSubstr("P6"));
 }
 
 TEST_F(SoilCommands, WrongUseOfProfileIsToldAndHasStatusTwo) {
@@ -139,10 +129,10 @@ TEST_F(SoilCommands, WrongUseOfProfileIsToldAndHasStatusTwo) {
 }
 
 TEST_F(SoilCommands, SoilThatCannotCarryItselfIsAFailure) {
-  const Answer answer = run("soil profile --preset P3 --body Earth --stiffness-n-m 100 --json");
-  EXPECT_EQ(answer.status, 1);
-  EXPECT_THAT(answer.out, IsEmpty());
-  EXPECT_THAT(answer.err, HasSubstr("larger stiffness_n_m"));
+  const ProgramResult answer = runHaptolith("soil profile --preset P3 --body Earth --stiffness-n-m 100 --json");
+  EXPECT_EQ(answer.exit_status, 1);
+  EXPECT_THAT(answer.output, IsEmpty());
+  EXPECT_THAT(answer.errors, HasSubstr("larger stiffness_n_m"));
 }
 
 TEST_F(SoilCommands, CalibrateGivesASoilThatProfileConfirms) {
@@ -185,16 +175,16 @@ TEST_F(SoilCommands, ListTellsWhatWasMeasuredOfTheNamedSoils) {
   EXPECT_EQ((*soil)["cohesion_pa"], 425);
   EXPECT_EQ((*soil)["friction"], "pairwise");
   EXPECT_THAT((*soil)["source"], HasSubstr("Surveyor III"));
-  const Answer text = run("soil list");
-  EXPECT_EQ(text.status, 0);
-  EXPECT_THAT(text.out, HasSubstr("lunar-0-15cm             1500     42.0        520   Lunar Sourcebook"));
+  const ProgramResult text = runHaptolith("soil list");
+  EXPECT_EQ(text.exit_status, 0);
+  EXPECT_THAT(text.output, HasSubstr("lunar-0-15cm             1500     42.0        520   Lunar Sourcebook"));
 }
 
 TEST_F(SoilCommands, EveryCommandExplainsItselfWithAnExample) {
   for (const char* command : {"soil", "soil profile", "soil calibrate", "soil presets", "soil list"}) {
-    const Answer answer = run(std::string(command) + " --help");
-    EXPECT_EQ(answer.status, 0);
-    EXPECT_THAT(answer.out, HasSubstr("  haptolith soil ")) << command;
+    const ProgramResult answer = runHaptolith(std::string(command) + " --help");
+    EXPECT_EQ(answer.exit_status, 0);
+    EXPECT_THAT(answer.output, HasSubstr("  haptolith soil ")) << command;
   }
 }
 

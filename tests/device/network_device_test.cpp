@@ -24,6 +24,7 @@
 #include "haptolith/core/clock.h"
 #include "haptolith/core/error.h"
 
+#include "../source_dir.h"
 #include "udp_client.h"
 
 namespace haptolith {
@@ -667,7 +668,7 @@ TEST_P(PythonsExample, LeadsTheToolInACircleAndFeelsIt) {
   std::ofstream(key_file) << kKey << '\n';
   NetworkDevice device(GetParam() ? withKey() : kAnyPort, kPatient);
   const Descriptor words = temporaryFile();
-  std::vector<std::string> arguments{"python3",     HAPTOLITH_SOURCE_DIR "/examples/network_device.py",
+  std::vector<std::string> arguments{"python3",     (sourceDir() / "examples/network_device.py").string(),
                                      "--address",   "127.0.0.1:" + std::to_string(device.port()),
                                      "--seconds",   "1",
                                      "--period-s",  "0.5",

@@ -10,11 +10,13 @@
 #include <string>
 #include <vector>
 
+#include "../source_dir.h"
+
 namespace haptolith {
 
 /// The rows of numbers in tests/data/`name`; comments and the line of column names are left out.
 inline std::vector<std::vector<double>> csvRows(const std::string& name) {
-  std::ifstream file(std::filesystem::path(HAPTOLITH_SOURCE_DIR) / "tests" / "data" / name);
+  std::ifstream file(sourceDir() / "tests" / "data" / name);
   EXPECT_TRUE(file) << name;
   std::vector<std::vector<double>> rows;
   std::string line;

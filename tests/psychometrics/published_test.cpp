@@ -12,12 +12,14 @@
 
 #include "haptolith/psychometrics/fit.h"
 
+#include "../source_dir.h"
+
 namespace haptolith {
 namespace {
 
 /// The cases of tests/data/`name`, whose columns are case,x,k,n.
 std::map<std::string, std::vector<Level>> casesIn(const std::string& name) {
-  std::ifstream file(std::filesystem::path(HAPTOLITH_SOURCE_DIR) / "tests" / "data" / name);
+  std::ifstream file(sourceDir() / "tests" / "data" / name);
   EXPECT_TRUE(file) << name;
   std::map<std::string, std::vector<Level>> cases;
   std::string line;

@@ -9,6 +9,8 @@
 #include "haptolith/scenario/scenario.h"
 #include "haptolith/scenario/scenario_error.h"
 
+#include "../source_dir.h"
+
 namespace haptolith {
 namespace {
 
@@ -83,7 +85,7 @@ TEST_F(LoadScenario, ATitleIsALineThatCanBeShown) {
 
 TEST_F(LoadScenario, ShippedScenesAreValid) {
   int scenes = 0;
-  for (const fs::directory_entry& entry : fs::directory_iterator(HAPTOLITH_SOURCE_DIR "/scenarios")) {
+  for (const fs::directory_entry& entry : fs::directory_iterator(sourceDir() / "scenarios")) {
     if (entry.path().extension() == ".toml") {
       EXPECT_NO_THROW((void)loadScenario(entry.path())) << entry.path();
       ++scenes;
@@ -93,7 +95,7 @@ TEST_F(LoadScenario, ShippedScenesAreValid) {
 }
 
 TEST_F(LoadScenario, ThePapersSceneIsTheDefault) {
-  const Scenario paper = loadScenario(HAPTOLITH_SOURCE_DIR "/scenarios/paper.toml");
+  const Scenario paper = loadScenario(sourceDir() / "scenarios/paper.toml");
   const Scenario preset;
   EXPECT_EQ(paper.title, preset.title);
   EXPECT_EQ(paper.preset, preset.preset);

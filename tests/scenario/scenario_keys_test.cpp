@@ -6,13 +6,15 @@
 #include <fstream>
 #include <iterator>
 
+#include "../source_dir.h"
+
 namespace haptolith {
 namespace {
 
 using testing::HasSubstr;
 
 std::string readSource(const std::string& name) {
-  std::ifstream file(HAPTOLITH_SOURCE_DIR "/" + name);
+  std::ifstream file(sourceDir() / name);
   return {std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
 }
 

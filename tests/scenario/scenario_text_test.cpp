@@ -18,6 +18,8 @@
 #include "haptolith/soil/bodies.h"
 #include "haptolith/soil/presets.h"
 
+#include "../source_dir.h"
+
 namespace haptolith {
 namespace {
 
@@ -41,7 +43,7 @@ Scenario numbered(Scenario scene, double radius_m) {
 }
 
 TEST(ScenarioText, GivesEverySceneThatIsShippedBack) {
-  for (const fs::directory_entry& entry : fs::directory_iterator(HAPTOLITH_SOURCE_DIR "/scenarios")) {
+  for (const fs::directory_entry& entry : fs::directory_iterator(sourceDir() / "scenarios")) {
     if (entry.path().extension() == ".toml") {
       expectSameAgain(loadScenario(entry.path()), entry.path().filename().string());
     }

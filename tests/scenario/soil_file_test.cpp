@@ -19,6 +19,8 @@
 #include "haptolith/scenario/scenario_error.h"
 #include "haptolith/scenario/soil_file_keys.h"
 
+#include "../source_dir.h"
+
 namespace haptolith {
 namespace {
 
@@ -181,7 +183,7 @@ TEST_F(SoilFiles, ASavedShippedSoilIsTheShippedFile) {
   for (const std::string& name : soilNames()) {
     fs::remove(folder_ / "saved.toml");
     saveSoilFile(folder_ / "saved.toml", findSoil(name));
-    EXPECT_EQ(readFile(folder_ / "saved.toml"), readFile(fs::path(HAPTOLITH_SOURCE_DIR "/soils") / (name + ".toml")));
+    EXPECT_EQ(readFile(folder_ / "saved.toml"), readFile(sourceDir() / "soils" / (name + ".toml")));
   }
 }
 
@@ -231,7 +233,7 @@ struct MeasuredSoil {
 
 std::map<std::string, MeasuredSoil> measuredSoils() {
   std::map<std::string, MeasuredSoil> soils;
-  std::ifstream file(HAPTOLITH_SOURCE_DIR "/tests/data/soils.csv");
+  std::ifstream file(sourceDir() / "tests/data/soils.csv");
   for (std::string line; std::getline(file, line);) {
     if (line.starts_with('#') || line.starts_with("soil,")) {
       continue;
@@ -269,7 +271,7 @@ TEST(ShippedSoils, AimAtWhatWasMeasured) {
 
 TEST(ShippedSoils, AreTheFilesOfTheFolder) {
   std::set<std::string> files;
-  for (const fs::directory_entry& entry : fs::directory_iterator(HAPTOLITH_SOURCE_DIR "/soils")) {
+  for (const fs::directory_entry& entry : fs::directory_iterator(sourceDir() / "soils")) {
     files.insert(entry.path().stem().string());
     expectSame(findSoil(entry.path().stem().string()), loadSoilFile(entry.path()));
   }
@@ -447,7 +449,7 @@ TEST_F(SoilsInScenes, WhatIsWrongIsToldWhereItIs) {
 // --- docs/soils.md ---
 
 TEST(SoilFileKeys, AreAllInTheDocumentAndNoOthers) {
-  const std::string document = readFile(HAPTOLITH_SOURCE_DIR "/docs/soils.md");
+  const std::string document = readFile(sourceDir() / "docs/soils.md");
   for (const SoilFileKey& key : soilFileKeys()) {
     const std::size_t section =
         document.find(key.table.empty() ? "## At the top\n" : fmt::format("## [{}]\n", key.table));

@@ -12,6 +12,7 @@
 
 #include "haptolith/core/error.h"
 
+#include "../source_dir.h"
 #include "a_study.h"
 
 namespace haptolith {
@@ -215,7 +216,7 @@ TEST_F(StudyExport, ReadsAStudyThatRuns) {
 }
 
 TEST(StudyColumns, AreAllInTheDocument) {
-  const std::string document = readFile(HAPTOLITH_SOURCE_DIR "/docs/studies.md");
+  const std::string document = readFile(sourceDir() / "docs/studies.md");
   std::set<std::string> names;
   for (const TrialColumn& column : trialColumns()) {
     EXPECT_TRUE(names.insert(column.name).second) << column.name;

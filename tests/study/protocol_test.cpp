@@ -15,6 +15,8 @@
 #include "haptolith/soil/presets.h"
 #include "haptolith/study/protocol_keys.h"
 
+#include "../source_dir.h"
+
 namespace haptolith {
 namespace {
 
@@ -42,7 +44,7 @@ std::string errorOf(const std::string& text) {
 }
 
 std::string readSource(const std::string& name) {
-  std::ifstream file(std::string(HAPTOLITH_SOURCE_DIR "/") + name);
+  std::ifstream file(sourceDir() / name);
   return {std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
 }
 

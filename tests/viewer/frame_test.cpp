@@ -8,6 +8,8 @@
 #include <iterator>
 #include <numbers>
 
+#include "../source_dir.h"
+
 namespace haptolith {
 namespace {
 
@@ -229,7 +231,7 @@ TEST(Frame, HasTheBytesThatThePageIsTestedWith) {
   EXPECT_EQ(frame.real(76), 0.1F);
   EXPECT_EQ(frame.number, 100U);
 
-  std::ifstream file(HAPTOLITH_SOURCE_DIR "/tests/data/frame-v1.bin", std::ios::binary);
+  std::ifstream file(sourceDir() / "tests/data/frame-v1.bin", std::ios::binary);
   const std::string expected{std::istreambuf_iterator<char>(file), {}};
   EXPECT_EQ(*bytes, expected) << "another format needs another version, in docs/protocol.md, the page and here";
 }

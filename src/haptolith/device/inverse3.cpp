@@ -21,7 +21,6 @@
 #include "haptolith/core/clock.h"
 #include "haptolith/core/error.h"
 #include "haptolith/core/exchange.h"
-#include "haptolith/core/signal_stack.h"
 #include "haptolith/core/start_thread.h"
 #include "haptolith/device/inverse3_messages.h"
 
@@ -221,7 +220,6 @@ class Inverse3::Connection {
   // not been answered: a service that is slow is not given more than it can do.
 
   void serve() {
-    const SignalStack stack;
     receive();
     send();
     wait();

@@ -3,7 +3,6 @@
 #include <cmath>
 
 #include "haptolith/core/clock.h"
-#include "haptolith/core/signal_stack.h"
 #include "haptolith/core/start_thread.h"
 #include "haptolith/haptics/real_time.h"
 
@@ -53,7 +52,6 @@ void Watchdog::takeUp() noexcept {
 }
 
 void Watchdog::live() noexcept {
-  const SignalStack stack;
   (void)requestRealTime({});  // else whatever holds up the loop holds this up as well
   while (true) {
     state_.wait(State::kIdle);

@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "haptolith/core/error.h"
+#include "haptolith/core/start_thread.h"
 #include "haptolith/recording/recording_file.h"
 
 namespace haptolith {
@@ -45,7 +46,8 @@ class RecordingWriter::Thread {
       : path_(path.string()), wait_when_full_(options.wait_when_full) {
     std::promise<void> made;
     std::future<void> making = made.get_future();
-    thread_ = std::thread([&, made = std::move(made)]() mutable { work(path, header, options.overwrite, made); });
+    thread_ = startThread("the recording",
+                          [&, made = std::move(made)]() mutable { work(path, header, options.overwrite, made); });
     try {
       making.get();
     } catch (...) {

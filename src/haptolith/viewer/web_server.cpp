@@ -26,6 +26,7 @@
 #include <utility>
 
 #include "haptolith/core/error.h"
+#include "haptolith/core/start_thread.h"
 #include "haptolith/viewer/access.h"
 #include "haptolith/viewer/web_files.h"
 
@@ -572,7 +573,7 @@ WebServer::Implementation::Implementation(const WebServerOptions& options, Board
   most_served = std::min(options.most_served, files / 4);
   most_asking = std::min(options.most_asking, files / 2);
   accept();
-  thread = std::thread([this] { serve(); });
+  thread = startThread("the web server", [this] { serve(); });
 }
 
 WebServer::Implementation::~Implementation() {
