@@ -8,7 +8,7 @@
 #include "haptolith/bed/simd_target.h"
 #include "haptolith/core/clock.h"
 #include "haptolith/core/histogram.h"
-#include "haptolith/device/virtual_hand.h"
+#include "haptolith/device/hand/virtual_hand.h"
 #include "haptolith/haptics/haptic_loop.h"
 #include "haptolith/tool/scene.h"
 #include "haptolith/tool/tool_contact.h"

@@ -8,7 +8,7 @@
 #include <cstring>
 #include <span>
 
-#include "haptolith/device/device_packet.h"
+#include "haptolith/device/drivers/device_packet.h"
 
 namespace {
 

@@ -10,7 +10,7 @@
 #include <string>
 #include <string_view>
 
-#include "haptolith/device/inverse3_messages.h"
+#include "haptolith/device/drivers/inverse3_messages.h"
 
 namespace {
 

@@ -30,12 +30,13 @@ const std::map<std::string, Folders> kArrows = {
     {"tool", {"bed"}},
     {"device", {"core"}},
     {"haptics", {"tool", "device"}},
+    {"machine", {"haptics"}},
     {"scenario", {"haptics"}},
     {"recording", {"scenario"}},
     // A virtual laboratory has no hand in it.
     {"lab", {"tool", "figure"}},
     // What a person may change while it runs.
-    {"session", {"scenario"}},
+    {"session", {"recording"}},
     // Answers and curves: it knows neither soil nor hands.
     {"psychometrics", {"core", "figure"}},
     {"study", {"session", "psychometrics"}},

@@ -1,5 +1,3 @@
-#include "completion.h"
-
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -14,7 +12,8 @@
 #include "haptolith/soil/bodies.h"
 #include "haptolith/soil/presets.h"
 
-#include "output.h"
+#include "commands.h"
+#include "shared/output.h"
 
 namespace haptolith {
 

@@ -17,18 +17,8 @@
 #include "haptolith/core/nearest_word.h"
 #include "haptolith/core/plain_text.h"
 
-#include "bench_command.h"
-#include "completion.h"
-#include "devices_command.h"
-#include "doctor_command.h"
-#include "export_command.h"
-#include "lab_command.h"
-#include "output.h"
-#include "replay_command.h"
-#include "run_command.h"
-#include "snapshot_command.h"
-#include "soil_commands.h"
-#include "study_command.h"
+#include "commands.h"
+#include "shared/output.h"
 
 namespace haptolith {
 namespace {

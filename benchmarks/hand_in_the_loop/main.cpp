@@ -29,7 +29,7 @@ struct Options {
   std::vector<std::string> soils, grips;
   std::vector<double> delays_ms, steps_mm, noises_mm;
   std::string csv, filter, keep, record;
-  int jobs = 1, again = 1, repeat = 1, count = 200;
+  int jobs = 1, again = 3, repeat = 1, count = 200;
   std::uint32_t seed = 1;
   double seconds = 0;
   bool json = false;
@@ -334,7 +334,7 @@ void addOptions(CLI::App& app, Options& o) {
   app.add_option("--repeat", o.repeat, "each run so often, with other seeds")->check(CLI::PositiveNumber);
   app.add_option("--seed", o.seed, "other random numbers")->capture_default_str();
   app.add_option("--jobs", o.jobs, "runs at a time")->check(CLI::Range(1, 64))->capture_default_str();
-  app.add_option("--again", o.again, "a run in which the machine was late is played up to so many times more")
+  app.add_option("--again", o.again, "a run that failed while the machine was late is played up to so many times more")
       ->check(CLI::Range(0, 100))
       ->capture_default_str();
   app.add_option("--csv", o.csv, "rows are added to this file; runs that are in it are skipped");
@@ -342,7 +342,9 @@ void addOptions(CLI::App& app, Options& o) {
   app.add_option("--keep", o.keep, "keep scenes, output and trip files in this folder");
   app.add_option("--record", o.record, "folder for the program's own recordings");
   app.add_option("--most-mj", s.bars.energy_mj, "bar: most energy given to the hand")->capture_default_str();
-  app.add_option("--still-mm", s.bars.still_mm, "bar: a smaller vibration need not fall")->capture_default_str();
+  app.add_option("--still-mm", s.bars.still_mm,
+                 "bar: a smaller vibration need not fall, nor one that the device's steps and noise hide")
+      ->capture_default_str();
 }
 
 int run(int argc, char** argv) {

@@ -445,7 +445,9 @@ const char* text(DelayAt at) {
 Json rowOf(const Settings& s, const Session& session, const Punctuality& punctuality, std::optional<int> early_end,
            int exit_status) {
   const Measures m = session.observer().measures();
-  const Verdict verdict = judge(m, session.observer().letGoes(), s.bars);
+  Bars bars = s.bars;
+  bars.still_mm += s.device.step_mm + 2 * s.device.noise_mm;  // what such a device takes for rest
+  const Verdict verdict = judge(m, session.observer().letGoes(), bars);
   return {{"name", s.name},
           {"soil", s.soil},
           {"grip", s.grip},

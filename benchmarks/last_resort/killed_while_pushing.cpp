@@ -25,7 +25,7 @@
 
 #include "haptolith/core/shared_library.h"
 #include "haptolith/core/signal_stack.h"
-#include "haptolith/device/force_dimension.h"
+#include "haptolith/device/drivers/force_dimension.h"
 #include "haptolith/haptics/last_resort.h"
 
 #include "force_dimension_stand_in.h"

@@ -17,8 +17,8 @@
 #include <string_view>
 #include <vector>
 
+#include "haptolith/core/in_parallel.h"
 #include "haptolith/figure/figure.h"
-#include "haptolith/lab/in_parallel.h"
 #include "haptolith/scenario/scenario.h"
 #include "haptolith/soil/bodies.h"
 #include "haptolith/soil/presets.h"

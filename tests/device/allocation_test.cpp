@@ -9,8 +9,8 @@
 #include <thread>
 #include <vector>
 
-#include "haptolith/device/inverse3.h"
-#include "haptolith/device/network_device.h"
+#include "haptolith/device/drivers/inverse3.h"
+#include "haptolith/device/drivers/network_device.h"
 
 #include "../counted_new.h"
 #include "haply_service.h"

@@ -1,4 +1,4 @@
-#include "haptolith/device/device_packet.h"
+#include "haptolith/device/drivers/device_packet.h"
 
 #include <gtest/gtest.h>
 

@@ -1,6 +1,6 @@
 // The driver against a stand-in for the SDK (force_dimension_stand_in.h): no device of Force Dimension was at hand.
 
-#include "haptolith/device/force_dimension.h"
+#include "haptolith/device/drivers/force_dimension.h"
 
 #include <gmock/gmock.h>
 #include <unistd.h>

@@ -1,5 +1,5 @@
 // Gamepads that SDL plays to us: no hardware, no display.
-#include "haptolith/device/gamepad.h"
+#include "haptolith/device/drivers/gamepad.h"
 
 #include <SDL.h>
 #include <gmock/gmock.h>

@@ -1,4 +1,4 @@
-#include "haptolith/device/hand_parameters.h"
+#include "haptolith/device/hand/hand_parameters.h"
 
 #include <gtest/gtest.h>
 

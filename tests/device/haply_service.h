@@ -15,7 +15,7 @@
 #include <thread>
 
 #include "haptolith/core/vec.h"
-#include "haptolith/device/inverse3_messages.h"
+#include "haptolith/device/drivers/inverse3_messages.h"
 
 namespace haptolith {
 

@@ -1,4 +1,4 @@
-#include "haptolith/device/inverse3_messages.h"
+#include "haptolith/device/drivers/inverse3_messages.h"
 
 #include <gmock/gmock.h>
 #include <nlohmann/json.hpp>

@@ -1,4 +1,4 @@
-#include "haptolith/device/inverse3.h"
+#include "haptolith/device/drivers/inverse3.h"
 
 #include <fmt/format.h>
 #include <gmock/gmock.h>

@@ -1,4 +1,4 @@
-#include "haptolith/device/manoeuvre.h"
+#include "haptolith/device/hand/manoeuvre.h"
 
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
 // A mouse whose events are pushed into SDL's queue, and a window that nobody sees.
-#include "haptolith/device/mouse.h"
+#include "haptolith/device/drivers/mouse.h"
 
 #include <SDL.h>
 #include <gmock/gmock.h>

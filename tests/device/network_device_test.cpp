@@ -1,4 +1,4 @@
-#include "haptolith/device/network_device.h"
+#include "haptolith/device/drivers/network_device.h"
 
 #include <dirent.h>
 #include <fcntl.h>

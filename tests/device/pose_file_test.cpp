@@ -1,4 +1,4 @@
-#include "haptolith/device/pose_file.h"
+#include "haptolith/device/hand/pose_file.h"
 
 #include <gmock/gmock.h>
 #include <unistd.h>
@@ -9,7 +9,7 @@
 #include <string>
 
 #include "haptolith/core/error.h"
-#include "haptolith/device/virtual_hand.h"
+#include "haptolith/device/hand/virtual_hand.h"
 
 namespace haptolith {
 namespace {

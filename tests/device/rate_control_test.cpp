@@ -1,4 +1,4 @@
-#include "haptolith/device/rate_control.h"
+#include "haptolith/device/drivers/rate_control.h"
 
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
 // A SpaceMouse whose daemon is played: it listens at a socket of ours and speaks spacenavd's protocol.
-#include "haptolith/device/space_mouse.h"
+#include "haptolith/device/drivers/space_mouse.h"
 
 #include <gmock/gmock.h>
 #include <poll.h>

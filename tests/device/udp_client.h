@@ -14,7 +14,7 @@
 #include <vector>
 
 #include "haptolith/core/child_process.h"
-#include "haptolith/device/device_packet.h"
+#include "haptolith/device/drivers/device_packet.h"
 
 namespace haptolith {
 

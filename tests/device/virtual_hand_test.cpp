@@ -1,4 +1,4 @@
-#include "haptolith/device/virtual_hand.h"
+#include "haptolith/device/hand/virtual_hand.h"
 
 #include <gtest/gtest.h>
 
@@ -6,7 +6,7 @@
 #include <numbers>
 
 #include "haptolith/core/error.h"
-#include "haptolith/device/manoeuvre.h"
+#include "haptolith/device/hand/manoeuvre.h"
 
 namespace haptolith {
 namespace {

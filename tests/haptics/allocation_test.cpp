@@ -4,7 +4,7 @@
 
 #include <vector>
 
-#include "haptolith/device/virtual_hand.h"
+#include "haptolith/device/hand/virtual_hand.h"
 #include "haptolith/haptics/haptic_loop.h"
 #include "haptolith/soil/presets.h"
 

@@ -15,7 +15,7 @@
 
 #include "haptolith/core/clock.h"
 #include "haptolith/core/error.h"
-#include "haptolith/device/virtual_hand.h"
+#include "haptolith/device/hand/virtual_hand.h"
 #include "haptolith/soil/presets.h"
 
 namespace haptolith {

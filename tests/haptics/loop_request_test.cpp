@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "haptolith/core/clock.h"
-#include "haptolith/device/virtual_hand.h"
+#include "haptolith/device/hand/virtual_hand.h"
 #include "haptolith/haptics/haptic_loop.h"
 #include "haptolith/soil/presets.h"
 

@@ -5,7 +5,7 @@
 #include <atomic>
 #include <cmath>
 
-#include "haptolith/device/virtual_hand.h"
+#include "haptolith/device/hand/virtual_hand.h"
 #include "haptolith/haptics/haptic_loop.h"
 #include "haptolith/soil/presets.h"
 

@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "haptolith/device/virtual_hand.h"
+#include "haptolith/device/hand/virtual_hand.h"
 #include "haptolith/soil/presets.h"
 #include "haptolith/tool/scene.h"
 

@@ -7,8 +7,8 @@
 #include <cmath>
 #include <vector>
 
-#include "haptolith/device/hand_parameters.h"
-#include "haptolith/device/virtual_hand.h"
+#include "haptolith/device/hand/hand_parameters.h"
+#include "haptolith/device/hand/virtual_hand.h"
 #include "haptolith/haptics/haptic_loop.h"
 #include "haptolith/soil/presets.h"
 

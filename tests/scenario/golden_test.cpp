@@ -24,7 +24,7 @@
 
 #include "haptolith/bed/bed_state.h"
 #include "haptolith/bed/simd_target.h"
-#include "haptolith/device/virtual_hand.h"
+#include "haptolith/device/hand/virtual_hand.h"
 #include "haptolith/haptics/haptic_loop.h"
 #include "haptolith/scenario/scenario.h"
 

@@ -1,7 +1,7 @@
 #pragma once
 
 #include "haptolith/core/vec.h"
-#include "haptolith/device/arm.h"
+#include "haptolith/device/hand/arm.h"
 #include "haptolith/device/haptic_device.h"
 
 namespace haptolith {

@@ -3,12 +3,12 @@
 #include <utility>
 
 #include "haptolith/core/error.h"
-#include "haptolith/device/force_dimension.h"
-#include "haptolith/device/gamepad.h"
-#include "haptolith/device/inverse3.h"
-#include "haptolith/device/mouse.h"
-#include "haptolith/device/network_device.h"
-#include "haptolith/device/space_mouse.h"
+#include "haptolith/device/drivers/force_dimension.h"
+#include "haptolith/device/drivers/gamepad.h"
+#include "haptolith/device/drivers/inverse3.h"
+#include "haptolith/device/drivers/mouse.h"
+#include "haptolith/device/drivers/network_device.h"
+#include "haptolith/device/drivers/space_mouse.h"
 
 namespace haptolith {
 

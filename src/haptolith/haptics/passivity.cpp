@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "haptolith/device/arm.h"
+#include "haptolith/device/hand/arm.h"
 
 namespace haptolith {
 

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "haptolith/device/arm.h"
+#include "haptolith/device/hand/arm.h"
 
 namespace haptolith {
 

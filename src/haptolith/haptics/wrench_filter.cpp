@@ -4,7 +4,7 @@
 #include <numbers>
 
 #include "haptolith/core/error.h"
-#include "haptolith/device/arm.h"
+#include "haptolith/device/hand/arm.h"
 
 namespace haptolith {
 

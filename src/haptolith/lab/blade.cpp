@@ -10,6 +10,7 @@
 #include "haptolith/core/error.h"
 #include "haptolith/figure/figure.h"
 #include "haptolith/lab/earthmoving.h"
+#include "haptolith/lab/shear.h"
 #include "haptolith/tool/tool_shape.h"
 
 namespace haptolith {
@@ -186,6 +187,27 @@ BladeResult bladeTest(const LabConditions& conditions, const BladeOptions& optio
   result.vertical_se_n = vertical.standard_error;
   compareWithEquation(conditions, options, result);
   return result;
+}
+
+MohrCoulomb strengthBeforeBlade(const LabConditions& conditions, Preparation preparation) {
+  ShearOptions options;
+  options.normal_stresses_pa = {200, 400, 800};
+  const bool loose = preparation == Preparation::kLoose;
+  if (!loose) {
+    options.strain = 1;
+    options.residual_from = 0.9;
+  }
+  const ShearResult shear = shearTest(conditions, options);
+  if (conditions.soil.contact_cohesion_n > 0) {
+    return loose ? shear.residual : shear.peak;
+  }
+  double stresses = 0;
+  double squares = 0;
+  for (const ShearPointResult& point : shear.points) {
+    stresses += point.normal_pa * (loose ? point.residual_pa : point.peak_pa);
+    squares += point.normal_pa * point.normal_pa;
+  }
+  return {.friction_angle_rad = std::atan(stresses / squares), .cohesion_pa = 0};
 }
 
 void drawBlade(const OutputFile& file, const BladeResult& result) {

@@ -6,6 +6,7 @@
 #include "haptolith/core/atomic_file.h"
 #include "haptolith/lab/lab_bed.h"
 #include "haptolith/lab/laboratory.h"
+#include "haptolith/lab/mohr_coulomb.h"
 
 namespace haptolith {
 
@@ -59,6 +60,11 @@ struct BladeResult {
 /// sideways: the equation's own plane case.
 /// @throws InvalidParameter outside the ranges above; Failure as LabBed::run(). Not for the tick.
 [[nodiscard]] BladeResult bladeTest(const LabConditions& conditions, const BladeOptions& options = {});
+
+/// Strength for the equation, for soil under the stresses before a blade: dense soil's peak, for the equation describes
+/// how undisturbed soil first fails; of loose soil, which has none, what is left. Without cohesion between the
+/// particles it has none: a fitted line's cohesion would be scatter. @throws as shearTest(). Not for the tick.
+[[nodiscard]] MohrCoulomb strengthBeforeBlade(const LabConditions& conditions, Preparation preparation);
 
 /// Draws draft and vertical force against travel, with the equation's, into an .svg or .png file. @throws as Figure.
 void drawBlade(const OutputFile& file, const BladeResult& result);

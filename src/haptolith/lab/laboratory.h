@@ -28,4 +28,15 @@ struct LabTrace {
   std::vector<std::vector<double>> rows;
 };
 
+/// Whether a value meets its target; kInfo where there is no target for it.
+enum class Verdict { kPass, kFail, kInfo };
+
+/// One number a test came for, beside what it should be.
+struct Finding {
+  std::string measured;  ///< what, in words
+  std::string target;    ///< with its source; may be empty
+  std::string value;     ///< with its unit
+  Verdict verdict = Verdict::kInfo;
+};
+
 }  // namespace haptolith

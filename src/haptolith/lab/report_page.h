@@ -6,11 +6,9 @@
 #include <vector>
 
 #include "haptolith/core/atomic_file.h"
+#include "haptolith/lab/laboratory.h"
 
 namespace haptolith {
-
-/// Whether a value meets its target; kInfo where there is no target for it.
-enum class Verdict { kPass, kFail, kInfo };
 
 /// What one model of friction gave in one test.
 struct ReportValue {

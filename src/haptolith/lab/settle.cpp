@@ -115,29 +115,30 @@ SettleResult settleTest(const LabConditions& conditions, const SettleOptions& op
   return result;
 }
 
-void drawSettle(const OutputFile& path, const LabConditions& conditions, const SettleResult& result,
+void drawSettle(const OutputFile& path, const LabConditions& conditions, const SettleResult& result, bool lunar,
                 std::string_view title) {
-  std::vector<std::vector<double>> measured, lunar, analysed;
+  std::vector<std::vector<double>> measured, law, analysed;
   for (const SettledSlice& slice : result.slices) {
     measured.push_back({slice.density_kg_m3, slice.depth_m * 100});
   }
-  for (double depth = 0; depth <= kLunarLawDepthM; depth += 0.005) {
-    lunar.push_back({lunarBulkDensity(depth), depth * 100});
+  for (double depth = 0; lunar && depth <= kLunarLawDepthM; depth += 0.005) {
+    law.push_back({lunarBulkDensity(depth), depth * 100});
   }
   for (const Layer& layer : analysedLayers(conditions, kLunarLawDepthM)) {
     analysed.push_back({layer.density_kg_m3, layer.depth_m * 100});
   }
   Figure figure(path, 760, 620);
   figure.data("measured", measured);
-  figure.data("lunar", lunar);
+  figure.data("lunar", law);
   figure.data("analysed", analysed);
   figure.command(fmt::format("set title {}", gnuplotQuoted(title)));
   figure.command(
       "set xlabel 'bulk density / (kg/m^3)'; set ylabel 'depth / cm'; set yrange [60:0]; set grid lc '#dddddd';"
       "set key bottom left");
   figure.command(fmt::format(
-      "plot $lunar with lines lw 3 lc '#999999' title 'measured on the Moon (paper 1)', {}"
+      "plot {}{}"
       "$measured with linespoints pt 7 ps 0.6 lw 2 lc '#1f6fb4' title 'settled in the laboratory'",
+      lunar ? "$lunar with lines lw 3 lc '#999999' title 'measured on the Moon (paper 1)', " : "",
       analysed.empty() ? "" : "$analysed with lines lw 2 dt 2 lc '#d2691e' title 'analysis of layers (paper 6)', "));
   figure.save();
 }

@@ -44,8 +44,8 @@ struct SettleResult {
 
 void validate(const SettleOptions& options);
 
-/// Density against depth: the settled column, the lunar law (paper 1) and the analysis of layers (paper 6).
-void drawSettle(const OutputFile& path, const LabConditions& conditions, const SettleResult& result,
+/// Density against depth: the settled column, for lunar soil the law (paper 1), and the analysis of layers (paper 6).
+void drawSettle(const OutputFile& path, const LabConditions& conditions, const SettleResult& result, bool lunar,
                 std::string_view title);
 
 }  // namespace haptolith

@@ -9,8 +9,8 @@
 #include <string>
 
 #include "haptolith/core/error.h"
+#include "haptolith/core/in_parallel.h"
 #include "haptolith/figure/figure.h"
-#include "haptolith/lab/in_parallel.h"
 #include "haptolith/lab/lab_bed.h"
 
 namespace haptolith {

@@ -6,7 +6,7 @@
 
 #include "haptolith/bed/bed_parameters.h"
 #include "haptolith/device/device_parameters.h"
-#include "haptolith/device/hand_parameters.h"
+#include "haptolith/device/hand/hand_parameters.h"
 #include "haptolith/haptics/handling_parameters.h"
 #include "haptolith/haptics/loop_parameters.h"
 #include "haptolith/scenario/soil_file.h"

@@ -6,7 +6,7 @@
 
 #include "haptolith/bed/bed_parameters.h"
 #include "haptolith/device/device_parameters.h"
-#include "haptolith/device/hand_parameters.h"
+#include "haptolith/device/hand/hand_parameters.h"
 #include "haptolith/haptics/coupling.h"
 #include "haptolith/scenario/soil_file.h"
 #include "haptolith/soil/soil_parameters.h"

@@ -9,7 +9,7 @@
 #include <string_view>
 #include <vector>
 
-#include "haptolith/device/virtual_hand.h"
+#include "haptolith/device/hand/virtual_hand.h"
 #include "haptolith/haptics/haptic_loop.h"
 #include "haptolith/haptics/last_resort.h"
 #include "haptolith/scenario/scenario.h"

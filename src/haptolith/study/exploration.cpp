@@ -8,7 +8,7 @@
 
 #include "haptolith/core/error.h"
 #include "haptolith/core/random.h"
-#include "haptolith/device/virtual_hand.h"
+#include "haptolith/device/hand/virtual_hand.h"
 #include "haptolith/haptics/haptic_loop.h"
 #include "haptolith/study/felt_summary.h"
 

@@ -7,7 +7,7 @@
 #include <string_view>
 #include <variant>
 
-#include "haptolith/device/hand_parameters.h"
+#include "haptolith/device/hand/hand_parameters.h"
 #include "haptolith/scenario/scene_words.h"
 #include "haptolith/session/scene_change.h"
 

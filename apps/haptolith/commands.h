@@ -1,0 +1,42 @@
+#pragma once
+
+namespace CLI {
+class App;
+}
+
+namespace haptolith {
+
+// The program's commands, each added by a function below, defined in the file of its name. A command runs while the
+// command line is parsed, which then throws CLI::ParseError for wrong usage, InvalidParameter for a wrong value,
+// Failure for work undone.
+
+void addRunCommand(CLI::App& app);
+void addSnapshotCommand(CLI::App& app);
+void addReplayCommand(CLI::App& app);
+void addExportCommand(CLI::App& app);
+void addSoilCommands(CLI::App& app);
+void addLabCommand(CLI::App& app);
+void addStudyCommand(CLI::App& app);
+void addBenchCommand(CLI::App& app);
+void addDevicesCommand(CLI::App& app);
+void addDoctorCommand(CLI::App& app);
+/// `completion bash|zsh|fish`: prints a script made from the commands and options of `app`; a new command needs nothing
+/// here.
+void addCompletionCommand(CLI::App& app);
+
+// Of `haptolith lab`.
+void addReport(CLI::App& lab);
+
+// Of `haptolith study`.
+void addStudyExploreCommand(CLI::App& study);
+void addStudyExportCommand(CLI::App& study);
+void addStudyFigureCommand(CLI::App& study);
+void addStudyFitCommand(CLI::App& study);
+void addStudyForgetCommand(CLI::App& study);
+void addStudyNewCommand(CLI::App& study);
+void addStudyPlanCommand(CLI::App& study);
+void addStudyRunCommands(CLI::App& study);  // `run` and `resume`
+void addStudySimulateCommand(CLI::App& study);
+void addStudyStatusCommand(CLI::App& study);
+
+}  // namespace haptolith

@@ -1,0 +1,186 @@
+#include <CLI/CLI.hpp>
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include <filesystem>
+#include <map>
+#include <memory>
+#include <string>
+
+#include "haptolith/core/error.h"
+#include "haptolith/lab/calibrate_soil.h"
+#include "haptolith/scenario/scene_words.h"
+#include "haptolith/scenario/soil_file.h"
+#include "haptolith/soil/bodies.h"
+
+#include "commands.h"
+#include "lab/lab_options.h"
+#include "lab/lab_tests.h"
+#include "shared/output.h"
+#include "shared/stop_on_signal.h"
+
+namespace haptolith {
+
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+// --- haptolith lab TEST ----------------------------------------------------------------------------------------------
+
+void runTest(const LabTest& test, const LabOptions& options) {
+  const StopOnSignal stop_on_signal;
+  StatusLine status;
+  requireWritable({options.overwrite(options.trace_file), options.overwrite(options.figure_file)});
+  const LabSoil soil = labSoil(options, test.radius_mm);
+  const LabConditions conditions = labConditions(options, soil, status);
+  const LabOutput output = test.run(soil, conditions);
+  status.clear();
+  if (!options.trace_file.empty()) {
+    saveTrace(options.overwrite(options.trace_file), output.trace);
+  }
+  const std::string circumstances = circumstancesText(options, soil, conditions);
+  if (!options.figure_file.empty()) {
+    output.draw(options.overwrite(options.figure_file), circumstances);
+  }
+  if (options.json) {
+    Json document{{"test", test.name}};
+    document.update(circumstancesJson(options, soil, conditions));
+    document.update(output.json);
+    printJson(document);
+  } else {
+    printText(fmt::format("lab {}: {}\n\n{}", test.name, circumstances, output.text));
+  }
+}
+
+void addTest(CLI::App& lab, const LabTest& test) {
+  auto options = std::make_shared<LabOptions>();
+  CLI::App* command = lab.add_subcommand(test.name, test.description);
+  options->addTo(*command);
+  test.add_options(*command);
+  command->footer("Examples:\n" + test.examples);
+  command->callback([test, options] { runTest(test, *options); });
+}
+
+// --- haptolith lab calibrate -----------------------------------------------------------------------------------------
+
+struct CalibrateCommand {
+  SoilTarget target;
+  double radius_mm = 7;
+  double stiffness_n_m = 0;
+  std::string body = "Moon";
+  std::string name, source, out_file;
+  std::uint64_t seed = 1;
+  int threads = 0;
+  int specimens = CalibrateSoilOptions{}.verification_seeds;
+  Overwrite overwrite;
+  bool json = false;
+};
+
+void runCalibrateSoil(const CalibrateCommand& command) {
+  const StopOnSignal stop_on_signal;
+  StatusLine status;
+  LabOptions lab;
+  lab.threads = command.threads;
+  const LabConditions conditions = labConditions(lab, labSoil(lab, 0), status);
+  requireWritable({command.overwrite(command.out_file)});
+  CalibrateSoilOptions options;
+  requireInRange("radius_mm", command.radius_mm, {0.5, 20});
+  options.radius_m = command.radius_mm / 1e3;
+  options.stiffness_n_m = command.stiffness_n_m;
+  options.gravity_m_s2 = findBody(command.body).gravity_m_s2;
+  options.seed = command.seed;
+  options.threads = conditions.threads;
+  options.progress = conditions.progress;
+  options.verification_seeds = command.specimens;
+  const CalibratedSoil result = calibrateSoil(command.target, options);
+  status.clear();
+  const SoilReached& reached = result.reached;
+  if (!command.out_file.empty()) {
+    const OutputFile out = command.overwrite(command.out_file);
+    const std::filesystem::path made = temporaryBeside(out.path, "part");
+    saveSoilFile(made, {command.name, command.source, command.target, result.soil, reached});
+    giveName(made, out.path, out.if_there);
+  }
+  if (command.json) {
+    printJson({{"friction_angle_deg", reached.friction_angle_deg},
+               {"friction_angle_sd_deg", reached.friction_angle_sd_deg},
+               {"cohesion_pa", reached.cohesion_pa},
+               {"cohesion_sd_pa", reached.cohesion_sd_pa},
+               {"bulk_density_kg_m3", reached.bulk_density_kg_m3},
+               {"seeds", reached.seeds},
+               {"rounds", result.rounds},
+               {"contact_friction", result.soil.contact_friction},
+               {"contact_cohesion_n", result.soil.contact_cohesion_n},
+               {"stiffness_n_m", result.soil.stiffness_n_m},
+               {"gamma_nm", result.soil.gamma_nm},
+               {"rho0_kg_m3", result.soil.rho0_kg_m3},
+               {"rho_max_kg_m3", result.soil.rho_max_kg_m3},
+               {"radius_mm", command.radius_mm},
+               {"out", command.out_file.empty() ? Json(nullptr) : Json(command.out_file)}});
+    return;
+  }
+  printText(fmt::format(
+      "                   asked    reached ({} specimens)\n"
+      "  friction angle   {:5.1f}°   {:5.1f} ± {:.1f}°\n"
+      "  cohesion         {:5.0f}    {:5.0f} ± {:.0f} Pa\n"
+      "  bulk density     {:5.0f}    {:5.0f} kg/m³\n\n"
+      "  contact friction {:.4f}, contact cohesion {:.4g} N, stiffness {:.4g} N/m\n{}",
+      reached.seeds, command.target.friction_angle_deg, reached.friction_angle_deg, reached.friction_angle_sd_deg,
+      command.target.cohesion_pa, reached.cohesion_pa, reached.cohesion_sd_pa, command.target.bulk_density_kg_m3,
+      reached.bulk_density_kg_m3, result.soil.contact_friction, result.soil.contact_cohesion_n,
+      result.soil.stiffness_n_m, command.out_file.empty() ? "" : fmt::format("  saved in {}\n", command.out_file)));
+}
+
+void addCalibrate(CLI::App& lab) {
+  auto command = std::make_shared<CalibrateCommand>();
+  CLI::App* app = lab.add_subcommand(
+      "calibrate", "Finds macroparticles whose sheared bed has the wanted friction angle, cohesion and density");
+  app->add_option("--friction-angle-deg", command->target.friction_angle_deg, "20 to 52")->required();
+  app->add_option("--cohesion-pa", command->target.cohesion_pa, "0 to 4500")->required();
+  app->add_option("--bulk-density-kg-m3", command->target.bulk_density_kg_m3, "mean of the upper 15 cm")->required();
+  std::map<std::string, SoilStrength> words;
+  for (const auto& word : kSoilStrengthWords) {
+    words.emplace(word.name, word.value);
+  }
+  app->add_option("--strength", command->target.strength,
+                  "residual: what a moving shovel feels; peak: what undisturbed soil carries at most [residual]")
+      ->transform(CLI::CheckedTransformer(words, CLI::ignore_case).description(""));
+  app->add_option("--radius-mm", command->radius_mm, "radius of a macroparticle, 0.5 to 20")->capture_default_str();
+  app->add_option("--stiffness-n-m", command->stiffness_n_m,
+                  "of the contacts [they give way by 2.8 % of the radius at 3 kPa]");
+  app->add_option("--body", command->body, "where the soil has that density")->capture_default_str();
+  app->add_option("--out", command->out_file, "soil file to write, for --soil: FILE.toml");
+  command->overwrite.addTo(*app);
+  app->add_option("--name", command->name, "the soil's name in that file [the file's name]");
+  app->add_option("--source", command->source, "where the target comes from, for that file");
+  app->add_option("--specimens", command->specimens, "to verify with, 2 or more, each from another seed")
+      ->capture_default_str();
+  app->add_option("--seed", command->seed, "of the specimens")->capture_default_str();
+  app->add_option("--threads", command->threads, "threads to use [all]")->check(CLI::Range(1, 256));
+  app->add_flag("--json", command->json, "print one JSON object instead of a table");
+  app->footer(
+      "Example:\n"
+      "  haptolith lab calibrate --friction-angle-deg 42 --cohesion-pa 520 --bulk-density-kg-m3 1500 --out soil.toml\n"
+      "  haptolith run --soil soil.toml");
+  app->callback([command] {
+    if (command->name.empty()) {
+      command->name = std::filesystem::path(command->out_file).stem().string();
+    }
+    runCalibrateSoil(*command);
+  });
+}
+
+}  // namespace
+
+void addLabCommand(CLI::App& app) {
+  CLI::App* lab = app.add_subcommand("lab", "A soil laboratory: what a bed of macroparticles really does");
+  lab->require_subcommand(1);
+  lab->footer("Example:\n  haptolith lab shear --soil lunar-0-15cm\nEvery test explains itself with --help.");
+  for (const LabTest& test : labTests()) {
+    addTest(*lab, test);
+  }
+  addCalibrate(*lab);
+  addReport(*lab);
+}
+
+}  // namespace haptolith

@@ -1,0 +1,124 @@
+#include "lab/lab_options.h"
+
+#include <CLI/CLI.hpp>
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <map>
+#include <thread>
+
+#include "haptolith/core/atomic_file.h"
+#include "haptolith/scenario/scene_words.h"
+#include "haptolith/scenario/soil_file.h"
+#include "haptolith/soil/bodies.h"
+#include "haptolith/soil/presets.h"
+
+#include "shared/output.h"
+#include "shared/stop_on_signal.h"
+
+namespace haptolith {
+
+namespace {
+
+constexpr double kMm = 1e-3;
+
+bool isPreset(std::string_view name) {
+  return name.size() == 2 && (name[0] == 'P' || name[0] == 'p') && name[1] >= '1' && name[1] <= '6';
+}
+
+int threadsFor(int wanted) {
+  return wanted > 0 ? wanted : static_cast<int>(std::max(1U, std::thread::hardware_concurrency()));
+}
+
+}  // namespace
+
+void LabOptions::addTo(CLI::App& command) {
+  command.add_option("--soil", soil, "a named soil (haptolith soil list), a soil file, or P1 to P6")
+      ->capture_default_str();
+  std::map<std::string, FrictionModel> models;
+  for (const auto& word : kFrictionWords) {
+    models.emplace(word.name, word.value);
+  }
+  command.add_option("--friction", friction, "paper or pairwise [as the soil's file says]")
+      ->transform(CLI::CheckedTransformer(models, CLI::ignore_case).description(""));
+  command.add_option("--body", body, "Ceres, Pluto, Europa, Moon, Mars or Earth")->capture_default_str();
+  command.add_option("--radius-mm", radius_mm, "radius of a macroparticle; the soil stays the same [the test's own]");
+  command.add_option("--stiffness-n-m", stiffness_n_m, "of the contacts at that radius [the soil's]");
+  command.add_option("--seed", seed, "of the specimen's particles")->capture_default_str();
+  command.add_option("--threads", threads, "threads to use; the result is the same [all]")->check(CLI::Range(1, 256));
+  command.add_option("--figure", figure_file, "draw what was measured: FILE.svg or FILE.png");
+  command.add_option("--trace", trace_file, "write what was measured over time: FILE.csv");
+  overwrite.addTo(command);
+  command.add_flag("--json", json, "print one JSON object instead of a table");
+}
+
+LabSoil labSoil(const LabOptions& options, double radius_mm) {
+  LabSoil found;
+  if (isPreset(options.soil)) {
+    const Preset& preset = findPreset(options.soil);
+    found = {std::string(preset.name), preset.soil, std::nullopt};
+  } else {
+    const SoilFile file = findSoil(options.soil);
+    found = {file.name, file.soil, file.target};
+  }
+  const double wanted_mm = options.radius_mm.value_or(radius_mm);
+  if (options.radius_mm || radius_mm > 0) {
+    requireInRange("radius_mm", wanted_mm, {0.1, 100});
+    found.soil = rescaled(found.soil, wanted_mm * kMm);
+  }
+  found.soil.stiffness_n_m = options.stiffness_n_m.value_or(found.soil.stiffness_n_m);
+  found.soil.friction = options.friction.value_or(found.soil.friction);
+  return found;
+}
+
+LabConditions labConditions(const LabOptions& options, const LabSoil& soil, StatusLine& status) {
+  LabConditions conditions;
+  conditions.soil = soil.soil;
+  conditions.gravity_m_s2 = findBody(options.body).gravity_m_s2;
+  conditions.seed = options.seed;
+  conditions.threads = threadsFor(options.threads);
+  conditions.progress = [&status](std::string_view what, double share) {
+    if (status.visible()) {
+      status.update(fmt::format("{}: {:.0f} %", what, 100 * share));
+    }
+    return !stopAsked();
+  };
+  return conditions;
+}
+
+nlohmann::ordered_json circumstancesJson(const LabOptions& options, const LabSoil& soil,
+                                         const LabConditions& conditions) {
+  return {{"soil", soil.name},
+          {"friction", wordFor(kFrictionWords, conditions.soil.friction)},
+          {"body", findBody(options.body).name},
+          {"gravity_m_s2", conditions.gravity_m_s2},
+          {"radius_mm", conditions.soil.radius_m / kMm},
+          {"stiffness_n_m", conditions.soil.stiffness_n_m},
+          {"seed", conditions.seed}};
+}
+
+std::string circumstancesText(const LabOptions& options, const LabSoil& soil, const LabConditions& conditions) {
+  return fmt::format("{}, {} friction, {}, macroparticles of {:.3g} mm, seed {}", soil.name,
+                     wordFor(kFrictionWords, conditions.soil.friction), findBody(options.body).name,
+                     conditions.soil.radius_m / kMm, conditions.seed);
+}
+
+void requireWritable(const std::vector<OutputFile>& files) {
+  for (const OutputFile& file : files) {
+    if (!file.path.empty()) {
+      const AtomicFile left_unfinished(file);
+    }
+  }
+}
+
+void saveTrace(const OutputFile& file, const LabTrace& trace) {
+  AtomicFile whole(file);
+  whole.write(fmt::format("{}\n", fmt::join(trace.columns, ",")));
+  for (const std::vector<double>& row : trace.rows) {
+    whole.write(fmt::format("{:.7g}\n", fmt::join(row, ",")));
+  }
+  whole.commit();
+}
+
+}  // namespace haptolith

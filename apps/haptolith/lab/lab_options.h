@@ -1,0 +1,64 @@
+#pragma once
+
+#include <nlohmann/json.hpp>
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "haptolith/lab/laboratory.h"
+#include "haptolith/soil/soil_target.h"
+
+#include "shared/overwrite.h"
+
+namespace CLI {
+class App;
+}
+
+namespace haptolith {
+
+class StatusLine;
+
+/// What all tests of the laboratory can be told on the command line.
+struct LabOptions {
+  std::string soil = "lunar-0-15cm";
+  std::optional<FrictionModel> friction;
+  std::string body = "Moon";
+  std::optional<double> radius_mm, stiffness_n_m;
+  std::uint64_t seed = 1;
+  int threads = 0;  ///< 0: as many as the machine has
+  bool json = false;
+  std::string figure_file, trace_file;
+  Overwrite overwrite;
+
+  /// The command's options; a test without a figure or trace leaves those out.
+  void addTo(CLI::App& command);
+};
+
+/// A soil as the command line named it: a named one, a file, or one of the paper's presets.
+struct LabSoil {
+  std::string name;
+  SoilParameters soil;
+  std::optional<SoilTarget> target;  ///< none for a preset
+};
+/// @param radius_mm  of the macroparticles when the options name none; 0 leaves them as the soil has them.
+[[nodiscard]] LabSoil labSoil(const LabOptions& options, double radius_mm);
+
+/// The conditions of a test, whose progress is shown in `status` and which ends when a signal asks for it.
+[[nodiscard]] LabConditions labConditions(const LabOptions& options, const LabSoil& soil, StatusLine& status);
+
+/// What every test says about its circumstances.
+[[nodiscard]] nlohmann::ordered_json circumstancesJson(const LabOptions& options, const LabSoil& soil,
+                                                       const LabConditions& conditions);
+[[nodiscard]] std::string circumstancesText(const LabOptions& options, const LabSoil& soil,
+                                            const LabConditions& conditions);
+
+/// Hours of work must not end in a file that cannot be written: tries each whose path is not empty.
+/// @throws Failure with the path and the system's reason.
+void requireWritable(const std::vector<OutputFile>& files);
+
+/// Writes a trace as CSV, whole or not at all.
+void saveTrace(const OutputFile& file, const LabTrace& trace);
+
+}  // namespace haptolith

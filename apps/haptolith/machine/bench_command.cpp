@@ -1,0 +1,285 @@
+#include <CLI/CLI.hpp>
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include <cmath>
+#include <map>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "haptolith/bed/bed_start.h"
+#include "haptolith/bed/simd_target.h"
+#include "haptolith/core/clock.h"
+#include "haptolith/core/error.h"
+#include "haptolith/device/hand/virtual_hand.h"
+#include "haptolith/figure/figure.h"
+#include "haptolith/haptics/haptic_loop.h"
+#include "haptolith/scenario/scene_words.h"
+
+#include "commands.h"
+#include "lab/lab_options.h"
+#include "shared/histogram_json.h"
+#include "shared/output.h"
+#include "shared/overwrite.h"
+#include "shared/stop_on_signal.h"
+
+namespace haptolith {
+
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+struct BenchOptions {
+  LabOptions soil;  ///< which soil, and of how large macroparticles
+  std::vector<int> particles{256, 2000, 10'000, 100'000, 200'000};
+  std::vector<FrictionModel> friction{FrictionModel::kPaper, FrictionModel::kPairwise};
+  std::vector<int> threads{1, 2};
+  Manoeuvre hand = Manoeuvre::kStir;
+  std::optional<double> sleep_speed_m_s;
+  double seconds = 1;
+  bool json = false;
+  std::string figure_file;
+  Overwrite overwrite;
+};
+
+/// One line of the table.
+struct BenchRow {
+  std::size_t particles = 0;
+  FrictionModel friction = FrictionModel::kPaper;
+  int threads = 1, substeps = 1;
+  Histogram tick_us{0.1}, relisting_us{0.01};
+  double made_s = 0;  ///< how long it took to make the bed, before it settled
+  double awake = 0;   ///< particles, in the mean of all ticks
+  double bytes_per_particle = 0;
+  double relistings_per_tick = 0;
+
+  [[nodiscard]] double particleStepsPerSecond() const { return awake * substeps / (1e-6 * tick_us.mean()); }
+};
+
+/// A sandbox of about `particles` on the Moon; 256 of 7 mm are the paper's scene.
+BedParameters sandbox(const BenchOptions& options, int particles, FrictionModel friction, int threads) {
+  BedParameters bed;
+  bed.sleep = options.sleep_speed_m_s.has_value();
+  bed.sleep_speed_m_s = options.sleep_speed_m_s.value_or(0);
+  bed.soil = labSoil(options.soil, 0).soil;
+  bed.soil.friction = friction;
+  bed.threads = threads;
+  const bool paper_scene = particles == 256 && options.soil.soil == "P3" && !options.soil.radius_mm;
+  return paper_scene ? bed : withRoomFor(particles, bed);
+}
+
+/// Lets a bed come to rest, more or less: what moves afterwards moves by the shovel. If it may sleep, until it does.
+void settle(Scene& scene) {
+  constexpr double kSettling_s = 0.3;
+  constexpr double kLongest_s = 5;
+  Bed& bed = scene.bed();
+  const double dt = bed.parameters().tick_s / scene.substeps();
+  const auto run = [&](double duration_s) {
+    double t = 0;
+    do {
+      if (stopAsked()) {
+        throw Failure("interrupted");
+      }
+      if (const StepStatus status = bed.step(dt); status != StepStatus::kOk) {
+        throw Failure(fmt::format("the bed did not settle: {}", text(status)));
+      }
+      t += dt;
+    } while (t < duration_s && bed.awake() > 0);
+  };
+  bed.setSettling(bed.parameters().soil.friction == FrictionModel::kPairwise);
+  run(kSettling_s);
+  bed.setSettling(false);
+  run(bed.parameters().sleep ? kLongest_s : kSettling_s);
+}
+
+BenchRow measure(const BenchOptions& options, int particles, FrictionModel friction, int threads, StatusLine& status) {
+  const std::string what =
+      fmt::format("{} particles, {} friction, {} threads", particles, wordFor(kFrictionWords, friction), threads);
+  status.update(what + ": the bed settles");
+  const std::int64_t start_ns = monotonicNs();
+  Scene scene(sandbox(options, particles, friction, threads), ToolParameters{});
+  const std::int64_t made_ns = monotonicNs() - start_ns;
+  settle(scene);
+  HandParameters hand;
+  hand.manoeuvre = options.hand;
+  hand.surface_m = scene.bed().surfaceHeight();
+  VirtualHand device(hand, scene.bed().parameters().tick_s);
+  HapticLoop loop(scene, device, LoopParameters{}, false);
+  BenchRow row;
+  row.made_s = 1e-9 * static_cast<double>(made_ns);
+  const std::uint64_t relisted_before = scene.bed().relistings();
+  (void)scene.bed().takeRelistingUs();  // of settling
+  const auto ticks = static_cast<std::uint64_t>(options.seconds / scene.bed().parameters().tick_s);
+  for (std::uint64_t tick = 0; tick < ticks; ++tick) {
+    if (const LoopEnd end = loop.tick(); end != LoopEnd::kRunning) {
+      throw Failure(fmt::format("{}: {}", what, text(end)));
+    }
+    row.relisting_us.add(scene.bed().takeRelistingUs());
+    row.awake += static_cast<double>(scene.bed().awake()) / static_cast<double>(ticks);
+    if (tick % 100 == 0) {
+      if (stopAsked()) {
+        throw Failure("interrupted");
+      }
+      status.update(fmt::format("{}: {:.0f} %", what, 100 * static_cast<double>(tick) / static_cast<double>(ticks)));
+    }
+  }
+  row.particles = scene.bed().particles();
+  row.friction = friction;
+  row.threads = threads;
+  row.substeps = scene.substeps();
+  row.tick_us = loop.statistics().tickUs();
+  row.bytes_per_particle = static_cast<double>(scene.bed().bytes()) / static_cast<double>(row.particles);
+  row.relistings_per_tick =
+      static_cast<double>(scene.bed().relistings() - relisted_before) / static_cast<double>(ticks);
+  return row;
+}
+
+/// How late the machine wakes a thread that sleeps until a given time: no tick can be more punctual.
+Histogram timerLatenessUs() {
+  constexpr int kSleeps = 500;
+  constexpr std::int64_t kPeriod_ns = 1'000'000;
+  Histogram late_us(0.1);
+  std::int64_t deadline_ns = monotonicNs();
+  for (int i = 0; i < kSleeps; ++i) {
+    deadline_ns += kPeriod_ns;
+    sleepUntilNs(deadline_ns);
+    late_us.add(1e-3 * static_cast<double>(monotonicNs() - deadline_ns));
+  }
+  return late_us;
+}
+
+Json rowJson(const BenchRow& row, Manoeuvre hand) {
+  return {{"particles", row.particles},
+          {"awake", std::lround(row.awake)},
+          {"friction", wordFor(kFrictionWords, row.friction)},
+          {"threads", row.threads},
+          {"substeps", row.substeps},
+          {"simd", simdTarget()},
+          {"hand", wordFor(kManoeuvreWords, hand)},
+          {"ticks", row.tick_us.count()},
+          {"tick_us", histogramJson(row.tick_us)},
+          {"particle_steps_per_s", row.particleStepsPerSecond()},
+          {"relistings_per_tick", row.relistings_per_tick},
+          {"rebuild_us", {{"mean", row.relisting_us.mean()}, {"max", row.relisting_us.max()}}},
+          {"memory_bytes_per_particle", row.bytes_per_particle},
+          {"made_s", row.made_s}};
+}
+
+std::string rowText(const BenchRow& row) {
+  return fmt::format(
+      "  {:>9} {:>9.0f} {:<8} {:>7} {:>8} {:>9.4g} {:>9.4g} {:>9.4g} {:>9.4g} {:>9.1f} {:>8.0f} {:>7.0f}\n",
+      row.particles, row.awake, wordFor(kFrictionWords, row.friction), row.threads, row.substeps,
+      row.tick_us.percentile(0.5), row.tick_us.percentile(0.99), row.tick_us.percentile(0.999), row.tick_us.max(),
+      1e-6 * row.particleStepsPerSecond(), row.relisting_us.max(), row.bytes_per_particle);
+}
+
+void drawBench(const OutputFile& file, const std::vector<BenchRow>& rows) {
+  Figure figure(file, 900, 600);
+  std::string plot = "plot 1000 with lines dashtype 2 linecolor rgb '#888888' title 'one tick of 1 kHz'";
+  std::map<std::pair<FrictionModel, int>, std::vector<std::vector<double>>> curves;
+  for (const BenchRow& row : rows) {
+    curves[{row.friction, row.threads}].push_back(
+        {static_cast<double>(row.particles), row.tick_us.percentile(0.5), row.tick_us.percentile(0.99)});
+  }
+  const char* colours[] = {"#1f6fb4", "#d2691e", "#2e8b57", "#8b3a8b"};
+  std::size_t i = 0;
+  for (const auto& [what, points] : curves) {
+    const std::string name = fmt::format("curve{}", i);
+    figure.data(name, points);
+    plot += fmt::format(
+        ", ${0} using 1:2:2:3 with yerrorlines pointtype 7 linewidth 2 linecolor rgb '{1}' title '{2}, {3} thread{4}'",
+        name, colours[i % 4], wordFor(kFrictionWords, what.first), what.second, what.second == 1 ? "" : "s");
+    ++i;
+  }
+  figure.command(
+      "set logscale xy; set grid; set key top left; set xlabel 'macroparticles'; "
+      "set ylabel 'work of a tick / us: median, up to the 99th percentile'");
+  figure.command(plot);
+  figure.save();
+}
+
+void runBench(const BenchOptions& options) {
+  const StopOnSignal stop_on_signal;
+  StatusLine status;
+  requireWritable({options.overwrite(options.figure_file)});
+  for (const int particles : options.particles) {
+    requireInRange("particles", particles, {1, kMostParticles});
+  }
+  requireInRange("seconds", options.seconds, {0.1, 3600});
+  requireInRange("sleep-speed-m-s", options.sleep_speed_m_s.value_or(0), {0, 1});
+  status.update("how punctual is the machine?");
+  const Histogram late_us = timerLatenessUs();
+  std::vector<BenchRow> rows;
+  for (const int particles : options.particles) {
+    for (const FrictionModel friction : options.friction) {
+      for (const int threads : options.threads) {
+        rows.push_back(measure(options, particles, friction, threads, status));
+      }
+    }
+  }
+  status.clear();
+  if (!options.figure_file.empty()) {
+    drawBench(options.overwrite(options.figure_file), rows);
+  }
+  if (options.json) {
+    Json all = Json::array();
+    for (const BenchRow& row : rows) {
+      all.push_back(rowJson(row, options.hand));
+    }
+    printJson({{"soil", options.soil.soil}, {"timer_late_us", histogramJson(late_us)}, {"rows", all}});
+    return;
+  }
+  std::string table = fmt::format(
+      "bench: {}, {}, hand {}, {:g} s each. The machine wakes a sleeping thread {:.0f} us late (99 %: {:.0f}).\n\n"
+      "  particles     awake friction threads substeps     p50 us    p99 us  p99.9 us    max us  M p.st./s lists us  "
+      "B/part.\n",
+      options.soil.soil, simdTarget(), wordFor(kManoeuvreWords, options.hand), options.seconds, late_us.percentile(0.5),
+      late_us.percentile(0.99));
+  for (const BenchRow& row : rows) {
+    table += rowText(row);
+  }
+  table +=
+      "\n  us: work of one tick, everything included. M p.st./s: million particles awake times substeps a second.\n"
+      "  lists us: the most that one tick spent on neighbour lists.\n";
+  printText(table);
+}
+
+}  // namespace
+
+void addBenchCommand(CLI::App& app) {
+  auto options = std::make_shared<BenchOptions>();
+  options->soil.soil = "P3";
+  CLI::App* command =
+      app.add_subcommand("bench", "How long a tick takes, by number of particles, friction and threads");
+  command->add_option("--particles", options->particles, "about how many")->delimiter(',')->capture_default_str();
+  std::map<std::string, FrictionModel> models;
+  for (const auto& word : kFrictionWords) {
+    models.emplace(word.name, word.value);
+  }
+  command->add_option("--friction", options->friction, "paper, pairwise or both [paper,pairwise]")
+      ->delimiter(',')
+      ->transform(CLI::CheckedTransformer(models, CLI::ignore_case).description(""));
+  command->add_option("--threads", options->threads, "numbers of threads")
+      ->delimiter(',')
+      ->check(CLI::Range(1, 256))
+      ->capture_default_str();
+  command->add_option("--soil", options->soil.soil, "a named soil, a soil file, or P1 to P6 [P3]");
+  command->add_option("--radius-mm", options->soil.radius_mm, "of the macroparticles [the soil's]");
+  const std::map<std::string, Manoeuvre> hands{{"stir", Manoeuvre::kStir}, {"still", Manoeuvre::kStill}};
+  command->add_option("--hand", options->hand, "stir or still [stir]")
+      ->transform(CLI::CheckedTransformer(hands, CLI::ignore_case).description(""));
+  command->add_option("--sleep-speed-m-s", options->sleep_speed_m_s,
+                      "let soil sleep in which nothing moves faster [all stays awake]");
+  command->add_option("--seconds", options->seconds, "of simulated time for each row")->capture_default_str();
+  command->add_option("--figure", options->figure_file, "draw ticks over particles: FILE.svg or FILE.png");
+  options->overwrite.addTo(*command);
+  command->add_flag("--json", options->json, "print one JSON object instead of a table");
+  command->footer(
+      "Examples:\n  haptolith bench --particles 256,2000 --threads 1\n  haptolith bench --figure bench.svg\n"
+      "  haptolith bench --particles 1000000 --friction pairwise --threads 2 --sleep-speed-m-s 0.001");
+  command->callback([options] { runBench(*options); });
+}
+
+}  // namespace haptolith

@@ -1,0 +1,202 @@
+#include <CLI/CLI.hpp>
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+#include <unistd.h>
+
+#include <algorithm>
+#include <memory>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "haptolith/core/error.h"
+#include "haptolith/machine/check.h"
+#include "haptolith/machine/real_time_checks.h"
+
+#include "commands.h"
+#include "shared/histogram_json.h"
+#include "shared/output.h"
+#include "shared/stop_on_signal.h"
+
+namespace haptolith {
+
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+constexpr const char* kExamples = R"(Examples:
+  haptolith doctor                   ten seconds
+  haptolith doctor --seconds 600     as long as rare lateness needs to show itself
+  haptolith doctor --cpu 3           on the CPU that `haptolith run --cpu 3` would use
+
+Exit status: 0 the loop can run in real time, 1 something that it needs is lacking.)";
+
+struct DoctorOptions {
+  double seconds = 10;
+  int cpu = kAnyCpu;
+  bool json = false;
+};
+
+const char* text(Fitness verdict) {
+  switch (verdict) {
+    case Fitness::kOk: return "ok";
+    case Fitness::kImprovable: return "could be better";
+    case Fitness::kInsufficient: return "lacking";
+  }
+  return "";
+}
+
+/// Wraps what it is given in the codes of a terminal, or leaves it as it is.
+class Paint {
+ public:
+  explicit Paint(bool coloured) : coloured_(coloured) {}
+
+  [[nodiscard]] std::string in(const char* code, std::string_view what) const {
+    return coloured_ ? fmt::format("\033[{}m{}\033[0m", code, what) : std::string(what);
+  }
+  [[nodiscard]] std::string bold(std::string_view what) const { return in("1", what); }
+  [[nodiscard]] std::string dim(std::string_view what) const { return in("2", what); }
+  [[nodiscard]] std::string command(std::string_view what) const { return in("36", what); }
+  [[nodiscard]] std::string verdict(Fitness verdict, std::string_view what) const {
+    return in(verdict == Fitness::kOk ? "32" : verdict == Fitness::kImprovable ? "33" : "1;31", what);
+  }
+
+ private:
+  bool coloured_;
+};
+
+std::ptrdiff_t count(const std::vector<Check>& checks, Fitness verdict) {
+  return std::count_if(checks.begin(), checks.end(), [&](const Check& check) { return check.verdict == verdict; });
+}
+
+std::string namesOf(const std::vector<Check>& checks, Fitness verdict) {
+  std::string names;
+  for (const Check& check : checks) {
+    if (check.verdict == verdict) {
+      names += (names.empty() ? "" : ", ") + check.name;
+    }
+  }
+  return names;
+}
+
+Fitness worst(const std::vector<Check>& checks) {
+  Fitness verdict = Fitness::kOk;
+  for (const Check& check : checks) {
+    verdict = std::max(verdict, check.verdict);
+  }
+  return verdict;
+}
+
+std::string checkText(const Check& check, const Paint& paint) {
+  std::string lines =
+      fmt::format("  {}  {}{}\n", paint.verdict(check.verdict, fmt::format("{:<15}", text(check.verdict))),
+                  paint.bold(fmt::format("{:<17}", check.name)), check.found);
+  if (check.verdict != Fitness::kOk) {
+    lines += fmt::format("{:36}{}\n", "", paint.dim("needed: " + check.needed));
+    if (!check.remedy.empty()) {
+      lines += fmt::format("{:36}{}\n", "", paint.command(check.remedy));
+    }
+  }
+  return lines;
+}
+
+/// The numbers of the measurement over those that the loop needs.
+std::string wakeUpText(const WakeUps& measured, const Paint& paint) {
+  const Histogram& late_us = measured.late_us;
+  if (late_us.count() == 0) {
+    return "";
+  }
+  const double in_time = 1 - static_cast<double>(measured.missed) / static_cast<double>(late_us.count());
+  constexpr const char* kRow = "  {:<16} {:>8} {:>8} {:>8} {:>8} {:>8} {:>8} {:>9}\n";
+  const auto us = [](double value) { return fmt::format("{:.1f}", value); };
+  return fmt::format(
+             "\n  A thread that slept until the next ms, {:.1f} s long ({}, {}), woke late by this many us:\n\n",
+             measured.seconds, measured.real_time.scheduler,
+             measured.real_time.cpu == kAnyCpu ? "any CPU" : fmt::format("CPU {}", measured.real_time.cpu)) +
+         paint.dim(fmt::format(kRow, "", "mean", "p50", "p99", "p99.9", "max", "missed", "in time")) +
+         fmt::format(kRow, "measured", us(late_us.mean()), us(late_us.percentile(0.5)), us(late_us.percentile(0.99)),
+                     us(late_us.percentile(0.999)), us(late_us.max()), measured.missed,
+                     fmt::format("{:.3f} %", 100 * in_time)) +
+         fmt::format(kRow, "the loop needs", "", "", "", fmt::format("< {:g}", kLatestWakeUp_us), "< 1000", "0",
+                     "100 %") +
+         paint.dim(
+             fmt::format("\n  Of the 1000 us of a tick, the first {:g} are for waking up and {:g} for the work.\n",
+                         kLatestWakeUp_us, 1000 - kLatestWakeUp_us));
+}
+
+std::string reportText(const std::vector<Check>& checks, const WakeUps& measured, const Paint& paint) {
+  std::string report = paint.bold("Can this machine run the loop in real time?") + "\n\n";
+  for (const Check& check : checks) {
+    report += checkText(check, paint);
+  }
+  report += wakeUpText(measured, paint);
+  const std::ptrdiff_t could_be_better = count(checks, Fitness::kImprovable);
+  const Fitness verdict = worst(checks);
+  const std::string told = verdict == Fitness::kInsufficient ? fmt::format("No. Lacking: {}.", namesOf(checks, verdict))
+                           : could_be_better > 0             ? fmt::format("Yes; {} could be better.", could_be_better)
+                                                             : "Yes.";
+  return report + "\n" + paint.verdict(verdict, told) + "\n";
+}
+
+Json reportJson(const std::vector<Check>& checks, const WakeUps& measured) {
+  Json list = Json::array();
+  for (const Check& check : checks) {
+    list.push_back({{"name", check.name},
+                    {"verdict", text(check.verdict)},
+                    {"found", check.found},
+                    {"needed", check.needed},
+                    {"remedy", check.remedy}});
+  }
+  const RealTime& granted = measured.real_time;
+  return {{"verdict", text(worst(checks))},
+          {"checks", list},
+          {"seconds", measured.seconds},
+          {"scheduler", granted.scheduler},
+          {"memory_locked", granted.memory_locked},
+          {"cpu", granted.cpu == kAnyCpu ? Json(nullptr) : Json(granted.cpu)},
+          {"wake_ups", measured.late_us.count()},
+          {"missed", measured.missed},
+          {"late_us", histogramJsonWithBuckets(measured.late_us)}};
+}
+
+WakeUps measure(const DoctorOptions& options) {
+  StatusLine status;
+  return measureWakeUps({.cpu = options.cpu}, options.seconds, stopAsked(), [&](double elapsed_s, double latest_us) {
+    if (status.visible()) {
+      status.update(
+          fmt::format("how punctual is this machine? {:.1f} of {:g} s, latest wake-up {:.0f} us (Ctrl-C ends it)",
+                      elapsed_s, options.seconds, latest_us));
+    }
+  });
+}
+
+void doctor(const DoctorOptions& options) {
+  const StopOnSignal stop_on_signal;
+  requireInRange("seconds", options.seconds, {0.1, 1e6});
+  const WakeUps measured = measure(options);
+  const std::vector<Check> checks = realTimeChecks(measured);
+  if (options.json) {
+    printJson(reportJson(checks, measured));
+  } else {
+    printText(reportText(checks, measured, Paint(isColoured(STDOUT_FILENO))));
+  }
+  if (worst(checks) == Fitness::kInsufficient) {
+    throw Failure(fmt::format("the loop cannot run in real time here: {}", namesOf(checks, Fitness::kInsufficient)));
+  }
+}
+
+}  // namespace
+
+void addDoctorCommand(CLI::App& app) {
+  auto options = std::make_shared<DoctorOptions>();
+  CLI::App* command =
+      app.add_subcommand("doctor", "Tell whether this machine can run the loop in real time, and what helps");
+  command->footer(kExamples);
+  command->add_option("--seconds", options->seconds, "How long to measure how punctual it is [10]")
+      ->option_text("SECONDS");
+  command->add_option("--cpu", options->cpu, "The CPU to measure on; default: any")->option_text("N");
+  command->add_flag("--json", options->json, "Print one JSON object");
+  command->callback([options] { doctor(*options); });
+}
+
+}  // namespace haptolith

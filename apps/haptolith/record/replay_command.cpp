@@ -1,0 +1,131 @@
+#include <CLI/CLI.hpp>
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+#include <spdlog/spdlog.h>
+
+#include <memory>
+#include <optional>
+#include <string>
+
+#include "haptolith/bed/simd_target.h"
+#include "haptolith/core/error.h"
+#include "haptolith/recording/replay.h"
+
+#include "commands.h"
+#include "shared/output.h"
+#include "shared/scene_options.h"
+#include "shared/stop_on_signal.h"
+
+namespace haptolith {
+
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+constexpr const char* kExamples = R"(Examples:
+  haptolith run --record run.h5 --duration-s 60     a recording
+  haptolith replay run.h5                           the same scene under the same hand
+  haptolith replay run.h5 --verify --threads 2      does every tick come out bit for bit?
+
+Exit status: 1 when --verify finds a difference, or ticks are missing in the recording.)";
+
+struct ReplayOptions {
+  std::string file;
+  bool verify = false, json = false;
+  std::optional<int> threads;
+};
+
+std::string gapText(const ReplayGap& gap) {
+  return gap.ticks == 0
+             ? fmt::format("the ticks after {:.3f} s are not in the order of a run", gap.time_s)
+             : fmt::format("{} ticks after {:.3f} s: what follows cannot be replayed", gap.ticks, gap.time_s);
+}
+
+std::string summary(const ReplayOptions& options, const RecordingReader& recording, const Replay& replay,
+                    const ReplayResult& result) {
+  std::string text =
+      fmt::format("{}\n  replayed   {} of {} ticks, {} hashes compared ({}, {} thread(s))\n", replay.scenario().title,
+                  result.ticks, recording.ticks(), result.hashes, simdTarget(), replay.scenario().bed.threads);
+  if (result.difference) {
+    text += fmt::format("  differs    in tick {} at {:.3f} s: {}\n", result.difference->tick, result.difference->time_s,
+                        result.difference->what);
+  } else if (result.gap) {
+    text += fmt::format("  missing    {}\n", gapText(*result.gap));
+  } else if (options.verify) {
+    text += "  verified   every hash and every force to the last bit\n";
+  }
+  if (!result.end.empty()) {
+    text += fmt::format("  end        as recorded, {}\n", result.end);
+  }
+  return text + (result.ended_early.empty() ? "" : fmt::format("  ended      {}\n", result.ended_early));
+}
+
+Json summaryJson(const RecordingReader& recording, const Replay& replay, const ReplayResult& result) {
+  Json difference;
+  if (result.difference) {
+    difference = {
+        {"tick", result.difference->tick}, {"time_s", result.difference->time_s}, {"what", result.difference->what}};
+  }
+  return {{"title", replay.scenario().title},
+          {"recorded_ticks", recording.ticks()},
+          {"replayed_ticks", result.ticks},
+          {"hashes", result.hashes},
+          {"difference", difference},
+          {"end", result.end},
+          {"missing_ticks", result.gap ? result.gap->ticks : 0},
+          {"ended_early", result.ended_early},
+          {"recorded_simd", recording.header().instruction_set},
+          {"simd", simdTarget()},
+          {"threads", replay.scenario().bed.threads}};
+}
+
+void replay(const ReplayOptions& options) {
+  const StopOnSignal stop_on_signal;
+  const RecordingReader recording(options.file);
+  if (options.verify && recording.header().instruction_set != simdTarget()) {
+    spdlog::warn("recorded with {}, replayed with {}: the last bits will differ; HAPTOLITH_SIMD={} chooses the former",
+                 recording.header().instruction_set, simdTarget(), recording.header().instruction_set);
+  }
+  StatusLine status;
+  Replay replay(recording, options.threads, settlingIn(status));
+  const ReplayResult result = replay.run([&](const TickRecord& was, const TickRecord&) {
+    if (status.visible()) {
+      status.update(fmt::format("{:.1f} s of {:.1f} s", was.time_s,
+                                static_cast<double>(recording.ticks()) * recording.header().tick_s));
+    }
+    return !stopAsked();
+  });
+  status.clear();
+  options.json ? printJson(summaryJson(recording, replay, result))
+               : printText(summary(options, recording, replay, result));
+  if (options.verify && result.difference) {
+    throw Failure("the replay differs from the recording");
+  }
+  if (options.verify && result.gap) {
+    throw Failure(
+        fmt::format("the recording is not whole, and cannot be verified; missing are {}", gapText(*result.gap)));
+  }
+  if (options.verify && result.ticks == 0) {
+    throw Failure("nothing could be compared");
+  }
+  if (stopAsked()) {
+    throw Failure("interrupted");
+  }
+}
+
+}  // namespace
+
+void addReplayCommand(CLI::App& app) {
+  auto options = std::make_shared<ReplayOptions>();
+  CLI::App* command = app.add_subcommand("replay", "Run a recording again, and compare it tick by tick");
+  command->footer(kExamples);
+  command->add_option("file", options->file, "A recording of a whole run (.h5)")->required()->option_text("FILE.h5");
+  command->add_flag("--verify", options->verify, "Fail unless every hash and force is the same to the last bit");
+  command->add_option("--threads", options->threads, "Threads that share a tick; default: as recorded")
+      ->check(CLI::Range(1, 256))
+      ->option_text("N");
+  command->add_flag("--json", options->json, "Print the summary as one JSON object");
+  command->callback([options] { replay(*options); });
+}
+
+}  // namespace haptolith

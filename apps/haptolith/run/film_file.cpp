@@ -1,0 +1,84 @@
+#include "run/film_file.h"
+
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <chrono>
+#include <vector>
+
+#include "haptolith/core/error.h"
+
+#include "shared/stop_on_signal.h"
+
+namespace haptolith {
+
+namespace {
+
+using Words = std::vector<std::string>;
+
+/// An hour of film takes some hours of a processor.
+constexpr std::chrono::hours kMostCpu{24};
+
+/// Between two pictures, and for the last of them.
+constexpr std::chrono::minutes kPatience{10};
+
+/// What is asked of the encoder: no film that shows grains as mud, none that takes minutes.
+Words encoderFor(const std::filesystem::path& path) {
+  if (path.extension() == ".mp4") {
+    return {"-c:v", "libx264", "-crf", "20", "-movflags", "+faststart"};
+  }
+  if (path.extension() == ".webm") {
+    return {"-c:v", "libvpx-vp9", "-crf", "32", "-b:v", "0", "-cpu-used", "4", "-row-mt", "1"};
+  }
+  throw InvalidParameter("out", fmt::format("'{}'", path.string()), "a file name ending in .mp4 or .webm for a film");
+}
+
+ChildProcess::Command commandFor(const std::filesystem::path& path, const std::string& output, double pictures_per_s) {
+  Words words{"ffmpeg", "-hide_banner", "-loglevel", "error", "-nostats", "-f", "image2pipe", "-c:v", "png",
+              "-framerate", fmt::format("{}", pictures_per_s), "-i", "pipe:0",
+              // Players expect these of a film of this size, and what is not said they guess.
+              "-vf", "scale=out_color_matrix=bt709:out_range=tv,format=yuv420p", "-colorspace", "bt709",
+              "-color_primaries", "bt709", "-color_trc", "bt709"};
+  const Words encoder = encoderFor(path);
+  words.insert(words.end(), encoder.begin(), encoder.end());
+  words.insert(words.end(), {"-y", "file:" + output});  // whatever the name looks like
+  return {.arguments = std::move(words), .package = "ffmpeg", .environment = {}, .most_cpu = kMostCpu};
+}
+
+AtomicFile fileFor(const OutputFile& file) {
+  (void)encoderFor(file.path);  // a wrong ending is told before anything is written
+  return AtomicFile(file);
+}
+
+}  // namespace
+
+FilmFile::FilmFile(const OutputFile& file, double pictures_per_s)
+    : path_(file.path.string()),
+      file_(fileFor(file)),
+      words_(temporaryFile()),
+      ffmpeg_(commandFor(file.path, file_.temporaryPath().string(), pictures_per_s),
+              {{pictures_.to_read, STDIN_FILENO}, {words_, STDOUT_FILENO}, {words_, STDERR_FILENO}}) {
+  pictures_.to_read.close();
+}
+
+void FilmFile::add(std::string_view png) {
+  if (!writeAll(pictures_.to_write, png, {.until = std::chrono::steady_clock::now() + kPatience, .stopped = [] {
+                                            return stopAsked().load();
+                                          }})) {
+    fail();
+  }
+}
+
+void FilmFile::save() {
+  pictures_.to_write.close();
+  if (!ffmpeg_.wait(kPatience)) {
+    fail();
+  }
+  file_.commit();
+}
+
+void FilmFile::fail() const {
+  throw Failure(fmt::format("ffmpeg could not make {}:\n{}", path_, contentOf(words_)));
+}
+
+}  // namespace haptolith

@@ -1,0 +1,413 @@
+#include <CLI/CLI.hpp>
+#include <fmt/chrono.h>
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+#include <spdlog/spdlog.h>
+
+#include <chrono>
+#include <ctime>
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <string>
+
+#include "haptolith/bed/simd_target.h"
+#include "haptolith/core/error.h"
+#include "haptolith/core/plain_text.h"
+#include "haptolith/haptics/stiffness_check.h"
+#include "haptolith/scenario/scenario.h"
+#include "haptolith/scenario/scene_words.h"
+#include "haptolith/session/session.h"
+#include "haptolith/viewer/live_view.h"
+
+#include "commands.h"
+#include "run/run_figure.h"
+#include "run/trace_file.h"
+#include "shared/histogram_json.h"
+#include "shared/output.h"
+#include "shared/overwrite.h"
+#include "shared/scene_options.h"
+#include "shared/session_driver.h"
+#include "shared/stop_on_signal.h"
+#include "shared/web_options.h"
+
+namespace haptolith {
+
+namespace {
+
+using namespace std::chrono_literals;
+using Json = nlohmann::ordered_json;
+
+constexpr const char* kExamples = R"(Examples:
+  haptolith run                                     the paper's scene until Ctrl-C
+  haptolith run --hand stir --duration-s 10         ten seconds of stirring
+  haptolith run --preset P1 --body Mars --json      another soil on another world
+  haptolith run --soil surveyor-3                   a soil by its name (haptolith soil list)
+  haptolith run --hand press --trace press.csv --figure press.svg
+  haptolith run scenarios/deep-bed.toml             a scene from a file
+  haptolith run --poses movement.csv                a recorded hand
+  haptolith run --unpaced --duration-s 60 --json    as fast as it can, for experiments
+  haptolith run --hand still --port 9000            to dig in, at http://127.0.0.1:9000/
+  haptolith run --device force-dimension            feel it (haptolith devices, haptolith doctor)
+  haptolith run --duration-s 60 --record run.h5     for haptolith replay and haptolith export)";
+
+/// What the command line says; everything else comes from the scenario.
+struct RunOptions {
+  SceneOptions scene;
+  std::optional<double> duration_s;
+  bool unpaced = false;
+  std::optional<int> cpu;
+  std::string trace_file, figure_file, record_file;
+  Overwrite overwrite;
+  double frames_per_s = 10;
+  bool json = false;
+  std::optional<bool> serve;
+  WebOptions web;
+};
+
+Scenario scenarioFor(const RunOptions& options) {
+  Scenario scenario = scenarioFor(options.scene);
+  scenario.loop.duration_s = options.duration_s.value_or(scenario.loop.duration_s);
+  scenario.loop.paced = scenario.loop.paced && !options.unpaced;
+  scenario.loop.cpu = options.cpu.value_or(scenario.loop.cpu);
+  validate(scenario);
+  requireUsableCpu(scenario.loop.cpu);
+  return scenario;
+}
+
+/// Of a name that no program takes for another kind of file.
+void requireRecordingName(const std::filesystem::path& file) {
+  if (file.extension() != ".h5") {
+    throw InvalidParameter("record", inQuotes(file.string()), "a file name ending in .h5");
+  }
+  std::error_code ignored;
+  if (std::filesystem::file_size(file, ignored) > 0 && !ignored && irreplaceable(file) != "a recording") {
+    throw Failure(
+        fmt::format("{} is not a recording: only a recording is replaced by one; choose another name", file.string()));
+  }
+}
+
+/// Everything that follows the loop from a distance: trace, history for the figure, the status line.
+class Follower {
+ public:
+  Follower(const RunOptions& options, const Scenario& scenario)
+      : scenario_(scenario),
+        keep_history_(!options.figure_file.empty()),
+        recording_(recordingFor(options.frames_per_s)) {
+    if (!options.trace_file.empty()) {
+      trace_.emplace(options.overwrite(options.trace_file));
+    }
+    if (!options.record_file.empty()) {
+      RecordingWriter::requireFree(options.record_file, options.overwrite.allowed);
+      requireRecordingName(options.record_file);
+    }
+  }
+
+  [[nodiscard]] bool wantsRecords() const noexcept { return trace_ || keep_history_; }
+  [[nodiscard]] bool traces() const noexcept { return trace_.has_value(); }
+
+  /// Records the session from its first tick on.
+  void record(Session& session, const RunOptions& options) {
+    session.loop().hashRecords();
+    recording_.start(session, options.record_file, options.overwrite.allowed);
+  }
+
+  void follow(const Session& session, const SessionDriver::News& news) {
+    for (const TickRecord& record : news.ticks) {
+      if (trace_) {
+        trace_->write(record);
+      }
+      if (keep_history_) {
+        remember(record);
+      }
+    }
+    if (news.snapshot) {
+      const SceneSnapshot& now = session.snapshot();
+      if (keep_history_ &&
+          (history_.strongest.position.empty() || now.felt.force_n.norm() > history_.strongest.felt.force_n.norm())) {
+        history_.strongest = now;
+      }
+      if (status_.visible()) {
+        status_.update(statusText(now));
+      }
+    }
+  }
+
+  [[nodiscard]] StatusLine& status() noexcept { return status_; }
+
+  [[nodiscard]] SessionRecording& recording() noexcept { return recording_; }
+
+  /// Saves trace and recording; whoever prints next finds a clean line.
+  void finish(LoopEnd end, double time_s) {
+    recording_.note("end", time_s, text(end));
+    if (trace_) {
+      trace_->commit();
+    }
+    recording_.stop();
+    status_.clear();
+  }
+
+  [[nodiscard]] const RunHistory& history() const noexcept { return history_; }
+
+ private:
+  /// Keeps every stride-th record; when there are too many, every second one goes and the stride doubles.
+  void remember(const TickRecord& record) {
+    constexpr std::size_t kMostRecords = 20'000;
+    if (seen_++ % stride_ != 0) {
+      return;
+    }
+    history_.records.push_back(record);
+    if (history_.records.size() >= kMostRecords) {
+      for (std::size_t i = 0; i < kMostRecords / 2; ++i) {
+        history_.records[i] = history_.records[2 * i];
+      }
+      history_.records.resize(kMostRecords / 2);
+      stride_ *= 2;
+    }
+  }
+
+  [[nodiscard]] std::string statusText(const SceneSnapshot& now) const {
+    const double wanted = scenario_.loop.duration_s;
+    return fmt::format("{}{}  {} {:6.2f} N  tick p99 {:5.0f} us  in time {:5.1f} %  misses {}  awake {}",
+                       fmt::format("{:7.1f} s", now.time_s), wanted > 0 ? fmt::format(" of {:g} s", wanted) : "",
+                       now.trip == SafetyTrip::kNone ? "force" : "LET GO", now.felt.force_n.norm(), now.tick_us_p99,
+                       100 * now.success_rate, now.deadline_misses, now.awake);
+  }
+
+  const Scenario& scenario_;
+  bool keep_history_;
+  std::optional<TraceFile> trace_;
+  SessionRecording recording_;
+  StatusLine status_;
+  RunHistory history_;
+  std::uint64_t seen_ = 0, stride_ = 1;
+};
+
+/// What is left of a run when it is over.
+struct RunSummary {
+  LoopEnd end;
+  RealTime real_time;
+  std::uint64_t lost_records;
+};
+
+Json statisticsJson(const Histogram& h) {
+  return {{"mean", h.mean()}, {"p99", h.percentile(0.99)}, {"max", h.max()}};
+}
+
+Json summaryJson(const Scenario& scenario, const Scene& scene, const HapticLoop& loop, const RunSummary& summary) {
+  const LoopStatistics& statistics = loop.statistics();
+  return {{"title", scenario.title},
+          {"preset", scenario.preset},
+          {"soil", scenario.soil_name.empty() ? Json(nullptr) : Json(scenario.soil_name)},
+          {"friction", wordFor(kFrictionWords, scenario.bed.soil.friction)},
+          {"body", scenario.body},
+          {"particles", scene.bed().particles()},
+          {"awake", scene.bed().awake()},
+          {"substeps", scene.substeps()},
+          {"threads", scenario.bed.threads},
+          {"simd", simdTarget()},
+          {"ticks", statistics.ticks()},
+          {"duration_s", loop.time()},
+          {"ended", text(summary.end)},
+          {"tick_us", histogramJsonWithBuckets(statistics.tickUs())},
+          {"late_us", scenario.loop.paced ? histogramJsonWithBuckets(statistics.lateUs()) : Json(nullptr)},
+          {"deadline_misses", statistics.deadlineMisses()},
+          {"success_rate_last_100", statistics.successRate()},
+          {"force_n", statisticsJson(statistics.forceN())},
+          {"torque_nm", statisticsJson(statistics.torqueNm())},
+          {"largest_speed_m_s", scene.bed().largestSpeed()},
+          {"lost_records", summary.lost_records},
+          {"state_hash", fmt::format("{:016x}", stateHash(scene.bed().state()))},
+          {"realtime",
+           {{"scheduler", summary.real_time.scheduler},
+            {"memory_locked", summary.real_time.memory_locked},
+            {"cpu", summary.real_time.cpu == kAnyCpu ? Json(nullptr) : Json(summary.real_time.cpu)}}}};
+}
+
+std::string soilText(const Scenario& scenario) {
+  const std::string name = scenario.preset + scenario.soil_name;  // one of them at most
+  return fmt::format("{}, {} friction", name.empty() ? "own soil" : name,
+                     wordFor(kFrictionWords, scenario.bed.soil.friction));
+}
+
+/// How late paced ticks began; empty when none was.
+std::string wakeUpText(const Histogram& late_us) {
+  return late_us.count() == 0
+             ? ""
+             : fmt::format("  wake-up    p50 {:.1f}  p99 {:.1f}  p99.9 {:.1f}  max {:.1f} us late\n",
+                           late_us.percentile(0.5), late_us.percentile(0.99), late_us.percentile(0.999), late_us.max());
+}
+
+std::string summaryText(const Scenario& scenario, const Scene& scene, const HapticLoop& loop,
+                        const RunSummary& summary) {
+  const LoopStatistics& s = loop.statistics();
+  const Histogram& t = s.tickUs();
+  return fmt::format(
+      "{title}\n"
+      "  soil       {particles} macroparticles of {radius:g} mm, {soil}, g = {g:g} m/s2, {substeps} step(s) a tick; in "
+      "the end {awake} awake\n"
+      "  time       {time:.3f} s in {ticks} ticks: {end}\n"
+      "  tick       mean {mean:.1f}  p50 {p50:.1f}  p99 {p99:.1f}  p99.9 {p999:.1f}  max {max:.1f} us ({simd}, "
+      "{threads} "
+      "thread(s))\n"
+      "{wakeup}"
+      "  deadlines  {misses} missed; {success:.0f} % of the last 100 in time; {scheduler}{cpu}, memory {locked}\n"
+      "  force      mean {fmean:.2f}  p99 {fp99:.2f}  max {fmax:.2f} N\n"
+      "  torque     mean {mmean:.4f}  p99 {mp99:.4f}  max {mmax:.4f} N m\n"
+      "  state      {hash:016x}\n",
+      fmt::arg("title", scenario.title), fmt::arg("particles", scene.bed().particles()),
+      fmt::arg("awake", scene.bed().awake()), fmt::arg("radius", 1e3 * scenario.bed.soil.radius_m),
+      fmt::arg("soil", soilText(scenario)), fmt::arg("g", scenario.bed.gravity_m_s2.norm()),
+      fmt::arg("substeps", scene.substeps()), fmt::arg("time", loop.time()), fmt::arg("ticks", s.ticks()),
+      fmt::arg("end", text(summary.end)), fmt::arg("mean", t.mean()), fmt::arg("p50", t.percentile(0.5)),
+      fmt::arg("p99", t.percentile(0.99)), fmt::arg("p999", t.percentile(0.999)), fmt::arg("max", t.max()),
+      fmt::arg("simd", simdTarget()), fmt::arg("threads", scenario.bed.threads), fmt::arg("misses", s.deadlineMisses()),
+      fmt::arg("success", 100 * s.successRate()), fmt::arg("scheduler", summary.real_time.scheduler),
+      fmt::arg("cpu", summary.real_time.cpu == kAnyCpu ? "" : fmt::format(" on CPU {}", summary.real_time.cpu)),
+      fmt::arg("wakeup", wakeUpText(s.lateUs())),
+      fmt::arg("locked", summary.real_time.memory_locked ? "locked" : "not locked"),
+      fmt::arg("fmean", s.forceN().mean()), fmt::arg("fp99", s.forceN().percentile(0.99)),
+      fmt::arg("fmax", s.forceN().max()), fmt::arg("mmean", s.torqueNm().mean()),
+      fmt::arg("mp99", s.torqueNm().percentile(0.99)), fmt::arg("mmax", s.torqueNm().max()),
+      fmt::arg("hash", stateHash(scene.bed().state())));
+}
+
+/// A run that was to last a certain time and did not, or that went wrong, has failed; its trace is kept all the same.
+void throwWhenItFailed(const Scenario& scenario, const HapticLoop& loop, LoopEnd end) {
+  const bool cut_short = end == LoopEnd::kStopped && scenario.loop.duration_s > 0;
+  if (cut_short || end == LoopEnd::kHandLeft || end == LoopEnd::kLost || end == LoopEnd::kNotFinite ||
+      end == LoopEnd::kCollapsed) {
+    throw Failure(cut_short ? fmt::format("interrupted after {:.3f} s of {:g} s", loop.time(), scenario.loop.duration_s)
+                            : fmt::format("stopped at {:.3f} s: {}", loop.time(), text(end)));
+  }
+}
+
+/// Whether a device could shake where the soil is stiffest.
+void warnOfStiffness(const Session& session) {
+  const Scenario& scenario = session.shown();
+  const DeviceLimits limits = session.device().limits();
+  const StiffnessCheck check =
+      checkStiffness(scenario.handling, scenario.tool, scenario.bed.soil.radius_m, limits, scenario.loop.tick_s);
+  if (!session.device().simulated() && limits.max_force_n > 0 && !check.stable()) {
+    spdlog::warn("{}", check.text);
+  }
+}
+
+/// The view in the browser: unless somebody measures or a program reads what is printed. None when no port is free and
+/// nobody has asked for it.
+std::unique_ptr<LiveView> viewOf(Session& session, Follower& follower, const RunOptions& options,
+                                 const WebServerOptions& web) {
+  try {
+    SessionRecording& recording = follower.recording();
+    auto view = std::make_unique<LiveView>(
+        session, web, HAPTOLITH_VERSION,
+        LiveView::Recorder{.start = [&recording, &session] { recording.start(session); },
+                           .stop = [&recording] { recording.stopPart(); },
+                           .name = [&recording] { return recording.name(); }},
+        LiveView::Guest{}, options.web.read_only ? LiveView::Clients::kLookOn : LiveView::Clients::kCommand);
+    printNotice(fmt::format("see {} at {}\n", options.web.read_only ? "it" : "and touch it", view->url()));
+    return view;
+  } catch (const Failure& failure) {
+    if (options.serve) {
+      throw;
+    }
+    spdlog::warn("no view in the browser: {}", failure.what());
+    return nullptr;
+  }
+}
+
+void run(const RunOptions& options) {
+  const StopOnSignal stop_on_signal;
+  const Scenario scenario = scenarioFor(options);
+  const WebServerOptions web = options.web.forAll();
+  // Files that cannot be written are refused before the bed is made.
+  Follower follower(options, scenario);
+  std::optional<Figure> figure;
+  if (!options.figure_file.empty()) {
+    figure.emplace(options.overwrite(options.figure_file), kRunFigureWidth_px, kRunFigureHeight_px);
+  }
+  const bool serves = options.serve.value_or(scenario.loop.paced && !options.json);
+  const bool keeps_records = follower.wantsRecords() || serves || !options.record_file.empty();
+  Session session(scenario, keeps_records, settlingIn(follower.status()));
+  follower.status().clear();
+  warnOfStiffness(session);
+  const std::unique_ptr<LiveView> view = serves ? viewOf(session, follower, options, web) : nullptr;
+  if (!options.record_file.empty()) {
+    follower.record(session, options);
+  }
+  std::optional<RecordTaker> taker;
+  if (keeps_records) {
+    taker.emplace(session.loop(), follower.recording(),
+                  follower.wantsRecords() ? RecordTaker::Keep::kForTake : RecordTaker::Keep::kNothing,
+                  scenario.loop.paced);
+  }
+  SessionDriver driver(session, follower.recording(), follower.status(), view.get(), taker ? &*taker : nullptr);
+  session.start(stopAsked());
+  if (const std::string& advice = session.realTime().advice; !advice.empty()) {
+    spdlog::warn("{}", advice);
+  }
+  driver.run(
+      [&](const SessionDriver::News& news) {
+        follower.follow(session, news);
+        return true;
+      },
+      !scenario.loop.paced ? 1ms
+      : view               ? 4ms
+                           : 20ms);
+  const LoopEnd end = session.join();
+  follower.follow(session, driver.look());
+  const RunSummary summary{end, session.realTime(), taker ? taker->lost() : 0};
+  follower.finish(summary.end, session.loop().time());
+  driver.tellTheRest();
+  if (figure) {
+    drawRun(*figure, session.shown(), follower.history(), session.loop().statistics());
+  }
+  if (options.json) {
+    printJson(summaryJson(session.shown(), session.scene(), session.loop(), summary));
+  } else {
+    printText(summaryText(session.shown(), session.scene(), session.loop(), summary));
+  }
+  throwWhenItFailed(session.shown(), session.loop(), summary.end);
+  if (!follower.recording().problem().empty()) {
+    throw Failure(fmt::format("the recording is not whole: {}", follower.recording().problem()));
+  }
+  if (summary.lost_records > 0 && follower.traces()) {
+    throw Failure(
+        fmt::format("the trace is not whole: {} ticks are missing, because the program was held up for too long",
+                    summary.lost_records));
+  }
+}
+
+}  // namespace
+
+void addRunCommand(CLI::App& app) {
+  auto options = std::make_shared<RunOptions>();
+  CLI::App* command = app.add_subcommand("run", "Run a scene at 1 kHz under a hand, until Ctrl-C or --duration-s");
+  command->footer(kExamples);
+  options->scene.addTo(*command);
+  command->add_option("--duration-s", options->duration_s, "Simulated time; default: until Ctrl-C")
+      ->check(CLI::Range(1e-3, 1e7))
+      ->option_text("SECONDS");
+  command->add_flag("--unpaced", options->unpaced, "As fast as it can instead of in step with the clock");
+  command->add_option("--cpu", options->cpu, "The only CPU that the loop's thread runs on; default: any")
+      ->option_text("N");
+  command->add_option("--trace", options->trace_file, "Write every tick to this CSV file")->option_text("FILE");
+  command->add_option("--figure", options->figure_file, "Draw the run (.svg or .png)")->option_text("FILE");
+  command->add_option("--record", options->record_file, "Record every tick to this HDF5 file (docs/recording.md)")
+      ->option_text("FILE.h5");
+  command->add_option("--record-frames", options->frames_per_s, "Pictures of all particles a second in it [10]")
+      ->check(CLI::Range(0, 60))
+      ->option_text("N");
+  options->overwrite.addTo(*command);
+  command->add_flag("--json", options->json, "Print the summary as one JSON object");
+  CLI::Option* serve = command->add_flag_callback(
+      "--serve", [options] { options->serve = true; }, "Show it in the browser; default: unless --unpaced or --json");
+  command
+      ->add_flag_callback(
+          "--no-serve", [options] { options->serve = false; }, "Do not show it in the browser")
+      ->excludes(serve);
+  options->web.addToRun(*command);
+  command->callback([options] { run(*options); });
+}
+
+}  // namespace haptolith

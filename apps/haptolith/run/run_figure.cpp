@@ -1,0 +1,176 @@
+#include "run/run_figure.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <iterator>
+#include <numbers>
+
+namespace haptolith {
+
+namespace {
+
+constexpr double kMm = 1e3;
+using Rows = std::vector<std::vector<double>>;
+
+/// Particles from the tool's middle to the far wall, seen from the side, the far ones first, with how near they are (0
+/// to 1) for their shade.
+Rows particlesBehindTheCut(const SceneSnapshot& scene, double length_m) {
+  const double cut = scene.scene_T_tool.position_m.y();
+  Rows rows;
+  for (const Float4& p : scene.position) {
+    if (p.y >= cut) {
+      rows.push_back({kMm * p.x, kMm * p.z, 1 - (p.y - cut) / (length_m / 2), -p.y});
+    }
+  }
+  std::stable_sort(rows.begin(), rows.end(), [](const auto& a, const auto& b) { return a[3] < b[3]; });
+  return rows;
+}
+
+/// Edges of the tool as x, z, dx, dz in mm. @param opening_m  between its jaws.
+Rows toolEdges(const ToolParameters& tool, const Pose& pose, double opening_m) {
+  if (tool.shape == ToolShape::kJaws) {
+    ToolParameters jaw = tool;
+    jaw.shape = ToolShape::kBox;
+    jaw.size_m = {tool.size_m.z(), tool.size_m.y(), tool.size_m.x()};
+    const Vec3 from_middle((opening_m + tool.size_m.z()) / 2, 0, 0);
+    Rows edges = toolEdges(jaw, {pose.toScene(-from_middle), pose.orientation}, 0);
+    std::ranges::copy(toolEdges(jaw, {pose.toScene(from_middle), pose.orientation}, 0), std::back_inserter(edges));
+    return edges;
+  }
+  std::vector<Vec3> ring;  // the upper outline; the lower one and the uprights follow from it
+  double half_height = tool.size_m.z() / 2;
+  if (tool.shape == ToolShape::kBox) {
+    const Vec3 half = tool.size_m / 2;
+    ring = {{half.x(), half.y(), 0}, {-half.x(), half.y(), 0}, {-half.x(), -half.y(), 0}, {half.x(), -half.y(), 0}};
+  } else {
+    constexpr int kCorners = 48;
+    half_height = tool.shape == ToolShape::kPlate ? tool.thickness_m / 2 : 0;
+    for (int corner = 0; corner < kCorners; ++corner) {
+      const double angle = 2 * std::numbers::pi * corner / kCorners;
+      const Vec3 flat(std::cos(angle), std::sin(angle), 0);
+      const Vec3 upright(std::cos(angle), 0, std::sin(angle));
+      ring.emplace_back(tool.diameter_m / 2 * (tool.shape == ToolShape::kSphere ? upright : flat));
+    }
+  }
+  Rows edges;
+  const auto add = [&](const Vec3& from_tool, const Vec3& to_tool) {
+    const Vec3 from = pose.toScene(from_tool);
+    const Vec3 edge = pose.toScene(to_tool) - from;
+    edges.push_back({kMm * from.x(), kMm * from.z(), kMm * edge.x(), kMm * edge.z()});
+  };
+  const Vec3 up(0, 0, half_height);
+  for (std::size_t i = 0; i < ring.size(); ++i) {
+    const Vec3& next = ring[(i + 1) % ring.size()];
+    add(ring[i] + up, next + up);
+    add(ring[i] - up, next - up);
+    add(ring[i] + up, ring[i] - up);
+  }
+  return edges;
+}
+
+Rows tickHistogram(const Histogram& ticks) {
+  constexpr std::size_t kBucketsPerBar = 8;
+  Rows bars;
+  for (std::size_t first = 0; first < Histogram::kBuckets; first += kBucketsPerBar) {
+    double count = 0;
+    for (std::size_t bucket = first; bucket < first + kBucketsPerBar; ++bucket) {
+      count += static_cast<double>(ticks.inBucket(bucket));
+    }
+    if (count > 0) {
+      const double from = first == 0 ? ticks.upperEnd(0) / 2 : ticks.upperEnd(first - 1);
+      bars.push_back({from, ticks.upperEnd(first + kBucketsPerBar - 1), count});
+    }
+  }
+  return bars;
+}
+
+}  // namespace
+
+void drawRun(Figure& figure, const Scenario& scenario, const RunHistory& history, const LoopStatistics& statistics) {
+  Rows forces;
+  for (const TickRecord& r : history.records) {
+    const Vec3& f = r.felt.wrench.force_n;
+    forces.push_back({r.time_s, f.x(), f.y(), f.z(), kMm * r.scene_T_tool.position_m.z(), r.soil.force_n.z()});
+  }
+  const BedParameters& bed = scenario.bed;
+  const SceneSnapshot& scene = history.strongest;
+  const double half_width = kMm * bed.width_m / 2;
+  double highest = kMm * scene.scene_T_tool.position_m.z() + 30;
+  for (const Float4& p : scene.position) {
+    highest = std::max(highest, std::min(kMm * (p.z + bed.soil.radius_m), 2 * half_width));
+  }
+
+  figure.data("particles", particlesBehindTheCut(scene, bed.length_m));
+  figure.data("tool", toolEdges(scenario.tool, scene.scene_T_tool, scene.opening_m));
+  figure.data("forces", forces);
+  figure.data("ticks", tickHistogram(statistics.tickUs()));
+  figure.data("strongest", {{scene.time_s, scene.felt.force_n.norm()}});
+  figure.command(fmt::format(R"gnuplot(
+set multiplot layout 2,2 title {title} font ",17"
+set lmargin 9
+set rmargin 3
+
+set title sprintf('Cut through the tool at t = %.2f s, when the hand felt %.2f N', {time}, {force})
+set xlabel 'x (mm)'
+set ylabel 'height (mm)'
+set size ratio -1
+set xrange [{left}:{right}]
+set yrange [{bottom}:{top}]
+unset key
+unset colorbox
+set cbrange [0:1]
+set palette defined (0 '#55504a', 1 '#cfc8bd')
+set object 1 rectangle from {wall_left},{bottom} to {wall_right},0 fc rgb '#333333' fs solid noborder
+set arrow 1 from {wall_left},0 to {wall_left},{top} nohead lw 2 lc rgb '#333333'
+set arrow 2 from {wall_right},0 to {wall_right},{top} nohead lw 2 lc rgb '#333333'
+set style fill solid 1.0 border lc rgb '#3a3632'
+plot $particles using 1:2:({radius}):3 with circles palette, \
+     $tool using 1:2:3:4 with vectors nohead lw 2.5 lc rgb '#d1495b'
+unset object 1
+unset arrow 1
+unset arrow 2
+set size noratio
+
+set title 'Force on the hand (filtered, as felt)'
+set xlabel 'time (s)'
+set ylabel 'force (N)'
+set autoscale x
+set autoscale y
+set offsets 0, 0, graph 0.05, graph 0.05
+set key top right horizontal
+plot $forces using 1:2 with lines lw 1.5 lc rgb '#d1495b' title 'x', \
+     $forces using 1:3 with lines lw 1.5 lc rgb '#edae49' title 'y', \
+     $forces using 1:4 with lines lw 1.5 lc rgb '#00798c' title 'z (up)'
+
+set title 'Vertical force over the height of the tool'
+set xlabel "height of the tool's centre (mm)"
+set ylabel 'force (N)'
+set key top right vertical
+plot $forces using 5:6 with lines lw 0.6 lc rgb '#a9c9ce' title 'of the soil', \
+     $forces using 5:4 with lines lw 1.2 lc rgb '#00798c' title 'as felt'
+
+set title 'How long the work of a tick took'
+set xlabel 'microseconds (one tick may last 1000)'
+set ylabel 'ticks'
+set offsets 0, 0, 0, 0
+set logscale xy
+set xrange [1:3000]
+set yrange [0.5:*]
+set style fill solid 0.8 noborder
+set arrow 3 from 1000, graph 0 to 1000, graph 1 nohead dt 2 lw 2 lc rgb '#d1495b'
+set label 3 '1 ms' at 1000, graph 0.93 right offset -0.5,0 tc rgb '#d1495b'
+unset key
+plot $ticks using (sqrt($1*$2)):3:1:2:(0.5):3 with boxxyerror lc rgb '#00798c'
+unset multiplot
+)gnuplot",
+                             fmt::arg("title", gnuplotQuoted(scenario.title)), fmt::arg("time", scene.time_s),
+                             fmt::arg("force", scene.felt.force_n.norm()), fmt::arg("left", -half_width - 25),
+                             fmt::arg("right", half_width + 25), fmt::arg("bottom", -6), fmt::arg("top", highest + 8),
+                             fmt::arg("wall_left", -half_width), fmt::arg("wall_right", half_width),
+                             fmt::arg("radius", kMm * bed.soil.radius_m)));
+  figure.save();
+}
+
+}  // namespace haptolith

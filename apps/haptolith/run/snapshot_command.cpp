@@ -1,0 +1,315 @@
+#include <CLI/CLI.hpp>
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "haptolith/core/atomic_file.h"
+#include "haptolith/core/error.h"
+#include "haptolith/scenario/scenario.h"
+#include "haptolith/scenario/scene_words.h"
+#include "haptolith/session/session.h"
+#include "haptolith/viewer/headless_browser.h"
+#include "haptolith/viewer/live_view.h"
+
+#include "commands.h"
+#include "run/film_file.h"
+#include "shared/output.h"
+#include "shared/overwrite.h"
+#include "shared/scene_options.h"
+#include "shared/stop_on_signal.h"
+
+namespace haptolith {
+
+namespace {
+
+using namespace std::chrono_literals;
+
+constexpr const char* kExamples = R"(Examples:
+  haptolith snapshot --hand scoop --out view.png            the paper's scene after two seconds
+  haptolith snapshot --at-s 3.5 --theme light --no-panels --out bed.png
+  haptolith snapshot --body Mars --colour force --view front --out mars.png
+  haptolith snapshot scenarios/sandbox.toml --out sandbox.png
+  haptolith snapshot --film --duration-s 8 --hand scoop --out scoop.mp4
+
+Chromium draws it, without a window: apt install chromium. Films need ffmpeg, too. HAPTOLITH_CHROMIUM=PATH takes another
+Chromium than the one in PATH.)";
+
+/// Simulated time between what the page is told, in s: twice a frame of a film, enough for its plots.
+constexpr double kStep_s = 0.032;
+
+/// What the plots of the page go back to, in s.
+constexpr double kPlotted_s = 10;
+
+/// The page shows its numbers ten times a second; what comes earlier may not be in them.
+constexpr auto kBetweenNumbers = 150ms;
+
+constexpr auto kPatienceForPage = 120s;
+
+struct SnapshotOptions {
+  SceneOptions scene;
+  std::string out_file;
+  Overwrite overwrite;
+  std::optional<double> at_s;
+  int width_px = 1280, height_px = 720;
+  std::string view = "three-quarter", colour = "plain", theme = "dark";
+  bool panels = true;
+  bool film = false;
+  double duration_s = 8, frames_per_s = 30;
+};
+
+/// The scene, unpaced and without an end of its own: time passes only where a picture asks for it.
+Scenario scenarioFor(const SnapshotOptions& options) {
+  Scenario scenario = scenarioFor(options.scene);
+  if (options.scene.manoeuvre || options.scene.poses_file) {
+    scenario.device = {};
+  }
+  if (scenario.device.kind != DeviceKind::kVirtualHand) {  // it would move, and be driven faster or slower than time
+    throw InvalidParameter(
+        "device", fmt::format("'{}'", wordFor(kDeviceWords, scenario.device.kind)),
+        "the virtual hand, which is all that a snapshot uses: add --device virtual-hand, or say with "
+        "--hand what it does");
+  }
+  scenario.loop.paced = false;
+  scenario.loop.duration_s = 0;
+  validate(scenario);
+  return scenario;
+}
+
+void throwWhenStopped() {
+  if (stopAsked()) {
+    throw Failure("interrupted");
+  }
+}
+
+/// A scene in which time stands still between pictures, and a browser that shows it. The same scene at the same time
+/// looks the same every time.
+class Studio {
+ public:
+  Studio(const SnapshotOptions& options, const Scenario& scenario, StatusLine& status)
+      : options_(options),
+        browser_({.width_px = options.width_px,
+                  .height_px = options.height_px,
+                  .stopped = [] { return stopAsked().load(); }}),
+        session_(scenario, false, settlingIn(status)),
+        view_(session_, {.bind = "127.0.0.1", .port = 0}, HAPTOLITH_VERSION, {}) {
+    session_.pause();
+    session_.start(stopAsked());
+    browser_.open(fmt::format("{}?view={}&colour={}&theme={}&panels={}&quality=full", view_.url(), options.view,
+                              options.colour, options.theme, options.panels ? 1 : 0));
+    waitForPage();
+  }
+
+  /// Lets time pass up to `time_s`, so that speeds and plots are those of the time before.
+  void play(double time_s) {
+    const double back_s = options_.panels ? kPlotted_s : kStep_s;
+    for (double at_s = std::max(time_, time_s - back_s); at_s < time_s; at_s += kStep_s) {
+      advance(at_s);
+      showNow();
+    }
+    advance(time_s);
+    showNow();
+    std::this_thread::sleep_for(kBetweenNumbers);
+    showNow();
+  }
+
+  /// Lets time pass in one step: to the next frame of a film.
+  void step(double time_s) {
+    advance(time_s);
+    showNow();
+  }
+
+  /// What the page shows, once it shows what the scene is now.
+  std::string picture() {
+    waitUntilDrawn();
+    return browser_.screenshot(options_.film ? HeadlessBrowser::Png::kQuick : HeadlessBrowser::Png::kSmall);
+  }
+
+ private:
+  /// Every picture is of a moment at the end of a tick; the first tick puts the tool where the hand is.
+  [[nodiscard]] std::uint64_t tickAt(double time_s) const {
+    const double tick_s = session_.scenario().bed.tick_s;
+    return static_cast<std::uint64_t>(std::max(1LL, std::llround(time_s / tick_s)));
+  }
+
+  void advance(double time_s) {
+    time_ = time_s;
+    const std::uint64_t wanted = tickAt(time_s);
+    const std::uint64_t now = session_.snapshot().ticks;
+    if (wanted > now) {
+      session_.advance(static_cast<int>(wanted - now));
+    }
+    // Of a large bed a snapshot takes several ticks, so only the second of this moment is of this moment alone.
+    for (int complete = 0; complete < 2;) {
+      throwWhenStopped();
+      if (session_.done()) {
+        throw Failure(fmt::format("stopped at {:.3f} s: {}", session_.loop().time(), text(session_.join())));
+      }
+      if (session_.update()) {
+        complete += session_.snapshot().ticks >= wanted ? 1 : 0;
+      } else {
+        std::this_thread::sleep_for(1ms);
+      }
+    }
+  }
+
+  void showNow() {
+    view_.obey();
+    view_.show(true, session_.poll());
+  }
+
+  /// Until the page has drawn its first picture. @throws Failure with the page's words when it cannot.
+  void waitForPage() {
+    const auto until = std::chrono::steady_clock::now() + kPatienceForPage;
+    advance(0);
+    do {
+      showNow();
+      const nlohmann::json failed = browser_.evaluate(
+          "document.readyState === 'complete' && !window.haptolith ? document.body.innerText.trim() : null");
+      if (failed.is_string()) {
+        throw Failure(fmt::format("the page shows no picture; it says: {}", failed.get<std::string>()));
+      }
+      if (std::chrono::steady_clock::now() > until) {
+        throw Failure("the page has drawn nothing for two minutes");
+      }
+      throwWhenStopped();
+      std::this_thread::sleep_for(20ms);
+    } while (!browser_.evaluate("window.haptolith?.ready === true"));
+  }
+
+  /// Until the page has a frame of this moment that it had not at the last picture, and has nothing left to draw.
+  void waitUntilDrawn() {
+    constexpr std::string_view kWaiting = R"(
+      new Promise((drawn) => {{
+        const page = window.haptolith;
+        let pictures = -1, still = 0;
+        const look = () => {{
+          const there = page.frame && page.frame.time_s >= {time_s} && page.frame.number > {number};
+          still = there && page.framesDrawn === pictures ? still + 1 : 0;
+          pictures = page.framesDrawn;
+          if (still < 3) requestAnimationFrame(look);
+          else drawn(page.frame.number);
+        }};
+        look();
+      }}))";
+    frame_drawn_ = browser_
+                       .evaluate(fmt::format(kWaiting, fmt::arg("time_s", session_.snapshot().time_s),
+                                             fmt::arg("number", frame_drawn_)))
+                       .get<std::uint32_t>();
+  }
+
+  const SnapshotOptions& options_;
+  HeadlessBrowser browser_;
+  Session session_;
+  LiveView view_;
+  double time_ = 0;                ///< simulated, s
+  std::uint32_t frame_drawn_ = 0;  ///< its number, in the last picture
+};
+
+void takePicture(const SnapshotOptions& options) {
+  constexpr double kUsual_s = 2;
+  if (!options.out_file.ends_with(".png")) {
+    throw InvalidParameter("out", fmt::format("'{}'", options.out_file),
+                           "a file name ending in .png, or with --film in .mp4 or .webm");
+  }
+  const Scenario scenario = scenarioFor(options);
+  AtomicFile file(options.overwrite(options.out_file));
+  StatusLine status;
+  Studio studio(options, scenario, status);
+  studio.play(options.at_s.value_or(kUsual_s));
+  file.write(studio.picture());
+  file.commit();
+}
+
+void makeFilm(const SnapshotOptions& options) {
+  if (options.width_px % 2 != 0 || options.height_px % 2 != 0) {
+    throw InvalidParameter("width and height", fmt::format("{} x {}", options.width_px, options.height_px),
+                           "even for a film");
+  }
+  const Scenario scenario = scenarioFor(options);
+  FilmFile film(options.overwrite(options.out_file), options.frames_per_s);
+  StatusLine status;
+  Studio studio(options, scenario, status);
+  const double start_s = options.at_s.value_or(0);
+  const auto frames = std::max(1LL, std::llround(options.duration_s * options.frames_per_s));
+  studio.play(start_s);
+  for (long long frame = 0; frame < frames; ++frame) {
+    if (status.visible()) {
+      status.update(fmt::format("frame {} of {}", frame + 1, frames));
+    }
+    if (frame > 0) {
+      studio.step(start_s + static_cast<double>(frame) / options.frames_per_s);
+    }
+    film.add(studio.picture());
+  }
+  film.save();
+}
+
+std::vector<std::string> colourNames() {
+  const auto names = namesOf(kColourWords);
+  return {names.begin(), names.end()};
+}
+
+}  // namespace
+
+void addSnapshotCommand(CLI::App& app) {
+  auto options = std::make_shared<SnapshotOptions>();
+  CLI::App* command =
+      app.add_subcommand("snapshot", "Draw a scene as the page in the browser shows it: a picture or a film");
+  command->footer(kExamples);
+  options->scene.addTo(*command);
+  command->add_option("--out", options->out_file, "Where to: .png, or with --film .mp4 or .webm")
+      ->required()
+      ->option_text("FILE");
+  options->overwrite.addTo(*command);
+  command->add_option("--at-s", options->at_s, "Simulated time of the picture [2], or at which the film begins [0]")
+      ->check(CLI::Range(0.0, 1e5))
+      ->option_text("SECONDS");
+  command->add_option("--width", options->width_px, "Width in pixels [1280]")
+      ->check(CLI::Range(320, 7680))
+      ->option_text("PIXELS");
+  command->add_option("--height", options->height_px, "Height in pixels [720]")
+      ->check(CLI::Range(240, 4320))
+      ->option_text("PIXELS");
+  command->add_option("--view", options->view, "Where it is looked at from [three-quarter]")
+      ->check(CLI::IsMember({"front", "side", "top", "three-quarter"}))
+      ->option_text("front|side|top|three-quarter");
+  command->add_option("--colour", options->colour, "What grains are coloured by [plain]")
+      ->check(CLI::IsMember(colourNames()))
+      ->option_text("plain|force|speed|depth|sleep");
+  command->add_option("--theme", options->theme, "How the page looks [dark]")
+      ->check(CLI::IsMember({"dark", "light"}))
+      ->option_text("dark|light");
+  CLI::Option* panels = command->add_flag_callback(
+      "--panels", [options] { options->panels = true; }, "With status, plots and controls around it: the default");
+  command
+      ->add_flag_callback(
+          "--no-panels", [options] { options->panels = false; }, "Only the bed, and what the hand feels")
+      ->excludes(panels);
+  CLI::Option* film = command->add_flag("--film", options->film, "A film instead of a picture");
+  command->add_option("--duration-s", options->duration_s, "Simulated time that the film shows [8]")
+      ->needs(film)
+      ->check(CLI::Range(0.1, 3600.0))
+      ->option_text("SECONDS");
+  command->add_option("--fps", options->frames_per_s, "Pictures a second of the film [30]")
+      ->needs(film)
+      ->check(CLI::Range(1.0, 120.0))
+      ->option_text("N");
+  command->callback([options] {
+    const StopOnSignal stop_on_signal;
+    if (options->film) {
+      makeFilm(*options);
+    } else {
+      takePicture(*options);
+    }
+  });
+}
+
+}  // namespace haptolith

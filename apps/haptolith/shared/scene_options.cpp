@@ -1,0 +1,147 @@
+#include "shared/scene_options.h"
+
+#include <CLI/CLI.hpp>
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cstdlib>
+#include <fstream>
+#include <map>
+
+#include "haptolith/core/error.h"
+#include "haptolith/scenario/scene_words.h"
+
+#include "shared/output.h"
+#include "shared/stop_on_signal.h"
+
+namespace haptolith {
+
+namespace {
+
+template <class Value, std::size_t kWords>
+std::map<std::string, Value> choicesOf(const std::array<SceneWord<Value>, kWords>& words) {
+  std::map<std::string, Value> choices;
+  for (const auto& [name, value] : words) {
+    choices.emplace(name, value);
+  }
+  return choices;
+}
+
+/// What --hand takes: every manoeuvre but "poses", which has an option of its own.
+std::map<std::string, Manoeuvre> handChoices() {
+  auto choices = choicesOf(kManoeuvreWords);
+  std::erase_if(choices, [](const auto& choice) { return choice.second == Manoeuvre::kPoses; });
+  return choices;
+}
+
+/// The network device's key: from the file, or from the environment; never from a scene, which may come from anybody.
+std::string keyFrom(const std::optional<std::string>& file) {
+  constexpr std::size_t kLongest = 200;
+  if (!file) {
+    const char* said = std::getenv("HAPTOLITH_DEVICE_KEY");
+    return said != nullptr ? said : "";
+  }
+  std::ifstream stream(*file);
+  std::string key(kLongest, '\0');
+  stream.read(key.data(), static_cast<std::streamsize>(key.size()));
+  if (stream.bad() || (stream.fail() && !stream.eof())) {
+    throw Failure(
+        fmt::format("cannot read the device's key in '{}'; make one with: openssl rand -hex 32 > '{}'", *file, *file));
+  }
+  key.resize(static_cast<std::size_t>(stream.gcount()));
+  key.erase(std::find_if(key.begin(), key.end(), [](char c) { return c == '\n' || c == '\r'; }), key.end());
+  return key.empty() ? "(empty)" : key;  // a key was asked for
+}
+
+}  // namespace
+
+CLI::Option* DeviceOptions::addTo(CLI::App& command) {
+  CLI::Option* named =
+      command.add_option("--device", kind, "What the hand holds (haptolith devices); default: the virtual hand")
+          ->transform(CLI::CheckedTransformer(choicesOf(kDeviceWords), CLI::ignore_case))
+          ->option_text("NAME");
+  command.add_option("--device-id", id, "Which one, where there are several")->option_text("ID");
+  command.add_option("--device-library", library, "Folder or file of the device's SDK")->option_text("PATH");
+  command.add_option("--device-address", address, "Where the device's service is, or where to listen")
+      ->option_text("ADDRESS");
+  command
+      .add_option("--device-key-file", key_file,
+                  "network: file with the key that packets are signed with, 64 hexadecimal digits; or in "
+                  "HAPTOLITH_DEVICE_KEY")
+      ->option_text("FILE");
+  command.add_flag("--device-insecure", insecure,
+                   "network: listen beyond this machine without a key, where all users of the network are trusted");
+  return named;
+}
+
+void DeviceOptions::applyTo(DeviceParameters& device) const {
+  device.kind = kind.value_or(device.kind);
+  device.id = id.value_or(device.id);
+  device.library = library.value_or(device.library);
+  device.address = address.value_or(device.address);
+  device.insecure = insecure;
+  device.key = device.kind == DeviceKind::kNetwork ? keyFrom(key_file) : "";
+}
+
+void SceneOptions::addTo(CLI::App& command) {
+  command.add_option("scenario", scenario_file, "Scene (TOML, see docs/scenarios.md); default: the paper's");
+  CLI::Option* by_preset = command.add_option("--preset", preset, "Soil: P1 to P6, the paper's Table II");
+  by_preset->option_text("NAME");
+  command.add_option("--soil", soil, "Soil by its name (haptolith soil list) or from a file (docs/soils.md)")
+      ->option_text("NAME|FILE")
+      ->excludes(by_preset);
+  command.add_option("--friction", friction, "What friction acts against; default: as the soil has it")
+      ->transform(CLI::CheckedTransformer(choicesOf(kFrictionWords), CLI::ignore_case))
+      ->option_text("paper|pairwise");
+  command.add_option("--body", body, "World: Ceres, Pluto, Europa, Moon, Mars or Earth")->option_text("NAME");
+  CLI::Option* hand = command.add_option("--hand", manoeuvre, "What the virtual hand does");
+  hand->transform(CLI::CheckedTransformer(handChoices(), CLI::ignore_case))
+      ->option_text("still|press|stir|scoop|carry|shake");
+  command.add_option("--poses", poses_file, "CSV of poses the hand follows: t_s,x_m,y_m,z_m,qw,qx,qy,qz")
+      ->option_text("FILE")
+      ->excludes(hand);
+  command.add_option("--threads", threads, "Threads that share a large bed; the result does not depend on it")
+      ->check(CLI::Range(1, 256))
+      ->option_text("N");
+  command.add_option("--seed", seed, "Seed of a bed that starts as rain")
+      ->check(CLI::NonNegativeNumber)
+      ->option_text("N");
+  device.addTo(command)->excludes(hand);
+}
+
+Scenario scenarioFor(const SceneOptions& options) {
+  Scenario scenario = options.scenario_file.empty() ? Scenario{} : loadScenario(options.scenario_file);
+  BedParameters& bed = scenario.bed;
+  if (options.preset) {
+    changePreset(scenario, *options.preset);
+  }
+  if (options.soil) {
+    changeSoil(scenario, *options.soil);
+  }
+  bed.soil.friction = options.friction.value_or(bed.soil.friction);
+  if (options.body) {
+    changeBody(scenario, *options.body);
+  }
+  if (options.manoeuvre) {
+    scenario.hand.manoeuvre = *options.manoeuvre;
+  }
+  if (options.poses_file) {
+    scenario.hand.manoeuvre = Manoeuvre::kPoses;
+    scenario.hand.poses_file = *options.poses_file;
+  }
+  bed.threads = options.threads.value_or(bed.threads);
+  bed.seed = options.seed.value_or(bed.seed);
+  options.device.applyTo(scenario.device);
+  return scenario;
+}
+
+SettleProgress settlingIn(StatusLine& status) {
+  return [&status](double time_s, double speed_m_s) {
+    if (status.visible()) {
+      status.update(fmt::format("the bed settles: {:.1f} s, fastest particle {:.4f} m/s", time_s, speed_m_s));
+    }
+    return !stopAsked();
+  };
+}
+
+}  // namespace haptolith

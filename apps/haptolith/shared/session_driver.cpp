@@ -1,0 +1,55 @@
+#include "shared/session_driver.h"
+
+#include <spdlog/spdlog.h>
+
+#include <thread>
+
+namespace haptolith {
+
+SessionRecording recordingFor(double frames_per_s) {
+  return SessionRecording({.frames_per_s = frames_per_s,
+                           .program_version = HAPTOLITH_VERSION,
+                           .warn = [](const std::string& text) { spdlog::warn("{}", text); }});
+}
+
+void SessionDriver::run(const std::function<bool(const News&)>& follow, std::chrono::milliseconds between) {
+  while (!session_.done()) {
+    if (view_ != nullptr) {
+      view_->obey();
+    }
+    if (!follow(look())) {
+      return;
+    }
+    if (view_ != nullptr) {
+      view_->show(news_.snapshot, news_.scene);
+    }
+    std::this_thread::sleep_for(between);
+  }
+}
+
+const SessionDriver::News& SessionDriver::look() {
+  news_.scene = session_.poll();
+  news_.snapshot = session_.update();
+  news_.ticks.clear();
+  if (records_ != nullptr) {
+    records_->take(news_.ticks);
+  }
+  recording_.check();
+  if (news_.snapshot) {
+    recording_.add(session_.snapshot());
+  }
+  news_.trip = trips_.update(session_, recording_);
+  if (!news_.trip.empty()) {
+    status_.clear();
+    spdlog::warn("{}", news_.trip);
+  }
+  return news_;
+}
+
+void SessionDriver::tellTheRest() {
+  if (const std::string rest = trips_.rest(); !rest.empty()) {
+    spdlog::warn("{}", rest);
+  }
+}
+
+}  // namespace haptolith

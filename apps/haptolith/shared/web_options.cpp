@@ -1,0 +1,112 @@
+#include "shared/web_options.h"
+
+#include <CLI/CLI.hpp>
+#include <fmt/format.h>
+
+#include <cerrno>
+#include <cstdlib>
+#include <cstring>
+#include <fstream>
+
+#include "haptolith/core/error.h"
+#include "haptolith/viewer/access.h"
+
+#include "study/study_pages.h"
+
+namespace haptolith {
+
+namespace {
+
+constexpr const char* kTokenVariable = "HAPTOLITH_TOKEN";
+constexpr const char* kParticipantVariable = "HAPTOLITH_PARTICIPANT_TOKEN";
+
+std::string variable(const char* name) {
+  const char* value = std::getenv(name);
+  return value == nullptr ? "" : value;
+}
+
+/// The first line of a file, which may be a pipe.
+std::string firstLine(const std::string& name) {
+  std::ifstream file(name);
+  std::string line(kLongestToken + 2, '\0');
+  file.read(line.data(), static_cast<std::streamsize>(line.size()));
+  if (!file.is_open() || file.bad()) {
+    throw Failure(fmt::format("cannot read {}: {}", name, std::strerror(errno)));
+  }
+  line.resize(static_cast<std::size_t>(file.gcount()));
+  line.resize(std::min(line.size(), line.find_first_of("\r\n")));
+  return line;
+}
+
+std::string checked(std::string token, std::string_view from) {
+  if (!token.empty()) {
+    requireGoodToken(token, from);
+  }
+  return token;
+}
+
+}  // namespace
+
+void WebOptions::addTo(CLI::App& command) {
+  command.add_option("--port", port, "Port of the page, or the next that is free; 0: any [8080]")->option_text("PORT");
+  command.add_option("--bind", bind, "Address to listen on [127.0.0.1]; any but this machine's own wants a token")
+      ->option_text("ADDRESS");
+  CLI::Option* text =
+      command
+          .add_option("--token", token,
+                      "What a browser must know, at least 16 letters; other users of this machine can read it in the "
+                      "list of processes: rather --token-file or HAPTOLITH_TOKEN. Default where one is needed: made up")
+          ->option_text("TEXT");
+  command.add_option("--token-file", token_file, "A file whose first line is the token")
+      ->option_text("FILE")
+      ->excludes(text);
+}
+
+void WebOptions::addToRun(CLI::App& command) {
+  addTo(command);
+  command.add_flag("--read-only", read_only, "Who opens the page may look on, and neither dig nor change anything");
+}
+
+void WebOptions::addToStudy(CLI::App& command) {
+  addTo(command);
+  command
+      .add_option("--participant-token", participant_token,
+                  "The participant's (or HAPTOLITH_PARTICIPANT_TOKEN), where --token is the experimenter's; default: "
+                  "made up")
+      ->option_text("TEXT");
+}
+
+std::string WebOptions::givenToken() const {
+  if (!token_file.empty()) {
+    std::string line = firstLine(token_file);
+    requireGoodToken(line, token_file);
+    return line;
+  }
+  return token.empty() ? checked(variable(kTokenVariable), kTokenVariable) : checked(token, "token");
+}
+
+WebServerOptions WebOptions::forAll() const {
+  WebServerOptions options{.bind = bind, .port = port};
+  Entrance& entrance = options.entrances.front();
+  entrance.token = givenToken();
+  options.guessable = !entrance.token.empty();
+  if (!isLoopback(bind) && entrance.token.empty()) {
+    entrance.token = newToken();
+  }
+  validate(options);
+  return options;
+}
+
+WebServerOptions WebOptions::forStudy() const {
+  std::string experimenters = givenToken();
+  std::string participants = participant_token.empty() ? checked(variable(kParticipantVariable), kParticipantVariable)
+                                                       : checked(participant_token, "participant-token");
+  WebServerOptions options{.bind = bind, .port = port};
+  options.guessable = !participants.empty() || !experimenters.empty();
+  options.entrances = StudyPages::entrances(participants.empty() ? newToken() : std::move(participants),
+                                            experimenters.empty() ? newToken() : std::move(experimenters));
+  validate(options);
+  return options;
+}
+
+}  // namespace haptolith

@@ -1,0 +1,445 @@
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include <cmath>
+#include <limits>
+#include <memory>
+#include <numbers>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "haptolith/core/error.h"
+#include "haptolith/scenario/scene_words.h"
+#include "haptolith/scenario/soil_file.h"
+#include "haptolith/soil/bodies.h"
+#include "haptolith/soil/calibration.h"
+#include "haptolith/soil/layers.h"
+#include "haptolith/soil/lunar_density.h"
+#include "haptolith/soil/presets.h"
+#include "haptolith/soil/strength.h"
+
+#include "commands.h"
+#include "shared/output.h"
+#include "shared/overwrite.h"
+#include "soil/density_figure.h"
+
+namespace haptolith {
+
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+constexpr double kMmPerM = 1e3;
+constexpr double kCmPerM = 100;
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+constexpr double kPresetRadius = SoilParameters{}.radius_m;
+constexpr double kPresetGravity = 1.625;  // Table II
+
+double degrees(double radians) {
+  return radians * 180 / std::numbers::pi;
+}
+
+// --- Where the soil lies, and of how large particles: options that profile and calibrate share ----------------------
+
+struct Conditions {
+  std::optional<std::string> body_given;
+  std::optional<double> gravity_given;
+  double radius_mm = kPresetRadius * kMmPerM;
+  double stiffness_n_m = kInfinity;
+
+  void addOptions(CLI::App& command, const std::string& radius_help) {
+    CLI::Option* body = command.add_option("--body", body_given, "Ceres, Pluto, Europa, Moon, Mars or Earth [Moon]");
+    command.add_option("--gravity-m-s2", gravity_given, "gravity, instead of a body")->excludes(body);
+    command.add_option("--radius-mm", radius_mm, radius_help + " [7]");
+    command.add_option("--stiffness-n-m", stiffness_n_m,
+                       "limiting stiffness k of the contacts in the density analysis [inf]");
+  }
+
+  std::string body() const { return gravity_given ? "" : std::string(findBody(body_given.value_or("Moon")).name); }
+  double gravity() const { return gravity_given ? *gravity_given : findBody(body()).gravity_m_s2; }
+  double radius() const { return radius_mm / kMmPerM; }
+  std::string text() const {
+    return fmt::format("{}gravity {:.4g} m/s², R = {:.4g} mm, k {}", gravity_given ? "" : body() + ", ", gravity(),
+                       radius_mm, std::isinf(stiffness_n_m) ? "infinite" : fmt::format("= {:.4g} N/m", stiffness_n_m));
+  }
+};
+
+Json textOrNull(const std::string& text) {
+  return text.empty() ? Json(nullptr) : Json(text);
+}
+Json numberOrNull(double value) {
+  return std::isfinite(value) ? Json(value) : Json(nullptr);
+}
+
+Json parametersJson(const SoilParameters& soil, const std::string& preset, const Conditions& conditions) {
+  return {{"preset", textOrNull(preset)},
+          {"body", textOrNull(conditions.body())},
+          {"gravity_m_s2", conditions.gravity()},
+          {"radius_mm", conditions.radius_mm},
+          {"gamma_nm", soil.gamma_nm},
+          {"rho0_kg_m3", soil.rho0_kg_m3},
+          {"rho_max_kg_m3", soil.rho_max_kg_m3},
+          {"mu_hat", soil.mu_hat},
+          {"stiffness_n_m", numberOrNull(soil.stiffness_n_m)}};
+}
+
+void printParameters(const SoilParameters& soil) {
+  fmt::print("  gamma    {:>10.4g} N m\n", soil.gamma_nm);
+  fmt::print("  rho0     {:>10.1f} kg/m³\n", soil.rho0_kg_m3);
+  fmt::print("  rho_max  {:>10.1f} kg/m³\n", soil.rho_max_kg_m3);
+  fmt::print("  mu_hat   {:>10.4f}\n", soil.mu_hat);
+}
+
+// --- Band means ------------------------------------------------------------------------------------------------------
+
+struct Band {
+  MeasuredBand measured;
+  double density_kg_m3 = 0;
+  double paper_kg_m3 = kInfinity;  ///< infinite: the paper has no value for this soil
+};
+
+std::vector<Band> bandsOf(const std::vector<Layer>& layers) {
+  std::vector<Band> bands;
+  for (const MeasuredBand& measured : measuredBands()) {
+    bands.push_back({measured, bandMeanDensity(layers, measured.top_m, measured.bottom_m)});
+  }
+  return bands;
+}
+
+Json bandsJson(const std::vector<Band>& bands) {
+  Json rows = Json::array();
+  for (const Band& band : bands) {
+    rows.push_back({{"top_m", band.measured.top_m},
+                    {"bottom_m", band.measured.bottom_m},
+                    {"density_kg_m3", band.density_kg_m3},
+                    {"measured_kg_m3", band.measured.density_kg_m3},
+                    {"measured_tolerance_kg_m3", band.measured.tolerance_kg_m3},
+                    {"paper_kg_m3", numberOrNull(band.paper_kg_m3)}});
+  }
+  return rows;
+}
+
+void printBands(const std::vector<Band>& bands) {
+  const bool has_paper = std::isfinite(bands.front().paper_kg_m3);
+  fmt::print("Mean bulk density, kg/m³\n  depth        density   measured{}\n", has_paper ? "     paper" : "");
+  for (const Band& band : bands) {
+    const double difference = band.density_kg_m3 - band.measured.density_kg_m3;
+    const bool agrees = std::abs(difference) <= band.measured.tolerance_kg_m3;
+    fmt::print("  {:>2.0f} - {:.0f} cm   {:>7.0f}   {:>4.0f} ± {:.0f}", band.measured.top_m * kCmPerM,
+               band.measured.bottom_m * kCmPerM, band.density_kg_m3, band.measured.density_kg_m3,
+               band.measured.tolerance_kg_m3);
+    fmt::print("{}{}\n", has_paper ? fmt::format("   {:>4.0f}", band.paper_kg_m3) : "",
+               agrees ? "" : "   outside the measurement");
+  }
+}
+
+// --- haptolith soil profile ------------------------------------------------------------------------------------------
+
+struct ProfileOptions {
+  std::optional<std::string> preset;
+  std::optional<double> gamma_nm, rho0_kg_m3, rho_max_kg_m3, mu_hat;
+  Conditions conditions;
+  std::string figure;
+  Overwrite overwrite;
+  bool json = false;
+};
+
+constexpr const char* kCustomSoil = "--gamma-nm, --rho0-kg-m3, --rho-max-kg-m3 and --mu-hat";
+
+SoilParameters soilOf(const ProfileOptions& options) {
+  requireInRange("radius_mm", options.conditions.radius_mm, {0.01, 1000});  // the library's range, in the user's unit
+  SoilParameters soil;
+  if (options.preset) {
+    soil = findPreset(*options.preset).soil;
+    soil = rescaled(soil, options.conditions.radius());
+  } else if (options.gamma_nm && options.rho0_kg_m3 && options.rho_max_kg_m3 && options.mu_hat) {
+    soil.gamma_nm = *options.gamma_nm;
+    soil.rho0_kg_m3 = *options.rho0_kg_m3;
+    soil.rho_max_kg_m3 = *options.rho_max_kg_m3;
+    soil.mu_hat = *options.mu_hat;
+    soil.radius_m = options.conditions.radius();
+  } else {
+    throw CLI::RequiredError(fmt::format("--preset, or all of {},", kCustomSoil));
+  }
+  soil.stiffness_n_m = options.conditions.stiffness_n_m;
+  return soil;
+}
+
+/// Everything `soil profile` tells about a soil.
+struct Profile {
+  SoilParameters soil;
+  std::string preset;
+  std::vector<Layer> layers;
+  std::vector<Band> bands;
+  double cohesion_pa = kInfinity;  ///< infinite: (paper 18) does not apply, this soil cannot be compacted to rho_1
+  double friction_coefficient = 0;
+};
+
+Profile makeProfile(const ProfileOptions& options) {
+  Profile profile;
+  profile.soil = soilOf(options);
+  profile.layers = layersToDepth(profile.soil, options.conditions.gravity(), kLunarLawDepthM);
+  profile.bands = bandsOf(profile.layers);
+  profile.friction_coefficient = frictionCoefficient(profile.soil.mu_hat);
+  try {
+    profile.cohesion_pa = cohesion(profile.soil);
+  } catch (const InvalidParameter&) {  // the soil is valid, layersToDepth() took it
+  }
+  if (options.preset) {
+    const Preset& preset = findPreset(*options.preset);
+    profile.preset = preset.name;
+    const bool as_in_the_paper = options.conditions.gravity() == kPresetGravity &&
+                                 profile.soil.radius_m == preset.soil.radius_m &&
+                                 std::isinf(profile.soil.stiffness_n_m);
+    for (std::size_t i = 0; as_in_the_paper && i < profile.bands.size(); ++i) {
+      profile.bands[i].paper_kg_m3 = preset.table1_density_kg_m3[i];
+    }
+  }
+  return profile;
+}
+
+void printProfileJson(const Profile& profile, const Conditions& conditions) {
+  Json layers = Json::array();
+  for (const Layer& layer : profile.layers) {
+    layers.push_back({{"layer", layer.layer},
+                      {"depth_m", layer.depth_m},
+                      {"spacing_m", layer.spacing_m},
+                      {"density_kg_m3", layer.density_kg_m3}});
+  }
+  const Json document{{"parameters", parametersJson(profile.soil, profile.preset, conditions)},
+                      {"layers", layers},
+                      {"bands", bandsJson(profile.bands)},
+                      {"cohesion_pa", numberOrNull(profile.cohesion_pa)},
+                      {"friction_coefficient", profile.friction_coefficient},
+                      {"friction_angle_deg", degrees(frictionAngle(profile.friction_coefficient))}};
+  printJson(document);
+}
+
+void printLayers(const std::vector<Layer>& layers) {
+  constexpr std::size_t kMostRows = 25;
+  const std::size_t step = (layers.size() + kMostRows - 1) / kMostRows;
+  fmt::print("Layers{}\n  layer   depth/cm   spacing/mm   density/(kg/m³)\n",
+             step == 1 ? "" : fmt::format(", one in {}; --json has all {}", step, layers.size()));
+  for (std::size_t i = 0; i < layers.size(); i += step) {
+    const Layer& layer = layers[i];
+    fmt::print("  {:>5}   {:>8.2f}   {:>10.3f}   {:>15.1f}\n", layer.layer, layer.depth_m * kCmPerM,
+               layer.spacing_m * kMmPerM, layer.density_kg_m3);
+  }
+}
+
+void printProfileText(const Profile& profile, const Conditions& conditions) {
+  fmt::print("{} ({})\n", profile.preset.empty() ? "Soil" : "Soil " + profile.preset, conditions.text());
+  printParameters(profile.soil);
+  fmt::print("\nFriction coefficient {:.3f} (angle {:.1f}°), cohesion {}\n\n", profile.friction_coefficient,
+             degrees(frictionAngle(profile.friction_coefficient)),
+             std::isfinite(profile.cohesion_pa)
+                 ? fmt::format("{:.0f} Pa", profile.cohesion_pa)
+                 : fmt::format("undefined: this soil cannot be compacted to {:.0f} kg/m³", kCompactedDensity));
+  printBands(profile.bands);
+  fmt::print("\n");
+  printLayers(profile.layers);
+}
+
+void runProfile(const ProfileOptions& options) {
+  const Profile profile = makeProfile(options);
+  if (!options.figure.empty()) {
+    drawDensityFigure(options.overwrite(options.figure), {profile.soil, options.conditions.gravity(), profile.preset});
+  }
+  if (options.json) {
+    printProfileJson(profile, options.conditions);
+  } else {
+    printProfileText(profile, options.conditions);
+  }
+}
+
+void addProfile(CLI::App& soil) {
+  auto options = std::make_shared<ProfileOptions>();
+  CLI::App* command = soil.add_subcommand("profile", "Density with depth, cohesion and friction of a soil at rest");
+  CLI::Option* preset = command->add_option("--preset", options->preset, "one of the paper's soils, P1 to P6");
+  const std::vector<CLI::Option*> custom{
+      command->add_option("--gamma-nm", options->gamma_nm, "gamma of the contact law, N m"),
+      command->add_option("--rho0-kg-m3", options->rho0_kg_m3, "bulk density at the surface"),
+      command->add_option("--rho-max-kg-m3", options->rho_max_kg_m3, "bulk density the law never reaches"),
+      command->add_option("--mu-hat", options->mu_hat, "model friction, friction coefficient / sqrt(6)")};
+  for (CLI::Option* option : custom) {
+    option->excludes(preset);
+  }
+  options->conditions.addOptions(
+      *command, "radius of a macroparticle; a preset stays the same soil: gamma is scaled with R cubed");
+  command->add_option("--figure", options->figure, "also draw density against depth: FILE.svg or FILE.png");
+  options->overwrite.addTo(*command);
+  command->add_flag("--json", options->json, "print one JSON object instead of tables");
+  command->footer(
+      "Examples:\n"
+      "  haptolith soil profile --preset P3\n"
+      "  haptolith soil profile --preset P3 --body Mars --figure p3-on-mars.svg\n"
+      "  haptolith soil profile --gamma-nm 4e-5 --rho0-kg-m3 1330 --rho-max-kg-m3 1824 --mu-hat 0.342 --json");
+  command->callback([options] { runProfile(*options); });
+}
+
+// --- haptolith soil calibrate ----------------------------------------------------------------------------------------
+
+struct CalibrateOptions {
+  double friction_coefficient = 0;
+  double cohesion_pa = 0;
+  Conditions conditions;
+  bool json = false;
+};
+
+void printCalibrationJson(const Calibration& result, const std::vector<Band>& bands, const Conditions& conditions) {
+  Json document = parametersJson(result.soil, "", conditions);
+  document.erase("preset");
+  document["friction_coefficient"] = frictionCoefficient(result.soil.mu_hat);
+  document["cohesion_pa"] = result.cohesion_pa;
+  document["density_rms_kg_m3"] = result.density_rms_kg_m3;
+  document["bands"] = bandsJson(bands);
+  printJson(document);
+}
+
+void printCalibrationText(const Calibration& result, const std::vector<Band>& bands, const Conditions& conditions) {
+  fmt::print("Calibrated soil ({})\n", conditions.text());
+  printParameters(result.soil);
+  fmt::print("\nFriction coefficient {:.3f}, cohesion {:.0f} Pa, density {:.1f} kg/m³ (RMS) from the lunar law\n\n",
+             frictionCoefficient(result.soil.mu_hat), result.cohesion_pa, result.density_rms_kg_m3);
+  printBands(bands);
+}
+
+void runCalibrate(const CalibrateOptions& options) {
+  const Conditions& conditions = options.conditions;
+  // Ranges of the library are in m; here the user gave mm.
+  requireInRange("radius_mm", conditions.radius_mm, {0.5, 20});
+  const Calibration result = calibrate({.friction_coefficient = options.friction_coefficient,
+                                        .cohesion_pa = options.cohesion_pa,
+                                        .gravity_m_s2 = conditions.gravity(),
+                                        .radius_m = conditions.radius(),
+                                        .stiffness_n_m = conditions.stiffness_n_m});
+  const std::vector<Band> bands = bandsOf(layersToDepth(result.soil, conditions.gravity(), kLunarLawDepthM));
+  if (options.json) {
+    printCalibrationJson(result, bands, conditions);
+  } else {
+    printCalibrationText(result, bands, conditions);
+  }
+}
+
+void addCalibrate(CLI::App& soil) {
+  auto options = std::make_shared<CalibrateOptions>();
+  CLI::App* command = soil.add_subcommand(
+      "calibrate",
+      "Model parameters for a wanted friction and cohesion, with density as close to the Moon's as it goes");
+  command->add_option("--friction-coefficient", options->friction_coefficient, "tangent of the friction angle, 0 to 2")
+      ->required();
+  command->add_option("--cohesion-pa", options->cohesion_pa, "cohesion, Pa")->required();
+  options->conditions.addOptions(*command, "radius of a macroparticle, 0.5 to 20");
+  command->add_flag("--json", options->json, "print one JSON object instead of tables");
+  command->footer(
+      "Examples:\n"
+      "  haptolith soil calibrate --friction-coefficient 0.9 --cohesion-pa 970\n"
+      "  haptolith soil calibrate --friction-coefficient 0.7 --cohesion-pa 500 --body Mars --radius-mm 3 --json");
+  command->callback([options] { runCalibrate(*options); });
+}
+
+// --- haptolith soil presets ------------------------------------------------------------------------------------------
+
+void printPresetsJson() {
+  Json rows = Json::array();
+  for (const Preset& preset : presets()) {
+    rows.push_back({{"name", preset.name},
+                    {"friction_coefficient", preset.friction_coefficient},
+                    {"mu_hat", preset.soil.mu_hat},
+                    {"gamma_nm", preset.soil.gamma_nm},
+                    {"rho0_kg_m3", preset.soil.rho0_kg_m3},
+                    {"rho_max_kg_m3", preset.soil.rho_max_kg_m3},
+                    {"radius_mm", preset.soil.radius_m * kMmPerM},
+                    {"stiffness_n_m", preset.soil.stiffness_n_m},
+                    {"gravity_m_s2", kPresetGravity},
+                    {"cohesion_pa", cohesion(preset.soil)}});
+  }
+  printJson(Json{{"presets", rows}});
+}
+
+void printPresetsText() {
+  fmt::print("The paper's soils (Table II), for R = 7 mm and the Moon's gravity\n\n");
+  fmt::print("        friction   angle   mu_hat    gamma    rho0   rho_max   cohesion\n");
+  fmt::print("                       °               N m   kg/m³     kg/m³         Pa\n");
+  for (const Preset& preset : presets()) {
+    const SoilParameters& soil = preset.soil;
+    fmt::print("  {:<4}  {:>8.3f}   {:>5.1f}   {:>6.3f}  {:>7.1e}   {:>5.0f}   {:>7.0f}   {:>8.0f}\n", preset.name,
+               preset.friction_coefficient, degrees(frictionAngle(preset.friction_coefficient)), soil.mu_hat,
+               soil.gamma_nm, soil.rho0_kg_m3, soil.rho_max_kg_m3, cohesion(soil));
+  }
+}
+
+void addPresets(CLI::App& soil) {
+  auto json = std::make_shared<bool>(false);
+  CLI::App* command = soil.add_subcommand("presets", "The paper's six soils P1 to P6");
+  command->add_flag("--json", *json, "print one JSON object instead of a table");
+  command->footer("Example:\n  haptolith soil presets");
+  command->callback([json] { *json ? printPresetsJson() : printPresetsText(); });
+}
+
+// --- haptolith soil list ---------------------------------------------------------------------------------------------
+
+std::vector<SoilFile> namedSoils() {
+  std::vector<SoilFile> soils;
+  for (const std::string& name : soilNames()) {
+    soils.push_back(findSoil(name));
+  }
+  return soils;
+}
+
+Json rangeOrNull(const std::optional<Range>& range) {
+  return range ? Json{range->lowest, range->highest} : Json(nullptr);
+}
+
+void printSoilsJson() {
+  Json rows = Json::array();
+  for (const SoilFile& soil : namedSoils()) {
+    const SoilTarget& target = soil.target;
+    rows.push_back({{"name", soil.name},
+                    {"bulk_density_kg_m3", target.bulk_density_kg_m3},
+                    {"friction_angle_deg", target.friction_angle_deg},
+                    {"friction_angle_range_deg", rangeOrNull(target.friction_angle_range_deg)},
+                    {"cohesion_pa", target.cohesion_pa},
+                    {"cohesion_range_pa", rangeOrNull(target.cohesion_range_pa)},
+                    {"strength", wordFor(kSoilStrengthWords, target.strength)},
+                    {"friction", wordFor(kFrictionWords, soil.soil.friction)},
+                    {"calibrated", soil.reached.has_value()},
+                    {"source", soil.source}});
+  }
+  printJson(Json{{"soils", rows}});
+}
+
+void printSoilsText() {
+  fmt::print("Soils with a name, as they were measured\n\n");
+  fmt::print("                        density    angle   cohesion\n");
+  fmt::print("                          kg/m³        °         Pa   source\n");
+  for (const SoilFile& soil : namedSoils()) {
+    const SoilTarget& target = soil.target;
+    fmt::print("  {:<20}   {:>6.0f}   {:>6.1f}   {:>8.0f}   {}\n", soil.name, target.bulk_density_kg_m3,
+               target.friction_angle_deg, target.cohesion_pa, soil.source);
+  }
+}
+
+void addList(CLI::App& soil) {
+  auto json = std::make_shared<bool>(false);
+  CLI::App* command = soil.add_subcommand("list", "The soils with a name, and what was measured of them");
+  command->add_flag("--json", *json, "print one JSON object instead of a table");
+  command->footer("Examples:\n  haptolith soil list\n  haptolith run --soil lunar-0-15cm");
+  command->callback([json] { *json ? printSoilsJson() : printSoilsText(); });
+}
+
+}  // namespace
+
+void addSoilCommands(CLI::App& app) {
+  CLI::App* soil = app.add_subcommand("soil", "Soil as an engineer describes it: density, cohesion, friction");
+  soil->require_subcommand(1);
+  soil->footer("Example:\n  haptolith soil profile --preset P3\nEvery command explains itself with --help.");
+  addProfile(*soil);
+  addCalibrate(*soil);
+  addPresets(*soil);
+  addList(*soil);
+}
+
+}  // namespace haptolith

@@ -1,0 +1,216 @@
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <memory>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "haptolith/core/atomic_file.h"
+#include "haptolith/core/error.h"
+#include "haptolith/scenario/scene_words.h"
+#include "haptolith/study/perception.h"
+#include "haptolith/study/perception_figure.h"
+
+#include "commands.h"
+#include "lab/lab_options.h"
+#include "shared/output.h"
+#include "shared/overwrite.h"
+#include "shared/stop_on_signal.h"
+
+namespace haptolith {
+
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+constexpr const char* kExamples = R"(Examples:
+  haptolith study explore                                          all of it: some minutes
+  haptolith study explore --block gravity --friction paper --hand stir --repeats 10
+  haptolith study explore --csv explorations.csv --figure forces.png --weber-figure weber.png
+
+docs/perception.md tells what was found, and how the numbers are meant.)";
+
+struct Options {
+  PerceptionOptions perception;
+  std::string block = "both", friction = "both", hand = "all";
+  std::string csv_file, figure_file, weber_figure_file;
+  Overwrite overwrite;
+  bool json = false;
+};
+
+PerceptionOptions perceptionOf(const Options& options) {
+  PerceptionOptions wanted = options.perception;
+  if (options.block != "both") {
+    wanted.blocks = {options.block};
+  }
+  if (options.friction != "both") {
+    wanted.frictions = {options.friction == "paper" ? FrictionModel::kPaper : FrictionModel::kPairwise};
+  }
+  if (options.hand != "all") {
+    std::erase_if(wanted.hands,
+                  [&](Manoeuvre hand) { return wordFor(kManoeuvreWords, hand) != std::string_view(options.hand); });
+  }
+  wanted.threads =
+      wanted.threads > 0 ? wanted.threads : static_cast<int>(std::max(1U, std::thread::hardware_concurrency()));
+  return wanted;
+}
+
+std::string weberText(const Discrimination& of) {
+  return std::isinf(of.weber_fraction) ? fmt::format("> {:.2g}", of.most) : fmt::format("{:.2f}", of.weber_fraction);
+}
+
+std::string tableOf(const PerceptionBlock& block, const std::vector<PerceivedCue>& perceived) {
+  std::string text = fmt::format(
+      "{}, {} friction: JNDs from {} (> 0: \"more\"), and the Weber fraction of an observer with this cue alone\n",
+      block.name, wordFor(kFrictionWords, block.friction), block.stimuli[block.reference].name);
+  text += fmt::format("  {:6} {:11} {:>9}", "hand", "cue", block.stimuli[block.reference].name);
+  text += "  scatter";
+  for (std::size_t i = 0; i < block.stimuli.size(); ++i) {
+    text += i == block.reference ? "" : fmt::format(" {:>7}", block.stimuli[i].name);
+  }
+  text += "        w\n";
+  for (const PerceivedCue& one : perceived) {
+    text += fmt::format("  {:6} {:11} {:>7.3f} {} ±{:>7.3f}", wordFor(kManoeuvreWords, one.hand), one.cue->name,
+                        one.means[block.reference], one.cue->unit, one.deviations[block.reference]);
+    for (std::size_t i = 0; i < block.stimuli.size(); ++i) {
+      text += i == block.reference ? "" : fmt::format(" {:>7.1f}", one.discrimination.jnds[i]);
+    }
+    text += fmt::format(" {:>8}{}\n", weberText(one.discrimination), one.discrimination.rises ? "" : "  (falls)");
+  }
+  return text + fmt::format("  the paper's participants: w = {:.2f}\n\n", participantsWeberFraction(block.name));
+}
+
+Json jsonOf(const PerceptionBlock& block, const std::vector<PerceivedCue>& perceived) {
+  Json stimuli = Json::array();
+  for (const PerceptionStimulus& stimulus : block.stimuli) {
+    stimuli.push_back({{"name", stimulus.name}, {"x", stimulus.x}});
+  }
+  Json all = Json::array();
+  for (const PerceivedCue& one : perceived) {
+    all.push_back({{"hand", wordFor(kManoeuvreWords, one.hand)},
+                   {"cue", one.cue->name},
+                   {"unit", one.cue->unit},
+                   {"mean", one.means},
+                   {"sd", one.deviations},
+                   {"jnds_from_reference", one.discrimination.jnds},
+                   {"jnds_between_neighbours", one.discrimination.steps},
+                   {"rises", one.discrimination.rises},
+                   {"weber_fraction", one.discrimination.weber_fraction},
+                   {"greatest_weber_fraction", one.discrimination.most}});
+  }
+  return {{"block", block.name},
+          {"friction", wordFor(kFrictionWords, block.friction)},
+          {"reference", block.stimuli[block.reference].name},
+          {"participants_weber_fraction", participantsWeberFraction(block.name)},
+          {"stimuli", stimuli},
+          {"cues", all}};
+}
+
+void saveCsv(const Options& options, const PerceptionOptions& wanted, const std::vector<PerceptionBlock>& blocks) {
+  AtomicFile file(options.overwrite(options.csv_file));
+  file.write("block,friction,stimulus,x,hand,repeat,duration_s,path_m,work_j");
+  for (const Cue& cue : cues()) {
+    std::string name(cue.name);
+    std::ranges::replace(name, ' ', '_');
+    file.write(fmt::format(",{}_n", name));
+  }
+  file.write(",carried_kg\n");
+  for (const PerceptionBlock& block : blocks) {
+    for (std::size_t i = 0; i < block.stimuli.size(); ++i) {
+      for (std::size_t hand = 0; hand < wanted.hands.size(); ++hand) {
+        for (std::size_t repeat = 0; repeat < block.explorations[i][hand].size(); ++repeat) {
+          const Exploration& one = block.explorations[i][hand][repeat];
+          file.write(fmt::format("{},{},{},{},{},{},{:.7g},{:.7g},{:.7g}", block.name,
+                                 wordFor(kFrictionWords, block.friction), block.stimuli[i].name, block.stimuli[i].x,
+                                 wordFor(kManoeuvreWords, wanted.hands[hand]), repeat + 1, one.felt.duration_s,
+                                 one.felt.path_m, one.felt.work_j));
+          for (const Cue& cue : cues()) {
+            file.write(fmt::format(",{:.7g}", cue.value(one)));
+          }
+          file.write(fmt::format(",{:.7g}\n", one.carried_kg));
+        }
+      }
+    }
+  }
+  file.commit();
+}
+
+void run(const Options& options) {
+  const StopOnSignal stop_on_signal;
+  requireWritable({options.overwrite(options.csv_file), options.overwrite(options.figure_file),
+                   options.overwrite(options.weber_figure_file)});
+  const PerceptionOptions wanted = perceptionOf(options);
+  StatusLine status;
+  const std::vector<PerceptionBlock> blocks = explorePaperStimuli(wanted, [&](double share) {
+    if (status.visible()) {
+      status.update(fmt::format("exploring: {:.0f} %", 100 * share));
+    }
+    return !stopAsked();
+  });
+  status.clear();
+  std::vector<std::vector<PerceivedCue>> perceived;
+  Json json = {{"repeats", wanted.repeats},
+               {"rounds", wanted.rounds},
+               {"seed", wanted.seed},
+               {"contact_cohesion_n", wanted.contact_cohesion_n},
+               {"blocks", Json::array()}};
+  std::string text;
+  for (const PerceptionBlock& block : blocks) {
+    perceived.push_back(perceive(block, wanted.hands));
+    text += tableOf(block, perceived.back());
+    json["blocks"].push_back(jsonOf(block, perceived.back()));
+  }
+  if (!options.csv_file.empty()) {
+    saveCsv(options, wanted, blocks);
+  }
+  if (!options.figure_file.empty()) {
+    drawForces(options.overwrite(options.figure_file), blocks, perceived);
+  }
+  if (!options.weber_figure_file.empty()) {
+    drawWeberFractions(options.overwrite(options.weber_figure_file), blocks, perceived);
+  }
+  options.json ? printJson(json) : printText(text);
+}
+
+}  // namespace
+
+void addStudyExploreCommand(CLI::App& study) {
+  auto options = std::make_shared<Options>();
+  options->perception.threads = 0;
+  PerceptionOptions& perception = options->perception;
+  CLI::App* command = study.add_subcommand("explore", "How far apart the paper's stimuli are for a hand that explores");
+  command->add_option("--block", options->block, "which stimuli")
+      ->check(CLI::IsMember({"friction", "gravity", "both"}))
+      ->capture_default_str();
+  command->add_option("--friction", options->friction, "model of friction")
+      ->check(CLI::IsMember({"paper", "pairwise", "both"}))
+      ->capture_default_str();
+  command->add_option("--hand", options->hand, "what the hand does")
+      ->check(CLI::IsMember({"stir", "press", "scoop", "all"}))
+      ->capture_default_str();
+  command->add_option("--contact-cohesion-n", perception.contact_cohesion_n, "of pairwise soil, in N")
+      ->check(CLI::Range(0.0, 1.0))
+      ->capture_default_str();
+  command->add_option("--repeats", perception.repeats, "explorations of each stimulus by each hand")
+      ->check(CLI::Range(2, 1000))
+      ->capture_default_str();
+  command->add_option("--rounds", perception.rounds, "of the movement in each, 4 s long")
+      ->check(CLI::Range(1, 1000))
+      ->capture_default_str();
+  command->add_option("--seed", perception.seed, "of the hands and beds")->capture_default_str();
+  command->add_option("--threads", perception.threads, "explorations at a time; the result is the same [all]")
+      ->check(CLI::Range(1, 256));
+  command->add_option("--csv", options->csv_file, "write every exploration: FILE.csv");
+  command->add_option("--figure", options->figure_file, "draw the forces, .svg or .png");
+  command->add_option("--weber-figure", options->weber_figure_file, "draw the Weber fractions, .svg or .png");
+  options->overwrite.addTo(*command);
+  command->add_flag("--json", options->json, "print one JSON object instead of tables");
+  command->footer(kExamples);
+  command->callback([options] { run(*options); });
+}
+
+}  // namespace haptolith

@@ -1,0 +1,48 @@
+#include <memory>
+#include <string>
+
+#include "haptolith/study/export.h"
+#include "haptolith/study/store.h"
+
+#include "commands.h"
+
+namespace haptolith {
+
+namespace {
+
+constexpr const char* kExamples = R"(Examples:
+  haptolith study export friction.study --to friction.csv               a row for each trial
+  haptolith study export friction.study --to friction --format bids     a folder for archives
+  haptolith study export friction.study --to all.csv --personal         with answers that tell who somebody is)";
+
+struct Options {
+  std::string file, to, format = "csv";
+  ExportOptions what;
+};
+
+void exportStudy(const Options& options) {
+  const StudyStore study(options.file, StudyStore::Access::kRead);
+  if (options.format == "bids") {
+    exportBids(study, options.to, options.what);
+  } else {
+    exportCsv(study, options.to, options.what);
+  }
+}
+
+}  // namespace
+
+void addStudyExportCommand(CLI::App& study) {
+  auto options = std::make_shared<Options>();
+  CLI::App* command = study.add_subcommand("export", "Make of a study what other programs read");
+  command->footer(kExamples);
+  command->add_option("file", options->file, "A study")->required()->option_text("FILE");
+  command->add_option("--to", options->to, "Where to: a file, for bids a folder")->required()->option_text("PATH");
+  command->add_option("--format", options->format, "csv: one table; bids: a folder of tables [csv]")
+      ->check(CLI::IsMember({"csv", "bids"}))
+      ->option_text("csv|bids");
+  command->add_flag("--personal", options->what.personal, "With the answers to personal items");
+  command->add_flag("--overwrite", options->what.overwrite, "Replace an earlier export");
+  command->callback([options] { exportStudy(*options); });
+}
+
+}  // namespace haptolith

@@ -1,0 +1,244 @@
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "haptolith/core/error.h"
+#include "haptolith/psychometrics/answers_file.h"
+#include "haptolith/psychometrics/fit.h"
+#include "haptolith/psychometrics/group.h"
+#include "haptolith/psychometrics/psychometric_figure.h"
+
+#include "commands.h"
+#include "shared/output.h"
+#include "shared/overwrite.h"
+#include "study/fit_report.h"
+
+namespace haptolith {
+
+namespace {
+
+constexpr const char* kExamples = R"(Examples:
+  haptolith study fit --data answers.csv --sigmoid weber --reference 0.835       the paper's (22): w alone is free
+  haptolith study fit --data answers.csv --design 2afc --sigmoid norm --json     as psignifit fits it
+  haptolith study fit --data trials.csv --reference 1.625 --group --figure gravity.png --log-x
+
+FILE has the columns x,k,n (stimulus, positive answers, answers), or x,response with a row for each trial; with a column
+participant, --group tells people apart. docs/psychometrics.md explains models, priors and numbers.)";
+
+struct Options {
+  std::string data, block, figure;
+  std::string design = "equal-asymptote";
+  std::string sigmoid = "weber";
+  std::string method;
+  std::string lapse, guess, overdispersion;  // a number, "free", or nothing: as the sigmoid has it
+  bool log_x = false;
+  bool free_threshold = false;
+  bool compare = false;
+  bool group = false;
+  Overwrite overwrite;
+  bool json = false;
+  std::optional<double> reference;
+  double confidence = 0.95;
+  int simulations = 1000;
+  std::string x_label = "x";
+};
+
+/// A rate that is fixed at a number, or free.
+std::optional<double> rateOf(const char* key, const std::string& text, std::optional<double> otherwise) {
+  if (text.empty()) {
+    return otherwise;
+  }
+  if (text == "free") {
+    return std::nullopt;
+  }
+  double value = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  if (error != std::errc() || end != text.data() + text.size()) {
+    throw InvalidParameter(key, fmt::format("'{}'", text), "a number or free");
+  }
+  return value;
+}
+
+FitOptions fitOptionsOf(const Options& options) {
+  FitOptions fit{.sigmoid = sigmoidNamed(options.sigmoid), .design = designNamed(options.design)};
+  fit.log_axis = options.log_x || isAlwaysLogarithmic(fit.sigmoid);
+  fit.confidence = options.confidence;
+  fit.simulations = options.simulations;
+  // (paper 22) has neither lapses nor overdispersion, and its threshold is the reference.
+  const std::optional<double> usual = isWeber(fit.sigmoid) ? std::optional<double>(0) : std::nullopt;
+  fit.lapse = rateOf("--lapse", options.lapse, usual);
+  fit.overdispersion = rateOf("--overdispersion", options.overdispersion, usual);
+  fit.guess = rateOf("--guess", options.guess, fit.design == Design::kYesNo ? usual : std::nullopt);
+  if (isWeber(fit.sigmoid) && !options.free_threshold) {
+    fit.threshold = options.reference;
+  }
+  if (options.method == "map") {
+    fit.estimate = PointEstimate::kMap;
+  } else if (options.method == "median") {
+    fit.estimate = PointEstimate::kMedian;
+  }
+  return fit;
+}
+
+/// The people of one block.
+std::vector<AnswersOf> answersOf(const Options& options) {
+  std::vector<AnswersOf> all = readAnswersFile(options.data);
+  std::string blocks;
+  for (const AnswersOf& of : all) {
+    if (blocks.find("'" + of.block + "'") == std::string::npos) {
+      blocks += (blocks.empty() ? "'" : ", '") + of.block + "'";
+    }
+  }
+  if (options.block.empty() && blocks.find(',') != std::string::npos) {
+    throw InvalidParameter("--block", "not given", "one of " + blocks);
+  }
+  if (!options.block.empty()) {
+    std::erase_if(all, [&](const AnswersOf& of) { return of.block != options.block; });
+    if (all.empty()) {
+      throw InvalidParameter("--block", "'" + options.block + "'", "one of " + blocks);
+    }
+  }
+  return all;
+}
+
+/// The sigmoids to compare with the wanted one: on its axis, and Weibull where there is a logarithm.
+std::vector<Sigmoid> comparable(const FitOptions& wanted, const std::vector<Level>& levels) {
+  std::vector<Sigmoid> sigmoids{Sigmoid::kNorm, Sigmoid::kLogistic};
+  if (!wanted.log_axis) {
+    sigmoids.push_back(Sigmoid::kGumbel);  // on a logarithmic axis it is Weibull's
+  }
+  if (levels.front().x > 0) {
+    sigmoids.push_back(Sigmoid::kWeibull);
+  }
+  if (std::ranges::find(sigmoids, wanted.sigmoid) == sigmoids.end()) {
+    sigmoids.push_back(wanted.sigmoid);
+  }
+  return sigmoids;
+}
+
+/// What the command found.
+struct Result {
+  Fit fit;
+  std::optional<GroupFit> group;
+  std::vector<Fit> comparison;
+  std::vector<std::string> names;
+};
+
+Result fitAll(const Options& options, const std::vector<AnswersOf>& answers) {
+  const FitOptions wanted = fitOptionsOf(options);
+  std::vector<std::vector<Level>> participants;
+  Result result;
+  for (const AnswersOf& of : answers) {
+    participants.push_back(of.levels);
+    result.names.push_back(of.participant.empty() ? fmt::format("{}", result.names.size() + 1) : of.participant);
+  }
+  const std::vector<Level> all = pooled(participants);
+  result.fit = options.method == "ml" ? fitMaximumLikelihood(all, wanted) : fitPsychometric(all, wanted);
+  if (options.group) {
+    FitOptions quick = wanted;
+    quick.simulations = 0;
+    result.group = fitGroup(participants, quick);
+  }
+  if (options.compare) {
+    result.comparison = compareSigmoids(all, wanted, comparable(wanted, all));
+  }
+  return result;
+}
+
+void draw(const Options& options, const Result& result) {
+  PsychometricFigure figure{.x_label = options.x_label, .log_axis = options.log_x, .reference = options.reference};
+  figure.group = FigureCurve{.title = result.names.size() > 1 ? "all" : "fit", .fit = result.fit};
+  if (result.group) {
+    for (std::size_t i = 0; i < result.names.size(); ++i) {
+      figure.participants.push_back({.title = result.names[i], .fit = result.group->participants[i]});
+    }
+  }
+  drawPsychometricFigure(options.overwrite(options.figure), figure);
+}
+
+void print(const Options& options, const Result& result) {
+  if (!options.json) {
+    printText(fitText(result.fit));
+    printText(result.group ? groupText(*result.group, result.names) : "");
+    printText(result.comparison.empty() ? "" : comparisonText(result.comparison));
+    return;
+  }
+  nlohmann::ordered_json json = fitJson(result.fit);
+  if (result.group) {
+    json["group"] = groupJson(*result.group, result.names);
+  }
+  for (const Fit& fit : result.comparison) {
+    json["comparison"].push_back({{"sigmoid", nameOf(fit.function.sigmoid)},
+                                  {"log_evidence", fit.log_evidence},
+                                  {"aic", fit.aic},
+                                  {"bic", fit.bic},
+                                  {"deviance", fit.deviance},
+                                  {"threshold", fit.threshold.value}});
+  }
+  printJson(json);
+}
+
+void run(const Options& options) {
+  const Result result = fitAll(options, answersOf(options));
+  if (!options.figure.empty()) {
+    draw(options, result);
+  }
+  print(options, result);
+}
+
+template <class Kind, std::size_t kCount>
+std::vector<std::string> namesOf(const std::array<NamedKind<Kind>, kCount>& named) {
+  std::vector<std::string> names;
+  names.reserve(kCount);
+  for (const NamedKind<Kind>& it : named) {
+    names.emplace_back(it.name);
+  }
+  return names;
+}
+
+void addModelOptions(CLI::App& command, Options& options) {
+  command.add_option("--design", options.design, "what the asymptotes are")
+      ->check(CLI::IsMember(namesOf(kDesignNames)))
+      ->capture_default_str();
+  command.add_option("--sigmoid", options.sigmoid, "shape of the function")
+      ->check(CLI::IsMember(namesOf(kSigmoidNames)))
+      ->capture_default_str();
+  command.add_flag("--log-x", options.log_x, "logarithmic axis (weber, as-printed and weibull have one anyway)");
+  command.add_option("--reference", options.reference,
+                     "p of weber and as-printed: fixes the threshold; drawn as a line");
+  command.add_flag("--free-threshold", options.free_threshold, "the point of equality need not be the reference");
+  command.add_option("--lapse", options.lapse, "lapse rate: a number, or free (weber, as-printed: 0; else free)");
+  command.add_option("--guess", options.guess, "guess rate of yesno, the same way");
+  command.add_option("--overdispersion", options.overdispersion, "eta of the beta-binomial, the same way");
+}
+
+}  // namespace
+
+void addStudyFitCommand(CLI::App& study) {
+  auto options = std::make_shared<Options>();
+  CLI::App* command = study.add_subcommand("fit", "A psychometric function for the answers in a table");
+  command->add_option("--data", options->data, "table of answers, .csv or .tsv")->required();
+  command->add_option("--block", options->block, "which block, when the table has several");
+  addModelOptions(*command, *options);
+  command->add_option("--method", options->method, "map, median or ml (bootstrap); weber: median, else map")
+      ->check(CLI::IsMember({"map", "median", "ml"}));
+  command->add_option("--confidence", options->confidence, "of intervals")->capture_default_str();
+  command->add_option("--simulations", options->simulations, "for p value and bootstrap")->capture_default_str();
+  command->add_flag("--compare", options->compare, "also fit other sigmoids and rank them");
+  command->add_flag("--group", options->group, "also fit each participant, and the spread between them");
+  command->add_option("--figure", options->figure, "draw it, .svg or .png");
+  command->add_option("--x-label", options->x_label, "of the figure's axis")->capture_default_str();
+  options->overwrite.addTo(*command);
+  command->add_flag("--json", options->json, "print one JSON object instead of a table");
+  command->footer(kExamples);
+  command->callback([options] { run(*options); });
+}
+
+}  // namespace haptolith

@@ -1,0 +1,81 @@
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <random>
+#include <string>
+
+#include "haptolith/study/protocol.h"
+#include "haptolith/study/sequence.h"
+#include "haptolith/study/store.h"
+
+#include "commands.h"
+#include "shared/output.h"
+
+namespace haptolith {
+
+namespace {
+
+constexpr const char* kExamples = R"(Examples:
+  haptolith study new friction.study --protocol paper-friction
+  haptolith study new mine.study --protocol mine.toml
+
+Built in: {}. docs/studies.md explains how to write one.)";
+
+struct Options {
+  std::string file, protocol;
+  std::optional<std::uint64_t> seed;
+};
+
+/// Below 2^53, so that tables and JSON keep it exactly.
+std::uint64_t drawnSeed() {
+  std::random_device device;
+  return ((std::uint64_t{device()} << 32) | device()) >> 11;
+}
+
+std::string summaryOf(const StudyProtocol& protocol) {
+  std::string text;
+  const std::vector<PlannedBlock> sequence = sequenceFor(protocol, 0, 1);
+  for (std::size_t i = 0; i < protocol.blocks.size(); ++i) {
+    const StudyBlock& block = protocol.blocks[i];
+    std::size_t trials = 0;
+    for (const PlannedBlock& planned : sequence) {
+      trials += planned.block == i ? planned.trials.size() : 0;
+    }
+    const bool adaptive = block.procedure != ProcedureKind::kConstant;
+    text += fmt::format("  {:<16} {} levels against {}, {}\n", block.name, block.levels.size(), block.reference.name,
+                        adaptive ? std::string("chosen from the answers so far") : fmt::format("{} trials", trials));
+  }
+  return text;
+}
+
+void makeStudy(const Options& options) {
+  const ProtocolText text = findProtocol(options.protocol);
+  const StudyProtocol protocol = loadProtocolText(text.text, text.name);
+  const std::uint64_t seed = options.seed ? *options.seed : drawnSeed();
+  StudyStore::create(options.file, protocol, text.text, seed);
+  printText(fmt::format("{}: {} (seed {})\n{}", options.file, protocol.title, seed, summaryOf(protocol)));
+  if (protocol.consent.find('[') != std::string::npos) {
+    printNotice(
+        fmt::format("The consent page has text in [BRACKETS] to be filled in: good for a trial run; for a study, "
+                    "write a protocol of your own (docs/studies.md).\n"));
+  }
+}
+
+}  // namespace
+
+void addStudyNewCommand(CLI::App& study) {
+  auto options = std::make_shared<Options>();
+  CLI::App* command = study.add_subcommand("new", "Make the file of a study");
+  command->footer(fmt::format(kExamples, fmt::join(protocolNames(), ", ")));
+  command->add_option("file", options->file, "The file to make; it must not exist")->required()->option_text("FILE");
+  command->add_option("--protocol", options->protocol, "A built-in protocol, or a file")
+      ->required()
+      ->option_text("PROTOCOL");
+  command->add_option("--seed", options->seed, "Decides every random order [drawn]")->option_text("N");
+  command->callback([options] { makeStudy(*options); });
+}
+
+}  // namespace haptolith

@@ -1,0 +1,251 @@
+#include <CLI/CLI.hpp>
+#include <fmt/format.h>
+#include <spdlog/spdlog.h>
+#include <sys/stat.h>
+
+#include <algorithm>
+#include <chrono>
+#include <filesystem>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "haptolith/core/error.h"
+#include "haptolith/session/session.h"
+#include "haptolith/study/conductor.h"
+#include "haptolith/study/session_rig.h"
+#include "haptolith/study/simulated_participant.h"
+#include "haptolith/viewer/live_view.h"
+
+#include "commands.h"
+#include "shared/output.h"
+#include "shared/scene_options.h"
+#include "shared/session_driver.h"
+#include "shared/stop_on_signal.h"
+#include "shared/web_options.h"
+#include "study/study_pages.h"
+
+namespace haptolith {
+
+namespace {
+
+using namespace std::chrono_literals;
+
+constexpr const char* kExamples = R"(Examples:
+  haptolith study new friction.study --protocol paper-friction
+  haptolith study run friction.study                               the next participant, with the mouse
+  haptolith study run friction.study --device force-dimension      with a haptic device
+  haptolith study resume friction.study                            go on where somebody was
+
+Two addresses are printed: the participant's page and the experimenter's. Ctrl-C ends for today and loses nothing.)";
+
+struct StudyRunOptions {
+  std::string file, participant;
+  bool resumes = false;
+  DeviceOptions device;
+  WebOptions web;
+  double frames_per_s = 0;
+};
+
+Scenario sceneFor(const StudyRunOptions& options, const StudyProtocol& protocol) {
+  Scenario scene = protocol.scene;
+  options.device.applyTo(scene.device);
+  scene.hand.manoeuvre = Manoeuvre::kStill;  // without a device, whoever takes part moves it
+  scene.loop.duration_s = 0;
+  scene.loop.paced = true;
+  validate(scene);
+  return scene;
+}
+
+/// Where the trials' recordings go: a folder beside the study.
+std::filesystem::path recordingsOf(const std::filesystem::path& study) {
+  std::filesystem::path folder = study;
+  folder.replace_extension();
+  folder += "-recordings";
+  return folder;
+}
+
+/// Nobody comes before who has not finished, and no person beside simulated ones.
+void requireRoom(const StudyStore& store, const StudyRunOptions& options) {
+  if (options.participant.starts_with(kSimulatedCode)) {
+    throw InvalidParameter("participant", options.participant,
+                           fmt::format("a code that does not begin with {}", kSimulatedCode));
+  }
+  for (const ParticipantRow& row : store.participants()) {
+    if (row.code.starts_with(kSimulatedCode)) {
+      throw Failure(fmt::format("{} holds simulated answers: run a study of its own", options.file));
+    }
+    if (row.state == "running" && options.participant.empty()) {
+      throw Failure(
+          fmt::format("{} has not finished: go on with 'haptolith study resume {}', or name another with --participant",
+                      row.code, options.file));
+    }
+  }
+}
+
+/// The study, its scene and its pages, from the first page to the end.
+class StudyRun {
+ public:
+  StudyRun(const StudyRunOptions& options, const WebServerOptions& web)
+      : options_(options),
+        store_(options.file, StudyStore::Access::kRun),
+        recording_(recordingFor(options.frames_per_s)),
+        session_(sceneFor(options, store_.protocol()), true, settlingIn(status_)),
+        rig_(session_, {.start = [this](const std::filesystem::path& file) { recording_.start(session_, file, true); },
+                        .stop = [this] { stopRecording(); }}),
+        conductor_(store_, rig_, {.now_s = &StudyRun::now, .recordings = recordings()}),
+        pages_(conductor_),
+        view_(session_, web, HAPTOLITH_VERSION, {}, pages_.guest()) {
+    status_.clear();
+  }
+
+  void run() {
+    begin();
+    RecordTaker taker(session_.loop(), recording_, RecordTaker::Keep::kForTake, true);
+    session_.start(stopAsked());
+    if (const std::string& advice = session_.realTime().advice; !advice.empty()) {
+      spdlog::warn("{}", advice);
+    }
+    SessionDriver driver(session_, recording_, status_, &view_, &taker);
+    driver.run(
+        [&](const SessionDriver::News& news) {
+          rig_.follow(news.ticks);
+          if (!news.trip.empty()) {
+            conductor_.remark(news.trip);
+          }
+          tellOfLost(taker.lost());
+          conductor_.poll();
+          pages_.show(view_, rig_.force());
+          showStatus();
+          return !stopAsked() && conductor_.moment().phase != StudyPhase::kWaiting;
+        },
+        4ms);
+    finish();
+    driver.tellTheRest();
+  }
+
+ private:
+  static double now() {
+    return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
+  }
+
+  [[nodiscard]] std::filesystem::path recordings() const {
+    if (!store_.protocol().record) {
+      return {};
+    }
+    std::filesystem::path folder = recordingsOf(options_.file);
+    std::error_code error;
+    std::filesystem::create_directories(folder, error);
+    if (error) {
+      throw Failure(fmt::format("cannot make {}: {}", folder.string(), error.message()));
+    }
+    return folder;
+  }
+
+  /// @throws Failure also when it has ended by itself before.
+  void stopRecording() {
+    recording_.stop();
+    if (!recording_.problem().empty()) {
+      throw Failure(recording_.problem());
+    }
+  }
+
+  /// Recordings tell of their own; what a trial says of forces would be worked out without these ticks as well.
+  void tellOfLost(std::uint64_t lost) {
+    if (lost > told_lost_) {
+      const std::string text = fmt::format("the program was held up: {} ticks are missing", lost - told_lost_);
+      told_lost_ = lost;
+      spdlog::warn("{}", text);
+      conductor_.remark(text);
+    }
+  }
+
+  void begin() {
+    if (options_.resumes) {
+      conductor_.goOn(options_.participant);
+    } else {
+      requireRoom(store_, options_);
+      conductor_.begin(options_.participant);
+    }
+    code_ = conductor_.moment().participant;
+    printNotice(
+        fmt::format("{} takes part\n  participant's page   {}&study=participant\n  experimenter's page  "
+                    "{}&study=experimenter\n",
+                    code_, view_.url(StudyPages::kParticipants), view_.url(StudyPages::kExperimenters)));
+  }
+
+  void showStatus() {
+    if (!status_.visible()) {
+      return;
+    }
+    const StudyMoment now = conductor_.moment();
+    status_.update(fmt::format("{}  block {} of {}  trial {}{}  {}{:.2f} N", now.participant,
+                               std::min(now.position + 1, now.blocks), now.blocks, now.trial,
+                               now.trials > 0 ? fmt::format(" of {}", now.trials) : "", now.paused ? "PAUSED  " : "",
+                               rig_.force()));
+  }
+
+  void finish() {
+    status_.clear();
+    const bool over = conductor_.over();
+    conductor_.stop();
+    stopAsked() = true;
+    const LoopEnd end = session_.join();
+    std::size_t answers = 0;
+    for (const TrialRow& row : store_.trials()) {
+      answers += row.state == TrialState::kAnswered ? 1 : 0;
+    }
+    printText(fmt::format("{}: {} answers in {}\n", store_.title(), answers, options_.file));
+    if (!over) {
+      printText(fmt::format("{} goes on with: haptolith study resume {}\n", code_, options_.file));
+    }
+    if (end != LoopEnd::kStopped) {
+      throw Failure(fmt::format("the scene has ended: {}", text(end)));
+    }
+  }
+
+  const StudyRunOptions& options_;
+  StudyStore store_;
+  StatusLine status_;
+  SessionRecording recording_;
+  Session session_;
+  SessionRig rig_;
+  Conductor conductor_;
+  StudyPages pages_;
+  LiveView view_;
+  std::uint64_t told_lost_ = 0;
+  std::string code_;
+};
+
+void addRunOptions(CLI::App& command, const std::shared_ptr<StudyRunOptions>& options) {
+  command.footer(kExamples);
+  command.add_option("study", options->file, "The study (haptolith study new)")->required()->option_text("FILE");
+  options->device.addTo(command);
+  command.add_option("--record-frames", options->frames_per_s, "Pictures of all particles a second in recordings [0]")
+      ->check(CLI::Range(0, 60))
+      ->option_text("N");
+  options->web.addToStudy(command);
+  command.callback([options] {
+    const StopOnSignal stop_on_signal;
+    umask(077);  // recordings of people are for those who run the study
+    StudyRun(*options, options->web.forStudy()).run();
+  });
+}
+
+}  // namespace
+
+void addStudyRunCommands(CLI::App& study) {
+  const auto run_options = std::make_shared<StudyRunOptions>();
+  CLI::App* run = study.add_subcommand("run", "Lead the next participant through a study, in the browser");
+  run->add_option("--participant", run_options->participant, "Pseudonym; default: the next of S01, S02, ...")
+      ->option_text("CODE");
+  addRunOptions(*run, run_options);
+  const auto resume_options = std::make_shared<StudyRunOptions>();
+  resume_options->resumes = true;
+  CLI::App* resume = study.add_subcommand("resume", "Go on with a participant, exactly where they were");
+  resume->add_option("--participant", resume_options->participant, "Who; default: whoever has not finished")
+      ->option_text("CODE");
+  addRunOptions(*resume, resume_options);
+}
+
+}  // namespace haptolith

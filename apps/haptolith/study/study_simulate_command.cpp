@@ -1,0 +1,134 @@
+#include <CLI/CLI.hpp>
+#include <fmt/format.h>
+
+#include <cmath>
+#include <cstdint>
+#include <map>
+#include <memory>
+#include <optional>
+#include <random>
+#include <string>
+
+#include "haptolith/core/error.h"
+#include "haptolith/study/answers.h"
+#include "haptolith/study/feeling_rig.h"
+#include "haptolith/study/simulated_participant.h"
+
+#include "commands.h"
+#include "shared/output.h"
+#include "shared/stop_on_signal.h"
+
+namespace haptolith {
+
+namespace {
+
+constexpr const char* kExamples = R"(Examples:
+  haptolith study new try.study --protocol paper-friction
+  haptolith study simulate try.study --participants 8 --weber 0.29
+  haptolith study figure try.study --out try.svg
+  haptolith study simulate try.study --hand stir --judge mean-force --weber 0.1    by what a hand really feels)";
+
+struct Options {
+  std::string file;
+  int participants = 8;
+  ObserverParameters observer;
+  double spread = 0;
+  std::uint64_t seed = 1;
+  std::optional<Manoeuvre> hand;
+};
+
+/// Those by which a hand can explore by itself.
+const std::map<std::string, Manoeuvre>& handChoices() {
+  static const std::map<std::string, Manoeuvre> kChoices{
+      {"stir", Manoeuvre::kStir}, {"press", Manoeuvre::kPress}, {"scoop", Manoeuvre::kScoop}};
+  return kChoices;
+}
+
+const std::map<std::string, JudgedBy>& judgeChoices() {
+  static const std::map<std::string, JudgedBy> kChoices{
+      {"mean-force", JudgedBy::kMeanForce}, {"peak-force", JudgedBy::kPeakForce}, {"work", JudgedBy::kWork}};
+  return kChoices;
+}
+
+/// A hand that explores when there is something to judge by, else none.
+std::unique_ptr<Rig> rigFor(const Options& options, const StudyProtocol& protocol) {
+  if (!options.hand) {
+    return std::make_unique<RigWithoutBed>();
+  }
+  return std::make_unique<FeelingRig>(protocol, ExplorationOptions{.manoeuvre = *options.hand, .seed = options.seed});
+}
+
+/// Simulated answers never stand beside a person's.
+void requireNobody(const StudyStore& study) {
+  for (const ParticipantRow& row : study.participants()) {
+    if (!row.code.starts_with(kSimulatedCode)) {
+      throw Failure(
+          fmt::format("{} has taken part in {}: simulate in a study of its own", row.code, study.file().string()));
+    }
+  }
+}
+
+void simulate(const Options& options) {
+  const StopOnSignal stop_on_signal;
+  validate(options.observer);
+  StudyStore study(options.file, StudyStore::Access::kRun);
+  requireNobody(study);
+  StatusLine status;
+  const std::unique_ptr<Rig> rig = rigFor(options, study.protocol());
+  std::mt19937_64 random(options.seed);
+  const std::size_t before = study.participants().size();
+  for (int person = 0; person < options.participants; ++person) {
+    if (stopAsked()) {
+      throw Failure(fmt::format("interrupted after {} of {} participants", person, options.participants));
+    }
+    status.update(fmt::format("participant {} of {}", person + 1, options.participants));
+    ObserverParameters who = options.observer;
+    who.weber_fraction *= std::exp(options.spread * normal(random));
+    SimulatedParticipant participant(who, random());
+    Conductor conductor(study, *rig, {.now_s = [&participant] { return participant.now(); }});
+    conductor.begin(fmt::format("{}{:03}", kSimulatedCode, before + static_cast<std::size_t>(person) + 1));
+    participant.takePart(conductor);
+  }
+  status.clear();
+  std::size_t answers = 0;
+  for (const TrialRow& row : study.trials()) {
+    answers += counts(row) ? 1 : 0;
+  }
+  printText(fmt::format("{}: {} simulated participants, {} answers that count\n", options.file,
+                        study.participants().size(), answers));
+}
+
+}  // namespace
+
+void addStudySimulateCommand(CLI::App& study) {
+  auto options = std::make_shared<Options>();
+  CLI::App* command = study.add_subcommand("simulate", "Let simulated participants take part, to try a study out");
+  command->footer(kExamples);
+  command->add_option("study", options->file, "A study that no person has taken part in")
+      ->required()
+      ->option_text("FILE");
+  command->add_option("--participants", options->participants, "How many [8]")->check(CLI::Range(1, 10'000));
+  command->add_option("--weber", options->observer.weber_fraction, "Their Weber fraction [0.29]")->option_text("W");
+  command->add_option("--spread", options->spread, "Standard deviation of ln W between them [0]")
+      ->check(CLI::Range(0.0, 5.0));
+  command->add_option("--bias", options->observer.bias, "The test feels like 1 + BIAS times what it is [0]")
+      ->option_text("BIAS");
+  command->add_option("--lapse", options->observer.lapse, "Share of answers given blindly [0]")->option_text("SHARE");
+  command->add_option("--learning", options->observer.learning, "W is 1 + LEARNING times as large at first [0]")
+      ->option_text("LEARNING");
+  CLI::Option* judge =
+      command
+          ->add_option("--judge", options->observer.judged_by,
+                       "What they compare, with Weber fraction W: what the hand felt; default: the stimulus' value")
+          ->transform(CLI::CheckedTransformer(judgeChoices(), CLI::ignore_case))
+          ->option_text("mean-force|peak-force|work");
+  CLI::Option* hand = command->add_option("--hand", options->hand, "How they explore, with --judge")
+                          ->transform(CLI::CheckedTransformer(handChoices(), CLI::ignore_case))
+                          ->option_text("stir|press|scoop")
+                          ->needs(judge);
+  judge->needs(hand);
+  command->add_option("--seed", options->seed, "Of their answers [1]")->option_text("N");
+  command->callback([options] { simulate(*options); });
+}
+
+}  // namespace haptolith

@@ -1,0 +1,138 @@
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include <algorithm>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "haptolith/study/answers.h"
+#include "haptolith/study/store.h"
+
+#include "commands.h"
+#include "shared/output.h"
+
+namespace haptolith {
+
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+constexpr const char* kExamples = R"(Examples:
+  haptolith study status friction.study          also while the study runs
+  haptolith study status friction.study --json)";
+
+struct Options {
+  std::string file;
+  bool json = false;
+};
+
+/// How many main trials a block has; none when the answers decide.
+std::optional<std::size_t> mainTrials(const StudyBlock& block) {
+  return block.procedure == ProcedureKind::kConstant
+             ? std::optional(block.levels.size() * static_cast<std::size_t>(block.repeats))
+             : std::nullopt;
+}
+
+std::size_t answered(const std::vector<TrialRow>& trials, std::int64_t participant, std::size_t block) {
+  return static_cast<std::size_t>(std::ranges::count_if(trials, [&](const TrialRow& trial) {
+    return trial.participant == participant && trial.block == block && trial.kind == TrialKind::kMain &&
+           trial.state == TrialState::kAnswered;
+  }));
+}
+
+std::string levelName(const StudyBlock& block, double value) {
+  const auto level = std::ranges::find(block.levels, value, &Stimulus::value);
+  return level == block.levels.end() ? "" : level->name;
+}
+
+Json statusJson(const StudyStore& study, const std::vector<TrialRow>& trials) {
+  const std::vector<StudyBlock>& blocks = study.protocol().blocks;
+  Json json{{"file", study.file().string()},   {"title", study.title()},        {"seed", study.seed()},
+            {"created_at", study.createdAt()}, {"participants", Json::array()}, {"blocks", Json::array()}};
+  for (const ParticipantRow& participant : study.participants()) {
+    Json row{{"participant", participant.code},  {"number", participant.number},     {"state", participant.state},
+             {"begun_at", participant.begun_at}, {"ended_at", participant.ended_at}, {"blocks", Json::array()}};
+    for (std::size_t block = 0; block < blocks.size(); ++block) {
+      const std::optional<std::size_t> of = mainTrials(blocks[block]);
+      row["blocks"].push_back({{"block", blocks[block].name},
+                               {"answered", answered(trials, participant.id, block)},
+                               {"trials", of ? Json(*of) : Json(nullptr)}});
+    }
+    json["participants"].push_back(std::move(row));
+  }
+  for (std::size_t block = 0; block < blocks.size(); ++block) {
+    Json row{{"block", blocks[block].name},
+             {"axis_label", blocks[block].axis_label},
+             {"reference", blocks[block].reference.value},
+             {"levels", Json::array()}};
+    for (const Level& level : levelsOf(trials, block)) {
+      row["levels"].push_back(
+          {{"level", levelName(blocks[block], level.x)}, {"x", level.x}, {"k", level.k}, {"n", level.n}});
+    }
+    json["blocks"].push_back(std::move(row));
+  }
+  return json;
+}
+
+std::string participantsText(const StudyStore& study, const std::vector<TrialRow>& trials) {
+  const std::vector<ParticipantRow> participants = study.participants();
+  if (participants.empty()) {
+    return "Nobody has taken part yet.\n";
+  }
+  const std::vector<StudyBlock>& blocks = study.protocol().blocks;
+  std::string text = fmt::format("{:<18}{:<11}", "Participant", "");
+  for (const StudyBlock& block : blocks) {
+    text += fmt::format("{:>16}", block.name);
+  }
+  text += '\n';
+  for (const ParticipantRow& participant : participants) {
+    text += fmt::format("{:<18}{:<11}", participant.code, participant.state);
+    for (std::size_t block = 0; block < blocks.size(); ++block) {
+      const std::optional<std::size_t> of = mainTrials(blocks[block]);
+      const std::size_t done = answered(trials, participant.id, block);
+      text += fmt::format("{:>16}", of ? fmt::format("{} of {}", done, *of) : fmt::format("{}", done));
+    }
+    text += '\n';
+  }
+  return text;
+}
+
+std::string levelsText(const StudyBlock& block, const std::vector<Level>& levels) {
+  std::string text = fmt::format("\n{}: {}, against {} ({})\n  level                  x    \"{}\"\n", block.name,
+                                 block.axis_label, block.reference.name, block.reference.value, block.answers[1]);
+  for (const Level& level : levels) {
+    text += fmt::format("  {:<12}{:>12.4g}    {} of {}\n", levelName(block, level.x), level.x, level.k, level.n);
+  }
+  return levels.empty() ? "" : text;
+}
+
+void showStatus(const Options& options) {
+  const StudyStore study(options.file, StudyStore::Access::kRead);
+  const std::vector<TrialRow> trials = study.trials();
+  if (options.json) {
+    printJson(statusJson(study, trials));
+    return;
+  }
+  std::string text =
+      fmt::format("{}: {}\nseed {}, made {}\n\n", options.file, study.title(), study.seed(), study.createdAt());
+  text += participantsText(study, trials);
+  for (std::size_t block = 0; block < study.protocol().blocks.size(); ++block) {
+    text += levelsText(study.protocol().blocks[block], levelsOf(trials, block));
+  }
+  printText(text);
+}
+
+}  // namespace
+
+void addStudyStatusCommand(CLI::App& study) {
+  auto options = std::make_shared<Options>();
+  CLI::App* command = study.add_subcommand("status", "Tell who has taken part, how far they are and what was answered");
+  command->footer(kExamples);
+  command->add_option("file", options->file, "A study")->required()->option_text("FILE");
+  command->add_flag("--json", options->json, "Print one JSON object");
+  command->callback([options] { showStatus(*options); });
+}
+
+}  // namespace haptolith

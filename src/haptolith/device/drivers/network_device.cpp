@@ -1,0 +1,381 @@
+#include "haptolith/device/drivers/network_device.h"
+
+#include <arpa/inet.h>
+#include <fmt/format.h>
+#include <netinet/in.h>
+#include <sys/socket.h>
+
+#include <algorithm>
+#include <bit>
+#include <cerrno>
+#include <charconv>
+#include <cmath>
+#include <cstring>
+#include <ctime>
+#include <optional>
+
+#include "haptolith/core/clock.h"
+#include "haptolith/core/error.h"
+
+namespace haptolith {
+
+namespace {
+
+constexpr std::string_view kUsualAddress = "127.0.0.1:9050";
+// The buffer holds some 160 packets, and all that waits is looked at in each tick: what a flood leaves waiting would be
+// old in the next one. So many cost a tick 0.17 ms; 0.36 ms with a key, while nobody holds the tool and all have to be
+// checked.
+constexpr int kMostPackets = 256;
+constexpr int kReceiveBuffer = 64 * 1024;
+// That a sender is owed at most, when its packets came together: those of the 20 ms in which it is believed.
+constexpr int kMostOwed = 20;
+constexpr std::size_t kLongestPacket = DevicePacket::kBytes + PacketKey::kTagBytes;
+static_assert(std::atomic<std::uint64_t>::is_always_lock_free);  // a signal's handler may let go
+
+sockaddr_in addressOf(std::string_view text) {
+  const auto refuse = [&] {
+    return InvalidParameter("address", fmt::format("'{}'", text),
+                            "HOST:PORT with an IPv4 address of this machine, for example 127.0.0.1:9050 for this "
+                            "machine alone or 0.0.0.0:9050 for others, too");
+  };
+  const std::size_t colon = text.find(':');
+  if (colon == std::string_view::npos) {
+    throw refuse();
+  }
+  const std::string host(text.substr(0, colon) == "localhost" ? "127.0.0.1" : text.substr(0, colon));
+  const std::string_view port = text.substr(colon + 1);
+  std::uint16_t number = 0;
+  const auto [end, error] = std::from_chars(port.data(), port.data() + port.size(), number);
+  sockaddr_in address{};
+  address.sin_family = AF_INET;
+  address.sin_port = htons(number);
+  if (error != std::errc{} || end != port.data() + port.size() ||
+      inet_pton(AF_INET, host.c_str(), &address.sin_addr) != 1) {
+    throw refuse();
+  }
+  return address;
+}
+
+std::uint64_t packed(const sockaddr_in& address) noexcept {
+  return std::uint64_t{address.sin_addr.s_addr} << 16 | address.sin_port;
+}
+
+sockaddr_in unpacked(std::uint64_t sender) noexcept {
+  sockaddr_in address{};
+  address.sin_family = AF_INET;
+  address.sin_addr.s_addr = static_cast<std::uint32_t>(sender >> 16);
+  address.sin_port = static_cast<std::uint16_t>(sender);
+  return address;
+}
+
+// The system's interface takes every kind of address by a pointer to its first member.
+// NOLINTBEGIN(cppcoreguidelines-pro-type-reinterpret-cast)
+sockaddr* generic(sockaddr_in& address) noexcept {
+  return reinterpret_cast<sockaddr*>(&address);
+}
+const sockaddr* generic(const sockaddr_in& address) noexcept {
+  return reinterpret_cast<const sockaddr*>(&address);
+}
+// NOLINTEND(cppcoreguidelines-pro-type-reinterpret-cast)
+
+bool isThisMachine(const sockaddr_in& address) noexcept {
+  return (ntohl(address.sin_addr.s_addr) >> 24U) == 127;
+}
+
+/// What a socket reports that is still one.
+bool passes(int error) noexcept {
+  return error == EINTR || error == ECONNREFUSED || error == ENOBUFS || error == ENOMEM || error == ENETDOWN;
+}
+
+std::int64_t wallClockNs() noexcept {
+  timespec now{};
+  clock_gettime(CLOCK_REALTIME, &now);
+  return now.tv_sec * 1'000'000'000 + now.tv_nsec;
+}
+
+/// When the packet came to this machine, by its wall clock in ns.
+std::optional<std::int64_t> stampOf(const msghdr& message) noexcept {
+  const cmsghdr* header = CMSG_FIRSTHDR(&message);  // nothing else has been asked for
+  if (header == nullptr || header->cmsg_level != SOL_SOCKET || header->cmsg_type != SCM_TIMESTAMPNS) {
+    return std::nullopt;
+  }
+  timespec stamp{};
+  std::memcpy(&stamp, CMSG_DATA(header), sizeof stamp);
+  return stamp.tv_sec * 1'000'000'000 + stamp.tv_nsec;
+}
+
+std::int64_t nanoseconds(double seconds) {
+  return std::llround(seconds * 1e9);
+}
+
+}  // namespace
+
+NetworkDevice::NetworkDevice(const DeviceParameters& parameters, const NetworkPatience& patience)
+    : parameters_(parameters),
+      fresh_ns_(nanoseconds(requireInRange("fresh_s", patience.fresh_s, {0.001, 10}))),
+      holder_ns_(nanoseconds(requireInRange("holder_s", patience.holder_s, {patience.fresh_s, 60}))) {
+  const std::string text(parameters.address.empty() ? kUsualAddress : std::string_view(parameters.address));
+  sockaddr_in address = addressOf(text);
+  if (!parameters.key.empty()) {
+    key_.emplace(parameters.key);
+  } else if (!isThisMachine(address) && !parameters.insecure) {
+    throw InvalidParameter("address", fmt::format("'{}'", text),
+                           "one of this machine alone, such as 127.0.0.1:9050, unless packets are signed "
+                           "(--device-key-file, docs/devices.md) or all users of the network are trusted "
+                           "(--device-insecure)");
+  }
+  const auto fail = [&](const char* remedy) {
+    return Failure(fmt::format("cannot listen for UDP packets at {}: {}; {}", text, strerrordesc_np(errno), remedy));
+  };
+  const int number = ::socket(AF_INET, SOCK_DGRAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0);
+  if (number < 0) {
+    throw fail("end programs that hold many sockets");
+  }
+  socket_ = Descriptor(number);
+  setsockopt(number, SOL_SOCKET, SO_RCVBUF, &kReceiveBuffer, sizeof kReceiveBuffer);
+  constexpr int kYes = 1;
+  setsockopt(number, SOL_SOCKET, SO_TIMESTAMPNS, &kYes, sizeof kYes);
+  if (bind(number, generic(address), sizeof address) != 0) {
+    throw fail(errno == EADDRINUSE ? "end the program that listens there, or choose another port"
+                                   : "choose an address of this machine (ip -4 addr) and a port above 1023");
+  }
+  socklen_t size = sizeof address;
+  getsockname(number, generic(address), &size);
+  port_ = ntohs(address.sin_port);
+  input_.state = DeviceState::kStale;
+}
+
+DeviceLimits NetworkDevice::limits() const noexcept {
+  constexpr double kFullForceIn_s = 0.003;
+  DeviceLimits limits;
+  limits.max_force_n = 12;
+  limits.max_torque_nm = 0.2;
+  limits.max_gripper_force_n = 8;
+  limits.grips = true;
+  limits.max_force_rate_n_s = limits.max_force_n / kFullForceIn_s;
+  limits.max_torque_rate_nm_s = limits.max_torque_nm / kFullForceIn_s;
+  limits.max_gripper_rate_n_s = limits.max_gripper_force_n / kFullForceIn_s;
+  // Nobody knows what stands behind the socket: assumed bad until its owner has measured it.
+  limits.delay_s = 0.01;
+  limits.delay_known = false;
+  limits.resolution_m = 1e-4;
+  return measured(limits, parameters_);
+}
+
+DeviceInput NetworkDevice::read() noexcept {
+  if (lost_.load(std::memory_order_relaxed)) {
+    return input_;
+  }
+  now_ns_ = monotonicNs();
+  const std::int64_t clock_ahead_ns = wallClockNs() - now_ns_;
+  for (int i = 0; i < kMostPackets && receive(clock_ahead_ns); ++i) {
+  }
+  if (lost_.load(std::memory_order_relaxed)) {
+    return input_;
+  }
+  if (holder_.load() != 0 && now_ns_ - taken_ns_ > holder_ns_) {
+    release();
+  }
+  const bool live = holder_.load() != 0 && held_ && now_ns_ - taken_ns_ <= fresh_ns_;
+  zero_owed_ = zero_owed_ || (live_.load() && !live);
+  live_.store(live);
+  input_.state = live ? DeviceState::kLive : DeviceState::kStale;
+  if (!live) {
+    input_.twist = {};
+  }
+  return input_;
+}
+
+/// Takes the next packet that waits. False when none does, or when the socket is broken.
+/// @param clock_ahead_ns  of the wall clock before the monotonic one, now.
+bool NetworkDevice::receive(std::int64_t clock_ahead_ns) noexcept {
+  std::array<std::byte, kLongestPacket + 1> bytes;  // one more: a packet that is too long is seen to be
+  alignas(cmsghdr) std::array<std::byte, CMSG_SPACE(sizeof(timespec))> control;
+  sockaddr_in sender{};
+  iovec into{bytes.data(), bytes.size()};
+  msghdr message{};
+  message.msg_name = &sender;
+  message.msg_namelen = sizeof sender;
+  message.msg_iov = &into;
+  message.msg_iovlen = 1;
+  message.msg_control = control.data();
+  message.msg_controllen = control.size();
+  const ssize_t received = recvmsg(socket_.number(), &message, 0);
+  if (received >= 0) {
+    // Stamps are of the wall clock. Set forward between packet and read() it makes the packet too old, which is
+    // harmless; set back, it makes it new, as it would be without a stamp.
+    const std::int64_t came_ns = stampOf(message).value_or(now_ns_ + clock_ahead_ns) - clock_ahead_ns;
+    take(std::span(bytes).first(static_cast<std::size_t>(received)), packed(sender), std::min(came_ns, now_ns_));
+    return true;
+  }
+  if (errno == EAGAIN) {
+    return false;
+  }
+  if (!passes(errno)) {
+    lose(strerrordesc_np(errno));
+    return false;
+  }
+  return true;
+}
+
+void NetworkDevice::take(std::span<const std::byte> bytes, std::uint64_t sender, std::int64_t came_ns) noexcept {
+  PacketFault fault = PacketFault::kSize;
+  const std::size_t size = DevicePacket::kBytes + (key_ ? PacketKey::kTagBytes : 0);
+  const std::optional<DevicePacket> packet =
+      bytes.size() == size ? parse(bytes.first(DevicePacket::kBytes), &fault) : std::nullopt;
+  if (!packet) {
+    ++counts_.malformed[static_cast<std::size_t>(fault)];
+    return;
+  }
+  if (holder_.load() != 0 && now_ns_ - taken_ns_ > holder_ns_) {
+    release();
+  }
+  if (!mayTake(*packet, sender)) {
+    ++counts_.others;
+    return;
+  }
+  // Newer by less than half of all numbers: right also when they begin again at 0.
+  const bool newcomer = holder_.load() != sender;
+  if (!newcomer && static_cast<std::int32_t>(packet->sequence - sequence_.load()) <= 0) {
+    ++counts_.late;
+    return;
+  }
+  if (key_ && !isSigned(bytes, *packet, sender)) {
+    return;
+  }
+  if (newcomer) {
+    if (key_) {
+      const auto nonce = std::bit_cast<std::array<std::uint64_t, 2>>(key_->nonceFor(sender, epoch_));
+      nonce_[0].store(nonce[0]);
+      nonce_[1].store(nonce[1]);
+    }
+    ++epoch_;
+    owed_ = 0;
+    held_ns_ = came_ns;
+    taken_ns_ = came_ns;
+  }
+  ++counts_.taken;
+  taken_ns_ = std::max(taken_ns_, came_ns);
+  owed_ = std::min(owed_ + 1, kMostOwed);
+  sequence_.store(packet->sequence);
+  sender_time_.store(packet->sender_time);
+  holder_.store(sender);
+  held_ = packet->held;
+  if (held_) {
+    held_ns_ = taken_ns_;
+    input_.pose = packet->pose;
+    input_.twist = packet->twist;
+    input_.gripper_open = packet->gripper_open;
+    input_.buttons = packet->buttons;
+  }
+}
+
+/// Whether the sender has the tool, or may have it: nobody has, or who has it does not want it.
+bool NetworkDevice::mayTake(const DevicePacket& packet, std::uint64_t sender) const noexcept {
+  const std::uint64_t holder = holder_.load();
+  return holder == 0 || holder == sender || (packet.held && !held_ && now_ns_ - held_ns_ > holder_ns_);
+}
+
+/// Whether the packet is signed with the sender's nonce. To one that is signed with a nonce of zeros the answer is
+/// which.
+bool NetworkDevice::isSigned(std::span<const std::byte> bytes, const DevicePacket& packet,
+                             std::uint64_t sender) noexcept {
+  const auto body = bytes.first(DevicePacket::kBytes);
+  const auto tag = bytes.subspan(DevicePacket::kBytes);
+  const bool newcomer = holder_.load() != sender;
+  const PacketKey::Nonce nonce = newcomer ? key_->nonceFor(sender, epoch_) : holderNonce();
+  if (key_->signs(tag, body, nonce)) {
+    return true;
+  }
+  if (!newcomer || !key_->signs(tag, body, {})) {
+    ++counts_.forged;
+    return false;
+  }
+  ++counts_.greetings;
+  AnswerPacket answer;
+  answer.sequence = packet.sequence;
+  answer.sender_time = packet.sender_time;
+  answer.number = answers_.fetch_add(1);
+  (void)sendTo(sender, answer, nonce);
+  return false;
+}
+
+PacketKey::Nonce NetworkDevice::holderNonce() const noexcept {
+  return std::bit_cast<PacketKey::Nonce>(std::array{nonce_[0].load(), nonce_[1].load()});
+}
+
+/// Nobody holds the tool any more.
+void NetworkDevice::release() noexcept {
+  holder_.store(0);
+  held_ = false;
+  owed_ = 0;
+  ++epoch_;
+}
+
+void NetworkDevice::write(const DeviceOutput& output) noexcept {
+  const bool let_go = let_go_.load();
+  if (owed_ > 0 || zero_owed_) {  // else somebody who forges one packet could have another one flooded
+    owed_ = std::max(0, owed_ - 1);
+    zero_owed_ = false;
+    if (!answer(let_go ? DeviceOutput{} : output)) {
+      ++counts_.unsent;
+    }
+  }
+  if (!let_go && let_go_.load()) {  // letGo() came in between: its answer must not be followed by one with a force
+    (void)answer({});
+  }
+}
+
+void NetworkDevice::letGo() noexcept {
+  let_go_.store(true);
+  const int error = errno;  // a signal's handler leaves it as it was
+  (void)answer({});
+  errno = error;
+}
+
+bool NetworkDevice::answer(const DeviceOutput& output) noexcept {
+  const std::uint64_t holder = holder_.load();
+  if (holder == 0) {
+    return true;
+  }
+  AnswerPacket packet;
+  packet.live = live_.load();
+  packet.let_go = let_go_.load();
+  packet.sequence = sequence_.load();
+  packet.number = answers_.fetch_add(1);
+  packet.sender_time = sender_time_.load();
+  packet.output = output;
+  return sendTo(holder, packet, holderNonce());
+}
+
+bool NetworkDevice::sendTo(std::uint64_t receiver, const AnswerPacket& packet, const PacketKey::Nonce& nonce) noexcept {
+  std::array<std::byte, AnswerPacket::kBytes + sizeof nonce + PacketKey::kTagBytes> bytes;
+  std::size_t size = AnswerPacket::kBytes;
+  std::ranges::copy(bytesOf(packet), bytes.begin());
+  if (key_) {
+    std::ranges::copy(nonce, bytes.begin() + AnswerPacket::kBytes);
+    std::ranges::copy(key_->tagOf(std::span(bytes).first(size + nonce.size()), {}),
+                      bytes.begin() + AnswerPacket::kBytes + nonce.size());
+    size = bytes.size();
+  }
+  const sockaddr_in address = unpacked(receiver);
+  return sendto(socket_.number(), bytes.data(), size, MSG_NOSIGNAL, generic(address), sizeof address) ==
+         static_cast<ssize_t>(size);
+}
+
+void NetworkDevice::lose(const char* reason) noexcept {
+  const auto end =
+      fmt::format_to_n(problem_.data(), problem_.size(),
+                       "the network device cannot receive at port {} any more: {}; start the run anew", port_, reason);
+  problem_size_ = std::min(end.size, problem_.size());
+  input_.state = DeviceState::kLost;
+  input_.twist = {};
+  live_.store(false);
+  lost_.store(true);
+}
+
+std::string_view NetworkDevice::problem() const noexcept {
+  return lost_.load() ? std::string_view(problem_.data(), problem_size_) : std::string_view{};
+}
+
+}  // namespace haptolith

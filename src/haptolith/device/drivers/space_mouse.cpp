@@ -1,0 +1,165 @@
+#include "haptolith/device/drivers/space_mouse.h"
+
+#include <fmt/format.h>
+#include <poll.h>
+#include <spnav.h>
+#include <sys/socket.h>
+
+#include <cerrno>
+
+#include "haptolith/core/error.h"
+
+namespace haptolith {
+
+namespace {
+
+/// How long the daemon's thread waits for an event before it looks whether it shall end.
+constexpr int kWait_ms = 20;
+
+constexpr std::string_view kNoDaemon =
+    "the daemon of SpaceMice, spacenavd, does not answer at /var/run/spnav.sock (or where SPNAV_SOCKET or /etc/spnavrc "
+    "says)";
+constexpr std::string_view kNoDaemonRemedy = "sudo apt-get install spacenavd; sudo systemctl start spacenavd";
+constexpr std::string_view kNoPuck = "spacenavd runs, but has no SpaceMouse";
+constexpr std::string_view kNoPuckRemedy = "plug it in; if it is, sudo systemctl restart spacenavd";
+
+/// Whether the daemon has a puck. One that speaks only the first version of its protocol cannot be asked.
+bool hasPuck() {
+  return spnav_protocol() < 1 || spnav_dev_type() >= 0;
+}
+
+/// Whether the daemon has closed its end: libspnav tells it no differently from an event it does not know.
+bool hungUp() {
+  char byte = 0;
+  const ssize_t there = recv(spnav_fd(), &byte, 1, MSG_PEEK | MSG_DONTWAIT);
+  return there == 0 || (there < 0 && errno != EAGAIN && errno != EINTR);
+}
+
+}  // namespace
+
+Deflection deflectionOf(const PuckCounts& counts) noexcept {
+  return {Vec3(counts.x, counts.z, counts.y) / SpaceMouse::kFullDeflection,
+          Vec3(counts.rx, counts.rz, counts.ry) / SpaceMouse::kFullDeflection};
+}
+
+SpaceMouse::Connection::Connection() {
+  if (spnav_fd() >= 0) {
+    throw Failure("the SpaceMouse is in use by this program already");
+  }
+  if (spnav_open() != 0) {
+    throw Failure(fmt::format("{}: {}", kNoDaemon, kNoDaemonRemedy));
+  }
+}
+
+SpaceMouse::Connection::~Connection() {
+  spnav_close();
+}
+
+SpaceMouse::SpaceMouse(const DeviceParameters& parameters, double tick_s) : handle_(tick_s) {
+  if (!parameters.id.empty() && parameters.id != "0") {
+    throw InvalidParameter("id", fmt::format("'{}'", parameters.id),
+                           "empty or 0: spacenavd makes one of all SpaceMice");
+  }
+  if (!hasPuck()) {
+    throw Failure(fmt::format("{}: {}", kNoPuck, kNoPuckRemedy));
+  }
+  thread_ = std::jthread([this](const std::stop_token& stop) { serve(stop); });
+}
+
+DeviceLimits SpaceMouse::limits() const noexcept {
+  DeviceLimits limits;
+  limits.max_force_n = 0;
+  limits.shows_force = false;
+  limits.max_torque_nm = 0;
+  limits.max_gripper_force_n = 0;
+  limits.workspace_radius_m = SteeredHandle::kWorkspaceRadius_m;
+  return limits;
+}
+
+DeviceInput SpaceMouse::read() noexcept {
+  told_.update();
+  const Told& told = told_.latest();
+  const Movement& handle = handle_.drive(rateOf(told.deflection, {}));
+  return {.pose = handle.pose,
+          .twist = handle.twist,
+          .buttons = told.buttons,
+          .state = told.loss == Loss::kNone   ? DeviceState::kLive
+                   : told.loss == Loss::kPuck ? DeviceState::kStale
+                                              : DeviceState::kLost};
+}
+
+std::string_view SpaceMouse::problem() const noexcept {
+  switch (loss_.load(std::memory_order_relaxed)) {
+    case Loss::kPuck: return "the SpaceMouse has been unplugged: plug it in again, and it goes on";
+    case Loss::kDaemon:
+      return "the daemon of SpaceMice, spacenavd, has ended: sudo systemctl start spacenavd, then start haptolith "
+             "again";
+    case Loss::kNone: break;
+  }
+  return {};
+}
+
+void SpaceMouse::serve(const std::stop_token& stop) {
+  constexpr int kButtons = 32;
+  Told told;
+  const auto publish = [&] {
+    loss_.store(told.loss, std::memory_order_relaxed);
+    told_.draft() = told;
+    told_.publish();
+  };
+  while (!stop.stop_requested()) {
+    pollfd daemon{.fd = spnav_fd(), .events = POLLIN, .revents = 0};
+    if (poll(&daemon, 1, kWait_ms) <= 0) {
+      continue;
+    }
+    if (hungUp()) {
+      told = {.loss = Loss::kDaemon};
+      publish();
+      return;
+    }
+    spnav_event event{};
+    switch (spnav_poll_event(&event)) {
+      case SPNAV_EVENT_MOTION:
+        told.loss = Loss::kNone;  // whatever was unplugged, something is there
+        told.deflection = deflectionOf({.x = event.motion.x,
+                                        .y = event.motion.y,
+                                        .z = event.motion.z,
+                                        .rx = event.motion.rx,
+                                        .ry = event.motion.ry,
+                                        .rz = event.motion.rz});
+        break;
+      case SPNAV_EVENT_BUTTON:
+        if (event.button.bnum >= 0 && event.button.bnum < kButtons) {
+          const std::uint32_t bit = 1U << event.button.bnum;
+          told.buttons = event.button.press != 0 ? told.buttons | bit : told.buttons & ~bit;
+        }
+        break;
+      case SPNAV_EVENT_DEV: told = {.loss = event.dev.op == SPNAV_DEV_RM ? Loss::kPuck : Loss::kNone}; break;
+      default: continue;  // settings, and what no daemon says
+    }
+    publish();
+  }
+}
+
+std::vector<DeviceReport> findSpaceMouse(const DeviceParameters&) {
+  DeviceReport report{
+      .kind = DeviceKind::kSpaceMouse, .name = "SpaceMouse", .id = "0", .usable = true, .why_not = {}, .remedy = {}};
+  if (spnav_fd() >= 0) {
+    return {report};  // open: then it is there
+  }
+  if (spnav_open() != 0) {
+    report.usable = false;
+    report.why_not = kNoDaemon;
+    report.remedy = kNoDaemonRemedy;
+    return {report};
+  }
+  if (!hasPuck()) {
+    report.usable = false;
+    report.why_not = kNoPuck;
+    report.remedy = kNoPuckRemedy;
+  }
+  spnav_close();
+  return {report};
+}
+
+}  // namespace haptolith

@@ -1,0 +1,18 @@
+#pragma once
+
+#include "haptolith/core/vec.h"
+#include "haptolith/device/hand/hand_parameters.h"
+
+namespace haptolith {
+
+/// Where a hand wants the tool at `time_s` since the start of the manoeuvre, scene frame. Manoeuvres begin and end at
+/// `hand.home_m` and repeat every `hand.period_s`; movements between their key poses are minimum-jerk (Flash and Hogan
+/// 1985, J. Neurosci. 5:1688). After `hand.active_s` the manoeuvre under way is finished, then the hand waits at home.
+/// Not for kPoses. May be called in the tick.
+[[nodiscard]] Pose manoeuvrePose(const HandParameters& hand, double time_s) noexcept;
+
+/// How far the hand opens a gripper then, 0 closed to 1 wide open: what lifts soil closes at its lowest point and opens
+/// where it tips the soil out. Not for kPoses. May be called in the tick.
+[[nodiscard]] double manoeuvreOpening(const HandParameters& hand, double time_s) noexcept;
+
+}  // namespace haptolith

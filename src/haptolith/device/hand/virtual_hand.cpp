@@ -1,0 +1,157 @@
+#include "haptolith/device/hand/virtual_hand.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "haptolith/core/between.h"
+#include "haptolith/core/error.h"
+#include "haptolith/device/hand/manoeuvre.h"
+
+namespace haptolith {
+
+namespace {
+
+/// The coupling of a tool that is pulled by hand: an arm's mass, stiffer than it so that the tool keeps up with a
+/// mouse, and critically damped so that it does not swing.
+constexpr ArmParameters kCoupling{.mass_kg = 0.3, .damping_n_s_m = 19, .stiffness_n_m = 300, .lever_m = 0.1};
+
+/// Poses come 60 times a second: their steps are rounded off with this time constant.
+constexpr double kSmoothing_s = 0.02;
+
+/// From where somebody left the tool a manoeuvre is begun in this time.
+constexpr double kReturn_s = 1;
+
+/// From closed to wide open, at the fastest. A manoeuvre that is broken off opens the gripper as quickly.
+constexpr double kGrip_s = 0.1;
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
+ArmParameters armOf(const HandParameters& hand) noexcept {
+  return {hand.mass_kg, hand.damping_n_s_m, hand.stiffness_n_m, hand.lever_m};
+}
+
+void requireStableArm(const HandParameters& hand, double tick_s) {
+  const double least_mass_kg = lightestArm(armOf(hand), tick_s);
+  if (hand.compliance == HandCompliance::kArm && hand.mass_kg <= least_mass_kg) {
+    throw InvalidParameter(
+        "mass_kg", fmt::format("{:g}", hand.mass_kg),
+        fmt::format("> {:g}, or the arm's stiffness and damping shake it to pieces at a tick of {:g} s", least_mass_kg,
+                    tick_s));
+  }
+}
+
+Movement movement(const Pose& from, const Pose& to, double tick_s) noexcept {
+  return {to, {(to.position_m - from.position_m) / tick_s, rotationBetween(from.orientation, to.orientation) / tick_s}};
+}
+
+}  // namespace
+
+VirtualHand::VirtualHand(const HandParameters& hand, double tick_s) : hand_(hand), tick_s_(tick_s) {
+  validate(hand);
+  requireStableArm(hand, tick_s);
+  if (hand.manoeuvre == Manoeuvre::kPoses) {
+    poses_ = PoseFile::read(hand.poses_file);
+  }
+  tool_.pose = wanted(0);
+}
+
+void VirtualHand::wish(const HandWish& wish) noexcept {
+  wishes_.draft() = wish;
+  wishes_.publish();
+}
+
+DeviceLimits VirtualHand::limits() const noexcept {
+  DeviceLimits limits;
+  limits.max_force_n = hand_.max_force_n;
+  limits.max_torque_nm = hand_.max_torque_nm;
+  limits.grips = true;
+  return limits;
+}
+
+DeviceInput VirtualHand::read() noexcept {
+  if (let_go_.load(std::memory_order_relaxed)) {
+    felt_ = {};
+  }
+  takeWish();
+  if (wishes_.latest().held) {
+    followWish(*wishes_.latest().held);
+  } else {
+    followManoeuvre();
+  }
+  moveGripper();
+  const bool finished = poses_ && hand_.manoeuvre == Manoeuvre::kPoses && !wishes_.latest().held &&
+                        static_cast<double>(ticks_) * tick_s_ > poses_->duration();
+  DeviceInput input;
+  input.pose = tool_.pose;
+  input.twist = tool_.twist;
+  input.gripper_open = gripper_open_;
+  input.state = finished ? DeviceState::kFinished : DeviceState::kLive;
+  return input;
+}
+
+void VirtualHand::takeWish() noexcept {
+  const bool was_held = wishes_.latest().held.has_value();
+  if (!wishes_.update()) {
+    return;
+  }
+  const HandWish& now = wishes_.latest();
+  hand_.surface_m = now.surface_m;
+  hand_.manoeuvre = now.manoeuvre;
+  if (now.held && !was_held) {
+    smooth_ = tool_.pose;
+  }
+  if (beginnings_ != now.beginnings) {
+    beginnings_ = now.beginnings;
+    ticks_ = 0;
+    return_ticks_ = 0;
+    return_from_ = tool_.pose;
+  }
+}
+
+void VirtualHand::followManoeuvre() noexcept {
+  const auto time_s = [this](std::uint64_t ticks) { return static_cast<double>(ticks) * tick_s_; };
+  Pose from;
+  Pose to;
+  if (return_from_) {
+    const auto on_the_way = [&](std::uint64_t ticks) {
+      const double s = std::min(1.0, time_s(ticks) / kReturn_s);
+      return between(*return_from_, wanted(0), s * s * (3 - 2 * s));
+    };
+    from = on_the_way(return_ticks_);
+    to = on_the_way(++return_ticks_);
+    if (time_s(return_ticks_) >= kReturn_s) {
+      return_from_.reset();
+    }
+  } else {
+    from = wanted(time_s(ticks_));
+    to = wanted(time_s(++ticks_));
+  }
+  const Movement wish = movement(from, to, tick_s_);
+  if (hand_.compliance == HandCompliance::kRigid) {
+    tool_ = wish;
+  } else {
+    moveArm(armOf(hand_), wish, felt_, kInfinity, tick_s_, tool_);
+  }
+}
+
+void VirtualHand::followWish(const Pose& held) noexcept {
+  const Pose before = smooth_;
+  smooth_ = between(before, held, 1 - std::exp(-tick_s_ / kSmoothing_s));
+  moveArm(kCoupling, movement(before, smooth_, tick_s_), felt_, hand_.max_force_n, tick_s_, tool_);
+}
+
+void VirtualHand::moveGripper() noexcept {
+  const bool follows = !wishes_.latest().held && !return_from_ && hand_.manoeuvre != Manoeuvre::kPoses;
+  const double wanted = follows ? manoeuvreOpening(hand_, static_cast<double>(ticks_) * tick_s_) : 1;
+  const double most = tick_s_ / kGrip_s;
+  gripper_open_ += std::clamp(wanted - gripper_open_, -most, most);
+}
+
+Pose VirtualHand::wanted(double time_s) const noexcept {
+  return poses_ && hand_.manoeuvre == Manoeuvre::kPoses ? poses_->at(time_s) : manoeuvrePose(hand_, time_s);
+}
+
+}  // namespace haptolith

@@ -1,0 +1,60 @@
+#pragma once
+
+#include <atomic>
+#include <optional>
+
+#include "haptolith/core/exchange.h"
+#include "haptolith/device/hand/arm.h"
+#include "haptolith/device/hand/hand_parameters.h"
+#include "haptolith/device/hand/hand_wish.h"
+#include "haptolith/device/hand/pose_file.h"
+#include "haptolith/device/haptic_device.h"
+
+namespace haptolith {
+
+/// A device without hardware: a human arm (moveArm()) that pulls the tool along a manoeuvre and yields to what it
+/// feels, until somebody takes the tool from it. The arm's own weight and the tool's are carried by the arm, so that
+/// the tool weighs nothing, as in the paper.
+class VirtualHand final : public HapticDevice {
+ public:
+  /// @throws InvalidParameter, Failure: as validate(HandParameters) and PoseFile::read(), and for an arm so stiff or
+  /// damped for its mass that a tick cannot follow it.
+  VirtualHand(const HandParameters& hand, double tick_s);
+
+  [[nodiscard]] std::string_view name() const noexcept override { return "virtual hand"; }
+  /// Its frame is the scene's. It shows what a sigma.7 shows.
+  [[nodiscard]] DeviceLimits limits() const noexcept override;
+  [[nodiscard]] bool simulated() const noexcept override { return true; }
+  [[nodiscard]] DeviceInput read() noexcept override;
+  void write(const DeviceOutput& output) noexcept override { felt_ = output.wrench; }
+  void letGo() noexcept override { let_go_.store(true, std::memory_order_relaxed); }
+  void takeUp() noexcept override { let_go_.store(false, std::memory_order_relaxed); }
+
+  /// For one other thread: where somebody wants the tool. The tool follows through a virtual coupling that pulls no
+  /// harder than the device's largest force, so that nobody can force it through the soil. May be called at any time.
+  void wish(const HandWish& wish) noexcept;
+
+ private:
+  void takeWish() noexcept;
+  void followManoeuvre() noexcept;
+  void followWish(const Pose& held) noexcept;
+  [[nodiscard]] Pose wanted(double time_s) const noexcept;
+  void moveGripper() noexcept;
+
+  HandParameters hand_;
+  double tick_s_;
+  std::optional<PoseFile> poses_;
+  std::uint64_t ticks_ = 0;  ///< of the manoeuvre
+  Movement tool_;
+  double gripper_open_ = 1;
+  Wrench felt_;
+  std::atomic<bool> let_go_{false};
+
+  LatestValue<HandWish> wishes_;
+  std::uint32_t beginnings_ = 0;
+  Pose smooth_;                      ///< the held pose, its steps rounded off
+  std::optional<Pose> return_from_;  ///< on the way back to a manoeuvre
+  std::uint64_t return_ticks_ = 0;   ///< of that way
+};
+
+}  // namespace haptolith

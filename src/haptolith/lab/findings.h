@@ -1,0 +1,49 @@
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "haptolith/lab/blade.h"
+#include "haptolith/lab/carry.h"
+#include "haptolith/lab/cone.h"
+#include "haptolith/lab/cut.h"
+#include "haptolith/lab/fall.h"
+#include "haptolith/lab/funnel.h"
+#include "haptolith/lab/plate.h"
+#include "haptolith/lab/repose.h"
+#include "haptolith/lab/settle.h"
+#include "haptolith/lab/shear.h"
+#include "haptolith/soil/soil_target.h"
+
+namespace haptolith {
+
+// What each test of the laboratory should give, and whether it does. `target` is what an engineer measured of the soil;
+// without it, and without a law that holds for every soil, there is nothing to pass or fail.
+
+/// Whether the densities measured on the Moon (measuredBands()) say anything of this soil: on the Moon, for soil of
+/// which nothing else is known or which is as dense there.
+[[nodiscard]] bool isLunar(double gravity_m_s2, const std::optional<SoilTarget>& target);
+
+/// Lunar soil against the Lunar Sourcebook; another with a target against that, +- 5 %, in the upper 15 cm.
+[[nodiscard]] std::vector<Finding> findings(const SettleResult& result, double gravity_m_s2,
+                                            const std::optional<SoilTarget>& target);
+/// Friction angle +- 2 degrees; cohesion +- 20 %, or +- 50 Pa where that is more.
+[[nodiscard]] std::vector<Finding> findings(const ShearResult& result, const std::optional<SoilTarget>& target);
+/// +- 3 degrees of the friction angle of a soil without cohesion.
+[[nodiscard]] std::vector<Finding> findings(const ReposeResult& result, const std::optional<SoilTarget>& target);
+/// Stands with 100 Pa of cohesion or more, else falls.
+[[nodiscard]] std::vector<Finding> findings(const CutResult& result, double height_m,
+                                            const std::optional<SoilTarget>& target);
+[[nodiscard]] std::vector<Finding> findings(const PlateResult& result, double diameter_m);
+[[nodiscard]] std::vector<Finding> findings(const ConeResult& result);
+/// +- 40 % of the earthmoving equation.
+[[nodiscard]] std::vector<Finding> findings(const BladeResult& result, const std::optional<SoilTarget>& target);
+/// Beverloo (1961): the opening to the power of 2.5 +- 0.3; clogs below about 4 particle diameters, not above 8.
+[[nodiscard]] std::vector<Finding> findings(const FunnelResult& result);
+/// Newton: the weight is felt within 3 %, and no drag above 3 % of it.
+[[nodiscard]] std::vector<Finding> findings(const CarryResult& result);
+/// Newton: falls with g, +- 0.1 %.
+[[nodiscard]] std::vector<Finding> findings(const FallResult& result);
+
+}  // namespace haptolith

@@ -1,0 +1,20 @@
+#pragma once
+
+#include <filesystem>
+#include <vector>
+
+#include "haptolith/machine/check.h"
+#include "haptolith/machine/wake_ups.h"
+
+namespace haptolith {
+
+/// The latest wake-up that the loop can live with, in us: of 1000 us, 800 are left for a tick's work and what it sends.
+inline constexpr double kLatestWakeUp_us = 200;
+
+/// Whether this machine can run the loop in real time: kernel, rights, CPUs and how punctual it was. What cannot be
+/// read is said so and taken for neither good nor bad, unless the measurement tells. Not for the tick.
+/// @param measured  by measureWakeUps(): what a thread was granted and how late it woke.
+/// @param root  where proc/, sys/ and dev/ are; another folder in tests.
+[[nodiscard]] std::vector<Check> realTimeChecks(const WakeUps& measured, const std::filesystem::path& root = "/");
+
+}  // namespace haptolith

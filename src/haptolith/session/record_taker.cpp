@@ -1,0 +1,68 @@
+#include "haptolith/session/record_taker.h"
+
+#include <algorithm>
+#include <chrono>
+
+#include "haptolith/core/start_thread.h"
+
+namespace haptolith {
+
+namespace {
+
+using namespace std::chrono_literals;
+
+/// 30 s at 1 kHz, about 13 MB.
+constexpr std::size_t kMostKept = 30'000;
+
+}  // namespace
+
+RecordTaker::RecordTaker(HapticLoop& loop, SessionRecording& recording, Keep keep, bool paced)
+    : loop_(loop), recording_(recording), keeps_(keep == Keep::kForTake), paced_(paced) {
+  thread_ = startThread("taking what is recorded", [this] {
+    while (!ends_) {
+      {
+        const std::lock_guard lock(mutex_);
+        takeNow();
+      }
+      std::this_thread::sleep_for(paced_ ? 10ms : 1ms);
+    }
+  });
+}
+
+RecordTaker::~RecordTaker() {
+  ends_ = true;
+  thread_.join();
+}
+
+void RecordTaker::takeNow() {
+  if (keeps_ && !paced_ && kept_.size() >= kMostKept) {
+    return;
+  }
+  fresh_.clear();
+  loop_.takeRecords(fresh_);
+  recording_.add(fresh_);
+  if (keeps_) {
+    const std::size_t room = paced_ ? kMostKept - std::min(kept_.size(), kMostKept) : fresh_.size();
+    const std::size_t count = std::min(room, fresh_.size());
+    kept_.insert(kept_.end(), fresh_.begin(), fresh_.begin() + static_cast<std::ptrdiff_t>(count));
+    not_kept_ += fresh_.size() - count;
+  }
+}
+
+void RecordTaker::take(std::vector<TickRecord>& ticks) {
+  const std::lock_guard lock(mutex_);
+  const auto hand_over = [&] {
+    ticks.insert(ticks.end(), kept_.begin(), kept_.end());
+    kept_.clear();
+  };
+  hand_over();  // makes room
+  takeNow();
+  hand_over();
+}
+
+std::uint64_t RecordTaker::lost() const {
+  const std::lock_guard lock(mutex_);
+  return loop_.lostRecords() + not_kept_;
+}
+
+}  // namespace haptolith

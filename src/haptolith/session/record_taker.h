@@ -1,0 +1,48 @@
+#pragma once
+
+#include <atomic>
+#include <cstdint>
+#include <mutex>
+#include <thread>
+#include <vector>
+
+#include "haptolith/haptics/haptic_loop.h"
+#include "haptolith/session/session_recording.h"
+
+namespace haptolith {
+
+/// Takes what a loop records into the recording, on a thread of its own: nothing is lost while the thread that follows
+/// the loop is held up, by whoever looks on or by a terminal that nobody reads.
+class RecordTaker {
+ public:
+  enum class Keep { kNothing, kForTake };
+
+  /// @param keep   whether take() is called with somebody who wants the ticks.
+  /// @param paced  else the loop waits when too many ticks wait for take(); in step with the clock they are lost to it
+  ///               (to it alone, the recording has them).
+  RecordTaker(HapticLoop& loop, SessionRecording& recording, Keep keep, bool paced);
+  ~RecordTaker();
+  RecordTaker(const RecordTaker&) = delete;
+  RecordTaker& operator=(const RecordTaker&) = delete;
+
+  /// For the thread that follows the loop: takes at once what there is, and moves all since the last call to the end of
+  /// `ticks`, unless nothing is kept.
+  void take(std::vector<TickRecord>& ticks);
+
+  /// Ticks that take() has missed. The recording counts its own.
+  [[nodiscard]] std::uint64_t lost() const;
+
+ private:
+  void takeNow();  // with the lock held
+
+  HapticLoop& loop_;
+  SessionRecording& recording_;
+  const bool keeps_, paced_;
+  mutable std::mutex mutex_;
+  std::vector<TickRecord> fresh_, kept_;
+  std::uint64_t not_kept_ = 0;
+  std::atomic<bool> ends_{false};
+  std::thread thread_;
+};
+
+}  // namespace haptolith

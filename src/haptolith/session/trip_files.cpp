@@ -1,0 +1,70 @@
+#include "haptolith/session/trip_files.h"
+
+#include <fmt/format.h>
+
+#include <string>
+#include <string_view>
+#include <utility>
+
+#include "haptolith/core/atomic_file.h"
+#include "haptolith/core/error.h"
+#include "haptolith/core/new_file_name.h"
+#include "haptolith/recording/recording_format.h"
+
+namespace haptolith {
+
+namespace {
+
+/// Files of a run, together 0.5 MB: a hand that is let go again and again does not fill the disk.
+constexpr std::uint64_t kMostFiles = 20;
+constexpr double kBetween_s = 1;
+
+/// @return the file's name. @throws Failure when it cannot be written.
+std::string writeTripFile(const TripReport& report) {
+  std::string name = newFileName("haptolith-trip", ".csv");
+  AtomicFile file(name);
+  std::string text = fmt::format("# at {:.3f} s: {}\n", report.time_s, report.reason()) + csvHeader();
+  for (std::size_t i = 0; i < report.count; ++i) {
+    appendCsv(text, report.ticks[i]);
+  }
+  file.write(text);
+  file.commit();
+  return name;
+}
+
+}  // namespace
+
+std::string TripFiles::update(Session& session, SessionRecording& recording) {
+  if (!session.loop().trips().update()) {
+    return {};
+  }
+  const TripReport& report = session.loop().trips().latest();
+  if (files_ == kMostFiles && report.time_s < told_s_ + kBetween_s) {
+    ++untold_;
+    return {};
+  }
+  told_s_ = report.time_s;
+  recording.note("trip", report.time_s, report.reason());
+  std::string where;
+  if (untold_ > 0) {
+    where = fmt::format("; {} more times before that", std::exchange(untold_, 0));
+  }
+  if (files_ < kMostFiles) {
+    ++files_;
+    try {
+      where = fmt::format("; the last {} ticks are in {}{}", report.count, writeTripFile(report),
+                          files_ == kMostFiles ? ", the last such file of this run" : "");
+    } catch (const Failure& failure) {
+      where = fmt::format("; the last ticks could not be written: {}", failure.what());
+    }
+  }
+  const std::string_view reason = session.device().problem();
+  return fmt::format("at {:.3f} s the hand was let go: {}{}{}{}", report.time_s, report.reason(),
+                     reason.empty() ? "" : ": ", reason, where);
+}
+
+std::string TripFiles::rest() const {
+  return untold_ > 0 ? fmt::format("the hand was let go {} more times", untold_) : "";
+}
+
+}  // namespace haptolith
