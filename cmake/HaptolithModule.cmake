@@ -35,6 +35,11 @@ function(haptolith_precompiled target kind)
   endif()
 endfunction()
 
+# haptolith_quickly_compiled(test_core): code that costs the compiler more than it ever costs the machine: the command line, tests.
+function(haptolith_quickly_compiled target)
+  target_compile_options(${target} PRIVATE $<$<CONFIG:Release>:-O1>)
+endfunction()
+
 # haptolith_module(soil SOURCES a.cpp b.cpp DEPENDS core LIBRARIES PkgConfig::nlopt)
 # DEPENDS names folders that stand above this one (docs/architecture.md); LIBRARIES are external and stay private.
 function(haptolith_module name)

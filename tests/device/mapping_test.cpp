@@ -60,7 +60,7 @@ TEST(Mapping, ByDefaultIsNone) {
   EXPECT_LT(angleBetween(tool.pose.orientation, hand.pose.orientation), 1e-7);
   EXPECT_EQ(tool.twist.linear_m_s, hand.twist.linear_m_s);
   EXPECT_EQ(tool.twist.angular_rad_s, hand.twist.angular_rad_s);
-  const Wrench felt = mapping.toDevice({Vec3(1, 2, 3), Vec3(4, 5, 6)});
+  const Wrench felt = mapping.toDevice({{Vec3(1, 2, 3), Vec3(4, 5, 6)}}).wrench;
   EXPECT_EQ(felt.force_n, Vec3(1, 2, 3));
   EXPECT_EQ(felt.torque_nm, Vec3(4, 5, 6));
 }
@@ -79,7 +79,7 @@ TEST(Mapping, IsTheEquationWithMatrices) {
   EXPECT_LT((tool.twist.linear_m_s - 2.5 * turn * hand.twist.linear_m_s).norm(), 1e-14);
   EXPECT_LT((tool.twist.angular_rad_s - turn * hand.twist.angular_rad_s).norm(), 1e-14);
   const Wrench soil{Vec3(1, -2, 3), Vec3(0.1, 0.2, -0.3)};
-  const Wrench felt = mapping.toDevice(soil);
+  const Wrench felt = mapping.toDevice({soil}).wrench;
   EXPECT_LT((felt.force_n - 0.4 * turn.transpose() * soil.force_n).norm(), 1e-14);
   EXPECT_LT((felt.torque_nm - 0.4 / 2.5 * turn.transpose() * soil.torque_nm).norm(), 1e-14);
   const Wrench shown = mapping.shownInScene(felt);
@@ -120,7 +120,7 @@ TEST(Mapping, PowerIsTheSameOnBothSidesWhereForcesAreScaledAsLengths) {
       hand.twist = {any(), any()};
       const Twist tool = mapping.toScene(hand).twist;
       const Wrench soil{any(), any()};
-      const Wrench felt = mapping.toDevice(soil);
+      const Wrench felt = mapping.toDevice({soil}).wrench;
       const double in_scene_w = soil.force_n.dot(tool.linear_m_s) + soil.torque_nm.dot(tool.angular_rad_s);
       const double at_device_w = felt.force_n.dot(hand.twist.linear_m_s) + felt.torque_nm.dot(hand.twist.angular_rad_s);
       ASSERT_NEAR(at_device_w, ratio * in_scene_w, 1e-12 * (1 + std::abs(at_device_w) + std::abs(in_scene_w)) * 10);
@@ -158,7 +158,7 @@ TEST(Mapping, AClutchThatIsHeldFromTheFirstTickLeavesTheToolWhereTheHandBegan) {
   Mapping other(crooked(), centred(), kTick_s);
   const Pose wanted = other.toScene(wandering(0, false)).pose;
   EXPECT_EQ(mapping.toScene(wandering(0, true)).pose.position_m, wanted.position_m);
-  EXPECT_EQ(mapping.toDevice({Vec3(1, 1, 1), Vec3(1, 1, 1)}).force_n, Vec3::Zero());
+  EXPECT_EQ(mapping.toDevice({{Vec3(1, 1, 1), Vec3(1, 1, 1)}}).wrench.force_n, Vec3::Zero());
   for (int tick = 1; tick < 300; ++tick) {
     ASSERT_EQ(mapping.toScene(wandering(tick, true)).pose.position_m, wanted.position_m);
   }
@@ -169,14 +169,14 @@ TEST(Mapping, TheHandFeelsNothingThroughAClutchAndForceComesBackWithinAFifthOfAS
   Mapping mapping(crooked(), centred(), kTick_s);
   const Wrench soil{Vec3(0, 0, 10), Vec3(0, 1, 0)};
   (void)mapping.toScene(wandering(0, false));
-  EXPECT_NEAR(mapping.toDevice(soil).force_n.norm(), 4, 1e-12);
+  EXPECT_NEAR(mapping.toDevice({soil}).wrench.force_n.norm(), 4, 1e-12);
   (void)mapping.toScene(wandering(1, true));
-  EXPECT_EQ(mapping.toDevice(soil).force_n, Vec3::Zero());
-  EXPECT_EQ(mapping.toDevice(soil).torque_nm, Vec3::Zero());
+  EXPECT_EQ(mapping.toDevice({soil}).wrench.force_n, Vec3::Zero());
+  EXPECT_EQ(mapping.toDevice({soil}).wrench.torque_nm, Vec3::Zero());
   double last_n = 0;
   for (int tick = 2; tick < 202; ++tick) {
     (void)mapping.toScene(wandering(tick, false));
-    const double now_n = mapping.toDevice(soil).force_n.norm();
+    const double now_n = mapping.toDevice({soil}).wrench.force_n.norm();
     ASSERT_NEAR(now_n - last_n, 4.0 / 200, 1e-9) << tick;
     last_n = now_n;
   }
@@ -200,7 +200,7 @@ TEST(Mapping, WhatIsRightAndAwayForAPersonIsSoInTheSceneWhateverAxesTheDeviceHas
   Mapping mapping({}, device, kTick_s);
   EXPECT_LT((mapping.toScene(handAt({0, 0.1, 0})).pose.position_m - Vec3(0.1, 0, 0)).norm(), 1e-15);
   EXPECT_LT((mapping.toScene(handAt({-0.1, 0, 0})).pose.position_m - Vec3(0, 0.1, 0)).norm(), 1e-15);
-  EXPECT_LT((mapping.toDevice({Vec3(1, 0, 0), Vec3::Zero()}).force_n - Vec3(0, 1, 0)).norm(), 1e-15);
+  EXPECT_LT((mapping.toDevice({{Vec3(1, 0, 0), Vec3::Zero()}}).wrench.force_n - Vec3(0, 1, 0)).norm(), 1e-15);
 }
 
 TEST(Mapping, RefusesNonsense) {

@@ -23,8 +23,8 @@ CouplingParameters virtualOne() {
   return coupling;
 }
 
-Movement at(const Vec3& position_m, const Vec3& velocity_m_s = Vec3::Zero()) {
-  Movement movement;
+HandState at(const Vec3& position_m, const Vec3& velocity_m_s = Vec3::Zero()) {
+  HandState movement;
   movement.pose.position_m = position_m;
   movement.twist.linear_m_s = velocity_m_s;
   return movement;
@@ -60,23 +60,23 @@ TEST(Coupling, DirectlyTheToolIsWhereTheHandIsAndTheHandFeelsTheLowPassOfTheSoil
   const double share = 1 - std::exp(-2 * std::numbers::pi * kCutoff_hz * kTick_s);
   Vec3 expected_n = Vec3::Zero();
   for (int tick = 0; tick < 100; ++tick) {
-    const Movement hand = at(Vec3(0, 0, 1e-4 * tick), Vec3(0, 0, 0.1));
-    const Movement& tool = coupling.moveTool(hand);
+    const HandState hand = at(Vec3(0, 0, 1e-4 * tick), Vec3(0, 0, 0.1));
+    const HandState& tool = coupling.moveTool(hand);
     ASSERT_EQ(tool.pose.position_m, hand.pose.position_m);
     ASSERT_EQ(tool.twist.linear_m_s, hand.twist.linear_m_s);
     const Vec3 soil_n(std::sin(0.1 * tick), 2, -1);
     expected_n += share * (soil_n - expected_n);
-    ASSERT_LT((coupling.feel({soil_n, Vec3::Zero()}, kNoStiffness).force_n - expected_n).norm(), 1e-12);
+    ASSERT_LT((coupling.feel({{soil_n, Vec3::Zero()}}, kNoStiffness).wrench.force_n - expected_n).norm(), 1e-12);
   }
 }
 
 TEST(Coupling, DirectlyTheHandsOwnQuickMovementIsNotDelayed) {
   const Eigen::Matrix3d stiffness_n_m = Vec3(100, 200, 4000).asDiagonal();
   Coupling with({}, true, kCutoff_hz, kTick_s), without({}, true, kCutoff_hz, kTick_s);
-  const Movement jerk = at(Vec3::Zero(), Vec3(0, 0, -0.05));
+  const HandState jerk = at(Vec3::Zero(), Vec3(0, 0, -0.05));
   (void)with.moveTool(jerk);
   (void)without.moveTool(jerk);
-  const Vec3 more_n = with.feel({}, stiffness_n_m).force_n - without.feel({}, kNoStiffness).force_n;
+  const Vec3 more_n = with.feel({}, stiffness_n_m).wrench.force_n - without.feel({}, kNoStiffness).wrench.force_n;
   EXPECT_EQ(more_n.x(), 0);
   const double filter =
       std::exp(-2 * std::numbers::pi * kCutoff_hz * kTick_s);  // the low-pass pulls it to the soil's 0
@@ -87,9 +87,9 @@ TEST(Coupling, DirectlyTheHandsOwnQuickMovementIsNotDelayed) {
 TEST(Coupling, AVirtualOneShowsNoMoreThanItsSpringAndDamperAndNoMoreThanItsLimit) {
   const CouplingParameters parameters = virtualOne();
   Coupling coupling(parameters, true, kCutoff_hz, kTick_s);
-  Movement hand = at(Vec3(0, 0, 0.01));
+  HandState hand = at(Vec3(0, 0, 0.01));
   coupling.place(hand);
-  Movement tool = hand;
+  HandState tool = hand;
   double largest_n = 0;
   for (int tick = 0; tick < 3000; ++tick) {
     const double z = 0.01 - 0.06 * std::sin(0.004 * tick);
@@ -97,7 +97,7 @@ TEST(Coupling, AVirtualOneShowsNoMoreThanItsSpringAndDamperAndNoMoreThanItsLimit
     const double spring_n = parameters.spring.stiffness_n_m * (hand.pose.position_m - tool.pose.position_m).norm();
     const double damper_n = parameters.spring.damping_n_s_m * (hand.twist.linear_m_s - tool.twist.linear_m_s).norm();
     tool = coupling.moveTool(hand);
-    const double felt_n = coupling.feel(wall(tool, 2000), kNoStiffness).force_n.norm();
+    const double felt_n = coupling.feel({wall(tool, 2000)}, kNoStiffness).wrench.force_n.norm();
     ASSERT_LE(felt_n, spring_n + damper_n + 1e-12) << tick;
     ASSERT_LE(felt_n, parameters.max_force_n + 1e-12) << tick;
     largest_n = std::max(largest_n, felt_n);
@@ -107,14 +107,14 @@ TEST(Coupling, AVirtualOneShowsNoMoreThanItsSpringAndDamperAndNoMoreThanItsLimit
 
 TEST(Coupling, AVirtualOneAtRestShowsTheForceOfTheSoil) {
   Coupling coupling(virtualOne(), true, kCutoff_hz, kTick_s);
-  const Movement hand = at(Vec3(0, 0, -0.02));
+  const HandState hand = at(Vec3(0, 0, -0.02));
   coupling.place(at(Vec3(0, 0, 0.005)));
   Wrench soil, felt;
-  Movement tool;
+  HandState tool;
   for (int tick = 0; tick < 5000; ++tick) {
     tool = coupling.moveTool(hand);
     soil = wall(tool, 1000);
-    felt = coupling.feel(soil, kNoStiffness);
+    felt = coupling.feel({soil}, kNoStiffness).wrench;
   }
   // Two springs in a row: 300 and 1000 N/m over 20 mm.
   EXPECT_NEAR(soil.force_n.z(), 0.02 * 300 * 1000 / 1300, 1e-6);
@@ -126,13 +126,13 @@ TEST(Coupling, ThePlacedToolIsAtRestAndPullsNothing) {
   Coupling coupling(virtualOne(), true, kCutoff_hz, kTick_s);
   coupling.place(at(Vec3::Zero()));
   (void)coupling.moveTool(at(Vec3(0.05, 0, 0), Vec3(1, 0, 0)));
-  EXPECT_GT(coupling.feel({Vec3(5, 0, 0), Vec3::Zero()}, kNoStiffness).force_n.norm(), 1);
-  const Movement there = at(Vec3(0.3, 0.2, 0.1));
+  EXPECT_GT(coupling.feel({{Vec3(5, 0, 0), Vec3::Zero()}}, kNoStiffness).wrench.force_n.norm(), 1);
+  const HandState there = at(Vec3(0.3, 0.2, 0.1));
   coupling.place(there);
-  const Movement& tool = coupling.moveTool(there);
+  const HandState& tool = coupling.moveTool(there);
   EXPECT_EQ(tool.pose.position_m, there.pose.position_m);
   EXPECT_EQ(tool.twist.linear_m_s, Vec3::Zero()) << "the soil's force from before is forgotten, too";
-  EXPECT_EQ(coupling.feel({}, kNoStiffness).force_n.norm(), 0);
+  EXPECT_EQ(coupling.feel({}, kNoStiffness).wrench.force_n.norm(), 0);
 }
 
 TEST(Coupling, RefusesNonsense) {

@@ -115,12 +115,12 @@ TEST(HapticLoop, TheHandFeelsTheFilteredAndLimitedWrenchOfTheSoil) {
   for (int i = 0; i < 200; ++i) {
     ASSERT_EQ(loop.tick(), LoopEnd::kRunning);
     const Vec3 own_change_n = -kTick_s * scene.contactStiffness() * quick.step(pushing(i).twist.linear_m_s);
-    const Wrench expected = limited(filter.step(scene.wrench(), own_change_n), device.limits_);
+    const Wrench expected = limited(filter.step(scene.felt().wrench, own_change_n), device.limits_);
     ASSERT_EQ(device.last_.force_n, expected.force_n);
     ASSERT_EQ(device.last_.torque_nm, expected.torque_nm);
     loop.takeRecords(records);
     ASSERT_EQ(records.back().felt.wrench.force_n, expected.force_n);
-    ASSERT_EQ(records.back().soil.force_n, scene.wrench().force_n);
+    ASSERT_EQ(records.back().soil.force_n, scene.felt().wrench.force_n);
   }
   EXPECT_NEAR(device.largest_force_n_, 0.3, 1e-12);  // the limit was reached, and not passed
 }
@@ -388,8 +388,8 @@ TEST(HapticLoop, RefusesWrongParametersAndABedOfAnotherTick) {
 
 TEST(HapticLoop, EveryEndHasAText) {
   std::vector<std::string> texts;
-  for (const LoopEnd end : {LoopEnd::kRunning, LoopEnd::kDuration, LoopEnd::kStopped, LoopEnd::kFinished,
-                            LoopEnd::kHandLeft, LoopEnd::kNotFinite, LoopEnd::kCollapsed}) {
+  for (int i = 0; i < kLoopEnds; ++i) {
+    const auto end = static_cast<LoopEnd>(i);
     texts.emplace_back(text(end));
     EXPECT_FALSE(texts.back().empty());
   }

@@ -61,9 +61,9 @@ struct Stirred {
   /// One tick; returns the force on the tool.
   Vec3 tick() {
     const DeviceInput input = hand.read();
-    EXPECT_EQ(scene.tick(input.pose, input.twist), StepStatus::kOk);
+    EXPECT_EQ(scene.tick({{input.pose, input.twist}}), StepStatus::kOk);
     hand.write({{}});
-    return scene.wrench().force_n;
+    return scene.felt().wrench.force_n;
   }
   void restFor(int steps) {
     for (int i = 0; i < steps; ++i) {
@@ -177,7 +177,7 @@ TEST(Sleep, IsTheSameForAnyNumberOfThreadsAndAfterRestoring) {
         for (int i = 0; i < 1200; ++i) {
           other->hand.write({{}});
           const DeviceInput input = other->hand.read();
-          other->scene.placeTool(input.pose);
+          other->scene.placeTool({{input.pose, {}}});
         }
         other->scene.bed().restore(deserialiseBedState(saved));
         stirred = std::move(other);

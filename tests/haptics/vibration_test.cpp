@@ -112,11 +112,11 @@ TEST(BuriedShovelWithALowPassAlone, Vibrates) {  // what the test above can tell
   Scene scene(deepBed({"P3", 1.625}), ToolParameters{});
   PressingArm arm(Vec3(0, 0, 0.03));
   WrenchFilter filter(30, kTick_s);
-  scene.placeTool({Vec3(0, 0, 0.03), Quat::Identity()});
+  scene.placeTool({{{Vec3(0, 0, 0.03), Quat::Identity()}, {}}});
   for (int tick = 0; tick < 5000; ++tick) {
     const DeviceInput hand = arm.read();
-    ASSERT_EQ(scene.tick(hand.pose, hand.twist), StepStatus::kOk);
-    arm.write({filter.step(scene.wrench())});
+    ASSERT_EQ(scene.tick({{hand.pose, hand.twist}}), StepStatus::kOk);
+    arm.write({filter.step(scene.felt().wrench)});
   }
   EXPECT_GT(arm.vibration(), 1e-4);
 }

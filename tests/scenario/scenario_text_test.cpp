@@ -50,6 +50,14 @@ TEST(ScenarioText, GivesEverySceneThatIsShippedBack) {
   }
 }
 
+TEST(ScenarioText, RefusesAToolThatOnlyTheLaboratoryHas) {
+  for (const ToolShape shape : {ToolShape::kCone, ToolShape::kTube}) {
+    Scenario scene;
+    scene.tool.shape = shape;
+    EXPECT_THROW((void)scenarioText(scene), InvalidParameter);
+  }
+}
+
 TEST(ScenarioText, GivesThePapersSceneBackToTheNumbersThatWereWritten) {
   const std::string text = scenarioText({});
   EXPECT_THAT(text, HasSubstr("title = \"The paper's scene\"\n"));

@@ -9,6 +9,7 @@
 #include <string>
 
 #include "haptolith/core/error.h"
+#include "haptolith/study/study_pages.h"
 
 #include "a_study.h"
 #include "fake_rig.h"
@@ -65,6 +66,44 @@ TEST_F(StudyMessages, AnEmptyStudyWaits) {
   EXPECT_EQ(participant()["phase"], "waiting");
   EXPECT_EQ(experimenter()["participant"], nullptr);
   EXPECT_EQ(experimenter()["blocks"].size(), 2U);
+}
+
+TEST_F(StudyMessages, AnAnswerIsZeroOrOneAndNoNumberThatBecomesOneOfThem) {
+  comeToAQuestion();
+  for (const json& choice : {json(4294967296), json(4294967297), json(-1), json(2), json(0.5), json("1")}) {
+    EXPECT_THROW(says({{"act", "answer"}, {"choice", choice}}), InvalidParameter) << choice;
+  }
+  EXPECT_EQ(participant()["phase"], "question");
+  EXPECT_NO_THROW(says({{"act", "answer"}, {"choice", 1}}));
+}
+
+TEST_F(StudyMessages, OnlyTheParticipantHoldsTheToolAndOnlyWhileThereIsSomethingToFeel) {
+  using Wish = StudyPages::Wish;
+  StudyPages pages(*conductor_);
+  pages.join(1, StudyRole::kParticipant);
+  pages.join(2, StudyRole::kExperimenter);
+  const std::string join = R"({"act": "join"})";
+  pages.obey(1, join);
+  pages.obey(2, join);
+  EXPECT_EQ(pages.refusal(1, Wish::kLook), "");
+  EXPECT_THAT(pages.refusal(1, Wish::kHoldTool), HasSubstr("nothing to feel"));
+  conductor_->begin("");
+  says({{"act", "fill"}, {"values", {{"age", "30"}, {"name", "Ada"}}}});
+  now_s_ += 1;
+  conductor_->poll();
+  ASSERT_EQ(conductor_->moment().phase, StudyPhase::kInterval);
+  EXPECT_EQ(pages.refusal(1, Wish::kHoldTool), "");
+  EXPECT_THAT(pages.refusal(2, Wish::kHoldTool), HasSubstr("nobody changes"));
+  EXPECT_THAT(pages.refusal(1, Wish::kChangeScene), HasSubstr("nobody changes"));
+  EXPECT_FALSE(pages.news(1.0).lets_go);
+  now_s_ += 1;
+  says({{"act", "go"}});
+  const StudyPages::News news = pages.news(1.0);
+  EXPECT_TRUE(news.lets_go) << "the interval is over";
+  EXPECT_EQ(news.messages.size(), 2U);
+  pages.leave(1);
+  pages.leave(2);
+  EXPECT_THAT(pages.news(0).messages, testing::IsEmpty());
 }
 
 TEST_F(StudyMessages, AFormIsFilledInByMessage) {

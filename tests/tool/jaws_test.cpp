@@ -355,21 +355,17 @@ Scene oneParticle(const Vec3& centre, const ToolParameters& tool) {
 TEST(JawsInAScene, MoveEvenlyToWhereTheyAreAsked) {
   Scene scene(p4(), jaws(0.06));
   const Pose above{Vec3(0, 0, 0.3), Quat::Identity()};
-  scene.placeTool(above);
   EXPECT_DOUBLE_EQ(scene.opening(), 0.06) << "wide open at first";
-  scene.setOpening(0.5);
-  EXPECT_DOUBLE_EQ(scene.opening(), 0.06) << "not before the tick";
-  ASSERT_EQ(scene.tick(above, {}), StepStatus::kOk);
+  scene.placeTool({{above, {}}});
+  ASSERT_EQ(scene.tick({{above, {}}, 0.5}), StepStatus::kOk);
   EXPECT_DOUBLE_EQ(scene.opening(), 0.03);
-  scene.setOpening(std::numeric_limits<double>::quiet_NaN());
-  ASSERT_EQ(scene.tick(above, {}), StepStatus::kOk);
+  ASSERT_EQ(scene.tick({{above, {}}, std::numeric_limits<double>::quiet_NaN()}), StepStatus::kOk);
   EXPECT_DOUBLE_EQ(scene.opening(), 0.03);
-  scene.setOpening(-3);
-  scene.placeTool(above);
+  scene.placeTool({{above, {}}, -3});
   EXPECT_DOUBLE_EQ(scene.opening(), 0) << "placed, not moved";
-  EXPECT_EQ(scene.gripForce(), 0);
+  EXPECT_EQ(scene.felt().grip_n, 0);
   ToolParameters other = jaws(0.04);
-  scene.setOpening(1);
+  scene.placeTool({{above, {}}, 1});
   scene.setTool(other);
   EXPECT_DOUBLE_EQ(scene.opening(), 0.04);
   other.shape = ToolShape::kSphere;
@@ -380,14 +376,13 @@ TEST(JawsInAScene, MoveEvenlyToWhereTheyAreAsked) {
 TEST(JawsInAScene, AreNoticedByNoOtherTool) {
   const auto hashAfter = [](double opening) {
     Scene scene(p4(), ToolParameters{});
-    scene.placeTool({Vec3(0, 0, 0.05), Quat::Identity()});
+    scene.placeTool({{{Vec3(0, 0, 0.05), Quat::Identity()}, {}}});
     for (int i = 1; i <= 200; ++i) {
-      scene.setOpening(i % 2 == 0 ? opening : 1);
-      EXPECT_EQ(scene.tick({Vec3(0, 0, 0.05 - 1e-4 * i), Quat::Identity()}, {Vec3(0, 0, -0.1), Vec3::Zero()}),
-                StepStatus::kOk);
-      EXPECT_EQ(scene.gripForce(), 0);
+      const Movement down{{Vec3(0, 0, 0.05 - 1e-4 * i), Quat::Identity()}, {Vec3(0, 0, -0.1), Vec3::Zero()}};
+      EXPECT_EQ(scene.tick({down, i % 2 == 0 ? opening : 1}), StepStatus::kOk);
+      EXPECT_EQ(scene.felt().grip_n, 0);
     }
-    EXPECT_GT(scene.wrench().force_n.norm(), 0);
+    EXPECT_GT(scene.felt().wrench.force_n.norm(), 0);
     return stateHash(scene.bed().state());
   };
   EXPECT_EQ(hashAfter(0), hashAfter(1));
@@ -399,15 +394,14 @@ TEST(JawsInAScene, LetNothingThroughWhenTheySnapShut) {
     for (const double x_m : {-0.02, -0.001, 0.0, 0.015}) {
       Scene scene = oneParticle(Vec3(x_m, 0.003, 0.06), jaws(0.06));
       const Pose pose{Vec3(0, 0, 0.06), Quat::Identity()};
-      scene.placeTool(pose);
+      scene.placeTool({{pose, {}}});
       for (int i = 1; i <= 600; ++i) {
-        scene.setOpening(std::max(1 - speed_m_s * i * kTick_s / 0.06, 0.15));
-        ASSERT_EQ(scene.tick(pose, {}), StepStatus::kOk);
+        ASSERT_EQ(scene.tick({{pose, {}}, std::max(1 - speed_m_s * i * kTick_s / 0.06, 0.15)}), StepStatus::kOk);
         const double x = scene.bed().state().position[0].x;
         ASSERT_LT(std::abs(x), scene.opening() / 2 + 0.0025) << speed_m_s << " " << x_m << " tick " << i;
       }
-      EXPECT_NEAR(scene.gripForce(), 500 * 0.0025, 0.05) << speed_m_s << " " << x_m;
-      EXPECT_LT(std::abs(scene.wrench().force_n.x()), 0.05) << "it has come to rest in the middle";
+      EXPECT_NEAR(scene.felt().grip_n, 500 * 0.0025, 0.05) << speed_m_s << " " << x_m;
+      EXPECT_LT(std::abs(scene.felt().wrench.force_n.x()), 0.05) << "it has come to rest in the middle";
     }
   }
 }
@@ -419,20 +413,20 @@ TEST(JawsInAScene, GatherSoilAndFeelItBetweenThem) {
   const auto go = [&](double from_m, double to_m, double open_from, double open_to, int ticks) {
     for (int i = 1; i <= ticks; ++i) {
       const double share = static_cast<double>(i) / ticks;
-      scene.setOpening(std::lerp(open_from, open_to, share));
       const Twist twist{Vec3(0, 0, (to_m - from_m) / (ticks * kTick_s)), Vec3::Zero()};
-      ASSERT_EQ(scene.tick({Vec3(0, 0, std::lerp(from_m, to_m, share)), Quat::Identity()}, twist), StepStatus::kOk);
+      const Pose pose{Vec3(0, 0, std::lerp(from_m, to_m, share)), Quat::Identity()};
+      ASSERT_EQ(scene.tick({{pose, twist}, std::lerp(open_from, open_to, share)}), StepStatus::kOk);
     }
   };
-  scene.placeTool({Vec3(0, 0, 0.12), Quat::Identity()});
+  scene.placeTool({{{Vec3(0, 0, 0.12), Quat::Identity()}, {}}});
   go(0.12, 0.045, 1, 1, 500);
-  const double open_n = scene.gripForce();
+  const double open_n = scene.felt().grip_n;
   go(0.045, 0.045, 1, 0.3, 40);  // 28 mm in 40 ms, to less than a particle
-  EXPECT_GT(scene.gripForce(), open_n + 0.2);
+  EXPECT_GT(scene.felt().grip_n, open_n + 0.2);
   go(0.045, 0.12, 0.3, 0.3, 500);
-  EXPECT_GT(scene.gripForce(), 0.05) << "something is still between them";
+  EXPECT_GT(scene.felt().grip_n, 0.05) << "something is still between them";
   go(0.12, 0.12, 0.3, 1, 100);
-  EXPECT_NEAR(scene.gripForce(), 0, 0.05);
+  EXPECT_NEAR(scene.felt().grip_n, 0, 0.05);
 }
 
 }  // namespace

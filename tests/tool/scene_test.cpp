@@ -27,8 +27,8 @@ std::vector<double> moveTo(Scene& scene, double height_m, double speed_m_s) {
   const Twist twist{Vec3(0, 0, (height_m - from) / (ticks * kTick_s)), Vec3::Zero()};
   for (int i = 1; i <= ticks; ++i) {
     const Pose pose{Vec3(0, 0, from + (height_m - from) * i / ticks), Quat::Identity()};
-    EXPECT_EQ(scene.tick(pose, twist), StepStatus::kOk);
-    forces.push_back(scene.wrench().force_n.z());
+    EXPECT_EQ(scene.tick({{pose, twist}}), StepStatus::kOk);
+    forces.push_back(scene.felt().wrench.force_n.z());
   }
   return forces;
 }
@@ -49,7 +49,7 @@ TEST(Scene, ForceRisesWithDepth) {
   Scene scene(paperBed(), ToolParameters{});
   const double surface = scene.bed().surfaceHeight();
   const double touch = surface + 0.0025;  // the lower face of a shovel 5 mm thick at the surface
-  scene.placeTool({Vec3(0, 0, touch + 0.002), Quat::Identity()});
+  scene.placeTool({{{Vec3(0, 0, touch + 0.002), Quat::Identity()}, {}}});
   moveTo(scene, touch + 1e-4, 0.02);
   const std::vector<double> forces = moveTo(scene, touch - 0.010, 0.01);  // 10 mm in a second
   constexpr std::size_t kBins = 5;
@@ -70,7 +70,7 @@ TEST(Scene, ForceRisesWithDepth) {
 TEST(Scene, LiftingPullsByAdhesionBeforeItLetsGo) {
   Scene scene(paperBed(), ToolParameters{});
   const double touch = scene.bed().surfaceHeight() + 0.0025;
-  scene.placeTool({Vec3(0, 0, touch + 0.002), Quat::Identity()});
+  scene.placeTool({{{Vec3(0, 0, touch + 0.002), Quat::Identity()}, {}}});
   moveTo(scene, touch - 0.002, 0.01);
   moveTo(scene, touch - 0.002, 0.01);
   const std::vector<double> lifting = moveTo(scene, touch + 0.02, 0.01);
@@ -81,10 +81,10 @@ TEST(Scene, LiftingPullsByAdhesionBeforeItLetsGo) {
 
 TEST(Scene, AboveTheSoilThereIsExactlyNothing) {
   Scene scene(paperBed(), ToolParameters{});
-  scene.placeTool({Vec3(0, 0, 0.2), Quat::Identity()});
+  scene.placeTool({{{Vec3(0, 0, 0.2), Quat::Identity()}, {}}});
   moveTo(scene, 0.1, 0.5);
-  EXPECT_EQ(scene.wrench().force_n, Vec3::Zero());
-  EXPECT_EQ(scene.wrench().torque_nm, Vec3::Zero());
+  EXPECT_EQ(scene.felt().wrench.force_n, Vec3::Zero());
+  EXPECT_EQ(scene.felt().wrench.torque_nm, Vec3::Zero());
   const std::uint64_t with_tool = stateHash(scene.bed().state());
   Bed alone(paperBed());
   while (alone.state().step < scene.bed().state().step) {
@@ -98,8 +98,8 @@ TEST(Scene, SubstepsMoveTheToolInEqualPartsAndMeanTheWrench) {
   bed.tick_s = 4e-3;  // 754 rad/s * 4 ms: four substeps
   Scene scene(bed, ToolParameters{});
   ASSERT_EQ(scene.substeps(), 4);
-  scene.placeTool({Vec3(0, 0, 0.2), Quat::Identity()});
-  ASSERT_EQ(scene.tick({Vec3(0, 0, 0.1), Quat::Identity()}, {}), StepStatus::kOk);
+  scene.placeTool({{{Vec3(0, 0, 0.2), Quat::Identity()}, {}}});
+  ASSERT_EQ(scene.tick({{{Vec3(0, 0, 0.1), Quat::Identity()}, {}}}), StepStatus::kOk);
   EXPECT_EQ(scene.bed().state().step, 4U);
   EXPECT_EQ(scene.toolPose().position_m, Vec3(0, 0, 0.1));
 }
@@ -107,8 +107,8 @@ TEST(Scene, SubstepsMoveTheToolInEqualPartsAndMeanTheWrench) {
 TEST(Scene, ATornPoseEndsTheStepWithAStatus) {
   Scene scene(paperBed(), ToolParameters{});
   const double z = scene.bed().surfaceHeight();
-  scene.placeTool({Vec3(0, 0, z), Quat::Identity()});
-  EXPECT_EQ(scene.tick({Vec3(0, 0, z), Quat::Identity()}, {Vec3(0, 0, std::nan("")), Vec3::Zero()}),
+  scene.placeTool({{{Vec3(0, 0, z), Quat::Identity()}, {}}});
+  EXPECT_EQ(scene.tick({{{Vec3(0, 0, z), Quat::Identity()}, {Vec3(0, 0, std::nan("")), Vec3::Zero()}}}),
             StepStatus::kNotFinite);
 }
 

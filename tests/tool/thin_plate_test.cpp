@@ -37,9 +37,9 @@ void sweep(Scene& scene, const Quat& orientation, const Vec3& from, const Vec3& 
            const std::function<void()>& each_tick = {}) {
   const int ticks = static_cast<int>(std::ceil((to - from).norm() / (speed_m_s * kTick_s)));
   const Twist twist{(to - from) / (ticks * kTick_s), Vec3::Zero()};
-  scene.placeTool({from, orientation});
+  scene.placeTool({{{from, orientation}, {}}});
   for (int i = 1; i <= ticks; ++i) {
-    ASSERT_EQ(scene.tick({from + (to - from) * i / ticks, orientation}, twist), StepStatus::kOk) << i;
+    ASSERT_EQ(scene.tick({{{from + (to - from) * i / ticks, orientation}, twist}}), StepStatus::kOk) << i;
     if (each_tick) {
       each_tick();
     }
@@ -98,7 +98,7 @@ TEST(ThinPlate, SqueezesAParticleAgainstAWallWithoutLettingItThrough) {
       ASSERT_EQ(one.scene().tick({held, kBlade}, {}), StepStatus::kOk);
       ASSERT_GT(one.centre().x(), held.x()) << speed;
     }
-    EXPECT_LT(one.scene().wrench().force_n.x(), -0.5);  // it pushes back
+    EXPECT_LT(one.scene().felt().wrench.force_n.x(), -0.5);  // it pushes back
   }
 }
 
@@ -107,7 +107,7 @@ TEST(ThinPlate, SqueezesAParticleAgainstTheFloorWithoutLettingItThrough) {
     OneParticle one(Vec3(0, 0, 0.0068), Vec3(0, 0, -1.625));
     sweep(one.scene(), kLevel, Vec3(0.005, 0.003, 0.06), Vec3(0.005, 0.003, 0.006 + 0.0025), speed,
           [&] { ASSERT_LT(one.centre().z(), one.scene().toolPose().position_m.z()) << speed; });
-    EXPECT_GT(one.scene().wrench().force_n.z(), 0.5);
+    EXPECT_GT(one.scene().felt().wrench.force_n.z(), 0.5);
   }
 }
 

@@ -11,8 +11,6 @@
 #include "haptolith/core/error.h"
 #include "haptolith/viewer/access.h"
 
-#include "study/study_pages.h"
-
 namespace haptolith {
 
 namespace {
@@ -103,8 +101,10 @@ WebServerOptions WebOptions::forStudy() const {
                                                        : checked(participant_token, "participant-token");
   WebServerOptions options{.bind = bind, .port = port};
   options.guessable = !participants.empty() || !experimenters.empty();
-  options.entrances = StudyPages::entrances(participants.empty() ? newToken() : std::move(participants),
-                                            experimenters.empty() ? newToken() : std::move(experimenters));
+  options.entrances.resize(2);
+  options.entrances[kParticipants] = {.token = participants.empty() ? newToken() : std::move(participants),
+                                      .nameless = true};
+  options.entrances[kExperimenters] = {.token = experimenters.empty() ? newToken() : std::move(experimenters)};
   validate(options);
   return options;
 }

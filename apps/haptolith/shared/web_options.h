@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <string>
 
@@ -10,6 +11,9 @@ class App;
 }
 
 namespace haptolith {
+
+/// The entrances of a study (WebOptions::forStudy).
+inline constexpr std::size_t kParticipants = 0, kExperimenters = 1;
 
 /// Who may come to the page, and from where.
 struct WebOptions {
@@ -26,8 +30,8 @@ struct WebOptions {
   /// For a page that everybody shares: with a token where one is given, or needed because other machines can connect.
   /// @throws InvalidParameter as validate(), and for a token that is too short; Failure when its file cannot be read.
   [[nodiscard]] WebServerOptions forAll() const;
-  /// For the two pages of a study (StudyPages::entrances), which need a token each, on this machine too: the
-  /// participant's browser is on the same one. @throws as forAll().
+  /// For the two pages of a study, which need a token each, on this machine too: the participant's browser is on the
+  /// same one, is not told what is shown, and can never act as the experimenter. @throws as forAll().
   [[nodiscard]] WebServerOptions forStudy() const;
 
  private:

@@ -15,6 +15,7 @@
 #include "haptolith/study/conductor.h"
 #include "haptolith/study/session_rig.h"
 #include "haptolith/study/simulated_participant.h"
+#include "haptolith/study/study_pages.h"
 #include "haptolith/viewer/live_view.h"
 
 #include "commands.h"
@@ -23,7 +24,6 @@
 #include "shared/session_driver.h"
 #include "shared/stop_on_signal.h"
 #include "shared/web_options.h"
-#include "study/study_pages.h"
 
 namespace haptolith {
 
@@ -83,6 +83,28 @@ void requireRoom(const StudyStore& store, const StudyRunOptions& options) {
   }
 }
 
+/// What stands between the view and the study's pages; for as long as these live.
+LiveView::Guest guestOf(StudyPages& pages) {
+  return {.obey =
+              [&pages](std::uint32_t client, std::string_view message) {
+                pages.obey(client, message);
+                return std::string();
+              },
+          .joined =
+              [&pages](std::uint32_t client, std::size_t entrance) {
+                pages.join(client, entrance == kExperimenters ? StudyRole::kExperimenter : StudyRole::kParticipant);
+              },
+          .left = [&pages](std::uint32_t client) { pages.leave(client); },
+          .refuse =
+              [&pages](std::uint32_t client, const Command& asked) {
+                using Wish = StudyPages::Wish;
+                const bool looks =
+                    std::holds_alternative<command::Colour>(asked) || std::holds_alternative<command::Release>(asked);
+                const bool holds = std::holds_alternative<command::Hold>(asked);
+                return pages.refusal(client, looks ? Wish::kLook : holds ? Wish::kHoldTool : Wish::kChangeScene);
+              }};
+}
+
 /// The study, its scene and its pages, from the first page to the end.
 class StudyRun {
  public:
@@ -95,7 +117,7 @@ class StudyRun {
                         .stop = [this] { stopRecording(); }}),
         conductor_(store_, rig_, {.now_s = &StudyRun::now, .recordings = recordings()}),
         pages_(conductor_),
-        view_(session_, web, HAPTOLITH_VERSION, {}, pages_.guest()) {
+        view_(session_, web, HAPTOLITH_VERSION, {}, guestOf(pages_)) {
     status_.clear();
   }
 
@@ -115,7 +137,7 @@ class StudyRun {
           }
           tellOfLost(taker.lost());
           conductor_.poll();
-          pages_.show(view_, rig_.force());
+          showPages();
           showStatus();
           return !stopAsked() && conductor_.moment().phase != StudyPhase::kWaiting;
         },
@@ -171,7 +193,20 @@ class StudyRun {
     printNotice(
         fmt::format("{} takes part\n  participant's page   {}&study=participant\n  experimenter's page  "
                     "{}&study=experimenter\n",
-                    code_, view_.url(StudyPages::kParticipants), view_.url(StudyPages::kExperimenters)));
+                    code_, view_.url(kParticipants), view_.url(kExperimenters)));
+  }
+
+  void showPages() {
+    const StudyPages::News news = pages_.news(rig_.force());
+    if (news.lets_go) {
+      view_.letGo();
+    }
+    if (!news.problem.empty()) {
+      spdlog::warn("the experimenter's page shows no news: {}", news.problem);
+    }
+    for (const auto& [client, message] : news.messages) {
+      view_.send(client, message);
+    }
   }
 
   void showStatus() {

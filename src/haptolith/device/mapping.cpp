@@ -1,7 +1,5 @@
 #include "haptolith/device/mapping.h"
 
-#include <algorithm>
-
 #include "haptolith/core/error.h"
 
 namespace haptolith {
@@ -34,18 +32,23 @@ Mapping::Mapping(const MappingParameters& parameters, const DeviceLimits& device
       turn_(turnOf(parameters.turn_rad) * turnOf(device.turn_rad)),
       anchor_device_m_(device.workspace_centre_m),
       anchor_scene_m_(parameters.offset_m),
-      grip_per_tick_(tick_s / kClutchFade_s) {
+      tick_s_(tick_s) {
   validate(parameters);
   mapping_.gripper = parameters.gripper && device.grips;
 }
 
-Movement Mapping::toScene(const DeviceInput& input) noexcept {
+HandState Mapping::toScene(const DeviceInput& input) noexcept {
   const Quat turned = turn_ * input.pose.orientation * turn_.conjugate();
   const bool was_clutched = clutched_;
   clutched_ = mapping_.clutch_button >= 0 && (input.buttons >> mapping_.clutch_button & 1U) != 0;
-  grip_ = clutched_ ? 0 : std::min(1.0, grip_ + grip_per_tick_);
+  const double opening = mapping_.gripper ? input.gripper_open : 1;
+  if (clutched_) {
+    clutch_.set(0);
+  } else {
+    clutch_.rise(tick_s_, kClutchFade_s);
+  }
   if (clutched_ && known_) {
-    return {tool_, {}};
+    return {{tool_, {}}, opening};
   }
   known_ = true;
   if (was_clutched) {  // the tool is where it was, the hand somewhere else
@@ -55,12 +58,14 @@ Movement Mapping::toScene(const DeviceInput& input) noexcept {
   }
   tool_.position_m = anchor_scene_m_ + mapping_.scale * (turn_ * (input.pose.position_m - anchor_device_m_));
   tool_.orientation = turned * anchor_turn_;
-  return {tool_, {mapping_.scale * (turn_ * input.twist.linear_m_s), turn_ * input.twist.angular_rad_s}};
+  return {{tool_, {mapping_.scale * (turn_ * input.twist.linear_m_s), turn_ * input.twist.angular_rad_s}}, opening};
 }
 
-Wrench Mapping::toDevice(const Wrench& scene) const noexcept {
+DeviceOutput Mapping::toDevice(const Felt& scene) const noexcept {
   const Quat back = turn_.conjugate();
-  return {share() * (back * scene.force_n), share() / mapping_.scale * (back * scene.torque_nm)};
+  const double share = clutch_.share() * mapping_.force_scale;
+  return {{share * (back * scene.wrench.force_n), share / mapping_.scale * (back * scene.wrench.torque_nm)},
+          mapping_.gripper ? share * scene.grip_n : 0};
 }
 
 Wrench Mapping::shownInScene(const Wrench& device) const noexcept {

@@ -1,7 +1,7 @@
 #pragma once
 
-#include "haptolith/core/vec.h"
-#include "haptolith/device/hand/arm.h"
+#include "haptolith/core/movement.h"
+#include "haptolith/core/ramp.h"
 #include "haptolith/device/haptic_device.h"
 
 namespace haptolith {
@@ -37,19 +37,13 @@ class Mapping {
   Mapping(const MappingParameters& parameters, const DeviceLimits& device, double tick_s);
 
   /// Where the hand has the tool. While the clutch is held: where it had it, at rest, and the hand feels nothing.
-  [[nodiscard]] Movement toScene(const DeviceInput& input) noexcept;
-  [[nodiscard]] Wrench toDevice(const Wrench& scene) const noexcept;
-  /// How far the jaws are open, 0 to 1, and what the fingers feel of them, in N.
-  [[nodiscard]] double opening(const DeviceInput& input) const noexcept {
-    return mapping_.gripper ? input.gripper_open : 1;
-  }
-  [[nodiscard]] double toGripper(double grip_n) const noexcept { return mapping_.gripper ? share() * grip_n : 0; }
+  /// Without a gripper the jaws stay open.
+  [[nodiscard]] HandState toScene(const DeviceInput& input) noexcept;
+  [[nodiscard]] DeviceOutput toDevice(const Felt& scene) const noexcept;
   /// A wrench at the device as it looks in the scene, as large as it is at the device.
   [[nodiscard]] Wrench shownInScene(const Wrench& device) const noexcept;
 
  private:
-  [[nodiscard]] double share() const noexcept { return grip_ * mapping_.force_scale; }
-
   MappingParameters mapping_;
   Quat turn_;
   Vec3 anchor_device_m_, anchor_scene_m_;
@@ -57,7 +51,8 @@ class Mapping {
   Pose tool_;                            ///< the last one
   bool known_ = false;                   ///< whether there is a last one
   bool clutched_ = false;
-  double grip_ = 1, grip_per_tick_;  ///< share of the force that the hand feels: less than 1 after the clutch
+  double tick_s_;
+  Ramp clutch_{1};  ///< share of the force that the hand feels: less than 1 after the clutch
 };
 
 }  // namespace haptolith

@@ -39,30 +39,32 @@ Coupling::Coupling(const CouplingParameters& parameters, bool suits_directly, do
   validate(parameters, tick_s);
 }
 
-const Movement& Coupling::moveTool(const Movement& hand) noexcept {
+const HandState& Coupling::moveTool(const HandState& hand) noexcept {
   if (virtual_) {
     pull_ = moveArm(coupling_.spring, hand, soil_, coupling_.max_force_n, tick_s_, tool_);
+    tool_.opening = hand.opening;
   } else {
     tool_ = hand;
   }
   return tool_;
 }
 
-Wrench Coupling::feel(const Wrench& soil, const Eigen::Matrix3d& contact_stiffness_n_m) noexcept {
-  soil_ = soil;
+Felt Coupling::feel(const Felt& soil, const Eigen::Matrix3d& contact_stiffness_n_m) noexcept {
+  soil_ = soil.wrench;
+  const double grip_n = grip_filter_.step(soil.grip_n);
   if (virtual_) {
-    return {-pull_.force_n, -pull_.torque_nm};
+    return {{-pull_.force_n, -pull_.torque_nm}, grip_n};
   }
   const Vec3 own_change_n = -tick_s_ * contact_stiffness_n_m * quick_movement_.step(tool_.twist.linear_m_s);
-  return filter_.step(soil, own_change_n);
+  return {filter_.step(soil.wrench, own_change_n), grip_n};
 }
 
 double Coupling::stiffness() const noexcept {
   return virtual_ ? coupling_.spring.stiffness_n_m : std::numeric_limits<double>::infinity();
 }
 
-void Coupling::place(const Movement& hand) noexcept {
-  tool_ = {hand.pose, {}};
+void Coupling::place(const HandState& hand) noexcept {
+  tool_ = {{hand.pose, {}}, hand.opening};
   soil_ = {};
   pull_ = {};
 }

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "haptolith/core/vec.h"
+#include "haptolith/core/movement.h"
 #include "haptolith/device/hand/arm.h"
 #include "haptolith/device/haptic_device.h"
 #include "haptolith/haptics/wrench_filter.h"
@@ -47,17 +47,12 @@ class Coupling {
   Coupling(const CouplingParameters& parameters, bool suits_directly, double filter_cutoff_hz, double tick_s);
 
   /// Where the tool goes in this tick.
-  [[nodiscard]] const Movement& moveTool(const Movement& hand) noexcept;
-  /// What the hand feels of it, scene frame, once the soil has answered.
-  [[nodiscard]] Wrench feel(const Wrench& soil, const Eigen::Matrix3d& contact_stiffness_n_m) noexcept;
-
-  /// What the fingers feel of the soil between the jaws, in N, > 0 opens them.
-  [[nodiscard]] double feelGrip(double soil_n) noexcept {
-    return grip_filter_.step({Vec3(soil_n, 0, 0), {}}).force_n.x();
-  }
+  [[nodiscard]] const HandState& moveTool(const HandState& hand) noexcept;
+  /// What the hand feels of it, once the soil has answered; the fingers feel it directly.
+  [[nodiscard]] Felt feel(const Felt& soil, const Eigen::Matrix3d& contact_stiffness_n_m) noexcept;
 
   /// The tool is where the hand is, at rest.
-  void place(const Movement& hand) noexcept;
+  void place(const HandState& hand) noexcept;
 
   [[nodiscard]] bool isVirtual() const noexcept { return virtual_; }
   /// Of the spring between hand and tool, in N/m; infinite for a direct coupling.
@@ -67,9 +62,10 @@ class Coupling {
   CouplingParameters coupling_;
   bool virtual_;
   double tick_s_;
-  WrenchFilter filter_, grip_filter_;
+  WrenchFilter filter_;
+  GripFilter grip_filter_;
   QuickMovement quick_movement_;
-  Movement tool_;
+  HandState tool_;
   Wrench soil_, pull_;
 };
 

@@ -4,8 +4,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
-#include "haptolith/core/clock.h"
 #include "haptolith/core/error.h"
 #include "haptolith/core/one_of.h"
 #include "haptolith/core/signal_stack.h"
@@ -15,29 +15,10 @@ namespace haptolith {
 
 namespace {
 
-/// Room for 8 s at 1 kHz while whoever writes them is held up.
-constexpr std::size_t kRecordsInFlight = 8192;
-
-/// Ticks between two snapshots: 62 a second at 1 kHz.
-constexpr std::uint64_t kTicksPerSnapshot = 16;
-
 /// The tool may leave the box, under it too, but not the space that a hand at a table reaches.
 constexpr double kReachBesideBox_m = 1.0;
 
-constexpr double kNsPerS = 1e9;
-constexpr std::int64_t kUnpacedPause_ns = 1'000'000;
-
-/// A bed as small as this is copied in one tick; of a larger one each tick copies a part.
-constexpr std::size_t kCopiedAtOnce = 4096;
-
-/// 4 us of hashing.
-constexpr std::size_t kHashedAtOnce = 1024;
-
 constexpr std::size_t kRequestsWaiting = 64;
-
-/// How long the tool takes to leave the soil before an exchange, by the clock, and to come back, in simulated time.
-constexpr double kFadeOut_s = 0.1;
-constexpr double kFadeIn_s = 0.3;
 
 LoopEnd failure(StepStatus status) noexcept {
   switch (status) {
@@ -53,25 +34,13 @@ double softestSpring(const Scene& scene, const Coupling& coupling) noexcept {
   return std::min({scene.tool().stiffness_n_m, scene.bed().parameters().soil.stiffness_n_m, coupling.stiffness()});
 }
 
+bool nearBed(const BedParameters& bed, const Vec3& p) noexcept {
+  return std::abs(p.x()) <= bed.width_m / 2 + kReachBesideBox_m &&
+         std::abs(p.y()) <= bed.length_m / 2 + kReachBesideBox_m && p.z() >= -kReachBesideBox_m &&
+         p.z() <= 3 * kReachBesideBox_m;
+}
+
 }  // namespace
-
-const char* text(LoopEnd end) noexcept {
-  switch (end) {
-    case LoopEnd::kRunning: return "running";
-    case LoopEnd::kDuration: return "the time asked for is over";
-    case LoopEnd::kStopped: return "stopped";
-    case LoopEnd::kFinished: return "the recorded movement is over";
-    case LoopEnd::kHandLeft: return "the hand left the scene: it may move up to 1 m beyond the box";
-    case LoopEnd::kLost: return text(SafetyTrip::kLost);
-    case LoopEnd::kNotFinite: return text(StepStatus::kNotFinite);
-    case LoopEnd::kCollapsed: return text(StepStatus::kCollapsed);
-  }
-  return "";
-}
-
-const char* TripReport::reason() const noexcept {
-  return end == LoopEnd::kRunning ? text(trip) : text(end);
-}
 
 HapticLoop::HapticLoop(Scene& scene, HapticDevice& device, const LoopParameters& parameters, bool keep_records,
                        const HandlingParameters& handling)
@@ -80,11 +49,12 @@ HapticLoop::HapticLoop(Scene& scene, HapticDevice& device, const LoopParameters&
       scene_(&scene),
       device_(device),
       parameters_(parameters),
-      keep_records_(keep_records),
       mapping_(handling.mapping, device.limits(), parameters.tick_s),
       coupling_(handling.coupling, suitsDirectly(device.limits()), parameters.filter_cutoff_hz, parameters.tick_s),
       safety_(handling.safety, device.limits(), device.simulated(), softestSpring(scene, coupling_), parameters.tick_s),
-      records_(kRecordsInFlight),
+      clock_(parameters.tick_s, parameters.paced),
+      fade_(parameters.tick_s, device.simulated()),  // soil where a person's hand is moves out of its way gently
+      telemetry_(parameters.tick_s, keep_records),
       requests_(kRequestsWaiting) {
   validate(parameters);
   if (parameters.tick_s != scene.bed().parameters().tick_s) {  // else time would run faster or slower than the clock
@@ -94,18 +64,16 @@ HapticLoop::HapticLoop(Scene& scene, HapticDevice& device, const LoopParameters&
   if (parameters.paced && !device.simulated()) {
     watchdog_.emplace(device, handling.safety.heartbeat_s);
   }
-  presence_ = device.simulated() ? 1 : 0;  // soil that lies where a person's hand is moves out of its way gently
 }
 
 LoopEnd HapticLoop::tick() noexcept {
-  const std::int64_t start_ns = monotonicNs();
-  silent_ = watchdog_ && watchdog_->beat();
-  silent_ = (watchdog_ && LastResort::letGoMeanwhile()) || silent_;
-  if (silent_) {  // first of all: what the hand feels now is as old as the silence is long
+  clock_.beginTick();
+  const bool silent = wasSilent();
+  if (silent) {  // first of all: what the hand feels now is as old as the silence is long
     device_.write({});
   }
   takeRequests();
-  if (paused_ && ticks_left_ == 0) {
+  if (clock_.standsStill()) {
     standStill();
     return LoopEnd::kRunning;
   }
@@ -113,60 +81,49 @@ LoopEnd HapticLoop::tick() noexcept {
 
   // Where is the hand? What cannot be believed leaves the tool where it was, and it fades out of the soil.
   const DeviceInput input = device_.read();
-  safety_.check(input, health());
+  safety_.check(input, health(silent));
   followHand(input);
-  if (const LoopEnd end = endFor(safety_.trip()); end != LoopEnd::kRunning) {
-    return endWith(end, input, start_ns);
-  }
+  LoopEnd end = endFor(safety_.trip());
 
   // The tool follows it, and the soil answers.
-  fadeTool();
-  scene_->setOpening(opening_);
-  if (!placed_) {  // it begins where the hand is, not with a sweep through the soil to get there
-    coupling_.place(hand_);
-    scene_->placeTool(hand_.pose);
-    placed_ = true;
+  if (end == LoopEnd::kRunning) {
+    end = moveTool();
   }
-  const Movement& tool = coupling_.moveTool(hand_);
-  const StepStatus status = scene_->tick(tool.pose, tool.twist);
-  if (status != StepStatus::kOk || !scene_->wrench().force_n.allFinite() || !scene_->wrench().torque_nm.allFinite()) {
-    return endWith(status == StepStatus::kOk ? LoopEnd::kNotFinite : failure(status), input, start_ns);
+  if (end != LoopEnd::kRunning) {
+    return finish(end, input, {});
   }
 
   // The hand feels it, as far as is safe.
-  const DeviceOutput rendered{mapping_.toDevice(coupling_.feel(scene_->wrench(), scene_->contactStiffness())),
-                              mapping_.toGripper(coupling_.feelGrip(scene_->gripForce()))};
+  const DeviceOutput rendered = mapping_.toDevice(coupling_.feel(scene_->felt(), scene_->contactStiffness()));
   felt_ = safety_.step(rendered);
   // After a tick that took too long, the force in it comes from where the hand no longer is; the next tick trips.
   device_.write(watchdog_ && watchdog_->tooLate() ? DeviceOutput{} : felt_);
-  publish(tool.pose);
+  publish();
+  return finish(input.state == DeviceState::kFinished ? LoopEnd::kFinished : LoopEnd::kRunning, input, rendered);
+}
 
-  record(input, tool.pose, rendered, count(start_ns));
-  if (safety_.justTripped()) {
-    reportTrip();
+/// Counts a tick, records it, and reports why the hand was let go in it. One that cannot be felt ends the run; it is
+/// counted, recorded and reported as others are.
+LoopEnd HapticLoop::finish(LoopEnd end, const DeviceInput& input, const DeviceOutput& rendered) noexcept {
+  const bool failed = end != LoopEnd::kRunning && end != LoopEnd::kFinished;
+  if (failed) {
+    felt_ = {};
+    device_.write(felt_);
   }
-  return input.state == DeviceState::kFinished ? LoopEnd::kFinished : LoopEnd::kRunning;
-}
-
-/// Counts a tick that is done, and returns the work that it was, in us.
-double HapticLoop::count(std::int64_t start_ns) noexcept {
-  const std::int64_t end_ns = monotonicNs();
-  const double tick_us = 1e-3 * static_cast<double>(end_ns - start_ns);
-  const bool in_time = deadline_ns_ == 0 ? tick_us <= 1e6 * parameters_.tick_s : end_ns <= deadline_ns_;
-  late_ = deadline_ns_ != 0 && !in_time;
-  statistics_.add(tick_us, in_time, felt_.wrench);
-  longest_tick_us_ = std::max(longest_tick_us_, tick_us);
-  ticks_left_ -= paused_ ? 1 : 0;
-  return tick_us;
-}
-
-/// A tick that cannot be felt ends the run; it is counted, recorded and reported as others are.
-LoopEnd HapticLoop::endWith(LoopEnd end, const DeviceInput& input, std::int64_t start_ns) noexcept {
-  felt_ = {};
-  device_.write(felt_);
-  failed_ = true;
-  record(input, scene_->toolPose(), {}, count(start_ns));
-  reportTrip(end);
+  clock_.endTick();
+  TickRecord& tick = telemetry_.draft();
+  tick.device = input;
+  tick.scene_T_tool = scene_->toolPose();
+  tick.rendered = rendered;
+  tick.felt = felt_;
+  tick.injected_j = safety_.passivity().injected();
+  tick.quick_injected_j = safety_.passivity().quickInjected();
+  tick.flags = safety_.flags() | std::exchange(flags_, 0U) | (failed ? kTickFailed : 0U);
+  tick.trip = static_cast<std::uint8_t>(safety_.trip());
+  telemetry_.record(clock_, *scene_);
+  if (failed || safety_.justTripped()) {
+    telemetry_.report(safety_.trip(), failed ? end : LoopEnd::kRunning);
+  }
   return end;
 }
 
@@ -184,43 +141,55 @@ LoopEnd HapticLoop::run(const std::atomic<bool>& stop) noexcept {
 }
 
 LoopEnd HapticLoop::runTicks(const std::atomic<bool>& stop) noexcept {
-  const auto period_ns = static_cast<std::int64_t>(std::llround(parameters_.tick_s * kNsPerS));
   const auto last_tick = static_cast<std::uint64_t>(std::llround(parameters_.duration_s / parameters_.tick_s));
-  std::int64_t start_ns = monotonicNs();
   LoopEnd wanted_end = LoopEnd::kRunning;
+  clock_.start();
   while (true) {
     if (parameters_.paced) {
-      sleepUntilNs(start_ns);
-      deadline_ns_ = start_ns + period_ns;
-      late_us_ = 1e-3 * static_cast<double>(monotonicNs() - start_ns);
-      statistics_.addLateness(late_us_);
+      telemetry_.addLateness(clock_.waitForTick());
     }
     if (const LoopEnd end = tick(); end != LoopEnd::kRunning) {
       return end;
     }
     if (wanted_end == LoopEnd::kRunning && stop.load(std::memory_order_relaxed)) {
       wanted_end = LoopEnd::kStopped;
-    } else if (wanted_end == LoopEnd::kRunning && last_tick > 0 && statistics_.ticks() >= last_tick) {
+    } else if (wanted_end == LoopEnd::kRunning && last_tick > 0 && statistics().ticks() >= last_tick) {
       wanted_end = LoopEnd::kDuration;
     }
     if (wanted_end != LoopEnd::kRunning) {  // a person's hand is let go softly
       letGoSoftly();
-      if (safety_.stopped() || paused_) {
+      if (safety_.stopped() || clock_.paused()) {
         return wanted_end;
       }
     }
     if (parameters_.paced) {
-      // A late tick is not made up for by a burst of early ones: the hand would feel time run faster.
-      const auto stretched_ns = static_cast<std::int64_t>(static_cast<double>(period_ns) / speed_);
-      start_ns = std::max(start_ns + stretched_ns, monotonicNs() - period_ns);
-    } else if (paused_ && ticks_left_ == 0) {
-      sleepUntilNs(monotonicNs() + kUnpacedPause_ns);
+      clock_.planNextTick();
+    } else if (clock_.standsStill()) {
+      LoopClock::waitAMoment();
     } else {
-      while (keep_records_ && records_.write_available() == 0 && !stop.load(std::memory_order_relaxed)) {
-        sleepUntilNs(monotonicNs() + kUnpacedPause_ns);  // nobody feels this loop: it may wait for its recorder
+      while (telemetry_.full() && !stop.load(std::memory_order_relaxed)) {
+        LoopClock::waitAMoment();  // nobody feels this loop: it may wait for its recorder
       }
     }
   }
+}
+
+/// Whether the loop was, for so long that the hand has been let go.
+bool HapticLoop::wasSilent() noexcept {
+  const bool silent = watchdog_ && watchdog_->beat();
+  return (watchdog_ && LastResort::letGoMeanwhile()) || silent;
+}
+
+/// How the loop is doing. After silence the hand is taken up again at once: the safety layer then shows it nothing for
+/// a while.
+LoopHealth HapticLoop::health(bool silent) noexcept {
+  if (silent) {
+    watchdog_->takeUp();
+  }
+  const LoopHealth now = believed_.value_or(LoopHealth{clock_.late(), silent});
+  believed_.reset();
+  flags_ |= now.heartbeat_lost ? kTickHeartbeatLost : 0U;
+  return now;
 }
 
 /// Moves hand_ to where the device has it, unless that cannot be believed.
@@ -229,13 +198,34 @@ void HapticLoop::followHand(const DeviceInput& input) noexcept {
   if (!safety_.allWell()) {
     return;
   }
-  const Movement there = mapping_.toScene(input);
-  if (!nearBed(there.pose.position_m)) {
+  const HandState there = mapping_.toScene(input);
+  if (!nearBed(scene_->bed().parameters(), there.pose.position_m)) {
     safety_.letGo(SafetyTrip::kWorkspace);
   } else if (safety_.trip() == SafetyTrip::kNone) {
     hand_ = there;
-    opening_ = mapping_.opening(input);
   }
+}
+
+LoopEnd HapticLoop::moveTool() noexcept {
+  fadeTool();
+  if (fade_.takePlacing()) {  // it begins where the hand is, not with a sweep through the soil to get there
+    coupling_.place(hand_);
+    scene_->placeTool(hand_);
+  }
+  const StepStatus status = scene_->tick(coupling_.moveTool(hand_));
+  const Wrench& soil = scene_->felt().wrench;
+  const bool finite = soil.force_n.allFinite() && soil.torque_nm.allFinite();
+  return status == StepStatus::kOk && !finite ? LoopEnd::kNotFinite : failure(status);
+}
+
+void HapticLoop::fadeTool() noexcept {
+  if (safety_.justRecovered()) {
+    fade_.begin();
+  }
+  if (const auto due = fade_.step(safety_.trip() == SafetyTrip::kNone, clock_.speed())) {
+    carryOut(*due);
+  }
+  scene_->setToolPresence(fade_.presence());
 }
 
 /// Time stands still, and the hand is let go.
@@ -245,36 +235,21 @@ void HapticLoop::standStill() noexcept {
   }
   device_.write({});
   let_go_ = true;
-  publish(scene_->toolPose());
+  publish();
 }
 
 /// Time goes on where it stopped. A hand that is simulated must not notice; a person's has moved meanwhile.
 void HapticLoop::takeUpAgain() noexcept {
-  resumed_ = let_go_;
-  if (!let_go_) {
+  if (!std::exchange(let_go_, false)) {
     return;
   }
-  let_go_ = false;
+  flags_ |= kTickResumed;
   if (device_.simulated()) {
     device_.write(felt_);
   } else {
     safety_.restart();
-    presence_ = 0;
-    placed_ = false;
+    fade_.begin();
   }
-}
-
-/// How the loop is doing. After silence the hand is taken up again at once: the safety layer then shows it nothing for
-/// a while.
-LoopHealth HapticLoop::health() noexcept {
-  LoopHealth now{late_, silent_};
-  if (silent_) {
-    watchdog_->takeUp();
-  }
-  now = believed_.value_or(now);
-  believed_.reset();
-  heartbeat_lost_ = now.heartbeat_lost;
-  return now;
 }
 
 /// Whether a run cannot go on after this: a person's hand comes back, a simulated one does not.
@@ -289,176 +264,61 @@ LoopEnd HapticLoop::endFor(SafetyTrip trip) const noexcept {
 void HapticLoop::takeRequests() noexcept {
   // One exchange at a time: what stands behind another waits with it.
   while (requests_.read_available() > 0 &&
-         !(exchange_ && std::holds_alternative<request::Exchange>(requests_.front()))) {
+         !(fade_.waits() && std::holds_alternative<request::Exchange>(requests_.front()))) {
     carryOut(requests_.front());
     requests_.pop();
   }
 }
 
 void HapticLoop::carryOut(const LoopRequest& asked) noexcept {
-  std::visit(OneOf{[this](const request::Pause&) { paused_ = true; },
-                   [this](const request::Resume&) {
-                     paused_ = false;
-                     ticks_left_ = 0;
-                   },
-                   [this](const request::Advance& advance) { ticks_left_ += paused_ ? advance.ticks : 0; },
-                   [this](const request::Speed& speed) { speed_ = speed.factor; },
-                   [this](const request::Gravity& gravity) {
-                     scene_changed_ = true;
-                     scene_->bed().setGravity(gravity.gravity_m_s2);
-                   },
-                   [this](const request::Soil& soil) {
-                     scene_changed_ = true;
-                     scene_->bed().setSoil(soil.laws);
-                   },
-                   [this](const request::Touch& touch) {
-                     scene_changed_ = true;
-                     touches_ = touch.on;
-                   },
-                   [this](const request::Exchange& exchange) {
-                     if (paused_) {  // nobody feels anything
-                       carryOut(exchange);
-                     } else {
-                       exchange_ = exchange;
-                       scene_changed_ = true;  // the tool begins to fade
-                     }
-                   }},
-             asked);
+  std::visit(
+      OneOf{[this](const request::Pause&) { clock_.pause(); }, [this](const request::Resume&) { clock_.resume(); },
+            [this](const request::Advance& advance) { clock_.advance(advance.ticks); },
+            [this](const request::Speed& speed) { clock_.setSpeed(speed.factor); },
+            [this](const request::Gravity& gravity) {
+              flags_ |= kTickSceneChanged;
+              scene_->bed().setGravity(gravity.gravity_m_s2);
+            },
+            [this](const request::Soil& soil) {
+              flags_ |= kTickSceneChanged;
+              scene_->bed().setSoil(soil.laws);
+            },
+            [this](const request::Touch& touch) {
+              flags_ |= kTickSceneChanged;
+              fade_.touch(touch.on);
+            },
+            [this](const request::Exchange& exchange) {
+              if (clock_.paused()) {  // nobody feels anything
+                carryOut(exchange);
+              } else {
+                fade_.exchange(exchange);
+                flags_ |= kTickSceneChanged;  // the tool begins to fade
+              }
+            }},
+      asked);
 }
 
 void HapticLoop::carryOut(const request::Exchange& exchange) noexcept {
   std::visit(OneOf{[this](const request::ExchangeTool& tool) { scene_->setTool(tool.tool); },
                    [this](const request::ExchangeStage& next) {
-                     next.stage->scene.placeTool(scene_->toolPose());
+                     next.stage->scene.placeTool({{scene_->toolPose(), {}}, hand_.opening});
                      scene_ = &next.stage->scene;
                      shown_.store(next.stage, std::memory_order_release);
                    }},
              exchange);
-  scene_changed_ = true;
-  placed_ = false;
+  flags_ |= kTickSceneChanged;
   felt_ = {};
-  presence_ = 0;
-  scene_->setToolPresence(0);
+  fade_.begin();
+  scene_->setToolPresence(fade_.presence());
 }
 
-void HapticLoop::fadeTool() noexcept {
-  if (safety_.justRecovered()) {
-    placed_ = false;
-    presence_ = 0;
-  }
-  if (!exchange_ && (!touches_ || safety_.trip() != SafetyTrip::kNone)) {
-    presence_ = std::max(0.0, presence_ - parameters_.tick_s / kFadeOut_s);
-  } else if (exchange_) {
-    presence_ = std::max(0.0, presence_ - parameters_.tick_s / (kFadeOut_s * speed_));
-    if (presence_ == 0) {
-      carryOut(*exchange_);
-      exchange_.reset();
-    }
-  } else {
-    presence_ = std::min(1.0, presence_ + parameters_.tick_s / kFadeIn_s);
-  }
-  scene_->setToolPresence(presence_ * presence_);
-}
-
-bool HapticLoop::nearBed(const Vec3& p) const noexcept {
-  const BedParameters& bed = scene_->bed().parameters();
-  return std::abs(p.x()) <= bed.width_m / 2 + kReachBesideBox_m &&
-         std::abs(p.y()) <= bed.length_m / 2 + kReachBesideBox_m && p.z() >= -kReachBesideBox_m &&
-         p.z() <= 3 * kReachBesideBox_m;
-}
-
-void HapticLoop::publish(const Pose& scene_T_tool) noexcept {
-  // Part 0 in the tick after a snapshot went out, the last part in the tick of the next one.
-  const std::uint64_t part = (published_++ + kTicksPerSnapshot - 1) % kTicksPerSnapshot;
-  const bool complete = part + 1 == kTicksPerSnapshot;
-  const Bed& bed = scene_->bed();
-  const std::size_t groups = bed.state().rested.size();
-  const bool at_once = bed.particles() <= kCopiedAtOnce;
-  if (at_once && !complete) {
-    return;
-  }
-  SceneSnapshot& snapshot = stage().snapshots.draft();
-  const std::size_t first_group = at_once ? 0 : groups * part / kTicksPerSnapshot;
-  const std::size_t last_group = groups * (part + 1) / kTicksPerSnapshot;
-  const std::size_t first = first_group * kGroup;
-  const std::size_t last = std::min(last_group * kGroup, bed.particles());
-  std::copy_n(bed.state().position.data() + first, last - first, snapshot.position.data() + first);
-  for (std::size_t group = first_group; group < last_group; ++group) {
-    snapshot.asleep[group] = bed.state().rested[group] == BedState::kAsleep ? 1 : 0;
-  }
-  snapshot.largest_speed_m_s = std::max(first == 0 ? 0 : snapshot.largest_speed_m_s, bed.largestSpeed(first, last));
-  if (!complete) {
-    return;
-  }
-  snapshot.time_s = time();
-  snapshot.awake = bed.awake();
-  snapshot.scene_T_tool = scene_T_tool;
-  snapshot.opening_m = scene_->opening();
-  snapshot.felt = mapping_.shownInScene(felt_.wrench);
-  snapshot.ticks = statistics_.ticks();
-  snapshot.deadline_misses = statistics_.deadlineMisses();
-  snapshot.success_rate = statistics_.successRate();
-  snapshot.tick_us_p50 = statistics_.tickUs().percentile(0.5);
-  snapshot.tick_us_p99 = statistics_.tickUs().percentile(0.99);
-  snapshot.tick_us_max = statistics_.tickUs().max();
-  snapshot.tick_us_lately = longest_tick_us_;
-  snapshot.paused = paused_;
-  snapshot.trip = safety_.trip();
-  snapshot.trips = safety_.trips();
-  if (!paused_ || ticks_left_ > 0) {
-    longest_tick_us_ = 0;
-  }
-  stage().snapshots.publish();
-}
-
-void HapticLoop::record(const DeviceInput& input, const Pose& scene_T_tool, const DeviceOutput& rendered,
-                        double tick_us) noexcept {
-  TickRecord& now = last_[statistics_.ticks() % last_.size()];
-  now.time_s = time();
-  now.device = input;
-  now.scene_T_tool = scene_T_tool;
-  now.soil = scene_->wrench();
-  now.rendered = rendered;
-  now.felt = felt_;
-  now.injected_j = safety_.passivity().injected();
-  now.quick_injected_j = safety_.passivity().quickInjected();
-  now.tick_us = tick_us;
-  now.late_us = late_us_;
-  now.flags = safety_.flags() | (late_ ? kTickLate : 0U) | (resumed_ ? kTickResumed : 0U) |
-              (heartbeat_lost_ ? kTickHeartbeatLost : 0U) | (scene_changed_ ? kTickSceneChanged : 0U) |
-              (failed_ ? kTickFailed : 0U);
-  scene_changed_ = false;
-  now.trip = static_cast<std::uint8_t>(safety_.trip());
-  if (!keep_records_) {
-    return;
-  }
-  const std::size_t parts = hashedParts();
-  // A bed that has failed has been stepped in part only.
-  now.state_hash = hashes_ && !failed_ ? stateHash(scene_->bed().state(), statistics_.ticks() % parts, parts) : 0;
-  if (!records_.push(now)) {
-    lost_records_.fetch_add(1, std::memory_order_relaxed);
-  }
-}
-
-std::size_t HapticLoop::hashedParts() const noexcept {
-  return (scene_->bed().particles() + kHashedAtOnce - 1) / kHashedAtOnce;
-}
-
-void HapticLoop::reportTrip(LoopEnd end) noexcept {
-  TripReport& report = trip_reports_.draft();
-  const std::uint64_t ticks = statistics_.ticks();
-  report.trip = safety_.trip();
-  report.end = end;
-  report.time_s = time();
-  report.count = std::min<std::uint64_t>(ticks, TripReport::kTicks);
-  for (std::size_t i = 0; i < report.count; ++i) {
-    report.ticks[i] = last_[(ticks + 1 - report.count + i) % last_.size()];
-  }
-  trip_reports_.publish();
-}
-
-void HapticLoop::takeRecords(std::vector<TickRecord>& records) {
-  records_.consume_all([&records](const TickRecord& record) { records.push_back(record); });
+void HapticLoop::publish() noexcept {
+  telemetry_.publish(stage(), clock_, [this](SceneSnapshot& snapshot) {
+    snapshot.scene_T_tool = scene_->toolPose();
+    snapshot.felt = mapping_.shownInScene(felt_.wrench);
+    snapshot.trip = safety_.trip();
+    snapshot.trips = safety_.trips();
+  });
 }
 
 }  // namespace haptolith

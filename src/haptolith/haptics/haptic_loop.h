@@ -2,52 +2,27 @@
 
 #include <boost/lockfree/spsc_queue.hpp>
 
-#include <array>
 #include <atomic>
 #include <cstdint>
 #include <optional>
 #include <vector>
 
+#include "haptolith/core/movement.h"
 #include "haptolith/device/haptic_device.h"
 #include "haptolith/haptics/handling_parameters.h"
+#include "haptolith/haptics/loop_clock.h"
 #include "haptolith/haptics/loop_parameters.h"
 #include "haptolith/haptics/loop_request.h"
-#include "haptolith/haptics/loop_statistics.h"
+#include "haptolith/haptics/loop_telemetry.h"
 #include "haptolith/haptics/real_time.h"
 #include "haptolith/haptics/safety_layer.h"
 #include "haptolith/haptics/stage.h"
-#include "haptolith/haptics/tick_record.h"
+#include "haptolith/haptics/tool_fade.h"
+#include "haptolith/haptics/trip_report.h"
 #include "haptolith/haptics/watchdog.h"
 #include "haptolith/tool/scene.h"
 
 namespace haptolith {
-
-/// Why a loop ended.
-enum class LoopEnd {
-  kRunning,
-  kDuration,   ///< the time asked for is over
-  kStopped,    ///< somebody asked it to stop
-  kFinished,   ///< the device has nothing more to give: a pose file's end
-  kHandLeft,   ///< a simulated hand left the space around the bed, or its pose or velocity is no number
-  kLost,       ///< the device is gone
-  kNotFinite,  ///< the bed, the tool or the wrench is no longer a number
-  kCollapsed,  ///< the bed has collapsed onto itself
-};
-
-[[nodiscard]] const char* text(LoopEnd end) noexcept;
-
-/// The last ticks before the hand was let go, and the one that did it, oldest first.
-struct TripReport {
-  static constexpr std::size_t kTicks = 50;
-
-  SafetyTrip trip = SafetyTrip::kNone;
-  LoopEnd end = LoopEnd::kRunning;  ///< of the run, when it ended with that
-  double time_s = 0;
-  std::size_t count = 0;
-  std::array<TickRecord, kTicks> ticks;
-
-  [[nodiscard]] const char* reason() const noexcept;
-};
 
 /// Soil and hand, joined at 1 kHz. Records and snapshots leave through lock-free queues; nobody can delay a tick.
 class HapticLoop {
@@ -67,9 +42,9 @@ class HapticLoop {
   LoopEnd tick() noexcept;
 
   /// Before the first tick: records hold hashes of the bed, of a part of it in each tick (see stateHash()).
-  void hashRecords() noexcept { hashes_ = true; }
+  void hashRecords() noexcept { telemetry_.hashRecords(); }
   /// After how many ticks all of the bed has been hashed.
-  [[nodiscard]] std::size_t hashedParts() const noexcept;
+  [[nodiscard]] std::size_t hashedParts() const noexcept { return LoopTelemetry::hashedParts(scene_->bed()); }
 
   /// Before tick(): how the loop was doing when what is now replayed was recorded, instead of how it is doing now.
   void believe(const LoopHealth& health) noexcept { believed_ = health; }
@@ -78,9 +53,9 @@ class HapticLoop {
   void letGoSoftly() noexcept { safety_.stop(); }
 
   /// For one other thread: moves all waiting records to the end of `records`.
-  void takeRecords(std::vector<TickRecord>& records);
+  void takeRecords(std::vector<TickRecord>& records) { telemetry_.takeRecords(records); }
   /// For one other thread: what led to the newest trip of the safety layer.
-  [[nodiscard]] LatestValue<TripReport>& trips() noexcept { return trip_reports_; }
+  [[nodiscard]] LatestValue<TripReport>& trips() noexcept { return telemetry_.trips(); }
   /// For one other thread: newest snapshot of the scene that is shown. From the thread that ask()s.
   [[nodiscard]] LatestValue<SceneSnapshot>& snapshots() noexcept { return stage().snapshots; }
 
@@ -90,70 +65,45 @@ class HapticLoop {
   [[nodiscard]] Stage& stage() const noexcept { return *shown_.load(std::memory_order_acquire); }
 
   /// Records that nobody took in time; only a paced loop loses any.
-  [[nodiscard]] std::uint64_t lostRecords() const noexcept { return lost_records_.load(std::memory_order_relaxed); }
+  [[nodiscard]] std::uint64_t lostRecords() const noexcept { return telemetry_.lostRecords(); }
   /// Only after run() has returned.
-  [[nodiscard]] const LoopStatistics& statistics() const noexcept { return statistics_; }
-  [[nodiscard]] double time() const noexcept { return static_cast<double>(statistics_.ticks()) * parameters_.tick_s; }
+  [[nodiscard]] const LoopStatistics& statistics() const noexcept { return telemetry_.statistics(); }
+  [[nodiscard]] double time() const noexcept { return telemetry_.time(); }
 
  private:
   [[nodiscard]] LoopEnd runTicks(const std::atomic<bool>& stop) noexcept;
-  void standStill() noexcept;
-  void takeUpAgain() noexcept;
-  [[nodiscard]] LoopHealth health() noexcept;
   void takeRequests() noexcept;
   void carryOut(const LoopRequest& asked) noexcept;
   void carryOut(const request::Exchange& exchange) noexcept;
-  void fadeTool() noexcept;
+  [[nodiscard]] bool wasSilent() noexcept;
+  [[nodiscard]] LoopHealth health(bool silent) noexcept;
+  void standStill() noexcept;
+  void takeUpAgain() noexcept;
   void followHand(const DeviceInput& input) noexcept;
+  void fadeTool() noexcept;
+  [[nodiscard]] LoopEnd moveTool() noexcept;
   [[nodiscard]] LoopEnd endFor(SafetyTrip trip) const noexcept;
-  [[nodiscard]] bool nearBed(const Vec3& position_m) const noexcept;
-  void publish(const Pose& scene_T_tool) noexcept;
-  void record(const DeviceInput& input, const Pose& scene_T_tool, const DeviceOutput& rendered,
-              double tick_us) noexcept;
-  [[nodiscard]] LoopEnd endWith(LoopEnd end, const DeviceInput& input, std::int64_t start_ns) noexcept;
-  double count(std::int64_t start_ns) noexcept;
-  void reportTrip(LoopEnd end = LoopEnd::kRunning) noexcept;
+  [[nodiscard]] LoopEnd finish(LoopEnd end, const DeviceInput& input, const DeviceOutput& rendered) noexcept;
+  void publish() noexcept;
 
   Stage first_;
   std::atomic<Stage*> shown_;
   Scene* scene_;  ///< of the stage that is shown
   HapticDevice& device_;
   LoopParameters parameters_;
-  bool keep_records_;
   Mapping mapping_;
   Coupling coupling_;
   SafetyLayer safety_;
   std::optional<Watchdog> watchdog_;  ///< of a person's device, in step with the clock
-  LoopStatistics statistics_;
-  Movement hand_;                 ///< the last that could be believed, in the scene
-  double opening_ = 1;            ///< of the jaws, 0 to 1
-  std::int64_t deadline_ns_ = 0;  ///< when the present tick has to be done; 0 when nobody paces
-  boost::lockfree::spsc_queue<TickRecord> records_;
-  std::atomic<std::uint64_t> lost_records_{0};
-
+  LoopClock clock_;
+  ToolFade fade_;
+  LoopTelemetry telemetry_;
   boost::lockfree::spsc_queue<LoopRequest> requests_;
-  DeviceOutput felt_;    ///< in the last tick
-  bool let_go_ = false;  ///< the hand feels nothing, because time stands still
-  bool paused_ = false;
-  int ticks_left_ = 0;                         ///< to go while paused
-  double speed_ = 1;                           ///< of time
-  bool placed_ = false;                        ///< whether the tool has been where the hand is, in this scene
-  std::optional<request::Exchange> exchange_;  ///< waits until the tool has faded
-  bool touches_ = true;                        ///< whether the tool is to be felt
-  double presence_ = 1;                        ///< of the tool; the scene is given its square
-  std::uint64_t published_ = 0;                ///< calls of publish()
-  bool scene_changed_ = false;                 ///< before this tick
-  bool failed_ = false;                        ///< the run ends with this tick
-  bool silent_ = false;                        ///< whether the loop was, for too long, before this tick
-  bool heartbeat_lost_ = false;                ///< before this tick; in a replay, as it was recorded
-  bool late_ = false;                          ///< whether the last tick was
-  double late_us_ = 0;                         ///< how late this one began
-  bool hashes_ = false;
-  bool resumed_ = false;  ///< whether time stood still before this tick
   std::optional<LoopHealth> believed_;
-  std::array<TickRecord, TripReport::kTicks> last_;  ///< the last ticks, round and round
-  LatestValue<TripReport> trip_reports_;
-  double longest_tick_us_ = 0;  ///< since the last snapshot while time went on
+  HandState hand_;           ///< the last that could be believed, in the scene
+  DeviceOutput felt_;        ///< in the last tick
+  bool let_go_ = false;      ///< the hand feels nothing, because time stands still
+  std::uint32_t flags_ = 0;  ///< TickFlag, what has happened before the present tick
 };
 
 }  // namespace haptolith

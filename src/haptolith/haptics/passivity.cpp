@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "haptolith/device/hand/arm.h"
+#include "haptolith/core/movement.h"
 
 namespace haptolith {
 

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "haptolith/device/hand/arm.h"
+#include "haptolith/core/movement.h"
 
 namespace haptolith {
 

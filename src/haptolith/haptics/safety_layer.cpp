@@ -73,7 +73,7 @@ SafetyLayer::SafetyLayer(const SafetyParameters& parameters, const DeviceLimits&
                   .delay_known = limits.delay_known,
                   .resolution_m = limits.resolution_m},
                  tick_s),
-      presence_(soft_start_s_ == 0 ? 1 : 0) {
+      soft_start_(soft_start_s_ == 0 ? 1 : 0) {
   validate(parameters);
   limits_.max_force_n = std::min(limits.max_force_n, parameters.max_force_n);
   limits_.max_torque_nm = std::min(limits.max_torque_nm, parameters.max_torque_nm);
@@ -130,7 +130,7 @@ void SafetyLayer::letGo(SafetyTrip why) noexcept {
 }
 
 void SafetyLayer::restart() noexcept {
-  presence_ = soft_start_s_ == 0 ? 1 : 0;
+  soft_start_.set(soft_start_s_ == 0 ? 1 : 0);
   plausibility_.restart();
   passivity_.restart();
   held_ = {};
@@ -146,10 +146,11 @@ DeviceOutput SafetyLayer::step(const DeviceOutput& rendered) noexcept {
     held_ = {};
     return held_;
   }
-  grow();
+  startOrStopSoftly();
   DeviceOutput wanted = limited(rendered);
-  if (presence_ < 1) {  // a share of what is limited: else ten times too much would be all there is within a third
-    const double share = smooth(presence_);
+  if (soft_start_.share() <
+      1) {  // a share of what is limited: else ten times too much would be all there is within a third
+    const double share = smooth(soft_start_.share());
     wanted.wrench = {share * wanted.wrench.force_n, share * wanted.wrench.torque_nm};
     wanted.gripper_force_n *= share;
     flags_ |= kTickSoftStart;
@@ -179,15 +180,15 @@ bool SafetyLayer::stopped() const noexcept {
     return stopping_;
   }
   // Where force may change slowly only, it still falls when nothing is wanted any more.
-  return presence_ == 0 && held_.wrench.force_n.norm() <= tick_s_ * limits_.max_force_rate_n_s &&
+  return soft_start_.share() == 0 && held_.wrench.force_n.norm() <= tick_s_ * limits_.max_force_rate_n_s &&
          held_.wrench.torque_nm.norm() <= tick_s_ * limits_.max_torque_rate_nm_s;
 }
 
-void SafetyLayer::grow() noexcept {
-  if (stopping_) {
-    presence_ = soft_stop_s_ == 0 ? presence_ : std::max(0.0, presence_ - tick_s_ / soft_stop_s_);
-  } else if (presence_ < 1) {
-    presence_ = std::min(1.0, presence_ + tick_s_ / soft_start_s_);
+void SafetyLayer::startOrStopSoftly() noexcept {
+  if (stopping_ && soft_stop_s_ > 0) {
+    soft_start_.fall(tick_s_, soft_stop_s_);
+  } else if (!stopping_ && soft_start_.share() < 1) {
+    soft_start_.rise(tick_s_, soft_start_s_);
   }
 }
 

@@ -2,6 +2,7 @@
 
 #include <cstdint>
 
+#include "haptolith/core/ramp.h"
 #include "haptolith/device/haptic_device.h"
 #include "haptolith/haptics/passivity.h"
 #include "haptolith/haptics/plausibility.h"
@@ -75,7 +76,7 @@ class SafetyLayer {
   [[nodiscard]] SafetyTrip reason(const DeviceInput& input, const LoopHealth& health) noexcept;
   [[nodiscard]] DeviceOutput limited(const DeviceOutput& wanted) noexcept;
   [[nodiscard]] DeviceOutput reachable(const DeviceOutput& wanted) noexcept;
-  void grow() noexcept;
+  void startOrStopSoftly() noexcept;
 
   DeviceLimits limits_;
   bool simulated_, damps_;
@@ -89,7 +90,7 @@ class SafetyLayer {
   bool just_tripped_ = false, just_recovered_ = false, stopping_ = false;
   std::uint32_t trips_ = 0, flags_ = 0;
   int misses_ = 0, well_for_ = 0;
-  double presence_;    ///< of force: grows in a soft start
+  Ramp soft_start_;    ///< share of the force
   DeviceOutput held_;  ///< what the hand feels now
 };
 

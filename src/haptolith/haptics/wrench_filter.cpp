@@ -4,7 +4,7 @@
 #include <numbers>
 
 #include "haptolith/core/error.h"
-#include "haptolith/device/hand/arm.h"
+#include "haptolith/core/movement.h"
 
 namespace haptolith {
 
@@ -23,6 +23,11 @@ double lowPassShare(double cutoff_hz, double tick_s) {
   return 1 - std::exp(-2 * std::numbers::pi * cutoff_hz * tick_s);
 }
 
+double checkedShare(double cutoff_hz, double tick_s) {
+  requireInRange("filter_cutoff_hz", cutoff_hz, {0, 0.5 / tick_s, Ends::kOpenBelow});
+  return lowPassShare(cutoff_hz, tick_s);
+}
+
 void approach(Vec3& output, const Vec3& input, double share) noexcept {
   output += share * (input - output);
   if (input.isZero(0) && output.squaredNorm() < kNothing * kNothing) {
@@ -32,16 +37,23 @@ void approach(Vec3& output, const Vec3& input, double share) noexcept {
 
 }  // namespace
 
-WrenchFilter::WrenchFilter(double cutoff_hz, double tick_s) {
-  requireInRange("filter_cutoff_hz", cutoff_hz, {0, 0.5 / tick_s, Ends::kOpenBelow});
-  share_ = lowPassShare(cutoff_hz, tick_s);
-}
+WrenchFilter::WrenchFilter(double cutoff_hz, double tick_s) : share_(checkedShare(cutoff_hz, tick_s)) {}
 
 const Wrench& WrenchFilter::step(const Wrench& input, const Vec3& own_change_n) noexcept {
   output_.force_n += own_change_n;
   approach(output_.force_n, input.force_n, share_);
   approach(output_.torque_nm, input.torque_nm, share_);
   return output_;
+}
+
+GripFilter::GripFilter(double cutoff_hz, double tick_s) : share_(checkedShare(cutoff_hz, tick_s)) {}
+
+double GripFilter::step(double grip_n) noexcept {
+  output_n_ += share_ * (grip_n - output_n_);
+  if (grip_n == 0 && output_n_ * output_n_ < kNothing * kNothing) {
+    output_n_ = 0;
+  }
+  return output_n_;
 }
 
 QuickMovement::QuickMovement(double tick_s) noexcept : share_(lowPassShare(kQuick_hz, tick_s)) {}

@@ -26,6 +26,20 @@ class WrenchFilter {
   Wrench output_;
 };
 
+/// The same for the force between the fingers.
+class GripFilter {
+ public:
+  /// As WrenchFilter().
+  GripFilter(double cutoff_hz, double tick_s);
+
+  /// May be called in the tick.
+  double step(double grip_n) noexcept;
+
+ private:
+  double share_;
+  double output_n_ = 0;
+};
+
 /// The quick part of a movement: velocity less its own low-pass at 6 Hz.
 ///
 /// A low-pass between soil and hand delays the answer to the hand's own movement. Against n contacts of stiffness

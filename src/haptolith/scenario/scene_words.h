@@ -1,13 +1,17 @@
 #pragma once
 
+#include <algorithm>
 #include <array>
+#include <string>
 #include <string_view>
 #include <vector>
 
 #include "haptolith/bed/bed_parameters.h"
+#include "haptolith/core/plain_text.h"
 #include "haptolith/device/device_parameters.h"
 #include "haptolith/device/hand/hand_parameters.h"
 #include "haptolith/haptics/coupling.h"
+#include "haptolith/scenario/file_keys.h"
 #include "haptolith/scenario/soil_file.h"
 #include "haptolith/soil/soil_parameters.h"
 #include "haptolith/tool/tool_parameters.h"
@@ -82,22 +86,22 @@ template <class Table>
   return names;
 }
 
-/// The value of a word that is known to be in `table`.
+/// The value of a word. @throws InvalidParameter when it is not in `table`.
 template <class Table>
 [[nodiscard]] auto valueOf(const Table& table, std::string_view name) {
-  auto entry = table.begin();
-  while (entry->name != name) {
-    ++entry;
+  const auto entry = std::ranges::find(table, name, [](const auto& word) { return word.name; });
+  if (entry == table.end()) {
+    throw InvalidParameter("word", inQuotes(std::string(name)), anyOf(namesOf(table)));
   }
   return entry->value;
 }
 
-/// The word for a value; every value has one.
+/// The word for a value. @throws InvalidParameter for one that has none: shapes that only the laboratory uses.
 template <class Table, class Value>
 [[nodiscard]] std::string_view wordFor(const Table& table, Value value) {
-  auto entry = table.begin();
-  while (entry->value != value) {
-    ++entry;
+  const auto entry = std::ranges::find(table, value, [](const auto& word) { return word.value; });
+  if (entry == table.end()) {
+    throw InvalidParameter("value", std::to_string(static_cast<int>(value)), "one of " + anyOf(namesOf(table)));
   }
   return entry->name;
 }

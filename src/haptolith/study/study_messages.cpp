@@ -190,10 +190,11 @@ void obeyParticipant(Conductor& conductor, const std::string& act, const Json& m
     }
     conductor.fill(values);
   } else if (act == "answer") {
-    if (!message.contains("choice") || !message["choice"].is_number_integer()) {
-      throw InvalidParameter("choice", "nothing", "0 or 1");
+    const Json choice = message.value("choice", Json());
+    if (choice != 0 && choice != 1) {
+      throw InvalidParameter("choice", choice.is_null() ? "nothing" : choice.dump(), "0 or 1");
     }
-    conductor.answer(message["choice"].get<int>());
+    conductor.answer(choice.get<int>());
   } else if (act == "quit") {
     conductor.withdraw();
   } else {

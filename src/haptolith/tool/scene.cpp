@@ -48,18 +48,20 @@ void Scene::setTool(const ToolParameters& tool) noexcept {
   opening_m_ = opening_ * tool.opening_m;
 }
 
-void Scene::setOpening(double share) noexcept {
+void Scene::open(double share) noexcept {
   if (std::isfinite(share)) {
     opening_ = std::clamp(share, 0.0, 1.0);
   }
 }
 
-void Scene::placeTool(const Pose& scene_T_tool) noexcept {
-  tool_pose_ = scene_T_tool;
+void Scene::placeTool(const HandState& hand) noexcept {
+  open(hand.opening);
+  tool_pose_ = hand.pose;
   opening_m_ = opening_ * tool_.opening_m;
 }
 
-StepStatus Scene::tick(const Pose& scene_T_tool, const Twist& twist) noexcept {
+StepStatus Scene::tick(const HandState& hand) noexcept {
+  open(hand.opening);
   const double dt = bed_.parameters().tick_s / substeps_;
   const Pose from = tool_pose_;
   ToolParameters tool = presence_ < 1 ? faded(tool_, presence_) : tool_;
@@ -71,19 +73,18 @@ StepStatus Scene::tick(const Pose& scene_T_tool, const Twist& twist) noexcept {
   StepStatus status = StepStatus::kOk;
   for (int substep = 1; substep <= substeps_ && status == StepStatus::kOk; ++substep) {
     const double share = static_cast<double>(substep) / substeps_;
-    const Pose pose = between(from, scene_T_tool, share);
+    const Pose pose = between(from, hand.pose, share);
     tool.opening_m = std::lerp(opening_from_m, opening_to_m, share);
-    const ToolReaction now = applyToolContact(tool, pose, twist, dt, bed_, opening_m_s);
+    const ToolReaction now = applyToolContact(tool, pose, hand.twist, dt, bed_, opening_m_s);
     sum.force_n += now.wrench.force_n;
     sum.torque_nm += now.wrench.torque_nm;
     grip_n += now.grip_n;
     stiffness_n_m_ = now.stiffness_n_m;
     status = bed_.step(dt);
   }
-  tool_pose_ = scene_T_tool;
+  tool_pose_ = hand.pose;
   opening_m_ = opening_to_m;
-  grip_n_ = grip_n / substeps_;
-  wrench_ = {sum.force_n / substeps_, sum.torque_nm / substeps_};
+  felt_ = {{sum.force_n / substeps_, sum.torque_nm / substeps_}, grip_n / substeps_};
   return status;
 }
 

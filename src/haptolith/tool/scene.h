@@ -3,6 +3,7 @@
 #include <vector>
 
 #include "haptolith/bed/bed.h"
+#include "haptolith/core/movement.h"
 #include "haptolith/tool/tool_parameters.h"
 
 namespace haptolith {
@@ -17,29 +18,23 @@ class Scene {
   /// The same with its soil where the caller wants it, at rest.
   Scene(const BedParameters& bed, const ToolParameters& tool, const std::vector<Vec3>& centres_m);
 
-  /// One tick: moves the tool from where it was to `scene_T_tool` in equal substeps, steps the bed each time, and
-  /// leaves the mean wrench on the tool in `wrench()`. May be called in the tick.
-  [[nodiscard]] StepStatus tick(const Pose& scene_T_tool, const Twist& twist) noexcept;
+  /// One tick: moves the tool from where it was to where `hand` has it, and opens jaws, in equal substeps, steps the
+  /// bed each time, and leaves the mean of what was felt in felt(). An opening that is not finite changes nothing; no
+  /// tool but jaws takes notice of one. May be called in the tick.
+  [[nodiscard]] StepStatus tick(const HandState& hand) noexcept;
 
-  /// Force and torque of the soil on the tool over the last tick, about the tool's origin, scene frame, unfiltered.
-  [[nodiscard]] const Wrench& wrench() const noexcept { return wrench_; }
+  /// Force and torque of the soil on the tool over the last tick, about the tool's origin, scene frame, unfiltered; and
+  /// how hard it pushed jaws apart (see ToolReaction), 0 with another tool.
+  [[nodiscard]] const Felt& felt() const noexcept { return felt_; }
 
   /// How the force changes with the tool's place at the end of the last tick: see ToolReaction.
   [[nodiscard]] const Eigen::Matrix3d& contactStiffness() const noexcept { return stiffness_n_m_; }
 
-  /// How hard the soil pushed the jaws apart over the last tick, in N, > 0 opening them: see ToolReaction. 0 with
-  /// another tool.
-  [[nodiscard]] double gripForce() const noexcept { return grip_n_; }
-
-  /// How far the next tick opens jaws, evenly, 0 closed to 1 wide open; what is no number changes nothing. They are
-  /// wide open at first. No other tool takes notice. May be called in the tick.
-  void setOpening(double share) noexcept;
-
   /// Between the jaws now, in m; 0 with another tool.
   [[nodiscard]] double opening() const noexcept { return tool_.shape == ToolShape::kJaws ? opening_m_ : 0; }
 
-  /// Puts the tool somewhere without moving it there, jaws as far open as they are to be.
-  void placeTool(const Pose& scene_T_tool) noexcept;
+  /// Puts the tool where `hand` has it, without moving it there, and opens jaws likewise.
+  void placeTool(const HandState& hand) noexcept;
 
   /// How much of itself the tool is, 0 to 1: with less than 1 it presses, damps and coheres by so much less, and the
   /// soil on it likewise. Soil that finds itself inside a tool is moved out gently when this grows slowly. May be
@@ -57,15 +52,16 @@ class Scene {
   [[nodiscard]] int substeps() const noexcept { return substeps_; }
 
  private:
+  void open(double share) noexcept;
+
   ToolParameters tool_;
   int substeps_;
   Bed bed_;
   Pose tool_pose_;
-  double opening_ = 1;  ///< to be reached by the end of a tick
+  double opening_ = 1;  ///< of the jaws, to be reached by the end of a tick
   double opening_m_;    ///< now
   double presence_ = 1;
-  Wrench wrench_;
-  double grip_n_ = 0;
+  Felt felt_;
   Eigen::Matrix3d stiffness_n_m_ = Eigen::Matrix3d::Zero();
 };
 

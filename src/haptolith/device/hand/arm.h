@@ -1,6 +1,6 @@
 #pragma once
 
-#include "haptolith/core/vec.h"
+#include "haptolith/core/movement.h"
 
 namespace haptolith {
 
@@ -12,12 +12,6 @@ struct ArmParameters {
   double lever_m = 0.1;  ///< rotation: inertia, damping and stiffness are the above times lever^2
 
   [[nodiscard]] bool operator==(const ArmParameters&) const = default;
-};
-
-/// What moves, and how fast.
-struct Movement {
-  Pose pose;
-  Twist twist;
 };
 
 /// One semi-implicit step of
@@ -33,14 +27,5 @@ Wrench moveArm(const ArmParameters& arm, const Movement& wanted, const Wrench& f
 
 /// The lightest arm of this stiffness and damping that a tick can follow, in kg: see moveArm().
 [[nodiscard]] double lightestArm(const ArmParameters& arm, double tick_s) noexcept;
-
-/// The rotation from one orientation to another as a vector: axis times angle, in rad, scene frame.
-[[nodiscard]] Vec3 rotationBetween(const Quat& from, const Quat& to) noexcept;
-
-/// An orientation, turned on by a rotation vector: the other way round of rotationBetween().
-[[nodiscard]] Quat turnedBy(const Vec3& rotation, const Quat& orientation) noexcept;
-
-/// The vector, shortened to `largest` where it is longer.
-[[nodiscard]] Vec3 atMost(double largest, const Vec3& v) noexcept;
 
 }  // namespace haptolith

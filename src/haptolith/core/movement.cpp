@@ -1,0 +1,23 @@
+#include "haptolith/core/movement.h"
+
+namespace haptolith {
+
+Quat turnedBy(const Vec3& rotation, const Quat& orientation) noexcept {
+  const double angle = rotation.norm();
+  if (angle == 0) {
+    return orientation;
+  }
+  return (Quat(Eigen::AngleAxisd(angle, rotation / angle)) * orientation).normalized();
+}
+
+Vec3 atMost(double largest, const Vec3& v) noexcept {
+  const double norm = v.norm();
+  return norm > largest ? Vec3(largest / norm * v) : v;
+}
+
+Vec3 rotationBetween(const Quat& from, const Quat& to) noexcept {
+  const Eigen::AngleAxisd turn((to * from.conjugate()).normalized());
+  return turn.angle() > EIGEN_PI ? Vec3((turn.angle() - 2 * EIGEN_PI) * turn.axis()) : Vec3(turn.angle() * turn.axis());
+}
+
+}  // namespace haptolith

@@ -1,0 +1,33 @@
+#pragma once
+
+#include "haptolith/core/vec.h"
+
+namespace haptolith {
+
+/// What moves, and how fast.
+struct Movement {
+  Pose pose;
+  Twist twist;
+};
+
+/// Where a hand has the tool, scene frame, and how far it holds the jaws open.
+struct HandState : Movement {
+  double opening = 1;  ///< 0 closed to 1 wide open
+};
+
+/// What a hand feels of the tool, scene frame, and its fingers of what is between the jaws.
+struct Felt {
+  Wrench wrench;
+  double grip_n = 0;  ///< > 0 opens the fingers
+};
+
+/// The rotation from one orientation to another as a vector: axis times angle, in rad, scene frame.
+[[nodiscard]] Vec3 rotationBetween(const Quat& from, const Quat& to) noexcept;
+
+/// An orientation, turned on by a rotation vector: the other way round of rotationBetween().
+[[nodiscard]] Quat turnedBy(const Vec3& rotation, const Quat& orientation) noexcept;
+
+/// The vector, shortened to `largest` where it is longer.
+[[nodiscard]] Vec3 atMost(double largest, const Vec3& v) noexcept;
+
+}  // namespace haptolith

@@ -1,0 +1,55 @@
+#pragma once
+
+#include <cstdint>
+
+namespace haptolith {
+
+/// When the loop's ticks are, and whether they were in time: in step with the system's clock or as fast as possible, at
+/// another speed, paused. Functions but waitForTick() and waitWhilePaused() return at once.
+class LoopClock {
+ public:
+  LoopClock(double tick_s, bool paced) noexcept;
+
+  /// Begins a run: its first tick is now.
+  void start() noexcept;
+  /// When paced: sleeps until the tick is due, and takes note of how late it began. @return that, in us.
+  double waitForTick() noexcept;
+  /// A tick that is late is not made up for by a burst of early ones: the hand would feel time run faster.
+  void planNextTick() noexcept;
+  /// A moment, for a loop that is not paced.
+  static void waitAMoment() noexcept;
+
+  /// Work begins, and is done.
+  void beginTick() noexcept;
+  void endTick() noexcept;
+  [[nodiscard]] double tickUs() const noexcept { return tick_us_; }  ///< of the last tick's work
+  [[nodiscard]] bool inTime() const noexcept { return in_time_; }    ///< the last tick's
+  [[nodiscard]] bool late() const noexcept { return late_; }         ///< a paced one's that was not
+  [[nodiscard]] double lateUs() const noexcept { return late_us_; }  ///< how late the present one began
+  [[nodiscard]] bool paced() const noexcept { return paced_; }
+
+  void pause() noexcept { paused_ = true; }
+  void resume() noexcept;
+  /// So many ticks while it is paused.
+  void advance(int ticks) noexcept { ticks_left_ += paused_ ? ticks : 0; }
+  /// Slow motion: a simulated second takes 1 / factor seconds.
+  void setSpeed(double factor) noexcept { speed_ = factor; }
+  [[nodiscard]] double speed() const noexcept { return speed_; }
+  [[nodiscard]] bool paused() const noexcept { return paused_; }
+  [[nodiscard]] bool standsStill() const noexcept { return paused_ && ticks_left_ == 0; }
+
+ private:
+  double tick_s_;
+  std::int64_t period_ns_;
+  bool paced_;
+  std::int64_t due_ns_ = 0;       ///< when the next tick begins
+  std::int64_t deadline_ns_ = 0;  ///< when the present one has to be done; 0 when nobody paces
+  std::int64_t begun_ns_ = 0;
+  double tick_us_ = 0, late_us_ = 0;
+  bool in_time_ = true, late_ = false;
+  bool paused_ = false;
+  int ticks_left_ = 0;  ///< to go while paused
+  double speed_ = 1;
+};
+
+}  // namespace haptolith
