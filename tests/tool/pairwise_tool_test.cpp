@@ -135,11 +135,12 @@ void stir(Scene& stirred, double duration_s) {
   const auto at = [surface](double t) {
     return Vec3(0.02 * std::sin(6 * t), 0.02 * std::cos(6 * t) - 0.02, surface + 0.03 - 0.04 * std::min(1.0, 2 * t));
   };
-  stirred.placeTool({at(0), Quat(Eigen::AngleAxisd(std::numbers::pi / 2, Vec3::UnitX()))});
+  const Quat upright(Eigen::AngleAxisd(std::numbers::pi / 2, Vec3::UnitX()));
+  stirred.placeTool({{{at(0), upright}, {}}});
   for (int i = 1; i <= static_cast<int>(1e3 * duration_s); ++i) {
     const double t = 1e-3 * i;
     const Vec3 velocity = (at(t) - at(t - 1e-3)) / 1e-3;
-    ASSERT_EQ(stirred.tick({at(t), stirred.toolPose().orientation}, {velocity, Vec3::Zero()}), StepStatus::kOk);
+    ASSERT_EQ(stirred.tick({{{at(t), stirred.toolPose().orientation}, {velocity, Vec3::Zero()}}}), StepStatus::kOk);
   }
 }
 
@@ -161,12 +162,12 @@ TEST(PairwiseScene, GoesOnBitForBitWithATool) {
   stir(first, 0.9);
   Scene second(scene(1), {});
   second.bed().restore(deserialiseBedState(serialise(first.bed().state())));
-  second.placeTool(first.toolPose());
+  second.placeTool({{first.toolPose(), {}}});
   for (int i = 0; i < 200; ++i) {
     const Pose pose{first.toolPose().position_m + Vec3(1e-4, 0, 0), first.toolPose().orientation};
     const Twist twist{Vec3(0.1, 0, 0), Vec3::Zero()};
-    ASSERT_EQ(first.tick(pose, twist), StepStatus::kOk);
-    ASSERT_EQ(second.tick(pose, twist), StepStatus::kOk);
+    ASSERT_EQ(first.tick({{pose, twist}}), StepStatus::kOk);
+    ASSERT_EQ(second.tick({{pose, twist}}), StepStatus::kOk);
     ASSERT_EQ(first.felt().wrench.force_n, second.felt().wrench.force_n) << i;
   }
   EXPECT_EQ(stateHash(first.bed().state()), stateHash(second.bed().state()));
@@ -192,12 +193,12 @@ TEST(PairwiseScene, EnergyDoesNotGrowOnceTheToolStandsStill) {
   Scene stirred(scene(1), {});
   stir(stirred, 3);
   const Pose pose = stirred.toolPose();
-  ASSERT_EQ(stirred.tick(pose, {}), StepStatus::kOk);
+  ASSERT_EQ(stirred.tick({{pose, {}}}), StepStatus::kOk);
   double least = stirred.bed().energy() + toolEnergy(stirred);
   double rise = 0;
   double late_rise = 0;
   for (int i = 0; i < 8000; ++i) {
-    ASSERT_EQ(stirred.tick(pose, {}), StepStatus::kOk);
+    ASSERT_EQ(stirred.tick({{pose, {}}}), StepStatus::kOk);
     const double energy = stirred.bed().energy() + toolEnergy(stirred);
     rise = std::max(rise, energy - least);
     late_rise = i > 3000 ? std::max(late_rise, energy - least) : 0;

@@ -95,7 +95,7 @@ TEST(ThinPlate, SqueezesAParticleAgainstAWallWithoutLettingItThrough) {
           [&] { ASSERT_GT(one.centre().x(), one.scene().toolPose().position_m.x()) << speed; });
     const Vec3 held = one.scene().toolPose().position_m;
     for (int i = 0; i < 500; ++i) {
-      ASSERT_EQ(one.scene().tick({held, kBlade}, {}), StepStatus::kOk);
+      ASSERT_EQ(one.scene().tick({{{held, kBlade}, {}}}), StepStatus::kOk);
       ASSERT_GT(one.centre().x(), held.x()) << speed;
     }
     EXPECT_LT(one.scene().felt().wrench.force_n.x(), -0.5);  // it pushes back
