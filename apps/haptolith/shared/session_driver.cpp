@@ -38,8 +38,13 @@ const SessionDriver::News& SessionDriver::look() {
   if (news_.snapshot) {
     recording_.add(session_.snapshot());
   }
-  news_.trip = trips_.update(session_, recording_);
+  news_.trip.clear();
+  auto& trips = session_.loop().trips();
+  if (trips.update()) {
+    news_.trip = trips_.tell(trips.latest(), session_.device().problem());
+  }
   if (!news_.trip.empty()) {
+    recording_.note("trip", trips.latest().time_s, trips.latest().reason());
     status_.clear();
     spdlog::warn("{}", news_.trip);
   }

@@ -34,17 +34,12 @@ std::string writeTripFile(const TripReport& report) {
 
 }  // namespace
 
-std::string TripFiles::update(Session& session, SessionRecording& recording) {
-  if (!session.loop().trips().update()) {
-    return {};
-  }
-  const TripReport& report = session.loop().trips().latest();
+std::string TripFiles::tell(const TripReport& report, std::string_view problem) {
   if (files_ == kMostFiles && report.time_s < told_s_ + kBetween_s) {
     ++untold_;
     return {};
   }
   told_s_ = report.time_s;
-  recording.note("trip", report.time_s, report.reason());
   std::string where;
   if (untold_ > 0) {
     where = fmt::format("; {} more times before that", std::exchange(untold_, 0));
@@ -58,9 +53,8 @@ std::string TripFiles::update(Session& session, SessionRecording& recording) {
       where = fmt::format("; the last ticks could not be written: {}", failure.what());
     }
   }
-  const std::string_view reason = session.device().problem();
   return fmt::format("at {:.3f} s the hand was let go: {}{}{}{}", report.time_s, report.reason(),
-                     reason.empty() ? "" : ": ", reason, where);
+                     problem.empty() ? "" : ": ", problem, where);
 }
 
 std::string TripFiles::rest() const {

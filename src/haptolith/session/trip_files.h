@@ -2,9 +2,9 @@
 
 #include <cstdint>
 #include <string>
+#include <string_view>
 
-#include "haptolith/session/session.h"
-#include "haptolith/session/session_recording.h"
+#include "haptolith/haptics/trip_report.h"
 
 namespace haptolith {
 
@@ -12,11 +12,11 @@ namespace haptolith {
 /// when it does so again and again.
 class TripFiles {
  public:
-  /// When the safety layer has let go of the hand since the last call: why, noted in the recording as well, and the
-  /// last ticks before it in a new CSV file where the program was started. After 20 times no more files are written,
+  /// Writes the last ticks to a new CSV file where the program was started. After 20 times no more files are written,
   /// and it tells once a second how often that was.
+  /// @param problem  what the device says of it; may be empty.
   /// @return what there is to tell; empty: nothing.
-  std::string update(Session& session, SessionRecording& recording);
+  std::string tell(const TripReport& report, std::string_view problem);
 
   /// What it has not told; empty: nothing.
   [[nodiscard]] std::string rest() const;
