@@ -44,7 +44,7 @@ export function publish({ stage, layout, now, setColour, setTheme }: Parts): voi
   const drawn = stage.onDrawn;
   stage.onDrawn = () => {
     drawn();
-    if (stage.bed.drawn > 0) ready = true;
+    if (stage.draws && stage.bed.drawn > 0) ready = true;
   };
   window.haptolith = {
     get ready() {

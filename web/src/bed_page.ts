@@ -29,7 +29,7 @@ import {
 import { rememberColour, rememberTheme, VIEW_NAMES, type Settings, type Theme } from './settings';
 import { askFirst } from './study/dialogs';
 import { isTyping, runShortcut, TOOL_KEYS, VIEW_KEYS, type Shortcut } from './shortcuts';
-import { makeStage } from './view/make_stage';
+import { Stage } from './view/stage';
 
 export function openBedPage(settings: Settings, address: string): void {
   const now = {
@@ -75,7 +75,7 @@ export function openBedPage(settings: Settings, address: string): void {
   };
 
   const layout = new Layout(settings.panels);
-  const stage = makeStage(layout.view, {
+  const stage = new Stage(layout.view, {
     reduced_motion: matchMedia('(prefers-reduced-motion: reduce)').matches,
     full_quality: settings.for_pictures,
   });
@@ -170,7 +170,9 @@ export function openBedPage(settings: Settings, address: string): void {
     '?',
   );
   const hint = h('div', { class: 'hint' }, 'Drag the tool to dig · drag beside it to look around · ? for help');
-  hint.hidden = settings.for_pictures;
+  const hint_hidden = settings.for_pictures || !stage.draws;
+  hint.hidden = hint_hidden;
+  scale_bar.element.hidden = !stage.draws;
 
   layout.assemble({
     strip: strip.element,
@@ -223,7 +225,7 @@ export function openBedPage(settings: Settings, address: string): void {
   function onHello(hello: Hello): void {
     now.hello = hello;
     pointer.may_dig = !hello.read_only;
-    hint.hidden = settings.for_pictures || hello.read_only;
+    hint.hidden = hint_hidden || hello.read_only;
     controls.setHello(hello);
     plots.clear();
     // The program forgets a client's colours with its connection.

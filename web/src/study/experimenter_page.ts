@@ -10,7 +10,7 @@ import { Plots, steppedRange, type PlotSpec } from '../panels/plots';
 import type { Frame, Scene, Status } from '../protocol';
 import { rememberTheme, type Settings, type Theme } from '../settings';
 import { isTyping } from '../shortcuts';
-import { makeStage } from '../view/make_stage';
+import { Stage } from '../view/stage';
 import { AnswersTable } from './answers_table';
 import { askFirst } from './dialogs';
 import { NotesPanel } from './notes_panel';
@@ -169,7 +169,7 @@ export function openExperimenterPage(settings: Settings, address: string): void 
   );
   document.querySelector('#app')!.append(page);
 
-  const stage = makeStage(view, {
+  const stage = new Stage(view, {
     reduced_motion: matchMedia('(prefers-reduced-motion: reduce)').matches,
     full_quality: settings.for_pictures,
   });

@@ -10,7 +10,7 @@ import { Notices } from '../panels/notices';
 import type { Frame, Scene, Status } from '../protocol';
 import type { Settings } from '../settings';
 import { isTyping } from '../shortcuts';
-import { makeStage } from '../view/make_stage';
+import { Stage } from '../view/stage';
 import { Countdown } from './countdown';
 import { askToStop } from './dialogs';
 import { isTooLong } from './form';
@@ -92,7 +92,7 @@ export function openParticipantPage(settings: Settings, address: string): void {
   document.documentElement.dataset.theme = settings.theme;
   document.title = 'Study, haptolith';
 
-  const stage = makeStage(view, {
+  const stage = new Stage(view, {
     reduced_motion: matchMedia('(prefers-reduced-motion: reduce)').matches,
     full_quality: settings.for_pictures,
     neutral: true,

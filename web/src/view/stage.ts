@@ -1,16 +1,8 @@
 // The picture: everything that stands in it, and when it is drawn. A frame is drawn only when something changed, so a
 // paused bed costs nothing.
 
-import {
-  AmbientLight,
-  Color,
-  DirectionalLight,
-  Group,
-  HemisphereLight,
-  Scene as World,
-  Vector3,
-  WebGLRenderer,
-} from 'three';
+import { AmbientLight, Color, DirectionalLight, Group, HemisphereLight, Scene as World, Vector3 } from 'three';
+import { h } from '../panels/html';
 import type { ColourMode, Frame, Scene } from '../protocol';
 import type { ViewName } from '../settings';
 import { ArrowsView } from './arrows';
@@ -20,11 +12,15 @@ import { BoxView } from './box_view';
 import { OrbitCamera } from './camera';
 import { GroundView } from './ground_view';
 import { lightBody, makeLightUniforms, shadeTool, shadeToolAt, TO_SUN } from './light_shader';
+import { makeRenderer, type Renderer } from './renderer';
 import { Resolution } from './resolution';
 import { SkyView } from './sky_view';
 import { ToolView } from './tool_view';
 
 const HIGHEST_PIXEL_RATIO = 2;
+const NO_PICTURE =
+  'No picture: this browser shows no WebGL 2. Numbers, plots and controls work without it. To see the bed, switch on ' +
+  "graphics acceleration in the browser's settings, or open this address in a current Chrome, Edge, Firefox or Safari.";
 
 export interface StageOptions {
   reduced_motion: boolean;
@@ -35,7 +31,9 @@ export interface StageOptions {
 }
 
 export class Stage {
-  readonly renderer: WebGLRenderer;
+  readonly renderer: Renderer;
+  /** false: the browser has no WebGL 2, and the picture stays empty */
+  readonly draws: boolean;
   readonly world = new World();
   /** holds all of the scene's frame; a headset's table moves and scales it */
   readonly bench = new Group();
@@ -66,9 +64,10 @@ export class Stage {
     private readonly options: StageOptions,
   ) {
     const software = !options.full_quality && drawsInSoftware();
-    this.renderer = new WebGLRenderer({ antialias: !software, powerPreference: 'high-performance' });
+    ({ renderer: this.renderer, draws: this.draws } = makeRenderer(!software));
     this.renderer.domElement.className = 'stage-canvas';
     host.append(this.renderer.domElement);
+    if (!this.draws) host.append(h('p', { class: 'no-picture', role: 'note' }, NO_PICTURE));
     const highest_ratio = Math.min(HIGHEST_PIXEL_RATIO, window.devicePixelRatio);
     this.resolution = new Resolution(highest_ratio, !options.full_quality, software);
     this.renderer.setPixelRatio(this.resolution.ratio);
