@@ -3,54 +3,11 @@
 import uPlot from 'uplot';
 import 'uplot/dist/uPlot.min.css';
 import type { Frame } from '../protocol';
+import { History, lonely, SPAN_S } from './history';
 import { h } from './html';
 
-const SPAN_S = 10;
-// Frames come at most 62 times a second; room for a little more than the span.
-const CAPACITY = 720;
 const DRAW_INTERVAL_MS = 66;
 const DEADLINE_US = 1000;
-
-/** Values over time, in a ring. */
-class History {
-  private readonly times_s = new Float64Array(CAPACITY);
-  private readonly columns: Float32Array[];
-  private next = 0;
-  private count = 0;
-  private last_s = -Infinity;
-
-  constructor(columns: number) {
-    this.columns = Array.from({ length: columns }, () => new Float32Array(CAPACITY));
-  }
-
-  add(time_s: number, values: readonly number[]): void {
-    // Time went back: another scene, or an undo.
-    if (time_s < this.last_s) this.count = 0;
-    if (time_s === this.last_s) return;
-    this.last_s = time_s;
-    this.times_s[this.next] = time_s;
-    values.forEach((value, column) => (this.columns[column]![this.next] = value));
-    this.next = (this.next + 1) % CAPACITY;
-    this.count = Math.min(CAPACITY, this.count + 1);
-  }
-
-  /** Seconds before now, and the columns; NaN becomes a gap. */
-  table(): uPlot.AlignedData {
-    const x: number[] = [];
-    const ys: (number | null)[][] = this.columns.map(() => []);
-    for (let i = 0; i < this.count; ++i) {
-      const at = (this.next - this.count + i + CAPACITY) % CAPACITY;
-      const before_s = this.times_s[at]! - this.last_s;
-      if (before_s < -SPAN_S) continue;
-      x.push(before_s);
-      ys.forEach((y, column) => {
-        const value = this.columns[column]![at]!;
-        y.push(Number.isNaN(value) ? null : value);
-      });
-    }
-    return [x, ...ys] as uPlot.AlignedData;
-  }
-}
 
 interface Line {
   name: string;
@@ -250,7 +207,14 @@ export class Plots {
           stroke: colour(line.colour),
           width: line.width,
           paths: line.points ? () => null : undefined,
-          points: { show: line.points === true, size: 6, fill: colour(line.colour) },
+          points: line.points
+            ? { show: true, size: 6, fill: colour(line.colour) }
+            : {
+                show: true,
+                size: 2 * line.width,
+                fill: colour(line.colour),
+                filter: (plot, series) => lonely(plot.data[series]!),
+              },
           spanGaps: false,
         })),
       ],
