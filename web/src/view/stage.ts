@@ -3,7 +3,7 @@
 
 import { AmbientLight, Color, DirectionalLight, Group, HemisphereLight, Scene as World, Vector3 } from 'three';
 import { h } from '../panels/html';
-import type { ColourMode, Frame, Scene } from '../protocol';
+import type { ColourMode, Frame, Scene, Vec3 } from '../protocol';
 import type { ViewName } from '../settings';
 import { ArrowsView } from './arrows';
 import { BedView } from './bed_view';
@@ -150,8 +150,12 @@ export class Stage {
 
   /** Where the tool is in the page, in CSS pixels. */
   toolOnScreen(): { x: number; y: number } | null {
-    if (!this.frame) return null;
-    const at = new Vector3(...this.frame.tool.position_m).project(this.orbit.camera);
+    return this.frame && this.onScreen(this.frame.tool.position_m);
+  }
+
+  /** Where a place of the scene is in the page, in CSS pixels. */
+  onScreen(at_m: Vec3): { x: number; y: number } {
+    const at = new Vector3(...at_m).project(this.orbit.camera);
     const rect = this.renderer.domElement.getBoundingClientRect();
     return { x: rect.left + ((at.x + 1) / 2) * rect.width, y: rect.top + ((1 - at.y) / 2) * rect.height };
   }

@@ -58,3 +58,35 @@ describe('without WebGL 2', () => {
     expect(await page.evaluate(() => window.haptolith!.ready)).toBe(false);
   });
 });
+
+describe('on a screen', () => {
+  const SIZES = [
+    [640, 360],
+    [844, 390],
+    [390, 844],
+    [1280, 720],
+  ] as const;
+
+  it.each(SIZES)('of %i x %i the soil and the tool are to be seen', async (width, height) => {
+    const { page } = await visit();
+    await page.setViewportSize({ width, height });
+    const view = (await page.locator('.view').boundingBox())!;
+    expect(view.height).toBeGreaterThan(0.5 * height);
+    expect(view.width).toBeGreaterThan(0.5 * width);
+    // What lies over the picture hides neither the middle of the bed nor the tool where it starts.
+    const places = await page.evaluate(() => [window.haptolith!.toolOnScreen!, window.haptolith!.bedOnScreen!]);
+    for (const name of ['.readouts', '.hint', '.legend', '.scale-bar']) {
+      const box = (await page.locator(name).boundingBox()) ?? { x: 0, y: 0, width: 0, height: 0 };
+      for (const { x, y } of places) {
+        const inside = x > box.x && x < box.x + box.width && y > box.y && y < box.y + box.height;
+        expect({ name, inside }).toEqual({ name, inside: false });
+      }
+    }
+    for (const { x, y } of places) {
+      expect(x).toBeGreaterThan(view.x);
+      expect(x).toBeLessThan(view.x + view.width);
+      expect(y).toBeGreaterThan(view.y);
+      expect(y).toBeLessThan(view.y + view.height);
+    }
+  });
+});
