@@ -13,7 +13,9 @@ import {
   type Vec3,
 } from '../protocol';
 import { VIEW_NAMES, type ViewName } from '../settings';
+import { DRAG_WARNING, EXPLAIN, frictionModelName, type Explained } from './explanations';
 import { h, setText } from './html';
+import { explain } from './tooltip';
 
 const SLIDER_DELAY_MS = 150;
 const SPEEDS = [1, 0.5, 0.2, 0.1, 0.05, 0.01];
@@ -24,12 +26,14 @@ export interface Actions {
   setView(name: ViewName): void;
   resetView(): void;
   setDigAnywhere(on: boolean): void;
+  bringTool(): void;
 }
 
 export class Controls {
   readonly element: HTMLElement;
   private readonly soil = h('select', { id: 'soil' });
   private readonly friction = h('select', { id: 'friction' });
+  private readonly drag_warning = h('p', { class: 'warning', role: 'note', hidden: true }, DRAG_WARNING);
   private readonly soil_facts = h('p', { class: 'facts numbers' });
   private readonly sliders = h('div', { class: 'sliders' });
   private readonly body = h('select', { id: 'body' });
@@ -59,8 +63,11 @@ export class Controls {
     private readonly act: Actions,
     private readonly neutral: boolean,
   ) {
-    const button = (label: string, title: string, run: () => void): HTMLButtonElement =>
-      h('button', { type: 'button', title, onclick: run }, label);
+    const button = (label: string, explanation: string, run: () => void): HTMLButtonElement => {
+      const made = h('button', { type: 'button', onclick: run }, label);
+      explain(made, explanation);
+      return made;
+    };
 
     this.soil.addEventListener('change', () => {
       const [kind, name] = this.soil.value.split(':') as [string, string];
@@ -75,61 +82,68 @@ export class Controls {
       ...SPEEDS.map((factor) => h('option', { value: factor }, factor === 1 ? 'real time' : `${factor} ×`)),
     );
 
-    this.still = button('Hold still', 'Stop the virtual hand where it is (Y)', () => this.holdStill());
-    this.undo = button('Undo', 'Take back the last change of the bed (Ctrl+Z)', () => this.act.ask({ do: 'undo' }));
-    this.pause = button('Pause', 'Pause or go on (space)', () => this.togglePause());
-    this.step = button('Step', 'While paused: one tick (. on the keyboard; , for 100)', () => this.stepOnce(1));
-    this.record = button('Record', 'Write every tick to a file (O)', () => this.toggleRecord());
+    this.still = button('Hold still', EXPLAIN.still, () => this.holdStill());
+    this.undo = button('Undo', EXPLAIN.undo, () => this.act.ask({ do: 'undo' }));
+    this.pause = button('Pause', EXPLAIN.pause, () => this.togglePause());
+    this.step = button('Step', EXPLAIN.step, () => this.stepOnce(1));
+    this.record = button('Record', EXPLAIN.record, () => this.toggleRecord());
 
-    for (const mode of COLOUR_MODES)
-      this.colours.append(
-        h(
-          'button',
-          { type: 'button', 'data-colour': mode, 'aria-pressed': 'false', onclick: () => this.act.setColour(mode) },
-          mode,
-        ),
-      );
+    for (const mode of COLOUR_MODES) {
+      const colour = button(mode, COLOUR_EXPLANATIONS[mode], () => this.act.setColour(mode));
+      colour.dataset.colour = mode;
+      colour.setAttribute('aria-pressed', 'false');
+      this.colours.append(colour);
+    }
     const views = h(
       'div',
       { class: 'segmented', role: 'group', 'aria-label': 'View' },
-      ...VIEW_NAMES.map((name, i) =>
-        h(
-          'button',
-          { type: 'button', title: `key ${i + 1}`, onclick: () => this.act.setView(name) },
-          name === 'three-quarter' ? '¾' : name,
-        ),
+      ...VIEW_NAMES.map((name) =>
+        button(name === 'three-quarter' ? '¾' : name, EXPLAIN.view, () => this.act.setView(name)),
       ),
     );
+
+    const dig = h('label', { class: 'check' }, this.dig, h('span', {}, 'drag anywhere to dig'));
+    explain(this.dig, EXPLAIN.dig, dig);
+    explain(this.soil_facts, EXPLAIN.facts);
+    this.soil_facts.tabIndex = 0;
 
     const changing = [
       group(
         'World',
-        field('Soil', this.soil),
-        field('Friction', this.friction),
+        field('Soil', this.soil, EXPLAIN.soil),
+        field('Friction model', this.friction, EXPLAIN.friction),
+        this.drag_warning,
         this.soil_facts,
         this.sliders,
-        field('Body', this.body),
+        field('Body', this.body, EXPLAIN.body),
       ),
       group('Tool', this.shapes, this.sizes),
       group(
         'Hand',
-        h('div', { class: 'row' }, field('Manoeuvre', this.manoeuvre), this.still),
-        h('label', { class: 'check' }, this.dig, h('span', {}, 'drag anywhere to dig')),
+        field('Manoeuvre', this.manoeuvre, EXPLAIN.manoeuvre),
+        h(
+          'div',
+          { class: 'row buttons' },
+          this.still,
+          button('Bring tool here', EXPLAIN.bring, () => this.act.bringTool()),
+        ),
+        dig,
       ),
       group(
         'Bed',
         h(
           'div',
           { class: 'row buttons' },
-          button('Reset', 'The scene as it was started (R)', () => this.act.ask({ do: 'reset' })),
-          button('Level', 'The same soil, its surface level again (L)', () => this.act.ask({ do: 'level' })),
+          button('Reset', EXPLAIN.reset, () => this.act.ask({ do: 'reset' })),
+          button('Level', EXPLAIN.level, () => this.act.ask({ do: 'level' })),
           this.undo,
         ),
       ),
       group(
         'Time',
         h('div', { class: 'row buttons' }, this.pause, this.step, this.record),
-        h('div', { class: 'row' }, field('Speed', this.speed), this.record_file),
+        field('Speed', this.speed, EXPLAIN.speed),
+        this.record_file,
       ),
     ];
     this.changing = changing;
@@ -153,7 +167,7 @@ export class Controls {
         'optgroup',
         { label: "The paper's presets" },
         ...hello.presets.map((preset) =>
-          h('option', { value: `preset:${preset.name}` }, `${preset.name}, friction ${preset.friction_coefficient}`),
+          h('option', { value: `preset:${preset.name}` }, `${preset.name}, coefficient ${preset.friction_coefficient}`),
         ),
       ),
       h(
@@ -164,7 +178,9 @@ export class Controls {
         ),
       ),
     );
-    this.friction.replaceChildren(...hello.frictions.map((name) => h('option', { value: name }, name)));
+    this.friction.replaceChildren(
+      ...hello.frictions.map((name) => h('option', { value: name }, frictionModelName(name))),
+    );
     this.body.replaceChildren(
       ...hello.bodies.map((body) => h('option', { value: body.name }, `${body.name}, ${body.gravity_m_s2} m/s²`)),
     );
@@ -189,15 +205,13 @@ export class Controls {
     this.scene = scene;
     const { soil, tool } = scene;
     select(this.soil, soil.preset ? `preset:${soil.preset}` : soil.name ? `soil:${soil.name}` : '', 'own soil');
-    select(this.friction, soil.friction, soil.friction);
+    select(this.friction, soil.friction, frictionModelName(soil.friction));
+    this.drag_warning.hidden = soil.friction !== 'paper';
     select(this.body, scene.body ?? '', `${Math.hypot(...scene.gravity_m_s2).toFixed(2)} m/s²`);
     select(this.manoeuvre, scene.hand.manoeuvre, scene.hand.manoeuvre);
     const angle = soil.friction_angle_deg === null ? '' : `${soil.friction_angle_deg.toFixed(1)}°, `;
     const cohesion = soil.cohesion_pa === null ? '' : `${Math.round(soil.cohesion_pa)} Pa, `;
     setText(this.soil_facts, `${angle}${cohesion}${Math.round(soil.bulk_density_kg_m3)} kg/m³`);
-    this.soil_facts.title = soil.preset
-      ? 'friction angle and cohesion as (17) and (18) predict; bulk density'
-      : 'friction angle, cohesion, bulk density';
     for (const button of this.shapes.children as HTMLCollectionOf<HTMLElement>)
       button.setAttribute('aria-pressed', String(button.dataset.shape === tool.shape));
     this.showSizes(scene);
@@ -206,7 +220,7 @@ export class Controls {
 
   setStatus(status: Status): void {
     this.status = status;
-    setText(this.pause, status.paused ? 'Go on' : 'Pause');
+    setText(this.pause, status.paused ? 'Resume' : 'Pause');
     this.pause.setAttribute('aria-pressed', String(status.paused && !this.neutral));
     this.step.disabled = !status.paused;
     this.undo.disabled = !status.can_undo;
@@ -353,7 +367,9 @@ export class Controls {
         const entry = { input, value, spec: slider };
         input.addEventListener('input', () => this.slid(entry));
         this.slider_inputs.set(slider.key, entry);
-        return h('label', { class: 'slider', title: slider.label }, h('span', {}, slider.label), value, input);
+        const label = h('label', { class: 'slider' }, h('span', {}, slider.label), value, input);
+        if (slider.key in EXPLAIN) explain(input, EXPLAIN[slider.key as Explained], label);
+        return label;
       }),
     );
   }
@@ -387,9 +403,19 @@ function group(title: string, ...children: HTMLElement[]): HTMLFieldSetElement {
   return h('fieldset', { class: 'group' }, h('legend', {}, title), ...children);
 }
 
-function field(label: string, control: HTMLElement): HTMLElement {
-  return h('label', { class: 'field' }, h('span', {}, label), control);
+function field(label: string, control: HTMLElement, explanation: string): HTMLElement {
+  const made = h('label', { class: 'field' }, h('span', {}, label), control);
+  explain(control, explanation, made);
+  return made;
 }
+
+const COLOUR_EXPLANATIONS: Record<ColourMode, string> = {
+  plain: EXPLAIN.plain,
+  force: EXPLAIN.force_colour,
+  speed: EXPLAIN.speed_colour,
+  depth: EXPLAIN.depth_colour,
+  sleep: EXPLAIN.sleep,
+};
 
 /** Chooses a value; one that the list does not have is shown as an entry of its own that cannot be chosen. */
 function select(list: HTMLSelectElement, value: string, foreign_label: string): void {

@@ -18,6 +18,8 @@ import { SkyView } from './sky_view';
 import { ToolView } from './tool_view';
 
 const HIGHEST_PIXEL_RATIO = 2;
+// Nearer to the edge something is not in the picture, but cut off. The edges are at -1 and 1.
+const IN_PICTURE = 0.85;
 const NO_PICTURE =
   'No picture: this browser shows no WebGL 2. Numbers, plots and controls work without it. To see the bed, switch on ' +
   "graphics acceleration in the browser's settings, or open this address in a current Chrome, Edge, Firefox or Safari.";
@@ -67,6 +69,8 @@ export class Stage {
     ({ renderer: this.renderer, draws: this.draws } = makeRenderer(!software));
     this.renderer.domElement.className = 'stage-canvas';
     host.append(this.renderer.domElement);
+    this.renderer.domElement.setAttribute('role', 'img');
+    this.describe('The bed');
     if (!this.draws) host.append(h('p', { class: 'no-picture', role: 'note' }, NO_PICTURE));
     const highest_ratio = Math.min(HIGHEST_PIXEL_RATIO, window.devicePixelRatio);
     this.resolution = new Resolution(highest_ratio, !options.full_quality, software);
@@ -84,6 +88,11 @@ export class Stage {
 
     new ResizeObserver(() => this.resize()).observe(host);
     this.resize();
+  }
+
+  /** What the picture shows, for who cannot see it. */
+  describe(text: string): void {
+    this.renderer.domElement.setAttribute('aria-label', text);
   }
 
   start(): void {
@@ -158,6 +167,11 @@ export class Stage {
     const at = new Vector3(...at_m).project(this.orbit.camera);
     const rect = this.renderer.domElement.getBoundingClientRect();
     return { x: rect.left + ((at.x + 1) / 2) * rect.width, y: rect.top + ((1 - at.y) / 2) * rect.height };
+  }
+
+  isInPicture(at_m: Vec3): boolean {
+    const at = new Vector3(...at_m).project(this.orbit.camera);
+    return Math.abs(at.x) < IN_PICTURE && Math.abs(at.y) < IN_PICTURE && at.z < 1;
   }
 
   /** Fits the picture to the page again, after a headset had it. */
