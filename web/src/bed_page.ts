@@ -1,7 +1,7 @@
 // The page that shows the bed and holds the tool.
 
 import { publish } from './automation';
-import { Connection } from './connection';
+import { Connection, recordingAddress } from './connection';
 import { GamepadHand } from './hand/gamepad_hand';
 import { Hand } from './hand/hand';
 import { KeyHand } from './hand/key_hand';
@@ -29,7 +29,7 @@ import {
 } from './protocol';
 import { rememberColour, rememberTheme, VIEW_NAMES, type Settings, type Theme } from './settings';
 import { askFirst } from './study/dialogs';
-import { isTyping, runShortcut, TOOL_KEYS, VIEW_KEYS, type Shortcut } from './shortcuts';
+import { isTyping, runShortcut, TOOL_KEYS, TOUCH, VIEW_KEYS, type Shortcut } from './shortcuts';
 import { Stage } from './view/stage';
 
 const DESCRIBE_INTERVAL_MS = 1000;
@@ -106,11 +106,13 @@ export function openBedPage(settings: Settings, address: string): void {
       resetView: () => stage.resetView(),
       setDigAnywhere: (on) => (pointer.dig_anywhere = on),
       bringTool,
+      recordingAddress: (file) => recordingAddress(address, file),
     },
     settings.for_pictures,
   );
 
   const shortcuts: Shortcut[] = [
+    ...TOUCH,
     ...TOOL_KEYS,
     { keys: ['g'], label: 'drag anywhere to dig, on and off', group: 'tool', run: () => controls.toggleDig() },
     { keys: ['y'], label: 'virtual hand: hold still', group: 'tool', run: () => controls.holdStill() },

@@ -67,6 +67,11 @@ Json soilJson(const Scenario& scenario) {
   return soil;
 }
 
+Json recordedJson(const std::filesystem::path& file) {
+  return file.empty() ? Json(nullptr)
+                      : Json{{"file", file.filename().string()}, {"folder", file.parent_path().string()}};
+}
+
 }  // namespace
 
 std::string helloMessage(std::string_view version, bool read_only) {
@@ -181,7 +186,8 @@ std::string statusMessage(const Session& session, const StatusBeside& beside) {
                   {"problem", orNull(session.problem())},
                   {"can_undo", !session.undoable().empty()},
                   {"undo", orNull(session.undoable())},
-                  {"recording", orNull(beside.recording)}});
+                  {"recording", orNull(beside.recording)},
+                  {"recorded", recordedJson(beside.recorded)}});
 }
 
 std::string replyMessage(std::optional<std::int64_t> id, std::string_view refused) {

@@ -27,6 +27,7 @@ export interface Actions {
   resetView(): void;
   setDigAnywhere(on: boolean): void;
   bringTool(): void;
+  recordingAddress(file: string): string;
 }
 
 export class Controls {
@@ -48,7 +49,8 @@ export class Controls {
   private readonly speed = h('select', { id: 'speed' });
   private readonly record: HTMLButtonElement;
   private readonly look_on = h('p', { class: 'look-on', role: 'note', hidden: true });
-  private readonly record_file = h('p', { class: 'facts record-file' });
+  private readonly record_file = h('p', { class: 'facts record-file', role: 'status' });
+  private recorded = '';
   private readonly colours = h('div', { class: 'segmented', role: 'group', 'aria-label': 'Colour by' });
   private readonly slider_inputs = new Map<string, { input: HTMLInputElement; value: HTMLElement; spec: Slider }>();
   private readonly slider_timers = new Map<string, number>();
@@ -227,7 +229,7 @@ export class Controls {
     setText(this.undo, status.undo ? `Undo ${status.undo}` : 'Undo');
     setText(this.record, status.recording ? 'Stop' : 'Record');
     this.record.setAttribute('aria-pressed', String(status.recording !== null));
-    setText(this.record_file, status.recording ? `recording ${status.recording}` : '');
+    this.showRecording(status);
     select(this.speed, String(status.speed), `${status.speed} ×`);
   }
 
@@ -286,6 +288,19 @@ export class Controls {
 
   private change(change: SceneChange): void {
     this.act.ask({ do: 'scene', ...change });
+  }
+
+  private showRecording({ recording, recorded }: Status): void {
+    const key = JSON.stringify([recording, recorded]);
+    if (key === this.recorded) return;
+    this.recorded = key;
+    if (recording) this.record_file.replaceChildren(`recording ${recording}`);
+    else if (recorded)
+      this.record_file.replaceChildren(
+        `${recorded.file} is in ${recorded.folder} on the computer where the program runs. `,
+        h('a', { href: this.act.recordingAddress(recorded.file), download: recorded.file }, 'Download'),
+      );
+    else this.record_file.replaceChildren();
   }
 
   private showSizes(scene: Scene): void {

@@ -110,7 +110,7 @@ export function openExperimenterPage(settings: Settings, address: string): void 
     '◐',
   );
 
-  const pause_button = h('button', { type: 'button', class: 'main', title: 'Pause or go on (P)', onclick: pause });
+  const pause_button = h('button', { type: 'button', class: 'main', title: 'Pause or resume (P)', onclick: pause });
   const repeat_button = h(
     'button',
     { type: 'button', title: 'Repeat a trial (R)', onclick: repeat },
@@ -211,7 +211,7 @@ export function openExperimenterPage(settings: Settings, address: string): void 
   function show(message: ExperimenterMessage | null): void {
     now.study = message;
     for (const button of [pause_button, repeat_button, note_button, end_button]) button.disabled = message === null;
-    setText(pause_button, message?.paused ? 'Go on' : 'Pause');
+    setText(pause_button, message?.paused ? 'Resume' : 'Pause');
     showTrial(now_body, message?.now ?? null, 'Nothing is shown now.');
     showNext(now.next_shown);
     if (!message) return;

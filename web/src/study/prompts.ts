@@ -121,7 +121,7 @@ export class Prompts {
     const asked = JSON.stringify([title, message.fields]);
     if (this.kept?.asked !== asked) {
       const form = new Form(message.fields, (values) => this.acts.fill(values));
-      const button = h('button', { type: 'submit', class: 'go' }, message.button ?? 'Go on');
+      const button = h('button', { type: 'submit', class: 'go' }, message.button ?? 'Continue');
       form.element.append(h('div', { class: 'go-row' }, button));
       this.kept = { asked, form, button };
     }

@@ -59,6 +59,21 @@ describe('without WebGL 2', () => {
   });
 });
 
+describe('a recording', () => {
+  it('is named in full with its folder when it stops, and can be downloaded with the token', async () => {
+    const { page } = await visit({ token: 'a_long_secret_token' }, '?token=a_long_secret_token');
+    await page.getByRole('button', { name: 'Record' }).click();
+    await page.getByText('recording haptolith-20260101-120000.h5').waitFor();
+    await page.getByRole('button', { name: 'Stop' }).click();
+    await page.getByText('haptolith-20260101-120000.h5 is in /home/ada/experiments').waitFor();
+    const downloading = page.waitForEvent('download');
+    await page.getByRole('link', { name: 'Download' }).click();
+    const download = await downloading;
+    expect(download.suggestedFilename()).toBe('haptolith-20260101-120000.h5');
+    expect(await download.failure()).toBeNull();
+  });
+});
+
 describe('on a screen', () => {
   const SIZES = [
     [640, 360],

@@ -186,7 +186,7 @@ describe("the participant's page", () => {
     expect(await sliders.count()).toBe(6);
     expect(await page.locator('input.unset').count()).toBe(6);
     await settle(page);
-    await page.getByRole('button', { name: 'Go on' }).click();
+    await page.getByRole('button', { name: 'Continue' }).click();
     expect(await page.getByText('Please answer this one.').count()).toBe(6);
     const marks = 7;
     for (let i = 0; i < 6; ++i) {
@@ -194,7 +194,7 @@ describe("the participant's page", () => {
       await page.keyboard.press('Home');
       for (let k = 0; k < marks; ++k) await page.keyboard.press('ArrowRight');
     }
-    await page.getByRole('button', { name: 'Go on' }).click();
+    await page.getByRole('button', { name: 'Continue' }).click();
     await shows(page, 'break');
     expect(Object.values(study.filled[0]!)).toEqual(Array(6).fill('35'));
   });
@@ -212,7 +212,7 @@ describe("the participant's page", () => {
     const { page, study } = await participantAt('question');
     await page.getByRole('button', { name: 'Stop taking part' }).click();
     await page.keyboard.press('2'); // no answer while it asks
-    await page.getByRole('button', { name: 'No, go on' }).click();
+    await page.getByRole('button', { name: 'No, continue' }).click();
     expect(study.phase).toBe('question');
     await page.getByRole('button', { name: 'Stop taking part' }).click();
     await page.getByRole('button', { name: 'Stop', exact: true }).dblclick(); // the second click is none
@@ -294,9 +294,9 @@ describe("the experimenter's page", () => {
   it('pauses and goes on, for the participant too', async () => {
     const { page, study } = await experimenter((study) => study.skipTo('question'));
     await page.keyboard.press('p');
-    await page.getByRole('button', { name: 'Go on' }).waitFor();
+    await page.getByRole('button', { name: 'Resume' }).waitFor();
     expect(study.phase).toBe('paused');
-    await page.getByRole('button', { name: 'Go on' }).click();
+    await page.getByRole('button', { name: 'Resume' }).click();
     await page.getByRole('button', { name: 'Pause' }).waitFor();
     expect(study.phase).toBe('question');
   });
