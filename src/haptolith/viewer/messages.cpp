@@ -113,7 +113,7 @@ Board::SceneTexts sceneMessages(const Session& session, const FrameEncoder::Spac
   const BedParameters& bed = scenario.bed;
   const SoilParameters& shown = session.shown().bed.soil;
   Json sliders = Json::array();
-  for (const SoilSlider& slider : slidersOf(bed.soil)) {
+  for (const SoilSlider& slider : slidersOf(bed.soil, calibrationOf(scenario))) {
     sliders.push_back({{"key", slider.key},
                        {"label", slider.label},
                        {"unit", slider.unit},

@@ -51,13 +51,22 @@ export const EXPLAIN = {
   // sliders, by key
   friction_angle_deg: 'Angle of internal friction of the soil, as a shear test shows it.',
   cohesion_pa: 'Cohesion of the soil: the shear stress it carries without any load on it, as a shear test shows it.',
+  estimated_angle:
+    'Angle of internal friction of the soil; away from the measured soil it is an estimate from simulated shear tests.',
+  estimated_cohesion:
+    'Cohesion of the soil, its strength without any load; away from the measured soil it is an estimate from simulated shear tests.',
   contact_friction:
     'Friction coefficient where two particles touch; no shear test says which friction angle of the soil that makes.',
   contact_cohesion_mn:
     'Force that holds two particles together where they touch; no shear test says which cohesion of the soil that makes.',
 } as const;
 
-export type Explained = keyof typeof EXPLAIN;
+/** What a slider of a soil means. */
+export function sliderExplanation(key: string, friction: string): string | null {
+  if (friction !== 'paper' && key === 'friction_angle_deg') return EXPLAIN.estimated_angle;
+  if (friction !== 'paper' && key === 'cohesion_pa') return EXPLAIN.estimated_cohesion;
+  return key in EXPLAIN ? EXPLAIN[key as keyof typeof EXPLAIN] : null;
+}
 
 /** The models of friction by the names that the page shows; the protocol's own are older. */
 export function frictionModelName(word: string): string {
