@@ -49,6 +49,8 @@ export class Stage {
   frames_drawn = 0;
   /** false: nothing is drawn for now */
   shown = true;
+  /** what lies over the top of the picture */
+  over: HTMLElement | null = null;
   /** called before each picture is drawn */
   onTick: (now_ms: number) => void = () => {};
   onDrawn: () => void = () => {};
@@ -60,11 +62,14 @@ export class Stage {
   private scene: Scene | null = null;
   private frame: Frame | null = null;
   private dirty = true;
+  private neutral: boolean;
+  private given: Scene | null = null;
 
   constructor(
     private readonly host: HTMLElement,
     private readonly options: StageOptions,
   ) {
+    this.neutral = options.neutral ?? false;
     const software = !options.full_quality && drawsInSoftware();
     ({ renderer: this.renderer, draws: this.draws } = makeRenderer(!software));
     this.renderer.domElement.className = 'stage-canvas';
@@ -104,7 +109,8 @@ export class Stage {
   }
 
   setScene(given: Scene): void {
-    const scene = this.options.neutral ? { ...given, body: 'Moon' } : given;
+    this.given = given;
+    const scene = this.neutral ? { ...given, body: 'Moon' } : given;
     this.scene = scene;
     this.bed.setScene(scene);
     this.setDetail(this.resolution.detailed);
@@ -123,6 +129,13 @@ export class Stage {
     this.fill.intensity = 1.3 * look.fill_strength;
     this.orbit.setScene(scene);
     this.dirty = true;
+  }
+
+  /** Whether every body looks like the Moon. */
+  setNeutral(neutral: boolean): void {
+    if (neutral === this.neutral) return;
+    this.neutral = neutral;
+    if (this.given) this.setScene(this.given);
   }
 
   setFrame(frame: Frame, held: boolean): void {
@@ -174,7 +187,7 @@ export class Stage {
     return Math.abs(at.x) < IN_PICTURE && Math.abs(at.y) < IN_PICTURE && at.z < 1;
   }
 
-  /** Fits the picture to the page again, after a headset had it. */
+  /** Fits the picture to the page again, after a headset had it or what lies over it has changed. */
   refit(): void {
     this.resize();
   }
@@ -189,8 +202,17 @@ export class Stage {
     const height = Math.max(1, this.host.clientHeight);
     if (this.renderer.xr.isPresenting) return;
     this.renderer.setSize(width, height, false);
-    this.orbit.setAspect(width / height);
+    this.orbit.setAspect(width / height, this.coveredShare(width, height));
     this.dirty = true;
+  }
+
+  /** What lies over the middle leaves the picture less height. */
+  private coveredShare(width: number, height: number): number {
+    if (!this.over?.isConnected) return 0;
+    const view = this.host.getBoundingClientRect();
+    const over = this.over.getBoundingClientRect();
+    const in_the_way = over.left < view.left + 0.55 * width && over.right > view.left + 0.45 * width;
+    return in_the_way ? Math.min(0.4, Math.max(0, over.bottom - view.top) / height) : 0;
   }
 
   private draw(now_ms: number): void {
