@@ -95,6 +95,7 @@ export function openBedPage(settings: Settings, address: string): void {
 
   const strip = new StatusStrip(() => now.hello?.client ?? null, settings.for_pictures);
   const readouts = new Readouts();
+  stage.over = readouts.element;
   const legend = new Legend();
   const scale_bar = new ScaleBar();
   const plots = new Plots();

@@ -177,8 +177,8 @@ export class MockServer {
         bulk_density_kg_m3: 1330,
       },
       sliders: [
-        { key: 'mu_hat', label: 'friction, mu_hat', unit: '', value: 0.342, low: 0, high: 1, step: 0.01 },
-        { key: 'cohesion', label: 'cohesion', unit: 'Pa', value: 996, low: 0, high: 3000, step: 10 },
+        { key: 'friction_angle_deg', label: 'friction angle', unit: '°', value: 39.9, low: 1, high: 70, step: 0.5 },
+        { key: 'cohesion_pa', label: 'cohesion', unit: 'Pa', value: 996, low: 10, high: 3000, step: 10 },
       ],
       body: 'Moon',
       gravity_m_s2: [0, 0, -1.625],

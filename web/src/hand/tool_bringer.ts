@@ -7,9 +7,12 @@ import type { Hand } from './hand';
 const SPEED_M_S = 0.15;
 const CLEARANCE_M = 0.02;
 const LONGEST_STEP_S = 0.1;
+// The tool hangs on a spring, and comes after the hand.
+const WAIT_S = 1;
 
 export class ToolBringer {
   private before_ms: number | null = null;
+  private waited_s = 0;
 
   constructor(
     private readonly hand: Hand,
@@ -28,6 +31,7 @@ export class ToolBringer {
   /** False when there is nothing to hold yet. */
   start(): boolean {
     this.before_ms = null;
+    this.waited_s = 0;
     return this.hand.grab('automation');
   }
 
@@ -45,7 +49,11 @@ export class ToolBringer {
     const next_m: Vec3 = low ? [at_m[0], at_m[1], to_m[2]] : aside ? [to_m[0], to_m[1], at_m[2]] : to_m;
     const way_m = next_m.map((value, axis) => value - at_m[axis]!) as Vec3;
     const far_m = Math.hypot(...way_m);
-    if (far_m < 1e-6) return this.hand.letGo('automation');
+    if (far_m < 1e-6) {
+      this.waited_s += elapsed_s;
+      if (this.waited_s >= WAIT_S) this.hand.letGo('automation');
+      return;
+    }
     const share = Math.min(1, (SPEED_M_S * elapsed_s) / far_m);
     this.hand.move(way_m.map((value) => value * share) as Vec3);
   }

@@ -13,7 +13,7 @@ import {
   type Vec3,
 } from '../protocol';
 import { VIEW_NAMES, type ViewName } from '../settings';
-import { DRAG_WARNING, EXPLAIN, frictionModelName, type Explained } from './explanations';
+import { DRAG_WARNING, EXPLAIN, frictionModelName, sliderExplanation } from './explanations';
 import { h, setText } from './html';
 import { explain } from './tooltip';
 
@@ -113,7 +113,7 @@ export class Controls {
       group(
         'World',
         field('Soil', this.soil, EXPLAIN.soil),
-        field('Friction model', this.friction, EXPLAIN.friction),
+        field('Friction model', this.friction, EXPLAIN.friction, 'field long'),
         this.drag_warning,
         this.soil_facts,
         this.sliders,
@@ -167,14 +167,14 @@ export class Controls {
     this.soil.replaceChildren(
       h(
         'optgroup',
-        { label: "The paper's presets" },
+        { label: "The paper's presets, by friction coefficient" },
         ...hello.presets.map((preset) =>
-          h('option', { value: `preset:${preset.name}` }, `${preset.name}, coefficient ${preset.friction_coefficient}`),
+          h('option', { value: `preset:${preset.name}` }, `${preset.name}, µ = ${preset.friction_coefficient}`),
         ),
       ),
       h(
         'optgroup',
-        { label: 'Soils as measured' },
+        { label: 'Soils as measured, by friction angle' },
         ...hello.soils.map((soil) =>
           h('option', { value: `soil:${soil.name}`, title: soil.source }, `${soil.name}, ${soil.friction_angle_deg}°`),
         ),
@@ -217,7 +217,7 @@ export class Controls {
     for (const button of this.shapes.children as HTMLCollectionOf<HTMLElement>)
       button.setAttribute('aria-pressed', String(button.dataset.shape === tool.shape));
     this.showSizes(scene);
-    this.showSliders(scene.sliders);
+    this.showSliders(scene.sliders, soil.friction);
   }
 
   setStatus(status: Status): void {
@@ -350,10 +350,12 @@ export class Controls {
     if (focused.startsWith('size-')) this.sizes.querySelector<HTMLInputElement>(`[name="${focused}"]`)?.focus();
   }
 
-  private showSliders(sliders: Slider[]): void {
+  private showSliders(sliders: Slider[], friction: string): void {
     const same =
-      sliders.length === this.slider_inputs.size && sliders.every((slider) => this.slider_inputs.has(slider.key));
-    if (!same) this.buildSliders(sliders);
+      friction === this.sliders.dataset.friction &&
+      sliders.length === this.slider_inputs.size &&
+      sliders.every((slider) => this.slider_inputs.has(slider.key));
+    if (!same) this.buildSliders(sliders, friction);
     for (const slider of sliders) {
       const shown = this.slider_inputs.get(slider.key)!;
       shown.spec = slider;
@@ -365,7 +367,8 @@ export class Controls {
     }
   }
 
-  private buildSliders(sliders: Slider[]): void {
+  private buildSliders(sliders: Slider[], friction: string): void {
+    this.sliders.dataset.friction = friction;
     this.slider_inputs.clear();
     this.sliders.replaceChildren(
       ...sliders.map((slider) => {
@@ -383,7 +386,8 @@ export class Controls {
         input.addEventListener('input', () => this.slid(entry));
         this.slider_inputs.set(slider.key, entry);
         const label = h('label', { class: 'slider' }, h('span', {}, slider.label), value, input);
-        if (slider.key in EXPLAIN) explain(input, EXPLAIN[slider.key as Explained], label);
+        const explanation = sliderExplanation(slider.key, friction);
+        if (explanation) explain(input, explanation, label);
         return label;
       }),
     );
@@ -418,8 +422,8 @@ function group(title: string, ...children: HTMLElement[]): HTMLFieldSetElement {
   return h('fieldset', { class: 'group' }, h('legend', {}, title), ...children);
 }
 
-function field(label: string, control: HTMLElement, explanation: string): HTMLElement {
-  const made = h('label', { class: 'field' }, h('span', {}, label), control);
+function field(label: string, control: HTMLElement, explanation: string, style = 'field'): HTMLElement {
+  const made = h('label', { class: style }, h('span', {}, label), control);
   explain(control, explanation, made);
   return made;
 }

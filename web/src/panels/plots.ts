@@ -212,7 +212,7 @@ export class Plots {
       height: Math.max(60, host.clientHeight),
       legend: { show: false },
       cursor: { show: false },
-      padding: [6, 10, 0, 0],
+      padding: [6, 16, 0, 0],
       pxAlign: true,
       scales: {
         x: { time: false, range: [-SPAN_S, 0] },

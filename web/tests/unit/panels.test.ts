@@ -1,5 +1,5 @@
 import { describe, expect, it } from 'vitest';
-import { EXPLAIN, frictionModelName } from '../../src/panels/explanations';
+import { EXPLAIN, frictionModelName, sliderExplanation } from '../../src/panels/explanations';
 import { inWords } from '../../src/panels/plots';
 import type { Frame, Scene } from '../../src/protocol';
 import { pictureInWords, placeOf } from '../../src/panels/readouts';
@@ -39,6 +39,16 @@ describe('an explanation', () => {
   it.each(Object.entries(EXPLAIN))('is one plain sentence: %s', (_name, text) => {
     expect(text).toMatch(/^[A-Z\dx].*\.$/);
     expect(text.length).toBeLessThan(240);
+  });
+});
+
+describe('a slider', () => {
+  it('says where its number is an estimate, and what a number of a contact is', () => {
+    expect(sliderExplanation('friction_angle_deg', 'paper')).not.toContain('estimate');
+    expect(sliderExplanation('friction_angle_deg', 'pairwise')).toContain('estimate');
+    expect(sliderExplanation('cohesion_pa', 'pairwise')).toContain('estimate');
+    expect(sliderExplanation('contact_friction', 'pairwise')).toContain('where two particles touch');
+    expect(sliderExplanation('another', 'paper')).toBeNull();
   });
 });
 
