@@ -101,6 +101,17 @@ TEST_F(StudyCommands, NewTakesAProtocolFromAFile) {
   EXPECT_EQ(made.errors, "");
 }
 
+TEST_F(StudyCommands, NewRefusesAProtocolOfOnesOwnWithBracketsLeft) {
+  std::ofstream(folder_ / "mine.toml")
+      << "title = 'Mine'\nconsent = 'Ask [NAME OF THE LABORATORY].'\n[[block]]\nname = 'a'\nquestion = 'q'\n"
+         "answers = ['l', 'm']\nvaries = 'preset'\nreference = 'P3'\nlevels = ['P1', 'P6']\n";
+  const ProgramResult made =
+      runHaptolith(fmt::format("study new {} --protocol {}", file("a.study"), file("mine.toml")));
+  EXPECT_EQ(made.exit_status, 2);
+  EXPECT_THAT(made.errors, HasSubstr("consent = [NAME OF THE LABORATORY] is not valid"));
+  EXPECT_FALSE(fs::exists(file("a.study")));
+}
+
 TEST_F(StudyCommands, NewRefusesWhatIsWrongAndLeavesNoFile) {
   std::ofstream(folder_ / "bad.toml") << "title = 'Mine'\n[[block]]\nname = 'a'\nquestion = 'q'\nanswers = ['l', 'm']\n"
                                          "varies = 'preset'\nreference = 'P3'\nlevels = ['P1']\n";

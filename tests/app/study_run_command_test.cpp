@@ -52,9 +52,16 @@ class StudyRunCommands : public testing::Test {
   fs::path folder_ = fs::path(testing::TempDir()) / fmt::format("haptolith_study_run_{}", getpid());
 };
 
-TEST_F(StudyRunCommands, RunGivesTheNextCodeAndTwoPages) {
+TEST_F(StudyRunCommands, RunRefusesAConsentWithBracketsLeft) {
   makeStudy();
   const ProgramResult run = runForASecond(fmt::format("run {} --port 0", file("a.study")));
+  EXPECT_EQ(run.exit_status, 2);
+  EXPECT_THAT(run.errors, AllOf(HasSubstr("consent = [DURATION"), HasSubstr("filled in")));
+}
+
+TEST_F(StudyRunCommands, RunGivesTheNextCodeAndTwoPages) {
+  makeStudy();
+  const ProgramResult run = runForASecond(fmt::format("run {} --trial-run --port 0", file("a.study")));
   EXPECT_EQ(run.exit_status, 0) << run.errors;
   EXPECT_THAT(run.errors,
               AllOf(HasSubstr("S01 takes part"), HasSubstr("&study=participant"), HasSubstr("&study=experimenter")));
@@ -153,14 +160,15 @@ TEST_F(RunningStudy, TokensThatAreGivenStayTheSame) {
 
 TEST_F(StudyRunCommands, WhoHasNotFinishedComesFirst) {
   makeStudy();
-  (void)runForASecond(fmt::format("run {} --port 0", file("a.study")));
-  const ProgramResult next = runForASecond(fmt::format("run {} --port 0", file("a.study")));
+  (void)runForASecond(fmt::format("run {} --trial-run --port 0", file("a.study")));
+  const ProgramResult next = runForASecond(fmt::format("run {} --trial-run --port 0", file("a.study")));
   EXPECT_EQ(next.exit_status, 1);
   EXPECT_THAT(next.errors, AllOf(HasSubstr("S01 has not finished"), HasSubstr("study resume")));
   const ProgramResult back = runForASecond(fmt::format("resume {} --port 0", file("a.study")));
   EXPECT_EQ(back.exit_status, 0) << back.errors;
   EXPECT_THAT(back.errors, HasSubstr("S01 takes part"));
-  const ProgramResult other = runForASecond(fmt::format("run {} --port 0 --participant B2", file("a.study")));
+  const ProgramResult other =
+      runForASecond(fmt::format("run {} --trial-run --port 0 --participant B2", file("a.study")));
   EXPECT_EQ(other.exit_status, 0) << other.errors;
   EXPECT_EQ(status()["participants"].size(), 2U);
 }
@@ -178,15 +186,15 @@ TEST_F(StudyRunCommands, NobodyRunsAStudyTwiceAtTheSameTime) {
 TEST_F(StudyRunCommands, WrongUseIsToldAndHasStatusTwo) {
   makeStudy();
   for (const auto& [arguments, told] : {
-           std::pair<std::string, std::string>{"run " + file("none.study"), "none.study"},
+           std::pair<std::string, std::string>{"run --trial-run " + file("none.study"), "none.study"},
            {"run", "study"},
            {"resume " + file("a.study"), "participant"},
-           {"run " + file("a.study") + " --participant 'S 1'", "S 1"},
-           {"run " + file("a.study") + " --device nosuch", "nosuch"},
-           {"run " + file("a.study") + " --bind nowhere", "nowhere"},
-           {"run " + file("a.study") + " --token short", "16 to 128 of A to Z"},
-           {"run " + file("a.study") + " --participant-token 'a b c d e f g h i'", "16 to 128 of A to Z"},
-           {"run " + file("a.study") + " --token aaaabbbbccccdddd --participant-token aaaabbbbccccdddd",
+           {"run --trial-run " + file("a.study") + " --participant 'S 1'", "S 1"},
+           {"run --trial-run " + file("a.study") + " --device nosuch", "nosuch"},
+           {"run --trial-run " + file("a.study") + " --bind nowhere", "nowhere"},
+           {"run --trial-run " + file("a.study") + " --token short", "16 to 128 of A to Z"},
+           {"run --trial-run " + file("a.study") + " --participant-token 'a b c d e f g h i'", "16 to 128 of A to Z"},
+           {"run --trial-run " + file("a.study") + " --token aaaabbbbccccdddd --participant-token aaaabbbbccccdddd",
             "the same twice"},
            {"simulate " + file("a.study") + " --weber 0", "weber_fraction = 0"},
            {"simulate " + file("a.study") + " --lapse 2", "lapse = 2"},
@@ -226,7 +234,7 @@ TEST_F(StudyRunCommands, SimulatedPeopleMakeAFigureThatFindsTheirWeberFraction) 
 
 TEST_F(StudyRunCommands, SimulatedAnswersStandBesideNoPersons) {
   makeStudy();
-  (void)runForASecond(fmt::format("run {} --port 0", file("a.study")));
+  (void)runForASecond(fmt::format("run {} --trial-run --port 0", file("a.study")));
   const ProgramResult refused = runHaptolith("study simulate " + file("a.study"));
   EXPECT_EQ(refused.exit_status, 1);
   EXPECT_THAT(refused.errors, HasSubstr("S01 has taken part"));

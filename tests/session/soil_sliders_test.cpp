@@ -5,8 +5,10 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <string>
 
 #include "haptolith/core/error.h"
+#include "haptolith/scenario/soil_file.h"
 #include "haptolith/soil/presets.h"
 #include "haptolith/soil/strength.h"
 
@@ -48,6 +50,74 @@ TEST(SoilSliders, PairwiseSoilHasThoseOfItsContacts) {
   EXPECT_DOUBLE_EQ(valueOf(soil, "contact_cohesion_mn"), 2);
   EXPECT_DOUBLE_EQ(withSlider(soil, "contact_cohesion_mn", 3.5).contact_cohesion_n, 0.0035);
   EXPECT_DOUBLE_EQ(withSlider(soil, "contact_friction", 0).contact_friction, 0);
+}
+
+Scenario sceneWith(const std::string& soil_name) {
+  Scenario scenario;
+  changeSoil(scenario, soil_name);
+  return scenario;
+}
+
+TEST(SoilSliders, ASoilThatWasCalibratedShowsWhatWasMeasuredOfIt) {
+  for (const std::string& name : soilNames()) {
+    const Scenario scenario = sceneWith(name);
+    const auto sliders = slidersOf(scenario.bed.soil, calibrationOf(scenario));
+    ASSERT_EQ(sliders.size(), 2U) << name;
+    EXPECT_EQ(sliders[0].key, "friction_angle_deg");
+    EXPECT_NEAR(sliders[0].value, findSoil(name).target.friction_angle_deg, 1e-9) << name;
+    EXPECT_EQ(sliders[1].key, "cohesion_pa");
+    EXPECT_NEAR(sliders[1].value, findSoil(name).target.cohesion_pa, 1e-6) << name;
+    for (const SoilSlider& slider : sliders) {
+      EXPECT_LE(slider.low, slider.value) << name << slider.key;
+      EXPECT_LE(slider.value, slider.high) << name << slider.key;
+    }
+  }
+}
+
+TEST(SoilSliders, ACalibratedSoilTakesDegreesAndPascalsAndKeepsTheOther) {
+  for (const std::string& name : soilNames()) {
+    const Scenario scenario = sceneWith(name);
+    const auto calibration = calibrationOf(scenario);
+    const SoilParameters& soil = scenario.bed.soil;
+    const ShearStrength before = calibration->of(soil);
+    for (const double angle_deg : {before.angle_deg - 3, before.angle_deg + 3}) {
+      const SoilParameters moved = withSlider(soil, "friction_angle_deg", angle_deg, calibration);
+      EXPECT_NEAR(calibration->of(moved).angle_deg, angle_deg, 1e-5) << name;
+      EXPECT_NEAR(calibration->of(moved).cohesion_pa, before.cohesion_pa, 1e-4 * (1 + before.cohesion_pa)) << name;
+      EXPECT_EQ(moved.contact_friction > soil.contact_friction, angle_deg > before.angle_deg) << name;
+    }
+    const SoilParameters sticky = withSlider(soil, "cohesion_pa", before.cohesion_pa + 200, calibration);
+    EXPECT_NEAR(calibration->of(sticky).cohesion_pa, before.cohesion_pa + 200, 1e-4 * (200 + before.cohesion_pa))
+        << name;
+    EXPECT_NEAR(calibration->of(sticky).angle_deg, before.angle_deg, 1e-5) << name;
+    EXPECT_GT(sticky.contact_cohesion_n, soil.contact_cohesion_n) << name;
+    EXPECT_EQ(withSlider(soil, "cohesion_pa", 0, calibration).contact_cohesion_n, 0) << name;
+    EXPECT_EQ(withSlider(soil, "contact_friction", 0.5, calibration).contact_friction, 0.5) << "as studies set it";
+  }
+}
+
+TEST(SoilSliders, ACalibrationIsAsGoodForParticlesOfAnotherSize) {
+  Scenario scenario = sceneWith("lunar-0-15cm");
+  scenario.bed.soil = rescaled(scenario.bed.soil, 3.5e-3);
+  const auto calibration = calibrationOf(scenario);
+  ASSERT_TRUE(calibration);
+  EXPECT_NEAR(calibration->of(scenario.bed.soil).angle_deg, 42, 1e-9);
+  EXPECT_NEAR(calibration->of(scenario.bed.soil).cohesion_pa, 520, 1e-6);
+}
+
+TEST(SoilSliders, WhereNothingWasCalibratedContactsAreCalledContacts) {
+  Scenario scenario;
+  EXPECT_FALSE(calibrationOf(scenario)) << "a preset";
+  scenario = sceneWith("dry-sand");
+  scenario.bed.soil.stiffness_n_m *= 2;
+  EXPECT_FALSE(calibrationOf(scenario)) << "not the soil of that name any more";
+  scenario = sceneWith("dry-sand");
+  scenario.bed.soil.friction = FrictionModel::kPaper;
+  EXPECT_FALSE(calibrationOf(scenario));
+  SoilParameters soil = findPreset("P3").soil;
+  soil.friction = FrictionModel::kPairwise;
+  EXPECT_EQ(slidersOf(soil)[0].label, "contact friction");
+  EXPECT_EQ(slidersOf(soil)[1].label, "contact cohesion");
 }
 
 TEST(SoilSliders, EveryValueIsWithinItsOwnRange) {

@@ -137,6 +137,28 @@ TEST(ShippedProtocols, AreListedWhenAnotherIsAskedFor) {
 // --- what can be varied
 // -----------------------------------------------------------------------------------------------
 
+TEST(Protocol, IsNotForParticipantsWhileItsConsentHasBracketsToBeFilledIn) {
+  const auto refused = [](const std::string& consent) -> std::string {
+    StudyProtocol protocol;
+    protocol.consent = consent;
+    try {
+      requireFilledIn(protocol);
+    } catch (const InvalidParameter& error) {
+      return error.what();
+    }
+    return "";
+  };
+  EXPECT_THAT(refused("It takes [DURATION, for example 45 minutes]. [NAME]"),
+              AllOf(HasSubstr("consent = [DURATION, for example 45 minutes]"), HasSubstr("filled in")));
+  EXPECT_THAT(refused("As in [1], array[i], [unfinished and [E-MAIL]."), HasSubstr("[E-MAIL]"));
+  EXPECT_EQ(refused(""), "");
+  EXPECT_EQ(refused("It takes 45 minutes [1]. [see the leaflet]"), "");
+  for (const std::string_view name : protocolNames()) {
+    const ProtocolText text = findProtocol(name);
+    EXPECT_THROW(requireFilledIn(loadProtocolText(text.text, text.name)), InvalidParameter) << name;
+  }
+}
+
 TEST(Protocol, SortsLevelsByTheirValues) {
   const StudyProtocol protocol =
       load(kTitle + kNames + "varies = 'friction_angle_deg'\nreference = 40\nlevels = [45, 30.5]\n");

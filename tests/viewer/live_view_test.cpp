@@ -6,6 +6,8 @@
 
 #include <atomic>
 #include <cstddef>
+#include <filesystem>
+#include <fstream>
 #include <memory>
 #include <system_error>
 #include <thread>
@@ -166,6 +168,22 @@ TEST_F(LiveViewTest, CommandsReachTheSession) {
   EXPECT_EQ(ask(client, {{"do", "record"}, {"on", true}})["ok"], true);
   EXPECT_TRUE(until(client, "status", [](const Json& s) { return s["recording"] == "tape.csv"; }));
   EXPECT_TRUE(recording_);
+}
+
+TEST_F(LiveViewTest, AFinishedRecordingIsNamedWithItsFolderAndCanBeDownloaded) {
+  std::ofstream("tape.csv") << "recorded";
+  WsClient client(port_);
+  ASSERT_EQ(client.upgrade(), 101U);
+  EXPECT_TRUE(until(client, "status", [](const Json& s) { return s["recorded"].is_null(); }));
+  ask(client, {{"do", "record"}, {"on", true}});
+  EXPECT_EQ(WsClient::get(port_, "/recordings/tape.csv").first, 404U) << "still being written";
+  ask(client, {{"do", "record"}, {"on", false}});
+  EXPECT_TRUE(until(client, "status", [](const Json& s) {
+    return s["recording"].is_null() && s["recorded"]["file"] == "tape.csv" &&
+           s["recorded"]["folder"] == std::filesystem::current_path().string();
+  }));
+  EXPECT_EQ(WsClient::get(port_, "/recordings/tape.csv"), std::pair(200U, std::string("recorded")));
+  std::filesystem::remove("tape.csv");
 }
 
 TEST_F(LiveViewTest, WhatIsRefusedIsSaidAndChangesNothing) {

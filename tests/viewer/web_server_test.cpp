@@ -12,6 +12,8 @@
 #include <algorithm>
 #include <ctime>
 #include <deque>
+#include <filesystem>
+#include <fstream>
 #include <functional>
 #include <memory>
 #include <thread>
@@ -69,6 +71,59 @@ TEST_F(WebServerTest, ServesThePageAndNothingElse) {
   }
   EXPECT_EQ(WsClient::get(server_.port(), "/", {}, http::verb::head).first, 200U);
   EXPECT_EQ(WsClient::get(server_.port(), "/", {}, http::verb::delete_).first, 405U);
+}
+
+/// A folder with a recording, and a file beside it that is none.
+class RecordingsTest : public testing::Test {
+ protected:
+  RecordingsTest() {
+    std::filesystem::create_directories(folder_);
+    std::ofstream(folder_ / "tape.h5") << std::string(300'000, 'r');
+    std::ofstream(folder_ / "secret.h5") << "secret";
+  }
+  ~RecordingsTest() override { std::filesystem::remove_all(folder_); }
+
+  /// Offers the tape, and waits until the server's thread has it.
+  static bool offers(WebServer& server, const std::filesystem::path& file, const std::string& query) {
+    server.offer(file);
+    for (int i = 0; i < 5000; ++i) {
+      if (WsClient::get(server.port(), "/recordings/tape.h5" + query).first == 200) {
+        return true;
+      }
+      std::this_thread::sleep_for(1ms);
+    }
+    return false;
+  }
+
+  std::filesystem::path folder_ =
+      std::filesystem::path(testing::TempDir()) / ("haptolith-recordings-" + std::to_string(getpid()));
+  Board board_{R"({"type":"hello","client":"$client"})"};
+};
+
+TEST_F(RecordingsTest, OnlyWhatHasBeenOfferedIsServedWhole) {
+  WebServer server({.port = 0}, board_);
+  EXPECT_EQ(WsClient::get(server.port(), "/recordings/tape.h5").first, 404U) << "not offered";
+  ASSERT_TRUE(offers(server, folder_ / "tape.h5", ""));
+  EXPECT_EQ(WsClient::get(server.port(), "/recordings/tape.h5").second, std::string(300'000, 'r'));
+  EXPECT_EQ(WsClient::get(server.port(), "/recordings/tape.h5", {}, http::verb::head).first, 200U);
+  for (const char* other :
+       {"/recordings/secret.h5", "/recordings/", "/recordings/../tape.h5", "/recordings/./tape.h5",
+        "/recordings/%2e%2e/secret.h5", "/recordings/../../../../etc/passwd", "/recordings//etc/passwd", "/tape.h5"}) {
+    EXPECT_EQ(WsClient::get(server.port(), other).first, 404U) << other;
+  }
+  EXPECT_EQ(WsClient::get(server.port(), "/recordings/tape.h5", "evil.com").first, 403U);
+  EXPECT_EQ(WsClient::get(server.port(), "/recordings/tape.h5", {}, http::verb::put).first, 405U);
+  std::filesystem::remove(folder_ / "tape.h5");
+  EXPECT_EQ(WsClient::get(server.port(), "/recordings/tape.h5").first, 404U) << "removed since";
+}
+
+TEST_F(RecordingsTest, AreForWhoHasATokenThatTellsWhatIsShown) {
+  WebServer server({.port = 0, .entrances = {{.token = "one", .nameless = true}, {.token = "another"}}}, board_);
+  ASSERT_TRUE(offers(server, folder_ / "tape.h5", "?token=another"));
+  EXPECT_EQ(WsClient::get(server.port(), "/recordings/tape.h5").first, 401U);
+  EXPECT_EQ(WsClient::get(server.port(), "/recordings/tape.h5?token=wrong").first, 401U);
+  EXPECT_EQ(WsClient::get(server.port(), "/recordings/no.h5").first, 401U) << "nor what there is";
+  EXPECT_EQ(WsClient::get(server.port(), "/recordings/tape.h5?token=one").first, 403U);
 }
 
 TEST_F(WebServerTest, OnlyPagesOfThisMachineMayConnect) {

@@ -17,6 +17,8 @@ export interface Automation {
   readonly framesDrawn: number;
   /** where the tool is in the picture, in CSS pixels of the page */
   readonly toolOnScreen: { x: number; y: number } | null;
+  /** where the middle of the bed's surface is in the picture, in CSS pixels of the page */
+  readonly bedOnScreen: { x: number; y: number } | null;
   readonly inHeadset: boolean;
   setCamera(name: ViewName): void;
   setColour(mode: ColourMode): void;
@@ -44,7 +46,7 @@ export function publish({ stage, layout, now, setColour, setTheme }: Parts): voi
   const drawn = stage.onDrawn;
   stage.onDrawn = () => {
     drawn();
-    if (stage.bed.drawn > 0) ready = true;
+    if (stage.draws && stage.bed.drawn > 0) ready = true;
   };
   window.haptolith = {
     get ready() {
@@ -72,6 +74,9 @@ export function publish({ stage, layout, now, setColour, setTheme }: Parts): voi
     },
     get toolOnScreen() {
       return stage.toolOnScreen();
+    },
+    get bedOnScreen() {
+      return now.scene && stage.onScreen([0, 0, now.scene.box.surface_m]);
     },
     get inHeadset() {
       return stage.renderer.xr.isPresenting;

@@ -1,10 +1,11 @@
 // The page that shows the bed and holds the tool.
 
 import { publish } from './automation';
-import { Connection } from './connection';
+import { Connection, recordingAddress } from './connection';
 import { GamepadHand } from './hand/gamepad_hand';
 import { Hand } from './hand/hand';
 import { KeyHand } from './hand/key_hand';
+import { ToolBringer } from './hand/tool_bringer';
 import { PointerHand } from './hand/pointer_hand';
 import { VrHand } from './hand/vr_hand';
 import { Controls } from './panels/controls';
@@ -14,7 +15,7 @@ import { Layout } from './panels/layout';
 import { Legend, ScaleBar } from './panels/legend';
 import { Notices } from './panels/notices';
 import { Plots } from './panels/plots';
-import { Readouts } from './panels/readouts';
+import { pictureInWords, Readouts } from './panels/readouts';
 import { StatusStrip } from './panels/status_strip';
 import {
   COLOUR_MODES,
@@ -28,8 +29,10 @@ import {
 } from './protocol';
 import { rememberColour, rememberTheme, VIEW_NAMES, type Settings, type Theme } from './settings';
 import { askFirst } from './study/dialogs';
-import { isTyping, runShortcut, TOOL_KEYS, VIEW_KEYS, type Shortcut } from './shortcuts';
-import { makeStage } from './view/make_stage';
+import { isTyping, runShortcut, TOOL_KEYS, TOUCH, VIEW_KEYS, type Shortcut } from './shortcuts';
+import { Stage } from './view/stage';
+
+const DESCRIBE_INTERVAL_MS = 1000;
 
 export function openBedPage(settings: Settings, address: string): void {
   const now = {
@@ -40,6 +43,8 @@ export function openBedPage(settings: Settings, address: string): void {
     colour: settings.colour,
     theme: settings.theme,
   };
+
+  let described_ms = -Infinity;
 
   const notices = new Notices(() => connection.retryNow());
   const connection = new Connection(address, {
@@ -75,7 +80,7 @@ export function openBedPage(settings: Settings, address: string): void {
   };
 
   const layout = new Layout(settings.panels);
-  const stage = makeStage(layout.view, {
+  const stage = new Stage(layout.view, {
     reduced_motion: matchMedia('(prefers-reduced-motion: reduce)').matches,
     full_quality: settings.for_pictures,
   });
@@ -85,10 +90,12 @@ export function openBedPage(settings: Settings, address: string): void {
   const pointer = new PointerHand(stage, hand, stage.renderer.domElement);
   const keys = new KeyHand(hand, stage.orbit, box_scale);
   const gamepad = new GamepadHand(hand, stage.orbit, box_scale, force_n);
+  const bringer = new ToolBringer(hand, () => now.scene);
   const vr = new VrHand(stage, hand, force_n, showVr);
 
   const strip = new StatusStrip(() => now.hello?.client ?? null, settings.for_pictures);
   const readouts = new Readouts();
+  stage.over = readouts.element;
   const legend = new Legend();
   const scale_bar = new ScaleBar();
   const plots = new Plots();
@@ -99,14 +106,18 @@ export function openBedPage(settings: Settings, address: string): void {
       setView: (name) => stage.setView(name),
       resetView: () => stage.resetView(),
       setDigAnywhere: (on) => (pointer.dig_anywhere = on),
+      bringTool,
+      recordingAddress: (file) => recordingAddress(address, file),
     },
     settings.for_pictures,
   );
 
   const shortcuts: Shortcut[] = [
+    ...TOUCH,
     ...TOOL_KEYS,
     { keys: ['g'], label: 'drag anywhere to dig, on and off', group: 'tool', run: () => controls.toggleDig() },
     { keys: ['y'], label: 'virtual hand: hold still', group: 'tool', run: () => controls.holdStill() },
+    { keys: ['k'], label: 'bring the tool over the middle of the bed', group: 'tool', run: bringTool },
     { keys: ['m'], label: 'virtual hand: next manoeuvre', group: 'tool', run: () => controls.next('manoeuvre') },
     { keys: ['x'], label: 'next tool', group: 'tool', run: () => controls.next('shape') },
     ...VIEW_KEYS,
@@ -129,7 +140,7 @@ export function openBedPage(settings: Settings, address: string): void {
     { keys: ['['], shown: '', label: 'soil before', group: 'bed', run: () => controls.next('soil', -1) },
     { keys: ['b'], label: 'next body', group: 'bed', run: () => controls.next('body') },
     { keys: ['f'], label: 'next friction model', group: 'bed', run: () => controls.next('friction') },
-    { keys: [' '], shown: 'Space', label: 'pause, go on', group: 'time', run: () => controls.togglePause() },
+    { keys: [' '], shown: 'Space', label: 'pause, resume', group: 'time', run: () => controls.togglePause() },
     { keys: ['.'], label: 'while paused: one tick', group: 'time', run: () => controls.stepOnce(1) },
     { keys: [','], label: 'while paused: 100 ticks', group: 'time', run: () => controls.stepOnce(100) },
     { keys: ['n'], label: 'slow motion, on and off', group: 'time', run: () => controls.toggleSlowMotion() },
@@ -170,7 +181,9 @@ export function openBedPage(settings: Settings, address: string): void {
     '?',
   );
   const hint = h('div', { class: 'hint' }, 'Drag the tool to dig · drag beside it to look around · ? for help');
-  hint.hidden = settings.for_pictures;
+  const hint_hidden = settings.for_pictures || !stage.draws;
+  hint.hidden = hint_hidden;
+  scale_bar.element.hidden = !stage.draws;
 
   layout.assemble({
     strip: strip.element,
@@ -209,6 +222,7 @@ export function openBedPage(settings: Settings, address: string): void {
   stage.onTick = (now_ms) => {
     keys.tick(now_ms);
     gamepad.tick(now_ms);
+    bringer.tick(now_ms);
     vr.tick(now_ms);
     hand.tick(now_ms);
     plots.tick(now_ms);
@@ -223,7 +237,7 @@ export function openBedPage(settings: Settings, address: string): void {
   function onHello(hello: Hello): void {
     now.hello = hello;
     pointer.may_dig = !hello.read_only;
-    hint.hidden = settings.for_pictures || hello.read_only;
+    hint.hidden = hint_hidden || hello.read_only;
     controls.setHello(hello);
     plots.clear();
     // The program forgets a client's colours with its connection.
@@ -252,9 +266,18 @@ export function openBedPage(settings: Settings, address: string): void {
     now.status = status;
     strip.setStatus(status);
     controls.setStatus(status);
+    describe();
     notices.setBusy(status.busy);
     // Pausing, and a hand elsewhere, take the tool out of this one.
     if (status.paused || (status.held_by !== null && status.held_by !== now.hello?.client)) hand.giveUp();
+  }
+
+  /** At most once a second: it is read aloud. */
+  function describe(): void {
+    const { scene, frame } = now;
+    if (!scene || !frame || performance.now() - described_ms < DESCRIBE_INTERVAL_MS) return;
+    described_ms = performance.now();
+    stage.describe(pictureInWords(scene, frame));
   }
 
   function onFrame(frame: Frame): void {
@@ -269,6 +292,8 @@ export function openBedPage(settings: Settings, address: string): void {
   function onLink(connected: boolean, why: string | null): void {
     notices.setLink(connected, why);
     controls.setConnected(connected);
+    strip.setConnected(connected);
+    if (!connected) readouts.clear();
     if (!connected) {
       notices.setBusy(null);
       hand.drop();
@@ -298,6 +323,12 @@ export function openBedPage(settings: Settings, address: string): void {
   function zoom(factor: number): void {
     stage.orbit.zoomBy(factor);
     stage.invalidate();
+  }
+
+  function bringTool(): void {
+    if (now.hello?.read_only || !bringer.start()) return;
+    // A person may have turned the view away from there.
+    if (!stage.isInPicture(bringer.target_m!)) stage.resetView();
   }
 
   function toggleVr(): void {

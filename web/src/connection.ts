@@ -45,6 +45,13 @@ export function socketAddress(location: Location, token: string | null): string 
   return `${scheme}//${location.host}/ws${query}`;
 }
 
+/** Where a recording can be downloaded, by the address of the WebSocket. */
+export function recordingAddress(socket_address: string, file: string): string {
+  const address = new URL(socket_address.replace(/^ws/, 'http'));
+  address.pathname = `/recordings/${encodeURIComponent(file)}`;
+  return address.href;
+}
+
 /** Why a WebSocket did not even open: a browser does not tell, but an ordinary request to the same address does. */
 async function whyNotOpened(address: string): Promise<string | null> {
   try {

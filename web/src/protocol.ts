@@ -139,6 +139,8 @@ export interface Status {
   can_undo: boolean;
   undo: string | null;
   recording: string | null;
+  /** the last file that is finished, and where it is; an older program does not say */
+  recorded?: { file: string; folder: string } | null;
 }
 
 export interface Reply {

@@ -6,9 +6,17 @@ export interface Shortcut {
   /** as written in the help; the keys themselves when missing, no line of its own when empty */
   shown?: string;
   label: string;
-  group: 'tool' | 'view' | 'bed' | 'time' | 'page';
+  group: 'touch' | 'tool' | 'view' | 'bed' | 'time' | 'page';
   run?: () => void;
 }
+
+export const TOUCH: Shortcut[] = [
+  { keys: [], shown: 'finger on the tool', label: 'hold it and dig', group: 'touch' },
+  { keys: [], shown: 'finger beside it', label: 'look around', group: 'touch' },
+  { keys: [], shown: 'two fingers', label: 'look around; pinch for nearer and farther', group: 'touch' },
+  { keys: [], shown: 'Controls', label: 'soil, body and tool; “drag anywhere to dig” for small tools', group: 'touch' },
+  { keys: [], shown: 'tap a number', label: 'what it means', group: 'touch' },
+];
 
 /** Keys that move the tool; hand/key_hand.ts acts on them. */
 export const TOOL_KEYS: Shortcut[] = [

@@ -94,6 +94,7 @@ export class MockServer {
   private undo: (() => void) | null = null;
   private undo_name: string | null = null;
   private recording: string | null = null;
+  private recorded: Status['recorded'] = null;
   private scene: Scene;
 
   constructor(private readonly options: MockOptions = {}) {
@@ -102,6 +103,10 @@ export class MockServer {
     this.http = createServer((request, response) => {
       const path = normalize((request.url ?? '/').split('?')[0]!);
       if (path === '/ws') return void response.writeHead(this.knowsToken(request.url) ? 426 : 401).end();
+      if (path.startsWith('/recordings/')) {
+        const there = path === `/recordings/${this.recorded?.file}`;
+        return void response.writeHead(!this.knowsToken(request.url) ? 401 : there ? 200 : 404).end('recorded');
+      }
       const file = join(DIST, path === '/' ? 'index.html' : path);
       if (!file.startsWith(DIST) || !existsSync(file)) return void response.writeHead(404).end();
       response.writeHead(200, {
@@ -172,8 +177,8 @@ export class MockServer {
         bulk_density_kg_m3: 1330,
       },
       sliders: [
-        { key: 'mu_hat', label: 'friction, mu_hat', unit: '', value: 0.342, low: 0, high: 1, step: 0.01 },
-        { key: 'cohesion', label: 'cohesion', unit: 'Pa', value: 996, low: 0, high: 3000, step: 10 },
+        { key: 'friction_angle_deg', label: 'friction angle', unit: '°', value: 39.9, low: 1, high: 70, step: 0.5 },
+        { key: 'cohesion_pa', label: 'cohesion', unit: 'Pa', value: 996, low: 10, high: 3000, step: 10 },
       ],
       body: 'Moon',
       gravity_m_s2: [0, 0, -1.625],
@@ -225,6 +230,7 @@ export class MockServer {
       can_undo: this.undo !== null,
       undo: this.undo_name,
       recording: this.recording,
+      recorded: this.recorded,
     };
   }
 
@@ -311,6 +317,7 @@ export class MockServer {
         this.speed = command.factor;
         return null;
       case 'record':
+        if (this.recording) this.recorded = { file: this.recording, folder: '/home/ada/experiments' };
         this.recording = command.on ? 'haptolith-20260101-120000.h5' : null;
         return null;
       case 'colour':

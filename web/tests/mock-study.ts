@@ -357,7 +357,7 @@ export class MockStudy {
     ]);
     const second = blocks.findIndex(({ block }) => block === 1);
     blocks.splice(second, 0, {
-      message: { phase: 'break', text: 'Let go of the handle, and rest your hand.', button: 'Go on' },
+      message: { phase: 'break', text: 'Let go of the handle, and rest your hand.', button: 'Continue' },
       block: 0,
       button_after_s: break_s,
     });
@@ -391,7 +391,7 @@ export class MockStudy {
     });
     const interval = (which: number, label: string): Screen =>
       part(
-        { phase: 'interval', interval: which, intervals: 2, label, visual, can_dig: true, button: 'Go on' },
+        { phase: 'interval', interval: which, intervals: 2, label, visual, can_dig: true, button: 'Continue' },
         interval_s,
       );
     return [

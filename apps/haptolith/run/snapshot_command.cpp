@@ -172,7 +172,8 @@ class Studio {
     do {
       showNow();
       const nlohmann::json failed = browser_.evaluate(
-          "document.readyState === 'complete' && !window.haptolith ? document.body.innerText.trim() : null");
+          "document.querySelector('.no-picture')?.innerText ??"
+          "(document.readyState === 'complete' && !window.haptolith ? document.body.innerText.trim() : null)");
       if (failed.is_string()) {
         throw Failure(fmt::format("the page shows no picture; it says: {}", failed.get<std::string>()));
       }

@@ -8,7 +8,7 @@ namespace {
 
 constexpr const char* kExamples = R"(Examples:
   haptolith study new friction.study --protocol paper-friction
-  haptolith study run friction.study
+  haptolith study run friction.study --trial-run
   haptolith study figure friction.study --out friction.svg
 
 Every command explains itself with --help; docs/studies.md tells the whole story.)";

@@ -1,11 +1,14 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include <algorithm>
 #include <cstdint>
 #include <memory>
 #include <optional>
 #include <random>
 #include <string>
+#include <string_view>
+#include <vector>
 
 #include "haptolith/study/protocol.h"
 #include "haptolith/study/sequence.h"
@@ -54,13 +57,19 @@ std::string summaryOf(const StudyProtocol& protocol) {
 void makeStudy(const Options& options) {
   const ProtocolText text = findProtocol(options.protocol);
   const StudyProtocol protocol = loadProtocolText(text.text, text.name);
+  // The built-in ones are examples, good for a trial run.
+  const std::vector<std::string_view> names = protocolNames();
+  const bool built_in = std::ranges::find(names, text.name) != names.end();
+  if (!built_in) {
+    requireFilledIn(protocol);
+  }
   const std::uint64_t seed = options.seed ? *options.seed : drawnSeed();
   StudyStore::create(options.file, protocol, text.text, seed);
   printText(fmt::format("{}: {} (seed {})\n{}", options.file, protocol.title, seed, summaryOf(protocol)));
-  if (protocol.consent.find('[') != std::string::npos) {
+  if (built_in && protocol.consent.find('[') != std::string::npos) {
     printNotice(
-        fmt::format("The consent page has text in [BRACKETS] to be filled in: good for a trial run; for a study, "
-                    "write a protocol of your own (docs/studies.md).\n"));
+        fmt::format("The consent page has text in [BRACKETS] to be filled in: good for 'study simulate' and 'study run "
+                    "--trial-run'; for a study, write a protocol of your own (docs/studies.md).\n"));
   }
 }
 

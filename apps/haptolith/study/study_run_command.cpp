@@ -34,6 +34,7 @@ using namespace std::chrono_literals;
 constexpr const char* kExamples = R"(Examples:
   haptolith study new friction.study --protocol paper-friction
   haptolith study run friction.study                               the next participant, with the mouse
+  haptolith study run try.study --trial-run                        try a built-in protocol yourself
   haptolith study run friction.study --device force-dimension      with a haptic device
   haptolith study resume friction.study                            go on where somebody was
 
@@ -41,13 +42,16 @@ Two addresses are printed: the participant's page and the experimenter's. Ctrl-C
 
 struct StudyRunOptions {
   std::string file, participant;
-  bool resumes = false;
+  bool resumes = false, trial_run = false;
   DeviceOptions device;
   WebOptions web;
   double frames_per_s = 0;
 };
 
 Scenario sceneFor(const StudyRunOptions& options, const StudyProtocol& protocol) {
+  if (!options.resumes && !options.trial_run) {
+    requireFilledIn(protocol);
+  }
   Scenario scene = protocol.scene;
   options.device.applyTo(scene.device);
   scene.hand.manoeuvre = Manoeuvre::kStill;  // without a device, whoever takes part moves it
@@ -274,6 +278,8 @@ void addStudyRunCommands(CLI::App& study) {
   CLI::App* run = study.add_subcommand("run", "Lead the next participant through a study, in the browser");
   run->add_option("--participant", run_options->participant, "Pseudonym; default: the next of S01, S02, ...")
       ->option_text("CODE");
+  run->add_flag("--trial-run", run_options->trial_run,
+                "To try it out without participants: the consent page may have text in [BRACKETS]");
   addRunOptions(*run, run_options);
   const auto resume_options = std::make_shared<StudyRunOptions>();
   resume_options->resumes = true;

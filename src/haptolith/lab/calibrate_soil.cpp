@@ -1,7 +1,6 @@
 #include "haptolith/lab/calibrate_soil.h"
 
 #include <Eigen/Dense>
-#include <boost/math/tools/toms748_solve.hpp>
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -14,12 +13,12 @@
 #include "haptolith/core/error.h"
 #include "haptolith/lab/settle.h"
 #include "haptolith/soil/contact_law.h"
+#include "haptolith/soil/contact_strength.h"
 
 namespace haptolith {
 
 namespace {
 
-constexpr double kTableRadius_m = 7e-3;
 constexpr double kTableDensity_kg_m3 = 1500;  ///< of lunarContacts() in the upper 15 cm, on the Moon
 
 double degrees(double radians) {
@@ -30,7 +29,7 @@ double degrees(double radians) {
 /// overlap that still leaves the particles round, and the sizes differ enough that they never crystallise.
 SoilParameters lunarContacts() {
   SoilParameters soil;
-  soil.radius_m = kTableRadius_m;
+  soil.radius_m = kTabulatedRadius_m;
   soil.gamma_nm = 6e-5;
   soil.rho0_kg_m3 = 1430;
   soil.rho_max_kg_m3 = 1840;
@@ -40,88 +39,8 @@ SoilParameters lunarContacts() {
   return soil;
 }
 
-/// A strength as a shear test gives it.
-struct Strength {
-  double angle_deg = 0;
-  double cohesion_pa = 0;
-};
-
-/// Contact friction and cohesion, the latter for R = 7 mm.
-struct Contact {
-  double friction = 0;
-  double cohesion_n = 0;
-};
-
-/// What shear tests of lunarContacts() showed (shearTest(), seed 1; where friction and cohesion are both large, rounded
-/// guesses from the neighbours): the surrogate with which the search begins. Only its slopes matter in the end.
-constexpr std::array kFrictions{0.2, 0.35, 0.5, 0.7};
-constexpr std::array kCohesions_n{0.0, 0.1, 0.3, 0.9};
-using Table = std::array<std::array<Strength, 4>, 4>;  // [cohesion][friction]
-constexpr Table kResidual{{
-    {{{26.3, -11}, {36.4, 0}, {43.2, 67}, {46.4, 225}}},
-    {{{28.3, 383}, {39.1, 359}, {43.6, 421}, {47, 550}}},
-    {{{36.8, 888}, {49.4, 577}, {52, 700}, {54, 900}}},
-    {{{50.7, 2312}, {60.6, 2426}, {62.9, 3407}, {64, 4200}}},
-}};
-constexpr Table kPeak{{
-    {{{28.5, -9}, {39.5, 39}, {47.6, 122}, {55.6, 385}}},
-    {{{31.7, 464}, {41.7, 604}, {48.5, 774}, {56, 1000}}},
-    {{{37.5, 1219}, {44.9, 1595}, {50, 2050}, {56, 2700}}},
-    {{{40.1, 4120}, {46.3, 5450}, {49.2, 7084}, {54, 9000}}},
-}};
-
-template <std::size_t kKnots>
-std::size_t cellOf(const std::array<double, kKnots>& knots, double x) {
-  std::size_t cell = 0;
-  while (cell + 2 < kKnots && x > knots[cell + 1]) {
-    ++cell;
-  }
-  return cell;
-}
-
-/// The table in between its knots, straight on beyond them.
-Strength surrogate(const Table& table, const Contact& contact) {
-  const std::size_t i = cellOf(kCohesions_n, contact.cohesion_n);
-  const std::size_t j = cellOf(kFrictions, contact.friction);
-  const double u = (contact.cohesion_n - kCohesions_n[i]) / (kCohesions_n[i + 1] - kCohesions_n[i]);
-  const double v = (contact.friction - kFrictions[j]) / (kFrictions[j + 1] - kFrictions[j]);
-  const auto mix = [&](double Strength::*what) {
-    return (1 - u) * ((1 - v) * (table[i][j].*what) + v * (table[i][j + 1].*what)) +
-           u * ((1 - v) * (table[i + 1][j].*what) + v * (table[i + 1][j + 1].*what));
-  };
-  return {mix(&Strength::angle_deg), mix(&Strength::cohesion_pa)};
-}
-
-/// Where an increasing function crosses zero between two ends; the nearer end when it does not.
-template <class Function>
-double crossing(double lowest, double highest, Function f) {
-  const double at_lowest = f(lowest);
-  const double at_highest = f(highest);
-  if (at_lowest >= 0 || at_highest <= 0) {
-    return at_lowest >= 0 ? lowest : highest;
-  }
-  std::uintmax_t iterations = 100;
-  const auto bracket = boost::math::tools::toms748_solve(f, lowest, highest, at_lowest, at_highest,
-                                                         boost::math::tools::eps_tolerance<double>(30), iterations);
-  return (bracket.first + bracket.second) / 2;
-}
-
-/// The contact for which the surrogate has the wanted strength, as near as contacts go.
-Contact contactFor(const Table& table, const Strength& wanted) {
-  constexpr double kLeastFriction = 0.1, kMostFriction = 0.85, kMostCohesion_n = 1.5;
-  const auto cohesion_for = [&](double friction) {
-    return wanted.cohesion_pa <= 0 ? 0 : crossing(0, kMostCohesion_n, [&](double cohesion) {
-      return surrogate(table, {friction, cohesion}).cohesion_pa - wanted.cohesion_pa;
-    });
-  };
-  const double friction = crossing(kLeastFriction, kMostFriction, [&](double mu) {
-    return surrogate(table, {mu, cohesion_for(mu)}).angle_deg - wanted.angle_deg;
-  });
-  return {friction, cohesion_for(friction)};
-}
-
 /// How a strength differs from another one, each part over what counts as the same.
-Eigen::Vector2d distance(const Strength& from, const Strength& to) {
+Eigen::Vector2d distance(const ShearStrength& from, const ShearStrength& to) {
   constexpr double kAngle_deg = 0.5;
   const double cohesion_pa = std::max(0.06 * to.cohesion_pa, 20.0);
   return {(from.angle_deg - to.angle_deg) / kAngle_deg, (from.cohesion_pa - to.cohesion_pa) / cohesion_pa};
@@ -131,11 +50,11 @@ Eigen::Vector2d distance(const Strength& from, const Strength& to) {
 /// what each shear test taught. Friction goes as it is, cohesion over that of the table's third row.
 class ContactSearch {
  public:
-  ContactSearch(const Table& table, const Strength& wanted)
-      : wanted_(wanted), cohesive_(wanted.cohesion_pa > 0), at_(toPoint(contactFor(table, wanted))) {
+  ContactSearch(const ShearStrength& wanted, SoilStrength kind)
+      : wanted_(wanted), cohesive_(wanted.cohesion_pa > 0), at_(toPoint(tabulatedContact(wanted, kind))) {
     constexpr double kStep = 0.02;
     const auto tabulated = [&](const Eigen::Vector2d& point) {
-      return distance(surrogate(table, toContact(point)), wanted);
+      return distance(tabulatedStrength(toContact(point), kind), wanted);
     };
     for (int axis = 0; axis < 2; ++axis) {
       const Eigen::Vector2d step = kStep * Eigen::Vector2d::Unit(axis);
@@ -146,10 +65,10 @@ class ContactSearch {
     }
   }
 
-  [[nodiscard]] Contact contact() const { return toContact(at_); }
+  [[nodiscard]] ContactStrength contact() const { return toContact(at_); }
 
   /// What the present contact showed; the next one is better. True when it is good enough.
-  bool learn(const Strength& found) {
+  bool learn(const ShearStrength& found) {
     Eigen::Vector2d error = distance(found, wanted_);
     error.y() = cohesive_ ? error.y() : 0;
     if (error.norm() < best_error_) {
@@ -174,28 +93,30 @@ class ContactSearch {
     return false;
   }
 
-  [[nodiscard]] Contact best() const { return toContact(best_); }
-  [[nodiscard]] const Strength& bestFound() const { return best_found_; }
+  [[nodiscard]] ContactStrength best() const { return toContact(best_); }
+  [[nodiscard]] const ShearStrength& bestFound() const { return best_found_; }
 
  private:
   static constexpr double kCohesion_n = 0.3;
-  [[nodiscard]] static Contact toContact(const Eigen::Vector2d& point) { return {point.x(), kCohesion_n * point.y()}; }
-  [[nodiscard]] static Eigen::Vector2d toPoint(const Contact& contact) {
+  [[nodiscard]] static ContactStrength toContact(const Eigen::Vector2d& point) {
+    return {point.x(), kCohesion_n * point.y()};
+  }
+  [[nodiscard]] static Eigen::Vector2d toPoint(const ContactStrength& contact) {
     return {contact.friction, contact.cohesion_n / kCohesion_n};
   }
 
-  Strength wanted_;
+  ShearStrength wanted_;
   bool cohesive_;
   Eigen::Vector2d at_, before_, error_before_, best_;
   Eigen::Matrix2d slopes_;
   int steps_ = 0;
   double best_error_ = std::numeric_limits<double>::infinity();
-  Strength best_found_;
+  ShearStrength best_found_;
 };
 
-SoilParameters withContact(SoilParameters soil, const Contact& contact) {
+SoilParameters withContact(SoilParameters soil, const ContactStrength& contact) {
   soil.contact_friction = contact.friction;
-  soil.contact_cohesion_n = contact.cohesion_n * std::pow(soil.radius_m / kTableRadius_m, 2);
+  soil.contact_cohesion_n = contact.cohesion_n * std::pow(soil.radius_m / kTabulatedRadius_m, 2);
   return soil;
 }
 
@@ -228,9 +149,9 @@ double calibrateDensity(SoilParameters& soil, double bulk_density, const Calibra
 }
 
 /// Strengths of specimens with some seeds.
-std::vector<Strength> shear(const SoilParameters& soil, SoilStrength kind, const CalibrateSoilOptions& options,
-                            std::uint64_t first_seed, int seeds) {
-  std::vector<Strength> strengths;
+std::vector<ShearStrength> shear(const SoilParameters& soil, SoilStrength kind, const CalibrateSoilOptions& options,
+                                 std::uint64_t first_seed, int seeds) {
+  std::vector<ShearStrength> strengths;
   for (int i = 0; i < seeds; ++i) {
     const LabConditions conditions{soil, options.gravity_m_s2, first_seed + static_cast<std::uint64_t>(i),
                                    options.threads, options.progress};
@@ -241,18 +162,18 @@ std::vector<Strength> shear(const SoilParameters& soil, SoilStrength kind, const
   return strengths;
 }
 
-double mean(const std::vector<Strength>& strengths, double Strength::*what) {
+double mean(const std::vector<ShearStrength>& strengths, double ShearStrength::*what) {
   double sum = 0;
-  for (const Strength& strength : strengths) {
+  for (const ShearStrength& strength : strengths) {
     sum += strength.*what;
   }
   return sum / static_cast<double>(strengths.size());
 }
 
-double standardDeviation(const std::vector<Strength>& strengths, double Strength::*what) {
+double standardDeviation(const std::vector<ShearStrength>& strengths, double ShearStrength::*what) {
   const double middle = mean(strengths, what);
   double sum = 0;
-  for (const Strength& strength : strengths) {
+  for (const ShearStrength& strength : strengths) {
     sum += std::pow(strength.*what - middle, 2);
   }
   return std::sqrt(sum / static_cast<double>(strengths.size() - 1));
@@ -275,8 +196,7 @@ CalibratedSoil calibrateSoil(const SoilTarget& target, const CalibrateSoilOption
   validate(target, options);
   constexpr int kSearchSeeds = 2;
   constexpr int kMostRounds = 7;
-  const Table& table = target.strength == SoilStrength::kPeak ? kPeak : kResidual;
-  const Strength wanted{target.friction_angle_deg, target.cohesion_pa};
+  const ShearStrength wanted{target.friction_angle_deg, target.cohesion_pa};
 
   CalibratedSoil result;
   SoilParameters soil = rescaled(lunarContacts(), options.radius_m);
@@ -287,15 +207,15 @@ CalibratedSoil calibrateSoil(const SoilTarget& target, const CalibrateSoilOption
   soil.rho0_kg_m3 *= target.bulk_density_kg_m3 / kTableDensity_kg_m3;
   soil.rho_max_kg_m3 *= target.bulk_density_kg_m3 / kTableDensity_kg_m3;
 
-  ContactSearch search(table, wanted);
+  ContactSearch search(wanted, target.strength);
   bool good = false;
   while (!good && result.rounds < kMostRounds) {
-    const std::vector<Strength> measured =
+    const std::vector<ShearStrength> measured =
         shear(withContact(soil, search.contact()), target.strength, options, options.seed, kSearchSeeds);
-    good = search.learn({mean(measured, &Strength::angle_deg), mean(measured, &Strength::cohesion_pa)});
+    good = search.learn({mean(measured, &ShearStrength::angle_deg), mean(measured, &ShearStrength::cohesion_pa)});
     ++result.rounds;
   }
-  const Strength& found = search.bestFound();
+  const ShearStrength& found = search.bestFound();
   if (std::abs(found.angle_deg - wanted.angle_deg) > 3 ||
       std::abs(found.cohesion_pa - wanted.cohesion_pa) > std::max(0.3 * wanted.cohesion_pa, 100.0)) {
     throw InvalidParameter("friction_angle_deg with cohesion_pa",
@@ -307,12 +227,12 @@ CalibratedSoil calibrateSoil(const SoilTarget& target, const CalibrateSoilOption
   result.soil.mu_hat = std::tan(wanted.angle_deg * std::numbers::pi / 180) / std::sqrt(6.0);  // (paper 17)
   result.reached.bulk_density_kg_m3 = calibrateDensity(result.soil, target.bulk_density_kg_m3, options);
 
-  const std::vector<Strength> verified =
+  const std::vector<ShearStrength> verified =
       shear(result.soil, target.strength, options, options.seed + 1000, options.verification_seeds);
-  result.reached.friction_angle_deg = mean(verified, &Strength::angle_deg);
-  result.reached.friction_angle_sd_deg = standardDeviation(verified, &Strength::angle_deg);
-  result.reached.cohesion_pa = mean(verified, &Strength::cohesion_pa);
-  result.reached.cohesion_sd_pa = standardDeviation(verified, &Strength::cohesion_pa);
+  result.reached.friction_angle_deg = mean(verified, &ShearStrength::angle_deg);
+  result.reached.friction_angle_sd_deg = standardDeviation(verified, &ShearStrength::angle_deg);
+  result.reached.cohesion_pa = mean(verified, &ShearStrength::cohesion_pa);
+  result.reached.cohesion_sd_pa = standardDeviation(verified, &ShearStrength::cohesion_pa);
   result.reached.seeds = options.verification_seeds;
   return result;
 }

@@ -36,7 +36,7 @@ Scenario changed(Scenario scenario, const SceneChange& change) {
   }
   scenario.bed.soil.friction = change.friction.value_or(scenario.bed.soil.friction);
   for (const auto& [key, value] : change.sliders) {
-    scenario.bed.soil = withSlider(scenario.bed.soil, key, value);
+    scenario.bed.soil = withSlider(scenario.bed.soil, key, value, calibrationOf(scenario));
   }
   if (change.body) {
     changeBody(scenario, *change.body);

@@ -5,10 +5,13 @@
 
 #include <algorithm>
 #include <cmath>
+#include <exception>
+#include <iterator>
 #include <numbers>
 #include <string>
 
 #include "haptolith/core/error.h"
+#include "haptolith/scenario/soil_file.h"
 #include "haptolith/soil/strength.h"
 
 namespace haptolith {
@@ -40,24 +43,57 @@ double paperCohesion(const SoilParameters& soil) {
   }
 }
 
+std::vector<SoilSlider> contactSliders(const SoilParameters& soil) {
+  const double strongest = strongestCohesion(soil);
+  return {
+      {kContactFriction, "contact friction", "", soil.contact_friction, 0, 2, 0.01},
+      {kContactCohesion, "contact cohesion", "mN", soil.contact_cohesion_n / kMilli, 0, strongest, strongest / 200}};
+}
+
 }  // namespace
 
-std::vector<SoilSlider> slidersOf(const SoilParameters& soil) {
+std::optional<CalibratedStrength> calibrationOf(const Scenario& scenario) {
+  const SoilParameters& soil = scenario.bed.soil;
+  if (scenario.soil_name.empty() || soil.friction != FrictionModel::kPairwise) {
+    return std::nullopt;
+  }
+  try {
+    const SoilFile file = findSoil(scenario.soil_name);
+    const SoilParameters calibrated = rescaled(file.soil, soil.radius_m);
+    SoilParameters other_contacts = calibrated;
+    other_contacts.contact_friction = soil.contact_friction;
+    other_contacts.contact_cohesion_n = soil.contact_cohesion_n;
+    return other_contacts == soil ? std::optional(CalibratedStrength(calibrated, file.target)) : std::nullopt;
+  } catch (const std::exception&) {  // a file that has gone: nothing is known of its soil
+    return std::nullopt;
+  }
+}
+
+std::vector<SoilSlider> slidersOf(const SoilParameters& soil, const std::optional<CalibratedStrength>& calibration) {
+  if (soil.friction == FrictionModel::kPairwise && calibration) {
+    const ShearStrength now = calibration->of(soil);
+    const Range angles_deg = calibration->anglesFor(soil);
+    const Range cohesions_pa = calibration->cohesionsFor(soil);
+    return {{kFrictionAngle, "friction angle", "°", now.angle_deg, angles_deg.lowest, angles_deg.highest, 0.5},
+            {kCohesion, "cohesion", "Pa", now.cohesion_pa, cohesions_pa.lowest, cohesions_pa.highest, 10}};
+  }
   if (soil.friction == FrictionModel::kPairwise) {
-    const double strongest = strongestCohesion(soil);
-    return {{kContactFriction, "friction", "", soil.contact_friction, 0, 2, 0.01},
-            {kContactCohesion, "cohesion", "mN", soil.contact_cohesion_n / kMilli, 0, strongest, strongest / 200}};
+    return contactSliders(soil);
   }
   const double angle_deg = frictionAngle(frictionCoefficient(soil.mu_hat)) / kDegree;
-  std::vector<SoilSlider> sliders{{kFrictionAngle, "friction", "°", angle_deg, 1, 70, 0.5}};
+  std::vector<SoilSlider> sliders{{kFrictionAngle, "friction angle", "°", angle_deg, 1, 70, 0.5}};
   if (const double now_pa = paperCohesion(soil); now_pa > 0) {
     sliders.push_back({kCohesion, "cohesion", "Pa", now_pa, 10, std::max(3000.0, 2 * now_pa), 10});
   }
   return sliders;
 }
 
-SoilParameters withSlider(SoilParameters soil, std::string_view key, double value) {
-  const std::vector<SoilSlider> sliders = slidersOf(soil);
+SoilParameters withSlider(SoilParameters soil, std::string_view key, double value,
+                          const std::optional<CalibratedStrength>& calibration) {
+  std::vector<SoilSlider> sliders = slidersOf(soil, calibration);
+  if (soil.friction == FrictionModel::kPairwise && calibration) {
+    std::ranges::copy(contactSliders(soil), std::back_inserter(sliders));
+  }
   const auto slider = std::ranges::find(sliders, key, &SoilSlider::key);
   if (slider == sliders.end()) {
     std::vector<std::string_view> keys;
@@ -65,7 +101,11 @@ SoilParameters withSlider(SoilParameters soil, std::string_view key, double valu
     throw InvalidParameter("sliders", std::string(key), fmt::format("{}", fmt::join(keys, " or ")));
   }
   requireInRange(key, value, {slider->low, slider->high});
-  if (key == kFrictionAngle) {
+  if (soil.friction == FrictionModel::kPairwise && (key == kFrictionAngle || key == kCohesion)) {
+    ShearStrength wanted = calibration->of(soil);
+    (key == kFrictionAngle ? wanted.angle_deg : wanted.cohesion_pa) = value;
+    soil = calibration->with(soil, wanted);
+  } else if (key == kFrictionAngle) {
     // (paper 18) has friction in it: cohesion is kept as it was.
     const double kept_pa = paperCohesion(soil);
     soil.mu_hat = modelFriction(std::tan(value * kDegree));

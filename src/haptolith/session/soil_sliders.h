@@ -1,8 +1,11 @@
 #pragma once
 
+#include <optional>
 #include <string_view>
 #include <vector>
 
+#include "haptolith/scenario/scenario.h"
+#include "haptolith/soil/contact_strength.h"
 #include "haptolith/soil/soil_parameters.h"
 
 namespace haptolith {
@@ -13,11 +16,18 @@ struct SoilSlider {
   double value = 0, low = 0, high = 1, step = 0.01;
 };
 
-/// What can be changed of this soil: with the paper's friction the friction angle and cohesion that (paper 17, 18)
-/// give, with pairwise friction those of a contact.
-[[nodiscard]] std::vector<SoilSlider> slidersOf(const SoilParameters& soil);
+/// How the strength of a scene's soil changes with its contacts; none when it has no name, was calibrated for another
+/// model of friction, or differs from the calibrated soil in more than contact friction and cohesion.
+[[nodiscard]] std::optional<CalibratedStrength> calibrationOf(const Scenario& scenario);
 
-/// The soil with one slider moved. @throws InvalidParameter for a key that this soil has not, or a value out of range.
-[[nodiscard]] SoilParameters withSlider(SoilParameters soil, std::string_view key, double value);
+/// What can be changed of this soil: friction angle and cohesion, with the paper's friction those that (paper 17, 18)
+/// give, with pairwise friction those of its calibration; without one, friction and cohesion of a contact.
+[[nodiscard]] std::vector<SoilSlider> slidersOf(const SoilParameters& soil,
+                                                const std::optional<CalibratedStrength>& calibration = {});
+
+/// The soil with one slider moved; those of a contact can be moved where slidersOf() shows angle and cohesion, too.
+/// @throws InvalidParameter for a key that this soil has not, or a value out of range.
+[[nodiscard]] SoilParameters withSlider(SoilParameters soil, std::string_view key, double value,
+                                        const std::optional<CalibratedStrength>& calibration = {});
 
 }  // namespace haptolith

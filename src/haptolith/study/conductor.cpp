@@ -86,7 +86,7 @@ void Conductor::start(ParticipantRow participant) {
   if (step_ < steps_.size() && steps_[step_].phase == StudyPhase::kPreparing && (!done.empty() || !rows_.empty())) {
     steps_.insert(
         steps_.begin() + static_cast<std::ptrdiff_t>(step_),
-        {.phase = StudyPhase::kInstructions, .name = {}, .title = "Welcome back", .text = "You go on where you were."});
+        {.phase = StudyPhase::kInstructions, .name = {}, .title = "Welcome back", .text = "You continue where you were."});
   }
   guarded([this] { enterStep(); });
 }
@@ -587,11 +587,11 @@ StudyMoment Conductor::moment() const {
   }
   switch (phase_) {
     case StudyPhase::kConsent: now.button = "I agree and take part"; break;
-    case StudyPhase::kInstructions: now.button = "Go on"; break;
+    case StudyPhase::kInstructions: now.button = "Continue"; break;
     case StudyPhase::kInterval:
       now.button = now.interval == 1 ? "I have felt enough" : "I have felt enough: answer";
       break;
-    case StudyPhase::kBreak: now.button = now.remaining_s.value_or(0) > 0 ? "" : "Go on"; break;
+    case StudyPhase::kBreak: now.button = now.remaining_s.value_or(0) > 0 ? "" : "Continue"; break;
     default: break;
   }
   return now;

@@ -332,6 +332,19 @@ StudyProtocol loadProtocolText(std::string_view toml, std::string_view name, con
   return read(TomlReader(fs::path(name), toml, kProtocol), scene);
 }
 
+void requireFilledIn(const StudyProtocol& protocol) {
+  const std::string_view text = protocol.consent;
+  for (std::size_t at = text.find('['); at != std::string_view::npos; at = text.find('[', at + 1)) {
+    const std::size_t end = text.find(']', at);
+    const bool is_placeholder = at + 1 < text.size() && text[at + 1] >= 'A' && text[at + 1] <= 'Z';
+    if (is_placeholder && end != std::string_view::npos) {
+      throw InvalidParameter(
+          "consent", std::string(text.substr(at, end + 1 - at)),
+          "filled in: copy the protocol, replace what stands in [BRACKETS], and make a study of the copy");
+    }
+  }
+}
+
 std::vector<std::string_view> protocolNames() {
   std::vector<std::string_view> names;
   std::ranges::transform(builtInProtocols(), std::back_inserter(names), &BuiltInProtocol::name);

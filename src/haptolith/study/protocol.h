@@ -101,6 +101,9 @@ struct ProtocolText {
 /// @throws InvalidParameter listing the built-in names when it is neither; Failure when the file cannot be read.
 [[nodiscard]] ProtocolText findProtocol(std::string_view name_or_file);
 
+/// @throws InvalidParameter naming the first text in [BRACKETS] that is left in the consent page.
+void requireFilledIn(const StudyProtocol& protocol);
+
 /// The built-in protocols: the files in protocols/.
 [[nodiscard]] std::vector<std::string_view> protocolNames();
 

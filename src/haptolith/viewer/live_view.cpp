@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <exception>
+#include <filesystem>
 #include <utility>
 
 #include "haptolith/bed/contact_load.h"
@@ -155,7 +156,9 @@ void LiveView::carryOut(std::uint32_t client, const Command& asked) {
                      if (!recorder_.start) {
                        throw Failure("nothing can be recorded here");
                      }
+                     (void)recordingNow();  // one that ends before the next status
                      record.on ? recorder_.start() : recorder_.stop();
+                     (void)recordingNow();
                    },
                    [&](const command::Colour& colour) {
                      if (colour.by_force) {
@@ -217,9 +220,21 @@ void LiveView::showScene() {
   board_.setScene(sceneMessages(session_, space_), scene_shown_, session_.snapshot().position.size(), space_);
 }
 
+/// Name of the file that is being written; one that is finished may be downloaded.
+std::string LiveView::recordingNow() {
+  std::string now = recorder_.name ? recorder_.name() : "";
+  const std::string before = std::exchange(recording_, now);
+  std::error_code error;
+  if (before != now && std::filesystem::is_regular_file(before, error)) {
+    recorded_ = std::filesystem::absolute(before);
+    server_.offer(recorded_);
+  }
+  return now;
+}
+
 void LiveView::showStatus() {
   const Clock::time_point now = Clock::now();
-  const std::string recording = recorder_.name ? recorder_.name() : "";
+  const std::string recording = recordingNow();
   const std::uint64_t ticks = session_.snapshot().ticks;
   if (now - rate_at_ >= kRateOver) {
     const double elapsed_s = std::chrono::duration<double>(now - rate_at_).count();
@@ -227,8 +242,11 @@ void LiveView::showStatus() {
     rate_at_ = now;
     rate_ticks_ = ticks;
   }
-  board_.setStatus(statusMessage(
-      session_, {.rate_hz = rate_hz_, .clients = server_.clients(), .held_by = holder_, .recording = recording}));
+  board_.setStatus(statusMessage(session_, {.rate_hz = rate_hz_,
+                                            .clients = server_.clients(),
+                                            .held_by = holder_,
+                                            .recording = recording,
+                                            .recorded = recorded_}));
 }
 
 }  // namespace haptolith

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <chrono>
+#include <filesystem>
 #include <functional>
 #include <map>
 #include <optional>
@@ -68,6 +69,7 @@ class LiveView {
   void letGo(std::uint32_t client);
   void showScene();
   void showStatus();
+  [[nodiscard]] std::string recordingNow();
 
   Session& session_;
   Recorder recorder_;
@@ -77,6 +79,8 @@ class LiveView {
   WebServer server_;
   FrameEncoder::Space space_;
 
+  std::string recording_;           ///< the file that was being written when last looked
+  std::filesystem::path recorded_;  ///< the last one that is finished
   std::optional<std::uint32_t> holder_;
   std::set<std::uint32_t> coloured_by_force_;
   std::uint32_t scene_shown_ = 0;

@@ -67,6 +67,11 @@ Json soilJson(const Scenario& scenario) {
   return soil;
 }
 
+Json recordedJson(const std::filesystem::path& file) {
+  return file.empty() ? Json(nullptr)
+                      : Json{{"file", file.filename().string()}, {"folder", file.parent_path().string()}};
+}
+
 }  // namespace
 
 std::string helloMessage(std::string_view version, bool read_only) {
@@ -108,7 +113,7 @@ Board::SceneTexts sceneMessages(const Session& session, const FrameEncoder::Spac
   const BedParameters& bed = scenario.bed;
   const SoilParameters& shown = session.shown().bed.soil;
   Json sliders = Json::array();
-  for (const SoilSlider& slider : slidersOf(bed.soil)) {
+  for (const SoilSlider& slider : slidersOf(bed.soil, calibrationOf(scenario))) {
     sliders.push_back({{"key", slider.key},
                        {"label", slider.label},
                        {"unit", slider.unit},
@@ -181,7 +186,8 @@ std::string statusMessage(const Session& session, const StatusBeside& beside) {
                   {"problem", orNull(session.problem())},
                   {"can_undo", !session.undoable().empty()},
                   {"undo", orNull(session.undoable())},
-                  {"recording", orNull(beside.recording)}});
+                  {"recording", orNull(beside.recording)},
+                  {"recorded", recordedJson(beside.recorded)}});
 }
 
 std::string replyMessage(std::optional<std::int64_t> id, std::string_view refused) {

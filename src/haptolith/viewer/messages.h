@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <filesystem>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -24,6 +25,7 @@ struct StatusBeside {
   std::size_t clients = 0;
   std::optional<std::uint32_t> held_by = {};  ///< a client's number
   std::string_view recording = {};            ///< a file's name; empty: none
+  std::filesystem::path recorded = {};        ///< the last file that is finished, and its folder; empty: none
 };
 [[nodiscard]] std::string statusMessage(const Session& session, const StatusBeside& beside);
 

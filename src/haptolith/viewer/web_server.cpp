@@ -16,6 +16,7 @@
 #include <chrono>
 #include <deque>
 #include <exception>
+#include <filesystem>
 #include <iterator>
 #include <list>
 #include <map>
@@ -41,6 +42,7 @@ namespace websocket = beast::websocket;
 using Tcp = asio::ip::tcp;
 using namespace std::chrono_literals;
 
+constexpr std::string_view kRecordings = "/recordings/";
 constexpr std::string_view kSubprotocol = "haptolith.1";
 constexpr std::size_t kMostClients = 32;
 constexpr std::size_t kMostLeaving = 16;  // WebSockets that wait for the other side's farewell
@@ -199,7 +201,8 @@ class WebServer::Implementation {
   std::map<std::uint32_t, std::weak_ptr<Client>> clients;  // those that have not ended
   std::size_t sockets_of_clients = 0;
   std::uint32_t last_client = 0;
-  std::map<std::string, Guesses> guesses;  // by network
+  std::map<std::string, Guesses> guesses;                             // by network
+  std::map<std::string, std::filesystem::path, std::less<>> offered;  // by name
 
   asio::io_context io{1};  // its end is that of visitors and clients, who use the above
   Tcp::acceptor acceptor{io};
@@ -442,15 +445,17 @@ class WebServer::Implementation::Visitor : public std::enable_shared_from_this<V
     const bool is_socket = websocket::is_upgrade(request);
     const std::string_view path = target.substr(0, target.find('?'));
     const std::optional<std::size_t> entrance = server_.entranceOf(target);
+    const bool is_recording = path.starts_with(kRecordings);
+    const bool needs_token = is_socket || path == "/ws" || is_recording;
     if (request.count(http::field::host) > 1 || request.count(http::field::origin) > 1) {
       refuse(http::status::bad_request, "Host and Origin may be given once only\n");
     } else if (!server_.isHostAllowed(host)) {
       refuse(http::status::forbidden, "this address is not one of the program's\n");
     } else if (is_socket && !origin.empty() && !isFromHere(origin, host)) {
       refuse(http::status::forbidden, "pages from elsewhere may not connect\n");
-    } else if ((is_socket || path == "/ws") && !server_.mayGuess(network_, !entrance && !tokenOf(target).empty())) {
+    } else if (needs_token && !server_.mayGuess(network_, !entrance && !tokenOf(target).empty())) {
       refuse(http::status::too_many_requests, "too many wrong tokens: try again in a while\n");
-    } else if ((is_socket || path == "/ws") && !entrance) {
+    } else if (needs_token && !entrance) {
       refuse(http::status::unauthorized, "the address lacks the token that the program printed\n");
     } else if (is_socket) {
       upgrade(path, *entrance);
@@ -458,6 +463,8 @@ class WebServer::Implementation::Visitor : public std::enable_shared_from_this<V
       refuse(http::status::method_not_allowed, "only GET and HEAD\n");
     } else if (path == "/ws") {
       refuse(http::status::upgrade_required, "this is a WebSocket\n");
+    } else if (is_recording) {
+      sendRecording(path.substr(kRecordings.size()), *entrance);
     } else if (const WebFile* file = findFile(target)) {
       send(http::status::ok, contentType(file->path), file->content);
     } else {
@@ -481,34 +488,87 @@ class WebServer::Implementation::Visitor : public std::enable_shared_from_this<V
     }
   }
 
+  /// Only what has been offered, by its very name: a path leads nowhere else.
+  void sendRecording(std::string_view name, std::size_t entrance) {
+    const auto at = server_.offered.find(name);
+    beast::error_code error;
+    http::file_body::value_type file;
+    if (server_.entrances[entrance].nameless) {
+      refuse(http::status::forbidden, "this token opens no recordings\n");
+      return;
+    }
+    if (at != server_.offered.end()) {
+      file.open(at->second.c_str(), beast::file_mode::scan, error);
+    }
+    if (at == server_.offered.end() || error) {
+      refuse(http::status::not_found, "there is no such recording\n");
+      return;
+    }
+    recording_.emplace(std::piecewise_construct, std::make_tuple(std::move(file)),
+                       std::make_tuple(http::status::ok, parser_->get().version() == 10 ? 10U : 11U));
+    addFields(*recording_, "application/x-hdf5", parser_->get().keep_alive());
+    recording_->set(http::field::content_disposition, fmt::format("attachment; filename=\"{}\"", name));
+    recording_->prepare_payload();
+    recording_serializer_.emplace(*recording_);
+    if (parser_->get().method() == http::verb::head) {
+      http::async_write_header(stream_, *recording_serializer_, [self = shared_from_this()](auto error, std::size_t) {
+        self->sent(error, self->recording_->keep_alive());
+      });
+    } else {
+      sendMoreOfRecording();
+    }
+  }
+
+  /// Each piece has its own time: a recording of an hour is 0.8 GB.
+  void sendMoreOfRecording() {
+    stream_.expires_after(kRequestTime);
+    http::async_write_some(stream_, *recording_serializer_, [self = shared_from_this()](auto error, std::size_t) {
+      if (error || self->recording_serializer_->is_done()) {
+        self->sent(error, self->recording_->keep_alive());
+      } else if (self->crowd_ != nullptr) {
+        self->sendMoreOfRecording();
+      }
+    });
+  }
+
   void refuse(http::status status, std::string_view why) { send(status, "text/plain; charset=utf-8", why); }
 
   void send(http::status status, std::string_view type, std::string_view content) {
     const auto& request = parser_->get();
     response_.emplace(std::piecewise_construct, std::make_tuple(content.data(), content.size()),
                       std::make_tuple(status, request.version() == 10 ? 10U : 11U));
-    response_->set(http::field::server, "haptolith");
-    response_->set(http::field::content_type, view(type));
-    response_->set(http::field::cache_control, "no-store");
-    response_->set("Content-Security-Policy",
-                   "default-src 'self'; style-src 'self' 'unsafe-inline'; img-src 'self' data: blob:; "
-                   "connect-src 'self'; frame-ancestors 'self'; base-uri 'none'");
-    response_->set("X-Content-Type-Options", "nosniff");
-    response_->set("Referrer-Policy", "no-referrer");  // the address may hold the token
-    response_->keep_alive(status == http::status::ok && request.keep_alive());
+    addFields(*response_, type, status == http::status::ok && request.keep_alive());
     response_->prepare_payload();
-    const auto sent = [self = shared_from_this()](beast::error_code error, std::size_t) {
-      if (!error && self->response_->keep_alive()) {
-        self->read();
-      } else if (!error) {
-        self->hangUp();
-      }
+    const auto done = [self = shared_from_this()](beast::error_code error, std::size_t) {
+      self->sent(error, self->response_->keep_alive());
     };
     if (request.method() == http::verb::head) {
       serializer_.emplace(*response_);
-      http::async_write_header(stream_, *serializer_, sent);
+      http::async_write_header(stream_, *serializer_, done);
     } else {
-      http::async_write(stream_, *response_, sent);
+      http::async_write(stream_, *response_, done);
+    }
+  }
+
+  static void addFields(auto& response, std::string_view type, bool keep_alive) {
+    response.set(http::field::server, "haptolith");
+    response.set(http::field::content_type, view(type));
+    response.set(http::field::cache_control, "no-store");
+    response.set("Content-Security-Policy",
+                 "default-src 'self'; style-src 'self' 'unsafe-inline'; img-src 'self' data: blob:; "
+                 "connect-src 'self'; frame-ancestors 'self'; base-uri 'none'");
+    response.set("X-Content-Type-Options", "nosniff");
+    response.set("Referrer-Policy", "no-referrer");  // the address may hold the token
+    response.keep_alive(keep_alive);
+  }
+
+  void sent(beast::error_code error, bool keep_alive) {
+    recording_serializer_.reset();
+    recording_.reset();
+    if (!error && keep_alive) {
+      read();
+    } else if (!error) {
+      hangUp();
     }
   }
 
@@ -539,6 +599,8 @@ class WebServer::Implementation::Visitor : public std::enable_shared_from_this<V
   using Response = http::response<http::span_body<const char>>;
   std::optional<Response> response_;
   std::optional<http::response_serializer<http::span_body<const char>>> serializer_;
+  std::optional<http::response<http::file_body>> recording_;
+  std::optional<http::response_serializer<http::file_body>> recording_serializer_;
 };
 
 WebServer::Implementation::Implementation(const WebServerOptions& options, Board& shared_board)
@@ -764,6 +826,12 @@ void WebServer::notify() {
         client->pump();
       }
     }
+  });
+}
+
+void WebServer::offer(const std::filesystem::path& file) {
+  asio::post(implementation_->io, [server = implementation_.get(), file = std::filesystem::absolute(file)] {
+    server->offered[file.filename().string()] = file;
   });
 }
 

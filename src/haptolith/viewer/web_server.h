@@ -2,6 +2,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <filesystem>
 #include <memory>
 #include <string>
 #include <vector>
@@ -65,6 +66,8 @@ class WebServer {
   void notify();
   /// Sends a text to one client, after what it has been sent before. One that lets too many wait is dropped.
   void send(std::uint32_t client, std::string text);
+  /// Lets who has a token download this file as /recordings/NAME, and no other; not who comes by a nameless entrance.
+  void offer(const std::filesystem::path& file);
 
  private:
   class Implementation;

@@ -41,6 +41,10 @@ export class Hand {
     return this.holders.has(holder);
   }
 
+  isHeldOnlyBy(holder: Holder): boolean {
+    return this.isHeldBy(holder) && this.holders.size === 1;
+  }
+
   /** Where the hand wants the tool, within the workspace. */
   get wished(): Pose {
     const range = this.scene?.workspace;

@@ -13,7 +13,9 @@ import {
   type Vec3,
 } from '../protocol';
 import { VIEW_NAMES, type ViewName } from '../settings';
+import { DRAG_WARNING, EXPLAIN, frictionModelName, sliderExplanation } from './explanations';
 import { h, setText } from './html';
+import { explain } from './tooltip';
 
 const SLIDER_DELAY_MS = 150;
 const SPEEDS = [1, 0.5, 0.2, 0.1, 0.05, 0.01];
@@ -24,12 +26,15 @@ export interface Actions {
   setView(name: ViewName): void;
   resetView(): void;
   setDigAnywhere(on: boolean): void;
+  bringTool(): void;
+  recordingAddress(file: string): string;
 }
 
 export class Controls {
   readonly element: HTMLElement;
   private readonly soil = h('select', { id: 'soil' });
   private readonly friction = h('select', { id: 'friction' });
+  private readonly drag_warning = h('p', { class: 'warning', role: 'note', hidden: true }, DRAG_WARNING);
   private readonly soil_facts = h('p', { class: 'facts numbers' });
   private readonly sliders = h('div', { class: 'sliders' });
   private readonly body = h('select', { id: 'body' });
@@ -44,7 +49,8 @@ export class Controls {
   private readonly speed = h('select', { id: 'speed' });
   private readonly record: HTMLButtonElement;
   private readonly look_on = h('p', { class: 'look-on', role: 'note', hidden: true });
-  private readonly record_file = h('p', { class: 'facts record-file' });
+  private readonly record_file = h('p', { class: 'facts record-file', role: 'status' });
+  private recorded = '';
   private readonly colours = h('div', { class: 'segmented', role: 'group', 'aria-label': 'Colour by' });
   private readonly slider_inputs = new Map<string, { input: HTMLInputElement; value: HTMLElement; spec: Slider }>();
   private readonly slider_timers = new Map<string, number>();
@@ -59,8 +65,11 @@ export class Controls {
     private readonly act: Actions,
     private readonly neutral: boolean,
   ) {
-    const button = (label: string, title: string, run: () => void): HTMLButtonElement =>
-      h('button', { type: 'button', title, onclick: run }, label);
+    const button = (label: string, explanation: string, run: () => void): HTMLButtonElement => {
+      const made = h('button', { type: 'button', onclick: run }, label);
+      explain(made, explanation);
+      return made;
+    };
 
     this.soil.addEventListener('change', () => {
       const [kind, name] = this.soil.value.split(':') as [string, string];
@@ -75,61 +84,68 @@ export class Controls {
       ...SPEEDS.map((factor) => h('option', { value: factor }, factor === 1 ? 'real time' : `${factor} ×`)),
     );
 
-    this.still = button('Hold still', 'Stop the virtual hand where it is (Y)', () => this.holdStill());
-    this.undo = button('Undo', 'Take back the last change of the bed (Ctrl+Z)', () => this.act.ask({ do: 'undo' }));
-    this.pause = button('Pause', 'Pause or go on (space)', () => this.togglePause());
-    this.step = button('Step', 'While paused: one tick (. on the keyboard; , for 100)', () => this.stepOnce(1));
-    this.record = button('Record', 'Write every tick to a file (O)', () => this.toggleRecord());
+    this.still = button('Hold still', EXPLAIN.still, () => this.holdStill());
+    this.undo = button('Undo', EXPLAIN.undo, () => this.act.ask({ do: 'undo' }));
+    this.pause = button('Pause', EXPLAIN.pause, () => this.togglePause());
+    this.step = button('Step', EXPLAIN.step, () => this.stepOnce(1));
+    this.record = button('Record', EXPLAIN.record, () => this.toggleRecord());
 
-    for (const mode of COLOUR_MODES)
-      this.colours.append(
-        h(
-          'button',
-          { type: 'button', 'data-colour': mode, 'aria-pressed': 'false', onclick: () => this.act.setColour(mode) },
-          mode,
-        ),
-      );
+    for (const mode of COLOUR_MODES) {
+      const colour = button(mode, COLOUR_EXPLANATIONS[mode], () => this.act.setColour(mode));
+      colour.dataset.colour = mode;
+      colour.setAttribute('aria-pressed', 'false');
+      this.colours.append(colour);
+    }
     const views = h(
       'div',
       { class: 'segmented', role: 'group', 'aria-label': 'View' },
-      ...VIEW_NAMES.map((name, i) =>
-        h(
-          'button',
-          { type: 'button', title: `key ${i + 1}`, onclick: () => this.act.setView(name) },
-          name === 'three-quarter' ? '¾' : name,
-        ),
+      ...VIEW_NAMES.map((name) =>
+        button(name === 'three-quarter' ? '¾' : name, EXPLAIN.view, () => this.act.setView(name)),
       ),
     );
+
+    const dig = h('label', { class: 'check' }, this.dig, h('span', {}, 'drag anywhere to dig'));
+    explain(this.dig, EXPLAIN.dig, dig);
+    explain(this.soil_facts, EXPLAIN.facts);
+    this.soil_facts.tabIndex = 0;
 
     const changing = [
       group(
         'World',
-        field('Soil', this.soil),
-        field('Friction', this.friction),
+        field('Soil', this.soil, EXPLAIN.soil),
+        field('Friction model', this.friction, EXPLAIN.friction, 'field long'),
+        this.drag_warning,
         this.soil_facts,
         this.sliders,
-        field('Body', this.body),
+        field('Body', this.body, EXPLAIN.body),
       ),
       group('Tool', this.shapes, this.sizes),
       group(
         'Hand',
-        h('div', { class: 'row' }, field('Manoeuvre', this.manoeuvre), this.still),
-        h('label', { class: 'check' }, this.dig, h('span', {}, 'drag anywhere to dig')),
+        field('Manoeuvre', this.manoeuvre, EXPLAIN.manoeuvre),
+        h(
+          'div',
+          { class: 'row buttons' },
+          this.still,
+          button('Bring tool here', EXPLAIN.bring, () => this.act.bringTool()),
+        ),
+        dig,
       ),
       group(
         'Bed',
         h(
           'div',
           { class: 'row buttons' },
-          button('Reset', 'The scene as it was started (R)', () => this.act.ask({ do: 'reset' })),
-          button('Level', 'The same soil, its surface level again (L)', () => this.act.ask({ do: 'level' })),
+          button('Reset', EXPLAIN.reset, () => this.act.ask({ do: 'reset' })),
+          button('Level', EXPLAIN.level, () => this.act.ask({ do: 'level' })),
           this.undo,
         ),
       ),
       group(
         'Time',
         h('div', { class: 'row buttons' }, this.pause, this.step, this.record),
-        h('div', { class: 'row' }, field('Speed', this.speed), this.record_file),
+        field('Speed', this.speed, EXPLAIN.speed),
+        this.record_file,
       ),
     ];
     this.changing = changing;
@@ -151,20 +167,22 @@ export class Controls {
     this.soil.replaceChildren(
       h(
         'optgroup',
-        { label: "The paper's presets" },
+        { label: "The paper's presets, by friction coefficient" },
         ...hello.presets.map((preset) =>
-          h('option', { value: `preset:${preset.name}` }, `${preset.name}, friction ${preset.friction_coefficient}`),
+          h('option', { value: `preset:${preset.name}` }, `${preset.name}, µ = ${preset.friction_coefficient}`),
         ),
       ),
       h(
         'optgroup',
-        { label: 'Soils as measured' },
+        { label: 'Soils as measured, by friction angle' },
         ...hello.soils.map((soil) =>
           h('option', { value: `soil:${soil.name}`, title: soil.source }, `${soil.name}, ${soil.friction_angle_deg}°`),
         ),
       ),
     );
-    this.friction.replaceChildren(...hello.frictions.map((name) => h('option', { value: name }, name)));
+    this.friction.replaceChildren(
+      ...hello.frictions.map((name) => h('option', { value: name }, frictionModelName(name))),
+    );
     this.body.replaceChildren(
       ...hello.bodies.map((body) => h('option', { value: body.name }, `${body.name}, ${body.gravity_m_s2} m/s²`)),
     );
@@ -189,31 +207,29 @@ export class Controls {
     this.scene = scene;
     const { soil, tool } = scene;
     select(this.soil, soil.preset ? `preset:${soil.preset}` : soil.name ? `soil:${soil.name}` : '', 'own soil');
-    select(this.friction, soil.friction, soil.friction);
+    select(this.friction, soil.friction, frictionModelName(soil.friction));
+    this.drag_warning.hidden = soil.friction !== 'paper';
     select(this.body, scene.body ?? '', `${Math.hypot(...scene.gravity_m_s2).toFixed(2)} m/s²`);
     select(this.manoeuvre, scene.hand.manoeuvre, scene.hand.manoeuvre);
     const angle = soil.friction_angle_deg === null ? '' : `${soil.friction_angle_deg.toFixed(1)}°, `;
     const cohesion = soil.cohesion_pa === null ? '' : `${Math.round(soil.cohesion_pa)} Pa, `;
     setText(this.soil_facts, `${angle}${cohesion}${Math.round(soil.bulk_density_kg_m3)} kg/m³`);
-    this.soil_facts.title = soil.preset
-      ? 'friction angle and cohesion as (17) and (18) predict; bulk density'
-      : 'friction angle, cohesion, bulk density';
     for (const button of this.shapes.children as HTMLCollectionOf<HTMLElement>)
       button.setAttribute('aria-pressed', String(button.dataset.shape === tool.shape));
     this.showSizes(scene);
-    this.showSliders(scene.sliders);
+    this.showSliders(scene.sliders, soil.friction);
   }
 
   setStatus(status: Status): void {
     this.status = status;
-    setText(this.pause, status.paused ? 'Go on' : 'Pause');
+    setText(this.pause, status.paused ? 'Resume' : 'Pause');
     this.pause.setAttribute('aria-pressed', String(status.paused && !this.neutral));
     this.step.disabled = !status.paused;
     this.undo.disabled = !status.can_undo;
     setText(this.undo, status.undo ? `Undo ${status.undo}` : 'Undo');
     setText(this.record, status.recording ? 'Stop' : 'Record');
     this.record.setAttribute('aria-pressed', String(status.recording !== null));
-    setText(this.record_file, status.recording ? `recording ${status.recording}` : '');
+    this.showRecording(status);
     select(this.speed, String(status.speed), `${status.speed} ×`);
   }
 
@@ -274,6 +290,19 @@ export class Controls {
     this.act.ask({ do: 'scene', ...change });
   }
 
+  private showRecording({ recording, recorded }: Status): void {
+    const key = JSON.stringify([recording, recorded]);
+    if (key === this.recorded) return;
+    this.recorded = key;
+    if (recording) this.record_file.replaceChildren(`recording ${recording}`);
+    else if (recorded)
+      this.record_file.replaceChildren(
+        `${recorded.file} is in ${recorded.folder} on the computer where the program runs. `,
+        h('a', { href: this.act.recordingAddress(recorded.file), download: recorded.file }, 'Download'),
+      );
+    else this.record_file.replaceChildren();
+  }
+
   private showSizes(scene: Scene): void {
     const { tool } = scene;
     type Field = [string, number, (value: number) => Partial<Scene['tool']>];
@@ -321,10 +350,12 @@ export class Controls {
     if (focused.startsWith('size-')) this.sizes.querySelector<HTMLInputElement>(`[name="${focused}"]`)?.focus();
   }
 
-  private showSliders(sliders: Slider[]): void {
+  private showSliders(sliders: Slider[], friction: string): void {
     const same =
-      sliders.length === this.slider_inputs.size && sliders.every((slider) => this.slider_inputs.has(slider.key));
-    if (!same) this.buildSliders(sliders);
+      friction === this.sliders.dataset.friction &&
+      sliders.length === this.slider_inputs.size &&
+      sliders.every((slider) => this.slider_inputs.has(slider.key));
+    if (!same) this.buildSliders(sliders, friction);
     for (const slider of sliders) {
       const shown = this.slider_inputs.get(slider.key)!;
       shown.spec = slider;
@@ -336,7 +367,8 @@ export class Controls {
     }
   }
 
-  private buildSliders(sliders: Slider[]): void {
+  private buildSliders(sliders: Slider[], friction: string): void {
+    this.sliders.dataset.friction = friction;
     this.slider_inputs.clear();
     this.sliders.replaceChildren(
       ...sliders.map((slider) => {
@@ -353,7 +385,10 @@ export class Controls {
         const entry = { input, value, spec: slider };
         input.addEventListener('input', () => this.slid(entry));
         this.slider_inputs.set(slider.key, entry);
-        return h('label', { class: 'slider', title: slider.label }, h('span', {}, slider.label), value, input);
+        const label = h('label', { class: 'slider' }, h('span', {}, slider.label), value, input);
+        const explanation = sliderExplanation(slider.key, friction);
+        if (explanation) explain(input, explanation, label);
+        return label;
       }),
     );
   }
@@ -387,9 +422,19 @@ function group(title: string, ...children: HTMLElement[]): HTMLFieldSetElement {
   return h('fieldset', { class: 'group' }, h('legend', {}, title), ...children);
 }
 
-function field(label: string, control: HTMLElement): HTMLElement {
-  return h('label', { class: 'field' }, h('span', {}, label), control);
+function field(label: string, control: HTMLElement, explanation: string, style = 'field'): HTMLElement {
+  const made = h('label', { class: style }, h('span', {}, label), control);
+  explain(control, explanation, made);
+  return made;
 }
+
+const COLOUR_EXPLANATIONS: Record<ColourMode, string> = {
+  plain: EXPLAIN.plain,
+  force: EXPLAIN.force_colour,
+  speed: EXPLAIN.speed_colour,
+  depth: EXPLAIN.depth_colour,
+  sleep: EXPLAIN.sleep,
+};
 
 /** Chooses a value; one that the list does not have is shown as an entry of its own that cannot be chosen. */
 function select(list: HTMLSelectElement, value: string, foreign_label: string): void {

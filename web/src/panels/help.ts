@@ -1,10 +1,11 @@
-// The overlay that lists every shortcut.
+// The overlay that lists what mouse, fingers and keys do.
 
 import type { Shortcut } from '../shortcuts';
 import { h } from './html';
 
 const GROUPS: Record<Shortcut['group'], string> = {
-  tool: 'Tool',
+  touch: 'Touch screen',
+  tool: 'Tool, by mouse and keys',
   view: 'View',
   bed: 'Bed',
   time: 'Time',
@@ -15,7 +16,10 @@ export class Help {
   readonly element: HTMLDialogElement;
 
   constructor(shortcuts: Shortcut[], about: () => string) {
-    const sections = Object.entries(GROUPS).map(([group, title]) =>
+    // Where there is no touch screen, its part comes last.
+    const groups = Object.entries(GROUPS);
+    if (!matchMedia('(any-pointer: coarse)').matches) groups.push(groups.shift()!);
+    const sections = groups.map(([group, title]) =>
       h(
         'section',
         {},
@@ -43,7 +47,7 @@ export class Help {
       h(
         'div',
         { class: 'help-head' },
-        h('h2', { id: 'help-title' }, 'How to dig'),
+        h('h2', { id: 'help-title' }, 'Mouse, touch and keys'),
         h('button', { class: 'icon-button', 'aria-label': 'Close help', onclick: () => this.element.close() }, '✕'),
       ),
       h('div', { class: 'help-body' }, ...sections),

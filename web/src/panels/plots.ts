@@ -3,54 +3,12 @@
 import uPlot from 'uplot';
 import 'uplot/dist/uPlot.min.css';
 import type { Frame } from '../protocol';
+import { History, lonely, SPAN_S, type Table } from './history';
 import { h } from './html';
 
-const SPAN_S = 10;
-// Frames come at most 62 times a second; room for a little more than the span.
-const CAPACITY = 720;
 const DRAW_INTERVAL_MS = 66;
+const DESCRIBE_INTERVAL_MS = 1000;
 const DEADLINE_US = 1000;
-
-/** Values over time, in a ring. */
-class History {
-  private readonly times_s = new Float64Array(CAPACITY);
-  private readonly columns: Float32Array[];
-  private next = 0;
-  private count = 0;
-  private last_s = -Infinity;
-
-  constructor(columns: number) {
-    this.columns = Array.from({ length: columns }, () => new Float32Array(CAPACITY));
-  }
-
-  add(time_s: number, values: readonly number[]): void {
-    // Time went back: another scene, or an undo.
-    if (time_s < this.last_s) this.count = 0;
-    if (time_s === this.last_s) return;
-    this.last_s = time_s;
-    this.times_s[this.next] = time_s;
-    values.forEach((value, column) => (this.columns[column]![this.next] = value));
-    this.next = (this.next + 1) % CAPACITY;
-    this.count = Math.min(CAPACITY, this.count + 1);
-  }
-
-  /** Seconds before now, and the columns; NaN becomes a gap. */
-  table(): uPlot.AlignedData {
-    const x: number[] = [];
-    const ys: (number | null)[][] = this.columns.map(() => []);
-    for (let i = 0; i < this.count; ++i) {
-      const at = (this.next - this.count + i + CAPACITY) % CAPACITY;
-      const before_s = this.times_s[at]! - this.last_s;
-      if (before_s < -SPAN_S) continue;
-      x.push(before_s);
-      ys.forEach((y, column) => {
-        const value = this.columns[column]![at]!;
-        y.push(Number.isNaN(value) ? null : value);
-      });
-    }
-    return [x, ...ys] as uPlot.AlignedData;
-  }
-}
 
 interface Line {
   name: string;
@@ -64,6 +22,8 @@ interface Line {
 export interface PlotSpec {
   title: string;
   unit: string;
+  /** CSS variable with the colour of its arrow in the picture */
+  arrow?: string;
   lines: Line[];
   /** A value for each line; `late`: a tick has been late since the frame before. */
   sample: (frame: Frame, late: boolean) => number[];
@@ -90,18 +50,26 @@ const AXES: Line[] = [
   { name: 'x', colour: '--plot-x', width: 1.25 },
   { name: 'y', colour: '--plot-y', width: 1.25 },
   { name: 'z', colour: '--plot-z', width: 1.25 },
-  { name: 'size', colour: '--plot-size', width: 1.75 },
+  { name: 'magnitude', colour: '--plot-size', width: 1.75 },
 ];
 
-const withSize = (values: readonly number[]): number[] => [...values, Math.hypot(...values)];
+const withMagnitude = (values: readonly number[]): number[] => [...values, Math.hypot(...values)];
 
 const SPECS: PlotSpec[] = [
-  { title: 'Force', unit: 'N', lines: AXES, sample: (frame) => withSize(frame.force_n), range: steppedRange(0.5) },
+  {
+    title: 'Force',
+    unit: 'N',
+    arrow: '--force',
+    lines: AXES,
+    sample: (frame) => withMagnitude(frame.force_n),
+    range: steppedRange(0.5),
+  },
   {
     title: 'Torque',
     unit: 'mN m',
+    arrow: '--torque',
     lines: AXES,
-    sample: (frame) => withSize(frame.torque_nm.map((value) => value * 1000)),
+    sample: (frame) => withMagnitude(frame.torque_nm.map((value) => value * 1000)),
     range: steppedRange(5),
   },
   {
@@ -111,7 +79,7 @@ const SPECS: PlotSpec[] = [
       { name: 'tick', colour: '--plot-z', width: 1.25 },
       {
         name: 'woke late',
-        colour: '--plot-x',
+        colour: '--late',
         width: 0,
         points: true,
         explains:
@@ -129,19 +97,33 @@ const SPECS: PlotSpec[] = [
   },
 ];
 
+/** What a plot shows, for who cannot see it: of each line its value now and its range. */
+export function inWords(spec: Pick<PlotSpec, 'title' | 'unit' | 'lines'>, [, ...columns]: Table): string {
+  const number = (value: number): string => String(Number(value.toPrecision(3)));
+  const lines = spec.lines.flatMap((line, i) => {
+    const values = (columns[i] ?? []).filter((value) => value !== null);
+    if (values.length === 0) return [];
+    if (line.points) return [`${line.name} ${values.length} times`];
+    const [low, high] = [Math.min(...values), Math.max(...values)];
+    return [`${line.name} ${number(values.at(-1)!)}, from ${number(low)} to ${number(high)}`];
+  });
+  return `${spec.title} in ${spec.unit} over the last ten seconds. ${lines.length ? lines.join('; ') : 'No data yet'}.`;
+}
+
 export class Plots {
   readonly element: HTMLElement;
   private readonly histories: History[];
   private plots: uPlot[] = [];
   private readonly hosts: HTMLElement[] = [];
   private drawn_ms = 0;
+  private described_ms = -Infinity;
   private stale = false;
   private misses: number | null = null;
 
   constructor(private readonly specs: readonly PlotSpec[] = SPECS) {
     this.histories = specs.map((spec) => new History(spec.lines.length));
     const figures = specs.map((spec) => {
-      const host = h('div', { class: 'plot-host' });
+      const host = h('div', { class: 'plot-host', role: 'img', 'aria-label': spec.title });
       this.hosts.push(host);
       const keys = spec.lines.map((line) =>
         h(
@@ -158,11 +140,18 @@ export class Plots {
       return h(
         'figure',
         { class: 'plot' },
-        h('figcaption', {}, h('strong', {}, spec.title), h('span', { class: 'unit' }, spec.unit), ...keys),
+        h(
+          'figcaption',
+          {},
+          spec.arrow && h('i', { class: 'swatch', style: `background:var(${spec.arrow})`, 'aria-hidden': 'true' }),
+          h('strong', {}, spec.title),
+          h('span', { class: 'unit' }, spec.unit),
+          ...keys,
+        ),
         host,
       );
     });
-    this.element = h('section', { class: 'plots', 'aria-label': 'The last ten seconds' }, ...figures);
+    this.element = h('section', { class: 'plots', 'aria-label': 'The last ten seconds', tabindex: 0 }, ...figures);
     new ResizeObserver(() => this.fit()).observe(this.element);
   }
 
@@ -192,7 +181,11 @@ export class Plots {
     if (!this.stale || now_ms - this.drawn_ms < DRAW_INTERVAL_MS || this.element.clientWidth === 0) return;
     this.drawn_ms = now_ms;
     this.stale = false;
-    this.plots.forEach((plot, i) => plot.setData(this.histories[i]!.table()));
+    const tables = this.histories.map((history) => history.table());
+    this.plots.forEach((plot, i) => plot.setData(tables[i]!));
+    if (now_ms - this.described_ms < DESCRIBE_INTERVAL_MS) return;
+    this.described_ms = now_ms;
+    this.hosts.forEach((host, i) => host.setAttribute('aria-label', inWords(this.specs[i]!, tables[i]!)));
   }
 
   private fit(): void {
@@ -209,7 +202,7 @@ export class Plots {
     const grid = { stroke: colour('--plot-grid'), width: 1 };
     const axis: uPlot.Axis = {
       stroke: colour('--muted'),
-      font: '11px system-ui, sans-serif',
+      font: '12px system-ui, sans-serif',
       grid,
       ticks: { show: false },
       gap: 4,
@@ -219,7 +212,7 @@ export class Plots {
       height: Math.max(60, host.clientHeight),
       legend: { show: false },
       cursor: { show: false },
-      padding: [6, 10, 0, 0],
+      padding: [6, 16, 0, 0],
       pxAlign: true,
       scales: {
         x: { time: false, range: [-SPAN_S, 0] },
@@ -250,11 +243,18 @@ export class Plots {
           stroke: colour(line.colour),
           width: line.width,
           paths: line.points ? () => null : undefined,
-          points: { show: line.points === true, size: 6, fill: colour(line.colour) },
+          points: line.points
+            ? { show: true, size: 6, fill: colour(line.colour) }
+            : {
+                show: true,
+                size: 2 * line.width,
+                fill: colour(line.colour),
+                filter: (plot, series) => lonely(plot.data[series]!),
+              },
           spanGaps: false,
         })),
       ],
-      hooks: spec.deadline ? { draw: [(plot) => drawDeadline(plot, colour('--plot-x'))] } : {},
+      hooks: spec.deadline ? { draw: [(plot) => drawDeadline(plot, colour('--late'))] } : {},
     };
   }
 }

@@ -1,51 +1,103 @@
 // The numbers over the picture: what the hand feels, and where the tool is.
 
-import type { Frame, Scene } from '../protocol';
+import type { Frame, Scene, Vec3 } from '../protocol';
+import { EXPLAIN } from './explanations';
 import { fixed, h, setText } from './html';
+import { explain } from './tooltip';
 
 // Digits that change sixty times a second cannot be read.
 const INTERVAL_MS = 100;
 
+/** A number with its unit, and its three components. */
+class Readout {
+  readonly cells: HTMLElement[];
+  private readonly name: HTMLElement;
+  private readonly size: HTMLElement;
+  private readonly components = ['x', 'y', 'z'].map(() => h('span', { class: 'numbers component' }));
+
+  constructor(colour: string, name: string, unit: string, test: string, explanation: string) {
+    this.name = h('span', {}, name);
+    this.size = h('span', { class: 'big numbers', 'data-test': test });
+    const label = h(
+      'span',
+      { class: 'readout-name', role: 'group', 'aria-label': name, tabindex: 0 },
+      h('i', { class: `swatch ${colour}`, 'aria-hidden': 'true' }),
+      this.name,
+    );
+    explain(label, explanation);
+    this.cells = [
+      label,
+      h('span', { class: 'readout-value' }, this.size, h('span', { class: 'unit' }, unit)),
+      ...this.components,
+    ];
+    this.clear();
+  }
+
+  show(size: number, components: Vec3, digits: number, name?: string): void {
+    if (name !== undefined) setText(this.name, name);
+    setText(this.size, fixed(size, digits, 5));
+    this.components.forEach((cell, axis) => setText(cell, fixed(components[axis]!, digits, 6)));
+  }
+
+  clear(): void {
+    for (const cell of [this.size, ...this.components]) setText(cell, '–');
+  }
+}
+
+/** How the tool stands to the level surface: never a negative depth. */
+export function placeOf(tool_z_m: number, surface_m: number): { name: string; mm: number } {
+  const above_mm = 1000 * (tool_z_m - surface_m);
+  return above_mm >= 0 ? { name: 'above soil', mm: above_mm } : { name: 'depth', mm: -above_mm };
+}
+
+/** What the picture shows, for who cannot see it. */
+export function pictureInWords(scene: Scene, frame: Frame): string {
+  const { name, mm } = placeOf(frame.tool.position_m[2], scene.box.surface_m);
+  const tool = scene.tool.shape === 'box' ? 'shovel' : scene.tool.shape;
+  const place = name === 'depth' ? `${mm.toFixed(0)} mm deep in the soil` : `${mm.toFixed(0)} mm above the soil`;
+  const [x_mm, y_mm] = frame.tool.position_m.map((value) => (1000 * value).toFixed(0));
+  return (
+    `A box of ${(1000 * scene.box.width_m).toFixed(0)} by ${(1000 * scene.box.length_m).toFixed(0)} mm with ` +
+    `${scene.particles} particles; ${tool} ${place}, at x ${x_mm} mm, y ${y_mm} mm; ` +
+    `force ${Math.hypot(...frame.force_n).toFixed(2)} N.`
+  );
+}
+
 export class Readouts {
   readonly element: HTMLElement;
-  private readonly force = h('span', { class: 'big numbers', 'data-test': 'force' }, '–');
-  private readonly force_xyz = h('span', { class: 'numbers triple' }, '');
-  private readonly torque = h('span', { class: 'big numbers', 'data-test': 'torque' }, '–');
-  private readonly torque_xyz = h('span', { class: 'numbers triple' }, '');
-  private readonly place = h('span', { class: 'big numbers', 'data-test': 'depth' }, '–');
-  private readonly place_xyz = h('span', { class: 'numbers triple', 'data-test': 'position' }, '');
+  private readonly force = new Readout('swatch-force', 'force', 'N', 'force', EXPLAIN.force);
+  private readonly torque = new Readout('swatch-torque', 'torque', 'mN m', 'torque', EXPLAIN.torque);
+  private readonly place = new Readout('swatch-tool', 'above soil', 'mm', 'depth', EXPLAIN.depth);
   private shown_ms = 0;
 
   constructor() {
-    const row = (colour: string, name: string, unit: string, big: HTMLElement, triple: HTMLElement): HTMLElement =>
-      h(
-        'div',
-        { class: 'readout' },
-        h('span', { class: 'readout-name' }, h('i', { class: `swatch ${colour}`, 'aria-hidden': 'true' }), name),
-        h('span', { class: 'readout-value' }, big, h('span', { class: 'unit' }, unit)),
-        triple,
-      );
+    const heads = ['x', 'y', 'z'].map((axis) => h('span', { class: 'component head' }, axis));
+    const axes = h('span', { class: 'head', tabindex: 0 }, 'axes');
+    explain(axes, EXPLAIN.axes);
     this.element = h(
       'div',
-      { class: 'readouts', role: 'group', 'aria-label': 'What the hand feels' },
-      row('swatch-force', 'force', 'N', this.force, this.force_xyz),
-      row('swatch-torque', 'torque', 'mN m', this.torque, this.torque_xyz),
-      row('swatch-tool', 'depth', 'mm', this.place, this.place_xyz),
+      { class: 'readouts', role: 'group', 'aria-label': 'What the hand feels, and where the tool is' },
+      axes,
+      ...heads,
+      ...this.force.cells,
+      ...this.torque.cells,
+      ...this.place.cells,
     );
   }
 
   setFrame(frame: Frame, scene: Scene, now_ms: number): void {
     if (now_ms - this.shown_ms < INTERVAL_MS) return;
     this.shown_ms = now_ms;
-    const triple = (values: readonly number[], digits: number, width: number): string =>
-      values.map((value) => fixed(value, digits, width)).join(' ');
-    setText(this.force, fixed(Math.hypot(...frame.force_n), 2, 5));
-    setText(this.force_xyz, triple(frame.force_n, 2, 6));
-    const torque_mnm = frame.torque_nm.map((value) => value * 1000);
-    setText(this.torque, fixed(Math.hypot(...torque_mnm), 1, 5));
-    setText(this.torque_xyz, triple(torque_mnm, 1, 6));
-    const at_mm = frame.tool.position_m.map((value) => value * 1000);
-    setText(this.place, fixed(scene.box.surface_m * 1000 - at_mm[2]!, 1, 5));
-    setText(this.place_xyz, triple(at_mm, 1, 6));
+    const torque_mnm = frame.torque_nm.map((value) => value * 1000) as Vec3;
+    const at_mm = frame.tool.position_m.map((value) => value * 1000) as Vec3;
+    const { name, mm } = placeOf(frame.tool.position_m[2], scene.box.surface_m);
+    this.force.show(Math.hypot(...frame.force_n), frame.force_n, 2);
+    this.torque.show(Math.hypot(...torque_mnm), torque_mnm, 1);
+    this.place.show(mm, at_mm, 1, name);
+  }
+
+  /** Nothing is known of a program that does not answer. */
+  clear(): void {
+    for (const readout of [this.force, this.torque, this.place]) readout.clear();
   }
 }

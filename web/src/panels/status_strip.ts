@@ -1,7 +1,14 @@
 // The strip along the top: how the loop runs, and on what.
 
 import type { Scene, Status } from '../protocol';
+import { EXPLAIN } from './explanations';
 import { fixed, h, setText } from './html';
+import { explain } from './tooltip';
+
+const UNKNOWN = '–';
+// Slow motion is paced by longer waits, and nobody feels it: only much too slow is news.
+const SLOW = 0.97;
+const SLOW_IN_SLOW_MOTION = 0.7;
 
 type Level = 'good' | 'warn' | 'bad' | 'none';
 
@@ -9,9 +16,17 @@ class Cell {
   readonly element: HTMLElement;
   private readonly value: HTMLElement;
 
-  constructor(name: string, width_ch: number, title: string) {
-    this.value = h('span', { class: 'cell-value numbers', style: `min-width:${width_ch}ch` }, '–');
-    this.element = h('div', { class: 'cell', title }, h('span', { class: 'cell-name' }, name), this.value);
+  readonly explain: (text: string) => void;
+
+  constructor(name: string, width_ch: number, explanation: string) {
+    this.value = h('span', { class: 'cell-value numbers', style: `min-width:${width_ch}ch` }, UNKNOWN);
+    this.element = h(
+      'div',
+      { class: 'cell', role: 'group', 'aria-label': name, tabindex: 0 },
+      h('span', { class: 'cell-name', 'aria-hidden': 'true' }, name),
+      this.value,
+    );
+    this.explain = explain(this.element, explanation);
   }
 
   set(text: string, level: Level = 'none'): void {
@@ -22,16 +37,16 @@ class Cell {
 
 export class StatusStrip {
   readonly element: HTMLElement;
-  private readonly time = new Cell('time', 8, 'simulated time');
-  private readonly rate = new Cell('rate', 8, 'ticks a second over the last second');
-  private readonly success = new Cell('in time', 6, 'ticks of the last hundred that were done within their time');
-  private readonly p99 = new Cell('tick p99', 8, '99 of 100 ticks take no longer');
-  private readonly awake = new Cell('awake', 13, 'grains awake, of all');
-  private readonly body = new Cell('body', 6, 'whose gravity pulls');
-  private readonly soil = new Cell('soil', 12, 'preset of the paper, or soil by name');
-  private readonly device = new Cell('device', 12, 'what the tool hangs on');
-  private readonly real_time = new Cell('real time', 7, 'whether the kernel grants the loop real time');
-  private readonly clients = new Cell('clients', 3, 'pages connected; who holds the tool');
+  private readonly time = new Cell('time', 8, EXPLAIN.time);
+  private readonly rate = new Cell('rate', 8, EXPLAIN.rate);
+  private readonly success = new Cell('in time', 6, EXPLAIN.in_time);
+  private readonly p99 = new Cell('tick p99', 8, EXPLAIN.tick_p99);
+  private readonly awake = new Cell('awake', 13, EXPLAIN.awake);
+  private readonly body = new Cell('body', 6, EXPLAIN.body_shown);
+  private readonly soil = new Cell('soil', 12, EXPLAIN.soil_shown);
+  private readonly device = new Cell('device', 12, EXPLAIN.device);
+  private readonly real_time = new Cell('real time', 7, EXPLAIN.not_granted);
+  private readonly clients = new Cell('clients', 3, EXPLAIN.clients);
 
   /** `neutral`: a pause is no news, for pictures, which are taken while time stands still. */
   constructor(
@@ -57,6 +72,12 @@ export class StatusStrip {
     );
   }
 
+  /** Nothing is known of a program that does not answer. */
+  setConnected(connected: boolean): void {
+    if (connected) return;
+    for (const cell of [this.rate, this.success, this.p99, this.awake, this.clients]) cell.set(UNKNOWN);
+  }
+
   /** Simulated time, of the frame that is shown. */
   setTime(time_s: number): void {
     this.time.set(`${fixed(time_s, 1, 6)} s`);
@@ -69,7 +90,7 @@ export class StatusStrip {
 
   setStatus(status: Status): void {
     const wanted_hz = 1000 * status.speed;
-    const slow = !status.paused && status.rate_hz < 0.97 * wanted_hz;
+    const slow = status.rate_hz < (status.speed < 1 ? SLOW_IN_SLOW_MOTION : SLOW) * wanted_hz;
     if (status.paused) this.rate.set('paused', this.neutral ? 'none' : 'warn');
     else this.rate.set(`${fixed(status.rate_hz, 0, 4)} Hz`, slow ? 'warn' : 'good');
     const percent = 100 * status.success_rate;
@@ -84,9 +105,11 @@ export class StatusStrip {
     this.device.set(status.device);
     const granted = status.real_time.scheduler !== null && status.real_time.scheduler !== 'SCHED_OTHER';
     this.real_time.set(granted ? 'granted' : 'no', granted ? 'good' : 'warn');
-    this.real_time.element.title = granted
-      ? `${status.real_time.scheduler}, memory ${status.real_time.memory_locked ? 'locked' : 'not locked'}`
-      : 'the kernel does not grant real time: other programs can delay a tick';
+    this.real_time.explain(
+      granted
+        ? `${EXPLAIN.granted} (${status.real_time.scheduler}, memory ${status.real_time.memory_locked ? 'locked' : 'not locked'})`
+        : EXPLAIN.not_granted,
+    );
     const holder = status.held_by;
     const mine = holder !== null && holder === this.own_client();
     this.clients.set(

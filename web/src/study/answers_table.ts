@@ -5,12 +5,12 @@ import type { Answer } from './protocol';
 
 export class AnswersTable {
   readonly element: HTMLElement;
+  private readonly heads = h('tr', {});
   private readonly rows = h('tbody', {});
   private readonly nothing = h('p', { class: 'nothing' }, 'No answers yet.');
   private shown = '';
 
   constructor() {
-    const heads = ['trial', 'block', 'test', 'said', 'right', 'time, s'];
     this.element = h(
       'section',
       { class: 'card answers-card', 'aria-label': 'Answers so far' },
@@ -18,25 +18,30 @@ export class AnswersTable {
       h(
         'div',
         { class: 'scroller', tabindex: '0' },
-        h('table', {}, h('thead', {}, h('tr', {}, ...heads.map((head) => h('th', { scope: 'col' }, head)))), this.rows),
+        h('table', {}, h('thead', {}, this.heads), this.rows),
         this.nothing,
       ),
     );
   }
 
-  set(trials: readonly Answer[]): void {
+  /** `blinded`: neither what was shown nor whether it was right. */
+  set(trials: readonly Answer[], blinded: boolean): void {
     const answers = trials.filter(({ state }) => state !== 'begun');
-    const shown = JSON.stringify(answers);
+    const shown = JSON.stringify([answers, blinded]);
     if (shown === this.shown) return;
     this.shown = shown;
-    this.rows.replaceChildren(...answers.map(row).reverse());
+    const heads = blinded ? ['trial', 'block', 'time, s'] : ['trial', 'block', 'test', 'said', 'right', 'time, s'];
+    this.heads.replaceChildren(...heads.map((head) => h('th', { scope: 'col' }, head)));
+    this.rows.replaceChildren(...answers.map((answer) => row(answer, blinded)).reverse());
     this.nothing.hidden = answers.length > 0;
   }
 }
 
-function row(answer: Answer): HTMLElement {
+function row(answer: Answer, blinded: boolean): HTMLElement {
   const { state, reason, kind } = answer;
-  const remark = state === 'answered' ? (kind === 'main' ? '' : kind) : reason ? `${state}: ${reason}` : state;
+  // A catch trial is known by what it shows.
+  const told_kind = kind === 'main' || (blinded && kind === 'catch') ? '' : kind;
+  const remark = state === 'answered' ? told_kind : reason ? `${state}: ${reason}` : state;
   const said = answer.positive === null ? '–' : answer.positive ? 'more' : 'less';
   const right =
     answer.correct === null
@@ -51,9 +56,10 @@ function row(answer: Answer): HTMLElement {
     { class: state },
     h('td', { class: 'numbers' }, String(answer.trial)),
     h('td', {}, answer.block, remark && h('small', { title: remark }, remark)),
-    h('td', {}, answer.test, h('span', { class: 'unit numbers' }, ` ${String(Number(answer.value.toPrecision(4)))}`)),
-    h('td', {}, said),
-    right,
+    !blinded &&
+      h('td', {}, answer.test, h('span', { class: 'unit numbers' }, ` ${String(Number(answer.value.toPrecision(4)))}`)),
+    !blinded && h('td', {}, said),
+    !blinded && right,
     h('td', { class: 'numbers' }, answer.reaction_s === null ? '–' : fixed(answer.reaction_s, 1, 4)),
   );
 }

@@ -70,7 +70,7 @@ export function askToStop(act: () => void): void {
       {
         title: 'Are you sure?',
         text: 'The study then ends for you, here and now.',
-        stay: 'No, go on',
+        stay: 'No, continue',
         go_on: 'Yes, end it',
         swapped: true,
       },
@@ -80,7 +80,7 @@ export function askToStop(act: () => void): void {
     {
       title: 'Do you want to stop taking part?',
       text: 'You may stop at any time, and need not say why.',
-      stay: 'No, go on',
+      stay: 'No, continue',
       go_on: 'Stop',
     },
     again,

@@ -10,7 +10,7 @@ import { Plots, steppedRange, type PlotSpec } from '../panels/plots';
 import type { Frame, Scene, Status } from '../protocol';
 import { rememberTheme, type Settings, type Theme } from '../settings';
 import { isTyping } from '../shortcuts';
-import { makeStage } from '../view/make_stage';
+import { Stage } from '../view/stage';
 import { AnswersTable } from './answers_table';
 import { askFirst } from './dialogs';
 import { NotesPanel } from './notes_panel';
@@ -44,6 +44,7 @@ const FORCE: PlotSpec = {
   range: steppedRange(0.5),
 };
 
+const BLINDED = 'Hidden, so that nothing in your voice or face tells it.';
 const REASONS = ['distracted', 'pressed the wrong key', 'did not touch the soil', 'trouble with the device'];
 
 export function openExperimenterPage(settings: Settings, address: string): void {
@@ -54,7 +55,7 @@ export function openExperimenterPage(settings: Settings, address: string): void 
     frame: null as Frame | null,
     study: null as ExperimenterMessage | null,
     theme: settings.theme,
-    next_shown: false,
+    blinded: true,
   };
 
   const notices = new Notices(() => connection.retryNow());
@@ -110,7 +111,7 @@ export function openExperimenterPage(settings: Settings, address: string): void 
     '◐',
   );
 
-  const pause_button = h('button', { type: 'button', class: 'main', title: 'Pause or go on (P)', onclick: pause });
+  const pause_button = h('button', { type: 'button', class: 'main', title: 'Pause or resume (P)', onclick: pause });
   const repeat_button = h(
     'button',
     { type: 'button', title: 'Repeat a trial (R)', onclick: repeat },
@@ -120,11 +121,7 @@ export function openExperimenterPage(settings: Settings, address: string): void 
   const end_button = h('button', { type: 'button', class: 'end', onclick: end }, 'End for today…');
   const now_body = h('div', { class: 'trial', 'aria-live': 'polite' });
   const next_body = h('div', { class: 'trial' });
-  const next_button = h(
-    'button',
-    { type: 'button', class: 'reveal', 'aria-pressed': 'false', onclick: () => showNext(!now.next_shown) },
-    'Show',
-  );
+  const unblind_button = h('button', { type: 'button', class: 'unblind', 'aria-pressed': 'false', onclick: unblind });
 
   const force_plot = new Plots([FORCE]);
   const force = h('span', { class: 'force-number numbers', 'data-test': 'force' }, '–');
@@ -143,7 +140,16 @@ export function openExperimenterPage(settings: Settings, address: string): void 
       h('div', { class: 'brand' }, title, file),
       h('div', { class: 'who' }, participant, phase),
       h('div', { class: 'progress' }, progress_text, progress_bar),
-      h('div', { class: 'strip-buttons' }, pause_button, repeat_button, note_button, end_button, theme_button),
+      h(
+        'div',
+        { class: 'strip-buttons' },
+        pause_button,
+        repeat_button,
+        note_button,
+        end_button,
+        unblind_button,
+        theme_button,
+      ),
     ),
     problem,
     h(
@@ -161,7 +167,7 @@ export function openExperimenterPage(settings: Settings, address: string): void 
       'div',
       { class: 'right' },
       h('section', { class: 'card', 'aria-label': 'Shown now' }, h('h2', {}, 'Now'), now_body),
-      h('section', { class: 'card', 'aria-label': 'Shown next' }, h('h2', {}, 'Next', next_button), next_body),
+      h('section', { class: 'card', 'aria-label': 'Shown next' }, h('h2', {}, 'Next'), next_body),
       results.element,
       answers.element,
       notes.element,
@@ -169,7 +175,7 @@ export function openExperimenterPage(settings: Settings, address: string): void 
   );
   document.querySelector('#app')!.append(page);
 
-  const stage = makeStage(view, {
+  const stage = new Stage(view, {
     reduced_motion: matchMedia('(prefers-reduced-motion: reduce)').matches,
     full_quality: settings.for_pictures,
   });
@@ -188,7 +194,6 @@ export function openExperimenterPage(settings: Settings, address: string): void 
   document.addEventListener('visibilitychange', () => {
     if (!document.hidden) connection.retryNow();
   });
-  showNext(false);
   show(null);
   stage.start();
   connection.open();
@@ -210,10 +215,10 @@ export function openExperimenterPage(settings: Settings, address: string): void 
 
   function show(message: ExperimenterMessage | null): void {
     now.study = message;
-    for (const button of [pause_button, repeat_button, note_button, end_button]) button.disabled = message === null;
-    setText(pause_button, message?.paused ? 'Go on' : 'Pause');
-    showTrial(now_body, message?.now ?? null, 'Nothing is shown now.');
-    showNext(now.next_shown);
+    for (const button of [pause_button, repeat_button, note_button, end_button, unblind_button])
+      button.disabled = message === null;
+    setText(pause_button, message?.paused ? 'Resume' : 'Pause');
+    showBlinded();
     if (!message) return;
     const over = message.phase === 'finished' || message.phase === 'withdrawn';
     repeat_button.disabled = over || message.progress === null;
@@ -231,8 +236,7 @@ export function openExperimenterPage(settings: Settings, address: string): void 
     setText(problem, message.problem ?? '');
     setText(force, `${fixed(message.force_n, 2, 5)} N`);
     setText(peak, `peak ${fixed(message.peak_force_n, 1, 4)} N`);
-    results.set(message.blocks);
-    answers.set(message.answers);
+    answers.set(message.answers, now.blinded);
     notes.set(message.notes);
   }
 
@@ -243,12 +247,41 @@ export function openExperimenterPage(settings: Settings, address: string): void 
     host.replaceChildren(...trialCard(trial, nothing));
   }
 
-  function showNext(shown: boolean): void {
-    now.next_shown = shown;
-    next_button.setAttribute('aria-pressed', String(shown));
-    setText(next_button, shown ? 'Hide' : 'Show');
-    if (shown) showTrial(next_body, now.study?.next ?? null, 'Not known yet.');
-    else showTrial(next_body, null, 'Hidden, so that nothing in your voice or face tells it.');
+  /** What is shown, what was right and how the curves run is for who has asked for it. */
+  function showBlinded(): void {
+    const { blinded, study } = now;
+    setText(unblind_button, blinded ? 'Unblind…' : 'Blind again');
+    unblind_button.setAttribute('aria-pressed', String(!blinded));
+    showTrial(now_body, blinded ? null : (study?.now ?? null), blinded ? BLINDED : 'Nothing is shown now.');
+    showTrial(next_body, blinded ? null : (study?.next ?? null), blinded ? BLINDED : 'Not known yet.');
+    results.set(study?.blocks ?? [], blinded);
+    answers.set(study?.answers ?? [], blinded);
+    stage.setNeutral(blinded);
+  }
+
+  function unblind(): void {
+    if (!now.blinded) return setBlinded(true);
+    askFirst(
+      {
+        title: 'Show what is felt?',
+        text: 'This page then tells which stimuli are shown and which answers were right. Who knows it can give it away without noticing. That you have looked is kept as a note in the study.',
+        stay: 'Stay blinded',
+        go_on: 'Unblind',
+      },
+      () => setBlinded(false),
+    );
+  }
+
+  /** Only once it is kept in the study. */
+  function setBlinded(blinded: boolean): void {
+    const text = blinded ? 'blinded again' : 'unblinded: the experimenter sees stimuli, right answers and curves';
+    ask({ do: 'study', act: 'note', text }).then(
+      () => {
+        now.blinded = blinded;
+        showBlinded();
+      },
+      () => {},
+    );
   }
 
   function pause(): void {

@@ -10,7 +10,7 @@ import { Notices } from '../panels/notices';
 import type { Frame, Scene, Status } from '../protocol';
 import type { Settings } from '../settings';
 import { isTyping } from '../shortcuts';
-import { makeStage } from '../view/make_stage';
+import { Stage } from '../view/stage';
 import { Countdown } from './countdown';
 import { askToStop } from './dialogs';
 import { isTooLong } from './form';
@@ -18,6 +18,7 @@ import { OneAct } from './one_act';
 import { Prompts } from './prompts';
 import type { ParticipantMessage, Phase, StudyCommand, StudyMessage } from './protocol';
 import { asSentence, shareDone, waiting, whatIsShown } from './shown';
+import { mustTouch, Touch, TOUCH_FIRST } from './touch';
 
 const JOIN_AGAIN_MS = 2000;
 const CLOCK_INTERVAL_MS = 100;
@@ -35,6 +36,7 @@ export function openParticipantPage(settings: Settings, address: string): void {
   };
   const act = new OneAct();
   const countdown = new Countdown();
+  const touch = new Touch();
 
   const notices = new Notices(() => connection.retryNow());
   const connection = new Connection(address, {
@@ -54,6 +56,7 @@ export function openParticipantPage(settings: Settings, address: string): void {
     frame: (frame) => {
       now.frame = frame;
       hand.setFrame(frame);
+      if (touch.felt(frame.force_n)) prompts.hold(null);
       stage.setFrame(frame, frame.held);
     },
     study: onStudy,
@@ -92,7 +95,7 @@ export function openParticipantPage(settings: Settings, address: string): void {
   document.documentElement.dataset.theme = settings.theme;
   document.title = 'Study, haptolith';
 
-  const stage = makeStage(view, {
+  const stage = new Stage(view, {
     reduced_motion: matchMedia('(prefers-reduced-motion: reduce)').matches,
     full_quality: settings.for_pictures,
     neutral: true,
@@ -146,6 +149,8 @@ export function openParticipantPage(settings: Settings, address: string): void {
       act.renew();
       countdown.begin(message.remaining_s);
       prompts.show(message);
+      touch.begin();
+      if (mustTouch(message)) prompts.hold(TOUCH_FIRST);
       showScene(message);
       showProgress(message);
       page.dataset.phase = message.phase;
@@ -167,7 +172,8 @@ export function openParticipantPage(settings: Settings, address: string): void {
     // What is not to be seen cannot be aimed at.
     pointer.dig_anywhere = can_dig && !visible;
     stage.shown = visible;
-    stage.invalidate();
+    stage.over = page.querySelector<HTMLElement>('.interval-label');
+    stage.refit();
   }
 
   function showProgress({ progress, phase }: ParticipantMessage): void {
@@ -233,6 +239,7 @@ export function openParticipantPage(settings: Settings, address: string): void {
     const on_button = event.target instanceof HTMLButtonElement;
     if (event.repeat && on_button) return () => {};
     if (on_button || isTyping(event) || study.phase === 'form' || study.button === null) return null;
+    if (mustTouch(study) && !touch.was_felt) return () => {};
     return () => send({ do: 'study', act: 'go' });
   }
 }

@@ -37,6 +37,8 @@ export class Prompts {
   readonly announcer = h('p', { class: 'only-read-aloud', 'aria-live': 'polite' });
   private clock: HTMLElement | null = null;
   private bar: HTMLElement | null = null;
+  private reason: HTMLElement | null = null;
+  private held: string | null = null;
   private buttons: HTMLButtonElement[] = [];
   /** The last form with what has been filled in: it comes back after a pause. */
   private kept: { asked: string; form: Form; button: HTMLButtonElement } | null = null;
@@ -52,6 +54,8 @@ export class Prompts {
     const text = message.text || (TEXTS[phase] ?? '');
     this.clock = null;
     this.bar = null;
+    this.reason = null;
+    this.held = null;
     this.buttons = [];
     const parts = this.partsOf(message, title, text);
     this.element.dataset.phase = phase;
@@ -61,10 +65,24 @@ export class Prompts {
     this.tick();
   }
 
+  /** Why it cannot go on yet; null: it can. */
+  hold(why: string | null): void {
+    if (why === this.held || this.element.dataset.phase !== 'interval') return;
+    this.held = why;
+    this.showHeld();
+  }
+
+  private showHeld(): void {
+    for (const button of this.buttons) button.disabled = this.held !== null;
+    if (this.reason) setText(this.reason, this.held ?? '');
+    const [button] = this.buttons;
+    if (this.held === null && button && document.activeElement === document.body) button.focus({ preventScroll: true });
+  }
+
   /** Once something was done: nothing more can be until something else is shown. */
   lock(locked: boolean, choice: 0 | 1 | null = null): void {
     this.buttons.forEach((button, i) => {
-      button.disabled = locked;
+      button.disabled = locked || this.held !== null;
       button.classList.toggle('chosen', locked && i === choice);
     });
   }
@@ -121,7 +139,7 @@ export class Prompts {
     const asked = JSON.stringify([title, message.fields]);
     if (this.kept?.asked !== asked) {
       const form = new Form(message.fields, (values) => this.acts.fill(values));
-      const button = h('button', { type: 'submit', class: 'go' }, message.button ?? 'Go on');
+      const button = h('button', { type: 'submit', class: 'go' }, message.button ?? 'Continue');
       form.element.append(h('div', { class: 'go-row' }, button));
       this.kept = { asked, form, button };
     }
@@ -137,6 +155,7 @@ export class Prompts {
       h('i', { class: i + 1 === message.interval ? 'now' : i + 1 < message.interval ? 'past' : null }),
     );
     this.clock = h('span', { class: 'clock numbers' });
+    this.reason = h('p', { class: 'reason', role: 'status' });
     return [
       h(
         'div',
@@ -146,7 +165,7 @@ export class Prompts {
         this.timeBar(),
         this.clock,
       ),
-      h('div', { class: 'interval-foot' }, ...paragraphs(text), ...this.goButton(message)),
+      h('div', { class: 'interval-foot' }, ...paragraphs(text), this.reason, ...this.goButton(message)),
     ];
   }
 

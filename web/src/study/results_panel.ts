@@ -16,10 +16,13 @@ export class ResultsPanel {
     new ResizeObserver(() => this.draw()).observe(this.element);
   }
 
-  set(blocks: BlockResult[]): void {
-    const shown = JSON.stringify(blocks);
+  /** `blinded`: nothing; a curve that moves tells how the last answer was. */
+  set(blocks: BlockResult[], blinded: boolean): void {
+    const shown = JSON.stringify([blocks, blinded]);
     if (shown === this.shown) return;
     this.shown = shown;
+    this.element.hidden = blinded;
+    if (blinded) return;
     this.blocks = blocks;
     if (this.figures.length !== blocks.length) this.makeFigures(blocks.length);
     this.draw();

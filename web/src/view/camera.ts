@@ -62,6 +62,7 @@ export class OrbitCamera {
   /** of the picture now: `fitted`, but while it turns to another view */
   private shown: Fit = this.fitted;
   private zoom = 1;
+  private covered = 0;
   private box: Extent = { width_m: 0.126, length_m: 0.126, surface_m: 0.04, wall_m: 0.06 };
   private view: ViewName = 'three-quarter';
   private moved = false;
@@ -81,9 +82,11 @@ export class OrbitCamera {
     this.fit();
   }
 
-  /** A picture of another shape is framed anew, unless a person has chosen what it shows. */
-  setAspect(aspect: number): void {
+  /** A picture of another shape is framed anew, unless a person has chosen what it shows; `covered`: share of its height
+   * at the top where something lies over it. */
+  setAspect(aspect: number, covered = 0): void {
     this.camera.aspect = aspect;
+    this.covered = covered;
     // A headset leaves its own.
     this.camera.fov = FIELD_OF_VIEW_DEG;
     this.camera.updateProjectionMatrix();
@@ -205,7 +208,7 @@ export class OrbitCamera {
       this.shown = { distance_m, target_z_m: this.centred(distance_m) };
       this.apply();
       const { box, above } = this.extentInPicture();
-      const free = 2 - Math.max(0, above - box.top);
+      const free = 2 - 2 * this.covered - Math.max(0, above - box.top);
       const fits = box.aside <= FILLED && box.top - box.bottom <= FILLED * free;
       if (fits) far_m = distance_m;
       else near_m = distance_m;
@@ -230,7 +233,7 @@ export class OrbitCamera {
       this.shown = { distance_m, target_z_m };
       this.apply();
       const { box, above } = this.extentInPicture();
-      if (above + box.bottom > 0) low_m = target_z_m;
+      if (above + box.bottom > -2 * this.covered) low_m = target_z_m;
       else high_m = target_z_m;
     }
     return (low_m + high_m) / 2;

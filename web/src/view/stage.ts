@@ -1,17 +1,9 @@
 // The picture: everything that stands in it, and when it is drawn. A frame is drawn only when something changed, so a
 // paused bed costs nothing.
 
-import {
-  AmbientLight,
-  Color,
-  DirectionalLight,
-  Group,
-  HemisphereLight,
-  Scene as World,
-  Vector3,
-  WebGLRenderer,
-} from 'three';
-import type { ColourMode, Frame, Scene } from '../protocol';
+import { AmbientLight, Color, DirectionalLight, Group, HemisphereLight, Scene as World, Vector3 } from 'three';
+import { h } from '../panels/html';
+import type { ColourMode, Frame, Scene, Vec3 } from '../protocol';
 import type { ViewName } from '../settings';
 import { ArrowsView } from './arrows';
 import { BedView } from './bed_view';
@@ -20,11 +12,17 @@ import { BoxView } from './box_view';
 import { OrbitCamera } from './camera';
 import { GroundView } from './ground_view';
 import { lightBody, makeLightUniforms, shadeTool, shadeToolAt, TO_SUN } from './light_shader';
+import { makeRenderer, type Renderer } from './renderer';
 import { Resolution } from './resolution';
 import { SkyView } from './sky_view';
 import { ToolView } from './tool_view';
 
 const HIGHEST_PIXEL_RATIO = 2;
+// Nearer to the edge something is not in the picture, but cut off. The edges are at -1 and 1.
+const IN_PICTURE = 0.85;
+const NO_PICTURE =
+  'No picture: this browser shows no WebGL 2. Numbers, plots and controls work without it. To see the bed, switch on ' +
+  "graphics acceleration in the browser's settings, or open this address in a current Chrome, Edge, Firefox or Safari.";
 
 export interface StageOptions {
   reduced_motion: boolean;
@@ -35,7 +33,9 @@ export interface StageOptions {
 }
 
 export class Stage {
-  readonly renderer: WebGLRenderer;
+  readonly renderer: Renderer;
+  /** false: the browser has no WebGL 2, and the picture stays empty */
+  readonly draws: boolean;
   readonly world = new World();
   /** holds all of the scene's frame; a headset's table moves and scales it */
   readonly bench = new Group();
@@ -49,6 +49,8 @@ export class Stage {
   frames_drawn = 0;
   /** false: nothing is drawn for now */
   shown = true;
+  /** what lies over the top of the picture */
+  over: HTMLElement | null = null;
   /** called before each picture is drawn */
   onTick: (now_ms: number) => void = () => {};
   onDrawn: () => void = () => {};
@@ -60,15 +62,21 @@ export class Stage {
   private scene: Scene | null = null;
   private frame: Frame | null = null;
   private dirty = true;
+  private neutral: boolean;
+  private given: Scene | null = null;
 
   constructor(
     private readonly host: HTMLElement,
     private readonly options: StageOptions,
   ) {
+    this.neutral = options.neutral ?? false;
     const software = !options.full_quality && drawsInSoftware();
-    this.renderer = new WebGLRenderer({ antialias: !software, powerPreference: 'high-performance' });
+    ({ renderer: this.renderer, draws: this.draws } = makeRenderer(!software));
     this.renderer.domElement.className = 'stage-canvas';
     host.append(this.renderer.domElement);
+    this.renderer.domElement.setAttribute('role', 'img');
+    this.describe('The bed');
+    if (!this.draws) host.append(h('p', { class: 'no-picture', role: 'note' }, NO_PICTURE));
     const highest_ratio = Math.min(HIGHEST_PIXEL_RATIO, window.devicePixelRatio);
     this.resolution = new Resolution(highest_ratio, !options.full_quality, software);
     this.renderer.setPixelRatio(this.resolution.ratio);
@@ -87,6 +95,11 @@ export class Stage {
     this.resize();
   }
 
+  /** What the picture shows, for who cannot see it. */
+  describe(text: string): void {
+    this.renderer.domElement.setAttribute('aria-label', text);
+  }
+
   start(): void {
     this.renderer.setAnimationLoop((now_ms: number) => this.draw(now_ms));
   }
@@ -96,7 +109,8 @@ export class Stage {
   }
 
   setScene(given: Scene): void {
-    const scene = this.options.neutral ? { ...given, body: 'Moon' } : given;
+    this.given = given;
+    const scene = this.neutral ? { ...given, body: 'Moon' } : given;
     this.scene = scene;
     this.bed.setScene(scene);
     this.setDetail(this.resolution.detailed);
@@ -115,6 +129,13 @@ export class Stage {
     this.fill.intensity = 1.3 * look.fill_strength;
     this.orbit.setScene(scene);
     this.dirty = true;
+  }
+
+  /** Whether every body looks like the Moon. */
+  setNeutral(neutral: boolean): void {
+    if (neutral === this.neutral) return;
+    this.neutral = neutral;
+    if (this.given) this.setScene(this.given);
   }
 
   setFrame(frame: Frame, held: boolean): void {
@@ -151,13 +172,22 @@ export class Stage {
 
   /** Where the tool is in the page, in CSS pixels. */
   toolOnScreen(): { x: number; y: number } | null {
-    if (!this.frame) return null;
-    const at = new Vector3(...this.frame.tool.position_m).project(this.orbit.camera);
+    return this.frame && this.onScreen(this.frame.tool.position_m);
+  }
+
+  /** Where a place of the scene is in the page, in CSS pixels. */
+  onScreen(at_m: Vec3): { x: number; y: number } {
+    const at = new Vector3(...at_m).project(this.orbit.camera);
     const rect = this.renderer.domElement.getBoundingClientRect();
     return { x: rect.left + ((at.x + 1) / 2) * rect.width, y: rect.top + ((1 - at.y) / 2) * rect.height };
   }
 
-  /** Fits the picture to the page again, after a headset had it. */
+  isInPicture(at_m: Vec3): boolean {
+    const at = new Vector3(...at_m).project(this.orbit.camera);
+    return Math.abs(at.x) < IN_PICTURE && Math.abs(at.y) < IN_PICTURE && at.z < 1;
+  }
+
+  /** Fits the picture to the page again, after a headset had it or what lies over it has changed. */
   refit(): void {
     this.resize();
   }
@@ -172,8 +202,17 @@ export class Stage {
     const height = Math.max(1, this.host.clientHeight);
     if (this.renderer.xr.isPresenting) return;
     this.renderer.setSize(width, height, false);
-    this.orbit.setAspect(width / height);
+    this.orbit.setAspect(width / height, this.coveredShare(width, height));
     this.dirty = true;
+  }
+
+  /** What lies over the middle leaves the picture less height. */
+  private coveredShare(width: number, height: number): number {
+    if (!this.over?.isConnected) return 0;
+    const view = this.host.getBoundingClientRect();
+    const over = this.over.getBoundingClientRect();
+    const in_the_way = over.left < view.left + 0.55 * width && over.right > view.left + 0.45 * width;
+    return in_the_way ? Math.min(0.4, Math.max(0, over.bottom - view.top) / height) : 0;
   }
 
   private draw(now_ms: number): void {

@@ -5,9 +5,11 @@ import { expect } from 'vitest';
 
 const WAIT_MS = 30_000;
 
+export const executable = (): string => process.env.CHROMIUM ?? '/usr/bin/chromium';
+
 export function launch(): Promise<Browser> {
   return chromium.launch({
-    executablePath: process.env.CHROMIUM ?? '/usr/bin/chromium',
+    executablePath: executable(),
     args: ['--no-sandbox', '--use-angle=swiftshader', '--enable-unsafe-swiftshader', '--ignore-gpu-blocklist'],
   });
 }

@@ -42,6 +42,13 @@ const shows = (page: Page, phase: string) => page.waitForSelector(`.participant[
 /** What is shown counts after a moment. */
 const settle = (page: Page) => page.waitForTimeout(300);
 
+/** Lowers the tool by key until there is something to be felt. */
+async function touchSoil(page: Page): Promise<void> {
+  await page.keyboard.down('PageDown');
+  await page.locator('.go:enabled').waitFor();
+  await page.keyboard.up('PageDown');
+}
+
 beforeAll(async () => {
   browser = await launch();
 });
@@ -80,6 +87,7 @@ describe("the participant's page", () => {
     for (const label of ['First', 'Second']) {
       await page.getByRole('heading', { name: label }).waitFor();
       await settle(page);
+      await touchSoil(page);
       await page.keyboard.press('Enter');
     }
     await shows(page, 'question');
@@ -109,6 +117,7 @@ describe("the participant's page", () => {
   it('counts neither a key that is held down nor one of the first moment', async () => {
     const { page, study } = await participantAt('interval', 2);
     await settle(page);
+    await touchSoil(page);
     await page.keyboard.down('2');
     // A key at the very moment when the question appears.
     await page.evaluate(() =>
@@ -155,6 +164,29 @@ describe("the participant's page", () => {
       expect(await page.locator(panel).count()).toBe(0);
   });
 
+  it('goes on from an interval only after the soil was touched, and says so', async () => {
+    const { page, study } = await participantAt('interval');
+    await page.getByText('Touch the soil with the tool first.').waitFor();
+    expect(await page.getByRole('button', { name: 'Continue' }).isDisabled()).toBe(true);
+    await settle(page);
+    await page.keyboard.press('Enter');
+    await page.waitForTimeout(300);
+    expect(study.phase).toBe('interval');
+    await touchSoil(page);
+    expect(await page.getByText('Touch the soil with the tool first.').count()).toBe(0);
+    await page.keyboard.press('Enter');
+    await shows(page, 'preparing');
+  });
+
+  it('shows the tool beside the name of the interval, not under it', async () => {
+    const { page } = await participantAt('interval');
+    await page.waitForFunction(() => window.haptolith!.ready);
+    await page.waitForTimeout(500);
+    const { y } = await toolOnScreen(page);
+    const label = (await page.locator('.interval-label').boundingBox())!;
+    expect(y).toBeGreaterThan(label.y + label.height);
+  });
+
   it('lets the mouse hold the tool in an interval, and takes it away after', async () => {
     const { page, study } = await participantAt('interval');
     await page.waitForFunction(() => window.haptolith!.ready);
@@ -186,7 +218,7 @@ describe("the participant's page", () => {
     expect(await sliders.count()).toBe(6);
     expect(await page.locator('input.unset').count()).toBe(6);
     await settle(page);
-    await page.getByRole('button', { name: 'Go on' }).click();
+    await page.getByRole('button', { name: 'Continue' }).click();
     expect(await page.getByText('Please answer this one.').count()).toBe(6);
     const marks = 7;
     for (let i = 0; i < 6; ++i) {
@@ -194,7 +226,7 @@ describe("the participant's page", () => {
       await page.keyboard.press('Home');
       for (let k = 0; k < marks; ++k) await page.keyboard.press('ArrowRight');
     }
-    await page.getByRole('button', { name: 'Go on' }).click();
+    await page.getByRole('button', { name: 'Continue' }).click();
     await shows(page, 'break');
     expect(Object.values(study.filled[0]!)).toEqual(Array(6).fill('35'));
   });
@@ -212,7 +244,7 @@ describe("the participant's page", () => {
     const { page, study } = await participantAt('question');
     await page.getByRole('button', { name: 'Stop taking part' }).click();
     await page.keyboard.press('2'); // no answer while it asks
-    await page.getByRole('button', { name: 'No, go on' }).click();
+    await page.getByRole('button', { name: 'No, continue' }).click();
     expect(study.phase).toBe('question');
     await page.getByRole('button', { name: 'Stop taking part' }).click();
     await page.getByRole('button', { name: 'Stop', exact: true }).dblclick(); // the second click is none
@@ -261,6 +293,12 @@ describe("the participant's page", () => {
 });
 
 describe("the experimenter's page", () => {
+  async function unblind(page: Page): Promise<void> {
+    await page.getByRole('button', { name: 'Unblind…' }).click();
+    await page.getByRole('button', { name: 'Unblind', exact: true }).click();
+    await page.getByRole('button', { name: 'Blind again' }).waitFor();
+  }
+
   async function experimenter(prepare: (study: MockStudy) => void) {
     const study = new MockStudy(SLOW);
     prepare(study);
@@ -272,8 +310,9 @@ describe("the experimenter's page", () => {
   it('shows how far the study is, what was answered and the curves', async () => {
     const { page, complaints } = await experimenter((study) => study.skipTo('question', 12));
     await page.getByText('part 1 of 2 · trial 12 of 17').waitFor();
-    await page.getByText('answers', { exact: true }).waitFor();
     expect(await page.locator('tbody tr').count()).toBe(11);
+    await unblind(page);
+    await page.getByText('answers', { exact: true }).waitFor();
     expect(await page.locator('.psychometric').count()).toBe(2);
     expect(await page.locator('.psychometric').first().locator('.point').count()).toBeGreaterThan(2);
     expect(await page.locator('.psychometric .curve').count()).toBe(1);
@@ -281,22 +320,42 @@ describe("the experimenter's page", () => {
     expect(complaints).toEqual([]);
   });
 
-  it('hides the next stimulus until it is wanted', async () => {
-    const { page } = await experimenter((study) => study.skipTo('question', 3));
-    const next = page.getByRole('region', { name: 'Shown next' });
-    expect(await next.innerText()).not.toMatch(/P\d/);
-    await next.getByRole('button', { name: 'Show' }).click();
-    await next.getByText('P3').waitFor();
-    await next.getByRole('button', { name: 'Hide' }).click();
-    expect(await next.innerText()).not.toMatch(/P\d/);
+  it('hides what is shown and what was right until the experimenter is unblinded, which is noted', async () => {
+    const { page, study } = await experimenter((study) => study.skipTo('question', 3));
+    const hidden = async (): Promise<void> => {
+      expect(await page.locator('.right').innerText()).not.toMatch(/P\d|✓|✕/);
+      expect(await page.locator('.psychometric:visible').count()).toBe(0);
+    };
+    await page.locator('tbody tr').first().waitFor();
+    await hidden();
+    await page.getByRole('button', { name: 'Unblind…' }).click();
+    await page.getByRole('button', { name: 'Stay blinded' }).click();
+    await hidden();
+    expect(study.written).toEqual([]);
+    await unblind(page);
+    await page.getByRole('region', { name: 'Shown now' }).getByText('P3').waitFor();
+    expect(await page.locator('tbody').innerText()).toMatch(/✓|✕/);
+    expect(study.written.map(({ text }) => text)).toEqual([expect.stringMatching(/^unblinded/)]);
+    await page.getByRole('button', { name: 'Blind again' }).click();
+    await page.getByRole('button', { name: 'Unblind…' }).waitFor();
+    await hidden();
+  });
+
+  it('stays blinded when that cannot be noted', async () => {
+    const { page, study } = await experimenter((study) => study.skipTo('question', 3));
+    study.obey = () => 'the disk is full';
+    await page.getByRole('button', { name: 'Unblind…' }).click();
+    await page.getByRole('button', { name: 'Unblind', exact: true }).click();
+    await page.getByText(/disk is full/i).waitFor();
+    expect(await page.locator('.right').innerText()).not.toMatch(/P\d/);
   });
 
   it('pauses and goes on, for the participant too', async () => {
     const { page, study } = await experimenter((study) => study.skipTo('question'));
     await page.keyboard.press('p');
-    await page.getByRole('button', { name: 'Go on' }).waitFor();
+    await page.getByRole('button', { name: 'Resume' }).waitFor();
     expect(study.phase).toBe('paused');
-    await page.getByRole('button', { name: 'Go on' }).click();
+    await page.getByRole('button', { name: 'Resume' }).click();
     await page.getByRole('button', { name: 'Pause' }).waitFor();
     expect(study.phase).toBe('question');
   });

@@ -40,7 +40,7 @@ const tell = (...words: string[]): string => execFileSync(executable, ['study', 
 function lead(how: 'run' | 'resume', port: string): Promise<{ child: ChildProcess; address: string }> {
   // The same for every run, so that the page finds the program again.
   const env = { ...process.env, HAPTOLITH_PARTICIPANT_TOKEN: 'the_same_one_in_all_runs' };
-  const child = spawn(executable, ['study', how, study(), '--port', port], {
+  const child = spawn(executable, ['study', how, study(), '--port', port, ...(how === 'run' ? ['--trial-run'] : [])], {
     env,
     stdio: ['ignore', 'ignore', 'pipe'],
   });
@@ -89,7 +89,12 @@ async function act(page: Page, phase: string): Promise<void> {
     await page.locator('.form').evaluate((form: HTMLFormElement) => form.requestSubmit());
   } else if (phase === 'question') {
     await page.keyboard.press('2');
-  } else if (['consent', 'instructions', 'interval', 'break'].includes(phase)) {
+  } else if (phase === 'interval') {
+    await page.keyboard.down('PageDown'); // into the soil: who has not touched it cannot go on
+    await page.waitForFunction(() => !document.querySelector('.participant[data-phase=interval] .go:disabled'));
+    await page.keyboard.up('PageDown');
+    await page.keyboard.press('Enter');
+  } else if (['consent', 'instructions', 'break'].includes(phase)) {
     await page.keyboard.press('Enter');
   }
   await page.waitForTimeout(120);

@@ -42,6 +42,18 @@ describe('a named view', () => {
           expect(Math.abs(raised.y)).toBeLessThan(0.95);
         });
 
+  it('leaves what lies over its top free of the box and of a raised tool', () => {
+    const orbit = new OrbitCamera();
+    const scene = sceneOf(0.126);
+    orbit.setScene(scene);
+    orbit.setAspect(1.16, 0.3);
+    for (const name of VIEW_NAMES) {
+      orbit.setView(name, false);
+      expect(new Vector3(0, 0, name === 'top' ? 0.04 : 0.1).project(orbit.camera).y).toBeLessThan(0.4);
+      expect(filled(orbit, scene).farthest).toBeLessThan(0.98);
+    }
+  });
+
   it('is framed anew for another picture, unless the eye was moved', () => {
     const orbit = new OrbitCamera();
     orbit.setScene(sceneOf(0.126));

@@ -1,0 +1,60 @@
+// "Bring tool here": lifts the tool out of the soil and over the middle of the bed, at the pace of a calm hand, and lets
+// go of it there.
+
+import type { Scene, Vec3 } from '../protocol';
+import type { Hand } from './hand';
+
+const SPEED_M_S = 0.15;
+const CLEARANCE_M = 0.02;
+const LONGEST_STEP_S = 0.1;
+// The tool hangs on a spring, and comes after the hand.
+const WAIT_S = 1;
+
+export class ToolBringer {
+  private before_ms: number | null = null;
+  private waited_s = 0;
+
+  constructor(
+    private readonly hand: Hand,
+    private readonly scene: () => Scene | null,
+  ) {}
+
+  /** Where it brings the tool: as high over the soil as the tool is long. */
+  get target_m(): Vec3 | null {
+    const scene = this.scene();
+    if (!scene) return null;
+    const { shape, size_mm, diameter_mm } = scene.tool;
+    const size_m = (shape === 'box' || shape === 'jaws' ? Math.max(...size_mm) : diameter_mm) / 1000;
+    return [0, 0, Math.min(scene.workspace.high_m[2], scene.box.surface_m + size_m / 2 + CLEARANCE_M)];
+  }
+
+  /** False when there is nothing to hold yet. */
+  start(): boolean {
+    this.before_ms = null;
+    this.waited_s = 0;
+    return this.hand.grab('automation');
+  }
+
+  /** Called for every picture. */
+  tick(now_ms: number): void {
+    const to_m = this.target_m;
+    if (!to_m || !this.hand.isHeldBy('automation')) return;
+    if (!this.hand.isHeldOnlyBy('automation')) return this.hand.letGo('automation');
+    const elapsed_s = this.before_ms === null ? 0 : Math.min(LONGEST_STEP_S, (now_ms - this.before_ms) / 1000);
+    this.before_ms = now_ms;
+    const at_m = this.hand.wished.position_m;
+    // Out of the soil first, then across, then to its height.
+    const low = at_m[2] < to_m[2] - 1e-6;
+    const aside = Math.hypot(at_m[0] - to_m[0], at_m[1] - to_m[1]) > 1e-6;
+    const next_m: Vec3 = low ? [at_m[0], at_m[1], to_m[2]] : aside ? [to_m[0], to_m[1], at_m[2]] : to_m;
+    const way_m = next_m.map((value, axis) => value - at_m[axis]!) as Vec3;
+    const far_m = Math.hypot(...way_m);
+    if (far_m < 1e-6) {
+      this.waited_s += elapsed_s;
+      if (this.waited_s >= WAIT_S) this.hand.letGo('automation');
+      return;
+    }
+    const share = Math.min(1, (SPEED_M_S * elapsed_s) / far_m);
+    this.hand.move(way_m.map((value) => value * share) as Vec3);
+  }
+}

@@ -1,0 +1,248 @@
+// What a stranger sees of the page: on other screens, without a graphics card, by keyboard and by screen reader.
+
+import { readFileSync } from 'node:fs';
+import { createRequire } from 'node:module';
+import { chromium, type Browser } from 'playwright-core';
+import { afterAll, afterEach, beforeAll, describe, expect, it } from 'vitest';
+import { MockServer, type MockOptions } from '../mock-server';
+import { executable, launch, newPage, type Watched } from './pages';
+
+let browser: Browser;
+const open: Watched[] = [];
+const servers: MockServer[] = [];
+
+async function visit(options: MockOptions = {}, query = '', by = browser): Promise<Watched> {
+  const server = new MockServer(options);
+  servers.push(server);
+  const watched = await newPage(by);
+  open.push(watched);
+  await watched.page.goto(`http://127.0.0.1:${await server.listen()}/${query}`);
+  await watched.page.waitForFunction(() => window.haptolith?.frame && window.haptolith.status);
+  return watched;
+}
+
+beforeAll(async () => {
+  browser = await launch();
+});
+
+afterEach(async () => {
+  for (const { page } of open.splice(0)) await page.close();
+  for (const server of servers.splice(0)) await server.close();
+});
+
+afterAll(async () => {
+  await browser?.close();
+});
+
+describe('without WebGL 2', () => {
+  let blind: Browser;
+
+  beforeAll(async () => {
+    blind = await chromium.launch({ executablePath: executable(), args: ['--no-sandbox', '--disable-3d-apis'] });
+  });
+
+  afterAll(async () => {
+    await blind?.close();
+  });
+
+  it('says so where the picture would be, and numbers, plots and controls work', async () => {
+    const { page } = await visit({}, '', blind);
+    await page.getByText('this browser shows no WebGL 2').waitFor();
+    await page.locator('#body').selectOption('Mars');
+    await page.waitForFunction(() => window.haptolith!.scene!.body === 'Mars');
+    await page.waitForFunction(() => /\d/.test(document.querySelector('[data-test=force]')!.textContent!));
+    expect(await page.locator('.uplot canvas').count()).toBe(3);
+    const height_m = () => page.evaluate(() => window.haptolith!.frame!.tool.position_m[2]);
+    const before_m = await height_m();
+    await page.keyboard.down('PageUp');
+    await expect.poll(height_m, { timeout: 15_000 }).toBeGreaterThan(before_m + 0.004);
+    await page.keyboard.up('PageUp');
+    expect(await page.evaluate(() => window.haptolith!.ready)).toBe(false);
+  });
+});
+
+describe('a recording', () => {
+  it('is named in full with its folder when it stops, and can be downloaded with the token', async () => {
+    const { page } = await visit({ token: 'a_long_secret_token' }, '?token=a_long_secret_token');
+    await page.getByRole('button', { name: 'Record' }).click();
+    await page.getByText('recording haptolith-20260101-120000.h5').waitFor();
+    await page.getByRole('button', { name: 'Stop' }).click();
+    await page.getByText('haptolith-20260101-120000.h5 is in /home/ada/experiments').waitFor();
+    const downloading = page.waitForEvent('download');
+    await page.getByRole('link', { name: 'Download' }).click();
+    const download = await downloading;
+    expect(download.suggestedFilename()).toBe('haptolith-20260101-120000.h5');
+    expect(await download.failure()).toBeNull();
+  });
+});
+
+describe('on a screen', () => {
+  const SIZES = [
+    [640, 360],
+    [844, 390],
+    [390, 844],
+    [1280, 720],
+  ] as const;
+
+  it.each(SIZES)('of %i x %i the soil and the tool are to be seen', async (width, height) => {
+    const { page } = await visit();
+    await page.setViewportSize({ width, height });
+    await page.waitForTimeout(500); // the picture is framed anew
+    const view = (await page.locator('.view').boundingBox())!;
+    expect(view.height).toBeGreaterThan(0.5 * height);
+    expect(view.width).toBeGreaterThan(0.5 * width);
+    // What lies over the picture hides neither the middle of the bed nor the tool where it starts.
+    const places = await page.evaluate(() => [window.haptolith!.toolOnScreen!, window.haptolith!.bedOnScreen!]);
+    for (const name of ['.readouts', '.hint', '.legend', '.scale-bar']) {
+      const box = (await page.locator(name).boundingBox()) ?? { x: 0, y: 0, width: 0, height: 0 };
+      for (const { x, y } of places) {
+        const inside = x > box.x && x < box.x + box.width && y > box.y && y < box.y + box.height;
+        expect({ name, inside }).toEqual({ name, inside: false });
+      }
+    }
+    for (const { x, y } of places) {
+      expect(x).toBeGreaterThan(view.x);
+      expect(x).toBeLessThan(view.x + view.width);
+      expect(y).toBeGreaterThan(view.y);
+      expect(y).toBeLessThan(view.y + view.height);
+    }
+  });
+});
+
+describe('for everybody', () => {
+  const axe = readFileSync(createRequire(import.meta.url).resolve('axe-core/axe.min.js'), 'utf8');
+  type Violation = { id: string; nodes: { html: string }[] };
+
+  const violations = async ({ page }: Watched): Promise<string[]> => {
+    // The page's own policy lets no script in by its text; the browser's console may.
+    await page.evaluate(axe);
+    const found = await page.evaluate(
+      async () =>
+        (await (window as unknown as { axe: { run(): Promise<{ violations: Violation[] }> } }).axe.run()).violations,
+    );
+    return found.map(({ id, nodes }) => `${id}: ${nodes.map(({ html }) => html.slice(0, 160)).join(' | ')}`);
+  };
+
+  for (const [width, height] of [
+    [1280, 720],
+    [390, 844],
+    [844, 390],
+  ] as const)
+    // prettier-ignore
+    for (const theme of ['dark', 'light'])
+      it(`has nothing that keeps somebody out, at ${width} x ${height}, ${theme}`, async () => {
+        const watched = await visit({}, `?theme=${theme}`);
+        await watched.page.setViewportSize({ width, height });
+        await watched.page.waitForTimeout(300);
+        expect(await violations(watched)).toEqual([]);
+        if (width === 1280) return;
+        await watched.page.getByRole('button', { name: 'Controls' }).click();
+        expect(await violations(watched)).toEqual([]);
+      });
+
+  it('explains every number and every selector, by keyboard too', async () => {
+    const watched = await visit();
+    const { page } = watched;
+    const unexplained = await page.evaluate(() =>
+      [
+        ...document.querySelectorAll<HTMLElement>(
+          '.cell, .readout-name, .controls select, .controls button, .controls input',
+        ),
+      ]
+        .filter((element) => !element.matches('.sizes *, .segmented [data-shape]'))
+        .filter((element) => {
+          const source = document.getElementById(element.getAttribute('aria-describedby') ?? '');
+          return !source?.textContent || element.tabIndex < 0;
+        })
+        .map((element) => element.outerHTML.slice(0, 120)),
+    );
+    expect(unexplained).toEqual([]);
+    const bubble = page.getByRole('tooltip');
+    await page.keyboard.press('Tab'); // time
+    await bubble.getByText('Simulated time since the program started').waitFor();
+    for (let i = 0; i < 4; ++i) await page.keyboard.press('Tab'); // awake
+    await bubble.getByText('Particles that are computed').waitFor();
+    expect(await violations(watched)).toEqual([]);
+    await page.keyboard.press('Escape');
+    await bubble.waitFor({ state: 'hidden' });
+    await page.locator('.cell').nth(3).hover();
+    await bubble.getByText('Of one hundred steps').waitFor();
+    await page.mouse.move(600, 300);
+    await bubble.waitFor({ state: 'hidden' });
+    await page.getByLabel('Friction model').hover();
+    await bubble.getByText('How friction between particles is computed').waitFor();
+  });
+
+  it('writes nothing smaller than 12 pixels', async () => {
+    const { page } = await visit();
+    const small = await page.evaluate(() =>
+      [...document.querySelectorAll<HTMLElement>('body *')]
+        .filter((element) => [...element.childNodes].some((node) => node.nodeType === 3 && node.textContent!.trim()))
+        .filter((element) => parseFloat(getComputedStyle(element).fontSize) < 12)
+        .map((element) => element.outerHTML.slice(0, 120)),
+    );
+    expect(small).toEqual([]);
+  });
+
+  it('says in words what the pictures show', async () => {
+    const { page } = await visit();
+    await page.getByRole('img', { name: /particles; shovel \d+ mm above the soil/ }).waitFor();
+    await page.getByRole('img', { name: /^Force in N over the last ten seconds\. x / }).waitFor();
+    expect(await page.locator('canvas:not([role=img], [role=img] canvas)').count()).toBe(0);
+  });
+});
+
+describe('what is shown', () => {
+  it('of a program that has gone is no number of before', async () => {
+    const { page } = await visit();
+    await page.waitForFunction(() => /Hz/.test(document.querySelector('.cells')!.textContent!));
+    await servers.pop()!.close();
+    await page.locator('.banner').waitFor({ state: 'visible' });
+    const cells = page.locator('.cells');
+    expect(await cells.innerText()).not.toMatch(/Hz|µs|%/);
+    expect(await page.locator('.cell[data-level=good]').count()).toBeLessThanOrEqual(1); // real time
+  });
+
+  it('in slow motion is no warning', async () => {
+    const { page } = await visit();
+    await page.keyboard.press('n');
+    await page.waitForFunction(() => window.haptolith!.status!.speed < 1);
+    const rate = page.getByRole('group', { name: 'rate' });
+    await rate.getByText('100 Hz').waitFor();
+    expect(await rate.getAttribute('data-level')).toBe('good');
+  });
+
+  it('of the friction model is its name, and a warning where soil does not fall as it should', async () => {
+    const { page } = await visit();
+    const model = page.getByLabel('Friction model');
+    expect(await model.locator('option').allInnerTexts()).toEqual(['ICRA 2021 (drag against space)', 'contact']);
+    const warning = page.getByText('This model acts against space');
+    await warning.waitFor();
+    await model.selectOption({ label: 'contact' });
+    await warning.waitFor({ state: 'hidden' });
+  });
+
+  it('of a tool that is out of the picture comes back at the press of a button', async () => {
+    const { page } = await visit();
+    await page.keyboard.down('ArrowRight');
+    await expect
+      .poll(() => page.evaluate(() => window.haptolith!.frame!.tool.position_m[0]), { timeout: 15_000 })
+      .toBeGreaterThan(0.06);
+    await page.keyboard.up('ArrowRight');
+    await page.waitForFunction(() => !window.haptolith!.frame!.held);
+    await page.mouse.move(400, 300);
+    for (let i = 0; i < 20; ++i) await page.mouse.wheel(0, -200); // so near that the tool is beside the picture
+    await page.getByRole('button', { name: 'Bring tool here' }).click();
+    await expect
+      .poll(() => page.evaluate(() => Math.hypot(...window.haptolith!.frame!.tool.position_m.slice(0, 2))), {
+        timeout: 20_000,
+      })
+      .toBeLessThan(0.003);
+    const view = (await page.locator('.view').boundingBox())!;
+    const at = await page.evaluate(() => window.haptolith!.toolOnScreen!);
+    expect(at.x).toBeGreaterThan(view.x);
+    expect(at.x).toBeLessThan(view.x + view.width);
+    expect(at.y).toBeGreaterThan(view.y);
+    expect(at.y).toBeLessThan(view.y + view.height);
+  });
+});

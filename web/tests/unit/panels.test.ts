@@ -1,0 +1,61 @@
+import { describe, expect, it } from 'vitest';
+import { EXPLAIN, frictionModelName, sliderExplanation } from '../../src/panels/explanations';
+import { inWords } from '../../src/panels/plots';
+import type { Frame, Scene } from '../../src/protocol';
+import { pictureInWords, placeOf } from '../../src/panels/readouts';
+
+describe('the place of the tool', () => {
+  it('is a height above the soil or a depth in it, never a negative one', () => {
+    expect(placeOf(0.1, 0.04)).toEqual({ name: 'above soil', mm: expect.closeTo(60, 9) });
+    expect(placeOf(0.03, 0.04)).toEqual({ name: 'depth', mm: expect.closeTo(10, 9) });
+    expect(placeOf(0.04, 0.04).mm).toBe(0);
+  });
+});
+
+describe('in words', () => {
+  it('the picture says where the tool is and what it feels', () => {
+    const scene = { box: { width_m: 0.126, length_m: 0.126, surface_m: 0.04 }, particles: 256, tool: { shape: 'box' } };
+    const frame = { tool: { position_m: [0.01, -0.02, 0.03] }, force_n: [0, 3, 4] };
+    expect(pictureInWords(scene as unknown as Scene, frame as unknown as Frame)).toBe(
+      'A box of 126 by 126 mm with 256 particles; shovel 10 mm deep in the soil, at x 10 mm, y -20 mm; force 5.00 N.',
+    );
+  });
+
+  it('a plot says what each line is now and where it has been', () => {
+    const lines = ['x', 'late'].map((name) => ({ name, colour: '', width: 1, points: name === 'late' }));
+    const table: [number[], (number | null)[], (number | null)[]] = [
+      [-1, -0.5, 0],
+      [3, null, -1],
+      [null, null, 9],
+    ];
+    expect(inWords({ title: 'Force', unit: 'N', lines }, table)).toBe(
+      'Force in N over the last ten seconds. x -1, from -1 to 3; late 1 times.',
+    );
+    expect(inWords({ title: 'Force', unit: 'N', lines }, [[], [], []])).toContain('No data yet');
+  });
+});
+
+describe('an explanation', () => {
+  it.each(Object.entries(EXPLAIN))('is one plain sentence: %s', (_name, text) => {
+    expect(text).toMatch(/^[A-Z\dx].*\.$/);
+    expect(text.length).toBeLessThan(240);
+  });
+});
+
+describe('a slider', () => {
+  it('says where its number is an estimate, and what a number of a contact is', () => {
+    expect(sliderExplanation('friction_angle_deg', 'paper')).not.toContain('estimate');
+    expect(sliderExplanation('friction_angle_deg', 'pairwise')).toContain('estimate');
+    expect(sliderExplanation('cohesion_pa', 'pairwise')).toContain('estimate');
+    expect(sliderExplanation('contact_friction', 'pairwise')).toContain('where two particles touch');
+    expect(sliderExplanation('another', 'paper')).toBeNull();
+  });
+});
+
+describe('a model of friction', () => {
+  it('has a name that is not "friction"', () => {
+    expect(frictionModelName('paper')).toBe('ICRA 2021 (drag against space)');
+    expect(frictionModelName('pairwise')).toBe('contact');
+    expect(frictionModelName('another')).toBe('another');
+  });
+});
