@@ -80,7 +80,8 @@ TEST(SoilSliders, ACalibratedSoilTakesDegreesAndPascalsAndKeepsTheOther) {
     const auto calibration = calibrationOf(scenario);
     const SoilParameters& soil = scenario.bed.soil;
     const ShearStrength before = calibration->of(soil);
-    for (const double angle_deg : {before.angle_deg - 3, before.angle_deg + 3}) {
+    const SoilSlider angle = slidersOf(soil, calibration)[0];
+    for (const double angle_deg : {(angle.low + angle.value) / 2, (angle.value + angle.high) / 2}) {
       const SoilParameters moved = withSlider(soil, "friction_angle_deg", angle_deg, calibration);
       EXPECT_NEAR(calibration->of(moved).angle_deg, angle_deg, 1e-5) << name;
       EXPECT_NEAR(calibration->of(moved).cohesion_pa, before.cohesion_pa, 1e-4 * (1 + before.cohesion_pa)) << name;

@@ -39,6 +39,9 @@ class Bubble {
   show(source: HTMLElement, around: HTMLElement): void {
     clearTimeout(this.timer);
     if (!around.isConnected) return;
+    // In the part of the page that it speaks of: who moves from landmark to landmark finds it there.
+    const part = around.closest('header, main, aside') ?? document.body;
+    if (this.element.parentElement !== part) part.append(this.element);
     this.source = source;
     this.element.hidden = false;
     this.refresh(source);
