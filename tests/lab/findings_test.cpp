@@ -84,10 +84,13 @@ TEST(Findings, NewtonAndBeverlooHoldForEverySoil) {
   FunnelResult funnel;
   funnel.particle_diameter_m = 0.01;
   funnel.fit.exponent = 2.6;
-  funnel.points = {{.opening_m = 0.03, .clogged = true}, {.opening_m = 0.06}};
+  funnel.points.resize(2);
+  funnel.points[0].opening_m = 0.03;
+  funnel.points[0].clogged = true;
+  funnel.points[1].opening_m = 0.06;
   EXPECT_THAT(findings(funnel),
               ElementsAre(Field(&Finding::verdict, Verdict::kPass), Field(&Finding::verdict, Verdict::kPass)));
-  funnel.points = {{.opening_m = 0.09, .clogged = true}};
+  funnel.points[0].opening_m = 0.09;
   EXPECT_EQ(findings(funnel).back().verdict, Verdict::kFail);
 }
 
