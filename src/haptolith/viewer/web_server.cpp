@@ -491,16 +491,16 @@ class WebServer::Implementation::Visitor : public std::enable_shared_from_this<V
   /// Only what has been offered, by its very name: a path leads nowhere else.
   void sendRecording(std::string_view name, std::size_t entrance) {
     const auto at = server_.offered.find(name);
-    beast::error_code error;
+    beast::error_code fault;
     http::file_body::value_type file;
     if (server_.entrances[entrance].nameless) {
       refuse(http::status::forbidden, "this token opens no recordings\n");
       return;
     }
     if (at != server_.offered.end()) {
-      file.open(at->second.c_str(), beast::file_mode::scan, error);
+      file.open(at->second.c_str(), beast::file_mode::scan, fault);
     }
-    if (at == server_.offered.end() || error) {
+    if (at == server_.offered.end() || fault) {
       refuse(http::status::not_found, "there is no such recording\n");
       return;
     }
