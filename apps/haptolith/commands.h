@@ -15,6 +15,7 @@ void addSnapshotCommand(CLI::App& app);
 void addReplayCommand(CLI::App& app);
 void addExportCommand(CLI::App& app);
 void addSoilCommands(CLI::App& app);
+void addScenesCommand(CLI::App& app);
 void addLabCommand(CLI::App& app);
 void addStudyCommand(CLI::App& app);
 void addBenchCommand(CLI::App& app);

@@ -8,11 +8,14 @@
 #include <string>
 #include <vector>
 
+#include "haptolith/scenario/scenario.h"
 #include "haptolith/scenario/soil_file.h"
 #include "haptolith/soil/bodies.h"
 #include "haptolith/soil/presets.h"
+#include "haptolith/study/protocol.h"
 
 #include "commands.h"
+#include "shared/option_checks.h"
 #include "shared/output.h"
 
 namespace haptolith {
@@ -77,6 +80,13 @@ Words choicesOf(const CLI::Option& option) {
   }
   if (option.check_lname("body")) {
     return namesOf(bodies());
+  }
+  if (option.check_lname("protocol")) {
+    const auto names = protocolNames();
+    return {names.begin(), names.end()};
+  }
+  if (option.get_name() == "scenario") {
+    return sceneNames();
   }
   return splitChoices(option.get_type_name());
 }
@@ -284,7 +294,7 @@ function __haptolith_at
 void addCompletionCommand(CLI::App& app) {
   CLI::App* command = app.add_subcommand("completion", "Print a script that completes commands and options in a shell");
   auto shell = std::make_shared<std::string>();
-  command->add_option("shell", *shell, "The shell")->required()->check(CLI::IsMember({"bash", "zsh", "fish"}));
+  command->add_option("shell", *shell, "The shell")->required()->check(oneOf({"bash", "zsh", "fish"}));
   command->footer("Examples:\n  source <(haptolith completion bash)\n  haptolith completion fish | source");
   command->callback([&app, shell] {
     const Command root = commandOf(app, "haptolith");

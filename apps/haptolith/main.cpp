@@ -6,19 +6,19 @@
 
 #include <csignal>
 #include <cstdlib>
+#include <filesystem>
 #include <memory>
 #include <mutex>
 #include <string>
-#include <string_view>
-#include <vector>
 
 #include "haptolith/bed/simd_target.h"
 #include "haptolith/core/error.h"
-#include "haptolith/core/nearest_word.h"
 #include "haptolith/core/plain_text.h"
 
 #include "commands.h"
+#include "shared/option_checks.h"
 #include "shared/output.h"
+#include "shared/saved.h"
 
 namespace haptolith {
 namespace {
@@ -45,6 +45,7 @@ void addCommands(CLI::App& app) {
   addReplayCommand(app);
   addExportCommand(app);
   addSoilCommands(app);
+  addScenesCommand(app);
   addLabCommand(app);
   addStudyCommand(app);
   addBenchCommand(app);
@@ -99,38 +100,32 @@ std::string helpOf(const CLI::App& app) {
   return at->help(above);
 }
 
-/// The command the user reached, for example "haptolith soil profile".
-std::string commandPath(const CLI::App& app) {
-  std::string path = "haptolith";
-  for (const CLI::App* at = &app; !at->get_subcommands().empty();) {
+/// The command that the user reached.
+const CLI::App& reachedBy(const CLI::App& app) {
+  const CLI::App* at = &app;
+  while (!at->get_subcommands().empty()) {
     at = at->get_subcommands().front();
-    path += " " + at->get_name();
   }
-  return path;
+  return *at;
+}
+
+/// Its path, for example "haptolith soil profile".
+std::string commandPath(const CLI::App& reached) {
+  const CLI::App* above = reached.get_parent();
+  return above == nullptr ? "haptolith" : commandPath(*above) + " " + reached.get_name();
 }
 
 ExitStatus usageError(const CLI::App& app, const std::string& message) {
   printError(message);
-  printNotice(fmt::format("Run '{} --help' for what is possible.\n", commandPath(app)));
+  printNotice(fmt::format("Run '{} --help' for what is possible.\n", commandPath(reachedBy(app))));
   return kUsage;
 }
 
-/// Not even a command was found: say what there is.
-ExitStatus noCommand(const CLI::App& app, const std::string& message) {
-  printNotice(fmt::format("{}\n", app.help()));
-  if (app.remaining().empty()) {
-    printError(message);
-    return kUsage;
-  }
-  const std::string word = app.remaining().front();
-  std::vector<std::string_view> commands;
-  for (const CLI::App* command : app.get_subcommands([](const CLI::App*) { return true; })) {
-    commands.push_back(command->get_name());
-  }
-  const std::string_view nearest = nearestWord(word, commands);
-  printError(fmt::format("unknown {} '{}'{}{}{}", word.starts_with('-') ? "option" : "command", word,
-                         nearest.empty() ? "" : "; did you mean ", nearest, nearest.empty() ? "" : "?"));
-  return kUsage;
+/// Tells on standard output what files there are now; on standard error where a program reads the other.
+void tellWhatWasSaved(const CLI::App& app) {
+  const CLI::Option* json = reachedBy(app).get_option_no_throw("--json");
+  const std::string saved = savedText();
+  json != nullptr && json->count() > 0 ? printNotice(saved) : printText(saved);
 }
 
 ExitStatus run(CLI::App& app, int argc, char** argv) {
@@ -139,6 +134,7 @@ ExitStatus run(CLI::App& app, int argc, char** argv) {
       useSimdTarget(simd);
     }
     app.parse(argc, argv);
+    tellWhatWasSaved(app);
     printText("");  // a full disk shows only when the last of the output goes out
     return kOk;
   } catch (const CLI::CallForHelp&) {
@@ -148,9 +144,15 @@ ExitStatus run(CLI::App& app, int argc, char** argv) {
     printText(std::string(version.what()) + '\n');
     return kOk;
   } catch (const CLI::ParseError& error) {
-    return app.get_subcommands().empty() ? noCommand(app, error.what()) : usageError(app, error.what());
+    if (argc == 1) {
+      printNotice(fmt::format("{}\n", app.help()));
+    }
+    return usageError(app, usageProblem(reachedBy(app), error));
   } catch (const InvalidParameter& error) {
     return usageError(app, error.what());
+  } catch (...) {
+    printNotice(savedText());
+    throw;
   }
 }
 
@@ -168,6 +170,9 @@ int main(int argc, char** argv) {
     app.footer(kExamples);
     addCommands(app);
     return run(app, argc, argv);
+  } catch (const std::filesystem::filesystem_error& error) {
+    printError(fmt::format("cannot open {}: {}", error.path1().string(), error.code().message()));
+    return kFailed;
   } catch (const std::exception& error) {
     printError(error.what());
     return kFailed;

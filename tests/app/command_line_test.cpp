@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 
+#include <algorithm>
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
@@ -55,6 +56,36 @@ TEST(Usage, UnknownOptionsAreNamed) {
   EXPECT_THAT(result.errors, HasSubstr("haptolith: error: unknown option '--bogus'\n"));
 }
 
+TEST(Usage, TheWordsOfACommandAreSuggestedToo) {
+  EXPECT_THAT(runHaptolith("lab sheer").errors,
+              StartsWith("haptolith: error: unknown command 'sheer'; did you mean shear?\n"));
+  EXPECT_THAT(runHaptolith("lab").errors, StartsWith("haptolith: error: a command is missing: must be "));
+  EXPECT_THAT(runHaptolith("run --duration 3").errors,
+              StartsWith("haptolith: error: unknown option '--duration'; did you mean --duration-s?\n"));
+  EXPECT_THAT(runHaptolith("soil profile --gravity 3").errors, HasSubstr("did you mean --gravity-m-s2?"));
+  EXPECT_THAT(runHaptolith("devices now").errors, StartsWith("haptolith: error: 'now' is one argument too many\n"));
+}
+
+TEST(Usage, WrongValuesOfOptionsAreToldWithWhatIsValid) {
+  const auto errorOf = [](const std::string& arguments) {
+    const ProgramResult result = runHaptolith(arguments);
+    EXPECT_EQ(result.exit_status, 2) << arguments;
+    return result.errors;
+  };
+  EXPECT_THAT(
+      errorOf("run --hand dig"),
+      StartsWith("haptolith: error: --hand: 'dig' is not valid: must be carry, press, scoop, shake, stir or still"));
+  EXPECT_THAT(errorOf("run --hand shak"), HasSubstr("; did you mean shake?\n"));
+  EXPECT_THAT(errorOf("run --port 99999"),
+              StartsWith("haptolith: error: --port: 99999 is not valid: must be a whole number, 0 to 65535\n"));
+  EXPECT_THAT(errorOf("run --duration-s -1"),
+              StartsWith("haptolith: error: --duration-s: -1 is not valid: must be 0 to 10000000\n"));
+  EXPECT_THAT(errorOf("run --duration-s soon"), HasSubstr("'soon' is not valid: must be a number, 0 to 10000000\n"));
+  EXPECT_THAT(errorOf("run --cpu first"), HasSubstr("--cpu: 'first' is not valid: must be a whole number\n"));
+  EXPECT_THAT(errorOf("run --port"), StartsWith("haptolith: error: --port needs a value\n"));
+  EXPECT_THAT(errorOf("run --preset P1 --soil dry-sand"), HasSubstr("cannot both be given\n"));
+}
+
 TEST(Usage, ErrorsOfACommandPointToItsHelp) {
   const ProgramResult result = runHaptolith("completion tcsh");
   EXPECT_EQ(result.exit_status, 2);
@@ -79,6 +110,61 @@ TEST(Run, EveryShippedSceneRuns) {
       EXPECT_EQ(result.exit_status, 0) << entry.path() << ": " << result.errors;
     }
   }
+}
+
+TEST(Run, BuiltInScenesHaveNamesEverywhere) {
+  const ProgramResult result = runInShell("cd / && \"$HAPTOLITH\" run rain --unpaced --duration-s 0.05");
+  EXPECT_EQ(result.exit_status, 0) << result.errors;
+  EXPECT_THAT(result.output, StartsWith("Loose soil from rain"));
+  EXPECT_THAT(runHaptolith("scenes").output, HasSubstr("sandbox        A sandbox of 1 m x 1 m"));
+  EXPECT_THAT(runHaptolith("run sandbx").errors, HasSubstr("did you mean sandbox?"));
+}
+
+TEST(Run, AKeyWithoutEffectIsAWarning) {
+  const std::string path = testing::TempDir() + "haptolith_idle_key.toml";
+  std::ofstream(path) << "[soil]\npreset = 'P3'\ncontact_friction = 0.4\n";
+  const std::string run = "run '" + path + "' --unpaced --duration-s 0.01";
+  EXPECT_THAT(runHaptolith(run).errors,
+              HasSubstr("warning: " + path + ":3: [soil] contact_friction has no effect: it needs"));
+  EXPECT_THAT(runHaptolith(run + " --friction pairwise").errors, Not(HasSubstr("no effect")));
+}
+
+TEST(Run, SaysWhatItSaved) {
+  const std::string path = testing::TempDir() + "haptolith_told.csv";
+  const std::string run = "run --unpaced --overwrite --duration-s 0.05 --trace '" + path + "'";
+  const ProgramResult told = runHaptolith(run);
+  EXPECT_THAT(told.output, testing::ContainsRegex("saved " + path + ": 50 rows of [0-9]+ columns\n"));
+  EXPECT_THAT(told.output, HasSubstr("deadlines  none: as fast as it can"));
+  const ProgramResult json = runHaptolith(run + " --json");
+  EXPECT_THAT(json.output, Not(HasSubstr("saved")));
+  EXPECT_THAT(json.errors, HasSubstr("saved " + path));
+}
+
+TEST(Run, APortThatWasAskedForIsThatOrAFailure) {
+  const ProgramResult result = runInShell(
+      "python3 -c 'import socket, subprocess, os, sys\n"
+      "taken = socket.create_server((\"127.0.0.1\", 0))\n"
+      "sys.exit(subprocess.call([os.environ[\"HAPTOLITH\"], \"run\", \"--duration-s\", \"0.1\", \"--port\", "
+      "str(taken.getsockname()[1])]))'");
+  EXPECT_EQ(result.exit_status, 1) << result.errors;
+  EXPECT_THAT(result.errors, HasSubstr("cannot listen on 127.0.0.1, port "));
+}
+
+TEST(StatusLine, IsCutToTheTerminalsWidth) {
+  const ProgramResult result =
+      runInShell("script -qec 'stty cols 60; \"$HAPTOLITH\" run --no-serve --duration-s 0.5 > /dev/null' /dev/null");
+  std::size_t longest = 0;
+  for (std::size_t at = result.output.find("\033[K"); at != std::string::npos;) {
+    const std::size_t next = result.output.find("\033[K", at + 3);
+    std::string line = result.output.substr(at + 3, next == std::string::npos ? next : next - at - 3);
+    line = line.substr(0, line.find_first_of("\r\n"));
+    if (line.find("force") != std::string::npos) {  // no warning
+      longest = std::max(longest, line.size());
+    }
+    at = next;
+  }
+  EXPECT_GT(longest, 30U) << result.output;
+  EXPECT_LE(longest, 59U + std::string("\033[36m\033[0m").size());
 }
 
 TEST(StandardError, IsNotColouredInAFile) {
@@ -128,6 +214,9 @@ TEST(Completion, BashOffersCommandsOptionsAndChoices) {
   EXPECT_EQ(bashOffers("run --soil lunar"), "lunar-0-15cm lunar-trafficability\n");
   EXPECT_EQ(bashOffers("run --friction p"), "pairwise paper\n");
   EXPECT_EQ(bashOffers("soil prof"), "profile\n");
+  EXPECT_EQ(bashOffers("soil cal"), "calibrate-paper\n");
+  EXPECT_EQ(bashOffers("run sand"), "sandbox\n");
+  EXPECT_EQ(bashOffers("study new x --protocol paper-f"), "paper-friction\n");
 }
 
 TEST(Completion, OtherShellsHaveTheirOwn) {

@@ -75,8 +75,8 @@ TEST_F(RunCommand, SummaryTellsTheWholeRun) {
     EXPECT_GT(summary["torque_nm"][key].get<double>(), 0) << key;
   }
   EXPECT_EQ(summary["state_hash"].get<std::string>().size(), 16U);
-  EXPECT_TRUE(summary["deadline_misses"].is_number_unsigned());
-  EXPECT_GE(summary["success_rate_last_100"].get<double>(), 0);
+  EXPECT_TRUE(summary["deadline_misses"].is_null()) << "nothing is in step with the clock";
+  EXPECT_TRUE(summary["success_rate_last_100"].is_null());
   EXPECT_TRUE(summary["realtime"]["scheduler"].is_string());
   EXPECT_TRUE(summary["realtime"]["memory_locked"].is_boolean());
 }
@@ -305,7 +305,7 @@ TEST_F(RunCommand, ServesItsPageAndSaysWhere) {
 
 TEST_F(RunCommand, BeyondThisMachineTheAddressHasAToken) {
   const ProgramResult made_up = runHaptolith("run --duration-s 0.1 --port 0 --bind 0.0.0.0");
-  EXPECT_THAT(made_up.errors, testing::ContainsRegex("http://0.0.0.0:[0-9]+/\\?token=[0-9a-f]{32}"));
+  EXPECT_THAT(made_up.errors, testing::ContainsRegex("http://[0-9.]+:[0-9]+/\\?token=[0-9a-f]{32}"));
   const ProgramResult wrong = runHaptolith("run --duration-s 0.1 --bind everywhere");
   EXPECT_EQ(wrong.exit_status, 2);
   EXPECT_THAT(wrong.errors, HasSubstr("bind = everywhere"));

@@ -105,9 +105,9 @@ TEST_F(SoilCommands, TextIsForPeople) {
   EXPECT_EQ(answer.exit_status, 0);
   EXPECT_THAT(answer.output, HasSubstr("Soil P3 (Moon, gravity 1.625 m/s², R = 7 mm, k infinite)"));
   EXPECT_THAT(answer.output, HasSubstr("1500 ± 50   1501"));
-  EXPECT_THAT(runHaptolith("soil calibrate --friction-coefficient 0.9 --cohesion-pa 970").output,
+  EXPECT_THAT(runHaptolith("soil calibrate-paper --friction-coefficient 0.9 --cohesion-pa 970").output,
               HasSubstr("1580 ± 50"));
-  EXPECT_THAT(runHaptolith("soil calibrate --friction-coefficient 0.9 --cohesion-pa 970 --body Earth").output,
+  EXPECT_THAT(runHaptolith("soil calibrate-paper --friction-coefficient 0.9 --cohesion-pa 970 --body Earth").output,
               HasSubstr("outside the measurement"));
   EXPECT_THAT(runHaptolith("soil presets").output, HasSubstr("P6"));
 }
@@ -136,7 +136,7 @@ TEST_F(SoilCommands, SoilThatCannotCarryItselfIsAFailure) {
 }
 
 TEST_F(SoilCommands, CalibrateGivesASoilThatProfileConfirms) {
-  const json soil = runJson("soil calibrate --friction-coefficient 0.9 --cohesion-pa 970 --radius-mm 3");
+  const json soil = runJson("soil calibrate-paper --friction-coefficient 0.9 --cohesion-pa 970 --radius-mm 3");
   EXPECT_EQ(soil["radius_mm"], 3);
   EXPECT_LT(soil["density_rms_kg_m3"], 15);
   std::ostringstream arguments;
@@ -149,11 +149,11 @@ TEST_F(SoilCommands, CalibrateGivesASoilThatProfileConfirms) {
 }
 
 TEST_F(SoilCommands, WrongUseOfCalibrateIsToldAndHasStatusTwo) {
-  expectWrongUse("soil calibrate --friction-coefficient 0.9", "--cohesion-pa is required");
-  expectWrongUse("soil calibrate --friction-coefficient -0.9 --cohesion-pa 970", "friction_coefficient = -0.9");
-  expectWrongUse("soil calibrate --friction-coefficient 0.9 --cohesion-pa nan", "cohesion_pa = nan");
-  expectWrongUse("soil calibrate --friction-coefficient 0.9 --cohesion-pa 1e9", "must be > 0 and < ");
-  expectWrongUse("soil calibrate --friction-coefficient 0.9 --cohesion-pa 970 --radius-mm 25", "radius_mm = 25");
+  expectWrongUse("soil calibrate-paper --friction-coefficient 0.9", "--cohesion-pa is required");
+  expectWrongUse("soil calibrate-paper --friction-coefficient -0.9 --cohesion-pa 970", "friction_coefficient = -0.9");
+  expectWrongUse("soil calibrate-paper --friction-coefficient 0.9 --cohesion-pa nan", "cohesion_pa = nan");
+  expectWrongUse("soil calibrate-paper --friction-coefficient 0.9 --cohesion-pa 1e9", "must be > 0 and < ");
+  expectWrongUse("soil calibrate-paper --friction-coefficient 0.9 --cohesion-pa 970 --radius-mm 25", "radius_mm = 25");
 }
 
 TEST_F(SoilCommands, PresetsListsAllSix) {
@@ -181,11 +181,18 @@ TEST_F(SoilCommands, ListTellsWhatWasMeasuredOfTheNamedSoils) {
 }
 
 TEST_F(SoilCommands, EveryCommandExplainsItselfWithAnExample) {
-  for (const char* command : {"soil", "soil profile", "soil calibrate", "soil presets", "soil list"}) {
+  for (const char* command : {"soil", "soil profile", "soil calibrate-paper", "soil presets", "soil list"}) {
     const ProgramResult answer = runHaptolith(std::string(command) + " --help");
     EXPECT_EQ(answer.exit_status, 0);
     EXPECT_THAT(answer.output, HasSubstr("  haptolith soil ")) << command;
   }
+}
+
+TEST(SoilCalibrate, TheNameOfBeforeStillWorksAndTellsTheNewOne) {
+  const std::string wanted = " --friction-coefficient 0.9 --cohesion-pa 970";
+  const ProgramResult before = runHaptolith("soil calibrate" + wanted);
+  EXPECT_EQ(before.output, runHaptolith("soil calibrate-paper" + wanted).output);
+  EXPECT_THAT(before.errors, HasSubstr("'soil calibrate' is now 'soil calibrate-paper'"));
 }
 
 }  // namespace

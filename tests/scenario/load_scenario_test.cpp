@@ -323,6 +323,57 @@ TEST_F(LoadScenario, ValuesThatDoNotGoTogetherAreRefused) {
             "x.toml:3: [hand] poses and manoeuvre cannot both be given");
 }
 
+TEST_F(LoadScenario, ALimitThatFollowsFromOtherValuesIsToldInTheUnitOfTheKey) {
+  EXPECT_EQ(errorOf("[bed]\nwidth_mm = 5\n"), "x.toml:2: [bed] width_mm = 5 is not valid: must be 14 to 100000 (mm)");
+  EXPECT_THAT(errorOf("[soil]\nradius_mm = 80\n"),
+              HasSubstr("[bed] width_mm = 126 (left out, so the paper's) is not valid: must be 160 to 100000 (mm)"));
+}
+
+TEST_F(LoadScenario, WordsSuggestTheNearest) {
+  EXPECT_THAT(errorOf("[soil]\nname = 'lunar-0-15'\n"), HasSubstr("; did you mean lunar-0-15cm?"));
+}
+
+TEST_F(LoadScenario, AKeyThatCanNeverHaveAnEffectIsRefused) {
+  EXPECT_EQ(errorOf("[bed]\ndepth_mm = 90\n"), "x.toml:2: [bed] depth_mm has no effect: it needs [bed] start = packed");
+  EXPECT_EQ(errorOf("[coupling]\nkind = 'direct'\nstiffness_n_m = 300\n"),
+            "x.toml:3: [coupling] stiffness_n_m has no effect: it needs [coupling] kind = auto or virtual");
+  EXPECT_NO_THROW((void)load("[bed]\ndepth_mm = 40\n")) << "the usual value, as the paper's scene writes it out";
+  EXPECT_NO_THROW((void)loadScenarioText("[bed]\ndepth_mm = 90\n", "a recording"));
+}
+
+TEST_F(LoadScenario, AKeyThatHasNoEffectYetIsTold) {
+  const fs::path path =
+      write("[soil]\npreset = 'P3'\ncontact_friction = 0.4\n[tool]\nshape = 'sphere'\nsize_mm = [1, 2, 3]\n");
+  const Scenario scene = loadScenario(path);
+  EXPECT_THAT(idleKeys(path.string(), scene),
+              testing::ElementsAre(
+                  path.string() + ":3: [soil] contact_friction has no effect: it needs [soil] friction = pairwise",
+                  path.string() + ":6: [tool] size_mm has no effect: it needs [tool] shape = box or jaws"));
+  Scenario switched = scene;
+  switched.bed.soil.friction = FrictionModel::kPairwise;
+  switched.tool.shape = ToolShape::kJaws;
+  EXPECT_THAT(idleKeys(path.string(), switched), testing::IsEmpty());
+}
+
+TEST_F(LoadScenario, ShippedScenesHaveNoKeyWithoutEffect) {
+  for (const fs::directory_entry& entry : fs::directory_iterator(sourceDir() / "scenarios")) {
+    if (entry.path().extension() == ".toml") {
+      EXPECT_THAT(idleKeys(entry.path().string(), loadScenario(entry.path())), testing::IsEmpty());
+    }
+  }
+}
+
+TEST_F(LoadScenario, BuiltInScenesAreTheFilesByTheirNames) {
+  for (const std::string& name : sceneNames()) {
+    if (name != "plate-in-sand") {  // whose poses lie beside the file
+      EXPECT_EQ(findScenario(name), loadScenario(sourceDir() / "scenarios" / (name + ".toml"))) << name;
+    }
+  }
+  EXPECT_THAT(sceneNames(), testing::IsSupersetOf({"paper", "rain", "sandbox"}));
+  EXPECT_THAT([] { (void)findScenario("sandbx"); },
+              testing::ThrowsMessage<InvalidParameter>(HasSubstr("did you mean sandbox?")));
+}
+
 TEST_F(LoadScenario, PosesMustExist) {
   EXPECT_EQ(errorOf("[hand]\nmanoeuvre = 'poses'\n"),
             "x.toml:2: [hand] manoeuvre = 'poses' needs [hand] poses, a CSV file");

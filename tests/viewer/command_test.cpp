@@ -114,7 +114,7 @@ TEST(Command, WhatIsWrongIsSaid) {
   EXPECT_THAT(refused(R"({"do": "speed", "factor": 2})"), HasSubstr("0.01 to 1"));
   EXPECT_THAT(refused(R"({"do": "record", "on": 1})"), HasSubstr("true or false"));
   EXPECT_THAT(refused(R"({"do": "scene", "tool": {"shape": "fork"}})"), HasSubstr("sphere"));
-  EXPECT_THAT(refused(R"({"do": "scene", "tool": {"size_mm": [0, 1, 1]}})"), HasSubstr("1 to 1000"));
+  EXPECT_THAT(refused(R"({"do": "scene", "tool": {"size_mm": [0, 1, 1]}})"), HasSubstr("0.01 to 10000"));
   EXPECT_THAT(refused(R"({"do": "scene", "tool": {"colour": 1}})"), HasSubstr("colour"));
   EXPECT_THAT(refused(R"({"do": "scene", "sliders": [1]})"), HasSubstr("an object"));
 }

@@ -4,6 +4,7 @@
 #include <boost/asio/read.hpp>
 #include <boost/asio/read_until.hpp>
 #include <boost/asio/write.hpp>
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <sys/resource.h>
@@ -479,12 +480,20 @@ TEST_F(WebServerTest, ATakenPortIsPassedOver) {
   EXPECT_EQ(second.url(), "http://127.0.0.1:" + std::to_string(second.port()) + "/");
 }
 
+TEST(WebServerAddress, APortThatSomebodyWantsIsThatOrNone) {
+  Board board("hello");
+  const WebServer first({.port = 0}, board);
+  EXPECT_THROW(WebServer({.port = first.port(), .other_ports = false}, board), Failure);
+}
+
 TEST(WebServerAddress, BeyondThisMachineATokenIsDemanded) {
   Board board("hello");
   EXPECT_THROW(WebServer({.bind = "0.0.0.0", .port = 0}, board), InvalidParameter);
   EXPECT_THROW(WebServer({.bind = "nowhere", .port = 0}, board), InvalidParameter);
   const WebServer server({.bind = "0.0.0.0", .port = 0, .entrances = {{.token = "secret"}}}, board);
   EXPECT_THAT(server.url(), HasSubstr("?token=secret"));
+  EXPECT_THAT(server.url(), Not(HasSubstr("0.0.0.0"))) << "which opens nowhere else";
+  EXPECT_EQ(server.urlHere(), fmt::format("http://127.0.0.1:{}/?token=secret", server.port()));
   EXPECT_EQ(WsClient::get(server.port(), "/ws").first, 401U);
   EXPECT_EQ(WsClient::get(server.port(), "/ws?token=secre").first, 401U);
   EXPECT_EQ(WsClient::get(server.port(), "/ws?token=secret", "lab.example").first, 426U);

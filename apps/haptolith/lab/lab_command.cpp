@@ -16,6 +16,7 @@
 #include "commands.h"
 #include "lab/lab_options.h"
 #include "lab/lab_tests.h"
+#include "shared/option_checks.h"
 #include "shared/output.h"
 #include "shared/stop_on_signal.h"
 
@@ -119,16 +120,16 @@ void runCalibrateSoil(const CalibrateCommand& command) {
                {"out", command.out_file.empty() ? Json(nullptr) : Json(command.out_file)}});
     return;
   }
-  printText(fmt::format(
-      "                   asked    reached ({} specimens)\n"
-      "  friction angle   {:5.1f}°   {:5.1f} ± {:.1f}°\n"
-      "  cohesion         {:5.0f}    {:5.0f} ± {:.0f} Pa\n"
-      "  bulk density     {:5.0f}    {:5.0f} kg/m³\n\n"
-      "  contact friction {:.4f}, contact cohesion {:.4g} N, stiffness {:.4g} N/m\n{}",
-      reached.seeds, command.target.friction_angle_deg, reached.friction_angle_deg, reached.friction_angle_sd_deg,
-      command.target.cohesion_pa, reached.cohesion_pa, reached.cohesion_sd_pa, command.target.bulk_density_kg_m3,
-      reached.bulk_density_kg_m3, result.soil.contact_friction, result.soil.contact_cohesion_n,
-      result.soil.stiffness_n_m, command.out_file.empty() ? "" : fmt::format("  saved in {}\n", command.out_file)));
+  printText(
+      fmt::format("                   asked    reached ({} specimens)\n"
+                  "  friction angle   {:5.1f}°   {:5.1f} ± {:.1f}°\n"
+                  "  cohesion         {:5.0f}    {:5.0f} ± {:.0f} Pa\n"
+                  "  bulk density     {:5.0f}    {:5.0f} kg/m³\n\n"
+                  "  contact friction {:.4f}, contact cohesion {:.4g} N, stiffness {:.4g} N/m\n",
+                  reached.seeds, command.target.friction_angle_deg, reached.friction_angle_deg,
+                  reached.friction_angle_sd_deg, command.target.cohesion_pa, reached.cohesion_pa,
+                  reached.cohesion_sd_pa, command.target.bulk_density_kg_m3, reached.bulk_density_kg_m3,
+                  result.soil.contact_friction, result.soil.contact_cohesion_n, result.soil.stiffness_n_m));
 }
 
 void addCalibrate(CLI::App& lab) {
@@ -144,7 +145,7 @@ void addCalibrate(CLI::App& lab) {
   }
   app->add_option("--strength", command->target.strength,
                   "residual: what a moving shovel feels; peak: what undisturbed soil carries at most [residual]")
-      ->transform(CLI::CheckedTransformer(words, CLI::ignore_case).description(""));
+      ->transform(wordOf(words).description(""));
   app->add_option("--radius-mm", command->radius_mm, "radius of a macroparticle, 0.5 to 20")->capture_default_str();
   app->add_option("--stiffness-n-m", command->stiffness_n_m,
                   "of the contacts [they give way by 2.8 % of the radius at 3 kPa]");
@@ -156,7 +157,7 @@ void addCalibrate(CLI::App& lab) {
   app->add_option("--specimens", command->specimens, "to verify with, 2 or more, each from another seed")
       ->capture_default_str();
   app->add_option("--seed", command->seed, "of the specimens")->capture_default_str();
-  app->add_option("--threads", command->threads, "threads to use [all]")->check(CLI::Range(1, 256));
+  app->add_option("--threads", command->threads, "threads to use [all]")->check(wholeNumberIn(BedRanges::threads));
   app->add_flag("--json", command->json, "print one JSON object instead of a table");
   app->footer(
       "Example:\n"

@@ -14,6 +14,7 @@
 #include "haptolith/soil/bodies.h"
 #include "haptolith/soil/presets.h"
 
+#include "shared/option_checks.h"
 #include "shared/output.h"
 #include "shared/stop_on_signal.h"
 
@@ -41,12 +42,13 @@ void LabOptions::addTo(CLI::App& command) {
     models.emplace(word.name, word.value);
   }
   command.add_option("--friction", friction, "paper or pairwise [as the soil's file says]")
-      ->transform(CLI::CheckedTransformer(models, CLI::ignore_case).description(""));
+      ->transform(wordOf(models).description(""));
   command.add_option("--body", body, "Ceres, Pluto, Europa, Moon, Mars or Earth")->capture_default_str();
   command.add_option("--radius-mm", radius_mm, "radius of a macroparticle; the soil stays the same [the test's own]");
   command.add_option("--stiffness-n-m", stiffness_n_m, "of the contacts at that radius [the soil's]");
   command.add_option("--seed", seed, "of the specimen's particles")->capture_default_str();
-  command.add_option("--threads", threads, "threads to use; the result is the same [all]")->check(CLI::Range(1, 256));
+  command.add_option("--threads", threads, "threads to use; the result is the same [all]")
+      ->check(wholeNumberIn(BedRanges::threads));
   command.add_option("--figure", figure_file, "draw what was measured: FILE.svg or FILE.png");
   command.add_option("--trace", trace_file, "write what was measured over time: FILE.csv");
   overwrite.addTo(command);

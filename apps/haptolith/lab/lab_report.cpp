@@ -137,7 +137,6 @@ void runReport(const LabOptions& options, const std::string& out_file) {
   }
   status.clear();
   saveReport(options.overwrite(out_file), page);
-  printText(fmt::format("saved {}\n", out_file));
 }
 
 }  // namespace

@@ -23,6 +23,8 @@
 #include "haptolith/lab/shear.h"
 #include "haptolith/soil/lunar_density.h"
 
+#include "shared/option_checks.h"
+
 namespace haptolith {
 
 namespace {
@@ -54,7 +56,7 @@ void addDegrees(CLI::App& command, const std::string& name, double& angle_rad, c
 void addPreparation(CLI::App& command, Preparation& preparation) {
   const std::map<std::string, Preparation> words{{"dense", Preparation::kDense}, {"loose", Preparation::kLoose}};
   command.add_option("--preparation", preparation, "of the soil: dense, as if shaken, or loose, as if poured [dense]")
-      ->transform(CLI::CheckedTransformer(words, CLI::ignore_case).description(""));
+      ->transform(wordOf(words).description(""));
 }
 
 // --- settle ----------------------------------------------------------------------------------------------------------
@@ -126,9 +128,11 @@ LabOutput shearOutput(const LabSoil& soil, const LabConditions& conditions, cons
                                point.residual_pa, 100 * point.dilation);
   }
   const auto line = [](std::string_view what, const MohrCoulomb& fit) {
-    return fmt::format("  {:<9} friction angle {:4.1f} ± {:.1f}°, cohesion {:5.0f} ± {:.0f} Pa\n", what,
-                       degrees(fit.friction_angle_rad), degrees(fit.friction_angle_se_rad), fit.cohesion_pa,
-                       fit.cohesion_se_pa);
+    const bool is_scatter = fit.cohesion_pa < 0 && -fit.cohesion_pa <= 2 * fit.cohesion_se_pa;
+    return fmt::format("  {:<9} friction angle {:4.1f} ± {:.1f}°, cohesion {:5.0f} ± {:.0f} Pa{}\n", what,
+                       degrees(fit.friction_angle_rad), degrees(fit.friction_angle_se_rad),
+                       is_scatter ? 0 : fit.cohesion_pa, fit.cohesion_se_pa,
+                       is_scatter ? fmt::format(" (within error: the line meets {:.0f})", fit.cohesion_pa) : "");
   };
   output.text += "\n" + line("peak", result.peak) + line("residual", result.residual) +
                  fmt::format("  bulk density {:.0f} kg/m³ before shearing\n", result.bulk_density_kg_m3);
@@ -444,6 +448,12 @@ LabTest funnel() {
 
 // --- carry and fall --------------------------------------------------------------------------------------------------
 
+/// To be shown with so many digits: never as -0.
+double rounded(double value, int digits) {
+  const double scale = std::pow(10, digits);
+  return std::round(value * scale) / scale + 0.0;
+}
+
 LabOutput carryOutput(const LabConditions& conditions, const CarryOptions& options) {
   const CarryResult result = carryTest(conditions, options);
   LabOutput output;
@@ -453,8 +463,8 @@ LabOutput carryOutput(const LabConditions& conditions, const CarryOptions& optio
       "  inertia felt / inertia     {:.3f}\n"
       "  soil goes with the shovel  {:.0f} %\n\n"
       "  {:.0f} g carried, {:.0f} g left at the end\n",
-      result.weight_ratio, result.drag_ratio, result.shake_ratio, 100 * result.follow_ratio, result.carried_kg * 1e3,
-      result.left_kg * 1e3);
+      rounded(result.weight_ratio, 3), rounded(result.drag_ratio, 3), rounded(result.shake_ratio, 3),
+      rounded(100 * result.follow_ratio, 0), result.carried_kg * 1e3, result.left_kg * 1e3);
   output.json = {{"weight_ratio", result.weight_ratio}, {"drag_ratio", result.drag_ratio},
                  {"shake_ratio", result.shake_ratio},   {"follow_ratio", result.follow_ratio},
                  {"carried_kg", result.carried_kg},     {"left_kg", result.left_kg}};

@@ -21,6 +21,7 @@
 #include "commands.h"
 #include "lab/lab_options.h"
 #include "shared/histogram_json.h"
+#include "shared/option_checks.h"
 #include "shared/output.h"
 #include "shared/overwrite.h"
 #include "shared/stop_on_signal.h"
@@ -260,16 +261,15 @@ void addBenchCommand(CLI::App& app) {
   }
   command->add_option("--friction", options->friction, "paper, pairwise or both [paper,pairwise]")
       ->delimiter(',')
-      ->transform(CLI::CheckedTransformer(models, CLI::ignore_case).description(""));
+      ->transform(wordOf(models).description(""));
   command->add_option("--threads", options->threads, "numbers of threads")
       ->delimiter(',')
-      ->check(CLI::Range(1, 256))
+      ->check(wholeNumberIn(BedRanges::threads))
       ->capture_default_str();
   command->add_option("--soil", options->soil.soil, "a named soil, a soil file, or P1 to P6 [P3]");
   command->add_option("--radius-mm", options->soil.radius_mm, "of the macroparticles [the soil's]");
   const std::map<std::string, Manoeuvre> hands{{"stir", Manoeuvre::kStir}, {"still", Manoeuvre::kStill}};
-  command->add_option("--hand", options->hand, "stir or still [stir]")
-      ->transform(CLI::CheckedTransformer(hands, CLI::ignore_case).description(""));
+  command->add_option("--hand", options->hand, "stir or still [stir]")->transform(wordOf(hands).description(""));
   command->add_option("--sleep-speed-m-s", options->sleep_speed_m_s,
                       "let soil sleep in which nothing moves faster [all stays awake]");
   command->add_option("--seconds", options->seconds, "of simulated time for each row")->capture_default_str();

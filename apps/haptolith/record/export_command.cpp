@@ -17,8 +17,10 @@
 #include "haptolith/recording/recording_reader.h"
 
 #include "commands.h"
+#include "shared/option_checks.h"
 #include "shared/output.h"
 #include "shared/overwrite.h"
+#include "shared/saved.h"
 #include "shared/stop_on_signal.h"
 
 namespace haptolith {
@@ -72,7 +74,7 @@ fs::path outFor(const ExportOptions& options, const char* extension) {
 }
 
 void tellOf(const fs::path& out, std::uint64_t count, std::string_view what) {
-  printText(fmt::format("saved {}: {} {}\n", out.string(), count, what));
+  printText(savedText(out, fmt::format("{} {}", count, what)));
 }
 
 void requireFrames(const RecordingReader& recording, const ExportOptions& options) {
@@ -216,7 +218,7 @@ void exportVtk(const RecordingReader& recording, const ExportOptions& options) {
     progress.show(number, frames.size());
     const std::string name = fmt::format("particles-{:06}.vtp", number);
     folder.write(name, vtp(recording.readFrame(frames[number])));
-    collection += fmt::format("<DataSet timestep=\"{}\" file=\"{}\"/>\n", frames[number].time_s, name);
+    collection += fmt::format("<DataSet timestep=\"{:.6g}\" file=\"{}\"/>\n", frames[number].time_s, name);
   }
   folder.write(out.filename().string() + ".pvd", collection + "</Collection></VTKFile>\n");
   folder.commit();
@@ -250,7 +252,7 @@ void addExportCommand(CLI::App& app) {
   command->add_option("file", options->file, "A recording (.h5)")->required()->option_text("FILE.h5");
   command->add_option("--format", options->format, "csv: ticks; xdmf, vtk: particles, for ParaView")
       ->required()
-      ->check(CLI::IsMember({"csv", "xdmf", "vtk"}))
+      ->check(oneOf({"csv", "xdmf", "vtk"}))
       ->option_text("csv|xdmf|vtk");
   command->add_option("--out", options->out, "Where to: a file, for vtk a new folder [named after the recording]")
       ->option_text("PATH");

@@ -12,6 +12,7 @@
 #include "haptolith/recording/replay.h"
 
 #include "commands.h"
+#include "shared/option_checks.h"
 #include "shared/output.h"
 #include "shared/scene_options.h"
 #include "shared/stop_on_signal.h"
@@ -122,7 +123,7 @@ void addReplayCommand(CLI::App& app) {
   command->add_option("file", options->file, "A recording of a whole run (.h5)")->required()->option_text("FILE.h5");
   command->add_flag("--verify", options->verify, "Fail unless every hash and force is the same to the last bit");
   command->add_option("--threads", options->threads, "Threads that share a tick; default: as recorded")
-      ->check(CLI::Range(1, 256))
+      ->check(wholeNumberIn(BedRanges::threads))
       ->option_text("N");
   command->add_flag("--json", options->json, "Print the summary as one JSON object");
   command->callback([options] { replay(*options); });

@@ -24,6 +24,7 @@
 #include "run/run_figure.h"
 #include "run/trace_file.h"
 #include "shared/histogram_json.h"
+#include "shared/option_checks.h"
 #include "shared/output.h"
 #include "shared/overwrite.h"
 #include "shared/scene_options.h"
@@ -44,7 +45,7 @@ constexpr const char* kExamples = R"(Examples:
   haptolith run --preset P1 --body Mars --json      another soil on another world
   haptolith run --soil surveyor-3                   a soil by its name (haptolith soil list)
   haptolith run --hand press --trace press.csv --figure press.svg
-  haptolith run scenarios/deep-bed.toml             a scene from a file
+  haptolith run deep-bed                            another scene (haptolith scenes), or one from a file
   haptolith run --poses movement.csv                a recorded hand
   haptolith run --unpaced --duration-s 60 --json    as fast as it can, for experiments
   haptolith run --hand still --port 9000            to dig in, at http://127.0.0.1:9000/
@@ -168,10 +169,13 @@ class Follower {
 
   [[nodiscard]] std::string statusText(const SceneSnapshot& now) const {
     const double wanted = scenario_.loop.duration_s;
-    return fmt::format("{}{}  {} {:6.2f} N  tick p99 {:5.0f} us  in time {:5.1f} %  misses {}  awake {}",
-                       fmt::format("{:7.1f} s", now.time_s), wanted > 0 ? fmt::format(" of {:g} s", wanted) : "",
+    const std::string deadlines = scenario_.loop.paced ? fmt::format("  in time {:5.1f} %  misses {}",
+                                                                     100 * now.success_rate, now.deadline_misses)
+                                                       : "";
+    return fmt::format("{}{}  {} {:6.2f} N  tick p99 {:5.0f} us{}  awake {}", fmt::format("{:7.1f} s", now.time_s),
+                       wanted > 0 ? fmt::format(" of {:g} s", wanted) : "",
                        now.trip == SafetyTrip::kNone ? "force" : "LET GO", now.felt.force_n.norm(), now.tick_us_p99,
-                       100 * now.success_rate, now.deadline_misses, now.awake);
+                       deadlines, now.awake);
   }
 
   const Scenario& scenario_;
@@ -211,8 +215,8 @@ Json summaryJson(const Scenario& scenario, const Scene& scene, const HapticLoop&
           {"ended", text(summary.end)},
           {"tick_us", histogramJsonWithBuckets(statistics.tickUs())},
           {"late_us", scenario.loop.paced ? histogramJsonWithBuckets(statistics.lateUs()) : Json(nullptr)},
-          {"deadline_misses", statistics.deadlineMisses()},
-          {"success_rate_last_100", statistics.successRate()},
+          {"deadline_misses", scenario.loop.paced ? Json(statistics.deadlineMisses()) : Json(nullptr)},
+          {"success_rate_last_100", scenario.loop.paced ? Json(statistics.successRate()) : Json(nullptr)},
           {"force_n", statisticsJson(statistics.forceN())},
           {"torque_nm", statisticsJson(statistics.torqueNm())},
           {"largest_speed_m_s", scene.bed().largestSpeed()},
@@ -238,6 +242,12 @@ std::string wakeUpText(const Histogram& late_us) {
                            late_us.percentile(0.5), late_us.percentile(0.99), late_us.percentile(0.999), late_us.max());
 }
 
+std::string deadlinesText(const Scenario& scenario, const LoopStatistics& statistics) {
+  return scenario.loop.paced ? fmt::format("{} missed; {:.0f} % of the last 100 in time", statistics.deadlineMisses(),
+                                           100 * statistics.successRate())
+                             : "none: as fast as it can";
+}
+
 std::string summaryText(const Scenario& scenario, const Scene& scene, const HapticLoop& loop,
                         const RunSummary& summary) {
   const LoopStatistics& s = loop.statistics();
@@ -251,7 +261,7 @@ std::string summaryText(const Scenario& scenario, const Scene& scene, const Hapt
       "{threads} "
       "thread(s))\n"
       "{wakeup}"
-      "  deadlines  {misses} missed; {success:.0f} % of the last 100 in time; {scheduler}{cpu}, memory {locked}\n"
+      "  deadlines  {deadlines}; {scheduler}{cpu}, memory {locked}\n"
       "  force      mean {fmean:.2f}  p99 {fp99:.2f}  max {fmax:.2f} N\n"
       "  torque     mean {mmean:.4f}  p99 {mp99:.4f}  max {mmax:.4f} N m\n"
       "  state      {hash:016x}\n",
@@ -261,8 +271,8 @@ std::string summaryText(const Scenario& scenario, const Scene& scene, const Hapt
       fmt::arg("substeps", scene.substeps()), fmt::arg("time", loop.time()), fmt::arg("ticks", s.ticks()),
       fmt::arg("end", text(summary.end)), fmt::arg("mean", t.mean()), fmt::arg("p50", t.percentile(0.5)),
       fmt::arg("p99", t.percentile(0.99)), fmt::arg("p999", t.percentile(0.999)), fmt::arg("max", t.max()),
-      fmt::arg("simd", simdTarget()), fmt::arg("threads", scenario.bed.threads), fmt::arg("misses", s.deadlineMisses()),
-      fmt::arg("success", 100 * s.successRate()), fmt::arg("scheduler", summary.real_time.scheduler),
+      fmt::arg("simd", simdTarget()), fmt::arg("threads", scenario.bed.threads),
+      fmt::arg("deadlines", deadlinesText(scenario, s)), fmt::arg("scheduler", summary.real_time.scheduler),
       fmt::arg("cpu", summary.real_time.cpu == kAnyCpu ? "" : fmt::format(" on CPU {}", summary.real_time.cpu)),
       fmt::arg("wakeup", wakeUpText(s.lateUs())),
       fmt::arg("locked", summary.real_time.memory_locked ? "locked" : "not locked"),
@@ -305,10 +315,13 @@ std::unique_ptr<LiveView> viewOf(Session& session, Follower& follower, const Run
                            .stop = [&recording] { recording.stopPart(); },
                            .name = [&recording] { return recording.name(); }},
         LiveView::Guest{}, options.web.read_only ? LiveView::Clients::kLookOn : LiveView::Clients::kCommand);
-    printNotice(fmt::format("see {} at {}\n", options.web.read_only ? "it" : "and touch it", view->url()));
+    const bool has_two_addresses = view->urlHere() != view->url();
+    printNotice(fmt::format("{}see {} at {}\n{}", options.web.portNotice(view->port()),
+                            options.web.read_only ? "it" : "and touch it", view->url(),
+                            has_two_addresses ? fmt::format("on this machine also at {}\n", view->urlHere()) : ""));
     return view;
   } catch (const Failure& failure) {
-    if (options.serve) {
+    if (options.serve || options.web.port) {
       throw;
     }
     spdlog::warn("no view in the browser: {}", failure.what());
@@ -386,7 +399,7 @@ void addRunCommand(CLI::App& app) {
   command->footer(kExamples);
   options->scene.addTo(*command);
   command->add_option("--duration-s", options->duration_s, "Simulated time; default: until Ctrl-C")
-      ->check(CLI::Range(1e-3, 1e7))
+      ->check(numberIn(LoopRanges::duration_s))
       ->option_text("SECONDS");
   command->add_flag("--unpaced", options->unpaced, "As fast as it can instead of in step with the clock");
   command->add_option("--cpu", options->cpu, "The only CPU that the loop's thread runs on; default: any")
@@ -396,7 +409,7 @@ void addRunCommand(CLI::App& app) {
   command->add_option("--record", options->record_file, "Record every tick to this HDF5 file (docs/recording.md)")
       ->option_text("FILE.h5");
   command->add_option("--record-frames", options->frames_per_s, "Pictures of all particles a second in it [10]")
-      ->check(CLI::Range(0, 60))
+      ->check(numberIn({0, 60}))
       ->option_text("N");
   options->overwrite.addTo(*command);
   command->add_flag("--json", options->json, "Print the summary as one JSON object");

@@ -21,6 +21,7 @@
 
 #include "commands.h"
 #include "run/film_file.h"
+#include "shared/option_checks.h"
 #include "shared/output.h"
 #include "shared/overwrite.h"
 #include "shared/scene_options.h"
@@ -271,22 +272,22 @@ void addSnapshotCommand(CLI::App& app) {
       ->option_text("FILE");
   options->overwrite.addTo(*command);
   command->add_option("--at-s", options->at_s, "Simulated time of the picture [2], or at which the film begins [0]")
-      ->check(CLI::Range(0.0, 1e5))
+      ->check(numberIn({0.0, 1e5}))
       ->option_text("SECONDS");
   command->add_option("--width", options->width_px, "Width in pixels [1280]")
-      ->check(CLI::Range(320, 7680))
+      ->check(wholeNumberIn({320, 7680}))
       ->option_text("PIXELS");
   command->add_option("--height", options->height_px, "Height in pixels [720]")
-      ->check(CLI::Range(240, 4320))
+      ->check(wholeNumberIn({240, 4320}))
       ->option_text("PIXELS");
   command->add_option("--view", options->view, "Where it is looked at from [three-quarter]")
-      ->check(CLI::IsMember({"front", "side", "top", "three-quarter"}))
+      ->check(oneOf({"front", "side", "top", "three-quarter"}))
       ->option_text("front|side|top|three-quarter");
   command->add_option("--colour", options->colour, "What grains are coloured by [plain]")
-      ->check(CLI::IsMember(colourNames()))
+      ->check(oneOf(colourNames()))
       ->option_text("plain|force|speed|depth|sleep");
   command->add_option("--theme", options->theme, "How the page looks [dark]")
-      ->check(CLI::IsMember({"dark", "light"}))
+      ->check(oneOf({"dark", "light"}))
       ->option_text("dark|light");
   CLI::Option* panels = command->add_flag_callback(
       "--panels", [options] { options->panels = true; }, "With status, plots and controls around it: the default");
@@ -297,11 +298,11 @@ void addSnapshotCommand(CLI::App& app) {
   CLI::Option* film = command->add_flag("--film", options->film, "A film instead of a picture");
   command->add_option("--duration-s", options->duration_s, "Simulated time that the film shows [8]")
       ->needs(film)
-      ->check(CLI::Range(0.1, 3600.0))
+      ->check(numberIn({0.1, 3600.0}))
       ->option_text("SECONDS");
   command->add_option("--fps", options->frames_per_s, "Pictures a second of the film [30]")
       ->needs(film)
-      ->check(CLI::Range(1.0, 120.0))
+      ->check(numberIn({1.0, 120.0}))
       ->option_text("N");
   command->callback([options] {
     const StopOnSignal stop_on_signal;

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
+#include <sys/ioctl.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -115,6 +116,22 @@ Posted& posted() {
 constexpr std::int64_t kUpdateIntervalNs = 100'000'000;
 constexpr std::string_view kEraseLine = "\r\033[K";
 
+/// As much of a line of UTF-8 as the terminal shows without wrapping it; all of it where no width is known.
+std::string_view cutToTerminal(std::string_view line) {
+  winsize size{};
+  if (ioctl(STDERR_FILENO, TIOCGWINSZ, &size) != 0 || size.ws_col == 0) {
+    return line;
+  }
+  int letters = 0;
+  for (std::size_t i = 0; i < line.size(); ++i) {
+    const bool begins_letter = (static_cast<unsigned char>(line[i]) & 0xC0U) != 0x80U;
+    if (begins_letter && ++letters == size.ws_col) {  // the last column stays free: some terminals wrap behind it
+      return line.substr(0, i);
+    }
+  }
+  return line;
+}
+
 void writeNotice(std::string_view text) noexcept {
   std::fwrite(text.data(), 1, text.size(), stderr);
   std::fflush(stderr);
@@ -206,9 +223,10 @@ void StatusLine::update(std::string_view text) {
     return;
   }
   next_ns_ = monotonicNs() + kUpdateIntervalNs;
-  posted().post(
-      fmt::format("{}{}{}{}", kEraseLine, coloured_ ? "\033[36m" : "", plainText(text), coloured_ ? "\033[0m" : ""),
-      true);
+  const std::string plain = plainText(text);
+  posted().post(fmt::format("{}{}{}{}", kEraseLine, coloured_ ? "\033[36m" : "", cutToTerminal(plain),
+                            coloured_ ? "\033[0m" : ""),
+                true);
 }
 
 }  // namespace haptolith

@@ -2,6 +2,7 @@
 
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
+#include <spdlog/spdlog.h>
 
 #include <algorithm>
 #include <cstdlib>
@@ -11,6 +12,7 @@
 #include "haptolith/core/error.h"
 #include "haptolith/scenario/scene_words.h"
 
+#include "shared/option_checks.h"
 #include "shared/output.h"
 #include "shared/stop_on_signal.h"
 
@@ -58,7 +60,7 @@ std::string keyFrom(const std::optional<std::string>& file) {
 CLI::Option* DeviceOptions::addTo(CLI::App& command) {
   CLI::Option* named =
       command.add_option("--device", kind, "What the hand holds (haptolith devices); default: the virtual hand")
-          ->transform(CLI::CheckedTransformer(choicesOf(kDeviceWords), CLI::ignore_case))
+          ->transform(wordOf(choicesOf(kDeviceWords)))
           ->option_text("NAME");
   command.add_option("--device-id", id, "Which one, where there are several")->option_text("ID");
   command.add_option("--device-library", library, "Folder or file of the device's SDK")->option_text("PATH");
@@ -84,33 +86,35 @@ void DeviceOptions::applyTo(DeviceParameters& device) const {
 }
 
 void SceneOptions::addTo(CLI::App& command) {
-  command.add_option("scenario", scenario_file, "Scene (TOML, see docs/scenarios.md); default: the paper's");
+  command
+      .add_option("scenario", scenario_file,
+                  "Scene by its name (haptolith scenes) or from a file (docs/scenarios.md); default: the paper's")
+      ->option_text("NAME|FILE");
   CLI::Option* by_preset = command.add_option("--preset", preset, "Soil: P1 to P6, the paper's Table II");
   by_preset->option_text("NAME");
   command.add_option("--soil", soil, "Soil by its name (haptolith soil list) or from a file (docs/soils.md)")
       ->option_text("NAME|FILE")
       ->excludes(by_preset);
   command.add_option("--friction", friction, "What friction acts against; default: as the soil has it")
-      ->transform(CLI::CheckedTransformer(choicesOf(kFrictionWords), CLI::ignore_case))
+      ->transform(wordOf(choicesOf(kFrictionWords)))
       ->option_text("paper|pairwise");
   command.add_option("--body", body, "World: Ceres, Pluto, Europa, Moon, Mars or Earth")->option_text("NAME");
   CLI::Option* hand = command.add_option("--hand", manoeuvre, "What the virtual hand does");
-  hand->transform(CLI::CheckedTransformer(handChoices(), CLI::ignore_case))
-      ->option_text("still|press|stir|scoop|carry|shake");
+  hand->transform(wordOf(handChoices()))->option_text("still|press|stir|scoop|carry|shake");
   command.add_option("--poses", poses_file, "CSV of poses the hand follows: t_s,x_m,y_m,z_m,qw,qx,qy,qz")
       ->option_text("FILE")
       ->excludes(hand);
   command.add_option("--threads", threads, "Threads that share a large bed; the result does not depend on it")
-      ->check(CLI::Range(1, 256))
+      ->check(wholeNumberIn(BedRanges::threads))
       ->option_text("N");
   command.add_option("--seed", seed, "Seed of a bed that starts as rain")
-      ->check(CLI::NonNegativeNumber)
+      ->check(wholeNumberIn(BedRanges::seed))
       ->option_text("N");
   device.addTo(command)->excludes(hand);
 }
 
 Scenario scenarioFor(const SceneOptions& options) {
-  Scenario scenario = options.scenario_file.empty() ? Scenario{} : loadScenario(options.scenario_file);
+  Scenario scenario = options.scenario_file.empty() ? Scenario{} : findScenario(options.scenario_file);
   BedParameters& bed = scenario.bed;
   if (options.preset) {
     changePreset(scenario, *options.preset);
@@ -132,6 +136,11 @@ Scenario scenarioFor(const SceneOptions& options) {
   bed.threads = options.threads.value_or(bed.threads);
   bed.seed = options.seed.value_or(bed.seed);
   options.device.applyTo(scenario.device);
+  if (!options.scenario_file.empty()) {
+    for (const std::string& idle : idleKeys(options.scenario_file, scenario)) {
+      spdlog::warn("{}", idle);
+    }
+  }
   return scenario;
 }
 

@@ -41,8 +41,9 @@ struct SceneOptions {
   void addTo(CLI::App& command);
 };
 
-/// The scene that the options ask for; not yet checked by validate(), since a command may still change it.
-/// @throws InvalidParameter, Failure: as loadScenario(), changePreset(), changeSoil() and changeBody().
+/// The scene that the options ask for, with a warning for each key of its file that has no effect; not yet checked by
+/// validate(), since a command may still change it.
+/// @throws InvalidParameter, Failure: as findScenario(), changePreset(), changeSoil() and changeBody().
 [[nodiscard]] Scenario scenarioFor(const SceneOptions& options);
 
 /// Shows in `status` how the bed of a new scene settles; a signal ends it.

@@ -11,6 +11,8 @@
 #include "haptolith/core/error.h"
 #include "haptolith/viewer/access.h"
 
+#include "shared/option_checks.h"
+
 namespace haptolith {
 
 namespace {
@@ -46,7 +48,9 @@ std::string checked(std::string token, std::string_view from) {
 }  // namespace
 
 void WebOptions::addTo(CLI::App& command) {
-  command.add_option("--port", port, "Port of the page, or the next that is free; 0: any [8080]")->option_text("PORT");
+  command.add_option("--port", port, "Port of the page, and no other; 0: any [8080, or the next that is free]")
+      ->check(wholeNumberIn({0, 65535}))
+      ->option_text("PORT");
   command.add_option("--bind", bind, "Address to listen on [127.0.0.1]; any but this machine's own wants a token")
       ->option_text("ADDRESS");
   CLI::Option* text =
@@ -83,8 +87,20 @@ std::string WebOptions::givenToken() const {
   return token.empty() ? checked(variable(kTokenVariable), kTokenVariable) : checked(token, "token");
 }
 
+WebServerOptions WebOptions::whereItListens() const {
+  WebServerOptions options{.bind = bind};
+  options.port = port.value_or(options.port);
+  options.other_ports = !port.has_value();
+  return options;
+}
+
+std::string WebOptions::portNotice(std::uint16_t port_served) const {
+  const std::uint16_t usual = WebServerOptions{}.port;
+  return port || port_served == usual ? "" : fmt::format("port {} is in use: serving on {}\n", usual, port_served);
+}
+
 WebServerOptions WebOptions::forAll() const {
-  WebServerOptions options{.bind = bind, .port = port};
+  WebServerOptions options = whereItListens();
   Entrance& entrance = options.entrances.front();
   entrance.token = givenToken();
   options.guessable = !entrance.token.empty();
@@ -99,7 +115,7 @@ WebServerOptions WebOptions::forStudy() const {
   std::string experimenters = givenToken();
   std::string participants = participant_token.empty() ? checked(variable(kParticipantVariable), kParticipantVariable)
                                                        : checked(participant_token, "participant-token");
-  WebServerOptions options{.bind = bind, .port = port};
+  WebServerOptions options = whereItListens();
   options.guessable = !participants.empty() || !experimenters.empty();
   options.entrances.resize(2);
   options.entrances[kParticipants] = {.token = participants.empty() ? newToken() : std::move(participants),

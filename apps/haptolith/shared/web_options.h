@@ -2,6 +2,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <string>
 
 #include "haptolith/viewer/web_server.h"
@@ -18,9 +19,12 @@ inline constexpr std::size_t kParticipants = 0, kExperimenters = 1;
 /// Who may come to the page, and from where.
 struct WebOptions {
   std::string bind = WebServerOptions{}.bind;
-  std::uint16_t port = WebServerOptions{}.port;
+  std::optional<std::uint16_t> port;  ///< left out: 8080, or the next that is free
   std::string token, token_file, participant_token;
   bool read_only = false;
+
+  /// What to tell when the page is at another port than the usual one; empty when it is not.
+  [[nodiscard]] std::string portNotice(std::uint16_t port_served) const;
 
   /// --port, --bind, --token, --token-file and --read-only.
   void addToRun(CLI::App& command);
@@ -35,6 +39,7 @@ struct WebOptions {
   [[nodiscard]] WebServerOptions forStudy() const;
 
  private:
+  [[nodiscard]] WebServerOptions whereItListens() const;
   void addTo(CLI::App& command);
   [[nodiscard]] std::string givenToken() const;
 };

@@ -279,7 +279,7 @@ void addProfile(CLI::App& soil) {
   command->callback([options] { runProfile(*options); });
 }
 
-// --- haptolith soil calibrate ----------------------------------------------------------------------------------------
+// --- haptolith soil calibrate-paper ----------------------------------------------------------------------------------
 
 struct CalibrateOptions {
   double friction_coefficient = 0;
@@ -323,21 +323,34 @@ void runCalibrate(const CalibrateOptions& options) {
   }
 }
 
-void addCalibrate(CLI::App& soil) {
+/// The options of the command, whatever it is called.
+std::shared_ptr<CalibrateOptions> addCalibrateOptions(CLI::App& command) {
   auto options = std::make_shared<CalibrateOptions>();
-  CLI::App* command = soil.add_subcommand(
-      "calibrate",
-      "Model parameters for a wanted friction and cohesion, with density as close to the Moon's as it goes");
-  command->add_option("--friction-coefficient", options->friction_coefficient, "tangent of the friction angle, 0 to 2")
+  command.add_option("--friction-coefficient", options->friction_coefficient, "tangent of the friction angle, 0 to 2")
       ->required();
-  command->add_option("--cohesion-pa", options->cohesion_pa, "cohesion, Pa")->required();
-  options->conditions.addOptions(*command, "radius of a macroparticle, 0.5 to 20");
-  command->add_flag("--json", options->json, "print one JSON object instead of tables");
-  command->footer(
+  command.add_option("--cohesion-pa", options->cohesion_pa, "cohesion, Pa")->required();
+  options->conditions.addOptions(command, "radius of a macroparticle, 0.5 to 20");
+  command.add_flag("--json", options->json, "print one JSON object instead of tables");
+  command.footer(
       "Examples:\n"
-      "  haptolith soil calibrate --friction-coefficient 0.9 --cohesion-pa 970\n"
-      "  haptolith soil calibrate --friction-coefficient 0.7 --cohesion-pa 500 --body Mars --radius-mm 3 --json");
-  command->callback([options] { runCalibrate(*options); });
+      "  haptolith soil calibrate-paper --friction-coefficient 0.9 --cohesion-pa 970\n"
+      "  haptolith soil calibrate-paper --friction-coefficient 0.7 --cohesion-pa 500 --body Mars --radius-mm 3 --json\n"
+      "For a soil that was measured: haptolith lab calibrate");
+  return options;
+}
+
+void addCalibratePaper(CLI::App& soil) {
+  CLI::App* command = soil.add_subcommand(
+      "calibrate-paper",
+      "Parameters of the paper's model for a wanted friction and cohesion, density as close to the Moon's as it goes");
+  command->callback([options = addCalibrateOptions(*command)] { runCalibrate(*options); });
+  // What it was called once; in no help and no completion.
+  CLI::App* before = soil.add_subcommand("calibrate", "As calibrate-paper")->group("");
+  before->callback([options = addCalibrateOptions(*before)] {
+    printNotice(
+        "'soil calibrate' is now 'soil calibrate-paper'; for a soil that was measured there is 'lab calibrate'\n");
+    runCalibrate(*options);
+  });
 }
 
 // --- haptolith soil presets ------------------------------------------------------------------------------------------
@@ -437,7 +450,7 @@ void addSoilCommands(CLI::App& app) {
   soil->require_subcommand(1);
   soil->footer("Example:\n  haptolith soil profile --preset P3\nEvery command explains itself with --help.");
   addProfile(*soil);
-  addCalibrate(*soil);
+  addCalibratePaper(*soil);
   addPresets(*soil);
   addList(*soil);
 }

@@ -17,6 +17,7 @@
 
 #include "commands.h"
 #include "lab/lab_options.h"
+#include "shared/option_checks.h"
 #include "shared/output.h"
 #include "shared/overwrite.h"
 #include "shared/stop_on_signal.h"
@@ -184,26 +185,26 @@ void addStudyExploreCommand(CLI::App& study) {
   PerceptionOptions& perception = options->perception;
   CLI::App* command = study.add_subcommand("explore", "How far apart the paper's stimuli are for a hand that explores");
   command->add_option("--block", options->block, "which stimuli")
-      ->check(CLI::IsMember({"friction", "gravity", "both"}))
+      ->check(oneOf({"friction", "gravity", "both"}))
       ->capture_default_str();
   command->add_option("--friction", options->friction, "model of friction")
-      ->check(CLI::IsMember({"paper", "pairwise", "both"}))
+      ->check(oneOf({"paper", "pairwise", "both"}))
       ->capture_default_str();
   command->add_option("--hand", options->hand, "what the hand does")
-      ->check(CLI::IsMember({"stir", "press", "scoop", "all"}))
+      ->check(oneOf({"stir", "press", "scoop", "all"}))
       ->capture_default_str();
   command->add_option("--contact-cohesion-n", perception.contact_cohesion_n, "of pairwise soil, in N")
-      ->check(CLI::Range(0.0, 1.0))
+      ->check(numberIn({0.0, 1.0}))
       ->capture_default_str();
   command->add_option("--repeats", perception.repeats, "explorations of each stimulus by each hand")
-      ->check(CLI::Range(2, 1000))
+      ->check(wholeNumberIn({2, 1000}))
       ->capture_default_str();
   command->add_option("--rounds", perception.rounds, "of the movement in each, 4 s long")
-      ->check(CLI::Range(1, 1000))
+      ->check(wholeNumberIn({1, 1000}))
       ->capture_default_str();
   command->add_option("--seed", perception.seed, "of the hands and beds")->capture_default_str();
   command->add_option("--threads", perception.threads, "explorations at a time; the result is the same [all]")
-      ->check(CLI::Range(1, 256));
+      ->check(wholeNumberIn({1, 256}));
   command->add_option("--csv", options->csv_file, "write every exploration: FILE.csv");
   command->add_option("--figure", options->figure_file, "draw the forces, .svg or .png");
   command->add_option("--weber-figure", options->weber_figure_file, "draw the Weber fractions, .svg or .png");

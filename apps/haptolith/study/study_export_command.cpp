@@ -5,6 +5,7 @@
 #include "haptolith/study/store.h"
 
 #include "commands.h"
+#include "shared/option_checks.h"
 
 namespace haptolith {
 
@@ -38,7 +39,7 @@ void addStudyExportCommand(CLI::App& study) {
   command->add_option("file", options->file, "A study")->required()->option_text("FILE");
   command->add_option("--to", options->to, "Where to: a file, for bids a folder")->required()->option_text("PATH");
   command->add_option("--format", options->format, "csv: one table; bids: a folder of tables [csv]")
-      ->check(CLI::IsMember({"csv", "bids"}))
+      ->check(oneOf({"csv", "bids"}))
       ->option_text("csv|bids");
   command->add_flag("--personal", options->what.personal, "With the answers to personal items");
   command->add_flag("--overwrite", options->what.overwrite, "Replace an earlier export");

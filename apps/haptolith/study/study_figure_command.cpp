@@ -16,6 +16,7 @@
 #include "haptolith/study/store.h"
 
 #include "commands.h"
+#include "shared/option_checks.h"
 #include "shared/output.h"
 #include "shared/overwrite.h"
 #include "study/fit_report.h"
@@ -198,7 +199,7 @@ void addStudyFigureCommand(CLI::App& study) {
       ->option_text("norm|logistic|weber|as-printed|weibull|gumbel");
   command->add_flag("--free-threshold", options->free_threshold,
                     "Fit the point of subjective equality too, instead of taking the reference for it");
-  command->add_option("--confidence", options->confidence, "Of all intervals [0.95]")->check(CLI::Range(0.01, 0.999));
+  command->add_option("--confidence", options->confidence, "Of all intervals [0.95]")->check(numberIn({0.01, 0.999}));
   command->add_flag("--withdrawn", options->withdrawn, "Count those, too, who have withdrawn");
   options->overwrite.addTo(*command);
   command->add_flag("--json", options->json, "Print one JSON object");

@@ -16,6 +16,7 @@
 #include "haptolith/psychometrics/psychometric_figure.h"
 
 #include "commands.h"
+#include "shared/option_checks.h"
 #include "shared/output.h"
 #include "shared/overwrite.h"
 #include "study/fit_report.h"
@@ -205,10 +206,10 @@ std::vector<std::string> namesOf(const std::array<NamedKind<Kind>, kCount>& name
 
 void addModelOptions(CLI::App& command, Options& options) {
   command.add_option("--design", options.design, "what the asymptotes are")
-      ->check(CLI::IsMember(namesOf(kDesignNames)))
+      ->check(oneOf(namesOf(kDesignNames)))
       ->capture_default_str();
   command.add_option("--sigmoid", options.sigmoid, "shape of the function")
-      ->check(CLI::IsMember(namesOf(kSigmoidNames)))
+      ->check(oneOf(namesOf(kSigmoidNames)))
       ->capture_default_str();
   command.add_flag("--log-x", options.log_x, "logarithmic axis (weber, as-printed and weibull have one anyway)");
   command.add_option("--reference", options.reference,
@@ -228,7 +229,7 @@ void addStudyFitCommand(CLI::App& study) {
   command->add_option("--block", options->block, "which block, when the table has several");
   addModelOptions(*command, *options);
   command->add_option("--method", options->method, "map, median or ml (bootstrap); weber: median, else map")
-      ->check(CLI::IsMember({"map", "median", "ml"}));
+      ->check(oneOf({"map", "median", "ml"}));
   command->add_option("--confidence", options->confidence, "of intervals")->capture_default_str();
   command->add_option("--simulations", options->simulations, "for p value and bootstrap")->capture_default_str();
   command->add_flag("--compare", options->compare, "also fit other sigmoids and rank them");

@@ -12,6 +12,7 @@
 #include "haptolith/study/study_plan.h"
 
 #include "commands.h"
+#include "shared/option_checks.h"
 #include "shared/output.h"
 #include "shared/overwrite.h"
 #include "shared/stop_on_signal.h"
@@ -180,7 +181,7 @@ void addStudyPlanCommand(CLI::App& study) {
   command->add_option("--lapse", options->parameters.observer.lapse, "Share of answers given blindly [0]");
   command->add_option("--studies", options->parameters.studies, "Simulated studies of each size [200]");
   command->add_option("--confidence", options->parameters.confidence, "Of the intervals [0.95]")
-      ->check(CLI::Range(0.01, 0.999));
+      ->check(numberIn({0.01, 0.999}));
   command->add_option("--seed", options->parameters.seed, "Of the answers [1]")->option_text("N");
   command->add_option("--figure", options->figure, "Draw it (.svg or .png)")->option_text("FILE");
   options->overwrite.addTo(*command);

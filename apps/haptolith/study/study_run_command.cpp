@@ -19,6 +19,7 @@
 #include "haptolith/viewer/live_view.h"
 
 #include "commands.h"
+#include "shared/option_checks.h"
 #include "shared/output.h"
 #include "shared/scene_options.h"
 #include "shared/session_driver.h"
@@ -261,7 +262,7 @@ void addRunOptions(CLI::App& command, const std::shared_ptr<StudyRunOptions>& op
   command.add_option("study", options->file, "The study (haptolith study new)")->required()->option_text("FILE");
   options->device.addTo(command);
   command.add_option("--record-frames", options->frames_per_s, "Pictures of all particles a second in recordings [0]")
-      ->check(CLI::Range(0, 60))
+      ->check(numberIn({0, 60}))
       ->option_text("N");
   options->web.addToStudy(command);
   command.callback([options] {

@@ -15,6 +15,7 @@
 #include "haptolith/study/simulated_participant.h"
 
 #include "commands.h"
+#include "shared/option_checks.h"
 #include "shared/output.h"
 #include "shared/stop_on_signal.h"
 
@@ -107,10 +108,10 @@ void addStudySimulateCommand(CLI::App& study) {
   command->add_option("study", options->file, "A study that no person has taken part in")
       ->required()
       ->option_text("FILE");
-  command->add_option("--participants", options->participants, "How many [8]")->check(CLI::Range(1, 10'000));
+  command->add_option("--participants", options->participants, "How many [8]")->check(wholeNumberIn({1, 10'000}));
   command->add_option("--weber", options->observer.weber_fraction, "Their Weber fraction [0.29]")->option_text("W");
   command->add_option("--spread", options->spread, "Standard deviation of ln W between them [0]")
-      ->check(CLI::Range(0.0, 5.0));
+      ->check(numberIn({0.0, 5.0}));
   command->add_option("--bias", options->observer.bias, "The test feels like 1 + BIAS times what it is [0]")
       ->option_text("BIAS");
   command->add_option("--lapse", options->observer.lapse, "Share of answers given blindly [0]")->option_text("SHARE");
@@ -120,10 +121,10 @@ void addStudySimulateCommand(CLI::App& study) {
       command
           ->add_option("--judge", options->observer.judged_by,
                        "What they compare, with Weber fraction W: what the hand felt; default: the stimulus' value")
-          ->transform(CLI::CheckedTransformer(judgeChoices(), CLI::ignore_case))
+          ->transform(wordOf(judgeChoices()))
           ->option_text("mean-force|peak-force|work");
   CLI::Option* hand = command->add_option("--hand", options->hand, "How they explore, with --judge")
-                          ->transform(CLI::CheckedTransformer(handChoices(), CLI::ignore_case))
+                          ->transform(wordOf(handChoices()))
                           ->option_text("stir|press|scoop")
                           ->needs(judge);
   judge->needs(hand);

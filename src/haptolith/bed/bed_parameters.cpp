@@ -10,35 +10,38 @@ void validate(const BedParameters& bed) {
   requireInRange("stiffness_n_m", bed.soil.stiffness_n_m,
                  {});  // the analysis of layers may have it infinite, a bed not
   const double diameter = 2 * bed.soil.radius_m;
-  requireInRange("gravity_m_s2", bed.gravity_m_s2.norm(), {0, 1000});
+  requireInRange("gravity_m_s2", bed.gravity_m_s2.norm(), BedRanges::gravity_m_s2);
   // With pairwise friction a particle remembers only the nearer of two walls, so it must never feel both.
   const double narrowest = bed.soil.friction == FrictionModel::kPairwise
                                ? makeContactLaw(bed.soil).cutoff_m + 2 * bed.soil.size_spread * bed.soil.radius_m
                                : diameter;
-  requireInRange("width_m", bed.width_m, {narrowest, 100});
-  requireInRange("length_m", bed.length_m, {narrowest, 100});
-  requireInRange("wall_friction_ratio", bed.wall_friction_ratio, {0, 10});
+  requireInRange("width_m", bed.width_m, {narrowest, BedRanges::length_m.highest});
+  requireInRange("length_m", bed.length_m, {narrowest, BedRanges::length_m.highest});
+  requireInRange("wall_friction_ratio", bed.wall_friction_ratio, BedRanges::wall_friction_ratio);
   // Three cells of the neighbour search, so that nobody meets another particle from both sides.
   const double shortest_period =
       3 * (makeContactLaw(bed.soil).cutoff_m + (1 + 2 * bed.soil.size_spread) * bed.soil.radius_m);
   if (bed.periodic_x) {
-    requireInRange("width_m", bed.width_m, {shortest_period, 100});
+    requireInRange("width_m", bed.width_m, {shortest_period, BedRanges::length_m.highest});
   }
   if (bed.periodic_y) {
-    requireInRange("length_m", bed.length_m, {shortest_period, 100});
+    requireInRange("length_m", bed.length_m, {shortest_period, BedRanges::length_m.highest});
   }
   if (bed.start == BedStart::kPacked) {
-    requireInRange("depth_m", bed.depth_m, {diameter, 100});
+    requireInRange("depth_m", bed.depth_m, {diameter, BedRanges::length_m.highest});
   } else {
-    requireInRange("particles", bed.particles, {1, kMostParticles});
+    requireInRange("particles", bed.particles, BedRanges::particles);
   }
   if (bed.start == BedStart::kCount) {
-    requireInRange("layers", bed.layers, {1, 1000});
+    requireInRange("layers", bed.layers, BedRanges::layers);
   }
-  requireInRange("sleep_speed_m_s", bed.sleep_speed_m_s, {0, 1});
-  requireInRange("tick_s", bed.tick_s, {1e-6, 0.1});
-  requireInRange("max_substeps", bed.max_substeps, {1, 1000});
-  requireInRange("threads", bed.threads, {1, 256});
+  if (bed.start == BedStart::kRain) {
+    requireInRange("seed", static_cast<double>(bed.seed), BedRanges::seed);
+  }
+  requireInRange("sleep_speed_m_s", bed.sleep_speed_m_s, BedRanges::sleep_speed_m_s);
+  requireInRange("tick_s", bed.tick_s, BedRanges::tick_s);
+  requireInRange("max_substeps", bed.max_substeps, BedRanges::max_substeps);
+  requireInRange("threads", bed.threads, BedRanges::threads);
 }
 
 }  // namespace haptolith

@@ -2,6 +2,7 @@
 
 #include <cstdint>
 
+#include "haptolith/core/error.h"
 #include "haptolith/core/vec.h"
 #include "haptolith/soil/soil_parameters.h"
 
@@ -47,6 +48,20 @@ struct BedParameters {
 
 /// No bed is larger: it would need gigabytes and minutes for a tick.
 inline constexpr int kMostParticles = 10'000'000;
+
+/// What is valid of each number alone; a box is at least a particle wide, long and deep.
+struct BedRanges {
+  static constexpr Range gravity_m_s2{0, 1000};
+  static constexpr Range length_m{1e-5, 100};  ///< width, length and depth
+  static constexpr Range wall_friction_ratio{0, 10};
+  static constexpr Range particles{1, kMostParticles};
+  static constexpr Range layers{1, 1000};
+  static constexpr Range seed{0, 9e15};  ///< as large as a double and a whole number of TOML can be
+  static constexpr Range sleep_speed_m_s{0, 1};
+  static constexpr Range tick_s{1e-6, 0.1};
+  static constexpr Range max_substeps{1, 1000};
+  static constexpr Range threads{1, 256};
+};
 
 /// @throws InvalidParameter with the key, the value and the valid range.
 void validate(const BedParameters& bed);

@@ -5,11 +5,14 @@
 #include <sys/random.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <array>
 #include <cerrno>
 #include <cstdint>
 #include <cstring>
 #include <fstream>
+#include <iterator>
+#include <mutex>
 #include <string>
 #include <system_error>
 #include <utility>
@@ -25,6 +28,16 @@ namespace fs = std::filesystem;
 
 [[noreturn]] void failAt(const char* what, const fs::path& path) {
   throw Failure(fmt::format("cannot {} {}: {}", what, path.string(), std::strerror(errno)));
+}
+
+struct Outputs {
+  std::mutex mutex;
+  std::vector<fs::path> paths;
+};
+
+Outputs& outputs() {
+  static Outputs all;
+  return all;
 }
 
 }  // namespace
@@ -80,6 +93,22 @@ int makeNewFile(const fs::path& path, Readers readers) {
   return open(path.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_NOFOLLOW | O_CLOEXEC, mode);
 }
 
+void rememberOutput(const fs::path& path) {
+  const std::scoped_lock lock(outputs().mutex);
+  if (std::ranges::find(outputs().paths, path) == outputs().paths.end()) {
+    outputs().paths.push_back(path);
+  }
+}
+
+std::vector<fs::path> filesWritten() {
+  const std::scoped_lock lock(outputs().mutex);
+  std::vector<fs::path> there;
+  std::error_code ignored;
+  std::ranges::copy_if(outputs().paths, std::back_inserter(there),
+                       [&](const fs::path& path) { return fs::exists(path, ignored); });
+  return there;
+}
+
 void giveName(const fs::path& made, const fs::path& name, IfThere if_there) {
   int result =
       renameat2(AT_FDCWD, made.c_str(), AT_FDCWD, name.c_str(), if_there == IfThere::kRefuse ? RENAME_NOREPLACE : 0U);
@@ -89,6 +118,7 @@ void giveName(const fs::path& made, const fs::path& name, IfThere if_there) {
   if (result != 0) {
     failAt("save", name);
   }
+  rememberOutput(name);
   const fs::path folder = name.parent_path().empty() ? fs::path(".") : name.parent_path();
   if (const int descriptor = open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC); descriptor >= 0) {
     fsync(descriptor);

@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <string_view>
 #include <type_traits>
+#include <vector>
 
 namespace haptolith {
 
@@ -44,6 +45,12 @@ void requireFree(const OutputFile& file);
 /// Gives a file or a folder that is whole its name, and the name to the disk; with kRefuse only when nothing has the
 /// name by then. @throws Failure.
 void giveName(const std::filesystem::path& made, const std::filesystem::path& name, IfThere if_there);
+
+/// Remembers that this program has written a file or a folder, to tell its user at the end (giveName() does so).
+void rememberOutput(const std::filesystem::path& path);
+
+/// What this program has written and is still there: in that order, each once.
+[[nodiscard]] std::vector<std::filesystem::path> filesWritten();
 
 /// A file that appears whole or not at all: written beside its name, renamed on commit(), removed otherwise.
 /// Not for the tick.

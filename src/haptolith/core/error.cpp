@@ -28,6 +28,27 @@ InvalidParameter::InvalidParameter(std::string key, std::string value, std::stri
       value_(std::move(value)),
       valid_(std::move(valid)) {}
 
+InvalidParameter::InvalidParameter(std::string key, double value, const Range& range)
+    : InvalidParameter(std::move(key), fmt::format("{}", value), range.text()) {
+  out_of_range_ = {value, range};
+}
+
+double inUnits(double value, double unit) {
+  constexpr double kInfinity = std::numeric_limits<double>::infinity();
+  const double number = value / unit;
+  for (const double near : {std::round(number * 1e6) * 1e-6, number, std::nextafter(number, -kInfinity),
+                            std::nextafter(number, kInfinity)}) {
+    if (near * unit == value) {
+      return near;
+    }
+  }
+  return number;
+}
+
+Range Range::in(double unit) const {
+  return {inUnits(lowest, unit), inUnits(highest, unit), ends};
+}
+
 bool Range::contains(double value) const noexcept {
   switch (ends) {
     case Ends::kClosed: return value >= lowest && value <= highest;
@@ -57,7 +78,7 @@ std::string Range::text() const {
 
 double requireInRange(std::string_view key, double value, const Range& range) {
   if (!std::isfinite(value) || !range.contains(value)) {
-    throw InvalidParameter(std::string(key), fmt::format("{}", value), range.text());
+    throw InvalidParameter(std::string(key), value, range);
   }
   return value;
 }

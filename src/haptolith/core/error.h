@@ -1,30 +1,12 @@
 #pragma once
 
 #include <limits>
+#include <optional>
 #include <stdexcept>
 #include <string>
 #include <string_view>
 
 namespace haptolith {
-
-/// A value the caller gave is wrong: says which key, what value and what would be valid. Exit status 2.
-class InvalidParameter : public std::invalid_argument {
- public:
-  InvalidParameter(std::string key, std::string value, std::string valid);
-
-  [[nodiscard]] const std::string& key() const noexcept { return key_; }
-  [[nodiscard]] const std::string& value() const noexcept { return value_; }
-  [[nodiscard]] const std::string& valid() const noexcept { return valid_; }
-
- private:
-  std::string key_, value_, valid_;
-};
-
-/// The input was understood but the work could not be done: disk full, no solution, a device lost. Exit status 1.
-class Failure : public std::runtime_error {
- public:
-  using std::runtime_error::runtime_error;
-};
 
 /// Whether the ends of a Range belong to it.
 enum class Ends { kClosed, kOpen, kOpenBelow };
@@ -37,6 +19,39 @@ struct Range {
 
   [[nodiscard]] bool contains(double value) const noexcept;
   [[nodiscard]] std::string text() const;  ///< For example "> 0" or "0 to 0.6".
+  /// The same range as numbers of a unit: in(1e-3) of 0 to 0.6 m is 0 to 600 mm.
+  [[nodiscard]] Range in(double unit) const;
+};
+
+/// The number of `unit`s that is read as exactly `value` (126, not 126.00000000000001), where there is one.
+[[nodiscard]] double inUnits(double value, double unit);
+
+/// A value the caller gave is wrong: says which key, what value and what would be valid. Exit status 2.
+class InvalidParameter : public std::invalid_argument {
+ public:
+  InvalidParameter(std::string key, std::string value, std::string valid);
+  InvalidParameter(std::string key, double value, const Range& range);
+
+  [[nodiscard]] const std::string& key() const noexcept { return key_; }
+  [[nodiscard]] const std::string& value() const noexcept { return value_; }
+  [[nodiscard]] const std::string& valid() const noexcept { return valid_; }
+
+  /// A number that is not in its range, for who shows both in another unit.
+  struct OutOfRange {
+    double value;
+    Range range;
+  };
+  [[nodiscard]] const std::optional<OutOfRange>& outOfRange() const noexcept { return out_of_range_; }
+
+ private:
+  std::string key_, value_, valid_;
+  std::optional<OutOfRange> out_of_range_;
+};
+
+/// The input was understood but the work could not be done: disk full, no solution, a device lost. Exit status 1.
+class Failure : public std::runtime_error {
+ public:
+  using std::runtime_error::runtime_error;
 };
 
 /// Returns `value` when it is finite and in `range`; the parameter's name carries its unit (`radius_m`).

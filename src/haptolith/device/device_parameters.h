@@ -4,6 +4,7 @@
 #include <optional>
 #include <string>
 
+#include "haptolith/core/error.h"
 #include "haptolith/device/haptic_device.h"
 
 namespace haptolith {
@@ -26,6 +27,15 @@ struct DeviceParameters {
 
   [[nodiscard]] bool operator==(const DeviceParameters&) const = default;
 };
+
+/// What is valid of what its owner has measured.
+struct DeviceRanges {
+  static constexpr Range delay_s{0, 0.03};
+  static constexpr Range resolution_m{0, 0.005, Ends::kOpenBelow};
+};
+
+/// @throws InvalidParameter with the key, the value and the valid range.
+void validate(const DeviceParameters& device);
 
 /// The same device, with what its owner has measured.
 [[nodiscard]] DeviceLimits measured(DeviceLimits limits, const DeviceParameters& parameters) noexcept;

@@ -17,14 +17,14 @@ Quat turnOf(const Vec3& angles_rad) {
 
 void validate(const MappingParameters& mapping) {
   for (const double axis : mapping.offset_m) {
-    requireInRange("offset_m", axis, {-10, 10});
+    requireInRange("offset_m", axis, MappingRanges::offset_m);
   }
   for (const double angle : mapping.turn_rad) {
-    requireInRange("turn_rad", angle, {-7, 7});
+    requireInRange("turn_rad", angle, MappingRanges::turn_rad);
   }
-  requireInRange("scale", mapping.scale, {0.01, 100});
-  requireInRange("force_scale", mapping.force_scale, {0, 100});
-  requireInRange("clutch_button", mapping.clutch_button, {-1, 31});
+  requireInRange("scale", mapping.scale, MappingRanges::scale);
+  requireInRange("force_scale", mapping.force_scale, MappingRanges::force_scale);
+  requireInRange("clutch_button", mapping.clutch_button, MappingRanges::clutch_button);
 }
 
 Mapping::Mapping(const MappingParameters& parameters, const DeviceLimits& device, double tick_s)

@@ -1,5 +1,8 @@
 #pragma once
 
+#include <numbers>
+
+#include "haptolith/core/error.h"
 #include "haptolith/core/movement.h"
 #include "haptolith/core/ramp.h"
 #include "haptolith/device/haptic_device.h"
@@ -18,6 +21,16 @@ struct MappingParameters {
   bool gripper = true;     ///< whether the gripper opens the tool's jaws; else they stay open
 
   [[nodiscard]] bool operator==(const MappingParameters&) const = default;
+};
+
+/// What is valid; of each axis of offset and turn.
+struct MappingRanges {
+  static constexpr double kFullTurn_rad = 360 * (std::numbers::pi / 180);
+  static constexpr Range offset_m{-10, 10};
+  static constexpr Range turn_rad{-kFullTurn_rad, kFullTurn_rad};
+  static constexpr Range scale{0.01, 100};
+  static constexpr Range force_scale{0, 100};
+  static constexpr Range clutch_button{-1, 31};
 };
 
 /// @throws InvalidParameter with the key, the value and the valid range.

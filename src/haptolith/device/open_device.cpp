@@ -28,6 +28,15 @@ DeviceReport alwaysThere(DeviceKind kind, const char* name) {
 
 }  // namespace
 
+void validate(const DeviceParameters& device) {
+  if (device.delay_s) {
+    requireInRange("delay_s", *device.delay_s, DeviceRanges::delay_s);
+  }
+  if (device.resolution_m) {
+    requireInRange("resolution_m", *device.resolution_m, DeviceRanges::resolution_m);
+  }
+}
+
 DeviceLimits measured(DeviceLimits limits, const DeviceParameters& parameters) noexcept {
   limits.delay_s = parameters.delay_s.value_or(limits.delay_s);
   limits.delay_known = limits.delay_known || parameters.delay_s.has_value();

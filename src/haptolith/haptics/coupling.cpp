@@ -16,11 +16,11 @@ bool suitsDirectly(const DeviceLimits& device) noexcept {
 
 void validate(const CouplingParameters& coupling, double tick_s) {
   const ArmParameters& spring = coupling.spring;
-  requireInRange("stiffness_n_m", spring.stiffness_n_m, {0, 1e5, Ends::kOpenBelow});
-  requireInRange("damping_n_s_m", spring.damping_n_s_m, {0, 1e3});
-  requireInRange("lever_m", spring.lever_m, {1e-3, 1});
-  requireInRange("max_force_n", coupling.max_force_n, {0, 1000, Ends::kOpenBelow});
-  requireInRange("mass_kg", spring.mass_kg, {1e-3, 100});
+  requireInRange("stiffness_n_m", spring.stiffness_n_m, CouplingRanges::stiffness_n_m);
+  requireInRange("damping_n_s_m", spring.damping_n_s_m, CouplingRanges::damping_n_s_m);
+  requireInRange("lever_m", spring.lever_m, CouplingRanges::lever_m);
+  requireInRange("max_force_n", coupling.max_force_n, CouplingRanges::max_force_n);
+  requireInRange("mass_kg", spring.mass_kg, CouplingRanges::mass_kg);
   if (spring.mass_kg <= lightestArm(spring, tick_s)) {
     throw InvalidParameter("mass_kg", fmt::format("{:g}", spring.mass_kg),
                            fmt::format("> {:g}, or spring and damper shake the tool to pieces at a tick of {:g} s",

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "haptolith/core/error.h"
 #include "haptolith/core/movement.h"
 #include "haptolith/device/hand/arm.h"
 #include "haptolith/device/haptic_device.h"
@@ -27,6 +28,15 @@ struct CouplingParameters {
   double max_force_n = 12;  ///< the spring pulls no harder than this, and turns no harder than this times the lever
 
   [[nodiscard]] bool operator==(const CouplingParameters&) const = default;
+};
+
+/// What is valid of each number alone.
+struct CouplingRanges {
+  static constexpr Range stiffness_n_m{0, 1e5, Ends::kOpenBelow};
+  static constexpr Range damping_n_s_m{0, 1000};
+  static constexpr Range mass_kg{0.001, 100};
+  static constexpr Range lever_m{0.001, 1};
+  static constexpr Range max_force_n{0, 1000, Ends::kOpenBelow};
 };
 
 /// @throws InvalidParameter with the key, the value and the valid range: also for a spring and damper that a tick

@@ -5,10 +5,10 @@
 namespace haptolith {
 
 void validate(const LoopParameters& loop) {
-  requireInRange("tick_s", loop.tick_s, {1e-4, 0.1});
-  requireInRange("duration_s", loop.duration_s, {0, 1e7});
-  requireInRange("filter_cutoff_hz", loop.filter_cutoff_hz, {0.1, 0.5 / loop.tick_s});
-  requireInRange("cpu", loop.cpu, {kAnyCpu, 1023});  // whether there is such a one: requireUsableCpu()
+  requireInRange("tick_s", loop.tick_s, LoopRanges::tick_s);
+  requireInRange("duration_s", loop.duration_s, LoopRanges::duration_s);
+  requireInRange("filter_cutoff_hz", loop.filter_cutoff_hz, {LoopRanges::filter_cutoff_hz.lowest, 0.5 / loop.tick_s});
+  requireInRange("cpu", loop.cpu, LoopRanges::cpu);
 }
 
 }  // namespace haptolith

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "haptolith/core/error.h"
 #include "haptolith/device/haptic_device.h"
 
 namespace haptolith {
@@ -16,6 +17,17 @@ struct SafetyParameters {
   double max_torque_nm = DeviceLimits::kNone;
 
   [[nodiscard]] bool operator==(const SafetyParameters&) const = default;
+};
+
+/// What is valid; a limit may also be DeviceLimits::kNone.
+struct SafetyRanges {
+  static constexpr Range soft_start_s{0, 60};
+  static constexpr Range soft_stop_s{0, 5};
+  static constexpr Range most_misses{1, 1000};
+  static constexpr Range heartbeat_s{0.002, 1};
+  static constexpr Range calm_s{0, 60};
+  static constexpr Range max_force_n{0, 1000};
+  static constexpr Range max_torque_nm{0, 1000};
 };
 
 /// @throws InvalidParameter with the key, the value and the valid range.

@@ -196,6 +196,7 @@ RecordingFile::RecordingFile(fs::path path, const RecordingHeader& header, bool 
                        .chunk_rows = kEventsPerChunk});
     done(H5Fstart_swmr_write(file_.id()), "start writing");
     fs::rename(making, path_);
+    rememberOutput(path_);
   } catch (const std::exception& error) {
     abandon();
     std::error_code ignored;

@@ -93,6 +93,10 @@ struct FileKey {
   std::string_view meaning;  ///< one sentence for the document
 };
 
+/// What is wrong with a parameter in SI as whoever reads the file has to know it, in the unit of the key:
+/// "14 to 100000 (mm)".
+[[nodiscard]] InvalidParameter inUnitOfKey(const InvalidParameter& error, std::string_view key);
+
 /// "P1, P2 or P3".
 [[nodiscard]] std::string anyOf(const std::vector<std::string_view>& words);
 

@@ -1,6 +1,14 @@
+#include <fmt/ranges.h>
+
+#include <algorithm>
+
+#include "haptolith/core/nearest_word.h"
+#include "haptolith/scenario/built_in_scenes.h"
+#include "haptolith/scenario/key_use.h"
 #include "haptolith/scenario/scenario.h"
 #include "haptolith/scenario/scenario_keys.h"
 #include "haptolith/scenario/toml_reader.h"
+#include "haptolith/scenario/toml_writer.h"
 
 namespace haptolith {
 
@@ -34,8 +42,7 @@ void refuseContradictions(const TomlReader& reader) {
 
 void requirePoses(const TomlReader& reader, const Scenario& scene) {
   if (scene.hand.manoeuvre == Manoeuvre::kPoses && reader.find("hand", "poses") == nullptr) {
-    reader.refuse(static_cast<int>(reader.find("hand", "manoeuvre")->source().begin.line),
-                  "[hand] manoeuvre = 'poses' needs [hand] poses, a CSV file");
+    reader.refuse(reader.lineOf("hand", "manoeuvre"), "[hand] manoeuvre = 'poses' needs [hand] poses, a CSV file");
   }
 }
 
@@ -46,10 +53,34 @@ void validateWhole(const TomlReader& reader, const Scenario& scene) {
   reader.check(keys, "tool", [&] { validate(scene.tool); });
   reader.check(keys, "hand", [&] { validate(scene.hand); });
   reader.check(keys, "loop", [&] { validate(scene.loop); });
+  reader.check(keys, "device", [&] { validate(scene.device); });
   reader.check(keys, "mapping", [&] { validate(scene.handling.mapping); });
   reader.check(keys, "coupling", [&] { validate(scene.handling.coupling, scene.loop.tick_s); });
   reader.check(keys, "safety", [&] { validate(scene.handling.safety); });
   reader.check(keys, "", [&] { validate(scene); });
+}
+
+/// Whether the file gives a key a value that is not the usual one and has no effect in `scene`.
+bool isIdle(const TomlReader& reader, const KeyUse& use, const Scenario& scene) {
+  if (reader.find(use.table, use.name) == nullptr || use.counts(scene)) {
+    return false;
+  }
+  const auto keys = scenarioKeys();
+  const auto key = std::ranges::find_if(
+      keys, [&](const ScenarioKey& known) { return known.table == use.table && known.name == use.name; });
+  return tomlLine(*key, scene) != tomlLine(*key, Scenario{});
+}
+
+std::string whyIdle(const KeyUse& use) {
+  return fmt::format("[{}] {} has no effect: it needs {}", use.table, use.name, use.needs);
+}
+
+void refuseWhatNeverCounts(const TomlReader& reader, const Scenario& scene) {
+  for (const KeyUse& use : keyUses()) {
+    if (!use.may_count_later && isIdle(reader, use, scene)) {
+      reader.refuse(reader.lineOf(use.table, use.name), whyIdle(use));
+    }
+  }
 }
 
 /// Where a scene's text comes from: recordings and studies hold what earlier versions have written.
@@ -81,10 +112,62 @@ Scenario read(const TomlReader& reader, From from) {
   }
   requirePoses(reader, scene);
   validateWhole(reader, scene);
+  if (from == From::kFile) {
+    refuseWhatNeverCounts(reader, scene);
+  }
   return scene;
 }
 
+// --- finding --------------------------------------------------------------------------------------------------------
+
+[[noreturn]] void refuseName(std::string_view name) {
+  std::vector<std::string_view> names;
+  for (const BuiltInScene& scene : builtInScenes()) {
+    names.push_back(scene.name);
+  }
+  const std::string_view nearest = nearestWord(name, names);
+  throw InvalidParameter("scenario", fmt::format("'{}'", name),
+                         fmt::format("one of {}, or a scene file (.toml){}", fmt::join(names, ", "),
+                                     nearest.empty() ? "" : fmt::format("; did you mean {}?", nearest)));
+}
+
+TomlReader readerOf(std::string_view name_or_file) {
+  for (const BuiltInScene& scene : builtInScenes()) {
+    if (name_or_file == scene.name) {
+      return {fmt::format("scenarios/{}.toml", scene.name), scene.text, kScene};
+    }
+  }
+  std::error_code error;
+  if (!name_or_file.ends_with(".toml") && !std::filesystem::exists(name_or_file, error) && !error) {
+    refuseName(name_or_file);
+  }
+  return {name_or_file, kScene};
+}
+
 }  // namespace
+
+Scenario findScenario(std::string_view name_or_file) {
+  return read(readerOf(name_or_file), From::kFile);
+}
+
+std::vector<std::string> sceneNames() {
+  std::vector<std::string> names;
+  for (const BuiltInScene& scene : builtInScenes()) {
+    names.emplace_back(scene.name);
+  }
+  return names;
+}
+
+std::vector<std::string> idleKeys(std::string_view name_or_file, const Scenario& scene) {
+  const TomlReader reader = readerOf(name_or_file);
+  std::vector<std::string> idle;
+  for (const KeyUse& use : keyUses()) {
+    if (isIdle(reader, use, scene)) {
+      idle.push_back(reader.located(reader.lineOf(use.table, use.name), whyIdle(use)));
+    }
+  }
+  return idle;
+}
 
 Scenario loadScenario(const std::filesystem::path& path) {
   return read(TomlReader(path, kScene), From::kFile);

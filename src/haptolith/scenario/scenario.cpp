@@ -53,6 +53,7 @@ void validate(const Scenario& scenario) {
   validate(scenario.tool);
   validate(scenario.hand);
   validate(scenario.loop);
+  validate(scenario.device);
   validate(scenario.handling.mapping);
   validate(scenario.handling.coupling, scenario.loop.tick_s);
   validate(scenario.handling.safety);

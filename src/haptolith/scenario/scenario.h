@@ -3,6 +3,7 @@
 #include <filesystem>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "haptolith/bed/bed_parameters.h"
 #include "haptolith/device/device_parameters.h"
@@ -42,7 +43,20 @@ struct Scenario {
 /// valid range; Failure when the file cannot be read.
 [[nodiscard]] Scenario loadScenario(const std::filesystem::path& path);
 
-/// The same for a stored text, called `name`, with files beside what that would be; a device's library is passed over.
+/// The built-in scene of that name (a file of scenarios/, without .toml), otherwise the file of that name.
+/// @throws InvalidParameter listing the names when it is neither; otherwise as loadScenario().
+[[nodiscard]] Scenario findScenario(std::string_view name_or_file);
+
+/// The built-in scenes: the files in scenarios/.
+[[nodiscard]] std::vector<std::string> sceneNames();
+
+/// Which keys the scene of that name or in that file sets, to other than the usual value, without any effect in
+/// `scene`, which may be another by now: a line for each with file, key and what the key needs. Keys that could never
+/// have an effect are errors already when the scene is loaded. @throws as findScenario().
+[[nodiscard]] std::vector<std::string> idleKeys(std::string_view name_or_file, const Scenario& scene);
+
+/// As loadScenario() for a stored text, called `name`, with files beside what that would be; a device's library is
+/// passed over.
 [[nodiscard]] Scenario loadScenarioText(std::string_view text, std::string_view name);
 
 /// The whole scene as TOML, for recordings: loadScenarioText() gives the same scene to the last bit, wherever the

@@ -4,13 +4,13 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
-#include <array>
 #include <cctype>
 #include <span>
 
 #include "haptolith/core/atomic_file.h"
 #include "haptolith/core/nearest_word.h"
 #include "haptolith/scenario/built_in_soils.h"
+#include "haptolith/scenario/key_use.h"
 #include "haptolith/scenario/soil_file_keys.h"
 #include "haptolith/scenario/toml_reader.h"
 #include "haptolith/scenario/toml_writer.h"
@@ -93,12 +93,9 @@ std::string linesOf(std::string_view table, const SoilFile& file) {
 }
 
 /// Whether only the friction model that this soil does not have uses the key.
-bool isOfOtherModel(std::string_view key, FrictionModel friction) {
-  constexpr std::array<std::string_view, 3> kPaper{"mu_hat", "attraction_ratio", "moving_friction_ratio"};
-  constexpr std::array<std::string_view, 6> kPairwise{"contact_friction", "contact_cohesion_n", "cohesion_range_ratio",
-                                                      "tangential_ratio", "damping_ratio",      "size_spread"};
-  return friction == FrictionModel::kPairwise ? std::ranges::find(kPaper, key) != kPaper.end()
-                                              : std::ranges::find(kPairwise, key) != kPairwise.end();
+bool isOfOtherModel(std::string_view key, const Scenario& scene) {
+  return std::ranges::any_of(
+      keyUses(), [&](const KeyUse& use) { return use.table == "soil" && use.name == key && !use.counts(scene); });
 }
 
 /// Numbers of the other friction model are left out unless somebody has set them.
@@ -108,7 +105,7 @@ std::string soilLines(const SoilParameters& soil) {
   scene.bed.soil = soil;
   std::string lines;
   for (const ScenarioKey& key : soilKeys()) {
-    if (!isOfOtherModel(key.name, soil.friction) || tomlLine(key, scene) != tomlLine(key, defaults)) {
+    if (!isOfOtherModel(key.name, scene) || tomlLine(key, scene) != tomlLine(key, defaults)) {
       lines += tomlLine(key, scene);
     }
   }

@@ -9,10 +9,6 @@ namespace haptolith {
 
 namespace {
 
-constexpr Range kDensity{0, 1e5, Ends::kOpenBelow};
-constexpr Range kAngleDeg{0, 89};
-constexpr Range kCohesionPa{0, 1e6};
-
 SoilReached& reachedBy(SoilFile& file) {
   return file.reached ? *file.reached : file.reached.emplace();
 }
@@ -34,23 +30,24 @@ std::vector<SoilFileKey> allKeys() {
        "Where the measured values come from; may be left out."},
 
       {"target", "bulk_density_kg_m3", "bulk_density_kg_m3",
-       NumberValue{kDensity, [](F& f, double v) { f.target.bulk_density_kg_m3 = v; },
+       NumberValue{SoilTargetRanges::bulk_density_kg_m3, [](F& f, double v) { f.target.bulk_density_kg_m3 = v; },
                    [](const F& f) { return f.target.bulk_density_kg_m3; }},
        "Bulk density."},
       {"target", "friction_angle_deg", "friction_angle_deg",
-       NumberValue{kAngleDeg, [](F& f, double v) { f.target.friction_angle_deg = v; },
+       NumberValue{SoilTargetRanges::friction_angle_deg, [](F& f, double v) { f.target.friction_angle_deg = v; },
                    [](const F& f) { return f.target.friction_angle_deg; }},
        "Angle of internal friction."},
       {"target", "friction_angle_range_deg", "friction_angle_range_deg",
-       IntervalValue{kAngleDeg, [](F& f, const Range& v) { f.target.friction_angle_range_deg = v; },
+       IntervalValue{SoilTargetRanges::friction_angle_deg,
+                     [](F& f, const Range& v) { f.target.friction_angle_range_deg = v; },
                      [](const F& f) { return f.target.friction_angle_range_deg; }},
        "Its uncertainty as the source gives it; may be left out."},
       {"target", "cohesion_pa", "cohesion_pa",
-       NumberValue{kCohesionPa, [](F& f, double v) { f.target.cohesion_pa = v; },
+       NumberValue{SoilTargetRanges::cohesion_pa, [](F& f, double v) { f.target.cohesion_pa = v; },
                    [](const F& f) { return f.target.cohesion_pa; }},
        "Cohesion."},
       {"target", "cohesion_range_pa", "cohesion_range_pa",
-       IntervalValue{kCohesionPa, [](F& f, const Range& v) { f.target.cohesion_range_pa = v; },
+       IntervalValue{SoilTargetRanges::cohesion_pa, [](F& f, const Range& v) { f.target.cohesion_range_pa = v; },
                      [](const F& f) { return f.target.cohesion_range_pa; }},
        "Its uncertainty as the source gives it; may be left out."},
       {"target", "strength", "",
@@ -60,25 +57,25 @@ std::vector<SoilFileKey> allKeys() {
        "Which strength of a sheared bed shall be that: after long shearing, or its greatest; left out: `residual`."},
 
       {"reached", "friction_angle_deg", "friction_angle_deg",
-       NumberValue{kAngleDeg, [](F& f, double v) { reachedBy(f).friction_angle_deg = v; },
+       NumberValue{SoilTargetRanges::friction_angle_deg, [](F& f, double v) { reachedBy(f).friction_angle_deg = v; },
                    [](const F& f) { return f.reached->friction_angle_deg; }},
        "Angle of internal friction, mean over the seeds."},
       {"reached", "friction_angle_sd_deg", "friction_angle_sd_deg",
-       NumberValue{kAngleDeg, [](F& f, double v) { reachedBy(f).friction_angle_sd_deg = v; },
+       NumberValue{SoilTargetRanges::friction_angle_deg, [](F& f, double v) { reachedBy(f).friction_angle_sd_deg = v; },
                    [](const F& f) { return f.reached->friction_angle_sd_deg; }},
        "Its standard deviation."},
       // A straight line through scattered strengths may meet the axis a little below zero.
       {"reached", "cohesion_pa", "cohesion_pa",
-       NumberValue{{-1e6, 1e6},
+       NumberValue{{-SoilTargetRanges::cohesion_pa.highest, SoilTargetRanges::cohesion_pa.highest},
                    [](F& f, double v) { reachedBy(f).cohesion_pa = v; },
                    [](const F& f) { return f.reached->cohesion_pa; }},
        "Cohesion, mean over the seeds."},
       {"reached", "cohesion_sd_pa", "cohesion_sd_pa",
-       NumberValue{kCohesionPa, [](F& f, double v) { reachedBy(f).cohesion_sd_pa = v; },
+       NumberValue{SoilTargetRanges::cohesion_pa, [](F& f, double v) { reachedBy(f).cohesion_sd_pa = v; },
                    [](const F& f) { return f.reached->cohesion_sd_pa; }},
        "Its standard deviation."},
       {"reached", "bulk_density_kg_m3", "bulk_density_kg_m3",
-       NumberValue{kDensity, [](F& f, double v) { reachedBy(f).bulk_density_kg_m3 = v; },
+       NumberValue{SoilTargetRanges::bulk_density_kg_m3, [](F& f, double v) { reachedBy(f).bulk_density_kg_m3 = v; },
                    [](const F& f) { return f.reached->bulk_density_kg_m3; }},
        "Bulk density, mean over the seeds."},
       {"reached", "seeds", "seeds",

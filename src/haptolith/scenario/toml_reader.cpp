@@ -4,7 +4,9 @@
 
 #include <algorithm>
 #include <cctype>
+#include <cerrno>
 #include <cmath>
+#include <cstring>
 #include <fstream>
 #include <sstream>
 
@@ -20,7 +22,7 @@ namespace fs = std::filesystem;
 
 constexpr std::size_t kLargestFileBytes = 1 << 20;  // a scene is some 2 kB; more is the wrong file
 
-int lineOf(const toml::node& node) {
+int lineOfNode(const toml::node& node) {
   return static_cast<int>(node.source().begin.line);
 }
 
@@ -80,8 +82,11 @@ TomlReader::TomlReader(const TomlReader& whole, std::string_view name, const tom
 std::string TomlReader::readText() const {
   std::error_code error;
   const fs::file_status status = fs::status(path_, error);
-  if (!fs::exists(status)) {
+  if (status.type() == fs::file_type::not_found) {
     refuseFile("no such file");
+  }
+  if (error) {
+    throw Failure(fmt::format("cannot read {}: {}", path_.string(), error.message()));
   }
   if (!fs::is_regular_file(status)) {
     refuseFile("not a file");
@@ -90,7 +95,7 @@ std::string TomlReader::readText() const {
   std::string text(kLargestFileBytes + 1, '\0');  // more than the size that the system tells, which may be wrong
   file.read(text.data(), static_cast<std::streamsize>(text.size()));
   if (!file.is_open() || file.bad()) {
-    throw Failure(fmt::format("cannot read {}", path_.string()));
+    throw Failure(fmt::format("cannot read {}: {}", path_.string(), std::strerror(errno)));
   }
   rememberInput(path_);
   text.resize(static_cast<std::size_t>(file.gcount()));
@@ -137,7 +142,7 @@ std::vector<TomlReader> TomlReader::parts(std::string_view name) const {
 }
 
 int TomlReader::line() const {
-  return part_.empty() ? 1 : lineOf(*table_);
+  return part_.empty() ? 1 : lineOfNode(*table_);
 }
 
 /// "title", "[soil] preset", "[[block]] title" or "[block.scene] preset".
@@ -151,8 +156,16 @@ std::string TomlReader::fullName(const KeyName& key) const {
 
 // --- refusing ---
 
+int TomlReader::lineOf(std::string_view table, std::string_view name) const {
+  return lineOfNode(*find(table, name));
+}
+
+std::string TomlReader::located(int line, std::string_view message) const {
+  return fmt::format("{}:{}: {}", path_.string(), line, message);
+}
+
 void TomlReader::refuse(int line, std::string_view message) const {
-  throw ScenarioError(fmt::format("{}:{}: {}", path_.string(), line, message), line);
+  throw ScenarioError(located(line, message), line);
 }
 
 void TomlReader::refuseFile(std::string_view why) const {
@@ -164,7 +177,7 @@ void TomlReader::refuseKey(const KeyName& key, std::string_view valid) const {
 }
 
 void TomlReader::refuseValue(const Place& place) const {
-  refuse(lineOf(place.node),
+  refuse(lineOfNode(place.node),
          fmt::format("{} = {} is not valid: must be {}", fullName(place.key), quote(place.node), place.valid));
 }
 
@@ -190,7 +203,7 @@ void TomlReader::refuseUnknownKeys(std::span<const KeyName> known) const {
 void TomlReader::refuseUnknownKeysIn(std::string_view table, const toml::node& node,
                                      std::span<const KeyName> known) const {
   if (!node.is_table()) {
-    refuse(lineOf(node), fmt::format("{} = {} is not valid: must be a table, [{}]", table, quote(node), table));
+    refuse(lineOfNode(node), fmt::format("{} = {} is not valid: must be a table, [{}]", table, quote(node), table));
   }
   for (const auto& [name, value] : *node.as_table()) {
     if (!knowsKey(known, table, name.str())) {
@@ -201,7 +214,7 @@ void TomlReader::refuseUnknownKeysIn(std::string_view table, const toml::node& n
 
 void TomlReader::refuseUnknown(const KeyName& key, const toml::node& node, std::span<const KeyName> known) const {
   const std::string shown = node.is_table() ? fmt::format("[{}]", key.name) : fullName(key);
-  refuse(lineOf(node), fmt::format("{} is not known{}", shortened(shown), suggestion(key, known)));
+  refuse(lineOfNode(node), fmt::format("{} is not known{}", shortened(shown), suggestion(key, known)));
 }
 
 /// The nearest key of the same table, or the same key in another table.
@@ -230,7 +243,7 @@ void TomlReader::refuseBoth(std::string_view table, std::string_view one, std::s
   const toml::node* first = find(table, one);
   const toml::node* second = find(table, other);
   if (first != nullptr && second != nullptr) {
-    refuse(std::max(lineOf(*first), lineOf(*second)),
+    refuse(std::max(lineOfNode(*first), lineOfNode(*second)),
            fmt::format("[{}] {} and {} cannot both be given", table, one, other));
   }
 }
@@ -308,7 +321,9 @@ std::string_view TomlReader::word(const Place& place, const std::vector<std::str
       return valid;
     }
   }
-  refuseValue(place);
+  const std::string_view nearest = nearestWord(given, words);
+  refuseValue({place.key, place.node,
+               nearest.empty() ? place.valid : fmt::format("{}; did you mean {}?", place.valid, nearest)});
 }
 
 /// Texts are shown on pages, in figures and on terminals, and written into tables.
@@ -361,7 +376,7 @@ std::vector<TextOrNumber> TomlReader::items(const Place& place) const {
 fs::path TomlReader::besideFile(const Place& place) const {
   fs::path path = path_.parent_path() / text(place, TextSize::kPath);
   if (!fs::is_regular_file(path)) {
-    refuse(lineOf(place.node), fmt::format("{} = {}: no such file", fullName(place.key), path.string()));
+    refuse(lineOfNode(place.node), fmt::format("{} = {}: no such file", fullName(place.key), path.string()));
   }
   return path;
 }

@@ -70,6 +70,12 @@ class TomlReader {
 
   void require(std::string_view table, std::string_view name) const;
 
+  /// Where a key stands that the file has.
+  [[nodiscard]] int lineOf(std::string_view table, std::string_view name) const;
+
+  /// "file:line: message".
+  [[nodiscard]] std::string located(int line, std::string_view message) const;
+
   [[noreturn]] void refuse(int line, std::string_view message) const;
 
   /// What is wrong with the value of a key that the file has.
@@ -170,12 +176,11 @@ void TomlReader::check(std::span<const FileKey<Target>> keys, std::string_view t
       if (key.table != table || key.parameter != error.key()) {
         continue;
       }
-      const bool same_unit = key.name == key.parameter;
-      const std::string valid = same_unit ? error.valid() : fmt::format("{} ({})", error.valid(), key.parameter);
+      const InvalidParameter own = inUnitOfKey(error, key.name);
       if (const toml::node* node = find(key.table, key.name)) {
-        refuseValue({{key.table, key.name}, *node, valid});
+        refuseValue({{key.table, key.name}, *node, own.valid()});
       }
-      refuseLeftOut({key.table, key.name}, error.value(), valid);
+      refuseLeftOut({key.table, key.name}, own.value(), own.valid());
     }
     refuseFile(error.what());
   }

@@ -13,15 +13,14 @@ namespace {
 constexpr double kMm = 1e-3;  // m
 
 double checkedLength(std::string_view key, double length_m, const Range& valid_m) {
-  const auto mm = [](double m) { return std::round(m / kMm * 1e6) / 1e6; };  // 126, not 126.00000000000001
-  requireInRange(key, mm(length_m), {mm(valid_m.lowest), mm(valid_m.highest)});
+  requireInRange(key, inUnits(length_m, kMm), valid_m.in(kMm));
   return length_m;
 }
 
 }  // namespace
 
 Range toolLengths(const BedParameters& bed) {
-  return {kMm, std::min(bed.width_m, bed.length_m)};
+  return {ToolRanges::length_m.lowest, std::min(bed.width_m, bed.length_m)};
 }
 
 Scenario changed(Scenario scenario, const SceneChange& change) {

@@ -1,5 +1,7 @@
 #pragma once
 
+#include "haptolith/core/error.h"
+
 namespace haptolith {
 
 /// What friction acts against, and where cohesion comes from.
@@ -29,6 +31,24 @@ struct SoilParameters {
   double damping_ratio = 0.2;  ///< zeta, of a pair that bounces, over critical damping
 
   [[nodiscard]] bool operator==(const SoilParameters&) const = default;
+};
+
+/// What is valid of each number alone; read by validate(), scene files and soil files alike.
+struct SoilRanges {
+  static constexpr Range radius_m{1e-5, 1};
+  static constexpr Range gamma_nm{0, Range{}.highest, Ends::kOpen};
+  static constexpr Range rho0_kg_m3{0, 1e5, Ends::kOpenBelow};
+  static constexpr Range rho_max_kg_m3{0, 1e6, Ends::kOpenBelow};  ///< and more than rho0_kg_m3
+  static constexpr Range stiffness_n_m{0, Range{}.highest, Ends::kOpen};
+  static constexpr Range mu_hat{0, 10};
+  static constexpr Range attraction_ratio{1, 2};
+  static constexpr Range moving_friction_ratio{0, 1};
+  static constexpr Range contact_friction{0, 10};
+  static constexpr Range contact_cohesion_n{0, 1e6};
+  static constexpr Range cohesion_range_ratio{0.001, 0.5};
+  static constexpr Range tangential_ratio{0.01, 1};
+  static constexpr Range size_spread{0, 0.3};
+  static constexpr Range damping_ratio{0, 0.5};
 };
 
 /// @throws InvalidParameter with the key, the value and the valid range. An infinite stiffness passes.

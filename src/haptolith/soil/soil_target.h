@@ -12,6 +12,13 @@ enum class SoilStrength {
   kPeak,      ///< the most it carries
 };
 
+/// What is valid of measured values.
+struct SoilTargetRanges {
+  static constexpr Range bulk_density_kg_m3{0, 1e5, Ends::kOpenBelow};
+  static constexpr Range friction_angle_deg{0, 89};
+  static constexpr Range cohesion_pa{0, 1e6};
+};
+
 /// What an engineer measured.
 struct SoilTarget {
   double bulk_density_kg_m3 = 0;

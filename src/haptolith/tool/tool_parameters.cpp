@@ -5,20 +5,19 @@
 namespace haptolith {
 
 void validate(const ToolParameters& tool) {
-  constexpr Range kLength{1e-5, 10};
   for (int axis = 0; axis < 3; ++axis) {
-    requireInRange("size_m", tool.size_m[axis], kLength);
+    requireInRange("size_m", tool.size_m[axis], ToolRanges::length_m);
   }
-  requireInRange("diameter_m", tool.diameter_m, kLength);
-  requireInRange("thickness_m", tool.thickness_m, kLength);
-  requireInRange("opening_m", tool.opening_m, kLength);
-  requireInRange("length_m", tool.length_m, kLength);
-  requireInRange("cone_angle_rad", tool.cone_angle_rad, {0.1, 3});
-  requireInRange("stiffness_n_m", tool.stiffness_n_m, {0, 1e7});
-  requireInRange("damping_factor", tool.damping_factor, {0, 10});
-  requireInRange("adhesion_ratio", tool.adhesion_ratio, {0, 1});
-  requireInRange("friction", tool.friction, {0, 10});
-  requireInRange("adhesion_n", tool.adhesion_n, {0, 1e6});
+  requireInRange("diameter_m", tool.diameter_m, ToolRanges::length_m);
+  requireInRange("thickness_m", tool.thickness_m, ToolRanges::length_m);
+  requireInRange("opening_m", tool.opening_m, ToolRanges::length_m);
+  requireInRange("length_m", tool.length_m, ToolRanges::length_m);
+  requireInRange("cone_angle_rad", tool.cone_angle_rad, ToolRanges::cone_angle_rad);
+  requireInRange("stiffness_n_m", tool.stiffness_n_m, ToolRanges::stiffness_n_m);
+  requireInRange("damping_factor", tool.damping_factor, ToolRanges::damping_factor);
+  requireInRange("adhesion_ratio", tool.adhesion_ratio, ToolRanges::adhesion_ratio);
+  requireInRange("friction", tool.friction, ToolRanges::friction);
+  requireInRange("adhesion_n", tool.adhesion_n, ToolRanges::adhesion_n);
 }
 
 }  // namespace haptolith

@@ -2,6 +2,7 @@
 
 #include <numbers>
 
+#include "haptolith/core/error.h"
 #include "haptolith/core/vec.h"
 
 namespace haptolith {
@@ -39,6 +40,17 @@ struct ToolParameters {
   double adhesion_n = 0;   ///< largest pull of a contact, and what it adds to the normal force
 
   [[nodiscard]] bool operator==(const ToolParameters&) const = default;
+};
+
+/// What is valid; read by validate(), scene files and the page's commands alike.
+struct ToolRanges {
+  static constexpr Range length_m{1e-5, 10};  ///< of edges, diameter, thickness, opening and length
+  static constexpr Range cone_angle_rad{0.1, 3};
+  static constexpr Range stiffness_n_m{0, 1e7};
+  static constexpr Range damping_factor{0, 10};
+  static constexpr Range adhesion_ratio{0, 1};
+  static constexpr Range friction{0, 10};
+  static constexpr Range adhesion_n{0, 1e6};
 };
 
 /// @throws InvalidParameter with the key, the value and the valid range.

@@ -132,17 +132,17 @@ command::Play play(Keys& keys) {
 }
 
 void readTool(const Json& object, SceneChange& change) {
-  constexpr Range kLengthMm{1, 1000};
+  const Range valid_mm = ToolRanges::length_m.in(kMm);  // to the size of the box: changed()
   Keys keys(object);
   change.tool_shape = keys.word("shape", kToolShapeWords);
   if (const Json* size = keys.find("size_mm")) {
-    const auto edges = numbers<3>("size_mm", *size, kLengthMm);
+    const auto edges = numbers<3>("size_mm", *size, valid_mm);
     change.tool_size_m = kMm * Vec3(edges[0], edges[1], edges[2]);
   }
   const auto metres = [](std::optional<double> mm) { return mm ? std::optional(*mm * kMm) : std::nullopt; };
-  change.tool_diameter_m = metres(keys.number("diameter_mm", kLengthMm));
-  change.tool_thickness_m = metres(keys.number("thickness_mm", kLengthMm));
-  change.tool_opening_m = metres(keys.number("opening_mm", kLengthMm));
+  change.tool_diameter_m = metres(keys.number("diameter_mm", valid_mm));
+  change.tool_thickness_m = metres(keys.number("thickness_mm", valid_mm));
+  change.tool_opening_m = metres(keys.number("opening_mm", valid_mm));
   keys.refuseOthers();
 }
 

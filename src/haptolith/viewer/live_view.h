@@ -49,6 +49,8 @@ class LiveView {
            Guest guest = {}, Clients clients = Clients::kCommand);
 
   [[nodiscard]] std::string url(std::size_t entrance = 0) const { return server_.url(entrance); }
+  [[nodiscard]] std::string urlHere(std::size_t entrance = 0) const { return server_.urlHere(entrance); }
+  [[nodiscard]] std::uint16_t port() const noexcept { return server_.port(); }
 
   /// Does what clients have asked for, for 2 ms at most; the rest waits for the next time. Call it as often as
   /// Session::poll(), before it.

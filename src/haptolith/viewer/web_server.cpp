@@ -9,11 +9,15 @@
 #include <boost/beast/version.hpp>
 #include <boost/beast/websocket.hpp>
 #include <fmt/format.h>
+#include <ifaddrs.h>
+#include <net/if.h>
+#include <netinet/in.h>
 #include <sys/resource.h>
 
 #include <algorithm>
 #include <atomic>
 #include <chrono>
+#include <cstring>
 #include <deque>
 #include <exception>
 #include <filesystem>
@@ -92,6 +96,31 @@ std::optional<asio::ip::address> addressOf(const WebServerOptions& options) {
   beast::error_code error;
   const auto address = asio::ip::make_address(options.bind == "localhost" ? "127.0.0.1" : options.bind, error);
   return error ? std::nullopt : std::optional(address);
+}
+
+asio::ip::address loopbackOf(const asio::ip::address& any) {
+  return any.is_v6() ? asio::ip::address(asio::ip::address_v6::loopback())
+                     : asio::ip::address(asio::ip::address_v4::loopback());
+}
+
+/// The first address of this machine that is not its own alone. Of version 4, which also reaches who listens on "::".
+std::optional<asio::ip::address> addressForOthers() {
+  ifaddrs* all = nullptr;
+  if (getifaddrs(&all) != 0) {
+    return std::nullopt;
+  }
+  std::optional<asio::ip::address> found;
+  for (const ifaddrs* one = all; one != nullptr && !found; one = one->ifa_next) {
+    const bool usable = one->ifa_addr != nullptr && one->ifa_addr->sa_family == AF_INET &&
+                        (one->ifa_flags & IFF_UP) != 0 && (one->ifa_flags & IFF_LOOPBACK) == 0;
+    if (usable) {
+      sockaddr_in address{};
+      std::memcpy(&address, one->ifa_addr, sizeof address);
+      found = asio::ip::address_v4(ntohl(address.sin_addr.s_addr));
+    }
+  }
+  freeifaddrs(all);
+  return found;
 }
 
 /// Where somebody is, as far as they cannot choose it themselves: an IPv6 network gives everybody in it 2^64 addresses.
@@ -188,6 +217,7 @@ class WebServer::Implementation {
   [[nodiscard]] bool mayGuess(const std::string& network, bool wrong);
   /// Number of the entrance that a request's token opens.
   [[nodiscard]] std::optional<std::size_t> entranceOf(std::string_view target) const;
+  [[nodiscard]] std::string urlAt(const asio::ip::address& address, std::size_t entrance) const;
   [[nodiscard]] bool isHostAllowed(std::string_view host) const { return !loopback_only || namesLoopback(host); }
   void join(const std::shared_ptr<Client>& client);
   void leave(std::uint32_t client);
@@ -208,7 +238,6 @@ class WebServer::Implementation {
   Tcp::acceptor acceptor{io};
   asio::steady_timer pause{io};
   Board& board;
-  std::string address;
   std::vector<Entrance> entrances;
   bool guessable = false;
   bool loopback_only = true;
@@ -605,14 +634,14 @@ class WebServer::Implementation::Visitor : public std::enable_shared_from_this<V
 
 WebServer::Implementation::Implementation(const WebServerOptions& options, Board& shared_board)
     : board(shared_board),
-      address(options.bind),
       entrances(options.entrances),
       guessable(options.guessable),
       loopback_only(isLoopback(options.bind)) {
   validate(options);
   const asio::ip::address ip = *addressOf(options);
   beast::error_code error;
-  for (int i = 0; i < kPortsTried; ++i) {
+  const int tried = options.other_ports ? kPortsTried : 1;
+  for (int i = 0; i < tried; ++i) {
     const auto port = static_cast<std::uint16_t>(options.port == 0 ? 0 : options.port + i);
     const Tcp::endpoint endpoint(ip, port);
     acceptor = Tcp::acceptor(io);
@@ -773,17 +802,27 @@ void WebServer::Implementation::forget(std::uint32_t client) {
   }
 }
 
+std::string WebServer::Implementation::urlAt(const asio::ip::address& address, std::size_t entrance) const {
+  const std::string& token = entrances[entrance].token;
+  return fmt::format("http://{}{}{}:{}/{}{}", address.is_v6() ? "[" : "", address.to_string(),
+                     address.is_v6() ? "]" : "", acceptor.local_endpoint().port(),
+                     token.empty() ? "" : "?token=", token);
+}
+
 WebServer::WebServer(const WebServerOptions& options, Board& board)
     : implementation_(std::make_unique<Implementation>(options, board)) {}
 
 WebServer::~WebServer() = default;
 
 std::string WebServer::url(std::size_t entrance) const {
-  const Implementation& server = *implementation_;
-  const std::string& token = server.entrances[entrance].token;
-  const bool v6 = server.address.find(':') != std::string::npos;
-  return fmt::format("http://{}{}{}:{}/{}{}", v6 ? "[" : "", server.address, v6 ? "]" : "", port(),
-                     token.empty() ? "" : "?token=", token);
+  const asio::ip::address address = implementation_->acceptor.local_endpoint().address();
+  return implementation_->urlAt(address.is_unspecified() ? addressForOthers().value_or(loopbackOf(address)) : address,
+                                entrance);
+}
+
+std::string WebServer::urlHere(std::size_t entrance) const {
+  const asio::ip::address address = implementation_->acceptor.local_endpoint().address();
+  return implementation_->urlAt(address.is_unspecified() ? loopbackOf(address) : address, entrance);
 }
 
 std::uint16_t WebServer::port() const noexcept {

@@ -20,6 +20,7 @@ struct Entrance {
 struct WebServerOptions {
   std::string bind = "127.0.0.1";  ///< an address; "localhost" is 127.0.0.1
   std::uint16_t port = 8080;       ///< the first that is tried; 0: any
+  bool other_ports = true;         ///< whether the next ones are tried, too, where that is in use
   /// One without a token only when it is the only one and `bind` is loopback.
   std::vector<Entrance> entrances = {{}};
   /// Whether somebody has thought up a token: then wrong ones are taken slowly from each address. One that newToken()
@@ -52,8 +53,11 @@ class WebServer {
   WebServer(const WebServerOptions& options, Board& board);
   ~WebServer();
 
-  /// Address of the page, the entrance's token included.
+  /// Address of the page, the entrance's token included. Where it listens on all addresses: one of this machine that
+  /// others can open as well, if it has any.
   [[nodiscard]] std::string url(std::size_t entrance = 0) const;
+  /// The same for a browser on this machine.
+  [[nodiscard]] std::string urlHere(std::size_t entrance = 0) const;
   [[nodiscard]] std::uint16_t port() const noexcept;
   [[nodiscard]] std::size_t clients() const noexcept;
 

@@ -5,21 +5,20 @@
 namespace haptolith {
 
 void validate(const HandParameters& hand) {
-  constexpr double kInfinity = Range{}.highest;
-  requireInRange("mass_kg", hand.mass_kg, {0.01, 100});
-  requireInRange("damping_n_s_m", hand.damping_n_s_m, {0, 1000});
-  requireInRange("stiffness_n_m", hand.stiffness_n_m, {0, 1e5});
-  requireInRange("lever_m", hand.lever_m, {0.005, 1});
-  requireInRange("period_s", hand.period_s, {0.1, 3600});
-  requireInRange("active_s", hand.active_s, {0, kInfinity});
+  requireInRange("mass_kg", hand.mass_kg, HandRanges::mass_kg);
+  requireInRange("damping_n_s_m", hand.damping_n_s_m, HandRanges::damping_n_s_m);
+  requireInRange("stiffness_n_m", hand.stiffness_n_m, HandRanges::stiffness_n_m);
+  requireInRange("lever_m", hand.lever_m, HandRanges::lever_m);
+  requireInRange("period_s", hand.period_s, HandRanges::period_s);
+  requireInRange("active_s", hand.active_s, HandRanges::active_s);
   for (int axis = 0; axis < 3; ++axis) {
-    requireInRange("home_m", hand.home_m[axis], {-10, 10});
+    requireInRange("home_m", hand.home_m[axis], HandRanges::home_m);
   }
-  requireInRange("depth_m", hand.depth_m, {0, 10});
-  requireInRange("surface_m", hand.surface_m.value_or(0), {-10, 10});
-  requireInRange("reach_m", hand.reach_m, {0, 10});
-  requireInRange("max_force_n", hand.max_force_n, {0, 1e6});
-  requireInRange("max_torque_nm", hand.max_torque_nm, {0, 1e6});
+  requireInRange("depth_m", hand.depth_m, HandRanges::depth_m);
+  requireInRange("surface_m", hand.surface_m.value_or(0), HandRanges::surface_m);
+  requireInRange("reach_m", hand.reach_m, HandRanges::reach_m);
+  requireInRange("max_force_n", hand.max_force_n, HandRanges::max_force_n);
+  requireInRange("max_torque_nm", hand.max_torque_nm, HandRanges::max_torque_nm);
   if (hand.manoeuvre == Manoeuvre::kPoses && hand.poses_file.empty()) {
     throw InvalidParameter("poses", "''", "the name of a CSV file with poses");
   }

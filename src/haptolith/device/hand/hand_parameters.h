@@ -3,6 +3,7 @@
 #include <optional>
 #include <string>
 
+#include "haptolith/core/error.h"
 #include "haptolith/core/vec.h"
 
 namespace haptolith {
@@ -36,6 +37,22 @@ struct HandParameters {
   double max_torque_nm = 0.2;
 
   [[nodiscard]] bool operator==(const HandParameters&) const = default;
+};
+
+/// What is valid; of each axis of home.
+struct HandRanges {
+  static constexpr Range mass_kg{0.01, 100};
+  static constexpr Range damping_n_s_m{0, 1000};
+  static constexpr Range stiffness_n_m{0, 1e5};
+  static constexpr Range lever_m{0.005, 1};
+  static constexpr Range period_s{0.1, 3600};
+  static constexpr Range active_s{0, Range{}.highest};
+  static constexpr Range home_m{-10, 10};
+  static constexpr Range depth_m{0, 10};
+  static constexpr Range surface_m{0, 10};
+  static constexpr Range reach_m{0, 10};
+  static constexpr Range max_force_n{0, 1e6};
+  static constexpr Range max_torque_nm{0, 1e6};
 };
 
 /// @throws InvalidParameter with the key, the value and the valid range.

@@ -1,0 +1,80 @@
+#include "shared/saved.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cstdint>
+#include <fstream>
+#include <set>
+#include <string>
+
+#include "haptolith/core/atomic_file.h"
+
+namespace haptolith {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+std::set<fs::path>& told() {
+  static std::set<fs::path> paths;
+  return paths;
+}
+
+/// "24 KiB"
+std::string sizeText(std::uintmax_t bytes) {
+  constexpr double kKiB = 1024;
+  const auto size = static_cast<double>(bytes);
+  return size < kKiB          ? fmt::format("{} bytes", bytes)
+         : size < kKiB * kKiB ? fmt::format("{:.0f} KiB", size / kKiB)
+                              : fmt::format("{:.1f} MiB", size / (kKiB * kKiB));
+}
+
+/// Rows below the heading, and columns.
+std::string tableText(const fs::path& path) {
+  std::ifstream file(path, std::ios::binary);
+  std::string line;
+  std::uint64_t lines = 0;
+  std::ptrdiff_t columns = 0;
+  const char separator = path.extension() == ".tsv" ? '\t' : ',';
+  while (std::getline(file, line)) {
+    columns = lines++ == 0 ? 1 + std::ranges::count(line, separator) : columns;
+  }
+  return fmt::format("{} rows of {} columns", lines == 0 ? 0 : lines - 1, columns);
+}
+
+std::string whatIs(const fs::path& path) {
+  std::error_code ignored;
+  if (fs::is_directory(path, ignored)) {
+    return fmt::format("{} files", std::distance(fs::directory_iterator(path, ignored), fs::directory_iterator()));
+  }
+  const std::string extension = path.extension().string();
+  if (extension == ".csv" || extension == ".tsv") {
+    return tableText(path);
+  }
+  const char* kind = extension == ".svg" || extension == ".png"    ? "picture, "
+                     : extension == ".mp4" || extension == ".webm" ? "film, "
+                     : extension == ".html"                        ? "page, "
+                     : irreplaceable(path) == "a recording"        ? "recording, "
+                                                                   : "";
+  return kind + sizeText(fs::file_size(path, ignored));
+}
+
+}  // namespace
+
+std::string savedText(const fs::path& path, std::string_view what) {
+  told().insert(path);
+  return fmt::format("saved {}: {}\n", path.string(), what);
+}
+
+std::string savedText() {
+  std::string text;
+  for (const fs::path& path : filesWritten()) {
+    if (!told().contains(path) && irreplaceable(path) != "a study") {
+      text += savedText(path, whatIs(path));
+    }
+  }
+  return text;
+}
+
+}  // namespace haptolith

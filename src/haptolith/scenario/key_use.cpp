@@ -1,0 +1,92 @@
+#include "haptolith/scenario/key_use.h"
+
+#include <array>
+
+namespace haptolith {
+
+namespace {
+
+bool isPaper(const Scenario& scene) {
+  return scene.bed.soil.friction == FrictionModel::kPaper;
+}
+
+bool isPairwise(const Scenario& scene) {
+  return scene.bed.soil.friction == FrictionModel::kPairwise;
+}
+
+template <BedStart... kStarts>
+bool starts(const Scenario& scene) {
+  return ((scene.bed.start == kStarts) || ...);
+}
+
+template <ToolShape... kShapes>
+bool isShape(const Scenario& scene) {
+  return ((scene.tool.shape == kShapes) || ...);
+}
+
+bool isManoeuvre(const Scenario& scene) {
+  return scene.hand.manoeuvre != Manoeuvre::kPoses;
+}
+
+bool isArm(const Scenario& scene) {
+  return scene.hand.compliance == HandCompliance::kArm;
+}
+
+bool isNotDirect(const Scenario& scene) {
+  return scene.handling.coupling.kind != CouplingKind::kDirect;
+}
+
+constexpr std::string_view kPaper = "[soil] friction = paper";
+constexpr std::string_view kPairwise = "[soil] friction = pairwise";
+constexpr std::string_view kArm = "[hand] compliance = arm";
+constexpr std::string_view kNoPoses = "another [hand] manoeuvre than poses";
+constexpr std::string_view kNotDirect = "[coupling] kind = auto or virtual";
+
+constexpr std::array kUses{
+    KeyUse{"soil", "mu_hat", isPaper, kPaper, true},
+    KeyUse{"soil", "attraction_ratio", isPaper, kPaper, true},
+    KeyUse{"soil", "moving_friction_ratio", isPaper, kPaper, true},
+    KeyUse{"soil", "contact_friction", isPairwise, kPairwise, true},
+    KeyUse{"soil", "contact_cohesion_n", isPairwise, kPairwise, true},
+    KeyUse{"soil", "cohesion_range_ratio", isPairwise, kPairwise, true},
+    KeyUse{"soil", "tangential_ratio", isPairwise, kPairwise, true},
+    KeyUse{"soil", "damping_ratio", isPairwise, kPairwise, true},
+    KeyUse{"soil", "size_spread", isPairwise, kPairwise, true},
+
+    // A named soil of the command line or the page makes a bed that starts as `count` start as `rain`.
+    KeyUse{"bed", "particles", starts<BedStart::kCount, BedStart::kRain>, "[bed] start = count or rain", false},
+    KeyUse{"bed", "layers", starts<BedStart::kCount>, "[bed] start = count", false},
+    KeyUse{"bed", "depth_mm", starts<BedStart::kPacked>, "[bed] start = packed", false},
+    KeyUse{"bed", "seed", starts<BedStart::kRain>, "[bed] start = rain", true},
+
+    KeyUse{"tool", "size_mm", isShape<ToolShape::kBox, ToolShape::kJaws>, "[tool] shape = box or jaws", true},
+    KeyUse{"tool", "diameter_mm", isShape<ToolShape::kSphere, ToolShape::kPlate>, "[tool] shape = sphere or plate",
+           true},
+    KeyUse{"tool", "thickness_mm", isShape<ToolShape::kPlate>, "[tool] shape = plate", true},
+    KeyUse{"tool", "opening_mm", isShape<ToolShape::kJaws>, "[tool] shape = jaws", true},
+    KeyUse{"tool", "adhesion_ratio", isPaper, kPaper, true},
+    KeyUse{"tool", "friction", isPairwise, kPairwise, true},
+    KeyUse{"tool", "adhesion_n", isPairwise, kPairwise, true},
+
+    KeyUse{"hand", "mass_kg", isArm, kArm, false},
+    KeyUse{"hand", "damping_n_s_m", isArm, kArm, false},
+    KeyUse{"hand", "stiffness_n_m", isArm, kArm, false},
+    KeyUse{"hand", "lever_mm", isArm, kArm, false},
+    KeyUse{"hand", "period_s", isManoeuvre, kNoPoses, true},
+    KeyUse{"hand", "depth_mm", isManoeuvre, kNoPoses, true},
+    KeyUse{"hand", "reach_mm", isManoeuvre, kNoPoses, true},
+
+    KeyUse{"coupling", "stiffness_n_m", isNotDirect, kNotDirect, false},
+    KeyUse{"coupling", "damping_n_s_m", isNotDirect, kNotDirect, false},
+    KeyUse{"coupling", "mass_kg", isNotDirect, kNotDirect, false},
+    KeyUse{"coupling", "lever_mm", isNotDirect, kNotDirect, false},
+    KeyUse{"coupling", "max_force_n", isNotDirect, kNotDirect, false},
+};
+
+}  // namespace
+
+std::span<const KeyUse> keyUses() {
+  return kUses;
+}
+
+}  // namespace haptolith
