@@ -35,7 +35,8 @@ def arguments():
     parser.add_argument("--seconds", type=float, default=10, help="how long")
     parser.add_argument("--radius-mm", type=float, default=20, help="of the circle")
     parser.add_argument("--period-s", type=float, default=4, help="of one round")
-    parser.add_argument("--height-mm", type=float, default=0, help="of the circle, in the device's frame")
+    parser.add_argument("--height-mm", type=float, default=-90,
+                        help="of the circle, in the device's frame, whose middle lies 85 mm above the soil [-90: in it]")
     parser.add_argument("--key-file", help="with the key that packets are signed with, 64 hexadecimal digits")
     return parser.parse_args()
 
@@ -134,6 +135,8 @@ def main():
         # A program that shows force to a hand would also make it zero here when no answer has come for 20 ms.
         time.sleep(0.001)
     print(f"{sequence} packets sent, {answers} answers, strongest force {strongest:.3f} N")
+    if answers > 0 and strongest == 0:
+        print("the tool has felt nothing: is the soil lower than --height-mm?")
 
 
 if __name__ == "__main__":

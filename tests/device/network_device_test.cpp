@@ -672,7 +672,8 @@ TEST_P(PythonsExample, LeadsTheToolInACircleAndFeelsIt) {
                                      "--address",   "127.0.0.1:" + std::to_string(device.port()),
                                      "--seconds",   "1",
                                      "--period-s",  "0.5",
-                                     "--radius-mm", "30"};
+                                     "--radius-mm", "30",
+                                     "--height-mm", "0"};
   if (GetParam()) {
     arguments.emplace_back("--key-file");
     arguments.push_back(key_file.string());
