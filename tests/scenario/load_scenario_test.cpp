@@ -266,7 +266,7 @@ TEST_F(LoadScenario, WrongTypesAreRefused) {
   EXPECT_EQ(errorOf("soil = 'P3'\n"), "x.toml:1: soil = 'P3' is not valid: must be a table, [soil]");
   EXPECT_THAT(errorOf("[[soil]]\npreset = 'P3'\n"), HasSubstr("must be a table, [soil]"));
   EXPECT_EQ(errorOf("[tool]\nsize_mm = [50, 40]\n"),
-            "x.toml:2: [tool] size_mm = [ 50, 40 ] is not valid: must be three numbers, each 0.01 to 100000");
+            "x.toml:2: [tool] size_mm = [ 50, 40 ] is not valid: must be three numbers, each 0.01 to 10000");
   EXPECT_THAT(errorOf("[tool]\nsize_mm = [50, 'wide', 5]\n"), HasSubstr("x.toml:2: [tool] size_mm = 'wide'"));
   EXPECT_THAT(errorOf("[tool]\nsize_mm = 50\n"), HasSubstr("must be three numbers"));
   EXPECT_EQ(errorOf("[soil.preset]\nname = 'P3'\n"),

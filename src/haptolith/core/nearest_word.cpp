@@ -29,10 +29,13 @@ std::size_t typingErrors(std::string_view a, std::string_view b) {
 }  // namespace
 
 std::string_view nearestWord(std::string_view word, std::span<const std::string_view> candidates) {
+  if (word.size() < kShortestPrefix) {
+    return {};  // P9 is as near to P1 as to P2
+  }
   std::string_view nearest;
   std::size_t fewest = std::max<std::size_t>(1, (word.size() + 1) / 3) + 1;
   for (const std::string_view candidate : candidates) {
-    const bool begun = word.size() >= kShortestPrefix && candidate.starts_with(word);
+    const bool begun = candidate.starts_with(word);
     const std::size_t errors = begun ? 0 : typingErrors(word, candidate);
     if (errors < fewest) {
       fewest = errors;
