@@ -277,8 +277,8 @@ TEST_F(RunCommand, AHandThatLeavesTheSceneEndsTheRun) {
 TEST_F(RunCommand, WrongUseIsToldAndHasStatusTwo) {
   for (const char* arguments :
        {"--preset P9", "--soil none.toml", "--soil lhs-1 --preset P1", "--friction none", "--body Vulcan",
-        "--hand dance", "--cpu one", "--cpu -2", "--cpu 1024", "--duration-s 0", "--duration-s nan", "--duration-s -1",
-        "--threads 0", "--threads two", "--seed -1", "--hand stir --poses x.csv", "one.toml two.toml"}) {
+        "--hand dance", "--cpu one", "--cpu -2", "--cpu 1024", "--duration-s nan", "--duration-s -1", "--threads 0",
+        "--threads two", "--seed -1", "--hand stir --poses x.csv", "one.toml two.toml"}) {
     const ProgramResult result = runInShell(std::string("timeout 20 \"$HAPTOLITH\" run --unpaced ") + arguments);
     EXPECT_EQ(result.exit_status, 2) << arguments;
     EXPECT_THAT(result.errors, HasSubstr("error:")) << arguments;

@@ -69,13 +69,13 @@ TEST_F(SnapshotCommand, WrongOptionsAreUsageErrors) {
   refused("view.mp4", "", "with --film in .mp4 or .webm");
   refused("view.png", "--film", "must be a file name ending in .mp4 or .webm");
   refused("view.mp4", "--film --width 641", "must be even for a film");
-  refused("view.png", "--width 319", "not in range 320 to 7680");
-  refused("view.png", "--height 4321", "not in range 240 to 4320");
+  refused("view.png", "--width 319", "319 is not valid: must be a whole number, 320 to 7680");
+  refused("view.png", "--height 4321", "4321 is not valid: must be a whole number, 240 to 4320");
   refused("view.png", "--at-s -1", "--at-s");
   refused("view.png", "--fps 30", "--fps requires --film");
-  refused("view.png", "--colour pink", "pink not in {plain,force,speed,depth,sleep}");
-  refused("view.png", "--view below", "below not in {front,side,top,three-quarter}");
-  refused("view.png", "--panels --no-panels", "excludes");
+  refused("view.png", "--colour pink", "must be plain, force, speed, depth or sleep");
+  refused("view.png", "--view below", "must be front, side, top or three-quarter");
+  refused("view.png", "--panels --no-panels", "cannot both be given");
   refused("view.png", "--preset P9", "must be one of P1");
   EXPECT_EQ(runHaptolith("snapshot").exit_status, 2);
 }

@@ -115,8 +115,8 @@ TEST_F(SoilCommands, TextIsForPeople) {
 TEST_F(SoilCommands, WrongUseOfProfileIsToldAndHasStatusTwo) {
   expectWrongUse("soil profile", "--preset");
   expectWrongUse("soil profile --gamma-nm 1e-5", "--rho0-kg-m3");
-  expectWrongUse("soil profile --preset P3 --gamma-nm 1e-5", "excludes");
-  expectWrongUse("soil profile --preset P3 --body Moon --gravity-m-s2 1", "excludes");
+  expectWrongUse("soil profile --preset P3 --gamma-nm 1e-5", "cannot both be given");
+  expectWrongUse("soil profile --preset P3 --body Moon --gravity-m-s2 1", "cannot both be given");
   expectWrongUse("soil profile --preset P9", "P1, P2, P3, P4, P5, P6");
   expectWrongUse("soil profile --preset P3 --body Sun", "Moon");
   expectWrongUse("soil profile --preset P3 --gravity-m-s2 -1", "gravity_m_s2 = -1");
@@ -125,7 +125,7 @@ TEST_F(SoilCommands, WrongUseOfProfileIsToldAndHasStatusTwo) {
   expectWrongUse("soil profile --preset P3 --stiffness-n-m 0", "stiffness_n_m = 0");
   expectWrongUse("soil profile --gamma-nm 4e-5 --rho0-kg-m3 1330 --rho-max-kg-m3 1300 --mu-hat 0.3", "rho_max_kg_m3");
   expectWrongUse("soil profile --preset P3 --figure figure.pdf", ".svg or .png");
-  expectWrongUse("soil", "required");
+  expectWrongUse("soil", "a command is missing");
 }
 
 TEST_F(SoilCommands, SoilThatCannotCarryItselfIsAFailure) {

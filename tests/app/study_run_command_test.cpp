@@ -84,10 +84,11 @@ class RunningStudy : public StudyRunCommands {
 
   void start(const std::string& arguments = "", const std::string& environment = "") {
     makeStudy("paper");
-    program_ =
-        std::thread([command = fmt::format("{} \"$HAPTOLITH\" study run {} --port 0 {} > {} 2> {} & echo $! > {}; wait",
-                                           environment, file("a.study"), arguments, file("out"), file("err"),
-                                           file("pid"))] { std::ignore = std::system(command.c_str()); });
+    program_ = std::thread(
+        [command = fmt::format("{} \"$HAPTOLITH\" study run {} --trial-run --port 0 {} > {} 2> {} & echo $! > {}; wait",
+                               environment, file("a.study"), arguments, file("out"), file("err"), file("pid"))] {
+          std::ignore = std::system(command.c_str());
+        });
     for (int i = 0; i < 3000 && said().find("study=experimenter") == std::string::npos; ++i) {
       std::this_thread::sleep_for(std::chrono::milliseconds(10));
     }
@@ -175,10 +176,11 @@ TEST_F(StudyRunCommands, WhoHasNotFinishedComesFirst) {
 
 TEST_F(StudyRunCommands, NobodyRunsAStudyTwiceAtTheSameTime) {
   makeStudy();
-  const ProgramResult both = runInShell(
-      fmt::format("\"$HAPTOLITH\" study run {0} --port 0 2> {1} & sleep 2; \"$HAPTOLITH\" study run {0} --port 0; "
-                  "code=$?; kill -INT $!; wait; exit $code",
-                  file("a.study"), file("first.err")));
+  const ProgramResult both =
+      runInShell(fmt::format("\"$HAPTOLITH\" study run {0} --trial-run --port 0 2> {1} & sleep 2; \"$HAPTOLITH\" study "
+                             "run {0} --trial-run --port 0; "
+                             "code=$?; kill -INT $!; wait; exit $code",
+                             file("a.study"), file("first.err")));
   EXPECT_EQ(both.exit_status, 1);
   EXPECT_THAT(both.errors, HasSubstr("a.study")) << both.errors;
 }

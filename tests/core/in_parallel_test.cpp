@@ -3,7 +3,6 @@
 #include <gtest/gtest.h>
 
 #include <atomic>
-#include <numeric>
 #include <vector>
 
 #include "haptolith/core/error.h"
@@ -29,24 +28,6 @@ TEST(InParallel, PassesAFailureOnAndStartsNothingNew) {
                           }),
                Failure);
   EXPECT_LE(started, 2);
-}
-
-TEST(SharedProgress, TellsHowFarAllPiecesAreAndNeverGoesBack) {
-  std::vector<double> told;
-  LabConditions conditions;
-  conditions.threads = 4;
-  conditions.progress = [&](std::string_view, double share) {
-    told.push_back(share);
-    return true;
-  };
-  SharedProgress shared(conditions, 2);
-  const LabConditions first = shared.conditionsOf(0);
-  const LabConditions second = shared.conditionsOf(1);
-  EXPECT_EQ(first.threads, 1);
-  (void)first.progress("a", 0.5);
-  (void)second.progress("b", 1);
-  (void)first.progress("next phase", 0);
-  EXPECT_EQ(told, (std::vector<double>{0.25, 0.75, 0.75}));
 }
 
 }  // namespace

@@ -82,9 +82,8 @@ TEST_F(StudyMessages, OnlyTheParticipantHoldsTheToolAndOnlyWhileThereIsSomething
   StudyPages pages(*conductor_);
   pages.join(1, StudyRole::kParticipant);
   pages.join(2, StudyRole::kExperimenter);
-  const std::string join = R"({"act": "join"})";
-  pages.obey(1, join);
-  pages.obey(2, join);
+  pages.obey(1, R"({"act": "join", "as": "participant"})");
+  pages.obey(2, R"({"act": "join", "as": "experimenter"})");
   EXPECT_EQ(pages.refusal(1, Wish::kLook), "");
   EXPECT_THAT(pages.refusal(1, Wish::kHoldTool), HasSubstr("nothing to feel"));
   conductor_->begin("");

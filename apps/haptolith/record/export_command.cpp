@@ -218,7 +218,7 @@ void exportVtk(const RecordingReader& recording, const ExportOptions& options) {
     progress.show(number, frames.size());
     const std::string name = fmt::format("particles-{:06}.vtp", number);
     folder.write(name, vtp(recording.readFrame(frames[number])));
-    collection += fmt::format("<DataSet timestep=\"{:.6g}\" file=\"{}\"/>\n", frames[number].time_s, name);
+    collection += fmt::format("<DataSet timestep=\"{:.12g}\" file=\"{}\"/>\n", frames[number].time_s, name);
   }
   folder.write(out.filename().string() + ".pvd", collection + "</Collection></VTKFile>\n");
   folder.commit();

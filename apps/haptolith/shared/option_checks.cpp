@@ -120,7 +120,10 @@ std::string usageProblem(const CLI::App& reached, const CLI::ParseError& error) 
     if (const auto left = programOf(reached).remaining(true); !left.empty()) {
       return unknownWord(reached, left.front());
     }
-    return no_command ? "a command is missing: must be " + listed(commandsOf(reached)) : text;
+    if (!no_command) {  // "... not expected: 3 --gravity": the last one came first
+      return unknownWord(reached, text.substr(text.rfind(' ') + 1));
+    }
+    return "a command is missing: must be " + listed(commandsOf(reached));
   }
   if (constexpr std::string_view kBegin = "Could not convert: "; text.starts_with(kBegin)) {
     const std::string assignment = text.substr(kBegin.size());

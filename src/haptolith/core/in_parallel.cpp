@@ -4,7 +4,6 @@
 #include <atomic>
 #include <exception>
 #include <mutex>
-#include <numeric>
 #include <thread>
 #include <vector>
 
@@ -35,33 +34,6 @@ void inParallel(std::size_t count, int threads, const std::function<void(std::si
   if (failure) {
     std::rethrow_exception(failure);
   }
-}
-
-struct SharedProgress::State {
-  std::mutex mutex;
-  std::vector<double> shares;
-};
-
-SharedProgress::SharedProgress(const LabConditions& conditions, std::size_t count)
-    : conditions_(conditions), state_(std::make_unique<State>()) {
-  state_->shares.resize(count);
-}
-
-SharedProgress::~SharedProgress() = default;
-
-LabConditions SharedProgress::conditionsOf(std::size_t index) {
-  LabConditions piece = conditions_;
-  piece.threads = 1;
-  if (conditions_.progress) {
-    piece.progress = [this, index](std::string_view what, double share) {
-      const std::scoped_lock lock(state_->mutex);
-      std::vector<double>& shares = state_->shares;
-      shares[index] = std::max(shares[index], share);  // pieces have phases; the whole never goes back
-      const double all = std::accumulate(shares.begin(), shares.end(), 0.0) / static_cast<double>(shares.size());
-      return conditions_.progress(what, all);
-    };
-  }
-  return piece;
 }
 
 }  // namespace haptolith

@@ -12,6 +12,7 @@
 #include "haptolith/core/in_parallel.h"
 #include "haptolith/figure/figure.h"
 #include "haptolith/lab/lab_bed.h"
+#include "haptolith/lab/shared_progress.h"
 
 namespace haptolith {
 

@@ -1,0 +1,38 @@
+#include "haptolith/lab/shared_progress.h"
+
+#include <algorithm>
+#include <mutex>
+#include <numeric>
+#include <string_view>
+#include <vector>
+
+namespace haptolith {
+
+struct SharedProgress::State {
+  std::mutex mutex;
+  std::vector<double> shares;
+};
+
+SharedProgress::SharedProgress(const LabConditions& conditions, std::size_t count)
+    : conditions_(conditions), state_(std::make_unique<State>()) {
+  state_->shares.resize(count);
+}
+
+SharedProgress::~SharedProgress() = default;
+
+LabConditions SharedProgress::conditionsOf(std::size_t index) {
+  LabConditions piece = conditions_;
+  piece.threads = 1;
+  if (conditions_.progress) {
+    piece.progress = [this, index](std::string_view what, double share) {
+      const std::scoped_lock lock(state_->mutex);
+      std::vector<double>& shares = state_->shares;
+      shares[index] = std::max(shares[index], share);  // pieces have phases; the whole never goes back
+      const double all = std::accumulate(shares.begin(), shares.end(), 0.0) / static_cast<double>(shares.size());
+      return conditions_.progress(what, all);
+    };
+  }
+  return piece;
+}
+
+}  // namespace haptolith
