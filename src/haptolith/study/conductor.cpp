@@ -84,9 +84,10 @@ void Conductor::start(ParticipantRow participant) {
     ++step_;
   }
   if (step_ < steps_.size() && steps_[step_].phase == StudyPhase::kPreparing && (!done.empty() || !rows_.empty())) {
-    steps_.insert(
-        steps_.begin() + static_cast<std::ptrdiff_t>(step_),
-        {.phase = StudyPhase::kInstructions, .name = {}, .title = "Welcome back", .text = "You continue where you were."});
+    steps_.insert(steps_.begin() + static_cast<std::ptrdiff_t>(step_), {.phase = StudyPhase::kInstructions,
+                                                                        .name = {},
+                                                                        .title = "Welcome back",
+                                                                        .text = "You continue where you were."});
   }
   guarded([this] { enterStep(); });
 }
