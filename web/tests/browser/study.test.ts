@@ -175,7 +175,7 @@ describe("the participant's page", () => {
     await touchSoil(page);
     expect(await page.getByText('Touch the soil with the tool first.').count()).toBe(0);
     await page.keyboard.press('Enter');
-    await shows(page, 'preparing');
+    await page.getByRole('heading', { name: 'Second' }).waitFor();
   });
 
   it('shows the tool beside the name of the interval, not under it', async () => {
