@@ -114,7 +114,7 @@ CLI::Validator oneOf(const std::vector<std::string>& words) {
 }
 
 std::string usageProblem(const CLI::App& reached, const CLI::ParseError& error) {
-  const std::string text = error.what();
+  std::string text = error.what();
   if (const bool no_command = error.get_name() == "RequiredError" && text.starts_with("A subcommand");
       no_command || error.get_exit_code() == static_cast<int>(CLI::ExitCodes::ExtrasError)) {
     if (const auto left = programOf(reached).remaining(true); !left.empty()) {

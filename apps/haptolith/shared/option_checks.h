@@ -31,6 +31,7 @@ namespace haptolith {
 template <class Value>
 [[nodiscard]] CLI::Validator wordOf(const std::map<std::string, Value>& table) {
   std::vector<std::string> words;
+  words.reserve(table.size());
   for (const auto& [word, value] : table) {
     words.push_back(word);
   }

@@ -122,6 +122,7 @@ Scenario read(const TomlReader& reader, From from) {
 
 [[noreturn]] void refuseName(std::string_view name) {
   std::vector<std::string_view> names;
+  names.reserve(builtInScenes().size());
   for (const BuiltInScene& scene : builtInScenes()) {
     names.push_back(scene.name);
   }
@@ -152,6 +153,7 @@ Scenario findScenario(std::string_view name_or_file) {
 
 std::vector<std::string> sceneNames() {
   std::vector<std::string> names;
+  names.reserve(builtInScenes().size());
   for (const BuiltInScene& scene : builtInScenes()) {
     names.emplace_back(scene.name);
   }
