@@ -31,6 +31,9 @@ std::string sizeText(std::uintmax_t bytes) {
                               : fmt::format("{:.1f} MiB", size / (kKiB * kKiB));
 }
 
+/// The largest table whose rows are counted: a trace of hours is not read once more for that.
+constexpr std::uintmax_t kMostCounted = 16UL << 20;
+
 /// Rows below the heading, and columns.
 std::string tableText(const fs::path& path) {
   std::ifstream file(path, std::ios::binary);
@@ -50,15 +53,18 @@ std::string whatIs(const fs::path& path) {
     return fmt::format("{} files", std::distance(fs::directory_iterator(path, ignored), fs::directory_iterator()));
   }
   const std::string extension = path.extension().string();
-  if (extension == ".csv" || extension == ".tsv") {
+  const std::uintmax_t size = fs::file_size(path, ignored);
+  const bool is_table = extension == ".csv" || extension == ".tsv";
+  if (is_table && size <= kMostCounted) {
     return tableText(path);
   }
   const char* kind = extension == ".svg" || extension == ".png"    ? "picture, "
                      : extension == ".mp4" || extension == ".webm" ? "film, "
+                     : is_table                                    ? "table, "
                      : extension == ".html"                        ? "page, "
                      : irreplaceable(path) == "a recording"        ? "recording, "
                                                                    : "";
-  return kind + sizeText(fs::file_size(path, ignored));
+  return kind + sizeText(size);
 }
 
 }  // namespace

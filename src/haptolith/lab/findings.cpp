@@ -51,12 +51,9 @@ std::vector<Finding> findings(const SettleResult& result, double gravity_m_s2,
   for (const SettledBand& band : result.bands) {
     const auto measured = std::ranges::find_if(
         measuredBands(), [&](const MeasuredBand& m) { return m.top_m == band.top_m && m.bottom_m == band.bottom_m; });
-    if (measured == measuredBands().end()) {
-      continue;
-    }
     std::string what = fmt::format("density {:.0f} - {:.0f} cm", band.top_m * 100, band.bottom_m * 100);
     std::string value = fmt::format("{:.0f} kg/m³", band.density_kg_m3);
-    if (lunar) {
+    if (lunar && measured != measuredBands().end()) {
       found.push_back(near(
           std::move(what),
           fmt::format("{:.0f} ± {:.0f} kg/m³ (Lunar Sourcebook)", measured->density_kg_m3, measured->tolerance_kg_m3),

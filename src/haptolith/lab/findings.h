@@ -25,7 +25,8 @@ namespace haptolith {
 /// which nothing else is known or which is as dense there.
 [[nodiscard]] bool isLunar(double gravity_m_s2, const std::optional<SoilTarget>& target);
 
-/// Lunar soil against the Lunar Sourcebook; another with a target against that, +- 5 %, in the upper 15 cm.
+/// One for each of its bands: lunar soil against the Lunar Sourcebook; another with a target against that, +- 5 %, in
+/// the upper 15 cm.
 [[nodiscard]] std::vector<Finding> findings(const SettleResult& result, double gravity_m_s2,
                                             const std::optional<SoilTarget>& target);
 /// Friction angle +- 2 degrees; cohesion +- 20 %, or +- 50 Pa where that is more.
