@@ -62,7 +62,7 @@ class Observer {
   void handle(double at_s, const Vec3& position_m, double energy_j);
   [[nodiscard]] Measures measures() const;
   /// True from when an answer has let go of the hand until one holds it again.
-  [[nodiscard]] bool letGo() const { return let_go_; }
+  [[nodiscard]] bool releaseForce() const { return let_go_; }
   /// Every let-go, since the script's start.
   [[nodiscard]] const std::vector<double>& letGoes() const { return let_goes_s_; }
 

@@ -275,7 +275,7 @@ class Session {
     const double at_s = time();
     const std::vector<double>& let_goes_s = observer_.letGoes();
     if (settings_.task != Task::kGlitches || settings_.script.phase(at_s) != Phase::kStill ||
-        length(last_.force_n) < kPressed_n || observer_.letGo() ||
+        length(last_.force_n) < kPressed_n || observer_.releaseForce() ||
         (!let_goes_s.empty() && at_s < let_goes_s.back() + kForceIsBack_s)) {
       return;
     }
@@ -316,7 +316,7 @@ class Session {
         glitch.largest_step_n_ms = std::max(glitch.largest_step_n_ms, length(answer.force_n - last_.force_n));
       }
       glitch.energy_mj = std::max(glitch.energy_mj, 1e3 * handle_.ledger().device_j - glitch.energy_before_mj);
-      if (observer_.letGo() && glitch.let_go_ms < 0) {
+      if (observer_.releaseForce() && glitch.let_go_ms < 0) {
         glitch.let_go_ms = 1e3 * (at_s - glitch.at_s);
       }
     }

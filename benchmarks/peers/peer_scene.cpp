@@ -1,5 +1,5 @@
 // Scenes for the comparison with another discrete-element engine: writes where each begins, for the other engine, and
-// runs it. See README.md. Pairwise friction with a linear spring, and nothing but spheres: floors, plates, the blade
+// runs it. See README.md. Contact friction with a linear spring, and nothing but spheres: floors, plates, the blade
 // and the tray are made of driven particles, so that no engine's idea of a wall takes part.
 
 #include <fmt/format.h>
@@ -51,7 +51,7 @@ struct Scene {
 /// gamma = k (2R - a_min)^2 makes the hyperbola (paper 7) no softer than its line anywhere: F = k (2R - a).
 SoilParameters linearSoil(double damping_ratio) {
   SoilParameters soil;
-  soil.friction = FrictionModel::kPairwise;
+  soil.friction = FrictionModel::kContact;
   soil.radius_m = 7e-3;
   soil.rho0_kg_m3 = 1330;
   soil.attraction_ratio = 1;

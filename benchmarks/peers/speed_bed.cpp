@@ -1,6 +1,6 @@
 // A settled bed for other engines, and how fast haptolith steps it: see speed and README.md.
 //
-//     haptolith_peer_speed PARTICLES paper|pairwise THREADS FOLDER
+//     haptolith_peer_speed PARTICLES paper|contact THREADS FOLDER
 //
 // Writes FOLDER/bed.data (LAMMPS) and FOLDER/law.table (contact force over distance), prints one line of JSON that says
 // what the bed is, and then for every line "STEPS" of standard input the seconds that so many steps took.
@@ -79,15 +79,15 @@ void writeTable(const Bed& bed, const std::string& path) {
 
 int run(int argc, char** argv) {
   if (argc != 5) {
-    fmt::print(stderr, "usage: haptolith_peer_speed PARTICLES paper|pairwise THREADS FOLDER\n");
+    fmt::print(stderr, "usage: haptolith_peer_speed PARTICLES paper|contact THREADS FOLDER\n");
     return 2;
   }
   const std::string friction = argv[2];
-  if (friction != "paper" && friction != "pairwise") {
-    throw InvalidParameter("friction", friction, "paper or pairwise");
+  if (friction != "paper" && friction != "contact") {
+    throw InvalidParameter("friction", friction, "paper or contact");
   }
   const std::string folder = argv[4];
-  Bed bed(sandbox(std::stoi(argv[1]), friction == "paper" ? FrictionModel::kPaper : FrictionModel::kPairwise,
+  Bed bed(sandbox(std::stoi(argv[1]), friction == "paper" ? FrictionModel::kPaper : FrictionModel::kContact,
                   std::stoi(argv[3])));
   const BedParameters& parameters = bed.parameters();
   const double dt = parameters.tick_s / substepsFor(parameters.soil, 0, parameters.tick_s, parameters.max_substeps);

@@ -50,7 +50,7 @@ Soil soilOf(const std::string& preset, const std::string& body, FrictionModel fr
   BedParameters bed;
   bed.soil = findPreset(preset).soil;
   bed.gravity_m_s2 = {0, 0, -findBody(body).gravity_m_s2};
-  if (friction == FrictionModel::kPairwise) {
+  if (friction == FrictionModel::kContact) {
     bed.soil.friction = friction;
     bed.soil.stiffness_n_m = 3000;  // as the named soils have it
     bed.start = BedStart::kRain;
@@ -60,7 +60,7 @@ Soil soilOf(const std::string& preset, const std::string& body, FrictionModel fr
 
 std::vector<Soil> soils(int threads) {
   std::vector<Soil> all;
-  for (const FrictionModel friction : {FrictionModel::kPaper, FrictionModel::kPairwise}) {
+  for (const FrictionModel friction : {FrictionModel::kPaper, FrictionModel::kContact}) {
     for (const char* preset : {"P1", "P3", "P6"}) {
       for (const char* body : {"Moon", "Earth"}) {
         all.push_back(soilOf(preset, body, friction));
@@ -100,7 +100,7 @@ const char* text(CouplingKind coupling) {
 }
 
 const char* text(FrictionModel friction) {
-  return friction == FrictionModel::kPairwise ? "pairwise" : "paper";
+  return friction == FrictionModel::kContact ? "contact" : "paper";
 }
 
 void print(const std::vector<Cell>& cells) {
@@ -146,7 +146,7 @@ void summarise(const std::vector<Cell>& cells) {
   fmt::print(stderr, "{:9}{:10}{:9}{:>6}{:>5}{:>7}{:>6}{:>7}{:>14}{:>15}{:>13}{:>9}\n", "coupling", "friction", "grip",
              "delay", "ctl", "cells", ">1mJ", "ended", "injected_mj", "vibration_mm", "median_mm", "damped");
   for (const CouplingKind coupling : {CouplingKind::kDirect, CouplingKind::kVirtual}) {
-    for (const FrictionModel friction : {FrictionModel::kPaper, FrictionModel::kPairwise}) {
+    for (const FrictionModel friction : {FrictionModel::kPaper, FrictionModel::kContact}) {
       for (const HoldingHand& hand : kHands) {
         for (const int delay : {0, 2, 5}) {
           for (const bool passivity : {false, true}) {
@@ -222,7 +222,7 @@ struct UnknownCell {
 int unknownDevices(int threads) {
   const std::vector<Scenario> scenes{
       loadScenarioText("title = \"P3, Moon\"", "A"),
-      loadScenarioText("title = \"P6, Earth, pairwise\"\n[soil]\npreset = \"P6\"\nfriction = \"pairwise\"\n"
+      loadScenarioText("title = \"P6, Earth, contact\"\n[soil]\npreset = \"P6\"\nfriction = \"contact\"\n"
                        "stiffness_n_m = 3000\n[gravity]\nbody = \"Earth\"\n[bed]\nstart = \"rain\"",
                        "B"),
       loadScenarioText("title = \"apollo-15-srp\"\n[soil]\nname = \"apollo-15-srp\"", "C")};

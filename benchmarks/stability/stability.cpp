@@ -74,8 +74,8 @@ class HeldDevice final : public HapticDevice {
     ++ticks_;
   }
 
-  void letGo() noexcept override {}
-  void takeUp() noexcept override {}
+  void releaseForce() noexcept override {}
+  void resumeForce() noexcept override {}
 
   StabilityResult result;
 

@@ -126,7 +126,7 @@ TEST(Run, AKeyWithoutEffectIsAWarning) {
   const std::string run = "run '" + path + "' --unpaced --duration-s 0.01";
   EXPECT_THAT(runHaptolith(run).errors,
               HasSubstr("warning: " + path + ":3: [soil] contact_friction has no effect: it needs"));
-  EXPECT_THAT(runHaptolith(run + " --friction pairwise").errors, Not(HasSubstr("no effect")));
+  EXPECT_THAT(runHaptolith(run + " --friction contact").errors, Not(HasSubstr("no effect")));
 }
 
 TEST(Run, SaysWhatItSaved) {
@@ -212,7 +212,7 @@ TEST(Completion, BashOffersCommandsOptionsAndChoices) {
   EXPECT_EQ(bashOffers("run --hand s"), "scoop shake still stir\n");
   EXPECT_EQ(bashOffers("run --body E"), "Europa Earth\n");
   EXPECT_EQ(bashOffers("run --soil lunar"), "lunar-0-15cm lunar-trafficability\n");
-  EXPECT_EQ(bashOffers("run --friction p"), "pairwise paper\n");
+  EXPECT_EQ(bashOffers("run --friction "), "contact paper\n");
   EXPECT_EQ(bashOffers("soil prof"), "profile\n");
   EXPECT_EQ(bashOffers("soil cal"), "calibrate-paper\n");
   EXPECT_EQ(bashOffers("run sand"), "sandbox\n");

@@ -32,7 +32,7 @@ TEST_F(LabCommand, FallPrintsOneJsonObjectAndWritesFigureAndTrace) {
   const json answer = json::parse(result.output);
   EXPECT_EQ(answer.at("test"), "fall");
   EXPECT_EQ(answer.at("soil"), "lunar-0-15cm");
-  EXPECT_EQ(answer.at("friction"), "pairwise");
+  EXPECT_EQ(answer.at("friction"), "contact");
   EXPECT_NEAR(answer.at("acceleration_ratio").get<double>(), 1, 1e-3);
   EXPECT_GT(fs::file_size(figure), 1000U);
   std::string header;

@@ -98,7 +98,7 @@ TEST_F(RunCommand, ASoilIsFoundByItsNameFromAnyFolder) {
   const json summary = json::parse(result.output);
   EXPECT_EQ(summary["soil"], "lhs-1");
   EXPECT_EQ(summary["preset"], "");
-  EXPECT_EQ(summary["friction"], "pairwise");
+  EXPECT_EQ(summary["friction"], "contact");
 }
 
 TEST_F(RunCommand, ASoilMayComeFromAFileAndReplacesTheScenes) {
@@ -121,8 +121,9 @@ TEST_F(RunCommand, ASoilMayComeFromAFileAndReplacesTheScenes) {
 TEST_F(RunCommand, FrictionIsTheSoilsUnlessToldOtherwise) {
   const std::string brief = "--unpaced --duration-s 0.05 ";
   EXPECT_EQ(summaryOf(brief)["friction"], "paper");
-  EXPECT_EQ(summaryOf(brief + "--friction Pairwise")["friction"], "pairwise");
-  EXPECT_EQ(summaryOf(brief + "--friction pairwise")["preset"], "P3");
+  EXPECT_EQ(summaryOf(brief + "--friction Contact")["friction"], "contact");
+  EXPECT_EQ(summaryOf(brief + "--friction pairwise")["friction"], "contact") << "the word of earlier versions";
+  EXPECT_EQ(summaryOf(brief + "--friction contact")["preset"], "P3");
   EXPECT_EQ(summaryOf(brief + "--soil lms-1 --friction paper")["friction"], "paper");
 }
 

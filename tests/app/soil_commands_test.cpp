@@ -173,7 +173,7 @@ TEST_F(SoilCommands, ListTellsWhatWasMeasuredOfTheNamedSoils) {
   EXPECT_EQ((*soil)["friction_angle_deg"], 37.5);
   EXPECT_EQ((*soil)["friction_angle_range_deg"], json({35, 40}));
   EXPECT_EQ((*soil)["cohesion_pa"], 425);
-  EXPECT_EQ((*soil)["friction"], "pairwise");
+  EXPECT_EQ((*soil)["friction"], "contact");
   EXPECT_THAT((*soil)["source"], HasSubstr("Surveyor III"));
   const ProgramResult text = runHaptolith("soil list");
   EXPECT_EQ(text.exit_status, 0);

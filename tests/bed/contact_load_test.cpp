@@ -28,7 +28,7 @@ TEST(ContactLoad, IsTheSumOfWhatNeighboursPressWith) {
 
 TEST(ContactLoad, GoesRoundAPeriodicBoxAndKnowsLargerParticles) {
   BedParameters bed;
-  bed.soil.friction = FrictionModel::kPairwise;
+  bed.soil.friction = FrictionModel::kContact;
   bed.soil.size_spread = 0.2;
   bed.periodic_x = true;
   const double r = bed.soil.radius_m;

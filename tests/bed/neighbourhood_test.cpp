@@ -176,7 +176,7 @@ TEST(Neighbourhood, RefusesALargeBedThatHasCollapsed) {
   expectAllPairs(heap);
 }
 
-/// A crowd that flies about, entered again as a bed does it: whoever is further than `patience_m` from its place.
+/// A crowd that flies about, entered again as a bed does it: whoever is further than `threshold_m` from its place.
 struct Flying {
   std::vector<Float4> position, velocity;
   double bounce_m = 0.1;
@@ -202,10 +202,10 @@ struct Flying {
       move(position[i].z, velocity[i].z);
     }
   }
-  [[nodiscard]] std::vector<std::int32_t> away(const Listed& listed, double patience_m) const {
+  [[nodiscard]] std::vector<std::int32_t> away(const Listed& listed, double threshold_m) const {
     std::vector<std::int32_t> away;
     for (std::size_t i = 0; i < position.size(); ++i) {
-      if (squaredDistance(position[i], listed.listed_at[i]) > patience_m * patience_m) {
+      if (squaredDistance(position[i], listed.listed_at[i]) > threshold_m * threshold_m) {
         away.push_back(static_cast<std::int32_t>(i));
       }
     }

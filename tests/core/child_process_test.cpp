@@ -70,12 +70,12 @@ TEST(ChildProcess, EndsWithUsHoweverWeEnd) {
   }
   from.to_write.close();
   std::string started;
-  const Patience patience{.until = std::chrono::steady_clock::now() + 60s, .stopped = kNever};
-  ASSERT_TRUE(readSome(from.to_read, started, patience));
+  const Deadline deadline{.until = std::chrono::steady_clock::now() + 60s, .stopped = kNever};
+  ASSERT_TRUE(readSome(from.to_read, started, deadline));
   kill(parent, SIGKILL);
   waitpid(parent, nullptr, 0);
   std::string rest;
-  EXPECT_FALSE(readSome(from.to_read, rest, patience)) << "nobody holds the other end any more";
+  EXPECT_FALSE(readSome(from.to_read, rest, deadline)) << "nobody holds the other end any more";
 }
 
 TEST(ChildProcess, TakesNoMoreOfAProcessorThanItMay) {

@@ -45,7 +45,7 @@ TEST(DeviceAllocation, ANetworkDeviceAllocatesNothing) {
     (void)device.read();
     device.write({{Vec3(1, 2, 3), Vec3::Zero()}});
     if (tick == 900) {
-      device.letGo();
+      device.releaseForce();
     }
     during += allocations_of_thread - before;
     while (client.receive()) {
@@ -80,7 +80,7 @@ TEST(DeviceAllocation, ANetworkDeviceWithAKeyAllocatesNothing) {
     (void)device.read();
     device.write({{Vec3(1, 2, 3), Vec3::Zero()}});
     if (tick == 400) {
-      device.letGo();
+      device.releaseForce();
     }
     during += allocations_of_thread - before;
     for (std::vector<std::byte> answer = client.receiveBytes(); !answer.empty(); answer = client.receiveBytes()) {
@@ -104,7 +104,7 @@ TEST(DeviceAllocation, AnInverse3AllocatesNothingInTheLoopsThread) {
     device.write({{Vec3(1, 2, 3), Vec3::Zero()}});
     std::this_thread::sleep_for(std::chrono::microseconds(100));
   }
-  device.letGo();
+  device.releaseForce();
   EXPECT_EQ(allocations_of_thread, before);
   EXPECT_GE(service.commands(), 100);
 }

@@ -536,7 +536,7 @@ TEST_F(ForceDimensionRead, TenFailuresInARowAreALostDevice) {
   ordered().failing = nullptr;
   EXPECT_EQ(device->read().state, DeviceState::kLost) << "for good";
   device->write(push());
-  device->takeUp();
+  device->resumeForce();
   EXPECT_THAT(calls(), IsEmpty()) << "a lost device holds nobody up";
 }
 
@@ -685,7 +685,7 @@ TEST_F(ForceDimensionWrite, LettingGoStopsAtOnceAndForGoodUntilItIsTakenUp) {
   const auto device = open();
   device->write(push());
   (void)calls();
-  std::thread([&] { device->letGo(); }).join();
+  std::thread([&] { device->releaseForce(); }).join();
   EXPECT_THAT(calls(), ElementsAre(kSet, "dhdStop"));
   EXPECT_THAT(ordered().wrench, ElementsAre(0, 0, 0, 0, 0, 0, 0));
   EXPECT_TRUE(ordered().brakes);
@@ -693,12 +693,12 @@ TEST_F(ForceDimensionWrite, LettingGoStopsAtOnceAndForGoodUntilItIsTakenUp) {
     device->write(push());
     EXPECT_EQ(device->read().state, DeviceState::kLive) << "its forces are off because we want it";
   }
-  device->letGo();
+  device->releaseForce();
   EXPECT_THAT(ordered().wrench, ElementsAre(0, 0, 0, 0, 0, 0, 0));
   EXPECT_FALSE(ordered().forces_on);
 
   (void)calls();
-  device->takeUp();
+  device->resumeForce();
   EXPECT_THAT(calls(), ElementsAre("dhdSetBrakes(off)", "dhdEnableForce(on)", kSet));
   EXPECT_THAT(ordered().wrench, ElementsAre(0, 0, 0, 0, 0, 0, 0));
   device->write(push());
@@ -712,7 +712,7 @@ TEST_F(ForceDimensionWrite, LettingGoWhileTheLoopIsInTheSdkWaitsForNobody) {
   while (!ordered().in_call) {
     std::this_thread::yield();
   }
-  device->letGo();  // would wait for ever if it called the SDK
+  device->releaseForce();  // would wait for ever if it called the SDK
   EXPECT_TRUE(ordered().forces_on);
   ordered().hangs = false;
   loop.join();
@@ -725,13 +725,13 @@ ForceDimension* signalled = nullptr;
 TEST_F(ForceDimensionWrite, LettingGoInASignalsHandlerWorks) {
   const auto device = open();
   signalled = device.get();
-  const auto before = std::signal(SIGUSR1, [](int) { signalled->letGo(); });
+  const auto before = std::signal(SIGUSR1, [](int) { signalled->releaseForce(); });
   device->write(push());
   (void)std::raise(SIGUSR1);
   EXPECT_THAT(ordered().wrench, ElementsAre(0, 0, 0, 0, 0, 0, 0));
   EXPECT_FALSE(ordered().forces_on);
 
-  device->takeUp();
+  device->resumeForce();
   ordered().raises = SIGUSR1;  // while the SDK holds its lock: who called it then would wait for itself
   device->write(push());
   EXPECT_THAT(ordered().wrench, ElementsAre(0, 0, 0, 0, 0, 0, 0));
@@ -743,7 +743,7 @@ TEST_F(ForceDimensionWrite, AStopThatFailedIsTriedAgain) {
   const auto device = open();
   ordered().failing = "dhdStop";
   ordered().failing_times = 1;
-  device->letGo();
+  device->releaseForce();
   (void)calls();
   device->write(push());
   EXPECT_THAT(calls(), ElementsAre(kSet, "dhdStop"));
@@ -756,7 +756,7 @@ TEST_F(ForceDimensionWrite, WhoeverLetsGoAtAnyTimeFindsNoForceAfterwards) {
   for (int round = 0; round < 200; ++round) {
     std::atomic<bool> done{false};
     std::thread other([&] {
-      device->letGo();
+      device->releaseForce();
       done = true;
     });
     while (!done) {
@@ -768,7 +768,7 @@ TEST_F(ForceDimensionWrite, WhoeverLetsGoAtAnyTimeFindsNoForceAfterwards) {
     device->write(push());
     ASSERT_THAT(ordered().wrench, ElementsAre(0, 0, 0, 0, 0, 0, 0)) << round;
     ASSERT_FALSE(ordered().forces_on) << round;
-    device->takeUp();
+    device->resumeForce();
     device->write(push());
     ASSERT_THAT(ordered().wrench, ElementsAre(1, 2, 3, 0.01, 0.02, 0.03, 4)) << round;
   }
@@ -792,9 +792,9 @@ TEST_F(ForceDimensionWrite, NothingInTheTickAllocates) {
   ordered().forces_on = false;
   ordered().forces_off_cause = 3;
   ticks(200);
-  device->letGo();
+  device->releaseForce();
   ticks(60);
-  device->takeUp();
+  device->resumeForce();
   ordered().frozen = true;
   ticks(200);
   ordered().not_a_number = true;

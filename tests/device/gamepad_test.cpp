@@ -214,7 +214,7 @@ TEST_F(GamepadTest, StopsTheRumbleWhenItIsLetGoWhateverItIsTold) {
   Gamepad pad = open();
   const Vec3 force_n(Gamepad::kFullRumble_n, 0, 0);
   ASSERT_TRUE(eventuallyFeeling(pad, force_n, [&] { return motors_.strength == 0xFFFF; }));
-  pad.letGo();
+  pad.releaseForce();
   ASSERT_TRUE(eventuallyFeeling(pad, force_n, [&] { return motors_.strength == 0; }));
   const int calls = motors_.calls;
   EXPECT_FALSE([&] {
@@ -224,7 +224,7 @@ TEST_F(GamepadTest, StopsTheRumbleWhenItIsLetGoWhateverItIsTold) {
     }
     return motors_.calls > calls && motors_.strength > 0;
   }());
-  pad.takeUp();
+  pad.resumeForce();
   EXPECT_TRUE(eventuallyFeeling(pad, force_n, [&] { return motors_.strength == 0xFFFF; }));
 }
 
@@ -276,8 +276,8 @@ TEST_F(GamepadTest, AllocatesNothingInTheTick) {
     (void)pad.read();
     pad.write({});
   }
-  pad.letGo();
-  pad.takeUp();
+  pad.releaseForce();
+  pad.resumeForce();
   EXPECT_EQ(allocationsOfThisThread(), before);
 }
 

@@ -119,13 +119,13 @@ TEST(Inverse3, ForceIsZeroWhenTheLoopHasLetGoOrStopsOrWritesNonsense) {
   const auto pushes = [&](const DeviceInput&) { return service.force() == force_n; };
   const auto rests = [&](const DeviceInput&) { return service.force() == Vec3::Zero(); };
   ASSERT_TRUE(shows(device, force_n, pushes));
-  std::thread other([&] { device.letGo(); });
+  std::thread other([&] { device.releaseForce(); });
   other.join();
   EXPECT_TRUE(shows(device, force_n, rests)) << "let go";
   const int then = service.commands();
   EXPECT_TRUE(shows(device, force_n, [&](const DeviceInput&) { return service.commands() > then + 20; }));
   EXPECT_EQ(service.force(), Vec3::Zero());
-  device.takeUp();
+  device.resumeForce();
   ASSERT_TRUE(shows(device, force_n, pushes));
 
   const Vec3 nonsense(0, std::numeric_limits<double>::quiet_NaN(), 0);
@@ -176,7 +176,7 @@ TEST(Inverse3, SaysWhenTheZeroOfLettingGoIsOut) {
   Inverse3 device(at(service.address()));
   const Vec3 force_n(0.5, -1.25, 2);
   ASSERT_TRUE(shows(device, force_n, [&](const DeviceInput&) { return service.force() == force_n; }));
-  device.letGo();
+  device.releaseForce();
   const auto end = Clock::now() + 10s;
   while (device.lettingGo() != LettingGo::kDone && Clock::now() < end) {
     std::this_thread::sleep_for(1ms);
@@ -192,7 +192,7 @@ TEST(Inverse3, AServiceThatEndsTheConnectionIsALostDevice) {
   Inverse3 device(at(service.address()));
   ASSERT_TRUE(becomes(device, DeviceState::kLost));
   EXPECT_THAT(std::string(device.problem()), AllOf(HasSubstr(service.address()), HasSubstr("start anew")));
-  device.letGo();
+  device.releaseForce();
   device.write({});
   EXPECT_EQ(device.read().state, DeviceState::kLost);
 }

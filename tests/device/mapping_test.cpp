@@ -108,12 +108,12 @@ TEST(Mapping, VelocityIsTheRateOfThePose) {
 
 TEST(Mapping, PowerIsTheSameOnBothSidesWhereForcesAreScaledAsLengths) {
   std::mt19937_64 random(1);
-  const auto any = [&random] { return Vec3(evenly(random), evenly(random), evenly(random)); };
+  const auto any = [&random] { return Vec3(uniformSigned(random), uniformSigned(random), uniformSigned(random)); };
   for (const double ratio : {1.0, 0.25, 4.0}) {
     for (int i = 0; i < 100; ++i) {
       MappingParameters parameters;
       parameters.turn_rad = 3 * any();
-      parameters.scale = std::pow(10, evenly(random));
+      parameters.scale = std::pow(10, uniformSigned(random));
       parameters.force_scale = ratio * parameters.scale;
       Mapping mapping(parameters, centred(), kTick_s);
       DeviceInput hand = handAt(any());

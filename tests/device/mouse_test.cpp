@@ -210,8 +210,8 @@ TEST_F(MouseTest, AllocatesNothingInTheTick) {
     (void)mouse.read();
     mouse.write({});
   }
-  mouse.letGo();
-  mouse.takeUp();
+  mouse.releaseForce();
+  mouse.resumeForce();
   EXPECT_EQ(allocationsOfThisThread(), before);
 }
 

@@ -42,7 +42,7 @@ DeviceParameters listeningAt(const std::string& address) {
 }
 const DeviceParameters kAnyPort = listeningAt("127.0.0.1:0");
 /// So long that no noise of the machine makes a sender silent.
-constexpr NetworkPatience kPatient{.fresh_s = 10, .holder_s = 60};
+constexpr NetworkTimeouts kPatient{.fresh_s = 10, .holder_s = 60};
 
 DevicePacket packet(std::uint32_t sequence, double x_m = 0) {
   DevicePacket packet;
@@ -385,7 +385,7 @@ TEST(NetworkDeviceWithAKey, LettingGoIsSignedToo) {
   (void)client.receive(5000);
   client.send(packet(2));
   (void)readUntil(device, DeviceState::kLive);
-  device.letGo();
+  device.releaseForce();
   const auto answer = client.receive(5000);
   ASSERT_TRUE(answer);
   EXPECT_TRUE(answer->let_go);
@@ -514,8 +514,8 @@ TEST(NetworkDevice, ASenderThatStartsAnewIsTakenAfterItsSilence) {
 
 TEST(NetworkDevice, LettingGoSendsZeroAtOnceAndFromThenOn) {
   NetworkDevice device(kAnyPort, kPatient);
-  device.letGo();  // nobody there yet
-  device.takeUp();
+  device.releaseForce();  // nobody there yet
+  device.resumeForce();
   const UdpClient client(device.port());
   client.send(packet(1));
   (void)readUntilSeen(device, 1);
@@ -523,7 +523,7 @@ TEST(NetworkDevice, LettingGoSendsZeroAtOnceAndFromThenOn) {
   device.write(push);
   EXPECT_EQ(client.receive(5000)->output.wrench.force_n.x(), 5);
 
-  std::thread other([&] { device.letGo(); });
+  std::thread other([&] { device.releaseForce(); });
   other.join();
   const auto at_once = client.receive(5000);
   ASSERT_TRUE(at_once);
@@ -541,7 +541,7 @@ TEST(NetworkDevice, LettingGoSendsZeroAtOnceAndFromThenOn) {
     EXPECT_EQ(answer->output.wrench.force_n, Vec3::Zero());
     EXPECT_EQ(answer->output.gripper_force_n, 0);
   }
-  device.takeUp();
+  device.resumeForce();
   client.send(packet(5));
   (void)readUntilSeen(device, 5);
   device.write(push);
@@ -554,14 +554,14 @@ TEST(NetworkDevice, WhoeverLetsGoWhileTheLoopWritesHasTheLastWord) {
   client.send(packet(1));
   (void)readUntilSeen(device, 1);
   for (std::uint32_t round = 0; round < 200; ++round) {
-    device.takeUp();
+    device.resumeForce();
     client.send(packet(2 + round));
     (void)readUntilSeen(device, 2 + round);
     std::atomic<bool> go{false};
     std::thread other([&] {
       while (!go) {
       }
-      device.letGo();
+      device.releaseForce();
     });
     go = true;
     device.write({{Vec3(5, 0, 0), Vec3::Zero()}});
@@ -609,7 +609,7 @@ TEST(NetworkDevice, ASocketThatBreaksIsALostDeviceThatSaysWhy) {
                                                    HasSubstr("Socket operation on non-socket"), HasSubstr("start")));
   device.write({{Vec3(5, 0, 0), Vec3::Zero()}});
   EXPECT_EQ(device.counts().unsent, 1U);
-  device.letGo();
+  device.releaseForce();
   EXPECT_EQ(device.read().state, DeviceState::kLost);
 }
 

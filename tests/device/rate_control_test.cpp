@@ -17,7 +17,7 @@ constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 
 Vec3 anyVector(std::mt19937_64& random) {
-  return {evenly(random), evenly(random), evenly(random)};
+  return {uniformSigned(random), uniformSigned(random), uniformSigned(random)};
 }
 
 Vec3 speedAt(const Vec3& linear, const RateParameters& rate = {}) {

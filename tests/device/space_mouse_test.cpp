@@ -264,8 +264,8 @@ TEST_F(SpaceMouseTest, AllocatesNothingInTheTick) {
     (void)mouse.read();
     mouse.write({});
   }
-  mouse.letGo();
-  mouse.takeUp();
+  mouse.releaseForce();
+  mouse.resumeForce();
   EXPECT_EQ(allocationsOfThisThread(), before);
 }
 

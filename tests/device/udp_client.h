@@ -34,9 +34,9 @@ class UdpClient {
   }
   void send(const DevicePacket& packet) const { send(bytesOf(packet)); }
 
-  /// The next answer; none when there is none within `patience_ms`.
-  [[nodiscard]] std::optional<AnswerPacket> receive(int patience_ms = 0) const {
-    const std::vector<std::byte> bytes = receiveBytes(patience_ms);
+  /// The next answer; none when there is none within `timeout_ms`.
+  [[nodiscard]] std::optional<AnswerPacket> receive(int timeout_ms = 0) const {
+    const std::vector<std::byte> bytes = receiveBytes(timeout_ms);
     if (bytes.empty()) {
       return std::nullopt;
     }
@@ -46,9 +46,9 @@ class UdpClient {
   }
 
   /// As receive(), whatever it is.
-  [[nodiscard]] std::vector<std::byte> receiveBytes(int patience_ms = 0) const {
+  [[nodiscard]] std::vector<std::byte> receiveBytes(int timeout_ms = 0) const {
     pollfd wanted{socket_.number(), POLLIN, 0};
-    if (poll(&wanted, 1, patience_ms) != 1) {
+    if (poll(&wanted, 1, timeout_ms) != 1) {
       return {};
     }
     std::vector<std::byte> bytes(1000);

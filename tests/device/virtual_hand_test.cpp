@@ -163,7 +163,7 @@ TEST(VirtualHand, WhoeverHoldsTheToolPullsItToThePoseAndBringsItToRestThere) {
   VirtualHand hand(HandParameters{}, kTick_s);
   (void)after(hand, 100);
   const Pose wanted{Vec3(0.03, -0.02, 0.06), Quat(Eigen::AngleAxisd(0.5, Vec3::UnitY()))};
-  hand.wish({.held = wanted});
+  hand.command({.held = wanted});
   const DeviceInput soon = after(hand, 60);
   EXPECT_GT((soon.pose.position_m - wanted.position_m).norm(), 1e-3) << "it is pulled, not put there";
   const DeviceInput later = after(hand, 1000);
@@ -177,7 +177,7 @@ TEST(VirtualHand, WhoeverHoldsTheToolCannotForceItThroughWhatIsStrongerThanTheDe
   parameters.max_force_n = 5;
   VirtualHand hand(parameters, kTick_s);
   const Vec3 start = hand.read().pose.position_m;
-  hand.wish({.held = Pose{start - Vec3(0, 0, 1)}});  // 300 N by the coupling's stiffness alone
+  hand.command({.held = Pose{start - Vec3(0, 0, 1)}});  // 300 N by the coupling's stiffness alone
   hand.write({{Vec3(0, 0, 5.01), Vec3::Zero()}});
   EXPECT_GE(after(hand, 1000).pose.position_m.z(), start.z());
   hand.write({{Vec3(0, 0, 4.9), Vec3::Zero()}});
@@ -188,9 +188,9 @@ TEST(VirtualHand, AManoeuvreBeginsAnewFromWhereSomebodyLeftTheTool) {
   HandParameters parameters;
   parameters.surface_m = 0.04;
   VirtualHand hand(parameters, kTick_s);
-  hand.wish({.held = Pose{Vec3(-0.05, 0.05, 0.03)}, .surface_m = 0.04});
+  hand.command({.held = Pose{Vec3(-0.05, 0.05, 0.03)}, .surface_m = 0.04});
   DeviceInput now = after(hand, 2000);
-  hand.wish({.manoeuvre = Manoeuvre::kStir, .surface_m = 0.04, .beginnings = 1});
+  hand.command({.manoeuvre = Manoeuvre::kStir, .surface_m = 0.04, .beginnings = 1});
   double fastest = 0;
   for (int i = 0; i < 1000; ++i) {
     now = hand.read();

@@ -162,13 +162,13 @@ TEST_F(FigureTest, AGnuplotThatDoesNotEndIsKilledWithUs) {
     _exit(0);
   }
   const std::function<bool()> never;
-  const Patience patience{.until = std::chrono::steady_clock::now() + std::chrono::minutes(1), .stopped = never};
+  const Deadline deadline{.until = std::chrono::steady_clock::now() + std::chrono::minutes(1), .stopped = never};
   std::string said;
-  ASSERT_TRUE(readSome(from, said, patience));
+  ASSERT_TRUE(readSome(from, said, deadline));
   EXPECT_EQ(said, "drawing\n");
   kill(us, SIGKILL);
   waitpid(us, nullptr, 0);
-  EXPECT_FALSE(readSome(from, said, patience)) << "gnuplot has closed its end";
+  EXPECT_FALSE(readSome(from, said, deadline)) << "gnuplot has closed its end";
 }
 
 TEST_F(FigureTest, UnsavedFiguresLeaveNothingBehind) {

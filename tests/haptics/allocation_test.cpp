@@ -52,10 +52,10 @@ TEST(Allocation, ATickAllocatesNothing) {
   EXPECT_EQ(allocationsIn(5000, bed, Manoeuvre::kStir, HandCompliance::kRigid), 0);
 }
 
-TEST(Allocation, ATickWithPairwiseFrictionAllocatesNothing) {
+TEST(Allocation, ATickWithContactFrictionAllocatesNothing) {
   // Renewed lists also move the memory of contacts.
   BedParameters bed;
-  bed.soil.friction = FrictionModel::kPairwise;
+  bed.soil.friction = FrictionModel::kContact;
   bed.soil.contact_cohesion_n = 0.003;
   bed.soil.size_spread = 0.05;
   EXPECT_EQ(allocationsIn(5000, bed, Manoeuvre::kStir, HandCompliance::kRigid), 0);
@@ -77,7 +77,7 @@ TEST(Allocation, WhatIsAskedOfTheLoopAllocatesNothing) {
   bed.soil = findPreset("P4").soil;
   Scene scene(bed, {});
   Scene other(bed, {});
-  Stage next(other);
+  ShownScene next(other);
   HandParameters hand_parameters;
   hand_parameters.surface_m = scene.bed().surfaceHeight();
   VirtualHand hand(hand_parameters, bed.tick_s);
@@ -88,24 +88,24 @@ TEST(Allocation, WhatIsAskedOfTheLoopAllocatesNothing) {
                                   request::Gravity{Vec3(0, 0, -3)},
                                   request::Soil{SoilLaws(findPreset("P4").soil)},
                                   request::ExchangeTool{ToolParameters{.shape = ToolShape::kSphere}},
-                                  request::ExchangeStage{&next},
+                                  request::ExchangeBed{&next},
                                   request::Pause{},
                                   request::Advance{3},
                                   request::Resume{}};
   const long before = allocations;
   for (const LoopRequest& asked : requests) {
     ASSERT_TRUE(loop.ask(asked));
-    hand.wish({.held = Pose{Vec3(0.01, 0, 0.05)}, .surface_m = 0.04});
+    hand.command({.held = Pose{Vec3(0.01, 0, 0.05)}, .surface_m = 0.04});
     for (int i = 0; i < 300; ++i) {
       (void)loop.tick();
     }
-    hand.wish({.manoeuvre = Manoeuvre::kStir, .surface_m = 0.04, .beginnings = 1});
+    hand.command({.manoeuvre = Manoeuvre::kStir, .surface_m = 0.04, .beginnings = 1});
     for (int i = 0; i < 300; ++i) {
       (void)loop.tick();
     }
   }
   EXPECT_EQ(allocations, before);
-  EXPECT_EQ(&loop.stage(), &next);
+  EXPECT_EQ(&loop.shownScene(), &next);
 }
 
 TEST(Allocation, ALoopWithoutItsRecorderAllocatesNothingEither) {

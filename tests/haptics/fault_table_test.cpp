@@ -73,12 +73,12 @@ class PersonsDevice final : public HapticDevice {
     forces_n.push_back(shown.force_n);
     torques_nm.push_back(shown.torque_nm);
   }
-  void letGo() noexcept override {
+  void releaseForce() noexcept override {
     let_go = true;
     let_go_ns = monotonicNs();
     ++let_goes;
   }
-  void takeUp() noexcept override { let_go = false; }
+  void resumeForce() noexcept override { let_go = false; }
 
   [[nodiscard]] bool feelsNothing() const {
     return forces_n.back() == Vec3::Zero() && torques_nm.back() == Vec3::Zero();
@@ -317,7 +317,7 @@ TEST(FaultTable, MoreThanTwentyMissedDeadlines) {
   ASSERT_EQ(bench.ticks(kPressed), LoopEnd::kRunning);
   int zero_after = 0;
   for (; !bench.device.feelsNothing() && zero_after < 100; ++zero_after) {
-    bench.loop->believe({.late = true});
+    bench.loop->overrideHealth({.late = true});
     ASSERT_EQ(bench.ticks(1), LoopEnd::kRunning);
   }
   EXPECT_EQ(zero_after, 21) << "twenty are borne";
@@ -441,8 +441,8 @@ class PipedDevice final : public HapticDevice {
     return input;
   }
   void write(const DeviceOutput&) noexcept override {}
-  void letGo() noexcept override { tellTime(); }
-  void takeUp() noexcept override {}
+  void releaseForce() noexcept override { tellTime(); }
+  void resumeForce() noexcept override {}
 
  private:
   void tellTime() const noexcept {

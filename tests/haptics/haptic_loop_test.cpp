@@ -53,8 +53,8 @@ class FakeDevice final : public HapticDevice {
     last_ = output.wrench;
     largest_force_n_ = std::max(largest_force_n_, last_.force_n.norm());
   }
-  void letGo() noexcept override {}
-  void takeUp() noexcept override {}
+  void releaseForce() noexcept override {}
+  void resumeForce() noexcept override {}
 
   DeviceLimits limits_;
   int reads_ = 0;

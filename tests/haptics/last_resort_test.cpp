@@ -31,7 +31,7 @@ class Piped final : public HapticDevice {
   [[nodiscard]] DeviceLimits limits() const noexcept override { return {}; }
   [[nodiscard]] DeviceInput read() noexcept override { return {}; }
   void write(const DeviceOutput&) noexcept override {}
-  void letGo() noexcept override { tell(letter_); }
+  void releaseForce() noexcept override { tell(letter_); }
   void letGoRegardless() noexcept override { tell('r'); }
   [[nodiscard]] LettingGo lettingGo() const noexcept override {
     if (--looks_left_ >= 0) {
@@ -43,7 +43,7 @@ class Piped final : public HapticDevice {
     tell('.');
     return LettingGo::kDone;
   }
-  void takeUp() noexcept override {}
+  void resumeForce() noexcept override {}
 
   mutable std::atomic<int> looks_left_{0};  ///< so often a thread is still inside the library
   bool stuck_ = false;                      ///< the thread that asks is

@@ -39,8 +39,8 @@ class Stirrer final : public HapticDevice {
     largest_jump_n_ = std::max(largest_jump_n_, (output.wrench.force_n - last_.force_n).norm());
     last_ = output.wrench;
   }
-  void letGo() noexcept override {}
-  void takeUp() noexcept override {}
+  void releaseForce() noexcept override {}
+  void resumeForce() noexcept override {}
 
   int reads_ = 0;
   double largest_jump_n_ = 0;
@@ -170,7 +170,7 @@ TEST(LoopRequest, GravityAndSoilCountFromTheNextTick) {
   }
   Stirred made_so(wanted, centres_m);
   Stirred changed(paperBed(), centres_m);
-  ASSERT_TRUE(canGoOnWith(paperBed().soil, wanted.soil, ToolParameters{}.stiffness_n_m));
+  ASSERT_TRUE(isCompatible(paperBed().soil, wanted.soil, ToolParameters{}.stiffness_n_m));
   ASSERT_TRUE(changed.loop.ask(request::Gravity{wanted.gravity_m_s2}));
   ASSERT_TRUE(changed.loop.ask(request::Soil{SoilLaws(wanted.soil)}));
   made_so.ticks(500);
@@ -187,7 +187,7 @@ TEST(LoopRequest, ABedGoesOnOnlyWithSoilThatItsListsAndStepsAreGoodFor) {
   const auto good = [&](auto change) {
     SoilParameters soil = made;
     change(soil);
-    return canGoOnWith(made, soil, 500);
+    return isCompatible(made, soil, 500);
   };
   EXPECT_TRUE(good([](SoilParameters&) {}));
   EXPECT_TRUE(good([](SoilParameters& s) { s.mu_hat = 2; }));
@@ -197,7 +197,7 @@ TEST(LoopRequest, ABedGoesOnOnlyWithSoilThatItsListsAndStepsAreGoodFor) {
   EXPECT_FALSE(good([](SoilParameters& s) { s.stiffness_n_m *= 2; }));      // needs shorter steps
   EXPECT_FALSE(good([](SoilParameters& s) { s.radius_m *= 1.01; }));
   EXPECT_FALSE(good([](SoilParameters& s) { s.rho0_kg_m3 *= 1.01; }));
-  EXPECT_FALSE(good([](SoilParameters& s) { s.friction = FrictionModel::kPairwise; }));
+  EXPECT_FALSE(good([](SoilParameters& s) { s.friction = FrictionModel::kContact; }));
   EXPECT_FALSE(good([](SoilParameters& s) { s.size_spread = 0.1; }));
 }
 
@@ -210,13 +210,13 @@ TEST(LoopRequest, AnotherSceneComesWithoutAJumpAndWithoutAShot) {
   stirred.device.largest_jump_n_ = 0;
 
   Scene level(paperBed(), {});
-  Stage next(level);
-  ASSERT_TRUE(stirred.loop.ask(request::ExchangeStage{&next}));
+  ShownScene next(level);
+  ASSERT_TRUE(stirred.loop.ask(request::ExchangeBed{&next}));
   stirred.ticks(99);
-  EXPECT_NE(&stirred.loop.stage(), &next) << "the old one fades for a tenth of a second";
+  EXPECT_NE(&stirred.loop.shownScene(), &next) << "the old one fades for a tenth of a second";
   EXPECT_LT(stirred.device.last_.force_n.norm(), 0.2);
   stirred.ticks(2);
-  EXPECT_EQ(&stirred.loop.stage(), &next);
+  EXPECT_EQ(&stirred.loop.shownScene(), &next);
   const std::uint64_t left = stirred.hash();
 
   EXPECT_LT(stirred.fastestOf(level, 400), 2 * usual_m_s) << "the blade stands in soil that knows nothing of it";
@@ -237,11 +237,11 @@ TEST(LoopRequest, ASceneOfAnotherSizeIsShownWhole) {
   more.width_m = more.length_m = 0.5;
   more.depth_m = 0.08;
   Scene large(more, {});
-  Stage next(large);
+  ShownScene next(large);
   ASSERT_TRUE(stirred.loop.ask(request::Pause{}));
-  ASSERT_TRUE(stirred.loop.ask(request::ExchangeStage{&next}));  // nobody feels anything: at once
+  ASSERT_TRUE(stirred.loop.ask(request::ExchangeBed{&next}));  // nobody feels anything: at once
   stirred.ticks(1);
-  EXPECT_EQ(&stirred.loop.stage(), &next);
+  EXPECT_EQ(&stirred.loop.shownScene(), &next);
   ASSERT_TRUE(stirred.loop.ask(request::Resume{}));
   stirred.ticks(64);
   ASSERT_TRUE(stirred.loop.snapshots().update());

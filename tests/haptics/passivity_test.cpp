@@ -45,7 +45,7 @@ struct Handle {
 TEST(Passivity, CountsTheEnergyThatTheHandIsGiven) {
   Passivity passivity({.stiffness_n_m = kStiffness_n_m}, kTick_s);
   std::mt19937_64 random(7);
-  const auto any = [&random] { return Vec3(evenly(random), evenly(random), evenly(random)); };
+  const auto any = [&random] { return Vec3(uniformSigned(random), uniformSigned(random), uniformSigned(random)); };
   double expected_j = 0;
   Pose pose;
   Wrench sent{any(), any()};
@@ -276,7 +276,7 @@ Passivity atRestFor(double seconds, double step_m, double noise_m, double resolu
   double felt_n = 3;
   for (int tick = 0; tick < seconds / kTick_s; ++tick) {
     // Where a handle between two steps is told to be: on either side of them.
-    const double told_m = step_m * (evenly(random) > 0 ? 1 : 0) + noise_m * evenly(random);
+    const double told_m = step_m * (uniformSigned(random) > 0 ? 1 : 0) + noise_m * uniformSigned(random);
     passivity.observe(at(told_m), force(felt_n));
     felt_n = 3 - 1400 * told_m;
   }

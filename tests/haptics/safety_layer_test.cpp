@@ -66,7 +66,7 @@ TEST(SafetyLayer, LeavesAloneWhatIsSafeBitForBit) {
   DeviceOutput rendered;
   for (int tick = 0; tick < 1000; ++tick) {
     safety.check({}, {});
-    const Vec3 step_n(evenly(random), evenly(random), evenly(random));
+    const Vec3 step_n(uniformSigned(random), uniformSigned(random), uniformSigned(random));
     rendered.wrench.force_n = 0.9 * rendered.wrench.force_n + 0.1 * step_n;
     rendered.wrench.torque_nm = 0.9 * rendered.wrench.torque_nm + 0.004 * step_n;
     rendered.gripper_force_n = 0.9 * rendered.gripper_force_n + 0.02 * step_n.x();
@@ -85,20 +85,20 @@ TEST(SafetyLayer, WhateverHappensForcesStayWithinTheLimitsAndJumpToNothingOnly) 
     parameters.calm_s = 0.02;
     SafetyLayer safety(parameters, small(), simulated, kStorage_n_m, kTick_s);
     std::mt19937_64 random(5);
-    const auto any = [&random] { return Vec3(evenly(random), evenly(random), evenly(random)); };
+    const auto any = [&random] { return Vec3(uniformSigned(random), uniformSigned(random), uniformSigned(random)); };
     DeviceOutput last;
     DeviceInput input;
     int zeroed = 0, shown = 0;
     for (int tick = 0; tick < 50'000; ++tick) {
       DeviceInput told = input;
       input.pose.position_m = 0.9 * input.pose.position_m + 4e-3 * any();  // up to 9 m/s
-      const double dice = evenly(random);
+      const double dice = uniformSigned(random);
       told.state = dice > 0.998 ? DeviceState::kStale : dice < -0.998 ? DeviceState::kLost : DeviceState::kLive;
       if (std::abs(dice) < 5e-4) {
         told.twist.linear_m_s.x() = kNaN;
       }
       safety.check(told, {std::abs(dice) > 0.9, std::abs(dice - 0.5) < 2e-4});
-      DeviceOutput rendered{{30 * any(), 1 * any()}, 5 * evenly(random)};
+      DeviceOutput rendered{{30 * any(), 1 * any()}, 5 * uniformSigned(random)};
       if (std::abs(dice + 0.5) < 2e-4) {
         rendered.wrench.force_n.y() = kNaN;
       }

@@ -28,7 +28,7 @@ BedParameters sandbox(FrictionModel friction) {
 
 /// So wide that its borders sleep while the middle is stirred.
 BedParameters wide(int threads) {
-  BedParameters bed = sandbox(FrictionModel::kPairwise);
+  BedParameters bed = sandbox(FrictionModel::kContact);
   bed.width_m = bed.length_m = 0.5;
   bed.sleep_speed_m_s = 2e-3;
   bed.threads = threads;
@@ -117,8 +117,8 @@ TEST(Sleep, WithThePapersFrictionEveryBitIsAsIfNobodySlept) {
   EXPECT_LT(least, sleeping.scene.bed().particles() / 2) << "nothing slept";
 }
 
-TEST(Sleep, WithPairwiseFrictionTheToolFeelsTheSameToRounding) {
-  BedParameters parameters = sandbox(FrictionModel::kPairwise);
+TEST(Sleep, WithContactFrictionTheToolFeelsTheSameToRounding) {
+  BedParameters parameters = sandbox(FrictionModel::kContact);
   parameters.width_m = parameters.length_m = 0.15;
   Stirred sleeping(parameters);
   parameters.sleep = false;
@@ -325,7 +325,7 @@ TEST_P(Waking, FrictionThatIsSwitchedOffAndAWishWake) {
   EXPECT_LT(bed().awake(), bed().particles());
 }
 
-INSTANTIATE_TEST_SUITE_P(Frictions, Waking, testing::Values(FrictionModel::kPaper, FrictionModel::kPairwise));
+INSTANTIATE_TEST_SUITE_P(Frictions, Waking, testing::Values(FrictionModel::kPaper, FrictionModel::kContact));
 
 }  // namespace
 }  // namespace haptolith

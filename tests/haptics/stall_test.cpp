@@ -60,8 +60,8 @@ class PressingDevice final : public HapticDevice {
     return input;
   }
   void write(const DeviceOutput& output) noexcept override { show(let_go_ ? 0 : output.wrench.force_n.norm()); }
-  void letGo() noexcept override { let_go_ = true; }
-  void takeUp() noexcept override { let_go_ = false; }
+  void releaseForce() noexcept override { let_go_ = true; }
+  void resumeForce() noexcept override { let_go_ = false; }
 
  private:
   void show(double force_n) noexcept {

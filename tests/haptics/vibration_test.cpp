@@ -48,8 +48,8 @@ class PressingArm : public HapticDevice {
     return input;
   }
   void write(const DeviceOutput& output) noexcept override { felt_ = output.wrench; }
-  void letGo() noexcept override {}
-  void takeUp() noexcept override {}
+  void releaseForce() noexcept override {}
+  void resumeForce() noexcept override {}
 
   /// How far the hand still moved up and down in the end, in m.
   [[nodiscard]] double vibration() const { return highest_m_ - lowest_m_; }
@@ -72,7 +72,7 @@ struct Case {
 BedParameters deepBed(const Case& c) {
   BedParameters bed;
   bed.soil = findPreset(c.preset).soil;
-  if (c.friction == FrictionModel::kPairwise) {
+  if (c.friction == FrictionModel::kContact) {
     bed.soil.friction = c.friction;
     bed.soil.stiffness_n_m = 3000;  // as the named soils have it
   }
@@ -93,19 +93,19 @@ TEST_P(BuriedShovel, DoesNotVibrate) {
   }
   EXPECT_GT(arm.force(), 0.5) << "it must press against something";
   EXPECT_GT(scene.contactStiffness()(2, 2), 5 * ToolParameters{}.stiffness_n_m) << "and against many particles";
-  // A finger feels 10 um at 30 Hz at best; this is a hundredth of that. Springs of pairwise friction, which forget
+  // A finger feels 10 um at 30 Hz at best; this is a hundredth of that. Springs of contact friction, which forget
   // nothing, still move by a third of a micrometre where the paper's friction has stopped every particle dead.
-  EXPECT_LT(arm.vibration(), GetParam().friction == FrictionModel::kPairwise ? 1e-6 : 1e-7);
+  EXPECT_LT(arm.vibration(), GetParam().friction == FrictionModel::kContact ? 1e-6 : 1e-7);
 }
 
 INSTANTIATE_TEST_SUITE_P(PresetsAndWorlds, BuriedShovel,
                          testing::Values(Case{"P1", 1.625}, Case{"P1", 9.807}, Case{"P3", 1.625}, Case{"P3", 9.807},
                                          Case{"P6", 1.625}, Case{"P6", 9.807},
-                                         Case{"P3", 1.625, FrictionModel::kPairwise},
-                                         Case{"P3", 9.807, FrictionModel::kPairwise}),
+                                         Case{"P3", 1.625, FrictionModel::kContact},
+                                         Case{"P3", 9.807, FrictionModel::kContact}),
                          [](const testing::TestParamInfo<Case>& test) {
                            return test.param.preset + std::string(test.param.gravity_m_s2 > 5 ? "Earth" : "Moon") +
-                                  (test.param.friction == FrictionModel::kPairwise ? "Pairwise" : "");
+                                  (test.param.friction == FrictionModel::kContact ? "Contact" : "");
                          });
 
 TEST(BuriedShovelWithALowPassAlone, Vibrates) {  // what the test above can tell apart

@@ -24,18 +24,18 @@ class Hand final : public HapticDevice {
   [[nodiscard]] DeviceLimits limits() const noexcept override { return {}; }
   [[nodiscard]] DeviceInput read() noexcept override { return {}; }
   void write(const DeviceOutput&) noexcept override {}
-  void letGo() noexcept override {
+  void releaseForce() noexcept override {
     let_go_ns = monotonicNs();
     ++let_goes;
   }
-  void takeUp() noexcept override { ++take_ups; }
+  void resumeForce() noexcept override { ++take_ups; }
 
   std::atomic<std::int64_t> let_go_ns{0};
   std::atomic<int> let_goes{0}, take_ups{0};
 };
 
 void waitFor(const Watchdog& watchdog) {
-  for (int i = 0; i < 2000 && !watchdog.barked(); ++i) {
+  for (int i = 0; i < 2000 && !watchdog.fired(); ++i) {
     std::this_thread::sleep_for(5ms);
   }
 }
@@ -47,7 +47,7 @@ TEST(Watchdog, LetsGoOfTheHandWhenTheLoopFallsSilent) {
   (void)watchdog.beat();
   const std::int64_t last_beat_ns = monotonicNs();
   waitFor(watchdog);
-  ASSERT_TRUE(watchdog.barked());
+  ASSERT_TRUE(watchdog.fired());
   EXPECT_EQ(hand.let_goes, 1);
   EXPECT_GE(hand.let_go_ns - last_beat_ns, 49'000'000) << "not before";
   EXPECT_LT(hand.let_go_ns - last_beat_ns, 5'000'000'000);
@@ -61,7 +61,7 @@ TEST(Watchdog, IsQuietWhileTheLoopLives) {
     (void)watchdog.beat();
     std::this_thread::sleep_for(5ms);
   }
-  EXPECT_FALSE(watchdog.barked());
+  EXPECT_FALSE(watchdog.fired());
   watchdog.stop();
   EXPECT_EQ(hand.let_goes, 0);
 }
@@ -75,9 +75,9 @@ TEST(Watchdog, LetsGoOnceForASilenceAndAgainForTheNext) {
     std::this_thread::sleep_for(3 * std::chrono::milliseconds(50));
     EXPECT_EQ(hand.let_goes, silence);
     (void)watchdog.beat();
-    watchdog.takeUp();
+    watchdog.resumeForce();
     EXPECT_EQ(hand.take_ups, silence);
-    EXPECT_FALSE(watchdog.barked());
+    EXPECT_FALSE(watchdog.fired());
   }
 }
 
@@ -86,7 +86,7 @@ TEST(Watchdog, OnceItHasBarkedTheHandHasBeenLetGo) {  // else it could be taken 
     Hand hand;
     Watchdog watchdog(hand, 0.002);
     watchdog.start();
-    while (!watchdog.barked()) {
+    while (!watchdog.fired()) {
     }
     ASSERT_EQ(hand.let_goes, 1);
   }
@@ -134,7 +134,7 @@ TEST(Watchdog, WatchesOnlyBetweenStartAndStop) {
   watchdog.start();
   watchdog.start();
   waitFor(watchdog);
-  EXPECT_TRUE(watchdog.barked());
+  EXPECT_TRUE(watchdog.fired());
 }
 
 }  // namespace

@@ -10,9 +10,9 @@
 namespace haptolith {
 namespace {
 
-LabConditions pairwise() {
+LabConditions withContactFriction() {
   LabConditions conditions;
-  conditions.soil.friction = FrictionModel::kPairwise;
+  conditions.soil.friction = FrictionModel::kContact;
   conditions.soil.stiffness_n_m = 1000;
   conditions.soil.size_spread = 0.1;
   return conditions;
@@ -20,7 +20,7 @@ LabConditions pairwise() {
 
 TEST(CarryTest, AHandFeelsTheWeightAndTheInertiaOfSoilAndNothingElse) {
   for (const double cohesion : {0.0, 0.01}) {
-    LabConditions conditions = pairwise();
+    LabConditions conditions = withContactFriction();
     conditions.soil.contact_cohesion_n = cohesion;
     const CarryResult result = carryTest(conditions);
     EXPECT_GT(result.carried_kg, 100 * macroparticleMass(conditions.soil)) << "hardly a heap";
@@ -51,7 +51,7 @@ TEST(CarryTest, DrawsItsFigure) {
 }
 
 TEST(CarryTest, RefusesNonsense) {
-  LabConditions conditions = pairwise();
+  LabConditions conditions = withContactFriction();
   EXPECT_THROW((void)carryTest(conditions, {.particles = 0}), InvalidParameter);
   EXPECT_THROW((void)carryTest(conditions, {.shovel_radii = 1}), InvalidParameter);
   EXPECT_THROW((void)carryTest(conditions, {.shake_g = 2}), InvalidParameter);

@@ -19,7 +19,7 @@ constexpr CutOptions kSmall{.depth = 1.2, .room = 1.5};
 
 LabConditions lunar(double cohesion_n) {
   LabConditions conditions;
-  conditions.soil.friction = FrictionModel::kPairwise;
+  conditions.soil.friction = FrictionModel::kContact;
   conditions.soil.stiffness_n_m = 3000;
   conditions.soil.size_spread = 0.15;
   conditions.soil.contact_friction = 0.35;

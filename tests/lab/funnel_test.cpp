@@ -14,7 +14,7 @@ namespace {
 /// On Earth, where soil falls and settles sooner.
 LabConditions rubbing() {
   LabConditions conditions;
-  conditions.soil.friction = FrictionModel::kPairwise;
+  conditions.soil.friction = FrictionModel::kContact;
   conditions.soil.stiffness_n_m = 3000;
   conditions.soil.size_spread = 0.15;
   conditions.soil.contact_friction = 0.4;

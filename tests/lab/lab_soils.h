@@ -11,7 +11,7 @@ inline SoilParameters testSoil(double contact_friction, double contact_cohesion_
   soil.rho0_kg_m3 = 1430;
   soil.rho_max_kg_m3 = 1840;
   soil.stiffness_n_m = 3000;
-  soil.friction = FrictionModel::kPairwise;
+  soil.friction = FrictionModel::kContact;
   soil.contact_friction = contact_friction;
   soil.contact_cohesion_n = contact_cohesion_n;
   soil.size_spread = 0.15;

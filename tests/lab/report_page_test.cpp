@@ -50,12 +50,12 @@ class ReportPageTest : public testing::Test {
         .rows = {{.test = "Direct shear",
                   .measured = "friction angle",
                   .target = "36 ± 2°",
-                  .pairwise = {"35.1 ± 0.4°", Verdict::kPass},
+                  .contact = {"35.1 ± 0.4°", Verdict::kPass},
                   .paper = {"12 ± 3°", Verdict::kFail}},
                  {.test = "Heap",
                   .measured = "angle of repose",
                   .target = "30 to 38°",
-                  .pairwise = {"33°", Verdict::kPass},
+                  .contact = {"33°", Verdict::kPass},
                   .paper = {"no heap", Verdict::kInfo}}},
         .figures = {{draw("shear.svg"), "Shear stress over normal stress"}, {draw("heap.png"), "The heap's surface"}}};
   }
@@ -121,7 +121,7 @@ TEST_F(ReportPageTest, ShowsEveryRowFactAndParagraph) {
   EXPECT_THAT(html, HasSubstr("<dt>Gravity</dt><dd>1.625 m/s²</dd>"));
   for (const ReportRow& row : shown.rows) {
     EXPECT_THAT(html, HasSubstr("<tr><th scope=\"row\">" + row.test + "</th><td>" + row.measured + "</td><td>" +
-                                row.target + "</td><td>" + row.pairwise.text + " <span"));
+                                row.target + "</td><td>" + row.contact.text + " <span"));
     EXPECT_THAT(html, HasSubstr("<td>" + row.paper.text + " <span"));
   }
   EXPECT_THAT(html, HasSubstr("<td>12 ± 3° <span class=\"verdict fail\">fail</span></td>"));

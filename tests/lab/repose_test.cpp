@@ -20,7 +20,7 @@ constexpr ReposeOptions kSmall{.tube_radius = 6, .fill = 24, .ring_width = 2};
 
 LabConditions conditionsWith(double contact_friction) {
   LabConditions conditions;
-  conditions.soil.friction = FrictionModel::kPairwise;
+  conditions.soil.friction = FrictionModel::kContact;
   conditions.soil.stiffness_n_m = 3000;
   conditions.soil.size_spread = 0.15;
   conditions.soil.contact_friction = contact_friction;

@@ -11,7 +11,7 @@ namespace haptolith {
 inline LabConditions coarseSand(double radius_m) {
   LabConditions conditions;
   SoilParameters& soil = conditions.soil;
-  soil.friction = FrictionModel::kPairwise;
+  soil.friction = FrictionModel::kContact;
   soil.contact_friction = 0.4;
   soil.size_spread = 0.15;
   soil.stiffness_n_m = 3000;

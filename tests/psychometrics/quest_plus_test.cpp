@@ -106,7 +106,7 @@ TEST(QuestPlus, ChoosesWatsonsStimuliForThresholdSlopeAndLapse) {  // Watson 201
 
 /// Whether somebody with this function says "more".
 bool answerOf(const PsychometricFunction& truth, double x, std::mt19937_64& random) {
-  return (evenly(random) + 1) / 2 < probability(truth, x);
+  return (uniformSigned(random) + 1) / 2 < probability(truth, x);
 }
 
 constexpr double kReference = 0.835;

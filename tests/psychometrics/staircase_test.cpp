@@ -17,7 +17,7 @@ using testing::DoubleEq;
 using testing::Optional;
 
 bool answerOf(const PsychometricFunction& truth, double x, std::mt19937_64& random) {
-  return (evenly(random) + 1) / 2 < probability(truth, x);
+  return (uniformSigned(random) + 1) / 2 < probability(truth, x);
 }
 
 /// Levels in steps of 8 % on both sides of 1.

@@ -239,7 +239,7 @@ TEST_F(RecordingWriterTest, WhatWasAddedIsSoonInTheFileAndCanBeReadMeanwhile) {
   RecordingWriter writer(file("a.h5"), madeUpHeader());
   writer.add(madeUpTicks(0, 10));
   writer.add(madeUpFrame(0, 5));
-  for (int patience = 0; patience < 500 && writer.written().frames == 0; ++patience) {
+  for (int tries = 0; tries < 500 && writer.written().frames == 0; ++tries) {
     std::this_thread::sleep_for(10ms);
   }
   const RecordingReader reader(file("a.h5"));
@@ -251,7 +251,7 @@ TEST_F(RecordingWriterTest, WhatWasAddedIsSoonInTheFileAndCanBeReadMeanwhile) {
 TEST_F(RecordingWriterTest, ARemovedFileEndsTheRecording) {
   RecordingWriter writer(file("a.h5"), madeUpHeader());
   fs::remove(file("a.h5"));
-  for (int patience = 0; patience < 500 && writer.problem().empty(); ++patience) {
+  for (int tries = 0; tries < 500 && writer.problem().empty(); ++tries) {
     writer.add(madeUpTicks(0, 10));
     std::this_thread::sleep_for(10ms);
   }
@@ -300,7 +300,7 @@ std::uint64_t ticksLostInKill(const fs::path& path, std::chrono::milliseconds af
   {
     const ChildProcess child(
         {.arguments = {RECORDING_HELPER, "record", path.string()}, .package = "", .environment = {}}, {});
-    for (int patience = 0; patience < 1000 && !fs::exists(path); ++patience) {
+    for (int tries = 0; tries < 1000 && !fs::exists(path); ++tries) {
       std::this_thread::sleep_for(1ms);
     }
     std::this_thread::sleep_for(after);

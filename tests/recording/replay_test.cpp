@@ -61,8 +61,8 @@ class PersonsDevice final : public HapticDevice {
     return input;
   }
   void write(const DeviceOutput& output) noexcept override { last_ = output; }
-  void letGo() noexcept override {}
-  void takeUp() noexcept override {}
+  void releaseForce() noexcept override {}
+  void resumeForce() noexcept override {}
 
   int reads_ = 0;
   DeviceOutput last_;
@@ -180,7 +180,7 @@ TEST_F(ReplayTest, EveryTripOfAPersonsHandComesOutBitForBitWhateverTheThreads) {
   };
   record(largeScene(), accident, [](HapticLoop& loop) {
     tickTimes(loop, 600);
-    loop.believe({.late = false, .heartbeat_lost = true});
+    loop.overrideHealth({.late = false, .heartbeat_lost = true});
     tickTimes(loop, 150);
     ASSERT_TRUE(loop.ask(request::Pause{}));
     tickTimes(loop, 40);  // the hand moves on
@@ -188,7 +188,7 @@ TEST_F(ReplayTest, EveryTripOfAPersonsHandComesOutBitForBitWhateverTheThreads) {
     tickTimes(loop, 10);
     ASSERT_TRUE(loop.ask(request::Resume{}));
     tickTimes(loop, 150);
-    loop.letGoSoftly();
+    loop.softStop();
     tickTimes(loop, 60);
   });
   ASSERT_EQ(ticks_.size(), 963U);

@@ -197,13 +197,18 @@ TEST_F(LoadScenario, SoilGivenByNumbersIsNoPreset) {
   EXPECT_DOUBLE_EQ(scene.bed.soil.rho0_kg_m3, 1330);
 }
 
+TEST_F(LoadScenario, ThePreviousWordForContactFrictionIsStillRead) {
+  EXPECT_EQ(load("[soil]\npreset = 'P3'\nfriction = 'pairwise'\n").bed.soil.friction, FrictionModel::kContact);
+  EXPECT_EQ(load("[soil]\npreset = 'P3'\nfriction = 'Pairwise'\n").bed.soil.friction, FrictionModel::kContact);
+}
+
 TEST_F(LoadScenario, FrictionHasTwoModelsEachWithItsNumbers) {
   EXPECT_EQ(load("[soil]\npreset = 'P3'\n").bed.soil.friction, FrictionModel::kPaper);
   const Scenario scene = load(R"(
     [soil]
     preset = "P3"
     radius_mm = 3.5
-    friction = "Pairwise"
+    friction = "Contact"
     contact_friction = 0.7
     contact_cohesion_n = 0.1
     cohesion_range_ratio = 0.2
@@ -214,7 +219,7 @@ TEST_F(LoadScenario, FrictionHasTwoModelsEachWithItsNumbers) {
     adhesion_n = 0.02
   )");
   const SoilParameters& soil = scene.bed.soil;
-  EXPECT_EQ(soil.friction, FrictionModel::kPairwise);
+  EXPECT_EQ(soil.friction, FrictionModel::kContact);
   EXPECT_EQ(soil.contact_friction, 0.7);
   EXPECT_EQ(soil.contact_cohesion_n, 0.1) << "what is given is for the radius that is given";
   EXPECT_EQ(soil.cohesion_range_ratio, 0.2);
@@ -289,9 +294,9 @@ TEST_F(LoadScenario, ValuesOutOfRangeAreRefused) {
 
 TEST_F(LoadScenario, NonsenseAboutFrictionIsRefused) {
   EXPECT_EQ(errorOf("[soil]\nfriction = 'none'\n"),
-            "x.toml:2: [soil] friction = 'none' is not valid: must be paper or pairwise");
+            "x.toml:2: [soil] friction = 'none' is not valid: must be paper or contact");
   EXPECT_EQ(errorOf("[soil]\nfriction = 0.7\n"),
-            "x.toml:2: [soil] friction = 0.7 is not valid: must be paper or pairwise");
+            "x.toml:2: [soil] friction = 0.7 is not valid: must be paper or contact");
   EXPECT_EQ(errorOf("[soil]\n\ncontact_friction = -0.7\n"),
             "x.toml:3: [soil] contact_friction = -0.7 is not valid: must be 0 to 10");
   EXPECT_EQ(errorOf("[soil]\ncohesion_range_ratio = 0\n"),
@@ -347,10 +352,10 @@ TEST_F(LoadScenario, AKeyThatHasNoEffectYetIsTold) {
   const Scenario scene = loadScenario(path);
   EXPECT_THAT(idleKeys(path.string(), scene),
               testing::ElementsAre(
-                  path.string() + ":3: [soil] contact_friction has no effect: it needs [soil] friction = pairwise",
+                  path.string() + ":3: [soil] contact_friction has no effect: it needs [soil] friction = contact",
                   path.string() + ":6: [tool] size_mm has no effect: it needs [tool] shape = box or jaws"));
   Scenario switched = scene;
-  switched.bed.soil.friction = FrictionModel::kPairwise;
+  switched.bed.soil.friction = FrictionModel::kContact;
   switched.tool.shape = ToolShape::kJaws;
   EXPECT_THAT(idleKeys(path.string(), switched), testing::IsEmpty());
 }

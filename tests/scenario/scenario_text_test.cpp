@@ -88,7 +88,7 @@ TEST(ScenarioText, GivesGravityBackAfterAnyTurnAndAnyWorld) {
   std::mt19937_64 random(3);
   Scenario scene;
   for (int turn = 0; turn < 100; ++turn) {
-    scene.bed.gravity_m_s2 = Vec3(evenly(random), evenly(random), evenly(random));
+    scene.bed.gravity_m_s2 = Vec3(uniformSigned(random), uniformSigned(random), uniformSigned(random));
     changeBody(scene, bodies()[static_cast<std::size_t>(turn) % bodies().size()].name);
     expectSameAgain(scene, scene.body);
   }
@@ -126,7 +126,7 @@ TEST(ScenarioText, EveryKeyIsWrittenButThoseThatChooseWhatOthersWrite) {
 double anyIn(const Range& range, std::mt19937_64& random) {
   const double low = std::max(range.lowest, -1e3);
   const double high = std::min(range.highest, 1e3);
-  return low + (high - low) * (0.5 + 0.499 * evenly(random));
+  return low + (high - low) * (0.5 + 0.499 * uniformSigned(random));
 }
 
 /// Some other value than the default's, as TOML.
@@ -159,7 +159,7 @@ std::string someValue(const ScenarioKey& key, std::mt19937_64& random) {
 
 /// The same, but such that values go together: soil that carries its own weight, in a box that holds it.
 std::string likelyValue(const ScenarioKey& key, std::mt19937_64& random) {
-  const auto about = [&](double middle) { return fmt::format("{}", middle * (1 + 0.3 * evenly(random))); };
+  const auto about = [&](double middle) { return fmt::format("{}", middle * (1 + 0.3 * uniformSigned(random))); };
   if (key.table == "soil" && key.name != "friction") {
     for (const auto& [name, middle] :
          {std::pair{"radius_mm", 7.0}, std::pair{"gamma_nm", 4e-5}, std::pair{"rho0_kg_m3", 1000.0},
@@ -170,7 +170,7 @@ std::string likelyValue(const ScenarioKey& key, std::mt19937_64& random) {
     }
   }
   if (key.name == "vector_m_s2") {
-    return fmt::format("[{}, {}, {}]", evenly(random), evenly(random), evenly(random));
+    return fmt::format("[{}, {}, {}]", uniformSigned(random), uniformSigned(random), uniformSigned(random));
   }
   if (key.table == "bed" && key.name.ends_with("_mm")) {
     return about(100);

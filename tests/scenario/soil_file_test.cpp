@@ -39,7 +39,7 @@ const std::string kTarget =
     "name = 'x'\n[target]\nbulk_density_kg_m3 = 1500\nfriction_angle_deg = 42\ncohesion_pa = 520\n";
 const std::string kSoil =
     "[soil]\nradius_mm = 7\ngamma_nm = 4e-5\nrho0_kg_m3 = 1425\nrho_max_kg_m3 = 1995\nstiffness_n_m = 2000\n"
-    "friction = 'pairwise'\ncontact_friction = 0.7\ncontact_cohesion_n = 0.1\n";
+    "friction = 'contact'\ncontact_friction = 0.7\ncontact_cohesion_n = 0.1\n";
 
 class SoilFiles : public testing::Test {
  protected:
@@ -139,7 +139,7 @@ SoilFile awkwardSoil() {
   file.soil.rho0_kg_m3 = 1e4 / 7;
   file.soil.rho_max_kg_m3 = std::nextafter(2000, 3000);
   file.soil.stiffness_n_m = 1e17 / 3;
-  file.soil.friction = FrictionModel::kPairwise;
+  file.soil.friction = FrictionModel::kContact;
   file.soil.contact_friction = 2.0 / 3;
   file.soil.contact_cohesion_n = 0.1 + 0.2;
   file.soil.cohesion_range_ratio = 0.1 / 3;
@@ -157,7 +157,7 @@ SoilFile awkwardSoil() {
 // --- what is read and written ---
 
 TEST_F(SoilFiles, WhatIsSavedIsLoadedToTheLastBit) {
-  for (const FrictionModel friction : {FrictionModel::kPairwise, FrictionModel::kPaper}) {
+  for (const FrictionModel friction : {FrictionModel::kContact, FrictionModel::kPaper}) {
     SoilFile soil = awkwardSoil();
     soil.soil.friction = friction;
     soil.soil.mu_hat = 0.1 / 3;
@@ -211,7 +211,7 @@ TEST_F(SoilFiles, WhatMayBeLeftOutHasItsDefault) {
   EXPECT_EQ(soil.target.strength, SoilStrength::kResidual);
   EXPECT_FALSE(soil.reached);
   EXPECT_EQ(soil.soil.cohesion_range_ratio, SoilParameters{}.cohesion_range_ratio);
-  EXPECT_EQ(soil.soil.friction, FrictionModel::kPairwise);
+  EXPECT_EQ(soil.soil.friction, FrictionModel::kContact);
 }
 
 TEST_F(SoilFiles, TheRadiusRescalesNothingBecauseAllNumbersAreForIt) {
@@ -265,7 +265,7 @@ TEST(ShippedSoils, AimAtWhatWasMeasured) {
     EXPECT_EQ(soil.target.cohesion_pa, row.cohesion_pa) << name;
     EXPECT_EQ(rangeText(soil.target.friction_angle_range_deg), row.friction_angle_range) << name;
     EXPECT_EQ(rangeText(soil.target.cohesion_range_pa), row.cohesion_range) << name;
-    EXPECT_EQ(soil.soil.friction, FrictionModel::kPairwise) << name;
+    EXPECT_EQ(soil.soil.friction, FrictionModel::kContact) << name;
   }
 }
 
@@ -355,7 +355,7 @@ TEST_F(SoilFiles, HalfASoilIsRefused) {
   EXPECT_EQ(errorOf(whole + "[reached]\nseeds = 5\n"),
             "x.toml: [reached] friction_angle_deg is missing, see docs/soils.md");
   std::string paper = whole;
-  paper.replace(paper.find("pairwise"), 8, "paper");
+  paper.replace(paper.find("contact"), 7, "paper");
   EXPECT_EQ(errorOf(paper), "x.toml: [soil] mu_hat is missing, see docs/soils.md");
 }
 

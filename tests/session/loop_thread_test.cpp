@@ -29,8 +29,8 @@ class CpuWitness final : public HapticDevice {
     return hand;
   }
   void write(const DeviceOutput& output) noexcept override { (void)output; }
-  void letGo() noexcept override {}
-  void takeUp() noexcept override {}
+  void releaseForce() noexcept override {}
+  void resumeForce() noexcept override {}
 
   /// Whether every tick, the first one included, was on this CPU and could be on no other.
   [[nodiscard]] bool onlyOn(int cpu) const {

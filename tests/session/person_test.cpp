@@ -54,8 +54,8 @@ class PersonsDevice final : public HapticDevice {
     return input;
   }
   void write(const DeviceOutput& output) noexcept override { handle_->last_force_n = output.wrench.force_n.norm(); }
-  void letGo() noexcept override { handle_->letting_go = true; }
-  void takeUp() noexcept override {}
+  void releaseForce() noexcept override { handle_->letting_go = true; }
+  void resumeForce() noexcept override {}
 
  private:
   std::shared_ptr<Handle> handle_;

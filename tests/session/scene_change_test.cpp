@@ -34,7 +34,7 @@ TEST(SceneChange, ASoilWithANameReplacesAPreset) {
   const Scenario next = changed(Scenario{}, change);
   EXPECT_EQ(next.soil_name, "dry-sand");
   EXPECT_TRUE(next.preset.empty());
-  EXPECT_EQ(next.bed.soil.friction, FrictionModel::kPairwise);
+  EXPECT_EQ(next.bed.soil.friction, FrictionModel::kContact);
   EXPECT_EQ(next.bed.soil.radius_m, Scenario{}.bed.soil.radius_m);
 }
 

@@ -114,7 +114,7 @@ TEST_F(SessionTest, ASliderChangesTheSoilThatLiesThere) {
 
 TEST_F(SessionTest, ASliderThatTheListsAreNotGoodForTakesTheSoilAsItLies) {
   Scenario cohesionless = quiet();
-  cohesionless.bed.soil.friction = FrictionModel::kPairwise;
+  cohesionless.bed.soil.friction = FrictionModel::kContact;
   cohesionless.hand.manoeuvre = Manoeuvre::kStir;
   start(cohesionless);
   ASSERT_TRUE(soon([&] { return session_->snapshot().ticks > 3000; }));

@@ -41,9 +41,9 @@ TEST(SoilSliders, FrictionLeavesCohesionAlone) {  // although (paper 18) has fri
   EXPECT_NEAR(valueOf(withSlider(soil, "friction_angle_deg", 20), "cohesion_pa"), before, 1e-6 * before);
 }
 
-TEST(SoilSliders, PairwiseSoilHasThoseOfItsContacts) {
+TEST(SoilSliders, ContactFrictionSoilHasThoseOfItsContacts) {
   SoilParameters soil = findPreset("P3").soil;
-  soil.friction = FrictionModel::kPairwise;
+  soil.friction = FrictionModel::kContact;
   soil.contact_friction = 0.4;
   soil.contact_cohesion_n = 0.002;
   EXPECT_DOUBLE_EQ(valueOf(soil, "contact_friction"), 0.4);
@@ -116,14 +116,14 @@ TEST(SoilSliders, WhereNothingWasCalibratedContactsAreCalledContacts) {
   scenario.bed.soil.friction = FrictionModel::kPaper;
   EXPECT_FALSE(calibrationOf(scenario));
   SoilParameters soil = findPreset("P3").soil;
-  soil.friction = FrictionModel::kPairwise;
+  soil.friction = FrictionModel::kContact;
   EXPECT_EQ(slidersOf(soil)[0].label, "contact friction");
   EXPECT_EQ(slidersOf(soil)[1].label, "contact cohesion");
 }
 
 TEST(SoilSliders, EveryValueIsWithinItsOwnRange) {
   for (const Preset& preset : presets()) {
-    for (const FrictionModel friction : {FrictionModel::kPaper, FrictionModel::kPairwise}) {
+    for (const FrictionModel friction : {FrictionModel::kPaper, FrictionModel::kContact}) {
       SoilParameters soil = preset.soil;
       soil.friction = friction;
       for (const SoilSlider& slider : slidersOf(soil)) {

@@ -86,19 +86,19 @@ TEST(ContactLaw, InfiniteStiffnessIsTheHyperbolaAlone) {
   EXPECT_NEAR(contactForce(law, a), soil.gamma_nm / 1e-6 - law.h_n, 1e-6);
 }
 
-// --- with pairwise friction
+// --- with contact friction
 // --------------------------------------------------------------------------------------------
 
-SoilParameters pairwise(double cohesion_n) {
+SoilParameters contactFriction(double cohesion_n) {
   SoilParameters soil = findPreset("P3").soil;
-  soil.friction = FrictionModel::kPairwise;
+  soil.friction = FrictionModel::kContact;
   soil.contact_cohesion_n = cohesion_n;
   return soil;
 }
 
-TEST(PairwiseLaw, RepelsLikeThePapersAndPullsHardestHalfwayAcrossItsRange) {
+TEST(ContactFrictionLaw, RepelsLikeThePapersAndPullsHardestHalfwayAcrossItsRange) {
   // R = 7 mm: range 2.8 mm, the largest pull at 15.4 mm, none at 14 and from 16.8 mm on.
-  const ContactLaw law = makeContactLaw(pairwise(0.03));
+  const ContactLaw law = makeContactLaw(contactFriction(0.03));
   for (double a = 0.008; a < 0.014; a += 1e-5) {
     EXPECT_NEAR(contactForce(law, a), printedForce(findPreset("P3").soil, a), 1e-12) << a;
   }
@@ -107,12 +107,12 @@ TEST(PairwiseLaw, RepelsLikeThePapersAndPullsHardestHalfwayAcrossItsRange) {
   EXPECT_NEAR(contactForce(law, 0.014), 0, 1e-12);
   EXPECT_NEAR(contactForce(law, 0.0168 - 1e-9), 0, 1e-6);
   EXPECT_EQ(contactForce(law, 0.0168 + 1e-9), 0);
-  EXPECT_EQ(contactForce(makeContactLaw(pairwise(0)), 0.01401), 0);
+  EXPECT_EQ(contactForce(makeContactLaw(contactFriction(0)), 0.01401), 0);
 }
 
 TEST(ContactLaw, EnergyIsTheIntegralOfTheForce) {
   SoilParameters paper = findPreset("P3").soil;
-  for (const SoilParameters& soil : {paper, pairwise(0), pairwise(0.03)}) {
+  for (const SoilParameters& soil : {paper, contactFriction(0), contactFriction(0.03)}) {
     const ContactLaw law = makeContactLaw(soil);
     EXPECT_EQ(contactEnergy(law, law.cutoff_m), 0);
     double work = 0;

@@ -101,7 +101,7 @@ class ConductorTest : public testing::Test {
     now_s_ += time_s;
     conductor_->poll();
   }
-  [[nodiscard]] StudyPhase phase() const { return conductor_->moment().phase; }
+  [[nodiscard]] StudyPhase phase() const { return conductor_->state().phase; }
 
   /// Through consent, form and instructions to the first trial.
   void comeToTheTrials() {
@@ -118,7 +118,7 @@ class ConductorTest : public testing::Test {
       ASSERT_EQ(phase(), StudyPhase::kPreparing);
       wait(0.1);
       ASSERT_EQ(phase(), StudyPhase::kInterval);
-      ASSERT_EQ(conductor_->moment().interval, interval);
+      ASSERT_EQ(conductor_->state().interval, interval);
       wait(1);
       conductor_->proceed();
     }
@@ -146,7 +146,7 @@ class ConductorTest : public testing::Test {
   }
   void fillForm() {
     std::map<std::string, std::string> values;
-    for (const FormItem& item : *conductor_->moment().form) {
+    for (const FormItem& item : *conductor_->state().form) {
       values[item.key] = item.kind == FormItem::Kind::kScale ? "50" : "30";
     }
     conductor_->fill(values);
@@ -171,13 +171,13 @@ class ConductorTest : public testing::Test {
 TEST_F(ConductorTest, LeadsFromConsentThroughEveryTrialToThanks) {
   EXPECT_EQ(phase(), StudyPhase::kWaiting);
   conductor_->begin("");
-  EXPECT_EQ(conductor_->moment().participant, "S01");
+  EXPECT_EQ(conductor_->state().participant, "S01");
   EXPECT_EQ(phase(), StudyPhase::kConsent);
   for (int steps = 0; !conductor_->over() && steps < 100; ++steps) {
     doWhateverComes();
   }
   EXPECT_EQ(phase(), StudyPhase::kFinished);
-  EXPECT_EQ(conductor_->moment().text, "Thank you.");
+  EXPECT_EQ(conductor_->state().text, "Thank you.");
   EXPECT_EQ(countOf(TrialState::kAnswered), 1U + 3 * 2 + 2 * 2);
   EXPECT_EQ(store_->trials().size(), countOf(TrialState::kAnswered));
   EXPECT_EQ(store_->participants().front().state, "finished");
@@ -186,7 +186,7 @@ TEST_F(ConductorTest, LeadsFromConsentThroughEveryTrialToThanks) {
 
 TEST_F(ConductorTest, ShowsReferenceAndTestInThePlannedOrder) {
   comeToTheTrials();
-  const ShownTrial first = *conductor_->moment().now;
+  const ShownTrial first = *conductor_->state().now;
   feelBoth();
   EXPECT_THAT(rig_->shown, ElementsAre("friction P3", "friction " + first.test->name));
   EXPECT_THAT(rig_->recordings, ElementsAre("S01-friction-001-1-first.h5", "S01-friction-001-1-second.h5"));
@@ -202,13 +202,13 @@ TEST_F(ConductorTest, ShowsReferenceAndTestInThePlannedOrder) {
 
 TEST_F(ConductorTest, AnswersAboutTheTwoIntervalsAreTurnedToTheTest) {
   conductor_->begin("S01");
-  while (conductor_->moment().block == nullptr || conductor_->moment().block->name != "gravity" ||
+  while (conductor_->state().block == nullptr || conductor_->state().block->name != "gravity" ||
          phase() != StudyPhase::kPreparing) {
     doWhateverComes();
   }
   bool seen[2] = {false, false};
-  while (phase() == StudyPhase::kPreparing && conductor_->moment().block->name == "gravity") {
-    const bool test_first = conductor_->moment().now->test_first;
+  while (phase() == StudyPhase::kPreparing && conductor_->state().block->name == "gravity") {
+    const bool test_first = conductor_->state().now->test_first;
     seen[test_first ? 1 : 0] = true;
     doTrial(0);  // "the first"
     const TrialRow row = lastAnswered();
@@ -227,17 +227,17 @@ TEST_F(ConductorTest, ACrashAtAnyMomentLosesTheTrialUnderWayAtMost) {
     if (phase() == StudyPhase::kPreparing && chance == 1) {
       wait(0.1);  // in an interval
       open();
-      conductor_->goOn("");
+      conductor_->resumeParticipant("");
       EXPECT_EQ(countOf(TrialState::kBegun), 0U);
     } else if (phase() == StudyPhase::kPreparing && chance == 2) {
       feelBoth();  // before the answer
       open();
-      conductor_->goOn("S01");
+      conductor_->resumeParticipant("S01");
     } else {
       doWhateverComes();
       if (!conductor_->over() && random() % 2 == 0) {
         open();
-        conductor_->goOn("");
+        conductor_->resumeParticipant("");
       }
     }
     EXPECT_GE(countOf(TrialState::kAnswered), before);
@@ -275,7 +275,7 @@ TEST_F(ConductorTest, WhoComesBackGoesOnInTheSameSequence) {
     doWhateverComes();
     if (steps % 2 == 0 && !conductor_->over()) {
       open();
-      conductor_->goOn("");
+      conductor_->resumeParticipant("");
     }
   }
   EXPECT_EQ(levels(), whole);
@@ -284,15 +284,15 @@ TEST_F(ConductorTest, WhoComesBackGoesOnInTheSameSequence) {
 TEST_F(ConductorTest, APauseDropsTheTrialUnderWayAndDoesItAgain) {
   comeToTheTrials();
   wait(0.1);
-  const std::string level = conductor_->moment().now->test->name;
+  const std::string level = conductor_->state().now->test->name;
   conductor_->pause();
   EXPECT_TRUE(rig_->paused);
-  EXPECT_TRUE(conductor_->moment().paused);
+  EXPECT_TRUE(conductor_->state().paused);
   EXPECT_THROW(conductor_->proceed(), InvalidParameter);
   wait(1000);
   conductor_->resume();
   EXPECT_FALSE(rig_->paused);
-  EXPECT_EQ(conductor_->moment().now->test->name, level);
+  EXPECT_EQ(conductor_->state().now->test->name, level);
   doTrial();
   EXPECT_EQ(countOf(TrialState::kRepeated), 1U);
   EXPECT_EQ(store_->trials()[1].attempt, 1);
@@ -322,16 +322,16 @@ TEST_F(ConductorTest, TheLastAnswerIsRepeatedThoughTheNextTrialHasBegun) {
   conductor_->repeat(Conductor::Again::kLast, "pressed the wrong key");
   EXPECT_EQ(store_->trials()[1].state, TrialState::kRepeated);
   EXPECT_EQ(store_->trials()[2].state, TrialState::kLost);
-  EXPECT_EQ(conductor_->moment().now->test->name, level);
+  EXPECT_EQ(conductor_->state().now->test->name, level);
 }
 
 TEST_F(ConductorTest, TimeEndsIntervalsAndQuestionsAndKeepsBreaksLong) {
   comeToTheTrials();
   wait(0.1);
-  EXPECT_NEAR(*conductor_->moment().remaining_s, 20, 1e-9);
+  EXPECT_NEAR(*conductor_->state().remaining_s, 20, 1e-9);
   wait(20);
   wait(0.1);
-  EXPECT_EQ(conductor_->moment().interval, 2);
+  EXPECT_EQ(conductor_->state().interval, 2);
   wait(20);
   EXPECT_EQ(phase(), StudyPhase::kQuestion);
   wait(10);
@@ -362,7 +362,7 @@ TEST_F(ConductorTest, TheDevicesButtonsGoOnAndAnswer) {
   press(0.1);
   ASSERT_EQ(phase(), StudyPhase::kPreparing);
   wait(0.1);
-  ASSERT_EQ(conductor_->moment().interval, 2);
+  ASSERT_EQ(conductor_->state().interval, 2);
   press(0.1);
   ASSERT_EQ(phase(), StudyPhase::kQuestion);
   press(1);  // long: the right one
@@ -372,10 +372,10 @@ TEST_F(ConductorTest, TheDevicesButtonsGoOnAndAnswer) {
 TEST_F(ConductorTest, FeedbackIsGivenWhereTheProtocolSays) {
   comeToTheTrials();
   feelBoth();
-  const bool more = conductor_->moment().now->test->value > 0.835;
+  const bool more = conductor_->state().now->test->value > 0.835;
   conductor_->answer(more ? 0 : 1);
   ASSERT_EQ(phase(), StudyPhase::kFeedback);  // practice
-  EXPECT_EQ(conductor_->moment().right, false);
+  EXPECT_EQ(conductor_->state().right, false);
   wait(2);
   feelBoth();
   conductor_->answer(1);
@@ -388,11 +388,11 @@ TEST_F(ConductorTest, WhenABedCannotBeMadeTheStudyPausesAndGoesOnLater) {
   wait(1);
   rig_->fails_to_show = true;
   conductor_->proceed();
-  EXPECT_TRUE(conductor_->moment().paused);
-  EXPECT_EQ(conductor_->moment().problem, "the bed cannot be made");
+  EXPECT_TRUE(conductor_->state().paused);
+  EXPECT_EQ(conductor_->state().problem, "the bed cannot be made");
   rig_->fails_to_show = false;
   conductor_->resume();
-  EXPECT_EQ(conductor_->moment().problem, "");
+  EXPECT_EQ(conductor_->state().problem, "");
   doTrial();
   EXPECT_EQ(countOf(TrialState::kAnswered), 1U);
   EXPECT_EQ(countOf(TrialState::kLost), 1U);
@@ -402,8 +402,8 @@ TEST_F(ConductorTest, WithoutAThreadForARecordingTheStudyPausesAndGoesOnLater) {
   comeToTheTrials();
   rig_->has_no_thread = true;
   wait(0.1);
-  EXPECT_TRUE(conductor_->moment().paused);
-  EXPECT_NE(conductor_->moment().problem, "");
+  EXPECT_TRUE(conductor_->state().paused);
+  EXPECT_NE(conductor_->state().problem, "");
   rig_->has_no_thread = false;
   conductor_->resume();
   doTrial();
@@ -415,7 +415,7 @@ TEST_F(ConductorTest, ARecordingThatFailsCostsNoAnswer) {
   rig_->fails_to_record = true;
   doTrial();
   EXPECT_EQ(countOf(TrialState::kAnswered), 1U);
-  EXPECT_THAT(conductor_->moment().problem, HasSubstr("the disk is full"));
+  EXPECT_THAT(conductor_->state().problem, HasSubstr("the disk is full"));
 }
 
 TEST_F(ConductorTest, WhoWithdrawsKeepsTheirAnswersAndDoesNotComeBack) {
@@ -428,14 +428,14 @@ TEST_F(ConductorTest, WhoWithdrawsKeepsTheirAnswersAndDoesNotComeBack) {
   EXPECT_EQ(store_->participants().front().state, "withdrawn");
   EXPECT_EQ(countOf(TrialState::kAnswered), 1U);
   open();
-  EXPECT_THROW(conductor_->goOn("S01"), InvalidParameter);
+  EXPECT_THROW(conductor_->resumeParticipant("S01"), InvalidParameter);
 }
 
 TEST_F(ConductorTest, WhoWithdrawsInAPauseIsDoneAndReadsSo) {
   comeToTheTrials();
   conductor_->pause();
   conductor_->withdraw();
-  EXPECT_FALSE(conductor_->moment().paused);
+  EXPECT_FALSE(conductor_->state().paused);
   EXPECT_FALSE(rig_->paused);
   EXPECT_EQ(phase(), StudyPhase::kWithdrawn);
 }
@@ -447,8 +447,8 @@ TEST_F(ConductorTest, StoppedForTodayIsNotFinished) {
   conductor_->stop();
   EXPECT_EQ(phase(), StudyPhase::kWaiting);
   EXPECT_EQ(store_->participants().front().state, "running");
-  conductor_->goOn("");
-  EXPECT_EQ(conductor_->moment().title, "Welcome back");
+  conductor_->resumeParticipant("");
+  EXPECT_EQ(conductor_->state().title, "Welcome back");
   conductor_->proceed();
   doTrial();
   EXPECT_EQ(countOf(TrialState::kAnswered), 2U);
@@ -457,7 +457,7 @@ TEST_F(ConductorTest, StoppedForTodayIsNotFinished) {
 TEST_F(ConductorTest, WhatCannotBeDoneNowIsRefusedAndChangesNothing) {
   EXPECT_THROW(conductor_->proceed(), InvalidParameter);
   EXPECT_THROW(conductor_->answer(1), InvalidParameter);
-  EXPECT_THROW(conductor_->goOn("S01"), InvalidParameter);
+  EXPECT_THROW(conductor_->resumeParticipant("S01"), InvalidParameter);
   conductor_->begin("");
   EXPECT_THROW(conductor_->fill({}), InvalidParameter);
   conductor_->proceed();
@@ -485,11 +485,11 @@ catch_trials = 2
   conductor_->begin("");
   int trials = 0;
   for (; !conductor_->over() && trials < 500; ++trials) {
-    const double value = conductor_->moment().now->test->value;
+    const double value = conductor_->state().now->test->value;
     doTrial(value > 40 ? 1 : 0);
     if (trials % 7 == 0 && !conductor_->over()) {
       open();
-      conductor_->goOn("");
+      conductor_->resumeParticipant("");
       conductor_->proceed();
     }
   }

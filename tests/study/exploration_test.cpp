@@ -21,7 +21,7 @@ Scenario grains(const char* body) {
   SoilParameters& soil = scene.bed.soil;
   soil.gamma_nm = 6e-5;
   soil.stiffness_n_m = 3000;
-  soil.friction = FrictionModel::kPairwise;
+  soil.friction = FrictionModel::kContact;
   soil.contact_friction = 0.3;
   soil.size_spread = 0.15;
   scene.bed.start = BedStart::kRain;

@@ -81,7 +81,7 @@ TEST(SimulatedParticipant, TakesPartInAWholeStudy) {
     Conductor conductor(store, rig, {.now_s = [&participant] { return participant.now(); }});
     conductor.begin("");
     participant.takePart(conductor);
-    EXPECT_EQ(conductor.moment().phase, StudyPhase::kFinished);
+    EXPECT_EQ(conductor.state().phase, StudyPhase::kFinished);
   }
   const std::vector<TrialRow> rows = store.trials();
   for (std::size_t block = 0; block < store.protocol().blocks.size(); ++block) {

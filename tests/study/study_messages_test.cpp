@@ -37,7 +37,7 @@ class StudyMessages : public testing::Test {
   }
 
   void says(const json& message, StudyRole role = StudyRole::kParticipant) {
-    (void)obeyStudyMessage(*conductor_, message.dump(), role, true);
+    (void)handleStudyMessage(*conductor_, message.dump(), role, true);
   }
   [[nodiscard]] json participant() const { return json::parse(participantMessage(*conductor_)); }
   [[nodiscard]] json experimenter() const {
@@ -82,15 +82,15 @@ TEST_F(StudyMessages, OnlyTheParticipantHoldsTheToolAndOnlyWhileThereIsSomething
   StudyPages pages(*conductor_);
   pages.join(1, StudyRole::kParticipant);
   pages.join(2, StudyRole::kExperimenter);
-  pages.obey(1, R"({"act": "join", "as": "participant"})");
-  pages.obey(2, R"({"act": "join", "as": "experimenter"})");
+  pages.handleMessages(1, R"({"act": "join", "as": "participant"})");
+  pages.handleMessages(2, R"({"act": "join", "as": "experimenter"})");
   EXPECT_EQ(pages.refusal(1, Wish::kLook), "");
   EXPECT_THAT(pages.refusal(1, Wish::kHoldTool), HasSubstr("nothing to feel"));
   conductor_->begin("");
   says({{"act", "fill"}, {"values", {{"age", "30"}, {"name", "Ada"}}}});
   now_s_ += 1;
   conductor_->poll();
-  ASSERT_EQ(conductor_->moment().phase, StudyPhase::kInterval);
+  ASSERT_EQ(conductor_->state().phase, StudyPhase::kInterval);
   EXPECT_EQ(pages.refusal(1, Wish::kHoldTool), "");
   EXPECT_THAT(pages.refusal(2, Wish::kHoldTool), HasSubstr("nobody changes"));
   EXPECT_THAT(pages.refusal(1, Wish::kChangeScene), HasSubstr("nobody changes"));
@@ -123,7 +123,7 @@ TEST_F(StudyMessages, TheParticipantIsToldNothingThatTellsTheStimulus) {
   comeToAQuestion();
   EXPECT_EQ(participant()["phase"], "question");
   EXPECT_EQ(participant()["choices"].size(), 2U);
-  const std::string test = conductor_->moment().now->test->name;
+  const std::string test = conductor_->state().now->test->name;
   for (const std::string& word : {test, std::string("P3"), std::string("Moon"), std::string("force")}) {
     EXPECT_THAT(participantMessage(*conductor_), Not(HasSubstr("\"" + word))) << word;
   }
@@ -172,7 +172,7 @@ TEST_F(StudyMessages, EachRoleMayAskForItsOwnOnly) {
 
 TEST_F(StudyMessages, WhoHasNotJoinedOrTalksNonsenseIsRefused) {
   const auto refused = [this](const std::string& text) {
-    EXPECT_THROW((void)obeyStudyMessage(*conductor_, text, StudyRole::kParticipant, true), InvalidParameter) << text;
+    EXPECT_THROW((void)handleStudyMessage(*conductor_, text, StudyRole::kParticipant, true), InvalidParameter) << text;
   };
   refused("");
   refused("[1, 2]");
@@ -181,7 +181,7 @@ TEST_F(StudyMessages, WhoHasNotJoinedOrTalksNonsenseIsRefused) {
   refused(R"({"act": "dance"})");
   refused(R"({"act": "join", "as": "director"})");
   refused(R"({"act": "answer", "choice": "1"})");
-  EXPECT_THROW((void)obeyStudyMessage(*conductor_, R"({"act": "go"})", StudyRole::kParticipant, false),
+  EXPECT_THROW((void)handleStudyMessage(*conductor_, R"({"act": "go"})", StudyRole::kParticipant, false),
                InvalidParameter);
 }
 
@@ -189,12 +189,12 @@ TEST_F(StudyMessages, NobodyJoinsInAnotherRoleThanTheirAddressGives) {
   const std::string as_experimenter = R"({"act": "join", "as": "experimenter"})";
   const std::string as_participant = R"({"act": "join", "as": "participant"})";
   for (const bool joined : {false, true}) {
-    EXPECT_THROW((void)obeyStudyMessage(*conductor_, as_experimenter, StudyRole::kParticipant, joined),
+    EXPECT_THROW((void)handleStudyMessage(*conductor_, as_experimenter, StudyRole::kParticipant, joined),
                  InvalidParameter);
-    EXPECT_THROW((void)obeyStudyMessage(*conductor_, as_participant, StudyRole::kExperimenter, joined),
+    EXPECT_THROW((void)handleStudyMessage(*conductor_, as_participant, StudyRole::kExperimenter, joined),
                  InvalidParameter);
-    EXPECT_TRUE(obeyStudyMessage(*conductor_, as_experimenter, StudyRole::kExperimenter, joined));
-    EXPECT_TRUE(obeyStudyMessage(*conductor_, as_participant, StudyRole::kParticipant, joined));
+    EXPECT_TRUE(handleStudyMessage(*conductor_, as_experimenter, StudyRole::kExperimenter, joined));
+    EXPECT_TRUE(handleStudyMessage(*conductor_, as_participant, StudyRole::kParticipant, joined));
   }
 }
 

@@ -70,7 +70,7 @@ struct Grains {
 };
 
 Vec3 anyVector(std::mt19937_64& random, double size) {
-  return size * Vec3(evenly(random), evenly(random), evenly(random));
+  return size * Vec3(uniformSigned(random), uniformSigned(random), uniformSigned(random));
 }
 
 // --- what they are ---------------------------------------------------------------------------------------------------
@@ -111,7 +111,7 @@ TEST(Jaws, ClosedWithoutAGapAreABoxOfTwiceTheThickness) {
     return p.x() < 0.0085 && p.y() < 0.0235 && p.z() < 0.0285;
   };
   while (with_jaws.at.size() < 300) {
-    const Vec3 x(0.013 * evenly(random), 0.028 * evenly(random), 0.033 * evenly(random));
+    const Vec3 x(0.013 * uniformSigned(random), 0.028 * uniformSigned(random), 0.033 * uniformSigned(random));
     if (!deep(x)) {
       with_jaws.add(pose.toScene(x), anyVector(random, 0.1));
     }
@@ -144,7 +144,7 @@ TEST(Jaws, ClosedWithoutAGapAreABoxOfTwiceTheThickness) {
 TEST(Jaws, AreTheSameFromLeftAndRight) {
   std::mt19937_64 random(3);
   const auto mirrored = [](const Vec3& v) { return Vec3(-v.x(), v.y(), v.z()); };
-  for (const FrictionModel friction : {FrictionModel::kPaper, FrictionModel::kPairwise}) {
+  for (const FrictionModel friction : {FrictionModel::kPaper, FrictionModel::kContact}) {
     for (const double opening_m : {0.0, 0.003, 0.012, 0.04}) {
       Grains grains;
       grains.soil.friction = friction;
@@ -173,7 +173,7 @@ TEST(Jaws, AreTheSameFromLeftAndRight) {
 
 TEST(Jaws, SqueezeAParticleEquallyFromBothSides) {
   // 10 mm apart around 14 mm: 2 mm deep in each, 1 N; closing at 0.2 m/s, each jaw at 0.1: 0.35 N s/m * 0.1 m/s more.
-  for (const FrictionModel friction : {FrictionModel::kPaper, FrictionModel::kPairwise}) {
+  for (const FrictionModel friction : {FrictionModel::kPaper, FrictionModel::kContact}) {
     Grains grains;
     grains.soil.friction = friction;
     grains.add(Vec3(0, 0.01, -0.01));
@@ -318,9 +318,9 @@ TEST(Jaws, PushWithoutJumpsWhereTheyMakeUpOneSurface) {
 }
 
 TEST(Jaws, HoldAParticleByFriction) {
-  // Pairwise friction: a particle between jaws that go up is dragged along by both, tan(delta) times the grip at most.
+  // Contact friction: a particle between jaws that go up is dragged along by both, tan(delta) times the grip at most.
   Grains grains;
-  grains.soil.friction = FrictionModel::kPairwise;
+  grains.soil.friction = FrictionModel::kContact;
   grains.add(Vec3(0, 0, 0));
   double lifted_n = 0;
   for (int step = 0; step < 200; ++step) {
@@ -408,7 +408,7 @@ TEST(JawsInAScene, LetNothingThroughWhenTheySnapShut) {
 
 TEST(JawsInAScene, GatherSoilAndFeelItBetweenThem) {
   BedParameters bed = p4();
-  bed.soil.friction = FrictionModel::kPairwise;  // with the paper's, nothing but dust holds on to a tool
+  bed.soil.friction = FrictionModel::kContact;  // with the paper's, nothing but dust holds on to a tool
   Scene scene(bed, jaws(0.04));
   const auto go = [&](double from_m, double to_m, double open_from, double open_to, int ticks) {
     for (int i = 1; i <= ticks; ++i) {

@@ -239,10 +239,10 @@ TEST(ToolContact, OnlyContactsThatHoldAreStiff) {
 
 TEST(ToolContact, InABedItIsToTheBitWhatItIsAgainstAllParticles) {
   // The shovel dives in, crosses the bed, leaves it, and comes back elsewhere.
-  for (const FrictionModel friction : {FrictionModel::kPaper, FrictionModel::kPairwise}) {
+  for (const FrictionModel friction : {FrictionModel::kPaper, FrictionModel::kContact}) {
     BedParameters parameters;
     parameters.soil.friction = friction;
-    parameters.soil.stiffness_n_m = friction == FrictionModel::kPairwise ? 1000 : 100;
+    parameters.soil.stiffness_n_m = friction == FrictionModel::kContact ? 1000 : 100;
     parameters.width_m = parameters.length_m = 0.3;
     parameters.start = BedStart::kPacked;
     parameters.depth_m = 0.05;

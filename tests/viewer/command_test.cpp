@@ -48,16 +48,21 @@ TEST(Command, EveryCommandOfTheProtocolIsUnderstood) {
   EXPECT_FALSE(parsed<command::Colour>(R"({"do": "colour", "by": "depth"})").by_force);
 }
 
+TEST(Command, ThePreviousWordForContactFrictionIsStillRead) {
+  EXPECT_EQ(parsed<command::Change>(R"({"do": "scene", "friction": "pairwise"})").change.friction,
+            FrictionModel::kContact);
+}
+
 TEST(Command, AChangeOfTheSceneIsReadWhole) {
   const SceneChange change = parsed<command::Change>(
-                                 R"({"do": "scene", "preset": "P1", "body": "Mars", "friction": "pairwise",
+                                 R"({"do": "scene", "preset": "P1", "body": "Mars", "friction": "contact",
                                      "sliders": {"contact_friction": 0.5},
                                      "tool": {"shape": "plate", "size_mm": [50, 40, 5], "diameter_mm": 30, "thickness_mm": 4,
                                               "opening_mm": 20}})")
                                  .change;
   EXPECT_EQ(change.preset, "P1");
   EXPECT_EQ(change.body, "Mars");
-  EXPECT_EQ(change.friction, FrictionModel::kPairwise);
+  EXPECT_EQ(change.friction, FrictionModel::kContact);
   ASSERT_EQ(change.sliders.size(), 1U);
   EXPECT_EQ(change.sliders[0], std::pair(std::string("contact_friction"), 0.5));
   EXPECT_EQ(change.tool_shape, ToolShape::kPlate);

@@ -25,12 +25,12 @@ using namespace std::chrono_literals;
 using Json = nlohmann::json;
 
 /// A guest that greets, and lets the tool be held until it is told otherwise, but nothing else be done.
-struct TalkingGuest {
+struct TalkingExtension {
   LiveView* view = nullptr;
   std::atomic<std::uint32_t> left{0};
   std::atomic<bool> may_hold{true};
 
-  std::string obey(std::uint32_t client, const Json& message) {
+  std::string handleMessages(std::uint32_t client, const Json& message) {
     if (message["act"] == "throw") {
       throw InvalidParameter("act", "throw", "kind");
     }
@@ -38,7 +38,7 @@ struct TalkingGuest {
       throw std::system_error(std::make_error_code(std::errc::resource_unavailable_try_again), "no thread");
     }
     if (message["act"] == "let go") {
-      view->letGo();
+      view->releaseForce();
     }
     if (message["act"] == "hold no more") {
       may_hold = false;
@@ -49,8 +49,9 @@ struct TalkingGuest {
     return message["act"] == "nonsense" ? "there is no such act" : "";
   }
 
-  LiveView::Guest functions() {
-    return {.obey = [this](std::uint32_t client, std::string_view text) { return obey(client, Json::parse(text)); },
+  LiveView::Extension functions() {
+    return {.handleMessages = [this](std::uint32_t client,
+                                     std::string_view text) { return handleMessages(client, Json::parse(text)); },
             .joined = {},
             .left = [this](std::uint32_t client) { left = client; },
             .refuse = [this](std::uint32_t, const Command& asked) -> std::string {
@@ -65,7 +66,7 @@ struct TalkingGuest {
 /// A running session with its view, driven by a thread as `haptolith run` does.
 class LiveViewTest : public testing::Test {
  protected:
-  explicit LiveViewTest(bool has_guest = false, LiveView::Clients clients = LiveView::Clients::kCommand,
+  explicit LiveViewTest(bool has_extension = false, LiveView::Clients clients = LiveView::Clients::kCommand,
                         std::unique_ptr<HapticDevice> device = nullptr) {
     Scenario scenario;
     scenario.hand.manoeuvre = Manoeuvre::kStill;
@@ -79,14 +80,14 @@ class LiveViewTest : public testing::Test {
                                                               },
                                                           .stop = [this] { recording_ = false; },
                                                           .name = [this] { return recording_ ? "tape.csv" : ""; }},
-                                       has_guest ? guest_.functions() : LiveView::Guest{}, clients);
-    guest_.view = view_.get();
+                                       has_extension ? extension_.functions() : LiveView::Extension{}, clients);
+    extension_.view = view_.get();
     const std::string url = view_->url();
     port_ = static_cast<std::uint16_t>(std::stoi(url.substr(url.rfind(':') + 1)));
     session_->start(stop_);
     thread_ = std::thread([this] {
       while (!session_->done()) {
-        view_->obey();
+        view_->handleMessages();
         const bool changed = session_->poll();
         view_->show(session_->update(), changed);
         std::this_thread::sleep_for(1ms);
@@ -120,7 +121,7 @@ class LiveViewTest : public testing::Test {
   }
 
   std::atomic<bool> stop_{false}, recording_{false};
-  TalkingGuest guest_;
+  TalkingExtension extension_;
   std::unique_ptr<Session> session_;
   std::unique_ptr<LiveView> view_;
   std::thread thread_;
@@ -276,8 +277,8 @@ class Handle final : public HapticDevice {
     return input;
   }
   void write(const DeviceOutput&) noexcept override {}
-  void letGo() noexcept override {}
-  void takeUp() noexcept override {}
+  void releaseForce() noexcept override {}
+  void resumeForce() noexcept override {}
 
  private:
   const std::atomic<bool>& held_;
@@ -440,10 +441,10 @@ TEST_F(GuestOfLiveViewTest, TheGuestIsToldWhoLeft) {
   ASSERT_EQ(leaves->upgrade(), 101U);
   leaves.reset();
   EXPECT_TRUE(until(stays, "status", [](const Json& s) { return s["clients"] == 1; }));
-  for (int i = 0; i < 1000 && guest_.left == 0; ++i) {
+  for (int i = 0; i < 1000 && extension_.left == 0; ++i) {
     std::this_thread::sleep_for(1ms);
   }
-  EXPECT_EQ(guest_.left, 2U);
+  EXPECT_EQ(extension_.left, 2U);
 }
 
 }  // namespace

@@ -1,4 +1,4 @@
-/** A message that is none of the protocol's. */
+/** A message that does not follow the protocol. */
 export class ProtocolError extends Error {
   override name = 'ProtocolError';
 }

@@ -1,5 +1,5 @@
 // The token that the program printed with the address. It is kept for this tab only, so that the page can be loaded again,
-// and taken out of the address bar, where whoever stands by could read it, and out of the history.
+// and taken out of the address bar, where a bystander could read it, and out of the history.
 
 const KEY = 'haptolith.token';
 

@@ -198,7 +198,7 @@ export class MockServer {
       presets: PRESETS.map(([name, friction_coefficient]) => ({ name, friction_coefficient })),
       soils: SOILS,
       bodies: Object.entries(BODIES).map(([name, gravity_m_s2]) => ({ name, gravity_m_s2 })),
-      frictions: ['paper', 'pairwise'],
+      frictions: ['paper', 'contact'],
       shapes: ['box', 'sphere', 'plate', 'jaws'],
       manoeuvres: ['still', 'press', 'stir', 'scoop', 'carry', 'shake'],
     };
@@ -349,7 +349,7 @@ export class MockServer {
       slider.value = value;
     }
     if (change.preset !== undefined) Object.assign(scene.soil, { preset: change.preset, name: null });
-    if (change.soil !== undefined) Object.assign(scene.soil, { preset: null, name: change.soil, friction: 'pairwise' });
+    if (change.soil !== undefined) Object.assign(scene.soil, { preset: null, name: change.soil, friction: 'contact' });
     if (change.friction !== undefined) scene.soil.friction = change.friction;
     const new_bed = change.preset !== undefined || change.soil !== undefined || change.friction !== undefined;
     if (!new_bed) {

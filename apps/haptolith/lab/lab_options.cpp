@@ -41,7 +41,7 @@ void LabOptions::addTo(CLI::App& command) {
   for (const auto& word : kFrictionWords) {
     models.emplace(word.name, word.value);
   }
-  command.add_option("--friction", friction, "paper or pairwise [as the soil's file says]")
+  command.add_option("--friction", friction, "paper or contact [as the soil's file says]")
       ->transform(wordOf(models).description(""));
   command.add_option("--body", body, "Ceres, Pluto, Europa, Moon, Mars or Earth")->capture_default_str();
   command.add_option("--radius-mm", radius_mm, "radius of a macroparticle; the soil stays the same [the test's own]");

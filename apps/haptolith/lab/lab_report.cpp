@@ -72,11 +72,11 @@ std::string nameOf(const LabTest& test) {
 }
 
 /// The rows of one test: the findings of both models side by side.
-void addRows(ReportPage& page, const LabTest& test, const Outcome& pairwise, const Outcome& paper) {
-  const Outcome& either = pairwise.output ? pairwise : paper;
+void addRows(ReportPage& page, const LabTest& test, const Outcome& contact, const Outcome& paper) {
+  const Outcome& either = contact.output ? contact : paper;
   if (!either.output) {
     page.rows.push_back(
-        {nameOf(test), test.description, "", {pairwise.why_not, Verdict::kFail}, {paper.why_not, Verdict::kFail}});
+        {nameOf(test), test.description, "", {contact.why_not, Verdict::kFail}, {paper.why_not, Verdict::kFail}});
     return;
   }
   for (std::size_t i = 0; i < either.output->findings.size(); ++i) {
@@ -88,7 +88,7 @@ void addRows(ReportPage& page, const LabTest& test, const Outcome& pairwise, con
       const Finding& own = outcome.output->findings[i];
       return ReportValue{own.value, own.verdict};
     };
-    page.rows.push_back({nameOf(test), finding.measured, finding.target, value(pairwise), value(paper)});
+    page.rows.push_back({nameOf(test), finding.measured, finding.target, value(contact), value(paper)});
   }
 }
 
@@ -104,7 +104,7 @@ void runReport(const LabOptions& options, const std::string& out_file) {
   ReportPage page;
   page.title = fmt::format("Laboratory report: {}", soil.name);
   page.introduction = {
-      "Every test was done twice with the same soil: with friction between the particles (pairwise), and with the "
+      "Every test was done twice with the same soil: with friction between the particles (contact), and with the "
       "paper's friction, which acts against space. A test that says so was done without cohesion."};
   page.facts = {{"Soil", soil.name},
                 {"Gravity", fmt::format("{}, {:g} m/s²", findBody(options.body).name, conditions.gravity_m_s2)},
@@ -116,7 +116,7 @@ void runReport(const LabOptions& options, const std::string& out_file) {
   for (std::size_t i = 0; i < tests.size(); ++i) {
     const LabTest& test = tests[i];
     Outcome outcomes[2];
-    for (const FrictionModel model : {FrictionModel::kPairwise, FrictionModel::kPaper}) {
+    for (const FrictionModel model : {FrictionModel::kContact, FrictionModel::kPaper}) {
       soil.soil.friction = model;
       conditions.progress = [&](std::string_view what, double share) {
         return progress(

@@ -35,7 +35,7 @@ using Json = nlohmann::ordered_json;
 struct BenchOptions {
   LabOptions soil;  ///< which soil, and of how large macroparticles
   std::vector<int> particles{256, 2000, 10'000, 100'000, 200'000};
-  std::vector<FrictionModel> friction{FrictionModel::kPaper, FrictionModel::kPairwise};
+  std::vector<FrictionModel> friction{FrictionModel::kPaper, FrictionModel::kContact};
   std::vector<int> threads{1, 2};
   Manoeuvre hand = Manoeuvre::kStir;
   std::optional<double> sleep_speed_m_s;
@@ -89,7 +89,7 @@ void settle(Scene& scene) {
       t += dt;
     } while (t < duration_s && bed.awake() > 0);
   };
-  bed.setSettling(bed.parameters().soil.friction == FrictionModel::kPairwise);
+  bed.setSettling(bed.parameters().soil.friction == FrictionModel::kContact);
   run(kSettling_s);
   bed.setSettling(false);
   run(bed.parameters().sleep ? kLongest_s : kSettling_s);
@@ -259,7 +259,7 @@ void addBenchCommand(CLI::App& app) {
   for (const auto& word : kFrictionWords) {
     models.emplace(word.name, word.value);
   }
-  command->add_option("--friction", options->friction, "paper, pairwise or both [paper,pairwise]")
+  command->add_option("--friction", options->friction, "paper, contact or both [paper,contact]")
       ->delimiter(',')
       ->transform(wordOf(models).description(""));
   command->add_option("--threads", options->threads, "numbers of threads")
@@ -278,7 +278,7 @@ void addBenchCommand(CLI::App& app) {
   command->add_flag("--json", options->json, "print one JSON object instead of a table");
   command->footer(
       "Examples:\n  haptolith bench --particles 256,2000 --threads 1\n  haptolith bench --figure bench.svg\n"
-      "  haptolith bench --particles 1000000 --friction pairwise --threads 2 --sleep-speed-m-s 0.001");
+      "  haptolith bench --particles 1000000 --friction contact --threads 2 --sleep-speed-m-s 0.001");
   command->callback([options] { runBench(*options); });
 }
 

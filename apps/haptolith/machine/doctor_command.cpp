@@ -109,10 +109,9 @@ std::string wakeUpText(const WakeUps& measured, const Paint& paint) {
   const double in_time = 1 - static_cast<double>(measured.missed) / static_cast<double>(late_us.count());
   constexpr const char* kRow = "  {:<16} {:>8} {:>8} {:>8} {:>8} {:>8} {:>8} {:>9}\n";
   const auto us = [](double value) { return fmt::format("{:.1f}", value); };
-  return fmt::format(
-             "\n  A thread that slept until the next ms, {:.1f} s long ({}, {}), woke late by this many us:\n\n",
-             measured.seconds, measured.real_time.scheduler,
-             measured.real_time.cpu == kAnyCpu ? "any CPU" : fmt::format("CPU {}", measured.real_time.cpu)) +
+  return fmt::format("\n  A thread that slept until the next ms, {:.1f} s long ({}, {}), woke this many us late:\n\n",
+                     measured.seconds, measured.real_time.scheduler,
+                     measured.real_time.cpu == kAnyCpu ? "any CPU" : fmt::format("CPU {}", measured.real_time.cpu)) +
          paint.dim(fmt::format(kRow, "", "mean", "p50", "p99", "p99.9", "max", "missed", "in time")) +
          fmt::format(kRow, "measured", us(late_us.mean()), us(late_us.percentile(0.5)), us(late_us.percentile(0.99)),
                      us(late_us.percentile(0.999)), us(late_us.max()), measured.missed,

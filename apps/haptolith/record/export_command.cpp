@@ -13,8 +13,8 @@
 #include <vector>
 
 #include "haptolith/core/atomic_file.h"
+#include "haptolith/core/atomic_folder.h"
 #include "haptolith/core/error.h"
-#include "haptolith/core/new_folder.h"
 #include "haptolith/recording/recording_reader.h"
 
 #include "commands.h"
@@ -211,7 +211,7 @@ _)",
 void exportVtk(const RecordingReader& recording, const ExportOptions& options) {
   requireFrames(recording, options);
   const fs::path out = outFor(options, "");
-  const NewFolder folder(out);
+  const AtomicFolder folder(out);
   Progress progress("picture");
   const std::vector<FrameRow> frames = framesOf(recording);
   std::string collection = "<?xml version=\"1.0\"?>\n<VTKFile type=\"Collection\" version=\"1.0\"><Collection>\n";
@@ -248,7 +248,7 @@ void exportRecording(const ExportOptions& options) {
 
 void addExportCommand(CLI::App& app) {
   auto options = std::make_shared<ExportOptions>();
-  CLI::App* command = app.add_subcommand("export", "Make of a recording what other programs read");
+  CLI::App* command = app.add_subcommand("export", "Convert a recording for other programs: CSV, XDMF or VTK");
   command->footer(kExamples);
   command->add_option("file", options->file, "A recording (.h5)")->required()->option_text("FILE.h5");
   command->add_option("--format", options->format, "csv: ticks; xdmf, vtk: particles, for ParaView")

@@ -20,7 +20,7 @@ using Words = std::vector<std::string>;
 constexpr std::chrono::hours kMostCpu{24};
 
 /// Between two pictures, and for the last of them.
-constexpr std::chrono::minutes kPatience{10};
+constexpr std::chrono::minutes kTimeout{10};
 
 /// What is asked of the encoder: no film that shows grains as mud, none that takes minutes.
 Words encoderFor(const std::filesystem::path& path) {
@@ -62,16 +62,15 @@ FilmFile::FilmFile(const OutputFile& file, double pictures_per_s)
 }
 
 void FilmFile::add(std::string_view png) {
-  if (!writeAll(pictures_.to_write, png, {.until = std::chrono::steady_clock::now() + kPatience, .stopped = [] {
-                                            return stopAsked().load();
-                                          }})) {
+  if (!writeAll(pictures_.to_write, png,
+                {.until = std::chrono::steady_clock::now() + kTimeout, .stopped = [] { return stopAsked().load(); }})) {
     fail();
   }
 }
 
 void FilmFile::save() {
   pictures_.to_write.close();
-  if (!ffmpeg_.wait(kPatience)) {
+  if (!ffmpeg_.wait(kTimeout)) {
     fail();
   }
   file_.commit();

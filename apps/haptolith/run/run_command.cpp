@@ -138,7 +138,7 @@ class Follower {
 
   [[nodiscard]] SessionRecording& recording() noexcept { return recording_; }
 
-  /// Saves trace and recording; whoever prints next finds a clean line.
+  /// Saves trace and recording; the next to print finds a clean line.
   void finish(LoopEnd end, double time_s) {
     recording_.note("end", time_s, text(end));
     if (trace_) {
@@ -254,7 +254,8 @@ std::string summaryText(const Scenario& scenario, const Scene& scene, const Hapt
   const Histogram& t = s.tickUs();
   return fmt::format(
       "{title}\n"
-      "  soil       {particles} macroparticles of {radius:g} mm, {soil}, g = {g:g} m/s2, {substeps} step(s) a tick; in "
+      "  soil       {particles} macroparticles of {radius:g} mm, {soil}, g = {g:g} m/s2, {substeps} substeps a tick; "
+      "in "
       "the end {awake} awake\n"
       "  time       {time:.3f} s in {ticks} ticks: {end}\n"
       "  tick       mean {mean:.1f}  p50 {p50:.1f}  p99 {p99:.1f}  p99.9 {p999:.1f}  max {max:.1f} us ({simd}, "
@@ -314,7 +315,7 @@ std::unique_ptr<LiveView> viewOf(Session& session, Follower& follower, const Run
         LiveView::Recorder{.start = [&recording, &session] { recording.start(session); },
                            .stop = [&recording] { recording.stopPart(); },
                            .name = [&recording] { return recording.name(); }},
-        LiveView::Guest{}, options.web.read_only ? LiveView::Clients::kLookOn : LiveView::Clients::kCommand);
+        LiveView::Extension{}, options.web.read_only ? LiveView::Clients::kLookOn : LiveView::Clients::kCommand);
     const bool has_two_addresses = view->urlHere() != view->url();
     printNotice(fmt::format("{}see {} at {}\n{}", options.web.portNotice(view->port()),
                             options.web.read_only ? "it" : "and touch it", view->url(),

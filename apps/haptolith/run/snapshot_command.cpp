@@ -162,7 +162,7 @@ class Studio {
   }
 
   void showNow() {
-    view_.obey();
+    view_.handleMessages();
     view_.show(true, session_.poll());
   }
 

@@ -97,7 +97,7 @@ void SceneOptions::addTo(CLI::App& command) {
       ->excludes(by_preset);
   command.add_option("--friction", friction, "What friction acts against; default: as the soil has it")
       ->transform(wordOf(choicesOf(kFrictionWords)))
-      ->option_text("paper|pairwise");
+      ->option_text("paper|contact");
   command.add_option("--body", body, "World: Ceres, Pluto, Europa, Moon, Mars or Earth")->option_text("NAME");
   CLI::Option* hand = command.add_option("--hand", manoeuvre, "What the virtual hand does");
   hand->transform(wordOf(handChoices()))->option_text("still|press|stir|scoop|carry|shake");

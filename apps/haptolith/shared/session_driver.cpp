@@ -15,7 +15,7 @@ SessionRecording recordingFor(double frames_per_s) {
 void SessionDriver::run(const std::function<bool(const News&)>& follow, std::chrono::milliseconds between) {
   while (!session_.done()) {
     if (view_ != nullptr) {
-      view_->obey();
+      view_->handleMessages();
     }
     if (!follow(look())) {
       return;

@@ -12,6 +12,7 @@
 
 #include "haptolith/core/atomic_file.h"
 #include "haptolith/core/error.h"
+#include "haptolith/scenario/file_keys.h"
 #include "haptolith/scenario/scene_words.h"
 #include "haptolith/study/perception.h"
 #include "haptolith/study/perception_figure.h"
@@ -50,7 +51,7 @@ PerceptionOptions perceptionOf(const Options& options) {
     wanted.blocks = {options.block};
   }
   if (options.friction != "both") {
-    wanted.frictions = {options.friction == "paper" ? FrictionModel::kPaper : FrictionModel::kPairwise};
+    wanted.frictions = {options.friction == "paper" ? FrictionModel::kPaper : FrictionModel::kContact};
   }
   if (options.hand != "all") {
     std::erase_if(wanted.hands,
@@ -189,12 +190,13 @@ void addStudyExploreCommand(CLI::App& study) {
       ->check(oneOf({"friction", "gravity", "both"}))
       ->capture_default_str();
   command->add_option("--friction", options->friction, "model of friction")
-      ->check(oneOf({"paper", "pairwise", "both"}))
+      ->transform([](const std::string& word) { return std::string(currentWord(word)); }, "")
+      ->check(oneOf({"paper", "contact", "both"}))
       ->capture_default_str();
   command->add_option("--hand", options->hand, "what the hand does")
       ->check(oneOf({"stir", "press", "scoop", "all"}))
       ->capture_default_str();
-  command->add_option("--contact-cohesion-n", perception.contact_cohesion_n, "of pairwise soil, in N")
+  command->add_option("--contact-cohesion-n", perception.contact_cohesion_n, "of soil with contact friction, in N")
       ->check(numberIn({0.0, 1.0}))
       ->capture_default_str();
   command->add_option("--repeats", perception.repeats, "explorations of each stimulus by each hand")

@@ -36,7 +36,7 @@ void exportStudy(const Options& options) {
 
 void addStudyExportCommand(CLI::App& study) {
   auto options = std::make_shared<Options>();
-  CLI::App* command = study.add_subcommand("export", "Make of a study what other programs read");
+  CLI::App* command = study.add_subcommand("export", "Convert a study for other programs: CSV or BIDS");
   command->footer(kExamples);
   command->add_option("file", options->file, "A study")->required()->option_text("FILE");
   command->add_option("--to", options->to, "Where to: a file, for bids a folder")->required()->option_text("PATH");

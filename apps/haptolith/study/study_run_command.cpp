@@ -55,7 +55,7 @@ Scenario sceneFor(const StudyRunOptions& options, const StudyProtocol& protocol)
   }
   Scenario scene = protocol.scene;
   options.device.applyTo(scene.device);
-  scene.hand.manoeuvre = Manoeuvre::kStill;  // without a device, whoever takes part moves it
+  scene.hand.manoeuvre = Manoeuvre::kStill;  // without a device, the participant moves it
   scene.loop.duration_s = 0;
   scene.loop.paced = true;
   validate(scene);
@@ -89,10 +89,10 @@ void requireRoom(const StudyStore& store, const StudyRunOptions& options) {
 }
 
 /// What stands between the view and the study's pages; for as long as these live.
-LiveView::Guest guestOf(StudyPages& pages) {
-  return {.obey =
+LiveView::Extension extensionOf(StudyPages& pages) {
+  return {.handleMessages =
               [&pages](std::uint32_t client, std::string_view message) {
-                pages.obey(client, message);
+                pages.handleMessages(client, message);
                 return std::string();
               },
           .joined =
@@ -122,7 +122,7 @@ class StudyRun {
                         .stop = [this] { stopRecording(); }}),
         conductor_(store_, rig_, {.now_s = &StudyRun::now, .recordings = recordings()}),
         pages_(conductor_),
-        view_(session_, web, HAPTOLITH_VERSION, {}, guestOf(pages_)) {
+        view_(session_, web, HAPTOLITH_VERSION, {}, extensionOf(pages_)) {
     status_.clear();
   }
 
@@ -144,7 +144,7 @@ class StudyRun {
           conductor_.poll();
           showPages();
           showStatus();
-          return !stopAsked() && conductor_.moment().phase != StudyPhase::kWaiting;
+          return !stopAsked() && conductor_.state().phase != StudyPhase::kWaiting;
         },
         4ms);
     finish();
@@ -189,12 +189,12 @@ class StudyRun {
 
   void begin() {
     if (options_.resumes) {
-      conductor_.goOn(options_.participant);
+      conductor_.resumeParticipant(options_.participant);
     } else {
       requireRoom(store_, options_);
       conductor_.begin(options_.participant);
     }
-    code_ = conductor_.moment().participant;
+    code_ = conductor_.state().participant;
     printNotice(
         fmt::format("{} takes part\n  participant's page   {}&study=participant\n  experimenter's page  "
                     "{}&study=experimenter\n",
@@ -204,7 +204,7 @@ class StudyRun {
   void showPages() {
     const StudyPages::News news = pages_.news(rig_.force());
     if (news.lets_go) {
-      view_.letGo();
+      view_.releaseForce();
     }
     if (!news.problem.empty()) {
       spdlog::warn("the experimenter's page shows no news: {}", news.problem);
@@ -218,7 +218,7 @@ class StudyRun {
     if (!status_.visible()) {
       return;
     }
-    const StudyMoment now = conductor_.moment();
+    const StudyState now = conductor_.state();
     status_.update(fmt::format("{}  block {} of {}  trial {}{}  {}{:.2f} N", now.participant,
                                std::min(now.position + 1, now.blocks), now.blocks, now.trial,
                                now.trials > 0 ? fmt::format(" of {}", now.trials) : "", now.paused ? "PAUSED  " : "",
@@ -284,8 +284,10 @@ void addStudyRunCommands(CLI::App& study) {
   addRunOptions(*run, run_options);
   const auto resume_options = std::make_shared<StudyRunOptions>();
   resume_options->resumes = true;
-  CLI::App* resume = study.add_subcommand("resume", "Go on with a participant, exactly where they were");
-  resume->add_option("--participant", resume_options->participant, "Who; default: whoever has not finished")
+  CLI::App* resume = study.add_subcommand("resume", "Resume a participant, exactly where they were");
+  resume
+      ->add_option("--participant", resume_options->participant,
+                   "Code of the participant; default: the one who has not finished")
       ->option_text("CODE");
   addRunOptions(*resume, resume_options);
 }

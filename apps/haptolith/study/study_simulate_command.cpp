@@ -11,8 +11,8 @@
 
 #include "haptolith/core/error.h"
 #include "haptolith/study/answers.h"
-#include "haptolith/study/feeling_rig.h"
 #include "haptolith/study/simulated_participant.h"
+#include "haptolith/study/simulated_rig.h"
 
 #include "commands.h"
 #include "shared/option_checks.h"
@@ -56,7 +56,7 @@ std::unique_ptr<Rig> rigFor(const Options& options, const StudyProtocol& protoco
   if (!options.hand) {
     return std::make_unique<RigWithoutBed>();
   }
-  return std::make_unique<FeelingRig>(protocol, ExplorationOptions{.manoeuvre = *options.hand, .seed = options.seed});
+  return std::make_unique<SimulatedRig>(protocol, ExplorationOptions{.manoeuvre = *options.hand, .seed = options.seed});
 }
 
 /// Simulated answers never stand beside a person's.

@@ -25,10 +25,10 @@ constexpr double kSkinRadii = 0.5;
 
 constexpr std::size_t kBits = 64;  // of a word
 
-/// A thread is worth waking, which takes some 100 us, for at least this many particles; pairwise contacts take three
-/// times as long as the paper's, and several substeps a tick.
+/// A thread is worth waking, which takes some 100 us, for at least this many particles; contacts with friction take
+/// three times as long as the paper's, and several substeps a tick.
 std::size_t particlesPerThread(FrictionModel friction) {
-  return friction == FrictionModel::kPairwise ? 512 : 4096;
+  return friction == FrictionModel::kContact ? 512 : 4096;
 }
 
 /// Simulated time after which falling particles that still move are given up: they calm down within a minute, and sink
@@ -51,7 +51,7 @@ RestRule restRule(const BedParameters& bed) {
           .steps = static_cast<std::uint16_t>(std::clamp(kRest_s / dt_s, double{Wakefulness::kTurn}, 60'000.0))};
 }
 
-/// With pairwise friction only contacts damp; falling soil comes to rest sooner in something thicker than space. Has no
+/// With contact friction only contacts damp; falling soil comes to rest sooner in something thicker than space. Has no
 /// say in where it rests.
 constexpr float kSettlingDrag_per_s = 5;
 
@@ -81,7 +81,7 @@ int partsFor(const BedParameters& bed, std::size_t groups, int threads) {
 
 /// How much the largest particle's radius exceeds the mean, in m.
 double largestExcess(const SoilParameters& soil) {
-  return soil.friction == FrictionModel::kPairwise ? soil.size_spread * soil.radius_m : 0;
+  return soil.friction == FrictionModel::kContact ? soil.size_spread * soil.radius_m : 0;
 }
 
 template <class To, class From>
@@ -167,7 +167,7 @@ Bed::Bed(const BedParameters& parameters, const std::vector<Vec3>& centres_m)
   const std::size_t padded = paddedCount(n);
   std::mt19937_64 random(parameters.seed);
   for (const Vec3& centre : centres_m) {
-    const double excess = largestExcess(parameters.soil) * evenly(random);
+    const double excess = largestExcess(parameters.soil) * uniformSigned(random);
     if (!centre.cast<float>().allFinite()) {
       throw InvalidParameter("centres_m", fmt::format("{} {} {}", centre.x(), centre.y(), centre.z()), "finite");
     }
@@ -181,7 +181,7 @@ Bed::Bed(const BedParameters& parameters, const std::vector<Vec3>& centres_m)
   state_.listed_at = state_.position;
   state_.rested.resize(padded / kGroup);
   state_.rested_at = state_.position;
-  state_.contacts = ContactLists(n, isPairwise());
+  state_.contacts = ContactLists(n, hasContactFriction());
   next_velocity_ = state_.velocity;
   next_position_ = state_.position;
   external_.resize(padded);
@@ -190,7 +190,7 @@ Bed::Bed(const BedParameters& parameters, const std::vector<Vec3>& centres_m)
   near_now_.resize(padded / kGroup / kBits + 1);
   near_before_ = near_now_;
   near_groups_.reserve(padded / kGroup);
-  if (isPairwise()) {
+  if (hasContactFriction()) {
     state_.wall_slip.resize(padded / kGroup);
     near_walls_.resize(padded / kGroup);
     state_.tool_slip.resize(n);
@@ -214,7 +214,7 @@ StepStatus Bed::step(double dt_s) noexcept {
       return StepStatus::kNotFinite;
     }
   }
-  if (!enterAgainWhoMoved()) {
+  if (!relistMovedParticles()) {
     return StepStatus::kCollapsed;
   }
   wakeAndLetSleep();
@@ -283,8 +283,8 @@ void Bed::stepPart(int part, int parts) noexcept {
                           .rows = state_.contacts.rowCounts(),
                           .touched = state_.contacts.touchedRows()};
   Moved moved{moved_.data() + first * kGroup};
-  if (isPairwise()) {
-    stepWithPairwiseFriction(laws_.pairwise, now_, box_, arrays, first, last, moved);
+  if (hasContactFriction()) {
+    stepWithContactFriction(laws_.contact_friction, now_, box_, arrays, first, last, moved);
   } else {
     stepWithPaperFriction(laws_.kernel, now_, box_, arrays, first, last, moved);
   }
@@ -292,7 +292,7 @@ void Bed::stepPart(int part, int parts) noexcept {
   found_by_part_[static_cast<std::size_t>(part)] = wakefulness_.count(first, last, next_position_, state_);
 }
 
-bool Bed::enterAgainWhoMoved() noexcept {
+bool Bed::relistMovedParticles() noexcept {
   std::size_t count = 0;  // close the gaps between the parts
   for (const Moved& moved : movedOfParts()) {
     std::copy_n(moved.particle, moved.count, moved_.data() + count);
@@ -314,11 +314,11 @@ bool Bed::enterAgainWhoMoved() noexcept {
 
 void Bed::wakeAndLetSleep() noexcept {
   for (const Wakefulness::Found& found : foundByParts()) {
-    wakefulness_.wakeBeside({found.stirring, found.stirring_count}, state_);
+    wakefulness_.wakeBeside({found.disturbed, found.disturbed_count}, state_);
   }
   for (const Wakefulness::Found& found : foundByParts()) {
-    wakefulness_.letSleep({found.tired, found.tired_count}, near_before_,
-                          {.state = state_, .next_position = next_position_, .next_velocity = next_velocity_});
+    wakefulness_.putToSleep({found.ready_to_sleep, found.ready_to_sleep_count}, near_before_,
+                            {.state = state_, .next_position = next_position_, .next_velocity = next_velocity_});
   }
   wakefulness_.listAwake();
 }
@@ -362,10 +362,10 @@ Vec3 Bed::contactForce(std::size_t particle) const noexcept {
 }
 
 void Bed::settle(double dt_s, double longest_s, const SettleProgress& progress) {
-  // With pairwise friction a thousandth of what a particle gains in falling by its diameter: what only contacts damp
+  // With contact friction a thousandth of what a particle gains in falling by its diameter: what only contacts damp
   // sways for minutes in a large bed. What the paper's damping holds sinks more slowly than that.
   const double falling_m_s = std::sqrt(4 * parameters_.gravity_m_s2.norm() * parameters_.soil.radius_m);
-  const double at_rest_m_s = isPairwise() ? std::max(1e-4, 1e-3 * falling_m_s) : 1e-4;
+  const double at_rest_m_s = hasContactFriction() ? std::max(1e-4, 1e-3 * falling_m_s) : 1e-4;
   constexpr int kStepsBetweenLooks = 100;
   setSettling(true);
   const struct FrictionAgain {  // however this ends
@@ -432,20 +432,20 @@ double Bed::energy() const {
         apart.x() -= box_.periods.width * std::round(apart.x() * box_.periods.per_width);
         apart.y() -= box_.periods.length * std::round(apart.y() * box_.periods.per_length);
         energy += contactEnergy(pair, apart.norm() - excess - state_.position[j].w);
-        if (isPairwise()) {  // of the side that is awake
+        if (hasContactFriction()) {  // of the side that is awake
           const bool other_side = state_.rested[i / kGroup] == BedState::kAsleep;
           const Slip slip = other_side ? state_.contacts.slip(j, state_.contacts.find(j, narrow<std::int32_t>(i)))
                                        : state_.contacts.slip(i, s);
-          energy += laws_.pairwise.stiffness / 2 * Vec3(slip.x, slip.y, slip.z).squaredNorm();
+          energy += laws_.contact_friction.stiffness / 2 * Vec3(slip.x, slip.y, slip.z).squaredNorm();
         }
       }
     }
-    if (isPairwise()) {
+    if (hasContactFriction()) {
       const WallSlips& slips = state_.wall_slip[i / kGroup];
       for (const auto* slip :
            {&slips.floor_x, &slips.floor_y, &slips.x_wall_y, &slips.x_wall_z, &slips.y_wall_x, &slips.y_wall_z}) {
         const float slid = (*slip)[i % kGroup];
-        energy += laws_.pairwise.stiffness / 2 * slid * slid;
+        energy += laws_.contact_friction.stiffness / 2 * slid * slid;
       }
     }
   }
@@ -495,7 +495,7 @@ void Bed::restore(const BedState& state) {
     throw InvalidParameter("state", fmt::format("{} particles", state.particles()),
                            fmt::format("of this bed's {} particles", n));
   }
-  // A saved state may come from a file: a position that is no number would become the number of a cell.
+  // A saved state may come from a file: a position that is NaN would become the index of a cell.
   const auto finite = [](float value) { return std::isfinite(value); };
   const auto is_number = [&](const Float4& r) { return finite(r.x) && finite(r.y) && finite(r.z) && finite(r.w); };
   for (const auto* records_of :
@@ -512,9 +512,10 @@ void Bed::restore(const BedState& state) {
       throw InvalidParameter("state", "particles of other sizes", "of this bed's size_spread");
     }
   }
-  if (state.contacts.remembers() != isPairwise() || state.wall_slip.size() != (isPairwise() ? records / kGroup : 0) ||
-      state.tool_slip.size() != (isPairwise() ? n : 0)) {
-    throw InvalidParameter("state", isPairwise() ? "without a memory of friction" : "with a memory of friction",
+  if (state.contacts.remembers() != hasContactFriction() ||
+      state.wall_slip.size() != (hasContactFriction() ? records / kGroup : 0) ||
+      state.tool_slip.size() != (hasContactFriction() ? n : 0)) {
+    throw InvalidParameter("state", hasContactFriction() ? "without a memory of friction" : "with a memory of friction",
                            "of a bed with this bed's friction");
   }
   bool numbers = true;
@@ -524,24 +525,24 @@ void Bed::restore(const BedState& state) {
       numbers = numbers && std::ranges::all_of(*slip, finite);
     }
   }
-  for (std::size_t i = 0; isPairwise() && i < n; ++i) {
+  for (std::size_t i = 0; hasContactFriction() && i < n; ++i) {
     for (std::uint32_t s = 0; s < state.contacts.count(i); ++s) {
       const Slip slip = state.contacts.slip(i, s);
       numbers = numbers && finite(slip.x) && finite(slip.y) && finite(slip.z);
     }
   }
   if (!numbers) {
-    throw InvalidParameter("state", "a memory of friction that is no number", "finite");
+    throw InvalidParameter("state", "a contact's slip that is NaN or infinite", "finite");
   }
   // Its lists must be those of its places; their order, which is the order of sums, is its own.
-  ContactLists listed(n, isPairwise());
+  ContactLists listed(n, hasContactFriction());
   const bool entered = neighbourhood_.enterAll(state.listed_at, listed);
   bool fits = entered;
   for (std::size_t i = 0; fits && i < n; ++i) {
     fits = sameNeighbours(listed, state.contacts, i);
   }
   if (!fits) {
-    ContactLists own(n, isPairwise());
+    ContactLists own(n, hasContactFriction());
     (void)neighbourhood_.enterAll(state_.listed_at, own);  // the grid; it fitted when it was made
     throw InvalidParameter("state",
                            entered ? "neighbours that do not fit its places" : "a bed that has collapsed onto itself",
@@ -563,7 +564,7 @@ void Bed::restore(const BedState& state) {
   std::ranges::fill(near_before_, std::uint64_t{0});
   for (std::size_t i = 0; i < n; ++i) {
     driven_ += isDriven(i) ? 1 : 0;
-    const bool touched = state.tool_side[i] != 0 || (isPairwise() && !isZero(state.tool_slip[i]));
+    const bool touched = state.tool_side[i] != 0 || (hasContactFriction() && !isZero(state.tool_slip[i]));
     near_before_[i / kGroup / kBits] |= std::uint64_t{touched} << (i / kGroup % kBits);  // the tool was there
   }
   std::fill(state_.position.begin() + narrow<std::ptrdiff_t>(n), state_.position.end(), kGhost);

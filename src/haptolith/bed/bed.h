@@ -26,7 +26,7 @@ enum class StepStatus { kOk, kNotFinite, kCollapsed };
 using SettleProgress = std::function<bool(double time_s, double speed_m_s)>;
 
 /// A box of identical macroparticles: their contacts, friction and gravity. With the paper's friction contacts follow
-/// (paper 19), friction (14) and damping (20); with pairwise friction see friction-inl.h.
+/// (paper 19), friction (14) and damping (20); with contact friction see friction-inl.h.
 ///
 /// After construction nothing allocates. The same parameters, start and forces give the same bits for any number of
 /// threads, on machines with the same instruction set.
@@ -71,7 +71,7 @@ class Bed {
   void setGravity(const Vec3& gravity_m_s2) noexcept;
 
   /// Another soil from the next step on, its particles lying as they lie; `laws.soil` must be one that the bed
-  /// canGoOnWith(). May be called in the tick.
+  /// isCompatible(). May be called in the tick.
   void setSoil(const SoilLaws& laws) noexcept;
 
   [[nodiscard]] bool isDriven(std::size_t particle) const noexcept { return state_.velocity[particle].w != 0; }
@@ -115,7 +115,7 @@ class Bed {
   [[nodiscard]] std::size_t bytes() const noexcept;
 
   /// Goes on from `state` bit for bit. Not for the tick. @throws InvalidParameter when it has another number of
-  /// particles, holds what is no number, or has collapsed; the bed is then as it was.
+  /// particles, holds NaN or infinity, or has collapsed; the bed is then as it was.
   void restore(const BedState& state);
 
  private:
@@ -127,9 +127,11 @@ class Bed {
   [[nodiscard]] std::span<const Wakefulness::Found> foundByParts() const noexcept {
     return {found_by_part_.data(), static_cast<std::size_t>(parts_)};
   }
-  [[nodiscard]] bool enterAgainWhoMoved() noexcept;
+  [[nodiscard]] bool relistMovedParticles() noexcept;
   void wakeAndLetSleep() noexcept;
-  [[nodiscard]] bool isPairwise() const noexcept { return parameters_.soil.friction == FrictionModel::kPairwise; }
+  [[nodiscard]] bool hasContactFriction() const noexcept {
+    return parameters_.soil.friction == FrictionModel::kContact;
+  }
 
   BedParameters parameters_;
   SoilLaws laws_;

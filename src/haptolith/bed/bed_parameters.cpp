@@ -11,8 +11,8 @@ void validate(const BedParameters& bed) {
                  {});  // the analysis of layers may have it infinite, a bed not
   const double diameter = 2 * bed.soil.radius_m;
   requireInRange("gravity_m_s2", bed.gravity_m_s2.norm(), BedRanges::gravity_m_s2);
-  // With pairwise friction a particle remembers only the nearer of two walls, so it must never feel both.
-  const double narrowest = bed.soil.friction == FrictionModel::kPairwise
+  // With contact friction a particle remembers only the nearer of two walls, so it must never feel both.
+  const double narrowest = bed.soil.friction == FrictionModel::kContact
                                ? makeContactLaw(bed.soil).cutoff_m + 2 * bed.soil.size_spread * bed.soil.radius_m
                                : diameter;
   requireInRange("width_m", bed.width_m, {narrowest, BedRanges::length_m.highest});

@@ -23,7 +23,7 @@ struct BedParameters {
   double length_m = 0.126;  ///< along y
   bool periodic_x = false;  ///< the box repeats itself along x instead of having walls; then width_m >= 3 reaches
   bool periodic_y = false;  ///< along y
-  /// Friction and cohesion of the side walls over those of the soil, pairwise friction only; the floor has the soil's.
+  /// Friction and cohesion of the side walls over those of the soil, contact friction only; the floor has the soil's.
   double wall_friction_ratio = 1;
 
   BedStart start = BedStart::kCount;

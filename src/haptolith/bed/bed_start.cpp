@@ -193,13 +193,13 @@ std::vector<Vec3> counted(const BedParameters& bed) {
 
 std::vector<Vec3> rained(const BedParameters& bed) {
   const double largest =
-      bed.soil.radius_m * (1 + (bed.soil.friction == FrictionModel::kPairwise ? bed.soil.size_spread : 0));
+      bed.soil.radius_m * (1 + (bed.soil.friction == FrictionModel::kContact ? bed.soil.size_spread : 0));
   const double cell = 2.3 * largest;
   const double play = cell / 2 - largest;
   const int columns = std::max(1, static_cast<int>(bed.width_m / cell));
   const int rows = std::max(1, static_cast<int>(bed.length_m / cell));
   std::mt19937_64 random(bed.seed);
-  const auto jitter = [&] { return play * evenly(random); };
+  const auto jitter = [&] { return play * uniformSigned(random); };
   std::vector<Vec3> centres;
   for (int i = 0; i < bed.particles; ++i) {
     const int column = i % columns;

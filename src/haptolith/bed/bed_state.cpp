@@ -47,7 +47,7 @@ void take(std::string_view& bytes, std::vector<Record>& records, std::size_t cou
   bytes.remove_prefix(count * sizeof(Record));
 }
 
-/// Neighbours and, with pairwise friction, what is remembered of them, list by list.
+/// Neighbours and, with contact friction, what is remembered of them, list by list.
 void append(std::string& bytes, const ContactLists& contacts) {
   for (std::size_t i = 0; i < contacts.particles(); ++i) {
     const auto count = static_cast<std::uint16_t>(contacts.count(i));
@@ -81,7 +81,7 @@ ContactLists takeContacts(std::string_view& bytes, const Header& header) {
       }
       if (!there || other[0] < 0 || static_cast<std::uint64_t>(other[0]) >= header.particles ||
           !contacts.add(i, other[0])) {
-        throw Failure("this saved bed is damaged: its lists of neighbours are none");
+        throw Failure("this saved bed is damaged: its neighbour lists are malformed");
       }
       if (contacts.remembers()) {
         contacts.setSlip(i, s, slip[0]);

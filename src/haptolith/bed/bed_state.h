@@ -36,7 +36,7 @@ struct BedState {
   std::vector<Float4> position;        ///< m; w is by how much the particle's radius exceeds the mean
   std::vector<Float4> velocity;        ///< m/s; w is 1 for a driven particle, which keeps its velocity, else 0
   std::vector<Float4> listed_at;       ///< where the neighbour lists have each particle: see Neighbourhood
-  ContactLists contacts;               ///< who may touch whom; with pairwise friction what it remembers, in m
+  ContactLists contacts;               ///< who may touch whom; with contact friction what it remembers, in m
   std::vector<std::int8_t> tool_side;  ///< on which large face of the tool a particle lies: -1, 0 (neither), +1
 
   static constexpr std::uint16_t kAsleep = 0xFFFF;

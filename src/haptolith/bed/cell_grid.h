@@ -15,7 +15,7 @@ struct GridBox {
   Periods periods;  ///< at least three cells each, or 0
 };
 
-/// Which particle is where: cells as wide as the reach, so that whoever is within reach of a particle stands in its
+/// Which particle is where: cells as wide as the reach, so that all within reach of a particle stand in its
 /// cell or one of the 26 around it. Particles come and go one by one, in constant time. Nothing allocates after
 /// construction.
 class CellGrid {

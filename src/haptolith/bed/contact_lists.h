@@ -34,7 +34,7 @@ class ContactLists {
   static constexpr std::uint32_t kMostNeighbours = 96;
 
   ContactLists() = default;
-  /// Empty lists. @param remembers  whether there is a slip with each entry (pairwise friction).
+  /// Empty lists. @param remembers  whether there is a slip with each entry (contact friction).
   ContactLists(std::size_t particles, bool remembers);
 
   [[nodiscard]] std::size_t particles() const noexcept { return count_.size(); }

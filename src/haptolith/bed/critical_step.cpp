@@ -14,21 +14,21 @@ constexpr double kLargestPhase = 1.0;  // dt * omega; the step is stable up to 2
 
 /// The stiffest a contact gets: k, or where cohesion sets in, 4 F_c / range.
 double contactStiffness(const SoilParameters& soil) {
-  if (soil.friction != FrictionModel::kPairwise) {
+  if (soil.friction != FrictionModel::kContact) {
     return soil.stiffness_n_m;
   }
   return std::max(soil.stiffness_n_m, 4 * soil.contact_cohesion_n / (soil.cohesion_range_ratio * soil.radius_m));
 }
 
-/// 1, and with pairwise friction 1 + k_t / k.
+/// 1, and with contact friction 1 + k_t / k.
 double withTangent(const SoilParameters& soil) {
-  return soil.friction == FrictionModel::kPairwise ? 1 + soil.tangential_ratio : 1;
+  return soil.friction == FrictionModel::kContact ? 1 + soil.tangential_ratio : 1;
 }
 
 /// dt * omega that is still well inside the step's limit. Damping that acts on the last velocity lowers that from 2 to
 /// 2 (sqrt(1 + z^2) - z), where z = 2 zeta is the damping ratio of the fastest mode.
 double largestPhase(const SoilParameters& soil) {
-  if (soil.friction != FrictionModel::kPairwise) {
+  if (soil.friction != FrictionModel::kContact) {
     return kLargestPhase;
   }
   constexpr double kShareOfLimit = 0.75;
@@ -67,7 +67,7 @@ int substepsFor(const SoilParameters& soil, double tool_stiffness_n_m, double ti
 }
 
 double sinkingTime(const SoilParameters& soil, double gravity_m_s2, double height_m, double dt_s) {
-  if (soil.friction == FrictionModel::kPairwise || gravity_m_s2 == 0) {
+  if (soil.friction == FrictionModel::kContact || gravity_m_s2 == 0) {
     return 0;
   }
   constexpr double kNeighbours = 12;

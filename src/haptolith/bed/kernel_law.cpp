@@ -10,7 +10,7 @@ KernelLaw kernelLaw(const ContactLaw& law, double radius_m) {
           f(law.stiffness_n_m), f(law.cutoff_m), f(2 * radius_m)};
 }
 
-PairwiseLaw pairwiseLaw(const SoilParameters& soil) {
+ContactFrictionLaw contactFrictionLaw(const SoilParameters& soil) {
   const auto f = [](double value) { return static_cast<float>(value); };
   const ContactLaw law = makeContactLaw(soil);
   const double tangential_stiffness = soil.tangential_ratio * soil.stiffness_n_m;

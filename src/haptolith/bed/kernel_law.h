@@ -12,8 +12,8 @@ struct KernelLaw {
 };
 [[nodiscard]] KernelLaw kernelLaw(const ContactLaw& law, double radius_m);
 
-/// Constants of contacts with pairwise friction, as the kernel and its walls want them.
-struct PairwiseLaw {
+/// Constants of contacts with contact friction, as the kernel and its walls want them.
+struct ContactFrictionLaw {
   KernelLaw normal;
   float cohesion, two_per_range;  ///< F_c in N; 2 / range in 1/m
   float damping;    ///< zeta sqrt(2 m gamma): c is that times sqrt(-dF/da / gamma), zeta of a pair's critical
@@ -21,7 +21,7 @@ struct PairwiseLaw {
   float stiffness;  ///< k_t, N/m
   float lag;        ///< c_t / k_t, s, with c_t = zeta sqrt(2 m k_t)
 };
-[[nodiscard]] PairwiseLaw pairwiseLaw(const SoilParameters& soil);
+[[nodiscard]] ContactFrictionLaw contactFrictionLaw(const SoilParameters& soil);
 
 /// How often the box repeats itself, for beds that have periods instead of walls; 0 along an axis that has walls.
 struct Periods {

@@ -14,9 +14,9 @@ namespace haptolith {
 ///
 /// Each particle is entered at a place, BedState::listed_at. A pair is listed, from both sides, exactly when the places
 /// of the two are closer than the reach, which is as far as a contact acts plus a skin. As long as nobody is further
-/// from its place than half the skin, every contact is listed. Who has moved further is entered again where it is: that
-/// costs half a microsecond for each that moves, two and more out of cache, and nothing for those that do not. The
-/// memory of contacts stands beside the entries and stays where it is.
+/// from its place than half the skin, every contact is listed. A particle that has moved further is entered again where
+/// it is: that costs half a microsecond for each that moves, two and more out of cache, and nothing for those that do
+/// not. The memory of contacts stands beside the entries and stays where it is.
 class Neighbourhood {
  public:
   /// @param reach_m  largest distance of a listed pair of particles of the mean size; larger ones reach further.

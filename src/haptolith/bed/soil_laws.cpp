@@ -9,10 +9,10 @@ SoilLaws::SoilLaws(const SoilParameters& made_of)
       pair(makeContactLaw(soil)),
       wall(wallLaw(pair, soil.radius_m)),
       kernel(kernelLaw(pair, soil.radius_m)),
-      pairwise(pairwiseLaw(soil)),
+      contact_friction(contactFrictionLaw(soil)),
       mass_kg(macroparticleMass(soil)) {}
 
-bool canGoOnWith(const SoilParameters& made_of, const SoilParameters& soil, double tool_stiffness_n_m) {
+bool isCompatible(const SoilParameters& made_of, const SoilParameters& soil, double tool_stiffness_n_m) {
   return soil.radius_m == made_of.radius_m && soil.rho0_kg_m3 == made_of.rho0_kg_m3 &&
          soil.friction == made_of.friction && soil.size_spread == made_of.size_spread &&
          soil.damping_ratio <= made_of.damping_ratio &&

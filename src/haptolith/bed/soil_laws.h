@@ -13,13 +13,13 @@ struct SoilLaws {
 
   SoilParameters soil;
   ContactLaw pair, wall;
-  KernelLaw kernel;      ///< with the paper's friction
-  PairwiseLaw pairwise;  ///< with pairwise friction
-  double mass_kg;        ///< of a macroparticle
+  KernelLaw kernel;                     ///< with the paper's friction
+  ContactFrictionLaw contact_friction;  ///< with contact friction
+  double mass_kg;                       ///< of a macroparticle
 };
 
 /// Whether a bed made of one soil can go on with another, its particles lying as they lie: they keep their size, mass
 /// and model of friction, reach no further than its neighbour lists, and need no shorter steps.
-[[nodiscard]] bool canGoOnWith(const SoilParameters& made_of, const SoilParameters& soil, double tool_stiffness_n_m);
+[[nodiscard]] bool isCompatible(const SoilParameters& made_of, const SoilParameters& soil, double tool_stiffness_n_m);
 
 }  // namespace haptolith

@@ -176,9 +176,9 @@ struct PaperContacts {
   }
 };
 
-// --- pairwise friction -----------------------------------------------------------------------------------------------
+// --- contact friction ------------------------------------------------------------------------------------------------
 
-struct PairwiseContacts {
+struct ContactFrictionContacts {
   LawOf<V> law;
   CohesionOf<V> cohesion;
   FrictionOf<V> friction;
@@ -186,7 +186,7 @@ struct PairwiseContacts {
   V sliding_per_n;  ///< mu_p / k_t: how far a spring can be stretched by what presses the two together, m/N
   PeriodsOf periods;
 
-  PairwiseContacts(const PairwiseLaw& scalar, const Periods& box, float dt, float ratio)
+  ContactFrictionContacts(const ContactFrictionLaw& scalar, const Periods& box, float dt, float ratio)
       : law(lawOf(scalar.normal)),
         cohesion{set(ratio * scalar.cohesion), set(scalar.two_per_range), hn::Zero(D()), set(1)},
         friction{set(dt), set(-scalar.stiffness), set(scalar.lag), set(1), set(1e-30F)},
@@ -314,7 +314,7 @@ struct PairwiseContacts {
 
 /// How far particles may leave their places, over half the skin: different for each, or all that move alike would have
 /// to be entered again in the same step.
-HWY_INLINE V patience(std::size_t particle) {
+HWY_INLINE V relistThreshold(std::size_t particle) {
   const D d;
   const hn::RebindToSigned<D> di;
   const auto number = hn::Iota(di, static_cast<std::int32_t>(particle & 0xFFFF));
@@ -343,9 +343,9 @@ HWY_INLINE void moveOn(const StepConstants& now, const StepArrays& arrays, const
   const V y = next.y - place.y;
   const V z = next.z - place.z;
   const V squared = hn::MulAdd(x, x, hn::MulAdd(y, y, z * z));
-  const V share = patience(at.particle());
+  const V share = relistThreshold(at.particle());
   const V limit = set(now.skin_half_squared) * share * share;
-  const auto stays = squared <= limit;  // false for what is no number, too
+  const auto stays = squared <= limit;  // false for NaN, too
   if (!hn::AllTrue(d, stays)) {
     HWY_ALIGN float distances[hn::MaxLanes(D())];
     HWY_ALIGN float limits[hn::MaxLanes(D())];
@@ -425,9 +425,9 @@ void paperIn(const KernelLaw& law, const StepConstants& now, const StepBox& box,
 }
 
 template <bool kPeriodic>
-void pairwiseIn(const PairwiseLaw& law, const StepConstants& now, const StepBox& box, const StepArrays& arrays,
-                std::size_t first, std::size_t last, Moved& moved) {
-  const PairwiseContacts contacts(law, box.periods, now.dt, now.friction_ratio);
+void contactFrictionIn(const ContactFrictionLaw& law, const StepConstants& now, const StepBox& box,
+                       const StepArrays& arrays, std::size_t first, std::size_t last, Moved& moved) {
+  const ContactFrictionContacts contacts(law, box.periods, now.dt, now.friction_ratio);
   const D d;
   const V zero = hn::Zero(d);
   const V one = set(1);
@@ -475,9 +475,9 @@ void paper(const KernelLaw& law, const StepConstants& now, const StepBox& box, c
   (box.periods.any() ? paperIn<true> : paperIn<false>)(law, now, box, arrays, first, last, moved);
 }
 
-void pairwise(const PairwiseLaw& law, const StepConstants& now, const StepBox& box, const StepArrays& arrays,
-              std::size_t first, std::size_t last, Moved& moved) {
-  (box.periods.any() ? pairwiseIn<true> : pairwiseIn<false>)(law, now, box, arrays, first, last, moved);
+void contact_friction(const ContactFrictionLaw& law, const StepConstants& now, const StepBox& box,
+                      const StepArrays& arrays, std::size_t first, std::size_t last, Moved& moved) {
+  (box.periods.any() ? contactFrictionIn<true> : contactFrictionIn<false>)(law, now, box, arrays, first, last, moved);
 }
 
 // --- contacts alone --------------------------------------------------------------------------------------------------
@@ -504,9 +504,9 @@ void paperSums(const KernelLaw& law, const Periods& periods, const StepArrays& a
   });
 }
 
-void pairwiseSums(const PairwiseLaw& law, const Periods& periods, float dt, const StepArrays& arrays, std::size_t first,
-                  std::size_t last, ContactSum* sums) {
-  const PairwiseContacts contacts(law, periods, dt, 1);
+void contactFrictionSums(const ContactFrictionLaw& law, const Periods& periods, float dt, const StepArrays& arrays,
+                         std::size_t first, std::size_t last, ContactSum* sums) {
+  const ContactFrictionContacts contacts(law, periods, dt, 1);
   forEachVector(arrays.groups, first, last, [&](const Lanes& at) {
     const Records x = loadInOrder(arrays.position + at.particle());
     const Records v = loadInOrder(arrays.velocity + at.particle());
@@ -521,18 +521,18 @@ HWY_AFTER_NAMESPACE();
 namespace haptolith {
 
 HWY_EXPORT(paper);
-HWY_EXPORT(pairwise);
+HWY_EXPORT(contact_friction);
 HWY_EXPORT(paperSums);
-HWY_EXPORT(pairwiseSums);
+HWY_EXPORT(contactFrictionSums);
 
 void stepWithPaperFriction(const KernelLaw& law, const StepConstants& now, const StepBox& box, const StepArrays& arrays,
                            std::size_t first, std::size_t last, Moved& moved) noexcept {
   HWY_DYNAMIC_DISPATCH(paper)(law, now, box, arrays, first, last, moved);
 }
 
-void stepWithPairwiseFriction(const PairwiseLaw& law, const StepConstants& now, const StepBox& box,
-                              const StepArrays& arrays, std::size_t first, std::size_t last, Moved& moved) noexcept {
-  HWY_DYNAMIC_DISPATCH(pairwise)(law, now, box, arrays, first, last, moved);
+void stepWithContactFriction(const ContactFrictionLaw& law, const StepConstants& now, const StepBox& box,
+                             const StepArrays& arrays, std::size_t first, std::size_t last, Moved& moved) noexcept {
+  HWY_DYNAMIC_DISPATCH(contact_friction)(law, now, box, arrays, first, last, moved);
 }
 
 void sumContacts(const KernelLaw& law, const Periods& periods, const StepArrays& arrays, std::size_t first,
@@ -540,9 +540,9 @@ void sumContacts(const KernelLaw& law, const Periods& periods, const StepArrays&
   HWY_DYNAMIC_DISPATCH(paperSums)(law, periods, arrays, first, last, sums);
 }
 
-void sumPairwiseContacts(const PairwiseLaw& law, const Periods& periods, float dt_s, const StepArrays& arrays,
-                         std::size_t first, std::size_t last, ContactSum* sums) noexcept {
-  HWY_DYNAMIC_DISPATCH(pairwiseSums)(law, periods, dt_s, arrays, first, last, sums);
+void sumFrictionalContacts(const ContactFrictionLaw& law, const Periods& periods, float dt_s, const StepArrays& arrays,
+                           std::size_t first, std::size_t last, ContactSum* sums) noexcept {
+  HWY_DYNAMIC_DISPATCH(contactFrictionSums)(law, periods, dt_s, arrays, first, last, sums);
 }
 
 }  // namespace haptolith

@@ -17,7 +17,7 @@ struct StepConstants {
   float rest_squared;       ///< (m/s)^2: what moves faster is not at rest
   // Paper's friction:
   float damping, static_friction, moving_friction;
-  // Pairwise friction:
+  // Contact friction:
   float friction_ratio;  ///< friction and cohesion over the soil's: 1, and 0 while settling
   float drag;            ///< share of the speed kept, 1 but while settling
 };
@@ -26,7 +26,7 @@ struct StepConstants {
 struct StepBox {
   float half_width, half_length;
   bool walls_x, walls_y;
-  float wall_ratio;  ///< friction and cohesion of the side walls over the soil's, pairwise friction only
+  float wall_ratio;  ///< friction and cohesion of the side walls over the soil's, contact friction only
   Periods periods;
 };
 
@@ -39,7 +39,7 @@ struct StepArrays {
   const Float4* listed_at;  ///< see Neighbourhood
   Float4 *next_position, *next_velocity;
   Float4* contact_force;  ///< of the neighbours on each particle, N; not kept when null
-  WallSlips* wall_slip;   ///< pairwise friction only
+  WallSlips* wall_slip;   ///< contact friction only
   std::uint8_t*
       near_walls;  ///< of each group a bit for each wall; where it is clear nothing is remembered of that wall
 
@@ -51,7 +51,7 @@ struct StepArrays {
   std::uint16_t* touched;
 };
 
-/// Who has moved away from its place in the lists.
+/// The particles that have moved away from their place in the lists.
 struct Moved {
   std::int32_t* particle;  ///< room for all
   std::size_t count = 0;
@@ -63,15 +63,15 @@ struct Moved {
 void stepWithPaperFriction(const KernelLaw& law, const StepConstants& now, const StepBox& box, const StepArrays& arrays,
                            std::size_t first, std::size_t last, Moved& moved) noexcept;
 
-/// The same with pairwise friction, whose memory moves on by the step. Each pair is worked out from both sides, with
+/// The same with contact friction, whose memory moves on by the step. Each pair is worked out from both sides, with
 /// exactly opposite results.
-void stepWithPairwiseFriction(const PairwiseLaw& law, const StepConstants& now, const StepBox& box,
-                              const StepArrays& arrays, std::size_t first, std::size_t last, Moved& moved) noexcept;
+void stepWithContactFriction(const ContactFrictionLaw& law, const StepConstants& now, const StepBox& box,
+                             const StepArrays& arrays, std::size_t first, std::size_t last, Moved& moved) noexcept;
 
 /// What a particle feels of its neighbours.
 struct ContactSum {
   float force_x_n = 0, force_y_n = 0, force_z_n = 0;
-  float repulsion_n = 0;  ///< sum of the magnitudes of repulsive contact forces, for friction (paper 14); with pairwise
+  float repulsion_n = 0;  ///< sum of the magnitudes of repulsive contact forces, for friction (paper 14); with contact
                           ///< friction of what limits friction
   float contacts = 0;     ///< p, number of macroparticles that overlap this one, for damping (paper 20)
 };
@@ -79,7 +79,7 @@ struct ContactSum {
 /// Contacts alone, of groups first..last-1, 16 sums each.
 void sumContacts(const KernelLaw& law, const Periods& periods, const StepArrays& arrays, std::size_t first,
                  std::size_t last, ContactSum* sums) noexcept;
-void sumPairwiseContacts(const PairwiseLaw& law, const Periods& periods, float dt_s, const StepArrays& arrays,
-                         std::size_t first, std::size_t last, ContactSum* sums) noexcept;
+void sumFrictionalContacts(const ContactFrictionLaw& law, const Periods& periods, float dt_s, const StepArrays& arrays,
+                           std::size_t first, std::size_t last, ContactSum* sums) noexcept;
 
 }  // namespace haptolith

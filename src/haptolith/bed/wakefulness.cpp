@@ -39,8 +39,8 @@ Wakefulness::Wakefulness(std::size_t groups, const RestRule& rule)
       awake_count_(groups),
       awake_bits_(groups / kBits + 1),
       moving_(groups),
-      stirring_(groups),
-      tired_(groups) {
+      disturbed_(groups),
+      ready_to_sleep_(groups) {
   for (std::size_t group = 0; group <= groups; ++group) {
     awake_[group] = static_cast<std::uint32_t>(group);
     awake_bits_[group / kBits] |= std::uint64_t{group < groups} << (group % kBits);
@@ -49,7 +49,7 @@ Wakefulness::Wakefulness(std::size_t groups, const RestRule& rule)
 
 Wakefulness::Found Wakefulness::count(std::size_t first, std::size_t last, const std::vector<Float4>& position,
                                       BedState& state) noexcept {
-  Found found{stirring_.data() + first, tired_.data() + first};
+  Found found{disturbed_.data() + first, ready_to_sleep_.data() + first};
   if (!rule_.sleep) {
     return found;
   }
@@ -59,13 +59,13 @@ Wakefulness::Found Wakefulness::count(std::size_t first, std::size_t last, const
     std::uint16_t& rested = state.rested[group];
     if (moving_[group] != 0 || (its_turn && hasCrept(group, position, state))) {
       if (rested >= rule_.steps) {
-        found.stirring[found.stirring_count++] = group;
+        found.disturbed[found.disturbed_count++] = group;
       }
       rested = 0;
-    } else if (rested < tired()) {
+    } else if (rested < readyToSleep()) {
       ++rested;
     } else if (its_turn) {
-      found.tired[found.tired_count++] = group;
+      found.ready_to_sleep[found.ready_to_sleep_count++] = group;
     }
   }
   return found;
@@ -92,8 +92,8 @@ bool Wakefulness::hasCrept(std::size_t group, const std::vector<Float4>& positio
   return crept;
 }
 
-void Wakefulness::wakeBeside(std::span<const std::uint32_t> stirring, BedState& state) noexcept {
-  for (const std::uint32_t group : stirring) {
+void Wakefulness::wakeBeside(std::span<const std::uint32_t> disturbed, BedState& state) noexcept {
+  for (const std::uint32_t group : disturbed) {
     forEachEntry(group, state.contacts, [&](std::size_t, std::uint32_t, std::size_t j) {
       wake(j / kGroup, state);
       return true;
@@ -132,9 +132,9 @@ void Wakefulness::wakeAll(BedState& state) noexcept {
   }
 }
 
-void Wakefulness::letSleep(std::span<const std::uint32_t> tired, const std::vector<std::uint64_t>& keep_awake,
-                           const Records& records) noexcept {
-  for (const std::uint32_t group : tired) {
+void Wakefulness::putToSleep(std::span<const std::uint32_t> ready_to_sleep,
+                             const std::vector<std::uint64_t>& keep_awake, const Records& records) noexcept {
+  for (const std::uint32_t group : ready_to_sleep) {
     const bool kept = (keep_awake[group / kBits] >> (group % kBits) & 1) != 0;
     if (!kept && maySleep(group, records.state)) {
       sleep(group, records);
@@ -197,7 +197,7 @@ void Wakefulness::takeOver(BedState& state) noexcept {
   // It may come from a bed in which rest takes another time: nobody sleeps beside what does not rest here.
   for (std::size_t group = 0; group < moving_.size(); ++group) {
     std::uint16_t& rested = state.rested[group];
-    rested = rested == BedState::kAsleep ? rested : std::min<std::uint16_t>(rested, tired());
+    rested = rested == BedState::kAsleep ? rested : std::min<std::uint16_t>(rested, readyToSleep());
     const bool beside_unrest = asleep(state, group) && !forEachEntry(group, state.contacts, [&](auto, auto, auto j) {
                                  return state.rested[j / kGroup] >= rule_.steps;
                                });
@@ -214,7 +214,7 @@ void Wakefulness::takeOver(BedState& state) noexcept {
 }
 
 std::size_t Wakefulness::bytes() const noexcept {
-  return (awake_.size() + stirring_.size() + tired_.size()) * sizeof(awake_[0]) +
+  return (awake_.size() + disturbed_.size() + ready_to_sleep_.size()) * sizeof(awake_[0]) +
          awake_bits_.size() * sizeof(awake_bits_[0]) + moving_.size();
 }
 

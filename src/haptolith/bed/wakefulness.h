@@ -18,10 +18,10 @@ struct RestRule {
 
 /// Which groups of particles are worked on.
 ///
-/// A group may sleep when nothing in it and nothing next to it, that is in its neighbour lists, has stirred for a
+/// A group may sleep when nothing in it and nothing next to it, that is in its neighbour lists, has moved for a
 /// while. Then its particles stand still where they are, and what touches them feels them as before. It wakes when
-/// something next to it stirs, or when it is told to. Between what stirs and what sleeps there is so always a layer of
-/// groups that rest but are worked on, and notice.
+/// something next to it moves, or when it is told to. So between moving and sleeping soil there is always a layer of
+/// groups at rest that are still computed, and notice.
 ///
 /// The two sides of a contact each remember how far they have slid against each other, the exact opposite. The side
 /// that sleeps does not go on, so it takes over what the other remembers when it wakes.
@@ -41,9 +41,9 @@ class Wakefulness {
 
   /// What one part of the work has found out; the lists have their place in this object.
   struct Found {
-    std::uint32_t* stirring = nullptr;  ///< groups that rested and do so no longer
-    std::uint32_t* tired = nullptr;     ///< groups that have rested long enough, and whose turn it is
-    std::size_t stirring_count = 0, tired_count = 0;
+    std::uint32_t* disturbed = nullptr;       ///< groups that rested and do so no longer
+    std::uint32_t* ready_to_sleep = nullptr;  ///< groups that have rested long enough, and whose turn it is
+    std::size_t disturbed_count = 0, ready_to_sleep_count = 0;
   };
 
   /// Counts how long awake groups first..last-1 have been at rest, with `position` after the step. Several threads may
@@ -57,16 +57,16 @@ class Wakefulness {
     std::vector<Float4>&next_position, &next_velocity;
   };
 
-  /// Wakes what is next to what stirs.
-  void wakeBeside(std::span<const std::uint32_t> stirring, BedState& state) noexcept;
+  /// Wakes the soil next to what moves.
+  void wakeBeside(std::span<const std::uint32_t> disturbed, BedState& state) noexcept;
   /// Wakes what is next to one particle, and its own group.
   void wakeAround(std::size_t particle, BedState& state) noexcept;
   void wake(std::size_t group, BedState& state) noexcept;
   void wakeAll(BedState& state) noexcept;
 
-  /// Lets those of the `tired` groups sleep that may, but none that `keep_awake` has a bit for.
-  void letSleep(std::span<const std::uint32_t> tired, const std::vector<std::uint64_t>& keep_awake,
-                const Records& records) noexcept;
+  /// Lets those of the `ready_to_sleep` groups sleep that may, but none that `keep_awake` has a bit for.
+  void putToSleep(std::span<const std::uint32_t> ready_to_sleep, const std::vector<std::uint64_t>& keep_awake,
+                  const Records& records) noexcept;
 
   /// Lists again who is awake, after groups have woken or fallen asleep.
   void listAwake() noexcept;
@@ -79,7 +79,7 @@ class Wakefulness {
  private:
   /// Steps of rest after which a group may sleep: a turn more than makes it one that rests, so that what has just been
   /// woken, or has lost its hold, has the time to begin to move.
-  [[nodiscard]] std::uint16_t tired() const noexcept { return static_cast<std::uint16_t>(rule_.steps + kTurn); }
+  [[nodiscard]] std::uint16_t readyToSleep() const noexcept { return static_cast<std::uint16_t>(rule_.steps + kTurn); }
   [[nodiscard]] bool hasCrept(std::size_t group, const std::vector<Float4>& position, BedState& state) const noexcept;
   [[nodiscard]] bool maySleep(std::size_t group, const BedState& state) const noexcept;
   void sleep(std::size_t group, const Records& records) noexcept;
@@ -90,7 +90,7 @@ class Wakefulness {
   std::vector<std::uint64_t> awake_bits_;
   bool changed_ = false;
   std::vector<std::uint8_t> moving_;
-  std::vector<std::uint32_t> stirring_, tired_;
+  std::vector<std::uint32_t> disturbed_, ready_to_sleep_;
 };
 
 }  // namespace haptolith

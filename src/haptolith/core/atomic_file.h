@@ -12,7 +12,7 @@ namespace haptolith {
 /// option --overwrite.
 enum class IfThere { kRefuse, kReplace };
 
-/// Who may read what is written: whoever the umask lets, or the owner alone.
+/// Who may read what is written: everybody whom the umask allows, or the owner alone.
 enum class Readers { kAsUsual, kOwner };
 
 /// The name of a file to be written, and how.

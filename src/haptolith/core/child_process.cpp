@@ -40,14 +40,14 @@ Descriptor kept(int number) {
 }
 
 /// Waits until `descriptor` is ready for `event`.
-void waitFor(const Descriptor& descriptor, short event, const Patience& patience) {
+void waitFor(const Descriptor& descriptor, short event, const Deadline& deadline) {
   constexpr int kLook_ms = 100;
   pollfd asked{descriptor.number(), event, 0};
   while (poll(&asked, 1, kLook_ms) <= 0) {  // a signal interrupts it
-    if (patience.stopped && patience.stopped()) {
+    if (deadline.stopped && deadline.stopped()) {
       throw Failure("interrupted");
     }
-    if (std::chrono::steady_clock::now() > patience.until) {
+    if (std::chrono::steady_clock::now() > deadline.until) {
       throw Failure("no answer in time");
     }
   }
@@ -70,11 +70,11 @@ Pipe::Pipe() {
   to_write = kept(ends[1]);
 }
 
-bool writeAll(const Descriptor& to, std::string_view bytes, const Patience& patience) {
+bool writeAll(const Descriptor& to, std::string_view bytes, const Deadline& deadline) {
   // What a pipe that is ready always takes: a larger piece could wait for a reader that has hung up or hangs.
   constexpr std::size_t kPiece = 4096;
   while (!bytes.empty()) {
-    waitFor(to, POLLOUT, patience);
+    waitFor(to, POLLOUT, deadline);
     const ssize_t written = ::write(to.number(), bytes.data(), std::min(bytes.size(), kPiece));
     if (written < 0 && errno != EINTR) {
       return false;
@@ -84,11 +84,11 @@ bool writeAll(const Descriptor& to, std::string_view bytes, const Patience& pati
   return true;
 }
 
-bool readSome(const Descriptor& from, std::string& bytes, const Patience& patience) {
+bool readSome(const Descriptor& from, std::string& bytes, const Deadline& deadline) {
   std::array<char, 65536> piece;
   ssize_t size = -1;
   do {
-    waitFor(from, POLLIN, patience);
+    waitFor(from, POLLIN, deadline);
     size = ::read(from.number(), piece.data(), piece.size());
   } while (size < 0 && errno == EINTR);
   bytes.append(piece.data(), static_cast<std::size_t>(std::max<ssize_t>(size, 0)));
@@ -218,8 +218,8 @@ ChildProcess::~ChildProcess() {
   }
 }
 
-bool ChildProcess::wait(std::chrono::milliseconds patience) {
-  const auto until = std::chrono::steady_clock::now() + patience;
+bool ChildProcess::wait(std::chrono::milliseconds timeout) {
+  const auto until = std::chrono::steady_clock::now() + timeout;
   while (!endsWithin(100ms)) {
     if (stopAsked()) {
       throw Failure("interrupted");
@@ -231,8 +231,8 @@ bool ChildProcess::wait(std::chrono::milliseconds patience) {
   return succeeded_;
 }
 
-bool ChildProcess::endsWithin(std::chrono::milliseconds patience) {
-  const auto until = std::chrono::steady_clock::now() + patience;
+bool ChildProcess::endsWithin(std::chrono::milliseconds timeout) {
+  const auto until = std::chrono::steady_clock::now() + timeout;
   for (look(WNOHANG); running_ && std::chrono::steady_clock::now() < until; look(WNOHANG)) {
     std::this_thread::sleep_for(10ms);
   }

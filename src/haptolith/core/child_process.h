@@ -37,18 +37,18 @@ struct Pipe {
 };
 
 /// How long to wait for the other end of a pipe.
-struct Patience {
+struct Deadline {
   std::chrono::steady_clock::time_point until = std::chrono::steady_clock::time_point::max();
   const std::function<bool()>& stopped;  ///< whether nobody wants the result any more; asked ten times a second
 };
 
 /// Writes all of `bytes`; false when nobody reads them any more, if SIGPIPE is ignored.
-/// @throws Failure when patience ends or the work is stopped.
-[[nodiscard]] bool writeAll(const Descriptor& to, std::string_view bytes, const Patience& patience);
+/// @throws Failure when the deadline has passed or the work is stopped.
+[[nodiscard]] bool writeAll(const Descriptor& to, std::string_view bytes, const Deadline& deadline);
 
 /// Waits for bytes and appends them to `bytes`; false at the end of what there is.
 /// @throws Failure as writeAll().
-[[nodiscard]] bool readSome(const Descriptor& from, std::string& bytes, const Patience& patience);
+[[nodiscard]] bool readSome(const Descriptor& from, std::string& bytes, const Deadline& deadline);
 
 /// An unnamed file for what a child reads or says, to be read from its beginning. @throws Failure.
 [[nodiscard]] Descriptor temporaryFile(std::string_view content = {});
@@ -83,11 +83,11 @@ class ChildProcess {
   ChildProcess& operator=(const ChildProcess&) = delete;
 
   /// Waits for its end. True when it succeeded (exit status 0).
-  /// @throws Failure when patience ends or stopAsked().
-  bool wait(std::chrono::milliseconds patience = std::chrono::minutes(2));
+  /// @throws Failure when the deadline has passed or stopAsked().
+  bool wait(std::chrono::milliseconds timeout = std::chrono::minutes(2));
 
   /// Waits for its end, but not for ever; false when it still runs.
-  bool endsWithin(std::chrono::milliseconds patience);
+  bool endsWithin(std::chrono::milliseconds timeout);
 
  private:
   void look(int options);

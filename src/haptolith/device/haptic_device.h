@@ -8,7 +8,7 @@
 
 namespace haptolith {
 
-/// Whether what a device tells can be believed.
+/// Whether what a device reports is valid.
 enum class DeviceState : std::uint8_t {
   kLive,
   kStale,     ///< nothing new for longer than the driver waits: the pose is the last one known
@@ -25,7 +25,7 @@ struct DeviceInput {
   DeviceState state = DeviceState::kLive;
 };
 
-/// What has become of a letGo().
+/// What has become of a releaseForce().
 enum class LettingGo : std::uint8_t {
   kDone,
   kUnderWay,  ///< another thread is inside the device's library and lets go when it comes out
@@ -38,7 +38,7 @@ struct DeviceOutput {
   double gripper_force_n = 0;  ///< > 0 opens the fingers
 };
 
-/// What a device declares of itself. An infinite limit is none; 0 N means that it shows no force.
+/// What a device declares of itself. Infinity stands for no limit; 0 N means that it shows no force.
 struct DeviceLimits {
   static constexpr double kNone = std::numeric_limits<double>::infinity();
 
@@ -84,17 +84,17 @@ class HapticDevice {
 
   /// Zero force at once and from now on, whatever write() is told: the last resort of another thread or of a signal's
   /// handler when the loop does not answer. May be called from anywhere, also twice.
-  virtual void letGo() noexcept = 0;
+  virtual void releaseForce() noexcept = 0;
 
-  /// Whether the last letGo() has reached the device. May be called from anywhere.
+  /// Whether the last releaseForce() has reached the device. May be called from anywhere.
   [[nodiscard]] virtual LettingGo lettingGo() const noexcept { return LettingGo::kDone; }
 
-  /// As letGo(), even if a call is inside the device's library that may hold a lock of it: it may never return. For a
-  /// program that dies.
-  virtual void letGoRegardless() noexcept { letGo(); }
+  /// As releaseForce(), even if a call is inside the device's library that may hold a lock of it: it may never return.
+  /// For a program that dies.
+  virtual void letGoRegardless() noexcept { releaseForce(); }
 
-  /// Takes a letGo() back. From the loop's thread.
-  virtual void takeUp() noexcept = 0;
+  /// Takes a releaseForce() back. From the loop's thread.
+  virtual void resumeForce() noexcept = 0;
 
   /// Why it is lost, and what to do; empty when it is not. Not for the tick.
   [[nodiscard]] virtual std::string_view problem() const noexcept { return {}; }

@@ -21,8 +21,8 @@ class ReplayDevice final : public HapticDevice {
   [[nodiscard]] bool simulated() const noexcept override { return simulated_; }
   [[nodiscard]] DeviceInput read() noexcept override { return input_; }
   void write(const DeviceOutput& /*output*/) noexcept override {}
-  void letGo() noexcept override {}
-  void takeUp() noexcept override {}
+  void releaseForce() noexcept override {}
+  void resumeForce() noexcept override {}
 
  private:
   std::string name_;

@@ -10,7 +10,7 @@
 
 namespace haptolith {
 
-/// `text` as a gnuplot string that shows it letter by letter, whoever wrote it: on one line in single quotes, where
+/// `text` as a gnuplot string that shows it letter by letter, whatever it holds: on one line in single quotes, where
 /// gnuplot substitutes nothing, without a quote inside, and with a backslash before every mark of enhanced text. At
 /// most kFigureTextLetters letters of it.
 [[nodiscard]] std::string gnuplotQuoted(std::string_view text);
@@ -33,7 +33,7 @@ class Figure {
   /// @throws InvalidParameter for a name that is not letters, digits and underscores.
   void data(std::string_view name, const std::vector<std::vector<double>>& rows);
 
-  /// Passes gnuplot commands through: whoever reads a figure's text from a file hands it over as gnuplotQuoted().
+  /// Passes gnuplot commands through: text from a file must be passed as gnuplotQuoted().
   void command(std::string_view gnuplot_commands);
 
   /// Waits for gnuplot and renames the file into place. @throws Failure with gnuplot's own words when it failed.

@@ -23,7 +23,7 @@ void validate(const CouplingParameters& coupling, double tick_s) {
   requireInRange("mass_kg", spring.mass_kg, CouplingRanges::mass_kg);
   if (spring.mass_kg <= lightestArm(spring, tick_s)) {
     throw InvalidParameter("mass_kg", fmt::format("{:g}", spring.mass_kg),
-                           fmt::format("> {:g}, or spring and damper shake the tool to pieces at a tick of {:g} s",
+                           fmt::format("> {:g}, or the coupling is numerically unstable at a tick of {:g} s",
                                        lightestArm(spring, tick_s), tick_s));
   }
 }

@@ -7,7 +7,7 @@
 #include <utility>
 
 #include "haptolith/core/error.h"
-#include "haptolith/core/one_of.h"
+#include "haptolith/core/overloaded.h"
 #include "haptolith/core/signal_stack.h"
 #include "haptolith/haptics/last_resort.h"
 
@@ -79,7 +79,7 @@ LoopEnd HapticLoop::tick() noexcept {
   }
   takeUpAgain();
 
-  // Where is the hand? What cannot be believed leaves the tool where it was, and it fades out of the soil.
+  // Where is the hand? An implausible reading leaves the tool where it was, and it fades out of the soil.
   const DeviceInput input = device_.read();
   safety_.check(input, health(silent));
   followHand(input);
@@ -157,7 +157,7 @@ LoopEnd HapticLoop::runTicks(const std::atomic<bool>& stop) noexcept {
       wanted_end = LoopEnd::kDuration;
     }
     if (wanted_end != LoopEnd::kRunning) {  // a person's hand is let go softly
-      letGoSoftly();
+      softStop();
       if (safety_.stopped() || clock_.paused()) {
         return wanted_end;
       }
@@ -184,15 +184,15 @@ bool HapticLoop::wasSilent() noexcept {
 /// a while.
 LoopHealth HapticLoop::health(bool silent) noexcept {
   if (silent) {
-    watchdog_->takeUp();
+    watchdog_->resumeForce();
   }
-  const LoopHealth now = believed_.value_or(LoopHealth{clock_.late(), silent});
-  believed_.reset();
+  const LoopHealth now = overridden_health_.value_or(LoopHealth{clock_.late(), silent});
+  overridden_health_.reset();
   flags_ |= now.heartbeat_lost ? kTickHeartbeatLost : 0U;
   return now;
 }
 
-/// Moves hand_ to where the device has it, unless that cannot be believed.
+/// Moves hand_ to where the device has it, unless that is implausible.
 void HapticLoop::followHand(const DeviceInput& input) noexcept {
   hand_.twist = {};
   if (!safety_.allWell()) {
@@ -200,7 +200,7 @@ void HapticLoop::followHand(const DeviceInput& input) noexcept {
   }
   const HandState there = mapping_.toScene(input);
   if (!nearBed(scene_->bed().parameters(), there.pose.position_m)) {
-    safety_.letGo(SafetyTrip::kWorkspace);
+    safety_.releaseForce(SafetyTrip::kWorkspace);
   } else if (safety_.trip() == SafetyTrip::kNone) {
     hand_ = there;
   }
@@ -225,7 +225,7 @@ void HapticLoop::fadeTool() noexcept {
   if (const auto due = fade_.step(safety_.trip() == SafetyTrip::kNone, clock_.speed())) {
     carryOut(*due);
   }
-  scene_->setToolPresence(fade_.presence());
+  scene_->setToolFade(fade_.stiffnessShare());
 }
 
 /// Time stands still, and the hand is let go.
@@ -272,48 +272,48 @@ void HapticLoop::takeRequests() noexcept {
 
 void HapticLoop::carryOut(const LoopRequest& asked) noexcept {
   std::visit(
-      OneOf{[this](const request::Pause&) { clock_.pause(); }, [this](const request::Resume&) { clock_.resume(); },
-            [this](const request::Advance& advance) { clock_.advance(advance.ticks); },
-            [this](const request::Speed& speed) { clock_.setSpeed(speed.factor); },
-            [this](const request::Gravity& gravity) {
-              flags_ |= kTickSceneChanged;
-              scene_->bed().setGravity(gravity.gravity_m_s2);
-            },
-            [this](const request::Soil& soil) {
-              flags_ |= kTickSceneChanged;
-              scene_->bed().setSoil(soil.laws);
-            },
-            [this](const request::Touch& touch) {
-              flags_ |= kTickSceneChanged;
-              fade_.touch(touch.on);
-            },
-            [this](const request::Exchange& exchange) {
-              if (clock_.paused()) {  // nobody feels anything
-                carryOut(exchange);
-              } else {
-                fade_.exchange(exchange);
-                flags_ |= kTickSceneChanged;  // the tool begins to fade
-              }
-            }},
+      Overloaded{[this](const request::Pause&) { clock_.pause(); }, [this](const request::Resume&) { clock_.resume(); },
+                 [this](const request::Advance& advance) { clock_.advance(advance.ticks); },
+                 [this](const request::Speed& speed) { clock_.setSpeed(speed.factor); },
+                 [this](const request::Gravity& gravity) {
+                   flags_ |= kTickSceneChanged;
+                   scene_->bed().setGravity(gravity.gravity_m_s2);
+                 },
+                 [this](const request::Soil& soil) {
+                   flags_ |= kTickSceneChanged;
+                   scene_->bed().setSoil(soil.laws);
+                 },
+                 [this](const request::SetContact& touch) {
+                   flags_ |= kTickSceneChanged;
+                   fade_.touch(touch.on);
+                 },
+                 [this](const request::Exchange& exchange) {
+                   if (clock_.paused()) {  // nobody feels anything
+                     carryOut(exchange);
+                   } else {
+                     fade_.exchange(exchange);
+                     flags_ |= kTickSceneChanged;  // the tool begins to fade
+                   }
+                 }},
       asked);
 }
 
 void HapticLoop::carryOut(const request::Exchange& exchange) noexcept {
-  std::visit(OneOf{[this](const request::ExchangeTool& tool) { scene_->setTool(tool.tool); },
-                   [this](const request::ExchangeStage& next) {
-                     next.stage->scene.placeTool({{scene_->toolPose(), {}}, hand_.opening});
-                     scene_ = &next.stage->scene;
-                     shown_.store(next.stage, std::memory_order_release);
-                   }},
+  std::visit(Overloaded{[this](const request::ExchangeTool& tool) { scene_->setTool(tool.tool); },
+                        [this](const request::ExchangeBed& next) {
+                          next.shown->scene.placeTool({{scene_->toolPose(), {}}, hand_.opening});
+                          scene_ = &next.shown->scene;
+                          shown_.store(next.shown, std::memory_order_release);
+                        }},
              exchange);
   flags_ |= kTickSceneChanged;
   felt_ = {};
   fade_.begin();
-  scene_->setToolPresence(fade_.presence());
+  scene_->setToolFade(fade_.stiffnessShare());
 }
 
 void HapticLoop::publish() noexcept {
-  telemetry_.publish(stage(), clock_, [this](SceneSnapshot& snapshot) {
+  telemetry_.publish(shownScene(), clock_, [this](SceneSnapshot& snapshot) {
     snapshot.scene_T_tool = scene_->toolPose();
     snapshot.felt = mapping_.shownInScene(felt_.wrench);
     snapshot.trip = safety_.trip();

@@ -16,7 +16,7 @@
 #include "haptolith/haptics/loop_telemetry.h"
 #include "haptolith/haptics/real_time.h"
 #include "haptolith/haptics/safety_layer.h"
-#include "haptolith/haptics/stage.h"
+#include "haptolith/haptics/shown_scene.h"
 #include "haptolith/haptics/tool_fade.h"
 #include "haptolith/haptics/trip_report.h"
 #include "haptolith/haptics/watchdog.h"
@@ -47,22 +47,22 @@ class HapticLoop {
   [[nodiscard]] std::size_t hashedParts() const noexcept { return LoopTelemetry::hashedParts(scene_->bed()); }
 
   /// Before tick(): how the loop was doing when what is now replayed was recorded, instead of how it is doing now.
-  void believe(const LoopHealth& health) noexcept { believed_ = health; }
+  void overrideHealth(const LoopHealth& health) noexcept { overridden_health_ = health; }
 
   /// From the loop's thread: the run is about to end, and a person's hand is let go softly.
-  void letGoSoftly() noexcept { safety_.stop(); }
+  void softStop() noexcept { safety_.stop(); }
 
   /// For one other thread: moves all waiting records to the end of `records`.
   void takeRecords(std::vector<TickRecord>& records) { telemetry_.takeRecords(records); }
   /// For one other thread: what led to the newest trip of the safety layer.
   [[nodiscard]] LatestValue<TripReport>& trips() noexcept { return telemetry_.trips(); }
   /// For one other thread: newest snapshot of the scene that is shown. From the thread that ask()s.
-  [[nodiscard]] LatestValue<SceneSnapshot>& snapshots() noexcept { return stage().snapshots; }
+  [[nodiscard]] LatestValue<SceneSnapshot>& snapshots() noexcept { return shownScene().snapshots; }
 
   /// For one other thread: asks for a change between two ticks. False when too many wait already.
   bool ask(const LoopRequest& request) noexcept { return requests_.push(request); }
-  /// For one other thread: the stage that is shown. Another one is no longer touched, and may be shown again or go.
-  [[nodiscard]] Stage& stage() const noexcept { return *shown_.load(std::memory_order_acquire); }
+  /// For one other thread: the scene that is shown. Another one is no longer touched, and may be shown again or go.
+  [[nodiscard]] ShownScene& shownScene() const noexcept { return *shown_.load(std::memory_order_acquire); }
 
   /// Records that nobody took in time; only a paced loop loses any.
   [[nodiscard]] std::uint64_t lostRecords() const noexcept { return telemetry_.lostRecords(); }
@@ -86,9 +86,9 @@ class HapticLoop {
   [[nodiscard]] LoopEnd finish(LoopEnd end, const DeviceInput& input, const DeviceOutput& rendered) noexcept;
   void publish() noexcept;
 
-  Stage first_;
-  std::atomic<Stage*> shown_;
-  Scene* scene_;  ///< of the stage that is shown
+  ShownScene first_;
+  std::atomic<ShownScene*> shown_;
+  Scene* scene_;  ///< of the scene that is shown
   HapticDevice& device_;
   LoopParameters parameters_;
   Mapping mapping_;
@@ -99,8 +99,8 @@ class HapticLoop {
   ToolFade fade_;
   LoopTelemetry telemetry_;
   boost::lockfree::spsc_queue<LoopRequest> requests_;
-  std::optional<LoopHealth> believed_;
-  HandState hand_;           ///< the last that could be believed, in the scene
+  std::optional<LoopHealth> overridden_health_;
+  HandState hand_;           ///< the last plausible one, in the scene
   DeviceOutput felt_;        ///< in the last tick
   bool let_go_ = false;      ///< the hand feels nothing, because time stands still
   std::uint32_t flags_ = 0;  ///< TickFlag, what has happened before the present tick

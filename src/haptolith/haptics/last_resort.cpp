@@ -72,8 +72,8 @@ void takeEffect(int signal) noexcept {
 }
 
 template <class Condition>
-bool within(std::int64_t patience_ns, const Condition& met) noexcept {
-  const std::int64_t until_ns = monotonicNs() + patience_ns;
+bool within(std::int64_t timeout_ns, const Condition& met) noexcept {
+  const std::int64_t until_ns = monotonicNs() + timeout_ns;
   while (!met()) {
     if (monotonicNs() > until_ns) {
       return false;
@@ -115,7 +115,7 @@ void onSignal(int signal, siginfo_t* info, void* /*context*/) {
   }
   HapticDevice* const device = hand_at.load();
   if (device != nullptr) {
-    device->letGo();
+    device->releaseForce();
     const LettingGo how = waitFor(*device);
     if (how == LettingGo::kStuck && !causedHere(signal, *info)) {
       callHelper(signal);

@@ -8,7 +8,7 @@
 
 namespace haptolith {
 
-struct Stage;
+struct ShownScene;
 
 /// What another thread may ask of a running loop. It is done between two ticks.
 namespace request {
@@ -24,10 +24,10 @@ struct Speed {  ///< slow motion: a simulated second takes 1 / factor seconds; f
 struct Gravity {
   Vec3 gravity_m_s2;
 };
-struct Soil {  ///< one that the bed canGoOnWith()
+struct Soil {  ///< one that the bed isCompatible()
   SoilLaws laws;
 };
-struct Touch {  ///< whether the tool touches the soil: it fades into it, or out of it
+struct SetContact {  ///< whether the tool touches the soil: it fades into it, or out of it
   bool on = true;
 };
 
@@ -36,14 +36,14 @@ struct Touch {  ///< whether the tool touches the soil: it fades into it, or out
 struct ExchangeTool {  ///< must be as stiff as the one before: see Scene::setTool()
   ToolParameters tool;
 };
-struct ExchangeStage {
-  Stage* stage = nullptr;
+struct ExchangeBed {
+  ShownScene* shown = nullptr;
 };
-using Exchange = std::variant<ExchangeTool, ExchangeStage>;
+using Exchange = std::variant<ExchangeTool, ExchangeBed>;
 
 }  // namespace request
 
 using LoopRequest = std::variant<request::Pause, request::Resume, request::Advance, request::Speed, request::Gravity,
-                                 request::Soil, request::Touch, request::Exchange>;
+                                 request::Soil, request::SetContact, request::Exchange>;
 
 }  // namespace haptolith

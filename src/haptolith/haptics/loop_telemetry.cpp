@@ -62,17 +62,17 @@ void LoopTelemetry::report(SafetyTrip trip, LoopEnd end) noexcept {
 }
 
 /// @return the snapshot when this was its last part.
-SceneSnapshot* LoopTelemetry::copyPart(Stage& stage) noexcept {
+SceneSnapshot* LoopTelemetry::copyPart(ShownScene& shown) noexcept {
   // Part 0 in the tick after a snapshot went out, the last part in the tick of the next one.
   const std::uint64_t part = (published_++ + kTicksPerSnapshot - 1) % kTicksPerSnapshot;
   const bool complete = part + 1 == kTicksPerSnapshot;
-  const Bed& bed = stage.scene.bed();
+  const Bed& bed = shown.scene.bed();
   const std::size_t groups = bed.state().rested.size();
   const bool at_once = bed.particles() <= kCopiedAtOnce;
   if (at_once && !complete) {
     return nullptr;
   }
-  SceneSnapshot& snapshot = stage.snapshots.draft();
+  SceneSnapshot& snapshot = shown.snapshots.draft();
   const std::size_t first_group = at_once ? 0 : groups * part / kTicksPerSnapshot;
   const std::size_t last_group = groups * (part + 1) / kTicksPerSnapshot;
   const std::size_t first = first_group * kGroup;
@@ -83,7 +83,7 @@ SceneSnapshot* LoopTelemetry::copyPart(Stage& stage) noexcept {
   }
   snapshot.largest_speed_m_s = std::max(first == 0 ? 0 : snapshot.largest_speed_m_s, bed.largestSpeed(first, last));
   snapshot.awake = bed.awake();
-  snapshot.opening_m = stage.scene.opening();
+  snapshot.opening_m = shown.scene.opening();
   return complete ? &snapshot : nullptr;
 }
 

@@ -11,7 +11,7 @@
 #include "haptolith/haptics/loop_clock.h"
 #include "haptolith/haptics/loop_statistics.h"
 #include "haptolith/haptics/safety_layer.h"
-#include "haptolith/haptics/stage.h"
+#include "haptolith/haptics/shown_scene.h"
 #include "haptolith/haptics/tick_record.h"
 #include "haptolith/haptics/trip_report.h"
 
@@ -37,11 +37,11 @@ class LoopTelemetry {
   void report(SafetyTrip trip, LoopEnd end) noexcept;
   /// A part of a snapshot of the scene, or the last one, which `rest` completes with what the bed does not know.
   template <class Rest>
-  void publish(Stage& stage, const LoopClock& clock, const Rest& rest) noexcept {
-    if (SceneSnapshot* complete = copyPart(stage); complete != nullptr) {
+  void publish(ShownScene& shown, const LoopClock& clock, const Rest& rest) noexcept {
+    if (SceneSnapshot* complete = copyPart(shown); complete != nullptr) {
       tell(*complete, clock);
       rest(*complete);
-      stage.snapshots.publish();
+      shown.snapshots.publish();
     }
   }
   void addLateness(double late_us) noexcept { statistics_.addLateness(late_us); }
@@ -56,7 +56,7 @@ class LoopTelemetry {
   [[nodiscard]] double time() const noexcept { return static_cast<double>(statistics_.ticks()) * tick_s_; }
 
  private:
-  [[nodiscard]] SceneSnapshot* copyPart(Stage& stage) noexcept;
+  [[nodiscard]] SceneSnapshot* copyPart(ShownScene& shown) noexcept;
   void tell(SceneSnapshot& snapshot, const LoopClock& clock) noexcept;
 
   double tick_s_;

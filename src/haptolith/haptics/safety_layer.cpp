@@ -45,13 +45,13 @@ double smooth(double share) noexcept {
 const char* text(SafetyTrip trip) noexcept {
   switch (trip) {
     case SafetyTrip::kNone: return "none";
-    case SafetyTrip::kDeviceNotFinite: return "the device's pose or velocity is no number";
+    case SafetyTrip::kDeviceNotFinite: return "the device's pose or velocity is NaN or infinite";
     case SafetyTrip::kStale: return "the device tells nothing new";
     case SafetyTrip::kLost: return "the device is gone";
     case SafetyTrip::kWorkspace: return "the hand left the workspace";
     case SafetyTrip::kMissedDeadlines: return "too many deadlines in a row were missed";
     case SafetyTrip::kHeartbeat: return "the loop did not answer in time";
-    case SafetyTrip::kForceNotFinite: return "the force is no number";
+    case SafetyTrip::kForceNotFinite: return "the force is NaN or infinite";
     case SafetyTrip::kImplausible: return "the device told a movement that no hand makes";
   }
   return "";
@@ -84,7 +84,7 @@ void SafetyLayer::check(const DeviceInput& input, const LoopHealth& health) noex
   misses_ = health.late ? misses_ + 1 : 0;
   const SafetyTrip now = reason(input, health);
   if (now != SafetyTrip::kNone) {
-    letGo(now);
+    releaseForce(now);
   } else if (trip_ != SafetyTrip::kNone && ++well_for_ > calm_ticks_) {
     trip_ = SafetyTrip::kNone;
     just_recovered_ = true;
@@ -120,7 +120,7 @@ SafetyTrip SafetyLayer::reason(const DeviceInput& input, const LoopHealth& healt
 }
 
 /// A reason that follows from the first one does not replace it.
-void SafetyLayer::letGo(SafetyTrip why) noexcept {
+void SafetyLayer::releaseForce(SafetyTrip why) noexcept {
   if (trip_ == SafetyTrip::kNone) {
     trip_ = why;
     just_tripped_ = begun_;
@@ -139,7 +139,7 @@ void SafetyLayer::restart() noexcept {
 DeviceOutput SafetyLayer::step(const DeviceOutput& rendered) noexcept {
   flags_ = stopping_ ? kTickSoftStop : 0U;
   if (!isFinite(rendered)) {
-    letGo(SafetyTrip::kForceNotFinite);
+    releaseForce(SafetyTrip::kForceNotFinite);
   }
   if (trip_ != SafetyTrip::kNone) {
     flags_ |= kTickForceZeroed;

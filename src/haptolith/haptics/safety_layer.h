@@ -13,13 +13,13 @@ namespace haptolith {
 /// Why the hand is made to feel nothing. Recordings hold the numbers.
 enum class SafetyTrip : std::uint8_t {
   kNone = 0,
-  kDeviceNotFinite = 1,  ///< what the device told is no number
+  kDeviceNotFinite = 1,  ///< the pose or velocity from the device is NaN or infinite
   kStale = 2,            ///< the device has told nothing new
   kLost = 3,             ///< the device is gone
   kWorkspace = 4,        ///< the hand left the workspace, or the tool the space around the bed
   kMissedDeadlines = 5,  ///< too many in a row
   kHeartbeat = 6,        ///< the loop did not answer
-  kForceNotFinite = 7,   ///< what the hand should have felt is no number
+  kForceNotFinite = 7,   ///< the force for the hand is NaN or infinite
   kImplausible = 8,      ///< no hand moves as the device told
 };
 
@@ -33,7 +33,7 @@ struct LoopHealth {
 
 /// The one place between what is simulated and what a hand is made to feel, device's frame.
 ///
-/// check() first decides whether anything can be believed; when not, the hand feels exactly nothing, until all has been
+/// check() first decides whether the input is plausible; when not, the hand feels exactly nothing, until all has been
 /// well for a while, and then force returns with a soft start. step() then shortens force and torque to what the device
 /// can show, damps energy in excess (Passivity), and limits how fast they change; only to zero they may jump. Functions
 /// may be called in the tick.
@@ -44,11 +44,11 @@ class SafetyLayer {
   SafetyLayer(const SafetyParameters& parameters, const DeviceLimits& limits, bool simulated, double storage_n_m,
               double tick_s);
 
-  /// Looks at what the device has told and how the loop is doing. Before anything else believes it.
+  /// Checks the device's reading and the loop's health, before anything else uses them.
   void check(const DeviceInput& input, const LoopHealth& health) noexcept;
 
   /// The hand feels nothing from now on, until check() has found all well for a while.
-  void letGo(SafetyTrip why) noexcept;
+  void releaseForce(SafetyTrip why) noexcept;
 
   /// What the hand is made to feel instead of `rendered`.
   DeviceOutput step(const DeviceOutput& rendered) noexcept;

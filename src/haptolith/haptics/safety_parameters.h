@@ -10,7 +10,7 @@ struct SafetyParameters {
   double soft_start_s = 2;                   ///< forces grow from nothing in this time, at first and after every trip
   double soft_stop_s = 0.2;                  ///< and fall to nothing in this time when a run ends in good order
   int most_misses = 20;                      ///< deadlines missed in a row that are borne
-  double heartbeat_s = 0.004;                ///< without a tick for so long the hand is let go from outside the loop
+  double heartbeat_s = 0.004;                ///< longest time without a tick before the watchdog lets go of the hand
   double calm_s = 1;                         ///< all must have been well for so long before forces come back
   bool passivity = true;                     ///< whether energy in excess is damped; it is observed in any case
   double max_force_n = DeviceLimits::kNone;  ///< less than the device could show, if one likes

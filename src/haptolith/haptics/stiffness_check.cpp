@@ -32,7 +32,7 @@ StiffnessCheck checkStiffness(const HandlingParameters& handling, const ToolPara
   check.declared_n_s_m = device.damping_n_s_m;
   check.text = fmt::format(
       "the tool can be as stiff as {:.0f} N/m at the device ({}), which takes {:.2g} N s/m of damping; the device has "
-      "{:.2g}: held loosely, it may shake. {}",
+      "{:.2g}: it may vibrate when held loosely. {}",
       check.stiffness_n_m,
       is_virtual ? std::string("the virtual coupling")
                  : fmt::format("{:.0f} contacts of {:g} N/m at once", contacts, tool.stiffness_n_m),

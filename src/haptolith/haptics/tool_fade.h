@@ -26,8 +26,8 @@ class ToolFade {
   /// One tick. @param speed  of time. @return what is to be exchanged now, once.
   std::optional<request::Exchange> step(bool hand_feels, double speed) noexcept;
 
-  /// How much of the tool there is, for Scene::setToolPresence().
-  [[nodiscard]] double presence() const noexcept { return ramp_.share() * ramp_.share(); }
+  /// How much of the tool there is, for Scene::setToolFade().
+  [[nodiscard]] double stiffnessShare() const noexcept { return ramp_.share() * ramp_.share(); }
   /// Whether the tool has to be placed where the hand is, instead of moved there through the soil: true once after
   /// begin(), and at first.
   [[nodiscard]] bool takePlacing() noexcept;

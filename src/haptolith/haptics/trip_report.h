@@ -14,7 +14,7 @@ enum class LoopEnd {
   kDuration,   ///< the time asked for is over
   kStopped,    ///< somebody asked it to stop
   kFinished,   ///< the device has nothing more to give: a pose file's end
-  kHandLeft,   ///< a simulated hand left the space around the bed, or its pose or velocity is no number
+  kHandLeft,   ///< a simulated hand left the space around the bed, or its pose or velocity is NaN or infinite
   kLost,       ///< the device is gone
   kNotFinite,  ///< the bed, the tool or the wrench is no longer a number
   kCollapsed,  ///< the bed has collapsed onto itself

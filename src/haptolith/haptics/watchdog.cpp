@@ -8,9 +8,9 @@
 
 namespace haptolith {
 
-Watchdog::Watchdog(HapticDevice& device, double patience_s)
+Watchdog::Watchdog(HapticDevice& device, double timeout_s)
     : device_(device),
-      patience_ns_(std::llround(patience_s * 1e9)),
+      timeout_ns_(std::llround(timeout_s * 1e9)),
       thread_(startThread("the watchdog that lets go of the hand", [this] { live(); })) {}
 
 Watchdog::~Watchdog() {
@@ -37,18 +37,18 @@ void Watchdog::stop() noexcept {
 bool Watchdog::beat() noexcept {
   const std::int64_t now_ns = monotonicNs();
   const std::int64_t silent_ns = now_ns - last_beat_ns_.exchange(now_ns, std::memory_order_acq_rel);
-  return barked() || (watches() && silent_ns > patience_ns_);
+  return fired() || (watches() && silent_ns > timeout_ns_);
 }
 
 bool Watchdog::tooLate() const noexcept {
   const std::int64_t silent_ns = monotonicNs() - last_beat_ns_.load(std::memory_order_relaxed);
-  return barked() || (watches() && silent_ns > patience_ns_);
+  return fired() || (watches() && silent_ns > timeout_ns_);
 }
 
-void Watchdog::takeUp() noexcept {
+void Watchdog::resumeForce() noexcept {
   // In this order: when it barks in between, the next tick still hears of it.
-  barked_.store(false, std::memory_order_release);
-  device_.takeUp();
+  fired_.store(false, std::memory_order_release);
+  device_.resumeForce();
 }
 
 void Watchdog::live() noexcept {
@@ -66,18 +66,18 @@ void Watchdog::live() noexcept {
 
 void Watchdog::watch() noexcept {
   while (state_.load(std::memory_order_relaxed) == State::kWatching) {
-    const std::int64_t silent_at_ns = last_beat_ns_.load(std::memory_order_acquire) + patience_ns_;
+    const std::int64_t silent_at_ns = last_beat_ns_.load(std::memory_order_acquire) + timeout_ns_;
     const std::int64_t now_ns = monotonicNs();
     if (now_ns < silent_at_ns) {
       sleepUntilNs(silent_at_ns);
       continue;
     }
-    if (!barked_.load(std::memory_order_acquire)) {
+    if (!fired_.load(std::memory_order_acquire)) {
       // In this order: a loop that hears of it at once must not take the hand up before it has been let go.
-      device_.letGo();
-      barked_.store(true, std::memory_order_release);
+      device_.releaseForce();
+      fired_.store(true, std::memory_order_release);
     }
-    sleepUntilNs(now_ns + patience_ns_);
+    sleepUntilNs(now_ns + timeout_ns_);
   }
 }
 

@@ -13,9 +13,9 @@ namespace haptolith {
 /// silent. One for a loop; it sleeps until start().
 class Watchdog {
  public:
-  /// @param patience_s  the longest silence that is borne.
+  /// @param timeout_s  longest silence that is tolerated.
   /// @throws Failure when the system grants no thread.
-  Watchdog(HapticDevice& device, double patience_s);
+  Watchdog(HapticDevice& device, double timeout_s);
   ~Watchdog();
   Watchdog(const Watchdog&) = delete;
   Watchdog& operator=(const Watchdog&) = delete;
@@ -29,14 +29,14 @@ class Watchdog {
   [[nodiscard]] bool beat() noexcept;
 
   /// Whether a force that was computed since the last beat() must not be shown any more: the hand has been let go since
-  /// the last takeUp(), or should have been. May be called in the tick.
+  /// the last resumeForce(), or should have been. May be called in the tick.
   [[nodiscard]] bool tooLate() const noexcept;
 
-  /// Whether this thread has let go of the hand since the last takeUp(). May be called in the tick.
-  [[nodiscard]] bool barked() const noexcept { return barked_.load(std::memory_order_acquire); }
+  /// Whether this thread has let go of the hand since the last resumeForce(). May be called in the tick.
+  [[nodiscard]] bool fired() const noexcept { return fired_.load(std::memory_order_acquire); }
 
   /// The loop lives again, and gives the hand force again. In the tick.
-  void takeUp() noexcept;
+  void resumeForce() noexcept;
 
  private:
   /// kIdle: nobody is watched, and the thread knows. kStopping: the thread has yet to notice.
@@ -47,9 +47,9 @@ class Watchdog {
   void watch() noexcept;
 
   HapticDevice& device_;
-  std::int64_t patience_ns_;
+  std::int64_t timeout_ns_;
   std::atomic<std::int64_t> last_beat_ns_{0};
-  std::atomic<bool> barked_{false};
+  std::atomic<bool> fired_{false};
   std::atomic<State> state_{State::kIdle};
   std::thread thread_;
 };

@@ -34,7 +34,7 @@ SoilParameters lunarContacts() {
   soil.rho0_kg_m3 = 1430;
   soil.rho_max_kg_m3 = 1840;
   soil.stiffness_n_m = 3000;
-  soil.friction = FrictionModel::kPairwise;
+  soil.friction = FrictionModel::kContact;
   soil.size_spread = 0.15;
   return soil;
 }

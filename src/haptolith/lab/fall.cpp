@@ -19,7 +19,7 @@ constexpr double kTouching = 0.999;
 /// A close packing inside a sphere; unequal particles have room for the largest.
 std::vector<Vec3> ballOfSoil(const LabConditions& conditions, double radius_m, const Vec3& middle) {
   const SoilParameters& soil = conditions.soil;
-  const double spread = soil.friction == FrictionModel::kPairwise ? soil.size_spread : 0;
+  const double spread = soil.friction == FrictionModel::kContact ? soil.size_spread : 0;
   const double a = 2 * soil.radius_m * (kTouching + spread);
   const Vec3 along(a, 0, 0);
   const Vec3 across(a / 2, a * std::sqrt(3.0) / 2, 0);

@@ -75,7 +75,7 @@ std::vector<Vec3> looseSoil(const SoilParameters& soil, const LabBox& box, std::
         Vec3 centre((column + first) * box.width_m / columns - box.width_m / 2,
                     (row + first) * box.length_m / rows - box.length_m / 2, bottom_m + (storey + 0.5) * cell);
         for (int axis = 0; axis < 3; ++axis) {
-          centre[axis] += play * evenly(random);
+          centre[axis] += play * uniformSigned(random);
         }
         if ((!inside || inside(centre)) && centres.size() < particles) {
           centres.push_back(centre);
@@ -105,7 +105,7 @@ std::vector<Vec3> roughPlate(const SoilParameters& soil, const LabBox& box, doub
     for (int column = 0; column < columns; ++column) {
       centres.emplace_back((column + 0.5) / columns * box.width_m - box.width_m / 2,
                            (row + 0.5) / rows * box.length_m - box.length_m / 2,
-                           height_m + kRoughness * soil.radius_m * evenly(random));
+                           height_m + kRoughness * soil.radius_m * uniformSigned(random));
     }
   }
   return centres;

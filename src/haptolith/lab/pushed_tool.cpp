@@ -24,7 +24,7 @@ void validate(const Push& push) {
 }
 
 /// Means over push.window_m around every push.sample_m; `raw` is sorted by depth.
-std::vector<PushReading> evenly(const std::vector<PushReading>& raw, const Push& push) {
+std::vector<PushReading> resampled(const std::vector<PushReading>& raw, const Push& push) {
   std::vector<PushReading> readings;
   const auto samples = static_cast<int>(std::floor(push.depth_m / push.sample_m + 1e-9));
   for (int i = 0; i <= samples; ++i) {
@@ -84,7 +84,7 @@ PushCurve pushIntoBed(const LabConditions& conditions, const Push& push) {
       reading.depth_m -= contact;
     }
   }
-  curve.readings = evenly(raw, push);
+  curve.readings = resampled(raw, push);
   return curve;
 }
 

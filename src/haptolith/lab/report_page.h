@@ -21,7 +21,7 @@ struct ReportRow {
   std::string test;
   std::string measured;  ///< what is measured, in words
   std::string target;    ///< with its source
-  ReportValue pairwise;  ///< FrictionModel::kPairwise
+  ReportValue contact;   ///< FrictionModel::kContact
   ReportValue paper;     ///< FrictionModel::kPaper
 };
 

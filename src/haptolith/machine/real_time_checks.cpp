@@ -81,9 +81,9 @@ class MachineFiles {
   fs::path root_;
 };
 
-/// The numbers of a list such as "0-3,6"; empty when it is none.
+/// The numbers of a list such as "0-3,6"; empty when the text is no such list.
 std::vector<int> cpuList(std::string_view text) {
-  constexpr int kMostCpus = 1 << 13;  // no list of ours is longer: rubbish shall not fill the memory
+  constexpr int kMostCpus = 1 << 13;  // more than any machine has: a malformed list must not exhaust memory
   std::vector<int> cpus;
   const char* at = text.data();
   const char* const end = at + text.size();
@@ -400,7 +400,7 @@ Check wakeUpCheck(const WakeUps& measured) {
     check.verdict = Fitness::kImprovable;
   }
   if (check.verdict != Fitness::kOk) {
-    check.remedy = "mend what stands above, end other programs, and measure again: haptolith doctor";
+    check.remedy = "fix the points above, end other programs, and run this check again";
   }
   return check;
 }

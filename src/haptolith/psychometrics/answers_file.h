@@ -34,7 +34,7 @@ struct AnswersOf {
 [[nodiscard]] std::vector<AnswersOf> readAnswers(std::istream& text, std::string_view name);
 
 /// The same from a file: at most a million rows, 256 MiB, and lines of 100 000 bytes.
-/// @throws InvalidParameter when there is none; Failure when it cannot be read, or somebody wants the work to end.
+/// @throws InvalidParameter when there is none; Failure when it cannot be read, or the work is stopped.
 [[nodiscard]] std::vector<AnswersOf> readAnswersFile(const std::filesystem::path& path);
 
 }  // namespace haptolith

@@ -18,7 +18,7 @@ std::vector<Level> simulatedAnswers(std::span<const Level> levels, const Psychom
     const double psi = probability(function, level.x);
     double positive = 0;
     for (double trial = 0; trial < level.n; ++trial) {
-      positive += (evenly(random) + 1) / 2 < psi ? 1 : 0;
+      positive += (uniformSigned(random) + 1) / 2 < psi ? 1 : 0;
     }
     level.k = positive;
   }

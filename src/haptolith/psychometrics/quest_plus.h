@@ -34,7 +34,7 @@ struct Hypothesis {
 class QuestPlus : public AdaptiveProcedure {
  public:
   /// @param hypotheses  with probabilities before the first answer that sum to 1.
-  /// @throws InvalidParameter when levels, hypotheses or trials are none.
+  /// @throws InvalidParameter when there are no levels, no hypotheses or no trials.
   QuestPlus(std::vector<double> levels, std::vector<Hypothesis> hypotheses, int trials, double enough_spread = 0);
 
   [[nodiscard]] std::optional<double> next() const override;
@@ -58,7 +58,7 @@ class QuestPlus : public AdaptiveProcedure {
 };
 
 /// QUEST+ over a grid of threshold, width and lapse rate, equally probable at first.
-/// @param levels  two or more. @param reference  of a comparison; where it is none, any value inside the levels.
+/// @param levels  two or more. @param reference  of a comparison; otherwise any value within the levels.
 /// @throws InvalidParameter when levels and options make no sense.
 [[nodiscard]] std::unique_ptr<QuestPlus> makeQuestPlus(const QuestPlusOptions& options, std::vector<double> levels,
                                                        double reference);

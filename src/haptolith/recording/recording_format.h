@@ -8,7 +8,7 @@
 #include <variant>
 #include <vector>
 
-#include "haptolith/haptics/stage.h"
+#include "haptolith/haptics/shown_scene.h"
 #include "haptolith/haptics/tick_record.h"
 
 // What a recording holds: an HDF5 file with /ticks, /particles/position, /particles/frames, /events and a header.
@@ -32,8 +32,8 @@ struct RecordingHeader {
   double tick_s = 0.001;           ///< > 0
 };
 
-/// Number of a tick in its run, from 1, by its time; 0 when that is none that a run has. Numbers of consecutive ticks
-/// follow one another, however often the run was paused.
+/// Number of a tick in its run, from 1, by its time; 0 when no tick of a run has that time. Numbers of consecutive
+/// ticks follow one another, however often the run was paused.
 [[nodiscard]] std::uint64_t tickNumber(double time_s, double tick_s) noexcept;
 
 /// Writes this machine's name and the time of day into a header.
@@ -81,7 +81,7 @@ struct TickColumn {
 [[nodiscard]] std::string csvHeader();
 void appendCsv(std::string& text, const TickRecord& record);
 
-/// What a device declares, as JSON, and back. @throws Failure when it is none.
+/// What a device declares, as JSON, and back. @throws Failure for any other text.
 [[nodiscard]] std::string limitsText(const DeviceLimits& limits, bool simulated);
 struct DeclaredLimits {
   DeviceLimits limits;

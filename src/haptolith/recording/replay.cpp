@@ -101,9 +101,9 @@ ReplayResult Replay::run(const std::function<bool(const TickRecord& was, const T
         loop_->ask(request::Resume{});
       }
       if ((was.flags & kTickSoftStop) != 0) {
-        loop_->letGoSoftly();
+        loop_->softStop();
       }
-      loop_->believe({late, (was.flags & kTickHeartbeatLost) != 0});
+      loop_->overrideHealth({late, (was.flags & kTickHeartbeatLost) != 0});
       const LoopEnd end = loop_->tick();
       late = (was.flags & kTickLate) != 0;
       replayed.clear();

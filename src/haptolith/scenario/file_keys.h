@@ -93,7 +93,10 @@ struct FileKey {
   std::string_view meaning;  ///< one sentence for the document
 };
 
-/// What is wrong with a parameter in SI as whoever reads the file has to know it, in the unit of the key:
+/// The word of today in place of one that earlier versions wrote ("pairwise" for "contact"); any other as it is.
+[[nodiscard]] std::string_view currentWord(std::string_view word) noexcept;
+
+/// What is wrong with a parameter in SI as the reader of the file has to know it, in the unit of the key:
 /// "14 to 100000 (mm)".
 [[nodiscard]] InvalidParameter inUnitOfKey(const InvalidParameter& error, std::string_view key);
 

@@ -10,8 +10,8 @@ bool isPaper(const Scenario& scene) {
   return scene.bed.soil.friction == FrictionModel::kPaper;
 }
 
-bool isPairwise(const Scenario& scene) {
-  return scene.bed.soil.friction == FrictionModel::kPairwise;
+bool hasContactFriction(const Scenario& scene) {
+  return scene.bed.soil.friction == FrictionModel::kContact;
 }
 
 template <BedStart... kStarts>
@@ -37,7 +37,7 @@ bool isNotDirect(const Scenario& scene) {
 }
 
 constexpr std::string_view kPaper = "[soil] friction = paper";
-constexpr std::string_view kPairwise = "[soil] friction = pairwise";
+constexpr std::string_view kContact = "[soil] friction = contact";
 constexpr std::string_view kArm = "[hand] compliance = arm";
 constexpr std::string_view kNoPoses = "another [hand] manoeuvre than poses";
 constexpr std::string_view kNotDirect = "[coupling] kind = auto or virtual";
@@ -46,12 +46,12 @@ constexpr std::array kUses{
     KeyUse{"soil", "mu_hat", isPaper, kPaper, true},
     KeyUse{"soil", "attraction_ratio", isPaper, kPaper, true},
     KeyUse{"soil", "moving_friction_ratio", isPaper, kPaper, true},
-    KeyUse{"soil", "contact_friction", isPairwise, kPairwise, true},
-    KeyUse{"soil", "contact_cohesion_n", isPairwise, kPairwise, true},
-    KeyUse{"soil", "cohesion_range_ratio", isPairwise, kPairwise, true},
-    KeyUse{"soil", "tangential_ratio", isPairwise, kPairwise, true},
-    KeyUse{"soil", "damping_ratio", isPairwise, kPairwise, true},
-    KeyUse{"soil", "size_spread", isPairwise, kPairwise, true},
+    KeyUse{"soil", "contact_friction", hasContactFriction, kContact, true},
+    KeyUse{"soil", "contact_cohesion_n", hasContactFriction, kContact, true},
+    KeyUse{"soil", "cohesion_range_ratio", hasContactFriction, kContact, true},
+    KeyUse{"soil", "tangential_ratio", hasContactFriction, kContact, true},
+    KeyUse{"soil", "damping_ratio", hasContactFriction, kContact, true},
+    KeyUse{"soil", "size_spread", hasContactFriction, kContact, true},
 
     // A named soil of the command line or the page makes a bed that starts as `count` start as `rain`.
     KeyUse{"bed", "particles", starts<BedStart::kCount, BedStart::kRain>, "[bed] start = count or rain", false},
@@ -65,8 +65,8 @@ constexpr std::array kUses{
     KeyUse{"tool", "thickness_mm", isShape<ToolShape::kPlate>, "[tool] shape = plate", true},
     KeyUse{"tool", "opening_mm", isShape<ToolShape::kJaws>, "[tool] shape = jaws", true},
     KeyUse{"tool", "adhesion_ratio", isPaper, kPaper, true},
-    KeyUse{"tool", "friction", isPairwise, kPairwise, true},
-    KeyUse{"tool", "adhesion_n", isPairwise, kPairwise, true},
+    KeyUse{"tool", "friction", hasContactFriction, kContact, true},
+    KeyUse{"tool", "adhesion_n", hasContactFriction, kContact, true},
 
     KeyUse{"hand", "mass_kg", isArm, kArm, false},
     KeyUse{"hand", "damping_n_s_m", isArm, kArm, false},

@@ -22,7 +22,7 @@ void setSoil(Scenario& scenario, const SoilFile& soil) {
   scenario.preset.clear();
   scenario.soil_name = soil.name;
   scenario.bed.soil = soil.soil;
-  if (soil.soil.friction == FrictionModel::kPairwise && scenario.bed.start == BedStart::kCount) {
+  if (soil.soil.friction == FrictionModel::kContact && scenario.bed.start == BedStart::kCount) {
     scenario.bed.start = BedStart::kRain;  // a lattice is a crystal, with planes it slips on: not what was calibrated
   }
 }

@@ -63,7 +63,8 @@ struct Scenario {
 /// program stands then and whatever its presets, named soils and bodies are by then. Soil and gravity are written by
 /// their numbers, their names for information; poses by their absolute path, if the hand follows them; no library.
 /// @throws InvalidParameter for a scene that no file can hold: a value out of its key's range, one of those that only
-/// the laboratory sets (a periodic box, another tick), a length that is no number of mm, a file of poses that has gone.
+/// the laboratory sets (a periodic box, another tick), a length that is not a number of mm, a file of poses that has
+/// gone.
 [[nodiscard]] std::string scenarioText(const Scenario& scenario);
 
 /// How hand and tool are joined above soil whose surface is so high: the virtual hand's frame is the scene's, another

@@ -30,7 +30,7 @@ SceneWord(const char*, Value) -> SceneWord<Value>;  // clang 14 does not find it
 
 inline constexpr std::array kFrictionWords{
     SceneWord{"paper", FrictionModel::kPaper},
-    SceneWord{"pairwise", FrictionModel::kPairwise},
+    SceneWord{"contact", FrictionModel::kContact},
 };
 
 inline constexpr std::array kSoilStrengthWords{

@@ -314,7 +314,7 @@ bool TomlReader::onOrOff(const Place& place) const {
 }
 
 std::string_view TomlReader::word(const Place& place, const std::vector<std::string_view>& words) const {
-  const std::string given = place.node.value_or(std::string());
+  const std::string given(currentWord(place.node.value_or(std::string())));
   const auto same_letter = [](unsigned char a, unsigned char b) { return std::tolower(a) == std::tolower(b); };
   for (const std::string_view valid : words) {
     if (std::ranges::equal(given, valid, same_letter)) {

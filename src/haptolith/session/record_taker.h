@@ -12,7 +12,7 @@
 namespace haptolith {
 
 /// Takes what a loop records into the recording, on a thread of its own: nothing is lost while the thread that follows
-/// the loop is held up, by whoever looks on or by a terminal that nobody reads.
+/// the loop is held up, by viewers or by a terminal that nobody reads.
 class RecordTaker {
  public:
   enum class Keep { kNothing, kForTake };

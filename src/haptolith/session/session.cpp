@@ -24,7 +24,7 @@ constexpr double kBesideBox_m = 0.15;
 constexpr double kAboveSurface_m = 0.35;
 
 /// How many level beds are remembered: the stimuli of a study.
-constexpr std::size_t kMostFresh = 64;
+constexpr std::size_t kMaxCachedBeds = 64;
 
 std::vector<Vec3> centresOf(const std::vector<Float4>& positions) {
   std::vector<Vec3> centres_m;
@@ -93,13 +93,13 @@ Session::Session(Scenario scenario, bool keep_records, const SettleProgress& pro
   if (!wanted_.hand.surface_m) {
     wanted_.hand.surface_m = current_.fresh->surface_m;
   }
-  wish_.manoeuvre = wanted_.hand.manoeuvre;
-  wish_.surface_m = *wanted_.hand.surface_m;
+  command_.manoeuvre = wanted_.hand.manoeuvre;
+  command_.surface_m = *wanted_.hand.surface_m;
   openHand(std::move(device));
   loop_ = std::make_unique<HapticLoop>(*current_.scene, *device_, wanted_.loop, keep_records,
                                        handlingOf(wanted_, *wanted_.hand.surface_m));
-  current_.stage = &loop_->stage();
-  snapshots_ = &current_.stage->snapshots;
+  current_.shown = &loop_->shownScene();
+  snapshots_ = &current_.shown->snapshots;
 }
 
 Session::~Session() {
@@ -135,9 +135,9 @@ bool Session::personFeels() const noexcept {
   return !device_->simulated() && limits.shows_force && limits.max_force_n > 0 && snapshot().trip == SafetyTrip::kNone;
 }
 
-void Session::wish() {
+void Session::commandHand() {
   if (hand_ != nullptr) {
-    hand_->wish(wish_);
+    hand_->command(command_);
   }
 }
 
@@ -165,15 +165,15 @@ bool Session::poll() {
   return on_stage || made;
 }
 
-/// Moves on to the bed that has come on stage, once there is a picture of it.
+/// Moves on to the bed that the loop now shows, once there is a picture of it.
 bool Session::takeStage() {
   if (!coming_) {
     return false;
   }
   if (!coming_is_asked_for_) {
-    coming_is_asked_for_ = loop_->ask(request::Exchange{request::ExchangeStage{coming_->stage}});
+    coming_is_asked_for_ = loop_->ask(request::Exchange{request::ExchangeBed{coming_->shown}});
   }
-  if (&loop_->stage() != coming_->stage || !coming_->stage->snapshots.update()) {
+  if (&loop_->shownScene() != coming_->shown || !coming_->shown->snapshots.update()) {
     return false;
   }
   previous_ = std::move(current_);
@@ -181,10 +181,10 @@ bool Session::takeStage() {
   coming_.reset();
   keepFresh(current_.fresh);
   ++scenes_;
-  snapshots_ = &current_.stage->snapshots;
-  wish_.surface_m = initial_.hand.surface_m.value_or(current_.fresh->surface_m);
-  ++wish_.beginnings;
-  wish();
+  snapshots_ = &current_.shown->snapshots;
+  command_.surface_m = initial_.hand.surface_m.value_or(current_.fresh->surface_m);
+  ++command_.beginnings;
+  commandHand();
   return true;
 }
 
@@ -295,7 +295,7 @@ void Session::changeWhatIsThere() {
   if (wanted_.bed.soil == now.bed.soil) {
     return;
   }
-  if (!canGoOnWith(current_.made_of, wanted_.bed.soil, wanted_.tool.stiffness_n_m)) {
+  if (!isCompatible(current_.made_of, wanted_.bed.soil, wanted_.tool.stiffness_n_m)) {
     make("soil", true);
   } else if (loop_->ask(request::Soil{SoilLaws(wanted_.bed.soil)})) {
     now.bed.soil = wanted_.bed.soil;
@@ -315,7 +315,7 @@ void Session::keepFresh(std::shared_ptr<const Fresh> fresh) {
   if (std::ranges::find(fresh_, fresh) != fresh_.end()) {
     return;
   }
-  if (fresh_.size() == kMostFresh) {
+  if (fresh_.size() == kMaxCachedBeds) {
     fresh_.erase(fresh_.begin() + 1);
   }
   fresh_.push_back(std::move(fresh));
@@ -338,8 +338,8 @@ void Session::make(std::string_view why, bool as_it_lies) {
         making->settled_s = time_s;
         return !making->unwanted;
       });
-      made.own_stage = std::make_unique<Stage>(*made.scene);
-      made.stage = made.own_stage.get();
+      made.own_shown = std::make_unique<ShownScene>(*made.scene);
+      made.shown = made.own_shown.get();
       return made;
     });
   } catch (const std::exception& error) {  // no thread: the bed that is there stays
@@ -351,12 +351,12 @@ void Session::make(std::string_view why, bool as_it_lies) {
 
 void Session::bringOnStage(Showing next) {
   coming_ = std::move(next);
-  (void)coming_->stage->snapshots.update();  // an old picture, of the last time it was on stage
+  (void)coming_->shown->snapshots.update();  // an old picture, of the last time it was shown
   coming_is_asked_for_ = false;
 }
 
 void Session::touch(bool on) {
-  ask(request::Touch{on});
+  ask(request::SetContact{on});
 }
 
 void Session::pause() {
@@ -400,23 +400,23 @@ void Session::hold(const Pose& scene_T_tool) {
   }
   const double norm = scene_T_tool.orientation.norm();
   requireInRange("the norm of the pose's quaternion", norm, {0.9, 1.1});
-  wish_.held = Pose{scene_T_tool.position_m, scene_T_tool.orientation.normalized()};
-  wish();
+  command_.held = Pose{scene_T_tool.position_m, scene_T_tool.orientation.normalized()};
+  commandHand();
 }
 
 void Session::release() {
-  if (wish_.held) {
-    wish_.held = snapshot().scene_T_tool;
-    wish();
+  if (command_.held) {
+    command_.held = snapshot().scene_T_tool;
+    commandHand();
   }
 }
 
 void Session::play(Manoeuvre manoeuvre) {
   requireVirtualHand("play");
-  wish_.held.reset();
-  wish_.manoeuvre = manoeuvre;
-  ++wish_.beginnings;
-  wish();
+  command_.held.reset();
+  command_.manoeuvre = manoeuvre;
+  ++command_.beginnings;
+  commandHand();
 }
 
 Vec3 Session::workspaceLow() const noexcept {
@@ -431,7 +431,7 @@ Vec3 Session::workspaceHigh() const noexcept {
 
 std::string Session::busy() const {
   if (!making_) {
-    return coming_ ? "the bed comes on stage" : "";
+    return coming_ ? "switching to the new bed" : "";
   }
   const double settled_s = making_->settled_s;
   return settled_s > 0 ? fmt::format("making the bed: settled for {:.1f} s", settled_s) : "making the bed";

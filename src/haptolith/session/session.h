@@ -19,7 +19,7 @@
 namespace haptolith {
 
 /// A scene that runs, and may be changed while it does: soil, world, tool and hand. Beds are made on a thread of their
-/// own while the one before goes on, and come on stage without the hand feeling a jump. All calls from one thread,
+/// own while the one before goes on, and replace it without the hand feeling a jump. All calls from one thread,
 /// which is not the loop's; none of them can delay a tick.
 class Session {
  public:
@@ -56,7 +56,7 @@ class Session {
   void undo();   ///< the bed as it was before the last new one; a second undo brings that back
 
   /// Whether the tool touches the soil: it fades out of it in a tenth of a second, and into it again. A bed that comes
-  /// on stage meanwhile is not touched.
+  /// shown meanwhile is not touched.
   void touch(bool on);
 
   void pause();
@@ -81,8 +81,8 @@ class Session {
   /// Height of the soil's surface when the bed that is shown was made, in m.
   [[nodiscard]] double surface() const noexcept { return current_.fresh->surface_m; }
   [[nodiscard]] double speed() const noexcept { return speed_; }
-  [[nodiscard]] const std::optional<Pose>& held() const noexcept { return wish_.held; }
-  [[nodiscard]] Manoeuvre manoeuvre() const noexcept { return wish_.manoeuvre; }
+  [[nodiscard]] const std::optional<Pose>& held() const noexcept { return command_.held; }
+  [[nodiscard]] Manoeuvre manoeuvre() const noexcept { return command_.manoeuvre; }
   /// Where the tool may be pulled to, in m.
   [[nodiscard]] Vec3 workspaceLow() const noexcept;
   [[nodiscard]] Vec3 workspaceHigh() const noexcept;
@@ -114,14 +114,14 @@ class Session {
     std::vector<Vec3> centres_m;
     double surface_m = 0;
   };
-  /// A bed that is, was or will be on stage.
+  /// A bed that is, was or will be shown.
   struct Showing {
     Scenario scenario;       ///< what has been asked for of this bed, and done
     SoilParameters made_of;  ///< what its lists and steps are good for
     std::shared_ptr<const Fresh> fresh;
     std::unique_ptr<Scene> scene;
-    std::unique_ptr<Stage> own_stage;  ///< none for the first: the loop has that
-    Stage* stage = nullptr;
+    std::unique_ptr<ShownScene> own_shown;  ///< none for the first: the loop has that
+    ShownScene* shown = nullptr;
     std::string_view replaced_by;
   };
   struct Making;
@@ -141,7 +141,7 @@ class Session {
   void ask(const LoopRequest& request);
   void openHand(std::unique_ptr<HapticDevice> device);
   void requireVirtualHand(const char* asked) const;
-  void wish();
+  void commandHand();
 
   Scenario initial_, wanted_;
   Showing current_;
@@ -153,7 +153,7 @@ class Session {
   bool paused_ = false;
   std::uint32_t scenes_ = 1;
   double speed_ = 1;
-  HandWish wish_;
+  HandCommand command_;
   std::string problem_;
 
   std::unique_ptr<HapticDevice> device_;

@@ -86,7 +86,7 @@ void SessionRecording::stop() {
   }
 }
 
-/// Who looks on cannot end what was asked for at the start.
+/// A viewer cannot end a recording that was asked for at the start.
 void SessionRecording::requireNoWholeRun() const {
   if (!name_.empty() && endless_) {
     throw Failure(fmt::format("the whole run is being recorded to {}", name_));

@@ -13,7 +13,7 @@
 
 namespace haptolith {
 
-/// A recording of the session that runs: of all of it (`run --record`), or of a part that somebody who looks on has
+/// A recording of the session that runs: of all of it (`run --record`), or of a part that a viewer has
 /// asked for, in a new file where the program was started. Whatever goes wrong with it ends the recording and not the
 /// run. From the thread that follows the loop, but for add(ticks).
 class SessionRecording {

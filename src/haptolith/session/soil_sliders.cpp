@@ -54,7 +54,7 @@ std::vector<SoilSlider> contactSliders(const SoilParameters& soil) {
 
 std::optional<CalibratedStrength> calibrationOf(const Scenario& scenario) {
   const SoilParameters& soil = scenario.bed.soil;
-  if (scenario.soil_name.empty() || soil.friction != FrictionModel::kPairwise) {
+  if (scenario.soil_name.empty() || soil.friction != FrictionModel::kContact) {
     return std::nullopt;
   }
   try {
@@ -70,14 +70,14 @@ std::optional<CalibratedStrength> calibrationOf(const Scenario& scenario) {
 }
 
 std::vector<SoilSlider> slidersOf(const SoilParameters& soil, const std::optional<CalibratedStrength>& calibration) {
-  if (soil.friction == FrictionModel::kPairwise && calibration) {
+  if (soil.friction == FrictionModel::kContact && calibration) {
     const ShearStrength now = calibration->of(soil);
     const Range angles_deg = calibration->anglesFor(soil);
     const Range cohesions_pa = calibration->cohesionsFor(soil);
     return {{kFrictionAngle, "friction angle", "°", now.angle_deg, angles_deg.lowest, angles_deg.highest, 0.5},
             {kCohesion, "cohesion", "Pa", now.cohesion_pa, cohesions_pa.lowest, cohesions_pa.highest, 10}};
   }
-  if (soil.friction == FrictionModel::kPairwise) {
+  if (soil.friction == FrictionModel::kContact) {
     return contactSliders(soil);
   }
   const double angle_deg = frictionAngle(frictionCoefficient(soil.mu_hat)) / kDegree;
@@ -91,7 +91,7 @@ std::vector<SoilSlider> slidersOf(const SoilParameters& soil, const std::optiona
 SoilParameters withSlider(SoilParameters soil, std::string_view key, double value,
                           const std::optional<CalibratedStrength>& calibration) {
   std::vector<SoilSlider> sliders = slidersOf(soil, calibration);
-  if (soil.friction == FrictionModel::kPairwise && calibration) {
+  if (soil.friction == FrictionModel::kContact && calibration) {
     std::ranges::copy(contactSliders(soil), std::back_inserter(sliders));
   }
   const auto slider = std::ranges::find(sliders, key, &SoilSlider::key);
@@ -101,7 +101,7 @@ SoilParameters withSlider(SoilParameters soil, std::string_view key, double valu
     throw InvalidParameter("sliders", std::string(key), fmt::format("{}", fmt::join(keys, " or ")));
   }
   requireInRange(key, value, {slider->low, slider->high});
-  if (soil.friction == FrictionModel::kPairwise && (key == kFrictionAngle || key == kCohesion)) {
+  if (soil.friction == FrictionModel::kContact && (key == kFrictionAngle || key == kCohesion)) {
     ShearStrength wanted = calibration->of(soil);
     (key == kFrictionAngle ? wanted.angle_deg : wanted.cohesion_pa) = value;
     soil = calibration->with(soil, wanted);

@@ -21,7 +21,7 @@ struct SoilSlider {
 [[nodiscard]] std::optional<CalibratedStrength> calibrationOf(const Scenario& scenario);
 
 /// What can be changed of this soil: friction angle and cohesion, with the paper's friction those that (paper 17, 18)
-/// give, with pairwise friction those of its calibration; without one, friction and cohesion of a contact.
+/// give, with contact friction those of its calibration; without one, friction and cohesion of a contact.
 [[nodiscard]] std::vector<SoilSlider> slidersOf(const SoilParameters& soil,
                                                 const std::optional<CalibratedStrength>& calibration = {});
 

@@ -24,7 +24,7 @@ struct LawOf {
   Real gamma, a_min, a_thr, h, k;
 };
 
-/// The constants of cohesion with pairwise friction: F_c, 2 / range, 0 and 1.
+/// The constants of cohesion with contact friction: F_c, 2 / range, 0 and 1.
 template <class Real>
 struct CohesionOf {
   Real largest, two_per_range, zero, one;
@@ -117,7 +117,7 @@ struct Cohesion {
   Real weight;  ///< what it adds to repulsion where friction is limited: F_c max(u, 0)^2
 };
 
-/// Cohesion across a gap: with u = 1 - 2 gap / range, held between -1 and 1, the pull is none where the surfaces touch
+/// Cohesion across a gap: with u = 1 - 2 gap / range, held between -1 and 1, there is no pull where the surfaces touch
 /// (u = 1), F_c halfway and none from the range on. Friction feels F_c while they touch and nothing from halfway on.
 template <class Real>
 HWY_INLINE Cohesion<Real> cohesionAcross(const CohesionOf<Real>& cohesion, Real gap) {
@@ -127,7 +127,7 @@ HWY_INLINE Cohesion<Real> cohesionAcross(const CohesionOf<Real>& cohesion, Real 
   return {cohesion.largest * NegMulAdd(u, u, cohesion.one), cohesion.largest * growing * growing};
 }
 
-/// What two particles with pairwise friction do along the line between their centres.
+/// What two particles with contact friction do along the line between their centres.
 template <class Real>
 struct CohesiveContact {
   Real normal;       ///< F > 0 repels

@@ -19,7 +19,7 @@ ContactLaw makeContactLaw(const SoilParameters& soil) {
   law.h_n = soil.gamma_nm / (diameter - law.a_min_m);
   law.diameter_m = diameter;
   law.cutoff_m = diameter * soil.attraction_ratio;
-  if (soil.friction == FrictionModel::kPairwise) {
+  if (soil.friction == FrictionModel::kContact) {
     law.own_cohesion = true;
     law.cohesion_n = soil.contact_cohesion_n;
     law.cohesion_range_m = soil.cohesion_range_ratio * soil.radius_m;

@@ -13,7 +13,7 @@ namespace haptolith {
 /// a is the distance between two centres in m. F > 0 repels; between 2R and the cutoff F < 0 attracts, and at the
 /// cutoff it jumps to 0. a_thr is where the slope of the hyperbola is -k, so F is C1 there.
 ///
-/// With pairwise friction repulsion is the same, and attraction is a parameter of its own: beyond 2R
+/// With contact friction repulsion is the same, and attraction is a parameter of its own: beyond 2R
 ///
 ///     F(a) = -4 F_c s (1 - s),   s = (a - 2R) / range        for 2R <= a < cutoff = 2R + range
 ///
@@ -24,9 +24,9 @@ struct ContactLaw {
   double a_thr_m = 0;         ///< a_min + sqrt(gamma / k)
   double h_n = 0;             ///< gamma / (2R - a_min), makes F(2R) = 0
   double stiffness_n_m = 0;   ///< k; 0 when the soil's k is infinite: then a_thr = a_min and the line is never reached
-  double cutoff_m = 0;        ///< 2 R_attr; with pairwise friction 2R + range
+  double cutoff_m = 0;        ///< 2 R_attr; with contact friction 2R + range
   double diameter_m = 0;      ///< 2R
-  bool own_cohesion = false;  ///< pairwise: attraction is F_c's, not the hyperbola's
+  bool own_cohesion = false;  ///< contact: attraction is F_c's, not the hyperbola's
   double cohesion_n = 0;      ///< F_c
   double cohesion_range_m = 0;  ///< range, never 0
 };
@@ -46,7 +46,7 @@ struct ContactLaw {
 [[nodiscard]] double distanceAtForce(const ContactLaw& law, double force_n) noexcept;
 
 /// What a flat wall does to a particle: it answers like the particle's mirror image, so F is taken at twice the
-/// distance to the wall, and only repels; with pairwise friction a wall coheres like the soil. A layer on the floor is
+/// distance to the wall, and only repels; with contact friction a wall coheres like the soil. A layer on the floor is
 /// then as stiff as a layer on a layer.
 [[nodiscard]] ContactLaw wallLaw(const ContactLaw& law, double radius_m) noexcept;
 

@@ -32,7 +32,7 @@ struct ContactStrength {
 /// they are the soil's own, elsewhere an estimate from tabulatedStrength().
 class CalibratedStrength {
  public:
-  /// @param calibrated  pairwise soil that has the strength of `target`
+  /// @param calibrated  soil with contact friction that has the strength of `target`
   CalibratedStrength(const SoilParameters& calibrated, const SoilTarget& target);
 
   /// Friction angle, deg, and cohesion, Pa, of the soil with other contacts.

@@ -6,12 +6,12 @@ namespace haptolith {
 
 /// What friction acts against, and where cohesion comes from.
 enum class FrictionModel {
-  kPaper,     ///< against absolute space (paper 14, 20); cohesion is the attraction of (paper 19)
-  kPairwise,  ///< between particles that touch (Cundall and Strack 1979); cohesion is a parameter of its own
+  kPaper,    ///< against absolute space (paper 14, 20); cohesion is the attraction of (paper 19)
+  kContact,  ///< between particles that touch (Cundall and Strack 1979); cohesion is a parameter of its own
 };
 
 /// The soil as its macroparticles see it: one row of the paper's Table II and the constants the paper fixes once; and
-/// what the pairwise model of friction has instead of mu_hat, R_attr and lambda.
+/// what contact friction has instead of mu_hat, R_attr and lambda.
 struct SoilParameters {
   double radius_m = 7e-3;         ///< R, radius of a macroparticle
   double gamma_nm = 4e-5;         ///< gamma of the contact law (paper 7), N m

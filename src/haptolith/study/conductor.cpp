@@ -55,7 +55,7 @@ void Conductor::begin(std::string_view code) {
   start(store_.addParticipant(code));
 }
 
-void Conductor::goOn(std::string_view code) {
+void Conductor::resumeParticipant(std::string_view code) {
   const std::vector<ParticipantRow> all = store_.participants();
   const auto wanted = [code](const ParticipantRow& row) {
     return row.state == "running" && (code.empty() || row.code == code);
@@ -546,8 +546,8 @@ void Conductor::stop() {
 
 // --- what is the case
 
-StudyMoment Conductor::moment() const {
-  StudyMoment now;
+StudyState Conductor::state() const {
+  StudyState now;
   now.phase = phase_;
   now.paused = paused_;
   now.problem = problem_;

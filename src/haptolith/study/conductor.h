@@ -28,8 +28,8 @@ struct ShownTrial {
   bool test_first = false;
 };
 
-/// What is the case now, for whoever shows it.
-struct StudyMoment {
+/// The state of the study now, for the pages that show it.
+struct StudyState {
   StudyPhase phase = StudyPhase::kWaiting;
   bool paused = false;
   std::string participant = {};
@@ -52,10 +52,10 @@ struct ConductorOptions {
 };
 
 /// Leads one participant through a study, step by step: consent, forms, blocks of trials, breaks. Every step that is
-/// done is in the store before the next begins, so that whoever comes back after a crash goes on at the trial that was
-/// cut off. All calls from one thread; none waits. What a participant or an experimenter asks for in vain throws
-/// InvalidParameter with the reason. When the store or the rig fails, the study pauses with a problem(), keeps what has
-/// not been written yet, and tries again on resume().
+/// done is in the store before the next begins, so that a participant who comes back after a crash continues at the
+/// trial that was cut off. All calls from one thread; none waits. What a participant or an experimenter asks for and
+/// may not have throws InvalidParameter with the reason. When the store or the rig fails, the study pauses with a
+/// problem(), keeps what has not been written yet, and tries again on resume().
 class Conductor {
  public:
   Conductor(StudyStore& store, Rig& rig, ConductorOptions options);
@@ -63,13 +63,13 @@ class Conductor {
   /// A new participant; an empty code is the next that is free. @throws InvalidParameter for a code that is taken.
   void begin(std::string_view code);
   /// One who has not finished goes on where they were. @throws InvalidParameter when there is none with that code; an
-  /// empty one is whoever began last.
-  void goOn(std::string_view code);
+  /// empty one is the participant who began last.
+  void resumeParticipant(std::string_view code);
 
   /// Moves on what time, the rig and the device's buttons decide: call it a hundred times a second.
   void poll();
 
-  [[nodiscard]] StudyMoment moment() const;
+  [[nodiscard]] StudyState state() const;
   /// Trials of this participant, in the order in which they began.
   [[nodiscard]] const std::vector<TrialRow>& trials() const noexcept { return rows_; }
   /// At a question: what was done and felt in the two intervals.
@@ -81,7 +81,7 @@ class Conductor {
   [[nodiscard]] bool over() const noexcept {
     return phase_ == StudyPhase::kFinished || phase_ == StudyPhase::kWithdrawn;
   }
-  /// Counts up whenever moment() says something else, other than the time that remains.
+  /// Counts up whenever state() changes, other than the time that remains.
   [[nodiscard]] std::uint64_t changes() const noexcept { return changes_; }
 
   // --- what a participant does

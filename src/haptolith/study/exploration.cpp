@@ -92,12 +92,12 @@ LevelBed levelBed(const Scenario& scenario, const SettleProgress& progress) {
 ExploringHand exploringHand(const Scenario& scenario, const ExplorationOptions& options) {
   validate(options);
   std::mt19937_64 random(options.seed);
-  const auto about = [&](double share) { return 1 + options.variation * share * evenly(random); };
+  const auto about = [&](double share) { return 1 + options.variation * share * uniformSigned(random); };
   ExploringHand exploring{.hand = scenario.hand};
   HandParameters& hand = exploring.hand;
   hand.manoeuvre = options.manoeuvre;
-  hand.home_m.x() += options.variation * kPlace_m * evenly(random);
-  hand.home_m.y() += options.variation * kPlace_m * evenly(random);
+  hand.home_m.x() += options.variation * kPlace_m * uniformSigned(random);
+  hand.home_m.y() += options.variation * kPlace_m * uniformSigned(random);
   hand.period_s *= about(kTempo);
   hand.depth_m *= about(kDepth);
   const double arm = about(kArm);

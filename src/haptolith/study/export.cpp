@@ -12,8 +12,8 @@
 #include <utility>
 
 #include "haptolith/core/atomic_file.h"
+#include "haptolith/core/atomic_folder.h"
 #include "haptolith/core/error.h"
-#include "haptolith/core/new_folder.h"
 #include "haptolith/study/form.h"
 
 namespace haptolith {
@@ -454,7 +454,7 @@ void exportCsv(const StudyStore& study, const fs::path& file, const ExportOption
 
 void exportBids(const StudyStore& study, const fs::path& folder, const ExportOptions& options) {
   requireEarlierExport(folder, options.overwrite);
-  const NewFolder made(folder, ifThere(options), readersOf(options));
+  const AtomicFolder made(folder, ifThere(options), readersOf(options));
   const Forms forms = formsOf(study, options.personal);
   const std::vector<ParticipantRow> participants = study.participants();
   made.write("dataset_description.json", datasetJson(study).dump(2) + "\n");

@@ -30,13 +30,13 @@ constexpr std::array kTwins{Twin{"P1", 0.571}, Twin{"P2", 0.452}, Twin{"P3", 0.3
                             Twin{"P4", 0.307}, Twin{"P5", 0.261}, Twin{"P6", 0.234}};
 
 /// The preset's soil with friction between its particles: contacts as those of the named soils, and 1500 kg/m^3.
-SoilParameters pairwiseTwin(std::string_view preset, double contact_cohesion_n) {
+SoilParameters contactFrictionTwin(std::string_view preset, double contact_cohesion_n) {
   SoilParameters soil;
   soil.gamma_nm = 6e-5;
   soil.rho0_kg_m3 = 1430;
   soil.rho_max_kg_m3 = 1840;
   soil.stiffness_n_m = 3000;
-  soil.friction = FrictionModel::kPairwise;
+  soil.friction = FrictionModel::kContact;
   soil.size_spread = 0.15;
   soil.contact_friction = std::ranges::find(kTwins, preset, &Twin::preset)->contact_friction;
   soil.contact_cohesion_n = contact_cohesion_n;
@@ -47,10 +47,10 @@ Scenario sceneFor(std::string_view preset, std::string_view body, FrictionModel 
   Scenario scene;
   changePreset(scene, preset);
   changeBody(scene, body);
-  if (friction == FrictionModel::kPairwise) {
+  if (friction == FrictionModel::kContact) {
     SoilFile twin;
-    twin.name = fmt::format("{} pairwise", preset);
-    twin.soil = pairwiseTwin(preset, contact_cohesion_n);
+    twin.name = fmt::format("{} contact", preset);
+    twin.soil = contactFrictionTwin(preset, contact_cohesion_n);
     setSoil(scene, twin);
   }
   return scene;

@@ -31,9 +31,9 @@ struct PerceptionBlock {
 
 struct PerceptionOptions {
   std::vector<std::string> blocks{"friction", "gravity"};
-  std::vector<FrictionModel> frictions{FrictionModel::kPaper, FrictionModel::kPairwise};
+  std::vector<FrictionModel> frictions{FrictionModel::kPaper, FrictionModel::kContact};
   std::vector<Manoeuvre> hands{Manoeuvre::kStir, Manoeuvre::kPress, Manoeuvre::kScoop};
-  double contact_cohesion_n = 0;  ///< F_c of pairwise soil
+  double contact_cohesion_n = 0;  ///< F_c of soil with contact friction
   int repeats = 15;               ///< explorations of each stimulus by each hand, 2 or more
   int rounds = 2;                 ///< of a manoeuvre in each
   std::uint64_t seed = 1;

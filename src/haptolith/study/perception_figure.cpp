@@ -28,7 +28,7 @@ std::string_view colourOf(FrictionModel friction) {
 }
 
 std::string_view titleOf(FrictionModel friction) {
-  return friction == FrictionModel::kPaper ? "paper''s friction" : "pairwise friction";
+  return friction == FrictionModel::kPaper ? "paper''s friction" : "contact friction";
 }
 
 /// The experiments that there are, in their order.

@@ -126,7 +126,7 @@ void readLevels(BlockDraft& draft) {
   }
   for (std::size_t i = 0; i < draft.values.size(); ++i) {
     if (!draft.values[i].number) {
-      throw InvalidParameter("values", "", fmt::format("numbers; '{}' is none", draft.values[i].text));
+      throw InvalidParameter("values", "", fmt::format("numbers; '{}' is not a number", draft.values[i].text));
     }
     draft.block.levels[i].value = *draft.values[i].number;
   }

@@ -105,7 +105,7 @@ BlockKey::ItemsValue ofQuestPlus(std::string_view valid) {
             numbers.clear();
             for (const TextOrNumber& item : items) {
               if (!item.number) {
-                throw InvalidParameter("", "", fmt::format("numbers; '{}' is none", item.text));
+                throw InvalidParameter("", "", fmt::format("numbers; '{}' is not a number", item.text));
               }
               numbers.push_back(*item.number);
             }
@@ -182,7 +182,7 @@ std::vector<BlockKey> designKeys() {
        BlockKey::WordValue{
            {kVariedThings.begin(), kVariedThings.end()}, [](D& d, std::string_view v) { d.varies = v; }, kOnlyRead},
        "What differs between test and reference: the soil as a preset or by name, the celestial body, or one number of "
-       "the soil. The first two of those numbers are for `paper` friction, the other two for `pairwise`."},
+       "the soil. The first two of those numbers are for `paper` friction, the other two for `contact`."},
       {"", "reference", "", BlockKey::ItemsValue{"a name, or a number", [](D& d, const auto& v) { d.reference = v; }},
        "What each test is compared with."},
       {"", "levels", "",
@@ -316,8 +316,8 @@ std::vector<BlockKey> sceneKeys() {
        "What friction acts against (scenarios.md)."},
       SLIDER_KEY("friction_angle_deg", (Range{1, 70}), "Friction angle of the soil; for `paper` friction."),
       SLIDER_KEY("cohesion_pa", (Range{0, kInfinity}), "Its cohesion; for `paper` friction."),
-      SLIDER_KEY("contact_friction", (Range{0, 2}), "Friction of a contact; for `pairwise` friction."),
-      SLIDER_KEY("contact_cohesion_mn", (Range{0, kInfinity}), "Largest pull of a contact; for `pairwise` friction."),
+      SLIDER_KEY("contact_friction", (Range{0, 2}), "Friction of a contact; for `contact` friction."),
+      SLIDER_KEY("contact_cohesion_mn", (Range{0, kInfinity}), "Largest pull of a contact; for `contact` friction."),
   };
 }
 

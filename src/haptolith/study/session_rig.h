@@ -9,7 +9,7 @@
 
 namespace haptolith {
 
-/// A study on a session that runs: a person at a device, or the virtual hand for whoever takes part in a browser.
+/// A study on a session that runs: a person at a device, or the virtual hand for a participant in a browser.
 class SessionRig final : public Rig {
  public:
   /// Who writes recordings; without functions nothing is.

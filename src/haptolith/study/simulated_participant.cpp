@@ -78,7 +78,7 @@ bool SimulatedObserver::saysMore(double test, double reference) {
 void SimulatedParticipant::takePart(Conductor& conductor) {
   constexpr int kMostSteps = 1'000'000;
   for (int i = 0; i < kMostSteps && !conductor.over(); ++i) {
-    if (const StudyMoment now = conductor.moment(); now.paused) {
+    if (const StudyState now = conductor.state(); now.paused) {
       throw Failure(now.problem);
     }
     step(conductor);
@@ -87,7 +87,7 @@ void SimulatedParticipant::takePart(Conductor& conductor) {
 }
 
 void SimulatedParticipant::step(Conductor& conductor) {
-  const StudyMoment now = conductor.moment();
+  const StudyState now = conductor.state();
   now_s_ += now.remaining_s.value_or(1);
   switch (now.phase) {
     case StudyPhase::kConsent:
@@ -112,7 +112,7 @@ void SimulatedParticipant::step(Conductor& conductor) {
   }
 }
 
-int SimulatedParticipant::choose(const Conductor& conductor, const StudyMoment& now) {
+int SimulatedParticipant::choose(const Conductor& conductor, const StudyState& now) {
   const ShownTrial& trial = *now.now;
   double test = trial.test->value;
   double reference = trial.block->reference.value;

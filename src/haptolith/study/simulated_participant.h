@@ -80,13 +80,13 @@ class SimulatedParticipant {
   SimulatedParticipant(const ObserverParameters& observer, std::uint64_t seed)
       : observer_(observer, seed), by_(observer.judged_by) {}
 
-  /// Until the study is over for whoever has begun. @throws Failure when it pauses with a problem; InvalidParameter for
-  /// a block whose values an observer of ratios cannot judge.
+  /// Until the study is over for everyone who has begun. @throws Failure when it pauses with a problem;
+  /// InvalidParameter for a block whose values an observer of ratios cannot judge.
   void takePart(Conductor& conductor);
 
  private:
   void step(Conductor& conductor);
-  [[nodiscard]] int choose(const Conductor& conductor, const StudyMoment& now);
+  [[nodiscard]] int choose(const Conductor& conductor, const StudyState& now);
 
   SimulatedObserver observer_;
   JudgedBy by_;

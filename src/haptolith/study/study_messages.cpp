@@ -62,17 +62,17 @@ Json orNull(const std::optional<Value>& value) {
   return value ? Json(*value) : Json(nullptr);
 }
 
-std::string phaseWord(const StudyMoment& now) {
+std::string phaseWord(const StudyState& now) {
   return now.paused ? "paused" : wordOf(now.phase);
 }
 
 /// What the page has words of its own for.
-bool speaksForItself(const StudyMoment& now) {
+bool speaksForItself(const StudyState& now) {
   return now.paused || now.phase == StudyPhase::kPreparing || now.phase == StudyPhase::kFeedback ||
          now.phase == StudyPhase::kBreak || now.phase == StudyPhase::kWithdrawn;
 }
 
-Json progressJson(const StudyMoment& now) {
+Json progressJson(const StudyState& now) {
   return {{"block", std::min(now.position + 1, now.blocks)},
           {"blocks", now.blocks},
           {"trial", now.trial},
@@ -96,7 +96,7 @@ Json fieldJson(const FormItem& item) {
   return field;
 }
 
-Json trialJson(const StudyMoment& now, const std::optional<ShownTrial>& trial, bool with_interval) {
+Json trialJson(const StudyState& now, const std::optional<ShownTrial>& trial, bool with_interval) {
   if (!trial) {
     return nullptr;
   }
@@ -177,7 +177,7 @@ std::string textAt(const Json& message, const char* key) {
   return message[key].get<std::string>();
 }
 
-void obeyParticipant(Conductor& conductor, const std::string& act, const Json& message) {
+void handleParticipant(Conductor& conductor, const std::string& act, const Json& message) {
   if (act == "go") {
     conductor.proceed();
   } else if (act == "fill") {
@@ -202,7 +202,7 @@ void obeyParticipant(Conductor& conductor, const std::string& act, const Json& m
   }
 }
 
-void obeyExperimenter(Conductor& conductor, const std::string& act, const Json& message) {
+void handleExperimenter(Conductor& conductor, const std::string& act, const Json& message) {
   if (act == "pause") {
     conductor.pause();
   } else if (act == "resume") {
@@ -225,7 +225,7 @@ void obeyExperimenter(Conductor& conductor, const std::string& act, const Json& 
 }  // namespace
 
 std::string participantMessage(const Conductor& conductor) {
-  const StudyMoment now = conductor.moment();
+  const StudyState now = conductor.state();
   const bool asks = !now.paused && now.phase == StudyPhase::kQuestion;
   const bool feels = !now.paused && now.phase == StudyPhase::kInterval;
   Json fields = Json::array();
@@ -281,7 +281,7 @@ std::string historyJson(const Conductor& conductor) {
 
 std::string experimenterMessage(const Conductor& conductor, std::string_view history, double force_n,
                                 double peak_force_n) {
-  const StudyMoment now = conductor.moment();
+  const StudyState now = conductor.state();
   Json message{{"type", "study"},
                {"as", "experimenter"},
                {"study", conductor.store().title()},
@@ -299,7 +299,7 @@ std::string experimenterMessage(const Conductor& conductor, std::string_view his
   return message.dump(-1, ' ', false, Json::error_handler_t::replace);
 }
 
-bool obeyStudyMessage(Conductor& conductor, std::string_view text, StudyRole role, bool joined) {
+bool handleStudyMessage(Conductor& conductor, std::string_view text, StudyRole role, bool joined) {
   const Json message = Json::parse(text, nullptr, false);
   if (!message.is_object()) {
     throw InvalidParameter("message", "no JSON object", "an object");
@@ -317,9 +317,9 @@ bool obeyStudyMessage(Conductor& conductor, std::string_view text, StudyRole rol
     throw InvalidParameter("act", act, "join at first");
   }
   if (role == StudyRole::kParticipant) {
-    obeyParticipant(conductor, act, message);
+    handleParticipant(conductor, act, message);
   } else {
-    obeyExperimenter(conductor, act, message);
+    handleExperimenter(conductor, act, message);
   }
   return true;
 }

@@ -24,7 +24,7 @@ enum class StudyRole { kParticipant, kExperimenter };
 /// Does what a page asks for. It has its role from the address it came by: "join" says that it is ready, and which page
 /// it is.
 /// @return whether it has joined.
-/// @throws InvalidParameter for a message that is none, or that somebody in this role may not send now.
-bool obeyStudyMessage(Conductor& conductor, std::string_view text, StudyRole role, bool joined);
+/// @throws InvalidParameter for an invalid message, or one that this role may not send now.
+bool handleStudyMessage(Conductor& conductor, std::string_view text, StudyRole role, bool joined);
 
 }  // namespace haptolith

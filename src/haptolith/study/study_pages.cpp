@@ -12,15 +12,15 @@ namespace {
 
 constexpr auto kBetweenMessages = 100ms;
 
-bool isFelt(const StudyMoment& moment) {
+bool isFelt(const StudyState& moment) {
   return moment.phase == StudyPhase::kInterval && !moment.paused;
 }
 
 }  // namespace
 
-void StudyPages::obey(std::uint32_t client, std::string_view message) {
+void StudyPages::handleMessages(std::uint32_t client, std::string_view message) {
   Page& page = pages_.at(client);
-  const bool joined = obeyStudyMessage(conductor_, message, page.role, page.joined);  // throws
+  const bool joined = handleStudyMessage(conductor_, message, page.role, page.joined);  // throws
   somebody_new_ = somebody_new_ || !page.joined;
   page.joined = joined;
 }
@@ -34,12 +34,12 @@ std::string StudyPages::refusal(std::uint32_t client, Wish wish) const {
   if (!takes_part || wish != Wish::kHoldTool) {
     return "a study is running: nobody changes the scene";
   }
-  return isFelt(conductor_.moment()) ? "" : "there is nothing to feel now";
+  return isFelt(conductor_.state()) ? "" : "there is nothing to feel now";
 }
 
 StudyPages::News StudyPages::news(double force_n) {
   News news;
-  const bool feels = isFelt(conductor_.moment());
+  const bool feels = isFelt(conductor_.state());
   if (feels && !feels_) {
     peak_force_n_ = 0;
   }

@@ -33,8 +33,8 @@ class StudyPages {
   void join(std::uint32_t client, StudyRole role) { pages_[client].role = role; }
   void leave(std::uint32_t client) { pages_.erase(client); }
 
-  /// @throws InvalidParameter, Failure as obeyStudyMessage().
-  void obey(std::uint32_t client, std::string_view message);
+  /// @throws InvalidParameter, Failure as handleStudyMessage().
+  void handleMessages(std::uint32_t client, std::string_view message);
 
   /// Why a client may not have its wish; empty when it may. The soil belongs to the study, and the tool to the
   /// participant while there is something to be felt.

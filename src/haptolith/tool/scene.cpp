@@ -5,7 +5,7 @@
 #include <cstdint>
 
 #include "haptolith/bed/critical_step.h"
-#include "haptolith/core/between.h"
+#include "haptolith/core/interpolate.h"
 #include "haptolith/tool/tool_contact.h"
 
 namespace haptolith {
@@ -20,9 +20,9 @@ int checkedSubsteps(const BedParameters& bed, const ToolParameters& tool) {
 }
 
 /// A tool that is only partly there.
-ToolParameters faded(ToolParameters tool, double presence) noexcept {
-  tool.stiffness_n_m *= presence;  // and with it damping, friction, and the paper's adhesion
-  tool.adhesion_n *= presence;
+ToolParameters faded(ToolParameters tool, double fade) noexcept {
+  tool.stiffness_n_m *= fade;  // and with it damping, friction, and the paper's adhesion
+  tool.adhesion_n *= fade;
   return tool;
 }
 
@@ -64,7 +64,7 @@ StepStatus Scene::tick(const HandState& hand) noexcept {
   open(hand.opening);
   const double dt = bed_.parameters().tick_s / substeps_;
   const Pose from = tool_pose_;
-  ToolParameters tool = presence_ < 1 ? faded(tool_, presence_) : tool_;
+  ToolParameters tool = tool_fade_ < 1 ? faded(tool_, tool_fade_) : tool_;
   const double opening_from_m = opening_m_;
   const double opening_to_m = opening_ * tool_.opening_m;
   const double opening_m_s = (opening_to_m - opening_from_m) / bed_.parameters().tick_s;
@@ -73,7 +73,7 @@ StepStatus Scene::tick(const HandState& hand) noexcept {
   StepStatus status = StepStatus::kOk;
   for (int substep = 1; substep <= substeps_ && status == StepStatus::kOk; ++substep) {
     const double share = static_cast<double>(substep) / substeps_;
-    const Pose pose = between(from, hand.pose, share);
+    const Pose pose = interpolate(from, hand.pose, share);
     tool.opening_m = std::lerp(opening_from_m, opening_to_m, share);
     const ToolReaction now = applyToolContact(tool, pose, hand.twist, dt, bed_, opening_m_s);
     sum.force_n += now.wrench.force_n;

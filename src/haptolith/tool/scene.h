@@ -39,7 +39,7 @@ class Scene {
   /// How much of itself the tool is, 0 to 1: with less than 1 it presses, damps and coheres by so much less, and the
   /// soil on it likewise. Soil that finds itself inside a tool is moved out gently when this grows slowly. May be
   /// called in the tick.
-  void setToolPresence(double share) noexcept { presence_ = share; }
+  void setToolFade(double share) noexcept { tool_fade_ = share; }
 
   /// Another tool, as stiff as the one before it (else a tick might need more substeps), which forgets what the other
   /// touched. May be called in the tick.
@@ -60,7 +60,7 @@ class Scene {
   Pose tool_pose_;
   double opening_ = 1;  ///< of the jaws, to be reached by the end of a tick
   double opening_m_;    ///< now
-  double presence_ = 1;
+  double tool_fade_ = 1;
   Felt felt_;
   Eigen::Matrix3d stiffness_n_m_ = Eigen::Matrix3d::Zero();
 };

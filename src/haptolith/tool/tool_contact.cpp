@@ -46,7 +46,7 @@ struct Answer {
   Eigen::Matrix3d stiffness_n_m = Eigen::Matrix3d::Zero();
 };
 
-/// Contacts of soil with pairwise friction.
+/// Contacts of soil with contact friction.
 class FrictionalTool {
  public:
   FrictionalTool(const ToolParameters& tool, const SoilParameters& soil, double dt_s)
@@ -157,9 +157,9 @@ class Encounter {
         frictional_(tool, soil, dt_s),
         radius_m_(soil.radius_m),
         dt_s_(dt_s),
-        pairwise_(soil.friction == FrictionModel::kPairwise),
+        contact_friction_(soil.friction == FrictionModel::kContact),
         contact_m_((1 + tool.adhesion_ratio) * soil.radius_m +
-                   (pairwise_ ? soil.size_spread * soil.radius_m + frictional_.reach() : 0)),
+                   (contact_friction_ ? soil.size_spread * soil.radius_m + frictional_.reach() : 0)),
         around_m_(static_cast<float>(contact_m_ + kRounding_m)),
         reach_m_(enclosingRadius(tool) + contact_m_),
         box_(boxAround(tool, scene_T_tool)),
@@ -179,7 +179,7 @@ class Encounter {
       } else {
         forces[i] = {};
         memory.side[i] = 0;
-        if (pairwise_) {
+        if (contact_friction_) {
           memory.slip[i] = {};
         }
       }
@@ -195,19 +195,19 @@ class Encounter {
     const Vec3 lever = Vec3(p.x, p.y, p.z) - pose_.position_m;
     const Grain grain{lever, radius_m_ + p.w, state.velocity[i]};
     if (tool_.shape == ToolShape::kJaws) {
-      return meetJaws(grain, memory.side[i], pairwise_ ? &memory.slip[i] : nullptr);
+      return meetJaws(grain, memory.side[i], contact_friction_ ? &memory.slip[i] : nullptr);
     }
     const Penetration contact = penetration(tool_, rotation_.transpose() * lever, grain.radius_m, memory.side[i]);
     memory.side[i] = static_cast<std::int8_t>(contact.side);
 
     Vec3 slip = Vec3::Zero();
-    if (pairwise_) {
+    if (contact_friction_) {
       const Float4& kept = memory.slip[i];
       slip = rotation_ * Vec3(kept.x, kept.y, kept.z);
     }
     const Touch touch = touchOf(contact, grain);
     const Answer answer = answerTo(touch, twist_.at(touch.point_m), grain, slip);
-    if (pairwise_) {
+    if (contact_friction_) {
       memory.slip[i] = record(rotation_.transpose() * slip);
     }
     if (answer.on_particle_n.isZero(0)) {
@@ -235,12 +235,12 @@ class Encounter {
     return {outward, grain.lever_m - outward * (grain.radius_m - contact.depth_m), contact.depth_m};
   }
 
-  /// @param slip_m  of a soil with pairwise friction, scene frame; read and written.
+  /// @param slip_m  of a soil with contact friction, scene frame; read and written.
   [[nodiscard]] Answer answerTo(const Touch& touch, const Vec3& tool_m_s, const Grain& grain,
                                 Vec3& slip_m) const noexcept {
     const Float4& v = grain.velocity;
     const Meeting meeting{touch.outward, touch.depth_m, tool_m_s, Vec3(v.x, v.y, v.z)};
-    return pairwise_ ? frictional_.meet(meeting, slip_m) : paperAnswer(tool_, radius_m_, dt_s_, meeting);
+    return contact_friction_ ? frictional_.meet(meeting, slip_m) : paperAnswer(tool_, radius_m_, dt_s_, meeting);
   }
 
   void feel(const Answer& answer, const Vec3& point_m) noexcept {
@@ -248,7 +248,7 @@ class Encounter {
     reaction_.stiffness_n_m += answer.stiffness_n_m;
   }
 
-  /// The same with both jaws, each of which moves by itself. @param kept  null without pairwise friction.
+  /// The same with both jaws, each of which moves by itself. @param kept  null without contact friction.
   Float4 meetJaws(const Grain& grain, std::int8_t& sides, Float4* kept) noexcept {
     const JawContacts contacts = jawContacts(tool_, rotation_.transpose() * grain.lever_m, grain.radius_m, sides);
     sides = contacts.sides;
@@ -280,7 +280,7 @@ class Encounter {
   double opening_m_s_;
   FrictionalTool frictional_;
   double radius_m_, dt_s_;
-  bool pairwise_;
+  bool contact_friction_;
   static constexpr double kRounding_m = 2e-6;  // of the box's test, in single precision
   double contact_m_;                           // from the tool's surface to the centre of a particle that feels it
   float around_m_;

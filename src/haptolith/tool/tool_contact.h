@@ -33,7 +33,7 @@ struct ToolReaction {
   double grip_n = 0;
 };
 
-/// What the tool's contact remembers of every particle: which large face of the tool it lies on, and, with pairwise
+/// What the tool's contact remembers of every particle: which large face of the tool it lies on, and, with contact
 /// friction, how far it has slid along the tool, in m, tool frame. With jaws it is the sides of both (see JawContacts),
 /// and of both slips, which are along a surface, the two numbers that are not 0.
 struct ToolMemory {
@@ -45,7 +45,7 @@ struct ToolMemory {
 /// further from the box around the tool than contact reaches are passed over without an exact test, 16 at a time. May
 /// be called in the tick.
 ///
-/// Soil with the paper's friction meets the tool as (paper 21) says. With pairwise friction the normal force is the
+/// Soil with the paper's friction meets the tool as (paper 21) says. With contact friction the normal force is the
 /// same while they overlap, but damping never pulls, adhesion is the tool's own (as cohesion, see cohesionAcross()),
 /// and Coulomb friction with a memory acts along the surface, tan(delta) (N + F_adhesion) at most.
 /// @param tool    of jaws, `opening_m` is how far apart they are now.

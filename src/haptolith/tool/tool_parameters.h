@@ -35,7 +35,7 @@ struct ToolParameters {
   double damping_factor = 1.4;                   ///< c_tool = damping_factor * dt * k_tool / 2
   double adhesion_ratio = 0.002;                 ///< adhesion reaches this many radii outside the tool (paper 21)
 
-  // With soil whose friction is pairwise, these two replace the adhesion of (paper 21).
+  // With soil whose friction is contact, these two replace the adhesion of (paper 21).
   double friction = 0.36;  ///< soil-tool friction, tan(delta); 20 degrees for polished steel
   double adhesion_n = 0;   ///< largest pull of a contact, and what it adds to the normal force
 

@@ -116,7 +116,7 @@ Vec3 upright(const Vec3& v) {
   return {v.z(), v.y(), v.x()};
 }
 
-/// Two sides, each -1, 0 or 1, as one number from -4 to 4; 0 is none.
+/// Two sides, each -1, 0 or 1, as one number from -4 to 4; 0 for neither side.
 std::int8_t packed(const std::array<int, 2>& sides) {
   return static_cast<std::int8_t>(sides[0] + 3 * sides[1]);
 }

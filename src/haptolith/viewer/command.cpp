@@ -66,7 +66,7 @@ class Keys {
       return std::nullopt;
     }
     for (const auto& entry : table) {
-      if (entry.name == *name) {
+      if (entry.name == currentWord(*name)) {
         return entry.value;
       }
     }

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "haptolith/core/vec.h"
-#include "haptolith/haptics/stage.h"
+#include "haptolith/haptics/shown_scene.h"
 
 namespace haptolith {
 
@@ -22,7 +22,7 @@ class FrameEncoder {
   };
 
   /// @param scene  number of the scene, counted up when the particles are others.
-  /// @param after  number of the last picture of the scene before: whoever has seen no later one gets everything.
+  /// @param after  number of the last picture of the scene before: a client that has seen no later one gets everything.
   FrameEncoder(std::uint32_t scene, std::size_t particles, const Space& space, std::uint32_t after = 0);
 
   /// What a snapshot does not know.

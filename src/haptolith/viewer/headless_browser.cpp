@@ -29,7 +29,7 @@ using nlohmann::json;
 namespace fs = std::filesystem;
 
 /// A large bed, drawn in software on a busy machine, takes its time.
-constexpr auto kPatience = 120s;
+constexpr auto kTimeout = 120s;
 constexpr auto kPatienceAtTheEnd = 3s;
 
 /// Where Chromium expects the pipes.
@@ -191,13 +191,13 @@ class HeadlessBrowser::Implementation {
 
   /// Sends a command and waits for its result; events in between are not for us.
   json call(const std::string& method, const json& parameters) {
-    const Patience patience{.until = std::chrono::steady_clock::now() + kPatience, .stopped = options_.stopped};
+    const Deadline deadline{.until = std::chrono::steady_clock::now() + kTimeout, .stopped = options_.stopped};
     const std::string message = messageFor(method, parameters);
-    if (!writeAll(to_.to_write, message, patience)) {
+    if (!writeAll(to_.to_write, message, deadline)) {
       throwBecauseItEnded();
     }
     while (true) {
-      json answer = json::parse(nextMessage(patience));
+      json answer = json::parse(nextMessage(deadline));
       if (answer.value("id", 0) != id_) {
         continue;
       }
@@ -217,11 +217,11 @@ class HeadlessBrowser::Implementation {
     return message.dump(-1, ' ', false, json::error_handler_t::replace) + '\0';
   }
 
-  std::string nextMessage(const Patience& patience) {
+  std::string nextMessage(const Deadline& deadline) {
     std::size_t end = std::string::npos, searched = 0;
     while ((end = received_.find('\0', searched)) == std::string::npos) {
       searched = received_.size();
-      if (!readSome(from_.to_read, received_, patience)) {
+      if (!readSome(from_.to_read, received_, deadline)) {
         throwBecauseItEnded();
       }
     }

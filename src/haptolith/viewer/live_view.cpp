@@ -9,7 +9,7 @@
 
 #include "haptolith/bed/contact_load.h"
 #include "haptolith/core/error.h"
-#include "haptolith/core/one_of.h"
+#include "haptolith/core/overloaded.h"
 #include "haptolith/viewer/messages.h"
 
 namespace haptolith {
@@ -49,27 +49,27 @@ bool changesWhatIsFelt(const Command& asked) {
 }  // namespace
 
 LiveView::LiveView(Session& session, const WebServerOptions& options, std::string_view version, Recorder recorder,
-                   Guest guest, Clients clients)
+                   Extension extension, Clients clients)
     : session_(session),
       recorder_(std::move(recorder)),
-      guest_(std::move(guest)),
+      extension_(std::move(extension)),
       clients_(clients),
       board_(helloMessage(version, clients == Clients::kLookOn)),
       server_(options, board_),
       space_(spaceOf(session)) {}
 
-void LiveView::obey() {
+void LiveView::handleMessages() {
   const Clock::time_point until = Clock::now() + kLongestRound;
   WebServer::Event event;
   for (int i = 0; i < kMostInARound && !session_.done() && Clock::now() < until && server_.takeEvent(event); ++i) {
-    if (event.kind == WebServer::Event::Kind::kJoined && guest_.joined) {
-      guest_.joined(event.client, event.entrance);
+    if (event.kind == WebServer::Event::Kind::kJoined && extension_.joined) {
+      extension_.joined(event.client, event.entrance);
     }
     if (event.kind == WebServer::Event::Kind::kLeft) {
-      letGo(event.client);
+      releaseForce(event.client);
       coloured_by_force_.erase(event.client);
-      if (guest_.left) {
-        guest_.left(event.client);
+      if (extension_.left) {
+        extension_.left(event.client);
       }
     }
     if (event.kind != WebServer::Event::Kind::kMessage) {
@@ -87,14 +87,14 @@ void LiveView::obey() {
 std::string LiveView::answer(std::uint32_t client, const ClientMessage& message, std::string_view text) {
   try {
     if (message.for_guest) {
-      return guest_.obey ? guest_.obey(client, text) : "no study is running";
+      return extension_.handleMessages ? extension_.handleMessages(client, text) : "no study is running";
     }
     if (!message.command) {
       return message.refused;
     }
     if (std::string refused = refusal(client, message); !refused.empty()) {
       if (std::holds_alternative<command::Hold>(*message.command)) {
-        letGo(client);
+        releaseForce(client);
       }
       return refused;
     }
@@ -115,7 +115,7 @@ std::string LiveView::refusal(std::uint32_t client, const ClientMessage& message
   if (clients_ == Clients::kLookOn && !std::holds_alternative<command::Colour>(asked)) {
     return "viewers cannot change anything: the program was started with --read-only";
   }
-  if (std::string refused = guest_.refuse ? guest_.refuse(client, asked) : ""; !refused.empty()) {
+  if (std::string refused = extension_.refuse ? extension_.refuse(client, asked) : ""; !refused.empty()) {
     return refused;
   }
   if (changesWhatIsFelt(asked) && !message.confirmed && session_.personFeels()) {
@@ -127,56 +127,57 @@ std::string LiveView::refusal(std::uint32_t client, const ClientMessage& message
 
 void LiveView::carryOut(std::uint32_t client, const Command& asked) {
   scene_changed_ = scene_changed_ || !std::holds_alternative<command::Hold>(asked);
-  std::visit(OneOf{[&](const command::Hold& hold) {
-                     if (holder_ && *holder_ != client) {
-                       throw Failure("somebody else holds the tool");
-                     }
-                     session_.hold(hold.scene_T_tool);
-                     holder_ = client;
-                   },
-                   [&](const command::Release&) { letGo(client); },
-                   [&](const command::Play& play) {
-                     if (holder_ && *holder_ != client) {
-                       throw Failure("somebody else holds the tool");
-                     }
-                     holder_.reset();
-                     session_.play(play.manoeuvre);
-                   },
-                   [&](const command::Change& change) { session_.change(change.change); },
-                   [&](const command::Reset&) { session_.reset(); }, [&](const command::Level&) { session_.level(); },
-                   [&](const command::Undo&) { session_.undo(); },
-                   [&](const command::Pause&) {
-                     session_.pause();
-                     letGo();
-                   },
-                   [&](const command::Resume&) { session_.resume(); },
-                   [&](const command::Step& step) { session_.advance(step.ticks); },
-                   [&](const command::Speed& speed) { session_.setSpeed(speed.factor); },
-                   [&](const command::Record& record) {
-                     if (!recorder_.start) {
-                       throw Failure("nothing can be recorded here");
-                     }
-                     (void)recordingNow();  // one that ends before the next status
-                     record.on ? recorder_.start() : recorder_.stop();
-                     (void)recordingNow();
-                   },
-                   [&](const command::Colour& colour) {
-                     if (colour.by_force) {
-                       coloured_by_force_.insert(client);
-                     } else {
-                       coloured_by_force_.erase(client);
-                     }
-                   }},
-             asked);
+  std::visit(
+      Overloaded{[&](const command::Hold& hold) {
+                   if (holder_ && *holder_ != client) {
+                     throw Failure("somebody else holds the tool");
+                   }
+                   session_.hold(hold.scene_T_tool);
+                   holder_ = client;
+                 },
+                 [&](const command::Release&) { releaseForce(client); },
+                 [&](const command::Play& play) {
+                   if (holder_ && *holder_ != client) {
+                     throw Failure("somebody else holds the tool");
+                   }
+                   holder_.reset();
+                   session_.play(play.manoeuvre);
+                 },
+                 [&](const command::Change& change) { session_.change(change.change); },
+                 [&](const command::Reset&) { session_.reset(); }, [&](const command::Level&) { session_.level(); },
+                 [&](const command::Undo&) { session_.undo(); },
+                 [&](const command::Pause&) {
+                   session_.pause();
+                   releaseForce();
+                 },
+                 [&](const command::Resume&) { session_.resume(); },
+                 [&](const command::Step& step) { session_.advance(step.ticks); },
+                 [&](const command::Speed& speed) { session_.setSpeed(speed.factor); },
+                 [&](const command::Record& record) {
+                   if (!recorder_.start) {
+                     throw Failure("nothing can be recorded here");
+                   }
+                   (void)recordingNow();  // one that ends before the next status
+                   record.on ? recorder_.start() : recorder_.stop();
+                   (void)recordingNow();
+                 },
+                 [&](const command::Colour& colour) {
+                   if (colour.by_force) {
+                     coloured_by_force_.insert(client);
+                   } else {
+                     coloured_by_force_.erase(client);
+                   }
+                 }},
+      asked);
 }
 
-void LiveView::letGo() {
+void LiveView::releaseForce() {
   if (holder_) {
-    letGo(*holder_);
+    releaseForce(*holder_);
   }
 }
 
-void LiveView::letGo(std::uint32_t client) {
+void LiveView::releaseForce(std::uint32_t client) {
   if (holder_ == client) {
     holder_.reset();
     session_.release();

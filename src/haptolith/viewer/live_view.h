@@ -18,7 +18,7 @@
 
 namespace haptolith {
 
-/// A session in the browser: shows it to whoever looks on, and does what they ask for. Stands between the session,
+/// A session in the browser: shows it to viewers, and does what they ask for. Stands between the session,
 /// which it asks on the thread that calls it, and the server, which has a thread of its own; the loop knows of neither.
 class LiveView {
  public:
@@ -28,12 +28,13 @@ class LiveView {
     std::function<std::string()> name;  ///< of the file while there is one, else empty
   };
 
-  /// Whoever else talks with clients over the view's WebSocket, on the thread that calls obey(), and may keep them from
-  /// commanding; functions that are missing refuse no command and understand no message.
-  struct Guest {
+  /// Another part of the program that talks with clients over the view's WebSocket, on the thread that calls
+  /// handleMessages(), and may keep them from commanding; functions that are missing refuse no command and understand
+  /// no message.
+  struct Extension {
     /// Does what a message with "do": "study" asks for; returns why it is refused, empty when it is done. May throw
     /// InvalidParameter or Failure, which refuses it as well.
-    std::function<std::string(std::uint32_t client, std::string_view message)> obey;
+    std::function<std::string(std::uint32_t client, std::string_view message)> handleMessages;
     /// A client has come by an entrance: a number in WebServerOptions::entrances.
     std::function<void(std::uint32_t client, std::size_t entrance)> joined;
     std::function<void(std::uint32_t client)> left;
@@ -46,7 +47,7 @@ class LiveView {
 
   /// @throws InvalidParameter, Failure: as WebServer.
   LiveView(Session& session, const WebServerOptions& options, std::string_view version, Recorder recorder,
-           Guest guest = {}, Clients clients = Clients::kCommand);
+           Extension extension = {}, Clients clients = Clients::kCommand);
 
   [[nodiscard]] std::string url(std::size_t entrance = 0) const { return server_.url(entrance); }
   [[nodiscard]] std::string urlHere(std::size_t entrance = 0) const { return server_.urlHere(entrance); }
@@ -54,28 +55,28 @@ class LiveView {
 
   /// Does what clients have asked for, for 2 ms at most; the rest waits for the next time. Call it as often as
   /// Session::poll(), before it.
-  void obey();
+  void handleMessages();
   /// Shows what is new. `newer` and `changed` are what Session::update() and poll() said.
   void show(bool newer, bool changed);
 
-  /// Sends a client a message of the guest's, a whole JSON object. A client that lets too many wait is dropped; for one
-  /// that has left nothing happens.
+  /// Sends a client a message of the extension's, a whole JSON object. A client that lets too many wait is dropped; for
+  /// one that has left nothing happens.
   void send(std::uint32_t client, std::string text) { server_.send(client, std::move(text)); }
   /// Lets go of the tool for the client who holds it, if one does.
-  void letGo();
+  void releaseForce();
 
  private:
   [[nodiscard]] std::string answer(std::uint32_t client, const ClientMessage& message, std::string_view text);
   [[nodiscard]] std::string refusal(std::uint32_t client, const ClientMessage& message) const;
   void carryOut(std::uint32_t client, const Command& asked);
-  void letGo(std::uint32_t client);
+  void releaseForce(std::uint32_t client);
   void showScene();
   void showStatus();
   [[nodiscard]] std::string recordingNow();
 
   Session& session_;
   Recorder recorder_;
-  Guest guest_;
+  Extension extension_;
   Clients clients_;
   Board board_;
   WebServer server_;

@@ -127,7 +127,7 @@ Board::SceneTexts sceneMessages(const Session& session, const FrameEncoder::Spac
                 {"title", scenario.title},
                 {"particles", session.scene().bed().particles()},
                 {"radius_m", bed.soil.radius_m},
-                {"size_spread", shown.friction == FrictionModel::kPairwise ? shown.size_spread : 0.0},
+                {"size_spread", shown.friction == FrictionModel::kContact ? shown.size_spread : 0.0},
                 {"box",
                  {{"width_m", bed.width_m},
                   {"length_m", bed.length_m},

@@ -790,7 +790,7 @@ bool WebServer::Implementation::push(Event event) {
   return true;
 }
 
-/// Who has come is still told to have left.
+/// Clients that have joined are still reported as having left.
 void WebServer::Implementation::forget(std::uint32_t client) {
   const std::scoped_lock lock(mutex);
   if (const auto at = queues.find(client); at != queues.end()) {

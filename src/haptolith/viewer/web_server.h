@@ -32,7 +32,7 @@ struct WebServerOptions {
   std::size_t most_asking = 2048, most_served = 512;
 };
 
-/// @throws InvalidParameter for an address that is none, an entrance that needs a token and has none, two with the
+/// @throws InvalidParameter for an invalid address, an entrance that needs a token and has none, two with the
 /// same.
 void validate(const WebServerOptions& options);
 

@@ -1,4 +1,4 @@
-// The hand of this page: whoever holds the tool here (mouse, keys, gamepad, controller) says where it wishes the tool to
+// The hand of this page: what holds the tool here (mouse, keys, gamepad, controller) says where it wishes the tool to
 // be; this sends the wish to the program, at most 60 times a second, and lets go when the last of them has.
 
 import type { Connection } from '../connection';

@@ -70,7 +70,7 @@ export function sliderExplanation(key: string, friction: string): string | null 
 
 /** The models of friction by the names that the page shows; the protocol's own are older. */
 export function frictionModelName(word: string): string {
-  return { paper: 'ICRA 2021 (drag against space)', pairwise: 'contact' }[word] ?? word;
+  return { paper: 'ICRA 2021 (drag against space)', contact: 'contact' }[word] ?? word;
 }
 
 export const DRAG_WARNING =

@@ -78,7 +78,7 @@ const SPECS: PlotSpec[] = [
     lines: [
       { name: 'tick', colour: '--plot-z', width: 1.25 },
       {
-        name: 'woke late',
+        name: 'wake-up delay',
         colour: '--late',
         width: 0,
         points: true,

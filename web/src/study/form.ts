@@ -15,7 +15,7 @@ interface Asked {
   element: HTMLElement;
   /** null: nothing yet */
   answer(): string | null;
-  /** Why the answer is none that can be given; null: it can. */
+  /** Why the answer cannot be given; null: it can. */
   fault(): string | null;
   focus(): void;
 }

@@ -45,9 +45,9 @@ describe('an explanation', () => {
 describe('a slider', () => {
   it('says where its number is an estimate, and what a number of a contact is', () => {
     expect(sliderExplanation('friction_angle_deg', 'paper')).not.toContain('estimate');
-    expect(sliderExplanation('friction_angle_deg', 'pairwise')).toContain('estimate');
-    expect(sliderExplanation('cohesion_pa', 'pairwise')).toContain('estimate');
-    expect(sliderExplanation('contact_friction', 'pairwise')).toContain('where two particles touch');
+    expect(sliderExplanation('friction_angle_deg', 'contact')).toContain('estimate');
+    expect(sliderExplanation('cohesion_pa', 'contact')).toContain('estimate');
+    expect(sliderExplanation('contact_friction', 'contact')).toContain('where two particles touch');
     expect(sliderExplanation('another', 'paper')).toBeNull();
   });
 });
@@ -55,7 +55,7 @@ describe('a slider', () => {
 describe('a model of friction', () => {
   it('has a name that is not "friction"', () => {
     expect(frictionModelName('paper')).toBe('ICRA 2021 (drag against space)');
-    expect(frictionModelName('pairwise')).toBe('contact');
+    expect(frictionModelName('contact')).toBe('contact');
     expect(frictionModelName('another')).toBe('another');
   });
 });

@@ -26,7 +26,7 @@ constexpr double kLargestSpeed_m_s = 100;
 constexpr double kLargestTurning_rad_s = 1000;
 constexpr double kUnitWithin = 0.01;
 
-/// Reads values one after the other; whoever makes one has checked the size.
+/// Reads values one after the other; its maker has checked the size.
 class Reader {
  public:
   explicit Reader(std::span<const std::byte> bytes) : rest_(bytes) {}
@@ -105,7 +105,7 @@ std::optional<PacketFault> faultIn(const DevicePacket& packet) noexcept {
   if (!finite) {
     return PacketFault::kNotFinite;
   }
-  if (!(std::abs(packet.pose.orientation.norm() - 1) <= kUnitWithin)) {  // also when the norm is no number
+  if (!(std::abs(packet.pose.orientation.norm() - 1) <= kUnitWithin)) {  // also when the norm is NaN
     return PacketFault::kNotUnit;
   }
   const bool in_range = isWithin(kLargestPosition_m, packet.pose.position_m) &&

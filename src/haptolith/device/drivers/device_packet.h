@@ -46,7 +46,7 @@ struct DevicePacket {
 ///     offset  type    what
 ///          0  u8[4]   "HLAN"
 ///          4  u16     version, 1
-///          6  u16     flags: bit 0 the sender is believed (its packets are fresh and its dead-man switch is held);
+///          6  u16     flags: bit 0 the sender is trusted (its packets are fresh and its dead-man switch is held);
 ///                            bit 1 forces have been let go and stay zero
 ///          8  u32     sequence number of the newest packet that was taken
 ///         12  u32     number of this answer, one more with each
@@ -86,8 +86,8 @@ inline constexpr std::size_t kPacketFaults = 6;
 [[nodiscard]] std::optional<DevicePacket> parse(std::span<const std::byte> bytes,
                                                 PacketFault* fault = nullptr) noexcept;
 
-/// As parse(), for whoever holds the tool: an answer of wrong size, magic or version, or with a force that is no finite
-/// number, is none.
+/// As parse(), for the program that holds the tool: an answer of wrong size, magic or version, or with a force that is
+/// NaN or infinite, is dropped.
 [[nodiscard]] std::optional<AnswerPacket> parseAnswer(std::span<const std::byte> bytes) noexcept;
 
 /// May be called in the tick.

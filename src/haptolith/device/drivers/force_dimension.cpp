@@ -105,7 +105,8 @@ std::string firstLine(const fs::path& file) {
   return line;
 }
 
-/// "sigma.x haptic device (USB 1451:0402)" for each of these devices that is plugged in, whoever may open it.
+/// "sigma.x haptic device (USB 1451:0402)" for each of these devices that is plugged in, no matter which user may open
+/// it.
 std::vector<std::string> pluggedIn(const fs::path& usb_devices) {
   std::vector<std::string> found;
   std::error_code ignored;  // a system without USB has no devices
@@ -247,7 +248,7 @@ bool isFinite(const DeviceOutput& output) noexcept {
 }  // namespace
 
 std::string forceDimensionUdevRule() {
-  return "# Haptic devices of Force Dimension, and the Novint Falcon: for whoever sits at the machine.\n"
+  return "# Haptic devices of Force Dimension, and the Novint Falcon: for the user who is logged in at the machine.\n"
          "SUBSYSTEM==\"usb\", ATTR{idVendor}==\"1451\", MODE=\"0660\", GROUP=\"plugdev\", TAG+=\"uaccess\"\n"
          "SUBSYSTEM==\"usb\", ATTR{idVendor}==\"0403\", ATTR{idProduct}==\"cb48\", MODE=\"0660\", GROUP=\"plugdev\", "
          "TAG+=\"uaccess\"\n";
@@ -336,14 +337,14 @@ void ForceDimension::findZero(const ForceDimensionPlaces& places) {
 }
 
 /// A Falcon notices that it has been homed when it is sent forces.
-void ForceDimension::homeByHand(double patience_s) {
-  const auto until = std::chrono::steady_clock::now() + std::chrono::duration<double>(patience_s);
+void ForceDimension::homeByHand(double timeout_s) {
+  const auto until = std::chrono::steady_clock::now() + std::chrono::duration<double>(timeout_s);
   while (!sdk_.drd_is_initialized(device_.id)) {
     if (std::chrono::steady_clock::now() > until) {
       throw Failure(
           fmt::format("{}: not homed within {:g} s. What to do: start again, pull the handle out as far as it goes and "
                       "push it in again",
-                      name_, patience_s));
+                      name_, timeout_s));
     }
     check(sendZero(sdk_, device_.id), "dhdSetForceAndTorqueAndGripperForce", "check the device's power and USB cable");
     std::this_thread::sleep_for(std::chrono::milliseconds(1));
@@ -377,7 +378,7 @@ void ForceDimension::switchOn() {
   // Also the first of the two readings that the SDK needs for a velocity.
   const Trouble trouble = measure(last_);
   if (trouble == Trouble::kNotFinite || trouble == Trouble::kNoRotation) {
-    throw Failure(fmt::format("{}: its first pose is none. What to do: {}", name_, kRemedy));
+    throw Failure(fmt::format("{}: its first pose is not valid. What to do: {}", name_, kRemedy));
   }
   check(trouble == Trouble::kNone ? 0 : -1, "the first reading", kRemedy);
 }
@@ -385,8 +386,8 @@ void ForceDimension::switchOn() {
 // --- the tick
 // ---------------------------------------------------------------------------------------------------------
 
-/// What was let go while the loop's thread was in the SDK is stopped when it is out. Either letGo() sees in_sdk_, or
-/// this thread sees let_go_: both are sequentially consistent.
+/// What was let go while the loop's thread was in the SDK is stopped when it is out. Either releaseForce() sees
+/// in_sdk_, or this thread sees let_go_: both are sequentially consistent.
 class ForceDimension::InSdk {
  public:
   explicit InSdk(ForceDimension& device) noexcept : device_(device) { device_.in_sdk_ = pthread_self(); }
@@ -560,7 +561,7 @@ int ForceDimension::send(const DeviceOutput& output) noexcept {
 // --- letting go
 // -------------------------------------------------------------------------------------------------------
 
-void ForceDimension::letGo() noexcept {
+void ForceDimension::releaseForce() noexcept {
   let_go_ = true;
   stopped_ = false;
   if (in_sdk_ == kNobody) {
@@ -594,7 +595,7 @@ void ForceDimension::stop() noexcept {
   stopping_ = kNobody;
 }
 
-void ForceDimension::takeUp() noexcept {
+void ForceDimension::resumeForce() noexcept {
   let_go_ = false;
   if (lost_by_ != Trouble::kNone) {
     return;
@@ -605,7 +606,7 @@ void ForceDimension::takeUp() noexcept {
     const int error = sdk_.error_get_last();
     write_error_ = error != 0 ? error : -1;
   }
-  if (let_go_) {  // meanwhile; whoever did so may have stopped the device before its forces came back
+  if (let_go_) {  // meanwhile; the thread that did so may have stopped the device before its forces came back
     stopped_ = false;
   }
 }

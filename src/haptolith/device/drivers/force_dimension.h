@@ -46,10 +46,10 @@ class ForceDimension final : public HapticDevice {
   /// Sends a zero wrench and stops the device, which brakes its handle: from here, or, while the loop's thread is in
   /// the SDK, which may hold a lock then, by that thread as soon as it is out. Should it never come out, the watchdog
   /// stops the device.
-  void letGo() noexcept override;
+  void releaseForce() noexcept override;
   [[nodiscard]] LettingGo lettingGo() const noexcept override;
   void letGoRegardless() noexcept override;
-  void takeUp() noexcept override;
+  void resumeForce() noexcept override;
   /// For one thread at a time.
   [[nodiscard]] std::string_view problem() const noexcept override;
 
@@ -79,7 +79,7 @@ class ForceDimension final : public HapticDevice {
   class InSdk;
 
   void findZero(const ForceDimensionPlaces& places);
-  void homeByHand(double patience_s);
+  void homeByHand(double timeout_s);
   void switchOn();
   void check(int result, const char* call, const char* remedy) const;
   [[nodiscard]] Trouble measure(DeviceInput& now) noexcept;

@@ -51,8 +51,8 @@ class Gamepad final : public HapticDevice {
   [[nodiscard]] DeviceLimits limits() const noexcept override;
   [[nodiscard]] DeviceInput read() noexcept override;
   void write(const DeviceOutput& output) noexcept override;
-  void letGo() noexcept override { let_go_.store(true, std::memory_order_relaxed); }
-  void takeUp() noexcept override { let_go_.store(false, std::memory_order_relaxed); }
+  void releaseForce() noexcept override { let_go_.store(true, std::memory_order_relaxed); }
+  void resumeForce() noexcept override { let_go_.store(false, std::memory_order_relaxed); }
   [[nodiscard]] std::string_view problem() const noexcept override;
 
  private:

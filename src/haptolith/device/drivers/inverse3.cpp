@@ -92,7 +92,8 @@ Address addressOf(std::string_view text) {
   return address;
 }
 
-/// A session with the service. Its start waits, no longer than it is told; what follows is up to whoever runs `io`.
+/// A session with the service. Its start waits, no longer than it is told; what follows is up to the thread that runs
+/// `io`.
 struct Session {
   asio::io_context io{1};
   websocket::stream<beast::tcp_stream> stream{io};
@@ -101,9 +102,9 @@ struct Session {
   HaplyInventory inventory;
 
   /// @throws InvalidParameter, Failure.
-  Session(const std::string& where, Clock::duration patience) {
+  Session(const std::string& where, Clock::duration timeout) {
     const Address address = addressOf(where);
-    const Clock::time_point until = Clock::now() + patience;
+    const Clock::time_point until = Clock::now() + timeout;
     const auto wait = [&](std::string_view what, std::string_view remedy, const auto& start) {
       std::optional<beast::error_code> ended;
       start([&ended](beast::error_code error, const auto&...) { ended = error; });
@@ -195,7 +196,7 @@ class Inverse3::Connection {
 
   // Of any.
 
-  void letGo(bool go) noexcept {
+  void releaseForce(bool go) noexcept {
     zero_sent_.store(false);
     let_go_.store(go);
   }
@@ -353,14 +354,14 @@ DeviceInput Inverse3::read() noexcept {
 void Inverse3::write(const DeviceOutput& output) noexcept {
   connection_->write(output.wrench.force_n);
 }
-void Inverse3::letGo() noexcept {
-  connection_->letGo(true);
+void Inverse3::releaseForce() noexcept {
+  connection_->releaseForce(true);
 }
 LettingGo Inverse3::lettingGo() const noexcept {
   return connection_->hasLetGo() ? LettingGo::kDone : LettingGo::kUnderWay;
 }
-void Inverse3::takeUp() noexcept {
-  connection_->letGo(false);
+void Inverse3::resumeForce() noexcept {
+  connection_->releaseForce(false);
 }
 std::string_view Inverse3::problem() const noexcept {
   return connection_->problem();

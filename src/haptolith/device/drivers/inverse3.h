@@ -21,7 +21,7 @@ class Inverse3 final : public HapticDevice {
  public:
   /// Opens the device `parameters.id`, or the first, of the service at `parameters.address`: "ws://HOST:PORT" with an
   /// IP address or localhost; empty: ws://localhost:10001.
-  /// @throws InvalidParameter for an address that is none; Failure when the service does not answer within 2 s or has
+  /// @throws InvalidParameter for an invalid address; Failure when the service does not answer within 2 s or has
   /// no such device, with what to do.
   explicit Inverse3(const DeviceParameters& parameters);
   ~Inverse3() override;
@@ -33,9 +33,9 @@ class Inverse3 final : public HapticDevice {
   [[nodiscard]] DeviceInput read() noexcept override;
   void write(const DeviceOutput& output) noexcept override;
   /// The next message, at most a millisecond later, says zero. When the service takes none any more, it lets go itself.
-  void letGo() noexcept override;
+  void releaseForce() noexcept override;
   [[nodiscard]] LettingGo lettingGo() const noexcept override;
-  void takeUp() noexcept override;
+  void resumeForce() noexcept override;
   [[nodiscard]] std::string_view problem() const noexcept override;
 
   /// Answers that were no state of the device; they are left out. May be asked at any time.
@@ -48,7 +48,7 @@ class Inverse3 final : public HapticDevice {
 };
 
 /// The Inverse3s that the service tells of, or one report that says why there are none. Waits for the service for 0.3 s
-/// at most. @throws InvalidParameter for an address that is none.
+/// at most. @throws InvalidParameter for an invalid address.
 [[nodiscard]] std::vector<DeviceReport> findInverse3(const DeviceParameters& parameters);
 
 }  // namespace haptolith

@@ -69,7 +69,7 @@ std::optional<std::array<double, kCount>> numbers(const Json* object, const std:
       return std::nullopt;
     }
     values[i] = number->get<double>();
-    if (!(std::abs(values[i]) <= largest)) {  // also when it is no number
+    if (!(std::abs(values[i]) <= largest)) {  // also when it is NaN
       return std::nullopt;
     }
   }

@@ -34,8 +34,8 @@ class Mouse final : public HapticDevice {
   /// Buttons: bit 0 left, 1 middle, 3 and 4 the thumb's; while the pointer is taken.
   [[nodiscard]] DeviceInput read() noexcept override;
   void write(const DeviceOutput&) noexcept override {}
-  void letGo() noexcept override {}
-  void takeUp() noexcept override {}
+  void releaseForce() noexcept override {}
+  void resumeForce() noexcept override {}
   [[nodiscard]] std::string_view problem() const noexcept override;
 
  private:

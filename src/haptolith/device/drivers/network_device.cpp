@@ -110,10 +110,10 @@ std::int64_t nanoseconds(double seconds) {
 
 }  // namespace
 
-NetworkDevice::NetworkDevice(const DeviceParameters& parameters, const NetworkPatience& patience)
+NetworkDevice::NetworkDevice(const DeviceParameters& parameters, const NetworkTimeouts& timeouts)
     : parameters_(parameters),
-      fresh_ns_(nanoseconds(requireInRange("fresh_s", patience.fresh_s, {0.001, 10}))),
-      holder_ns_(nanoseconds(requireInRange("holder_s", patience.holder_s, {patience.fresh_s, 60}))) {
+      fresh_ns_(nanoseconds(requireInRange("fresh_s", timeouts.fresh_s, {0.001, 10}))),
+      holder_ns_(nanoseconds(requireInRange("holder_s", timeouts.holder_s, {timeouts.fresh_s, 60}))) {
   const std::string text(parameters.address.empty() ? kUsualAddress : std::string_view(parameters.address));
   sockaddr_in address = addressOf(text);
   if (!parameters.key.empty()) {
@@ -321,12 +321,13 @@ void NetworkDevice::write(const DeviceOutput& output) noexcept {
       ++counts_.unsent;
     }
   }
-  if (!let_go && let_go_.load()) {  // letGo() came in between: its answer must not be followed by one with a force
+  if (!let_go &&
+      let_go_.load()) {  // releaseForce() came in between: its answer must not be followed by one with a force
     (void)answer({});
   }
 }
 
-void NetworkDevice::letGo() noexcept {
+void NetworkDevice::releaseForce() noexcept {
   let_go_.store(true);
   const int error = errno;  // a signal's handler leaves it as it was
   (void)answer({});

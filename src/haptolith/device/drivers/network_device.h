@@ -16,7 +16,7 @@
 namespace haptolith {
 
 /// How long a network device is patient.
-struct NetworkPatience {
+struct NetworkTimeouts {
   double fresh_s = 0.02;  ///< without a fresh packet for this long the state is stale; 0.001 to 10
   double holder_s = 1;    ///< a sender that is silent for this long has let the tool go; fresh_s to 60
 };
@@ -46,9 +46,9 @@ class NetworkDevice final : public HapticDevice {
  public:
   /// Listens at `parameters.address`, an IPv4 address of this machine and a port: "127.0.0.1:9050" when it is empty,
   /// and beyond this machine only when it says so. Port 0: any that is free.
-  /// @throws InvalidParameter for an address that is none, one beyond this machine without key or `insecure`, a key
-  /// that is none, and a patience out of range; Failure when it cannot listen.
-  explicit NetworkDevice(const DeviceParameters& parameters, const NetworkPatience& patience = {});
+  /// @throws InvalidParameter for an invalid address, one beyond this machine without key or `insecure`, an invalid
+  /// key, and timeouts out of range; Failure when it cannot listen.
+  explicit NetworkDevice(const DeviceParameters& parameters, const NetworkTimeouts& timeouts = {});
   ~NetworkDevice() override = default;
   NetworkDevice(const NetworkDevice&) = delete;
   NetworkDevice& operator=(const NetworkDevice&) = delete;
@@ -60,8 +60,8 @@ class NetworkDevice final : public HapticDevice {
   [[nodiscard]] DeviceInput read() noexcept override;
   void write(const DeviceOutput& output) noexcept override;
   /// Also sends an answer with zero force at once.
-  void letGo() noexcept override;
-  void takeUp() noexcept override { let_go_.store(false); }
+  void releaseForce() noexcept override;
+  void resumeForce() noexcept override { let_go_.store(false); }
   [[nodiscard]] std::string_view problem() const noexcept override;
 
   [[nodiscard]] std::uint16_t port() const noexcept { return port_; }
@@ -96,7 +96,7 @@ class NetworkDevice final : public HapticDevice {
   std::uint64_t epoch_ = 0;  ///< one more each time that somebody takes the tool or loses it
   NetworkCounts counts_;
 
-  // Written by the loop's thread, and read by whoever lets go.
+  // Written by the loop's thread, and read by the thread that lets go.
   std::atomic<std::uint64_t> holder_{0};               ///< IPv4 address and port; 0: nobody
   std::array<std::atomic<std::uint64_t>, 2> nonce_{};  ///< the holder's
   std::atomic<std::uint64_t> sender_time_{0};

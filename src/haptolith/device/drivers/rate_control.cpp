@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "haptolith/core/between.h"
 #include "haptolith/core/error.h"
+#include "haptolith/core/interpolate.h"
 
 namespace haptolith {
 

@@ -7,7 +7,7 @@
 namespace haptolith {
 
 /// The functions of SDL 2 that drivers call. Linked, SDL and the fifty libraries that come with it would cost every
-/// start of the program 10 ms; so it is loaded by whoever wants a gamepad or a mouse, and then kept, because some of
+/// start of the program 10 ms; so it is loaded when a gamepad or a mouse is wanted, and then kept, because some of
 /// its libraries do not like to be unloaded. Not for the tick.
 struct Sdl {
   /// @throws Failure that says how to install SDL.

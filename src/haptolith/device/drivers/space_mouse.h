@@ -41,8 +41,8 @@ class SpaceMouse final : public HapticDevice {
   [[nodiscard]] DeviceLimits limits() const noexcept override;
   [[nodiscard]] DeviceInput read() noexcept override;
   void write(const DeviceOutput&) noexcept override {}
-  void letGo() noexcept override {}
-  void takeUp() noexcept override {}
+  void releaseForce() noexcept override {}
+  void resumeForce() noexcept override {}
   [[nodiscard]] std::string_view problem() const noexcept override;
 
  private:

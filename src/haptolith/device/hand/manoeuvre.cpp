@@ -102,7 +102,7 @@ double heightOf(const KeyPose& key, const HandParameters& hand) {
 }
 
 /// Where the manoeuvre is at a share of its period; here `height` is in m above the surface.
-KeyPose between(std::span<const KeyPose> table, double share, const HandParameters& hand) {
+KeyPose interpolate(std::span<const KeyPose> table, double share, const HandParameters& hand) {
   std::size_t next = 1;
   while (next + 1 < table.size() && share > table[next].share) {
     ++next;
@@ -140,7 +140,7 @@ double manoeuvreOpening(const HandParameters& hand, double time_s) noexcept {
 }
 
 Pose manoeuvrePose(const HandParameters& hand, double time_s) noexcept {
-  const KeyPose key = between(tableOf(hand.manoeuvre), shareOfPeriod(hand, time_s), hand);
+  const KeyPose key = interpolate(tableOf(hand.manoeuvre), shareOfPeriod(hand, time_s), hand);
 
   const double angle = kTurn * key.turn;
   const double out_m = key.out * hand.reach_m;

@@ -6,8 +6,8 @@
 #include <cmath>
 #include <limits>
 
-#include "haptolith/core/between.h"
 #include "haptolith/core/error.h"
+#include "haptolith/core/interpolate.h"
 #include "haptolith/device/hand/manoeuvre.h"
 
 namespace haptolith {
@@ -38,8 +38,8 @@ void requireStableArm(const HandParameters& hand, double tick_s) {
   if (hand.compliance == HandCompliance::kArm && hand.mass_kg <= least_mass_kg) {
     throw InvalidParameter(
         "mass_kg", fmt::format("{:g}", hand.mass_kg),
-        fmt::format("> {:g}, or the arm's stiffness and damping shake it to pieces at a tick of {:g} s", least_mass_kg,
-                    tick_s));
+        fmt::format("> {:g}, or the arm's spring and damper are numerically unstable at a tick of {:g} s",
+                    least_mass_kg, tick_s));
   }
 }
 
@@ -58,9 +58,9 @@ VirtualHand::VirtualHand(const HandParameters& hand, double tick_s) : hand_(hand
   tool_.pose = wanted(0);
 }
 
-void VirtualHand::wish(const HandWish& wish) noexcept {
-  wishes_.draft() = wish;
-  wishes_.publish();
+void VirtualHand::command(const HandCommand& command) noexcept {
+  commands_.draft() = command;
+  commands_.publish();
 }
 
 DeviceLimits VirtualHand::limits() const noexcept {
@@ -75,14 +75,14 @@ DeviceInput VirtualHand::read() noexcept {
   if (let_go_.load(std::memory_order_relaxed)) {
     felt_ = {};
   }
-  takeWish();
-  if (wishes_.latest().held) {
-    followWish(*wishes_.latest().held);
+  takeCommand();
+  if (commands_.latest().held) {
+    followCommand(*commands_.latest().held);
   } else {
     followManoeuvre();
   }
   moveGripper();
-  const bool finished = poses_ && hand_.manoeuvre == Manoeuvre::kPoses && !wishes_.latest().held &&
+  const bool finished = poses_ && hand_.manoeuvre == Manoeuvre::kPoses && !commands_.latest().held &&
                         static_cast<double>(ticks_) * tick_s_ > poses_->duration();
   DeviceInput input;
   input.pose = tool_.pose;
@@ -92,12 +92,12 @@ DeviceInput VirtualHand::read() noexcept {
   return input;
 }
 
-void VirtualHand::takeWish() noexcept {
-  const bool was_held = wishes_.latest().held.has_value();
-  if (!wishes_.update()) {
+void VirtualHand::takeCommand() noexcept {
+  const bool was_held = commands_.latest().held.has_value();
+  if (!commands_.update()) {
     return;
   }
-  const HandWish& now = wishes_.latest();
+  const HandCommand& now = commands_.latest();
   hand_.surface_m = now.surface_m;
   hand_.manoeuvre = now.manoeuvre;
   if (now.held && !was_held) {
@@ -118,7 +118,7 @@ void VirtualHand::followManoeuvre() noexcept {
   if (return_from_) {
     const auto on_the_way = [&](std::uint64_t ticks) {
       const double s = std::min(1.0, time_s(ticks) / kReturn_s);
-      return between(*return_from_, wanted(0), s * s * (3 - 2 * s));
+      return interpolate(*return_from_, wanted(0), s * s * (3 - 2 * s));
     };
     from = on_the_way(return_ticks_);
     to = on_the_way(++return_ticks_);
@@ -129,22 +129,22 @@ void VirtualHand::followManoeuvre() noexcept {
     from = wanted(time_s(ticks_));
     to = wanted(time_s(++ticks_));
   }
-  const Movement wish = movement(from, to, tick_s_);
+  const Movement wanted_movement = movement(from, to, tick_s_);
   if (hand_.compliance == HandCompliance::kRigid) {
-    tool_ = wish;
+    tool_ = wanted_movement;
   } else {
-    moveArm(armOf(hand_), wish, felt_, kInfinity, tick_s_, tool_);
+    moveArm(armOf(hand_), wanted_movement, felt_, kInfinity, tick_s_, tool_);
   }
 }
 
-void VirtualHand::followWish(const Pose& held) noexcept {
+void VirtualHand::followCommand(const Pose& held) noexcept {
   const Pose before = smooth_;
-  smooth_ = between(before, held, 1 - std::exp(-tick_s_ / kSmoothing_s));
+  smooth_ = interpolate(before, held, 1 - std::exp(-tick_s_ / kSmoothing_s));
   moveArm(kCoupling, movement(before, smooth_, tick_s_), felt_, hand_.max_force_n, tick_s_, tool_);
 }
 
 void VirtualHand::moveGripper() noexcept {
-  const bool follows = !wishes_.latest().held && !return_from_ && hand_.manoeuvre != Manoeuvre::kPoses;
+  const bool follows = !commands_.latest().held && !return_from_ && hand_.manoeuvre != Manoeuvre::kPoses;
   const double wanted = follows ? manoeuvreOpening(hand_, static_cast<double>(ticks_) * tick_s_) : 1;
   const double most = tick_s_ / kGrip_s;
   gripper_open_ += std::clamp(wanted - gripper_open_, -most, most);

@@ -5,8 +5,8 @@
 
 #include "haptolith/core/exchange.h"
 #include "haptolith/device/hand/arm.h"
+#include "haptolith/device/hand/hand_command.h"
 #include "haptolith/device/hand/hand_parameters.h"
-#include "haptolith/device/hand/hand_wish.h"
 #include "haptolith/device/hand/pose_file.h"
 #include "haptolith/device/haptic_device.h"
 
@@ -27,17 +27,17 @@ class VirtualHand final : public HapticDevice {
   [[nodiscard]] bool simulated() const noexcept override { return true; }
   [[nodiscard]] DeviceInput read() noexcept override;
   void write(const DeviceOutput& output) noexcept override { felt_ = output.wrench; }
-  void letGo() noexcept override { let_go_.store(true, std::memory_order_relaxed); }
-  void takeUp() noexcept override { let_go_.store(false, std::memory_order_relaxed); }
+  void releaseForce() noexcept override { let_go_.store(true, std::memory_order_relaxed); }
+  void resumeForce() noexcept override { let_go_.store(false, std::memory_order_relaxed); }
 
   /// For one other thread: where somebody wants the tool. The tool follows through a virtual coupling that pulls no
   /// harder than the device's largest force, so that nobody can force it through the soil. May be called at any time.
-  void wish(const HandWish& wish) noexcept;
+  void command(const HandCommand& command) noexcept;
 
  private:
-  void takeWish() noexcept;
+  void takeCommand() noexcept;
   void followManoeuvre() noexcept;
-  void followWish(const Pose& held) noexcept;
+  void followCommand(const Pose& held) noexcept;
   [[nodiscard]] Pose wanted(double time_s) const noexcept;
   void moveGripper() noexcept;
 
@@ -50,7 +50,7 @@ class VirtualHand final : public HapticDevice {
   Wrench felt_;
   std::atomic<bool> let_go_{false};
 
-  LatestValue<HandWish> wishes_;
+  LatestValue<HandCommand> commands_;
   std::uint32_t beginnings_ = 0;
   Pose smooth_;                      ///< the held pose, its steps rounded off
   std::optional<Pose> return_from_;  ///< on the way back to a manoeuvre

@@ -9,15 +9,15 @@ namespace haptolith {
 
 /// A folder that appears with all its files or not at all: made beside its name, renamed on commit(), removed
 /// otherwise. Not for the tick.
-class NewFolder {
+class AtomicFolder {
  public:
   /// @param if_there  whether commit() may take the place of a folder that is there.
   /// @throws Failure when there is something of that name that may not be replaced, or when it cannot be made.
-  explicit NewFolder(const std::filesystem::path& path, IfThere if_there = IfThere::kRefuse,
-                     Readers readers = Readers::kAsUsual);
-  ~NewFolder();
-  NewFolder(const NewFolder&) = delete;
-  NewFolder& operator=(const NewFolder&) = delete;
+  explicit AtomicFolder(const std::filesystem::path& path, IfThere if_there = IfThere::kRefuse,
+                        Readers readers = Readers::kAsUsual);
+  ~AtomicFolder();
+  AtomicFolder(const AtomicFolder&) = delete;
+  AtomicFolder& operator=(const AtomicFolder&) = delete;
 
   /// Writes a file; the folders it lies in are made.
   /// @throws Failure with the path and the system's reason; for a name that leads out of the folder, or is taken.

@@ -1,4 +1,4 @@
-#include "haptolith/core/new_folder.h"
+#include "haptolith/core/atomic_folder.h"
 
 #include <gmock/gmock.h>
 #include <sys/resource.h>
@@ -17,12 +17,12 @@ namespace {
 namespace fs = std::filesystem;
 using testing::HasSubstr;
 
-class NewFolderTest : public testing::Test {
+class AtomicFolderTest : public testing::Test {
  protected:
-  NewFolderTest() : folder_(fs::path(testing::TempDir()) / ("haptolith_new_folder_" + std::to_string(getpid()))) {
+  AtomicFolderTest() : folder_(fs::path(testing::TempDir()) / ("haptolith_atomic_folder_" + std::to_string(getpid()))) {
     fs::create_directories(folder_);
   }
-  ~NewFolderTest() override { fs::remove_all(folder_); }
+  ~AtomicFolderTest() override { fs::remove_all(folder_); }
 
   [[nodiscard]] int entries() const {
     return static_cast<int>(std::distance(fs::directory_iterator(folder_), fs::directory_iterator()));
@@ -36,8 +36,8 @@ class NewFolderTest : public testing::Test {
   fs::path folder_;
 };
 
-TEST_F(NewFolderTest, AppearsWithAllItsFilesOnCommit) {
-  const NewFolder made(folder_ / "out/");
+TEST_F(AtomicFolderTest, AppearsWithAllItsFilesOnCommit) {
+  const AtomicFolder made(folder_ / "out/");
   made.write("a.txt", "a");
   made.write("in/side/b.txt", "b");
   EXPECT_FALSE(fs::exists(folder_ / "out"));
@@ -47,24 +47,24 @@ TEST_F(NewFolderTest, AppearsWithAllItsFilesOnCommit) {
   EXPECT_EQ(entries(), 1);
 }
 
-TEST_F(NewFolderTest, LeavesNothingWithoutCommit) {
-  { NewFolder(folder_ / "out").write("a.txt", "a"); }
+TEST_F(AtomicFolderTest, LeavesNothingWithoutCommit) {
+  { AtomicFolder(folder_ / "out").write("a.txt", "a"); }
   EXPECT_EQ(entries(), 0);
 }
 
-TEST_F(NewFolderTest, RefusesANameThatIsTaken) {
+TEST_F(AtomicFolderTest, RefusesANameThatIsTaken) {
   fs::create_directory(folder_ / "out");
   std::ofstream(folder_ / "file") << "x";
-  EXPECT_THROW(NewFolder(folder_ / "out"), Failure);
-  EXPECT_THROW(NewFolder(folder_ / "file", IfThere::kReplace), Failure);
-  EXPECT_THROW(NewFolder(folder_ / "no/such/folder"), Failure);
+  EXPECT_THROW(AtomicFolder(folder_ / "out"), Failure);
+  EXPECT_THROW(AtomicFolder(folder_ / "file", IfThere::kReplace), Failure);
+  EXPECT_THROW(AtomicFolder(folder_ / "no/such/folder"), Failure);
   EXPECT_EQ(entries(), 2);
 }
 
-TEST_F(NewFolderTest, ReplacesAFolderWholeWhenAskedTo) {
+TEST_F(AtomicFolderTest, ReplacesAFolderWholeWhenAskedTo) {
   fs::create_directory(folder_ / "out");
   std::ofstream(folder_ / "out/old.txt") << "old";
-  const NewFolder made(folder_ / "out", IfThere::kReplace);
+  const AtomicFolder made(folder_ / "out", IfThere::kReplace);
   made.write("new.txt", "new");
   EXPECT_TRUE(fs::exists(folder_ / "out/old.txt"));
   made.commit();
@@ -73,8 +73,8 @@ TEST_F(NewFolderTest, ReplacesAFolderWholeWhenAskedTo) {
   EXPECT_EQ(entries(), 1);
 }
 
-TEST_F(NewFolderTest, NoNameLeadsOutOfIt) {
-  const NewFolder made(folder_ / "out");
+TEST_F(AtomicFolderTest, NoNameLeadsOutOfIt) {
+  const AtomicFolder made(folder_ / "out");
   for (const char* name : {"../a.txt", "/tmp/haptolith-escaped.txt", "in/../../a.txt", "", "in/./a.txt"}) {
     EXPECT_THROW(made.write(name, "a"), Failure) << name;
   }
@@ -84,28 +84,28 @@ TEST_F(NewFolderTest, NoNameLeadsOutOfIt) {
   EXPECT_EQ(entries(), 1);
 }
 
-TEST_F(NewFolderTest, IsForItsOwnerAloneWhenAskedTo) {
-  const NewFolder made(folder_ / "out", IfThere::kRefuse, Readers::kOwner);
+TEST_F(AtomicFolderTest, IsForItsOwnerAloneWhenAskedTo) {
+  const AtomicFolder made(folder_ / "out", IfThere::kRefuse, Readers::kOwner);
   made.write("in/a.txt", "a");
   made.commit();
   EXPECT_EQ(fs::status(folder_ / "out").permissions(), fs::perms::owner_all);
   EXPECT_EQ(fs::status(folder_ / "out/in/a.txt").permissions(), fs::perms::owner_read | fs::perms::owner_write);
 }
 
-TEST_F(NewFolderTest, TakesNoNameThatSomebodyElseHasTakenMeanwhile) {
-  const NewFolder made(folder_ / "out");
+TEST_F(AtomicFolderTest, TakesNoNameThatSomebodyElseHasTakenMeanwhile) {
+  const AtomicFolder made(folder_ / "out");
   fs::create_directory(folder_ / "out");
   EXPECT_THROW(made.commit(), Failure);
 }
 
-TEST_F(NewFolderTest, ReportsAFullDisk) {
+TEST_F(AtomicFolderTest, ReportsAFullDisk) {
   rlimit before{};
   getrlimit(RLIMIT_FSIZE, &before);
   const auto handler = std::signal(SIGXFSZ, SIG_IGN);
   const rlimit full{100, before.rlim_max};
   setrlimit(RLIMIT_FSIZE, &full);
   try {
-    NewFolder(folder_ / "out").write("a.txt", std::string(1000, 'a'));
+    AtomicFolder(folder_ / "out").write("a.txt", std::string(1000, 'a'));
     ADD_FAILURE() << "no error";
   } catch (const Failure& error) {
     EXPECT_THAT(error.what(), HasSubstr("out/a.txt"));

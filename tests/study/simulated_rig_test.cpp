@@ -1,4 +1,4 @@
-#include "haptolith/study/feeling_rig.h"
+#include "haptolith/study/simulated_rig.h"
 
 #include <gtest/gtest.h>
 
@@ -17,10 +17,10 @@ const Stimulus& levelNamed(const StudyBlock& block, std::string_view name) {
   return *std::ranges::find(block.levels, name, &Stimulus::name);
 }
 
-TEST(FeelingRig, FeelsTheStimulusThatIsShown) {
+TEST(SimulatedRig, FeelsTheStimulusThatIsShown) {
   const StudyProtocol protocol = loadProtocolText(kTwoBlocks, "two.toml");
   const StudyBlock& friction = protocol.blocks[0];
-  FeelingRig rig(protocol, kStir);
+  SimulatedRig rig(protocol, kStir);
   rig.show(friction, friction.reference);
   ASSERT_TRUE(rig.ready());
   rig.feel();
@@ -32,13 +32,13 @@ TEST(FeelingRig, FeelsTheStimulusThatIsShown) {
   EXPECT_GT(rig.rest().mean_force_n, 1.1 * felt.mean_force_n);
 }
 
-TEST(FeelingRig, ExploresAnewEachTime) {
+TEST(SimulatedRig, ExploresAnewEachTime) {
   const StudyProtocol protocol = loadProtocolText(kTwoBlocks, "two.toml");
-  FeelingRig rig(protocol, kStir);
-  FeelingRig same(protocol, kStir);
+  SimulatedRig rig(protocol, kStir);
+  SimulatedRig same(protocol, kStir);
   double before_n = 0;
   for (int trial = 0; trial < 3; ++trial) {
-    for (FeelingRig* each : {&rig, &same}) {
+    for (SimulatedRig* each : {&rig, &same}) {
       each->show(protocol.blocks[0], protocol.blocks[0].reference);
       each->feel();
     }
@@ -49,9 +49,9 @@ TEST(FeelingRig, ExploresAnewEachTime) {
   }
 }
 
-TEST(FeelingRig, RefusesHandsThatCannotExplore) {
+TEST(SimulatedRig, RefusesHandsThatCannotExplore) {
   const StudyProtocol protocol = loadProtocolText(kTwoBlocks, "two.toml");
-  EXPECT_THROW(FeelingRig(protocol, {.manoeuvre = Manoeuvre::kPoses}), InvalidParameter);
+  EXPECT_THROW(SimulatedRig(protocol, {.manoeuvre = Manoeuvre::kPoses}), InvalidParameter);
 }
 
 }  // namespace

@@ -1,4 +1,4 @@
-// The tool in soil with pairwise friction.
+// The tool in soil with contact friction.
 
 #include <gtest/gtest.h>
 
@@ -18,9 +18,9 @@ namespace {
 constexpr double kRadius_m = 7e-3;
 constexpr double kStep_s = 2e-4;
 
-SoilParameters pairwiseSoil() {
+SoilParameters contactFrictionSoil() {
   SoilParameters soil;
-  soil.friction = FrictionModel::kPairwise;
+  soil.friction = FrictionModel::kContact;
   soil.stiffness_n_m = 1000;
   return soil;
 }
@@ -45,7 +45,7 @@ struct OnTheShovel {
     return {forces[0].x, forces[0].y, forces[0].z};
   }
 
-  SoilParameters soil = pairwiseSoil();
+  SoilParameters soil = contactFrictionSoil();
   ToolParameters tool;
   BedState state;
   Pose pose;
@@ -53,7 +53,7 @@ struct OnTheShovel {
   ToolReaction reaction;
 };
 
-TEST(PairwiseTool, PushesWithTheSpringOfThePaperAndNeverPullsByDamping) {
+TEST(ContactFrictionTool, PushesWithTheSpringOfThePaperAndNeverPullsByDamping) {
   // k_tool = 500 N/m, c_tool = 1.4 * 0.2 ms * 500 / 2 = 0.07 N s/m.
   OnTheShovel one(1e-3);
   EXPECT_NEAR(one.moved(Vec3::Zero()).z(), 0.5, 1e-5);
@@ -64,11 +64,11 @@ TEST(PairwiseTool, PushesWithTheSpringOfThePaperAndNeverPullsByDamping) {
   EXPECT_EQ(OnTheShovel(-1e-5).moved(Vec3::Zero()), Vec3::Zero()) << "the paper's dust is not there";
 }
 
-TEST(PairwiseTool, MeetsALargerParticleEarlier) {
+TEST(ContactFrictionTool, MeetsALargerParticleEarlier) {
   EXPECT_NEAR(OnTheShovel(1e-3, 0.5e-3).moved(Vec3::Zero()).z(), 0.5, 1e-5);
 }
 
-TEST(PairwiseTool, RubsWithAMemoryUpToItsFriction) {
+TEST(ContactFrictionTool, RubsWithAMemoryUpToItsFriction) {
   // N = 0.5 N, mu = 0.36: at most 0.18 N; k_t = 250 N/m, so 0.72 mm to the limit; c_t = 0.035 N s/m.
   OnTheShovel one(1e-3);
   const Vec3 way(0.3, 0, 0);  // 0.06 mm a step; damping 0.0105 N
@@ -87,7 +87,7 @@ TEST(PairwiseTool, RubsWithAMemoryUpToItsFriction) {
   EXPECT_NEAR(one.moved(-way).x(), 0.18 - 0.015 - 0.0105, 1e-5) << "and gives back as a spring";
 }
 
-TEST(PairwiseTool, MemoryTurnsWithTheTool) {
+TEST(ContactFrictionTool, MemoryTurnsWithTheTool) {
   OnTheShovel one(1e-3);
   for (int i = 0; i < 5; ++i) {
     one.moved(Vec3(0.3, 0, 0));
@@ -99,7 +99,7 @@ TEST(PairwiseTool, MemoryTurnsWithTheTool) {
   EXPECT_NEAR(after.x(), 0, 1e-5);
 }
 
-TEST(PairwiseTool, AdheresHalfwayAcrossTheRangeAndForgetsBeyond) {
+TEST(ContactFrictionTool, AdheresHalfwayAcrossTheRangeAndForgetsBeyond) {
   // range = 0.4 R = 2.8 mm; the largest pull halfway, at 1.4 mm; at a quarter 4 s (1 - s) = 0.75 of it.
   for (const auto& [gap_m, pull] : {std::pair{1.4e-3, 1.0}, {0.7e-3, 0.75}, {2.1e-3, 0.75}, {2.81e-3, 0.0}}) {
     OnTheShovel one(-gap_m);
@@ -119,7 +119,7 @@ TEST(PairwiseTool, AdheresHalfwayAcrossTheRangeAndForgetsBeyond) {
 
 BedParameters scene(int threads, double width_m = 0.126) {
   BedParameters bed;
-  bed.soil = pairwiseSoil();
+  bed.soil = contactFrictionSoil();
   bed.width_m = bed.length_m = width_m;
   bed.threads = threads;
   if (width_m > 0.2) {
@@ -144,7 +144,7 @@ void stir(Scene& stirred, double duration_s) {
   }
 }
 
-TEST(PairwiseScene, SameHashForAnyNumberOfThreadsWithATool) {
+TEST(ContactFrictionScene, SameHashForAnyNumberOfThreadsWithATool) {
   std::uint64_t expected = 0;
   for (const int threads : {1, 2, 3, 4}) {
     Scene stirred(scene(threads, 0.3), {});
@@ -157,7 +157,7 @@ TEST(PairwiseScene, SameHashForAnyNumberOfThreadsWithATool) {
   }
 }
 
-TEST(PairwiseScene, GoesOnBitForBitWithATool) {
+TEST(ContactFrictionScene, GoesOnBitForBitWithATool) {
   Scene first(scene(1), {});
   stir(first, 0.9);
   Scene second(scene(1), {});
@@ -189,7 +189,7 @@ double toolEnergy(const Scene& scene) {
   return energy;
 }
 
-TEST(PairwiseScene, EnergyDoesNotGrowOnceTheToolStandsStill) {
+TEST(ContactFrictionScene, EnergyDoesNotGrowOnceTheToolStandsStill) {
   Scene stirred(scene(1), {});
   stir(stirred, 3);
   const Pose pose = stirred.toolPose();

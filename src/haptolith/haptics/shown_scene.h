@@ -10,7 +10,7 @@
 
 namespace haptolith {
 
-/// A picture of the scene for whoever looks on, about 60 times a second. Of a large bed each tick copies a part, so
+/// A picture of the scene for viewers, about 60 times a second. Of a large bed each tick copies a part, so
 /// that no tick is long: its first particles are then 15 ticks older than its last.
 struct SceneSnapshot {
   double time_s = 0;
@@ -29,8 +29,8 @@ struct SceneSnapshot {
 };
 
 /// A scene as a loop shows it: with the place where its pictures are handed over.
-struct Stage {
-  explicit Stage(Scene& shown);
+struct ShownScene {
+  explicit ShownScene(Scene& shown);
 
   Scene& scene;
   LatestValue<SceneSnapshot> snapshots;

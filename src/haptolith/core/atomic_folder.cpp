@@ -1,4 +1,4 @@
-#include "haptolith/core/new_folder.h"
+#include "haptolith/core/atomic_folder.h"
 
 #include <fmt/format.h>
 #include <sys/stat.h>
@@ -36,7 +36,7 @@ void requireInside(const fs::path& name) {
 
 }  // namespace
 
-NewFolder::NewFolder(const fs::path& path, IfThere if_there, Readers readers)
+AtomicFolder::AtomicFolder(const fs::path& path, IfThere if_there, Readers readers)
     : path_(withoutSlash(path)), making_(temporaryBeside(path_, "part")), if_there_(if_there), readers_(readers) {
   if (fs::exists(fs::symlink_status(path_)) && (if_there == IfThere::kRefuse || !fs::is_directory(path_))) {
     throw Failure(fmt::format("{} exists already: choose another name", path_.string()));
@@ -46,12 +46,12 @@ NewFolder::NewFolder(const fs::path& path, IfThere if_there, Readers readers)
   }
 }
 
-NewFolder::~NewFolder() {
+AtomicFolder::~AtomicFolder() {
   std::error_code ignored;
   fs::remove_all(making_, ignored);
 }
 
-void NewFolder::write(const fs::path& name, std::string_view bytes) const {
+void AtomicFolder::write(const fs::path& name, std::string_view bytes) const {
   requireInside(name);
   std::error_code error;
   fs::create_directories((making_ / name).parent_path(), error);
@@ -63,7 +63,7 @@ void NewFolder::write(const fs::path& name, std::string_view bytes) const {
   }
 }
 
-void NewFolder::commit() const {
+void AtomicFolder::commit() const {
   if (if_there_ == IfThere::kRefuse || !fs::exists(path_)) {
     giveName(making_, path_, IfThere::kRefuse);
     return;

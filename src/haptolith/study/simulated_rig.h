@@ -9,11 +9,11 @@ namespace haptolith {
 
 /// A study without a person, a device or a clock: a virtual hand explores each stimulus by a script, and what it really
 /// felt is all that anybody learns. Nothing is recorded.
-class FeelingRig final : public Rig {
+class SimulatedRig final : public Rig {
  public:
   /// @param options  of every exploration; the first has its seed, and each one after that the next seed.
   /// @throws InvalidParameter as exploringHand().
-  FeelingRig(const StudyProtocol& protocol, const ExplorationOptions& options);
+  SimulatedRig(const StudyProtocol& protocol, const ExplorationOptions& options);
 
   /// Settles the stimulus' bed when it is shown for the first time.
   void show(const StudyBlock& block, const Stimulus& stimulus) override;

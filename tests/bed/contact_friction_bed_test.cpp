@@ -15,7 +15,7 @@
 #include "haptolith/bed/critical_step.h"
 #include "haptolith/core/error.h"
 
-#include "pairwise_reference.h"
+#include "contact_friction_reference.h"
 
 namespace haptolith {
 namespace {
@@ -25,7 +25,7 @@ constexpr double kRadius_m = 7e-3;
 /// An empty box, so wide that nobody comes near its walls, without gravity.
 BedParameters space() {
   BedParameters bed;
-  bed.soil.friction = FrictionModel::kPairwise;
+  bed.soil.friction = FrictionModel::kContact;
   bed.soil.stiffness_n_m = 1000;
   bed.gravity_m_s2 = Vec3::Zero();
   bed.width_m = bed.length_m = 2;
@@ -100,7 +100,7 @@ double furthestFromReference(const BedParameters& parameters, const std::vector<
   return furthest;
 }
 
-TEST(PairwiseBed, AnObliqueImpactIsTheReferences) {
+TEST(ContactFrictionBed, AnObliqueImpactIsTheReferences) {
   // Two that meet at 0.5 m/s, half a radius off centre: they slide, stick and part within some 20 ms. A distance
   // between floats near 60 mm is known to 4e-9 m, at 1000 N/m that is 4e-6 N or 3e-7 m/s a step; over a hundred steps
   // of contact at random signs 3e-6 m/s.
@@ -116,7 +116,7 @@ TEST(PairwiseBed, AnObliqueImpactIsTheReferences) {
   }
 }
 
-TEST(PairwiseBed, ThreeParticlesThatFallOnTheFloorAreTheReferences) {
+TEST(ContactFrictionBed, ThreeParticlesThatFallOnTheFloorAreTheReferences) {
   BedParameters parameters = space();
   parameters.gravity_m_s2 = {0.4, 0, -1.5};
   parameters.soil.contact_cohesion_n = 0.005;
@@ -129,7 +129,7 @@ TEST(PairwiseBed, ThreeParticlesThatFallOnTheFloorAreTheReferences) {
 // --- stick and slip, by hand
 // ------------------------------------------------------------------------------------------
 
-TEST(PairwiseBed, AContactSticksSlidesAndTurnsRoundAsASpringThatGivesWay) {
+TEST(ContactFrictionBed, AContactSticksSlidesAndTurnsRoundAsASpringThatGivesWay) {
   // One particle stands still, the other is led past it. a = 13.5 mm: N = F(a); k_t = 500 N/m, L = mu_p N.
   BedParameters parameters = space();
   parameters.soil.damping_ratio = 0;
@@ -171,7 +171,7 @@ OnASlope onASlope(double tan_slope, const Vec3& downhill, int steps) {
   return {velocity(bed, 0), position(bed, 0)};
 }
 
-TEST(PairwiseBed, AParticleHoldsOnASlopeBelowItsFrictionAndSlidesAboveIt) {
+TEST(ContactFrictionBed, AParticleHoldsOnASlopeBelowItsFrictionAndSlidesAboveIt) {
   for (const Vec3& downhill : {Vec3(1, 0, 0), Vec3(0, -1, 0), Vec3(-3, 4, 0)}) {
     const OnASlope holds = onASlope(0.95 * 0.5, downhill, 4000);
     EXPECT_LT(holds.velocity_m_s.norm(), 1e-5);
@@ -185,7 +185,7 @@ TEST(PairwiseBed, AParticleHoldsOnASlopeBelowItsFrictionAndSlidesAboveIt) {
   }
 }
 
-TEST(PairwiseBed, AWallIsAsRoughAsItsRatioSays) {
+TEST(ContactFrictionBed, AWallIsAsRoughAsItsRatioSays) {
   // Pressed against the wall at x = -width/2 by gravity along -x, then pulled along y with 0.3 of that; mu is 0.5.
   for (const double ratio : {0.0, 0.5, 1.0}) {
     BedParameters parameters = space();
@@ -249,7 +249,7 @@ double momentumDrift(const BedParameters& parameters, const std::vector<Vec3>& c
   return drift;
 }
 
-TEST(PairwiseBed, ACohesiveClumpKeepsItsMomentum) {
+TEST(ContactFrictionBed, ACohesiveClumpKeepsItsMomentum) {
   // Forces are opposite to the bit; what is left is the rounding of sums and velocities, 3e-8 of each a step at random.
   BedParameters parameters = space();
   parameters.soil.contact_cohesion_n = 0.02;
@@ -257,14 +257,14 @@ TEST(PairwiseBed, ACohesiveClumpKeepsItsMomentum) {
   EXPECT_LT(drift, 1e-5);
 }
 
-TEST(PairwiseBed, ACollidingCloudKeepsItsMomentum) {
+TEST(ContactFrictionBed, ACollidingCloudKeepsItsMomentum) {
   BedParameters parameters = space();
   parameters.soil.size_spread = 0.1;
   const double drift = momentumDrift(parameters, ball(150, 0.06, 4), 5);
   EXPECT_LT(drift, 1e-5);
 }
 
-TEST(PairwiseBed, MovesTheSameWhenEverythingMovesAlong) {
+TEST(ContactFrictionBed, MovesTheSameWhenEverythingMovesAlong) {
   // With the paper's friction the second clump would be braked. Here only floats differ: on their way of 0.5 m
   // positions are rounded by up to 1.5e-8 m a step. A steady velocity is rounded the same way each time, so the clump
   // as a whole may lag by 2000 times that, 3e-5 m; against each other contacts hold the particles, and what is left is
@@ -296,7 +296,7 @@ TEST(PairwiseBed, MovesTheSameWhenEverythingMovesAlong) {
 // --- energy
 // -----------------------------------------------------------------------------------------------------------
 
-TEST(PairwiseBed, EnergyIsTheWorkOfForcesAlsoBetweenUnequalOnesAndAtWalls) {
+TEST(ContactFrictionBed, EnergyIsTheWorkOfForcesAlsoBetweenUnequalOnesAndAtWalls) {
   // Without damping and friction, in 20 us steps, nothing is lost: whatever a contact has goes into motion and back.
   BedParameters parameters = space();
   parameters.soil.damping_ratio = 0;
@@ -320,7 +320,7 @@ TEST(PairwiseBed, EnergyIsTheWorkOfForcesAlsoBetweenUnequalOnesAndAtWalls) {
   EXPECT_LT(furthest, 0.01 * before);  // a semi-implicit step of 20 us is off by F v dt, 1 % while they touch
 }
 
-TEST(PairwiseBed, ANudgedParticleNeverComesOutFasterThanItWentIn) {
+TEST(ContactFrictionBed, ANudgedParticleNeverComesOutFasterThanItWentIn) {
   // Speeds around which damping alone reaches the limit of friction are the trap: see frictionForce().
   for (const double zeta : {0.05, 0.2, 0.5}) {
     for (const double speed : {0.5e-3, 1e-3, 2e-3, 4e-3, 8e-3, 16e-3, 0.1}) {
@@ -349,7 +349,7 @@ TEST(PairwiseBed, ANudgedParticleNeverComesOutFasterThanItWentIn) {
 // --- memory
 // -----------------------------------------------------------------------------------------------------------
 
-TEST(PairwiseBed, MemorySurvivesBeingEnteredAgain) {
+TEST(ContactFrictionBed, MemorySurvivesBeingEnteredAgain) {
   // The same two, standing still and flying past at 2 m/s: entered anew every few steps they remember as much.
   std::vector<Vec3> slips[2];
   for (const bool flying : {false, true}) {
@@ -385,7 +385,7 @@ Bed tippedBed(int threads) {
   return Bed(parameters);
 }
 
-TEST(PairwiseBed, NoContactIsEverMissedInAViolentScene) {
+TEST(ContactFrictionBed, NoContactIsEverMissedInAViolentScene) {
   for (const double kick_m_s : {0.5, 5.0}) {
     BedParameters parameters;
     parameters.soil = space().soil;
@@ -421,7 +421,7 @@ TEST(PairwiseBed, NoContactIsEverMissedInAViolentScene) {
   }
 }
 
-TEST(PairwiseBed, SameHashForAnyNumberOfThreads) {
+TEST(ContactFrictionBed, SameHashForAnyNumberOfThreads) {
   std::vector<std::uint64_t> expected;
   for (const int threads : {1, 2, 3, 4, 2}) {
     Bed bed = tippedBed(threads);
@@ -437,7 +437,7 @@ TEST(PairwiseBed, SameHashForAnyNumberOfThreads) {
   }
 }
 
-TEST(PairwiseBed, ASavedBedGoesOnBitForBit) {
+TEST(ContactFrictionBed, ASavedBedGoesOnBitForBit) {
   Bed bed = tippedBed(1);
   run(bed, 300);
   for (const int later : {1, 7, 20}) {
@@ -461,7 +461,7 @@ BedState someState() {
   return bed.state();
 }
 
-TEST(PairwiseBed, HashSeesEveryPartOfTheMemory) {
+TEST(ContactFrictionBed, HashSeesEveryPartOfTheMemory) {
   const BedState state = someState();
   const std::uint64_t hash = stateHash(state);
   EXPECT_EQ(stateHash(deserialiseBedState(serialise(state))), hash);
@@ -482,7 +482,7 @@ TEST(PairwiseBed, HashSeesEveryPartOfTheMemory) {
   }
 }
 
-TEST(PairwiseBed, GoesOnOnlyFromAStateThatIsOne) {
+TEST(ContactFrictionBed, GoesOnOnlyFromAStateThatIsOne) {
   BedParameters parameters;
   parameters.soil = space().soil;
   parameters.soil.size_spread = 0.05;
@@ -523,7 +523,7 @@ TEST(PairwiseBed, GoesOnOnlyFromAStateThatIsOne) {
 // --- boxes
 // ------------------------------------------------------------------------------------------------------------
 
-TEST(PairwiseBed, ABoxInWhichAParticleWouldFeelBothWallsIsRefused) {
+TEST(ContactFrictionBed, ABoxInWhichAParticleWouldFeelBothWallsIsRefused) {
   BedParameters parameters = space();
   parameters.width_m = 2 * kRadius_m;
   EXPECT_NO_THROW(Bed(parameters, {Vec3(0, 0, 0.05)}));
@@ -536,7 +536,7 @@ TEST(PairwiseBed, ABoxInWhichAParticleWouldFeelBothWallsIsRefused) {
   EXPECT_NO_THROW(Bed(parameters, {Vec3(0, 0, 0.05)}));
 }
 
-TEST(PairwiseBed, TheSmallestPeriodicBoxIsLikeAWideOneForAPair) {
+TEST(ContactFrictionBed, TheSmallestPeriodicBoxIsLikeAWideOneForAPair) {
   // Across the seam of the smallest box, and in the middle of space.
   BedParameters small = space();
   small.soil.contact_cohesion_n = 0.01;
@@ -557,7 +557,7 @@ TEST(PairwiseBed, TheSmallestPeriodicBoxIsLikeAWideOneForAPair) {
   }
 }
 
-TEST(PairwiseBed, TheSurfaceIsTheHighestTopOfUnequalParticles) {
+TEST(ContactFrictionBed, TheSurfaceIsTheHighestTopOfUnequalParticles) {
   BedParameters parameters = space();
   parameters.soil.size_spread = 0.3;
   Bed bed(parameters, {Vec3(0, 0, 0.05)});

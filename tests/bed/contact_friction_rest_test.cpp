@@ -1,4 +1,4 @@
-// The paper's scene with pairwise friction, that nobody touches: no creep, and energy only goes.
+// The paper's scene with contact friction, that nobody touches: no creep, and energy only goes.
 
 #include <gtest/gtest.h>
 
@@ -16,7 +16,7 @@ namespace {
 
 BedParameters papersScene() {
   BedParameters bed;
-  bed.soil.friction = FrictionModel::kPairwise;
+  bed.soil.friction = FrictionModel::kContact;
   bed.soil.contact_friction = 0.5;
   bed.soil.stiffness_n_m = 1000;
   bed.sleep = false;  // or it would have no chance to creep
@@ -46,7 +46,7 @@ double largestRise(Bed& bed, double duration_s) {
 /// J for one that is rounded, 256 x 12 / 2 of them at random signs: 1e-8 J. The bed has 0.02 J.
 constexpr double kRounding_j = 1e-8;
 
-TEST(PairwiseRest, ThePapersSceneIsAtRestAfterFiveSecondsAndDoesNotCreep) {
+TEST(ContactFrictionRest, ThePapersSceneIsAtRestAfterFiveSecondsAndDoesNotCreep) {
   Bed bed(papersScene());
   EXPECT_LT(largestRise(bed, 5), kRounding_j);
   EXPECT_LT(bed.largestSpeed(), 1e-5);
@@ -62,13 +62,13 @@ TEST(PairwiseRest, ThePapersSceneIsAtRestAfterFiveSecondsAndDoesNotCreep) {
   EXPECT_LT(furthest, 1e-6);
 }
 
-TEST(PairwiseRest, EnergyDoesNotGrowInTwentySecondsAtRest) {
+TEST(ContactFrictionRest, EnergyDoesNotGrowInTwentySecondsAtRest) {
   Bed bed(papersScene());
   (void)largestRise(bed, 5);
   EXPECT_LT(largestRise(bed, 20), kRounding_j);
 }
 
-TEST(PairwiseRest, RainLosesEnergyAllTheWayDown) {
+TEST(ContactFrictionRest, RainLosesEnergyAllTheWayDown) {
   BedParameters parameters = papersScene();
   parameters.start = BedStart::kRain;
   parameters.particles = 150;
@@ -85,7 +85,7 @@ TEST(PairwiseRest, RainLosesEnergyAllTheWayDown) {
 // Ten simulated minutes take about one. The bed then lies so still that nothing moves by as much as a float can tell:
 // the largest rise is 1e-13 J, and what rounding could do (above) does not show.
 //   build/release/tests/bed/test_bed --gtest_also_run_disabled_tests --gtest_filter='*TenMinutes*'
-TEST(PairwiseRest, DISABLED_EnergyDoesNotGrowInTenMinutesAtRest) {
+TEST(ContactFrictionRest, DISABLED_EnergyDoesNotGrowInTenMinutesAtRest) {
   Bed bed(papersScene());
   (void)largestRise(bed, 5);
   const double before = bed.energy();

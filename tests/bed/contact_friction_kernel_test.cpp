@@ -7,8 +7,8 @@
 #include "haptolith/bed/step_kernel.h"
 #include "haptolith/core/vec.h"
 
+#include "contact_friction_reference.h"
 #include "every_target.h"
-#include "pairwise_reference.h"
 
 namespace haptolith {
 namespace {
@@ -17,7 +17,7 @@ constexpr float kStep_s = 2e-4F;
 
 SoilParameters stiffSoil() {
   SoilParameters soil;
-  soil.friction = FrictionModel::kPairwise;
+  soil.friction = FrictionModel::kContact;
   soil.stiffness_n_m = 1000;
   soil.contact_cohesion_n = 0.02;
   return soil;
@@ -76,8 +76,8 @@ struct Crowd {
     arrays.rows = lists.rowCounts();
     arrays.touched = lists.touchedRows();
     std::vector<ContactSum> sums(position.size());
-    sumPairwiseContacts(pairwiseLaw(soil), periods, kStep_s, arrays, first_group, std::min(last_group, lists.groups()),
-                        sums.data());
+    sumFrictionalContacts(contactFrictionLaw(soil), periods, kStep_s, arrays, first_group,
+                          std::min(last_group, lists.groups()), sums.data());
     sums.resize(n);
     return sums;
   }
@@ -132,7 +132,7 @@ std::vector<SoilParameters> soils() {
   return all;
 }
 
-using PairwiseKernel = EveryTarget;
+using ContactFrictionKernel = EveryTarget;
 
 void expectTheReference(Crowd& crowd) {
   const Crowd before = crowd;
@@ -164,7 +164,7 @@ void expectTheReference(Crowd& crowd) {
   }
 }
 
-TEST_F(PairwiseKernel, IsTheWordsOfItsDocumentationInDoublePrecision) {
+TEST_F(ContactFrictionKernel, IsTheWordsOfItsDocumentationInDoublePrecision) {
   forEachTarget([] {
     for (const SoilParameters& soil : soils()) {
       Crowd crowd = randomCrowd(soil, 0.07, 7);
@@ -173,7 +173,7 @@ TEST_F(PairwiseKernel, IsTheWordsOfItsDocumentationInDoublePrecision) {
   });
 }
 
-TEST_F(PairwiseKernel, IsTheSameAcrossTheSeamOfAPeriodicBox) {
+TEST_F(ContactFrictionKernel, IsTheSameAcrossTheSeamOfAPeriodicBox) {
   forEachTarget([] {
     const Periods periods{0.08F, 0.09F, 1 / 0.08F, 1 / 0.09F};
     Crowd crowd = randomCrowd(stiffSoil(), 0.08, 9, periods);
@@ -181,7 +181,7 @@ TEST_F(PairwiseKernel, IsTheSameAcrossTheSeamOfAPeriodicBox) {
   });
 }
 
-TEST_F(PairwiseKernel, WhatAPairDoesToOneItUndoesToTheOtherToTheBit) {
+TEST_F(ContactFrictionKernel, WhatAPairDoesToOneItUndoesToTheOtherToTheBit) {
   forEachTarget([] {
     for (const SoilParameters& soil : soils()) {
       Crowd crowd = randomCrowd(soil, 0.07, 11);
@@ -203,7 +203,7 @@ TEST_F(PairwiseKernel, WhatAPairDoesToOneItUndoesToTheOtherToTheBit) {
   });
 }
 
-TEST_F(PairwiseKernel, TheForcesOfACrowdAddUpToNothing) {
+TEST_F(ContactFrictionKernel, TheForcesOfACrowdAddUpToNothing) {
   forEachTarget([] {
     for (const SoilParameters& soil : soils()) {
       Crowd crowd = randomCrowd(soil, 0.07, 13);
@@ -219,7 +219,7 @@ TEST_F(PairwiseKernel, TheForcesOfACrowdAddUpToNothing) {
   });
 }
 
-TEST_F(PairwiseKernel, SumsExactlyTheGroupsItIsGiven) {
+TEST_F(ContactFrictionKernel, SumsExactlyTheGroupsItIsGiven) {
   forEachTarget([] {
     Crowd crowd = randomCrowd(stiffSoil(), 0.07, 15);
     Crowd whole = crowd;
@@ -231,7 +231,7 @@ TEST_F(PairwiseKernel, SumsExactlyTheGroupsItIsGiven) {
   });
 }
 
-TEST_F(PairwiseKernel, TwoCentresInOnePointAreNoNaNAndCanGoOn) {
+TEST_F(ContactFrictionKernel, TwoCentresInOnePointAreNoNaNAndCanGoOn) {
   forEachTarget([] {
     Crowd crowd;
     crowd.position = {{0.01F, 0.02F, 0.03F, 0}, {0.01F, 0.02F, 0.03F, 0}};

@@ -1,4 +1,4 @@
-#include "haptolith/haptics/stage.h"
+#include "haptolith/haptics/shown_scene.h"
 
 namespace haptolith {
 
@@ -16,6 +16,6 @@ SceneSnapshot firstSnapshot(const Scene& scene) {
 
 }  // namespace
 
-Stage::Stage(Scene& shown) : scene(shown), snapshots(firstSnapshot(shown)) {}
+ShownScene::ShownScene(Scene& shown) : scene(shown), snapshots(firstSnapshot(shown)) {}
 
 }  // namespace haptolith

@@ -4,10 +4,10 @@ namespace haptolith {
 
 /// Handlers for std::visit, one for each type that a variant may hold.
 template <class... Handlers>
-struct OneOf : Handlers... {
+struct Overloaded : Handlers... {
   using Handlers::operator()...;
 };
 template <class... Handlers>
-OneOf(Handlers...) -> OneOf<Handlers...>;
+Overloaded(Handlers...) -> Overloaded<Handlers...>;
 
 }  // namespace haptolith

@@ -13,7 +13,7 @@
 
 namespace haptolith {
 
-/// Contacts with pairwise friction from the words of their docstrings, one pair at a time and in double precision: an
+/// Contacts with contact friction from the words of their docstrings, one pair at a time and in double precision: an
 /// independent version.
 struct ReferencePair {
   Vec3 force_n = Vec3::Zero();  ///< on the first

@@ -5,7 +5,7 @@
 namespace haptolith {
 
 /// The pose a share (0 to 1) of the way from one to the other; exactly `to` at 1. May be called in the tick.
-[[nodiscard]] inline Pose between(const Pose& from, const Pose& to, double share) noexcept {
+[[nodiscard]] inline Pose interpolate(const Pose& from, const Pose& to, double share) noexcept {
   if (share == 1) {
     return to;
   }

@@ -1,16 +1,16 @@
-#include "haptolith/study/feeling_rig.h"
+#include "haptolith/study/simulated_rig.h"
 
 #include <algorithm>
 #include <stdexcept>
 
 namespace haptolith {
 
-FeelingRig::FeelingRig(const StudyProtocol& protocol, const ExplorationOptions& options)
+SimulatedRig::SimulatedRig(const StudyProtocol& protocol, const ExplorationOptions& options)
     : protocol_(protocol), next_(options) {
   (void)exploringHand(protocol.scene, options);  // throws
 }
 
-void FeelingRig::show(const StudyBlock& block, const Stimulus& stimulus) {
+void SimulatedRig::show(const StudyBlock& block, const Stimulus& stimulus) {
   const Scenario scene = sceneOf(protocol_, block, stimulus);
   const auto found = std::ranges::find(shown_, scene, &Shown::scene);
   now_ = static_cast<std::size_t>(found - shown_.begin());
@@ -19,14 +19,14 @@ void FeelingRig::show(const StudyBlock& block, const Stimulus& stimulus) {
   }
 }
 
-void FeelingRig::feel() {
+void SimulatedRig::feel() {
   if (shown_.empty()) {
     throw std::logic_error("felt before anything was shown");
   }
   feels_ = true;
 }
 
-TrialSummary FeelingRig::rest() {
+TrialSummary SimulatedRig::rest() {
   if (!feels_) {
     throw std::logic_error("rests without having felt");
   }
