@@ -4,8 +4,8 @@
 
 #include <algorithm>
 #include <array>
-#include <iterator>
-#include <numbers>
+
+#include "haptolith/tool/tool_shape.h"
 
 namespace haptolith {
 
@@ -29,43 +29,13 @@ Rows particlesBehindTheCut(const SceneSnapshot& scene, double length_m) {
 }
 
 /// Edges of the tool as x, z, dx, dz in mm. @param opening_m  between its jaws.
-Rows toolEdges(const ToolParameters& tool, const Pose& pose, double opening_m) {
-  if (tool.shape == ToolShape::kJaws) {
-    ToolParameters jaw = tool;
-    jaw.shape = ToolShape::kBox;
-    jaw.size_m = {tool.size_m.z(), tool.size_m.y(), tool.size_m.x()};
-    const Vec3 from_middle((opening_m + tool.size_m.z()) / 2, 0, 0);
-    Rows edges = toolEdges(jaw, {pose.toScene(-from_middle), pose.orientation}, 0);
-    std::ranges::copy(toolEdges(jaw, {pose.toScene(from_middle), pose.orientation}, 0), std::back_inserter(edges));
-    return edges;
-  }
-  std::vector<Vec3> ring;  // the upper outline; the lower one and the uprights follow from it
-  double half_height = tool.size_m.z() / 2;
-  if (tool.shape == ToolShape::kBox) {
-    const Vec3 half = tool.size_m / 2;
-    ring = {{half.x(), half.y(), 0}, {-half.x(), half.y(), 0}, {-half.x(), -half.y(), 0}, {half.x(), -half.y(), 0}};
-  } else {
-    constexpr int kCorners = 48;
-    half_height = tool.shape == ToolShape::kPlate ? tool.thickness_m / 2 : 0;
-    for (int corner = 0; corner < kCorners; ++corner) {
-      const double angle = 2 * std::numbers::pi * corner / kCorners;
-      const Vec3 flat(std::cos(angle), std::sin(angle), 0);
-      const Vec3 upright(std::cos(angle), 0, std::sin(angle));
-      ring.emplace_back(tool.diameter_m / 2 * (tool.shape == ToolShape::kSphere ? upright : flat));
-    }
-  }
+Rows toolEdges(ToolParameters tool, const Pose& pose, double opening_m) {
+  tool.opening_m = opening_m;
   Rows edges;
-  const auto add = [&](const Vec3& from_tool, const Vec3& to_tool) {
+  for (const auto& [from_tool, to_tool] : drawnEdges(tool)) {
     const Vec3 from = pose.toScene(from_tool);
     const Vec3 edge = pose.toScene(to_tool) - from;
     edges.push_back({kMm * from.x(), kMm * from.z(), kMm * edge.x(), kMm * edge.z()});
-  };
-  const Vec3 up(0, 0, half_height);
-  for (std::size_t i = 0; i < ring.size(); ++i) {
-    const Vec3& next = ring[(i + 1) % ring.size()];
-    add(ring[i] + up, next + up);
-    add(ring[i] - up, next - up);
-    add(ring[i] + up, ring[i] - up);
   }
   return edges;
 }

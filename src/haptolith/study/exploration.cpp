@@ -11,6 +11,7 @@
 #include "haptolith/device/hand/virtual_hand.h"
 #include "haptolith/haptics/haptic_loop.h"
 #include "haptolith/study/felt_summary.h"
+#include "haptolith/tool/tool_shape.h"
 
 namespace haptolith {
 
@@ -51,7 +52,8 @@ bool carries(const Pose& scene_T_tool, const HandParameters& hand) {
 /// In kg, what is above the tool and no farther than a heap on it can be high.
 double massAbove(const Scene& scene) {
   const ToolParameters& tool = scene.tool();
-  const double reach_m = tool.shape == ToolShape::kBox ? tool.size_m.x() : tool.diameter_m;
+  const ToolCorners corners = cornersOf(tool);
+  const double reach_m = corners.high_m.x() - corners.low_m.x();
   const double radius_m = scene.bed().parameters().soil.radius_m;
   double mass_kg = 0;
   for (std::size_t i = 0; i < scene.bed().particles(); ++i) {

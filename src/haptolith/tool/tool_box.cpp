@@ -1,7 +1,6 @@
 #include "haptolith/tool/tool_box.h"
 
-#include <algorithm>
-#include <cmath>
+#include "haptolith/tool/tool_shape.h"
 
 // clang-format off
 #undef HWY_TARGET_INCLUDE
@@ -51,28 +50,6 @@ std::uint32_t nearBox(const ToolBox& box, float reach_m, const Float4* group) no
 
 namespace {
 
-/// Lowest and highest corner in the tool's frame.
-struct Corners {
-  Vec3 low, high;
-};
-Corners cornersOf(const ToolParameters& tool) noexcept {
-  const double r = tool.diameter_m / 2;
-  const auto around = [](const Vec3& half) { return Corners{-half, half}; };
-  switch (tool.shape) {
-    case ToolShape::kBox: return around(tool.size_m / 2);
-    case ToolShape::kSphere: return around({r, r, r});
-    case ToolShape::kPlate: return around({r, r, tool.thickness_m / 2});
-    case ToolShape::kCone: return {{-r, -r, 0}, {r, r, std::max(tool.length_m, r / std::tan(tool.cone_angle_rad / 2))}};
-    case ToolShape::kTube: {
-      const double outer = r + tool.thickness_m / 2;
-      return around({outer, outer, (tool.length_m + tool.thickness_m) / 2});
-    }
-    case ToolShape::kJaws:
-      return around({tool.opening_m / 2 + tool.size_m.z(), tool.size_m.y() / 2, tool.size_m.x() / 2});
-  }
-  return around(Vec3::Constant(1e3));
-}
-
 std::array<float, 3> floats(const Vec3& v) noexcept {
   return {static_cast<float>(v.x()), static_cast<float>(v.y()), static_cast<float>(v.z())};
 }
@@ -80,12 +57,12 @@ std::array<float, 3> floats(const Vec3& v) noexcept {
 }  // namespace
 
 ToolBox boxAround(const ToolParameters& tool, const Pose& scene_T_tool) noexcept {
-  const Corners corners = cornersOf(tool);
+  const ToolCorners corners = cornersOf(tool);
   const Eigen::Matrix3d rotation = scene_T_tool.orientation.toRotationMatrix();
   return {.origin_m = floats(scene_T_tool.position_m),
           .axes = {floats(rotation.col(0)), floats(rotation.col(1)), floats(rotation.col(2))},
-          .middle_m = floats((corners.low + corners.high) / 2),
-          .half_edges_m = floats((corners.high - corners.low) / 2)};
+          .middle_m = floats((corners.low_m + corners.high_m) / 2),
+          .half_edges_m = floats((corners.high_m - corners.low_m) / 2)};
 }
 
 }  // namespace haptolith

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <numbers>
 
 #include "haptolith/core/error.h"
@@ -16,6 +17,9 @@ enum class ToolShape {
   kJaws,    ///< two boxes that face each other across the tool's x, each the `size_m` of a shovel that stands upright
 };
 
+inline constexpr std::array kToolShapes{ToolShape::kBox,  ToolShape::kSphere, ToolShape::kPlate,
+                                        ToolShape::kCone, ToolShape::kTube,   ToolShape::kJaws};
+
 /// The tool and its contact with macroparticles (paper 21). The tool's origin is its centre, a cone's its point, and of
 /// jaws the middle between them:
 ///
@@ -29,7 +33,7 @@ struct ToolParameters {
   double diameter_m = 0.06;                      ///< kSphere, kPlate, kCone, kTube
   double thickness_m = 0.005;                    ///< kPlate, kTube
   double opening_m = 0.06;                       ///< kJaws: between them when they are wide open
-  double length_m = 0.15;                        ///< kCone (with its shaft), kTube
+  double length_m = 0.06;                        ///< kCone (with its shaft), kTube
   double cone_angle_rad = std::numbers::pi / 6;  ///< kCone; 30 degrees, ASABE S313.3's
   double stiffness_n_m = 500;                    ///< k_tool
   double damping_factor = 1.4;                   ///< c_tool = damping_factor * dt * k_tool / 2

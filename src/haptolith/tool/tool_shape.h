@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cstdint>
+#include <vector>
 
 #include "haptolith/tool/tool_parameters.h"
 
@@ -50,5 +51,14 @@ struct JawContacts {
 
 /// Radius of the sphere around the tool's origin that holds all of it, in m.
 [[nodiscard]] double enclosingRadius(const ToolParameters& tool) noexcept;
+
+/// Lowest and highest corner of the box around the tool, tool frame, in m; of jaws, as far open as they are.
+struct ToolCorners {
+  Vec3 low_m, high_m;
+};
+[[nodiscard]] ToolCorners cornersOf(const ToolParameters& tool) noexcept;
+
+/// Line segments that show the tool in a drawing, tool frame, in m.
+[[nodiscard]] std::vector<std::array<Vec3, 2>> drawnEdges(const ToolParameters& tool);
 
 }  // namespace haptolith
