@@ -52,6 +52,7 @@ Scenario changed(Scenario scenario, const SceneChange& change) {
   set(tool.diameter_m, "diameter_mm", change.tool_diameter_m);
   set(tool.thickness_m, "thickness_mm", change.tool_thickness_m);
   set(tool.opening_m, "opening_mm", change.tool_opening_m);
+  set(tool.length_m, "length_mm", change.tool_length_m);
   validate(scenario);
   return scenario;
 }

@@ -18,7 +18,7 @@ struct SceneChange {
   std::vector<std::pair<std::string, double>> sliders = {};  ///< see slidersOf()
   std::optional<ToolShape> tool_shape = {};
   std::optional<Vec3> tool_size_m = {};
-  std::optional<double> tool_diameter_m = {}, tool_thickness_m = {}, tool_opening_m = {};
+  std::optional<double> tool_diameter_m = {}, tool_thickness_m = {}, tool_opening_m = {}, tool_length_m = {};
 
   /// Whether it asks for other soil, of which a bed has to be made, or only for what a bed can go on with.
   [[nodiscard]] bool wantsNewBed() const noexcept { return preset || soil || friction; }

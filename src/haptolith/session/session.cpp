@@ -48,7 +48,7 @@ Scenario forItsHand(Scenario scenario, const HapticDevice* device) {
 
 bool sameTool(const ToolParameters& a, const ToolParameters& b) {
   return a.shape == b.shape && a.size_m == b.size_m && a.diameter_m == b.diameter_m && a.thickness_m == b.thickness_m &&
-         a.opening_m == b.opening_m;
+         a.opening_m == b.opening_m && a.length_m == b.length_m;
 }
 
 }  // namespace

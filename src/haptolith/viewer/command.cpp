@@ -143,6 +143,7 @@ void readTool(const Json& object, SceneChange& change) {
   change.tool_diameter_m = metres(keys.number("diameter_mm", valid_mm));
   change.tool_thickness_m = metres(keys.number("thickness_mm", valid_mm));
   change.tool_opening_m = metres(keys.number("opening_mm", valid_mm));
+  change.tool_length_m = metres(keys.number("length_mm", valid_mm));
   keys.refuseOthers();
 }
 
