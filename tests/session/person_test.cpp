@@ -201,13 +201,15 @@ TEST_F(PersonsSession, TheLargestToolThatAPageMayAskForIsNoJoltAndNoCollapse) {
   waitTicks(1000);
   dig();
   const double largest_m = toolLengths(session_->shown().bed).highest;
-  for (const ToolShape shape : {ToolShape::kBox, ToolShape::kSphere, ToolShape::kPlate, ToolShape::kJaws}) {
+  for (const ToolShape shape :
+       {ToolShape::kBox, ToolShape::kSphere, ToolShape::kPlate, ToolShape::kCylinder, ToolShape::kJaws}) {
     const std::size_t ticks = records_.size();
     session_->change({.tool_shape = shape,
                       .tool_size_m = Vec3::Constant(largest_m),
                       .tool_diameter_m = largest_m,
                       .tool_thickness_m = largest_m,
-                      .tool_opening_m = largest_m});
+                      .tool_opening_m = largest_m,
+                      .tool_length_m = largest_m});
     waitTicks(1000);
     const std::uint32_t scenes = session_->scenes();
     session_->level();  // a bed whose soil finds the tool in its place

@@ -78,6 +78,12 @@ TEST(Plate, FacesRimAndEdge) {
   expectContact(plateTool(), {33, 0, 6.5}, 2, {3, 0, 4}, 1);     // over the edge
 }
 
+ToolParameters ofShape(ToolShape shape) {
+  ToolParameters tool;
+  tool.shape = shape;
+  return tool;
+}
+
 TEST(Shapes, ACentreInTheMiddleStillGivesANormal) {
   for (const ToolParameters& tool : {kShovel, sphereTool(), plateTool()}) {
     for (const int side : {-1, 0, 1}) {
@@ -147,10 +153,56 @@ TEST(Shapes, EnclosingSphereHoldsTheTool) {
   EXPECT_NEAR(enclosingRadius(plateTool()), std::hypot(30, 2.5) * 1e-3, 1e-15);
 }
 
-ToolParameters ofShape(ToolShape shape) {
-  ToolParameters tool;
-  tool.shape = shape;
-  return tool;
+/// Distance from the surface of a closed cylinder by search, < 0 inside: the nearest of many points of its wall and
+/// ends, in the plane through the axis and the point.
+double distanceBySearch(const ToolParameters& cylinder, const Vec3& point) {
+  const double r = cylinder.diameter_m / 2;
+  const double half = cylinder.length_m / 2;
+  const double from_axis = std::hypot(point.x(), point.y());
+  double nearest = 1;
+  constexpr int kPoints = 20'000;
+  for (int i = 0; i <= kPoints; ++i) {
+    const double share = double(i) / kPoints;
+    nearest = std::min(nearest, std::hypot(from_axis - r, point.z() - half * (2 * share - 1)));
+    nearest = std::min(nearest, std::hypot(from_axis - share * r, std::abs(point.z()) - half));
+  }
+  return from_axis < r && std::abs(point.z()) < half ? -nearest : nearest;
+}
+
+TEST(Cylinder, TouchesWhereTheSearchedSurfaceDoes) {
+  ToolParameters corer = ofShape(ToolShape::kCylinder);
+  corer.diameter_m = 0.04;
+  corer.length_m = 0.1;
+  std::mt19937_64 random(3);
+  std::uniform_real_distribution<double> any(-1, 1);
+  for (int i = 0; i < 300; ++i) {
+    const Vec3 centre(0.04 * any(random), 0.04 * any(random), 0.07 * any(random));
+    const Penetration found = penetration(corer, centre, kRadius_m, 0);
+    EXPECT_NEAR(found.depth_m, kRadius_m - distanceBySearch(corer, centre), 1e-5) << centre.transpose();
+    const double step_m = 1e-5;
+    const double farther = penetration(corer, centre + step_m * found.outward, kRadius_m, 0).depth_m;
+    EXPECT_NEAR(found.depth_m - farther, step_m, 1e-8)
+        << "outward is where it is left fastest, at " << centre.transpose();
+  }
+}
+
+TEST(Cylinder, IsAPlateThatIsAsHighAsItIsLong) {
+  ToolParameters plate = plateTool();
+  ToolParameters cylinder = plate;
+  cylinder.shape = ToolShape::kCylinder;
+  cylinder.length_m = plate.thickness_m;
+  std::mt19937_64 random(4);
+  std::uniform_real_distribution<double> any(-0.045, 0.045);
+  for (int i = 0; i < 2000; ++i) {
+    const Vec3 centre(any(random), any(random), any(random) / 3);
+    for (const int side : {-1, 0, 1}) {
+      const Penetration one = penetration(plate, centre, kRadius_m, side);
+      const Penetration other = penetration(cylinder, centre, kRadius_m, side);
+      EXPECT_EQ(one.depth_m, other.depth_m);
+      EXPECT_EQ(one.outward, other.outward);
+      EXPECT_EQ(one.side, other.side);
+    }
+  }
 }
 
 TEST(Shapes, WhatIsDrawnLiesInTheBoxAndTheBoxInTheSphereAroundTheTool) {

@@ -58,7 +58,7 @@ TEST(Command, AChangeOfTheSceneIsReadWhole) {
                                  R"({"do": "scene", "preset": "P1", "body": "Mars", "friction": "contact",
                                      "sliders": {"contact_friction": 0.5},
                                      "tool": {"shape": "plate", "size_mm": [50, 40, 5], "diameter_mm": 30, "thickness_mm": 4,
-                                              "opening_mm": 20}})")
+                                              "opening_mm": 20, "length_mm": 70}})")
                                  .change;
   EXPECT_EQ(change.preset, "P1");
   EXPECT_EQ(change.body, "Mars");
@@ -69,6 +69,7 @@ TEST(Command, AChangeOfTheSceneIsReadWhole) {
   EXPECT_NEAR((change.tool_size_m.value() - Vec3(0.05, 0.04, 0.005)).norm(), 0, 1e-12);
   EXPECT_DOUBLE_EQ(change.tool_diameter_m.value(), 0.03);
   EXPECT_DOUBLE_EQ(change.tool_thickness_m.value(), 0.004);
+  EXPECT_DOUBLE_EQ(change.tool_length_m.value(), 0.07);
   EXPECT_DOUBLE_EQ(change.tool_opening_m.value(), 0.02);
 }
 

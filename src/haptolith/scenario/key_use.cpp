@@ -60,9 +60,10 @@ constexpr std::array kUses{
     KeyUse{"bed", "seed", starts<BedStart::kRain>, "[bed] start = rain", true},
 
     KeyUse{"tool", "size_mm", isShape<ToolShape::kBox, ToolShape::kJaws>, "[tool] shape = box or jaws", true},
-    KeyUse{"tool", "diameter_mm", isShape<ToolShape::kSphere, ToolShape::kPlate>, "[tool] shape = sphere or plate",
-           true},
+    KeyUse{"tool", "diameter_mm", isShape<ToolShape::kSphere, ToolShape::kPlate, ToolShape::kCylinder>,
+           "[tool] shape = sphere, plate or cylinder", true},
     KeyUse{"tool", "thickness_mm", isShape<ToolShape::kPlate>, "[tool] shape = plate", true},
+    KeyUse{"tool", "length_mm", isShape<ToolShape::kCylinder>, "[tool] shape = cylinder", true},
     KeyUse{"tool", "opening_mm", isShape<ToolShape::kJaws>, "[tool] shape = jaws", true},
     KeyUse{"tool", "adhesion_ratio", isPaper, kPaper, true},
     KeyUse{"tool", "friction", hasContactFriction, kContact, true},

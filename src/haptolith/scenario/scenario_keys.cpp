@@ -225,7 +225,9 @@ std::vector<ScenarioKey> allKeys() {
       {"tool", "shape", "",
        WordValue{namesOf(kToolShapeWords), [](S& s, std::string_view v) { s.tool.shape = valueOf(kToolShapeWords, v); },
                  [](const S& s) { return wordFor(kToolShapeWords, s.tool.shape); }},
-       "Shape of the tool: the shovel, a ball, a round plate that lies flat, or two jaws that open along x."},
+       "Shape of the tool: the shovel, a ball, a round plate that lies flat, an upright cylinder, or two jaws that "
+       "open along "
+       "x."},
       {"tool", "size_mm", "size_m",
        VectorValue{ToolRanges::length_m.in(kMm), [](S& s, const Vec3& v) { s.tool.size_m = v * kMm; },
                    [](const S& s) { return millimetres(s.tool.size_m); }},
@@ -233,7 +235,7 @@ std::vector<ScenarioKey> allKeys() {
       {"tool", "diameter_mm", "diameter_m",
        NumberValue{ToolRanges::length_m.in(kMm), [](S& s, double v) { s.tool.diameter_m = v * kMm; },
                    [](const S& s) { return millimetres(s.tool.diameter_m); }},
-       "Diameter of the `sphere` or `plate`."},
+       "Diameter of the `sphere`, `plate` or `cylinder`."},
       {"tool", "thickness_mm", "thickness_m",
        NumberValue{ToolRanges::length_m.in(kMm), [](S& s, double v) { s.tool.thickness_m = v * kMm; },
                    [](const S& s) { return millimetres(s.tool.thickness_m); }},

@@ -48,6 +48,7 @@ inline constexpr std::array kToolShapeWords{
     SceneWord{"box", ToolShape::kBox},
     SceneWord{"sphere", ToolShape::kSphere},
     SceneWord{"plate", ToolShape::kPlate},
+    SceneWord{"cylinder", ToolShape::kCylinder},
     SceneWord{"jaws", ToolShape::kJaws},
 };
 

@@ -9,16 +9,18 @@
 namespace haptolith {
 
 enum class ToolShape {
-  kBox,     ///< `size_m`: the shovel; its largest faces look along the tool's z
-  kSphere,  ///< `diameter_m`
-  kPlate,   ///< a round plate, `diameter_m` across and `thickness_m` high, its axis along the tool's z
-  kCone,    ///< `diameter_m` at its base, `cone_angle_rad` between opposite sides, its point down, a shaft above
-  kTube,    ///< open at both ends: `diameter_m` in the middle of its wall, `thickness_m` the wall, `length_m` along z
-  kJaws,    ///< two boxes that face each other across the tool's x, each the `size_m` of a shovel that stands upright
+  kBox,       ///< `size_m`: the shovel; its largest faces look along the tool's z
+  kSphere,    ///< `diameter_m`
+  kPlate,     ///< a round plate, `diameter_m` across and `thickness_m` high, its axis along the tool's z
+  kCone,      ///< `diameter_m` at its base, `cone_angle_rad` between opposite sides, its point down, a shaft above
+  kTube,      ///< open at both ends: `diameter_m` in the middle of its wall, `thickness_m` the wall, `length_m` along z
+  kCylinder,  ///< closed at both ends: `diameter_m` across and `length_m` long, its axis along the tool's z; a corer's
+              ///< outside
+  kJaws,      ///< two boxes that face each other across the tool's x, each the `size_m` of a shovel that stands upright
 };
 
-inline constexpr std::array kToolShapes{ToolShape::kBox,  ToolShape::kSphere, ToolShape::kPlate,
-                                        ToolShape::kCone, ToolShape::kTube,   ToolShape::kJaws};
+inline constexpr std::array kToolShapes{ToolShape::kBox,  ToolShape::kSphere,   ToolShape::kPlate, ToolShape::kCone,
+                                        ToolShape::kTube, ToolShape::kCylinder, ToolShape::kJaws};
 
 /// The tool and its contact with macroparticles (paper 21). The tool's origin is its centre, a cone's its point, and of
 /// jaws the middle between them:
@@ -30,10 +32,10 @@ inline constexpr std::array kToolShapes{ToolShape::kBox,  ToolShape::kSphere, To
 struct ToolParameters {
   ToolShape shape = ToolShape::kBox;
   Vec3 size_m{0.05, 0.04, 0.005};                ///< kBox: edges along the tool's x, y, z; kJaws: along z, y, x
-  double diameter_m = 0.06;                      ///< kSphere, kPlate, kCone, kTube
+  double diameter_m = 0.06;                      ///< kSphere, kPlate, kCone, kTube, kCylinder
   double thickness_m = 0.005;                    ///< kPlate, kTube
   double opening_m = 0.06;                       ///< kJaws: between them when they are wide open
-  double length_m = 0.06;                        ///< kCone (with its shaft), kTube
+  double length_m = 0.06;                        ///< kCone (with its shaft), kTube, kCylinder
   double cone_angle_rad = std::numbers::pi / 6;  ///< kCone; 30 degrees, ASABE S313.3's
   double stiffness_n_m = 500;                    ///< k_tool
   double damping_factor = 1.4;                   ///< c_tool = damping_factor * dt * k_tool / 2

@@ -161,6 +161,7 @@ Penetration penetration(const ToolParameters& tool, const Vec3& centre_m, double
     case ToolShape::kJaws: return faced(boxOutline(tool.size_m / 2, centre_m), tool.size_m.z() / 2);
     case ToolShape::kSphere: return sphere(tool.diameter_m / 2, centre_m, radius_m);
     case ToolShape::kPlate: return faced(discOutline(tool.diameter_m / 2, centre_m), tool.thickness_m / 2);
+    case ToolShape::kCylinder: return faced(discOutline(tool.diameter_m / 2, centre_m), tool.length_m / 2);
     case ToolShape::kCone: return cone(tool, centre_m, radius_m);
     case ToolShape::kTube: return tube(tool, centre_m, radius_m);
   }
@@ -188,6 +189,7 @@ double enclosingRadius(const ToolParameters& tool) noexcept {
     case ToolShape::kBox: return tool.size_m.norm() / 2;
     case ToolShape::kSphere: return tool.diameter_m / 2;
     case ToolShape::kPlate: return std::hypot(tool.diameter_m, tool.thickness_m) / 2;
+    case ToolShape::kCylinder: return std::hypot(tool.diameter_m, tool.length_m) / 2;
     case ToolShape::kCone:
       return std::hypot(tool.diameter_m / 2,
                         std::max(tool.length_m, tool.diameter_m / 2 / std::tan(tool.cone_angle_rad / 2)));
@@ -205,6 +207,7 @@ ToolCorners cornersOf(const ToolParameters& tool) noexcept {
     case ToolShape::kBox: return around(tool.size_m / 2);
     case ToolShape::kSphere: return around({r, r, r});
     case ToolShape::kPlate: return around({r, r, tool.thickness_m / 2});
+    case ToolShape::kCylinder: return around({r, r, tool.length_m / 2});
     case ToolShape::kCone: return {{-r, -r, 0}, {r, r, std::max(tool.length_m, r / std::tan(tool.cone_angle_rad / 2))}};
     case ToolShape::kTube: {
       const double outer = r + tool.thickness_m / 2;
@@ -263,6 +266,7 @@ Edges drawnEdges(const ToolParameters& tool) {
     case ToolShape::kBox: return boxEdges(low, high);
     case ToolShape::kSphere: return prism(ring(r, Vec3::UnitX(), Vec3::UnitZ()), 0, 0);
     case ToolShape::kPlate:
+    case ToolShape::kCylinder:
     case ToolShape::kCone:  // its shaft
     case ToolShape::kTube: return prism(round, low.z(), high.z());
     case ToolShape::kJaws: {
