@@ -248,19 +248,22 @@ std::string deadlinesText(const Scenario& scenario, const LoopStatistics& statis
                              : "none: as fast as it can";
 }
 
+/// "1 thread", "2 threads".
+std::string counted(int number, std::string_view of) {
+  return fmt::format("{} {}{}", number, of, number == 1 ? "" : "s");
+}
+
 std::string summaryText(const Scenario& scenario, const Scene& scene, const HapticLoop& loop,
                         const RunSummary& summary) {
   const LoopStatistics& s = loop.statistics();
   const Histogram& t = s.tickUs();
   return fmt::format(
       "{title}\n"
-      "  soil       {particles} macroparticles of {radius:g} mm, {soil}, g = {g:g} m/s2, {substeps} substeps a tick; "
-      "in "
-      "the end {awake} awake\n"
+      "  soil       {particles} macroparticles of {radius:g} mm, {soil}, g = {g:g} m/s2, {substeps} a tick; in the "
+      "end {awake} awake\n"
       "  time       {time:.3f} s in {ticks} ticks: {end}\n"
       "  tick       mean {mean:.1f}  p50 {p50:.1f}  p99 {p99:.1f}  p99.9 {p999:.1f}  max {max:.1f} us ({simd}, "
-      "{threads} "
-      "thread(s))\n"
+      "{threads})\n"
       "{wakeup}"
       "  deadlines  {deadlines}; {scheduler}{cpu}, memory {locked}\n"
       "  force      mean {fmean:.2f}  p99 {fp99:.2f}  max {fmax:.2f} N\n"
@@ -269,11 +272,12 @@ std::string summaryText(const Scenario& scenario, const Scene& scene, const Hapt
       fmt::arg("title", scenario.title), fmt::arg("particles", scene.bed().particles()),
       fmt::arg("awake", scene.bed().awake()), fmt::arg("radius", 1e3 * scenario.bed.soil.radius_m),
       fmt::arg("soil", soilText(scenario)), fmt::arg("g", scenario.bed.gravity_m_s2.norm()),
-      fmt::arg("substeps", scene.substeps()), fmt::arg("time", loop.time()), fmt::arg("ticks", s.ticks()),
-      fmt::arg("end", text(summary.end)), fmt::arg("mean", t.mean()), fmt::arg("p50", t.percentile(0.5)),
-      fmt::arg("p99", t.percentile(0.99)), fmt::arg("p999", t.percentile(0.999)), fmt::arg("max", t.max()),
-      fmt::arg("simd", simdTarget()), fmt::arg("threads", scenario.bed.threads),
-      fmt::arg("deadlines", deadlinesText(scenario, s)), fmt::arg("scheduler", summary.real_time.scheduler),
+      fmt::arg("substeps", counted(scene.substeps(), "substep")), fmt::arg("time", loop.time()),
+      fmt::arg("ticks", s.ticks()), fmt::arg("end", text(summary.end)), fmt::arg("mean", t.mean()),
+      fmt::arg("p50", t.percentile(0.5)), fmt::arg("p99", t.percentile(0.99)), fmt::arg("p999", t.percentile(0.999)),
+      fmt::arg("max", t.max()), fmt::arg("simd", simdTarget()),
+      fmt::arg("threads", counted(scenario.bed.threads, "thread")), fmt::arg("deadlines", deadlinesText(scenario, s)),
+      fmt::arg("scheduler", summary.real_time.scheduler),
       fmt::arg("cpu", summary.real_time.cpu == kAnyCpu ? "" : fmt::format(" on CPU {}", summary.real_time.cpu)),
       fmt::arg("wakeup", wakeUpText(s.lateUs())),
       fmt::arg("locked", summary.real_time.memory_locked ? "locked" : "not locked"),
