@@ -111,7 +111,7 @@ TEST_F(Machine, AnUnreadableOneLacksNothingThatIsNotKnown) {
     EXPECT_NE(check.found, "") << check.name;
   }
   for (const char* name : {"real-time share", "CPUs", "CPU governor", "idle states"}) {
-    EXPECT_EQ(check(name).found, "not told by this system") << name;
+    EXPECT_EQ(check(name).found, "not reported by this system") << name;
     EXPECT_EQ(check(name).verdict, Fitness::kOk) << name;
   }
 }
@@ -135,7 +135,7 @@ TEST_F(Machine, RubbishIsTakenForNotTold) {
     for (const Check& check : checks()) {
       EXPECT_NE(check.verdict, Fitness::kInsufficient) << check.name << " of " << rubbish.substr(0, 10);
     }
-    EXPECT_EQ(check("CPUs").found, "not told by this system");
+    EXPECT_EQ(check("CPUs").found, "not reported by this system");
   }
 }
 
@@ -143,7 +143,7 @@ TEST_F(Machine, FilesThatAreFoldersAreNotTold) {
   putGoodMachine();
   fs::remove(root_ / "proc/sys/kernel/sched_rt_runtime_us");
   fs::create_directories(root_ / "proc/sys/kernel/sched_rt_runtime_us");
-  EXPECT_EQ(check("real-time share").found, "not told by this system");
+  EXPECT_EQ(check("real-time share").found, "not reported by this system");
 }
 
 TEST_F(Machine, KernelWithoutRealTimeCouldBeBetter) {
@@ -155,7 +155,7 @@ TEST_F(Machine, KernelWithoutRealTimeCouldBeBetter) {
                {"#1 SMP PREEMPT_DYNAMIC Debian", "(none) voluntary full", "preemption none"},
                {"#1 SMP PREEMPT_DYNAMIC Debian", "", "preemption chosen at boot"},
                {"#1 SMP PREEMPT Debian", "", "preemption full"},
-               {"#1 SMP Debian", "", "preemption not told by this system"}};
+               {"#1 SMP Debian", "", "preemption not reported by this system"}};
   for (const auto& [version, modes, found] : cases) {
     put("proc/version", version);
     put("sys/kernel/debug/sched/preempt", modes);
@@ -202,7 +202,7 @@ TEST_F(Machine, RealTimeThreadsNeedMostOfTheirCpu) {
   EXPECT_EQ(at("500000").remedy, "sudo sysctl kernel.sched_rt_runtime_us=950000");
   EXPECT_EQ(at("0").verdict, Fitness::kInsufficient);
   put("proc/sys/kernel/sched_rt_period_us", "0");
-  EXPECT_EQ(at("0").found, "not told by this system");
+  EXPECT_EQ(at("0").found, "not reported by this system");
 }
 
 TEST_F(Machine, MemoryMustBeLockedAndStayEnough) {

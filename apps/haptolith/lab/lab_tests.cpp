@@ -341,7 +341,7 @@ LabOutput bladeOutput(const LabSoil& soil, const LabConditions& conditions, Blad
       "  draft / N      {:7.3g} ± {:.2g}    {:7.3g}\n"
       "  downwards / N  {:7.3g} ± {:.2g}    {:7.3g}\n\n"
       "  {:.0f} mm wide, {:.1f} mm deep, bulk density {:.0f} kg/m³, {} particles\n"
-      "  the equation is told {:.1f}° and {:.0f} Pa\n",
+      "  the equation gets {:.1f}° and {:.0f} Pa\n",
       result.draft_n, result.draft_se_n, result.earthmoving_draft_n, result.vertical_n, result.vertical_se_n,
       result.earthmoving_vertical_n, result.width_m / kMm, result.depth_m / kMm, result.bulk_density_kg_m3,
       result.particles, degrees(options.friction_angle_rad), options.cohesion_pa);

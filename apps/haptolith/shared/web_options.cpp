@@ -66,7 +66,7 @@ void WebOptions::addTo(CLI::App& command) {
 
 void WebOptions::addToRun(CLI::App& command) {
   addTo(command);
-  command.add_flag("--read-only", read_only, "Who opens the page may look on, and neither dig nor change anything");
+  command.add_flag("--read-only", read_only, "Visitors of the page may watch, but neither dig nor change anything");
 }
 
 void WebOptions::addToStudy(CLI::App& command) {

@@ -37,7 +37,7 @@ ParticipantRow participantOf(const StudyStore& study, const std::string& code) {
     std::ranges::transform(participants, std::back_inserter(codes), &ParticipantRow::code);
     throw InvalidParameter(
         "participant", fmt::format("'{}'", code),
-        codes.empty() ? "somebody who has taken part; nobody has" : fmt::format("one of {}", fmt::join(codes, ", ")));
+        codes.empty() ? "a participant; there are none" : fmt::format("one of {}", fmt::join(codes, ", ")));
   }
   return *found;
 }

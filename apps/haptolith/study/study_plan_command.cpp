@@ -54,7 +54,7 @@ std::string tableText(const Options& options, const StudyBlock& block, const std
       "{}: {} simulated studies of each size, Weber fraction {:g}\n\n"
       "participants  repeats  answers   estimates: median, {:g} % range   interval, high/low   covered{}\n",
       block.name, options.parameters.studies, options.parameters.observer.weber_fraction, 95.0,
-      options.parameters.against ? fmt::format("   told from {:g}", *options.parameters.against) : "");
+      options.parameters.against ? fmt::format("   against {:g}", *options.parameters.against) : "");
   for (const PlanOutcome& outcome : outcomes) {
     table += fmt::format("{:>12}{:>9}{:>9}   {:>10.3f}, {:.3f} to {:.3f}{:>19.2f}{:>14.0f} %{}\n",
                          outcome.size.participants, outcome.size.repeats, outcome.answers, outcome.median, outcome.low,
@@ -170,7 +170,8 @@ void addStudyPlanCommand(CLI::App& study) {
   command->add_option("--block", options->block, "Which block of it; default: the first")->option_text("NAME");
   command->add_option("--weber", options->parameters.observer.weber_fraction, "Weber fraction that is expected [0.29]")
       ->option_text("W");
-  command->add_option("--against", options->parameters.against, "Another that it shall be told from")->option_text("W");
+  command->add_option("--against", options->parameters.against, "Another value that it is to be distinguished from")
+      ->option_text("W");
   command->add_option("--participants", options->participants, "Numbers of participants [4,8,16,32]")
       ->delimiter(',')
       ->option_text("N,N,...");

@@ -46,13 +46,13 @@ const char* text(SafetyTrip trip) noexcept {
   switch (trip) {
     case SafetyTrip::kNone: return "none";
     case SafetyTrip::kDeviceNotFinite: return "the device's pose or velocity is NaN or infinite";
-    case SafetyTrip::kStale: return "the device tells nothing new";
+    case SafetyTrip::kStale: return "the device has stopped sending new readings";
     case SafetyTrip::kLost: return "the device is gone";
     case SafetyTrip::kWorkspace: return "the hand left the workspace";
     case SafetyTrip::kMissedDeadlines: return "too many deadlines in a row were missed";
     case SafetyTrip::kHeartbeat: return "the loop did not answer in time";
     case SafetyTrip::kForceNotFinite: return "the force is NaN or infinite";
-    case SafetyTrip::kImplausible: return "the device told a movement that no hand makes";
+    case SafetyTrip::kImplausible: return "the device reported a movement faster than any hand";
   }
   return "";
 }

@@ -19,7 +19,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr const char* kNotTold = "not told by this system";
+constexpr const char* kNotTold = "not reported by this system";
 constexpr std::uint64_t kUnlimited = std::numeric_limits<std::uint64_t>::max();
 
 /// Less than this share of a second, and a loop that computes a lot is stopped by the kernel for the rest of it.

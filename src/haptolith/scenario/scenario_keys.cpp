@@ -357,7 +357,7 @@ std::vector<ScenarioKey> allKeys() {
       {"device", "kind", "",
        WordValue{namesOf(kDeviceWords), [](S& s, std::string_view v) { s.device.kind = valueOf(kDeviceWords, v); },
                  [](const S& s) { return wordFor(kDeviceWords, s.device.kind); }},
-       "What the hand holds (devices.md); the virtual hand is told by [hand] what to do, the others by a person."},
+       "What the hand holds (devices.md); [hand] moves the virtual hand, a person the others."},
       {"device", "id", "",
        TextValue{[](S& s, std::string_view v) { s.device.id = v; },
                  [](const S& s) -> std::string_view { return s.device.id; }},
@@ -370,13 +370,13 @@ std::vector<ScenarioKey> allKeys() {
       {"device", "delay_ms", "delay_s",
        NumberValue{DeviceRanges::delay_s.in(kMs), [](S& s, double v) { s.device.delay_s = v * kMs; },
                    [](const S& s) { return inUnits(s.device.delay_s.value_or(kLeftOut), kMs); }},
-       "How much later than the next millisecond a force acts on what the device tells, as measured; left out: what "
+       "How much later than the next millisecond a force acts on what the device reports, as measured; left out: what "
        "the "
        "driver assumes."},
       {"device", "resolution_mm", "resolution_m",
        NumberValue{DeviceRanges::resolution_m.in(kMm), [](S& s, double v) { s.device.resolution_m = v * kMm; },
                    [](const S& s) { return millimetres(s.device.resolution_m.value_or(kLeftOut)); }},
-       "Steps or noise of the positions it tells, whichever is larger, as measured; left out: what the driver "
+       "Steps or noise of the positions it reports, whichever is larger, as measured; left out: what the driver "
        "assumes."},
 
       {"mapping", "offset_mm", "offset_m",
@@ -414,7 +414,7 @@ std::vector<ScenarioKey> allKeys() {
                  [](S& s, std::string_view v) { s.handling.coupling.kind = valueOf(kCouplingWords, v); },
                  [](const S& s) { return wordFor(kCouplingWords, s.handling.coupling.kind); }},
        "The tool is where the hand is, as in the paper; or a spring and a damper pull it there; `auto`: direct where "
-       "the device shows force at most 1 ms late and tells positions to 0.02 mm."},
+       "the device shows force at most 1 ms late and reports positions to 0.02 mm."},
       {"coupling", "stiffness_n_m", "stiffness_n_m",
        NumberValue{CouplingRanges::stiffness_n_m, [](S& s, double v) { s.handling.coupling.spring.stiffness_n_m = v; },
                    [](const S& s) { return s.handling.coupling.spring.stiffness_n_m; }},

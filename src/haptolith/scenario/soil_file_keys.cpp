@@ -54,7 +54,7 @@ std::vector<SoilFileKey> allKeys() {
        WordValue{namesOf(kSoilStrengthWords),
                  [](F& f, std::string_view v) { f.target.strength = valueOf(kSoilStrengthWords, v); },
                  [](const F& f) { return wordFor(kSoilStrengthWords, f.target.strength); }},
-       "Which strength of a sheared bed shall be that: after long shearing, or its greatest; left out: `residual`."},
+       "Which strength the target is: after long shearing, or the greatest; left out: `residual`."},
 
       {"reached", "friction_angle_deg", "friction_angle_deg",
        NumberValue{SoilTargetRanges::friction_angle_deg, [](F& f, double v) { reachedBy(f).friction_angle_deg = v; },

@@ -438,7 +438,7 @@ void Conductor::answer(int choice) {
 
 void Conductor::withdraw() {
   if (!participant_ || over()) {
-    refuse("quit", "now", "asked for by somebody who takes part");
+    refuse("quit", "now", "asked for by a participant under way");
   }
   guarded([this] {
     saveWhatWaits();
@@ -457,7 +457,7 @@ void Conductor::withdraw() {
 
 void Conductor::pause() {
   if (!participant_ || paused_ || over()) {
-    refuse("pause", "now", "asked for while somebody takes part");
+    refuse("pause", "now", "asked for while a participant is under way");
   }
   guarded([this] {
     dropTrial(TrialState::kRepeated, "paused");

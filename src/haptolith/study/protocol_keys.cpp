@@ -209,7 +209,7 @@ std::vector<BlockKey> designKeys() {
        BlockKey::WordValue{namesOf(kProcedureWords),
                            [](D& d, std::string_view v) { d.block.procedure = valueOf(kProcedureWords, v); },
                            kOnlyRead},
-       "Who chooses the levels: a list made beforehand, or the answers so far; left out: `constant`."},
+       "What chooses the levels: a list made beforehand, or the answers so far; left out: `constant`."},
       {"", "repeats", "", trials<&StudyBlock::repeats>({1, 1000}),
        "How often each level is shown; for `constant`. Left out: 3."},
   };
@@ -221,7 +221,8 @@ std::vector<BlockKey> courseKeys() {
       {"", "practice_trials", "", trials<&StudyBlock::practice_trials>(),
        "Trials before the others, which count for nothing."},
       {"", "catch_trials", "", trials<&StudyBlock::catch_trials>(),
-       "Easy trials among the others, with the level farthest from the reference: they show whether somebody attends."},
+       "Easy trials among the others, with the level farthest from the reference: they show whether a participant "
+       "attends."},
       {"", "feedback", "", onOrOff<&StudyBlock::feedback>(),
        "Whether a participant is told that an answer was right; left out: false."},
       {"", "practice_feedback", "", onOrOff<&StudyBlock::practice_feedback>(),
@@ -248,7 +249,7 @@ std::vector<BlockKey> procedureKeys() {
        BlockKey::WordValue{namesOf(kTargetWords),
                            [](D& d, std::string_view v) { d.block.staircase.target = valueOf(kTargetWords, v); },
                            kOnlyRead},
-       "The least difference that is told apart, by a staircase on each side of the reference, or the level that feels "
+       "The least difference that is noticed, by a staircase on each side of the reference, or the level that feels "
        "like "
        "the reference; left out: `difference`."},
       {"staircase", "down", "", ofStaircase<&StaircaseOptions::down>(kFew),
@@ -362,7 +363,8 @@ std::vector<ItemKey> allItemKeys() {
       {"", "required", "", ItemKey::SwitchValue{[](FormItem& i, bool v) { i.required = v; }, kOnlyRead},
        "Whether it has to be answered; left out: false."},
       {"", "personal", "", ItemKey::SwitchValue{[](FormItem& i, bool v) { i.personal = v; }, kOnlyRead},
-       "Whether the answer could tell who somebody is: it is kept apart, and exported only when asked for. Left out: "
+       "Whether the answer could identify the participant: it is kept apart, and exported only when asked for. Left "
+       "out: "
        "false."},
   };
 }

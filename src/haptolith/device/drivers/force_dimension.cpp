@@ -620,8 +620,8 @@ std::string_view ForceDimension::problem() const noexcept {
     case Trouble::kTurning: what = "dhdGetAngularVelocityRad failed"; break;
     case Trouble::kGripper: what = "dhdGetGripperAngleRad failed"; break;
     case Trouble::kForce: what = "dhdSetForceAndTorqueAndGripperForce failed"; break;
-    case Trouble::kNotFinite: what = "it told a pose that is not a number"; break;
-    case Trouble::kNoRotation: what = "it told a turn of its handle that is no rotation"; break;
+    case Trouble::kNotFinite: what = "it reported a pose that is not a number"; break;
+    case Trouble::kNoRotation: what = "it reported an orientation of its handle that is not a rotation"; break;
   }
   const bool call_failed = lost_by_ != Trouble::kNotFinite && lost_by_ != Trouble::kNoRotation;
   const char* const reason = call_failed ? sdk_.error_get_str(lost_error_) : nullptr;

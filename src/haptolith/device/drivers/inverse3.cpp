@@ -302,7 +302,7 @@ class Inverse3::Connection {
   }
 
   void lose(beast::error_code error) {
-    problem_ = fmt::format("the Haply service at {} has ended the connection: {}; see that it runs, then start anew",
+    problem_ = fmt::format("the Haply service at {} has ended the connection: {}; check that it runs, then start again",
                            where_, error.message());
     lost_.store(true, std::memory_order_release);
   }

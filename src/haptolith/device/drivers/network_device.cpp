@@ -367,7 +367,7 @@ bool NetworkDevice::sendTo(std::uint64_t receiver, const AnswerPacket& packet, c
 void NetworkDevice::lose(const char* reason) noexcept {
   const auto end =
       fmt::format_to_n(problem_.data(), problem_.size(),
-                       "the network device cannot receive at port {} any more: {}; start the run anew", port_, reason);
+                       "the network device cannot receive at port {} any more: {}; start the run again", port_, reason);
   problem_size_ = std::min(end.size, problem_.size());
   input_.state = DeviceState::kLost;
   input_.twist = {};
