@@ -3,10 +3,20 @@
 #include <Eigen/Core>
 #include <Eigen/Geometry>
 
+#include "haptolith/core/error.h"
+
 namespace haptolith {
 
 using Vec3 = Eigen::Vector3d;  ///< x, y to the sides, z up, in the scene's frame unless the name says otherwise.
 using Quat = Eigen::Quaterniond;
+
+/// What the norm of an orientation from outside may be: an empty message gives 0, and no device or page rounds so
+/// coarsely.
+inline constexpr Range kUnitNorm{0.99, 1.01};
+[[nodiscard]] inline bool isUnit(const Quat& orientation) noexcept {
+  const double norm = orientation.norm();  // NaN is none
+  return norm >= kUnitNorm.lowest && norm <= kUnitNorm.highest;
+}
 
 /// Position (m) and orientation of a body's frame in the scene's frame: scene_T_body.
 struct Pose {

@@ -30,8 +30,7 @@ void validate(const CouplingParameters& coupling, double tick_s) {
 
 Coupling::Coupling(const CouplingParameters& parameters, bool suits_directly, double filter_cutoff_hz, double tick_s)
     : coupling_(parameters),
-      virtual_(parameters.kind == CouplingKind::kVirtual ||
-               (parameters.kind == CouplingKind::kAuto && !suits_directly)),
+      virtual_(couplesVirtually(parameters.kind, suits_directly)),
       tick_s_(tick_s),
       filter_(filter_cutoff_hz, tick_s),
       grip_filter_(filter_cutoff_hz, tick_s),

@@ -30,6 +30,11 @@ struct CouplingParameters {
   [[nodiscard]] bool operator==(const CouplingParameters&) const = default;
 };
 
+/// Whether a spring and a damper lie between hand and tool. @param suits_directly  see CouplingKind::kAuto.
+[[nodiscard]] inline bool couplesVirtually(CouplingKind kind, bool suits_directly) noexcept {
+  return kind == CouplingKind::kVirtual || (kind == CouplingKind::kAuto && !suits_directly);
+}
+
 /// What is valid of each number alone.
 struct CouplingRanges {
   static constexpr Range stiffness_n_m{0, 1e5, Ends::kOpenBelow};

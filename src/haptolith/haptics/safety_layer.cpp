@@ -14,13 +14,9 @@ namespace {
 /// rounded by.
 constexpr double kBeyondWorkspace = 1.01;
 
-/// How far the norm of an orientation may be off: an empty message gives 0, and no device rounds so coarsely.
-constexpr double kNormOff = 0.01;
-
 bool isFinite(const DeviceInput& input) noexcept {
-  return input.pose.position_m.allFinite() && std::abs(input.pose.orientation.norm() - 1) <= kNormOff &&
-         input.twist.linear_m_s.allFinite() && input.twist.angular_rad_s.allFinite() &&
-         std::isfinite(input.gripper_open);
+  return input.pose.position_m.allFinite() && isUnit(input.pose.orientation) && input.twist.linear_m_s.allFinite() &&
+         input.twist.angular_rad_s.allFinite() && std::isfinite(input.gripper_open);
 }
 
 bool isFinite(const DeviceOutput& output) noexcept {

@@ -22,8 +22,7 @@ double contactsAtOnce(const ToolParameters& tool, double radius_m) {
 StiffnessCheck checkStiffness(const HandlingParameters& handling, const ToolParameters& tool, double radius_m,
                               const DeviceLimits& device, double tick_s) {
   const CouplingParameters& coupling = handling.coupling;
-  const bool is_virtual =
-      coupling.kind == CouplingKind::kVirtual || (coupling.kind == CouplingKind::kAuto && !suitsDirectly(device));
+  const bool is_virtual = couplesVirtually(coupling.kind, suitsDirectly(device));
   const double scale = handling.mapping.force_scale * handling.mapping.scale;
   const double contacts = contactsAtOnce(tool, radius_m);
   StiffnessCheck check;

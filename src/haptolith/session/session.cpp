@@ -398,8 +398,7 @@ void Session::hold(const Pose& scene_T_tool) {
   for (int axis = 0; axis < 3; ++axis) {
     requireInRange(fmt::format("pose[{}]", axis), scene_T_tool.position_m[axis], {low[axis], high[axis]});
   }
-  const double norm = scene_T_tool.orientation.norm();
-  requireInRange("the norm of the pose's quaternion", norm, {0.9, 1.1});
+  requireInRange("the norm of the pose's quaternion", scene_T_tool.orientation.norm(), kUnitNorm);
   command_.held = Pose{scene_T_tool.position_m, scene_T_tool.orientation.normalized()};
   commandHand();
 }

@@ -114,8 +114,10 @@ SoilParameters withSlider(SoilParameters soil, std::string_view key, double valu
     soil.gamma_nm *= value / paperCohesion(soil);
   } else if (key == kContactFriction) {
     soil.contact_friction = value;
-  } else {
+  } else if (key == kContactCohesion) {
     soil.contact_cohesion_n = value * kMilli;
+  } else {
+    throw InvalidParameter("sliders", std::string(key), "a slider that this function knows how to set");
   }
   return soil;
 }

@@ -24,7 +24,6 @@ constexpr std::uint16_t kLetGo = 2;
 constexpr double kLargestPosition_m = 10;
 constexpr double kLargestSpeed_m_s = 100;
 constexpr double kLargestTurning_rad_s = 1000;
-constexpr double kUnitWithin = 0.01;
 
 /// Reads values one after the other; its maker has checked the size.
 class Reader {
@@ -105,7 +104,7 @@ std::optional<PacketFault> faultIn(const DevicePacket& packet) noexcept {
   if (!finite) {
     return PacketFault::kNotFinite;
   }
-  if (!(std::abs(packet.pose.orientation.norm() - 1) <= kUnitWithin)) {  // also when the norm is NaN
+  if (!isUnit(packet.pose.orientation)) {
     return PacketFault::kNotUnit;
   }
   const bool in_range = isWithin(kLargestPosition_m, packet.pose.position_m) &&

@@ -14,7 +14,6 @@ using Json = nlohmann::json;
 constexpr std::size_t kLongestId = 64;
 constexpr double kFurthest_m = 2;
 constexpr double kFastest_m_s = 50;
-constexpr double kUnitWithin = 0.01;
 
 /// The member of an object; none of anything else.
 const Json* find(const Json& object, const char* key) {
@@ -87,7 +86,7 @@ std::optional<Quat> unitQuaternion(const Json* object) {
     return std::nullopt;
   }
   const Quat turn((*q)[0], (*q)[1], (*q)[2], (*q)[3]);
-  return std::abs(turn.norm() - 1) <= kUnitWithin ? std::optional(turn.normalized()) : std::nullopt;
+  return isUnit(turn) ? std::optional(turn.normalized()) : std::nullopt;
 }
 
 std::optional<std::uint32_t> buttonsOf(const Json* object) {

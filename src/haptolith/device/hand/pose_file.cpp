@@ -68,7 +68,7 @@ Pose poseFrom(const std::array<double, 8>& numbers, double largest_m, const Plac
     requireInRange(place.key(kColumns[axis]), numbers[axis], {-largest_m, largest_m});
   }
   const Quat turn(numbers[4], numbers[5], numbers[6], numbers[7]);
-  requireInRange(place.key("length of qw,qx,qy,qz"), turn.norm(), {0.99, 1.01});
+  requireInRange(place.key("length of qw,qx,qy,qz"), turn.norm(), kUnitNorm);
   return {Vec3(numbers[1], numbers[2], numbers[3]), turn.normalized()};
 }
 
