@@ -21,7 +21,9 @@
 #include "haptolith/core/plain_text.h"
 #include "haptolith/study/form.h"
 #include "haptolith/study/runner_lock.h"
+#include "haptolith/study/store_file.h"
 #include "haptolith/study/study_schema.h"
+#include "haptolith/study/study_sql.h"
 
 namespace haptolith {
 
@@ -29,7 +31,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr int kBusyTimeout_ms = 2000;  // longer than another program's commit, shorter than a participant's patience
 constexpr std::size_t kLongestCode = 16;
 constexpr std::uint64_t kLargestSeed =
     (std::uint64_t{1} << 53) - 1;  // what JSON and other programs' tables keep exactly
@@ -80,165 +81,6 @@ auto valueIn(const Words& words, std::string_view column, std::string_view word)
     throwForeign(column, word, fmt::format("one of {}", fmt::join(valid, ", ")));
   }
   return found->first;
-}
-
-std::string nowText() {
-  const auto now = std::chrono::floor<std::chrono::milliseconds>(std::chrono::system_clock::now());
-  return fmt::format("{:%Y-%m-%dT%H:%M:%S}.{:03}Z", fmt::gmtime(std::chrono::system_clock::to_time_t(now)),
-                     now.time_since_epoch().count() % 1000);
-}
-
-// --- SQL with values
-// --------------------------------------------------------------------------------------------------
-
-void bindAt(SQLite::Statement& query, int at, double value) {
-  if (std::isnan(value)) {
-    query.bind(at);
-  } else {
-    query.bind(at, value);
-  }
-}
-void bindAt(SQLite::Statement& query, int at, std::string_view value) {
-  query.bind(at, std::string(value));
-}
-void bindAt(SQLite::Statement& query, int at, std::int64_t value) {
-  query.bind(at, value);
-}
-void bindAt(SQLite::Statement& query, int at, int value) {
-  query.bind(at, value);
-}
-void bindAt(SQLite::Statement& query, int at, bool value) {
-  query.bind(at, value ? 1 : 0);
-}
-void bindAt(SQLite::Statement& query, int at, std::size_t value) {
-  query.bind(at, static_cast<std::int64_t>(value));
-}
-template <class Value>
-void bindAt(SQLite::Statement& query, int at, const std::optional<Value>& value) {
-  if (value) {
-    bindAt(query, at, *value);
-  } else {
-    query.bind(at);
-  }
-}
-
-template <class... Values>
-SQLite::Statement prepared(SQLite::Database& database, const std::string& sql, const Values&... values) {
-  SQLite::Statement query(database, sql);
-  int at = 0;
-  (bindAt(query, ++at, values), ...);
-  return query;
-}
-
-template <class... Values>
-int execute(SQLite::Database& database, const std::string& sql, const Values&... values) {
-  return prepared(database, sql, values...).exec();
-}
-
-double numberOrNan(const SQLite::Column& column) {
-  return column.isNull() ? std::nan("") : column.getDouble();
-}
-
-// --- opening
-// ----------------------------------------------------------------------------------------------------------
-
-/// For a file that nobody writes, in a folder where nothing can be made.
-std::string immutableUri(const fs::path& file) {
-  std::string uri = "file:";
-  for (const char letter : fs::absolute(file).string()) {
-    const bool plain = std::isalnum(static_cast<unsigned char>(letter)) != 0 ||
-                       std::string_view("/-_.~").find(letter) != std::string_view::npos;
-    uri += plain ? std::string(1, letter) : fmt::format("%{:02X}", static_cast<unsigned char>(letter));
-  }
-  return uri + "?immutable=1";
-}
-
-bool isEmptyOrMissing(const fs::path& file) {
-  std::error_code error;
-  const std::uintmax_t size = fs::file_size(file, error);
-  return error || size == 0;
-}
-
-SQLite::Database openToRead(const fs::path& file) {
-  // Opened for writing, if that is allowed, so that the last one to close it leaves no -wal and -shm behind.
-  SQLite::Database database(file.string(), SQLite::OPEN_READWRITE, kBusyTimeout_ms);
-  try {
-    database.exec("PRAGMA query_only = ON");
-    (void)versionOf(database);
-    return database;
-  } catch (const SQLite::Exception& error) {
-    const bool cannot_write = error.getErrorCode() == SQLITE_CANTOPEN || error.getErrorCode() == SQLITE_READONLY;
-    if (!cannot_write || !isEmptyOrMissing(file.string() + "-wal")) {
-      throw;
-    }
-  }
-  return {immutableUri(file), SQLite::OPEN_READONLY | SQLite::OPEN_URI};
-}
-
-SQLite::Database openToRun(const fs::path& file) {
-  SQLite::Database database(file.string(), SQLite::OPEN_READWRITE, kBusyTimeout_ms);
-  (void)versionOf(database);
-  if (sqlite3_db_readonly(database.getHandle(), "main") != 0) {
-    throw Failure(fmt::format("cannot run {}: it is read-only: allow writing (`chmod u+w`) or copy it", file.string()));
-  }
-  database.exec("PRAGMA synchronous = FULL; PRAGMA foreign_keys = ON; PRAGMA secure_delete = ON");
-  return database;
-}
-
-void requireStudy(SQLite::Database& database, const fs::path& file) {
-  if (database.execAndGet("PRAGMA application_id").getInt() != kStudyApplicationId) {
-    throw Failure(fmt::format("{} is not a study: must be a file that `haptolith study new` has made", file.string()));
-  }
-}
-
-void requireWhole(SQLite::Database& database, const fs::path& file) {
-  const std::string found = database.execAndGet("PRAGMA integrity_check(1)").getString();
-  if (found != "ok") {
-    throw Failure(
-        fmt::format("{} is damaged ({}): go on with a copy of it; `sqlite3 FILE .recover` saves what can still be read",
-                    file.string(), found));
-  }
-}
-
-/// SQLite keeps what it has just written beside the name by which the file was opened, and so lies the lock: by another
-/// name the same study would lack answers, and could be run twice.
-void requireOneName(const fs::path& file) {
-  if (const std::uintmax_t names = fs::hard_link_count(file); names > 1) {
-    throw Failure(
-        fmt::format("cannot run {}: the file has {} names (hard links), and answers could be lost between them: "
-                    "remove the others, or copy it",
-                    file.string(), names));
-  }
-}
-
-void requireVersion(SQLite::Database& database, const fs::path& file) {
-  const int newest = static_cast<int>(studyMigrations().size());
-  if (const int version = versionOf(database); version != newest) {
-    throw Failure(fmt::format("{} was made by {} version of haptolith (its tables are version {}, not {}){}",
-                              file.string(), version > newest ? "a newer" : "an older", version, newest,
-                              version > newest ? ": use that one" : ": `haptolith study resume` brings it up to date"));
-  }
-}
-
-// --- making
-// -----------------------------------------------------------------------------------------------------------
-
-void removeWithCompanions(const fs::path& file) {
-  std::error_code ignored;
-  for (const char* ending : {"", "-wal", "-shm", "-journal"}) {
-    fs::remove(file.string() + ending, ignored);
-  }
-}
-
-void writeNewStudy(const fs::path& file, const StudyProtocol& protocol, std::string_view protocol_text,
-                   std::uint64_t seed) {
-  SQLite::Database database(file.string(), SQLite::OPEN_READWRITE, kBusyTimeout_ms);
-  database.exec(fmt::format("PRAGMA synchronous = FULL; PRAGMA application_id = {}", kStudyApplicationId));
-  database.exec("PRAGMA journal_mode = WAL");
-  migrate(database, studyMigrations());
-  execute(database, "INSERT INTO study (id, title, protocol, scene, seed, created_at) VALUES (1, ?, ?, ?, ?, ?)",
-          std::string_view(protocol.title), protocol_text, std::string_view(scenarioText(protocol.scene)),
-          static_cast<std::int64_t>(seed), std::string_view(nowText()));
 }
 
 // --- rows

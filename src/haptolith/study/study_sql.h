@@ -1,0 +1,65 @@
+#pragma once
+
+#include <SQLiteCpp/SQLiteCpp.h>
+
+#include <cmath>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
+
+namespace haptolith {
+
+// SQL with values. All functions throw SQLite::Exception.
+
+inline void bindAt(SQLite::Statement& query, int at, double value) {
+  if (std::isnan(value)) {
+    query.bind(at);
+  } else {
+    query.bind(at, value);
+  }
+}
+inline void bindAt(SQLite::Statement& query, int at, std::string_view value) {
+  query.bind(at, std::string(value));
+}
+inline void bindAt(SQLite::Statement& query, int at, std::int64_t value) {
+  query.bind(at, value);
+}
+inline void bindAt(SQLite::Statement& query, int at, int value) {
+  query.bind(at, value);
+}
+inline void bindAt(SQLite::Statement& query, int at, bool value) {
+  query.bind(at, value ? 1 : 0);
+}
+inline void bindAt(SQLite::Statement& query, int at, std::size_t value) {
+  query.bind(at, static_cast<std::int64_t>(value));
+}
+template <class Value>
+void bindAt(SQLite::Statement& query, int at, const std::optional<Value>& value) {
+  if (value) {
+    bindAt(query, at, *value);
+  } else {
+    query.bind(at);
+  }
+}
+
+/// A statement with `values` in the places of its question marks; NaN and nothing become NULL.
+template <class... Values>
+[[nodiscard]] SQLite::Statement prepared(SQLite::Database& database, const std::string& sql, const Values&... values) {
+  SQLite::Statement query(database, sql);
+  int at = 0;
+  (bindAt(query, ++at, values), ...);
+  return query;
+}
+
+/// How many rows the statement has changed.
+template <class... Values>
+int execute(SQLite::Database& database, const std::string& sql, const Values&... values) {
+  return prepared(database, sql, values...).exec();
+}
+
+[[nodiscard]] inline double numberOrNan(const SQLite::Column& column) {
+  return column.isNull() ? std::nan("") : column.getDouble();
+}
+
+}  // namespace haptolith
