@@ -5,7 +5,7 @@
 namespace haptolith {
 
 /// When the loop's ticks are, and whether they were in time: in step with the system's clock or as fast as possible, at
-/// another speed, paused. Functions but waitForTick() and waitWhilePaused() return at once.
+/// another speed, paused. All functions but waitForTick() and waitAMoment() return at once.
 class LoopClock {
  public:
   LoopClock(double tick_s, bool paced) noexcept;
