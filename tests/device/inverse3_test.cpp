@@ -191,7 +191,7 @@ TEST(Inverse3, AServiceThatEndsTheConnectionIsALostDevice) {
   const HaplyService service(behaviour);
   Inverse3 device(at(service.address()));
   ASSERT_TRUE(becomes(device, DeviceState::kLost));
-  EXPECT_THAT(std::string(device.problem()), AllOf(HasSubstr(service.address()), HasSubstr("start anew")));
+  EXPECT_THAT(std::string(device.problem()), AllOf(HasSubstr(service.address()), HasSubstr("start again")));
   device.releaseForce();
   device.write({});
   EXPECT_EQ(device.read().state, DeviceState::kLost);

@@ -185,7 +185,7 @@ TEST_F(Machine, RefusedPriorityIsLackingAndTheRemedyDependsOnWhatRefusesIt) {
   EXPECT_THAT(check("scheduler").remedy, HasSubstr("--cap-add SYS_NICE"));
   fs::remove(root_ / "proc/self/limits");
   fs::remove(root_ / "run/.containerenv");
-  EXPECT_THAT(check("scheduler").found, HasSubstr("not told"));
+  EXPECT_THAT(check("scheduler").found, HasSubstr("not reported"));
   EXPECT_EQ(check("scheduler").remedy, kPriorityRemedy);
 }
 

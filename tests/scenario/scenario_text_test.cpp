@@ -256,7 +256,7 @@ TEST(ScenarioText, RefusesWhatNoFileCanHold) {
   for (const Scenario& scene :
        {with([](Scenario& s) { s.bed.periodic_x = true; }),
         with([](Scenario& s) { s.bed.tick_s = s.loop.tick_s = 5e-4; }),
-        with([](Scenario& s) { s.tool.length_m = 0.1; }), with([](Scenario& s) { s.title = ""; }),
+        with([](Scenario& s) { s.tool.cone_angle_rad = 0.5; }), with([](Scenario& s) { s.title = ""; }),
         with([](Scenario& s) { s.title = "two\nlines"; }), with([](Scenario& s) { s.bed.soil.mu_hat = std::nan(""); }),
         with([](Scenario& s) { s.bed.soil.stiffness_n_m = INFINITY; }),
         with([](Scenario& s) { s.bed.seed = ~std::uint64_t{0}; }),
