@@ -212,7 +212,7 @@ TEST(Completion, BashOffersCommandsOptionsAndChoices) {
   EXPECT_EQ(bashOffers("run --hand s"), "scoop shake still stir\n");
   EXPECT_EQ(bashOffers("run --body E"), "Europa Earth\n");
   EXPECT_EQ(bashOffers("run --soil lunar"), "lunar-0-15cm lunar-trafficability\n");
-  EXPECT_EQ(bashOffers("run --friction "), "contact paper\n");
+  EXPECT_EQ(bashOffers("run --friction c"), "contact\n");
   EXPECT_EQ(bashOffers("soil prof"), "profile\n");
   EXPECT_EQ(bashOffers("soil cal"), "calibrate-paper\n");
   EXPECT_EQ(bashOffers("run sand"), "sandbox\n");

@@ -574,7 +574,7 @@ TEST_F(ForceDimensionRead, AMatrixThatIsNoRotationIsNeverTold) {
     EXPECT_EQ(input.state, i < 9 ? DeviceState::kStale : DeviceState::kLost);
     EXPECT_NEAR(input.pose.orientation.norm(), 1, 1e-12);
   }
-  EXPECT_THAT(std::string(device->problem()), HasSubstr("no rotation"));
+  EXPECT_THAT(std::string(device->problem()), HasSubstr("not a rotation"));
 }
 
 TEST_F(ForceDimensionRead, APoseThatStaysTheSameUnderForceIsStaleUntilItChanges) {
