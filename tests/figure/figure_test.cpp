@@ -104,6 +104,16 @@ TEST_F(FigureTest, MarksOfEnhancedTextAreShownAsTheyAre) {
   EXPECT_THAT(shownBy(textOf(folder_ / "figure.svg")), testing::HasSubstr(text));
 }
 
+TEST_F(FigureTest, TextWithoutMarksIsShownAsItIs) {
+  for (const std::string text : {"The paper's scene", R"(C:\dir\new)", "plain"}) {
+    Figure figure(folder_ / "figure.svg", 800, 300);
+    figure.command(fmt::format("unset tics\nset title {} font ',20'\nplot x notitle", gnuplotQuoted(text)));
+    figure.save();
+    EXPECT_THAT(shownBy(textOf(folder_ / "figure.svg")), testing::HasSubstr("\t" + text + "\n"));
+    fs::remove(folder_ / "figure.svg");
+  }
+}
+
 TEST_F(FigureTest, TextWithoutAnEndIsCut) {
   EXPECT_LT(gnuplotQuoted(std::string(100'000'000, 'x')).size(), 2 * kFigureTextLetters);
 }

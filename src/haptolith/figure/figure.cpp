@@ -87,7 +87,7 @@ Figure::Figure(const OutputFile& file, int width_px, int height_px) {
 
 std::string gnuplotQuoted(std::string_view text) {
   constexpr std::string_view kMarks = "\\@^_{}&~";  // of enhanced text
-  std::string result = "'";
+  std::string result = "'{}";  // gnuplot reads a text without a mark as plain, and shows its backslashes
   for (const char letter : shortened(text, kFigureTextLetters)) {
     if (letter == '\'') {
       result += "\\047";  // gnuplot 5.4 takes a string that begins with '' for an empty one
