@@ -50,8 +50,8 @@ struct TalkingExtension {
   }
 
   LiveView::Extension functions() {
-    return {.handleMessages = [this](std::uint32_t client,
-                                     std::string_view text) { return handleMessages(client, Json::parse(text)); },
+    return {.handle = [this](std::uint32_t client,
+                             std::string_view text) { return handleMessages(client, Json::parse(text)); },
             .joined = {},
             .left = [this](std::uint32_t client) { left = client; },
             .refuse = [this](std::uint32_t, const Command& asked) -> std::string {

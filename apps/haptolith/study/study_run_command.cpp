@@ -90,7 +90,7 @@ void requireRoom(const StudyStore& store, const StudyRunOptions& options) {
 
 /// What stands between the view and the study's pages; for as long as these live.
 LiveView::Extension extensionOf(StudyPages& pages) {
-  return {.handleMessages =
+  return {.handle =
               [&pages](std::uint32_t client, std::string_view message) {
                 pages.handleMessages(client, message);
                 return std::string();

@@ -87,7 +87,7 @@ void LiveView::handleMessages() {
 std::string LiveView::answer(std::uint32_t client, const ClientMessage& message, std::string_view text) {
   try {
     if (message.for_guest) {
-      return extension_.handleMessages ? extension_.handleMessages(client, text) : "no study is running";
+      return extension_.handle ? extension_.handle(client, text) : "no study is running";
     }
     if (!message.command) {
       return message.refused;

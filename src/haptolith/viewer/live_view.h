@@ -34,7 +34,7 @@ class LiveView {
   struct Extension {
     /// Does what a message with "do": "study" asks for; returns why it is refused, empty when it is done. May throw
     /// InvalidParameter or Failure, which refuses it as well.
-    std::function<std::string(std::uint32_t client, std::string_view message)> handleMessages;
+    std::function<std::string(std::uint32_t client, std::string_view message)> handle;
     /// A client has come by an entrance: a number in WebServerOptions::entrances.
     std::function<void(std::uint32_t client, std::size_t entrance)> joined;
     std::function<void(std::uint32_t client)> left;
