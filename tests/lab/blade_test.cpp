@@ -118,7 +118,7 @@ TEST(Blade, IsDrawnBesideTheEquation) {
   blade.earthmoving_draft_n = 1.9;
   const auto file = std::filesystem::path(testing::TempDir()) / "blade.svg";
   std::filesystem::remove(file);  // of an earlier run
-  drawBlade(file, blade);
+  drawBlade(file, blade, "a soil");
   std::ifstream stream(file);
   const std::string svg{std::istreambuf_iterator<char>(stream), {}};
   EXPECT_NE(svg.find("earthmoving equation"), std::string::npos);

@@ -69,7 +69,7 @@ TEST(ConeTest, IsDrawnWithItsIndex) {
   cone.gradient_pa_m = 6e4;
   const auto file = std::filesystem::path(testing::TempDir()) / "cone.svg";
   std::filesystem::remove(file);  // of an earlier run
-  drawCone(file, cone);
+  drawCone(file, cone, "a soil");
   std::ifstream stream(file);
   const std::string svg{std::istreambuf_iterator<char>(stream), {}};
   EXPECT_NE(svg.find("cone index 4 kPa"), std::string::npos);

@@ -89,7 +89,7 @@ TEST(Cut, IsDrawn) {
   cut.centres_before_m = {{-0.05, 0, 0.05}, {-0.01, 0, 0.03}};
   cut.centres_after_m = {{-0.05, 0, 0.05}, {0.05, 0, 0.01}};
   const auto path = std::filesystem::temp_directory_path() / "haptolith_cut_test.svg";
-  drawCut(path, cut);
+  drawCut(path, cut, "a soil");
   EXPECT_GT(std::filesystem::file_size(path), 1000U);
   std::filesystem::remove(path);
 }

@@ -3,6 +3,9 @@
 #include <gmock/gmock.h>
 
 #include <numbers>
+#include <optional>
+
+#include "haptolith/lab/over_seeds.h"
 
 namespace haptolith {
 namespace {
@@ -12,9 +15,14 @@ using testing::ElementsAre;
 using testing::Field;
 using testing::HasSubstr;
 using testing::IsEmpty;
+using testing::ResultOf;
 
 constexpr double kEarth_m_s2 = 9.81;
 constexpr double kMoon_m_s2 = 1.625;
+
+Verdict verdictOf(const Finding& finding) {
+  return verdictOn(finding, finding.number);
+}
 
 SettleResult settledTo(double density_kg_m3) {
   SettleResult result;
@@ -32,22 +40,22 @@ SoilTarget target(double density_kg_m3, double angle_deg = 29, double cohesion_p
 
 TEST(Findings, SandOnEarthIsJudgedByItsOwnDensityAndNotByTheMoons) {
   const auto found = findings(settledTo(1363), kEarth_m_s2, target(1330));
-  EXPECT_THAT(found, ElementsAre(AllOf(Field(&Finding::verdict, Verdict::kPass),
+  EXPECT_THAT(found, ElementsAre(AllOf(ResultOf(verdictOf, Verdict::kPass),
                                        Field(&Finding::target, HasSubstr("1330 kg/m³ ± 5 %"))),
-                                 AllOf(Field(&Finding::verdict, Verdict::kInfo), Field(&Finding::target, IsEmpty()))));
-  EXPECT_EQ(findings(settledTo(1250), kEarth_m_s2, target(1330)).front().verdict, Verdict::kFail);
+                                 AllOf(ResultOf(verdictOf, Verdict::kInfo), Field(&Finding::target, IsEmpty()))));
+  EXPECT_EQ(verdictOf(findings(settledTo(1250), kEarth_m_s2, target(1330)).front()), Verdict::kFail);
 }
 
 TEST(Findings, LunarSoilOnTheMoonIsJudgedByWhatWasMeasuredThere) {
   for (const std::optional<SoilTarget>& known : {std::optional<SoilTarget>{}, std::optional(target(1500))}) {
     const auto found = findings(settledTo(1520), kMoon_m_s2, known);
-    EXPECT_EQ(found.front().verdict, Verdict::kPass);
+    EXPECT_EQ(verdictOf(found.front()), Verdict::kPass);
     EXPECT_THAT(found.front().target, HasSubstr("Lunar Sourcebook"));
-    EXPECT_EQ(findings(settledTo(1600), kMoon_m_s2, known).front().verdict, Verdict::kFail);
+    EXPECT_EQ(verdictOf(findings(settledTo(1600), kMoon_m_s2, known).front()), Verdict::kFail);
   }
   EXPECT_FALSE(isLunar(kMoon_m_s2, target(1330)));
   EXPECT_FALSE(isLunar(kEarth_m_s2, {}));
-  EXPECT_EQ(findings(settledTo(1520), kEarth_m_s2, {}).front().verdict, Verdict::kInfo);
+  EXPECT_EQ(verdictOf(findings(settledTo(1520), kEarth_m_s2, {}).front()), Verdict::kInfo);
 }
 
 TEST(Findings, StrengthIsJudgedWhereTheTargetSays) {
@@ -57,30 +65,30 @@ TEST(Findings, StrengthIsJudgedWhereTheTargetSays) {
   result.residual.cohesion_pa = 60;
   SoilTarget wanted = target(1330, 29, 0);
   auto found = findings(result, wanted);
-  EXPECT_EQ(found[0].verdict, Verdict::kPass);  // 1.5 degrees off
-  EXPECT_EQ(found[1].verdict, Verdict::kFail);  // 60 Pa off
-  EXPECT_EQ(found[2].verdict, Verdict::kInfo);
+  EXPECT_EQ(verdictOf(found[0]), Verdict::kPass);  // 1.5 degrees off
+  EXPECT_EQ(verdictOf(found[1]), Verdict::kFail);  // 60 Pa off
+  EXPECT_EQ(verdictOf(found[2]), Verdict::kInfo);
   wanted.strength = SoilStrength::kPeak;
   found = findings(result, wanted);
-  EXPECT_EQ(found[0].verdict, Verdict::kInfo);
-  EXPECT_EQ(found[2].verdict, Verdict::kFail);  // 11 degrees off
-  EXPECT_EQ(findings(result, {})[0].verdict, Verdict::kInfo);
+  EXPECT_EQ(verdictOf(found[0]), Verdict::kInfo);
+  EXPECT_EQ(verdictOf(found[2]), Verdict::kFail);  // 11 degrees off
+  EXPECT_EQ(verdictOf(findings(result, {})[0]), Verdict::kInfo);
 }
 
 TEST(Findings, ACutStandsWithCohesionAndFallsWithout) {
   CutResult stands;
-  stands.stands = true;
-  EXPECT_EQ(findings(stands, 0.1, target(1500, 42, 520)).front().verdict, Verdict::kPass);
-  EXPECT_EQ(findings(stands, 0.1, target(1330, 29, 0)).front().verdict, Verdict::kFail);
-  EXPECT_EQ(findings(stands, 0.1, {}).front().verdict, Verdict::kInfo);
+  stands.height_kept = 0.9;
+  EXPECT_EQ(verdictOf(findings(stands, 0.1, target(1500, 42, 520)).front()), Verdict::kPass);
+  EXPECT_EQ(verdictOf(findings(stands, 0.1, target(1330, 29, 0)).front()), Verdict::kFail);
+  EXPECT_EQ(verdictOf(findings(stands, 0.1, {}).front()), Verdict::kInfo);
 }
 
 TEST(Findings, NewtonAndBeverlooHoldForEverySoil) {
   FallResult fall;
   fall.acceleration_ratio = 0.9995;
-  EXPECT_EQ(findings(fall).front().verdict, Verdict::kPass);
+  EXPECT_EQ(verdictOf(findings(fall).front()), Verdict::kPass);
   fall.acceleration_ratio = 0.998;
-  EXPECT_EQ(findings(fall).front().verdict, Verdict::kFail);
+  EXPECT_EQ(verdictOf(findings(fall).front()), Verdict::kFail);
   FunnelResult funnel;
   funnel.particle_diameter_m = 0.01;
   funnel.fit.exponent = 2.6;
@@ -88,10 +96,14 @@ TEST(Findings, NewtonAndBeverlooHoldForEverySoil) {
   funnel.points[0].opening_m = 0.03;
   funnel.points[0].clogged = true;
   funnel.points[1].opening_m = 0.06;
-  EXPECT_THAT(findings(funnel),
-              ElementsAre(Field(&Finding::verdict, Verdict::kPass), Field(&Finding::verdict, Verdict::kPass)));
+  EXPECT_THAT(findings(funnel), ElementsAre(ResultOf(verdictOf, Verdict::kPass), ResultOf(verdictOf, Verdict::kPass),
+                                            ResultOf(verdictOf, Verdict::kPass)));
   funnel.points[0].opening_m = 0.09;
-  EXPECT_EQ(findings(funnel).back().verdict, Verdict::kFail);
+  EXPECT_EQ(verdictOf(findings(funnel)[1]), Verdict::kFail);
+  funnel.points[0].clogged = false;
+  funnel.points[1].opening_m = 0.02;
+  EXPECT_EQ(verdictOf(findings(funnel)[1]), Verdict::kFail);  // clogs nowhere
+  EXPECT_EQ(verdictOf(findings(funnel)[2]), Verdict::kFail);  // runs through two diameters
 }
 
 }  // namespace

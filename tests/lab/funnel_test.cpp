@@ -83,7 +83,7 @@ TEST(Funnel, IsDrawn) {
   funnel.points[1].rate_kg_s = 0.1;
   funnel.fit = {.prefactor = 1000, .exponent = 2.5, .exponent_se = 0.1, .gap = kBeverlooGap, .log_residual = 0};
   const auto path = std::filesystem::temp_directory_path() / "haptolith_funnel_test.svg";
-  drawFunnel(path, funnel);
+  drawFunnel(path, funnel, "a soil");
   EXPECT_GT(std::filesystem::file_size(path), 1000U);
   std::filesystem::remove(path);
 }

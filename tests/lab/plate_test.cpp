@@ -135,7 +135,7 @@ TEST(Plate, IsDrawnBesideWhatWasMeasured) {
   plate.fit = {.modulus = 1e6, .exponent = 1.2};
   const auto file = std::filesystem::path(testing::TempDir()) / "plate.svg";
   std::filesystem::remove(file);  // of an earlier run
-  drawPlate(file, plate, {{"run 1", {{0, 0}, {0.01, 11}}}});
+  drawPlate(file, plate, "a soil", {{"run 1", {{0, 0}, {0.01, 11}}}});
   std::ifstream stream(file);
   const std::string svg{std::istreambuf_iterator<char>(stream), {}};
   EXPECT_NE(svg.find("run 1"), std::string::npos);

@@ -102,7 +102,7 @@ TEST(Repose, IsDrawn) {
   heap.profile.rings = {{0, 2e-3}, {2e-3, 1e-3}};
   heap.profile.line = {.intercept = 2e-3, .slope = -0.7};
   const auto path = std::filesystem::temp_directory_path() / "haptolith_repose_test.svg";
-  drawRepose(path, heap);
+  drawRepose(path, heap, "a soil");
   EXPECT_GT(std::filesystem::file_size(path), 1000U);
   std::filesystem::remove(path);
 }

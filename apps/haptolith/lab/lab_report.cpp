@@ -1,13 +1,28 @@
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
-#include <unistd.h>
+#include <fmt/ranges.h>
 
+#include <algorithm>
+#include <array>
+#include <atomic>
+#include <cstddef>
+#include <cstdint>
 #include <filesystem>
+#include <iterator>
 #include <memory>
+#include <mutex>
 #include <optional>
+#include <set>
 #include <string>
+#include <utility>
+#include <vector>
 
+#include "haptolith/core/atomic_file.h"
+#include "haptolith/core/clock.h"
 #include "haptolith/core/error.h"
+#include "haptolith/core/in_parallel.h"
+#include "haptolith/figure/figure.h"
+#include "haptolith/lab/over_seeds.h"
 #include "haptolith/lab/report_page.h"
 #include "haptolith/scenario/scene_words.h"
 #include "haptolith/soil/bodies.h"
@@ -15,40 +30,281 @@
 #include "commands.h"
 #include "lab/lab_options.h"
 #include "lab/lab_tests.h"
+#include "lab/report_folder.h"
+#include "lab/report_results.h"
+#include "shared/option_checks.h"
 #include "shared/output.h"
+#include "shared/saved.h"
 #include "shared/stop_on_signal.h"
 
 namespace haptolith {
 
 namespace {
 
-/// Where figures wait until they are in the page.
-class TemporaryFolder {
+using Json = nlohmann::ordered_json;
+
+constexpr Range kSeeds{1, 100};
+constexpr std::array kModels{FrictionModel::kContact, FrictionModel::kPaper};
+
+struct ReportOptions {
+  LabOptions lab;
+  std::string folder = "lab-report";
+  std::vector<std::string> only;
+  int seeds = 3;
+  bool resume = false;
+};
+
+std::vector<LabTest> testsOf(const ReportOptions& options) {
+  std::vector<LabTest> tests = labTests();
+  if (!options.only.empty()) {
+    std::erase_if(
+        tests, [&](const LabTest& test) { return std::ranges::find(options.only, test.name) == options.only.end(); });
+  }
+  return tests;
+}
+
+Json soilJson(const SoilParameters& soil) {
+  return {{"radius_m", soil.radius_m},
+          {"gamma_nm", soil.gamma_nm},
+          {"rho0_kg_m3", soil.rho0_kg_m3},
+          {"rho_max_kg_m3", soil.rho_max_kg_m3},
+          {"mu_hat", soil.mu_hat},
+          {"stiffness_n_m", soil.stiffness_n_m},
+          {"attraction_ratio", soil.attraction_ratio},
+          {"moving_friction_ratio", soil.moving_friction_ratio},
+          {"contact_friction", soil.contact_friction},
+          {"contact_cohesion_n", soil.contact_cohesion_n},
+          {"cohesion_range_ratio", soil.cohesion_range_ratio},
+          {"tangential_ratio", soil.tangential_ratio},
+          {"size_spread", soil.size_spread},
+          {"damping_ratio", soil.damping_ratio}};
+}
+
+/// All that the results depend on.
+Json conditionsJson(const ReportOptions& options, const LabSoil& soil, const LabConditions& conditions) {
+  std::vector<std::string> names;
+  for (const LabTest& test : testsOf(options)) {
+    names.push_back(test.name);
+  }
+  Json json{{"program", "haptolith " HAPTOLITH_VERSION},
+            {"soil", soil.name},
+            {"body", findBody(options.lab.body).name},
+            {"gravity_m_s2", conditions.gravity_m_s2},
+            {"seed", options.lab.seed},
+            {"seeds", options.seeds},
+            {"tests", fmt::format("{}", fmt::join(names, " "))},
+            {"particles", soilJson(soil.soil)},
+            {"target", nullptr}};
+  if (soil.target) {
+    json["target"] = {{"bulk_density_kg_m3", soil.target->bulk_density_kg_m3},
+                      {"friction_angle_deg", soil.target->friction_angle_deg},
+                      {"cohesion_pa", soil.target->cohesion_pa},
+                      {"strength", wordFor(kSoilStrengthWords, soil.target->strength)}};
+  }
+  return json;
+}
+
+/// "1 to 3", or "1".
+std::string seedsText(const ReportOptions& options) {
+  const std::uint64_t first = options.lab.seed;
+  return options.seeds > 1 ? fmt::format("{} to {}", first, first + static_cast<std::uint64_t>(options.seeds) - 1)
+                           : fmt::format("{}", first);
+}
+
+std::string durationText(double seconds) {
+  return seconds < 100        ? fmt::format("{:.0f} s", seconds)
+         : seconds < 100 * 60 ? fmt::format("{:.0f} min", seconds / 60)
+                              : fmt::format("{:.1f} h", seconds / 3600);
+}
+
+/// One test with one model of friction and one seed: what is done, saved and resumed as a whole.
+struct Piece {
+  std::size_t test = 0;
+  FrictionModel model{};
+  std::uint64_t seed = 1;
+};
+
+/// A report under way. Several threads measure pieces; what they share is behind `mutex_`.
+class Report {
  public:
-  TemporaryFolder() : path_(std::filesystem::temp_directory_path() / fmt::format("haptolith-report-{}", getpid())) {
-    std::filesystem::create_directories(path_);
-  }
-  ~TemporaryFolder() {
-    std::error_code ignored;
-    std::filesystem::remove_all(path_, ignored);
-  }
-  TemporaryFolder(const TemporaryFolder&) = delete;
-  TemporaryFolder& operator=(const TemporaryFolder&) = delete;
-  [[nodiscard]] const std::filesystem::path& path() const { return path_; }
+  /// @throws Failure as ReportFolder, when a result cannot be read, and without gnuplot.
+  explicit Report(const ReportOptions& options);
+
+  /// Measures what is missing. @throws Failure when it cannot be saved, and when somebody ends it before; what has been
+  /// measured is saved.
+  void complete();
 
  private:
-  std::filesystem::path path_;
+  void measure(std::size_t index);
+  [[nodiscard]] ReportResult tried(std::size_t index, Json& document);
+  void keep(std::size_t index, ReportResult result, const Json& document);
+
+  [[nodiscard]] LabProgress progressOf(std::size_t index);
+  [[nodiscard]] bool ends() const { return stopAsked() || gives_up_; }
+
+  [[nodiscard]] LabSoil soilOf(const Piece& piece) const;
+  [[nodiscard]] LabConditions conditionsOf(const Piece& piece, const LabSoil& soil) const;
+  [[nodiscard]] std::string captionOf(const Piece& piece) const;
+  [[nodiscard]] std::string fileNameOf(const Piece& piece) const;
+  [[nodiscard]] std::string titleOf(const Piece& piece) const;
+
+  [[nodiscard]] std::size_t done() const;
+  [[nodiscard]] double secondsLeft() const;
+  [[nodiscard]] ReportCell cellOf(std::size_t test, FrictionModel model) const;
+  [[nodiscard]] std::string missingText() const;
+  [[nodiscard]] ReportPage page() const;
+
+  ReportOptions options_;
+  StatusLine status_;
+  LabSoil soil_;
+  LabConditions conditions_;
+  std::vector<LabTest> tests_;
+  std::vector<Piece> pieces_;  ///< the first seed's come first, so that half a report has a value for each test
+  std::optional<ReportFolder> folder_;
+  std::vector<std::optional<ReportResult>> results_;  ///< of each piece
+  std::size_t at_once_ = 1;
+
+  std::mutex mutex_;
+  std::set<std::size_t> running_;
+  std::atomic<bool> gives_up_ = false;
 };
 
-struct Outcome {
+Report::Report(const ReportOptions& options)
+    : options_(options),
+      soil_(labSoil(options.lab, 0)),
+      conditions_(labConditions(options.lab, soil_, status_)),
+      tests_(testsOf(options)) {
+  for (int i = 0; i < options.seeds; ++i) {
+    for (std::size_t test = 0; test < tests_.size(); ++test) {
+      for (const FrictionModel model : kModels) {
+        pieces_.push_back({test, model, options.lab.seed + static_cast<std::uint64_t>(i)});
+      }
+    }
+  }
+  // Without gnuplot it would end after its first test.
+  const Figure drawable(temporaryBeside(std::filesystem::temp_directory_path() / "haptolith.png", "try"), 100, 100);
+  folder_.emplace(options.folder, conditionsJson(options, soil_, conditions_),
+                  options.resume                  ? ReportThere::kResume
+                  : options.lab.overwrite.allowed ? ReportThere::kReplace
+                                                  : ReportThere::kRefuse);
+  results_.reserve(pieces_.size());
+  for (const Piece& piece : pieces_) {
+    const std::optional<Json> saved = folder_->result(fileNameOf(piece));
+    try {
+      results_.push_back(saved ? std::optional(resultFrom(*saved)) : std::nullopt);
+    } catch (const Json::exception&) {
+      throw Failure(fmt::format("{} is not what lab report has written: without it, --resume measures it again",
+                                folder_->resultFile(fileNameOf(piece)).string()));
+    }
+  }
+}
+
+void Report::complete() {
+  std::vector<std::size_t> missing;
+  for (std::size_t i = 0; i < pieces_.size(); ++i) {
+    if (!results_[i]) {
+      missing.push_back(i);
+    }
+  }
+  saveReport({folder_->page(), IfThere::kReplace}, page());
+  if (missing.size() < pieces_.size()) {
+    post(fmt::format("{} of {} results are there already\n", done(), pieces_.size()));
+  }
+  const auto threads = static_cast<std::size_t>(conditions_.threads);
+  at_once_ = std::clamp<std::size_t>(missing.size(), 1, threads);
+  conditions_.threads = static_cast<int>(threads / at_once_);
+  try {
+    inParallel(missing.size(), static_cast<int>(at_once_), [&](std::size_t i) { measure(missing[i]); });
+  } catch (const Failure&) {
+    if (!stopAsked()) {
+      throw;
+    }
+    throw Failure(fmt::format("interrupted: {} of {} results are kept in {}; the same command with --resume goes on",
+                              done(), pieces_.size(), folder_->path().string()));
+  }
+}
+
+void Report::measure(std::size_t index) {
+  try {
+    {
+      const std::scoped_lock lock(mutex_);
+      running_.insert(index);
+    }
+    const std::int64_t began_ns = monotonicNs();
+    Json document;
+    ReportResult result = tried(index, document);
+    result.took_s = static_cast<double>(monotonicNs() - began_ns) / 1e9;
+    keep(index, std::move(result), document);
+  } catch (...) {
+    gives_up_ = true;  // the others need not go on for minutes
+    throw;
+  }
+}
+
+/// A test that a soil fails outright (soil that does not flow through a funnel, say) is a finding, not the end of the
+/// report; only an interruption is.
+ReportResult Report::tried(std::size_t index, Json& document) {
+  const Piece& piece = pieces_[index];
+  const LabSoil soil = soilOf(piece);
+  LabConditions conditions = conditionsOf(piece, soil);
+  conditions.progress = progressOf(index);
+  document = {{"test", tests_[piece.test].name}};
+  document.update(circumstancesJson(options_.lab, soil, conditions));
   std::optional<LabOutput> output;
-  std::string why_not;
-};
+  try {
+    if (ends()) {
+      throw Failure("interrupted");
+    }
+    output = tests_[piece.test].run(soil, conditions);
+  } catch (const Failure& failure) {
+    if (ends()) {
+      throw;
+    }
+    return {{}, failure.what(), 0};
+  }
+  document["result"] = output->json;
+  if (piece.seed == options_.lab.seed) {
+    output->draw({folder_->figure(fileNameOf(piece)), IfThere::kReplace}, captionOf(piece));
+  }
+  return {output->findings, "", 0};
+}
 
-/// One test with one model. A test that a soil fails outright (soil that does not flow through a funnel, say) is a
-/// finding, not the end of the report; only an interruption is.
-Outcome tryTest(const LabTest& test, LabSoil soil, const LabConditions& base) {
-  LabConditions conditions = base;
+void Report::keep(std::size_t index, ReportResult result, const Json& document) {
+  Json whole = document;
+  whole.update(jsonOf(result));
+  folder_->save(fileNameOf(pieces_[index]), whole);
+  const std::scoped_lock lock(mutex_);
+  running_.erase(index);
+  results_[index] = std::move(result);
+  saveReport({folder_->page(), IfThere::kReplace}, page());
+  const ReportResult& kept = *results_[index];
+  const std::string found = kept.findings.empty() ? kept.why_not
+                                                  : fmt::format("{} {}", kept.findings.front().measured,
+                                                                overSeeds({kept.findings.front()}).text);
+  const std::string left =
+      done() < pieces_.size() ? fmt::format("; about {} left", durationText(secondsLeft())) : std::string();
+  status_.clear();
+  post(fmt::format("[{}/{}] {}: {} ({}{})\n", done(), pieces_.size(), titleOf(pieces_[index]), found,
+                   durationText(kept.took_s), left));
+}
+
+LabProgress Report::progressOf(std::size_t index) {
+  return [this, index](std::string_view what, double share) {
+    if (status_.visible()) {
+      const std::scoped_lock lock(mutex_);
+      if (index == *running_.begin()) {  // one of those at work is enough to look at
+        status_.update(fmt::format("{} of {} done; {}: {}: {:.0f} %", done(), pieces_.size(), titleOf(pieces_[index]),
+                                   what, 100 * share));
+      }
+    }
+    return !ends();
+  };
+}
+
+LabSoil Report::soilOf(const Piece& piece) const {
+  LabSoil soil = soil_;
+  const LabTest& test = tests_[piece.test];
+  soil.soil.friction = piece.model;
   if (test.radius_mm > 0) {
     soil.soil = rescaled(soil.soil, test.radius_mm / 1e3);
   }
@@ -56,103 +312,196 @@ Outcome tryTest(const LabTest& test, LabSoil soil, const LabConditions& base) {
     soil.soil.contact_cohesion_n = 0;
     soil.soil.attraction_ratio = 1;
   }
+  return soil;
+}
+
+LabConditions Report::conditionsOf(const Piece& piece, const LabSoil& soil) const {
+  LabConditions conditions = conditions_;
   conditions.soil = soil.soil;
-  try {
-    return {test.run(soil, conditions), ""};
-  } catch (const Failure& failure) {
-    if (stopAsked()) {
-      throw;
-    }
-    return {std::nullopt, failure.what()};
-  }
+  conditions.seed = piece.seed;
+  return conditions;
 }
 
-std::string nameOf(const LabTest& test) {
-  return test.without_cohesion ? test.name + ", without cohesion" : test.name;
+/// "shear: dry-sand, contact friction, Earth, macroparticles of 7 mm, seed 1"
+std::string Report::captionOf(const Piece& piece) const {
+  const LabSoil soil = soilOf(piece);
+  return fmt::format("{}: {}", reportName(tests_[piece.test]),
+                     circumstancesText(options_.lab, soil, conditionsOf(piece, soil)));
 }
 
-/// The rows of one test: the findings of both models side by side.
-void addRows(ReportPage& page, const LabTest& test, const Outcome& contact, const Outcome& paper) {
-  const Outcome& either = contact.output ? contact : paper;
-  if (!either.output) {
-    page.rows.push_back(
-        {nameOf(test), test.description, "", {contact.why_not, Verdict::kFail}, {paper.why_not, Verdict::kFail}});
-    return;
-  }
-  for (std::size_t i = 0; i < either.output->findings.size(); ++i) {
-    const Finding& finding = either.output->findings[i];
-    const auto value = [&](const Outcome& outcome) {
-      if (!outcome.output) {
-        return ReportValue{outcome.why_not, finding.target.empty() ? Verdict::kInfo : Verdict::kFail};
+std::string Report::fileNameOf(const Piece& piece) const {
+  return fmt::format("{}-{}-{}", tests_[piece.test].name, wordFor(kFrictionWords, piece.model), piece.seed);
+}
+
+std::string Report::titleOf(const Piece& piece) const {
+  return fmt::format("{}, {}, seed {}", tests_[piece.test].name, wordFor(kFrictionWords, piece.model), piece.seed);
+}
+
+std::size_t Report::done() const {
+  return static_cast<std::size_t>(
+      std::ranges::count_if(results_, [](const auto& result) { return result.has_value(); }));
+}
+
+/// A test takes as long as it took with another seed, else with the other model, else as long as the others.
+double Report::secondsLeft() const {
+  const auto mean_s = [this](const auto& matches) {
+    double sum_s = 0;
+    int count = 0;
+    for (std::size_t i = 0; i < pieces_.size(); ++i) {
+      if (results_[i] && matches(pieces_[i])) {
+        sum_s += results_[i]->took_s;
+        ++count;
       }
-      const Finding& own = outcome.output->findings[i];
-      return ReportValue{own.value, own.verdict};
-    };
-    page.rows.push_back({nameOf(test), finding.measured, finding.target, value(contact), value(paper)});
+    }
+    return count > 0 ? std::optional(sum_s / count) : std::nullopt;
+  };
+  const double any_s = mean_s([](const Piece&) { return true; }).value_or(0);
+  double left_s = 0;
+  for (std::size_t i = 0; i < pieces_.size(); ++i) {
+    if (!results_[i]) {
+      const Piece& piece = pieces_[i];
+      const auto same = mean_s([&](const Piece& p) { return p.test == piece.test && p.model == piece.model; });
+      const auto near = mean_s([&](const Piece& p) { return p.test == piece.test; });
+      left_s += same.value_or(near.value_or(any_s));
+    }
   }
+  return left_s / static_cast<double>(at_once_);
 }
 
-void runReport(const LabOptions& options, const std::string& out_file) {
-  const StopOnSignal stop_on_signal;
-  requireWritable({options.overwrite(out_file)});
-  const TemporaryFolder folder;
-  StatusLine status;
-  LabSoil soil = labSoil(options, 0);
-  LabConditions conditions = labConditions(options, soil, status);
-  const std::vector<LabTest> tests = labTests();
+ReportCell Report::cellOf(std::size_t test, FrictionModel model) const {
+  ReportCell cell;
+  for (std::size_t i = 0; i < pieces_.size(); ++i) {
+    if (pieces_[i].test == test && pieces_[i].model == model) {
+      cell.push_back(results_[i]);
+    }
+  }
+  return cell;
+}
 
+/// "shear (contact: seeds 2, 3; paper: seeds 1, 2, 3), fall (paper: seeds 1)"; empty when nothing is.
+std::string Report::missingText() const {
+  std::vector<std::string> missing;
+  for (std::size_t test = 0; test < tests_.size(); ++test) {
+    std::vector<std::string> of_test;
+    for (const FrictionModel model : kModels) {
+      std::vector<std::uint64_t> seeds;
+      for (std::size_t i = 0; i < pieces_.size(); ++i) {
+        if (!results_[i] && pieces_[i].test == test && pieces_[i].model == model) {
+          seeds.push_back(pieces_[i].seed);
+        }
+      }
+      if (!seeds.empty()) {
+        of_test.push_back(fmt::format("{}: seed{} {}", wordFor(kFrictionWords, model), seeds.size() > 1 ? "s" : "",
+                                      fmt::join(seeds, ", ")));
+      }
+    }
+    if (!of_test.empty()) {
+      missing.push_back(fmt::format("{} ({})", tests_[test].name, fmt::join(of_test, "; ")));
+    }
+  }
+  return fmt::format("{}", fmt::join(missing, ", "));
+}
+
+ReportPage Report::page() const {
   ReportPage page;
-  page.title = fmt::format("Laboratory report: {}", soil.name);
-  page.introduction = {
-      "Every test was done twice with the same soil: with friction between the particles (contact), and with the "
-      "paper's friction, which acts against space. A test that says so was done without cohesion."};
-  page.facts = {{"Soil", soil.name},
-                {"Gravity", fmt::format("{}, {:g} m/s²", findBody(options.body).name, conditions.gravity_m_s2)},
-                {"Seed", fmt::format("{}", conditions.seed)},
-                {"Contacts", fmt::format("friction {:.3g}, cohesion {:.3g} N, stiffness {:.4g} N/m at R = {:g} mm",
-                                         soil.soil.contact_friction, soil.soil.contact_cohesion_n,
-                                         soil.soil.stiffness_n_m, soil.soil.radius_m * 1e3)}};
-  const auto progress = conditions.progress;
-  for (std::size_t i = 0; i < tests.size(); ++i) {
-    const LabTest& test = tests[i];
-    Outcome outcomes[2];
-    for (const FrictionModel model : {FrictionModel::kContact, FrictionModel::kPaper}) {
-      soil.soil.friction = model;
-      conditions.progress = [&](std::string_view what, double share) {
-        return progress(
-            fmt::format("[{}/{}] {}, {}: {}", i + 1, tests.size(), test.name, wordFor(kFrictionWords, model), what),
-            share);
-      };
-      Outcome& outcome = outcomes[model == FrictionModel::kPaper ? 1 : 0];
-      outcome = tryTest(test, soil, conditions);
-      if (outcome.output) {
-        const std::string caption = fmt::format("{}, {} friction", nameOf(test), wordFor(kFrictionWords, model));
-        const std::filesystem::path figure =
-            folder.path() / fmt::format("{}-{}.png", test.name, wordFor(kFrictionWords, model));
-        outcome.output->draw(figure, caption);
-        page.figures.push_back({figure, caption});
-      }
-    }
-    addRows(page, test, outcomes[0], outcomes[1]);
+  const SoilParameters& soil = soil_.soil;
+  const bool whole = done() == pieces_.size();
+  page.title = fmt::format("Laboratory report: {}{}", soil_.name, whole ? "" : " (unfinished)");
+  if (!whole) {
+    page.introduction.push_back(
+        fmt::format("Unfinished: {} of {} results are here. The same command with --resume goes on. Missing: {}.",
+                    done(), pieces_.size(), missingText()));
   }
-  status.clear();
-  saveReport(options.overwrite(out_file), page);
+  page.introduction.emplace_back(
+      "Every test was done with the same soil and both models: with friction between the particles (contact), and with "
+      "the paper's friction, which acts against space. A test that says so was done without cohesion.");
+  page.introduction.emplace_back(
+      options_.seeds > 1
+          ? fmt::format("Values are means of {} seeds; ± is their standard deviation. A value passes when the mean "
+                        "does. Figures are those of seed {}.",
+                        options_.seeds, options_.lab.seed)
+          : "Values are those of one seed, so nothing is known of their spread.");
+  page.facts = {{"Soil", soil_.name},
+                {"Gravity", fmt::format("{}, {:g} m/s²", findBody(options_.lab.body).name, conditions_.gravity_m_s2)},
+                {options_.seeds > 1 ? "Seeds" : "Seed", seedsText(options_)},
+                {"Contacts",
+                 fmt::format("friction {:.3g}, cohesion {:.3g} N, stiffness {:.4g} N/m at R = {:g} mm",
+                             soil.contact_friction, soil.contact_cohesion_n, soil.stiffness_n_m, soil.radius_m * 1e3)},
+                {"Program", "haptolith " HAPTOLITH_VERSION}};
+  for (std::size_t test = 0; test < tests_.size(); ++test) {
+    std::ranges::move(
+        reportRows(tests_[test], cellOf(test, FrictionModel::kContact), cellOf(test, FrictionModel::kPaper)),
+        std::back_inserter(page.rows));
+  }
+  for (std::size_t i = 0; i < pieces_.size(); ++i) {
+    if (pieces_[i].seed == options_.lab.seed && results_[i] && !results_[i]->findings.empty()) {
+      page.figures.push_back({folder_->figure(fileNameOf(pieces_[i])), captionOf(pieces_[i])});
+    }
+  }
+  return page;
+}
+
+/// Of the many files in the folder only the page is worth a line.
+void tellOfPageAlone() {
+  for (const std::filesystem::path& path : filesWritten()) {
+    if (path.extension() != ".html") {
+      static_cast<void>(savedText(path, ""));
+    }
+  }
+}
+
+void runReport(const ReportOptions& options) {
+  const StopOnSignal stop_on_signal;
+  if (std::filesystem::path(options.folder).extension() == ".html") {
+    throw InvalidParameter("--out", options.folder, "the name of a folder, in which report.html will be");
+  }
+  try {
+    Report(options).complete();
+  } catch (...) {
+    tellOfPageAlone();
+    throw;
+  }
+  tellOfPageAlone();
+}
+
+std::vector<std::string> testNames() {
+  std::vector<std::string> names;
+  for (const LabTest& test : labTests()) {
+    names.push_back(test.name);
+  }
+  return names;
 }
 
 }  // namespace
 
 void addReport(CLI::App& lab) {
-  auto options = std::make_shared<LabOptions>();
-  auto out = std::make_shared<std::string>("lab-report.html");
-  CLI::App* command =
-      lab.add_subcommand("report", "All tests with both models of friction, on one HTML page; takes a while");
-  options->addTo(*command);
+  auto options = std::make_shared<ReportOptions>();
+  CLI::App* command = lab.add_subcommand(
+      "report",
+      "All tests with both models of friction and several seeds, on one HTML page; takes long, can be resumed");
+  options->lab.addTo(*command);
   for (const char* unused : {"--figure", "--trace", "--json", "--friction", "--radius-mm"}) {
     command->remove_option(command->get_option(unused));
   }
-  command->add_option("--out", *out, "the page: FILE.html")->capture_default_str();
-  command->footer("Example:\n  haptolith lab report --soil lunar-0-15cm --out report.html");
-  command->callback([options, out] { runReport(*options, *out); });
+  command->get_option("--seed")->description("the first of the seeds, of the specimens' particles");
+  command->add_option("--seeds", options->seeds, "how many specimens of each test, 1 to 100, each from another seed")
+      ->check(wholeNumberIn(kSeeds))
+      ->capture_default_str();
+  command->add_option("--only", options->only, fmt::format("these tests only: {}", fmt::join(testNames(), ",")))
+      ->delimiter(',')
+      ->check(oneOf(testNames()).description(""));
+  command
+      ->add_option("--out", options->folder,
+                   "the folder: report.html, and a file for each result as soon as it is there")
+      ->capture_default_str();
+  CLI::Option* resume = command->add_flag("--resume", options->resume, "go on with the report in that folder");
+  command->get_option("--overwrite")->description("begin anew in a folder that holds a report")->excludes(resume);
+  command->footer(
+      "Examples:\n"
+      "  haptolith lab report --soil dry-sand --body Earth --out sand\n"
+      "  haptolith lab report --soil dry-sand --body Earth --out sand --resume   after Ctrl-C, or whatever ended it\n"
+      "  haptolith lab report --only shear,repose --seeds 5");
+  command->callback([options] { runReport(*options); });
 }
 
 }  // namespace haptolith

@@ -188,7 +188,7 @@ LabOutput reposeOutput(const LabSoil& soil, const LabConditions& conditions, con
                  {"profile", rings}};
   output.findings = findings(result, soil.target);
   output.trace = result.trace;
-  output.draw = [result](const OutputFile& path, const std::string&) { drawRepose(path, result); };
+  output.draw = [result](const OutputFile& path, const std::string& title) { drawRepose(path, result, title); };
   return output;
 }
 
@@ -227,7 +227,7 @@ LabOutput cutOutput(const LabSoil& soil, const LabConditions& conditions, const 
                  {"toe_ahead_m", result.toe_ahead_m}};
   output.findings = findings(result, options.height_m, soil.target);
   output.trace = result.trace;
-  output.draw = [result](const OutputFile& path, const std::string&) { drawCut(path, result); };
+  output.draw = [result](const OutputFile& path, const std::string& title) { drawCut(path, result, title); };
   return output;
 }
 
@@ -267,7 +267,7 @@ LabOutput plateOutput(const LabConditions& conditions, const PlateOptions& optio
                  {"particles", result.particles}};
   output.findings = findings(result, options.diameter_m);
   output.trace = result.trace;
-  output.draw = [result](const OutputFile& path, const std::string&) { drawPlate(path, result); };
+  output.draw = [result](const OutputFile& path, const std::string& title) { drawPlate(path, result, title); };
   return output;
 }
 
@@ -307,7 +307,7 @@ LabOutput coneOutput(const LabConditions& conditions, const ConeOptions& options
                  {"particles", result.particles}};
   output.findings = findings(result);
   output.trace = result.trace;
-  output.draw = [result](const OutputFile& path, const std::string&) { drawCone(path, result); };
+  output.draw = [result](const OutputFile& path, const std::string& title) { drawCone(path, result, title); };
   return output;
 }
 
@@ -361,7 +361,7 @@ LabOutput bladeOutput(const LabSoil& soil, const LabConditions& conditions, Blad
                  {"particles", result.particles}};
   output.findings = findings(result, soil.target);
   output.trace = result.trace;
-  output.draw = [result](const OutputFile& path, const std::string&) { drawBlade(path, result); };
+  output.draw = [result](const OutputFile& path, const std::string& title) { drawBlade(path, result, title); };
   return output;
 }
 
@@ -423,7 +423,7 @@ LabOutput funnelOutput(const LabConditions& conditions, const FunnelOptions& opt
                  {"points", points}};
   output.findings = findings(result);
   output.trace = result.trace;
-  output.draw = [result](const OutputFile& path, const std::string&) { drawFunnel(path, result); };
+  output.draw = [result](const OutputFile& path, const std::string& title) { drawFunnel(path, result, title); };
   return output;
 }
 

@@ -210,7 +210,7 @@ MohrCoulomb strengthBeforeBlade(const LabConditions& conditions, Preparation pre
   return {.friction_angle_rad = std::atan(stresses / squares), .cohesion_pa = 0};
 }
 
-void drawBlade(const OutputFile& file, const BladeResult& result) {
+void drawBlade(const OutputFile& file, const BladeResult& result, std::string_view title) {
   constexpr double kMmPerM = 1000;
   Figure figure(file, 900, 600);
   std::vector<std::vector<double>> rows = result.trace.rows;
@@ -218,7 +218,9 @@ void drawBlade(const OutputFile& file, const BladeResult& result) {
     row[0] *= kMmPerM;
   }
   figure.data("trace", rows);
-  figure.command("set xlabel 'travel in mm'; set ylabel 'force in N'; set key below; set grid; set xrange [0:*]");
+  figure.command(
+      "set xlabel 'travel / mm'; set ylabel 'force / N'; set key tmargin center horizontal; set xrange [0:*]");
+  figure.command(fmt::format("set title {}", gnuplotQuoted(title)));
   figure.command(fmt::format(
       "plot $trace using 1:2 with lines linewidth 2.5 linecolor rgb '#0072b2' title 'draft', "
       "$trace using 1:3 with lines linewidth 2.5 linecolor rgb '#009e73' title 'vertical', "

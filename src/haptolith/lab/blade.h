@@ -2,6 +2,7 @@
 
 #include <cstddef>
 #include <numbers>
+#include <string_view>
 
 #include "haptolith/core/atomic_file.h"
 #include "haptolith/lab/lab_bed.h"
@@ -67,6 +68,6 @@ struct BladeResult {
 [[nodiscard]] MohrCoulomb strengthBeforeBlade(const LabConditions& conditions, Preparation preparation);
 
 /// Draws draft and vertical force against travel, with the equation's, into an .svg or .png file. @throws as Figure.
-void drawBlade(const OutputFile& file, const BladeResult& result);
+void drawBlade(const OutputFile& file, const BladeResult& result, std::string_view title);
 
 }  // namespace haptolith

@@ -239,8 +239,8 @@ void drawCarry(const OutputFile& path, const CarryResult& result, std::string_vi
   }
   Figure figure(path, 900, 560);
   figure.data("carry", rows);
-  figure.command(fmt::format("set title {}; set grid lc '#dddddd'; set key outside bottom center horizontal",
-                             gnuplotQuoted(title)));
+  figure.command(
+      fmt::format("set title {}; set grid lc '#dddddd'; set key tmargin center horizontal", gnuplotQuoted(title)));
   figure.command(
       "set xlabel 'time / s'; set ylabel 'force / N'; set y2label 'speed / (mm/s)'; set y2tics; "
       "set ytics nomirror; set y2range [0:*]");

@@ -80,7 +80,7 @@ ConeResult coneTest(const LabConditions& conditions, const ConeOptions& options)
   return result;
 }
 
-void drawCone(const OutputFile& file, const ConeResult& result) {
+void drawCone(const OutputFile& file, const ConeResult& result, std::string_view title) {
   constexpr double kMmPerM = 1000;
   constexpr double kPaPerKpa = 1000;
   Figure figure(file, 700, 800);
@@ -96,8 +96,9 @@ void drawCone(const OutputFile& file, const ConeResult& result) {
   figure.data("line", {{index - half_way, 0}, {index + half_way, deepest * kMmPerM}});
   figure.data("index", {{index, 0}, {index, deepest * kMmPerM}});
   figure.command(
-      "set xlabel 'resistance in kPa'; set ylabel 'depth of the base in mm'; set grid; "
-      "set yrange [0:*] reverse; set xrange [0:*]; set key top right");
+      "set xlabel 'resistance / kPa'; set ylabel 'depth of the base / mm'; "
+      "set yrange [0:*] reverse; set xrange [0:*]; set key tmargin center horizontal");
+  figure.command(fmt::format("set title {}", gnuplotQuoted(title)));
   figure.command(
       fmt::format("plot $resistance using 1:2 with lines linewidth 2.5 linecolor rgb '#0072b2' title 'simulated', "
                   "$index using 1:2 with lines dashtype (8,5) linecolor rgb '#888888' title 'cone index {:.3g} kPa', "

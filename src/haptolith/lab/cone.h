@@ -1,6 +1,7 @@
 #pragma once
 
 #include <numbers>
+#include <string_view>
 #include <vector>
 
 #include "haptolith/core/atomic_file.h"
@@ -47,6 +48,6 @@ struct ConeResult {
 [[nodiscard]] ConeResult coneTest(const LabConditions& conditions, const ConeOptions& options = {});
 
 /// Draws resistance against depth, its mean and its straight line into an .svg or .png file. @throws as Figure.
-void drawCone(const OutputFile& file, const ConeResult& result);
+void drawCone(const OutputFile& file, const ConeResult& result, std::string_view title);
 
 }  // namespace haptolith

@@ -17,7 +17,6 @@ namespace haptolith {
 
 namespace {
 
-constexpr double kStanding = 0.9;  // part of the height that must be left; without cohesion about 0.6 is
 constexpr double kCrest = 0.9;
 constexpr double kToe = 0.1;
 constexpr double kStrip = 0.25;       // of H, behind the face, where the height is read
@@ -197,7 +196,7 @@ CutResult verticalCutTest(const LabConditions& conditions, const CutOptions& opt
   result.after = profile_now();
   result.height_after_m = heightBehindFace(result.after, strip_m);
   result.height_kept = result.height_after_m / result.height_before_m;
-  result.stands = result.height_kept >= kStanding;
+  result.stands = result.height_kept >= kStandingCut;
   const auto moved = [&](double share) {
     const double height = share * result.height_before_m;
     return lastAbove(result.after, height, -apparatus.depth_m) - lastAbove(result.before, height, 0);
@@ -207,7 +206,7 @@ CutResult verticalCutTest(const LabConditions& conditions, const CutOptions& opt
   return result;
 }
 
-void drawCut(const OutputFile& path, const CutResult& result) {
+void drawCut(const OutputFile& path, const CutResult& result, std::string_view title) {
   constexpr double kMm = 1e3;
   const double r = result.radius_m;
   Figure figure(path, 1000, 760);
@@ -239,7 +238,7 @@ void drawCut(const OutputFile& path, const CutResult& result) {
     }
   }
   figure.command(fmt::format(R"(
-set multiplot layout 2,1
+set multiplot layout 2,1 title {}
 set size ratio -1
 set xrange [{:g}:{:g}]
 set yrange [0:{:g}]
@@ -255,8 +254,8 @@ plot $after using 1:2:3 with circles linecolor rgb '#cbb899' fillstyle solid 0.7
      $after_top using 1:2 with linespoints pointtype 7 pointsize 0.6 linewidth 2 linecolor rgb '#c0392b' notitle
 unset multiplot
 )",
-                             back - 5, ahead + 5, 1.1 * high, result.stands ? "it stands" : "it falls",
-                             100 * result.height_kept));
+                             gnuplotQuoted(title), back - 5, ahead + 5, 1.1 * high,
+                             result.stands ? "it stands" : "it falls", 100 * result.height_kept));
   figure.save();
 }
 

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <string_view>
 #include <vector>
 
 #include "haptolith/core/atomic_file.h"
@@ -23,11 +24,14 @@ struct CutProfilePoint {
   double height_m = 0;  ///< mean over the width, above the floor
 };
 
+/// Part of a cut's height that is left when it stands; without cohesion about 0.6 is.
+inline constexpr double kStandingCut = 0.9;
+
 struct CutResult {
   bool stands = false;
   double height_before_m = 0;  ///< just behind the face: mean over H / 4
   double height_after_m = 0;   ///< at the same place
-  double height_kept = 0;      ///< after over before; a cut stands when this is 0.9 or more
+  double height_kept = 0;      ///< after over before; a cut stands when this is kStandingCut or more
   double crest_back_m = 0;     ///< how far the crest (0.9 of the height before) went back
   double toe_ahead_m = 0;      ///< how far the toe (0.1 of the height before) went ahead
   std::vector<CutProfilePoint> before, after;
@@ -61,6 +65,6 @@ struct CutResult {
 [[nodiscard]] CutResult verticalCutTest(const LabConditions& conditions, const CutOptions& options = {});
 
 /// Draws the soil before and after. @throws as Figure.
-void drawCut(const OutputFile& path, const CutResult& result);
+void drawCut(const OutputFile& path, const CutResult& result, std::string_view title);
 
 }  // namespace haptolith

@@ -33,14 +33,14 @@ namespace haptolith {
 [[nodiscard]] std::vector<Finding> findings(const ShearResult& result, const std::optional<SoilTarget>& target);
 /// +- 3 degrees of the friction angle of a soil without cohesion.
 [[nodiscard]] std::vector<Finding> findings(const ReposeResult& result, const std::optional<SoilTarget>& target);
-/// Stands with 100 Pa of cohesion or more, else falls.
+/// Stands (kStandingCut) with 100 Pa of cohesion or more, else falls.
 [[nodiscard]] std::vector<Finding> findings(const CutResult& result, double height_m,
                                             const std::optional<SoilTarget>& target);
 [[nodiscard]] std::vector<Finding> findings(const PlateResult& result, double diameter_m);
 [[nodiscard]] std::vector<Finding> findings(const ConeResult& result);
-/// +- 40 % of the earthmoving equation.
+/// +- 40 % of the earthmoving equation, for a soil with a target.
 [[nodiscard]] std::vector<Finding> findings(const BladeResult& result, const std::optional<SoilTarget>& target);
-/// Beverloo (1961): the opening to the power of 2.5 +- 0.3; clogs below about 4 particle diameters, not above 8.
+/// Beverloo (1961): the opening to the power of 2.5 +- 0.3; it clogs below some opening of 3 to 8 particle diameters.
 [[nodiscard]] std::vector<Finding> findings(const FunnelResult& result);
 /// Newton: the weight is felt within 3 %, and no drag above 3 % of it.
 [[nodiscard]] std::vector<Finding> findings(const CarryResult& result);

@@ -241,7 +241,7 @@ FunnelResult funnelTest(const LabConditions& conditions, const FunnelOptions& op
   return result;
 }
 
-void drawFunnel(const OutputFile& path, const FunnelResult& result) {
+void drawFunnel(const OutputFile& path, const FunnelResult& result, std::string_view title) {
   constexpr double kMm = 1e3;
   const double d = result.particle_diameter_m;
   std::vector<std::vector<double>> ran;
@@ -299,13 +299,13 @@ void drawFunnel(const OutputFile& path, const FunnelResult& result) {
   const double rim = result.widest_m / 2;
   figure.data("floor", {{-wall * kMm, 0}, {-rim * kMm, 0}, {nan, nan}, {rim * kMm, 0}, {wall * kMm, 0}});
   figure.command(fmt::format(R"(
-set multiplot layout 1,2
+set multiplot layout 1,2 title {}
 set logscale xy
 set xrange [0.4:{:g}]
 set yrange [{:g}:*]
 set xlabel '(D - {:.2g} d) / d'
 set ylabel 'discharge / (kg/s)'
-set key top left
+set key tmargin center horizontal
 set title 'Rate over opening'
 plot $law using 1:2 with lines linewidth 2 linecolor rgb '#c0392b' title 'power {:.2f} ± {:.2f}', \
      $ran using 1:2 with points pointtype 7 pointsize 1.2 linecolor rgb '#1f4e79' title 'ran out', \
@@ -322,8 +322,8 @@ plot $slice using 1:2:3 with circles linecolor rgb '#cbb899' fillstyle solid 0.7
      $floor using 1:2 with lines linewidth 3 linecolor rgb '#333333' notitle
 unset multiplot
 )",
-                             1.3 * std::max(widest, 1.0), lowest / 1.5, kBeverlooGap, result.fit.exponent,
-                             result.fit.exponent_se, result.widest_m / d));
+                             gnuplotQuoted(title), 1.3 * std::max(widest, 1.0), lowest / 1.5, kBeverlooGap,
+                             result.fit.exponent, result.fit.exponent_se, result.widest_m / d));
   figure.save();
 }
 

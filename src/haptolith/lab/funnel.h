@@ -1,5 +1,6 @@
 #pragma once
 
+#include <string_view>
 #include <vector>
 
 #include "haptolith/core/atomic_file.h"
@@ -57,6 +58,6 @@ struct FunnelResult {
 [[nodiscard]] FunnelResult funnelTest(const LabConditions& conditions, const FunnelOptions& options = {});
 
 /// Draws rates over D - k d with the fitted power, and a slice of the flow. @throws as Figure.
-void drawFunnel(const OutputFile& path, const FunnelResult& result);
+void drawFunnel(const OutputFile& path, const FunnelResult& result, std::string_view title);
 
 }  // namespace haptolith

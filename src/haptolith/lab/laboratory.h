@@ -2,10 +2,12 @@
 
 #include <cstdint>
 #include <functional>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
 
+#include "haptolith/core/error.h"
 #include "haptolith/soil/soil_parameters.h"
 
 namespace haptolith {
@@ -28,15 +30,17 @@ struct LabTrace {
   std::vector<std::vector<double>> rows;
 };
 
-/// Whether a value meets its target; kInfo where there is no target for it.
+/// Whether a number meets its target; kInfo where there is no target for it.
 enum class Verdict { kPass, kFail, kInfo };
 
 /// One number a test came for, beside what it should be.
 struct Finding {
-  std::string measured;  ///< what, in words
-  std::string target;    ///< with its source; may be empty
-  std::string value;     ///< with its unit
-  Verdict verdict = Verdict::kInfo;
+  std::string measured;             ///< what, in words
+  std::string target;               ///< with its source; may be empty
+  double number = 0;                ///< in `unit`; NaN: there is none
+  std::string unit;                 ///< as it stands behind the number: "°", " Pa"; may be empty
+  int decimals = 0;                 ///< to be shown
+  std::optional<Range> accepted{};  ///< where it passes; none: there is nothing to pass or fail
 };
 
 }  // namespace haptolith

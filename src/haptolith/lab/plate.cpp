@@ -78,7 +78,8 @@ PlateResult plateTest(const LabConditions& conditions, const PlateOptions& optio
   return result;
 }
 
-void drawPlate(const OutputFile& file, const PlateResult& result, const std::vector<MeasuredPlate>& measured) {
+void drawPlate(const OutputFile& file, const PlateResult& result, std::string_view title,
+               const std::vector<MeasuredPlate>& measured) {
   Figure figure(file, 900, 600);
   std::vector<std::vector<double>> simulated;
   std::vector<std::vector<double>> fitted;
@@ -102,8 +103,9 @@ void drawPlate(const OutputFile& file, const PlateResult& result, const std::vec
                         gnuplotQuoted(measured[i].title));
   }
   figure.command(
-      "set xlabel 'sinkage in mm'; set ylabel 'force in N'; set key top left; set grid; set xrange [0:*]; "
+      "set xlabel 'sinkage / mm'; set ylabel 'force / N'; set key tmargin center horizontal; set xrange [0:*]; "
       "set yrange [0:*]");
+  figure.command(fmt::format("set title {}", gnuplotQuoted(title)));
   figure.command(plot);
   figure.save();
 }

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "haptolith/core/atomic_file.h"
@@ -50,6 +51,7 @@ struct MeasuredPlate {
 };
 
 /// Draws force against sinkage, the fit and measured curves into an .svg or .png file. @throws as Figure.
-void drawPlate(const OutputFile& file, const PlateResult& result, const std::vector<MeasuredPlate>& measured = {});
+void drawPlate(const OutputFile& file, const PlateResult& result, std::string_view title,
+               const std::vector<MeasuredPlate>& measured = {});
 
 }  // namespace haptolith

@@ -89,7 +89,10 @@ std::string factsHtml(const std::vector<ReportFact>& facts) {
 }
 
 std::string valueHtml(const ReportValue& value) {
-  const std::string_view verdict = word(value.verdict);
+  if (!value.verdict) {
+    return fmt::format("<td>{}</td>", htmlEscaped(value.text));
+  }
+  const std::string_view verdict = word(*value.verdict);
   return fmt::format("<td>{} <span class=\"verdict {}\">{}</span></td>", htmlEscaped(value.text), verdict, verdict);
 }
 

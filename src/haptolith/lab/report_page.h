@@ -1,6 +1,7 @@
 #pragma once
 
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -12,8 +13,8 @@ namespace haptolith {
 
 /// What one model of friction gave in one test.
 struct ReportValue {
-  std::string text;  ///< with unit and uncertainty
-  Verdict verdict = Verdict::kInfo;
+  std::string text;                ///< with unit and uncertainty
+  std::optional<Verdict> verdict;  ///< none: not measured yet
 };
 
 /// One line of the report's table.

@@ -190,7 +190,7 @@ ReposeResult reposeTest(const LabConditions& conditions, const ReposeOptions& op
   return heap.result();
 }
 
-void drawRepose(const OutputFile& path, const ReposeResult& result) {
+void drawRepose(const OutputFile& path, const ReposeResult& result, std::string_view title) {
   constexpr double kDegree = std::numbers::pi / 180;
   constexpr double kMm = 1e3;
   std::vector<std::vector<double>> slice;
@@ -220,13 +220,13 @@ set xlabel 'distance from the axis / mm'
 set ylabel 'height / mm'
 set size ratio -1
 set yrange [0:*]
-set key below
-set title 'Angle of repose {:.1f}° ± {:.1f}°'
+set key tmargin center horizontal
+set title {}."\n".'angle of repose {:.1f} ± {:.1f}°'
 plot $slice using 1:2:3 with circles linecolor rgb '#cbb899' fillstyle solid 0.7 border linecolor rgb '#8c7b6b' title 'particles within 2 R of the plane', \
      $rings using 1:2 with points pointtype 7 pointsize 0.8 linecolor rgb '#1f4e79' title 'profile, mean of each ring', \
      $line using 1:2 with lines linewidth 3 linecolor rgb '#c0392b' title 'fitted between 20 % and 80 % of the height'
 )",
-                             result.angle_rad / kDegree, result.angle_se_rad / kDegree));
+                             gnuplotQuoted(title), result.angle_rad / kDegree, result.angle_se_rad / kDegree));
   figure.save();
 }
 

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <string_view>
 #include <vector>
 
 #include "haptolith/core/atomic_file.h"
@@ -44,6 +45,6 @@ struct ReposeResult {
 [[nodiscard]] ReposeResult reposeTest(const LabConditions& conditions, const ReposeOptions& options = {});
 
 /// Draws the heap: a slice through its axis, the measured profile and the line that was fitted. @throws as Figure.
-void drawRepose(const OutputFile& path, const ReposeResult& result);
+void drawRepose(const OutputFile& path, const ReposeResult& result, std::string_view title);
 
 }  // namespace haptolith

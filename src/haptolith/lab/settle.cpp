@@ -134,7 +134,7 @@ void drawSettle(const OutputFile& path, const LabConditions& conditions, const S
   figure.command(fmt::format("set title {}", gnuplotQuoted(title)));
   figure.command(
       "set xlabel 'bulk density / (kg/m^3)'; set ylabel 'depth / cm'; set yrange [60:0]; set grid lc '#dddddd';"
-      "set key bottom left");
+      "set key tmargin center horizontal");
   figure.command(fmt::format(
       "plot {}{}"
       "$measured with linespoints pt 7 ps 0.6 lw 2 lc '#1f6fb4' title 'settled in the laboratory'",

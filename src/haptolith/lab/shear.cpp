@@ -230,7 +230,8 @@ void drawShear(const OutputFile& path, const ShearResult& result, std::string_vi
   figure.data("points", points);
   figure.command(fmt::format("set multiplot layout 1,2 title {}; set grid lc '#dddddd'", gnuplotQuoted(title)));
   figure.command(
-      "set xlabel 'displacement / mm'; set ylabel 'shear stress / normal stress'; set key top right; set yrange [0:*]");
+      "set xlabel 'displacement / mm'; set ylabel 'shear stress / normal stress'; set yrange [0:*]; "
+      "set key tmargin center horizontal title 'normal stress'");
   std::string curves;
   for (std::size_t i = 0; i < result.points.size(); ++i) {
     const ShearPointResult& point = result.points[i];
@@ -251,7 +252,7 @@ void drawShear(const OutputFile& path, const ShearResult& result, std::string_vi
                        fit.cohesion_pa);
   };
   figure.command(
-      fmt::format("set xlabel 'normal stress / kPa'; set ylabel 'shear stress / kPa'; set key top left; "
+      fmt::format("set xlabel 'normal stress / kPa'; set ylabel 'shear stress / kPa'; set key title ''; "
                   "set xrange [0:{:g}]; set yrange [0:*]",
                   1.1 * largest));
   figure.command(fmt::format(

@@ -1,0 +1,168 @@
+#include "lab/report_folder.h"
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+#include <sys/file.h>
+
+#include <cerrno>
+#include <cstdint>
+#include <cstring>
+#include <fstream>
+#include <system_error>
+#include <vector>
+
+#include "haptolith/core/atomic_file.h"
+#include "haptolith/core/atomic_folder.h"
+#include "haptolith/core/error.h"
+#include "haptolith/core/input_file.h"
+
+namespace haptolith {
+
+namespace {
+
+namespace fs = std::filesystem;
+using Json = nlohmann::ordered_json;
+
+constexpr const char* kConditions = "conditions.json";
+constexpr const char* kResults = "results";
+constexpr std::uintmax_t kMostBytes = std::uintmax_t{16} << 20;
+
+std::string textOf(const Json& json) {
+  return json.dump(2, ' ', false, Json::error_handler_t::replace) + '\n';
+}
+
+void write(const fs::path& path, const Json& json, IfThere if_there) {
+  AtomicFile file({path, if_there});
+  file.write(textOf(json));
+  file.commit();
+}
+
+Json read(const fs::path& path) {
+  std::ifstream file = openInput(path, kMostBytes);
+  Json json = Json::parse(file, nullptr, false);
+  if (!json.is_object()) {
+    throw Failure(fmt::format("{} is not what lab report has written", path.string()));
+  }
+  return json;
+}
+
+/// "body was \"Moon\" and is \"Mars\"" for each of the first values that differ.
+std::vector<std::string> differences(const Json& before, const Json& now) {
+  constexpr std::size_t kMost = 4;
+  std::vector<std::string> found;
+  std::size_t more = 0;
+  const Json flat_before = before.flatten();
+  const Json flat_now = now.flatten();
+  const auto shown = [](const Json& all, const std::string& key) {
+    return all.contains(key) ? all.at(key).dump(-1, ' ', false, Json::error_handler_t::replace) : "nothing";
+  };
+  const auto differs = [&](const std::string& key) {
+    if (found.size() == kMost) {
+      ++more;
+    } else {
+      found.push_back(fmt::format("{} was {} and is {}", key.substr(1), shown(flat_before, key), shown(flat_now, key)));
+    }
+  };
+  for (const auto& [key, value] : flat_now.items()) {
+    if (!flat_before.contains(key) || flat_before.at(key) != value) {
+      differs(key);
+    }
+  }
+  for (const auto& [key, value] : flat_before.items()) {
+    if (!flat_now.contains(key)) {
+      differs(key);
+    }
+  }
+  if (more > 0) {
+    found.push_back(fmt::format("and {} more", more));
+  }
+  return found;
+}
+
+/// Takes away what a report is made of, and nothing else.
+void removeReport(const ReportFolder& folder) {
+  std::vector<fs::path> files{folder.page()};
+  std::error_code ignored;
+  for (const fs::directory_entry& entry : fs::directory_iterator(folder.path() / kResults, ignored)) {
+    const fs::path extension = entry.path().extension();
+    if (extension == ".json" || extension == ".png") {
+      files.push_back(entry.path());
+    }
+  }
+  for (const fs::path& file : files) {
+    std::error_code error;
+    fs::remove(file, error);
+    if (error) {
+      throw Failure(fmt::format("cannot remove {}: {}", file.string(), error.message()));
+    }
+  }
+}
+
+}  // namespace
+
+ReportFolder::ReportFolder(const fs::path& path, const Json& conditions, ReportThere if_there)
+    : path_(path.has_filename() ? path : path.parent_path()) {
+  const Json now = Json::parse(textOf(conditions));  // what is not finite is null, as in the file
+  if (!fs::exists(fs::symlink_status(path_))) {
+    const AtomicFolder made(path_);
+    made.write(kConditions, textOf(now));
+    made.commit();
+    lock();
+  } else {
+    if (if_there == ReportThere::kRefuse) {
+      throw Failure(
+          fmt::format("{} exists already: add --resume to go on with the report in it, --overwrite to begin it anew, "
+                      "or choose another name with --out",
+                      path_.string()));
+    }
+    const bool holds_report = fs::exists(path_ / kConditions);
+    if (!holds_report && !(fs::is_directory(path_) && fs::is_empty(path_))) {
+      throw Failure(
+          fmt::format("{} holds something else than a report: choose another name with --out", path_.string()));
+    }
+    lock();
+    if (!holds_report || if_there == ReportThere::kReplace) {
+      removeReport(*this);
+      write(path_ / kConditions, now, IfThere::kReplace);
+    } else if (const auto different = differences(read(path_ / kConditions), now); !different.empty()) {
+      throw Failure(
+          fmt::format("{} holds a report that was made under other conditions: {}. Resume it under its own, or choose "
+                      "another name with --out",
+                      path_.string(), fmt::join(different, "; ")));
+    }
+  }
+  fs::create_directories(path_ / kResults);
+}
+
+fs::path ReportFolder::resultFile(const std::string& name) const {
+  return path_ / kResults / (name + ".json");
+}
+
+fs::path ReportFolder::figure(const std::string& name) const {
+  return path_ / kResults / (name + ".png");
+}
+
+std::optional<Json> ReportFolder::result(const std::string& name) const {
+  const fs::path file = resultFile(name);
+  return fs::exists(file) ? std::optional(read(file)) : std::nullopt;
+}
+
+void ReportFolder::save(const std::string& name, const Json& result) const {
+  write(resultFile(name), result, IfThere::kRefuse);
+}
+
+void ReportFolder::lock() {
+  locked_ = Descriptor(open(path_.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC));
+  if (locked_.number() < 0) {
+    throw Failure(fmt::format("cannot open {}: {}", path_.string(), std::strerror(errno)));
+  }
+  if (flock(locked_.number(), LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK) {
+    throw Failure(
+        fmt::format("another process works on the report in {}: wait until it ends, or choose another name "
+                    "with --out",
+                    path_.string()));
+  }
+}
+
+}  // namespace haptolith
