@@ -259,7 +259,6 @@ TEST(HapticLoop, SnapshotsShowTheScene) {
   FakeDevice device(pushing);
   HapticLoop loop(scene, device, unpaced(0), false);
   int seen = 0;
-  std::uint64_t ticks = 0;
   for (int i = 0; i < 160; ++i) {
     ASSERT_EQ(loop.tick(), LoopEnd::kRunning);
     if (loop.snapshots().update()) {
@@ -268,8 +267,8 @@ TEST(HapticLoop, SnapshotsShowTheScene) {
       ASSERT_EQ(now.position.size(), 256U);
       EXPECT_EQ(now.position[17].z, scene.bed().state().position[17].z);
       EXPECT_EQ(now.scene_T_tool.position_m, pushing(i).pose.position_m);
-      EXPECT_GE(now.ticks, ticks);
-      ticks = now.ticks;
+      EXPECT_EQ(now.ticks, static_cast<std::uint64_t>(i + 1)) << "the tick whose scene it is";
+      EXPECT_DOUBLE_EQ(now.time_s, loop.time());
     }
   }
   EXPECT_EQ(seen, 10);  // every 16th tick

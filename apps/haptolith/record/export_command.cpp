@@ -2,19 +2,18 @@
 #include <fmt/format.h>
 #include <spdlog/spdlog.h>
 
-#include <algorithm>
 #include <cstdint>
 #include <filesystem>
-#include <iterator>
 #include <memory>
 #include <string>
 #include <string_view>
-#include <variant>
-#include <vector>
 
 #include "haptolith/core/atomic_file.h"
 #include "haptolith/core/atomic_folder.h"
+#include "haptolith/core/clock.h"
 #include "haptolith/core/error.h"
+#include "haptolith/recording/export_pictures.h"
+#include "haptolith/recording/recorded_pictures.h"
 #include "haptolith/recording/recording_reader.h"
 
 #include "commands.h"
@@ -31,67 +30,66 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr const char* kExamples = R"(Examples:
-  haptolith export run.h5 --format csv                  run.csv: a row for every tick, for spreadsheets and R
-  haptolith export run.h5 --format xdmf                 run.xdmf: the particles for ParaView, taken from run.h5
-  haptolith export run.h5 --format vtk --out frames     frames/: a .vtp for every picture, and frames.pvd with their times)";
+  haptolith export run.h5 --format csv              run.csv: a row for every tick, for spreadsheets, pandas and R
+  haptolith export run.h5 --format particles-csv    run-particles.csv: a row for every particle of every picture
+  haptolith export run.h5 --format xdmf             run-xdmf/: particles, tool and box for ParaView, data in HDF5
+  haptolith export run.h5 --format vtk              run-vtk/: the same as files that need no HDF5
+
+Particles come with id, radius, velocity and contact force. A recording does not hold velocities: the run is computed
+again for them, to the bit, which takes as long as it took then without waiting for the clock.)";
 
 constexpr std::uint64_t kBlock = 4096;  // rows that are read at a time
 
 struct ExportOptions {
   std::string file, format, out;
+  bool no_replay = false;
   Overwrite overwrite;
 };
 
-/// Tells how far it is; ends the work when somebody asks for that.
+/// Tells how far it is: on a terminal at once, else with a line every ten seconds.
 class Progress {
  public:
-  explicit Progress(std::string_view of) : of_(of) {}
-
-  void show(std::uint64_t done, std::uint64_t all) {
-    if (stopAsked()) {
-      throw Failure("interrupted");
-    }
+  /// @param text  makes up what to tell. @return false when somebody asks for the end.
+  template <class Text>
+  bool shows(Text text) {
     if (status_.visible()) {
-      status_.update(fmt::format("{} {} of {}", of_, done, all));
+      status_.update(text());
+    } else if (monotonicNs() >= next_ns_) {
+      next_ns_ += kEveryNs;
+      post(fmt::format("haptolith: {}\n", text()));
     }
+    return !stopAsked();
   }
 
   void end() { status_.clear(); }
 
  private:
+  static constexpr std::int64_t kEveryNs = 10'000'000'000;
+
   const StopOnSignal stop_on_signal_;
   StatusLine status_;
-  std::string of_;
+  std::int64_t next_ns_ = monotonicNs() + kEveryNs;
 };
 
-/// Where to, when nobody says: run.csv for run.h5. Never the recording's own name.
-fs::path outFor(const ExportOptions& options, const char* extension) {
+/// Where to, when nobody says: run.csv or run-vtk for run.h5. Never the recording's own name.
+fs::path outFor(const ExportOptions& options, std::string_view ending) {
   if (!options.out.empty()) {
     return options.out;
   }
   const fs::path file = options.file;
-  return file.extension() == ".h5" ? fs::path(file).replace_extension(extension)
-                                   : fs::path(file.string() + (*extension == '\0' ? ".vtk" : extension));
-}
-
-void tellOf(const fs::path& out, std::uint64_t count, std::string_view what) {
-  printText(savedText(out, fmt::format("{} {}", count, what)));
-}
-
-void requireFrames(const RecordingReader& recording, const ExportOptions& options) {
-  if (recording.frames() == 0) {
-    throw Failure(fmt::format("{} holds no pictures of the particles: --format csv exports its ticks", options.file));
-  }
+  return (file.extension() == ".h5" ? fs::path(file).replace_extension() : file).string() + std::string(ending);
 }
 
 /// Every tick as a row, every number so that it reads back as the same.
 void exportCsv(const RecordingReader& recording, const ExportOptions& options) {
   const fs::path out = outFor(options, ".csv");
   AtomicFile file(options.overwrite(out.string()));
-  Progress progress("tick");
+  Progress progress;
   std::string text = csvHeader();
   for (std::uint64_t first = 0; first < recording.ticks(); first += kBlock) {
-    progress.show(first, recording.ticks());
+    if (!progress.shows([&] { return fmt::format("tick {} of {}", first, recording.ticks()); })) {
+      throw Failure("interrupted");
+    }
     for (const TickRecord& tick : recording.readTicks(first, kBlock)) {
       appendCsv(text, tick);
     }
@@ -101,140 +99,77 @@ void exportCsv(const RecordingReader& recording, const ExportOptions& options) {
   file.write(text);
   file.commit();
   progress.end();
-  tellOf(out, recording.ticks(), "ticks");
+  printText(savedText(out, fmt::format("{} ticks", recording.ticks())));
 }
 
-std::string escaped(std::string_view text) {
-  std::string xml;
-  for (const char letter : text) {
-    switch (letter) {
-      case '&': xml += "&amp;"; break;
-      case '<': xml += "&lt;"; break;
-      case '>': xml += "&gt;"; break;
-      default: xml += letter;
-    }
-  }
-  return xml;
+std::string picturesText(const RecordedPictures& pictures) {
+  const std::string count = fmt::format("{} pictures of the particles", pictures.count());
+  return pictures.replayed() == pictures.count() ? count + " with velocities"
+         : pictures.replayed() == 0              ? count + " without velocities"
+                                    : fmt::format("{}, {} of them with velocities", count, pictures.replayed());
 }
 
-/// All rows of the frames that hold particles.
-std::vector<FrameRow> framesOf(const RecordingReader& recording) {
-  std::vector<FrameRow> frames;
-  for (std::uint64_t first = 0; first < recording.frames(); first += kBlock) {
-    for (const FrameRow& row : recording.readFrameRows(first, kBlock)) {
-      if (row.count > 0) {
-        frames.push_back(row);
-      }
-    }
+void requirePictures(const RecordingReader& recording, const ExportOptions& options) {
+  if (recording.frames() == 0) {
+    throw Failure(fmt::format("{} holds no pictures of the particles: --format csv exports its ticks", options.file));
   }
-  return frames;
 }
 
-/// A description of the recording for ParaView: its particles stay where they are.
-void exportXdmf(const RecordingReader& recording, const ExportOptions& options) {
-  requireFrames(recording, options);
-  if (!recording.finished()) {
-    throw Failure(
-        fmt::format("{} was not finished, and ParaView would not open it: `h5clear -s {}` (of the package "
-                    "hdf5-tools) marks it as finished, or --format vtk needs no HDF5",
-                    options.file, options.file));
-  }
-  const fs::path out = outFor(options, ".xdmf");
-  AtomicFile file(options.overwrite(out.string()));
-  const std::string data = escaped(fs::proximate(options.file, fs::absolute(out).parent_path()).string());
-  const std::vector<FrameRow> frames = framesOf(recording);
-  std::uint64_t rows = 0;
-  for (const FrameRow& frame : frames) {
-    rows = std::max(rows, frame.first + frame.count);
-  }
-  file.write(R"(<?xml version="1.0"?>
-<Xdmf Version="2.0">
-<Domain>
-<Grid Name="particles" GridType="Collection" CollectionType="Temporal">
-)");
-  for (const FrameRow& frame : frames) {
-    file.write(fmt::format(R"(<Grid Name="particles" GridType="Uniform">
-<Time Value="{}"/>
-<Topology TopologyType="Polyvertex" NumberOfElements="{}" NodesPerElement="1"/>
-<Geometry GeometryType="XYZ">
-<DataItem ItemType="HyperSlab" Dimensions="{} 3" Type="HyperSlab">
-<DataItem Dimensions="3 2" Format="XML">{} 0 1 1 {} 3</DataItem>
-<DataItem Dimensions="{} 3" Format="HDF" NumberType="Float" Precision="4">{}:/particles/position</DataItem>
-</DataItem>
-</Geometry>
-</Grid>
-)",
-                           frame.time_s, frame.count, frame.count, frame.first, frame.count, rows, data));
-  }
-  file.write("</Grid>\n</Domain>\n</Xdmf>\n");
-  file.commit();
-  tellOf(out, frames.size(), "pictures of the particles");
-}
-
-template <class T>
-void appendBlock(std::string& bytes, const std::vector<T>& values) {
-  const std::uint64_t size = values.size() * sizeof(T);
-  bytes.append(reinterpret_cast<const char*>(&size), sizeof(size));
-  bytes.append(reinterpret_cast<const char*>(values.data()), size);
-}
-
-/// VTK's XML format for points, each a cell of its own, with the arrays as they are behind the description: first their
-/// size in bytes, then their values.
-std::string vtp(const ParticleFrame& frame) {
-  const std::size_t count = frame.position_m.size();
-  std::vector<std::int32_t> number(count), end(count);
-  for (std::size_t i = 0; i < count; ++i) {
-    number[i] = static_cast<std::int32_t>(i);
-    end[i] = number[i] + 1;
-  }
-  const std::size_t points_bytes = sizeof(std::uint64_t) + count * sizeof(frame.position_m[0]);
-  const std::size_t cells_bytes = sizeof(std::uint64_t) + count * sizeof(std::int32_t);
-  std::string file = fmt::format(
-      R"(<?xml version="1.0"?>
-<VTKFile type="PolyData" version="1.0" byte_order="LittleEndian" header_type="UInt64">
-<PolyData><Piece NumberOfPoints="{0}" NumberOfVerts="{0}" NumberOfLines="0" NumberOfStrips="0" NumberOfPolys="0">
-<Points><DataArray type="Float32" Name="Points" NumberOfComponents="3" format="appended" offset="0"/></Points>
-<Verts>
-<DataArray type="Int32" Name="connectivity" format="appended" offset="{1}"/>
-<DataArray type="Int32" Name="offsets" format="appended" offset="{2}"/>
-</Verts>
-</Piece></PolyData>
-<AppendedData encoding="raw">
-_)",
-      count, points_bytes, points_bytes + cells_bytes);
-  appendBlock(file, frame.position_m);
-  appendBlock(file, number);
-  appendBlock(file, end);
-  return file + "\n</AppendedData>\n</VTKFile>\n";
-}
-
-void exportVtk(const RecordingReader& recording, const ExportOptions& options) {
-  requireFrames(recording, options);
-  const fs::path out = outFor(options, "");
-  const AtomicFolder folder(out);
-  Progress progress("picture");
-  const std::vector<FrameRow> frames = framesOf(recording);
-  std::string collection = "<?xml version=\"1.0\"?>\n<VTKFile type=\"Collection\" version=\"1.0\"><Collection>\n";
-  for (std::size_t number = 0; number < frames.size(); ++number) {
-    progress.show(number, frames.size());
-    const std::string name = fmt::format("particles-{:06}.vtp", number);
-    folder.write(name, vtp(recording.readFrame(frames[number])));
-    collection += fmt::format("<DataSet timestep=\"{:.12g}\" file=\"{}\"/>\n", frames[number].time_s, name);
-  }
-  folder.write(out.filename().string() + ".pvd", collection + "</Collection></VTKFile>\n");
-  folder.commit();
+/// From the recording to what `write` makes of its pictures.
+template <class Write>
+void exportPictures(const RecordingReader& recording, const ExportOptions& options, const fs::path& out, Write write) {
+  Progress progress;
+  const double end_s =
+      static_cast<double>(recording.header().start_tick + recording.ticks()) * recording.header().tick_s;
+  const auto settling = [&](double time_s, double speed_m_s) {
+    return progress.shows(
+        [&] { return fmt::format("the bed settles: {:.1f} s, fastest particle {:.4f} m/s", time_s, speed_m_s); });
+  };
+  const auto reached = [&](double time_s) {
+    return progress.shows([&] {
+      return fmt::format("{} {:.1f} s of {:.1f} s", options.no_replay ? "reading" : "replaying", time_s, end_s);
+    });
+  };
+  RecordedPictures pictures(recording, {.replay = !options.no_replay, .settling = settling, .reached = reached});
+  write(pictures);
   progress.end();
-  tellOf(out, frames.size(), "pictures of the particles");
+  printText(savedText(out, picturesText(pictures)));
+  if (!pictures.whyNotReplayed().empty()) {
+    spdlog::warn("{} of {} pictures have no velocities: {}", pictures.count() - pictures.replayed(), pictures.count(),
+                 pictures.whyNotReplayed());
+  }
+}
+
+void exportCsvOfParticles(const RecordingReader& recording, const ExportOptions& options) {
+  requirePictures(recording, options);
+  const fs::path out = outFor(options, "-particles.csv");
+  AtomicFile file(options.overwrite(out.string()));
+  exportPictures(recording, options, out, [&](RecordedPictures& pictures) {
+    exportParticlesCsv(pictures, [&](std::string_view text) { file.write(text); });
+    file.commit();
+  });
+}
+
+using ExportToFolder = void (*)(RecordedPictures&, const AtomicFolder&);
+
+void exportFolder(const RecordingReader& recording, const ExportOptions& options, ExportToFolder make) {
+  requirePictures(recording, options);
+  const fs::path out = outFor(options, "-" + options.format);
+  const AtomicFolder folder(out);
+  exportPictures(recording, options, out, [&](RecordedPictures& pictures) {
+    make(pictures, folder);
+    folder.commit();
+  });
 }
 
 void exportRecording(const ExportOptions& options) {
   const RecordingReader recording(options.file);
   if (options.format == "csv") {
     exportCsv(recording, options);
-  } else if (options.format == "xdmf") {
-    exportXdmf(recording, options);
+  } else if (options.format == "particles-csv") {
+    exportCsvOfParticles(recording, options);
   } else {
-    exportVtk(recording, options);
+    exportFolder(recording, options, options.format == "xdmf" ? exportXdmf : exportVtk);
   }
   if (recording.missingTicks() > 0) {
     spdlog::warn(
@@ -251,12 +186,17 @@ void addExportCommand(CLI::App& app) {
   CLI::App* command = app.add_subcommand("export", "Convert a recording for other programs: CSV, XDMF or VTK");
   command->footer(kExamples);
   command->add_option("file", options->file, "A recording (.h5)")->required()->option_text("FILE.h5");
-  command->add_option("--format", options->format, "csv: ticks; xdmf, vtk: particles, for ParaView")
+  command
+      ->add_option("--format", options->format,
+                   "csv: ticks; particles-csv: particles; xdmf, vtk: particles, tool and box, for ParaView")
       ->required()
-      ->check(oneOf({"csv", "xdmf", "vtk"}))
-      ->option_text("csv|xdmf|vtk");
-  command->add_option("--out", options->out, "Where to: a file, for vtk a new folder [named after the recording]")
+      ->check(oneOf({"csv", "particles-csv", "xdmf", "vtk"}))
+      ->option_text("csv|particles-csv|xdmf|vtk");
+  command
+      ->add_option("--out", options->out, "Where to: a file, for xdmf and vtk a new folder [named after the recording]")
       ->option_text("PATH");
+  command->add_flag("--no-replay", options->no_replay,
+                    "Do not compute the run again: what is in the recording, at once, without velocities");
   options->overwrite.addTo(*command);
   command->callback([options] { exportRecording(*options); });
 }

@@ -23,6 +23,10 @@ class AtomicFolder {
   /// @throws Failure with the path and the system's reason; for a name that leads out of the folder, or is taken.
   void write(const std::filesystem::path& name, std::string_view bytes) const;
 
+  /// Where the folder is until commit(); a library that wants a path may write there.
+  [[nodiscard]] const std::filesystem::path& makingPath() const noexcept { return making_; }
+  [[nodiscard]] const std::filesystem::path& path() const noexcept { return path_; }
+
   /// Nothing may be written afterwards. @throws Failure as write().
   void commit() const;
 

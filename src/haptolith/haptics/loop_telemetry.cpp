@@ -88,8 +88,9 @@ SceneSnapshot* LoopTelemetry::copyPart(ShownScene& shown) noexcept {
 }
 
 void LoopTelemetry::tell(SceneSnapshot& snapshot, const LoopClock& clock) noexcept {
-  snapshot.time_s = time();
-  snapshot.ticks = statistics_.ticks();
+  // The present tick, whose scene this is, is counted only when it has ended. While time stands still there is none.
+  snapshot.ticks = statistics_.ticks() + (clock.standsStill() ? 0 : 1);
+  snapshot.time_s = static_cast<double>(snapshot.ticks) * tick_s_;
   snapshot.deadline_misses = statistics_.deadlineMisses();
   snapshot.success_rate = statistics_.successRate();
   snapshot.tick_us_p50 = statistics_.tickUs().percentile(0.5);

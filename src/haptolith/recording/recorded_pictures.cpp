@@ -1,0 +1,244 @@
+#include "haptolith/recording/recorded_pictures.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <iterator>
+#include <limits>
+#include <span>
+#include <utility>
+
+#include "haptolith/bed/contact_load.h"
+#include "haptolith/bed/simd_target.h"
+#include "haptolith/core/error.h"
+
+namespace haptolith {
+
+namespace {
+
+constexpr std::uint64_t kBlock = 4096;  ///< rows that are read at a time
+constexpr float kUnknown = std::numeric_limits<float>::quiet_NaN();
+
+std::vector<FrameRow> rowsWithParticles(const RecordingReader& recording) {
+  std::vector<FrameRow> rows;
+  for (std::uint64_t first = 0; first < recording.frames(); first += kBlock) {
+    std::ranges::copy_if(recording.readFrameRows(first, kBlock), std::back_inserter(rows),
+                         [](const FrameRow& row) { return row.count > 0; });
+  }
+  return rows;
+}
+
+std::optional<Scenario> sceneOf(const RecordingReader& recording) {
+  try {
+    return loadScenarioText(recording.header().scenario, "the recorded scene");
+  } catch (const InvalidParameter&) {
+    return std::nullopt;
+  } catch (const Failure&) {
+    return std::nullopt;
+  }
+}
+
+std::array<float, 3> xyz(const Float4& v) {
+  return {v.x, v.y, v.z};
+}
+
+std::vector<std::array<float, 3>> xyz(std::span<const Float4> records) {
+  std::vector<std::array<float, 3>> values(records.size());
+  std::ranges::transform(records, values.begin(), [](const Float4& record) { return xyz(record); });
+  return values;
+}
+
+ScenePicture pictureAt(const FrameRow& row) {
+  ScenePicture picture;
+  picture.time_s = row.time_s;
+  picture.tick = row.tick;
+  return picture;
+}
+
+/// Radii and contact forces of particles; w of a position is by how much the radius exceeds the mean.
+void addContacts(ScenePicture& picture, const BedParameters& bed, std::span<const Float4> position) {
+  picture.radius_m.resize(position.size());
+  std::ranges::transform(position, picture.radius_m.begin(),
+                         [&](const Float4& p) { return static_cast<float>(bed.soil.radius_m) + p.w; });
+  const bool finite = std::ranges::all_of(position, [](const Float4& p) {
+    return std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.z) && std::isfinite(p.w);
+  });
+  picture.contact_force_n = finite ? contactLoads(bed, position) : std::vector<float>(position.size(), kUnknown);
+}
+
+/// How far open the jaws are that the device holds.
+double openingOf(const Scenario& scenario, const TickRecord& tick) {
+  if (scenario.tool.shape != ToolShape::kJaws) {
+    return 0;
+  }
+  const double share = scenario.handling.mapping.gripper ? tick.device.gripper_open : 1;
+  return scenario.tool.opening_m * (std::isfinite(share) ? std::clamp(share, 0.0, 1.0) : 1);
+}
+
+std::string whyItEnded(const ReplayResult& result) {
+  if (result.difference) {
+    return fmt::format("after {:.12g} s the replay differs from the recording ({})", result.difference->time_s,
+                       result.difference->what);
+  }
+  if (result.gap) {
+    return fmt::format("after {:.12g} s ticks are missing in the recording", result.gap->time_s);
+  }
+  return result.ended_early.empty() ? "the pictures go on after the last tick" : result.ended_early;
+}
+
+}  // namespace
+
+RecordedPictures::RecordedPictures(const RecordingReader& recording, Options options)
+    : recording_(recording),
+      options_(std::move(options)),
+      rows_(rowsWithParticles(recording)),
+      scenario_(sceneOf(recording)) {
+  if (options_.replay && !rows_.empty()) {
+    prepareReplay();
+  }
+}
+
+void RecordedPictures::prepareReplay() {
+  if (header().instruction_set != simdTarget()) {
+    why_not_replayed_ = fmt::format("it was recorded with {0}, and this is {1}: HAPTOLITH_SIMD={0} chooses the former",
+                                    header().instruction_set, simdTarget());
+    return;
+  }
+  try {
+    replay_.emplace(recording_, std::nullopt, options_.settling);
+  } catch (const InvalidParameter& error) {
+    why_not_replayed_ = error.what();
+  } catch (const Failure& failure) {
+    goOn(0);
+    why_not_replayed_ = failure.what();
+  }
+}
+
+std::uint64_t RecordedPictures::numberOf(double time_s) const noexcept {
+  return tickNumber(time_s, header().tick_s);
+}
+
+void RecordedPictures::goOn(double time_s) const {
+  if (options_.reached && !options_.reached(time_s)) {
+    throw Failure("interrupted");
+  }
+}
+
+void RecordedPictures::forEach(const Take& take) {
+  next_ = replayed_ = 0;
+  if (replay_) {
+    takeReplayed(take);
+  }
+  takeRecorded(take);
+}
+
+void RecordedPictures::takeReplayed(const Take& take) {
+  const auto take_next = [&](const TickRecord* tick) {
+    take(replayedPicture(rows_[next_], tick));
+    ++next_;
+    ++replayed_;
+  };
+  while (next_ < rows_.size() && numberOf(rows_[next_].time_s) == 0) {
+    take_next(nullptr);
+  }
+  const ReplayResult result = replay_->run([&](const TickRecord& was, const TickRecord&) {
+    goOn(was.time_s);
+    while (next_ < rows_.size() && numberOf(rows_[next_].time_s) == numberOf(was.time_s)) {
+      take_next(&was);
+    }
+    return next_ < rows_.size();
+  });
+  if (next_ < rows_.size()) {
+    why_not_replayed_ = whyItEnded(result);
+  }
+}
+
+void RecordedPictures::takeRecorded(const Take& take) {
+  bool scene_known = scenario_.has_value();
+  const auto take_next = [&](const TickRecord* tick) {
+    goOn(rows_[next_].time_s);
+    take(recordedPicture(rows_[next_], tick, scene_known));
+    ++next_;
+  };
+  for (std::uint64_t first = 0; first < recording_.ticks() && next_ < rows_.size(); first += kBlock) {
+    for (const TickRecord& tick : recording_.readTicks(first, kBlock)) {
+      const std::uint64_t number = numberOf(tick.time_s);
+      while (next_ < rows_.size() && numberOf(rows_[next_].time_s) < number) {
+        take_next(nullptr);
+      }
+      scene_known = scene_known && (tick.flags & kTickSceneChanged) == 0;
+      while (next_ < rows_.size() && numberOf(rows_[next_].time_s) == number) {
+        take_next(&tick);
+      }
+    }
+  }
+  while (next_ < rows_.size()) {
+    take_next(nullptr);
+  }
+}
+
+ScenePicture RecordedPictures::replayedPicture(const FrameRow& row, const TickRecord* tick) {
+  const Scene& scene = replay_->loop().shownScene().scene;
+  const std::span<const Float4> position(scene.bed().state().position.data(), scene.bed().particles());
+  ScenePicture picture = pictureAt(row);
+  picture.position_m = xyz(position);
+  picture.velocity_m_s = xyz({scene.bed().state().velocity.data(), scene.bed().particles()});
+  addContacts(picture, scene.bed().parameters(), position);
+  if (tick != nullptr) {
+    picture.tool = {.pose = scene.toolPose(), .opening_m = scene.opening(), .soil = scene.felt().wrench};
+  }
+  return picture;
+}
+
+ScenePicture RecordedPictures::recordedPicture(const FrameRow& row, const TickRecord* tick, bool scene_known) {
+  ScenePicture picture = pictureAt(row);
+  picture.position_m = recording_.readFrame(row).position_m;
+  const std::size_t count = picture.position_m.size();
+  if (replays()) {
+    picture.velocity_m_s.assign(count, {kUnknown, kUnknown, kUnknown});
+  }
+  if (!scene_known) {
+    picture.radius_m.assign(count, kUnknown);
+    picture.contact_force_n.assign(count, kUnknown);
+    return picture;
+  }
+  const std::vector<float>& excess_m = radiusExcesses(picture.position_m);
+  std::vector<Float4> position(count);
+  for (std::size_t i = 0; i < count; ++i) {
+    const auto& [x, y, z] = picture.position_m[i];
+    position[i] = {x, y, z, i < excess_m.size() ? excess_m[i] : kUnknown};
+  }
+  addContacts(picture, scenario_->bed, position);
+  if (tick != nullptr) {
+    picture.tool = {.pose = tick->scene_T_tool, .opening_m = openingOf(*scenario_, *tick), .soil = tick->soil};
+  }
+  return picture;
+}
+
+/// A bed draws its particles' radii by its seed and their number alone, wherever they lie.
+const std::vector<float>& RecordedPictures::radiusExcesses(const std::vector<std::array<float, 3>>& position_m) {
+  const SoilParameters& soil = scenario_->bed.soil;
+  if (soil.friction != FrictionModel::kContact || soil.size_spread == 0) {
+    radius_excess_m_.emplace(position_m.size(), 0.0F);
+  } else if (!radius_excess_m_) {
+    radius_excess_m_.emplace();
+    std::vector<Vec3> centres_m;
+    centres_m.reserve(position_m.size());
+    for (const auto& [x, y, z] : position_m) {
+      centres_m.emplace_back(x, y, z);
+    }
+    try {
+      const Bed bed(scenario_->bed, centres_m);
+      for (std::size_t i = 0; i < bed.particles(); ++i) {
+        radius_excess_m_->push_back(bed.state().position[i].w);
+      }
+    } catch (const InvalidParameter&) {
+      radius_excess_m_->clear();  // no such bed can be made: radii stay unknown
+    }
+  }
+  return *radius_excess_m_;
+}
+
+}  // namespace haptolith

@@ -1,0 +1,88 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <functional>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "haptolith/bed/bed.h"
+#include "haptolith/core/vec.h"
+#include "haptolith/recording/recording_reader.h"
+#include "haptolith/recording/replay.h"
+#include "haptolith/scenario/scenario.h"
+
+namespace haptolith {
+
+/// Where the tool is at the end of a tick, and what the soil does to it; scene's frame.
+struct PicturedTool {
+  Pose pose;
+  double opening_m = 0;  ///< between jaws; 0 for another tool
+  Wrench soil;           ///< about the tool's origin
+};
+
+/// The scene at the time of one of a recording's pictures; scene's frame. A particle has the same index in all.
+struct ScenePicture {
+  double time_s = 0;
+  std::uint64_t tick = 0;
+  std::vector<std::array<float, 3>> position_m;
+  std::vector<std::array<float, 3>> velocity_m_s;  ///< NaN where the recording could not be replayed
+  std::vector<float> radius_m;                     ///< NaN when somebody had changed the scene before
+  std::vector<float> contact_force_n;              ///< contactLoads(); NaN as radius_m
+  std::optional<PicturedTool> tool;                ///< none when its tick is missing or the scene was changed
+};
+
+/// Goes through the pictures of a recording, with what it does not hold itself but what follows from it: radii, contact
+/// forces and the tool from the recorded scene and ticks, velocities by running it again. Not for the tick.
+class RecordedPictures {
+ public:
+  struct Options {
+    bool replay = true;                          ///< false: velocities are not wanted
+    SettleProgress settling;                     ///< while the bed of a replay settles
+    std::function<bool(double time_s)> reached;  ///< called for each tick; false gives up
+  };
+
+  /// Makes the scene for the replay, where the recording can be replayed.
+  /// @throws Failure when the recording is damaged, or `settling` gives up.
+  RecordedPictures(const RecordingReader& recording, Options options);
+
+  /// Those that hold particles.
+  [[nodiscard]] std::size_t count() const noexcept { return rows_.size(); }
+  /// The scene at the recording's beginning; none when this program cannot read it.
+  [[nodiscard]] const std::optional<Scenario>& scenario() const noexcept { return scenario_; }
+  [[nodiscard]] const RecordingHeader& header() const noexcept { return recording_.header(); }
+  /// Whether velocities are looked for at all; else ScenePicture has none.
+  [[nodiscard]] bool replays() const noexcept { return replay_.has_value(); }
+
+  /// Gives each picture, once and in order, to `take`.
+  /// @throws Failure when the recording is damaged, "interrupted" when `reached` gives up, and what `take` throws.
+  void forEach(const std::function<void(const ScenePicture&)>& take);
+
+  /// After forEach(): how many pictures have velocities, and why the others have none; empty when nobody wanted any.
+  [[nodiscard]] std::size_t replayed() const noexcept { return replayed_; }
+  [[nodiscard]] const std::string& whyNotReplayed() const noexcept { return why_not_replayed_; }
+
+ private:
+  using Take = std::function<void(const ScenePicture&)>;
+
+  void prepareReplay();
+  [[nodiscard]] std::uint64_t numberOf(double time_s) const noexcept;
+  void takeReplayed(const Take& take);
+  void takeRecorded(const Take& take);
+  [[nodiscard]] ScenePicture replayedPicture(const FrameRow& row, const TickRecord* tick);
+  [[nodiscard]] ScenePicture recordedPicture(const FrameRow& row, const TickRecord* tick, bool scene_known);
+  [[nodiscard]] const std::vector<float>& radiusExcesses(const std::vector<std::array<float, 3>>& position_m);
+  void goOn(double time_s) const;
+
+  const RecordingReader& recording_;
+  Options options_;
+  std::vector<FrameRow> rows_;
+  std::optional<Scenario> scenario_;
+  std::optional<Replay> replay_;
+  std::optional<std::vector<float>> radius_excess_m_;  ///< of each particle over the mean, once it was needed
+  std::size_t next_ = 0, replayed_ = 0;
+  std::string why_not_replayed_;
+};
+
+}  // namespace haptolith
