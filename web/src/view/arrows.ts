@@ -18,6 +18,7 @@ import {
   Vector3,
 } from 'three';
 import type { Frame, Scene, Vec3 } from '../protocol';
+import { shapeOf } from '../tool_shapes';
 
 export const FORCE_COLOUR = '#ff5a5f';
 export const TORQUE_COLOUR = '#ffb02e';
@@ -72,8 +73,7 @@ export class ArrowsView {
   }
 
   setScene(scene: Scene): void {
-    const { shape, size_mm, diameter_mm } = scene.tool;
-    this.tool_m = (shape === 'box' || shape === 'jaws' ? Math.max(size_mm[0], size_mm[1]) : diameter_mm) / 1000;
+    this.tool_m = shapeOf(scene.tool).longest_m(scene.tool);
     this.most_nm = scene.hand.max_torque_nm;
     this.showSizes();
   }
