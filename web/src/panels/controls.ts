@@ -242,6 +242,7 @@ export class Controls {
 
   setConnected(connected: boolean): void {
     this.element.classList.toggle('offline', !connected);
+    this.element.inert = !connected;
   }
 
   /** What is so, where a change was asked for and not made. */

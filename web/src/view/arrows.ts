@@ -70,6 +70,7 @@ export class ArrowsView {
     for (const [i, object] of [this.spring, this.ring, this.ring_tip, this.shaft, this.tip].entries())
       object.renderOrder = 21 + i;
     this.group.add(this.force, this.torque, this.spring);
+    this.group.visible = false; // nothing is known before the first frame
   }
 
   setScene(scene: Scene): void {
@@ -86,6 +87,7 @@ export class ArrowsView {
   }
 
   setFrame(frame: Frame, held: boolean): void {
+    this.group.visible = true;
     this.group.position.set(...frame.tool.position_m);
     this.force_n = frame.force_n;
     this.showForce();
