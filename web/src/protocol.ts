@@ -1,15 +1,19 @@
 // What the program and the page tell each other: docs/protocol.md, version 1.
 //
-// Text is JSON, with the types below. A binary message is a frame: 128 bytes, then runs, then one record of 8 bytes for
-// each particle. Nothing of a frame is copied here; the arrays look into the message that came.
+// Text is JSON. What the program says is described by the schemas below, which check each message and give the types;
+// keys that they do not name are left out, so that later programs may add some. A binary message is a frame: 128 bytes,
+// then runs, then one record of 8 bytes for each particle. Nothing of a frame is copied here; the arrays look into the
+// message that came.
 
+import * as v from 'valibot';
 import { ProtocolError } from './protocol_error';
-import { readStudyMessage, type StudyCommand, type StudyMessage } from './study/protocol';
+import { StudyMessage, type StudyCommand } from './study/protocol';
 
 export const PROTOCOL_VERSION = 1;
 export const SUBPROTOCOL = 'haptolith.1';
 
-export type Vec3 = [number, number, number];
+const Vec3 = v.tuple([v.number(), v.number(), v.number()]);
+export type Vec3 = v.InferOutput<typeof Vec3>;
 /** w, x, y, z */
 export type Quat = [number, number, number, number];
 
@@ -18,138 +22,139 @@ export interface Pose {
   rotation: Quat;
 }
 
-export type Shape = 'box' | 'sphere' | 'plate' | 'jaws';
+const Shape = v.picklist(['box', 'sphere', 'plate', 'cylinder', 'jaws']);
+export type Shape = v.InferOutput<typeof Shape>;
+
 export const COLOUR_MODES = ['plain', 'force', 'speed', 'depth', 'sleep'] as const;
 export type ColourMode = (typeof COLOUR_MODES)[number];
 
-export interface PresetEntry {
-  name: string;
-  friction_coefficient: number;
-}
-
-export interface SoilEntry {
-  name: string;
-  source: string;
-  friction_angle_deg: number;
-  cohesion_pa: number;
-  bulk_density_kg_m3: number;
-}
-
-export interface BodyEntry {
-  name: string;
-  gravity_m_s2: number;
-}
-
-export interface Hello {
-  type: 'hello';
-  protocol: number;
-  version: string;
-  client: number;
+const Hello = v.object({
+  type: v.literal('hello'),
+  protocol: v.literal(PROTOCOL_VERSION),
+  version: v.string(),
+  client: v.number(),
   /** pages may look on only */
-  read_only: boolean;
-  presets: PresetEntry[];
-  soils: SoilEntry[];
-  bodies: BodyEntry[];
-  frictions: string[];
-  shapes: string[];
-  manoeuvres: string[];
-}
+  read_only: v.boolean(),
+  presets: v.array(v.object({ name: v.string(), friction_coefficient: v.number() })),
+  soils: v.array(
+    v.object({
+      name: v.string(),
+      source: v.string(),
+      friction_angle_deg: v.number(),
+      cohesion_pa: v.number(),
+      bulk_density_kg_m3: v.number(),
+    }),
+  ),
+  bodies: v.array(v.object({ name: v.string(), gravity_m_s2: v.number() })),
+  frictions: v.array(v.string()),
+  /** those that this page can draw */
+  shapes: v.pipe(
+    v.array(v.string()),
+    v.transform((names) => names.filter((name): name is Shape => v.is(Shape, name))),
+  ),
+  manoeuvres: v.array(v.string()),
+});
+export type Hello = v.InferOutput<typeof Hello>;
 
-export interface Slider {
-  key: string;
-  label: string;
-  unit: string;
-  value: number;
-  low: number;
-  high: number;
-  step: number;
-}
+const Slider = v.object({
+  key: v.string(),
+  label: v.string(),
+  unit: v.string(),
+  value: v.number(),
+  low: v.number(),
+  high: v.number(),
+  step: v.number(),
+});
+export type Slider = v.InferOutput<typeof Slider>;
 
-export interface Tool {
-  shape: Shape;
-  size_mm: Vec3;
-  diameter_mm: number;
-  thickness_mm: number;
+const Tool = v.object({
+  shape: Shape,
+  size_mm: Vec3,
+  diameter_mm: v.number(),
+  thickness_mm: v.number(),
+  /** of a cylinder; an older program has none, and does not say */
+  length_mm: v.optional(v.number(), 0),
   /** between jaws that are wide open */
-  opening_mm: number;
-}
+  opening_mm: v.number(),
+});
+export type Tool = v.InferOutput<typeof Tool>;
 
-export interface Box {
-  width_m: number;
-  length_m: number;
-  surface_m: number;
-  periodic_x: boolean;
-  periodic_y: boolean;
-}
+const Range3 = v.object({ low_m: Vec3, high_m: Vec3 });
+export type Range3 = v.InferOutput<typeof Range3>;
 
-export interface Range3 {
-  low_m: Vec3;
-  high_m: Vec3;
-}
+const Scene = v.object({
+  type: v.literal('scene'),
+  scene: v.number(),
+  title: v.string(),
+  particles: v.number(),
+  radius_m: v.number(),
+  size_spread: v.number(),
+  box: v.object({
+    width_m: v.number(),
+    length_m: v.number(),
+    surface_m: v.number(),
+    periodic_x: v.boolean(),
+    periodic_y: v.boolean(),
+  }),
+  quantised: Range3,
+  /** all null: a participant of a study is not told */
+  soil: v.object({
+    preset: v.nullable(v.string()),
+    name: v.nullable(v.string()),
+    friction: v.nullable(v.string()),
+    friction_angle_deg: v.nullable(v.number()),
+    cohesion_pa: v.nullable(v.number()),
+    bulk_density_kg_m3: v.nullable(v.number()),
+  }),
+  sliders: v.array(Slider),
+  body: v.nullable(v.string()),
+  gravity_m_s2: Vec3,
+  tool: Tool,
+  hand: v.object({ manoeuvre: v.string(), max_force_n: v.number(), max_torque_nm: v.number() }),
+  workspace: Range3,
+});
+export type Scene = v.InferOutput<typeof Scene>;
 
-export interface Scene {
-  type: 'scene';
-  scene: number;
-  title: string;
-  particles: number;
-  radius_m: number;
-  size_spread: number;
-  box: Box;
-  quantised: Range3;
-  soil: {
-    preset: string | null;
-    name: string | null;
-    friction: string;
-    friction_angle_deg: number | null;
-    cohesion_pa: number | null;
-    bulk_density_kg_m3: number;
-  };
-  sliders: Slider[];
-  body: string | null;
-  gravity_m_s2: Vec3;
-  tool: Tool;
-  hand: { manoeuvre: string; max_force_n: number; max_torque_nm: number };
-  workspace: Range3;
-}
-
-export interface Status {
-  type: 'status';
-  time_s: number;
-  ticks: number;
-  misses: number;
-  success_rate: number;
-  rate_hz: number;
-  tick_us: { p50: number; p99: number; max: number };
-  particles: number;
-  awake: number;
-  paused: boolean;
-  speed: number;
-  held_by: number | null;
-  clients: number;
-  device: string;
+const Status = v.object({
+  type: v.literal('status'),
+  time_s: v.number(),
+  ticks: v.number(),
+  misses: v.number(),
+  success_rate: v.number(),
+  rate_hz: v.number(),
+  tick_us: v.object({ p50: v.number(), p99: v.number(), max: v.number() }),
+  particles: v.number(),
+  awake: v.number(),
+  paused: v.boolean(),
+  speed: v.number(),
+  held_by: v.nullable(v.number()),
+  clients: v.number(),
+  device: v.string(),
   /** A person's hand is at the device: what changes the scene has to be confirmed. */
-  person_feels: boolean;
+  person_feels: v.boolean(),
   /** Why the hand at the device feels nothing just now. */
-  let_go: string | null;
-  real_time: { scheduler: string | null; memory_locked: boolean };
-  simd: string;
-  threads: number;
-  busy: string | null;
-  problem: string | null;
-  can_undo: boolean;
-  undo: string | null;
-  recording: string | null;
+  let_go: v.nullable(v.string()),
+  real_time: v.object({ scheduler: v.nullable(v.string()), memory_locked: v.boolean() }),
+  simd: v.string(),
+  threads: v.number(),
+  busy: v.nullable(v.string()),
+  problem: v.nullable(v.string()),
+  can_undo: v.boolean(),
+  undo: v.nullable(v.string()),
+  recording: v.nullable(v.string()),
   /** the last file that is finished, and where it is; an older program does not say */
-  recorded?: { file: string; folder: string } | null;
-}
+  recorded: v.nullish(v.object({ file: v.string(), folder: v.string() })),
+});
+export type Status = v.InferOutput<typeof Status>;
 
-export interface Reply {
-  type: 'reply';
+const Reply = v.object({
+  type: v.literal('reply'),
   /** null: that of the command was none */
-  id: number | null;
-  ok: boolean;
-  error?: string;
-}
+  id: v.nullable(v.number()),
+  ok: v.boolean(),
+  error: v.optional(v.string()),
+});
+export type Reply = v.InferOutput<typeof Reply>;
 
 export type Message = Hello | Scene | Status | Reply | StudyMessage;
 
@@ -187,9 +192,19 @@ export function encodeCommand(command: Command, id?: number): string {
 
 export { ProtocolError };
 
-const MESSAGE_TYPES = new Set(['hello', 'scene', 'status', 'reply', 'study']);
+const MESSAGES = new Map<string, v.GenericSchema<unknown, Message>>([
+  ['hello', Hello],
+  ['scene', Scene],
+  ['status', Status],
+  ['reply', Reply],
+  ['study', StudyMessage],
+]);
+const Head = v.object({ type: v.string(), protocol: v.optional(v.unknown()) });
 
-/** Reads a JSON message; a type that this page does not know is null, so that later programs may add some. */
+/**
+ * Reads a JSON message; a type that this page does not know is null, so that later programs may add some.
+ * @throws ProtocolError: says which key is wrong.
+ */
 export function decodeMessage(text: string): Message | null {
   let value: unknown;
   try {
@@ -197,15 +212,21 @@ export function decodeMessage(text: string): Message | null {
   } catch {
     throw new ProtocolError('a message is not JSON');
   }
-  if (typeof value !== 'object' || value === null || !('type' in value) || typeof value.type !== 'string')
-    throw new ProtocolError('a message has no type');
-  if (!MESSAGE_TYPES.has(value.type)) return null;
-  if (value.type === 'hello' && (value as Hello).protocol !== PROTOCOL_VERSION)
+  if (!v.is(Head, value)) throw new ProtocolError('a message has no type');
+  const { type, protocol } = value;
+  if (type === 'hello' && protocol !== PROTOCOL_VERSION)
     throw new ProtocolError(
-      `the program speaks protocol ${String((value as Hello).protocol)}, this page ${PROTOCOL_VERSION}; reload the page`,
+      `the program speaks protocol ${String(protocol)}, this page ${PROTOCOL_VERSION}; reload the page`,
     );
-  if (value.type === 'study') return readStudyMessage(value);
-  return value as Message;
+  const schema = MESSAGES.get(type);
+  if (!schema) return null;
+  const read = v.safeParse(schema, value, { abortEarly: true });
+  if (read.success) return read.output;
+  const [{ path = [], received, expected }] = read.issues;
+  const where = path.map(({ key }) => (typeof key === 'number' ? `[${key}]` : `.${String(key)}`)).join('');
+  throw new ProtocolError(
+    `${type}${where} ${received === 'undefined' ? 'is missing' : `is not valid: must be ${expected}`}`,
+  );
 }
 
 export const HEADER_BYTES = 128;

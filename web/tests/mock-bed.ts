@@ -2,6 +2,7 @@
 // no physics worth the name; it is there so that the page has something to show and something to feel.
 
 import type { Pose, Tool, Vec3 } from '../src/protocol';
+import { shapeOf } from '../src/tool_shapes';
 
 const ROUNDS = 3;
 
@@ -162,13 +163,12 @@ export class MockBed {
 }
 
 function halfSize(tool: Tool): Vec3 {
-  if (tool.shape === 'box') return tool.size_mm.map((mm) => mm / 2000) as Vec3;
-  if (tool.shape === 'jaws')
-    return [tool.opening_mm / 2000 + tool.size_mm[2] / 1000, tool.size_mm[1] / 2000, tool.size_mm[0] / 2000];
-  const radius_m = tool.diameter_mm / 2000;
-  return tool.shape === 'plate'
-    ? [0.8 * radius_m, 0.8 * radius_m, tool.thickness_mm / 2000]
-    : [0.58 * radius_m, 0.58 * radius_m, 0.58 * radius_m];
+  const shape = shapeOf(tool);
+  const [x, y, z] = shape.half_m(tool);
+  if (shape.jaws) return [tool.opening_mm / 2000 + 2 * x, y, z];
+  // Of round ones a box that is about as large.
+  const across = { box: 1, cylinder: 0.8, sphere: 0.58 }[shape.solid];
+  return [across * x, across * y, shape.solid === 'sphere' ? across * z : z];
 }
 
 function rotate([w, x, y, z]: Pose['rotation'], v: Vec3): Vec3 {

@@ -16,6 +16,7 @@ import {
   type Status,
   type Vec3,
 } from '../src/protocol';
+import { shapeOf, TOOL_SHAPES } from '../src/tool_shapes';
 import { encodeFrame, type RecordValues } from './frame-bytes';
 import { MockBed } from './mock-bed';
 import { MockStudy } from './mock-study';
@@ -182,7 +183,7 @@ export class MockServer {
       ],
       body: 'Moon',
       gravity_m_s2: [0, 0, -1.625],
-      tool: { shape: 'box', size_mm: [50, 40, 5], diameter_mm: 60, thickness_mm: 5, opening_mm: 60 },
+      tool: { shape: 'box', size_mm: [50, 40, 5], diameter_mm: 60, thickness_mm: 5, length_mm: 150, opening_mm: 60 },
       hand: { manoeuvre: 'still', max_force_n: 12, max_torque_nm: 0.2 },
       workspace: { low_m: [-far, -far, 0], high_m: [far, far, 0.4] },
     };
@@ -199,7 +200,7 @@ export class MockServer {
       soils: SOILS,
       bodies: Object.entries(BODIES).map(([name, gravity_m_s2]) => ({ name, gravity_m_s2 })),
       frictions: ['paper', 'contact'],
-      shapes: ['box', 'sphere', 'plate', 'jaws'],
+      shapes: Object.keys(TOOL_SHAPES) as Hello['shapes'],
       manoeuvres: ['still', 'press', 'stir', 'scoop', 'carry', 'shake'],
     };
   }
@@ -458,7 +459,7 @@ export class MockServer {
         awake: this.bed.awake,
         particles: this.bed.count,
         number: this.frame_number,
-        opening_m: this.scene.tool.shape === 'jaws' ? this.scene.tool.opening_mm / 1000 : 0,
+        opening_m: shapeOf(this.scene.tool).jaws ? this.scene.tool.opening_mm / 1000 : 0,
       },
       [[0, this.bed.count]],
       all,

@@ -6,6 +6,7 @@
 // Looking from above a level plane, and the wheel lowers and raises. Either way the tool stays under the pointer.
 
 import { Plane, Raycaster, Vector2, Vector3 } from 'three';
+import { shapeOf } from '../tool_shapes';
 import type { Stage } from '../view/stage';
 import type { Hand } from './hand';
 
@@ -143,8 +144,7 @@ export class PointerHand {
     const at = new Vector3(...frame.tool.position_m).project(orbit.camera);
     const x = rect.left + ((at.x + 1) / 2) * rect.width;
     const y = rect.top + ((1 - at.y) / 2) * rect.height;
-    const { shape, size_mm, diameter_mm } = scene.tool;
-    const size_m = (shape === 'box' || shape === 'jaws' ? Math.max(size_mm[0], size_mm[1]) : diameter_mm) / 1000;
+    const size_m = shapeOf(scene.tool).longest_m(scene.tool);
     const reach_px = Math.max(GRAB_RADIUS_PX, (0.8 * size_m) / orbit.metresPerPixel(rect.height)) * generosity;
     return Math.hypot(event.clientX - x, event.clientY - y) < reach_px;
   }

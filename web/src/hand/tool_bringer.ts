@@ -2,6 +2,7 @@
 // go of it there.
 
 import type { Scene, Vec3 } from '../protocol';
+import { shapeOf } from '../tool_shapes';
 import type { Hand } from './hand';
 
 const SPEED_M_S = 0.15;
@@ -23,8 +24,7 @@ export class ToolBringer {
   get target_m(): Vec3 | null {
     const scene = this.scene();
     if (!scene) return null;
-    const { shape, size_mm, diameter_mm } = scene.tool;
-    const size_m = (shape === 'box' || shape === 'jaws' ? Math.max(...size_mm) : diameter_mm) / 1000;
+    const size_m = shapeOf(scene.tool).longest_m(scene.tool);
     return [0, 0, Math.min(scene.workspace.high_m[2], scene.box.surface_m + size_m / 2 + CLEARANCE_M)];
   }
 

@@ -10,9 +10,9 @@ import {
   type SceneChange,
   type Slider,
   type Status,
-  type Vec3,
 } from '../protocol';
 import { VIEW_NAMES, type ViewName } from '../settings';
+import { shapeOf, TOOL_SHAPES } from '../tool_shapes';
 import { DRAG_WARNING, EXPLAIN, frictionModelName, sliderExplanation } from './explanations';
 import { h, setText } from './html';
 import { explain } from './tooltip';
@@ -195,9 +195,9 @@ export class Controls {
             type: 'button',
             'data-shape': shape,
             'aria-pressed': 'false',
-            onclick: () => this.change({ tool: { shape: shape as Scene['tool']['shape'] } }),
+            onclick: () => this.change({ tool: { shape } }),
           },
-          shape === 'box' ? 'shovel' : shape,
+          TOOL_SHAPES[shape].name,
         ),
       ),
     );
@@ -207,17 +207,19 @@ export class Controls {
     this.scene = scene;
     const { soil, tool } = scene;
     select(this.soil, soil.preset ? `preset:${soil.preset}` : soil.name ? `soil:${soil.name}` : '', 'own soil');
-    select(this.friction, soil.friction, frictionModelName(soil.friction));
-    this.drag_warning.hidden = soil.friction !== 'paper';
+    const friction = soil.friction ?? '';
+    select(this.friction, friction, frictionModelName(friction));
+    this.drag_warning.hidden = friction !== 'paper';
     select(this.body, scene.body ?? '', `${Math.hypot(...scene.gravity_m_s2).toFixed(2)} m/s²`);
     select(this.manoeuvre, scene.hand.manoeuvre, scene.hand.manoeuvre);
     const angle = soil.friction_angle_deg === null ? '' : `${soil.friction_angle_deg.toFixed(1)}°, `;
     const cohesion = soil.cohesion_pa === null ? '' : `${Math.round(soil.cohesion_pa)} Pa, `;
-    setText(this.soil_facts, `${angle}${cohesion}${Math.round(soil.bulk_density_kg_m3)} kg/m³`);
+    const density = soil.bulk_density_kg_m3 === null ? '' : `${Math.round(soil.bulk_density_kg_m3)} kg/m³`;
+    setText(this.soil_facts, `${angle}${cohesion}${density}`);
     for (const button of this.shapes.children as HTMLCollectionOf<HTMLElement>)
       button.setAttribute('aria-pressed', String(button.dataset.shape === tool.shape));
     this.showSizes(scene);
-    this.showSliders(scene.sliders, soil.friction);
+    this.showSliders(scene.sliders, friction);
   }
 
   setStatus(status: Status): void {
@@ -240,6 +242,7 @@ export class Controls {
 
   setConnected(connected: boolean): void {
     this.element.classList.toggle('offline', !connected);
+    this.element.inert = !connected;
   }
 
   /** What is so, where a change was asked for and not made. */
@@ -278,7 +281,7 @@ export class Controls {
     if (!this.hello || !this.scene) return;
     if (what === 'shape') {
       const shape = following(this.hello.shapes, this.scene.tool.shape, by);
-      return this.change({ tool: { shape: shape as Scene['tool']['shape'] } });
+      return this.change({ tool: { shape } });
     }
     const list = this[what];
     const values = [...list.options].map((option) => option.value);
@@ -305,23 +308,6 @@ export class Controls {
 
   private showSizes(scene: Scene): void {
     const { tool } = scene;
-    type Field = [string, number, (value: number) => Partial<Scene['tool']>];
-    const edges = (['length', 'width', 'thickness'] as const).map((name, axis): Field => [
-      name,
-      tool.size_mm[axis]!,
-      (value) => ({ size_mm: tool.size_mm.map((old, i) => (i === axis ? value : old)) as Vec3 }),
-    ]);
-    const fields: Field[] =
-      tool.shape === 'box'
-        ? edges
-        : tool.shape === 'jaws'
-          ? [...edges, ['opening', tool.opening_mm, (value) => ({ opening_mm: value })]]
-          : tool.shape === 'sphere'
-            ? [['diameter', tool.diameter_mm, (value) => ({ diameter_mm: value })]]
-            : [
-                ['diameter', tool.diameter_mm, (value) => ({ diameter_mm: value })],
-                ['thickness', tool.thickness_mm, (value) => ({ thickness_mm: value })],
-              ];
     const largest_mm = Math.round(1000 * Math.min(scene.box.width_m, scene.box.length_m));
     const key = JSON.stringify(tool);
     if (key === this.size_key) return;
@@ -329,7 +315,9 @@ export class Controls {
     // Rebuilding would take the focus away from the field that was just changed.
     const focused = document.activeElement instanceof HTMLInputElement ? document.activeElement.name : '';
     this.sizes.replaceChildren(
-      ...fields.map(([name, value, toChange]) => {
+      ...shapeOf(tool).sizes.map((size) => {
+        const { name } = size;
+        const value = size.mm(tool);
         const input = h('input', {
           type: 'number',
           name: `size-${name}`,
@@ -341,7 +329,7 @@ export class Controls {
         });
         input.addEventListener('change', () => {
           const number = input.valueAsNumber;
-          if (Number.isFinite(number) && number > 0) this.change({ tool: toChange(number) });
+          if (Number.isFinite(number) && number > 0) this.change({ tool: size.change(number, tool) });
           else input.value = String(value);
         });
         return h('label', { class: 'size' }, h('span', {}, name), input, h('span', { class: 'unit' }, 'mm'));
@@ -413,7 +401,7 @@ function sliderText(value: number, slider: Slider): string {
   return slider.unit ? `${text} ${slider.unit}` : text;
 }
 
-function following(values: string[], now: string, by: number): string {
+function following<T extends string>(values: T[], now: T, by: number): T {
   const at = values.indexOf(now);
   return values[(at + by + values.length) % values.length] ?? now;
 }

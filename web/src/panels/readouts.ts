@@ -1,6 +1,7 @@
 // The numbers over the picture: what the hand feels, and where the tool is.
 
 import type { Frame, Scene, Vec3 } from '../protocol';
+import { shapeOf } from '../tool_shapes';
 import { EXPLAIN } from './explanations';
 import { fixed, h, setText } from './html';
 import { explain } from './tooltip';
@@ -53,7 +54,7 @@ export function placeOf(tool_z_m: number, surface_m: number): { name: string; mm
 /** What the picture shows, for who cannot see it. */
 export function pictureInWords(scene: Scene, frame: Frame): string {
   const { name, mm } = placeOf(frame.tool.position_m[2], scene.box.surface_m);
-  const tool = scene.tool.shape === 'box' ? 'shovel' : scene.tool.shape;
+  const tool = shapeOf(scene.tool).name;
   const place = name === 'depth' ? `${mm.toFixed(0)} mm deep in the soil` : `${mm.toFixed(0)} mm above the soil`;
   const [x_mm, y_mm] = frame.tool.position_m.map((value) => (1000 * value).toFixed(0));
   return (

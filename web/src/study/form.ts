@@ -138,7 +138,7 @@ function askChoice(field: Field, id: string, choices: [string, string][], look =
   const inputs = choices.map(([value]) => h('input', { type: 'radio', name: id, value }));
   const group = h(
     'fieldset',
-    { class: 'asked', 'aria-required': String(field.required) },
+    { class: 'asked', role: 'radiogroup', 'aria-required': String(field.required) },
     h('legend', {}, field.label, optional(field)),
     withEnds(
       field,

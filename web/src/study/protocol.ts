@@ -1,11 +1,12 @@
-// What a study adds to the protocol: docs/protocol.md, "Studies".
+// What a study adds to the protocol: docs/protocol.md, "Studies". What may be left out of a message, or be null, is
+// filled in.
 
-import { ProtocolError } from '../protocol_error';
+import * as v from 'valibot';
 
 export const ROLES = ['participant', 'experimenter'] as const;
 export type Role = (typeof ROLES)[number];
 
-export const PHASES = [
+const Phase = v.picklist([
   'waiting',
   'consent',
   'form',
@@ -18,8 +19,8 @@ export const PHASES = [
   'paused',
   'finished',
   'withdrawn',
-] as const;
-export type Phase = (typeof PHASES)[number];
+]);
+export type Phase = v.InferOutput<typeof Phase>;
 
 export type StudyCommand = { do: 'study' } & (
   | { act: 'join'; as: Role }
@@ -33,323 +34,132 @@ export type StudyCommand = { do: 'study' } & (
   | { act: 'note'; text: string }
 );
 
-export const FIELD_KINDS = ['text', 'number', 'choice', 'scale', 'yes-no'] as const;
+const text = v.nullish(v.string(), '');
+const number = v.nullish(v.number(), 0);
+const flag = v.nullish(v.boolean(), false);
+const textOrNull = v.nullish(v.string(), null);
+const numberOrNull = v.nullish(v.number(), null);
+const flagOrNull = v.nullish(v.boolean(), null);
 
-export interface Field {
-  key: string;
-  label: string;
-  kind: (typeof FIELD_KINDS)[number];
-  choices: string[];
-  low: number;
-  high: number;
-  low_label: string;
-  high_label: string;
-  required: boolean;
-}
+const Field = v.object({
+  key: v.string(),
+  label: v.string(),
+  kind: v.picklist(['text', 'number', 'choice', 'scale', 'yes-no']),
+  choices: v.nullish(v.array(v.string()), () => []),
+  low: number,
+  high: number,
+  low_label: text,
+  high_label: text,
+  required: flag,
+});
+export type Field = v.InferOutput<typeof Field>;
 
-export interface Progress {
-  block: number;
-  blocks: number;
-  trial: number;
+const Progress = v.object({
+  block: v.number(),
+  blocks: v.number(),
+  trial: number,
   /** null: nobody knows beforehand */
-  trials: number | null;
-}
+  trials: numberOrNull,
+});
+export type Progress = v.InferOutput<typeof Progress>;
 
-export interface ParticipantMessage {
-  type: 'study';
-  as: 'participant';
-  study: string;
-  phase: Phase;
-  title: string;
+const ParticipantMessage = v.object({
+  type: v.literal('study'),
+  as: v.literal('participant'),
+  study: v.string(),
+  phase: Phase,
+  title: text,
   /** paragraphs with blank lines between them */
-  text: string;
-  fields: Field[];
+  text,
+  fields: v.nullish(v.array(Field), () => []),
   /** what the button says that goes on; null: there is none */
-  button: string | null;
-  interval: number;
-  intervals: number;
-  label: string;
+  button: textOrNull,
+  interval: number,
+  intervals: number,
+  label: text,
   /** null: nothing runs out */
-  remaining_s: number | null;
-  choices: string[];
+  remaining_s: numberOrNull,
+  choices: v.nullish(v.array(v.string()), () => []),
   /** whether the scene may be seen */
-  visual: boolean;
-  can_dig: boolean;
-  feedback: 'right' | 'wrong' | null;
-  progress: Progress | null;
-  problem: string | null;
-}
+  visual: flag,
+  can_dig: flag,
+  feedback: v.nullish(v.picklist(['right', 'wrong']), null),
+  progress: v.nullish(Progress, null),
+  problem: textOrNull,
+});
+export type ParticipantMessage = v.InferOutput<typeof ParticipantMessage>;
 
-export const TRIAL_KINDS = ['practice', 'main', 'catch'] as const;
-export type TrialKind = (typeof TRIAL_KINDS)[number];
+const TrialKind = v.picklist(['practice', 'main', 'catch']);
+export type TrialKind = v.InferOutput<typeof TrialKind>;
 
-export interface TrialShown {
-  kind: TrialKind;
-  block: string;
-  question: string;
-  reference: string;
-  test: string;
-  value: number;
-  test_first: boolean;
+const TrialShown = v.object({
+  kind: TrialKind,
+  block: v.string(),
+  question: text,
+  reference: v.string(),
+  test: v.string(),
+  value: v.number(),
+  test_first: v.boolean(),
   /** the one that is felt now: 1 or 2; 0: none */
-  interval: number;
-}
+  interval: number,
+});
+export type TrialShown = v.InferOutput<typeof TrialShown>;
 
-export interface Answer {
-  trial: number;
-  block: string;
-  kind: TrialKind;
-  test: string;
-  value: number;
+const Answer = v.object({
+  trial: v.number(),
+  block: v.string(),
+  kind: TrialKind,
+  test: v.string(),
+  value: v.number(),
   /** the test was said to have more; null: no answer was given */
-  positive: boolean | null;
-  correct: boolean | null;
-  reaction_s: number | null;
+  positive: flagOrNull,
+  correct: flagOrNull,
+  reaction_s: numberOrNull,
   /** begun: it is under way */
-  state: 'begun' | 'answered' | 'repeated' | 'lost';
-  reason: string;
-}
+  state: v.picklist(['begun', 'answered', 'repeated', 'lost']),
+  reason: text,
+});
+export type Answer = v.InferOutput<typeof Answer>;
 
-export interface Level {
-  x: number;
-  /** answers that the test had more, of n */
-  k: number;
-  n: number;
-}
+/** `k` answers that the test had more, of `n` */
+const Level = v.object({ x: v.number(), k: v.number(), n: v.number() });
+export type Level = v.InferOutput<typeof Level>;
 
-export interface BlockResult {
-  name: string;
-  axis_label: string;
-  log_axis: boolean;
-  reference: number;
-  levels: Level[];
+const BlockResult = v.object({
+  name: v.string(),
+  axis_label: text,
+  log_axis: flag,
+  reference: v.number(),
+  levels: v.nullish(v.array(Level), () => []),
   /** x and the fitted share of "more" */
-  curve: [number, number][] | null;
-  threshold: number | null;
-  weber_fraction: number | null;
-}
+  curve: v.nullish(v.array(v.tuple([v.number(), v.number()])), null),
+  threshold: numberOrNull,
+  weber_fraction: numberOrNull,
+});
+export type BlockResult = v.InferOutput<typeof BlockResult>;
 
-export interface Note {
-  at: string;
-  kind: string;
-  text: string;
-}
+const Note = v.object({ at: v.string(), kind: v.nullish(v.string(), 'note'), text: v.string() });
+export type Note = v.InferOutput<typeof Note>;
 
-export interface ExperimenterMessage {
-  type: 'study';
-  as: 'experimenter';
-  study: string;
-  file: string;
-  participant: string;
-  phase: Phase;
-  paused: boolean;
-  progress: Progress | null;
-  now: TrialShown | null;
-  next: TrialShown | null;
-  force_n: number;
-  peak_force_n: number;
-  answers: Answer[];
-  blocks: BlockResult[];
-  notes: Note[];
-  problem: string | null;
-}
+const ExperimenterMessage = v.object({
+  type: v.literal('study'),
+  as: v.literal('experimenter'),
+  study: v.string(),
+  file: text,
+  participant: text,
+  phase: Phase,
+  paused: flag,
+  progress: v.nullish(Progress, null),
+  now: v.nullish(TrialShown, null),
+  next: v.nullish(TrialShown, null),
+  force_n: number,
+  peak_force_n: number,
+  answers: v.nullish(v.array(Answer), () => []),
+  blocks: v.nullish(v.array(BlockResult), () => []),
+  notes: v.nullish(v.array(Note), () => []),
+  problem: textOrNull,
+});
+export type ExperimenterMessage = v.InferOutput<typeof ExperimenterMessage>;
 
-export type StudyMessage = ParticipantMessage | ExperimenterMessage;
-
-/** Checks a message of a study and fills in what may be left out. @throws ProtocolError: says which key is wrong. */
-export function readStudyMessage(value: object): StudyMessage {
-  const keys = new Keys(value, 'study');
-  const head = {
-    type: 'study',
-    study: keys.text('study'),
-    phase: keys.oneOf('phase', PHASES),
-    progress: keys.orNull('progress', readProgress),
-    problem: keys.orNull('problem', asText),
-  } as const;
-  return keys.oneOf('as', ROLES) === 'participant'
-    ? { ...head, ...participantKeys(keys) }
-    : { ...head, ...experimenterKeys(keys) };
-}
-
-function participantKeys(keys: Keys) {
-  return {
-    as: 'participant' as const,
-    title: keys.text('title', ''),
-    text: keys.text('text', ''),
-    fields: keys.list('fields', readField),
-    button: keys.orNull('button', asText),
-    interval: keys.number('interval', 0),
-    intervals: keys.number('intervals', 0),
-    label: keys.text('label', ''),
-    remaining_s: keys.orNull('remaining_s', asNumber),
-    choices: keys.list('choices', asText),
-    visual: keys.flag('visual', false),
-    can_dig: keys.flag('can_dig', false),
-    feedback: keys.oneOf('feedback', ['right', 'wrong', null] as const, null),
-  };
-}
-
-function experimenterKeys(keys: Keys) {
-  return {
-    as: 'experimenter' as const,
-    file: keys.text('file', ''),
-    participant: keys.text('participant', ''),
-    paused: keys.flag('paused', false),
-    now: keys.orNull('now', readTrial),
-    next: keys.orNull('next', readTrial),
-    force_n: keys.number('force_n', 0),
-    peak_force_n: keys.number('peak_force_n', 0),
-    answers: keys.list('answers', readAnswer),
-    blocks: keys.list('blocks', readBlock),
-    notes: keys.list('notes', readNote),
-  };
-}
-
-function readProgress(value: unknown, where: string): Progress {
-  const keys = new Keys(value, where);
-  return {
-    block: keys.number('block'),
-    blocks: keys.number('blocks'),
-    trial: keys.number('trial', 0),
-    trials: keys.orNull('trials', asNumber),
-  };
-}
-
-function readField(value: unknown, where: string): Field {
-  const keys = new Keys(value, where);
-  return {
-    key: keys.text('key'),
-    label: keys.text('label'),
-    kind: keys.oneOf('kind', FIELD_KINDS),
-    choices: keys.list('choices', asText),
-    low: keys.number('low', 0),
-    high: keys.number('high', 0),
-    low_label: keys.text('low_label', ''),
-    high_label: keys.text('high_label', ''),
-    required: keys.flag('required', false),
-  };
-}
-
-function readTrial(value: unknown, where: string): TrialShown {
-  const keys = new Keys(value, where);
-  return {
-    kind: keys.oneOf('kind', TRIAL_KINDS),
-    block: keys.text('block'),
-    question: keys.text('question', ''),
-    reference: keys.text('reference'),
-    test: keys.text('test'),
-    value: keys.number('value'),
-    test_first: keys.flag('test_first'),
-    interval: keys.number('interval', 0),
-  };
-}
-
-function readAnswer(value: unknown, where: string): Answer {
-  const keys = new Keys(value, where);
-  return {
-    trial: keys.number('trial'),
-    block: keys.text('block'),
-    kind: keys.oneOf('kind', TRIAL_KINDS),
-    test: keys.text('test'),
-    value: keys.number('value'),
-    positive: keys.orNull('positive', asFlag),
-    correct: keys.orNull('correct', asFlag),
-    reaction_s: keys.orNull('reaction_s', asNumber),
-    state: keys.oneOf('state', ['begun', 'answered', 'repeated', 'lost'] as const),
-    reason: keys.text('reason', ''),
-  };
-}
-
-function readBlock(value: unknown, where: string): BlockResult {
-  const keys = new Keys(value, where);
-  return {
-    name: keys.text('name'),
-    axis_label: keys.text('axis_label', ''),
-    log_axis: keys.flag('log_axis', false),
-    reference: keys.number('reference'),
-    levels: keys.list('levels', readLevel),
-    curve: keys.orNull('curve', (points, at) => asList(points, at, readPoint)),
-    threshold: keys.orNull('threshold', asNumber),
-    weber_fraction: keys.orNull('weber_fraction', asNumber),
-  };
-}
-
-function readLevel(value: unknown, where: string): Level {
-  const keys = new Keys(value, where);
-  return { x: keys.number('x'), k: keys.number('k'), n: keys.number('n') };
-}
-
-function readNote(value: unknown, where: string): Note {
-  const keys = new Keys(value, where);
-  return { at: keys.text('at'), kind: keys.text('kind', 'note'), text: keys.text('text') };
-}
-
-function readPoint(value: unknown, where: string): [number, number] {
-  const [x, p, ...more] = asList(value, where, asNumber);
-  if (x === undefined || p === undefined || more.length > 0) throw wrong(where, 'two numbers');
-  return [x, p];
-}
-
-type Reader<T> = (value: unknown, where: string) => T;
-
-const wrong = (where: string, expected: string): ProtocolError => new ProtocolError(`${where} is not ${expected}`);
-
-function asText(value: unknown, where: string): string {
-  if (typeof value !== 'string') throw wrong(where, 'a text');
-  return value;
-}
-
-function asNumber(value: unknown, where: string): number {
-  if (typeof value !== 'number') throw wrong(where, 'a number');
-  return value;
-}
-
-function asFlag(value: unknown, where: string): boolean {
-  if (typeof value !== 'boolean') throw wrong(where, 'true or false');
-  return value;
-}
-
-function asList<T>(value: unknown, where: string, read: Reader<T>): T[] {
-  if (!Array.isArray(value)) throw wrong(where, 'a list');
-  return value.map((item, i) => read(item, `${where}[${i}]`));
-}
-
-/** The keys of an object; with a fallback a key may be missing. */
-class Keys {
-  private readonly object: Record<string, unknown>;
-
-  constructor(
-    value: unknown,
-    private readonly where: string,
-  ) {
-    if (typeof value !== 'object' || value === null || Array.isArray(value)) throw wrong(where, 'an object');
-    this.object = value as Record<string, unknown>;
-  }
-
-  text = (key: string, fallback?: string): string => this.read(key, asText, fallback);
-  number = (key: string, fallback?: number): number => this.read(key, asNumber, fallback);
-  flag = (key: string, fallback?: boolean): boolean => this.read(key, asFlag, fallback);
-  list = <T>(key: string, read: Reader<T>): T[] => this.read(key, (value, at) => asList(value, at, read), []);
-
-  orNull<T>(key: string, read: Reader<T>): T | null {
-    return this.read<T | null>(key, (value, at) => (value === null ? null : read(value, at)), null);
-  }
-
-  oneOf<T extends string | null>(key: string, names: readonly T[], fallback?: T): T {
-    return this.read(
-      key,
-      (value, at) => {
-        const name = names.find((candidate) => candidate === value);
-        if (name === undefined) throw wrong(at, `one of ${names.join(', ')}`);
-        return name;
-      },
-      fallback,
-    );
-  }
-
-  private read<T>(key: string, read: Reader<T>, fallback?: T): T {
-    const value = this.object[key];
-    if ((value === undefined || value === null) && fallback !== undefined) return fallback;
-    return read(value, `${this.where}.${key}`);
-  }
-}
+export const StudyMessage = v.variant('as', [ParticipantMessage, ExperimenterMessage]);
+export type StudyMessage = v.InferOutput<typeof StudyMessage>;

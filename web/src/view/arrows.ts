@@ -18,6 +18,7 @@ import {
   Vector3,
 } from 'three';
 import type { Frame, Scene, Vec3 } from '../protocol';
+import { shapeOf } from '../tool_shapes';
 
 export const FORCE_COLOUR = '#ff5a5f';
 export const TORQUE_COLOUR = '#ffb02e';
@@ -69,11 +70,11 @@ export class ArrowsView {
     for (const [i, object] of [this.spring, this.ring, this.ring_tip, this.shaft, this.tip].entries())
       object.renderOrder = 21 + i;
     this.group.add(this.force, this.torque, this.spring);
+    this.group.visible = false; // nothing is known before the first frame
   }
 
   setScene(scene: Scene): void {
-    const { shape, size_mm, diameter_mm } = scene.tool;
-    this.tool_m = (shape === 'box' || shape === 'jaws' ? Math.max(size_mm[0], size_mm[1]) : diameter_mm) / 1000;
+    this.tool_m = shapeOf(scene.tool).longest_m(scene.tool);
     this.most_nm = scene.hand.max_torque_nm;
     this.showSizes();
   }
@@ -86,6 +87,7 @@ export class ArrowsView {
   }
 
   setFrame(frame: Frame, held: boolean): void {
+    this.group.visible = true;
     this.group.position.set(...frame.tool.position_m);
     this.force_n = frame.force_n;
     this.showForce();

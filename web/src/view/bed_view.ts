@@ -17,6 +17,7 @@ import {
   ZeroFactor,
 } from 'three';
 import { COLOUR_MODES, type ColourMode, type Frame, type Scene } from '../protocol';
+import { shapeOf } from '../tool_shapes';
 import { lookOf } from './body_looks';
 import { ASLEEP_COLOUR, AWAKE_COLOUR, VIRIDIS } from './colour_maps';
 import { GRAIN_FRAGMENT_SHADER, GRAIN_VERTEX_SHADER } from './grain_shader';
@@ -119,7 +120,7 @@ export class BedView {
     const scene = this.scene;
     const attribute = this.records;
     if (!scene || !attribute || frame.scene !== scene.scene || frame.particles !== attribute.count) return false;
-    this.carrier = { at_m: frame.tool.position_m, radius_m: toolReach_m(scene) };
+    this.carrier = { at_m: frame.tool.position_m, radius_m: shapeOf(scene.tool).reach_m(scene.tool) };
     const all = attribute.array as Uint16Array;
     let from = 0;
     for (let i = 0; i < frame.runs.length; i += 2) {
@@ -172,14 +173,4 @@ export class BedView {
     this.field = new HeightField(scene);
     this.field_built_ms = 0;
   }
-}
-
-/** Radius of the sphere around the tool. */
-function toolReach_m({ tool }: Scene): number {
-  if (tool.shape === 'box') return Math.hypot(...tool.size_mm) / 2000;
-  if (tool.shape === 'jaws') {
-    const [height_mm, width_mm, thickness_mm] = tool.size_mm;
-    return Math.hypot(tool.opening_mm + 2 * thickness_mm, width_mm, height_mm) / 2000;
-  }
-  return tool.diameter_mm / 2000;
 }

@@ -17,14 +17,13 @@ import {
   type IUniform,
 } from 'three';
 import type { Pose, Scene, Tool } from '../protocol';
+import { shapeOf, SOLIDS } from '../tool_shapes';
 import { lookOf } from './body_looks';
 import { MOST_FLYING, type HeightField } from './height_field';
 import { makeNoiseTexture } from './noise_texture';
 
 /** Towards the sun: from the left, a little from the front, 38 degrees high. */
 export const TO_SUN = new Vector3(-0.62, -0.48, 0.62).normalize();
-
-const SHAPE_NUMBERS: Record<Tool['shape'], number> = { box: 0, sphere: 1, plate: 2, jaws: 3 };
 
 export interface LightUniforms {
   [name: string]: IUniform;
@@ -39,7 +38,7 @@ export interface LightUniforms {
   u_to_sun: IUniform<Vector3>;
   u_sun: IUniform<Color>;
   u_fill: IUniform<Color>;
-  u_tool_shape: IUniform<number>;
+  u_tool_solid: IUniform<number>;
   u_tool_half_m: IUniform<Vector3>;
   u_jaw_middle_m: IUniform<number>;
   u_tool_origin_m: IUniform<Vector3>;
@@ -59,7 +58,7 @@ export function makeLightUniforms(): LightUniforms {
     u_to_sun: { value: TO_SUN },
     u_sun: { value: new Color(1, 1, 1) },
     u_fill: { value: new Color(1, 1, 1) },
-    u_tool_shape: { value: 0 },
+    u_tool_solid: { value: 0 },
     u_tool_half_m: { value: new Vector3(0.025, 0.02, 0.0025) },
     u_jaw_middle_m: { value: 0 },
     u_tool_origin_m: { value: new Vector3(0, 0, 1) },
@@ -82,20 +81,16 @@ export function lightBody(uniforms: LightUniforms, body: string | null): void {
 }
 
 export function shadeTool(uniforms: LightUniforms, tool: Tool): void {
-  uniforms.u_tool_shape.value = SHAPE_NUMBERS[tool.shape];
-  const half = uniforms.u_tool_half_m.value;
-  const [x, y, z] = tool.size_mm;
-  if (tool.shape === 'box') half.set(x / 2000, y / 2000, z / 2000);
-  else if (tool.shape === 'jaws') half.set(z / 2000, y / 2000, x / 2000);
-  else half.set(tool.diameter_mm / 2000, tool.diameter_mm / 2000, tool.thickness_mm / 2000);
+  const shape = shapeOf(tool);
+  uniforms.u_tool_solid.value = SOLIDS.indexOf(shape.solid);
+  uniforms.u_tool_half_m.value.set(...shape.half_m(tool));
 }
 
 const rotation = new Quaternion();
 const scratch = new Matrix4();
 
-export function shadeToolAt(uniforms: LightUniforms, pose: Pose, opening_m: number): void {
-  const jaws = uniforms.u_tool_shape.value === SHAPE_NUMBERS.jaws;
-  uniforms.u_jaw_middle_m.value = jaws ? opening_m / 2 + uniforms.u_tool_half_m.value.x : 0;
+export function shadeToolAt(uniforms: LightUniforms, tool: Tool, pose: Pose, opening_m: number): void {
+  uniforms.u_jaw_middle_m.value = shapeOf(tool).jaws ? opening_m / 2 + uniforms.u_tool_half_m.value.x : 0;
   const [w, x, y, z] = pose.rotation;
   uniforms.u_tool_origin_m.value.set(...pose.position_m);
   // The inverse of a rotation is its transpose.
@@ -117,7 +112,7 @@ uniform vec2 u_box_half_m;
 uniform vec3 u_to_sun;
 uniform vec3 u_sun;
 uniform vec3 u_fill;
-uniform int u_tool_shape;       // 0 box, 1 sphere, 2 plate, 3 jaws
+uniform int u_tool_solid;       // 0 box, 1 sphere, 2 cylinder: SOLIDS
 uniform vec3 u_tool_half_m;     // of one of two jaws
 uniform float u_jaw_middle_m;   // from the tool's origin to the middle of a jaw, 0 with other tools
 uniform vec3 u_tool_origin_m;
@@ -167,8 +162,8 @@ float sunPastFlying(vec3 from_m) {
 // Distance from a point of the scene to the tool's surface, in m; negative inside.
 float distanceToTool(vec3 at_m) {
   vec3 p = u_tool_T_scene * (at_m - u_tool_origin_m);
-  if (u_tool_shape == 1) return length(p) - u_tool_half_m.x;
-  vec3 d = u_tool_shape != 2 ? abs(vec3(abs(p.x) - u_jaw_middle_m, p.yz)) - u_tool_half_m
+  if (u_tool_solid == 1) return length(p) - u_tool_half_m.x;
+  vec3 d = u_tool_solid != 2 ? abs(vec3(abs(p.x) - u_jaw_middle_m, p.yz)) - u_tool_half_m
                              : vec3(length(p.xy) - u_tool_half_m.x, -1.0, abs(p.z) - u_tool_half_m.z);
   return length(max(d, 0.0)) + min(max(d.x, max(d.y, d.z)), 0.0);
 }

@@ -139,10 +139,10 @@ export class Stage {
   }
 
   setFrame(frame: Frame, held: boolean): void {
-    if (!this.bed.setFrame(frame)) return;
+    if (!this.scene || !this.bed.setFrame(frame)) return;
     this.frame = frame;
     this.tool.setPoses(frame.tool, frame.wished, held, frame.opening_m);
-    shadeToolAt(this.light, frame.tool, frame.opening_m);
+    shadeToolAt(this.light, this.scene.tool, frame.tool, frame.opening_m);
     this.arrows.setFrame(frame, held);
     this.dirty = true;
   }

@@ -49,6 +49,10 @@ describe('access', () => {
     async (query) => {
       const { page } = await visit({ token: 'a_long_secret_token', study: new MockStudy() }, query);
       await page.getByText('this address lacks the token').waitFor();
+      const view = (await page.locator('.view').boundingBox())!;
+      const button = (await page.getByRole('button', { name: 'Try now' }).boundingBox())!;
+      expect(button.x).toBeGreaterThan(view.x);
+      expect(button.x + button.width).toBeLessThan(view.x + view.width);
     },
   );
 

@@ -1,11 +1,9 @@
 // What a stranger sees of the page: on other screens, without a graphics card, by keyboard and by screen reader.
 
-import { readFileSync } from 'node:fs';
-import { createRequire } from 'node:module';
-import { chromium, type Browser } from 'playwright-core';
+import type { Browser } from 'playwright-core';
 import { afterAll, afterEach, beforeAll, describe, expect, it } from 'vitest';
 import { MockServer, type MockOptions } from '../mock-server';
-import { executable, launch, newPage, type Watched } from './pages';
+import { launch, launchWithoutWebGl, newPage, violations, type Watched } from './pages';
 
 let browser: Browser;
 const open: Watched[] = [];
@@ -38,7 +36,7 @@ describe('without WebGL 2', () => {
   let blind: Browser;
 
   beforeAll(async () => {
-    blind = await chromium.launch({ executablePath: executable(), args: ['--no-sandbox', '--disable-3d-apis'] });
+    blind = await launchWithoutWebGl();
   });
 
   afterAll(async () => {
@@ -110,19 +108,6 @@ describe('on a screen', () => {
 });
 
 describe('for everybody', () => {
-  const axe = readFileSync(createRequire(import.meta.url).resolve('axe-core/axe.min.js'), 'utf8');
-  type Violation = { id: string; nodes: { html: string }[] };
-
-  const violations = async ({ page }: Watched): Promise<string[]> => {
-    // The page's own policy lets no script in by its text; the browser's console may.
-    await page.evaluate(axe);
-    const found = await page.evaluate(
-      async () =>
-        (await (window as unknown as { axe: { run(): Promise<{ violations: Violation[] }> } }).axe.run()).violations,
-    );
-    return found.map(({ id, nodes }) => `${id}: ${nodes.map(({ html }) => html.slice(0, 160)).join(' | ')}`);
-  };
-
   for (const [width, height] of [
     [1280, 720],
     [390, 844],
@@ -134,10 +119,10 @@ describe('for everybody', () => {
         const watched = await visit({}, `?theme=${theme}`);
         await watched.page.setViewportSize({ width, height });
         await watched.page.waitForTimeout(300);
-        expect(await violations(watched)).toEqual([]);
+        expect(await violations(watched.page)).toEqual([]);
         if (width === 1280) return;
         await watched.page.getByRole('button', { name: 'Controls' }).click();
-        expect(await violations(watched)).toEqual([]);
+        expect(await violations(watched.page)).toEqual([]);
       });
 
   it('explains every number and every selector, by keyboard too', async () => {
@@ -162,7 +147,7 @@ describe('for everybody', () => {
     await bubble.getByText('Simulated time since the program started').waitFor();
     for (let i = 0; i < 4; ++i) await page.keyboard.press('Tab'); // awake
     await bubble.getByText('Particles that are computed').waitFor();
-    expect(await violations(watched)).toEqual([]);
+    expect(await violations(page)).toEqual([]);
     await page.keyboard.press('Escape');
     await bubble.waitFor({ state: 'hidden' });
     await page.locator('.cell').nth(3).hover();

@@ -1,17 +1,39 @@
 // A browser for the tests, and what one does with a page again and again.
 
+import { readFileSync } from 'node:fs';
+import { createRequire } from 'node:module';
 import { chromium, type Browser, type Page } from 'playwright-core';
 import { expect } from 'vitest';
 
 const WAIT_MS = 30_000;
 
-export const executable = (): string => process.env.CHROMIUM ?? '/usr/bin/chromium';
+const executable = (): string => process.env.CHROMIUM ?? '/usr/bin/chromium';
 
 export function launch(): Promise<Browser> {
   return chromium.launch({
     executablePath: executable(),
     args: ['--no-sandbox', '--use-angle=swiftshader', '--enable-unsafe-swiftshader', '--ignore-gpu-blocklist'],
   });
+}
+
+export function launchWithoutWebGl(): Promise<Browser> {
+  return chromium.launch({ executablePath: executable(), args: ['--no-sandbox', '--disable-3d-apis'] });
+}
+
+const AXE = readFileSync(createRequire(import.meta.url).resolve('axe-core/axe.min.js'), 'utf8');
+interface Axe {
+  run(options: object): Promise<{ violations: { id: string; nodes: { html: string }[] }[] }>;
+}
+
+/** What axe finds that keeps somebody out, and where. */
+export async function violations(page: Page): Promise<string[]> {
+  // The page's own policy lets no script in by its text; the browser's console may.
+  await page.evaluate(AXE);
+  const found = await page.evaluate(async () => {
+    const { axe } = window as unknown as { axe: Axe };
+    return (await axe.run({ resultTypes: ['violations'] })).violations;
+  });
+  return found.map(({ id, nodes }) => `${id}: ${nodes.map(({ html }) => html.slice(0, 160)).join(' | ')}`);
 }
 
 export interface Watched {

@@ -267,6 +267,8 @@ describe("the participant's page", () => {
     const { page, study, address } = await participantAt('question');
     await servers.pop()!.close();
     await page.getByText('The connection is lost').waitFor();
+    const over = (await page.locator('.banner').boundingBox())!;
+    expect([over.width, over.height]).toEqual([800, 600]); // nothing of before is to be seen beside it
     await serve(study, Number(new URL(address).port));
     await page.waitForSelector('.participant:not(.offline)');
     await settle(page);

@@ -160,6 +160,61 @@ describe('a message', () => {
   });
 });
 
+// Lists are cut short by "...", and messages begin at four spaces and go on at five or more.
+const DOCUMENT = readFileSync(fileURLToPath(new URL('../../../docs/protocol.md', import.meta.url)), 'utf8');
+const EXAMPLES = (DOCUMENT.match(/^ {4}\{"type".*(?:\n {5,}.*)*/gm) ?? []).map((text) => text.replaceAll(', ...', ''));
+const example = (type: string): Record<string, unknown> =>
+  JSON.parse(EXAMPLES.find((text) => text.includes(`{"type": "${type}"`))!) as Record<string, unknown>;
+
+describe("the document's messages", () => {
+  it.each(EXAMPLES)('are what the page reads: %.45s', (text) => {
+    expect(decodeMessage(text)).toMatchObject(JSON.parse(text) as object);
+  });
+
+  it('are all that there are', () => {
+    const types = EXAMPLES.map((text) => decodeMessage(text)!.type);
+    expect(types).toEqual(['hello', 'scene', 'status', 'reply', 'reply', 'study', 'study']);
+  });
+});
+
+describe('a message of another program', () => {
+  const read = (type: string, change: object) => decodeMessage(JSON.stringify({ ...example(type), ...change }));
+
+  it('may say more, which is left out', () => {
+    const status = read('status', { temperature_k: 300, tick_us: { p50: 1, p99: 2, max: 3, p999: 4 } });
+    expect(status).toMatchObject({ type: 'status', tick_us: { p50: 1, p99: 2, max: 3 } });
+    expect(status).not.toHaveProperty('temperature_k');
+  });
+
+  it('may know fewer sizes of a tool and shapes that the page does not', () => {
+    const { length_mm: _, ...older } = example('scene').tool as Record<string, unknown>;
+    expect(read('scene', { tool: older })).toMatchObject({ tool: { shape: 'box', length_mm: 0 } });
+    expect(read('scene', { tool: { ...older, shape: 'cylinder', length_mm: 150 } })).toMatchObject({
+      tool: { shape: 'cylinder', length_mm: 150 },
+    });
+    expect(read('hello', { shapes: ['box', 'spiral', 'cylinder'] })).toMatchObject({ shapes: ['box', 'cylinder'] });
+  });
+
+  it('tells a participant nothing of the soil', () => {
+    const { soil } = example('scene');
+    const hidden = Object.fromEntries(Object.keys(soil as object).map((key) => [key, null]));
+    expect(read('scene', { soil: hidden, sliders: [], body: null })).toMatchObject({ soil: hidden });
+  });
+
+  it.each([
+    ['hello', { soils: [{ name: 'sand' }] }, 'hello.soils[0].source is missing'],
+    ['scene', { particles: '256' }, 'scene.particles is not valid: must be number'],
+    ['scene', { gravity_m_s2: [0, 0] }, 'scene.gravity_m_s2[2] is missing'],
+    ['scene', { tool: { shape: 'spiral' } }, 'scene.tool.shape is not valid: must be ("box" | "sphere"'],
+    ['status', { held_by: 'me' }, 'status.held_by is not valid'],
+    ['status', { tick_us: null }, 'status.tick_us is not valid'],
+    ['reply', { ok: 1 }, 'reply.ok is not valid: must be boolean'],
+  ])('%s that is wrong is refused, and says where: %#', (type, change, where) => {
+    expect(() => read(type, change)).toThrow(ProtocolError);
+    expect(() => read(type, change)).toThrow(where);
+  });
+});
+
 describe('a command', () => {
   it('has an id only when a reply is wanted', () => {
     expect(JSON.parse(encodeCommand({ do: 'scene', body: 'Mars' }, 17))).toEqual({ id: 17, do: 'scene', body: 'Mars' });

@@ -1,0 +1,123 @@
+// What the page knows of each shape of a tool. A new shape is an entry here and its word in the protocol's `Shape`.
+
+import { BoxGeometry, CylinderGeometry, SphereGeometry, type BufferGeometry, type Object3D } from 'three';
+import type { Shape, Tool, Vec3 } from './protocol';
+import { blade, shovelHandle, stick, yoke, type ToolMaterials } from './view/tool_geometry';
+
+/** A number that a person may change. */
+export interface ToolSize {
+  name: string;
+  mm(tool: Tool): number;
+  /** what to ask for, so that it becomes another */
+  change(mm: number, tool: Tool): Partial<Tool>;
+}
+
+/** What a tool is made of, as the shader of its shadow knows it. */
+export const SOLIDS = ['box', 'sphere', 'cylinder'] as const;
+
+export interface ToolShape {
+  /** on buttons and in sentences */
+  name: string;
+  sizes: readonly ToolSize[];
+  /** longest edge or diameter, in m */
+  longest_m(tool: Tool): number;
+  /** radius of the sphere around it, in m */
+  reach_m(tool: Tool): number;
+  /** it is two solids, which open along the tool's x */
+  jaws: boolean;
+  solid: (typeof SOLIDS)[number];
+  /** half of the solid's size along the tool's x, y and z, in m */
+  half_m(tool: Tool): Vec3;
+  /** the solid, about its middle, in m */
+  geometry(tool: Tool): BufferGeometry;
+  /** between two faces, from which on their edge is drawn, in degrees */
+  edge_angle_deg: number;
+  /** what is only there so that the tool can be recognised: soil passes through it */
+  extras(tool: Tool, materials: ToolMaterials): Object3D[];
+}
+
+const edge = (name: string, axis: 0 | 1 | 2): ToolSize => ({
+  name,
+  mm: ({ size_mm }) => size_mm[axis],
+  change: (mm, { size_mm }) => ({ size_mm: size_mm.map((old, i) => (i === axis ? mm : old)) as Vec3 }),
+});
+const EDGES = [edge('length', 0), edge('width', 1), edge('thickness', 2)];
+const DIAMETER: ToolSize = {
+  name: 'diameter',
+  mm: (tool) => tool.diameter_mm,
+  change: (diameter_mm) => ({ diameter_mm }),
+};
+const THICKNESS: ToolSize = {
+  name: 'thickness',
+  mm: (tool) => tool.thickness_mm,
+  change: (thickness_mm) => ({ thickness_mm }),
+};
+const LENGTH: ToolSize = { name: 'length', mm: (tool) => tool.length_mm, change: (length_mm) => ({ length_mm }) };
+const OPENING: ToolSize = { name: 'opening', mm: (tool) => tool.opening_mm, change: (opening_mm) => ({ opening_mm }) };
+
+/** Round about z, with flat ends. */
+const round = (name: string, height: ToolSize): ToolShape => ({
+  name,
+  sizes: [DIAMETER, height],
+  longest_m: (tool) => Math.max(tool.diameter_mm, height.mm(tool)) / 1000,
+  reach_m: (tool) => Math.hypot(tool.diameter_mm, height.mm(tool)) / 2000,
+  jaws: false,
+  solid: 'cylinder',
+  half_m: (tool) => [tool.diameter_mm / 2000, tool.diameter_mm / 2000, height.mm(tool) / 2000],
+  geometry: (tool) => {
+    const radius_m = tool.diameter_mm / 2000;
+    return new CylinderGeometry(radius_m, radius_m, height.mm(tool) / 1000, 64).rotateX(Math.PI / 2);
+  },
+  edge_angle_deg: 25,
+  extras: (tool, { handle }) => [stick(height.mm(tool) / 2000, tool.diameter_mm / 1000, 0.045, handle)],
+});
+
+export const TOOL_SHAPES = {
+  box: {
+    name: 'shovel',
+    sizes: EDGES,
+    longest_m: (tool) => Math.max(...tool.size_mm) / 1000,
+    reach_m: (tool) => Math.hypot(...tool.size_mm) / 2000,
+    jaws: false,
+    solid: 'box',
+    half_m: (tool) => tool.size_mm.map((mm) => mm / 2000) as Vec3,
+    geometry: blade,
+    edge_angle_deg: 25,
+    extras: shovelHandle,
+  },
+  sphere: {
+    name: 'sphere',
+    sizes: [DIAMETER],
+    longest_m: (tool) => tool.diameter_mm / 1000,
+    reach_m: (tool) => tool.diameter_mm / 2000,
+    jaws: false,
+    solid: 'sphere',
+    half_m: (tool) => [tool.diameter_mm / 2000, tool.diameter_mm / 2000, tool.diameter_mm / 2000],
+    geometry: (tool) => new SphereGeometry(tool.diameter_mm / 2000, 48, 32),
+    edge_angle_deg: 0,
+    extras: (tool, { handle }) => [stick(tool.diameter_mm / 2000, tool.diameter_mm / 1000, 0.045, handle)],
+  },
+  plate: round('plate', THICKNESS),
+  cylinder: round('cylinder', LENGTH),
+  // Of jaws the edges are along z, y and x.
+  jaws: {
+    name: 'jaws',
+    sizes: [...EDGES, OPENING],
+    longest_m: (tool) => Math.max(...tool.size_mm) / 1000,
+    reach_m: ({ size_mm: [height_mm, width_mm, thickness_mm], opening_mm }) =>
+      Math.hypot(opening_mm + 2 * thickness_mm, width_mm, height_mm) / 2000,
+    jaws: true,
+    solid: 'box',
+    half_m: ({ size_mm: [height_mm, width_mm, thickness_mm] }) => [
+      thickness_mm / 2000,
+      width_mm / 2000,
+      height_mm / 2000,
+    ],
+    geometry: ({ size_mm: [height_mm, width_mm, thickness_mm] }) =>
+      new BoxGeometry(thickness_mm / 1000, width_mm / 1000, height_mm / 1000),
+    edge_angle_deg: 25,
+    extras: yoke,
+  },
+} satisfies Record<Shape, ToolShape>;
+
+export const shapeOf = (tool: Tool): ToolShape => TOOL_SHAPES[tool.shape];

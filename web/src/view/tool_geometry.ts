@@ -1,0 +1,105 @@
+// The parts of tools: what touches soil has exactly the size that the simulation has; handle, bevel and rims are there
+// so that a tool can be recognised.
+
+import {
+  BoxGeometry,
+  CatmullRomCurve3,
+  CylinderGeometry,
+  ExtrudeGeometry,
+  Mesh,
+  Shape as Outline,
+  TorusGeometry,
+  TubeGeometry,
+  Vector3,
+  type BufferGeometry,
+  type Material,
+  type Object3D,
+} from 'three';
+import type { Tool, Vec3 } from '../protocol';
+
+export interface ToolMaterials {
+  metal: Material;
+  handle: Material;
+}
+
+const edges_m = (tool: Tool): Vec3 => tool.size_mm.map((mm) => mm / 1000) as Vec3;
+
+/** A box of exactly this size whose edges are broken by a small bevel inside it, and whose front edge is sharpened. */
+export function blade(tool: Tool): BufferGeometry {
+  const [x, y, z] = edges_m(tool);
+  const bevel_m = 0.16 * Math.min(x, y, z);
+  const outline = new Outline();
+  // Side view: x to the right, z up; the front edge at +x is ground from above.
+  const grind_m = Math.min(0.1 * x, 1.2 * z);
+  outline.moveTo(-x / 2 + bevel_m, -z / 2 + bevel_m);
+  outline.lineTo(x / 2 - bevel_m, -z / 2 + bevel_m);
+  outline.lineTo(x / 2 - bevel_m, -z / 2 + 0.3 * z);
+  outline.lineTo(x / 2 - grind_m, z / 2 - bevel_m);
+  outline.lineTo(-x / 2 + bevel_m, z / 2 - bevel_m);
+  outline.closePath();
+  const geometry = new ExtrudeGeometry(outline, {
+    depth: y - 2 * bevel_m,
+    bevelEnabled: true,
+    bevelThickness: bevel_m,
+    bevelSize: bevel_m,
+    bevelSegments: 2,
+  });
+  // Extruded along the outline's normal, which is -y when x stays x and the outline's y becomes z.
+  return geometry.rotateX(Math.PI / 2).translate(0, y / 2 - bevel_m, 0);
+}
+
+/** A stick straight up from the middle of a ball, a plate or a cylinder. */
+export function stick(from_m: number, size_m: number, thickness: number, material: Material): Object3D {
+  const length_m = 1.6 * size_m;
+  const mesh = new Mesh(new CylinderGeometry(thickness * size_m, thickness * size_m, length_m, 24), material);
+  mesh.rotation.x = Math.PI / 2;
+  mesh.position.z = from_m + length_m / 2;
+  return mesh;
+}
+
+/** A beam on which the jaws slide, and a stick to hold it by. */
+export function yoke(tool: Tool, { handle }: ToolMaterials): Object3D[] {
+  const [height_m, width_m, thickness_m] = edges_m(tool);
+  const across_m = tool.opening_mm / 1000 + 2 * thickness_m;
+  const beam_m = 0.12 * height_m;
+  const beam = new Mesh(new BoxGeometry(across_m, 0.3 * width_m, beam_m), handle);
+  beam.position.z = (height_m + beam_m) / 2;
+  return [beam, stick(height_m / 2 + beam_m, height_m, 0.06, handle)];
+}
+
+/** Rims on both sides and at the back, a socket and a handle that rises backwards to a grip. */
+export function shovelHandle(tool: Tool, { metal, handle }: ToolMaterials): Object3D[] {
+  const [x, y, z] = edges_m(tool);
+  const rim_m = Math.min(0.35 * z, 0.06 * y);
+  const rise_m = 0.1 * y;
+  const rims: Object3D[] = [];
+  for (const side of [-1, 1]) {
+    const rim = new Mesh(new BoxGeometry(0.82 * x, rim_m, rise_m), metal);
+    rim.position.set(-0.09 * x, side * (y / 2 - rim_m / 2), z / 2 + rise_m / 2);
+    rims.push(rim);
+  }
+  const back = new Mesh(new BoxGeometry(rim_m, y, rise_m), metal);
+  back.position.set(-x / 2 + rim_m / 2, 0, z / 2 + rise_m / 2);
+
+  const size_m = Math.max(x, y);
+  const start = new Vector3(-0.28 * x, 0, z / 2);
+  const neck = new Vector3(-0.52 * x, 0, z / 2 + 0.1 * size_m);
+  const end = neck.clone().add(new Vector3(-1.35 * size_m, 0, 1.05 * size_m));
+  const middle = neck.clone().lerp(end, 0.35);
+  const socket = new Mesh(
+    new TubeGeometry(new CatmullRomCurve3([start, neck, neck.clone().lerp(end, 0.12)]), 16, 0.055 * size_m, 16),
+    metal,
+  );
+  const shaft = new Mesh(
+    new TubeGeometry(new CatmullRomCurve3([neck.clone().lerp(end, 0.1), middle, end]), 24, 0.036 * size_m, 16),
+    handle,
+  );
+  // A D-shaped grip says "shovel" at a glance.
+  const grip = new Mesh(new TorusGeometry(0.13 * size_m, 0.032 * size_m, 12, 28), handle);
+  const along = end.clone().sub(neck).normalize();
+  grip.position.copy(end).addScaledVector(along, 0.12 * size_m);
+  // The ring lies in the plane of the handle's direction and the blade's y axis.
+  const normal = new Vector3().crossVectors(along, new Vector3(0, 1, 0)).normalize();
+  grip.quaternion.setFromUnitVectors(new Vector3(0, 0, 1), normal);
+  return [...rims, back, socket, shaft, grip];
+}
