@@ -205,39 +205,5 @@ TEST(Cylinder, IsAPlateThatIsAsHighAsItIsLong) {
   }
 }
 
-TEST(Shapes, WhatIsDrawnLiesInTheBoxAndTheBoxInTheSphereAroundTheTool) {
-  for (const ToolShape shape : kToolShapes) {
-    const ToolParameters tool = ofShape(shape);
-    const auto [low, high] = cornersOf(tool);
-    const auto edges = drawnEdges(tool);
-    ASSERT_FALSE(edges.empty()) << static_cast<int>(shape);
-    Vec3 lowest = high;
-    Vec3 highest = low;
-    for (const Vec3& end : {edges.front()[0], edges.front()[1]}) {
-      lowest = lowest.cwiseMin(end);
-      highest = highest.cwiseMax(end);
-    }
-    for (const auto& edge : edges) {
-      for (const Vec3& end : edge) {
-        EXPECT_LE(end.norm(), enclosingRadius(tool) + 1e-12) << static_cast<int>(shape);
-        EXPECT_TRUE(((end - low).array() > -1e-12).all() && ((high - end).array() > -1e-12).all()) << end.transpose();
-        lowest = lowest.cwiseMin(end);
-        highest = highest.cwiseMax(end);
-      }
-    }
-    EXPECT_NEAR(highest.x() - lowest.x(), high.x() - low.x(), 0.006) << "as wide as the tool, but for a tube's wall";
-  }
-}
-
-TEST(Shapes, OpenJawsAreDrawnWithTheSpaceBetweenThem) {
-  ToolParameters jaws = ofShape(ToolShape::kJaws);
-  for (const auto& edge : drawnEdges(jaws)) {
-    for (const Vec3& end : edge) {
-      EXPECT_GE(std::abs(end.x()), jaws.opening_m / 2 - 1e-12);
-    }
-  }
-  EXPECT_EQ(drawnEdges(jaws).size(), 24U) << "two boxes";
-}
-
 }  // namespace
 }  // namespace haptolith

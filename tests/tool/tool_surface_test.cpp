@@ -50,32 +50,45 @@ double reach(const ToolSurface& surface) {
 
 TEST(ToolSurface, EnclosesTheVolumeOfEachTool) {
   constexpr double kPi = std::numbers::pi;
-  // The default sizes: 50 x 40 x 5 mm; 60 mm across, 5 mm thick, 150 mm long; a cone of 30 degrees.
+  // 50 x 40 x 5 mm; 60 mm across, 5 mm thick, 150 mm long; a cone of 30 degrees.
   const double cone_height_m = 0.03 / std::tan(kPi / 12);
   const std::pair<ToolShape, double> volumes_m3[]{
       {ToolShape::kBox, 0.05 * 0.04 * 0.005},
       {ToolShape::kSphere, 4.0 / 3 * kPi * std::pow(0.03, 3)},
       {ToolShape::kPlate, kPi * 0.03 * 0.03 * 0.005},
       {ToolShape::kCone, kPi * 0.03 * 0.03 * (cone_height_m / 3 + 0.15 - cone_height_m)},
+      {ToolShape::kCylinder, kPi * 0.03 * 0.03 * 0.15},
       {ToolShape::kTube, kPi * 0.06 * (0.15 * 0.005 + kPi * 0.0025 * 0.0025)},  // Guldin
       {ToolShape::kJaws, 2 * 0.05 * 0.04 * 0.005},
   };
   for (const auto& [shape, volume_m3] : volumes_m3) {
     ToolParameters tool;
     tool.shape = shape;
+    tool.length_m = 0.15;
     const ToolSurface surface = toolSurface(tool, tool.opening_m);
     EXPECT_TRUE(isClosed(surface)) << static_cast<int>(shape);
     EXPECT_LE(volume(surface), volume_m3 * (1 + 1e-9)) << static_cast<int>(shape);
     EXPECT_GT(volume(surface), 0.98 * volume_m3) << static_cast<int>(shape);
     EXPECT_LE(reach(surface), enclosingRadius(tool) * (1 + 1e-9)) << static_cast<int>(shape);
+    const auto [low_m, high_m] = cornersOf(tool);
+    Vec3 lowest_m = high_m;
+    Vec3 highest_m = low_m;
+    for (const Vec3& point : surface.points_tool_m) {
+      lowest_m = lowest_m.cwiseMin(point);
+      highest_m = highest_m.cwiseMax(point);
+    }
+    EXPECT_LT((lowest_m - low_m).norm() + (highest_m - high_m).norm(), 1e-4) << "the box around it, less the roundness";
   }
 }
 
 TEST(ToolSurface, LiesWhereContactBegins) {
-  for (const ToolShape shape :
-       {ToolShape::kBox, ToolShape::kSphere, ToolShape::kPlate, ToolShape::kCone, ToolShape::kTube}) {
+  for (const ToolShape shape : kToolShapes) {
+    if (shape == ToolShape::kJaws) {
+      continue;  // whose contacts are two
+    }
     ToolParameters tool;
     tool.shape = shape;
+    tool.length_m = 0.15;
     for (const Vec3& point : toolSurface(tool, 0).points_tool_m) {
       if (shape == ToolShape::kCone && point == Vec3(0, 0, tool.length_m)) {
         continue;  // a shaft's upper end is above the soil, and contact does not know it

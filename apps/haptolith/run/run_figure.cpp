@@ -4,8 +4,13 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
+#include <cstdint>
+#include <map>
+#include <numbers>
+#include <utility>
 
-#include "haptolith/tool/tool_shape.h"
+#include "haptolith/tool/tool_surface.h"
 
 namespace haptolith {
 
@@ -28,14 +33,31 @@ Rows particlesBehindTheCut(const SceneSnapshot& scene, double length_m) {
   return rows;
 }
 
-/// Edges of the tool as x, z, dx, dz in mm. @param opening_m  between its jaws.
-Rows toolEdges(ToolParameters tool, const Pose& pose, double opening_m) {
-  tool.opening_m = opening_m;
+/// Edges of the tool as x, z, dx, dz in mm: where its surface bends by more than 25 degrees, and its outline as it is
+/// seen along y. @param opening_m  between its jaws.
+Rows toolEdges(const ToolParameters& tool, const Pose& pose, double opening_m) {
+  const double bends = std::cos(25 * std::numbers::pi / 180);
+  const ToolSurface surface = toolSurface(tool, opening_m);
+  const auto at = [&](std::int32_t point) {
+    return pose.toScene(surface.points_tool_m[static_cast<std::size_t>(point)]);
+  };
+  std::map<std::pair<std::int32_t, std::int32_t>, Vec3> normals;  // of the triangle on the left of each directed edge
+  for (const auto& [a, b, c] : surface.triangles) {
+    const Vec3 normal = (at(b) - at(a)).cross(at(c) - at(a)).normalized();
+    normals[{a, b}] = normals[{b, c}] = normals[{c, a}] = normal;
+  }
   Rows edges;
-  for (const auto& [from_tool, to_tool] : drawnEdges(tool)) {
-    const Vec3 from = pose.toScene(from_tool);
-    const Vec3 edge = pose.toScene(to_tool) - from;
-    edges.push_back({kMm * from.x(), kMm * from.z(), kMm * edge.x(), kMm * edge.z()});
+  for (const auto& [edge, left] : normals) {
+    const auto other = normals.find({edge.second, edge.first});
+    if (edge.first > edge.second || other == normals.end()) {
+      continue;  // each edge once
+    }
+    const Vec3& right = other->second;
+    if (left.dot(right) < bends || (left.y() > 0) != (right.y() > 0)) {
+      const Vec3 from = at(edge.first);
+      const Vec3 along = at(edge.second) - from;
+      edges.push_back({kMm * from.x(), kMm * from.z(), kMm * along.x(), kMm * along.z()});
+    }
   }
   return edges;
 }

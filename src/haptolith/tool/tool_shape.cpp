@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
 namespace haptolith {
 
@@ -217,67 +216,6 @@ ToolCorners cornersOf(const ToolParameters& tool) noexcept {
       return around({tool.opening_m / 2 + tool.size_m.z(), tool.size_m.y() / 2, tool.size_m.x() / 2});
   }
   return around(Vec3::Constant(1e3));
-}
-
-// --- drawn ---
-
-namespace {
-
-using Edges = std::vector<std::array<Vec3, 2>>;
-
-std::vector<Vec3> ring(double radius_m, const Vec3& along, const Vec3& across) {
-  constexpr int kCorners = 48;
-  std::vector<Vec3> corners;
-  corners.reserve(kCorners);
-  for (int corner = 0; corner < kCorners; ++corner) {
-    const double angle = 2 * std::numbers::pi * corner / kCorners;
-    corners.emplace_back(radius_m * (std::cos(angle) * along + std::sin(angle) * across));
-  }
-  return corners;
-}
-
-/// Both ends of a prism over `outline`, from z = low to high, and its uprights.
-Edges prism(const std::vector<Vec3>& outline, double low_m, double high_m) {
-  const Vec3 low(0, 0, low_m);
-  const Vec3 high(0, 0, high_m);
-  Edges edges;
-  edges.reserve(3 * outline.size());
-  for (std::size_t i = 0; i < outline.size(); ++i) {
-    const Vec3& next = outline[(i + 1) % outline.size()];
-    edges.push_back({outline[i] + high, next + high});
-    edges.push_back({outline[i] + low, next + low});
-    edges.push_back({outline[i] + high, outline[i] + low});
-  }
-  return edges;
-}
-
-Edges boxEdges(const Vec3& low, const Vec3& high) {
-  return prism({{high.x(), high.y(), 0}, {low.x(), high.y(), 0}, {low.x(), low.y(), 0}, {high.x(), low.y(), 0}},
-               low.z(), high.z());
-}
-
-}  // namespace
-
-Edges drawnEdges(const ToolParameters& tool) {
-  const double r = tool.diameter_m / 2;
-  const auto [low, high] = cornersOf(tool);
-  const std::vector<Vec3> round = ring(r, Vec3::UnitX(), Vec3::UnitY());
-  switch (tool.shape) {
-    case ToolShape::kBox: return boxEdges(low, high);
-    case ToolShape::kSphere: return prism(ring(r, Vec3::UnitX(), Vec3::UnitZ()), 0, 0);
-    case ToolShape::kPlate:
-    case ToolShape::kCylinder:
-    case ToolShape::kCone:  // its shaft
-    case ToolShape::kTube: return prism(round, low.z(), high.z());
-    case ToolShape::kJaws: {
-      const double inside_m = tool.opening_m / 2;
-      Edges edges = boxEdges(low, {-inside_m, high.y(), high.z()});
-      const Edges right = boxEdges({inside_m, low.y(), low.z()}, high);
-      edges.insert(edges.end(), right.begin(), right.end());
-      return edges;
-    }
-  }
-  return {};
 }
 
 }  // namespace haptolith

@@ -2,7 +2,6 @@
 
 #include <array>
 #include <cstdint>
-#include <vector>
 
 #include "haptolith/tool/tool_parameters.h"
 
@@ -57,8 +56,5 @@ struct ToolCorners {
   Vec3 low_m, high_m;
 };
 [[nodiscard]] ToolCorners cornersOf(const ToolParameters& tool) noexcept;
-
-/// Line segments that show the tool in a drawing, tool frame, in m.
-[[nodiscard]] std::vector<std::array<Vec3, 2>> drawnEdges(const ToolParameters& tool);
 
 }  // namespace haptolith

@@ -72,6 +72,10 @@ std::vector<OutlinePoint> sphereOutline(double radius_m) {
   return outline;
 }
 
+std::vector<OutlinePoint> cylinderOutline(double rim_m, double half_height_m) {
+  return {{0, -half_height_m}, {rim_m, -half_height_m}, {rim_m, half_height_m}, {0, half_height_m}};
+}
+
 std::vector<OutlinePoint> coneOutline(const ToolParameters& tool) {
   const double rim_m = tool.diameter_m / 2;
   const double height_m = rim_m / std::tan(tool.cone_angle_rad / 2);
@@ -118,11 +122,8 @@ ToolSurface toolSurface(const ToolParameters& tool, double opening_m) {
   switch (tool.shape) {
     case ToolShape::kBox: return boxSurface(tool.size_m, Vec3::Zero());
     case ToolShape::kSphere: return turned(sphereOutline(rim_m));
-    case ToolShape::kPlate:
-      return turned({{0, -tool.thickness_m / 2},
-                     {rim_m, -tool.thickness_m / 2},
-                     {rim_m, tool.thickness_m / 2},
-                     {0, tool.thickness_m / 2}});
+    case ToolShape::kPlate: return turned(cylinderOutline(rim_m, tool.thickness_m / 2));
+    case ToolShape::kCylinder: return turned(cylinderOutline(rim_m, tool.length_m / 2));
     case ToolShape::kCone: return turned(coneOutline(tool));
     case ToolShape::kTube: return turned(tubeOutline(tool));
     case ToolShape::kJaws: return jawsSurface(tool, opening_m);
