@@ -45,10 +45,8 @@ inline constexpr std::array kBedStartWords{
 };
 
 inline constexpr std::array kToolShapeWords{
-    SceneWord{"box", ToolShape::kBox},
-    SceneWord{"sphere", ToolShape::kSphere},
-    SceneWord{"plate", ToolShape::kPlate},
-    SceneWord{"cylinder", ToolShape::kCylinder},
+    SceneWord{"box", ToolShape::kBox},     SceneWord{"sphere", ToolShape::kSphere},
+    SceneWord{"plate", ToolShape::kPlate}, SceneWord{"cylinder", ToolShape::kCylinder},
     SceneWord{"jaws", ToolShape::kJaws},
 };
 
