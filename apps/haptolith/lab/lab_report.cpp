@@ -25,6 +25,8 @@
 #include "haptolith/lab/over_seeds.h"
 #include "haptolith/lab/report_page.h"
 #include "haptolith/scenario/scene_words.h"
+#include "haptolith/scenario/soil_file_keys.h"
+#include "haptolith/scenario/toml_writer.h"
 #include "haptolith/soil/bodies.h"
 
 #include "commands.h"
@@ -63,21 +65,18 @@ std::vector<LabTest> testsOf(const ReportOptions& options) {
   return tests;
 }
 
+/// The soil's keys, as a soil file has them; both models of friction are measured.
 Json soilJson(const SoilParameters& soil) {
-  return {{"radius_m", soil.radius_m},
-          {"gamma_nm", soil.gamma_nm},
-          {"rho0_kg_m3", soil.rho0_kg_m3},
-          {"rho_max_kg_m3", soil.rho_max_kg_m3},
-          {"mu_hat", soil.mu_hat},
-          {"stiffness_n_m", soil.stiffness_n_m},
-          {"attraction_ratio", soil.attraction_ratio},
-          {"moving_friction_ratio", soil.moving_friction_ratio},
-          {"contact_friction", soil.contact_friction},
-          {"contact_cohesion_n", soil.contact_cohesion_n},
-          {"cohesion_range_ratio", soil.cohesion_range_ratio},
-          {"tangential_ratio", soil.tangential_ratio},
-          {"size_spread", soil.size_spread},
-          {"damping_ratio", soil.damping_ratio}};
+  Scenario scene;
+  scene.bed.soil = soil;
+  Json json = Json::object();
+  for (const ScenarioKey& key : soilKeys()) {
+    const std::string line = tomlLine(key, scene);
+    if (const std::size_t equals = line.find(" = "); equals != std::string::npos && key.name != "friction") {
+      json[std::string(key.name)] = line.substr(equals + 3, line.size() - equals - 4);
+    }
+  }
+  return json;
 }
 
 /// All that the results depend on.
