@@ -232,7 +232,8 @@ TEST_F(SessionTest, ShowsOneStimulusAfterAnotherEachOnALevelBed) {
   EXPECT_EQ(session_->shown().body, "Ceres");
   session_->show(std::array{block, mars});
   ASSERT_TRUE(soon([&] { return session_->settled(); }));
-  EXPECT_LT(farthest(session_->snapshot().position, level), 1e-3);
+  // Soil sinks by 1 to 1.5 mm under the new gravity while it is looked at; stirring moves it by more than 5 mm.
+  EXPECT_LT(farthest(session_->snapshot().position, level), 2.5e-3);
   EXPECT_THROW(session_->show(std::array{SceneChange{.body = "Venus"}}), InvalidParameter);
   EXPECT_EQ(session_->scenario().body, "Mars");
 }

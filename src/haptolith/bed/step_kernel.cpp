@@ -475,8 +475,8 @@ void paper(const KernelLaw& law, const StepConstants& now, const StepBox& box, c
   (box.periods.any() ? paperIn<true> : paperIn<false>)(law, now, box, arrays, first, last, moved);
 }
 
-void contact_friction(const ContactFrictionLaw& law, const StepConstants& now, const StepBox& box,
-                      const StepArrays& arrays, std::size_t first, std::size_t last, Moved& moved) {
+void contactFriction(const ContactFrictionLaw& law, const StepConstants& now, const StepBox& box,
+                     const StepArrays& arrays, std::size_t first, std::size_t last, Moved& moved) {
   (box.periods.any() ? contactFrictionIn<true> : contactFrictionIn<false>)(law, now, box, arrays, first, last, moved);
 }
 
@@ -521,7 +521,7 @@ HWY_AFTER_NAMESPACE();
 namespace haptolith {
 
 HWY_EXPORT(paper);
-HWY_EXPORT(contact_friction);
+HWY_EXPORT(contactFriction);
 HWY_EXPORT(paperSums);
 HWY_EXPORT(contactFrictionSums);
 
@@ -532,7 +532,7 @@ void stepWithPaperFriction(const KernelLaw& law, const StepConstants& now, const
 
 void stepWithContactFriction(const ContactFrictionLaw& law, const StepConstants& now, const StepBox& box,
                              const StepArrays& arrays, std::size_t first, std::size_t last, Moved& moved) noexcept {
-  HWY_DYNAMIC_DISPATCH(contact_friction)(law, now, box, arrays, first, last, moved);
+  HWY_DYNAMIC_DISPATCH(contactFriction)(law, now, box, arrays, first, last, moved);
 }
 
 void sumContacts(const KernelLaw& law, const Periods& periods, const StepArrays& arrays, std::size_t first,
