@@ -44,9 +44,10 @@ std::string gapText(const ReplayGap& gap) {
 
 std::string summary(const ReplayOptions& options, const RecordingReader& recording, const Replay& replay,
                     const ReplayResult& result) {
+  const int threads = replay.scenario().bed.threads;
   std::string text =
-      fmt::format("{}\n  replayed   {} of {} ticks, {} hashes compared ({}, {} thread(s))\n", replay.scenario().title,
-                  result.ticks, recording.ticks(), result.hashes, simdTarget(), replay.scenario().bed.threads);
+      fmt::format("{}\n  replayed   {} of {} ticks, {} hashes compared ({}, {} thread{})\n", replay.scenario().title,
+                  result.ticks, recording.ticks(), result.hashes, simdTarget(), threads, threads == 1 ? "" : "s");
   if (result.difference) {
     text += fmt::format("  differs    in tick {} at {:.3f} s: {}\n", result.difference->tick, result.difference->time_s,
                         result.difference->what);
