@@ -178,7 +178,7 @@ struct PaperContacts {
 
 // --- contact friction ------------------------------------------------------------------------------------------------
 
-struct ContactFrictionContacts {
+struct FrictionalContacts {
   LawOf<V> law;
   CohesionOf<V> cohesion;
   FrictionOf<V> friction;
@@ -186,7 +186,7 @@ struct ContactFrictionContacts {
   V sliding_per_n;  ///< mu_p / k_t: how far a spring can be stretched by what presses the two together, m/N
   PeriodsOf periods;
 
-  ContactFrictionContacts(const ContactFrictionLaw& scalar, const Periods& box, float dt, float ratio)
+  FrictionalContacts(const ContactFrictionLaw& scalar, const Periods& box, float dt, float ratio)
       : law(lawOf(scalar.normal)),
         cohesion{set(ratio * scalar.cohesion), set(scalar.two_per_range), hn::Zero(D()), set(1)},
         friction{set(dt), set(-scalar.stiffness), set(scalar.lag), set(1), set(1e-30F)},
@@ -427,7 +427,7 @@ void paperIn(const KernelLaw& law, const StepConstants& now, const StepBox& box,
 template <bool kPeriodic>
 void contactFrictionIn(const ContactFrictionLaw& law, const StepConstants& now, const StepBox& box,
                        const StepArrays& arrays, std::size_t first, std::size_t last, Moved& moved) {
-  const ContactFrictionContacts contacts(law, box.periods, now.dt, now.friction_ratio);
+  const FrictionalContacts contacts(law, box.periods, now.dt, now.friction_ratio);
   const D d;
   const V zero = hn::Zero(d);
   const V one = set(1);
@@ -506,7 +506,7 @@ void paperSums(const KernelLaw& law, const Periods& periods, const StepArrays& a
 
 void contactFrictionSums(const ContactFrictionLaw& law, const Periods& periods, float dt, const StepArrays& arrays,
                          std::size_t first, std::size_t last, ContactSum* sums) {
-  const ContactFrictionContacts contacts(law, periods, dt, 1);
+  const FrictionalContacts contacts(law, periods, dt, 1);
   forEachVector(arrays.groups, first, last, [&](const Lanes& at) {
     const Records x = loadInOrder(arrays.position + at.particle());
     const Records v = loadInOrder(arrays.velocity + at.particle());
