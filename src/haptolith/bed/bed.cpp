@@ -26,7 +26,8 @@ constexpr double kSkinRadii = 0.5;
 constexpr std::size_t kBits = 64;  // of a word
 
 /// A thread is worth waking, which takes some 100 us, for at least this many particles; contacts with friction take
-/// three times as long as the paper's, and several substeps a tick.
+/// three times as long as the paper's, and several substeps a tick. Where two threads begin to be faster than one in
+/// `haptolith bench` on two cores, to a power of two.
 std::size_t particlesPerThread(FrictionModel friction) {
   return friction == FrictionModel::kContact ? 512 : 4096;
 }
@@ -51,8 +52,8 @@ RestRule restRule(const BedParameters& bed) {
           .steps = static_cast<std::uint16_t>(std::clamp(kRest_s / dt_s, double{Wakefulness::kTurn}, 60'000.0))};
 }
 
-/// With contact friction only contacts damp; falling soil comes to rest sooner in something thicker than space. Has no
-/// say in where it rests.
+/// With contact friction only contacts damp; falling soil comes to rest sooner in something thicker than space: a drag
+/// that stops free movement within some 0.2 s and lets soil fall at g / 5 s. Soil at rest does not feel it.
 constexpr float kSettlingDrag_per_s = 5;
 
 /// Lets wrong parameters go no further than the first member that would be made of them.

@@ -191,6 +191,8 @@ std::vector<Vec3> counted(const BedParameters& bed) {
   return centres;
 }
 
+/// A loose lattice: cells of 1.15 diameters of the largest particle leave it 0.15 R of play to all sides, so that a
+/// seed makes a bed of its own and none touches another. (The laboratory's loose specimens, lab_bed.cpp, are looser.)
 std::vector<Vec3> rained(const BedParameters& bed) {
   const double largest =
       bed.soil.radius_m * (1 + (bed.soil.friction == FrictionModel::kContact ? bed.soil.size_spread : 0));

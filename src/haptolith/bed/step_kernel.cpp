@@ -312,8 +312,9 @@ struct FrictionalContacts {
 
 // --- a step ----------------------------------------------------------------------------------------------------------
 
-/// How far particles may leave their places, over half the skin: different for each, or all that move alike would have
-/// to be entered again in the same step.
+/// How far particles may leave their places, over half the skin: between 0.65 and 1, different for each, or all that
+/// move alike would have to be entered again in the same step. 1 is the most that keeps every contact listed; 0.65 is a
+/// choice: the less, the more evenly entries spread over the ticks, and the more there are of them.
 HWY_INLINE V relistThreshold(std::size_t particle) {
   const D d;
   const hn::RebindToSigned<D> di;

@@ -6,7 +6,7 @@ namespace haptolith {
 
 namespace {
 
-/// Room for 8 s at 1 kHz while whoever writes them is held up.
+/// Room for 8 s at 1 kHz while the thread that writes them is held up.
 constexpr std::size_t kRecordsInFlight = 8192;
 
 /// Ticks between two snapshots: 62 a second at 1 kHz.

@@ -195,8 +195,8 @@ void validate(const ShearOptions& options) {
   requireInRange("width_diameters", options.width_diameters, {6, 1000});
   requireInRange("length_diameters", options.length_diameters, {6, 1000});
   requireInRange("height_diameters", options.height_diameters, {5, 1000});
-  requireInRange("strain", options.strain, {0.1, 100});
-  requireInRange("residual_from", options.residual_from, {0, options.strain, Ends::kOpen});
+  requireInRange("residual_from", options.residual_from, {0, 99, Ends::kOpenBelow});
+  requireInRange("strain", options.strain, {options.residual_from, 100, Ends::kOpenBelow});
   requireInRange("inertial_number", options.inertial_number, {1e-5, 0.1});
 }
 

@@ -95,7 +95,8 @@ class FrictionalTool {
 
  private:
   static constexpr double kTiny = 1e-40;
-  static constexpr double kSticks = 0.99;  // square of the friction over its limit
+  static constexpr double kSticks =
+      0.99;  // square of the friction over its limit; what rounding may take from one that slides
 
   double stiffness_, damping_, coefficient_, reach_m_;
   law::CohesionOf<double> adhesion_;
