@@ -25,20 +25,6 @@ double degrees(double radians) {
   return radians * 180 / std::numbers::pi;
 }
 
-/// Contacts of lunar soil: gamma and rho_max / rho0 give the measured density with depth, k carries 3 kPa with an
-/// overlap that still leaves the particles round, and the sizes differ enough that they never crystallise.
-SoilParameters lunarContacts() {
-  SoilParameters soil;
-  soil.radius_m = kTabulatedRadius_m;
-  soil.gamma_nm = 6e-5;
-  soil.rho0_kg_m3 = 1430;
-  soil.rho_max_kg_m3 = 1840;
-  soil.stiffness_n_m = 3000;
-  soil.friction = FrictionModel::kContact;
-  soil.size_spread = 0.15;
-  return soil;
-}
-
 /// How a strength differs from another one, each part over what counts as the same.
 Eigen::Vector2d distance(const ShearStrength& from, const ShearStrength& to) {
   constexpr double kAngle_deg = 0.5;

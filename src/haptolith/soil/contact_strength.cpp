@@ -68,6 +68,18 @@ ContactStrength contactOf(const SoilParameters& soil) {
 
 }  // namespace
 
+SoilParameters lunarContacts() {
+  SoilParameters soil;
+  soil.radius_m = kTabulatedRadius_m;
+  soil.gamma_nm = 6e-5;
+  soil.rho0_kg_m3 = 1430;
+  soil.rho_max_kg_m3 = 1840;
+  soil.stiffness_n_m = 3000;
+  soil.friction = FrictionModel::kContact;
+  soil.size_spread = 0.15;
+  return soil;
+}
+
 ShearStrength tabulatedStrength(const ContactStrength& contact, SoilStrength kind) {
   const Table& table = kind == SoilStrength::kPeak ? kPeak : kResidual;
   const std::size_t i = cellOf(kCohesions_n, contact.cohesion_n);

@@ -9,6 +9,12 @@ namespace haptolith {
 /// Radius of the macroparticles that the table of shear tests is about, in m.
 inline constexpr double kTabulatedRadius_m = 7e-3;
 
+/// Soil whose contacts behave like the lunar soil's, of kTabulatedRadius_m, with friction between its particles and no
+/// cohesion: what named soils are calibrated from. gamma and rho_max / rho0 give the measured density with depth, k
+/// carries 3 kPa with an overlap that still leaves the particles round, and the sizes differ enough that they never
+/// crystallise.
+[[nodiscard]] SoilParameters lunarContacts();
+
 /// A strength as a shear test gives it.
 struct ShearStrength {
   double angle_deg = 0;

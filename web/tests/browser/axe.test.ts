@@ -52,7 +52,7 @@ afterAll(async () => {
   await browser?.close();
 });
 
-describe('nobody is kept out', { timeout: 300_000 }, () => {
+describe('nobody is kept out', { timeout: 900_000 }, () => {
   it('of the page, its help, what it has to say, and when the program has gone', async () => {
     const page = await visit({});
     await page.waitForFunction(() => window.haptolith?.ready === true);

@@ -53,7 +53,7 @@ describe('without WebGL 2', () => {
     const height_m = () => page.evaluate(() => window.haptolith!.frame!.tool.position_m[2]);
     const before_m = await height_m();
     await page.keyboard.down('PageUp');
-    await expect.poll(height_m, { timeout: 15_000 }).toBeGreaterThan(before_m + 0.004);
+    await expect.poll(height_m, { timeout: 150_000 }).toBeGreaterThan(before_m + 0.004);
     await page.keyboard.up('PageUp');
     expect(await page.evaluate(() => window.haptolith!.ready)).toBe(false);
   });
@@ -211,7 +211,7 @@ describe('what is shown', () => {
     const { page } = await visit();
     await page.keyboard.down('ArrowRight');
     await expect
-      .poll(() => page.evaluate(() => window.haptolith!.frame!.tool.position_m[0]), { timeout: 15_000 })
+      .poll(() => page.evaluate(() => window.haptolith!.frame!.tool.position_m[0]), { timeout: 150_000 })
       .toBeGreaterThan(0.06);
     await page.keyboard.up('ArrowRight');
     await page.waitForFunction(() => !window.haptolith!.frame!.held);
@@ -220,7 +220,7 @@ describe('what is shown', () => {
     await page.getByRole('button', { name: 'Bring tool here' }).click();
     await expect
       .poll(() => page.evaluate(() => Math.hypot(...window.haptolith!.frame!.tool.position_m.slice(0, 2))), {
-        timeout: 20_000,
+        timeout: 150_000,
       })
       .toBeLessThan(0.003);
     const view = (await page.locator('.view').boundingBox())!;

@@ -70,7 +70,7 @@ describe('the page', () => {
           await page.mouse.move(at.x + down_px / 10, at.y + down_px);
           return Math.hypot(...(await frame(page)).force_n);
         },
-        { timeout: 30_000, interval: 150 },
+        { timeout: 150_000, interval: 150 },
       )
       .toBeGreaterThan(0.05);
     expect((await frame(page)).tool.position_m[2]).toBeLessThan(start.tool.position_m[2] - 0.005);

@@ -101,7 +101,7 @@ async function act(page: Page, phase: string): Promise<void> {
 }
 
 describe.skipIf(executable === '')('a whole study', () => {
-  it('loses no answer and doubles none when the program is killed', { timeout: 600_000 }, async () => {
+  it('loses no answer and doubles none when the program is killed', { timeout: 1_200_000 }, async () => {
     tell('new', study(), '--protocol', 'paper', '--seed', '1');
     let { child, address } = await lead('run', '0');
     const port = new URL(address).port;
