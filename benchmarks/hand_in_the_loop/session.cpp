@@ -49,7 +49,7 @@ double smooth(double u) {
 }
 
 Vec3 wantedPosition(const Script& script, Grip::Opens opens, double at_s) {
-  // Whoever is about to let go at the soil stops a millimetre above it.
+  // A hand that is about to let go at the soil stops a millimetre above it.
   const double depth_mm = opens == Grip::Opens::kAtSoil ? -1 : script.depth_mm;
   const double down = smooth((at_s - script.wait_s) / script.press_s);
   const double z_mm = -script.surface_mm + script.above_mm - down * (script.above_mm + depth_mm);

@@ -11,7 +11,7 @@
 namespace haptolith {
 
 /// What every client shall see: the scene, the status, the newest picture. One thread puts it up; others ask what there
-/// is that a client has not seen yet. Whoever asks seldom misses what lies between, and nothing is queued for them.
+/// is that a client has not seen yet. A client that asks seldom misses what lies between: nothing is queued for it.
 class Board {
  public:
   /// What one client has seen already.
