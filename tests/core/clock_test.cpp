@@ -2,6 +2,9 @@
 
 #include <gmock/gmock.h>
 
+#include <algorithm>
+#include <cstdint>
+
 namespace haptolith {
 namespace {
 
@@ -32,7 +35,8 @@ TEST(SleepUntil, ReturnsAtOnceWhenTheTimeIsPast) {
   EXPECT_LT(monotonicNs() - start_ns, 500 * kMillisecondNs);  // a sleep relative to now would take 100 s
 }
 
-TEST(SleepUntil, DoesNotAddUpTheWorkBetweenTwoTicks) {
+/// How long 40 ticks of 5 ms take, each with 2 ms of work.
+std::int64_t fortyTicksNs() {
   constexpr int kTicks = 40;
   const std::int64_t start_ns = monotonicNs();
   for (int tick = 1; tick <= kTicks; ++tick) {
@@ -41,10 +45,17 @@ TEST(SleepUntil, DoesNotAddUpTheWorkBetweenTwoTicks) {
     }
     sleepUntilNs(start_ns + tick * 5 * kMillisecondNs);
   }
-  // Sleeping 5 ms after 2 ms of work would take 280 ms. The margin is for a busy machine.
-  const std::int64_t taken_ns = monotonicNs() - start_ns;
-  EXPECT_GE(taken_ns, kTicks * 5 * kMillisecondNs);
-  EXPECT_LT(taken_ns, kTicks * 5 * kMillisecondNs + 70 * kMillisecondNs);
+  return monotonicNs() - start_ns;
+}
+
+TEST(SleepUntil, DoesNotAddUpTheWorkBetweenTwoTicks) {
+  // Sleeping 5 ms after 2 ms of work would take 280 ms each time. A busy machine may take so long, too, but not always.
+  std::int64_t least_ns = fortyTicksNs();
+  EXPECT_GE(least_ns, 200 * kMillisecondNs);
+  for (int trial = 0; trial < 50 && least_ns >= 270 * kMillisecondNs; ++trial) {
+    least_ns = std::min(least_ns, fortyTicksNs());
+  }
+  EXPECT_LT(least_ns, 270 * kMillisecondNs);
 }
 
 }  // namespace
