@@ -39,6 +39,7 @@ docs/perception.md tells what was found, and how the numbers are meant.)";
 
 struct Options {
   PerceptionOptions perception;
+  PerceiveOptions perceive;
   std::string block = "both", friction = "both", hand = "all";
   std::string csv_file, figure_file, weber_figure_file;
   Overwrite overwrite;
@@ -62,29 +63,43 @@ PerceptionOptions perceptionOf(const Options& options) {
   return wanted;
 }
 
-std::string weberText(const Discrimination& of) {
-  return std::isinf(of.weber_fraction) ? fmt::format("> {:.2g}", of.most) : fmt::format("{:.2f}", of.weber_fraction);
+std::string weberText(double fraction, double most) {
+  return std::isinf(fraction) ? fmt::format("> {:.2g}", most) : fmt::format("{:.2f}", fraction);
 }
 
 std::string tableOf(const PerceptionBlock& block, const std::vector<PerceivedCue>& perceived) {
+  const std::string& reference = block.stimuli[block.reference].name;
   std::string text = fmt::format(
-      "{}, {} friction: JNDs from {} (> 0: \"more\"), and the Weber fraction of an observer with this cue alone\n",
-      block.name, wordFor(kFrictionWords, block.friction), block.stimuli[block.reference].name);
-  text += fmt::format("  {:6} {:11} {:>9}", "hand", "cue", block.stimuli[block.reference].name);
-  text += "  scatter";
+      "{}, {} friction: JNDs from {} (> 0: \"more\"), and the Weber fraction of an observer who has this to judge by,\n"
+      "with the 95 % interval of {} explorations\n  {:22} {:>9}  scatter",
+      block.name, wordFor(kFrictionWords, block.friction), reference, block.explorations.front().front().size(),
+      "hand, cue", reference);
   for (std::size_t i = 0; i < block.stimuli.size(); ++i) {
     text += i == block.reference ? "" : fmt::format(" {:>7}", block.stimuli[i].name);
   }
-  text += "        w\n";
+  text += "       w    interval\n";
   for (const PerceivedCue& one : perceived) {
-    text += fmt::format("  {:6} {:11} {:>7.3f} {} ±{:>7.3f}", wordFor(kManoeuvreWords, one.hand), one.cue->name,
-                        one.means[block.reference], one.cue->unit, one.deviations[block.reference]);
+    text += fmt::format("  {:22}", nameOf(one));
+    text += one.cue != nullptr ? fmt::format(" {:>7.3f} {} ±{:>7.3f}", one.means[block.reference], one.cue->unit,
+                                             one.deviations[block.reference])
+                               : fmt::format(" {:18}", "");
     for (std::size_t i = 0; i < block.stimuli.size(); ++i) {
       text += i == block.reference ? "" : fmt::format(" {:>7.1f}", one.discrimination.jnds[i]);
     }
-    text += fmt::format(" {:>8}{}\n", weberText(one.discrimination), one.discrimination.rises ? "" : "  (falls)");
+    const Discrimination& of = one.discrimination;
+    text += fmt::format(" {:>7}    {} to {}{}\n", weberText(of.weber_fraction, of.most),
+                        weberText(of.interval.low, of.most), weberText(of.interval.high, of.most),
+                        one.cue != nullptr && of.weights.front() < 0 ? "  (falls)" : "");
   }
-  return text + fmt::format("  the paper's participants: w = {:.2f}\n\n", participantsWeberFraction(block.name));
+  const ParticipantsWeberFraction people = participantsWeberFraction(block.name);
+  return text + fmt::format(
+                    "  the paper's participants, if (22) was fitted as meant: w = {:.2f}; as printed: {:.2f}, with the "
+                    "decimal logarithm {:.2f}\n\n",
+                    people.as_meant, people.as_printed, people.as_printed_log10);
+}
+
+Json numberOrNull(double value) {
+  return std::isfinite(value) ? Json(value) : Json(nullptr);
 }
 
 Json jsonOf(const PerceptionBlock& block, const std::vector<PerceivedCue>& perceived) {
@@ -94,21 +109,30 @@ Json jsonOf(const PerceptionBlock& block, const std::vector<PerceivedCue>& perce
   }
   Json all = Json::array();
   for (const PerceivedCue& one : perceived) {
-    all.push_back({{"hand", wordFor(kManoeuvreWords, one.hand)},
-                   {"cue", one.cue->name},
-                   {"unit", one.cue->unit},
-                   {"mean", one.means},
-                   {"sd", one.deviations},
-                   {"jnds_from_reference", one.discrimination.jnds},
-                   {"jnds_between_neighbours", one.discrimination.steps},
-                   {"rises", one.discrimination.rises},
-                   {"weber_fraction", one.discrimination.weber_fraction},
-                   {"greatest_weber_fraction", one.discrimination.most}});
+    const Discrimination& of = one.discrimination;
+    Json row = {{"hand", one.hand ? wordFor(kManoeuvreWords, *one.hand) : "all"},
+                {"cue", one.cue != nullptr ? one.cue->name : "all"}};
+    if (one.cue != nullptr) {
+      row.update(
+          {{"unit", one.cue->unit}, {"mean", one.means}, {"sd", one.deviations}, {"rises", of.weights.front() >= 0}});
+    }
+    row.update({{"weights", of.weights},
+                {"jnds_from_reference", of.jnds},
+                {"jnds_between_neighbours", of.steps},
+                {"weber_fraction", numberOrNull(of.weber_fraction)},
+                {"weber_fraction_low", numberOrNull(of.interval.low)},
+                {"weber_fraction_high", numberOrNull(of.interval.high)},
+                {"greatest_weber_fraction", of.most}});
+    all.push_back(std::move(row));
   }
+  const ParticipantsWeberFraction people = participantsWeberFraction(block.name);
   return {{"block", block.name},
           {"friction", wordFor(kFrictionWords, block.friction)},
           {"reference", block.stimuli[block.reference].name},
-          {"participants_weber_fraction", participantsWeberFraction(block.name)},
+          {"participants_weber_fraction",
+           {{"as_meant", people.as_meant},
+            {"as_printed", people.as_printed},
+            {"as_printed_log10", people.as_printed_log10}}},
           {"stimuli", stimuli},
           {"cues", all}};
 }
@@ -159,11 +183,13 @@ void run(const Options& options) {
   Json json = {{"repeats", wanted.repeats},
                {"rounds", wanted.rounds},
                {"seed", wanted.seed},
+               {"sense_scale", options.perceive.sense_scale},
+               {"resamplings", options.perceive.observer.resamplings},
                {"contact_cohesion_n", wanted.contact_cohesion_n},
                {"blocks", Json::array()}};
   std::string text;
   for (const PerceptionBlock& block : blocks) {
-    perceived.push_back(perceive(block, wanted.hands));
+    perceived.push_back(perceive(block, wanted.hands, options.perceive));
     text += tableOf(block, perceived.back());
     json["blocks"].push_back(jsonOf(block, perceived.back()));
   }
@@ -206,6 +232,14 @@ void addStudyExploreCommand(CLI::App& study) {
       ->check(wholeNumberIn({1, 1000}))
       ->capture_default_str();
   command->add_option("--seed", perception.seed, "of the hands and beds")->capture_default_str();
+  command
+      ->add_option("--sense-scale", options->perceive.sense_scale,
+                   "scales what the senses tell apart: 0.6 for the finest that were measured, 1.8 for the coarsest")
+      ->check(numberIn({0.1, 10.0}))
+      ->capture_default_str();
+  command->add_option("--resamplings", options->perceive.observer.resamplings, "of the explorations, for the intervals")
+      ->check(wholeNumberIn({20, 100'000}))
+      ->capture_default_str();
   command->add_option("--threads", perception.threads, "explorations at a time; the result is the same [all]")
       ->check(wholeNumberIn({1, 256}));
   command->add_option("--csv", options->csv_file, "write every exploration: FILE.csv");

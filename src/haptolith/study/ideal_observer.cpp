@@ -1,11 +1,14 @@
 #include "haptolith/study/ideal_observer.h"
 
+#include <Eigen/Dense>
 #include <boost/math/distributions/normal.hpp>
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <limits>
+#include <random>
 
 #include "haptolith/core/error.h"
 #include "haptolith/psychometrics/model.h"
@@ -49,6 +52,65 @@ Moments sensations(std::span<const double> magnitudes, const Sense& sense) {
   return moments;
 }
 
+/// The same of several cues together.
+struct JointMoments {
+  Eigen::VectorXd mean;
+  Eigen::MatrixXd covariance;
+};
+
+JointMoments sensations(const FeltStimulus& stimulus, std::span<const Sense> senses) {
+  const auto count = static_cast<Eigen::Index>(stimulus.magnitudes.size());
+  const auto cues = static_cast<Eigen::Index>(senses.size());
+  Eigen::MatrixXd felt(count, cues);
+  for (Eigen::Index row = 0; row < count; ++row) {
+    for (Eigen::Index cue = 0; cue < cues; ++cue) {
+      felt(row, cue) = sensation(stimulus.magnitudes[static_cast<std::size_t>(row)][static_cast<std::size_t>(cue)],
+                                 senses[static_cast<std::size_t>(cue)]);
+    }
+  }
+  JointMoments moments{.mean = felt.colwise().mean().transpose(), .covariance = {}};
+  felt.rowwise() -= moments.mean.transpose();
+  moments.covariance = felt.transpose() * felt / static_cast<double>(count - 1);
+  return moments;
+}
+
+void validate(std::span<const FeltStimulus> stimuli, std::size_t reference, std::span<const Sense> senses) {
+  if (stimuli.size() < 3 || reference >= stimuli.size()) {
+    throw InvalidParameter("stimuli", fmt::format("{}, with reference {}", stimuli.size(), reference),
+                           "3 or more, one of them the reference");
+  }
+  requireInRange("number of senses", static_cast<double>(senses.size()), {1, 100});
+  for (const FeltStimulus& stimulus : stimuli) {
+    requireInRange("explorations of a stimulus", static_cast<double>(stimulus.magnitudes.size()), {2, 1e6});
+    for (const std::vector<double>& exploration : stimulus.magnitudes) {
+      if (exploration.size() != senses.size()) {
+        throw InvalidParameter("magnitudes of an exploration", fmt::format("{}", exploration.size()),
+                               fmt::format("{}, as many as senses", senses.size()));
+      }
+    }
+  }
+}
+
+/// JNDs of a judgement that weighs cues by `weights`, from `a` to `b`.
+double apart(const JointMoments& a, const JointMoments& b, const Eigen::VectorXd& weights) {
+  const double noise = weights.squaredNorm() + weights.dot((a.covariance + b.covariance) * weights);
+  return weights.dot(b.mean - a.mean) / std::sqrt(noise);
+}
+
+/// The best weights for telling on which side of the reference stimuli are.
+Eigen::VectorXd learntWeights(std::span<const FeltStimulus> stimuli, std::size_t reference,
+                              std::span<const JointMoments> felt) {
+  const auto cues = felt[reference].mean.size();
+  Eigen::VectorXd trend = Eigen::VectorXd::Zero(cues);
+  Eigen::MatrixXd noise = Eigen::MatrixXd::Identity(cues, cues);
+  for (std::size_t i = 0; i < stimuli.size(); ++i) {
+    trend += std::log(stimuli[i].x / stimuli[reference].x) * (felt[i].mean - felt[reference].mean);
+    noise += 2.0 / static_cast<double>(stimuli.size()) * felt[i].covariance;
+  }
+  const Eigen::VectorXd weights = noise.ldlt().solve(trend);
+  return weights.norm() > 0 ? Eigen::VectorXd(weights.normalized()) : Eigen::VectorXd::Ones(cues).normalized();
+}
+
 /// The Weber fraction of (paper 22) for the shares Phi(d) of answers, and the most that the fit allows.
 void fitWeber(std::span<const FeltStimulus> stimuli, std::size_t reference, Discrimination& found) {
   constexpr double kAnswers = 1000;  // whole numbers of answers near enough to the shares
@@ -72,6 +134,37 @@ void fitWeber(std::span<const FeltStimulus> stimuli, std::size_t reference, Disc
   }
 }
 
+Discrimination judged(std::span<const FeltStimulus> stimuli, std::size_t reference, std::span<const Sense> senses) {
+  std::vector<JointMoments> felt;
+  felt.reserve(stimuli.size());
+  for (const FeltStimulus& stimulus : stimuli) {
+    felt.push_back(sensations(stimulus, senses));
+  }
+  const Eigen::VectorXd weights = learntWeights(stimuli, reference, felt);
+  Discrimination found;
+  found.weights.assign(weights.begin(), weights.end());
+  for (std::size_t i = 0; i < stimuli.size(); ++i) {
+    found.jnds.push_back(i == reference ? 0 : apart(felt[reference], felt[i], weights));
+    if (i > 0) {
+      found.steps.push_back(apart(felt[i - 1], felt[i], weights));
+    }
+  }
+  fitWeber(stimuli, reference, found);
+  return found;
+}
+
+/// As many explorations of each stimulus, drawn from those that there are.
+std::vector<FeltStimulus> resampled(std::span<const FeltStimulus> stimuli, std::mt19937_64& random) {
+  std::vector<FeltStimulus> drawn(stimuli.begin(), stimuli.end());
+  for (std::size_t i = 0; i < stimuli.size(); ++i) {
+    const std::vector<std::vector<double>>& from = stimuli[i].magnitudes;
+    for (std::vector<double>& exploration : drawn[i].magnitudes) {
+      exploration = from[random() % from.size()];
+    }
+  }
+  return drawn;
+}
+
 }  // namespace
 
 std::span<const Cue> cues() {
@@ -89,33 +182,23 @@ double discriminability(std::span<const double> a, std::span<const double> b, co
   return (of_b.mean - of_a.mean) / std::sqrt(1 + of_a.variance + of_b.variance);
 }
 
-Discrimination discriminate(std::span<const FeltStimulus> stimuli, std::size_t reference, const Sense& sense) {
-  if (stimuli.size() < 3 || reference >= stimuli.size()) {
-    throw InvalidParameter("stimuli", fmt::format("{}, with reference {}", stimuli.size(), reference),
-                           "3 or more, one of them the reference");
-  }
-  Discrimination found;
-  double trend = 0;
-  for (std::size_t i = 0; i < stimuli.size(); ++i) {
-    const auto against = [&](std::size_t other) {
-      return discriminability(stimuli[other].magnitudes, stimuli[i].magnitudes, sense);
+Discrimination discriminate(std::span<const FeltStimulus> stimuli, std::size_t reference, std::span<const Sense> senses,
+                            const ObserverOptions& options) {
+  validate(stimuli, reference, senses);
+  Discrimination found = judged(stimuli, reference, senses);
+  if (options.resamplings > 0) {
+    std::mt19937_64 random(options.seed);
+    std::vector<double> fractions(static_cast<std::size_t>(options.resamplings));
+    for (double& fraction : fractions) {
+      fraction = judged(resampled(stimuli, random), reference, senses).weber_fraction;
+    }
+    std::ranges::sort(fractions);
+    const auto percentile = [&](double share) {
+      return fractions[static_cast<std::size_t>(std::lround(share * static_cast<double>(fractions.size() - 1)))];
     };
-    found.jnds.push_back(i == reference ? 0 : against(reference));
-    if (i > 0) {
-      found.steps.push_back(against(i - 1));
-    }
-    trend += found.jnds.back() * std::log(stimuli[i].x / stimuli[reference].x);
+    found.interval = {.low = percentile((1 - options.confidence) / 2),
+                      .high = percentile((1 + options.confidence) / 2)};
   }
-  found.rises = trend >= 0;
-  if (!found.rises) {
-    for (double& jnd : found.jnds) {
-      jnd = -jnd;
-    }
-    for (double& step : found.steps) {
-      step = -step;
-    }
-  }
-  fitWeber(stimuli, reference, found);
   return found;
 }
 

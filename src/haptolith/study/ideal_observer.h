@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <span>
 #include <string_view>
 #include <vector>
@@ -43,29 +44,47 @@ struct Cue {
 /// @throws InvalidParameter for fewer than two magnitudes on a side.
 [[nodiscard]] double discriminability(std::span<const double> a, std::span<const double> b, const Sense& sense);
 
-/// Magnitudes of one stimulus, each from one exploration.
+/// What one stimulus feels like.
 struct FeltStimulus {
   double x = 0;  ///< on the axis of the psychometric function, > 0
-  std::vector<double> magnitudes = {};
+  /// [exploration][cue], each in the unit of its cue.
+  std::vector<std::vector<double>> magnitudes = {};
 };
 
-/// What an observer can make of one cue.
+/// How an observer judges, and how well the Weber fraction is known.
+struct ObserverOptions {
+  int resamplings = 0;       ///< of the explorations, for the interval of the Weber fraction; 0: without
+  std::uint64_t seed = 1;    ///< of the resamplings
+  double confidence = 0.95;  ///< of the interval
+};
+
+/// What an observer can make of one cue or of several together.
 struct Discrimination {
-  /// Of each stimulus against the reference, in JNDs: > 0 for "more", if the observer knows which way the cue goes.
+  /// Of each stimulus against the reference, in JNDs: > 0 for "more", if the observer knows which way the cues go.
   std::vector<double> jnds;
   /// Between each stimulus and the next, likewise; one less.
   std::vector<double> steps;
-  bool rises = true;          ///< whether the cue grows with x
+  /// What one JND of each cue counts in the judgement; their squares sum to 1. Negative: the cue falls with x.
+  std::vector<double> weights;
   double weber_fraction = 0;  ///< of (paper 22) through the shares Phi(d); infinite when it is beyond `most`
+  Interval interval = {};     ///< of it: percentiles of what resampled explorations give; NaN without
   double most = 0;            ///< the greatest Weber fraction that these stimuli could show
 };
 
-/// How well an ideal observer tells stimuli from a reference by one cue alone. The observer has learnt whether the cue
-/// rises or falls with x.
-/// @param stimuli    three or more, in the order of their x, all different.
+/// How well an observer tells stimuli from a reference who weighs the sensations of one or several cues and has learnt
+/// the best weights for these stimuli (Fisher's linear discriminant),
+///
+///     v ~ (1 + 2 C)^-1 sum_i ln(x_i / x_ref) (mean s_i - mean s_ref)
+///     d_i = v . (mean s_i - mean s_ref) / sqrt(v . (1 + C_i + C_ref) v)
+///
+/// where C_i is the covariance between explorations, C its mean, and 1 the noise of the senses, taken as independent
+/// from cue to cue. With all cues of an exploration that is the ideal observer among those who sum up; with one cue d
+/// is discriminability().
+/// @param stimuli    three or more, in the order of their x, all different, each with two explorations or more.
 /// @param reference  which of them the others are compared with.
-/// @throws InvalidParameter as discriminability() and fitPsychometric().
+/// @param senses     one for each cue.
+/// @throws InvalidParameter for other numbers of them, and as fitPsychometric().
 [[nodiscard]] Discrimination discriminate(std::span<const FeltStimulus> stimuli, std::size_t reference,
-                                          const Sense& sense);
+                                          std::span<const Sense> senses, const ObserverOptions& options = {});
 
 }  // namespace haptolith

@@ -9,7 +9,9 @@
 
 #include "haptolith/core/error.h"
 #include "haptolith/core/in_parallel.h"
+#include "haptolith/scenario/scene_words.h"
 #include "haptolith/soil/bodies.h"
+#include "haptolith/soil/contact_strength.h"
 #include "haptolith/soil/presets.h"
 
 namespace haptolith {
@@ -31,13 +33,7 @@ constexpr std::array kTwins{Twin{"P1", 0.571}, Twin{"P2", 0.452}, Twin{"P3", 0.3
 
 /// The preset's soil with friction between its particles: contacts as those of the named soils, and 1500 kg/m^3.
 SoilParameters contactFrictionTwin(std::string_view preset, double contact_cohesion_n) {
-  SoilParameters soil;
-  soil.gamma_nm = 6e-5;
-  soil.rho0_kg_m3 = 1430;
-  soil.rho_max_kg_m3 = 1840;
-  soil.stiffness_n_m = 3000;
-  soil.friction = FrictionModel::kContact;
-  soil.size_spread = 0.15;
+  SoilParameters soil = lunarContacts();
   soil.contact_friction = std::ranges::find(kTwins, preset, &Twin::preset)->contact_friction;
   soil.contact_cohesion_n = contact_cohesion_n;
   return soil;
@@ -115,6 +111,44 @@ struct Site {
   std::vector<LevelBed> beds = {};
 };
 
+/// A cue of one of the hands, by its place among them.
+struct HandsCue {
+  std::size_t hand = 0;
+  const Cue* cue = nullptr;
+};
+
+std::vector<FeltStimulus> feltBy(const PerceptionBlock& block, std::span<const HandsCue> judged) {
+  std::vector<FeltStimulus> felt;
+  felt.reserve(block.stimuli.size());
+  for (std::size_t i = 0; i < block.stimuli.size(); ++i) {
+    FeltStimulus stimulus{.x = block.stimuli[i].x};
+    stimulus.magnitudes.resize(block.explorations[i].front().size());
+    for (std::size_t repeat = 0; repeat < stimulus.magnitudes.size(); ++repeat) {
+      for (const HandsCue& one : judged) {
+        stimulus.magnitudes[repeat].push_back(one.cue->value(block.explorations[i][one.hand][repeat]));
+      }
+    }
+    felt.push_back(std::move(stimulus));
+  }
+  return felt;
+}
+
+/// Mean and standard deviation of a cue, of each stimulus.
+PerceivedCue statisticsOf(const PerceptionBlock& block, const HandsCue& of) {
+  PerceivedCue one{.hand = {}, .cue = of.cue, .means = {}, .deviations = {}, .discrimination = {}};
+  for (const FeltStimulus& stimulus : feltBy(block, std::span(&of, 1))) {
+    double sum = 0, sum_of_squares = 0;
+    for (const std::vector<double>& exploration : stimulus.magnitudes) {
+      sum += exploration.front();
+      sum_of_squares += exploration.front() * exploration.front();
+    }
+    const auto count = static_cast<double>(stimulus.magnitudes.size());
+    one.means.push_back(sum / count);
+    one.deviations.push_back(std::sqrt(std::max(0.0, (sum_of_squares - sum * sum / count) / (count - 1))));
+  }
+  return one;
+}
+
 }  // namespace
 
 std::vector<PerceptionBlock> explorePaperStimuli(const PerceptionOptions& options, const PerceptionProgress& progress) {
@@ -164,36 +198,52 @@ std::vector<PerceptionBlock> explorePaperStimuli(const PerceptionOptions& option
   return blocks;
 }
 
-std::vector<PerceivedCue> perceive(const PerceptionBlock& block, const std::vector<Manoeuvre>& hands) {
+std::vector<PerceivedCue> perceive(const PerceptionBlock& block, const std::vector<Manoeuvre>& hands,
+                                   const PerceiveOptions& options) {
+  requireInRange("sense_scale", options.sense_scale, {0.1, 10});
   std::vector<PerceivedCue> perceived;
+  const auto judge = [&](std::span<const HandsCue> judged) {
+    std::vector<Sense> senses;
+    senses.reserve(judged.size());
+    for (const HandsCue& one : judged) {
+      senses.push_back({.weber_fraction = options.sense_scale * one.cue->sense.weber_fraction,
+                        .threshold = options.sense_scale * one.cue->sense.threshold});
+    }
+    return discriminate(feltBy(block, judged), block.reference, senses, options.observer);
+  };
+  std::vector<HandsCue> of_all_hands;
   for (std::size_t hand = 0; hand < hands.size(); ++hand) {
+    std::vector<HandsCue> of_hand;
     for (const Cue& cue : cues()) {
-      PerceivedCue one{.hand = hands[hand], .cue = &cue, .means = {}, .deviations = {}, .discrimination = {}};
-      std::vector<FeltStimulus> felt;
-      for (std::size_t i = 0; i < block.stimuli.size(); ++i) {
-        FeltStimulus stimulus{.x = block.stimuli[i].x};
-        double sum = 0, sum_of_squares = 0;
-        for (const Exploration& exploration : block.explorations[i][hand]) {
-          stimulus.magnitudes.push_back(cue.value(exploration));
-          sum += stimulus.magnitudes.back();
-          sum_of_squares += stimulus.magnitudes.back() * stimulus.magnitudes.back();
-        }
-        const auto count = static_cast<double>(stimulus.magnitudes.size());
-        one.means.push_back(sum / count);
-        one.deviations.push_back(std::sqrt(std::max(0.0, (sum_of_squares - sum * sum / count) / (count - 1))));
-        felt.push_back(std::move(stimulus));
-      }
+      PerceivedCue one = statisticsOf(block, {hand, &cue});
       if (std::ranges::all_of(one.means, [](double mean) { return std::isfinite(mean); })) {
-        one.discrimination = discriminate(felt, block.reference, cue.sense);
+        of_hand.push_back({hand, &cue});
+        one.hand = hands[hand];
+        one.discrimination = judge(std::span(&of_hand.back(), 1));
         perceived.push_back(std::move(one));
       }
     }
+    perceived.push_back(
+        {.hand = hands[hand], .cue = nullptr, .means = {}, .deviations = {}, .discrimination = judge(of_hand)});
+    of_all_hands.insert(of_all_hands.end(), of_hand.begin(), of_hand.end());
+  }
+  if (hands.size() > 1) {
+    perceived.push_back(
+        {.hand = {}, .cue = nullptr, .means = {}, .deviations = {}, .discrimination = judge(of_all_hands)});
   }
   return perceived;
 }
 
-double participantsWeberFraction(std::string_view block) {
-  return block == "friction" ? 0.29 : 3.31;
+std::string nameOf(const PerceivedCue& perceived) {
+  return fmt::format("{}, {}", perceived.hand ? wordFor(kManoeuvreWords, *perceived.hand) : "all hands",
+                     perceived.cue != nullptr ? perceived.cue->name : "all cues");
+}
+
+ParticipantsWeberFraction participantsWeberFraction(std::string_view block) {
+  const double told = block == "friction" ? 0.29 : 3.31;  // paper, III
+  return {.as_meant = told,
+          .as_printed = std::exp(std::sqrt(std::log(1 + told))) - 1,
+          .as_printed_log10 = std::pow(10, std::sqrt(std::log10(1 + told))) - 1};
 }
 
 }  // namespace haptolith

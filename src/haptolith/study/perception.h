@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <functional>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -48,18 +49,35 @@ using PerceptionProgress = std::function<bool(double share)>;
 [[nodiscard]] std::vector<PerceptionBlock> explorePaperStimuli(const PerceptionOptions& options,
                                                                const PerceptionProgress& progress);
 
-/// What one cue of one hand tells about a block.
+/// What one observer can tell of a block.
 struct PerceivedCue {
-  Manoeuvre hand = Manoeuvre::kStir;
-  const Cue* cue = nullptr;
-  std::vector<double> means, deviations;  ///< of each stimulus, in the cue's unit
+  std::optional<Manoeuvre> hand = {};     ///< none: all of them, one after the other
+  const Cue* cue = nullptr;               ///< null: all of the hand's together
+  std::vector<double> means, deviations;  ///< of each stimulus, in the cue's unit; empty where cues are combined
   Discrimination discrimination;
 };
 
-/// Cues that a hand never has (what it carries, when it does not lift) are left out.
-[[nodiscard]] std::vector<PerceivedCue> perceive(const PerceptionBlock& block, const std::vector<Manoeuvre>& hands);
+struct PerceiveOptions {
+  ObserverOptions observer = {.resamplings = 200};
+  double sense_scale = 1;  ///< of the Weber fractions and thresholds of all senses, 0.1 to 10: below 1 for finer ones
+};
 
-/// The Weber fraction that the paper's participants showed.
-[[nodiscard]] double participantsWeberFraction(std::string_view block);
+/// Observers of each single cue of each hand, of all cues of each hand, and of all cues of all hands. Cues that a hand
+/// never has (what it carries, when it does not lift) are left out.
+/// @throws InvalidParameter as discriminate().
+[[nodiscard]] std::vector<PerceivedCue> perceive(const PerceptionBlock& block, const std::vector<Manoeuvre>& hands,
+                                                 const PerceiveOptions& options = {});
+
+/// "stir, mean force", "stir, all cues", "all hands, all cues".
+[[nodiscard]] std::string nameOf(const PerceivedCue& perceived);
+
+/// The Weber fraction x84/p - 1 that the paper's participants showed, which depends on what was fitted to them: the
+/// paper gives a number, and (22) with two faults.
+struct ParticipantsWeberFraction {
+  double as_meant = 0;          ///< the number is x84/p - 1, as the paper's text uses it
+  double as_printed = 0;        ///< the number is w of (22) as printed, with the natural logarithm
+  double as_printed_log10 = 0;  ///< the same with the decimal one
+};
+[[nodiscard]] ParticipantsWeberFraction participantsWeberFraction(std::string_view block);
 
 }  // namespace haptolith

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <string>
 #include <string_view>
+#include <utility>
 
 #include "haptolith/figure/figure.h"
 #include "haptolith/scenario/scene_words.h"
@@ -72,7 +73,7 @@ void drawForces(const OutputFile& path, const std::vector<PerceptionBlock>& bloc
       const Cue* drawn = nullptr;
       for (std::size_t b = 0; b < blocks.size(); ++b) {
         const auto found = std::ranges::find_if(perceived[b], [&](const PerceivedCue& one) {
-          return one.hand == panel.hand && one.cue->name == panel.cue;
+          return one.hand == panel.hand && one.cue != nullptr && one.cue->name == panel.cue;
         });
         if (blocks[b].name != name || found == perceived[b].end()) {
           continue;
@@ -124,9 +125,9 @@ void drawForces(const OutputFile& path, const std::vector<PerceptionBlock>& bloc
 void drawWeberFractions(const OutputFile& path, const std::vector<PerceptionBlock>& blocks,
                         const std::vector<std::vector<PerceivedCue>>& perceived) {
   const std::vector<std::string> names = namesOf(blocks);
-  Figure figure(path, 200 + 560 * static_cast<int>(names.size()), 640);
+  Figure figure(path, 200 + 560 * static_cast<int>(names.size()), 820);
   figure.command(
-      fmt::format("set multiplot layout 1,{} margins {},0.985,0.13,0.9 spacing 0.16,0\nset border 1\n"
+      fmt::format("set multiplot layout 1,{} margins {},0.985,0.1,0.85 spacing 0.16,0\nset border 1\n"
                   "set grid xtics ytics linecolor rgb '#e6e6e6'\nset logscale x\nset ytics nomirror scale 0\n"
                   "set xtics nomirror scale 0.5",
                   names.size(), names.size() == 1 ? 0.22 : 0.13));
@@ -145,38 +146,51 @@ void drawWeberFractions(const OutputFile& path, const std::vector<PerceptionBloc
         const PerceivedCue& one = perceived[b][i];
         const double y = static_cast<double>(rows - i);
         most = one.discrimination.most;
-        tics += fmt::format("{}'{}, {}' {}", tics.empty() ? "" : ", ", wordFor(kManoeuvreWords, one.hand),
-                            one.cue->name, y);
+        tics += fmt::format("{}'{}' {}", tics.empty() ? "" : ", ",
+                            one.cue == nullptr ? fmt::format("{{/:Bold {}}}", nameOf(one)) : nameOf(one), y);
         const double aside = blocks[b].friction == FrictionModel::kPaper ? 0.12 : -0.12;
         const bool found = std::isfinite(one.discrimination.weber_fraction);
-        (found ? known : beyond).push_back({found ? one.discrimination.weber_fraction : most, y + aside});
+        const auto shown = [&](double fraction) { return std::isfinite(fraction) ? fraction : most; };
+        (found ? known : beyond)
+            .push_back({shown(one.discrimination.weber_fraction), y + aside, shown(one.discrimination.interval.low),
+                        shown(one.discrimination.interval.high)});
       }
       const double gap = std::nan("");
-      known.push_back({gap, gap});
-      beyond.push_back({gap, gap});
+      known.push_back({gap, gap, gap, gap});
+      beyond.push_back({gap, gap, gap, gap});
       figure.data(fmt::format("{}{}", name, b), known);
       figure.data(fmt::format("{}{}beyond", name, b), beyond);
       plot += fmt::format(
-          "{0}${1}{2} using 1:2 with points pointtype 7 pointsize 1.7 linecolor rgb '{3}' title '{4}', "
-          "${1}{2}beyond using 1:2 with points pointtype 9 pointsize 1.7 linecolor rgb '{3}' notitle",
+          "{0}${1}{2} using 1:2:3:4 with xerrorbars pointtype 7 pointsize 1.4 linewidth 1.6 linecolor rgb '{3}' title "
+          "'{4}', "
+          "${1}{2}beyond using 1:2:3:4 with xerrorbars pointtype 9 pointsize 1.4 linewidth 1.6 linecolor rgb '{3}' "
+          "notitle",
           plot.empty() ? "plot " : ", ", name, b, colourOf(blocks[b].friction), titleOf(blocks[b].friction));
     }
-    const double participants = participantsWeberFraction(name);
-    figure.command(fmt::format(
-        "set title '{0}' offset 0,1.2\nset xlabel 'Weber fraction'\nset yrange [0.4:{1}]\nset ytics ({2})\n"
-        "set xrange [{3}:{4}]\nset xtics ({6})\nset arrow 1 from {5}, graph 0 to {5}, graph 1 nohead linewidth 1.6 "
-        "dashtype (6,4) "
-        "linecolor rgb '#111111' back\nset label 1 'participants {5}' at {5}, graph 1.03 center textcolor rgb "
-        "'#111111'\n"
-        "set key bottom left opaque Left reverse samplen 0.5",
-        name == "friction" ? "friction coefficient" : "gravity", static_cast<double>(rows) + 0.6, tics,
-        name == "friction" ? 0.15 : 0.8, most * 1.15, participants,
-        name == "friction" ? "0.2, 0.3, 0.4, 0.5, 0.7" : "1, 2, 3, 5, 10, 20"));
+    const ParticipantsWeberFraction people = participantsWeberFraction(name);
+    const double rightmost = std::max(most, people.as_printed_log10) * 1.15;
+    figure.command(
+        fmt::format("set title '{0}' offset 0,4.5\nset xlabel 'Weber fraction'\nset yrange [0.4:{1}]\nset ytics ({2})\n"
+                    "set xrange [{3}:{4}]\nset xtics ({5})\nset key bottom right opaque Left reverse samplen 0.5",
+                    name == "friction" ? "friction coefficient" : "gravity", static_cast<double>(rows) + 0.6, tics,
+                    name == "friction" ? 0.1 : 0.5, rightmost,
+                    name == "friction" ? "0.1, 0.2, 0.3, 0.5, 0.7, 1" : "0.5, 1, 2, 5, 10, 20"));
+    int number = 0;
+    for (const auto& [fraction, reading] :
+         {std::pair{people.as_meant, "as meant"}, std::pair{people.as_printed, "as printed"},
+          std::pair{people.as_printed_log10, "printed, log_{10}"}}) {
+      ++number;
+      figure.command(
+          fmt::format("set arrow {0} from {1}, graph 0 to {1}, graph 1 nohead linewidth 1.6 dashtype (6,4) linecolor "
+                      "rgb '{2}' back\n"
+                      "set label {0} \"{1:.2f}\\n{{/*0.8 {3}}}\" at {1}, graph {4} center textcolor rgb '{2}'",
+                      number, fraction, number == 1 ? "#111111" : "#888888", reading, number == 1 ? 1.11 : 1.05));
+    }
     if (&name != &names.front()) {
       figure.command("set key off");
     }
     figure.command(plot);
-    figure.command("unset arrow 1\nunset label 1");
+    figure.command("unset arrow\nunset label");
   }
   figure.command("unset multiplot");
   figure.save();

@@ -12,7 +12,7 @@ namespace haptolith {
 void drawForces(const OutputFile& path, const std::vector<PerceptionBlock>& blocks,
                 const std::vector<std::vector<PerceivedCue>>& perceived);
 
-/// The Weber fraction of an ideal observer for each cue, beside the participants'. @throws as Figure.
+/// The Weber fractions of observers with their intervals, beside the participants' by each reading. @throws as Figure.
 void drawWeberFractions(const OutputFile& path, const std::vector<PerceptionBlock>& blocks,
                         const std::vector<std::vector<PerceivedCue>>& perceived);
 
