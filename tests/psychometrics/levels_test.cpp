@@ -25,6 +25,25 @@ TEST(Levels, ParticipantsArePooledAsOnePerson) {
   EXPECT_EQ(levels[0].n, 6);
 }
 
+TEST(Levels, WithinAToleranceAreTakenTogetherAtTheirMean) {
+  // 1.04 is within 0.05 of the first, 1.06 is not, though it is within 0.05 of the second.
+  const std::vector<Level> levels =
+      pooledWithin(std::vector<Level>{{1, 1, 1}, {1.04, 0, 3}, {1.06, 1, 1}, {0.97, 1, 1}, {5, 0, 0}}, 0.05);
+  ASSERT_EQ(levels.size(), 2u);
+  EXPECT_NEAR(levels[0].x, (1 + 3 * 1.04 + 0.97) / 5, 1e-12);
+  EXPECT_EQ(levels[0].k, 2);
+  EXPECT_EQ(levels[0].n, 5);
+  EXPECT_EQ(levels[1].x, 1.06);
+  EXPECT_THROW((void)pooledWithin(std::vector<Level>{{1, 1, 1}}, -0.1), InvalidParameter);
+}
+
+TEST(Levels, OfWhichTheFirstComesFirstDecides) {
+  const std::vector<Level> upward = pooledWithin(std::vector<Level>{{1, 0, 1}, {1.04, 0, 1}, {1.08, 0, 1}}, 0.05);
+  const std::vector<Level> from_middle = pooledWithin(std::vector<Level>{{1.04, 0, 1}, {1, 0, 1}, {1.08, 0, 1}}, 0.05);
+  EXPECT_EQ(upward.size(), 2u);
+  EXPECT_EQ(from_middle.size(), 1u);
+}
+
 TEST(Levels, ImpossibleCountsAreRefused) {
   for (const Level& level : {Level{1, 4, 3}, Level{1, -1, 3}, Level{1, 0.5, 3}, Level{1, 1, 2.5}, Level{1, 0, -1},
                              Level{std::nan(""), 1, 2}}) {

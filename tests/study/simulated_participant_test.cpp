@@ -42,8 +42,8 @@ TEST(SimulatedObserver, AnswersAsThePapersPsychometricFunctionSays) {
 
 TEST(SimulatedObserver, BiasMovesTheCurveAndLapsesFlattenIt) {
   EXPECT_NEAR(shareOfMore({.bias = 0.25}, 0.8, 1), 0.5, kScatter);
-  EXPECT_NEAR(shareOfMore({.lapse = 0.1}, 1000, 1), 0.95, kScatter);
-  EXPECT_NEAR(shareOfMore({.lapse = 1}, 1000, 1), 0.5, kScatter);
+  EXPECT_NEAR(shareOfMore({.lapse = 0.05}, 1000, 1), 0.95, kScatter);
+  EXPECT_NEAR(shareOfMore({.lapse = 0.5}, 1000, 1), 0.5, kScatter);
 }
 
 TEST(SimulatedObserver, LearningMakesTheFirstAnswersWorse) {
@@ -62,7 +62,7 @@ TEST(SimulatedObserver, LearningMakesTheFirstAnswersWorse) {
 
 TEST(SimulatedObserver, WhatMakesNoSenseIsRefused) {
   EXPECT_THROW(SimulatedObserver({.weber_fraction = 0}, 1), InvalidParameter);
-  EXPECT_THROW(SimulatedObserver({.lapse = 1.1}, 1), InvalidParameter);
+  EXPECT_THROW(SimulatedObserver({.lapse = 0.6}, 1), InvalidParameter);
   EXPECT_THROW(SimulatedObserver({.bias = -1}, 1), InvalidParameter);
   SimulatedObserver observer({}, 1);
   EXPECT_THROW((void)observer.saysMore(0, 1), InvalidParameter);

@@ -45,6 +45,18 @@ std::string line(std::string_view name, const Estimate& estimate, std::string_vi
   return fmt::format("  {:<16} {:>9.4g}   {:<22} {}\n", name, estimate.value, intervalText(estimate.interval), note);
 }
 
+std::string_view readingOf22(Sigmoid sigmoid) {
+  switch (sigmoid) {
+    case Sigmoid::kWeberAsPrinted: return "of (22) as printed";
+    case Sigmoid::kWeberLog10: return "of (22) as printed, logarithms to base 10";
+    default: return "of (22)";
+  }
+}
+
+std::string designName(const Fit& fit) {
+  return fit.design == Design::kForcedChoice ? fmt::format("{}afc", fit.alternatives) : std::string(nameOf(fit.design));
+}
+
 std::string_view scaleName(const Fit& fit) {
   return isWeber(fit.function.sigmoid) ? "Weber fraction" : "width";
 }
@@ -73,7 +85,9 @@ Json fitJson(const Fit& fit) {
             {"p_value_chi_square", fit.p_value_chi_square},
             {"n_trials", std::llround(fit.n_trials)},
             {"sigmoid", nameOf(fit.function.sigmoid)},
-            {"design", nameOf(fit.design)},
+            {"design", designName(fit)},
+            {"alternatives", fit.alternatives},
+            {"falling", fit.function.falling},
             {"log_x", fit.function.log_axis},
             {"method", nameOf(fit.method)},
             {"free_parameters", fit.free_parameters},
@@ -120,16 +134,16 @@ Json groupJson(const GroupFit& group, const std::vector<std::string>& names) {
 std::string fitText(const Fit& fit) {
   const PsychometricFunction& function = fit.function;
   const std::string_view interval =
-      fit.method == FitMethod::kMaximumLikelihood ? "bootstrap interval" : "credible interval";
+      fit.method == FitMethod::kMaximumLikelihood ? "profile interval" : "credible interval";
   std::string text =
       fmt::format("Psychometric function {} ({}), {}; {} answers to {} stimuli\n\n", nameOf(function.sigmoid),
-                  nameOf(fit.design), wordsFor(fit.method), fit.n_trials, fit.levels.size());
+                  designName(fit), wordsFor(fit.method), fit.n_trials, fit.levels.size());
   text += fmt::format("{:>28}   {:g} % {}\n", "estimate", 100 * fit.confidence, interval);
   text += line("threshold", fit.threshold, "x50, where the sigmoid is a half");
   text += line("JND", fit.jnd, "x84 - x50");
   text += line("Weber fraction", fit.weber_fraction, "x84/x50 - 1");
   if (fit.w) {
-    text += line("w", *fit.w, function.sigmoid == Sigmoid::kWeber ? "of (22)" : "of (22) as printed");
+    text += line("w", *fit.w, readingOf22(function.sigmoid));
   }
   text += line("width", fit.width, function.log_axis ? "ln(x95/x05)" : "x95 - x05");
   text += line("lapse rate", fit.lapse);

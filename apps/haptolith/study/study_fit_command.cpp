@@ -40,7 +40,10 @@ struct Options {
   std::string sigmoid = "weber";
   std::string method;
   std::string lapse, guess, overdispersion;  // a number, "free", or nothing: as the sigmoid has it
+  int alternatives = 2;
+  double pool_tolerance = 0;
   bool log_x = false;
+  bool falling = false;
   bool free_threshold = false;
   bool compare = false;
   bool group = false;
@@ -69,8 +72,14 @@ std::optional<double> rateOf(const char* key, const std::string& text, std::opti
 }
 
 FitOptions fitOptionsOf(const Options& options) {
+  if (options.alternatives != 2 && options.design != "nafc") {
+    throw InvalidParameter("--alternatives", fmt::format("{} with --design {}", options.alternatives, options.design),
+                           "a number of alternatives only with --design nafc");
+  }
   FitOptions fit{.sigmoid = sigmoidNamed(options.sigmoid), .design = designNamed(options.design)};
+  fit.alternatives = options.alternatives;
   fit.log_axis = options.log_x || isAlwaysLogarithmic(fit.sigmoid);
+  fit.falling = options.falling;
   fit.confidence = options.confidence;
   fit.simulations = options.simulations;
   // (paper 22) has neither lapses nor overdispersion, and its threshold is the reference.
@@ -91,7 +100,7 @@ FitOptions fitOptionsOf(const Options& options) {
 
 /// The people of one block.
 std::vector<AnswersOf> answersOf(const Options& options) {
-  std::vector<AnswersOf> all = readAnswersFile(options.data);
+  std::vector<AnswersOf> all = readAnswersFile(options.data, options.pool_tolerance);
   std::string blocks;
   for (const AnswersOf& of : all) {
     if (blocks.find("'" + of.block + "'") == std::string::npos) {
@@ -112,7 +121,7 @@ std::vector<AnswersOf> answersOf(const Options& options) {
 
 /// The sigmoids to compare with the wanted one: on its axis, and Weibull where there is a logarithm.
 std::vector<Sigmoid> comparable(const FitOptions& wanted, const std::vector<Level>& levels) {
-  std::vector<Sigmoid> sigmoids{Sigmoid::kNorm, Sigmoid::kLogistic};
+  std::vector<Sigmoid> sigmoids{Sigmoid::kNorm, Sigmoid::kLogistic, Sigmoid::kStudent, Sigmoid::kReversedGumbel};
   if (!wanted.log_axis) {
     sigmoids.push_back(Sigmoid::kGumbel);  // on a logarithmic axis it is Weibull's
   }
@@ -123,6 +132,18 @@ std::vector<Sigmoid> comparable(const FitOptions& wanted, const std::vector<Leve
     sigmoids.push_back(wanted.sigmoid);
   }
   return sigmoids;
+}
+
+/// The answers of all participants as if they were of one person.
+std::vector<Level> pooledAnswers(const std::vector<std::vector<Level>>& participants, double tolerance) {
+  if (tolerance == 0 || participants.size() == 1) {
+    return pooled(participants);
+  }
+  std::vector<Level> all;
+  for (const std::vector<Level>& levels : participants) {
+    all.insert(all.end(), levels.begin(), levels.end());
+  }
+  return pooledWithin(all, tolerance);
 }
 
 /// What the command found.
@@ -141,7 +162,7 @@ Result fitAll(const Options& options, const std::vector<AnswersOf>& answers) {
     participants.push_back(of.levels);
     result.names.push_back(of.participant.empty() ? fmt::format("{}", result.names.size() + 1) : of.participant);
   }
-  const std::vector<Level> all = pooled(participants);
+  const std::vector<Level> all = pooledAnswers(participants, options.pool_tolerance);
   result.fit = options.method == "ml" ? fitMaximumLikelihood(all, wanted) : fitPsychometric(all, wanted);
   if (options.group) {
     FitOptions quick = wanted;
@@ -206,17 +227,24 @@ std::vector<std::string> namesOf(const std::array<NamedKind<Kind>, kCount>& name
 }
 
 void addModelOptions(CLI::App& command, Options& options) {
+  std::vector<std::string> designs = namesOf(kDesignNames);
+  designs.emplace_back("2afc");
   command.add_option("--design", options.design, "what the asymptotes are")
-      ->check(oneOf(namesOf(kDesignNames)))
+      ->check(oneOf(designs))
+      ->capture_default_str();
+  command.add_option("--alternatives", options.alternatives, "n of nafc: the guess rate is 1/n")
+      ->check(wholeNumberIn({2, 1000}))
       ->capture_default_str();
   command.add_option("--sigmoid", options.sigmoid, "shape of the function")
       ->check(oneOf(namesOf(kSigmoidNames)))
       ->capture_default_str();
   command.add_flag("--log-x", options.log_x, "logarithmic axis (weber, as-printed and weibull have one anyway)");
+  command.add_flag("--falling", options.falling, "more of the stimulus, fewer positive answers");
   command.add_option("--reference", options.reference,
                      "p of weber and as-printed: fixes the threshold; drawn as a line");
   command.add_flag("--free-threshold", options.free_threshold, "the point of equality need not be the reference");
-  command.add_option("--lapse", options.lapse, "lapse rate: a number, or free (weber, as-printed: 0; else free)");
+  command.add_option("--lapse", options.lapse,
+                     "lapse rate, one less the upper asymptote: a number, or free (weber, as-printed: 0; else free)");
   command.add_option("--guess", options.guess, "guess rate of yesno, the same way");
   command.add_option("--overdispersion", options.overdispersion, "eta of the beta-binomial, the same way");
 }
@@ -228,11 +256,13 @@ void addStudyFitCommand(CLI::App& study) {
   CLI::App* command = study.add_subcommand("fit", "A psychometric function for the answers in a table");
   command->add_option("--data", options->data, "table of answers, .csv or .tsv")->required();
   command->add_option("--block", options->block, "which block, when the table has several");
+  command->add_option("--pool-tolerance", options->pool_tolerance,
+                      "take stimuli together that differ by no more from the first of them, in the unit of x");
   addModelOptions(*command, *options);
-  command->add_option("--method", options->method, "map, median or ml (bootstrap); weber: median, else map")
+  command->add_option("--method", options->method, "map, median or ml (maximum likelihood); weber: median, else map")
       ->check(oneOf({"map", "median", "ml"}));
   command->add_option("--confidence", options->confidence, "of intervals")->capture_default_str();
-  command->add_option("--simulations", options->simulations, "for p value and bootstrap")->capture_default_str();
+  command->add_option("--simulations", options->simulations, "for the p value")->capture_default_str();
   command->add_flag("--compare", options->compare, "also fit other sigmoids and rank them");
   command->add_flag("--group", options->group, "also fit each participant, and the spread between them");
   command->add_option("--figure", options->figure, "draw it, .svg or .png");

@@ -16,6 +16,7 @@
 #include "shared/output.h"
 #include "shared/overwrite.h"
 #include "shared/stop_on_signal.h"
+#include "study/lapse_options.h"
 
 namespace haptolith {
 
@@ -179,7 +180,7 @@ void addStudyPlanCommand(CLI::App& study) {
       ->delimiter(',')
       ->option_text("N,N,...");
   command->add_option("--spread", options->parameters.spread, "Standard deviation of ln W between people [0]");
-  command->add_option("--lapse", options->parameters.observer.lapse, "Share of answers given blindly [0]");
+  addLapseOptions(*command, options->parameters.observer.lapse);
   command->add_option("--studies", options->parameters.studies, "Simulated studies of each size [200]");
   command->add_option("--confidence", options->parameters.confidence, "Of the intervals [0.95]")
       ->check(numberIn({0.01, 0.999}));

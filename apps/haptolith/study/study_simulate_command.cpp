@@ -18,6 +18,7 @@
 #include "shared/option_checks.h"
 #include "shared/output.h"
 #include "shared/stop_on_signal.h"
+#include "study/lapse_options.h"
 
 namespace haptolith {
 
@@ -114,7 +115,7 @@ void addStudySimulateCommand(CLI::App& study) {
       ->check(numberIn({0.0, 5.0}));
   command->add_option("--bias", options->observer.bias, "The test feels like 1 + BIAS times what it is [0]")
       ->option_text("BIAS");
-  command->add_option("--lapse", options->observer.lapse, "Share of answers given blindly [0]")->option_text("SHARE");
+  addLapseOptions(*command, options->observer.lapse);
   command->add_option("--learning", options->observer.learning, "W is 1 + LEARNING times as large at first [0]")
       ->option_text("LEARNING");
   CLI::Option* judge =

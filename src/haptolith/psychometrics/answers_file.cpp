@@ -200,9 +200,9 @@ class Answers {
     answers_[place->second].levels.push_back(level);
   }
 
-  [[nodiscard]] std::vector<AnswersOf> pooledLevels() && {
+  [[nodiscard]] std::vector<AnswersOf> pooledLevels(double tolerance) && {
     for (AnswersOf& of : answers_) {
-      of.levels = pooled(of.levels);
+      of.levels = tolerance > 0 ? pooledWithin(of.levels, tolerance) : pooled(of.levels);
     }
     std::erase_if(answers_, [](const AnswersOf& of) { return of.levels.empty(); });
     return std::move(answers_);
@@ -215,7 +215,8 @@ class Answers {
 
 }  // namespace
 
-std::vector<AnswersOf> readAnswers(std::istream& text, std::string_view name) {
+std::vector<AnswersOf> readAnswers(std::istream& text, std::string_view name, double pool_tolerance) {
+  requireInRange("pool tolerance", pool_tolerance, {.lowest = 0});
   const Table table(text, name);
   const auto x = table.column({"x", "value"});
   const auto k = table.column({"k"});
@@ -245,16 +246,16 @@ std::vector<AnswersOf> readAnswers(std::istream& text, std::string_view name) {
     }
     answers.add(table.text(row, block), table.text(row, participant), level);
   }
-  std::vector<AnswersOf> result = std::move(answers).pooledLevels();
+  std::vector<AnswersOf> result = std::move(answers).pooledLevels(pool_tolerance);
   if (result.empty()) {
     table.refuse("no answer in it", "one or more");
   }
   return result;
 }
 
-std::vector<AnswersOf> readAnswersFile(const std::filesystem::path& path) {
+std::vector<AnswersOf> readAnswersFile(const std::filesystem::path& path, double pool_tolerance) {
   std::ifstream file = openInput(path, kLimits.bytes);
-  return readAnswers(file, path.filename().string());
+  return readAnswers(file, path.filename().string(), pool_tolerance);
 }
 
 }  // namespace haptolith

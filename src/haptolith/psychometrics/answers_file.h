@@ -30,11 +30,12 @@ struct AnswersOf {
 /// or "n/a" do not count; other columns are ignored. Commas, semicolons or tabs part the cells, quotes may surround
 /// them, and lines that begin with # are comments. The order is that of the first appearance; levels are pooled().
 /// @param name  of the table, for messages.
+/// @param pool_tolerance  stimuli that differ by no more are taken together, see pooledWithin().
 /// @throws InvalidParameter with line and column for what cannot be understood, or when there is no answer.
-[[nodiscard]] std::vector<AnswersOf> readAnswers(std::istream& text, std::string_view name);
+[[nodiscard]] std::vector<AnswersOf> readAnswers(std::istream& text, std::string_view name, double pool_tolerance = 0);
 
 /// The same from a file: at most a million rows, 256 MiB, and lines of 100 000 bytes.
 /// @throws InvalidParameter when there is none; Failure when it cannot be read, or the work is stopped.
-[[nodiscard]] std::vector<AnswersOf> readAnswersFile(const std::filesystem::path& path);
+[[nodiscard]] std::vector<AnswersOf> readAnswersFile(const std::filesystem::path& path, double pool_tolerance = 0);
 
 }  // namespace haptolith

@@ -11,18 +11,23 @@
 #include "haptolith/psychometrics/model.h"
 #include "haptolith/psychometrics/optimum.h"
 #include "haptolith/psychometrics/posterior.h"
+#include "haptolith/psychometrics/profile.h"
 
 namespace haptolith {
 
 namespace {
 
 constexpr int kDraws = 400;
+constexpr int kPeaks = 8;  // of the likelihood, from which its maximum is looked for
 
 /// What the estimates and statistics of both methods have in common.
 Fit fitAt(const Model& model, const ParameterPoint& point, const ParameterPoint& most_likely,
           const SimulatedFits& simulated) {
   const FitOptions& options = model.options();
-  Fit fit{.design = options.design, .confidence = options.confidence, .levels = model.levels()};
+  Fit fit{.design = options.design,
+          .alternatives = options.alternatives,
+          .confidence = options.confidence,
+          .levels = model.levels()};
   fit.function = model.functionAt(point);
   fit.threshold.value = fit.function.threshold;
   fit.width.value = fit.function.width;
@@ -48,10 +53,25 @@ Fit fitAt(const Model& model, const ParameterPoint& point, const ParameterPoint&
   return fit;
 }
 
-/// The posterior of what depends on threshold and width alone.
-Interval derivedInterval(const Model& model, const Posterior& posterior, double confidence,
-                         const std::function<double(const PsychometricFunction&)>& derived) {
-  const std::size_t pairs = posterior.values[kThreshold].size() * posterior.values[kScale].size();
+/// The interval of what the width alone decides, at the ends of the width's own.
+Interval intervalByWidth(const PsychometricFunction& function, const Interval& width, Derived derived) {
+  PsychometricFunction at = function;
+  at.width = width.low;
+  const double at_low = derived(at);
+  at.width = width.high;
+  const double at_high = derived(at);
+  return {std::min(at_low, at_high), std::max(at_low, at_high)};
+}
+
+/// Whether the threshold has a say in a quantity besides the width: in the JND where the axis is logarithmic, in the
+/// Weber fraction where it is not.
+bool dependsOnThreshold(const Model& model, Derived derived) {
+  return !model.support(kThreshold).isFixed() && (derived == jndOf) == model.isLogarithmic();
+}
+
+/// The interval of what threshold and width decide together.
+Interval intervalByBoth(const Model& model, const Posterior& posterior, double confidence, Derived derived) {
+  const std::size_t pairs = posterior.axes[kThreshold].values.size() * posterior.axes[kScale].values.size();
   const std::size_t block = posterior.mass.size() / pairs;  // the other parameters run faster
   std::vector<WeightedValue> values(pairs);
   for (std::size_t pair = 0; pair < pairs; ++pair) {
@@ -72,53 +92,28 @@ ParameterPoint medianOf(const Posterior& posterior) {
   return point;
 }
 
-void setIntervals(Fit& fit, const Model& model, const Posterior& posterior) {
-  const double confidence = fit.confidence;
-  const Interval place = credibleInterval(posterior, kThreshold, confidence);
+/// Fills in the intervals of a fit.
+/// @param of_parameter  gives the interval of a parameter. @param of_both  that of what threshold and width decide.
+void setIntervals(Fit& fit, const Model& model, const std::function<Interval(Parameter)>& of_parameter,
+                  const std::function<Interval(Derived)>& of_both) {
+  const Interval place = of_parameter(kThreshold);
   fit.threshold.interval = {fromAxis(fit.function, place.low), fromAxis(fit.function, place.high)};
-  const Interval scale = credibleInterval(posterior, kScale, confidence);
+  const Interval scale = of_parameter(kScale);
   fit.width.interval = {model.widthOf(scale.low), model.widthOf(scale.high)};
   if (fit.w) {
     fit.w->interval = {weberParameter(fit.function.sigmoid, fit.width.interval.low),
                        weberParameter(fit.function.sigmoid, fit.width.interval.high)};
   }
-  fit.jnd.interval = derivedInterval(model, posterior, confidence, jndOf);
-  fit.weber_fraction.interval = derivedInterval(model, posterior, confidence, weberFractionOf);
-  fit.lapse.interval = credibleInterval(posterior, kLapse, confidence);
-  fit.guess.interval =
-      fit.design == Design::kEqualAsymptote ? fit.lapse.interval : credibleInterval(posterior, kGuess, confidence);
-  fit.overdispersion.interval = credibleInterval(posterior, kOverdispersion, confidence);
+  const auto derived_interval = [&](Derived derived) {
+    return dependsOnThreshold(model, derived) ? of_both(derived)
+                                              : intervalByWidth(fit.function, fit.width.interval, derived);
+  };
+  fit.jnd.interval = derived_interval(jndOf);
+  fit.weber_fraction.interval = derived_interval(weberFractionOf);
+  fit.lapse.interval = of_parameter(kLapse);
+  fit.guess.interval = fit.design == Design::kEqualAsymptote ? fit.lapse.interval : of_parameter(kGuess);
+  fit.overdispersion.interval = of_parameter(kOverdispersion);
 }
-
-/// The percentiles of simulated fits.
-class Bootstrap {
- public:
-  Bootstrap(const Model& model, const SimulatedFits& fits) : model_(model), fits_(fits) {}
-
-  /// Of a value that each fitted point has; NaN without simulations.
-  [[nodiscard]] Interval interval(const std::function<double(const ParameterPoint&)>& value) const {
-    if (fits_.points.empty()) {
-      return {};
-    }
-    std::vector<WeightedValue> values;
-    for (const ParameterPoint& point : fits_.points) {
-      values.push_back({value(point), 1});
-    }
-    return percentileInterval(std::move(values), model_.options().confidence);
-  }
-
-  [[nodiscard]] Interval interval(double (*derived)(const PsychometricFunction&)) const {
-    return interval([&](const ParameterPoint& point) { return derived(model_.functionAt(point)); });
-  }
-
-  [[nodiscard]] Interval interval(Parameter parameter) const {
-    return interval([parameter](const ParameterPoint& point) { return point[parameter]; });
-  }
-
- private:
-  const Model& model_;
-  const SimulatedFits& fits_;
-};
 
 }  // namespace
 
@@ -134,8 +129,11 @@ FitOptions weberOptions(double reference, Sigmoid sigmoid) {
 Fit fitPsychometric(std::span<const Level> levels, const FitOptions& options) {
   const Model model(levels, options);
   const Posterior posterior = posteriorOf(model);
-  const ParameterPoint most_probable = optimumNear(model, posterior.best, Objective::kPosterior);
-  const ParameterPoint most_likely = optimumNear(model, most_probable, Objective::kLikelihood);
+  const ParameterPoint most_probable =
+      optimumNear(model, {{posterior.best}}, {.objective = Objective::kPosterior}).point;
+  std::vector<ParameterPoint> starts = likelihoodPeaks(model, kPeaks);
+  starts.push_back(most_probable);
+  const ParameterPoint most_likely = optimumNear(model, starts, {.objective = Objective::kLikelihood}).point;
   const bool median =
       options.estimate.value_or(isWeber(options.sigmoid) ? PointEstimate::kMedian : PointEstimate::kMap) ==
       PointEstimate::kMedian;
@@ -143,7 +141,9 @@ Fit fitPsychometric(std::span<const Level> levels, const FitOptions& options) {
   Fit fit = fitAt(model, median ? medianOf(posterior) : most_probable, most_likely, simulated);
   fit.method = median ? FitMethod::kMedian : FitMethod::kMap;
   fit.log_evidence = posterior.log_evidence;
-  setIntervals(fit, model, posterior);
+  setIntervals(
+      fit, model, [&](Parameter parameter) { return credibleInterval(posterior, parameter, fit.confidence); },
+      [&](Derived derived) { return intervalByBoth(model, posterior, fit.confidence, derived); });
   for (const ParameterPoint& point : drawsOf(posterior, kDraws)) {
     fit.draws.push_back(model.functionAt(point));
   }
@@ -152,23 +152,15 @@ Fit fitPsychometric(std::span<const Level> levels, const FitOptions& options) {
 
 Fit fitMaximumLikelihood(std::span<const Level> levels, const FitOptions& options) {
   const Model model(levels, options);
-  const ParameterPoint start = posteriorOf(model).best;
-  const ParameterPoint best = optimumNear(model, start, Objective::kLikelihood);
-  const SimulatedFits simulated = simulatedFits(model, best);
-  Fit fit = fitAt(model, best, best, simulated);
+  const std::vector<ParameterPoint> peaks = likelihoodPeaks(model, kPeaks);
+  const Optimum best = optimumNear(model, peaks, {.objective = Objective::kLikelihood});
+  const SimulatedFits simulated = simulatedFits(model, best.point);
+  Fit fit = fitAt(model, best.point, best.point, simulated);
   fit.method = FitMethod::kMaximumLikelihood;
-  const Bootstrap bootstrap(model, simulated);
-  fit.threshold.interval = bootstrap.interval(+[](const PsychometricFunction& it) { return it.threshold; });
-  fit.width.interval = bootstrap.interval(+[](const PsychometricFunction& it) { return it.width; });
-  fit.jnd.interval = bootstrap.interval(jndOf);
-  fit.weber_fraction.interval = bootstrap.interval(weberFractionOf);
-  if (fit.w) {
-    fit.w->interval =
-        bootstrap.interval(+[](const PsychometricFunction& it) { return weberParameter(it.sigmoid, it.width); });
-  }
-  fit.lapse.interval = bootstrap.interval(kLapse);
-  fit.guess.interval = bootstrap.interval(+[](const PsychometricFunction& it) { return it.guess; });
-  fit.overdispersion.interval = bootstrap.interval(kOverdispersion);
+  const Profile profile(model, Objective::kLikelihood, best, confidenceDepth(model), peaks);
+  setIntervals(
+      fit, model, [&](Parameter parameter) { return profile.of(parameter); },
+      [&](Derived derived) { return profile.of(derived); });
   for (const ParameterPoint& point : simulated.points) {
     fit.draws.push_back(model.functionAt(point));
   }

@@ -11,13 +11,13 @@
 
 namespace haptolith {
 
-/// Points of the grid on which the posterior is summed, of each parameter that is free.
+/// Points of Gauss's rule by which the posterior is summed, of each parameter that is free.
 struct GridSizes {
-  int threshold = 40;
-  int width = 40;
-  int asymptotes = 14;  ///< of the lapse rate and of the guess rate
+  int threshold = 32;
+  int width = 32;
+  int asymptotes = 12;  ///< of the lapse rate and of the guess rate
   int overdispersion = 10;
-  int alone = 401;  ///< of the width, where it is the only free parameter
+  int alone = 80;  ///< of the width, where it is the only free parameter
 };
 
 /// Which value stands for the posterior.
@@ -30,14 +30,16 @@ enum class PointEstimate {
 struct FitOptions {
   Sigmoid sigmoid = Sigmoid::kNorm;
   Design design = Design::kYesNo;
-  bool log_axis = false;                           ///< weber, as-printed and weibull are logarithmic anyway
+  int alternatives = 2;                            ///< of kForcedChoice, at least 2
+  bool log_axis = false;                           ///< those of (paper 22) and weibull are logarithmic anyway
+  bool falling = false;                            ///< more of the stimulus, fewer positive answers
   std::optional<double> threshold = std::nullopt;  ///< weber: the reference p of (paper 22)
   std::optional<double> lapse = std::nullopt;
   std::optional<double> guess = std::nullopt;            ///< of kYesNo
   std::optional<double> overdispersion = std::nullopt;   ///< eta; 0 is the binomial model
   std::optional<PointEstimate> estimate = std::nullopt;  ///< of weber sigmoids the median, else the most probable
   double confidence = 0.95;
-  int simulations = 1000;  ///< for the p value and for bootstrap intervals; 0 leaves them out
+  int simulations = 1000;  ///< for the p value and the band of maximum likelihood; 0 leaves them out
   std::uint64_t seed = 1;  ///< of the simulations
   GridSizes grid = {};
 };
@@ -50,7 +52,7 @@ struct Interval {
   double high = std::numeric_limits<double>::quiet_NaN();
 };
 
-/// A value with its credible or bootstrap interval; where it was fixed the interval is that value.
+/// A value with its credible or confidence interval; where it was fixed the interval is that value.
 struct Estimate {
   double value = 0;
   Interval interval = {};
@@ -62,6 +64,7 @@ enum class FitMethod { kMap, kMedian, kMaximumLikelihood };
 struct Fit {
   FitMethod method = FitMethod::kMap;
   Design design = Design::kYesNo;
+  int alternatives = 2;            ///< of kForcedChoice
   double confidence = 0.95;        ///< of all intervals
   std::vector<Level> levels = {};  ///< what was fitted, pooled()
   PsychometricFunction function = {};
@@ -96,7 +99,8 @@ struct Fit {
 /// and width are free.
 [[nodiscard]] Fit fitPsychometric(std::span<const Level> levels, const FitOptions& options);
 
-/// The most likely psychometric function, with intervals from a parametric bootstrap of `simulations` studies.
+/// The most likely psychometric function, with intervals of the likelihood's profile (profile.h); its draws are
+/// `simulations` studies made up from it and fitted again.
 /// @throws InvalidParameter as fitPsychometric().
 [[nodiscard]] Fit fitMaximumLikelihood(std::span<const Level> levels, const FitOptions& options);
 

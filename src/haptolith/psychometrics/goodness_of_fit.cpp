@@ -8,17 +8,28 @@
 #include "haptolith/core/random.h"
 #include "haptolith/psychometrics/likelihood.h"
 #include "haptolith/psychometrics/optimum.h"
+#include "haptolith/psychometrics/posterior.h"
 
 namespace haptolith {
 
+namespace {
+
+constexpr double kTolerance = 1e-5;  // of the fits to simulated studies
+constexpr int kPeaks = 2;            // of the likelihood, from which each simulated study is fitted besides its origin
+
+}  // namespace
+
 std::vector<Level> simulatedAnswers(std::span<const Level> levels, const PsychometricFunction& function,
-                                    std::mt19937_64& random) {
+                                    std::mt19937_64& random, double eta) {
   std::vector<Level> result(levels.begin(), levels.end());
   for (Level& level : result) {
     const double psi = probability(function, level.x);
+    // Answer by answer: each makes the next one like it more probable (Polya's urn).
+    const double s = eta * eta;
     double positive = 0;
     for (double trial = 0; trial < level.n; ++trial) {
-      positive += (uniformSigned(random) + 1) / 2 < psi ? 1 : 0;
+      const double share = (psi * (1 - s) + positive * s) / (1 - s + trial * s);
+      positive += (uniformSigned(random) + 1) / 2 < share ? 1 : 0;
     }
     level.k = positive;
   }
@@ -30,8 +41,12 @@ SimulatedFits simulatedFits(const Model& model, const ParameterPoint& point) {
   const PsychometricFunction function = model.functionAt(point);
   SimulatedFits fits;
   for (int i = 0; i < model.options().simulations; ++i) {
-    const Model simulated = model.withAnswers(simulatedAnswers(model.levels(), function, random));
-    fits.points.push_back(optimumNear(simulated, point, Objective::kLikelihood));
+    const Model simulated =
+        model.withAnswers(simulatedAnswers(model.levels(), function, random, point[kOverdispersion]));
+    std::vector<ParameterPoint> starts = likelihoodPeaks(simulated, kPeaks);
+    starts.push_back(point);
+    fits.points.push_back(
+        optimumNear(simulated, starts, {.objective = Objective::kLikelihood, .tolerance = kTolerance}).point);
     fits.deviances.push_back(devianceOf(simulated.levels(), simulated.functionAt(fits.points.back())));
   }
   return fits;

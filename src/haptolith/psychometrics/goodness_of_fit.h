@@ -6,9 +6,10 @@
 
 namespace haptolith {
 
-/// Made-up answers of somebody whose psychometric function is `function`: as many to each stimulus as in `levels`.
+/// Made-up answers of somebody whose psychometric function is `function`: as many to each stimulus as in `levels`,
+/// beta-binomial with the overdispersion `eta`, 0 to 1 (see logLikelihood()).
 [[nodiscard]] std::vector<Level> simulatedAnswers(std::span<const Level> levels, const PsychometricFunction& function,
-                                                  std::mt19937_64& random);
+                                                  std::mt19937_64& random, double eta = 0);
 
 /// Studies made up from one function, and what the most likely fits to them were.
 struct SimulatedFits {
@@ -16,7 +17,8 @@ struct SimulatedFits {
   std::vector<double> deviances = {};
 };
 
-/// Makes up as many studies as the model's options ask for, from its function at `point`, and fits each.
+/// Makes up as many studies as the model's options ask for, from its function and overdispersion at `point`, and fits
+/// each.
 [[nodiscard]] SimulatedFits simulatedFits(const Model& model, const ParameterPoint& point);
 
 /// The share of simulated studies whose fit is no better than one with the deviance `observed`; NaN without any. The

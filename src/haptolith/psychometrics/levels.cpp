@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <map>
 
@@ -39,6 +40,32 @@ std::vector<Level> pooled(std::span<const Level> levels) {
     result.push_back(level);
   }
   return result;
+}
+
+std::vector<Level> pooledWithin(std::span<const Level> levels, double tolerance) {
+  requireInRange("pool tolerance", tolerance, {.lowest = 0});
+  std::vector<Level> rest;
+  rest.reserve(levels.size());
+  for (const Level& level : levels) {
+    requireCounts(level);
+    if (level.n > 0) {
+      rest.push_back(level);
+    }
+  }
+  std::vector<Level> blocks;
+  while (!rest.empty()) {
+    const double first = rest.front().x;
+    const auto is_other = [&](const Level& level) { return std::abs(level.x - first) > tolerance; };
+    const auto others = std::stable_partition(rest.begin(), rest.end(), is_other);
+    Level block;
+    for (auto level = others; level != rest.end(); ++level) {
+      block = {block.x + level->x * level->n, block.k + level->k, block.n + level->n};
+    }
+    block.x /= block.n;
+    blocks.push_back(block);
+    rest.erase(others, rest.end());
+  }
+  return pooled(blocks);
 }
 
 std::vector<Level> pooled(std::span<const std::vector<Level>> participants) {

@@ -16,6 +16,12 @@ struct Level {
 /// @throws InvalidParameter unless every x is finite and k, n are whole numbers with 0 <= k <= n.
 [[nodiscard]] std::vector<Level> pooled(std::span<const Level> levels);
 
+/// Levels whose stimuli differ by no more than `tolerance` (in the unit of x) from the first of them taken together, at
+/// the mean stimulus of their answers, as psignifit pools; the first is whichever comes first in `levels`. In ascending
+/// order of x.
+/// @throws InvalidParameter as pooled(), or unless tolerance >= 0.
+[[nodiscard]] std::vector<Level> pooledWithin(std::span<const Level> levels, double tolerance);
+
 /// All participants' levels as if they were of one person; see pooled() above.
 [[nodiscard]] std::vector<Level> pooled(std::span<const std::vector<Level>> participants);
 

@@ -42,6 +42,7 @@ void requireRate(const char* key, const std::optional<double>& value, double hig
 void requireOptions(const FitOptions& options) {
   requireInRange("confidence", options.confidence, {0, 1, Ends::kOpen});
   requireInRange("simulations", options.simulations, {.lowest = 0});
+  requireInRange("alternatives", options.alternatives, {2, 1000});
   requireRate("lapse", options.lapse, kMostAsymptote);
   requireRate("guess", options.guess, kMostAsymptote);
   requireRate("overdispersion", options.overdispersion, kMostOverdispersion);
@@ -51,7 +52,7 @@ void requireOptions(const FitOptions& options) {
   }
   if (options.guess && options.design != Design::kYesNo) {
     throw InvalidParameter("guess", fmt::format("{} with design {}", *options.guess, nameOf(options.design)),
-                           "a guess rate only with design yesno; of 2afc it is 1/2, else the lapse rate");
+                           "a guess rate only with design yesno; of nafc it is 1/n, else the lapse rate");
   }
 }
 
@@ -111,7 +112,7 @@ void Model::setSupports() {
   supports_[kLapse] = options_.lapse ? fixed(*options_.lapse) : Support{0, kMostAsymptote};
   supports_[kGuess] = options_.guess ? fixed(*options_.guess) : Support{0, kMostAsymptote};
   if (options_.design != Design::kYesNo) {
-    supports_[kGuess] = fixed(kMostAsymptote);  // unused where it is the lapse rate
+    supports_[kGuess] = fixed(1.0 / options_.alternatives);  // unused where it is the lapse rate
   }
   supports_[kOverdispersion] =
       options_.overdispersion ? fixed(*options_.overdispersion) : Support{0, kMostOverdispersion};
@@ -138,12 +139,16 @@ double Model::widthOf(double scale) const noexcept {
   return isWeber(options_.sigmoid) ? weberWidth(Sigmoid::kWeber, scale) : scale;
 }
 
+double Model::scaleOf(double width) const noexcept {
+  return isWeber(options_.sigmoid) ? weberParameter(Sigmoid::kWeber, width) : width;
+}
+
 double Model::guessAt(const ParameterPoint& point) const noexcept {
   return options_.design == Design::kEqualAsymptote ? point[kLapse] : point[kGuess];
 }
 
 PsychometricFunction Model::functionAt(const ParameterPoint& point) const noexcept {
-  PsychometricFunction function{.sigmoid = options_.sigmoid, .log_axis = log_axis_};
+  PsychometricFunction function{.sigmoid = options_.sigmoid, .log_axis = log_axis_, .falling = options_.falling};
   function.threshold = fromAxis(function, point[kThreshold]);
   function.width = widthOf(point[kScale]);
   function.guess = guessAt(point);
@@ -158,6 +163,9 @@ double Model::logPrior(int parameter, double value) const noexcept {
   }
   if (!(support.low <= value && value <= support.high)) {
     return kMinusInfinity;
+  }
+  if (flat_[parameter]) {
+    return 0;
   }
   if (parameter == kThreshold) {
     const double range = last_ - first_;
@@ -182,6 +190,13 @@ double Model::logPrior(const ParameterPoint& point) const noexcept {
 
 double Model::logLikelihood(const ParameterPoint& point) const noexcept {
   return haptolith::logLikelihood(levels_, functionAt(point), point[kOverdispersion]);
+}
+
+Model Model::withFlatPrior(int parameter, const Support& support) const {
+  Model result = *this;
+  result.flat_[parameter] = true;
+  result.supports_[parameter] = support;
+  return result;
 }
 
 Model Model::withAnswers(std::vector<Level> levels) const {

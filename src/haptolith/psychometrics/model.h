@@ -47,7 +47,9 @@ class Model {
 
   /// The width on the axis that a value of kScale means.
   [[nodiscard]] double widthOf(double scale) const noexcept;
-  /// The guess rate at a point: its own, or the lapse rate, or 1/2.
+  /// Its inverse.
+  [[nodiscard]] double scaleOf(double width) const noexcept;
+  /// The guess rate at a point: its own, or the lapse rate, or 1/n.
   [[nodiscard]] double guessAt(const ParameterPoint& point) const noexcept;
   [[nodiscard]] PsychometricFunction functionAt(const ParameterPoint& point) const noexcept;
 
@@ -56,6 +58,8 @@ class Model {
   [[nodiscard]] double logPrior(const ParameterPoint& point) const noexcept;
   [[nodiscard]] double logLikelihood(const ParameterPoint& point) const noexcept;
 
+  /// The same model without a prior of one parameter (its logarithm is 0), which lies in `support`.
+  [[nodiscard]] Model withFlatPrior(int parameter, const Support& support) const;
   /// The same model of other answers to the same stimuli, its priors unchanged.
   [[nodiscard]] Model withAnswers(std::vector<Level> levels) const;
 
@@ -72,6 +76,7 @@ class Model {
   double least_distance_ = 0;    // on the axis
   double width_prior_integral_ = 1;
   std::array<Support, kParameters> supports_;
+  std::array<bool, kParameters> flat_ = {};  // parameters without a prior
 };
 
 }  // namespace haptolith

@@ -4,13 +4,13 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <vector>
 
 namespace haptolith {
 
 namespace {
 
-constexpr double kTolerance = 1e-7;  // of a parameter's support
 constexpr int kMostEvaluations = 4000;
 constexpr double kFirstStep = 0.02;    // of a parameter's support
 constexpr double kImpossible = 1e300;  // for what minus infinity would be: NLopt wants numbers
@@ -18,15 +18,14 @@ constexpr double kImpossible = 1e300;  // for what minus infinity would be: NLop
 /// The free parameters, each scaled to 0...1 over its support; the scale by its logarithm.
 class FreeParameters {
  public:
-  explicit FreeParameters(const Model& model, const ParameterPoint& start) : model_(model), point_(start) {
+  FreeParameters(const Model& model, const ParameterPoint& start, const std::optional<Pin>& pin)
+      : model_(model), point_(start), pin_(pin) {
     for (int i = 0; i < kParameters; ++i) {
-      if (!model.support(i).isFixed()) {
+      if (!model.support(i).isFixed() && !(pin && pin->parameter == i)) {
         free_.push_back(i);
       }
     }
   }
-
-  [[nodiscard]] unsigned count() const noexcept { return static_cast<unsigned>(free_.size()); }
 
   [[nodiscard]] std::vector<double> shares() const {
     std::vector<double> shares;
@@ -44,7 +43,11 @@ class FreeParameters {
     for (std::size_t j = 0; j < free_.size(); ++j) {
       const int i = free_[j];
       const auto& [low, high] = model_.support(i);
-      point[i] = i == kScale ? low * std::pow(high / low, shares[j]) : low + (high - low) * shares[j];
+      const double value = i == kScale ? low * std::pow(high / low, shares[j]) : low + (high - low) * shares[j];
+      point[i] = std::clamp(value, low, high);
+    }
+    if (pin_) {
+      point[pin_->parameter] = pin_->value(point);
     }
     return point;
   }
@@ -52,6 +55,7 @@ class FreeParameters {
  private:
   const Model& model_;
   ParameterPoint point_;
+  const std::optional<Pin>& pin_;
   std::vector<int> free_;
 };
 
@@ -61,38 +65,63 @@ struct Task {
   Objective objective;
 };
 
+bool isInSupport(const Model& model, const ParameterPoint& point) noexcept {
+  for (int i = 0; i < kParameters; ++i) {
+    const auto& [low, high] = model.support(i);
+    if (!(low <= point[i] && point[i] <= high)) {
+      return false;
+    }
+  }
+  return true;
+}
+
+double logDensity(const Model& model, const ParameterPoint& point, Objective objective) noexcept {
+  if (!isInSupport(model, point)) {
+    return -std::numeric_limits<double>::infinity();
+  }
+  return model.logLikelihood(point) + (objective == Objective::kPosterior ? model.logPrior(point) : 0);
+}
+
 double shortfall(const std::vector<double>& shares, std::vector<double>& /*gradient*/, void* data) {
   const Task& task = *static_cast<const Task*>(data);
-  const ParameterPoint point = task.parameters->point(shares);
-  double value = -task.model->logLikelihood(point);
-  if (task.objective == Objective::kPosterior) {
-    value -= task.model->logPrior(point);
-  }
+  const double value = -logDensity(*task.model, task.parameters->point(shares), task.objective);
   return std::isfinite(value) ? value : kImpossible;
 }
 
-}  // namespace
-
-ParameterPoint optimumNear(const Model& model, const ParameterPoint& start, Objective objective) {
-  const FreeParameters parameters(model, start);
-  if (parameters.count() == 0) {
-    return start;
+ParameterPoint optimumFrom(const Model& model, const ParameterPoint& start, const Search& wanted) {
+  const FreeParameters parameters(model, start, wanted.pin);
+  std::vector<double> shares = parameters.shares();
+  if (shares.empty()) {
+    return parameters.point(shares);
   }
-  Task task{&model, &parameters, objective};
-  nlopt::opt search(nlopt::LN_SBPLX, parameters.count());
+  Task task{&model, &parameters, wanted.objective};
+  nlopt::opt search(nlopt::LN_SBPLX, static_cast<unsigned>(shares.size()));
   search.set_min_objective(shortfall, &task);
   search.set_lower_bounds(0);
   search.set_upper_bounds(1);
   search.set_initial_step(kFirstStep);
-  search.set_xtol_abs(kTolerance);
+  search.set_xtol_abs(wanted.tolerance);
   search.set_maxeval(kMostEvaluations);
-  std::vector<double> shares = parameters.shares();
   double least = 0;
   try {
     search.optimize(shares, least);
   } catch (const nlopt::roundoff_limited&) {  // as near as numbers allow; `shares` holds the best
   }
   return parameters.point(shares);
+}
+
+}  // namespace
+
+Optimum optimumNear(const Model& model, std::span<const ParameterPoint> starts, const Search& search) {
+  std::optional<Optimum> best;
+  for (const ParameterPoint& start : starts) {
+    const ParameterPoint found = optimumFrom(model, start, search);
+    const double log_density = logDensity(model, found, search.objective);
+    if (!best || log_density > best->log_density) {
+      best = {found, log_density};
+    }
+  }
+  return best.value_or(Optimum{});
 }
 
 }  // namespace haptolith

@@ -2,8 +2,14 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
+#include <span>
+#include <utility>
 
+#include "haptolith/psychometrics/gauss_rule.h"
 #include "haptolith/psychometrics/likelihood.h"
+#include "haptolith/psychometrics/optimum.h"
+#include "haptolith/psychometrics/profile.h"
 
 namespace haptolith {
 
@@ -14,9 +20,15 @@ using Supports = std::array<Support, kParameters>;
 
 // What is less dense than the best point by more than this (e^-9 = 1.2e-4) is left out of the last grid.
 constexpr double kNegligible = 9;
+// The same of parameters that are summed over: the likelihood of another one is wanted where it is small, too.
+constexpr double kNegligibleNuisance = 18;
+constexpr std::size_t kHumps = 3;  // of the posterior, among which its maximum is looked for
 constexpr Sizes kCoarse{17, 17, 6, 6, 5};
-constexpr Sizes kNuisance{41, 41, 9, 9, 7};  // where other parameters are summed over their whole support
-constexpr int kRounds = 3;                   // of coarse grids, each over what the one before has left
+// Of the grid of the likelihood's peaks, which lie between any two stimuli where the function is narrow.
+constexpr Sizes kPeaks{49, 12, 4, 4, 1};
+constexpr Sizes kNuisance{28, 28, 10, 10, 8};
+constexpr double kRounding = 1e-12;  // by which equal values may differ, as a share of them
+constexpr int kRounds = 3;           // of coarse grids, each over what the one before has left
 
 Supports wholeSupport(const Model& model) {
   Supports supports;
@@ -34,47 +46,46 @@ Sizes fineSizes(const Model& model) {
   return {grid.threshold, grid.width, grid.asymptotes, grid.asymptotes, grid.overdispersion};
 }
 
-/// How the values of a grid lie.
-enum class Spacing {
-  kEven,
-  kLogarithmic,  ///< of the Weber fraction, which has no scale of its own
-  kQuadratic     ///< dense at the lower end, where rates and eta are most probable
-};
-
-Spacing spacingOf(const Model& model, int parameter) {
-  if (parameter == kScale) {
-    return isWeber(model.options().sigmoid) ? Spacing::kLogarithmic : Spacing::kEven;
-  }
-  return parameter == kThreshold ? Spacing::kEven : Spacing::kQuadratic;
+/// The Weber fraction has no scale of its own.
+bool isLogarithmic(const Model& model, int parameter) {
+  return parameter == kScale && isWeber(model.options().sigmoid);
 }
 
-std::vector<double> gridOf(const Support& support, int size, Spacing spacing) {
-  if (support.isFixed()) {
-    return {support.low};
+double between(const GridAxis& axis, double share) {
+  const auto& [low, high] = axis.range;
+  return axis.logarithmic ? low * std::pow(high / low, share) : low + (high - low) * share;
+}
+
+/// Values from end to end, of rates and eta denser at the lower end, where they are most probable.
+GridAxis coarseAxis(const Support& range, int size, bool logarithmic, bool dense_below) {
+  GridAxis axis{.range = range, .logarithmic = logarithmic};
+  if (range.isFixed()) {
+    axis.values = {range.low};
+    return axis;
   }
-  std::vector<double> values(static_cast<std::size_t>(size));
   for (int i = 0; i < size; ++i) {
     const double share = double(i) / (size - 1);
-    const double place = spacing == Spacing::kQuadratic ? share * share : share;
-    values[i] = spacing == Spacing::kLogarithmic ? support.low * std::pow(support.high / support.low, place)
-                                                 : support.low + (support.high - support.low) * place;
+    axis.values.push_back(between(axis, dense_below ? share * share : share));
   }
-  values.back() = support.high;
-  return values;
+  axis.values.back() = range.high;
+  return axis;
 }
 
-/// What each value of a grid stands for in the trapezoidal rule; 1 of a fixed parameter.
-std::vector<double> trapezoidWeights(const std::vector<double>& values) {
-  if (values.size() == 1) {
-    return {1};
+/// Gauss's rule over the range, or over its logarithm.
+GridAxis gaussAxis(const Support& range, int size, bool logarithmic) {
+  GridAxis axis{.range = range, .logarithmic = logarithmic};
+  if (range.isFixed()) {
+    axis.values = {range.low};
+    axis.weights = {1};
+    return axis;
   }
-  std::vector<double> weights(values.size());
-  for (std::size_t i = 1; i < values.size(); ++i) {
-    const double half = (values[i] - values[i - 1]) / 2;
-    weights[i - 1] += half;
-    weights[i] += half;
+  const GaussRule& rule = gaussRule(size);
+  const double half = (logarithmic ? std::log(range.high / range.low) : range.high - range.low) / 2;
+  for (std::size_t i = 0; i < rule.places.size(); ++i) {
+    axis.values.push_back(between(axis, (1 + rule.places[i]) / 2));
+    axis.weights.push_back(half * rule.weights[i] * (logarithmic ? axis.values.back() : 1));
   }
-  return weights;
+  return axis;
 }
 
 /// Adds the log-likelihood of the levels at each eta to `sums`.
@@ -89,114 +100,176 @@ void addLogLikelihoods(const std::vector<Level>& levels, const std::vector<doubl
   }
 }
 
-class GridSum {
+using Axes = std::array<GridAxis, kParameters>;
+
+Axes coarseAxes(const Model& model, const Supports& supports, const Sizes& sizes = kCoarse) {
+  Axes axes;
+  for (int i = 0; i < kParameters; ++i) {
+    const bool dense_below = i != kThreshold && i != kScale;
+    axes[i] = coarseAxis(supports[i], sizes[i], isLogarithmic(model, i), dense_below);
+  }
+  return axes;
+}
+
+Axes gaussAxes(const Model& model, const Supports& supports, const Sizes& sizes) {
+  Axes axes;
+  for (int i = 0; i < kParameters; ++i) {
+    axes[i] = gaussAxis(supports[i], sizes[i], isLogarithmic(model, i));
+  }
+  return axes;
+}
+
+struct DensePoint {
+  ParameterPoint point = {};
+  double log_density = 0;
+};
+
+/// ln(likelihood times prior) on a grid.
+class Grid {
  public:
-  GridSum(const Model& model, const Supports& supports, const Sizes& sizes) : model_(model) {
+  Grid(const Model& model, Axes axes) : model_(model), axes_(std::move(axes)) {
     std::size_t points = 1;
     for (int i = 0; i < kParameters; ++i) {
-      posterior_.values[i] = gridOf(supports[i], sizes[i], spacingOf(model, i));
-      points *= posterior_.values[i].size();
-      for (const double value : posterior_.values[i]) {
+      points *= axes_[i].values.size();
+      for (const double value : axes_[i].values) {
         log_priors_[i].push_back(model.logPrior(i, value));
       }
     }
     log_density_.resize(points);
+    evaluate();
   }
 
-  /// Takes these values of one parameter instead of the grid's, without a prior.
-  void prescribe(int parameter, const std::vector<double>& values) {
-    posterior_.values[parameter] = values;
-    log_priors_[parameter].assign(values.size(), 0);
-    std::size_t points = 1;
-    for (const std::vector<double>& of_one : posterior_.values) {
-      points *= of_one.size();
-    }
-    log_density_.assign(points, 0);
-  }
-
-  /// Fills in ln(likelihood times prior) at every point.
-  void evaluate() {
-    const auto& [thresholds, scales, lapses, guesses, etas] = posterior_.values;
-    const std::vector<Level>& levels = model_.levels();
-    std::vector<double> shape(levels.size());
-    std::vector<double> psi(levels.size());
-    std::size_t at = 0;
-    for (std::size_t t = 0; t < thresholds.size(); ++t) {
-      for (std::size_t s = 0; s < scales.size(); ++s) {
-        setShape(thresholds[t], scales[s], shape);
-        for (std::size_t l = 0; l < lapses.size(); ++l) {
-          for (std::size_t g = 0; g < guesses.size(); ++g) {
-            const double guess = model_.guessAt({0, 0, lapses[l], guesses[g], 0});
-            for (std::size_t i = 0; i < levels.size(); ++i) {
-              psi[i] = guess + (1 - guess - lapses[l]) * shape[i];
-            }
-            const double prior =
-                log_priors_[kThreshold][t] + log_priors_[kScale][s] + log_priors_[kLapse][l] + log_priors_[kGuess][g];
-            for (std::size_t e = 0; e < etas.size(); ++e) {
-              log_density_[at + e] = prior + log_priors_[kOverdispersion][e];
-            }
-            addLogLikelihoods(levels, psi, etas, &log_density_[at]);
-            at += etas.size();
-          }
+  /// The part of the grid that holds all that is denser than `least`, by a cell more on either side; nothing where
+  /// there is none.
+  [[nodiscard]] std::optional<Supports> narrowed(double least) const {
+    Indices first{};
+    Indices last{};
+    bool is_any = false;
+    forEachPoint([&](std::size_t at, const Indices& place) {
+      if (log_density_[at] >= least) {
+        for (int i = 0; i < kParameters; ++i) {
+          first[i] = is_any ? std::min(first[i], place[i]) : place[i];
+          last[i] = std::max(last[i], place[i]);
         }
+        is_any = true;
       }
+    });
+    if (!is_any) {
+      return std::nullopt;
     }
-  }
-
-  /// The part of the support that holds all that is not negligible, by a cell more on either side.
-  [[nodiscard]] Supports narrowed() const {
-    const double most = *std::ranges::max_element(log_density_);
     Supports supports;
     for (int i = 0; i < kParameters; ++i) {
-      const std::vector<double>& values = posterior_.values[i];
-      std::size_t first = values.size();
-      std::size_t last = 0;
-      for (std::size_t at = 0; at < log_density_.size(); ++at) {
-        if (log_density_[at] > most - kNegligible) {
-          const std::size_t place = indexOf(at, i);
-          first = std::min(first, place);
-          last = std::max(last, place);
-        }
-      }
-      supports[i] = {values[first == 0 ? 0 : first - 1], values[std::min(last + 1, values.size() - 1)]};
+      const std::vector<double>& values = axes_[i].values;
+      supports[i] = {values[first[i] == 0 ? 0 : first[i] - 1], values[std::min(last[i] + 1, values.size() - 1)]};
     }
     return supports;
   }
 
+  [[nodiscard]] const GridAxis& axis(int parameter) const noexcept { return axes_[parameter]; }
+
+  /// Of each pair of threshold and width the densest point.
+  [[nodiscard]] std::vector<DensePoint> densestOfPairs() const {
+    const std::size_t pairs = axes_[kThreshold].values.size() * axes_[kScale].values.size();
+    const std::size_t block = log_density_.size() / pairs;  // the other parameters run faster
+    std::vector<DensePoint> densest(pairs);
+    forEachPoint([&](std::size_t at, const Indices& place) {
+      DensePoint& of_pair = densest[at / block];
+      if (at % block == 0 || log_density_[at] > of_pair.log_density) {
+        of_pair.log_density = log_density_[at];
+        for (int i = 0; i < kParameters; ++i) {
+          of_pair.point[i] = axes_[i].values[place[i]];
+        }
+      }
+    });
+    return densest;
+  }
+
   /// The sums over the grid.
   [[nodiscard]] Posterior summed() && {
-    std::array<std::vector<double>, kParameters> weights;
-    for (int i = 0; i < kParameters; ++i) {
-      weights[i] = trapezoidWeights(posterior_.values[i]);
-      posterior_.marginals[i].assign(posterior_.values[i].size(), 0);
-    }
     const auto best = std::ranges::max_element(log_density_);
     const double most = *best;
-    double sum = 0;
-    std::size_t at = 0;
-    for (double& density : log_density_) {
-      density = std::exp(density - most);
-      for (int i = 0; i < kParameters; ++i) {
-        density *= weights[i][indexOf(at, i)];
-      }
-      sum += density;
-      ++at;
+    Posterior posterior{.axes = std::move(axes_)};
+    for (int i = 0; i < kParameters; ++i) {
+      posterior.marginals[i].assign(posterior.axes[i].values.size(), 0);
     }
     const auto best_at = static_cast<std::size_t>(best - log_density_.begin());
-    posterior_.mass = std::move(log_density_);
-    for (std::size_t point = 0; point < posterior_.mass.size(); ++point) {
-      posterior_.mass[point] /= sum;
+    double sum = 0;
+    forEachPoint(posterior.axes, [&](std::size_t at, const Indices& place) {
+      double& mass = log_density_[at];
+      mass = std::exp(mass - most);
       for (int i = 0; i < kParameters; ++i) {
-        const std::size_t place = indexOf(point, i);
-        posterior_.marginals[i][place] += posterior_.mass[point] / weights[i][place];
+        mass *= posterior.axes[i].weights[place[i]];
+      }
+      sum += mass;
+      for (int i = 0; i < kParameters; ++i) {
+        posterior.marginals[i][place[i]] += mass;
+      }
+    });
+    posterior.mass = std::move(log_density_);
+    for (double& mass : posterior.mass) {
+      mass /= sum;
+    }
+    for (std::vector<double>& marginal : posterior.marginals) {
+      for (double& mass : marginal) {
+        mass /= sum;
       }
     }
-    posterior_.best = pointOf(posterior_, best_at);
-    posterior_.log_evidence = most + std::log(sum);
-    return std::move(posterior_);
+    posterior.best = pointOf(posterior, best_at);
+    posterior.log_evidence = most + std::log(sum);
+    return posterior;
   }
 
  private:
+  using Indices = std::array<std::size_t, kParameters>;
+
+  template <class Visit>
+  static void forEachPoint(const Axes& axes, const Visit& visit) {
+    std::size_t points = 1;
+    for (const GridAxis& axis : axes) {
+      points *= axis.values.size();
+    }
+    Indices place{};
+    for (std::size_t at = 0; at < points; ++at) {
+      visit(at, place);
+      for (int i = kParameters - 1; i >= 0 && ++place[i] == axes[i].values.size(); --i) {
+        place[i] = 0;
+      }
+    }
+  }
+
+  template <class Visit>
+  void forEachPoint(const Visit& visit) const {
+    forEachPoint(axes_, visit);
+  }
+
+  void evaluate() {
+    const std::vector<Level>& levels = model_.levels();
+    const std::vector<double>& etas = axes_[kOverdispersion].values;
+    std::vector<double> shape(levels.size());
+    std::vector<double> psi(levels.size());
+    forEachPoint([&](std::size_t at, const Indices& place) {
+      const auto value = [&](int i) { return axes_[i].values[place[i]]; };
+      if (place[kOverdispersion] > 0) {
+        return;  // done with the first eta
+      }
+      if (place[kLapse] == 0 && place[kGuess] == 0) {
+        setShape(value(kThreshold), value(kScale), shape);
+      }
+      const double guess = model_.guessAt({0, 0, value(kLapse), value(kGuess), 0});
+      for (std::size_t i = 0; i < levels.size(); ++i) {
+        psi[i] = guess + (1 - guess - value(kLapse)) * shape[i];
+      }
+      double prior = 0;
+      for (int i = 0; i < kOverdispersion; ++i) {
+        prior += log_priors_[i][place[i]];
+      }
+      for (std::size_t e = 0; e < etas.size(); ++e) {
+        log_density_[at + e] = prior + log_priors_[kOverdispersion][e];
+      }
+      addLogLikelihoods(levels, psi, etas, &log_density_[at]);
+    });
+  }
+
   void setShape(double threshold, double scale, std::vector<double>& shape) const {
     const PsychometricFunction function = model_.functionAt({threshold, scale, 0, 0, 0});
     std::size_t i = 0;
@@ -205,98 +278,146 @@ class GridSum {
     }
   }
 
-  [[nodiscard]] std::size_t indexOf(std::size_t point, int parameter) const noexcept {
-    for (int i = kParameters - 1; i > parameter; --i) {
-      point /= posterior_.values[i].size();
-    }
-    return point % posterior_.values[parameter].size();
-  }
-
   const Model& model_;
-  Posterior posterior_;
+  Axes axes_;
   std::array<std::vector<double>, kParameters> log_priors_;
   std::vector<double> log_density_;
 };
 
+/// The points of a grid that are denser than those with the next thresholds and widths, the densest first.
+std::vector<DensePoint> peaksOf(const Grid& grid) {
+  const std::vector<DensePoint> densest = grid.densestOfPairs();
+  const std::ptrdiff_t widths = std::ssize(grid.axis(kScale).values);
+  const std::ptrdiff_t thresholds = std::ssize(densest) / widths;
+  const auto is_peak = [&](std::ptrdiff_t t, std::ptrdiff_t w) {
+    for (std::ptrdiff_t i = std::max<std::ptrdiff_t>(t - 1, 0); i <= std::min(t + 1, thresholds - 1); ++i) {
+      for (std::ptrdiff_t j = std::max<std::ptrdiff_t>(w - 1, 0); j <= std::min(w + 1, widths - 1); ++j) {
+        if (densest[i * widths + j].log_density > densest[t * widths + w].log_density) {
+          return false;
+        }
+      }
+    }
+    return true;
+  };
+  std::vector<DensePoint> peaks;
+  for (std::ptrdiff_t t = 0; t < thresholds; ++t) {
+    for (std::ptrdiff_t w = 0; w < widths; ++w) {
+      if (is_peak(t, w)) {
+        peaks.push_back(densest[t * widths + w]);
+      }
+    }
+  }
+  std::ranges::stable_sort(peaks, std::ranges::greater{}, &DensePoint::log_density);
+  return peaks;
+}
+
+std::vector<ParameterPoint> firstPoints(const std::vector<DensePoint>& peaks, std::size_t count) {
+  std::vector<ParameterPoint> points;
+  for (const DensePoint& peak : std::span(peaks).first(std::min(count, peaks.size()))) {
+    points.push_back(peak.point);
+  }
+  return points;
+}
+
+/// A box outside which the posterior's density is less than its maximum by a factor of e^depth or more. Coarse grids
+/// find all of its humps, the profile a ridge between the points of a grid.
+Supports boxOf(const Model& model, double depth) {
+  Supports supports = wholeSupport(model);
+  const Grid whole(model, coarseAxes(model, supports));
+  const std::vector<ParameterPoint> peaks = firstPoints(peaksOf(whole), kHumps);
+  const Optimum best = optimumNear(model, peaks, {.objective = Objective::kPosterior});
+  const double least = best.log_density - depth;
+  std::optional<Supports> box = whole.narrowed(least);
+  for (int round = 1; box && round < kRounds; ++round) {
+    box = Grid(model, coarseAxes(model, *box)).narrowed(least);
+  }
+  const Profile profile(model, Objective::kPosterior, best, depth);
+  for (int i = 0; i < kParameters; ++i) {
+    const Support around = profile.around(static_cast<Parameter>(i));
+    supports[i] = box ? Support{std::min(around.low, (*box)[i].low), std::max(around.high, (*box)[i].high)} : around;
+  }
+  return supports;
+}
+
 }  // namespace
 
 Posterior posteriorOf(const Model& model) {
-  Supports supports = wholeSupport(model);
-  for (int round = 0; round < kRounds; ++round) {
-    GridSum coarse(model, supports, kCoarse);
-    coarse.evaluate();
-    supports = coarse.narrowed();
-  }
-  GridSum fine(model, supports, fineSizes(model));
-  fine.evaluate();
-  return std::move(fine).summed();
+  return Grid(model, gaussAxes(model, boxOf(model, kNegligible), fineSizes(model))).summed();
 }
 
 std::vector<double> marginalLikelihood(const Model& model, int parameter, const std::vector<double>& values) {
-  GridSum grid(model, wholeSupport(model), kNuisance);
-  grid.prescribe(parameter, values);
-  grid.evaluate();
-  Posterior posterior = std::move(grid).summed();
-  std::vector<double> likelihood = std::move(posterior.marginals[parameter]);
-  const double most = *std::ranges::max_element(likelihood);
+  const Model flat = model.withFlatPrior(parameter, {std::ranges::min(values), std::ranges::max(values)});
+  Axes axes = gaussAxes(flat, boxOf(flat, kNegligibleNuisance), kNuisance);
+  axes[parameter] = {.values = values, .weights = std::vector<double>(values.size(), 1)};
+  std::vector<double> likelihood = Grid(flat, std::move(axes)).summed().marginals[parameter];
+  const double most = std::ranges::max(likelihood);
   for (double& value : likelihood) {
     value /= most;
   }
   return likelihood;
 }
 
+std::vector<ParameterPoint> likelihoodPeaks(const Model& model, int count) {
+  constexpr double kSomeOverdispersion = 0.1;
+  Model flat = model;
+  for (int i = 0; i < kParameters; ++i) {
+    flat = flat.withFlatPrior(i, model.support(i));
+  }
+  Supports supports = wholeSupport(model);
+  if (!supports[kOverdispersion].isFixed()) {
+    supports[kOverdispersion] = {kSomeOverdispersion, kSomeOverdispersion};
+  }
+  Axes axes = coarseAxes(flat, supports, kPeaks);
+  axes[kScale] = coarseAxis(supports[kScale], kPeaks[kScale], true, false);
+  return firstPoints(peaksOf(Grid(flat, std::move(axes))), static_cast<std::size_t>(count));
+}
+
 ParameterPoint pointOf(const Posterior& posterior, std::size_t index) {
   ParameterPoint point;
   for (int i = kParameters - 1; i >= 0; --i) {
-    const std::size_t size = posterior.values[i].size();
-    point[i] = posterior.values[i][index % size];
+    const std::size_t size = posterior.axes[i].values.size();
+    point[i] = posterior.axes[i].values[index % size];
     index /= size;
   }
   return point;
 }
 
 Interval credibleInterval(const Posterior& posterior, int parameter, double confidence) {
-  const std::vector<double>& values = posterior.values[parameter];
-  if (values.size() == 1) {
-    return {values.front(), values.front()};
+  const GridAxis& axis = posterior.axes[parameter];
+  if (axis.range.isFixed()) {
+    return {axis.range.low, axis.range.high};
   }
-  // The distribution function between the points of the grid is taken as straight.
-  const std::vector<double>& density = posterior.marginals[parameter];
-  std::vector<double> cumulated{0};
-  for (std::size_t i = 1; i < values.size(); ++i) {
-    cumulated.push_back(cumulated.back() + (density[i - 1] + density[i]) / 2 * (values[i] - values[i - 1]));
-  }
-  const auto percentile = [&](double share) {
-    const double wanted = share * cumulated.back();
-    const auto above = std::ranges::lower_bound(cumulated, wanted);
-    const auto i = std::clamp<std::ptrdiff_t>(above - cumulated.begin(), 1, std::ssize(values) - 1);
-    const double step = cumulated[i] - cumulated[i - 1];
-    return values[i - 1] + (values[i] - values[i - 1]) * (step > 0 ? (wanted - cumulated[i - 1]) / step : 0);
-  };
+  const GaussDistribution distribution(posterior.marginals[parameter]);
+  const auto percentile = [&](double share) { return between(axis, (1 + distribution.percentile(share)) / 2); };
   return {percentile((1 - confidence) / 2), percentile((1 + confidence) / 2)};
 }
 
 Interval percentileInterval(std::vector<WeightedValue> values, double confidence) {
   std::ranges::sort(values, {}, &WeightedValue::value);
+  std::vector<WeightedValue> distinct;
   double total = 0;
   for (const WeightedValue& it : values) {
     total += it.mass;
+    if (!distinct.empty() && it.value - distinct.back().value <= kRounding * std::abs(it.value)) {
+      distinct.back().mass += it.mass;
+    } else {
+      distinct.push_back(it);
+    }
   }
-  // Half of a value's mass lies below it.
   const auto percentile = [&](double share) {
     double below = 0;
     double place_before = 0;
-    for (std::size_t i = 0; i < values.size(); ++i) {
-      const double place = below + values[i].mass / 2;
+    for (std::size_t i = 0; i < distinct.size(); ++i) {
+      const double place = below + distinct[i].mass / 2;
       if (place >= share * total) {
         const double step = place - place_before;
         const double back = step > 0 ? (place - share * total) / step : 0;
-        return i == 0 ? values[i].value : values[i].value - back * (values[i].value - values[i - 1].value);
+        return i == 0 ? distinct[i].value : distinct[i].value - back * (distinct[i].value - distinct[i - 1].value);
       }
-      below += values[i].mass;
+      below += distinct[i].mass;
       place_before = place;
     }
-    return values.back().value;
+    return distinct.back().value;
   };
   return {percentile((1 - confidence) / 2), percentile((1 + confidence) / 2)};
 }

@@ -1,8 +1,10 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
 #include <vector>
 
+#include "haptolith/psychometrics/fit.h"
 #include "haptolith/psychometrics/model.h"
 
 namespace haptolith {
@@ -13,13 +15,20 @@ struct WeightedValue {
   double mass = 0;
 };
 
-/// The posterior of a model on a grid, summed by the trapezoidal rule.
+/// The values of one parameter in a grid, and what each of them stands for in a sum.
+struct GridAxis {
+  Support range = {};
+  bool logarithmic = false;          ///< the values lie evenly, or by Gauss's rule, in their logarithm
+  std::vector<double> values = {};   ///< one where the parameter is fixed
+  std::vector<double> weights = {};  ///< the same
+};
+
+/// The posterior of a model on a grid, summed by Gauss's rule in each free parameter.
 struct Posterior {
-  /// The grid's values along each parameter, one where it is fixed.
-  std::array<std::vector<double>, kParameters> values = {};
-  /// The posterior's density along each parameter, all others summed over; empty where it is fixed.
+  std::array<GridAxis, kParameters> axes = {};
+  /// The mass of each value of a parameter, all others summed over; each sums to 1.
   std::array<std::vector<double>, kParameters> marginals = {};
-  /// Its mass at each point; the last parameter runs fastest. Sums to 1.
+  /// The mass of each point; the last parameter runs fastest. Sums to 1.
   std::vector<double> mass = {};
   ParameterPoint best = {};  ///< the densest point of the grid
   double log_evidence = 0;   ///< ln of the integral of likelihood times prior
@@ -33,11 +42,15 @@ struct Posterior {
 [[nodiscard]] std::vector<double> marginalLikelihood(const Model& model, int parameter,
                                                      const std::vector<double>& values);
 
+/// Where the likelihood has its peaks on a coarse grid of threshold and width over the whole support, each with its
+/// most likely rates and a little overdispersion where that is free: at most `count`, the most likely first.
+[[nodiscard]] std::vector<ParameterPoint> likelihoodPeaks(const Model& model, int count);
+
 /// The interval between the percentiles (1 - confidence)/2 and (1 + confidence)/2 of one parameter's marginal; where it
 /// is fixed, that value.
 [[nodiscard]] Interval credibleInterval(const Posterior& posterior, int parameter, double confidence);
 
-/// The same of any values with their masses, which need not sum to 1.
+/// The same of any values with their masses, which need not sum to 1. Half of the mass of equal values lies below them.
 [[nodiscard]] Interval percentileInterval(std::vector<WeightedValue> values, double confidence);
 
 /// The point of the grid with this index into `mass`.

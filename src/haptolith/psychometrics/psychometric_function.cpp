@@ -25,15 +25,38 @@ double gumbelWidth() noexcept {
   return std::log(-std::log(kTail)) - std::log(-std::log1p(-kTail));
 }
 
+/// Of Student's t with one degree of freedom.
+double studentWidth() noexcept {
+  return 2 * std::tan(std::numbers::pi * (0.5 - kTail));
+}
+
+/// The standard deviation of ln x that w gives, and its inverse.
+double weberSigma(Sigmoid sigmoid, double w) noexcept {
+  const double log = std::log1p(w);
+  return sigmoid == Sigmoid::kWeberAsPrinted ? std::sqrt(log)
+         : sigmoid == Sigmoid::kWeberLog10   ? std::sqrt(std::numbers::ln10 * log)
+                                             : log;
+}
+
+double weberOfSigma(Sigmoid sigmoid, double sigma) noexcept {
+  const double log = sigmoid == Sigmoid::kWeberAsPrinted ? sigma * sigma
+                     : sigmoid == Sigmoid::kWeberLog10   ? sigma * sigma / std::numbers::ln10
+                                                         : sigma;
+  return std::expm1(log);
+}
+
 /// The inverse of standardSigmoid().
 double standardPlace(Sigmoid sigmoid, double share) {
   switch (sigmoid) {
     case Sigmoid::kLogistic: return std::log(share / (1 - share)) / logisticWidth();
     case Sigmoid::kWeibull:
     case Sigmoid::kGumbel: return (std::log(-std::log1p(-share)) - std::log(std::numbers::ln2)) / gumbelWidth();
+    case Sigmoid::kReversedGumbel: return (std::log(std::numbers::ln2) - std::log(-std::log(share))) / gumbelWidth();
+    case Sigmoid::kStudent: return std::tan(std::numbers::pi * (share - 0.5)) / studentWidth();
     case Sigmoid::kNorm:
     case Sigmoid::kWeber:
-    case Sigmoid::kWeberAsPrinted: break;
+    case Sigmoid::kWeberAsPrinted:
+    case Sigmoid::kWeberLog10: break;
   }
   return std::numbers::sqrt2 * boost::math::erf_inv(2 * share - 1) / kGaussianWidth;
 }
@@ -75,11 +98,14 @@ Sigmoid sigmoidNamed(std::string_view name) {
 }
 
 Design designNamed(std::string_view name) {
+  if (name == "2afc") {
+    return Design::kForcedChoice;
+  }
   return kindNamed("design", kDesignNames, name);
 }
 
 bool isWeber(Sigmoid sigmoid) noexcept {
-  return sigmoid == Sigmoid::kWeber || sigmoid == Sigmoid::kWeberAsPrinted;
+  return sigmoid == Sigmoid::kWeber || sigmoid == Sigmoid::kWeberAsPrinted || sigmoid == Sigmoid::kWeberLog10;
 }
 
 bool isAlwaysLogarithmic(Sigmoid sigmoid) noexcept {
@@ -91,28 +117,29 @@ double standardSigmoid(Sigmoid sigmoid, double widths) noexcept {
     case Sigmoid::kLogistic: return 1 / (1 + std::exp(-logisticWidth() * widths));
     case Sigmoid::kWeibull:
     case Sigmoid::kGumbel: return -std::expm1(-std::numbers::ln2 * std::exp(gumbelWidth() * widths));
+    case Sigmoid::kReversedGumbel: return std::exp(-std::numbers::ln2 * std::exp(-gumbelWidth() * widths));
+    case Sigmoid::kStudent: return 0.5 + std::atan(studentWidth() * widths) / std::numbers::pi;
     case Sigmoid::kNorm:
     case Sigmoid::kWeber:
-    case Sigmoid::kWeberAsPrinted: break;
+    case Sigmoid::kWeberAsPrinted:
+    case Sigmoid::kWeberLog10: break;
   }
   return std::erfc(-kGaussianWidth / std::numbers::sqrt2 * widths) / 2;
 }
 
 double weberWidth(Sigmoid sigmoid, double w) noexcept {
-  const double sigma = sigmoid == Sigmoid::kWeberAsPrinted ? std::sqrt(std::log1p(w)) : std::log1p(w);
-  return kGaussianWidth * sigma;
+  return kGaussianWidth * weberSigma(sigmoid, w);
 }
 
 double weberParameter(Sigmoid sigmoid, double width) noexcept {
-  const double sigma = width / kGaussianWidth;
-  return std::expm1(sigmoid == Sigmoid::kWeberAsPrinted ? sigma * sigma : sigma);
+  return weberOfSigma(sigmoid, width / kGaussianWidth);
 }
 
 PsychometricFunction weberFunction(double reference, double w, Sigmoid sigmoid) {
   requireInRange("reference", reference, {.lowest = 0, .ends = Ends::kOpen});
   requireInRange("w", w, {.lowest = 0, .ends = Ends::kOpen});
   if (!isWeber(sigmoid)) {
-    throw InvalidParameter("sigmoid", std::string(nameOf(sigmoid)), "weber or as-printed");
+    throw InvalidParameter("sigmoid", std::string(nameOf(sigmoid)), "weber, as-printed or as-printed-log10");
   }
   return {.sigmoid = sigmoid, .log_axis = true, .threshold = reference, .width = weberWidth(sigmoid, w)};
 }
@@ -126,8 +153,9 @@ double fromAxis(const PsychometricFunction& function, double place) noexcept {
 }
 
 double sigmoidAt(const PsychometricFunction& function, double x) noexcept {
-  return standardSigmoid(function.sigmoid,
-                         (toAxis(function, x) - toAxis(function, function.threshold)) / function.width);
+  const double widths = (toAxis(function, x) - toAxis(function, function.threshold)) / function.width;
+  const double rising = standardSigmoid(function.sigmoid, widths);
+  return function.falling ? 1 - rising : rising;
 }
 
 double probability(const PsychometricFunction& function, double x) noexcept {
@@ -136,16 +164,22 @@ double probability(const PsychometricFunction& function, double x) noexcept {
 
 double stimulusAt(const PsychometricFunction& function, double share) {
   requireInRange("share of a sigmoid", share, {0, 1, Ends::kOpen});
-  const double place = toAxis(function, function.threshold) + function.width * standardPlace(function.sigmoid, share);
+  const double rising = function.falling ? 1 - share : share;
+  const double place = toAxis(function, function.threshold) + function.width * standardPlace(function.sigmoid, rising);
   return fromAxis(function, place);
 }
 
+double jndInWidths(const PsychometricFunction& function) {
+  return standardPlace(function.sigmoid, kOneSigma);
+}
+
 double jndOf(const PsychometricFunction& function) {
-  return stimulusAt(function, kOneSigma) - function.threshold;
+  const double place = toAxis(function, function.threshold) + function.width * jndInWidths(function);
+  return fromAxis(function, place) - function.threshold;
 }
 
 double weberFractionOf(const PsychometricFunction& function) {
-  return stimulusAt(function, kOneSigma) / function.threshold - 1;
+  return jndOf(function) / function.threshold;
 }
 
 }  // namespace haptolith

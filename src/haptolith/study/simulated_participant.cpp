@@ -45,7 +45,7 @@ double judged(const TrialSummary& felt, JudgedBy by) {
 void validate(const ObserverParameters& observer) {
   requireInRange("weber_fraction", observer.weber_fraction, {0, kInfinity, Ends::kOpen});
   requireInRange("bias", observer.bias, {-1, kInfinity, Ends::kOpen});
-  requireInRange("lapse", observer.lapse, {0, 1});
+  requireInRange("lapse", observer.lapse, {0, 0.5});
   requireInRange("learning", observer.learning, {0, kInfinity});
   requireInRange("learning_trials", observer.learning_trials, {0, kInfinity, Ends::kOpen});
 }
@@ -70,9 +70,9 @@ bool SimulatedObserver::saysMore(double test, double reference) {
   const double noise = std::log1p(w) / std::numbers::sqrt2;
   const double felt_test = std::log(test) + std::log1p(observer_.bias) + noise * normal(random_);
   const double felt_reference = std::log(reference) + noise * normal(random_);
-  const bool lapses = share(random_) < observer_.lapse;
+  const bool is_blind = share(random_) < 2 * observer_.lapse;
   const bool guess = share(random_) < 0.5;
-  return lapses ? guess : felt_test > felt_reference;
+  return is_blind ? guess : felt_test > felt_reference;
 }
 
 void SimulatedParticipant::takePart(Conductor& conductor) {

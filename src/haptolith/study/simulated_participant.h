@@ -22,13 +22,13 @@ enum class JudgedBy {
 
 /// A participant whose answers follow a known psychometric function: that of (paper 22), with lapses.
 ///
-///     P("more") = lapse / 2 + (1 - lapse) Phi(ln((1 + bias) x / p) / ln(1 + w))
+///     P("more") = lapse + (1 - 2 lapse) Phi(ln((1 + bias) x / p) / ln(1 + w))
 ///
 /// Each of the two stimuli is felt with a noise of ln(1 + w) / sqrt(2) in its logarithm.
 struct ObserverParameters {
   double weber_fraction = 0.29;  ///< w, > 0
   double bias = 0;               ///< > -1: the test feels like 1 + bias times what it is
-  double lapse = 0;              ///< 0 to 1: share of answers given without having felt anything
+  double lapse = 0;              ///< 0 to 1/2: both asymptotes; twice that are answers given without having felt
   double learning = 0;           ///< >= 0: w is larger by so much at the first trial; a third of it is left after
   double learning_trials = 20;   ///< so many trials, > 0
   JudgedBy judged_by = JudgedBy::kValue;

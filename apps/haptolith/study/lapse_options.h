@@ -1,0 +1,24 @@
+#pragma once
+
+#include <CLI/CLI.hpp>
+
+#include "shared/option_checks.h"
+
+namespace haptolith {
+
+/// Lets a command set how often simulated people lapse: `--lapse`, the asymptotes as `study fit` calls them, or
+/// `--blind`, the share of answers given without attending, of which half are right by chance.
+inline void addLapseOptions(CLI::App& command, double& lapse) {
+  CLI::Option* asymptote =
+      command.add_option("--lapse", lapse, "How far psi stays away from 0 and from 1, as in study fit [0]")
+          ->option_text("RATE");
+  command
+      .add_option_function<double>(
+          "--blind", [&lapse](double share) { lapse = share / 2; },
+          "Share of answers given without attending, twice --lapse [0]")
+      ->check(numberIn({0.0, 1.0}))
+      ->excludes(asymptote)
+      ->option_text("SHARE");
+}
+
+}  // namespace haptolith

@@ -1,0 +1,146 @@
+#include "haptolith/psychometrics/profile.h"
+
+#include <boost/math/distributions/chi_squared.hpp>
+#include <boost/math/distributions/students_t.hpp>
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <limits>
+#include <utility>
+
+namespace haptolith {
+
+namespace {
+
+constexpr int kScanned = 10;             // values between the best one and the end of the support
+constexpr int kHalvings = 8;             // of the distance between two of them
+constexpr double kFar = 1000;            // a quantity without an end is followed so many times its best value
+constexpr double kFirstDistance = 1e-3;  // of the distance to the end of the support
+constexpr double kRough = 1e-4;          // tolerance of the searches for a range that may be too large
+
+}  // namespace
+
+/// What the profile is of.
+struct Profile::Quantity {
+  Parameter pinned = kThreshold;
+  bool logarithmic = false;  ///< how values between the best one and the end of the support lie
+  double tolerance = 1e-7;   ///< of searches
+  /// The value of the pinned parameter that gives the quantity its value, when the others are as in the point.
+  std::function<double(const ParameterPoint&, double)> pinned_value = [](const ParameterPoint&, double value) {
+    return value;
+  };
+
+  /// The value at a share of the way from `best` to `bound`.
+  [[nodiscard]] double between(double best, double bound, double share) const {
+    return logarithmic ? best * std::pow(bound / best, share) : best + (bound - best) * share;
+  }
+};
+
+Profile::Profile(const Model& model, Objective objective, const Optimum& best, double depth,
+                 std::vector<ParameterPoint> starts)
+    : model_(model), objective_(objective), best_(best), depth_(depth), starts_(std::move(starts)) {
+  starts_.push_back(best.point);
+}
+
+Interval Profile::of(Parameter parameter) const {
+  const double best = best_.point[parameter];
+  const Support& support = model_.support(parameter);
+  if (support.isFixed()) {
+    return {best, best};
+  }
+  const Quantity quantity{.pinned = parameter, .logarithmic = parameter == kScale};
+  return {end(quantity, best, support.low), end(quantity, best, support.high)};
+}
+
+Interval Profile::of(Derived derived) const {
+  const double best = derived(model_.functionAt(best_.point));
+  if (!(best > 0)) {
+    return {};  // a Weber fraction at a threshold below 0
+  }
+  const auto scale = [this, derived](const ParameterPoint& point, double value) {
+    const PsychometricFunction function = model_.functionAt(point);
+    const double jnd = derived == jndOf ? value : value * function.threshold;
+    const double distance = toAxis(function, function.threshold + jnd) - toAxis(function, function.threshold);
+    return model_.scaleOf(distance / jndInWidths(function));
+  };
+  const Quantity quantity{.pinned = kScale, .logarithmic = true, .pinned_value = scale};
+  const Interval interval{end(quantity, best, best / kFar), end(quantity, best, best * kFar)};
+  return {interval.low > best / kFar ? interval.low : 0,
+          interval.high < best * kFar ? interval.high : std::numeric_limits<double>::infinity()};
+}
+
+Support Profile::around(Parameter parameter) const {
+  const double best = best_.point[parameter];
+  const Support& support = model_.support(parameter);
+  if (support.isFixed()) {
+    return support;
+  }
+  const Quantity quantity{.pinned = parameter, .logarithmic = parameter == kScale, .tolerance = kRough};
+  return {endBeyond(quantity, best, support.low), endBeyond(quantity, best, support.high)};
+}
+
+/// The last value on the way from the best one to `bound` that is near enough.
+double Profile::end(const Quantity& quantity, double best, double bound) const {
+  if (best == bound) {
+    return bound;
+  }
+  std::vector<ParameterPoint> starts = starts_;
+  const auto is_near = [&](double share) { return isNear(quantity, quantity.between(best, bound, share), starts); };
+  double inside = 0;
+  double outside = 1;
+  for (int i = 1; i <= kScanned; ++i) {
+    const double share = double(i * i) / (kScanned * kScanned);  // closer where the range of many answers ends
+    if (is_near(share)) {
+      inside = share;
+      outside = 1;
+    } else {
+      outside = std::min(outside, share);
+    }
+  }
+  if (inside == 1) {
+    return bound;
+  }
+  starts = starts_;
+  for (int i = 0; i < kHalvings; ++i) {
+    const double middle = (inside + outside) / 2;
+    (is_near(middle) ? inside : outside) = middle;
+  }
+  return quantity.between(best, bound, (inside + outside) / 2);
+}
+
+/// A value beyond the end, found from the best one in growing steps.
+double Profile::endBeyond(const Quantity& quantity, double best, double bound) const {
+  if (best == bound) {
+    return bound;
+  }
+  std::vector<ParameterPoint> starts = starts_;
+  double share = kFirstDistance;
+  while (share < 1 && isNear(quantity, quantity.between(best, bound, share), starts)) {
+    share *= 1.5;
+  }
+  return share < 1 ? quantity.between(best, bound, share) : bound;
+}
+
+/// Whether the best point with this value falls short by no more than the depth; `starts` gains that point.
+bool Profile::isNear(const Quantity& quantity, double value, std::vector<ParameterPoint>& starts) const {
+  const Pin pin{quantity.pinned, [&](const ParameterPoint& point) { return quantity.pinned_value(point, value); }};
+  const Optimum found =
+      optimumNear(model_, starts, {.objective = objective_, .pin = pin, .tolerance = quantity.tolerance});
+  starts.resize(starts_.size());
+  starts.push_back(found.point);
+  return best_.log_density - found.log_density <= depth_;
+}
+
+double confidenceDepth(const Model& model) {
+  const double confidence = model.options().confidence;
+  if (model.support(kOverdispersion).isFixed()) {
+    return boost::math::quantile(boost::math::chi_squared(1), confidence) / 2;
+  }
+  const auto levels = static_cast<double>(model.levels().size());
+  const double degrees = std::max(levels - (model.freeParameters() - 1), 1.0);
+  const double t = boost::math::quantile(boost::math::students_t(degrees), (1 + confidence) / 2);
+  return levels / 2 * std::log1p(t * t / degrees);
+}
+
+}  // namespace haptolith
