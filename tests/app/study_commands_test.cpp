@@ -243,9 +243,41 @@ TEST_F(StudyCommands, ForgetDeletesWhatIsPersonalOrEverything) {
   EXPECT_THAT(runHaptolith("study status " + file("a.study")).output, HasSubstr("2 of 15"));
   EXPECT_EQ(runHaptolith(fmt::format("study forget {} S02", file("a.study"))).exit_status, 0);
   EXPECT_THAT(runHaptolith("study status " + file("a.study")).output, Not(HasSubstr("S02")));
-  const ProgramResult nobody = runHaptolith(fmt::format("study forget {} S02", file("a.study")));
+  const ProgramResult again = runHaptolith(fmt::format("study forget {} S02", file("a.study")));
+  EXPECT_EQ(again.exit_status, 0);
+  EXPECT_THAT(again.output, HasSubstr("S02: deleted already"));
+  const ProgramResult nobody = runHaptolith(fmt::format("study forget {} S09", file("a.study")));
   EXPECT_EQ(nobody.exit_status, 2);
   EXPECT_THAT(nobody.errors, HasSubstr("one of S01"));
+}
+
+TEST_F(StudyCommands, ForgetTakesRecordingsAndNamesWhatStays) {
+  makeStudy();
+  fillStudy();
+  fs::create_directory(folder_ / "a-recordings");
+  std::ofstream(folder_ / "a-recordings/S02-friction-001-1-first.h5") << "\x89HDF";
+  ASSERT_EQ(runHaptolith(fmt::format("study export {} --to {}", file("a.study"), file("a.csv"))).exit_status, 0);
+  const ProgramResult forget =
+      runHaptolith(fmt::format("study forget {} S02 --reason 'asked for it'", file("a.study")));
+  EXPECT_EQ(forget.exit_status, 0) << forget.errors;
+  EXPECT_THAT(forget.output, AllOf(HasSubstr("S02: deleted, with 3 trials and 1 recordings"),
+                                   HasSubstr((folder_ / "a.csv").string()), HasSubstr("copies and backups")));
+  EXPECT_FALSE(fs::exists(folder_ / "a-recordings/S02-friction-001-1-first.h5"));
+}
+
+TEST_F(StudyCommands, ForgetClaimsNothingWhileAnotherProgramReads) {
+  makeStudy();
+  fillStudy();
+  // A database browser in the middle of reading.
+  const ProgramResult forget = runInShell(fmt::format(
+      "cd '{}' && /usr/bin/python3 -c \"import sqlite3, subprocess, os, sys; s = sqlite3.connect('a.study', "
+      "isolation_level=None); s.execute('BEGIN'); s.execute('SELECT * FROM trial').fetchone(); "
+      "sys.exit(subprocess.call([os.environ['HAPTOLITH'], 'study', 'forget', 'a.study', 'S02']))\"",
+      folder_.string()));
+  EXPECT_EQ(forget.exit_status, 1);
+  EXPECT_EQ(forget.output, "");
+  EXPECT_THAT(forget.errors, AllOf(HasSubstr("nothing has been deleted"), HasSubstr("close that program")));
+  EXPECT_THAT(runHaptolith("study status " + file("a.study")).output, HasSubstr("2 of 15"));
 }
 
 }  // namespace

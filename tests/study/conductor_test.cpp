@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <fstream>
 #include <functional>
 #include <map>
 #include <memory>
@@ -182,6 +183,14 @@ TEST_F(ConductorTest, LeadsFromConsentThroughEveryTrialToThanks) {
   EXPECT_EQ(store_->trials().size(), countOf(TrialState::kAnswered));
   EXPECT_EQ(store_->participants().front().state, "finished");
   EXPECT_THAT(store_->formAnswers(true), SizeIs(1 + 6));
+}
+
+TEST_F(ConductorTest, NeverRecordsIntoAFileThatIsThere) {
+  std::ofstream(folder_ / "S01-friction-001-1-second.h5") << "of somebody else";
+  comeToTheTrials();
+  doTrial();
+  EXPECT_THAT(rig_->recordings, ElementsAre("S01-friction-001-1-2-first.h5", "S01-friction-001-1-2-second.h5"));
+  EXPECT_EQ(store_->trials().front().answer->recording, "S01-friction-001-1-2");
 }
 
 TEST_F(ConductorTest, ShowsReferenceAndTestInThePlannedOrder) {

@@ -25,6 +25,7 @@
 #include "haptolith/study/store.h"
 #include "haptolith/study/study_schema.h"
 
+#include "a_pipe.h"
 #include "a_study.h"
 
 namespace haptolith {
@@ -67,41 +68,6 @@ void execute(const fs::path& file, const std::string& sql) {
 
 // --- kills
 // ------------------------------------------------------------------------------------------------------------
-
-/// What a child has told: it writes a number only after the call has returned.
-class Pipe {
- public:
-  Pipe() { EXPECT_EQ(pipe(ends_.data()), 0); }
-  ~Pipe() {
-    close(ends_[0]);
-    closeWriting();
-  }
-  Pipe(const Pipe&) = delete;
-  Pipe& operator=(const Pipe&) = delete;
-
-  void tell(int number) const { EXPECT_EQ(write(ends_[1], &number, sizeof(number)), ssize_t{sizeof(number)}); }
-  void closeWriting() {
-    if (ends_[1] >= 0) {
-      close(ends_[1]);
-      ends_[1] = -1;
-    }
-  }
-  /// Waits for the next number; none when nobody can tell any more.
-  [[nodiscard]] std::optional<int> listen() const {
-    int number = 0;
-    return read(ends_[0], &number, sizeof(number)) == ssize_t{sizeof(number)} ? std::optional(number) : std::nullopt;
-  }
-  [[nodiscard]] std::vector<int> told() const {
-    std::vector<int> numbers;
-    while (const std::optional<int> number = listen()) {
-      numbers.push_back(*number);
-    }
-    return numbers;
-  }
-
- private:
-  std::array<int, 2> ends_{-1, -1};
-};
 
 /// Goes on with a study where it is, as the program does after a crash, until somebody ends it.
 [[noreturn]] void answerUntilKilled(const fs::path& file, const Pipe& pipe) {

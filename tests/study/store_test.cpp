@@ -156,40 +156,6 @@ TEST_F(Store, RefusesFormsThatAreIncompleteOrWrong) {
   EXPECT_TRUE(store.formAnswers(true).empty());
 }
 
-TEST_F(Store, LeavesNoTraceOfPersonalAnswersThatAreForgotten) {
-  std::int64_t id = 0;
-  {
-    StudyStore store(file_, Access::kRun);
-    id = store.addParticipant("").id;
-    store.setAnswers(id, "demographics", store.protocol().demographics, {{"name", "Adalovelace"}, {"age", "36"}});
-  }
-  ASSERT_THAT(bytesOf(file_), HasSubstr("Adalovelace"));
-  StudyStore store(file_, Access::kRun);
-  EXPECT_EQ(store.forgetPersonal(id), 1);
-  EXPECT_THAT(bytesOf(file_), Not(HasSubstr("Adalovelace")));
-  EXPECT_THAT(bytesOf(file_.string() + "-wal"), Not(HasSubstr("Adalovelace")));
-  EXPECT_EQ(store.formAnswers(true).size(), 1U);
-}
-
-TEST_F(Store, RemovesAllThereIsOfAParticipant) {
-  StudyStore store(file_, Access::kRun);
-  const std::int64_t stays = store.addParticipant("").id;
-  const std::int64_t goes = store.addParticipant("").id;
-  for (const std::int64_t id : {stays, goes}) {
-    store.setAnswers(id, "demographics", store.protocol().demographics, {{"name", "x"}, {"age", "36"}});
-    store.answerTrial(store.beginTrial(trial(id, 0)), answer(1));
-    store.addNote(id, "looked away", "note");
-    store.markStep(id, "consent");
-  }
-  store.removeParticipant(goes);
-  EXPECT_EQ(store.participants().size(), 1U);
-  EXPECT_EQ(store.trials().size(), 1U);
-  EXPECT_EQ(store.formAnswers(true).size(), 2U);
-  EXPECT_EQ(store.notes().size(), 1U);
-  EXPECT_TRUE(store.steps(goes).empty());
-  EXPECT_EQ(store.trials()[0].participant, stays);
-}
-
 // --- trials
 // -----------------------------------------------------------------------------------------------------------
 

@@ -3,13 +3,17 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
+#include <cstddef>
+#include <filesystem>
 #include <iterator>
 #include <memory>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "haptolith/core/error.h"
 #include "haptolith/study/store.h"
+#include "haptolith/study/study_files.h"
 
 #include "commands.h"
 #include "shared/output.h"
@@ -19,14 +23,15 @@ namespace haptolith {
 namespace {
 
 constexpr const char* kExamples = R"(Examples:
-  haptolith study forget friction.study S03 --personal    what would tell who S03 is; the answers stay
-  haptolith study forget friction.study S03               all there is of S03
+  haptolith study forget friction.study S03 --personal               what would tell who S03 is; the answers stay
+  haptolith study forget friction.study S03 --reason "asked for it"  all there is of S03, and the recordings
 
-There is no way back. Recordings, exports and copies of the study are files of their own.)";
+There is no way back. What stays is that somebody was removed, when and why. Exports and copies of the study are files
+of their own; those beside the study that name S03 are listed.)";
 
 struct Options {
-  std::string file, participant;
-  bool personal = false;
+  std::string file, participant, reason;
+  bool personal = false, keep_recordings = false;
 };
 
 ParticipantRow participantOf(const StudyStore& study, const std::string& code) {
@@ -42,17 +47,47 @@ ParticipantRow participantOf(const StudyStore& study, const std::string& code) {
   return *found;
 }
 
+/// When somebody with that code, whom the study does not have any more, was removed; empty: nobody was.
+std::string removedBefore(const StudyStore& study, const std::string& code) {
+  const std::vector<ParticipantRow> participants = study.participants();
+  const bool is_there = std::ranges::find(participants, code, &ParticipantRow::code) != participants.end();
+  return is_there ? "" : study.removedAt(code);
+}
+
+std::string listed(std::string_view heading, const std::vector<std::filesystem::path>& files) {
+  std::string text;
+  for (const std::filesystem::path& file : files) {
+    text += fmt::format("  {}\n", file.string());
+  }
+  return files.empty() ? "" : fmt::format("{}\n{}", heading, text);
+}
+
+void forgetEverything(StudyStore& study, const ParticipantRow& participant, const Options& options) {
+  const std::size_t trials = study.trials(participant.id).size();
+  const std::vector<std::filesystem::path> recordings = recordingsOf(study.file(), participant.code);
+  const Recordings fate = options.keep_recordings ? Recordings::kKeep : Recordings::kDelete;
+  study.removeParticipant(participant.id, options.reason, fate);
+  printText(
+      fmt::format("{}: deleted, with {} trials{}\n{}{}", participant.code, trials,
+                  options.keep_recordings ? "" : fmt::format(" and {} recordings", recordings.size()),
+                  listed("Kept, by --keep-recordings:", options.keep_recordings ? recordings : decltype(recordings){}),
+                  listed("Not deleted, and the code stands in:", othersThatName(study.file(), participant.code))));
+  printText("Exports elsewhere, copies and backups are not known to haptolith: delete those by hand.\n");
+}
+
 void forget(const Options& options) {
   StudyStore study(options.file, StudyStore::Access::kRun);
-  const ParticipantRow participant = participantOf(study, options.participant);
-  if (options.personal) {
-    const int forgotten = study.forgetPersonal(participant.id);
-    printText(fmt::format("{}: {} personal answers deleted\n", participant.code, forgotten));
+  if (const std::string removed_at = removedBefore(study, options.participant); !removed_at.empty()) {
+    printText(fmt::format("{}: deleted already, at {}\n", options.participant, removed_at));
     return;
   }
-  const std::size_t trials = study.trials(participant.id).size();
-  study.removeParticipant(participant.id);
-  printText(fmt::format("{}: deleted, with {} trials\n", participant.code, trials));
+  const ParticipantRow participant = participantOf(study, options.participant);
+  if (options.personal) {
+    const int forgotten = study.forgetPersonal(participant.id, options.reason);
+    printText(fmt::format("{}: {} personal answers deleted\n", participant.code, forgotten));
+  } else {
+    forgetEverything(study, participant, options);
+  }
 }
 
 }  // namespace
@@ -63,7 +98,9 @@ void addStudyForgetCommand(CLI::App& study) {
   command->footer(kExamples);
   command->add_option("file", options->file, "A study")->required()->option_text("FILE");
   command->add_option("participant", options->participant, "Whose")->required()->option_text("S03");
-  command->add_flag("--personal", options->personal, "Only the answers to personal items");
+  CLI::Option* personal = command->add_flag("--personal", options->personal, "Only the answers to personal items");
+  command->add_option("--reason", options->reason, "Kept in the study, without the code")->option_text("TEXT");
+  command->add_flag("--keep-recordings", options->keep_recordings, "Do not delete the recordings")->excludes(personal);
   command->callback([options] { forget(*options); });
 }
 

@@ -15,6 +15,7 @@
 #include "haptolith/study/conductor.h"
 #include "haptolith/study/session_rig.h"
 #include "haptolith/study/simulated_participant.h"
+#include "haptolith/study/study_files.h"
 #include "haptolith/study/study_pages.h"
 #include "haptolith/viewer/live_view.h"
 
@@ -60,14 +61,6 @@ Scenario sceneFor(const StudyRunOptions& options, const StudyProtocol& protocol)
   scene.loop.paced = true;
   validate(scene);
   return scene;
-}
-
-/// Where the trials' recordings go: a folder beside the study.
-std::filesystem::path recordingsOf(const std::filesystem::path& study) {
-  std::filesystem::path folder = study;
-  folder.replace_extension();
-  folder += "-recordings";
-  return folder;
 }
 
 /// Nobody comes before who has not finished, and no person beside simulated ones.
@@ -118,7 +111,7 @@ class StudyRun {
         store_(options.file, StudyStore::Access::kRun),
         recording_(recordingFor(options.frames_per_s)),
         session_(sceneFor(options, store_.protocol()), true, settlingIn(status_)),
-        rig_(session_, {.start = [this](const std::filesystem::path& file) { recording_.start(session_, file, true); },
+        rig_(session_, {.start = [this](const std::filesystem::path& file) { recording_.start(session_, file, false); },
                         .stop = [this] { stopRecording(); }}),
         conductor_(store_, rig_, {.now_s = &StudyRun::now, .recordings = recordings()}),
         pages_(conductor_),
@@ -160,7 +153,7 @@ class StudyRun {
     if (!store_.protocol().record) {
       return {};
     }
-    std::filesystem::path folder = recordingsOf(options_.file);
+    std::filesystem::path folder = recordingsFolder(options_.file);
     std::error_code error;
     std::filesystem::create_directories(folder, error);
     if (error) {

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
 #include <new>
 #include <stdexcept>
 #include <utility>
@@ -25,6 +26,23 @@ constexpr double kShortestInterval_s = 0.3;
 
 bool isTrialPhase(StudyPhase phase) {
   return phase == StudyPhase::kPreparing || phase == StudyPhase::kInterval || phase == StudyPhase::kQuestion;
+}
+
+std::filesystem::path recordingOf(const std::filesystem::path& folder, std::string_view trial, int interval) {
+  return folder / fmt::format("{}-{}.h5", trial, interval == 1 ? "first" : "second");
+}
+
+/// `name`, or "name-2" and so on where there are recordings of that name: none is ever replaced.
+std::string freeName(const std::filesystem::path& folder, const std::string& name) {
+  const auto taken = [&folder](std::string_view trial) {
+    return std::filesystem::exists(recordingOf(folder, trial, 1)) ||
+           std::filesystem::exists(recordingOf(folder, trial, 2));
+  };
+  std::string found = name;
+  for (int next = 2; taken(found); ++next) {
+    found = fmt::format("{}-{}", name, next);
+  }
+  return found;
 }
 
 std::unique_ptr<AdaptiveProcedure> procedureOf(const StudyBlock& block) {
@@ -228,7 +246,8 @@ void Conductor::beginTrial() {
   begun.seed = trial_->plan.seed;
   trial_->id = store_.beginTrial(begun);
   if (store_.protocol().record && !options_.recordings.empty()) {
-    trial_->recording = fmt::format("{}-{}-{:03}-{}", participant_->code, now.name, begun.index + 1, begun.attempt + 1);
+    trial_->recording = freeName(options_.recordings, fmt::format("{}-{}-{:03}-{}", participant_->code, now.name,
+                                                                  begun.index + 1, begun.attempt + 1));
   }
   readRows();
   prepareInterval(1);
@@ -322,8 +341,7 @@ void Conductor::poll() {
       case StudyPhase::kPreparing:
         if (underWay() && rig_.ready()) {
           if (!trial_->recording.empty()) {
-            rig_.startRecording(options_.recordings /
-                                fmt::format("{}-{}.h5", trial_->recording, trial_->interval == 1 ? "first" : "second"));
+            rig_.startRecording(recordingOf(options_.recordings, trial_->recording, trial_->interval));
             trial_->recording_runs = true;
           }
           rig_.feel();

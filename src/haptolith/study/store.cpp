@@ -20,8 +20,9 @@
 #include "haptolith/core/error.h"
 #include "haptolith/core/plain_text.h"
 #include "haptolith/study/form.h"
-#include "haptolith/study/runner_lock.h"
+#include "haptolith/study/participant_code.h"
 #include "haptolith/study/store_file.h"
+#include "haptolith/study/store_implementation.h"
 #include "haptolith/study/study_schema.h"
 #include "haptolith/study/study_sql.h"
 
@@ -31,7 +32,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::size_t kLongestCode = 16;
 constexpr std::uint64_t kLargestSeed =
     (std::uint64_t{1} << 53) - 1;  // what JSON and other programs' tables keep exactly
 
@@ -87,13 +87,6 @@ auto valueIn(const Words& words, std::string_view column, std::string_view word)
 // -------------------------------------------------------------------------------------------------------------
 
 constexpr std::array<std::string_view, 3> kParticipantStates{"running", "finished", "withdrawn"};
-constexpr const char* kValidCode = "1 to 16 letters and digits, such as S01";
-
-/// Codes become names of files and folders.
-bool isCode(std::string_view code) {
-  return !code.empty() && code.size() <= kLongestCode &&
-         std::ranges::all_of(code, [](unsigned char letter) { return letter < 0x80 && std::isalnum(letter) != 0; });
-}
 
 ParticipantRow participantOf(const SQLite::Statement& row) {
   ParticipantRow participant{.id = row.getColumn(0).getInt64(),
@@ -199,6 +192,11 @@ std::vector<TrialRow> trialsOf(SQLite::Statement query) {
   return rows;
 }
 
+/// The largest "number" of all participants, or the largest in a "code", also of those who were removed.
+int largestEver(SQLite::Database& database, std::string_view what) {
+  return database.execAndGet(fmt::format("SELECT largest_{} FROM study", what)).getInt();
+}
+
 void insertFelt(SQLite::Database& database, std::int64_t trial, int interval, const TrialSummary& felt) {
   std::string names, marks;
   for (const SummaryColumn& column : kSummaryColumns) {
@@ -234,91 +232,54 @@ std::span<const SummaryColumn> summaryColumns() {
 // --- the store
 // --------------------------------------------------------------------------------------------------------
 
-class StudyStore::Implementation {
- public:
-  Implementation(const fs::path& path, Access access) : file(path) {
-    std::error_code error;
-    if (!fs::is_regular_file(path, error)) {
-      throw InvalidParameter("study", fmt::format("'{}'", path.string()),
-                             "a file that `haptolith study new` has made; there is no such file");
-    }
-    if (access == Access::kRun) {
-      requireOneName(path);
-      lock.emplace(fs::canonical(path));  // another name of the same file is the same study
-    }
-    tellWhatIsWrong(file, [&] { openDatabase(access); });
+StudyStore::Implementation::Implementation(const fs::path& path, Access access) : file(path) {
+  std::error_code error;
+  if (!fs::is_regular_file(path, error)) {
+    throw InvalidParameter("study", fmt::format("'{}'", path.string()),
+                           "a file that `haptolith study new` has made; there is no such file");
   }
-
-  /// All that a call writes is written, or nothing of it.
-  template <class Work>
-  auto write(Work work) {
-    if (!lock) {
-      throw Failure(fmt::format("{} has been opened to be read only", file.string()));
-    }
-    std::invoke_result_t<Work> result{};
-    tellWhatIsWrong(file, [&] {
-      SQLite::Transaction transaction(*database, SQLite::TransactionBehavior::IMMEDIATE);
-      result = work();
-      transaction.commit();
-    });
-    return result;
+  if (access == Access::kRun) {
+    requireOneName(path);
+    lock.emplace(fs::canonical(path));  // another name of the same file is the same study
   }
+  tellWhatIsWrong(file, [&] { openDatabase(access); });
+}
 
-  template <class Work>
-  auto read(Work work) {
-    std::invoke_result_t<Work> result{};
-    tellWhatIsWrong(file, [&] { result = work(); });
-    return result;
+void StudyStore::Implementation::openDatabase(Access access) {
+  database.emplace(access == Access::kRun ? openToRun(file) : openToRead(file));
+  requireStudy(*database, file);
+  requireWhole(*database, file);
+  if (access == Access::kRun) {
+    migrate(*database, studyMigrations());
+    database->exec("PRAGMA journal_mode = WAL");
+    finishRemovals();
   }
-
-  TrialState stateOf(std::int64_t trial) {
-    SQLite::Statement query = prepared(*database, "SELECT state FROM trial WHERE id = ?", trial);
-    if (!query.executeStep()) {
-      throw Failure(fmt::format("{} has no trial {}", file.string(), trial));
-    }
-    return valueIn(kStateWords, "state", query.getColumn(0).getString());
+  requireVersion(*database, file);
+  SQLite::Statement row(*database, "SELECT protocol, scene, seed, created_at FROM study");
+  if (!row.executeStep()) {
+    throw Failure(fmt::format("{} is damaged: it has no protocol", file.string()));
   }
+  protocol_text = row.getColumn(0).getString();
+  seed = static_cast<std::uint64_t>(row.getColumn(2).getInt64());
+  created_at = row.getColumn(3).getString();
+  const Scenario scene = loadScenarioText(row.getColumn(1).getString(), file.string() + " (scene)");
+  protocol = loadProtocolText(protocol_text, file.string() + " (protocol)", &scene);
+  title = protocol.title;
+}
 
-  void requireParticipant(std::int64_t id) {
-    if (!prepared(*database, "SELECT 1 FROM participant WHERE id = ?", id).executeStep()) {
-      throw Failure(fmt::format("{} has no participant with the id {}", file.string(), id));
-    }
+TrialState StudyStore::Implementation::stateOf(std::int64_t trial) {
+  SQLite::Statement query = prepared(*database, "SELECT state FROM trial WHERE id = ?", trial);
+  if (!query.executeStep()) {
+    throw Failure(fmt::format("{} has no trial {}", file.string(), trial));
   }
+  return valueIn(kStateWords, "state", query.getColumn(0).getString());
+}
 
-  /// Deleted rows are overwritten (secure_delete); what the log still holds of them goes with it.
-  void dropLog() {
-    tellWhatIsWrong(file, [&] { database->exec("PRAGMA wal_checkpoint(TRUNCATE)"); });
+void StudyStore::Implementation::requireParticipant(std::int64_t id) {
+  if (!prepared(*database, "SELECT 1 FROM participant WHERE id = ?", id).executeStep()) {
+    throw Failure(fmt::format("{} has no participant with the id {}", file.string(), id));
   }
-
-  fs::path file;
-  std::optional<RunnerLock> lock;  // goes last
-  std::optional<SQLite::Database> database;
-  std::string title, protocol_text, created_at;
-  std::uint64_t seed = 0;
-  StudyProtocol protocol;
-
- private:
-  void openDatabase(Access access) {
-    database.emplace(access == Access::kRun ? openToRun(file) : openToRead(file));
-    requireStudy(*database, file);
-    requireWhole(*database, file);
-    if (access == Access::kRun) {
-      migrate(*database, studyMigrations());
-      database->exec("PRAGMA journal_mode = WAL");
-    }
-    requireVersion(*database, file);
-    SQLite::Statement row(*database, "SELECT protocol, scene, seed, created_at FROM study");
-    if (!row.executeStep()) {
-      throw Failure(fmt::format("{} is damaged: it has no protocol", file.string()));
-    }
-    protocol_text = row.getColumn(0).getString();
-    seed = static_cast<std::uint64_t>(row.getColumn(2).getInt64());
-    created_at = row.getColumn(3).getString();
-    const Scenario scene = loadScenarioText(row.getColumn(1).getString(), file.string() + " (scene)");
-    protocol = loadProtocolText(protocol_text, file.string() + " (protocol)", &scene);
-    title = protocol.title;
-  }
-};
+}
 
 void StudyStore::create(const fs::path& file, const StudyProtocol& protocol, std::string_view protocol_text,
                         std::uint64_t seed) {
@@ -394,22 +355,27 @@ ParticipantRow StudyStore::addParticipant(std::string_view code) {
   };
   return implementation_->write([&] {
     std::vector<int> kept;
-    int last = 0, participants = 0;
+    int last = largestEver(database, "number");
     for (const ParticipantRow& row : this->participants()) {
       last = std::max(last, row.number);
-      ++participants;
       if (row.state != "withdrawn") {
         kept.push_back(row.number);
       }
     }
     const int number = nextNumber(protocol(), kept, last);
     std::string name(code);
-    for (int next = participants + 1; name.empty() || (code.empty() && taken(name)); ++next) {
-      name = fmt::format("S{:02}", next);
+    int in_code = numberInCode(code);
+    if (code.empty()) {
+      in_code = largestEver(database, "code");
+      do {
+        name = fmt::format("S{:02}", ++in_code);
+      } while (taken(name));
+    } else if (taken(name)) {
+      throw InvalidParameter("participant", inQuotes(name), "a code that nobody has yet");
+    } else if (!removedAt(name).empty()) {
+      throw InvalidParameter("participant", inQuotes(name), "a code that nobody has had; who had it was removed");
     }
-    if (taken(name)) {
-      throw InvalidParameter("participant", fmt::format("'{}'", name), "a code that nobody has yet");
-    }
+    execute(database, "UPDATE study SET largest_number = ?, largest_code = max(largest_code, ?)", number, in_code);
     const std::string now = nowText();
     execute(database, "INSERT INTO participant (number, code, state, begun_at) VALUES (?, ?, 'running', ?)", number,
             std::string_view(name), std::string_view(now));
@@ -499,23 +465,6 @@ std::vector<FormAnswerRow> StudyStore::formAnswers(bool personal) const {
     }
     return rows;
   });
-}
-
-int StudyStore::forgetPersonal(std::int64_t participant) {
-  const int forgotten = implementation_->write([&] {
-    implementation_->requireParticipant(participant);
-    return execute(*implementation_->database, "DELETE FROM personal_answer WHERE participant = ?", participant);
-  });
-  implementation_->dropLog();
-  return forgotten;
-}
-
-void StudyStore::removeParticipant(std::int64_t participant) {
-  implementation_->write([&] {
-    implementation_->requireParticipant(participant);
-    return execute(*implementation_->database, "DELETE FROM participant WHERE id = ?", participant);
-  });
-  implementation_->dropLog();
 }
 
 // --- trials

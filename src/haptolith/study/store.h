@@ -99,6 +99,19 @@ struct NoteRow {
   std::string at = {}, kind = {}, text = {};
 };
 
+/// What is removed of a participant: all there is, or the answers to personal items.
+enum class Removed { kEverything, kPersonal };
+
+/// What becomes of the recordings of a participant who is removed.
+enum class Recordings { kDelete, kKeep };
+
+struct RemovalRow {
+  Removed what = Removed::kEverything;
+  std::string reason = {};
+  std::string at = {};       ///< when it was asked for
+  std::string done_at = {};  ///< empty: it is not at its end
+};
+
 /// A study in a file: its protocol, who has taken part and what they answered. What a call has written is on the disk
 /// when it returns, and is there after a crash, a kill or a power cut; a call that throws has written nothing, and can
 /// be made again. docs/studies.md describes the tables. Not for the tick; one thread at a time.
@@ -136,7 +149,7 @@ class StudyStore {
   /// In the order of their numbers.
   [[nodiscard]] std::vector<ParticipantRow> participants() const;
 
-  /// @param code  1 to 16 letters and digits, which nobody has yet; empty: "S01", "S02", ...
+  /// @param code  1 to 16 letters and digits, which nobody has or had; empty: "S01", "S02", ...
   /// @throws InvalidParameter for another code.
   ParticipantRow addParticipant(std::string_view code);
 
@@ -157,11 +170,24 @@ class StudyStore {
   /// @param personal  whether to read those of personal items, too.
   [[nodiscard]] std::vector<FormAnswerRow> formAnswers(bool personal) const;
 
-  /// Deletes what a participant's personal items hold, and leaves no trace of it in the file. @return how many.
-  int forgetPersonal(std::int64_t participant);
+  // What is deleted leaves no trace in the file. Each of the two removes all of it or, when another program has the
+  // study open, nothing; one that a crash cuts off is brought to its end when the study is opened to be run.
 
-  /// Deletes all there is of a participant, and leaves no trace of it in the file. The recordings are other files.
-  void removeParticipant(std::int64_t participant);
+  /// Deletes what a participant's personal items hold. @return how many.
+  /// @throws Failure when another program has the study open.
+  int forgetPersonal(std::int64_t participant, std::string_view reason = "");
+
+  /// Deletes all there is of a participant. Notes and reasons of others lose the code. What stays is in removals(), and
+  /// that nobody gets the number or the code again.
+  /// @throws Failure when another program has the study open; when a recording cannot be deleted: then it is not at its
+  /// end, as after a crash.
+  void removeParticipant(std::int64_t participant, std::string_view reason = "",
+                         Recordings recordings = Recordings::kDelete);
+
+  /// In the order in which they were asked for.
+  [[nodiscard]] std::vector<RemovalRow> removals() const;
+  /// When a participant with that code was removed; empty: none was.
+  [[nodiscard]] std::string removedAt(std::string_view code) const;
 
   // --- trials -------------------------------------------------------------------------------------------------------
 

@@ -116,6 +116,25 @@ CREATE TABLE note (
   text TEXT NOT NULL
 ) STRICT;
 )sql",
+    R"sql(
+ALTER TABLE study ADD COLUMN largest_number INTEGER NOT NULL DEFAULT 0;
+ALTER TABLE study ADD COLUMN largest_code INTEGER NOT NULL DEFAULT 0;
+UPDATE study SET
+  largest_number = (SELECT coalesce(max(number), 0) FROM participant),
+  largest_code = (SELECT coalesce(max(CAST(substr(code, 2) AS INTEGER)), 0) FROM participant
+                  WHERE code GLOB '[Ss][0-9]*' AND substr(code, 2) NOT GLOB '*[^0-9]*' AND length(code) <= 7);
+
+CREATE TABLE removal (
+  id INTEGER PRIMARY KEY,
+  participant INTEGER,
+  what TEXT NOT NULL CHECK (what IN ('everything', 'personal')),
+  reason TEXT NOT NULL,
+  keeps_recordings INTEGER NOT NULL CHECK (keeps_recordings IN (0, 1)),
+  code_hash TEXT NOT NULL,
+  at TEXT NOT NULL,
+  done_at TEXT NOT NULL DEFAULT ''
+) STRICT;
+)sql",
 };
 
 /// What a person can do about an error, by SQLite's code.

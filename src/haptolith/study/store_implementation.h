@@ -1,0 +1,71 @@
+#pragma once
+
+#include <SQLiteCpp/SQLiteCpp.h>
+#include <fmt/format.h>
+
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <type_traits>
+
+#include "haptolith/core/error.h"
+#include "haptolith/study/protocol.h"
+#include "haptolith/study/runner_lock.h"
+#include "haptolith/study/store.h"
+#include "haptolith/study/study_schema.h"
+
+namespace haptolith {
+
+/// What the sources of the store share: the file of a study, open.
+class StudyStore::Implementation {
+ public:
+  Implementation(const std::filesystem::path& path, Access access);
+
+  /// All that a call writes is written, or nothing of it.
+  template <class Work>
+  auto write(Work work) {
+    requireRun();
+    std::invoke_result_t<Work> result{};
+    tellWhatIsWrong(file, [&] {
+      SQLite::Transaction transaction(*database, SQLite::TransactionBehavior::IMMEDIATE);
+      result = work();
+      transaction.commit();
+    });
+    return result;
+  }
+
+  template <class Work>
+  auto read(Work work) {
+    std::invoke_result_t<Work> result{};
+    tellWhatIsWrong(file, [&] { result = work(); });
+    return result;
+  }
+
+  /// @throws Failure when it has been opened to be read.
+  void requireRun() const {
+    if (!lock) {
+      throw Failure(fmt::format("{} has been opened to be read only", file.string()));
+    }
+  }
+  [[nodiscard]] TrialState stateOf(std::int64_t trial);
+  void requireParticipant(std::int64_t id);
+
+  // store_removal.cpp:
+  /// Brings every removal that was begun to its end.
+  void finishRemovals();
+  void remove(std::int64_t participant, Removed what, std::string_view reason, Recordings recordings);
+
+  std::filesystem::path file;
+  std::optional<RunnerLock> lock;  // goes last
+  std::optional<SQLite::Database> database;
+  std::string title, protocol_text, created_at;
+  std::uint64_t seed = 0;
+  StudyProtocol protocol;
+
+ private:
+  void openDatabase(Access access);
+};
+
+}  // namespace haptolith
