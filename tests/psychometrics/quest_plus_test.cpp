@@ -5,8 +5,12 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <optional>
 #include <random>
+#include <set>
 #include <string_view>
+#include <utility>
+#include <vector>
 
 #include "haptolith/core/error.h"
 #include "haptolith/core/random.h"
@@ -212,6 +216,38 @@ TEST(QuestPlus, EndsWhenItIsSureEnough) {
   EXPECT_LT(quest->logWidthSpread(), 0.3);
 }
 
+TEST(QuestPlus, TellsMediansAndIntervalsOfItsMarginals) {
+  // Thresholds 1, 2 and 3 with 1/4, 1/2 and 1/4: the mass at 2 lies evenly from 1.5 to 2.5, half of it below 2.
+  std::vector<Hypothesis> hypotheses;
+  for (const auto& [threshold, probability] : {std::pair(1.0, 0.25), {2.0, 0.5}, {3.0, 0.25}}) {
+    hypotheses.push_back({{.threshold = threshold, .width = 2}, probability});
+  }
+  const QuestPlus quest({1, 2, 3}, hypotheses, 10);
+  const Estimate threshold = quest.threshold(0.5);
+  EXPECT_DOUBLE_EQ(threshold.value, 2);
+  EXPECT_DOUBLE_EQ(threshold.interval.low, 1.5);
+  EXPECT_DOUBLE_EQ(threshold.interval.high, 2.5);
+  EXPECT_DOUBLE_EQ(quest.threshold(0.9).interval.low, 0.7) << "a fifth of the mass at 1, which begins at 0.5";
+  EXPECT_DOUBLE_EQ(quest.width().value, 2) << "there is no other";
+  EXPECT_DOUBLE_EQ(quest.width().interval.high, 2);
+  EXPECT_THROW((void)quest.width(1), InvalidParameter);
+}
+
+TEST(QuestPlus, HasTheLowerAsymptoteOfItsDesign) {
+  const auto guesses = [](const QuestPlusOptions& options) {
+    std::set<double> rates;
+    const auto quest = makeQuestPlus(options, {1, 2}, 1.5);
+    for (const Hypothesis& hypothesis : quest->hypotheses()) {
+      rates.insert(hypothesis.function.guess);
+    }
+    return rates;
+  };
+  EXPECT_EQ(guesses({.lapses = {0.01, 0.03}}), (std::set<double>{0.01, 0.03}));
+  EXPECT_EQ(guesses({.design = Design::kForcedChoice}), (std::set<double>{0.5}));
+  EXPECT_EQ(guesses({.design = Design::kForcedChoice, .alternatives = 4}), (std::set<double>{0.25}));
+  EXPECT_EQ(guesses({.design = Design::kYesNo, .guesses = {0.1, 0.2}}), (std::set<double>{0.1, 0.2}));
+}
+
 TEST(QuestPlus, NonsenseIsRefused) {
   EXPECT_THROW((void)makeQuestPlus({}, {1}, 1), InvalidParameter);
   EXPECT_THROW((void)makeQuestPlus({}, {2, 1}, 1), InvalidParameter);
@@ -219,6 +255,8 @@ TEST(QuestPlus, NonsenseIsRefused) {
   EXPECT_THROW((void)makeQuestPlus({}, {1, 2}, 0), InvalidParameter);
   EXPECT_THROW((void)makeQuestPlus({.lapses = {}}, {1, 2}, 1), InvalidParameter);
   EXPECT_THROW((void)makeQuestPlus({.lapses = {0.7}}, {1, 2}, 1), InvalidParameter);
+  EXPECT_THROW((void)makeQuestPlus({.design = Design::kYesNo, .guesses = {}}, {1, 2}, 1), InvalidParameter);
+  EXPECT_THROW((void)makeQuestPlus({.alternatives = 1}, {1, 2}, 1), InvalidParameter);
   EXPECT_THROW((void)makeQuestPlus({.trials = 0}, {1, 2}, 1), InvalidParameter);
   const auto quest = makeQuestPlus({}, {1, 2}, 1.5);
   EXPECT_THROW(quest->answer(1.7, true), InvalidParameter);

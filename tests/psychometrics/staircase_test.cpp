@@ -4,7 +4,15 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <cstdlib>
+#include <map>
+#include <optional>
 #include <random>
+#include <set>
+#include <utility>
+#include <vector>
 
 #include "haptolith/core/error.h"
 #include "haptolith/core/random.h"
@@ -126,22 +134,79 @@ TEST(Staircase, OnBothSidesFindsEqualityAndJnd) {
   }
 }
 
-TEST(Staircase, BothSidesHaveTheirTurnInEveryPair) {
-  const auto staircase = makeStaircase({.reversals = 50}, {1, 2, 3, 5, 6, 7}, 4);
-  for (int pair = 0; pair < 10; ++pair) {
-    double sides = 0;
-    for (int i = 0; i < 2; ++i) {
-      const double x = *staircase->next();
-      sides += x > 4 ? 1 : -1;
-      staircase->answer(x, i == 0);
-    }
-    EXPECT_EQ(sides, 0) << pair;
+/// The sides of the first `count` trials, answered alternately: above the reference, 4, or below it.
+std::vector<bool> sidesOf(std::uint64_t seed, std::size_t count) {
+  const auto staircase = makeStaircase({.reversals = 200, .most_trials = 1000, .seed = seed}, {1, 2, 3, 5, 6, 7}, 4);
+  std::vector<bool> above;
+  above.reserve(count);
+  while (above.size() < count) {
+    const double x = staircase->next().value();
+    above.push_back(x > 4);
+    staircase->answer(x, above.size() % 2 == 0);
   }
+  return above;
+}
+
+TEST(Staircase, TheSideOfATrialDoesNotFollowFromThoseBefore) {
+  constexpr std::size_t kPeople = 200, kTrials = 40;
+  std::vector<int> changes(kTrials), uppers(kTrials);
+  for (std::size_t person = 0; person < kPeople; ++person) {
+    const std::vector<bool> above = sidesOf(person, kTrials);
+    for (std::size_t i = 0; i < kTrials; ++i) {
+      changes[i] += i > 0 && above[i] != above[i - 1] ? 1 : 0;
+      uppers[i] += above[i] ? 1 : 0;
+    }
+  }
+  for (std::size_t i = 1; i < kTrials; ++i) {
+    EXPECT_NEAR(changes[i], 0.55 * kPeople, 0.18 * kPeople) << i;  // five standard deviations
+    EXPECT_NEAR(uppers[i], 0.5 * kPeople, 0.18 * kPeople) << i;
+  }
+}
+
+TEST(Staircase, BothSidesHaveAboutEquallyManyTrials) {
+  for (std::uint64_t seed = 0; seed < 50; ++seed) {
+    int balance = 0;
+    for (const bool above : sidesOf(seed, 60)) {
+      balance += above ? 1 : -1;
+      EXPECT_LE(std::abs(balance), 4) << seed;
+    }
+  }
+}
+
+TEST(Staircase, SeveralOfASideEachGoTheirOwnWay) {
+  constexpr int kEach = 2;
+  const auto staircase = makeStaircase({.staircases = kEach, .first_step = 1, .reversals = 3, .uncounted_reversals = 1},
+                                       {1, 2, 3, 4, 6, 7, 8, 9}, 5);
+  std::map<double, int> shown;
+  int trials = 0;
+  for (; staircase->next(); ++trials) {
+    const double x = *staircase->next();
+    ++shown[x];
+    const bool right = std::abs(x - 5) > 1.5;  // each goes to the last level but one and turns there
+    staircase->answer(x, right == (x > 5));
+  }
+  // Two right answers lead each of the four from 4 to 3, 2 and 1 away; there a wrong one leads back, and so on.
+  EXPECT_EQ(shown[1], 2 * kEach);
+  EXPECT_EQ(shown[9], 2 * kEach);
+  EXPECT_EQ(trials, 2 * kEach * (2 + 2 + 2 + 1 + 2 + 1));
+  EXPECT_NEAR(staircase->estimate()->threshold, 5, 1e-12);
+}
+
+TEST(Staircase, ThatLookForEqualityBeginAtBothEnds) {
+  const auto staircase = makeStaircase(
+      {.target = StaircaseTarget::kEquality, .staircases = 2, .down = 1, .first_step = 1}, {1, 2, 3, 4}, 2);
+  std::set<double> shown;
+  for (int i = 0; i < 12; ++i) {
+    shown.insert(*staircase->next());
+    staircase->answer(*staircase->next(), *staircase->next() > 2.5);
+  }
+  EXPECT_TRUE(shown.contains(1));
+  EXPECT_TRUE(shown.contains(4));
 }
 
 TEST(Staircase, GoesOnWhereItWasWhenToldTheAnswersAgain) {
   std::mt19937_64 random(3);
-  const StaircaseOptions options{.seed = 9};
+  const StaircaseOptions options{.staircases = 2, .seed = 9};
   const auto staircase = makeStaircase(options, fineLevels(), 1);
   const auto again = makeStaircase(options, fineLevels(), 1);
   for (int i = 0; i < 25; ++i) {
@@ -151,6 +216,20 @@ TEST(Staircase, GoesOnWhereItWasWhenToldTheAnswersAgain) {
     staircase->answer(x, positive);
     again->answer(x, positive);
   }
+}
+
+// Earlier versions drew the turns otherwise: a block that such a version has begun goes on where it was all the same.
+TEST(Staircase, AnswersOutOfTurnBelongToTheirSide) {
+  const auto staircase = makeStaircase({.first_step = 1}, {1, 2, 3, 5, 6, 7}, 4);
+  for (const double x : {7.0, 7.0, 6.0, 6.0, 1.0, 1.0}) {
+    staircase->answer(x, x > 4);
+  }
+  std::set<double> shown;
+  for (int i = 0; i < 12; ++i) {
+    shown.insert(*staircase->next());
+    staircase->answer(*staircase->next(), *staircase->next() > 4);
+  }
+  EXPECT_EQ(shown, (std::set<double>{2, 3, 5}));
 }
 
 TEST(Staircase, EndsAfterSoManyTrials) {
@@ -164,6 +243,7 @@ TEST(Staircase, NonsenseIsRefused) {
   EXPECT_THROW((void)makeStaircase({.down = 1}, {1, 2}, 0), InvalidParameter) << "settles at chance";
   EXPECT_THROW((void)makeStaircase({.down = 0}, {1, 2}, 0), InvalidParameter);
   EXPECT_THROW((void)makeStaircase({.up = 0}, {1, 2}, 0), InvalidParameter);
+  EXPECT_THROW((void)makeStaircase({.staircases = 0}, {1, 2}, 0), InvalidParameter);
   EXPECT_THROW((void)makeStaircase({.reversals = 2}, {1, 2}, 0), InvalidParameter);
   EXPECT_THROW((void)makeStaircase({}, {1}, 0), InvalidParameter);
   EXPECT_THROW((void)makeStaircase({}, {2, 1}, 0), InvalidParameter);

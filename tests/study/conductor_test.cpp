@@ -10,11 +10,13 @@
 #include <map>
 #include <memory>
 #include <random>
+#include <set>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include "haptolith/core/error.h"
+#include "haptolith/study/criteria.h"
 
 #include "fake_rig.h"
 
@@ -54,6 +56,8 @@ break_every_trials = 3
 break_s = 30
 interval_s = 20
 answer_limit_s = 10
+between_intervals_s = 0.05
+between_trials_s = 0.05
 
 [[block]]
 name = "gravity"
@@ -64,7 +68,24 @@ reference = "Moon"
 levels = ["Ceres", "Earth"]
 repeats = 2
 task = "two-interval"
+between_intervals_s = 0.05
+between_trials_s = 0.05
 questionnaire = "nasa-tlx"
+)";
+
+/// A staircase whose trials come at once.
+constexpr const char* kStaircase = R"(
+title = "A staircase"
+[[block]]
+name = "friction"
+question = "Was the second more resistant?"
+answers = ["less", "more"]
+varies = "friction_angle_deg"
+reference = 40
+levels = [30, 34, 38, 39, 41, 42, 46, 50]
+procedure = "staircase"
+between_intervals_s = 0
+between_trials_s = 0
 )";
 
 class ConductorTest : public testing::Test {
@@ -478,19 +499,7 @@ TEST_F(ConductorTest, WhatCannotBeDoneNowIsRefusedAndChangesNothing) {
 }
 
 TEST_F(ConductorTest, AnAdaptiveBlockAsksUntilItsProcedureHasEnough) {
-  make(R"(
-title = "A staircase"
-[[block]]
-name = "friction"
-question = "Was the second more resistant?"
-answers = ["less", "more"]
-varies = "friction_angle_deg"
-reference = 40
-levels = [30, 34, 38, 39, 41, 42, 46, 50]
-procedure = "staircase"
-practice_trials = 2
-catch_trials = 2
-)");
+  make((kStaircase + std::string("practice_trials = 2\ncatch_trials = 2\n")).c_str());
   conductor_->begin("");
   int trials = 0;
   for (; !conductor_->over() && trials < 500; ++trials) {
@@ -508,6 +517,157 @@ catch_trials = 2
   std::erase_if(rows, [](const TrialRow& row) { return row.state != TrialState::kAnswered; });
   EXPECT_EQ(std::ranges::count(rows, TrialKind::kPractice, &TrialRow::kind), 2);
   EXPECT_EQ(std::ranges::count(rows, TrialKind::kCatch, &TrialRow::kind), 2);
+}
+
+TEST_F(ConductorTest, EachParticipantHasTheSidesOfAStaircaseInAnotherOrder) {
+  make(kStaircase);
+  std::set<std::string> orders;
+  constexpr int kPeople = 5, kTrials = 16;
+  for (int person = 0; person < kPeople; ++person) {
+    conductor_->begin("");
+    std::string sides;
+    for (int trial = 0; trial < kTrials; ++trial) {
+      const double value = conductor_->state().now->test->value;
+      sides += value > 40 ? '+' : '-';
+      doTrial(trial % 3 == 0 ? 0 : 1);
+    }
+    orders.insert(sides);
+    conductor_->withdraw();
+    open();
+  }
+  EXPECT_EQ(orders.size(), kPeople);
+}
+
+// --- soils, pauses and criteria
+
+TEST_F(ConductorTest, EverySoilOfABlockIsPreparedBeforeItsFirstTrial) {
+  rig_->is_ready = false;
+  comeToTheTrials();
+  const bool friction_first = rig_->prepared.front() == "P3";
+  const int soils = friction_first ? 4 : 3;
+  EXPECT_EQ(conductor_->state().soil, 1);
+  EXPECT_EQ(conductor_->state().soils, soils);
+  EXPECT_FALSE(conductor_->state().now) << "no trial has begun";
+  wait(3);
+  EXPECT_THAT(rig_->prepared, SizeIs(1)) << "one after the other";
+  EXPECT_THROW(conductor_->proceed(), InvalidParameter);
+  rig_->is_ready = true;
+  wait(0.01);
+  EXPECT_THAT(rig_->prepared, SizeIs(soils));
+  EXPECT_EQ(conductor_->state().soils, 0);
+  EXPECT_THAT(rig_->shown, SizeIs(1));
+  conductor_->pause();
+  conductor_->resume();
+  EXPECT_THAT(rig_->prepared, SizeIs(soils)) << "not once more";
+  doTrial();
+  EXPECT_EQ(countOf(TrialState::kAnswered), 1U);
+}
+
+TEST_F(ConductorTest, APauseWhileSoilsArePreparedBeginsThemAgain) {
+  rig_->is_ready = false;
+  comeToTheTrials();
+  conductor_->pause();
+  rig_->is_ready = true;
+  wait(1);
+  EXPECT_THAT(rig_->prepared, SizeIs(1));
+  conductor_->resume();
+  doTrial();
+  EXPECT_EQ(countOf(TrialState::kAnswered), 1U);
+}
+
+TEST_F(ConductorTest, PausesAreAsLongForEverySoil) {
+  make((std::string(kShort).substr(0, std::string(kShort).find("between_intervals_s")) +
+        "between_intervals_s = 0.5\nbetween_trials_s = 0.8\n")
+           .c_str());
+  comeToTheTrials();
+  constexpr double kPoll_s = 0.004;
+  for (int interval = 0; interval < 12; ++interval) {
+    rig_->is_ready = false;
+    const double begin_s = now_s_;
+    while (phase() == StudyPhase::kPreparing) {
+      wait(kPoll_s);
+      rig_->is_ready = now_s_ - begin_s > 0.1 * (interval % 4);  // some soils are there sooner than others
+    }
+    EXPECT_NEAR(now_s_ - begin_s, interval % 2 == 0 ? 0.8 : 0.5, 1.1 * kPoll_s) << interval;
+    conductor_->proceed();
+    if (phase() == StudyPhase::kQuestion) {
+      conductor_->answer(1);
+    }
+    if (phase() == StudyPhase::kFeedback) {
+      wait(2);
+    }
+    if (phase() == StudyPhase::kBreak) {
+      wait(31);
+      conductor_->proceed();
+    }
+  }
+}
+
+TEST_F(ConductorTest, PracticeGoesOnUntilEnoughIsRight) {
+  make((kStaircase + std::string("practice_trials = 4\npractice_criterion = 0.75\npractice_rounds = 3\n")).c_str());
+  const auto practise = [this](int right) {
+    for (int trial = 0; trial < 4; ++trial) {
+      ASSERT_EQ(conductor_->state().now->kind, TrialKind::kPractice);
+      doTrial((conductor_->state().now->test->value > 40) == (trial < right) ? 1 : 0);
+    }
+  };
+  conductor_->begin("");
+  practise(2);
+  practise(3);
+  EXPECT_EQ(conductor_->state().now->kind, TrialKind::kMain);
+  EXPECT_EQ(criteriaNotMet(store_->protocol().blocks[0], scoresOf(store_->protocol(), store_->trials(), 0, 1)), "");
+  conductor_->withdraw();
+  open();
+  conductor_->begin("");
+  practise(1);
+  practise(2);
+  practise(2);
+  EXPECT_EQ(conductor_->state().now->kind, TrialKind::kMain) << "there is no fourth round";
+  EXPECT_EQ(criteriaNotMet(store_->protocol().blocks[0], scoresOf(store_->protocol(), store_->trials(), 0, 2)),
+            "practice criterion not met: 2 of 4 right, 0.75 asked for");
+}
+
+TEST_F(ConductorTest, RoundsOfPracticeAreLeftOutOfAListToo) {
+  make(R"(
+title = "Practice"
+[[block]]
+name = "friction"
+question = "Was the second more resistant?"
+answers = ["less", "more"]
+varies = "preset"
+reference = "P3"
+levels = ["P1", "P6"]
+repeats = 2
+practice_trials = 2
+practice_criterion = 1
+practice_rounds = 3
+practice_levels = ["P2", "P5"]
+catch_trials = 2
+catch_levels = ["P2"]
+catch_criterion = 0.9
+between_intervals_s = 0
+between_trials_s = 0
+)");
+  conductor_->begin("");
+  const auto trials = [this] { return conductor_->state().trials; };
+  EXPECT_EQ(trials(), 2 + 4 + 2);
+  for (int trial = 0; trial < 2; ++trial) {
+    doTrial(conductor_->state().now->test->value > 0.835 ? 0 : 1);  // wrong
+  }
+  EXPECT_EQ(trials(), 2 + 2 + 4 + 2);
+  while (!conductor_->over()) {
+    const ShownTrial now = *conductor_->state().now;
+    if (now.kind == TrialKind::kPractice) {
+      EXPECT_THAT(now.test->name, testing::AnyOf("P2", "P5"));
+    } else {
+      EXPECT_EQ(now.test->name == "P2", now.kind == TrialKind::kCatch);
+    }
+    const bool right = now.kind != TrialKind::kCatch;
+    doTrial((now.test->value > 0.835) == right ? 1 : 0);
+  }
+  EXPECT_EQ(countOf(TrialState::kAnswered), 10U);
+  EXPECT_EQ(criteriaNotMet(store_->protocol().blocks[0], scoresOf(store_->protocol(), store_->trials(), 0, 1)),
+            "catch criterion not met: 0 of 2 right, 0.9 asked for");
 }
 
 }  // namespace

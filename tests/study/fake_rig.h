@@ -13,6 +13,7 @@ namespace haptolith {
 /// A rig without a bed: it writes down what it is told, is ready at once, and fails to order.
 class FakeRig final : public Rig {
  public:
+  void prepare(const StudyBlock& /*block*/, const Stimulus& stimulus) override { prepared.push_back(stimulus.name); }
   void show(const StudyBlock& block, const Stimulus& stimulus) override {
     if (fails_to_show) {
       throw Failure("the bed cannot be made");
@@ -51,7 +52,7 @@ class FakeRig final : public Rig {
   [[nodiscard]] bool pageMayHold() const override { return true; }
   [[nodiscard]] std::string deviceName() const override { return "nothing"; }
 
-  std::vector<std::string> shown, recordings;
+  std::vector<std::string> prepared, shown, recordings;
   bool is_ready = true, feels = false, paused = false, fails_to_show = false, fails_to_record = false;
   bool has_no_thread = false;
   std::uint32_t down = 0;

@@ -169,6 +169,51 @@ TEST(Protocol, SortsLevelsByTheirValues) {
   EXPECT_NEAR(steep.bed.soil.mu_hat * std::sqrt(6), 1.0, 1e-3);  // tan 45 deg; mu_hat = mu / sqrt(6)
 }
 
+TEST(Protocol, VariesTheTangentOfTheFrictionAngle) {
+  const StudyProtocol protocol =
+      load(kTitle + kNames + "varies = 'friction_coefficient'\nreference = 0.835\nlevels = [0.6, 1]\n");
+  const StudyBlock& block = protocol.blocks[0];
+  EXPECT_THAT(values(block.levels), ElementsAre(0.6, 1));
+  EXPECT_EQ(block.axis_label, "friction coefficient, tan φ");
+  const Scenario steep = sceneOf(protocol, block, block.levels[1]);
+  EXPECT_NEAR(steep.bed.soil.mu_hat * std::sqrt(6), 1.0, 1e-3);  // mu_hat = mu / sqrt(6)
+}
+
+TEST(Protocol, HasEasyStimuliOfItsOwnForPracticeAndCatchTrials) {
+  const StudyBlock block = load(kTitle + kNames + kFriction +
+                                "practice_trials = 4\npractice_levels = ['P1', 'P5']\npractice_criterion = 0.75\n"
+                                "practice_rounds = 3\ncatch_trials = 2\ncatch_levels = 'P2'\ncatch_criterion = 0.8\n"
+                                "between_intervals_s = 0.5\nbetween_trials_s = 1\n")
+                               .blocks[0];
+  EXPECT_THAT(names(block.practice_levels), ElementsAre("P1", "P5"));
+  EXPECT_THAT(values(block.practice_levels), ElementsAre(1.21, 0.648));
+  EXPECT_THAT(names(block.catch_levels), ElementsAre("P2"));
+  EXPECT_EQ(block.practice_rounds, 3);
+  EXPECT_EQ(block.practice_criterion, 0.75);
+  EXPECT_EQ(block.catch_criterion, 0.8);
+  EXPECT_EQ(block.between_intervals_s, 0.5);
+  EXPECT_EQ(block.between_trials_s, 1);
+}
+
+TEST(Protocol, GivesCatchTrialsTheValuesOfTheirLevels) {
+  const StudyBlock block = load(kTitle + kNames + kFriction +
+                                "values = [30, 10]\nreference_value = 20\ncatch_trials = 2\ncatch_levels = ['P6']\n")
+                               .blocks[0];
+  EXPECT_THAT(values(block.catch_levels), ElementsAre(10));
+}
+
+TEST(Protocol, ChoosesTheAsymptotesOfQuestPlus) {
+  const auto options = [](const std::string& design) {
+    return load(kTitle + kNames + kFriction + "procedure = 'quest+'\n[block.quest_plus]\ndesign = '" + design + "'\n")
+        .blocks[0]
+        .quest_plus;
+  };
+  EXPECT_EQ(options("equal-asymptote").design, Design::kEqualAsymptote);
+  EXPECT_EQ(options("yesno").design, Design::kYesNo);
+  EXPECT_EQ(options("2afc").design, Design::kForcedChoice);
+  EXPECT_EQ(options("4afc").alternatives, 4);
+}
+
 TEST(Protocol, VariesSoilsByNameOverValuesOfItsOwn) {
   const StudyProtocol protocol = load(kTitle + kNames +
                                       "varies = 'soil'\nreference = 'lms-1'\nreference_value = 2\naxis_label = 'rank'\n"
@@ -302,6 +347,17 @@ INSTANTIATE_TEST_SUITE_P(
         Wrong{"AStaircaseThatCannotBe",
               kBlock + "procedure = 'staircase'\n[block.staircase]\nreversals = 2\nuncounted_reversals = 5\n",
               "procedure"},
+        Wrong{"ACriterionWithoutPractice", kBlock + "practice_criterion = 0.8\n", "there are no practice_trials"},
+        Wrong{"RoundsWithoutACriterion", kBlock + "practice_trials = 2\npractice_rounds = 2\n",
+              "no practice_criterion says when another is needed"},
+        Wrong{"ACriterionWithoutCatchTrials", kBlock + "catch_criterion = 0.8\n", "there are no catch_trials"},
+        Wrong{"ACatchLevelThatIsTheReference", kBlock + "catch_trials = 2\ncatch_levels = ['P1', 'P3']\n",
+              "another than the reference"},
+        Wrong{"ACatchLevelWithoutAPlace",
+              kBlock + "values = [3, 1]\nreference_value = 2\ncatch_trials = 2\ncatch_levels = ['P2']\n",
+              "among the levels, because these have `values` of their own"},
+        Wrong{"ADesignThatIsNone", kBlock + "procedure = 'quest+'\n[block.quest_plus]\ndesign = '1afc'\n",
+              "2afc, 3afc, ... or 100afc"},
         Wrong{"TooManyRepeats", kBlock + "repeats = 100000\n", "1 to 1000"},
         Wrong{"ABlockThatIsNoTable", kTitle + "block = 3\n", "tables, each under [[block]]"},
         Wrong{"TwoSoils", kBlock + "[block.scene]\npreset = 'P1'\nsoil = 'lms-1'\n", "cannot both be given"},

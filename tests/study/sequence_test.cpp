@@ -204,6 +204,47 @@ TEST(Sequence, MixesCatchTrialsOfTheFarthestLevelAmongTheOthers) {
   EXPECT_EQ(places.size(), 21U - 2U - 2U);  // anywhere but the first and last of the main ones
 }
 
+TEST(Sequence, ShowsEachCatchLevelEquallyOften) {
+  StudyBlock block = aBlock(5, 3);
+  block.catch_trials = 6;
+  block.catch_levels = {{.name = "little", .value = 0.1}, {.name = "much", .value = 9}};
+  block.practice_trials = 2;
+  block.practice_levels = {{.name = "very much", .value = 99}};
+  for (int participant = 1; participant <= 20; ++participant) {
+    const std::vector<PlannedTrial> trials = trialsOf(block, participant);
+    EXPECT_THAT(levelsOf(trials, TrialKind::kCatch), testing::UnorderedElementsAre(0, 0, 0, 1, 1, 1));
+    for (const PlannedTrial& trial : trials) {
+      const bool is_a_level =
+          std::ranges::find(block.levels, testOf(block, trial).name, &Stimulus::name) != block.levels.end();
+      EXPECT_EQ(is_a_level, trial.kind == TrialKind::kMain);
+      EXPECT_EQ(testOf(block, trial).name == "very much", trial.kind == TrialKind::kPractice);
+    }
+  }
+}
+
+TEST(Sequence, PlansEveryRoundOfPracticeThatMayBeNeeded) {
+  StudyBlock block = aBlock(5, 3);
+  block.practice_trials = 4;
+  const std::vector<PlannedTrial> one_round = trialsOf(block);
+  block.practice_rounds = 3;
+  const std::vector<PlannedTrial> three_rounds = trialsOf(block);
+  ASSERT_EQ(three_rounds.size(), 3U * 4U + 15U);
+  EXPECT_TRUE(std::equal(one_round.begin(), one_round.begin() + 4, three_rounds.begin()));
+  EXPECT_EQ(three_rounds[11].kind, TrialKind::kPractice);
+  EXPECT_EQ(three_rounds[12].kind, TrialKind::kMain);
+}
+
+TEST(Sequence, LetsProceduresDrawOtherwiseForEachParticipantBlockAndStudy) {
+  std::set<std::uint64_t> seeds;
+  for (int participant = 1; participant <= 40; ++participant) {
+    for (std::size_t block = 0; block < 2; ++block) {
+      seeds.insert({procedureSeed(kSeed, participant, block), procedureSeed(kSeed + 1, participant, block)});
+    }
+  }
+  EXPECT_EQ(seeds.size(), 160U);
+  EXPECT_EQ(procedureSeed(kSeed, 3, 1), procedureSeed(kSeed, 3, 1));
+}
+
 TEST(Sequence, LeavesTheMainTrialsOfAdaptiveBlocksToTheProcedure) {
   StudyBlock block = aBlock(5, 3);
   block.procedure = ProcedureKind::kStaircase;

@@ -8,7 +8,9 @@
 #include <string>
 #include <vector>
 
+#include "haptolith/study/adaptive_results.h"
 #include "haptolith/study/answers.h"
+#include "haptolith/study/criteria.h"
 #include "haptolith/study/store.h"
 
 #include "commands.h"
@@ -48,7 +50,36 @@ std::string levelName(const StudyBlock& block, double value) {
   return level == block.levels.end() ? "" : level->name;
 }
 
+Json estimateJson(const std::optional<Estimate>& estimate) {
+  return estimate ? Json{{"value", estimate->value}, {"low", estimate->interval.low}, {"high", estimate->interval.high}}
+                  : Json(nullptr);
+}
+
+Json resultJson(const AdaptiveResult& result) {
+  Json json{{"trials", result.trials},
+            {"finished", result.finished},
+            {"threshold", estimateJson(result.threshold)},
+            {"width", estimateJson(result.width)},
+            {"jnd", estimateJson(result.jnd)},
+            {"weber_fraction", estimateJson(result.weber_fraction)},
+            {"reversals", nullptr},
+            {"remark", result.remark}};
+  if (result.reversals) {
+    json["reversals"] = {{"threshold", result.reversals->threshold}, {"jnd", result.reversals->jnd}};
+  }
+  return json;
+}
+
+/// The results of one participant in one block; none where there are none.
+const AdaptiveResult* resultIn(const std::vector<AdaptiveResultOf>& results, std::int64_t participant,
+                               std::size_t block) {
+  const auto found = std::ranges::find_if(
+      results, [&](const AdaptiveResultOf& of) { return of.participant == participant && of.block == block; });
+  return found == results.end() ? nullptr : &found->result;
+}
+
 Json statusJson(const StudyStore& study, const std::vector<TrialRow>& trials) {
+  const std::vector<AdaptiveResultOf> results = adaptiveResults(study, trials);
   const std::vector<StudyBlock>& blocks = study.protocol().blocks;
   Json json{{"file", study.file().string()},   {"title", study.title()},        {"seed", study.seed()},
             {"created_at", study.createdAt()}, {"participants", Json::array()}, {"blocks", Json::array()}};
@@ -57,9 +88,13 @@ Json statusJson(const StudyStore& study, const std::vector<TrialRow>& trials) {
              {"begun_at", participant.begun_at}, {"ended_at", participant.ended_at}, {"blocks", Json::array()}};
     for (std::size_t block = 0; block < blocks.size(); ++block) {
       const std::optional<std::size_t> of = mainTrials(blocks[block]);
-      row["blocks"].push_back({{"block", blocks[block].name},
-                               {"answered", answered(trials, participant.id, block)},
-                               {"trials", of ? Json(*of) : Json(nullptr)}});
+      const AdaptiveResult* result = resultIn(results, participant.id, block);
+      row["blocks"].push_back(
+          {{"block", blocks[block].name},
+           {"answered", answered(trials, participant.id, block)},
+           {"trials", of ? Json(*of) : Json(nullptr)},
+           {"not_met", criteriaNotMet(blocks[block], scoresOf(study.protocol(), trials, block, participant.id))},
+           {"estimate", result != nullptr ? resultJson(*result) : Json(nullptr)}});
     }
     json["participants"].push_back(std::move(row));
   }
@@ -100,6 +135,46 @@ std::string participantsText(const StudyStore& study, const std::vector<TrialRow
   return text;
 }
 
+/// What is to be known of somebody before their answers are used.
+std::string notMetText(const StudyStore& study, const std::vector<TrialRow>& trials) {
+  std::string text;
+  for (const ParticipantRow& participant : study.participants()) {
+    for (std::size_t block = 0; block < study.protocol().blocks.size(); ++block) {
+      const StudyBlock& design = study.protocol().blocks[block];
+      const std::string not_met = criteriaNotMet(design, scoresOf(study.protocol(), trials, block, participant.id));
+      text += not_met.empty() ? "" : fmt::format("{} in {}: {}\n", participant.code, design.name, not_met);
+    }
+  }
+  return text.empty() ? "" : "\n" + text;
+}
+
+std::string estimateText(const char* name, const std::optional<Estimate>& estimate) {
+  return estimate ? fmt::format("  {} {:.3g} [{:.3g}, {:.3g}]", name, estimate->value, estimate->interval.low,
+                                estimate->interval.high)
+                  : "";
+}
+
+std::string resultsText(const StudyStore& study, const std::vector<TrialRow>& trials) {
+  const std::vector<AdaptiveResultOf> results = adaptiveResults(study, trials);
+  if (results.empty()) {
+    return "";
+  }
+  std::string text = "\nWhat the procedures have found: medians and 95 % intervals\n";
+  for (const ParticipantRow& participant : study.participants()) {
+    for (std::size_t block = 0; block < study.protocol().blocks.size(); ++block) {
+      if (const AdaptiveResult* result = resultIn(results, participant.id, block)) {
+        text +=
+            fmt::format("  {:<8}{:<12}{} trials{}{}{}{}\n", participant.code, study.protocol().blocks[block].name,
+                        result->trials, result->finished ? "" : " so far", estimateText("threshold", result->threshold),
+                        result->weber_fraction ? estimateText("Weber fraction", result->weber_fraction)
+                                               : estimateText("JND", result->jnd),
+                        result->remark.empty() ? "" : "  (" + result->remark + ")");
+      }
+    }
+  }
+  return text;
+}
+
 std::string levelsText(const StudyBlock& block, const std::vector<Level>& levels) {
   std::string text = fmt::format("\n{}: {}, against {} ({})\n  level                  x    \"{}\"\n", block.name,
                                  block.axis_label, block.reference.name, block.reference.value, block.answers[1]);
@@ -118,11 +193,11 @@ void showStatus(const Options& options) {
   }
   std::string text =
       fmt::format("{}: {}\nseed {}, made {}\n\n", options.file, study.title(), study.seed(), study.createdAt());
-  text += participantsText(study, trials);
+  text += participantsText(study, trials) + notMetText(study, trials);
   for (std::size_t block = 0; block < study.protocol().blocks.size(); ++block) {
     text += levelsText(study.protocol().blocks[block], levelsOf(trials, block));
   }
-  printText(text);
+  printText(text + resultsText(study, trials));
 }
 
 }  // namespace

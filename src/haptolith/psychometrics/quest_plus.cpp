@@ -4,6 +4,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
+#include <map>
+#include <string>
+#include <string_view>
 #include <utility>
 
 #include "haptolith/core/error.h"
@@ -62,13 +66,66 @@ Grid gridOf(const QuestPlusOptions& options, const std::vector<double>& levels, 
   return grid;
 }
 
-double guessOf(Design design, double lapse) noexcept {
-  switch (design) {
-    case Design::kForcedChoice: return 0.5;
-    case Design::kEqualAsymptote: return lapse;
+/// The guess rates that go with a lapse rate.
+std::vector<double> guessesOf(const QuestPlusOptions& options, double lapse) {
+  switch (options.design) {
+    case Design::kForcedChoice: return {1.0 / options.alternatives};
+    case Design::kEqualAsymptote: return {lapse};
     case Design::kYesNo: break;
   }
+  return options.guesses;
+}
+
+void requireOptions(const QuestPlusOptions& options) {
+  requireInRange("alternatives", options.alternatives, {2, 100});
+  const auto require = [](std::string_view key, const std::vector<double>& rates) {
+    if (rates.empty()) {
+      throw InvalidParameter(std::string(key), "none", "one rate or more");
+    }
+    for (const double rate : rates) {
+      requireInRange(key, rate, {0, 0.5});
+    }
+  };
+  require("lapses", options.lapses);
+  require("guesses", options.guesses);
+}
+
+/// The value below which a share of the mass lies, when the mass at each of `values` (ascending) is spread evenly
+/// halfway to its neighbours, and as far outwards at the ends.
+double quantile(const std::vector<std::pair<double, double>>& masses, double share) {
+  double below = 0;
+  for (std::size_t i = 0; i < masses.size(); ++i) {
+    const auto& [value, mass] = masses[i];
+    if (below + mass < share && i + 1 < masses.size()) {
+      below += mass;
+      continue;
+    }
+    const double to_next = i + 1 < masses.size() ? (masses[i + 1].first - value) / 2 : 0;
+    const double to_last = i > 0 ? (value - masses[i - 1].first) / 2 : to_next;
+    const double high = value + (i + 1 < masses.size() ? to_next : to_last);
+    const double low = value - to_last;
+    return mass > 0 ? low + (high - low) * std::clamp((share - below) / mass, 0.0, 1.0) : value;
+  }
   return 0;
+}
+
+/// Median and interval of what `place` says of each hypothesis.
+template <class Place>
+Estimate marginal(const std::vector<Hypothesis>& hypotheses, double confidence, Place place) {
+  requireInRange("confidence", confidence, {0, 1, Ends::kOpen});
+  std::map<double, double> sums;
+  for (const auto& [function, probability] : hypotheses) {
+    sums[place(function)] += probability;
+  }
+  const std::vector<std::pair<double, double>> masses(sums.begin(), sums.end());
+  const double tail = (1 - confidence) / 2;
+  return {.value = quantile(masses, 0.5), .interval = {quantile(masses, tail), quantile(masses, 1 - tail)}};
+}
+
+template <class Function>
+Estimate mapped(const Estimate& estimate, Function function) {
+  return {.value = function(estimate.value),
+          .interval = {function(estimate.interval.low), function(estimate.interval.high)}};
 }
 
 }  // namespace
@@ -152,13 +209,21 @@ std::optional<AdaptiveEstimate> QuestPlus::estimate() const {
   if (answered_ == 0) {
     return std::nullopt;
   }
-  double place = 0;
-  double log_jnd = 0;
-  for (const auto& [function, probability] : hypotheses_) {
-    place += probability * toAxis(function, function.threshold);
-    log_jnd += probability * std::log(jndOf(function));
-  }
-  return AdaptiveEstimate{fromAxis(hypotheses_.front().function, place), std::exp(log_jnd)};
+  PsychometricFunction middle = hypotheses_.front().function;
+  middle.threshold = threshold().value;
+  middle.width = width().value;
+  return AdaptiveEstimate{middle.threshold, jndOf(middle)};
+}
+
+Estimate QuestPlus::threshold(double confidence) const {
+  const PsychometricFunction& any = hypotheses_.front().function;  // all have the same axis
+  const auto place = [](const PsychometricFunction& function) { return toAxis(function, function.threshold); };
+  return mapped(marginal(hypotheses_, confidence, place), [&any](double at) { return fromAxis(any, at); });
+}
+
+Estimate QuestPlus::width(double confidence) const {
+  const auto place = [](const PsychometricFunction& function) { return std::log(function.width); };
+  return mapped(marginal(hypotheses_, confidence, place), [](double at) { return std::exp(at); });
 }
 
 std::unique_ptr<QuestPlus> makeQuestPlus(const QuestPlusOptions& options, std::vector<double> levels,
@@ -172,9 +237,7 @@ std::unique_ptr<QuestPlus> makeQuestPlus(const QuestPlusOptions& options, std::v
   if (levels.size() < 2 || std::ranges::adjacent_find(levels, std::ranges::greater_equal{}) != levels.end()) {
     throw InvalidParameter("levels", fmt::format("{} of them", levels.size()), "two or more in ascending order");
   }
-  if (options.lapses.empty()) {
-    throw InvalidParameter("lapses", "none", "one lapse rate or more");
-  }
+  requireOptions(options);
   const Grid grid = gridOf(options, levels, reference);
   std::vector<Hypothesis> hypotheses;
   for (const double threshold : grid.thresholds) {
@@ -182,13 +245,14 @@ std::unique_ptr<QuestPlus> makeQuestPlus(const QuestPlusOptions& options, std::v
     for (const double width : grid.widths) {
       requireInRange("width", width, {.lowest = 0, .ends = Ends::kOpen});
       for (const double lapse : options.lapses) {
-        requireInRange("lapse", lapse, {0, 0.5});
-        hypotheses.push_back({{.sigmoid = options.sigmoid,
-                               .log_axis = log_axis,
-                               .threshold = threshold,
-                               .width = width,
-                               .guess = guessOf(options.design, lapse),
-                               .lapse = lapse}});
+        for (const double guess : guessesOf(options, lapse)) {
+          hypotheses.push_back({{.sigmoid = options.sigmoid,
+                                 .log_axis = log_axis,
+                                 .threshold = threshold,
+                                 .width = width,
+                                 .guess = guess,
+                                 .lapse = lapse}});
+        }
       }
     }
   }

@@ -6,11 +6,13 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <iterator>
 #include <limits>
 #include <numbers>
 #include <random>
 #include <string_view>
-#include <utility>
 
 #include "haptolith/core/error.h"
 
@@ -20,10 +22,15 @@ namespace {
 
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 
+/// So many answers ahead of another a staircase waits. Fewer, and who counts foresees more turns (1 of 8 now); more,
+/// and one side has its trials late.
+constexpr int kMostAhead = 4;
+
 /// One staircase. Its ladder leads from where it begins to where right answers lead.
 struct Track {
   std::vector<double> ladder = {};
   std::size_t place = 0;
+  int answers = 0;
   int right_in_a_row = 0;
   int wrong_in_a_row = 0;
   int direction = 0;  // of the last step: 1 on, -1 back
@@ -34,6 +41,7 @@ void requireOptions(const StaircaseOptions& options) {
   const auto require = [](std::string_view key, int value, int lowest) {
     requireInRange(key, value, {.lowest = double(lowest)});
   };
+  requireInRange("staircases", options.staircases, {1, 10});
   require("down", options.down, options.target == StaircaseTarget::kDifference ? 2 : 1);
   require("up", options.up, 1);
   require("first_step", options.first_step, 1);
@@ -58,38 +66,23 @@ double settledShare(int down, int up) {
 
 class Staircase : public AdaptiveProcedure {
  public:
-  Staircase(const StaircaseOptions& options, std::vector<double> levels, double reference)
-      : options_(options), reference_(reference) {
-    std::ranges::sort(levels);
+  Staircase(const StaircaseOptions& options, const std::vector<double>& levels, double reference)
+      : options_(options), reference_(reference), random_(options.seed) {
     if (options.target == StaircaseTarget::kEquality) {
-      std::ranges::reverse(levels);
-      addTrack(std::move(levels));
-      return;
+      addTracks({levels.rbegin(), levels.rend()});
+    } else {
+      const auto above = std::ranges::upper_bound(levels, reference);
+      addTracks({levels.rbegin(), std::reverse_iterator(above)});
+      addTracks({levels.begin(), std::ranges::lower_bound(levels, reference)});
     }
-    std::vector<double> above;
-    std::vector<double> below;
-    for (const double level : levels) {
-      if (level != reference) {
-        (level > reference ? above : below).push_back(level);
-      }
-    }
-    std::ranges::reverse(above);
-    addTrack(std::move(above));
-    addTrack(std::move(below));
+    drawTurn();
   }
 
   [[nodiscard]] std::optional<double> next() const override {
-    if (trials_ >= options_.most_trials) {
+    if (trials_ >= options_.most_trials || turn_ == nullptr) {
       return std::nullopt;
     }
-    const std::size_t first = tracks_.size() == 2 ? firstOfPair() : 0;
-    for (std::size_t i = 0; i < tracks_.size(); ++i) {
-      const Track& track = tracks_[(first + i) % tracks_.size()];
-      if (std::ssize(track.reversals) < options_.reversals) {
-        return track.ladder[track.place];
-      }
-    }
-    return std::nullopt;
+    return turn_->ladder[turn_->place];
   }
 
   void answer(double x, bool positive) override {
@@ -97,16 +90,22 @@ class Staircase : public AdaptiveProcedure {
     track.place = static_cast<std::size_t>(std::ranges::find(track.ladder, x) - track.ladder.begin());
     const bool below = options_.target == StaircaseTarget::kDifference && x < reference_;
     step(track, positive != below);
+    ++track.answers;
     ++trials_;
+    drawTurn();
   }
 
   [[nodiscard]] std::optional<AdaptiveEstimate> estimate() const override {
-    std::vector<double> means;
-    for (const Track& track : tracks_) {
-      if (std::ssize(track.reversals) <= options_.uncounted_reversals) {
+    std::vector<double> means;  // of each side
+    const auto of_a_side = static_cast<std::size_t>(options_.staircases);
+    for (std::size_t i = 0; i < tracks_.size(); ++i) {
+      if (std::ssize(tracks_[i].reversals) <= options_.uncounted_reversals) {
         return std::nullopt;
       }
-      means.push_back(meanReversal(track));
+      if (i % of_a_side == 0) {
+        means.push_back(0);
+      }
+      means.back() += meanReversal(tracks_[i]) / options_.staircases;
     }
     if (options_.target == StaircaseTarget::kEquality) {
       return AdaptiveEstimate{fromAxis(means.front()), kNan};
@@ -120,27 +119,45 @@ class Staircase : public AdaptiveProcedure {
   }
 
  private:
-  void addTrack(std::vector<double> ladder) {
-    if (ladder.empty()) {
-      return;
+  void addTracks(const std::vector<double>& ladder) {
+    for (int i = 0; i < options_.staircases && !ladder.empty(); ++i) {
+      Track& track = tracks_.emplace_back(Track{.ladder = ladder});
+      if (options_.target == StaircaseTarget::kDifference) {
+        continue;
+      }
+      if (options_.start) {
+        const auto nearest = std::ranges::min_element(
+            ladder, {}, [&](double level) { return std::abs(toAxis(level) - toAxis(*options_.start)); });
+        track.place = static_cast<std::size_t>(nearest - ladder.begin());
+      } else if (i % 2 == 1) {
+        track.place = ladder.size() - 1;
+      }
     }
-    Track track{.ladder = std::move(ladder)};
-    if (options_.start && options_.target == StaircaseTarget::kEquality) {
-      const auto nearest = std::ranges::min_element(
-          track.ladder, {}, [&](double level) { return std::abs(toAxis(level) - toAxis(*options_.start)); });
-      track.place = static_cast<std::size_t>(nearest - track.ladder.begin());
-    }
-    tracks_.push_back(std::move(track));
   }
 
-  /// Each side has one trial of every two, in an order that cannot be foreseen.
-  [[nodiscard]] std::size_t firstOfPair() const {
-    std::mt19937_64 random(options_.seed + static_cast<std::uint64_t>(trials_ / 2));
-    const std::size_t first = random() >> 63;
-    return (first + static_cast<std::size_t>(trials_ % 2)) % 2;
+  [[nodiscard]] bool runs(const Track& track) const { return std::ssize(track.reversals) < options_.reversals; }
+
+  void drawTurn() {
+    int fewest = std::numeric_limits<int>::max();
+    for (const Track& track : tracks_) {
+      fewest = runs(track) ? std::min(fewest, track.answers) : fewest;
+    }
+    std::vector<Track*> may;
+    for (Track& track : tracks_) {
+      if (runs(track) && track.answers < fewest + kMostAhead) {
+        may.push_back(&track);
+      }
+    }
+    const std::uint64_t number = random_();
+    turn_ = may.empty() ? nullptr : may[number % may.size()];
   }
 
+  /// The staircase that an answer to level `x` belongs to: the one whose turn it is. An answer that comes out of turn
+  /// (studies made by earlier versions drew the turns otherwise) goes to the first that has the level, so to its side.
   Track& trackOf(double x) {
+    if (turn_ != nullptr && turn_->ladder[turn_->place] == x) {
+      return *turn_;
+    }
     for (Track& track : tracks_) {
       if (std::ranges::find(track.ladder, x) != track.ladder.end()) {
         return track;
@@ -180,13 +197,15 @@ class Staircase : public AdaptiveProcedure {
 
   StaircaseOptions options_;
   double reference_;
-  std::vector<Track> tracks_;
+  std::vector<Track> tracks_;  // with kDifference those above the reference, then those below it
+  std::mt19937_64 random_;
+  Track* turn_ = nullptr;  // of tracks_; none when all have ended
   int trials_ = 0;
 };
 
 }  // namespace
 
-std::unique_ptr<AdaptiveProcedure> makeStaircase(const StaircaseOptions& options, std::vector<double> levels,
+std::unique_ptr<AdaptiveProcedure> makeStaircase(const StaircaseOptions& options, const std::vector<double>& levels,
                                                  double reference) {
   requireOptions(options);
   requireInRange("reference", reference, {});
@@ -196,7 +215,7 @@ std::unique_ptr<AdaptiveProcedure> makeStaircase(const StaircaseOptions& options
   if (levels.size() < 2 || std::ranges::adjacent_find(levels, std::ranges::greater_equal{}) != levels.end()) {
     throw InvalidParameter("levels", fmt::format("{} of them", levels.size()), "two or more in ascending order");
   }
-  return std::make_unique<Staircase>(options, std::move(levels), reference);
+  return std::make_unique<Staircase>(options, levels, reference);
 }
 
 }  // namespace haptolith

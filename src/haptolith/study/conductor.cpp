@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "haptolith/core/error.h"
+#include "haptolith/study/adaptive_results.h"
 
 namespace haptolith {
 
@@ -43,16 +44,6 @@ std::string freeName(const std::filesystem::path& folder, const std::string& nam
     found = fmt::format("{}-{}", name, next);
   }
   return found;
-}
-
-std::unique_ptr<AdaptiveProcedure> procedureOf(const StudyBlock& block) {
-  std::vector<double> values;
-  for (const Stimulus& level : block.levels) {
-    values.push_back(level.value);
-  }
-  return block.procedure == ProcedureKind::kStaircase
-             ? makeStaircase(block.staircase, std::move(values), block.reference.value)
-             : makeQuestPlus(block.quest_plus, std::move(values), block.reference.value);
 }
 
 std::size_t levelOf(const StudyBlock& block, double value) {
@@ -95,6 +86,7 @@ void Conductor::start(ParticipantRow participant) {
   participant_ = std::move(participant);
   sequence_ = sequenceFor(store_.protocol(), store_.seed(), participant_->number);
   steps_ = stepsOf(store_.protocol(), sequence_);
+  prepared_.reset();
   readRows();
   const std::set<std::string> done = store_.steps(participant_->id);
   step_ = 0;
@@ -127,7 +119,7 @@ void Conductor::enterStep() {
     enter(StudyPhase::kFinished);
   } else if (step().phase == StudyPhase::kPreparing) {
     since_break_ = 0;
-    goToNextTrial();
+    prepareSoils();
   } else {
     enter(step().phase);
   }
@@ -139,6 +131,46 @@ void Conductor::finishStep() {
   }
   ++step_;
   enterStep();
+}
+
+// --- soils
+
+/// All that this block may show, each once.
+std::vector<const Stimulus*> Conductor::stimuli() const {
+  std::vector<const Stimulus*> all{&block().reference};
+  for (const std::vector<Stimulus>* levels : {&block().levels, &block().practice_levels, &block().catch_levels}) {
+    for (const Stimulus& level : *levels) {
+      if (std::ranges::find(all, level.name, &Stimulus::name) == all.end()) {
+        all.push_back(&level);
+      }
+    }
+  }
+  return all;
+}
+
+/// Every bed of a block lies ready before its first trial, so that no pause tells which soil comes.
+void Conductor::prepareSoils() {
+  soil_.reset();
+  if (prepared_ == step().position) {
+    return goToNextTrial();
+  }
+  enter(StudyPhase::kPreparing);
+  soil_ = 0;
+  rig_.prepare(block(), block().reference);
+  prepareNextSoils();
+}
+
+/// As many of them as are there already.
+void Conductor::prepareNextSoils() {
+  const std::vector<const Stimulus*> all = stimuli();
+  while (rig_.ready()) {
+    ++changes_;
+    if (++*soil_ == all.size()) {
+      prepared_ = step().position;
+      return prepareSoils();
+    }
+    rig_.prepare(block(), *all[*soil_]);
+  }
 }
 
 // --- trials
@@ -154,6 +186,19 @@ std::vector<const TrialRow*> Conductor::answered() const {
   return done;
 }
 
+BlockScores Conductor::scores() const {
+  return scoresOf(store_.protocol(), rows_, sequence_[step().position].block, participant_->id);
+}
+
+/// How many trials the block has when no other round of practice is needed.
+int Conductor::plannedTrials() const {
+  const int of_a_round = block().practice_trials;
+  const BlockScores now = scores();
+  const int practice =
+      now.practice_is_over ? now.practised : (now.practised / std::max(of_a_round, 1) + 1) * of_a_round;
+  return static_cast<int>(sequence_[step().position].trials.size()) - block().practice_rounds * of_a_round + practice;
+}
+
 /// What the answers so far leave to do in this block; nothing when it is done.
 std::optional<Conductor::Trial> Conductor::nextTrial() const {
   return block().procedure == ProcedureKind::kConstant ? plannedTrial(-1) : nextAdaptive();
@@ -163,7 +208,11 @@ std::optional<Conductor::Trial> Conductor::nextTrial() const {
 std::optional<Conductor::Trial> Conductor::plannedTrial(int but) const {
   const std::vector<const TrialRow*> done = answered();
   const std::vector<PlannedTrial>& planned = sequence_[step().position].trials;
+  const bool practised = scores().practice_is_over;
   for (int index = 0; index < static_cast<int>(planned.size()); ++index) {
+    if (practised && planned[static_cast<std::size_t>(index)].kind == TrialKind::kPractice) {
+      continue;
+    }
     if (index != but && std::ranges::none_of(done, [index](const TrialRow* row) { return row->index == index; })) {
       return Trial{.plan = planned[static_cast<std::size_t>(index)], .index = index};
     }
@@ -176,7 +225,9 @@ std::optional<Conductor::Trial> Conductor::upcoming() const {
   if (trial_ && !underWay()) {
     return trial_;
   }
-  if (block().procedure != ProcedureKind::kConstant) {
+  const bool another_round_may_come =
+      block().practice_rounds > 1 && trial_ && trial_->plan.kind == TrialKind::kPractice;
+  if (block().procedure != ProcedureKind::kConstant || another_round_may_come) {
     return std::nullopt;
   }
   return plannedTrial(trial_ ? trial_->index : -1);
@@ -184,7 +235,10 @@ std::optional<Conductor::Trial> Conductor::upcoming() const {
 
 std::optional<Conductor::Trial> Conductor::nextAdaptive() const {
   const std::vector<const TrialRow*> done = answered();
-  const std::unique_ptr<AdaptiveProcedure> procedure = procedureOf(block());
+  const std::size_t number = sequence_[step().position].block;
+  const std::unique_ptr<AdaptiveProcedure> procedure =
+      procedureOf(block(), procedureSeed(store_.seed(), participant_->number, number));
+  const bool practice_is_over = scores().practice_is_over;
   const int index = static_cast<int>(done.size());
   int practised = 0, caught = 0, main_trials = 0;
   for (const TrialRow* row : done) {
@@ -197,6 +251,9 @@ std::optional<Conductor::Trial> Conductor::nextAdaptive() const {
   }
   for (const PlannedTrial& planned : sequence_[step().position].trials) {
     const bool practice = planned.kind == TrialKind::kPractice;
+    if (practice && practice_is_over) {
+      continue;
+    }
     int& before = practice ? practised : caught;
     if (before-- <= 0 && (practice || planned.before_main <= main_trials)) {
       return Trial{.plan = planned, .index = index};
@@ -206,8 +263,8 @@ std::optional<Conductor::Trial> Conductor::nextAdaptive() const {
   if (!value) {
     return std::nullopt;
   }
-  return Trial{.plan = adaptiveTrial(store_.protocol(), sequence_[step().position].block, store_.seed(),
-                                     participant_->number, main_trials, levelOf(block(), *value)),
+  return Trial{.plan = adaptiveTrial(store_.protocol(), number, store_.seed(), participant_->number, main_trials,
+                                     levelOf(block(), *value)),
                .index = index};
 }
 
@@ -226,7 +283,7 @@ void Conductor::goToNextTrial() {
 void Conductor::beginTrial() {
   enter(StudyPhase::kPreparing);  // whatever fails now, it is a trial that is begun again
   const StudyBlock& now = block();
-  const Stimulus& test = now.levels[trial_->plan.level];
+  const Stimulus& test = testOf(now, trial_->plan);
   const auto same = [this](const TrialRow& row) {
     return row.position == step().position && row.index == trial_->index;
   };
@@ -255,7 +312,7 @@ void Conductor::beginTrial() {
 
 const Stimulus& Conductor::stimulus(int interval) const {
   const bool test = (interval == 1) == trial_->plan.test_first;
-  return test ? block().levels[trial_->plan.level] : block().reference;
+  return test ? testOf(block(), trial_->plan) : block().reference;
 }
 
 void Conductor::prepareInterval(int interval) {
@@ -339,7 +396,9 @@ void Conductor::poll() {
     const std::optional<int> pressed = buttons_.step(rig_.buttons(), options_.now_s());
     switch (phase_) {
       case StudyPhase::kPreparing:
-        if (underWay() && rig_.ready()) {
+        if (soil_) {
+          prepareNextSoils();
+        } else if (underWay() && rig_.ready() && elapsed() >= restTime()) {
           if (!trial_->recording.empty()) {
             rig_.startRecording(recordingOf(options_.recordings, trial_->recording, trial_->interval));
             trial_->recording_runs = true;
@@ -369,6 +428,11 @@ void Conductor::poll() {
       default: break;
     }
   });
+}
+
+/// How long the hand rests before the interval that is prepared, in s.
+double Conductor::restTime() const {
+  return trial_->interval == 2 ? block().between_intervals_s : block().between_trials_s;
 }
 
 std::optional<double> Conductor::remaining() const {
@@ -441,7 +505,7 @@ void Conductor::answer(int choice) {
   if (choice != 0 && choice != 1) {
     refuse("choice", fmt::format("{}", choice), "0 or 1");
   }
-  const Stimulus& test = block().levels[trial_->plan.level];
+  const Stimulus& test = testOf(block(), trial_->plan);
   TrialAnswer given;
   given.positive = (choice == 1) != trial_->plan.test_first;
   if (test.value != block().reference.value) {
@@ -527,7 +591,7 @@ void Conductor::repeat(Again which, std::string_view reason) {
     } else {
       dropTrial(TrialState::kRepeated, reason);
     }
-    if (!paused_) {
+    if (!paused_ && !soil_) {
       goToNextTrial();
     }
   });
@@ -591,10 +655,14 @@ StudyState Conductor::state() const {
   }
   if (step().phase == StudyPhase::kPreparing) {
     const bool known = block().procedure == ProcedureKind::kConstant;
-    now.trials = known ? static_cast<int>(sequence_[step().position].trials.size()) : 0;
+    now.trials = known ? plannedTrials() : 0;
+    if (soil_) {
+      now.soils = static_cast<int>(stimuli().size());
+      now.soil = static_cast<int>(*soil_) + 1;
+    }
     now.trial = static_cast<int>(answered().size()) + (phase_ == StudyPhase::kFeedback ? 0 : 1);
     const auto shown = [this](const Trial& trial) {
-      return ShownTrial{trial.plan.kind, &block(), &block().levels[trial.plan.level], trial.plan.test_first};
+      return ShownTrial{trial.plan.kind, &block(), &testOf(block(), trial.plan), trial.plan.test_first};
     };
     if (underWay()) {
       now.now = shown(*trial_);

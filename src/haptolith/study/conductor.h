@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "haptolith/study/button_answer.h"
+#include "haptolith/study/criteria.h"
 #include "haptolith/study/rig.h"
 #include "haptolith/study/sequence.h"
 #include "haptolith/study/store.h"
@@ -40,6 +41,7 @@ struct StudyState {
   std::size_t position = 0, blocks = 0;  ///< of the block in the participant's order
   int trial = 0, trials = 0;             ///< from 1; trials 0: the answers decide how many
   int interval = 0;                      ///< 1 or 2 while a stimulus is prepared or felt, else 0
+  int soil = 0, soils = 0;               ///< before a block's first trial: which of how many is prepared; else 0
   std::optional<double> remaining_s = {};
   std::optional<bool> right = {};  ///< feedback
   std::optional<ShownTrial> now = {}, next = {};
@@ -134,6 +136,11 @@ class Conductor {
   [[nodiscard]] std::optional<Trial> nextAdaptive() const;
   [[nodiscard]] std::optional<Trial> upcoming() const;
   [[nodiscard]] std::vector<const TrialRow*> answered() const;
+  [[nodiscard]] BlockScores scores() const;
+  [[nodiscard]] int plannedTrials() const;
+  [[nodiscard]] std::vector<const Stimulus*> stimuli() const;
+  void prepareSoils();
+  void prepareNextSoils();
   void goToNextTrial();
   void beginTrial();
   void prepareInterval(int interval);
@@ -144,6 +151,7 @@ class Conductor {
   void dropTrial(TrialState state, std::string_view reason);
   [[nodiscard]] bool underWay() const noexcept { return trial_.has_value() && trial_->id != 0; }
   [[nodiscard]] const Stimulus& stimulus(int interval) const;
+  [[nodiscard]] double restTime() const;
   [[nodiscard]] std::optional<double> remaining() const;
   [[nodiscard]] double elapsed() const { return options_.now_s() - since_s_; }
   void readRows();
@@ -167,7 +175,9 @@ class Conductor {
   std::optional<Trial> trial_;
   std::optional<Unsaved> unsaved_;
   std::optional<bool> right_;
-  int since_break_ = 0;  ///< trials
+  int since_break_ = 0;                  ///< trials
+  std::optional<std::size_t> soil_;      ///< of stimuli(), that is being prepared
+  std::optional<std::size_t> prepared_;  ///< place of the block whose soils are ready
   ButtonAnswer buttons_;
   std::string problem_;
   std::uint64_t changes_ = 0;

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <fstream>
 #include <iterator>
+#include <numbers>
 #include <optional>
 #include <utility>
 
@@ -14,6 +15,7 @@
 #include "haptolith/scenario/toml_reader.h"
 #include "haptolith/soil/bodies.h"
 #include "haptolith/soil/presets.h"
+#include "haptolith/soil/strength.h"
 #include "haptolith/study/built_in_protocols.h"
 #include "haptolith/study/form.h"
 #include "haptolith/study/protocol_keys.h"
@@ -63,6 +65,13 @@ Stimulus sliderStimulus(std::string_view varies, const TextOrNumber& level) {
   return {.name = level.text, .value = *level.number, .change = {.sliders = {{std::string(varies), *level.number}}}};
 }
 
+Stimulus frictionStimulus(std::string_view varies, const TextOrNumber& level) {
+  Stimulus stimulus = sliderStimulus(varies, level);
+  constexpr double kPerDegree = std::numbers::pi / 180;
+  stimulus.change.sliders = {{"friction_angle_deg", frictionAngle(stimulus.value) / kPerDegree}};
+  return stimulus;
+}
+
 Variation variationOf(std::string_view varies) {
   if (varies == "preset") {
     return {"presets", "friction coefficient", presetStimulus};
@@ -72,6 +81,9 @@ Variation variationOf(std::string_view varies) {
   }
   if (varies == "soil") {
     return {"soils by name", "", soilStimulus};
+  }
+  if (varies == "friction_coefficient") {
+    return {"numbers", "friction coefficient, tan φ", frictionStimulus};
   }
   if (varies == "friction_angle_deg") {
     return {"numbers", "friction angle (°)", sliderStimulus};
@@ -132,6 +144,26 @@ void readLevels(BlockDraft& draft) {
   }
 }
 
+/// What practice or catch trials show: levels, with their values, or other stimuli of the same kind.
+std::vector<Stimulus> easyLevels(const BlockDraft& draft, const char* key, const std::vector<TextOrNumber>& items) {
+  const bool has_places = draft.values.empty();  // that a name or number alone tells
+  std::vector<Stimulus> stimuli;
+  for (const TextOrNumber& wanted : items) {
+    Stimulus stimulus = stimulusOf(draft, key, wanted);
+    const auto level = std::ranges::find(draft.block.levels, stimulus.name, &Stimulus::name);
+    if (level != draft.block.levels.end()) {
+      stimulus = *level;
+    } else if (!has_places) {
+      throw InvalidParameter(key, wanted.text, "among the levels, because these have `values` of their own");
+    }
+    if (stimulus.value == draft.block.reference.value) {
+      throw InvalidParameter(key, wanted.text, "another than the reference");
+    }
+    stimuli.push_back(std::move(stimulus));
+  }
+  return stimuli;
+}
+
 void sortLevels(StudyBlock& block) {
   std::ranges::stable_sort(block.levels, {}, &Stimulus::value);
   for (std::size_t i = 1; i < block.levels.size(); ++i) {
@@ -144,6 +176,23 @@ void sortLevels(StudyBlock& block) {
                                                                   other.name, one.value));
     }
   }
+}
+
+/// What is said of trials that there are none of is a mistake that nobody would see.
+void requireCriteria(const StudyBlock& block) {
+  const auto refuse = [](const char* key, bool given, const char* why) {
+    if (given) {
+      throw InvalidParameter(key, "", std::string("left out: ") + why);
+    }
+  };
+  const bool practises = block.practice_trials > 0;
+  const bool catches = block.catch_trials > 0;
+  refuse("practice_levels", !practises && !block.practice_levels.empty(), "there are no practice_trials");
+  refuse("practice_criterion", !practises && block.practice_criterion > 0, "there are no practice_trials");
+  refuse("practice_rounds", block.practice_rounds > 1 && block.practice_criterion == 0,
+         "no practice_criterion says when another is needed");
+  refuse("catch_levels", !catches && !block.catch_levels.empty(), "there are no catch_trials");
+  refuse("catch_criterion", !catches && block.catch_criterion > 0, "there are no catch_trials");
 }
 
 /// Whether there is a level on each side of the reference is what tells "more" from "less".
@@ -173,6 +222,12 @@ void requireScenes(const StudyProtocol& protocol, const StudyBlock& block) {
   require("reference", block.reference);
   for (const Stimulus& level : block.levels) {
     require("levels", level);
+  }
+  for (const Stimulus& level : block.practice_levels) {
+    require("practice_levels", level);
+  }
+  for (const Stimulus& level : block.catch_levels) {
+    require("catch_levels", level);
   }
 }
 
@@ -275,7 +330,10 @@ StudyBlock readBlock(const TomlReader& reader, const StudyProtocol& protocol) {
   reader.check(blockKeys(), "", [&] {
     readReference(draft);
     readLevels(draft);
+    block.practice_levels = easyLevels(draft, "practice_levels", draft.practice_levels);
+    block.catch_levels = easyLevels(draft, "catch_levels", draft.catch_levels);
     sortLevels(block);
+    requireCriteria(block);
     requireReferenceAmongLevels(block);
     requireProcedure(block);
     requireScenes(protocol, block);

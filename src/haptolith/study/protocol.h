@@ -52,19 +52,26 @@ struct StudyBlock {
   std::vector<Stimulus> levels = {};  ///< in the order of their values, the smallest first
   TaskKind task = TaskKind::kReferenceFirst;
   ProcedureKind procedure = ProcedureKind::kConstant;
-  int repeats = 3;                           ///< constant: of each level
-  StaircaseOptions staircase = {};           ///< over the values of `levels`; its seed is the runner's
-  QuestPlusOptions quest_plus = {};          ///< over the values of `levels`
-  int practice_trials = 0;                   ///< before the others
-  int catch_trials = 0;                      ///< among the others, with the level farthest from the reference
-  bool feedback = false;                     ///< whether a participant is told that an answer was right
-  bool practice_feedback = true;             ///< the same in practice trials
-  bool visual = true;                        ///< false: the participant's page is blank while a stimulus is felt
-  double interval_s = 0;                     ///< longest time with one stimulus; 0: until the participant goes on
-  double answer_limit_s = 0;                 ///< longest time for an answer; 0: none
-  int break_every_trials = 0;                ///< 0: no breaks
-  double break_s = 0;                        ///< shortest length of a break
-  std::vector<FormItem> questionnaire = {};  ///< after the block
+  int repeats = 3;                             ///< constant: of each level
+  StaircaseOptions staircase = {};             ///< over the values of `levels`; its seed is each participant's
+  QuestPlusOptions quest_plus = {};            ///< over the values of `levels`
+  int practice_trials = 0;                     ///< before the others
+  std::vector<Stimulus> practice_levels = {};  ///< what they show; empty: all levels
+  int practice_rounds = 1;                     ///< of practice at most, each of so many trials
+  double practice_criterion = 0;               ///< share right that ends practice
+  int catch_trials = 0;                        ///< among the others
+  std::vector<Stimulus> catch_levels = {};     ///< what they show; empty: the level farthest from the reference
+  double catch_criterion = 0;                  ///< share right below which a participant does not attend
+  bool feedback = false;                       ///< whether a participant is told that an answer was right
+  bool practice_feedback = true;               ///< the same in practice trials
+  bool visual = true;                          ///< false: the participant's page is blank while a stimulus is felt
+  double interval_s = 0;                       ///< longest time with one stimulus; 0: until the participant goes on
+  double between_intervals_s = 0.25;           ///< from the end of the first stimulus to the beginning of the second
+  double between_trials_s = 0.25;              ///< from the answer (and its feedback) to the next first stimulus
+  double answer_limit_s = 0;                   ///< longest time for an answer; 0: none
+  int break_every_trials = 0;                  ///< 0: no breaks
+  double break_s = 0;                          ///< shortest length of a break
+  std::vector<FormItem> questionnaire = {};    ///< after the block
 };
 
 /// In what order a participant comes to the blocks. kLatinSquare: each block is in each place equally often, and before
@@ -110,7 +117,7 @@ void requireFilledIn(const StudyProtocol& protocol);
 /// The scene that shows one stimulus of a block. @throws InvalidParameter, Failure: as changed().
 [[nodiscard]] Scenario sceneOf(const StudyProtocol& protocol, const StudyBlock& block, const Stimulus& stimulus);
 
-/// The level farthest from the reference on the block's axis, the smaller one of two: what catch trials show.
+/// The level farthest from the reference on the block's axis, the smaller one of two.
 [[nodiscard]] std::size_t farthestLevel(const StudyBlock& block);
 
 /// The six scales of the NASA Task Load Index, 0 to 100 in steps of 5 (Hart and Staveland 1988).

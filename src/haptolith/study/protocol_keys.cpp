@@ -5,7 +5,9 @@
 #include <algorithm>
 #include <array>
 #include <cctype>
+#include <charconv>
 #include <limits>
+#include <system_error>
 
 #include "haptolith/scenario/scene_words.h"
 #include "haptolith/scenario/soil_file.h"
@@ -20,10 +22,17 @@ constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr Range kAnyNumber{-kInfinity, kInfinity};
 constexpr Range kSeconds{0, 3600};
 constexpr Range kTrials{0, 1000};
+constexpr Range kShare{0, 1};
 constexpr std::size_t kLongestName = 32;
 
-constexpr std::array<std::string_view, 7> kVariedThings{
-    "preset", "body", "soil", "friction_angle_deg", "cohesion_pa", "contact_friction", "contact_cohesion_mn"};
+constexpr std::array<std::string_view, 8> kVariedThings{"preset",
+                                                        "body",
+                                                        "soil",
+                                                        "friction_coefficient",
+                                                        "friction_angle_deg",
+                                                        "cohesion_pa",
+                                                        "contact_friction",
+                                                        "contact_cohesion_mn"};
 
 constexpr std::array kOrderWords{
     SceneWord{"fixed", BlockOrder::kFixed},
@@ -84,8 +93,8 @@ void setAnswers(BlockDraft& draft, const std::vector<TextOrNumber>& items) {
 }
 
 template <double StudyBlock::*kNumber>
-BlockKey::NumberValue seconds() {
-  return {kSeconds, [](BlockDraft& d, double v) { d.block.*kNumber = v; }, kOnlyRead};
+BlockKey::NumberValue number(const Range& valid) {
+  return {valid, [](BlockDraft& d, double v) { d.block.*kNumber = v; }, kOnlyRead};
 }
 
 template <int StudyBlock::*kCount>
@@ -110,6 +119,23 @@ BlockKey::ItemsValue ofQuestPlus(std::string_view valid) {
               numbers.push_back(*item.number);
             }
           }};
+}
+
+/// "equal-asymptote", "yesno", or how many alternatives there are: "2afc", "3afc", ...
+void setDesign(BlockDraft& draft, std::string_view text) {
+  constexpr std::string_view kForced = "afc";
+  QuestPlusOptions& options = draft.block.quest_plus;
+  if (!text.ends_with(kForced)) {
+    options.design = designNamed(text);
+    return;
+  }
+  text.remove_suffix(kForced.size());
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), options.alternatives);
+  if (error != std::errc() || end != text.data() + text.size() || options.alternatives < 2 ||
+      options.alternatives > 100) {
+    throw InvalidParameter("design", fmt::format("'{}afc'", text), "2afc, 3afc, ... or 100afc");
+  }
+  options.design = Design::kForcedChoice;
 }
 
 template <bool StudyBlock::*kSwitch>
@@ -182,7 +208,10 @@ std::vector<BlockKey> designKeys() {
        BlockKey::WordValue{
            {kVariedThings.begin(), kVariedThings.end()}, [](D& d, std::string_view v) { d.varies = v; }, kOnlyRead},
        "What differs between test and reference: the soil as a preset or by name, the celestial body, or one number of "
-       "the soil. The first two of those numbers are for `paper` friction, the other two for `contact`."},
+       "the soil. The first three of those numbers are for `paper` friction, the other two for `contact`. "
+       "`friction_coefficient` is the tangent of the friction angle, of which the paper's Weber fraction is one: 0.29 "
+       "of "
+       "it is 0.18 of an angle of 40°."},
       {"", "reference", "", BlockKey::ItemsValue{"a name, or a number", [](D& d, const auto& v) { d.reference = v; }},
        "What each test is compared with."},
       {"", "levels", "",
@@ -220,21 +249,40 @@ std::vector<BlockKey> courseKeys() {
   return {
       {"", "practice_trials", "", trials<&StudyBlock::practice_trials>(),
        "Trials before the others, which count for nothing."},
+      {"", "practice_levels", "",
+       BlockKey::ItemsValue{"names, or numbers", [](D& d, const auto& v) { d.practice_levels = v; }},
+       "What practice shows, each equally often, to one: levels, or others that are easier. Left out: the levels."},
+      {"", "practice_criterion", "", number<&StudyBlock::practice_criterion>(kShare),
+       "Share of right answers in a round of practice that ends practice; otherwise another round comes, up to "
+       "`practice_rounds`. Who never reaches it goes on, and is reported. Left out: 0."},
+      {"", "practice_rounds", "", trials<&StudyBlock::practice_rounds>({1, 20}),
+       "Rounds of `practice_trials` trials at most; left out: 1."},
       {"", "catch_trials", "", trials<&StudyBlock::catch_trials>(),
-       "Easy trials among the others, with the level farthest from the reference: they show whether a participant "
-       "attends."},
+       "Easy trials among the others: they show whether a participant attends."},
+      {"", "catch_levels", "",
+       BlockKey::ItemsValue{"names, or numbers", [](D& d, const auto& v) { d.catch_levels = v; }},
+       "What catch trials show, each equally often, in random order: levels, or others that are easier still. Left "
+       "out: "
+       "the level farthest from the reference."},
+      {"", "catch_criterion", "", number<&StudyBlock::catch_criterion>(kShare),
+       "Share of right answers in catch trials below which a participant is reported; left out: 0."},
       {"", "feedback", "", onOrOff<&StudyBlock::feedback>(),
        "Whether a participant is told that an answer was right; left out: false."},
       {"", "practice_feedback", "", onOrOff<&StudyBlock::practice_feedback>(),
        "The same in practice trials; left out: true."},
       {"", "visual", "", onOrOff<&StudyBlock::visual>(),
        "Whether the scene is seen while it is felt; false for haptics alone. Left out: true."},
-      {"", "interval_s", "", seconds<&StudyBlock::interval_s>(),
+      {"", "interval_s", "", number<&StudyBlock::interval_s>(kSeconds),
        "Longest time with one stimulus; 0: until the participant goes on."},
-      {"", "answer_limit_s", "", seconds<&StudyBlock::answer_limit_s>(), "Longest time for an answer; 0: none."},
+      {"", "between_intervals_s", "", number<&StudyBlock::between_intervals_s>(kSeconds),
+       "From the end of the first stimulus to the beginning of the second; left out: 0.25, which is long enough for "
+       "any change of soil."},
+      {"", "between_trials_s", "", number<&StudyBlock::between_trials_s>(kSeconds),
+       "From the answer, or the end of its feedback, to the next first stimulus; left out: 0.25."},
+      {"", "answer_limit_s", "", number<&StudyBlock::answer_limit_s>(kSeconds), "Longest time for an answer; 0: none."},
       {"", "break_every_trials", "", trials<&StudyBlock::break_every_trials>(),
        "After how many trials a break comes; 0: no breaks."},
-      {"", "break_s", "", seconds<&StudyBlock::break_s>(), "Shortest length of a break."},
+      {"", "break_s", "", number<&StudyBlock::break_s>(kSeconds), "Shortest length of a break."},
       {"", "questionnaire", "",
        BlockKey::WordValue{kQuestionnaires, [](D& d, std::string_view) { d.task_load_index = true; }, kOnlyRead},
        "A questionnaire after the block, before the items of `[[block.item]]`."},
@@ -252,6 +300,10 @@ std::vector<BlockKey> procedureKeys() {
        "The least difference that is noticed, by a staircase on each side of the reference, or the level that feels "
        "like "
        "the reference; left out: `difference`."},
+      {"staircase", "staircases", "", ofStaircase<&StaircaseOptions::staircases>(kFew),
+       "How many take turns, with `difference` on each side of the reference; with `equality` every second one begins "
+       "at "
+       "the other end. Left out: 1."},
       {"staircase", "down", "", ofStaircase<&StaircaseOptions::down>(kFew),
        "Right answers in a row that lead a step on; left out: 2."},
       {"staircase", "up", "", ofStaircase<&StaircaseOptions::up>(kFew),
@@ -273,12 +325,20 @@ std::vector<BlockKey> procedureKeys() {
        BlockKey::WordValue{namesOf(kSigmoidNames),
                            [](D& d, std::string_view v) { d.block.quest_plus.sigmoid = sigmoidNamed(v); }, kOnlyRead},
        "Shape of the psychometric function; left out: `weber` (paper 22)."},
+      {"quest_plus", "design", "", BlockKey::TextValue{setDesign, kOnlyRead},
+       "Its asymptotes: `equal-asymptote` (who does not attend says \"more\" as often as \"less\"), `2afc`, `3afc`, "
+       "... "
+       "`100afc` (a lower asymptote of one half, one third, ...: the levels lie on one side of the reference), or "
+       "`yesno` "
+       "(a lower asymptote of its own). Left out: `equal-asymptote`."},
       {"quest_plus", "thresholds", "", ofQuestPlus<&QuestPlusOptions::thresholds>("numbers"),
        "Thresholds that are thought possible, on the axis; left out: 15 within the levels, about the reference."},
       {"quest_plus", "widths", "", ofQuestPlus<&QuestPlusOptions::widths>("numbers"),
        "Widths that are thought possible, with `weber` Weber fractions; left out: 25 that the levels can tell apart."},
       {"quest_plus", "lapses", "", ofQuestPlus<&QuestPlusOptions::lapses>("numbers"),
        "Lapse rates that are thought possible; left out: 0, 0.02 and 0.05."},
+      {"quest_plus", "guesses", "", ofQuestPlus<&QuestPlusOptions::guesses>("numbers"),
+       "Lower asymptotes that are thought possible, for `yesno`; left out: 0, 0.02 and 0.05."},
       {"quest_plus", "trials", "",
        BlockKey::CountValue{
            {1, 1000}, [](D& d, std::int64_t v) { d.block.quest_plus.trials = static_cast<int>(v); }, kOnlyRead},

@@ -22,6 +22,7 @@ struct BlockDraft {
   StudyBlock block = {};
   std::string varies = {};
   std::vector<TextOrNumber> levels = {}, values = {}, reference = {};
+  std::vector<TextOrNumber> practice_levels = {}, catch_levels = {};
   std::optional<double> reference_value = {};
   bool task_load_index = false;
 };

@@ -14,6 +14,10 @@ class Rig {
  public:
   virtual ~Rig() = default;
 
+  /// Gets ready for a stimulus, so that show() takes as long for it as for any other; ready() tells when that is done.
+  /// Nothing is felt meanwhile. @throws InvalidParameter, Failure as show().
+  virtual void prepare(const StudyBlock& /*block*/, const Stimulus& /*stimulus*/) {}
+
   /// Another stimulus: the force fades away, the soil of `stimulus` under `block`'s conditions lies fresh and level,
   /// and the tool stays out of it until feel(). @throws InvalidParameter, Failure when there can be no such soil.
   virtual void show(const StudyBlock& block, const Stimulus& stimulus) = 0;

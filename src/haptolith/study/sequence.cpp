@@ -16,7 +16,7 @@ namespace haptolith {
 namespace {
 
 /// What random numbers are for; each purpose has a stream of its own, so that no draw shifts another's.
-enum class Purpose : std::uint64_t { kBlockOrder, kPractice, kMain, kCatch, kTrialSeed, kAdaptiveOrder };
+enum class Purpose : std::uint64_t { kBlockOrder, kPractice, kMain, kCatch, kTrialSeed, kAdaptiveOrder, kProcedure };
 
 /// The finaliser of SplitMix64 (Steele, Lea and Flood 2014): each bit of the result depends on every bit of the number.
 constexpr std::uint64_t mixed(std::uint64_t number) {
@@ -78,7 +78,7 @@ constexpr std::uint64_t kAdaptiveSeeds = std::uint64_t{1} << 32;
 /// out even, in half of those left over, to one.
 std::vector<PlannedTrial> shuffledTrials(TrialKind kind, const StudyBlock& block,
                                          const std::vector<std::size_t>& levels, std::mt19937_64& random) {
-  std::vector<std::size_t> times(block.levels.size());
+  std::vector<std::size_t> times(levels.empty() ? 0 : *std::ranges::max_element(levels) + 1);
   for (const std::size_t level : levels) {
     ++times[level];
   }
@@ -147,7 +147,10 @@ std::size_t expectedTrials(const StudyBlock& block) {
 /// Mixes the catch trials in, anywhere but before the first main trial.
 std::vector<PlannedTrial> withCatchTrials(const StudyBlock& block, std::vector<PlannedTrial> main, const Draw& draw) {
   std::mt19937_64 random = draw.random(Purpose::kCatch);
-  const std::vector<std::size_t> levels(static_cast<std::size_t>(block.catch_trials), farthestLevel(block));
+  const auto count = static_cast<std::size_t>(block.catch_trials);
+  const std::vector<std::size_t> levels = block.catch_levels.empty()
+                                              ? std::vector<std::size_t>(count, farthestLevel(block))
+                                              : evenLevels(count, block.catch_levels.size(), random);
   std::vector<PlannedTrial> easy = shuffledTrials(TrialKind::kCatch, block, levels, random);
   for (PlannedTrial& trial : easy) {
     trial.before_main = static_cast<int>(1 + drawn(random, std::max<std::size_t>(expectedTrials(block), 2) - 1));
@@ -167,9 +170,14 @@ std::vector<PlannedTrial> withCatchTrials(const StudyBlock& block, std::vector<P
 PlannedBlock plannedBlock(const StudyProtocol& protocol, std::size_t number, const Draw& draw) {
   const StudyBlock& block = protocol.blocks[number];
   std::mt19937_64 random = draw.random(Purpose::kPractice);
-  const std::vector<std::size_t> levels =
-      evenLevels(static_cast<std::size_t>(block.practice_trials), block.levels.size(), random);
-  PlannedBlock planned{.block = number, .trials = shuffledTrials(TrialKind::kPractice, block, levels, random)};
+  const std::vector<Stimulus>& shown = block.practice_levels.empty() ? block.levels : block.practice_levels;
+  PlannedBlock planned{.block = number};
+  for (int round = 0; round < block.practice_rounds; ++round) {
+    const std::vector<std::size_t> levels =
+        evenLevels(static_cast<std::size_t>(block.practice_trials), shown.size(), random);
+    const std::vector<PlannedTrial> trials = shuffledTrials(TrialKind::kPractice, block, levels, random);
+    planned.trials.insert(planned.trials.end(), trials.begin(), trials.end());
+  }
   const std::vector<PlannedTrial> others = withCatchTrials(block, mainTrials(block, draw), draw);
   planned.trials.insert(planned.trials.end(), others.begin(), others.end());
   for (std::size_t i = 0; i < planned.trials.size(); ++i) {
@@ -224,6 +232,17 @@ std::vector<PlannedBlock> sequenceFor(const StudyProtocol& protocol, std::uint64
     sequence.push_back(plannedBlock(protocol, block, Draw(study_seed, participant_number, block)));
   }
   return sequence;
+}
+
+const Stimulus& testOf(const StudyBlock& block, const PlannedTrial& trial) {
+  const std::vector<Stimulus>& own = trial.kind == TrialKind::kCatch ? block.catch_levels : block.practice_levels;
+  const bool has_own = trial.kind != TrialKind::kMain && !own.empty();
+  return (has_own ? own : block.levels).at(trial.level);
+}
+
+std::uint64_t procedureSeed(std::uint64_t study_seed, int participant_number, std::size_t block) {
+  requireParticipantNumber(participant_number);
+  return Draw(study_seed, participant_number, block).seed(Purpose::kProcedure, 0);
 }
 
 int nextNumber(const StudyProtocol& protocol, std::span<const int> kept, int last) {

@@ -15,7 +15,7 @@ enum class TrialKind { kPractice, kMain, kCatch };
 /// A trial before it is run.
 struct PlannedTrial {
   TrialKind kind = TrialKind::kMain;
-  std::size_t level = 0;    ///< of the block's levels
+  std::size_t level = 0;    ///< of the block's levels; of practice and catch trials, of theirs if it has any
   bool test_first = false;  ///< whether the test comes before the reference
   std::uint64_t seed = 0;   ///< below 2^53: tables and JSON keep it exactly
   int before_main = 0;      ///< a catch trial of an adaptive block comes before this main trial, counted from 0
@@ -40,6 +40,12 @@ struct PlannedBlock {
 /// test first if the task's order is drawn.
 [[nodiscard]] PlannedTrial adaptiveTrial(const StudyProtocol& protocol, std::size_t block, std::uint64_t study_seed,
                                          int participant_number, int n, std::size_t level);
+
+/// The test stimulus of a trial.
+[[nodiscard]] const Stimulus& testOf(const StudyBlock& block, const PlannedTrial& trial);
+
+/// What an adaptive block's procedure draws with: another number for each study, participant and block.
+[[nodiscard]] std::uint64_t procedureSeed(std::uint64_t study_seed, int participant_number, std::size_t block);
 
 /// The number that the next participant gets: the least above `last` whose row of the Latin square is the least used by
 /// those who have not withdrawn; the next one where there is no such square.

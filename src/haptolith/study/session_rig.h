@@ -24,6 +24,8 @@ class SessionRig final : public Rig {
   /// Everything that the loop has recorded since the last call.
   void follow(const std::vector<TickRecord>& ticks);
 
+  /// Makes its bed, which the session keeps.
+  void prepare(const StudyBlock& block, const Stimulus& stimulus) override { show(block, stimulus); }
   void show(const StudyBlock& block, const Stimulus& stimulus) override;
   [[nodiscard]] bool ready() override;
   void feel() override;

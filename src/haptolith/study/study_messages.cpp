@@ -66,6 +66,11 @@ std::string phaseWord(const StudyState& now) {
   return now.paused ? "paused" : wordOf(now.phase);
 }
 
+/// What takes a while, before a block's first trial.
+std::string preparingText(const StudyState& now) {
+  return now.soils > 0 && !now.paused ? fmt::format("Preparing soil {} of {}.", now.soil, now.soils) : "";
+}
+
 /// What the page has words of its own for.
 bool speaksForItself(const StudyState& now) {
   return now.paused || now.phase == StudyPhase::kPreparing || now.phase == StudyPhase::kFeedback ||
@@ -241,7 +246,7 @@ std::string participantMessage(const Conductor& conductor) {
                {"title", speaksForItself(now) ? ""
                          : asks               ? now.block->question
                                               : now.title},
-               {"text", speaksForItself(now) ? "" : now.text},
+               {"text", speaksForItself(now) ? preparingText(now) : now.text},
                {"fields", std::move(fields)},
                {"button", now.paused ? Json(nullptr) : orNull(now.button)},
                {"interval", now.interval > 0 ? Json(now.interval) : Json(nullptr)},
