@@ -2,11 +2,13 @@
 // it says? docs/psychometrics.md has the table this prints.
 //
 //     coverage [studies]        1000 without a number
+//     coverage [studies] ml     intervals of maximum likelihood, with overdispersion and lapses free
 
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <array>
+#include <cstdio>
 #include <cstdlib>
 #include <random>
 #include <string_view>
@@ -83,10 +85,75 @@ void tell(const Experiment& experiment, const Case& of, int studies) {
              100.0 * below / studies);
 }
 
+/// Answers that are fitted by maximum likelihood.
+struct LikelihoodCase {
+  std::string_view name;
+  int levels;
+  double answers;  // to each level
+  PsychometricFunction truth;
+  double eta;
+  FitOptions options;
+};
+
+std::vector<LikelihoodCase> likelihoodCases() {
+  const PsychometricFunction sure{.threshold = 1, .width = 1};
+  const PsychometricFunction yes_no{.threshold = 1, .width = 1, .guess = 0.02, .lapse = 0.02};
+  const PsychometricFunction choice{.threshold = 1, .width = 1, .guess = 0.5, .lapse = 0.05};
+  const FitOptions no_rates{.lapse = 0, .guess = 0, .simulations = 0};
+  const FitOptions free{.simulations = 0};
+  const FitOptions two_alternatives{.design = Design::kForcedChoice, .simulations = 0};
+  return {{"eta 0.3, no rates", 8, 40, sure, 0.3, no_rates},
+          {"eta 0, no rates", 8, 40, sure, 0, no_rates},
+          {"eta 0.3, yes/no", 8, 40, yes_no, 0.3, free},
+          {"eta 0, yes/no", 8, 40, yes_no, 0, free},
+          {"eta 0.2, 2AFC", 10, 40, choice, 0.2, two_alternatives},
+          {"eta 0, 2AFC", 10, 40, choice, 0, two_alternatives},
+          {"eta 0, 2AFC", 10, 10, choice, 0, two_alternatives}};
+}
+
+void tell(const LikelihoodCase& of, int studies) {
+  std::vector<Level> levels;
+  for (int i = 0; i < of.levels; ++i) {
+    levels.push_back({0.25 + 1.5 * i / (of.levels - 1), 0, of.answers});
+  }
+  std::mt19937_64 random(1);
+  std::array<double, 5> covered{};
+  std::array<std::vector<double>, 5> lengths;
+  for (int i = 0; i < studies; ++i) {
+    const Fit fit = fitMaximumLikelihood(simulatedAnswers(levels, of.truth, random, of.eta), of.options);
+    const std::array<Interval, 5> intervals{fit.threshold.interval, fit.width.interval, fit.lapse.interval,
+                                            fit.guess.interval, fit.overdispersion.interval};
+    const std::array<double, 5> truth{of.truth.threshold, of.truth.width, of.truth.lapse, of.truth.guess, of.eta};
+    for (std::size_t j = 0; j < truth.size(); ++j) {
+      constexpr double kRounding = 1e-6;
+      const bool holds = intervals[j].low <= truth[j] + kRounding && truth[j] <= intervals[j].high + kRounding;
+      covered[j] += holds ? 100.0 / studies : 0;
+      lengths[j].push_back(intervals[j].high - intervals[j].low);
+    }
+  }
+  fmt::print("{:<20} {:>2} x {:<3}", of.name, of.levels, of.answers);
+  for (std::size_t j = 0; j < covered.size(); ++j) {
+    std::ranges::sort(lengths[j]);
+    fmt::print("  {:>5.1f} % ({:.3f})", covered[j], lengths[j][lengths[j].size() / 2]);
+  }
+  fmt::print("\n");
+  std::fflush(stdout);
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
   const int studies = argc > 1 ? std::max(1, std::atoi(argv[1])) : 1000;
+  if (argc > 2) {
+    fmt::print(
+        "{} simulated studies of each kind; coverage of 95 % intervals of the likelihood's profile, and their "
+        "median length\n\n{:<28}{:>18}{:>18}{:>18}{:>18}{:>18}\n",
+        studies, "fitted", "threshold", "width", "lapse", "guess", "eta");
+    for (const LikelihoodCase& of : likelihoodCases()) {
+      tell(of, studies);
+    }
+    return 0;
+  }
   fmt::print("{} simulated studies of each kind; 95 % credible intervals\n\n", studies);
   fmt::print(
       "experiment fitted                        w    mean     bias  median     16 %    84 %   covered    above   "

@@ -77,13 +77,35 @@ TEST(Fit, OfThresholdAndWidthIsTheSumOfBruteForce) {
   EXPECT_NEAR(fit.log_evidence, -57.530159, 2e-3);
 }
 
-TEST(Fit, BothReadingsOfThePaperAreOneCurveWithTwoNames) {
+TEST(Fit, AllReadingsOfThePaperAreOneCurveWithSeveralNames) {
   const Fit meant = fitPsychometric(kLevels, quick(weberOptions(kReference)));
   const Fit printed = fitPsychometric(kLevels, quick(weberOptions(kReference, Sigmoid::kWeberAsPrinted)));
   EXPECT_NEAR(printed.width.value, meant.width.value, 1e-9);
   EXPECT_NEAR(printed.weber_fraction.value, meant.weber_fraction.value, 1e-9);
   const double sigma = std::log1p(meant.w->value);
   EXPECT_NEAR(printed.w->value, std::exp(sigma * sigma) - 1, 1e-9);
+  const Fit base_10 = fitPsychometric(kLevels, quick(weberOptions(kReference, Sigmoid::kWeberLog10)));
+  EXPECT_NEAR(base_10.width.value, meant.width.value, 1e-9);
+  EXPECT_NEAR(std::log10(1 + base_10.w->value), std::pow(sigma / std::log(10), 2), 1e-9);
+}
+
+TEST(Fit, OfAFallingFunctionMirrorsThatOfARisingOne) {
+  std::vector<Level> mirrored = kLevels;
+  for (Level& level : mirrored) {
+    level.k = level.n - level.k;
+  }
+  FitOptions options = quick(weberOptions(kReference));
+  options.threshold.reset();
+  options.lapse = 0.01;
+  const Fit rising = fitPsychometric(kLevels, options);
+  options.falling = true;
+  const Fit falling = fitPsychometric(mirrored, options);
+  EXPECT_TRUE(falling.function.falling);
+  EXPECT_NEAR(falling.threshold.value, rising.threshold.value, 1e-6);
+  EXPECT_NEAR(falling.w->value, rising.w->value, 1e-6);
+  EXPECT_NEAR(falling.weber_fraction.interval.high, rising.weber_fraction.interval.high, 1e-6);
+  EXPECT_NEAR(falling.log_likelihood, rising.log_likelihood, 1e-6);
+  EXPECT_LT(fitPsychometric(mirrored, quick(weberOptions(kReference))).log_likelihood, rising.log_likelihood - 20);
 }
 
 TEST(Fit, UnitOfTheStimulusDoesNotMatter) {
@@ -238,6 +260,7 @@ TEST(Fit, NonsenseIsRefused) {
   EXPECT_THROW((void)fit(kLevels, {.lapse = 0.7}), InvalidParameter);
   EXPECT_THROW((void)fit(kLevels, {.confidence = 1}), InvalidParameter);
   EXPECT_THROW((void)fit(kLevels, {.design = Design::kForcedChoice, .guess = 0.1}), InvalidParameter);
+  EXPECT_THROW((void)fit(kLevels, {.design = Design::kForcedChoice, .alternatives = 1}), InvalidParameter);
   EXPECT_THROW((void)fit(kLevels, {.threshold = std::numeric_limits<double>::quiet_NaN()}), InvalidParameter);
   EXPECT_THROW((void)fitPsychometric(kLevels, {.simulations = -1}), InvalidParameter);
 }
