@@ -10,7 +10,9 @@
 #include <fstream>
 #include <iterator>
 #include <memory>
+#include <optional>
 #include <regex>
+#include <set>
 #include <string>
 #include <thread>
 #include <tuple>
@@ -82,8 +84,9 @@ class RunningStudy : public StudyRunCommands {
     }
   }
 
-  void start(const std::string& arguments = "", const std::string& environment = "") {
-    makeStudy("paper");
+  void start(const std::string& arguments = "", const std::string& environment = "",
+             const std::string& protocol = "paper") {
+    makeStudy(protocol);
     program_ = std::thread(
         [command = fmt::format("{} \"$HAPTOLITH\" study run {} --trial-run --port 0 {} > {} 2> {} & echo $! > {}; wait",
                                environment, file("a.study"), arguments, file("out"), file("err"), file("pid"))] {
@@ -151,6 +154,47 @@ TEST_F(RunningStudy, AParticipantsAddressIsNoExperimenters) {
   EXPECT_EQ(ask(*experimenter, {{"act", "note"}, {"text", "sits well"}})["ok"], true);
   EXPECT_TRUE(experimenter->receive("study").value().contains("next"));
   EXPECT_EQ(ask(*experimenter, {{"act", "answer"}, {"choice", 1}})["ok"], false);
+}
+
+TEST_F(RunningStudy, NothingThatAParticipantIsSentNamesAStimulus) {
+  std::ofstream(file("names.toml")) << R"(title = "A study"
+[[block]]
+name = "one"
+question = "Which was it?"
+answers = ["the first", "the second"]
+varies = "preset"
+reference = "P3"
+levels = ["P1", "P6"]
+task = "two-interval"
+catch_trials = 1
+catch_levels = ["P2"]
+interval_s = 0.3
+[block.scene]
+body = "Ceres"
+)";
+  start("", "", file("names.toml"));
+  const auto participant = pageWith(participants_);
+  participant->send(R"({"id": 1, "do": "study", "act": "join", "as": "participant"})");
+  std::set<std::string> types;
+  int trials = 0;
+  while (trials < 3) {
+    const std::optional<std::string> message = participant->receive();
+    ASSERT_TRUE(message) << "after " << trials << " trials";
+    if (!participant->gotText()) {
+      continue;
+    }
+    for (const char* name : {"P1", "P2", "P3", "P6", "Ceres", "Moon", "lunar", "paper", "0.835", "0.6", "1.21"}) {
+      EXPECT_THAT(*message, testing::Not(HasSubstr(fmt::format("\"{}\"", name))));
+      EXPECT_THAT(*message, testing::Not(testing::ContainsRegex(fmt::format(":{}[,}}]", name))));
+    }
+    const Json told = Json::parse(*message);
+    types.insert(told["type"].get<std::string>());
+    if (told["type"] == "study" && told["phase"] == "question" && told["progress"]["trial"] == trials + 1) {
+      ++trials;
+      participant->send(R"({"id": 2, "do": "study", "act": "answer", "choice": 1})");
+    }
+  }
+  EXPECT_THAT(types, testing::IsSupersetOf({"hello", "scene", "status", "study"}));
 }
 
 TEST_F(RunningStudy, TokensThatAreGivenStayTheSame) {

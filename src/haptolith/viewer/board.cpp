@@ -4,30 +4,32 @@
 
 namespace haptolith {
 
-void Board::setScene(const SceneTexts& texts) {
+void Board::setScene(const Texts& texts) {
   const std::scoped_lock lock(mutex_);
-  if (scene_ && *scene_ == texts.whole) {
+  if (scene_ && *scene_.whole == texts.whole) {
     return;
   }
   put(texts);
 }
 
-void Board::setScene(const SceneTexts& texts, std::uint32_t scene, std::size_t particles,
-                     const FrameEncoder::Space& space) {
+void Board::setScene(const Texts& texts, std::uint32_t scene, std::size_t particles, const FrameEncoder::Space& space) {
   const std::scoped_lock lock(mutex_);
   put(texts);
   encoder_.emplace(scene, particles, space, encoder_ ? encoder_->number() : 0);
 }
 
-void Board::put(const SceneTexts& texts) {
-  scene_ = std::make_shared<const std::string>(texts.whole);
-  nameless_scene_ = std::make_shared<const std::string>(texts.nameless);
+Board::Shared Board::shared(const Texts& texts) {
+  return {std::make_shared<const std::string>(texts.whole), std::make_shared<const std::string>(texts.nameless)};
+}
+
+void Board::put(const Texts& texts) {
+  scene_ = shared(texts);
   ++scene_version_;
 }
 
-void Board::setStatus(std::string text) {
+void Board::setStatus(const Texts& texts) {
   const std::scoped_lock lock(mutex_);
-  status_ = std::make_shared<const std::string>(std::move(text));
+  status_ = shared(texts);
   ++status_version_;
 }
 
@@ -41,7 +43,7 @@ std::optional<Board::Message> Board::next(std::uint32_t client, Seen& seen) {
   if (!seen.hello) {
     constexpr std::string_view kPlace = "\"$client\"";
     seen.hello = true;
-    std::string hello = hello_;
+    std::string hello = seen.nameless ? hello_.nameless : hello_.whole;
     if (const std::size_t at = hello.find(kPlace); at != std::string::npos) {
       hello.replace(at, kPlace.size(), std::to_string(client));
     }
@@ -49,12 +51,12 @@ std::optional<Board::Message> Board::next(std::uint32_t client, Seen& seen) {
   }
   if (scene_ && seen.scene != scene_version_) {
     seen.scene = scene_version_;
-    return Message{seen.nameless ? nameless_scene_ : scene_};
+    return Message{scene_.of(seen)};
   }
   // Before the picture: of that there is always a newer one for a client that is slow.
   if (status_ && seen.status != status_version_) {
     seen.status = status_version_;
-    return Message{status_};
+    return Message{status_.of(seen)};
   }
   if (encoder_ && encoder_->hasPicture() && seen.frame != encoder_->number()) {
     const std::shared_ptr<const std::string> frame = encoder_->frameSince(seen.frame);

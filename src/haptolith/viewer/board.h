@@ -5,6 +5,7 @@
 #include <mutex>
 #include <optional>
 #include <string>
+#include <utility>
 
 #include "haptolith/viewer/frame.h"
 
@@ -25,28 +26,42 @@ class Board {
     bool binary = false;
   };
 
-  /// The first message to everybody is `hello`, in which "$client" stands for the client's number.
-  explicit Board(std::string hello) : hello_(std::move(hello)) {}
-
-  /// A scene's message, and the same without what soil and world it is.
-  struct SceneTexts {
+  /// A message, and the same without what soil and world it is.
+  struct Texts {
     std::string whole, nameless;
   };
+
+  /// The first message to everybody is `hello`, in which "$client" stands for the client's number.
+  explicit Board(Texts hello) : hello_(std::move(hello)) {}
+  explicit Board(const std::string& hello) : Board(Texts{hello, hello}) {}
+
   /// Another scene, or other values of the one that is shown. With `particles` pictures begin anew.
-  void setScene(const SceneTexts& texts);
-  void setScene(const SceneTexts& texts, std::uint32_t scene, std::size_t particles, const FrameEncoder::Space& space);
-  void setStatus(std::string text);
+  void setScene(const Texts& texts);
+  void setScene(const Texts& texts, std::uint32_t scene, std::size_t particles, const FrameEncoder::Space& space);
+  void setStatus(const Texts& texts);
+  void setStatus(const std::string& text) { setStatus({text, text}); }
   void setPicture(const SceneSnapshot& snapshot, const FrameEncoder::Beside& beside);
 
   /// The next message for a client, of which it is then taken to have seen it; none when it has seen everything.
   [[nodiscard]] std::optional<Message> next(std::uint32_t client, Seen& seen);
 
  private:
-  void put(const SceneTexts& texts);
+  /// A message as every client gets it that may, or may not, know the names.
+  struct Shared {
+    std::shared_ptr<const std::string> whole, nameless;
+
+    explicit operator bool() const noexcept { return whole != nullptr; }
+    [[nodiscard]] const std::shared_ptr<const std::string>& of(const Seen& seen) const noexcept {
+      return seen.nameless ? nameless : whole;
+    }
+  };
+
+  [[nodiscard]] static Shared shared(const Texts& texts);
+  void put(const Texts& texts);
 
   std::mutex mutex_;
-  std::string hello_;
-  std::shared_ptr<const std::string> scene_, nameless_scene_, status_;
+  Texts hello_;
+  Shared scene_, status_;
   std::uint32_t scene_version_ = 0, status_version_ = 0;
   std::optional<FrameEncoder> encoder_;
 };

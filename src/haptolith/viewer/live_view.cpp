@@ -54,7 +54,7 @@ LiveView::LiveView(Session& session, const WebServerOptions& options, std::strin
       recorder_(std::move(recorder)),
       extension_(std::move(extension)),
       clients_(clients),
-      board_(helloMessage(version, clients == Clients::kLookOn)),
+      board_(helloMessages(version, clients == Clients::kLookOn)),
       server_(options, board_),
       space_(spaceOf(session)) {}
 
@@ -243,11 +243,11 @@ void LiveView::showStatus() {
     rate_at_ = now;
     rate_ticks_ = ticks;
   }
-  board_.setStatus(statusMessage(session_, {.rate_hz = rate_hz_,
-                                            .clients = server_.clients(),
-                                            .held_by = holder_,
-                                            .recording = recording,
-                                            .recorded = recorded_}));
+  board_.setStatus(statusMessages(session_, {.rate_hz = rate_hz_,
+                                             .clients = server_.clients(),
+                                             .held_by = holder_,
+                                             .recording = recording,
+                                             .recorded = recorded_}));
 }
 
 }  // namespace haptolith

@@ -74,7 +74,7 @@ Json recordedJson(const std::filesystem::path& file) {
 
 }  // namespace
 
-std::string helloMessage(std::string_view version, bool read_only) {
+Board::Texts helloMessages(std::string_view version, bool read_only) {
   Json message{{"type", "hello"},
                {"protocol", kProtocol},
                {"version", version},
@@ -105,10 +105,14 @@ std::string helloMessage(std::string_view version, bool read_only) {
       manoeuvres.push_back(name);
     }
   }
-  return written(message);
+  std::string whole = written(message);
+  for (const char* names : {"presets", "soils", "bodies", "frictions"}) {
+    message[names] = Json::array();
+  }
+  return {std::move(whole), written(message)};
 }
 
-Board::SceneTexts sceneMessages(const Session& session, const FrameEncoder::Space& space) {
+Board::Texts sceneMessages(const Session& session, const FrameEncoder::Space& space) {
   const Scenario& scenario = session.scenario();
   const BedParameters& bed = scenario.bed;
   const SoilParameters& shown = session.shown().bed.soil;
@@ -155,40 +159,46 @@ Board::SceneTexts sceneMessages(const Session& session, const FrameEncoder::Spac
   for (auto& [key, value] : message["soil"].items()) {
     value = nullptr;
   }
+  message["title"] = "";
   message["sliders"] = Json::array();
   message["body"] = nullptr;
   message["gravity_m_s2"] = array(Vec3::Zero());
   return {std::move(whole), written(message)};
 }
 
-std::string statusMessage(const Session& session, const StatusBeside& beside) {
+Board::Texts statusMessages(const Session& session, const StatusBeside& beside) {
   const SceneSnapshot& now = session.snapshot();
   const RealTime& real_time = session.realTime();
-  return written({{"type", "status"},
-                  {"time_s", now.time_s},
-                  {"ticks", now.ticks},
-                  {"misses", now.deadline_misses},
-                  {"success_rate", now.success_rate},
-                  {"rate_hz", beside.rate_hz},
-                  {"tick_us", {{"p50", now.tick_us_p50}, {"p99", now.tick_us_p99}, {"max", now.tick_us_max}}},
-                  {"particles", now.position.size()},
-                  {"awake", now.awake},
-                  {"paused", now.paused},
-                  {"speed", session.speed()},
-                  {"held_by", beside.held_by ? Json(*beside.held_by) : Json(nullptr)},
-                  {"clients", beside.clients},
-                  {"device", session.deviceName()},
-                  {"person_feels", session.personFeels()},
-                  {"let_go", orNull(now.trip == SafetyTrip::kNone ? "" : text(now.trip))},
-                  {"real_time", {{"scheduler", real_time.scheduler}, {"memory_locked", real_time.memory_locked}}},
-                  {"simd", simdTarget()},
-                  {"threads", session.scenario().bed.threads},
-                  {"busy", orNull(session.busy())},
-                  {"problem", orNull(session.problem())},
-                  {"can_undo", !session.undoable().empty()},
-                  {"undo", orNull(session.undoable())},
-                  {"recording", orNull(beside.recording)},
-                  {"recorded", recordedJson(beside.recorded)}});
+  Json message({{"type", "status"},
+                {"time_s", now.time_s},
+                {"ticks", now.ticks},
+                {"misses", now.deadline_misses},
+                {"success_rate", now.success_rate},
+                {"rate_hz", beside.rate_hz},
+                {"tick_us", {{"p50", now.tick_us_p50}, {"p99", now.tick_us_p99}, {"max", now.tick_us_max}}},
+                {"particles", now.position.size()},
+                {"awake", now.awake},
+                {"paused", now.paused},
+                {"speed", session.speed()},
+                {"held_by", beside.held_by ? Json(*beside.held_by) : Json(nullptr)},
+                {"clients", beside.clients},
+                {"device", session.deviceName()},
+                {"person_feels", session.personFeels()},
+                {"let_go", orNull(now.trip == SafetyTrip::kNone ? "" : text(now.trip))},
+                {"real_time", {{"scheduler", real_time.scheduler}, {"memory_locked", real_time.memory_locked}}},
+                {"simd", simdTarget()},
+                {"threads", session.scenario().bed.threads},
+                {"busy", orNull(session.busy())},
+                {"problem", orNull(session.problem())},
+                {"can_undo", !session.undoable().empty()},
+                {"undo", orNull(session.undoable())},
+                {"recording", orNull(beside.recording)},
+                {"recorded", recordedJson(beside.recorded)}});
+  std::string whole = written(message);
+  for (const char* names : {"problem", "undo", "recording", "recorded"}) {
+    message[names] = nullptr;
+  }
+  return {std::move(whole), written(message)};
 }
 
 std::string replyMessage(std::optional<std::int64_t> id, std::string_view refused) {

@@ -12,12 +12,12 @@
 
 namespace haptolith {
 
-/// The JSON messages of docs/protocol.md.
+/// The JSON messages of docs/protocol.md. The nameless ones name no soil, world, preset or file.
 
 /// "$client" in it stands for the number of the client it goes to: see Board.
-[[nodiscard]] std::string helloMessage(std::string_view version, bool read_only);
+[[nodiscard]] Board::Texts helloMessages(std::string_view version, bool read_only);
 
-[[nodiscard]] Board::SceneTexts sceneMessages(const Session& session, const FrameEncoder::Space& space);
+[[nodiscard]] Board::Texts sceneMessages(const Session& session, const FrameEncoder::Space& space);
 
 /// What a session does not know about itself.
 struct StatusBeside {
@@ -27,7 +27,7 @@ struct StatusBeside {
   std::string_view recording = {};            ///< a file's name; empty: none
   std::filesystem::path recorded = {};        ///< the last file that is finished, and its folder; empty: none
 };
-[[nodiscard]] std::string statusMessage(const Session& session, const StatusBeside& beside);
+[[nodiscard]] Board::Texts statusMessages(const Session& session, const StatusBeside& beside);
 
 /// @param id  null in the reply when there is none that can be repeated.
 /// @param refused  why it was not done; empty: it was.
