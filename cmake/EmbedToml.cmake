@@ -1,15 +1,16 @@
 # cmake -DFILES=a.toml,b.toml -DHEADER=haptolith/scenario/built_in_soils.h -DTYPE=BuiltInSoil -DFUNCTION=builtInSoils
 #       -DOUTPUT=built_in_soils.cpp -P EmbedToml.cmake
-# Makes one source of TOML files, so that the program knows them wherever it is started.
+# Makes one source of TOML files, or of scripts, so that the program knows them wherever it is started.
 string(REPLACE "," ";" files "${FILES}")
 set(entries "")
 foreach(file ${files})
-  get_filename_component(name ${file} NAME_WE)
+  get_filename_component(name ${file} NAME)
+  string(REGEX REPLACE "\\.toml$" "" name ${name})
   file(READ ${file} text)
   string(APPEND entries "    {\"${name}\", R\"toml(${text})toml\"},\n")
 endforeach()
 file(WRITE ${OUTPUT}
-"// Made of TOML files by cmake/EmbedToml.cmake.
+"// Made of files by cmake/EmbedToml.cmake.
 #include \"${HEADER}\"
 
 namespace haptolith {

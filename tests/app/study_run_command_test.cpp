@@ -266,16 +266,26 @@ TEST_F(StudyRunCommands, SimulatedPeopleMakeAFigureThatFindsTheirWeberFraction) 
   const ProgramResult figure =
       runHaptolith(fmt::format("study figure {} --json --out {}", file("a.study"), file("fig.svg")));
   EXPECT_EQ(figure.exit_status, 0) << figure.errors;
-  const Json blocks = Json::parse(figure.output)["blocks"];
+  const Json told = Json::parse(figure.output);
+  const Json& blocks = told["blocks"];
   ASSERT_EQ(blocks.size(), 2U);
-  EXPECT_NEAR(blocks[0]["pooled"]["weber_fraction"].get<double>(), 0.29, 0.06);
-  EXPECT_EQ(blocks[0]["pooled"]["n_trials"], 450);
+  const Json& headline = blocks[0]["headline"];
+  EXPECT_EQ(headline["of"], "median person");
+  EXPECT_NEAR(headline["weber_fraction"].get<double>(), 0.29, 0.06);
+  EXPECT_NEAR(headline["pse"].get<double>(), 0.835, 0.06);
+  EXPECT_EQ(headline["n_trials"], 450);
+  EXPECT_FALSE(blocks[0].contains("pooled")) << "only when it is asked for";
+  ASSERT_EQ(told["differences"].size(), 1U);
+  EXPECT_EQ(told["differences"][0]["participants_in_both"], 30);
+  EXPECT_LT(told["differences"][0]["weber_fraction"]["interval"][0], 1) << "everybody has the same Weber fraction";
   EXPECT_TRUE(fs::exists(folder_ / "fig-friction.svg"));
   EXPECT_TRUE(fs::exists(folder_ / "fig-gravity.svg"));
   const ProgramResult one =
-      runHaptolith(fmt::format("study figure {} --block friction --out {}", file("a.study"), file("one.png")));
+      runHaptolith(fmt::format("study figure {} --block friction --pooled --out {}", file("a.study"), file("one.png")));
   EXPECT_TRUE(fs::exists(folder_ / "one.png")) << one.errors;
-  EXPECT_THAT(one.output, AllOf(HasSubstr("30 participant(s)"), HasSubstr("Weber fraction")));
+  EXPECT_THAT(one.output,
+              AllOf(HasSubstr("30 participant(s)"), HasSubstr("Weber fraction"), HasSubstr("PSE"),
+                    HasSubstr("Lapses: the rate is fitted"), HasSubstr("takes all answers for one person's")));
 }
 
 TEST_F(StudyRunCommands, SimulatedAnswersStandBesideNoPersons) {
@@ -311,7 +321,7 @@ TEST_F(StudyRunCommands, APlanTellsHowManyPeopleAreNeeded) {
   const Json sizes = Json::parse(plan.output)["sizes"];
   ASSERT_EQ(sizes.size(), 2U);
   EXPECT_EQ(sizes[1]["answers"], 16 * 3 * 5);
-  EXPECT_GT(sizes[1]["power"].get<double>(), sizes[0]["power"].get<double>());
+  EXPECT_GT(sizes[1]["power"]["share"].get<double>(), sizes[0]["power"]["share"].get<double>());
   EXPECT_TRUE(fs::exists(folder_ / "plan.svg"));
 }
 

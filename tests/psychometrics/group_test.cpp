@@ -48,7 +48,7 @@ TEST(Group, FindsMedianAndSpreadOfPeople) {
   EXPECT_LT(group.scale.spread.interval.low, 0.6);
   EXPECT_GT(group.scale.spread.interval.high, 0.6);
   EXPECT_GT(group.scale.spread.interval.low, 0.3);
-  EXPECT_EQ(group.pooled.n_trials, 9 * 9 * 40);
+  EXPECT_EQ(group.median_person.n_trials, 9 * 9 * 40);
   EXPECT_FALSE(group.threshold.has_value());
 }
 
@@ -62,7 +62,7 @@ TEST(Group, DrawsUncertainPeopleTowardsTheMedian) {
   const std::vector<std::vector<Level>> few = people({0.5, 1, 1, 1, 1, 1, 2.5}, 6, 3);
   const GroupFit group = fitGroup(few, quick());
   for (std::size_t i = 0; i < few.size(); ++i) {
-    const double own = std::log(group.participants[i].w->value);
+    const double own = std::log(group.alone[i]->w->value);
     const double within = std::log(group.scale.participants[i].value);
     const double median = std::log(group.scale.median.value);
     EXPECT_LE(std::abs(within - median), std::abs(own - median) + 0.12) << i;
@@ -78,6 +78,85 @@ TEST(Group, AlsoTellsThresholdsWhereTheyAreFree) {
   EXPECT_LT(group.threshold->median.interval.low, kReference);
   EXPECT_GT(group.threshold->median.interval.high, kReference);
   EXPECT_EQ(group.threshold->participants.size(), 3u);
+}
+
+FitOptions everythingFree() {
+  FitOptions options = quick();
+  options.threshold.reset();
+  return groupOptions(options);
+}
+
+TEST(Group, ATimeOrderErrorMovesThePseAndNotTheWeberFraction) {
+  std::vector<std::vector<Level>> felt = people(std::vector<double>(8, 1.2), 30, 5);
+  for (std::vector<Level>& person : felt) {
+    for (Level& level : person) {
+      level.x /= 1.2;  // as if each had been felt 20 % more than it is
+    }
+  }
+  const GroupFit group = fitGroup(felt, everythingFree());
+  EXPECT_NEAR(group.threshold->median.value, kReference / 1.2, 0.08);
+  EXPECT_LT(group.threshold->median.interval.high, kReference);
+  EXPECT_NEAR(group.scale.median.value, 1.2, 0.12);
+}
+
+TEST(Group, BlindAnswersAreTakenForLapses) {
+  std::mt19937_64 random(6);
+  PsychometricFunction blind = weberFunction(kReference, 0.5);
+  blind.guess = blind.lapse = 0.05;
+  std::vector<Level> levels;
+  for (const double x : kStimuli) {
+    levels.push_back({x, 0, 40});
+  }
+  std::vector<std::vector<Level>> lapsing;
+  for (int i = 0; i < 8; ++i) {
+    lapsing.push_back(simulatedAnswers(levels, blind, random));
+  }
+  const GroupFit group = fitGroup(lapsing, everythingFree());
+  EXPECT_NEAR(group.median_person.lapse.value, 0.05, 0.015);
+  EXPECT_LT(group.median_person.lapse.interval.low, 0.05);
+  EXPECT_GT(group.median_person.lapse.interval.high, 0.05);
+  EXPECT_NEAR(group.scale.median.value, 0.5, 0.12);
+}
+
+// An interval of people all alike, of many answers, is as narrow as that of the pooled answers, and no single point.
+TEST(Group, OfManyAnswersHasAnIntervalAsNarrowAsTheyAllow) {
+  const std::vector<std::vector<Level>> alike = people(std::vector<double>(6, 1.2), 1000, 7);
+  const Interval group = fitGroup(alike, everythingFree()).scale.median.interval;
+  FitOptions options = quick();
+  options.threshold.reset();
+  const Interval all = fitPsychometric(pooled(alike), options).w->interval;
+  EXPECT_LT(group.low, 1.2);
+  EXPECT_GT(group.high, 1.2);
+  EXPECT_GT(group.high - group.low, 0.8 * (all.high - all.low));
+  EXPECT_LT(group.high - group.low, 4 * (all.high - all.low));
+}
+
+TEST(Group, SaysWhetherPeopleDiffer) {
+  EXPECT_GT(fitGroup(people(std::vector<double>(8, 1.2), 300, 8), everythingFree()).scale.alike, 1);
+  EXPECT_LT(fitGroup(people({0.4, 0.5, 0.6, 0.8, 1.6, 2, 2.5, 3}, 30, 9), everythingFree()).scale.alike, 0.1);
+}
+
+TEST(Group, OfSomebodyWithOneStimulusHasNoFitOfThemAlone) {
+  std::vector<std::vector<Level>> group = people({1, 1}, 10, 10);
+  group.push_back({{0.27, 0, 3}});
+  const GroupFit fit = fitGroup(group, everythingFree());
+  EXPECT_TRUE(fit.alone[0].has_value());
+  EXPECT_FALSE(fit.alone[2].has_value());
+  EXPECT_GT(fit.participants[2].w->interval.high / fit.participants[2].w->interval.low,
+            fit.participants[0].w->interval.high / fit.participants[0].w->interval.low);
+}
+
+TEST(Group, OfOtherSigmoidsAndDesignsHasWidths) {
+  const std::vector<std::vector<Level>> group = people({0.8, 1, 1.2}, 20, 11);
+  for (const Design design : {Design::kEqualAsymptote, Design::kYesNo}) {
+    FitOptions options{.sigmoid = Sigmoid::kNorm, .design = design, .log_axis = true};
+    options.overdispersion = 0;
+    options.simulations = 0;
+    const GroupFit fit = fitGroup(group, options);
+    EXPECT_NEAR(fit.scale.median.value, weberWidth(Sigmoid::kWeber, 1), 0.7);
+    EXPECT_FALSE(fit.median_person.w.has_value());
+    EXPECT_NEAR(fit.median_person.jnd.value, kReference * 1.0, 0.5);
+  }
 }
 
 TEST(Group, OfNobodyIsRefused) {

@@ -119,7 +119,8 @@ assert list(people.participant_id) == ['sub-S01', 'sub-S02'] and list(people.sta
 assert people.demographics_age.iloc[0] == 36 and people.demographics_age.isna().iloc[1]
 assert set(people.columns) == set(json.load(open('bids/participants.json')))
 files = sorted(os.path.join(at, name)[5:] for at, _, names in os.walk('bids') for name in names if at != 'bids')
-assert files == ['sub-S01/beh/sub-S01_task-friction_beh.json', 'sub-S01/beh/sub-S01_task-friction_beh.tsv',
+assert files == ['code/analysis.R', 'code/analysis.py',
+                 'sub-S01/beh/sub-S01_task-friction_beh.json', 'sub-S01/beh/sub-S01_task-friction_beh.tsv',
                  'sub-S02/beh/sub-S02_task-gravity_beh.json', 'sub-S02/beh/sub-S02_task-gravity_beh.tsv'], files
 trials = table('sub-S01/beh/sub-S01_task-friction_beh.tsv')
 assert list(trials.trial_type) == ['practice', 'main', 'main', 'main', 'main']

@@ -4,6 +4,7 @@
 #include <nlohmann/json.hpp>
 
 #include <cmath>
+#include <optional>
 #include <string_view>
 
 namespace haptolith {
@@ -110,23 +111,39 @@ Json groupJson(const GroupFit& group, const std::vector<std::string>& names) {
     return Json{{"median", population.median.value},
                 {"median_interval", intervalJson(population.median.interval)},
                 {"spread", population.spread.value},
-                {"spread_interval", intervalJson(population.spread.interval)}};
+                {"spread_interval", intervalJson(population.spread.interval)},
+                {"bayes_factor_alike", population.alike}};
   };
-  const char* scale = isWeber(group.pooled.function.sigmoid) ? "weber_fraction" : "width";
+  const Fit& middle = group.median_person;
+  const bool weber = isWeber(middle.function.sigmoid);
+  const std::string scale = weber ? "weber_fraction" : "width";
   Json json{{scale, population_json(group.scale)}};
   if (group.threshold) {
     json["threshold"] = population_json(*group.threshold);
   }
+  json["jnd"] = {{"median", middle.jnd.value}, {"median_interval", intervalJson(middle.jnd.interval)}};
+  json["lapse"] = {{"median", middle.lapse.value}, {"median_interval", intervalJson(middle.lapse.interval)}};
+  json["confidence"] = middle.confidence;
+  json["n_trials"] = std::llround(middle.n_trials);
   for (std::size_t i = 0; i < group.participants.size(); ++i) {
-    const Fit& fit = group.participants[i];
-    json["participants"].push_back({{"participant", names[i]},
-                                    {"n_trials", std::llround(fit.n_trials)},
-                                    {"threshold", fit.threshold.value},
-                                    {"weber_fraction", fit.weber_fraction.value},
-                                    {"weber_fraction_interval", intervalJson(fit.weber_fraction.interval)},
-                                    {"width", fit.width.value},
-                                    {"width_interval", intervalJson(fit.width.interval)},
-                                    {std::string(scale) + "_in_group", group.scale.participants[i].value}});
+    const Fit& within = group.participants[i];
+    const Population& scales = group.scale;
+    Json person{{"participant", names[i]},
+                {"n_trials", std::llround(within.n_trials)},
+                {scale + "_in_group", scales.participants[i].value},
+                {scale + "_in_group_interval", intervalJson(scales.participants[i].interval)},
+                {"threshold_in_group", within.threshold.value},
+                {"threshold_in_group_interval", intervalJson(within.threshold.interval)},
+                {"jnd_in_group", within.jnd.value},
+                {"jnd_in_group_interval", intervalJson(within.jnd.interval)}};
+    if (const std::optional<Fit>& alone = group.alone[i]) {
+      person.update({{"threshold", alone->threshold.value},
+                     {"weber_fraction", alone->weber_fraction.value},
+                     {"weber_fraction_interval", intervalJson(alone->weber_fraction.interval)},
+                     {"width", alone->width.value},
+                     {"width_interval", intervalJson(alone->width.interval)}});
+    }
+    json["participants"].push_back(std::move(person));
   }
   return json;
 }
@@ -157,21 +174,37 @@ std::string fitText(const Fit& fit) {
 }
 
 std::string groupText(const GroupFit& group, const std::vector<std::string>& names) {
-  const std::string_view scale = scaleName(group.pooled);
-  std::string text = fmt::format("\n  {:<16} {:>9}   {:<22} {:>9}   within the group\n", "participant", scale,
-                                 fmt::format("{:g} %", 100 * group.pooled.confidence), "threshold");
-  for (std::size_t i = 0; i < group.participants.size(); ++i) {
-    const Fit& fit = group.participants[i];
-    const Estimate& own = isWeber(fit.function.sigmoid) ? fit.weber_fraction : fit.width;
-    text += fmt::format("  {:<16} {:>9.4g}   {:<22} {:>9.4g}   {:.4g}\n", names[i], own.value,
-                        intervalText(own.interval), fit.threshold.value, group.scale.participants[i].value);
+  const Fit& middle = group.median_person;
+  const std::string_view scale = scaleName(middle);
+  std::string text = fmt::format(
+      "\nThe person in the middle, by a model of all {} people at once; {} answers to {} stimuli\n\n"
+      "{:>28}   {:g} % credible interval\n",
+      names.size(), middle.n_trials, middle.levels.size(), "estimate", 100 * middle.confidence);
+  text += line(scale, group.scale.median, "the median of people's");
+  if (middle.function.sigmoid == Sigmoid::kWeberAsPrinted) {
+    text += line("w", *middle.w, "of (22) as printed");
   }
-  text += "\n";
-  text += line("median", group.scale.median, fmt::format("of people's {}", scale));
-  text += line("spread", group.scale.spread, "between people, standard deviation of its logarithm");
+  text += line("PSE", middle.threshold, "the median of people's x50");
+  text += line("JND", middle.jnd, "x84 - x50");
+  text += line("lapse rate", middle.lapse, "the same for all");
+  text += line("spread", group.scale.spread, fmt::format("of ln({}) between people, standard deviation", scale));
   if (group.threshold) {
-    text += line("median", group.threshold->median, "of people's threshold");
-    text += line("spread", group.threshold->spread, "between people");
+    text += line("spread", group.threshold->spread,
+                 middle.function.log_axis ? "of ln(PSE) between people" : "of PSEs between people");
+  }
+  text += fmt::format("\n  {:<16} {:>9} {:<22} {:>9} {:<22}  {} by their answers alone\n", "participant", scale, "",
+                      "PSE", "", scale);
+  for (std::size_t i = 0; i < group.participants.size(); ++i) {
+    const Fit& within = group.participants[i];
+    const Estimate& own = group.scale.participants[i];
+    std::string alone = "too few stimuli";
+    if (const std::optional<Fit>& fit = group.alone[i]) {
+      const Estimate& it = isWeber(fit->function.sigmoid) ? fit->weber_fraction : fit->width;
+      alone = fmt::format("{:.4g}   {}", it.value, intervalText(it.interval));
+    }
+    text +=
+        fmt::format("  {:<16} {:>9.4g}   {:<22} {:>9.4g}   {:<22} {}\n", names[i], own.value,
+                    intervalText(own.interval), within.threshold.value, intervalText(within.threshold.interval), alone);
   }
   return text;
 }

@@ -13,14 +13,14 @@ namespace haptolith {
 /// intervals and so on; w for the sigmoids of (paper 22).
 [[nodiscard]] nlohmann::ordered_json fitJson(const Fit& fit);
 
-/// The group's median and spread, and each participant as far as their own answers tell.
+/// The person in the middle, the spread between people, and each participant within the group and alone.
 /// @param names  of the participants, in their order.
 [[nodiscard]] nlohmann::ordered_json groupJson(const GroupFit& group, const std::vector<std::string>& names);
 
 /// A fit for people: a table of estimates and how well it fits.
 [[nodiscard]] std::string fitText(const Fit& fit);
 
-/// The group for people: a line for each participant, then median and spread.
+/// The same for people: the person in the middle and the spread, then a line for each participant.
 [[nodiscard]] std::string groupText(const GroupFit& group, const std::vector<std::string>& names);
 
 /// Several fits to the same answers, best first, for people.

@@ -3,8 +3,13 @@
 #include <nlohmann/json.hpp>
 
 #include <algorithm>
+#include <cstddef>
+#include <functional>
+#include <iterator>
 #include <memory>
+#include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "haptolith/core/error.h"
@@ -26,7 +31,9 @@ using Json = nlohmann::ordered_json;
 
 constexpr const char* kExamples = R"(Examples:
   haptolith study plan --protocol paper-friction --weber 0.29
-  haptolith study plan --protocol paper-friction --weber 0.29 --against 0.4 --participants 8,16,32 --figure power.svg)";
+  haptolith study plan --protocol paper-friction --weber 0.29 --against 0.4 --participants 8,16,32 --figure power.svg
+  haptolith study plan --protocol paper-friction --weber 0.29 --against 0.4 --spread 0.3 --repeats 12 --people
+  haptolith study plan --protocol paper-friction --weber 0.29 --width 0.5 --repeats 12 --people)";
 
 constexpr int kFigureWidth_px = 1100;
 constexpr int kFigureHeight_px = 460;
@@ -37,6 +44,8 @@ struct Options {
   PlanParameters parameters;
   Overwrite overwrite;
   bool json = false;
+  bool search = false;  ///< for the least number of participants
+  double power = 0.8;   ///< that is searched for
 };
 
 StudyBlock blockOf(const Options& options) {
@@ -50,19 +59,46 @@ StudyBlock blockOf(const Options& options) {
   return *found;
 }
 
+std::string shareText(const SimulatedShare& share) {
+  return fmt::format("{:.0f} % ({:.0f} to {:.0f})", 100 * share.value, 100 * share.interval.low,
+                     100 * share.interval.high);
+}
+
 std::string tableText(const Options& options, const StudyBlock& block, const std::vector<PlanOutcome>& outcomes) {
+  const PlanParameters& parameters = options.parameters;
   std::string table = fmt::format(
-      "{}: {} simulated studies of each size, Weber fraction {:g}\n\n"
-      "participants  repeats  answers   estimates: median, {:g} % range   interval, high/low   covered{}\n",
-      block.name, options.parameters.studies, options.parameters.observer.weber_fraction, 95.0,
-      options.parameters.against ? fmt::format("   against {:g}", *options.parameters.against) : "");
+      "{}: {} simulated studies of each size, Weber fraction {:g}, fitted as `study figure` does\n"
+      "In brackets: where a share lies for studies without end, 95 %.\n\n"
+      "participants  repeats  answers   estimates: median, 95 % range   interval's width   covered",
+      block.name, parameters.studies, parameters.observer.weber_fraction);
+  table += parameters.against ? fmt::format("              told from {:g}", *parameters.against) : "";
+  table += parameters.width ? fmt::format("            width <= {:g}", *parameters.width) : "";
+  table += "\n";
   for (const PlanOutcome& outcome : outcomes) {
-    table += fmt::format("{:>12}{:>9}{:>9}   {:>10.3f}, {:.3f} to {:.3f}{:>19.2f}{:>14.0f} %{}\n",
+    table += fmt::format("{:>12}{:>9}{:>9}   {:>10.3f}, {:.3f} to {:.3f}{:>17.0f} %   {:<19}{}{}\n",
                          outcome.size.participants, outcome.size.repeats, outcome.answers, outcome.median, outcome.low,
-                         outcome.high, outcome.interval_ratio, 100 * outcome.covered,
-                         outcome.power ? fmt::format("{:>11.0f} %", 100 * *outcome.power) : "");
+                         outcome.high, 100 * outcome.interval_width, shareText(outcome.covered),
+                         outcome.power ? fmt::format("  {:<19}", shareText(*outcome.power)) : "",
+                         outcome.narrow ? fmt::format("  {}", shareText(*outcome.narrow)) : "");
   }
   return table;
+}
+
+/// The least number of participants among those that were tried.
+std::string searchText(const Options& options, const std::vector<PlanOutcome>& outcomes) {
+  std::string text = "\n";
+  for (const int repeats : options.repeats) {
+    const auto found = std::ranges::find_if(outcomes, [&](const PlanOutcome& outcome) {
+      return outcome.size.repeats == repeats && successOf(outcome).value >= options.power;
+    });
+    text += fmt::format("{} participants with {} trials of each level: enough for {:g} % of studies\n",
+                        found->size.participants, repeats, 100 * options.power);
+  }
+  return text;
+}
+
+Json jsonOf(const SimulatedShare& share) {
+  return {{"share", share.value}, {"interval", {share.interval.low, share.interval.high}}};
 }
 
 Json jsonOf(const Options& options, const StudyBlock& block, const std::vector<PlanOutcome>& outcomes) {
@@ -72,14 +108,18 @@ Json jsonOf(const Options& options, const StudyBlock& block, const std::vector<P
                     {"repeats", outcome.size.repeats},
                     {"answers", outcome.answers},
                     {"weber_fraction", {{"median", outcome.median}, {"low", outcome.low}, {"high", outcome.high}}},
-                    {"interval_ratio", outcome.interval_ratio},
-                    {"covered", outcome.covered},
-                    {"power", outcome.power ? Json(*outcome.power) : Json(nullptr)}});
+                    {"interval_width", outcome.interval_width},
+                    {"covered", jsonOf(outcome.covered)},
+                    {"power", outcome.power ? jsonOf(*outcome.power) : Json(nullptr)},
+                    {"narrow", outcome.narrow ? jsonOf(*outcome.narrow) : Json(nullptr)}});
   }
+  const auto json_or_null = [](const std::optional<double>& value) { return value ? Json(*value) : Json(nullptr); };
   return {{"block", block.name},
           {"studies", options.parameters.studies},
           {"weber_fraction", options.parameters.observer.weber_fraction},
-          {"against", options.parameters.against ? Json(*options.parameters.against) : Json(nullptr)},
+          {"spread", options.parameters.spread},
+          {"against", json_or_null(options.parameters.against)},
+          {"width", json_or_null(options.parameters.width)},
           {"sizes", std::move(rows)}};
 }
 
@@ -93,8 +133,8 @@ void draw(const Options& options, const std::vector<PlanOutcome>& outcomes) {
     std::vector<std::vector<double>> rows;
     for (const PlanOutcome& outcome : outcomes) {
       if (outcome.size.repeats == repeats) {
-        rows.push_back({static_cast<double>(outcome.size.participants), 100 * outcome.power.value_or(0), outcome.median,
-                        outcome.low, outcome.high});
+        rows.push_back({static_cast<double>(outcome.size.participants), outcome.power ? 100 * outcome.power->value : 0,
+                        outcome.median, outcome.low, outcome.high});
       }
     }
     figure.data(fmt::format("r{}", repeats), rows);
@@ -105,6 +145,8 @@ void draw(const Options& options, const std::vector<PlanOutcome>& outcomes) {
                           repeats, shift, repeats);
     shift *= 1.04;
   }
+  const auto [least, most] =
+      std::ranges::minmax_element(outcomes, {}, [](const PlanOutcome& outcome) { return outcome.size.participants; });
   figure.command(fmt::format(R"(
 set multiplot layout 1,{0}
 set logscale x 2
@@ -115,8 +157,7 @@ set ylabel 'estimated Weber fraction'
 set title 'median and 95 % range of the estimates'
 {1}, {2} with lines dt 2 lc '#666666' title 'true')",
                              power ? 2 : 1, ranges, options.parameters.observer.weber_fraction,
-                             0.85 * std::ranges::min(options.participants),
-                             1.2 * std::ranges::max(options.participants)));
+                             0.85 * least->size.participants, 1.2 * most->size.participants));
   if (power) {
     figure.command(fmt::format(R"(
 set key bottom right
@@ -130,22 +171,31 @@ set title 'studies that tell it from {:g}'
   figure.save();
 }
 
-void plan(const Options& options) {
-  const StopOnSignal stop_on_signal;
-  const StudyBlock block = blockOf(options);
+std::vector<PlanOutcome> outcomesOf(const Options& options, const StudyBlock& block,
+                                    const std::function<bool()>& goes_on) {
+  std::vector<PlanOutcome> outcomes;
   std::vector<StudySize> sizes;
   for (const int repeats : options.repeats) {
+    if (options.search) {
+      std::ranges::copy(leastParticipants(block, repeats, options.parameters, options.power, goes_on),
+                        std::back_inserter(outcomes));
+    }
     for (const int participants : options.participants) {
       sizes.push_back({participants, repeats});
     }
   }
+  return options.search ? outcomes : planStudy(block, sizes, options.parameters, goes_on);
+}
+
+void plan(const Options& options) {
+  const StopOnSignal stop_on_signal;
+  const StudyBlock block = blockOf(options);
   StatusLine status;
   std::size_t done = 0;
-  const std::size_t all = sizes.size() * static_cast<std::size_t>(options.parameters.studies);
-  const std::vector<PlanOutcome> outcomes = planStudy(block, sizes, options.parameters, [&] {
+  const std::vector<PlanOutcome> outcomes = outcomesOf(options, block, [&] {
     ++done;
     if (status.visible()) {
-      status.update(fmt::format("study {} of {}", done, all));
+      status.update(fmt::format("{} studies", done));
     }
     return !stopAsked();
   });
@@ -156,7 +206,7 @@ void plan(const Options& options) {
   if (options.json) {
     printJson(jsonOf(options, block, outcomes));
   } else {
-    printText(tableText(options, block, outcomes));
+    printText(tableText(options, block, outcomes) + (options.search ? searchText(options, outcomes) : ""));
   }
 }
 
@@ -173,14 +223,28 @@ void addStudyPlanCommand(CLI::App& study) {
       ->option_text("W");
   command->add_option("--against", options->parameters.against, "Another value that it is to be distinguished from")
       ->option_text("W");
-  command->add_option("--participants", options->participants, "Numbers of participants [4,8,16,32]")
-      ->delimiter(',')
-      ->option_text("N,N,...");
+  command
+      ->add_option("--width", options->parameters.width,
+                   "Or how wide its interval may be, from end to end as a share of it")
+      ->option_text("SHARE");
+  CLI::Option* participants =
+      command->add_option("--participants", options->participants, "Numbers of participants [4,8,16,32]")
+          ->delimiter(',')
+          ->option_text("N,N,...");
+  command
+      ->add_flag("--people", options->search,
+                 "Search the least number of participants, for --against or --width in --power of all studies")
+      ->excludes(participants);
+  command->add_option("--power", options->power, "Share of studies that is searched for [0.8]")
+      ->check(numberIn({0.05, 0.99}))
+      ->option_text("SHARE");
   command->add_option("--repeats", options->repeats, "Numbers of trials with each level [3,6,12]")
       ->delimiter(',')
       ->option_text("N,N,...");
   command->add_option("--spread", options->parameters.spread, "Standard deviation of ln W between people [0]");
   addLapseOptions(*command, options->parameters.observer.lapse);
+  command->add_option("--bias", options->parameters.observer.bias, "The test feels like 1 + BIAS times what it is [0]")
+      ->option_text("BIAS");
   command->add_option("--studies", options->parameters.studies, "Simulated studies of each size [200]");
   command->add_option("--confidence", options->parameters.confidence, "Of the intervals [0.95]")
       ->check(numberIn({0.01, 0.999}));

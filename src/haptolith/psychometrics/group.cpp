@@ -1,203 +1,345 @@
 #include "haptolith/psychometrics/group.h"
 
+#include <Eigen/Core>
+
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <cstddef>
+#include <limits>
+#include <memory>
 #include <numbers>
+#include <utility>
 
 #include "haptolith/core/error.h"
+#include "haptolith/psychometrics/levels.h"
+#include "haptolith/psychometrics/likelihood.h"
 #include "haptolith/psychometrics/model.h"
 #include "haptolith/psychometrics/posterior.h"
+#include "haptolith/psychometrics/psychometric_function.h"
 
 namespace haptolith {
 
 namespace {
 
-constexpr int kPlaces = 301;  // of a participant's parameter
-constexpr int kMeans = 121;   // of the population
-constexpr int kSpreads = 61;  // between people
 // Half-normal priors of the spread between people keep a few answers from leaving it open: of ln(Weber fraction) or
-// ln(width) a factor of e^0.5 = 1.6 between people is usual; of thresholds a quarter of the stimuli's range.
-constexpr double kUsualLogSpread = 0.5;
-constexpr double kUsualThresholdSpread = 1.0 / 8;  // of the support, which is twice that range
-constexpr double kMostSpread = 0.5;                // of the parameter's whole range
+// ln(width) a factor of e^0.4 = 1.5 between people is usual; of thresholds a quarter of the stimuli's range.
+constexpr double kUsualLogSpread = 0.4;
+constexpr double kUsualThresholdSpread = 0.125;  // of the support, which is twice that range
+// Of Beta(1, 100), the prior of the lapse rate that all share. Chosen by simulation (docs/psychometrics.md): a wider
+// one lets few answers of sharp people who lapse pass for those of people who do not, and leaves the Weber fraction
+// open below.
+constexpr double kLapseBeta = 100;
+constexpr std::array kLapses{0.001, 0.02, 0.08};  // under which a table holds the likelihood, if the rate is free
+constexpr int kGuesses = 9;
+constexpr int kOverdispersions = 7;
 
-/// Evenly spaced places, and each participant's likelihood at them.
-struct Likelihoods {
-  std::vector<double> places;
-  std::vector<std::vector<double>> of_participants;  // largest 1
+/// A guess rate and an eta that are summed over, with their weight.
+struct Nuisance {
+  double guess, eta, weight;
 };
 
-double normalBelow(double z) noexcept {
-  return std::erfc(-z / std::numbers::sqrt2) / 2;
-}
-
-/// The share of a normal distribution in the cell about each place; those at the ends reach on.
-std::vector<double> normalShares(const std::vector<double>& places, double mean, double spread) {
-  std::vector<double> shares;
-  double below = 0;
-  for (std::size_t i = 0; i < places.size(); ++i) {
-    const bool last = i + 1 == places.size();
-    const double edge = last ? 0 : (places[i] + places[i + 1]) / 2;
-    const double up_to = last ? 1 : normalBelow((edge - mean) / spread);
-    shares.push_back(up_to - below);
-    below = up_to;
+/// Values of a parameter that each person has for themselves, dense at the lower end, and their prior masses.
+std::vector<WeightedValue> nuisanceValues(const Model& model, int parameter, int count) {
+  const Support& support = model.support(parameter);
+  if (support.isFixed()) {
+    return {{support.low, 1}};
   }
-  return shares;
-}
-
-std::vector<double> evenPlaces(double low, double high, int count) {
-  std::vector<double> places(static_cast<std::size_t>(count));
-  for (int i = 0; i < count; ++i) {
-    places[i] = low + (high - low) * i / (count - 1);
+  std::vector<WeightedValue> values;
+  values.reserve(static_cast<std::size_t>(count));
+  for (int i = 0; i < count; ++i) {  // the middles of cells that are even in the square root
+    const double root = (i + 0.5) / count;
+    const double value = support.low + (support.high - support.low) * root * root;
+    values.push_back({value, std::exp(model.logPrior(parameter, value)) * root});
   }
-  return places;
+  return values;
 }
 
-/// Sums over means and spreads of the population.
-class Hierarchy {
+std::vector<Nuisance> nuisancesOf(const Model& model) {
+  std::vector<Nuisance> result;
+  double total = 0;
+  for (const WeightedValue& guess : nuisanceValues(model, kGuess, kGuesses)) {
+    for (const WeightedValue& eta : nuisanceValues(model, kOverdispersion, kOverdispersions)) {
+      result.push_back({guess.value, eta.value, guess.mass * eta.mass});
+      total += result.back().weight;
+    }
+  }
+  for (Nuisance& nuisance : result) {
+    nuisance.weight /= total;
+  }
+  return result;
+}
+
+/// One person's log-likelihood over thresholds (rows) and logarithms of the scale (columns).
+class Likelihood {
  public:
-  Hierarchy(const Likelihoods& likelihoods, double usual_spread) : likelihoods_(likelihoods) {
-    const double low = likelihoods.places.front();
-    const double high = likelihoods.places.back();
-    const std::vector<double> means = evenPlaces(low, high, kMeans);
-    const double most_spread = std::min(kMostSpread * (high - low), 4 * usual_spread);
-    for (int i = 0; i < kSpreads; ++i) {
-      // The middles of cells: a spread of nothing is no place of the grid.
-      const double spread = most_spread * (i + 0.5) / kSpreads;
-      for (const double mean : means) {
-        points_.push_back({mean, spread, normalShares(likelihoods.places, mean, spread)});
+  Likelihood(const Model& model, std::vector<Level> levels, const std::vector<double>& places,
+             const std::vector<double>& log_scales)
+      : model_(model), levels_(std::move(levels)), nuisances_(nuisancesOf(model)) {
+    const PsychometricFunction axis = model.functionAt({places.front(), std::exp(log_scales.front()), 0, 0, 0});
+    shapes_.reserve(levels_.size());
+    for (const Level& level : levels_) {
+      Eigen::ArrayXXd shape(std::ssize(places), std::ssize(log_scales));
+      for (Eigen::Index column = 0; column < shape.cols(); ++column) {
+        const double width = model.widthOf(std::exp(log_scales[column]));
+        for (Eigen::Index row = 0; row < shape.rows(); ++row) {
+          shape(row, column) = standardSigmoid(axis.sigmoid, (toAxis(axis, level.x) - places[row]) / width);
+        }
       }
+      shapes_.push_back(std::move(shape));
     }
-    weigh(usual_spread);
   }
 
-  [[nodiscard]] std::vector<WeightedValue> means() const { return values(&Point::mean); }
-  [[nodiscard]] std::vector<WeightedValue> spreads() const { return values(&Point::spread); }
-
-  /// A participant's parameter: their likelihood times what the group says, over all means and spreads.
-  [[nodiscard]] std::vector<WeightedValue> participant(std::size_t which) const {
-    const std::vector<double>& likelihood = likelihoods_.of_participants[which];
-    std::vector<WeightedValue> result;
-    for (const double place : likelihoods_.places) {
-      result.push_back({place, 0});
+  [[nodiscard]] Eigen::ArrayXXd at(double lapse) const {
+    if (nuisances_.size() == 1) {
+      return with(lapse, nuisances_.front());
     }
-    for (const Point& point : points_) {
-      const double scale = point.mass / integral(likelihood, point.shares);
-      for (std::size_t i = 0; i < result.size(); ++i) {
-        result[i].mass += scale * likelihood[i] * point.shares[i];
-      }
-    }
-    return result;
-  }
-
- private:
-  struct Point {
-    double mean, spread;
-    std::vector<double> shares;
-    double mass = 0;
-  };
-
-  static double integral(const std::vector<double>& likelihood, const std::vector<double>& shares) {
-    double sum = 1e-300;  // nobody is impossible
-    for (std::size_t i = 0; i < likelihood.size(); ++i) {
-      sum += likelihood[i] * shares[i];
+    Eigen::ArrayXXd sum = Eigen::ArrayXXd::Constant(shapes_.front().rows(), shapes_.front().cols(),
+                                                    -std::numeric_limits<double>::infinity());
+    for (const Nuisance& nuisance : nuisances_) {
+      const Eigen::ArrayXXd log = with(lapse, nuisance) + std::log(nuisance.weight);
+      const Eigen::ArrayXXd larger = sum.max(log).max(-1e300);
+      sum = larger + ((sum - larger).exp() + (log - larger).exp()).log();
     }
     return sum;
   }
 
-  void weigh(double usual_spread) {
-    std::vector<double> logs;
-    for (const Point& point : points_) {
-      const double spreads = point.spread / usual_spread;
-      double sum = -spreads * spreads / 2;
-      for (const std::vector<double>& likelihood : likelihoods_.of_participants) {
-        sum += std::log(integral(likelihood, point.shares));
+ private:
+  [[nodiscard]] Eigen::ArrayXXd with(double lapse, const Nuisance& nuisance) const {
+    const double guess = model_.guessAt({0, 0, lapse, nuisance.guess, nuisance.eta});
+    Eigen::ArrayXXd sum = Eigen::ArrayXXd::Zero(shapes_.front().rows(), shapes_.front().cols());
+    for (std::size_t i = 0; i < levels_.size(); ++i) {
+      const auto [x, k, n] = levels_[i];
+      const Eigen::ArrayXXd psi = guess + (1 - guess - lapse) * shapes_[i];
+      if (nuisance.eta > 0) {
+        sum += psi.unaryExpr([&](double it) { return logLikelihood(k, n, it, nuisance.eta); });
+        continue;
       }
-      logs.push_back(sum);
+      if (k > 0) {
+        sum += k * psi.log();
+      }
+      if (n > k) {
+        sum += (n - k) * (1 - psi).log();
+      }
     }
-    const double most = *std::ranges::max_element(logs);
-    double total = 0;
-    for (std::size_t i = 0; i < points_.size(); ++i) {
-      points_[i].mass = std::exp(logs[i] - most);
-      total += points_[i].mass;
-    }
-    for (Point& point : points_) {
-      point.mass /= total;
-    }
+    return sum;
   }
 
-  [[nodiscard]] std::vector<WeightedValue> values(double Point::*field) const {
-    std::vector<WeightedValue> result;
-    for (const Point& point : points_) {
-      result.push_back({point.*field, point.mass});
-    }
-    return result;
-  }
-
-  const Likelihoods& likelihoods_;
-  std::vector<Point> points_;
+  Model model_;
+  std::vector<Level> levels_;
+  std::vector<Nuisance> nuisances_;
+  std::vector<Eigen::ArrayXXd> shapes_;  // the sigmoid at each level
 };
 
-template <class ToUnit>
-Estimate estimateOf(const std::vector<WeightedValue>& values, double confidence, const ToUnit& to_unit) {
-  const Interval interval = percentileInterval(values, confidence);
-  return {to_unit(percentileInterval(values, 0).low), {to_unit(interval.low), to_unit(interval.high)}};
+/// The table of a person's likelihood, where it is not negligible.
+PersonTable tableOf(const Model& model, const std::vector<Level>& levels, const Support& place,
+                    const Support& log_scale) {
+  const Support& lapse = model.support(kLapse);
+  const std::vector<double> lapses =
+      lapse.isFixed() ? std::vector{lapse.low} : std::vector(kLapses.begin(), kLapses.end());
+  return closedTable(place, log_scale, lapses,
+                     [&](const std::vector<double>& places, const std::vector<double>& log_scales) {
+                       const auto likelihood = std::make_shared<Likelihood>(model, levels, places, log_scales);
+                       return [likelihood](double shared) { return likelihood->at(shared); };
+                     });
 }
 
-/// The population of one parameter. `to_place` is where the normal distribution lives, `to_value` its inverse.
-template <class ToPlace, class ToValue>
-Population populationOf(const std::vector<Model>& models, Parameter parameter, double confidence,
-                        const ToPlace& to_place, const ToValue& to_value) {
-  double low = to_place(models.front().support(parameter).low);
-  double high = to_place(models.front().support(parameter).high);
-  for (const Model& model : models) {
-    low = std::min(low, to_place(model.support(parameter).low));
-    high = std::max(high, to_place(model.support(parameter).high));
+/// Where thresholds lie on their axis, and the logarithms of widths or Weber fractions, and how they may differ.
+struct Axes {
+  Support place, log_scale;
+  SpreadPrior place_spread, log_scale_spread;
+};
+
+Axes axesOf(const Model& model) {
+  const Support& place = model.support(kThreshold);
+  const Support& scale = model.support(kScale);
+  return {.place = place,
+          .log_scale = {std::log(scale.low), std::log(scale.high)},
+          .place_spread = {kUsualThresholdSpread * (place.high - place.low)},
+          .log_scale_spread = {kUsualLogSpread}};
+}
+
+HierarchyPriors priorsOf(const Model& model, const Axes& axes) {
+  HierarchyPriors priors;
+  priors.supports = {axes.place, axes.place_spread.support(), axes.log_scale, axes.log_scale_spread.support(),
+                     model.support(kLapse)};
+  priors.log_densities = {[&model](double place) { return model.logPrior(kThreshold, place); },
+                          [prior = axes.place_spread](double spread) { return prior.logDensity(spread); }, nullptr,
+                          [prior = axes.log_scale_spread](double spread) { return prior.logDensity(spread); },
+                          [](double lapse) { return (kLapseBeta - 1) * std::log1p(-lapse); }};
+  if (axes.place.isFixed()) {
+    priors.log_densities[kFirstSpread] = nullptr;
   }
-  Likelihoods likelihoods{.places = evenPlaces(low, high, kPlaces), .of_participants = {}};
-  std::vector<double> values;
-  for (const double place : likelihoods.places) {
-    values.push_back(to_value(place));
+  return priors;
+}
+
+/// Marginals of the two numbers of a person.
+Marginal marginalOf(const std::vector<double>& values, const Eigen::ArrayXd& likelihood) {
+  const Eigen::ArrayXd log = (likelihood / likelihood.maxCoeff()).max(1e-300).log();
+  return {values, {log.begin(), log.end()}};
+}
+
+template <class ToUnit>
+Estimate inUnit(const Estimate& estimate, const ToUnit& to_unit) {
+  return {to_unit(estimate.value), {to_unit(estimate.interval.low), to_unit(estimate.interval.high)}};
+}
+
+Estimate estimateOf(const std::vector<WeightedValue>& values, double confidence) {
+  return {percentileInterval(values, 0).low, percentileInterval(values, confidence)};
+}
+
+/// Fills in a fit whose threshold and scale have a joint distribution.
+class FitWriter {
+ public:
+  FitWriter(const Model& model, const Estimate& lapse, double guess) : model_(model), lapse_(lapse), guess_(guess) {}
+
+  /// @param place, scale  of a threshold on its axis, and of a width or Weber fraction. @param mass  rows: places.
+  [[nodiscard]] Fit write(const std::vector<Level>& levels, const Estimate& place, const Estimate& scale,
+                          const std::vector<double>& places, const std::vector<double>& log_scales,
+                          const Eigen::ArrayXXd& mass) const {
+    Fit fit{.method = FitMethod::kMedian,
+            .design = model_.options().design,
+            .confidence = model_.options().confidence,
+            .levels = pooled(levels)};
+    fit.function = functionAt({place.value, scale.value, lapse_.value, guess_, 0});
+    const auto widths = [this](double value) { return model_.widthOf(value); };
+    fit.threshold = inUnit(place, [&](double value) { return fromAxis(fit.function, value); });
+    fit.width = inUnit(scale, widths);
+    if (isWeber(fit.function.sigmoid)) {
+      fit.w = inUnit(fit.width, [&](double width) { return weberParameter(fit.function.sigmoid, width); });
+    }
+    fit.lapse = lapse_;
+    fit.guess = fit.design == Design::kEqualAsymptote ? lapse_ : Estimate{guess_, {guess_, guess_}};
+    fit.jnd = derived(places, log_scales, mass, jndOf);
+    fit.weber_fraction = derived(places, log_scales, mass, weberFractionOf);
+    if (isWeber(fit.function.sigmoid)) {
+      fit.weber_fraction = scale;  // without the detour over the grid
+    }
+    for (const Level& level : fit.levels) {
+      fit.n_trials += level.n;
+    }
+    fit.free_parameters = (model_.support(kThreshold).isFixed() ? 1 : 2) + (model_.support(kLapse).isFixed() ? 0 : 1);
+    return fit;
   }
-  for (const Model& model : models) {
-    likelihoods.of_participants.push_back(marginalLikelihood(model, parameter, values));
+
+  [[nodiscard]] PsychometricFunction functionAt(ParameterPoint point) const {
+    point[kGuess] = guess_;
+    return model_.functionAt(point);
   }
-  const Hierarchy hierarchy(likelihoods, parameter == kScale ? kUsualLogSpread : kUsualThresholdSpread * (high - low));
-  Population population;
-  population.median = estimateOf(hierarchy.means(), confidence, to_value);
-  population.spread = estimateOf(hierarchy.spreads(), confidence, [](double spread) { return spread; });
-  for (std::size_t i = 0; i < models.size(); ++i) {
-    population.participants.push_back(estimateOf(hierarchy.participant(i), confidence, to_value));
+
+ private:
+  [[nodiscard]] Estimate derived(const std::vector<double>& places, const std::vector<double>& log_scales,
+                                 const Eigen::ArrayXXd& mass, double (*of)(const PsychometricFunction&)) const {
+    std::vector<WeightedValue> values;
+    values.reserve(places.size() * log_scales.size());
+    for (std::size_t row = 0; row < places.size(); ++row) {
+      for (std::size_t column = 0; column < log_scales.size(); ++column) {
+        const double share = mass(static_cast<Eigen::Index>(row), static_cast<Eigen::Index>(column));
+        if (share > 0) {
+          values.push_back({of(functionAt({places[row], std::exp(log_scales[column]), 0, 0, 0})), share});
+        }
+      }
+    }
+    return estimateOf(values, model_.options().confidence);
   }
-  return population;
+
+  const Model& model_;
+  Estimate lapse_;
+  double guess_;
+};
+
+std::vector<WeightedValue> weighted(const std::vector<double>& values, const Eigen::ArrayXd& mass) {
+  std::vector<WeightedValue> result;
+  result.reserve(values.size());
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    result.push_back({values[i], mass[static_cast<Eigen::Index>(i)]});
+  }
+  return result;
+}
+
+double exponential(double place) {
+  return std::exp(place);
+}
+
+/// The guess rate of a design that leaves it free is each one's own; the function in the middle has everybody's.
+double guessOf(std::span<const std::vector<Level>> participants, const Model& model) {
+  const Support& guess = model.support(kGuess);
+  if (guess.isFixed()) {
+    return guess.low;
+  }
+  FitOptions options = model.options();
+  options.simulations = 0;
+  return fitPsychometric(pooled(participants), options).guess.value;
+}
+
+std::optional<Fit> fitAlone(const std::vector<Level>& levels, FitOptions options, double lapse) {
+  if (pooled(levels).size() < 2) {
+    return std::nullopt;
+  }
+  options.simulations = 0;
+  options.lapse = lapse;
+  return fitPsychometric(levels, options);
 }
 
 }  // namespace
 
-GroupFit fitGroup(std::span<const std::vector<Level>> participants, const FitOptions& options) {
+FitOptions groupOptions(FitOptions of_one_person) {
+  of_one_person.lapse.reset();
+  of_one_person.overdispersion = 0;
+  return of_one_person;
+}
+
+GroupFit fitGroup(std::span<const std::vector<Level>> participants, const FitOptions& options, PeopleToo people_too) {
   if (participants.empty()) {
     throw InvalidParameter("participants", "none", "one or more");
   }
-  GroupFit group;
-  group.pooled = fitPsychometric(pooled(participants), options);
-  std::vector<Model> models;
+  const std::vector<Level> all = pooled(participants);
+  const Model model(all, options);
+  const Axes axes = axesOf(model);
+  std::vector<PersonTable> tables;
+  tables.reserve(participants.size());
   for (const std::vector<Level>& levels : participants) {
-    group.participants.push_back(fitPsychometric(levels, options));
-    models.emplace_back(levels, options);
+    tables.push_back(tableOf(model, pooled(levels), axes.place, axes.log_scale));
   }
-  const auto logarithm = [](double value) { return std::log(value); };
-  const auto exponential = [](double place) { return std::exp(place); };
-  group.scale = populationOf(models, kScale, options.confidence, logarithm, exponential);
-  if (!options.threshold) {
-    const auto same = [](double place) { return place; };
-    const PsychometricFunction& axis = group.pooled.function;
-    group.threshold = populationOf(models, kThreshold, options.confidence, same, same);
-    const auto in_unit = [&axis](Estimate& estimate) {
-      estimate = {fromAxis(axis, estimate.value),
-                  {fromAxis(axis, estimate.interval.low), fromAxis(axis, estimate.interval.high)}};
-    };
-    in_unit(group.threshold->median);
-    std::ranges::for_each(group.threshold->participants, in_unit);
+  const HierarchyPriors priors = priorsOf(model, axes);
+  const HierarchyPosterior posterior = hierarchyOf(tables, priors, people_too);
+
+  const auto& marginals = posterior.marginals;
+  const double confidence = options.confidence;
+  const FitWriter writer(model, estimateOf(marginals[kShared], confidence), guessOf(participants, model));
+  const auto to_unit = [&](double place) { return fromAxis(writer.functionAt({place, 1, 0, 0, 0}), place); };
+  GroupFit group;
+  const Estimate place = estimateOf(marginals[kFirstMean], confidence);
+  group.scale.median = inUnit(estimateOf(marginals[kSecondMean], confidence), exponential);
+  group.scale.spread = estimateOf(marginals[kSecondSpread], confidence);
+  group.scale.prior = axes.log_scale_spread;
+  group.scale.alike = group.scale.prior.bayesFactorOfNone(marginals[kSecondSpread]);
+  group.median_person = writer.write(all, place, group.scale.median, marginals[kFirstMean].values,
+                                     marginals[kSecondMean].values, posterior.means);
+  for (const HyperPoint& point : posterior.draws) {
+    group.median_person.draws.push_back(
+        writer.functionAt({point[kFirstMean], std::exp(point[kSecondMean]), point[kShared], 0, 0}));
+  }
+  if (!axes.place.isFixed()) {
+    group.threshold = Population{.median = group.median_person.threshold,
+                                 .spread = estimateOf(marginals[kFirstSpread], confidence),
+                                 .prior = axes.place_spread,
+                                 .alike = axes.place_spread.bayesFactorOfNone(marginals[kFirstSpread])};
+  }
+  for (std::size_t i = 0; i < posterior.people.size(); ++i) {
+    const Eigen::ArrayXXd& mass = posterior.people[i];
+    const PersonTable& table = tables[i];
+    const Estimate own_place = estimateOf(weighted(table.first, mass.rowwise().sum()), confidence);
+    const Estimate own_scale =
+        inUnit(estimateOf(weighted(table.second, mass.colwise().sum().transpose()), confidence), exponential);
+    group.participants.push_back(writer.write(participants[i], own_place, own_scale, table.first, table.second, mass));
+    group.alone.push_back(fitAlone(participants[i], options, group.median_person.lapse.value));
+    group.scale.participants.push_back(own_scale);
+    group.scale.likelihoods.push_back(marginalOf(table.second, posterior.second_alone[i]));
+    if (group.threshold) {
+      group.threshold->participants.push_back(inUnit(own_place, to_unit));
+      group.threshold->likelihoods.push_back(marginalOf(table.first, posterior.first_alone[i]));
+    }
   }
   return group;
 }

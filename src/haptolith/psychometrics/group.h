@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "haptolith/psychometrics/fit.h"
+#include "haptolith/psychometrics/hierarchy.h"
 
 namespace haptolith {
 
@@ -13,22 +14,39 @@ namespace haptolith {
 struct Population {
   Estimate median = {};  ///< of the parameter, in its own unit
   Estimate spread = {};  ///< standard deviation between people: of the logarithm, or of a linear threshold in its unit
+  SpreadPrior prior = {};                   ///< of the spread
+  double alike = 0;                         ///< Bayes factor for a spread of 0 against that prior
   std::vector<Estimate> participants = {};  ///< what each one's answers and the group together say of them
+  /// Each one's likelihood of the parameter's place (its logarithm, or itself on a linear axis), the rest summed over.
+  std::vector<Marginal> likelihoods = {};
 };
 
 /// A group of participants who answered to the same kind of stimuli.
 struct GroupFit {
-  Fit pooled = {};                                     ///< all answers as if of one person
-  std::vector<Fit> participants = {};                  ///< each by themselves
+  /// The function of the person in the middle, whose threshold and width are the medians of people's; its levels are
+  /// everybody's. How well it fits is not told: nobody's answers are meant to follow it.
+  Fit median_person = {};
   std::optional<Population> threshold = std::nullopt;  ///< where it is free
   Population scale = {};                               ///< Weber fraction of weber sigmoids, else the width
+  std::vector<Fit> participants = {};                  ///< each within the group
+  /// Each by themselves, with the group's lapse rate; none where the answers are to a single stimulus.
+  std::vector<std::optional<Fit>> alone = {};
 };
 
-/// Fits each participant, all of them pooled, and a hierarchical model: every participant's parameter comes from a
-/// normal distribution whose mean and standard deviation have flat priors, all other parameters are each one's own.
-/// Sums over grids, so it is deterministic.
+/// What fitGroup() leaves free of a model for one person: the lapse rate too; no overdispersion, as people differ by
+/// what is their own.
+[[nodiscard]] FitOptions groupOptions(FitOptions of_one_person);
+
+/// A hierarchical model of all participants at once: everybody's threshold (its place on the axis) and ln(width), of
+/// weber sigmoids ln(Weber fraction), come from two normal distributions; a free lapse rate is the same for all. The
+/// medians of people have the prior of a single fit (Model) for the threshold, a flat one for the logarithm; the
+/// standard deviations half-normal ones, of 0.4 for the logarithm and a quarter of the stimuli's range for the
+/// threshold; the lapse rate Beta(1, 100); a free guess rate (design yesno) and a free eta are each one's own, with the
+/// priors of a single fit. Sums over grids, deterministic.
 /// @param participants  each one's levels; one participant or more.
+/// @param people_too  kNo leaves out what is said of each participant, which takes most of the time.
 /// @throws InvalidParameter as fitPsychometric(), or without a participant.
-[[nodiscard]] GroupFit fitGroup(std::span<const std::vector<Level>> participants, const FitOptions& options);
+[[nodiscard]] GroupFit fitGroup(std::span<const std::vector<Level>> participants, const FitOptions& options,
+                                PeopleToo people_too = PeopleToo::kYes);
 
 }  // namespace haptolith

@@ -114,6 +114,18 @@ class Drawing {
     const double at84 = 100 * probability(function, x84);
     add({{x50, 0}, {x50, at50}, {kGap, kGap}, {x84, 0}, {x84, at84}},
         fmt::format("using 1:2 with lines dashtype (3,4) linewidth 1.3 linecolor rgb '{}'", kBold));
+    const auto told = [](const Estimate& it) {
+      return it.interval.low == it.interval.high
+                 ? fmt::format("{:.3g}, fixed", it.value)
+                 : fmt::format("{:.3g}, {:.3g} to {:.3g}", it.value, it.interval.low, it.interval.high);
+    };
+    add({{fit.threshold.interval.low, at50}, {fit.threshold.interval.high, at50}},
+        "using 1:2 with lines linewidth 5 linecolor rgb '#888888'");
+    figure_.command(fmt::format("set label {} at graph 0.985,0.22 right front textcolor rgb '{}'",
+                                gnuplotQuoted("PSE " + told(fit.threshold)), kBold));
+    figure_.command(fmt::format(
+        "set label {} at graph 0.985,0.17 right front textcolor rgb '{}'",
+        gnuplotQuoted((fit.w ? "Weber fraction " : "width ") + told(fit.w ? fit.weber_fraction : fit.width)), kBold));
     if (inside(x84)) {
       figure_.command(
           fmt::format("set arrow from first {},graph 0.045 to first {},graph 0.045 heads size graph 0.012,20 "

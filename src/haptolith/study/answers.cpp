@@ -46,7 +46,9 @@ std::optional<double> caught(std::span<const TrialRow> trials, std::size_t block
 FitOptions fitOptionsOf(const StudyBlock& block) {
   const auto positive = [](const Stimulus& stimulus) { return stimulus.value > 0; };
   if (positive(block.reference) && std::ranges::all_of(block.levels, positive)) {
-    return weberOptions(block.reference.value);
+    FitOptions options = weberOptions(block.reference.value);
+    options.threshold.reset();
+    return options;
   }
   FitOptions options;
   options.design = Design::kEqualAsymptote;

@@ -26,9 +26,9 @@ namespace haptolith {
 [[nodiscard]] std::optional<double> caught(std::span<const TrialRow> trials, std::size_t block,
                                            std::optional<std::int64_t> participant = std::nullopt);
 
-/// How the answers of a block are fitted unless somebody wants it otherwise: (paper 22) with the reference as threshold
-/// and the Weber fraction as its only free parameter. A block with values at or below zero has no Weber fraction: its
-/// curve is a cumulative Gaussian over a linear axis.
+/// How one person's answers in a block are fitted unless somebody wants it otherwise: (paper 22) without lapses, with
+/// Weber fraction and point of subjective equality free. A block with values at or below zero has no Weber fraction:
+/// its curve is a cumulative Gaussian over a linear axis.
 [[nodiscard]] FitOptions fitOptionsOf(const StudyBlock& block);
 
 }  // namespace haptolith

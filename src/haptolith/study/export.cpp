@@ -14,6 +14,7 @@
 #include "haptolith/core/atomic_file.h"
 #include "haptolith/core/atomic_folder.h"
 #include "haptolith/core/error.h"
+#include "haptolith/study/analysis_scripts.h"
 #include "haptolith/study/form.h"
 
 namespace haptolith {
@@ -449,6 +450,7 @@ void exportCsv(const StudyStore& study, const fs::path& file, const ExportOption
     text += csvLine(fields);
   }
   out.write(text);
+  writeAnalysisScripts(file, ifThere(options));
   out.commit();
 }
 
@@ -472,6 +474,9 @@ void exportBids(const StudyStore& study, const fs::path& folder, const ExportOpt
       made.write(stem.string() + ".tsv", behaviourTsv(participant, trials, block.name));
       made.write(stem.string() + ".json", behaviourJson(block).dump(2) + "\n");
     }
+  }
+  for (const AnalysisScript& script : analysisScripts()) {
+    made.write(fs::path("code") / script.name, script.text);
   }
   made.commit();
 }
