@@ -39,7 +39,9 @@ class SnapshotCommand : public testing::Test {
 
   /// How many files there are in the folder, but for the one for temporary files, which has to be empty.
   [[nodiscard]] std::size_t files() const {
-    EXPECT_TRUE(fs::is_empty(temporary_));
+    for (const fs::directory_entry& left : fs::recursive_directory_iterator(temporary_)) {
+      ADD_FAILURE() << left.path() << " is left";
+    }
     return static_cast<std::size_t>(std::distance(fs::directory_iterator(folder_), fs::directory_iterator())) - 1;
   }
 

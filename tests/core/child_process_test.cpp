@@ -7,6 +7,7 @@
 
 #include <chrono>
 #include <csignal>
+#include <cstdlib>
 #include <string>
 
 #include "haptolith/core/error.h"
@@ -36,6 +37,15 @@ TEST(ChildProcess, ReadsAndWritesWhatItIsGivenAndKnowsWhatItIsTold) {
   }
   EXPECT_THAT(answer, testing::StartsWith("hello world\n"));
   EXPECT_TRUE(child.wait());
+}
+
+TEST(ChildProcess, FindsEachVariableOnceAndAsItWasGiven) {
+  setenv("GREETING", "good morning", 1);
+  const Descriptor words = temporaryFile();
+  ChildProcess child(shell("tr '\\0' '\\n' < /proc/self/environ | grep ^GREETING="), {{words, STDOUT_FILENO}});
+  EXPECT_TRUE(child.wait());
+  unsetenv("GREETING");
+  EXPECT_EQ(contentOf(words), "GREETING=hello\n");
 }
 
 TEST(ChildProcess, ItsFailureIsSeenAndItsWordsAreKept) {

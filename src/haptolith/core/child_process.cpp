@@ -181,14 +181,20 @@ struct Start {
 
 ChildProcess::ChildProcess(const Command& command, const std::vector<Given>& given) {
   Start start{.arguments = pointersTo(command.arguments),
-              .environment = pointersTo(command.environment),  // the first of a name counts
+              .environment = pointersTo(command.environment),
               .given = given,
               .parent = getpid(),
               .most_cpu_s = static_cast<rlim_t>(command.most_cpu.count()),
               .error_to = -1};
   start.environment.pop_back();
   for (char** variable = environ; *variable != nullptr; ++variable) {
-    start.environment.push_back(*variable);
+    // A name that stands there twice means the first to some programs and the last to others, such as shells.
+    const std::string_view ours(*variable);
+    const std::string_view name = ours.substr(0, ours.find('=') + 1);
+    const auto has_name = [name](const std::string& given) { return given.starts_with(name); };
+    if (std::ranges::none_of(command.environment, has_name)) {
+      start.environment.push_back(*variable);
+    }
   }
   start.environment.push_back(nullptr);
   Pipe failed;
