@@ -191,7 +191,7 @@ ChildProcess::ChildProcess(const Command& command, const std::vector<Given>& giv
     // A name that stands there twice means the first to some programs and the last to others, such as shells.
     const std::string_view ours(*variable);
     const std::string_view name = ours.substr(0, ours.find('=') + 1);
-    const auto has_name = [name](const std::string& given) { return given.starts_with(name); };
+    const auto has_name = [name](const std::string& variable_set) { return variable_set.starts_with(name); };
     if (std::ranges::none_of(command.environment, has_name)) {
       start.environment.push_back(*variable);
     }
