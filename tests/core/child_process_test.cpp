@@ -42,7 +42,7 @@ TEST(ChildProcess, ReadsAndWritesWhatItIsGivenAndKnowsWhatItIsTold) {
 TEST(ChildProcess, FindsEachVariableOnceAndAsItWasGiven) {
   setenv("GREETING", "good morning", 1);
   const Descriptor words = temporaryFile();
-  ChildProcess child(shell("tr '\\0' '\\n' < /proc/self/environ | grep ^GREETING="), {{words, STDOUT_FILENO}});
+  ChildProcess child(shell("tr '\\0' '\\n' < /proc/$$/environ | grep ^GREETING="), {{words, STDOUT_FILENO}});
   EXPECT_TRUE(child.wait());
   unsetenv("GREETING");
   EXPECT_EQ(contentOf(words), "GREETING=hello\n");
