@@ -77,6 +77,27 @@ TEST_F(StudyFit, FitsTwoAlternativesByMaximumLikelihood) {
   EXPECT_TRUE(fit["log_evidence"].is_null());
 }
 
+TEST_F(StudyFit, FitsAnyNumberOfAlternativesAndFallingFunctions) {
+  const json fit = fitOf("--design nafc --alternatives 3 --sigmoid tdist --falling --simulations 0 --data " +
+                         file("3afc.csv", "x,k,n\n1,99,100\n2,95,100\n3,67,100\n4,38,100\n5,35,100\n"));
+  EXPECT_NEAR(fit["guess"], 1.0 / 3, 1e-12);
+  EXPECT_EQ(fit["design"], "3afc");
+  EXPECT_EQ(fit["falling"], true);
+  EXPECT_NEAR(fit["threshold"], 3, 0.1);
+  expectWrongUse("--alternatives 3 --data " + friction_, "nafc");
+  expectWrongUse("--design nafc --alternatives 1 --data " + friction_, "--alternatives");
+}
+
+TEST_F(StudyFit, PoolsTrialsWithinATolerance) {
+  const std::string trials = file("single.csv", "x,response\n0.6,0\n0.61,0\n0.8,0\n0.82,1\n0.81,0\n1.2,1\n1.21,1\n");
+  EXPECT_EQ(fitOf("--simulations 0 --data " + trials)["levels"].size(), 7u);
+  const json pooled = fitOf("--simulations 0 --pool-tolerance 0.05 --data " + trials)["levels"];
+  ASSERT_EQ(pooled.size(), 3u);
+  EXPECT_NEAR(pooled[1]["x"], 0.81, 1e-12);
+  EXPECT_EQ(pooled[1]["n"], 3);
+  expectWrongUse("--pool-tolerance -1 --data " + trials, "pool tolerance");
+}
+
 TEST_F(StudyFit, TellsPeopleOfAGroupApartAndDrawsThem) {
   std::string table = "participant,block,value,response\n";
   for (const char* person : {"S01", "S02", "S03"}) {

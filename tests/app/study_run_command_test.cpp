@@ -244,6 +244,8 @@ TEST_F(StudyRunCommands, WrongUseIsToldAndHasStatusTwo) {
             "the same twice"},
            {"simulate " + file("a.study") + " --weber 0", "weber_fraction = 0"},
            {"simulate " + file("a.study") + " --lapse 2", "lapse = 2"},
+           {"simulate " + file("a.study") + " --blind 1.5", "--blind"},
+           {"simulate " + file("a.study") + " --blind 0.1 --lapse 0.1", "--lapse"},
            {"simulate " + file("a.study") + " --hand stir", "--judge"},
            {"figure " + file("a.study") + " --block gravity", "gravity"},
            {"figure " + file("a.study") + " --sigmoid round", "round"},

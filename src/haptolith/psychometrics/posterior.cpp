@@ -21,7 +21,7 @@ using Supports = std::array<Support, kParameters>;
 // What is less dense than the best point by more than this (e^-9 = 1.2e-4) is left out of the last grid.
 constexpr double kNegligible = 9;
 // The same of parameters that are summed over: the likelihood of another one is wanted where it is small, too.
-constexpr double kNegligibleNuisance = 18;
+constexpr double kNegligibleNuisance = 12;
 constexpr std::size_t kHumps = 3;  // of the posterior, among which its maximum is looked for
 constexpr Sizes kCoarse{17, 17, 6, 6, 5};
 // Of the grid of the likelihood's peaks, which lie between any two stimuli where the function is narrow.
@@ -63,6 +63,7 @@ GridAxis coarseAxis(const Support& range, int size, bool logarithmic, bool dense
     axis.values = {range.low};
     return axis;
   }
+  axis.values.reserve(static_cast<std::size_t>(size));
   for (int i = 0; i < size; ++i) {
     const double share = double(i) / (size - 1);
     axis.values.push_back(between(axis, dense_below ? share * share : share));
@@ -81,6 +82,8 @@ GridAxis gaussAxis(const Support& range, int size, bool logarithmic) {
   }
   const GaussRule& rule = gaussRule(size);
   const double half = (logarithmic ? std::log(range.high / range.low) : range.high - range.low) / 2;
+  axis.values.reserve(rule.places.size());
+  axis.weights.reserve(rule.places.size());
   for (std::size_t i = 0; i < rule.places.size(); ++i) {
     axis.values.push_back(between(axis, (1 + rule.places[i]) / 2));
     axis.weights.push_back(half * rule.weights[i] * (logarithmic ? axis.values.back() : 1));
@@ -119,6 +122,7 @@ Axes gaussAxes(const Model& model, const Supports& supports, const Sizes& sizes)
   return axes;
 }
 
+/// A point of a grid.
 struct DensePoint {
   ParameterPoint point = {};
   double log_density = 0;
@@ -131,6 +135,7 @@ class Grid {
     std::size_t points = 1;
     for (int i = 0; i < kParameters; ++i) {
       points *= axes_[i].values.size();
+      log_priors_[i].reserve(axes_[i].values.size());
       for (const double value : axes_[i].values) {
         log_priors_[i].push_back(model.logPrior(i, value));
       }
@@ -313,6 +318,7 @@ std::vector<DensePoint> peaksOf(const Grid& grid) {
 
 std::vector<ParameterPoint> firstPoints(const std::vector<DensePoint>& peaks, std::size_t count) {
   std::vector<ParameterPoint> points;
+  points.reserve(std::min(count, peaks.size()));
   for (const DensePoint& peak : std::span(peaks).first(std::min(count, peaks.size()))) {
     points.push_back(peak.point);
   }

@@ -20,7 +20,6 @@ namespace haptolith {
 namespace {
 
 constexpr int kCurvePoints = 240;
-constexpr double kOneSigma = 0.8413447460685429;  // where the JND ends
 constexpr double kMargin = 0.06;                  // of the axis, beyond the outermost stimuli
 
 constexpr double kDodge = 0.006;  // of the axis, between the points of one participant and the next
@@ -108,7 +107,7 @@ class Drawing {
   void drawMarks(const Fit& fit) {
     const PsychometricFunction& function = fit.function;
     const double x50 = function.threshold;
-    const double x84 = stimulusAt(function, kOneSigma);
+    const double x84 = x50 + jndOf(function);
     constexpr double kGap = std::numeric_limits<double>::quiet_NaN();
     const double at50 = 100 * probability(function, x50);
     const double at84 = 100 * probability(function, x84);
