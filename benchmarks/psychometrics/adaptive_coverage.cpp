@@ -12,6 +12,7 @@
 #include <memory>
 #include <optional>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "haptolith/study/adaptive_results.h"
@@ -92,10 +93,10 @@ int main(int argc, char** argv) {
     tellAll(fmt::format("QUEST+, {} trials", block.quest_plus.trials), block, bias, people);
   }
   block.procedure = ProcedureKind::kStaircase;
-  for (const int staircases : {1, 2}) {
+  block.staircase.most_trials = 200;
+  for (const auto& [staircases, bias] : {std::pair(1, 0.0), std::pair(2, 0.0), std::pair(1, 0.1)}) {
     block.staircase.staircases = staircases;
-    block.staircase.most_trials = 200;
-    tellAll(fmt::format("{} 2-down-1-up on each side, 8 reversals", staircases), block, 0, people);
+    tellAll(fmt::format("{} 2-down-1-up on each side, 8 reversals", staircases), block, bias, people);
   }
   return 0;
 }

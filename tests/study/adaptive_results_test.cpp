@@ -108,6 +108,21 @@ TEST(AdaptiveResults, SayThatTheLevelsEndWhereTheyDo) {
               HasSubstr("no level is nearer to the reference than 0.81: the Weber fraction may be smaller"));
 }
 
+// 200 people of w = 0.05: the coarse grid with which stimuli are chosen held 81 % of the points of equality.
+TEST(AdaptiveResults, IntervalsOfQuestPlusAreNoCoarserThanItsAnswers) {
+  const StudyBlock block = aBlock("procedure = \"quest+\"\n[block.quest_plus]\ntrials = 40\nlapses = [0]\n");
+  const AdaptiveResult result = adaptiveResult(block, kSeed, answersOf(block, 0.04, kSeed, 0.1)).value();
+  EXPECT_NEAR(result.threshold.value, 0.835 / 1.1, 0.02);
+  EXPECT_LT(result.threshold.interval.low, 0.835 / 1.1);
+  EXPECT_GT(result.threshold.interval.high, 0.835 / 1.1);
+}
+
+TEST(AdaptiveResults, OfStaircasesSayThatEqualityLiesTooFarFromTheReference) {
+  const StudyBlock block = aStaircase();
+  const AdaptiveResult result = adaptiveResult(block, kSeed, answersOf(block, 0.06, kSeed, 0.15)).value();
+  EXPECT_THAT(result.remark, HasSubstr("JNDs from the reference, which the staircases do not cross"));
+}
+
 TEST(AdaptiveResults, OfAStaircaseForEqualityAreAThresholdAlone) {
   const StudyBlock block = aBlock(
       "procedure = \"staircase\"\n[block.staircase]\ntarget = \"equality\"\nstaircases = 2\ndown = 1\nreversals = "

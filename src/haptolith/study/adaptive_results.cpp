@@ -19,7 +19,11 @@ namespace haptolith {
 
 namespace {
 
-constexpr int kThresholds = 41;  // where equality may be anywhere among the levels
+constexpr int kThresholds = 85;
+
+/// So many JNDs from the reference equality may lie before one of the two staircases meets no errors: then the Weber
+/// fraction comes out too small (haptolith_adaptive_coverage).
+constexpr double kMostShift = 0.5;
 
 std::vector<double> valuesOf(const StudyBlock& block) {
   std::vector<double> values;
@@ -31,23 +35,33 @@ bool looksForEquality(const StudyBlock& block) {
   return block.procedure == ProcedureKind::kStaircase && block.staircase.target == StaircaseTarget::kEquality;
 }
 
-/// The grid over which the answers are summed: QUEST+'s own, or the default one for answers of staircases.
-QuestPlusOptions gridOf(const StudyBlock& block) {
-  if (block.procedure == ProcedureKind::kQuestPlus) {
-    return block.quest_plus;
+/// The least and the largest threshold that is thought possible.
+std::pair<double, double> thresholdsOf(const QuestPlus& quest) {
+  const auto threshold = [](const Hypothesis& hypothesis) { return hypothesis.function.threshold; };
+  const auto& [low, high] = std::ranges::minmax_element(quest.hypotheses(), {}, threshold);
+  return {low->function.threshold, high->function.threshold};
+}
+
+/// QUEST+ before the first answer, with the grid over which the answers are summed: the procedure's own, for staircases
+/// the default one. Thresholds that are left open lie closer than those with which stimuli are chosen: the interval of
+/// somebody with a small Weber fraction is narrower than their steps.
+std::unique_ptr<QuestPlus> posteriorOf(const StudyBlock& block) {
+  const std::vector<double> levels = valuesOf(block);
+  QuestPlusOptions options = block.quest_plus;
+  if (block.procedure == ProcedureKind::kStaircase) {
+    options = {.sigmoid = levels.front() > 0 && block.reference.value > 0 ? Sigmoid::kWeber : Sigmoid::kNorm};
   }
-  QuestPlusOptions options;
-  const double low = block.levels.front().value;
-  const double high = block.levels.back().value;
-  options.sigmoid = low > 0 && block.reference.value > 0 ? Sigmoid::kWeber : Sigmoid::kNorm;
-  if (looksForEquality(block)) {
-    for (int i = 0; i < kThresholds; ++i) {
-      const double share = static_cast<double>(i) / (kThresholds - 1);
-      options.thresholds.push_back(options.sigmoid == Sigmoid::kWeber ? low * std::pow(high / low, share)
-                                                                      : low + share * (high - low));
-    }
+  std::unique_ptr<QuestPlus> quest = makeQuestPlus(options, levels, block.reference.value);
+  if (!options.thresholds.empty()) {
+    return quest;
   }
-  return options;
+  const PsychometricFunction& axis = quest->hypotheses().front().function;
+  const auto [low, high] = looksForEquality(block) ? std::pair(levels.front(), levels.back()) : thresholdsOf(*quest);
+  for (int i = 0; i < kThresholds; ++i) {
+    const double share = static_cast<double>(i) / (kThresholds - 1);
+    options.thresholds.push_back(fromAxis(axis, std::lerp(toAxis(axis, low), toAxis(axis, high), share)));
+  }
+  return makeQuestPlus(options, levels, block.reference.value);
 }
 
 /// Where the levels of a comparison begin and end, seen from the reference: the nearest and the farthest of the side
@@ -87,6 +101,12 @@ Reach reachOf(const StudyBlock& block, const PsychometricFunction& function) {
 /// What to be careful about with an estimate of a comparison.
 std::string remarkOn(const StudyBlock& block, const PsychometricFunction& function, std::string_view measure) {
   const double sigma = toAxis(function, function.threshold + jndOf(function)) - toAxis(function, function.threshold);
+  const double shift = std::abs(toAxis(function, function.threshold) - toAxis(function, block.reference.value));
+  if (block.procedure == ProcedureKind::kStaircase && shift > kMostShift * sigma) {
+    return fmt::format(
+        "equality lies {:.1f} JNDs from the reference, which the staircases do not cross: {} may be larger",
+        shift / sigma, measure);
+  }
   const Reach reach = reachOf(block, function);
   if (reach.farthest != nullptr && sigma >= reach.farthest_distance) {
     return fmt::format("the levels end at {}: {} may be larger", reach.farthest->name, measure);
@@ -97,12 +117,8 @@ std::string remarkOn(const StudyBlock& block, const PsychometricFunction& functi
   return "";
 }
 
-/// The threshold lies in the outermost of those that are thought possible.
 std::string remarkOnThreshold(const QuestPlus& posterior, double threshold) {
-  const auto& [low, high] = std::ranges::minmax_element(
-      posterior.hypotheses(), {}, [](const Hypothesis& hypothesis) { return hypothesis.function.threshold; });
-  const double least = low->function.threshold;
-  const double most = high->function.threshold;
+  const auto [least, most] = thresholdsOf(posterior);
   if (least == most || (threshold > least && threshold < most)) {
     return "";
   }
@@ -130,7 +146,7 @@ std::optional<AdaptiveResult> adaptiveResult(const StudyBlock& block, std::uint6
     return std::nullopt;
   }
   const std::unique_ptr<AdaptiveProcedure> procedure = procedureOf(block, seed);
-  const std::unique_ptr<QuestPlus> posterior = makeQuestPlus(gridOf(block), valuesOf(block), block.reference.value);
+  const std::unique_ptr<QuestPlus> posterior = posteriorOf(block);
   for (const Level& answer : answers) {
     procedure->answer(answer.x, answer.k > 0);
     posterior->answer(answer.x, answer.k > 0);
