@@ -135,7 +135,7 @@ posterior_on <- function(people, tables, priors, supports, sizes) {
     most <- max(unlist(likelihoods))
     for (c in seq_along(likelihoods)) {
       integral <- of_t %*% exp(likelihoods[[c]] - most) %*% t(of_u)
-      density[, , , , c] <- density[, , , , c] + log(pmax(integral, 1e-300))
+      density[, , , , c] <- density[, , , , c] + array(log(pmax(integral, 1e-300)), sizes[1:4])
     }
   }
   list(density = density, grids = grids)
