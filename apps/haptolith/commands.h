@@ -29,6 +29,7 @@ void addCompletionCommand(CLI::App& app);
 void addReport(CLI::App& lab);
 
 // Of `haptolith study`.
+void addStudyExcludeCommand(CLI::App& study);
 void addStudyExploreCommand(CLI::App& study);
 void addStudyExportCommand(CLI::App& study);
 void addStudyFigureCommand(CLI::App& study);

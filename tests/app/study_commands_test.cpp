@@ -50,7 +50,7 @@ for number, (kind, positive) in enumerate([('practice', 1), ('main', 1), ('main'
         "INSERT INTO trial (participant, block, position, trial, attempt, kind, block_name, level, reference, value, "
         "reference_value, test_first, seed, state, begun_at) "
         "VALUES (2, 0, 0, ?, 0, ?, 'friction', 'P1', 'P3', 1.21, 0.835, 0, 1, 'answered', 'then')", (number, kind)).lastrowid
-    study.execute("INSERT INTO answer (trial, positive, reaction_s, timed_out, recording) VALUES (?, ?, 0.5, 0, '')",
+    study.execute("INSERT INTO answer (trial, positive, reaction_s, timed_out) VALUES (?, ?, 0.5, 0)",
                   (trial, positive))
 study.execute("INSERT INTO personal_answer VALUES (2, 'demographics', 'name', 'Grace', 'then')")
 study.commit()
@@ -167,6 +167,30 @@ TEST_F(StudyCommands, StatusAsJsonHasAnswersByLevel) {
   EXPECT_TRUE(json["blocks"][1]["levels"].empty());
 }
 
+TEST_F(StudyCommands, StatusTellsWhatSimulatedThem) {
+  makeStudy("paper-friction");
+  const auto simulate = [&] {
+    return runHaptolith(fmt::format("study simulate {} --participants 1 --weber 0.25 --lapse 0.02", file("a.study")));
+  };
+  ASSERT_EQ(simulate().exit_status, 0);
+  const auto participants = [&] {
+    return Json::parse(runHaptolith("study status --json " + file("a.study")).output)["participants"];
+  };
+  const Json session = participants()[0]["sessions"][0];
+  EXPECT_EQ(session["kind"], "simulate");
+  EXPECT_EQ(session["simulation"]["weber"], 0.25);
+  EXPECT_EQ(session["simulation"]["lapse"], 0.02);
+  EXPECT_EQ(session["simulation"]["judge"], "value");
+  EXPECT_FALSE(session["program_version"].get<std::string>().empty());
+  EXPECT_TRUE(session["ended_at"].is_string());
+  EXPECT_EQ(session["ticks"], nullptr);
+  EXPECT_EQ(participants()[0]["consent"]["language"], "en");
+  EXPECT_THAT(runHaptolith("study status " + file("a.study")).output, HasSubstr("1 simulate by haptolith"));
+  ASSERT_EQ(runHaptolith(fmt::format("study forget {} sim001", file("a.study"))).exit_status, 0);
+  ASSERT_EQ(simulate().exit_status, 0);
+  EXPECT_EQ(participants()[0]["participant"], "sim002");
+}
+
 TEST_F(StudyCommands, StatusRefusesWhatIsNoStudy) {
   std::ofstream(folder_ / "text") << std::string(2000, 'x');
   const ProgramResult text = runHaptolith("study status " + file("text"));
@@ -183,8 +207,8 @@ TEST_F(StudyCommands, ExportWritesATable) {
   fillStudy();
   const ProgramResult result = runHaptolith(fmt::format("study export {} --to {}", file("a.study"), file("a.csv")));
   EXPECT_EQ(result.exit_status, 0) << result.errors;
-  EXPECT_THAT(read("a.csv"), AllOf(HasSubstr("participant,participant_number,participant_state,block"),
-                                   HasSubstr("S02,2,finished,friction,1,3,1,main"), Not(HasSubstr("Grace"))));
+  EXPECT_THAT(read("a.csv"), AllOf(HasSubstr("participant,participant_number,participant_state,excluded_for,block"),
+                                   HasSubstr("S02,2,finished,,friction,1,3,1,main"), Not(HasSubstr("Grace"))));
   EXPECT_EQ(runHaptolith(fmt::format("study export {} --to {}", file("a.study"), file("a.csv"))).exit_status, 1);
   const ProgramResult personal =
       runHaptolith(fmt::format("study export {} --to {} --personal --overwrite", file("a.study"), file("a.csv")));
@@ -211,6 +235,30 @@ TEST_F(StudyCommands, FitTakesWhatExportHasWritten) {
       fmt::format("study fit --data {} --sigmoid weber --reference 0.835 --simulations 10 --json", file("a.csv")));
   ASSERT_EQ(fit.exit_status, 0) << fit.errors;
   EXPECT_EQ(Json::parse(fit.output)["n_trials"], 2);
+}
+
+// --- exclude
+// ----------------------------------------------------------------------------------------------------------
+
+TEST_F(StudyCommands, ExcludeLeavesOutOfFiguresAndMarksInExports) {
+  makeStudy();
+  fillStudy();
+  const auto exclude = [&](const std::string& more) {
+    return runHaptolith(fmt::format("study exclude {} S02 {}", file("a.study"), more));
+  };
+  EXPECT_EQ(exclude("").exit_status, 2);
+  const ProgramResult excluded = exclude("--reason 'catch trials'");
+  EXPECT_EQ(excluded.exit_status, 0) << excluded.errors;
+  EXPECT_THAT(excluded.output, HasSubstr("2 began, 1 excluded (catch trials), 1 analysed (1 not finished)"));
+  EXPECT_EQ(exclude("--reason 'catch trials'").exit_status, 2);
+  EXPECT_THAT(runHaptolith("study status " + file("a.study")).output,
+              AllOf(HasSubstr("excluded"), HasSubstr("1 excluded (catch trials)")));
+  EXPECT_THAT(runHaptolith("study figure " + file("a.study")).errors, HasSubstr("nobody has answered yet"));
+  ASSERT_EQ(runHaptolith(fmt::format("study export {} --to {}", file("a.study"), file("a.csv"))).exit_status, 0);
+  EXPECT_THAT(read("a.csv"), HasSubstr("S02,2,excluded,catch trials,friction"));
+  EXPECT_EQ(runHaptolith(fmt::format("study fit --data {}", file("a.csv"))).exit_status, 2) << "no answer is left";
+  EXPECT_EQ(exclude("--undo --reason 'another criterion'").exit_status, 0);
+  EXPECT_THAT(runHaptolith("study status " + file("a.study")).output, HasSubstr("2 analysed"));
 }
 
 // --- forget

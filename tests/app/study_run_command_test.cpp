@@ -69,6 +69,13 @@ TEST_F(StudyRunCommands, RunGivesTheNextCodeAndTwoPages) {
               AllOf(HasSubstr("S01 takes part"), HasSubstr("&study=participant"), HasSubstr("&study=experimenter")));
   EXPECT_THAT(run.output, AllOf(HasSubstr("0 answers"), HasSubstr("study resume")));
   EXPECT_EQ(status()["participants"][0]["state"], "running");
+  const Json session = status()["participants"][0]["sessions"][0];
+  EXPECT_EQ(session["kind"], "run");
+  EXPECT_THAT(session["device"], HasSubstr("(virtual-hand)"));
+  EXPECT_EQ(session["loop_rate_hz"], 1000);
+  EXPECT_GT(session["ticks"], 0);
+  EXPECT_TRUE(session["ended_at"].is_string());
+  EXPECT_EQ(session["simulation"], nullptr);
   EXPECT_TRUE(fs::is_directory(folder_ / "a-recordings"));
 }
 

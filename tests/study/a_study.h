@@ -71,11 +71,12 @@ class AStudy : public testing::Test {
             .value = 1.21,
             .reference_value = 0.835,
             .test_first = index % 2 == 1,
-            .seed = (std::uint64_t{1} << 53) - 1};
+            .seed = (std::uint64_t{1} << 53) - 1,
+            .recording = "S01-friction"};
   }
 
   static TrialAnswer answer(double reaction_s) {
-    TrialAnswer answer{.positive = true, .correct = true, .reaction_s = reaction_s, .recording = "S01.h5"};
+    TrialAnswer answer{.positive = true, .correct = true, .reaction_s = reaction_s};
     answer.felt[0].duration_s = 3.25;
     answer.felt[0].peak_force_n = 7.5;
     answer.felt[1].work_j = -0.5;

@@ -17,6 +17,7 @@
 
 #include "haptolith/core/error.h"
 #include "haptolith/study/criteria.h"
+#include "haptolith/study/provenance.h"
 
 #include "fake_rig.h"
 
@@ -206,12 +207,22 @@ TEST_F(ConductorTest, LeadsFromConsentThroughEveryTrialToThanks) {
   EXPECT_THAT(store_->formAnswers(true), SizeIs(1 + 6));
 }
 
+TEST_F(ConductorTest, KeepsWhatWasAgreedTo) {
+  comeToTheTrials();
+  ASSERT_EQ(store_->consents().size(), 1U);
+  const ConsentRow consent = store_->consents().front();
+  EXPECT_EQ(consent.text, store_->protocol().consent);
+  EXPECT_EQ(consent.language, "en");
+  EXPECT_EQ(consent.version, "sha256:" + sha256Of(consent.text));
+  EXPECT_NE(consent.at, "");
+}
+
 TEST_F(ConductorTest, NeverRecordsIntoAFileThatIsThere) {
   std::ofstream(folder_ / "S01-friction-001-1-second.h5") << "of somebody else";
   comeToTheTrials();
   doTrial();
   EXPECT_THAT(rig_->recordings, ElementsAre("S01-friction-001-1-2-first.h5", "S01-friction-001-1-2-second.h5"));
-  EXPECT_EQ(store_->trials().front().answer->recording, "S01-friction-001-1-2");
+  EXPECT_EQ(store_->trials().front().recording, "S01-friction-001-1-2");
 }
 
 TEST_F(ConductorTest, ShowsReferenceAndTestInThePlannedOrder) {
@@ -225,7 +236,7 @@ TEST_F(ConductorTest, ShowsReferenceAndTestInThePlannedOrder) {
   EXPECT_EQ(row.level, first.test->name);
   EXPECT_EQ(row.kind, TrialKind::kPractice);
   EXPECT_TRUE(row.answer->positive);
-  EXPECT_EQ(row.answer->recording, "S01-friction-001-1");
+  EXPECT_EQ(row.recording, "S01-friction-001-1");
   EXPECT_EQ(row.answer->felt[0].mean_force_n, 1);  // as the rig says: how many stimuli it had shown
   EXPECT_EQ(row.answer->felt[1].mean_force_n, 2);
 }

@@ -11,6 +11,9 @@
 #include <string>
 
 #include "haptolith/core/error.h"
+#include "haptolith/recording/recording_writer.h"
+#include "haptolith/study/provenance.h"
+#include "haptolith/study/study_files.h"
 
 #include "../source_dir.h"
 #include "a_study.h"
@@ -96,7 +99,7 @@ assert t.first_duration_s.iloc[0] == 3.25 and t.second_work_j.iloc[0] == -0.5
 assert t.first_work_j.isna().all() and t.second_deadline_misses.iloc[0] == 3
 assert t.seed.dtype.kind == 'i' and t.seed.iloc[0] == 2**53 - 1
 assert t.reason.iloc[1] == 'a tab\there, a line\nthere and a "quote"'
-assert t.recording.iloc[0] == 'S01.h5'
+assert t.recording.iloc[0] == 'S01-friction' and t.recording_state.iloc[0] == 'missing'
 assert t.demographics_age.iloc[0] == 36 and t.demographics_age.isna().iloc[5]
 assert not any('name' in column for column in t.columns if column.startswith('demographics'))
 counting = t[(t.kind == 'main') & (t.state == 'answered') & t.response.notna()]
@@ -205,6 +208,87 @@ TEST_F(StudyExport, NeverReplacesTheStudyThatItReads) {
   EXPECT_EQ(study().participants().size(), 2U);
 }
 
+TEST_F(StudyExport, TellsWhatRanEachPart) {
+  {
+    StudyStore store(file_, Access::kRun);
+    const std::int64_t id = store.participants()[0].id;
+    store.giveConsent(id);
+    const std::int64_t run = store.beginSession(id, {.kind = "run",
+                                                     .program_version = "1.2.3",
+                                                     .device = "sigma.7 (force-dimension)",
+                                                     .machine = {.os = "Debian", .kernel = "Linux 6", .cpu = "Z80"},
+                                                     .loop_rate_hz = 1000});
+    store.endSession(run, SessionCounts{.ticks = 5000, .missed_ticks = 3, .safety_trips = 1});
+    store.beginSession(id, {.kind = "resume", .program_version = "1.2.4", .device = "sigma.7 (force-dimension)"});
+  }
+  exportCsv(study(), folder_ / "a.csv", {});
+  exportBids(study(), folder_ / "bids", {.authors = {"A. Lovelace"}, .program_version = "1.3.0"});
+  expectTrueInPython(R"(
+import json, pandas
+t = pandas.read_csv('a-sessions.csv')
+assert list(t.participant) == ['S01', 'S01'] and list(t.kind) == ['run', 'resume']
+assert t.ticks.iloc[0] == 5000 and t.missed_ticks.iloc[0] == 3 and t.safety_trips.iloc[0] == 1
+assert t.loop_rate_hz.iloc[0] == 1000 and t.program_version.iloc[1] == '1.2.4'
+assert t.ended_at.isna().tolist() == [False, True] and t.ticks.isna().iloc[1]
+assert t.cpu.iloc[0] == 'Z80' and len(t.protocol_sha256.iloc[0]) == 64
+description = json.load(open('bids/dataset_description.json'))
+assert description['GeneratedBy'] == [{'Name': 'haptolith', 'Version': '1.3.0'}]
+assert description['Authors'] == ['A. Lovelace']
+sidecar = json.load(open('bids/sub-S01/beh/sub-S01_task-friction_beh.json'))
+assert sidecar['StimulusPresentation']['SoftwareVersion'] == '1.2.4'
+assert sidecar['Sessions'][0]['MissedTicks'] == '3' and len(sidecar['Sessions']) == 2
+people = pandas.read_csv('bids/participants.tsv', sep='\t', na_values='n/a')
+assert people.consent_version.iloc[0].startswith('sha256:') and people.consent_language.iloc[0] == 'en'
+assert people.consent_at.isna().tolist() == [False, True]
+)");
+}
+
+TEST_F(StudyExport, ExplainsEveryColumnOfATable) {
+  exportCsv(study(), folder_ / "a.csv", {});
+  expectTrueInPython(R"(
+import json, pandas
+columns = json.load(open('a-columns.json'))
+for name in ['a.csv', 'a-sessions.csv']:
+    assert list(pandas.read_csv(name).columns) == list(columns[name]), name
+    assert all(column['Description'] for column in columns[name].values())
+assert columns['a.csv']['first_peak_force_n']['Units'] == 'N'
+assert columns['a.csv']['response']['Levels']['1'] == 'the test was said to have more'
+assert columns['a.csv']['demographics_age']['Description'] == 'Age'
+)");
+}
+
+TEST_F(StudyExport, ReplacesNothingBesideTheTableEither) {
+  for (const char* taken : {"a-columns.json", "a-sessions.csv"}) {
+    std::ofstream(folder_ / taken) << "mine";
+    EXPECT_THROW(exportCsv(study(), folder_ / "a.csv", {}), Failure) << taken;
+    EXPECT_EQ(readFile(folder_ / taken), "mine");
+    EXPECT_FALSE(fs::exists(folder_ / "a.csv"));
+    fs::remove(folder_ / taken);
+  }
+}
+
+TEST_F(StudyExport, TellsWhatHasBecomeOfRecordings) {
+  fs::create_directory(recordingsFolder(file_));
+  const auto recording = [&](const char* interval) {
+    return recordingsFolder(file_) / fmt::format("S01-friction-{}.h5", interval);
+  };
+  const auto state_of_first = [&] {
+    exportCsv(study(), folder_ / "a.csv", {.overwrite = true});
+    expectTrueInPython("import csv; open('said', 'w').write(next(csv.DictReader(open('a.csv')))['recording_state'])");
+    return readFile(folder_ / "said");
+  };
+  EXPECT_EQ(state_of_first(), "missing");
+  for (const char* interval : {"first", "second"}) {
+    const RecordingWriter writer(recording(interval), RecordingHeader());
+    EXPECT_EQ(state_of_first(), "unfinished") << interval;  // as one whose writer was killed
+  }
+  EXPECT_EQ(state_of_first(), "whole");
+  fs::remove(recording("second"));
+  EXPECT_EQ(state_of_first(), "missing");
+  std::ofstream(recording("second")) << "\x89HDF and no more";
+  EXPECT_EQ(state_of_first(), "unfinished");
+}
+
 TEST_F(StudyExport, TellsWhatIsInTheWay) {
   EXPECT_THROW(exportCsv(study(), folder_ / "no/such/folder.csv", {}), Failure);
   EXPECT_THROW(exportBids(study(), folder_ / "no/such/folder", {}), Failure);
@@ -219,10 +303,14 @@ TEST_F(StudyExport, ReadsAStudyThatRuns) {
 TEST(StudyColumns, AreAllInTheDocument) {
   const std::string document = readFile(sourceDir() / "docs/studies.md");
   std::set<std::string> names;
-  for (const TrialColumn& column : trialColumns()) {
+  for (const ExportColumn& column : trialColumns()) {
     EXPECT_TRUE(names.insert(column.name).second) << column.name;
     const bool second = column.name.starts_with("second_");  // stands beside the first, in its row
     EXPECT_THAT(document, HasSubstr(fmt::format("{}`{}`", second ? ", " : "\n| ", column.name)));
+  }
+  for (const ExportColumn& column : sessionColumns()) {
+    EXPECT_THAT(document, HasSubstr(fmt::format("`{}`", column.name)));
+    EXPECT_THAT(document, HasSubstr(column.meaning));
   }
 }
 

@@ -64,13 +64,15 @@ class StoreRemoval : public AStudy {
     fs::create_directories(recordingsFolder(file_));
     for (int i = 0; i < kTrials; ++i) {
       for (const std::int64_t each : {before, id, after}) {
-        TrialAnswer given = answer(1);
-        given.recording = each == id ? fmt::format("{}-friction-{:03}-1", kCode, i) : "S01-friction-001-1";
-        store.answerTrial(store.beginTrial(trial(each, i)), given);
+        TrialBegun begun = trial(each, i);
+        begun.recording = each == id ? fmt::format("{}-friction-{:03}-1", kCode, i) : "S01-friction-001-1";
+        store.answerTrial(store.beginTrial(begun), answer(1));
       }
       std::ofstream(recording(i)) << "movements of " << kCode;
     }
     store.setAnswers(id, "demographics", store.protocol().demographics, {{"name", std::string(kName)}, {"age", "36"}});
+    store.beginSession(id, {.kind = "simulate", .simulation = std::string(kSaid)});
+    store.giveConsent(id);
     store.addNote(id, fmt::format("said {}", kSaid), "note");
     store.markStep(id, "consent");
     store.voidTrial(store.beginTrial(trial(id, kTrials)), TrialState::kLost, kSaid);

@@ -187,7 +187,7 @@ TEST_F(Store, GivesBackWhatATrialWasAndWhatWasAnswered) {
   EXPECT_TRUE(row.answer->positive);
   EXPECT_EQ(row.answer->correct, true);
   EXPECT_EQ(row.answer->reaction_s, 0.8125);
-  EXPECT_EQ(row.answer->recording, "S01.h5");
+  EXPECT_EQ(row.recording, "S01-friction");
   EXPECT_EQ(row.answer->felt[0].peak_force_n, 7.5);
   EXPECT_TRUE(std::isnan(row.answer->felt[0].work_j));
   EXPECT_EQ(row.answer->felt[1].work_j, -0.5);

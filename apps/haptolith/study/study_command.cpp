@@ -23,6 +23,7 @@ void addStudyCommand(CLI::App& app) {
   addStudyRunCommands(*study);
   addStudyStatusCommand(*study);
   addStudyExportCommand(*study);
+  addStudyExcludeCommand(*study);
   addStudyForgetCommand(*study);
   addStudyFigureCommand(*study);
   addStudyFitCommand(*study);

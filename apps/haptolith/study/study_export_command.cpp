@@ -36,14 +36,20 @@ void exportStudy(const Options& options) {
 
 void addStudyExportCommand(CLI::App& study) {
   auto options = std::make_shared<Options>();
+  options->what.program_version = HAPTOLITH_VERSION;
   CLI::App* command = study.add_subcommand("export", "Convert a study for other programs: CSV or BIDS");
   command->footer(kExamples);
   command->add_option("file", options->file, "A study")->required()->option_text("FILE");
   command->add_option("--to", options->to, "Where to: a file, for bids a folder")->required()->option_text("PATH");
-  command->add_option("--format", options->format, "csv: one table; bids: a folder of tables [csv]")
+  command
+      ->add_option(
+          "--format", options->format,
+          "csv: a table of trials, one of sessions and what their columns mean; bids: a folder of tables [csv]")
       ->check(oneOf({"csv", "bids"}))
       ->option_text("csv|bids");
   command->add_flag("--personal", options->what.personal, "With the answers to personal items");
+  command->add_option("--author", options->what.authors, "Of a BIDS folder, several times; default: the protocol's")
+      ->option_text("NAME");
   command->add_flag("--overwrite", options->what.overwrite, "Replace an earlier export");
   command->callback([options] { exportStudy(*options); });
 }

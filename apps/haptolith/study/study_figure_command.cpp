@@ -18,6 +18,7 @@
 #include "haptolith/psychometrics/group_difference.h"
 #include "haptolith/psychometrics/psychometric_figure.h"
 #include "haptolith/study/answers.h"
+#include "haptolith/study/participant_flow.h"
 #include "haptolith/study/store.h"
 
 #include "commands.h"
@@ -99,7 +100,7 @@ std::optional<BlockResult> resultOf(const Options& options, const StudyStore& st
   result.block = &study.protocol().blocks[index];
   std::vector<TrialRow> trials = study.trials();
   for (const ParticipantRow& person : study.participants()) {
-    if (person.state == "withdrawn" && !options.withdrawn) {
+    if (!person.excluded_for.empty() || (person.state == "withdrawn" && !options.withdrawn)) {
       std::erase_if(trials, [&person](const TrialRow& trial) { return trial.participant == person.id; });
     }
     std::vector<Level> levels = levelsOf(trials, index, person.id);
@@ -369,14 +370,14 @@ void show(const Options& options) {
   }
   const StudyStore study(options.file, StudyStore::Access::kRead);
   const std::vector<BlockResult> results = resultsOf(options, study);
-  Json json{{"study", study.title()}, {"blocks", Json::array()}};
-  std::string told;
+  Json json{{"study", study.title()}, {"participants", flowText(flowOf(study))}, {"blocks", Json::array()}};
+  std::string told = flowText(flowOf(study)) + "\n";
   for (const BlockResult& result : results) {
     if (!options.out.empty()) {
       draw(fileFor(options, *result.block, results.size() > 1), options, study, result);
     }
     json["blocks"].push_back(jsonOf(result));
-    told += (told.empty() ? "" : "\n") + text(result);
+    told += "\n" + text(result);
   }
   for (const Difference& difference : differencesOf(results, options.confidence)) {
     json["differences"].push_back(jsonOf(difference));

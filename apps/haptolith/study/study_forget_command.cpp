@@ -1,22 +1,20 @@
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cstddef>
 #include <filesystem>
-#include <iterator>
 #include <memory>
 #include <string>
 #include <string_view>
 #include <vector>
 
-#include "haptolith/core/error.h"
 #include "haptolith/study/store.h"
 #include "haptolith/study/study_files.h"
 
 #include "commands.h"
 #include "shared/output.h"
+#include "study/participant_named.h"
 
 namespace haptolith {
 
@@ -33,19 +31,6 @@ struct Options {
   std::string file, participant, reason;
   bool personal = false, keep_recordings = false;
 };
-
-ParticipantRow participantOf(const StudyStore& study, const std::string& code) {
-  const std::vector<ParticipantRow> participants = study.participants();
-  const auto found = std::ranges::find(participants, code, &ParticipantRow::code);
-  if (found == participants.end()) {
-    std::vector<std::string> codes;
-    std::ranges::transform(participants, std::back_inserter(codes), &ParticipantRow::code);
-    throw InvalidParameter(
-        "participant", fmt::format("'{}'", code),
-        codes.empty() ? "a participant; there are none" : fmt::format("one of {}", fmt::join(codes, ", ")));
-  }
-  return *found;
-}
 
 /// When somebody with that code, whom the study does not have any more, was removed; empty: nobody was.
 std::string removedBefore(const StudyStore& study, const std::string& code) {
@@ -81,7 +66,7 @@ void forget(const Options& options) {
     printText(fmt::format("{}: deleted already, at {}\n", options.participant, removed_at));
     return;
   }
-  const ParticipantRow participant = participantOf(study, options.participant);
+  const ParticipantRow participant = participantNamed(study, options.participant);
   if (options.personal) {
     const int forgotten = study.forgetPersonal(participant.id, options.reason);
     printText(fmt::format("{}: {} personal answers deleted\n", participant.code, forgotten));

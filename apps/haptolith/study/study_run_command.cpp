@@ -5,14 +5,17 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cstdint>
 #include <filesystem>
 #include <memory>
 #include <string>
 #include <vector>
 
 #include "haptolith/core/error.h"
+#include "haptolith/scenario/scene_words.h"
 #include "haptolith/session/session.h"
 #include "haptolith/study/conductor.h"
+#include "haptolith/study/provenance.h"
 #include "haptolith/study/session_rig.h"
 #include "haptolith/study/simulated_participant.h"
 #include "haptolith/study/study_files.h"
@@ -188,10 +191,30 @@ class StudyRun {
       conductor_.begin(options_.participant);
     }
     code_ = conductor_.state().participant;
+    beginSession();
     printNotice(
         fmt::format("{} takes part\n  participant's page   {}&study=participant\n  experimenter's page  "
                     "{}&study=experimenter\n",
                     code_, view_.url(kParticipants), view_.url(kExperimenters)));
+  }
+
+  void beginSession() {
+    const std::vector<ParticipantRow> all = store_.participants();
+    const auto participant = std::ranges::find(all, code_, &ParticipantRow::code);
+    recorded_session_ = store_.beginSession(
+        participant->id,
+        {.kind = options_.resumes ? "resume" : "run",
+         .program_version = HAPTOLITH_VERSION,
+         .device = fmt::format("{} ({})", session_.deviceName(), wordFor(kDeviceWords, session_.shown().device.kind)),
+         .machine = thisMachine(),
+         .loop_rate_hz = 1 / session_.shown().loop.tick_s});
+  }
+
+  void endSession() {
+    const LoopStatistics& counted = session_.loop().statistics();
+    store_.endSession(recorded_session_, SessionCounts{.ticks = counted.ticks(),
+                                                       .missed_ticks = counted.deadlineMisses(),
+                                                       .safety_trips = session_.snapshot().trips});
   }
 
   void showPages() {
@@ -224,6 +247,8 @@ class StudyRun {
     conductor_.stop();
     stopAsked() = true;
     const LoopEnd end = session_.join();
+    session_.update();
+    endSession();
     std::size_t answers = 0;
     for (const TrialRow& row : store_.trials()) {
       answers += row.state == TrialState::kAnswered ? 1 : 0;
@@ -248,6 +273,7 @@ class StudyRun {
   LiveView view_;
   std::uint64_t told_lost_ = 0;
   std::string code_;
+  std::int64_t recorded_session_ = 0;  ///< of the store
 };
 
 void addRunOptions(CLI::App& command, const std::shared_ptr<StudyRunOptions>& options) {

@@ -1,6 +1,8 @@
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
+#include <nlohmann/json.hpp>
 
+#include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <map>
@@ -8,9 +10,12 @@
 #include <optional>
 #include <random>
 #include <string>
+#include <string_view>
 
 #include "haptolith/core/error.h"
 #include "haptolith/study/answers.h"
+#include "haptolith/study/participant_flow.h"
+#include "haptolith/study/provenance.h"
 #include "haptolith/study/simulated_participant.h"
 #include "haptolith/study/simulated_rig.h"
 
@@ -23,6 +28,8 @@
 namespace haptolith {
 
 namespace {
+
+using Json = nlohmann::ordered_json;
 
 constexpr const char* kExamples = R"(Examples:
   haptolith study new try.study --protocol paper-friction
@@ -60,6 +67,26 @@ std::unique_ptr<Rig> rigFor(const Options& options, const StudyProtocol& protoco
   return std::make_unique<SimulatedRig>(protocol, ExplorationOptions{.manoeuvre = *options.hand, .seed = options.seed});
 }
 
+template <class Choices, class Value>
+std::string nameIn(const Choices& choices, const Value& value, std::string_view otherwise) {
+  const auto found = std::ranges::find(choices, value, [](const auto& choice) { return choice.second; });
+  return found == choices.end() ? std::string(otherwise) : found->first;
+}
+
+/// What the table of sessions keeps: the options by their names, and the Weber fraction of this participant.
+std::string simulationText(const Options& options, const ObserverParameters& who) {
+  return Json{{"weber", options.observer.weber_fraction},
+              {"spread", options.spread},
+              {"bias", who.bias},
+              {"lapse", who.lapse},
+              {"learning", who.learning},
+              {"judge", nameIn(judgeChoices(), who.judged_by, "value")},
+              {"hand", options.hand ? nameIn(handChoices(), *options.hand, "none") : "none"},
+              {"seed", options.seed},
+              {"own_weber", who.weber_fraction}}
+      .dump();
+}
+
 /// Simulated answers never stand beside a person's.
 void requireNobody(const StudyStore& study) {
   for (const ParticipantRow& row : study.participants()) {
@@ -78,7 +105,7 @@ void simulate(const Options& options) {
   StatusLine status;
   const std::unique_ptr<Rig> rig = rigFor(options, study.protocol());
   std::mt19937_64 random(options.seed);
-  const std::size_t before = study.participants().size();
+  const std::size_t before = flowOf(study).began();  // also those who were removed: no code is given twice
   for (int person = 0; person < options.participants; ++person) {
     if (stopAsked()) {
       throw Failure(fmt::format("interrupted after {} of {} participants", person, options.participants));
@@ -89,7 +116,14 @@ void simulate(const Options& options) {
     SimulatedParticipant participant(who, random());
     Conductor conductor(study, *rig, {.now_s = [&participant] { return participant.now(); }});
     conductor.begin(fmt::format("{}{:03}", kSimulatedCode, before + static_cast<std::size_t>(person) + 1));
+    const std::int64_t session =
+        study.beginSession(study.participants().back().id, {.kind = "simulate",
+                                                            .program_version = HAPTOLITH_VERSION,
+                                                            .device = rig->deviceName(),
+                                                            .machine = thisMachine(),
+                                                            .simulation = simulationText(options, who)});
     participant.takePart(conductor);
+    study.endSession(session, std::nullopt);
   }
   status.clear();
   std::size_t answers = 0;

@@ -11,10 +11,12 @@
 #include "haptolith/study/adaptive_results.h"
 #include "haptolith/study/answers.h"
 #include "haptolith/study/criteria.h"
+#include "haptolith/study/participant_flow.h"
 #include "haptolith/study/store.h"
 
 #include "commands.h"
 #include "shared/output.h"
+#include "study/session_report.h"
 
 namespace haptolith {
 
@@ -86,6 +88,9 @@ Json statusJson(const StudyStore& study, const std::vector<TrialRow>& trials) {
   for (const ParticipantRow& participant : study.participants()) {
     Json row{{"participant", participant.code},  {"number", participant.number},     {"state", participant.state},
              {"begun_at", participant.begun_at}, {"ended_at", participant.ended_at}, {"blocks", Json::array()}};
+    row["excluded_for"] = participant.excluded_for.empty() ? Json(nullptr) : Json(participant.excluded_for);
+    row["consent"] = consentJson(study, participant);
+    row["sessions"] = sessionsJson(study, participant);
     for (std::size_t block = 0; block < blocks.size(); ++block) {
       const std::optional<std::size_t> of = mainTrials(blocks[block]);
       const AdaptiveResult* result = resultIn(results, participant.id, block);
@@ -124,7 +129,7 @@ std::string participantsText(const StudyStore& study, const std::vector<TrialRow
   }
   text += '\n';
   for (const ParticipantRow& participant : participants) {
-    text += fmt::format("{:<18}{:<11}", participant.code, participant.state);
+    text += fmt::format("{:<18}{:<11}", participant.code, standingOf(participant));
     for (std::size_t block = 0; block < blocks.size(); ++block) {
       const std::optional<std::size_t> of = mainTrials(blocks[block]);
       const std::size_t done = answered(trials, participant.id, block);
@@ -132,6 +137,7 @@ std::string participantsText(const StudyStore& study, const std::vector<TrialRow
     }
     text += '\n';
   }
+  text += fmt::format("\n{}\n", flowText(flowOf(study)));
   return text;
 }
 
@@ -197,7 +203,7 @@ void showStatus(const Options& options) {
   for (std::size_t block = 0; block < study.protocol().blocks.size(); ++block) {
     text += levelsText(study.protocol().blocks[block], levelsOf(trials, block));
   }
-  printText(text + resultsText(study, trials));
+  printText(text + resultsText(study, trials) + sessionsText(study) + pendingText(study));
 }
 
 }  // namespace

@@ -232,8 +232,9 @@ std::vector<AnswersOf> readAnswers(std::istream& text, std::string_view name, do
   const auto participant_state = table.column({"participant_state"});
   Answers answers;
   for (const Row& row : table.rows()) {
-    const bool withdrawn = participant_state && row.cells[*participant_state] == "withdrawn";
-    if (withdrawn || (kind && row.cells[*kind] != "main") || (state && row.cells[*state] != "answered")) {
+    const std::string_view standing = participant_state ? std::string_view(row.cells[*participant_state]) : "";
+    const bool left_out = standing == "withdrawn" || standing == "excluded";
+    if (left_out || (kind && row.cells[*kind] != "main") || (state && row.cells[*state] != "answered")) {
       continue;
     }
     Level level;

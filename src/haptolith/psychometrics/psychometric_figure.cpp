@@ -20,7 +20,7 @@ namespace haptolith {
 namespace {
 
 constexpr int kCurvePoints = 240;
-constexpr double kMargin = 0.06;                  // of the axis, beyond the outermost stimuli
+constexpr double kMargin = 0.06;  // of the axis, beyond the outermost stimuli
 
 constexpr double kDodge = 0.006;  // of the axis, between the points of one participant and the next
 

@@ -126,6 +126,9 @@ void Conductor::enterStep() {
 }
 
 void Conductor::finishStep() {
+  if (step().phase == StudyPhase::kConsent) {
+    store_.giveConsent(participant_->id);
+  }
   if (!step().name.empty()) {
     store_.markStep(participant_->id, step().name);
   }
@@ -301,11 +304,12 @@ void Conductor::beginTrial() {
   begun.reference_value = now.reference.value;
   begun.test_first = trial_->plan.test_first;
   begun.seed = trial_->plan.seed;
-  trial_->id = store_.beginTrial(begun);
   if (store_.protocol().record && !options_.recordings.empty()) {
-    trial_->recording = freeName(options_.recordings, fmt::format("{}-{}-{:03}-{}", participant_->code, now.name,
-                                                                  begun.index + 1, begun.attempt + 1));
+    begun.recording = trial_->recording =
+        freeName(options_.recordings,
+                 fmt::format("{}-{}-{:03}-{}", participant_->code, now.name, begun.index + 1, begun.attempt + 1));
   }
+  trial_->id = store_.beginTrial(begun);
   readRows();
   prepareInterval(1);
 }
@@ -513,7 +517,6 @@ void Conductor::answer(int choice) {
   }
   given.reaction_s = elapsed();
   given.felt = trial_->felt;
-  given.recording = trial_->recording;
   unsaved_ = Unsaved{trial_->id, given, trial_->plan.kind == TrialKind::kPractice};
   guarded([this] { finishTrial(); });
 }

@@ -87,6 +87,9 @@ struct StudyProtocol {
   std::vector<FormItem> demographics = {};   ///< before the first block
   std::vector<FormItem> questionnaire = {};  ///< after the last
   bool record = true;                        ///< each trial into a recording of its own
+  std::string consent_version = {};          ///< empty: the hash of the text stands for it
+  std::string language = "en";               ///< of all texts
+  std::vector<std::string> authors = {};
 };
 
 /// Reads a protocol; docs/studies.md lists every key.

@@ -171,6 +171,14 @@ std::vector<ProtocolKey> allProtocolKeys() {
       {"", "consent", "", pageText<&StudyProtocol::consent>(),
        "What a participant agrees to before anything else; paragraphs are split by blank lines. Left out: no such "
        "page."},
+      {"", "consent_version", "", pageText<&StudyProtocol::consent_version>(TextSize::kLine),
+       "What you call this consent text (a date, a number); it is kept with each consent. Left out: its SHA-256."},
+      {"", "language", "", pageText<&StudyProtocol::language>(TextSize::kLine),
+       "Language of the texts, as BCP 47 has it; left out: `en`."},
+      {"", "authors", "",
+       ProtocolKey::ItemsValue{
+           "texts", [](D& d, const std::vector<TextOrNumber>& items) { d.protocol.authors = textsOf(items); }},
+       "Whose study it is, for BIDS exports: a text for each person."},
       {"", "instructions", "", pageText<&StudyProtocol::instructions>(), "What is read before the first block."},
       {"", "thanks", "", pageText<&StudyProtocol::thanks>(), "What is read at the end."},
       {"", "scene", "",

@@ -94,7 +94,8 @@ ParticipantRow participantOf(const SQLite::Statement& row) {
                              .code = row.getColumn(2).getString(),
                              .state = row.getColumn(3).getString(),
                              .begun_at = row.getColumn(4).getString(),
-                             .ended_at = row.getColumn(5).getString()};
+                             .ended_at = row.getColumn(5).getString(),
+                             .excluded_for = row.getColumn(6).getString()};
   if (!isCode(participant.code)) {
     throwForeign("code", participant.code, kValidCode);
   }
@@ -104,14 +105,17 @@ ParticipantRow participantOf(const SQLite::Statement& row) {
   return participant;
 }
 
-constexpr const char* kParticipants = "SELECT id, number, code, state, begun_at, ended_at FROM participant";
+constexpr const char* kParticipants =
+    "SELECT id, number, code, state, begun_at, ended_at, "
+    "coalesce((SELECT iif(excluded, reason, '') FROM exclusion WHERE exclusion.participant = participant.id "
+    "ORDER BY exclusion.id DESC LIMIT 1), '') FROM participant";
 
 /// The columns of trial, answer, and twice felt, in the order in which trialOf() takes them.
 std::string selectTrials() {
   std::string sql =
       "SELECT trial.id, participant, block, position, trial.trial, attempt, kind, block_name, level, reference, value, "
-      "reference_value, test_first, seed, state, reason, begun_at, answered_at, answer.trial, positive, correct, "
-      "reaction_s, timed_out, recording";
+      "reference_value, test_first, seed, state, recording, reason, begun_at, answered_at, answer.trial, positive, "
+      "correct, reaction_s, timed_out";
   for (const char* interval : {"first", "second"}) {
     for (const SummaryColumn& column : kSummaryColumns) {
       sql += fmt::format(", {}.{}", interval, column.name);
@@ -154,7 +158,6 @@ std::optional<TrialAnswer> answerOf(Columns& columns) {
   answer.correct = correct.isNull() ? std::nullopt : std::optional(correct.getInt() != 0);
   answer.reaction_s = numberOrNan(columns.next());
   answer.timed_out = columns.next().getInt() != 0;
-  answer.recording = columns.next().getString();
   answer.felt = {summaryOf(columns), summaryOf(columns)};
   return answer;
 }
@@ -177,6 +180,7 @@ TrialRow trialOf(SQLite::Statement& statement) {
   row.test_first = columns.next().getInt() != 0;
   row.seed = static_cast<std::uint64_t>(columns.next().getInt64());
   row.state = valueIn(kStateWords, "state", columns.next().getString());
+  row.recording = columns.next().getString();
   row.reason = columns.next().getString();
   row.begun_at = columns.next().getString();
   row.answered_at = columns.next().getString();
@@ -223,6 +227,14 @@ std::string_view wordOf(TrialKind kind) {
 
 std::string_view wordOf(TrialState state) {
   return wordIn(kStateWords, state);
+}
+
+std::string_view standingOf(const ParticipantRow& participant) {
+  return participant.excluded_for.empty() ? std::string_view(participant.state) : "excluded";
+}
+
+bool isLeftOut(const ParticipantRow& participant) {
+  return participant.state == "withdrawn" || !participant.excluded_for.empty();
 }
 
 std::span<const SummaryColumn> summaryColumns() {
@@ -358,7 +370,7 @@ ParticipantRow StudyStore::addParticipant(std::string_view code) {
     int last = largestEver(database, "number");
     for (const ParticipantRow& row : this->participants()) {
       last = std::max(last, row.number);
-      if (row.state != "withdrawn") {
+      if (!isLeftOut(row)) {
         kept.push_back(row.number);
       }
     }
@@ -384,7 +396,8 @@ ParticipantRow StudyStore::addParticipant(std::string_view code) {
                           .code = name,
                           .state = "running",
                           .begun_at = now,
-                          .ended_at = ""};
+                          .ended_at = "",
+                          .excluded_for = ""};
   });
 }
 
@@ -489,11 +502,11 @@ std::int64_t StudyStore::beginTrial(const TrialBegun& trial) {
     execute(
         database,
         "INSERT INTO trial (participant, block, position, trial, attempt, kind, block_name, level, reference, value, "
-        "reference_value, test_first, seed, begun_at) VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?)",
+        "reference_value, test_first, seed, recording, begun_at) VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?)",
         trial.participant, trial.block, trial.position, trial.index, trial.attempt, wordOf(trial.kind),
         std::string_view(trial.block_name), std::string_view(trial.level), std::string_view(trial.reference),
         trial.value, trial.reference_value, trial.test_first, static_cast<std::int64_t>(trial.seed),
-        std::string_view(nowText()));
+        std::string_view(trial.recording), std::string_view(nowText()));
     return database.getLastInsertRowid();
   });
 }
@@ -505,10 +518,8 @@ void StudyStore::answerTrial(std::int64_t id, const TrialAnswer& answer) {
       throw Failure(fmt::format("{}: trial {} is {}: only one that is under way takes an answer",
                                 implementation_->file.string(), id, wordOf(state)));
     }
-    execute(database,
-            "INSERT INTO answer (trial, positive, correct, reaction_s, timed_out, recording) VALUES (?, ?, ?, ?, ?, ?)",
-            id, answer.positive, answer.correct, answer.reaction_s, answer.timed_out,
-            std::string_view(answer.recording));
+    execute(database, "INSERT INTO answer (trial, positive, correct, reaction_s, timed_out) VALUES (?, ?, ?, ?, ?)", id,
+            answer.positive, answer.correct, answer.reaction_s, answer.timed_out);
     insertFelt(database, id, 1, answer.felt[0]);
     insertFelt(database, id, 2, answer.felt[1]);
     return execute(database, "UPDATE trial SET state = 'answered', answered_at = ? WHERE id = ?",

@@ -15,6 +15,7 @@
 #include <vector>
 
 #include "haptolith/study/protocol.h"
+#include "haptolith/study/provenance.h"
 #include "haptolith/study/sequence.h"
 
 namespace haptolith {
@@ -55,6 +56,7 @@ struct TrialBegun {
   double value = 0, reference_value = 0;  ///< on the block's axis
   bool test_first = false;
   std::uint64_t seed = 0;
+  std::string recording = {};  ///< names of its recordings before "-first.h5" and "-second.h5"; empty: none
 };
 
 struct TrialAnswer {
@@ -63,7 +65,6 @@ struct TrialAnswer {
   double reaction_s = 0;               ///< from the question to the answer
   bool timed_out = false;              ///< no answer came in time
   std::array<TrialSummary, 2> felt{};  ///< in the first and in the second interval
-  std::string recording = {};          ///< its name, beside the study's file; empty: none
 };
 
 /// kBegun: under way, or cut off by a crash, until somebody calls it lost. kRepeated: by the experimenter, who said
@@ -84,6 +85,19 @@ struct ParticipantRow {
   std::string code = {};   ///< the pseudonym: "S01"
   std::string state = {};  ///< "running", "finished" or "withdrawn"
   std::string begun_at = {}, ended_at = {};
+  std::string excluded_for = {};  ///< why the analysis leaves them out; empty: it does not
+};
+
+/// What has become of a participant: "excluded", or the state.
+[[nodiscard]] std::string_view standingOf(const ParticipantRow& participant);
+/// Whether the analysis leaves them out: they withdrew, or are excluded.
+[[nodiscard]] bool isLeftOut(const ParticipantRow& participant);
+
+struct ExclusionRow {
+  std::int64_t participant = 0;
+  std::string at = {};
+  bool excluded = false;  ///< false: taken back
+  std::string reason = {};
 };
 
 /// An answer to a question of a form.
@@ -155,6 +169,22 @@ class StudyStore {
 
   /// @param state  "finished", "withdrawn", or "running" for somebody who comes back.
   void endParticipant(std::int64_t id, std::string_view state);
+
+  /// Excludes a participant from the analysis, or takes that back; both are kept for good.
+  /// @param reason  some words. @throws InvalidParameter for none, and when the participant stands so already.
+  void setExcluded(std::int64_t participant, bool excluded, std::string_view reason);
+  /// In the order in which they were made.
+  [[nodiscard]] std::vector<ExclusionRow> exclusions() const;
+
+  /// Remembers that a participant has agreed to the protocol's consent text, as it is shown. Once.
+  void giveConsent(std::int64_t participant);
+  [[nodiscard]] std::vector<ConsentRow> consents() const;
+
+  /// Remembers what runs a part of the study. @return its id.
+  std::int64_t beginSession(std::int64_t participant, const SessionBegun& session);
+  void endSession(std::int64_t id, const std::optional<SessionCounts>& counts);
+  /// In the order in which they began.
+  [[nodiscard]] std::vector<SessionRow> sessions() const;
 
   /// Remembers that a participant has come so far: "consent", "block 0 done". Marking twice is marking once.
   void markStep(std::int64_t participant, std::string_view step);

@@ -121,7 +121,8 @@ std::vector<Pending> pendingRemovals(SQLite::Database& database) {
 
 /// Takes the code out of what others have written.
 void dropCode(SQLite::Database& database, std::string_view code) {
-  for (const auto& [table, column] : {std::pair("note", "text"), std::pair("trial", "reason")}) {
+  for (const auto& [table, column] :
+       {std::pair("note", "text"), std::pair("trial", "reason"), std::pair("exclusion", "reason")}) {
     std::vector<std::pair<std::int64_t, std::string>> named;
     SQLite::Statement query(database, fmt::format("SELECT id, {} FROM {}", column, table));
     while (query.executeStep()) {

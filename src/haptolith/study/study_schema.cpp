@@ -135,6 +135,51 @@ CREATE TABLE removal (
   done_at TEXT NOT NULL DEFAULT ''
 ) STRICT;
 )sql",
+    R"sql(
+CREATE TABLE session (
+  id INTEGER PRIMARY KEY,
+  participant INTEGER NOT NULL REFERENCES participant ON DELETE CASCADE,
+  kind TEXT NOT NULL CHECK (kind IN ('run', 'resume', 'simulate')),
+  begun_at TEXT NOT NULL,
+  ended_at TEXT NOT NULL DEFAULT '',
+  program_version TEXT NOT NULL,
+  device TEXT NOT NULL,
+  os TEXT NOT NULL,
+  kernel TEXT NOT NULL,
+  cpu TEXT NOT NULL,
+  loop_rate_hz REAL,
+  ticks INTEGER,
+  missed_ticks INTEGER,
+  safety_trips INTEGER,
+  protocol_sha256 TEXT NOT NULL,
+  simulation TEXT NOT NULL
+) STRICT;
+
+CREATE TABLE consent (
+  participant INTEGER PRIMARY KEY REFERENCES participant ON DELETE CASCADE,
+  at TEXT NOT NULL,
+  version TEXT NOT NULL,
+  language TEXT NOT NULL,
+  text TEXT NOT NULL
+) STRICT;
+
+ALTER TABLE trial ADD COLUMN recording TEXT NOT NULL DEFAULT '';
+UPDATE trial SET recording = coalesce((SELECT recording FROM answer WHERE answer.trial = trial.id), '');
+ALTER TABLE answer DROP COLUMN recording;
+)sql",
+    R"sql(
+CREATE TABLE exclusion (
+  id INTEGER PRIMARY KEY,
+  participant INTEGER NOT NULL REFERENCES participant ON DELETE CASCADE,
+  at TEXT NOT NULL,
+  excluded INTEGER NOT NULL CHECK (excluded IN (0, 1)),
+  reason TEXT NOT NULL CHECK (reason <> '')
+) STRICT;
+CREATE TRIGGER exclusions_stay BEFORE UPDATE ON exclusion WHEN NOT EXISTS (SELECT 1 FROM removal WHERE done_at = '')
+BEGIN SELECT raise(ABORT, 'an exclusion is never changed'); END;
+CREATE TRIGGER exclusions_are_kept BEFORE DELETE ON exclusion WHEN NOT EXISTS (SELECT 1 FROM removal WHERE done_at = '')
+BEGIN SELECT raise(ABORT, 'an exclusion is never deleted'); END;
+)sql",
 };
 
 /// What a person can do about an error, by SQLite's code.

@@ -1,0 +1,51 @@
+#include <CLI/CLI.hpp>
+#include <fmt/format.h>
+
+#include <memory>
+#include <string>
+
+#include "haptolith/study/participant_flow.h"
+#include "haptolith/study/store.h"
+
+#include "commands.h"
+#include "shared/output.h"
+#include "study/participant_named.h"
+
+namespace haptolith {
+
+namespace {
+
+constexpr const char* kExamples = R"(Examples:
+  haptolith study exclude friction.study S03 --reason "catch trials"
+  haptolith study exclude friction.study S03 --undo --reason "the criterion was another"
+
+Figures and fits leave S03 out; exports mark the rows. Nothing is deleted, and the log of who was excluded when and why
+is only ever added to.)";
+
+struct Options {
+  std::string file, participant, reason;
+  bool undo = false;
+};
+
+void exclude(const Options& options) {
+  StudyStore study(options.file, StudyStore::Access::kRun);
+  const ParticipantRow participant = participantNamed(study, options.participant);
+  study.setExcluded(participant.id, !options.undo, options.reason);
+  printText(fmt::format("{}: {}\n{}\n", participant.code, options.undo ? "not excluded any more" : "excluded",
+                        flowText(flowOf(study))));
+}
+
+}  // namespace
+
+void addStudyExcludeCommand(CLI::App& study) {
+  auto options = std::make_shared<Options>();
+  CLI::App* command = study.add_subcommand("exclude", "Leave a participant out of figures and fits, with a reason");
+  command->footer(kExamples);
+  command->add_option("file", options->file, "A study")->required()->option_text("FILE");
+  command->add_option("participant", options->participant, "Whom")->required()->option_text("S03");
+  command->add_option("--reason", options->reason, "Why; kept for good")->required()->option_text("TEXT");
+  command->add_flag("--undo", options->undo, "Take it back");
+  command->callback([options] { exclude(*options); });
+}
+
+}  // namespace haptolith

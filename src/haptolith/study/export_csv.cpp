@@ -1,0 +1,136 @@
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include <algorithm>
+#include <filesystem>
+#include <iterator>
+#include <map>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "haptolith/core/atomic_file.h"
+#include "haptolith/study/analysis_scripts.h"
+#include "haptolith/study/export.h"
+#include "haptolith/study/export_tables.h"
+#include "haptolith/study/study_files.h"
+
+namespace haptolith {
+
+namespace {
+
+namespace fs = std::filesystem;
+using Json = nlohmann::ordered_json;
+
+/// Quoted where it has to be (RFC 4180).
+std::string csvField(std::string text) {
+  text = withoutFormula(std::move(text));
+  if (text.find_first_of(",\"\r\n") == std::string::npos) {
+    return text;
+  }
+  std::string quoted = "\"";
+  for (const char letter : text) {
+    quoted.append(letter == '"' ? 2 : 1, letter);
+  }
+  return quoted + '"';
+}
+
+std::string csvLine(const std::vector<std::string>& fields) {
+  std::string line;
+  for (const std::string& field : fields) {
+    line += csvField(field);
+    line += ',';
+  }
+  line.back() = '\n';
+  return line;
+}
+
+/// What stands in `columns` for `row`, and after it what its participant answered to the forms.
+template <class Of>
+std::vector<std::string> fieldsOf(const std::vector<FilledColumn<Of>>& columns, const Of& row) {
+  std::vector<std::string> fields;
+  std::ranges::transform(columns, std::back_inserter(fields), [&](const FilledColumn<Of>& c) { return c.text(row); });
+  return fields;
+}
+
+template <class Of>
+std::vector<std::string> namesOf(const std::vector<FilledColumn<Of>>& columns) {
+  std::vector<std::string> names;
+  std::ranges::transform(columns, std::back_inserter(names), [](const FilledColumn<Of>& c) { return c.column.name; });
+  return names;
+}
+
+using People = std::map<std::int64_t, ParticipantRow>;
+
+std::string trialsCsv(const StudyStore& study, const People& people, const Forms& forms) {
+  const fs::path recordings = recordingsFolder(study.file());
+  std::vector<std::string> names = namesOf(filledTrialColumns());
+  std::ranges::transform(forms.columns, std::back_inserter(names), &FormColumn::name);
+  std::string text = csvLine(names);
+  for (const TrialRow& trial : study.trials()) {
+    const auto found = people.find(trial.participant);
+    if (found == people.end()) {
+      continue;  // who has begun since the list was read
+    }
+    std::vector<std::string> fields =
+        fieldsOf(filledTrialColumns(), TrialOf{.participant = found->second, .trial = trial, .recordings = recordings});
+    for (const FormColumn& column : forms.columns) {
+      fields.push_back(forms.text(found->second, column));
+    }
+    text += csvLine(fields);
+  }
+  return text;
+}
+
+std::string sessionsCsv(const StudyStore& study, const People& people) {
+  std::string text = csvLine(namesOf(filledSessionColumns()));
+  for (const SessionRow& session : study.sessions()) {
+    if (const auto found = people.find(session.participant); found != people.end()) {
+      text += csvLine(fieldsOf(filledSessionColumns(), SessionOf{.code = found->second.code, .session = session}));
+    }
+  }
+  return text;
+}
+
+/// The data dictionary: for each file its columns, as BIDS sidecars have them.
+Json dictionary(const fs::path& trials, const fs::path& sessions, const Forms& forms) {
+  Json json;
+  Json& of_trials = json[trials.filename().string()];
+  for (const ExportColumn& column : trialColumns()) {
+    of_trials[column.name] = described(column);
+  }
+  for (const FormColumn& column : forms.columns) {
+    of_trials[column.name()] = described(column);
+  }
+  for (const ExportColumn& column : sessionColumns()) {
+    json[sessions.filename().string()][column.name] = described(column);
+  }
+  return json;
+}
+
+fs::path beside(const fs::path& file, const char* ending) {
+  fs::path other = file;
+  return other.replace_filename(file.stem().string() + ending);
+}
+
+}  // namespace
+
+void exportCsv(const StudyStore& study, const fs::path& file, const ExportOptions& options) {
+  const fs::path sessions_file = beside(file, "-sessions.csv"), dictionary_file = beside(file, "-columns.json");
+  const auto output = [&](const fs::path& path) { return OutputFile(path, ifThere(options), readersOf(options)); };
+  AtomicFile trials(output(file)), sessions(output(sessions_file)), columns(output(dictionary_file));
+  const Forms forms = formsOf(study, options.personal);
+  People people;
+  for (const ParticipantRow& participant : study.participants()) {
+    people.emplace(participant.id, participant);
+  }
+  trials.write(trialsCsv(study, people, forms));
+  sessions.write(sessionsCsv(study, people));
+  columns.write(dictionary(file, sessions_file, forms).dump(2) + "\n");
+  writeAnalysisScripts(file, ifThere(options));
+  for (AtomicFile* made : {&columns, &sessions, &trials}) {
+    made->commit();
+  }
+}
+
+}  // namespace haptolith

@@ -1,0 +1,49 @@
+#include "haptolith/study/provenance.h"
+
+#include <fmt/format.h>
+#include <sodium.h>
+#include <sys/utsname.h>
+
+#include <array>
+#include <fstream>
+
+namespace haptolith {
+
+namespace {
+
+/// What stands after `key` and `separator` in the first line of a file that begins with the key; empty: nothing does.
+std::string valueIn(const std::filesystem::path& file, std::string_view key, char separator) {
+  std::ifstream stream(file);
+  for (std::string line; std::getline(stream, line);) {
+    const std::size_t at = line.find(separator);
+    if (line.starts_with(key) && at != std::string::npos) {
+      const std::size_t begin = line.find_first_not_of(" \t\"", at + 1);
+      const std::size_t end = line.find_last_not_of(" \t\"");
+      return begin == std::string::npos ? "" : line.substr(begin, end + 1 - begin);
+    }
+  }
+  return "";
+}
+
+}  // namespace
+
+Machine thisMachine(const std::filesystem::path& root) {
+  Machine machine{.os = valueIn(root / "etc/os-release", "PRETTY_NAME", '='),
+                  .kernel = {},
+                  .cpu = valueIn(root / "proc/cpuinfo", "model name", ':')};
+  if (utsname system{}; uname(&system) == 0) {
+    machine.kernel = fmt::format("{} {} {}", system.sysname, system.release, system.machine);
+  }
+  return machine;
+}
+
+std::string sha256Of(std::string_view text) {
+  std::array<unsigned char, crypto_hash_sha256_BYTES> hash{};
+  const std::string bytes(text);
+  // NOLINTNEXTLINE(cppcoreguidelines-pro-type-reinterpret-cast): libsodium takes bytes
+  crypto_hash_sha256(hash.data(), reinterpret_cast<const unsigned char*>(bytes.data()), bytes.size());
+  std::array<char, 2 * crypto_hash_sha256_BYTES + 1> digits{};
+  return sodium_bin2hex(digits.data(), digits.size(), hash.data(), hash.size());
+}
+
+}  // namespace haptolith

@@ -1,0 +1,54 @@
+// Whom the analysis leaves out, and why: a log to which rows are only added.
+
+#include <SQLiteCpp/SQLiteCpp.h>
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cstdint>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "haptolith/core/error.h"
+#include "haptolith/study/store.h"
+#include "haptolith/study/store_file.h"
+#include "haptolith/study/store_implementation.h"
+#include "haptolith/study/study_sql.h"
+
+namespace haptolith {
+
+void StudyStore::setExcluded(std::int64_t participant, bool excluded, std::string_view reason) {
+  if (reason.find_first_not_of(" \t\n") == std::string_view::npos) {
+    throw InvalidParameter("reason", "nothing", "some words");
+  }
+  implementation_->write([&] {
+    implementation_->requireParticipant(participant);
+    const std::vector<ParticipantRow> all = participants();
+    const ParticipantRow& row = *std::ranges::find(all, participant, &ParticipantRow::id);
+    if (row.excluded_for.empty() != excluded) {
+      throw InvalidParameter("participant", fmt::format("'{}'", row.code),
+                             excluded ? fmt::format("one who is not excluded yet (it was for: {})", row.excluded_for)
+                                      : "one who is excluded");
+    }
+    return execute(*implementation_->database,
+                   "INSERT INTO exclusion (participant, at, excluded, reason) VALUES (?, ?, ?, ?)", participant,
+                   std::string_view(nowText()), excluded, reason);
+  });
+}
+
+std::vector<ExclusionRow> StudyStore::exclusions() const {
+  return implementation_->read([&] {
+    std::vector<ExclusionRow> rows;
+    SQLite::Statement query(*implementation_->database,
+                            "SELECT participant, at, excluded, reason FROM exclusion ORDER BY id");
+    while (query.executeStep()) {
+      rows.push_back({.participant = query.getColumn(0).getInt64(),
+                      .at = query.getColumn(1).getString(),
+                      .excluded = query.getColumn(2).getInt() != 0,
+                      .reason = query.getColumn(3).getString()});
+    }
+    return rows;
+  });
+}
+
+}  // namespace haptolith
