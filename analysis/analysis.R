@@ -32,10 +32,10 @@ read_trials <- function(path) {
   }))
 }
 
-# Answers that count, of people who have not withdrawn.
+# Answers that count, of people who have neither withdrawn nor been excluded.
 counted <- function(trials) {
   trials <- trials[trials$kind == "main" & trials$state == "answered" & trials$response %in% c(0, 1) &
-                     !(trials$participant_state %in% "withdrawn"), ]
+                     !(trials$participant_state %in% c("withdrawn", "excluded")), ]
   trials$response <- as.integer(trials$response)
   trials
 }

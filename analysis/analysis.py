@@ -33,6 +33,7 @@ PLACES = 61                # of a person's table
 COARSE, FINE = (11, 6, 11, 6, 6), (19, 11, 19, 11, 9)
 USUAL_LOG_SPREAD = 0.4
 LAPSE_PRIOR = 100
+LEFT_OUT = ("withdrawn", "excluded")  # participant_state
 
 
 # --- data ---------------------------------------------------------------------------------------------------------------
@@ -57,11 +58,11 @@ def rows_of(path):
 
 
 def blocks_of(path):
-    """{block: (reference, {participant: {x: [k, n]}})}: answers that count, of people who have not withdrawn."""
+    """{block: (reference, {participant: {x: [k, n]}})}: answers that count, of people who are not left out."""
     blocks = {}
     for row in rows_of(path):
         counts = row["kind"] == "main" and row["state"] == "answered" and row["response"] in ("0", "1")
-        if not counts or row.get("participant_state") == "withdrawn" or row.get("timed_out") == "1":
+        if not counts or row.get("participant_state") in LEFT_OUT or row.get("timed_out") == "1":
             continue
         _, people = blocks.setdefault(row["block"], (float(row["x_reference"]), {}))
         level = people.setdefault(row["participant"], {}).setdefault(float(row["x"]), [0, 0])
