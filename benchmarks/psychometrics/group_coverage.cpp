@@ -84,7 +84,7 @@ void tell(const Experiment& experiment, const Case& of, double answers, int stud
   double mean = 0, ratio = 0, spread = 0;
   int covered = 0, pse_covered = 0, spread_covered = 0;
   for (int i = 0; i < studies; ++i) {
-    const GroupFit group = fitGroup(groupOf(experiment, of, answers, random), options, PeopleToo::kNo);
+    const GroupFit group = fitGroup(groupOf(experiment, of, answers, random), options, Effort::kQuick);
     const Estimate& w = group.scale.median;
     found.push_back(w.value);
     mean += w.value / studies;

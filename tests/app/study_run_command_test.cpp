@@ -297,6 +297,31 @@ TEST_F(StudyRunCommands, SimulatedPeopleMakeAFigureThatFindsTheirWeberFraction) 
                     HasSubstr("Lapses: the rate is fitted"), HasSubstr("takes all answers for one person's")));
 }
 
+// The script in an export is a program of its own for the same model.
+TEST_F(StudyRunCommands, TheScriptOfAnExportMakesTheNumbersOfAFigureAgain) {
+  if (runInShell("/usr/bin/python3 -c 'import scipy'").exit_status != 0) {
+    GTEST_SKIP() << "scipy is not installed";
+  }
+  makeStudy();
+  ASSERT_EQ(runHaptolith("study simulate --participants 8 --weber 0.29 --bias 0.1 " + file("a.study")).exit_status, 0);
+  const ProgramResult figure = runHaptolith(fmt::format("study figure {} --json", file("a.study")));
+  ASSERT_EQ(figure.exit_status, 0) << figure.errors;
+  const Json headline = Json::parse(figure.output)["blocks"][0]["headline"];
+  ASSERT_EQ(runHaptolith(fmt::format("study export {} --to {}", file("a.study"), file("a.csv"))).exit_status, 0);
+  const ProgramResult script = runInShell("/usr/bin/python3 '" + file("a-analysis.py") + "' --json --no-glmm");
+  ASSERT_EQ(script.exit_status, 0) << script.errors;
+  const Json again = Json::parse(script.output)[0];
+  for (const char* key : {"weber_fraction", "pse"}) {
+    const auto of_figure = headline[key].get<double>();
+    EXPECT_NEAR(again[key].get<double>(), of_figure, 0.01 * of_figure) << key;
+    const std::string interval = std::string(key) + "_interval";
+    for (const int end : {0, 1}) {
+      const auto wanted = headline[interval][end].get<double>();
+      EXPECT_NEAR(again[interval][end].get<double>(), wanted, 0.02 * wanted) << interval;
+    }
+  }
+}
+
 TEST_F(StudyRunCommands, SimulatedAnswersStandBesideNoPersons) {
   makeStudy();
   (void)runForASecond(fmt::format("run {} --trial-run --port 0", file("a.study")));

@@ -10,14 +10,15 @@ namespace {
 
 /// Somebody whose answers say that `first` is normal about this place, and nothing of `second`.
 PersonTable somebody(double place, double deviation) {
-  return closedTable({-10, 10}, {0, 0}, {0}, [=](const std::vector<double>& first, const std::vector<double>& second) {
-    Eigen::ArrayXXd log(std::ssize(first), std::ssize(second));
-    for (Eigen::Index row = 0; row < log.rows(); ++row) {
-      const double away = (first[row] - place) / deviation;
-      log.row(row) = -away * away / 2;
-    }
-    return [log](double) { return log; };
-  });
+  return closedTable({-10, 10}, {0, 0}, {0}, Effort::kThorough,
+                     [=](const std::vector<double>& first, const std::vector<double>& second) {
+                       Eigen::ArrayXXd log(std::ssize(first), std::ssize(second));
+                       for (Eigen::Index row = 0; row < log.rows(); ++row) {
+                         const double away = (first[row] - place) / deviation;
+                         log.row(row) = -away * away / 2;
+                       }
+                       return [log](double) { return log; };
+                     });
 }
 
 HierarchyPriors withSpread(const Support& spread) {
@@ -36,7 +37,7 @@ TEST(Hierarchy, HasTheNormalPosteriorOfAKnownSpread) {
       for (const double place : places) {
         people.push_back(somebody(place * (spread + deviation), deviation));
       }
-      const HierarchyPosterior posterior = hierarchyOf(people, withSpread({spread, spread}), PeopleToo::kNo);
+      const HierarchyPosterior posterior = hierarchyOf(people, withSpread({spread, spread}), Effort::kQuick);
       const Estimate mean = estimateOf(posterior.marginals[kFirstMean], 0.95);
       const double expected = 0.2 * (spread + deviation);
       const double sigma = std::sqrt((spread * spread + deviation * deviation) / 5);
@@ -51,7 +52,7 @@ TEST(Hierarchy, HasTheNormalPosteriorOfAKnownSpread) {
 TEST(Hierarchy, DrawsAPersonTowardsTheGroup) {
   std::vector<PersonTable> people(200, somebody(0, 0.5));
   people.push_back(somebody(2, 0.5));
-  const HierarchyPosterior posterior = hierarchyOf(people, withSpread({0.5, 0.5}), PeopleToo::kYes);
+  const HierarchyPosterior posterior = hierarchyOf(people, withSpread({0.5, 0.5}), Effort::kThorough);
   double mean = 0;
   for (Eigen::Index i = 0; i < posterior.people.back().rows(); ++i) {
     mean += people.back().first[i] * posterior.people.back()(i, 0);
@@ -64,7 +65,7 @@ TEST(Hierarchy, FindsTheSpreadOfPeople) {
   for (int i = -20; i <= 20; ++i) {
     people.push_back(somebody(0.05 * i, 0.05));
   }
-  const HierarchyPosterior posterior = hierarchyOf(people, withSpread({0, 3}), PeopleToo::kNo);
+  const HierarchyPosterior posterior = hierarchyOf(people, withSpread({0, 3}), Effort::kQuick);
   EXPECT_NEAR(estimateOf(posterior.marginals[kFirstSpread], 0.95).value, 0.59, 0.03);
 }
 
@@ -73,13 +74,13 @@ TEST(Hierarchy, SaysHowLikelyNoSpreadIs) {
   HierarchyPriors priors = withSpread(prior.support());
   priors.log_densities[kFirstSpread] = [&](double spread) { return prior.logDensity(spread); };
   const std::vector<PersonTable> alike(30, somebody(0, 0.3));
-  const HierarchyPosterior same = hierarchyOf(alike, priors, PeopleToo::kNo);
+  const HierarchyPosterior same = hierarchyOf(alike, priors, Effort::kQuick);
   EXPECT_GT(prior.bayesFactorOfNone(same.marginals[kFirstSpread]), 3);
   std::vector<PersonTable> different;
   for (int i = 0; i < 30; ++i) {
     different.push_back(somebody(0.1 * i, 0.3));
   }
-  const HierarchyPosterior unlike = hierarchyOf(different, priors, PeopleToo::kNo);
+  const HierarchyPosterior unlike = hierarchyOf(different, priors, Effort::kQuick);
   EXPECT_LT(prior.bayesFactorOfNone(unlike.marginals[kFirstSpread]), 1e-3);
 }
 

@@ -133,11 +133,11 @@ class Likelihood {
 
 /// The table of a person's likelihood, where it is not negligible.
 PersonTable tableOf(const Model& model, const std::vector<Level>& levels, const Support& place,
-                    const Support& log_scale) {
+                    const Support& log_scale, Effort effort) {
   const Support& lapse = model.support(kLapse);
   const std::vector<double> lapses =
       lapse.isFixed() ? std::vector{lapse.low} : std::vector(kLapses.begin(), kLapses.end());
-  return closedTable(place, log_scale, lapses,
+  return closedTable(place, log_scale, lapses, effort,
                      [&](const std::vector<double>& places, const std::vector<double>& log_scales) {
                        const auto likelihood = std::make_shared<Likelihood>(model, levels, places, log_scales);
                        return [likelihood](double shared) { return likelihood->at(shared); };
@@ -289,7 +289,7 @@ FitOptions groupOptions(FitOptions of_one_person) {
   return of_one_person;
 }
 
-GroupFit fitGroup(std::span<const std::vector<Level>> participants, const FitOptions& options, PeopleToo people_too) {
+GroupFit fitGroup(std::span<const std::vector<Level>> participants, const FitOptions& options, Effort effort) {
   if (participants.empty()) {
     throw InvalidParameter("participants", "none", "one or more");
   }
@@ -299,10 +299,10 @@ GroupFit fitGroup(std::span<const std::vector<Level>> participants, const FitOpt
   std::vector<PersonTable> tables;
   tables.reserve(participants.size());
   for (const std::vector<Level>& levels : participants) {
-    tables.push_back(tableOf(model, pooled(levels), axes.place, axes.log_scale));
+    tables.push_back(tableOf(model, pooled(levels), axes.place, axes.log_scale, effort));
   }
   const HierarchyPriors priors = priorsOf(model, axes);
-  const HierarchyPosterior posterior = hierarchyOf(tables, priors, people_too);
+  const HierarchyPosterior posterior = hierarchyOf(tables, priors, effort);
 
   const auto& marginals = posterior.marginals;
   const double confidence = options.confidence;

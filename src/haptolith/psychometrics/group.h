@@ -44,9 +44,9 @@ struct GroupFit {
 /// threshold; the lapse rate Beta(1, 100); a free guess rate (design yesno) and a free eta are each one's own, with the
 /// priors of a single fit. Sums over grids, deterministic.
 /// @param participants  each one's levels; one participant or more.
-/// @param people_too  kNo leaves out what is said of each participant, which takes most of the time.
+/// @param effort  kQuick leaves out what is said of each participant.
 /// @throws InvalidParameter as fitPsychometric(), or without a participant.
 [[nodiscard]] GroupFit fitGroup(std::span<const std::vector<Level>> participants, const FitOptions& options,
-                                PeopleToo people_too = PeopleToo::kYes);
+                                Effort effort = Effort::kThorough);
 
 }  // namespace haptolith

@@ -47,16 +47,17 @@ double logAt(const Marginal* likelihood, double place) {
 /// What somebody's answers say of the mean of their two places and of the change between these.
 PersonTable tableOf(const Marginal* first, const Marginal* second, double offset, const Support& mean,
                     const Support& change) {
-  return closedTable(mean, change, {0}, [=](const std::vector<double>& means, const std::vector<double>& changes) {
-    Eigen::ArrayXXd log(std::ssize(means), std::ssize(changes));
-    for (Eigen::Index row = 0; row < log.rows(); ++row) {
-      for (Eigen::Index column = 0; column < log.cols(); ++column) {
-        const double half = changes[column] / 2;
-        log(row, column) = logAt(first, means[row] - half) + logAt(second, means[row] + half + offset);
-      }
-    }
-    return [log](double) { return log; };
-  });
+  return closedTable(
+      mean, change, {0}, Effort::kThorough, [=](const std::vector<double>& means, const std::vector<double>& changes) {
+        Eigen::ArrayXXd log(std::ssize(means), std::ssize(changes));
+        for (Eigen::Index row = 0; row < log.rows(); ++row) {
+          for (Eigen::Index column = 0; column < log.cols(); ++column) {
+            const double half = changes[column] / 2;
+            log(row, column) = logAt(first, means[row] - half) + logAt(second, means[row] + half + offset);
+          }
+        }
+        return [log](double) { return log; };
+      });
 }
 
 double normalDensity(double value, double deviation) noexcept {
@@ -94,7 +95,7 @@ Change changeBetween(const Population& first, const Population& second, const st
   priors.supports = {mean, prior.support(), change, prior.support(), Support{0, 0}};
   priors.log_densities[kFirstSpread] = [prior](double value) { return prior.logDensity(value); };
   priors.log_densities[kSecondSpread] = priors.log_densities[kFirstSpread];
-  const HierarchyPosterior posterior = hierarchyOf(tables, priors, PeopleToo::kNo);
+  const HierarchyPosterior posterior = hierarchyOf(tables, priors, Effort::kQuick);
   const Marginal& of_change = posterior.marginals[kSecondMean];
   return {estimateOf(of_change, confidence), bayesFactorOfNone(of_change, prior.usual), prior};
 }

@@ -17,13 +17,15 @@ using Sizes = std::array<int, kHyperParameters>;
 using Supports = std::array<Support, kHyperParameters>;
 
 constexpr Sizes kCoarse{11, 5, 11, 5, 4};
-constexpr Sizes kFine{15, 7, 15, 7, 6};
+constexpr Sizes kQuick{15, 7, 15, 7, 6};
+constexpr Sizes kThorough{21, 11, 21, 11, 9};
 constexpr int kRounds = 3;  // of coarse grids, each over what the one before has left
 // What is less dense than the best point by more than this (e^-9 = 1.2e-4) is left out of the next grid.
 constexpr double kNegligible = 9;
 constexpr double kImpossible = 1e-300;  // nobody is: one person's answers never exclude a point by themselves
 constexpr int kDraws = 400;
-constexpr int kPlaces = 31;  // of a table
+constexpr int kQuickPlaces = 31;  // of a table
+constexpr int kThoroughPlaces = 61;
 constexpr double kNegligibleInTable = 12;
 constexpr int kTableRounds = 2;  // in which a table closes in
 constexpr int kPerCell = 16;     // finer values between those of a marginal
@@ -142,7 +144,7 @@ class HyperGrid {
     return supports;
   }
 
-  [[nodiscard]] HierarchyPosterior summed(PeopleToo people_too) {
+  [[nodiscard]] HierarchyPosterior summed(Effort effort) {
     takeMasses();
     HierarchyPosterior posterior;
     std::array<Eigen::ArrayXd, kHyperParameters> sums;
@@ -168,7 +170,7 @@ class HyperGrid {
       const Eigen::ArrayXd shifted = log_density - log_density.maxCoeff();
       posterior.marginals[i] = {values_[i], {shifted.begin(), shifted.end()}};
     }
-    if (people_too == PeopleToo::kYes) {
+    if (effort == Effort::kThorough) {
       sumPeople(posterior);
     }
     return posterior;
@@ -349,8 +351,9 @@ std::vector<WeightedValue> finer(const Marginal& marginal) {
   return result;
 }
 
-std::vector<double> valuesOf(const Support& support) {
-  return support.isFixed() ? std::vector{support.low} : evenly(support, kPlaces);
+std::vector<double> valuesOf(const Support& support, Effort effort) {
+  return support.isFixed() ? std::vector{support.low}
+                           : evenly(support, effort == Effort::kThorough ? kThoroughPlaces : kQuickPlaces);
 }
 
 /// The part of a table's values that is kept, by a cell more on either side.
@@ -363,11 +366,12 @@ Support narrowed(const std::vector<double>& values, const std::vector<bool>& kep
 
 }  // namespace
 
-PersonTable closedTable(Support first, Support second, const std::vector<double>& shared, const TableMaker& make) {
+PersonTable closedTable(Support first, Support second, const std::vector<double>& shared, Effort effort,
+                        const TableMaker& make) {
   PersonTable table;
   for (int round = 0;; ++round) {
-    table.first = valuesOf(first);
-    table.second = valuesOf(second);
+    table.first = valuesOf(first, effort);
+    table.second = valuesOf(second, effort);
     table.log_likelihood = make(table.first, table.second);
     if (round == kTableRounds) {
       return table;
@@ -405,13 +409,12 @@ double SpreadPrior::bayesFactorOfNone(const Marginal& posterior) const {
   return densityAt(posterior, 0) / std::exp(logDensity(0));
 }
 
-HierarchyPosterior hierarchyOf(const std::vector<PersonTable>& people, const HierarchyPriors& priors,
-                               PeopleToo people_too) {
+HierarchyPosterior hierarchyOf(const std::vector<PersonTable>& people, const HierarchyPriors& priors, Effort effort) {
   Supports supports = priors.supports;
   for (int round = 0; round < kRounds; ++round) {
     supports = HyperGrid(people, priors, supports, kCoarse).narrowed();
   }
-  return HyperGrid(people, priors, supports, kFine).summed(people_too);
+  return HyperGrid(people, priors, supports, effort == Effort::kThorough ? kThorough : kQuick).summed(effort);
 }
 
 Estimate estimateOf(const Marginal& marginal, double confidence) {

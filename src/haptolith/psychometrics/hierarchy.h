@@ -24,9 +24,12 @@ struct PersonTable {
 using TableMaker = std::function<std::function<Eigen::ArrayXXd(double shared)>(const std::vector<double>& first,
                                                                                const std::vector<double>& second)>;
 
-/// A table of 31 values each that has closed in, within these supports, on where the likelihood is more than e^-12 of
-/// its largest for any of these values of the shared parameter.
-[[nodiscard]] PersonTable closedTable(Support first, Support second, const std::vector<double>& shared,
+/// How finely is summed: kQuick for simulations, where the error of the sums drowns in that of few studies.
+enum class Effort { kQuick, kThorough };
+
+/// A table of 31 values each (thorough: 61) that has closed in, within these supports, on where the likelihood is more
+/// than e^-12 of its largest for any of these values of the shared parameter.
+[[nodiscard]] PersonTable closedTable(Support first, Support second, const std::vector<double>& shared, Effort effort,
                                       const TableMaker& make);
 
 /// The parameters of a hierarchy, in the order of its grid: mean and standard deviation of the two numbers among
@@ -70,18 +73,15 @@ struct HierarchyPosterior {
   std::vector<Eigen::ArrayXd> second_alone = {};  ///< the same of `second`
 };
 
-/// Whether to sum what the people are, too, or the means and spreads alone, which is quicker.
-enum class PeopleToo { kNo, kYes };
-
 /// Sums the posterior of a model in which both numbers of each person come from normal distributions of their own,
 ///
 ///     p(answers | m1, s1, m2, s2, c) = product over people of  N(m1, s1)^T L_i(c) N(m2, s2),
 ///
 /// on grids that close in on where it is. L_i is a person's table, bilinear between its values and constant beyond
 /// them; N holds the exact integrals of a normal distribution times the hat function about each value, so that a spread
-/// of 0 is a place like any other. Deterministic.
+/// of 0 is a place like any other. Deterministic. Only the thorough sum says what the people are, too.
 [[nodiscard]] HierarchyPosterior hierarchyOf(const std::vector<PersonTable>& people, const HierarchyPriors& priors,
-                                             PeopleToo people_too);
+                                             Effort effort);
 
 /// Median and interval of a marginal; its logarithm is taken as a cubic between the values.
 [[nodiscard]] Estimate estimateOf(const Marginal& marginal, double confidence);

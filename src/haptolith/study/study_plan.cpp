@@ -68,7 +68,7 @@ Estimate weberFractionOf(const StudyBlock& block, const std::vector<std::vector<
   options.confidence = confidence;
   options.simulations = 0;
   return people.size() == 1 ? fitPsychometric(people.front(), options).weber_fraction
-                            : fitGroup(people, groupOptions(options), PeopleToo::kNo).scale.median;
+                            : fitGroup(people, groupOptions(options), Effort::kQuick).scale.median;
 }
 
 /// The share of studies for which something holds.
