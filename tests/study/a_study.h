@@ -8,7 +8,7 @@
 #include <string>
 
 #include "haptolith/study/protocol.h"
-#include "haptolith/study/store.h"
+#include "haptolith/study/store/store.h"
 
 namespace haptolith {
 

@@ -17,7 +17,7 @@
 
 #include "haptolith/core/error.h"
 #include "haptolith/study/criteria.h"
-#include "haptolith/study/provenance.h"
+#include "haptolith/study/store/provenance.h"
 
 #include "fake_rig.h"
 

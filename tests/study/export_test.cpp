@@ -1,4 +1,4 @@
-#include "haptolith/study/export.h"
+#include "haptolith/study/export/export.h"
 
 #include <fmt/format.h>
 #include <gmock/gmock.h>
@@ -12,8 +12,8 @@
 
 #include "haptolith/core/error.h"
 #include "haptolith/recording/recording_writer.h"
-#include "haptolith/study/provenance.h"
-#include "haptolith/study/study_files.h"
+#include "haptolith/study/store/provenance.h"
+#include "haptolith/study/store/study_files.h"
 
 #include "../source_dir.h"
 #include "a_study.h"

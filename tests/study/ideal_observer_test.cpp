@@ -1,4 +1,4 @@
-#include "haptolith/study/ideal_observer.h"
+#include "haptolith/study/perception/ideal_observer.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "haptolith/study/provenance.h"
+#include "haptolith/study/store/provenance.h"
 
 #include <fmt/format.h>
 #include <gmock/gmock.h>

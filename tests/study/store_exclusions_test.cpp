@@ -6,8 +6,8 @@
 #include <vector>
 
 #include "haptolith/core/error.h"
-#include "haptolith/study/participant_flow.h"
-#include "haptolith/study/store.h"
+#include "haptolith/study/store/participant_flow.h"
+#include "haptolith/study/store/store.h"
 
 #include "a_study.h"
 

@@ -22,8 +22,8 @@
 #include <vector>
 
 #include "haptolith/core/error.h"
-#include "haptolith/study/store.h"
-#include "haptolith/study/study_schema.h"
+#include "haptolith/study/store/store.h"
+#include "haptolith/study/store/study_schema.h"
 
 #include "a_pipe.h"
 #include "a_study.h"

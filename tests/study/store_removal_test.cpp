@@ -22,10 +22,10 @@
 
 #include "haptolith/core/error.h"
 #include "haptolith/scenario/scenario.h"
-#include "haptolith/study/participant_code.h"
-#include "haptolith/study/store.h"
-#include "haptolith/study/study_files.h"
-#include "haptolith/study/study_schema.h"
+#include "haptolith/study/store/participant_code.h"
+#include "haptolith/study/store/store.h"
+#include "haptolith/study/store/study_files.h"
+#include "haptolith/study/store/study_schema.h"
 
 #include "a_pipe.h"
 #include "a_study.h"

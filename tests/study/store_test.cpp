@@ -1,4 +1,4 @@
-#include "haptolith/study/store.h"
+#include "haptolith/study/store/store.h"
 
 #include <gmock/gmock.h>
 

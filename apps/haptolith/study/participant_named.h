@@ -2,7 +2,7 @@
 
 #include <string_view>
 
-#include "haptolith/study/store.h"
+#include "haptolith/study/store/store.h"
 
 namespace haptolith {
 

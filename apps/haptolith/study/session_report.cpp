@@ -10,7 +10,7 @@
 #include <string_view>
 #include <vector>
 
-#include "haptolith/study/provenance.h"
+#include "haptolith/study/store/provenance.h"
 
 namespace haptolith {
 

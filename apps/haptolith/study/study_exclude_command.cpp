@@ -4,8 +4,8 @@
 #include <memory>
 #include <string>
 
-#include "haptolith/study/participant_flow.h"
-#include "haptolith/study/store.h"
+#include "haptolith/study/store/participant_flow.h"
+#include "haptolith/study/store/store.h"
 
 #include "commands.h"
 #include "shared/output.h"

@@ -14,8 +14,8 @@
 #include "haptolith/core/error.h"
 #include "haptolith/scenario/file_keys.h"
 #include "haptolith/scenario/scene_words.h"
-#include "haptolith/study/perception.h"
-#include "haptolith/study/perception_figure.h"
+#include "haptolith/study/perception/perception.h"
+#include "haptolith/study/perception/perception_figure.h"
 
 #include "commands.h"
 #include "lab/lab_options.h"

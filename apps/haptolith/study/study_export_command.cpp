@@ -3,8 +3,8 @@
 #include <memory>
 #include <string>
 
-#include "haptolith/study/export.h"
-#include "haptolith/study/store.h"
+#include "haptolith/study/export/export.h"
+#include "haptolith/study/store/store.h"
 
 #include "commands.h"
 #include "shared/option_checks.h"

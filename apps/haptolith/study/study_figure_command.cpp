@@ -18,8 +18,8 @@
 #include "haptolith/psychometrics/group_difference.h"
 #include "haptolith/psychometrics/psychometric_figure.h"
 #include "haptolith/study/answers.h"
-#include "haptolith/study/participant_flow.h"
-#include "haptolith/study/store.h"
+#include "haptolith/study/store/participant_flow.h"
+#include "haptolith/study/store/store.h"
 
 #include "commands.h"
 #include "shared/option_checks.h"

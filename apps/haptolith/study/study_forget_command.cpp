@@ -9,8 +9,8 @@
 #include <string_view>
 #include <vector>
 
-#include "haptolith/study/store.h"
-#include "haptolith/study/study_files.h"
+#include "haptolith/study/store/store.h"
+#include "haptolith/study/store/study_files.h"
 
 #include "commands.h"
 #include "shared/output.h"

@@ -13,7 +13,7 @@
 
 #include "haptolith/study/protocol.h"
 #include "haptolith/study/sequence.h"
-#include "haptolith/study/store.h"
+#include "haptolith/study/store/store.h"
 
 #include "commands.h"
 #include "shared/output.h"

@@ -15,10 +15,10 @@
 #include "haptolith/scenario/scene_words.h"
 #include "haptolith/session/session.h"
 #include "haptolith/study/conductor.h"
-#include "haptolith/study/provenance.h"
 #include "haptolith/study/session_rig.h"
 #include "haptolith/study/simulated_participant.h"
-#include "haptolith/study/study_files.h"
+#include "haptolith/study/store/provenance.h"
+#include "haptolith/study/store/study_files.h"
 #include "haptolith/study/study_pages.h"
 #include "haptolith/viewer/live_view.h"
 

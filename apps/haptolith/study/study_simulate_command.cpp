@@ -14,10 +14,10 @@
 
 #include "haptolith/core/error.h"
 #include "haptolith/study/answers.h"
-#include "haptolith/study/participant_flow.h"
-#include "haptolith/study/provenance.h"
 #include "haptolith/study/simulated_participant.h"
 #include "haptolith/study/simulated_rig.h"
+#include "haptolith/study/store/participant_flow.h"
+#include "haptolith/study/store/provenance.h"
 
 #include "commands.h"
 #include "shared/option_checks.h"

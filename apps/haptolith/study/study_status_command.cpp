@@ -11,8 +11,8 @@
 #include "haptolith/study/adaptive_results.h"
 #include "haptolith/study/answers.h"
 #include "haptolith/study/criteria.h"
-#include "haptolith/study/participant_flow.h"
-#include "haptolith/study/store.h"
+#include "haptolith/study/store/participant_flow.h"
+#include "haptolith/study/store/store.h"
 
 #include "commands.h"
 #include "shared/output.h"

@@ -12,7 +12,7 @@
 #include "haptolith/psychometrics/fit.h"
 #include "haptolith/psychometrics/levels.h"
 #include "haptolith/study/protocol.h"
-#include "haptolith/study/store.h"
+#include "haptolith/study/store/store.h"
 
 namespace haptolith {
 

@@ -16,7 +16,7 @@
 #include "haptolith/study/criteria.h"
 #include "haptolith/study/rig.h"
 #include "haptolith/study/sequence.h"
-#include "haptolith/study/store.h"
+#include "haptolith/study/store/store.h"
 #include "haptolith/study/study_steps.h"
 
 namespace haptolith {

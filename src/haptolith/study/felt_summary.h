@@ -3,7 +3,7 @@
 #include <optional>
 
 #include "haptolith/haptics/tick_record.h"
-#include "haptolith/study/store.h"
+#include "haptolith/study/store/store.h"
 
 namespace haptolith {
 

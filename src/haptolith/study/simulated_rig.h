@@ -2,7 +2,7 @@
 
 #include <vector>
 
-#include "haptolith/study/exploration.h"
+#include "haptolith/study/perception/exploration.h"
 #include "haptolith/study/rig.h"
 
 namespace haptolith {

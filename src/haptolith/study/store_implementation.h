@@ -12,9 +12,9 @@
 
 #include "haptolith/core/error.h"
 #include "haptolith/study/protocol.h"
-#include "haptolith/study/runner_lock.h"
-#include "haptolith/study/store.h"
-#include "haptolith/study/study_schema.h"
+#include "haptolith/study/store/runner_lock.h"
+#include "haptolith/study/store/store.h"
+#include "haptolith/study/store/study_schema.h"
 
 namespace haptolith {
 

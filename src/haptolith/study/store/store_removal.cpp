@@ -16,12 +16,12 @@
 #include <vector>
 
 #include "haptolith/core/error.h"
-#include "haptolith/study/participant_code.h"
-#include "haptolith/study/store.h"
-#include "haptolith/study/store_file.h"
+#include "haptolith/study/store/participant_code.h"
+#include "haptolith/study/store/store.h"
+#include "haptolith/study/store/store_file.h"
+#include "haptolith/study/store/study_files.h"
+#include "haptolith/study/store/study_sql.h"
 #include "haptolith/study/store_implementation.h"
-#include "haptolith/study/study_files.h"
-#include "haptolith/study/study_sql.h"
 
 namespace haptolith {
 

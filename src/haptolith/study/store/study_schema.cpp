@@ -1,4 +1,4 @@
-#include "haptolith/study/study_schema.h"
+#include "haptolith/study/store/study_schema.h"
 
 #include <fmt/format.h>
 #include <sqlite3.h>

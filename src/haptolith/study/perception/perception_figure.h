@@ -3,7 +3,7 @@
 #include <vector>
 
 #include "haptolith/core/atomic_file.h"
-#include "haptolith/study/perception.h"
+#include "haptolith/study/perception/perception.h"
 
 namespace haptolith {
 

@@ -1,4 +1,4 @@
-#include "haptolith/study/perception_figure.h"
+#include "haptolith/study/perception/perception_figure.h"
 
 #include <fmt/format.h>
 

@@ -1,4 +1,4 @@
-#include "haptolith/study/runner_lock.h"
+#include "haptolith/study/store/runner_lock.h"
 
 #include <fcntl.h>
 #include <fmt/format.h>

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "haptolith/psychometrics/fit.h"
-#include "haptolith/study/exploration.h"
+#include "haptolith/study/perception/exploration.h"
 
 namespace haptolith {
 

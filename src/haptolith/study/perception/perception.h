@@ -8,8 +8,8 @@
 #include <vector>
 
 #include "haptolith/scenario/scenario.h"
-#include "haptolith/study/exploration.h"
-#include "haptolith/study/ideal_observer.h"
+#include "haptolith/study/perception/exploration.h"
+#include "haptolith/study/perception/ideal_observer.h"
 
 namespace haptolith {
 

@@ -1,4 +1,4 @@
-#include "haptolith/study/participant_code.h"
+#include "haptolith/study/store/participant_code.h"
 
 #include <sodium.h>
 

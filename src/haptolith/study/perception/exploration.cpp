@@ -1,4 +1,4 @@
-#include "haptolith/study/exploration.h"
+#include "haptolith/study/perception/exploration.h"
 
 #include <fmt/format.h>
 

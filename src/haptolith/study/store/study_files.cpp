@@ -1,4 +1,4 @@
-#include "haptolith/study/study_files.h"
+#include "haptolith/study/store/study_files.h"
 
 #include <fcntl.h>
 #include <fmt/format.h>
@@ -13,7 +13,7 @@
 
 #include "haptolith/core/atomic_file.h"
 #include "haptolith/core/error.h"
-#include "haptolith/study/participant_code.h"
+#include "haptolith/study/store/participant_code.h"
 
 namespace haptolith {
 

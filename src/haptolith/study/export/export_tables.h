@@ -11,10 +11,10 @@
 #include <vector>
 
 #include "haptolith/core/atomic_file.h"
-#include "haptolith/study/export.h"
+#include "haptolith/study/export/export.h"
 #include "haptolith/study/protocol.h"
-#include "haptolith/study/provenance.h"
-#include "haptolith/study/store.h"
+#include "haptolith/study/store/provenance.h"
+#include "haptolith/study/store/store.h"
 
 namespace haptolith {
 

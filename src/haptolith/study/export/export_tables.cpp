@@ -1,4 +1,4 @@
-#include "haptolith/study/export_tables.h"
+#include "haptolith/study/export/export_tables.h"
 
 #include <fmt/format.h>
 

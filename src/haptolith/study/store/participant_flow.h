@@ -4,7 +4,7 @@
 #include <map>
 #include <string>
 
-#include "haptolith/study/store.h"
+#include "haptolith/study/store/store.h"
 
 namespace haptolith {
 

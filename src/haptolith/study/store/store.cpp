@@ -1,4 +1,4 @@
-#include "haptolith/study/store.h"
+#include "haptolith/study/store/store.h"
 
 #include <SQLiteCpp/SQLiteCpp.h>
 #include <fmt/chrono.h>
@@ -20,11 +20,11 @@
 #include "haptolith/core/error.h"
 #include "haptolith/core/plain_text.h"
 #include "haptolith/study/form.h"
-#include "haptolith/study/participant_code.h"
-#include "haptolith/study/store_file.h"
+#include "haptolith/study/store/participant_code.h"
+#include "haptolith/study/store/store_file.h"
+#include "haptolith/study/store/study_schema.h"
+#include "haptolith/study/store/study_sql.h"
 #include "haptolith/study/store_implementation.h"
-#include "haptolith/study/study_schema.h"
-#include "haptolith/study/study_sql.h"
 
 namespace haptolith {
 

@@ -1,4 +1,4 @@
-#include "haptolith/study/perception.h"
+#include "haptolith/study/perception/perception.h"
 
 #include <fmt/format.h>
 

@@ -10,10 +10,10 @@
 #include <vector>
 
 #include "haptolith/core/atomic_file.h"
-#include "haptolith/study/analysis_scripts.h"
-#include "haptolith/study/export.h"
-#include "haptolith/study/export_tables.h"
-#include "haptolith/study/study_files.h"
+#include "haptolith/study/export/analysis_scripts.h"
+#include "haptolith/study/export/export.h"
+#include "haptolith/study/export/export_tables.h"
+#include "haptolith/study/store/study_files.h"
 
 namespace haptolith {
 

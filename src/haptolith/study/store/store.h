@@ -15,8 +15,8 @@
 #include <vector>
 
 #include "haptolith/study/protocol.h"
-#include "haptolith/study/provenance.h"
 #include "haptolith/study/sequence.h"
+#include "haptolith/study/store/provenance.h"
 
 namespace haptolith {
 

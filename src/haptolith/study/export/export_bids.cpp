@@ -11,10 +11,10 @@
 
 #include "haptolith/core/atomic_folder.h"
 #include "haptolith/core/error.h"
-#include "haptolith/study/analysis_scripts.h"
-#include "haptolith/study/export.h"
-#include "haptolith/study/export_tables.h"
-#include "haptolith/study/study_files.h"
+#include "haptolith/study/export/analysis_scripts.h"
+#include "haptolith/study/export/export.h"
+#include "haptolith/study/export/export_tables.h"
+#include "haptolith/study/store/study_files.h"
 
 namespace haptolith {
 

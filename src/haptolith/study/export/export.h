@@ -6,7 +6,7 @@
 #include <string_view>
 #include <vector>
 
-#include "haptolith/study/store.h"
+#include "haptolith/study/store/store.h"
 
 namespace haptolith {
 

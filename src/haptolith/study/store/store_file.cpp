@@ -1,4 +1,4 @@
-#include "haptolith/study/store_file.h"
+#include "haptolith/study/store/store_file.h"
 
 #include <fmt/chrono.h>
 #include <fmt/format.h>
@@ -10,8 +10,8 @@
 
 #include "haptolith/core/error.h"
 #include "haptolith/scenario/scenario.h"
-#include "haptolith/study/study_schema.h"
-#include "haptolith/study/study_sql.h"
+#include "haptolith/study/store/study_schema.h"
+#include "haptolith/study/store/study_sql.h"
 
 namespace haptolith {
 

@@ -1,4 +1,4 @@
-#include "haptolith/study/participant_flow.h"
+#include "haptolith/study/store/participant_flow.h"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>

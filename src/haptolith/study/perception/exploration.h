@@ -6,7 +6,7 @@
 
 #include "haptolith/bed/bed.h"
 #include "haptolith/scenario/scenario.h"
-#include "haptolith/study/store.h"
+#include "haptolith/study/store/store.h"
 
 namespace haptolith {
 

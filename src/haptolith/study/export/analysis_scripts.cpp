@@ -1,4 +1,4 @@
-#include "haptolith/study/analysis_scripts.h"
+#include "haptolith/study/export/analysis_scripts.h"
 
 #include <string>
 

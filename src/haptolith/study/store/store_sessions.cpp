@@ -9,11 +9,11 @@
 #include <string_view>
 #include <vector>
 
-#include "haptolith/study/provenance.h"
-#include "haptolith/study/store.h"
-#include "haptolith/study/store_file.h"
+#include "haptolith/study/store/provenance.h"
+#include "haptolith/study/store/store.h"
+#include "haptolith/study/store/store_file.h"
+#include "haptolith/study/store/study_sql.h"
 #include "haptolith/study/store_implementation.h"
-#include "haptolith/study/study_sql.h"
 
 namespace haptolith {
 
