@@ -67,8 +67,8 @@ struct Settings {
 /// @throws std::runtime_error when there is nothing to judge: the program cannot be started or never takes the hand.
 [[nodiscard]] Json judgeProgram(const Settings& settings);
 
-/// The same against the program that answers at that port, in step with the answers instead of the clock: each packet has its
-/// answer before time goes on, so that a busy machine changes nothing.
+/// The same against the program that answers at that port, in step with the answers instead of the clock: each packet
+/// has its answer before time goes on, so that a busy machine changes nothing.
 struct InStep {
   std::uint16_t port;
   /// Where the person wants the handle, instead of the script.

@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <map>
 #include <mutex>
+#include <ranges>
 
 namespace haptolith {
 
@@ -15,9 +16,9 @@ GaussRule computedRule(int count) {
   GaussRule rule;
   rule.places.reserve(static_cast<std::size_t>(count));
   rule.weights.reserve(static_cast<std::size_t>(count));
-  for (auto zero = zeros.rbegin(); zero != zeros.rend(); ++zero) {
-    if (*zero > 0) {
-      rule.places.push_back(-*zero);
+  for (const double zero : std::views::reverse(zeros)) {
+    if (zero > 0) {
+      rule.places.push_back(-zero);
     }
   }
   rule.places.insert(rule.places.end(), zeros.begin(), zeros.end());

@@ -109,7 +109,8 @@ class Likelihood {
     const double guess = model_.guessAt({0, 0, lapse, nuisance.guess, nuisance.eta});
     Eigen::ArrayXXd sum = Eigen::ArrayXXd::Zero(shapes_.front().rows(), shapes_.front().cols());
     for (std::size_t i = 0; i < levels_.size(); ++i) {
-      const auto [x, k, n] = levels_[i];
+      const double k = levels_[i].k;
+      const double n = levels_[i].n;
       const Eigen::ArrayXXd psi = guess + (1 - guess - lapse) * shapes_[i];
       if (nuisance.eta > 0) {
         sum += psi.unaryExpr([&](double it) { return logLikelihood(k, n, it, nuisance.eta); });
