@@ -37,6 +37,7 @@ void addStudyFitCommand(CLI::App& study);
 void addStudyForgetCommand(CLI::App& study);
 void addStudyNewCommand(CLI::App& study);
 void addStudyPlanCommand(CLI::App& study);
+void addStudyPreregisterCommand(CLI::App& study);
 void addStudyRunCommands(CLI::App& study);  // `run` and `resume`
 void addStudySimulateCommand(CLI::App& study);
 void addStudyStatusCommand(CLI::App& study);

@@ -195,6 +195,11 @@ TEST(Protocol, HasEasyStimuliOfItsOwnForPracticeAndCatchTrials) {
   EXPECT_EQ(block.between_trials_s, 1);
 }
 
+TEST(Protocol, SaysHowManyShallFinish) {
+  EXPECT_EQ(load(kTitle + kNames + kFriction).planned_participants, 0);
+  EXPECT_EQ(load("participants = 12\n" + kTitle + kNames + kFriction).planned_participants, 12);
+}
+
 TEST(Protocol, GivesCatchTrialsTheValuesOfTheirLevels) {
   const StudyBlock block = load(kTitle + kNames + kFriction +
                                 "values = [30, 10]\nreference_value = 20\ncatch_trials = 2\ncatch_levels = ['P6']\n")

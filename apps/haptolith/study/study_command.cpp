@@ -29,6 +29,7 @@ void addStudyCommand(CLI::App& app) {
   addStudyFitCommand(*study);
   addStudySimulateCommand(*study);
   addStudyPlanCommand(*study);
+  addStudyPreregisterCommand(*study);
   addStudyExploreCommand(*study);
 }
 

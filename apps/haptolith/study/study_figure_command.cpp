@@ -201,7 +201,7 @@ std::vector<std::string> remarksOn(const BlockResult& result) {
                     shown->low, shown->high));
   }
   if (result.group && result.pooled) {
-    remarks.push_back(
+    remarks.emplace_back(
         "The pooled fit takes all answers for one person's: where people differ its curve is too flat and its "
         "intervals too narrow.");
   }

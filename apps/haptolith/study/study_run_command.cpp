@@ -15,6 +15,7 @@
 #include "haptolith/scenario/scene_words.h"
 #include "haptolith/session/session.h"
 #include "haptolith/study/conductor.h"
+#include "haptolith/study/criteria.h"
 #include "haptolith/study/session_rig.h"
 #include "haptolith/study/simulated_participant.h"
 #include "haptolith/study/store/provenance.h"
@@ -188,6 +189,10 @@ class StudyRun {
       conductor_.resumeParticipant(options_.participant);
     } else {
       requireRoom(store_, options_);
+      if (const int enough = store_.protocol().planned_participants;
+          enough > 0 && finishedParticipants(store_.participants()) >= enough) {
+        spdlog::warn("the protocol ends the study after {} participants, who have finished", enough);
+      }
       conductor_.begin(options_.participant);
     }
     code_ = conductor_.state().participant;

@@ -85,6 +85,9 @@ Json statusJson(const StudyStore& study, const std::vector<TrialRow>& trials) {
   const std::vector<StudyBlock>& blocks = study.protocol().blocks;
   Json json{{"file", study.file().string()},   {"title", study.title()},        {"seed", study.seed()},
             {"created_at", study.createdAt()}, {"participants", Json::array()}, {"blocks", Json::array()}};
+  json["planned_participants"] =
+      study.protocol().planned_participants > 0 ? Json(study.protocol().planned_participants) : Json(nullptr);
+  json["finished"] = finishedParticipants(study.participants());
   for (const ParticipantRow& participant : study.participants()) {
     Json row{{"participant", participant.code},  {"number", participant.number},     {"state", participant.state},
              {"begun_at", participant.begun_at}, {"ended_at", participant.ended_at}, {"blocks", Json::array()}};
@@ -139,6 +142,13 @@ std::string participantsText(const StudyStore& study, const std::vector<TrialRow
   }
   text += fmt::format("\n{}\n", flowText(flowOf(study)));
   return text;
+}
+
+std::string stoppingText(const StudyStore& study) {
+  const int planned_participants = study.protocol().planned_participants;
+  return planned_participants > 0 ? fmt::format("\nThe study ends after {} participants: {} have finished.\n",
+                                                planned_participants, finishedParticipants(study.participants()))
+                                  : "";
 }
 
 /// What is to be known of somebody before their answers are used.
@@ -199,7 +209,7 @@ void showStatus(const Options& options) {
   }
   std::string text =
       fmt::format("{}: {}\nseed {}, made {}\n\n", options.file, study.title(), study.seed(), study.createdAt());
-  text += participantsText(study, trials) + notMetText(study, trials);
+  text += participantsText(study, trials) + stoppingText(study) + notMetText(study, trials);
   for (std::size_t block = 0; block < study.protocol().blocks.size(); ++block) {
     text += levelsText(study.protocol().blocks[block], levelsOf(trials, block));
   }

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <utility>
 
 namespace haptolith {
@@ -52,6 +53,10 @@ std::string criteriaNotMet(const StudyBlock& block, const BlockScores& scores) {
       scores.practice_is_over ? missed("practice", scores.practice, block.practice_criterion) : "";
   const std::string caught = missed("catch", scores.caught, block.catch_criterion);
   return practice.empty() || caught.empty() ? practice + caught : practice + "; " + caught;
+}
+
+int finishedParticipants(std::span<const ParticipantRow> participants) {
+  return static_cast<int>(std::ranges::count(participants, "finished", &ParticipantRow::state));
 }
 
 }  // namespace haptolith

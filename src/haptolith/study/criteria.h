@@ -36,4 +36,7 @@ struct BlockScores {
 /// empty when none, or when practice is not over or no catch trial has been answered yet.
 [[nodiscard]] std::string criteriaNotMet(const StudyBlock& block, const BlockScores& scores);
 
+/// Participants who have finished, which a stopping rule counts.
+[[nodiscard]] int finishedParticipants(std::span<const ParticipantRow> participants);
+
 }  // namespace haptolith

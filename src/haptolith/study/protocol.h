@@ -44,6 +44,7 @@ struct FormItem {
 
 struct StudyBlock {
   std::string name = {}, title = {}, instructions = {}, question = {};
+  std::string hypothesis = {};              ///< for the preregistration
   std::array<std::string, 2> answers = {};  ///< shown left and right; [1] is the positive one, or "the second"
   std::string axis_label = {};              ///< "friction coefficient"; with its unit where it has one
   bool log_axis = false;
@@ -86,6 +87,7 @@ struct StudyProtocol {
   std::vector<StudyBlock> blocks = {};
   std::vector<FormItem> demographics = {};   ///< before the first block
   std::vector<FormItem> questionnaire = {};  ///< after the last
+  int planned_participants = 0;              ///< that shall finish, the stopping rule; 0: the protocol does not say
   bool record = true;                        ///< each trial into a recording of its own
   std::string consent_version = {};          ///< empty: the hash of the text stands for it
   std::string language = "en";               ///< of all texts

@@ -194,6 +194,11 @@ std::vector<ProtocolKey> allProtocolKeys() {
       {"", "questionnaire", "",
        ProtocolKey::WordValue{kQuestionnaires, [](D& d, std::string_view) { d.task_load_index = true; }, kOnlyRead},
        "A questionnaire after the last block, before the items of `[[item]]`."},
+      {"", "participants", "",
+       ProtocolKey::CountValue{
+           {1, 10'000}, [](D& d, std::int64_t v) { d.protocol.planned_participants = static_cast<int>(v); }, kOnlyRead},
+       "How many participants shall finish: the stopping rule, which `study status` and the preregistration tell. Left "
+       "out: no rule."},
   };
 }
 
@@ -206,6 +211,8 @@ std::vector<BlockKey> designKeys() {
       {"", "title", "", text<&StudyBlock::title>(), "What participants see above it; left out: nothing."},
       {"", "instructions", "", text<&StudyBlock::instructions>(TextSize::kPage),
        "What is read before its first trial."},
+      {"", "hypothesis", "", text<&StudyBlock::hypothesis>(TextSize::kPage),
+       "What is expected of the block, for the preregistration; nobody sees it while the study runs. Left out: none."},
       {"", "question", "", text<&StudyBlock::question>(TextSize::kPage), "What is asked after the two stimuli."},
       {"", "answers", "", BlockKey::ItemsValue{"two different texts", setAnswers},
        "The two answers, left and right: first \"the second had less\", then \"the second had more\"; with "
