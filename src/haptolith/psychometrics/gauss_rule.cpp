@@ -2,10 +2,10 @@
 
 #include <boost/math/special_functions/legendre.hpp>
 
+#include <algorithm>
 #include <cstddef>
 #include <map>
 #include <mutex>
-#include <ranges>
 
 namespace haptolith {
 
@@ -16,12 +16,13 @@ GaussRule computedRule(int count) {
   GaussRule rule;
   rule.places.reserve(static_cast<std::size_t>(count));
   rule.weights.reserve(static_cast<std::size_t>(count));
-  for (const double zero : std::views::reverse(zeros)) {
+  for (const double zero : zeros) {
+    rule.places.push_back(zero);
     if (zero > 0) {
       rule.places.push_back(-zero);
     }
   }
-  rule.places.insert(rule.places.end(), zeros.begin(), zeros.end());
+  std::ranges::sort(rule.places);
   for (const double place : rule.places) {
     const double slope = boost::math::legendre_p_prime(count, place);
     rule.weights.push_back(2 / ((1 - place * place) * slope * slope));
