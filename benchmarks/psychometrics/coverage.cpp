@@ -17,19 +17,11 @@
 #include "haptolith/psychometrics/fit.h"
 #include "haptolith/psychometrics/goodness_of_fit.h"
 
+#include "paper_experiments.h"
+
 namespace {
 
 using namespace haptolith;
-
-/// One of the paper's two experiments (section III).
-struct Experiment {
-  std::string_view name;
-  double reference;
-  double w;
-  std::array<double, 5> levels;
-};
-constexpr std::array<Experiment, 2> kExperiments{{{"friction", 0.835, 0.29, {0.600, 0.648, 0.735, 1.00, 1.21}},
-                                                  {"gravity", 1.625, 3.31, {0.270, 0.625, 1.314, 3.721, 9.807}}}};
 
 /// How participants are, and what is fitted.
 struct Case {

@@ -22,9 +22,9 @@
 #include "haptolith/study/form.h"
 #include "haptolith/study/store/participant_code.h"
 #include "haptolith/study/store/store_file.h"
+#include "haptolith/study/store/store_implementation.h"
 #include "haptolith/study/store/study_schema.h"
 #include "haptolith/study/store/study_sql.h"
-#include "haptolith/study/store_implementation.h"
 
 namespace haptolith {
 

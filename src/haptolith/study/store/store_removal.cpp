@@ -19,9 +19,9 @@
 #include "haptolith/study/store/participant_code.h"
 #include "haptolith/study/store/store.h"
 #include "haptolith/study/store/store_file.h"
+#include "haptolith/study/store/store_implementation.h"
 #include "haptolith/study/store/study_files.h"
 #include "haptolith/study/store/study_sql.h"
-#include "haptolith/study/store_implementation.h"
 
 namespace haptolith {
 

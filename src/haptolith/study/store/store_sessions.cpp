@@ -12,8 +12,8 @@
 #include "haptolith/study/store/provenance.h"
 #include "haptolith/study/store/store.h"
 #include "haptolith/study/store/store_file.h"
+#include "haptolith/study/store/store_implementation.h"
 #include "haptolith/study/store/study_sql.h"
-#include "haptolith/study/store_implementation.h"
 
 namespace haptolith {
 
