@@ -269,7 +269,7 @@ std::vector<BlockKey> courseKeys() {
        "What practice shows, each equally often, to one: levels, or others that are easier. Left out: the levels."},
       {"", "practice_criterion", "", number<&StudyBlock::practice_criterion>(kShare),
        "Share of right answers in a round of practice that ends practice; otherwise another round comes, up to "
-       "`practice_rounds`. Who never reaches it goes on, and is reported. Left out: 0."},
+       "`practice_rounds`. A participant who never reaches it goes on, and is reported. Left out: 0."},
       {"", "practice_rounds", "", trials<&StudyBlock::practice_rounds>({1, 20}),
        "Rounds of `practice_trials` trials at most; left out: 1."},
       {"", "catch_trials", "", trials<&StudyBlock::catch_trials>(),
