@@ -135,7 +135,7 @@ TEST_F(StoreRemoval, TakesTheCodeOutOfWhatOthersSay) {
 TEST_F(StoreRemoval, KeepsRecordingsThatAreAskedFor) {
   StudyStore store(file_, Access::kRun);
   store.removeParticipant(somebody(store), "", Recordings::kKeep);
-  EXPECT_EQ(recordingsOf(file_, kCode).size(), std::size_t{kTrials});
+  EXPECT_EQ(recordingsOf(file_, kCode, {}).size(), std::size_t{kTrials});
   EXPECT_EQ(store.participants().size(), 2U);
 }
 
@@ -145,11 +145,26 @@ TEST_F(StoreRemoval, FindsRecordingsByTheWholeCodeAlsoThoseThatWereCutOff) {
     std::ofstream(recordingsFolder(file_) / name) << "x";
   }
   std::vector<std::string> names;
-  for (const fs::path& path : recordingsOf(file_, "S1")) {
+  for (const fs::path& path : recordingsOf(file_, "S1", {})) {
     names.push_back(path.filename().string());
   }
   EXPECT_THAT(names, ElementsAre(".S1-a-001-1-second.part-1.h5", "S1-a-001-1-first.h5"));
-  EXPECT_THAT(recordingsOf(folder_ / "other.study", "S1"), IsEmpty());
+  EXPECT_THAT(recordingsOf(folder_ / "other.study", "S1", {}), IsEmpty());
+}
+
+TEST_F(StoreRemoval, LeavesTheRecordingsOfAnotherStudyInTheSameFolder) {
+  StudyStore store(file_, Access::kRun);
+  const std::int64_t id = somebody(store);
+  fs::path other = file_;
+  std::ofstream(other.replace_extension("db")) << "SQLite format 3";
+  std::vector<fs::path> of_others;
+  for (const char* name : {"-friction-900-1-first.h5", "-friction-001-1-2-first.h5"}) {
+    of_others.push_back(recordingsFolder(file_) / fmt::format("{}{}", kCode, name));
+    std::ofstream(of_others.back()) << "movements of somebody else";
+  }
+  std::ranges::sort(of_others);
+  store.removeParticipant(id, "");
+  EXPECT_EQ(othersThatName(file_, kCode), of_others);
 }
 
 TEST_F(StoreRemoval, NamesExportsThatHoldTheCode) {
@@ -226,7 +241,7 @@ class WhileAnotherReads : public StoreRemoval {
                                  HasSubstr("close that program")));
     }
     EXPECT_EQ(store.trials(id).size(), kTrials + 1U);
-    EXPECT_EQ(recordingsOf(file_, kCode).size(), std::size_t{kTrials});
+    EXPECT_EQ(recordingsOf(file_, kCode, {}).size(), std::size_t{kTrials});
     EXPECT_THAT(store.removals(), IsEmpty());
     store.addNote(0, "the study goes on", "note");
   }
@@ -345,7 +360,7 @@ TEST_F(StoreRemoval, AKillAtAnyMomentLeavesAllOrNothing) {
       ASSERT_THAT(store.removals(), IsEmpty());
       ASSERT_EQ(store.trials(id).size(), kTrials + 1U);
       ASSERT_EQ(store.formAnswers(true).size(), 2U);
-      ASSERT_EQ(recordingsOf(file_, kCode).size(), std::size_t{kTrials});
+      ASSERT_EQ(recordingsOf(file_, kCode, {}).size(), std::size_t{kTrials});
     } else {
       ASSERT_THAT(traces(), IsEmpty());
       ASSERT_EQ(store.trials().size(), 2U * kTrials);

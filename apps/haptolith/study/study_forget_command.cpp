@@ -1,4 +1,4 @@
-#include <CLI/CLI.hpp>
+#include <CLI/App.hpp>
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -47,15 +47,22 @@ std::string listed(std::string_view heading, const std::vector<std::filesystem::
   return files.empty() ? "" : fmt::format("{}\n{}", heading, text);
 }
 
+std::vector<std::filesystem::path> recordingsOf(const StudyStore& study, const ParticipantRow& participant,
+                                                const std::vector<TrialRow>& trials) {
+  std::vector<std::string> names(trials.size());
+  std::ranges::transform(trials, names.begin(), &TrialRow::recording);
+  std::erase(names, "");
+  return haptolith::recordingsOf(study.file(), participant.code, names);
+}
+
 void forgetEverything(StudyStore& study, const ParticipantRow& participant, const Options& options) {
-  const std::size_t trials = study.trials(participant.id).size();
-  const std::vector<std::filesystem::path> recordings = recordingsOf(study.file(), participant.code);
-  const Recordings fate = options.keep_recordings ? Recordings::kKeep : Recordings::kDelete;
-  study.removeParticipant(participant.id, options.reason, fate);
+  const std::vector<TrialRow> trials = study.trials(participant.id);
+  const std::vector<std::filesystem::path> recordings = recordingsOf(study, participant, trials);
+  study.removeParticipant(participant.id, options.reason,
+                          options.keep_recordings ? Recordings::kKeep : Recordings::kDelete);
   printText(
-      fmt::format("{}: deleted, with {} trials{}\n{}{}", participant.code, trials,
+      fmt::format("{}: deleted, with {} trials{}\n{}", participant.code, trials.size(),
                   options.keep_recordings ? "" : fmt::format(" and {} recordings", recordings.size()),
-                  listed("Kept, by --keep-recordings:", options.keep_recordings ? recordings : decltype(recordings){}),
                   listed("Not deleted, and the code stands in:", othersThatName(study.file(), participant.code))));
   printText("Exports elsewhere, copies and backups are not known to haptolith: delete those by hand.\n");
 }

@@ -95,6 +95,16 @@ std::string codeOf(SQLite::Database& database, std::int64_t participant) {
   return query.getColumn(0).getString();
 }
 
+std::vector<std::string> recordedTrials(SQLite::Database& database, std::int64_t participant) {
+  std::vector<std::string> names;
+  SQLite::Statement query =
+      prepared(database, "SELECT recording FROM trial WHERE participant = ? AND recording <> ''", participant);
+  while (query.executeStep()) {
+    names.push_back(query.getColumn(0).getString());
+  }
+  return names;
+}
+
 /// Somebody whom `removal` has still to remove, or whose personal answers.
 struct Pending {
   std::int64_t id = 0, participant = 0;
@@ -148,12 +158,12 @@ void removeRows(SQLite::Database& database, const Pending& pending) {
   transaction.commit();
 }
 
-/// Recordings first: they are found by the code, which goes with the rows. What pages still hold of rows that were
+/// Recordings first: they are found by what the rows say. What pages still hold of rows that were
 /// moved goes with VACUUM, which writes the whole file anew.
 void finish(SQLite::Database& database, const fs::path& study, const Pending& pending) {
   if (!pending.code.empty()) {
     if (pending.what == Removed::kEverything && !pending.keeps_recordings) {
-      deleteFiles(recordingsOf(study, pending.code));
+      deleteFiles(recordingsOf(study, pending.code, recordedTrials(database, pending.participant)));
     }
     removeRows(database, pending);
   }

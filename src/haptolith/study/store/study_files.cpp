@@ -27,6 +27,43 @@ fs::path folderOf(const fs::path& file) {
   return file.has_parent_path() ? file.parent_path() : fs::path(".");
 }
 
+/// By name; those before the error, if there is one.
+std::vector<fs::path> filesIn(const fs::path& folder, std::error_code& error) {
+  std::vector<fs::path> files;
+  fs::directory_iterator entry(folder, error);
+  for (; !error && entry != fs::directory_iterator(); entry.increment(error)) {
+    files.push_back(entry->path());
+  }
+  std::ranges::sort(files);
+  return files;
+}
+
+/// What was cut off while it was made has a dot before its name, and more after it.
+bool isRecording(const fs::path& file, std::string_view beginning) {
+  std::string name = file.filename().string();
+  name.erase(0, name.starts_with('.') ? 1 : 0);
+  return name.ends_with(".h5") && name.starts_with(beginning);
+}
+
+bool isRecordingOfCode(const fs::path& file, std::string_view code) {
+  return isRecording(file, fmt::format("{}-", code));
+}
+
+bool isRecordingOfTrial(const fs::path& file, std::string_view trial) {
+  return isRecording(file, fmt::format("{}-first.", trial)) || isRecording(file, fmt::format("{}-second.", trial));
+}
+
+/// Whether another study than this one puts its recordings into that folder.
+bool isShared(const fs::path& folder, const fs::path& study) {
+  std::error_code error;
+  const std::vector<fs::path> beside = filesIn(folderOf(study), error);
+  return error || std::ranges::any_of(beside, [&](const fs::path& file) {
+           std::error_code ignored;
+           return file.filename() != study.filename() && recordingsFolder(file).filename() == folder.filename() &&
+                  fs::is_regular_file(file, ignored) && !irreplaceable(file).empty();
+         });
+}
+
 bool fileNames(const fs::path& file, std::string_view code) {
   std::error_code error;
   if (!fs::is_regular_file(fs::symlink_status(file, error)) || fs::file_size(file, error) > kLargestRead || error ||
@@ -45,26 +82,22 @@ fs::path recordingsFolder(const fs::path& study) {
   return folder += "-recordings";
 }
 
-std::vector<fs::path> recordingsOf(const fs::path& study, std::string_view code) {
+std::vector<fs::path> recordingsOf(const fs::path& study, std::string_view code, std::span<const std::string> trials) {
   const fs::path folder = recordingsFolder(study);
-  std::vector<fs::path> found;
   std::error_code error;
   if (!fs::is_directory(folder, error)) {
-    return found;
+    return {};
   }
-  const std::string whole = fmt::format("{}-", code), cut_off = "." + whole;
-  fs::directory_iterator entry(folder, error);
-  for (; !error && entry != fs::directory_iterator(); entry.increment(error)) {
-    const std::string name = entry->path().filename().string();
-    if (name.ends_with(".h5") && (name.starts_with(whole) || name.starts_with(cut_off))) {
-      found.push_back(entry->path());
-    }
-  }
+  std::vector<fs::path> files = filesIn(folder, error);
   if (error) {
     throw Failure(fmt::format("cannot read {}: {}", folder.string(), error.message()));
   }
-  std::ranges::sort(found);
-  return found;
+  const bool is_shared = isShared(folder, study);
+  std::erase_if(files, [&](const fs::path& file) {
+    const auto is_of = [&file](std::string_view trial) { return isRecordingOfTrial(file, trial); };
+    return std::ranges::none_of(trials, is_of) && (is_shared || !isRecordingOfCode(file, code));
+  });
+  return files;
 }
 
 void deleteFiles(const std::vector<fs::path>& files) {
@@ -85,16 +118,13 @@ void deleteFiles(const std::vector<fs::path>& files) {
 }
 
 std::vector<fs::path> othersThatName(const fs::path& study, std::string_view code) {
-  std::vector<fs::path> found;
-  std::error_code error;
-  fs::directory_iterator entry(folderOf(study), error);
-  for (; !error && entry != fs::directory_iterator(); entry.increment(error)) {
-    std::error_code ignored;
-    if (fs::is_directory(entry->path() / fmt::format("sub-{}", code), ignored) || fileNames(entry->path(), code)) {
-      found.push_back(entry->path());
-    }
-  }
-  std::ranges::sort(found);
+  std::error_code ignored;
+  std::vector<fs::path> found = filesIn(folderOf(study), ignored);
+  std::erase_if(found, [&](const fs::path& file) {
+    return !fs::is_directory(file / fmt::format("sub-{}", code), ignored) && !fileNames(file, code);
+  });
+  std::ranges::copy_if(filesIn(recordingsFolder(study), ignored), std::back_inserter(found),
+                       [code](const fs::path& file) { return isRecordingOfCode(file, code); });
   return found;
 }
 
