@@ -1,6 +1,6 @@
 #include "shared/overwrite.h"
 
-#include <CLI/CLI.hpp>
+#include <CLI/App.hpp>
 
 namespace haptolith {
 

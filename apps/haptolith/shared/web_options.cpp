@@ -1,6 +1,6 @@
 #include "shared/web_options.h"
 
-#include <CLI/CLI.hpp>
+#include <CLI/App.hpp>
 #include <fmt/format.h>
 
 #include <cerrno>
