@@ -11,7 +11,7 @@ WIDTH <- 3.289707253902943 # from 5 % to 95 % of a normal distribution, in stand
 PLACES <- 61               # of a person's table
 COARSE <- c(11, 6, 11, 6, 6)
 FINE <- c(19, 11, 19, 11, 9)
-USUAL_LOG_SPREAD <- 0.4
+USUAL_LOG_SPREAD <- 0.6
 LAPSE_PRIOR <- 100
 CONFIDENCE <- 0.95
 

@@ -13,7 +13,7 @@ The model (docs/psychometrics.md). Person i answers "more" to the stimulus x wit
 
 and a lapse rate c that all share. exp(m_t) is the PSE of the person in the middle, exp(m_w) their Weber fraction. Priors,
 with R the range of ln x and d the least distance between two: m_t flat over the stimuli and falling to 0 as a cosine over
-R/2 on either side; m_w flat, for widths 3.29 ln(1 + w) from d/4 to 3 R; s_t and s_w half-normal, of R/4 and 0.4; c
+R/2 on either side; m_w flat, for widths 3.29 ln(1 + w) from d/4 to 3 R; s_t and s_w half-normal, of R/4 and 0.6; c
 Beta(1, 100) up to 1/2. A single person's answers are fitted without lapses, and w has the prior 1/w^2.
 """
 
@@ -31,7 +31,7 @@ from scipy.special import log_ndtr, ndtr
 WIDTH = 3.289707253902943  # from 5 % to 95 % of a normal distribution, in standard deviations
 PLACES = 61                # of a person's table
 COARSE, FINE = (11, 6, 11, 6, 6), (19, 11, 19, 11, 9)
-USUAL_LOG_SPREAD = 0.4
+USUAL_LOG_SPREAD = 0.6
 LAPSE_PRIOR = 100
 LEFT_OUT = ("withdrawn", "excluded")  # participant_state
 

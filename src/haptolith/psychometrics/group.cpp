@@ -23,8 +23,8 @@ namespace haptolith {
 namespace {
 
 // Half-normal priors of the spread between people keep a few answers from leaving it open: of ln(Weber fraction) or
-// ln(width) a factor of e^0.4 = 1.5 between people is usual; of thresholds a quarter of the stimuli's range.
-constexpr double kUsualLogSpread = 0.4;
+// ln(width) a factor of e^0.6 = 1.8 between people is usual; of thresholds a quarter of the stimuli's range.
+constexpr double kUsualLogSpread = 0.6;
 constexpr double kUsualThresholdSpread = 0.125;  // of the support, which is twice that range
 // Of Beta(1, 100), the prior of the lapse rate that all share. Chosen by simulation (docs/psychometrics.md): a wider
 // one lets few answers of sharp people who lapse pass for those of people who do not, and leaves the Weber fraction

@@ -40,7 +40,7 @@ struct GroupFit {
 /// A hierarchical model of all participants at once: everybody's threshold (its place on the axis) and ln(width), of
 /// weber sigmoids ln(Weber fraction), come from two normal distributions; a free lapse rate is the same for all. The
 /// medians of people have the prior of a single fit (Model) for the threshold, a flat one for the logarithm; the
-/// standard deviations half-normal ones, of 0.4 for the logarithm and a quarter of the stimuli's range for the
+/// standard deviations half-normal ones, of 0.6 for the logarithm and a quarter of the stimuli's range for the
 /// threshold; the lapse rate Beta(1, 100); a free guess rate (design yesno) and a free eta are each one's own, with the
 /// priors of a single fit. Sums over grids, deterministic.
 /// @param participants  each one's levels; one participant or more.

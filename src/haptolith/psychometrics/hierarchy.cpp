@@ -19,7 +19,8 @@ using Supports = std::array<Support, kHyperParameters>;
 constexpr Sizes kCoarse{11, 5, 11, 5, 4};
 constexpr Sizes kQuick{15, 7, 15, 7, 6};
 constexpr Sizes kThorough{21, 11, 21, 11, 9};
-constexpr int kRounds = 3;  // of coarse grids, each over what the one before has left
+constexpr int kMostRounds = 8;    // of coarse grids, each over what the one before has left
+constexpr double kSettled = 0.8;  // of a support: when a round leaves as much of each, the next would bring no more
 // What is less dense than the best point by more than this (e^-9 = 1.2e-4) is left out of the next grid.
 constexpr double kNegligible = 9;
 constexpr double kImpossible = 1e-300;  // nobody is: one person's answers never exclude a point by themselves
@@ -411,8 +412,13 @@ double SpreadPrior::bayesFactorOfNone(const Marginal& posterior) const {
 
 HierarchyPosterior hierarchyOf(const std::vector<PersonTable>& people, const HierarchyPriors& priors, Effort effort) {
   Supports supports = priors.supports;
-  for (int round = 0; round < kRounds; ++round) {
-    supports = HyperGrid(people, priors, supports, kCoarse).narrowed();
+  for (int round = 0; round < kMostRounds; ++round) {
+    const Supports before = std::exchange(supports, HyperGrid(people, priors, supports, kCoarse).narrowed());
+    if (std::ranges::equal(before, supports, [](const Support& wide, const Support& left) {
+          return left.high - left.low >= kSettled * (wide.high - wide.low);
+        })) {
+      break;
+    }
   }
   return HyperGrid(people, priors, supports, effort == Effort::kThorough ? kThorough : kQuick).summed(effort);
 }
