@@ -250,6 +250,8 @@ TEST_F(StudyCommands, ExcludeLeavesOutOfFiguresAndMarksInExports) {
   const ProgramResult excluded = exclude("--reason 'catch trials'");
   EXPECT_EQ(excluded.exit_status, 0) << excluded.errors;
   EXPECT_THAT(excluded.output, HasSubstr("2 began, 1 excluded (catch trials), 1 analysed (1 not finished)"));
+  const Json after = Json::parse(runHaptolith("study status --json " + file("a.study")).output);
+  EXPECT_TRUE(after["blocks"][0]["levels"].empty()) << "answers of somebody who is excluded";
   EXPECT_EQ(exclude("--reason 'catch trials'").exit_status, 2);
   EXPECT_THAT(runHaptolith("study status " + file("a.study")).output,
               AllOf(HasSubstr("excluded"), HasSubstr("1 excluded (catch trials)")));

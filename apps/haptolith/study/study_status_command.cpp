@@ -47,6 +47,16 @@ std::size_t answered(const std::vector<TrialRow>& trials, std::int64_t participa
   }));
 }
 
+/// The trials of those whom the analysis does not leave out.
+std::vector<TrialRow> analysedOf(const StudyStore& study, std::vector<TrialRow> trials) {
+  for (const ParticipantRow& participant : study.participants()) {
+    if (isLeftOut(participant)) {
+      std::erase_if(trials, [&](const TrialRow& trial) { return trial.participant == participant.id; });
+    }
+  }
+  return trials;
+}
+
 std::string levelName(const StudyBlock& block, double value) {
   const auto level = std::ranges::find(block.levels, value, &Stimulus::value);
   return level == block.levels.end() ? "" : level->name;
@@ -106,12 +116,13 @@ Json statusJson(const StudyStore& study, const std::vector<TrialRow>& trials) {
     }
     json["participants"].push_back(std::move(row));
   }
+  const std::vector<TrialRow> analysed = analysedOf(study, trials);
   for (std::size_t block = 0; block < blocks.size(); ++block) {
     Json row{{"block", blocks[block].name},
              {"axis_label", blocks[block].axis_label},
              {"reference", blocks[block].reference.value},
              {"levels", Json::array()}};
-    for (const Level& level : levelsOf(trials, block)) {
+    for (const Level& level : levelsOf(analysed, block)) {
       row["levels"].push_back(
           {{"level", levelName(blocks[block], level.x)}, {"x", level.x}, {"k", level.k}, {"n", level.n}});
     }
@@ -210,8 +221,9 @@ void showStatus(const Options& options) {
   std::string text =
       fmt::format("{}: {}\nseed {}, made {}\n\n", options.file, study.title(), study.seed(), study.createdAt());
   text += participantsText(study, trials) + stoppingText(study) + notMetText(study, trials);
+  const std::vector<TrialRow> analysed = analysedOf(study, trials);
   for (std::size_t block = 0; block < study.protocol().blocks.size(); ++block) {
-    text += levelsText(study.protocol().blocks[block], levelsOf(trials, block));
+    text += levelsText(study.protocol().blocks[block], levelsOf(analysed, block));
   }
   printText(text + resultsText(study, trials) + sessionsText(study) + pendingText(study));
 }
