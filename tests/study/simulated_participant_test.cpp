@@ -1,5 +1,7 @@
 #include "haptolith/study/simulated_participant.h"
 
+#include <boost/math/distributions/non_central_t.hpp>
+#include <boost/math/distributions/students_t.hpp>
 #include <gtest/gtest.h>
 #include <unistd.h>
 
@@ -125,6 +127,20 @@ TEST(StudyPlan, DoesNotTellAWeberFractionFromItself) {
   const PlanOutcome same =
       planStudy(frictionBlock(), {{8, 6}}, {.spread = 0.6, .against = 0.29, .studies = 60}).front();
   EXPECT_LE(same.power->value, 0.15) << "5 % of 60 studies are 3, give or take 1.7";
+}
+
+// Of people with so many answers that each one's Weber fraction is known, the t test over ln w has exact power.
+TEST(StudyPlan, HasThePowerOfATTestWhereEachPersonIsKnownWell) {
+  constexpr int kPeople = 8;
+  constexpr double kSpread = 0.6, kAgainst = 0.5;
+  const ObserverParameters median_person;
+  const double deviations = std::log(kAgainst / median_person.weber_fraction) / kSpread;
+  const double critical = boost::math::quantile(boost::math::students_t(kPeople - 1), 0.975);
+  const double power = boost::math::cdf(
+      boost::math::complement(boost::math::non_central_t(kPeople - 1, deviations * std::sqrt(kPeople)), critical));
+  const PlanOutcome known_well =
+      planStudy(frictionBlock(), {{kPeople, 200}}, {.spread = kSpread, .against = kAgainst, .studies = 100}).front();
+  EXPECT_NEAR(known_well.power->value, power, 3 * std::sqrt(power * (1 - power) / 100)) << "exactly " << power;
 }
 
 TEST(StudyPlan, SearchesTheLeastNumberOfPeople) {
