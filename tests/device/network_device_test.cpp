@@ -441,17 +441,25 @@ TEST(NetworkDevice, SilenceMakesItStaleAndAFreshPacketLiveAgain) {
   EXPECT_EQ(readUntil(device, DeviceState::kLive).pose.position_m.x(), 0.02);
 }
 
+// Linux stamps what comes from a moment after a socket has asked for it, which a busy machine makes longer; what came
+// before is stamped when it is read, and is fresh.
 TEST(NetworkDevice, WhatHasWaitedWhileTheProgramStoodStillIsNotFresh) {
+  constexpr int kMostRounds = 20;
   NetworkDevice device(kAnyPort, {.fresh_s = 0.05, .holder_s = 60});
   const UdpClient client(device.port());
-  for (std::uint32_t sequence = 1; sequence <= 5; ++sequence) {
-    client.send(packet(sequence, 1e-3 * sequence));
+  std::uint32_t sequence = 0;
+  DeviceInput input;
+  for (int round = 0; round < kMostRounds && input.state != DeviceState::kStale; ++round) {
+    for (int i = 0; i < 5; ++i) {
+      ++sequence;
+      client.send(packet(sequence, 1e-3 * sequence));
+    }
+    std::this_thread::sleep_for(100ms);
+    input = readUntilSeen(device, sequence);
+    EXPECT_EQ(input.pose.position_m.x(), 1e-3 * sequence);
   }
-  std::this_thread::sleep_for(100ms);
-  const DeviceInput input = readUntilSeen(device, 5);
   EXPECT_EQ(input.state, DeviceState::kStale);
-  EXPECT_EQ(input.pose.position_m.x(), 5e-3);
-  client.send(packet(6, 0.02));
+  client.send(packet(++sequence, 0.02));
   EXPECT_EQ(readUntil(device, DeviceState::kLive).pose.position_m.x(), 0.02);
 }
 

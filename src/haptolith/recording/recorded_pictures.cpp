@@ -101,7 +101,8 @@ RecordedPictures::RecordedPictures(const RecordingReader& recording, Options opt
 }
 
 void RecordedPictures::prepareReplay() {
-  if (header().instruction_set != simdTarget()) {
+  const bool is_whole = header().start_tick == 0;  // else it cannot be replayed anywhere, as is told below
+  if (is_whole && header().instruction_set != simdTarget()) {
     why_not_replayed_ = fmt::format("it was recorded with {0}, and this is {1}: HAPTOLITH_SIMD={0} chooses the former",
                                     header().instruction_set, simdTarget());
     return;
