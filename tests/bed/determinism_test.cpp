@@ -7,6 +7,8 @@
 #include "haptolith/bed/critical_step.h"
 #include "haptolith/soil/presets.h"
 
+#include "every_target.h"
+
 namespace haptolith {
 namespace {
 
@@ -98,6 +100,40 @@ TEST(Determinism, ASmallBedGoesOnBitForBitFor500Steps) {
     ASSERT_EQ(stateHash(restored.state()), stateHash(bed.state())) << i;
   }
 }
+
+/// A bed that has just been restored knows of no rows that may be left out, and goes through all of them.
+class RowsThatAreLeftOut : public EveryTarget, public testing::WithParamInterface<FrictionModel> {};
+
+TEST_P(RowsThatAreLeftOut, HoldNobodyWhoTouches) {
+  forEachTarget([] {
+    BedParameters parameters;
+    parameters.soil = findPreset("P1").soil;
+    if (GetParam() == FrictionModel::kContact) {
+      parameters.soil.friction = FrictionModel::kContact;
+      parameters.soil.stiffness_n_m = 3000;
+      parameters.soil.contact_cohesion_n = 0.2;
+      parameters.soil.size_spread = 0.15;
+    }
+    Bed bed(parameters);
+    Bed all_rows(parameters);
+    BedState kicked = bed.state();
+    for (std::size_t i = 0; i < bed.particles(); ++i) {
+      kicked.velocity[i] = {i % 3 == 0 ? 0.8F : -0.5F, i % 5 == 0 ? 0.6F : -0.2F, i % 2 == 0 ? 1.5F : 0.1F, 0};
+    }
+    bed.restore(kicked);
+    const double dt_s = kTick_s / substepsFor(parameters.soil, 0, kTick_s, 32);
+    for (int i = 0; i < 600; ++i) {
+      all_rows.restore(bed.state());
+      ASSERT_EQ(all_rows.step(dt_s), StepStatus::kOk);
+      ASSERT_EQ(bed.step(dt_s), StepStatus::kOk);
+      ASSERT_EQ(stateHash(bed.state()), stateHash(all_rows.state())) << "after step " << i;
+    }
+    EXPECT_GT(bed.relistings(), bed.particles()) << "too quiet to show anything";
+  });
+}
+INSTANTIATE_TEST_SUITE_P(Determinism, RowsThatAreLeftOut,
+                         testing::Values(FrictionModel::kPaper, FrictionModel::kContact),
+                         [](const auto& test) { return test.param == FrictionModel::kPaper ? "Paper" : "Contact"; });
 
 TEST(Determinism, RainDependsOnTheSeedAndOnNothingElse) {
   BedParameters parameters;

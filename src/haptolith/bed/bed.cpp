@@ -23,6 +23,11 @@ namespace {
 /// to be entered again more often. At 0.5 the next shell of a close packing (2 sqrt(2) R) stays just outside.
 constexpr double kSkinRadii = 0.5;
 
+/// Neighbours further apart than a contact reaches and this besides, in radii, are not near, and as long as none has
+/// gone half as far, they do not touch: the rows that hold nobody else are left out (NearRows). Larger: more rows for
+/// every step; smaller: more looks.
+constexpr double kNearRadii = 0.1;
+
 constexpr std::size_t kBits = 64;  // of a word
 
 /// A thread is worth waking, which takes some 100 us, for at least this many particles; contacts with friction take
@@ -215,6 +220,7 @@ StepStatus Bed::step(double dt_s) noexcept {
       return StepStatus::kNotFinite;
     }
   }
+  lookAgainWhenGoneFar(dt_s);
   if (!relistMovedParticles()) {
     return StepStatus::kCollapsed;
   }
@@ -233,6 +239,8 @@ StepConstants Bed::constantsFor(double dt_s) const noexcept {
           .inverse_mass = narrow<float>(1 / laws_.mass_kg),
           .skin_half_squared = skin_m_ * skin_m_ / 4,
           .rest_squared = wakefulness_.rule().speed_m_s * wakefulness_.rule().speed_m_s,
+          .look = look_,
+          .near_m = narrow<float>(kNearRadii * soil.radius_m),
           // c = k dt / 2 for each contact (paper 20), with the step that is really taken
           .damping = narrow<float>(soil.stiffness_n_m * dt_s / 2),
           .static_friction = narrow<float>(mu_hat),
@@ -282,7 +290,8 @@ void Bed::stepPart(int part, int parts) noexcept {
                           .slip = state_.contacts.slips(),
                           .first_row = state_.contacts.firstRows(),
                           .rows = state_.contacts.rowCounts(),
-                          .touched = state_.contacts.touchedRows()};
+                          .touched = state_.contacts.touchedRows(),
+                          .near = state_.contacts.nearRows()};
   Moved moved{moved_.data() + first * kGroup};
   if (hasContactFriction()) {
     stepWithContactFriction(laws_.contact_friction, now_, box_, arrays, first, last, moved);
@@ -291,6 +300,19 @@ void Bed::stepPart(int part, int parts) noexcept {
   }
   moved_of_part_[static_cast<std::size_t>(part)] = moved;
   found_by_part_[static_cast<std::size_t>(part)] = wakefulness_.count(first, last, next_position_, state_);
+}
+
+void Bed::lookAgainWhenGoneFar(double dt_s) noexcept {
+  constexpr double kRounded = 0.98;  // of the way: positions and distances are rounded
+  float fastest_squared = 0;
+  for (const Moved& moved : movedOfParts()) {
+    fastest_squared = std::max(fastest_squared, moved.fastest_squared);
+  }
+  gone_since_look_m_ += std::sqrt(double{fastest_squared}) * dt_s;
+  if (gone_since_look_m_ > kRounded * now_.near_m / 2) {
+    ++look_;
+    gone_since_look_m_ = 0;
+  }
 }
 
 bool Bed::relistMovedParticles() noexcept {
@@ -342,6 +364,7 @@ void Bed::setSoil(const SoilLaws& laws) noexcept {
   wakefulness_.wakeAll(state_);
   parameters_.soil = laws.soil;
   laws_ = laws;
+  ++look_;  // its contacts may reach further
 }
 
 void Bed::drive(std::size_t particle, const Vec3& velocity_m_s) noexcept {

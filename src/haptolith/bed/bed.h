@@ -128,6 +128,7 @@ class Bed {
     return {found_by_part_.data(), static_cast<std::size_t>(parts_)};
   }
   [[nodiscard]] bool relistMovedParticles() noexcept;
+  void lookAgainWhenGoneFar(double dt_s) noexcept;
   void wakeAndLetSleep() noexcept;
   [[nodiscard]] bool hasContactFriction() const noexcept {
     return parameters_.soil.friction == FrictionModel::kContact;
@@ -152,6 +153,8 @@ class Bed {
   WorkerTeam team_;
   int parts_ = 1;  ///< that the present step is shared out in
   std::vector<Moved> moved_of_part_;
+  std::uint64_t look_ = 1;        ///< the present one at who is near, see NearRows
+  double gone_since_look_m_ = 0;  ///< that no particle can have gone further
   StepConstants now_{};
   bool friction_on_ = true;
   std::size_t driven_ = 0;  ///< particles

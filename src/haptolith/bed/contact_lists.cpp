@@ -24,6 +24,7 @@ ContactLists::ContactLists(std::size_t particles, bool remembers)
       first_row_(paddedCount(particles) / kGroup),
       rows_(first_row_.size()),
       touched_(first_row_.size()),
+      near_(first_row_.size()),
       room_(first_row_.size()),
       count_(particles) {
   const std::size_t rows = reservedRows(first_row_.size());
@@ -58,7 +59,7 @@ bool ContactLists::add(std::size_t i, std::int32_t j) noexcept {
   if (s == kRooms[room_[group]] && !grow(group)) {
     return false;
   }
-  other_[slot(i, s)] = offsetOf(j);
+  set(i, s, j);
   ++count_[i];
   rows_[group] = std::max(rows_[group], count_[i]);
   return true;
@@ -69,6 +70,7 @@ void ContactLists::remove(std::size_t i, std::uint32_t s) noexcept {
   const std::uint16_t last = --count_[i];
   other_[slot(i, s)] = other_[slot(i, last)];
   other_[slot(i, last)] = ghost_;
+  near_[group].look = 0;
   if (remembers_) {
     setSlip(i, s, slip(i, last));
     setSlip(i, last, {});
@@ -99,6 +101,7 @@ void ContactLists::clear() noexcept {
     }
     rows_[group] = 0;
     touched_[group] = 0;
+    near_[group] = {};
   }
   std::ranges::fill(count_, std::uint16_t{0});
 }
@@ -117,7 +120,8 @@ void ContactLists::takeOver(const ContactLists& other) noexcept {
 std::size_t ContactLists::bytes() const noexcept {
   return other_.size() * sizeof(other_[0]) + slip_.size() * sizeof(slip_[0]) +
          first_row_.size() * sizeof(first_row_[0]) +
-         rows_.size() * (sizeof(rows_[0]) + sizeof(touched_[0]) + sizeof(room_[0])) + count_.size() * sizeof(count_[0]);
+         rows_.size() * (sizeof(rows_[0]) + sizeof(touched_[0]) + sizeof(near_[0]) + sizeof(room_[0])) +
+         count_.size() * sizeof(count_[0]);
 }
 
 std::uint32_t ContactLists::takeRows(std::size_t room_class) noexcept {

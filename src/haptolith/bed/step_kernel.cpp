@@ -25,6 +25,8 @@ HWY_INLINE V set(float value) {
 /// Where in the arrays a vector of particles stands: 16 particles are a group, one vector of AVX-512 or several.
 struct Lanes {
   std::size_t group, in_group, next_group;
+  std::size_t rows;   // to go through
+  NearRows* looking;  // where to note which of them have somebody near; null: that is known
   [[nodiscard]] std::size_t particle() const { return group * kGroup + in_group; }
 };
 
@@ -37,7 +39,7 @@ class Rows {
         at_(at),
         first_(arrays.first_row[at.group]),
         next_(arrays.first_row[at.next_group]),
-        count_(arrays.rows[at.group]) {}
+        count_(at.rows) {}
 
   [[nodiscard]] HWY_INLINE std::size_t count() const { return count_; }
   [[nodiscard]] HWY_INLINE const std::uint32_t* others(std::size_t row) const {
@@ -61,16 +63,29 @@ class Rows {
   std::size_t first_, next_, count_;
 };
 
-/// Calls `each(lanes)` for all vectors of particles of groups[first..last-1], or of groups first..last-1.
+/// Calls `each(lanes)` for all vectors of particles of groups[first..last-1], or of groups first..last-1. Groups that
+/// have not looked who is near do so.
 template <class Each>
-HWY_INLINE void forEachVector(const std::uint32_t* groups, std::size_t first, std::size_t last, const Each& each) {
+HWY_INLINE void forEachVector(const StepArrays& arrays, std::uint64_t look, std::size_t first, std::size_t last,
+                              const Each& each) {
   for (std::size_t k = first; k < last; ++k) {
-    const std::size_t group = groups != nullptr ? groups[k] : k;
-    const std::size_t next = groups != nullptr ? groups[k + 1] : k + 1;
-    for (std::size_t in_group = 0; in_group < kGroup; in_group += hn::Lanes(D())) {
-      each(Lanes{group, in_group, next});
+    const std::size_t group = arrays.groups != nullptr ? arrays.groups[k] : k;
+    const std::size_t next = arrays.groups != nullptr ? arrays.groups[k + 1] : k + 1;
+    NearRows* const near = arrays.near != nullptr ? arrays.near + group : nullptr;
+    const bool known = near != nullptr && near->look == look;
+    Lanes at{group, 0, next, known ? near->rows : arrays.rows[group], known ? nullptr : near};
+    if (at.looking != nullptr) {
+      *near = {look, 0};
+    }
+    for (; at.in_group < kGroup; at.in_group += hn::Lanes(D())) {
+      each(at);
     }
   }
+}
+
+/// Notes that a row has somebody near.
+HWY_INLINE void noteNear(const Lanes& at, std::size_t row) {
+  at.looking->rows = HWY_MAX(at.looking->rows, static_cast<std::uint32_t>(row + 1));
 }
 
 /// A distance and its inverse from its square, the distance to the last bit but one, for the law magnifies its error:
@@ -127,11 +142,15 @@ LawOf<V> lawOf(const KernelLaw& law) {
 
 struct PaperContacts {
   LawOf<V> law;
-  V cutoff, diameter;
+  V cutoff, near_limit, diameter;
   PeriodsOf periods;
 
-  PaperContacts(const KernelLaw& scalar, const Periods& box)
-      : law(lawOf(scalar)), cutoff(set(scalar.cutoff)), diameter(set(scalar.diameter)), periods(box) {}
+  PaperContacts(const KernelLaw& scalar, const Periods& box, float near_m)
+      : law(lawOf(scalar)),
+        cutoff(set(scalar.cutoff)),
+        near_limit(set(scalar.cutoff + near_m)),
+        diameter(set(scalar.diameter)),
+        periods(box) {}
 
   /// (paper 19) over all neighbours. While one row's forces are worked out, the next row's particles are fetched
   /// already: either alone is a long chain in which each step waits for the one before.
@@ -150,6 +169,9 @@ struct PaperContacts {
       next = fetch(row + 1 < rows.count() ? row + 1 : row);
       rows.askForNextOthers(row);
       const Distance a = distanceOf(d.squared);
+      if (at.looking != nullptr && !hn::AllFalse(D(), a.metres < near_limit)) {
+        noteNear(at, row);
+      }
       const V force = hn::IfThenElseZero(a.metres < cutoff, uncutContactForce(law, a.metres));
       const V per_metre = force * a.inverse;
       sums.x = hn::MulAdd(per_metre, d.x, sums.x);
@@ -182,15 +204,16 @@ struct FrictionalContacts {
   LawOf<V> law;
   CohesionOf<V> cohesion;
   FrictionOf<V> friction;
-  V cutoff, diameter, damping;
+  V cutoff, near_limit, diameter, damping;
   V sliding_per_n;  ///< mu_p / k_t: how far a spring can be stretched by what presses the two together, m/N
   PeriodsOf periods;
 
-  FrictionalContacts(const ContactFrictionLaw& scalar, const Periods& box, float dt, float ratio)
+  FrictionalContacts(const ContactFrictionLaw& scalar, const Periods& box, float dt, float ratio, float near_m)
       : law(lawOf(scalar.normal)),
         cohesion{set(ratio * scalar.cohesion), set(scalar.two_per_range), hn::Zero(D()), set(1)},
         friction{set(dt), set(-scalar.stiffness), set(scalar.lag), set(1), set(1e-30F)},
         cutoff(set(scalar.normal.cutoff)),
+        near_limit(set(scalar.normal.cutoff + near_m)),
         diameter(set(scalar.normal.diameter)),
         damping(set(scalar.damping)),
         sliding_per_n(set(ratio * scalar.friction / scalar.stiffness)),
@@ -231,8 +254,11 @@ struct FrictionalContacts {
       rows.askForNextOthers(row);
       const Distance distance = distanceOf(way.squared);
       const V a = distance.metres - excess;  // as far as two particles of the mean size would be
-      const auto near = a < cutoff;
-      if (hn::AllFalse(d, near)) {  // as most rows at the end of lists that have the nearest first
+      if (at.looking != nullptr && !hn::AllFalse(d, a < near_limit)) {
+        noteNear(at, row);
+      }
+      const auto touching = a < cutoff;
+      if (hn::AllFalse(d, touching)) {  // as most rows at the end of lists that have the nearest first
         if (row < maybe_touched) {
           hn::Store(zero, d, slip_x);
           hn::Store(zero, d, slip_y);
@@ -254,15 +280,15 @@ struct FrictionalContacts {
                               hn::NegMulAdd(parting, towards.y, relative.y),
                               hn::NegMulAdd(parting, towards.z, relative.z)};
       const Triple<V> drag = frictionForce(friction, sliding_per_n * contact.compression, towards, sliding, slip);
-      hn::Store(hn::IfThenElseZero(near, slip.x), d, slip_x);
-      hn::Store(hn::IfThenElseZero(near, slip.y), d, slip_y);
-      hn::Store(hn::IfThenElseZero(near, slip.z), d, slip_z);
+      hn::Store(hn::IfThenElseZero(touching, slip.x), d, slip_x);
+      hn::Store(hn::IfThenElseZero(touching, slip.y), d, slip_y);
+      hn::Store(hn::IfThenElseZero(touching, slip.z), d, slip_z);
 
-      sums.x = sums.x + hn::IfThenElseZero(near, hn::MulAdd(push, towards.x, drag.x));
-      sums.y = sums.y + hn::IfThenElseZero(near, hn::MulAdd(push, towards.y, drag.y));
-      sums.z = sums.z + hn::IfThenElseZero(near, hn::MulAdd(push, towards.z, drag.z));
+      sums.x = sums.x + hn::IfThenElseZero(touching, hn::MulAdd(push, towards.x, drag.x));
+      sums.y = sums.y + hn::IfThenElseZero(touching, hn::MulAdd(push, towards.y, drag.y));
+      sums.z = sums.z + hn::IfThenElseZero(touching, hn::MulAdd(push, towards.z, drag.z));
       if constexpr (kCompression) {
-        sums.repulsion = sums.repulsion + hn::IfThenElseZero(near, contact.compression);
+        sums.repulsion = sums.repulsion + hn::IfThenElseZero(touching, contact.compression);
       }
     }
     // Where a group is several vectors, the others' rows stay noted.
@@ -325,7 +351,7 @@ HWY_INLINE V relistThreshold(std::size_t particle) {
 
 /// Moves particles on with their new velocity, and notes who is not at rest and who has gone far.
 HWY_INLINE void moveOn(const StepConstants& now, const StepArrays& arrays, const Lanes& at, const Records& here,
-                       const Records& velocity, Moved& moved) {
+                       const Records& velocity, Moved& moved, V& fastest_squared) {
   const D d;
   const V dt = set(now.dt);
   const Records next{hn::MulAdd(dt, velocity.x, here.x), hn::MulAdd(dt, velocity.y, here.y),
@@ -335,6 +361,7 @@ HWY_INLINE void moveOn(const StepConstants& now, const StepArrays& arrays, const
 
   const V speed_squared =
       hn::MulAdd(velocity.x, velocity.x, hn::MulAdd(velocity.y, velocity.y, velocity.z * velocity.z));
+  fastest_squared = hn::Max(fastest_squared, speed_squared);
   const bool moving = !hn::AllTrue(d, speed_squared <= set(now.rest_squared));
   std::uint8_t& any_moving = arrays.moving[at.group];
   any_moving = static_cast<std::uint8_t>(moving || (at.in_group > 0 && any_moving != 0));
@@ -382,14 +409,15 @@ HWY_INLINE Triple<V> besidesWalls(const Sums& sums, const StepConstants& now, co
 template <bool kPeriodic>
 void paperIn(const KernelLaw& law, const StepConstants& now, const StepBox& box, const StepArrays& arrays,
              std::size_t first, std::size_t last, Moved& moved) {
-  const PaperContacts contacts(law, box.periods);
+  const PaperContacts contacts(law, box.periods, now.near_m);
   const D d;
   const V zero = hn::Zero(d);
   const V one = set(1);
   const V per_mass = set(now.dt * now.inverse_mass);
   const V half_width = set(box.half_width);
   const V half_length = set(box.half_length);
-  forEachVector(arrays.groups, first, last, [&](const Lanes& at) {
+  V fastest_squared = zero;
+  forEachVector(arrays, now.look, first, last, [&](const Lanes& at) {
     const Records x = loadInOrder(arrays.position + at.particle());
     const Records v = loadInOrder(arrays.velocity + at.particle());
     Sums sums = contacts.sum<kPeriodic>(arrays, at, x);
@@ -421,21 +449,23 @@ void paperIn(const KernelLaw& law, const StepConstants& now, const StepBox& box,
     const auto at_rest = hn::And(hn::And(v.x == zero, v.y == zero), v.z == zero);
     const auto held = hn::MulAdd(fx, fx, hn::MulAdd(fy, fy, fz * fz)) <= limit * limit;
     left = hn::IfThenZeroElse(hn::And(at_rest, held), left);
-    moveOn(now, arrays, at, x, unlessDriven(v, {vx * left, vy * left, vz * left, zero}), moved);
+    moveOn(now, arrays, at, x, unlessDriven(v, {vx * left, vy * left, vz * left, zero}), moved, fastest_squared);
   });
+  moved.fastest_squared = hn::GetLane(hn::MaxOfLanes(d, fastest_squared));
 }
 
 template <bool kPeriodic>
 void contactFrictionIn(const ContactFrictionLaw& law, const StepConstants& now, const StepBox& box,
                        const StepArrays& arrays, std::size_t first, std::size_t last, Moved& moved) {
-  const FrictionalContacts contacts(law, box.periods, now.dt, now.friction_ratio);
+  const FrictionalContacts contacts(law, box.periods, now.dt, now.friction_ratio, now.near_m);
   const D d;
   const V zero = hn::Zero(d);
   const V one = set(1);
   const V per_mass = set(now.dt * now.inverse_mass);
   const V drag = set(now.drag);
   const V ratio = set(box.wall_ratio);
-  forEachVector(arrays.groups, first, last, [&](const Lanes& at) {
+  V fastest_squared = zero;
+  forEachVector(arrays, now.look, first, last, [&](const Lanes& at) {
     const Records x = loadInOrder(arrays.position + at.particle());
     const Records v = loadInOrder(arrays.velocity + at.particle());
     const Sums sums = contacts.sum<kPeriodic, false>(arrays, at, x, v);
@@ -467,8 +497,9 @@ void contactFrictionIn(const ContactFrictionLaw& law, const StepConstants& now, 
     }
     const Records next{hn::MulAdd(per_mass, fx, v.x) * drag, hn::MulAdd(per_mass, fy, v.y) * drag,
                        hn::MulAdd(per_mass, fz, v.z) * drag, zero};
-    moveOn(now, arrays, at, x, unlessDriven(v, next), moved);
+    moveOn(now, arrays, at, x, unlessDriven(v, next), moved, fastest_squared);
   });
+  moved.fastest_squared = hn::GetLane(hn::MaxOfLanes(d, fastest_squared));
 }
 
 void paper(const KernelLaw& law, const StepConstants& now, const StepBox& box, const StepArrays& arrays,
@@ -498,8 +529,8 @@ void storeSums(const Sums& sums, ContactSum* out) {
 
 void paperSums(const KernelLaw& law, const Periods& periods, const StepArrays& arrays, std::size_t first,
                std::size_t last, ContactSum* sums) {
-  const PaperContacts contacts(law, periods);
-  forEachVector(arrays.groups, first, last, [&](const Lanes& at) {
+  const PaperContacts contacts(law, periods, 0);
+  forEachVector(arrays, 0, first, last, [&](const Lanes& at) {
     const Records x = loadInOrder(arrays.position + at.particle());
     storeSums(contacts.sum<true>(arrays, at, x), sums + at.particle());
   });
@@ -507,8 +538,8 @@ void paperSums(const KernelLaw& law, const Periods& periods, const StepArrays& a
 
 void contactFrictionSums(const ContactFrictionLaw& law, const Periods& periods, float dt, const StepArrays& arrays,
                          std::size_t first, std::size_t last, ContactSum* sums) {
-  const FrictionalContacts contacts(law, periods, dt, 1);
-  forEachVector(arrays.groups, first, last, [&](const Lanes& at) {
+  const FrictionalContacts contacts(law, periods, dt, 1, 0);
+  forEachVector(arrays, 0, first, last, [&](const Lanes& at) {
     const Records x = loadInOrder(arrays.position + at.particle());
     const Records v = loadInOrder(arrays.velocity + at.particle());
     storeSums(contacts.sum<true, true>(arrays, at, x, v), sums + at.particle());

@@ -15,6 +15,8 @@ struct StepConstants {
   float inverse_mass;
   float skin_half_squared;  ///< m^2
   float rest_squared;       ///< (m/s)^2: what moves faster is not at rest
+  std::uint64_t look;       ///< see NearRows
+  float near_m;             ///< how much further apart than a contact reaches those are that may come to touch
   // Paper's friction:
   float damping, static_friction, moving_friction;
   // Contact friction:
@@ -49,13 +51,15 @@ struct StepArrays {
   const std::uint32_t* first_row;
   const std::uint16_t* rows;
   std::uint16_t* touched;
+  NearRows* near;  ///< null: all rows
 };
 
-/// The particles that have moved away from their place in the lists.
+/// The particles that have moved away from their place in the lists, and how fast particles are.
 struct Moved {
   std::int32_t* particle;  ///< room for all
   std::size_t count = 0;
-  bool finite = true;  ///< false when a position is no longer a number
+  bool finite = true;         ///< false when a position is no longer a number
+  float fastest_squared = 0;  ///< (m/s)^2, of all particles
 };
 
 /// Steps the particles of arrays.groups[first..last-1]: their neighbours, weight, walls and others' forces, then
