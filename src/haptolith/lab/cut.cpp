@@ -238,7 +238,7 @@ void drawCut(const OutputFile& path, const CutResult& result, std::string_view t
     }
   }
   figure.command(fmt::format(R"(
-set multiplot layout 2,1 title {}
+set multiplot layout 2,1 margins 0.28,0.76,0.1,0.88 spacing 0,0.13 title {}
 set size ratio -1
 set xrange [{:g}:{:g}]
 set yrange [0:{:g}]
