@@ -415,10 +415,14 @@ LabOutput funnelOutput(const LabConditions& conditions, const FunnelOptions& opt
       clogged.push_back(point.opening_m / d);
     }
   }
-  output.text += fmt::format("\n  rate grows with the opening to the power of {:.2f} ± {:.2f}\n", result.fit.exponent,
-                             result.fit.exponent_se);
-  output.json = {{"exponent", result.fit.exponent},
-                 {"exponent_se", result.fit.exponent_se},
+  const bool has_exponent = result.hasExponent();
+  output.text += has_exponent
+                     ? fmt::format("\n  rate grows with the opening to the power of {:.2f} ± {:.2f}\n",
+                                   result.fit.exponent, result.fit.exponent_se)
+                     : "\n  too few wide openings ran for a power of the opening; soil with cohesion arches over "
+                       "all of them: try one without (dry-sand), or stronger gravity\n";
+  output.json = {{"exponent", has_exponent ? Json(result.fit.exponent) : Json(nullptr)},
+                 {"exponent_se", has_exponent ? Json(result.fit.exponent_se) : Json(nullptr)},
                  {"clogged", clogged},
                  {"points", points}};
   output.findings = findings(result);

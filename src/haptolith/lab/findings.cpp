@@ -145,10 +145,10 @@ std::vector<Finding> findings(const FunnelResult& result) {
       narrowest_running = std::min(narrowest_running, diameters);
     }
   }
-  const auto or_none = [](double diameters) {
-    return diameters > 0 && std::isfinite(diameters) ? diameters : std::numeric_limits<double>::quiet_NaN();
+  const auto or_none = [](double number) {
+    return number > 0 && std::isfinite(number) ? number : std::numeric_limits<double>::quiet_NaN();
   };
-  return {{"discharge exponent", "2.5 ± 0.3 (Beverloo 1961)", result.fit.exponent, "", 2, near(2.5, 0.3)},
+  return {{"discharge exponent", "2.5 ± 0.3 (Beverloo 1961)", or_none(result.fit.exponent), "", 2, near(2.5, 0.3)},
           {"widest opening that clogs", "there is one, not above 8 particle diameters", or_none(widest_clogged),
            " diameters", 1, Range{.highest = 8}},
           {"narrowest opening that does not clog", "there is one, not below 3 particle diameters",

@@ -268,7 +268,7 @@ void drawFunnel(const OutputFile& path, const FunnelResult& result, std::string_
       row[1] = std::max(row[1], lowest);
     }
   }
-  if (result.fit.exponent != 0) {
+  if (result.hasExponent()) {
     for (const double free : {0.3, 1.2 * widest}) {
       law.push_back({free, result.fit.rateAt((free + kBeverlooGap) * d, d)});
     }
@@ -298,16 +298,17 @@ void drawFunnel(const OutputFile& path, const FunnelResult& result, std::string_
   const double nan = std::numeric_limits<double>::quiet_NaN();
   const double rim = result.widest_m / 2;
   figure.data("floor", {{-wall * kMm, 0}, {-rim * kMm, 0}, {nan, nan}, {rim * kMm, 0}, {wall * kMm, 0}});
-  figure.command(fmt::format(R"(
+  figure.command(fmt::format(
+      R"(
 set multiplot layout 1,2 title {}
 set logscale xy
 set xrange [0.4:{:g}]
 set yrange [{:g}:*]
 set xlabel '(D - {:.2g} d) / d'
 set ylabel 'discharge / (kg/s)'
-set key tmargin center horizontal
+set key inside top left
 set title 'Rate over opening'
-plot $law using 1:2 with lines linewidth 2 linecolor rgb '#c0392b' title 'power {:.2f} ± {:.2f}', \
+plot $law using 1:2 with lines linewidth 2 linecolor rgb '#c0392b' {}, \
      $ran using 1:2 with points pointtype 7 pointsize 1.2 linecolor rgb '#1f4e79' title 'ran out', \
      $stopped using 1:2 with points pointtype 2 pointsize 1.5 linewidth 2 linecolor rgb '#555555' title 'clogged'
 unset logscale
@@ -322,8 +323,10 @@ plot $slice using 1:2:3 with circles linecolor rgb '#cbb899' fillstyle solid 0.7
      $floor using 1:2 with lines linewidth 3 linecolor rgb '#333333' notitle
 unset multiplot
 )",
-                             gnuplotQuoted(title), 1.3 * std::max(widest, 1.0), lowest / 1.5, kBeverlooGap,
-                             result.fit.exponent, result.fit.exponent_se, result.widest_m / d));
+      gnuplotQuoted(title), 1.3 * std::max(widest, 1.0), lowest / 1.5, kBeverlooGap,
+      result.hasExponent() ? fmt::format("title 'power {:.2f} ± {:.2f}'", result.fit.exponent, result.fit.exponent_se)
+                           : "notitle",
+      result.widest_m / d));
   figure.save();
 }
 

@@ -38,6 +38,8 @@ struct FunnelResult {
   std::vector<Vec3> centres_m;      ///< of the soil while it runs through the widest opening, for the figure
   double floor_z_m = 0;             ///< height of the floor with the opening
   double widest_m = 0;              ///< that opening
+
+  [[nodiscard]] bool hasExponent() const noexcept { return fit.exponent != 0; }
 };
 
 /// Discharge (kg/s) through round openings in a flat rough floor, and with which power of the opening it goes.
