@@ -292,6 +292,7 @@ std::string experimenterMessage(const Conductor& conductor, std::string_view his
                {"study", conductor.store().title()},
                {"file", conductor.store().file().filename().string()},
                {"participant", orNull(now.participant)},
+               {"group", orNull(now.group)},
                {"phase", phaseWord(now)},
                {"paused", now.paused},
                {"progress", progressJson(now)},
