@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstdint>
 #include <filesystem>
 #include <map>
@@ -19,6 +20,7 @@
 #include "haptolith/study/conductor.h"
 #include "haptolith/study/sequence.h"
 #include "haptolith/study/simulated_participant.h"
+#include "haptolith/study/store/participant_flow.h"
 #include "haptolith/study/store/store.h"
 #include "haptolith/study/study_messages.h"
 
@@ -338,6 +340,50 @@ TEST_F(StudyWithGroups, WhoWithdrawsGivesTheirOrderOfBlocksBackWithinTheGroup) {
     next = somebody();
   }
   EXPECT_EQ(next.assignment->row, both[1].assignment->row);
+}
+
+TEST_F(StudyWithGroups, TheFlowOfEachGroupCountsEverybodyOnce) {
+  std::map<std::string, std::vector<std::int64_t>> ids;
+  for (int i = 0; i < 8; ++i) {
+    const ParticipantRow row = somebody();
+    ids[row.assignment->group].push_back(row.id);
+  }
+  store_->addParticipant("");
+  store_->endParticipant(ids["both"][0], "withdrawn");
+  store_->setExcluded(ids["both"][1], true, "asleep");
+  store_->removeParticipant(ids["weight"][0]);
+  store_->endParticipant(ids["weight"][1], "finished");
+  EXPECT_EQ(flowsText(*store_),
+            "9 began, 1 removed on request, 1 withdrew, 1 excluded (asleep), 6 analysed (5 not finished)\n"
+            "  both: 4 assigned, 1 withdrew, 1 excluded (asleep), 2 analysed (2 not finished)\n"
+            "  weight: 4 assigned, 1 removed on request, 3 analysed (2 not finished)\n");
+  const std::vector<GroupFlow> flows = groupFlowsOf(*store_);
+  EXPECT_THAT(flows[0].strata, ElementsAre(4, 0, 0, 0, 0, 0));
+  EXPECT_THAT(flows[1].strata, ElementsAre(4, 0, 0, 0, 0, 0));
+}
+
+TEST_F(StudyWithGroups, SimulatedPeopleComeFromEveryStratumAndDifferByGroups) {
+  std::string text = kTwoGroups;
+  text = text.replace(text.find("blocks = [\"gravity\"]"), 20, "share = 1");
+  for (std::size_t at = text.find("levels ="); at != std::string::npos; at = text.find("levels =", at + 20)) {
+    text.insert(at, "repeats = 1\n");
+  }
+  make(text);
+  std::map<std::string, std::array<int, 2>> right;  // of all answers
+  for (unsigned person = 0; person < 24; ++person) {
+    SimulatedParticipant participant({.weber_fraction = 0.1, .group_factor = 8}, person);
+    Conductor conductor(*store_, *rig_, {.now_s = [&participant] { return participant.now(); }});
+    conductor.begin("");
+    participant.takePart(conductor);
+    const ParticipantRow row = store_->participants().back();
+    for (const TrialRow& trial : store_->trials(row.id)) {
+      right[row.assignment->group][0] += trial.answer->correct.value_or(false) ? 1 : 0;
+      right[row.assignment->group][1] += 1;
+    }
+  }
+  EXPECT_THAT(store_->placesGiven(), testing::Each(testing::Gt(0)));
+  const auto share = [&](const char* group) { return right[group][0] / static_cast<double>(right[group][1]); };
+  EXPECT_GT(share("both"), share("weight") + 0.1);
 }
 
 // --- while it runs
