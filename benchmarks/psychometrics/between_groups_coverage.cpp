@@ -33,10 +33,12 @@ struct Case {
   double factor = 1;  // of the second group's w
   double spread = 0;  // of ln w between people
 };
-constexpr std::array<Case, 4> kCases{{{.name = "no difference, alike"},
+constexpr std::array<Case, 6> kCases{{{.name = "no difference, alike"},
                                       {.name = "no difference, ln w differs by 0.3", .spread = 0.3},
+                                      {.name = "no difference, ln w differs by 0.6", .spread = 0.6},
                                       {.name = "factor 1.5, alike", .factor = 1.5},
-                                      {.name = "factor 1.5, ln w differs by 0.3", .factor = 1.5, .spread = 0.3}}};
+                                      {.name = "factor 1.5, ln w differs by 0.3", .factor = 1.5, .spread = 0.3},
+                                      {.name = "factor 1.5, ln w differs by 0.6", .factor = 1.5, .spread = 0.6}}};
 
 struct Size {
   int studies = 200, people = 8;

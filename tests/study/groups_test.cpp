@@ -464,6 +464,7 @@ TEST_F(StudyWithGroups, NoMessageTellsAParticipantTheGroupOrTheStratum) {
   };
   conductor_->begin("");
   expect_nothing_told();
+  EXPECT_THAT(participantMessage(*conductor_), HasSubstr("\"progress\":null")) << "of which blocks is not known";
   conductor_->proceed();
   expect_nothing_told();
   conductor_->fill({{"hand", "left"}, {"age", "20"}});

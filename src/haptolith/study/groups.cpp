@@ -92,11 +92,11 @@ std::size_t stratumOf(const StudyProtocol& protocol, const std::map<std::string,
 
 std::string stratumText(const StudyProtocol& protocol, std::size_t stratum) {
   std::vector<std::string> texts;
-  const std::vector<std::string>& keys = protocol.assignment.strata;
-  for (auto key = keys.rbegin(); key != keys.rend(); ++key) {
-    const std::vector<std::string> parts = stratumParts(itemOf(protocol, *key));
-    texts.insert(texts.begin(), fmt::format("{} {}", *key, parts[stratum % parts.size()]));
-    stratum /= parts.size();
+  std::size_t within = strataOf(protocol);  // how many there are in each part of the items so far
+  for (const std::string& key : protocol.assignment.strata) {
+    const std::vector<std::string> parts = stratumParts(itemOf(protocol, key));
+    within /= parts.size();
+    texts.push_back(fmt::format("{} {}", key, parts[stratum / within % parts.size()]));
   }
   return fmt::format("{}", fmt::join(texts, "; "));
 }

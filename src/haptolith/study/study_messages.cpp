@@ -78,6 +78,9 @@ bool speaksForItself(const StudyState& now) {
 }
 
 Json progressJson(const StudyState& now) {
+  if (!now.participant.empty() && now.blocks == 0) {
+    return nullptr;  // the group, and with it the blocks, is not decided yet
+  }
   return {{"block", std::min(now.position + 1, now.blocks)},
           {"blocks", now.blocks},
           {"trial", now.trial},

@@ -95,7 +95,7 @@ export function openExperimenterPage(settings: Settings, address: string): void 
   const title = h('strong', { class: 'study-title' }, 'Study');
   const file = h('span', { class: 'title' });
   const participant = h('strong', { class: 'participant-code' }, '–');
-  const group = h('span', { class: 'group', hidden: true });
+  const group = h('span', { class: 'participant-group', hidden: true });
   const phase = h('span', { class: 'phase' }, 'not connected to a study');
   const progress_text = h('span', { class: 'numbers progress-text' });
   const progress_bar = h('div', { class: 'progress-bar', 'aria-hidden': 'true' });
