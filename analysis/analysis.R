@@ -28,7 +28,9 @@ read_trials <- function(path) {
     trials$kind <- trials$trial_type
     state <- people$state[match(paste0("sub-", trials$participant), people$participant_id)]
     trials$participant_state <- if (is.null(state)) "" else state
-    trials[c("participant", "block", "kind", "state", "response", "x", "x_reference", "participant_state")]
+    group <- people$group[match(paste0("sub-", trials$participant), people$participant_id)]
+    trials$group <- if (is.null(group)) "" else group
+    trials[c("participant", "block", "kind", "state", "response", "x", "x_reference", "participant_state", "group")]
   }))
 }
 
@@ -37,6 +39,9 @@ counted <- function(trials) {
   trials <- trials[trials$kind == "main" & trials$state == "answered" & trials$response %in% c(0, 1) &
                      !(trials$participant_state %in% c("withdrawn", "excluded")), ]
   trials$response <- as.integer(trials$response)
+  # A study's groups are fitted each by itself.
+  group <- if (is.null(trials$group)) rep("", nrow(trials)) else trials$group
+  trials$block <- ifelse(group %in% c("", NA), trials$block, paste(trials$block, "of group", group))
   trials
 }
 

@@ -11,7 +11,7 @@ The model (docs/psychometrics.md). Person i answers "more" to the stimulus x wit
 
     psi(x) = c + (1 - 2 c) Phi((ln x - t_i) / ln(1 + w_i)),   t_i ~ N(m_t, s_t),   ln w_i ~ N(m_w, s_w)
 
-and a lapse rate c that all share. exp(m_t) is the PSE of the person in the middle, exp(m_w) their Weber fraction. Priors,
+and a lapse rate c that all share. A study's groups are fitted each by itself. exp(m_t) is the PSE of the person in the middle, exp(m_w) their Weber fraction. Priors,
 with R the range of ln x and d the least distance between two: m_t flat over the stimuli and falling to 0 as a cosine over
 R/2 on either side; m_w flat, for widths 3.29 ln(1 + w) from d/4 to 3 R; s_t and s_w half-normal, of R/4 and 0.6; c
 Beta(1, 100) up to 1/2. A single person's answers are fitted without lapses, and w has the prior 1/w^2.
@@ -42,29 +42,30 @@ LEFT_OUT = ("withdrawn", "excluded")  # participant_state
 def rows_of(path):
     """Every trial of a CSV file or of a BIDS folder, as a dictionary."""
     if path.is_dir():
-        state = {}
+        people = {}
         with open(path / "participants.tsv", newline="", encoding="utf-8") as file:
             for row in csv.DictReader(file, delimiter="\t"):
-                state[row["participant_id"]] = row.get("state", "")
+                people[row["participant_id"]] = row
         for table in sorted(path.glob("sub-*/beh/*_beh.tsv")):
             names = dict(part.split("-", 1) for part in table.stem.split("_") if "-" in part)
             with open(table, newline="", encoding="utf-8") as file:
                 for row in csv.DictReader(file, delimiter="\t"):
+                    person = people.get("sub-" + names["sub"], {})
                     yield {**row, "participant": names["sub"], "block": names["task"], "kind": row["trial_type"],
-                           "participant_state": state.get("sub-" + names["sub"], "")}
+                           "participant_state": person.get("state", ""), "group": person.get("group", "")}
     else:
         with open(path, newline="", encoding="utf-8") as file:
             yield from csv.DictReader(file)
 
 
 def blocks_of(path):
-    """{block: (reference, {participant: {x: [k, n]}})}: answers that count, of people who are not left out."""
+    """{(block, group): (reference, {participant: {x: [k, n]}})}: answers that count, of people who are not left out."""
     blocks = {}
     for row in rows_of(path):
         counts = row["kind"] == "main" and row["state"] == "answered" and row["response"] in ("0", "1")
         if not counts or row.get("participant_state") in LEFT_OUT or row.get("timed_out") == "1":
             continue
-        _, people = blocks.setdefault(row["block"], (float(row["x_reference"]), {}))
+        _, people = blocks.setdefault((row["block"], row.get("group") or ""), (float(row["x_reference"]), {}))
         level = people.setdefault(row["participant"], {}).setdefault(float(row["x"]), [0, 0])
         level[0] += int(row["response"])
         level[1] += 1
@@ -239,7 +240,7 @@ def mixed_model(people):
 
 def analysis_of(path, confidence, with_mixed_models):
     results = []
-    for name, (reference, by_person) in blocks_of(path).items():
+    for (name, group), (reference, by_person) in blocks_of(path).items():
         people = list(by_person.values())
         if reference <= 0 or min(x for person in people for x in person) <= 0:
             print(f"{name}: values at or below 0 have no Weber fraction; left out", file=sys.stderr)
@@ -250,6 +251,8 @@ def analysis_of(path, confidence, with_mixed_models):
         for key, (value, low, high) in fit.items():
             result[key] = float(value)
             result[key + "_interval"] = [float(low), float(high)]
+        if group:
+            result["of_group"] = group
         if with_mixed_models and len(people) > 1:
             try:
                 result["mixed_model"] = mixed_model(people)
@@ -275,7 +278,8 @@ def main():
         print(json.dumps(results, indent=2))
         return
     for result in results:
-        print(f"{result['block']}: {result['participants']} participant(s), {result['answers']} answers, "
+        group = f" of group {result['of_group']}" if "of_group" in result else ""
+        print(f"{result['block']}{group}: {result['participants']} participant(s), {result['answers']} answers, "
               f"reference {result['reference']:g}")
         for key, what in (("weber_fraction", "Weber fraction"), ("pse", "PSE"), ("lapse", "lapse rate"),
                           ("weber_fraction_spread", "spread of ln(Weber fraction)"),

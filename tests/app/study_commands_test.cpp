@@ -3,10 +3,12 @@
 #include <nlohmann/json.hpp>
 #include <unistd.h>
 
+#include <algorithm>
 #include <filesystem>
 #include <fstream>
 #include <iterator>
 #include <string>
+#include <vector>
 
 #include "program.h"
 
@@ -99,6 +101,79 @@ TEST_F(StudyCommands, NewTakesAProtocolFromAFile) {
   EXPECT_EQ(made.exit_status, 0) << made.errors;
   EXPECT_THAT(made.output, AllOf(HasSubstr("Mine"), HasSubstr("2 levels against P3, 6 trials")));
   EXPECT_EQ(made.errors, "");
+}
+
+TEST_F(StudyCommands, GroupsAreAssignedCountedExportedAndCompared) {
+  const std::string block =
+      "[[block]]\nname = '{}'\nquestion = 'q'\nanswers = ['l', 'm']\nvaries = 'preset'\nreference = 'P3'\n"
+      "levels = ['P1', 'P2', 'P4', 'P5', 'P6']\nrepeats = 4\n";
+  std::ofstream(folder_ / "mine.toml")
+      << "title = 'Mine'\n[assignment]\nmethod = 'stratified'\nstrata = ['left']\n"
+         "[[groups]]\nname = 'one'\nblocks = ['seen', 'both']\n[[groups]]\nname = 'two'\nblocks = ['unseen', 'both']\n"
+         "[[demographics]]\nkey = 'left'\nlabel = 'Do you write with the left hand?'\nkind = 'yes-no'\nrequired = "
+         "true\n"
+      << fmt::format(fmt::runtime(block), "seen") << fmt::format(fmt::runtime(block), "unseen")
+      << fmt::format(fmt::runtime(block), "both");
+  const ProgramResult made =
+      runHaptolith(fmt::format("study new {} --protocol {} --seed 7", file("a.study"), file("mine.toml")));
+  ASSERT_EQ(made.exit_status, 0) << made.errors;
+  EXPECT_THAT(made.output, HasSubstr("group one        seen, both, share 1"));
+  ASSERT_EQ(
+      runHaptolith(fmt::format("study simulate {} --participants 8 --group-factor 2", file("a.study"))).exit_status, 0);
+  const ProgramResult excluded = runHaptolith(fmt::format("study exclude {} sim001 --reason asleep", file("a.study")));
+  EXPECT_THAT(excluded.output, AllOf(HasSubstr("\n  one: "), HasSubstr("\n  two: "), HasSubstr("1 excluded (asleep)")));
+  const Json status = Json::parse(runHaptolith(fmt::format("study status --json {}", file("a.study"))).output);
+  ASSERT_EQ(status["groups"].size(), 2U);
+  EXPECT_EQ(status["groups"][0]["assigned"].get<int>() + status["groups"][1]["assigned"].get<int>(), 8);
+  EXPECT_EQ(status["groups"][0]["strata"][0]["stratum"], "left yes");
+  EXPECT_EQ(status["participants"][0]["blocks"].size(), 2U) << "those of the group";
+  EXPECT_THAT(runHaptolith(fmt::format("study status {}", file("a.study"))).output,
+              HasSubstr("Assigned out of each stratum"));
+  const Json figure = Json::parse(runHaptolith(fmt::format("study figure --json {}", file("a.study"))).output);
+  ASSERT_EQ(figure["blocks"].size(), 4U);
+  EXPECT_EQ(figure["blocks"][0]["of_group"], "one");
+  std::vector<std::string> compared;
+  for (const Json& of : figure["differences"]) {
+    compared.push_back(of.contains("first_group")
+                           ? fmt::format("{} {}, {} {}", of["first_group"].get<std::string>(),
+                                         of["first"].get<std::string>(), of["second_group"].get<std::string>(),
+                                         of["second"].get<std::string>())
+                           : fmt::format("{}, {}", of["first"].get<std::string>(), of["second"].get<std::string>()));
+    EXPECT_LT(of["weber_fraction"]["interval"][0], of["weber_fraction"]["ratio"]);
+  }
+  EXPECT_THAT(compared,
+              testing::ElementsAre("seen, both", "unseen, both", "one both, two both", "one seen, two unseen"));
+  ASSERT_EQ(runHaptolith(fmt::format("study export {} --to {}", file("a.study"), file("a.csv"))).exit_status, 0);
+  const ProgramResult script = runInShell("/usr/bin/python3 " + file("a-analysis.py") + " --json --no-glmm");
+  ASSERT_EQ(script.exit_status, 0) << script.errors;
+  for (const Json& again : Json::parse(script.output)) {
+    const auto same = std::ranges::find_if(figure["blocks"], [&again](const Json& of) {
+      return of["block"] == again["block"] && of["of_group"] == again["of_group"];
+    });
+    ASSERT_NE(same, figure["blocks"].end()) << again;
+    EXPECT_NEAR((*same)["headline"]["weber_fraction"], again["weber_fraction"],
+                0.01 * again["weber_fraction"].get<double>());
+  }
+  ASSERT_EQ(
+      runHaptolith(fmt::format("study export {} --to {} --format bids", file("a.study"), file("bids"))).exit_status, 0);
+  const ProgramResult of_folder =
+      runInShell(fmt::format("/usr/bin/python3 {0}/code/analysis.py {0} --json --no-glmm", file("bids")));
+  const auto sorted = [](const std::string& text) {  // a folder has another order
+    std::vector<Json> results = Json::parse(text);
+    std::ranges::sort(results);
+    return results;
+  };
+  EXPECT_EQ(sorted(of_folder.output), sorted(script.output));
+}
+
+TEST_F(StudyCommands, NewRefusesGroupsThatAreNone) {
+  std::ofstream(folder_ / "bad.toml")
+      << "title = 'Mine'\n[[groups]]\nname = 'one'\nblocks = ['b']\n[[block]]\nname = 'a'\n"
+         "question = 'q'\nanswers = ['l', 'm']\nvaries = 'preset'\nreference = 'P3'\n"
+         "levels = ['P1', 'P6']\n";
+  const ProgramResult bad = runHaptolith(fmt::format("study new {} --protocol {}", file("a.study"), file("bad.toml")));
+  EXPECT_EQ(bad.exit_status, 2);
+  EXPECT_THAT(bad.errors, HasSubstr("bad.toml:4: [[groups]] blocks = [ 'b' ] is not valid: must be one or more of a"));
 }
 
 TEST_F(StudyCommands, NewRefusesAProtocolOfOnesOwnWithBracketsLeft) {

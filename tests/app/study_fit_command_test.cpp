@@ -1,5 +1,6 @@
 // `haptolith study fit` as its users meet it.
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <nlohmann/json.hpp>
 #include <unistd.h>
@@ -7,6 +8,7 @@
 #include <filesystem>
 #include <fstream>
 #include <string>
+#include <vector>
 
 #include "program.h"
 
@@ -43,6 +45,38 @@ class StudyFit : public testing::Test {
   const fs::path folder_ = fs::temp_directory_path() / ("haptolith-study-fit-" + std::to_string(getpid()));
   const std::string friction_ = file("friction.csv", "x,k,n\n0.6,2,24\n0.648,4,24\n0.735,8,24\n1,18,24\n1.21,22,24\n");
 };
+
+TEST_F(StudyFit, ComparesTheGroupsOfATable) {
+  std::string table = "x,k,n,participant,group\n";
+  const auto person = [&table](int who, const std::string& group, const std::vector<int>& positive) {
+    const std::vector<double> stimuli{0.600, 0.648, 0.735, 1.00, 1.21};
+    for (std::size_t i = 0; i < stimuli.size(); ++i) {
+      table += fmt::format("{},{},20,p{},{}\n", stimuli[i], positive[i], who, group);
+    }
+  };
+  for (int who = 0; who < 3; ++who) {  // by (paper 22) with w = 0.2 and 0.5
+    person(who, "sharp", {1, 2, 5, 17, 20});
+    person(3 + who, "dull", {4, 5, 8, 13, 16});
+  }
+  const std::string data = "--data " + file("groups.csv", table) + " --between-groups --free-threshold";
+  const json fit = fitOf(data);
+  ASSERT_EQ(fit["groups"].size(), 2U);
+  EXPECT_EQ(fit["groups"][0]["group"], "sharp");
+  EXPECT_EQ(fit["groups"][0]["participants"].size(), 3U);
+  EXPECT_NEAR(fit["groups"][0]["weber_fraction"]["median"], 0.2, 0.05);
+  ASSERT_EQ(fit["differences"].size(), 1U);
+  const json& ratio = fit["differences"][0]["weber_fraction"];
+  EXPECT_EQ(fit["differences"][0]["second_group"], "dull");
+  EXPECT_NEAR(ratio["ratio"],
+              fit["groups"][1]["weber_fraction"]["median"].get<double>() /
+                  fit["groups"][0]["weber_fraction"]["median"].get<double>(),
+              0.05);
+  EXPECT_GT(ratio["interval"][0], 1.2);
+  EXPECT_LT(ratio["bayes_factor_same"], 0.2);
+  const ProgramResult told = runHaptolith("study fit " + data);
+  EXPECT_THAT(told.output, HasSubstr("group dull over group sharp: different people"));
+  expectWrongUse("--data " + friction_ + " --between-groups", "a table with a column group");
+}
 
 TEST_F(StudyFit, TellsThePapersNumbersAsJson) {
   const json fit = fitOf("--data " + friction_ + " --sigmoid weber --reference 0.835");

@@ -93,5 +93,49 @@ TEST(GroupDifference, NeedsSomebodyUnderEachCondition) {
   EXPECT_THROW((void)changeBetween(groupOf({1, 1}, 5, 7).scale, {}, paired(2), 0.95), InvalidParameter);
 }
 
+// --- between groups
+// ---------------------------------------------------------------------------------------------------
+
+/// A normal density in `count` values within five deviations.
+Marginal normal(double mean, double deviation, int count) {
+  Marginal marginal{.values = evenly({mean - 5 * deviation, mean + 5 * deviation}, count)};
+  for (const double value : marginal.values) {
+    marginal.log_density.push_back(-std::pow((value - mean) / deviation, 2) / 2);
+  }
+  return marginal;
+}
+
+TEST(BetweenGroups, TheDifferenceOfTwoNormalPosteriorsIsNormal) {
+  const Population first{.median_place = normal(-1, 0.3, 15), .prior = {0.4}};
+  const Population second{.median_place = normal(-0.5, 0.4, 21), .prior = {0.4}};
+  const Change change = changeBetweenGroups(first, second, 0.95);
+  EXPECT_NEAR(change.mean.value, 0.5, 2e-3);
+  EXPECT_NEAR(change.mean.interval.low, 0.5 - 1.95996 * 0.5, 5e-3);
+  EXPECT_NEAR(change.mean.interval.high, 0.5 + 1.95996 * 0.5, 5e-3);
+  const auto density = [](double value, double variance) {
+    return std::exp(-value * value / (2 * variance)) / std::sqrt(variance);
+  };
+  EXPECT_NEAR(change.same, density(0.5, 0.25) / density(0.5, 0.25 + 0.16), 5e-3) << "over the prior's average";
+  const Change less = changeBetweenGroups(first, second, 0.95, 0.2);
+  EXPECT_NEAR(less.mean.value, change.mean.value - 0.2, 1e-9);
+}
+
+TEST(BetweenGroups, FindsARatioWithAnIntervalAsOfPeopleWhoAreNotPaired) {
+  const GroupFit one = groupOf(kBefore, 60, 1);
+  const GroupFit other = groupOf(times(1.5), 60, 2);
+  const Change change = changeBetweenGroups(one.scale, other.scale, 0.95);
+  EXPECT_NEAR(change.mean.value, std::log(other.scale.median.value / one.scale.median.value), 0.02);
+  EXPECT_NEAR(change.mean.value, std::log(1.5), 0.15);
+  const Change unpaired = changeBetween(one.scale, other.scale, apart(8), 0.95);
+  const auto length = [](const Interval& it) { return it.high - it.low; };
+  EXPECT_NEAR(length(change.mean.interval), length(unpaired.mean.interval), 0.25 * length(unpaired.mean.interval));
+  const Change threshold = changeBetweenGroups(*one.threshold, *groupOf(kBefore, 60, 3, 1.3).threshold, 0.95);
+  EXPECT_NEAR(threshold.mean.value, std::log(1.3), 0.2);
+}
+
+TEST(BetweenGroups, NeedsSomebodyInEachGroup) {
+  EXPECT_THROW((void)changeBetweenGroups(groupOf({1, 1}, 5, 7).scale, {}, 0.95), InvalidParameter);
+}
+
 }  // namespace
 }  // namespace haptolith

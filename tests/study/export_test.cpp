@@ -17,6 +17,7 @@
 
 #include "../source_dir.h"
 #include "a_study.h"
+#include "a_study_with_groups.h"
 
 namespace haptolith {
 namespace {
@@ -300,6 +301,40 @@ TEST_F(StudyExport, ReadsAStudyThatRuns) {
   EXPECT_THAT(readFile(folder_ / "a.csv"), HasSubstr("S02"));
 }
 
+TEST_F(StudyExport, TellsGroupAndStratumWhereTheStudyHasThem) {
+  const fs::path grouped = folder_ / "grouped.study";
+  StudyStore::create(grouped, loadProtocolText(kTwoGroups, "groups.toml"), kTwoGroups, 42);
+  {
+    StudyStore store(grouped, Access::kRun);
+    const std::int64_t id = store.addParticipant("").id;
+    store.setAnswers(id, "demographics", store.protocol().demographics, {{"hand", "right"}, {"age", "36"}});
+    (void)store.assignGroup(id);
+    store.beginTrial(trial(id, 0));
+    store.beginTrial(trial(store.addParticipant("").id, 0));
+  }
+  const StudyStore store(grouped, Access::kRead);
+  exportCsv(store, folder_ / "g.csv", {});
+  exportBids(store, folder_ / "g", {});
+  exportCsv(study(), folder_ / "a.csv", {});
+  exportBids(study(), folder_ / "a", {});
+  const std::string own = store.participants()[0].assignment->group;
+  std::ofstream(folder_ / "own.txt") << own;
+  expectTrueInPython(R"(
+import json, pandas
+own = open('own.txt').read()
+t = pandas.read_csv('g.csv')
+assert list(t.group.fillna('')) == [own, ''], t.group
+assert list(t.stratum.fillna('')) == ['hand right; age 30 to < 50', '']
+people = pandas.read_csv('g/participants.tsv', sep='\t', na_values='n/a', keep_default_na=False)
+assert list(people.group.fillna('')) == [own, ''] and people.stratum[0] == 'hand right; age 30 to < 50'
+for file in (json.load(open('g-columns.json'))['g.csv'], json.load(open('g/participants.json'))):
+    assert file['group']['Levels'] == {'both': 'goes through friction, gravity', 'weight': 'goes through gravity'}
+    assert 'stratum' in file
+for table, separator in (('a.csv', ','), ('a/participants.tsv', '\t')):
+    assert not {'group', 'stratum'} & set(pandas.read_csv(table, sep=separator).columns)
+)");
+}
+
 TEST(StudyColumns, AreAllInTheDocument) {
   const std::string document = readFile(sourceDir() / "docs/studies.md");
   std::set<std::string> names;
@@ -307,6 +342,9 @@ TEST(StudyColumns, AreAllInTheDocument) {
     EXPECT_TRUE(names.insert(column.name).second) << column.name;
     const bool second = column.name.starts_with("second_");  // stands beside the first, in its row
     EXPECT_THAT(document, HasSubstr(fmt::format("{}`{}`", second ? ", " : "\n| ", column.name)));
+  }
+  for (const char* name : {"group", "stratum"}) {  // where the study has them
+    EXPECT_THAT(document, HasSubstr(fmt::format("\n| `{}` | the same, of participants.tsv |", name)));
   }
   for (const ExportColumn& column : sessionColumns()) {
     EXPECT_THAT(document, HasSubstr(fmt::format("`{}`", column.name)));

@@ -6,6 +6,8 @@
 
 #include "haptolith/study/protocol.h"
 
+#include "a_study_with_groups.h"
+
 namespace haptolith {
 namespace {
 
@@ -40,6 +42,20 @@ TEST(Preregistration, SaysWhatTheProtocolSays) {
   EXPECT_THAT(text, Not(HasSubstr("[HYPOTHESIS")));
   EXPECT_THAT(text, Not(HasSubstr("[NUMBER")));
   EXPECT_THAT(text, Not(HasSubstr("[CRITERION")));
+}
+
+TEST(Preregistration, SaysHowPeopleAreAllocatedToGroups) {
+  EXPECT_THAT(textFor(kTop + kBlock), Not(HasSubstr("allocat")));
+  std::string protocol = kTwoGroups;
+  const std::string text =
+      textFor(protocol.replace(protocol.find("name = \"both\""), 13, "name = \"both\"\nshare = 3"));
+  EXPECT_THAT(text, HasSubstr("- both: goes through friction, gravity.\n- weight: goes through gravity.\n"));
+  EXPECT_THAT(text, HasSubstr("Allocation ratio: 3 : 1"));
+  EXPECT_THAT(text, HasSubstr("permuted blocks within each stratum"));
+  EXPECT_THAT(text, HasSubstr("A permuted block has 4 participants"));
+  EXPECT_THAT(text, HasSubstr("Strata by \"Which hand do you write with?\" (hand): left; right."));
+  EXPECT_THAT(text, HasSubstr("(age): < 30; 30 to < 50; >= 50."));
+  EXPECT_THAT(text, HasSubstr("Groups are fitted each by itself"));
 }
 
 }  // namespace

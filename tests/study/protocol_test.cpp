@@ -381,10 +381,10 @@ INSTANTIATE_TEST_SUITE_P(
 // -----------------------------------------------------------------------------------------------------
 
 template <class Key>
-void expectDocumented(std::span<const Key> keys, const std::string& top) {
+void expectDocumented(std::span<const Key> keys, const std::string& top, std::string_view within = "") {
   const std::string document = readSource("docs/studies.md");
   for (const Key& key : keys) {
-    const std::string heading = key.table.empty() ? top : fmt::format("### [block.{}]\n", key.table);
+    const std::string heading = key.table.empty() ? top : fmt::format("### [{}{}]\n", within, key.table);
     const std::size_t section = document.find(heading);
     ASSERT_NE(section, std::string::npos) << "no section " << heading;
     const std::string text = document.substr(section, document.find("\n##", section + 1) - section);
@@ -394,7 +394,8 @@ void expectDocumented(std::span<const Key> keys, const std::string& top) {
 
 TEST(ProtocolKeys, AreAllInTheDocument) {
   expectDocumented(protocolKeys(), "### At the top\n");
-  expectDocumented(blockKeys(), "### [[block]]\n");
+  expectDocumented(groupKeys(), "### [[groups]]\n");
+  expectDocumented(blockKeys(), "### [[block]]\n", "block.");
   expectDocumented(itemKeys(), "### [[demographics]], [[block.item]], [[item]]\n");
 }
 
@@ -406,7 +407,7 @@ TEST(ProtocolKeys, TheDocumentHasNoOthers) {
   for (std::size_t at = section.find("\n| `"); at != std::string::npos; at = section.find("\n| `", at + 1)) {
     ++rows;
   }
-  EXPECT_EQ(rows, protocolKeys().size() + blockKeys().size() + itemKeys().size());
+  EXPECT_EQ(rows, protocolKeys().size() + groupKeys().size() + blockKeys().size() + itemKeys().size());
 }
 
 }  // namespace

@@ -439,6 +439,7 @@ export class MockStudy {
       study: 'Friction and gravity',
       file: 'friction-and-gravity.study',
       participant: 'S01',
+      group: 'seen',
       phase: this.phase,
       paused: this.paused,
       progress: this.progress(),

@@ -209,6 +209,38 @@ std::string groupText(const GroupFit& group, const std::vector<std::string>& nam
   return text;
 }
 
+Json changesJson(const Change& scale, const std::optional<Change>& threshold) {
+  const auto change_json = [](const Change& change) {
+    return Json{{"ratio", std::exp(change.mean.value)},
+                {"interval", {std::exp(change.mean.interval.low), std::exp(change.mean.interval.high)}},
+                {"bayes_factor_same", change.same},
+                {"prior_log_deviation", change.prior.usual}};
+  };
+  Json json{{"weber_fraction", change_json(scale)}};
+  if (threshold) {
+    json["pse_over_reference"] = change_json(*threshold);
+  }
+  return json;
+}
+
+std::string changesText(const std::string& heading, const Change& scale, const std::optional<Change>& threshold,
+                        double confidence) {
+  const auto line = [](std::string_view what, const Change& change) {
+    return fmt::format(
+        "  {:<16} {:>9.4g}   {:<22} Bayes factor of no difference {:.2g}, prior of its logarithm "
+        "normal(0, {:.3g})\n",
+        what, std::exp(change.mean.value),
+        fmt::format("{:.4g} to {:.4g}", std::exp(change.mean.interval.low), std::exp(change.mean.interval.high)),
+        change.same, change.prior.usual);
+  };
+  std::string told = fmt::format("{}\n\n{:>28}   {:g} % credible interval\n", heading, "ratio", 100 * confidence);
+  told += line("Weber fraction", scale);
+  if (threshold) {
+    told += line("PSE / reference", *threshold);
+  }
+  return told;
+}
+
 std::string comparisonText(const std::vector<Fit>& fits) {
   std::string text = fmt::format("\n  {:<12} {:>12} {:>10} {:>10} {:>10} {:>10}\n", "sigmoid", "log evidence", "AIC",
                                  "BIC", "threshold", "deviance");

@@ -2,10 +2,13 @@
 
 #include <nlohmann/json_fwd.hpp>
 
+#include <optional>
 #include <string>
+#include <vector>
 
 #include "haptolith/psychometrics/fit.h"
 #include "haptolith/psychometrics/group.h"
+#include "haptolith/psychometrics/group_difference.h"
 
 namespace haptolith {
 
@@ -22,6 +25,11 @@ namespace haptolith {
 
 /// The same for people: the person in the middle and the spread, then a line for each participant.
 [[nodiscard]] std::string groupText(const GroupFit& group, const std::vector<std::string>& names);
+
+/// How Weber fractions, and PSEs as shares of their references, change: ratios, their intervals and Bayes factors.
+[[nodiscard]] nlohmann::ordered_json changesJson(const Change& scale, const std::optional<Change>& threshold);
+[[nodiscard]] std::string changesText(const std::string& heading, const Change& scale,
+                                      const std::optional<Change>& threshold, double confidence);
 
 /// Several fits to the same answers, best first, for people.
 [[nodiscard]] std::string comparisonText(const std::vector<Fit>& fits);

@@ -31,8 +31,8 @@ void exclude(const Options& options) {
   StudyStore study(options.file, StudyStore::Access::kRun);
   const ParticipantRow participant = participantNamed(study, options.participant);
   study.setExcluded(participant.id, !options.undo, options.reason);
-  printText(fmt::format("{}: {}\n{}\n", participant.code, options.undo ? "not excluded any more" : "excluded",
-                        flowText(flowOf(study))));
+  printText(fmt::format("{}: {}\n{}", participant.code, options.undo ? "not excluded any more" : "excluded",
+                        flowsText(study)));
 }
 
 }  // namespace

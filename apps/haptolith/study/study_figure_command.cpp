@@ -55,12 +55,18 @@ struct Options {
 /// One block of a study, fitted.
 struct BlockResult {
   const StudyBlock* block = nullptr;
+  std::size_t index = 0;                     ///< of the block in the protocol
+  const ParticipantGroup* people = nullptr;  ///< whose answers these are; none: everybody's
   std::vector<std::string> codes;
   std::vector<std::vector<Level>> levels;
   std::optional<GroupFit> group;  ///< of several participants
   std::optional<Fit> pooled;      ///< all answers as of one person: of a single participant, or when it is asked for
   std::optional<double> caught;
 
+  /// "friction", or "friction of group seen".
+  [[nodiscard]] std::string name() const {
+    return block->name + (people == nullptr ? "" : fmt::format(" of group {}", people->name));
+  }
   [[nodiscard]] const Fit& headline() const { return group ? group->median_person : *pooled; }
 };
 
@@ -84,7 +90,7 @@ void fitTo(BlockResult& result, const Options& options) {
   const std::vector<Level> all = pooled(result.levels);
   if (all.size() < 2 && !fit.threshold) {
     throw Failure(
-        fmt::format("{}: block {} has answers to one stimulus; a curve needs two", options.file, result.block->name));
+        fmt::format("{}: block {} has answers to one stimulus; a curve needs two", options.file, result.name()));
   }
   if (result.codes.size() > 1) {
     result.group = fitGroup(result.levels, groupOptions(fit));
@@ -95,12 +101,16 @@ void fitTo(BlockResult& result, const Options& options) {
 }
 
 /// None when nobody has answered yet.
-std::optional<BlockResult> resultOf(const Options& options, const StudyStore& study, std::size_t index) {
+std::optional<BlockResult> resultOf(const Options& options, const StudyStore& study, std::size_t index,
+                                    const ParticipantGroup* people) {
   BlockResult result;
   result.block = &study.protocol().blocks[index];
+  result.index = index;
+  result.people = people;
   std::vector<TrialRow> trials = study.trials();
   for (const ParticipantRow& person : study.participants()) {
-    if (!person.excluded_for.empty() || (person.state == "withdrawn" && !options.withdrawn)) {
+    const bool of_others = people != nullptr && (!person.assignment || person.assignment->group != people->name);
+    if (!person.excluded_for.empty() || (person.state == "withdrawn" && !options.withdrawn) || of_others) {
       std::erase_if(trials, [&person](const TrialRow& trial) { return trial.participant == person.id; });
     }
     std::vector<Level> levels = levelsOf(trials, index, person.id);
@@ -117,11 +127,13 @@ std::optional<BlockResult> resultOf(const Options& options, const StudyStore& st
   return result;
 }
 
-/// "figure.svg", or "figure-friction.svg" where there are several blocks.
-OutputFile fileFor(const Options& options, const StudyBlock& block, bool several) {
+/// "figure.svg", or "figure-friction.svg" where there are several blocks, "figure-friction-seen.svg" of a group.
+OutputFile fileFor(const Options& options, const BlockResult& result, bool several) {
   std::filesystem::path file = options.out;
   if (several) {
-    file.replace_filename(fmt::format("{}-{}{}", file.stem().string(), block.name, file.extension().string()));
+    const std::string group = result.people == nullptr ? "" : "-" + result.people->name;
+    file.replace_filename(
+        fmt::format("{}-{}{}{}", file.stem().string(), result.block->name, group, file.extension().string()));
   }
   return options.overwrite(file.string());
 }
@@ -130,6 +142,9 @@ void draw(const OutputFile& file, const Options& options, const StudyStore& stud
   PsychometricFigure figure;
   figure.title =
       study.protocol().blocks.size() > 1 && !result.block->title.empty() ? result.block->title : study.title();
+  if (result.people != nullptr) {
+    figure.title += fmt::format(", group {}", result.people->name);
+  }
   figure.x_label = result.block->axis_label;
   figure.y_label =
       fmt::format("share of answers \"{}\"",
@@ -209,8 +224,8 @@ std::vector<std::string> remarksOn(const BlockResult& result) {
 }
 
 std::string text(const BlockResult& result) {
-  std::string told = fmt::format("{}: {} participant(s), reference {} ({:g})\n", result.block->name,
-                                 result.codes.size(), result.block->reference.name, result.block->reference.value);
+  std::string told = fmt::format("{}: {} participant(s), reference {} ({:g})\n", result.name(), result.codes.size(),
+                                 result.block->reference.name, result.block->reference.value);
   if (result.group) {
     told += groupText(*result.group, result.codes);
   }
@@ -247,6 +262,9 @@ Json jsonOf(const BlockResult& result) {
               {"lapse_interval", interval(fit.lapse.interval)},
               {"n_trials", std::llround(fit.n_trials)}}},
             {"remarks", remarksOn(result)}};
+  if (result.people != nullptr) {
+    json["of_group"] = result.people->name;
+  }
   if (result.group) {
     json["group"] = groupJson(*result.group, result.codes);
   }
@@ -256,23 +274,17 @@ Json jsonOf(const BlockResult& result) {
   return json;
 }
 
-/// What changes from one block to another, of people.
+/// What changes from one block to another within people, or from one group of people to another.
 struct Difference {
   const BlockResult* first = nullptr;
   const BlockResult* second = nullptr;
-  std::size_t in_both = 0;
-  Change scale;
-  std::optional<Change> threshold;  ///< of thresholds as shares of their references
+  std::optional<std::size_t> in_both = {};  ///< people; none: between groups
+  Change scale = {};
+  std::optional<Change> threshold = {};  ///< of thresholds as shares of their references
 };
 
-std::optional<Difference> differenceOf(const BlockResult& first, const BlockResult& second, double confidence) {
-  if (!first.group || !second.group || !isWeber(first.group->median_person.function.sigmoid) ||
-      !isWeber(second.group->median_person.function.sigmoid)) {
-    return std::nullopt;
-  }
-  Difference difference;
-  difference.first = &first;
-  difference.second = &second;
+/// Of each person the one and the other result. @param in_both  how many have both.
+std::vector<UnderBoth> pairedPeople(const BlockResult& first, const BlockResult& second, std::size_t& in_both) {
   std::vector<UnderBoth> people;
   for (std::size_t i = 0; i < first.codes.size(); ++i) {
     people.push_back({.first = i});
@@ -283,61 +295,118 @@ std::optional<Difference> differenceOf(const BlockResult& first, const BlockResu
       people.push_back({.second = i});
     } else {
       people[static_cast<std::size_t>(found - first.codes.begin())].second = i;
-      ++difference.in_both;
+      ++in_both;
     }
   }
-  difference.scale = changeBetween(first.group->scale, second.group->scale, people, confidence);
+  return people;
+}
+
+std::optional<Difference> differenceOf(const BlockResult& first, const BlockResult& second, double confidence) {
+  if (!first.group || !second.group || !isWeber(first.group->median_person.function.sigmoid) ||
+      !isWeber(second.group->median_person.function.sigmoid)) {
+    return std::nullopt;
+  }
+  Difference difference{.first = &first, .second = &second};
+  std::vector<UnderBoth> people;
+  if (first.people == second.people) {
+    people = pairedPeople(first, second, difference.in_both.emplace(0));
+  }
+  const auto change = [&](const Population& from, const Population& to, double offset) {
+    return difference.in_both ? changeBetween(from, to, people, confidence, offset)
+                              : changeBetweenGroups(from, to, confidence, offset);
+  };
+  difference.scale = change(first.group->scale, second.group->scale, 0);
   if (first.group->threshold && second.group->threshold) {
     const double offset = std::log(second.block->reference.value / first.block->reference.value);
-    difference.threshold = changeBetween(*first.group->threshold, *second.group->threshold, people, confidence, offset);
+    difference.threshold = change(*first.group->threshold, *second.group->threshold, offset);
   }
   return difference;
 }
 
-/// The first block with each other one.
-std::vector<Difference> differencesOf(const std::vector<BlockResult>& results, double confidence) {
+/// The results of one group, in the order of its blocks; of everybody where there are no groups.
+std::vector<const BlockResult*> resultsIn(const std::vector<BlockResult>& results, const ParticipantGroup* people) {
+  std::vector<const BlockResult*> own;
+  for (const BlockResult& result : results) {
+    if (result.people == people) {
+      own.push_back(&result);
+    }
+  }
+  if (people != nullptr) {
+    std::ranges::sort(own, {}, [people](const BlockResult* of) {
+      return std::ranges::find(people->blocks, of->index) - people->blocks.begin();
+    });
+  }
+  return own;
+}
+
+/// What two groups are compared in: each block that both go through, and of the others the first with the first, the
+/// second with the second and so on.
+std::vector<std::pair<const BlockResult*, const BlockResult*>> comparable(std::vector<const BlockResult*> first,
+                                                                          std::vector<const BlockResult*> second) {
+  std::vector<std::pair<const BlockResult*, const BlockResult*>> pairs;
+  for (auto one = first.begin(); one != first.end();) {
+    const auto same = std::ranges::find(second, (*one)->index, &BlockResult::index);
+    if (same == second.end()) {
+      ++one;
+    } else {
+      pairs.emplace_back(*one, *same);
+      second.erase(same);
+      one = first.erase(one);
+    }
+  }
+  for (std::size_t i = 0; i < std::min(first.size(), second.size()); ++i) {
+    pairs.emplace_back(first[i], second[i]);
+  }
+  return pairs;
+}
+
+/// Within people the first block with each other one; between groups each with each that stands below it.
+std::vector<Difference> differencesOf(const std::vector<BlockResult>& results, const StudyProtocol& protocol,
+                                      double confidence) {
   std::vector<Difference> differences;
-  for (std::size_t i = 1; i < results.size(); ++i) {
-    if (std::optional<Difference> difference = differenceOf(results.front(), results[i], confidence)) {
+  const auto add = [&](const BlockResult& first, const BlockResult& second) {
+    if (const std::optional<Difference> difference = differenceOf(first, second, confidence)) {
       differences.push_back(*difference);
+    }
+  };
+  std::vector<std::vector<const BlockResult*>> by_group;
+  for (const ParticipantGroup& group : protocol.groups) {
+    by_group.push_back(resultsIn(results, &group));
+  }
+  if (protocol.groups.empty()) {
+    by_group.push_back(resultsIn(results, nullptr));
+  }
+  for (const std::vector<const BlockResult*>& own : by_group) {
+    for (std::size_t i = 1; i < own.size(); ++i) {
+      add(*own.front(), *own[i]);
+    }
+  }
+  for (std::size_t first = 0; first < by_group.size(); ++first) {
+    for (std::size_t second = first + 1; second < by_group.size(); ++second) {
+      for (const auto& [one, other] : comparable(by_group[first], by_group[second])) {
+        add(*one, *other);
+      }
     }
   }
   return differences;
 }
 
 std::string text(const Difference& difference, double confidence) {
-  const auto line = [&](std::string_view what, const Change& change) {
-    return fmt::format(
-        "  {:<16} {:>9.4g}   {:<22} Bayes factor of no difference {:.2g}, prior of its logarithm "
-        "normal(0, {:.3g})\n",
-        what, std::exp(change.mean.value),
-        fmt::format("{:.4g} to {:.4g}", std::exp(change.mean.interval.low), std::exp(change.mean.interval.high)),
-        change.same, change.prior.usual);
-  };
-  std::string told = fmt::format("{} over {}: {} in both, people's median\n\n{:>28}   {:g} % credible interval\n",
-                                 difference.second->block->name, difference.first->block->name, difference.in_both,
-                                 "ratio", 100 * confidence);
-  told += line("Weber fraction", difference.scale);
-  if (difference.threshold) {
-    told += line("PSE / reference", *difference.threshold);
-  }
-  return told;
+  const std::string heading =
+      fmt::format("{} over {}: {}, people's median", difference.second->name(), difference.first->name(),
+                  difference.in_both ? fmt::format("{} in both", *difference.in_both) : "groups of different people");
+  return changesText(heading, difference.scale, difference.threshold, confidence);
 }
 
 Json jsonOf(const Difference& difference) {
-  const auto change_json = [](const Change& change) {
-    return Json{{"ratio", std::exp(change.mean.value)},
-                {"interval", {std::exp(change.mean.interval.low), std::exp(change.mean.interval.high)}},
-                {"bayes_factor_same", change.same},
-                {"prior_log_deviation", change.prior.usual}};
-  };
-  Json json{{"first", difference.first->block->name},
-            {"second", difference.second->block->name},
-            {"participants_in_both", difference.in_both},
-            {"weber_fraction", change_json(difference.scale)}};
-  if (difference.threshold) {
-    json["pse_over_reference"] = change_json(*difference.threshold);
+  Json json{{"first", difference.first->block->name}, {"second", difference.second->block->name}};
+  if (difference.in_both) {
+    json["participants_in_both"] = *difference.in_both;
+  } else {
+    json["first_group"] = difference.first->people->name;
+    json["second_group"] = difference.second->people->name;
   }
+  json.update(changesJson(difference.scale, difference.threshold));
   return json;
 }
 
@@ -351,11 +420,20 @@ std::vector<BlockResult> resultsOf(const Options& options, const StudyStore& stu
     throw InvalidParameter("block", options.block, names);
   }
   std::vector<BlockResult> results;
+  const auto add = [&](std::size_t block, const ParticipantGroup* people) {
+    if (std::optional<BlockResult> result = resultOf(options, study, block, people)) {
+      results.push_back(std::move(*result));
+    }
+  };
   for (std::size_t i = 0; i < blocks.size(); ++i) {
-    if (options.block.empty() || blocks[i].name == options.block) {
-      if (std::optional<BlockResult> result = resultOf(options, study, i)) {
-        results.push_back(std::move(*result));
-      }
+    if (!options.block.empty() && blocks[i].name != options.block) {
+      continue;
+    }
+    if (study.protocol().groups.empty()) {
+      add(i, nullptr);
+    }
+    for (const ParticipantGroup& group : study.protocol().groups) {
+      add(i, &group);
     }
   }
   if (results.empty()) {
@@ -371,15 +449,18 @@ void show(const Options& options) {
   const StudyStore study(options.file, StudyStore::Access::kRead);
   const std::vector<BlockResult> results = resultsOf(options, study);
   Json json{{"study", study.title()}, {"participants", flowText(flowOf(study))}, {"blocks", Json::array()}};
-  std::string told = flowText(flowOf(study)) + "\n";
+  std::string told = flowsText(study);
+  for (const GroupFlow& flow : groupFlowsOf(study)) {
+    json["groups"].push_back({{"group", flow.group}, {"participants", flowText(flow.people, "assigned")}});
+  }
   for (const BlockResult& result : results) {
     if (!options.out.empty()) {
-      draw(fileFor(options, *result.block, results.size() > 1), options, study, result);
+      draw(fileFor(options, result, results.size() > 1), options, study, result);
     }
     json["blocks"].push_back(jsonOf(result));
     told += "\n" + text(result);
   }
-  for (const Difference& difference : differencesOf(results, options.confidence)) {
+  for (const Difference& difference : differencesOf(results, study.protocol(), options.confidence)) {
     json["differences"].push_back(jsonOf(difference));
     told += "\n" + text(difference, options.confidence);
   }

@@ -14,6 +14,7 @@
 #include "haptolith/psychometrics/answers_file.h"
 #include "haptolith/psychometrics/fit.h"
 #include "haptolith/psychometrics/group.h"
+#include "haptolith/psychometrics/group_difference.h"
 #include "haptolith/psychometrics/psychometric_figure.h"
 
 #include "commands.h"
@@ -47,6 +48,7 @@ struct Options {
   bool free_threshold = false;
   bool compare = false;
   bool group = false;
+  bool between_groups = false;
   Overwrite overwrite;
   bool json = false;
   std::optional<double> reference;
@@ -146,13 +148,64 @@ std::vector<Level> pooledAnswers(const std::vector<std::vector<Level>>& particip
   return pooledWithin(all, tolerance);
 }
 
+/// The people of one group, fitted.
+struct GroupResult {
+  std::string name;
+  std::vector<std::string> people;
+  GroupFit fit;
+};
+
 /// What the command found.
 struct Result {
   Fit fit;
   std::optional<GroupFit> group;
+  std::vector<GroupResult> groups;  ///< of people, where they are to be compared
   std::vector<Fit> comparison;
   std::vector<std::string> names;
 };
+
+/// Each group of people by itself, in the order in which the table has them.
+std::vector<GroupResult> fitGroups(const std::vector<AnswersOf>& answers, const FitOptions& options) {
+  std::vector<GroupResult> groups;
+  std::vector<std::vector<std::vector<Level>>> levels;
+  for (const AnswersOf& of : answers) {
+    if (of.group.empty()) {
+      throw InvalidParameter("--between-groups", fmt::format("participant '{}' in no group", of.participant),
+                             "left out, or a table with a column group that is filled in");
+    }
+    auto group = std::ranges::find(groups, of.group, &GroupResult::name);
+    if (group == groups.end()) {
+      groups.emplace_back().name = of.group;
+      levels.emplace_back();
+      group = groups.end() - 1;
+    }
+    group->people.push_back(of.participant);
+    levels[static_cast<std::size_t>(group - groups.begin())].push_back(of.levels);
+  }
+  if (groups.size() < 2) {
+    throw InvalidParameter("--between-groups", "one group", "left out: the table has no two to compare");
+  }
+  for (std::size_t i = 0; i < groups.size(); ++i) {
+    groups[i].fit = fitGroup(levels[i], options);
+  }
+  return groups;
+}
+
+/// Ratios are told of Weber fractions alone.
+template <class Tell>
+void tellDifferences(const std::vector<GroupResult>& groups, double confidence, Tell tell) {
+  for (std::size_t first = 0; first < groups.size(); ++first) {
+    for (std::size_t second = first + 1; second < groups.size(); ++second) {
+      const GroupFit& one = groups[first].fit;
+      const GroupFit& other = groups[second].fit;
+      if (isWeber(one.median_person.function.sigmoid)) {
+        tell(groups[first].name, groups[second].name, changeBetweenGroups(one.scale, other.scale, confidence),
+             one.threshold ? std::optional(changeBetweenGroups(*one.threshold, *other.threshold, confidence))
+                           : std::nullopt);
+      }
+    }
+  }
+}
 
 Result fitAll(const Options& options, const std::vector<AnswersOf>& answers) {
   const FitOptions wanted = fitOptionsOf(options);
@@ -168,6 +221,11 @@ Result fitAll(const Options& options, const std::vector<AnswersOf>& answers) {
     FitOptions quick = wanted;
     quick.simulations = 0;
     result.group = fitGroup(participants, quick);
+  }
+  if (options.between_groups) {
+    FitOptions quick = wanted;
+    quick.simulations = 0;
+    result.groups = fitGroups(answers, quick);
   }
   if (options.compare) {
     result.comparison = compareSigmoids(all, wanted, comparable(wanted, all));
@@ -186,16 +244,50 @@ void draw(const Options& options, const Result& result) {
   drawPsychometricFigure(options.overwrite(options.figure), figure);
 }
 
+void printGroups(const Options& options, const std::vector<GroupResult>& groups) {
+  for (const GroupResult& group : groups) {
+    printText(fmt::format("\nGroup {}:\n{}", group.name, groupText(group.fit, group.people)));
+  }
+  tellDifferences(groups, options.confidence,
+                  [&](const std::string& first, const std::string& second, const Change& scale,
+                      const std::optional<Change>& threshold) {
+                    const std::string heading =
+                        fmt::format("group {} over group {}: different people, people's median", second, first);
+                    printText("\n" + changesText(heading, scale, threshold, options.confidence));
+                  });
+}
+
+nlohmann::ordered_json groupsJson(const Options& options, const std::vector<GroupResult>& groups) {
+  nlohmann::ordered_json json;
+  for (const GroupResult& group : groups) {
+    nlohmann::ordered_json fit{{"group", group.name}};
+    fit.update(groupJson(group.fit, group.people));
+    json["groups"].push_back(std::move(fit));
+  }
+  tellDifferences(groups, options.confidence,
+                  [&](const std::string& first, const std::string& second, const Change& scale,
+                      const std::optional<Change>& threshold) {
+                    nlohmann::ordered_json difference{{"first_group", first}, {"second_group", second}};
+                    difference.update(changesJson(scale, threshold));
+                    json["differences"].push_back(std::move(difference));
+                  });
+  return json;
+}
+
 void print(const Options& options, const Result& result) {
   if (!options.json) {
     printText(fitText(result.fit));
     printText(result.group ? groupText(*result.group, result.names) : "");
+    printGroups(options, result.groups);
     printText(result.comparison.empty() ? "" : comparisonText(result.comparison));
     return;
   }
   nlohmann::ordered_json json = fitJson(result.fit);
   if (result.group) {
     json["group"] = groupJson(*result.group, result.names);
+  }
+  if (!result.groups.empty()) {
+    json.update(groupsJson(options, result.groups));
   }
   for (const Fit& fit : result.comparison) {
     json["comparison"].push_back({{"sigmoid", nameOf(fit.function.sigmoid)},
@@ -265,6 +357,8 @@ void addStudyFitCommand(CLI::App& study) {
   command->add_option("--simulations", options->simulations, "for the p value")->capture_default_str();
   command->add_flag("--compare", options->compare, "also fit other sigmoids and rank them");
   command->add_flag("--group", options->group, "also fit each participant, and the spread between them");
+  command->add_flag("--between-groups", options->between_groups,
+                    "also fit the people of each group (the column group) by themselves, and compare groups");
   command->add_option("--figure", options->figure, "draw it, .svg or .png");
   command->add_option("--x-label", options->x_label, "of the figure's axis")->capture_default_str();
   options->overwrite.addTo(*command);

@@ -52,6 +52,13 @@ std::string summaryOf(const StudyProtocol& protocol) {
     text += fmt::format("  {:<16} {} levels against {}, {}\n", block.name, block.levels.size(), block.reference.name,
                         adaptive ? std::string("chosen from the answers so far") : fmt::format("{} trials", trials));
   }
+  for (const ParticipantGroup& group : protocol.groups) {
+    std::vector<std::string_view> blocks;
+    for (const std::size_t block : group.blocks) {
+      blocks.push_back(protocol.blocks[block].name);
+    }
+    text += fmt::format("  group {:<10} {}, share {}\n", group.name, fmt::join(blocks, ", "), group.share);
+  }
   return text;
 }
 

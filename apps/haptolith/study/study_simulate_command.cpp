@@ -75,16 +75,19 @@ std::string nameIn(const Choices& choices, const Value& value, std::string_view 
 
 /// What the table of sessions keeps: the options by their names, and the Weber fraction of this participant.
 std::string simulationText(const Options& options, const ObserverParameters& who) {
-  return Json{{"weber", options.observer.weber_fraction},
-              {"spread", options.spread},
-              {"bias", who.bias},
-              {"lapse", who.lapse},
-              {"learning", who.learning},
-              {"judge", nameIn(judgeChoices(), who.judged_by, "value")},
-              {"hand", options.hand ? nameIn(handChoices(), *options.hand, "none") : "none"},
-              {"seed", options.seed},
-              {"own_weber", who.weber_fraction}}
-      .dump();
+  Json json{{"weber", options.observer.weber_fraction},
+            {"spread", options.spread},
+            {"bias", who.bias},
+            {"lapse", who.lapse},
+            {"learning", who.learning},
+            {"judge", nameIn(judgeChoices(), who.judged_by, "value")},
+            {"hand", options.hand ? nameIn(handChoices(), *options.hand, "none") : "none"},
+            {"seed", options.seed},
+            {"own_weber", who.weber_fraction}};
+  if (who.group_factor != 1) {
+    json["group_factor"] = who.group_factor;
+  }
+  return json.dump();
 }
 
 /// Simulated answers never stand beside a person's.
@@ -101,6 +104,9 @@ void simulate(const Options& options) {
   const StopOnSignal stop_on_signal;
   validate(options.observer);
   StudyStore study(options.file, StudyStore::Access::kRun);
+  if (options.observer.group_factor != 1 && study.protocol().groups.empty()) {
+    throw InvalidParameter("group_factor", options.observer.group_factor, {1, 1});
+  }
   requireNobody(study);
   StatusLine status;
   const std::unique_ptr<Rig> rig = rigFor(options, study.protocol());
@@ -152,6 +158,10 @@ void addStudySimulateCommand(CLI::App& study) {
   addLapseOptions(*command, options->observer.lapse);
   command->add_option("--learning", options->observer.learning, "W is 1 + LEARNING times as large at first [0]")
       ->option_text("LEARNING");
+  command
+      ->add_option("--group-factor", options->observer.group_factor,
+                   "W of each group of the protocol over that of the one before [1]")
+      ->option_text("F");
   CLI::Option* judge =
       command
           ->add_option("--judge", options->observer.judged_by,

@@ -11,6 +11,7 @@
 #include "haptolith/study/adaptive_results.h"
 #include "haptolith/study/answers.h"
 #include "haptolith/study/criteria.h"
+#include "haptolith/study/groups.h"
 #include "haptolith/study/store/participant_flow.h"
 #include "haptolith/study/store/store.h"
 
@@ -90,6 +91,34 @@ const AdaptiveResult* resultIn(const std::vector<AdaptiveResultOf>& results, std
   return found == results.end() ? nullptr : &found->result;
 }
 
+Json groupsJson(const StudyStore& study) {
+  Json groups = Json::array();
+  for (const GroupFlow& flow : groupFlowsOf(study)) {
+    Json strata = Json::array();
+    for (std::size_t stratum = 0; stratum < flow.strata.size() && strataOf(study.protocol()) > 1; ++stratum) {
+      strata.push_back({{"stratum", stratumText(study.protocol(), stratum)}, {"assigned", flow.strata[stratum]}});
+    }
+    groups.push_back({{"group", flow.group},
+                      {"assigned", flow.people.began()},
+                      {"removed", flow.people.removed},
+                      {"withdrew", flow.people.withdrew},
+                      {"excluded", flow.people.excluded},
+                      {"finished", flow.people.finished},
+                      {"analysed", flow.people.analysed()},
+                      {"strata", std::move(strata)}});
+  }
+  return groups;
+}
+
+/// What a group's people do not go through is not still to be done.
+bool goesThrough(const StudyProtocol& protocol, const ParticipantRow& participant, std::size_t block) {
+  if (!participant.assignment) {
+    return protocol.groups.empty();
+  }
+  const std::vector<std::size_t>& own = groupNamed(protocol, participant.assignment->group).blocks;
+  return std::ranges::find(own, block) != own.end();
+}
+
 Json statusJson(const StudyStore& study, const std::vector<TrialRow>& trials) {
   const std::vector<AdaptiveResultOf> results = adaptiveResults(study, trials);
   const std::vector<StudyBlock>& blocks = study.protocol().blocks;
@@ -98,13 +127,24 @@ Json statusJson(const StudyStore& study, const std::vector<TrialRow>& trials) {
   json["planned_participants"] =
       study.protocol().planned_participants > 0 ? Json(study.protocol().planned_participants) : Json(nullptr);
   json["finished"] = finishedParticipants(study.participants());
+  if (!study.protocol().groups.empty()) {
+    json["groups"] = groupsJson(study);
+  }
   for (const ParticipantRow& participant : study.participants()) {
     Json row{{"participant", participant.code},  {"number", participant.number},     {"state", participant.state},
              {"begun_at", participant.begun_at}, {"ended_at", participant.ended_at}, {"blocks", Json::array()}};
     row["excluded_for"] = participant.excluded_for.empty() ? Json(nullptr) : Json(participant.excluded_for);
+    if (!study.protocol().groups.empty()) {
+      row["group"] = participant.assignment ? Json(participant.assignment->group) : Json(nullptr);
+      row["stratum"] =
+          participant.assignment ? Json(stratumText(study.protocol(), participant.assignment->stratum)) : Json(nullptr);
+    }
     row["consent"] = consentJson(study, participant);
     row["sessions"] = sessionsJson(study, participant);
     for (std::size_t block = 0; block < blocks.size(); ++block) {
+      if (!goesThrough(study.protocol(), participant, block)) {
+        continue;
+      }
       const std::optional<std::size_t> of = mainTrials(blocks[block]);
       const AdaptiveResult* result = resultIn(results, participant.id, block);
       row["blocks"].push_back(
@@ -131,6 +171,29 @@ Json statusJson(const StudyStore& study, const std::vector<TrialRow>& trials) {
   return json;
 }
 
+/// How many of each stratum are in which group, of the strata that anybody belongs to.
+std::string strataText(const StudyStore& study) {
+  const std::vector<GroupFlow> flows = groupFlowsOf(study);
+  if (flows.empty() || study.protocol().assignment.strata.empty()) {
+    return "";
+  }
+  std::string text = fmt::format("\n{:<40}", "Assigned out of each stratum");
+  for (const GroupFlow& flow : flows) {
+    text += fmt::format("{:>16}", flow.group);
+  }
+  text += '\n';
+  for (std::size_t stratum = 0; stratum < flows.front().strata.size(); ++stratum) {
+    if (std::ranges::any_of(flows, [stratum](const GroupFlow& flow) { return flow.strata[stratum] > 0; })) {
+      text += fmt::format("  {:<38}", stratumText(study.protocol(), stratum));
+      for (const GroupFlow& flow : flows) {
+        text += fmt::format("{:>16}", flow.strata[stratum]);
+      }
+      text += '\n';
+    }
+  }
+  return text;
+}
+
 std::string participantsText(const StudyStore& study, const std::vector<TrialRow>& trials) {
   const std::vector<ParticipantRow> participants = study.participants();
   if (participants.empty()) {
@@ -147,12 +210,14 @@ std::string participantsText(const StudyStore& study, const std::vector<TrialRow
     for (std::size_t block = 0; block < blocks.size(); ++block) {
       const std::optional<std::size_t> of = mainTrials(blocks[block]);
       const std::size_t done = answered(trials, participant.id, block);
-      text += fmt::format("{:>16}", of ? fmt::format("{} of {}", done, *of) : fmt::format("{}", done));
+      const bool does = goesThrough(study.protocol(), participant, block);
+      text += fmt::format("{:>16}", !does ? "-" : of ? fmt::format("{} of {}", done, *of) : fmt::format("{}", done));
     }
+    text += participant.assignment ? "  " + participant.assignment->group : "";
     text += '\n';
   }
-  text += fmt::format("\n{}\n", flowText(flowOf(study)));
-  return text;
+  text += "\n" + flowsText(study);
+  return text + strataText(study);
 }
 
 std::string stoppingText(const StudyStore& study) {

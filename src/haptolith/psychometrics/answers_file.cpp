@@ -192,10 +192,10 @@ Level countsOf(const Table& table, const Row& row, std::size_t x, std::size_t k,
 /// Gathers the levels of each block and participant.
 class Answers {
  public:
-  void add(const std::string& block, const std::string& participant, const Level& level) {
+  void add(const std::string& block, const std::string& participant, const std::string& group, const Level& level) {
     const auto [place, is_new] = places_.try_emplace({block, participant}, answers_.size());
     if (is_new) {
-      answers_.push_back({.block = block, .participant = participant});
+      answers_.push_back({.block = block, .participant = participant, .group = group});
     }
     answers_[place->second].levels.push_back(level);
   }
@@ -227,6 +227,7 @@ std::vector<AnswersOf> readAnswers(std::istream& text, std::string_view name, do
   }
   const auto block = table.column({"block"});
   const auto participant = table.column({"participant"});
+  const auto group = table.column({"group"});
   const auto kind = table.column({"kind"});
   const auto state = table.column({"state"});
   const auto participant_state = table.column({"participant_state"});
@@ -245,7 +246,7 @@ std::vector<AnswersOf> readAnswers(std::istream& text, std::string_view name, do
     } else {
       continue;
     }
-    answers.add(table.text(row, block), table.text(row, participant), level);
+    answers.add(table.text(row, block), table.text(row, participant), table.text(row, group), level);
   }
   std::vector<AnswersOf> result = std::move(answers).pooledLevels(pool_tolerance);
   if (result.empty()) {

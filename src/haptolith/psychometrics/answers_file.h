@@ -14,6 +14,7 @@ namespace haptolith {
 struct AnswersOf {
   std::string block = {};        ///< empty where the file has no such column
   std::string participant = {};  ///< the same
+  std::string group = {};        ///< the same; of the participant's first row
   std::vector<Level> levels = {};
 };
 
@@ -26,9 +27,10 @@ struct AnswersOf {
 ///     x,response       response: 1, yes, true, or 0, no, false
 ///
 /// where x may also be called `value` and response `positive`, as in a study's export. Columns `participant` and
-/// `block` part the rows; rows whose `kind` is not "main", whose `state` is not "answered" or whose response is empty
-/// or "n/a" do not count; other columns are ignored. Commas, semicolons or tabs part the cells, quotes may surround
-/// them, and lines that begin with # are comments. The order is that of the first appearance; levels are pooled().
+/// `block` part the rows, `group` parts participants; rows whose `kind` is not "main", whose `state` is not "answered"
+/// or whose response is empty or "n/a" do not count; other columns are ignored. Commas, semicolons or tabs part the
+/// cells, quotes may surround them, and lines that begin with # are comments. The order is that of the first
+/// appearance; levels are pooled().
 /// @param name  of the table, for messages.
 /// @param pool_tolerance  stimuli that differ by no more are taken together, see pooledWithin().
 /// @throws InvalidParameter with line and column for what cannot be understood, or when there is no answer.

@@ -312,6 +312,7 @@ GroupFit fitGroup(std::span<const std::vector<Level>> participants, const FitOpt
   GroupFit group;
   const Estimate place = estimateOf(marginals[kFirstMean], confidence);
   group.scale.median = inUnit(estimateOf(marginals[kSecondMean], confidence), exponential);
+  group.scale.median_place = marginals[kSecondMean];
   group.scale.spread = estimateOf(marginals[kSecondSpread], confidence);
   group.scale.prior = axes.log_scale_spread;
   group.scale.alike = group.scale.prior.bayesFactorOfNone(marginals[kSecondSpread]);
@@ -323,6 +324,7 @@ GroupFit fitGroup(std::span<const std::vector<Level>> participants, const FitOpt
   }
   if (!axes.place.isFixed()) {
     group.threshold = Population{.median = group.median_person.threshold,
+                                 .median_place = marginals[kFirstMean],
                                  .spread = estimateOf(marginals[kFirstSpread], confidence),
                                  .prior = axes.place_spread,
                                  .alike = axes.place_spread.bayesFactorOfNone(marginals[kFirstSpread])};

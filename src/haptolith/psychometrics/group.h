@@ -12,7 +12,8 @@ namespace haptolith {
 /// How one parameter lies among people, who are taken as normally distributed about a median: of a logarithmic axis the
 /// threshold's logarithm, and always the logarithm of the width or Weber fraction.
 struct Population {
-  Estimate median = {};  ///< of the parameter, in its own unit
+  Estimate median = {};        ///< of the parameter, in its own unit
+  Marginal median_place = {};  ///< posterior of its place: its logarithm, or itself on a linear axis
   Estimate spread = {};  ///< standard deviation between people: of the logarithm, or of a linear threshold in its unit
   SpreadPrior prior = {};                   ///< of the spread
   double alike = 0;                         ///< Bayes factor for a spread of 0 against that prior

@@ -100,4 +100,18 @@ Change changeBetween(const Population& first, const Population& second, const st
   return {estimateOf(of_change, confidence), bayesFactorOfNone(of_change, prior.usual), prior};
 }
 
+Change changeBetweenGroups(const Population& first, const Population& second, double confidence, double offset) {
+  for (const Population* population : {&first, &second}) {
+    if (population->median_place.values.size() < 2) {
+      throw InvalidParameter("participants", "none in one of the groups", "one or more");
+    }
+  }
+  Marginal change = differenceOf(first.median_place, second.median_place);
+  for (double& value : change.values) {
+    value -= offset;
+  }
+  const SpreadPrior prior{std::max(first.prior.usual, second.prior.usual)};
+  return {estimateOf(change, confidence), bayesFactorOfNone(change, prior.usual), prior};
+}
+
 }  // namespace haptolith

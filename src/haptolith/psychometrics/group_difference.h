@@ -17,7 +17,7 @@ struct UnderBoth {
 /// How a parameter changes from one condition to another.
 struct Change {
   /// Mean over people of the parameter's place (its logarithm, or itself on a linear axis) under the second condition,
-  /// less that under the first.
+  /// less that under the first. Places are normally distributed: the mean is the median's place.
   Estimate mean = {};
   /// Bayes factor for a mean of 0 against one that is normal about 0 with the deviation that is usual between people.
   double same = 0;
@@ -32,5 +32,12 @@ struct Change {
 /// @throws InvalidParameter without anybody under one of the conditions.
 [[nodiscard]] Change changeBetween(const Population& first, const Population& second,
                                    const std::vector<UnderBoth>& people, double confidence, double offset = 0);
+
+/// The change from one group of people to another, of whom nobody is in both: the difference of the medians that each
+/// group's own hierarchical model finds, whose posteriors are independent.
+/// @param offset  is taken from the places of the second group.
+/// @throws InvalidParameter without anybody in one of the groups.
+[[nodiscard]] Change changeBetweenGroups(const Population& first, const Population& second, double confidence,
+                                         double offset = 0);
 
 }  // namespace haptolith

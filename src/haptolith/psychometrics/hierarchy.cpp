@@ -28,8 +28,9 @@ constexpr int kDraws = 400;
 constexpr int kQuickPlaces = 31;  // of a table
 constexpr int kThoroughPlaces = 61;
 constexpr double kNegligibleInTable = 12;
-constexpr int kTableRounds = 2;  // in which a table closes in
-constexpr int kPerCell = 16;     // finer values between those of a marginal
+constexpr int kTableRounds = 2;    // in which a table closes in
+constexpr int kPerCell = 16;       // finer values between those of a marginal
+constexpr int kDifferences = 201;  // some twenty in a standard deviation
 
 double normalBelow(double z) noexcept {
   return std::erfc(-z / std::numbers::sqrt2) / 2;
@@ -441,6 +442,25 @@ double densityAt(const Marginal& marginal, double value) {
   const auto at = std::min(above - values.begin(), std::ssize(values) - 1);
   const auto cell = static_cast<std::size_t>(at / kPerCell);
   return values[at].mass / total * kPerCell / (marginal.values[cell + 1] - marginal.values[cell]);
+}
+
+Marginal differenceOf(const Marginal& first, const Marginal& second) {
+  const std::vector<WeightedValue> from = finer(first);
+  const std::vector<WeightedValue> to = finer(second);
+  const Support support{second.values.front() - first.values.back(), second.values.back() - first.values.front()};
+  const double step = (support.high - support.low) / (kDifferences - 1);
+  Eigen::ArrayXd mass = Eigen::ArrayXd::Zero(kDifferences);
+  for (const WeightedValue& a : from) {
+    for (const WeightedValue& b : to) {  // parted between the two values beside it
+      const double at = std::clamp((b.value - a.value - support.low) / step, 0.0, kDifferences - 1.0);
+      const auto below = std::min(static_cast<Eigen::Index>(at), Eigen::Index{kDifferences - 2});
+      const double share = at - static_cast<double>(below);
+      mass[below] += (1 - share) * a.mass * b.mass;
+      mass[below + 1] += share * a.mass * b.mass;
+    }
+  }
+  const Eigen::ArrayXd log = (mass / mass.maxCoeff()).max(kImpossible).log();
+  return {evenly(support, kDifferences), {log.begin(), log.end()}};
 }
 
 }  // namespace haptolith

@@ -89,6 +89,10 @@ struct HierarchyPosterior {
 /// The density of a marginal at a value, in 1 / its unit; 0 outside its values.
 [[nodiscard]] double densityAt(const Marginal& marginal, double value);
 
+/// The density of second - first, of which each is known by itself: of two independent posteriors, on 201 values. Both
+/// have two values or more.
+[[nodiscard]] Marginal differenceOf(const Marginal& first, const Marginal& second);
+
 /// `count` values from low to high.
 [[nodiscard]] std::vector<double> evenly(const Support& support, int count);
 

@@ -11,6 +11,7 @@
 
 #include "haptolith/core/error.h"
 #include "haptolith/study/adaptive_results.h"
+#include "haptolith/study/groups.h"
 
 namespace haptolith {
 
@@ -84,8 +85,7 @@ void Conductor::resumeParticipant(std::string_view code) {
 
 void Conductor::start(ParticipantRow participant) {
   participant_ = std::move(participant);
-  sequence_ = sequenceFor(store_.protocol(), store_.seed(), participant_->number);
-  steps_ = stepsOf(store_.protocol(), sequence_);
+  planSteps();
   prepared_.reset();
   readRows();
   const std::set<std::string> done = store_.steps(participant_->id);
@@ -93,6 +93,7 @@ void Conductor::start(ParticipantRow participant) {
   while (step_ < steps_.size() && done.contains(steps_[step_].name)) {
     ++step_;
   }
+  guarded([this] { assignBefore(step_); });
   if (step_ < steps_.size() && steps_[step_].phase == StudyPhase::kPreparing && (!done.empty() || !rows_.empty())) {
     steps_.insert(steps_.begin() + static_cast<std::ptrdiff_t>(step_), {.phase = StudyPhase::kInstructions,
                                                                         .name = {},
@@ -100,6 +101,35 @@ void Conductor::start(ParticipantRow participant) {
                                                                         .text = "You continue where you were."});
   }
   guarded([this] { enterStep(); });
+}
+
+/// What a participant goes through; of somebody whose group is not decided yet, what comes before that.
+void Conductor::planSteps() {
+  const StudyProtocol& protocol = store_.protocol();
+  const std::optional<Assignment>& assignment = participant_->assignment;
+  if (protocol.groups.empty()) {
+    sequence_ = sequenceFor(protocol, store_.seed(), participant_->number);
+  } else if (assignment) {
+    sequence_ = sequenceIn(groupNamed(protocol, assignment->group), assignment->row, protocol, store_.seed(),
+                           participant_->number);
+  } else {
+    sequence_.clear();
+  }
+  steps_ = stepsOf(protocol, sequence_);
+}
+
+/// Decides the group as soon as consent is given and all that decides it is known, when `step` is what comes then.
+void Conductor::assignBefore(std::size_t step) {
+  const StudyProtocol& protocol = store_.protocol();
+  const auto decides = [&protocol](const StudyStep& of) {
+    const bool has_strata = of.phase == StudyPhase::kForm && !protocol.assignment.strata.empty();
+    return of.phase == StudyPhase::kConsent || (has_strata && of.form == &protocol.demographics);
+  };
+  const auto from = steps_.begin() + static_cast<std::ptrdiff_t>(step);
+  if (!protocol.groups.empty() && !participant_->assignment && std::none_of(from, steps_.end(), decides)) {
+    participant_->assignment = store_.assignGroup(participant_->id);
+    planSteps();
+  }
 }
 
 const StudyBlock& Conductor::block() const {
@@ -114,6 +144,7 @@ void Conductor::enter(StudyPhase phase) {
 }
 
 void Conductor::enterStep() {
+  assignBefore(step_);
   if (step_ == steps_.size()) {
     store_.endParticipant(participant_->id, "finished");
     enter(StudyPhase::kFinished);
@@ -132,6 +163,7 @@ void Conductor::finishStep() {
   if (!step().name.empty()) {
     store_.markStep(participant_->id, step().name);
   }
+  assignBefore(step_ + 1);
   ++step_;
   enterStep();
 }
@@ -642,6 +674,7 @@ StudyState Conductor::state() const {
     return now;
   }
   now.participant = participant_->code;
+  now.group = participant_->assignment ? participant_->assignment->group : "";
   if (phase_ == StudyPhase::kFinished || phase_ == StudyPhase::kWithdrawn || step_ == steps_.size()) {
     now.text = phase_ == StudyPhase::kFinished ? store_.protocol().thanks : "";
     now.position = sequence_.size();

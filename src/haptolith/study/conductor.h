@@ -34,6 +34,7 @@ struct StudyState {
   StudyPhase phase = StudyPhase::kWaiting;
   bool paused = false;
   std::string participant = {};
+  std::string group = {};  ///< which the participant is never told; empty: none, or not decided yet
   std::string title = {}, text = {};
   std::string button = {};  ///< what goes on says; empty: it cannot be gone on now
   const std::vector<FormItem>* form = nullptr;
@@ -125,6 +126,8 @@ class Conductor {
   };
 
   void start(ParticipantRow participant);
+  void planSteps();
+  void assignBefore(std::size_t step);
   [[nodiscard]] const StudyStep& step() const { return steps_[step_]; }
   [[nodiscard]] const StudyBlock& block() const;
   void finishStep();

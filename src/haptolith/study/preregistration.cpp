@@ -3,10 +3,12 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include <algorithm>
 #include <string>
 #include <string_view>
 #include <vector>
 
+#include "haptolith/study/groups.h"
 #include "haptolith/study/store/provenance.h"
 
 namespace haptolith {
@@ -103,6 +105,50 @@ std::string designText(const StudyBlock& block) {
   return text;
 }
 
+std::string_view methodText(AssignmentMethod method) {
+  switch (method) {
+    case AssignmentMethod::kAlternate:
+      return "in turn, without chance: who knows one participant's group knows the next";
+    case AssignmentMethod::kRandom: return "in permuted blocks";
+    case AssignmentMethod::kStratified: return "in permuted blocks within each stratum";
+  }
+  return {};
+}
+
+std::string groupsText(const StudyProtocol& protocol) {
+  if (protocol.groups.empty()) {
+    return "";
+  }
+  const GroupAssignment& assignment = protocol.assignment;
+  std::string text = "## Groups and allocation\n\n";
+  std::vector<std::string> shares;
+  for (const ParticipantGroup& group : protocol.groups) {
+    std::vector<std::string_view> blocks;
+    for (const std::size_t block : group.blocks) {
+      blocks.push_back(protocol.blocks[block].name);
+    }
+    text += fmt::format("- {}: goes through {}.\n", group.name, fmt::join(blocks, ", "));
+    shares.push_back(fmt::format("{}", group.share));
+  }
+  text += fmt::format("- Allocation ratio: {} ({}).\n- Participants are allocated {}.\n", fmt::join(shares, " : "),
+                      "in the order above", methodText(assignment.method));
+  if (assignment.method != AssignmentMethod::kAlternate) {
+    text += fmt::format(
+        "- A permuted block has {} participants, in an order that follows from the study's seed, which is fixed when "
+        "its "
+        "file is made.\n",
+        assignment.block_size);
+  }
+  for (const std::string& key : assignment.strata) {
+    const auto item = std::ranges::find(protocol.demographics, key, &FormItem::key);
+    text += fmt::format("- Strata by \"{}\" ({}): {}.\n", item->label, key, fmt::join(stratumParts(*item), "; "));
+  }
+  return text +
+         "- The program allocates each participant after consent and the questions above, before the first block, for "
+         "good; participants are not told their group, and the experimenter's page hides it until it is unblinded.\n"
+         "- Who withdraws, is excluded or removed is not replaced in the sequence.\n\n";
+}
+
 std::string exclusionText(const StudyProtocol& protocol) {
   std::string text =
       "- Participants who withdraw are left out, and how many there were is reported.\n"
@@ -135,6 +181,7 @@ std::string preregistrationText(const StudyProtocol& protocol, const Preregistra
   }
   text += fmt::format("Blocks come {}. All orders follow from the study's seed and the participant's number.\n\n",
                       orderText(protocol.order));
+  text += groupsText(protocol);
   text += fmt::format(
       "## Participants\n\n- Number: {}. (`haptolith study plan` tells what a number can show.)\n- Who: [WHO may take "
       "part, "
@@ -157,6 +204,13 @@ std::string preregistrationText(const StudyProtocol& protocol, const Preregistra
     text +=
         "- Blocks are compared by the ratio of their Weber fractions, paired within participants, with a 95 % "
         "interval.\n";
+  }
+  if (!protocol.groups.empty()) {
+    text +=
+        "- Groups are fitted each by itself and compared by the ratio of their Weber fractions and of their PSEs (as "
+        "shares of the references), with 95 % intervals; the Bayes factor of no difference is against a logarithm of "
+        "the ratio that is normal about 0 with the standard deviation that is usual between people "
+        "(docs/psychometrics.md).\n";
   }
   text +=
       "- A hypothesis about a number is taken as supported when the whole 95 % interval is on its side.\n\n## "

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <fstream>
+#include <functional>
 #include <iterator>
 #include <numbers>
 #include <optional>
@@ -18,6 +19,7 @@
 #include "haptolith/soil/strength.h"
 #include "haptolith/study/built_in_protocols.h"
 #include "haptolith/study/form.h"
+#include "haptolith/study/protocol_groups.h"
 #include "haptolith/study/protocol_keys.h"
 
 namespace haptolith {
@@ -234,6 +236,19 @@ void requireScenes(const StudyProtocol& protocol, const StudyBlock& block) {
 // --- forms
 // ------------------------------------------------------------------------------------------------------------
 
+void requireCutPoints(const FormItem& item) {
+  const std::vector<double>& cuts = item.cut_points;
+  if (!cuts.empty() && item.kind != FormItem::Kind::kNumber && item.kind != FormItem::Kind::kScale) {
+    throw InvalidParameter("cut_points", "", "left out: only numbers and scales have them");
+  }
+  if (std::ranges::adjacent_find(cuts, std::greater_equal()) != cuts.end()) {
+    throw InvalidParameter("cut_points", "", "numbers, the least first, each there once");
+  }
+  if (!cuts.empty() && item.low < item.high && (cuts.front() <= item.low || cuts.back() > item.high)) {
+    throw InvalidParameter("cut_points", "", fmt::format("> low, {}, and <= high, {}", item.low, item.high));
+  }
+}
+
 void requireWholeItem(const FormItem& item) {
   const bool is_scale = item.kind == FormItem::Kind::kScale;
   if (item.kind == FormItem::Kind::kChoice && item.choices.size() < 2) {
@@ -245,6 +260,7 @@ void requireWholeItem(const FormItem& item) {
   if (item.low > item.high || (is_scale && item.low == item.high)) {
     throw InvalidParameter("high", fmt::format("{}", item.high), fmt::format("> low, {}", item.low));
   }
+  requireCutPoints(item);
 }
 
 std::vector<FormItem> readItems(const TomlReader& reader, std::string_view name) {
@@ -347,7 +363,7 @@ StudyBlock readBlock(const TomlReader& reader, const StudyProtocol& protocol) {
 
 StudyProtocol read(const TomlReader& reader, const Scenario* scene) {
   std::vector<KeyName> known = keyNames(protocolKeys());
-  for (const char* tables : {"block", "demographics", "item"}) {
+  for (const char* tables : {"block", "demographics", "groups", "item"}) {
     known.push_back({"", tables});
   }
   reader.refuseUnknownKeys(known);
@@ -377,6 +393,7 @@ StudyProtocol read(const TomlReader& reader, const Scenario* scene) {
   }
   protocol.demographics = readItems(reader, "demographics");
   protocol.questionnaire = withTaskLoadIndex(draft.task_load_index, readItems(reader, "item"));
+  readGroups(reader, protocol);
   return protocol;
 }
 

@@ -38,6 +38,7 @@ struct FormItem {
   std::vector<std::string> choices = {};        ///< of a choice
   double low = 0, high = 0;                     ///< ends of a scale, or of what a number may be; equal: any number
   std::string low_label = {}, high_label = {};  ///< of a scale
+  std::vector<double> cut_points = {};  ///< ascending: where a number is cut into strata, each cut in the upper part
   bool required = false;
   bool personal = false;  ///< kept in the table that an export leaves out
 };
@@ -79,18 +80,37 @@ struct StudyBlock {
 /// and after each other block equally often (Williams 1949).
 enum class BlockOrder { kFixed, kLatinSquare, kRandom };
 
+/// Participants who go through the same blocks, and nobody of another group with them.
+struct ParticipantGroup {
+  std::string name = {};
+  std::vector<std::size_t> blocks = {};  ///< of the protocol's, in the order of the group's list
+  int share = 1;                         ///< of all participants, over the sum of all groups' shares
+};
+
+/// How participants come into groups. kAlternate: in turn. kRandom: in permuted blocks, whose order is drawn.
+/// kStratified: the same within each stratum.
+enum class AssignmentMethod { kAlternate, kRandom, kStratified };
+
+struct GroupAssignment {
+  AssignmentMethod method = AssignmentMethod::kRandom;
+  int block_size = 0;                    ///< participants in a permuted block, in which each group has its share
+  std::vector<std::string> strata = {};  ///< keys of the demographics items whose answers make the strata
+};
+
 /// A user study before anybody has taken part.
 struct StudyProtocol {
   std::string title = {}, consent = {}, instructions = {}, thanks = {};
   Scenario scene = {};
   BlockOrder order = BlockOrder::kFixed;
   std::vector<StudyBlock> blocks = {};
-  std::vector<FormItem> demographics = {};   ///< before the first block
-  std::vector<FormItem> questionnaire = {};  ///< after the last
-  int planned_participants = 0;              ///< that shall finish, the stopping rule; 0: the protocol does not say
-  bool record = true;                        ///< each trial into a recording of its own
-  std::string consent_version = {};          ///< empty: the hash of the text stands for it
-  std::string language = "en";               ///< of all texts
+  std::vector<ParticipantGroup> groups = {};  ///< empty: everybody goes through all blocks
+  GroupAssignment assignment = {};            ///< where there are groups
+  std::vector<FormItem> demographics = {};    ///< before the first block
+  std::vector<FormItem> questionnaire = {};   ///< after the last
+  int planned_participants = 0;               ///< that shall finish, the stopping rule; 0: the protocol does not say
+  bool record = true;                         ///< each trial into a recording of its own
+  std::string consent_version = {};           ///< empty: the hash of the text stands for it
+  std::string language = "en";                ///< of all texts
   std::vector<std::string> authors = {};
 };
 

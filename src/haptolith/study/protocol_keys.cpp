@@ -40,6 +40,12 @@ constexpr std::array kOrderWords{
     SceneWord{"random", BlockOrder::kRandom},
 };
 
+constexpr std::array kAssignmentWords{
+    SceneWord{"alternate", AssignmentMethod::kAlternate},
+    SceneWord{"random", AssignmentMethod::kRandom},
+    SceneWord{"stratified", AssignmentMethod::kStratified},
+};
+
 constexpr std::array kTaskWords{
     SceneWord{"reference-first", TaskKind::kReferenceFirst},
     SceneWord{"random-order", TaskKind::kRandomOrder},
@@ -92,6 +98,17 @@ void setAnswers(BlockDraft& draft, const std::vector<TextOrNumber>& items) {
   draft.block.answers = {items[0].text, items[1].text};
 }
 
+std::vector<double> numbersOf(const std::vector<TextOrNumber>& items) {
+  std::vector<double> numbers;
+  for (const TextOrNumber& item : items) {
+    if (!item.number) {
+      throw InvalidParameter("", "", fmt::format("numbers; '{}' is not a number", item.text));
+    }
+    numbers.push_back(*item.number);
+  }
+  return numbers;
+}
+
 template <double StudyBlock::*kNumber>
 BlockKey::NumberValue number(const Range& valid) {
   return {valid, [](BlockDraft& d, double v) { d.block.*kNumber = v; }, kOnlyRead};
@@ -110,14 +127,7 @@ BlockKey::CountValue ofStaircase(const Range& valid) {
 template <std::vector<double> QuestPlusOptions::*kNumbers>
 BlockKey::ItemsValue ofQuestPlus(std::string_view valid) {
   return {valid, [](BlockDraft& d, const std::vector<TextOrNumber>& items) {
-            std::vector<double>& numbers = d.block.quest_plus.*kNumbers;
-            numbers.clear();
-            for (const TextOrNumber& item : items) {
-              if (!item.number) {
-                throw InvalidParameter("", "", fmt::format("numbers; '{}' is not a number", item.text));
-              }
-              numbers.push_back(*item.number);
-            }
+            d.block.quest_plus.*kNumbers = numbersOf(items);
           }};
 }
 
@@ -199,6 +209,40 @@ std::vector<ProtocolKey> allProtocolKeys() {
            {1, 10'000}, [](D& d, std::int64_t v) { d.protocol.planned_participants = static_cast<int>(v); }, kOnlyRead},
        "How many participants shall finish: the stopping rule, which `study status` and the preregistration tell. Left "
        "out: no rule."},
+      {"assignment", "method", "",
+       ProtocolKey::WordValue{
+           namesOf(kAssignmentWords),
+           [](D& d, std::string_view v) { d.protocol.assignment.method = valueOf(kAssignmentWords, v); }, kOnlyRead},
+       "Who comes into which group: in turn, in permuted blocks (as many of each group as its share, in an order that "
+       "is "
+       "drawn), or in permuted blocks within each stratum; left out: `random`."},
+      {"assignment", "block_size", "",
+       ProtocolKey::CountValue{
+           {2, 1000}, [](D& d, std::int64_t v) { d.protocol.assignment.block_size = static_cast<int>(v); }, kOnlyRead},
+       "How many participants a permuted block has: a multiple of the sum of all shares; left out: twice that sum."},
+      {"assignment", "strata", "",
+       ProtocolKey::ItemsValue{
+           "keys of [[demographics]] items",
+           [](D& d, const std::vector<TextOrNumber>& items) { d.protocol.assignment.strata = textsOf(items); }},
+       "Whose answers make the strata, for `stratified`: items of the kinds `choice` and `yes-no`, and numbers and "
+       "scales "
+       "with `cut_points`, that are `required` and not `personal`."},
+  };
+}
+
+std::vector<GroupKey> allGroupKeys() {
+  using D = GroupDraft;
+  return {
+      {"", "name", "",
+       GroupKey::TextValue{[](D& d, std::string_view v) { d.group.name = nameOf("name", v, ""); }, kOnlyRead},
+       "What tables call the group: letters and digits. Neither participants nor their pages are told it."},
+      {"", "blocks", "",
+       GroupKey::ItemsValue{"names of blocks",
+                            [](D& d, const std::vector<TextOrNumber>& items) { d.blocks = textsOf(items); }},
+       "The blocks that the group goes through, with `order = \"fixed\"` in this order; left out: all of them."},
+      {"", "share", "",
+       GroupKey::CountValue{{1, 100}, [](D& d, std::int64_t v) { d.group.share = static_cast<int>(v); }, kOnlyRead},
+       "Its part of the participants, over the sum of all shares: 2 and 1 are two thirds and one third. Left out: 1."},
   };
 }
 
@@ -435,6 +479,9 @@ std::vector<ItemKey> allItemKeys() {
        "The most a number may be, or the right end of a scale."},
       {"", "low_label", "", itemText<&FormItem::low_label>(), "What the left end of a scale stands for."},
       {"", "high_label", "", itemText<&FormItem::high_label>(), "What the right end of a scale stands for."},
+      {"", "cut_points", "",
+       ItemKey::ItemsValue{"numbers, the least first", [](FormItem& i, const auto& v) { i.cut_points = numbersOf(v); }},
+       "Where a number or scale is cut into strata, for `[assignment] strata`; a cut belongs to the part above it."},
       {"", "required", "", ItemKey::SwitchValue{[](FormItem& i, bool v) { i.required = v; }, kOnlyRead},
        "Whether it has to be answered; left out: false."},
       {"", "personal", "", ItemKey::SwitchValue{[](FormItem& i, bool v) { i.personal = v; }, kOnlyRead},
@@ -448,6 +495,11 @@ std::vector<ItemKey> allItemKeys() {
 
 std::span<const ProtocolKey> protocolKeys() {
   static const std::vector<ProtocolKey> kKeys = named(allProtocolKeys());
+  return kKeys;
+}
+
+std::span<const GroupKey> groupKeys() {
+  static const std::vector<GroupKey> kKeys = named(allGroupKeys());
   return kKeys;
 }
 

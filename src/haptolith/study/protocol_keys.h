@@ -27,12 +27,21 @@ struct BlockDraft {
   bool task_load_index = false;
 };
 
+/// What a [[groups]] says, before it is made sense of.
+struct GroupDraft {
+  ParticipantGroup group = {};
+  std::optional<std::vector<std::string>> blocks = {};  ///< names; none: all blocks
+};
+
 using ProtocolKey = FileKey<ProtocolDraft>;
+using GroupKey = FileKey<GroupDraft>;
 using BlockKey = FileKey<BlockDraft>;
 using ItemKey = FileKey<FormItem>;
 
-/// The keys of a protocol: at its top, in a [[block]], and in an item of a form. docs/studies.md has each of them.
+/// The keys of a protocol: at its top and in [assignment], in a [[groups]], in a [[block]], and in an item of a form.
+/// docs/studies.md has each of them.
 [[nodiscard]] std::span<const ProtocolKey> protocolKeys();
+[[nodiscard]] std::span<const GroupKey> groupKeys();
 [[nodiscard]] std::span<const BlockKey> blockKeys();
 [[nodiscard]] std::span<const ItemKey> itemKeys();
 

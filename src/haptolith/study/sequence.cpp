@@ -3,55 +3,16 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <initializer_list>
-#include <limits>
 #include <numeric>
 #include <random>
 #include <utility>
 
 #include "haptolith/core/error.h"
+#include "haptolith/study/draws.h"
 
 namespace haptolith {
 
 namespace {
-
-/// What random numbers are for; each purpose has a stream of its own, so that no draw shifts another's.
-enum class Purpose : std::uint64_t { kBlockOrder, kPractice, kMain, kCatch, kTrialSeed, kAdaptiveOrder, kProcedure };
-
-/// The finaliser of SplitMix64 (Steele, Lea and Flood 2014): each bit of the result depends on every bit of the number.
-constexpr std::uint64_t mixed(std::uint64_t number) {
-  number = (number ^ (number >> 30)) * 0xBF58476D1CE4E5B9;
-  number = (number ^ (number >> 27)) * 0x94D049BB133111EB;
-  return number ^ (number >> 31);
-}
-
-/// One number out of several, whose order counts.
-std::uint64_t seedOf(std::initializer_list<std::uint64_t> parts) {
-  std::uint64_t seed = 0;
-  for (const std::uint64_t part : parts) {
-    seed = mixed(seed + 0x9E3779B97F4A7C15 + mixed(part));
-  }
-  return seed;
-}
-
-/// Evenly among 0 ... count - 1; the same on every machine, which the library's distributions are not.
-std::size_t drawn(std::mt19937_64& random, std::size_t count) {
-  const std::uint64_t largest = std::numeric_limits<std::uint64_t>::max();
-  const std::uint64_t unfair = largest - largest % count;  // numbers from here on would favour the small ones
-  std::uint64_t number = random();
-  while (number >= unfair) {
-    number = random();
-  }
-  return number % count;
-}
-
-/// Fisher and Yates: every order is equally likely.
-template <class Value>
-void shuffle(std::vector<Value>& values, std::mt19937_64& random) {
-  for (std::size_t left = values.size(); left > 1; --left) {
-    std::swap(values[left - 1], values[drawn(random, left)]);
-  }
-}
 
 /// The random numbers and seeds of one participant in one block.
 class Draw {
@@ -192,18 +153,32 @@ void requireParticipantNumber(int number) {
   }
 }
 
-std::vector<std::size_t> blockOrder(const StudyProtocol& protocol, std::uint64_t study_seed, int participant_number) {
-  std::vector<std::size_t> order(protocol.blocks.size());
-  std::iota(order.begin(), order.end(), std::size_t{0});
+/// `blocks` in the order in which they come to a participant. @param row  of the Latin square.
+std::vector<std::size_t> inOrder(std::vector<std::size_t> blocks, const StudyProtocol& protocol,
+                                 std::uint64_t study_seed, int participant_number, int row) {
   if (protocol.order == BlockOrder::kLatinSquare) {
-    const auto design = williamsDesign(order.size());
-    return design[static_cast<std::size_t>(participant_number - 1) % design.size()];
+    const auto design = williamsDesign(blocks.size());
+    std::vector<std::size_t> order;
+    for (const std::size_t place : design[static_cast<std::size_t>(row) % design.size()]) {
+      order.push_back(blocks[place]);
+    }
+    return order;
   }
   if (protocol.order == BlockOrder::kRandom) {
     std::mt19937_64 random = Draw(study_seed, participant_number, 0).random(Purpose::kBlockOrder);
-    shuffle(order, random);
+    shuffle(blocks, random);
   }
-  return order;
+  return blocks;
+}
+
+std::vector<PlannedBlock> planned(const StudyProtocol& protocol, const std::vector<std::size_t>& order,
+                                  std::uint64_t study_seed, int participant_number) {
+  std::vector<PlannedBlock> sequence;
+  sequence.reserve(order.size());
+  for (const std::size_t block : order) {
+    sequence.push_back(plannedBlock(protocol, block, Draw(study_seed, participant_number, block)));
+  }
+  return sequence;
 }
 
 }  // namespace
@@ -227,11 +202,17 @@ std::vector<std::vector<std::size_t>> williamsDesign(std::size_t count) {
 
 std::vector<PlannedBlock> sequenceFor(const StudyProtocol& protocol, std::uint64_t study_seed, int participant_number) {
   requireParticipantNumber(participant_number);
-  std::vector<PlannedBlock> sequence;
-  for (const std::size_t block : blockOrder(protocol, study_seed, participant_number)) {
-    sequence.push_back(plannedBlock(protocol, block, Draw(study_seed, participant_number, block)));
-  }
-  return sequence;
+  std::vector<std::size_t> all(protocol.blocks.size());
+  std::iota(all.begin(), all.end(), std::size_t{0});
+  return planned(protocol, inOrder(all, protocol, study_seed, participant_number, participant_number - 1), study_seed,
+                 participant_number);
+}
+
+std::vector<PlannedBlock> sequenceIn(const ParticipantGroup& group, int row, const StudyProtocol& protocol,
+                                     std::uint64_t study_seed, int participant_number) {
+  requireParticipantNumber(participant_number);
+  return planned(protocol, inOrder(group.blocks, protocol, study_seed, participant_number, row), study_seed,
+                 participant_number);
 }
 
 const Stimulus& testOf(const StudyBlock& block, const PlannedTrial& trial) {
@@ -246,7 +227,7 @@ std::uint64_t procedureSeed(std::uint64_t study_seed, int participant_number, st
 }
 
 int nextNumber(const StudyProtocol& protocol, std::span<const int> kept, int last) {
-  if (protocol.order != BlockOrder::kLatinSquare) {
+  if (protocol.order != BlockOrder::kLatinSquare || !protocol.groups.empty()) {
     return last + 1;
   }
   const int rows = static_cast<int>(williamsDesign(protocol.blocks.size()).size());
@@ -258,6 +239,17 @@ int nextNumber(const StudyProtocol& protocol, std::span<const int> kept, int las
     best = uses(number) < uses(best) ? number : best;
   }
   return best;
+}
+
+int nextRow(const StudyProtocol& protocol, const ParticipantGroup& group, std::span<const int> kept) {
+  if (protocol.order != BlockOrder::kLatinSquare) {
+    return 0;
+  }
+  std::vector<std::ptrdiff_t> uses;
+  for (int row = 0; row < static_cast<int>(williamsDesign(group.blocks.size()).size()); ++row) {
+    uses.push_back(std::ranges::count(kept, row));
+  }
+  return static_cast<int>(std::ranges::min_element(uses) - uses.begin());
 }
 
 PlannedTrial adaptiveTrial(const StudyProtocol& protocol, std::size_t block, std::uint64_t study_seed,

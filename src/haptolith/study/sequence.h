@@ -36,6 +36,11 @@ struct PlannedBlock {
 [[nodiscard]] std::vector<PlannedBlock> sequenceFor(const StudyProtocol& protocol, std::uint64_t study_seed,
                                                     int participant_number);
 
+/// The same of somebody in a group. @param row  of the Latin square of the group's blocks, see nextRow().
+[[nodiscard]] std::vector<PlannedBlock> sequenceIn(const ParticipantGroup& group, int row,
+                                                   const StudyProtocol& protocol, std::uint64_t study_seed,
+                                                   int participant_number);
+
 /// The n-th main trial of an adaptive block, counted from 0: its order and seed. Of trials 2 k and 2 k + 1, one has the
 /// test first if the task's order is drawn.
 [[nodiscard]] PlannedTrial adaptiveTrial(const StudyProtocol& protocol, std::size_t block, std::uint64_t study_seed,
@@ -48,9 +53,15 @@ struct PlannedBlock {
 [[nodiscard]] std::uint64_t procedureSeed(std::uint64_t study_seed, int participant_number, std::size_t block);
 
 /// The number that the next participant gets: the least above `last` whose row of the Latin square is the least used by
-/// those who have not withdrawn; the next one where there is no such square.
+/// those who have not withdrawn; the next one where there is no such square, and where groups have squares of their
+/// own.
 /// @param kept  their numbers, 1 is the first.
 [[nodiscard]] int nextNumber(const StudyProtocol& protocol, std::span<const int> kept, int last);
+
+/// The row that the next participant of a group gets: the first that is the least used by those of the group who have
+/// not withdrawn. 0 where there is no Latin square.
+/// @param kept  their rows.
+[[nodiscard]] int nextRow(const StudyProtocol& protocol, const ParticipantGroup& group, std::span<const int> kept);
 
 /// The orders of `count` blocks that participants take in turn: a Latin square for an even count, a pair of them for
 /// an odd one, in which each block follows each other equally often (Williams 1949).

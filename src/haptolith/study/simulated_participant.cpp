@@ -2,12 +2,14 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <map>
 #include <numbers>
 
 #include "haptolith/core/error.h"
+#include "haptolith/study/groups.h"
 
 namespace haptolith {
 
@@ -32,6 +34,18 @@ std::string answerTo(const FormItem& item) {
   return "";
 }
 
+/// Any of the parts that the item's answers make.
+std::string anyAnswerTo(const FormItem& item, std::mt19937_64& random) {
+  const std::vector<std::string> parts = stratumParts(item);
+  const std::size_t part = drawn(random, parts.size());
+  if (item.cut_points.empty()) {
+    return parts[part];
+  }
+  const bool lowest = part == 0;
+  const double cut = item.cut_points[lowest ? 0 : part - 1];  // belongs to the part above it
+  return fmt::format("{}", !lowest ? cut : item.low < item.high ? item.low : cut - 1);
+}
+
 double judged(const TrialSummary& felt, JudgedBy by) {
   switch (by) {
     case JudgedBy::kMeanForce: return felt.mean_force_n;
@@ -47,6 +61,7 @@ void validate(const ObserverParameters& observer) {
   requireInRange("bias", observer.bias, {-1, kInfinity, Ends::kOpen});
   requireInRange("lapse", observer.lapse, {0, 0.5});
   requireInRange("learning", observer.learning, {0, kInfinity});
+  requireInRange("group_factor", observer.group_factor, {0, kInfinity, Ends::kOpen});
   requireInRange("learning_trials", observer.learning_trials, {0, kInfinity, Ends::kOpen});
 }
 
@@ -60,13 +75,13 @@ SimulatedObserver::SimulatedObserver(const ObserverParameters& observer, std::ui
   validate(observer);
 }
 
-bool SimulatedObserver::saysMore(double test, double reference) {
+bool SimulatedObserver::saysMore(double test, double reference, double factor) {
   if (!(test > 0) || !(reference > 0)) {
     throw InvalidParameter("stimulus", fmt::format("{:g} against {:g}", test, reference),
                            "two values above 0: a simulated observer judges ratios");
   }
   const double learnt = std::exp(-trials_++ / observer_.learning_trials);
-  const double w = observer_.weber_fraction * (1 + observer_.learning * learnt);
+  const double w = factor * observer_.weber_fraction * (1 + observer_.learning * learnt);
   const double noise = std::log1p(w) / std::numbers::sqrt2;
   const double felt_test = std::log(test) + std::log1p(observer_.bias) + noise * normal(random_);
   const double felt_reference = std::log(reference) + noise * normal(random_);
@@ -103,8 +118,11 @@ void SimulatedParticipant::step(Conductor& conductor) {
       return conductor.answer(choose(conductor, now));
     case StudyPhase::kForm: {
       std::map<std::string, std::string> values;
+      const StudyProtocol& protocol = conductor.store().protocol();
+      const std::vector<std::string>& strata = protocol.assignment.strata;
       for (const FormItem& item : *now.form) {
-        values[item.key] = answerTo(item);
+        const bool parts = now.form == &protocol.demographics && std::ranges::find(strata, item.key) != strata.end();
+        values[item.key] = parts ? anyAnswerTo(item, stratum_random_) : answerTo(item);
       }
       return conductor.fill(values);
     }
@@ -121,7 +139,10 @@ int SimulatedParticipant::choose(const Conductor& conductor, const StudyState& n
     test = judged(felt[trial.test_first ? 0 : 1], by_);
     reference = judged(felt[trial.test_first ? 1 : 0], by_);
   }
-  const bool more = observer_.saysMore(test, reference);
+  const std::vector<ParticipantGroup>& groups = conductor.store().protocol().groups;
+  const auto group = std::ranges::find(groups, now.group, &ParticipantGroup::name);
+  const double groups_before = group == groups.end() ? 0 : static_cast<double>(group - groups.begin());
+  const bool more = observer_.saysMore(test, reference, std::pow(group_factor_, groups_before));
   return more != trial.test_first ? 1 : 0;
 }
 

@@ -6,6 +6,7 @@
 #include <string>
 
 #include "haptolith/study/conductor.h"
+#include "haptolith/study/draws.h"
 
 namespace haptolith {
 
@@ -31,6 +32,7 @@ struct ObserverParameters {
   double lapse = 0;              ///< 0 to 1/2: both asymptotes; twice that are answers given without having felt
   double learning = 0;           ///< >= 0: w is larger by so much at the first trial; a third of it is left after
   double learning_trials = 20;   ///< so many trials, > 0
+  double group_factor = 1;       ///< > 0: of w from one of the study's groups to the next in the protocol
   JudgedBy judged_by = JudgedBy::kValue;
 };
 
@@ -46,7 +48,8 @@ class SimulatedObserver {
   SimulatedObserver(const ObserverParameters& observer, std::uint64_t seed);
 
   /// Whether the test is said to have more than the reference, both > 0.
-  [[nodiscard]] bool saysMore(double test, double reference);
+  /// @param factor  of w now.
+  [[nodiscard]] bool saysMore(double test, double reference, double factor = 1);
 
  private:
   ObserverParameters observer_;
@@ -78,7 +81,10 @@ class SimulatedParticipant {
   [[nodiscard]] double now() const noexcept { return now_s_; }
 
   SimulatedParticipant(const ObserverParameters& observer, std::uint64_t seed)
-      : observer_(observer, seed), by_(observer.judged_by) {}
+      : observer_(observer, seed),
+        by_(observer.judged_by),
+        group_factor_(observer.group_factor),
+        stratum_random_(seedOf({seed, static_cast<std::uint64_t>(Purpose::kGroups)})) {}
 
   /// Until the study is over for everyone who has begun. @throws Failure when it pauses with a problem;
   /// InvalidParameter for a block whose values an observer of ratios cannot judge.
@@ -90,6 +96,8 @@ class SimulatedParticipant {
 
   SimulatedObserver observer_;
   JudgedBy by_;
+  double group_factor_;
+  std::mt19937_64 stratum_random_;  ///< apart from the observer's, whose answers are the same with and without strata
   double now_s_ = 0;
 };
 

@@ -78,6 +78,9 @@ bool speaksForItself(const StudyState& now) {
 }
 
 Json progressJson(const StudyState& now) {
+  if (!now.participant.empty() && now.blocks == 0) {
+    return nullptr;  // the group, and with it the blocks, is not decided yet
+  }
   return {{"block", std::min(now.position + 1, now.blocks)},
           {"blocks", now.blocks},
           {"trial", now.trial},
@@ -292,6 +295,7 @@ std::string experimenterMessage(const Conductor& conductor, std::string_view his
                {"study", conductor.store().title()},
                {"file", conductor.store().file().filename().string()},
                {"participant", orNull(now.participant)},
+               {"group", orNull(now.group)},
                {"phase", phaseWord(now)},
                {"paused", now.paused},
                {"progress", progressJson(now)},

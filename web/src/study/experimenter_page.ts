@@ -95,6 +95,7 @@ export function openExperimenterPage(settings: Settings, address: string): void 
   const title = h('strong', { class: 'study-title' }, 'Study');
   const file = h('span', { class: 'title' });
   const participant = h('strong', { class: 'participant-code' }, '–');
+  const group = h('span', { class: 'participant-group', hidden: true });
   const phase = h('span', { class: 'phase' }, 'not connected to a study');
   const progress_text = h('span', { class: 'numbers progress-text' });
   const progress_bar = h('div', { class: 'progress-bar', 'aria-hidden': 'true' });
@@ -138,7 +139,7 @@ export function openExperimenterPage(settings: Settings, address: string): void 
       'header',
       { class: 'strip' },
       h('div', { class: 'brand' }, title, file),
-      h('div', { class: 'who' }, participant, phase),
+      h('div', { class: 'who' }, participant, group, phase),
       h('div', { class: 'progress' }, progress_text, progress_bar),
       h(
         'div',
@@ -254,6 +255,8 @@ export function openExperimenterPage(settings: Settings, address: string): void 
     unblind_button.setAttribute('aria-pressed', String(!blinded));
     showTrial(now_body, blinded ? null : (study?.now ?? null), blinded ? BLINDED : 'Nothing is shown now.');
     showTrial(next_body, blinded ? null : (study?.next ?? null), blinded ? BLINDED : 'Not known yet.');
+    group.hidden = blinded || !study?.group;
+    setText(group, blinded || !study?.group ? '' : `group ${study.group}`);
     results.set(study?.blocks ?? [], blinded);
     answers.set(study?.answers ?? [], blinded);
     stage.setNeutral(blinded);
@@ -264,7 +267,7 @@ export function openExperimenterPage(settings: Settings, address: string): void 
     askFirst(
       {
         title: 'Show what is felt?',
-        text: 'This page then tells which stimuli are shown and which answers were right. Who knows it can give it away without noticing. That you have looked is kept as a note in the study.',
+        text: 'This page then tells which stimuli are shown, which answers were right and to which group the participant belongs. Who knows it can give it away without noticing. That you have looked is kept as a note in the study.',
         stay: 'Stay blinded',
         go_on: 'Unblind',
       },

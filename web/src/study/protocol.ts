@@ -147,6 +147,8 @@ const ExperimenterMessage = v.object({
   study: v.string(),
   file: text,
   participant: text,
+  /** the participant's; null: the study has none, or it is not decided yet */
+  group: textOrNull,
   phase: Phase,
   paused: flag,
   progress: v.nullish(Progress, null),

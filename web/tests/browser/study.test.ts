@@ -327,6 +327,7 @@ describe("the experimenter's page", () => {
     const hidden = async (): Promise<void> => {
       expect(await page.locator('.right').innerText()).not.toMatch(/P\d|✓|✕/);
       expect(await page.locator('.psychometric:visible').count()).toBe(0);
+      expect(await page.locator('header').innerText()).not.toMatch(/seen/);
     };
     await page.locator('tbody tr').first().waitFor();
     await hidden();
@@ -336,6 +337,7 @@ describe("the experimenter's page", () => {
     expect(study.written).toEqual([]);
     await unblind(page);
     await page.getByRole('region', { name: 'Shown now' }).getByText('P3').waitFor();
+    await page.getByText('group seen').waitFor();
     expect(await page.locator('tbody').innerText()).toMatch(/✓|✕/);
     expect(study.written.map(({ text }) => text)).toEqual([expect.stringMatching(/^unblinded/)]);
     await page.getByRole('button', { name: 'Blind again' }).click();

@@ -91,8 +91,12 @@ const std::vector<ExportColumn>& participantColumns() {
 std::string participantsTsv(const StudyStore& study, const std::vector<ParticipantRow>& participants,
                             const Forms& forms) {
   const std::vector<ConsentRow> consents = study.consents();
+  const std::vector<FilledColumn<PersonOf>> groups = groupColumns(study.protocol());
   std::vector<std::string> names;
   std::ranges::transform(participantColumns(), std::back_inserter(names), &ExportColumn::bids_name);
+  for (const FilledColumn<PersonOf>& of : groups) {
+    names.push_back(of.column.bids_name);
+  }
   std::ranges::transform(forms.columns, std::back_inserter(names), &FormColumn::name);
   std::string text = tsvLine(names);
   for (const ParticipantRow& participant : participants) {
@@ -105,6 +109,9 @@ std::string participantsTsv(const StudyStore& study, const std::vector<Participa
     const auto found = std::ranges::find(consents, participant.id, &ConsentRow::participant);
     const ConsentRow consent = found == consents.end() ? ConsentRow() : *found;
     fields.insert(fields.end(), {consent.at, consent.version, consent.language});
+    for (const FilledColumn<PersonOf>& of : groups) {
+      fields.push_back(of.text({study.protocol(), participant}));
+    }
     for (const FormColumn& column : forms.columns) {
       fields.push_back(forms.text(participant, column));
     }
@@ -113,10 +120,13 @@ std::string participantsTsv(const StudyStore& study, const std::vector<Participa
   return text;
 }
 
-Json participantsJson(const Forms& forms) {
+Json participantsJson(const StudyProtocol& protocol, const Forms& forms) {
   Json json;
   for (const ExportColumn& column : participantColumns()) {
     json[column.bids_name] = described(column);
+  }
+  for (const FilledColumn<PersonOf>& of : groupColumns(protocol)) {
+    json[of.column.bids_name] = described(of.column);
   }
   for (const FormColumn& column : forms.columns) {
     json[column.name()] = described(column);
@@ -210,7 +220,7 @@ void exportBids(const StudyStore& study, const fs::path& folder, const ExportOpt
   made.write("dataset_description.json", datasetJson(study, options).dump(2) + "\n");
   made.write("README.md", readmeOf(study));
   made.write("participants.tsv", participantsTsv(study, participants, forms));
-  made.write("participants.json", participantsJson(forms).dump(2) + "\n");
+  made.write("participants.json", participantsJson(study.protocol(), forms).dump(2) + "\n");
   for (const ParticipantRow& participant : participants) {
     const std::vector<TrialRow> trials = study.trials(participant.id);
     for (const StudyBlock& block : study.protocol().blocks) {

@@ -64,7 +64,9 @@ using People = std::map<std::int64_t, ParticipantRow>;
 
 std::string trialsCsv(const StudyStore& study, const People& people, const Forms& forms) {
   const fs::path recordings = recordingsFolder(study.file());
+  const std::vector<FilledColumn<PersonOf>> groups = groupColumns(study.protocol());
   std::vector<std::string> names = namesOf(filledTrialColumns());
+  std::ranges::copy(namesOf(groups), std::back_inserter(names));
   std::ranges::transform(forms.columns, std::back_inserter(names), &FormColumn::name);
   std::string text = csvLine(names);
   for (const TrialRow& trial : study.trials()) {
@@ -74,6 +76,7 @@ std::string trialsCsv(const StudyStore& study, const People& people, const Forms
     }
     std::vector<std::string> fields =
         fieldsOf(filledTrialColumns(), TrialOf{.participant = found->second, .trial = trial, .recordings = recordings});
+    std::ranges::copy(fieldsOf(groups, PersonOf{study.protocol(), found->second}), std::back_inserter(fields));
     for (const FormColumn& column : forms.columns) {
       fields.push_back(forms.text(found->second, column));
     }
@@ -93,11 +96,14 @@ std::string sessionsCsv(const StudyStore& study, const People& people) {
 }
 
 /// The data dictionary: for each file its columns, as BIDS sidecars have them.
-Json dictionary(const fs::path& trials, const fs::path& sessions, const Forms& forms) {
+Json dictionary(const StudyProtocol& protocol, const fs::path& trials, const fs::path& sessions, const Forms& forms) {
   Json json;
   Json& of_trials = json[trials.filename().string()];
   for (const ExportColumn& column : trialColumns()) {
     of_trials[column.name] = described(column);
+  }
+  for (const FilledColumn<PersonOf>& of : groupColumns(protocol)) {
+    of_trials[of.column.name] = described(of.column);
   }
   for (const FormColumn& column : forms.columns) {
     of_trials[column.name()] = described(column);
@@ -126,7 +132,7 @@ void exportCsv(const StudyStore& study, const fs::path& file, const ExportOption
   }
   trials.write(trialsCsv(study, people, forms));
   sessions.write(sessionsCsv(study, people));
-  columns.write(dictionary(file, sessions_file, forms).dump(2) + "\n");
+  columns.write(dictionary(study.protocol(), file, sessions_file, forms).dump(2) + "\n");
   writeAnalysisScripts(file, ifThere(options));
   for (AtomicFile* made : {&columns, &sessions, &trials}) {
     made->commit();

@@ -1,6 +1,7 @@
 #include "haptolith/study/export/export_tables.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <charconv>
@@ -14,6 +15,7 @@
 #include "haptolith/core/error.h"
 #include "haptolith/recording/recording_reader.h"
 #include "haptolith/study/form.h"
+#include "haptolith/study/groups.h"
 
 namespace haptolith {
 
@@ -244,6 +246,30 @@ const std::vector<FilledColumn<TrialOf>>& filledTrialColumns() {
 const std::vector<FilledColumn<SessionOf>>& filledSessionColumns() {
   static const std::vector<FilledColumn<SessionOf>> kColumns = sessionColumnsMade();
   return kColumns;
+}
+
+std::vector<FilledColumn<PersonOf>> groupColumns(const StudyProtocol& protocol) {
+  if (protocol.groups.empty()) {
+    return {};
+  }
+  FilledColumn<PersonOf> group{
+      {"group", "group", "The group that the participant was assigned to; missing: none yet.", ""},
+      [](const PersonOf& of) { return of.participant.assignment ? of.participant.assignment->group : ""; }};
+  for (const ParticipantGroup& of : protocol.groups) {
+    std::vector<std::string_view> blocks;
+    for (const std::size_t block : of.blocks) {
+      blocks.push_back(protocol.blocks[block].name);
+    }
+    group.column.levels.emplace_back(of.name, fmt::format("goes through {}", fmt::join(blocks, ", ")));
+  }
+  if (protocol.assignment.strata.empty()) {
+    return {group};
+  }
+  return {group,
+          {{"stratum", "stratum", "The stratum within which the participant was assigned; missing: not yet.", ""},
+           [](const PersonOf& of) {
+             return of.participant.assignment ? stratumText(of.protocol, of.participant.assignment->stratum) : "";
+           }}};
 }
 
 std::span<const ExportColumn> trialColumns() {

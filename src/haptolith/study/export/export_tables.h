@@ -27,6 +27,12 @@ struct TrialOf {
   const std::filesystem::path& recordings;  ///< folder
 };
 
+/// A participant, of a study.
+struct PersonOf {
+  const StudyProtocol& protocol;
+  const ParticipantRow& participant;
+};
+
 /// A row of its sessions.
 struct SessionOf {
   const std::string& code;  ///< of the participant
@@ -42,6 +48,8 @@ struct FilledColumn {
 
 [[nodiscard]] const std::vector<FilledColumn<TrialOf>>& filledTrialColumns();
 [[nodiscard]] const std::vector<FilledColumn<SessionOf>>& filledSessionColumns();
+/// Group and stratum of a participant, where the protocol has groups and strata.
+[[nodiscard]] std::vector<FilledColumn<PersonOf>> groupColumns(const StudyProtocol& protocol);
 
 /// An item of a form as a column of the participants: "demographics_age".
 struct FormColumn {

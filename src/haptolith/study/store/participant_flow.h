@@ -3,6 +3,8 @@
 #include <cstddef>
 #include <map>
 #include <string>
+#include <string_view>
+#include <vector>
 
 #include "haptolith/study/store/store.h"
 
@@ -21,7 +23,22 @@ struct ParticipantFlow {
 
 [[nodiscard]] ParticipantFlow flowOf(const StudyStore& study);
 
-/// "12 began, 1 withdrew, 1 excluded (catch trials), 10 analysed"
-[[nodiscard]] std::string flowText(const ParticipantFlow& flow);
+/// "12 began, 1 withdrew, 1 excluded (catch trials), 10 analysed". @param came  what is said of all, in place of
+/// "began".
+[[nodiscard]] std::string flowText(const ParticipantFlow& flow, std::string_view came = "began");
+
+/// What has become of everybody who was assigned to a group.
+struct GroupFlow {
+  std::string group = {};
+  ParticipantFlow people = {};
+  /// How many were assigned out of each stratum, in the protocol's order; also those who were removed.
+  std::vector<std::size_t> strata = {};
+};
+
+/// In the protocol's order; none where it has no groups.
+[[nodiscard]] std::vector<GroupFlow> groupFlowsOf(const StudyStore& study);
+
+/// flowText() of the study, and a line for each group.
+[[nodiscard]] std::string flowsText(const StudyStore& study);
 
 }  // namespace haptolith

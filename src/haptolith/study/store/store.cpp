@@ -96,6 +96,12 @@ ParticipantRow participantOf(const SQLite::Statement& row) {
                              .begun_at = row.getColumn(4).getString(),
                              .ended_at = row.getColumn(5).getString(),
                              .excluded_for = row.getColumn(6).getString()};
+  if (!row.getColumn(7).isNull()) {
+    participant.assignment = Assignment{.group = row.getColumn(7).getString(),
+                                        .stratum = row.getColumn(8).getUInt(),
+                                        .place = row.getColumn(9).getInt(),
+                                        .row = row.getColumn(10).getInt()};
+  }
   if (!isCode(participant.code)) {
     throwForeign("code", participant.code, kValidCode);
   }
@@ -108,7 +114,8 @@ ParticipantRow participantOf(const SQLite::Statement& row) {
 constexpr const char* kParticipants =
     "SELECT id, number, code, state, begun_at, ended_at, "
     "coalesce((SELECT iif(excluded, reason, '') FROM exclusion WHERE exclusion.participant = participant.id "
-    "ORDER BY exclusion.id DESC LIMIT 1), '') FROM participant";
+    "ORDER BY exclusion.id DESC LIMIT 1), ''), group_name, stratum, place, block_row "
+    "FROM participant LEFT JOIN assignment ON assignment.participant = participant.id";
 
 /// The columns of trial, answer, and twice felt, in the order in which trialOf() takes them.
 std::string selectTrials() {
@@ -397,7 +404,8 @@ ParticipantRow StudyStore::addParticipant(std::string_view code) {
                           .state = "running",
                           .begun_at = now,
                           .ended_at = "",
-                          .excluded_for = ""};
+                          .excluded_for = "",
+                          .assignment = std::nullopt};
   });
 }
 

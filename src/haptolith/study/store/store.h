@@ -79,6 +79,14 @@ struct TrialRow : TrialBegun {
   std::string begun_at = {}, answered_at = {};  ///< UTC, "2026-11-21T10:00:00.123Z"
 };
 
+/// Where a participant belongs in a study with groups: decided once and never changed.
+struct Assignment {
+  std::string group = {};   ///< of the protocol's
+  std::size_t stratum = 0;  ///< see stratumText()
+  int place = 0;            ///< in the stratum's sequence, counted from 0
+  int row = 0;              ///< of the Latin square of the group's blocks
+};
+
 struct ParticipantRow {
   std::int64_t id = 0;
   int number = 0;          ///< 1 is the first: chooses the sequence
@@ -86,6 +94,7 @@ struct ParticipantRow {
   std::string state = {};  ///< "running", "finished" or "withdrawn"
   std::string begun_at = {}, ended_at = {};
   std::string excluded_for = {};  ///< why the analysis leaves them out; empty: it does not
+  std::optional<Assignment> assignment = {};
 };
 
 /// What has become of a participant: "excluded", or the state.
@@ -169,6 +178,13 @@ class StudyStore {
 
   /// @param state  "finished", "withdrawn", or "running" for somebody who comes back.
   void endParticipant(std::int64_t id, std::string_view state);
+
+  /// Decides the group of a participant whose answers to the demographics are there: the next place of their stratum's
+  /// sequence is theirs, for good. Whoever has a group keeps it.
+  /// @throws InvalidParameter for a participant who has not answered what makes the strata.
+  Assignment assignGroup(std::int64_t participant);
+  /// How many places of each stratum's sequence have been given, also to those who were removed.
+  [[nodiscard]] std::vector<int> placesGiven() const;
 
   /// Excludes a participant from the analysis, or takes that back; both are kept for good.
   /// @param reason  some words. @throws InvalidParameter for none, and when the participant stands so already.

@@ -180,6 +180,31 @@ BEGIN SELECT raise(ABORT, 'an exclusion is never changed'); END;
 CREATE TRIGGER exclusions_are_kept BEFORE DELETE ON exclusion WHEN NOT EXISTS (SELECT 1 FROM removal WHERE done_at = '')
 BEGIN SELECT raise(ABORT, 'an exclusion is never deleted'); END;
 )sql",
+    R"sql(
+CREATE TABLE allocation (
+  stratum INTEGER PRIMARY KEY CHECK (stratum >= 0),
+  places INTEGER NOT NULL CHECK (places >= 1)
+) STRICT;
+CREATE TRIGGER places_only_go_up BEFORE UPDATE ON allocation WHEN NEW.places <= OLD.places
+BEGIN SELECT raise(ABORT, 'a place is never given twice'); END;
+CREATE TRIGGER places_are_kept BEFORE DELETE ON allocation
+BEGIN SELECT raise(ABORT, 'a place is never given twice'); END;
+
+CREATE TABLE assignment (
+  participant INTEGER PRIMARY KEY REFERENCES participant ON DELETE CASCADE,
+  stratum INTEGER NOT NULL CHECK (stratum >= 0),
+  place INTEGER NOT NULL CHECK (place >= 0),
+  group_name TEXT NOT NULL CHECK (group_name <> ''),
+  block_row INTEGER NOT NULL CHECK (block_row >= 0),
+  at TEXT NOT NULL,
+  UNIQUE (stratum, place)
+) STRICT;
+CREATE TRIGGER assignments_stay BEFORE UPDATE ON assignment
+BEGIN SELECT raise(ABORT, 'an assignment is never changed'); END;
+CREATE TRIGGER assignments_are_kept BEFORE DELETE ON assignment
+WHEN NOT EXISTS (SELECT 1 FROM removal WHERE done_at = '')
+BEGIN SELECT raise(ABORT, 'an assignment is never deleted'); END;
+)sql",
 };
 
 /// What a person can do about an error, by SQLite's code.
