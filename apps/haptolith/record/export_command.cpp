@@ -66,7 +66,6 @@ class Progress {
  private:
   static constexpr std::int64_t kEveryNs = 10'000'000'000;
 
-  const StopOnSignal stop_on_signal_;
   StatusLine status_;
   std::int64_t next_ns_ = monotonicNs() + kEveryNs;
 };
@@ -163,6 +162,7 @@ void exportFolder(const RecordingReader& recording, const ExportOptions& options
 }
 
 void exportRecording(const ExportOptions& options) {
+  const StopOnSignal stop_on_signal;  // before there is anything half done
   const RecordingReader recording(options.file);
   if (options.format == "csv") {
     exportCsv(recording, options);
