@@ -1,8 +1,9 @@
-// Simulated studies of two groups of people: how often does the interval of their ratio hold the truth, and how often
-// does it tell a difference? docs/psychometrics.md has the table this prints.
+// Simulated studies of two groups of people, or of the same people in two blocks: how often does the interval of the
+// ratio of Weber fractions hold the truth, and how often does it tell a difference? docs/psychometrics.md has the
+// tables this prints.
 //
-//     haptolith_between_groups_coverage [studies] [people in each group] [answers a level] [experiment]
-//     200 8 10 both
+//     haptolith_difference_coverage [studies] [people in each group] [answers a level] [experiment] [between|within]
+//     200 8 10 both between
 
 #include <fmt/format.h>
 
@@ -27,10 +28,10 @@ namespace {
 
 using namespace haptolith;
 
-/// How the two groups are.
+/// How the two groups, or blocks, are.
 struct Case {
   std::string_view name;
-  double factor = 1;  // of the second group's w
+  double factor = 1;  // of w in the second
   double spread = 0;  // of ln w between people
 };
 constexpr std::array<Case, 6> kCases{{{.name = "no difference, alike"},
@@ -43,26 +44,48 @@ constexpr std::array<Case, 6> kCases{{{.name = "no difference, alike"},
 struct Size {
   int studies = 200, people = 8;
   double answers = 10;
+  bool within = false;  // people
 };
 
-GroupFit groupOf(const Experiment& experiment, const Size& size, double w, double spread, std::mt19937_64& random) {
+/// The logarithms of people's w, less that of the person in the middle.
+std::vector<double> peopleOf(const Size& size, double spread, std::mt19937_64& random) {
   std::normal_distribution<double> normal;
+  std::vector<double> people(static_cast<std::size_t>(size.people));
+  for (double& person : people) {
+    person = spread * normal(random);
+  }
+  return people;
+}
+
+GroupFit groupOf(const Experiment& experiment, const Size& size, double w, const std::vector<double>& ln_w,
+                 Effort effort, std::mt19937_64& random) {
   std::vector<Level> levels;
   for (const double x : experiment.levels) {
     levels.push_back({x, 0, size.answers});
   }
   std::vector<std::vector<Level>> people;
-  for (int i = 0; i < size.people; ++i) {
-    people.push_back(
-        simulatedAnswers(levels, weberFunction(experiment.reference, w * std::exp(spread * normal(random))), random));
+  people.reserve(ln_w.size());
+  for (const double person : ln_w) {
+    people.push_back(simulatedAnswers(levels, weberFunction(experiment.reference, w * std::exp(person)), random));
   }
   FitOptions options = weberOptions(experiment.reference);
   options.threshold.reset();
-  return fitGroup(people, groupOptions(options), Effort::kQuick);
+  return fitGroup(people, groupOptions(options), effort);
 }
 
 bool holds(const Interval& interval, double value) {
   return interval.low <= value && value <= interval.high;
+}
+
+Change changeOf(const Population& first, const Population& second, const Size& size) {
+  if (!size.within) {
+    return changeBetweenGroups(first, second, 0.95);
+  }
+  std::vector<UnderBoth> people;
+  for (std::size_t i = 0; i < first.participants.size(); ++i) {
+    people.push_back({i, i});
+  }
+  return changeBetween(first, second, people, 0.95);
 }
 
 void tell(const Experiment& experiment, const Case& of, const Size& size) {
@@ -71,10 +94,13 @@ void tell(const Experiment& experiment, const Case& of, const Size& size) {
   std::vector<double> ratios, factors, lengths;
   int covered = 0, pse_covered = 0, told = 0;
   for (int i = 0; i < size.studies; ++i) {
-    const GroupFit first = groupOf(experiment, size, experiment.w, of.spread, random);
-    const GroupFit second = groupOf(experiment, size, of.factor * experiment.w, of.spread, random);
-    const Change change = changeBetweenGroups(first.scale, second.scale, 0.95);
-    const Change pse = changeBetweenGroups(*first.threshold, *second.threshold, 0.95);
+    const std::vector<double> some = peopleOf(size, of.spread, random);
+    const std::vector<double> others = size.within ? some : peopleOf(size, of.spread, random);
+    const Effort effort = size.within ? Effort::kThorough : Effort::kQuick;
+    const GroupFit first = groupOf(experiment, size, experiment.w, some, effort, random);
+    const GroupFit second = groupOf(experiment, size, of.factor * experiment.w, others, effort, random);
+    const Change change = changeOf(first.scale, second.scale, size);
+    const Change pse = changeOf(*first.threshold, *second.threshold, size);
     covered += holds(change.mean.interval, truth) ? 1 : 0;
     pse_covered += holds(pse.mean.interval, 0) ? 1 : 0;
     told += holds(change.mean.interval, 0) ? 0 : 1;
@@ -96,10 +122,13 @@ void tell(const Experiment& experiment, const Case& of, const Size& size) {
 
 int main(int argc, char** argv) {
   const auto number = [&](int at, int otherwise) { return argc > at ? std::max(1, std::atoi(argv[at])) : otherwise; };
-  const Size size{.studies = number(1, 200), .people = number(2, 8), .answers = static_cast<double>(number(3, 10))};
+  const Size size{.studies = number(1, 200),
+                  .people = number(2, 8),
+                  .answers = static_cast<double>(number(3, 10)),
+                  .within = argc > 5 && std::string_view(argv[5]) == "within"};
   const std::string experiments = argc > 4 ? argv[4] : "both";
-  fmt::print("{} simulated studies of each kind, two groups of {}, {} answers a level; 95 % credible intervals\n\n",
-             size.studies, size.people, size.answers);
+  fmt::print("{} simulated studies of each kind, {} {}, {} answers a level; 95 % credible intervals\n\n", size.studies,
+             size.within ? "two blocks of" : "two groups of", size.people, size.answers);
   fmt::print(
       "                                                median    ratio      PSE's     high/  without  Bayes factor\n");
   fmt::print(
