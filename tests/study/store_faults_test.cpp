@@ -94,7 +94,10 @@ TEST_F(StoreFaults, AKillAtAnyMomentLosesNoAnswerAndDoublesNone) {
   { StudyStore(file_, Access::kRun).addParticipant(""); }
   std::mt19937_64 random(7);
   std::vector<int> told;
-  for (int kill_number = 0; kill_number < 40; ++kill_number) {
+  constexpr std::size_t kKills = 40,
+                        kMostKills = 1000;  // more where a busy machine lets a child answer only now and then
+  for (std::size_t kill_number = 0; kill_number < kKills || (told.size() <= kKills && kill_number < kMostKills);
+       ++kill_number) {
     Pipe pipe;
     const pid_t child = fork();
     if (child == 0) {
@@ -122,9 +125,9 @@ TEST_F(StoreFaults, AKillAtAnyMomentLosesNoAnswerAndDoublesNone) {
     for (const int number : told) {
       ASSERT_LT(number, static_cast<int>(kept.size()));
     }
-    ASSERT_LE(kept.size(), told.size() + static_cast<std::size_t>(kill_number) + 1);
+    ASSERT_LE(kept.size(), told.size() + kill_number + 1);
   }
-  EXPECT_GT(told.size(), 40U);
+  EXPECT_GT(told.size(), kKills);
   EXPECT_TRUE(std::ranges::adjacent_find(told, std::greater_equal()) == told.end());
 }
 
