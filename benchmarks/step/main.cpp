@@ -1,0 +1,239 @@
+// How fast beds of the named soils can swing, and how much of the stable step 3, 4 and 5 substeps of a millisecond take:
+// settled, sheared under load, under a plate pressed in hard, and under a shovel that stirs, scoops and presses with 12 N.
+//
+//     build/release/benchmarks/haptolith_step                        # all named soils
+//     build/release/benchmarks/haptolith_step --soil dry-sand --body Earth
+
+#include <CLI/CLI.hpp>
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdio>
+#include <exception>
+#include <functional>
+#include <numbers>
+#include <string>
+#include <vector>
+
+#include "haptolith/bed/critical_step.h"
+#include "haptolith/core/error.h"
+#include "haptolith/device/hand/virtual_hand.h"
+#include "haptolith/haptics/haptic_loop.h"
+#include "haptolith/lab/contact_network.h"
+#include "haptolith/lab/lab_bed.h"
+#include "haptolith/scenario/soil_file.h"
+#include "haptolith/soil/bodies.h"
+
+namespace haptolith {
+namespace {
+
+constexpr double kTick_s = 1e-3;
+constexpr std::array kSubsteps{3, 4, 5};
+constexpr double kLook_s = 0.02;
+
+struct Place {
+  SoilParameters soil;
+  double gravity_m_s2 = 0;
+};
+
+/// The most that was seen of each number.
+struct Seen {
+  double touching = 0;                ///< contacts that overlap, of a particle, mean of all
+  double most_touching = 0;           ///< of any particle
+  std::array<double, 3> frequency{};  ///< largest m omega^2 / k with k_t / k = 0, as the soil has it, and 1
+  std::array<double, kSubsteps.size()> share{};  ///< of the stable step
+
+  void look(const Bed& bed, const ToolParameters* tool = nullptr, const Pose& pose = {}) {
+    const SoilParameters& soil = bed.parameters().soil;
+    ContactNetwork network = contactNetwork(bed);
+    std::vector<double> contacts(bed.particles());
+    double inside = 0;
+    for (const ContactLink& link : network.links) {
+      const double least = 0.5 * soil.stiffness_n_m;
+      if (link.stiffness_n_m.along > least) {
+        contacts[static_cast<std::size_t>(link.first)] += 1;
+        inside += 1;
+        if (link.second >= 0) {
+          contacts[static_cast<std::size_t>(link.second)] += 1;
+          inside += 1;
+        }
+      }
+    }
+    touching = std::max(touching, inside / static_cast<double>(bed.particles()));
+    most_touching = std::max(most_touching, std::ranges::max(contacts));
+    const double per_k = bed.mass() / soil.stiffness_n_m;
+    const ContactNetwork as_it_is = network;
+    const auto with_ratio = [&](double ratio) {
+      ContactNetwork other = as_it_is;
+      for (ContactLink& link : other.links) {
+        link.stiffness_n_m.across *= ratio / soil.tangential_ratio;
+      }
+      return largestFrequencySquared(other) * per_k;
+    };
+    frequency[0] = std::max(frequency[0], with_ratio(0));
+    frequency[1] = std::max(frequency[1], with_ratio(soil.tangential_ratio));
+    frequency[2] = std::max(frequency[2], with_ratio(1));
+    for (std::size_t i = 0; i < kSubsteps.size(); ++i) {
+      ContactNetwork with_tool = as_it_is;
+      const double dt_s = kTick_s / kSubsteps[i];
+      if (tool != nullptr) {
+        addTool(with_tool, *tool, pose, dt_s, bed);
+      }
+      share[i] = std::max(share[i], shareOfStableStep(with_tool, dt_s));
+    }
+  }
+};
+
+BedParameters bedOf(const Place& place, int particles) {
+  BedParameters bed;
+  bed.soil = place.soil;
+  bed.gravity_m_s2 = {0, 0, -place.gravity_m_s2};
+  bed.start = BedStart::kRain;
+  bed.particles = particles;
+  bed.sleep = false;
+  return bed;
+}
+
+Seen settled(const Place& place) {
+  Seen seen;
+  seen.look(Bed(bedOf(place, 1000)));
+  return seen;
+}
+
+/// Between two rough plates, the upper one drawn at 50 mm/s and pressed with a plate of a stress that no test has.
+Seen pressed(const Place& place, double stress_pa) {
+  const double d = 2 * place.soil.radius_m;
+  const LabBox box{.width_m = 8 * d, .length_m = 8 * d};
+  const LabConditions conditions{.soil = place.soil, .gravity_m_s2 = place.gravity_m_s2};
+  const std::vector<Vec3> loose = looseSoil(place.soil, box, 600, d, 1);
+  LabBed lab(conditions, box, loose, {roughPlate(place.soil, box, loose.back().z() + 2.5 * d, 2)});
+  lab.settle();
+  Seen seen;
+  const double carried_n = stress_pa * box.width_m * box.length_m;
+  lab.moveBody(0, {0, 0, -0.1});
+  lab.run(kLook_s, "the plate comes down");
+  for (int look = 0; look < 4000 && lab.forceOnBody(0).z() < carried_n; ++look) {
+    lab.run(kLook_s / 20, "the plate is pressed");
+  }
+  for (int look = 0; look < 10; ++look) {
+    seen.look(lab.bed());
+    lab.moveBody(0, {0.05, 0, 0});
+    lab.run(kLook_s, "the plate is drawn");
+  }
+  return seen;
+}
+
+Seen inTheHand(const Place& place, Manoeuvre manoeuvre) {
+  const BedParameters bed = bedOf(place, 400);
+  Scene scene(bed, ToolParameters{});
+  HandParameters hand;
+  hand.manoeuvre = manoeuvre;
+  hand.surface_m = scene.bed().surfaceHeight();
+  VirtualHand device(hand, kTick_s);
+  LoopParameters loop_parameters;
+  loop_parameters.paced = false;
+  HapticLoop loop(scene, device, loop_parameters, false);
+  Seen seen;
+  for (int tick = 0; tick < 8000; ++tick) {
+    if (loop.tick() != LoopEnd::kRunning) {
+      throw Failure("the loop has ended");
+    }
+    if (tick % 50 == 0 && scene.felt().wrench.force_n.norm() > 0) {
+      seen.look(scene.bed(), &scene.tool(), scene.toolPose());
+    }
+  }
+  return seen;
+}
+
+/// A tool as a body of an arm's mass and damping, pressed down.
+struct Pressing {
+  ToolParameters tool{};
+  Quat orientation = Quat::Identity();
+  Vec3 over_m = Vec3::Zero();  ///< x and y; z above the surface
+  double force_n = 12;         ///< the most that the virtual hand shows, and a sigma.7
+};
+
+Seen pressedWith(const Place& place, const Pressing& pressing) {
+  Scene scene(bedOf(place, 400), pressing.tool);
+  HandState hand;
+  hand.pose = {pressing.over_m + Vec3(0, 0, scene.bed().surfaceHeight()), pressing.orientation};
+  scene.placeTool(hand);
+  constexpr double kMass_kg = 0.554, kDamping_n_s_m = 20;
+  Seen seen;
+  for (int tick = 0; tick < 4000; ++tick) {
+    if (scene.tick(hand) != StepStatus::kOk) {
+      throw Failure("the bed is no longer sound");
+    }
+    double& speed = hand.twist.linear_m_s.z();
+    speed += kTick_s / kMass_kg * (scene.felt().wrench.force_n.z() - pressing.force_n - kDamping_n_s_m * speed);
+    hand.pose.position_m.z() += kTick_s * speed;
+    if (tick % 50 == 0) {
+      seen.look(scene.bed(), &scene.tool(), scene.toolPose());
+    }
+  }
+  return seen;
+}
+
+struct State {
+  const char* name;
+  std::function<Seen(const Place&)> measure;
+};
+
+int run(int argc, char** argv) {
+  std::vector<std::string> soils = soilNames();
+  std::string body = "Moon";
+  CLI::App app("How fast beds can swing, and how much of the stable step their substeps take.");
+  app.add_option("--soil", soils, "named soils")->delimiter(',');
+  app.add_option("--body", body, "where");
+  CLI11_PARSE(app, argc, argv);
+  const std::vector<State> states{
+      {"settled", settled},
+      {"plate, 3 kPa", [](const Place& p) { return pressed(p, 3e3); }},
+      {"plate, 10 kPa", [](const Place& p) { return pressed(p, 1e4); }},
+      {"plate, 30 kPa", [](const Place& p) { return pressed(p, 3e4); }},
+      {"stirred", [](const Place& p) { return inTheHand(p, Manoeuvre::kStir); }},
+      {"scooped", [](const Place& p) { return inTheHand(p, Manoeuvre::kScoop); }},
+      {"shovel flat, 12 N", [](const Place& p) { return pressedWith(p, {.over_m = {0, 0, 0.005}}); }},
+      {"shovel on edge, 12 N",
+       [](const Place& p) {
+         return pressedWith(p, {.orientation = Quat(Eigen::AngleAxisd(std::numbers::pi / 2, Vec3::UnitX())),
+                                .over_m = {0, 0, 0.025}});
+       }},
+      {"shovel in a corner, 12 N",
+       [](const Place& p) { return pressedWith(p, {.over_m = {0.036, 0.041, 0.005}}); }},
+      {"ball of 20 mm, 12 N",
+       [](const Place& p) {
+         return pressedWith(p, {.tool = {.shape = ToolShape::kSphere, .diameter_m = 0.02}, .over_m = {0, 0, 0.015}});
+       }},
+      {"shovel flat, 40 N", [](const Place& p) { return pressedWith(p, {.over_m = {0, 0, 0.005}, .force_n = 40}); }},
+  };
+  std::printf(
+      "| soil | bed | Z, mean | Z, most | m omega^2/k: k_t = 0 | as it is | k_t = k | share at 3 | at 4 | at 5 | substeps now "
+      "|\n|---|---|--:|--:|--:|--:|--:|--:|--:|--:|--:|\n");
+  for (const std::string& name : soils) {
+    const Place place{findSoil(name).soil, findBody(body).gravity_m_s2};
+    for (const State& state : states) {
+      const Seen seen = state.measure(place);
+      std::printf("| %s | %s | %.1f | %.0f | %.2f | %.2f | %.2f | %.2f | %.2f | %.2f | %d |\n", name.c_str(), state.name,
+                  seen.touching, seen.most_touching, seen.frequency[0], seen.frequency[1], seen.frequency[2],
+                  seen.share[0], seen.share[1], seen.share[2],
+                  substepsFor(place.soil, ToolParameters{}.stiffness_n_m, kTick_s, 1000));
+      std::fflush(stdout);
+    }
+  }
+  return 0;
+}
+
+}  // namespace
+}  // namespace haptolith
+
+int main(int argc, char** argv) {
+  try {
+    return haptolith::run(argc, argv);
+  } catch (const std::exception& error) {
+    std::fprintf(stderr, "haptolith_step: %s\n", error.what());
+    return 1;
+  }
+}

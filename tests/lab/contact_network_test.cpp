@@ -1,0 +1,170 @@
+#include "haptolith/lab/contact_network.h"
+
+#include <gtest/gtest.h>
+
+#include <Eigen/Eigenvalues>
+
+#include <cmath>
+#include <random>
+
+#include "haptolith/bed/critical_step.h"
+#include "haptolith/core/random.h"
+#include "haptolith/tool/tool_shape.h"
+
+#include "lab_soils.h"
+
+namespace haptolith {
+namespace {
+
+/// Springs of 1 N/m along and `across` N/m across their contacts, without damping.
+ContactLink spring(std::int32_t first, std::int32_t second, const Vec3& normal, double across = 0) {
+  return {.first = first,
+          .second = second,
+          .normal = normal.normalized(),
+          .stiffness_n_m = {1, across},
+          .damping_n_s_m = {0, 0}};
+}
+
+TEST(ContactNetwork, TwoThatTouchSwingAtTwiceTheirStiffness) {
+  ContactNetwork pair{.particles = 2, .mass_kg = 0.5, .links = {spring(0, 1, Vec3(1, 2, 3), 0.25)}};
+  EXPECT_NEAR(largestFrequencySquared(pair), 2 * 1 / 0.5, 1e-9);
+  pair.links = {spring(0, 1, Vec3(1, 2, 3), 3)};  // stiffer across than along
+  EXPECT_NEAR(largestFrequencySquared(pair), 2 * 3 / 0.5, 1e-9);
+  pair.links = {spring(0, ContactLink::kFixed, Vec3::UnitY())};
+  EXPECT_NEAR(largestFrequencySquared(pair), 1 / 0.5, 1e-9);
+}
+
+TEST(ContactNetwork, AChainSwingsAsTheTextbooksSay) {
+  // n equal masses, ends free: the fastest mode has m omega^2 = 4 k sin^2(pi (n - 1) / (2 n)).
+  for (const int n : {3, 10, 50}) {
+    ContactNetwork chain{.particles = static_cast<std::size_t>(n), .mass_kg = 1, .links = {}};
+    for (int i = 0; i + 1 < n; ++i) {
+      chain.links.push_back(spring(i, i + 1, Vec3(1, 1, 0)));
+    }
+    const double expected = 4 * std::pow(std::sin(std::numbers::pi * (n - 1) / (2.0 * n)), 2);
+    EXPECT_NEAR(largestFrequencySquared(chain), expected, 1e-6 * expected) << n;
+  }
+}
+
+/// A face-centred cubic crystal that repeats itself after `cells` cubes.
+ContactNetwork fcc(int cells, double across) {
+  ContactNetwork crystal{.particles = 0, .mass_kg = 1, .links = {}};
+  const int n = 2 * cells;  // sites with an even sum of coordinates
+  std::vector<std::int32_t> number(static_cast<std::size_t>(n * n * n), -1);
+  const auto at = [&](int x, int y, int z) -> std::int32_t& {
+    const auto wrapped = [n](int i) { return (i + n) % n; };
+    return number[static_cast<std::size_t>((wrapped(x) * n + wrapped(y)) * n + wrapped(z))];
+  };
+  const auto each = [n](const auto& site) {
+    for (int x = 0; x < n; ++x) {
+      for (int y = 0; y < n; ++y) {
+        for (int z = 0; z < n; ++z) {
+          if ((x + y + z) % 2 == 0) {
+            site(x, y, z);
+          }
+        }
+      }
+    }
+  };
+  each([&](int x, int y, int z) { at(x, y, z) = static_cast<std::int32_t>(crystal.particles++); });
+  each([&](int x, int y, int z) {
+    for (const int sign : {-1, 1}) {
+      crystal.links.push_back(spring(at(x, y, z), at(x + 1, y + sign, z), Vec3(1, sign, 0), across));
+      crystal.links.push_back(spring(at(x, y, z), at(x + 1, y, z + sign), Vec3(1, 0, sign), across));
+      crystal.links.push_back(spring(at(x, y, z), at(x, y + 1, z + sign), Vec3(0, 1, sign), across));
+    }
+  });
+  return crystal;
+}
+
+TEST(ContactNetwork, ACloseCrystalSwingsAtEightAndWithTangentsOfHalfAtTwelve) {
+  // Planes along a cube's edge against each other (point X of the zone): 8 of the 12 contacts of a particle are between
+  // planes, and what goes along the edge stretches each by half its square: 2 * 8 * (1/2 + 1/2 r), r = k_t / k.
+  for (const double ratio : {0.0, 0.5, 1.0}) {
+    EXPECT_NEAR(largestFrequencySquared(fcc(3, ratio)), 8 + 8 * ratio, 1e-4) << ratio;
+  }
+}
+
+/// The same by assembling the whole matrix, in Eigen's order of things.
+Eigen::MatrixXd dense(const ContactNetwork& network, double dt_s) {
+  const auto n = static_cast<Eigen::Index>(3 * network.particles);
+  Eigen::MatrixXd matrix = Eigen::MatrixXd::Zero(n, n);
+  for (const ContactLink& link : network.links) {
+    const Eigen::Matrix3d along = link.normal * link.normal.transpose();
+    const Eigen::Matrix3d across = Eigen::Matrix3d::Identity() - along;
+    const Eigen::Matrix3d block =
+        (dt_s > 0 ? dt_s * dt_s * link.stiffness_n_m.along + 2 * dt_s * link.damping_n_s_m.along
+                  : link.stiffness_n_m.along) *
+            along +
+        (dt_s > 0 ? dt_s * dt_s * link.stiffness_n_m.across + 2 * dt_s * link.damping_n_s_m.across
+                  : link.stiffness_n_m.across) *
+            across;
+    matrix.block<3, 3>(3 * link.first, 3 * link.first) += block;
+    if (link.second >= 0) {
+      matrix.block<3, 3>(3 * link.second, 3 * link.second) += block;
+      matrix.block<3, 3>(3 * link.first, 3 * link.second) -= block;
+      matrix.block<3, 3>(3 * link.second, 3 * link.first) -= block;
+    }
+  }
+  return matrix / network.mass_kg;
+}
+
+/// Soil that lies in a box of the paper's size over the floor, pressed by a strong gravity.
+Bed lying(const SoilParameters& soil, int particles) {
+  BedParameters bed;
+  bed.soil = soil;
+  bed.gravity_m_s2 = {0, 0, -9.81};
+  bed.start = BedStart::kRain;
+  bed.particles = particles;
+  bed.width_m = bed.length_m = 0.07;
+  return Bed(bed);
+}
+
+TEST(ContactNetwork, OfRealBedsIsWhatADenseSolverFinds) {
+  for (const double cohesion_n : {0.0, 0.4}) {
+    const Bed bed = lying(testSoil(0.5, cohesion_n), 200);
+    ContactNetwork network = contactNetwork(bed);
+    const ToolParameters tool;
+    addTool(network, tool, {{0, 0, bed.surfaceHeight() - 0.01}, Quat::Identity()}, 2e-4, bed);
+    ASSERT_GT(network.links.size(), 600U);
+    const auto largest = [](const Eigen::MatrixXd& matrix) {
+      return Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(matrix, Eigen::EigenvaluesOnly).eigenvalues().maxCoeff();
+    };
+    const double expected = largest(dense(network, 0));
+    EXPECT_NEAR(largestFrequencySquared(network), expected, 1e-5 * expected);
+    const double share = largest(dense(network, 2e-4)) / 4;
+    EXPECT_NEAR(shareOfStableStep(network, 2e-4), share, 1e-5 * share);
+  }
+}
+
+/// Largest eigenvalue's magnitude of the step itself, positions and velocities together.
+double growth(const ContactNetwork& network, double dt_s) {
+  ContactNetwork springs = network, dampers = network;
+  for (ContactLink& link : dampers.links) {
+    link.stiffness_n_m = link.damping_n_s_m;
+  }
+  const Eigen::MatrixXd k = dense(springs, 0);
+  const Eigen::MatrixXd c = dense(dampers, 0);
+  const Eigen::Index n = k.rows();
+  const Eigen::MatrixXd one = Eigen::MatrixXd::Identity(n, n);
+  Eigen::MatrixXd step(2 * n, 2 * n);
+  step << one - dt_s * dt_s * k, dt_s * (one - dt_s * c), -dt_s * k, one - dt_s * c;
+  return Eigen::EigenSolver<Eigen::MatrixXd>(step, false).eigenvalues().cwiseAbs().maxCoeff();
+}
+
+TEST(ContactNetwork, TheStepIsStableUpToItsShareOfOneAndNotBeyond) {
+  // Walls, cohesion and friction, whose dampers and springs have different modes: nothing that could be worked out mode
+  // by mode.
+  const ContactNetwork network = contactNetwork(lying(testSoil(0.5, 0.2), 60));
+  double shortest = 1e-4, longest = 1e-3;
+  for (int i = 0; i < 40; ++i) {
+    const double middle = (shortest + longest) / 2;
+    (shareOfStableStep(network, middle) < 1 ? shortest : longest) = middle;
+  }
+  EXPECT_LE(growth(network, 0.5 * shortest), 1 + 1e-9);
+  EXPECT_LE(growth(network, 0.999 * shortest), 1 + 1e-9);
+  EXPECT_GT(growth(network, 1.001 * shortest), 1.0005);
+}
+
+}  // namespace
+}  // namespace haptolith
