@@ -1,8 +1,7 @@
 #include "haptolith/lab/contact_network.h"
 
-#include <gtest/gtest.h>
-
 #include <Eigen/Eigenvalues>
+#include <gtest/gtest.h>
 
 #include <cmath>
 #include <random>

@@ -19,7 +19,9 @@ namespace {
 class PairSprings {
  public:
   explicit PairSprings(const SoilParameters& soil)
-      : soil_(soil), law_(makeContactLaw(soil)), per_root_(soil.damping_ratio * std::sqrt(2 * macroparticleMass(soil))) {}
+      : soil_(soil),
+        law_(makeContactLaw(soil)),
+        per_root_(soil.damping_ratio * std::sqrt(2 * macroparticleMass(soil))) {}
 
   [[nodiscard]] double reach() const noexcept { return law_.cutoff_m; }
 
@@ -32,7 +34,8 @@ class PairSprings {
     const double cohesion_n_m =
         4 * ratio * law_.cohesion_n / law_.cohesion_range_m * std::max(0.0, 1 - gap_m / middle_m);
     const double k = gap_m < 0 ? hyperbola : cohesion_n_m;
-    const bool sticks = ratio > 0 && soil_.contact_friction > 0 && (gap_m < 0 || (law_.cohesion_n > 0 && gap_m < middle_m));
+    const bool sticks =
+        ratio > 0 && soil_.contact_friction > 0 && (gap_m < 0 || (law_.cohesion_n > 0 && gap_m < middle_m));
     const double k_t = sticks ? soil_.tangential_ratio * soil_.stiffness_n_m : 0;
     link.stiffness_n_m = {towards * k, k_t};
     link.damping_n_s_m = {towards * per_root_ * std::sqrt(hyperbola), per_root_ * std::sqrt(k_t)};
@@ -74,9 +77,10 @@ double around(double apart_m, double period_m, bool periodic) {
 
 using Weight = std::function<AlongAndAcross(const ContactLink&)>;
 
-/// Largest eigenvalue of sum over links of along n n^T + across (1 - n n^T), each between its two particles, by Lanczos:
-/// power iteration that remembers its last two directions. The upper end of a packing's spectrum is dense, and power
-/// iteration alone is still 1 % below after a hundred products; this is at 1e-6. Lost orthogonality only repeats values.
+/// Largest eigenvalue of sum over links of along n n^T + across (1 - n n^T), each between its two particles, by
+/// Lanczos: power iteration that remembers its last two directions. The upper end of a packing's spectrum is dense, and
+/// power iteration alone is still 1 % below after a hundred products; this is at 1e-6. Lost orthogonality only repeats
+/// values.
 double largestEigenvalue(const ContactNetwork& network, const Weight& weight) {
   std::vector<AlongAndAcross> weights;
   for (const ContactLink& link : network.links) {

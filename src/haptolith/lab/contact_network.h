@@ -13,8 +13,8 @@ struct AlongAndAcross {
   double along = 0, across = 0;
 };
 
-/// Spring and damper of one contact, as the first particle feels them: a wall is its mirror image, which moves against it
-/// (bed/step_kernel.cpp), and so twice as stiff along the contact.
+/// Spring and damper of one contact, as the first particle feels them: a wall is its mirror image, which moves against
+/// it (bed/step_kernel.cpp), and so twice as stiff along the contact.
 struct ContactLink {
   static constexpr std::int32_t kFixed = -1;
   std::int32_t first = 0;
@@ -25,8 +25,8 @@ struct ContactLink {
 
 /// The contacts of a bed with contact friction as they are at one moment: what decides how short its steps must be.
 ///
-/// Each contact is as stiff as its law there, and sticks: one that slides is softer. What is cohering only, across a gap,
-/// is in it, too. The turning of the contact forces themselves, at most 2 % of k, is not.
+/// Each contact is as stiff as its law there, and sticks: one that slides is softer. What is cohering only, across a
+/// gap, is in it, too. The turning of the contact forces themselves, at most 2 % of k, is not.
 struct ContactNetwork {
   std::size_t particles = 0;
   double mass_kg = 0;
@@ -50,8 +50,9 @@ void addTool(ContactNetwork& network, const ToolParameters& tool, const Pose& sc
 ///     v' = v - dt/m (K x + C v),   x' = x + dt v'.
 ///
 /// An eigenvector y of it with growth z obeys z^2 - (2 - a - b) z + (1 - b) = 0, where a = y* K y dt^2/m and
-/// b = y* C y dt/m are real and not negative; |z| <= 1 while a + 2 b <= 4 (Jury). So the step is stable for any K and C, as
-/// long as no eigenvalue of dt^2 K + 2 dt C exceeds 4 m, and at 4 m there is a movement with z = -1: the bound is sharp.
+/// b = y* C y dt/m are real and not negative; |z| <= 1 while a + 2 b <= 4 (Jury). So the step is stable for any K and
+/// C, as long as no eigenvalue of dt^2 K + 2 dt C exceeds 4 m, and at 4 m there is a movement with z = -1: the bound is
+/// sharp.
 [[nodiscard]] double shareOfStableStep(const ContactNetwork& network, double dt_s);
 
 }  // namespace haptolith
