@@ -317,8 +317,10 @@ TEST_F(StoreRemoval, OneThatFailsHalfWayIsBroughtToItsEndByTheNextRun) {
 TEST_F(StoreRemoval, AKillAtAnyMomentLeavesAllOrNothing) {
   std::mt19937_64 random(11);
   std::chrono::microseconds whole{0};
-  int claimed = 0, kept = 0;
-  for (int kill_number = 0; kill_number < 41; ++kill_number) {
+  constexpr int kRuns = 41, kMostRuns = 400;  // more where a busy machine lets no kill come between
+  int claimed = 0, kept = 0, between = 0;
+  for (int kill_number = 0; kill_number < kRuns || (kill_number < kMostRuns && (kept == 0 || between == 0));
+       ++kill_number) {
     fs::remove_all(recordingsFolder(file_));
     fs::remove(file_);
     StudyStore::create(file_, loadProtocolText(kTwoBlocks, "two.toml"), kTwoBlocks, 42);
@@ -362,13 +364,14 @@ TEST_F(StoreRemoval, AKillAtAnyMomentLeavesAllOrNothing) {
       ASSERT_EQ(store.formAnswers(true).size(), 2U);
       ASSERT_EQ(recordingsOf(file_, kCode, {}).size(), std::size_t{kTrials});
     } else {
+      between += claims ? 0 : 1;
       ASSERT_THAT(traces(), IsEmpty());
       ASSERT_EQ(store.trials().size(), 2U * kTrials);
     }
   }
   RecordProperty("said_to_be_deleted", claimed);
   EXPECT_GT(kept, 0);
-  EXPECT_LT(kept + claimed, 41) << "no kill came between";
+  EXPECT_GT(between, 0);
 }
 
 }  // namespace
