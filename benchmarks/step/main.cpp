@@ -1,6 +1,5 @@
-// How fast beds of the named soils can swing, and how much of the stable step 3, 4 and 5 substeps of a millisecond
-// take: settled, sheared under load, under a plate pressed in hard, and under a shovel that stirs, scoops and presses
-// with 12 N.
+// How fast beds of the named soils can swing, and how much of the stable step 3, 4 and 5 substeps of a millisecond take:
+// settled, sheared under load, under a plate pressed in hard, and under a shovel that stirs, scoops and presses with 12 N.
 //
 //     build/release/benchmarks/haptolith_step                        # all named soils
 //     build/release/benchmarks/haptolith_step --soil dry-sand --body Earth
@@ -16,6 +15,7 @@
 #include <functional>
 #include <numbers>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "haptolith/bed/critical_step.h"
@@ -37,14 +37,16 @@ constexpr double kLook_s = 0.02;
 struct Place {
   SoilParameters soil;
   double gravity_m_s2 = 0;
+  int ticks_per_ms = 1;  ///< more make steps shorter than a tick of 1 ms would have them
 };
 
 /// The most that was seen of each number.
 struct Seen {
-  double touching = 0;                           ///< contacts that overlap, of a particle, mean of all
-  double most_touching = 0;                      ///< of any particle
-  std::array<double, 3> frequency{};             ///< largest m omega^2 / k with k_t / k = 0, as the soil has it, and 1
+  double touching = 0;                ///< contacts that overlap, of a particle, mean of all
+  double most_touching = 0;           ///< of any particle
+  std::array<double, 3> frequency{};  ///< largest m omega^2 / k with k_t / k = 0, as the soil has it, and 1
   std::array<double, kSubsteps.size()> share{};  ///< of the stable step
+  double warmth_m_s = 0;  ///< root mean square of speeds, a second after the tool came to rest
 
   void look(const Bed& bed, const ToolParameters* tool = nullptr, const Pose& pose = {}) {
     const SoilParameters& soil = bed.parameters().soil;
@@ -87,13 +89,16 @@ struct Seen {
   }
 };
 
-BedParameters bedOf(const Place& place, int particles) {
+/// As it is after rain, or in the order of a crystal.
+BedParameters bedOf(const Place& place, int particles, BedStart start = BedStart::kRain) {
   BedParameters bed;
   bed.soil = place.soil;
   bed.gravity_m_s2 = {0, 0, -place.gravity_m_s2};
-  bed.start = BedStart::kRain;
+  bed.start = start;
+  bed.depth_m = 0.04;
   bed.particles = particles;
   bed.sleep = false;
+  bed.tick_s = kTick_s / place.ticks_per_ms;
   return bed;
 }
 
@@ -132,20 +137,31 @@ Seen inTheHand(const Place& place, Manoeuvre manoeuvre) {
   HandParameters hand;
   hand.manoeuvre = manoeuvre;
   hand.surface_m = scene.bed().surfaceHeight();
-  VirtualHand device(hand, kTick_s);
+  VirtualHand device(hand, bed.tick_s);
   LoopParameters loop_parameters;
   loop_parameters.paced = false;
+  loop_parameters.tick_s = bed.tick_s;
   HapticLoop loop(scene, device, loop_parameters, false);
   Seen seen;
-  for (int tick = 0; tick < 8000; ++tick) {
+  for (int tick = 0; tick < 8000 * place.ticks_per_ms; ++tick) {
     if (loop.tick() != LoopEnd::kRunning) {
       throw Failure("the loop has ended");
     }
-    if (tick % 50 == 0 && scene.felt().wrench.force_n.norm() > 0) {
+    if (tick % (50 * place.ticks_per_ms) == 0 && scene.felt().wrench.force_n.norm() > 0) {
       seen.look(scene.bed(), &scene.tool(), scene.toolPose());
     }
   }
   return seen;
+}
+
+/// Root mean square over all particles.
+double speedOf(const Bed& bed) {
+  double squares = 0;
+  for (std::size_t i = 0; i < bed.particles(); ++i) {
+    const Float4& v = bed.state().velocity[i];
+    squares += v.x * v.x + v.y * v.y + v.z * v.z;
+  }
+  return std::sqrt(squares / static_cast<double>(bed.particles()));
 }
 
 /// A tool as a body of an arm's mass and damping, pressed down.
@@ -154,26 +170,36 @@ struct Pressing {
   Quat orientation = Quat::Identity();
   Vec3 over_m = Vec3::Zero();  ///< x and y; z above the surface
   double force_n = 12;         ///< the most that the virtual hand shows, and a sigma.7
+  BedStart start = BedStart::kRain;
+  int particles = 400;
 };
 
 Seen pressedWith(const Place& place, const Pressing& pressing) {
-  Scene scene(bedOf(place, 400), pressing.tool);
+  Scene scene(bedOf(place, pressing.particles, pressing.start), pressing.tool);
   HandState hand;
   hand.pose = {pressing.over_m + Vec3(0, 0, scene.bed().surfaceHeight()), pressing.orientation};
   scene.placeTool(hand);
   constexpr double kMass_kg = 0.554, kDamping_n_s_m = 20;
   Seen seen;
-  for (int tick = 0; tick < 4000; ++tick) {
+  const double tick_s = kTick_s / place.ticks_per_ms;
+  const int ticks = 4000 * place.ticks_per_ms;
+  int looked = 0;
+  for (int tick = 0; tick < ticks; ++tick) {
     if (scene.tick(hand) != StepStatus::kOk) {
       throw Failure("the bed is no longer sound");
     }
     double& speed = hand.twist.linear_m_s.z();
-    speed += kTick_s / kMass_kg * (scene.felt().wrench.force_n.z() - pressing.force_n - kDamping_n_s_m * speed);
-    hand.pose.position_m.z() += kTick_s * speed;
-    if (tick % 50 == 0) {
+    speed += tick_s / kMass_kg * (scene.felt().wrench.force_n.z() - pressing.force_n - kDamping_n_s_m * speed);
+    hand.pose.position_m.z() += tick_s * speed;
+    if (tick % (50 * place.ticks_per_ms) == 0) {
       seen.look(scene.bed(), &scene.tool(), scene.toolPose());
+      if (tick > ticks * 3 / 4) {
+        seen.warmth_m_s += speedOf(scene.bed());
+        ++looked;
+      }
     }
   }
+  seen.warmth_m_s /= looked;
   return seen;
 }
 
@@ -185,9 +211,15 @@ struct State {
 int run(int argc, char** argv) {
   std::vector<std::string> soils = soilNames();
   std::string body = "Moon";
+  double size_spread = -1;
+  int ticks_per_ms = 1;
+  std::string only;
   CLI::App app("How fast beds can swing, and how much of the stable step their substeps take.");
   app.add_option("--soil", soils, "named soils")->delimiter(',');
   app.add_option("--body", body, "where");
+  app.add_option("--size-spread", size_spread, "of the particles' radii [the soil's]");
+  app.add_option("--ticks-per-ms", ticks_per_ms, "for shorter steps");
+  app.add_option("--only", only, "beds whose names hold this");
   CLI11_PARSE(app, argc, argv);
   const std::vector<State> states{
       {"settled", settled},
@@ -196,40 +228,48 @@ int run(int argc, char** argv) {
       {"plate, 30 kPa", [](const Place& p) { return pressed(p, 3e4); }},
       {"stirred", [](const Place& p) { return inTheHand(p, Manoeuvre::kStir); }},
       {"scooped", [](const Place& p) { return inTheHand(p, Manoeuvre::kScoop); }},
-      {"shovel flat, 12 N",
-       [](const Place& p) {
-         return pressedWith(p, {.over_m = {0, 0, 0.005}});
-       }},
+      {"shovel flat, 12 N", [](const Place& p) { return pressedWith(p, {.over_m = {0, 0, 0.005}}); }},
       {"shovel on edge, 12 N",
        [](const Place& p) {
-         return pressedWith(
-             p, {.orientation = Quat(Eigen::AngleAxisd(std::numbers::pi / 2, Vec3::UnitX())), .over_m = {0, 0, 0.025}});
+         return pressedWith(p, {.orientation = Quat(Eigen::AngleAxisd(std::numbers::pi / 2, Vec3::UnitX())),
+                                .over_m = {0, 0, 0.025}});
        }},
       {"shovel in a corner, 12 N",
-       [](const Place& p) {
-         return pressedWith(p, {.over_m = {0.036, 0.041, 0.005}});
-       }},
+       [](const Place& p) { return pressedWith(p, {.over_m = {0.036, 0.041, 0.005}}); }},
       {"ball of 20 mm, 12 N",
        [](const Place& p) {
          return pressedWith(p, {.tool = {.shape = ToolShape::kSphere, .diameter_m = 0.02}, .over_m = {0, 0, 0.015}});
        }},
-      {"shovel flat, 40 N",
+      {"paper's 256, shovel flat, 12 N",
        [](const Place& p) {
-         return pressedWith(p, {.over_m = {0, 0, 0.005}, .force_n = 40});
+         return pressedWith(p, {.over_m = {0, 0, 0.005}, .start = BedStart::kCount, .particles = 256});
        }},
+      {"close packing, shovel flat, 12 N",
+       [](const Place& p) { return pressedWith(p, {.over_m = {0, 0, 0.005}, .start = BedStart::kPacked}); }},
+      {"close packing, shovel flat, 40 N",
+       [](const Place& p) {
+         return pressedWith(p, {.over_m = {0, 0, 0.005}, .force_n = 40, .start = BedStart::kPacked});
+       }},
+      {"shovel flat, 40 N", [](const Place& p) { return pressedWith(p, {.over_m = {0, 0, 0.005}, .force_n = 40}); }},
+      {"shovel flat, 100 N", [](const Place& p) { return pressedWith(p, {.over_m = {0, 0, 0.005}, .force_n = 100}); }},
   };
   std::printf(
-      "| soil | bed | Z, mean | Z, most | m omega^2/k: k_t = 0 | as it is | k_t = k | share at 3 | at 4 | at 5 | "
-      "substeps now "
-      "|\n|---|---|--:|--:|--:|--:|--:|--:|--:|--:|--:|\n");
+      "| soil | bed | Z, mean | Z, most | m omega^2/k: k_t = 0 | as it is | k_t = k | share at 3 | at 4 | at 5 | substeps | at rest / (mm/s) "
+      "|\n|---|---|--:|--:|--:|--:|--:|--:|--:|--:|--:|--:|\n");
   for (const std::string& name : soils) {
-    const Place place{findSoil(name).soil, findBody(body).gravity_m_s2};
+    Place place{findSoil(name).soil, findBody(body).gravity_m_s2, ticks_per_ms};
+    place.soil.size_spread = size_spread < 0 ? place.soil.size_spread : size_spread;
     for (const State& state : states) {
+      if (std::string_view(state.name).find(only) == std::string_view::npos) {
+        continue;
+      }
       const Seen seen = state.measure(place);
-      std::printf("| %s | %s | %.1f | %.0f | %.2f | %.2f | %.2f | %.2f | %.2f | %.2f | %d |\n", name.c_str(),
-                  state.name, seen.touching, seen.most_touching, seen.frequency[0], seen.frequency[1],
-                  seen.frequency[2], seen.share[0], seen.share[1], seen.share[2],
-                  substepsFor(place.soil, ToolParameters{}.stiffness_n_m, kTick_s, 1000));
+      std::printf("| %s | %s | %.1f | %.0f | %.2f | %.2f | %.2f | %.2f | %.2f | %.2f | %d | %.3g |\n", name.c_str(), state.name,
+                  seen.touching, seen.most_touching, seen.frequency[0], seen.frequency[1], seen.frequency[2],
+                  seen.share[0], seen.share[1], seen.share[2],
+                  place.ticks_per_ms * substepsFor(place.soil, stiffnessInStep(ToolParameters{}, place.soil.friction),
+                                                   kTick_s / place.ticks_per_ms, 1000),
+                  1e3 * seen.warmth_m_s);
       std::fflush(stdout);
     }
   }

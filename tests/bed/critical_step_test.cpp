@@ -11,10 +11,10 @@
 namespace haptolith {
 namespace {
 
-TEST(CriticalStep, FrequencyIsTheOneOfAParticleBetweenItsNeighboursTheWallAndTheTool) {
+TEST(CriticalStep, WithThePapersFrictionItIsTheFrequencyOfAParticleBetweenItsNeighboursTheWallAndTheTool) {
   // P4: m = 4 sqrt(2) * 1360 * 0.007^3 = 2.63881e-3 kg; (10 * 100 + 500) / m = 5.6844e5 1/s^2; its root 753.95 rad/s.
-  EXPECT_NEAR(highestFrequency(findPreset("P4").soil, 500), 753.95, 0.01);
-  EXPECT_NEAR(highestFrequency(findPreset("P4").soil, 0), 615.60, 0.01);
+  EXPECT_NEAR(stepsPerSecond(findPreset("P4").soil, 500), 753.95, 0.01);
+  EXPECT_NEAR(stepsPerSecond(findPreset("P4").soil, 0), 615.60, 0.01);
 }
 
 TEST(CriticalStep, ThePapersSceneNeedsOneStepATick) {
@@ -31,6 +31,53 @@ TEST(CriticalStep, SubstepsAreThePhaseOfATickRoundedUp) {
   EXPECT_EQ(substepsFor(soil, 500, 1e-6, 32), 1);
   // Smaller particles: k ~ R and m ~ R^3, so omega ~ 1/R. R = 1 mm: sqrt((10 * 100/7 + 500) / 7.6933e-6) = 9141 rad/s.
   EXPECT_EQ(substepsFor(rescaled(soil, 1e-3), 500, 1e-3, 32), 10);
+}
+
+/// As soils/lunar-0-15cm.toml.
+SoilParameters lunarSoil() {
+  SoilParameters soil;
+  soil.gamma_nm = 6e-5;
+  soil.rho0_kg_m3 = 1400;
+  soil.rho_max_kg_m3 = 1801.4;
+  soil.stiffness_n_m = 3000;
+  soil.friction = FrictionModel::kContact;
+  soil.contact_cohesion_n = 0.2455;
+  soil.size_spread = 0.15;
+  return soil;
+}
+
+TEST(CriticalStep, LunarSoilUnderAShovelNeedsThreeStepsATick) {
+  // m = 2.7164e-3 kg, sqrt(k / m) = 1050.9 /s. Springs 10.2; dampers 2 sqrt(2) 0.2 * 12.561 = 7.1056, as 12.561 =
+  // 10.2 + 11.4 (sqrt(1/2) - 1/2); a shovel of 500 N/m, 1200 N/m with its damper. With q = 1050.9 dt:
+  // 10.2 q^2 + 7.1056 q + 1200 / 3000 q^2 = 4 at q = 0.36461, and so 1050.9 / 0.36461 = 2882.2 steps a second.
+  const SoilParameters soil = lunarSoil();
+  EXPECT_NEAR(stepsPerSecond(soil, 1200), 2882.2, 1);
+  EXPECT_EQ(substepsFor(soil, 1200, 1e-3, 32), 3);
+  EXPECT_NEAR(stepsPerSecond(rescaled(soil, 3.5e-3), 600), 2 * 2882.2, 2);  // everything goes with 1/R
+  // Without damping accuracy decides: sqrt(10.2 + 0.4) q = 0.8.
+  SoilParameters undamped = soil;
+  undamped.damping_ratio = 0;
+  EXPECT_NEAR(stepsPerSecond(undamped, 1200), 1050.9 * std::sqrt(10.6) / 0.8, 1);
+}
+
+TEST(CriticalStep, NamesTheStiffnessThatWouldDoWithContactFrictionToo) {
+  SoilParameters soil = lunarSoil();
+  soil.contact_cohesion_n = 0;
+  try {
+    (void)substepsFor(soil, 1200, 1e-3, 2);
+    FAIL();
+  } catch (const InvalidParameter& error) {
+    const std::string text = error.what();
+    const std::size_t at = text.find("<= ");
+    ASSERT_NE(at, std::string::npos) << text;
+    soil.stiffness_n_m = std::stod(text.substr(at + 3));
+    EXPECT_GT(soil.stiffness_n_m, 500);
+  }
+  soil.stiffness_n_m *= 0.999;
+  EXPECT_EQ(substepsFor(soil, 1200, 1e-3, 2), 2);
+  soil.stiffness_n_m *= 1.002;
+  EXPECT_THROW((void)substepsFor(soil, 1200, 1e-3, 2), InvalidParameter);
+  EXPECT_THROW((void)substepsFor(soil, 1e6, 1e-3, 2), InvalidParameter);  // the tool alone
 }
 
 TEST(CriticalStep, RefusesASceneThatIsHopelessAndNamesTheStiffnessThatWouldDo) {
@@ -82,7 +129,7 @@ TEST(CriticalStep, IsStableAtTheStepItGivesAndNotFarAboveIt) {
   // A particle on the floor hangs on a spring of at most 2 k, with the damping of one contact (paper 20), c = k dt / 2.
   // With y = k dt^2 / m the semi-implicit step is stable for 2 y < 4 + y, so y < 4: dt < 2 sqrt(m / k) = 10.3 ms.
   const SoilParameters soil = findPreset("P4").soil;
-  const double given = 1 / highestFrequency(soil, 0);
+  const double given = 1 / stepsPerSecond(soil, 0);
   EXPECT_LT(rebound(given, 2000), 0.05);
   const double unstable = 4 * std::sqrt(macroparticleMass(soil) / soil.stiffness_n_m);
   EXPECT_GT(unstable, 10 * given);

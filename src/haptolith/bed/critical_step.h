@@ -4,19 +4,22 @@
 
 namespace haptolith {
 
-/// Highest natural frequency that a macroparticle of this soil can show, in rad/s.
+/// Steps that a bed of this soil needs in a second at least.
+///
+/// With the paper's friction 1 / dt = omega, half of the semi-implicit step's limit:
 ///
 ///     m omega^2 = 8 k + 2 k + k_tool
 ///
 /// 8 k: the fastest mode of a close packing of springs k (neighbouring layers against each other); 2 k: a wall, which
 /// answers like a mirror image and so twice as stiffly; k_tool: the tool's contact (paper 21), 0 without a tool.
 ///
-/// With contact friction all of it times 1 + k_t / k, for the springs across the contacts, and k is the largest slope
-/// of the contact: k itself, or 4 F_c / range where cohesion sets in.
-[[nodiscard]] double highestFrequency(const SoilParameters& soil, double tool_stiffness_n_m);
+/// With contact friction springs and dampers do not share their modes; the step is stable while no eigenvalue of
+/// dt^2 K + 2 dt C exceeds 4 m (lab/contact_network.h). These are measured, walls included; see packing() in
+/// critical_step.cpp. k is the largest slope of the contact: k itself, or 4 F_c / range where cohesion sets in.
+/// @param tool_stiffness_n_m  as stiffnessInStep() gives it.
+[[nodiscard]] double stepsPerSecond(const SoilParameters& soil, double tool_stiffness_n_m);
 
-/// Number of equal substeps of `tick_s` that keep dt * omega at or below 1, half of the semi-implicit step's limit
-/// of 2; with much damping less, as that lowers the limit.
+/// Number of equal substeps of `tick_s` that make up stepsPerSecond().
 /// @throws InvalidParameter when more than `max_substeps` would be needed, naming the stiffness that would do.
 [[nodiscard]] int substepsFor(const SoilParameters& soil, double tool_stiffness_n_m, double tick_s, int max_substeps);
 

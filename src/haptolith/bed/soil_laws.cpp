@@ -17,7 +17,7 @@ bool isCompatible(const SoilParameters& made_of, const SoilParameters& soil, dou
          soil.friction == made_of.friction && soil.size_spread == made_of.size_spread &&
          soil.damping_ratio <= made_of.damping_ratio &&
          makeContactLaw(soil).cutoff_m <= makeContactLaw(made_of).cutoff_m &&
-         highestFrequency(soil, tool_stiffness_n_m) <= highestFrequency(made_of, tool_stiffness_n_m);
+         stepsPerSecond(soil, tool_stiffness_n_m) <= stepsPerSecond(made_of, tool_stiffness_n_m);
 }
 
 }  // namespace haptolith

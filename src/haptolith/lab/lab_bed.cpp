@@ -42,7 +42,7 @@ double stepFor(const LabConditions& conditions, const std::optional<ToolParamete
   if (tool) {
     validate(*tool);
   }
-  return kTick_s / substepsFor(conditions.soil, tool ? tool->stiffness_n_m : 0, kTick_s, kMostSubsteps);
+  return kTick_s / substepsFor(conditions.soil, tool ? stiffnessInStep(*tool, conditions.soil.friction) : 0, kTick_s, kMostSubsteps);
 }
 
 std::vector<Vec3> together(const std::vector<Vec3>& soil_m, const std::vector<std::vector<Vec3>>& bodies_m) {

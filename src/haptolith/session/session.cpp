@@ -12,6 +12,7 @@
 #include "haptolith/device/open_device.h"
 #include "haptolith/scenario/scene_words.h"
 #include "haptolith/soil/soil_parameters.h"
+#include "haptolith/tool/tool_contact.h"
 
 namespace haptolith {
 
@@ -44,6 +45,11 @@ Scenario forItsHand(Scenario scenario, const HapticDevice* device) {
                                        wordFor(kDeviceWords, scenario.device.kind)));
   }
   return scenario;
+}
+
+void requireEnoughSubsteps(const Scenario& scenario) {
+  const BedParameters& bed = scenario.bed;
+  (void)substepsFor(bed.soil, stiffnessInStep(scenario.tool, bed.soil.friction), bed.tick_s, bed.max_substeps);
 }
 
 bool sameTool(const ToolParameters& a, const ToolParameters& b) {
@@ -210,7 +216,7 @@ bool Session::takeMade() {
 
 void Session::change(const SceneChange& change) {
   const Scenario next = changed(wanted_, change);
-  (void)substepsFor(next.bed.soil, next.tool.stiffness_n_m, next.bed.tick_s, next.bed.max_substeps);  // throws
+  requireEnoughSubsteps(next);
   problem_.clear();
   wanted_ = next;
   if (change.wantsNewBed()) {
@@ -231,7 +237,7 @@ void Session::show(std::span<const SceneChange> changes) {
   for (const SceneChange& change : changes) {
     next = changed(std::move(next), change);
   }
-  (void)substepsFor(next.bed.soil, next.tool.stiffness_n_m, next.bed.tick_s, next.bed.max_substeps);  // throws
+  requireEnoughSubsteps(next);
   problem_.clear();
   wanted_ = std::move(next);
   wantBed("stimulus");
@@ -295,7 +301,7 @@ void Session::changeWhatIsThere() {
   if (wanted_.bed.soil == now.bed.soil) {
     return;
   }
-  if (!isCompatible(current_.made_of, wanted_.bed.soil, wanted_.tool.stiffness_n_m)) {
+  if (!isCompatible(current_.made_of, wanted_.bed.soil, stiffnessInStep(wanted_.tool, wanted_.bed.soil.friction))) {
     make("soil", true);
   } else if (loop_->ask(request::Soil{SoilLaws(wanted_.bed.soil)})) {
     now.bed.soil = wanted_.bed.soil;

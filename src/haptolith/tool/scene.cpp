@@ -15,8 +15,7 @@ namespace {
 int checkedSubsteps(const BedParameters& bed, const ToolParameters& tool) {
   validate(bed);
   validate(tool);
-  const double jaws = tool.shape == ToolShape::kJaws ? 2 : 1;  // that hold a particle from both sides
-  return substepsFor(bed.soil, jaws * tool.stiffness_n_m, bed.tick_s, bed.max_substeps);
+  return substepsFor(bed.soil, stiffnessInStep(tool, bed.soil.friction), bed.tick_s, bed.max_substeps);
 }
 
 /// A tool that is only partly there.

@@ -17,6 +17,11 @@ double toolForce(const ToolParameters& tool, double radius_m, double dt_s, doubl
   return tool.stiffness_n_m * depth_m + damping * closing_m_s;
 }
 
+double stiffnessInStep(const ToolParameters& tool, FrictionModel friction) noexcept {
+  const double jaws = tool.shape == ToolShape::kJaws ? 2 : 1;
+  return jaws * tool.stiffness_n_m * (friction == FrictionModel::kContact ? 1 + tool.damping_factor : 1);
+}
+
 namespace {
 
 namespace law = HWY_NAMESPACE;

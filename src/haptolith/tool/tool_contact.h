@@ -20,6 +20,11 @@ namespace haptolith {
 [[nodiscard]] double toolForce(const ToolParameters& tool, double radius_m, double dt_s, double depth_m,
                                double closing_m_s) noexcept;
 
+/// What a tool adds to the stiffness of a particle as the step feels it, for substepsFor(), in N/m: k_tool, twice where
+/// jaws hold the particle from both sides. With contact friction its damper comes to it, 2 c_tool / dt: the step bears
+/// dt^2 k + 2 dt c. The paper's steps have room for it.
+[[nodiscard]] double stiffnessInStep(const ToolParameters& tool, FrictionModel friction) noexcept;
+
 /// What the soil does to the tool.
 struct ToolReaction {
   Wrench wrench;  ///< about the tool's origin, scene frame
