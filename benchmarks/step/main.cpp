@@ -13,6 +13,7 @@
 #include <cstdio>
 #include <exception>
 #include <functional>
+#include <map>
 #include <numbers>
 #include <string>
 #include <string_view>
@@ -47,6 +48,15 @@ struct Seen {
   std::array<double, 3> frequency{};  ///< largest m omega^2 / k with k_t / k = 0, as the soil has it, and 1
   std::array<double, kSubsteps.size()> share{};  ///< of the stable step
   double warmth_m_s = 0;  ///< root mean square of speeds, a second after the tool came to rest
+
+  void add(const Seen& other) {
+    touching = std::max(touching, other.touching);
+    most_touching = std::max(most_touching, other.most_touching);
+    warmth_m_s = std::max(warmth_m_s, other.warmth_m_s);
+    const auto larger = [](double a, double b) { return std::max(a, b); };
+    std::ranges::transform(frequency, other.frequency, frequency.begin(), larger);
+    std::ranges::transform(share, other.share, share.begin(), larger);
+  }
 
   void look(const Bed& bed, const ToolParameters* tool = nullptr, const Pose& pose = {}) {
     const SoilParameters& soil = bed.parameters().soil;
@@ -102,6 +112,16 @@ BedParameters bedOf(const Place& place, int particles, BedStart start = BedStart
   return bed;
 }
 
+/// Root mean square over all particles.
+double speedOf(const Bed& bed) {
+  double squares = 0;
+  for (std::size_t i = 0; i < bed.particles(); ++i) {
+    const Float4& v = bed.state().velocity[i];
+    squares += v.x * v.x + v.y * v.y + v.z * v.z;
+  }
+  return std::sqrt(squares / static_cast<double>(bed.particles()));
+}
+
 Seen settled(const Place& place) {
   Seen seen;
   seen.look(Bed(bedOf(place, 1000)));
@@ -128,6 +148,9 @@ Seen pressed(const Place& place, double stress_pa) {
     lab.moveBody(0, {0.05, 0, 0});
     lab.run(kLook_s, "the plate is drawn");
   }
+  lab.moveBody(0, Vec3::Zero());
+  lab.run(1, "the plate stands still");
+  seen.warmth_m_s = speedOf(lab.bed());
   return seen;
 }
 
@@ -152,16 +175,6 @@ Seen inTheHand(const Place& place, Manoeuvre manoeuvre) {
     }
   }
   return seen;
-}
-
-/// Root mean square over all particles.
-double speedOf(const Bed& bed) {
-  double squares = 0;
-  for (std::size_t i = 0; i < bed.particles(); ++i) {
-    const Float4& v = bed.state().velocity[i];
-    squares += v.x * v.x + v.y * v.y + v.z * v.z;
-  }
-  return std::sqrt(squares / static_cast<double>(bed.particles()));
 }
 
 /// A tool as a body of an arm's mass and damping, pressed down.
@@ -208,6 +221,12 @@ struct State {
   std::function<Seen(const Place&)> measure;
 };
 
+void print(const std::string& soil, const std::string& bed, const Seen& seen, int substeps) {
+  std::printf("| %s | %s | %.1f | %.0f | %.2f | %.2f | %.2f | %.2f | %.2f | %.2f | %d | %.2g |\n", soil.c_str(),
+              bed.c_str(), seen.touching, seen.most_touching, seen.frequency[0], seen.frequency[1], seen.frequency[2],
+              seen.share[0], seen.share[1], seen.share[2], substeps, 1e3 * seen.warmth_m_s);
+}
+
 int run(int argc, char** argv) {
   std::vector<std::string> soils = soilNames();
   std::string body = "Moon";
@@ -226,6 +245,7 @@ int run(int argc, char** argv) {
       {"plate, 3 kPa", [](const Place& p) { return pressed(p, 3e3); }},
       {"plate, 10 kPa", [](const Place& p) { return pressed(p, 1e4); }},
       {"plate, 30 kPa", [](const Place& p) { return pressed(p, 3e4); }},
+      {"plate, 60 kPa", [](const Place& p) { return pressed(p, 6e4); }},
       {"stirred", [](const Place& p) { return inTheHand(p, Manoeuvre::kStir); }},
       {"scooped", [](const Place& p) { return inTheHand(p, Manoeuvre::kScoop); }},
       {"shovel flat, 12 N", [](const Place& p) { return pressedWith(p, {.over_m = {0, 0, 0.005}}); }},
@@ -256,6 +276,8 @@ int run(int argc, char** argv) {
   std::printf(
       "| soil | bed | Z, mean | Z, most | m omega^2/k: k_t = 0 | as it is | k_t = k | share at 3 | at 4 | at 5 | substeps | at rest / (mm/s) "
       "|\n|---|---|--:|--:|--:|--:|--:|--:|--:|--:|--:|--:|\n");
+  std::map<std::string, Seen> most;
+  int fewest = 1000;
   for (const std::string& name : soils) {
     Place place{findSoil(name).soil, findBody(body).gravity_m_s2, ticks_per_ms};
     place.soil.size_spread = size_spread < 0 ? place.soil.size_spread : size_spread;
@@ -264,13 +286,18 @@ int run(int argc, char** argv) {
         continue;
       }
       const Seen seen = state.measure(place);
-      std::printf("| %s | %s | %.1f | %.0f | %.2f | %.2f | %.2f | %.2f | %.2f | %.2f | %d | %.3g |\n", name.c_str(), state.name,
-                  seen.touching, seen.most_touching, seen.frequency[0], seen.frequency[1], seen.frequency[2],
-                  seen.share[0], seen.share[1], seen.share[2],
-                  place.ticks_per_ms * substepsFor(place.soil, stiffnessInStep(ToolParameters{}, place.soil.friction),
-                                                   kTick_s / place.ticks_per_ms, 1000),
-                  1e3 * seen.warmth_m_s);
+      const int substeps =
+          place.ticks_per_ms * substepsFor(place.soil, stiffnessInStep(ToolParameters{}, place.soil.friction),
+                                           kTick_s / place.ticks_per_ms, 1000);
+      print(name, state.name, seen, substeps);
+      most[state.name].add(seen);
+      fewest = std::min(fewest, substeps);
       std::fflush(stdout);
+    }
+  }
+  for (const State& state : states) {
+    if (soils.size() > 1 && most.contains(state.name)) {
+      print("most of all", state.name, most[state.name], fewest);
     }
   }
   return 0;
