@@ -1,5 +1,6 @@
-// How fast beds of the named soils can swing, and how much of the stable step 3, 4 and 5 substeps of a millisecond take:
-// settled, sheared under load, under a plate pressed in hard, and under a shovel that stirs, scoops and presses with 12 N.
+// How fast beds of the named soils can swing, and how much of the stable step 3, 4 and 5 substeps of a millisecond
+// take: settled, sheared under load, under a plate pressed in hard, and under a shovel that stirs, scoops and presses
+// with 12 N.
 //
 //     build/release/benchmarks/haptolith_step                        # all named soils
 //     build/release/benchmarks/haptolith_step --soil dry-sand --body Earth
@@ -43,11 +44,11 @@ struct Place {
 
 /// The most that was seen of each number.
 struct Seen {
-  double touching = 0;                ///< contacts that overlap, of a particle, mean of all
-  double most_touching = 0;           ///< of any particle
-  std::array<double, 3> frequency{};  ///< largest m omega^2 / k with k_t / k = 0, as the soil has it, and 1
+  double touching = 0;                           ///< contacts that overlap, of a particle, mean of all
+  double most_touching = 0;                      ///< of any particle
+  std::array<double, 3> frequency{};             ///< largest m omega^2 / k with k_t / k = 0, as the soil has it, and 1
   std::array<double, kSubsteps.size()> share{};  ///< of the stable step
-  double warmth_m_s = 0;  ///< root mean square of speeds, a second after the tool came to rest
+  double warmth_m_s = 0;                         ///< root mean square of speeds, a second after the tool came to rest
 
   void add(const Seen& other) {
     touching = std::max(touching, other.touching);
@@ -248,14 +249,19 @@ int run(int argc, char** argv) {
       {"plate, 60 kPa", [](const Place& p) { return pressed(p, 6e4); }},
       {"stirred", [](const Place& p) { return inTheHand(p, Manoeuvre::kStir); }},
       {"scooped", [](const Place& p) { return inTheHand(p, Manoeuvre::kScoop); }},
-      {"shovel flat, 12 N", [](const Place& p) { return pressedWith(p, {.over_m = {0, 0, 0.005}}); }},
+      {"shovel flat, 12 N",
+       [](const Place& p) {
+         return pressedWith(p, {.over_m = {0, 0, 0.005}});
+       }},
       {"shovel on edge, 12 N",
        [](const Place& p) {
-         return pressedWith(p, {.orientation = Quat(Eigen::AngleAxisd(std::numbers::pi / 2, Vec3::UnitX())),
-                                .over_m = {0, 0, 0.025}});
+         return pressedWith(
+             p, {.orientation = Quat(Eigen::AngleAxisd(std::numbers::pi / 2, Vec3::UnitX())), .over_m = {0, 0, 0.025}});
        }},
       {"shovel in a corner, 12 N",
-       [](const Place& p) { return pressedWith(p, {.over_m = {0.036, 0.041, 0.005}}); }},
+       [](const Place& p) {
+         return pressedWith(p, {.over_m = {0.036, 0.041, 0.005}});
+       }},
       {"ball of 20 mm, 12 N",
        [](const Place& p) {
          return pressedWith(p, {.tool = {.shape = ToolShape::kSphere, .diameter_m = 0.02}, .over_m = {0, 0, 0.015}});
@@ -265,16 +271,25 @@ int run(int argc, char** argv) {
          return pressedWith(p, {.over_m = {0, 0, 0.005}, .start = BedStart::kCount, .particles = 256});
        }},
       {"close packing, shovel flat, 12 N",
-       [](const Place& p) { return pressedWith(p, {.over_m = {0, 0, 0.005}, .start = BedStart::kPacked}); }},
+       [](const Place& p) {
+         return pressedWith(p, {.over_m = {0, 0, 0.005}, .start = BedStart::kPacked});
+       }},
       {"close packing, shovel flat, 40 N",
        [](const Place& p) {
          return pressedWith(p, {.over_m = {0, 0, 0.005}, .force_n = 40, .start = BedStart::kPacked});
        }},
-      {"shovel flat, 40 N", [](const Place& p) { return pressedWith(p, {.over_m = {0, 0, 0.005}, .force_n = 40}); }},
-      {"shovel flat, 100 N", [](const Place& p) { return pressedWith(p, {.over_m = {0, 0, 0.005}, .force_n = 100}); }},
+      {"shovel flat, 40 N",
+       [](const Place& p) {
+         return pressedWith(p, {.over_m = {0, 0, 0.005}, .force_n = 40});
+       }},
+      {"shovel flat, 100 N",
+       [](const Place& p) {
+         return pressedWith(p, {.over_m = {0, 0, 0.005}, .force_n = 100});
+       }},
   };
   std::printf(
-      "| soil | bed | Z, mean | Z, most | m omega^2/k: k_t = 0 | as it is | k_t = k | share at 3 | at 4 | at 5 | substeps | at rest / (mm/s) "
+      "| soil | bed | Z, mean | Z, most | m omega^2/k: k_t = 0 | as it is | k_t = k | share at 3 | at 4 | at 5 | "
+      "substeps | at rest / (mm/s) "
       "|\n|---|---|--:|--:|--:|--:|--:|--:|--:|--:|--:|--:|\n");
   std::map<std::string, Seen> most;
   int fewest = 1000;

@@ -23,10 +23,10 @@ double largestPhase(double damping_ratio) {
 
 /// Largest eigenvalue of a packing whose contacts are 1 stiff along their normals and `across` beside them, walls
 /// included: chords between the most that beds of the named soils have under a plate with 10 kPa, twice what 12 N on a
-/// shovel come to. The largest eigenvalue is a convex function of `across`, so no chord is below it. This is the margin:
-/// of what this allows a tool takes 0.88 at most with 12 N, 0.94 with 40 N, and a plate with 10 kPa 0.98; with 30 kPa it is
-/// up to 1.10, if all contacts stick, and beds still come to rest (docs/performance.md). A close crystal in which
-/// all twelve contacts were as stiff as k would have 8 + 8 across; a bed would have to be pressed much harder for that.
+/// shovel come to. The largest eigenvalue is a convex function of `across`, so no chord is below it. This is the
+/// margin: of what this allows a tool takes 0.88 at most with 12 N, 0.94 with 40 N, and a plate with 10 kPa 0.98; but
+/// one with 30 kPa up to 1.10, and with 60 kPa soil trembles (docs/performance.md). A close crystal in which all twelve
+/// contacts were as stiff as k would have 8 + 8 across; a bed would have to be pressed much harder for that.
 double packing(double across) {
   constexpr double kNone = 6.0, kHalf = 10.2, kEqual = 15.9;  // across = 0, 1/2, 1
   return std::max(std::lerp(kNone, kHalf, 2 * across), std::lerp(kHalf, kEqual, 2 * across - 1));
@@ -37,8 +37,8 @@ double contactStiffness(const SoilParameters& soil) {
   return std::max(soil.stiffness_n_m, 4 * soil.contact_cohesion_n / (soil.cohesion_range_ratio * soil.radius_m));
 }
 
-/// Of contacts with friction, what dt^2 K and 2 dt C of the step are over m, with q = dt sqrt(k / m): springs q^2, dampers
-/// q. A damper is c = zeta sqrt(2 m k), along with k and across with k_t.
+/// Of contacts with friction, what dt^2 K and 2 dt C of the step are over m, with q = dt sqrt(k / m): springs q^2,
+/// dampers q. A damper is c = zeta sqrt(2 m k), along with k and across with k_t.
 struct Contacts {
   double springs, dampers, phase;
 
@@ -47,8 +47,8 @@ struct Contacts {
         dampers(2 * soil.damping_ratio * std::numbers::sqrt2 * packing(std::sqrt(soil.tangential_ratio))),
         phase(largestPhase(soil.damping_ratio)) {}
 
-  /// The largest q that is stable, springs q^2 + dampers q + tool <= 4, and accurate enough, springs q^2 + tool <= phase^2;
-  /// `tool` is dt^2 k_tool / m. Not a number when the tool alone is too stiff.
+  /// The largest q that is stable, springs q^2 + dampers q + tool <= 4, and accurate enough, springs q^2 + tool <=
+  /// phase^2; `tool` is dt^2 k_tool / m. Not a number when the tool alone is too stiff.
   [[nodiscard]] double largest(double tool) const {
     const double stable = (std::sqrt(dampers * dampers + 4 * springs * (4 - tool)) - dampers) / (2 * springs);
     return std::min(std::sqrt((phase * phase - tool) / springs), stable);  // not a number stays it
@@ -74,7 +74,8 @@ double stepsPerSecond(const SoilParameters& soil, double tool_stiffness_n_m) {
 
 namespace {
 
-/// The stiffest contact that `steps_per_s` are enough for, in N/m; not a number or negative when the tool alone needs more.
+/// The stiffest contact that `steps_per_s` are enough for, in N/m; not a number or negative when the tool alone needs
+/// more.
 double stiffestFor(const SoilParameters& soil, double tool_stiffness_n_m, double steps_per_s) {
   const double mass_kg = macroparticleMass(soil);
   if (soil.friction == FrictionModel::kContact) {

@@ -40,7 +40,7 @@ struct LabBox {
                                            std::uint64_t seed);
 
 /// A box with soil, bodies made of driven particles (rough plates, floors) and a tool that goes where it is told: what
-/// every test is built of. Steps at the critical step, not in ticks of 1 ms.
+/// every test is built of. Steps somewhat shorter than a bed in the hand, not in ticks of 1 ms.
 class LabBed {
  public:
   /// @param bodies  centres of the particles of each body; they stand still until moveBody().
