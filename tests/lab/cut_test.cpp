@@ -37,19 +37,29 @@ TEST(Cut, StandsInCohesiveSoil) {
 }
 
 TEST(Cut, FallsWithoutCohesion) {
-  const CutResult cut = verticalCutTest(lunar(0), kSmall);
-  EXPECT_FALSE(cut.stands);
-  EXPECT_LT(cut.height_kept, 0.8);
-  EXPECT_GT(cut.crest_back_m, 2 * cut.radius_m);
-  EXPECT_GT(cut.toe_ahead_m, 4 * cut.radius_m);
+  // From one specimen to the next 0.69 +- 0.07 of the height is left, and the crest goes back by 22 +- 7 mm.
+  constexpr int kSpecimens = 4;
+  double height_kept = 0;
+  double crest_back_m = 0;
+  for (int seed = 1; seed <= kSpecimens; ++seed) {
+    LabConditions conditions = lunar(0);
+    conditions.seed = static_cast<std::uint64_t>(seed);
+    const CutResult cut = verticalCutTest(conditions, kSmall);
+    EXPECT_FALSE(cut.stands);
+    EXPECT_GT(cut.toe_ahead_m, 4 * cut.radius_m);
+    height_kept += cut.height_kept / kSpecimens;
+    crest_back_m += cut.crest_back_m / kSpecimens;
 
-  // The soil lies still, behind and in front of the cut, and none is lost.
-  EXPECT_LT(cut.trace.rows.back()[3], std::sqrt(2 * 1.625 * cut.radius_m / 500));
-  EXPECT_EQ(cut.centres_before_m.size(), cut.centres_after_m.size());
-  for (std::size_t i = 0; i < cut.centres_before_m.size(); ++i) {
-    EXPECT_LT(cut.centres_before_m[i].x(), 0);  // all behind the plate before
-    EXPECT_GT(cut.centres_after_m[i].z(), -2 * cut.radius_m);
+    // The soil lies still, behind and in front of the cut, and none is lost.
+    EXPECT_LT(cut.trace.rows.back()[3], std::sqrt(2 * 1.625 * cut.radius_m / 500));
+    EXPECT_EQ(cut.centres_before_m.size(), cut.centres_after_m.size());
+    for (std::size_t i = 0; i < cut.centres_before_m.size(); ++i) {
+      EXPECT_LT(cut.centres_before_m[i].x(), 0);  // all behind the plate before
+      EXPECT_GT(cut.centres_after_m[i].z(), -2 * cut.radius_m);
+    }
   }
+  EXPECT_LT(height_kept, 0.8);
+  EXPECT_GT(crest_back_m, 2 * lunar(0).soil.radius_m);
 }
 
 TEST(CriticalCutHeight, IsWhatOneWorksOutByHand) {
