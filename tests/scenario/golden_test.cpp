@@ -69,11 +69,11 @@ name = "lunar-0-15cm"
 manoeuvre = "stir"
 )",
      4,
-     {{"AVX3", 0x511e34d0ec5f3d4U},
-      {"AVX2", 0x3dd3e46c59569ae0U},
-      {"SSE4", 0x11e320eab55a1db1U},
-      {"SSSE3", 0x11e320eab55a1db1U},
-      {"SCALAR", 0xfb830839036e539fU}}},
+     {{"AVX3", 0x63d8104b8dd9dbe9U},
+      {"AVX2", 0x70a3677972e60f06U},
+      {"SSE4", 0x4acc525a4084b30fU},
+      {"SSSE3", 0x4acc525a4084b30fU},
+      {"SCALAR", 0x7ae99bbf03d8968cU}}},
     {"SandboxThatSleeps",
      R"(
 [bed]
@@ -104,11 +104,11 @@ manoeuvre = "scoop"
 depth_mm = 15
 )",
      8,
-     {{"AVX3", 0x77799a8a946600fdU},
-      {"AVX2", 0x458fa793a06ea081U},
-      {"SSE4", 0x42ababf70fc57b5cU},
-      {"SSSE3", 0x42ababf70fc57b5cU},
-      {"SCALAR", 0x5eb14bb052b11089U}}},
+     {{"AVX3", 0x49da71839a64b4c1U},
+      {"AVX2", 0x27d80eec30dcc1d8U},
+      {"SSE4", 0xa31a718d683d4beaU},
+      {"SSSE3", 0xa31a718d683d4beaU},
+      {"SCALAR", 0x177d299acbeacf65U}}},
     {"Rain",
      R"(
 [bed]
