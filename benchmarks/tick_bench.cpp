@@ -73,7 +73,7 @@ BENCHMARK(BedStep)->Arg(256)->Arg(2000)->Arg(10000)->Arg(100000)->Unit(benchmark
 void EnterAll(benchmark::State& state) {
   Bed bed(bedOf(state.range(0)));
   const BedParameters& box = bed.parameters();
-  Neighbourhood neighbourhood(bed.particles(), bed.law().cutoff_m + 3.5e-3, 0,
+  Neighbourhood neighbourhood(bed.particles(), {.reach_m = bed.law().cutoff_m + 3.5e-3},
                               {box.width_m, box.length_m, bed.surfaceHeight(), {}});
   ContactLists lists(bed.particles(), false);
   for (auto _ : state) {

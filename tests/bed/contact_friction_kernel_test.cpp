@@ -76,7 +76,7 @@ struct Crowd {
     arrays.rows = lists.rowCounts();
     arrays.touched = lists.touchedRows();
     std::vector<ContactSum> sums(position.size());
-    sumFrictionalContacts(contactFrictionLaw(soil), periods, kStep_s, arrays, first_group,
+    sumFrictionalContacts(gradedLaw(soil, 1), periods, kStep_s, arrays, first_group,
                           std::min(last_group, lists.groups()), sums.data());
     sums.resize(n);
     return sums;

@@ -51,7 +51,7 @@ struct Listed {
   Listed(const std::vector<Float4>& positions, const GridBox& box, double largest_excess_m = 0)
       : listed_at(padded(positions)),
         lists(positions.size(), true),
-        neighbourhood(positions.size(), kReach_m, largest_excess_m, box) {}
+        neighbourhood(positions.size(), {.reach_m = kReach_m, .largest_excess_m = largest_excess_m}, box) {}
 
   [[nodiscard]] std::size_t particles() const { return lists.particles(); }
   [[nodiscard]] bool enterAll() {

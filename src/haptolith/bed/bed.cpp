@@ -49,7 +49,7 @@ constexpr double kRest_s = 0.1;
 constexpr double kCreep_s = 0.02;
 
 RestRule restRule(const BedParameters& bed) {
-  const double dt_s = std::min(bed.tick_s, 1 / stepsPerSecond(bed.soil, 0));
+  const double dt_s = std::min(bed.tick_s, 1 / stepsPerSecond(finestSoil(bed), 0));
   const auto speed = static_cast<float>(bed.sleep_speed_m_s);
   return {.sleep = bed.sleep,
           .speed_m_s = speed,
@@ -85,7 +85,7 @@ int partsFor(const BedParameters& bed, std::size_t groups, int threads) {
              : std::clamp(static_cast<int>(groups / kGroupsPerPart), 1, mostParts(threads));
 }
 
-/// How much the largest particle's radius exceeds the mean, in m.
+/// How much the largest particle's radius exceeds the mean, in m, in the coarsest class.
 double largestExcess(const SoilParameters& soil) {
   return soil.friction == FrictionModel::kContact ? soil.size_spread * soil.radius_m : 0;
 }
@@ -104,12 +104,25 @@ StepBox stepBox(const BedParameters& bed) {
           .periods = periodsOf(bed)};
 }
 
-double highest(const std::vector<Vec3>& centres_m) {
-  double height = 0;
-  for (const Vec3& centre : centres_m) {
-    height = std::max(height, centre.z());
+double highest(const std::vector<Float4>& grains) {
+  float height = 0;
+  for (const Float4& grain : grains) {
+    height = std::max(height, grain.z);
   }
   return height;
+}
+
+/// Centres with sizes as the seed deals them out.
+std::vector<Float4> withSizes(const BedParameters& bed, const std::vector<Vec3>& centres_m) {
+  std::mt19937_64 random(bed.seed);
+  std::vector<Float4> grains;
+  grains.reserve(centres_m.size());
+  for (const Vec3& centre : centres_m) {
+    const double excess = largestExcess(bed.soil) * uniformSigned(random);
+    grains.push_back(
+        {narrow<float>(centre.x()), narrow<float>(centre.y()), narrow<float>(centre.z()), narrow<float>(excess)});
+  }
+  return grains;
 }
 
 bool isZero(const Float4& a) {
@@ -152,35 +165,40 @@ const char* text(StepStatus status) noexcept {
 Bed::Bed(const BedParameters& parameters, const SettleProgress& progress)
     : Bed(parameters, inSpatialOrder(startingCentres(parameters), parameters.soil.radius_m)) {
   if (parameters.start == BedStart::kRain) {
-    const int substeps = substepsFor(parameters.soil, 0, parameters.tick_s, parameters.max_substeps);
+    const int substeps = substepsFor(parameters, 0);
     const double dt_s = parameters.tick_s / substeps;
     settle(dt_s, longestSettling(parameters, surfaceHeight(), dt_s), progress);
   }
 }
 
 Bed::Bed(const BedParameters& parameters, const std::vector<Vec3>& centres_m)
+    : Bed(parameters, withSizes(validated(parameters), centres_m)) {}
+
+Bed::Bed(const BedParameters& parameters, const std::vector<Float4>& grains)
     : parameters_(validated(parameters)),
-      laws_(parameters.soil),
+      laws_(parameters.soil, grainClasses(parameters)),
       box_(stepBox(parameters)),
       skin_m_(narrow<float>(kSkinRadii * parameters.soil.radius_m)),
-      neighbourhood_(centres_m.size(), laws_.pair.cutoff_m + skin_m_, largestExcess(parameters.soil),
-                     {parameters.width_m, parameters.length_m, highest(centres_m), periodsOf(parameters)}),
-      wakefulness_(paddedCount(centres_m.size()) / kGroup, restRule(parameters)),
-      team_(usefulThreads(parameters, centres_m.size())),
+      neighbourhood_(grains.size(),
+                     {.classes = laws_.graded.classes,
+                      .reach_m = laws_.pair.cutoff_m + skin_m_,
+                      .beyond_m = laws_.pair.cutoff_m + skin_m_ - laws_.pair.diameter_m,
+                      .largest_excess_m = largestExcess(parameters.soil)},
+                     {parameters.width_m, parameters.length_m, highest(grains), periodsOf(parameters)}),
+      wakefulness_(paddedCount(grains.size()) / kGroup, restRule(parameters)),
+      team_(usefulThreads(parameters, grains.size())),
       moved_of_part_(static_cast<std::size_t>(mostParts(team_.size()))) {
   found_by_part_.resize(moved_of_part_.size());
-  const std::size_t n = centres_m.size();
+  const std::size_t n = grains.size();
   const std::size_t padded = paddedCount(n);
-  std::mt19937_64 random(parameters.seed);
-  for (const Vec3& centre : centres_m) {
-    const double excess = largestExcess(parameters.soil) * uniformSigned(random);
-    if (!centre.cast<float>().allFinite()) {
-      throw InvalidParameter("centres_m", fmt::format("{} {} {}", centre.x(), centre.y(), centre.z()), "finite");
+  for (const Float4& grain : grains) {
+    if (!std::isfinite(grain.x) || !std::isfinite(grain.y) || !std::isfinite(grain.z)) {
+      throw InvalidParameter("centres_m", fmt::format("{} {} {}", grain.x, grain.y, grain.z), "finite");
     }
-    state_.position.push_back(
-        {narrow<float>(centre.x()), narrow<float>(centre.y()), narrow<float>(centre.z()), narrow<float>(excess)});
   }
+  state_.position = grains;
   state_.position.resize(padded, kGhost);
+  noteClasses();
   state_.velocity.resize(n);
   state_.velocity.resize(padded, kGhostVelocity);
   state_.tool_side.resize(n);
@@ -203,6 +221,21 @@ Bed::Bed(const BedParameters& parameters, const std::vector<Vec3>& centres_m)
   }
   if (!neighbourhood_.enterAll(state_.listed_at, state_.contacts)) {
     throw InvalidParameter("centres_m", fmt::format("{} particles", n), "apart from each other");
+  }
+}
+
+void Bed::noteClasses() {
+  if (classes().count() == 1) {
+    return;
+  }
+  grain_class_.resize(state_.position.size() / kGroup);
+  for (std::size_t i = 0; i < particles(); ++i) {
+    const auto own = narrow<std::uint8_t>(classOf(i));
+    if (i % kGroup == 0) {
+      grain_class_[i / kGroup] = own;
+    } else if (grain_class_[i / kGroup] != own) {
+      throw InvalidParameter("grains", fmt::format("group {} with two sizes", i / kGroup), "in groups of 16 of one size");
+    }
   }
 }
 
@@ -240,7 +273,7 @@ StepConstants Bed::constantsFor(double dt_s) const noexcept {
           .skin_half_squared = skin_m_ * skin_m_ / 4,
           .rest_squared = wakefulness_.rule().speed_m_s * wakefulness_.rule().speed_m_s,
           .look = look_,
-          .near_m = narrow<float>(kNearRadii * soil.radius_m),
+          .near_m = narrow<float>(kNearRadii * finestSoil(parameters_).radius_m),
           // c = k dt / 2 for each contact (paper 20), with the step that is really taken
           .damping = narrow<float>(soil.stiffness_n_m * dt_s / 2),
           .static_friction = narrow<float>(mu_hat),
@@ -256,7 +289,7 @@ std::span<const std::uint32_t> Bed::groupsNear(const Vec3& centre_m, double radi
                   narrow<float>(centre_m.z() + sign * reach), 0};
   };
   std::ranges::fill(near_now_, std::uint64_t{0});
-  neighbourhood_.grid().forEachNear(corner(-1), corner(1), [&](std::int32_t particle) {
+  neighbourhood_.forEachNear(corner(-1), corner(1), [&](std::int32_t particle) {
     const std::size_t group = static_cast<std::size_t>(particle) / kGroup;
     near_now_[group / kBits] |= std::uint64_t{1} << (group % kBits);
   });
@@ -285,6 +318,7 @@ void Bed::stepPart(int part, int parts) noexcept {
                           .next_velocity = next_velocity_.data(),
                           .contact_force = driven_ > 0 ? contact_force_.data() : nullptr,
                           .wall_slip = state_.wall_slip.data(),
+                          .grain_class = grain_class_.empty() ? nullptr : grain_class_.data(),
                           .near_walls = near_walls_.data(),
                           .other = state_.contacts.others(),
                           .slip = state_.contacts.slips(),
@@ -294,7 +328,7 @@ void Bed::stepPart(int part, int parts) noexcept {
                           .near = state_.contacts.nearRows()};
   Moved moved{moved_.data() + first * kGroup};
   if (hasContactFriction()) {
-    stepWithContactFriction(laws_.contact_friction, now_, box_, arrays, first, last, moved);
+    stepWithContactFriction(laws_.graded, now_, box_, arrays, first, last, moved);
   } else {
     stepWithPaperFriction(laws_.kernel, now_, box_, arrays, first, last, moved);
   }
@@ -434,19 +468,33 @@ double Bed::energy() const {
     law.cohesion_n *= (friction_on_ ? 1 : 0) * ratio;
     return law;
   };
-  const ContactLaw pair = cohering(laws_.pair, 1);
-  const ContactLaw floor = cohering(laws_.wall, 1);
-  const ContactLaw side_wall = cohering(laws_.wall, parameters_.wall_friction_ratio);
+  const int classes = this->classes().count();
+  const auto index = [classes](int a, int b) { return static_cast<std::size_t>(classes * a + b); };
+  std::vector<ContactLaw> pairs;
+  for (int k = 0; k < classes * classes; ++k) {
+    const ContactLaw law = classes == 1 ? laws_.pair : makeContactLaw(soilBetween(parameters_.soil, k / classes, k % classes));
+    pairs.push_back(cohering(law, 1));
+  }
+  const auto lawBetween = [&](int a, int b) -> const ContactFrictionLaw& {
+    return laws_.graded.between[static_cast<std::size_t>(a)][static_cast<std::size_t>(b)];
+  };
   for (std::size_t i = 0; i < n; ++i) {
     const Vec3 x = at(i);
     const Float4& v = state_.velocity[i];
-    energy += laws_.mass_kg / 2 * Vec3(v.x, v.y, v.z).squaredNorm() - laws_.mass_kg * parameters_.gravity_m_s2.dot(x);
+    const int own = classOf(i);
+    const double mass_kg = laws_.mass_kg * GrainClasses::scale(3 * own);
+    energy += mass_kg / 2 * Vec3(v.x, v.y, v.z).squaredNorm() - mass_kg * parameters_.gravity_m_s2.dot(x);
     // Half of a pair's: the mirror image moves as far as the particle.
+    const double radius_m = GrainClasses::scale(own) * parameters_.soil.radius_m;
+    const ContactLaw floor = wallLaw(pairs[index(own, own)], radius_m);
+    ContactLaw side_wall = floor;
+    side_wall.cohesion_n *= parameters_.wall_friction_ratio;
     const double excess = state_.position[i].w;
+    const double nearer = lawBetween(own, own).nearer;
     const auto to_walls = [&](double across_m, double from_middle_m) {
-      return contactEnergy(side_wall, across_m - 2 * (std::abs(from_middle_m) + excess)) / 2;
+      return contactEnergy(side_wall, across_m - 2 * (std::abs(from_middle_m) + excess) - nearer) / 2;
     };
-    energy += contactEnergy(floor, 2 * (x.z() - excess)) / 2;
+    energy += contactEnergy(floor, 2 * (x.z() - excess) - nearer) / 2;
     energy += parameters_.periodic_x ? 0 : to_walls(parameters_.width_m, x.x());
     energy += parameters_.periodic_y ? 0 : to_walls(parameters_.length_m, x.y());
     for (std::uint32_t s = 0; s < state_.contacts.count(i); ++s) {
@@ -455,12 +503,14 @@ double Bed::energy() const {
         Vec3 apart = x - at(j);
         apart.x() -= box_.periods.width * std::round(apart.x() * box_.periods.per_width);
         apart.y() -= box_.periods.length * std::round(apart.y() * box_.periods.per_length);
-        energy += contactEnergy(pair, apart.norm() - excess - state_.position[j].w);
+        const int other = classOf(j);
+        const ContactFrictionLaw& law = lawBetween(own, other);
+        energy += contactEnergy(pairs[index(own, other)], apart.norm() - excess - state_.position[j].w - law.nearer);
         if (hasContactFriction()) {  // of the side that is awake
           const bool other_side = state_.rested[i / kGroup] == BedState::kAsleep;
           const Slip slip = other_side ? state_.contacts.slip(j, state_.contacts.find(j, narrow<std::int32_t>(i)))
                                        : state_.contacts.slip(i, s);
-          energy += laws_.contact_friction.stiffness / 2 * Vec3(slip.x, slip.y, slip.z).squaredNorm();
+          energy += law.stiffness / 2 * Vec3(slip.x, slip.y, slip.z).squaredNorm();
         }
       }
     }
@@ -469,7 +519,7 @@ double Bed::energy() const {
       for (const auto* slip :
            {&slips.floor_x, &slips.floor_y, &slips.x_wall_y, &slips.x_wall_z, &slips.y_wall_x, &slips.y_wall_z}) {
         const float slid = (*slip)[i % kGroup];
-        energy += laws_.contact_friction.stiffness / 2 * slid * slid;
+        energy += lawBetween(own, own).stiffness / 2 * slid * slid;
       }
     }
   }
@@ -528,12 +578,22 @@ void Bed::restore(const BedState& state) {
       throw InvalidParameter("state", "positions, velocities or slips that are no numbers", "finite");
     }
   }
-  // The neighbour lists reach as far as the largest particle of this soil does.
-  const auto largest = narrow<float>(largestExcess(parameters_.soil));
+  // The neighbour lists reach as far as the largest particles of this soil do, and groups keep their class.
+  const auto fitting = [&](const Float4& p) {
+    const double scale = GrainClasses::scale(classes().of(p.w));
+    const double mean_m = (scale - 1) * parameters_.soil.radius_m;
+    constexpr float kRounding = 1e-6F;
+    return std::abs(p.w - narrow<float>(mean_m)) <= narrow<float>(scale * largestExcess(parameters_.soil)) +
+                                                        kRounding * std::abs(p.w) * (scale < 1 ? 1 : 0);
+  };
   for (const auto* records_of : {&state.position, &state.listed_at}) {
-    if (!std::all_of(records_of->begin(), records_of->end(),
-                     [largest](const Float4& p) { return std::abs(p.w) <= largest; })) {
-      throw InvalidParameter("state", "particles of other sizes", "of this bed's size_spread");
+    if (!std::all_of(records_of->begin(), records_of->end(), fitting)) {
+      throw InvalidParameter("state", "particles of other sizes", "of this bed's size_spread and grading");
+    }
+  }
+  for (std::size_t i = 0; i < n; ++i) {
+    if (classes().of(state.position[i].w) != classOf(i) || classes().of(state.listed_at[i].w) != classOf(i)) {
+      throw InvalidParameter("state", "grains of other classes", "of this bed's classes, grain by grain");
     }
   }
   if (state.contacts.remembers() != hasContactFriction() ||

@@ -36,8 +36,12 @@ class Bed {
   /// @throws InvalidParameter when the parameters are not valid or the particles do not fit; Failure as settle().
   explicit Bed(const BedParameters& parameters, const SettleProgress& progress = {});
 
-  /// A bed with its centres where the caller wants them, at rest.
+  /// A bed with its centres where the caller wants them, at rest; how large each grain is, the seed decides.
   Bed(const BedParameters& parameters, const std::vector<Vec3>& centres_m);
+
+  /// The same with each grain's size: w is by how much its radius exceeds the soil's. In a graded bed grains come in
+  /// whole groups of 16 of one class, but for the last.
+  Bed(const BedParameters& parameters, const std::vector<Float4>& grains);
 
   /// Forces that others (the tool) put on particles for the next step, in N, scene frame; one per particle.
   /// They count as load, not as contact between macroparticles: they raise no friction (paper 14). Soil that sleeps
@@ -103,7 +107,11 @@ class Bed {
   }
   [[nodiscard]] const BedParameters& parameters() const noexcept { return parameters_; }
   [[nodiscard]] const ContactLaw& law() const noexcept { return laws_.pair; }
+  /// Of a particle of the soil's own radius.
   [[nodiscard]] double mass() const noexcept { return laws_.mass_kg; }
+  /// Sizes of grain, and which a particle is of.
+  [[nodiscard]] const GrainClasses& classes() const noexcept { return laws_.graded.classes; }
+  [[nodiscard]] int classOf(std::size_t particle) const noexcept { return classes().of(state_.position[particle].w); }
   [[nodiscard]] const BedState& state() const noexcept { return state_; }
   [[nodiscard]] std::vector<std::int8_t>& toolSides() noexcept { return state_.tool_side; }
   [[nodiscard]] std::vector<Float4>& toolSlip() noexcept { return state_.tool_slip; }
@@ -119,6 +127,7 @@ class Bed {
   void restore(const BedState& state);
 
  private:
+  void noteClasses();
   [[nodiscard]] StepConstants constantsFor(double dt_s) const noexcept;
   void stepPart(int part, int parts) noexcept;
   [[nodiscard]] std::span<const Moved> movedOfParts() const noexcept {
@@ -144,6 +153,7 @@ class Bed {
   std::vector<Float4> external_;
   std::vector<Float4> contact_force_;
   std::vector<std::uint8_t> near_walls_;  ///< see StepArrays
+  std::vector<std::uint8_t> grain_class_;  ///< of each group; empty where all grains are alike
   Neighbourhood neighbourhood_;
   Wakefulness wakefulness_;
   std::vector<Wakefulness::Found> found_by_part_;

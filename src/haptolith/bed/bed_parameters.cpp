@@ -1,9 +1,63 @@
 #include "haptolith/bed/bed_parameters.h"
 
+#include <fmt/format.h>
+
+#include <cmath>
+#include <string>
+
+#include "haptolith/bed/grain_classes.h"
 #include "haptolith/core/error.h"
 #include "haptolith/soil/contact_law.h"
 
 namespace haptolith {
+
+int grainClasses(const BedParameters& bed) {
+  const double coarsest_m = bed.soil.radius_m;
+  const double finest_m = bed.grading.fine_radius_m;
+  if (finest_m == 0) {
+    return 1;
+  }
+  constexpr double kRounding = 1e-6;
+  std::string halves;
+  for (int c = 1; c < GrainClasses::kMost; ++c) {
+    const double radius_m = GrainClasses::scale(c) * coarsest_m;
+    if (std::abs(finest_m - radius_m) <= kRounding * radius_m) {
+      return c + 1;
+    }
+    halves += fmt::format("{:g}, ", radius_m);
+  }
+  throw InvalidParameter("fine_radius_m", fmt::format("{:g}", finest_m),
+                         fmt::format("one of {}or 0: the soil's radius of {:g} halved once, twice or three times",
+                                     halves, coarsest_m));
+}
+
+SoilParameters finestSoil(const BedParameters& bed) {
+  return rescaled(bed.soil, GrainClasses::scale(grainClasses(bed) - 1) * bed.soil.radius_m);
+}
+
+namespace {
+
+void validateGrading(const BedParameters& bed) {
+  if (grainClasses(bed) == 1) {
+    return;
+  }
+  const Grading& grading = bed.grading;
+  if (bed.soil.friction != FrictionModel::kContact) {
+    throw InvalidParameter("fine_radius_m", fmt::format("{:g}", grading.fine_radius_m),
+                           "0 with the paper's friction; finer grains need friction = \"pairwise\"");
+  }
+  requireInRange("fine_x_m", grading.fine_x_m, BedRanges::fine_place_m);
+  requireInRange("fine_y_m", grading.fine_y_m, BedRanges::fine_place_m);
+  // A handful of the finest at least, and inside the box.
+  const double narrowest_m = 4 * grading.fine_radius_m;
+  const double beside_x_m = bed.periodic_x ? 0 : 2 * std::abs(grading.fine_x_m);
+  const double beside_y_m = bed.periodic_y ? 0 : 2 * std::abs(grading.fine_y_m);
+  requireInRange("fine_width_m", grading.fine_width_m, {narrowest_m, bed.width_m - beside_x_m});
+  requireInRange("fine_length_m", grading.fine_length_m, {narrowest_m, bed.length_m - beside_y_m});
+  requireInRange("fine_depth_m", grading.fine_depth_m, {narrowest_m, BedRanges::fine_length_m.highest});
+}
+
+}  // namespace
 
 void validate(const BedParameters& bed) {
   validate(bed.soil);
@@ -38,6 +92,7 @@ void validate(const BedParameters& bed) {
   if (bed.start == BedStart::kRain) {
     requireInRange("seed", static_cast<double>(bed.seed), BedRanges::seed);
   }
+  validateGrading(bed);
   requireInRange("sleep_speed_m_s", bed.sleep_speed_m_s, BedRanges::sleep_speed_m_s);
   requireInRange("tick_s", bed.tick_s, BedRanges::tick_s);
   requireInRange("max_substeps", bed.max_substeps, BedRanges::max_substeps);

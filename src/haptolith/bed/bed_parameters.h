@@ -15,6 +15,18 @@ enum class BedStart {
   kCount,   ///< exactly `particles` in `layers` layers, close-packed: the paper's scene
 };
 
+/// Finer grains where soil is felt, contact friction only: a box of the finest below the surface, around it shells of
+/// each coarser class, and everywhere else grains of the soil's own radius (GrainClasses).
+struct Grading {
+  double fine_radius_m = 0;  ///< R of the finest: the soil's halved once, twice or three times; 0: grains are all alike
+  double fine_x_m = 0, fine_y_m = 0;  ///< middle of the fine soil
+  double fine_width_m = 0.06;         ///< along x
+  double fine_length_m = 0.06;        ///< along y
+  double fine_depth_m = 0.02;         ///< from the surface down
+
+  [[nodiscard]] bool operator==(const Grading&) const = default;
+};
+
 /// The box of soil: floor at z = 0, walls at x = +-width/2 and y = +-length/2 that end nowhere upwards.
 struct BedParameters {
   SoilParameters soil;
@@ -30,7 +42,8 @@ struct BedParameters {
   int particles = 256;     ///< kCount, kRain
   int layers = 3;          ///< kCount
   double depth_m = 0.04;   ///< kPacked: height of the undisturbed soil
-  std::uint64_t seed = 1;  ///< kRain
+  std::uint64_t seed = 1;  ///< kRain, and finer grains
+  Grading grading;
 
   /// Whether soil at rest is left alone until something near it stirs (Wakefulness); what moves faster than this is not
   /// at rest, nor what has crept further than it goes at that speed in 20 ms. The default is so slow that hardly a
@@ -57,6 +70,8 @@ struct BedRanges {
   static constexpr Range particles{1, kMostParticles};
   static constexpr Range layers{1, 1000};
   static constexpr Range seed{0, 9e15};  ///< as large as a double and a whole number of TOML can be
+  static constexpr Range fine_place_m{-100, 100};
+  static constexpr Range fine_length_m{1e-5, 100};  ///< width, length and depth of fine soil
   static constexpr Range sleep_speed_m_s{0, 1};
   static constexpr Range tick_s{1e-6, 0.1};
   static constexpr Range max_substeps{1, 1000};
@@ -65,5 +80,12 @@ struct BedRanges {
 
 /// @throws InvalidParameter with the key, the value and the valid range.
 void validate(const BedParameters& bed);
+
+/// How many sizes of grain a bed has: 1 when all are alike. @throws InvalidParameter when `fine_radius_m` is not the
+/// soil's halved a few times.
+[[nodiscard]] int grainClasses(const BedParameters& bed);
+
+/// The soil of its finest grains. @throws InvalidParameter as grainClasses().
+[[nodiscard]] SoilParameters finestSoil(const BedParameters& bed);
 
 }  // namespace haptolith

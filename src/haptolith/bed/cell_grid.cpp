@@ -123,6 +123,52 @@ std::uint32_t CellGrid::candidates(std::uint32_t cell, std::int32_t* out) const 
   return found + static_cast<std::uint32_t>(spilled_count_);
 }
 
+namespace {
+
+/// Cells first to first + count - 1 of an axis; an axis that repeats itself goes on from its beginning.
+struct CellSpan {
+  int first, count;
+};
+CellSpan within(float middle, float reach, float cells_per_m, int cells, bool wraps) {
+  const auto first = static_cast<int>(std::floor((middle - reach) * cells_per_m));
+  const auto last = static_cast<int>(std::floor((middle + reach) * cells_per_m));
+  if (wraps) {
+    return last - first + 1 >= cells ? CellSpan{0, cells} : CellSpan{(first + cells) % cells, last - first + 1};
+  }
+  const int from = std::clamp(first, 0, cells - 1);
+  return {from, std::clamp(last, 0, cells - 1) - from + 1};
+}
+
+}  // namespace
+
+std::uint32_t CellGrid::candidatesWithin(const Float4& p, float reach_m, std::int32_t* out) const noexcept {
+  const CellSpan xs = within(intoBox(p.x - origin_x_m_, periods_.width, periods_.per_width), reach_m, cells_per_m_x_,
+                             nx_, periods_.width > 0);
+  const CellSpan ys = within(intoBox(p.y - origin_y_m_, periods_.length, periods_.per_length), reach_m, cells_per_m_y_,
+                             ny_, periods_.length > 0);
+  const CellSpan zs = within(p.z, reach_m, cells_per_m_z_, nz_, false);
+  std::uint32_t found = 0;
+  for (int z = zs.first; z < zs.first + zs.count; ++z) {
+    for (int y = ys.first; y < ys.first + ys.count; ++y) {
+      for (int x = xs.first; x < xs.first + xs.count; ++x) {
+        const std::uint32_t near = number({x % nx_, y % ny_, z});
+        std::memcpy(out + found, particle_.data() + near * kCellRoom, kCellRoom * sizeof(std::int32_t));
+        found += count_[near];
+      }
+    }
+  }
+  std::copy_n(spilled_.begin(), spilled_count_, out + found);
+  return found + static_cast<std::uint32_t>(spilled_count_);
+}
+
+std::size_t CellGrid::candidatesAtMost(float reach_m) const noexcept {
+  const auto most = [reach_m](float cells_per_m, int cells) {
+    return static_cast<std::size_t>(std::min(static_cast<int>(2 * reach_m * cells_per_m) + 3, std::max(cells, 3)));
+  };
+  return (most(cells_per_m_x_, nx_) * most(cells_per_m_y_, ny_) * most(cells_per_m_z_, nz_) + 1) * kCellRoom +
+         spilled_.size();
+}
+
 std::size_t CellGrid::bytes() const noexcept {
   return particle_.size() * sizeof(particle_[0]) + count_.size() + spilled_.size() * sizeof(spilled_[0]);
 }

@@ -32,6 +32,10 @@ class CellGrid {
   [[nodiscard]] std::uint32_t candidates(std::uint32_t cell, std::int32_t* out) const noexcept;
   [[nodiscard]] std::size_t candidatesAtMost() const noexcept { return 28 * kCellRoom + spilled_.size(); }
 
+  /// The same of all cells that are within `reach_m` of a place along each axis, for reaches wider than a cell.
+  [[nodiscard]] std::uint32_t candidatesWithin(const Float4& place, float reach_m, std::int32_t* out) const noexcept;
+  [[nodiscard]] std::size_t candidatesAtMost(float reach_m) const noexcept;
+
   /// Calls `each(particle)` for all particles of the cells that a box from `low` to `high` touches, and maybe others.
   template <class Each>
   void forEachNear(const Float4& low, const Float4& high, Each each) const noexcept;

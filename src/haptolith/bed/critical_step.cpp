@@ -109,6 +109,11 @@ int substepsFor(const SoilParameters& soil, double tool_stiffness_n_m, double ti
   return std::max(1, static_cast<int>(needed));
 }
 
+int substepsFor(const BedParameters& bed, double tool_stiffness_n_m) {
+  const SoilParameters finest = finestSoil(bed);
+  return substepsFor(finest, finest.radius_m / bed.soil.radius_m * tool_stiffness_n_m, bed.tick_s, bed.max_substeps);
+}
+
 double sinkingTime(const SoilParameters& soil, double gravity_m_s2, double height_m, double dt_s) {
   if (soil.friction == FrictionModel::kContact || gravity_m_s2 == 0) {
     return 0;

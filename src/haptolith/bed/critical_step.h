@@ -1,5 +1,6 @@
 #pragma once
 
+#include "haptolith/bed/bed_parameters.h"
 #include "haptolith/soil/soil_parameters.h"
 
 namespace haptolith {
@@ -22,6 +23,9 @@ namespace haptolith {
 /// Number of equal substeps of `tick_s` that make up stepsPerSecond().
 /// @throws InvalidParameter when more than `max_substeps` would be needed, naming the stiffness that would do.
 [[nodiscard]] int substepsFor(const SoilParameters& soil, double tool_stiffness_n_m, double tick_s, int max_substeps);
+
+/// The same of a bed, for its finest grains, on whom a tool is softer (ToolParameters::stiffness_n_m).
+[[nodiscard]] int substepsFor(const BedParameters& bed, double tool_stiffness_n_m);
 
 /// Simulated time that soil needs at most to sink by `height_m` once its particles touch, in s. The paper's damping
 /// (20) acts against space, and lets them sink no faster than 2 m g / (p k dt) with p = 12 neighbours; contact

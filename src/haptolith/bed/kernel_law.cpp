@@ -1,5 +1,6 @@
 #include "haptolith/bed/kernel_law.h"
 
+#include <algorithm>
 #include <cmath>
 
 namespace haptolith {
@@ -10,18 +11,43 @@ KernelLaw kernelLaw(const ContactLaw& law, double radius_m) {
           f(law.stiffness_n_m), f(law.cutoff_m), f(2 * radius_m)};
 }
 
-ContactFrictionLaw contactFrictionLaw(const SoilParameters& soil) {
+SoilParameters soilBetween(const SoilParameters& soil, int class_a, int class_b) {
+  const double a = GrainClasses::scale(class_a);
+  const double b = GrainClasses::scale(class_b);
+  return class_a == class_b ? rescaled(soil, a * soil.radius_m) : rescaled(soil, 2 * a * b / (a + b) * soil.radius_m);
+}
+
+ContactFrictionLaw contactFrictionLaw(const SoilParameters& coarsest, int class_a, int class_b) {
   const auto f = [](double value) { return static_cast<float>(value); };
+  const auto mass_of = [&](int grain_class) {
+    return macroparticleMass(rescaled(coarsest, GrainClasses::scale(grain_class) * coarsest.radius_m));
+  };
+  const double mass_a = mass_of(class_a);
+  const double mass_b = mass_of(class_b);
+  const double mass = class_a == class_b ? mass_a : 2 * mass_a * mass_b / (mass_a + mass_b);
+  const SoilParameters soil = soilBetween(coarsest, class_a, class_b);
   const ContactLaw law = makeContactLaw(soil);
   const double tangential_stiffness = soil.tangential_ratio * soil.stiffness_n_m;
-  const double damping = soil.damping_ratio * std::sqrt(2 * macroparticleMass(soil));
+  const double damping = soil.damping_ratio * std::sqrt(2 * mass);
   return {.normal = kernelLaw(law, soil.radius_m),
+          .nearer = f(2 * (coarsest.radius_m - soil.radius_m)),
           .cohesion = f(law.cohesion_n),
           .two_per_range = f(2 / law.cohesion_range_m),
           .damping = f(damping * std::sqrt(law.gamma_nm)),
           .friction = f(soil.contact_friction),
           .stiffness = f(tangential_stiffness),
           .lag = f(damping / std::sqrt(tangential_stiffness))};
+}
+
+GradedLaw gradedLaw(const SoilParameters& soil, int classes) {
+  GradedLaw law{GrainClasses(soil.radius_m, classes)};
+  for (int a = 0; a < classes; ++a) {
+    for (int b = 0; b < classes; ++b) {
+      law.between[static_cast<std::size_t>(a)][static_cast<std::size_t>(b)] =
+          contactFrictionLaw(soil, std::min(a, b), std::max(a, b));
+    }
+  }
+  return law;
 }
 
 Periods periodsOf(const BedParameters& bed) {

@@ -1,6 +1,9 @@
 #pragma once
 
+#include <array>
+
 #include "haptolith/bed/bed_parameters.h"
+#include "haptolith/bed/grain_classes.h"
 #include "haptolith/soil/contact_law.h"
 #include "haptolith/soil/soil_parameters.h"
 
@@ -15,13 +18,28 @@ struct KernelLaw {
 /// Constants of contacts with contact friction, as the kernel and its walls want them.
 struct ContactFrictionLaw {
   KernelLaw normal;
+  float nearer;                  ///< by how much less the mean radii of the two add up to than two of class 0, m
   float cohesion, two_per_range;  ///< F_c in N; 2 / range in 1/m
   float damping;    ///< zeta sqrt(2 m gamma): c is that times sqrt(-dF/da / gamma), zeta of a pair's critical
   float friction;   ///< mu_p
   float stiffness;  ///< k_t, N/m
   float lag;        ///< c_t / k_t, s, with c_t = zeta sqrt(2 m k_t)
 };
-[[nodiscard]] ContactFrictionLaw contactFrictionLaw(const SoilParameters& soil);
+/// Between grains of two classes, or of one: the law of grains of one size between, R = 2 R_a R_b / (R_a + R_b), damped
+/// as two of the mass 2 m_a m_b / (m_a + m_b): springs one behind the other, and the reduced mass.
+[[nodiscard]] ContactFrictionLaw contactFrictionLaw(const SoilParameters& soil, int class_a = 0, int class_b = 0);
+
+/// The same of every pair of classes, and how classes are told apart.
+struct GradedLaw {
+  GrainClasses classes;
+  std::array<std::array<ContactFrictionLaw, GrainClasses::kMost>, GrainClasses::kMost> between{};
+
+  [[nodiscard]] const ContactFrictionLaw& coarsest() const noexcept { return between[0][0]; }
+};
+[[nodiscard]] GradedLaw gradedLaw(const SoilParameters& soil, int classes);
+
+/// The soil of the grains that two of different classes touch like; of one class that class's own.
+[[nodiscard]] SoilParameters soilBetween(const SoilParameters& soil, int class_a, int class_b);
 
 /// How often the box repeats itself, for beds that have periods instead of walls; 0 along an axis that has walls.
 struct Periods {

@@ -13,6 +13,23 @@
 #include "haptolith/bed/records-inl.h"
 // clang-format on
 
+#ifndef HAPTOLITH_NEAR_RULE_
+#define HAPTOLITH_NEAR_RULE_
+namespace haptolith {
+/// How far one particle looks for others, whose class is told from their size.
+struct NearRule {
+  const GrainClasses& classes;
+  float reach_m;   ///< to one of class 0 and the mean size
+  float beyond_m;  ///< see NeighbourReach
+
+  /// By how much less a particle of a class reaches beyond its surface than one of class 0.
+  [[nodiscard]] float lessBy(int grain_class) const noexcept {
+    return beyond_m / 2 * (1 - GrainClasses::scale(grain_class));
+  }
+};
+}  // namespace haptolith
+#endif
+
 HWY_BEFORE_NAMESPACE();
 namespace haptolith::HWY_NAMESPACE {
 
@@ -20,7 +37,7 @@ using Indices = hn::RebindToSigned<D>;
 
 /// Writes those candidates to `out` that are within reach of the particle `self`, and returns how many.
 template <bool kPeriodic>
-std::uint32_t selectNearIn(const Float4* HWY_RESTRICT place, const Periods& periods, float reach_m, std::int32_t self,
+std::uint32_t selectNearIn(const Float4* HWY_RESTRICT place, const Periods& periods, const NearRule& rule, std::int32_t self,
                            const std::int32_t* HWY_RESTRICT candidates, std::uint32_t count,
                            std::int32_t* HWY_RESTRICT out) {
   const D d;
@@ -39,7 +56,11 @@ std::uint32_t selectNearIn(const Float4* HWY_RESTRICT place, const Periods& peri
     const V dx = nearestImage<kPeriodic>(x - other.x, width, per_width);
     const V dy = nearestImage<kPeriodic>(y - other.y, length, per_length);
     const V dz = z - other.z;
-    const V reach = hn::Set(d, reach_m) + (hn::Set(d, here.w) + other.w);
+    V reach = hn::Set(d, rule.reach_m) + (hn::Set(d, here.w) + other.w);
+    for (int c = 0; c + 1 < rule.classes.count(); ++c) {
+      const V less = hn::Set(d, rule.lessBy(c + 1) - rule.lessBy(c));
+      reach = hn::IfThenElse(other.w < hn::Set(d, rule.classes.finerThan(c)), reach - less, reach);
+    }
     const auto ids = hn::LoadU(di, candidates + n);
     const auto near = hn::And(hn::MulAdd(dx, dx, hn::MulAdd(dy, dy, dz * dz)) < reach * reach,
                               hn::RebindMask(d, hn::Ne(ids, hn::Set(di, self))));
@@ -48,10 +69,9 @@ std::uint32_t selectNearIn(const Float4* HWY_RESTRICT place, const Periods& peri
   return found;
 }
 
-std::uint32_t selectNearOf(const Float4* place, const Periods& periods, float reach_m, std::int32_t self,
+std::uint32_t selectNearOf(const Float4* place, const Periods& periods, const NearRule& rule, std::int32_t self,
                            const std::int32_t* candidates, std::uint32_t count, std::int32_t* out) {
-  return (periods.any() ? selectNearIn<true> : selectNearIn<false>)(place, periods, reach_m, self, candidates, count,
-                                                                    out);
+  return (periods.any() ? selectNearIn<true> : selectNearIn<false>)(place, periods, rule, self, candidates, count, out);
 }
 
 }  // namespace haptolith::HWY_NAMESPACE
@@ -62,32 +82,60 @@ namespace haptolith {
 
 HWY_EXPORT(selectNearOf);
 
-Neighbourhood::Neighbourhood(std::size_t particles, double reach_m, double largest_excess_m, const GridBox& box)
-    : reach_m_(static_cast<float>(reach_m)),
-      periods_(box.periods),
-      grid_(particles, reach_m + 2 * largest_excess_m, box),
-      candidates_(grid_.candidatesAtMost()),
-      near_(grid_.candidatesAtMost()) {}
+Neighbourhood::Neighbourhood(std::size_t particles, const NeighbourReach& reach, const GridBox& box)
+    : classes_(reach.classes),
+      reach_m_(static_cast<float>(reach.reach_m)),
+      beyond_m_(static_cast<float>(reach.beyond_m)),
+      radius_m_((reach_m_ - beyond_m_) / 2),
+      largest_excess_m_(static_cast<float>(reach.largest_excess_m)),
+      periods_(box.periods) {
+  const double widest_m = reach.reach_m + 2 * reach.largest_excess_m;
+  for (int c = 0; c < classes_.count(); ++c) {
+    grids_.emplace_back(particles, GrainClasses::scale(c) * widest_m, box);
+  }
+  std::size_t most = 0;
+  for (const CellGrid& grid : grids_) {
+    most += classes_.count() == 1 ? grid.candidatesAtMost() : grid.candidatesAtMost(static_cast<float>(widest_m));
+  }
+  candidates_.resize(most + kGroup);
+  near_.resize(most + kGroup);
+}
 
-std::uint32_t Neighbourhood::findNear(std::int32_t particle, std::uint32_t candidates,
-                                      const std::vector<Float4>& listed_at) noexcept {
+std::uint32_t Neighbourhood::findNear(std::int32_t particle, const std::vector<Float4>& listed_at) noexcept {
+  const Float4& here = listed_at[static_cast<std::size_t>(particle)];
+  const int own = classes_.of(here.w);
+  NearRule rule{classes_, reach_m_, beyond_m_};
+  rule.reach_m -= rule.lessBy(own);
+  std::uint32_t found = 0;
+  for (int c = 0; c < classes_.count(); ++c) {
+    const CellGrid& grid = grids_[static_cast<std::size_t>(c)];
+    std::int32_t* const out = candidates_.data() + found;
+    if (c <= own) {  // its cells are as wide as the two reach
+      found += grid.candidates(grid.cellOf(here), out);
+    } else {
+      const float largest_m = GrainClasses::scale(c) * (largest_excess_m_ + radius_m_) - radius_m_;
+      found += grid.candidatesWithin(here, rule.reach_m - rule.lessBy(c) + here.w + largest_m, out);
+    }
+  }
   // Whole vectors are read: what lies behind the candidates is the ghost, who is near nobody.
-  std::fill_n(candidates_.begin() + static_cast<std::ptrdiff_t>(candidates), kGroup,
+  std::fill_n(candidates_.begin() + static_cast<std::ptrdiff_t>(found), kGroup,
               static_cast<std::int32_t>(listed_at.size()) - 1);
-  return HWY_DYNAMIC_DISPATCH(selectNearOf)(listed_at.data(), periods_, reach_m_, particle, candidates_.data(),
-                                            candidates, near_.data());
+  return HWY_DYNAMIC_DISPATCH(selectNearOf)(listed_at.data(), periods_, rule, particle, candidates_.data(), found,
+                                            near_.data());
 }
 
 bool Neighbourhood::enterAll(const std::vector<Float4>& listed_at, ContactLists& lists) noexcept {
   const std::size_t n = lists.particles();
-  grid_.clear();
+  for (CellGrid& grid : grids_) {
+    grid.clear();
+  }
   for (std::size_t i = 0; i < n; ++i) {
-    grid_.insert(static_cast<std::int32_t>(i), grid_.cellOf(listed_at[i]));
+    CellGrid& grid = gridOf(listed_at[i]);
+    grid.insert(static_cast<std::int32_t>(i), grid.cellOf(listed_at[i]));
   }
   for (std::size_t i = 0; i < n; ++i) {
     const auto particle = static_cast<std::int32_t>(i);
-    const std::uint32_t candidates = grid_.candidates(grid_.cellOf(listed_at[i]), candidates_.data());
-    const std::uint32_t near = findNear(particle, candidates, listed_at);
+    const std::uint32_t near = findNear(particle, listed_at);
     for (std::uint32_t k = 0; k < near; ++k) {
       if (!lists.add(i, near_[k])) {
         return false;
@@ -100,12 +148,16 @@ bool Neighbourhood::enterAll(const std::vector<Float4>& listed_at, ContactLists&
 
 void Neighbourhood::sortByDistance(std::size_t i, const std::vector<Float4>& listed_at, ContactLists& lists) noexcept {
   struct Entry {
-    float squared_m2;
+    float nearness;
     std::int32_t other;
     std::uint32_t at;
   };
   const auto before = [](const Entry& a, const Entry& b) {
-    return a.squared_m2 < b.squared_m2 || (a.squared_m2 == b.squared_m2 && a.other < b.other);
+    return a.nearness < b.nearness || (a.nearness == b.nearness && a.other < b.other);
+  };
+  const bool alike = classes_.count() == 1;  // then the centre that is nearest is taken for the surface that is
+  const auto nearness = [alike](float squared_m2, float excess_m) {
+    return alike ? squared_m2 : std::sqrt(squared_m2) - excess_m;
   };
   std::array<Entry, ContactLists::kMostNeighbours> entries;
   const std::uint32_t count = lists.count(i);
@@ -120,7 +172,7 @@ void Neighbourhood::sortByDistance(std::size_t i, const std::vector<Float4>& lis
       x -= periods_.width * std::round(x * periods_.per_width);
       y -= periods_.length * std::round(y * periods_.per_length);
     }
-    const Entry entry{x * x + y * y + z * z, other, s};
+    const Entry entry{nearness(x * x + y * y + z * z, there.w), other, s};
     std::uint32_t at = s;  // by insertion: lists are short, and nearly sorted
     for (; at > 0 && before(entry, entries[at - 1]); --at) {
       entries[at] = entries[at - 1];
@@ -147,11 +199,12 @@ bool Neighbourhood::enterAgain(std::span<const std::int32_t> particles, const st
   for (const std::int32_t particle : particles) {
     Float4& place = listed_at[static_cast<std::size_t>(particle)];
     const Float4& here = position[static_cast<std::size_t>(particle)];
-    const std::uint32_t left = grid_.cellOf(place);
-    const std::uint32_t cell = grid_.cellOf(here);
+    CellGrid& grid = gridOf(here);
+    const std::uint32_t left = grid.cellOf(place);
+    const std::uint32_t cell = grid.cellOf(here);
     if (cell != left) {
-      grid_.remove(particle, left);
-      grid_.insert(particle, cell);
+      grid.remove(particle, left);
+      grid.insert(particle, cell);
     }
     place = here;
   }
@@ -162,8 +215,7 @@ bool Neighbourhood::listAgain(std::int32_t particle, const std::vector<Float4>& 
                               ContactLists& lists) noexcept {
   const auto i = static_cast<std::size_t>(particle);
   std::int32_t* const near = near_.data();
-  std::uint32_t unlisted =
-      findNear(particle, grid_.candidates(grid_.cellOf(listed_at[i]), candidates_.data()), listed_at);
+  std::uint32_t unlisted = findNear(particle, listed_at);
   // Whom the list names already is taken out of `near`; whom it names wrongly is taken out of the list.
   for (std::uint32_t s = lists.count(i); s-- > 0;) {
     const std::int32_t other = lists.neighbour(i, s);
@@ -183,7 +235,11 @@ bool Neighbourhood::listAgain(std::int32_t particle, const std::vector<Float4>& 
 }
 
 std::size_t Neighbourhood::bytes() const noexcept {
-  return grid_.bytes() + (candidates_.size() + near_.size()) * sizeof(near_[0]);
+  std::size_t bytes = (candidates_.size() + near_.size()) * sizeof(near_[0]);
+  for (const CellGrid& grid : grids_) {
+    bytes += grid.bytes();
+  }
+  return bytes;
 }
 
 }  // namespace haptolith

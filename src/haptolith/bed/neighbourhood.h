@@ -7,8 +7,18 @@
 #include "haptolith/bed/bed_state.h"
 #include "haptolith/bed/cell_grid.h"
 #include "haptolith/bed/contact_lists.h"
+#include "haptolith/bed/grain_classes.h"
 
 namespace haptolith {
+
+/// How far particles look for others. Of class c all lengths are scaled by size.
+struct NeighbourReach {
+  GrainClasses classes = GrainClasses();
+  double reach_m = 0;   ///< largest distance of a listed pair of particles of class 0 and the mean size; larger ones
+                        ///< reach further
+  double beyond_m = 0;  ///< of this what is between their surfaces
+  double largest_excess_m = 0;  ///< by how much a radius of class 0 may exceed the mean
+};
 
 /// Keeps the lists of who may touch whom, particle by particle: there is no moment at which all lists are made anew.
 ///
@@ -19,9 +29,7 @@ namespace haptolith {
 /// not. The memory of contacts stands beside the entries and stays where it is.
 class Neighbourhood {
  public:
-  /// @param reach_m  largest distance of a listed pair of particles of the mean size; larger ones reach further.
-  /// @param largest_excess_m  by how much a radius may exceed the mean.
-  Neighbourhood(std::size_t particles, double reach_m, double largest_excess_m, const GridBox& box);
+  Neighbourhood(std::size_t particles, const NeighbourReach& reach, const GridBox& box);
 
   /// Enters all particles at `listed_at` into empty lists, the nearest first. Returns false when they do not
   /// fit: the bed has collapsed onto itself. Not for the tick: it takes half a microsecond a particle.
@@ -31,7 +39,13 @@ class Neighbourhood {
   [[nodiscard]] bool enterAgain(std::span<const std::int32_t> particles, const std::vector<Float4>& position,
                                 std::vector<Float4>& listed_at, ContactLists& lists) noexcept;
 
-  [[nodiscard]] const CellGrid& grid() const noexcept { return grid_; }
+  /// Calls `each(particle)` for all particles in a box from `low` to `high`, and maybe others.
+  template <class Each>
+  void forEachNear(const Float4& low, const Float4& high, Each each) const noexcept {
+    for (const CellGrid& grid : grids_) {
+      grid.forEachNear(low, high, each);
+    }
+  }
   [[nodiscard]] std::size_t bytes() const noexcept;
 
  private:
@@ -42,12 +56,15 @@ class Neighbourhood {
   /// order independent of the cells', which no saved state has.)
   void sortByDistance(std::size_t i, const std::vector<Float4>& listed_at, ContactLists& lists) noexcept;
   /// Writes who is near a particle to near_, in any order, and returns how many.
-  [[nodiscard]] std::uint32_t findNear(std::int32_t particle, std::uint32_t candidates,
-                                       const std::vector<Float4>& listed_at) noexcept;
+  [[nodiscard]] std::uint32_t findNear(std::int32_t particle, const std::vector<Float4>& listed_at) noexcept;
+  [[nodiscard]] CellGrid& gridOf(const Float4& particle) noexcept {
+    return grids_[static_cast<std::size_t>(classes_.of(particle.w))];
+  }
 
-  float reach_m_;
+  GrainClasses classes_;
+  float reach_m_, beyond_m_, radius_m_, largest_excess_m_;
   Periods periods_;
-  CellGrid grid_;
+  std::vector<CellGrid> grids_;  ///< one for each class
   std::vector<std::int32_t> candidates_, near_;
 };
 

@@ -4,12 +4,12 @@
 
 namespace haptolith {
 
-SoilLaws::SoilLaws(const SoilParameters& made_of)
+SoilLaws::SoilLaws(const SoilParameters& made_of, int grain_classes)
     : soil(made_of),
       pair(makeContactLaw(soil)),
       wall(wallLaw(pair, soil.radius_m)),
       kernel(kernelLaw(pair, soil.radius_m)),
-      contact_friction(contactFrictionLaw(soil)),
+      graded(gradedLaw(soil, grain_classes)),
       mass_kg(macroparticleMass(soil)) {}
 
 bool isCompatible(const SoilParameters& made_of, const SoilParameters& soil, double tool_stiffness_n_m) {

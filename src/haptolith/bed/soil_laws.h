@@ -8,14 +8,14 @@ namespace haptolith {
 
 /// A soil and every law that follows from it, worked out once so that a bed can go on with them between two ticks.
 struct SoilLaws {
-  /// @throws InvalidParameter as validate(SoilParameters).
-  explicit SoilLaws(const SoilParameters& made_of);
+  /// @param grain_classes  of the bed. @throws InvalidParameter as validate(SoilParameters).
+  explicit SoilLaws(const SoilParameters& made_of, int grain_classes = 1);
 
   SoilParameters soil;
   ContactLaw pair, wall;
   KernelLaw kernel;                     ///< with the paper's friction
-  ContactFrictionLaw contact_friction;  ///< with contact friction
-  double mass_kg;                       ///< of a macroparticle
+  GradedLaw graded;     ///< with contact friction
+  double mass_kg;                       ///< of a macroparticle of the coarsest class
 };
 
 /// Whether a bed made of one soil can go on with another, its particles lying as they lie: they keep their size, mass

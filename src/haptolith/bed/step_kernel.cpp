@@ -2,6 +2,9 @@
 
 #include <hwy/cache_control.h>
 
+#include <array>
+#include <utility>
+
 // This file is compiled once for every instruction set; the functions at its end pick the best one at run time.
 // clang-format off
 #undef HWY_TARGET_INCLUDE
@@ -200,15 +203,17 @@ struct PaperContacts {
 
 // --- contact friction ------------------------------------------------------------------------------------------------
 
-struct FrictionalContacts {
+/// What is between two grains that touch, of one class or of two.
+struct PairLaw {
   LawOf<V> law;
   CohesionOf<V> cohesion;
   FrictionOf<V> friction;
   V cutoff, near_limit, diameter, damping;
   V sliding_per_n;  ///< mu_p / k_t: how far a spring can be stretched by what presses the two together, m/N
-  PeriodsOf periods;
+  V nearer;         ///< see ContactFrictionLaw
 
-  FrictionalContacts(const ContactFrictionLaw& scalar, const Periods& box, float dt, float ratio, float near_m)
+  /// As it is at work: `ratio` is how much of friction and cohesion is switched on.
+  PairLaw(const ContactFrictionLaw& scalar, float dt, float ratio, float near_m)
       : law(lawOf(scalar.normal)),
         cohesion{set(ratio * scalar.cohesion), set(scalar.two_per_range), hn::Zero(D()), set(1)},
         friction{set(dt), set(-scalar.stiffness), set(scalar.lag), set(1), set(1e-30F)},
@@ -217,83 +222,33 @@ struct FrictionalContacts {
         diameter(set(scalar.normal.diameter)),
         damping(set(scalar.damping)),
         sliding_per_n(set(ratio * scalar.friction / scalar.stiffness)),
-        periods(box) {}
+        nearer(set(scalar.nearer)) {}
+
+  /// Becomes `other` where `where` is.
+  template <class Mask>
+  HWY_INLINE void takeWhere(Mask where, const PairLaw& other) {
+    const auto take = [where](V& own, V theirs) { own = hn::IfThenElse(where, theirs, own); };
+    take(law.gamma, other.law.gamma);
+    take(law.a_min, other.law.a_min);
+    take(law.a_thr, other.law.a_thr);
+    take(law.h, other.law.h);
+    take(law.k, other.law.k);
+    take(cohesion.largest, other.cohesion.largest);
+    take(cohesion.two_per_range, other.cohesion.two_per_range);
+    take(friction.minus_stiffness, other.friction.minus_stiffness);
+    take(friction.lag, other.friction.lag);
+    take(cutoff, other.cutoff);
+    take(near_limit, other.near_limit);
+    take(diameter, other.diameter);
+    take(damping, other.damping);
+    take(sliding_per_n, other.sliding_per_n);
+    take(nearer, other.nearer);
+  }
 
   /// Damping takes energy from approach and parting alike, but never pulls.
   HWY_INLINE V damped(V normal, V a, V parting) const {
     const V with_damping = hn::NegMulAdd(damping * rootOfStiffness(law, a), parting, normal);
     return hn::Max(with_damping, hn::Min(normal, cohesion.zero));
-  }
-
-  /// All neighbours, friction included; their memory moves on. What limits friction is summed only for who asks.
-  template <bool kPeriodic, bool kCompression>
-  HWY_INLINE Sums sum(const StepArrays& arrays, const Lanes& at, const Records& here, const Records& v) const {
-    const D d;
-    const V zero = hn::Zero(d);
-    Sums sums{zero, zero, zero, zero, zero};
-    const Rows rows(arrays, at);
-    struct Met {
-      Apart way;
-      V excess;
-    };
-    const auto fetch = [&](std::size_t row) {
-      const Records there = loadRecords(arrays.position, rows.others(row));
-      return Met{apart<kPeriodic>(periods, here, there), here.w + there.w};
-    };
-    std::uint16_t& touched = arrays.touched[at.group];
-    const std::size_t maybe_touched = touched;
-    std::size_t last_touched = 0;
-    Met next = fetch(0);  // there is room for a row, if with ghosts only
-    for (std::size_t row = 0; row < rows.count(); ++row) {
-      const Apart way = next.way;
-      const V excess = next.excess;
-      next = fetch(row + 1 < rows.count() ? row + 1 : row);
-      float* HWY_RESTRICT slip_x = rows.slips(row);
-      float* HWY_RESTRICT slip_y = slip_x + kGroup;
-      float* HWY_RESTRICT slip_z = slip_y + kGroup;
-      rows.askForNextOthers(row);
-      const Distance distance = distanceOf(way.squared);
-      const V a = distance.metres - excess;  // as far as two particles of the mean size would be
-      if (at.looking != nullptr && !hn::AllFalse(d, a < near_limit)) {
-        noteNear(at, row);
-      }
-      const auto touching = a < cutoff;
-      if (hn::AllFalse(d, touching)) {  // as most rows at the end of lists that have the nearest first
-        if (row < maybe_touched) {
-          hn::Store(zero, d, slip_x);
-          hn::Store(zero, d, slip_y);
-          hn::Store(zero, d, slip_z);
-        }
-        continue;
-      }
-      last_touched = row + 1;
-      rows.askForNextSlips(row);
-      Triple<V> slip{hn::Load(d, slip_x), hn::Load(d, slip_y), hn::Load(d, slip_z)};
-      const Triple<V> towards{way.x * distance.inverse, way.y * distance.inverse, way.z * distance.inverse};
-      const CohesiveContact<V> contact = cohesiveContact(law, cohesion, diameter, a);
-      const Records u = loadRecords(arrays.velocity, rows.others(row));
-      const Triple<V> relative{v.x - u.x, v.y - u.y, v.z - u.z};
-      const V parting = dot(relative, towards);
-      const V push = damped(contact.normal, a, parting);
-
-      const Triple<V> sliding{hn::NegMulAdd(parting, towards.x, relative.x),
-                              hn::NegMulAdd(parting, towards.y, relative.y),
-                              hn::NegMulAdd(parting, towards.z, relative.z)};
-      const Triple<V> drag = frictionForce(friction, sliding_per_n * contact.compression, towards, sliding, slip);
-      hn::Store(hn::IfThenElseZero(touching, slip.x), d, slip_x);
-      hn::Store(hn::IfThenElseZero(touching, slip.y), d, slip_y);
-      hn::Store(hn::IfThenElseZero(touching, slip.z), d, slip_z);
-
-      sums.x = sums.x + hn::IfThenElseZero(touching, hn::MulAdd(push, towards.x, drag.x));
-      sums.y = sums.y + hn::IfThenElseZero(touching, hn::MulAdd(push, towards.y, drag.y));
-      sums.z = sums.z + hn::IfThenElseZero(touching, hn::MulAdd(push, towards.z, drag.z));
-      if constexpr (kCompression) {
-        sums.repulsion = sums.repulsion + hn::IfThenElseZero(touching, contact.compression);
-      }
-    }
-    // Where a group is several vectors, the others' rows stay noted.
-    touched = static_cast<std::uint16_t>(hn::Lanes(d) == kGroup ? last_touched : HWY_MAX(last_touched, maybe_touched));
-    return sums;
   }
 
   /// Particles against a wall: `distance` to it, velocity away from it and along it; what they have slid so far.
@@ -310,7 +265,7 @@ struct FrictionalContacts {
   HWY_INLINE WallForce wall(V ratio, const Touch& touch, std::uint8_t& near_walls) const {
     const D d;
     const V zero = hn::Zero(d);
-    const V a = touch.distance + touch.distance;
+    const V a = touch.distance + touch.distance - nearer;
     const auto near = a < cutoff;
     if (hn::AllFalse(d, near)) {
       if ((near_walls & touch.bit) != 0) {
@@ -336,6 +291,150 @@ struct FrictionalContacts {
   }
 };
 
+/// Laws of a group's grains with their neighbours: those of their own class and, in a graded bed, others.
+template <bool kGraded>
+class GroupLaws {
+ public:
+  /// @param with  laws of the group's class, which is `own`, with each class.
+  GroupLaws(const GrainClasses& classes, const PairLaw* with, int own) : classes_(classes), with_(with), own_(own) {}
+
+  [[nodiscard]] HWY_INLINE const PairLaw& own() const { return with_[own_]; }
+
+  /// Calls `each(law)` with the law of a row of neighbours: the group's own, or where there are others among them lane by
+  /// lane that with each one's class. Either way a pair comes out the same from both sides.
+  template <class Each>
+  HWY_INLINE void forRow(V excess, V squared, const Each& each) const {
+    if constexpr (kGraded) {
+      auto other = excess < set(classes_.finerThan(own_));
+      if (own_ > 0) {
+        other = hn::Or(other, excess >= set(classes_.finerThan(own_ - 1)));
+      }
+      if (!hn::AllFalse(D(), hn::And(other, squared < set(kGhostsFrom_m2)))) {
+        PairLaw mixed = with_[0];
+        for (int c = 1; c < classes_.count(); ++c) {
+          mixed.takeWhere(excess < set(classes_.finerThan(c - 1)), with_[c]);
+        }
+        each(mixed);
+        return;
+      }
+    }
+    each(own());
+  }
+
+ private:
+  static constexpr float kGhostsFrom_m2 = 1e12F;
+
+  const GrainClasses& classes_;
+  const PairLaw* with_;
+  int own_;
+};
+
+/// Laws of every class with every class, at work.
+template <bool kGraded>
+class PairLaws {
+ public:
+  PairLaws(const GradedLaw& law, float dt, float ratio, float near_m)
+      : classes_(law.classes), pairs_(make(law, {dt, ratio, near_m}, std::make_index_sequence<kClasses * kClasses>())) {}
+
+  [[nodiscard]] HWY_INLINE GroupLaws<kGraded> of(const StepArrays& arrays, std::size_t group) const {
+    const std::size_t own = kGraded ? arrays.grain_class[group] : 0;
+    return {classes_, pairs_.data() + own * kClasses, static_cast<int>(own)};
+  }
+
+ private:
+  static constexpr std::size_t kClasses = kGraded ? GrainClasses::kMost : 1;
+  using Pairs = std::array<PairLaw, kClasses * kClasses>;
+  struct AtWork {
+    float dt, ratio, near_m;
+  };
+  template <std::size_t... kIndex>
+  static Pairs make(const GradedLaw& law, const AtWork& now, std::index_sequence<kIndex...> /*all*/) {
+    return {PairLaw(law.between[kIndex / kClasses][kIndex % kClasses], now.dt, now.ratio, now.near_m)...};
+  }
+
+  const GrainClasses& classes_;
+  Pairs pairs_;
+};
+
+/// All neighbours, friction included; their memory moves on. What limits friction is summed only for who asks.
+template <bool kGraded, bool kPeriodic, bool kCompression>
+HWY_INLINE Sums frictionalSums(const GroupLaws<kGraded>& laws, const PeriodsOf& periods, const StepArrays& arrays,
+                               const Lanes& at, const Records& here, const Records& v) {
+  const D d;
+  const V zero = hn::Zero(d);
+  Sums sums{zero, zero, zero, zero, zero};
+  const Rows rows(arrays, at);
+  struct Met {
+    Apart way;
+    V excess;  ///< of both together
+    V theirs;
+  };
+  const auto fetch = [&](std::size_t row) {
+    const Records there = loadRecords(arrays.position, rows.others(row));
+    return Met{apart<kPeriodic>(periods, here, there), here.w + there.w, there.w};
+  };
+  std::uint16_t& touched = arrays.touched[at.group];
+  const std::size_t maybe_touched = touched;
+  std::size_t last_touched = 0;
+  Met next = fetch(0);  // there is room for a row, if with ghosts only
+  for (std::size_t row = 0; row < rows.count(); ++row) {
+    const Met met = next;
+    next = fetch(row + 1 < rows.count() ? row + 1 : row);
+    rows.askForNextOthers(row);
+    laws.forRow(met.theirs, met.way.squared, [&](const PairLaw& pair) HWY_ATTR {
+      const Apart& way = met.way;
+      float* HWY_RESTRICT slip_x = rows.slips(row);
+      float* HWY_RESTRICT slip_y = slip_x + kGroup;
+      float* HWY_RESTRICT slip_z = slip_y + kGroup;
+      const Distance distance = distanceOf(way.squared);
+      V a = distance.metres - met.excess;  // as far as two particles of the mean size would be
+      if constexpr (kGraded) {
+        a = a - pair.nearer;
+      }
+      if (at.looking != nullptr && !hn::AllFalse(d, a < pair.near_limit)) {
+        noteNear(at, row);
+      }
+      const auto touching = a < pair.cutoff;
+      if (hn::AllFalse(d, touching)) {  // as most rows at the end of lists that have the nearest first
+        if (row < maybe_touched) {
+          hn::Store(zero, d, slip_x);
+          hn::Store(zero, d, slip_y);
+          hn::Store(zero, d, slip_z);
+        }
+        return;
+      }
+      last_touched = row + 1;
+      rows.askForNextSlips(row);
+      Triple<V> slip{hn::Load(d, slip_x), hn::Load(d, slip_y), hn::Load(d, slip_z)};
+      const Triple<V> towards{way.x * distance.inverse, way.y * distance.inverse, way.z * distance.inverse};
+      const CohesiveContact<V> contact = cohesiveContact(pair.law, pair.cohesion, pair.diameter, a);
+      const Records u = loadRecords(arrays.velocity, rows.others(row));
+      const Triple<V> relative{v.x - u.x, v.y - u.y, v.z - u.z};
+      const V parting = dot(relative, towards);
+      const V push = pair.damped(contact.normal, a, parting);
+
+      const Triple<V> sliding{hn::NegMulAdd(parting, towards.x, relative.x),
+                              hn::NegMulAdd(parting, towards.y, relative.y),
+                              hn::NegMulAdd(parting, towards.z, relative.z)};
+      const Triple<V> drag =
+          frictionForce(pair.friction, pair.sliding_per_n * contact.compression, towards, sliding, slip);
+      hn::Store(hn::IfThenElseZero(touching, slip.x), d, slip_x);
+      hn::Store(hn::IfThenElseZero(touching, slip.y), d, slip_y);
+      hn::Store(hn::IfThenElseZero(touching, slip.z), d, slip_z);
+
+      sums.x = sums.x + hn::IfThenElseZero(touching, hn::MulAdd(push, towards.x, drag.x));
+      sums.y = sums.y + hn::IfThenElseZero(touching, hn::MulAdd(push, towards.y, drag.y));
+      sums.z = sums.z + hn::IfThenElseZero(touching, hn::MulAdd(push, towards.z, drag.z));
+      if constexpr (kCompression) {
+        sums.repulsion = sums.repulsion + hn::IfThenElseZero(touching, contact.compression);
+      }
+    });
+  }
+  // Where a group is several vectors, the others' rows stay noted.
+  touched = static_cast<std::uint16_t>(hn::Lanes(d) == kGroup ? last_touched : HWY_MAX(last_touched, maybe_touched));
+  return sums;
+}
+
 // --- a step ----------------------------------------------------------------------------------------------------------
 
 /// How far particles may leave their places, over half the skin: between 0.65 and 1, different for each, or all that
@@ -349,8 +448,24 @@ HWY_INLINE V relistThreshold(std::size_t particle) {
   return hn::MulAdd(hn::ConvertTo(d, scattered), set(0.35F / 255), set(0.65F));
 }
 
+/// What a particle of a class has of the constants of the step: half the radius is an eighth of the mass.
+struct Grain {
+  float skin_half_squared, inverse_mass;
+  float weight_x, weight_y, weight_z;
+  explicit Grain(const StepConstants& now, int grain_class = 0)
+      : Grain(now, GrainClasses::scale(grain_class), GrainClasses::scale(3 * grain_class)) {}
+
+ private:
+  Grain(const StepConstants& now, float radius, float volume)  // over those of class 0: powers of two
+      : skin_half_squared(now.skin_half_squared * radius * radius),
+        inverse_mass(now.inverse_mass / volume),
+        weight_x(now.weight_x * volume),
+        weight_y(now.weight_y * volume),
+        weight_z(now.weight_z * volume) {}
+};
+
 /// Moves particles on with their new velocity, and notes who is not at rest and who has gone far.
-HWY_INLINE void moveOn(const StepConstants& now, const StepArrays& arrays, const Lanes& at, const Records& here,
+HWY_INLINE void moveOn(const StepConstants& now, const Grain& grain, const StepArrays& arrays, const Lanes& at, const Records& here,
                        const Records& velocity, Moved& moved, V& fastest_squared) {
   const D d;
   const V dt = set(now.dt);
@@ -372,7 +487,7 @@ HWY_INLINE void moveOn(const StepConstants& now, const StepArrays& arrays, const
   const V z = next.z - place.z;
   const V squared = hn::MulAdd(x, x, hn::MulAdd(y, y, z * z));
   const V share = relistThreshold(at.particle());
-  const V limit = set(now.skin_half_squared) * share * share;
+  const V limit = set(grain.skin_half_squared) * share * share;
   const auto stays = squared <= limit;  // false for NaN, too
   if (!hn::AllTrue(d, stays)) {
     HWY_ALIGN float distances[hn::MaxLanes(D())];
@@ -396,14 +511,14 @@ HWY_INLINE Records unlessDriven(const Records& v, const Records& wanted) {
 }
 
 /// Neighbours, weight and others' forces together; the neighbours' share is kept if somebody wants to know it.
-HWY_INLINE Triple<V> besidesWalls(const Sums& sums, const StepConstants& now, const StepArrays& arrays,
+HWY_INLINE Triple<V> besidesWalls(const Sums& sums, const Grain& grain, const StepArrays& arrays,
                                   const Lanes& at) {
   if (arrays.contact_force != nullptr) {
     storeInOrder({sums.x, sums.y, sums.z, sums.repulsion}, arrays.contact_force + at.particle());
   }
   const Records push = loadInOrder(arrays.external + at.particle());
-  return {sums.x + (set(now.weight_x) + push.x), sums.y + (set(now.weight_y) + push.y),
-          sums.z + (set(now.weight_z) + push.z)};
+  return {sums.x + (set(grain.weight_x) + push.x), sums.y + (set(grain.weight_y) + push.y),
+          sums.z + (set(grain.weight_z) + push.z)};
 }
 
 template <bool kPeriodic>
@@ -416,12 +531,13 @@ void paperIn(const KernelLaw& law, const StepConstants& now, const StepBox& box,
   const V per_mass = set(now.dt * now.inverse_mass);
   const V half_width = set(box.half_width);
   const V half_length = set(box.half_length);
+  const Grain grain(now);
   V fastest_squared = zero;
   forEachVector(arrays, now.look, first, last, [&](const Lanes& at) {
     const Records x = loadInOrder(arrays.position + at.particle());
     const Records v = loadInOrder(arrays.velocity + at.particle());
     Sums sums = contacts.sum<kPeriodic>(arrays, at, x);
-    auto [fx, fy, fz] = besidesWalls(sums, now, arrays, at);
+    auto [fx, fy, fz] = besidesWalls(sums, grain, arrays, at);
     contacts.addWall(x.z, one, fz, sums);
     if (box.walls_x) {
       contacts.addWall(half_width + x.x, one, fx, sums);
@@ -449,31 +565,35 @@ void paperIn(const KernelLaw& law, const StepConstants& now, const StepBox& box,
     const auto at_rest = hn::And(hn::And(v.x == zero, v.y == zero), v.z == zero);
     const auto held = hn::MulAdd(fx, fx, hn::MulAdd(fy, fy, fz * fz)) <= limit * limit;
     left = hn::IfThenZeroElse(hn::And(at_rest, held), left);
-    moveOn(now, arrays, at, x, unlessDriven(v, {vx * left, vy * left, vz * left, zero}), moved, fastest_squared);
+    moveOn(now, grain, arrays, at, x, unlessDriven(v, {vx * left, vy * left, vz * left, zero}), moved, fastest_squared);
   });
   moved.fastest_squared = hn::GetLane(hn::MaxOfLanes(d, fastest_squared));
 }
 
-template <bool kPeriodic>
-void contactFrictionIn(const ContactFrictionLaw& law, const StepConstants& now, const StepBox& box,
-                       const StepArrays& arrays, std::size_t first, std::size_t last, Moved& moved) {
-  const FrictionalContacts contacts(law, box.periods, now.dt, now.friction_ratio, now.near_m);
+template <bool kGraded, bool kPeriodic>
+void contactFrictionIn(const GradedLaw& law, const StepConstants& now, const StepBox& box, const StepArrays& arrays,
+                       std::size_t first, std::size_t last, Moved& moved) {
+  const PairLaws<kGraded> laws(law, now.dt, now.friction_ratio, now.near_m);
+  const PeriodsOf periods(box.periods);
   const D d;
   const V zero = hn::Zero(d);
   const V one = set(1);
-  const V per_mass = set(now.dt * now.inverse_mass);
   const V drag = set(now.drag);
   const V ratio = set(box.wall_ratio);
   V fastest_squared = zero;
   forEachVector(arrays, now.look, first, last, [&](const Lanes& at) {
     const Records x = loadInOrder(arrays.position + at.particle());
     const Records v = loadInOrder(arrays.velocity + at.particle());
-    const Sums sums = contacts.sum<kPeriodic, false>(arrays, at, x, v);
-    auto [fx, fy, fz] = besidesWalls(sums, now, arrays, at);
+    const GroupLaws<kGraded> contacts = laws.of(arrays, at.group);
+    const PairLaw& own = contacts.own();
+    const Grain grain(now, kGraded ? arrays.grain_class[at.group] : 0);
+    const V per_mass = set(now.dt * grain.inverse_mass);
+    const Sums sums = frictionalSums<kGraded, kPeriodic, false>(contacts, periods, arrays, at, x, v);
+    auto [fx, fy, fz] = besidesWalls(sums, grain, arrays, at);
     WallSlips& slips = arrays.wall_slip[at.group];
     std::uint8_t& near = arrays.near_walls[at.group];
     const auto of = [&](std::array<float, kGroup>& slip) { return slip.data() + at.in_group; };
-    const auto floor = contacts.wall(one, {x.z - x.w, v.z, v.x, v.y, of(slips.floor_x), of(slips.floor_y), 1}, near);
+    const auto floor = own.wall(one, {x.z - x.w, v.z, v.x, v.y, of(slips.floor_x), of(slips.floor_y), 1}, near);
     fx = fx + floor.along_1;
     fy = fy + floor.along_2;
     fz = fz + floor.away;
@@ -481,7 +601,7 @@ void contactFrictionIn(const ContactFrictionLaw& law, const StepConstants& now, 
       const V inwards = hn::IfThenElse(x.x < zero, one, zero - one);  // from the nearer of the two walls
       const V distance = set(box.half_width) + inwards * x.x - x.w;
       const auto wall =
-          contacts.wall(ratio, {distance, inwards * v.x, v.y, v.z, of(slips.x_wall_y), of(slips.x_wall_z), 2}, near);
+          own.wall(ratio, {distance, inwards * v.x, v.y, v.z, of(slips.x_wall_y), of(slips.x_wall_z), 2}, near);
       fx = hn::MulAdd(inwards, wall.away, fx);
       fy = fy + wall.along_1;
       fz = fz + wall.along_2;
@@ -490,14 +610,14 @@ void contactFrictionIn(const ContactFrictionLaw& law, const StepConstants& now, 
       const V inwards = hn::IfThenElse(x.y < zero, one, zero - one);
       const V distance = set(box.half_length) + inwards * x.y - x.w;
       const auto wall =
-          contacts.wall(ratio, {distance, inwards * v.y, v.x, v.z, of(slips.y_wall_x), of(slips.y_wall_z), 4}, near);
+          own.wall(ratio, {distance, inwards * v.y, v.x, v.z, of(slips.y_wall_x), of(slips.y_wall_z), 4}, near);
       fx = fx + wall.along_1;
       fy = hn::MulAdd(inwards, wall.away, fy);
       fz = fz + wall.along_2;
     }
     const Records next{hn::MulAdd(per_mass, fx, v.x) * drag, hn::MulAdd(per_mass, fy, v.y) * drag,
                        hn::MulAdd(per_mass, fz, v.z) * drag, zero};
-    moveOn(now, arrays, at, x, unlessDriven(v, next), moved, fastest_squared);
+    moveOn(now, grain, arrays, at, x, unlessDriven(v, next), moved, fastest_squared);
   });
   moved.fastest_squared = hn::GetLane(hn::MaxOfLanes(d, fastest_squared));
 }
@@ -507,9 +627,13 @@ void paper(const KernelLaw& law, const StepConstants& now, const StepBox& box, c
   (box.periods.any() ? paperIn<true> : paperIn<false>)(law, now, box, arrays, first, last, moved);
 }
 
-void contactFriction(const ContactFrictionLaw& law, const StepConstants& now, const StepBox& box,
-                     const StepArrays& arrays, std::size_t first, std::size_t last, Moved& moved) {
-  (box.periods.any() ? contactFrictionIn<true> : contactFrictionIn<false>)(law, now, box, arrays, first, last, moved);
+void contactFriction(const GradedLaw& law, const StepConstants& now, const StepBox& box, const StepArrays& arrays,
+                     std::size_t first, std::size_t last, Moved& moved) {
+  const bool periodic = box.periods.any();
+  const bool graded = arrays.grain_class != nullptr;
+  (graded ? (periodic ? contactFrictionIn<true, true> : contactFrictionIn<true, false>)
+          : (periodic ? contactFrictionIn<false, true> : contactFrictionIn<false, false>))(law, now, box, arrays, first,
+                                                                                          last, moved);
 }
 
 // --- contacts alone --------------------------------------------------------------------------------------------------
@@ -536,14 +660,23 @@ void paperSums(const KernelLaw& law, const Periods& periods, const StepArrays& a
   });
 }
 
-void contactFrictionSums(const ContactFrictionLaw& law, const Periods& periods, float dt, const StepArrays& arrays,
-                         std::size_t first, std::size_t last, ContactSum* sums) {
-  const FrictionalContacts contacts(law, periods, dt, 1, 0);
+template <bool kGraded>
+void contactFrictionSumsOf(const GradedLaw& law, const Periods& box, float dt, const StepArrays& arrays,
+                           std::size_t first, std::size_t last, ContactSum* sums) {
+  const PairLaws<kGraded> laws(law, dt, 1, 0);
+  const PeriodsOf periods(box);
   forEachVector(arrays, 0, first, last, [&](const Lanes& at) {
     const Records x = loadInOrder(arrays.position + at.particle());
     const Records v = loadInOrder(arrays.velocity + at.particle());
-    storeSums(contacts.sum<true, true>(arrays, at, x, v), sums + at.particle());
+    storeSums(frictionalSums<kGraded, true, true>(laws.of(arrays, at.group), periods, arrays, at, x, v),
+              sums + at.particle());
   });
+}
+
+void contactFrictionSums(const GradedLaw& law, const Periods& periods, float dt, const StepArrays& arrays,
+                         std::size_t first, std::size_t last, ContactSum* sums) {
+  (arrays.grain_class != nullptr ? contactFrictionSumsOf<true> : contactFrictionSumsOf<false>)(law, periods, dt, arrays,
+                                                                                              first, last, sums);
 }
 
 }  // namespace haptolith::HWY_NAMESPACE
@@ -562,7 +695,7 @@ void stepWithPaperFriction(const KernelLaw& law, const StepConstants& now, const
   HWY_DYNAMIC_DISPATCH(paper)(law, now, box, arrays, first, last, moved);
 }
 
-void stepWithContactFriction(const ContactFrictionLaw& law, const StepConstants& now, const StepBox& box,
+void stepWithContactFriction(const GradedLaw& law, const StepConstants& now, const StepBox& box,
                              const StepArrays& arrays, std::size_t first, std::size_t last, Moved& moved) noexcept {
   HWY_DYNAMIC_DISPATCH(contactFriction)(law, now, box, arrays, first, last, moved);
 }
@@ -572,7 +705,7 @@ void sumContacts(const KernelLaw& law, const Periods& periods, const StepArrays&
   HWY_DYNAMIC_DISPATCH(paperSums)(law, periods, arrays, first, last, sums);
 }
 
-void sumFrictionalContacts(const ContactFrictionLaw& law, const Periods& periods, float dt_s, const StepArrays& arrays,
+void sumFrictionalContacts(const GradedLaw& law, const Periods& periods, float dt_s, const StepArrays& arrays,
                            std::size_t first, std::size_t last, ContactSum* sums) noexcept {
   HWY_DYNAMIC_DISPATCH(contactFrictionSums)(law, periods, dt_s, arrays, first, last, sums);
 }

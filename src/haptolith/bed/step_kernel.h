@@ -11,9 +11,9 @@ namespace haptolith {
 /// Constants of one step, in the particles' precision.
 struct StepConstants {
   float dt;
-  float weight_x, weight_y, weight_z;  ///< of a particle, N
-  float inverse_mass;
-  float skin_half_squared;  ///< m^2
+  float weight_x, weight_y, weight_z;  ///< of a particle of the coarsest class, N
+  float inverse_mass;                  ///< the same, 1/kg
+  float skin_half_squared;             ///< the same, m^2
   float rest_squared;       ///< (m/s)^2: what moves faster is not at rest
   std::uint64_t look;       ///< see NearRows
   float near_m;             ///< how much further apart than a contact reaches those are that may come to touch
@@ -42,6 +42,7 @@ struct StepArrays {
   Float4 *next_position, *next_velocity;
   Float4* contact_force;  ///< of the neighbours on each particle, N; not kept when null
   WallSlips* wall_slip;   ///< contact friction only
+  const std::uint8_t* grain_class;  ///< of each group; null: of all the coarsest (contact friction only)
   std::uint8_t*
       near_walls;  ///< of each group a bit for each wall; where it is clear nothing is remembered of that wall
 
@@ -69,7 +70,7 @@ void stepWithPaperFriction(const KernelLaw& law, const StepConstants& now, const
 
 /// The same with contact friction, whose memory moves on by the step. Each pair is worked out from both sides, with
 /// exactly opposite results.
-void stepWithContactFriction(const ContactFrictionLaw& law, const StepConstants& now, const StepBox& box,
+void stepWithContactFriction(const GradedLaw& law, const StepConstants& now, const StepBox& box,
                              const StepArrays& arrays, std::size_t first, std::size_t last, Moved& moved) noexcept;
 
 /// What a particle feels of its neighbours.
@@ -83,7 +84,7 @@ struct ContactSum {
 /// Contacts alone, of groups first..last-1, 16 sums each.
 void sumContacts(const KernelLaw& law, const Periods& periods, const StepArrays& arrays, std::size_t first,
                  std::size_t last, ContactSum* sums) noexcept;
-void sumFrictionalContacts(const ContactFrictionLaw& law, const Periods& periods, float dt_s, const StepArrays& arrays,
+void sumFrictionalContacts(const GradedLaw& law, const Periods& periods, float dt_s, const StepArrays& arrays,
                            std::size_t first, std::size_t last, ContactSum* sums) noexcept;
 
 }  // namespace haptolith

@@ -49,7 +49,7 @@ Scenario forItsHand(Scenario scenario, const HapticDevice* device) {
 
 void requireEnoughSubsteps(const Scenario& scenario) {
   const BedParameters& bed = scenario.bed;
-  (void)substepsFor(bed.soil, stiffnessInStep(scenario.tool, bed.soil.friction), bed.tick_s, bed.max_substeps);
+  (void)substepsFor(bed, stiffnessInStep(scenario.tool, bed.soil.friction));
 }
 
 bool sameTool(const ToolParameters& a, const ToolParameters& b) {
@@ -303,7 +303,7 @@ void Session::changeWhatIsThere() {
   }
   if (!isCompatible(current_.made_of, wanted_.bed.soil, stiffnessInStep(wanted_.tool, wanted_.bed.soil.friction))) {
     make("soil", true);
-  } else if (loop_->ask(request::Soil{SoilLaws(wanted_.bed.soil)})) {
+  } else if (loop_->ask(request::Soil{SoilLaws(wanted_.bed.soil, grainClasses(wanted_.bed))})) {
     now.bed.soil = wanted_.bed.soil;
   }
 }

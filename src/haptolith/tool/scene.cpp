@@ -15,7 +15,7 @@ namespace {
 int checkedSubsteps(const BedParameters& bed, const ToolParameters& tool) {
   validate(bed);
   validate(tool);
-  return substepsFor(bed.soil, stiffnessInStep(tool, bed.soil.friction), bed.tick_s, bed.max_substeps);
+  return substepsFor(bed, stiffnessInStep(tool, bed.soil.friction));
 }
 
 /// A tool that is only partly there.

@@ -54,13 +54,14 @@ struct Answer {
 /// Contacts of soil with contact friction.
 class FrictionalTool {
  public:
-  FrictionalTool(const ToolParameters& tool, const SoilParameters& soil, double dt_s)
-      : stiffness_(tool.stiffness_n_m),
-        damping_(tool.damping_factor * dt_s * tool.stiffness_n_m / 2),
+  /// @param scale  R of the grains over that of the soil: k_tool ~ R and adhesion ~ R^2, as k and F_c of the soil.
+  FrictionalTool(const ToolParameters& tool, const SoilParameters& soil, double dt_s, double scale)
+      : stiffness_(scale * tool.stiffness_n_m),
+        damping_(tool.damping_factor * dt_s * stiffness_ / 2),
         coefficient_(tool.friction),
-        reach_m_(tool.adhesion_n > 0 ? soil.cohesion_range_ratio * soil.radius_m : 0),
-        adhesion_{tool.adhesion_n, 2 / (soil.cohesion_range_ratio * soil.radius_m), 0, 1},
-        tangential_stiffness_(soil.tangential_ratio * tool.stiffness_n_m),
+        reach_m_(tool.adhesion_n > 0 ? soil.cohesion_range_ratio * scale * soil.radius_m : 0),
+        adhesion_{scale * scale * tool.adhesion_n, 2 / (soil.cohesion_range_ratio * scale * soil.radius_m), 0, 1},
+        tangential_stiffness_(soil.tangential_ratio * stiffness_),
         friction_{dt_s, -tangential_stiffness_, tool.damping_factor * dt_s / 2, 1, kTiny} {}
 
   [[nodiscard]] double reach() const noexcept { return reach_m_; }
@@ -103,7 +104,7 @@ class FrictionalTool {
   static constexpr double kSticks =
       0.99;  // square of the friction over its limit; what rounding may take from one that slides
 
-  double stiffness_, damping_, coefficient_, reach_m_;
+  double stiffness_, damping_, coefficient_, reach_m_;  // stiffness_ first: others are made of it
   law::CohesionOf<double> adhesion_;
   double tangential_stiffness_;
   law::FrictionOf<double> friction_;
@@ -155,17 +156,18 @@ void keepSlip(Float4& kept, std::size_t jaw, const Vec3& normal, const Vec3& sli
 class Encounter {
  public:
   Encounter(const ToolParameters& tool, const Pose& scene_T_tool, const Twist& twist, double opening_m_s,
-            const SoilParameters& soil, double dt_s)
+            const SoilParameters& soil, const GrainClasses& classes, double dt_s)
       : tool_(tool),
         pose_(scene_T_tool),
         twist_(twist),
         opening_m_s_(opening_m_s),
-        frictional_(tool, soil, dt_s),
+        classes_(classes),
+        frictional_(ofEachClass(tool, soil, dt_s)),
         radius_m_(soil.radius_m),
         dt_s_(dt_s),
         contact_friction_(soil.friction == FrictionModel::kContact),
         contact_m_((1 + tool.adhesion_ratio) * soil.radius_m +
-                   (contact_friction_ ? soil.size_spread * soil.radius_m + frictional_.reach() : 0)),
+                   (contact_friction_ ? soil.size_spread * soil.radius_m + frictional_[0].reach() : 0)),
         around_m_(static_cast<float>(contact_m_ + kRounding_m)),
         reach_m_(enclosingRadius(tool) + contact_m_),
         box_(boxAround(tool, scene_T_tool)),
@@ -195,11 +197,20 @@ class Encounter {
   [[nodiscard]] const ToolReaction& reaction() const noexcept { return reaction_; }
 
  private:
+  /// A tool is to grains of each class what it is to the coarsest, scaled by size as the soil is.
+  static std::array<FrictionalTool, GrainClasses::kMost> ofEachClass(const ToolParameters& tool,
+                                                                    const SoilParameters& soil, double dt_s) {
+    const auto of = [&](int c) {
+      return FrictionalTool(tool, soil, dt_s, GrainClasses::scale(c));
+    };
+    return {of(0), of(1), of(2), of(3)};
+  }
+
   /// Force on one particle within reach.
   Float4 meet(std::size_t i, const BedState& state, const ToolMemory& memory) noexcept {
     const Float4& p = state.position[i];
     const Vec3 lever = Vec3(p.x, p.y, p.z) - pose_.position_m;
-    const Grain grain{lever, radius_m_ + p.w, state.velocity[i]};
+    const Grain grain{lever, radius_m_ + p.w, state.velocity[i], static_cast<std::size_t>(classes_.of(p.w))};
     if (tool_.shape == ToolShape::kJaws) {
       return meetJaws(grain, memory.side[i], contact_friction_ ? &memory.slip[i] : nullptr);
     }
@@ -228,6 +239,7 @@ class Encounter {
     Vec3 lever_m;
     double radius_m;
     const Float4& velocity;
+    std::size_t grain_class;
   };
 
   /// Where and how it touches, scene frame.
@@ -246,7 +258,7 @@ class Encounter {
                                 Vec3& slip_m) const noexcept {
     const Float4& v = grain.velocity;
     const Meeting meeting{touch.outward, touch.depth_m, tool_m_s, Vec3(v.x, v.y, v.z)};
-    return contact_friction_ ? frictional_.meet(meeting, slip_m) : paperAnswer(tool_, radius_m_, dt_s_, meeting);
+    return contact_friction_ ? frictional_[grain.grain_class].meet(meeting, slip_m) : paperAnswer(tool_, radius_m_, dt_s_, meeting);
   }
 
   void feel(const Answer& answer, const Vec3& point_m) noexcept {
@@ -284,7 +296,8 @@ class Encounter {
   const Pose& pose_;
   const Twist& twist_;
   double opening_m_s_;
-  FrictionalTool frictional_;
+  const GrainClasses& classes_;
+  std::array<FrictionalTool, GrainClasses::kMost> frictional_;
   double radius_m_, dt_s_;
   bool contact_friction_;
   static constexpr double kRounding_m = 2e-6;  // of the box's test, in single precision
@@ -301,7 +314,8 @@ class Encounter {
 ToolReaction applyToolContact(const ToolParameters& tool, const Pose& scene_T_tool, const Twist& twist,
                               const SoilParameters& soil, double dt_s, const BedState& state, const ToolMemory& memory,
                               std::vector<Float4>& forces, double opening_m_s) noexcept {
-  Encounter encounter(tool, scene_T_tool, twist, opening_m_s, soil, dt_s);
+  const GrainClasses alike(soil.radius_m);
+  Encounter encounter(tool, scene_T_tool, twist, opening_m_s, soil, alike, dt_s);
   for (std::size_t first = 0; first < state.particles(); first += kGroup) {
     encounter.meet(first, std::min(first + kGroup, state.particles()), state, memory, forces);
   }
@@ -310,7 +324,7 @@ ToolReaction applyToolContact(const ToolParameters& tool, const Pose& scene_T_to
 
 ToolReaction applyToolContact(const ToolParameters& tool, const Pose& scene_T_tool, const Twist& twist, double dt_s,
                               Bed& bed, double opening_m_s) noexcept {
-  Encounter encounter(tool, scene_T_tool, twist, opening_m_s, bed.parameters().soil, dt_s);
+  Encounter encounter(tool, scene_T_tool, twist, opening_m_s, bed.parameters().soil, bed.classes(), dt_s);
   const ToolMemory memory{bed.toolSides(), bed.toolSlip()};
   for (const std::uint32_t group : bed.groupsNear(scene_T_tool.position_m, encounter.reach())) {
     const std::size_t first = group * kGroup;
