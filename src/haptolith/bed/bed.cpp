@@ -10,6 +10,7 @@
 
 #include "haptolith/bed/bed_start.h"
 #include "haptolith/bed/critical_step.h"
+#include "haptolith/bed/graded_start.h"
 #include "haptolith/bed/spatial_order.h"
 #include "haptolith/core/clock.h"
 #include "haptolith/core/error.h"
@@ -129,6 +130,21 @@ bool isZero(const Float4& a) {
   return a.x == 0 && a.y == 0 && a.z == 0;
 }
 
+/// Grains as they lie before they settle together.
+std::vector<Float4> startingGrains(const BedParameters& bed, const SettleProgress& progress) {
+  if (grainClasses(bed) == 1) {
+    return withSizes(bed, inSpatialOrder(startingCentres(bed), bed.soil.radius_m));
+  }
+  const auto settled = [&](const BedParameters& of_one_size) {
+    const Bed made(of_one_size, progress);
+    const auto& position = made.state().position;
+    return std::vector<Float4>(position.begin(), position.begin() + narrow<std::ptrdiff_t>(made.particles()));
+  };
+  BedParameters coarse = bed;
+  coarse.grading = {};
+  return gradedGrains(bed, settled(coarse), settled);
+}
+
 /// Groups first..last-1 of a part of the work.
 struct GroupRange {
   std::size_t first, last;
@@ -163,8 +179,8 @@ const char* text(StepStatus status) noexcept {
 }
 
 Bed::Bed(const BedParameters& parameters, const SettleProgress& progress)
-    : Bed(parameters, inSpatialOrder(startingCentres(parameters), parameters.soil.radius_m)) {
-  if (parameters.start == BedStart::kRain) {
+    : Bed(parameters, startingGrains(validated(parameters), progress)) {
+  if (parameters.start == BedStart::kRain || grainClasses(parameters) > 1) {
     const int substeps = substepsFor(parameters, 0);
     const double dt_s = parameters.tick_s / substeps;
     settle(dt_s, longestSettling(parameters, surfaceHeight(), dt_s), progress);
@@ -198,10 +214,10 @@ Bed::Bed(const BedParameters& parameters, const std::vector<Float4>& grains)
   }
   state_.position = grains;
   state_.position.resize(padded, kGhost);
-  noteClasses();
   state_.velocity.resize(n);
   state_.velocity.resize(padded, kGhostVelocity);
   state_.tool_side.resize(n);
+  noteClasses();
   state_.listed_at = state_.position;
   state_.rested.resize(padded / kGroup);
   state_.rested_at = state_.position;

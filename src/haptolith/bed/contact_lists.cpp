@@ -13,7 +13,8 @@ constexpr std::size_t kSlipRow = 3 * kGroup;
 std::size_t reservedRows(std::size_t groups) {
   constexpr std::size_t kUsualRows = 24 + 32 + 16;
   constexpr std::size_t kCollapsing = 64;
-  return groups * kUsualRows + std::min(groups, kCollapsing) * 2 * ContactLists::kMostNeighbours;
+  constexpr std::size_t kCrowded = 96;  // neighbours
+  return groups * kUsualRows + std::min(groups, kCollapsing) * 2 * kCrowded;
 }
 
 }  // namespace

@@ -37,8 +37,9 @@ struct NearRows {
 /// outgrows its room moves. Within what the constructor reserved nothing allocates.
 class ContactLists {
  public:
-  /// A particle with more neighbours has been collapsed onto.
-  static constexpr std::uint32_t kMostNeighbours = 96;
+  /// A particle with more neighbours has been collapsed onto. Of one size nobody has as many as 96; a grain has room
+  /// for some 240 of a quarter of its radius.
+  static constexpr std::uint32_t kMostNeighbours = 320;
 
   ContactLists() = default;
   /// Empty lists. @param remembers  whether there is a slip with each entry (contact friction).
@@ -89,7 +90,7 @@ class ContactLists {
   [[nodiscard]] std::size_t bytes() const noexcept;
 
  private:
-  static constexpr std::array<std::uint16_t, 4> kRooms{24, 32, 48, kMostNeighbours};
+  static constexpr std::array<std::uint16_t, 5> kRooms{24, 32, 48, 96, kMostNeighbours};
   static constexpr std::uint32_t kNone = ~std::uint32_t{0};
   static constexpr std::uint32_t kRecordBytes = 16;  // sizeof(Float4)
   [[nodiscard]] static std::uint32_t offsetOf(std::int32_t particle) noexcept {
@@ -116,7 +117,7 @@ class ContactLists {
   std::vector<NearRows> near_;
   std::vector<std::uint8_t> room_;                                             // which of kRooms it has
   std::vector<std::uint16_t> count_;                                           // one for each particle
-  std::array<std::uint32_t, kRooms.size()> free_{kNone, kNone, kNone, kNone};  // left rooms, each linked to the next
+  std::array<std::uint32_t, kRooms.size()> free_{kNone, kNone, kNone, kNone, kNone};  // left rooms, each linked to the next
 };
 
 }  // namespace haptolith
