@@ -52,7 +52,8 @@ std::vector<Float4> withOnly(const BedParameters& bed, const std::vector<std::ve
     for (std::size_t i = 0; i < 16; ++i) {
       grains.push_back(i < of_class[c].size()
                            ? of_class[c][i]
-                           : grain(bed, static_cast<int>(c), {0.05 * (1.0 + static_cast<double>(i)), 0.3 + 0.2 * static_cast<double>(c), 1}));
+                           : grain(bed, static_cast<int>(c),
+                                   {0.05 * (1.0 + static_cast<double>(i)), 0.3 + 0.2 * static_cast<double>(c), 1}));
     }
   }
   return grains;
@@ -134,7 +135,8 @@ TEST(GradedBed, MomentumStaysInACloudThatCollides) {
   for (std::size_t i = 0; i < bed.particles(); ++i) {
     Float4& v = state.velocity[i];
     const Float4& p = state.position[i];
-    v = {static_cast<float>(-4 * p.x + 0.05 * unit(random)), static_cast<float>(-4 * p.y), static_cast<float>(-4 * (p.z - 1)), 0};
+    v = {static_cast<float>(-4 * p.x + 0.05 * unit(random)), static_cast<float>(-4 * p.y),
+         static_cast<float>(-4 * (p.z - 1)), 0};
   }
   bed.restore(state);
   const auto momentum = [&] {

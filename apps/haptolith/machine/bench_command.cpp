@@ -16,6 +16,7 @@
 #include "haptolith/device/hand/virtual_hand.h"
 #include "haptolith/figure/figure.h"
 #include "haptolith/haptics/haptic_loop.h"
+#include "haptolith/scenario/scenario.h"
 #include "haptolith/scenario/scene_words.h"
 
 #include "commands.h"
@@ -33,7 +34,8 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 struct BenchOptions {
-  LabOptions soil;  ///< which soil, and of how large macroparticles
+  LabOptions soil;                  ///< which soil, and of how large macroparticles
+  std::vector<std::string> scenes;  ///< files; instead of the rest
   std::vector<int> particles{256, 2000, 10'000, 100'000, 200'000};
   std::vector<FrictionModel> friction{FrictionModel::kPaper, FrictionModel::kContact};
   std::vector<int> threads{1, 2};
@@ -95,16 +97,22 @@ void settle(Scene& scene) {
   run(bed.parameters().sleep ? kLongest_s : kSettling_s);
 }
 
-BenchRow measure(const BenchOptions& options, int particles, FrictionModel friction, int threads, StatusLine& status) {
-  const std::string what =
-      fmt::format("{} particles, {} friction, {} threads", particles, wordFor(kFrictionWords, friction), threads);
+/// What a row is measured with.
+struct BenchScene {
+  std::string what;
+  BedParameters bed;
+  ToolParameters tool;
+  HandParameters hand;
+};
+
+BenchRow measure(const BenchOptions& options, const BenchScene& made_of, StatusLine& status) {
+  const std::string& what = made_of.what;
   status.update(what + ": the bed settles");
   const std::int64_t start_ns = monotonicNs();
-  Scene scene(sandbox(options, particles, friction, threads), ToolParameters{});
+  Scene scene(made_of.bed, made_of.tool);
   const std::int64_t made_ns = monotonicNs() - start_ns;
   settle(scene);
-  HandParameters hand;
-  hand.manoeuvre = options.hand;
+  HandParameters hand = made_of.hand;
   hand.surface_m = scene.bed().surfaceHeight();
   VirtualHand device(hand, scene.bed().parameters().tick_s);
   HapticLoop loop(scene, device, LoopParameters{}, false);
@@ -127,14 +135,43 @@ BenchRow measure(const BenchOptions& options, int particles, FrictionModel frict
     }
   }
   row.particles = scene.bed().particles();
-  row.friction = friction;
-  row.threads = threads;
+  row.friction = made_of.bed.soil.friction;
+  row.threads = made_of.bed.threads;
   row.substeps = scene.substeps();
   row.tick_us = loop.statistics().tickUs();
   row.bytes_per_particle = static_cast<double>(scene.bed().bytes()) / static_cast<double>(row.particles);
   row.relistings_per_tick =
       static_cast<double>(scene.bed().relistings() - relisted_before) / static_cast<double>(ticks);
   return row;
+}
+
+std::vector<BenchScene> scenesOf(const BenchOptions& options) {
+  std::vector<BenchScene> scenes;
+  for (const std::string& file : options.scenes) {
+    for (const int threads : options.threads) {
+      const Scenario scene = loadScenario(file);
+      scenes.push_back({fmt::format("{}, {} threads", file, threads), scene.bed, scene.tool, scene.hand});
+      BedParameters& bed = scenes.back().bed;
+      bed.threads = threads;
+      bed.sleep = options.sleep_speed_m_s.has_value();
+      bed.sleep_speed_m_s = options.sleep_speed_m_s.value_or(0);
+    }
+  }
+  if (!scenes.empty()) {
+    return scenes;
+  }
+  HandParameters hand;
+  hand.manoeuvre = options.hand;
+  for (const int particles : options.particles) {
+    for (const FrictionModel friction : options.friction) {
+      for (const int threads : options.threads) {
+        const std::string what =
+            fmt::format("{} particles, {} friction, {} threads", particles, wordFor(kFrictionWords, friction), threads);
+        scenes.push_back({what, sandbox(options, particles, friction, threads), ToolParameters{}, hand});
+      }
+    }
+  }
+  return scenes;
 }
 
 /// How late the machine wakes a thread that sleeps until a given time: no tick can be more punctual.
@@ -213,12 +250,8 @@ void runBench(const BenchOptions& options) {
   status.update("how punctual is the machine?");
   const Histogram late_us = timerLatenessUs();
   std::vector<BenchRow> rows;
-  for (const int particles : options.particles) {
-    for (const FrictionModel friction : options.friction) {
-      for (const int threads : options.threads) {
-        rows.push_back(measure(options, particles, friction, threads, status));
-      }
-    }
+  for (const BenchScene& scene : scenesOf(options)) {
+    rows.push_back(measure(options, scene, status));
   }
   status.clear();
   if (!options.figure_file.empty()) {
@@ -254,6 +287,10 @@ void addBenchCommand(CLI::App& app) {
   options->soil.soil = "P3";
   CLI::App* command =
       app.add_subcommand("bench", "How long a tick takes, by number of particles, friction and threads");
+  command
+      ->add_option("--scene", options->scenes,
+                   "scene files: their bed, tool and hand, instead of what follows but --threads")
+      ->delimiter(',');
   command->add_option("--particles", options->particles, "about how many")->delimiter(',')->capture_default_str();
   std::map<std::string, FrictionModel> models;
   for (const auto& word : kFrictionWords) {

@@ -250,7 +250,8 @@ void Bed::noteClasses() {
     if (i % kGroup == 0) {
       grain_class_[i / kGroup] = own;
     } else if (grain_class_[i / kGroup] != own) {
-      throw InvalidParameter("grains", fmt::format("group {} with two sizes", i / kGroup), "in groups of 16 of one size");
+      throw InvalidParameter("grains", fmt::format("group {} with two sizes", i / kGroup),
+                             "in groups of 16 of one size");
     }
   }
 }
@@ -488,7 +489,8 @@ double Bed::energy() const {
   const auto index = [classes](int a, int b) { return static_cast<std::size_t>(classes * a + b); };
   std::vector<ContactLaw> pairs;
   for (int k = 0; k < classes * classes; ++k) {
-    const ContactLaw law = classes == 1 ? laws_.pair : makeContactLaw(soilBetween(parameters_.soil, k / classes, k % classes));
+    const ContactLaw law =
+        classes == 1 ? laws_.pair : makeContactLaw(soilBetween(parameters_.soil, k / classes, k % classes));
     pairs.push_back(cohering(law, 1));
   }
   const auto lawBetween = [&](int a, int b) -> const ContactFrictionLaw& {
@@ -599,8 +601,8 @@ void Bed::restore(const BedState& state) {
     const double scale = GrainClasses::scale(classes().of(p.w));
     const double mean_m = (scale - 1) * parameters_.soil.radius_m;
     constexpr float kRounding = 1e-6F;
-    return std::abs(p.w - narrow<float>(mean_m)) <= narrow<float>(scale * largestExcess(parameters_.soil)) +
-                                                        kRounding * std::abs(p.w) * (scale < 1 ? 1 : 0);
+    return std::abs(p.w - narrow<float>(mean_m)) <=
+           narrow<float>(scale * largestExcess(parameters_.soil)) + kRounding * std::abs(p.w) * (scale < 1 ? 1 : 0);
   };
   for (const auto* records_of : {&state.position, &state.listed_at}) {
     if (!std::all_of(records_of->begin(), records_of->end(), fitting)) {

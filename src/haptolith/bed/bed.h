@@ -152,7 +152,7 @@ class Bed {
   std::vector<Float4> next_position_, next_velocity_;
   std::vector<Float4> external_;
   std::vector<Float4> contact_force_;
-  std::vector<std::uint8_t> near_walls_;  ///< see StepArrays
+  std::vector<std::uint8_t> near_walls_;   ///< see StepArrays
   std::vector<std::uint8_t> grain_class_;  ///< of each group; empty where all grains are alike
   Neighbourhood neighbourhood_;
   Wakefulness wakefulness_;

@@ -26,9 +26,9 @@ int grainClasses(const BedParameters& bed) {
     }
     halves += fmt::format("{:g}, ", radius_m);
   }
-  throw InvalidParameter("fine_radius_m", fmt::format("{:g}", finest_m),
-                         fmt::format("one of {}or 0: the soil's radius of {:g} halved once, twice or three times",
-                                     halves, coarsest_m));
+  throw InvalidParameter(
+      "fine_radius_m", fmt::format("{:g}", finest_m),
+      fmt::format("one of {}or 0: the soil's radius of {:g} halved once, twice or three times", halves, coarsest_m));
 }
 
 SoilParameters finestSoil(const BedParameters& bed) {

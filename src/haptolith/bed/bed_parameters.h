@@ -70,6 +70,7 @@ struct BedRanges {
   static constexpr Range particles{1, kMostParticles};
   static constexpr Range layers{1, 1000};
   static constexpr Range seed{0, 9e15};  ///< as large as a double and a whole number of TOML can be
+  static constexpr Range fine_radius_m{0, 0.5};
   static constexpr Range fine_place_m{-100, 100};
   static constexpr Range fine_length_m{1e-5, 100};  ///< width, length and depth of fine soil
   static constexpr Range sleep_speed_m_s{0, 1};

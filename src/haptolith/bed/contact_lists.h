@@ -115,9 +115,10 @@ class ContactLists {
   std::vector<std::uint16_t> rows_;       // length of the group's longest list
   std::vector<std::uint16_t> touched_;
   std::vector<NearRows> near_;
-  std::vector<std::uint8_t> room_;                                             // which of kRooms it has
-  std::vector<std::uint16_t> count_;                                           // one for each particle
-  std::array<std::uint32_t, kRooms.size()> free_{kNone, kNone, kNone, kNone, kNone};  // left rooms, each linked to the next
+  std::vector<std::uint8_t> room_;    // which of kRooms it has
+  std::vector<std::uint16_t> count_;  // one for each particle
+  std::array<std::uint32_t, kRooms.size()> free_{kNone, kNone, kNone, kNone,
+                                                 kNone};  // left rooms, each linked to the next
 };
 
 }  // namespace haptolith

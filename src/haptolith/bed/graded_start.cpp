@@ -18,8 +18,8 @@ namespace haptolith {
 
 namespace {
 
-/// How thick the shell of a class is around finer ones, in its diameters: wide enough that grains four times as large as
-/// others do not touch them.
+/// How thick the shell of a class is around finer ones, in its diameters: wide enough that grains four times as large
+/// as others do not touch them.
 constexpr double kShell = 2;
 
 /// How deep a finer grain may stand in a coarser one where they are joined, in its radius; settling parts them.
@@ -189,8 +189,7 @@ std::vector<Float4> gradedGrains(const BedParameters& bed, const std::vector<Flo
         grain.z = static_cast<float>(grain.z + up);
         grain.w = static_cast<float>(grain.w + tile.soil.radius_m - bed.soil.radius_m);
         const double radius_m = bed.soil.radius_m + grain.w;
-        const bool inside = grain.z > radius_m &&
-                            (bed.periodic_x || std::abs(grain.x) < bed.width_m / 2 - radius_m) &&
+        const bool inside = grain.z > radius_m && (bed.periodic_x || std::abs(grain.x) < bed.width_m / 2 - radius_m) &&
                             (bed.periodic_y || std::abs(grain.y) < bed.length_m / 2 - radius_m);
         if (inside && wanted(grain) && !coarser.overlap(grain)) {
           own.push_back(grain);

@@ -22,8 +22,8 @@ class GrainClasses {
     return 1 / static_cast<float>(1 << grain_class);
   }
 
-  /// Particles whose radius exceeds the mean of class 0 by less than this are of class c + 1 or finer; at the end of the
-  /// chain nobody is. In m, negative.
+  /// Particles whose radius exceeds the mean of class 0 by less than this are of class c + 1 or finer; at the end of
+  /// the chain nobody is. In m, negative.
   [[nodiscard]] float finerThan(int c) const noexcept { return finer_than_[static_cast<std::size_t>(c)]; }
 
   /// The class of a particle whose radius exceeds the mean of class 0 by `excess_m`.

@@ -37,8 +37,8 @@ using Indices = hn::RebindToSigned<D>;
 
 /// Writes those candidates to `out` that are within reach of the particle `self`, and returns how many.
 template <bool kPeriodic>
-std::uint32_t selectNearIn(const Float4* HWY_RESTRICT place, const Periods& periods, const NearRule& rule, std::int32_t self,
-                           const std::int32_t* HWY_RESTRICT candidates, std::uint32_t count,
+std::uint32_t selectNearIn(const Float4* HWY_RESTRICT place, const Periods& periods, const NearRule& rule,
+                           std::int32_t self, const std::int32_t* HWY_RESTRICT candidates, std::uint32_t count,
                            std::int32_t* HWY_RESTRICT out) {
   const D d;
   const Indices di;

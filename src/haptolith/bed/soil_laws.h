@@ -13,9 +13,9 @@ struct SoilLaws {
 
   SoilParameters soil;
   ContactLaw pair, wall;
-  KernelLaw kernel;                     ///< with the paper's friction
-  GradedLaw graded;     ///< with contact friction
-  double mass_kg;                       ///< of a macroparticle of the coarsest class
+  KernelLaw kernel;  ///< with the paper's friction
+  GradedLaw graded;  ///< with contact friction
+  double mass_kg;    ///< of a macroparticle of the coarsest class
 };
 
 /// Whether a bed made of one soil can go on with another, its particles lying as they lie: they keep their size, mass

@@ -224,25 +224,24 @@ struct PairLaw {
         sliding_per_n(set(ratio * scalar.friction / scalar.stiffness)),
         nearer(set(scalar.nearer)) {}
 
-  /// Becomes `other` where `where` is.
-  template <class Mask>
-  HWY_INLINE void takeWhere(Mask where, const PairLaw& other) {
-    const auto take = [where](V& own, V theirs) { own = hn::IfThenElse(where, theirs, own); };
-    take(law.gamma, other.law.gamma);
-    take(law.a_min, other.law.a_min);
-    take(law.a_thr, other.law.a_thr);
-    take(law.h, other.law.h);
-    take(law.k, other.law.k);
-    take(cohesion.largest, other.cohesion.largest);
-    take(cohesion.two_per_range, other.cohesion.two_per_range);
-    take(friction.minus_stiffness, other.friction.minus_stiffness);
-    take(friction.lag, other.friction.lag);
-    take(cutoff, other.cutoff);
-    take(near_limit, other.near_limit);
-    take(diameter, other.diameter);
-    take(damping, other.damping);
-    take(sliding_per_n, other.sliding_per_n);
-    take(nearer, other.nearer);
+  /// Sets each constant that differs between pairs to what `of` makes of the one of `from`.
+  template <class Of>
+  HWY_INLINE void takeFrom(const PairLaw& from, const Of& of) {
+    of(law.gamma, from.law.gamma);
+    of(law.a_min, from.law.a_min);
+    of(law.a_thr, from.law.a_thr);
+    of(law.h, from.law.h);
+    of(law.k, from.law.k);
+    of(cohesion.largest, from.cohesion.largest);
+    of(cohesion.two_per_range, from.cohesion.two_per_range);
+    of(friction.minus_stiffness, from.friction.minus_stiffness);
+    of(friction.lag, from.friction.lag);
+    of(cutoff, from.cutoff);
+    of(near_limit, from.near_limit);
+    of(diameter, from.diameter);
+    of(damping, from.damping);
+    of(sliding_per_n, from.sliding_per_n);
+    of(nearer, from.nearer);
   }
 
   /// Damping takes energy from approach and parting alike, but never pulls.
@@ -291,41 +290,65 @@ struct PairLaw {
   }
 };
 
+/// Whether a vector has a lane for each class of grains: then it is a table.
+constexpr bool kIsTable = HWY_TARGET != HWY_SCALAR;
+
+/// Laws of grains of one class with all classes.
+struct LawsOfClass {
+  std::array<PairLaw, GrainClasses::kMost> with;
+  PairLaw table;  ///< where a vector is one: lane c holds what is between the class and class c
+};
+
 /// Laws of a group's grains with their neighbours: those of their own class and, in a graded bed, others.
 template <bool kGraded>
 class GroupLaws {
  public:
-  /// @param with  laws of the group's class, which is `own`, with each class.
-  GroupLaws(const GrainClasses& classes, const PairLaw* with, int own) : classes_(classes), with_(with), own_(own) {}
+  GroupLaws(const GrainClasses& classes, const LawsOfClass& laws, int own)
+      : classes_(classes), laws_(laws), own_(own) {}
 
-  [[nodiscard]] HWY_INLINE const PairLaw& own() const { return with_[own_]; }
+  [[nodiscard]] HWY_INLINE const PairLaw& own() const { return laws_.with[static_cast<std::size_t>(own_)]; }
 
-  /// Calls `each(law)` with the law of a row of neighbours: the group's own, or where there are others among them lane by
-  /// lane that with each one's class. Either way a pair comes out the same from both sides.
-  template <class Each>
-  HWY_INLINE void forRow(V excess, V squared, const Each& each) const {
+  /// The law of a row of neighbours: the group's own, or where there are others among them `mixed`, made of what is
+  /// between the group's class and each one's. Either way a pair comes out the same from both sides.
+  HWY_INLINE const PairLaw& ofRow(V excess, V squared, PairLaw& mixed) const {
     if constexpr (kGraded) {
       auto other = excess < set(classes_.finerThan(own_));
       if (own_ > 0) {
         other = hn::Or(other, excess >= set(classes_.finerThan(own_ - 1)));
       }
       if (!hn::AllFalse(D(), hn::And(other, squared < set(kGhostsFrom_m2)))) {
-        PairLaw mixed = with_[0];
-        for (int c = 1; c < classes_.count(); ++c) {
-          mixed.takeWhere(excess < set(classes_.finerThan(c - 1)), with_[c]);
-        }
-        each(mixed);
-        return;
+        mix(excess, mixed);
+        return mixed;
       }
     }
-    each(own());
+    return own();
   }
 
  private:
   static constexpr float kGhostsFrom_m2 = 1e12F;
 
+  HWY_INLINE void mix(V excess, PairLaw& mixed) const {
+    if constexpr (kIsTable) {
+      const hn::RebindToSigned<D> di;
+      auto grain_class = hn::Zero(di);
+      for (int c = 0; c + 1 < classes_.count(); ++c) {
+        const auto finer = hn::RebindMask(di, excess < set(classes_.finerThan(c)));
+        grain_class = hn::IfThenElse(finer, hn::Set(di, c + 1), grain_class);
+      }
+      const auto indices = hn::IndicesFromVec(D(), grain_class);
+      mixed.takeFrom(laws_.table, [&](V& own, V table) HWY_ATTR { own = hn::TableLookupLanes(table, indices); });
+    } else {
+      mixed = laws_.with[0];
+      for (int c = 1; c < classes_.count(); ++c) {
+        const auto here = excess < set(classes_.finerThan(c - 1));
+        mixed.takeFrom(laws_.with[static_cast<std::size_t>(c)],
+                       [&](V& own, V theirs) HWY_ATTR { own = hn::IfThenElse(here, theirs, own); });
+      }
+    }
+  }
+
   const GrainClasses& classes_;
-  const PairLaw* with_;
+  const LawsOfClass& laws_;
   int own_;
 };
 
@@ -334,26 +357,39 @@ template <bool kGraded>
 class PairLaws {
  public:
   PairLaws(const GradedLaw& law, float dt, float ratio, float near_m)
-      : classes_(law.classes), pairs_(make(law, {dt, ratio, near_m}, std::make_index_sequence<kClasses * kClasses>())) {}
+      : classes_(law.classes), laws_(make(law, {dt, ratio, near_m}, std::make_index_sequence<kClasses>())) {
+    if constexpr (kGraded && kIsTable) {
+      for (LawsOfClass& own : laws_) {
+        for (std::size_t c = 0; c < GrainClasses::kMost; ++c) {
+          own.table.takeFrom(own.with[c], [c](V& table, V law_of_c)
+                                              HWY_ATTR { table = hn::InsertLane(table, c, hn::GetLane(law_of_c)); });
+        }
+      }
+    }
+  }
 
   [[nodiscard]] HWY_INLINE GroupLaws<kGraded> of(const StepArrays& arrays, std::size_t group) const {
     const std::size_t own = kGraded ? arrays.grain_class[group] : 0;
-    return {classes_, pairs_.data() + own * kClasses, static_cast<int>(own)};
+    return {classes_, laws_[own], static_cast<int>(own)};
   }
 
  private:
   static constexpr std::size_t kClasses = kGraded ? GrainClasses::kMost : 1;
-  using Pairs = std::array<PairLaw, kClasses * kClasses>;
+  using Laws = std::array<LawsOfClass, kClasses>;
   struct AtWork {
     float dt, ratio, near_m;
   };
+  static LawsOfClass makeOne(const std::array<ContactFrictionLaw, GrainClasses::kMost>& with, const AtWork& now) {
+    const auto of = [&](std::size_t c) { return PairLaw(with[kGraded ? c : 0], now.dt, now.ratio, now.near_m); };
+    return {{of(0), of(1), of(2), of(3)}, of(0)};
+  }
   template <std::size_t... kIndex>
-  static Pairs make(const GradedLaw& law, const AtWork& now, std::index_sequence<kIndex...> /*all*/) {
-    return {PairLaw(law.between[kIndex / kClasses][kIndex % kClasses], now.dt, now.ratio, now.near_m)...};
+  static Laws make(const GradedLaw& law, const AtWork& now, std::index_sequence<kIndex...> /*all*/) {
+    return {makeOne(law.between[kIndex], now)...};
   }
 
   const GrainClasses& classes_;
-  Pairs pairs_;
+  Laws laws_;
 };
 
 /// All neighbours, friction included; their memory moves on. What limits friction is summed only for who asks.
@@ -376,13 +412,15 @@ HWY_INLINE Sums frictionalSums(const GroupLaws<kGraded>& laws, const PeriodsOf& 
   std::uint16_t& touched = arrays.touched[at.group];
   const std::size_t maybe_touched = touched;
   std::size_t last_touched = 0;
+  PairLaw mixed = laws.own();
   Met next = fetch(0);  // there is room for a row, if with ghosts only
   for (std::size_t row = 0; row < rows.count(); ++row) {
     const Met met = next;
     next = fetch(row + 1 < rows.count() ? row + 1 : row);
     rows.askForNextOthers(row);
-    laws.forRow(met.theirs, met.way.squared, [&](const PairLaw& pair) HWY_ATTR {
-      const Apart& way = met.way;
+    const Apart& way = met.way;
+    const PairLaw& pair = laws.ofRow(met.theirs, way.squared, mixed);
+    {
       float* HWY_RESTRICT slip_x = rows.slips(row);
       float* HWY_RESTRICT slip_y = slip_x + kGroup;
       float* HWY_RESTRICT slip_z = slip_y + kGroup;
@@ -401,7 +439,7 @@ HWY_INLINE Sums frictionalSums(const GroupLaws<kGraded>& laws, const PeriodsOf& 
           hn::Store(zero, d, slip_y);
           hn::Store(zero, d, slip_z);
         }
-        return;
+        continue;
       }
       last_touched = row + 1;
       rows.askForNextSlips(row);
@@ -428,7 +466,7 @@ HWY_INLINE Sums frictionalSums(const GroupLaws<kGraded>& laws, const PeriodsOf& 
       if constexpr (kCompression) {
         sums.repulsion = sums.repulsion + hn::IfThenElseZero(touching, contact.compression);
       }
-    });
+    }
   }
   // Where a group is several vectors, the others' rows stay noted.
   touched = static_cast<std::uint16_t>(hn::Lanes(d) == kGroup ? last_touched : HWY_MAX(last_touched, maybe_touched));
@@ -465,8 +503,8 @@ struct Grain {
 };
 
 /// Moves particles on with their new velocity, and notes who is not at rest and who has gone far.
-HWY_INLINE void moveOn(const StepConstants& now, const Grain& grain, const StepArrays& arrays, const Lanes& at, const Records& here,
-                       const Records& velocity, Moved& moved, V& fastest_squared) {
+HWY_INLINE void moveOn(const StepConstants& now, const Grain& grain, const StepArrays& arrays, const Lanes& at,
+                       const Records& here, const Records& velocity, Moved& moved, V& fastest_squared) {
   const D d;
   const V dt = set(now.dt);
   const Records next{hn::MulAdd(dt, velocity.x, here.x), hn::MulAdd(dt, velocity.y, here.y),
@@ -511,8 +549,7 @@ HWY_INLINE Records unlessDriven(const Records& v, const Records& wanted) {
 }
 
 /// Neighbours, weight and others' forces together; the neighbours' share is kept if somebody wants to know it.
-HWY_INLINE Triple<V> besidesWalls(const Sums& sums, const Grain& grain, const StepArrays& arrays,
-                                  const Lanes& at) {
+HWY_INLINE Triple<V> besidesWalls(const Sums& sums, const Grain& grain, const StepArrays& arrays, const Lanes& at) {
   if (arrays.contact_force != nullptr) {
     storeInOrder({sums.x, sums.y, sums.z, sums.repulsion}, arrays.contact_force + at.particle());
   }
@@ -633,7 +670,7 @@ void contactFriction(const GradedLaw& law, const StepConstants& now, const StepB
   const bool graded = arrays.grain_class != nullptr;
   (graded ? (periodic ? contactFrictionIn<true, true> : contactFrictionIn<true, false>)
           : (periodic ? contactFrictionIn<false, true> : contactFrictionIn<false, false>))(law, now, box, arrays, first,
-                                                                                          last, moved);
+                                                                                           last, moved);
 }
 
 // --- contacts alone --------------------------------------------------------------------------------------------------
@@ -676,7 +713,7 @@ void contactFrictionSumsOf(const GradedLaw& law, const Periods& box, float dt, c
 void contactFrictionSums(const GradedLaw& law, const Periods& periods, float dt, const StepArrays& arrays,
                          std::size_t first, std::size_t last, ContactSum* sums) {
   (arrays.grain_class != nullptr ? contactFrictionSumsOf<true> : contactFrictionSumsOf<false>)(law, periods, dt, arrays,
-                                                                                              first, last, sums);
+                                                                                               first, last, sums);
 }
 
 }  // namespace haptolith::HWY_NAMESPACE

@@ -14,9 +14,9 @@ struct StepConstants {
   float weight_x, weight_y, weight_z;  ///< of a particle of the coarsest class, N
   float inverse_mass;                  ///< the same, 1/kg
   float skin_half_squared;             ///< the same, m^2
-  float rest_squared;       ///< (m/s)^2: what moves faster is not at rest
-  std::uint64_t look;       ///< see NearRows
-  float near_m;             ///< how much further apart than a contact reaches those are that may come to touch
+  float rest_squared;                  ///< (m/s)^2: what moves faster is not at rest
+  std::uint64_t look;                  ///< see NearRows
+  float near_m;  ///< how much further apart than a contact reaches those are that may come to touch
   // Paper's friction:
   float damping, static_friction, moving_friction;
   // Contact friction:
@@ -40,8 +40,8 @@ struct StepArrays {
   const Float4* external;   ///< forces of others
   const Float4* listed_at;  ///< see Neighbourhood
   Float4 *next_position, *next_velocity;
-  Float4* contact_force;  ///< of the neighbours on each particle, N; not kept when null
-  WallSlips* wall_slip;   ///< contact friction only
+  Float4* contact_force;            ///< of the neighbours on each particle, N; not kept when null
+  WallSlips* wall_slip;             ///< contact friction only
   const std::uint8_t* grain_class;  ///< of each group; null: of all the coarsest (contact friction only)
   std::uint8_t*
       near_walls;  ///< of each group a bit for each wall; where it is clear nothing is remembered of that wall

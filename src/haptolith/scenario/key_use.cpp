@@ -19,6 +19,14 @@ bool starts(const Scenario& scene) {
   return ((scene.bed.start == kStarts) || ...);
 }
 
+bool isGraded(const Scenario& scene) {
+  return hasContactFriction(scene) && scene.bed.grading.fine_radius_m > 0;
+}
+
+bool needsSeed(const Scenario& scene) {
+  return starts<BedStart::kRain>(scene) || isGraded(scene);
+}
+
 template <ToolShape... kShapes>
 bool isShape(const Scenario& scene) {
   return ((scene.tool.shape == kShapes) || ...);
@@ -38,6 +46,7 @@ bool isNotDirect(const Scenario& scene) {
 
 constexpr std::string_view kPaper = "[soil] friction = paper";
 constexpr std::string_view kContact = "[soil] friction = contact";
+constexpr std::string_view kGraded = "[bed] fine_radius_mm above 0";
 constexpr std::string_view kArm = "[hand] compliance = arm";
 constexpr std::string_view kNoPoses = "another [hand] manoeuvre than poses";
 constexpr std::string_view kNotDirect = "[coupling] kind = auto or virtual";
@@ -57,7 +66,13 @@ constexpr std::array kUses{
     KeyUse{"bed", "particles", starts<BedStart::kCount, BedStart::kRain>, "[bed] start = count or rain", false},
     KeyUse{"bed", "layers", starts<BedStart::kCount>, "[bed] start = count", false},
     KeyUse{"bed", "depth_mm", starts<BedStart::kPacked>, "[bed] start = packed", false},
-    KeyUse{"bed", "seed", starts<BedStart::kRain>, "[bed] start = rain", true},
+    KeyUse{"bed", "seed", needsSeed, "[bed] start = rain, or fine_radius_mm", true},
+    KeyUse{"bed", "fine_radius_mm", hasContactFriction, kContact, true},
+    KeyUse{"bed", "fine_width_mm", isGraded, kGraded, true},
+    KeyUse{"bed", "fine_length_mm", isGraded, kGraded, true},
+    KeyUse{"bed", "fine_depth_mm", isGraded, kGraded, true},
+    KeyUse{"bed", "fine_x_mm", isGraded, kGraded, true},
+    KeyUse{"bed", "fine_y_mm", isGraded, kGraded, true},
 
     KeyUse{"tool", "size_mm", isShape<ToolShape::kBox, ToolShape::kJaws>, "[tool] shape = box or jaws", true},
     KeyUse{"tool", "diameter_mm", isShape<ToolShape::kSphere, ToolShape::kPlate, ToolShape::kCylinder>,

@@ -52,6 +52,13 @@ ScenarioKey::NumberValue presetNumber(const Range& valid) {
   return value;
 }
 
+/// A length of where grains are finer, in millimetres.
+template <double Grading::*kNumber>
+ScenarioKey::NumberValue gradingNumber(const Range& valid_m) {
+  return {valid_m.in(kMm), [](Scenario& scene, double value) { scene.bed.grading.*kNumber = value * kMm; },
+          [](const Scenario& scene) { return millimetres(scene.bed.grading.*kNumber); }};
+}
+
 void setGravity(Scenario& scene, const Vec3& direction, double magnitude_m_s2) {
   scene.bed.gravity_m_s2 = direction.normalized() * magnitude_m_s2;
 }
@@ -206,6 +213,20 @@ std::vector<ScenarioKey> allKeys() {
        CountValue{BedRanges::seed, [](S& s, std::int64_t v) { s.bed.seed = static_cast<std::uint64_t>(v); },
                   [](const S& s) { return static_cast<std::int64_t>(s.bed.seed); }},
        "Seed of the random numbers; for `rain`. One seed, one bed."},
+      {"bed", "fine_radius_mm", "fine_radius_m", gradingNumber<&Grading::fine_radius_m>(BedRanges::fine_radius_m),
+       "Radius of finer grains where soil is felt: the soil's halved once, twice or three times, with shells of the "
+       "sizes "
+       "between around them; 0: grains are all alike."},
+      {"bed", "fine_width_mm", "fine_width_m", gradingNumber<&Grading::fine_width_m>(BedRanges::fine_length_m),
+       "Size of the soil with the finest grains along x."},
+      {"bed", "fine_length_mm", "fine_length_m", gradingNumber<&Grading::fine_length_m>(BedRanges::fine_length_m),
+       "Size of the soil with the finest grains along y."},
+      {"bed", "fine_depth_mm", "fine_depth_m", gradingNumber<&Grading::fine_depth_m>(BedRanges::fine_length_m),
+       "How deep the finest grains go below the surface."},
+      {"bed", "fine_x_mm", "fine_x_m", gradingNumber<&Grading::fine_x_m>(BedRanges::fine_place_m),
+       "Middle of the soil with the finest grains along x."},
+      {"bed", "fine_y_mm", "fine_y_m", gradingNumber<&Grading::fine_y_m>(BedRanges::fine_place_m),
+       "Middle of the soil with the finest grains along y."},
       {"bed", "sleep", "", SwitchValue{[](S& s, bool v) { s.bed.sleep = v; }, [](const S& s) { return s.bed.sleep; }},
        "Whether soil at rest is not computed until something near it moves."},
       {"bed", "sleep_speed_m_s", "sleep_speed_m_s",

@@ -199,10 +199,8 @@ class Encounter {
  private:
   /// A tool is to grains of each class what it is to the coarsest, scaled by size as the soil is.
   static std::array<FrictionalTool, GrainClasses::kMost> ofEachClass(const ToolParameters& tool,
-                                                                    const SoilParameters& soil, double dt_s) {
-    const auto of = [&](int c) {
-      return FrictionalTool(tool, soil, dt_s, GrainClasses::scale(c));
-    };
+                                                                     const SoilParameters& soil, double dt_s) {
+    const auto of = [&](int c) { return FrictionalTool(tool, soil, dt_s, GrainClasses::scale(c)); };
     return {of(0), of(1), of(2), of(3)};
   }
 
@@ -258,7 +256,8 @@ class Encounter {
                                 Vec3& slip_m) const noexcept {
     const Float4& v = grain.velocity;
     const Meeting meeting{touch.outward, touch.depth_m, tool_m_s, Vec3(v.x, v.y, v.z)};
-    return contact_friction_ ? frictional_[grain.grain_class].meet(meeting, slip_m) : paperAnswer(tool_, radius_m_, dt_s_, meeting);
+    return contact_friction_ ? frictional_[grain.grain_class].meet(meeting, slip_m)
+                             : paperAnswer(tool_, radius_m_, dt_s_, meeting);
   }
 
   void feel(const Answer& answer, const Vec3& point_m) noexcept {
