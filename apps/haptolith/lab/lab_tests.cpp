@@ -156,13 +156,19 @@ LabTest shear() {
           .examples =
               "  haptolith lab shear\n"
               "  haptolith lab shear --soil dry-sand --figure shear.svg\n"
-              "  haptolith lab shear --friction paper --json",
+              "  haptolith lab shear --friction paper --json\n"
+              "  haptolith lab shear --sizes 2",
           .add_options =
               [own](CLI::App& command) {
                 command.add_option("--normal-pa", own->normal_stresses_pa, "normal stresses, three or more")
                     ->delimiter(',')
                     ->capture_default_str();
                 command.add_option("--strain", own->strain, "how far the plate goes over the specimen's height")
+                    ->capture_default_str();
+                command
+                    .add_option("--sizes", own->grain_classes,
+                                "how many sizes of grain are mixed, a like volume of each: R, R/2, and so on")
+                    ->check(wholeNumberIn({1, GrainClasses::kMost}))
                     ->capture_default_str();
               },
           .run = [own](const LabSoil& soil,

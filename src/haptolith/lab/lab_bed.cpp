@@ -25,9 +25,14 @@ constexpr double kShorterSteps = 4.0 / 3;
 /// Share of the volume that spheres fill when they jam at random (O'Hern et al. 2003: 0.64 for equal ones).
 constexpr double kRandomPacking = 0.64;
 
-BedParameters bedParameters(const LabConditions& conditions, const LabBox& box) {
+BedParameters bedParameters(const LabConditions& conditions, const LabBox& box, int classes = 1) {
   BedParameters bed;
   bed.soil = conditions.soil;
+  if (classes > 1) {  // where which are, the grains say
+    bed.grading.fine_radius_m = GrainClasses::scale(classes - 1) * conditions.soil.radius_m;
+    bed.grading.fine_width_m = box.width_m;
+    bed.grading.fine_length_m = box.length_m;
+  }
   bed.gravity_m_s2 = {0, 0, -conditions.gravity_m_s2};
   bed.width_m = box.width_m;
   bed.length_m = box.length_m;
@@ -41,15 +46,25 @@ BedParameters bedParameters(const LabConditions& conditions, const LabBox& box) 
   return bed;
 }
 
-double stepFor(const LabConditions& conditions, const std::optional<ToolParameters>& tool) {
-  validate(conditions.soil);
+double stepFor(const BedParameters& bed, const std::optional<ToolParameters>& tool) {
+  validate(bed.soil);
   if (tool) {
     validate(*tool);
   }
-  const FrictionModel friction = conditions.soil.friction;
-  const double tool_stiffness_n_m = tool ? stiffnessInStep(*tool, friction) : 0;
-  const int substeps = substepsFor(conditions.soil, tool_stiffness_n_m, kTick_s, kMostSubsteps);
+  const FrictionModel friction = bed.soil.friction;
+  const int substeps = substepsFor(bed, tool ? stiffnessInStep(*tool, friction) : 0);
   return kTick_s / (friction == FrictionModel::kContact ? std::ceil(kShorterSteps * substeps) : substeps);
+}
+
+std::vector<Float4> together(const std::vector<Float4>& soil, const std::vector<std::vector<Vec3>>& bodies_m) {
+  std::vector<Float4> all = soil;
+  for (const std::vector<Vec3>& body : bodies_m) {
+    for (const Vec3& centre : body) {
+      all.push_back(
+          {static_cast<float>(centre.x()), static_cast<float>(centre.y()), static_cast<float>(centre.z()), 0});
+    }
+  }
+  return all;
 }
 
 std::vector<Vec3> together(const std::vector<Vec3>& soil_m, const std::vector<std::vector<Vec3>>& bodies_m) {
@@ -96,6 +111,31 @@ std::vector<Vec3> looseSoil(const SoilParameters& soil, const LabBox& box, std::
   return centres;
 }
 
+std::vector<Float4> mixedGrains(const SoilParameters& soil, const std::vector<Vec3>& loose, int classes,
+                                std::uint64_t seed) {
+  std::mt19937_64 random(seed);
+  std::vector<std::vector<Float4>> of_class(static_cast<std::size_t>(classes));
+  const double cell = 2 * soil.radius_m * (1 + soil.size_spread);  // of the largest that stands there
+  for (const Vec3& place : loose) {
+    const std::size_t c = random() % of_class.size();
+    const int along = 1 << c;
+    const double scale = GrainClasses::scale(static_cast<int>(c));
+    for (int k = 0; k < along * along * along; ++k) {
+      const auto offset = [&](int index) { return (index + 0.5 - along / 2.0) * scale * cell; };
+      const Vec3 at = place + Vec3(offset(k % along), offset(k / along % along), offset(k / along / along));
+      const double radius_m = scale * soil.radius_m * (1 + soil.size_spread * uniformSigned(random));
+      of_class[c].push_back({static_cast<float>(at.x()), static_cast<float>(at.y()), static_cast<float>(at.z()),
+                             static_cast<float>(radius_m - soil.radius_m)});
+    }
+  }
+  std::vector<Float4> all;
+  for (std::vector<Float4>& grains : of_class) {
+    grains.resize(grains.size() / kGroup * kGroup);
+    all.insert(all.end(), grains.begin(), grains.end());
+  }
+  return all;
+}
+
 std::size_t particlesFor(const SoilParameters& soil, double volume_m3) {
   const double sphere = 4.0 / 3 * std::numbers::pi * std::pow(soil.radius_m, 3);
   return static_cast<std::size_t>(std::max(1.0, kRandomPacking * volume_m3 / sphere));
@@ -121,11 +161,24 @@ std::vector<Vec3> roughPlate(const SoilParameters& soil, const LabBox& box, doub
 LabBed::LabBed(const LabConditions& conditions, const LabBox& box, const std::vector<Vec3>& soil_m,
                const std::vector<std::vector<Vec3>>& bodies_m, const std::optional<ToolParameters>& tool)
     : conditions_(conditions),
-      dt_s_(stepFor(conditions, tool)),
+      dt_s_(stepFor(bedParameters(conditions, box), tool)),
       soil_(soil_m.size()),
       body_begin_{soil_m.size()},
       bed_(bedParameters(conditions, box), together(soil_m, bodies_m)),
       tool_(tool) {
+  for (std::size_t body = 0; body < bodies_m.size(); ++body) {
+    body_begin_.push_back(body_begin_.back() + bodies_m[body].size());
+    moveBody(body, Vec3::Zero());
+  }
+}
+
+LabBed::LabBed(const LabConditions& conditions, const LabBox& box, const std::vector<Float4>& soil, int classes,
+               const std::vector<std::vector<Vec3>>& bodies_m)
+    : conditions_(conditions),
+      dt_s_(stepFor(bedParameters(conditions, box, classes), {})),
+      soil_(soil.size()),
+      body_begin_{soil.size()},
+      bed_(bedParameters(conditions, box, classes), together(soil, bodies_m)) {
   for (std::size_t body = 0; body < bodies_m.size(); ++body) {
     body_begin_.push_back(body_begin_.back() + bodies_m[body].size());
     moveBody(body, Vec3::Zero());
@@ -160,12 +213,12 @@ double LabBed::bulkDensity(double bottom_m, double top_m) const {
     const double z = bed_.state().position[i].z;
     return z >= bottom_m && z < top_m;
   };
-  std::size_t count = 0;
+  double grains = 0;  // of class 0
   for (std::size_t i = 0; i < soil_; ++i) {
-    count += between(i) ? 1 : 0;
+    grains += between(i) ? double{GrainClasses::scale(3 * bed_.classOf(i))} : 0;
   }
   const BedParameters& box = bed_.parameters();
-  return static_cast<double>(count) * bed_.mass() / (box.width_m * box.length_m * (top_m - bottom_m));
+  return grains * bed_.mass() / (box.width_m * box.length_m * (top_m - bottom_m));
 }
 
 void LabBed::moveBody(std::size_t body, const Vec3& velocity_m_s) noexcept {

@@ -31,6 +31,12 @@ struct LabBox {
                                           const std::function<bool(const Vec3&)>& inside = {},
                                           Preparation preparation = Preparation::kDense);
 
+/// The same soil with grains of `classes` sizes (GrainClasses), a like volume of each, mixed at random: in a place of
+/// `loose` stands one grain of the coarsest class, or eight of half its radius, or so on. In whole groups of each
+/// class.
+[[nodiscard]] std::vector<Float4> mixedGrains(const SoilParameters& soil, const std::vector<Vec3>& loose, int classes,
+                                              std::uint64_t seed);
+
 /// How many particles fill `volume_m3` when densely packed without load.
 [[nodiscard]] std::size_t particlesFor(const SoilParameters& soil, double volume_m3);
 
@@ -47,6 +53,10 @@ class LabBed {
   /// @throws InvalidParameter as Bed, and when a step would have to be shorter than 1 us.
   LabBed(const LabConditions& conditions, const LabBox& box, const std::vector<Vec3>& soil_m,
          const std::vector<std::vector<Vec3>>& bodies_m = {}, const std::optional<ToolParameters>& tool = {});
+
+  /// The same with grains of each one's size, of several classes or one; bodies are of class 0.
+  LabBed(const LabConditions& conditions, const LabBox& box, const std::vector<Float4>& soil, int classes,
+         const std::vector<std::vector<Vec3>>& bodies_m);
 
   [[nodiscard]] Bed& bed() noexcept { return bed_; }
   [[nodiscard]] const Bed& bed() const noexcept { return bed_; }

@@ -93,11 +93,12 @@ class ShearCell {
     const double r = soil.radius_m;
     const double volume = box.width_m * box.length_m * options.height_diameters * 2 * r;
     const std::vector<Vec3> loose = looseSoil(soil, box, particlesFor(soil, volume), 4 * r, conditions.seed);
-    return {conditions,
-            box,
-            loose,
-            {roughPlate(soil, box, 2 * r, conditions.seed + 1),
-             roughPlate(soil, box, loose.back().z() + 5 * r, conditions.seed + 2)}};
+    const std::vector<std::vector<Vec3>> plates{roughPlate(soil, box, 2 * r, conditions.seed + 1),
+                                                roughPlate(soil, box, loose.back().z() + 5 * r, conditions.seed + 2)};
+    return options.grain_classes == 1
+               ? LabBed(conditions, box, loose, plates)
+               : LabBed(conditions, box, mixedGrains(soil, loose, options.grain_classes, conditions.seed + 3),
+                        options.grain_classes, plates);
   }
 
   const LabConditions& conditions_;
@@ -195,6 +196,7 @@ void validate(const ShearOptions& options) {
   requireInRange("width_diameters", options.width_diameters, {6, 1000});
   requireInRange("length_diameters", options.length_diameters, {6, 1000});
   requireInRange("height_diameters", options.height_diameters, {5, 1000});
+  requireInRange("grain_classes", options.grain_classes, {1, GrainClasses::kMost});
   requireInRange("residual_from", options.residual_from, {0, 99, Ends::kOpenBelow});
   requireInRange("strain", options.strain, {options.residual_from, 100, Ends::kOpenBelow});
   requireInRange("inertial_number", options.inertial_number, {1e-5, 0.1});

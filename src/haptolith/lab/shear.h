@@ -15,6 +15,8 @@ struct ShearOptions {
   double width_diameters = 14;                                         ///< along the movement, >= 6
   double length_diameters = 10;                                        ///< across it, >= 6
   double height_diameters = 10;  ///< of the soil between the plates before it is loaded, >= 5
+  /// Sizes of grain that are mixed, a like volume of each: the soil's radius and its halves, 1 to 4.
+  int grain_classes = 1;
   /// How far the upper plate goes over the soil's height. Dense soil dilates until about 1.5; what follows is residual.
   double strain = 6;
   double residual_from = 2;  ///< strain from which on stresses count as residual
