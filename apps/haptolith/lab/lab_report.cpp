@@ -56,8 +56,14 @@ struct ReportOptions {
   bool resume = false;
 };
 
-std::vector<LabTest> testsOf(const ReportOptions& options) {
+std::vector<LabTest> testsOfReports() {
   std::vector<LabTest> tests = labTests();
+  std::erase_if(tests, [](const LabTest& test) { return !test.in_report; });
+  return tests;
+}
+
+std::vector<LabTest> testsOf(const ReportOptions& options) {
+  std::vector<LabTest> tests = testsOfReports();
   if (!options.only.empty()) {
     std::erase_if(
         tests, [&](const LabTest& test) { return std::ranges::find(options.only, test.name) == options.only.end(); });
@@ -465,7 +471,7 @@ void runReport(const ReportOptions& options) {
 
 std::vector<std::string> testNames() {
   std::vector<std::string> names;
-  for (const LabTest& test : labTests()) {
+  for (const LabTest& test : testsOfReports()) {
     names.push_back(test.name);
   }
   return names;

@@ -26,6 +26,7 @@ struct LabTest {
   std::string name, description, examples;
   double radius_mm = 0;           ///< of the macroparticles unless --radius-mm says otherwise; 0: as in the soil's file
   bool without_cohesion = false;  ///< the report does it with the soil's cohesion taken away
+  bool in_report = true;          ///< whether the report does it
   std::function<void(CLI::App&)> add_options;
   std::function<LabOutput(const LabSoil&, const LabConditions&)> run;
 };

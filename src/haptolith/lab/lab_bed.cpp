@@ -185,6 +185,19 @@ LabBed::LabBed(const LabConditions& conditions, const LabBox& box, const std::ve
   }
 }
 
+LabBed::LabBed(const LabConditions& conditions, const BedParameters& bed, const ToolParameters& tool)
+    : conditions_(conditions),
+      dt_s_(stepFor(bed, tool)),
+      soil_(0),
+      body_begin_{0},
+      bed_(bed,
+           [&conditions](double time_s, double /*speed_m_s*/) {
+             return !conditions.progress || conditions.progress("the soil settles", time_s / (time_s + 10));
+           }),
+      tool_(tool) {
+  soil_ = body_begin_[0] = bed_.particles();
+}
+
 Vec3 LabBed::centre(std::size_t particle) const noexcept {
   const Float4& p = bed_.state().position[particle];
   return {p.x, p.y, p.z};
@@ -201,7 +214,8 @@ std::vector<Vec3> LabBed::soilCentres() const {
 double LabBed::surfaceHeight(double share) const {
   std::vector<float> tops;
   for (std::size_t i = 0; i < soil_; ++i) {
-    tops.push_back(bed_.state().position[i].z);
+    const float smaller = GrainClasses::scale(bed_.classOf(i)) - 1;  // its class's radius than the coarsest's, in these
+    tops.push_back(bed_.state().position[i].z + smaller * static_cast<float>(conditions_.soil.radius_m));
   }
   const auto at = tops.begin() + static_cast<std::ptrdiff_t>(share * static_cast<double>(soil_ - 1));
   std::nth_element(tops.begin(), at, tops.end());

@@ -58,6 +58,9 @@ class LabBed {
   LabBed(const LabConditions& conditions, const LabBox& box, const std::vector<Float4>& soil, int classes,
          const std::vector<std::vector<Vec3>>& bodies_m);
 
+  /// A bed that starts as beds in the hand do, and a tool.
+  LabBed(const LabConditions& conditions, const BedParameters& bed, const ToolParameters& tool);
+
   [[nodiscard]] Bed& bed() noexcept { return bed_; }
   [[nodiscard]] const Bed& bed() const noexcept { return bed_; }
   [[nodiscard]] double dt() const noexcept { return dt_s_; }
