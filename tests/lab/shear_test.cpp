@@ -55,6 +55,22 @@ TEST(Shear, CohesionOfContactsIsCohesionOfTheSoil) {
   EXPECT_GT(cohesive.peak.cohesion_pa, 500);
 }
 
+TEST(Shear, GrainsOfTwoSizesMixedAreAboutAsStrongAndDenseAsOne) {
+  ShearOptions mixed = smallCell();
+  mixed.grain_classes = 2;
+  const LabConditions conditions{.soil = testSoil(0.35, 0.2)};
+  const ShearResult of_one = shearTest(conditions, smallCell());
+  const ShearResult of_two = shearTest(conditions, mixed);
+  EXPECT_NEAR(degrees(of_two.residual.friction_angle_rad), degrees(of_one.residual.friction_angle_rad), 9);
+  EXPECT_NEAR(of_two.bulk_density_kg_m3 / of_one.bulk_density_kg_m3, 1, 0.06);
+  for (const ShearPointResult& point : of_two.points) {
+    EXPECT_NEAR(point.normal_pa, mixed.normal_stresses_pa[static_cast<std::size_t>(&point - of_two.points.data())],
+                0.03 * point.normal_pa);
+  }
+  mixed.grain_classes = 5;
+  EXPECT_THROW((void)shearTest(conditions, mixed), InvalidParameter);
+}
+
 TEST(Shear, PaperFrictionTransmitsAlmostNothing) {
   // (paper 14) acts against space: particles exert no tangential force on each other, so the plate hardly drags them.
   LabConditions conditions{.soil = testSoil(0.5, 0)};

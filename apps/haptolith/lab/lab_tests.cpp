@@ -411,9 +411,9 @@ LabOutput grainOutput(const LabConditions& conditions, const GrainOptions& optio
   output.text = "  grains                   number   draft / N   variation / %   without the filter / %\n";
   output.trace.columns = {"finest_radius_m", "travel_m", "draft_n", "filtered_n"};
   for (const GrainResult& result : results) {
-    output.text += fmt::format("  {:<22} {:>8}   {:>5.2f} ± {:<4.2f}   {:>7.1f}         {:>7.1f}\n", result.name,
-                               result.particles, result.draft_n, result.draft_sd_n, 100 * result.variation,
-                               100 * result.unfiltered_variation);
+    output.text +=
+        fmt::format("  {:<22} {:>8}   {:>5.2f} ± {:<4.2f}   {:>7.1f}         {:>7.1f}\n", result.name, result.particles,
+                    result.draft_n, result.draft_sd_n, 100 * result.variation, 100 * result.unfiltered_variation);
     Json spectrum = Json::array();
     for (const GrainSpectrumPoint& point : result.spectrum) {
       spectrum.push_back({{"frequency_hz", point.frequency_hz}, {"power_n2_per_hz", point.power_n2_per_hz}});
@@ -431,7 +431,8 @@ LabOutput grainOutput(const LabConditions& conditions, const GrainOptions& optio
     }
   }
   output.text += fmt::format(
-      "\n  ±: from specimen to specimen. variation: standard deviation of the draft about a straight line, over its mean,\n"
+      "\n  ±: from specimen to specimen. variation: standard deviation of the draft about a straight line, over its "
+      "mean,\n"
       "  through a low-pass of {:g} Hz as a hand feels it. A hand tells forces apart from about {:.0f} %.\n",
       options.filter_cutoff_hz, 100 * kForceJnd);
   output.json = {{"sizes", sizes}};
@@ -441,35 +442,35 @@ LabOutput grainOutput(const LabConditions& conditions, const GrainOptions& optio
 
 LabTest grain() {
   auto own = std::make_shared<GrainOptions>();
-  return {.name = "grain",
-          .description = "A blade drawn through grains of several sizes: how rough the force is that a hand feels",
-          .examples =
-              "  haptolith lab grain --figure grain.png\n"
-              "  haptolith lab grain --radii-mm 7,3.5 --no-graded --specimens 1",
-          .in_report = false,
-          .add_options =
-              [own](CLI::App& command) {
-                command
-                    .add_option_function<std::vector<double>>(
-                        "--radii-mm",
-                        [own](const std::vector<double>& radii_mm) {
-                          own->radii_m.clear();
-                          for (const double mm : radii_mm) {
-                            own->radii_m.push_back(mm * kMm);
-                          }
-                        },
-                        "of beds with grains all alike [7,3.5,2,1.75]")
-                    ->delimiter(',');
-                command.add_flag_callback(
-                    "--no-graded", [own] { own->graded = false; }, "leave out the bed with grains of several sizes");
-                addMm(command, "--fine-radius-mm", own->fine_radius_m, "of the finest grains of that bed");
-                addMm(command, "--width-mm", own->width_m, "width of the blade");
-                addMm(command, "--depth-mm", own->depth_m, "depth of its lower edge");
-                command.add_option("--speed-m-s", own->speed_m_s, "of the blade")->capture_default_str();
-                command.add_option("--specimens", own->specimens, "beds of each size")->capture_default_str();
-              },
-          .run = [own](const LabSoil& /*soil*/,
-                       const LabConditions& conditions) { return grainOutput(conditions, *own); }};
+  return {
+      .name = "grain",
+      .description = "A blade drawn through grains of several sizes: how rough the force is that a hand feels",
+      .examples =
+          "  haptolith lab grain --figure grain.png\n"
+          "  haptolith lab grain --radii-mm 7,3.5 --no-graded --specimens 1",
+      .in_report = false,
+      .add_options =
+          [own](CLI::App& command) {
+            command
+                .add_option_function<std::vector<double>>(
+                    "--radii-mm",
+                    [own](const std::vector<double>& radii_mm) {
+                      own->radii_m.clear();
+                      for (const double mm : radii_mm) {
+                        own->radii_m.push_back(mm * kMm);
+                      }
+                    },
+                    "of beds with grains all alike [7,3.5,2,1.75]")
+                ->delimiter(',');
+            command.add_flag_callback(
+                "--no-graded", [own] { own->graded = false; }, "leave out the bed with grains of several sizes");
+            addMm(command, "--fine-radius-mm", own->fine_radius_m, "of the finest grains of that bed");
+            addMm(command, "--width-mm", own->width_m, "width of the blade");
+            addMm(command, "--depth-mm", own->depth_m, "depth of its lower edge");
+            command.add_option("--speed-m-s", own->speed_m_s, "of the blade")->capture_default_str();
+            command.add_option("--specimens", own->specimens, "beds of each size")->capture_default_str();
+          },
+      .run = [own](const LabSoil& /*soil*/, const LabConditions& conditions) { return grainOutput(conditions, *own); }};
 }
 
 // --- funnel ----------------------------------------------------------------------------------------------------------

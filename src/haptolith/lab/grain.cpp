@@ -204,8 +204,12 @@ std::vector<GrainSpectrumPoint> spectrumOf(const std::vector<double>& values) {
 
 std::vector<GrainResult> grainTest(const LabConditions& conditions, const GrainOptions& options) {
   validate(conditions, options);
+  const std::vector<Bedding> all = beddings(conditions, options);
+  for (const Bedding& bedding : all) {
+    validate(bedding.bed);
+  }
   std::vector<GrainResult> results;
-  for (const Bedding& bedding : beddings(conditions, options)) {
+  for (const Bedding& bedding : all) {
     GrainResult result;
     result.name = bedding.name;
     result.radius_m = bedding.finest_m;

@@ -13,12 +13,12 @@ namespace haptolith {
 /// grains.
 struct GrainOptions {
   std::vector<double> radii_m{7e-3, 3.5e-3, 2e-3, 1.75e-3};  ///< of beds with grains all alike
-  bool graded = true;          ///< and a bed with the soil's own grains, and finer ones down to fine_radius_m at the blade
+  bool graded = true;  ///< and a bed with the soil's own grains, and finer ones down to fine_radius_m at the blade
   double fine_radius_m = 1.75e-3;
-  double width_m = 0.05;       ///< of the blade
-  double depth_m = 0.015;      ///< of its lower edge below the surface
+  double width_m = 0.05;   ///< of the blade
+  double depth_m = 0.015;  ///< of its lower edge below the surface
   double speed_m_s = 0.05;
-  double level_m = 0.02;       ///< travel from which on the force counts
+  double level_m = 0.02;  ///< travel from which on the force counts
   double travel_m = 0.06;
   double filter_cutoff_hz = 30;  ///< of the low-pass of first order through which a hand feels it
   int specimens = 3;             ///< beds of each size, each with a seed of its own
@@ -32,11 +32,11 @@ struct GrainSpectrumPoint {
 
 /// One size of grain.
 struct GrainResult {
-  std::string name;         ///< "7 mm", "graded 7 to 1.75 mm"
-  double radius_m = 0;      ///< of the finest grains
+  std::string name;     ///< "7 mm", "graded 7 to 1.75 mm"
+  double radius_m = 0;  ///< of the finest grains
   std::size_t particles = 0;
-  double draft_n = 0;       ///< mean, of all specimens
-  double draft_sd_n = 0;    ///< of the specimens' means; 0 for one
+  double draft_n = 0;     ///< mean, of all specimens
+  double draft_sd_n = 0;  ///< of the specimens' means; 0 for one
   /// Standard deviation about a straight line, over the mean, of what comes through the filter; and without it.
   double variation = 0, unfiltered_variation = 0;
   std::vector<GrainSpectrumPoint> spectrum;  ///< before the filter, mean of the specimens
