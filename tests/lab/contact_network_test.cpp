@@ -8,6 +8,7 @@
 
 #include "haptolith/bed/critical_step.h"
 #include "haptolith/core/random.h"
+#include "haptolith/lab/lab_bed.h"
 #include "haptolith/tool/tool_shape.h"
 
 #include "lab_soils.h"
@@ -192,6 +193,25 @@ TEST(ContactNetwork, TheStepOfTheLawIsStableInAPressedBedAndNotMuchShorterThanIt
       EXPECT_GT(share, damping == 0 ? 0.12 : 0.8)
           << cohesion_n << " N, " << damping;  // undamped: accuracy asks for more
     }
+  }
+}
+
+TEST(ContactNetwork, TheStepOfTheLawIsStableWhereGrainsOfSeveralSizesAreMixedAndPressed) {
+  // Under the weight of some 20 kPa, as above. A fine grain between coarse ones has springs a third stiffer than among
+  // its like, but fewer fit around it and none of them gives way as fast.
+  for (const int classes : {2, 3}) {
+    LabConditions conditions;
+    conditions.soil = testSoil(0.3, 0.25);
+    const LabBox box{.width_m = 0.084, .length_m = 0.084};
+    const std::vector<Vec3> places = looseSoil(conditions.soil, box, 120, 0, 1);
+    LabBed lab(conditions, box, mixedGrains(conditions.soil, places, classes, 1), classes, {});
+    lab.settle(Preparation::kDense);
+    lab.bed().setGravity({0, 0, -500});
+    lab.run(0.3, "pressing");
+    const ContactNetwork network = contactNetwork(lab.bed());
+    const double share = shareOfStableStep(network, 1 / stepsPerSecond(finestSoil(lab.bed().parameters()), 0));
+    EXPECT_LT(share, 1) << classes;
+    EXPECT_GT(share, 0.6) << classes;
   }
 }
 

@@ -10,7 +10,17 @@
 namespace haptolith {
 
 std::vector<float> contactLoads(const BedParameters& bed, std::span<const Float4> positions) {
-  const ContactLaw law = makeContactLaw(bed.soil);
+  const GrainClasses classes(bed.soil.radius_m, grainClasses(bed));
+  struct Pair {
+    ContactLaw law;
+    double nearer_m;  ///< see ContactFrictionLaw
+  };
+  std::vector<Pair> pairs;
+  for (int k = 0; k < classes.count() * classes.count(); ++k) {
+    const SoilParameters soil = soilBetween(bed.soil, k / classes.count(), k % classes.count());
+    pairs.push_back({makeContactLaw(soil), 2 * (bed.soil.radius_m - soil.radius_m)});
+  }
+  const ContactLaw& law = pairs.front().law;
   const double largest_excess_m = 2 * bed.soil.size_spread * bed.soil.radius_m;
   const Vec3 period_m(bed.periodic_x ? bed.width_m : 0, bed.periodic_y ? bed.length_m : 0, 0);
   double height_m = 0;
@@ -39,8 +49,10 @@ std::vector<float> contactLoads(const BedParameters& bed, std::span<const Float4
           apart_m[axis] -= period_m[axis] * std::round(apart_m[axis] / period_m[axis]);
         }
       }
-      const double a_m = apart_m.norm() - p.w - q.w;
-      load_n += a_m < law.diameter_m ? contactForce(law, a_m) : 0;
+      const auto& [between, nearer_m] =
+          pairs[static_cast<std::size_t>(classes.count() * classes.of(p.w) + classes.of(q.w))];
+      const double a_m = apart_m.norm() - p.w - q.w - nearer_m;
+      load_n += a_m < between.diameter_m ? contactForce(between, a_m) : 0;
     }
     loads[i] = static_cast<float>(load_n);
   }

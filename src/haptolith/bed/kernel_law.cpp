@@ -17,18 +17,18 @@ SoilParameters soilBetween(const SoilParameters& soil, int class_a, int class_b)
   return class_a == class_b ? rescaled(soil, a * soil.radius_m) : rescaled(soil, 2 * a * b / (a + b) * soil.radius_m);
 }
 
+double massBetween(const SoilParameters& soil, int class_a, int class_b) {
+  const double a = GrainClasses::scale(3 * class_a);
+  const double b = GrainClasses::scale(3 * class_b);
+  return class_a == class_b ? a * macroparticleMass(soil) : 2 * a * b / (a + b) * macroparticleMass(soil);
+}
+
 ContactFrictionLaw contactFrictionLaw(const SoilParameters& coarsest, int class_a, int class_b) {
   const auto f = [](double value) { return static_cast<float>(value); };
-  const auto mass_of = [&](int grain_class) {
-    return macroparticleMass(rescaled(coarsest, GrainClasses::scale(grain_class) * coarsest.radius_m));
-  };
-  const double mass_a = mass_of(class_a);
-  const double mass_b = mass_of(class_b);
-  const double mass = class_a == class_b ? mass_a : 2 * mass_a * mass_b / (mass_a + mass_b);
   const SoilParameters soil = soilBetween(coarsest, class_a, class_b);
   const ContactLaw law = makeContactLaw(soil);
   const double tangential_stiffness = soil.tangential_ratio * soil.stiffness_n_m;
-  const double damping = soil.damping_ratio * std::sqrt(2 * mass);
+  const double damping = soil.damping_ratio * std::sqrt(2 * massBetween(coarsest, class_a, class_b));
   return {.normal = kernelLaw(law, soil.radius_m),
           .nearer = f(2 * (coarsest.radius_m - soil.radius_m)),
           .cohesion = f(law.cohesion_n),

@@ -38,6 +38,9 @@ struct GradedLaw {
 };
 [[nodiscard]] GradedLaw gradedLaw(const SoilParameters& soil, int classes);
 
+/// Mass of each of two equal grains that are as hard to part as grains of these classes are: 2 m_a m_b / (m_a + m_b).
+[[nodiscard]] double massBetween(const SoilParameters& soil, int class_a, int class_b);
+
 /// The soil of the grains that two of different classes touch like; of one class that class's own.
 [[nodiscard]] SoilParameters soilBetween(const SoilParameters& soil, int class_a, int class_b);
 

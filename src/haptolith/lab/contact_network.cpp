@@ -18,10 +18,14 @@ namespace {
 /// Stiffness and damping of two particles of a soil against each other.
 class PairSprings {
  public:
-  explicit PairSprings(const SoilParameters& soil)
-      : soil_(soil),
-        law_(makeContactLaw(soil)),
-        per_root_(soil.damping_ratio * std::sqrt(2 * macroparticleMass(soil))) {}
+  PairSprings(const SoilParameters& coarsest, int class_a, int class_b)
+      : soil_(soilBetween(coarsest, class_a, class_b)),
+        law_(makeContactLaw(soil_)),
+        nearer_m_(2 * (coarsest.radius_m - soil_.radius_m)),
+        per_root_(soil_.damping_ratio * std::sqrt(2 * massBetween(coarsest, class_a, class_b))) {}
+
+  /// By how much nearer than two of class 0 they are when they touch.
+  [[nodiscard]] double nearer() const noexcept { return nearer_m_; }
 
   [[nodiscard]] double reach() const noexcept { return law_.cutoff_m; }
 
@@ -42,8 +46,9 @@ class PairSprings {
   }
 
  private:
-  const SoilParameters& soil_;
+  SoilParameters soil_;
   ContactLaw law_;
+  double nearer_m_;
   double per_root_;  ///< c / sqrt(k)
 };
 
@@ -55,7 +60,7 @@ void addWalls(ContactNetwork& network, const Bed& bed, const PairSprings& spring
   const BedParameters& box = bed.parameters();
   const Float4& p = bed.state().position[i];
   const auto add = [&](double distance_m, const Vec3& normal, double ratio) {
-    const double a_m = 2 * (distance_m - p.w);
+    const double a_m = 2 * (distance_m - p.w) - springs.nearer();
     if (a_m < springs.reach()) {
       ContactLink link{.first = static_cast<std::int32_t>(i), .normal = normal};
       springs.set(link, a_m, ratio, 2);
@@ -87,11 +92,18 @@ double largestEigenvalue(const ContactNetwork& network, const Weight& weight) {
     weights.push_back(weight(link));
   }
   using Movement = Eigen::Matrix3Xd;
+  Eigen::VectorXd lighter(std::ssize(network.mass_ratio));  // 1 / sqrt(m)
+  for (Eigen::Index i = 0; i < lighter.size(); ++i) {
+    lighter[i] = 1 / std::sqrt(network.mass_ratio[static_cast<std::size_t>(i)]);
+  }
   const auto times = [&](const Movement& x) {
+    // In coordinates x sqrt(m), in which all particles weigh the same.
+    const Movement moved = lighter.size() == 0 ? x : Movement(x * lighter.asDiagonal());
     Movement force = Movement::Zero(3, x.cols());
     for (std::size_t l = 0; l < network.links.size(); ++l) {
       const ContactLink& link = network.links[l];
-      const Vec3 apart = link.second < 0 ? Vec3(x.col(link.first)) : Vec3(x.col(link.first) - x.col(link.second));
+      const Vec3 apart =
+          link.second < 0 ? Vec3(moved.col(link.first)) : Vec3(moved.col(link.first) - moved.col(link.second));
       const Vec3 pull =
           weights[l].across * apart + (weights[l].along - weights[l].across) * link.normal.dot(apart) * link.normal;
       force.col(link.first) += pull;
@@ -99,7 +111,7 @@ double largestEigenvalue(const ContactNetwork& network, const Weight& weight) {
         force.col(link.second) -= pull;
       }
     }
-    return force;
+    return lighter.size() == 0 ? force : Movement(force * lighter.asDiagonal());
   };
   constexpr int kMostProducts = 150;
   std::mt19937_64 random(1);
@@ -135,9 +147,19 @@ double largestEigenvalue(const ContactNetwork& network, const Weight& weight) {
 ContactNetwork contactNetwork(const Bed& bed) {
   const BedState& state = bed.state();
   const BedParameters& box = bed.parameters();
-  const PairSprings springs(box.soil);
+  const int classes = bed.classes().count();
+  std::vector<PairSprings> pairs;
+  for (int k = 0; k < classes * classes; ++k) {
+    pairs.emplace_back(box.soil, k / classes, k % classes);
+  }
+  const auto between = [&](std::size_t i, std::size_t j) -> const PairSprings& {
+    return pairs[static_cast<std::size_t>(classes * bed.classOf(i) + bed.classOf(j))];
+  };
   ContactNetwork network{.particles = bed.particles(), .mass_kg = bed.mass(), .links = {}};
   for (std::size_t i = 0; i < bed.particles(); ++i) {
+    if (classes > 1) {
+      network.mass_ratio.push_back(GrainClasses::scale(3 * bed.classOf(i)));
+    }
     for (std::uint32_t s = 0; s < state.contacts.count(i); ++s) {
       const auto j = static_cast<std::size_t>(state.contacts.neighbour(i, s));
       if (j < i || (bed.isDriven(i) && bed.isDriven(j))) {
@@ -146,7 +168,8 @@ ContactNetwork contactNetwork(const Bed& bed) {
       Vec3 apart = vec(state.position[i]) - vec(state.position[j]);
       apart.x() = around(apart.x(), box.width_m, box.periodic_x);
       apart.y() = around(apart.y(), box.length_m, box.periodic_y);
-      const double a_m = apart.norm() - state.position[i].w - state.position[j].w;
+      const PairSprings& springs = between(i, j);
+      const double a_m = apart.norm() - state.position[i].w - state.position[j].w - springs.nearer();
       if (a_m < springs.reach()) {
         const std::size_t first = bed.isDriven(i) ? j : i;
         const std::size_t second = bed.isDriven(i) ? i : j;
@@ -158,7 +181,7 @@ ContactNetwork contactNetwork(const Bed& bed) {
       }
     }
     if (!bed.isDriven(i)) {
-      addWalls(network, bed, springs, i);
+      addWalls(network, bed, between(i, i), i);
     }
   }
   return network;
@@ -175,7 +198,7 @@ void addTool(ContactNetwork& network, const ToolParameters& tool, const Pose& sc
     const double radius_m = soil.radius_m + state.position[i].w;
     const auto add = [&](const Penetration& contact, double share) {
       if (contact.depth_m > 0 && !bed.isDriven(i)) {
-        const double k = share * tool.stiffness_n_m;
+        const double k = share * GrainClasses::scale(bed.classOf(i)) * tool.stiffness_n_m;
         const double k_t = tool.friction > 0 ? soil.tangential_ratio * k : 0;
         network.links.push_back({.first = static_cast<std::int32_t>(i),
                                  .normal = rotation * contact.outward,

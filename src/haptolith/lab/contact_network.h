@@ -29,7 +29,8 @@ struct ContactLink {
 /// gap, is in it, too. The turning of the contact forces themselves, at most 2 % of k, is not.
 struct ContactNetwork {
   std::size_t particles = 0;
-  double mass_kg = 0;
+  double mass_kg = 0;                ///< of a particle of the soil's own radius
+  std::vector<double> mass_ratio{};  ///< of each particle over that; empty: all alike
   std::vector<ContactLink> links;
 };
 
