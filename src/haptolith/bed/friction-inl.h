@@ -41,6 +41,32 @@ struct FrictionOf {
   Real one, tiny;        ///< 1, and what is nothing beside any stretch's square, m^2
 };
 
+/// The first half of frictionForce(): xi after a step of sliding, whatever the limit.
+template <class Real>
+HWY_INLINE Triple<Real> stretched(const FrictionOf<Real>& friction, const Triple<Real>& n, const Triple<Real>& slip,
+                                  const Triple<Real>& stretch) {
+  const Triple<Real> old = across(stretch, n);
+  return {MulAdd(slip.x, friction.dt, old.x), MulAdd(slip.y, friction.dt, old.y), MulAdd(slip.z, friction.dt, old.z)};
+}
+
+/// The second half: the force, within the limit, as the stretch is then.
+/// @param kept  kept(xi) is what remains of each part of the stretch: nothing in lanes whose bodies do not touch.
+template <class Real, class Kept>
+HWY_INLINE Triple<Real> heldFriction(const FrictionOf<Real>& friction, Real reach, const Triple<Real>& slip,
+                                     Triple<Real>& stretch, const Kept& kept) {
+  // How much of a stretch is left when it may not exceed the reach.
+  const auto share = [&](const Triple<Real>& of) {
+    const Real squared = MulAdd(of.x, of.x, MulAdd(of.y, of.y, MulAdd(of.z, of.z, friction.tiny)));
+    return Min(reach * InverseSqrt(squared), friction.one);
+  };
+  const Real held = share(stretch);
+  stretch = {kept(stretch.x * held), kept(stretch.y * held), kept(stretch.z * held)};
+  const Triple<Real> wanted{MulAdd(slip.x, friction.lag, stretch.x), MulAdd(slip.y, friction.lag, stretch.y),
+                            MulAdd(slip.z, friction.lag, stretch.z)};  // -F_t / k_t
+  const Real force = friction.minus_stiffness * share(wanted);
+  return {wanted.x * force, wanted.y * force, wanted.z * force};
+}
+
 /// Friction on the first of two bodies, with the normal `n` from the second to it (Cundall and Strack 1979, eq. 5, 15):
 /// a spring along the surface remembers how far they have slid against each other since they met, and beside it works a
 /// damper. Both together hold no more than the Coulomb limit, and neither does the spring alone, which gives way:
@@ -59,20 +85,8 @@ struct FrictionOf {
 template <class Real>
 HWY_INLINE Triple<Real> frictionForce(const FrictionOf<Real>& friction, Real reach, const Triple<Real>& n,
                                       const Triple<Real>& slip, Triple<Real>& stretch) {
-  // How much of a stretch is left when it may not exceed the reach.
-  const auto share = [&](const Triple<Real>& of) {
-    const Real squared = MulAdd(of.x, of.x, MulAdd(of.y, of.y, MulAdd(of.z, of.z, friction.tiny)));
-    return Min(reach * InverseSqrt(squared), friction.one);
-  };
-  const Triple<Real> old = across(stretch, n);
-  const Triple<Real> xi{MulAdd(slip.x, friction.dt, old.x), MulAdd(slip.y, friction.dt, old.y),
-                        MulAdd(slip.z, friction.dt, old.z)};
-  const Real held = share(xi);
-  stretch = {xi.x * held, xi.y * held, xi.z * held};
-  const Triple<Real> wanted{MulAdd(slip.x, friction.lag, stretch.x), MulAdd(slip.y, friction.lag, stretch.y),
-                            MulAdd(slip.z, friction.lag, stretch.z)};  // -F_t / k_t
-  const Real force = friction.minus_stiffness * share(wanted);
-  return {wanted.x * force, wanted.y * force, wanted.z * force};
+  stretch = stretched(friction, n, slip, stretch);
+  return heldFriction(friction, reach, slip, stretch, [](Real xi) HWY_ATTR { return xi; });
 }
 
 }  // namespace haptolith::HWY_NAMESPACE

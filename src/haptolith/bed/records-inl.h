@@ -95,39 +95,54 @@ HWY_INLINE Records loadRecords(const Float4* HWY_RESTRICT record, const Index* H
                 loadEveryFourth(d, record, index + 2), loadEveryFourth(d, record, index + 3));
 }
 
-/// The same of records that stand one behind the other.
-template <class AnyD>
-HWY_INLINE hn::Vec<AnyD> loadEveryFourthInOrder(AnyD d, const Float4* HWY_RESTRICT record) {
-  if constexpr (hn::MaxLanes(d) == 4) {
-    return hn::Load(d, &record->x);
+// Records that stand one behind the other are loaded as they lie, a whole vector at a time, B blocks of 128 bits: what
+// turned() makes of four such vectors has record k B + b in lane 4 b + k.
+constexpr int kBlocks = static_cast<int>(hn::MaxLanes(D())) / 4;
+constexpr int kBlockBits = kBlocks == 4 ? 2 : kBlocks - 1;
+
+/// What turned() has made, in the order of the records.
+HWY_INLINE V inOrder(V v) {
+  if constexpr (kBlocks == 1) {
+    return v;
   } else {
-    const hn::Half<AnyD> half;
-    return joined(d, loadEveryFourthInOrder(half, record + hn::MaxLanes(half)), loadEveryFourthInOrder(half, record));
+    const hn::RebindToSigned<D> di;
+    const auto lane = hn::Iota(di, 0);
+    const auto block = hn::And(lane, hn::Set(di, kBlocks - 1));
+    return hn::TableLookupLanes(
+        v, hn::IndicesFromVec(D(), hn::Add(hn::ShiftLeft<2>(block), hn::ShiftRight<kBlockBits>(lane))));
   }
 }
-HWY_INLINE Records loadInOrder(const Float4* HWY_RESTRICT record) {
-  const D d;
-  return turned(loadEveryFourthInOrder(d, record), loadEveryFourthInOrder(d, record + 1),
-                loadEveryFourthInOrder(d, record + 2), loadEveryFourthInOrder(d, record + 3));
+/// The other way round.
+HWY_INLINE V toTurn(V v) {
+  if constexpr (kBlocks == 1) {
+    return v;
+  } else {
+    const hn::RebindToSigned<D> di;
+    const auto lane = hn::Iota(di, 0);
+    const auto in_block = hn::And(lane, hn::Set(di, 3));
+    return hn::TableLookupLanes(
+        v, hn::IndicesFromVec(D(), hn::Add(hn::ShiftLeft<kBlockBits>(in_block), hn::ShiftRight<2>(lane))));
+  }
 }
 
-template <class AnyD>
-HWY_INLINE void storeEveryFourth(AnyD d, hn::Vec<AnyD> v, Float4* HWY_RESTRICT record) {
-  if constexpr (hn::MaxLanes(d) == 4) {
-    hn::Store(v, d, &record->x);
-  } else {
-    const hn::Half<AnyD> half;
-    storeEveryFourth(half, hn::LowerHalf(half, v), record);
-    storeEveryFourth(half, hn::UpperHalf(half, v), record + hn::MaxLanes(half));
-  }
+HWY_INLINE Records loadInOrder(const Float4* HWY_RESTRICT record) {
+  const D d;
+  const float* from = &record->x;
+  const std::size_t lanes = hn::Lanes(d);
+  const Records r = turned(hn::LoadU(d, from), hn::LoadU(d, from + lanes), hn::LoadU(d, from + 2 * lanes),
+                           hn::LoadU(d, from + 3 * lanes));
+  return {inOrder(r.x), inOrder(r.y), inOrder(r.z), inOrder(r.w)};
 }
+
 HWY_INLINE void storeInOrder(const Records& r, Float4* HWY_RESTRICT record) {
   const D d;
-  const Records rows = turned(r.x, r.y, r.z, r.w);
-  storeEveryFourth(d, rows.x, record);
-  storeEveryFourth(d, rows.y, record + 1);
-  storeEveryFourth(d, rows.z, record + 2);
-  storeEveryFourth(d, rows.w, record + 3);
+  float* to = &record->x;
+  const std::size_t lanes = hn::Lanes(d);
+  const Records rows = turned(toTurn(r.x), toTurn(r.y), toTurn(r.z), toTurn(r.w));
+  hn::StoreU(rows.x, d, to);
+  hn::StoreU(rows.y, d, to + lanes);
+  hn::StoreU(rows.z, d, to + 2 * lanes);
+  hn::StoreU(rows.w, d, to + 3 * lanes);
 }
 
 #endif

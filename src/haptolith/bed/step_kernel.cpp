@@ -38,32 +38,34 @@ struct Lanes {
 class Rows {
  public:
   Rows(const StepArrays& arrays, const Lanes& at)
-      : arrays_(arrays),
-        at_(at),
-        first_(arrays.first_row[at.group]),
-        next_(arrays.first_row[at.next_group]),
-        count_(at.rows) {}
+      : other_(arrays.other + arrays.first_row[at.group] * kGroup + at.in_group),
+        next_other_(arrays.other + arrays.first_row[at.next_group] * kGroup),
+        slip_(arrays.slip + arrays.first_row[at.group] * 3 * kGroup + at.in_group),
+        next_slip_(arrays.slip + arrays.first_row[at.next_group] * 3 * kGroup),
+        position_(arrays.position),
+        velocity_(arrays.velocity) {}
 
-  [[nodiscard]] HWY_INLINE std::size_t count() const { return count_; }
-  [[nodiscard]] HWY_INLINE const std::uint32_t* others(std::size_t row) const {
-    return arrays_.other + (first_ + row) * kGroup + at_.in_group;
+  /// Records of a row's neighbours.
+  [[nodiscard]] HWY_INLINE Records positions(std::size_t row) const {
+    return loadRecords(position_, other_ + row * kGroup);
+  }
+  [[nodiscard]] HWY_INLINE Records velocities(std::size_t row) const {
+    return loadRecords(velocity_, other_ + row * kGroup);
   }
   /// x of a row; y and z stand kGroup and 2 kGroup behind.
-  [[nodiscard]] HWY_INLINE float* slips(std::size_t row) const {
-    return arrays_.slip + (first_ + row) * 3 * kGroup + at_.in_group;
-  }
-  HWY_INLINE void askForNextOthers(std::size_t row) const { hwy::Prefetch(arrays_.other + (next_ + row) * kGroup); }
+  [[nodiscard]] HWY_INLINE float* slips(std::size_t row) const { return slip_ + row * 3 * kGroup; }
+  HWY_INLINE void askForNextOthers(std::size_t row) const { hwy::Prefetch(next_other_ + row * kGroup); }
   HWY_INLINE void askForNextSlips(std::size_t row) const {
-    const float* slip = arrays_.slip + (next_ + row) * 3 * kGroup;
+    const float* slip = next_slip_ + row * 3 * kGroup;
     hwy::Prefetch(slip);
     hwy::Prefetch(slip + kGroup);
     hwy::Prefetch(slip + 2 * kGroup);
   }
 
  private:
-  const StepArrays& arrays_;
-  const Lanes& at_;
-  std::size_t first_, next_, count_;
+  const std::uint32_t *other_, *next_other_;
+  float *slip_, *next_slip_;
+  const Float4 *position_, *velocity_;
 };
 
 /// Calls `each(lanes)` for all vectors of particles of groups[first..last-1], or of groups first..last-1. Groups that
@@ -163,13 +165,11 @@ struct PaperContacts {
     const V one = set(1);
     Sums sums{zero, zero, zero, zero, zero};
     const Rows rows(arrays, at);
-    const auto fetch = [&](std::size_t row) {
-      return apart<kPeriodic>(periods, here, loadRecords(arrays.position, rows.others(row)));
-    };
+    const auto fetch = [&](std::size_t row) { return apart<kPeriodic>(periods, here, rows.positions(row)); };
     Apart next = fetch(0);  // there is room for a row, if with ghosts only
-    for (std::size_t row = 0; row < rows.count(); ++row) {
+    for (std::size_t row = 0; row < at.rows; ++row) {
       const Apart d = next;
-      next = fetch(row + 1 < rows.count() ? row + 1 : row);
+      next = fetch(row + 1 < at.rows ? row + 1 : row);
       rows.askForNextOthers(row);
       const Distance a = distanceOf(d.squared);
       if (at.looking != nullptr && !hn::AllFalse(D(), a.metres < near_limit)) {
@@ -202,6 +202,32 @@ struct PaperContacts {
 };
 
 // --- contact friction ------------------------------------------------------------------------------------------------
+
+/// A vector of particles on its way through the rows of its group.
+struct Group {
+  Rows rows;
+  const Records &here, &velocity;
+  const Lanes& at;
+  std::size_t last_touched;  ///< found out when looking
+  Sums sums;
+};
+
+/// A particle and its neighbour in a row.
+struct Met {
+  Apart way;
+  V excess;  ///< of both together
+  V theirs;
+};
+
+struct Near {
+  Triple<V> towards, relative;  ///< direction and velocity from the neighbour
+  V a;
+};
+
+struct Pressed {
+  Triple<V> towards, sliding, stretch;
+  V a, push, reach;
+};
 
 /// What is between two grains that touch, of one class or of two.
 struct PairLaw {
@@ -250,6 +276,75 @@ struct PairLaw {
     return hn::Max(with_damping, hn::Min(normal, cohesion.zero));
   }
 
+  struct Between {
+    V inverse, a;  ///< of the distance; as far as two particles of this law's mean size would be
+  };
+  template <bool kGraded>
+  HWY_INLINE Between distanceIn(const Met& met) const {
+    const Distance distance = distanceOf(met.way.squared);
+    V a = distance.metres - met.excess;
+    if constexpr (kGraded) {
+      a = a - nearer;
+    }
+    return {distance.inverse, a};
+  }
+
+  template <bool kGraded>
+  HWY_INLINE Near approach(Group& group, std::size_t row, const Met& met) const {
+    const D d;
+    const Records u = group.rows.velocities(row);
+    group.rows.askForNextSlips(row);
+    const Between between = distanceIn<kGraded>(met);
+    if (group.at.looking != nullptr) {
+      if (!hn::AllFalse(d, between.a < near_limit)) {
+        noteNear(group.at, row);
+      }
+      if (!hn::AllFalse(d, between.a < cutoff)) {
+        group.last_touched = row + 1;
+      }
+    }
+    return {{met.way.x * between.inverse, met.way.y * between.inverse, met.way.z * between.inverse},
+            {group.velocity.x - u.x, group.velocity.y - u.y, group.velocity.z - u.z},
+            between.a};
+  }
+
+  template <bool kCompression>
+  HWY_INLINE Pressed press(Group& group, std::size_t row, const Near& near) const {
+    const D d;
+    const float* HWY_RESTRICT slip = group.rows.slips(row);
+    const Triple<V> stretch{hn::Load(d, slip), hn::Load(d, slip + kGroup), hn::Load(d, slip + 2 * kGroup)};
+    const CohesiveContact<V> contact = cohesiveContact(law, cohesion, diameter, near.a);
+    if constexpr (kCompression) {
+      group.sums.repulsion = group.sums.repulsion + hn::IfThenElseZero(near.a < cutoff, contact.compression);
+    }
+    const V parting = dot(near.relative, near.towards);
+    const Triple<V> sliding{hn::NegMulAdd(parting, near.towards.x, near.relative.x),
+                            hn::NegMulAdd(parting, near.towards.y, near.relative.y),
+                            hn::NegMulAdd(parting, near.towards.z, near.relative.z)};
+    return {near.towards,
+            sliding,
+            stretched(friction, near.towards, sliding, stretch),
+            near.a,
+            damped(contact.normal, near.a, parting),
+            sliding_per_n * contact.compression};
+  }
+
+  HWY_INLINE void rub(Group& group, std::size_t row, const Pressed& on) const {
+    const D d;
+    const auto touching = on.a < cutoff;
+    Triple<V> stretch = on.stretch;
+    const Triple<V> drag = heldFriction(friction, on.reach, on.sliding, stretch,
+                                        [&](V xi) HWY_ATTR { return hn::IfThenElseZero(touching, xi); });
+    float* HWY_RESTRICT slip = group.rows.slips(row);
+    hn::Store(stretch.x, d, slip);
+    hn::Store(stretch.y, d, slip + kGroup);
+    hn::Store(stretch.z, d, slip + 2 * kGroup);
+    Sums& sums = group.sums;
+    sums.x = sums.x + hn::IfThenElseZero(touching, hn::MulAdd(on.push, on.towards.x, drag.x));
+    sums.y = sums.y + hn::IfThenElseZero(touching, hn::MulAdd(on.push, on.towards.y, drag.y));
+    sums.z = sums.z + hn::IfThenElseZero(touching, hn::MulAdd(on.push, on.towards.z, drag.z));
+  }
+
   /// Particles against a wall: `distance` to it, velocity away from it and along it; what they have slid so far.
   struct Touch {
     V distance, away, along_1, along_2;
@@ -289,6 +384,9 @@ struct PairLaw {
             hn::IfThenElseZero(near, drag.x), hn::IfThenElseZero(near, drag.y)};
   }
 };
+
+/// Rows whose contacts are worked out at once, see frictionalSums().
+constexpr std::size_t kRowsUnderWay = 4;
 
 /// Whether a vector has a lane for each class of grains: then it is a table.
 constexpr bool kIsTable = HWY_TARGET != HWY_SCALAR;
@@ -373,6 +471,12 @@ class PairLaws {
     return {classes_, laws_[own], static_cast<int>(own)};
   }
 
+  /// For the rows that are under way at once.
+  [[nodiscard]] std::array<PairLaw, kRowsUnderWay> roomForMixed() const {
+    const PairLaw& any = laws_[0].with[0];
+    return {any, any, any, any};
+  }
+
  private:
   static constexpr std::size_t kClasses = kGraded ? GrainClasses::kMost : 1;
   using Laws = std::array<LawsOfClass, kClasses>;
@@ -392,85 +496,91 @@ class PairLaws {
   Laws laws_;
 };
 
+/// Laws of the rows that are under way: in a graded bed each has its own.
+template <bool kGraded>
+class RowLaws {
+ public:
+  /// @param mixed  room for kRowsUnderWay laws, which begin as any.
+  RowLaws(const GroupLaws<kGraded>& laws, PairLaw* mixed) : laws_(laws), mixed_(mixed) {}
+
+
+  /// Of a row that has just been met, and from then on.
+  HWY_INLINE const PairLaw& row(std::size_t row, const Met& met) {
+    if constexpr (kGraded) {
+      const std::size_t place = row % kRowsUnderWay;
+      law_[place] = &laws_.ofRow(met.theirs, met.way.squared, mixed_[place]);
+    }
+    return this->row(row);
+  }
+  [[nodiscard]] HWY_INLINE const PairLaw& row(std::size_t row) const {
+    if constexpr (kGraded) {
+      return *law_[row % kRowsUnderWay];
+    }
+    return laws_.own();
+  }
+
+ private:
+  const GroupLaws<kGraded>& laws_;
+  std::array<const PairLaw*, kRowsUnderWay> law_{};
+  PairLaw* mixed_;
+};
+
+template <bool kPeriodic>
+HWY_INLINE Met meet(const Group& group, const PeriodsOf& periods, std::size_t row) {
+  const Records there = group.rows.positions(row);
+  group.rows.askForNextOthers(row);
+  return {apart<kPeriodic>(periods, group.here, there), group.here.w + there.w, there.w};
+}
+
 /// All neighbours, friction included; their memory moves on. What limits friction is summed only for who asks.
+///
+/// A row is one long chain in which each step waits for the one before: twice as long as the processor looks ahead.
+/// So four rows are under way at once, each a quarter of its work behind the next.
 template <bool kGraded, bool kPeriodic, bool kCompression>
 HWY_INLINE Sums frictionalSums(const GroupLaws<kGraded>& laws, const PeriodsOf& periods, const StepArrays& arrays,
-                               const Lanes& at, const Records& here, const Records& v) {
+                               const Lanes& at, const Records& here, const Records& v, PairLaw* mixed) {
   const D d;
   const V zero = hn::Zero(d);
-  Sums sums{zero, zero, zero, zero, zero};
-  const Rows rows(arrays, at);
-  struct Met {
-    Apart way;
-    V excess;  ///< of both together
-    V theirs;
-  };
-  const auto fetch = [&](std::size_t row) {
-    const Records there = loadRecords(arrays.position, rows.others(row));
-    return Met{apart<kPeriodic>(periods, here, there), here.w + there.w, there.w};
-  };
+  Group group{Rows(arrays, at), here, v, at, 0, {zero, zero, zero, zero, zero}};
+  RowLaws<kGraded> of(laws, mixed);
   std::uint16_t& touched = arrays.touched[at.group];
-  const std::size_t maybe_touched = touched;
-  std::size_t last_touched = 0;
-  PairLaw mixed = laws.own();
-  Met next = fetch(0);  // there is room for a row, if with ghosts only
-  for (std::size_t row = 0; row < rows.count(); ++row) {
-    const Met met = next;
-    next = fetch(row + 1 < rows.count() ? row + 1 : row);
-    rows.askForNextOthers(row);
-    const Apart& way = met.way;
-    const PairLaw& pair = laws.ofRow(met.theirs, way.squared, mixed);
-    {
-      float* HWY_RESTRICT slip_x = rows.slips(row);
-      float* HWY_RESTRICT slip_y = slip_x + kGroup;
-      float* HWY_RESTRICT slip_z = slip_y + kGroup;
-      const Distance distance = distanceOf(way.squared);
-      V a = distance.metres - met.excess;  // as far as two particles of the mean size would be
-      if constexpr (kGraded) {
-        a = a - pair.nearer;
-      }
-      if (at.looking != nullptr && !hn::AllFalse(d, a < pair.near_limit)) {
-        noteNear(at, row);
-      }
-      const auto touching = a < pair.cutoff;
-      if (hn::AllFalse(d, touching)) {  // as most rows at the end of lists that have the nearest first
-        if (row < maybe_touched) {
-          hn::Store(zero, d, slip_x);
-          hn::Store(zero, d, slip_y);
-          hn::Store(zero, d, slip_z);
-        }
-        continue;
-      }
-      last_touched = row + 1;
-      rows.askForNextSlips(row);
-      Triple<V> slip{hn::Load(d, slip_x), hn::Load(d, slip_y), hn::Load(d, slip_z)};
-      const Triple<V> towards{way.x * distance.inverse, way.y * distance.inverse, way.z * distance.inverse};
-      const CohesiveContact<V> contact = cohesiveContact(pair.law, pair.cohesion, pair.diameter, a);
-      const Records u = loadRecords(arrays.velocity, rows.others(row));
-      const Triple<V> relative{v.x - u.x, v.y - u.y, v.z - u.z};
-      const V parting = dot(relative, towards);
-      const V push = pair.damped(contact.normal, a, parting);
-
-      const Triple<V> sliding{hn::NegMulAdd(parting, towards.x, relative.x),
-                              hn::NegMulAdd(parting, towards.y, relative.y),
-                              hn::NegMulAdd(parting, towards.z, relative.z)};
-      const Triple<V> drag =
-          frictionForce(pair.friction, pair.sliding_per_n * contact.compression, towards, sliding, slip);
-      hn::Store(hn::IfThenElseZero(touching, slip.x), d, slip_x);
-      hn::Store(hn::IfThenElseZero(touching, slip.y), d, slip_y);
-      hn::Store(hn::IfThenElseZero(touching, slip.z), d, slip_z);
-
-      sums.x = sums.x + hn::IfThenElseZero(touching, hn::MulAdd(push, towards.x, drag.x));
-      sums.y = sums.y + hn::IfThenElseZero(touching, hn::MulAdd(push, towards.y, drag.y));
-      sums.z = sums.z + hn::IfThenElseZero(touching, hn::MulAdd(push, towards.z, drag.z));
-      if constexpr (kCompression) {
-        sums.repulsion = sums.repulsion + hn::IfThenElseZero(touching, contact.compression);
-      }
+  // Behind those that touched, as most rows at the end of lists that have the nearest first, distances will do.
+  std::size_t rows = HWY_MIN(std::size_t{touched}, at.rows);
+  for (std::size_t row = rows; row < at.rows; ++row) {
+    const Met met = meet<kPeriodic>(group, periods, row);
+    const PairLaw& law = of.row(row, met);
+    const V a = law.distanceIn<kGraded>(met).a;
+    if (at.looking != nullptr && !hn::AllFalse(d, a < law.near_limit)) {
+      noteNear(at, row);
     }
+    rows = hn::AllFalse(d, a < law.cutoff) ? rows : row + 1;
   }
+  if (rows == 0) {
+    return group.sums;
+  }
+  rows = HWY_MAX(rows, std::size_t{3});  // there is room for them, if with ghosts only
+  Met met = meet<kPeriodic>(group, periods, 0);
+  Near near = of.row(0, met).template approach<kGraded>(group, 0, met);
+  met = meet<kPeriodic>(group, periods, 1);
+  Pressed pressed = of.row(0).template press<kCompression>(group, 0, near);
+  near = of.row(1, met).template approach<kGraded>(group, 1, met);
+  met = meet<kPeriodic>(group, periods, 2);
+  for (std::size_t row = 3; row < rows; ++row) {
+    of.row(row - 3).rub(group, row - 3, pressed);
+    pressed = of.row(row - 2).template press<kCompression>(group, row - 2, near);
+    near = of.row(row - 1, met).template approach<kGraded>(group, row - 1, met);
+    met = meet<kPeriodic>(group, periods, row);
+  }
+  of.row(rows - 3).rub(group, rows - 3, pressed);
+  pressed = of.row(rows - 2).template press<kCompression>(group, rows - 2, near);
+  near = of.row(rows - 1, met).template approach<kGraded>(group, rows - 1, met);
+  of.row(rows - 2).rub(group, rows - 2, pressed);
+  pressed = of.row(rows - 1).template press<kCompression>(group, rows - 1, near);
+  of.row(rows - 1).rub(group, rows - 1, pressed);
+  const std::size_t now_touched = at.looking != nullptr ? group.last_touched : rows;
   // Where a group is several vectors, the others' rows stay noted.
-  touched = static_cast<std::uint16_t>(hn::Lanes(d) == kGroup ? last_touched : HWY_MAX(last_touched, maybe_touched));
-  return sums;
+  touched = static_cast<std::uint16_t>(hn::Lanes(d) == kGroup ? now_touched : HWY_MAX(now_touched, touched));
+  return group.sums;
 }
 
 // --- a step ----------------------------------------------------------------------------------------------------------
@@ -611,6 +721,7 @@ template <bool kGraded, bool kPeriodic>
 void contactFrictionIn(const GradedLaw& law, const StepConstants& now, const StepBox& box, const StepArrays& arrays,
                        std::size_t first, std::size_t last, Moved& moved) {
   const PairLaws<kGraded> laws(law, now.dt, now.friction_ratio, now.near_m);
+  auto mixed = laws.roomForMixed();
   const PeriodsOf periods(box.periods);
   const D d;
   const V zero = hn::Zero(d);
@@ -625,7 +736,7 @@ void contactFrictionIn(const GradedLaw& law, const StepConstants& now, const Ste
     const PairLaw& own = contacts.own();
     const Grain grain(now, kGraded ? arrays.grain_class[at.group] : 0);
     const V per_mass = set(now.dt * grain.inverse_mass);
-    const Sums sums = frictionalSums<kGraded, kPeriodic, false>(contacts, periods, arrays, at, x, v);
+    const Sums sums = frictionalSums<kGraded, kPeriodic, false>(contacts, periods, arrays, at, x, v, mixed.data());
     auto [fx, fy, fz] = besidesWalls(sums, grain, arrays, at);
     WallSlips& slips = arrays.wall_slip[at.group];
     std::uint8_t& near = arrays.near_walls[at.group];
@@ -701,11 +812,12 @@ template <bool kGraded>
 void contactFrictionSumsOf(const GradedLaw& law, const Periods& box, float dt, const StepArrays& arrays,
                            std::size_t first, std::size_t last, ContactSum* sums) {
   const PairLaws<kGraded> laws(law, dt, 1, 0);
+  auto mixed = laws.roomForMixed();
   const PeriodsOf periods(box);
   forEachVector(arrays, 0, first, last, [&](const Lanes& at) {
     const Records x = loadInOrder(arrays.position + at.particle());
     const Records v = loadInOrder(arrays.velocity + at.particle());
-    storeSums(frictionalSums<kGraded, true, true>(laws.of(arrays, at.group), periods, arrays, at, x, v),
+    storeSums(frictionalSums<kGraded, true, true>(laws.of(arrays, at.group), periods, arrays, at, x, v, mixed.data()),
               sums + at.particle());
   });
 }
