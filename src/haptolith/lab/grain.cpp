@@ -22,7 +22,7 @@ constexpr double kToolStiffness = 2;  // over the contacts': the blade does not 
 constexpr double kSample_s = 1e-3;
 
 // Room around the blade and its way; below it more than two of the coarsest grains.
-constexpr double kBehind_m = 0.02, kAhead_m = 0.03, kBeside_m = 0.02, kBelow_m = 0.025;
+constexpr double kBehind_m = 0.02, kAhead_m = 0.05, kBeside_m = 0.02, kBelow_m = 0.025;
 // Fine grains around the blade: it pushes soil ahead and aside of it.
 constexpr double kFineAhead_m = 0.025, kFineBeside_m = 0.01, kFineBelow_m = 0.008;
 
@@ -271,7 +271,7 @@ void drawGrain(const OutputFile& file, const std::vector<GrainResult>& results, 
   }
   figure.command("set xlabel 'travel / mm'; set ylabel 'draft through the filter / N'");
   figure.command(plot("trace", "using ($1*1000):3"));
-  figure.command("set xlabel 'frequency / Hz'; set ylabel 'power of the draft / (N^2/Hz)'; set logscale xy");
+  figure.command("set xlabel 'frequency / Hz'; set ylabel 'power of the draft / (N^2/Hz)'; set logscale xy; set format y '10^{%L}'");
   figure.command(plot("spectrum", "using 1:2"));
   figure.command("unset multiplot");
   figure.save();

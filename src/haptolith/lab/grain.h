@@ -19,7 +19,7 @@ struct GrainOptions {
   double depth_m = 0.015;  ///< of its lower edge below the surface
   double speed_m_s = 0.05;
   double level_m = 0.02;  ///< travel from which on the force counts
-  double travel_m = 0.06;
+  double travel_m = 0.055;
   double filter_cutoff_hz = 30;  ///< of the low-pass of first order through which a hand feels it
   int specimens = 3;             ///< beds of each size, each with a seed of its own
 };
