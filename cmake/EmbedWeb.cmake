@@ -6,8 +6,11 @@ set(symbols "")
 set(entries "")
 set(number 0)
 foreach(file ${files})
+  # A compiler cache looks into the source, not into what the assembler includes: another file must make another source.
+  file(SHA256 ${DIST}/${file} digest)
   string(APPEND symbols
-"__asm__(
+"// ${digest}
+__asm__(
     \".pushsection .rodata\\n\"
     \"haptolith_web_${number}: .incbin \\\"${DIST}/${file}\\\"\\n\"
     \"haptolith_web_${number}_end: .byte 0\\n\"

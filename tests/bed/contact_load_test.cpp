@@ -42,6 +42,28 @@ TEST(ContactLoad, GoesRoundAPeriodicBoxAndKnowsLargerParticles) {
   EXPECT_NEAR(loads[1], expected, 1e-3 * expected);
 }
 
+TEST(ContactLoad, OfTwoSizesIsThatOfTheSizeBetweenAndTheSameForBoth) {
+  BedParameters bed;
+  bed.soil.friction = FrictionModel::kContact;
+  bed.grading.fine_radius_m = bed.soil.radius_m / 4;
+  const double r = bed.soil.radius_m;
+  const auto grain = [&](double x_m, double of_r) {
+    return Float4{static_cast<float>(x_m), 0, 0.05F, static_cast<float>((of_r - 1) * r)};
+  };
+  // Coarse against fine, fine against fine, each pressed by 3 % of the radius between them; the last touches nobody.
+  const double between = 2 * r * (r / 4) / (r + r / 4);
+  const double mixed_m = 1.25 * r - 0.03 * between;
+  const double fine_m = 0.5 * r - 0.03 * r / 4;
+  const std::vector<float> loads = contactLoads(
+      bed, std::vector<Float4>{grain(0, 1), grain(mixed_m, 0.25), grain(mixed_m + fine_m, 0.25), grain(-2.5 * r, 0.5)});
+  const double mixed = contactForce(makeContactLaw(rescaled(bed.soil, between)), 1.97 * between);
+  const double fine = contactForce(makeContactLaw(rescaled(bed.soil, r / 4)), 1.97 * r / 4);
+  EXPECT_NEAR(loads[0], mixed, 1e-3 * mixed);
+  EXPECT_NEAR(loads[1], mixed + fine, 1e-3 * mixed);
+  EXPECT_NEAR(loads[2], fine, 1e-3 * fine);
+  EXPECT_EQ(loads[3], 0);
+}
+
 TEST(ContactLoad, GrowsWithDepthInABedAtRest) {
   BedParameters parameters;
   parameters.start = BedStart::kPacked;

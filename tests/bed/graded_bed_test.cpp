@@ -80,6 +80,21 @@ TEST(GrainClasses, AreToldApartByTheirSizeHoweverWideItSpreads) {
   EXPECT_EQ(GrainClasses(7e-3, 1).of(-6.9e-3F), 0);  // all alike
 }
 
+TEST(GradedBed, TellsHowManyGrainsOfWhichClassFollowOneAnother) {
+  const BedParameters parameters = space();
+  std::vector<Float4> grains = withOnly(parameters, {{}, {}, {}});
+  grains.resize(grains.size() - 5);
+  const std::vector<Bed::GrainRun> runs = Bed(parameters, grains).grainRuns();
+  ASSERT_EQ(runs.size(), 3U);
+  for (std::size_t c = 0; c < 3; ++c) {
+    EXPECT_EQ(runs[c].grain_class, static_cast<int>(c));
+    EXPECT_EQ(runs[c].count, c < 2 ? 16U : 11U);
+  }
+  const Bed alike(BedParameters{});
+  ASSERT_EQ(alike.grainRuns().size(), 1U);
+  EXPECT_EQ(alike.grainRuns()[0].count, alike.particles());
+}
+
 TEST(GradedBed, TwoGrainsPushEachOtherLikeTwoOfTheSizeBetween) {
   const BedParameters parameters = space();
   for (int a = 0; a < 3; ++a) {

@@ -228,6 +228,28 @@ TEST_F(RecordedPicturesTest, AllButVelocitiesIsKnownWithoutAReplay) {
   }
 }
 
+TEST_F(RecordedPicturesTest, GrainsOfSeveralSizesKeepTheirOwn) {
+  Scenario scenario = jawsInUnevenSoil();
+  scenario.bed.width_m = scenario.bed.length_m = 0.1;
+  scenario.bed.start = BedStart::kRain;
+  scenario.bed.particles = 100;
+  scenario.bed.grading = {.fine_radius_m = 0.0035, .fine_width_m = 0.02, .fine_length_m = 0.02, .fine_depth_m = 0.015};
+  record(scenario);
+  EXPECT_GT(moments_[0].position.front().w, -0.001);
+  EXPECT_LT(moments_[0].position.back().w, -0.003);
+  ticks_[250].state_hash ^= 1;  // a replay goes no further
+  for (const bool replay : {true, false}) {
+    const Taken all = taken(replay);
+    ASSERT_EQ(all.pictures.size(), kPictures);
+    EXPECT_EQ(all.replayed, replay ? 2U : 0U);
+    for (std::size_t number = 0; number < kPictures; ++number) {
+      expectAsItWas(all.pictures[number], number, scenario.bed.soil.radius_m);
+    }
+  }
+  header_.instruction_set = "SPARC";  // there the bed may have settled otherwise
+  EXPECT_TRUE(kIsUnknown(taken(false).pictures[0].radius_m));
+}
+
 TEST_F(RecordedPicturesTest, WhereAReplayDiffersVelocitiesEndAndTheReasonIsSaid) {
   record(diggingScene());
   ticks_[250].state_hash ^= 1;

@@ -15,6 +15,7 @@
 #include <vector>
 
 #include "haptolith/core/error.h"
+#include "haptolith/viewer/messages.h"
 
 #include "ws_client.h"
 
@@ -128,6 +129,28 @@ class LiveViewTest : public testing::Test {
   std::uint16_t port_ = 0;
 };
 
+TEST(SceneMessage, TellsHowManyGrainsThereAreOfEachSize) {
+  Scenario scenario;
+  scenario.bed.soil.friction = FrictionModel::kContact;
+  scenario.bed.width_m = scenario.bed.length_m = 0.1;
+  scenario.bed.start = BedStart::kRain;
+  scenario.bed.particles = 100;
+  scenario.bed.grading = {.fine_radius_m = 0.0035, .fine_width_m = 0.02, .fine_length_m = 0.02, .fine_depth_m = 0.015};
+  const Session session(scenario, false, SettleProgress{});
+  const Json scene = Json::parse(sceneMessages(session, {Vec3(-1, -1, -1), Vec3(1, 1, 1)}).whole);
+  const Json& grains = scene["grains"];
+  ASSERT_EQ(grains.size(), 2U);
+  EXPECT_EQ(scene["radius_m"], 0.007);
+  EXPECT_EQ(grains[0]["radius_m"], 0.007);
+  EXPECT_EQ(grains[1]["radius_m"], 0.0035);
+  EXPECT_GT(grains[1]["count"], 10);
+  EXPECT_EQ(grains[0]["count"].get<int>() + grains[1]["count"].get<int>(), scene["particles"]);
+  for (std::size_t i = 0; const Float4& p : session.snapshot().position) {
+    EXPECT_EQ(p.w < -0.001, i >= grains[0]["count"].get<std::size_t>()) << i;
+    ++i;
+  }
+}
+
 TEST_F(LiveViewTest, ANewcomerIsToldEverythingInTheOrderOfTheProtocol) {
   WsClient client(port_);
   ASSERT_EQ(client.upgrade(), 101U);
@@ -141,6 +164,7 @@ TEST_F(LiveViewTest, ANewcomerIsToldEverythingInTheOrderOfTheProtocol) {
   const Json scene = Json::parse(client.receive().value());
   EXPECT_EQ(scene["type"], "scene");
   EXPECT_EQ(scene["particles"], 256);
+  EXPECT_EQ(scene["grains"], Json::parse(R"([{"count": 256, "radius_m": 0.007}])"));
   EXPECT_EQ(scene["soil"]["preset"], "P3");
   EXPECT_NEAR(scene["soil"]["friction_angle_deg"].get<double>(), 39.95, 0.01);
   EXPECT_EQ(scene["sliders"].size(), 2U);

@@ -87,7 +87,10 @@ const Scene = v.object({
   scene: v.number(),
   title: v.string(),
   particles: v.number(),
+  /** of the coarsest grains */
   radius_m: v.number(),
+  /** how many of which radius, in the order of a frame's particles; an older program has one size, and does not say */
+  grains: v.optional(v.array(v.object({ count: v.number(), radius_m: v.number() }))),
   size_spread: v.number(),
   box: v.object({
     width_m: v.number(),
@@ -114,6 +117,19 @@ const Scene = v.object({
   workspace: Range3,
 });
 export type Scene = v.InferOutput<typeof Scene>;
+
+/** How many grains there are of which radius, in the order of a frame's particles. */
+export function grainsOf(scene: Scene): { count: number; radius_m: number }[] {
+  return scene.grains ?? [{ count: scene.particles, radius_m: scene.radius_m }];
+}
+
+/** Radius of each particle, in m. */
+export function radiiOf(scene: Scene): Float32Array {
+  const radii = new Float32Array(scene.particles).fill(scene.radius_m);
+  let first = 0;
+  for (const { count, radius_m } of grainsOf(scene)) radii.fill(radius_m, first, (first += count));
+  return radii;
+}
 
 const Status = v.object({
   type: v.literal('status'),

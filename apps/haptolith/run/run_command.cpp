@@ -10,6 +10,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "haptolith/bed/simd_target.h"
 #include "haptolith/core/error.h"
@@ -253,13 +254,27 @@ std::string counted(int number, std::string_view of) {
   return fmt::format("{} {}{}", number, of, number == 1 ? "" : "s");
 }
 
+/// "256 macroparticles of 7 mm", "2048 macroparticles (208 of 7 mm, 1840 of 3.5 mm)".
+std::string grainsText(const Bed& bed) {
+  std::vector<std::string> sizes;
+  const std::vector<Bed::GrainRun> runs = bed.grainRuns();
+  for (const auto& [grain_class, count] : runs) {
+    const std::string size =
+        fmt::format("of {:g} mm", 1e3 * GrainClasses::scale(grain_class) * bed.parameters().soil.radius_m);
+    sizes.push_back(runs.size() == 1 ? size : fmt::format("{} {}", count, size));
+  }
+  const std::string all = fmt::format("{}", fmt::join(sizes, ", "));
+  return runs.size() == 1 ? fmt::format("{} macroparticles {}", bed.particles(), all)
+                          : fmt::format("{} macroparticles ({})", bed.particles(), all);
+}
+
 std::string summaryText(const Scenario& scenario, const Scene& scene, const HapticLoop& loop,
                         const RunSummary& summary) {
   const LoopStatistics& s = loop.statistics();
   const Histogram& t = s.tickUs();
   return fmt::format(
       "{title}\n"
-      "  soil       {particles} macroparticles of {radius:g} mm, {soil}, g = {g:g} m/s2, {substeps} a tick; in the "
+      "  soil       {grains}, {soil}, g = {g:g} m/s2, {substeps} a tick; in the "
       "end {awake} awake\n"
       "  time       {time:.3f} s in {ticks} ticks: {end}\n"
       "  tick       mean {mean:.1f}  p50 {p50:.1f}  p99 {p99:.1f}  p99.9 {p999:.1f}  max {max:.1f} us ({simd}, "
@@ -269,13 +284,12 @@ std::string summaryText(const Scenario& scenario, const Scene& scene, const Hapt
       "  force      mean {fmean:.2f}  p99 {fp99:.2f}  max {fmax:.2f} N\n"
       "  torque     mean {mmean:.4f}  p99 {mp99:.4f}  max {mmax:.4f} N m\n"
       "  state      {hash:016x}\n",
-      fmt::arg("title", scenario.title), fmt::arg("particles", scene.bed().particles()),
-      fmt::arg("awake", scene.bed().awake()), fmt::arg("radius", 1e3 * scenario.bed.soil.radius_m),
-      fmt::arg("soil", soilText(scenario)), fmt::arg("g", scenario.bed.gravity_m_s2.norm()),
-      fmt::arg("substeps", counted(scene.substeps(), "substep")), fmt::arg("time", loop.time()),
-      fmt::arg("ticks", s.ticks()), fmt::arg("end", text(summary.end)), fmt::arg("mean", t.mean()),
-      fmt::arg("p50", t.percentile(0.5)), fmt::arg("p99", t.percentile(0.99)), fmt::arg("p999", t.percentile(0.999)),
-      fmt::arg("max", t.max()), fmt::arg("simd", simdTarget()),
+      fmt::arg("title", scenario.title), fmt::arg("grains", grainsText(scene.bed())),
+      fmt::arg("awake", scene.bed().awake()), fmt::arg("soil", soilText(scenario)),
+      fmt::arg("g", scenario.bed.gravity_m_s2.norm()), fmt::arg("substeps", counted(scene.substeps(), "substep")),
+      fmt::arg("time", loop.time()), fmt::arg("ticks", s.ticks()), fmt::arg("end", text(summary.end)),
+      fmt::arg("mean", t.mean()), fmt::arg("p50", t.percentile(0.5)), fmt::arg("p99", t.percentile(0.99)),
+      fmt::arg("p999", t.percentile(0.999)), fmt::arg("max", t.max()), fmt::arg("simd", simdTarget()),
       fmt::arg("threads", counted(scenario.bed.threads, "thread")), fmt::arg("deadlines", deadlinesText(scenario, s)),
       fmt::arg("scheduler", summary.real_time.scheduler),
       fmt::arg("cpu", summary.real_time.cpu == kAnyCpu ? "" : fmt::format(" on CPU {}", summary.real_time.cpu)),

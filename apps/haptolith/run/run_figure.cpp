@@ -20,13 +20,14 @@ constexpr double kMm = 1e3;
 using Rows = std::vector<std::vector<double>>;
 
 /// Particles from the tool's middle to the far wall, seen from the side, the far ones first, with how near they are (0
-/// to 1) for their shade.
-Rows particlesBehindTheCut(const SceneSnapshot& scene, double length_m) {
+/// to 1) for their shade; x, z and radius in mm.
+Rows particlesBehindTheCut(const SceneSnapshot& scene, const BedParameters& bed) {
   const double cut = scene.scene_T_tool.position_m.y();
   Rows rows;
   for (const Float4& p : scene.position) {
     if (p.y >= cut) {
-      rows.push_back({kMm * p.x, kMm * p.z, 1 - (p.y - cut) / (length_m / 2), -p.y});
+      rows.push_back(
+          {kMm * p.x, kMm * p.z, 1 - (p.y - cut) / (bed.length_m / 2), -p.y, kMm * (bed.soil.radius_m + p.w)});
     }
   }
   std::stable_sort(rows.begin(), rows.end(), [](const auto& a, const auto& b) { return a[3] < b[3]; });
@@ -94,7 +95,7 @@ void drawRun(Figure& figure, const Scenario& scenario, const RunHistory& history
     highest = std::max(highest, std::min(kMm * (p.z + bed.soil.radius_m), 2 * half_width));
   }
 
-  figure.data("particles", particlesBehindTheCut(scene, bed.length_m));
+  figure.data("particles", particlesBehindTheCut(scene, bed));
   figure.data("tool", toolEdges(scenario.tool, scene.scene_T_tool, scene.opening_m));
   figure.data("forces", forces);
   figure.data("ticks", tickHistogram(statistics.tickUs()));
@@ -118,7 +119,7 @@ set object 1 rectangle from {wall_left},{bottom} to {wall_right},0 fc rgb '#3333
 set arrow 1 from {wall_left},0 to {wall_left},{top} nohead lw 2 lc rgb '#333333'
 set arrow 2 from {wall_right},0 to {wall_right},{top} nohead lw 2 lc rgb '#333333'
 set style fill solid 1.0 border lc rgb '#3a3632'
-plot $particles using 1:2:({radius}):3 with circles palette, \
+plot $particles using 1:2:5:3 with circles palette, \
      $tool using 1:2:3:4 with vectors nohead lw 2.5 lc rgb '#d1495b'
 unset object 1
 unset arrow 1
@@ -160,8 +161,7 @@ unset multiplot
                              fmt::arg("title", gnuplotQuoted(scenario.title)), fmt::arg("time", scene.time_s),
                              fmt::arg("force", scene.felt.force_n.norm()), fmt::arg("left", -half_width - 25),
                              fmt::arg("right", half_width + 25), fmt::arg("bottom", -6), fmt::arg("top", highest + 8),
-                             fmt::arg("wall_left", -half_width), fmt::arg("wall_right", half_width),
-                             fmt::arg("radius", kMm * bed.soil.radius_m)));
+                             fmt::arg("wall_left", -half_width), fmt::arg("wall_right", half_width)));
   figure.save();
 }
 

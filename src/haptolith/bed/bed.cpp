@@ -256,6 +256,21 @@ void Bed::noteClasses() {
   }
 }
 
+std::vector<Bed::GrainRun> Bed::grainRuns() const {
+  if (grain_class_.empty()) {
+    return {{.grain_class = 0, .count = particles()}};
+  }
+  std::vector<GrainRun> runs;
+  for (std::size_t first = 0; first < particles(); first += kGroup) {
+    const int own = grain_class_[first / kGroup];
+    if (runs.empty() || runs.back().grain_class != own) {
+      runs.push_back({.grain_class = own, .count = 0});
+    }
+    runs.back().count += std::min(kGroup, particles() - first);
+  }
+  return runs;
+}
+
 StepStatus Bed::step(double dt_s) noexcept {
   now_ = constantsFor(dt_s);
   wakefulness_.listAwake();  // somebody may have been woken since the last step

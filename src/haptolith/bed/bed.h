@@ -112,6 +112,13 @@ class Bed {
   /// Sizes of grain, and which a particle is of.
   [[nodiscard]] const GrainClasses& classes() const noexcept { return laws_.graded.classes; }
   [[nodiscard]] int classOf(std::size_t particle) const noexcept { return classes().of(state_.position[particle].w); }
+  /// How many grains of which class stand one after the other, from the first particle on; it never changes, so other
+  /// threads than the tick's may ask, too. Not for the tick.
+  struct GrainRun {
+    int grain_class;
+    std::size_t count;
+  };
+  [[nodiscard]] std::vector<GrainRun> grainRuns() const;
   [[nodiscard]] const BedState& state() const noexcept { return state_; }
   [[nodiscard]] std::vector<std::int8_t>& toolSides() noexcept { return state_.tool_side; }
   [[nodiscard]] std::vector<Float4>& toolSlip() noexcept { return state_.tool_slip; }

@@ -218,10 +218,30 @@ ScenePicture RecordedPictures::recordedPicture(const FrameRow& row, const TickRe
   return picture;
 }
 
-/// A bed draws its particles' radii by its seed and their number alone, wherever they lie.
+/// A bed whose grains are all of one class draws their radii by its seed and their number alone, wherever they lie.
+/// Which grain of a graded bed is how large follows from how they settled, so that bed is made once more.
 const std::vector<float>& RecordedPictures::radiusExcesses(const std::vector<std::array<float, 3>>& position_m) {
   const SoilParameters& soil = scenario_->bed.soil;
-  if (soil.friction != FrictionModel::kContact || soil.size_spread == 0) {
+  const bool graded = grainClasses(scenario_->bed) > 1;
+  const auto takeFrom = [&](const Bed& bed) {
+    for (std::size_t i = 0; i < bed.particles() && bed.particles() == position_m.size(); ++i) {
+      radius_excess_m_->push_back(bed.state().position[i].w);
+    }
+  };
+  if (graded && !radius_excess_m_) {
+    radius_excess_m_.emplace();
+    try {
+      if (replay_) {
+        takeFrom(replay_->loop().shownScene().scene.bed());
+      } else if (header().instruction_set == simdTarget()) {  // another one settles otherwise
+        takeFrom(Bed(scenario_->bed, options_.settling));
+      }
+    } catch (const Failure&) {
+      goOn(0);
+    }
+  } else if (graded) {
+    return *radius_excess_m_;
+  } else if (soil.friction != FrictionModel::kContact || soil.size_spread == 0) {
     radius_excess_m_.emplace(position_m.size(), 0.0F);
   } else if (!radius_excess_m_) {
     radius_excess_m_.emplace();
@@ -231,10 +251,7 @@ const std::vector<float>& RecordedPictures::radiusExcesses(const std::vector<std
       centres_m.emplace_back(x, y, z);
     }
     try {
-      const Bed bed(scenario_->bed, centres_m);
-      for (std::size_t i = 0; i < bed.particles(); ++i) {
-        radius_excess_m_->push_back(bed.state().position[i].w);
-      }
+      takeFrom(Bed(scenario_->bed, centres_m));
     } catch (const InvalidParameter&) {
       radius_excess_m_->clear();  // no such bed can be made: radii stay unknown
     }

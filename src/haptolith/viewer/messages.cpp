@@ -67,6 +67,15 @@ Json soilJson(const Scenario& scenario) {
   return soil;
 }
 
+/// How many grains of which radius, in the order of a frame's particles.
+Json grainsJson(const Bed& bed, double radius_m) {
+  Json grains = Json::array();
+  for (const Bed::GrainRun& run : bed.grainRuns()) {
+    grains.push_back({{"count", run.count}, {"radius_m", GrainClasses::scale(run.grain_class) * radius_m}});
+  }
+  return grains;
+}
+
 Json recordedJson(const std::filesystem::path& file) {
   return file.empty() ? Json(nullptr)
                       : Json{{"file", file.filename().string()}, {"folder", file.parent_path().string()}};
@@ -131,6 +140,7 @@ Board::Texts sceneMessages(const Session& session, const FrameEncoder::Space& sp
                 {"title", scenario.title},
                 {"particles", session.scene().bed().particles()},
                 {"radius_m", bed.soil.radius_m},
+                {"grains", grainsJson(session.scene().bed(), shown.radius_m)},
                 {"size_spread", shown.friction == FrictionModel::kContact ? shown.size_spread : 0.0},
                 {"box",
                  {{"width_m", bed.width_m},

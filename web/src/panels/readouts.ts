@@ -1,6 +1,6 @@
 // The numbers over the picture: what the hand feels, and where the tool is.
 
-import type { Frame, Scene, Vec3 } from '../protocol';
+import { grainsOf, type Frame, type Scene, type Vec3 } from '../protocol';
 import { shapeOf } from '../tool_shapes';
 import { EXPLAIN } from './explanations';
 import { fixed, h, setText } from './html';
@@ -51,6 +51,17 @@ export function placeOf(tool_z_m: number, surface_m: number): { name: string; mm
   return above_mm >= 0 ? { name: 'above soil', mm: above_mm } : { name: 'depth', mm: -above_mm };
 }
 
+/** How many grains there are of each size, coarsest first: "80 of 7 mm, 120 of 3.5 mm". */
+export function sizesInWords(scene: Scene): string {
+  const counts = new Map<number, number>();
+  for (const { count, radius_m } of grainsOf(scene)) {
+    const radius_mm = Number((1000 * radius_m).toPrecision(3));
+    counts.set(radius_mm, (counts.get(radius_mm) ?? 0) + count);
+  }
+  const coarsest_first = [...counts].sort(([a_mm], [b_mm]) => b_mm - a_mm);
+  return coarsest_first.map(([radius_mm, count]) => `${count} of ${radius_mm} mm`).join(', ');
+}
+
 /** What the picture shows, for who cannot see it. */
 export function pictureInWords(scene: Scene, frame: Frame): string {
   const { name, mm } = placeOf(frame.tool.position_m[2], scene.box.surface_m);
@@ -59,7 +70,7 @@ export function pictureInWords(scene: Scene, frame: Frame): string {
   const [x_mm, y_mm] = frame.tool.position_m.map((value) => (1000 * value).toFixed(0));
   return (
     `A box of ${(1000 * scene.box.width_m).toFixed(0)} by ${(1000 * scene.box.length_m).toFixed(0)} mm with ` +
-    `${scene.particles} particles; ${tool} ${place}, at x ${x_mm} mm, y ${y_mm} mm; ` +
+    `${scene.particles} particles (${sizesInWords(scene)} radius); ${tool} ${place}, at x ${x_mm} mm, y ${y_mm} mm; ` +
     `force ${Math.hypot(...frame.force_n).toFixed(2)} N.`
   );
 }

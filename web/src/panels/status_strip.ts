@@ -3,6 +3,7 @@
 import type { Scene, Status } from '../protocol';
 import { EXPLAIN } from './explanations';
 import { fixed, h, setText } from './html';
+import { sizesInWords } from './readouts';
 import { explain } from './tooltip';
 
 const UNKNOWN = '–';
@@ -85,6 +86,7 @@ export class StatusStrip {
 
   setScene(scene: Scene): void {
     this.body.set(scene.body ?? `${Math.hypot(...scene.gravity_m_s2).toFixed(2)} m/s²`);
+    this.awake.explain(`${EXPLAIN.awake} Radii: ${sizesInWords(scene)}.`);
     this.soil.set(scene.soil.preset ?? scene.soil.name ?? 'own');
   }
 

@@ -1,5 +1,5 @@
 // The bed: all grains in one draw call. A frame's records go to the graphics card as they came, eight bytes a grain;
-// the shader turns them into positions, and only runs that changed are sent again.
+// the shader turns them into positions, and only runs that changed are sent again. How large each is, it is told once.
 
 import {
   Color,
@@ -16,7 +16,7 @@ import {
   Vector3,
   ZeroFactor,
 } from 'three';
-import { COLOUR_MODES, type ColourMode, type Frame, type Scene } from '../protocol';
+import { COLOUR_MODES, radiiOf, type ColourMode, type Frame, type Scene } from '../protocol';
 import { shapeOf } from '../tool_shapes';
 import { lookOf } from './body_looks';
 import { ASLEEP_COLOUR, AWAKE_COLOUR, VIRIDIS } from './colour_maps';
@@ -166,11 +166,13 @@ export class BedView {
     this.records = new InstancedBufferAttribute(new Uint16Array(scene.particles * 4), 4, true);
     this.records.setUsage(DynamicDrawUsage);
     this.geometry.setAttribute('a_record', this.records);
+    const radii = radiiOf(scene);
+    this.geometry.setAttribute('a_radius_m', new InstancedBufferAttribute(radii, 1));
     this.geometry.instanceCount = 0;
     this.mesh.geometry = this.geometry;
     this.drawn = 0;
     this.field?.dispose();
-    this.field = new HeightField(scene);
+    this.field = new HeightField(scene, radii);
     this.field_built_ms = 0;
   }
 }

@@ -11,6 +11,7 @@ uniform mat4 modelViewMatrix;
 uniform mat4 projectionMatrix;
 in vec3 position;
 ${LIGHT_SHADER}
+in float a_radius_m;
 in vec4 a_record;               // x, y, z of 65535ths; speed + 256 force, of 65535
 uniform vec3 u_quantised_low_m;
 uniform vec3 u_quantised_high_m;
@@ -28,6 +29,7 @@ flat out vec3 v_albedo;
 flat out vec4 v_sky;
 flat out float v_sun;
 flat out float v_seed;
+flat out float v_radius_m;
 out vec3 v_at_m;
 
 vec3 mapped(float value) {
@@ -60,7 +62,8 @@ void main() {
   mat3 turn = mat3(modelViewMatrix);
   v_eye_m = -(modelViewMatrix[3].xyz * turn) / dot(turn[0], turn[0]);
 
-  v_sky = openSky(v_centre_m);
+  v_radius_m = a_radius_m;
+  v_sky = openSky(v_centre_m, a_radius_m);
 
   // Grains deep below the surface are seen only through a wall that the eye looks at from outside.
   vec2 to_wall_m = u_box_half_m - v_centre_m.xy * sign(v_eye_m.xy);
@@ -74,7 +77,7 @@ void main() {
 
   vec3 from_eye = v_centre_m - v_eye_m;
   float distance_m = length(from_eye);
-  if (buried || distance_m < 1.2 * u_radius_m) {
+  if (buried || distance_m < 1.2 * a_radius_m) {
     gl_Position = vec4(2.0, 2.0, 2.0, 1.0);
     return;
   }
@@ -83,8 +86,8 @@ void main() {
   vec3 forward = from_eye / distance_m;
   vec3 right = normalize(cross(forward, abs(forward.z) > 0.9 ? vec3(0.0, 1.0, 0.0) : vec3(0.0, 0.0, 1.0)));
   vec3 up = cross(right, forward);
-  float near_m = distance_m - u_radius_m;
-  float half_m = near_m * u_radius_m * inversesqrt(distance_m * distance_m - u_radius_m * u_radius_m);
+  float near_m = distance_m - a_radius_m;
+  float half_m = near_m * a_radius_m * inversesqrt(distance_m * distance_m - a_radius_m * a_radius_m);
   v_at_m = v_eye_m + forward * near_m + (right * position.x + up * position.y) * half_m;
   gl_Position = projectionMatrix * modelViewMatrix * vec4(v_at_m, 1.0);
 
@@ -94,7 +97,7 @@ void main() {
   float spread = u_colour_mode == 0 ? 0.30 : 0.08;
   v_albedo = albedoOf(speed_byte, force_byte, v_centre_m.z) * (1.0 + spread * (v_seed - 0.5));
 #ifdef SUN_PER_GRAIN
-  v_sun = sunOverSoil(v_centre_m + vec3(0.0, 0.0, 0.4 * u_radius_m), 8);
+  v_sun = sunOverSoil(v_centre_m + vec3(0.0, 0.0, 0.4 * a_radius_m), a_radius_m, 8);
 #else
   v_sun = 1.0;
 #endif
@@ -122,6 +125,7 @@ flat in vec3 v_albedo;
 flat in vec4 v_sky;
 flat in float v_sun;
 flat in float v_seed;
+flat in float v_radius_m;
 in vec3 v_at_m;
 layout(location = 0) out vec4 o_colour;
 
@@ -136,11 +140,11 @@ void main() {
   vec3 from_centre = v_eye_m - v_centre_m;
   float nearest_m = -dot(from_centre, ray);
   vec3 miss = from_centre + nearest_m * ray;
-  float inside = 1.0 - dot(miss, miss) / (u_radius_m * u_radius_m);
+  float inside = 1.0 - dot(miss, miss) / (v_radius_m * v_radius_m);
   float edge = fwidth(inside);
   if (inside <= 0.0) discard;
-  vec3 at_m = v_eye_m + (nearest_m - sqrt(inside) * u_radius_m) * ray;
-  vec3 normal = (at_m - v_centre_m) / u_radius_m;
+  vec3 at_m = v_eye_m + (nearest_m - sqrt(inside) * v_radius_m) * ray;
+  vec3 normal = (at_m - v_centre_m) / v_radius_m;
 
   vec4 clip = projectionMatrix * modelViewMatrix * vec4(at_m, 1.0);
   gl_FragDepth = 0.5 * clip.z / clip.w + 0.5;
@@ -157,14 +161,14 @@ void main() {
 #endif
 
   // Where the soil beside this point stands higher than the point, less light gets in.
-  vec3 outside_m = at_m + 0.55 * u_radius_m * normal;
-  float covered = clamp((soilHeight(outside_m.xy).y - outside_m.z) / (2.2 * u_radius_m), 0.0, 1.0);
-  float crevice = (1.0 - 0.72 * covered) * clamp(0.55 + 0.9 * distanceToTool(outside_m) / u_radius_m, 0.4, 1.0);
+  vec3 outside_m = at_m + 0.55 * v_radius_m * normal;
+  float covered = clamp((soilHeight(outside_m.xy).y - outside_m.z) / (2.2 * v_radius_m), 0.0, 1.0);
+  float crevice = (1.0 - 0.72 * covered) * clamp(0.55 + 0.9 * distanceToTool(outside_m) / v_radius_m, 0.4, 1.0);
 
 #ifdef SUN_PER_GRAIN
   float sun = v_sun;
 #else
-  float sun = sunOverSoil(at_m, 9);
+  float sun = sunOverSoil(at_m, v_radius_m, 9);
 #endif
   sun *= sunPastTool(at_m) * sunPastFlying(at_m);
   float facing = max(dot(normal, u_to_sun), 0.0);

@@ -53,7 +53,7 @@ void main() {
   vec2 rough = roughness(at_m.xy);
   float facing = clamp(u_to_sun.z * (1.0 - 1.5 * rough.y), 0.0, 1.0);
 
-  float sun = sunOverSoil(at_m, SUN_STEPS) * sunPastTool(at_m) * sunPastFlying(at_m);
+  float sun = sunOverSoil(at_m, u_radius_m, SUN_STEPS) * sunPastTool(at_m) * sunPastFlying(at_m);
   float covered = clamp(soilHeight(at_m.xy).y / (3.0 * u_radius_m), 0.0, 1.0);
   float beside = outside_m < 0.0 ? 1.0 : clamp(0.62 + outside_m / (9.0 * u_radius_m), 0.0, 1.0);
   vec3 albedo = u_soil * (0.62 + 0.22 * rough.x);

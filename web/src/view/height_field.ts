@@ -3,8 +3,8 @@
 //
 // A grain in the air is no height: below it there is light. Such grains are listed instead, for round shadows of their own.
 
-import { DataTexture, DataUtils, HalfFloatType, LinearFilter, RGFormat, Vector3 } from 'three';
-import { dequantise, type Scene, type Vec3 } from '../protocol';
+import { DataTexture, DataUtils, HalfFloatType, LinearFilter, RGFormat, Vector4 } from 'three';
+import { dequantise, radiiOf, type Scene, type Vec3 } from '../protocol';
 
 const LARGEST_SIDE = 192;
 // A grain is a few cells wide, enough to see its round top; more cells than this cost time without being seen.
@@ -31,8 +31,8 @@ export class HeightField {
   readonly texture: DataTexture;
   /** highest point of the soil, in m */
   top_m = 0;
-  /** the lowest of the grains in the air; the first `flying_count` are valid */
-  readonly flying_m = Array.from({ length: MOST_FLYING }, () => new Vector3());
+  /** centres and radii of the lowest of the grains in the air; the first `flying_count` are valid */
+  readonly flying_m = Array.from({ length: MOST_FLYING }, () => new Vector4());
   flying_count = 0;
 
   private readonly cell_m: number;
@@ -43,14 +43,18 @@ export class HeightField {
   private readonly bins = new Uint32Array(HEIGHT_BINS + 1);
   private order = new Uint32Array(0);
 
-  constructor(private readonly scene: Scene) {
+  constructor(
+    private readonly scene: Scene,
+    private readonly radii_m = radiiOf(scene),
+  ) {
+    const finest_m = this.radii_m.reduce((least, radius_m) => Math.min(least, radius_m), scene.radius_m);
     // One grain of margin, so that the edge of the picture is bare ground and everything beyond it reads as such.
     const margin_m = 1.5 * scene.radius_m;
     this.width_m = scene.box.width_m + 2 * margin_m;
     this.length_m = scene.box.length_m + 2 * margin_m;
     this.low_x_m = -this.width_m / 2;
     this.low_y_m = -this.length_m / 2;
-    this.cell_m = Math.max(Math.max(this.width_m, this.length_m) / LARGEST_SIDE, scene.radius_m / CELLS_PER_RADIUS);
+    this.cell_m = Math.max(Math.max(this.width_m, this.length_m) / LARGEST_SIDE, finest_m / CELLS_PER_RADIUS);
     this.columns = Math.max(4, Math.ceil(this.width_m / this.cell_m));
     this.rows = Math.max(4, Math.ceil(this.length_m / this.cell_m));
     const cells = this.columns * this.rows;
@@ -114,20 +118,23 @@ export class HeightField {
   private raise(records: Uint16Array, particles: number, carrier: Carrier | null): void {
     const { heights, columns, rows } = this;
     const { low_m, high_m } = this.scene.quantised;
-    const radius_m = this.scene.radius_m;
     const dx = this.cellWidth;
     const dy = this.cellLength;
-    const squared = radius_m * radius_m;
     heights.fill(0);
     this.flying_count = 0;
     for (let nth = 0; nth < particles; ++nth) {
       const i = this.order[nth]!;
+      const radius_m = this.radii_m[i]!;
+      const squared = radius_m * radius_m;
       const x = dequantise(records[4 * i]!, low_m[0], high_m[0]) - this.low_x_m;
       const y = dequantise(records[4 * i + 1]!, low_m[1], high_m[1]) - this.low_y_m;
       const z = dequantise(records[4 * i + 2]!, low_m[2], high_m[2]);
-      if (z - radius_m > FLYING_RADII * radius_m && this.flies(x + this.low_x_m, y + this.low_y_m, z, carrier)) {
+      if (
+        z - radius_m > FLYING_RADII * radius_m &&
+        this.flies(x + this.low_x_m, y + this.low_y_m, z, radius_m, carrier)
+      ) {
         if (this.flying_count < MOST_FLYING)
-          this.flying_m[this.flying_count++]!.set(x + this.low_x_m, y + this.low_y_m, z);
+          this.flying_m[this.flying_count++]!.set(x + this.low_x_m, y + this.low_y_m, z, radius_m);
         continue;
       }
       const first_column = Math.max(0, Math.ceil((x - radius_m) / dx - 0.5));
@@ -150,8 +157,7 @@ export class HeightField {
   }
 
   /** Whether neither soil, of the lower grains laid so far, nor what carries is close below a grain. */
-  private flies(x_m: number, y_m: number, z_m: number, carrier: Carrier | null): boolean {
-    const radius_m = this.scene.radius_m;
+  private flies(x_m: number, y_m: number, z_m: number, radius_m: number, carrier: Carrier | null): boolean {
     if (carrier) {
       const [x, y, z] = carrier.at_m;
       if (Math.hypot(x_m - x, y_m - y, z_m - z) < carrier.radius_m + FLYING_RADII * radius_m) return false;

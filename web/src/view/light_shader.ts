@@ -31,7 +31,7 @@ export interface LightUniforms {
   u_field: IUniform<DataTexture>;
   u_field_rect: IUniform<Vector4>;
   u_field_top_m: IUniform<number>;
-  u_flying_m: IUniform<Vector3[]>;
+  u_flying_m: IUniform<Vector4[]>;
   u_flying_count: IUniform<number>;
   u_radius_m: IUniform<number>;
   u_box_half_m: IUniform<Vector2>;
@@ -51,7 +51,7 @@ export function makeLightUniforms(): LightUniforms {
     u_field: { value: new DataTexture(new Uint8Array(4), 1, 1) },
     u_field_rect: { value: new Vector4(0, 0, 1, 1) },
     u_field_top_m: { value: 0 },
-    u_flying_m: { value: Array.from({ length: MOST_FLYING }, () => new Vector3()) },
+    u_flying_m: { value: Array.from({ length: MOST_FLYING }, () => new Vector4()) },
     u_flying_count: { value: 0 },
     u_radius_m: { value: 0.007 },
     u_box_half_m: { value: new Vector2(0.1, 0.1) },
@@ -105,9 +105,9 @@ uniform sampler3D u_noise;         // height; slope along x, y, z about 0.5
 uniform sampler2D u_field;
 uniform vec4 u_field_rect;      // low x, low y, 1 / width, 1 / length
 uniform float u_field_top_m;
-uniform vec3 u_flying_m[${MOST_FLYING}];
+uniform vec4 u_flying_m[${MOST_FLYING}];  // centre, radius
 uniform int u_flying_count;
-uniform float u_radius_m;
+uniform float u_radius_m;       // of the coarsest grains
 uniform vec2 u_box_half_m;
 uniform vec3 u_to_sun;
 uniform vec3 u_sun;
@@ -125,13 +125,13 @@ vec2 soilHeight(vec2 at_m) {
   return textureLod(u_field, uv, 0.0).xy;
 }
 
-// 1 where the sun reaches a point, 0 in shadow. The walk starts one grain away, so that a grain does not lie in the
+// 1 where the sun reaches a point, 0 in shadow. The walk starts one radius of the grain away, so that a grain does not lie in the
 // shadow of its own top.
-float sunOverSoil(vec3 from_m, int steps) {
+float sunOverSoil(vec3 from_m, float radius_m, int steps) {
   // Ground beyond the longest shadow is settled at once.
   vec2 longest_m = u_box_half_m + u_radius_m + max(u_field_top_m - from_m.z, 0.0) * abs(u_to_sun.xy) / u_to_sun.z;
   if (any(greaterThan(abs(from_m.xy), longest_m))) return 1.0;
-  float start_m = 1.25 * u_radius_m;
+  float start_m = 1.25 * radius_m;
   float end_m = min((u_field_top_m - from_m.z) / u_to_sun.z, 40.0 * u_radius_m);
   if (end_m <= start_m) return 1.0;
   float light = 1.0;
@@ -140,7 +140,7 @@ float sunOverSoil(vec3 from_m, int steps) {
     float way_m = mix(start_m, end_m, share * mix(share, 1.0, 0.5));  // denser near the grain
     vec3 at_m = from_m + way_m * u_to_sun;
     float free_m = at_m.z - soilHeight(at_m.xy).x;
-    light = min(light, 0.5 + free_m / (0.35 * u_radius_m + 0.10 * way_m));
+    light = min(light, 0.5 + free_m / (0.35 * radius_m + 0.10 * way_m));
   }
   return smoothstep(0.0, 1.0, clamp(light, 0.0, 1.0));
 }
@@ -149,11 +149,12 @@ float sunOverSoil(vec3 from_m, int steps) {
 float sunPastFlying(vec3 from_m) {
   float light = 1.0;
   for (int i = 0; i < u_flying_count; ++i) {
-    vec3 to_grain = u_flying_m[i] - from_m;
+    vec3 to_grain = u_flying_m[i].xyz - from_m;
+    float radius_m = u_flying_m[i].w;
     float along_m = dot(to_grain, u_to_sun);
-    if (along_m < 1.05 * u_radius_m) continue;  // its own surface
-    float free_m = length(to_grain - along_m * u_to_sun) - u_radius_m;
-    light = min(light, 0.5 + free_m / (0.35 * u_radius_m + 0.10 * along_m));
+    if (along_m < 1.05 * radius_m) continue;  // its own surface
+    float free_m = length(to_grain - along_m * u_to_sun) - radius_m;
+    light = min(light, 0.5 + free_m / (0.35 * radius_m + 0.10 * along_m));
     if (light <= 0.0) break;
   }
   return smoothstep(0.0, 1.0, clamp(light, 0.0, 1.0));
@@ -186,15 +187,15 @@ float sunPastTool(vec3 from_m) {
   return smoothstep(0.0, 1.0, clamp(light, 0.0, 1.0));
 }
 
-// How much of the sky is free above a point, 0 to 1, and where the free part is (not normalised).
-vec4 openSky(vec3 at_m) {
+// How much of the sky is free above a grain of some radius, 0 to 1, and where the free part is (not normalised).
+vec4 openSky(vec3 at_m, float radius_m) {
   vec3 towards = vec3(0.0, 0.0, 0.6);
   float open = 0.0;
   for (int i = 0; i < 6; ++i) {
     float angle = 1.0471976 * float(i) + 0.4;
     vec2 way = vec2(cos(angle), sin(angle));
-    float slope = (soilHeight(at_m.xy + 2.4 * u_radius_m * way).y - at_m.z) / (2.4 * u_radius_m);
-    slope = max(slope, (soilHeight(at_m.xy + 5.5 * u_radius_m * way).y - at_m.z) / (5.5 * u_radius_m));
+    float slope = (soilHeight(at_m.xy + 2.4 * radius_m * way).y - at_m.z) / (2.4 * radius_m);
+    slope = max(slope, (soilHeight(at_m.xy + 5.5 * radius_m * way).y - at_m.z) / (5.5 * radius_m));
     slope = max(slope, 0.0);
     float free = 1.0 - slope * inversesqrt(1.0 + slope * slope);
     open += free;

@@ -2,7 +2,7 @@ import { describe, expect, it } from 'vitest';
 import { EXPLAIN, frictionModelName, sliderExplanation } from '../../src/panels/explanations';
 import { inWords } from '../../src/panels/plots';
 import type { Frame, Scene } from '../../src/protocol';
-import { pictureInWords, placeOf } from '../../src/panels/readouts';
+import { pictureInWords, placeOf, sizesInWords } from '../../src/panels/readouts';
 
 describe('the place of the tool', () => {
   it('is a height above the soil or a depth in it, never a negative one', () => {
@@ -14,11 +14,22 @@ describe('the place of the tool', () => {
 
 describe('in words', () => {
   it('the picture says where the tool is and what it feels', () => {
-    const scene = { box: { width_m: 0.126, length_m: 0.126, surface_m: 0.04 }, particles: 256, tool: { shape: 'box' } };
+    const scene = {
+      box: { width_m: 0.126, length_m: 0.126, surface_m: 0.04 },
+      particles: 256,
+      radius_m: 0.007,
+      tool: { shape: 'box' },
+    };
     const frame = { tool: { position_m: [0.01, -0.02, 0.03] }, force_n: [0, 3, 4] };
     expect(pictureInWords(scene as unknown as Scene, frame as unknown as Frame)).toBe(
-      'A box of 126 by 126 mm with 256 particles; shovel 10 mm deep in the soil, at x 10 mm, y -20 mm; force 5.00 N.',
+      'A box of 126 by 126 mm with 256 particles (256 of 7 mm radius); shovel 10 mm deep in the soil, at x 10 mm, y -20 mm; force 5.00 N.',
     );
+  });
+
+  it('grains are counted by their size, coarsest first', () => {
+    const grains = [{ count: 16, radius_m: 0.007 }, { count: 3, radius_m: 0.00175 }, { count: 32, radius_m: 0.0035 }]; // prettier-ignore
+    const scene = { particles: 51, radius_m: 0.007, grains } as unknown as Scene;
+    expect(sizesInWords(scene)).toBe('16 of 7 mm, 32 of 3.5 mm, 3 of 1.75 mm');
   });
 
   it('a plot says what each line is now and where it has been', () => {

@@ -6,6 +6,7 @@ import { Resolution } from '../../src/view/resolution';
 import { lookOf } from '../../src/view/body_looks';
 
 const SCENE = {
+  particles: 4,
   radius_m: 0.01,
   box: { width_m: 0.2, length_m: 0.1, surface_m: 0.04, periodic_x: false, periodic_y: false },
   quantised: { low_m: [-0.2, -0.2, 0], high_m: [0.2, 0.2, 0.4] },
@@ -24,6 +25,19 @@ describe('the height field', () => {
     expect(field.heightAt(0.05 + 0.015, 0.02)).toBe(0);
     expect(field.heightAt(9, 9)).toBe(0);
     expect(field.top_m).toBeCloseTo(0.04, 3);
+  });
+
+  it('knows grains of several sizes, in the order of the records', () => {
+    const grains = [{ count: 1, radius_m: 0.01 }, { count: 2, radius_m: 0.0025 }]; // prettier-ignore
+    const field = new HeightField({ ...SCENE, particles: 3, grains });
+    const grain = (x: number, z: number): number[] => [quantise(x, -0.2, 0.2), quantise(0, -0.2, 0.2), quantise(z, 0, 0.4), 0]; // prettier-ignore
+    field.build(new Uint16Array([...grain(-0.05, 0.01), ...grain(0.05, 0.0025), ...grain(0, 0.02)]), 3);
+    expect(field.heightAt(-0.05, 0)).toBeCloseTo(0.02, 3);
+    expect(field.heightAt(-0.043, 0)).toBeGreaterThan(0.015);
+    expect(field.heightAt(0.05, 0)).toBeCloseTo(0.005, 3);
+    expect(field.heightAt(0.057, 0)).toBe(0);
+    expect(field.flying_count).toBe(1); // 7 of its own radii above the ground
+    expect(field.flying_m[0]!.w).toBeCloseTo(0.0025, 6);
   });
 
   it('leaves out grains in the air, and lists them', () => {
