@@ -11,6 +11,7 @@
 #include "haptolith/bed/bed_start.h"
 #include "haptolith/bed/critical_step.h"
 #include "haptolith/bed/spatial_order.h"
+#include "haptolith/bed/tile_cache.h"
 #include "haptolith/core/clock.h"
 #include "haptolith/core/error.h"
 #include "haptolith/core/random.h"
@@ -104,13 +105,33 @@ StepBox stepBox(const BedParameters& bed) {
           .periods = periodsOf(bed)};
 }
 
-double highest(const std::vector<Vec3>& centres_m) {
-  double height = 0;
-  for (const Vec3& centre : centres_m) {
-    height = std::max(height, centre.z());
+double highest(const std::vector<Float4>& grains) {
+  float height = 0;
+  for (const Float4& grain : grains) {
+    height = std::max(height, grain.z);
   }
   return height;
 }
+
+/// Centres with sizes as the seed deals them out.
+std::vector<Float4> withSizes(const BedParameters& bed, const std::vector<Vec3>& centres_m) {
+  std::mt19937_64 random(bed.seed);
+  std::vector<Float4> grains;
+  grains.reserve(centres_m.size());
+  for (const Vec3& centre : centres_m) {
+    const double excess = largestExcess(bed.soil) * uniformSigned(random);
+    grains.push_back(
+        {narrow<float>(centre.x()), narrow<float>(centre.y()), narrow<float>(centre.z()), narrow<float>(excess)});
+  }
+  return grains;
+}
+
+/// While laid soil finds its hold at the walls, what moves no faster is at rest, as in a tile when it is done.
+constexpr double kLaidRest_m_s = 1e-4;
+/// Simulated time after which what still moves there is given up.
+constexpr double kLongestLaying_s = 60;
+/// Nobody further from a wall, in radii, misses a neighbour that was left out for it.
+constexpr double kRimRadii = 5;
 
 bool isZero(const Float4& a) {
   return a.x == 0 && a.y == 0 && a.z == 0;
@@ -150,36 +171,53 @@ const char* text(StepStatus status) noexcept {
 }
 
 Bed::Bed(const BedParameters& parameters, const SettleProgress& progress)
-    : Bed(parameters, inSpatialOrder(startingCentres(parameters), parameters.soil.radius_m)) {
+    : Bed(parameters, startingSoil(validated(parameters), progress), progress) {}
+
+Bed::Bed(const BedParameters& parameters, const StartingSoil& soil, const SettleProgress& progress)
+    : Bed(parameters, soil.laid.grains) {
+  const int substeps = substepsFor(parameters.soil, 0, parameters.tick_s, parameters.max_substeps);
+  const double dt_s = parameters.tick_s / substeps;
   if (parameters.start == BedStart::kRain) {
-    const int substeps = substepsFor(parameters.soil, 0, parameters.tick_s, parameters.max_substeps);
-    const double dt_s = parameters.tick_s / substeps;
     settle(dt_s, longestSettling(parameters, surfaceHeight(), dt_s), progress);
+  }
+  if (parameters.start == BedStart::kSettled) {
+    recall(soil);
+    settleRim(dt_s, progress);
   }
 }
 
+Bed::StartingSoil Bed::startingSoil(const BedParameters& bed, const SettleProgress& progress) {
+  if (bed.start != BedStart::kSettled) {
+    return {.tile = {},
+            .laid = {.grains = withSizes(bed, inSpatialOrder(startingCentres(bed), bed.soil.radius_m)), .sources = {}}};
+  }
+  StartingSoil soil{.tile = cachedTile(bed, progress), .laid = {}};
+  soil.laid = laidOut(soil.tile, bed);
+  return soil;
+}
+
 Bed::Bed(const BedParameters& parameters, const std::vector<Vec3>& centres_m)
+    : Bed(parameters, withSizes(validated(parameters), centres_m)) {}
+
+Bed::Bed(const BedParameters& parameters, const std::vector<Float4>& grains)
     : parameters_(validated(parameters)),
       laws_(parameters.soil),
       box_(stepBox(parameters)),
       skin_m_(narrow<float>(kSkinRadii * parameters.soil.radius_m)),
-      neighbourhood_(centres_m.size(), laws_.pair.cutoff_m + skin_m_, largestExcess(parameters.soil),
-                     {parameters.width_m, parameters.length_m, highest(centres_m), periodsOf(parameters)}),
-      wakefulness_(paddedCount(centres_m.size()) / kGroup, restRule(parameters)),
-      team_(usefulThreads(parameters, centres_m.size())),
+      neighbourhood_(grains.size(), laws_.pair.cutoff_m + skin_m_, largestExcess(parameters.soil),
+                     {parameters.width_m, parameters.length_m, highest(grains), periodsOf(parameters)}),
+      wakefulness_(paddedCount(grains.size()) / kGroup, restRule(parameters)),
+      team_(usefulThreads(parameters, grains.size())),
       moved_of_part_(static_cast<std::size_t>(mostParts(team_.size()))) {
   found_by_part_.resize(moved_of_part_.size());
-  const std::size_t n = centres_m.size();
+  const std::size_t n = grains.size();
   const std::size_t padded = paddedCount(n);
-  std::mt19937_64 random(parameters.seed);
-  for (const Vec3& centre : centres_m) {
-    const double excess = largestExcess(parameters.soil) * uniformSigned(random);
-    if (!centre.cast<float>().allFinite()) {
-      throw InvalidParameter("centres_m", fmt::format("{} {} {}", centre.x(), centre.y(), centre.z()), "finite");
+  for (const Float4& grain : grains) {
+    if (!std::isfinite(grain.x) || !std::isfinite(grain.y) || !std::isfinite(grain.z)) {
+      throw InvalidParameter("centres_m", fmt::format("{} {} {}", grain.x, grain.y, grain.z), "finite");
     }
-    state_.position.push_back(
-        {narrow<float>(centre.x()), narrow<float>(centre.y()), narrow<float>(centre.z()), narrow<float>(excess)});
   }
+  state_.position = grains;
   state_.position.resize(padded, kGhost);
   state_.velocity.resize(n);
   state_.velocity.resize(padded, kGhostVelocity);
@@ -420,6 +458,81 @@ void Bed::settle(double dt_s, double longest_s, const SettleProgress& progress) 
   for (std::size_t i = 0; i < particles(); ++i) {
     state_.velocity[i] = isDriven(i) ? state_.velocity[i] : Float4{};
   }
+  state_.step = 0;
+}
+
+void Bed::recall(const StartingSoil& soil) noexcept {
+  if (!hasContactFriction()) {
+    return;
+  }
+  for (std::size_t i = 0; i < particles(); ++i) {
+    const std::uint32_t source = soil.laid.sources[i];
+    const Slip& floor = soil.tile.floor_slips[source];
+    WallSlips& walls = state_.wall_slip[i / kGroup];
+    walls.floor_x[i % kGroup] = floor.x;
+    walls.floor_y[i % kGroup] = floor.y;
+    // A tile is three reaches wide and more, so of each of its grains one copy at most is in a list.
+    const auto first = soil.tile.contacts.begin() + soil.tile.firsts[source];
+    const auto last = soil.tile.contacts.begin() + soil.tile.firsts[source + 1];
+    for (std::uint32_t s = 0; first != last && s < state_.contacts.count(i); ++s) {
+      const std::uint32_t other = soil.laid.sources[narrow<std::size_t>(state_.contacts.neighbour(i, s))];
+      const auto contact = std::find_if(first, last, [other](const TileContact& c) { return c.other == other; });
+      if (contact != last) {
+        state_.contacts.setSlip(i, s, contact->slip);
+      }
+    }
+  }
+  std::ranges::fill(near_walls_, std::uint8_t{0xFF});
+}
+
+void Bed::settleRim(double dt_s, const SettleProgress& progress) {
+  const RestRule own = wakefulness_.rule();
+  BedParameters laying = parameters_;
+  laying.sleep = true;
+  laying.sleep_speed_m_s = kLaidRest_m_s;
+  wakefulness_.setRule(restRule(laying));
+  const double rim_m = kRimRadii * parameters_.soil.radius_m;
+  const bool upright = parameters_.gravity_m_s2.x() == 0 && parameters_.gravity_m_s2.y() == 0;
+  const auto inside = [&](const Float4& p) {  // the ghosts behind the last particle, too
+    return (parameters_.periodic_x || std::abs(p.x) < parameters_.width_m / 2 - rim_m || p.x == kGhost.x) &&
+           (parameters_.periodic_y || std::abs(p.y) < parameters_.length_m / 2 - rim_m || p.y == kGhost.y);
+  };
+  for (std::size_t group = 0; group < state_.rested.size(); ++group) {
+    const auto first = state_.position.begin() + narrow<std::ptrdiff_t>(group * kGroup);
+    state_.rested[group] = upright && std::all_of(first, first + narrow<std::ptrdiff_t>(kGroup), inside)
+                               ? BedState::kAsleep
+                               : std::uint16_t{0};
+  }
+  wakefulness_.takeOver(state_);
+  wakefulness_.listAwake();
+  constexpr int kStepsBetweenLooks = 100;
+  double time_s = 0;
+  while (awake() > 0 && (time_s == 0 || largestSpeed() > kLaidRest_m_s)) {
+    if (time_s >= kLongestLaying_s) {
+      throw Failure(fmt::format("the soil at the walls did not come to rest within {:g} s", kLongestLaying_s));
+    }
+    for (int i = 0; i < kStepsBetweenLooks && awake() > 0; ++i) {
+      if (const StepStatus status = step(dt_s); status != StepStatus::kOk) {
+        throw Failure(fmt::format("the soil at the walls did not settle: {}", text(status)));
+      }
+    }
+    time_s += kStepsBetweenLooks * dt_s;
+    if (progress && !progress(time_s, largestSpeed())) {
+      throw Failure(fmt::format("interrupted while the bed settled, after {:.1f} s of simulated time", time_s));
+    }
+  }
+  for (std::size_t i = 0; i < particles(); ++i) {
+    state_.velocity[i] = {};
+  }
+  next_position_ = state_.position;  // who sleeps stands in both
+  next_velocity_ = state_.velocity;
+  // All of it is at rest by the rule of laying, which may be coarser than the bed's own.
+  const bool sleeps = own.sleep && own.speed_m_s >= kLaidRest_m_s;
+  std::ranges::fill(state_.rested, sleeps ? BedState::kAsleep : std::uint16_t{0});
+  state_.rested_at = state_.position;
+  wakefulness_.setRule(own);
+  wakefulness_.takeOver(state_);
+  wakefulness_.listAwake();
   state_.step = 0;
 }
 

@@ -9,6 +9,7 @@
 
 #include "haptolith/bed/bed_parameters.h"
 #include "haptolith/bed/bed_state.h"
+#include "haptolith/bed/bed_tile.h"
 #include "haptolith/bed/neighbourhood.h"
 #include "haptolith/bed/soil_laws.h"
 #include "haptolith/bed/step_kernel.h"
@@ -32,12 +33,16 @@ using SettleProgress = std::function<bool(double time_s, double speed_m_s)>;
 /// threads, on machines with the same instruction set.
 class Bed {
  public:
-  /// Makes the bed's first state as `parameters.start` asks (see bed_start.h); rain is settled, telling `progress`.
+  /// Makes the bed's first state as `parameters.start` asks (see bed_start.h and bed_tile.h); what settles tells
+  /// `progress`.
   /// @throws InvalidParameter when the parameters are not valid or the particles do not fit; Failure as settle().
   explicit Bed(const BedParameters& parameters, const SettleProgress& progress = {});
 
-  /// A bed with its centres where the caller wants them, at rest.
+  /// A bed with its centres where the caller wants them, at rest; how large each grain is, the seed decides.
   Bed(const BedParameters& parameters, const std::vector<Vec3>& centres_m);
+
+  /// The same with each grain's size: w is by how much its radius exceeds the soil's.
+  Bed(const BedParameters& parameters, const std::vector<Float4>& grains);
 
   /// Forces that others (the tool) put on particles for the next step, in N, scene frame; one per particle.
   /// They count as load, not as contact between macroparticles: they raise no friction (paper 14). Soil that sleeps
@@ -119,6 +124,17 @@ class Bed {
   void restore(const BedState& state);
 
  private:
+  /// What a bed is made of at first, and of what it remembers its contacts.
+  struct StartingSoil {
+    BedTile tile;
+    LaidSoil laid;
+  };
+  Bed(const BedParameters& parameters, const StartingSoil& soil, const SettleProgress& progress);
+  [[nodiscard]] static StartingSoil startingSoil(const BedParameters& bed, const SettleProgress& progress);
+  /// Takes over what the contacts of laid soil remember.
+  void recall(const StartingSoil& soil) noexcept;
+  /// Lets soil find its hold at the walls, where some of what was laid had no room, then stops it where it is.
+  void settleRim(double dt_s, const SettleProgress& progress);
   [[nodiscard]] StepConstants constantsFor(double dt_s) const noexcept;
   void stepPart(int part, int parts) noexcept;
   [[nodiscard]] std::span<const Moved> movedOfParts() const noexcept {

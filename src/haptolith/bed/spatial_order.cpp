@@ -19,7 +19,7 @@ struct Place {
 
 }  // namespace
 
-std::vector<Vec3> inSpatialOrder(const std::vector<Vec3>& points_m, double radius_m) {
+std::vector<std::size_t> spatialOrder(const std::vector<Vec3>& points_m, double radius_m) {
   if (points_m.empty()) {
     return {};
   }
@@ -44,10 +44,19 @@ std::vector<Vec3> inSpatialOrder(const std::vector<Vec3>& points_m, double radiu
     const Vec3& q = points_m[b.point];
     return std::tie(a.cell, p.z(), p.y(), p.x(), a.point) < std::tie(b.cell, q.z(), q.y(), q.x(), b.point);
   });
+  std::vector<std::size_t> order;
+  order.reserve(points_m.size());
+  for (const Place& place : places) {
+    order.push_back(place.point);
+  }
+  return order;
+}
+
+std::vector<Vec3> inSpatialOrder(const std::vector<Vec3>& points_m, double radius_m) {
   std::vector<Vec3> ordered;
   ordered.reserve(points_m.size());
-  for (const Place& place : places) {
-    ordered.push_back(points_m[place.point]);
+  for (const std::size_t point : spatialOrder(points_m, radius_m)) {
+    ordered.push_back(points_m[point]);
   }
   return ordered;
 }

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <vector>
 
 #include "haptolith/core/vec.h"
@@ -11,5 +12,8 @@ namespace haptolith {
 /// the order in which they lie in memory. (Along a Hilbert curve they are closer together, and a large bed is a fifth
 /// slower: the processor does not see which neighbour comes next.)
 [[nodiscard]] std::vector<Vec3> inSpatialOrder(const std::vector<Vec3>& points_m, double radius_m);
+
+/// The same as an order: which point comes first, which next.
+[[nodiscard]] std::vector<std::size_t> spatialOrder(const std::vector<Vec3>& points_m, double radius_m);
 
 }  // namespace haptolith
