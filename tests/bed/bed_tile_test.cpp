@@ -36,8 +36,8 @@ TEST(SettledStart, FillsTheBoxUpToItsDepthAsDenselyAsRainDoes) {
   const BedParameters parameters = settledBed();
   const Bed bed(parameters);
   const double grain_m3 = 4 * M_PI / 3 * std::pow(parameters.soil.radius_m, 3);
-  const double solid = static_cast<double>(bed.particles()) * grain_m3 /
-                       (parameters.width_m * parameters.length_m * parameters.depth_m);
+  const double solid =
+      static_cast<double>(bed.particles()) * grain_m3 / (parameters.width_m * parameters.length_m * parameters.depth_m);
   EXPECT_GT(solid, 0.50);  // surface and walls are looser than the 0.64 of a random packing
   EXPECT_LT(solid, 0.66);
   EXPECT_NEAR(bed.surfaceHeight(), parameters.depth_m, 0.3 * parameters.soil.radius_m);

@@ -182,8 +182,7 @@ std::string rowText(const BenchRow& row) {
       "  {:>9} {:>9.0f} {:<8} {:>7} {:>8} {:>9.4g} {:>9.4g} {:>9.4g} {:>9.4g} {:>9.1f} {:>8.0f} {:>7.0f} {:>7.1f}\n",
       row.particles, row.awake, wordFor(kFrictionWords, row.friction), row.threads, row.substeps,
       row.tick_us.percentile(0.5), row.tick_us.percentile(0.99), row.tick_us.percentile(0.999), row.tick_us.max(),
-      1e-6 * row.particleStepsPerSecond(), row.relisting_us.max(), row.bytes_per_particle,
-      row.made_s);
+      1e-6 * row.particleStepsPerSecond(), row.relisting_us.max(), row.bytes_per_particle, row.made_s);
 }
 
 void drawBench(const OutputFile& file, const std::vector<BenchRow>& rows) {

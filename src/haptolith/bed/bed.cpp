@@ -58,8 +58,9 @@ RestRule restRule(const BedParameters& bed) {
           .steps = static_cast<std::uint16_t>(std::clamp(kRest_s / dt_s, double{Wakefulness::kTurn}, 60'000.0))};
 }
 
-/// With contact friction only contacts damp; falling soil comes to rest sooner in something thicker than space: a drag
-/// that stops free movement within some 0.2 s and lets soil fall at g / 5 s. Soil at rest does not feel it.
+/// With contact friction only contacts damp; soil that falls, or slides to the walls when it is laid, comes to rest
+/// sooner in something thicker than space: a drag that stops free movement within some 0.2 s and lets soil fall at
+/// g / 5 s. Soil at rest does not feel it.
 constexpr float kSettlingDrag_per_s = 5;
 
 /// Lets wrong parameters go no further than the first member that would be made of them.
@@ -126,8 +127,16 @@ std::vector<Float4> withSizes(const BedParameters& bed, const std::vector<Vec3>&
   return grains;
 }
 
-/// While laid soil finds its hold at the walls, what moves no faster is at rest, as in a tile when it is done.
-constexpr double kLaidRest_m_s = 1e-4;
+/// While laid soil finds its hold at the walls, what moves no faster is at rest. The further from the middle, the more
+/// a position is rounded (0.2 um at 2 m) and the more soil shivers: with 1e-3 m/s a million of lunar-0-15cm wakes from
+/// wall to wall.
+double laidRest(const BedParameters& bed) {
+  constexpr double kSmallBox_m_s = 1e-3;
+  constexpr double kShiver_per_s = 1.5e-3;  // m/s for each m from the middle
+  return std::max(kSmallBox_m_s, kShiver_per_s * std::max(bed.width_m, bed.length_m) / 2);
+}
+/// A bed that lets soil sleep which moves so fast starts asleep; a stricter one finds out for itself.
+constexpr double kStartsAsleep_m_s = 1e-3;
 /// Simulated time after which what still moves there is given up.
 constexpr double kLongestLaying_s = 60;
 /// Nobody further from a wall, in radii, misses a neighbour that was left out for it.
@@ -284,7 +293,7 @@ StepConstants Bed::constantsFor(double dt_s) const noexcept {
           .static_friction = narrow<float>(mu_hat),
           .moving_friction = narrow<float>(mu_hat * soil.moving_friction_ratio),
           .friction_ratio = friction_on_ ? 1.0F : 0.0F,
-          .drag = friction_on_ ? 1 : 1 / (1 + kSettlingDrag_per_s * narrow<float>(dt_s))};
+          .drag = friction_on_ && !laying_ ? 1 : 1 / (1 + kSettlingDrag_per_s * narrow<float>(dt_s))};
 }
 
 std::span<const std::uint32_t> Bed::groupsNear(const Vec3& centre_m, double radius_m) noexcept {
@@ -489,8 +498,9 @@ void Bed::settleRim(double dt_s, const SettleProgress& progress) {
   const RestRule own = wakefulness_.rule();
   BedParameters laying = parameters_;
   laying.sleep = true;
-  laying.sleep_speed_m_s = kLaidRest_m_s;
+  laying.sleep_speed_m_s = laidRest(parameters_);
   wakefulness_.setRule(restRule(laying));
+  laying_ = true;
   const double rim_m = kRimRadii * parameters_.soil.radius_m;
   const bool upright = parameters_.gravity_m_s2.x() == 0 && parameters_.gravity_m_s2.y() == 0;
   const auto inside = [&](const Float4& p) {  // the ghosts behind the last particle, too
@@ -507,7 +517,7 @@ void Bed::settleRim(double dt_s, const SettleProgress& progress) {
   wakefulness_.listAwake();
   constexpr int kStepsBetweenLooks = 100;
   double time_s = 0;
-  while (awake() > 0 && (time_s == 0 || largestSpeed() > kLaidRest_m_s)) {
+  while (awake() > 0 && (time_s == 0 || largestSpeed() > laying.sleep_speed_m_s)) {
     if (time_s >= kLongestLaying_s) {
       throw Failure(fmt::format("the soil at the walls did not come to rest within {:g} s", kLongestLaying_s));
     }
@@ -526,8 +536,8 @@ void Bed::settleRim(double dt_s, const SettleProgress& progress) {
   }
   next_position_ = state_.position;  // who sleeps stands in both
   next_velocity_ = state_.velocity;
-  // All of it is at rest by the rule of laying, which may be coarser than the bed's own.
-  const bool sleeps = own.sleep && own.speed_m_s >= kLaidRest_m_s;
+  laying_ = false;
+  const bool sleeps = own.sleep && own.speed_m_s >= narrow<float>(kStartsAsleep_m_s);
   std::ranges::fill(state_.rested, sleeps ? BedState::kAsleep : std::uint16_t{0});
   state_.rested_at = state_.position;
   wakefulness_.setRule(own);

@@ -173,6 +173,7 @@ class Bed {
   double gone_since_look_m_ = 0;  ///< that no particle can have gone further
   StepConstants now_{};
   bool friction_on_ = true;
+  bool laying_ = false;     ///< settleRim(), in which a drag brakes soil
   std::size_t driven_ = 0;  ///< particles
   std::uint64_t relistings_ = 0;
   std::int64_t relisting_ns_ = 0;

@@ -10,9 +10,9 @@ namespace haptolith {
 
 /// How the macroparticles lie at the first tick.
 enum class BedStart {
-  kPacked,  ///< close packing at the analytic layer spacing b(n), filled up to `depth_m`
-  kRain,    ///< dropped loosely at random and settled without friction, `particles` of them
-  kCount,   ///< exactly `particles` in `layers` layers, close-packed: the paper's scene
+  kPacked,   ///< close packing at the analytic layer spacing b(n), filled up to `depth_m`
+  kRain,     ///< dropped loosely at random and settled without friction, `particles` of them
+  kCount,    ///< exactly `particles` in `layers` layers, close-packed: the paper's scene
   kSettled,  ///< as soil that has settled, at rest: a tile of `depth_m` again and again (bed_tile.h)
 };
 

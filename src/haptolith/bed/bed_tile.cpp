@@ -145,9 +145,9 @@ BedParameters tileBed(const BedParameters& bed) {
   tile.sleep = false;
   const double particles = pouredParticles(tile);
   if (particles > kMostTileParticles) {
-    throw InvalidParameter(
-        "depth_m", fmt::format("{:g}", bed.depth_m),
-        fmt::format("at most about {:.2g}, or settling would take too long", bed.depth_m * kMostTileParticles / particles));
+    throw InvalidParameter("depth_m", fmt::format("{:g}", bed.depth_m),
+                           fmt::format("at most about {:.2g}, or settling would take too long",
+                                       bed.depth_m * kMostTileParticles / particles));
   }
   tile.particles = std::max(1, static_cast<int>(particles));
   return tile;
@@ -168,11 +168,13 @@ BedTile settledTile(const BedParameters& bed, const TileProgress& progress) {
 LaidSoil laidOut(const BedTile& tile, const BedParameters& bed) {
   const std::vector<double> xs = middles(bed.width_m, tile.width_m, bed.periodic_x);
   const std::vector<double> ys = middles(bed.length_m, tile.length_m, bed.periodic_y);
-  const double in_all = static_cast<double>(tile.grains.size()) * bed.width_m / tile.width_m * bed.length_m / tile.length_m;
+  const double in_all =
+      static_cast<double>(tile.grains.size()) * bed.width_m / tile.width_m * bed.length_m / tile.length_m;
   if (in_all > kMostParticles) {
-    throw InvalidParameter("depth_m", fmt::format("{:g}", bed.depth_m),
-                           fmt::format("less: a box of this size would hold {:.3g} macroparticles of {:g} mm; {} are the most",
-                                       in_all, 1e3 * bed.soil.radius_m, kMostParticles));
+    throw InvalidParameter(
+        "depth_m", fmt::format("{:g}", bed.depth_m),
+        fmt::format("less: a box of this size would hold {:.3g} macroparticles of {:g} mm; {} are the most", in_all,
+                    1e3 * bed.soil.radius_m, kMostParticles));
   }
   std::vector<Vec3> centres;
   std::vector<std::uint32_t> sources;

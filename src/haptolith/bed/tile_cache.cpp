@@ -237,14 +237,13 @@ std::string tileKey(const BedParameters& bed) {
   const BedParameters tile = tileBed(bed);
   const SoilParameters& s = tile.soil;
   static_assert(sizeof(SoilParameters) == 15 * sizeof(double), "a new number of the soil belongs in the key");
-  std::string key = fmt::format("format {} law {} {} friction {} particles {} seed {} max_substeps {}", kFormat, kLaw,
-                                simdTarget(), static_cast<int>(s.friction), tile.particles, tile.seed,
-                                tile.max_substeps);
-  for (const double number :
-       {tile.width_m, tile.length_m, tile.depth_m, tile.gravity_m_s2.z(), tile.tick_s, s.radius_m, s.gamma_nm,
-        s.rho0_kg_m3, s.rho_max_kg_m3, s.mu_hat, s.stiffness_n_m, s.attraction_ratio, s.moving_friction_ratio,
-        s.contact_friction, s.contact_cohesion_n, s.cohesion_range_ratio, s.tangential_ratio, s.size_spread,
-        s.damping_ratio}) {
+  std::string key =
+      fmt::format("format {} law {} {} friction {} particles {} seed {} max_substeps {}", kFormat, kLaw, simdTarget(),
+                  static_cast<int>(s.friction), tile.particles, tile.seed, tile.max_substeps);
+  for (const double number : {tile.width_m, tile.length_m, tile.depth_m, tile.gravity_m_s2.z(), tile.tick_s, s.radius_m,
+                              s.gamma_nm, s.rho0_kg_m3, s.rho_max_kg_m3, s.mu_hat, s.stiffness_n_m, s.attraction_ratio,
+                              s.moving_friction_ratio, s.contact_friction, s.contact_cohesion_n, s.cohesion_range_ratio,
+                              s.tangential_ratio, s.size_spread, s.damping_ratio}) {
     key += fmt::format(" {:a}", number);
   }
   return key;

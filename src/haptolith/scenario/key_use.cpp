@@ -56,8 +56,7 @@ constexpr std::array kUses{
     // A named soil of the command line or the page makes a bed that starts as `count` start as `rain`.
     KeyUse{"bed", "particles", starts<BedStart::kCount, BedStart::kRain>, "[bed] start = count or rain", false},
     KeyUse{"bed", "layers", starts<BedStart::kCount>, "[bed] start = count", false},
-    KeyUse{"bed", "depth_mm", starts<BedStart::kPacked, BedStart::kSettled>, "[bed] start = packed or settled",
-           false},
+    KeyUse{"bed", "depth_mm", starts<BedStart::kPacked, BedStart::kSettled>, "[bed] start = packed or settled", false},
     KeyUse{"bed", "seed", starts<BedStart::kRain, BedStart::kSettled>, "[bed] start = rain or settled", true},
 
     KeyUse{"tool", "size_mm", isShape<ToolShape::kBox, ToolShape::kJaws>, "[tool] shape = box or jaws", true},
