@@ -189,8 +189,7 @@ TEST(ContactNetwork, TheStepOfTheLawIsStableInAPressedBedAndNotMuchShorterThanIt
       const ContactNetwork network = pressed(soil);
       const double share = shareOfStableStep(network, 1 / stepsPerSecond(soil, 0));
       EXPECT_LT(share, 1) << cohesion_n << " N, " << damping;
-      EXPECT_GT(share, damping == 0 ? 0.12 : 0.8)
-          << cohesion_n << " N, " << damping;  // undamped: accuracy asks for more
+      EXPECT_GT(share, damping == 0 ? 0.12 : 0.8) << cohesion_n << " N, " << damping;  // undamped: accuracy asks for more
     }
   }
 }
