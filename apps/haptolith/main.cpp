@@ -12,6 +12,7 @@
 #include <string>
 
 #include "haptolith/bed/simd_target.h"
+#include "haptolith/bed/tile_cache.h"
 #include "haptolith/core/error.h"
 #include "haptolith/core/plain_text.h"
 
@@ -36,6 +37,7 @@ constexpr const char* kExamples = R"(Examples:
   source <(haptolith completion bash)    complete commands with the tab key
 
 HAPTOLITH_SIMD=SSE4 haptolith ...          with another instruction set than the best of the machine
+HAPTOLITH_CACHE=off haptolith ...          without keeping settled soil, or with the folder where to keep it
 
 Exit status: 0 done, 1 failed, 2 wrong usage.)";
 
@@ -128,8 +130,25 @@ void tellWhatWasSaved(const CLI::App& app) {
   json != nullptr && json->count() > 0 ? printNotice(saved) : printText(saved);
 }
 
+/// Where settled soil is kept (docs/scenarios.md); empty: nowhere.
+std::filesystem::path tileFolder() {
+  const auto said = [](const char* name) {
+    const char* value = std::getenv(name);
+    return std::string(value == nullptr ? "" : value);
+  };
+  if (const std::string own = said("HAPTOLITH_CACHE"); !own.empty()) {
+    return own == "off" ? "" : own;
+  }
+  if (const std::filesystem::path caches = said("XDG_CACHE_HOME"); caches.is_absolute()) {
+    return caches / "haptolith";
+  }
+  const std::filesystem::path home = said("HOME");
+  return home.is_absolute() ? home / ".cache" / "haptolith" : std::filesystem::path();
+}
+
 ExitStatus run(CLI::App& app, int argc, char** argv) {
   try {
+    useTileCache(tileFolder(), [](std::string_view line) { spdlog::warn("{}", line); });
     if (const char* simd = std::getenv("HAPTOLITH_SIMD"); simd != nullptr && *simd != '\0') {
       useSimdTarget(simd);
     }

@@ -339,7 +339,8 @@ TEST_F(LoadScenario, WordsSuggestTheNearest) {
 }
 
 TEST_F(LoadScenario, AKeyThatCanNeverHaveAnEffectIsRefused) {
-  EXPECT_EQ(errorOf("[bed]\ndepth_mm = 90\n"), "x.toml:2: [bed] depth_mm has no effect: it needs [bed] start = packed");
+  EXPECT_EQ(errorOf("[bed]\ndepth_mm = 90\n"),
+            "x.toml:2: [bed] depth_mm has no effect: it needs [bed] start = packed or settled");
   EXPECT_EQ(errorOf("[coupling]\nkind = 'direct'\nstiffness_n_m = 300\n"),
             "x.toml:3: [coupling] stiffness_n_m has no effect: it needs [coupling] kind = auto or virtual");
   EXPECT_NO_THROW((void)load("[bed]\ndepth_mm = 40\n")) << "the usual value, as the paper's scene writes it out";

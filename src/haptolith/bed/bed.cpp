@@ -12,6 +12,7 @@
 #include "haptolith/bed/critical_step.h"
 #include "haptolith/bed/graded_start.h"
 #include "haptolith/bed/spatial_order.h"
+#include "haptolith/bed/tile_cache.h"
 #include "haptolith/core/clock.h"
 #include "haptolith/core/error.h"
 #include "haptolith/core/random.h"
@@ -58,8 +59,9 @@ RestRule restRule(const BedParameters& bed) {
           .steps = static_cast<std::uint16_t>(std::clamp(kRest_s / dt_s, double{Wakefulness::kTurn}, 60'000.0))};
 }
 
-/// With contact friction only contacts damp; falling soil comes to rest sooner in something thicker than space: a drag
-/// that stops free movement within some 0.2 s and lets soil fall at g / 5 s. Soil at rest does not feel it.
+/// With contact friction only contacts damp; soil that falls, or slides to the walls when it is laid, comes to rest
+/// sooner in something thicker than space: a drag that stops free movement within some 0.2 s and lets soil fall at
+/// g / 5 s. Soil at rest does not feel it.
 constexpr float kSettlingDrag_per_s = 5;
 
 /// Lets wrong parameters go no further than the first member that would be made of them.
@@ -126,6 +128,21 @@ std::vector<Float4> withSizes(const BedParameters& bed, const std::vector<Vec3>&
   return grains;
 }
 
+/// While laid soil finds its hold at the walls, what moves no faster is at rest. The further from the middle, the more
+/// a position is rounded (0.2 um at 2 m) and the more soil shivers: with 1e-3 m/s a million of lunar-0-15cm wakes from
+/// wall to wall.
+double laidRest(const BedParameters& bed) {
+  constexpr double kSmallBox_m_s = 1e-3;
+  constexpr double kShiver_per_s = 1.5e-3;  // m/s for each m from the middle
+  return std::max(kSmallBox_m_s, kShiver_per_s * std::max(bed.width_m, bed.length_m) / 2);
+}
+/// A bed that lets soil sleep which moves so fast starts asleep; a stricter one finds out for itself.
+constexpr double kStartsAsleep_m_s = 1e-3;
+/// Simulated time after which what still moves there is given up.
+constexpr double kLongestLaying_s = 60;
+/// Nobody further from a wall, in radii, misses a neighbour that was left out for it.
+constexpr double kRimRadii = 5;
+
 bool isZero(const Float4& a) {
   return a.x == 0 && a.y == 0 && a.z == 0;
 }
@@ -179,12 +196,28 @@ const char* text(StepStatus status) noexcept {
 }
 
 Bed::Bed(const BedParameters& parameters, const SettleProgress& progress)
-    : Bed(parameters, startingGrains(validated(parameters), progress)) {
-  if (parameters.start == BedStart::kRain || grainClasses(parameters) > 1) {
-    const int substeps = substepsFor(parameters, 0);
-    const double dt_s = parameters.tick_s / substeps;
+    : Bed(parameters, startingSoil(validated(parameters), progress), progress) {}
+
+Bed::Bed(const BedParameters& parameters, const StartingSoil& soil, const SettleProgress& progress)
+    : Bed(parameters, soil.laid.grains) {
+  const double dt_s = parameters.tick_s / substepsFor(parameters, 0);
+  const bool graded = grainClasses(parameters) > 1;
+  if (parameters.start == BedStart::kRain || graded) {
     settle(dt_s, longestSettling(parameters, surfaceHeight(), dt_s), progress);
   }
+  if (parameters.start == BedStart::kSettled && !graded) {
+    recall(soil);
+    settleRim(dt_s, progress);
+  }
+}
+
+Bed::StartingSoil Bed::startingSoil(const BedParameters& bed, const SettleProgress& progress) {
+  if (bed.start != BedStart::kSettled || grainClasses(bed) > 1) {
+    return {.tile = {}, .laid = {.grains = startingGrains(bed, progress), .sources = {}}};
+  }
+  StartingSoil soil{.tile = cachedTile(bed, progress), .laid = {}};
+  soil.laid = laidOut(soil.tile, bed);
+  return soil;
 }
 
 Bed::Bed(const BedParameters& parameters, const std::vector<Vec3>& centres_m)
@@ -311,7 +344,7 @@ StepConstants Bed::constantsFor(double dt_s) const noexcept {
           .static_friction = narrow<float>(mu_hat),
           .moving_friction = narrow<float>(mu_hat * soil.moving_friction_ratio),
           .friction_ratio = friction_on_ ? 1.0F : 0.0F,
-          .drag = friction_on_ ? 1 : 1 / (1 + kSettlingDrag_per_s * narrow<float>(dt_s))};
+          .drag = friction_on_ && !laying_ ? 1 : 1 / (1 + kSettlingDrag_per_s * narrow<float>(dt_s))};
 }
 
 std::span<const std::uint32_t> Bed::groupsNear(const Vec3& centre_m, double radius_m) noexcept {
@@ -486,6 +519,82 @@ void Bed::settle(double dt_s, double longest_s, const SettleProgress& progress) 
   for (std::size_t i = 0; i < particles(); ++i) {
     state_.velocity[i] = isDriven(i) ? state_.velocity[i] : Float4{};
   }
+  state_.step = 0;
+}
+
+void Bed::recall(const StartingSoil& soil) noexcept {
+  if (!hasContactFriction()) {
+    return;
+  }
+  for (std::size_t i = 0; i < particles(); ++i) {
+    const std::uint32_t source = soil.laid.sources[i];
+    const Slip& floor = soil.tile.floor_slips[source];
+    WallSlips& walls = state_.wall_slip[i / kGroup];
+    walls.floor_x[i % kGroup] = floor.x;
+    walls.floor_y[i % kGroup] = floor.y;
+    // A tile is three reaches wide and more, so of each of its grains one copy at most is in a list.
+    const auto first = soil.tile.contacts.begin() + soil.tile.firsts[source];
+    const auto last = soil.tile.contacts.begin() + soil.tile.firsts[source + 1];
+    for (std::uint32_t s = 0; first != last && s < state_.contacts.count(i); ++s) {
+      const std::uint32_t other = soil.laid.sources[narrow<std::size_t>(state_.contacts.neighbour(i, s))];
+      const auto contact = std::find_if(first, last, [other](const TileContact& c) { return c.other == other; });
+      if (contact != last) {
+        state_.contacts.setSlip(i, s, contact->slip);
+      }
+    }
+  }
+  std::ranges::fill(near_walls_, std::uint8_t{0xFF});
+}
+
+void Bed::settleRim(double dt_s, const SettleProgress& progress) {
+  const RestRule own = wakefulness_.rule();
+  BedParameters laying = parameters_;
+  laying.sleep = true;
+  laying.sleep_speed_m_s = laidRest(parameters_);
+  wakefulness_.setRule(restRule(laying));
+  laying_ = true;
+  const double rim_m = kRimRadii * parameters_.soil.radius_m;
+  const bool upright = parameters_.gravity_m_s2.x() == 0 && parameters_.gravity_m_s2.y() == 0;
+  const auto inside = [&](const Float4& p) {  // the ghosts behind the last particle, too
+    return (parameters_.periodic_x || std::abs(p.x) < parameters_.width_m / 2 - rim_m || p.x == kGhost.x) &&
+           (parameters_.periodic_y || std::abs(p.y) < parameters_.length_m / 2 - rim_m || p.y == kGhost.y);
+  };
+  for (std::size_t group = 0; group < state_.rested.size(); ++group) {
+    const auto first = state_.position.begin() + narrow<std::ptrdiff_t>(group * kGroup);
+    state_.rested[group] = upright && std::all_of(first, first + narrow<std::ptrdiff_t>(kGroup), inside)
+                               ? BedState::kAsleep
+                               : std::uint16_t{0};
+  }
+  wakefulness_.takeOver(state_);
+  wakefulness_.listAwake();
+  constexpr int kStepsBetweenLooks = 100;
+  double time_s = 0;
+  while (awake() > 0 && (time_s == 0 || largestSpeed() > laying.sleep_speed_m_s)) {
+    if (time_s >= kLongestLaying_s) {
+      throw Failure(fmt::format("the soil at the walls did not come to rest within {:g} s", kLongestLaying_s));
+    }
+    for (int i = 0; i < kStepsBetweenLooks && awake() > 0; ++i) {
+      if (const StepStatus status = step(dt_s); status != StepStatus::kOk) {
+        throw Failure(fmt::format("the soil at the walls did not settle: {}", text(status)));
+      }
+    }
+    time_s += kStepsBetweenLooks * dt_s;
+    if (progress && !progress(time_s, largestSpeed())) {
+      throw Failure(fmt::format("interrupted while the bed settled, after {:.1f} s of simulated time", time_s));
+    }
+  }
+  for (std::size_t i = 0; i < particles(); ++i) {
+    state_.velocity[i] = {};
+  }
+  next_position_ = state_.position;  // who sleeps stands in both
+  next_velocity_ = state_.velocity;
+  laying_ = false;
+  const bool sleeps = own.sleep && own.speed_m_s >= narrow<float>(kStartsAsleep_m_s);
+  std::ranges::fill(state_.rested, sleeps ? BedState::kAsleep : std::uint16_t{0});
+  state_.rested_at = state_.position;
+  wakefulness_.setRule(own);
+  wakefulness_.takeOver(state_);
+  wakefulness_.listAwake();
   state_.step = 0;
 }
 

@@ -9,6 +9,7 @@
 
 #include "haptolith/bed/bed_parameters.h"
 #include "haptolith/bed/bed_state.h"
+#include "haptolith/bed/bed_tile.h"
 #include "haptolith/bed/neighbourhood.h"
 #include "haptolith/bed/soil_laws.h"
 #include "haptolith/bed/step_kernel.h"
@@ -32,7 +33,8 @@ using SettleProgress = std::function<bool(double time_s, double speed_m_s)>;
 /// threads, on machines with the same instruction set.
 class Bed {
  public:
-  /// Makes the bed's first state as `parameters.start` asks (see bed_start.h); rain is settled, telling `progress`.
+  /// Makes the bed's first state as `parameters.start` asks (see bed_start.h and bed_tile.h); what settles tells
+  /// `progress`.
   /// @throws InvalidParameter when the parameters are not valid or the particles do not fit; Failure as settle().
   explicit Bed(const BedParameters& parameters, const SettleProgress& progress = {});
 
@@ -135,6 +137,17 @@ class Bed {
 
  private:
   void noteClasses();
+  /// What a bed is made of at first, and of what it remembers its contacts.
+  struct StartingSoil {
+    BedTile tile;
+    LaidSoil laid;
+  };
+  Bed(const BedParameters& parameters, const StartingSoil& soil, const SettleProgress& progress);
+  [[nodiscard]] static StartingSoil startingSoil(const BedParameters& bed, const SettleProgress& progress);
+  /// Takes over what the contacts of laid soil remember.
+  void recall(const StartingSoil& soil) noexcept;
+  /// Lets soil find its hold at the walls, where some of what was laid had no room, then stops it where it is.
+  void settleRim(double dt_s, const SettleProgress& progress);
   [[nodiscard]] StepConstants constantsFor(double dt_s) const noexcept;
   void stepPart(int part, int parts) noexcept;
   [[nodiscard]] std::span<const Moved> movedOfParts() const noexcept {
@@ -174,6 +187,7 @@ class Bed {
   double gone_since_look_m_ = 0;  ///< that no particle can have gone further
   StepConstants now_{};
   bool friction_on_ = true;
+  bool laying_ = false;     ///< settleRim(), in which a drag brakes soil
   std::size_t driven_ = 0;  ///< particles
   std::uint64_t relistings_ = 0;
   std::int64_t relisting_ns_ = 0;

@@ -59,6 +59,10 @@ void validateGrading(const BedParameters& bed) {
 
 }  // namespace
 
+double shortestPeriod(const SoilParameters& soil) {
+  return 3 * (makeContactLaw(soil).cutoff_m + (1 + 2 * soil.size_spread) * soil.radius_m);
+}
+
 void validate(const BedParameters& bed) {
   validate(bed.soil);
   requireInRange("stiffness_n_m", bed.soil.stiffness_n_m,
@@ -72,16 +76,14 @@ void validate(const BedParameters& bed) {
   requireInRange("width_m", bed.width_m, {narrowest, BedRanges::length_m.highest});
   requireInRange("length_m", bed.length_m, {narrowest, BedRanges::length_m.highest});
   requireInRange("wall_friction_ratio", bed.wall_friction_ratio, BedRanges::wall_friction_ratio);
-  // Three cells of the neighbour search, so that nobody meets another particle from both sides.
-  const double shortest_period =
-      3 * (makeContactLaw(bed.soil).cutoff_m + (1 + 2 * bed.soil.size_spread) * bed.soil.radius_m);
+  const double shortest_period = shortestPeriod(bed.soil);
   if (bed.periodic_x) {
     requireInRange("width_m", bed.width_m, {shortest_period, BedRanges::length_m.highest});
   }
   if (bed.periodic_y) {
     requireInRange("length_m", bed.length_m, {shortest_period, BedRanges::length_m.highest});
   }
-  if (bed.start == BedStart::kPacked) {
+  if (bed.start == BedStart::kPacked || bed.start == BedStart::kSettled) {
     requireInRange("depth_m", bed.depth_m, {diameter, BedRanges::length_m.highest});
   } else {
     requireInRange("particles", bed.particles, BedRanges::particles);
@@ -89,7 +91,10 @@ void validate(const BedParameters& bed) {
   if (bed.start == BedStart::kCount) {
     requireInRange("layers", bed.layers, BedRanges::layers);
   }
-  if (bed.start == BedStart::kRain) {
+  if (bed.start == BedStart::kSettled) {  // nothing settles without weight
+    requireInRange("gravity_m_s2", bed.gravity_m_s2.norm(), {0, BedRanges::gravity_m_s2.highest, Ends::kOpenBelow});
+  }
+  if (bed.start == BedStart::kRain || bed.start == BedStart::kSettled) {
     requireInRange("seed", static_cast<double>(bed.seed), BedRanges::seed);
   }
   validateGrading(bed);

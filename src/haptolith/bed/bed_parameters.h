@@ -10,9 +10,10 @@ namespace haptolith {
 
 /// How the macroparticles lie at the first tick.
 enum class BedStart {
-  kPacked,  ///< close packing at the analytic layer spacing b(n), filled up to `depth_m`
-  kRain,    ///< dropped loosely at random and settled without friction, `particles` of them
-  kCount,   ///< exactly `particles` in `layers` layers, close-packed: the paper's scene
+  kPacked,   ///< close packing at the analytic layer spacing b(n), filled up to `depth_m`
+  kRain,     ///< dropped loosely at random and settled without friction, `particles` of them
+  kCount,    ///< exactly `particles` in `layers` layers, close-packed: the paper's scene
+  kSettled,  ///< as soil that has settled, at rest: a tile of `depth_m` again and again (bed_tile.h)
 };
 
 /// Finer grains where soil is felt, contact friction only: a box of the finest below the surface, around it shells of
@@ -41,8 +42,8 @@ struct BedParameters {
   BedStart start = BedStart::kCount;
   int particles = 256;     ///< kCount, kRain
   int layers = 3;          ///< kCount
-  double depth_m = 0.04;   ///< kPacked: height of the undisturbed soil
-  std::uint64_t seed = 1;  ///< kRain, and finer grains
+  double depth_m = 0.04;   ///< kPacked, kSettled: height of the undisturbed soil
+  std::uint64_t seed = 1;  ///< kRain, kSettled, and finer grains
   Grading grading;
 
   /// Whether soil at rest is left alone until something near it stirs (Wakefulness); what moves faster than this is not
@@ -78,6 +79,10 @@ struct BedRanges {
   static constexpr Range max_substeps{1, 1000};
   static constexpr Range threads{1, 256};
 };
+
+/// After how much a box may repeat itself at least, in m: three cells of the neighbour search, so that nobody meets
+/// another particle from both sides.
+[[nodiscard]] double shortestPeriod(const SoilParameters& soil);
 
 /// @throws InvalidParameter with the key, the value and the valid range.
 void validate(const BedParameters& bed);

@@ -503,7 +503,6 @@ class RowLaws {
   /// @param mixed  room for kRowsUnderWay laws, which begin as any.
   RowLaws(const GroupLaws<kGraded>& laws, PairLaw* mixed) : laws_(laws), mixed_(mixed) {}
 
-
   /// Of a row that has just been met, and from then on.
   HWY_INLINE const PairLaw& row(std::size_t row, const Met& met) {
     if constexpr (kGraded) {

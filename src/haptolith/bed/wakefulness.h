@@ -35,6 +35,8 @@ class Wakefulness {
   /// Groups that are worked on, in ascending order. Behind the last stands one number more, that of no group.
   [[nodiscard]] std::span<const std::uint32_t> awake() const noexcept { return {awake_.data(), awake_count_}; }
   [[nodiscard]] const RestRule& rule() const noexcept { return rule_; }
+  /// Another rule from now on. Who sleeps goes on sleeping.
+  void setRule(const RestRule& rule) noexcept { rule_ = rule; }
 
   /// For each group whether something in it moved faster than the rule allows: the step writes it.
   [[nodiscard]] std::uint8_t* moving() noexcept { return moving_.data(); }

@@ -271,7 +271,9 @@ void drawGrain(const OutputFile& file, const std::vector<GrainResult>& results, 
   }
   figure.command("set xlabel 'travel / mm'; set ylabel 'draft through the filter / N'");
   figure.command(plot("trace", "using ($1*1000):3"));
-  figure.command("set xlabel 'frequency / Hz'; set ylabel 'power of the draft / (N^2/Hz)'; set logscale xy; set format y '10^{%L}'");
+  figure.command(
+      "set xlabel 'frequency / Hz'; set ylabel 'power of the draft / (N^2/Hz)'; set logscale xy; set format y "
+      "'10^{%L}'");
   figure.command(plot("spectrum", "using 1:2"));
   figure.command("unset multiplot");
   figure.save();

@@ -24,7 +24,7 @@ bool isGraded(const Scenario& scene) {
 }
 
 bool needsSeed(const Scenario& scene) {
-  return starts<BedStart::kRain>(scene) || isGraded(scene);
+  return starts<BedStart::kRain, BedStart::kSettled>(scene) || isGraded(scene);
 }
 
 template <ToolShape... kShapes>
@@ -65,8 +65,8 @@ constexpr std::array kUses{
     // A named soil of the command line or the page makes a bed that starts as `count` start as `rain`.
     KeyUse{"bed", "particles", starts<BedStart::kCount, BedStart::kRain>, "[bed] start = count or rain", false},
     KeyUse{"bed", "layers", starts<BedStart::kCount>, "[bed] start = count", false},
-    KeyUse{"bed", "depth_mm", starts<BedStart::kPacked>, "[bed] start = packed", false},
-    KeyUse{"bed", "seed", needsSeed, "[bed] start = rain, or fine_radius_mm", true},
+    KeyUse{"bed", "depth_mm", starts<BedStart::kPacked, BedStart::kSettled>, "[bed] start = packed or settled", false},
+    KeyUse{"bed", "seed", needsSeed, "[bed] start = rain or settled, or fine_radius_mm", true},
     KeyUse{"bed", "fine_radius_mm", hasContactFriction, kContact, true},
     KeyUse{"bed", "fine_width_mm", isGraded, kGraded, true},
     KeyUse{"bed", "fine_length_mm", isGraded, kGraded, true},

@@ -188,7 +188,8 @@ std::vector<ScenarioKey> allKeys() {
       {"bed", "start", "",
        WordValue{namesOf(kBedStartWords), [](S& s, std::string_view v) { s.bed.start = valueOf(kBedStartWords, v); },
                  [](const S& s) { return wordFor(kBedStartWords, s.bed.start); }},
-       "How the soil lies at first: `particles` in `layers`; closely packed up to `depth_mm`; or dropped at random."},
+       "How the soil lies at first: `particles` in `layers`; closely packed up to `depth_mm`; dropped at random; or "
+       "settled and levelled at `depth_mm`, at rest, in pieces that repeat (below)."},
       {"bed", "particles", "particles",
        CountValue{BedRanges::particles, [](S& s, std::int64_t v) { s.bed.particles = static_cast<int>(v); },
                   [](const S& s) { return static_cast<std::int64_t>(s.bed.particles); }},
@@ -208,11 +209,11 @@ std::vector<ScenarioKey> allKeys() {
       {"bed", "depth_mm", "depth_m",
        NumberValue{BedRanges::length_m.in(kMm), [](S& s, double v) { s.bed.depth_m = v * kMm; },
                    [](const S& s) { return millimetres(s.bed.depth_m); }},
-       "Height of the undisturbed soil; for `packed`; at least a particle."},
+       "Height of the undisturbed soil; for `packed` and `settled`; at least a particle."},
       {"bed", "seed", "seed",
        CountValue{BedRanges::seed, [](S& s, std::int64_t v) { s.bed.seed = static_cast<std::uint64_t>(v); },
                   [](const S& s) { return static_cast<std::int64_t>(s.bed.seed); }},
-       "Seed of the random numbers; for `rain`. One seed, one bed."},
+       "Seed of the random numbers; for `rain`, `settled` and finer grains. One seed, one bed."},
       {"bed", "fine_radius_mm", "fine_radius_m", gradingNumber<&Grading::fine_radius_m>(BedRanges::fine_radius_m),
        "Radius of finer grains where soil is felt: the soil's halved once, twice or three times, with shells of the "
        "sizes "

@@ -42,6 +42,7 @@ inline constexpr std::array kBedStartWords{
     SceneWord{"count", BedStart::kCount},
     SceneWord{"packed", BedStart::kPacked},
     SceneWord{"rain", BedStart::kRain},
+    SceneWord{"settled", BedStart::kSettled},
 };
 
 inline constexpr std::array kToolShapeWords{

@@ -1,0 +1,211 @@
+#include "haptolith/bed/bed_tile.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "haptolith/bed/bed.h"
+#include "haptolith/bed/critical_step.h"
+#include "haptolith/bed/spatial_order.h"
+#include "haptolith/core/error.h"
+#include "haptolith/soil/layers.h"
+
+namespace haptolith {
+
+namespace {
+
+/// Edge of a tile, in radii, where the box does not prescribe one: twenty grains, so that a copy's neighbours are not
+/// felt to be copies, and some thousand grains, which settle in seconds.
+constexpr double kEdgeRadii = 40;
+
+/// No tile is larger: it would take minutes to settle.
+constexpr double kMostTileParticles = 1e6;
+
+/// What is poured, over a close packing of as much: rain is a tenth looser, and some is left to be levelled.
+constexpr double kPoured = 0.97;
+
+/// A tile is at rest when nothing in it moves faster. Its speeds are then forgotten.
+constexpr double kTileRest_m_s = 1e-5;
+constexpr double kLongestRest_s = 60;
+
+/// The length nearest to the usual edge of which a whole number makes up a box that repeats itself; else the edge.
+double edge(double box_m, bool periodic, double radius_m, double shortest_m) {
+  const double usual = std::max(kEdgeRadii * radius_m, shortest_m);
+  return periodic ? box_m / std::clamp(std::round(box_m / usual), 1.0, std::max(1.0, std::floor(box_m / shortest_m)))
+                  : usual;
+}
+
+double pouredParticles(const BedParameters& tile) {
+  const SoilParameters& soil = tile.soil;
+  const double depth_m = tile.depth_m + 2 * soil.radius_m;
+  const std::vector<Layer> layers = layersToDepth(soil, tile.gravity_m_s2.norm(), depth_m);
+  const double mass_kg = bandMeanDensity(layers, 0, depth_m) * depth_m * tile.width_m * tile.length_m;
+  return kPoured * mass_kg / macroparticleMass(soil);
+}
+
+/// Without what stands above the wanted depth.
+std::vector<Float4> levelled(const Bed& bed) {
+  std::vector<Float4> grains;
+  for (std::size_t i = 0; i < bed.particles(); ++i) {
+    const Float4& grain = bed.state().position[i];
+    if (grain.z + grain.w + bed.parameters().soil.radius_m <= bed.parameters().depth_m) {
+      grains.push_back(grain);
+    }
+  }
+  return grains;
+}
+
+/// With friction, which so far was off: what it remembers then carries its share.
+void comeToRest(Bed& bed, double dt_s, const TileProgress& progress) {
+  constexpr int kStepsBetweenLooks = 100;
+  double time_s = 0;
+  double speed = 0;
+  do {
+    if (time_s >= kLongestRest_s) {
+      throw Failure(fmt::format("settled soil did not come to rest within {:g} s: it still moves at {:.2g} m/s",
+                                kLongestRest_s, speed));
+    }
+    for (int i = 0; i < kStepsBetweenLooks; ++i) {
+      if (const StepStatus status = bed.step(dt_s); status != StepStatus::kOk) {
+        throw Failure(fmt::format("the soil did not settle: {}", text(status)));
+      }
+    }
+    time_s += kStepsBetweenLooks * dt_s;
+    speed = bed.largestSpeed();
+    if (progress && !progress(time_s, speed)) {
+      throw Failure(fmt::format("interrupted while the soil settled, after {:.1f} s of simulated time", time_s));
+    }
+  } while (speed > kTileRest_m_s);
+}
+
+/// Where a place is after taking whole periods away, about 0.
+float aboutMiddle(float metres, double period_m) {
+  return static_cast<float>(metres - period_m * std::round(metres / period_m));
+}
+
+BedTile tileOf(const Bed& bed) {
+  const BedState& state = bed.state();
+  const auto n = static_cast<std::uint32_t>(bed.particles());
+  BedTile tile{bed.parameters().width_m, bed.parameters().length_m, {}, {}, {}, {}};
+  for (std::uint32_t i = 0; i < n; ++i) {
+    const Float4& p = state.position[i];
+    tile.grains.push_back({aboutMiddle(p.x, tile.width_m), aboutMiddle(p.y, tile.length_m), p.z, p.w});
+    tile.firsts.push_back(static_cast<std::uint32_t>(tile.contacts.size()));
+    for (std::uint32_t s = 0; state.contacts.remembers() && s < state.contacts.count(i); ++s) {
+      const Slip slip = state.contacts.slip(i, s);
+      if (slip.x != 0 || slip.y != 0 || slip.z != 0) {
+        tile.contacts.push_back({static_cast<std::uint32_t>(state.contacts.neighbour(i, s)), slip});
+      }
+    }
+    if (state.contacts.remembers()) {
+      const WallSlips& walls = state.wall_slip[i / kGroup];
+      tile.floor_slips.push_back({walls.floor_x[i % kGroup], walls.floor_y[i % kGroup], 0});
+    }
+  }
+  tile.firsts.push_back(static_cast<std::uint32_t>(tile.contacts.size()));
+  return tile;
+}
+
+/// How many copies cover a box from its middle to one side.
+int copiesToSide(double box_m, double tile_m) {
+  return static_cast<int>(std::ceil((box_m / tile_m - 1) / 2 - 1e-9));
+}
+
+/// Where the copies' middles lie along one axis. Where the box repeats itself their number may be even, and the middle
+/// of the box between two of them.
+std::vector<double> middles(double box_m, double tile_m, bool periodic) {
+  std::vector<double> at;
+  if (periodic) {
+    const int copies = static_cast<int>(std::round(box_m / tile_m));
+    for (int i = 0; i < copies; ++i) {
+      at.push_back((i - (copies - 1) / 2.0) * tile_m);
+    }
+  } else {
+    const int side = std::max(0, copiesToSide(box_m, tile_m));
+    for (int i = -side; i <= side; ++i) {
+      at.push_back(i * tile_m);
+    }
+  }
+  return at;
+}
+
+}  // namespace
+
+BedParameters tileBed(const BedParameters& bed) {
+  // As validate() asks for: three reaches, so that nobody meets another grain from both sides.
+  BedParameters tile = bed;
+  const double shortest = shortestPeriod(bed.soil);
+  tile.width_m = edge(bed.width_m, bed.periodic_x, bed.soil.radius_m, shortest);
+  tile.length_m = edge(bed.length_m, bed.periodic_y, bed.soil.radius_m, shortest);
+  tile.periodic_x = tile.periodic_y = true;
+  tile.wall_friction_ratio = 1;
+  tile.gravity_m_s2 = {0, 0, -bed.gravity_m_s2.norm()};
+  tile.start = BedStart::kRain;
+  tile.sleep = false;
+  const double particles = pouredParticles(tile);
+  if (particles > kMostTileParticles) {
+    throw InvalidParameter("depth_m", fmt::format("{:g}", bed.depth_m),
+                           fmt::format("at most about {:.2g}, or settling would take too long",
+                                       bed.depth_m * kMostTileParticles / particles));
+  }
+  tile.particles = std::max(1, static_cast<int>(particles));
+  return tile;
+}
+
+BedTile settledTile(const BedParameters& bed, const TileProgress& progress) {
+  const BedParameters wanted = tileBed(bed);
+  const Bed poured(wanted, progress);
+  const std::vector<Float4> grains = levelled(poured);
+  if (grains.empty()) {
+    throw InvalidParameter("depth_m", fmt::format("{:g}", bed.depth_m), "deeper than a layer of macroparticles");
+  }
+  Bed rest(wanted, grains);
+  comeToRest(rest, wanted.tick_s / substepsFor(wanted.soil, 0, wanted.tick_s, wanted.max_substeps), progress);
+  return tileOf(rest);
+}
+
+LaidSoil laidOut(const BedTile& tile, const BedParameters& bed) {
+  const std::vector<double> xs = middles(bed.width_m, tile.width_m, bed.periodic_x);
+  const std::vector<double> ys = middles(bed.length_m, tile.length_m, bed.periodic_y);
+  const double in_all =
+      static_cast<double>(tile.grains.size()) * bed.width_m / tile.width_m * bed.length_m / tile.length_m;
+  if (in_all > kMostParticles) {
+    throw InvalidParameter(
+        "depth_m", fmt::format("{:g}", bed.depth_m),
+        fmt::format("less: a box of this size would hold {:.3g} macroparticles of {:g} mm; {} are the most", in_all,
+                    1e3 * bed.soil.radius_m, kMostParticles));
+  }
+  std::vector<Vec3> centres;
+  std::vector<std::uint32_t> sources;
+  for (const double y : ys) {
+    for (const double x : xs) {
+      for (std::size_t i = 0; i < tile.grains.size(); ++i) {
+        const Float4& grain = tile.grains[i];
+        const Vec3 centre(grain.x + x, grain.y + y, grain.z);
+        const double radius = bed.soil.radius_m + grain.w;
+        const bool fits = (bed.periodic_x || std::abs(centre.x()) <= bed.width_m / 2 - radius) &&
+                          (bed.periodic_y || std::abs(centre.y()) <= bed.length_m / 2 - radius);
+        if (fits) {
+          centres.push_back(centre);
+          sources.push_back(static_cast<std::uint32_t>(i));
+        }
+      }
+    }
+  }
+  LaidSoil soil;
+  soil.grains.reserve(centres.size());
+  soil.sources.reserve(centres.size());
+  for (const std::size_t point : spatialOrder(centres, bed.soil.radius_m)) {
+    const Vec3& centre = centres[point];
+    soil.sources.push_back(sources[point]);
+    soil.grains.push_back({static_cast<float>(centre.x()), static_cast<float>(centre.y()),
+                           static_cast<float>(centre.z()), tile.grains[sources[point]].w});
+  }
+  if (soil.grains.empty()) {
+    throw InvalidParameter("width_m", fmt::format("{:g}", bed.width_m), "room for a macroparticle");
+  }
+  return soil;
+}
+
+}  // namespace haptolith

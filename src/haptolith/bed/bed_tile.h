@@ -1,0 +1,52 @@
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <vector>
+
+#include "haptolith/bed/bed_parameters.h"
+#include "haptolith/bed/bed_state.h"
+
+namespace haptolith {
+
+/// A contact of a tile's grain that remembers something.
+struct TileContact {
+  std::uint32_t other;  ///< grain of the same tile, whichever copy of it is near
+  Slip slip;
+};
+
+/// Soil at rest that repeats itself sideways, with what its contacts remember: what a bed is laid with that starts as
+/// kSettled. Copies stand side by side as if they had settled together, so a bed of a million grains costs as much to
+/// settle as a tile of some thousand.
+struct BedTile {
+  double width_m = 0, length_m = 0;   ///< after which it repeats itself along x and y
+  std::vector<Float4> grains;         ///< m, its middle at x = y = 0, floor at z = 0; w as in BedState
+  std::vector<std::uint32_t> firsts;  ///< where each grain's contacts begin, and where the last one's end
+  std::vector<TileContact> contacts;  ///< from both sides
+  std::vector<Slip> floor_slips;      ///< of each grain with contact friction, along x and y
+};
+
+/// The bed that settles to become the tile of `bed`. All that a tile depends on stands in it: beds of one soil, depth,
+/// seed, gravity and tick share a tile, and those that repeat themselves after as long.
+/// @throws InvalidParameter when a tile would have too many particles.
+[[nodiscard]] BedParameters tileBed(const BedParameters& bed);
+
+/// Called now and then while a tile settles, as SettleProgress.
+using TileProgress = std::function<bool(double time_s, double speed_m_s)>;
+
+/// Lets the tile of `bed` settle: falls without friction, is levelled at `depth_m`, and comes to rest again with
+/// friction, whose memory then carries. The same for any number of threads. Takes seconds.
+/// @throws Failure as Bed::settle().
+[[nodiscard]] BedTile settledTile(const BedParameters& bed, const TileProgress& progress);
+
+/// Soil laid out in a box.
+struct LaidSoil {
+  std::vector<Float4> grains;          ///< in spatial order
+  std::vector<std::uint32_t> sources;  ///< the tile's grain that each is a copy of
+};
+
+/// Copies of the tile over the box of `bed`; grains that would stand in a wall are left out.
+/// @throws InvalidParameter when there would be too many.
+[[nodiscard]] LaidSoil laidOut(const BedTile& tile, const BedParameters& bed);
+
+}  // namespace haptolith

@@ -1,0 +1,33 @@
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <functional>
+#include <string>
+#include <string_view>
+
+#include "haptolith/bed/bed_tile.h"
+
+namespace haptolith {
+
+/// Where tiles of settled soil are kept between runs, from now on; an empty name keeps none, as at first. What goes
+/// wrong with it is told `tell`, in a line each, and no bed is the worse for it. Not for the tick, and before any bed
+/// is made.
+void useTileCache(const std::filesystem::path& folder, std::function<void(std::string_view)> tell = {});
+
+/// settledTile() from the cache, or made and put there. A file that is damaged, or of another tile, is made anew; a
+/// folder that cannot be written, or a full disk, keeps nothing.
+/// @throws as settledTile().
+[[nodiscard]] BedTile cachedTile(const BedParameters& bed, const TileProgress& progress);
+
+/// All that the tile of a bed depends on, as text: the numbers of tileBed() to the last bit, the instruction set, and
+/// which law and format these are.
+[[nodiscard]] std::string tileKey(const BedParameters& bed);
+
+/// "tile-" and the hash of its key.
+[[nodiscard]] std::string tileFileName(const BedParameters& bed);
+
+/// No file of a tile is larger, nor are all of them together: the oldest go first.
+inline constexpr std::uintmax_t kMostTileBytes = 512U << 20U;
+
+}  // namespace haptolith

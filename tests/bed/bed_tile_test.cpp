@@ -1,0 +1,146 @@
+#include "haptolith/bed/bed_tile.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "haptolith/bed/bed.h"
+#include "haptolith/bed/critical_step.h"
+#include "haptolith/core/error.h"
+#include "haptolith/soil/presets.h"
+
+namespace haptolith {
+namespace {
+
+/// Shallow, so that its tile settles in a second.
+BedParameters settledBed(FrictionModel friction = FrictionModel::kContact) {
+  BedParameters bed;
+  bed.soil = findPreset("P3").soil;
+  bed.soil.friction = friction;
+  bed.soil.size_spread = 0.1;
+  bed.soil.contact_cohesion_n = 2e-3;
+  bed.start = BedStart::kSettled;
+  bed.width_m = 0.6;
+  bed.length_m = 0.45;
+  bed.depth_m = 0.035;
+  bed.sleep_speed_m_s = 1e-3;
+  return bed;
+}
+
+double stepOf(const BedParameters& bed) {
+  return bed.tick_s / substepsFor(bed.soil, 0, bed.tick_s, bed.max_substeps);
+}
+
+TEST(SettledStart, FillsTheBoxUpToItsDepthAsDenselyAsRainDoes) {
+  const BedParameters parameters = settledBed();
+  const Bed bed(parameters);
+  const double grain_m3 = 4 * M_PI / 3 * std::pow(parameters.soil.radius_m, 3);
+  const double solid =
+      static_cast<double>(bed.particles()) * grain_m3 / (parameters.width_m * parameters.length_m * parameters.depth_m);
+  EXPECT_GT(solid, 0.50);  // surface and walls are looser than the 0.64 of a random packing
+  EXPECT_LT(solid, 0.66);
+  EXPECT_NEAR(bed.surfaceHeight(), parameters.depth_m, 0.3 * parameters.soil.radius_m);
+  for (std::size_t i = 0; i < bed.particles(); ++i) {
+    const Float4& p = bed.state().position[i];
+    EXPECT_LE(std::abs(p.x), parameters.width_m / 2);
+    EXPECT_LE(std::abs(p.y), parameters.length_m / 2);
+    EXPECT_GT(p.z, 0.5 * parameters.soil.radius_m);
+  }
+}
+
+TEST(SettledStart, IsAtRestAndRemembersWhatCarriesIt) {
+  BedParameters parameters = settledBed();
+  Bed bed(parameters);
+  EXPECT_EQ(bed.awake(), 0U);
+  bed.setGravity(2 * parameters.gravity_m_s2);  // wakes all
+  bed.setGravity(parameters.gravity_m_s2);
+  const std::vector<Float4> before = bed.state().position;
+  double fastest = 0;
+  for (int i = 0; i < 500; ++i) {
+    ASSERT_EQ(bed.step(stepOf(parameters)), StepStatus::kOk);
+    fastest = std::max(fastest, bed.largestSpeed());
+  }
+  // Half of its friction forgotten, soil sinks by millimetres a second; rounding of positions makes it shiver.
+  EXPECT_LT(fastest, 1e-3);
+  for (std::size_t i = 0; i < bed.particles(); ++i) {
+    EXPECT_NEAR(bed.state().position[i].z, before[i].z, 2e-6);
+  }
+}
+
+TEST(SettledStart, IsTheSameForAnyNumberOfThreads) {
+  BedParameters parameters = settledBed();
+  const Bed one(parameters);
+  parameters.threads = 2;
+  const Bed two(parameters);
+  EXPECT_EQ(stateHash(one.state()), stateHash(two.state()));
+}
+
+TEST(SettledStart, IsAnotherBedForAnotherSeed) {
+  BedParameters parameters = settledBed();
+  const Bed one(parameters);
+  parameters.seed = 2;
+  EXPECT_NE(stateHash(Bed(parameters).state()), stateHash(one.state()));
+}
+
+TEST(SettledStart, LiesStillUnderThePapersFriction) {
+  const BedParameters parameters = settledBed(FrictionModel::kPaper);
+  Bed bed(parameters);
+  bed.wake(0);
+  for (int i = 0; i < 200; ++i) {
+    ASSERT_EQ(bed.step(stepOf(parameters)), StepStatus::kOk);
+  }
+  EXPECT_LT(bed.largestSpeed(), 1e-4);
+}
+
+TEST(SettledStart, FillsABoxThatRepeatsItselfWithWholeTilesWithoutASeam) {
+  BedParameters parameters = settledBed();
+  parameters.periodic_x = parameters.periodic_y = true;
+  const BedTile tile = settledTile(parameters, {});
+  EXPECT_DOUBLE_EQ(2 * tile.width_m, parameters.width_m);
+  EXPECT_DOUBLE_EQ(2 * tile.length_m, parameters.length_m);
+  const Bed bed(parameters);
+  EXPECT_EQ(bed.particles(), 4 * tile.grains.size());
+  // Nothing had to settle: each grain is where its tile has it, to the last bit but what the shift rounds.
+  const LaidSoil laid = laidOut(tile, parameters);
+  for (std::size_t i = 0; i < bed.particles(); ++i) {
+    EXPECT_EQ(bed.state().position[i].x, laid.grains[i].x);
+    EXPECT_EQ(bed.state().position[i].z, tile.grains[laid.sources[i]].z);
+  }
+}
+
+TEST(SettledStart, KeepsTheContactMemoryOfItsTile) {
+  BedParameters parameters = settledBed();
+  parameters.periodic_x = parameters.periodic_y = true;
+  const BedTile tile = settledTile(parameters, {});
+  const Bed bed(parameters);
+  const ContactLists& contacts = bed.state().contacts;
+  std::size_t remembered = 0;
+  for (std::size_t i = 0; i < bed.particles(); ++i) {
+    for (std::uint32_t s = 0; s < contacts.count(i); ++s) {
+      const Slip slip = contacts.slip(i, s);
+      remembered += slip.x != 0 || slip.y != 0 || slip.z != 0 ? 1 : 0;
+    }
+  }
+  EXPECT_GT(tile.contacts.size(), 2 * tile.grains.size());
+  EXPECT_EQ(remembered, 4 * tile.contacts.size());
+}
+
+TEST(SettledStart, CanBeStoppedWhileItSettles) {
+  EXPECT_THROW(Bed(settledBed(), [](double, double) { return false; }), Failure);
+}
+
+TEST(SettledStart, RefusesWhatCannotSettle) {
+  BedParameters weightless = settledBed();
+  weightless.gravity_m_s2 = Vec3::Zero();
+  EXPECT_THROW(Bed{weightless}, InvalidParameter);
+  BedParameters deep = settledBed();
+  deep.depth_m = 100;
+  EXPECT_THROW(Bed{deep}, std::exception);
+  BedParameters wide = settledBed();
+  wide.width_m = wide.length_m = 100;
+  EXPECT_THROW(Bed{wide}, InvalidParameter);
+}
+
+}  // namespace
+}  // namespace haptolith
