@@ -172,6 +172,9 @@ std::string likelyValue(const ScenarioKey& key, std::mt19937_64& random) {
   if (key.name == "vector_m_s2") {
     return fmt::format("[{}, {}, {}]", uniformSigned(random), uniformSigned(random), uniformSigned(random));
   }
+  if (key.name == "fine_radius_mm") {
+    return "0";  // only halves of the soil's are taken
+  }
   if (key.table == "bed" && key.name.ends_with("_mm")) {
     return about(100);
   }

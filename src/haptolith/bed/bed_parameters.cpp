@@ -38,16 +38,19 @@ SoilParameters finestSoil(const BedParameters& bed) {
 namespace {
 
 void validateGrading(const BedParameters& bed) {
+  const Grading& grading = bed.grading;
+  requireInRange("fine_width_m", grading.fine_width_m, BedRanges::fine_length_m);
+  requireInRange("fine_length_m", grading.fine_length_m, BedRanges::fine_length_m);
+  requireInRange("fine_depth_m", grading.fine_depth_m, BedRanges::fine_length_m);
+  requireInRange("fine_x_m", grading.fine_x_m, BedRanges::fine_place_m);
+  requireInRange("fine_y_m", grading.fine_y_m, BedRanges::fine_place_m);
   if (grainClasses(bed) == 1) {
     return;
   }
-  const Grading& grading = bed.grading;
   if (bed.soil.friction != FrictionModel::kContact) {
     throw InvalidParameter("fine_radius_m", fmt::format("{:g}", grading.fine_radius_m),
                            "0 with the paper's friction; finer grains need friction = \"pairwise\"");
   }
-  requireInRange("fine_x_m", grading.fine_x_m, BedRanges::fine_place_m);
-  requireInRange("fine_y_m", grading.fine_y_m, BedRanges::fine_place_m);
   // A handful of the finest at least, and inside the box.
   const double narrowest_m = 4 * grading.fine_radius_m;
   const double beside_x_m = bed.periodic_x ? 0 : 2 * std::abs(grading.fine_x_m);
