@@ -111,8 +111,8 @@ TEST(GradedBed, TwoGrainsPushEachOtherLikeTwoOfTheSizeBetween) {
         Bed bed(parameters, withOnly(parameters, placed));
         const double dt_s = 1e-5;
         ASSERT_EQ(bed.step(dt_s), StepStatus::kOk);
-        const auto first = static_cast<std::size_t>(16 * a);
-        const auto second = static_cast<std::size_t>(16 * b + (a == b ? 1 : 0));
+        const std::size_t first = kGroup * static_cast<std::size_t>(a);
+        const std::size_t second = kGroup * static_cast<std::size_t>(b) + (a == b ? 1 : 0);
         const double mass_a = macroparticleMass(rescaled(parameters.soil, ra));
         const double mass_b = macroparticleMass(rescaled(parameters.soil, rb));
         const double push_a = -mass_a * bed.state().velocity[first].y / dt_s;

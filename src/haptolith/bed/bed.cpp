@@ -610,14 +610,16 @@ double Bed::energy() const {
     return law;
   };
   const int classes = this->classes().count();
-  const auto index = [classes](int a, int b) { return static_cast<std::size_t>(classes * a + b); };
+  const auto index = [classes](int a, int b) {
+    return static_cast<std::size_t>(classes) * static_cast<std::size_t>(a) + static_cast<std::size_t>(b);
+  };
   std::vector<ContactLaw> pairs;
   for (int k = 0; k < classes * classes; ++k) {
     const ContactLaw law =
         classes == 1 ? laws_.pair : makeContactLaw(soilBetween(parameters_.soil, k / classes, k % classes));
     pairs.push_back(cohering(law, 1));
   }
-  const auto lawBetween = [&](int a, int b) -> const ContactFrictionLaw& {
+  const auto law_between = [&](int a, int b) -> const ContactFrictionLaw& {
     return laws_.graded.between[static_cast<std::size_t>(a)][static_cast<std::size_t>(b)];
   };
   for (std::size_t i = 0; i < n; ++i) {
@@ -632,7 +634,7 @@ double Bed::energy() const {
     ContactLaw side_wall = floor;
     side_wall.cohesion_n *= parameters_.wall_friction_ratio;
     const double excess = state_.position[i].w;
-    const double nearer = lawBetween(own, own).nearer;
+    const double nearer = law_between(own, own).nearer;
     const auto to_walls = [&](double across_m, double from_middle_m) {
       return contactEnergy(side_wall, across_m - 2 * (std::abs(from_middle_m) + excess) - nearer) / 2;
     };
@@ -646,7 +648,7 @@ double Bed::energy() const {
         apart.x() -= box_.periods.width * std::round(apart.x() * box_.periods.per_width);
         apart.y() -= box_.periods.length * std::round(apart.y() * box_.periods.per_length);
         const int other = classOf(j);
-        const ContactFrictionLaw& law = lawBetween(own, other);
+        const ContactFrictionLaw& law = law_between(own, other);
         energy += contactEnergy(pairs[index(own, other)], apart.norm() - excess - state_.position[j].w - law.nearer);
         if (hasContactFriction()) {  // of the side that is awake
           const bool other_side = state_.rested[i / kGroup] == BedState::kAsleep;
@@ -661,7 +663,7 @@ double Bed::energy() const {
       for (const auto* slip :
            {&slips.floor_x, &slips.floor_y, &slips.x_wall_y, &slips.x_wall_z, &slips.y_wall_x, &slips.y_wall_z}) {
         const float slid = (*slip)[i % kGroup];
-        energy += lawBetween(own, own).stiffness / 2 * slid * slid;
+        energy += law_between(own, own).stiffness / 2 * slid * slid;
       }
     }
   }

@@ -41,16 +41,16 @@ std::vector<float> contactLoads(const BedParameters& bed, std::span<const Float4
       laws.push_back({makeContactLaw(between), 2 * (bed.soil.radius_m - between.radius_m)});
     }
   }
-  const auto classOf = [&](const Float4& p) { return static_cast<std::size_t>(classes.of(p.w)); };
+  const auto class_of = [&](const Float4& p) { return static_cast<std::size_t>(classes.of(p.w)); };
   for (std::size_t i = 0; i < positions.size(); ++i) {
-    CellGrid& grid = grids[classOf(positions[i])];
+    CellGrid& grid = grids[class_of(positions[i])];
     grid.insert(static_cast<std::int32_t>(i), grid.cellOf(positions[i]));
   }
   std::vector<double> loads_n(positions.size());
   std::vector<std::int32_t> near(grids.front().candidatesAtMost());
   for (std::size_t i = 0; i < positions.size(); ++i) {
     const Float4& p = positions[i];
-    const std::size_t own = classOf(p);
+    const std::size_t own = class_of(p);
     for (std::size_t other = 0; other <= own; ++other) {
       const auto& [law, nearer_m] = laws[own * count + other];
       const CellGrid& grid = grids[other];

@@ -142,6 +142,7 @@ void leaveWholeGroups(std::vector<Float4>& grains) {
 
 std::vector<Float4> ordered(const std::vector<Float4>& grains, double radius_m) {
   std::vector<Vec3> centres_m;
+  centres_m.reserve(grains.size());
   for (const Float4& grain : grains) {
     centres_m.emplace_back(grain.x, grain.y, grain.z);
   }
@@ -159,7 +160,7 @@ std::vector<Float4> gradedGrains(const BedParameters& bed, const std::vector<Flo
   const int classes = grainClasses(bed);
   const double surface_m = surfaceOf(coarse, bed.soil.radius_m);
   const std::vector<Region> regions = regionsOf(bed, surface_m);
-  const auto regionOf = [&](int grain_class) -> const Region& {
+  const auto region_of = [&](int grain_class) -> const Region& {
     return regions[static_cast<std::size_t>(grain_class - 1)];
   };
   std::vector<Float4> all;
@@ -167,12 +168,12 @@ std::vector<Float4> gradedGrains(const BedParameters& bed, const std::vector<Flo
   for (int c = 0; c < classes; ++c) {
     std::vector<Float4> own;
     const auto wanted = [&](const Float4& grain) {
-      return (c == 0 || regionOf(c).holds(grain)) && (c + 1 == classes || !regionOf(c + 1).holds(grain));
+      return (c == 0 || region_of(c).holds(grain)) && (c + 1 == classes || !region_of(c + 1).holds(grain));
     };
     if (c == 0) {
       std::ranges::copy_if(coarse, std::back_inserter(own), wanted);
     } else {
-      const Region& region = regionOf(c);
+      const Region& region = region_of(c);
       const BedParameters tile = tileFor(bed, c, region, surface_m);
       const std::vector<Float4> made = settled(tile);
       // From the middle of the tile to that of the region, or of what is in the box of it; surface on surface.

@@ -27,7 +27,7 @@ struct ContactFrictionLaw {
 };
 /// Between grains of two classes, or of one: the law of grains of one size between, R = 2 R_a R_b / (R_a + R_b), damped
 /// as two of the mass 2 m_a m_b / (m_a + m_b): springs one behind the other, and the reduced mass.
-[[nodiscard]] ContactFrictionLaw contactFrictionLaw(const SoilParameters& soil, int class_a = 0, int class_b = 0);
+[[nodiscard]] ContactFrictionLaw contactFrictionLaw(const SoilParameters& coarsest, int class_a = 0, int class_b = 0);
 
 /// The same of every pair of classes, and how classes are told apart.
 struct GradedLaw {

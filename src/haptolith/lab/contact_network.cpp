@@ -148,12 +148,14 @@ ContactNetwork contactNetwork(const Bed& bed) {
   const BedState& state = bed.state();
   const BedParameters& box = bed.parameters();
   const int classes = bed.classes().count();
-  std::vector<PairSprings> pairs;
-  for (int k = 0; k < classes * classes; ++k) {
-    pairs.emplace_back(box.soil, k / classes, k % classes);
+  std::vector<std::vector<PairSprings>> pairs(static_cast<std::size_t>(classes));
+  for (int a = 0; a < classes; ++a) {
+    for (int b = 0; b < classes; ++b) {
+      pairs[static_cast<std::size_t>(a)].push_back(PairSprings(box.soil, a, b));
+    }
   }
   const auto between = [&](std::size_t i, std::size_t j) -> const PairSprings& {
-    return pairs[static_cast<std::size_t>(classes * bed.classOf(i) + bed.classOf(j))];
+    return pairs[static_cast<std::size_t>(bed.classOf(i))][static_cast<std::size_t>(bed.classOf(j))];
   };
   ContactNetwork network{.particles = bed.particles(), .mass_kg = bed.mass(), .links = {}};
   for (std::size_t i = 0; i < bed.particles(); ++i) {

@@ -95,7 +95,7 @@ struct Drawn {
   std::vector<std::vector<double>> trace;  ///< travel_m, draft_n, filtered_n, one row a sample
 };
 
-Drawn draw(const LabConditions& conditions, const GrainOptions& options, BedParameters parameters,
+Drawn draw(const LabConditions& conditions, const GrainOptions& options, const BedParameters& parameters,
            std::string_view what) {
   ToolParameters blade;
   blade.shape = ToolShape::kBox;

@@ -47,7 +47,7 @@ struct GrainResult {
 [[nodiscard]] std::vector<GrainResult> grainTest(const LabConditions& conditions, const GrainOptions& options = {});
 
 /// Force over travel and its spectra. @throws as Figure.
-void drawGrain(const OutputFile& path, const std::vector<GrainResult>& results, std::string_view title);
+void drawGrain(const OutputFile& file, const std::vector<GrainResult>& results, std::string_view title);
 
 /// By how much a force must differ to be felt as another, in shares (Jones 1989 and others: 5 to 10 %).
 inline constexpr double kForceJnd = 0.07;

@@ -223,7 +223,7 @@ ScenePicture RecordedPictures::recordedPicture(const FrameRow& row, const TickRe
 const std::vector<float>& RecordedPictures::radiusExcesses(const std::vector<std::array<float, 3>>& position_m) {
   const SoilParameters& soil = scenario_->bed.soil;
   const bool graded = grainClasses(scenario_->bed) > 1;
-  const auto takeFrom = [&](const Bed& bed) {
+  const auto take_from = [&](const Bed& bed) {
     for (std::size_t i = 0; i < bed.particles() && bed.particles() == position_m.size(); ++i) {
       radius_excess_m_->push_back(bed.state().position[i].w);
     }
@@ -232,9 +232,9 @@ const std::vector<float>& RecordedPictures::radiusExcesses(const std::vector<std
     radius_excess_m_.emplace();
     try {
       if (replay_) {
-        takeFrom(replay_->loop().shownScene().scene.bed());
+        take_from(replay_->loop().shownScene().scene.bed());
       } else if (header().instruction_set == simdTarget()) {  // another one settles otherwise
-        takeFrom(Bed(scenario_->bed, options_.settling));
+        take_from(Bed(scenario_->bed, options_.settling));
       }
     } catch (const Failure&) {
       goOn(0);
@@ -251,7 +251,7 @@ const std::vector<float>& RecordedPictures::radiusExcesses(const std::vector<std
       centres_m.emplace_back(x, y, z);
     }
     try {
-      takeFrom(Bed(scenario_->bed, centres_m));
+      take_from(Bed(scenario_->bed, centres_m));
     } catch (const InvalidParameter&) {
       radius_excess_m_->clear();  // no such bed can be made: radii stay unknown
     }
