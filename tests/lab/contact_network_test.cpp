@@ -202,11 +202,11 @@ TEST(ContactNetwork, TheStepOfTheLawIsStableWhereGrainsOfSeveralSizesAreMixedAnd
   for (const int classes : {2, 3}) {
     LabConditions conditions;
     conditions.soil = testSoil(0.3, 0.25);
-    const LabBox box{.width_m = 0.084, .length_m = 0.084};
-    const std::vector<Vec3> places = looseSoil(conditions.soil, box, 120, 0, 1);
+    const LabBox box{.width_m = 0.06, .length_m = 0.06};
+    const std::vector<Vec3> places = looseSoil(conditions.soil, box, classes == 2 ? 60 : 36, 0, 1);
     LabBed lab(conditions, box, mixedGrains(conditions.soil, places, classes, 1), classes, {});
     lab.settle(Preparation::kDense);
-    lab.bed().setGravity({0, 0, -500});
+    lab.bed().setGravity({0, 0, -600});
     lab.run(0.3, "pressing");
     const ContactNetwork network = contactNetwork(lab.bed());
     const double share = shareOfStableStep(network, 1 / stepsPerSecond(finestSoil(lab.bed().parameters()), 0));
