@@ -22,7 +22,7 @@ describe('in words', () => {
     };
     const frame = { tool: { position_m: [0.01, -0.02, 0.03] }, force_n: [0, 3, 4] };
     expect(pictureInWords(scene as unknown as Scene, frame as unknown as Frame)).toBe(
-      'A box of 126 by 126 mm with 256 particles (256 of 7 mm radius); shovel 10 mm deep in the soil, at x 10 mm, y -20 mm; force 5.00 N.',
+      'A box of 126 by 126 mm with 256 particles; shovel 10 mm deep in the soil, at x 10 mm, y -20 mm; force 5.00 N.',
     );
   });
 
@@ -30,6 +30,11 @@ describe('in words', () => {
     const grains = [{ count: 16, radius_m: 0.007 }, { count: 3, radius_m: 0.00175 }, { count: 32, radius_m: 0.0035 }]; // prettier-ignore
     const scene = { particles: 51, radius_m: 0.007, grains } as unknown as Scene;
     expect(sizesInWords(scene)).toBe('16 of 7 mm, 32 of 3.5 mm, 3 of 1.75 mm');
+    const box = { width_m: 0.126, length_m: 0.126, surface_m: 0.04 };
+    const frame = { tool: { position_m: [0, 0, 0.05] }, force_n: [0, 0, 0] } as unknown as Frame;
+    expect(pictureInWords({ ...scene, box, tool: { shape: 'box' } } as unknown as Scene, frame)).toContain(
+      'with 51 particles (16 of 7 mm, 32 of 3.5 mm, 3 of 1.75 mm radius); shovel 10 mm above the soil',
+    );
   });
 
   it('a plot says what each line is now and where it has been', () => {
