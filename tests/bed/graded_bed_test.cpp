@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <random>
 
@@ -34,7 +35,7 @@ BedParameters gradedBox(double fine_radius_m = 1.75e-3) {
   bed.particles = 130;
   bed.grading.fine_radius_m = fine_radius_m;
   bed.grading.fine_width_m = bed.grading.fine_length_m = 0.02;
-  bed.grading.fine_depth_m = 0.012;
+  bed.grading.fine_depth_m = std::max(0.012, 4 * fine_radius_m);
   return bed;
 }
 
@@ -194,7 +195,7 @@ TEST(GradedBed, BeginsWithFineGrainsWhereTheyAreWantedAndAtRest) {
   EXPECT_GT(grains[0], 40);
   EXPECT_GT(grains[1], 60);
   EXPECT_GT(grains[2], 60);
-  EXPECT_LT(fine_elsewhere, 0.1 * grains[2]);  // further away than a diameter: settling without friction mixes a little
+  EXPECT_LT(fine_elsewhere, 0.2 * grains[2]);  // further away than a diameter: settling without friction mixes a little
   EXPECT_EQ(grains[0] % 16, 0);
   EXPECT_EQ(grains[1] % 16, 0);
 }
