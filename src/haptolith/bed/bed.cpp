@@ -338,7 +338,7 @@ StepConstants Bed::constantsFor(double dt_s) const noexcept {
           .skin_half_squared = skin_m_ * skin_m_ / 4,
           .rest_squared = wakefulness_.rule().speed_m_s * wakefulness_.rule().speed_m_s,
           .look = look_,
-          .near_m = narrow<float>(kNearRadii * finestSoil(parameters_).radius_m),
+          .near_m = narrow<float>(kNearRadii * GrainClasses::scale(classes().count() - 1) * soil.radius_m),
           // c = k dt / 2 for each contact (paper 20), with the step that is really taken
           .damping = narrow<float>(soil.stiffness_n_m * dt_s / 2),
           .static_friction = narrow<float>(mu_hat),
