@@ -62,6 +62,16 @@ TEST(Allocation, ATickWithContactFrictionAllocatesNothing) {
   EXPECT_EQ(allocationsIn(5000, bed, Manoeuvre::kScoop, HandCompliance::kRigid), 0);
 }
 
+TEST(Allocation, ATickWithGrainsOfSeveralSizesAllocatesNothing) {
+  BedParameters bed;
+  bed.soil.friction = FrictionModel::kContact;
+  bed.soil.contact_cohesion_n = 0.003;
+  bed.grading.fine_radius_m = bed.soil.radius_m / 4;
+  bed.grading.fine_width_m = bed.grading.fine_length_m = 0.03;
+  bed.grading.fine_depth_m = 0.01;
+  EXPECT_EQ(allocationsIn(1500, bed, Manoeuvre::kStir, HandCompliance::kRigid), 0);
+}
+
 TEST(Allocation, ATickOnSeveralThreadsAllocatesNothing) {
   BedParameters bed;
   bed.soil = findPreset("P4").soil;
