@@ -103,9 +103,18 @@ TEST(Run, ASceneThatIsWrongIsAUsageErrorWithItsLine) {
   EXPECT_THAT(result.errors, StartsWith("haptolith: error: " + path + ":2: [bed] layers = 0 is not valid"));
 }
 
+/// Instrumented, what takes half a minute to settle takes ten.
+bool takesMinutesToSettle([[maybe_unused]] const std::filesystem::path& scene) {
+#ifdef __SANITIZE_ADDRESS__
+  return scene.filename() == "fine-grains.toml";
+#else
+  return false;
+#endif
+}
+
 TEST(Run, EveryShippedSceneRuns) {
   for (const auto& entry : std::filesystem::directory_iterator(sourceDir() / "scenarios")) {
-    if (entry.path().extension() == ".toml") {
+    if (entry.path().extension() == ".toml" && !takesMinutesToSettle(entry.path())) {
       const ProgramResult result = runHaptolith("run '" + entry.path().string() + "' --unpaced --duration-s 0.05");
       EXPECT_EQ(result.exit_status, 0) << entry.path() << ": " << result.errors;
     }

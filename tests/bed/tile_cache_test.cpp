@@ -168,5 +168,33 @@ TEST_F(TileCache, KeyHoldsAllThatATileDependsOnAndNothingElse) {
   EXPECT_FALSE(differs([](BedParameters& b) { b.sleep_speed_m_s = 1e-3; }));
 }
 
+TEST_F(TileCache, SettlesGrainsOfSeveralSizesOnceAndGivesThemBackBitForBit) {
+  BedParameters bed;
+  bed.soil = findPreset("P3").soil;
+  bed.soil.friction = FrictionModel::kContact;
+  bed.start = BedStart::kRain;
+  bed.particles = 100;
+  bed.grading.fine_radius_m = bed.soil.radius_m / 2;
+  bed.grading.fine_width_m = bed.grading.fine_length_m = 0.04;
+  bed.grading.fine_depth_m = 0.015;
+  const auto settles = [](const BedParameters& wanted, std::uint64_t& hash) {
+    bool settled = false;
+    hash = stateHash(Bed(wanted, [&](double, double) { return settled = true; }).state());
+    return settled;
+  };
+  std::uint64_t made = 0;
+  std::uint64_t kept = 0;
+  EXPECT_TRUE(settles(bed, made));
+  EXPECT_FALSE(settles(bed, kept));
+  EXPECT_EQ(made, kept);
+  useTileCache({});
+  EXPECT_TRUE(settles(bed, kept));
+  EXPECT_EQ(made, kept);
+  use(folder_);
+  bed.grading.fine_depth_m = 0.014;
+  EXPECT_TRUE(settles(bed, kept));
+  EXPECT_THAT(told_, IsEmpty());
+}
+
 }  // namespace
 }  // namespace haptolith

@@ -147,19 +147,24 @@ bool isZero(const Float4& a) {
   return a.x == 0 && a.y == 0 && a.z == 0;
 }
 
-/// Grains as they lie before they settle together.
+/// Grains of one size as they lie before they settle, of several after it.
 std::vector<Float4> startingGrains(const BedParameters& bed, const SettleProgress& progress) {
   if (grainClasses(bed) == 1) {
     return withSizes(bed, inSpatialOrder(startingCentres(bed), bed.soil.radius_m));
   }
-  const auto settled = [&](const BedParameters& of_one_size) {
-    const Bed made(of_one_size, progress);
+  const auto grains_of = [](const Bed& made) {
     const auto& position = made.state().position;
     return std::vector<Float4>(position.begin(), position.begin() + narrow<std::ptrdiff_t>(made.particles()));
   };
-  BedParameters coarse = bed;
-  coarse.grading = {};
-  return gradedGrains(bed, settled(coarse), settled);
+  return cachedGradedGrains(bed, [&] {
+    const auto settled = [&](const BedParameters& of_one_size) { return grains_of(Bed(of_one_size, progress)); };
+    BedParameters coarse = bed;
+    coarse.grading = {};
+    Bed together(bed, gradedGrains(bed, settled(coarse), settled));
+    const double dt_s = bed.tick_s / substepsFor(bed, 0);
+    together.settle(dt_s, longestSettling(bed, together.surfaceHeight(), dt_s), progress);
+    return grains_of(together);
+  });
 }
 
 /// Groups first..last-1 of a part of the work.
@@ -201,11 +206,13 @@ Bed::Bed(const BedParameters& parameters, const SettleProgress& progress)
 Bed::Bed(const BedParameters& parameters, const StartingSoil& soil, const SettleProgress& progress)
     : Bed(parameters, soil.laid.grains) {
   const double dt_s = parameters.tick_s / substepsFor(parameters, 0);
-  const bool graded = grainClasses(parameters) > 1;
-  if (parameters.start == BedStart::kRain || graded) {
+  if (grainClasses(parameters) > 1) {
+    return;  // settled together already
+  }
+  if (parameters.start == BedStart::kRain) {
     settle(dt_s, longestSettling(parameters, surfaceHeight(), dt_s), progress);
   }
-  if (parameters.start == BedStart::kSettled && !graded) {
+  if (parameters.start == BedStart::kSettled) {
     recall(soil);
     settleRim(dt_s, progress);
   }

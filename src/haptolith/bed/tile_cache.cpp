@@ -100,12 +100,19 @@ bool finite(const Slip& slip) {
   return std::isfinite(slip.x) && std::isfinite(slip.y) && std::isfinite(slip.z);
 }
 
+/// Soil that somebody asks for: what it depends on, and what it then is like.
+struct Wanted {
+  std::string key;
+  BedParameters bed;
+  double highest_m;  ///< no grain of it lies higher
+};
+
 /// Whether a tile from a file is one of the bed that is wanted: nothing in it may lead outside of it.
-bool isSound(const BedTile& tile, const BedParameters& wanted) {
+bool isSound(const BedTile& tile, const BedParameters& wanted, double highest_m) {
   const std::size_t n = tile.grains.size();
   const bool remembers = wanted.soil.friction == FrictionModel::kContact;
   const auto within = [&](const Float4& p) {
-    return std::abs(p.x) <= wanted.width_m && std::abs(p.y) <= wanted.length_m && std::abs(p.z) <= 2 * wanted.depth_m &&
+    return std::abs(p.x) <= wanted.width_m && std::abs(p.y) <= wanted.length_m && std::abs(p.z) <= highest_m &&
            std::abs(p.w) <= wanted.soil.radius_m;  // false for NaN, too
   };
   const auto known = [&](const TileContact& contact) { return contact.other < n && finite(contact.slip); };
@@ -116,7 +123,7 @@ bool isSound(const BedTile& tile, const BedParameters& wanted) {
          std::ranges::all_of(tile.floor_slips, finite);
 }
 
-std::optional<BedTile> tileIn(std::string_view bytes, const std::string& key, const BedParameters& wanted) {
+std::optional<BedTile> tileIn(std::string_view bytes, const Wanted& wanted) {
   std::uint64_t sum = 0;
   if (bytes.size() < kMagic.size() + sizeof sum || !bytes.starts_with(kMagic)) {
     return std::nullopt;
@@ -132,17 +139,17 @@ std::optional<BedTile> tileIn(std::string_view bytes, const std::string& key, co
   std::vector<double> periods;
   const bool whole = take(bytes, own_key) && take(bytes, periods) && take(bytes, tile.grains) &&
                      take(bytes, tile.firsts) && take(bytes, tile.contacts) && take(bytes, tile.floor_slips) &&
-                     bytes.empty() && std::string(own_key.begin(), own_key.end()) == key && periods.size() == 2;
+                     bytes.empty() && std::string(own_key.begin(), own_key.end()) == wanted.key && periods.size() == 2;
   if (!whole) {
     return std::nullopt;
   }
   tile.width_m = periods[0];
   tile.length_m = periods[1];
-  return isSound(tile, wanted) ? std::optional(std::move(tile)) : std::nullopt;
+  return isSound(tile, wanted.bed, wanted.highest_m) ? std::optional(std::move(tile)) : std::nullopt;
 }
 
 /// The tile, if the cache has it.
-std::optional<BedTile> readTile(const fs::path& file, const std::string& key, const BedParameters& wanted) {
+std::optional<BedTile> readTile(const fs::path& file, const Wanted& wanted) {
   std::error_code ignored;
   if (!fs::exists(fs::symlink_status(file, ignored))) {
     return std::nullopt;
@@ -150,7 +157,7 @@ std::optional<BedTile> readTile(const fs::path& file, const std::string& key, co
   try {
     std::ifstream in = openInput(file, kMostTileBytes);
     const std::string bytes(std::istreambuf_iterator<char>(in), {});
-    std::optional<BedTile> tile = tileIn(bytes, key, wanted);
+    std::optional<BedTile> tile = tileIn(bytes, wanted);
     if (!tile) {
       tell(fmt::format("{} is damaged or no tile of this soil: it is made anew", file.string()));
     }
@@ -227,6 +234,61 @@ void writeTile(const fs::path& file, const std::string& bytes) {
   makeRoom(file.parent_path());
 }
 
+std::string fileName(const std::string& key) {
+  return fmt::format("{}{:016x}", kPrefix, XXH3_64bits(key.data(), key.size()));
+}
+
+/// What a bed of one size of grain depends on while it settles.
+std::string keyOf(const BedParameters& bed) {
+  const SoilParameters& s = bed.soil;
+  static_assert(sizeof(SoilParameters) == 15 * sizeof(double), "a new number of the soil belongs in the key");
+  std::string key = fmt::format("format {} law {} {} friction {} particles {} seed {} max_substeps {}", kFormat, kLaw,
+                                simdTarget(), static_cast<int>(s.friction), bed.particles, bed.seed, bed.max_substeps);
+  for (const double number :
+       {bed.width_m, bed.length_m, bed.depth_m, bed.gravity_m_s2.z(), bed.tick_s, s.radius_m, s.gamma_nm, s.rho0_kg_m3,
+        s.rho_max_kg_m3, s.mu_hat, s.stiffness_n_m, s.attraction_ratio, s.moving_friction_ratio, s.contact_friction,
+        s.contact_cohesion_n, s.cohesion_range_ratio, s.tangential_ratio, s.size_spread, s.damping_ratio}) {
+    key += fmt::format(" {:a}", number);
+  }
+  return key;
+}
+
+/// What a bed of several sizes depends on beside that.
+std::string gradedKey(const BedParameters& bed) {
+  const Grading& grading = bed.grading;
+  static_assert(sizeof(Grading) == 6 * sizeof(double), "a new number of the grading belongs in the key");
+  std::string key = fmt::format("{} graded start {} layers {} periodic {} {}", keyOf(bed), static_cast<int>(bed.start),
+                                bed.layers, bed.periodic_x, bed.periodic_y);
+  for (const double number :
+       {bed.gravity_m_s2.x(), bed.gravity_m_s2.y(), bed.wall_friction_ratio, grading.fine_radius_m, grading.fine_x_m,
+        grading.fine_y_m, grading.fine_width_m, grading.fine_length_m, grading.fine_depth_m}) {
+    key += fmt::format(" {:a}", number);
+  }
+  return key;
+}
+
+/// How high grains can lie at most that have settled, however loosely.
+double highestOf(const BedParameters& bed) {
+  constexpr double kLoosest = 8, kLayersMore = 20;  // volume of a grain in R^3
+  const double r = bed.soil.radius_m;
+  return 2 * bed.depth_m + kLayersMore * r + kLoosest * bed.particles * r * r * r / (bed.width_m * bed.length_m);
+}
+
+BedTile cached(const Wanted& wanted, const std::function<BedTile()>& make) {
+  if (cache().folder.empty()) {
+    return make();
+  }
+  const fs::path file = cache().folder / fileName(wanted.key);
+  if (std::optional<BedTile> tile = readTile(file, wanted)) {
+    return *std::move(tile);
+  }
+  BedTile tile = make();
+  if (const std::string bytes = fileOf(tile, wanted.key); bytes.size() <= kMostTileBytes) {
+    writeTile(file, bytes);
+  }
+  return tile;
+}
+
 }  // namespace
 
 void useTileCache(const fs::path& folder, std::function<void(std::string_view)> tell) {
@@ -234,40 +296,27 @@ void useTileCache(const fs::path& folder, std::function<void(std::string_view)> 
 }
 
 std::string tileKey(const BedParameters& bed) {
-  const BedParameters tile = tileBed(bed);
-  const SoilParameters& s = tile.soil;
-  static_assert(sizeof(SoilParameters) == 15 * sizeof(double), "a new number of the soil belongs in the key");
-  std::string key =
-      fmt::format("format {} law {} {} friction {} particles {} seed {} max_substeps {}", kFormat, kLaw, simdTarget(),
-                  static_cast<int>(s.friction), tile.particles, tile.seed, tile.max_substeps);
-  for (const double number : {tile.width_m, tile.length_m, tile.depth_m, tile.gravity_m_s2.z(), tile.tick_s, s.radius_m,
-                              s.gamma_nm, s.rho0_kg_m3, s.rho_max_kg_m3, s.mu_hat, s.stiffness_n_m, s.attraction_ratio,
-                              s.moving_friction_ratio, s.contact_friction, s.contact_cohesion_n, s.cohesion_range_ratio,
-                              s.tangential_ratio, s.size_spread, s.damping_ratio}) {
-    key += fmt::format(" {:a}", number);
-  }
-  return key;
+  return keyOf(tileBed(bed));
 }
 
 std::string tileFileName(const BedParameters& bed) {
-  const std::string key = tileKey(bed);
-  return fmt::format("{}{:016x}", kPrefix, XXH3_64bits(key.data(), key.size()));
+  return fileName(tileKey(bed));
 }
 
 BedTile cachedTile(const BedParameters& bed, const TileProgress& progress) {
-  if (cache().folder.empty()) {
-    return settledTile(bed, progress);
-  }
-  const std::string key = tileKey(bed);
-  const fs::path file = cache().folder / tileFileName(bed);
-  if (std::optional<BedTile> tile = readTile(file, key, tileBed(bed))) {
-    return *std::move(tile);
-  }
-  BedTile tile = settledTile(bed, progress);
-  if (const std::string bytes = fileOf(tile, key); bytes.size() <= kMostTileBytes) {
-    writeTile(file, bytes);
-  }
-  return tile;
+  const BedParameters tile = tileBed(bed);
+  return cached({keyOf(tile), tile, highestOf(tile)}, [&] { return settledTile(bed, progress); });
+}
+
+std::vector<Float4> cachedGradedGrains(const BedParameters& bed, const std::function<std::vector<Float4>()>& settled) {
+  return cached({gradedKey(bed), bed, highestOf(bed)},
+                [&] {
+                  BedTile whole{bed.width_m, bed.length_m, settled(), {}, {}, {}};
+                  whole.firsts.resize(whole.grains.size() + 1);  // no contact remembers anything yet
+                  whole.floor_slips.resize(whole.grains.size());
+                  return whole;
+                })
+      .grains;
 }
 
 }  // namespace haptolith

@@ -5,6 +5,7 @@
 #include <functional>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "haptolith/bed/bed_tile.h"
 
@@ -19,6 +20,10 @@ void useTileCache(const std::filesystem::path& folder, std::function<void(std::s
 /// folder that cannot be written, or a full disk, keeps nothing.
 /// @throws as settledTile().
 [[nodiscard]] BedTile cachedTile(const BedParameters& bed, const TileProgress& progress);
+
+/// Grains of a graded bed at rest, from the cache, or settled and put there as cachedTile() does.
+[[nodiscard]] std::vector<Float4> cachedGradedGrains(const BedParameters& bed,
+                                                     const std::function<std::vector<Float4>()>& settled);
 
 /// All that the tile of a bed depends on, as text: the numbers of tileBed() to the last bit, the instruction set, and
 /// which law and format these are.
