@@ -35,7 +35,7 @@ using Json = nlohmann::ordered_json;
 
 struct BenchOptions {
   LabOptions soil;                  ///< which soil, and of how large macroparticles
-  std::vector<std::string> scenes;  ///< files; instead of the rest
+  std::vector<std::string> scenes;  ///< names or files; instead of the rest
   std::vector<int> particles{256, 2000, 10'000, 100'000, 200'000};
   std::vector<FrictionModel> friction{FrictionModel::kPaper, FrictionModel::kContact};
   std::vector<int> threads{1, 2};
@@ -158,7 +158,7 @@ std::vector<BenchScene> scenesOf(const BenchOptions& options) {
   std::vector<BenchScene> scenes;
   for (const std::string& file : options.scenes) {
     for (const int threads : options.threads) {
-      const Scenario scene = loadScenario(file);
+      const Scenario scene = findScenario(file);
       scenes.push_back({fmt::format("{}, {} threads", file, threads), scene.bed, scene.tool, scene.hand});
       BedParameters& bed = scenes.back().bed;
       bed.threads = threads;
@@ -275,11 +275,12 @@ void runBench(const BenchOptions& options) {
     return;
   }
   std::string table = fmt::format(
-      "bench: {}, {}, hand {}, {:g} s each. The machine wakes a sleeping thread {:.0f} us late (99 %: {:.0f}).\n\n"
+      "bench: {}, {}, {:g} s each. The machine wakes a sleeping thread {:.0f} us late (99 %: {:.0f}).\n\n"
       "  particles     awake friction threads substeps     p50 us    p99 us  p99.9 us    max us  M p.st./s lists us  "
       "B/part.  made s\n",
-      options.soil.soil, simdTarget(), wordFor(kManoeuvreWords, options.hand), options.seconds, late_us.percentile(0.5),
-      late_us.percentile(0.99));
+      options.scenes.empty() ? fmt::format("{}, hand {}", options.soil.soil, wordFor(kManoeuvreWords, options.hand))
+                             : fmt::format("{}", fmt::join(options.scenes, ", ")),
+      simdTarget(), options.seconds, late_us.percentile(0.5), late_us.percentile(0.99));
   for (const BenchRow& row : rows) {
     table += rowText(row);
   }
@@ -298,7 +299,7 @@ void addBenchCommand(CLI::App& app) {
       app.add_subcommand("bench", "How long a tick takes, by number of particles, friction and threads");
   command
       ->add_option("--scene", options->scenes,
-                   "scene files: their bed, tool and hand, instead of what follows but --threads")
+                   "scenes, by name or file: their bed, tool and hand, instead of what follows but --threads")
       ->delimiter(',');
   command->add_option("--particles", options->particles, "about how many")->delimiter(',')->capture_default_str();
   std::map<std::string, FrictionModel> models;
