@@ -6,6 +6,7 @@
 #include <bit>
 #include <cmath>
 #include <random>
+#include <tuple>
 #include <utility>
 
 #include "haptolith/bed/bed_start.h"
@@ -147,6 +148,31 @@ bool isZero(const Float4& a) {
   return a.x == 0 && a.y == 0 && a.z == 0;
 }
 
+/// Grains of several sizes, class by class, ordered so that a group's 16 have about as many neighbours: it takes as
+/// long as the one of them that has most, and next to finer ones a grain has four times as many as among its like.
+std::vector<Float4> withManyNeighboursTogether(const Bed& bed) {
+  const ContactLists& lists = bed.state().contacts;
+  std::vector<std::size_t> order(bed.particles());
+  std::vector<std::uint32_t> neighbours(bed.particles());
+  for (std::size_t i = 0; i < order.size(); ++i) {
+    order[i] = i;
+    bool of_other_size = false;
+    for (std::uint32_t s = 0; s < lists.count(i); ++s) {
+      of_other_size |= bed.classOf(narrow<std::size_t>(lists.neighbour(i, s))) != bed.classOf(i);
+    }
+    neighbours[i] = of_other_size ? lists.count(i) : 0;  // all others stay in spatial order
+  }
+  std::ranges::stable_sort(order, [&](std::size_t a, std::size_t b) {
+    return std::tuple(bed.classOf(a), neighbours[b]) < std::tuple(bed.classOf(b), neighbours[a]);
+  });
+  std::vector<Float4> grains;
+  grains.reserve(order.size());
+  for (const std::size_t i : order) {
+    grains.push_back(bed.state().position[i]);
+  }
+  return grains;
+}
+
 /// Grains of one size as they lie before they settle, of several after it.
 std::vector<Float4> startingGrains(const BedParameters& bed, const SettleProgress& progress) {
   if (grainClasses(bed) == 1) {
@@ -163,7 +189,7 @@ std::vector<Float4> startingGrains(const BedParameters& bed, const SettleProgres
     Bed together(bed, gradedGrains(bed, settled(coarse), settled));
     const double dt_s = bed.tick_s / substepsFor(bed, 0);
     together.settle(dt_s, longestSettling(bed, together.surfaceHeight(), dt_s), progress);
-    return grains_of(together);
+    return withManyNeighboursTogether(together);
   });
 }
 
