@@ -31,8 +31,11 @@ constexpr double kPoured = 0.97;
 /// 3.5 mm, 35 mm deep, is there after 3 s of simulated time, and sinks by another 0.5 % in the next 19.
 constexpr double kPouredLift = 1e-4;
 
-/// A tile is at rest when nothing in it moves faster. Its speeds are then forgotten.
-constexpr double kTileRest_m_s = 1e-5;
+/// A tile is at rest when nothing in it moves faster. Its speeds are then forgotten. With the paper's friction, of
+/// which no contact remembers anything, as in Bed::settle(): stiff soil goes on creeping at a third of that.
+double restSpeed(FrictionModel friction) {
+  return friction == FrictionModel::kPaper ? 1e-4 : 1e-5;  // m/s
+}
 constexpr double kLongestRest_s = 60;
 
 /// The length nearest to the usual edge of which a whole number makes up a box that repeats itself; else the edge.
@@ -195,7 +198,8 @@ BedTile settledTile(const BedParameters& bed, const TileProgress& progress) {
   }
   // With friction, which so far was off: what it remembers then carries its share.
   Bed rest(wanted, grains);
-  stepUntil(rest, progress, [](double, double speed) { return speed <= kTileRest_m_s; });
+  stepUntil(rest, progress,
+            [still_m_s = restSpeed(wanted.soil.friction)](double, double speed) { return speed <= still_m_s; });
   return tileOf(rest);
 }
 
