@@ -28,8 +28,9 @@ namespace {
 enum ExitStatus { kOk = 0, kFailed = 1, kUsage = 2 };
 
 constexpr const char* kExamples = R"(Examples:
-  haptolith run                          the paper's scene, felt by a virtual hand
-  haptolith run scenarios/rain.toml      another scene (docs/scenarios.md)
+  haptolith run                          soil of the Moon, felt by a virtual hand
+  haptolith run paper                    the paper's scene
+  haptolith run scenarios/rain.toml      one from a file (docs/scenarios.md)
   haptolith snapshot --out view.png      a picture of it, without a screen
   haptolith soil profile --preset P3     density and strength over depth
   haptolith lab shear --soil dry-sand    what a soil laboratory would measure

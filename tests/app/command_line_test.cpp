@@ -60,7 +60,7 @@ TEST(Usage, TheWordsOfACommandAreSuggestedToo) {
   EXPECT_THAT(runHaptolith("lab sheer").errors,
               StartsWith("haptolith: error: unknown command 'sheer'; did you mean shear?\n"));
   EXPECT_THAT(runHaptolith("lab").errors, StartsWith("haptolith: error: a command is missing: must be "));
-  EXPECT_THAT(runHaptolith("run --duration 3").errors,
+  EXPECT_THAT(runHaptolith("run paper --duration 3").errors,
               StartsWith("haptolith: error: unknown option '--duration'; did you mean --duration-s?\n"));
   EXPECT_THAT(runHaptolith("soil profile --gravity 3").errors, HasSubstr("did you mean --gravity-m-s2?"));
   EXPECT_THAT(runHaptolith("devices now").errors, StartsWith("haptolith: error: 'now' is one argument too many\n"));
@@ -140,7 +140,7 @@ TEST(Run, AKeyWithoutEffectIsAWarning) {
 
 TEST(Run, SaysWhatItSaved) {
   const std::string path = testing::TempDir() + "haptolith_told.csv";
-  const std::string run = "run --unpaced --overwrite --duration-s 0.05 --trace '" + path + "'";
+  const std::string run = "run paper --unpaced --overwrite --duration-s 0.05 --trace '" + path + "'";
   const ProgramResult told = runHaptolith(run);
   EXPECT_THAT(told.output, testing::ContainsRegex("saved " + path + ": 50 rows of [0-9]+ columns\n"));
   EXPECT_THAT(told.output, HasSubstr("deadlines  none: as fast as it can"));
@@ -160,8 +160,8 @@ TEST(Run, APortThatWasAskedForIsThatOrAFailure) {
 }
 
 TEST(StatusLine, IsCutToTheTerminalsWidth) {
-  const ProgramResult result =
-      runInShell("script -qec 'stty cols 60; \"$HAPTOLITH\" run --no-serve --duration-s 0.5 > /dev/null' /dev/null");
+  const ProgramResult result = runInShell(
+      "script -qec 'stty cols 60; \"$HAPTOLITH\" run paper --no-serve --duration-s 0.5 > /dev/null' /dev/null");
   std::size_t longest = 0;
   for (std::size_t at = result.output.find("\033[K"); at != std::string::npos;) {
     const std::size_t next = result.output.find("\033[K", at + 3);

@@ -26,6 +26,7 @@ std::string takeFile(const std::string& path) {
 ProgramResult runInShell(const std::string& command) {
   const std::string stem = fmt::format("{}haptolith_app_{}", testing::TempDir(), getpid());
   setenv("HAPTOLITH", HAPTOLITH_EXECUTABLE, 1);
+  setenv("HAPTOLITH_CACHE", "off", 1);  // the user's is neither read nor filled
   setenv("RECORDING_HELPER", RECORDING_HELPER_EXECUTABLE, 1);
   const int status =
       std::system(fmt::format("{{ {}; }} > '{}.out' 2> '{}.err' < /dev/null", command, stem, stem).c_str());

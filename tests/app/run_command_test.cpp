@@ -63,7 +63,7 @@ class RunCommand : public testing::Test {
 };
 
 TEST_F(RunCommand, SummaryTellsTheWholeRun) {
-  const json summary = summaryOf("--unpaced --duration-s 2");
+  const json summary = summaryOf("paper --unpaced --duration-s 2");
   EXPECT_EQ(summary["particles"], 256);
   EXPECT_EQ(summary["ticks"], 2000);
   EXPECT_DOUBLE_EQ(summary["duration_s"], 2);
@@ -81,19 +81,34 @@ TEST_F(RunCommand, SummaryTellsTheWholeRun) {
   EXPECT_TRUE(summary["realtime"]["memory_locked"].is_boolean());
 }
 
+TEST_F(RunCommand, WithoutANameOpensSoilAtRestThatPassesTheLaboratory) {
+  const json usual = summaryOf("--unpaced --duration-s 0.05");
+  EXPECT_EQ(usual["state_hash"], summaryOf("regolith --unpaced --duration-s 0.05")["state_hash"]);
+  EXPECT_EQ(usual["soil"], "lunar-0-15cm");
+  EXPECT_EQ(usual["friction"], "contact");
+  EXPECT_GT(usual["particles"].get<int>(), 1500);
+  EXPECT_EQ(usual["awake"], 0) << "it lies still until it is touched";
+}
+
+TEST_F(RunCommand, APresetWithoutASceneIsThePapersSoilInThePapersScene) {
+  EXPECT_EQ(summaryOf("--unpaced --duration-s 0.05 --preset P1")["state_hash"],
+            summaryOf("paper --unpaced --duration-s 0.05 --preset P1")["state_hash"]);
+}
+
 TEST_F(RunCommand, StateHashDependsOnTheSceneAndOnNothingElse) {
-  const std::string scoop = "--unpaced --duration-s 3 --hand scoop";
+  const std::string scoop = "paper --unpaced --duration-s 3 --hand scoop";
   const json once = summaryOf(scoop);
   EXPECT_EQ(once["state_hash"], summaryOf(scoop)["state_hash"]);
   EXPECT_EQ(once["state_hash"], summaryOf(scoop + " --threads 3")["state_hash"]);
-  EXPECT_EQ(once["state_hash"], summaryOf("--duration-s 3 --hand scoop")["state_hash"]) << "pacing changes the physics";
+  EXPECT_EQ(once["state_hash"], summaryOf("paper --duration-s 3 --hand scoop")["state_hash"])
+      << "pacing changes the physics";
   EXPECT_NE(once["state_hash"], summaryOf(scoop + " --body Mars")["state_hash"]);
   EXPECT_NE(once["state_hash"], summaryOf(scoop + " --preset P1")["state_hash"]);
 }
 
 TEST_F(RunCommand, ASoilIsFoundByItsNameFromAnyFolder) {
-  const ProgramResult result = runInShell(
-      fmt::format("cd '{}' && \"$HAPTOLITH\" run --json --unpaced --duration-s 0.05 --soil LHS-1", folder_.string()));
+  const ProgramResult result = runInShell(fmt::format(
+      "cd '{}' && \"$HAPTOLITH\" run paper --json --unpaced --duration-s 0.05 --soil LHS-1", folder_.string()));
   ASSERT_EQ(result.exit_status, 0) << result.errors;
   const json summary = json::parse(result.output);
   EXPECT_EQ(summary["soil"], "lhs-1");
@@ -106,9 +121,9 @@ TEST_F(RunCommand, ASoilMayComeFromAFileAndReplacesTheScenes) {
       "sed 's/^name = .*/name = \"mine\"/' '{}/soils/lhs-1.toml' > '{}'", sourceDir().string(), file("mine.toml")));
   ASSERT_EQ(copied.exit_status, 0);
   const std::string brief = "--unpaced --duration-s 0.05 ";
-  EXPECT_EQ(summaryOf(brief + "--soil " + file("mine.toml"))["soil"], "mine");
-  EXPECT_EQ(summaryOf(brief + "--soil " + file("mine.toml"))["state_hash"],
-            summaryOf(brief + "--soil lhs-1")["state_hash"]);
+  EXPECT_EQ(summaryOf(brief + "paper --soil " + file("mine.toml"))["soil"], "mine");
+  EXPECT_EQ(summaryOf(brief + "paper --soil " + file("mine.toml"))["state_hash"],
+            summaryOf(brief + "paper --soil lhs-1")["state_hash"]);
   writeFile("scene.toml", "[soil]\nfile = \"mine.toml\"\n");
   EXPECT_EQ(summaryOf(brief + file("scene.toml"))["soil"], "mine");
   EXPECT_EQ(summaryOf(brief + file("scene.toml") + " --soil jsc-1a")["soil"], "jsc-1a");
@@ -119,7 +134,7 @@ TEST_F(RunCommand, ASoilMayComeFromAFileAndReplacesTheScenes) {
 }
 
 TEST_F(RunCommand, FrictionIsTheSoilsUnlessToldOtherwise) {
-  const std::string brief = "--unpaced --duration-s 0.05 ";
+  const std::string brief = "paper --unpaced --duration-s 0.05 ";
   EXPECT_EQ(summaryOf(brief)["friction"], "paper");
   EXPECT_EQ(summaryOf(brief + "--friction Contact")["friction"], "contact");
   EXPECT_EQ(summaryOf(brief + "--friction pairwise")["friction"], "contact") << "the word of earlier versions";
@@ -128,12 +143,12 @@ TEST_F(RunCommand, FrictionIsTheSoilsUnlessToldOtherwise) {
 }
 
 TEST_F(RunCommand, AWrongSoilIsToldWithTheNearest) {
-  const ProgramResult unknown = runHaptolith("run --soil jsc-1b");
+  const ProgramResult unknown = runHaptolith("run paper --soil jsc-1b");
   EXPECT_EQ(unknown.exit_status, 2);
   EXPECT_THAT(unknown.errors, HasSubstr("soil = 'jsc-1b' is not valid: must be one of apollo-15-srp, "));
   EXPECT_THAT(unknown.errors, HasSubstr("did you mean jsc-1a?"));
   writeFile("wrong.toml", "name = \"x\"\n[target]\ncohesion_pa = -1\n");
-  const ProgramResult wrong = runHaptolith("run --soil " + file("wrong.toml"));
+  const ProgramResult wrong = runHaptolith("run paper --soil " + file("wrong.toml"));
   EXPECT_EQ(wrong.exit_status, 2);
   EXPECT_THAT(wrong.errors, HasSubstr("wrong.toml:3: [target] cohesion_pa = -1 is not valid: must be 0 to 1000000"));
 }
@@ -146,7 +161,7 @@ TEST_F(RunCommand, SeedChangesRainAndNothingElse) {
 }
 
 TEST_F(RunCommand, TraceHasARowForEveryTickAndIsAPoseFile) {
-  summaryOf("--unpaced --duration-s 1.5 --trace " + file("trace.csv"));
+  summaryOf("paper --unpaced --duration-s 1.5 --trace " + file("trace.csv"));
   EXPECT_EQ(files(), std::vector<std::string>{"trace.csv"});
   const auto rows = readCsv(file("trace.csv"));
   ASSERT_EQ(rows.size(), 1501U);
@@ -156,12 +171,12 @@ TEST_F(RunCommand, TraceHasARowForEveryTickAndIsAPoseFile) {
 
   const ProgramResult cut = runInShell(fmt::format("cut -d, -f1-8 '{}' > '{}'", file("trace.csv"), file("poses.csv")));
   ASSERT_EQ(cut.exit_status, 0);
-  const json replay = summaryOf("--unpaced --poses " + file("poses.csv"));
+  const json replay = summaryOf("paper --unpaced --poses " + file("poses.csv"));
   EXPECT_EQ(replay["ended"], "the recorded movement is over");
 }
 
 TEST_F(RunCommand, FigureIsDrawn) {
-  summaryOf(fmt::format("--unpaced --duration-s 1 --figure {}", file("run.svg")));
+  summaryOf(fmt::format("paper --unpaced --duration-s 1 --figure {}", file("run.svg")));
   std::ifstream in(file("run.svg"));
   const std::string svg{std::istreambuf_iterator<char>(in), std::istreambuf_iterator<char>()};
   EXPECT_THAT(svg, HasSubstr("Force on the hand"));
@@ -194,7 +209,7 @@ TEST_F(RunCommand, PlateWithARecordedMovementFeelsForceThatGrowsWithSinkage) {
 
 TEST_F(RunCommand, CtrlCEndsAnEndlessRunWithItsSummary) {
   const ProgramResult result = runInShell(
-      fmt::format("timeout --preserve-status -s INT 2 \"$HAPTOLITH\" run --json --trace {}", file("trace.csv")));
+      fmt::format("timeout --preserve-status -s INT 2 \"$HAPTOLITH\" run paper --json --trace {}", file("trace.csv")));
   EXPECT_EQ(result.exit_status, 0) << result.errors;
   const json summary = json::parse(result.output);
   EXPECT_EQ(summary["ended"], "stopped");
@@ -204,9 +219,9 @@ TEST_F(RunCommand, CtrlCEndsAnEndlessRunWithItsSummary) {
 
 TEST_F(RunCommand, ARunCutShortHasFailedButKeepsWhatItHas) {
   for (const char* signal : {"INT", "TERM"}) {
-    const ProgramResult result = runInShell(
-        fmt::format("timeout --preserve-status -s {} 2 \"$HAPTOLITH\" run --duration-s 1000 --overwrite --trace {}",
-                    signal, file("trace.csv")));
+    const ProgramResult result = runInShell(fmt::format(
+        "timeout --preserve-status -s {} 2 \"$HAPTOLITH\" run paper --duration-s 1000 --overwrite --trace {}", signal,
+        file("trace.csv")));
     EXPECT_EQ(result.exit_status, 1) << signal;
     EXPECT_THAT(result.errors, HasSubstr("interrupted after"));
     EXPECT_THAT(result.errors, HasSubstr("of 1000 s"));
@@ -217,9 +232,9 @@ TEST_F(RunCommand, ARunCutShortHasFailedButKeepsWhatItHas) {
 
 TEST_F(RunCommand, AFullDiskIsAFailureAndLeavesNothingBehind) {
   // A file may not grow beyond 8 blocks of 1 KiB here; the signal for that is ignored, so that write() fails.
-  const ProgramResult result = runInShell(
-      fmt::format("bash -c 'trap \"\" XFSZ; ulimit -f 8; exec \"$HAPTOLITH\" run --unpaced --duration-s 60 --trace {}'",
-                  file("trace.csv")));
+  const ProgramResult result = runInShell(fmt::format(
+      "bash -c 'trap \"\" XFSZ; ulimit -f 8; exec \"$HAPTOLITH\" run paper --unpaced --duration-s 60 --trace {}'",
+      file("trace.csv")));
   EXPECT_EQ(result.exit_status, 1);
   EXPECT_THAT(result.errors, HasSubstr("cannot write"));
   EXPECT_THAT(result.errors, HasSubstr("trace.csv"));
@@ -228,20 +243,20 @@ TEST_F(RunCommand, AFullDiskIsAFailureAndLeavesNothingBehind) {
 
 TEST_F(RunCommand, AnOldTraceStaysWhenTheNewOneFails) {
   writeFile("trace.csv", "precious\n");
-  runInShell(
-      fmt::format("bash -c 'trap \"\" XFSZ; ulimit -f 8; exec \"$HAPTOLITH\" run --unpaced --duration-s 60 --trace {}'",
-                  file("trace.csv")));
+  runInShell(fmt::format(
+      "bash -c 'trap \"\" XFSZ; ulimit -f 8; exec \"$HAPTOLITH\" run paper --unpaced --duration-s 60 --trace {}'",
+      file("trace.csv")));
   EXPECT_EQ(readCsv(file("trace.csv"))[0][0], "precious");
 }
 
 TEST_F(RunCommand, FilesThatCannotBeWrittenAreRefusedAtOnce) {
-  const ProgramResult trace = runHaptolith("run --unpaced --duration-s 1000 --trace /no/such/folder/t.csv");
+  const ProgramResult trace = runHaptolith("run paper --unpaced --duration-s 1000 --trace /no/such/folder/t.csv");
   EXPECT_EQ(trace.exit_status, 1);
   EXPECT_THAT(trace.errors, HasSubstr("/no/such/folder/t.csv"));
-  const ProgramResult figure = runHaptolith("run --unpaced --duration-s 1000 --figure " + file("run.gif"));
+  const ProgramResult figure = runHaptolith("run paper --unpaced --duration-s 1000 --figure " + file("run.gif"));
   EXPECT_EQ(figure.exit_status, 2);
   EXPECT_THAT(figure.errors, HasSubstr(".svg or .png"));
-  const ProgramResult lost = runHaptolith("run --unpaced --duration-s 1000 --figure /no/such/folder/run.png");
+  const ProgramResult lost = runHaptolith("run paper --unpaced --duration-s 1000 --figure /no/such/folder/run.png");
   EXPECT_EQ(lost.exit_status, 1);
 }
 
@@ -257,19 +272,19 @@ TEST_F(RunCommand, BadPosesAreToldWithFileLineAndColumn) {
                {"", "at least 2"}};
   for (const auto& [text, told] : cases) {
     writeFile("poses.csv", header + text);
-    const ProgramResult result = runHaptolith("run --unpaced --poses " + file("poses.csv"));
+    const ProgramResult result = runHaptolith("run paper --unpaced --poses " + file("poses.csv"));
     EXPECT_EQ(result.exit_status, 2) << text;
     EXPECT_THAT(result.errors, HasSubstr(told));
     EXPECT_THAT(result.errors, HasSubstr("poses.csv"));
   }
-  EXPECT_EQ(runHaptolith("run --poses /no/such/poses.csv").exit_status, 2);
+  EXPECT_EQ(runHaptolith("run paper --poses /no/such/poses.csv").exit_status, 2);
   writeFile("poses.csv", "");
-  EXPECT_EQ(runHaptolith("run --poses " + file("poses.csv")).exit_status, 2);
+  EXPECT_EQ(runHaptolith("run paper --poses " + file("poses.csv")).exit_status, 2);
 }
 
 TEST_F(RunCommand, AHandThatLeavesTheSceneEndsTheRun) {
   writeFile("poses.csv", "t_s,x_m,y_m,z_m,qw,qx,qy,qz\n0,0,0,0.2,1,0,0,0\n1,5,0,0.2,1,0,0,0\n");
-  const ProgramResult result = runHaptolith("run --unpaced --json --poses " + file("poses.csv"));
+  const ProgramResult result = runHaptolith("run paper --unpaced --json --poses " + file("poses.csv"));
   EXPECT_EQ(result.exit_status, 1);
   EXPECT_THAT(result.errors, HasSubstr("the hand left the scene"));
   EXPECT_TRUE(json::accept(result.output)) << "the summary is printed all the same";
@@ -293,29 +308,29 @@ TEST_F(RunCommand, ServesItsPageAndSaysWhere) {
     for i in $(seq 100); do port=$(sed -nE "s|.*http://127.0.0.1:([0-9]+)/.*|\1|p" $0.log); [ "$port" ] && break; sleep 0.05; done
     exec 3<>/dev/tcp/127.0.0.1/$port; printf "GET / HTTP/1.0\r\nHost: localhost\r\n\r\n" >&3; cat <&3; kill -INT %1; wait)";
   const auto served = [&](const std::string& arguments) {
-    return runInShell("bash -c 'set -m; \"$HAPTOLITH\" run --port 0 " + arguments + ask + "' " + file("serve"));
+    return runInShell("bash -c 'set -m; \"$HAPTOLITH\" run paper --port 0 " + arguments + ask + "' " + file("serve"));
   };
   const ProgramResult result = served("--hand still");
   EXPECT_THAT(result.output, HasSubstr("200 OK"));
   EXPECT_THAT(result.output, HasSubstr("<title>haptolith"));
   EXPECT_THAT(served("--json --unpaced --serve").output, HasSubstr("200 OK"));
 
-  EXPECT_THAT(runHaptolith("run --duration-s 0.1 --json").errors, testing::Not(HasSubstr("http://")));
-  EXPECT_THAT(runHaptolith("run --duration-s 0.1 --no-serve").errors, testing::Not(HasSubstr("http://")));
+  EXPECT_THAT(runHaptolith("run paper --duration-s 0.1 --json").errors, testing::Not(HasSubstr("http://")));
+  EXPECT_THAT(runHaptolith("run paper --duration-s 0.1 --no-serve").errors, testing::Not(HasSubstr("http://")));
 }
 
 TEST_F(RunCommand, BeyondThisMachineTheAddressHasAToken) {
-  const ProgramResult made_up = runHaptolith("run --duration-s 0.1 --port 0 --bind 0.0.0.0");
+  const ProgramResult made_up = runHaptolith("run paper --duration-s 0.1 --port 0 --bind 0.0.0.0");
   EXPECT_THAT(made_up.errors, testing::ContainsRegex("http://[0-9.]+:[0-9]+/\\?token=[0-9a-f]{32}"));
-  const ProgramResult wrong = runHaptolith("run --duration-s 0.1 --bind everywhere");
+  const ProgramResult wrong = runHaptolith("run paper --duration-s 0.1 --bind everywhere");
   EXPECT_EQ(wrong.exit_status, 2);
   EXPECT_THAT(wrong.errors, HasSubstr("bind = everywhere"));
-  EXPECT_EQ(runHaptolith("run --duration-s 0.1 --port 65536").exit_status, 2);
-  EXPECT_EQ(runHaptolith("run --duration-s 0.1 --serve --no-serve").exit_status, 2);
+  EXPECT_EQ(runHaptolith("run paper --duration-s 0.1 --port 65536").exit_status, 2);
+  EXPECT_EQ(runHaptolith("run paper --duration-s 0.1 --serve --no-serve").exit_status, 2);
 }
 
 TEST_F(RunCommand, ATokenMayBeGivenWhereNoListOfProcessesShowsIt) {
-  const std::string run = "\"$HAPTOLITH\" run --duration-s 0.1 --port 0 ";
+  const std::string run = "\"$HAPTOLITH\" run paper --duration-s 0.1 --port 0 ";
   for (const std::string& command :
        {run + "--token dust_of_the-Moon0", "echo dust_of_the-Moon0 | " + run + "--token-file /dev/stdin",
         "HAPTOLITH_TOKEN=dust_of_the-Moon0 " + run}) {
@@ -338,12 +353,12 @@ TEST_F(RunCommand, ATokenMayBeGivenWhereNoListOfProcessesShowsIt) {
 }
 
 TEST_F(RunCommand, WhoMayOnlyLookOnIsNotInvitedToTouch) {
-  EXPECT_THAT(runHaptolith("run --duration-s 0.1 --port 0 --read-only").errors,
+  EXPECT_THAT(runHaptolith("run paper --duration-s 0.1 --port 0 --read-only").errors,
               HasSubstr("see it at http://127.0.0.1:"));
 }
 
 TEST_F(RunCommand, TellsHowLateItsTicksBegan) {
-  const json paced = summaryOf("--duration-s 0.2");
+  const json paced = summaryOf("paper --duration-s 0.2");
   for (const char* key : {"mean", "p50", "p99", "p99_9", "max"}) {
     EXPECT_GT(paced["late_us"][key].get<double>(), 0) << key;
   }
@@ -352,33 +367,33 @@ TEST_F(RunCommand, TellsHowLateItsTicksBegan) {
     counted += count.get<std::uint64_t>();
   }
   EXPECT_EQ(counted, paced["ticks"]);
-  EXPECT_TRUE(summaryOf("--duration-s 0.2 --unpaced")["late_us"].is_null());
-  EXPECT_THAT(runHaptolith("run --duration-s 0.1 --no-serve").output,
+  EXPECT_TRUE(summaryOf("paper --duration-s 0.2 --unpaced")["late_us"].is_null());
+  EXPECT_THAT(runHaptolith("run paper --duration-s 0.1 --no-serve").output,
               testing::ContainsRegex("\n  wake-up    p50 [0-9.]+  p99 [0-9.]+  p99.9 [0-9.]+  max [0-9.]+ us late\n"));
-  EXPECT_THAT(runHaptolith("run --duration-s 0.1 --unpaced").output, testing::Not(HasSubstr("wake-up")));
+  EXPECT_THAT(runHaptolith("run paper --duration-s 0.1 --unpaced").output, testing::Not(HasSubstr("wake-up")));
 }
 
 TEST_F(RunCommand, RunsOnTheCpuItIsTold) {
-  EXPECT_TRUE(summaryOf("--unpaced --duration-s 0.05")["realtime"]["cpu"].is_null());
-  EXPECT_EQ(summaryOf("--unpaced --duration-s 0.05 --cpu 0")["realtime"]["cpu"], 0);
-  EXPECT_THAT(runHaptolith("run --duration-s 0.1 --no-serve --cpu 0").output, HasSubstr(" on CPU 0, memory "));
+  EXPECT_TRUE(summaryOf("paper --unpaced --duration-s 0.05")["realtime"]["cpu"].is_null());
+  EXPECT_EQ(summaryOf("paper --unpaced --duration-s 0.05 --cpu 0")["realtime"]["cpu"], 0);
+  EXPECT_THAT(runHaptolith("run paper --duration-s 0.1 --no-serve --cpu 0").output, HasSubstr(" on CPU 0, memory "));
   writeFile("pinned.toml", "[loop]\ncpu = 0\n");
   EXPECT_EQ(summaryOf("--unpaced --duration-s 0.05 " + file("pinned.toml"))["realtime"]["cpu"], 0);
   EXPECT_TRUE(summaryOf("--unpaced --duration-s 0.05 --cpu -1 " + file("pinned.toml"))["realtime"]["cpu"].is_null());
 
-  const ProgramResult none = runHaptolith("run --duration-s 0.1 --cpu 1023");
+  const ProgramResult none = runHaptolith("run paper --duration-s 0.1 --cpu 1023");
   EXPECT_EQ(none.exit_status, 2);
   EXPECT_THAT(none.errors, HasSubstr("cpu = 1023 is not valid: must be -1 (any) or a CPU that this process may use: "));
 }
 
 TEST_F(RunCommand, UsesTheInstructionSetItIsToldTo) {
-  const ProgramResult refused = runInShell("HAPTOLITH_SIMD=MMX \"$HAPTOLITH\" run --duration-s 0.1 --json");
+  const ProgramResult refused = runInShell("HAPTOLITH_SIMD=MMX \"$HAPTOLITH\" run paper --duration-s 0.1 --json");
   EXPECT_EQ(refused.exit_status, 2);
   ASSERT_THAT(refused.errors, HasSubstr("HAPTOLITH_SIMD = MMX is not valid: must be one of "));
   const std::string last = refused.errors.substr(0, refused.errors.find(" on this machine"));
   const std::string target = last.substr(last.find_last_of(' ') + 1);
   const ProgramResult result =
-      runInShell("HAPTOLITH_SIMD=" + target + " \"$HAPTOLITH\" run --duration-s 0.1 --unpaced --json");
+      runInShell("HAPTOLITH_SIMD=" + target + " \"$HAPTOLITH\" run paper --duration-s 0.1 --unpaced --json");
   ASSERT_EQ(result.exit_status, 0) << result.errors;
   EXPECT_EQ(json::parse(result.output).at("simd"), target);
 }
@@ -407,7 +422,7 @@ TEST_F(RunCommand, ASceneLoadsNoLibrary) {
 TEST_F(RunCommand, PosesWithoutEndAreRefused) {
   fs::create_symlink("/dev/zero", file("zero.csv"));
   const ProgramResult result =
-      runHaptolith(fmt::format("run --poses '{}' --duration-s 0.05 --unpaced --no-serve", file("zero.csv")));
+      runHaptolith(fmt::format("run paper --poses '{}' --duration-s 0.05 --unpaced --no-serve", file("zero.csv")));
   EXPECT_EQ(result.exit_status, 2);
   EXPECT_THAT(result.errors, HasSubstr("a device is not valid: must be a file that exists"));
 }
@@ -419,7 +434,7 @@ TEST_F(RunCommand, ReplacesNoFileUnlessItIsAskedTo) {
   writeFile("mine.svg", "mine");
   for (const char* option : {"--trace", "--figure"}) {
     const std::string name = file(option == std::string("--trace") ? "mine.csv" : "mine.svg");
-    const std::string command = fmt::format("run --duration-s 0.02 --unpaced --no-serve {} '{}'", option, name);
+    const std::string command = fmt::format("run paper --duration-s 0.02 --unpaced --no-serve {} '{}'", option, name);
     const ProgramResult refused = runHaptolith(command);
     EXPECT_EQ(refused.exit_status, 1);
     EXPECT_THAT(refused.errors, HasSubstr("exists already: choose another name, or add --overwrite"));
@@ -439,12 +454,12 @@ TEST_F(RunCommand, NeverWritesOverTheSceneThatItRuns) {
 
 TEST_F(RunCommand, ARecordingIsNamedAsOneAndReplacesNothingElse) {
   const ProgramResult named =
-      runHaptolith(fmt::format("run --duration-s 0.02 --unpaced --no-serve --record '{}'", file("x.csv")));
+      runHaptolith(fmt::format("run paper --duration-s 0.02 --unpaced --no-serve --record '{}'", file("x.csv")));
   EXPECT_EQ(named.exit_status, 2);
   EXPECT_THAT(named.errors, HasSubstr("a file name ending in .h5"));
   writeFile("notes.h5", "mine");
   const ProgramResult replaced = runHaptolith(
-      fmt::format("run --duration-s 0.02 --unpaced --no-serve --overwrite --record '{}'", file("notes.h5")));
+      fmt::format("run paper --duration-s 0.02 --unpaced --no-serve --overwrite --record '{}'", file("notes.h5")));
   EXPECT_EQ(replaced.exit_status, 1);
   EXPECT_THAT(replaced.errors, HasSubstr("notes.h5 is not a recording"));
   EXPECT_EQ(files(), std::vector<std::string>{"notes.h5"});

@@ -33,8 +33,8 @@ class SnapshotCommand : public testing::Test {
   /// Runs `haptolith snapshot ARGUMENTS --out FOLDER/NAME`; `settings` may be variables, as a shell takes them.
   [[nodiscard]] ProgramResult snapshot(const std::string& name, const std::string& arguments = "",
                                        const std::string& settings = "") const {
-    return runInShell(fmt::format("TMPDIR='{}' {} \"$HAPTOLITH\" snapshot {} --out '{}'", temporary_.string(), settings,
-                                  arguments, (folder_ / name).string()));
+    return runInShell(fmt::format("TMPDIR='{}' {} \"$HAPTOLITH\" snapshot paper {} --out '{}'", temporary_.string(),
+                                  settings, arguments, (folder_ / name).string()));
   }
 
   /// How many files there are in the folder, but for the one for temporary files, which has to be empty.
@@ -140,10 +140,10 @@ TEST_F(SnapshotCommand, AnInterruptedFilmLeavesNothingBehind) {
   if (!canDraw("ffmpeg")) {
     GTEST_SKIP() << "no chromium or no ffmpeg, or instrumented code";
   }
-  const ProgramResult result = runInShell(
-      fmt::format("TMPDIR='{}' \"$HAPTOLITH\" snapshot --film --width 320 --height 240 --out '{}' & sleep 2; kill -INT "
-                  "$!; wait $!",
-                  temporary_.string(), (folder_ / "film.mp4").string()));
+  const ProgramResult result = runInShell(fmt::format(
+      "TMPDIR='{}' \"$HAPTOLITH\" snapshot paper --film --width 320 --height 240 --out '{}' & sleep 2; kill -INT "
+      "$!; wait $!",
+      temporary_.string(), (folder_ / "film.mp4").string()));
   EXPECT_EQ(result.exit_status, 1);
   EXPECT_THAT(result.errors, testing::AnyOf(HasSubstr("interrupted"), HasSubstr("built without its page")));
   EXPECT_EQ(files(), 0U);

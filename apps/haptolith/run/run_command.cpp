@@ -41,10 +41,11 @@ using namespace std::chrono_literals;
 using Json = nlohmann::ordered_json;
 
 constexpr const char* kExamples = R"(Examples:
-  haptolith run                                     the paper's scene until Ctrl-C
+  haptolith run                                     soil of the Moon under a shovel, until Ctrl-C
+  haptolith run paper                               the paper's scene
   haptolith run --hand stir --duration-s 10         ten seconds of stirring
-  haptolith run --preset P1 --body Mars --json      another soil on another world
-  haptolith run --soil surveyor-3                   a soil by its name (haptolith soil list)
+  haptolith run --soil surveyor-3 --body Mars       a soil by its name (haptolith soil list), on another world
+  haptolith run --preset P1 --json                  one of the paper's soils, in its scene
   haptolith run --hand press --trace press.csv --figure press.svg
   haptolith run deep-bed                            another scene (haptolith scenes), or one from a file
   haptolith run --poses movement.csv                a recorded hand

@@ -34,7 +34,7 @@ namespace {
 using namespace std::chrono_literals;
 
 constexpr const char* kExamples = R"(Examples:
-  haptolith snapshot --hand scoop --out view.png            the paper's scene after two seconds
+  haptolith snapshot --hand scoop --out view.png            soil of the Moon after two seconds
   haptolith snapshot --at-s 3.5 --theme light --no-panels --out bed.png
   haptolith snapshot --body Mars --colour force --view front --out mars.png
   haptolith snapshot scenarios/sandbox.toml --out sandbox.png

@@ -36,6 +36,14 @@ std::map<std::string, Manoeuvre> handChoices() {
   return choices;
 }
 
+/// What opens when no scene is named: soil that feels as the Moon's does. The paper's soils are made for its scene.
+std::string sceneOf(const SceneOptions& options) {
+  if (!options.scenario_file.empty()) {
+    return options.scenario_file;
+  }
+  return options.preset ? "paper" : "regolith";
+}
+
 /// The network device's key: from the file, or from the environment; never from a scene, which may come from anybody.
 std::string keyFrom(const std::optional<std::string>& file) {
   constexpr std::size_t kLongest = 200;
@@ -87,8 +95,10 @@ void DeviceOptions::applyTo(DeviceParameters& device) const {
 
 void SceneOptions::addTo(CLI::App& command) {
   command
-      .add_option("scenario", scenario_file,
-                  "Scene by its name (haptolith scenes) or from a file (docs/scenarios.md); default: the paper's")
+      .add_option(
+          "scenario", scenario_file,
+          "Scene by its name (haptolith scenes) or from a file (docs/scenarios.md); default: regolith, and with "
+          "--preset paper")
       ->option_text("NAME|FILE");
   CLI::Option* by_preset = command.add_option("--preset", preset, "Soil: P1 to P6, the paper's Table II");
   by_preset->option_text("NAME");
@@ -107,14 +117,15 @@ void SceneOptions::addTo(CLI::App& command) {
   command.add_option("--threads", threads, "Threads that share a large bed; the result does not depend on it")
       ->check(wholeNumberIn(BedRanges::threads))
       ->option_text("N");
-  command.add_option("--seed", seed, "Seed of a bed that starts as rain")
+  command.add_option("--seed", seed, "Seed of a bed that starts as rain or settled")
       ->check(wholeNumberIn(BedRanges::seed))
       ->option_text("N");
   device.addTo(command)->excludes(hand);
 }
 
 Scenario scenarioFor(const SceneOptions& options) {
-  Scenario scenario = options.scenario_file.empty() ? Scenario{} : findScenario(options.scenario_file);
+  const std::string scene = sceneOf(options);
+  Scenario scenario = findScenario(scene);
   BedParameters& bed = scenario.bed;
   if (options.preset) {
     changePreset(scenario, *options.preset);
@@ -136,10 +147,8 @@ Scenario scenarioFor(const SceneOptions& options) {
   bed.threads = options.threads.value_or(bed.threads);
   bed.seed = options.seed.value_or(bed.seed);
   options.device.applyTo(scenario.device);
-  if (!options.scenario_file.empty()) {
-    for (const std::string& idle : idleKeys(options.scenario_file, scenario)) {
-      spdlog::warn("{}", idle);
-    }
+  for (const std::string& idle : idleKeys(scene, scenario)) {
+    spdlog::warn("{}", idle);
   }
   return scenario;
 }
