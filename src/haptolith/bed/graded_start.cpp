@@ -74,8 +74,7 @@ std::vector<Region> regionsOf(const BedParameters& bed, double surface_m) {
 /// A bed of one class that fills a region up to the surface, to be cut: it repeats itself, and is deeper than what is
 /// taken of it, for next to its floor grains lie in layers.
 BedParameters tileFor(const BedParameters& bed, int grain_class, const Region& region, double surface_m) {
-  constexpr double kVolumePerCubedRadius = 5.83;  // of a grain and its share of the gaps (bed_start.cpp)
-  constexpr double kDeeper = 6, kWider = 2;       // radii
+  constexpr double kDeeper = 6, kWider = 2;  // radii
   BedParameters tile = bed;
   tile.grading = {};
   tile.soil = rescaled(bed.soil, radiusOf(bed, grain_class));
@@ -87,10 +86,9 @@ BedParameters tileFor(const BedParameters& bed, int grain_class, const Region& r
   tile.width_m = side(region.low_x, region.high_x, bed.width_m);
   tile.length_m = side(region.low_y, region.high_y, bed.length_m);
   tile.periodic_x = tile.periodic_y = true;
-  tile.start = BedStart::kRain;
+  tile.start = BedStart::kSettled;
   tile.seed = bed.seed + static_cast<std::uint64_t>(grain_class);
-  const double depth = surface_m - std::max(region.floor, 0.0) + kDeeper * r;
-  tile.particles = static_cast<int>(tile.width_m * tile.length_m * depth / (kVolumePerCubedRadius * r * r * r));
+  tile.depth_m = surface_m - std::max(region.floor, 0.0) + kDeeper * r;
   return tile;
 }
 
