@@ -98,7 +98,7 @@ TEST_F(RunCommand, APresetWithoutASceneIsThePapersSoilInThePapersScene) {
 TEST_F(RunCommand, FinestChoosesGrainsAndSaysWhich) {
   const json run = summaryOf("--finest --unpaced --duration-s 0.05");
   const double radius_mm = run["finest"]["chosen"]["radius_mm"];
-  EXPECT_THAT(run["title"].get<std::string>(), testing::EndsWith(fmt::format(", in grains of {:g} mm", radius_mm)));
+  EXPECT_THAT(run["title"].get<std::string>(), testing::StartsWith(fmt::format("{:g} mm grains: ", radius_mm)));
   EXPECT_NEAR(run["particles"].get<double>() / run["finest"]["chosen"]["grains"].get<double>(), 1, 0.1);
   EXPECT_TRUE(summaryOf("paper --unpaced --duration-s 0.05")["finest"].is_null());
   const ProgramResult refused = runHaptolith("run paper --finest --unpaced --duration-s 0.05");

@@ -91,7 +91,8 @@ std::string trialText(const GrainTrial& trial) {
                            trial.tick_us_p99 <= kFinestTick_us ? trial.tick_us_p99 : kFinestTick_us);
 }
 
-/// Makes the scene of the finest grains that this machine holds, and tells which; its title tells everybody else.
+/// Makes the scene of the finest grains that this machine holds, and tells which; the beginning of its title, for which
+/// there is room on the page, tells everybody else.
 FinestGrain chooseFinest(Scenario& scenario, StatusLine& status) {
   BedParameters& bed = scenario.bed;
   if (bed.start != BedStart::kSettled || bed.grading.fine_radius_m > 0) {
@@ -104,7 +105,7 @@ FinestGrain chooseFinest(Scenario& scenario, StatusLine& status) {
   status.clear();
   bed.soil = rescaled(bed.soil, found.chosen.radius_m);
   validate(scenario);
-  const std::string titled = fmt::format("{}, in grains of {:g} mm", scenario.title, 1e3 * bed.soil.radius_m);
+  const std::string titled = fmt::format("{:g} mm grains: {}", 1e3 * bed.soil.radius_m, scenario.title);
   scenario.title = titled.size() <= mostBytes(TextSize::kLine) ? titled : scenario.title;
   printNotice(fmt::format("grains of {}{}\n", trialText(found.chosen),
                           found.too_slow && found.holds() ? fmt::format("; of {}", trialText(*found.too_slow)) : ""));
