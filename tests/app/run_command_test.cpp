@@ -95,6 +95,17 @@ TEST_F(RunCommand, APresetWithoutASceneIsThePapersSoilInThePapersScene) {
             summaryOf("paper --unpaced --duration-s 0.05 --preset P1")["state_hash"]);
 }
 
+TEST_F(RunCommand, FinestChoosesGrainsAndSaysWhich) {
+  const json run = summaryOf("--finest --unpaced --duration-s 0.05");
+  const double radius_mm = run["finest"]["chosen"]["radius_mm"];
+  EXPECT_THAT(run["title"].get<std::string>(), testing::StartsWith(fmt::format("{:g} mm grains: ", radius_mm)));
+  EXPECT_NEAR(run["particles"].get<double>() / run["finest"]["chosen"]["grains"].get<double>(), 1, 0.1);
+  EXPECT_TRUE(summaryOf("paper --unpaced --duration-s 0.05")["finest"].is_null());
+  const ProgramResult refused = runHaptolith("run paper --finest --unpaced --duration-s 0.05");
+  EXPECT_EQ(refused.exit_status, 2);
+  EXPECT_THAT(refused.errors, HasSubstr("whose bed starts as settled"));
+}
+
 TEST_F(RunCommand, StateHashDependsOnTheSceneAndOnNothingElse) {
   const std::string scoop = "paper --unpaced --duration-s 3 --hand scoop";
   const json once = summaryOf(scoop);

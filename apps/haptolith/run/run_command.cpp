@@ -5,6 +5,7 @@
 #include <spdlog/spdlog.h>
 
 #include <chrono>
+#include <cmath>
 #include <ctime>
 #include <filesystem>
 #include <memory>
@@ -16,6 +17,8 @@
 #include "haptolith/core/error.h"
 #include "haptolith/core/plain_text.h"
 #include "haptolith/haptics/stiffness_check.h"
+#include "haptolith/machine/finest_grain.h"
+#include "haptolith/scenario/file_keys.h"
 #include "haptolith/scenario/scenario.h"
 #include "haptolith/scenario/scene_words.h"
 #include "haptolith/session/session.h"
@@ -48,6 +51,7 @@ constexpr const char* kExamples = R"(Examples:
   haptolith run --preset P1 --json                  one of the paper's soils, in its scene
   haptolith run --hand press --trace press.csv --figure press.svg
   haptolith run deep-bed                            another scene (haptolith scenes), or one from a file
+  haptolith run --finest                            grains as fine as this machine holds
   haptolith run --poses movement.csv                a recorded hand
   haptolith run --unpaced --duration-s 60 --json    as fast as it can, for experiments
   haptolith run --hand still --port 9000            to dig in, at http://127.0.0.1:9000/
@@ -58,7 +62,7 @@ constexpr const char* kExamples = R"(Examples:
 struct RunOptions {
   SceneOptions scene;
   std::optional<double> duration_s;
-  bool unpaced = false;
+  bool unpaced = false, finest = false;
   std::optional<int> cpu;
   std::string trace_file, figure_file, record_file;
   Overwrite overwrite;
@@ -78,6 +82,39 @@ Scenario scenarioFor(const RunOptions& options) {
   return scenario;
 }
 
+/// "2.5 mm: about 4840 in 9 steps a tick, 99 % of ticks within 480 us".
+std::string trialText(const GrainTrial& trial) {
+  return std::isinf(trial.tick_us_p99)
+             ? fmt::format("{:g} mm: far more than any machine holds", 1e3 * trial.radius_m)
+             : fmt::format("{:g} mm: about {} in {} steps a tick, 99 % of ticks {} {:.0f} us", 1e3 * trial.radius_m,
+                           trial.grains, trial.substeps, trial.tick_us_p99 <= kFinestTick_us ? "within" : "not within",
+                           trial.tick_us_p99 <= kFinestTick_us ? trial.tick_us_p99 : kFinestTick_us);
+}
+
+/// Makes the scene of the finest grains that this machine holds, and tells which; the beginning of its title, for which
+/// there is room on the page, tells everybody else.
+FinestGrain chooseFinest(Scenario& scenario, StatusLine& status) {
+  BedParameters& bed = scenario.bed;
+  if (bed.start != BedStart::kSettled || bed.grading.fine_radius_m > 0) {
+    throw InvalidParameter(
+        "finest", inQuotes(scenario.title),
+        "a scene whose bed starts as settled, of grains of one size: another's are what its file says");
+  }
+  status.update("how fine may grains be on this machine?");
+  const FinestGrain found = finestGrain(bed, scenario.tool, scenario.loop, stopAsked());
+  status.clear();
+  bed.soil = rescaled(bed.soil, found.chosen.radius_m);
+  validate(scenario);
+  const std::string titled = fmt::format("{:g} mm grains: {}", 1e3 * bed.soil.radius_m, scenario.title);
+  scenario.title = titled.size() <= mostBytes(TextSize::kLine) ? titled : scenario.title;
+  printNotice(fmt::format("grains of {}{}\n", trialText(found.chosen),
+                          found.too_slow && found.holds() ? fmt::format("; of {}", trialText(*found.too_slow)) : ""));
+  if (!found.holds()) {
+    spdlog::warn("this machine holds no grains of this box in {:g} us: the coarsest are taken", kFinestTick_us);
+  }
+  return found;
+}
+
 /// Of a name that no program takes for another kind of file.
 void requireRecordingName(const std::filesystem::path& file) {
   if (file.extension() != ".h5") {
@@ -95,6 +132,7 @@ class Follower {
  public:
   Follower(const RunOptions& options, const Scenario& scenario)
       : scenario_(scenario),
+        finest_(options.finest),
         keep_history_(!options.figure_file.empty()),
         recording_(recordingFor(options.frames_per_s)) {
     if (!options.trace_file.empty()) {
@@ -174,14 +212,15 @@ class Follower {
     const std::string deadlines = scenario_.loop.paced ? fmt::format("  in time {:5.1f} %  misses {}",
                                                                      100 * now.success_rate, now.deadline_misses)
                                                        : "";
-    return fmt::format("{}{}  {} {:6.2f} N  tick p99 {:5.0f} us{}  awake {}", fmt::format("{:7.1f} s", now.time_s),
+    return fmt::format("{}{}{}  {} {:6.2f} N  tick p99 {:5.0f} us{}  awake {}", fmt::format("{:7.1f} s", now.time_s),
                        wanted > 0 ? fmt::format(" of {:g} s", wanted) : "",
+                       finest_ ? fmt::format("  grains {:g} mm", 1e3 * scenario_.bed.soil.radius_m) : "",
                        now.trip == SafetyTrip::kNone ? "force" : "LET GO", now.felt.force_n.norm(), now.tick_us_p99,
                        deadlines, now.awake);
   }
 
   const Scenario& scenario_;
-  bool keep_history_;
+  bool finest_, keep_history_;
   std::optional<TraceFile> trace_;
   SessionRecording recording_;
   StatusLine status_;
@@ -194,10 +233,23 @@ struct RunSummary {
   LoopEnd end;
   RealTime real_time;
   std::uint64_t lost_records;
+  std::optional<FinestGrain> finest;  ///< what --finest chose
 };
 
 Json statisticsJson(const Histogram& h) {
   return {{"mean", h.mean()}, {"p99", h.percentile(0.99)}, {"max", h.max()}};
+}
+
+Json finestJson(const std::optional<FinestGrain>& finest) {
+  const auto trial = [](const GrainTrial& tried) -> Json {
+    return {{"radius_mm", 1e3 * tried.radius_m},
+            {"grains", tried.grains},
+            {"substeps", tried.substeps},
+            {"predicted_tick_us_p99", tried.tick_us_p99}};
+  };
+  return finest ? Json{{"chosen", trial(finest->chosen)},
+                       {"too_slow", finest->too_slow ? trial(*finest->too_slow) : Json(nullptr)}}
+                : Json(nullptr);
 }
 
 Json summaryJson(const Scenario& scenario, const Scene& scene, const HapticLoop& loop, const RunSummary& summary) {
@@ -208,6 +260,7 @@ Json summaryJson(const Scenario& scenario, const Scene& scene, const HapticLoop&
           {"friction", wordFor(kFrictionWords, scenario.bed.soil.friction)},
           {"body", scenario.body},
           {"particles", scene.bed().particles()},
+          {"finest", finestJson(summary.finest)},
           {"awake", scene.bed().awake()},
           {"substeps", scene.substeps()},
           {"threads", scenario.bed.threads},
@@ -351,8 +404,13 @@ std::unique_ptr<LiveView> viewOf(Session& session, Follower& follower, const Run
 
 void run(const RunOptions& options) {
   const StopOnSignal stop_on_signal;
-  const Scenario scenario = scenarioFor(options);
+  Scenario scenario = scenarioFor(options);
   const WebServerOptions web = options.web.forAll();
+  std::optional<FinestGrain> finest;
+  if (options.finest) {
+    StatusLine status;
+    finest = chooseFinest(scenario, status);
+  }
   // Files that cannot be written are refused before the bed is made.
   Follower follower(options, scenario);
   std::optional<Figure> figure;
@@ -389,7 +447,7 @@ void run(const RunOptions& options) {
                            : 20ms);
   const LoopEnd end = session.join();
   follower.follow(session, driver.look());
-  const RunSummary summary{end, session.realTime(), taker ? taker->lost() : 0};
+  const RunSummary summary{end, session.realTime(), taker ? taker->lost() : 0, finest};
   follower.finish(summary.end, session.loop().time());
   driver.tellTheRest();
   if (figure) {
@@ -422,6 +480,8 @@ void addRunCommand(CLI::App& app) {
       ->check(numberIn(LoopRanges::duration_s))
       ->option_text("SECONDS");
   command->add_flag("--unpaced", options->unpaced, "As fast as it can instead of in step with the clock");
+  command->add_flag("--finest", options->finest,
+                    "Settled soil in the finest grains that this machine holds; measures it for a second");
   command->add_option("--cpu", options->cpu, "The only CPU that the loop's thread runs on; default: any")
       ->option_text("N");
   command->add_option("--trace", options->trace_file, "Write every tick to this CSV file")->option_text("FILE");

@@ -25,7 +25,9 @@ async function startMock(port: number): Promise<Program> {
 }
 
 async function startExecutable(executable: string, port: number): Promise<Program> {
-  const child = spawn(executable, ['run', 'paper', '--port', String(port), '--serve'], { stdio: ['ignore', 'ignore', 'pipe'] });
+  const child = spawn(executable, ['run', 'paper', '--port', String(port), '--serve'], {
+    stdio: ['ignore', 'ignore', 'pipe'],
+  });
   const address = await listeningAddress(child);
   return {
     address,

@@ -1,0 +1,49 @@
+#pragma once
+
+#include <array>
+#include <atomic>
+#include <cstddef>
+#include <functional>
+#include <optional>
+#include <span>
+
+#include "haptolith/haptics/loop_parameters.h"
+#include "haptolith/tool/scene.h"
+
+namespace haptolith {
+
+/// Radii of grains to choose from, in m, coarse to fine.
+inline constexpr std::array kGrainRadii_m{7e-3, 5e-3, 3.5e-3, 3e-3, 2.5e-3, 2e-3, 1.75e-3};
+
+/// What 99 of 100 ticks may take, in us, of a thousand: the rest is for waking late, for sending, and for worse moments
+/// than those of a trial.
+inline constexpr double kFinestTick_us = 600;
+
+/// What grains of one size would cost.
+struct GrainTrial {
+  double radius_m = 0;
+  std::size_t grains = 0;  ///< about so many
+  int substeps = 0;        ///< of a tick
+  double tick_us_p99 = 0;  ///< predicted; infinite where no machine could do it
+};
+
+/// What a search among sizes of grain came to.
+struct FinestGrain {
+  GrainTrial chosen;                   ///< the finest within kFinestTick_us, or the coarsest when none is
+  std::optional<GrainTrial> too_slow;  ///< the coarsest that was tried and is not
+  [[nodiscard]] bool holds() const noexcept { return chosen.tick_us_p99 <= kFinestTick_us; }
+};
+
+/// The finest of `radii_m`, coarse to fine, whose trial stays within kFinestTick_us, where a finer one costs more:
+/// found by halves. @throws what `trial` throws.
+[[nodiscard]] FinestGrain finestOf(std::span<const double> radii_m,
+                                   const std::function<GrainTrial(double radius_m)>& trial);
+
+/// The finest grains of kGrainRadii_m that this machine holds in the box of `bed`, with its threads: the tool stirs a
+/// close packing of each size that is tried, all of it awake, for a quarter of a second on a thread set up as the
+/// loop's. Takes about a second. Not for the tick.
+/// @throws InvalidParameter when the bed can be made of no such grains; Failure when `stop` becomes true.
+[[nodiscard]] FinestGrain finestGrain(const BedParameters& bed, const ToolParameters& tool, const LoopParameters& loop,
+                                      const std::atomic<bool>& stop);
+
+}  // namespace haptolith
