@@ -107,4 +107,9 @@ void validate(const BedParameters& bed) {
   requireInRange("threads", bed.threads, BedRanges::threads);
 }
 
+const BedParameters& validated(const BedParameters& bed) {
+  validate(bed);
+  return bed;
+}
+
 }  // namespace haptolith

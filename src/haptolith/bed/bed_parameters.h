@@ -87,6 +87,9 @@ struct BedRanges {
 /// @throws InvalidParameter with the key, the value and the valid range.
 void validate(const BedParameters& bed);
 
+/// The same parameters after validate(): lets wrong ones go no further than the first member that is made of them.
+[[nodiscard]] const BedParameters& validated(const BedParameters& bed);
+
 /// How many sizes of grain a bed has: 1 when all are alike. @throws InvalidParameter when `fine_radius_m` is not the
 /// soil's halved a few times.
 [[nodiscard]] int grainClasses(const BedParameters& bed);

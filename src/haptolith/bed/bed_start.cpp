@@ -239,4 +239,20 @@ BedParameters withRoomFor(int particles, BedParameters bed) {
   return bed;
 }
 
+double largestExcess(const SoilParameters& soil) {
+  return soil.friction == FrictionModel::kContact ? soil.size_spread * soil.radius_m : 0;
+}
+
+std::vector<Float4> withSizes(const BedParameters& bed, const std::vector<Vec3>& centres_m) {
+  std::mt19937_64 random(bed.seed);
+  std::vector<Float4> grains;
+  grains.reserve(centres_m.size());
+  for (const Vec3& centre : centres_m) {
+    const double excess = largestExcess(bed.soil) * uniformSigned(random);
+    grains.push_back({static_cast<float>(centre.x()), static_cast<float>(centre.y()), static_cast<float>(centre.z()),
+                      static_cast<float>(excess)});
+  }
+  return grains;
+}
+
 }  // namespace haptolith

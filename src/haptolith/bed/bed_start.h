@@ -3,6 +3,7 @@
 #include <vector>
 
 #include "haptolith/bed/bed_parameters.h"
+#include "haptolith/bed/bed_state.h"
 
 namespace haptolith {
 
@@ -14,6 +15,12 @@ namespace haptolith {
 /// to be settled. None for kSettled, which bed_tile.h makes.
 /// @throws InvalidParameter when the particles do not fit.
 [[nodiscard]] std::vector<Vec3> startingCentres(const BedParameters& bed);
+
+/// How much the largest particle's radius exceeds the mean, in m, in the coarsest class.
+[[nodiscard]] double largestExcess(const SoilParameters& soil);
+
+/// Centres with sizes as the seed deals them out.
+[[nodiscard]] std::vector<Float4> withSizes(const BedParameters& bed, const std::vector<Vec3>& centres_m);
 
 /// The bed as a packed sandbox for about so many particles: half as deep as wide, but no deeper than a hand reaches.
 [[nodiscard]] BedParameters withRoomFor(int particles, BedParameters bed);

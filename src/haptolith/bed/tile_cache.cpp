@@ -108,11 +108,12 @@ struct Wanted {
 };
 
 /// Whether a tile from a file is one of the bed that is wanted: nothing in it may lead outside of it.
-bool isSound(const BedTile& tile, const BedParameters& wanted, double highest_m) {
+bool isSound(const BedTile& tile, const Wanted& soil) {
+  const BedParameters& wanted = soil.bed;
   const std::size_t n = tile.grains.size();
   const bool remembers = wanted.soil.friction == FrictionModel::kContact;
   const auto within = [&](const Float4& p) {
-    return std::abs(p.x) <= wanted.width_m && std::abs(p.y) <= wanted.length_m && std::abs(p.z) <= highest_m &&
+    return std::abs(p.x) <= wanted.width_m && std::abs(p.y) <= wanted.length_m && std::abs(p.z) <= soil.highest_m &&
            std::abs(p.w) <= wanted.soil.radius_m;  // false for NaN, too
   };
   const auto known = [&](const TileContact& contact) { return contact.other < n && finite(contact.slip); };
@@ -145,7 +146,7 @@ std::optional<BedTile> tileIn(std::string_view bytes, const Wanted& wanted) {
   }
   tile.width_m = periods[0];
   tile.length_m = periods[1];
-  return isSound(tile, wanted.bed, wanted.highest_m) ? std::optional(std::move(tile)) : std::nullopt;
+  return isSound(tile, wanted) ? std::optional(std::move(tile)) : std::nullopt;
 }
 
 /// The tile, if the cache has it.

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <bit>
 
+#include "haptolith/bed/critical_step.h"
+
 namespace haptolith {
 
 namespace {
@@ -31,7 +33,21 @@ Slip opposite(const Slip& slip) noexcept {
   return {0 - slip.x, 0 - slip.y, 0 - slip.z};  // of zero it is zero without a sign
 }
 
+/// For so long, about, nothing must have stirred: counted in steps of the bed alone, which a tool may make shorter.
+constexpr double kRest_s = 0.1;
+/// What has gone further than it goes at the speed of rest in this time has stirred, however slowly it went.
+constexpr double kCreep_s = 0.02;
+
 }  // namespace
+
+RestRule restRule(const BedParameters& bed) {
+  const double dt_s = std::min(bed.tick_s, 1 / stepsPerSecond(finestSoil(bed), 0));
+  const auto speed = static_cast<float>(bed.sleep_speed_m_s);
+  return {.sleep = bed.sleep,
+          .speed_m_s = speed,
+          .distance_m = speed * static_cast<float>(kCreep_s),
+          .steps = static_cast<std::uint16_t>(std::clamp(kRest_s / dt_s, double{Wakefulness::kTurn}, 60'000.0))};
+}
 
 Wakefulness::Wakefulness(std::size_t groups, const RestRule& rule)
     : rule_(rule),

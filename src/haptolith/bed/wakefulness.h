@@ -4,6 +4,7 @@
 #include <span>
 #include <vector>
 
+#include "haptolith/bed/bed_parameters.h"
 #include "haptolith/bed/bed_state.h"
 
 namespace haptolith {
@@ -15,6 +16,9 @@ struct RestRule {
   float distance_m = 0;     ///< nor what is further from where it was when it came to rest,
   std::uint16_t steps = 0;  ///< and rest must have lasted this many steps
 };
+
+/// The rule of a bed: `sleep` and `sleep_speed_m_s`, for a tenth of a second.
+[[nodiscard]] RestRule restRule(const BedParameters& bed);
 
 /// Which groups of particles are worked on.
 ///
