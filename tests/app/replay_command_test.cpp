@@ -278,7 +278,7 @@ import os, pty, subprocess, sys, termios, time
 program, recording = sys.argv[1:]
 terminal, end = pty.openpty()
 termios.tcflow(end, termios.TCOOFF)
-run = subprocess.Popen([program, 'run', '--hand', 'still', '--duration-s', '1', '--no-serve', '--record', recording],
+run = subprocess.Popen([program, 'run', 'paper', '--hand', 'still', '--duration-s', '1', '--no-serve', '--record', recording],
                        stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL, stderr=end)
 complete = False
 for _ in range(300):

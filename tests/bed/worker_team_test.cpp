@@ -51,12 +51,13 @@ TEST(WorkerTeam, WakesWorkersThatHaveFallenAsleep) {
 }
 
 TEST(WorkerTeam, DoesWithoutAThreadThatDoesNotCome) {
-  // All parts of one loop wait for each other's thread but one: whoever is free has to take the rest.
+  // The helper stays in the first part that it takes until all others are done: the caller has to take the rest.
   struct Stuck {
     std::atomic<int> done{0};
-    static void work(void* context, int part, int parts) noexcept {
+    std::thread::id caller = std::this_thread::get_id();
+    static void work(void* context, int /*part*/, int parts) noexcept {
       auto* stuck = static_cast<Stuck*>(context);
-      if (part == parts / 2) {  // the first that the second thread begins with
+      if (std::this_thread::get_id() != stuck->caller) {
         while (stuck->done < parts - 1) {
           std::this_thread::yield();
         }
@@ -70,6 +71,32 @@ TEST(WorkerTeam, DoesWithoutAThreadThatDoesNotCome) {
     team.run(&Stuck::work, &stuck, 8);
     EXPECT_EQ(stuck.done, 8);
   }
+}
+
+TEST(WorkerTeam, IsNotHeldUpForLongByAHelperWhoseCoreIsTakenAway) {
+  // The helper sleeps 1 ms in each of its parts, the caller works for 1 us in each of its own.
+  struct Taken {
+    std::atomic<int> helped{0};
+    std::thread::id caller = std::this_thread::get_id();
+    static void work(void* context, int /*part*/, int /*parts*/) noexcept {
+      auto* taken = static_cast<Taken*>(context);
+      if (std::this_thread::get_id() != taken->caller) {
+        ++taken->helped;
+        std::this_thread::sleep_for(std::chrono::milliseconds(1));
+        return;
+      }
+      const auto end = std::chrono::steady_clock::now() + std::chrono::microseconds(1);
+      while (std::chrono::steady_clock::now() < end) {
+      }
+    }
+  } taken;
+  WorkerTeam team(2);
+  constexpr int kRounds = 20000;
+  for (int round = 0; round < kRounds; ++round) {
+    team.run(&Taken::work, &taken, 64);
+  }
+  EXPECT_GT(taken.helped, 0) << "it is asked again";
+  EXPECT_LT(taken.helped, kRounds / 20) << "1.3 s of work alone, 0.3 s of waiting for 300 parts";
 }
 
 TEST(WorkerTeam, EndsWithoutEverHavingWorked) {

@@ -12,7 +12,8 @@ namespace haptolith {
 ///
 /// Each thread works through a range of its own first, the same one in every loop, so that what it has in its cache is
 /// what it needs; then it takes parts that others have not come to. A thread whose core has been taken away so holds up
-/// nobody but by the part that it is in.
+/// nobody but by the part that it is in; and whoever has waited for one longer than it has worked itself goes on alone
+/// for a while.
 class WorkerTeam {
  public:
   /// `threads` counts the caller, so 1 makes no thread at all.
@@ -45,6 +46,7 @@ class WorkerTeam {
   Work work_ = nullptr;
   void* context_ = nullptr;
   int parts_ = 0;
+  std::int64_t alone_until_ns_ = 0;  // 0: in company
   alignas(64) std::atomic<std::uint32_t> round_{0};
   alignas(64) std::atomic<int> unfinished_{0};
   std::atomic<bool> stop_{false};
