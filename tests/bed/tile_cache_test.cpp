@@ -166,6 +166,7 @@ TEST_F(TileCache, KeyHoldsAllThatATileDependsOnAndNothingElse) {
   EXPECT_FALSE(differs([](BedParameters& b) { b.threads = 2; }));
   EXPECT_FALSE(differs([](BedParameters& b) { b.wall_friction_ratio = 0; }));
   EXPECT_FALSE(differs([](BedParameters& b) { b.sleep_speed_m_s = 1e-3; }));
+  EXPECT_FALSE(differs([](BedParameters& b) { b.sleep_distance_m = 1e-3; }));
 }
 
 TEST_F(TileCache, SettlesGrainsOfSeveralSizesOnceAndGivesThemBackBitForBit) {

@@ -125,6 +125,7 @@ TEST_F(LoadScenario, ThePapersSceneIsTheDefault) {
   EXPECT_EQ(paper.bed.threads, preset.bed.threads);
   EXPECT_EQ(paper.bed.sleep, preset.bed.sleep);
   EXPECT_DOUBLE_EQ(paper.bed.sleep_speed_m_s, preset.bed.sleep_speed_m_s);
+  EXPECT_DOUBLE_EQ(paper.bed.sleep_distance_m, preset.bed.sleep_distance_m);
   EXPECT_EQ(paper.bed.max_substeps, preset.bed.max_substeps);
   EXPECT_EQ(paper.tool.shape, preset.tool.shape);
   EXPECT_TRUE(paper.tool.size_m.isApprox(preset.tool.size_m));

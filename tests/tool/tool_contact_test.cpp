@@ -108,6 +108,17 @@ TEST(ToolContact, TurnsWithTheTool) {
   EXPECT_EQ(crowd.side[0], 1);
 }
 
+TEST(ToolContact, DoesNotMeetSoilThatIsHeldWhereTheBoxEnds) {
+  Crowd crowd;
+  crowd.add(Vec3(0, 0, -0.008));
+  EXPECT_GT(crowd.apply(kShovel, {}).force_n.z(), 0);
+  crowd.state.velocity[0].w = BedState::kHeld;
+  EXPECT_EQ(crowd.apply(kShovel, {}).force_n.norm(), 0);
+  EXPECT_EQ(crowd.forceOn(0).norm(), 0);
+  crowd.state.velocity[0].w = BedState::kDriven;
+  EXPECT_GT(crowd.apply(kShovel, {}).force_n.z(), 0);
+}
+
 TEST(ToolContact, DampsTheVelocityOfTheTouchedPointTowardsTheParticle) {
   // The tool turns at 10 rad/s about y: at 12 mm along x its point moves at -0.12 m/s along z, the particle at 0.03.
   Crowd crowd;

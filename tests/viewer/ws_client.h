@@ -9,8 +9,10 @@
 #include <nlohmann/json.hpp>
 
 #include <chrono>
+#include <deque>
 #include <optional>
 #include <string>
+#include <utility>
 
 namespace haptolith {
 
@@ -66,13 +68,22 @@ class WsClient {
   }
   [[nodiscard]] bool gotText() const { return stream_.got_text(); }
 
-  /// The next text of a type, frames and others left out.
+  /// The next text of a type, frames and others left out. But a scene, which is told once, is kept for whoever asks
+  /// next: it may come before the reply to what has changed it.
   std::optional<nlohmann::json> receive(const std::string& type) {
+    if (type == "scene" && !scenes_.empty()) {
+      nlohmann::json scene = std::move(scenes_.front());
+      scenes_.pop_front();
+      return scene;
+    }
     while (const std::optional<std::string> message = receive()) {
       if (gotText()) {
         nlohmann::json json = nlohmann::json::parse(*message);
         if (json["type"] == type) {
           return json;
+        }
+        if (json["type"] == "scene") {
+          scenes_.push_back(std::move(json));
         }
       }
     }
@@ -127,6 +138,7 @@ class WsClient {
   }
 
   std::chrono::steady_clock::time_point end_ = std::chrono::steady_clock::now() + std::chrono::seconds(30);
+  std::deque<nlohmann::json> scenes_;
   std::uint16_t port_;
   boost::asio::io_context io_;
   boost::beast::websocket::stream<boost::beast::tcp_stream> stream_;

@@ -42,6 +42,7 @@ struct BenchOptions {
   Manoeuvre hand = Manoeuvre::kStir;
   BedStart start = BedStart::kPacked;
   std::optional<double> sleep_speed_m_s;
+  double sleep_distance_mm = 0;
   double seconds = 1;
   bool json = false;
   std::string figure_file;
@@ -62,11 +63,16 @@ struct BenchRow {
   [[nodiscard]] double particleStepsPerSecond() const { return awake * substeps / (1e-6 * tick_us.mean()); }
 };
 
+void letSleep(BedParameters& bed, const BenchOptions& options) {
+  bed.sleep = options.sleep_speed_m_s.has_value();
+  bed.sleep_speed_m_s = options.sleep_speed_m_s.value_or(0);
+  bed.sleep_distance_m = 1e-3 * options.sleep_distance_mm;
+}
+
 /// A sandbox of about `particles` on the Moon; 256 of 7 mm are the paper's scene.
 BedParameters sandbox(const BenchOptions& options, int particles, FrictionModel friction, int threads) {
   BedParameters bed;
-  bed.sleep = options.sleep_speed_m_s.has_value();
-  bed.sleep_speed_m_s = options.sleep_speed_m_s.value_or(0);
+  letSleep(bed, options);
   bed.soil = labSoil(options.soil, 0).soil;
   bed.soil.friction = friction;
   bed.threads = threads;
@@ -162,8 +168,7 @@ std::vector<BenchScene> scenesOf(const BenchOptions& options) {
       scenes.push_back({fmt::format("{}, {} threads", file, threads), scene.bed, scene.tool, scene.hand});
       BedParameters& bed = scenes.back().bed;
       bed.threads = threads;
-      bed.sleep = options.sleep_speed_m_s.has_value();
-      bed.sleep_speed_m_s = options.sleep_speed_m_s.value_or(0);
+      letSleep(bed, options);
     }
   }
   if (!scenes.empty()) {
@@ -255,7 +260,8 @@ void runBench(const BenchOptions& options) {
     requireInRange("particles", particles, {1, kMostParticles});
   }
   requireInRange("seconds", options.seconds, {0.1, 3600});
-  requireInRange("sleep-speed-m-s", options.sleep_speed_m_s.value_or(0), {0, 1});
+  requireInRange("sleep-speed-m-s", options.sleep_speed_m_s.value_or(0), BedRanges::sleep_speed_m_s);
+  requireInRange("sleep-distance-mm", options.sleep_distance_mm, {0, 1e3 * BedRanges::sleep_distance_m.highest});
   status.update("how punctual is the machine?");
   const Histogram late_us = timerLatenessUs();
   std::vector<BenchRow> rows;
@@ -322,6 +328,8 @@ void addBenchCommand(CLI::App& app) {
   command->add_option("--hand", options->hand, "stir or still [stir]")->transform(wordOf(hands).description(""));
   command->add_option("--sleep-speed-m-s", options->sleep_speed_m_s,
                       "let soil sleep in which nothing moves faster [all stays awake]");
+  command->add_option("--sleep-distance-mm", options->sleep_distance_mm,
+                      "nor has gone further from where it came to rest [as far as at that speed in 20 ms]");
   command->add_option("--seconds", options->seconds, "of simulated time for each row")->capture_default_str();
   command->add_option("--figure", options->figure_file, "draw ticks over particles: FILE.svg or FILE.png");
   options->overwrite.addTo(*command);

@@ -261,6 +261,7 @@ Json summaryJson(const Scenario& scenario, const Scene& scene, const HapticLoop&
           {"body", scenario.body},
           {"particles", scene.bed().particles()},
           {"finest", finestJson(summary.finest)},
+          {"held", scene.bed().heldParticles()},  // for ever, where the box ends
           {"awake", scene.bed().awake()},
           {"substeps", scene.substeps()},
           {"threads", scenario.bed.threads},

@@ -64,12 +64,19 @@ To narrow(From value) noexcept {
 }
 
 StepBox stepBox(const BedParameters& bed) {
-  return {.half_width = narrow<float>(bed.width_m / 2),
-          .half_length = narrow<float>(bed.length_m / 2),
+  const double held_m = heldWidth(bed);
+  return {.half_width = narrow<float>(bed.width_m / 2 + held_m),
+          .half_length = narrow<float>(bed.length_m / 2 + held_m),
           .walls_x = !bed.periodic_x,
           .walls_y = !bed.periodic_y,
           .wall_ratio = narrow<float>(bed.wall_friction_ratio),
           .periods = periodsOf(bed)};
+}
+
+GridBox gridBox(const BedParameters& bed, double height_m) {
+  const double held_m = 2 * heldWidth(bed);
+  return {bed.width_m + (bed.periodic_x ? 0 : held_m), bed.length_m + (bed.periodic_y ? 0 : held_m), height_m,
+          periodsOf(bed)};
 }
 
 double highest(const std::vector<Float4>& grains) {
@@ -130,7 +137,7 @@ Bed::Bed(const BedParameters& parameters, const std::vector<Float4>& grains)
                       .reach_m = laws_.pair.cutoff_m + skin_m_,
                       .beyond_m = laws_.pair.cutoff_m + skin_m_ - laws_.pair.diameter_m,
                       .largest_excess_m = largestExcess(parameters.soil)},
-                     {parameters.width_m, parameters.length_m, highest(grains), periodsOf(parameters)}),
+                     gridBox(parameters, highest(grains))),
       wakefulness_(paddedCount(grains.size()) / kGroup, restRule(parameters)),
       team_(usefulThreads(parameters, grains.size())),
       moved_of_part_(static_cast<std::size_t>(mostParts(team_.size()))) {
@@ -364,14 +371,14 @@ void Bed::setSoil(const SoilLaws& laws) noexcept {
 }
 
 void Bed::drive(std::size_t particle, const Vec3& velocity_m_s) noexcept {
-  driven_ += isDriven(particle) ? 0 : 1;
+  driven_ += state_.velocity[particle].w == BedState::kDriven ? 0 : 1;
   wake(particle);
   state_.velocity[particle] = {narrow<float>(velocity_m_s.x()), narrow<float>(velocity_m_s.y()),
-                               narrow<float>(velocity_m_s.z()), 1};
+                               narrow<float>(velocity_m_s.z()), BedState::kDriven};
 }
 
 void Bed::release(std::size_t particle) noexcept {
-  driven_ -= isDriven(particle) ? 1 : 0;
+  driven_ -= state_.velocity[particle].w == BedState::kDriven ? 1 : 0;
   wake(particle);
   state_.velocity[particle].w = 0;
 }
@@ -422,8 +429,8 @@ double Bed::energy() const {
       return contactEnergy(side_wall, across_m - 2 * (std::abs(from_middle_m) + excess) - nearer) / 2;
     };
     energy += contactEnergy(floor, 2 * (x.z() - excess) - nearer) / 2;
-    energy += parameters_.periodic_x ? 0 : to_walls(parameters_.width_m, x.x());
-    energy += parameters_.periodic_y ? 0 : to_walls(parameters_.length_m, x.y());
+    energy += parameters_.periodic_x ? 0 : to_walls(parameters_.width_m + 2 * heldWidth(parameters_), x.x());
+    energy += parameters_.periodic_y ? 0 : to_walls(parameters_.length_m + 2 * heldWidth(parameters_), x.y());
     for (std::uint32_t s = 0; s < state_.contacts.count(i); ++s) {
       const auto j = static_cast<std::size_t>(state_.contacts.neighbour(i, s));
       if (j > i) {
@@ -434,7 +441,7 @@ double Bed::energy() const {
         const ContactFrictionLaw& law = law_between(own, other);
         energy += contactEnergy(pairs[index(own, other)], apart.norm() - excess - state_.position[j].w - law.nearer);
         if (hasContactFriction()) {  // of the side that is awake
-          const bool other_side = state_.rested[i / kGroup] == BedState::kAsleep;
+          const bool other_side = state_.asleep(i / kGroup);
           const Slip slip = other_side ? state_.contacts.slip(j, state_.contacts.find(j, narrow<std::int32_t>(i)))
                                        : state_.contacts.slip(i, s);
           energy += law.stiffness / 2 * Vec3(slip.x, slip.y, slip.z).squaredNorm();
@@ -456,7 +463,7 @@ double Bed::energy() const {
 double Bed::largestSpeed(std::size_t first, std::size_t last) const noexcept {
   float largest = 0;
   for (std::size_t i = first; i < last; ++i) {
-    if (state_.rested[i / kGroup] == BedState::kAsleep) {
+    if (state_.asleep(i / kGroup)) {
       i += kGroup - 1 - i % kGroup;
       continue;
     }
@@ -574,7 +581,7 @@ void Bed::restore(const BedState& state) {
   std::ranges::fill(external_, Float4{});
   std::ranges::fill(near_before_, std::uint64_t{0});
   for (std::size_t i = 0; i < n; ++i) {
-    driven_ += isDriven(i) ? 1 : 0;
+    driven_ += state_.velocity[i].w == BedState::kDriven ? 1 : 0;
     const bool touched = state.tool_side[i] != 0 || (hasContactFriction() && !isZero(state.tool_slip[i]));
     near_before_[i / kGroup / kBits] |= std::uint64_t{touched} << (i / kGroup % kBits);  // the tool was there
   }

@@ -80,7 +80,10 @@ class Bed {
   /// isCompatible(). May be called in the tick.
   void setSoil(const SoilLaws& laws) noexcept;
 
+  /// Whether nothing can push a particle: driven ones, and soil that is held where a box of settled soil ends.
   [[nodiscard]] bool isDriven(std::size_t particle) const noexcept { return state_.velocity[particle].w != 0; }
+  /// How many particles are held, see LaidSoil; the tool does not feel them.
+  [[nodiscard]] std::size_t heldParticles() const noexcept;
 
   /// Force of its neighbours on a particle, in N, scene frame: in the last step in which it was awake and any particle
   /// was driven.
@@ -146,8 +149,11 @@ class Bed {
   [[nodiscard]] static StartingSoil startingSoil(const BedParameters& bed, const SettleProgress& progress);
   /// Takes over what the contacts of laid soil remember.
   void recall(const StartingSoil& soil) noexcept;
-  /// Lets soil find its hold at the walls, where some of what was laid had no room, then stops it where it is.
-  void settleRim(double dt_s, const SettleProgress& progress);
+  /// Soil from free_particles on stands for ever where it stands; the rest lies as it did in its tile, and may sleep.
+  void holdSides(std::size_t free_particles) noexcept;
+  /// Lets soil find its hold under a gravity that pulls sideways, then stops it where it is.
+  void settleOnSlope(double dt_s, const SettleProgress& progress);
+  void stop() noexcept;
   [[nodiscard]] StepConstants constantsFor(double dt_s) const noexcept;
   void stepPart(int part, int parts) noexcept;
   [[nodiscard]] std::span<const Moved> movedOfParts() const noexcept {
@@ -187,7 +193,7 @@ class Bed {
   double gone_since_look_m_ = 0;  ///< that no particle can have gone further
   StepConstants now_{};
   bool friction_on_ = true;
-  bool laying_ = false;     ///< settleRim(), in which a drag brakes soil
+  bool laying_ = false;     ///< settleOnSlope(), in which a drag brakes soil
   std::size_t driven_ = 0;  ///< particles
   std::uint64_t relistings_ = 0;
   std::int64_t relisting_ns_ = 0;

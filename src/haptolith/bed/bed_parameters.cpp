@@ -102,6 +102,7 @@ void validate(const BedParameters& bed) {
   }
   validateGrading(bed);
   requireInRange("sleep_speed_m_s", bed.sleep_speed_m_s, BedRanges::sleep_speed_m_s);
+  requireInRange("sleep_distance_m", bed.sleep_distance_m, BedRanges::sleep_distance_m);
   requireInRange("tick_s", bed.tick_s, BedRanges::tick_s);
   requireInRange("max_substeps", bed.max_substeps, BedRanges::max_substeps);
   requireInRange("threads", bed.threads, BedRanges::threads);

@@ -47,11 +47,13 @@ struct BedParameters {
   Grading grading;
 
   /// Whether soil at rest is left alone until something near it stirs (Wakefulness); what moves faster than this is not
-  /// at rest, nor what has crept further than it goes at that speed in 20 ms. The default is so slow that hardly a
-  /// position changes in its last digit; digging in large beds wants a thousand times that. At 0 only what stands quite
-  /// still sleeps, as soil with the paper's friction does, and no bit changes.
+  /// at rest, nor what has gone further than the distance from where it came to rest. The default is so slow that
+  /// hardly a position changes in its last digit. At 0 only what stands quite still sleeps, as soil with the paper's
+  /// friction does, and no bit changes. Digging in large beds wants 0.01 m/s and a hundredth of a radius: grains that
+  /// find new places ring like bells, so that soil far from the tool swings at some mm/s, but by a few um only.
   bool sleep = true;
   double sleep_speed_m_s = 1e-6;
+  double sleep_distance_m = 0;  ///< 0: as far as it goes at that speed in 20 ms
 
   double tick_s = 1e-3;
   int max_substeps = 32;  ///< a tick that would need more is refused
@@ -75,6 +77,7 @@ struct BedRanges {
   static constexpr Range fine_place_m{-100, 100};
   static constexpr Range fine_length_m{1e-5, 100};  ///< width, length and depth of fine soil
   static constexpr Range sleep_speed_m_s{0, 1};
+  static constexpr Range sleep_distance_m{0, 1};
   static constexpr Range tick_s{1e-6, 0.1};
   static constexpr Range max_substeps{1, 1000};
   static constexpr Range threads{1, 256};

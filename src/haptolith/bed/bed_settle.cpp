@@ -24,20 +24,10 @@ double longestSettling(const BedParameters& bed, double height_m, double dt_s) {
   return 60 + 3 * sinkingTime(bed.soil, bed.gravity_m_s2.norm(), height_m, dt_s);
 }
 
-/// While laid soil finds its hold at the walls, what moves no faster is at rest. The wider the box, the faster it may
-/// move: with 1e-3 m/s a million of lunar-0-15cm goes on moving from wall to wall, for soil slumps into the room that
-/// was left there and carries the rest with it. A bed without walls lies still to 1e-6 m/s.
-double laidRest(const BedParameters& bed) {
-  constexpr double kSmallBox_m_s = 1e-3;
-  constexpr double kShiver_per_s = 1.5e-3;  // m/s for each m from the middle
-  return std::max(kSmallBox_m_s, kShiver_per_s * std::max(bed.width_m, bed.length_m) / 2);
-}
-/// A bed that lets soil sleep which moves so fast starts asleep; a stricter one finds out for itself.
-constexpr double kStartsAsleep_m_s = 1e-3;
-/// Simulated time after which what still moves there is given up.
+/// Soil laid on a slope is at rest when nothing in it moves faster,
+constexpr double kLaidRest_m_s = 1e-3;
+/// and is given up after so long a simulated time.
 constexpr double kLongestLaying_s = 60;
-/// Nobody further from a wall, in radii, misses a neighbour that was left out for it.
-constexpr double kRimRadii = 5;
 
 /// Grains of several sizes, class by class, ordered so that a group's 16 have about as many neighbours: it takes as
 /// long as the one of them that has most, and next to finer ones a grain has four times as many as among its like.
@@ -71,7 +61,8 @@ std::vector<Float4> startingGrains(const BedParameters& bed, const SettleProgres
   }
   const auto grains_of = [](const Bed& made) {
     const auto& position = made.state().position;
-    return std::vector<Float4>(position.begin(), position.begin() + static_cast<std::ptrdiff_t>(made.particles()));
+    const auto free = static_cast<std::ptrdiff_t>(made.particles() - made.heldParticles());
+    return std::vector<Float4>(position.begin(), position.begin() + free);
   };
   return cachedGradedGrains(bed, [&] {
     const auto settled = [&](const BedParameters& of_one_size) { return grains_of(Bed(of_one_size, progress)); };
@@ -100,7 +91,11 @@ Bed::Bed(const BedParameters& parameters, const StartingSoil& soil, const Settle
   }
   if (parameters.start == BedStart::kSettled) {
     recall(soil);
-    settleRim(dt_s, progress);
+    holdSides(soil.laid.free);
+    const bool on_a_slope = parameters_.gravity_m_s2.x() != 0 || parameters_.gravity_m_s2.y() != 0;
+    if (on_a_slope) {
+      settleOnSlope(dt_s, progress);
+    }
   }
 }
 
@@ -144,11 +139,7 @@ void Bed::settle(double dt_s, double longest_s, const SettleProgress& progress) 
       throw Failure(fmt::format("interrupted while the bed settled, after {:.1f} s of simulated time", time_s));
     }
   } while (speed > at_rest_m_s);
-  wakefulness_.wakeAll(state_);
-  for (std::size_t i = 0; i < particles(); ++i) {
-    state_.velocity[i] = isDriven(i) ? state_.velocity[i] : Float4{};
-  }
-  state_.step = 0;
+  stop();
 }
 
 void Bed::recall(const StartingSoil& soil) noexcept {
@@ -175,55 +166,55 @@ void Bed::recall(const StartingSoil& soil) noexcept {
   std::ranges::fill(near_walls_, std::uint8_t{0xFF});
 }
 
-void Bed::settleRim(double dt_s, const SettleProgress& progress) {
-  const RestRule own = wakefulness_.rule();
-  BedParameters laying = parameters_;
-  laying.sleep = true;
-  laying.sleep_speed_m_s = laidRest(parameters_);
-  wakefulness_.setRule(restRule(laying));
-  laying_ = true;
-  const double rim_m = kRimRadii * parameters_.soil.radius_m;
-  const bool upright = parameters_.gravity_m_s2.x() == 0 && parameters_.gravity_m_s2.y() == 0;
-  const auto inside = [&](const Float4& p) {  // the ghosts behind the last particle, too
-    return (parameters_.periodic_x || std::abs(p.x) < parameters_.width_m / 2 - rim_m || p.x == kGhost.x) &&
-           (parameters_.periodic_y || std::abs(p.y) < parameters_.length_m / 2 - rim_m || p.y == kGhost.y);
-  };
+std::size_t Bed::heldParticles() const noexcept {
+  std::size_t held = 0;
+  for (std::size_t i = 0; i < particles(); ++i) {
+    held += state_.isHeld(i) ? 1 : 0;
+  }
+  return held;
+}
+
+void Bed::holdSides(std::size_t free_particles) noexcept {
+  for (std::size_t i = free_particles; i < particles(); ++i) {
+    state_.velocity[i].w = BedState::kHeld;
+  }
+  next_velocity_ = state_.velocity;
+  const auto start = wakefulness_.rule().sleep ? BedState::kAsleep : std::uint16_t{0};
   for (std::size_t group = 0; group < state_.rested.size(); ++group) {
-    const auto first = state_.position.begin() + static_cast<std::ptrdiff_t>(group * kGroup);
-    state_.rested[group] = upright && std::all_of(first, first + static_cast<std::ptrdiff_t>(kGroup), inside)
-                               ? BedState::kAsleep
-                               : std::uint16_t{0};
+    state_.rested[group] = group * kGroup >= free_particles ? BedState::kAsleepForEver : start;
   }
   wakefulness_.takeOver(state_);
   wakefulness_.listAwake();
+}
+
+void Bed::settleOnSlope(double dt_s, const SettleProgress& progress) {
+  wakefulness_.wakeAll(state_);
+  laying_ = true;
   constexpr int kStepsBetweenLooks = 100;
   double time_s = 0;
-  while (awake() > 0 && (time_s == 0 || largestSpeed() > laying.sleep_speed_m_s)) {
+  do {
     if (time_s >= kLongestLaying_s) {
-      throw Failure(fmt::format("the soil at the walls did not come to rest within {:g} s", kLongestLaying_s));
+      throw Failure(fmt::format("the soil on the slope did not come to rest within {:g} s", kLongestLaying_s));
     }
-    for (int i = 0; i < kStepsBetweenLooks && awake() > 0; ++i) {
+    for (int i = 0; i < kStepsBetweenLooks; ++i) {
       if (const StepStatus status = step(dt_s); status != StepStatus::kOk) {
-        throw Failure(fmt::format("the soil at the walls did not settle: {}", text(status)));
+        throw Failure(fmt::format("the soil on the slope did not settle: {}", text(status)));
       }
     }
     time_s += kStepsBetweenLooks * dt_s;
     if (progress && !progress(time_s, largestSpeed())) {
       throw Failure(fmt::format("interrupted while the bed settled, after {:.1f} s of simulated time", time_s));
     }
-  }
-  for (std::size_t i = 0; i < particles(); ++i) {
-    state_.velocity[i] = {};
-  }
-  next_position_ = state_.position;  // who sleeps stands in both
-  next_velocity_ = state_.velocity;
+  } while (largestSpeed() > kLaidRest_m_s);
   laying_ = false;
-  const bool sleeps = own.sleep && own.speed_m_s >= static_cast<float>(kStartsAsleep_m_s);
-  std::ranges::fill(state_.rested, sleeps ? BedState::kAsleep : std::uint16_t{0});
-  state_.rested_at = state_.position;
-  wakefulness_.setRule(own);
-  wakefulness_.takeOver(state_);
-  wakefulness_.listAwake();
+  stop();
+}
+
+void Bed::stop() noexcept {
+  wakefulness_.wakeAll(state_);
+  for (std::size_t i = 0; i < particles(); ++i) {
+    state_.velocity[i] = isDriven(i) ? state_.velocity[i] : Float4{};
+  }
   state_.step = 0;
 }
 

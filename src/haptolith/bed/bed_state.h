@@ -34,14 +34,20 @@ inline constexpr Float4 kGhostVelocity{0, 0, 0, 1};
 struct BedState {
   std::uint64_t step = 0;              ///< substeps since the start
   std::vector<Float4> position;        ///< m; w is by how much the particle's radius exceeds the mean
-  std::vector<Float4> velocity;        ///< m/s; w is 1 for a driven particle, which keeps its velocity, else 0
+  std::vector<Float4> velocity;        ///< m/s; w: 0, or kDriven or kHeld
   std::vector<Float4> listed_at;       ///< where the neighbour lists have each particle: see Neighbourhood
   ContactLists contacts;               ///< who may touch whom; with contact friction what it remembers, in m
   std::vector<std::int8_t> tool_side;  ///< on which large face of the tool a particle lies: -1, 0 (neither), +1
 
+  static constexpr float kDriven = 1;  ///< keeps its velocity, whatever pushes it
+  static constexpr float kHeld = 2;    ///< so does soil that stands for ever where a box of settled soil ends
+  [[nodiscard]] bool isHeld(std::size_t particle) const noexcept { return velocity[particle].w == kHeld; }
+
   static constexpr std::uint16_t kAsleep = 0xFFFF;
-  std::vector<std::uint16_t> rested;  ///< for how many steps each group has been at rest, or kAsleep: see Wakefulness
-  std::vector<Float4> rested_at;      ///< m; where its particles have been since
+  static constexpr std::uint16_t kAsleepForEver = 0xFFFE;  ///< held soil: nothing wakes it
+  std::vector<std::uint16_t> rested;  ///< for how many steps each group has been at rest, or asleep: see Wakefulness
+  [[nodiscard]] bool asleep(std::size_t group) const noexcept { return rested[group] >= kAsleepForEver; }
+  std::vector<Float4> rested_at;  ///< m; where its particles have been since
 
   // Memory of friction besides that of contacts, in m; empty with the paper's friction, which remembers nothing.
   std::vector<WallSlips> wall_slip;  ///< one for each group

@@ -203,45 +203,59 @@ BedTile settledTile(const BedParameters& bed, const TileProgress& progress) {
   return tileOf(rest);
 }
 
+double heldWidth(const BedParameters& bed) {
+  if (bed.start != BedStart::kSettled || grainClasses(bed) > 1) {
+    return 0;
+  }
+  return makeContactLaw(bed.soil).cutoff_m + 2 * largestExcess(bed.soil);
+}
+
 LaidSoil laidOut(const BedTile& tile, const BedParameters& bed) {
-  const std::vector<double> xs = middles(bed.width_m, tile.width_m, bed.periodic_x);
-  const std::vector<double> ys = middles(bed.length_m, tile.length_m, bed.periodic_y);
-  const double in_all =
-      static_cast<double>(tile.grains.size()) * bed.width_m / tile.width_m * bed.length_m / tile.length_m;
+  const double held_m = heldWidth(bed);
+  const double width_m = bed.width_m + (bed.periodic_x ? 0 : 2 * held_m);
+  const double length_m = bed.length_m + (bed.periodic_y ? 0 : 2 * held_m);
+  const double in_all = static_cast<double>(tile.grains.size()) * width_m / tile.width_m * length_m / tile.length_m;
   if (in_all > kMostParticles) {
     throw InvalidParameter(
         "depth_m", fmt::format("{:g}", bed.depth_m),
         fmt::format("less: a box of this size would hold {:.3g} macroparticles of {:g} mm; {} are the most", in_all,
                     1e3 * bed.soil.radius_m, kMostParticles));
   }
-  std::vector<Vec3> centres;
-  std::vector<std::uint32_t> sources;
-  for (const double y : ys) {
-    for (const double x : xs) {
+  // How far a grain stands in the sides: not at all where that is not above 0.
+  const auto in_sides = [&bed](const Vec3& centre, double radius_m) {
+    return std::max(bed.periodic_x ? 0 : std::abs(centre.x()) + radius_m - bed.width_m / 2,
+                    bed.periodic_y ? 0 : std::abs(centre.y()) + radius_m - bed.length_m / 2);
+  };
+  struct Part {
+    std::vector<Vec3> centres;
+    std::vector<std::uint32_t> sources;
+  } free, held;
+  for (const double y : middles(length_m, tile.length_m, bed.periodic_y)) {
+    for (const double x : middles(width_m, tile.width_m, bed.periodic_x)) {
       for (std::size_t i = 0; i < tile.grains.size(); ++i) {
         const Float4& grain = tile.grains[i];
         const Vec3 centre(grain.x + x, grain.y + y, grain.z);
-        const double radius = bed.soil.radius_m + grain.w;
-        const bool fits = (bed.periodic_x || std::abs(centre.x()) <= bed.width_m / 2 - radius) &&
-                          (bed.periodic_y || std::abs(centre.y()) <= bed.length_m / 2 - radius);
-        if (fits) {
-          centres.push_back(centre);
-          sources.push_back(static_cast<std::uint32_t>(i));
+        const double in_m = in_sides(centre, bed.soil.radius_m + grain.w);
+        if (in_m <= held_m) {
+          Part& part = in_m <= 0 ? free : held;
+          part.centres.push_back(centre);
+          part.sources.push_back(static_cast<std::uint32_t>(i));
         }
       }
     }
   }
-  LaidSoil soil;
-  soil.grains.reserve(centres.size());
-  soil.sources.reserve(centres.size());
-  for (const std::size_t point : spatialOrder(centres, bed.soil.radius_m)) {
-    const Vec3& centre = centres[point];
-    soil.sources.push_back(sources[point]);
-    soil.grains.push_back({static_cast<float>(centre.x()), static_cast<float>(centre.y()),
-                           static_cast<float>(centre.z()), tile.grains[sources[point]].w});
-  }
-  if (soil.grains.empty()) {
+  if (free.centres.empty()) {
     throw InvalidParameter("width_m", fmt::format("{:g}", bed.width_m), "room for a macroparticle");
+  }
+  LaidSoil soil{.grains = {}, .sources = {}, .free = free.centres.size()};
+  for (const Part* part : {&free, &held}) {
+    for (const std::size_t point : spatialOrder(part->centres, bed.soil.radius_m)) {
+      const Vec3& centre = part->centres[point];
+      const std::uint32_t source = part->sources[point];
+      soil.sources.push_back(source);
+      soil.grains.push_back({static_cast<float>(centre.x()), static_cast<float>(centre.y()),
+                             static_cast<float>(centre.z()), tile.grains[source].w});
+    }
   }
   return soil;
 }

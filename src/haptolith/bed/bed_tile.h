@@ -39,13 +39,20 @@ using TileProgress = std::function<bool(double time_s, double speed_m_s)>;
 /// @throws Failure as Bed::settle().
 [[nodiscard]] BedTile settledTile(const BedParameters& bed, const TileProgress& progress);
 
-/// Soil laid out in a box.
+/// Soil laid out in a box. It goes on behind the box's sides for as far as contacts reach, and is held there: so what
+/// is free has each of its neighbours, and is at rest in the box as it was in the tile. Beside smooth walls, where the
+/// grains that stand in them are left out, half a layer would be missing; soil slumps into that, and carries the whole
+/// bed with it for seconds, however wide.
 struct LaidSoil {
-  std::vector<Float4> grains;          ///< in spatial order
+  std::vector<Float4> grains;          ///< in spatial order, first those that are free, then those that are held
   std::vector<std::uint32_t> sources;  ///< the tile's grain that each is a copy of
+  std::size_t free = 0;                ///< how many are
 };
 
-/// Copies of the tile over the box of `bed`; grains that would stand in a wall are left out.
+/// How far held soil reaches beyond what is free, in m: as far as a contact. 0 in beds without.
+[[nodiscard]] double heldWidth(const BedParameters& bed);
+
+/// Copies of the tile over the box of `bed`.
 /// @throws InvalidParameter when there would be too many.
 [[nodiscard]] LaidSoil laidOut(const BedTile& tile, const BedParameters& bed);
 

@@ -11,10 +11,6 @@ namespace {
 
 constexpr std::size_t kBits = 64;  // of a word
 
-bool asleep(const BedState& state, std::size_t group) noexcept {
-  return state.rested[group] == BedState::kAsleep;
-}
-
 /// Calls `each(i, s, j)` for all entries of a group's lists, as long as it returns true.
 template <class Each>
 bool forEachEntry(std::size_t group, const ContactLists& lists, Each each) {
@@ -35,7 +31,8 @@ Slip opposite(const Slip& slip) noexcept {
 
 /// For so long, about, nothing must have stirred: counted in steps of the bed alone, which a tool may make shorter.
 constexpr double kRest_s = 0.1;
-/// What has gone further than it goes at the speed of rest in this time has stirred, however slowly it went.
+/// What has gone further than it goes at the speed of rest in this time has stirred, however slowly it went, where no
+/// distance is given.
 constexpr double kCreep_s = 0.02;
 
 }  // namespace
@@ -45,7 +42,8 @@ RestRule restRule(const BedParameters& bed) {
   const auto speed = static_cast<float>(bed.sleep_speed_m_s);
   return {.sleep = bed.sleep,
           .speed_m_s = speed,
-          .distance_m = speed * static_cast<float>(kCreep_s),
+          .distance_m = bed.sleep_distance_m > 0 ? static_cast<float>(bed.sleep_distance_m)
+                                                 : speed * static_cast<float>(kCreep_s),
           .steps = static_cast<std::uint16_t>(std::clamp(kRest_s / dt_s, double{Wakefulness::kTurn}, 60'000.0))};
 }
 
@@ -125,7 +123,7 @@ void Wakefulness::wakeAround(std::size_t particle, BedState& state) noexcept {
 }
 
 void Wakefulness::wake(std::size_t group, BedState& state) noexcept {
-  if (!asleep(state, group)) {
+  if (state.rested[group] != BedState::kAsleep) {
     return;
   }
   state.rested[group] = rule_.steps;  // at rest, but it has a turn's time to begin to move
@@ -134,7 +132,7 @@ void Wakefulness::wake(std::size_t group, BedState& state) noexcept {
   ContactLists& lists = state.contacts;
   if (lists.remembers()) {
     forEachEntry(group, lists, [&](std::size_t i, std::uint32_t s, std::size_t j) {
-      if (j / kGroup != group && !asleep(state, j / kGroup)) {
+      if (j / kGroup != group && !state.asleep(j / kGroup)) {
         lists.setSlip(i, s, opposite(lists.slip(j, lists.find(j, static_cast<std::int32_t>(i)))));
       }
       return true;
@@ -183,7 +181,7 @@ void Wakefulness::sleep(std::size_t group, const Records& records) noexcept {
   ContactLists& lists = state.contacts;
   if (lists.remembers()) {
     forEachEntry(group, lists, [&](std::size_t i, std::uint32_t s, std::size_t j) {
-      if (asleep(state, j / kGroup)) {
+      if (state.asleep(j / kGroup)) {
         lists.setSlip(j, lists.find(j, static_cast<std::int32_t>(i)), opposite(lists.slip(i, s)));
       }
       return true;
@@ -213,8 +211,8 @@ void Wakefulness::takeOver(BedState& state) noexcept {
   // It may come from a bed in which rest takes another time: nobody sleeps beside what does not rest here.
   for (std::size_t group = 0; group < moving_.size(); ++group) {
     std::uint16_t& rested = state.rested[group];
-    rested = rested == BedState::kAsleep ? rested : std::min<std::uint16_t>(rested, readyToSleep());
-    const bool beside_unrest = asleep(state, group) && !forEachEntry(group, state.contacts, [&](auto, auto, auto j) {
+    rested = state.asleep(group) ? rested : std::min<std::uint16_t>(rested, readyToSleep());
+    const bool beside_unrest = state.asleep(group) && !forEachEntry(group, state.contacts, [&](auto, auto, auto j) {
                                  return state.rested[j / kGroup] >= rule_.steps;
                                });
     if (!rule_.sleep || beside_unrest) {
@@ -224,7 +222,7 @@ void Wakefulness::takeOver(BedState& state) noexcept {
   for (std::size_t group = 0; group < moving_.size(); ++group) {
     const std::uint64_t bit = std::uint64_t{1} << (group % kBits);
     std::uint64_t& word = awake_bits_[group / kBits];
-    word = asleep(state, group) ? word & ~bit : word | bit;
+    word = state.asleep(group) ? word & ~bit : word | bit;
   }
   changed_ = true;
 }

@@ -17,7 +17,7 @@ struct RestRule {
   std::uint16_t steps = 0;  ///< and rest must have lasted this many steps
 };
 
-/// The rule of a bed: `sleep` and `sleep_speed_m_s`, for a tenth of a second.
+/// The rule of a bed: `sleep`, `sleep_speed_m_s` and `sleep_distance_m`, for a tenth of a second.
 [[nodiscard]] RestRule restRule(const BedParameters& bed);
 
 /// Which groups of particles are worked on.

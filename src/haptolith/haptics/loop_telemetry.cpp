@@ -79,7 +79,7 @@ SceneSnapshot* LoopTelemetry::copyPart(ShownScene& shown) noexcept {
   const std::size_t last = std::min(last_group * kGroup, bed.particles());
   std::copy_n(bed.state().position.data() + first, last - first, snapshot.position.data() + first);
   for (std::size_t group = first_group; group < last_group; ++group) {
-    snapshot.asleep[group] = bed.state().rested[group] == BedState::kAsleep ? 1 : 0;
+    snapshot.asleep[group] = bed.state().asleep(group) ? 1 : 0;
   }
   snapshot.largest_speed_m_s = std::max(first == 0 ? 0 : snapshot.largest_speed_m_s, bed.largestSpeed(first, last));
   snapshot.awake = bed.awake();

@@ -233,8 +233,14 @@ std::vector<ScenarioKey> allKeys() {
       {"bed", "sleep_speed_m_s", "sleep_speed_m_s",
        NumberValue{BedRanges::sleep_speed_m_s, [](S& s, double v) { s.bed.sleep_speed_m_s = v; },
                    [](const S& s) { return s.bed.sleep_speed_m_s; }},
-       "What moves faster is not at rest. 0 changes no bit, the default next to nothing, and 0.001 lets far more of a "
-       "large bed sleep."},
+       "What moves faster is not at rest. 0 changes no bit, the default next to nothing, and 0.01 with a "
+       "sleep_distance_mm "
+       "of a hundredth of a radius lets far more of a large bed sleep."},
+      {"bed", "sleep_distance_mm", "sleep_distance_m",
+       NumberValue{BedRanges::sleep_distance_m.in(kMm), [](S& s, double v) { s.bed.sleep_distance_m = v * kMm; },
+                   [](const S& s) { return s.bed.sleep_distance_m / kMm; }},
+       "Nor is at rest what has gone further from where it came to rest; 0: as far as it goes at sleep_speed_m_s in 20 "
+       "ms."},
       {"bed", "threads", "threads",
        CountValue{BedRanges::threads, [](S& s, std::int64_t v) { s.bed.threads = static_cast<int>(v); },
                   [](const S& s) { return static_cast<std::int64_t>(s.bed.threads); }},

@@ -182,7 +182,7 @@ class Encounter {
             std::vector<Float4>& forces) noexcept {
     const std::uint32_t near = nearBox(box_, around_m_, state.position.data() + first);
     for (std::size_t i = first; i < last; ++i) {
-      if ((near >> (i - first) & 1) != 0) {
+      if ((near >> (i - first) & 1) != 0 && !state.isHeld(i)) {
         forces[i] = meet(i, state, memory);
       } else {
         forces[i] = {};
