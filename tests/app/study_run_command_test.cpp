@@ -194,7 +194,7 @@ body = "Ceres"
     for (const char* name : {"P1", "P2", "P3", "P6", "Ceres", "Moon", "lunar", "paper"}) {
       EXPECT_THAT(*message, testing::Not(HasSubstr(fmt::format("\"{}\"", name))));
     }
-    for (const char* running : {"time_s", "tick_us", "rate_hz"}) {  // any number, and so now and then a stimulus's, too
+    for (const char* running : {"time_s", "tick_us", "rate_hz", "remaining_s"}) {  // any number, a stimulus's, too
       told.erase(running);
     }
     for (const char* number : {"0\\.835", "0\\.6", "1\\.21"}) {
