@@ -93,6 +93,12 @@ TEST(SettledStart, HoldsItsSidesWhateverHappensToTheSoil) {
     ASSERT_LT(std::abs(p.x), parameters.width_m / 2 + held_m);
     ASSERT_LT(std::abs(p.y), parameters.length_m / 2 + held_m);
   }
+  BedState freed = bed.state();
+  freed.velocity[free].w = 0;
+  EXPECT_THROW(Bed(parameters).restore(freed), InvalidParameter);
+  BedState frozen = bed.state();
+  frozen.rested[0] = BedState::kAsleepForEver;
+  EXPECT_THROW(Bed(parameters).restore(frozen), InvalidParameter);
   const std::size_t still_held = bed.heldParticles();
   Bed again(parameters);
   again.restore(bed.state());
@@ -126,9 +132,9 @@ TEST(SettledStart, IsAtRestAndRemembersWhatCarriesIt) {
     fastest = std::max(fastest, bed.largestSpeed());
   }
   // Half of its friction forgotten, soil sinks by millimetres a second; rounding of positions makes it shiver.
-  EXPECT_LT(fastest, 1e-4);
+  EXPECT_LT(fastest, 3e-4);  // four seeds on three instruction sets: 1e-6 to 1.1e-4
   for (std::size_t i = 0; i < bed.particles(); ++i) {
-    EXPECT_NEAR(bed.state().position[i].z, before[i].z, 2e-6);
+    EXPECT_NEAR(bed.state().position[i].z, before[i].z, 5e-6);  // 0.03 to 2.1 um
   }
 }
 

@@ -530,6 +530,18 @@ void Bed::restore(const BedState& state) {
       throw InvalidParameter("state", "grains of other classes", "of this bed's classes, grain by grain");
     }
   }
+  for (std::size_t i = 0; i < n; ++i) {
+    if (state.isHeld(i) != state_.isHeld(i)) {
+      throw InvalidParameter("state", fmt::format("particle {} {}", i, state.isHeld(i) ? "held" : "free"),
+                             "of a bed that holds the same soil at its sides");
+    }
+  }
+  for (std::size_t group = 0; group < state.rested.size(); ++group) {
+    if ((state.rested[group] == BedState::kAsleepForEver) != (state_.rested[group] == BedState::kAsleepForEver)) {
+      throw InvalidParameter("state", fmt::format("group {} asleep otherwise", group),
+                             "asleep for ever where it is held");
+    }
+  }
   if (state.contacts.remembers() != hasContactFriction() ||
       state.wall_slip.size() != (hasContactFriction() ? records / kGroup : 0) ||
       state.tool_slip.size() != (hasContactFriction() ? n : 0)) {

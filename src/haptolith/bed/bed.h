@@ -60,7 +60,7 @@ class Bed {
   [[nodiscard]] StepStatus step(double dt_s) noexcept;
 
   /// From the next step on a particle moves with this velocity, whatever pushes it, and others feel it as before: rough
-  /// plates and floors are made of such particles. May be called in the tick.
+  /// plates and floors are made of such particles. None that is held can be driven. May be called in the tick.
   void drive(std::size_t particle, const Vec3& velocity_m_s) noexcept;
 
   /// Wakes a particle and what is next to it. May be called in the tick.
