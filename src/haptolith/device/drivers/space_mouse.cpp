@@ -2,12 +2,14 @@
 
 #include <fmt/format.h>
 #include <poll.h>
-#include <spnav.h>
 #include <sys/socket.h>
 
 #include <cerrno>
+#include <string>
+#include <utility>
 
 #include "haptolith/core/error.h"
+#include "haptolith/device/drivers/spnav.h"
 
 namespace haptolith {
 
@@ -24,14 +26,14 @@ constexpr std::string_view kNoPuck = "spacenavd runs, but has no SpaceMouse";
 constexpr std::string_view kNoPuckRemedy = "plug it in; if it is, sudo systemctl restart spacenavd";
 
 /// Whether the daemon has a puck. One that speaks only the first version of its protocol cannot be asked.
-bool hasPuck() {
-  return spnav_protocol() < 1 || spnav_dev_type() >= 0;
+bool hasPuck(const Spnav& spnav) {
+  return spnav.protocol() < 1 || spnav.dev_type() >= 0;
 }
 
 /// Whether the daemon has closed its end: libspnav tells it no differently from an event it does not know.
-bool hungUp() {
+bool hungUp(const Spnav& spnav) {
   char byte = 0;
-  const ssize_t there = recv(spnav_fd(), &byte, 1, MSG_PEEK | MSG_DONTWAIT);
+  const ssize_t there = recv(spnav.fd(), &byte, 1, MSG_PEEK | MSG_DONTWAIT);
   return there == 0 || (there < 0 && errno != EAGAIN && errno != EINTR);
 }
 
@@ -42,17 +44,17 @@ Deflection deflectionOf(const PuckCounts& counts) noexcept {
           Vec3(counts.rx, counts.rz, counts.ry) / SpaceMouse::kFullDeflection};
 }
 
-SpaceMouse::Connection::Connection() {
-  if (spnav_fd() >= 0) {
+SpaceMouse::Connection::Connection() : spnav(Spnav::get()) {
+  if (spnav.fd() >= 0) {
     throw Failure("the SpaceMouse is in use by this program already");
   }
-  if (spnav_open() != 0) {
+  if (spnav.open() != 0) {
     throw Failure(fmt::format("{}: {}", kNoDaemon, kNoDaemonRemedy));
   }
 }
 
 SpaceMouse::Connection::~Connection() {
-  spnav_close();
+  spnav.close();
 }
 
 SpaceMouse::SpaceMouse(const DeviceParameters& parameters, double tick_s) : handle_(tick_s) {
@@ -60,7 +62,7 @@ SpaceMouse::SpaceMouse(const DeviceParameters& parameters, double tick_s) : hand
     throw InvalidParameter("id", fmt::format("'{}'", parameters.id),
                            "empty or 0: spacenavd makes one of all SpaceMice");
   }
-  if (!hasPuck()) {
+  if (!hasPuck(connection_.spnav)) {
     throw Failure(fmt::format("{}: {}", kNoPuck, kNoPuckRemedy));
   }
   thread_ = std::jthread([this](const std::stop_token& stop) { serve(stop); });
@@ -100,6 +102,7 @@ std::string_view SpaceMouse::problem() const noexcept {
 }
 
 void SpaceMouse::serve(const std::stop_token& stop) {
+  const Spnav& spnav = connection_.spnav;
   constexpr int kButtons = 32;
   Told told;
   const auto publish = [&] {
@@ -108,17 +111,17 @@ void SpaceMouse::serve(const std::stop_token& stop) {
     told_.publish();
   };
   while (!stop.stop_requested()) {
-    pollfd daemon{.fd = spnav_fd(), .events = POLLIN, .revents = 0};
+    pollfd daemon{.fd = spnav.fd(), .events = POLLIN, .revents = 0};
     if (poll(&daemon, 1, kWait_ms) <= 0) {
       continue;
     }
-    if (hungUp()) {
+    if (hungUp(spnav)) {
       told = {.loss = Loss::kDaemon};
       publish();
       return;
     }
     spnav_event event{};
-    switch (spnav_poll_event(&event)) {
+    switch (spnav.poll_event(&event)) {
       case SPNAV_EVENT_MOTION:
         told.loss = Loss::kNone;  // whatever was unplugged, something is there
         told.deflection = deflectionOf({.x = event.motion.x,
@@ -144,22 +147,27 @@ void SpaceMouse::serve(const std::stop_token& stop) {
 std::vector<DeviceReport> findSpaceMouse(const DeviceParameters&) {
   DeviceReport report{
       .kind = DeviceKind::kSpaceMouse, .name = "SpaceMouse", .id = "0", .usable = true, .why_not = {}, .remedy = {}};
-  if (spnav_fd() >= 0) {
+  const auto why_not = [&report](std::string why, std::string_view remedy = {}) {
+    report.usable = false;
+    report.why_not = std::move(why);
+    report.remedy = remedy;
+    return std::vector{report};
+  };
+  const Spnav* spnav = nullptr;
+  try {
+    spnav = &Spnav::get();
+  } catch (const Failure& failure) {
+    return why_not(failure.what());
+  }
+  if (spnav->fd() >= 0) {
     return {report};  // open: then it is there
   }
-  if (spnav_open() != 0) {
-    report.usable = false;
-    report.why_not = kNoDaemon;
-    report.remedy = kNoDaemonRemedy;
-    return {report};
+  if (spnav->open() != 0) {
+    return why_not(std::string(kNoDaemon), kNoDaemonRemedy);
   }
-  if (!hasPuck()) {
-    report.usable = false;
-    report.why_not = kNoPuck;
-    report.remedy = kNoPuckRemedy;
-  }
-  spnav_close();
-  return {report};
+  const bool has_puck = hasPuck(*spnav);
+  spnav->close();
+  return has_puck ? std::vector{report} : why_not(std::string(kNoPuck), kNoPuckRemedy);
 }
 
 }  // namespace haptolith

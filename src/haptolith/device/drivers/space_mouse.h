@@ -13,6 +13,8 @@
 
 namespace haptolith {
 
+struct Spnav;
+
 /// What the daemon tells of a SpaceMouse's puck, in its counts: pushed along and turned about x to the right, y up and
 /// z away from the user; turned right-handed in the frame (x, y, -z), as spnav_posrot_moveobj() of libspnav 1.0 has it.
 struct PuckCounts {
@@ -52,6 +54,8 @@ class SpaceMouse final : public HapticDevice {
     ~Connection();
     Connection(const Connection&) = delete;
     Connection& operator=(const Connection&) = delete;
+
+    const Spnav& spnav;
   };
 
   enum class Loss : std::uint8_t { kNone, kPuck, kDaemon };
