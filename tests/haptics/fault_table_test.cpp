@@ -22,7 +22,7 @@
 #include "haptolith/core/clock.h"
 #include "haptolith/haptics/haptic_loop.h"
 #include "haptolith/haptics/last_resort.h"
-#include "haptolith/session/loop_thread.h"
+#include "haptolith/haptics/loop_thread.h"
 #include "haptolith/soil/presets.h"
 
 namespace haptolith {

@@ -322,6 +322,21 @@ TEST(SafetyLayer, TheFirstReasonStaysAndIsTold) {
   EXPECT_EQ(safety.trips(), 1U);
 }
 
+TEST(SafetyLayer, ADeviceThatIsGoneIsGoneWhateverWasWrongBefore) {
+  SafetyLayer safety = forSimulation();
+  for (int tick = 0; tick < 10; ++tick) {
+    safety.check({}, {});
+  }
+  DeviceInput told;
+  told.state = DeviceState::kStale;
+  safety.check(told, {});
+  ASSERT_EQ(safety.trip(), SafetyTrip::kStale);
+  told.state = DeviceState::kLost;
+  safety.check(told, {});
+  EXPECT_EQ(safety.trip(), SafetyTrip::kLost);
+  EXPECT_EQ(safety.trips(), 1U);
+}
+
 TEST(SafetyLayer, TroubleThatComesBackDuringTheCalmStartsItAnew) {
   SafetyLayer safety = forSimulation();
   (void)after(safety, 1, force(3));

@@ -15,9 +15,6 @@ namespace haptolith {
 
 namespace {
 
-/// The tool may leave the box, under it too, but not the space that a hand at a table reaches.
-constexpr double kReachBesideBox_m = 1.0;
-
 constexpr std::size_t kRequestsWaiting = 64;
 
 LoopEnd failure(StepStatus status) noexcept {
@@ -32,12 +29,6 @@ LoopEnd failure(StepStatus status) noexcept {
 /// What stores the most energy for a force: see Passivity.
 double softestSpring(const Scene& scene, const Coupling& coupling) noexcept {
   return std::min({scene.tool().stiffness_n_m, scene.bed().parameters().soil.stiffness_n_m, coupling.stiffness()});
-}
-
-bool nearBed(const BedParameters& bed, const Vec3& p) noexcept {
-  return std::abs(p.x()) <= bed.width_m / 2 + kReachBesideBox_m &&
-         std::abs(p.y()) <= bed.length_m / 2 + kReachBesideBox_m && p.z() >= -kReachBesideBox_m &&
-         p.z() <= 3 * kReachBesideBox_m;
 }
 
 }  // namespace
@@ -199,7 +190,7 @@ void HapticLoop::followHand(const DeviceInput& input) noexcept {
     return;
   }
   const HandState there = mapping_.toScene(input);
-  if (!nearBed(scene_->bed().parameters(), there.pose.position_m)) {
+  if (!isNearBed(scene_->bed().parameters(), there.pose.position_m)) {
     safety_.releaseForce(SafetyTrip::kWorkspace);
   } else if (safety_.trip() == SafetyTrip::kNone) {
     hand_ = there;

@@ -115,12 +115,14 @@ SafetyTrip SafetyLayer::reason(const DeviceInput& input, const LoopHealth& healt
   return !simulated_ && misses_ > most_misses_ ? SafetyTrip::kMissedDeadlines : SafetyTrip::kNone;
 }
 
-/// A reason that follows from the first one does not replace it.
+/// A reason that follows from the first one does not replace it, but that the device is gone: it does not come back.
 void SafetyLayer::releaseForce(SafetyTrip why) noexcept {
   if (trip_ == SafetyTrip::kNone) {
     trip_ = why;
     just_tripped_ = begun_;
     trips_ += begun_ ? 1 : 0;
+  } else if (why == SafetyTrip::kLost) {
+    trip_ = why;
   }
   well_for_ = 0;
 }

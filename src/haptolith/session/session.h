@@ -12,8 +12,8 @@
 #include "haptolith/device/hand/virtual_hand.h"
 #include "haptolith/haptics/haptic_loop.h"
 #include "haptolith/haptics/last_resort.h"
+#include "haptolith/haptics/loop_thread.h"
 #include "haptolith/scenario/scenario.h"
-#include "haptolith/session/loop_thread.h"
 #include "haptolith/session/scene_change.h"
 
 namespace haptolith {
