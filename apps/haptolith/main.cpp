@@ -131,22 +131,6 @@ void tellWhatWasSaved(const CLI::App& app) {
   json != nullptr && json->count() > 0 ? printNotice(saved) : printText(saved);
 }
 
-/// Where settled soil is kept (docs/scenarios.md); empty: nowhere.
-std::filesystem::path tileFolder() {
-  const auto said = [](const char* name) {
-    const char* value = std::getenv(name);
-    return std::string(value == nullptr ? "" : value);
-  };
-  if (const std::string own = said("HAPTOLITH_CACHE"); !own.empty()) {
-    return own == "off" ? "" : own;
-  }
-  if (const std::filesystem::path caches = said("XDG_CACHE_HOME"); caches.is_absolute()) {
-    return caches / "haptolith";
-  }
-  const std::filesystem::path home = said("HOME");
-  return home.is_absolute() ? home / ".cache" / "haptolith" : std::filesystem::path();
-}
-
 ExitStatus run(CLI::App& app, int argc, char** argv) {
   try {
     useTileCache(tileFolder(), [](std::string_view line) { spdlog::warn("{}", line); });

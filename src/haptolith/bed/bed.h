@@ -45,6 +45,11 @@ class Bed {
   /// whole groups of 16 of one class, but for the last.
   Bed(const BedParameters& parameters, const std::vector<Float4>& grains);
 
+  /// A bed that goes on from a saved one of the same parameters bit for bit, without being settled again. Soil and
+  /// gravity may have been changed since it was made: `parameters` has them as they were when it was saved.
+  /// @throws InvalidParameter as restore().
+  Bed(const BedParameters& parameters, const SavedBed& saved);
+
   /// Forces that others (the tool) put on particles for the next step, in N, scene frame; one per particle.
   /// They count as load, not as contact between macroparticles: they raise no friction (paper 14). Soil that sleeps
   /// does not feel them: wake() it, or ask groupsNear(), which does.
@@ -134,11 +139,16 @@ class Bed {
   /// Bytes of memory in use for the particles, all arrays together.
   [[nodiscard]] std::size_t bytes() const noexcept;
 
+  /// All that the bed needs to go on from here, in this bed or another. Not for the tick.
+  [[nodiscard]] SavedBed save() const;
   /// Goes on from `state` bit for bit. Not for the tick. @throws InvalidParameter when it has another number of
   /// particles, holds NaN or infinity, or has collapsed; the bed is then as it was.
   void restore(const BedState& state);
+  /// The same with what is near the tool.
+  void restore(const SavedBed& saved);
 
  private:
+  Bed(const BedParameters& parameters, const std::vector<Float4>& grains, double grid_height_m);
   void noteClasses();
   /// What a bed is made of at first, and of what it remembers its contacts.
   struct StartingSoil {
@@ -181,6 +191,7 @@ class Bed {
   std::vector<std::uint8_t> near_walls_;   ///< see StepArrays
   std::vector<std::uint8_t> grain_class_;  ///< of each group; empty where all grains are alike
   Neighbourhood neighbourhood_;
+  double grid_height_m_;
   Wakefulness wakefulness_;
   std::vector<Wakefulness::Found> found_by_part_;
   std::vector<std::uint64_t> near_now_, near_before_;  ///< groupsNear(), a bit for each group; those before stay awake

@@ -175,4 +175,30 @@ BedState deserialiseBedState(std::string_view bytes) {
   return state;
 }
 
+std::string serialise(const SavedBed& saved) {
+  const std::uint64_t near = saved.near_groups.size();
+  std::string bytes;
+  append(bytes, &saved.grid_height_m, 1);
+  append(bytes, &near, 1);
+  append(bytes, saved.near_groups.data(), near);
+  return bytes + serialise(saved.state);
+}
+
+SavedBed deserialiseSavedBed(std::string_view bytes) {
+  SavedBed saved;
+  std::uint64_t near = 0;
+  constexpr std::size_t kHeader = sizeof saved.grid_height_m + sizeof near;
+  if (bytes.size() >= kHeader) {
+    std::memcpy(&saved.grid_height_m, bytes.data(), sizeof saved.grid_height_m);
+    std::memcpy(&near, bytes.data() + sizeof saved.grid_height_m, sizeof near);
+    bytes.remove_prefix(kHeader);
+  }
+  if (near > bytes.size() / sizeof(std::uint32_t)) {
+    throw Failure("this saved bed is damaged: it is shorter than it says");
+  }
+  take(bytes, saved.near_groups, near);
+  saved.state = deserialiseBedState(bytes);
+  return saved;
+}
+
 }  // namespace haptolith

@@ -56,6 +56,13 @@ struct BedState {
   [[nodiscard]] std::size_t particles() const noexcept { return tool_side.size(); }
 };
 
+/// A bed between two ticks: its state, and what else decides how it goes on.
+struct SavedBed {
+  BedState state;
+  double grid_height_m = 0;                ///< how high soil stood when the bed was made: the size of its grid
+  std::vector<std::uint32_t> near_groups;  ///< that groupsNear() returned last, without those it returned before
+};
+
 /// 64-bit hash (XXH3) over positions, velocities and the memory of contacts. Equal states have equal hashes on one
 /// machine type. May be called in the tick; of a large bed a part at a time, which takes part + 1 of `parts` groups.
 [[nodiscard]] std::uint64_t stateHash(const BedState& state, std::size_t part = 0, std::size_t parts = 1) noexcept;
@@ -63,5 +70,7 @@ struct BedState {
 /// The state as bytes, and back. @throws Failure when the bytes are no state, are cut short or of another version.
 [[nodiscard]] std::string serialise(const BedState& state);
 [[nodiscard]] BedState deserialiseBedState(std::string_view bytes);
+[[nodiscard]] std::string serialise(const SavedBed& saved);
+[[nodiscard]] SavedBed deserialiseSavedBed(std::string_view bytes);
 
 }  // namespace haptolith

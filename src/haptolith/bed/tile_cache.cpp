@@ -9,6 +9,7 @@
 #include <bit>
 #include <cerrno>
 #include <cmath>
+#include <cstdlib>
 #include <cstring>
 #include <optional>
 #include <system_error>
@@ -291,6 +292,21 @@ BedTile cached(const Wanted& wanted, const std::function<BedTile()>& make) {
 }
 
 }  // namespace
+
+std::filesystem::path tileFolder() {
+  const auto said = [](const char* name) {
+    const char* value = std::getenv(name);
+    return std::string(value == nullptr ? "" : value);
+  };
+  if (const std::string own = said("HAPTOLITH_CACHE"); !own.empty()) {
+    return own == "off" ? "" : own;
+  }
+  if (const std::filesystem::path caches = said("XDG_CACHE_HOME"); caches.is_absolute()) {
+    return caches / "haptolith";
+  }
+  const std::filesystem::path home = said("HOME");
+  return home.is_absolute() ? home / ".cache" / "haptolith" : std::filesystem::path();
+}
 
 void useTileCache(const fs::path& folder, std::function<void(std::string_view)> tell) {
   cache() = {folder, std::move(tell)};

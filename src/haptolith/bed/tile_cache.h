@@ -16,6 +16,10 @@ namespace haptolith {
 /// is made.
 void useTileCache(const std::filesystem::path& folder, std::function<void(std::string_view)> tell = {});
 
+/// Where that is as the environment says: HAPTOLITH_CACHE, which may be "off", else a folder of the user's caches;
+/// empty: nowhere.
+[[nodiscard]] std::filesystem::path tileFolder();
+
 /// settledTile() from the cache, or made and put there. A file that is damaged, or of another tile, is made anew; a
 /// folder that cannot be written, or a full disk, keeps nothing.
 /// @throws as settledTile().

@@ -12,12 +12,6 @@ namespace haptolith {
 
 namespace {
 
-int checkedSubsteps(const BedParameters& bed, const ToolParameters& tool) {
-  validate(bed);
-  validate(tool);
-  return substepsFor(bed, stiffnessInStep(tool, bed.soil.friction));
-}
-
 /// A tool that is only partly there.
 ToolParameters faded(ToolParameters tool, double fade) noexcept {
   tool.stiffness_n_m *= fade;  // and with it damping, friction, and the paper's adhesion
@@ -27,11 +21,24 @@ ToolParameters faded(ToolParameters tool, double fade) noexcept {
 
 }  // namespace
 
+bool isNearBed(const BedParameters& bed, const Vec3& place_m) noexcept {
+  constexpr double kBeside_m = 1;
+  constexpr double kAbove_m = 3;
+  return std::abs(place_m.x()) <= bed.width_m / 2 + kBeside_m &&
+         std::abs(place_m.y()) <= bed.length_m / 2 + kBeside_m && place_m.z() >= -kBeside_m && place_m.z() <= kAbove_m;
+}
+
+int Scene::substepsOf(const BedParameters& bed, const ToolParameters& tool) {
+  validate(bed);
+  validate(tool);
+  return substepsFor(bed, stiffnessInStep(tool, bed.soil.friction));
+}
+
 Scene::Scene(const BedParameters& bed, const ToolParameters& tool, const SettleProgress& progress)
-    : tool_(tool), substeps_(checkedSubsteps(bed, tool)), bed_(bed, progress), opening_m_(tool.opening_m) {}
+    : tool_(tool), substeps_(substepsOf(bed, tool)), bed_(bed, progress), opening_m_(tool.opening_m) {}
 
 Scene::Scene(const BedParameters& bed, const ToolParameters& tool, const std::vector<Vec3>& centres_m)
-    : tool_(tool), substeps_(checkedSubsteps(bed, tool)), bed_(bed, centres_m), opening_m_(tool.opening_m) {}
+    : tool_(tool), substeps_(substepsOf(bed, tool)), bed_(bed, centres_m), opening_m_(tool.opening_m) {}
 
 void Scene::setTool(const ToolParameters& tool) noexcept {
   for (const std::uint32_t group : bed_.groupsNear(tool_pose_.position_m, 0)) {  // and those that the old one was near

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <string>
+#include <string_view>
 #include <vector>
 
 #include "haptolith/bed/bed.h"
@@ -7,6 +9,24 @@
 #include "haptolith/tool/tool_parameters.h"
 
 namespace haptolith {
+
+/// Whether a place is in the space that a hand at a table reaches: 1 m around the box, under it too, and 3 m above its
+/// floor. May be called in the tick.
+[[nodiscard]] bool isNearBed(const BedParameters& bed, const Vec3& place_m) noexcept;
+
+/// A scene between two ticks, with all that decides how it goes on.
+struct SavedScene {
+  SavedBed bed;
+  HandState tool;        ///< where it is, and how far jaws are to open; its twist does not count
+  double opening_m = 0;  ///< between the jaws
+  double tool_fade = 1;
+  Felt felt;
+  Eigen::Matrix3d contact_stiffness_n_m = Eigen::Matrix3d::Zero();
+};
+
+/// As bytes, and back. @throws Failure when the bytes are no saved scene, are cut short or of another version.
+[[nodiscard]] std::string serialise(const SavedScene& saved);
+[[nodiscard]] SavedScene deserialiseSavedScene(std::string_view bytes);
 
 /// A bed and a tool in it: what stands between a pose and a wrench. No device and no clock.
 class Scene {
@@ -17,6 +37,10 @@ class Scene {
 
   /// The same with its soil where the caller wants it, at rest.
   Scene(const BedParameters& bed, const ToolParameters& tool, const std::vector<Vec3>& centres_m);
+
+  /// A scene that goes on from a saved one bit for bit, without its soil being settled again.
+  /// @throws InvalidParameter as restore().
+  Scene(const BedParameters& bed, const ToolParameters& tool, const SavedScene& saved);
 
   /// One tick: moves the tool from where it was to where `hand` has it, and opens jaws, in equal substeps, steps the
   /// bed each time, and leaves the mean of what was felt in felt(). An opening that is not finite changes nothing; no
@@ -40,10 +64,17 @@ class Scene {
   /// soil on it likewise. Soil that finds itself inside a tool is moved out gently when this grows slowly. May be
   /// called in the tick.
   void setToolFade(double share) noexcept { tool_fade_ = share; }
+  [[nodiscard]] double toolFade() const noexcept { return tool_fade_; }
 
   /// Another tool, as stiff as the one before it (else a tick might need more substeps), which forgets what the other
   /// touched. May be called in the tick.
   void setTool(const ToolParameters& tool) noexcept;
+
+  /// All that this scene, or another of the same parameters, needs to go on from here. Not for the tick.
+  [[nodiscard]] SavedScene save() const;
+  /// Not for the tick. @throws InvalidParameter as Bed::restore(), and for a tool that is nowhere; the scene is then as
+  /// it was.
+  void restore(const SavedScene& saved);
 
   [[nodiscard]] Bed& bed() noexcept { return bed_; }
   [[nodiscard]] const Bed& bed() const noexcept { return bed_; }
@@ -52,7 +83,9 @@ class Scene {
   [[nodiscard]] int substeps() const noexcept { return substeps_; }
 
  private:
+  [[nodiscard]] static int substepsOf(const BedParameters& bed, const ToolParameters& tool);
   void open(double share) noexcept;
+  void recallTool(const SavedScene& saved) noexcept;
 
   ToolParameters tool_;
   int substeps_;

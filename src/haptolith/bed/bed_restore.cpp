@@ -1,0 +1,205 @@
+// How a bed is saved, and how one goes on from what was saved.
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <vector>
+
+#include "haptolith/bed/bed.h"
+#include "haptolith/bed/bed_start.h"
+#include "haptolith/core/error.h"
+
+namespace haptolith {
+
+namespace {
+
+constexpr std::size_t kBits = 64;  // of a word
+
+bool isZero(const Float4& a) {
+  return a.x == 0 && a.y == 0 && a.z == 0;
+}
+
+/// Whether two lists name the same neighbours, in whatever order.
+bool sameNeighbours(const ContactLists& a, const ContactLists& b, std::size_t i) {
+  const auto named = [i](const ContactLists& lists) {
+    std::vector<std::int32_t> names;
+    for (std::uint32_t s = 0; s < lists.count(i); ++s) {
+      names.push_back(lists.neighbour(i, s));
+    }
+    std::ranges::sort(names);
+    return names;
+  };
+  return named(a) == named(b);
+}
+
+/// The places of a saved bed's grains, in which a bed like it is built.
+std::vector<Float4> grainsOf(const BedState& state) {
+  const std::size_t n = state.particles();
+  if (n == 0 || state.listed_at.size() < n || state.velocity.size() < n) {
+    throw InvalidParameter("state", fmt::format("{} particles", n), "of a bed with particles");
+  }
+  return {state.listed_at.begin(), state.listed_at.begin() + static_cast<std::ptrdiff_t>(n)};
+}
+
+/// How high soil stood when the bed was made. @throws InvalidParameter.
+double gridHeight(const SavedBed& saved) {
+  constexpr Range kHeight_m{0, 1e3};
+  return requireInRange("grid_height_m", saved.grid_height_m, kHeight_m);
+}
+
+}  // namespace
+
+Bed::Bed(const BedParameters& parameters, const SavedBed& saved)
+    : Bed(validated(parameters), grainsOf(saved.state), gridHeight(saved)) {
+  if (parameters.start == BedStart::kSettled && grainClasses(parameters) == 1) {
+    std::size_t held = 0;
+    for (std::size_t i = 0; i < particles(); ++i) {
+      held += saved.state.isHeld(i) ? 1 : 0;
+    }
+    holdSides(particles() - held);
+  }
+  restore(saved);
+}
+
+SavedBed Bed::save() const {
+  SavedBed saved{.state = state_, .grid_height_m = grid_height_m_, .near_groups = {}};
+  for (std::size_t word = 0; word < near_before_.size(); ++word) {
+    for (std::uint64_t bits = near_before_[word]; bits != 0; bits &= bits - 1) {
+      saved.near_groups.push_back(
+          static_cast<std::uint32_t>(word * kBits + static_cast<std::size_t>(std::countr_zero(bits))));
+    }
+  }
+  return saved;
+}
+
+void Bed::restore(const SavedBed& saved) {
+  if (saved.grid_height_m != grid_height_m_) {  // else groupsNear() might find others
+    throw InvalidParameter("grid_height_m", fmt::format("{}", saved.grid_height_m),
+                           fmt::format("this bed's {}", grid_height_m_));
+  }
+  for (const std::uint32_t group : saved.near_groups) {
+    if (group >= state_.rested.size()) {
+      throw InvalidParameter("state", fmt::format("group {} near the tool", group),
+                             fmt::format("below {}, the bed's groups", state_.rested.size()));
+    }
+  }
+  restore(saved.state);
+  for (const std::uint32_t group : saved.near_groups) {
+    near_before_[group / kBits] |= std::uint64_t{1} << (group % kBits);
+  }
+}
+
+void Bed::restore(const BedState& state) {
+  const std::size_t n = particles();
+  const std::size_t records = paddedCount(n);
+  if (state.particles() != n || state.position.size() != records || state.velocity.size() != records ||
+      state.listed_at.size() != records || state.rested_at.size() != records ||
+      state.rested.size() != records / kGroup || state.contacts.particles() != n) {
+    throw InvalidParameter("state", fmt::format("{} particles", state.particles()),
+                           fmt::format("of this bed's {} particles", n));
+  }
+  // A saved state may come from a file: a position that is NaN would become the index of a cell.
+  const auto finite = [](float value) { return std::isfinite(value); };
+  const auto is_number = [&](const Float4& r) { return finite(r.x) && finite(r.y) && finite(r.z) && finite(r.w); };
+  for (const auto* records_of :
+       {&state.position, &state.velocity, &state.listed_at, &state.rested_at, &state.tool_slip}) {
+    if (!std::all_of(records_of->begin(), records_of->end(), is_number)) {
+      throw InvalidParameter("state", "positions, velocities or slips that are no numbers", "finite");
+    }
+  }
+  // The neighbour lists reach as far as the largest particles of this soil do, and groups keep their class.
+  const auto fitting = [&](const Float4& p) {
+    const double scale = GrainClasses::scale(classes().of(p.w));
+    const double mean_m = (scale - 1) * parameters_.soil.radius_m;
+    constexpr float kRounding = 1e-6F;
+    return std::abs(p.w - static_cast<float>(mean_m)) <= static_cast<float>(scale * largestExcess(parameters_.soil)) +
+                                                             kRounding * std::abs(p.w) * (scale < 1 ? 1 : 0);
+  };
+  for (const auto* records_of : {&state.position, &state.listed_at}) {
+    if (!std::all_of(records_of->begin(), records_of->end(), fitting)) {
+      throw InvalidParameter("state", "particles of other sizes", "of this bed's size_spread and grading");
+    }
+  }
+  for (std::size_t i = 0; i < n; ++i) {
+    if (classes().of(state.position[i].w) != classOf(i) || classes().of(state.listed_at[i].w) != classOf(i)) {
+      throw InvalidParameter("state", "grains of other classes", "of this bed's classes, grain by grain");
+    }
+  }
+  for (std::size_t i = 0; i < n; ++i) {
+    if (state.isHeld(i) != state_.isHeld(i)) {
+      throw InvalidParameter("state", fmt::format("particle {} {}", i, state.isHeld(i) ? "held" : "free"),
+                             "of a bed that holds the same soil at its sides");
+    }
+  }
+  for (std::size_t group = 0; group < state.rested.size(); ++group) {
+    if ((state.rested[group] == BedState::kAsleepForEver) != (state_.rested[group] == BedState::kAsleepForEver)) {
+      throw InvalidParameter("state", fmt::format("group {} asleep otherwise", group),
+                             "asleep for ever where it is held");
+    }
+  }
+  if (state.contacts.remembers() != hasContactFriction() ||
+      state.wall_slip.size() != (hasContactFriction() ? records / kGroup : 0) ||
+      state.tool_slip.size() != (hasContactFriction() ? n : 0)) {
+    throw InvalidParameter("state", hasContactFriction() ? "without a memory of friction" : "with a memory of friction",
+                           "of a bed with this bed's friction");
+  }
+  bool numbers = true;
+  for (const WallSlips& slips : state.wall_slip) {
+    for (const auto* slip :
+         {&slips.floor_x, &slips.floor_y, &slips.x_wall_y, &slips.x_wall_z, &slips.y_wall_x, &slips.y_wall_z}) {
+      numbers = numbers && std::ranges::all_of(*slip, finite);
+    }
+  }
+  for (std::size_t i = 0; hasContactFriction() && i < n; ++i) {
+    for (std::uint32_t s = 0; s < state.contacts.count(i); ++s) {
+      const Slip slip = state.contacts.slip(i, s);
+      numbers = numbers && finite(slip.x) && finite(slip.y) && finite(slip.z);
+    }
+  }
+  if (!numbers) {
+    throw InvalidParameter("state", "a contact's slip that is NaN or infinite", "finite");
+  }
+  // Its lists must be those of its places; their order, which is the order of sums, is its own.
+  ContactLists listed(n, hasContactFriction());
+  const bool entered = neighbourhood_.enterAll(state.listed_at, listed);
+  bool fits = entered;
+  for (std::size_t i = 0; fits && i < n; ++i) {
+    fits = sameNeighbours(listed, state.contacts, i);
+  }
+  if (!fits) {
+    ContactLists own(n, hasContactFriction());
+    (void)neighbourhood_.enterAll(state_.listed_at, own);  // the grid; it fitted when it was made
+    throw InvalidParameter("state",
+                           entered ? "neighbours that do not fit its places" : "a bed that has collapsed onto itself",
+                           entered ? "as it was saved" : "particles apart from each other");
+  }
+  state_.step = state.step;  // piece by piece: what is reserved stays reserved
+  state_.position = state.position;
+  state_.velocity = state.velocity;
+  state_.listed_at = state.listed_at;
+  state_.rested = state.rested;
+  state_.rested_at = state.rested_at;
+  state_.tool_side = state.tool_side;
+  state_.wall_slip = state.wall_slip;
+  std::ranges::fill(near_walls_, std::uint8_t{0xFF});
+  state_.tool_slip = state.tool_slip;
+  state_.contacts.takeOver(state.contacts);
+  driven_ = 0;
+  std::ranges::fill(external_, Float4{});
+  std::ranges::fill(near_before_, std::uint64_t{0});
+  for (std::size_t i = 0; i < n; ++i) {
+    driven_ += state_.velocity[i].w == BedState::kDriven ? 1 : 0;
+    const bool touched = state.tool_side[i] != 0 || (hasContactFriction() && !isZero(state.tool_slip[i]));
+    near_before_[i / kGroup / kBits] |= std::uint64_t{touched} << (i / kGroup % kBits);  // the tool was there
+  }
+  std::fill(state_.position.begin() + static_cast<std::ptrdiff_t>(n), state_.position.end(), kGhost);
+  std::fill(state_.listed_at.begin() + static_cast<std::ptrdiff_t>(n), state_.listed_at.end(), kGhost);
+  std::fill(state_.velocity.begin() + static_cast<std::ptrdiff_t>(n), state_.velocity.end(), kGhostVelocity);
+  next_position_ = state_.position;  // who sleeps stands in both
+  next_velocity_ = state_.velocity;
+  wakefulness_.takeOver(state_);
+}
+
+}  // namespace haptolith
