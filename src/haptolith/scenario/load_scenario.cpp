@@ -17,22 +17,35 @@ namespace {
 constexpr FileKind kScene{
     .name = "scene", .example_key = "title", .document = "docs/scenarios.md", .left_out = "left out, so the paper's"};
 
+constexpr RivalKeys kRivals[]{
+    {"soil", "preset", "gamma_nm"},
+    {"soil", "preset", "rho0_kg_m3"},
+    {"soil", "preset", "rho_max_kg_m3"},
+    {"soil", "preset", "mu_hat"},
+    {"soil", "name", "gamma_nm"},
+    {"soil", "name", "rho0_kg_m3"},
+    {"soil", "name", "rho_max_kg_m3"},
+    {"soil", "name", "mu_hat"},
+    {"soil", "name", "contact_friction"},  // a preset has none
+    {"soil", "name", "contact_cohesion_n"},
+    {"soil", "file", "gamma_nm"},
+    {"soil", "file", "rho0_kg_m3"},
+    {"soil", "file", "rho_max_kg_m3"},
+    {"soil", "file", "mu_hat"},
+    {"soil", "file", "contact_friction"},
+    {"soil", "file", "contact_cohesion_n"},
+    {"soil", "preset", "name"},
+    {"soil", "preset", "file"},
+    {"soil", "name", "file"},
+    {"gravity", "body", "magnitude_m_s2"},
+    {"gravity", "vector_m_s2", "direction"},
+    {"gravity", "vector_m_s2", "body"},
+    {"gravity", "vector_m_s2", "magnitude_m_s2"},
+};
+
 void refuseContradictions(const TomlReader& reader) {
-  for (const char* number : {"gamma_nm", "rho0_kg_m3", "rho_max_kg_m3", "mu_hat"}) {
-    reader.refuseBoth("soil", "preset", number);
-    reader.refuseBoth("soil", "name", number);
-    reader.refuseBoth("soil", "file", number);
-  }
-  for (const char* number : {"contact_friction", "contact_cohesion_n"}) {  // a preset has none
-    reader.refuseBoth("soil", "name", number);
-    reader.refuseBoth("soil", "file", number);
-  }
-  reader.refuseBoth("soil", "preset", "name");
-  reader.refuseBoth("soil", "preset", "file");
-  reader.refuseBoth("soil", "name", "file");
-  reader.refuseBoth("gravity", "body", "magnitude_m_s2");
-  for (const char* part : {"direction", "body", "magnitude_m_s2"}) {
-    reader.refuseBoth("gravity", "vector_m_s2", part);
+  for (const RivalKeys& rivals : kRivals) {
+    reader.refuseBoth(rivals);
   }
   const toml::node* manoeuvre = reader.find("hand", "manoeuvre");
   if (manoeuvre != nullptr && manoeuvre->value_or(std::string_view()) != "poses") {
@@ -98,7 +111,8 @@ void refuseLibrary(const TomlReader& reader) {
   }
 }
 
-Scenario read(const TomlReader& reader, From from) {
+/// @param scene  what keys that are left out keep.
+Scenario read(const TomlReader& reader, From from, Scenario scene = {}) {
   std::vector<KeyName> known = keyNames(scenarioKeys());
   known.push_back(kLibrary);
   reader.refuseUnknownKeys(known);
@@ -106,7 +120,6 @@ Scenario read(const TomlReader& reader, From from) {
     refuseLibrary(reader);
   }
   refuseContradictions(reader);
-  Scenario scene;
   for (const ScenarioKey& key : scenarioKeys()) {
     reader.apply(key, scene);
   }
@@ -147,8 +160,31 @@ TomlReader readerOf(std::string_view name_or_file) {
 
 }  // namespace
 
-Scenario findScenario(std::string_view name_or_file) {
-  return read(readerOf(name_or_file), From::kFile);
+Scenario findScenario(std::string_view name_or_file, std::span<const std::string> overrides) {
+  TomlReader reader = readerOf(name_or_file);
+  reader.takeOverrides(overrides, kRivals);
+  return read(reader, From::kFile);
+}
+
+Scenario scenarioFromText(std::string_view text, std::string_view name, std::span<const std::string> overrides) {
+  TomlReader reader =
+      text.empty() ? TomlReader(std::span<const std::string>(), kScene) : TomlReader(name, text, kScene);
+  reader.takeOverrides(overrides, kRivals);
+  return read(reader, From::kFile);
+}
+
+Scenario changed(const Scenario& scenario, std::span<const std::string> overrides) {
+  const TomlReader reader(overrides, kScene);
+  Scenario scene = read(reader, From::kFile, scenario);
+  const bool other_soil = reader.has("soil", "preset") || reader.has("soil", "name") || reader.has("soil", "file");
+  if (other_soil && !reader.has("soil", "radius_mm")) {  // the grains that are there
+    scene.bed.soil = rescaled(scene.bed.soil, scenario.bed.soil.radius_m);
+    scene.bed.start = scenario.bed.start;
+  }
+  if (reader.has("soil", "preset")) {
+    scene.soil_name.clear();
+  }
+  return scene;
 }
 
 std::vector<std::string> sceneNames() {

@@ -9,12 +9,16 @@
 namespace haptolith {
 
 HandlingParameters handlingOf(const Scenario& scenario, double surface_m) {
-  HandlingParameters handling = scenario.handling;
+  HandlingParameters handling = handlingOfOwnDevice(scenario, surface_m);
   if (scenario.device.kind == DeviceKind::kVirtualHand) {
     handling.mapping = {};
-  } else {
-    handling.mapping.offset_m.z() += surface_m;
   }
+  return handling;
+}
+
+HandlingParameters handlingOfOwnDevice(const Scenario& scenario, double surface_m) {
+  HandlingParameters handling = scenario.handling;
+  handling.mapping.offset_m.z() += surface_m;
   return handling;
 }
 

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <filesystem>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -45,7 +46,16 @@ struct Scenario {
 
 /// The built-in scene of that name (a file of scenarios/, without .toml), otherwise the file of that name.
 /// @throws InvalidParameter listing the names when it is neither; otherwise as loadScenario().
-[[nodiscard]] Scenario findScenario(std::string_view name_or_file);
+/// @param overrides  keys that replace those of the file, each "table.key=value": see TomlReader::takeOverrides().
+[[nodiscard]] Scenario findScenario(std::string_view name_or_file, std::span<const std::string> overrides = {});
+
+/// The same for a text, called `name` in messages, with files beside what that would be; empty: the paper's scene.
+[[nodiscard]] Scenario scenarioFromText(std::string_view text, std::string_view name,
+                                        std::span<const std::string> overrides = {});
+
+/// The scene with some of its keys changed; soil that it is given by name or preset keeps the size of its grains unless
+/// soil.radius_mm says otherwise. @throws InvalidParameter as loadScenario().
+[[nodiscard]] Scenario changed(const Scenario& scenario, std::span<const std::string> overrides);
 
 /// The built-in scenes: the files in scenarios/.
 [[nodiscard]] std::vector<std::string> sceneNames();
@@ -70,6 +80,9 @@ struct Scenario {
 /// How hand and tool are joined above soil whose surface is so high: the virtual hand's frame is the scene's, another
 /// device's workspace lies above the surface.
 [[nodiscard]] HandlingParameters handlingOf(const Scenario& scenario, double surface_m);
+
+/// The same for a device of the caller's, whichever the scene names.
+[[nodiscard]] HandlingParameters handlingOfOwnDevice(const Scenario& scenario, double surface_m);
 
 /// Puts a named soil into the scene, its macroparticles as large as its file has them.
 void setSoil(Scenario& scenario, const SoilFile& soil);

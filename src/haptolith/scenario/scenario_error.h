@@ -12,8 +12,11 @@ namespace haptolith {
 ///     scenes/x.toml:12: [soil] rho_max_kg_m3 = 1000 is not valid: must be > 1330 and <= 1e+06
 class ScenarioError : public InvalidParameter {
  public:
-  ScenarioError(std::string message, int line)
-      : InvalidParameter("scenario", "", ""), message_(std::move(message)), line_(line) {}
+  ScenarioError(std::string message, int line) : ScenarioError(std::move(message), line, {"scenario", "", ""}) {}
+
+  /// @param wrong  the key ("soil.rho_max_kg_m3"), its value and what would be valid.
+  ScenarioError(std::string message, int line, const InvalidParameter& wrong)
+      : InvalidParameter(wrong), message_(std::move(message)), line_(line) {}
 
   [[nodiscard]] const char* what() const noexcept override { return message_.c_str(); }
 

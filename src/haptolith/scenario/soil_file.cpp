@@ -150,6 +150,16 @@ SoilFile loadSoilFile(const fs::path& path) {
   return read(TomlReader(path, kSoil));
 }
 
+SoilFile soilFileFromText(std::string_view text, std::string_view name) {
+  return read(TomlReader(name, text, kSoil));
+}
+
+std::string soilFileText(const SoilFile& soil) {
+  std::string text = textOf(soil);
+  static_cast<void>(soilFileFromText(text, "the soil as text"));  // what cannot be loaded is not written
+  return text;
+}
+
 SoilFile findSoil(std::string_view name_or_file) {
   for (const BuiltInSoil& soil : builtInSoils()) {
     if (lowerCase(name_or_file) == soil.name) {
@@ -172,8 +182,7 @@ std::vector<std::string> soilNames() {
 }
 
 void saveSoilFile(const fs::path& path, const SoilFile& soil) {
-  const std::string text = textOf(soil);
-  static_cast<void>(read(TomlReader(path, text, kSoil)));  // what cannot be loaded is not written
+  const std::string text = soilFileText(soil);
   AtomicFile file(path);
   file.write(text);
   file.commit();

@@ -23,6 +23,11 @@ struct SoilFile {
 /// @throws InvalidParameter with file, line, key, value and valid range; Failure when the file cannot be read.
 [[nodiscard]] SoilFile loadSoilFile(const std::filesystem::path& path);
 
+/// As loadSoilFile() for a text, called `name` in messages.
+[[nodiscard]] SoilFile soilFileFromText(std::string_view text, std::string_view name);
+/// What saveSoilFile() writes. @throws InvalidParameter as it.
+[[nodiscard]] std::string soilFileText(const SoilFile& soil);
+
 /// The built-in soil of that name, upper and lower case alike; otherwise the file of that name.
 /// @throws InvalidParameter listing the built-in names when it is neither; otherwise as loadSoilFile().
 [[nodiscard]] SoilFile findSoil(std::string_view name_or_file);

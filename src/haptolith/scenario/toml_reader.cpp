@@ -61,23 +61,116 @@ bool knowsKey(std::span<const KeyName> known, std::string_view table, std::strin
   return std::ranges::any_of(known, [&](const KeyName& key) { return key.table == table && key.name == name; });
 }
 
+/// As an override names it.
+std::string dotted(const KeyName& key) {
+  return key.table.empty() ? std::string(key.name) : fmt::format("{}.{}", key.table, key.name);
+}
+
 }  // namespace
 
 // --- the file ---
 
 TomlReader::TomlReader(const fs::path& path, const FileKind& kind) : path_(path), kind_(kind) {
-  table_ = std::make_shared<const toml::table>(parse(readText()));
+  table_ = std::make_shared<toml::table>(parse(readText()));
 }
 
 TomlReader::TomlReader(const fs::path& path, std::string_view text, const FileKind& kind) : path_(path), kind_(kind) {
-  table_ = std::make_shared<const toml::table>(parse(text));
+  table_ = std::make_shared<toml::table>(parse(text));
 }
 
-TomlReader::TomlReader(const TomlReader& whole, std::string_view name, const toml::table& part)
+TomlReader::TomlReader(const TomlReader& whole, std::string_view name, toml::table& part)
     : path_(whole.path_),
       kind_(whole.kind_),
       part_(whole.part_.empty() ? name : fmt::format("{}.{}", whole.part_, name)),
       table_(whole.table_, &part) {}
+
+TomlReader::TomlReader(std::span<const std::string> overrides, const FileKind& kind)
+    : path_("the change"), kind_(kind), table_(std::make_shared<toml::table>()) {
+  takeOverrides(overrides, {});
+}
+
+namespace {
+
+/// "bed.threads=4", taken apart.
+struct Override {
+  std::string table, key, value;
+};
+
+constexpr std::string_view kOverrideValid =
+    "table.key=value, for example bed.threads=4 (docs/scenarios.md has the keys)";
+
+Override parsedOverride(const std::string& text) {
+  const auto trimmed = [](std::string_view part) {
+    const auto first = part.find_first_not_of(" \t\r\n");
+    return first == std::string_view::npos
+               ? std::string()
+               : std::string(part.substr(first, part.find_last_not_of(" \t\r\n") - first + 1));
+  };
+  const std::size_t equals = text.find('=');
+  const std::string name = trimmed(std::string_view(text).substr(0, equals));
+  constexpr std::string_view kKey = "abcdefghijklmnopqrstuvwxyz0123456789_.";
+  if (equals == std::string::npos || name.empty() || name.find_first_not_of(kKey) != std::string::npos ||
+      std::ranges::count(name, '.') > 1) {
+    const InvalidParameter wrong("override", fmt::format("'{}'", shortened(text)), std::string(kOverrideValid));
+    throw ScenarioError(wrong.what(), 0, wrong);
+  }
+  const std::size_t dot = name.find('.');
+  return {.table = dot == std::string::npos ? "" : name.substr(0, dot),
+          .key = dot == std::string::npos ? name : name.substr(dot + 1),
+          .value = trimmed(std::string_view(text).substr(equals + 1))};
+}
+
+/// A table with the one key; a value that is no TOML is text: P3 need not be "P3".
+toml::table tableOf(const Override& given, std::string_view source) {
+  try {
+    toml::table table = toml::parse(fmt::format("value = {}\n", given.value), source);
+    if (table.size() == 1) {
+      return table;
+    }
+  } catch (const toml::parse_error&) {  // text
+  }
+  std::string quoted;
+  for (const char c : given.value) {
+    const bool plain = static_cast<unsigned char>(c) >= ' ' && c != '"' && c != '\\' && c != '\x7F';
+    quoted += plain ? std::string(1, c) : fmt::format("\\u{:04x}", static_cast<unsigned char>(c));
+  }
+  return toml::parse(fmt::format("value = \"{}\"\n", quoted), source);
+}
+
+}  // namespace
+
+void TomlReader::takeOverrides(std::span<const std::string> overrides, std::span<const RivalKeys> rivals) {
+  std::vector<std::pair<std::string, std::string>> overridden;
+  for (const std::string& text : overrides) {
+    const Override given = parsedOverride(text);
+    toml::table one = tableOf(given, fmt::format("override {}", shortened(text)));
+    if (!given.table.empty() && find("", given.table) == nullptr) {
+      table_->insert(given.table, toml::table());
+    }
+    toml::table* at = given.table.empty() ? table_.get() : (*table_)[given.table].as_table();
+    if (at == nullptr) {
+      refuse(lineOf("", given.table), fmt::format("{} is not valid: must be a table, [{}]", given.table, given.table));
+    }
+    one.get("value")->visit([&](auto& value) { at->insert_or_assign(given.key, std::move(value)); });  // and its source
+    overridden.emplace_back(given.table, given.key);
+  }
+  const auto is_overridden = [&](std::string_view table, std::string_view key) {
+    return std::ranges::any_of(overridden, [&](const auto& name) { return name.first == table && name.second == key; });
+  };
+  const auto pass_over = [&](std::string_view table, std::string_view key) {
+    if (toml::table* at = (*table_)[table].as_table(); at != nullptr && !is_overridden(table, key)) {
+      at->erase(key);
+    }
+  };
+  for (const RivalKeys& pair : rivals) {
+    if (is_overridden(pair.table, pair.one)) {
+      pass_over(pair.table, pair.other);
+    }
+    if (is_overridden(pair.table, pair.other)) {
+      pass_over(pair.table, pair.one);
+    }
+  }
+}
 
 std::string TomlReader::readText() const {
   std::error_code error;
@@ -136,7 +229,7 @@ std::vector<TomlReader> TomlReader::parts(std::string_view name) const {
   }
   std::vector<TomlReader> parts;
   for (const toml::node& part : *array) {
-    parts.push_back(TomlReader(*this, name, *part.as_table()));
+    parts.push_back(TomlReader(*this, name, const_cast<toml::table&>(*part.as_table())));
   }
   return parts;
 }
@@ -164,6 +257,15 @@ std::string TomlReader::located(int line, std::string_view message) const {
   return fmt::format("{}:{}: {}", path_.string(), line, message);
 }
 
+bool TomlReader::isOverride(const toml::node& node) const {
+  const toml::source_region& source = node.source();
+  return source.path && *source.path != path_.string();
+}
+
+std::string TomlReader::located(const toml::node& node, std::string_view message) const {
+  return isOverride(node) ? fmt::format("{}: {}", *node.source().path, message) : located(lineOfNode(node), message);
+}
+
 void TomlReader::refuse(int line, std::string_view message) const {
   throw ScenarioError(located(line, message), line);
 }
@@ -177,17 +279,17 @@ void TomlReader::refuseKey(const KeyName& key, std::string_view valid) const {
 }
 
 void TomlReader::refuseValue(const Place& place) const {
-  refuse(lineOfNode(place.node),
-         fmt::format("{} = {} is not valid: must be {}", fullName(place.key), quote(place.node), place.valid));
+  const std::string value = quote(place.node);
+  throw ScenarioError(
+      located(place.node, fmt::format("{} = {} is not valid: must be {}", fullName(place.key), value, place.valid)),
+      lineOfNode(place.node), {dotted(place.key), value, place.valid});
 }
 
 void TomlReader::refuseLeftOut(const KeyName& key, std::string_view value, std::string_view valid) const {
   const std::string message =
       fmt::format("{} = {} ({}) is not valid: must be {}", fullName(key), value, kind_.left_out, valid);
-  if (!part_.empty()) {
-    refuse(line(), message);
-  }
-  refuseFile(message);
+  const std::string where = part_.empty() ? fmt::format("{}: {}", path_.string(), message) : located(line(), message);
+  throw ScenarioError(where, part_.empty() ? 0 : line(), {dotted(key), std::string(value), std::string(valid)});
 }
 
 void TomlReader::refuseUnknownKeys(std::span<const KeyName> known) const {
@@ -214,7 +316,8 @@ void TomlReader::refuseUnknownKeysIn(std::string_view table, const toml::node& n
 
 void TomlReader::refuseUnknown(const KeyName& key, const toml::node& node, std::span<const KeyName> known) const {
   const std::string shown = node.is_table() ? fmt::format("[{}]", key.name) : fullName(key);
-  refuse(lineOfNode(node), fmt::format("{} is not known{}", shortened(shown), suggestion(key, known)));
+  const std::string message = fmt::format("{} is not known{}", shortened(shown), suggestion(key, known));
+  throw ScenarioError(located(node, message), lineOfNode(node), {dotted(key), quote(node), "a key that is known"});
 }
 
 /// The nearest key of the same table, or the same key in another table.
@@ -374,9 +477,11 @@ std::vector<TextOrNumber> TomlReader::items(const Place& place) const {
 
 /// Looked for beside the file, wherever the program was started.
 fs::path TomlReader::besideFile(const Place& place) const {
-  fs::path path = path_.parent_path() / text(place, TextSize::kPath);
+  const fs::path folder = isOverride(place.node) ? fs::path() : path_.parent_path();
+  fs::path path = folder / text(place, TextSize::kPath);
   if (!fs::is_regular_file(path)) {
-    refuse(lineOfNode(place.node), fmt::format("{} = {}: no such file", fullName(place.key), path.string()));
+    throw ScenarioError(located(place.node, fmt::format("{} = {}: no such file", fullName(place.key), path.string())),
+                        lineOfNode(place.node), {dotted(place.key), path.string(), "a file"});
   }
   return path;
 }

@@ -41,6 +41,11 @@ template <class Target>
   return names;
 }
 
+/// Two keys of a table of which a file may have one.
+struct RivalKeys {
+  std::string_view table, one, other;
+};
+
 /// A TOML file on its way into the program, key by key. Everything that is wrong with it is thrown as a ScenarioError
 /// with file, line, key, value and what would be valid.
 class TomlReader {
@@ -51,10 +56,18 @@ class TomlReader {
   /// The same for a text that is no file, or no file yet; messages call it `path`.
   TomlReader(const std::filesystem::path& path, std::string_view text, const FileKind& kind);
 
+  /// Nothing but overrides.
+  TomlReader(std::span<const std::string> overrides, const FileKind& kind);
+
+  /// As if the file said so: each is "table.key=value", or "key=value" at the top. The value is TOML; what is none is
+  /// text. A key of the file that is a rival of one of these is passed over. @throws ScenarioError.
+  void takeOverrides(std::span<const std::string> overrides, std::span<const RivalKeys> rivals);
+
   /// Null when the file does not have it.
   [[nodiscard]] const toml::node* find(std::string_view table, std::string_view name) const;
 
   [[nodiscard]] bool has(std::string_view table) const { return table_->contains(table); }
+  [[nodiscard]] bool has(std::string_view table, std::string_view name) const { return find(table, name) != nullptr; }
 
   /// A reader for each of the tables [[name]], which reads their keys as if each were a file of its own.
   /// @throws ScenarioError when there is something else of that name.
@@ -67,6 +80,7 @@ class TomlReader {
   void refuseUnknownKeys(std::span<const KeyName> known) const;
 
   void refuseBoth(std::string_view table, std::string_view one, std::string_view other) const;
+  void refuseBoth(const RivalKeys& rivals) const { refuseBoth(rivals.table, rivals.one, rivals.other); }
 
   void require(std::string_view table, std::string_view name) const;
 
@@ -98,7 +112,7 @@ class TomlReader {
     std::string valid;
   };
 
-  TomlReader(const TomlReader& whole, std::string_view name, const toml::table& part);
+  TomlReader(const TomlReader& whole, std::string_view name, toml::table& part);
 
   [[noreturn]] void refuseFile(std::string_view why) const;
   [[noreturn]] void refuseValue(const Place& place) const;
@@ -107,6 +121,8 @@ class TomlReader {
   [[noreturn]] void refuseUnknown(const KeyName& key, const toml::node& node, std::span<const KeyName> known) const;
   [[nodiscard]] std::string suggestion(const KeyName& key, std::span<const KeyName> known) const;
 
+  [[nodiscard]] bool isOverride(const toml::node& node) const;
+  [[nodiscard]] std::string located(const toml::node& node, std::string_view message) const;
   [[nodiscard]] std::string fullName(const KeyName& key) const;
   [[nodiscard]] std::string readText() const;
   [[nodiscard]] toml::table parse(std::string_view text) const;
@@ -124,8 +140,8 @@ class TomlReader {
 
   std::filesystem::path path_;
   FileKind kind_;
-  std::string part_;                          // "block" in a reader of [[block]]; empty for the whole file
-  std::shared_ptr<const toml::table> table_;  // or a part of what it points into
+  std::string part_;                    // "block" in a reader of [[block]]; empty for the whole file
+  std::shared_ptr<toml::table> table_;  // or a part of what it points into
 };
 
 template <class Target>
