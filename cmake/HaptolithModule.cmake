@@ -22,10 +22,11 @@ endif()
 option(HAPTOLITH_PRECOMPILED_HEADERS "Compile headers that most sources include once" ON)
 file(GENERATE OUTPUT ${PROJECT_BINARY_DIR}/empty.cpp CONTENT "// For targets that only precompile headers.\n")
 function(haptolith_precompile kind)
-  cmake_parse_arguments(ARG "" "" "LIBRARIES;HEADERS" ${ARGN})
+  cmake_parse_arguments(ARG "POSITION_INDEPENDENT" "" "LIBRARIES;HEADERS" ${ARGN})
   add_library(haptolith_precompiled_${kind} OBJECT ${PROJECT_BINARY_DIR}/empty.cpp)
   target_link_libraries(haptolith_precompiled_${kind} PRIVATE haptolith_flags ${ARG_LIBRARIES})
   target_precompile_headers(haptolith_precompiled_${kind} PRIVATE ${ARG_HEADERS})
+  set_target_properties(haptolith_precompiled_${kind} PROPERTIES POSITION_INDEPENDENT_CODE ${ARG_POSITION_INDEPENDENT})
   # So that ccache finds them again in another checkout.
   target_compile_options(haptolith_precompiled_${kind} PRIVATE $<$<CXX_COMPILER_ID:GNU>:-fpch-preprocess>)
 endfunction()
@@ -50,6 +51,7 @@ function(haptolith_module name)
   target_link_libraries(haptolith_${name}
     PUBLIC haptolith_flags ${ARG_DEPENDS} ${ARG_PUBLIC_LIBRARIES}
     PRIVATE ${ARG_LIBRARIES})
+  set_target_properties(haptolith_${name} PROPERTIES POSITION_INDEPENDENT_CODE ON)
   haptolith_precompiled(haptolith_${name} library)
 endfunction()
 

@@ -40,6 +40,8 @@ const std::map<std::string, Folders> kArrows = {
     // Answers and curves: it knows neither soil nor hands.
     {"psychometrics", {"core", "figure"}},
     {"study", {"session", "psychometrics"}},
+    // What others build on, through C: neither files of recordings, nor pages, nor studies.
+    {"library", {"scenario", "lab"}},
     {"teleop", {"haptics", "scenario", "figure"}},
     {"viewer", {"session"}},
 };

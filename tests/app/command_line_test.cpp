@@ -21,7 +21,7 @@ using testing::StartsWith;
 TEST(Version, IsOneLine) {
   const ProgramResult result = runHaptolith("--version");
   EXPECT_EQ(result.exit_status, 0);
-  EXPECT_EQ(result.output, "haptolith 0.1.0\n");
+  EXPECT_EQ(result.output, "haptolith 0.2.0\n");
   EXPECT_THAT(result.errors, IsEmpty());
 }
 

@@ -193,7 +193,7 @@ export class MockServer {
     return {
       type: 'hello',
       protocol: 1,
-      version: '0.1.0',
+      version: '0.2.0',
       client,
       read_only: this.options.read_only ?? false,
       presets: PRESETS.map(([name, friction_coefficient]) => ({ name, friction_coefficient })),

@@ -1,0 +1,434 @@
+// libhaptolith for C++17: handles that destroy themselves, exceptions instead of statuses. Header only, over haptolith.h, where
+// every function is explained.
+//
+//     hapto::Scene scene = hapto::Scene::fromFile("regolith", {"bed.threads=2"});
+//     hapto_wrench felt = scene.step({{0, 0, 0.03}, {1, 0, 0, 0}});
+#ifndef HAPTOLITH_HAPTOLITH_HPP
+#define HAPTOLITH_HAPTOLITH_HPP
+
+#include <haptolith/haptolith.h>
+
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <new>
+#include <stdexcept>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+namespace hapto {
+
+/// What a function did not do, and why: its status, and for a wrong value key, value and what would be valid.
+class Error : public std::runtime_error {
+ public:
+  Error(std::int32_t status, const hapto_error &error)
+      : std::runtime_error(*error.message != '\0' ? error.message : hapto_status_text(status)),
+        status_(status),
+        key_(error.key),
+        value_(error.value),
+        valid_(error.valid) {}
+
+  std::int32_t status() const noexcept { return status_; }
+  const std::string &key() const noexcept { return key_; }
+  const std::string &value() const noexcept { return value_; }
+  const std::string &valid() const noexcept { return valid_; }
+
+ private:
+  std::int32_t status_;
+  std::string key_, value_, valid_;
+};
+
+/// @throws Error unless the status is HAPTO_OK; std::bad_alloc.
+inline void require(std::int32_t status) {
+  if (status == HAPTO_OK) {
+    return;
+  }
+  if (status == HAPTO_NO_MEMORY) {
+    throw std::bad_alloc();
+  }
+  hapto_error error{};
+  error.size = sizeof error;
+  hapto_last_error(&error);
+  if (error.status != status) {  // a function for 1 kHz notes nothing
+    error.message = error.key = error.value = error.valid = "";
+  }
+  throw Error(status, error);
+}
+
+/// A struct with its size in it.
+template <class Struct>
+Struct sized() noexcept {
+  Struct value{};
+  value.size = sizeof value;
+  return value;
+}
+
+/// What work is being done and how much of it is done, 0 to 1, or -1; false gives up.
+using Progress = std::function<bool(const char *what, double share)>;
+
+namespace detail {
+
+template <class Handle, std::int32_t (*kDestroy)(Handle *)>
+struct Destroy {
+  void operator()(Handle *handle) const noexcept { kDestroy(handle); }
+};
+template <class Handle, std::int32_t (*kDestroy)(Handle *)>
+using Unique = std::unique_ptr<Handle, Destroy<Handle, kDestroy>>;
+
+/// A C++ function where C wants one; what it throws ends the work, and is thrown again behind it.
+class ProgressCall {
+ public:
+  explicit ProgressCall(const Progress &progress) : progress_(progress) {}
+
+  hapto_progress function() const noexcept { return progress_ ? &call : nullptr; }
+  void require(std::int32_t status) const {
+    if (thrown_) {
+      std::rethrow_exception(thrown_);
+    }
+    hapto::require(status);
+  }
+
+ private:
+  static std::int32_t call(void *self_, const char *what, double share) {
+    auto &self = *static_cast<ProgressCall *>(self_);
+    try {
+      return self.progress_(what, share) ? 1 : 0;
+    } catch (...) {
+      self.thrown_ = std::current_exception();
+      return 0;
+    }
+  }
+
+  const Progress &progress_;
+  std::exception_ptr thrown_;
+};
+
+/// Texts as C wants them, for as long as the texts live.
+inline std::vector<const char *> pointers(const std::vector<std::string> &texts) {
+  std::vector<const char *> pointers;
+  for (const std::string &text : texts) {
+    pointers.push_back(text.c_str());
+  }
+  return pointers;
+}
+
+}  // namespace detail
+
+/// Numbers in memory of the library, `components` to an element.
+template <class T>
+class View {
+ public:
+  explicit View(const hapto_array &array)
+      : data_(static_cast<const char *>(array.data)), count_(array.count), stride_(array.stride_bytes) {}
+
+  std::size_t size() const noexcept { return count_; }
+  /// The first component of element i; the others follow it.
+  const T *operator[](std::size_t i) const noexcept { return reinterpret_cast<const T *>(data_ + i * stride_); }
+
+ private:
+  const char *data_;
+  std::size_t count_, stride_;
+};
+
+/// A JSON object and a table.
+class Result {
+ public:
+  explicit Result(hapto_result *taken_over) : handle_(taken_over) {}
+
+  std::string_view json() const {
+    const char *text = nullptr;
+    require(hapto_result_json(handle_.get(), &text));
+    return text;
+  }
+  double value(const std::string &path) const {
+    double number = 0;
+    require(hapto_result_value(handle_.get(), path.c_str(), &number));
+    return number;
+  }
+  View<double> column(const std::string &name) const {
+    auto array = sized<hapto_array>();
+    require(hapto_result_column(handle_.get(), name.c_str(), &array));
+    return View<double>(array);
+  }
+
+ private:
+  detail::Unique<hapto_result, hapto_result_destroy> handle_;
+};
+
+/// hapto_list(): {"names": [...]}.
+inline Result list(const std::string &what) {
+  hapto_result *made = nullptr;
+  require(hapto_list(what.c_str(), &made));
+  return Result(made);
+}
+
+/// Soil in a box and a tool.
+class Scene {
+ public:
+  using Overrides = std::vector<std::string>;
+
+  explicit Scene(hapto_scene *taken_over) : handle_(taken_over) {}
+  static Scene fromFile(const std::string &name_or_path, const Overrides &overrides = {}, const Progress &progress = {}) {
+    detail::ProgressCall told(progress);
+    const auto list = detail::pointers(overrides);
+    hapto_scene *made = nullptr;
+    told.require(hapto_scene_from_file(name_or_path.c_str(), list.data(), static_cast<std::uint32_t>(list.size()),
+                                       told.function(), &told, &made));
+    return Scene(made);
+  }
+  static Scene fromToml(const std::string &text, const Overrides &overrides = {}, const Progress &progress = {}) {
+    detail::ProgressCall told(progress);
+    const auto list = detail::pointers(overrides);
+    hapto_scene *made = nullptr;
+    told.require(hapto_scene_from_toml(text.c_str(), nullptr, list.data(), static_cast<std::uint32_t>(list.size()),
+                                       told.function(), &told, &made));
+    return Scene(made);
+  }
+  static Scene fromState(const std::vector<std::byte> &state) {
+    hapto_scene *made = nullptr;
+    require(hapto_scene_from_state(state.data(), state.size(), &made));
+    return Scene(made);
+  }
+  Scene clone() const {
+    hapto_scene *made = nullptr;
+    require(hapto_scene_clone(get(), &made));
+    return Scene(made);
+  }
+
+  /// One tick. Throws nothing that is not wrong; allocates nothing.
+  hapto_wrench step(const hapto_pose &scene_T_tool, const hapto_twist *twist = nullptr) {
+    hapto_wrench felt;
+    require(hapto_scene_step(get(), &scene_T_tool, twist, &felt));
+    return felt;
+  }
+  std::vector<hapto_wrench> steps(const std::vector<hapto_pose> &poses) {
+    std::vector<hapto_wrench> felt(poses.size());
+    require(hapto_scene_steps(get(), poses.size(), poses.data(), nullptr, felt.data(), nullptr));
+    return felt;
+  }
+  void placeTool(const hapto_pose &scene_T_tool) { require(hapto_scene_place_tool(get(), &scene_T_tool)); }
+  hapto_pose toolPose() const {
+    hapto_pose pose;
+    require(hapto_scene_get_tool_pose(get(), &pose));
+    return pose;
+  }
+  hapto_wrench wrench() const {
+    hapto_wrench felt;
+    require(hapto_scene_get_wrench(get(), &felt));
+    return felt;
+  }
+  void setOpening(double share) { require(hapto_scene_set_opening(get(), share)); }
+  double gripForce() const {
+    double n = 0;
+    require(hapto_scene_get_grip_force(get(), &n));
+    return n;
+  }
+  void setToolFade(double share) { require(hapto_scene_set_tool_fade(get(), share)); }
+  void setGravity(double x, double y, double z) {
+    const double m_s2[3] = {x, y, z};
+    require(hapto_scene_set_gravity(get(), m_s2));
+  }
+  void change(const Overrides &overrides) {
+    const auto list = detail::pointers(overrides);
+    require(hapto_scene_change(get(), list.data(), static_cast<std::uint32_t>(list.size())));
+  }
+
+  hapto_scene_info info() const {
+    auto info = sized<hapto_scene_info>();
+    require(hapto_scene_get_info(get(), &info));
+    return info;
+  }
+  /// HAPTO_POSITION or HAPTO_VELOCITY, until the next step.
+  View<float> view(std::int32_t field) const {
+    auto array = sized<hapto_array>();
+    require(hapto_scene_view(get(), field, &array));
+    return View<float>(array);
+  }
+  std::string toml() const {
+    std::uint64_t needed = 0;
+    std::string text;
+    while (hapto_scene_get_toml(get(), text.data(), text.size(), &needed) == HAPTO_TOO_SMALL) {
+      text.resize(needed);
+    }
+    require(hapto_scene_get_toml(get(), text.data(), text.size(), &needed));
+    text.resize(needed - 1);
+    return text;
+  }
+  std::vector<std::byte> state() const {
+    std::uint64_t needed = 0;
+    (void)hapto_scene_get_state(get(), nullptr, 0, &needed);
+    std::vector<std::byte> bytes(needed);
+    require(hapto_scene_get_state(get(), bytes.data(), bytes.size(), &needed));
+    return bytes;
+  }
+  void setState(const std::vector<std::byte> &bytes) { require(hapto_scene_set_state(get(), bytes.data(), bytes.size())); }
+  std::uint64_t stateHash() const {
+    std::uint64_t hash = 0;
+    require(hapto_scene_state_hash(get(), &hash));
+    return hash;
+  }
+
+  hapto_scene *get() const noexcept { return handle_.get(); }
+
+ private:
+  detail::Unique<hapto_scene, hapto_scene_destroy> handle_;
+};
+
+/// A soil with a name.
+class Soil {
+ public:
+  explicit Soil(hapto_soil *taken_over) : handle_(taken_over) {}
+  static Soil find(const std::string &name_or_path) {
+    hapto_soil *made = nullptr;
+    require(hapto_soil_find(name_or_path.c_str(), &made));
+    return Soil(made);
+  }
+
+  double number(const std::string &key) const {
+    double number = 0;
+    require(hapto_soil_get(get(), key.c_str(), &number));
+    return number;
+  }
+  Result profile(double gravity_m_s2, double depth_m) const {
+    hapto_result *made = nullptr;
+    require(hapto_soil_profile(get(), gravity_m_s2, depth_m, &made));
+    return Result(made);
+  }
+
+  hapto_soil *get() const noexcept { return handle_.get(); }
+
+ private:
+  detail::Unique<hapto_soil, hapto_soil_destroy> handle_;
+};
+
+/// Many scenes on several threads; the scenes must outlive it.
+class Batch {
+ public:
+  explicit Batch(const std::vector<Scene> &scenes, std::uint32_t threads = 0) : scenes_(scenes.size()) {
+    std::vector<hapto_scene *> handles;
+    for (const Scene &scene : scenes) {
+      handles.push_back(scene.get());
+    }
+    hapto_batch *made = nullptr;
+    require(hapto_batch_create(handles.data(), static_cast<std::uint32_t>(handles.size()), threads, &made));
+    handle_.reset(made);
+  }
+
+  /// poses[i * ticks + t] of scene i; the wrenches likewise.
+  std::vector<hapto_wrench> step(std::uint64_t ticks, const std::vector<hapto_pose> &poses) {
+    if (poses.size() != scenes_ * ticks) {
+      throw std::invalid_argument("a batch of " + std::to_string(scenes_) + " scenes needs " +
+                                  std::to_string(scenes_ * ticks) + " poses for so many ticks");
+    }
+    std::vector<hapto_wrench> felt(poses.size());
+    require(hapto_batch_step(handle_.get(), ticks, poses.data(), nullptr, felt.data(), nullptr));
+    return felt;
+  }
+
+ private:
+  std::size_t scenes_;
+  detail::Unique<hapto_batch, hapto_batch_destroy> handle_;
+};
+
+/// A device of one's own. read() and write() are called once a tick from the loop's thread: they must not wait, lock,
+/// allocate or throw.
+class Device {
+ public:
+  virtual ~Device() = default;
+
+  virtual const char *name() const noexcept { return "device"; }
+  /// hapto_device_limits_init() has filled in an ideal device.
+  virtual void declare(hapto_device_limits &limits) const noexcept = 0;
+  virtual void read(hapto_device_input &told) noexcept = 0;
+  virtual void write(const hapto_device_output &force) noexcept = 0;
+  /// From any thread: zero force at once and until takeUp().
+  virtual void letGo() noexcept {}
+  virtual void takeUp() noexcept {}
+};
+
+/// A scene and a device, joined at 1 kHz; both must outlive it.
+class Loop {
+ public:
+  enum class Ticked { kByItsThread, kByCaller };
+
+  Loop(Scene &scene, Device &device, Ticked ticked = Ticked::kByItsThread) {
+    auto own = sized<hapto_device>();
+    own.user = &device;
+    own.name = device.name();
+    require(hapto_device_limits_init(&own.limits));
+    device.declare(own.limits);
+    own.read = [](void *user, hapto_device_input *told) { static_cast<Device *>(user)->read(*told); };
+    own.write = [](void *user, const hapto_device_output *force) { static_cast<Device *>(user)->write(*force); };
+    own.let_go = [](void *user) { static_cast<Device *>(user)->letGo(); };
+    own.take_up = [](void *user) { static_cast<Device *>(user)->takeUp(); };
+    create(scene, &own, ticked);
+  }
+  /// With the device that the scene names, a virtual hand by default.
+  explicit Loop(Scene &scene, Ticked ticked = Ticked::kByItsThread) { create(scene, nullptr, ticked); }
+
+  void start() { require(hapto_loop_start(handle_.get())); }
+  /// One tick of Ticked::kByCaller. False: it was the last.
+  bool tick(bool late = false) {
+    const std::int32_t status = hapto_loop_tick(handle_.get(), late ? 1 : 0);
+    if (status != HAPTO_ENDED) {
+      require(status);
+    }
+    return status == HAPTO_OK;
+  }
+  void stop() { require(hapto_loop_stop(handle_.get())); }
+  hapto_snapshot snapshot() {
+    auto snapshot = sized<hapto_snapshot>();
+    require(hapto_loop_snapshot(handle_.get(), &snapshot));
+    return snapshot;
+  }
+  void pause(bool on) { require(hapto_loop_pause(handle_.get(), on ? 1 : 0)); }
+  void change(const std::vector<std::string> &overrides) {
+    const auto list = detail::pointers(overrides);
+    require(hapto_loop_change(handle_.get(), list.data(), static_cast<std::uint32_t>(list.size())));
+  }
+
+ private:
+  void create(Scene &scene, const hapto_device *device, Ticked ticked) {
+    hapto_loop *made = nullptr;
+    require(hapto_loop_create(scene.get(), device, ticked == Ticked::kByCaller ? 1 : 0, &made));
+    handle_.reset(made);
+  }
+
+  detail::Unique<hapto_loop, hapto_loop_destroy> handle_;
+};
+
+/// The safety layer alone.
+class Safety {
+ public:
+  Safety(const hapto_device_limits &limits, double tick_s, double stiffness_n_m,
+         const std::vector<std::string> &overrides = {}) {
+    const auto list = detail::pointers(overrides);
+    hapto_safety *made = nullptr;
+    require(hapto_safety_create(&limits, list.data(), static_cast<std::uint32_t>(list.size()), tick_s, stiffness_n_m, &made));
+    handle_.reset(made);
+  }
+
+  /// What the hand may feel of `force`.
+  hapto_wrench step(const hapto_device_input &told, const hapto_wrench &force, bool late = false) {
+    auto shown = sized<hapto_device_output>();
+    shown.wrench = force;
+    require(hapto_safety_step(handle_.get(), &told, late ? 1 : 0, &shown));
+    return shown.wrench;
+  }
+  hapto_safety_info info() const {
+    auto info = sized<hapto_safety_info>();
+    require(hapto_safety_get_info(handle_.get(), &info));
+    return info;
+  }
+  void stop() { require(hapto_safety_stop(handle_.get())); }
+
+ private:
+  detail::Unique<hapto_safety, hapto_safety_destroy> handle_;
+};
+
+}  // namespace hapto
+
+#endif

@@ -1,0 +1,54 @@
+#pragma once
+
+#include <haptolith/haptolith.h>
+
+#include <cstdint>
+#include <exception>
+#include <functional>
+#include <string_view>
+
+#include "haptolith/core/error.h"
+
+namespace haptolith::library {
+
+/// Notes what went wrong, for hapto_last_error(), and returns the status.
+std::int32_t failed(std::int32_t status, std::string_view message, std::string_view key = {},
+                    std::string_view value = {}, std::string_view valid = {}) noexcept;
+
+/// The same in the status's own words. HAPTO_OK notes nothing. @param name  of the argument that is wrong.
+std::int32_t wrongArgument(std::int32_t status, const char* name) noexcept;
+
+/// The same for the exception that is being handled.
+std::int32_t failedByException() noexcept;
+
+/// Does `body`, which returns a status or throws: nothing is thrown across the border.
+template <class Body>
+std::int32_t guarded(Body&& body) noexcept {
+  try {
+    return std::forward<Body>(body)();
+  } catch (...) {
+    return failedByException();
+  }
+}
+
+/// A progress function of the caller's, in the forms in which the library's parts tell theirs.
+class Progress {
+ public:
+  Progress(hapto_progress told, void* user) noexcept : told_(told), user_(user) {}
+
+  /// False: give up. @param share  0 to 1, or -1.
+  bool tell(std::string_view what, double share);
+
+  /// The status of work that has thrown: HAPTO_STOPPED where it was the caller's wish.
+  [[nodiscard]] std::int32_t status(const std::function<std::int32_t()>& body) noexcept;
+
+ private:
+  hapto_progress told_;
+  void* user_;
+  bool gave_up_ = false;
+};
+
+/// Once: HAPTOLITH_CACHE and HAPTOLITH_SIMD. @throws InvalidParameter for an instruction set that is not there.
+void readEnvironment();
+
+}  // namespace haptolith::library

@@ -1,0 +1,319 @@
+// The loop that joins a scene and a device.
+
+#include <haptolith/haptolith.h>
+
+#include <atomic>
+#include <memory>
+#include <optional>
+#include <string>
+#include <utility>
+
+#include "haptolith/core/error.h"
+#include "haptolith/device/hand/virtual_hand.h"
+#include "haptolith/device/open_device.h"
+#include "haptolith/haptics/haptic_loop.h"
+#include "haptolith/haptics/last_resort.h"
+#include "haptolith/haptics/loop_thread.h"
+#include "haptolith/library/errors.h"
+#include "haptolith/library/handles.h"
+#include "haptolith/library/scene_object.h"
+#include "haptolith/library/values.h"
+
+namespace haptolith::library {
+
+namespace {
+
+/// A device of the caller's.
+class CallersDevice final : public HapticDevice {
+ public:
+  explicit CallersDevice(const hapto_device& device)
+      : device_(device), name_(textOrNothing(device.name)), limits_(library::limits(device.limits)) {
+    if (device.read == nullptr || device.write == nullptr) {
+      throw InvalidParameter(device.read == nullptr ? "device.read" : "device.write", "NULL", "a function");
+    }
+    told_.size = sizeof told_;
+    told_.pose.orientation[0] = 1;
+  }
+
+  [[nodiscard]] std::string_view name() const noexcept override { return name_; }
+  [[nodiscard]] DeviceLimits limits() const noexcept override { return limits_; }
+  [[nodiscard]] bool simulated() const noexcept override { return device_.limits.simulated != 0; }
+  [[nodiscard]] DeviceInput read() noexcept override {
+    told_.state = HAPTO_DEVICE_LIVE;
+    device_.read(device_.user, &told_);
+    return input(told_);
+  }
+  void write(const DeviceOutput& force) noexcept override {
+    const bool may = !let_go_.load(std::memory_order_relaxed);
+    const hapto_device_output shown{sizeof shown, 0, may ? wrench(force.wrench) : hapto_wrench{},
+                                    may ? force.gripper_force_n : 0};
+    device_.write(device_.user, &shown);
+  }
+  void releaseForce() noexcept override {
+    let_go_.store(true, std::memory_order_relaxed);
+    if (device_.let_go != nullptr) {
+      device_.let_go(device_.user);
+    }
+  }
+  void resumeForce() noexcept override {
+    if (let_go_.exchange(false, std::memory_order_relaxed) && device_.take_up != nullptr) {
+      device_.take_up(device_.user);
+    }
+  }
+
+ private:
+  hapto_device device_;
+  std::string name_;
+  DeviceLimits limits_;
+  hapto_device_input told_{};
+  std::atomic<bool> let_go_{false};
+};
+
+std::unique_ptr<HapticDevice> deviceFor(const Scenario& scenario, const hapto_device* device) {
+  if (device != nullptr) {
+    return std::make_unique<CallersDevice>(*device);
+  }
+  if (scenario.device.kind == DeviceKind::kVirtualHand) {
+    return std::make_unique<VirtualHand>(scenario.hand, scenario.bed.tick_s);
+  }
+  return openDevice(scenario.device, scenario.bed.tick_s);
+}
+
+/// The hand begins above the soil that is there.
+Scenario above(Scenario scenario, double surface_m) {
+  scenario.hand.surface_m = scenario.hand.surface_m.value_or(surface_m);
+  return scenario;
+}
+
+LoopParameters pacedBy(LoopParameters loop, bool caller) {
+  loop.paced = loop.paced && !caller;
+  return loop;
+}
+
+}  // namespace
+
+/// A loop, its device, and the scene that it has for as long as it lives.
+class Loop {
+ public:
+  Loop(Claim<hapto_scene> scene, const hapto_device* device, bool ticked_by_caller)
+      : scene_(std::move(scene)),
+        ticked_by_caller_(ticked_by_caller),
+        scenario_(above(scene_->scenario(), scene_->scene().bed().surfaceHeight())),
+        device_(deviceFor(scenario_, device)),
+        parameters_(pacedBy(scenario_.loop, ticked_by_caller)) {
+    if (!ticked_by_caller && !parameters_.paced && !device_->simulated()) {
+      throw InvalidParameter(
+          "loop.paced", "false",
+          "true while a person may hold the device: what a hand feels must keep time with the clock");
+    }
+    const double surface_m = *scenario_.hand.surface_m;
+    loop_.emplace(scene_->scene(), *device_, parameters_, false,
+                  device == nullptr ? handlingOf(scenario_, surface_m) : handlingOfOwnDevice(scenario_, surface_m));
+    if (device == nullptr && !device_->simulated()) {
+      last_resort_.emplace(*device_);
+    }
+  }
+  ~Loop() {
+    try {
+      stop();
+    } catch (...) {  // it has ended all the same
+    }
+    scene_->setCondition(conditionAfter(end_));
+  }
+  Loop(const Loop&) = delete;
+  Loop& operator=(const Loop&) = delete;
+
+  void start() {
+    if (ticked_by_caller_ || thread_) {
+      throw InvalidParameter("loop", ticked_by_caller_ ? "ticked by its caller" : "started already",
+                             "started once, if hapto_loop_tick() does not tick it");
+    }
+    thread_.emplace(*loop_, parameters_, stop_asked_);
+  }
+
+  std::int32_t tick(std::int32_t late) noexcept {
+    if (!ticked_by_caller_) {
+      return HAPTO_INVALID_PARAMETER;
+    }
+    if (end_ != LoopEnd::kRunning) {
+      return HAPTO_ENDED;
+    }
+    loop_->overrideHealth({.late = late != 0});
+    end_ = loop_->tick();
+    return end_ == LoopEnd::kRunning ? HAPTO_OK : HAPTO_ENDED;
+  }
+
+  void stop() {
+    if (thread_) {
+      stop_asked_ = true;
+      end_ = thread_->join();
+      thread_.reset();
+    } else if (end_ == LoopEnd::kRunning) {
+      device_->write({});
+      end_ = LoopEnd::kStopped;
+    }
+  }
+
+  void snapshot(hapto_snapshot& out) {
+    if (thread_ && thread_->done()) {
+      end_ = thread_->join();
+      thread_.reset();
+    }
+    LatestValue<SceneSnapshot>& snapshots = loop_->snapshots();
+    (void)snapshots.update();
+    const SceneSnapshot& now = snapshots.latest();
+    const bool running = thread_ || (ticked_by_caller_ && end_ == LoopEnd::kRunning);
+    out = {.size = sizeof out,
+           .running = running ? 1 : 0,
+           .end = end_ == LoopEnd::kRunning ? "" : text(end_),
+           .trip = now.trip == SafetyTrip::kNone ? "" : text(now.trip),
+           .trips = now.trips,
+           .paused = now.paused ? 1 : 0,
+           .ticks = now.ticks,
+           .deadline_misses = now.deadline_misses,
+           .awake = now.awake,
+           .time_s = now.time_s,
+           .scene_T_tool = pose(now.scene_T_tool),
+           .opening_m = now.opening_m,
+           .felt = wrench(now.felt),
+           .success_rate = now.success_rate,
+           .tick_us_p50 = now.tick_us_p50,
+           .tick_us_p99 = now.tick_us_p99,
+           .tick_us_max = now.tick_us_max,
+           .largest_speed_m_s = now.largest_speed_m_s,
+           .position = {.size = sizeof out.position,
+                        .type = HAPTO_FLOAT32,
+                        .count = now.ticks > 0 ? now.position.size() : 0,
+                        .components = 3,
+                        .stride_bytes = sizeof(Float4),
+                        .data = now.position.data()}};
+  }
+
+  void pause(bool on) {
+    if (on) {
+      ask(request::Pause{});
+    } else {
+      ask(request::Resume{});
+    }
+  }
+
+  void change(const std::vector<std::string>& overrides) {
+    const SceneChanges changes = scene_->planned(overrides);
+    if (changes.gravity_m_s2) {
+      ask(request::Gravity{*changes.gravity_m_s2});
+    }
+    if (changes.laws) {
+      ask(request::Soil{*changes.laws});
+    }
+    if (changes.tool) {
+      ask(request::Exchange{request::ExchangeTool{*changes.tool}});
+    }
+    scene_->note(changes);
+  }
+
+ private:
+  void ask(const LoopRequest& request) {
+    if (!loop_->ask(request)) {
+      throw Failure("too much is asked for at once: try again");
+    }
+  }
+
+  static std::int32_t conditionAfter(LoopEnd end) noexcept {
+    return end == LoopEnd::kNotFinite ? HAPTO_NOT_FINITE : end == LoopEnd::kCollapsed ? HAPTO_COLLAPSED : HAPTO_OK;
+  }
+
+  Claim<hapto_scene> scene_;
+  bool ticked_by_caller_;
+  Scenario scenario_;
+  std::unique_ptr<HapticDevice> device_;
+  std::optional<LastResort> last_resort_;
+  LoopParameters parameters_;
+  std::optional<HapticLoop> loop_;
+  LoopEnd end_ = LoopEnd::kRunning;
+  std::atomic<bool> stop_asked_{false};
+  std::optional<LoopThread> thread_;  // the last member: it ends before what it uses
+};
+
+}  // namespace haptolith::library
+
+struct hapto_loop : haptolith::library::HandleOf<haptolith::library::Loop> {
+  static constexpr std::uint32_t kKind = 0x48614c6f;
+};
+
+using namespace haptolith;
+using namespace haptolith::library;
+
+namespace {
+
+/// By the thread that watches the loop.
+template <class Body>
+std::int32_t with(const hapto_loop* loop, Body&& body) {
+  const Claim claim(loop, &Handle::observed);
+  return claim.status() != HAPTO_OK ? wrongArgument(claim.status(), "loop") : guarded([&] {
+    body(*claim);
+    return std::int32_t{HAPTO_OK};
+  });
+}
+
+}  // namespace
+
+std::int32_t hapto_loop_create(hapto_scene* scene, const hapto_device* device, std::int32_t ticked_by_caller,
+                               hapto_loop** out) {
+  if (out == nullptr) {
+    return wrongArgument(HAPTO_NULL, "out");
+  }
+  if (device != nullptr && device->size != sizeof *device) {
+    return wrongArgument(HAPTO_WRONG_SIZE, "device");
+  }
+  Claim claim(scene);
+  if (claim.status() != HAPTO_OK) {
+    return wrongArgument(claim.status(), "scene");
+  }
+  return guarded([&] {
+    *out = Places<hapto_loop>::take(std::make_unique<Loop>(std::move(claim), device, ticked_by_caller != 0));
+    return HAPTO_OK;
+  });
+}
+
+std::int32_t hapto_loop_start(hapto_loop* loop) {
+  return with(loop, [](Loop& object) { object.start(); });
+}
+
+std::int32_t hapto_loop_tick(hapto_loop* loop, std::int32_t late) {
+  const Claim claim(loop);
+  return claim.status() != HAPTO_OK ? claim.status() : claim->tick(late);
+}
+
+std::int32_t hapto_loop_stop(hapto_loop* loop) {
+  const Claim ticking(loop);
+  return ticking.status() != HAPTO_OK ? wrongArgument(ticking.status(), "loop")
+                                      : with(loop, [](Loop& object) { object.stop(); });
+}
+
+std::int32_t hapto_loop_destroy(hapto_loop* loop) {
+  const Claim ticking(loop);
+  if (ticking.status() != HAPTO_OK) {
+    return wrongArgument(ticking.status(), "loop");
+  }
+  Claim observing(loop, &Handle::observed);
+  if (observing.status() != HAPTO_OK) {
+    return wrongArgument(observing.status(), "loop");
+  }
+  observing.destroy();
+  return HAPTO_OK;
+}
+
+std::int32_t hapto_loop_snapshot(hapto_loop* loop, hapto_snapshot* out) {
+  if (const std::int32_t status = sizeStatus(out); status != HAPTO_OK) {
+    return wrongArgument(status, "out");
+  }
+  return with(loop, [out](Loop& object) { object.snapshot(*out); });
+}
+
+std::int32_t hapto_loop_pause(hapto_loop* loop, std::int32_t on) {
+  return with(loop, [on](Loop& object) { object.pause(on != 0); });
+}
+
+std::int32_t hapto_loop_change(hapto_loop* loop, const char* const* overrides, std::uint32_t count) {
+  return with(loop, [&](Loop& object) { object.change(texts(overrides, count)); });
+}

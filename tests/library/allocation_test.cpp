@@ -1,0 +1,117 @@
+// What may be called at 1 kHz allocates nothing, neither in the library nor here.
+
+#include <gtest/gtest.h>
+
+#include <atomic>
+#include <cstdlib>
+#include <new>
+#include <vector>
+
+#include "device.h"
+#include "use.h"
+
+namespace {
+std::atomic<long> allocations{0};
+}  // namespace
+
+void* operator new(std::size_t size) {
+  ++allocations;
+  if (void* memory = std::malloc(size)) {
+    return memory;
+  }
+  throw std::bad_alloc();
+}
+void* operator new(std::size_t size, std::align_val_t alignment) {
+  ++allocations;
+  const auto bytes = static_cast<std::size_t>(alignment);
+  if (void* memory = std::aligned_alloc(bytes, (size + bytes - 1) / bytes * bytes)) {
+    return memory;
+  }
+  throw std::bad_alloc();
+}
+void operator delete(void* memory) noexcept {
+  std::free(memory);
+}
+void operator delete(void* memory, std::size_t) noexcept {
+  std::free(memory);
+}
+void operator delete(void* memory, std::align_val_t) noexcept {
+  std::free(memory);
+}
+void operator delete(void* memory, std::size_t, std::align_val_t) noexcept {
+  std::free(memory);
+}
+
+namespace haptolith::library {
+namespace {
+
+TEST(LibraryAtOneKilohertz, AllocatesNothing) {
+  for (const char* toml : {kPaper, kContact}) {
+    const ScenePtr scene = sceneOf(toml);
+    ASSERT_GT(allocations, 0) << "the library's own are not counted: this test sees nothing";
+    const long before = allocations;
+    hapto_array array{};
+    array.size = sizeof array;
+    hapto_wrench felt{};
+    double k[9];
+    const double down[3]{0, 0, -1.6};
+    std::int32_t worst = HAPTO_OK;
+    for (int tick = 0; tick < 1500; ++tick) {
+      const hapto_pose pose = stirring(tick);
+      worst |= hapto_scene_step(scene.get(), &pose, nullptr, &felt);
+      worst |= hapto_scene_get_wrench(scene.get(), &felt);
+      worst |= hapto_scene_get_contact_stiffness(scene.get(), k);
+      worst |= hapto_scene_view(scene.get(), HAPTO_POSITION, &array);
+      worst |= tick == 700 ? hapto_scene_set_gravity(scene.get(), down) : 0;
+      worst |= hapto_scene_set_tool_fade(scene.get(), 1);
+    }
+    EXPECT_EQ(hapto_scene_step(scene.get(), nullptr, nullptr, &felt), HAPTO_NULL);
+    EXPECT_EQ(allocations, before);
+    EXPECT_EQ(worst, HAPTO_OK);
+  }
+}
+
+TEST(LibraryAtOneKilohertz, ALoopOfTheCallersAllocatesNothing) {
+  const ScenePtr scene = sceneOf(kContact);
+  OwnDevice own;
+  own.height_m = -0.1;
+  const hapto_device device = own.handle(true);
+  hapto_loop* made = nullptr;
+  expectOk(hapto_loop_create(scene.get(), &device, 1, &made));
+  const LoopPtr loop(made);
+  const long before = allocations;
+  std::int32_t worst = HAPTO_OK;
+  for (int tick = 0; tick < 1500; ++tick) {
+    worst |= hapto_loop_tick(loop.get(), 0);
+  }
+  EXPECT_EQ(allocations, before);
+  EXPECT_EQ(worst, HAPTO_OK);
+  EXPECT_GT(own.strongest_n, 0.1);
+}
+
+TEST(LibraryAtOneKilohertz, SafetyAllocatesNothingWhenItTrips) {
+  hapto_device_limits limits{};
+  expectOk(hapto_device_limits_init(&limits));
+  hapto_safety* made = nullptr;
+  expectOk(hapto_safety_create(&limits, nullptr, 0, 1e-3, 100, &made));
+  const std::unique_ptr<hapto_safety, Destroy> safety(made);
+  hapto_device_input told{};
+  told.size = sizeof told;
+  told.pose.orientation[0] = 1;
+  hapto_device_output force{};
+  force.size = sizeof force;
+  hapto_safety_info info{};
+  info.size = sizeof info;
+  const long before = allocations;
+  for (int tick = 0; tick < 3000; ++tick) {
+    told.pose.position_m[0] = tick == 1500 ? 0.3 : 0;
+    force.wrench.force_n[2] = 2;
+    (void)hapto_safety_step(safety.get(), &told, 0, &force);
+    (void)hapto_safety_get_info(safety.get(), &info);
+  }
+  EXPECT_EQ(allocations, before);
+  EXPECT_GT(info.trips, 0U);
+}
+
+}  // namespace
+}  // namespace haptolith::library
