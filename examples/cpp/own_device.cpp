@@ -17,7 +17,7 @@ class HandleOnASpring final : public hapto::Device {
   }
 
   void read(hapto_device_input &told) noexcept override {
-    const double wanted_m[3] = {0.03 * ticks_ * 1e-3, 0, -0.06};
+    const double wanted_m[3] = {0.03 * ticks_ * 1e-3, 0, -0.11};
     for (int axis = 0; axis < 3; ++axis) {
       const double pull_n = 60 * (wanted_m[axis] - position_m_[axis]) - 6 * velocity_m_s_[axis] + felt_n_[axis];
       velocity_m_s_[axis] += 1e-3 * pull_n / 0.3;

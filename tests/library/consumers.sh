@@ -1,0 +1,101 @@
+#!/usr/bin/env bash
+# Builds the examples as a stranger would, against an installed tree, and looks at what they print.
+#   consumers.sh HOW BUILD_FOLDER WORK_FOLDER    HOW: find_package, pkg_config, add_subdirectory, symbols or header
+set -euo pipefail
+how=$1 build=$2 work=$3
+source=$(cd "$(dirname "${BASH_SOURCE[0]}")/../.." && pwd)
+export HAPTOLITH_CACHE=off
+rm -rf "$work" && mkdir -p "$work"
+
+fail() {
+  printf 'consumers.sh: %s\n' "$1" >&2
+  exit 1
+}
+
+install() {
+  cmake --install "$build" --prefix "$work/prefix" --component library > "$work/install.log"
+  cmake --install "$build" --prefix "$work/prefix" --component development >> "$work/install.log"
+  prefix=$work/prefix
+}
+
+# The hash that the program prints is the one that the library gives.
+lookAt() {
+  local hash of_program
+  hash=$("$1/example_state_hash" paper)
+  of_program=$("$build/apps/haptolith/haptolith" run paper --unpaced --duration-s 1 --json 2> /dev/null |
+    sed -n 's/.*"state_hash": "\([0-9a-f]*\)".*/\1/p')
+  [[ -n $hash && $hash == "$of_program" ]] || fail "state_hash printed '$hash', the program '$of_program'"
+  "$1/example_dig" | tee "$work/dig.txt"
+  awk '$3 < last || NF != 4 { exit 1 } { last = $3 } END { exit !(NR == 5 && last > 10) }' "$work/dig.txt" ||
+    fail "dig does not feel soil that grows harder with depth"
+  "$1/example_own_loop" | tee "$work/own_loop.txt"
+  grep -q '0.000 N, "the device' "$work/own_loop.txt" || fail "own_loop does not let go"
+}
+
+case $how in
+  find_package)
+    install
+    cmake -S "$source/examples" -B "$work/build" -G Ninja -DCMAKE_PREFIX_PATH="$prefix" -DCMAKE_BUILD_TYPE=Release > "$work/configure.log"
+    cmake --build "$work/build" > "$work/build.log" || { cat "$work/build.log"; exit 1; }
+    lookAt "$work/build"
+    "$work/build/example_own_device" | tee "$work/own_device.txt"
+    grep -q "ended: the time asked for is over" "$work/own_device.txt" || fail "own_device does not end as it should"
+    awk '/N  tick/ && $7 > 0.1 { felt = 1 } END { exit !felt }' "$work/own_device.txt" || fail "own_device feels nothing"
+    ;;
+  pkg_config)
+    install
+    export PKG_CONFIG_PATH=$prefix/lib/pkgconfig LD_LIBRARY_PATH=$prefix/lib
+    read -ra flags <<< "$(pkg-config --cflags --libs haptolith)"
+    [[ $(pkg-config --modversion haptolith) == "$("$build/apps/haptolith/haptolith" --version | sed 's/haptolith //')" ]] ||
+      fail "haptolith.pc has another version than the program"
+    for example in dig state_hash; do
+      gcc -std=c99 -pedantic -Wall -Wextra -Wno-missing-field-initializers -Werror "$source/examples/c/$example.c" "${flags[@]}" -o "$work/example_$example"
+    done
+    for example in own_device own_loop; do
+      g++ -std=c++17 -pedantic -Wall -Wextra -Wno-missing-field-initializers -Werror "$source/examples/cpp/$example.cpp" "${flags[@]}" -o "$work/example_$example"
+    done
+    lookAt "$work"
+    ;;
+  add_subdirectory)
+    cat > "$work/CMakeLists.txt" << CMAKE
+cmake_minimum_required(VERSION 3.16)
+project(host LANGUAGES C CXX)
+add_subdirectory($source haptolith)
+add_subdirectory($source/examples examples)
+CMAKE
+    ! command -v ccache > /dev/null || export CMAKE_CXX_COMPILER_LAUNCHER=ccache
+    cmake -S "$work" -B "$work/build" -G Ninja > "$work/configure.log" || { cat "$work/configure.log"; exit 1; }
+    ! ninja -C "$work/build" -t targets all | grep -q "test_\|benchmarks/" || fail "it brings its tests"
+    cmake --build "$work/build" -j 2 > "$work/build.log" || { tail -30 "$work/build.log"; exit 1; }
+    lookAt "$work/build/examples"
+    ;;
+  symbols)
+    library=$build/src/haptolith/library/libhaptolith.so
+    nm -D --defined-only "$library" | awk '$2 != "A" { sub(/@.*/, "", $3); print $3 }' | sort > "$work/shown"
+    grep -o 'HAPTO_API [a-z0-9_ *]*hapto_[a-z0-9_]*(' "$source/include/haptolith/haptolith.h" |
+      grep -o 'hapto_[a-z0-9_]*(' | tr -d '(' | sort > "$work/declared"
+    diff "$work/declared" "$work/shown" || fail "what the header declares (<) is not what the library shows (>)"
+    # Few and light: no X11, no HDF5, no SQLite in who uses it.
+    needed=$(objdump -p "$library" | awk '/NEEDED/ { print $2 }' | sed 's/\.so.*//' | sort | tr '\n' ' ')
+    allowed="ld-linux-x86-64 libc libfmt libgcc_s libhwy libm libnlopt libnlopt_cxx libsodium libstdc++ libtomlplusplus libxxhash "
+    for name in $needed; do
+      [[ " $allowed" == *" $name "* ]] || fail "the library needs $name"
+    done
+    objdump -p "$library" | grep -q "SONAME *libhaptolith.so.0.2$" || fail "the SONAME is not libhaptolith.so.0.2"
+    ;;
+  header)
+    printf '#include <haptolith/haptolith.h>\nint main(void) { return 0; }\n' > "$work/alone.c"
+    for standard in c99 c11 c17; do
+      gcc -std=$standard -pedantic -Wall -Wextra -Wstrict-prototypes -Wpadded -Werror -I"$source/include" -I"$build/include" -fsyntax-only "$work/alone.c"
+    done
+    cp "$work/alone.c" "$work/alone.cpp"
+    printf '#include <haptolith/haptolith.hpp>\nint main() { return 0; }\n' > "$work/wrapper.cpp"
+    for standard in c++17 c++20 c++23; do
+      g++ -std=$standard -pedantic -Wall -Wextra -Wconversion -Wshadow -Werror -I"$source/include" -I"$build/include" -fsyntax-only "$work/alone.cpp" "$work/wrapper.cpp"
+    done
+    if command -v clang++ > /dev/null; then
+      clang++ -std=c++17 -pedantic -Wall -Wextra -Werror -I"$source/include" -I"$build/include" -fsyntax-only "$work/wrapper.cpp"
+    fi
+    ;;
+  *) fail "HOW is find_package, pkg_config, add_subdirectory, symbols or header, not '$how'" ;;
+esac
