@@ -1,0 +1,27 @@
+// What a saved scene may be: bytes from a file or another program. Whatever they are, they are refused or borne.
+
+#include <cstddef>
+#include <cstdint>
+#include <string_view>
+
+#include "haptolith/core/error.h"
+#include "haptolith/tool/scene.h"
+
+using namespace haptolith;
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  BedParameters bed;
+  bed.soil.friction = FrictionModel::kContact;
+  bed.particles = 16;
+  bed.layers = 1;
+  try {
+    Scene scene(bed, {}, deserialiseSavedScene({reinterpret_cast<const char*>(data), size}));
+    HandState hand;
+    hand.pose.position_m = {0, 0, 0.015};
+    for (int tick = 0; tick < 3 && scene.tick(hand) == StepStatus::kOk; ++tick) {
+    }
+  } catch (const InvalidParameter&) {
+  } catch (const Failure&) {
+  }
+  return 0;
+}
