@@ -1,5 +1,5 @@
-// What the C interface costs: a step through it beside one of the scene inside, and a batch of scenes beside threads of their
-// own. Prints medians of interleaved rounds.
+// What the C interface costs: a step through it beside one of the scene inside, and a batch of scenes beside threads of
+// their own. Prints medians of interleaved rounds.
 
 #include <fmt/format.h>
 #include <haptolith/haptolith.h>
@@ -88,8 +88,8 @@ void callCost() {
     }));
   }
   const double each = 1e6 / kSteps;
-  fmt::print("step of 16 sleeping particles: {:.3f} us inside, {:.3f} us through C: {:+.3f} us\n", median(inside) * each,
-             median(through_c) * each, (median(through_c) - median(inside)) * each);
+  fmt::print("step of 16 sleeping particles: {:.3f} us inside, {:.3f} us through C: {:+.3f} us\n",
+             median(inside) * each, median(through_c) * each, (median(through_c) - median(inside)) * each);
   require(hapto_scene_destroy(scene));
 }
 
@@ -107,7 +107,8 @@ void batch(int scenes, int threads) {
     }
   }
   hapto_batch* made = nullptr;
-  require(hapto_batch_create(handles.data(), static_cast<std::uint32_t>(scenes), static_cast<std::uint32_t>(threads), &made));
+  require(hapto_batch_create(handles.data(), static_cast<std::uint32_t>(scenes), static_cast<std::uint32_t>(threads),
+                             &made));
   std::vector<double> batched;
   std::vector<double> inside;
   for (int round = 0; round < 15; ++round) {
@@ -126,11 +127,12 @@ void batch(int scenes, int threads) {
         worker.join();
       }
     }));
-    batched.push_back(secondsOf([&] { require(hapto_batch_step(made, kTicks, poses.data(), nullptr, nullptr, nullptr)); }));
+    batched.push_back(
+        secondsOf([&] { require(hapto_batch_step(made, kTicks, poses.data(), nullptr, nullptr, nullptr)); }));
   }
   const double steps = static_cast<double>(own[0]->bed().particles()) * scenes * kTicks * own[0]->substeps() / 1e6;
-  fmt::print("{} paper scenes on {} threads: {:.1f} M particle-steps/s inside, {:.1f} in a batch: {:.0f} %\n", scenes, threads,
-             steps / median(inside), steps / median(batched), 100 * median(inside) / median(batched));
+  fmt::print("{} paper scenes on {} threads: {:.1f} M particle-steps/s inside, {:.1f} in a batch: {:.0f} %\n", scenes,
+             threads, steps / median(inside), steps / median(batched), 100 * median(inside) / median(batched));
   require(hapto_batch_destroy(made));
   for (hapto_scene* scene : handles) {
     require(hapto_scene_destroy(scene));

@@ -316,11 +316,15 @@ typedef struct hapto_device {
 
 /* A loop that joins a scene and a device: mapping, coupling, filter and the safety layer as the scene's tables [mapping],
  * [coupling], [loop], [safety] say. The scene belongs to it until hapto_loop_destroy(): other calls give HAPTO_BUSY.
- * device            the caller's; its zero is [mapping] offset_mm above the soil's surface, 85 mm unless the scene says
- *                   otherwise. NULL: the device that the scene's [device] names, a virtual hand by default.
- * ticked_by_caller  1: hapto_loop_tick() is called once every tick_s; 0: hapto_loop_start() gives it a thread. */
-HAPTO_API int32_t hapto_loop_create(hapto_scene *scene, const hapto_device *device, int32_t ticked_by_caller,
-                                    hapto_loop **out);
+ * device  the caller's; its zero is [mapping] offset_mm above the soil's surface, 85 mm unless the scene says otherwise.
+ *         NULL: the device that the scene's [device] names, a virtual hand by default.
+ * flags   HAPTO_LOOP_...; 0: hapto_loop_start() gives it a thread. */
+HAPTO_API int32_t hapto_loop_create(hapto_scene *scene, const hapto_device *device, uint32_t flags, hapto_loop **out);
+enum {
+  HAPTO_LOOP_TICKED_BY_CALLER = 1, /* hapto_loop_tick() is called once every tick_s */
+  HAPTO_LOOP_KEEPS_TICKS = 2,      /* for hapto_loop_take_ticks() */
+  HAPTO_LOOP_HASHES = 4            /* ticks hold hashes of the soil, of a part of it each */
+};
 /* Runs it on a thread of its own, in step with the clock, with real-time priority and the process's memory locked where the
  * system grants that; as fast as it can when the scene says loop.paced=false, which needs a simulated hand. A watchdog lets
  * go of a person's hand when 4 ms pass without a tick (safety.heartbeat_ms). */
@@ -353,6 +357,33 @@ typedef struct hapto_snapshot {
 /* The newest picture, some 60 a second; may be called beside a running loop, from one thread. Valid until the next call.
  * Before the first picture there are no positions. */
 HAPTO_API int32_t hapto_loop_snapshot(hapto_loop *loop, hapto_snapshot *out);
+
+/* One tick, as recordings hold it (docs/recording.md). */
+typedef struct hapto_tick {
+  uint32_t size;
+  uint32_t flags;              /* HAPTO_SAFETY_..., 64: time stood still before it, 128: the watchdog had let go, 256: the scene has
+                                  been changed, 1024: the run ended with it */
+  uint32_t trip;               /* why the hand felt nothing, as a number; 0: it did */
+  uint32_t buttons;
+  int32_t device_state;
+  uint32_t reserved;
+  double time_s;
+  hapto_pose device_pose;      /* as the device told it, in its own frame */
+  hapto_twist device_twist;
+  double gripper_open;
+  hapto_pose scene_T_tool;
+  hapto_wrench soil;           /* of the soil on the tool, unfiltered, scene frame */
+  hapto_wrench rendered;       /* what the hand would feel without the safety layer, device's frame */
+  hapto_wrench felt;           /* what it was made to feel */
+  double gripper_felt_n;
+  double injected_j;           /* energy that the hand was given beyond what it gave */
+  double tick_us, late_us;     /* work of this tick, and how late it began */
+  uint64_t state_hash;         /* of a part of the soil; 0 without HAPTO_LOOP_HASHES */
+} hapto_tick;
+/* Takes up to `capacity` of the ticks that wait, the oldest first; `count` is how many, `lost` (or NULL) how many nobody took in
+ * time so far: take them every second or more often. From the thread that takes snapshots. */
+HAPTO_API int32_t hapto_loop_take_ticks(hapto_loop *loop, hapto_tick *out, uint64_t capacity, uint64_t *count,
+                                        uint64_t *lost);
 
 /* Lets time stand still, and the hand go (1), or go on (0), between two ticks. From the thread that takes snapshots. */
 HAPTO_API int32_t hapto_loop_pause(hapto_loop *loop, int32_t on);

@@ -393,7 +393,7 @@ class Loop {
  private:
   void create(Scene &scene, const hapto_device *device, Ticked ticked) {
     hapto_loop *made = nullptr;
-    require(hapto_loop_create(scene.get(), device, ticked == Ticked::kByCaller ? 1 : 0, &made));
+    require(hapto_loop_create(scene.get(), device, ticked == Ticked::kByCaller ? HAPTO_LOOP_TICKED_BY_CALLER : 0, &made));
     handle_.reset(made);
   }
 

@@ -56,6 +56,7 @@ struct Good {
   double numbers[9]{0, 0, -1};
   std::vector<char> bytes = std::vector<char>(1 << 20);
   std::uint64_t count = 0;
+  std::vector<hapto_tick> ticks = std::vector<hapto_tick>(4);
   const char* text = nullptr;
   const char* override = "gravity.body=Moon";
   std::vector<float> particles = std::vector<float>(3 * 256);
@@ -113,6 +114,8 @@ std::vector<Call> calls(Good& good) {
       {"hapto_loop_snapshot", [&](const Handles& h) { return hapto_loop_snapshot(h.loop, &good.snapshot); }},
       {"hapto_loop_pause", [&](const Handles& h) { return hapto_loop_pause(h.loop, 0); }},
       {"hapto_loop_change", [&](const Handles& h) { return hapto_loop_change(h.loop, &good.override, 1); }},
+      {"hapto_loop_take_ticks",
+       [&](const Handles& h) { return hapto_loop_take_ticks(h.loop, good.ticks.data(), 4, &good.count, nullptr); }},
       {"hapto_loop_stop", [&](const Handles& h) { return hapto_loop_stop(h.loop); }},
       {"hapto_safety_step",
        [&](const Handles& h) { return hapto_safety_step(h.safety, &good.input, 0, &good.output); }},
@@ -166,7 +169,7 @@ Handles alive(hapto_scene** loops_scene) {
   expectOk(hapto_soil_find("dry-sand", &h.soil));
   expectOk(hapto_soil_profile(h.soil, 1, 0.1, &h.result));
   *loops_scene = sceneOf(kPaper, {"loop.paced=false"}).release();
-  expectOk(hapto_loop_create(*loops_scene, nullptr, 1, &h.loop));
+  expectOk(hapto_loop_create(*loops_scene, nullptr, HAPTO_LOOP_TICKED_BY_CALLER | HAPTO_LOOP_KEEPS_TICKS, &h.loop));
   const hapto_device_limits limits = [] {
     hapto_device_limits made{};
     expectOk(hapto_device_limits_init(&made));

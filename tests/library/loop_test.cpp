@@ -127,6 +127,35 @@ TEST(LibraryLoop, RunsOnAThreadOfItsOwnAndIsWatchedAndChanged) {
   EXPECT_GT(own.strongest_n, 0.1);
 }
 
+TEST(LibraryLoop, TicksAreKeptForWhoeverAsksForThem) {
+  const ScenePtr scene = sceneOf(kPaper);
+  OwnDevice own;
+  own.height_m = kInSoil_m;
+  const hapto_device device = own.handle(true);
+  hapto_loop* made = nullptr;
+  expectOk(hapto_loop_create(scene.get(), &device,
+                             HAPTO_LOOP_TICKED_BY_CALLER | HAPTO_LOOP_KEEPS_TICKS | HAPTO_LOOP_HASHES, &made));
+  const LoopPtr loop(made);
+  for (int tick = 0; tick < 300; ++tick) {
+    ASSERT_EQ(hapto_loop_tick(loop.get(), 0), HAPTO_OK);
+  }
+  std::vector<hapto_tick> ticks(200);
+  std::uint64_t count = 0;
+  std::uint64_t lost = 9;
+  expectOk(hapto_loop_take_ticks(loop.get(), ticks.data(), ticks.size(), &count, &lost));
+  EXPECT_EQ(count, 200U);
+  EXPECT_EQ(lost, 0U);
+  EXPECT_NEAR(ticks[199].time_s - ticks[0].time_s, 0.199, 1e-9);
+  EXPECT_EQ(ticks[5].size, sizeof(hapto_tick));
+  EXPECT_NE(ticks[5].state_hash, 0U);
+  EXPECT_EQ(ticks[5].device_pose.position_m[2], kInSoil_m);
+  expectOk(hapto_loop_take_ticks(loop.get(), ticks.data(), ticks.size(), &count, nullptr));
+  EXPECT_EQ(count, 100U);
+  EXPECT_EQ(ticks[99].felt.force_n[2], own.last.wrench.force_n[2]);
+  expectOk(hapto_loop_take_ticks(loop.get(), ticks.data(), ticks.size(), &count, nullptr));
+  EXPECT_EQ(count, 0U);
+}
+
 TEST(LibraryLoop, HasTheScenesOwnHandWithoutADevice) {
   const ScenePtr scene = sceneOf(kPaper, {"loop.paced=false", "loop.duration_s=1.5"});
   const LoopPtr loop = loopOf(scene.get(), nullptr, false);
@@ -156,6 +185,7 @@ TEST(LibraryLoop, AnImpossibleDeviceIsRefusedAndTheSceneGivenBack) {
   device.size = 8;
   EXPECT_EQ(hapto_loop_create(scene.get(), &device, 1, &loop), HAPTO_WRONG_SIZE);
   device = own.handle(true);
+  EXPECT_EQ(hapto_loop_create(scene.get(), &device, 8, &loop), HAPTO_INVALID_PARAMETER);
   device.limits.size = 8;
   EXPECT_EQ(hapto_loop_create(scene.get(), &device, 1, &loop), HAPTO_INVALID_PARAMETER);
   stir(scene.get(), 0, 10);

@@ -2,11 +2,14 @@
 
 #include <haptolith/haptolith.h>
 
+#include <algorithm>
 #include <atomic>
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include "haptolith/core/error.h"
 #include "haptolith/device/hand/virtual_hand.h"
@@ -85,6 +88,28 @@ Scenario above(Scenario scenario, double surface_m) {
   return scenario;
 }
 
+hapto_tick tickOf(const TickRecord& record) {
+  return {.size = sizeof(hapto_tick),
+          .flags = record.flags,
+          .trip = record.trip,
+          .buttons = record.device.buttons,
+          .device_state = static_cast<std::int32_t>(record.device.state),
+          .reserved = 0,
+          .time_s = record.time_s,
+          .device_pose = pose(record.device.pose),
+          .device_twist = twist(record.device.twist),
+          .gripper_open = record.device.gripper_open,
+          .scene_T_tool = pose(record.scene_T_tool),
+          .soil = wrench(record.soil),
+          .rendered = wrench(record.rendered.wrench),
+          .felt = wrench(record.felt.wrench),
+          .gripper_felt_n = record.felt.gripper_force_n,
+          .injected_j = record.injected_j,
+          .tick_us = record.tick_us,
+          .late_us = record.late_us,
+          .state_hash = record.state_hash};
+}
+
 LoopParameters pacedBy(LoopParameters loop, bool caller) {
   loop.paced = loop.paced && !caller;
   return loop;
@@ -95,20 +120,24 @@ LoopParameters pacedBy(LoopParameters loop, bool caller) {
 /// A loop, its device, and the scene that it has for as long as it lives.
 class Loop {
  public:
-  Loop(Claim<hapto_scene> scene, const hapto_device* device, bool ticked_by_caller)
+  Loop(Claim<hapto_scene> scene, const hapto_device* device, std::uint32_t flags)
       : scene_(std::move(scene)),
-        ticked_by_caller_(ticked_by_caller),
+        ticked_by_caller_((flags & HAPTO_LOOP_TICKED_BY_CALLER) != 0),
+        keeps_ticks_((flags & HAPTO_LOOP_KEEPS_TICKS) != 0),
         scenario_(above(scene_->scenario(), scene_->scene().bed().surfaceHeight())),
         device_(deviceFor(scenario_, device)),
-        parameters_(pacedBy(scenario_.loop, ticked_by_caller)) {
-    if (!ticked_by_caller && !parameters_.paced && !device_->simulated()) {
+        parameters_(pacedBy(scenario_.loop, ticked_by_caller_)) {
+    if (!ticked_by_caller_ && !parameters_.paced && !device_->simulated()) {
       throw InvalidParameter(
           "loop.paced", "false",
           "true while a person may hold the device: what a hand feels must keep time with the clock");
     }
     const double surface_m = *scenario_.hand.surface_m;
-    loop_.emplace(scene_->scene(), *device_, parameters_, false,
+    loop_.emplace(scene_->scene(), *device_, parameters_, keeps_ticks_,
                   device == nullptr ? handlingOf(scenario_, surface_m) : handlingOfOwnDevice(scenario_, surface_m));
+    if ((flags & HAPTO_LOOP_HASHES) != 0) {
+      loop_->hashRecords();
+    }
     if (device == nullptr && !device_->simulated()) {
       last_resort_.emplace(*device_);
     }
@@ -189,6 +218,20 @@ class Loop {
                         .data = now.position.data()}};
   }
 
+  void takeTicks(std::span<hapto_tick> out, std::uint64_t& count, std::uint64_t* lost) {
+    if (!keeps_ticks_) {
+      throw InvalidParameter("loop", "made without HAPTO_LOOP_KEEPS_TICKS", "made with it");
+    }
+    loop_->takeRecords(taken_);
+    const std::size_t now = std::min(out.size(), taken_.size());
+    std::ranges::transform(taken_.begin(), taken_.begin() + static_cast<std::ptrdiff_t>(now), out.begin(), tickOf);
+    taken_.erase(taken_.begin(), taken_.begin() + static_cast<std::ptrdiff_t>(now));
+    count = now;
+    if (lost != nullptr) {
+      *lost = loop_->lostRecords();
+    }
+  }
+
   void pause(bool on) {
     if (on) {
       ask(request::Pause{});
@@ -223,12 +266,13 @@ class Loop {
   }
 
   Claim<hapto_scene> scene_;
-  bool ticked_by_caller_;
+  bool ticked_by_caller_, keeps_ticks_;
   Scenario scenario_;
   std::unique_ptr<HapticDevice> device_;
   std::optional<LastResort> last_resort_;
   LoopParameters parameters_;
   std::optional<HapticLoop> loop_;
+  std::vector<TickRecord> taken_;  ///< from the loop, and by nobody yet
   LoopEnd end_ = LoopEnd::kRunning;
   std::atomic<bool> stop_asked_{false};
   std::optional<LoopThread> thread_;  // the last member: it ends before what it uses
@@ -257,8 +301,7 @@ std::int32_t with(const hapto_loop* loop, Body&& body) {
 
 }  // namespace
 
-std::int32_t hapto_loop_create(hapto_scene* scene, const hapto_device* device, std::int32_t ticked_by_caller,
-                               hapto_loop** out) {
+std::int32_t hapto_loop_create(hapto_scene* scene, const hapto_device* device, std::uint32_t flags, hapto_loop** out) {
   if (out == nullptr) {
     return wrongArgument(HAPTO_NULL, "out");
   }
@@ -270,7 +313,11 @@ std::int32_t hapto_loop_create(hapto_scene* scene, const hapto_device* device, s
     return wrongArgument(claim.status(), "scene");
   }
   return guarded([&] {
-    *out = Places<hapto_loop>::take(std::make_unique<Loop>(std::move(claim), device, ticked_by_caller != 0));
+    constexpr std::uint32_t kKnown = HAPTO_LOOP_TICKED_BY_CALLER | HAPTO_LOOP_KEEPS_TICKS | HAPTO_LOOP_HASHES;
+    if ((flags & ~kKnown) != 0) {
+      throw InvalidParameter("flags", std::to_string(flags), "a sum of HAPTO_LOOP_...");
+    }
+    *out = Places<hapto_loop>::take(std::make_unique<Loop>(std::move(claim), device, flags));
     return HAPTO_OK;
   });
 }
@@ -308,6 +355,14 @@ std::int32_t hapto_loop_snapshot(hapto_loop* loop, hapto_snapshot* out) {
     return wrongArgument(status, "out");
   }
   return with(loop, [out](Loop& object) { object.snapshot(*out); });
+}
+
+std::int32_t hapto_loop_take_ticks(hapto_loop* loop, hapto_tick* out, std::uint64_t capacity, std::uint64_t* count,
+                                   std::uint64_t* lost) {
+  if (out == nullptr || count == nullptr) {
+    return wrongArgument(HAPTO_NULL, out == nullptr ? "out" : "count");
+  }
+  return with(loop, [&](Loop& object) { object.takeTicks({out, capacity}, *count, lost); });
 }
 
 std::int32_t hapto_loop_pause(hapto_loop* loop, std::int32_t on) {
