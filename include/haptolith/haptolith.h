@@ -127,7 +127,7 @@ HAPTO_API int32_t hapto_result_value(const hapto_result *result, const char *pat
 HAPTO_API int32_t hapto_result_column(const hapto_result *result, const char *name, hapto_array *out);
 HAPTO_API int32_t hapto_result_destroy(hapto_result *result);
 
-/* What there is, as {"names": [...]}: "scenes", "soils", "presets", "bodies" or "instruction set" (the one in use). */
+/* What there is, as {"names": [...]}: "scenes", "soils", "presets", "bodies", "lab tests" or "instruction set" (the one in use). */
 HAPTO_API int32_t hapto_list(const char *what, hapto_result **out);
 
 /* --- scenes: soil in a box and a tool ------------------------------------------------------------------------------ */
@@ -259,6 +259,23 @@ HAPTO_API int32_t hapto_soil_get_toml(const hapto_soil *soil, char *text, uint64
 /* Its layers under its own weight down to a depth (paper, Fig. 1): columns depth_m, top_m, bottom_m, spacing_m,
  * density_kg_m3. */
 HAPTO_API int32_t hapto_soil_profile(const hapto_soil *soil, double gravity_m_s2, double depth_m, hapto_result **out);
+
+/* Finds the contacts of macroparticles whose sheared bed is as an engineer measured (docs/laboratory.md); takes minutes.
+ * target  "friction_angle_deg = 42\ncohesion_pa = 520\nbulk_density_kg_m3 = 1500" in TOML, and if need be strength ("residual" or
+ *         "peak"), radius_mm, stiffness_n_m, body or gravity_m_s2, seed, threads, specimens, name, source.
+ * report  what the laboratory measured of it in the end, mean and standard deviation over specimens; may be NULL. */
+HAPTO_API int32_t hapto_soil_calibrate(const char *target, hapto_progress progress, void *user, hapto_soil **out,
+                                       hapto_result **report);
+
+/* --- the laboratory --------------------------------------------------------------------------------------------------- */
+
+/* A test of the soil laboratory, as `haptolith lab TEST` makes it (hapto_list("lab tests"); docs/laboratory.md).
+ * options  keys in TOML, as the command's options with _ for -: "normal_pa = [300, 1000, 3000]\nseed = 2\nbody = 'Earth'"; NULL or
+ *          "": the usual ones.
+ * out      the numbers that `--json` prints, "findings" beside what they should be, and the trace as columns.
+ * Errors: HAPTO_INVALID_PARAMETER with key, value and what would be valid; HAPTO_FAILURE; HAPTO_STOPPED. */
+HAPTO_API int32_t hapto_lab_test(const char *test, const hapto_soil *soil, const char *options, hapto_progress progress,
+                                 void *user, hapto_result **out);
 
 /* --- the loop: a device or a hand at 1 kHz ---------------------------------------------------------------------------- */
 

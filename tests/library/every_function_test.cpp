@@ -146,6 +146,13 @@ std::vector<Call> calls(Good& good) {
          const std::int32_t status = hapto_loop_create(h.scene, nullptr, 1, &made);
          return status == HAPTO_OK ? hapto_loop_destroy(made) : status;
        }},
+      {"hapto_lab_test",
+       [&](const Handles& h) {
+         hapto_result* made = nullptr;
+         const std::int32_t status =
+             hapto_lab_test("fall", h.soil, "fall_m = 0.02\nthreads = 1", nullptr, nullptr, &made);
+         return status == HAPTO_OK ? hapto_result_destroy(made) : status;
+       }},
       // The last ones: what they are given is no more.
       {"hapto_batch_destroy", [](const Handles& h) { return hapto_batch_destroy(h.batch); }},
       {"hapto_loop_destroy", [](const Handles& h) { return hapto_loop_destroy(h.loop); }},
@@ -158,9 +165,10 @@ std::vector<Call> calls(Good& good) {
 
 /// Those that are called below by themselves: they have no handle.
 const std::set<std::string> kWithoutHandle{
-    "hapto_version",   "hapto_version_string",  "hapto_last_error",         "hapto_status_text",
-    "hapto_list",      "hapto_scene_from_toml", "hapto_scene_from_file",    "hapto_scene_from_state",
-    "hapto_soil_find", "hapto_soil_from_toml",  "hapto_device_limits_init", "hapto_safety_create"};
+    "hapto_version",       "hapto_version_string",  "hapto_last_error",         "hapto_status_text",
+    "hapto_list",          "hapto_scene_from_toml", "hapto_scene_from_file",    "hapto_scene_from_state",
+    "hapto_soil_find",     "hapto_soil_from_toml",  "hapto_device_limits_init", "hapto_safety_create",
+    "hapto_soil_calibrate"};
 
 Handles alive(hapto_scene** loops_scene) {
   Handles h;
@@ -274,6 +282,11 @@ TEST(EveryFunction, RefusesNullWhereThereMustBeSomething) {
   EXPECT_EQ(hapto_soil_find("dry-sand", nullptr), HAPTO_NULL);
   EXPECT_EQ(hapto_soil_from_toml(nullptr, nullptr, &soil), HAPTO_NULL);
   EXPECT_EQ(hapto_soil_get(h.soil, nullptr, nullptr), HAPTO_NULL);
+  EXPECT_EQ(hapto_soil_calibrate(nullptr, nullptr, nullptr, &soil, nullptr), HAPTO_NULL);
+  EXPECT_EQ(hapto_soil_calibrate("", nullptr, nullptr, nullptr, nullptr), HAPTO_NULL);
+  hapto_result* result = nullptr;
+  EXPECT_EQ(hapto_lab_test(nullptr, h.soil, nullptr, nullptr, nullptr, &result), HAPTO_NULL);
+  EXPECT_EQ(hapto_lab_test("fall", h.soil, nullptr, nullptr, nullptr, nullptr), HAPTO_NULL);
   EXPECT_EQ(hapto_soil_get(h.soil, "soil.radius_mm", nullptr), HAPTO_NULL);
   EXPECT_EQ(hapto_soil_profile(h.soil, 1, 0.1, nullptr), HAPTO_NULL);
   EXPECT_EQ(hapto_device_limits_init(nullptr), HAPTO_NULL);

@@ -9,13 +9,13 @@
 
 #include "haptolith/core/error.h"
 #include "haptolith/lab/calibrate_soil.h"
+#include "haptolith/lab/catalogue/lab_test.h"
 #include "haptolith/scenario/scene_words.h"
 #include "haptolith/scenario/soil_file.h"
 #include "haptolith/soil/bodies.h"
 
 #include "commands.h"
 #include "lab/lab_options.h"
-#include "lab/lab_tests.h"
 #include "shared/option_checks.h"
 #include "shared/output.h"
 #include "shared/stop_on_signal.h"
@@ -57,7 +57,9 @@ void addTest(CLI::App& lab, const LabTest& test) {
   auto options = std::make_shared<LabOptions>();
   CLI::App* command = lab.add_subcommand(test.name, test.description);
   options->addTo(*command);
-  test.add_options(*command);
+  for (const LabOption& option : test.options) {
+    addOption(*command, option);
+  }
   command->footer("Examples:\n" + test.examples);
   command->callback([test, options] { runTest(test, *options); });
 }

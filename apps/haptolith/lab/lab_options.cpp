@@ -9,6 +9,7 @@
 #include <thread>
 
 #include "haptolith/core/atomic_file.h"
+#include "haptolith/core/overloaded.h"
 #include "haptolith/scenario/scene_words.h"
 #include "haptolith/scenario/soil_file.h"
 #include "haptolith/soil/bodies.h"
@@ -53,6 +54,25 @@ void LabOptions::addTo(CLI::App& command) {
   command.add_option("--trace", trace_file, "write what was measured over time: FILE.csv");
   overwrite.addTo(command);
   command.add_flag("--json", json, "print one JSON object instead of a table");
+}
+
+void addOption(CLI::App& command, const LabOption& option) {
+  std::string flag = "--" + option.key;
+  std::ranges::replace(flag, '_', '-');
+  const std::string help = option.usual.empty() ? option.help : fmt::format("{} [{}]", option.help, option.usual);
+  const auto add = Overloaded{
+      [&](const LabOption::Number& set) { command.add_option_function<double>(flag, set, help); },
+      [&](const LabOption::List& set) {
+        command.add_option_function<std::vector<double>>(flag, set, help)->delimiter(',');
+      },
+      [&](const LabOption::Switch& set) { command.add_flag_callback(flag, set, help); },
+      [&](const LabOption::Count& count) {
+        command.add_option_function<std::int64_t>(flag, count.set, help)->check(wholeNumberIn(count.valid));
+      },
+      [&](const LabOption::Word& word) {
+        command.add_option_function<std::string>(flag, word.set, help)->check(oneOf(word.words).description(""));
+      }};
+  std::visit(add, option.set);
 }
 
 LabSoil labSoil(const LabOptions& options, double radius_mm) {

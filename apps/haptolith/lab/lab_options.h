@@ -7,8 +7,8 @@
 #include <string>
 #include <vector>
 
+#include "haptolith/lab/catalogue/lab_test.h"
 #include "haptolith/lab/laboratory.h"
-#include "haptolith/soil/soil_target.h"
 
 #include "shared/overwrite.h"
 
@@ -36,12 +36,10 @@ struct LabOptions {
   void addTo(CLI::App& command);
 };
 
-/// A soil as the command line named it: a named one, a file, or one of the paper's presets.
-struct LabSoil {
-  std::string name;
-  SoilParameters soil;
-  std::optional<SoilTarget> target;  ///< none for a preset
-};
+/// An option of a test, as --key-with-dashes.
+void addOption(CLI::App& command, const LabOption& option);
+
+/// The soil that the command line named: a named one, a file, or one of the paper's presets.
 /// @param radius_mm  of the macroparticles when the options name none; 0 leaves them as the soil has them.
 [[nodiscard]] LabSoil labSoil(const LabOptions& options, double radius_mm);
 

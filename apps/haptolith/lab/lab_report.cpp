@@ -22,6 +22,7 @@
 #include "haptolith/core/error.h"
 #include "haptolith/core/in_parallel.h"
 #include "haptolith/figure/figure.h"
+#include "haptolith/lab/catalogue/lab_test.h"
 #include "haptolith/lab/over_seeds.h"
 #include "haptolith/lab/report_page.h"
 #include "haptolith/scenario/scene_words.h"
@@ -31,7 +32,6 @@
 
 #include "commands.h"
 #include "lab/lab_options.h"
-#include "lab/lab_tests.h"
 #include "lab/report_folder.h"
 #include "lab/report_results.h"
 #include "shared/option_checks.h"

@@ -6,10 +6,9 @@
 #include <string>
 #include <vector>
 
+#include "haptolith/lab/catalogue/lab_test.h"
 #include "haptolith/lab/laboratory.h"
 #include "haptolith/lab/report_page.h"
-
-#include "lab/lab_tests.h"
 
 namespace haptolith {
 

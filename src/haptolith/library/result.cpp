@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "haptolith/bed/simd_target.h"
+#include "haptolith/lab/catalogue/lab_test.h"
 #include "haptolith/library/errors.h"
 #include "haptolith/library/values.h"
 #include "haptolith/scenario/file_keys.h"
@@ -22,7 +23,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr const char* kWhatThereIs = "scenes, soils, presets, bodies or instruction set";
+constexpr const char* kWhatThereIs = "scenes, soils, presets, bodies, lab tests or instruction set";
 
 std::vector<std::string> namesOf(std::string_view what) {
   std::vector<std::string> names;
@@ -41,6 +42,12 @@ std::vector<std::string> namesOf(std::string_view what) {
   if (what == "bodies") {
     for (const Body& body : bodies()) {
       names.emplace_back(body.name);
+    }
+    return names;
+  }
+  if (what == "lab tests") {
+    for (const LabTest& test : labTests()) {
+      names.push_back(test.name);
     }
     return names;
   }

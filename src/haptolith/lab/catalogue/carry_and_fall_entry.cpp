@@ -1,0 +1,79 @@
+// The loaded shovel and the fall as others offer them: options, table, numbers, findings.
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include <cmath>
+#include <memory>
+
+#include "haptolith/lab/carry.h"
+#include "haptolith/lab/catalogue/entries.h"
+#include "haptolith/lab/fall.h"
+#include "haptolith/lab/findings.h"
+
+namespace haptolith {
+
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+/// To be shown with so many digits: never as -0.
+double rounded(double value, int digits) {
+  const double scale = std::pow(10, digits);
+  return std::round(value * scale) / scale + 0.0;
+}
+
+LabOutput carryOutput(const LabConditions& conditions, const CarryOptions& options) {
+  const CarryResult result = carryTest(conditions, options);
+  LabOutput output;
+  output.text = fmt::format(
+      "  weight felt / weight       {:.3f}\n"
+      "  drag felt / weight         {:.3f}\n"
+      "  inertia felt / inertia     {:.3f}\n"
+      "  soil goes with the shovel  {:.0f} %\n\n"
+      "  {:.0f} g carried, {:.0f} g left at the end\n",
+      rounded(result.weight_ratio, 3), rounded(result.drag_ratio, 3), rounded(result.shake_ratio, 3),
+      rounded(100 * result.follow_ratio, 0), result.carried_kg * 1e3, result.left_kg * 1e3);
+  output.json = {{"weight_ratio", result.weight_ratio}, {"drag_ratio", result.drag_ratio},
+                 {"shake_ratio", result.shake_ratio},   {"follow_ratio", result.follow_ratio},
+                 {"carried_kg", result.carried_kg},     {"left_kg", result.left_kg}};
+  output.findings = findings(result);
+  output.trace = result.trace;
+  output.draw = [result](const OutputFile& path, const std::string& title) { drawCarry(path, result, title); };
+  return output;
+}
+
+LabOutput fallOutput(const LabConditions& conditions, const FallOptions& options) {
+  const FallResult result = fallTest(conditions, options);
+  LabOutput output;
+  output.text =
+      fmt::format("  acceleration / g   {:.5f}   ({} particles)\n", result.acceleration_ratio, result.particles);
+  output.json = {{"acceleration_ratio", result.acceleration_ratio}, {"particles", result.particles}};
+  output.findings = findings(result);
+  output.trace = result.trace;
+  output.draw = [result](const OutputFile& path, const std::string& title) { drawFall(path, result, title); };
+  return output;
+}
+
+}  // namespace
+
+LabTest carryEntry() {
+  auto own = std::make_shared<CarryOptions>();
+  return {.name = "carry",
+          .description = "A loaded shovel, still, moved and shaken: weight and drag felt",
+          .examples = "  haptolith lab carry\n  haptolith lab carry --friction paper",
+          .options = {countOption("particles", own->particles, {20, 1000}, "dropped on the shovel"),
+                      numberOption("speed_m_s", own->speed_m_s, "sideways")},
+          .run = [own](const LabSoil&, const LabConditions& conditions) { return carryOutput(conditions, *own); }};
+}
+
+LabTest fallEntry() {
+  auto own = std::make_shared<FallOptions>();
+  return {.name = "fall",
+          .description = "A clump in free fall: acceleration over g",
+          .examples = "  haptolith lab fall\n  haptolith lab fall --friction paper",
+          .options = {numberOption("fall_m", own->fall_m, "height it falls")},
+          .run = [own](const LabSoil&, const LabConditions& conditions) { return fallOutput(conditions, *own); }};
+}
+
+}  // namespace haptolith

@@ -1,0 +1,50 @@
+// The cut test as others offer it: options, table, numbers, findings.
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include <memory>
+
+#include "haptolith/lab/catalogue/entries.h"
+#include "haptolith/lab/cut.h"
+#include "haptolith/lab/findings.h"
+
+namespace haptolith {
+
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+LabOutput cutOutput(const LabSoil& soil, const LabConditions& conditions, const CutOptions& options) {
+  const CutResult result = verticalCutTest(conditions, options);
+  LabOutput output;
+  output.text =
+      fmt::format("  a vertical cut of {:.0f} mm {}\n  {:.0f} % of its height is left, its toe went {:.0f} mm ahead\n",
+                  options.height_m / kMm, result.stands ? "stands" : "does not stand", 100 * result.height_kept,
+                  result.toe_ahead_m / kMm);
+  output.json = {{"height_m", options.height_m},
+                 {"stands", result.stands},
+                 {"height_kept", result.height_kept},
+                 {"crest_back_m", result.crest_back_m},
+                 {"toe_ahead_m", result.toe_ahead_m}};
+  output.findings = findings(result, options.height_m, soil.target);
+  output.trace = result.trace;
+  output.draw = [result](const OutputFile& path, const std::string& title) { drawCut(path, result, title); };
+  return output;
+}
+
+}  // namespace
+
+LabTest cutEntry() {
+  auto own = std::make_shared<CutOptions>();
+  return {
+      .name = "cut",
+      .description = "A vertical cut whose support is taken away: does it stand?",
+      .examples =
+          "  haptolith lab cut\n"
+          "  haptolith lab cut --soil dry-sand --figure cut.png",
+      .options = {millimetresOption("height_mm", own->height_m, "of the cut")},
+      .run = [own](const LabSoil& soil, const LabConditions& conditions) { return cutOutput(soil, conditions, *own); }};
+}
+
+}  // namespace haptolith

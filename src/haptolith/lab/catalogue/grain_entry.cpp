@@ -1,0 +1,78 @@
+// The roughness of a force by size of grain as others offer it: options, table, numbers, findings.
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include <memory>
+
+#include "haptolith/lab/catalogue/entries.h"
+#include "haptolith/lab/findings.h"
+#include "haptolith/lab/grain.h"
+
+namespace haptolith {
+
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+LabOutput grainOutput(const LabConditions& conditions, const GrainOptions& options) {
+  const std::vector<GrainResult> results = grainTest(conditions, options);
+  LabOutput output;
+  Json sizes = Json::array();
+  output.text = "  grains                   number   draft / N   variation / %   without the filter / %\n";
+  output.trace.columns = {"finest_radius_m", "travel_m", "draft_n", "filtered_n"};
+  for (const GrainResult& result : results) {
+    output.text +=
+        fmt::format("  {:<22} {:>8}   {:>5.2f} ± {:<4.2f}   {:>7.1f}         {:>7.1f}\n", result.name, result.particles,
+                    result.draft_n, result.draft_sd_n, 100 * result.variation, 100 * result.unfiltered_variation);
+    Json spectrum = Json::array();
+    for (const GrainSpectrumPoint& point : result.spectrum) {
+      spectrum.push_back({{"frequency_hz", point.frequency_hz}, {"power_n2_per_hz", point.power_n2_per_hz}});
+    }
+    sizes.push_back({{"name", result.name},
+                     {"finest_radius_m", result.radius_m},
+                     {"particles", result.particles},
+                     {"draft_n", result.draft_n},
+                     {"draft_sd_n", result.draft_sd_n},
+                     {"variation", result.variation},
+                     {"unfiltered_variation", result.unfiltered_variation},
+                     {"spectrum", spectrum}});
+    for (const std::vector<double>& row : result.trace) {
+      output.trace.rows.push_back({result.radius_m, row[0], row[1], row[2]});
+    }
+  }
+  output.text += fmt::format(
+      "\n  ±: from specimen to specimen. variation: standard deviation of the draft about a straight line, over its "
+      "mean,\n"
+      "  through a low-pass of {:g} Hz as a hand feels it. A hand tells forces apart from about {:.0f} %.\n",
+      options.filter_cutoff_hz, 100 * kForceJnd);
+  output.json = {{"sizes", sizes}};
+  output.draw = [results](const OutputFile& path, const std::string& title) { drawGrain(path, results, title); };
+  return output;
+}
+
+}  // namespace
+
+LabTest grainEntry() {
+  auto own = std::make_shared<GrainOptions>();
+  return {
+      .name = "grain",
+      .description = "A blade drawn through grains of several sizes: how rough the force is that a hand feels",
+      .examples =
+          "  haptolith lab grain --figure grain.png\n"
+          "  haptolith lab grain --radii-mm 7,3.5 --no-graded --specimens 1",
+      .in_report = false,
+      .options = {listOption("radii_mm", own->radii_m, kMm, "of beds with grains all alike"),
+                  {.key = "no_graded",
+                   .help = "leave out the bed with grains of several sizes",
+                   .usual = "",
+                   .set = LabOption::Switch([own] { own->graded = false; })},
+                  millimetresOption("fine_radius_mm", own->fine_radius_m, "of the finest grains of that bed"),
+                  millimetresOption("width_mm", own->width_m, "width of the blade"),
+                  millimetresOption("depth_mm", own->depth_m, "depth of its lower edge"),
+                  numberOption("speed_m_s", own->speed_m_s, "of the blade"),
+                  countOption("specimens", own->specimens, {1, 100}, "beds of each size")},
+      .run = [own](const LabSoil& /*soil*/, const LabConditions& conditions) { return grainOutput(conditions, *own); }};
+}
+
+}  // namespace haptolith

@@ -1,0 +1,96 @@
+// The plate and the cone as others offer them: options, table, numbers, findings.
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include <memory>
+
+#include "haptolith/lab/catalogue/entries.h"
+#include "haptolith/lab/cone.h"
+#include "haptolith/lab/findings.h"
+#include "haptolith/lab/plate.h"
+
+namespace haptolith {
+
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+LabOutput plateOutput(const LabConditions& conditions, const PlateOptions& options) {
+  const PlateResult result = plateTest(conditions, options);
+  LabOutput output;
+  Json curve = Json::array();
+  output.text = "  sinkage / mm   force / N\n";
+  for (std::size_t i = 0; i < result.curve.size(); ++i) {
+    const PushReading& reading = result.curve[i];
+    curve.push_back({{"sinkage_m", reading.depth_m}, {"force_n", reading.force_n}});
+    if (i % 6 == 0) {
+      output.text += fmt::format("  {:>12.1f}   {:>9.3g}\n", reading.depth_m / kMm, reading.force_n);
+    }
+  }
+  output.text += fmt::format("\n  p = k z^n: k = {:.4g} Pa/m^n, n = {:.2f}; bulk density {:.0f} kg/m³\n",
+                             result.fit.modulus, result.fit.exponent, result.bulk_density_kg_m3);
+  output.json = {{"plate_diameter_mm", options.diameter_m / kMm},
+                 {"curve", curve},
+                 {"exponent", result.fit.exponent},
+                 {"modulus", result.fit.modulus},
+                 {"bulk_density_kg_m3", result.bulk_density_kg_m3},
+                 {"particles", result.particles}};
+  output.findings = findings(result, options.diameter_m);
+  output.trace = result.trace;
+  output.draw = [result](const OutputFile& path, const std::string& title) { drawPlate(path, result, title); };
+  return output;
+}
+
+LabOutput coneOutput(const LabConditions& conditions, const ConeOptions& options) {
+  const ConeResult result = coneTest(conditions, options);
+  LabOutput output;
+  Json curve = Json::array();
+  output.text = "  depth / mm   resistance / kPa\n";
+  for (std::size_t i = 0; i < result.curve.size(); ++i) {
+    const ConePoint& point = result.curve[i];
+    curve.push_back({{"depth_m", point.depth_m}, {"resistance_pa", point.resistance_pa}});
+    if (i % 5 == 0) {
+      output.text += fmt::format("  {:>10.1f}   {:>16.3g}\n", point.depth_m / kMm, point.resistance_pa / 1e3);
+    }
+  }
+  output.text += fmt::format("\n  cone index {:.3g} kPa, gradient {:.3g} kPa/m; bulk density {:.0f} kg/m³\n",
+                             result.cone_index_pa / 1e3, result.gradient_pa_m / 1e3, result.bulk_density_kg_m3);
+  output.json = {{"curve", curve},
+                 {"cone_index_pa", result.cone_index_pa},
+                 {"gradient_pa_m", result.gradient_pa_m},
+                 {"bulk_density_kg_m3", result.bulk_density_kg_m3},
+                 {"particles", result.particles}};
+  output.findings = findings(result);
+  output.trace = result.trace;
+  output.draw = [result](const OutputFile& path, const std::string& title) { drawCone(path, result, title); };
+  return output;
+}
+
+}  // namespace
+
+LabTest plateEntry() {
+  auto own = std::make_shared<PlateOptions>();
+  return {.name = "plate",
+          .description = "A flat plate pushed in: pressure against sinkage",
+          .examples = "  haptolith lab plate --soil dry-sand --body Earth --plate-diameter-mm 60 --max-sinkage-mm 20",
+          .radius_mm = 3.5,
+          .options = {millimetresOption("plate_diameter_mm", own->diameter_m, "diameter of the plate"),
+                      millimetresOption("max_sinkage_mm", own->max_sinkage_m, "how deep it goes"),
+                      preparationOption(own->preparation)},
+          .run = [own](const LabSoil&, const LabConditions& conditions) { return plateOutput(conditions, *own); }};
+}
+
+LabTest coneEntry() {
+  auto own = std::make_shared<ConeOptions>();
+  return {.name = "cone",
+          .description = "A cone penetrometer: resistance against depth",
+          .examples = "  haptolith lab cone --figure cone.svg",
+          .radius_mm = 3,
+          .options = {millimetresOption("cone_diameter_mm", own->base_diameter_m, "diameter of the cone's base"),
+                      millimetresOption("max_depth_mm", own->max_depth_m, "how deep the base goes"),
+                      preparationOption(own->preparation)},
+          .run = [own](const LabSoil&, const LabConditions& conditions) { return coneOutput(conditions, *own); }};
+}
+
+}  // namespace haptolith

@@ -1,0 +1,314 @@
+// The soil laboratory, and the calibration of soils.
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+#include <haptolith/haptolith.h>
+#include <toml++/toml.h>
+
+#include <algorithm>
+#include <cmath>
+#include <memory>
+#include <string>
+#include <string_view>
+#include <thread>
+#include <utility>
+#include <vector>
+
+#include "haptolith/bed/bed_parameters.h"
+#include "haptolith/core/nearest_word.h"
+#include "haptolith/core/overloaded.h"
+#include "haptolith/lab/calibrate_soil.h"
+#include "haptolith/lab/catalogue/lab_test.h"
+#include "haptolith/library/errors.h"
+#include "haptolith/library/result.h"
+#include "haptolith/library/soil_object.h"
+#include "haptolith/library/values.h"
+#include "haptolith/scenario/scene_words.h"
+#include "haptolith/soil/bodies.h"
+
+using namespace haptolith;
+using namespace haptolith::library;
+
+namespace {
+
+constexpr Range kAnyNumber{-1e9, 1e9};
+constexpr Range kRadius_mm{0.1, 100};
+constexpr Range kStiffness_n_m{1e-3, 1e9};
+constexpr Range kGravity_m_s2{0, 1000};
+constexpr Range kSeed{0, 9e15};
+
+/// What goes for every test.
+struct Circumstances {
+  double radius_mm = 0;      ///< 0: the test's own
+  double stiffness_n_m = 0;  ///< 0: the soil's
+  double gravity_m_s2 = 1.625;
+  std::string friction;  ///< empty: the soil's
+  std::uint64_t seed = 1;
+  int threads = static_cast<int>(std::clamp(std::thread::hardware_concurrency(), 1U, 256U));
+};
+
+std::vector<LabOption> optionsOf(Circumstances& c) {
+  using Option = LabOption;
+  const auto number = [](const char* key, double& value, const Range& valid) {
+    return Option{.key = key, .help = "", .usual = "", .set = Option::Number([&value, key, valid](double given) {
+                                                         value = requireInRange(key, given, valid);
+                                                       })};
+  };
+  return {
+      number("radius_mm", c.radius_mm, kRadius_mm),
+      number("stiffness_n_m", c.stiffness_n_m, kStiffness_n_m),
+      number("gravity_m_s2", c.gravity_m_s2, kGravity_m_s2),
+      {.key = "body",
+       .help = "",
+       .usual = "",
+       .set = Option::Word{{}, [&c](std::string_view word) { c.gravity_m_s2 = findBody(word).gravity_m_s2; }}},
+      {.key = "friction",
+       .help = "",
+       .usual = "",
+       .set = Option::Word{{"paper", "contact"}, [&c](std::string_view word) { c.friction = word; }}},
+      {.key = "seed",
+       .help = "",
+       .usual = "",
+       .set = Option::Count{kSeed, [&c](std::int64_t given) { c.seed = static_cast<std::uint64_t>(given); }}},
+      {.key = "threads", .help = "", .usual = "", .set = Option::Count{BedRanges::threads, [&c](std::int64_t given) {
+                                                                         c.threads = static_cast<int>(given);
+                                                                       }}}};
+}
+
+std::string shown(const toml::node& node) {
+  std::ostringstream text;
+  node.visit([&text](const auto& value) { text << value; });
+  return text.str();
+}
+
+[[noreturn]] void refuse(const std::string& key, const toml::node& node, const std::string& valid) {
+  throw InvalidParameter(key, shown(node), valid);
+}
+
+double numberIn(const std::string& key, const toml::node& node) {
+  const auto number = node.value<double>();
+  if (!node.is_number() || !std::isfinite(*number)) {
+    refuse(key, node, "a number");
+  }
+  return *number;
+}
+
+void set(const LabOption& option, const toml::node& node) {
+  const std::string& key = option.key;
+  std::visit(
+      Overloaded{[&](const LabOption::Number& set) { set(numberIn(key, node)); },
+                 [&](const LabOption::List& set) {
+                   std::vector<double> numbers;
+                   if (const toml::array* array = node.as_array()) {
+                     for (const toml::node& element : *array) {
+                       numbers.push_back(numberIn(key, element));
+                     }
+                   } else {
+                     numbers.push_back(numberIn(key, node));
+                   }
+                   set(numbers);
+                 },
+                 [&](const LabOption::Switch& set) {
+                   const auto on = node.value_exact<bool>();
+                   if (!on) {
+                     refuse(key, node, "true or false");
+                   }
+                   if (*on) {
+                     set();
+                   }
+                 },
+                 [&](const LabOption::Count& count) {
+                   const auto given = node.value_exact<std::int64_t>();
+                   if (!given || !count.valid.contains(static_cast<double>(*given))) {
+                     refuse(key, node, "a whole number, " + count.valid.text());
+                   }
+                   count.set(*given);
+                 },
+                 [&](const LabOption::Word& word) {
+                   const auto given = node.value_exact<std::string>();
+                   if (!given || (!word.words.empty() && std::ranges::find(word.words, *given) == word.words.end())) {
+                     refuse(key, node,
+                            word.words.empty() ? "a text" : fmt::format("{}", fmt::join(word.words, " or ")));
+                   }
+                   word.set(*given);
+                 }},
+      option.set);
+}
+
+/// Reads `text`, key = value in lines, into options. @throws InvalidParameter.
+void read(const char* text, const std::vector<LabOption>& options) {
+  toml::table table;
+  try {
+    table = toml::parse(textOrNothing(text), std::string_view("options"));
+  } catch (const toml::parse_error& error) {
+    throw InvalidParameter("options", fmt::format("line {}", error.source().begin.line),
+                           fmt::format("TOML: {}", error.description()));
+  }
+  for (const auto& [key, node] : table) {
+    const auto option = std::ranges::find(options, key.str(), &LabOption::key);
+    if (option == options.end()) {
+      std::vector<std::string_view> known;
+      for (const LabOption& other : options) {
+        known.push_back(other.key);
+      }
+      const std::string_view nearest = nearestWord(key.str(), known);
+      throw InvalidParameter(std::string(key.str()), shown(node),
+                             fmt::format("one of the keys {}{}", fmt::join(known, ", "),
+                                         nearest.empty() ? "" : fmt::format("; did you mean {}?", nearest)));
+    }
+    set(*option, node);
+  }
+}
+
+std::vector<LabOption> together(std::vector<LabOption> a, const std::vector<LabOption>& b) {
+  a.insert(a.end(), b.begin(), b.end());
+  return a;
+}
+
+nlohmann::ordered_json jsonOf(const Finding& finding) {
+  nlohmann::ordered_json json{{"measured", finding.measured}, {"target", finding.target}, {"unit", finding.unit}};
+  json["number"] = std::isfinite(finding.number) ? nlohmann::ordered_json(finding.number) : nullptr;
+  if (finding.accepted) {
+    json["passes"] = finding.accepted->contains(finding.number);
+  }
+  return json;
+}
+
+Result resultOf(LabOutput output) {
+  Result result{.json = std::move(output.json)};
+  for (const Finding& finding : output.findings) {
+    result.json["findings"].push_back(jsonOf(finding));
+  }
+  result.names = output.trace.columns;
+  result.columns.resize(result.names.size());
+  for (const std::vector<double>& row : output.trace.rows) {
+    for (std::size_t i = 0; i < result.names.size() && i < row.size(); ++i) {
+      result.columns[i].push_back(row[i]);
+    }
+  }
+  return result;
+}
+
+/// What a calibration is asked for.
+struct CalibrationAsked {
+  SoilTarget target;
+  CalibrateSoilOptions options;
+  std::string name = "calibrated", source;
+};
+
+std::vector<LabOption> optionsOf(CalibrationAsked& asked) {
+  using Option = LabOption;
+  const auto number = [](const char* key, double& value, double unit = 1) {
+    return Option{.key = key, .help = "", .usual = "", .set = Option::Number([&value, unit](double given) {
+                                                         value = given * unit;
+                                                       })};
+  };
+  const auto text = [](const char* key, std::string& value) {
+    return Option{.key = key, .help = "", .usual = "", .set = Option::Word{{}, [&value](std::string_view given) {
+                                                                             value = given;
+                                                                           }}};
+  };
+  CalibrateSoilOptions& o = asked.options;
+  return {
+      number("friction_angle_deg", asked.target.friction_angle_deg),
+      number("cohesion_pa", asked.target.cohesion_pa),
+      number("bulk_density_kg_m3", asked.target.bulk_density_kg_m3),
+      {.key = "strength",
+       .help = "",
+       .usual = "",
+       .set = Option::Word{{"residual", "peak"},
+                           [&asked](std::string_view word) {
+                             asked.target.strength = valueOf(kSoilStrengthWords, word);
+                           }}},
+      number("radius_mm", o.radius_m, 1e-3),
+      number("stiffness_n_m", o.stiffness_n_m),
+      number("gravity_m_s2", o.gravity_m_s2),
+      {.key = "body",
+       .help = "",
+       .usual = "",
+       .set = Option::Word{{}, [&o](std::string_view word) { o.gravity_m_s2 = findBody(word).gravity_m_s2; }}},
+      {.key = "seed",
+       .help = "",
+       .usual = "",
+       .set = Option::Count{kSeed, [&o](std::int64_t given) { o.seed = static_cast<std::uint64_t>(given); }}},
+      {.key = "threads",
+       .help = "",
+       .usual = "",
+       .set = Option::Count{BedRanges::threads, [&o](std::int64_t given) { o.threads = static_cast<int>(given); }}},
+      {.key = "specimens",
+       .help = "",
+       .usual = "",
+       .set = Option::Count{{2, 100}, [&o](std::int64_t given) { o.verification_seeds = static_cast<int>(given); }}},
+      text("name", asked.name),
+      text("source", asked.source)};
+}
+
+}  // namespace
+
+std::int32_t hapto_lab_test(const char* test, const hapto_soil* soil, const char* options, hapto_progress told,
+                            void* user, hapto_result** out) {
+  if (test == nullptr || out == nullptr) {
+    return wrongArgument(HAPTO_NULL, test == nullptr ? "test" : "out");
+  }
+  const Claim claim(soil);
+  if (claim.status() != HAPTO_OK) {
+    return wrongArgument(claim.status(), "soil");
+  }
+  Progress progress(told, user);
+  return progress.status([&] {
+    readEnvironment();
+    const LabTest chosen = labTest(test);
+    Circumstances circumstances;
+    read(options, together(chosen.options, optionsOf(circumstances)));
+    LabSoil specimen{claim->name, claim->soil, claim->file ? std::optional(claim->file->target) : std::nullopt};
+    const double radius_mm = circumstances.radius_mm > 0 ? circumstances.radius_mm : chosen.radius_mm;
+    if (radius_mm > 0) {
+      specimen.soil = rescaled(specimen.soil, radius_mm * 1e-3);
+    }
+    if (circumstances.stiffness_n_m > 0) {
+      specimen.soil.stiffness_n_m = circumstances.stiffness_n_m;
+    }
+    if (!circumstances.friction.empty()) {
+      specimen.soil.friction = valueOf(kFrictionWords, circumstances.friction);
+    }
+    const LabConditions conditions{
+        .soil = specimen.soil,
+        .gravity_m_s2 = circumstances.gravity_m_s2,
+        .seed = circumstances.seed,
+        .threads = circumstances.threads,
+        .progress = [&progress](std::string_view what, double share) { return progress.tell(what, share); }};
+    *out = handleOf(resultOf(chosen.run(specimen, conditions)));
+    return HAPTO_OK;
+  });
+}
+
+std::int32_t hapto_soil_calibrate(const char* target, hapto_progress told, void* user, hapto_soil** out,
+                                  hapto_result** report) {
+  if (target == nullptr || out == nullptr) {
+    return wrongArgument(HAPTO_NULL, target == nullptr ? "target" : "out");
+  }
+  Progress progress(told, user);
+  return progress.status([&]() -> std::int32_t {
+    readEnvironment();
+    CalibrationAsked asked;
+    asked.options.threads = Circumstances().threads;
+    read(target, optionsOf(asked));
+    asked.options.progress = [&progress](std::string_view what, double share) { return progress.tell(what, share); };
+    const CalibratedSoil made = calibrateSoil(asked.target, asked.options);
+    auto soil = std::make_unique<SoilObject>(
+        SoilObject{asked.name, made.soil, SoilFile{asked.name, asked.source, asked.target, made.soil, made.reached}});
+    if (report != nullptr) {
+      Result result;
+      result.json = {{"friction_angle_deg", made.reached.friction_angle_deg},
+                     {"friction_angle_sd_deg", made.reached.friction_angle_sd_deg},
+                     {"cohesion_pa", made.reached.cohesion_pa},
+                     {"cohesion_sd_pa", made.reached.cohesion_sd_pa},
+                     {"bulk_density_kg_m3", made.reached.bulk_density_kg_m3},
+                     {"seeds", made.reached.seeds},
+                     {"rounds", made.rounds}};
+      *report = handleOf(std::move(result));
+    }
+    *out = Places<hapto_soil>::take(std::move(soil));
+    return HAPTO_OK;
+  });
+}

@@ -1,0 +1,111 @@
+#include <gmock/gmock.h>
+
+#include <string>
+
+#include "use.h"
+
+namespace haptolith::library {
+namespace {
+
+using testing::HasSubstr;
+using SoilPtr = std::unique_ptr<hapto_soil, Destroy>;
+using ResultPtr = std::unique_ptr<hapto_result, Destroy>;
+
+SoilPtr soilOf(const char* name) {
+  hapto_soil* soil = nullptr;
+  expectOk(hapto_soil_find(name, &soil));
+  return SoilPtr(soil);
+}
+
+struct Told {
+  int calls = 0;
+  double furthest = 0;
+  int give_up_after = 1'000'000'000;
+};
+std::int32_t tell(void* user, const char* /*what*/, double share) {
+  auto& told = *static_cast<Told*>(user);
+  told.furthest = std::max(told.furthest, share);
+  return ++told.calls < told.give_up_after ? 1 : 0;
+}
+
+TEST(LibraryLab, AFallIsAFallWithTheSameNumbersAsTheCommands) {
+  const SoilPtr soil = soilOf("lunar-0-15cm");
+  hapto_result* made = nullptr;
+  Told told;
+  expectOk(
+      hapto_lab_test("fall", soil.get(), "fall_m = 0.05\nbody = 'Mars'\nthreads = 1\nseed = 3\n", tell, &told, &made));
+  const ResultPtr fall(made);
+  double ratio = 0;
+  expectOk(hapto_result_value(fall.get(), "acceleration_ratio", &ratio));
+  EXPECT_NEAR(ratio, 1, 1e-3);
+  EXPECT_GT(told.calls, 0);
+  const char* json = nullptr;
+  expectOk(hapto_result_json(fall.get(), &json));
+  EXPECT_THAT(json, HasSubstr(R"("passes":true)"));
+  EXPECT_THAT(json, HasSubstr(R"("columns":["time_s","fallen_m","free_fall_m"])"));
+  hapto_array fallen{};
+  fallen.size = sizeof fallen;
+  expectOk(hapto_result_column(fall.get(), "fallen_m", &fallen));
+  EXPECT_NEAR(static_cast<const double*>(fallen.data)[fallen.count - 1], 0.05, 0.005);
+}
+
+TEST(LibraryLab, OptionsOfOneCallAreNotThoseOfTheNext) {
+  const SoilPtr soil = soilOf("dry-sand");
+  const auto lastOf = [&](const char* options) {
+    hapto_result* made = nullptr;
+    expectOk(hapto_lab_test("fall", soil.get(), options, nullptr, nullptr, &made));
+    const ResultPtr fall(made);
+    hapto_array fallen{};
+    fallen.size = sizeof fallen;
+    expectOk(hapto_result_column(fall.get(), "fallen_m", &fallen));
+    return static_cast<const double*>(fallen.data)[fallen.count - 1];
+  };
+  EXPECT_LT(lastOf("fall_m = 0.05"), 0.1);
+  EXPECT_GT(lastOf(nullptr), 0.2);
+}
+
+TEST(LibraryLab, WrongOptionsSayWhatWouldBeRight) {
+  const SoilPtr soil = soilOf("dry-sand");
+  hapto_result* made = nullptr;
+  const auto asked = [&](const char* test, const char* options) {
+    return hapto_lab_test(test, soil.get(), options, nullptr, nullptr, &made);
+  };
+  EXPECT_EQ(asked("fal", ""), HAPTO_INVALID_PARAMETER);
+  EXPECT_THAT(lastError().message, HasSubstr("did you mean fall?"));
+  EXPECT_EQ(asked("fall", "fall_n = 3"), HAPTO_INVALID_PARAMETER);
+  EXPECT_STREQ(lastError().key, "fall_n");
+  EXPECT_THAT(lastError().valid, HasSubstr("did you mean fall_m?"));
+  EXPECT_EQ(asked("fall", "fall_m = 'far'"), HAPTO_INVALID_PARAMETER);
+  EXPECT_STREQ(lastError().valid, "a number");
+  EXPECT_EQ(asked("fall", "fall_m = 99"), HAPTO_INVALID_PARAMETER);
+  EXPECT_EQ(asked("fall", "threads = 0"), HAPTO_INVALID_PARAMETER);
+  EXPECT_EQ(asked("fall", "body = 'Vulcan'"), HAPTO_INVALID_PARAMETER);
+  EXPECT_EQ(asked("fall", "friction = 'none'"), HAPTO_INVALID_PARAMETER);
+  EXPECT_STREQ(lastError().valid, "paper or contact");
+  EXPECT_EQ(asked("fall", "[fall]"), HAPTO_INVALID_PARAMETER);
+  EXPECT_EQ(asked("fall", "= 3"), HAPTO_INVALID_PARAMETER);
+  EXPECT_EQ(asked("shear", "normal_pa = [1, 'two']"), HAPTO_INVALID_PARAMETER);
+  EXPECT_EQ(asked("grain", "no_graded = 1"), HAPTO_INVALID_PARAMETER);
+  EXPECT_EQ(made, nullptr);
+}
+
+TEST(LibraryLab, ATestCanBeStopped) {
+  const SoilPtr soil = soilOf("dry-sand");
+  hapto_result* made = nullptr;
+  Told told{.give_up_after = 2};
+  EXPECT_EQ(hapto_lab_test("shear", soil.get(), "threads = 1", tell, &told, &made), HAPTO_STOPPED);
+  EXPECT_EQ(made, nullptr);
+  hapto_soil* calibrated = nullptr;
+  told = {.give_up_after = 2};
+  EXPECT_EQ(hapto_soil_calibrate("friction_angle_deg = 40\ncohesion_pa = 300\nbulk_density_kg_m3 = 1500", tell, &told,
+                                 &calibrated, nullptr),
+            HAPTO_STOPPED);
+  EXPECT_EQ(hapto_soil_calibrate("friction_angle_deg = 80\ncohesion_pa = 300\nbulk_density_kg_m3 = 1500", nullptr,
+                                 nullptr, &calibrated, nullptr),
+            HAPTO_INVALID_PARAMETER);
+  EXPECT_THAT(lastError().valid, HasSubstr("52"));
+  EXPECT_EQ(calibrated, nullptr);
+}
+
+}  // namespace
+}  // namespace haptolith::library
