@@ -85,6 +85,24 @@ TEST(LibraryState, ChangesOfSoilGravityAndToolAreInIt) {
   EXPECT_EQ(hashOf(other.get()), hashOf(scene.get()));
 }
 
+TEST(LibraryState, OfASceneThatNobodyHasTouchedIsAStateToo) {
+  const ScenePtr scene = sceneOf(kPaper);
+  hapto_pose pose{};
+  expectOk(hapto_scene_get_tool_pose(scene.get(), &pose));
+  EXPECT_EQ(pose.orientation[0], 1);
+  EXPECT_EQ(pose.orientation[1], 0);
+  hapto_scene_info info{};
+  info.size = sizeof info;
+  expectOk(hapto_scene_get_info(scene.get(), &info));
+  EXPECT_GT(pose.position_m[2], info.surface_m + 0.05) << "above the soil";
+  const std::string bytes = stateOf(scene.get());
+  stir(scene.get(), 0, 300);
+  const std::uint64_t first = hashOf(scene.get());
+  expectOk(hapto_scene_set_state(scene.get(), bytes.data(), bytes.size()));
+  stir(scene.get(), 0, 300);
+  EXPECT_EQ(hashOf(scene.get()), first);
+}
+
 TEST(LibraryState, OfAnotherSceneIsRefused) {
   const ScenePtr scene = sceneOf(kPaper);
   stir(scene.get(), 0, 100);

@@ -87,7 +87,9 @@ SceneObject::SceneObject(const Scenario& scenario, const SettleProgress& progres
     : scenario_(scenario),
       made_of_(scenario.bed.soil),
       scene_(std::make_unique<Scene>(scenario.bed, scenario.tool, progress)) {
-  scene_->placeTool({{{scenario.handling.mapping.offset_m + Vec3(0, 0, scene_->bed().surfaceHeight()), {}}, {}}, 1});
+  HandState hand;
+  hand.pose.position_m = scenario.handling.mapping.offset_m + Vec3(0, 0, scene_->bed().surfaceHeight());
+  scene_->placeTool(hand);
 }
 
 SceneObject::SceneObject(const SceneObject& other)

@@ -1,0 +1,19 @@
+#!/usr/bin/env python3
+"""Finds the macroparticles of a soil that was sheared in a laboratory, and digs in it: soil_from_shear_test.py [specimens]
+
+Takes some minutes with 5 specimens to verify with; 2 are the fewest."""
+
+import sys
+
+import haptolith as hp
+
+specimens = int(sys.argv[1]) if len(sys.argv) > 1 else 5
+soil, reached = hp.calibrate(friction_angle_deg=38, cohesion_pa=200, bulk_density_kg_m3=1600, specimens=specimens,
+                             name="my-soil", progress=lambda what, share: print(f"\r{what}: {100 * share:3.0f} %  ", end=""))
+print(f"\nasked for 38 degrees and 200 Pa; {reached['seeds']} specimens show "
+      f"{reached['friction_angle_deg']:.1f} +- {reached['friction_angle_sd_deg']:.1f} degrees and "
+      f"{reached['cohesion_pa']:.0f} +- {reached['cohesion_sd_pa']:.0f} Pa")
+with open("my-soil.toml", "x", encoding="utf-8") as file:
+    file.write(soil.toml)
+with hp.Scene("paper", soil__file="my-soil.toml", bed__start="packed") as scene:
+    print(scene)

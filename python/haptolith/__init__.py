@@ -1,0 +1,29 @@
+"""Soil that a hand, a robot or a learner can dig in: haptolith for Python.
+
+    import haptolith as hp
+
+    with hp.Scene("paper", soil__preset="P3") as scene:
+        felt = scene.step([0, 0, 0.03])          # one tick of 1 ms: what the soil does to the tool
+        print(felt.force_n, scene.positions[:, 2].max())
+
+SI units, right-handed frames, z up, quaternions w x y z; a pose is scene_T_tool. Parameters are the keys of scene
+files, as keywords with two underscores: bed__threads=2 is [bed] threads = 2.
+"""
+
+from ._abi import library_version as _library_version
+from .batch import Batch
+from .errors import (Busy, Collapsed, Failure, HaptolithError, InvalidParameter, Stopped)
+from .lab import lab_test, lab_tests
+from .loop import Device, DeviceInput, Limits, Loop, Snapshot
+from .safety import Safety
+from .scene import Scene, SceneInfo, scenes
+from .soil import Soil, calibrate, presets, soils
+from .values import Pose, Wrench
+
+__version__ = _library_version()
+
+__all__ = [
+    "Batch", "Busy", "Collapsed", "Device", "DeviceInput", "Failure", "HaptolithError", "InvalidParameter", "Limits",
+    "Loop", "Pose", "Safety", "Scene", "SceneInfo", "Snapshot", "Soil", "Stopped", "Wrench", "calibrate", "lab_test",
+    "lab_tests", "presets", "scenes", "soils",
+]

@@ -1,0 +1,60 @@
+"""Many scenes on several threads."""
+
+from __future__ import annotations
+
+import ctypes
+from typing import Sequence
+
+import numpy as np
+import numpy.typing as npt
+
+from . import _abi
+from .errors import require
+from .scene import Scene
+from .values import Floats
+
+
+class Batch:
+    """Steps scenes on threads of its own, with the bits of one by one. threads=0: as many as the machine has."""
+
+    def __init__(self, scenes: Sequence[Scene], threads: int = 0) -> None:
+        self.scenes = list(scenes)
+        handles = (ctypes.c_void_p * len(self.scenes))(*[scene.address for scene in self.scenes])
+        out = ctypes.c_void_p()
+        require(_abi.lib.hapto_batch_create(handles, len(self.scenes), threads, ctypes.byref(out)))
+        self._address = out.value
+
+    def step(self, poses: npt.ArrayLike) -> Floats:
+        """(scenes, ticks, 7) or (scenes, 7) poses give (scenes, ticks, 6) or (scenes, 6) wrenches.
+
+        Other threads of Python run meanwhile. Raises what the first scene that failed raises."""
+        given = np.ascontiguousarray(poses, dtype=np.float64)
+        one_tick = given.ndim == 2
+        if one_tick:
+            given = given[:, None, :]
+        if given.ndim != 3 or given.shape[0] != len(self.scenes) or given.shape[2] != 7:
+            raise ValueError(f"poses of {len(self.scenes)} scenes are ({len(self.scenes)}, ticks, 7), not {given.shape}")
+        for scene in self.scenes:
+            scene.address  # raises for one that has been closed
+        felt = np.zeros((*given.shape[:2], 6))
+        require(_abi.lib.hapto_batch_step(self._address, given.shape[1], given.ctypes.data, None, felt.ctypes.data, None))
+        return felt[:, 0] if one_tick else felt
+
+    def __len__(self) -> int:
+        return len(self.scenes)
+
+    def close(self) -> None:
+        """Ends its threads; the scenes stay."""
+        if self._address:
+            _abi.lib.hapto_batch_destroy(self._address)
+            self._address = None
+
+    def __enter__(self) -> Batch:
+        return self
+
+    def __exit__(self, *_raised: object) -> None:
+        self.close()
+
+    def __del__(self) -> None:
+        if getattr(self, "_address", None):
+            self.close()

@@ -1,0 +1,221 @@
+"""The loop that joins a scene and a device at 1 kHz."""
+
+from __future__ import annotations
+
+import ctypes
+import sys
+import traceback
+from dataclasses import dataclass, field
+from typing import Any, Optional
+
+import numpy as np
+import numpy.typing as npt
+
+from . import _abi
+from .errors import require
+from .scene import Scene
+from .values import Floats, overrides_of
+
+_lib = _abi.lib
+
+
+@dataclass
+class Limits:
+    """What a device declares of itself: fields of hapto_device_limits; what is left out is that of an ideal device."""
+
+    declared: dict[str, Any] = field(default_factory=dict)
+
+    def __init__(self, **declared: Any) -> None:
+        known = {name for name, _ in _abi.DeviceLimits._fields_}
+        for name in declared:
+            if name not in known or name == "size":
+                raise TypeError(f"a device's limits have no {name}; they have {', '.join(sorted(known - {'size'}))}")
+        self.declared = declared
+
+    def struct(self) -> Any:
+        """For the library."""
+        limits = _abi.DeviceLimits()
+        require(_lib.hapto_device_limits_init(limits))
+        for name, value in self.declared.items():
+            if isinstance(value, (list, tuple, np.ndarray)):
+                getattr(limits, name)[:] = [float(v) for v in value]
+            else:
+                setattr(limits, name, value)
+        return limits
+
+
+@dataclass
+class DeviceInput:
+    """What a device tells about the handle, in its own frame."""
+
+    position_m: npt.ArrayLike = (0.0, 0.0, 0.0)
+    orientation: npt.ArrayLike = (1.0, 0.0, 0.0, 0.0)  # w x y z
+    linear_m_s: npt.ArrayLike = (0.0, 0.0, 0.0)
+    angular_rad_s: npt.ArrayLike = (0.0, 0.0, 0.0)
+    gripper_open: float = 0
+    buttons: int = 0
+    lost: bool = False  # the device is gone
+
+
+class Device:
+    """A device in Python, for trying things out: subclass it. The loop's thread calls read() and write() every tick and
+    waits for Python meanwhile, so a busy interpreter makes it late; what either raises ends the run."""
+
+    name = "device in Python"
+    limits = Limits(simulated=1)  # nobody's hand is at it
+
+    def read(self) -> DeviceInput:
+        """Where the handle is now."""
+        raise NotImplementedError
+
+    def write(self, force_n: Floats, torque_nm: Floats) -> None:
+        """What the hand is to feel, (3,) each, in the device's frame."""
+
+
+@dataclass(frozen=True)
+class Snapshot:
+    """A picture of a running scene; positions (n, 3) m is a copy."""
+
+    running: bool
+    end: str
+    trip: str
+    trips: int
+    paused: bool
+    ticks: int
+    deadline_misses: int
+    awake: int
+    time_s: float
+    tool_pose: Floats
+    opening_m: float
+    felt_n: Floats
+    felt_nm: Floats
+    success_rate: float
+    tick_us_p50: float
+    tick_us_p99: float
+    tick_us_max: float
+    largest_speed_m_s: float
+    positions: npt.NDArray[np.float32]
+
+
+class Loop:
+    """Joins a scene and a device at 1 kHz: mapping, coupling, filter and safety layer as the scene says.
+
+    device: None: the one that the scene names, a virtual hand by default. The scene belongs to the loop until close().
+    ticked_by_caller: tick() in a loop of yours instead of start()."""
+
+    def __init__(self, scene: Scene, device: Optional[Device] = None, *, ticked_by_caller: bool = False,
+                 keep_ticks: bool = False) -> None:
+        self.scene = scene
+        self.device = device
+        self._raised: list[BaseException] = []
+        self._own = _own_device(device, self._raised) if device is not None else None
+        flags = (_abi.TICKED_BY_CALLER if ticked_by_caller else 0) | (_abi.KEEPS_TICKS if keep_ticks else 0)
+        out = ctypes.c_void_p()
+        require(_lib.hapto_loop_create(scene.address, self._own, flags, ctypes.byref(out)))
+        self._address = out.value
+
+    def start(self) -> None:
+        """Runs it on a thread of its own, in step with the clock unless the scene says loop.paced = false."""
+        require(_lib.hapto_loop_start(self._address))
+
+    def tick(self, late: bool = False) -> bool:
+        """One tick with ticked_by_caller; False: it was the last."""
+        status = _lib.hapto_loop_tick(self._address, int(late))
+        if self._raised:
+            raise self._raised.pop()
+        if status == _abi.ENDED:
+            return False
+        require(status)
+        return True
+
+    def stop(self) -> None:
+        """Ends a started loop; its thread has ended on return."""
+        require(_lib.hapto_loop_stop(self._address))
+        if self._raised:
+            raise self._raised.pop()
+
+    def pause(self, on: bool = True) -> None:
+        """Lets time stand still, or go on."""
+        require(_lib.hapto_loop_pause(self._address, int(on)))
+
+    def change(self, **keys: object) -> None:
+        """As Scene.change() while it runs: no hand feels a jump."""
+        given = overrides_of(keys)
+        require(_lib.hapto_loop_change(self._address, _abi.texts(given), len(given)))
+
+    def snapshot(self) -> Snapshot:
+        """The newest picture, some 60 a second."""
+        now = _abi.sized(_abi.Snapshot)
+        require(_lib.hapto_loop_snapshot(self._address, now))
+        if self._raised:
+            raise self._raised.pop()
+        positions = np.empty((0, 3), np.float32)
+        if now.position.count:
+            memory = (ctypes.c_byte * (now.position.count * now.position.stride_bytes)).from_address(now.position.data)
+            positions = np.ndarray((now.position.count, 3), np.float32, memory, 0, (now.position.stride_bytes, 4)).copy()
+        pose = np.array([*now.scene_T_tool.position_m, *now.scene_T_tool.orientation])
+        return Snapshot(bool(now.running), now.end.decode(), now.trip.decode(), now.trips, bool(now.paused), now.ticks,
+                        now.deadline_misses, now.awake, now.time_s, pose, now.opening_m, np.array(now.felt.force_n),
+                        np.array(now.felt.torque_nm), now.success_rate, now.tick_us_p50, now.tick_us_p99,
+                        now.tick_us_max, now.largest_speed_m_s, positions)
+
+    def take_ticks(self, most: int = 100_000) -> npt.NDArray[Any]:
+        """The ticks that wait, the oldest first, as a structured array with the names of hapto_tick; with keep_ticks.
+
+        Take them every second or more often, or some are lost."""
+        ticks = (_abi.Tick * most)()
+        count = ctypes.c_uint64()
+        require(_lib.hapto_loop_take_ticks(self._address, ticks, most, ctypes.byref(count), None))
+        taken: npt.NDArray[Any] = np.frombuffer(memoryview(ticks), dtype=np.dtype(_abi.Tick))[: count.value].copy()
+        return taken
+
+    def close(self) -> None:
+        """Stops it and gives the scene back."""
+        if self._address:
+            _lib.hapto_loop_destroy(self._address)
+            self._address = None
+
+    def __enter__(self) -> Loop:
+        return self
+
+    def __exit__(self, *_raised: object) -> None:
+        self.close()
+
+    def __del__(self) -> None:
+        if getattr(self, "_address", None):
+            self.close()
+
+
+def _own_device(device: Device, raised: list[BaseException]) -> Any:
+    """The device as the library calls it; what it raises is kept, and the device is gone then."""
+
+    def failed(error: BaseException) -> None:
+        if not raised:
+            raised.append(error)
+            traceback.print_exception(type(error), error, error.__traceback__, file=sys.stderr)
+
+    def read(_user: object, out: Any) -> None:
+        told = out.contents
+        try:
+            now = device.read()
+            told.pose.position_m[:] = [float(v) for v in np.asarray(now.position_m)]
+            told.pose.orientation[:] = [float(v) for v in np.asarray(now.orientation)]
+            told.twist.linear_m_s[:] = [float(v) for v in np.asarray(now.linear_m_s)]
+            told.twist.angular_rad_s[:] = [float(v) for v in np.asarray(now.angular_rad_s)]
+            told.gripper_open, told.buttons = now.gripper_open, now.buttons
+            told.state = 2 if now.lost or raised else 0
+        except BaseException as error:  # pylint: disable=broad-except
+            failed(error)
+            told.state = 2
+
+    def write(_user: object, force: Any) -> None:
+        try:
+            device.write(np.array(force.contents.wrench.force_n), np.array(force.contents.wrench.torque_nm))
+        except BaseException as error:  # pylint: disable=broad-except
+            failed(error)
+
+    own = _abi.sized(_abi.Device)
+    own.name = device.name.encode()
+    own.limits = device.limits.struct()
+    own.read, own.write = _abi.READ(read), _abi.WRITE(write)
+    return own

@@ -1,0 +1,321 @@
+"""Scenes: soil in a box and a tool."""
+
+from __future__ import annotations
+
+import ctypes
+import os
+from dataclasses import dataclass
+from typing import Any, Optional, Union
+
+import numpy as np
+import numpy.typing as npt
+
+from . import _abi
+from ._long import Progress, call_long
+from .errors import HaptolithError, error_of, require
+from .result import names
+from .values import Floats, Pose, PoseLike, Wrench, overrides_of, pose_numbers, text_from
+
+_lib = _abi.lib
+_step = _lib.hapto_scene_step
+
+
+class _Handle:
+    """A scene of the library, for as long as a Scene or a view of it lives."""
+
+    __slots__ = ("address",)
+
+    def __init__(self, address: int) -> None:
+        self.address = address
+
+    def __del__(self) -> None:
+        _lib.hapto_scene_destroy(self.address)
+
+
+@dataclass(frozen=True)
+class SceneInfo:
+    """Numbers of a scene; see hapto_scene_info in haptolith.h."""
+
+    substeps: int
+    threads: int
+    friction: str
+    particles: int
+    held: int
+    awake: int
+    steps: int
+    tick_s: float
+    radius_m: float
+    mass_kg: float
+    width_m: float
+    length_m: float
+    surface_m: float
+    opening_m: float
+    tool_fade: float
+    energy_j: float
+    gravity_m_s2: tuple[float, float, float]
+
+
+def scenes() -> list[str]:
+    """Names of the built-in scenes."""
+    return names("scenes")
+
+
+class Scene:
+    """A box of soil and a tool in it. One thread at a time; different scenes on any number of threads.
+
+    name_or_path: a built-in scene (haptolith.scenes()) or a scene file. Keywords override its keys: bed__threads=2.
+    progress(what, share): told now and then while soil settles; False gives up (Stopped).
+    Raises InvalidParameter with key, value and what would be valid; Failure.
+    """
+
+    def __init__(self, name_or_path: Union[str, os.PathLike[str]] = "paper", *, progress: Optional[Progress] = None,
+                 **keys: object) -> None:
+        given = overrides_of(keys)
+        name = os.fspath(name_or_path).encode()
+        self._adopt(_made(lambda told, out: _lib.hapto_scene_from_file(name, _abi.texts(given), len(given), told, None,
+                                                                       out), progress))
+
+    def _adopt(self, address: int) -> None:
+        self._handle: Optional[_Handle] = _Handle(address)
+        self._address = address
+        self._pose = np.zeros(7)
+        self._felt = np.zeros(6)
+        self._at_pose = self._pose.ctypes.data
+        self._at_felt = self._felt.ctypes.data
+
+    @classmethod
+    def _of(cls, address: int) -> Scene:
+        scene = cls.__new__(cls)
+        scene._adopt(address)
+        return scene
+
+    @classmethod
+    def from_toml(cls, text: str, *, progress: Optional[Progress] = None, **keys: object) -> Scene:
+        """A scene from the text of a scene file; "" is the paper's scene."""
+        given = overrides_of(keys)
+        return cls._of(_made(lambda told, out: _lib.hapto_scene_from_toml(text.encode(), None, _abi.texts(given),
+                                                                          len(given), told, None, out), progress))
+
+    @classmethod
+    def from_state(cls, state: bytes) -> Scene:
+        """A scene that goes on from `state` with the same bits; nothing has to settle again."""
+        out = ctypes.c_void_p()
+        require(_lib.hapto_scene_from_state(state, len(state), ctypes.byref(out)))
+        return cls._of(out.value or 0)
+
+    def clone(self) -> Scene:
+        """Another scene that goes on from here with the same bits."""
+        out = ctypes.c_void_p()
+        require(_lib.hapto_scene_clone(self.address, ctypes.byref(out)))
+        return Scene._of(out.value or 0)
+
+    __copy__ = clone
+
+    def __deepcopy__(self, _memo: dict[int, Any]) -> Scene:
+        return self.clone()
+
+    def __reduce__(self) -> tuple[Any, tuple[bytes]]:
+        return Scene.from_state, (self.state,)
+
+    def close(self) -> None:
+        """Gives the scene's memory back, as soon as no view of its particles is left."""
+        self._handle = None
+        self._address = 0
+
+    def __enter__(self) -> Scene:
+        return self
+
+    def __exit__(self, *_raised: object) -> None:
+        self.close()
+
+    @property
+    def address(self) -> int:
+        """The library's handle. Raises HaptolithError when the scene has been closed."""
+        if self._handle is None:
+            raise HaptolithError("this scene has been closed", _abi.DESTROYED)
+        return self._address
+
+    # --- moving ---
+
+    def step(self, pose: PoseLike, twist: Optional[npt.ArrayLike] = None) -> Wrench:
+        """One tick of 1 ms: moves the tool in a straight line to the pose while the soil answers.
+
+        pose: Pose, (3,), (7,) or (4, 4), scene_T_tool. twist: (6,) m/s and rad/s, scene frame; None: as the way says.
+        Raises InvalidParameter for a pose that is nowhere near; Collapsed."""
+        if type(pose) is np.ndarray and pose.shape == (7,):
+            self._pose[:] = pose
+        else:
+            self._pose[:] = pose_numbers(pose)
+        moved = None
+        if twist is not None:
+            numbers = np.ascontiguousarray(twist, dtype=np.float64)
+            if numbers.shape != (6,):
+                raise ValueError(f"a twist is 6 numbers, not an array of shape {numbers.shape}")
+            moved = numbers.ctypes.data
+        status = _step(self._address, self._at_pose, moved, self._at_felt)
+        if status:
+            self.address  # closed?
+            raise error_of(status)
+        return Wrench(self._felt.copy())
+
+    def steps(self, poses: npt.ArrayLike) -> Floats:
+        """Many ticks: (n, 7) poses give (n, 6) wrenches. Other threads run meanwhile."""
+        given = np.ascontiguousarray(poses, dtype=np.float64)
+        if given.ndim != 2 or given.shape[1] != 7:
+            raise ValueError(f"poses are (n, 7): x y z, w x y z; not {given.shape}")
+        felt = np.zeros((len(given), 6))
+        require(_lib.hapto_scene_steps(self.address, len(given), given.ctypes.data, None, felt.ctypes.data, None))
+        return felt
+
+    def place_tool(self, pose: PoseLike) -> None:
+        """Puts the tool somewhere without moving it there: place it above the soil."""
+        self._pose[:] = pose_numbers(pose)
+        require(_lib.hapto_scene_place_tool(self.address, self._at_pose))
+
+    @property
+    def tool_pose(self) -> Floats:
+        """(7,): x y z in m, w x y z."""
+        pose = np.empty(7)
+        require(_lib.hapto_scene_get_tool_pose(self.address, pose.ctypes.data))
+        return pose
+
+    @property
+    def wrench(self) -> Wrench:
+        """What was felt in the last tick."""
+        felt = np.empty(6)
+        require(_lib.hapto_scene_get_wrench(self.address, felt.ctypes.data))
+        return Wrench(felt)
+
+    @property
+    def contact_stiffness(self) -> Floats:
+        """(3, 3) in N/m: dF = -K dx while the soil goes on as it does."""
+        k = np.empty((3, 3))
+        require(_lib.hapto_scene_get_contact_stiffness(self.address, k.ctypes.data))
+        return k
+
+    @property
+    def grip_force(self) -> float:
+        """How hard the soil pushed the jaws apart in the last tick, N."""
+        n = ctypes.c_double()
+        require(_lib.hapto_scene_get_grip_force(self.address, ctypes.byref(n)))
+        return n.value
+
+    def set_opening(self, share: float) -> None:
+        """How far jaws are to open by the end of the next tick, 0 to 1."""
+        require(_lib.hapto_scene_set_opening(self.address, share))
+
+    def set_tool_fade(self, share: float) -> None:
+        """How much of itself the tool is, 0 to 1, from the next tick on."""
+        require(_lib.hapto_scene_set_tool_fade(self.address, share))
+
+    def set_gravity(self, m_s2: npt.ArrayLike) -> None:
+        """(3,) m/s^2, scene frame, from the next tick on."""
+        given = np.ascontiguousarray(m_s2, dtype=np.float64)
+        if given.shape != (3,):
+            raise ValueError(f"gravity is 3 numbers, not an array of shape {given.shape}")
+        require(_lib.hapto_scene_set_gravity(self.address, given.ctypes.data))
+
+    def change(self, **keys: object) -> None:
+        """Changes soil, gravity or tool of the soil as it lies: gravity__body="Mars", tool__diameter_mm=40."""
+        given = overrides_of(keys)
+        require(_lib.hapto_scene_change(self.address, _abi.texts(given), len(given)))
+
+    # --- looking ---
+
+    @property
+    def info(self) -> SceneInfo:
+        """Numbers of the scene; goes through all particles."""
+        info = _abi.sized(_abi.SceneInfo)
+        require(_lib.hapto_scene_get_info(self.address, info))
+        numbers = {name: getattr(info, name) for name, _ in _abi.SceneInfo._fields_ if name != "size"}
+        numbers["friction"] = "contact" if info.friction else "paper"
+        numbers["gravity_m_s2"] = tuple(info.gravity_m_s2)
+        return SceneInfo(**numbers)
+
+    @property
+    def positions(self) -> npt.NDArray[np.float32]:
+        """Centres of the particles, (n, 3) m. A read-only view: **old after the next step**; copy() what is to stay."""
+        return self._view(_abi.POSITION)
+
+    @property
+    def velocities(self) -> npt.NDArray[np.float32]:
+        """(n, 3) m/s; a view like positions."""
+        return self._view(_abi.VELOCITY)
+
+    def _view(self, field: int) -> npt.NDArray[np.float32]:
+        array = _abi.sized(_abi.Array)
+        require(_lib.hapto_scene_view(self.address, field, array))
+        memory = (ctypes.c_byte * (array.count * array.stride_bytes)).from_address(array.data)
+        memory.scene = self._handle  # lives as long as the view
+        view: npt.NDArray[np.float32] = np.ndarray((array.count, 3), np.float32, memory, 0, (array.stride_bytes, 4))
+        if os.environ.get("HAPTOLITH_CHECK_VIEWS") == "1":
+            view = view.copy()
+        view.flags.writeable = False
+        return view
+
+    @property
+    def radii(self) -> npt.NDArray[np.float32]:
+        """(n,) m; a copy."""
+        return self._copy(_abi.RADIUS, np.float32)
+
+    @property
+    def contact_loads(self) -> npt.NDArray[np.float32]:
+        """How hard its neighbours press each particle, (n,) N: a picture of force chains; a copy."""
+        return self._copy(_abi.CONTACT_LOAD, np.float32)
+
+    @property
+    def asleep(self) -> npt.NDArray[np.bool_]:
+        """Which particles are not worked on, since nothing near them moves, (n,); a copy."""
+        return self._copy(_abi.ASLEEP, np.uint8).astype(np.bool_)
+
+    @property
+    def held(self) -> npt.NDArray[np.bool_]:
+        """Which particles stand for ever where a box of settled soil ends, (n,); a copy."""
+        return self._copy(_abi.HELD, np.uint8).astype(np.bool_)
+
+    def _copy(self, field: int, dtype: Any) -> npt.NDArray[Any]:
+        array = _abi.sized(_abi.Array)
+        require(_lib.hapto_scene_view(self.address, _abi.POSITION, array))
+        copied = np.empty(array.count, dtype)
+        require(_lib.hapto_scene_copy(self.address, field, copied.ctypes.data, copied.nbytes))
+        return copied
+
+    # --- the whole of it ---
+
+    @property
+    def toml(self) -> str:
+        """The scene as a scene file, complete."""
+        return text_from(lambda out, room, needed: int(_lib.hapto_scene_get_toml(self.address, out, room, needed)))[:-1].decode()
+
+    @property
+    def state(self) -> bytes:
+        """The whole scene, parameters included; setting it goes back there, bit for bit.
+
+        For this version of the library and one instruction set."""
+        return text_from(lambda out, room, needed: int(_lib.hapto_scene_get_state(self.address, out, room, needed)))
+
+    @state.setter
+    def state(self, state: bytes) -> None:
+        require(_lib.hapto_scene_set_state(self.address, state, len(state)))
+
+    @property
+    def state_hash(self) -> int:
+        """64 bits over particles and what their contacts remember, as `haptolith run --json` prints them."""
+        out = ctypes.c_uint64()
+        require(_lib.hapto_scene_state_hash(self.address, ctypes.byref(out)))
+        return out.value
+
+    def __repr__(self) -> str:
+        if self._handle is None:
+            return "<haptolith.Scene, closed>"
+        info = self.info
+        return f"<haptolith.Scene: {info.particles} particles of {1e3 * info.radius_m:g} mm, {info.friction} friction>"
+
+
+def _made(make: Any, progress: Optional[Progress]) -> int:
+    out = ctypes.c_void_p()
+    call_long(lambda told: int(make(told, ctypes.byref(out))), progress)
+    return out.value or 0
+
+
+__all__ = ["Pose", "Scene", "SceneInfo", "scenes"]

@@ -1,0 +1,92 @@
+"""Soils with names, and soils found for what was measured."""
+
+from __future__ import annotations
+
+import ctypes
+import os
+from typing import Optional, Union
+
+from . import _abi
+from ._long import Progress, call_long
+from .errors import require
+from .result import Result, names, take
+from .values import text_from, toml_value
+
+_lib = _abi.lib
+
+
+def soils() -> list[str]:
+    """Names of the built-in soils."""
+    return names("soils")
+
+
+def presets() -> list[str]:
+    """The paper's soils."""
+    return names("presets")
+
+
+class Soil:
+    """A soil: a built-in name (haptolith.soils()), a preset of the paper, or a soil file.
+
+    soil["target.friction_angle_deg"], soil["soil.radius_mm"], soil["reached.cohesion_pa"]: numbers of its file.
+    """
+
+    def __init__(self, name_or_path: Union[str, os.PathLike[str]]) -> None:
+        out = ctypes.c_void_p()
+        require(_lib.hapto_soil_find(os.fspath(name_or_path).encode(), ctypes.byref(out)))
+        self._address = out.value
+
+    @classmethod
+    def _of(cls, address: Optional[int]) -> Soil:
+        soil = cls.__new__(cls)
+        soil._address = address
+        return soil
+
+    @classmethod
+    def from_toml(cls, text: str) -> Soil:
+        """A soil from the text of a soil file."""
+        out = ctypes.c_void_p()
+        require(_lib.hapto_soil_from_toml(text.encode(), None, ctypes.byref(out)))
+        return cls._of(out.value)
+
+    @property
+    def address(self) -> Optional[int]:
+        """The library's handle."""
+        return self._address
+
+    def __getitem__(self, key: str) -> float:
+        number = ctypes.c_double()
+        require(_lib.hapto_soil_get(self._address, key.encode(), ctypes.byref(number)))
+        return number.value
+
+    @property
+    def toml(self) -> str:
+        """The soil as a soil file. Raises InvalidParameter for a preset, of which nothing was measured."""
+        return text_from(lambda out, room, needed: int(_lib.hapto_soil_get_toml(self._address, out, room, needed)))[:-1].decode()
+
+    def profile(self, gravity_m_s2: float = 1.625, depth_m: float = 0.6) -> Result:
+        """Its layers under their own weight: columns depth_m, top_m, bottom_m, spacing_m, density_kg_m3."""
+        out = ctypes.c_void_p()
+        require(_lib.hapto_soil_profile(self._address, gravity_m_s2, depth_m, ctypes.byref(out)))
+        return take(out)
+
+    def __reduce__(self) -> tuple[object, tuple[str]]:
+        return Soil.from_toml, (self.toml,)
+
+    def __del__(self) -> None:
+        if getattr(self, "_address", None):
+            _lib.hapto_soil_destroy(self._address)
+
+
+def calibrate(friction_angle_deg: float, cohesion_pa: float, bulk_density_kg_m3: float, *,
+              progress: Optional[Progress] = None, **options: object) -> tuple[Soil, Result]:
+    """Finds macroparticles whose sheared bed is as an engineer measured; takes minutes.
+
+    options: strength ("residual" or "peak"), radius_mm, stiffness_n_m, body, seed, threads, specimens, name, source.
+    Returns the soil, and what the laboratory measured of it: mean and standard deviation over specimens."""
+    asked: dict[str, object] = {"friction_angle_deg": friction_angle_deg, "cohesion_pa": cohesion_pa,
+                                "bulk_density_kg_m3": bulk_density_kg_m3, **options}
+    text = "".join(f"{key} = {toml_value(value)}\n" for key, value in asked.items()).encode()
+    soil, report = ctypes.c_void_p(), ctypes.c_void_p()
+    call_long(lambda told: int(_lib.hapto_soil_calibrate(text, told, None, ctypes.byref(soil), ctypes.byref(report))), progress)
+    return Soil._of(soil.value), take(report)

@@ -1,0 +1,190 @@
+"""Batches, soils, the laboratory, loops, safety and the gym."""
+
+import threading
+import time
+
+import numpy as np
+import pytest
+
+import haptolith as hp
+from conftest import CONTACT, PAPER, stirring
+from haptolith.gym import DigEnv, VecDigEnv
+
+
+def test_a_batch_gives_the_bits_of_one_by_one():
+    scenes = [hp.Scene.from_toml(PAPER if i % 2 else CONTACT, bed__seed=i + 1) for i in range(6)]
+    alone = [scene.clone() for scene in scenes]
+    poses = np.stack([stirring(40 * i, 40 * i + 80) for i in range(6)])
+    with hp.Batch(scenes, threads=2) as batch:
+        felt = batch.step(poses)
+        assert felt.shape == (6, 80, 6) and len(batch) == 6
+        for i in range(6):
+            assert np.array_equal(alone[i].steps(poses[i]), felt[i])
+            assert alone[i].state_hash == scenes[i].state_hash
+        assert batch.step(poses[:, 0]).shape == (6, 6)
+        with pytest.raises(ValueError):
+            batch.step(poses[:5])
+        poses[3, 0, 0] = np.nan
+        with pytest.raises(hp.HaptolithError):
+            batch.step(poses)
+        scenes[2].close()
+        with pytest.raises(hp.HaptolithError, match="closed"):
+            batch.step(poses)
+    with pytest.raises(hp.InvalidParameter):
+        hp.Batch([])
+
+
+def test_soils_have_numbers_and_profiles():
+    soil = hp.Soil("lunar-0-15cm")
+    assert soil["soil.radius_mm"] == 7 and soil["target.friction_angle_deg"] > 35
+    profile = hp.Soil("P3").profile(1.625, 0.6)
+    assert np.all(np.diff(profile["depth_m"]) > 0) and profile["density_kg_m3"][-1] > profile["density_kg_m3"][0]
+    assert hp.Soil.from_toml(soil.toml)["soil.contact_friction"] == soil["soil.contact_friction"]
+    for wrong in (lambda: soil["soil.colour"], lambda: hp.Soil("moon dust"), lambda: hp.Soil("P1").toml):
+        with pytest.raises(hp.InvalidParameter):
+            wrong()
+
+
+def test_the_laboratory_measures():
+    told = []
+    fall = hp.lab_test("fall", "dry-sand", fall_m=0.05, body="Mars", progress=lambda what, share: told.append(share))
+    assert abs(fall["acceleration_ratio"] - 1) < 1e-3 and told
+    assert fall["findings"][0]["passes"] is True
+    assert abs(fall["fallen_m"][-1] - 0.05) < 0.005
+    with pytest.raises(hp.InvalidParameter, match="fall_m"):
+        hp.lab_test("fall", "dry-sand", fall_n=1)
+    with pytest.raises(hp.Stopped):
+        hp.lab_test("shear", "dry-sand", progress=lambda what, share: False)
+    with pytest.raises(hp.InvalidParameter):
+        hp.calibrate(80, 0, 1500)
+    with pytest.raises(hp.Stopped):
+        hp.calibrate(40, 300, 1500, progress=lambda what, share: False)
+
+
+class Presses(hp.Device):
+    """Goes down into the soil and feels it."""
+
+    limits = hp.Limits(simulated=1, max_force_n=12)
+
+    def __init__(self):
+        self.ticks, self.strongest_n, self.broken_at = 0, 0.0, 10**9
+
+    def read(self):
+        self.ticks += 1
+        if self.ticks > self.broken_at:
+            raise RuntimeError("a wire is loose")
+        return hp.DeviceInput(position_m=(0, 0, -min(1e-4 * self.ticks, 0.1)), linear_m_s=(0, 0, -0.1))
+
+    def write(self, force_n, torque_nm):
+        self.strongest_n = max(self.strongest_n, float(force_n[2]))
+
+
+def test_a_device_in_python_feels_the_soil():
+    with hp.Scene.from_toml(PAPER) as scene:
+        device = Presses()
+        with hp.Loop(scene, device, ticked_by_caller=True, keep_ticks=True) as loop:
+            with pytest.raises(hp.Busy):
+                scene.step([0, 0, 0.1])
+            assert all(loop.tick() for _ in range(1200))
+            assert device.ticks == 1200 and device.strongest_n > 0.1
+            ticks = loop.take_ticks()
+            assert len(ticks) == 1200 and ticks["felt"]["force_n"][:, 2].max() == device.strongest_n
+            assert loop.snapshot().positions.shape == (256, 3)
+            device.broken_at = 0
+            with pytest.raises(RuntimeError, match="loose"):
+                loop.tick()
+            assert not loop.tick()
+            assert loop.snapshot().end
+        scene.step([0, 0, 0.2])
+
+
+def test_the_scenes_own_hand_runs_on_a_thread():
+    with hp.Scene.from_toml(PAPER, loop__paced=False, loop__duration_s=0.5) as scene, hp.Loop(scene) as loop:
+        loop.start()
+        until = time.monotonic() + 30
+        while loop.snapshot().running and time.monotonic() < until:
+            time.sleep(0.01)
+        assert not loop.snapshot().running and abs(loop.snapshot().time_s - 0.5) < 0.02
+    with pytest.raises(TypeError, match="max_force"):
+        hp.Limits(max_force=3)
+
+
+def test_safety_limits_and_lets_go():
+    safety = hp.Safety(hp.Limits(max_force_n=2), soft_start_s=0.1)
+    assert safety.step([0, 0, 0], [0, 0, 50]).force_n[2] < 0.1
+    for _ in range(300):
+        felt = safety.step([0, 0, 0], [0, 0, 50])
+    assert abs(felt.force_n[2] - 2) < 1e-9 and safety.info.trip == ""
+    assert safety.step([0, 0, 0.05], [0, 0, 50]).force_n[2] == 0
+    assert safety.info.trips == 1 and safety.info.trip
+    with pytest.raises(hp.InvalidParameter):
+        hp.Safety(soft_start_s=-1)
+
+
+def episode(seed):
+    env = DigEnv("paper", most_steps=15)
+    random = np.random.default_rng(seed)
+    seen, rewards = [env.reset(seed=seed)[0]], []
+    truncated = False
+    while not truncated:
+        observation, reward, terminated, truncated, info = env.step([*random.uniform(-1, 1, 2), -1 if len(rewards) < 8 else 1])
+        assert not terminated and "lifted_kg" in info
+        seen.append(observation)
+        rewards.append(reward)
+    env.close()
+    return seen, rewards
+
+
+def test_the_same_seed_is_the_same_episode():
+    seen, rewards = episode(3)
+    again, rewards_again = episode(3)
+    other, _ = episode(4)
+    assert rewards == rewards_again and len(rewards) == 15
+    for a, b in zip(seen, again):
+        assert all(np.array_equal(a[name], b[name]) for name in a)
+    assert not np.array_equal(seen[-1]["heights"], other[-1]["heights"])
+    assert np.abs(seen[-1]["heights"] - seen[0]["heights"]).max() > 0.002, "nothing was dug"
+
+
+def test_spaces_hold_what_comes():
+    env = DigEnv("paper")
+    observation, _ = env.reset(seed=1)
+    for name, space in env.observation_space.items():
+        assert space.contains(observation[name]), name
+    assert env.action_space.contains(env.action_space.sample())
+    for wrong in ([1, 2], [0, 0, np.nan], "up"):
+        with pytest.raises(ValueError):
+            env.step(wrong)
+    env.close()
+
+
+def test_many_environments_are_one_by_one():
+    many = VecDigEnv(3, "paper", threads=2, most_steps=5)
+    one = DigEnv("paper", most_steps=5)
+    many.reset(seed=10)
+    one.reset(seed=11)
+    actions = np.random.default_rng(0).uniform(-1, 1, (5, 3, 3))
+    for action in actions:
+        observations, rewards, terminated, truncated, _ = many.step(action)
+        observation, reward, _, ended, _ = one.step(action[1])
+        assert np.array_equal(observations["heights"][1], observation["heights"]) and rewards[1] == reward
+        assert truncated[1] == ended
+    assert truncated.all()
+    observations, rewards, _, truncated, _ = many.step(actions[0])
+    assert not truncated.any() and not rewards.any() and many.metadata["autoreset_mode"]
+    many.close()
+    one.close()
+
+
+def test_environments_in_threads():
+    outcomes = []
+
+    def dig(seed):
+        outcomes.append((seed, episode(seed)[1]))
+
+    threads = [threading.Thread(target=dig, args=(seed,)) for seed in (3, 3)]
+    for thread in threads:
+        thread.start()
+    for thread in threads:
+        thread.join()
+    assert outcomes[0] == outcomes[1]
