@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # Builds the examples as a stranger would, against an installed tree, and looks at what they print.
-#   consumers.sh HOW BUILD_FOLDER WORK_FOLDER    HOW: find_package, pkg_config, add_subdirectory, symbols or header
+#   consumers.sh HOW BUILD_FOLDER WORK_FOLDER    HOW: find_package, pkg_config, add_subdirectory, mujoco, symbols or header
 set -euo pipefail
 how=$1 build=$2 work=$3
 source=$(cd "$(dirname "${BASH_SOURCE[0]}")/../.." && pwd)
@@ -69,6 +69,17 @@ CMAKE
     cmake --build "$work/build" -j 2 > "$work/build.log" || { tail -30 "$work/build.log"; exit 1; }
     lookAt "$work/build/examples"
     ;;
+  mujoco)
+    install
+    export PKG_CONFIG_PATH=$prefix/lib/pkgconfig LD_LIBRARY_PATH=$prefix/lib
+    read -ra flags <<< "$(pkg-config --cflags --libs haptolith)"
+    gcc -std=c99 -Wall -Wextra -Wno-missing-field-initializers -Werror "$source/examples/mujoco/arm_digs.c" "${flags[@]}" -lmujoco -lm -o "$work/arm_digs"
+    "$work/arm_digs" "$work/arm.csv" | tee "$work/arm.txt"
+    awk '/strongest/ { strongest = $3 } END { exit !(strongest > 5 && strongest < 50) }' "$work/arm.txt" || fail "the arm does not feel the soil"
+    # Before it touches the soil and behind it the blade feels nothing; in it, the arm gives way and pushes harder.
+    awk -F, 'NR > 1 && ($1 < 0.3 || $1 > 4) { out += $7 * $7 } $1 > 1.5 && $1 < 3 { in_soil += $7; n++ }
+             END { exit !(out < 2 && in_soil / n > 3) }' "$work/arm.csv" || fail "the force is not where the soil is"
+    ;;
   symbols)
     library=$build/src/haptolith/library/libhaptolith.so
     nm -D --defined-only "$library" | awk '$2 != "A" { sub(/@.*/, "", $3); print $3 }' | sort > "$work/shown"
@@ -97,5 +108,5 @@ CMAKE
       clang++ -std=c++17 -pedantic -Wall -Wextra -Werror -I"$source/include" -I"$build/include" -fsyntax-only "$work/wrapper.cpp"
     fi
     ;;
-  *) fail "HOW is find_package, pkg_config, add_subdirectory, symbols or header, not '$how'" ;;
+  *) fail "HOW is find_package, pkg_config, add_subdirectory, mujoco, symbols or header, not '$how'" ;;
 esac

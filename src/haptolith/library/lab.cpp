@@ -31,7 +31,6 @@ using namespace haptolith::library;
 
 namespace {
 
-constexpr Range kAnyNumber{-1e9, 1e9};
 constexpr Range kRadius_mm{0.1, 100};
 constexpr Range kStiffness_n_m{1e-3, 1e9};
 constexpr Range kGravity_m_s2{0, 1000};
@@ -148,6 +147,7 @@ void read(const char* text, const std::vector<LabOption>& options) {
     const auto option = std::ranges::find(options, key.str(), &LabOption::key);
     if (option == options.end()) {
       std::vector<std::string_view> known;
+      known.reserve(options.size());
       for (const LabOption& other : options) {
         known.push_back(other.key);
       }

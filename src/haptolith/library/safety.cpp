@@ -1,5 +1,6 @@
 // The safety layer alone, for hosts with a loop and a device of their own.
 
+#include <fmt/format.h>
 #include <haptolith/haptolith.h>
 
 #include <limits>

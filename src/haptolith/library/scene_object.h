@@ -37,10 +37,10 @@ class SceneObject {
 
   [[nodiscard]] std::string save() const;
   /// As it was when this throws. @throws as the constructor, and InvalidParameter for a scene of other parameters.
-  void restore(std::string_view saved);
+  void restore(std::string_view bytes);
 
   /// A tick. May be called at 1 kHz.
-  std::int32_t step(const hapto_pose& to, const hapto_twist* twist, hapto_wrench* felt) noexcept;
+  std::int32_t step(const hapto_pose& to, const hapto_twist* given, hapto_wrench* felt) noexcept;
   std::int32_t placeTool(const hapto_pose& at) noexcept;
   void setGravity(const Vec3& gravity_m_s2) noexcept;
   void setOpening(double share) noexcept { opening_ = share; }
