@@ -95,6 +95,19 @@ TEST_F(RunCommand, APresetWithoutASceneIsThePapersSoilInThePapersScene) {
             summaryOf("paper --unpaced --duration-s 0.05 --preset P1")["state_hash"]);
 }
 
+TEST_F(RunCommand, AnyKeyCanBeSetOnTheCommandLine) {
+  const json summary = summaryOf(
+      "--unpaced --duration-s 0.01 --set bed.particles=200 --set soil.preset=P1 --set gravity.body=Mars paper");
+  EXPECT_EQ(summary["particles"], 200);
+  EXPECT_EQ(summary["preset"], "P1");
+  const ProgramResult wrong = runHaptolith("run paper --set bed.threads=0");
+  EXPECT_EQ(wrong.exit_status, 2);
+  EXPECT_THAT(wrong.errors, HasSubstr("override bed.threads=0: [bed] threads = 0 is not valid"));
+  const ProgramResult unknown = runHaptolith("run paper --set bed.treads=2");
+  EXPECT_EQ(unknown.exit_status, 2);
+  EXPECT_THAT(unknown.errors, HasSubstr("did you mean [bed] threads?"));
+}
+
 TEST_F(RunCommand, FinestChoosesGrainsAndSaysWhich) {
   const json run = summaryOf("--finest --unpaced --duration-s 0.05");
   const double radius_mm = run["finest"]["chosen"]["radius_mm"];

@@ -100,6 +100,12 @@ void SceneOptions::addTo(CLI::App& command) {
           "Scene by its name (haptolith scenes) or from a file (docs/scenarios.md); default: regolith, and with "
           "--preset paper")
       ->option_text("NAME|FILE");
+  command
+      .add_option("--set", overrides,
+                  "A key of the scene file, whatever the file says: --set bed.depth_mm=60; again for another "
+                  "(docs/scenarios.md)")
+      ->allow_extra_args(false)
+      ->option_text("TABLE.KEY=VALUE");
   CLI::Option* by_preset = command.add_option("--preset", preset, "Soil: P1 to P6, the paper's Table II");
   by_preset->option_text("NAME");
   command.add_option("--soil", soil, "Soil by its name (haptolith soil list) or from a file (docs/soils.md)")
@@ -125,7 +131,7 @@ void SceneOptions::addTo(CLI::App& command) {
 
 Scenario scenarioFor(const SceneOptions& options) {
   const std::string scene = sceneOf(options);
-  Scenario scenario = findScenario(scene);
+  Scenario scenario = findScenario(scene, options.overrides);
   BedParameters& bed = scenario.bed;
   if (options.preset) {
     changePreset(scenario, *options.preset);

@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "haptolith/bed/bed.h"
 #include "haptolith/scenario/scenario.h"
@@ -31,6 +32,7 @@ struct DeviceOptions {
 /// Which scene, as the command line says it; everything else comes from the scenario.
 struct SceneOptions {
   std::string scenario_file;
+  std::vector<std::string> overrides;  ///< keys of the scene file, each "table.key=value"
   std::optional<std::string> preset, soil, body, poses_file;
   std::optional<FrictionModel> friction;
   std::optional<Manoeuvre> manoeuvre;
