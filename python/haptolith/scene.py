@@ -80,6 +80,7 @@ class Scene:
         self._address = address
         self._pose = np.zeros(7)
         self._felt = np.zeros(6)
+        self._state_room = 0
         self._at_pose = self._pose.ctypes.data
         self._at_felt = self._felt.ctypes.data
 
@@ -292,7 +293,10 @@ class Scene:
         """The whole scene, parameters included; setting it goes back there, bit for bit.
 
         For this version of the library and one instruction set."""
-        return text_from(lambda out, room, needed: int(_lib.hapto_scene_get_state(self.address, out, room, needed)))
+        state = text_from(lambda out, room, needed: int(_lib.hapto_scene_get_state(self.address, out, room, needed)),
+                          self._state_room)
+        self._state_room = len(state) + len(state) // 8  # making it takes long: next time once is enough
+        return state
 
     @state.setter
     def state(self, state: bytes) -> None:

@@ -106,15 +106,16 @@ def overrides_of(named: Mapping[str, object]) -> list[str]:
     return [f"{name.replace('__', '.', 1)}={toml_value(value)}" for name, value in named.items()]
 
 
-def text_from(call: Callable[[Any, int, Any], int]) -> bytes:
-    """What a function hands out in two steps: how much, then what."""
+def text_from(call: Callable[[Any, int, Any], int], room: int = 0) -> bytes:
+    """What a function hands out: how much, then what; at once if there is room enough."""
     from . import _abi
     from .errors import require
 
     needed = ctypes.c_uint64()
-    status = call(None, 0, ctypes.byref(needed))
-    if status != _abi.TOO_SMALL:
-        require(status)
-    buffer = ctypes.create_string_buffer(needed.value)
-    require(call(buffer, needed.value, ctypes.byref(needed)))
-    return buffer.raw[: needed.value]
+    while True:
+        buffer = ctypes.create_string_buffer(room)
+        status = call(buffer, room, ctypes.byref(needed))
+        if status != _abi.TOO_SMALL:
+            require(status)
+            return buffer.raw[: needed.value]
+        room = needed.value

@@ -103,6 +103,19 @@ TEST(LibraryState, OfASceneThatNobodyHasTouchedIsAStateToo) {
   EXPECT_EQ(hashOf(scene.get()), first);
 }
 
+TEST(LibraryState, IsTheSameForAnyNumberOfThreads) {
+  const ScenePtr one = sceneOf(kContact, {"bed.threads=1"});
+  const ScenePtr two = sceneOf(kContact, {"bed.threads=2"});
+  stir(one.get(), 0, 200);
+  const std::string bytes = stateOf(one.get());
+  expectOk(hapto_scene_set_state(two.get(), bytes.data(), bytes.size()));
+  std::string text(100'000, '\0');
+  expectOk(hapto_scene_get_toml(two.get(), text.data(), text.size(), nullptr));
+  EXPECT_THAT(text, HasSubstr("threads = 2"));
+  EXPECT_EQ(stir(one.get(), 200, 500), stir(two.get(), 200, 500));
+  EXPECT_EQ(hashOf(one.get()), hashOf(two.get()));
+}
+
 TEST(LibraryState, OfAnotherSceneIsRefused) {
   const ScenePtr scene = sceneOf(kPaper);
   stir(scene.get(), 0, 100);

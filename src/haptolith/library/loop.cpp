@@ -168,8 +168,9 @@ class Loop {
       return HAPTO_ENDED;
     }
     loop_->overrideHealth({.late = late != 0});
-    end_ = loop_->tick();
-    return end_ == LoopEnd::kRunning ? HAPTO_OK : HAPTO_ENDED;
+    const LoopEnd end = loop_->tick();
+    end_ = end;
+    return end == LoopEnd::kRunning ? HAPTO_OK : HAPTO_ENDED;
   }
 
   void stop() {
@@ -191,10 +192,11 @@ class Loop {
     LatestValue<SceneSnapshot>& snapshots = loop_->snapshots();
     (void)snapshots.update();
     const SceneSnapshot& now = snapshots.latest();
-    const bool running = thread_ || (ticked_by_caller_ && end_ == LoopEnd::kRunning);
+    const LoopEnd end = end_;
+    const bool running = thread_ || (ticked_by_caller_ && end == LoopEnd::kRunning);
     out = {.size = sizeof out,
            .running = running ? 1 : 0,
-           .end = end_ == LoopEnd::kRunning ? "" : text(end_),
+           .end = end == LoopEnd::kRunning ? "" : text(end),
            .trip = now.trip == SafetyTrip::kNone ? "" : text(now.trip),
            .trips = now.trips,
            .paused = now.paused ? 1 : 0,
@@ -272,8 +274,8 @@ class Loop {
   std::optional<LastResort> last_resort_;
   LoopParameters parameters_;
   std::optional<HapticLoop> loop_;
-  std::vector<TickRecord> taken_;  ///< from the loop, and by nobody yet
-  LoopEnd end_ = LoopEnd::kRunning;
+  std::vector<TickRecord> taken_;                ///< from the loop, and by nobody yet
+  std::atomic<LoopEnd> end_{LoopEnd::kRunning};  ///< the tick's thread writes it, the one that watches reads it
   std::atomic<bool> stop_asked_{false};
   std::optional<LoopThread> thread_;  // the last member: it ends before what it uses
 };

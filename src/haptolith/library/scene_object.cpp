@@ -186,7 +186,9 @@ void SceneObject::restore(std::string_view bytes) {
     goOn(before);
     throw;
   }
+  const int threads = scenario_.bed.threads;
   scenario_ = now;
+  scenario_.bed.threads = threads;  // the bed's own, which no state changes
 }
 
 std::int32_t SceneObject::placeTool(const hapto_pose& at) noexcept {
