@@ -15,7 +15,7 @@ from .batch import Batch
 from .errors import (Busy, Collapsed, Failure, HaptolithError, InvalidParameter, Stopped)
 from .lab import lab_test, lab_tests
 from .loop import Device, DeviceInput, Limits, Loop, Snapshot
-from .safety import Safety
+from .safety import Safety, SafetyInfo
 from .scene import Scene, SceneInfo, scenes
 from .soil import Soil, calibrate, presets, soils
 from .values import Pose, Wrench
@@ -24,6 +24,6 @@ __version__ = _library_version()
 
 __all__ = [
     "Batch", "Busy", "Collapsed", "Device", "DeviceInput", "Failure", "HaptolithError", "InvalidParameter", "Limits",
-    "Loop", "Pose", "Safety", "Scene", "SceneInfo", "Snapshot", "Soil", "Stopped", "Wrench", "calibrate", "lab_test",
+    "Loop", "Pose", "Safety", "SafetyInfo", "Scene", "SceneInfo", "Snapshot", "Soil", "Stopped", "Wrench", "calibrate", "lab_test",
     "lab_tests", "presets", "scenes", "soils",
 ]

@@ -21,6 +21,10 @@ def test_dig_and_plot(tmp_path):
     assert (tmp_path / "dig.png").read_bytes().startswith(b"\x89PNG")
 
 
+def test_first_hour(tmp_path):
+    assert 1 < float(output_of("first_hour.py", where=tmp_path).split()[0]) < 200
+
+
 def test_many_scenes(tmp_path):
     told = output_of("many_scenes.py", where=tmp_path)
     assert "64 scenes, 400 ticks each" in told
