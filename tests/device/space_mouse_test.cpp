@@ -24,7 +24,7 @@
 #include "eventually.h"
 
 // libspnav 1.0 forgets some bytes whenever it finds no daemon.
-extern "C" const char* __lsan_default_suppressions();  // NOLINT: the sanitizer's name
+extern "C" [[gnu::visibility("default")]] const char* __lsan_default_suppressions();  // NOLINT: the sanitizer's name
 extern "C" const char* __lsan_default_suppressions() {
   return "leak:spnav_open";
 }

@@ -19,7 +19,7 @@
 #include "made_up.h"
 
 // HDF5 1.10 itself loses some memory over damaged files.
-extern "C" const char* __lsan_default_suppressions();
+extern "C" [[gnu::visibility("default")]] const char* __lsan_default_suppressions();
 extern "C" const char* __lsan_default_suppressions() {
   return "leak:libhdf5";
 }
