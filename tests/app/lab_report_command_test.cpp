@@ -39,7 +39,7 @@ class LabReportCommand : public testing::Test {
   [[nodiscard]] std::string stopped(const std::string& name, const std::string& options,
                                     const std::string& then) const {
     return fmt::format(
-        "\"$HAPTOLITH\" {} & p=$!; for i in $(seq 600); do [ -e {} ] && break; sleep 0.05; done; {}; wait $p",
+        "\"$HAPTOLITH\" {} & p=$!; for i in $(seq 6000); do [ -e {} ] && break; sleep 0.005; done; {}; wait $p",
         reportIn(name, options), firstResult(name).string(), then);
   }
 
@@ -77,7 +77,8 @@ TEST_F(LabReportCommand, IsTheSameAfterAnInterruptAsWithoutOne) {
 
 TEST_F(LabReportCommand, ResultsSurviveAKillAndOneProcessWorksAtATime) {
   const ProgramResult killed = runInShell(
-      stopped("parts", "--seeds 1", fmt::format("\"$HAPTOLITH\" {}; kill -KILL $p", reportIn("parts", "--resume"))));
+      stopped("parts", "--seeds 1",
+              fmt::format("kill -STOP $p; \"$HAPTOLITH\" {}; kill -KILL $p", reportIn("parts", "--resume"))));
   EXPECT_THAT(killed.errors, HasSubstr("another process works on the report in"));
   const json first = json::parse(textOf(firstResult("parts")));
   EXPECT_EQ(first.at("test"), "fall");
