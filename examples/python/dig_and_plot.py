@@ -10,11 +10,12 @@ import numpy as np
 
 import haptolith as hp
 
+settled = {"bed__start": "settled", "bed__depth_mm": 40}  # as it comes to rest, not as a crystal
 figure, axes = plt.subplots(figsize=(6, 4), layout="constrained")
 for name, keys in {
     "P3, the paper's": {"soil__preset": "P3"},
-    "lunar-0-15cm": {"soil__name": "lunar-0-15cm", "bed__start": "packed"},
-    "dry-sand": {"soil__name": "dry-sand", "bed__start": "packed"},
+    "lunar-0-15cm": {"soil__name": "lunar-0-15cm", **settled},
+    "dry-sand": {"soil__name": "dry-sand", **settled},
 }.items():
     with hp.Scene("paper", **keys) as scene:
         surface_m = scene.info.surface_m

@@ -15,5 +15,5 @@ print(f"\nasked for 38 degrees and 200 Pa; {reached['seeds']} specimens show "
       f"{reached['cohesion_pa']:.0f} +- {reached['cohesion_sd_pa']:.0f} Pa")
 with open("my-soil.toml", "x", encoding="utf-8") as file:
     file.write(soil.toml)
-with hp.Scene("paper", soil__file="my-soil.toml", bed__start="packed") as scene:
+with hp.Scene("paper", soil__file="my-soil.toml", bed__start="settled", bed__depth_mm=40) as scene:
     print(scene)

@@ -43,6 +43,21 @@ TEST(Overrides, TakeTheFilesRivalsWithThem) {
       testing::ThrowsMessage<InvalidParameter>(HasSubstr("cannot both be given")));
 }
 
+TEST(Overrides, ANamedSoilIsThatSoilWithItsOwnFrictionAsWithTheOptionSoil) {
+  const Scenario named = findScenario("paper", Texts{"soil.name=dry-sand"});
+  Scenario by_option = findScenario("paper");
+  changeSoil(by_option, "dry-sand");
+  EXPECT_EQ(named.bed.soil, by_option.bed.soil);
+  EXPECT_EQ(named.bed.soil.friction, FrictionModel::kContact) << "the paper's scene says paper";
+  EXPECT_EQ(named.bed.start, by_option.bed.start) << "no crystal";
+  Scenario by_preset = findScenario("paper");
+  changePreset(by_preset, "P1");
+  EXPECT_EQ(findScenario("paper", Texts{"soil.preset=P1"}).bed.soil, by_preset.bed.soil);
+  const Scenario own = findScenario("paper", Texts{"soil.name=dry-sand", "soil.friction=paper", "bed.start=packed"});
+  EXPECT_EQ(own.bed.soil.friction, FrictionModel::kPaper);
+  EXPECT_EQ(own.bed.start, BedStart::kPacked);
+}
+
 TEST(Overrides, SayWhichOfThemIsWrong) {
   const auto message = [](const Texts& overrides) {
     try {

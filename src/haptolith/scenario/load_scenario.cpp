@@ -160,16 +160,35 @@ TomlReader readerOf(std::string_view name_or_file) {
 
 }  // namespace
 
+namespace {
+
+/// Another soil takes the place of the file's, friction, stiffness and all, but for the size of its grains; and grains
+/// that rub on each other must not begin as a crystal (see setSoil()).
+void takeOverrides(TomlReader& reader, std::span<const std::string> overrides) {
+  reader.takeOverrides(overrides, kRivals);
+  const TomlReader given(overrides, kScene);
+  const bool measured = given.has("soil", "name") || given.has("soil", "file");
+  if (measured || given.has("soil", "preset")) {
+    reader.passOver("soil", [](std::string_view key) { return key != "radius_mm"; });
+  }
+  const toml::node* start = reader.find("bed", "start");
+  if (measured && start != nullptr && !given.has("bed", "start") && start->value_or(std::string_view()) == "count") {
+    reader.passOver("bed", [](std::string_view key) { return key == "start"; });
+  }
+}
+
+}  // namespace
+
 Scenario findScenario(std::string_view name_or_file, std::span<const std::string> overrides) {
   TomlReader reader = readerOf(name_or_file);
-  reader.takeOverrides(overrides, kRivals);
+  takeOverrides(reader, overrides);
   return read(reader, From::kFile);
 }
 
 Scenario scenarioFromText(std::string_view text, std::string_view name, std::span<const std::string> overrides) {
   TomlReader reader =
       text.empty() ? TomlReader(std::span<const std::string>(), kScene) : TomlReader(name, text, kScene);
-  reader.takeOverrides(overrides, kRivals);
+  takeOverrides(reader, overrides);
   return read(reader, From::kFile);
 }
 

@@ -172,6 +172,22 @@ void TomlReader::takeOverrides(std::span<const std::string> overrides, std::span
   }
 }
 
+void TomlReader::passOver(std::string_view table, const std::function<bool(std::string_view key)>& which) {
+  toml::table* const at = (*table_)[table].as_table();
+  if (at == nullptr) {
+    return;
+  }
+  std::vector<std::string> passed;
+  for (const auto& [key, node] : *at) {
+    if (which(key.str()) && !isOverride(node)) {
+      passed.emplace_back(key.str());
+    }
+  }
+  for (const std::string& key : passed) {
+    at->erase(key);
+  }
+}
+
 std::string TomlReader::readText() const {
   std::error_code error;
   const fs::file_status status = fs::status(path_, error);

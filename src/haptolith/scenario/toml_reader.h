@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <memory>
 #include <span>
 #include <string>
@@ -62,6 +63,9 @@ class TomlReader {
   /// As if the file said so: each is "table.key=value", or "key=value" at the top. The value is TOML; what is none is
   /// text. A key of the file that is a rival of one of these is passed over. @throws ScenarioError.
   void takeOverrides(std::span<const std::string> overrides, std::span<const RivalKeys> rivals);
+
+  /// Leaves out the keys of a table that `which` chooses and no override has set.
+  void passOver(std::string_view table, const std::function<bool(std::string_view key)>& which);
 
   /// Null when the file does not have it.
   [[nodiscard]] const toml::node* find(std::string_view table, std::string_view name) const;
