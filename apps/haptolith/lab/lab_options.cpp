@@ -13,7 +13,6 @@
 #include "haptolith/scenario/scene_words.h"
 #include "haptolith/scenario/soil_file.h"
 #include "haptolith/soil/bodies.h"
-#include "haptolith/soil/presets.h"
 
 #include "shared/option_checks.h"
 #include "shared/output.h"
@@ -25,8 +24,13 @@ namespace {
 
 constexpr double kMm = 1e-3;
 
-bool isPreset(std::string_view name) {
-  return name.size() == 2 && (name[0] == 'P' || name[0] == 'p') && name[1] >= '1' && name[1] <= '6';
+/// Upper and lower case are the same.
+CLI::Validator inLowerCase() {
+  return {[](std::string& text) {
+            text = CLI::detail::to_lower(text);
+            return std::string();
+          },
+          ""};
 }
 
 int threadsFor(int wanted) {
@@ -60,38 +64,30 @@ void addOption(CLI::App& command, const LabOption& option) {
   std::string flag = "--" + option.key;
   std::ranges::replace(flag, '_', '-');
   const std::string help = option.usual.empty() ? option.help : fmt::format("{} [{}]", option.help, option.usual);
-  const auto add = Overloaded{
-      [&](const LabOption::Number& set) { command.add_option_function<double>(flag, set, help); },
-      [&](const LabOption::List& set) {
-        command.add_option_function<std::vector<double>>(flag, set, help)->delimiter(',');
-      },
-      [&](const LabOption::Switch& set) { command.add_flag_callback(flag, set, help); },
-      [&](const LabOption::Count& count) {
-        command.add_option_function<std::int64_t>(flag, count.set, help)->check(wholeNumberIn(count.valid));
-      },
-      [&](const LabOption::Word& word) {
-        command.add_option_function<std::string>(flag, word.set, help)->check(oneOf(word.words).description(""));
-      }};
+  const auto add =
+      Overloaded{[&](const LabOption::Number& set) { command.add_option_function<double>(flag, set, help); },
+                 [&](const LabOption::List& set) {
+                   command.add_option_function<std::vector<double>>(flag, set, help)->delimiter(',');
+                 },
+                 [&](const LabOption::Switch& set) { command.add_flag_callback(flag, set, help); },
+                 [&](const LabOption::Count& count) {
+                   command.add_option_function<std::int64_t>(flag, count.set, help)->check(wholeNumberIn(count.valid));
+                 },
+                 [&](const LabOption::Word& word) {
+                   command.add_option_function<std::string>(flag, word.set, help)
+                       ->transform(inLowerCase())
+                       ->check(oneOf(word.words).description(""));
+                 }};
   std::visit(add, option.set);
 }
 
 LabSoil labSoil(const LabOptions& options, double radius_mm) {
-  LabSoil found;
-  if (isPreset(options.soil)) {
-    const Preset& preset = findPreset(options.soil);
-    found = {std::string(preset.name), preset.soil, std::nullopt};
-  } else {
-    const SoilFile file = findSoil(options.soil);
-    found = {file.name, file.soil, file.target};
-  }
-  const double wanted_mm = options.radius_mm.value_or(radius_mm);
-  if (options.radius_mm || radius_mm > 0) {
-    requireInRange("radius_mm", wanted_mm, {0.1, 100});
-    found.soil = rescaled(found.soil, wanted_mm * kMm);
-  }
-  found.soil.stiffness_n_m = options.stiffness_n_m.value_or(found.soil.stiffness_n_m);
-  found.soil.friction = options.friction.value_or(found.soil.friction);
-  return found;
+  const NamedSoil found = findSoilOrPreset(options.soil);
+  return {found.name,
+          soilForTest(
+              found.soil, radius_mm,
+              {.radius_mm = options.radius_mm, .stiffness_n_m = options.stiffness_n_m, .friction = options.friction}),
+          found.file ? std::optional(found.file->target) : std::nullopt};
 }
 
 LabConditions labConditions(const LabOptions& options, const LabSoil& soil, StatusLine& status) {

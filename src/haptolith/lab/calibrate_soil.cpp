@@ -172,7 +172,7 @@ void validate(const SoilTarget& target, const CalibrateSoilOptions& options) {
   requireInRange("radius_m", options.radius_m, {0.5e-3, 20e-3});
   requireInRange("gravity_m_s2", options.gravity_m_s2, {0.01, 100});
   requireInRange("stiffness_n_m", options.stiffness_n_m, {0, 1e7});
-  requireInRange("verification_seeds", options.verification_seeds, {2, 100});
+  requireInRange("verification_seeds", options.verification_seeds, CalibrateSoilRanges::verification_seeds);
   validate(options.shear);
 }
 

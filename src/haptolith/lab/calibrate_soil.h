@@ -8,6 +8,11 @@
 
 namespace haptolith {
 
+/// What is valid.
+struct CalibrateSoilRanges {
+  static constexpr Range verification_seeds{2, 100};
+};
+
 struct CalibrateSoilOptions {
   double radius_m = 7e-3;       ///< R of the soil that comes out, 0.5 to 20 mm
   double stiffness_n_m = 0;     ///< k; 0: what the greatest normal stress of the shear test needs, see calibrateSoil()

@@ -187,7 +187,7 @@ double gently(double t, double duration) {
 }  // namespace
 
 void validate(const CarryOptions& options) {
-  requireInRange("particles", options.particles, {20, 1000});
+  requireInRange("particles", options.particles, CarryRanges::particles);
   requireInRange("shovel_radii", options.shovel_radii, {8, 60});
   requireInRange("speed_m_s", options.speed_m_s, {0.01, 0.2});
   requireInRange("shake_g", options.shake_g, {0.01, 0.8});

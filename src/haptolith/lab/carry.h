@@ -8,8 +8,13 @@
 
 namespace haptolith {
 
+/// What is valid.
+struct CarryRanges {
+  static constexpr Range particles{20, 1000};
+};
+
 struct CarryOptions {
-  int particles = 200;       ///< dropped on the shovel, 20 to 1000; some fall off
+  int particles = 200;       ///< dropped on the shovel; some fall off
   double shovel_radii = 20;  ///< edge of the square shovel in mean particle radii, 8 to 60
   double speed_m_s = 0.1;    ///< sideways, 0.01 to 0.2
   double shake_g = 0.2;      ///< largest acceleration while it is shaken up and down, over g, 0.01 to 0.8

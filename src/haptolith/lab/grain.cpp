@@ -36,7 +36,7 @@ void validate(const LabConditions& conditions, const GrainOptions& options) {
   requireInRange("level_m", options.level_m, {0, 10});
   requireInRange("travel_m", options.travel_m, {options.level_m, 10, Ends::kOpenBelow});
   requireInRange("filter_cutoff_hz", options.filter_cutoff_hz, {0, 0.5 / kSample_s, Ends::kOpenBelow});
-  requireInRange("specimens", options.specimens, {1, 1000});
+  requireInRange("specimens", options.specimens, GrainRanges::specimens);
   for (const double radius_m : options.radii_m) {
     requireInRange("radii_m", radius_m, {0.5 * kMm, 20 * kMm});
   }

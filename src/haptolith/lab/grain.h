@@ -9,6 +9,11 @@
 
 namespace haptolith {
 
+/// What is valid.
+struct GrainRanges {
+  static constexpr Range specimens{1, 1000};
+};
+
 /// How a hand would feel the grain: a blade is drawn steadily through beds that differ in nothing but the size of their
 /// grains.
 struct GrainOptions {

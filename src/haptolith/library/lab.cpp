@@ -8,6 +8,8 @@
 #include <algorithm>
 #include <cmath>
 #include <memory>
+#include <optional>
+#include <sstream>
 #include <string>
 #include <string_view>
 #include <thread>
@@ -31,47 +33,38 @@ using namespace haptolith::library;
 
 namespace {
 
-constexpr Range kRadius_mm{0.1, 100};
-constexpr Range kStiffness_n_m{1e-3, 1e9};
-constexpr Range kGravity_m_s2{0, 1000};
-constexpr Range kSeed{0, 9e15};
-
 /// What goes for every test.
 struct Circumstances {
-  double radius_mm = 0;      ///< 0: the test's own
-  double stiffness_n_m = 0;  ///< 0: the soil's
-  double gravity_m_s2 = 1.625;
-  std::string friction;  ///< empty: the soil's
+  SoilChanges soil;
+  double gravity_m_s2 = LabConditions().gravity_m_s2;
   std::uint64_t seed = 1;
   int threads = static_cast<int>(std::clamp(std::thread::hardware_concurrency(), 1U, 256U));
 };
 
+/// Gravity of a body, or by its number.
+std::vector<LabOption> gravityOptions(double& gravity_m_s2) {
+  return {numberOption("gravity_m_s2", gravity_m_s2, ""),
+          wordOption(
+              "body", {}, "Moon",
+              [&gravity_m_s2](std::string_view name) { gravity_m_s2 = findBody(name).gravity_m_s2; }, "")};
+}
+
+std::vector<LabOption> together(std::vector<LabOption> a, const std::vector<LabOption>& b) {
+  a.insert(a.end(), b.begin(), b.end());
+  return a;
+}
+
 std::vector<LabOption> optionsOf(Circumstances& c) {
-  using Option = LabOption;
-  const auto number = [](const char* key, double& value, const Range& valid) {
-    return Option{.key = key, .help = "", .usual = "", .set = Option::Number([&value, key, valid](double given) {
-                                                         value = requireInRange(key, given, valid);
-                                                       })};
+  const auto number = [](const char* key, std::optional<double>& value) {
+    return LabOption{
+        .key = key, .help = "", .usual = "", .set = LabOption::Number([&value](double given) { value = given; })};
   };
-  return {
-      number("radius_mm", c.radius_mm, kRadius_mm),
-      number("stiffness_n_m", c.stiffness_n_m, kStiffness_n_m),
-      number("gravity_m_s2", c.gravity_m_s2, kGravity_m_s2),
-      {.key = "body",
-       .help = "",
-       .usual = "",
-       .set = Option::Word{{}, [&c](std::string_view word) { c.gravity_m_s2 = findBody(word).gravity_m_s2; }}},
-      {.key = "friction",
-       .help = "",
-       .usual = "",
-       .set = Option::Word{{"paper", "contact"}, [&c](std::string_view word) { c.friction = word; }}},
-      {.key = "seed",
-       .help = "",
-       .usual = "",
-       .set = Option::Count{kSeed, [&c](std::int64_t given) { c.seed = static_cast<std::uint64_t>(given); }}},
-      {.key = "threads", .help = "", .usual = "", .set = Option::Count{BedRanges::threads, [&c](std::int64_t given) {
-                                                                         c.threads = static_cast<int>(given);
-                                                                       }}}};
+  const auto set_friction = [&c](std::string_view word) { c.soil.friction = valueOf(kFrictionWords, word); };
+  return together(
+      {number("radius_mm", c.soil.radius_mm), number("stiffness_n_m", c.soil.stiffness_n_m),
+       wordOption("friction", {"paper", "contact"}, "", set_friction, ""),
+       seedOption("seed", c.seed, BedRanges::seed, ""), countOption("threads", c.threads, BedRanges::threads, "")},
+      gravityOptions(c.gravity_m_s2));
 }
 
 std::string shown(const toml::node& node) {
@@ -160,11 +153,6 @@ void read(const char* text, const std::vector<LabOption>& options) {
   }
 }
 
-std::vector<LabOption> together(std::vector<LabOption> a, const std::vector<LabOption>& b) {
-  a.insert(a.end(), b.begin(), b.end());
-  return a;
-}
-
 nlohmann::ordered_json jsonOf(const Finding& finding) {
   nlohmann::ordered_json json{{"measured", finding.measured}, {"target", finding.target}, {"unit", finding.unit}};
   json["number"] = std::isfinite(finding.number) ? nlohmann::ordered_json(finding.number) : nullptr;
@@ -197,50 +185,19 @@ struct CalibrationAsked {
 };
 
 std::vector<LabOption> optionsOf(CalibrationAsked& asked) {
-  using Option = LabOption;
-  const auto number = [](const char* key, double& value, double unit = 1) {
-    return Option{.key = key, .help = "", .usual = "", .set = Option::Number([&value, unit](double given) {
-                                                         value = given * unit;
-                                                       })};
-  };
-  const auto text = [](const char* key, std::string& value) {
-    return Option{.key = key, .help = "", .usual = "", .set = Option::Word{{}, [&value](std::string_view given) {
-                                                                             value = given;
-                                                                           }}};
-  };
+  SoilTarget& target = asked.target;
   CalibrateSoilOptions& o = asked.options;
-  return {
-      number("friction_angle_deg", asked.target.friction_angle_deg),
-      number("cohesion_pa", asked.target.cohesion_pa),
-      number("bulk_density_kg_m3", asked.target.bulk_density_kg_m3),
-      {.key = "strength",
-       .help = "",
-       .usual = "",
-       .set = Option::Word{{"residual", "peak"},
-                           [&asked](std::string_view word) {
-                             asked.target.strength = valueOf(kSoilStrengthWords, word);
-                           }}},
-      number("radius_mm", o.radius_m, 1e-3),
-      number("stiffness_n_m", o.stiffness_n_m),
-      number("gravity_m_s2", o.gravity_m_s2),
-      {.key = "body",
-       .help = "",
-       .usual = "",
-       .set = Option::Word{{}, [&o](std::string_view word) { o.gravity_m_s2 = findBody(word).gravity_m_s2; }}},
-      {.key = "seed",
-       .help = "",
-       .usual = "",
-       .set = Option::Count{kSeed, [&o](std::int64_t given) { o.seed = static_cast<std::uint64_t>(given); }}},
-      {.key = "threads",
-       .help = "",
-       .usual = "",
-       .set = Option::Count{BedRanges::threads, [&o](std::int64_t given) { o.threads = static_cast<int>(given); }}},
-      {.key = "specimens",
-       .help = "",
-       .usual = "",
-       .set = Option::Count{{2, 100}, [&o](std::int64_t given) { o.verification_seeds = static_cast<int>(given); }}},
-      text("name", asked.name),
-      text("source", asked.source)};
+  const auto set_strength = [&target](std::string_view word) { target.strength = valueOf(kSoilStrengthWords, word); };
+  return together(
+      {numberOption("friction_angle_deg", target.friction_angle_deg, ""),
+       numberOption("cohesion_pa", target.cohesion_pa, ""),
+       numberOption("bulk_density_kg_m3", target.bulk_density_kg_m3, ""),
+       wordOption("strength", {"residual", "peak"}, "residual", set_strength, ""),
+       millimetresOption("radius_mm", o.radius_m, ""), numberOption("stiffness_n_m", o.stiffness_n_m, ""),
+       seedOption("seed", o.seed, BedRanges::seed, ""), countOption("threads", o.threads, BedRanges::threads, ""),
+       countOption("specimens", o.verification_seeds, CalibrateSoilRanges::verification_seeds, ""),
+       textOption("name", asked.name, ""), textOption("source", asked.source, "")},
+      gravityOptions(o.gravity_m_s2));
 }
 
 }  // namespace
@@ -260,17 +217,8 @@ std::int32_t hapto_lab_test(const char* test, const hapto_soil* soil, const char
     const LabTest chosen = labTest(test);
     Circumstances circumstances;
     read(options, together(chosen.options, optionsOf(circumstances)));
-    LabSoil specimen{claim->name, claim->soil, claim->file ? std::optional(claim->file->target) : std::nullopt};
-    const double radius_mm = circumstances.radius_mm > 0 ? circumstances.radius_mm : chosen.radius_mm;
-    if (radius_mm > 0) {
-      specimen.soil = rescaled(specimen.soil, radius_mm * 1e-3);
-    }
-    if (circumstances.stiffness_n_m > 0) {
-      specimen.soil.stiffness_n_m = circumstances.stiffness_n_m;
-    }
-    if (!circumstances.friction.empty()) {
-      specimen.soil.friction = valueOf(kFrictionWords, circumstances.friction);
-    }
+    const LabSoil specimen{claim->name, soilForTest(claim->soil, chosen.radius_mm, circumstances.soil),
+                           claim->file ? std::optional(claim->file->target) : std::nullopt};
     const LabConditions conditions{
         .soil = specimen.soil,
         .gravity_m_s2 = circumstances.gravity_m_s2,
@@ -295,8 +243,8 @@ std::int32_t hapto_soil_calibrate(const char* target, hapto_progress told, void*
     read(target, optionsOf(asked));
     asked.options.progress = [&progress](std::string_view what, double share) { return progress.tell(what, share); };
     const CalibratedSoil made = calibrateSoil(asked.target, asked.options);
-    auto soil = std::make_unique<SoilObject>(
-        SoilObject{asked.name, made.soil, SoilFile{asked.name, asked.source, asked.target, made.soil, made.reached}});
+    auto soil = std::make_unique<NamedSoil>(
+        NamedSoil{asked.name, made.soil, SoilFile{asked.name, asked.source, asked.target, made.soil, made.reached}});
     if (report != nullptr) {
       Result result;
       result.json = {{"friction_angle_deg", made.reached.friction_angle_deg},

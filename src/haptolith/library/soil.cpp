@@ -3,8 +3,6 @@
 #include <fmt/format.h>
 #include <haptolith/haptolith.h>
 
-#include <algorithm>
-#include <cctype>
 #include <cmath>
 #include <memory>
 #include <span>
@@ -17,27 +15,11 @@
 #include "haptolith/library/values.h"
 #include "haptolith/scenario/soil_file_keys.h"
 #include "haptolith/soil/layers.h"
-#include "haptolith/soil/presets.h"
 
 using namespace haptolith;
 using namespace haptolith::library;
 
 namespace {
-
-bool isPreset(std::string_view name) {
-  return std::ranges::any_of(presets(), [&](const Preset& preset) {
-    return std::ranges::equal(preset.name, name, [](unsigned char a, unsigned char b) { return a == std::toupper(b); });
-  });
-}
-
-SoilObject found(const char* name_or_path) {
-  if (isPreset(name_or_path)) {
-    const Preset& preset = findPreset(name_or_path);
-    return {std::string(preset.name), preset.soil, std::nullopt};
-  }
-  SoilFile file = findSoil(name_or_path);
-  return {file.name, file.soil, std::move(file)};
-}
 
 /// The number that a dotted key stands for; NaN: none is given.
 template <class Target>
@@ -52,7 +34,7 @@ std::optional<double> numberAt(std::string_view dotted, std::span<const FileKey<
   return std::nullopt;
 }
 
-std::optional<double> numberAt(const SoilObject& soil, std::string_view key) {
+std::optional<double> numberAt(const NamedSoil& soil, std::string_view key) {
   Scenario scene;
   scene.bed.soil = soil.soil;
   if (const auto number = numberAt(key, soilKeys(), scene)) {
@@ -61,8 +43,8 @@ std::optional<double> numberAt(const SoilObject& soil, std::string_view key) {
   return soil.file ? numberAt(key, soilFileKeys(), *soil.file) : std::nullopt;
 }
 
-std::int32_t handOut(SoilObject soil, hapto_soil** out) {
-  *out = Places<hapto_soil>::take(std::make_unique<SoilObject>(std::move(soil)));
+std::int32_t handOut(NamedSoil soil, hapto_soil** out) {
+  *out = Places<hapto_soil>::take(std::make_unique<NamedSoil>(std::move(soil)));
   return HAPTO_OK;
 }
 
@@ -82,7 +64,7 @@ std::int32_t hapto_soil_find(const char* name_or_path, hapto_soil** out) {
   if (name_or_path == nullptr || out == nullptr) {
     return wrongArgument(HAPTO_NULL, name_or_path == nullptr ? "name_or_path" : "out");
   }
-  return guarded([&] { return handOut(found(name_or_path), out); });
+  return guarded([&] { return handOut(findSoilOrPreset(name_or_path), out); });
 }
 
 std::int32_t hapto_soil_from_toml(const char* text, const char* name, hapto_soil** out) {
@@ -108,7 +90,7 @@ std::int32_t hapto_soil_get(const hapto_soil* soil, const char* key, double* out
   if (key == nullptr) {
     return wrongArgument(HAPTO_NULL, "key");
   }
-  return with(soil, out, "out", [&](const SoilObject& object) {
+  return with(soil, out, "out", [&](const NamedSoil& object) {
     const auto number = numberAt(object, key);
     if (!number) {
       throw InvalidParameter("key", fmt::format("'{}'", key),
@@ -120,7 +102,7 @@ std::int32_t hapto_soil_get(const hapto_soil* soil, const char* key, double* out
 }
 
 std::int32_t hapto_soil_get_toml(const hapto_soil* soil, char* text, std::uint64_t capacity, std::uint64_t* needed) {
-  return with(soil, soil, "soil", [&](const SoilObject& object) -> std::int32_t {
+  return with(soil, soil, "soil", [&](const NamedSoil& object) -> std::int32_t {
     if (!object.file) {
       throw InvalidParameter("soil", object.name,
                              "a soil of which something was measured, not one of the paper's presets");
@@ -131,7 +113,7 @@ std::int32_t hapto_soil_get_toml(const hapto_soil* soil, char* text, std::uint64
 }
 
 std::int32_t hapto_soil_profile(const hapto_soil* soil, double gravity_m_s2, double depth_m, hapto_result** out) {
-  return with(soil, out, "out", [&](const SoilObject& object) {
+  return with(soil, out, "out", [&](const NamedSoil& object) {
     constexpr Range kGravity_m_s2{0, 1000};
     requireInRange("gravity_m_s2", gravity_m_s2, kGravity_m_s2);
     const std::vector<Layer> layers = layersToDepth(object.soil, gravity_m_s2, depth_m);

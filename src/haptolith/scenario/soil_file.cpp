@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cctype>
 #include <span>
+#include <utility>
 
 #include "haptolith/core/atomic_file.h"
 #include "haptolith/core/nearest_word.h"
@@ -14,6 +15,7 @@
 #include "haptolith/scenario/soil_file_keys.h"
 #include "haptolith/scenario/toml_reader.h"
 #include "haptolith/scenario/toml_writer.h"
+#include "haptolith/soil/presets.h"
 
 namespace haptolith {
 
@@ -171,6 +173,16 @@ SoilFile findSoil(std::string_view name_or_file) {
     return loadSoilFile(name_or_file);
   }
   refuseName(name_or_file);
+}
+
+NamedSoil findSoilOrPreset(std::string_view name_or_file) {
+  const auto is_named = [&](const Preset& preset) { return lowerCase(preset.name) == lowerCase(name_or_file); };
+  if (std::ranges::any_of(presets(), is_named)) {
+    const Preset& preset = findPreset(name_or_file);
+    return {std::string(preset.name), preset.soil, std::nullopt};
+  }
+  SoilFile file = findSoil(name_or_file);
+  return {file.name, file.soil, std::move(file)};
 }
 
 std::vector<std::string> soilNames() {

@@ -32,6 +32,16 @@ struct SoilFile {
 /// @throws InvalidParameter listing the built-in names when it is neither; otherwise as loadSoilFile().
 [[nodiscard]] SoilFile findSoil(std::string_view name_or_file);
 
+/// A soil under its name, wherever it comes from.
+struct NamedSoil {
+  std::string name;
+  SoilParameters soil;
+  std::optional<SoilFile> file;  ///< none: one of the paper's presets, of which nothing was measured
+};
+
+/// One of the paper's presets (P1 to P6), otherwise as findSoil(). @throws as findSoil().
+[[nodiscard]] NamedSoil findSoilOrPreset(std::string_view name_or_file);
+
 /// The built-in soils: the files in soils/.
 [[nodiscard]] std::vector<std::string> soilNames();
 

@@ -62,7 +62,7 @@ LabTest carryEntry() {
   return {.name = "carry",
           .description = "A loaded shovel, still, moved and shaken: weight and drag felt",
           .examples = "  haptolith lab carry\n  haptolith lab carry --friction paper",
-          .options = {countOption("particles", own->particles, {20, 1000}, "dropped on the shovel"),
+          .options = {countOption("particles", own->particles, CarryRanges::particles, "dropped on the shovel"),
                       numberOption("speed_m_s", own->speed_m_s, "sideways")},
           .run = [own](const LabSoil&, const LabConditions& conditions) { return carryOutput(conditions, *own); }};
 }

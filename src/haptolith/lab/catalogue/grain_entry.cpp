@@ -71,7 +71,7 @@ LabTest grainEntry() {
                   millimetresOption("width_mm", own->width_m, "width of the blade"),
                   millimetresOption("depth_mm", own->depth_m, "depth of its lower edge"),
                   numberOption("speed_m_s", own->speed_m_s, "of the blade"),
-                  countOption("specimens", own->specimens, {1, 100}, "beds of each size")},
+                  countOption("specimens", own->specimens, GrainRanges::specimens, "beds of each size")},
       .run = [own](const LabSoil& /*soil*/, const LabConditions& conditions) { return grainOutput(conditions, *own); }};
 }
 

@@ -2,46 +2,31 @@
 
 #include <nlohmann/json.hpp>
 
-#include <cstdint>
 #include <functional>
 #include <optional>
 #include <string>
 #include <string_view>
-#include <variant>
 #include <vector>
 
 #include "haptolith/core/atomic_file.h"
-#include "haptolith/core/error.h"
+#include "haptolith/lab/catalogue/lab_option.h"
 #include "haptolith/lab/laboratory.h"
 #include "haptolith/soil/soil_target.h"
 
 namespace haptolith {
-
-/// An option of a test, which whoever offers the test reads in his own way. What set() is told the test itself checks.
-struct LabOption {
-  using Number = std::function<void(double)>;
-  using List = std::function<void(const std::vector<double>&)>;
-  using Switch = std::function<void()>;  ///< given or not
-  struct Count {
-    Range valid;
-    std::function<void(std::int64_t)> set;
-  };
-  struct Word {
-    std::vector<std::string> words;
-    std::function<void(std::string_view)> set;
-  };
-
-  std::string key;    ///< "depth_m"; on the command line --depth-m
-  std::string help;   ///< without what is usual
-  std::string usual;  ///< what holds when nobody sets it, as text; may be empty
-  std::variant<Number, List, Switch, Count, Word> set;
-};
 
 /// A soil under its name.
 struct LabSoil {
   std::string name;
   SoilParameters soil;
   std::optional<SoilTarget> target;  ///< none for a preset
+};
+
+/// In what the soil of a test is to be different.
+struct SoilChanges {
+  std::optional<double> radius_mm = {};  ///< of the macroparticles; 0.1 to 100
+  std::optional<double> stiffness_n_m = {};
+  std::optional<FrictionModel> friction = {};
 };
 
 /// What a test has to say when it is done.
@@ -63,6 +48,10 @@ struct LabTest {
   std::vector<LabOption> options;
   std::function<LabOutput(const LabSoil&, const LabConditions&)> run;
 };
+
+/// The soil as a test takes it that has macroparticles of `radius_mm` (0: the soil's own) unless the changes say
+/// otherwise. The soil stays the same; its macroparticles do not. @throws InvalidParameter for a radius out of range.
+[[nodiscard]] SoilParameters soilForTest(SoilParameters soil, double radius_mm, const SoilChanges& changes);
 
 /// All tests, in the order of the report, with their usual options.
 [[nodiscard]] std::vector<LabTest> labTests();

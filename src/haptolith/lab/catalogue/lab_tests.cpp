@@ -9,59 +9,15 @@
 
 namespace haptolith {
 
-namespace {
-
-/// An option for a number that is kept in SI and given in another unit.
-LabOption inUnit(std::string key, double& value, double unit, std::string usual, std::string help) {
-  return {.key = std::move(key),
-          .help = std::move(help),
-          .usual = std::move(usual),
-          .set = LabOption::Number([&value, unit](double number) { value = number * unit; })};
-}
-
-}  // namespace
-
-LabOption numberOption(std::string key, double& value, std::string help) {
-  return inUnit(std::move(key), value, 1, fmt::format("{:g}", value), std::move(help));
-}
-
-LabOption millimetresOption(std::string key, double& length_m, std::string help) {
-  return inUnit(std::move(key), length_m, kMm, fmt::format("{:g}", length_m / kMm), std::move(help));
-}
-
-LabOption degreesOption(std::string key, double& angle_rad, std::string help) {
-  return {.key = std::move(key),
-          .help = std::move(help),
-          .usual = fmt::format("{:.3g}", degrees(angle_rad)),
-          .set = LabOption::Number([&angle_rad](double deg) { angle_rad = radians(deg); })};
-}
-
-LabOption countOption(std::string key, int& value, const Range& valid, std::string help) {
-  return {.key = std::move(key),
-          .help = std::move(help),
-          .usual = fmt::format("{}", value),
-          .set = LabOption::Count{valid, [&value](std::int64_t count) { value = static_cast<int>(count); }}};
-}
-
-LabOption listOption(std::string key, std::vector<double>& values, double unit, std::string help) {
-  std::vector<double> usual = values;
-  std::ranges::transform(usual, usual.begin(), [unit](double value) { return value / unit; });
-  return {.key = std::move(key),
-          .help = std::move(help),
-          .usual = fmt::format("{:g}", fmt::join(usual, ",")),
-          .set = LabOption::List([&values, unit](const std::vector<double>& given) {
-            values = given;
-            std::ranges::transform(values, values.begin(), [unit](double value) { return value * unit; });
-          })};
-}
-
-LabOption preparationOption(Preparation& preparation) {
-  return {.key = "preparation",
-          .help = "of the soil: dense, as if shaken, or loose, as if poured",
-          .usual = preparation == Preparation::kLoose ? "loose" : "dense",
-          .set = LabOption::Word{{"dense", "loose"}, [&preparation](std::string_view word) {
-                                   preparation = word == "loose" ? Preparation::kLoose : Preparation::kDense;
-                                 }}};
+SoilParameters soilForTest(SoilParameters soil, double radius_mm, const SoilChanges& changes) {
+  constexpr Range kRadius_mm{0.1, 100};
+  if (changes.radius_mm || radius_mm > 0) {
+    const double wanted_mm = changes.radius_mm.value_or(radius_mm);
+    soil = rescaled(soil, requireInRange("radius_mm", wanted_mm, kRadius_mm) * kMm);
+  }
+  soil.stiffness_n_m = changes.stiffness_n_m.value_or(soil.stiffness_n_m);
+  soil.friction = changes.friction.value_or(soil.friction);
+  return soil;
 }
 
 std::vector<LabTest> labTests() {
