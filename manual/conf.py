@@ -17,6 +17,8 @@ autodoc_typehints = "description"
 autodoc_typehints_description_target = "documented"
 autodoc_member_order = "bysource"
 
+exclude_patterns = ["doctrees"]
+
 html_theme = "furo"
 html_title = f"haptolith {version}"
 html_copy_source = False

@@ -10,7 +10,10 @@ import re
 import shutil
 import subprocess
 import sys
+import tempfile
 from pathlib import Path
+
+from commands import commands
 
 MANUAL = Path(__file__).resolve().parent
 SOURCE = MANUAL.parent
@@ -115,15 +118,8 @@ def command_line(program: Path) -> str:
     """The help of every command."""
     page = ["# Command line", "", "Each command explains itself with `--help`; this page is made of that.", ""]
 
-    def add(command: list[str]) -> None:
-        told = subprocess.run([str(program), *command, "--help"], check=True, capture_output=True, text=True).stdout
+    for command, told in commands(program):
         page.extend([f"{'#' * (2 if len(command) < 2 else 3)} {' '.join(['haptolith', *command])}", "", "```text", told.rstrip(), "```", ""])
-        listed = re.search(r"^Subcommands:\n((?:  .*\n)+)", told, re.M)
-        for line in listed[1].splitlines() if listed else []:
-            if not line.startswith("   "):
-                add([*command, line.split()[0]])
-
-    add([])
     return "\n".join(page)
 
 
@@ -175,13 +171,19 @@ def linked(text: str, folder: Path, staged: Path, up: str = "") -> str:
 
 
 def main() -> None:
-    """Puts the sources together and runs Sphinx."""
+    """Reads the command line."""
     build, out = Path(sys.argv[1]).resolve(), Path(sys.argv[2]).resolve()
-    staged = out.parent / (out.name + "-source")
-    shutil.rmtree(staged, ignore_errors=True)
-    staged.mkdir(parents=True)
+    if out.exists() and any(out.iterdir()) and not (out / ".buildinfo").exists():
+        sys.exit(f"make_manual.py: {out} holds something else than a manual")
+    with tempfile.TemporaryDirectory() as folder:
+        make(build, out, Path(folder))
+
+
+def make(build: Path, out: Path, staged: Path) -> None:
+    """Puts the sources together in a folder and runs Sphinx."""
     shutil.copy(MANUAL / "conf.py", staged)
     shutil.copytree(SOURCE / "docs/images", staged / "images")
+    (staged / "doctrees").mkdir()
     for page in [*sorted((SOURCE / "docs").glob("*.md")), *sorted(MANUAL.glob("*.md"))]:
         (staged / page.name).write_text(linked(page.read_text(), page.parent, staged))
     (staged / "c-reference.md").write_text(c_reference())
@@ -190,7 +192,7 @@ def main() -> None:
     version = subprocess.run([str(program), "--version"], check=True, capture_output=True, text=True).stdout.split()[-1]
     environment = {**os.environ, "HAPTOLITH_VERSION": version, "PYTHONPATH": str(SOURCE / "python"), "PYTHONDONTWRITEBYTECODE": "1",
                    "HAPTOLITH_LIBRARY": str(build / "src/haptolith/library/libhaptolith.so")}
-    subprocess.run(["/usr/bin/python3", "-m", "sphinx", "-q", "-W", "--keep-going", "-n", "-b", "html", str(staged), str(out)],
+    subprocess.run(["/usr/bin/python3", "-m", "sphinx", "-q", "-W", "--keep-going", "-n", "-b", "html", "-d", str(staged / "doctrees"), str(staged), str(out)],
                    check=True, env=environment)
 
 

@@ -134,9 +134,7 @@ void tellWhatWasSaved(const CLI::App& app) {
 ExitStatus run(CLI::App& app, int argc, char** argv) {
   try {
     useTileCache(tileFolder(), [](std::string_view line) { spdlog::warn("{}", line); });
-    if (const char* simd = std::getenv("HAPTOLITH_SIMD"); simd != nullptr && *simd != '\0') {
-      useSimdTarget(simd);
-    }
+    useSimdTargetOfEnvironment();
     app.parse(argc, argv);
     tellWhatWasSaved(app);
     printText("");  // a full disk shows only when the last of the output goes out

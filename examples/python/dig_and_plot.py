@@ -2,6 +2,7 @@
 """Presses a shovel into three soils and draws the force against depth: dig_and_plot.py [FILE.png]"""
 
 import sys
+from pathlib import Path
 
 import matplotlib
 matplotlib.use("Agg")
@@ -9,6 +10,10 @@ import matplotlib.pyplot as plt
 import numpy as np
 
 import haptolith as hp
+
+picture = Path(sys.argv[1] if len(sys.argv) > 1 else "dig.png")
+if picture.exists():
+    sys.exit(f"{picture} is there already: name another file")
 
 settled = {"bed__start": "settled", "bed__depth_mm": 40}  # as it comes to rest, not as a crystal
 figure, axes = plt.subplots(figsize=(6, 4), layout="constrained")
@@ -29,4 +34,4 @@ for name, keys in {
         print(f"{name:16} {felt[-1, 2]:7.2f} N at {1e3 * depths_m[-1]:.0f} mm")
 axes.set(xlabel="depth of the shovel / mm", ylabel="force upwards / N", title="A shovel pressed flat into soil on the Moon")
 axes.legend()
-figure.savefig(sys.argv[1] if len(sys.argv) > 1 else "dig.png", dpi=150)
+figure.savefig(picture, dpi=150)

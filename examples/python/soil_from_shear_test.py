@@ -4,8 +4,13 @@
 Takes some minutes with 5 specimens to verify with; 2 are the fewest."""
 
 import sys
+from pathlib import Path
 
 import haptolith as hp
+
+file = Path("my-soil.toml")
+if file.exists():
+    sys.exit(f"{file} is there already: work in another folder")
 
 specimens = int(sys.argv[1]) if len(sys.argv) > 1 else 5
 soil, reached = hp.calibrate(friction_angle_deg=38, cohesion_pa=200, bulk_density_kg_m3=1600, specimens=specimens,
@@ -13,7 +18,6 @@ soil, reached = hp.calibrate(friction_angle_deg=38, cohesion_pa=200, bulk_densit
 print(f"\nasked for 38 degrees and 200 Pa; {reached['seeds']} specimens show "
       f"{reached['friction_angle_deg']:.1f} +- {reached['friction_angle_sd_deg']:.1f} degrees and "
       f"{reached['cohesion_pa']:.0f} +- {reached['cohesion_sd_pa']:.0f} Pa")
-with open("my-soil.toml", "x", encoding="utf-8") as file:
-    file.write(soil.toml)
-with hp.Scene("paper", soil__file="my-soil.toml", bed__start="settled", bed__depth_mm=40) as scene:
+file.write_text(soil.toml, encoding="utf-8")
+with hp.Scene("paper", soil__file=str(file), bed__start="settled", bed__depth_mm=40) as scene:
     print(scene)

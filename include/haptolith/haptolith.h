@@ -75,6 +75,10 @@ typedef struct hapto_error {
   const char *valid;   /* "a whole number, 1 to 256" */
 } hapto_error;
 HAPTO_API int32_t hapto_last_error(hapto_error *out);
+/* For libraries beside this one: makes this what hapto_last_error() of this thread tells, and returns the status. NULL is
+ * "". */
+HAPTO_API int32_t hapto_note_error(int32_t status, const char *message, const char *key, const char *value,
+                                   const char *valid);
 /* A status in words. [1 kHz] */
 HAPTO_API const char *hapto_status_text(int32_t status);
 
@@ -201,7 +205,8 @@ HAPTO_API int32_t hapto_scene_get_grip_force(const hapto_scene *scene, double *n
 /* How much of itself the tool is, 0 to 1, from the next tick on: a tool that grows slowly moves soil out of its way
  * gently. [1 kHz] */
 HAPTO_API int32_t hapto_scene_set_tool_fade(hapto_scene *scene, double share);
-/* Gravity from the next tick on, scene frame, 100 m/s^2 at most: for a box on a vehicle. [1 kHz] */
+/* Gravity from the next tick on, scene frame, 1000 m/s^2 at most: for a box on a vehicle. Another gravity wakes all soil that
+ * sleeps. [1 kHz] */
 HAPTO_API int32_t hapto_scene_set_gravity(hapto_scene *scene, const double m_s2[3]);
 
 /* Changes soil, gravity or tool of the soil as it lies, by overrides: "gravity.body=Mars", "tool.diameter_mm=40".
@@ -351,7 +356,7 @@ HAPTO_API int32_t hapto_loop_start(hapto_loop *loop);
 HAPTO_API int32_t hapto_loop_tick(hapto_loop *loop, int32_t late);
 /* Ends a started loop: a person's hand is let go softly, and the thread has ended on return. */
 HAPTO_API int32_t hapto_loop_stop(hapto_loop *loop);
-/* Stops it, if need be, and gives the scene back. */
+/* Stops it, if need be, and gives the scene back, with all changes that were asked for and a tool that is wholly there. */
 HAPTO_API int32_t hapto_loop_destroy(hapto_loop *loop);
 
 typedef struct hapto_snapshot {
@@ -391,9 +396,11 @@ typedef struct hapto_tick {
   hapto_pose scene_T_tool;
   hapto_wrench soil;           /* of the soil on the tool, unfiltered, scene frame */
   hapto_wrench rendered;       /* what the hand would feel without the safety layer, device's frame */
+  double rendered_gripper_n;
   hapto_wrench felt;           /* what it was made to feel */
-  double gripper_felt_n;
+  double felt_gripper_n;
   double injected_j;           /* energy that the hand was given beyond what it gave */
+  double quick_injected_j;     /* the same by the quick account (docs/safety.md) */
   double tick_us, late_us;     /* work of this tick, and how late it began */
   uint64_t state_hash;         /* of a part of the soil; 0 without HAPTO_LOOP_HASHES */
 } hapto_tick;
@@ -401,6 +408,11 @@ typedef struct hapto_tick {
  * time so far: take them every second or more often. From the thread that takes snapshots. */
 HAPTO_API int32_t hapto_loop_take_ticks(hapto_loop *loop, hapto_tick *out, uint64_t capacity, uint64_t *count,
                                         uint64_t *lost);
+
+/* What a recording says about this loop, as a JSON object: "scenario" (the scene as TOML), "title", "instruction_set", "device",
+ * "device_limits" (JSON), "seed", "threads", "hashed_parts", "start_tick" (0: soil and tool were as the scene says when the
+ * loop was made), "tick_s", "paced". With the bytes needed, as hapto_scene_get_toml(). */
+HAPTO_API int32_t hapto_loop_get_header(const hapto_loop *loop, char *json, uint64_t capacity, uint64_t *needed);
 
 /* Lets time stand still, and the hand go (1), or go on (0), between two ticks. From the thread that takes snapshots. */
 HAPTO_API int32_t hapto_loop_pause(hapto_loop *loop, int32_t on);

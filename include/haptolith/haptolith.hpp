@@ -8,8 +8,10 @@
 
 #include <haptolith/haptolith.h>
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
+#include <exception>
 #include <functional>
 #include <memory>
 #include <new>
@@ -220,6 +222,12 @@ class Scene {
     require(hapto_scene_get_wrench(get(), &felt));
     return felt;
   }
+  /// dF = -K dx, row by row in N/m.
+  std::array<double, 9> contactStiffness() const {
+    std::array<double, 9> n_m{};
+    require(hapto_scene_get_contact_stiffness(get(), n_m.data()));
+    return n_m;
+  }
   void setOpening(double share) { require(hapto_scene_set_opening(get(), share)); }
   double gripForce() const {
     double n = 0;
@@ -303,6 +311,23 @@ class Soil {
  private:
   detail::Unique<hapto_soil, hapto_soil_destroy> handle_;
 };
+
+/// hapto_lab_test(): options in TOML, "normal_pa = [300, 1000, 3000]".
+inline Result labTest(const std::string &test, const Soil &soil, const std::string &options = {}, const Progress &progress = {}) {
+  detail::ProgressCall told(progress);
+  hapto_result *made = nullptr;
+  told.require(hapto_lab_test(test.c_str(), soil.get(), options.c_str(), told.function(), &told, &made));
+  return Result(made);
+}
+
+/// hapto_soil_calibrate(): the soil, and what the laboratory measured of it.
+inline std::pair<Soil, Result> calibrate(const std::string &target, const Progress &progress = {}) {
+  detail::ProgressCall told(progress);
+  hapto_soil *soil = nullptr;
+  hapto_result *report = nullptr;
+  told.require(hapto_soil_calibrate(target.c_str(), told.function(), &told, &soil, &report));
+  return {Soil(soil), Result(report)};
+}
 
 /// Many scenes on several threads; the scenes must outlive it.
 class Batch {

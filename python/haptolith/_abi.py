@@ -83,8 +83,9 @@ class Tick(Structure):
     _fields_ = [("size", c_uint32), ("flags", c_uint32), ("trip", c_uint32), ("buttons", c_uint32),
                 ("device_state", c_int32), ("reserved", c_uint32), ("time_s", c_double), ("device_pose", Pose),
                 ("device_twist", Twist), ("gripper_open", c_double), ("scene_T_tool", Pose), ("soil", Wrench),
-                ("rendered", Wrench), ("felt", Wrench), ("gripper_felt_n", c_double), ("injected_j", c_double),
-                ("tick_us", c_double), ("late_us", c_double), ("state_hash", c_uint64)]
+                ("rendered", Wrench), ("rendered_gripper_n", c_double), ("felt", Wrench), ("felt_gripper_n", c_double),
+                ("injected_j", c_double), ("quick_injected_j", c_double), ("tick_us", c_double), ("late_us", c_double),
+                ("state_hash", c_uint64)]
 
 
 class SafetyInfo(Structure):
@@ -116,6 +117,7 @@ SIGNATURES: dict[str, list[Any]] = {
     "hapto_version": [],
     "hapto_version_string": [],
     "hapto_last_error": [POINTER(Error)],
+    "hapto_note_error": [c_int32, c_char_p, c_char_p, c_char_p, c_char_p],
     "hapto_status_text": [c_int32],
     "hapto_result_json": [_H, POINTER(c_char_p)],
     "hapto_result_value": [_H, c_char_p, _DOUBLE],
@@ -164,6 +166,7 @@ SIGNATURES: dict[str, list[Any]] = {
     "hapto_loop_destroy": [_H],
     "hapto_loop_snapshot": [_H, POINTER(Snapshot)],
     "hapto_loop_take_ticks": [_H, _H, c_uint64, _COUNT, _COUNT],
+    "hapto_loop_get_header": [_H, c_void_p, c_uint64, _COUNT],
     "hapto_loop_pause": [_H, c_int32],
     "hapto_loop_change": [_H, _TEXTS, c_uint32],
     "hapto_safety_create": [POINTER(DeviceLimits), _TEXTS, c_uint32, c_double, c_double, _OUT],

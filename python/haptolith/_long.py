@@ -33,8 +33,11 @@ def call_long(function: Callable[[Any], int], progress: Optional[Progress]) -> N
     callback = _abi.PROGRESS(told)
 
     def work() -> None:
-        status = function(callback)
-        outcome.append(None if status == _abi.OK else error_of(status))  # the error is this thread's
+        try:
+            status = function(callback)
+            outcome.append(None if status == _abi.OK else error_of(status))  # the error is this thread's
+        except BaseException as error:  # pylint: disable=broad-except
+            outcome.append(error)  # wrong arguments, before the library was called
 
     thread = threading.Thread(target=work, daemon=True)
     thread.start()

@@ -9,20 +9,25 @@ import numpy as np
 import numpy.typing as npt
 
 from . import _abi
+from ._owned import Owned
 from .errors import require
 from .scene import Scene
 from .values import Floats
 
 
-class Batch:
+class Batch(Owned):
     """Steps scenes on threads of its own, with the bits of one by one. threads=0: as many as the machine has."""
+
+    _destroy = _abi.lib.hapto_batch_destroy
+    _held: Sequence[object] = ()
 
     def __init__(self, scenes: Sequence[Scene], threads: int = 0) -> None:
         self.scenes = list(scenes)
+        self._held = [scene.handle for scene in self.scenes]  # a scene closed before the batch lives on until then
         handles = (ctypes.c_void_p * len(self.scenes))(*[scene.address for scene in self.scenes])
         out = ctypes.c_void_p()
         require(_abi.lib.hapto_batch_create(handles, len(self.scenes), threads, ctypes.byref(out)))
-        self._address = out.value
+        self._handle = out.value
 
     def step(self, poses: npt.ArrayLike) -> Floats:
         """(scenes, ticks, 7) or (scenes, 7) poses give (scenes, ticks, 6) or (scenes, 6) wrenches.
@@ -37,7 +42,7 @@ class Batch:
         for scene in self.scenes:
             scene.address  # raises for one that has been closed
         felt = np.zeros((*given.shape[:2], 6))
-        require(_abi.lib.hapto_batch_step(self._address, given.shape[1], given.ctypes.data, None, felt.ctypes.data, None))
+        require(_abi.lib.hapto_batch_step(self.address, given.shape[1], given.ctypes.data, None, felt.ctypes.data, None))
         return felt[:, 0] if one_tick else felt
 
     def __len__(self) -> int:
@@ -45,16 +50,5 @@ class Batch:
 
     def close(self) -> None:
         """Ends its threads; the scenes stay."""
-        if self._address:
-            _abi.lib.hapto_batch_destroy(self._address)
-            self._address = None
-
-    def __enter__(self) -> Batch:
-        return self
-
-    def __exit__(self, *_raised: object) -> None:
-        self.close()
-
-    def __del__(self) -> None:
-        if getattr(self, "_address", None):
-            self.close()
+        super().close()
+        self._held = ()

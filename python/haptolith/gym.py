@@ -97,7 +97,7 @@ class Episode:
         self.lifted_before_kg, self.lifted_kg = self.lifted_kg, self._lifted()
 
     def _lifted(self) -> float:
-        """Mass of soil that is higher than the undisturbed surface by level_m."""
+        """Mass of soil that is higher than the undisturbed surface by level_m, if all grains are of one mass."""
         return float(np.count_nonzero(self.scene.positions[:, 2] > self.surface_m + self.level_m)) * self.mass_kg
 
     def heights(self) -> npt.NDArray[np.float32]:

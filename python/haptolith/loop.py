@@ -12,6 +12,7 @@ import numpy as np
 import numpy.typing as npt
 
 from . import _abi
+from ._owned import Owned
 from .errors import require
 from .scene import Scene
 from .values import Floats, overrides_of
@@ -97,30 +98,34 @@ class Snapshot:
     positions: npt.NDArray[np.float32]
 
 
-class Loop:
+class Loop(Owned):
     """Joins a scene and a device at 1 kHz: mapping, coupling, filter and safety layer as the scene says.
 
     device: None: the one that the scene names, a virtual hand by default. The scene belongs to the loop until close().
     ticked_by_caller: tick() in a loop of yours instead of start()."""
 
+    _destroy = _lib.hapto_loop_destroy
+    _held: Optional[object] = None
+
     def __init__(self, scene: Scene, device: Optional[Device] = None, *, ticked_by_caller: bool = False,
                  keep_ticks: bool = False) -> None:
         self.scene = scene
+        self._held = scene.handle  # a scene closed before the loop lives on until then
         self.device = device
         self._raised: list[BaseException] = []
         self._own = _own_device(device, self._raised) if device is not None else None
         flags = (_abi.TICKED_BY_CALLER if ticked_by_caller else 0) | (_abi.KEEPS_TICKS if keep_ticks else 0)
         out = ctypes.c_void_p()
         require(_lib.hapto_loop_create(scene.address, self._own, flags, ctypes.byref(out)))
-        self._address = out.value
+        self._handle = out.value
 
     def start(self) -> None:
         """Runs it on a thread of its own, in step with the clock unless the scene says loop.paced = false."""
-        require(_lib.hapto_loop_start(self._address))
+        require(_lib.hapto_loop_start(self.address))
 
     def tick(self, late: bool = False) -> bool:
         """One tick with ticked_by_caller; False: it was the last."""
-        status = _lib.hapto_loop_tick(self._address, int(late))
+        status = _lib.hapto_loop_tick(self.address, int(late))
         if self._raised:
             raise self._raised.pop()
         if status == _abi.ENDED:
@@ -130,23 +135,23 @@ class Loop:
 
     def stop(self) -> None:
         """Ends a started loop; its thread has ended on return."""
-        require(_lib.hapto_loop_stop(self._address))
+        require(_lib.hapto_loop_stop(self.address))
         if self._raised:
             raise self._raised.pop()
 
     def pause(self, on: bool = True) -> None:
         """Lets time stand still, or go on."""
-        require(_lib.hapto_loop_pause(self._address, int(on)))
+        require(_lib.hapto_loop_pause(self.address, int(on)))
 
     def change(self, **keys: object) -> None:
         """As Scene.change() while it runs: no hand feels a jump."""
         given = overrides_of(keys)
-        require(_lib.hapto_loop_change(self._address, _abi.texts(given), len(given)))
+        require(_lib.hapto_loop_change(self.address, _abi.texts(given), len(given)))
 
     def snapshot(self) -> Snapshot:
         """The newest picture, some 60 a second."""
         now = _abi.sized(_abi.Snapshot)
-        require(_lib.hapto_loop_snapshot(self._address, now))
+        require(_lib.hapto_loop_snapshot(self.address, now))
         if self._raised:
             raise self._raised.pop()
         positions = np.empty((0, 3), np.float32)
@@ -165,25 +170,14 @@ class Loop:
         Take them every second or more often, or some are lost."""
         ticks = (_abi.Tick * most)()
         count = ctypes.c_uint64()
-        require(_lib.hapto_loop_take_ticks(self._address, ticks, most, ctypes.byref(count), None))
+        require(_lib.hapto_loop_take_ticks(self.address, ticks, most, ctypes.byref(count), None))
         taken: npt.NDArray[Any] = np.frombuffer(memoryview(ticks), dtype=np.dtype(_abi.Tick))[: count.value].copy()
         return taken
 
     def close(self) -> None:
         """Stops it and gives the scene back."""
-        if self._address:
-            _lib.hapto_loop_destroy(self._address)
-            self._address = None
-
-    def __enter__(self) -> Loop:
-        return self
-
-    def __exit__(self, *_raised: object) -> None:
-        self.close()
-
-    def __del__(self) -> None:
-        if getattr(self, "_address", None):
-            self.close()
+        super().close()
+        self._held = None
 
 
 def _own_device(device: Device, raised: list[BaseException]) -> Any:

@@ -10,6 +10,7 @@ import numpy as np
 import numpy.typing as npt
 
 from . import _abi
+from ._owned import Owned
 from .errors import require
 from .loop import Limits
 from .values import PoseLike, Wrench, overrides_of, pose_numbers
@@ -25,11 +26,13 @@ class SafetyInfo:
     injected_j: float
 
 
-class Safety:
+class Safety(Owned):
     """Plausibility, soft start, the device's limits and rates, passivity (docs/safety.md).
 
     tick_s: of your loop. stiffness_n_m: of the softest spring that stores what the hand presses with. Keywords are keys
     of [safety]: Safety(limits, soft_start_s=1)."""
+
+    _destroy = _abi.lib.hapto_safety_destroy
 
     def __init__(self, limits: Optional[Limits] = None, *, tick_s: float = 1e-3, stiffness_n_m: float = 100,
                  **keys: object) -> None:
@@ -37,7 +40,7 @@ class Safety:
         out = ctypes.c_void_p()
         require(_abi.lib.hapto_safety_create((limits or Limits()).struct(), _abi.texts(given), len(given), tick_s,
                                              stiffness_n_m, ctypes.byref(out)))
-        self._address = out.value
+        self._handle = out.value
         self._told = _abi.sized(_abi.DeviceInput)
         self._shown = _abi.sized(_abi.DeviceOutput)
 
@@ -51,20 +54,16 @@ class Safety:
         self._told.pose.orientation[:] = numbers[3:].tolist()
         self._shown.wrench.force_n[:] = wanted[:3].tolist()
         self._shown.wrench.torque_nm[:] = wanted[3:].tolist()
-        require(_abi.lib.hapto_safety_step(self._address, self._told, int(late), self._shown))
+        require(_abi.lib.hapto_safety_step(self.address, self._told, int(late), self._shown))
         return Wrench(np.array([*self._shown.wrench.force_n, *self._shown.wrench.torque_nm]))
 
     def stop(self) -> None:
         """Force goes to nothing softly and stays there."""
-        require(_abi.lib.hapto_safety_stop(self._address))
+        require(_abi.lib.hapto_safety_stop(self.address))
 
     @property
     def info(self) -> SafetyInfo:
         """How it is doing."""
         info = _abi.sized(_abi.SafetyInfo)
-        require(_abi.lib.hapto_safety_get_info(self._address, info))
+        require(_abi.lib.hapto_safety_get_info(self.address, info))
         return SafetyInfo((info.trip or b"").decode(), info.trips, info.flags, info.injected_j)
-
-    def __del__(self) -> None:
-        if getattr(self, "_address", None):
-            _abi.lib.hapto_safety_destroy(self._address)

@@ -132,9 +132,14 @@ class Scene:
     @property
     def address(self) -> int:
         """The library's handle. Raises HaptolithError when the scene has been closed."""
+        return self.handle.address
+
+    @property
+    def handle(self) -> _Handle:
+        """What keeps the library's scene alive. Raises as address."""
         if self._handle is None:
             raise HaptolithError("this scene has been closed", _abi.DESTROYED)
-        return self._address
+        return self._handle
 
     # --- moving ---
 

@@ -8,6 +8,7 @@ from typing import Optional, Union
 
 from . import _abi
 from ._long import Progress, call_long
+from ._owned import Owned
 from .errors import require
 from .result import Result, names, take
 from .values import text_from, toml_value
@@ -25,21 +26,27 @@ def presets() -> list[str]:
     return names("presets")
 
 
-class Soil:
+class Soil(Owned):
     """A soil: a built-in name (haptolith.soils()), a preset of the paper, or a soil file.
 
     soil["target.friction_angle_deg"], soil["soil.radius_mm"], soil["reached.cohesion_pa"]: numbers of its file.
     """
 
+    _destroy = _lib.hapto_soil_destroy
+    _preset: Optional[str] = None
+
     def __init__(self, name_or_path: Union[str, os.PathLike[str]]) -> None:
+        name = os.fspath(name_or_path)
         out = ctypes.c_void_p()
-        require(_lib.hapto_soil_find(os.fspath(name_or_path).encode(), ctypes.byref(out)))
-        self._address = out.value
+        require(_lib.hapto_soil_find(name.encode(), ctypes.byref(out)))
+        self._handle = out.value
+        if name in presets():
+            self._preset = name
 
     @classmethod
     def _of(cls, address: Optional[int]) -> Soil:
         soil = cls.__new__(cls)
-        soil._address = address
+        soil._handle = address
         return soil
 
     @classmethod
@@ -49,33 +56,24 @@ class Soil:
         require(_lib.hapto_soil_from_toml(text.encode(), None, ctypes.byref(out)))
         return cls._of(out.value)
 
-    @property
-    def address(self) -> Optional[int]:
-        """The library's handle."""
-        return self._address
-
     def __getitem__(self, key: str) -> float:
         number = ctypes.c_double()
-        require(_lib.hapto_soil_get(self._address, key.encode(), ctypes.byref(number)))
+        require(_lib.hapto_soil_get(self.address, key.encode(), ctypes.byref(number)))
         return number.value
 
     @property
     def toml(self) -> str:
         """The soil as a soil file. Raises InvalidParameter for a preset, of which nothing was measured."""
-        return text_from(lambda out, room, needed: int(_lib.hapto_soil_get_toml(self._address, out, room, needed)))[:-1].decode()
+        return text_from(lambda out, room, needed: int(_lib.hapto_soil_get_toml(self.address, out, room, needed)))[:-1].decode()
 
     def profile(self, gravity_m_s2: float = 1.625, depth_m: float = 0.6) -> Result:
         """Its layers under their own weight: columns depth_m, top_m, bottom_m, spacing_m, density_kg_m3."""
         out = ctypes.c_void_p()
-        require(_lib.hapto_soil_profile(self._address, gravity_m_s2, depth_m, ctypes.byref(out)))
+        require(_lib.hapto_soil_profile(self.address, gravity_m_s2, depth_m, ctypes.byref(out)))
         return take(out)
 
     def __reduce__(self) -> tuple[object, tuple[str]]:
-        return Soil.from_toml, (self.toml,)
-
-    def __del__(self) -> None:
-        if getattr(self, "_address", None):
-            _lib.hapto_soil_destroy(self._address)
+        return (Soil, (self._preset,)) if self._preset else (Soil.from_toml, (self.toml,))
 
 
 def calibrate(friction_angle_deg: float, cohesion_pa: float, bulk_density_kg_m3: float, *,

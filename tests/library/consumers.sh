@@ -1,28 +1,40 @@
 #!/usr/bin/env bash
 # Builds the examples as a stranger would, against an installed tree, and looks at what they print.
 #   consumers.sh HOW BUILD_FOLDER WORK_FOLDER    HOW: find_package, pkg_config, add_subdirectory, mujoco, symbols or header
+#   consumers.sh HOW installed WORK_FOLDER       with what the system's packages have installed: find_package, pkg_config, mujoco
 set -euo pipefail
 how=$1 build=$2 work=$3
 source=$(cd "$(dirname "${BASH_SOURCE[0]}")/../.." && pwd)
 export HAPTOLITH_CACHE=off
-rm -rf "$work" && mkdir -p "$work"
+# Only what an earlier run has made is cleared away.
+if [[ -e $work && ! -e $work/.consumer ]]; then
+  printf 'consumers.sh: %s is there, and no run of this script has made it\n' "$work" >&2
+  exit 2
+fi
+rm -rf "$work" && mkdir -p "$work" && touch "$work/.consumer"
 
 fail() {
   printf 'consumers.sh: %s\n' "$1" >&2
   exit 1
 }
 
+program=$build/apps/haptolith/haptolith
+[[ $build != installed ]] || program=haptolith
+
 install() {
+  prefix=/usr
+  [[ $build != installed ]] || return 0
+  prefix=$work/prefix
   cmake --install "$build" --prefix "$work/prefix" --component library > "$work/install.log"
   cmake --install "$build" --prefix "$work/prefix" --component development >> "$work/install.log"
-  prefix=$work/prefix
+  export PKG_CONFIG_PATH=$prefix/lib/pkgconfig LD_LIBRARY_PATH=$prefix/lib
 }
 
 # The hash that the program prints is the one that the library gives.
 lookAt() {
   local hash of_program
   hash=$("$1/example_state_hash" paper)
-  of_program=$("$build/apps/haptolith/haptolith" run paper --unpaced --duration-s 1 --json 2> /dev/null |
+  of_program=$("$program" run paper --unpaced --duration-s 1 --json 2> /dev/null |
     sed -n 's/.*"state_hash": "\([0-9a-f]*\)".*/\1/p')
   [[ -n $hash && $hash == "$of_program" ]] || fail "state_hash printed '$hash', the program '$of_program'"
   "$1/example_dig" | tee "$work/dig.txt"
@@ -44,9 +56,8 @@ case $how in
     ;;
   pkg_config)
     install
-    export PKG_CONFIG_PATH=$prefix/lib/pkgconfig LD_LIBRARY_PATH=$prefix/lib
     read -ra flags <<< "$(pkg-config --cflags --libs haptolith)"
-    [[ $(pkg-config --modversion haptolith) == "$("$build/apps/haptolith/haptolith" --version | sed 's/haptolith //')" ]] ||
+    [[ $(pkg-config --modversion haptolith) == "$("$program" --version | sed 's/haptolith //')" ]] ||
       fail "haptolith.pc has another version than the program"
     for example in dig state_hash; do
       gcc -std=c99 -pedantic -Wall -Wextra -Wno-missing-field-initializers -Werror "$source/examples/c/$example.c" "${flags[@]}" -o "$work/example_$example"
@@ -71,7 +82,6 @@ CMAKE
     ;;
   mujoco)
     install
-    export PKG_CONFIG_PATH=$prefix/lib/pkgconfig LD_LIBRARY_PATH=$prefix/lib
     read -ra flags <<< "$(pkg-config --cflags --libs haptolith)"
     gcc -std=c99 -Wall -Wextra -Wno-missing-field-initializers -Werror "$source/examples/mujoco/arm_digs.c" "${flags[@]}" -lmujoco -lm -o "$work/arm_digs"
     "$work/arm_digs" "$work/arm.csv" | tee "$work/arm.txt"

@@ -116,6 +116,10 @@ std::vector<Call> calls(Good& good) {
       {"hapto_loop_change", [&](const Handles& h) { return hapto_loop_change(h.loop, &good.override, 1); }},
       {"hapto_loop_take_ticks",
        [&](const Handles& h) { return hapto_loop_take_ticks(h.loop, good.ticks.data(), 4, &good.count, nullptr); }},
+      {"hapto_loop_get_header",
+       [&](const Handles& h) {
+         return hapto_loop_get_header(h.loop, good.bytes.data(), good.bytes.size(), &good.count);
+       }},
       {"hapto_loop_stop", [&](const Handles& h) { return hapto_loop_stop(h.loop); }},
       {"hapto_safety_step",
        [&](const Handles& h) { return hapto_safety_step(h.safety, &good.input, 0, &good.output); }},
@@ -164,11 +168,11 @@ std::vector<Call> calls(Good& good) {
 }
 
 /// Those that are called below by themselves: they have no handle.
-const std::set<std::string> kWithoutHandle{
-    "hapto_version",       "hapto_version_string",  "hapto_last_error",         "hapto_status_text",
-    "hapto_list",          "hapto_scene_from_toml", "hapto_scene_from_file",    "hapto_scene_from_state",
-    "hapto_soil_find",     "hapto_soil_from_toml",  "hapto_device_limits_init", "hapto_safety_create",
-    "hapto_soil_calibrate"};
+const std::set<std::string> kWithoutHandle{"hapto_version",         "hapto_version_string",  "hapto_last_error",
+                                           "hapto_status_text",     "hapto_note_error",      "hapto_list",
+                                           "hapto_scene_from_toml", "hapto_scene_from_file", "hapto_scene_from_state",
+                                           "hapto_soil_find",       "hapto_soil_from_toml",  "hapto_device_limits_init",
+                                           "hapto_safety_create",   "hapto_soil_calibrate"};
 
 Handles alive(hapto_scene** loops_scene) {
   Handles h;

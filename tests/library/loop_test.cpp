@@ -3,6 +3,7 @@
 #include <chrono>
 #include <string>
 #include <thread>
+#include <vector>
 
 #include "device.h"
 #include "use.h"
@@ -154,6 +155,41 @@ TEST(LibraryLoop, TicksAreKeptForWhoeverAsksForThem) {
   EXPECT_EQ(ticks[99].felt.force_n[2], own.last.wrench.force_n[2]);
   expectOk(hapto_loop_take_ticks(loop.get(), ticks.data(), ticks.size(), &count, nullptr));
   EXPECT_EQ(count, 0U);
+}
+
+TEST(LibraryLoop, GivesTheSceneBackAsItWasAskedToBe) {
+  const ScenePtr scene = sceneOf(kContact);
+  OwnDevice own;
+  own.height_m = -0.1;
+  const hapto_device device = own.handle(false);
+  {
+    const LoopPtr loop = loopOf(scene.get(), &device, true);
+    ASSERT_EQ(hapto_loop_tick(loop.get(), 0), HAPTO_OK);
+    const std::vector<const char*> changes{"gravity.body=Mars", "tool.size_mm=[30, 30, 4]",
+                                           "soil.contact_friction=0.2"};
+    expectOk(hapto_loop_change(loop.get(), changes.data(), 3));  // and no tick comes to them
+  }
+  hapto_scene_info info{};
+  info.size = sizeof info;
+  expectOk(hapto_scene_get_info(scene.get(), &info));
+  EXPECT_EQ(info.tool_fade, 1) << "a person's tool had just begun to fade in";
+  EXPECT_NEAR(info.gravity_m_s2[2], -3.71, 0.02);
+  hapto_scene* made = nullptr;
+  expectOk(hapto_scene_clone(scene.get(), &made));
+  const ScenePtr clone(made);
+  const double felt = stir(scene.get(), 0, 600);
+  EXPECT_GT(felt, 1);
+  EXPECT_EQ(stir(clone.get(), 0, 600), felt) << "what it is said to be is what it is";
+}
+
+TEST(LibraryLoop, AnEndedLoopCannotBeStartedAgain) {
+  const ScenePtr scene = sceneOf(kPaper, {"loop.paced=false", "loop.duration_s=0.01"});
+  const LoopPtr loop = loopOf(scene.get(), nullptr, false);
+  expectOk(hapto_loop_start(loop.get()));
+  for (int i = 0; i < 500 && snapshotOf(loop.get()).running == 1; ++i) {
+    std::this_thread::sleep_for(10ms);
+  }
+  EXPECT_EQ(hapto_loop_start(loop.get()), HAPTO_INVALID_PARAMETER);
 }
 
 TEST(LibraryLoop, HasTheScenesOwnHandWithoutADevice) {

@@ -8,14 +8,6 @@ namespace haptolith::library {
 namespace {
 
 using testing::HasSubstr;
-using SoilPtr = std::unique_ptr<hapto_soil, Destroy>;
-using ResultPtr = std::unique_ptr<hapto_result, Destroy>;
-
-SoilPtr soilOf(const char* name) {
-  hapto_soil* soil = nullptr;
-  expectOk(hapto_soil_find(name, &soil));
-  return SoilPtr(soil);
-}
 
 double numberOf(const hapto_soil* soil, const char* key) {
   double number = -1;

@@ -116,6 +116,24 @@ TEST(LibraryState, IsTheSameForAnyNumberOfThreads) {
   EXPECT_EQ(hashOf(one.get()), hashOf(two.get()));
 }
 
+TEST(LibraryState, BringsACollapsedSceneBack) {
+  const ScenePtr scene = sceneOf(kPaper, {"soil.stiffness_n_m=8"});
+  const std::string good = stateOf(scene.get());
+  const double crushing[3] = {-577, -577, -577};  // so soft a soil is crushed into a corner
+  expectOk(hapto_scene_set_gravity(scene.get(), crushing));
+  const hapto_pose above{{0, 0, 0.3}, {1, 0, 0, 0}};
+  std::int32_t status = HAPTO_OK;
+  for (int tick = 0; tick < 3000 && status == HAPTO_OK; ++tick) {
+    status = hapto_scene_step(scene.get(), &above, nullptr, nullptr);
+  }
+  ASSERT_TRUE(status == HAPTO_COLLAPSED || status == HAPTO_NOT_FINITE) << status;
+  EXPECT_EQ(hapto_scene_step(scene.get(), &above, nullptr, nullptr), status) << "and it stays so";
+  hapto_loop* loop = nullptr;
+  EXPECT_EQ(hapto_loop_create(scene.get(), nullptr, 0, &loop), status);
+  expectOk(hapto_scene_set_state(scene.get(), good.data(), good.size()));
+  EXPECT_GT(stir(scene.get(), 0, 600), 1);
+}
+
 TEST(LibraryState, OfAnotherSceneIsRefused) {
   const ScenePtr scene = sceneOf(kPaper);
   stir(scene.get(), 0, 100);

@@ -34,6 +34,8 @@ struct Destroy {
 };
 using ScenePtr = std::unique_ptr<hapto_scene, Destroy>;
 using LoopPtr = std::unique_ptr<hapto_loop, Destroy>;
+using SoilPtr = std::unique_ptr<hapto_soil, Destroy>;
+using ResultPtr = std::unique_ptr<hapto_result, Destroy>;
 
 /// A few hundred macroparticles with the paper's friction, or with contact friction, cohesion and a spread of sizes.
 inline constexpr const char* kPaper = "[bed]\nparticles = 256\n";
@@ -45,6 +47,12 @@ inline ScenePtr sceneOf(const char* toml, const std::vector<const char*>& overri
   expectOk(hapto_scene_from_toml(toml, nullptr, overrides.data(), static_cast<std::uint32_t>(overrides.size()), nullptr,
                                  nullptr, &scene));
   return ScenePtr(scene);
+}
+
+inline SoilPtr soilOf(const char* name) {
+  hapto_soil* soil = nullptr;
+  expectOk(hapto_soil_find(name, &soil));
+  return SoilPtr(soil);
 }
 
 /// Where a tool is at a tick that digs in circles.

@@ -1,5 +1,6 @@
 """Batches, soils, the laboratory, loops, safety and the gym."""
 
+import pickle
 import threading
 import time
 
@@ -32,6 +33,45 @@ def test_a_batch_gives_the_bits_of_one_by_one():
             batch.step(poses)
     with pytest.raises(hp.InvalidParameter):
         hp.Batch([])
+
+
+def test_a_scene_closed_first_stays_until_its_loop_and_batch_are_closed():
+    with hp.Scene.from_toml(PAPER, loop__paced=False, loop__duration_s=0.2) as scene:
+        loop = hp.Loop(scene)
+    loop.start()
+    while loop.snapshot().running:
+        time.sleep(0.01)
+    assert loop.snapshot().ticks == 200
+    loop.close()
+    loop.close()
+    with pytest.raises(hp.HaptolithError, match="closed"):
+        loop.start()
+    scene = hp.Scene.from_toml(PAPER)
+    kept = scene.handle
+    batch = hp.Batch([scene])
+    scene.close()
+    del scene
+    assert len(batch._held) == 1 and batch._held[0] is kept
+    batch.close()
+    assert not batch._held
+
+
+def test_wrong_arguments_of_long_calls_are_told():
+    with pytest.raises(AttributeError):
+        hp.Scene.from_toml(7)
+    with pytest.raises((TypeError, AttributeError)):
+        hp.Soil(7)
+
+
+def test_soils_are_pickled_by_what_they_are():
+    for name in ("P3", "lunar-0-15cm"):
+        soil = hp.Soil(name)
+        again = pickle.loads(pickle.dumps(soil))
+        assert again.profile()["density_kg_m3"].tolist() == soil.profile()["density_kg_m3"].tolist()
+    with hp.Soil("P3") as soil:
+        pass
+    with pytest.raises(hp.HaptolithError, match="closed"):
+        soil.profile()
 
 
 def test_soils_have_numbers_and_profiles():

@@ -77,7 +77,15 @@ TEST(Overrides, SayWhichOfThemIsWrong) {
   EXPECT_THAT(message({"soil.colour=red"}), HasSubstr("override soil.colour=red: [soil] colour is not known"));
   EXPECT_THAT(message({"soil.file=no-such.toml"}), HasSubstr("no such file"));
   EXPECT_THAT(message({"device.library=/tmp/x.so"}), HasSubstr("no file names code"));
+  EXPECT_THAT(message({"title=\xff\xfe"}), HasSubstr("UTF-8"));
   EXPECT_THAT(message({"bed.depth_mm=60"}), HasSubstr("has no effect"));
+}
+
+TEST(Overrides, WithoutEffectIsToldOfThemAndNotOfTheFilesKeysThatTheyReplace) {
+  const Texts overrides{"soil.name=dry-sand", "tool.shape=sphere", "tool.size_mm=[10, 10, 10]"};
+  const auto idle = idleKeys("paper", findScenario("paper", overrides), overrides);
+  EXPECT_THAT(idle, testing::ElementsAre(
+                        testing::StartsWith("override tool.size_mm=[10, 10, 10]: [tool] size_mm has no effect")));
 }
 
 TEST(Overrides, CarryKeyValueAndRangeApart) {

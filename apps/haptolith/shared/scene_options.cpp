@@ -153,7 +153,7 @@ Scenario scenarioFor(const SceneOptions& options) {
   bed.threads = options.threads.value_or(bed.threads);
   bed.seed = options.seed.value_or(bed.seed);
   options.device.applyTo(scenario.device);
-  for (const std::string& idle : idleKeys(scene, scenario)) {
+  for (const std::string& idle : idleKeys(scene, scenario, options.overrides)) {
     spdlog::warn("{}", idle);
   }
   return scenario;

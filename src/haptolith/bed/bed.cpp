@@ -26,8 +26,6 @@ constexpr double kSkinRadii = 0.5;
 /// every step; smaller: more looks.
 constexpr double kNearRadii = 0.1;
 
-constexpr std::size_t kBits = 64;  // of a word
-
 /// A thread is worth waking, which takes some 100 us, for at least this many particles; contacts with friction take
 /// three times as long as the paper's, and several substeps a tick. Where two threads begin to be faster than one in
 /// `haptolith bench` on two cores, to a power of two.

@@ -148,6 +148,7 @@ class Bed {
   void restore(const SavedBed& saved);
 
  private:
+  static constexpr std::size_t kBits = 64;  ///< of a word
   Bed(const BedParameters& parameters, const std::vector<Float4>& grains, double grid_height_m);
   void noteClasses();
   /// What a bed is made of at first, and of what it remembers its contacts.

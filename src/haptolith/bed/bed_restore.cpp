@@ -15,8 +15,6 @@ namespace haptolith {
 
 namespace {
 
-constexpr std::size_t kBits = 64;  // of a word
-
 bool isZero(const Float4& a) {
   return a.x == 0 && a.y == 0 && a.z == 0;
 }

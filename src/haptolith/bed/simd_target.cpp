@@ -7,6 +7,7 @@
 #include <hwy/highway.h>
 // clang-format on
 
+#include <cstdlib>
 #include <string>
 
 #include "haptolith/core/error.h"
@@ -41,6 +42,12 @@ void useSimdTarget(std::string_view name) {
     there += std::string(there.empty() ? "" : ", ") + hwy::TargetName(target);
   }
   throw InvalidParameter("HAPTOLITH_SIMD", std::string(name), "one of " + there + " on this machine");
+}
+
+void useSimdTargetOfEnvironment() {
+  if (const char* name = std::getenv("HAPTOLITH_SIMD"); name != nullptr && *name != '\0') {
+    useSimdTarget(name);
+  }
 }
 
 }  // namespace haptolith

@@ -11,4 +11,7 @@ namespace haptolith {
 /// @throws InvalidParameter when the machine does not have it, with those it has.
 void useSimdTarget(std::string_view name);
 
+/// The one that HAPTOLITH_SIMD in the environment names, if it names one. @throws as useSimdTarget().
+void useSimdTargetOfEnvironment();
+
 }  // namespace haptolith

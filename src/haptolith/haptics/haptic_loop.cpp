@@ -128,6 +128,7 @@ LoopEnd HapticLoop::run(const std::atomic<bool>& stop) noexcept {
     watchdog_->stop();
   }
   device_.write({});
+  publishEnd(end);
   return end;
 }
 
@@ -304,12 +305,20 @@ void HapticLoop::carryOut(const request::Exchange& exchange) noexcept {
 }
 
 void HapticLoop::publish() noexcept {
-  telemetry_.publish(shownScene(), clock_, [this](SceneSnapshot& snapshot) {
-    snapshot.scene_T_tool = scene_->toolPose();
-    snapshot.felt = mapping_.shownInScene(felt_.wrench);
-    snapshot.trip = safety_.trip();
-    snapshot.trips = safety_.trips();
-  });
+  telemetry_.publish(shownScene(), clock_, [this](SceneSnapshot& snapshot) { tell(snapshot); });
+}
+
+void HapticLoop::publishEnd(LoopEnd end) noexcept {
+  if (end != LoopEnd::kNotFinite && end != LoopEnd::kCollapsed) {  // of which there is no picture
+    telemetry_.publishLast(shownScene(), clock_, [this](SceneSnapshot& snapshot) { tell(snapshot); });
+  }
+}
+
+void HapticLoop::tell(SceneSnapshot& snapshot) const noexcept {
+  snapshot.scene_T_tool = scene_->toolPose();
+  snapshot.felt = mapping_.shownInScene(felt_.wrench);
+  snapshot.trip = safety_.trip();
+  snapshot.trips = safety_.trips();
 }
 
 }  // namespace haptolith

@@ -41,6 +41,9 @@ class HapticLoop {
   /// allocate, lock, throw, log or touch a file.
   LoopEnd tick() noexcept;
 
+  /// For who calls tick(), when it has ended: a last snapshot, of all of it as it is. run() does so itself.
+  void publishEnd(LoopEnd end) noexcept;
+
   /// Before the first tick: records hold hashes of the bed, of a part of it in each tick (see stateHash()).
   void hashRecords() noexcept { telemetry_.hashRecords(); }
   /// After how many ticks all of the bed has been hashed.
@@ -85,6 +88,7 @@ class HapticLoop {
   [[nodiscard]] LoopEnd endFor(SafetyTrip trip) const noexcept;
   [[nodiscard]] LoopEnd finish(LoopEnd end, const DeviceInput& input, const DeviceOutput& rendered) noexcept;
   void publish() noexcept;
+  void tell(SceneSnapshot& snapshot) const noexcept;
 
   ShownScene first_;
   std::atomic<ShownScene*> shown_;

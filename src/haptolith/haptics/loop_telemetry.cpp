@@ -73,8 +73,14 @@ SceneSnapshot* LoopTelemetry::copyPart(ShownScene& shown) noexcept {
     return nullptr;
   }
   SceneSnapshot& snapshot = shown.snapshots.draft();
-  const std::size_t first_group = at_once ? 0 : groups * part / kTicksPerSnapshot;
-  const std::size_t last_group = groups * (part + 1) / kTicksPerSnapshot;
+  copyGroups(snapshot, shown.scene, at_once ? 0 : groups * part / kTicksPerSnapshot,
+             groups * (part + 1) / kTicksPerSnapshot);
+  return complete ? &snapshot : nullptr;
+}
+
+void LoopTelemetry::copyGroups(SceneSnapshot& snapshot, const Scene& scene, std::size_t first_group,
+                               std::size_t last_group) noexcept {
+  const Bed& bed = scene.bed();
   const std::size_t first = first_group * kGroup;
   const std::size_t last = std::min(last_group * kGroup, bed.particles());
   std::copy_n(bed.state().position.data() + first, last - first, snapshot.position.data() + first);
@@ -83,13 +89,11 @@ SceneSnapshot* LoopTelemetry::copyPart(ShownScene& shown) noexcept {
   }
   snapshot.largest_speed_m_s = std::max(first == 0 ? 0 : snapshot.largest_speed_m_s, bed.largestSpeed(first, last));
   snapshot.awake = bed.awake();
-  snapshot.opening_m = shown.scene.opening();
-  return complete ? &snapshot : nullptr;
+  snapshot.opening_m = scene.opening();
 }
 
-void LoopTelemetry::tell(SceneSnapshot& snapshot, const LoopClock& clock) noexcept {
-  // The present tick, whose scene this is, is counted only when it has ended. While time stands still there is none.
-  snapshot.ticks = statistics_.ticks() + (clock.standsStill() ? 0 : 1);
+void LoopTelemetry::tell(SceneSnapshot& snapshot, const LoopClock& clock, std::uint64_t ticks) noexcept {
+  snapshot.ticks = ticks;
   snapshot.time_s = static_cast<double>(snapshot.ticks) * tick_s_;
   snapshot.deadline_misses = statistics_.deadlineMisses();
   snapshot.success_rate = statistics_.successRate();

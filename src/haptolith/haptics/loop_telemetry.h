@@ -39,10 +39,21 @@ class LoopTelemetry {
   template <class Rest>
   void publish(ShownScene& shown, const LoopClock& clock, const Rest& rest) noexcept {
     if (SceneSnapshot* complete = copyPart(shown); complete != nullptr) {
-      tell(*complete, clock);
+      // The present tick, whose scene this is, is counted only when it has ended. While time stands still there is
+      // none.
+      tell(*complete, clock, statistics_.ticks() + (clock.standsStill() ? 0 : 1));
       rest(*complete);
       shown.snapshots.publish();
     }
+  }
+  /// A whole snapshot after the last tick. Not for the tick: of a large bed it takes long.
+  template <class Rest>
+  void publishLast(ShownScene& shown, const LoopClock& clock, const Rest& rest) noexcept {
+    SceneSnapshot& snapshot = shown.snapshots.draft();
+    copyGroups(snapshot, shown.scene, 0, shown.scene.bed().state().rested.size());
+    tell(snapshot, clock, statistics_.ticks());
+    rest(snapshot);
+    shown.snapshots.publish();
   }
   void addLateness(double late_us) noexcept { statistics_.addLateness(late_us); }
 
@@ -57,7 +68,8 @@ class LoopTelemetry {
 
  private:
   [[nodiscard]] SceneSnapshot* copyPart(ShownScene& shown) noexcept;
-  void tell(SceneSnapshot& snapshot, const LoopClock& clock) noexcept;
+  static void copyGroups(SceneSnapshot& snapshot, const Scene& scene, std::size_t first, std::size_t last) noexcept;
+  void tell(SceneSnapshot& snapshot, const LoopClock& clock, std::uint64_t ticks) noexcept;
 
   double tick_s_;
   bool keep_records_;

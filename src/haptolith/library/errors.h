@@ -18,6 +18,18 @@ std::int32_t failed(std::int32_t status, std::string_view message, std::string_v
 /// The same in the status's own words. HAPTO_OK notes nothing. @param name  of the argument that is wrong.
 std::int32_t wrongArgument(std::int32_t status, const char* name) noexcept;
 
+/// A function of the C interface has failed, and has noted why.
+struct Told {
+  std::int32_t status;
+};
+
+/// @throws Told unless the status is HAPTO_OK.
+inline void requireOk(std::int32_t status) {
+  if (status != HAPTO_OK) {
+    throw Told{status};
+  }
+}
+
 /// The same for the exception that is being handled.
 std::int32_t failedByException() noexcept;
 

@@ -100,6 +100,8 @@ class Claim {
 
   /// Destroys what it points to, and the claim with it.
   void destroy() { Places<H>::giveBack(*std::exchange(handle_, nullptr)); }
+  /// The handle has been destroyed through another claim to it.
+  void forget() noexcept { handle_ = nullptr; }
 
  private:
   void take(H& handle) noexcept {

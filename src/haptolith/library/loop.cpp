@@ -1,6 +1,8 @@
 // The loop that joins a scene and a device.
 
+#include <fmt/format.h>
 #include <haptolith/haptolith.h>
+#include <nlohmann/json.hpp>
 
 #include <algorithm>
 #include <atomic>
@@ -11,7 +13,9 @@
 #include <utility>
 #include <vector>
 
+#include "haptolith/bed/simd_target.h"
 #include "haptolith/core/error.h"
+#include "haptolith/device/declared_limits.h"
 #include "haptolith/device/hand/virtual_hand.h"
 #include "haptolith/device/open_device.h"
 #include "haptolith/haptics/haptic_loop.h"
@@ -20,6 +24,7 @@
 #include "haptolith/library/errors.h"
 #include "haptolith/library/handles.h"
 #include "haptolith/library/scene_object.h"
+#include "haptolith/library/ticks.h"
 #include "haptolith/library/values.h"
 
 namespace haptolith::library {
@@ -33,6 +38,9 @@ class CallersDevice final : public HapticDevice {
       : device_(device), name_(textOrNothing(device.name)), limits_(library::limits(device.limits)) {
     if (device.read == nullptr || device.write == nullptr) {
       throw InvalidParameter(device.read == nullptr ? "device.read" : "device.write", "NULL", "a function");
+    }
+    if (name_ == VirtualHand::kName) {  // whose poses are the scene's: a replay goes by the name
+      throw InvalidParameter("device.name", fmt::format("'{}'", name_), "another than the virtual hand's");
     }
     told_.size = sizeof told_;
     told_.pose.orientation[0] = 1;
@@ -88,28 +96,6 @@ Scenario above(Scenario scenario, double surface_m) {
   return scenario;
 }
 
-hapto_tick tickOf(const TickRecord& record) {
-  return {.size = sizeof(hapto_tick),
-          .flags = record.flags,
-          .trip = record.trip,
-          .buttons = record.device.buttons,
-          .device_state = static_cast<std::int32_t>(record.device.state),
-          .reserved = 0,
-          .time_s = record.time_s,
-          .device_pose = pose(record.device.pose),
-          .device_twist = twist(record.device.twist),
-          .gripper_open = record.device.gripper_open,
-          .scene_T_tool = pose(record.scene_T_tool),
-          .soil = wrench(record.soil),
-          .rendered = wrench(record.rendered.wrench),
-          .felt = wrench(record.felt.wrench),
-          .gripper_felt_n = record.felt.gripper_force_n,
-          .injected_j = record.injected_j,
-          .tick_us = record.tick_us,
-          .late_us = record.late_us,
-          .state_hash = record.state_hash};
-}
-
 LoopParameters pacedBy(LoopParameters loop, bool caller) {
   loop.paced = loop.paced && !caller;
   return loop;
@@ -124,9 +110,11 @@ class Loop {
       : scene_(std::move(scene)),
         ticked_by_caller_((flags & HAPTO_LOOP_TICKED_BY_CALLER) != 0),
         keeps_ticks_((flags & HAPTO_LOOP_KEEPS_TICKS) != 0),
+        tool_fade_(scene_->scene().toolFade()),
         scenario_(above(scene_->scenario(), scene_->scene().bed().surfaceHeight())),
         device_(deviceFor(scenario_, device)),
-        parameters_(pacedBy(scenario_.loop, ticked_by_caller_)) {
+        parameters_(pacedBy(scenario_.loop, ticked_by_caller_)),
+        start_tick_(scene_->ticks()) {
     if (!ticked_by_caller_ && !parameters_.paced && !device_->simulated()) {
       throw InvalidParameter(
           "loop.paced", "false",
@@ -147,16 +135,17 @@ class Loop {
       stop();
     } catch (...) {  // it has ended all the same
     }
-    scene_->setCondition(conditionAfter(end_));
+    scene_->takeBack(conditionAfter(end_), tool_fade_);
   }
   Loop(const Loop&) = delete;
   Loop& operator=(const Loop&) = delete;
 
   void start() {
-    if (ticked_by_caller_ || thread_) {
+    if (ticked_by_caller_ || started_) {
       throw InvalidParameter("loop", ticked_by_caller_ ? "ticked by its caller" : "started already",
                              "started once, if hapto_loop_tick() does not tick it");
     }
+    started_ = true;
     thread_.emplace(*loop_, parameters_, stop_asked_);
   }
 
@@ -169,6 +158,9 @@ class Loop {
     }
     loop_->overrideHealth({.late = late != 0});
     const LoopEnd end = loop_->tick();
+    if (end != LoopEnd::kRunning) {
+      loop_->publishEnd(end);
+    }
     end_ = end;
     return end == LoopEnd::kRunning ? HAPTO_OK : HAPTO_ENDED;
   }
@@ -180,6 +172,7 @@ class Loop {
       thread_.reset();
     } else if (end_ == LoopEnd::kRunning) {
       device_->write({});
+      loop_->publishEnd(LoopEnd::kStopped);
       end_ = LoopEnd::kStopped;
     }
   }
@@ -234,6 +227,22 @@ class Loop {
     }
   }
 
+  /// As RecordingHeader has it, but for what only its writer knows.
+  [[nodiscard]] std::string header() {
+    return nlohmann::ordered_json{{"scenario", scenarioText(scenario_)},
+                                  {"title", scenario_.title},
+                                  {"instruction_set", simdTarget()},
+                                  {"device", device_->name()},
+                                  {"device_limits", limitsText(device_->limits(), device_->simulated())},
+                                  {"seed", scenario_.bed.seed},
+                                  {"threads", scenario_.bed.threads},
+                                  {"hashed_parts", loop_->hashedParts()},
+                                  {"start_tick", start_tick_ + loop_->snapshots().latest().ticks},
+                                  {"tick_s", parameters_.tick_s},
+                                  {"paced", parameters_.paced}}
+        .dump();
+  }
+
   void pause(bool on) {
     if (on) {
       ask(request::Pause{});
@@ -269,13 +278,16 @@ class Loop {
 
   Claim<hapto_scene> scene_;
   bool ticked_by_caller_, keeps_ticks_;
+  double tool_fade_;  ///< before the loop
   Scenario scenario_;
   std::unique_ptr<HapticDevice> device_;
   std::optional<LastResort> last_resort_;
   LoopParameters parameters_;
+  std::uint64_t start_tick_;  ///< of the scene, when it came here
   std::optional<HapticLoop> loop_;
   std::vector<TickRecord> taken_;                ///< from the loop, and by nobody yet
   std::atomic<LoopEnd> end_{LoopEnd::kRunning};  ///< the tick's thread writes it, the one that watches reads it
+  bool started_ = false;
   std::atomic<bool> stop_asked_{false};
   std::optional<LoopThread> thread_;  // the last member: it ends before what it uses
 };
@@ -311,8 +323,9 @@ std::int32_t hapto_loop_create(hapto_scene* scene, const hapto_device* device, s
     return wrongArgument(HAPTO_WRONG_SIZE, "device");
   }
   Claim claim(scene);
-  if (claim.status() != HAPTO_OK) {
-    return wrongArgument(claim.status(), "scene");
+  if (const std::int32_t status = claim.status() != HAPTO_OK ? claim.status() : claim->condition();
+      status != HAPTO_OK) {
+    return wrongArgument(status, "scene");
   }
   return guarded([&] {
     constexpr std::uint32_t kKnown = HAPTO_LOOP_TICKED_BY_CALLER | HAPTO_LOOP_KEEPS_TICKS | HAPTO_LOOP_HASHES;
@@ -340,7 +353,7 @@ std::int32_t hapto_loop_stop(hapto_loop* loop) {
 }
 
 std::int32_t hapto_loop_destroy(hapto_loop* loop) {
-  const Claim ticking(loop);
+  Claim ticking(loop);
   if (ticking.status() != HAPTO_OK) {
     return wrongArgument(ticking.status(), "loop");
   }
@@ -348,6 +361,7 @@ std::int32_t hapto_loop_destroy(hapto_loop* loop) {
   if (observing.status() != HAPTO_OK) {
     return wrongArgument(observing.status(), "loop");
   }
+  ticking.forget();
   observing.destroy();
   return HAPTO_OK;
 }
@@ -365,6 +379,14 @@ std::int32_t hapto_loop_take_ticks(hapto_loop* loop, hapto_tick* out, std::uint6
     return wrongArgument(HAPTO_NULL, out == nullptr ? "out" : "count");
   }
   return with(loop, [&](Loop& object) { object.takeTicks({out, capacity}, *count, lost); });
+}
+
+std::int32_t hapto_loop_get_header(const hapto_loop* loop, char* json, std::uint64_t capacity, std::uint64_t* needed) {
+  const Claim claim(loop, &Handle::observed);
+  return claim.status() != HAPTO_OK ? wrongArgument(claim.status(), "loop") : guarded([&] {
+    const std::string header = claim->header();
+    return handOut({header.c_str(), header.size() + 1}, json, capacity, needed);
+  });
 }
 
 std::int32_t hapto_loop_pause(hapto_loop* loop, std::int32_t on) {

@@ -271,6 +271,19 @@ SceneChanges SceneObject::planned(const std::vector<std::string>& overrides) con
   return changes;
 }
 
+void SceneObject::takeBack(std::int32_t condition, double tool_fade) {
+  condition_ = condition;
+  scene_->setToolFade(tool_fade);
+  if (!(scene_->tool() == scenario_.tool)) {
+    scene_->setTool(scenario_.tool);
+  }
+  Bed& bed = scene_->bed();
+  if (!(bed.parameters().soil == scenario_.bed.soil)) {
+    bed.setSoil(SoilLaws(scenario_.bed.soil, grainClasses(scenario_.bed)));
+  }
+  bed.setGravity(scenario_.bed.gravity_m_s2);
+}
+
 void SceneObject::carryOut(const SceneChanges& changes) {
   if (changes.gravity_m_s2) {
     scene_->bed().setGravity(*changes.gravity_m_s2);

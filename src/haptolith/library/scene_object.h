@@ -2,6 +2,7 @@
 
 #include <haptolith/haptolith.h>
 
+#include <cstdint>
 #include <memory>
 #include <optional>
 #include <string>
@@ -56,7 +57,12 @@ class SceneObject {
   [[nodiscard]] const Scenario& scenario() const noexcept { return scenario_; }
   /// HAPTO_OK, or what the bed has come to.
   [[nodiscard]] std::int32_t condition() const noexcept { return condition_; }
-  void setCondition(std::int32_t condition) noexcept { condition_ = condition; }
+  /// That it has been stepped for, since it was made.
+  [[nodiscard]] std::uint64_t ticks() const noexcept {
+    return scene_->bed().state().step / static_cast<std::uint64_t>(scene_->substeps());
+  }
+  /// From a loop, which may not have come to all that was noted.
+  void takeBack(std::int32_t condition, double tool_fade);
 
  private:
   struct Saved;

@@ -4,6 +4,8 @@
 
 #include <cmath>
 
+#include "haptolith/device/device_parameters.h"
+
 namespace haptolith::library {
 
 DeviceLimits limits(const hapto_device_limits& declared) {
@@ -35,9 +37,10 @@ DeviceLimits limits(const hapto_device_limits& declared) {
           .workspace_centre_m = finite("workspace_centre_m", declared.workspace_centre_m),
           .workspace_radius_m = not_negative("workspace_radius_m", declared.workspace_radius_m),
           .rate_hz = requireInRange("limits.rate_hz", declared.rate_hz, {1, 1e5}),
-          .delay_s = requireInRange("limits.delay_s", declared.delay_s, {0, 0.03}),
+          .delay_s = requireInRange("limits.delay_s", declared.delay_s, DeviceRanges::delay_s),
           .delay_known = declared.delay_known != 0,
-          .resolution_m = requireInRange("limits.resolution_m", declared.resolution_m, {0, 0.01}),
+          .resolution_m =
+              requireInRange("limits.resolution_m", declared.resolution_m, {0, DeviceRanges::resolution_m.highest}),
           .turns = declared.turns != 0,
           .shows_force = declared.shows_force != 0,
           .grips = declared.grips != 0};

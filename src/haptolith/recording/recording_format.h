@@ -8,6 +8,7 @@
 #include <variant>
 #include <vector>
 
+#include "haptolith/device/declared_limits.h"
 #include "haptolith/haptics/shown_scene.h"
 #include "haptolith/haptics/tick_record.h"
 
@@ -80,14 +81,6 @@ struct TickColumn {
 /// The columns' names, and a record's values that read back as the same: lines of a CSV file.
 [[nodiscard]] std::string csvHeader();
 void appendCsv(std::string& text, const TickRecord& record);
-
-/// What a device declares, as JSON, and back. @throws Failure for any other text.
-[[nodiscard]] std::string limitsText(const DeviceLimits& limits, bool simulated);
-struct DeclaredLimits {
-  DeviceLimits limits;
-  bool simulated = false;
-};
-[[nodiscard]] DeclaredLimits limitsOf(std::string_view text);
 
 /// All columns, in the order of the file. The file's type, its reader and the CSV export are made of these.
 [[nodiscard]] const std::vector<TickColumn>& tickColumns();

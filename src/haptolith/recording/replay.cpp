@@ -6,6 +6,7 @@
 #include <bit>
 
 #include "haptolith/core/error.h"
+#include "haptolith/device/hand/virtual_hand.h"
 #include "haptolith/device/replay_device.h"
 
 namespace haptolith {
@@ -71,7 +72,11 @@ Replay::Replay(const RecordingReader& recording, std::optional<int> threads, con
   const DeclaredLimits declared = limitsOf(header.device_limits);
   device_ = std::make_unique<ReplayDevice>(header.device, declared.limits, declared.simulated);
   const double surface_m = scenario_.hand.surface_m.value_or(scene_->bed().surfaceHeight());
-  loop_ = std::make_unique<HapticLoop>(*scene_, *device_, scenario_.loop, true, handlingOf(scenario_, surface_m));
+  // A host's own device is named by no scene, which names the virtual hand then.
+  const bool own = scenario_.device.kind == DeviceKind::kVirtualHand && header.device != VirtualHand::kName;
+  const HandlingParameters handling =
+      own ? handlingOfOwnDevice(scenario_, surface_m) : handlingOf(scenario_, surface_m);
+  loop_ = std::make_unique<HapticLoop>(*scene_, *device_, scenario_.loop, true, handling);
   loop_->hashRecords();
 }
 

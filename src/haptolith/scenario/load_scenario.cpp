@@ -158,10 +158,6 @@ TomlReader readerOf(std::string_view name_or_file) {
   return {name_or_file, kScene};
 }
 
-}  // namespace
-
-namespace {
-
 /// Another soil takes the place of the file's, friction, stiffness and all, but for the size of its grains; and grains
 /// that rub on each other must not begin as a crystal (see setSoil()).
 void takeOverrides(TomlReader& reader, std::span<const std::string> overrides) {
@@ -215,12 +211,14 @@ std::vector<std::string> sceneNames() {
   return names;
 }
 
-std::vector<std::string> idleKeys(std::string_view name_or_file, const Scenario& scene) {
-  const TomlReader reader = readerOf(name_or_file);
+std::vector<std::string> idleKeys(std::string_view name_or_file, const Scenario& scene,
+                                  std::span<const std::string> overrides) {
+  TomlReader reader = readerOf(name_or_file);
+  takeOverrides(reader, overrides);
   std::vector<std::string> idle;
   for (const KeyUse& use : keyUses()) {
     if (isIdle(reader, use, scene)) {
-      idle.push_back(reader.located(reader.lineOf(use.table, use.name), whyIdle(use)));
+      idle.push_back(reader.located({use.table, use.name}, whyIdle(use)));
     }
   }
   return idle;

@@ -63,7 +63,8 @@ struct Scenario {
 /// Which keys the scene of that name or in that file sets, to other than the usual value, without any effect in
 /// `scene`, which may be another by now: a line for each with file, key and what the key needs. Keys that could never
 /// have an effect are errors already when the scene is loaded. @throws as findScenario().
-[[nodiscard]] std::vector<std::string> idleKeys(std::string_view name_or_file, const Scenario& scene);
+[[nodiscard]] std::vector<std::string> idleKeys(std::string_view name_or_file, const Scenario& scene,
+                                                std::span<const std::string> overrides = {});
 
 /// As loadScenario() for a stored text, called `name`, with files beside what that would be; a device's library is
 /// passed over.

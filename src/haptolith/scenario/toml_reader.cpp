@@ -134,7 +134,12 @@ toml::table tableOf(const Override& given, std::string_view source) {
     const bool plain = static_cast<unsigned char>(c) >= ' ' && c != '"' && c != '\\' && c != '\x7F';
     quoted += plain ? std::string(1, c) : fmt::format("\\u{:04x}", static_cast<unsigned char>(c));
   }
-  return toml::parse(fmt::format("value = \"{}\"\n", quoted), source);
+  try {
+    return toml::parse(fmt::format("value = \"{}\"\n", quoted), source);
+  } catch (const toml::parse_error&) {
+    const InvalidParameter wrong("override", fmt::format("'{}'", given.key), "with a value in UTF-8");
+    throw ScenarioError(wrong.what(), 0, wrong);
+  }
 }
 
 }  // namespace

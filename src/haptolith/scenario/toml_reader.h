@@ -91,8 +91,10 @@ class TomlReader {
   /// Where a key stands that the file has.
   [[nodiscard]] int lineOf(std::string_view table, std::string_view name) const;
 
-  /// "file:line: message".
-  [[nodiscard]] std::string located(int line, std::string_view message) const;
+  /// "file:line: message", or which override it is, of a key that is there.
+  [[nodiscard]] std::string located(const KeyName& key, std::string_view message) const {
+    return located(*find(key.table, key.name), message);
+  }
 
   [[noreturn]] void refuse(int line, std::string_view message) const;
 
@@ -125,6 +127,7 @@ class TomlReader {
   [[noreturn]] void refuseUnknown(const KeyName& key, const toml::node& node, std::span<const KeyName> known) const;
   [[nodiscard]] std::string suggestion(const KeyName& key, std::span<const KeyName> known) const;
 
+  [[nodiscard]] std::string located(int line, std::string_view message) const;
   [[nodiscard]] bool isOverride(const toml::node& node) const;
   [[nodiscard]] std::string located(const toml::node& node, std::string_view message) const;
   [[nodiscard]] std::string fullName(const KeyName& key) const;

@@ -21,7 +21,8 @@ class VirtualHand final : public HapticDevice {
   /// damped for its mass that a tick cannot follow it.
   VirtualHand(const HandParameters& hand, double tick_s);
 
-  [[nodiscard]] std::string_view name() const noexcept override { return "virtual hand"; }
+  static constexpr std::string_view kName = "virtual hand";
+  [[nodiscard]] std::string_view name() const noexcept override { return kName; }
   /// Its frame is the scene's. It shows what a sigma.7 shows.
   [[nodiscard]] DeviceLimits limits() const noexcept override;
   [[nodiscard]] bool simulated() const noexcept override { return true; }

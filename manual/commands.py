@@ -1,0 +1,16 @@
+"""The program's commands, as its own help tells of them."""
+
+import re
+import subprocess
+from pathlib import Path
+from typing import Iterator
+
+
+def commands(program: Path, command: tuple[str, ...] = ()) -> Iterator[tuple[tuple[str, ...], str]]:
+    """Each command, ("lab", "shear"), with its help; the program itself, (), is the first."""
+    told = subprocess.run([str(program), *command, "--help"], check=True, capture_output=True, text=True).stdout
+    yield command, told
+    listed = re.search(r"^Subcommands:\n((?:  .*\n)+)", told, re.M)
+    for line in listed[1].splitlines() if listed else []:
+        if not line.startswith("   "):
+            yield from commands(program, (*command, line.split()[0]))
