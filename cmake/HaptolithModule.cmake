@@ -55,6 +55,43 @@ function(haptolith_module name)
   haptolith_precompiled(haptolith_${name} library)
 endfunction()
 
+# haptolith_shared_library(haptolith_library haptolith SOURCES a.cpp LIBRARIES haptolith::lab)
+# libhaptolith.so, as haptolith::haptolith: shows what version.map names and nothing else.
+function(haptolith_shared_library target output_name)
+  cmake_parse_arguments(ARG "" "" "SOURCES;LIBRARIES" ${ARGN})
+  set(version_map ${PROJECT_SOURCE_DIR}/src/haptolith/library/version.map)
+  add_library(${target} SHARED ${ARG_SOURCES})
+  add_library(haptolith::${output_name} ALIAS ${target})
+  target_include_directories(${target} INTERFACE
+    $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}/include> $<BUILD_INTERFACE:${PROJECT_BINARY_DIR}/include>
+    $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}>)
+  target_include_directories(${target} PRIVATE ${PROJECT_SOURCE_DIR}/include ${PROJECT_BINARY_DIR}/include)
+  target_link_libraries(${target} PRIVATE ${ARG_LIBRARIES})
+  haptolith_precompiled(${target} library)
+  set_target_properties(${target} PROPERTIES
+    OUTPUT_NAME ${output_name} EXPORT_NAME ${output_name}
+    VERSION ${PROJECT_VERSION} SOVERSION ${PROJECT_VERSION_MAJOR}.${PROJECT_VERSION_MINOR}
+    LINK_DEPENDS ${version_map})
+  target_link_options(${target} PRIVATE
+    LINKER:--version-script=${version_map} LINKER:--as-needed)
+  if(NOT HAPTOLITH_SANITIZE)  # whose functions the program brings
+    target_link_options(${target} PRIVATE LINKER:-z,defs)
+  endif()
+endfunction()
+
+# haptolith_install_library(haptolith_library HEADERS a.h): with headers, its part of find_package(haptolith), and its .pc file.
+function(haptolith_install_library target)
+  cmake_parse_arguments(ARG "" "" "HEADERS" ${ARGN})
+  get_target_property(name ${target} OUTPUT_NAME)
+  install(TARGETS ${target} EXPORT ${name}Targets
+    LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR} COMPONENT library NAMELINK_COMPONENT development)
+  install(FILES ${ARG_HEADERS} DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/haptolith COMPONENT development)
+  install(EXPORT ${name}Targets NAMESPACE haptolith:: DESTINATION ${CMAKE_INSTALL_LIBDIR}/cmake/haptolith COMPONENT development)
+  file(RELATIVE_PATH HAPTOLITH_PREFIX_FROM_PC /${CMAKE_INSTALL_LIBDIR}/pkgconfig /)
+  configure_file(${PROJECT_SOURCE_DIR}/cmake/${name}.pc.in ${CMAKE_CURRENT_BINARY_DIR}/${name}.pc @ONLY)
+  install(FILES ${CMAKE_CURRENT_BINARY_DIR}/${name}.pc DESTINATION ${CMAKE_INSTALL_LIBDIR}/pkgconfig COMPONENT development)
+endfunction()
+
 # haptolith_embed_toml(soils built_in_soils.cpp HEADER haptolith/... TYPE BuiltInSoil FUNCTION builtInSoils)
 # Makes a source, in the current binary folder, of the TOML files, Python and R scripts in a folder of the project.
 function(haptolith_embed_toml folder output)

@@ -82,9 +82,19 @@ def c_reference() -> str:
         line = re.sub(r"^ \*( ?)", "", line.rstrip())
         line = re.sub(r"^ +- ", "- ", line)
         page.append(line if line.startswith("- ") or not line.strip() else "  " + line.strip() if page[-1].startswith(("-", "  ")) else line)
-    for comment, declaration in items_of(header):
+    page += items_as_page(items_of(header))
+    recording = (SOURCE / "include/haptolith/recording.h").read_text()
+    page += ["", "## Recordings", "", "`#include <haptolith/recording.h>`, libhaptolith_recording ([why it is a library of its own](library.md#recordings)).", ""]
+    page += items_as_page(items_of(recording), "###")
+    return "\n".join(page) + "\n"
+
+
+def items_as_page(items: list[tuple[str, str]], level: str = "##") -> list[str]:
+    """Comments and declarations as lines of Markdown; sections are headings of that level."""
+    page: list[str] = []
+    for comment, declaration in items:
         if not declaration:
-            page += ["", f"## {comment[:1].upper()}{comment[1:]}", ""]
+            page += ["", f"{level} {comment[:1].upper()}{comment[1:]}", ""]
             continue
         tail = re.search(r";\s*/\*\s*(.*?)\s*\*/$", declaration, re.S)
         text = text_of(comment) if comment else ""
@@ -109,7 +119,7 @@ def c_reference() -> str:
             page += [f"````{{c:struct}} {name}", "", text, "", "```c", declaration, "```", "````", ""]
         else:
             page += [text, "", "```c", declaration, "```", ""]
-    return "\n".join(page) + "\n"
+    return page
 
 
 # --- the command line -------------------------------------------------------------------------------------------------

@@ -42,6 +42,7 @@ const std::map<std::string, Folders> kArrows = {
     {"study", {"session", "psychometrics"}},
     // What others build on, through C: neither files of recordings, nor pages, nor studies.
     {"library", {"scenario", "lab"}},
+    {"recording_library", {"library", "recording"}},
     {"teleop", {"haptics", "scenario", "figure"}},
     {"viewer", {"session"}},
 };

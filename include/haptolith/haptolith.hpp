@@ -108,6 +108,19 @@ class ProgressCall {
   std::exception_ptr thrown_;
 };
 
+/// A text of a function that tells how long it is when there is too little room.
+template <class Handle>
+std::string textFrom(std::int32_t (*get)(const Handle *, char *, std::uint64_t, std::uint64_t *), const Handle *handle) {
+  std::uint64_t needed = 0;
+  std::string text;
+  while (get(handle, text.data(), text.size(), &needed) == HAPTO_TOO_SMALL) {
+    text.resize(needed);
+  }
+  require(get(handle, text.data(), text.size(), &needed));
+  text.resize(needed - 1);
+  return text;
+}
+
 /// Texts as C wants them, for as long as the texts live.
 inline std::vector<const char *> pointers(const std::vector<std::string> &texts) {
   std::vector<const char *> pointers;
@@ -255,16 +268,7 @@ class Scene {
     require(hapto_scene_view(get(), field, &array));
     return View<float>(array);
   }
-  std::string toml() const {
-    std::uint64_t needed = 0;
-    std::string text;
-    while (hapto_scene_get_toml(get(), text.data(), text.size(), &needed) == HAPTO_TOO_SMALL) {
-      text.resize(needed);
-    }
-    require(hapto_scene_get_toml(get(), text.data(), text.size(), &needed));
-    text.resize(needed - 1);
-    return text;
-  }
+  std::string toml() const { return detail::textFrom(hapto_scene_get_toml, get()); }
   std::vector<std::byte> state() const {
     std::uint64_t needed = 0;
     (void)hapto_scene_get_state(get(), nullptr, 0, &needed);
@@ -378,8 +382,10 @@ class Device {
 class Loop {
  public:
   enum class Ticked { kByItsThread, kByCaller };
+  /// Kept, with hashes of the soil: for takeTicks() and for a Recorder.
+  enum class Ticks { kNotKept, kKept };
 
-  Loop(Scene &scene, Device &device, Ticked ticked = Ticked::kByItsThread) {
+  Loop(Scene &scene, Device &device, Ticked ticked = Ticked::kByItsThread, Ticks ticks = Ticks::kNotKept) {
     auto own = sized<hapto_device>();
     own.user = &device;
     own.name = device.name();
@@ -389,10 +395,12 @@ class Loop {
     own.write = [](void *user, const hapto_device_output *force) { static_cast<Device *>(user)->write(*force); };
     own.let_go = [](void *user) { static_cast<Device *>(user)->letGo(); };
     own.take_up = [](void *user) { static_cast<Device *>(user)->takeUp(); };
-    create(scene, &own, ticked);
+    create(scene, &own, ticked, ticks);
   }
   /// With the device that the scene names, a virtual hand by default.
-  explicit Loop(Scene &scene, Ticked ticked = Ticked::kByItsThread) { create(scene, nullptr, ticked); }
+  explicit Loop(Scene &scene, Ticked ticked = Ticked::kByItsThread, Ticks ticks = Ticks::kNotKept) {
+    create(scene, nullptr, ticked, ticks);
+  }
 
   void start() { require(hapto_loop_start(handle_.get())); }
   /// One tick of Ticked::kByCaller. False: it was the last.
@@ -414,11 +422,23 @@ class Loop {
     const auto list = detail::pointers(overrides);
     require(hapto_loop_change(handle_.get(), list.data(), static_cast<std::uint32_t>(list.size())));
   }
+  /// Up to `most` of the ticks that wait, the oldest first; take them every second or more often.
+  std::vector<hapto_tick> takeTicks(std::uint64_t most = 10'000) {
+    std::vector<hapto_tick> ticks(most);
+    std::uint64_t count = 0;
+    require(hapto_loop_take_ticks(handle_.get(), ticks.data(), most, &count, nullptr));
+    ticks.resize(count);
+    return ticks;
+  }
+
+  hapto_loop *get() const noexcept { return handle_.get(); }
 
  private:
-  void create(Scene &scene, const hapto_device *device, Ticked ticked) {
+  void create(Scene &scene, const hapto_device *device, Ticked ticked, Ticks ticks) {
+    const std::uint32_t flags = (ticked == Ticked::kByCaller ? HAPTO_LOOP_TICKED_BY_CALLER : 0) |
+                                (ticks == Ticks::kKept ? HAPTO_LOOP_KEEPS_TICKS | HAPTO_LOOP_HASHES : 0);
     hapto_loop *made = nullptr;
-    require(hapto_loop_create(scene.get(), device, ticked == Ticked::kByCaller ? HAPTO_LOOP_TICKED_BY_CALLER : 0, &made));
+    require(hapto_loop_create(scene.get(), device, flags, &made));
     handle_.reset(made);
   }
 

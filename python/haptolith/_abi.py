@@ -178,23 +178,24 @@ SIGNATURES: dict[str, list[Any]] = {
 RESULTS: dict[str, Any] = {"hapto_version": c_uint32, "hapto_version_string": c_char_p, "hapto_status_text": c_char_p}
 
 
-def _load() -> ctypes.CDLL:
-    """HAPTOLITH_LIBRARY, the library of the prefix that this package lies in, or what the system finds."""
+def load(soname: str, signatures: dict[str, list[Any]], results: dict[str, Any]) -> ctypes.CDLL:
+    """A library where HAPTOLITH_LIBRARY is, in the prefix that this package lies in, or where the system finds it."""
     named = os.environ.get("HAPTOLITH_LIBRARY")
-    beside = [folder / SONAME for folder in Path(__file__).resolve().parents[:5]]
-    found = next((str(path) for path in beside if path.exists()), SONAME)
+    folders = [Path(named).resolve().parent] if named else list(Path(__file__).resolve().parents[:5])
+    found = next((str(folder / soname) for folder in folders if (folder / soname).exists()), soname)
     try:
-        loaded = ctypes.CDLL(named or found)
+        loaded = ctypes.CDLL(named if named and soname == SONAME else found)
     except OSError as error:
-        raise ImportError(f"{error}; install libhaptolith (./dev install), or name it in HAPTOLITH_LIBRARY") from error
-    for name, arguments in SIGNATURES.items():
+        raise ImportError(f"{error}; install it (./dev install, or its Debian package), or name libhaptolith.so in "
+                          "HAPTOLITH_LIBRARY") from error
+    for name, arguments in signatures.items():
         function = getattr(loaded, name)
         function.argtypes = arguments
-        function.restype = RESULTS.get(name, c_int32)
+        function.restype = results.get(name, c_int32)
     return loaded
 
 
-lib = _load()
+lib = load(SONAME, SIGNATURES, RESULTS)
 
 
 def library_version() -> str:

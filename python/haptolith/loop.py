@@ -102,7 +102,7 @@ class Loop(Owned):
     """Joins a scene and a device at 1 kHz: mapping, coupling, filter and safety layer as the scene says.
 
     device: None: the one that the scene names, a virtual hand by default. The scene belongs to the loop until close().
-    ticked_by_caller: tick() in a loop of yours instead of start()."""
+    ticked_by_caller: tick() in a loop of yours instead of start(). keep_ticks: for take_ticks() and for a Recorder."""
 
     _destroy = _lib.hapto_loop_destroy
     _held: Optional[object] = None
@@ -114,7 +114,7 @@ class Loop(Owned):
         self.device = device
         self._raised: list[BaseException] = []
         self._own = _own_device(device, self._raised) if device is not None else None
-        flags = (_abi.TICKED_BY_CALLER if ticked_by_caller else 0) | (_abi.KEEPS_TICKS if keep_ticks else 0)
+        flags = (_abi.TICKED_BY_CALLER if ticked_by_caller else 0) | (_abi.KEEPS_TICKS | _abi.HASHES if keep_ticks else 0)
         out = ctypes.c_void_p()
         require(_lib.hapto_loop_create(scene.address, self._own, flags, ctypes.byref(out)))
         self._handle = out.value

@@ -52,6 +52,9 @@ case $how in
     lookAt "$work/build"
     "$work/build/example_own_device" | tee "$work/own_device.txt"
     grep -q "ended: the time asked for is over" "$work/own_device.txt" || fail "own_device does not end as it should"
+    "$work/build/example_record" "$work/run.h5" | tee "$work/record.txt"
+    grep -q "2000 ticks, run again: the same to the last bit" "$work/record.txt" || fail "record does not run the same again"
+    "$program" replay "$work/run.h5" --verify > "$work/replay.txt" || { cat "$work/replay.txt"; fail "the program does not run it again"; }
     awk '/N  tick/ && $7 > 0.1 { felt = 1 } END { exit !felt }' "$work/own_device.txt" || fail "own_device feels nothing"
     ;;
   pkg_config)
@@ -66,6 +69,9 @@ case $how in
       g++ -std=c++17 -pedantic -Wall -Wextra -Wno-missing-field-initializers -Werror "$source/examples/cpp/$example.cpp" "${flags[@]}" -o "$work/example_$example"
     done
     lookAt "$work"
+    read -ra flags <<< "$(pkg-config --cflags --libs haptolith_recording)"
+    g++ -std=c++17 -pedantic -Wall -Wextra -Wno-missing-field-initializers -Werror "$source/examples/cpp/record.cpp" "${flags[@]}" -o "$work/example_record"
+    "$work/example_record" "$work/run.h5"
     ;;
   add_subdirectory)
     cat > "$work/CMakeLists.txt" << CMAKE
@@ -91,26 +97,29 @@ CMAKE
              END { exit !(out < 2 && in_soil / n > 3) }' "$work/arm.csv" || fail "the force is not where the soil is"
     ;;
   symbols)
+    for name in haptolith haptolith_recording; do
+      library=$build/src/haptolith/library/lib$name.so
+      header=$source/include/haptolith/${name#haptolith_}.h
+      nm -D --defined-only "$library" | awk '$2 != "A" { sub(/@.*/, "", $3); print $3 }' | sort > "$work/shown"
+      grep -o 'HAPTO_API [a-z0-9_ *]*hapto_[a-z0-9_]*(' "$header" | grep -o 'hapto_[a-z0-9_]*(' | tr -d '(' | sort > "$work/declared"
+      diff "$work/declared" "$work/shown" || fail "what $header declares (<) is not what the library shows (>)"
+      objdump -p "$library" | grep "SONAME *lib$name.so.0.2$" > /dev/null || fail "the SONAME is not lib$name.so.0.2"
+    done
     library=$build/src/haptolith/library/libhaptolith.so
-    nm -D --defined-only "$library" | awk '$2 != "A" { sub(/@.*/, "", $3); print $3 }' | sort > "$work/shown"
-    grep -o 'HAPTO_API [a-z0-9_ *]*hapto_[a-z0-9_]*(' "$source/include/haptolith/haptolith.h" |
-      grep -o 'hapto_[a-z0-9_]*(' | tr -d '(' | sort > "$work/declared"
-    diff "$work/declared" "$work/shown" || fail "what the header declares (<) is not what the library shows (>)"
     # Few and light: no X11, no HDF5, no SQLite in who uses it.
     needed=$(objdump -p "$library" | awk '/NEEDED/ { print $2 }' | sed 's/\.so.*//' | sort | tr '\n' ' ')
     allowed="ld-linux-x86-64 libc libfmt libgcc_s libhwy libm libnlopt libnlopt_cxx libsodium libstdc++ libtomlplusplus libxxhash "
     for name in $needed; do
       [[ " $allowed" == *" $name "* ]] || fail "the library needs $name"
     done
-    objdump -p "$library" | grep -q "SONAME *libhaptolith.so.0.2$" || fail "the SONAME is not libhaptolith.so.0.2"
     ;;
   header)
-    printf '#include <haptolith/haptolith.h>\nint main(void) { return 0; }\n' > "$work/alone.c"
+    printf '#include <haptolith/recording.h>\nint main(void) { return 0; }\n' > "$work/alone.c"
     for standard in c99 c11 c17; do
       gcc -std=$standard -pedantic -Wall -Wextra -Wstrict-prototypes -Wpadded -Werror -I"$source/include" -I"$build/include" -fsyntax-only "$work/alone.c"
     done
     cp "$work/alone.c" "$work/alone.cpp"
-    printf '#include <haptolith/haptolith.hpp>\nint main() { return 0; }\n' > "$work/wrapper.cpp"
+    printf '#include <haptolith/recording.hpp>\nint main() { return 0; }\n' > "$work/wrapper.cpp"
     for standard in c++17 c++20 c++23; do
       g++ -std=$standard -pedantic -Wall -Wextra -Wconversion -Wshadow -Werror -I"$source/include" -I"$build/include" -fsyntax-only "$work/alone.cpp" "$work/wrapper.cpp"
     done

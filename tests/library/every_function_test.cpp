@@ -35,13 +35,6 @@ struct Call {
   std::function<std::int32_t(const Handles&)> with;
 };
 
-template <class T>
-T sized() {
-  T value{};
-  value.size = sizeof value;
-  return value;
-}
-
 /// What calls write to, and read good values from.
 struct Good {
   hapto_pose pose{{0, 0, 0.2}, {1, 0, 0, 0}};

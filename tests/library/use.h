@@ -24,6 +24,14 @@ inline void expectOk(std::int32_t status) {
   EXPECT_EQ(status, HAPTO_OK) << lastError().message;
 }
 
+/// A struct with its size in it.
+template <class T>
+T sized() {
+  T value{};
+  value.size = sizeof value;
+  return value;
+}
+
 struct Destroy {
   void operator()(hapto_scene* scene) const { expectOk(hapto_scene_destroy(scene)); }
   void operator()(hapto_soil* soil) const { expectOk(hapto_soil_destroy(soil)); }

@@ -1,5 +1,6 @@
 """The examples run, and say what they should."""
 
+import os
 import re
 import subprocess
 import sys
@@ -36,3 +37,12 @@ def test_own_device(tmp_path):
     told = output_of("own_device.py", where=tmp_path)
     assert "ended: the time asked for is over" in told
     assert max(float(n) for n in re.findall(r"mm +([\d.]+) N", told)) > 0.2
+
+
+def test_recording_to_figure(tmp_path):
+    program = Path(os.environ["HAPTOLITH_BUILD"]) / "apps/haptolith/haptolith"
+    subprocess.run([program, "run", "paper", "--hand", "scoop", "--unpaced", "--duration-s", "4", "--record", "run.h5"], cwd=tmp_path,
+                   check=True, capture_output=True)
+    told = output_of("recording_to_figure.py", "run.h5", "run.png", where=tmp_path)
+    assert float(re.search(r"4000 ticks, ([\d.]+) N at most", told).group(1)) > 1
+    assert (tmp_path / "run.png").read_bytes().startswith(b"\x89PNG")
