@@ -69,7 +69,7 @@ function(haptolith_shared_library target output_name)
   target_link_libraries(${target} PRIVATE ${ARG_LIBRARIES})
   haptolith_precompiled(${target} library)
   set_target_properties(${target} PROPERTIES
-    OUTPUT_NAME ${output_name} EXPORT_NAME ${output_name}
+    OUTPUT_NAME ${output_name} EXPORT_NAME ${output_name} LIBRARY_OUTPUT_DIRECTORY ${PROJECT_BINARY_DIR}/lib
     VERSION ${PROJECT_VERSION} SOVERSION ${PROJECT_VERSION_MAJOR}.${PROJECT_VERSION_MINOR}
     LINK_DEPENDS ${version_map})
   target_link_options(${target} PRIVATE

@@ -201,7 +201,7 @@ def make(build: Path, out: Path, staged: Path) -> None:
     (staged / "command-line.md").write_text(command_line(program))
     version = subprocess.run([str(program), "--version"], check=True, capture_output=True, text=True).stdout.split()[-1]
     environment = {**os.environ, "HAPTOLITH_VERSION": version, "PYTHONPATH": str(SOURCE / "python"), "PYTHONDONTWRITEBYTECODE": "1",
-                   "HAPTOLITH_LIBRARY": str(build / "src/haptolith/library/libhaptolith.so")}
+                   "HAPTOLITH_LIBRARY": str(build / "lib/libhaptolith.so")}
     subprocess.run(["/usr/bin/python3", "-m", "sphinx", "-q", "-W", "--keep-going", "-n", "-b", "html", "-d", str(staged / "doctrees"), str(staged), str(out)],
                    check=True, env=environment)
 

@@ -41,7 +41,7 @@ const std::map<std::string, Folders> kArrows = {
     {"psychometrics", {"core", "figure"}},
     {"study", {"session", "psychometrics"}},
     // What others build on, through C: neither files of recordings, nor pages, nor studies.
-    {"library", {"scenario", "lab"}},
+    {"library", {"scenario", "lab", "psychometrics"}},
     {"recording_library", {"library", "recording"}},
     {"teleop", {"haptics", "scenario", "figure"}},
     {"viewer", {"session"}},

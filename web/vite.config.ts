@@ -1,9 +1,28 @@
-import { defineConfig } from 'vite';
+import { readdirSync, readFileSync } from 'node:fs';
+import { defineConfig, type Plugin } from 'vite';
+import own from './package.json' with { type: 'json' };
+
+/// licences.txt beside the page: of the packages that have become a part of it.
+function licences(): Plugin {
+  return {
+    name: 'licences',
+    generateBundle() {
+      const texts = Object.entries(own.dependencies).map(([name, version]) => {
+        const folder = new URL(`./node_modules/${name}/`, import.meta.url);
+        const file = readdirSync(folder).find((entry) => /^licen[cs]e(\.\w+)?$/i.test(entry));
+        if (file === undefined) throw new Error(`${name} says nothing about its licence`);
+        return `${name} ${version}\n\n${readFileSync(new URL(file, folder), 'utf8').trim()}\n`;
+      });
+      this.emitFile({ type: 'asset', fileName: 'licences.txt', source: texts.join(`\n${'-'.repeat(78)}\n\n`) });
+    },
+  };
+}
 
 // The page is served offline by `haptolith run` under a strict Content-Security-Policy, so the build is a handful of
 // plain files: no inline script, no code that is loaded later, relative addresses throughout.
 export default defineConfig({
   base: './',
+  plugins: [licences()],
   build: {
     target: 'es2022',
     cssCodeSplit: false,

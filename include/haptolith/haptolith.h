@@ -282,6 +282,16 @@ HAPTO_API int32_t hapto_soil_calibrate(const char *target, hapto_progress progre
 HAPTO_API int32_t hapto_lab_test(const char *test, const hapto_soil *soil, const char *options, hapto_progress progress,
                                  void *user, hapto_result **out);
 
+/* --- psychometric functions ----------------------------------------------------------------------------------------------- */
+
+/* Fits a psychometric function to answers, as `haptolith study fit` does (docs/psychometrics.md).
+ * levels   `count` rows of three numbers: stimulus, positive answers, answers.
+ * options  TOML: design, alternatives, sigmoid, log_x, falling, reference, free_threshold, lapse, guess, overdispersion (a number
+ *          or "free"), method, confidence, simulations, pool_tolerance; NULL or "": sigmoid "weber", design "equal-asymptote".
+ * The result has what the command prints with --json, and the function with its band as columns x, psi, psi_low, psi_high.
+ * Errors: HAPTO_INVALID_PARAMETER for options and answers that make no sense. */
+HAPTO_API int32_t hapto_psychometric_fit(const double *levels, uint64_t count, const char *options, hapto_result **out);
+
 /* --- the loop: a device or a hand at 1 kHz ---------------------------------------------------------------------------- */
 
 /* What a device declares of itself. hapto_device_limits_init() sets what an ideal device has; INFINITY: no limit. */

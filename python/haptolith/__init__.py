@@ -15,6 +15,7 @@ from .batch import Batch
 from .errors import (Busy, Collapsed, Failure, HaptolithError, InvalidParameter, Stopped)
 from .lab import lab_test, lab_tests
 from .loop import Device, DeviceInput, Limits, Loop, Snapshot
+from .psychometrics import fit_psychometric
 from .safety import Safety, SafetyInfo
 from .scene import Scene, SceneInfo, scenes
 from .soil import Soil, calibrate, presets, soils
@@ -24,6 +25,7 @@ __version__ = _library_version()
 
 __all__ = [
     "Batch", "Busy", "Collapsed", "Device", "DeviceInput", "Failure", "HaptolithError", "InvalidParameter", "Limits",
-    "Loop", "Pose", "Safety", "SafetyInfo", "Scene", "SceneInfo", "Snapshot", "Soil", "Stopped", "Wrench", "calibrate", "lab_test",
+    "Loop", "Pose", "Safety", "SafetyInfo", "Scene", "SceneInfo", "Snapshot", "Soil", "Stopped", "Wrench", "calibrate",
+    "fit_psychometric", "lab_test",
     "lab_tests", "presets", "scenes", "soils",
 ]

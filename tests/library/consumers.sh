@@ -98,14 +98,14 @@ CMAKE
     ;;
   symbols)
     for name in haptolith haptolith_recording; do
-      library=$build/src/haptolith/library/lib$name.so
+      library=$build/lib/lib$name.so
       header=$source/include/haptolith/${name#haptolith_}.h
       nm -D --defined-only "$library" | awk '$2 != "A" { sub(/@.*/, "", $3); print $3 }' | sort > "$work/shown"
       grep -o 'HAPTO_API [a-z0-9_ *]*hapto_[a-z0-9_]*(' "$header" | grep -o 'hapto_[a-z0-9_]*(' | tr -d '(' | sort > "$work/declared"
       diff "$work/declared" "$work/shown" || fail "what $header declares (<) is not what the library shows (>)"
       objdump -p "$library" | grep "SONAME *lib$name.so.0.2$" > /dev/null || fail "the SONAME is not lib$name.so.0.2"
     done
-    library=$build/src/haptolith/library/libhaptolith.so
+    library=$build/lib/libhaptolith.so
     # Few and light: no X11, no HDF5, no SQLite in who uses it.
     needed=$(objdump -p "$library" | awk '/NEEDED/ { print $2 }' | sed 's/\.so.*//' | sort | tr '\n' ' ')
     allowed="ld-linux-x86-64 libc libfmt libgcc_s libhwy libm libnlopt libnlopt_cxx libsodium libstdc++ libtomlplusplus libxxhash "

@@ -161,11 +161,21 @@ std::vector<Call> calls(Good& good) {
 }
 
 /// Those that are called below by themselves: they have no handle.
-const std::set<std::string> kWithoutHandle{"hapto_version",         "hapto_version_string",  "hapto_last_error",
-                                           "hapto_status_text",     "hapto_note_error",      "hapto_list",
-                                           "hapto_scene_from_toml", "hapto_scene_from_file", "hapto_scene_from_state",
-                                           "hapto_soil_find",       "hapto_soil_from_toml",  "hapto_device_limits_init",
-                                           "hapto_safety_create",   "hapto_soil_calibrate"};
+const std::set<std::string> kWithoutHandle{"hapto_version",
+                                           "hapto_version_string",
+                                           "hapto_last_error",
+                                           "hapto_status_text",
+                                           "hapto_note_error",
+                                           "hapto_psychometric_fit",
+                                           "hapto_list",
+                                           "hapto_scene_from_toml",
+                                           "hapto_scene_from_file",
+                                           "hapto_scene_from_state",
+                                           "hapto_soil_find",
+                                           "hapto_soil_from_toml",
+                                           "hapto_device_limits_init",
+                                           "hapto_safety_create",
+                                           "hapto_soil_calibrate"};
 
 Handles alive(hapto_scene** loops_scene) {
   Handles h;
@@ -286,6 +296,8 @@ TEST(EveryFunction, RefusesNullWhereThereMustBeSomething) {
   EXPECT_EQ(hapto_lab_test("fall", h.soil, nullptr, nullptr, nullptr, nullptr), HAPTO_NULL);
   EXPECT_EQ(hapto_soil_get(h.soil, "soil.radius_mm", nullptr), HAPTO_NULL);
   EXPECT_EQ(hapto_soil_profile(h.soil, 1, 0.1, nullptr), HAPTO_NULL);
+  EXPECT_EQ(hapto_psychometric_fit(nullptr, 1, nullptr, &result), HAPTO_NULL);
+  EXPECT_EQ(hapto_psychometric_fit(&pose.position_m[0], 1, nullptr, nullptr), HAPTO_NULL);
   EXPECT_EQ(hapto_device_limits_init(nullptr), HAPTO_NULL);
   EXPECT_EQ(hapto_loop_create(h.scene, nullptr, 0, nullptr), HAPTO_NULL);
   EXPECT_EQ(hapto_loop_snapshot(h.loop, nullptr), HAPTO_NULL);

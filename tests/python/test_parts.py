@@ -1,8 +1,12 @@
 """Batches, soils, the laboratory, loops, safety and the gym."""
 
+import json
+import os
 import pickle
+import subprocess
 import threading
 import time
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -228,3 +232,20 @@ def test_environments_in_threads():
     for thread in threads:
         thread.join()
     assert outcomes[0] == outcomes[1]
+
+
+def test_a_psychometric_fit_is_the_programs(tmp_path):
+    x, k = [0.6, 0.7, 0.8, 0.9, 1.0, 1.1], [3, 6, 9, 12, 15, 18]
+    table = tmp_path / "answers.csv"
+    table.write_text("x,k,n\n" + "".join(f"{a},{b},20\n" for a, b in zip(x, k)))
+    program = Path(os.environ["HAPTOLITH_BUILD"]) / "apps/haptolith/haptolith"
+    told = json.loads(subprocess.run([program, "study", "fit", "--data", table, "--reference", "0.835", "--json"], check=True,
+                                     capture_output=True, text=True).stdout)
+    fit = hp.fit_psychometric(x, k, 20, reference=0.835)
+    assert {name: fit[name] for name in told} == told
+    assert fit.columns["psi"].shape == (101,) and np.all(np.diff(fit["psi"]) > 0)
+    trials = np.repeat(x, 20)
+    answers = np.concatenate([np.arange(20) < yes for yes in k])
+    assert hp.fit_psychometric(trials, answers, 1, reference=0.835)["w"] == fit["w"]
+    with pytest.raises(hp.InvalidParameter, match="norm or logistic"):
+        hp.fit_psychometric(x, k, 20, sigmoid="steep")

@@ -13,19 +13,6 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-Json intervalJson(const Interval& interval) {
-  return Json::array({interval.low, interval.high});
-}
-
-std::string_view nameOf(FitMethod method) {
-  switch (method) {
-    case FitMethod::kMedian: return "median";
-    case FitMethod::kMaximumLikelihood: return "ml";
-    case FitMethod::kMap: break;
-  }
-  return "map";
-}
-
 std::string_view wordsFor(FitMethod method) {
   switch (method) {
     case FitMethod::kMedian: return "medians of the posterior";
@@ -54,57 +41,11 @@ std::string_view readingOf22(Sigmoid sigmoid) {
   }
 }
 
-std::string designName(const Fit& fit) {
-  return fit.design == Design::kForcedChoice ? fmt::format("{}afc", fit.alternatives) : std::string(nameOf(fit.design));
-}
-
 std::string_view scaleName(const Fit& fit) {
   return isWeber(fit.function.sigmoid) ? "Weber fraction" : "width";
 }
 
 }  // namespace
-
-Json fitJson(const Fit& fit) {
-  Json json{{"threshold", fit.threshold.value},
-            {"width", fit.width.value},
-            {"jnd", fit.jnd.value},
-            {"weber_fraction", fit.weber_fraction.value},
-            {"lapse", fit.lapse.value},
-            {"guess", fit.guess.value},
-            {"overdispersion", fit.overdispersion.value},
-            {"intervals",
-             {{"threshold", intervalJson(fit.threshold.interval)},
-              {"width", intervalJson(fit.width.interval)},
-              {"jnd", intervalJson(fit.jnd.interval)},
-              {"weber_fraction", intervalJson(fit.weber_fraction.interval)},
-              {"lapse", intervalJson(fit.lapse.interval)},
-              {"guess", intervalJson(fit.guess.interval)},
-              {"overdispersion", intervalJson(fit.overdispersion.interval)}}},
-            {"confidence", fit.confidence},
-            {"deviance", fit.deviance},
-            {"p_value", fit.p_value},
-            {"p_value_chi_square", fit.p_value_chi_square},
-            {"n_trials", std::llround(fit.n_trials)},
-            {"sigmoid", nameOf(fit.function.sigmoid)},
-            {"design", designName(fit)},
-            {"alternatives", fit.alternatives},
-            {"falling", fit.function.falling},
-            {"log_x", fit.function.log_axis},
-            {"method", nameOf(fit.method)},
-            {"free_parameters", fit.free_parameters},
-            {"log_likelihood", fit.log_likelihood},
-            {"log_evidence", fit.log_evidence},
-            {"aic", fit.aic},
-            {"bic", fit.bic}};
-  if (fit.w) {
-    json["w"] = fit.w->value;
-    json["intervals"]["w"] = intervalJson(fit.w->interval);
-  }
-  for (const Level& level : fit.levels) {
-    json["levels"].push_back({{"x", level.x}, {"k", std::llround(level.k)}, {"n", std::llround(level.n)}});
-  }
-  return json;
-}
 
 Json groupJson(const GroupFit& group, const std::vector<std::string>& names) {
   const auto population_json = [](const Population& population) {

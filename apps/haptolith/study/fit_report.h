@@ -6,15 +6,11 @@
 #include <string>
 #include <vector>
 
-#include "haptolith/psychometrics/fit.h"
+#include "haptolith/psychometrics/fit_json.h"
 #include "haptolith/psychometrics/group.h"
 #include "haptolith/psychometrics/group_difference.h"
 
 namespace haptolith {
-
-/// A fit as `study fit --json` prints it: threshold, width, jnd, weber_fraction, lapse, guess, overdispersion,
-/// intervals and so on; w for the sigmoids of (paper 22).
-[[nodiscard]] nlohmann::ordered_json fitJson(const Fit& fit);
 
 /// The person in the middle, the spread between people, and each participant within the group and alone.
 /// @param names  of the participants, in their order.

@@ -13,6 +13,7 @@
 #include "haptolith/core/error.h"
 #include "haptolith/psychometrics/answers_file.h"
 #include "haptolith/psychometrics/fit.h"
+#include "haptolith/psychometrics/fit_request.h"
 #include "haptolith/psychometrics/group.h"
 #include "haptolith/psychometrics/group_difference.h"
 #include "haptolith/psychometrics/psychometric_figure.h"
@@ -37,68 +38,15 @@ participant, --group tells people apart. docs/psychometrics.md explains models, 
 
 struct Options {
   std::string data, block, figure;
-  std::string design = "equal-asymptote";
-  std::string sigmoid = "weber";
-  std::string method;
-  std::string lapse, guess, overdispersion;  // a number, "free", or nothing: as the sigmoid has it
-  int alternatives = 2;
+  FitRequest fit;
   double pool_tolerance = 0;
-  bool log_x = false;
-  bool falling = false;
-  bool free_threshold = false;
   bool compare = false;
   bool group = false;
   bool between_groups = false;
   Overwrite overwrite;
   bool json = false;
-  std::optional<double> reference;
-  double confidence = 0.95;
-  int simulations = 1000;
   std::string x_label = "x";
 };
-
-/// A rate that is fixed at a number, or free.
-std::optional<double> rateOf(const char* key, const std::string& text, std::optional<double> otherwise) {
-  if (text.empty()) {
-    return otherwise;
-  }
-  if (text == "free") {
-    return std::nullopt;
-  }
-  double value = 0;
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-  if (error != std::errc() || end != text.data() + text.size()) {
-    throw InvalidParameter(key, fmt::format("'{}'", text), "a number or free");
-  }
-  return value;
-}
-
-FitOptions fitOptionsOf(const Options& options) {
-  if (options.alternatives != 2 && options.design != "nafc") {
-    throw InvalidParameter("--alternatives", fmt::format("{} with --design {}", options.alternatives, options.design),
-                           "a number of alternatives only with --design nafc");
-  }
-  FitOptions fit{.sigmoid = sigmoidNamed(options.sigmoid), .design = designNamed(options.design)};
-  fit.alternatives = options.alternatives;
-  fit.log_axis = options.log_x || isAlwaysLogarithmic(fit.sigmoid);
-  fit.falling = options.falling;
-  fit.confidence = options.confidence;
-  fit.simulations = options.simulations;
-  // (paper 22) has neither lapses nor overdispersion, and its threshold is the reference.
-  const std::optional<double> usual = isWeber(fit.sigmoid) ? std::optional<double>(0) : std::nullopt;
-  fit.lapse = rateOf("--lapse", options.lapse, usual);
-  fit.overdispersion = rateOf("--overdispersion", options.overdispersion, usual);
-  fit.guess = rateOf("--guess", options.guess, fit.design == Design::kYesNo ? usual : std::nullopt);
-  if (isWeber(fit.sigmoid) && !options.free_threshold) {
-    fit.threshold = options.reference;
-  }
-  if (options.method == "map") {
-    fit.estimate = PointEstimate::kMap;
-  } else if (options.method == "median") {
-    fit.estimate = PointEstimate::kMedian;
-  }
-  return fit;
-}
 
 /// The people of one block.
 std::vector<AnswersOf> answersOf(const Options& options) {
@@ -208,7 +156,7 @@ void tellDifferences(const std::vector<GroupResult>& groups, double confidence, 
 }
 
 Result fitAll(const Options& options, const std::vector<AnswersOf>& answers) {
-  const FitOptions wanted = fitOptionsOf(options);
+  const FitOptions wanted = fitOptionsOf(options.fit, "--");
   std::vector<std::vector<Level>> participants;
   Result result;
   for (const AnswersOf& of : answers) {
@@ -216,7 +164,7 @@ Result fitAll(const Options& options, const std::vector<AnswersOf>& answers) {
     result.names.push_back(of.participant.empty() ? fmt::format("{}", result.names.size() + 1) : of.participant);
   }
   const std::vector<Level> all = pooledAnswers(participants, options.pool_tolerance);
-  result.fit = options.method == "ml" ? fitMaximumLikelihood(all, wanted) : fitPsychometric(all, wanted);
+  result.fit = fitAsAsked(all, options.fit, "--");
   if (options.group) {
     FitOptions quick = wanted;
     quick.simulations = 0;
@@ -234,7 +182,8 @@ Result fitAll(const Options& options, const std::vector<AnswersOf>& answers) {
 }
 
 void draw(const Options& options, const Result& result) {
-  PsychometricFigure figure{.x_label = options.x_label, .log_axis = options.log_x, .reference = options.reference};
+  PsychometricFigure figure{
+      .x_label = options.x_label, .log_axis = options.fit.log_x, .reference = options.fit.reference};
   figure.group = FigureCurve{.title = result.names.size() > 1 ? "all" : "fit", .fit = result.fit};
   if (result.group) {
     for (std::size_t i = 0; i < result.names.size(); ++i) {
@@ -248,12 +197,12 @@ void printGroups(const Options& options, const std::vector<GroupResult>& groups)
   for (const GroupResult& group : groups) {
     printText(fmt::format("\nGroup {}:\n{}", group.name, groupText(group.fit, group.people)));
   }
-  tellDifferences(groups, options.confidence,
+  tellDifferences(groups, options.fit.confidence,
                   [&](const std::string& first, const std::string& second, const Change& scale,
                       const std::optional<Change>& threshold) {
                     const std::string heading =
                         fmt::format("group {} over group {}: different people, people's median", second, first);
-                    printText("\n" + changesText(heading, scale, threshold, options.confidence));
+                    printText("\n" + changesText(heading, scale, threshold, options.fit.confidence));
                   });
 }
 
@@ -264,7 +213,7 @@ nlohmann::ordered_json groupsJson(const Options& options, const std::vector<Grou
     fit.update(groupJson(group.fit, group.people));
     json["groups"].push_back(std::move(fit));
   }
-  tellDifferences(groups, options.confidence,
+  tellDifferences(groups, options.fit.confidence,
                   [&](const std::string& first, const std::string& second, const Change& scale,
                       const std::optional<Change>& threshold) {
                     nlohmann::ordered_json difference{{"first_group", first}, {"second_group", second}};
@@ -321,24 +270,24 @@ std::vector<std::string> namesOf(const std::array<NamedKind<Kind>, kCount>& name
 void addModelOptions(CLI::App& command, Options& options) {
   std::vector<std::string> designs = namesOf(kDesignNames);
   designs.emplace_back("2afc");
-  command.add_option("--design", options.design, "what the asymptotes are")
+  command.add_option("--design", options.fit.design, "what the asymptotes are")
       ->check(oneOf(designs))
       ->capture_default_str();
-  command.add_option("--alternatives", options.alternatives, "n of nafc: the guess rate is 1/n")
+  command.add_option("--alternatives", options.fit.alternatives, "n of nafc: the guess rate is 1/n")
       ->check(wholeNumberIn({2, 1000}))
       ->capture_default_str();
-  command.add_option("--sigmoid", options.sigmoid, "shape of the function")
+  command.add_option("--sigmoid", options.fit.sigmoid, "shape of the function")
       ->check(oneOf(namesOf(kSigmoidNames)))
       ->capture_default_str();
-  command.add_flag("--log-x", options.log_x, "logarithmic axis (weber, as-printed and weibull have one anyway)");
-  command.add_flag("--falling", options.falling, "more of the stimulus, fewer positive answers");
-  command.add_option("--reference", options.reference,
+  command.add_flag("--log-x", options.fit.log_x, "logarithmic axis (weber, as-printed and weibull have one anyway)");
+  command.add_flag("--falling", options.fit.falling, "more of the stimulus, fewer positive answers");
+  command.add_option("--reference", options.fit.reference,
                      "p of weber and as-printed: fixes the threshold; drawn as a line");
-  command.add_flag("--free-threshold", options.free_threshold, "the point of equality need not be the reference");
-  command.add_option("--lapse", options.lapse,
+  command.add_flag("--free-threshold", options.fit.free_threshold, "the point of equality need not be the reference");
+  command.add_option("--lapse", options.fit.lapse,
                      "lapse rate, one less the upper asymptote: a number, or free (weber, as-printed: 0; else free)");
-  command.add_option("--guess", options.guess, "guess rate of yesno, the same way");
-  command.add_option("--overdispersion", options.overdispersion, "eta of the beta-binomial, the same way");
+  command.add_option("--guess", options.fit.guess, "guess rate of yesno, the same way");
+  command.add_option("--overdispersion", options.fit.overdispersion, "eta of the beta-binomial, the same way");
 }
 
 }  // namespace
@@ -351,10 +300,11 @@ void addStudyFitCommand(CLI::App& study) {
   command->add_option("--pool-tolerance", options->pool_tolerance,
                       "take stimuli together that differ by no more from the first of them, in the unit of x");
   addModelOptions(*command, *options);
-  command->add_option("--method", options->method, "map, median or ml (maximum likelihood); weber: median, else map")
+  command
+      ->add_option("--method", options->fit.method, "map, median or ml (maximum likelihood); weber: median, else map")
       ->check(oneOf({"map", "median", "ml"}));
-  command->add_option("--confidence", options->confidence, "of intervals")->capture_default_str();
-  command->add_option("--simulations", options->simulations, "for the p value")->capture_default_str();
+  command->add_option("--confidence", options->fit.confidence, "of intervals")->capture_default_str();
+  command->add_option("--simulations", options->fit.simulations, "for the p value")->capture_default_str();
   command->add_flag("--compare", options->compare, "also fit other sigmoids and rank them");
   command->add_flag("--group", options->group, "also fit each participant, and the spread between them");
   command->add_flag("--between-groups", options->between_groups,

@@ -22,6 +22,7 @@ inline std::string_view contentType(std::string_view path) {
                                                                       {".svg", "image/svg+xml"},
                                                                       {".png", "image/png"},
                                                                       {".json", "application/json"},
+                                                                      {".txt", "text/plain; charset=utf-8"},
                                                                       {".woff2", "font/woff2"}};
   for (const auto& [ending, type] : kTypes) {
     if (path.ends_with(ending)) {

@@ -40,7 +40,12 @@ export class Help {
         ),
       ),
     );
-    const version = h('p', { class: 'help-about' });
+    const version = h('span', {});
+    const licences = h(
+      'a',
+      { href: './licences.txt', target: '_blank', rel: 'noopener' },
+      'Licences of what it is made of',
+    );
     this.element = h(
       'dialog',
       { class: 'help', 'aria-labelledby': 'help-title' },
@@ -51,7 +56,7 @@ export class Help {
         h('button', { class: 'icon-button', 'aria-label': 'Close help', onclick: () => this.element.close() }, '✕'),
       ),
       h('div', { class: 'help-body' }, ...sections),
-      version,
+      h('p', { class: 'help-about' }, version, ' · ', licences),
     );
     this.element.addEventListener('click', (event) => {
       if (event.target === this.element) this.element.close();

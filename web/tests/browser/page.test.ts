@@ -128,6 +128,9 @@ describe('the page', () => {
     const { page } = await visit();
     await page.keyboard.press('?');
     await page.getByRole('dialog').waitFor({ state: 'visible' });
+    const licences = await page.getByRole('link', { name: /Licences/ }).getAttribute('href');
+    const told = await page.evaluate(async (at) => (await fetch(at)).text(), licences!);
+    for (const name of ['three', 'uplot', 'valibot']) expect(told).toContain(`\n${name} `.trimStart());
     await page.keyboard.press('Escape');
     await page.getByRole('dialog').waitFor({ state: 'hidden' });
 

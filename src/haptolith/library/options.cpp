@@ -1,0 +1,112 @@
+#include "haptolith/library/options.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+#include <toml++/toml.h>
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+#include <sstream>
+#include <string>
+#include <string_view>
+#include <variant>
+
+#include "haptolith/core/error.h"
+#include "haptolith/core/nearest_word.h"
+#include "haptolith/core/overloaded.h"
+#include "haptolith/library/values.h"
+
+namespace haptolith::library {
+
+namespace {
+
+std::string shown(const toml::node& node) {
+  std::ostringstream text;
+  node.visit([&text](const auto& value) { text << value; });
+  return text.str();
+}
+
+[[noreturn]] void refuse(const std::string& key, const toml::node& node, const std::string& valid) {
+  throw InvalidParameter(key, shown(node), valid);
+}
+
+double numberIn(const std::string& key, const toml::node& node) {
+  const auto number = node.value<double>();
+  if (!node.is_number() || !std::isfinite(*number)) {
+    refuse(key, node, "a number");
+  }
+  return *number;
+}
+
+void set(const LabOption& option, const toml::node& node) {
+  const std::string& key = option.key;
+  std::visit(
+      Overloaded{[&](const LabOption::Number& set) { set(numberIn(key, node)); },
+                 [&](const LabOption::List& set) {
+                   std::vector<double> numbers;
+                   if (const toml::array* array = node.as_array()) {
+                     for (const toml::node& element : *array) {
+                       numbers.push_back(numberIn(key, element));
+                     }
+                   } else {
+                     numbers.push_back(numberIn(key, node));
+                   }
+                   set(numbers);
+                 },
+                 [&](const LabOption::Switch& set) {
+                   const auto on = node.value_exact<bool>();
+                   if (!on) {
+                     refuse(key, node, "true or false");
+                   }
+                   if (*on) {
+                     set();
+                   }
+                 },
+                 [&](const LabOption::Count& count) {
+                   const auto given = node.value_exact<std::int64_t>();
+                   if (!given || !count.valid.contains(static_cast<double>(*given))) {
+                     refuse(key, node, "a whole number, " + count.valid.text());
+                   }
+                   count.set(*given);
+                 },
+                 [&](const LabOption::Word& word) {
+                   const auto given = word.words.empty() && node.is_number() ? std::optional(shown(node))
+                                                                             : node.value_exact<std::string>();
+                   if (!given || (!word.words.empty() && std::ranges::find(word.words, *given) == word.words.end())) {
+                     refuse(key, node,
+                            word.words.empty() ? "a text" : fmt::format("{}", fmt::join(word.words, " or ")));
+                   }
+                   word.set(*given);
+                 }},
+      option.set);
+}
+
+}  // namespace
+
+void readOptions(const char* text, const std::vector<LabOption>& options) {
+  toml::table table;
+  try {
+    table = toml::parse(textOrNothing(text), std::string_view("options"));
+  } catch (const toml::parse_error& error) {
+    throw InvalidParameter("options", fmt::format("line {}", error.source().begin.line),
+                           fmt::format("TOML: {}", error.description()));
+  }
+  for (const auto& [key, node] : table) {
+    const auto option = std::ranges::find(options, key.str(), &LabOption::key);
+    if (option == options.end()) {
+      std::vector<std::string_view> known;
+      known.reserve(options.size());
+      for (const LabOption& other : options) {
+        known.push_back(other.key);
+      }
+      const std::string_view nearest = nearestWord(key.str(), known);
+      throw InvalidParameter(std::string(key.str()), shown(node),
+                             fmt::format("one of the keys {}{}", fmt::join(known, ", "),
+                                         nearest.empty() ? "" : fmt::format("; did you mean {}?", nearest)));
+    }
+    set(*option, node);
+  }
+}
+
+}  // namespace haptolith::library

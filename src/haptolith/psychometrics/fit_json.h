@@ -1,0 +1,21 @@
+#pragma once
+
+#include <nlohmann/json_fwd.hpp>
+
+#include <string>
+
+#include "haptolith/psychometrics/fit.h"
+
+namespace haptolith {
+
+/// A fit as `study fit --json` and the library tell it: threshold, width, jnd, weber_fraction, lapse, guess,
+/// overdispersion, intervals and so on; w for the sigmoids of (paper 22).
+[[nodiscard]] nlohmann::ordered_json fitJson(const Fit& fit);
+
+/// [low, high].
+[[nodiscard]] nlohmann::ordered_json intervalJson(const Interval& interval);
+
+/// "yesno", "equal-asymptote", "2afc", "3afc".
+[[nodiscard]] std::string designName(const Fit& fit);
+
+}  // namespace haptolith
