@@ -5,6 +5,8 @@ The pages are those of docs/ as they are and those beside this file. Made from w
 help of every command, and a page for each file that a page links to. Warnings are errors.
 """
 
+import base64
+import json
 import os
 import re
 import shutil
@@ -145,6 +147,9 @@ def page_for(path: str, staged: Path) -> str:
     elif file.suffix == ".md":
         name = f"files/{path.replace('/', '-')}"
         text = linked(file.read_text(), file.parent, staged, "../")
+    elif file.suffix == ".ipynb":
+        name = f"files/{file.stem}.md"
+        text = linked(notebook(file, staged / "files"), file.parent, staged, "../")
     else:
         name = f"files/{path.replace('/', '-').replace('.', '-')}.md"
         text = f"# {path}\n\n````{LANGUAGES.get(file.suffix, 'none')}\n{file.read_text()}````\n"
@@ -153,6 +158,23 @@ def page_for(path: str, staged: Path) -> str:
         target.parent.mkdir(exist_ok=True)
         target.write_text("---\norphan: true\n---\n" + text)
     return name
+
+
+def notebook(file: Path, folder: Path) -> str:
+    """A notebook as it was last run: text, code, what it printed, and its figures, which go to the folder."""
+    folder.mkdir(exist_ok=True)
+    page: list[str] = []
+    for number, cell in enumerate(json.loads(file.read_text())["cells"]):
+        source = "".join(cell["source"])
+        page += [source, ""] if cell["cell_type"] == "markdown" else ["```python", source, "```", ""]
+        for output in cell.get("outputs", []):
+            if "text" in output:
+                page += ["```text", "".join(output["text"]).rstrip(), "```", ""]
+            if picture := output.get("data", {}).get("image/png"):
+                name = f"{file.stem}-{number}.png"
+                (folder / name).write_bytes(base64.b64decode(picture))
+                page += [f"![what the cell above draws]({name})", ""]
+    return "\n".join(page)
 
 
 def listing(match: re.Match[str]) -> str:

@@ -49,7 +49,7 @@ void validateGrading(const BedParameters& bed) {
   }
   if (bed.soil.friction != FrictionModel::kContact) {
     throw InvalidParameter("fine_radius_m", fmt::format("{:g}", grading.fine_radius_m),
-                           "0 with the paper's friction; finer grains need friction = \"pairwise\"");
+                           "0 with the paper's friction; finer grains need friction = \"contact\"");
   }
   // A handful of the finest at least, and inside the box.
   const double narrowest_m = 4 * grading.fine_radius_m;

@@ -113,7 +113,7 @@ void SessionRecording::check() {
     too_long = !endless_ && ticks_ >= kMostTicks;
   }
   if (!problem_.empty()) {
-    options_.warn(fmt::format("the recording has ended: {}", problem_));
+    options_.warn(problem_);
     takeWriter().reset();
     name_.clear();
   } else if (too_long) {
