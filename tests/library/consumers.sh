@@ -95,6 +95,9 @@ CMAKE
     # Before it touches the soil and behind it the blade feels nothing; in it, the arm gives way and pushes harder.
     awk -F, 'NR > 1 && ($1 < 0.3 || $1 > 4) { out += $7 * $7 } $1 > 1.5 && $1 < 3 { in_soil += $7; n++ }
              END { exit !(out < 2 && in_soil / n > 3) }' "$work/arm.csv" || fail "the force is not where the soil is"
+    HAPTOLITH_LIBRARY=$prefix/lib/libhaptolith.so PYTHONPATH=$source/python PYTHONDONTWRITEBYTECODE=1 \
+      /usr/bin/python3 "$source/examples/mujoco/draw.py" "$work/arm.csv" "$work/arm.png"
+    [[ -s $work/arm.png ]] || fail "the arm is not drawn"
     ;;
   symbols)
     for name in haptolith haptolith_recording; do
