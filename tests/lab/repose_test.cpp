@@ -55,7 +55,8 @@ TEST(Repose, OfRubbingParticlesIsThatOfARealHeap) {
 
 TEST(Repose, IsSteeperTheMoreParticlesRub) {
   const double smooth = reposeTest(conditionsWith(0.2), kSmall).angle_rad;
-  const double rough = reposeTest(conditionsWith(0.6), kSmall).angle_rad;
+  // Not more: of 12 heaps with 0.6 two stand too steep for their slope to be measured.
+  const double rough = reposeTest(conditionsWith(0.4), kSmall).angle_rad;
   EXPECT_GT(rough, smooth + 8 * kDegree);
 }
 

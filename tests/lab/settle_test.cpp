@@ -2,6 +2,9 @@
 
 #include <gtest/gtest.h>
 
+#include <cstdint>
+#include <vector>
+
 #include "haptolith/core/error.h"
 #include "haptolith/soil/lunar_density.h"
 
@@ -11,11 +14,20 @@ namespace haptolith {
 namespace {
 
 TEST(Settle, LunarSoilHasTheDensityMeasuredOnTheMoon) {
-  const SettleResult result = settleTest({.soil = testSoil(0.45, 0)}, {.depth_m = 0.6, .width_diameters = 7});
-  ASSERT_EQ(result.bands.size(), measuredBands().size());
-  for (std::size_t i = 0; i < result.bands.size(); ++i) {
+  // Over 8 seeds the uppermost band of one specimen has 1466 kg/m^3 with a standard deviation of 11.
+  constexpr int kSpecimens = 3;
+  std::vector<double> density_kg_m3(measuredBands().size());
+  for (std::uint64_t seed = 1; seed <= kSpecimens; ++seed) {
+    const SettleResult result =
+        settleTest({.soil = testSoil(0.45, 0), .seed = seed}, {.depth_m = 0.6, .width_diameters = 7});
+    ASSERT_EQ(result.bands.size(), measuredBands().size());
+    for (std::size_t i = 0; i < result.bands.size(); ++i) {
+      density_kg_m3[i] += result.bands[i].density_kg_m3 / kSpecimens;
+    }
+  }
+  for (std::size_t i = 0; i < density_kg_m3.size(); ++i) {
     const MeasuredBand& measured = measuredBands()[i];
-    EXPECT_NEAR(result.bands[i].density_kg_m3, measured.density_kg_m3, measured.tolerance_kg_m3)
+    EXPECT_NEAR(density_kg_m3[i], measured.density_kg_m3, measured.tolerance_kg_m3)
         << measured.top_m << " to " << measured.bottom_m;
   }
 }

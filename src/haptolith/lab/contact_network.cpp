@@ -135,11 +135,17 @@ double largestEigenvalue(const ContactNetwork& network, const Weight& weight) {
     now = next / left;
   }
   beside.resize(diagonal.size() - 1);
-  const Eigen::VectorXd on = Eigen::Map<Eigen::VectorXd>(diagonal.data(), std::ssize(diagonal));
-  const Eigen::VectorXd off = Eigen::Map<Eigen::VectorXd>(beside.data(), std::ssize(beside));
+  // Of the size of 1: Eigen drops what is beside the diagonal once it is small against the diagonal's root, and of
+  // large numbers gives up before that, with values that are not the eigenvalues.
+  const double size = *std::ranges::max_element(diagonal);
+  if (size <= 0) {
+    return 0;  // nothing touches
+  }
+  const Eigen::VectorXd on = Eigen::Map<Eigen::VectorXd>(diagonal.data(), std::ssize(diagonal)) / size;
+  const Eigen::VectorXd off = Eigen::Map<Eigen::VectorXd>(beside.data(), std::ssize(beside)) / size;
   Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver;
   solver.computeFromTridiagonal(on, off, Eigen::EigenvaluesOnly);
-  return solver.eigenvalues().maxCoeff();
+  return size * solver.eigenvalues().maxCoeff();
 }
 
 }  // namespace
