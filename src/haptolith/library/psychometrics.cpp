@@ -25,6 +25,7 @@ namespace {
 template <class Kind, std::size_t kCount>
 std::vector<std::string_view> namesOf(const std::array<NamedKind<Kind>, kCount>& named) {
   std::vector<std::string_view> names;
+  names.reserve(kCount);
   for (const NamedKind<Kind>& it : named) {
     names.push_back(it.name);
   }
