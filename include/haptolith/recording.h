@@ -33,7 +33,8 @@ HAPTO_API int32_t hapto_recorder_create(hapto_loop *loop, const char *path, doub
 HAPTO_API int32_t hapto_recorder_take(hapto_recorder *recorder);
 /* Something that happened, at the time of the last tick that was taken: `kind` is a word of 31 bytes at most, `text` of 479. */
 HAPTO_API int32_t hapto_recorder_note(hapto_recorder *recorder, const char *kind, const char *text);
-/* Takes what is new, if the loop is still there, and closes the file. HAPTO_FAILURE: not all is in it. */
+/* Takes what is new and closes the file. HAPTO_FAILURE: not all is in it, or the loop has been destroyed before its end was taken.
+ * HAPTO_BUSY: another thread is watching the loop; nothing has been finished. */
 HAPTO_API int32_t hapto_recorder_finish(hapto_recorder *recorder);
 
 typedef struct hapto_recorder_info { /* what is safe in the file */
@@ -44,7 +45,7 @@ typedef struct hapto_recorder_info { /* what is safe in the file */
   uint64_t frames_left_out; /* pictures that a slow disk did not take */
 } hapto_recorder_info;
 HAPTO_API int32_t hapto_recorder_get_info(const hapto_recorder *recorder, hapto_recorder_info *out);
-/* Finishes it, if need be. */
+/* Finishes it, if need be; it is destroyed whatever the status, which is that of finishing. */
 HAPTO_API int32_t hapto_recorder_destroy(hapto_recorder *recorder);
 
 /* --- reading -------------------------------------------------------------------------------------------------------- */

@@ -214,6 +214,55 @@ TEST_F(LibraryRecording, OfASceneThatWasStirredBeforeCannotBeRunAgain) {
   EXPECT_THAT(lastError().message, HasSubstr("cannot be replayed"));
 }
 
+TEST_F(LibraryRecording, OfAChangedSceneCannotBeRunAgainAndOfACloneCan) {
+  const ScenePtr made = sceneOf(kContact);
+  auto start_tick = [this, number = 0](hapto_scene* scene) mutable {
+    OwnDevice own;
+    const hapto_device device = own.handle(true);
+    const std::string path = file(std::to_string(++number) + ".h5");
+    const LoopPtr loop = loopOf(scene, &device);
+    const RecorderPtr recorder = recorderOf(loop.get(), path);
+    tick(loop.get(), 5);
+    expectOk(hapto_recorder_finish(recorder.get()));
+    return infoOf(recordingOf(path).get()).start_tick;
+  };
+  const auto clone = [&] {
+    hapto_scene* scene = nullptr;
+    expectOk(hapto_scene_clone(made.get(), &scene));
+    return ScenePtr(scene);
+  };
+  EXPECT_EQ(start_tick(clone().get()), 0U);
+  const ScenePtr lighter = clone();
+  const double gravity[3] = {0, 0, -1};
+  expectOk(hapto_scene_set_gravity(lighter.get(), gravity));
+  EXPECT_EQ(start_tick(lighter.get()), 1U);
+  const ScenePtr other_tool = clone();
+  const char* override = "tool.size_mm=[30, 30, 4]";
+  expectOk(hapto_scene_change(other_tool.get(), &override, 1));
+  EXPECT_EQ(start_tick(other_tool.get()), 1U);
+}
+
+TEST_F(LibraryRecording, BegunLateHasAllThatNobodyHasTakenAndKnowsWhatIsNotInIt) {
+  const ScenePtr scene = sceneOf(kPaper);
+  OwnDevice own;
+  const hapto_device device = own.handle(true);
+  const LoopPtr loop = loopOf(scene.get(), &device);
+  tick(loop.get(), 40);
+  {
+    const RecorderPtr recorder = recorderOf(loop.get(), file("whole.h5"));
+    expectOk(hapto_recorder_finish(recorder.get()));
+  }
+  const RecordingPtr whole = recordingOf(file("whole.h5"));
+  EXPECT_EQ(infoOf(whole.get()).start_tick, 0U);
+  EXPECT_EQ(verified(whole.get()).ticks, 40U);
+  tick(loop.get(), 10);
+  const RecorderPtr recorder = recorderOf(loop.get(), file("part.h5"));
+  expectOk(hapto_recorder_finish(recorder.get()));
+  const RecordingPtr part = recordingOf(file("part.h5"));
+  EXPECT_EQ(infoOf(part.get()).start_tick, 40U);
+  EXPECT_EQ(infoOf(part.get()).ticks, 10U);
+}
+
 TEST_F(LibraryRecording, CountsTicksThatNobodyTookInTime) {
   const ScenePtr scene = sceneOf(kPaper);
   OwnDevice own;
@@ -283,6 +332,8 @@ TEST_F(LibraryRecording, EndsWithTheLoopThatIsGone) {
   expectOk(hapto_recorder_take(recorder.get()));
   loop.reset();
   EXPECT_EQ(hapto_recorder_take(recorder.get()), HAPTO_DESTROYED);
+  EXPECT_EQ(hapto_recorder_finish(recorder.get()), HAPTO_FAILURE);
+  EXPECT_THAT(lastError().message, HasSubstr("the loop was destroyed before"));
   expectOk(hapto_recorder_destroy(recorder.release()));
   EXPECT_EQ(infoOf(recordingOf(file("run.h5")).get()).ticks, 5U);
 }

@@ -3,7 +3,6 @@
 #include <nlohmann/json.hpp>
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <memory>
 #include <optional>
@@ -257,27 +256,15 @@ void run(const Options& options) {
   print(options, result);
 }
 
-template <class Kind, std::size_t kCount>
-std::vector<std::string> namesOf(const std::array<NamedKind<Kind>, kCount>& named) {
-  std::vector<std::string> names;
-  names.reserve(kCount);
-  for (const NamedKind<Kind>& it : named) {
-    names.emplace_back(it.name);
-  }
-  return names;
-}
-
 void addModelOptions(CLI::App& command, Options& options) {
-  std::vector<std::string> designs = namesOf(kDesignNames);
-  designs.emplace_back("2afc");
   command.add_option("--design", options.fit.design, "what the asymptotes are")
-      ->check(oneOf(designs))
+      ->check(oneOf(designNames()))
       ->capture_default_str();
   command.add_option("--alternatives", options.fit.alternatives, "n of nafc: the guess rate is 1/n")
       ->check(wholeNumberIn({2, 1000}))
       ->capture_default_str();
   command.add_option("--sigmoid", options.fit.sigmoid, "shape of the function")
-      ->check(oneOf(namesOf(kSigmoidNames)))
+      ->check(oneOf(sigmoidNames()))
       ->capture_default_str();
   command.add_flag("--log-x", options.fit.log_x, "logarithmic axis (weber, as-printed and weibull have one anyway)");
   command.add_flag("--falling", options.fit.falling, "more of the stimulus, fewer positive answers");

@@ -26,6 +26,7 @@
 #include "haptolith/library/scene_object.h"
 #include "haptolith/library/ticks.h"
 #include "haptolith/library/values.h"
+#include "haptolith/library/with_handle.h"
 
 namespace haptolith::library {
 
@@ -114,7 +115,7 @@ class Loop {
         scenario_(above(scene_->scenario(), scene_->scene().bed().surfaceHeight())),
         device_(deviceFor(scenario_, device)),
         parameters_(pacedBy(scenario_.loop, ticked_by_caller_)),
-        start_tick_(scene_->ticks()) {
+        start_tick_(scene_->startTick()) {
     if (!ticked_by_caller_ && !parameters_.paced && !device_->simulated()) {
       throw InvalidParameter(
           "loop.paced", "false",
@@ -158,9 +159,6 @@ class Loop {
     }
     loop_->overrideHealth({.late = late != 0});
     const LoopEnd end = loop_->tick();
-    if (end != LoopEnd::kRunning) {
-      loop_->publishEnd(end);
-    }
     end_ = end;
     return end == LoopEnd::kRunning ? HAPTO_OK : HAPTO_ENDED;
   }
@@ -172,7 +170,6 @@ class Loop {
       thread_.reset();
     } else if (end_ == LoopEnd::kRunning) {
       device_->write({});
-      loop_->publishEnd(LoopEnd::kStopped);
       end_ = LoopEnd::kStopped;
     }
   }
@@ -181,6 +178,10 @@ class Loop {
     if (thread_ && thread_->done()) {
       end_ = thread_->join();
       thread_.reset();
+    }
+    if (ticked_by_caller_ && end_ != LoopEnd::kRunning && !end_published_) {
+      loop_->publishEnd(end_);  // not in its last tick: of a large bed it takes long
+      end_published_ = true;
     }
     LatestValue<SceneSnapshot>& snapshots = loop_->snapshots();
     (void)snapshots.update();
@@ -222,6 +223,7 @@ class Loop {
     std::ranges::transform(taken_.begin(), taken_.begin() + static_cast<std::ptrdiff_t>(now), out.begin(), tickOf);
     taken_.erase(taken_.begin(), taken_.begin() + static_cast<std::ptrdiff_t>(now));
     count = now;
+    handed_out_ += now;
     if (lost != nullptr) {
       *lost = loop_->lostRecords();
     }
@@ -237,10 +239,10 @@ class Loop {
                                   {"seed", scenario_.bed.seed},
                                   {"threads", scenario_.bed.threads},
                                   {"hashed_parts", loop_->hashedParts()},
-                                  {"start_tick", start_tick_ + loop_->snapshots().latest().ticks},
+                                  {"start_tick", start_tick_ + handed_out_ + loop_->lostRecords()},
                                   {"tick_s", parameters_.tick_s},
                                   {"paced", parameters_.paced}}
-        .dump();
+        .dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace);  // of a device's name: any bytes
   }
 
   void pause(bool on) {
@@ -283,7 +285,9 @@ class Loop {
   std::unique_ptr<HapticDevice> device_;
   std::optional<LastResort> last_resort_;
   LoopParameters parameters_;
-  std::uint64_t start_tick_;  ///< of the scene, when it came here
+  std::uint64_t start_tick_;      ///< of the scene, when it came here
+  std::uint64_t handed_out_ = 0;  ///< ticks, by takeTicks()
+  bool end_published_ = false;    ///< of a loop that its caller ticks
   std::optional<HapticLoop> loop_;
   std::vector<TickRecord> taken_;                ///< from the loop, and by nobody yet
   std::atomic<LoopEnd> end_{LoopEnd::kRunning};  ///< the tick's thread writes it, the one that watches reads it
@@ -306,11 +310,7 @@ namespace {
 /// By the thread that watches the loop.
 template <class Body>
 std::int32_t with(const hapto_loop* loop, Body&& body) {
-  const Claim claim(loop, &Handle::observed);
-  return claim.status() != HAPTO_OK ? wrongArgument(claim.status(), "loop") : guarded([&] {
-    body(*claim);
-    return std::int32_t{HAPTO_OK};
-  });
+  return withHandle(loop, "loop", std::forward<Body>(body), &Handle::observed);
 }
 
 }  // namespace
@@ -382,9 +382,8 @@ std::int32_t hapto_loop_take_ticks(hapto_loop* loop, hapto_tick* out, std::uint6
 }
 
 std::int32_t hapto_loop_get_header(const hapto_loop* loop, char* json, std::uint64_t capacity, std::uint64_t* needed) {
-  const Claim claim(loop, &Handle::observed);
-  return claim.status() != HAPTO_OK ? wrongArgument(claim.status(), "loop") : guarded([&] {
-    const std::string header = claim->header();
+  return with(loop, [&](Loop& object) {
+    const std::string header = object.header();
     return handOut({header.c_str(), header.size() + 1}, json, capacity, needed);
   });
 }

@@ -3,10 +3,10 @@
 #include <fmt/format.h>
 #include <haptolith/haptolith.h>
 
-#include <array>
 #include <cmath>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "haptolith/core/error.h"
@@ -22,22 +22,10 @@ using namespace haptolith::library;
 
 namespace {
 
-template <class Kind, std::size_t kCount>
-std::vector<std::string_view> namesOf(const std::array<NamedKind<Kind>, kCount>& named) {
-  std::vector<std::string_view> names;
-  names.reserve(kCount);
-  for (const NamedKind<Kind>& it : named) {
-    names.push_back(it.name);
-  }
-  return names;
-}
-
 std::vector<LabOption> optionsOf(FitRequest& asked, double& pool_tolerance) {
-  std::vector<std::string_view> designs = namesOf(kDesignNames);
-  designs.emplace_back("2afc");
-  const auto word = [](const char* key, const std::vector<std::string_view>& words, std::string& to) {
+  const auto word = [](const char* key, std::vector<std::string> words, std::string& to) {
     return wordOption(
-        key, {words.begin(), words.end()}, to, [&to](std::string_view given) { to = given; }, "");
+        key, std::move(words), to, [&to](std::string_view given) { to = given; }, "");
   };
   const auto on = [](const char* key, bool& to) {
     return LabOption{.key = key, .help = "", .usual = "", .set = LabOption::Switch([&to] { to = true; })};
@@ -45,8 +33,8 @@ std::vector<LabOption> optionsOf(FitRequest& asked, double& pool_tolerance) {
   const LabOption reference{.key = "reference", .help = "", .usual = "", .set = LabOption::Number([&asked](double p) {
                                                                            asked.reference = p;
                                                                          })};
-  return {word("design", designs, asked.design),
-          word("sigmoid", namesOf(kSigmoidNames), asked.sigmoid),
+  return {word("design", designNames(), asked.design),
+          word("sigmoid", sigmoidNames(), asked.sigmoid),
           word("method", {"map", "median", "ml"}, asked.method),
           textOption("lapse", asked.lapse, ""),
           textOption("guess", asked.guess, ""),

@@ -11,6 +11,7 @@
 #include "haptolith/library/errors.h"
 #include "haptolith/library/scene_object.h"
 #include "haptolith/library/values.h"
+#include "haptolith/library/with_handle.h"
 
 using namespace haptolith;
 using namespace haptolith::library;
@@ -37,8 +38,7 @@ std::int32_t make(Read&& scenario, hapto_progress told, void* user, hapto_scene*
 /// Does `body` with the scene, and notes what went wrong.
 template <class Body>
 std::int32_t with(const hapto_scene* scene, Body&& body) {
-  const Claim claim(scene);
-  return claim.status() != HAPTO_OK ? wrongArgument(claim.status(), "scene") : guarded([&] { return body(*claim); });
+  return withHandle(scene, "scene", std::forward<Body>(body));
 }
 
 /// The same at 1 kHz, which notes nothing. @param argument  that must not be NULL.

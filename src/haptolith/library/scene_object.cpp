@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 #include <xxhash.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstring>
@@ -93,7 +94,9 @@ SceneObject::SceneObject(const Scenario& scenario, const SettleProgress& progres
 }
 
 SceneObject::SceneObject(const SceneObject& other)
-    : SceneObject(Saved{other.condition_, other.opening_, other.made_of_, other.scenario_, other.scene_->save()}) {}
+    : SceneObject(Saved{other.condition_, other.opening_, other.made_of_, other.scenario_, other.scene_->save()}) {
+  as_made_ = other.as_made_;
+}
 
 SceneObject::SceneObject(std::string_view saved) : SceneObject(parsed(saved)) {}
 
@@ -114,6 +117,12 @@ void SceneObject::goOn(const Saved& saved) {
   scene_->restore(saved.scene);
   condition_ = saved.condition;
   opening_ = saved.opening;
+  as_made_ = false;
+}
+
+std::uint64_t SceneObject::startTick() const noexcept {
+  const std::uint64_t ticks = scene_->bed().state().step / static_cast<std::uint64_t>(scene_->substeps());
+  return as_made_ && scene_->toolFade() == 1 ? ticks : std::max<std::uint64_t>(ticks, 1);
 }
 
 std::string SceneObject::save() const {
@@ -230,6 +239,7 @@ std::int32_t SceneObject::step(const hapto_pose& to, const hapto_twist* given, h
 }
 
 void SceneObject::setGravity(const Vec3& gravity_m_s2) noexcept {
+  as_made_ = false;
   scene_->bed().setGravity(gravity_m_s2);
   scenario_.bed.gravity_m_s2 = gravity_m_s2;
   scenario_.body.clear();
@@ -285,6 +295,7 @@ void SceneObject::takeBack(std::int32_t condition, double tool_fade) {
 }
 
 void SceneObject::carryOut(const SceneChanges& changes) {
+  as_made_ = false;
   if (changes.gravity_m_s2) {
     scene_->bed().setGravity(*changes.gravity_m_s2);
   }

@@ -57,10 +57,8 @@ class SceneObject {
   [[nodiscard]] const Scenario& scenario() const noexcept { return scenario_; }
   /// HAPTO_OK, or what the bed has come to.
   [[nodiscard]] std::int32_t condition() const noexcept { return condition_; }
-  /// That it has been stepped for, since it was made.
-  [[nodiscard]] std::uint64_t ticks() const noexcept {
-    return scene_->bed().state().step / static_cast<std::uint64_t>(scene_->substeps());
-  }
+  /// For a recording that begins now: 0 when soil and tool are as the scene says, else ticks so far, at least 1.
+  [[nodiscard]] std::uint64_t startTick() const noexcept;
   /// From a loop, which may not have come to all that was noted.
   void takeBack(std::int32_t condition, double tool_fade);
 
@@ -75,6 +73,7 @@ class SceneObject {
   std::unique_ptr<Scene> scene_;
   std::int32_t condition_ = HAPTO_OK;
   double opening_ = 1;
+  bool as_made_ = true;  ///< nobody has changed gravity, soil or tool, or set a state
 };
 
 }  // namespace haptolith::library

@@ -11,8 +11,8 @@ namespace haptolith {
 
 /// A fit in words, as the command line and the library take it.
 struct FitRequest {
-  std::string design = "equal-asymptote";    ///< yesno, nafc, 2afc, equal-asymptote
-  std::string sigmoid = "weber";             ///< a name of kSigmoidNames
+  std::string design = "equal-asymptote";    ///< one of designNames()
+  std::string sigmoid = "weber";             ///< one of sigmoidNames()
   std::string method;                        ///< map, median, ml; empty: weber median, else map
   std::string lapse, guess, overdispersion;  ///< a number, "free", or nothing: as the sigmoid has it
   int alternatives = 2;                      ///< of nafc

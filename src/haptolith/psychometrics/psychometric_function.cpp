@@ -25,6 +25,16 @@ double gumbelWidth() noexcept {
   return std::log(-std::log(kTail)) - std::log(-std::log1p(-kTail));
 }
 
+template <class Kind, std::size_t kCount>
+std::vector<std::string> namesOf(const std::array<NamedKind<Kind>, kCount>& named) {
+  std::vector<std::string> names;
+  names.reserve(kCount);
+  for (const NamedKind<Kind>& it : named) {
+    names.emplace_back(it.name);
+  }
+  return names;
+}
+
 /// Of Student's t with one degree of freedom.
 double studentWidth() noexcept {
   return 2 * std::tan(std::numbers::pi * (0.5 - kTail));
@@ -84,6 +94,16 @@ Kind kindNamed(std::string_view key, const std::array<NamedKind<Kind>, kCount>& 
 }
 
 }  // namespace
+
+std::vector<std::string> sigmoidNames() {
+  return namesOf(kSigmoidNames);
+}
+
+std::vector<std::string> designNames() {
+  std::vector<std::string> names = namesOf(kDesignNames);
+  names.emplace_back("2afc");
+  return names;
+}
 
 std::string_view nameOf(Sigmoid sigmoid) {
   return nameIn(kSigmoidNames, sigmoid);

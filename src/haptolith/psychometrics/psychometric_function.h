@@ -2,7 +2,9 @@
 
 #include <array>
 #include <span>
+#include <string>
 #include <string_view>
+#include <vector>
 
 namespace haptolith {
 
@@ -44,6 +46,10 @@ inline constexpr std::array<NamedKind<Sigmoid>, 9> kSigmoidNames{{{"norm", Sigmo
                                                                   {"as-printed-log10", Sigmoid::kWeberLog10}}};
 inline constexpr std::array<NamedKind<Design>, 3> kDesignNames{
     {{"yesno", Design::kYesNo}, {"nafc", Design::kForcedChoice}, {"equal-asymptote", Design::kEqualAsymptote}}};
+
+/// For lists of what there is; the designs with "2afc", too.
+[[nodiscard]] std::vector<std::string> sigmoidNames();
+[[nodiscard]] std::vector<std::string> designNames();
 
 [[nodiscard]] std::string_view nameOf(Sigmoid sigmoid);
 [[nodiscard]] std::string_view nameOf(Design design);

@@ -14,6 +14,7 @@
 #include "haptolith/library/handles.h"
 #include "haptolith/library/ticks.h"
 #include "haptolith/library/values.h"
+#include "haptolith/library/with_handle.h"
 #include "haptolith/recording/recording_writer.h"
 
 namespace haptolith::library {
@@ -104,17 +105,22 @@ class Recorder {
     if (finished_) {
       return;
     }
-    std::int32_t status = HAPTO_OK;
+    bool gone = false;
     try {
       take();
-    } catch (const Told& told) {  // the loop is no more
-      status = told.status;
+    } catch (const Told& told) {
+      gone = told.status == HAPTO_DESTROYED;
+      if (!gone) {  // another thread has the loop: what waits can still be taken
+        throw;
+      }
     } catch (const Failure&) {  // told below
     }
     finished_ = true;
     writer_.finish(lost_ - lost_before_);
     requireNoProblem();
-    requireOk(status);
+    if (gone && !ended_) {
+      throw Failure("the loop was destroyed before its recorder was finished: its last ticks may be missing");
+    }
     if (const std::uint64_t missing = writer_.written().missing; missing > 0) {
       throw Failure(std::to_string(missing) + " ticks are missing in the recording: nobody took them in time");
     }
@@ -204,11 +210,7 @@ namespace {
 
 template <class Body>
 std::int32_t with(const hapto_recorder* recorder, Body&& body) {
-  const Claim claim(recorder);
-  return claim.status() != HAPTO_OK ? wrongArgument(claim.status(), "recorder") : guarded([&] {
-    body(*claim);
-    return std::int32_t{HAPTO_OK};
-  });
+  return withHandle(recorder, "recorder", std::forward<Body>(body));
 }
 
 }  // namespace
@@ -262,5 +264,5 @@ std::int32_t hapto_recorder_destroy(hapto_recorder* recorder) {
     return std::int32_t{HAPTO_OK};
   });
   claim.destroy();
-  return status == HAPTO_DESTROYED ? std::int32_t{HAPTO_OK} : status;
+  return status;
 }

@@ -14,6 +14,7 @@
 #include "haptolith/library/handles.h"
 #include "haptolith/library/ticks.h"
 #include "haptolith/library/values.h"
+#include "haptolith/library/with_handle.h"
 #include "haptolith/recording/recording_reader.h"
 #include "haptolith/recording/replay.h"
 
@@ -157,9 +158,7 @@ namespace {
 
 template <class Body>
 std::int32_t with(const hapto_recording* recording, Body&& body) {
-  const Claim claim(recording);
-  return claim.status() != HAPTO_OK ? wrongArgument(claim.status(), "recording")
-                                    : guarded([&] { return std::int32_t{body(*claim)}; });
+  return withHandle(recording, "recording", std::forward<Body>(body));
 }
 
 }  // namespace
