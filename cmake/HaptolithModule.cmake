@@ -11,6 +11,8 @@ if(HAPTOLITH_SANITIZE)
   target_compile_options(haptolith_flags INTERFACE
     -fsanitize=${HAPTOLITH_SANITIZE} -fno-omit-frame-pointer -fno-sanitize-recover=all
     -Wno-maybe-uninitialized)  # instrumented code misleads g++ 12, in std::regex for one
+  # Each instruction set's instrumented kernel takes the compiler most of a minute: the widest two and none are enough.
+  target_compile_definitions(haptolith_flags INTERFACE "HWY_DISABLED_TARGETS=(HWY_SSSE3 | HWY_SSE4)")
   target_link_options(haptolith_flags INTERFACE -fsanitize=${HAPTOLITH_SANITIZE})
   if(HAPTOLITH_SANITIZE MATCHES thread)
     target_compile_options(haptolith_flags INTERFACE -Wno-tsan)  # it does not follow the fences in Boost.Asio
