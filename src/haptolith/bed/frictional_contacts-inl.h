@@ -9,7 +9,6 @@
 #endif
 
 #include <array>
-#include <utility>
 
 #include "haptolith/bed/friction-inl.h"
 #include "haptolith/bed/rows-inl.h"
@@ -52,6 +51,7 @@ struct PairLaw {
   V sliding_per_n;  ///< mu_p / k_t: how far a spring can be stretched by what presses the two together, m/N
   V nearer;         ///< see ContactFrictionLaw
 
+  PairLaw() = default;
   /// As it is at work: `ratio` is how much of friction and cohesion is switched on.
   PairLaw(const ContactFrictionLaw& scalar, float dt, float ratio, float near_m)
       : law(lawOf(scalar.normal)),
@@ -264,50 +264,55 @@ class GroupLaws {
   int own_;
 };
 
-/// Laws of every class with every class, at work.
+/// Laws of every class with every class, at work; those of a class are made when it is first met.
 template <bool kGraded>
 class PairLaws {
  public:
   PairLaws(const GradedLaw& law, float dt, float ratio, float near_m)
-      : classes_(law.classes), laws_(make(law, {dt, ratio, near_m}, std::make_index_sequence<kClasses>())) {
-    if constexpr (kGraded && kIsTable) {
-      for (LawsOfClass& own : laws_) {
-        for (std::size_t c = 0; c < GrainClasses::kMost; ++c) {
-          own.table.takeFrom(own.with[c], [c](V& table, V law_of_c)
-                                              HWY_ATTR { table = hn::InsertLane(table, c, hn::GetLane(law_of_c)); });
-        }
-      }
-    }
-  }
+      : law_(law), dt_(dt), ratio_(ratio), near_m_(near_m) {}
 
-  [[nodiscard]] HWY_INLINE GroupLaws<kGraded> of(const StepArrays& arrays, std::size_t group) const {
+  [[nodiscard]] HWY_INLINE GroupLaws<kGraded> of(const StepArrays& arrays, std::size_t group) {
     const std::size_t own = kGraded ? arrays.grain_class[group] : 0;
-    return {classes_, laws_[own], static_cast<int>(own)};
+    if (!made_[own]) {
+      make(own);
+      made_[own] = true;
+    }
+    return {law_.classes, laws_[own], static_cast<int>(own)};
   }
 
   /// For the rows that are under way at once.
   [[nodiscard]] std::array<PairLaw, kRowsUnderWay> roomForMixed() const {
-    const PairLaw& any = laws_[0].with[0];
+    const PairLaw any = between(0, 0);
     return {any, any, any, any};
   }
 
  private:
   static constexpr std::size_t kClasses = kGraded ? GrainClasses::kMost : 1;
-  using Laws = std::array<LawsOfClass, kClasses>;
-  struct AtWork {
-    float dt, ratio, near_m;
-  };
-  static LawsOfClass makeOne(const std::array<ContactFrictionLaw, GrainClasses::kMost>& with, const AtWork& now) {
-    const auto of = [&](std::size_t c) { return PairLaw(with[kGraded ? c : 0], now.dt, now.ratio, now.near_m); };
-    return {{of(0), of(1), of(2), of(3)}, of(0)};
-  }
-  template <std::size_t... kIndex>
-  static Laws make(const GradedLaw& law, const AtWork& now, std::index_sequence<kIndex...> /*all*/) {
-    return {makeOne(law.between[kIndex], now)...};
+
+  [[nodiscard]] PairLaw between(std::size_t own, std::size_t other) const {
+    return {law_.between[own][other], dt_, ratio_, near_m_};
   }
 
-  const GrainClasses& classes_;
-  Laws laws_;
+  void make(std::size_t own) {
+    LawsOfClass& laws = laws_[own];
+    for (std::size_t c = 0; c < kClasses; ++c) {
+      laws.with[c] = between(own, c);
+    }
+    if constexpr (kGraded && kIsTable) {
+      const D d;
+      laws.table = laws.with[0];
+      for (std::size_t c = 1; c < kClasses; ++c) {
+        const auto lane = hn::Iota(d, 0) == set(static_cast<float>(c));
+        laws.table.takeFrom(laws.with[c],
+                            [lane](V& table, V law_of_c) HWY_ATTR { table = hn::IfThenElse(lane, law_of_c, table); });
+      }
+    }
+  }
+
+  const GradedLaw& law_;
+  float dt_, ratio_, near_m_;
+  std::array<bool, kClasses> made_{};
+  std::array<LawsOfClass, kClasses> laws_;
 };
 
 /// Laws of the rows that are under way: in a graded bed each has its own.

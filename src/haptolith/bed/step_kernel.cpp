@@ -150,7 +150,7 @@ void paperIn(const KernelLaw& law, const StepConstants& now, const StepBox& box,
 template <bool kGraded, bool kPeriodic>
 void contactFrictionIn(const GradedLaw& law, const StepConstants& now, const StepBox& box, const StepArrays& arrays,
                        std::size_t first, std::size_t last, Moved& moved) {
-  const PairLaws<kGraded> laws(law, now.dt, now.friction_ratio, now.near_m);
+  PairLaws<kGraded> laws(law, now.dt, now.friction_ratio, now.near_m);
   auto mixed = laws.roomForMixed();
   const PeriodsOf periods(box.periods);
   const D d;
@@ -241,7 +241,7 @@ void paperSums(const KernelLaw& law, const Periods& periods, const StepArrays& a
 template <bool kGraded>
 void contactFrictionSumsOf(const GradedLaw& law, const Periods& box, float dt, const StepArrays& arrays,
                            std::size_t first, std::size_t last, ContactSum* sums) {
-  const PairLaws<kGraded> laws(law, dt, 1, 0);
+  PairLaws<kGraded> laws(law, dt, 1, 0);
   auto mixed = laws.roomForMixed();
   const PeriodsOf periods(box);
   forEachVector(arrays, 0, first, last, [&](const Lanes& at) {

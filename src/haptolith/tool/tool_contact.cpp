@@ -1,6 +1,8 @@
 #include "haptolith/tool/tool_contact.h"
 
 #include <algorithm>
+#include <array>
+#include <cstring>
 
 #include "haptolith/bed/friction-inl.h"
 #include "haptolith/tool/tool_box.h"
@@ -181,6 +183,9 @@ class Encounter {
   void meet(std::size_t first, std::size_t last, const BedState& state, const ToolMemory& memory,
             std::vector<Float4>& forces) noexcept {
     const std::uint32_t near = nearBox(box_, around_m_, state.position.data() + first);
+    if (near == 0 && isForgotten(first, last, memory, forces)) {
+      return;  // what is written is taken from the caches of the threads that step the bed
+    }
     for (std::size_t i = first; i < last; ++i) {
       if ((near >> (i - first) & 1) != 0 && !state.isHeld(i)) {
         forces[i] = meet(i, state, memory);
@@ -202,6 +207,16 @@ class Encounter {
                                                                      const SoilParameters& soil, double dt_s) {
     const auto of = [&](int c) { return FrictionalTool(tool, soil, dt_s, GrainClasses::scale(c)); };
     return {of(0), of(1), of(2), of(3)};
+  }
+
+  /// Whether the tool puts no force on particles first..last-1 and remembers nothing of them.
+  [[nodiscard]] bool isForgotten(std::size_t first, std::size_t last, const ToolMemory& memory,
+                                 const std::vector<Float4>& forces) const noexcept {
+    static constexpr std::array<Float4, kGroup> kNothing{};
+    const auto nothing = [&](const auto& kept) {
+      return std::memcmp(kept.data() + first, kNothing.data(), (last - first) * sizeof(kept[0])) == 0;
+    };
+    return nothing(memory.side) && nothing(forces) && (!contact_friction_ || nothing(memory.slip));
   }
 
   /// Force on one particle within reach.
