@@ -202,66 +202,60 @@ struct PairLaw {
 /// Rows whose contacts are worked out at once, see frictionalSums().
 constexpr std::size_t kRowsUnderWay = 4;
 
-/// Whether a vector has a lane for each class of grains: then it is a table.
-constexpr bool kIsTable = HWY_TARGET != HWY_SCALAR;
-
 /// Laws of grains of one class with all classes.
 struct LawsOfClass {
   std::array<PairLaw, GrainClasses::kMost> with;
-  PairLaw table;  ///< where a vector is one: lane c holds what is between the class and class c
+  PairLaw table;  ///< lane c holds what is between the class and class c
 };
 
+// A vector that has a lane for each class of grains is a table of them, which is asked with the classes of a row.
+#if HWY_TARGET == HWY_SCALAR
+
+using RowClasses = std::size_t;
+HWY_INLINE RowClasses classesOf(const GrainClasses& classes, V excess) {
+  return static_cast<std::size_t>(classes.of(hn::GetLane(excess)));
+}
+HWY_INLINE PairLaw lawWith(const LawsOfClass& laws, RowClasses classes) {
+  return laws.with[classes];
+}
+
+#else
+
+using RowClasses = decltype(hn::IndicesFromVec(D(), hn::Vec<hn::RebindToSigned<D> >()));
+HWY_INLINE RowClasses classesOf(const GrainClasses& classes, V excess) {
+  const hn::RebindToSigned<D> di;
+  auto grain_class = hn::Zero(di);
+  for (int c = 0; c + 1 < classes.count(); ++c) {
+    const auto finer = hn::RebindMask(di, excess < set(classes.finerThan(c)));
+    grain_class = hn::IfThenElse(finer, hn::Set(di, c + 1), grain_class);
+  }
+  return hn::IndicesFromVec(D(), grain_class);
+}
+/// All of the law is written here and little is wanted at each place that asks for it: the compiler looks up no more.
+HWY_INLINE PairLaw lawWith(const LawsOfClass& laws, const RowClasses& classes) {
+  PairLaw law = laws.table;
+  law.takeFrom(laws.table, [&](V& one, V table) HWY_ATTR { one = hn::TableLookupLanes(table, classes); });
+  return law;
+}
+
+#endif
+
 /// Laws of a group's grains with their neighbours: those of their own class and, in a graded bed, others.
-template <bool kGraded>
 class GroupLaws {
  public:
-  GroupLaws(const GrainClasses& classes, const LawsOfClass& laws, int own)
+  GroupLaws(const GrainClasses& classes, const LawsOfClass& laws, std::size_t own)
       : classes_(classes), laws_(laws), own_(own) {}
 
-  [[nodiscard]] HWY_INLINE const PairLaw& own() const { return laws_.with[static_cast<std::size_t>(own_)]; }
+  [[nodiscard]] HWY_INLINE const PairLaw& own() const { return laws_.with[own_]; }
 
-  /// The law of a row of neighbours: the group's own, or where there are others among them `mixed`, made of what is
-  /// between the group's class and each one's. Either way a pair comes out the same from both sides.
-  HWY_INLINE const PairLaw& ofRow(V excess, V squared, PairLaw& mixed) const {
-    if constexpr (kGraded) {
-      auto other = excess < set(classes_.finerThan(own_));
-      if (own_ > 0) {
-        other = hn::Or(other, excess >= set(classes_.finerThan(own_ - 1)));
-      }
-      if (!hn::AllFalse(D(), hn::And(other, squared < set(kGhostsFrom_m2)))) {
-        mix(excess, mixed);
-        return mixed;
-      }
-    }
-    return own();
-  }
+  [[nodiscard]] HWY_INLINE RowClasses classesOf(V excess) const { return HWY_NAMESPACE::classesOf(classes_, excess); }
+  /// What is between the group's class and those of a row; a pair comes out the same from both sides.
+  [[nodiscard]] HWY_INLINE PairLaw with(const RowClasses& classes) const { return lawWith(laws_, classes); }
 
  private:
-  static constexpr float kGhostsFrom_m2 = 1e12F;
-
-  HWY_INLINE void mix(V excess, PairLaw& mixed) const {
-    if constexpr (kIsTable) {
-      const hn::RebindToSigned<D> di;
-      auto grain_class = hn::Zero(di);
-      for (int c = 0; c + 1 < classes_.count(); ++c) {
-        const auto finer = hn::RebindMask(di, excess < set(classes_.finerThan(c)));
-        grain_class = hn::IfThenElse(finer, hn::Set(di, c + 1), grain_class);
-      }
-      const auto indices = hn::IndicesFromVec(D(), grain_class);
-      mixed.takeFrom(laws_.table, [&](V& own, V table) HWY_ATTR { own = hn::TableLookupLanes(table, indices); });
-    } else {
-      mixed = laws_.with[0];
-      for (int c = 1; c < classes_.count(); ++c) {
-        const auto here = excess < set(classes_.finerThan(c - 1));
-        mixed.takeFrom(laws_.with[static_cast<std::size_t>(c)],
-                       [&](V& own, V theirs) HWY_ATTR { own = hn::IfThenElse(here, theirs, own); });
-      }
-    }
-  }
-
   const GrainClasses& classes_;
   const LawsOfClass& laws_;
-  int own_;
+  std::size_t own_;
 };
 
 /// Laws of every class with every class, at work; those of a class are made when it is first met.
@@ -271,19 +265,13 @@ class PairLaws {
   PairLaws(const GradedLaw& law, float dt, float ratio, float near_m)
       : law_(law), dt_(dt), ratio_(ratio), near_m_(near_m) {}
 
-  [[nodiscard]] HWY_INLINE GroupLaws<kGraded> of(const StepArrays& arrays, std::size_t group) {
+  [[nodiscard]] HWY_INLINE GroupLaws of(const StepArrays& arrays, std::size_t group) {
     const std::size_t own = kGraded ? arrays.grain_class[group] : 0;
     if (!made_[own]) {
       make(own);
       made_[own] = true;
     }
-    return {law_.classes, laws_[own], static_cast<int>(own)};
-  }
-
-  /// For the rows that are under way at once.
-  [[nodiscard]] std::array<PairLaw, kRowsUnderWay> roomForMixed() const {
-    const PairLaw any = between(0, 0);
-    return {any, any, any, any};
+    return {law_.classes, laws_[own], own};
   }
 
  private:
@@ -298,7 +286,7 @@ class PairLaws {
     for (std::size_t c = 0; c < kClasses; ++c) {
       laws.with[c] = between(own, c);
     }
-    if constexpr (kGraded && kIsTable) {
+    if constexpr (kGraded && HWY_TARGET != HWY_SCALAR) {
       const D d;
       laws.table = laws.with[0];
       for (std::size_t c = 1; c < kClasses; ++c) {
@@ -319,28 +307,26 @@ class PairLaws {
 template <bool kGraded>
 class RowLaws {
  public:
-  /// @param mixed  room for kRowsUnderWay laws, which begin as any.
-  RowLaws(const GroupLaws<kGraded>& laws, PairLaw* mixed) : laws_(laws), mixed_(mixed) {}
+  explicit RowLaws(const GroupLaws& laws) : laws_(laws) {}
 
   /// Of a row that has just been met, and from then on.
-  HWY_INLINE const PairLaw& row(std::size_t row, const Met& met) {
+  HWY_INLINE decltype(auto) row(std::size_t row, const Met& met) {
     if constexpr (kGraded) {
-      const std::size_t place = row % kRowsUnderWay;
-      law_[place] = &laws_.ofRow(met.theirs, met.way.squared, mixed_[place]);
+      classes_[row % kRowsUnderWay] = laws_.classesOf(met.theirs);
     }
     return this->row(row);
   }
-  [[nodiscard]] HWY_INLINE const PairLaw& row(std::size_t row) const {
+  [[nodiscard]] HWY_INLINE decltype(auto) row(std::size_t row) const {
     if constexpr (kGraded) {
-      return *law_[row % kRowsUnderWay];
+      return laws_.with(classes_[row % kRowsUnderWay]);
+    } else {
+      return laws_.own();
     }
-    return laws_.own();
   }
 
  private:
-  const GroupLaws<kGraded>& laws_;
-  std::array<const PairLaw*, kRowsUnderWay> law_{};
-  PairLaw* mixed_;
+  const GroupLaws& laws_;
+  std::array<RowClasses, kGraded ? kRowsUnderWay : 0> classes_;
 };
 
 template <bool kPeriodic>
@@ -355,19 +341,19 @@ HWY_INLINE Met meet(const Group& group, const PeriodsOf& periods, std::size_t ro
 /// A row is one long chain in which each step waits for the one before: twice as long as the processor looks ahead.
 /// So four rows are under way at once, each a quarter of its work behind the next.
 template <bool kGraded, bool kPeriodic, bool kCompression>
-HWY_INLINE Sums frictionalSums(const GroupLaws<kGraded>& laws, const PeriodsOf& periods, const StepArrays& arrays,
-                               const Lanes& at, const Records& here, const Records& v, PairLaw* mixed) {
+HWY_INLINE Sums frictionalSums(const GroupLaws& laws, const PeriodsOf& periods, const StepArrays& arrays,
+                               const Lanes& at, const Records& here, const Records& v) {
   const D d;
   const V zero = hn::Zero(d);
   Group group{Rows(arrays, at), here, v, at, 0, {zero, zero, zero, zero, zero}};
-  RowLaws<kGraded> of(laws, mixed);
+  RowLaws<kGraded> of(laws);
   std::uint16_t& touched = arrays.touched[at.group];
   // Behind those that touched, as most rows at the end of lists that have the nearest first, distances will do.
   std::size_t rows = HWY_MIN(std::size_t{touched}, at.rows);
   for (std::size_t row = rows; row < at.rows; ++row) {
     const Met met = meet<kPeriodic>(group, periods, row);
-    const PairLaw& law = of.row(row, met);
-    const V a = law.distanceIn<kGraded>(met).a;
+    const auto& law = of.row(row, met);
+    const V a = law.template distanceIn<kGraded>(met).a;
     if (at.looking != nullptr && !hn::AllFalse(d, a < law.near_limit)) {
       noteNear(at, row);
     }

@@ -151,7 +151,6 @@ template <bool kGraded, bool kPeriodic>
 void contactFrictionIn(const GradedLaw& law, const StepConstants& now, const StepBox& box, const StepArrays& arrays,
                        std::size_t first, std::size_t last, Moved& moved) {
   PairLaws<kGraded> laws(law, now.dt, now.friction_ratio, now.near_m);
-  auto mixed = laws.roomForMixed();
   const PeriodsOf periods(box.periods);
   const D d;
   const V zero = hn::Zero(d);
@@ -162,11 +161,11 @@ void contactFrictionIn(const GradedLaw& law, const StepConstants& now, const Ste
   forEachVector(arrays, now.look, first, last, [&](const Lanes& at) {
     const Records x = loadInOrder(arrays.position + at.particle());
     const Records v = loadInOrder(arrays.velocity + at.particle());
-    const GroupLaws<kGraded> contacts = laws.of(arrays, at.group);
+    const GroupLaws contacts = laws.of(arrays, at.group);
     const PairLaw& own = contacts.own();
     const Grain grain(now, kGraded ? arrays.grain_class[at.group] : 0);
     const V per_mass = set(now.dt * grain.inverse_mass);
-    const Sums sums = frictionalSums<kGraded, kPeriodic, false>(contacts, periods, arrays, at, x, v, mixed.data());
+    const Sums sums = frictionalSums<kGraded, kPeriodic, false>(contacts, periods, arrays, at, x, v);
     auto [fx, fy, fz] = besidesWalls(sums, grain, arrays, at);
     WallSlips& slips = arrays.wall_slip[at.group];
     std::uint8_t& near = arrays.near_walls[at.group];
@@ -242,12 +241,11 @@ template <bool kGraded>
 void contactFrictionSumsOf(const GradedLaw& law, const Periods& box, float dt, const StepArrays& arrays,
                            std::size_t first, std::size_t last, ContactSum* sums) {
   PairLaws<kGraded> laws(law, dt, 1, 0);
-  auto mixed = laws.roomForMixed();
   const PeriodsOf periods(box);
   forEachVector(arrays, 0, first, last, [&](const Lanes& at) {
     const Records x = loadInOrder(arrays.position + at.particle());
     const Records v = loadInOrder(arrays.velocity + at.particle());
-    storeSums(frictionalSums<kGraded, true, true>(laws.of(arrays, at.group), periods, arrays, at, x, v, mixed.data()),
+    storeSums(frictionalSums<kGraded, true, true>(laws.of(arrays, at.group), periods, arrays, at, x, v),
               sums + at.particle());
   });
 }
