@@ -3,8 +3,11 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include <algorithm>
 #include <memory>
+#include <optional>
 
+#include "haptolith/lab/bearing_capacity.h"
 #include "haptolith/lab/catalogue/entries.h"
 #include "haptolith/lab/cone.h"
 #include "haptolith/lab/findings.h"
@@ -16,7 +19,45 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-LabOutput plateOutput(const LabConditions& conditions, const PlateOptions& options) {
+/// What somebody says of the soil's strength, for bearing capacity.
+struct Strength {
+  std::optional<double> friction_angle_rad;
+  double cohesion_pa = 0;
+};
+
+/// The plate beside a footing at the same depth, where it has sunk in by a tenth of its diameter.
+void compareWithFooting(const PlateResult& result, const Footing& footing, LabOutput& output) {
+  const double pressure_pa =
+      forceAt(result.curve, std::min(footing.depth_m, result.curve.back().depth_m)) / result.area_m2;
+  const double terzaghi_pa = terzaghiBearing(footing).pressure_pa;
+  const double meyerhof_pa = meyerhofBearing(footing).pressure_pa;
+  const double vesic_pa = vesicBearing(footing).pressure_pa;
+  output.text += fmt::format(
+      "\n  pressure at {:.1f} mm {:.3g} kPa; bearing capacity of a footing there, with {:.1f}° and {:.0f} Pa: Terzaghi "
+      "{:.3g},\n"
+      "  Meyerhof {:.3g}, Vesic {:.3g} kPa\n",
+      footing.depth_m / kMm, pressure_pa / 1e3, degrees(footing.friction_angle_rad), footing.cohesion_pa,
+      terzaghi_pa / 1e3, meyerhof_pa / 1e3, vesic_pa / 1e3);
+  output.json["bearing"] = {{"sinkage_mm", footing.depth_m / kMm},
+                            {"pressure_pa", pressure_pa},
+                            {"friction_angle_deg", degrees(footing.friction_angle_rad)},
+                            {"cohesion_pa", footing.cohesion_pa},
+                            {"terzaghi_pa", terzaghi_pa},
+                            {"meyerhof_pa", meyerhof_pa},
+                            {"vesic_pa", vesic_pa}};
+}
+
+LabOutput plateOutput(const LabConditions& conditions, const PlateOptions& options, const Strength& strength) {
+  constexpr double kSunk = 0.1;  // of the diameter
+  Footing footing{.diameter_m = options.diameter_m,
+                  .depth_m = std::min(kSunk * options.diameter_m, options.max_sinkage_m),
+                  .density_kg_m3 = conditions.soil.rho0_kg_m3,
+                  .gravity_m_s2 = conditions.gravity_m_s2,
+                  .friction_angle_rad = strength.friction_angle_rad.value_or(0),
+                  .cohesion_pa = strength.cohesion_pa};
+  if (strength.friction_angle_rad) {
+    (void)vesicBearing(footing);  // what it refuses is refused now, not after minutes
+  }
   const PlateResult result = plateTest(conditions, options);
   LabOutput output;
   Json curve = Json::array();
@@ -36,6 +77,10 @@ LabOutput plateOutput(const LabConditions& conditions, const PlateOptions& optio
                  {"modulus", result.fit.modulus},
                  {"bulk_density_kg_m3", result.bulk_density_kg_m3},
                  {"particles", result.particles}};
+  if (strength.friction_angle_rad) {
+    footing.density_kg_m3 = result.bulk_density_kg_m3;
+    compareWithFooting(result, footing, output);
+  }
   output.findings = findings(result, options.diameter_m);
   output.trace = result.trace;
   output.draw = [result](const OutputFile& path, const std::string& title) { drawPlate(path, result, title); };
@@ -71,14 +116,26 @@ LabOutput coneOutput(const LabConditions& conditions, const ConeOptions& options
 
 LabTest plateEntry() {
   auto own = std::make_shared<PlateOptions>();
+  auto strength = std::make_shared<Strength>();
   return {.name = "plate",
           .description = "A flat plate pushed in: pressure against sinkage",
-          .examples = "  haptolith lab plate --soil dry-sand --body Earth --plate-diameter-mm 60 --max-sinkage-mm 20",
+          .examples =
+              "  haptolith lab plate --soil dry-sand --body Earth --plate-diameter-mm 60 --max-sinkage-mm 20\n"
+              "  haptolith lab plate --soil dry-sand --friction-angle-deg 32",
           .radius_mm = 3.5,
           .options = {millimetresOption("plate_diameter_mm", own->diameter_m, "diameter of the plate"),
                       millimetresOption("max_sinkage_mm", own->max_sinkage_m, "how deep it goes"),
-                      preparationOption(own->preparation)},
-          .run = [own](const LabSoil&, const LabConditions& conditions) { return plateOutput(conditions, *own); }};
+                      preparationOption(own->preparation),
+                      {.key = "friction_angle_deg",
+                       .help = "compare with the bearing capacity of a footing in soil of this angle",
+                       .usual = "not compared",
+                       .set = LabOption::Number([strength](double deg) {
+                         strength->friction_angle_rad = radians(requireInRange("friction_angle_deg", deg, {0, 50}));
+                       })},
+                      numberOption("soil_cohesion_pa", strength->cohesion_pa, "for that, beside a friction angle")},
+          .run = [own, strength](const LabSoil&, const LabConditions& conditions) {
+            return plateOutput(conditions, *own, *strength);
+          }};
 }
 
 LabTest coneEntry() {
