@@ -18,6 +18,8 @@ double cot(double angle_rad) {
   return 1 / std::tan(angle_rad);
 }
 
+}  // namespace
+
 void validate(const BladeCase& blade) {
   const Range positive{0, Range{}.highest, Ends::kOpen};
   const Range not_negative{0, Range{}.highest};
@@ -34,17 +36,20 @@ void validate(const BladeCase& blade) {
                  {0, kMostAngles - blade.tool_friction_rad - blade.friction_angle_rad, Ends::kOpen});
 }
 
-/// The factors and F for one failure plane.
-BladeForce forceAt(const BladeCase& blade, double beta) {
+double steepestFailurePlane(const BladeCase& blade) {
+  return kPi - blade.rake_rad - blade.tool_friction_rad - blade.friction_angle_rad;
+}
+
+BladeForce earthmovingForceAt(const BladeCase& blade, double beta_rad) {
   const double pushed = blade.rake_rad + blade.tool_friction_rad;
-  const double cot_plane = cot(beta + blade.friction_angle_rad);
+  const double cot_plane = cot(beta_rad + blade.friction_angle_rad);
   const double d = std::cos(pushed) + std::sin(pushed) * cot_plane;
-  const double base = cot(blade.rake_rad) + cot(beta);  // length of the wedge's surface, over its depth
+  const double base = cot(blade.rake_rad) + cot(beta_rad);  // length of the wedge's surface, over its depth
 
   BladeForce result;
-  result.beta_rad = beta;
+  result.beta_rad = beta_rad;
   result.n_gamma = base / (2 * d);
-  result.n_c = (1 + cot(beta) * cot_plane) / d;
+  result.n_c = (1 + cot(beta_rad) * cot_plane) / d;
   result.n_a = (1 - cot(blade.rake_rad) * cot_plane) / d;
   result.n_q = base / d;
   const double per_width_and_depth = blade.density_kg_m3 * blade.gravity_m_s2 * blade.depth_m * result.n_gamma +
@@ -58,14 +63,12 @@ BladeForce forceAt(const BladeCase& blade, double beta) {
   return result;
 }
 
-}  // namespace
-
 BladeForce earthmovingForce(const BladeCase& blade) {
   validate(blade);
-  // D falls to zero at the upper end, N_gamma and N_c are infinite at both.
-  const double steepest = kPi - blade.rake_rad - blade.tool_friction_rad - blade.friction_angle_rad;
-  const double beta = minimumBetween(0, steepest, [&](double angle) { return forceAt(blade, angle).force_n; });
-  return forceAt(blade, beta);
+  // N_gamma and N_c are infinite at both ends of the range.
+  const double beta = minimumBetween(0, steepestFailurePlane(blade),
+                                     [&](double angle) { return earthmovingForceAt(blade, angle).force_n; });
+  return earthmovingForceAt(blade, beta);
 }
 
 }  // namespace haptolith

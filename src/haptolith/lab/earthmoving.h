@@ -45,12 +45,22 @@ struct BladeForce {
 /// with the least N_gamma instead is the same without cohesion, adhesion and surcharge, and gives up to 0.2 % more in
 /// the measured cases of tests/data/blade_draft_measured.csv.)
 ///
-/// Left out are inertia, so it holds for slow blades; the wedges that break out at both sides, so it holds for blades
-/// wider than deep; soil that piles up in front, except as surcharge; and bent failure planes. Upright blades in sand
-/// needed more than it says, by 25 % of the measured force on average and 42 % at most (Obermayr et al. 2013,
-/// Fraunhofer ITWM report 228).
+/// Left out are inertia, so it holds for slow blades; the wedges that break out at both sides, which wedgeForce() adds,
+/// so it holds for blades wider than deep; soil that piles up in front, except as surcharge; and bent failure planes.
+/// Upright blades in sand needed more than it says, by 25 % of the measured force on average and 42 % at most (Obermayr
+/// et al. 2013, Fraunhofer ITWM report 228).
 /// @throws InvalidParameter outside the ranges above, and unless alpha + delta + phi < 175 deg: no wedge is left to
 /// fail.
 [[nodiscard]] BladeForce earthmovingForce(const BladeCase& blade);
+
+/// The same for a failure plane at `beta_rad`, which need not be the weakest. Not checked: the ranges above, and beta
+/// between 0 and steepestFailurePlane().
+[[nodiscard]] BladeForce earthmovingForceAt(const BladeCase& blade, double beta_rad);
+
+/// The angle over the horizontal, in rad, at which D falls to zero: 180 deg - alpha - delta - phi.
+[[nodiscard]] double steepestFailurePlane(const BladeCase& blade);
+
+/// @throws InvalidParameter with the key, the value and the valid range.
+void validate(const BladeCase& blade);
 
 }  // namespace haptolith
