@@ -14,6 +14,7 @@
 
 #include "haptolith/core/error.h"
 #include "haptolith/lab/earthmoving.h"
+#include "haptolith/lab/wedge.h"
 
 #include "small_soil.h"
 
@@ -33,8 +34,8 @@ const BladeOptions kPlane{.width_m = 0.05,
 TEST(Blade, NeedsADraftOfTheEarthmovingEquationsSize) {
   const BladeResult blade = bladeTest(coarseSand(kRadius_m), kPlane);
   EXPECT_NEAR(blade.depth_m, 0.025, 0.004);
-  EXPECT_GT(blade.draft_n, 0.6 * blade.earthmoving_draft_n);
-  EXPECT_LT(blade.draft_n, 2.2 * blade.earthmoving_draft_n);
+  EXPECT_GT(blade.draft_n, 0.6 * blade.expected.earthmoving.draft_n);
+  EXPECT_LT(blade.draft_n, 2.2 * blade.expected.earthmoving.draft_n);
   EXPECT_LT(blade.vertical_n, 0);  // it is lifted by the soil that climbs it
   EXPECT_GT(blade.draft_se_n, 0);
   EXPECT_LT(blade.draft_se_n, 0.3 * blade.draft_n);
@@ -50,8 +51,43 @@ TEST(Blade, IsComparedWithTheEquationForTheBedItReallyMovedThrough) {
                                              .gravity_m_s2 = 9.807,
                                              .friction_angle_rad = 48 * kDegree,
                                              .tool_friction_rad = std::atan(0.36)});
-  EXPECT_DOUBLE_EQ(blade.earthmoving_draft_n, force.draft_n);
-  EXPECT_DOUBLE_EQ(blade.earthmoving_vertical_n, force.vertical_n);
+  EXPECT_DOUBLE_EQ(blade.expected.earthmoving.draft_n, force.draft_n);
+  EXPECT_DOUBLE_EQ(blade.expected.earthmoving.vertical_n, force.vertical_n);
+}
+
+TEST(Blade, IsComparedWithWedgesThatKnowItsSidesWhereItHasSides) {
+  LabConditions conditions = coarseSand(kRadius_m);
+  EXPECT_FALSE(bladeTest(conditions, kPlane).expected.wedge);
+  EXPECT_FALSE(bladeTest(conditions, kPlane).expected.upright_wedge);
+
+  BladeOptions narrow = kPlane;
+  narrow.side_room_depths = 1;
+  narrow.residual = MohrCoulomb{.friction_angle_rad = 39 * kDegree};
+  const BladeResult blade = bladeTest(conditions, narrow);
+  BladeCase expected{.width_m = 0.05,
+                     .depth_m = blade.depth_m,
+                     .rake_rad = std::numbers::pi / 2,
+                     .density_kg_m3 = blade.bulk_density_kg_m3,
+                     .gravity_m_s2 = 9.807,
+                     .friction_angle_rad = 48 * kDegree,
+                     .tool_friction_rad = std::atan(0.36)};
+  ASSERT_TRUE(blade.expected.wedge && blade.expected.upright_wedge && blade.expected_residual);
+  EXPECT_DOUBLE_EQ(blade.expected.wedge->draft_n, wedgeForce(expected).draft_n);
+  EXPECT_DOUBLE_EQ(blade.expected.upright_wedge->draft_n, uprightWedgeForce(expected).draft_n);
+  expected.friction_angle_rad = 39 * kDegree;
+  EXPECT_DOUBLE_EQ(blade.expected_residual->earthmoving.draft_n, earthmovingForce(expected).draft_n);
+  EXPECT_DOUBLE_EQ(blade.expected_residual->wedge->draft_n, wedgeForce(expected).draft_n);
+}
+
+TEST(Blade, ThatLeansForwardIsMeasuredAllTheSame) {
+  BladeOptions forward = kPlane;
+  forward.side_room_depths = 1;
+  forward.rake_rad = 100 * kDegree;
+  forward.friction_angle_rad = 39 * kDegree;
+  const BladeResult blade = bladeTest(coarseSand(kRadius_m), forward);
+  EXPECT_GT(blade.draft_n, 0);
+  EXPECT_FALSE(blade.expected.wedge);
+  EXPECT_TRUE(blade.expected.upright_wedge);
 }
 
 TEST(Blade, LeaningBackIsEasierToDrawAndLiftedLess) {
@@ -85,7 +121,7 @@ TEST(Blade, IsHarderToDrawThroughCohesiveSoil) {
   options.cohesion_pa = 2500;
   const BladeResult sticky = bladeTest(conditions, options);
   EXPECT_GT(sticky.draft_n, 1.3 * dry);
-  EXPECT_GT(sticky.earthmoving_draft_n, 1.3 * dry);
+  EXPECT_GT(sticky.expected.earthmoving.draft_n, 1.3 * dry);
 }
 
 TEST(Blade, TestRefusesNonsense) {
@@ -103,6 +139,8 @@ TEST(Blade, TestRefusesNonsense) {
       [](BladeOptions& blade) { blade.below_depths = 0; },
       [](BladeOptions& blade) { blade.friction_angle_rad = 39; },  // degrees
       [](BladeOptions& blade) { blade.cohesion_pa = std::nan(""); },
+      [](BladeOptions& blade) { blade.residual = MohrCoulomb{.friction_angle_rad = 39}; },
+      [](BladeOptions& blade) { blade.residual = MohrCoulomb{.cohesion_pa = -1}; },
   };
   for (std::size_t i = 0; i < nonsense.size(); ++i) {
     BladeOptions options = kPlane;
@@ -115,13 +153,15 @@ TEST(Blade, IsDrawnBesideTheEquation) {
   BladeResult blade;
   blade.trace = {.columns = {"travel_m", "draft_n", "vertical_n"}, .rows = {{0, 0, 0}, {0.01, 2, -1}, {0.02, 2.2, -1}}};
   blade.draft_n = 2.1;
-  blade.earthmoving_draft_n = 1.9;
+  blade.expected.earthmoving.draft_n = 1.9;
+  blade.expected.wedge = WedgeForce{.draft_n = 2.5};
   const auto file = std::filesystem::path(testing::TempDir()) / "blade.svg";
   std::filesystem::remove(file);  // of an earlier run
   drawBlade(file, blade, "a soil");
   std::ifstream stream(file);
   const std::string svg{std::istreambuf_iterator<char>(stream), {}};
   EXPECT_NE(svg.find("earthmoving equation"), std::string::npos);
+  EXPECT_NE(svg.find("with crescents"), std::string::npos);
 }
 
 }  // namespace

@@ -46,6 +46,22 @@ TEST(Findings, SandOnEarthIsJudgedByItsOwnDensityAndNotByTheMoons) {
   EXPECT_EQ(verdictOf(findings(settledTo(1250), kEarth_m_s2, target(1330)).front()), Verdict::kFail);
 }
 
+TEST(Findings, BladeIsJudgedByThePlaneEquationAndShownBesideWedgesWithSides) {
+  BladeResult blade;
+  blade.draft_n = 3;
+  blade.expected = {.earthmoving = {.draft_n = 2}, .upright_wedge = {{.draft_n = 2.5}}, .wedge = {{.draft_n = 4}}};
+  EXPECT_EQ(findings(blade, target(1330)).size(), 4U);
+  blade.expected_residual = {{.earthmoving = {.draft_n = 1}, .upright_wedge = {{.draft_n = 1.5}}, .wedge = {}}};
+  const auto found = findings(blade, target(1330));
+  ASSERT_EQ(found.size(), 5U);
+  EXPECT_EQ(verdictOf(found[1]), Verdict::kFail);
+  EXPECT_DOUBLE_EQ(found[2].number, 1.2);
+  EXPECT_DOUBLE_EQ(found[3].number, 0.75);
+  EXPECT_DOUBLE_EQ(found[4].number, 2);
+  EXPECT_THAT(found[4].measured, HasSubstr("residual"));
+  EXPECT_EQ(verdictOf(found[3]), Verdict::kInfo);
+}
+
 TEST(Findings, LunarSoilOnTheMoonIsJudgedByWhatWasMeasuredThere) {
   for (const std::optional<SoilTarget>& known : {std::optional<SoilTarget>{}, std::optional(target(1500))}) {
     const auto found = findings(settledTo(1520), kMoon_m_s2, known);

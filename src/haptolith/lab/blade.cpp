@@ -5,11 +5,11 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <string>
 #include <vector>
 
 #include "haptolith/core/error.h"
 #include "haptolith/figure/figure.h"
-#include "haptolith/lab/earthmoving.h"
 #include "haptolith/lab/shear.h"
 #include "haptolith/tool/tool_shape.h"
 
@@ -43,6 +43,10 @@ void validate(const LabConditions& conditions, const BladeOptions& options) {
   requireInRange("below_depths", options.below_depths, {0.1, 100});
   requireInRange("friction_angle_rad", options.friction_angle_rad, {0, kPi / 3});
   requireInRange("cohesion_pa", options.cohesion_pa, {0, 1e6});
+  if (options.residual) {
+    requireInRange("residual.friction_angle_rad", options.residual->friction_angle_rad, {0, kPi / 3});
+    requireInRange("residual.cohesion_pa", options.residual->cohesion_pa, {0, 1e6});
+  }
 }
 
 /// Where the blade and the soil are before anything has moved. The blade goes along x.
@@ -131,17 +135,26 @@ LabTrace traceOf(const std::vector<Moment>& moments, double stretch_m) {
   return trace;
 }
 
-void compareWithEquation(const LabConditions& conditions, const BladeOptions& options, BladeResult& result) {
-  const BladeForce force = earthmovingForce({.width_m = result.width_m,
-                                             .depth_m = result.depth_m,
-                                             .rake_rad = options.rake_rad,
-                                             .density_kg_m3 = result.bulk_density_kg_m3,
-                                             .gravity_m_s2 = conditions.gravity_m_s2,
-                                             .friction_angle_rad = options.friction_angle_rad,
-                                             .tool_friction_rad = std::atan(options.tool_friction),
-                                             .cohesion_pa = options.cohesion_pa});
-  result.earthmoving_draft_n = force.draft_n;
-  result.earthmoving_vertical_n = force.vertical_n;
+BladeEquations equations(const LabConditions& conditions, const BladeOptions& options, const BladeResult& result,
+                         double friction_angle_rad, double cohesion_pa) {
+  const BladeCase blade{.width_m = result.width_m,
+                        .depth_m = result.depth_m,
+                        .rake_rad = options.rake_rad,
+                        .density_kg_m3 = result.bulk_density_kg_m3,
+                        .gravity_m_s2 = conditions.gravity_m_s2,
+                        .friction_angle_rad = friction_angle_rad,
+                        .tool_friction_rad = std::atan(options.tool_friction),
+                        .cohesion_pa = cohesion_pa};
+  BladeEquations equations{.earthmoving = earthmovingForce(blade), .upright_wedge = {}, .wedge = {}};
+  if (options.side_room_depths > 0) {
+    equations.upright_wedge = uprightWedgeForce(blade);
+    try {
+      equations.wedge = wedgeForce(blade);
+    } catch (const InvalidParameter&) {
+      // Leaning forward, or too flat for its width: what was measured is not thrown away for that.
+    }
+  }
+  return equations;
 }
 
 }  // namespace
@@ -185,29 +198,48 @@ BladeResult bladeTest(const LabConditions& conditions, const BladeOptions& optio
   result.draft_se_n = draft.standard_error;
   result.vertical_n = vertical.value;
   result.vertical_se_n = vertical.standard_error;
-  compareWithEquation(conditions, options, result);
+  result.expected = equations(conditions, options, result, options.friction_angle_rad, options.cohesion_pa);
+  if (options.residual) {
+    result.expected_residual =
+        equations(conditions, options, result, options.residual->friction_angle_rad, options.residual->cohesion_pa);
+  }
   return result;
 }
 
-MohrCoulomb strengthBeforeBlade(const LabConditions& conditions, Preparation preparation) {
-  ShearOptions options;
-  options.normal_stresses_pa = {200, 400, 800};
-  const bool loose = preparation == Preparation::kLoose;
-  if (!loose) {
-    options.strain = 1;
-    options.residual_from = 0.9;
-  }
-  const ShearResult shear = shearTest(conditions, options);
-  if (conditions.soil.contact_cohesion_n > 0) {
-    return loose ? shear.residual : shear.peak;
+namespace {
+
+/// The line through the strengths; without cohesion between the particles through the origin.
+MohrCoulomb lineOf(const SoilParameters& soil, const ShearResult& shear, const MohrCoulomb& fitted,
+                   double ShearPointResult::*strength_pa) {
+  if (soil.contact_cohesion_n > 0) {
+    return fitted;
   }
   double stresses = 0;
   double squares = 0;
   for (const ShearPointResult& point : shear.points) {
-    stresses += point.normal_pa * (loose ? point.residual_pa : point.peak_pa);
+    stresses += point.normal_pa * (point.*strength_pa);
     squares += point.normal_pa * point.normal_pa;
   }
   return {.friction_angle_rad = std::atan(stresses / squares), .cohesion_pa = 0};
+}
+
+}  // namespace
+
+BladeStrength strengthBeforeBlade(const LabConditions& conditions, Preparation preparation) {
+  const std::vector<double> stresses_pa = {200, 400, 800};
+  const auto residual = [&](double strain) {
+    const ShearResult shear = shearTest(conditions, {.normal_stresses_pa = stresses_pa, .strain = strain});
+    return lineOf(conditions.soil, shear, shear.residual, &ShearPointResult::residual_pa);
+  };
+  if (preparation == Preparation::kLoose) {
+    return {.undisturbed = residual(ShearOptions{}.strain), .residual = {}};
+  }
+  // The largest of more strain would be more of a scattering stress, so the peak has a short test of its own.
+  const ShearResult peak =
+      shearTest(conditions, {.normal_stresses_pa = stresses_pa, .strain = 1, .residual_from = 0.9});
+  constexpr double kResidualStrain = 3;  // the residual state begins at 2
+  return {.undisturbed = lineOf(conditions.soil, peak, peak.peak, &ShearPointResult::peak_pa),
+          .residual = residual(kResidualStrain)};
 }
 
 void drawBlade(const OutputFile& file, const BladeResult& result, std::string_view title) {
@@ -221,13 +253,27 @@ void drawBlade(const OutputFile& file, const BladeResult& result, std::string_vi
   figure.command(
       "set xlabel 'travel / mm'; set ylabel 'force / N'; set key tmargin center horizontal; set xrange [0:*]");
   figure.command(fmt::format("set title {}", gnuplotQuoted(title)));
+  std::string with_sides;
+  if (result.expected.upright_wedge) {
+    with_sides += fmt::format(
+        "{} with lines dashtype (2,5) linewidth 1.5 linecolor rgb '#0072b2' title "
+        "'draft, wedge between upright sides', ",
+        result.expected.upright_wedge->draft_n);
+  }
+  if (result.expected.wedge) {
+    with_sides += fmt::format(
+        "{} with lines dashtype (8,5,2,5) linewidth 1.5 linecolor rgb '#0072b2' title "
+        "'draft, wedge with crescents', ",
+        result.expected.wedge->draft_n);
+  }
   figure.command(fmt::format(
       "plot $trace using 1:2 with lines linewidth 2.5 linecolor rgb '#0072b2' title 'draft', "
       "$trace using 1:3 with lines linewidth 2.5 linecolor rgb '#009e73' title 'vertical', "
-      "{} with lines dashtype (8,5) linewidth 1.5 linecolor rgb '#0072b2' title 'draft, earthmoving equation', "
+      "{} with lines dashtype (8,5) linewidth 1.5 linecolor rgb '#0072b2' title 'draft, earthmoving equation', {}"
       "{} with lines dashtype (8,5) linewidth 1.5 linecolor rgb '#009e73' title 'vertical, earthmoving equation', "
       "{} with lines dashtype (2,3) linewidth 1.5 linecolor rgb '#888888' title 'mean draft ± {:.2g} N'",
-      result.earthmoving_draft_n, result.earthmoving_vertical_n, result.draft_n, result.draft_se_n));
+      result.expected.earthmoving.draft_n, with_sides, result.expected.earthmoving.vertical_n, result.draft_n,
+      result.draft_se_n));
   figure.save();
 }
 

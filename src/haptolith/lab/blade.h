@@ -2,12 +2,15 @@
 
 #include <cstddef>
 #include <numbers>
+#include <optional>
 #include <string_view>
 
 #include "haptolith/core/atomic_file.h"
+#include "haptolith/lab/earthmoving.h"
 #include "haptolith/lab/lab_bed.h"
 #include "haptolith/lab/laboratory.h"
 #include "haptolith/lab/mohr_coulomb.h"
+#include "haptolith/lab/wedge.h"
 
 namespace haptolith {
 
@@ -24,8 +27,17 @@ struct BladeOptions {
   double ahead_depths = 3;                 ///< of soil ahead of where the blade stops, in d
   double below_depths = 0.8;               ///< of soil under the lower edge, in d
   Preparation preparation = Preparation::kDense;
-  double friction_angle_rad = 0.785;  ///< phi of the soil for the equation, as measured by shear
+  double friction_angle_rad = 0.785;  ///< phi of the soil for the equations, as measured by shear
   double cohesion_pa = 0;             ///< c, likewise
+  /// What the soil has left once it has sheared, for the equations a second time; none: not known, or the same.
+  std::optional<MohrCoulomb> residual = {};
+};
+
+/// What the equations say of a blade, with one strength of the soil.
+struct BladeEquations {
+  BladeForce earthmoving;                   ///< of earthmovingForce()
+  std::optional<BladeForce> upright_wedge;  ///< of uprightWedgeForce(); none of a blade as wide as its box
+  std::optional<WedgeForce> wedge;          ///< of wedgeForce(); likewise, and none where it refuses
 };
 
 struct BladeResult {
@@ -33,17 +45,18 @@ struct BladeResult {
   double vertical_n = 0;  ///< > 0: the soil pushes the blade down
   double draft_se_n = 0;  ///< standard error of draft_n, from the scatter of ten blocks
   double vertical_se_n = 0;
-  double earthmoving_draft_n = 0;  ///< of earthmovingForce() for `depth_m` and `bulk_density_kg_m3`
-  double earthmoving_vertical_n = 0;
-  double depth_m = 0;  ///< below the settled surface: close to the wanted one, not exactly
-  double width_m = 0;  ///< of the blade, or of the box when the blade is as wide
-  double inertia = 0;  ///< v^2/(g d)
+  BladeEquations expected;                          ///< for `depth_m`, `width_m` and `bulk_density_kg_m3`
+  std::optional<BladeEquations> expected_residual;  ///< likewise, with the residual strength
+  double depth_m = 0;                               ///< below the settled surface: close to the wanted one, not exactly
+  double width_m = 0;                               ///< of the blade, or of the box when the blade is as wide
+  double inertia = 0;                               ///< v^2/(g d)
   double bulk_density_kg_m3 = 0;
   std::size_t particles = 0;
   LabTrace trace;  ///< travel, draft and vertical force, each row a mean over 1/50 of the depth
 };
 
-/// Draws a blade at constant depth through a settled bed and compares with the fundamental earthmoving equation.
+/// Draws a blade at constant depth through a settled bed and compares with the fundamental earthmoving equation and
+/// with the wedge of McKyes and Ali.
 ///
 /// The soil settles around the blade in place, so nothing is disturbed before it moves. It stands as high as it is deep
 /// and half as much above the surface, so no soil flows over it.
@@ -51,23 +64,30 @@ struct BladeResult {
 /// `friction_angle_rad` should be the bed's peak angle: a dense bed fails before it has loosened, and its residual
 /// angle gives half the draft (docs/plate-sand.md, "Blades").
 ///
-/// The equation is the balance on the first wedge that breaks out, with a flat surface. The draft climbs while that
+/// Either equation is the balance on the first wedge that breaks out, with a flat surface. The draft climbs while that
 /// wedge forms, levels off after about half a depth of travel, and then rises slowly for good, for soil heaps up before
 /// the blade. So the mean is taken from 0.5 to 1.5 depths: later the heap is a surcharge that the equation would have
 /// to be told.
 ///
-/// Nor does the equation know the wedges that break out to both sides, which add to the draft where a blade is not much
-/// wider than deep. With side_room_depths = 0 the blade is as wide as the box, `width_m`, which repeats itself
-/// sideways: the equation's own plane case.
+/// The earthmoving equation does not know the soil that breaks out to both sides, which adds to the draft of a blade
+/// not much wider than deep; the other two do, but not that the box ends side_room_depths beside the blade. With
+/// side_room_depths = 0 the blade is as wide as the box, `width_m`, which repeats itself sideways: the earthmoving
+/// equation's own plane case.
 /// @throws InvalidParameter outside the ranges above; Failure as LabBed::run(). Not for the tick.
 [[nodiscard]] BladeResult bladeTest(const LabConditions& conditions, const BladeOptions& options = {});
 
-/// Strength for the equation, for soil under the stresses before a blade: dense soil's peak, for the equation describes
-/// how undisturbed soil first fails; of loose soil, which has none, what is left. Without cohesion between the
-/// particles it has none: a fitted line's cohesion would be scatter. @throws as shearTest(). Not for the tick.
-[[nodiscard]] MohrCoulomb strengthBeforeBlade(const LabConditions& conditions, Preparation preparation);
+/// Strength of soil under the stresses before a blade.
+struct BladeStrength {
+  MohrCoulomb undisturbed;              ///< when it first fails, which the equations describe: dense soil's peak
+  std::optional<MohrCoulomb> residual;  ///< when it has sheared; none of loose soil, which has no other strength
+};
 
-/// Draws draft and vertical force against travel, with the equation's, into an .svg or .png file. @throws as Figure.
+/// Measured by shearing. Soil without cohesion between its particles has none: a fitted line's cohesion would be
+/// scatter.
+/// @throws as shearTest(). Not for the tick.
+[[nodiscard]] BladeStrength strengthBeforeBlade(const LabConditions& conditions, Preparation preparation);
+
+/// Draws draft and vertical force against travel, with the equations', into an .svg or .png file. @throws as Figure.
 void drawBlade(const OutputFile& file, const BladeResult& result, std::string_view title);
 
 }  // namespace haptolith

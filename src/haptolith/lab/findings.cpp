@@ -126,12 +126,27 @@ std::vector<Finding> findings(const BladeResult& result, const std::optional<Soi
   Finding draft{
       fmt::format("draft of a blade {:.0f} mm wide, {:.0f} mm deep", result.width_m / kMm, result.depth_m / kMm), "",
       result.draft_n, " N", 2};
-  Finding ratio{"draft over that of the earthmoving equation", "1 ± 40 %", result.draft_n / result.earthmoving_draft_n,
-                "", 2};
+  Finding ratio{"draft over that of the earthmoving equation", "1 ± 40 %",
+                result.draft_n / result.expected.earthmoving.draft_n, "", 2};
   if (target) {
     ratio.accepted = near(1, 0.4);
   }
-  return {draft, ratio};
+  std::vector<Finding> all{draft, ratio};
+  const auto over_wedges = [&](const BladeEquations& equations, std::string_view strength) {
+    if (equations.upright_wedge) {
+      all.push_back({fmt::format("draft over that of a wedge between upright sides{}", strength), "",
+                     result.draft_n / equations.upright_wedge->draft_n, "", 2});
+    }
+    if (equations.wedge) {
+      all.push_back({fmt::format("draft over that of a wedge with crescents{}", strength), "",
+                     result.draft_n / equations.wedge->draft_n, "", 2});
+    }
+  };
+  over_wedges(result.expected, "");
+  if (result.expected_residual) {
+    over_wedges(*result.expected_residual, ", residual strength");
+  }
+  return all;
 }
 
 std::vector<Finding> findings(const FunnelResult& result) {

@@ -38,7 +38,7 @@ namespace haptolith {
                                             const std::optional<SoilTarget>& target);
 [[nodiscard]] std::vector<Finding> findings(const PlateResult& result, double diameter_m);
 [[nodiscard]] std::vector<Finding> findings(const ConeResult& result);
-/// +- 40 % of the earthmoving equation, for a soil with a target.
+/// +- 40 % of the earthmoving equation, for a soil with a target; wedges with sides are beside it, not judged.
 [[nodiscard]] std::vector<Finding> findings(const BladeResult& result, const std::optional<SoilTarget>& target);
 /// Beverloo (1961): the opening to the power of 2.5 +- 0.3; it clogs below some opening of 3 to 8 particle diameters.
 [[nodiscard]] std::vector<Finding> findings(const FunnelResult& result);

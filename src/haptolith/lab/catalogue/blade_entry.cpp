@@ -5,6 +5,10 @@
 
 #include <algorithm>
 #include <memory>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
 
 #include "haptolith/lab/blade.h"
 #include "haptolith/lab/catalogue/entries.h"
@@ -16,23 +20,85 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
+/// Strength within the range of the equations: scatter may leave it.
+MohrCoulomb inRange(const MohrCoulomb& strength) {
+  return {.friction_angle_rad = std::clamp(strength.friction_angle_rad, radians(5), radians(59)),
+          .cohesion_pa = std::max(0.0, strength.cohesion_pa)};
+}
+
+/// A row of the table: what was measured, and what each equation says; none: it says nothing.
+std::string tableRow(std::string_view what, const std::string& measured,
+                     const std::vector<std::optional<double>>& equations_n) {
+  std::string row = fmt::format("  {:<23}  {:<17}", what, measured);
+  for (const std::optional<double>& force_n : equations_n) {
+    row += fmt::format("  {:<20}", force_n ? fmt::format("{:.3g}", *force_n) : "-");
+  }
+  row.erase(row.find_last_not_of(' ') + 1);
+  return row + "\n";
+}
+
+std::string equationRows(const BladeEquations& equations, std::string_view strength, const std::string& draft,
+                         const std::string& vertical) {
+  const auto& [plane, upright, wedge] = equations;
+  const auto of = [](const auto& force, auto value) { return force ? std::optional((*force).*value) : std::nullopt; };
+  return tableRow(fmt::format("draft{} / N", strength), draft,
+                  {plane.draft_n, of(upright, &BladeForce::draft_n), of(wedge, &WedgeForce::draft_n)}) +
+         tableRow(fmt::format("downwards{} / N", strength), vertical,
+                  {plane.vertical_n, of(upright, &BladeForce::vertical_n), of(wedge, &WedgeForce::vertical_n)});
+}
+
+std::string table(const BladeResult& result, const BladeOptions& options) {
+  const auto measured = [](double value, double error) { return fmt::format("{:.3g} ± {:.2g}", value, error); };
+  std::string text = fmt::format("  {:<23}  {:<17}  {:<20}  {:<20}  {}\n", "", "measured", "earthmoving equation",
+                                 "... upright sides", "... crescents") +
+                     equationRows(result.expected, "", measured(result.draft_n, result.draft_se_n),
+                                  measured(result.vertical_n, result.vertical_se_n));
+  if (result.expected_residual) {
+    text += equationRows(*result.expected_residual, ", residual", "", "");
+  }
+  text += fmt::format("\n  {:.0f} mm wide, {:.1f} mm deep, bulk density {:.0f} kg/m³, {} particles\n",
+                      result.width_m / kMm, result.depth_m / kMm, result.bulk_density_kg_m3, result.particles);
+  text += fmt::format("  the equations get {:.1f}° and {:.0f} Pa", degrees(options.friction_angle_rad),
+                      options.cohesion_pa);
+  if (options.residual) {
+    text += fmt::format(", residual {:.1f}° and {:.0f} Pa", degrees(options.residual->friction_angle_rad),
+                        options.residual->cohesion_pa);
+  }
+  text += "\n";
+  if (const std::optional<WedgeForce>& wedge = result.expected.wedge) {
+    text += fmt::format("  crescents break out {:.0f} mm ahead and {:.0f} mm to either side, at {:.0f}°\n",
+                        wedge->rupture_distance_m / kMm, wedge->crescent_width_m / kMm, degrees(wedge->beta_rad));
+  }
+  return text;
+}
+
+/// What the wedges say, null where they say nothing.
+void addWedges(Json& json, const BladeEquations& equations) {
+  const auto number = [](const auto& force, auto value, double unit) {
+    return force ? Json((*force).*value / unit) : Json(nullptr);
+  };
+  json["upright_wedge_draft_n"] = number(equations.upright_wedge, &BladeForce::draft_n, 1);
+  json["upright_wedge_vertical_n"] = number(equations.upright_wedge, &BladeForce::vertical_n, 1);
+  json["wedge_draft_n"] = number(equations.wedge, &WedgeForce::draft_n, 1);
+  json["wedge_vertical_n"] = number(equations.wedge, &WedgeForce::vertical_n, 1);
+  json["wedge_beta_deg"] = number(equations.wedge, &WedgeForce::beta_rad, radians(1));
+  json["wedge_rupture_distance_mm"] = number(equations.wedge, &WedgeForce::rupture_distance_m, kMm);
+  json["wedge_crescent_width_mm"] = number(equations.wedge, &WedgeForce::crescent_width_m, kMm);
+}
+
 LabOutput bladeOutput(const LabSoil& soil, const LabConditions& conditions, BladeOptions options, bool own_strength) {
   if (!own_strength) {
-    const MohrCoulomb strength = strengthBeforeBlade(conditions, options.preparation);
-    options.friction_angle_rad = std::clamp(strength.friction_angle_rad, radians(5), radians(59));
-    options.cohesion_pa = std::max(0.0, strength.cohesion_pa);
+    const BladeStrength strength = strengthBeforeBlade(conditions, options.preparation);
+    const MohrCoulomb undisturbed = inRange(strength.undisturbed);
+    options.friction_angle_rad = undisturbed.friction_angle_rad;
+    options.cohesion_pa = undisturbed.cohesion_pa;
+    if (strength.residual) {
+      options.residual = inRange(*strength.residual);
+    }
   }
   const BladeResult result = bladeTest(conditions, options);
   LabOutput output;
-  output.text = fmt::format(
-      "                 measured           earthmoving equation\n"
-      "  draft / N      {:7.3g} ± {:.2g}    {:7.3g}\n"
-      "  downwards / N  {:7.3g} ± {:.2g}    {:7.3g}\n\n"
-      "  {:.0f} mm wide, {:.1f} mm deep, bulk density {:.0f} kg/m³, {} particles\n"
-      "  the equation gets {:.1f}° and {:.0f} Pa\n",
-      result.draft_n, result.draft_se_n, result.earthmoving_draft_n, result.vertical_n, result.vertical_se_n,
-      result.earthmoving_vertical_n, result.width_m / kMm, result.depth_m / kMm, result.bulk_density_kg_m3,
-      result.particles, degrees(options.friction_angle_rad), options.cohesion_pa);
+  output.text = table(result, options);
   output.json = {{"width_mm", result.width_m / kMm},
                  {"depth_mm", result.depth_m / kMm},
                  {"rake_deg", degrees(options.rake_rad)},
@@ -40,13 +106,23 @@ LabOutput bladeOutput(const LabSoil& soil, const LabConditions& conditions, Blad
                  {"draft_se_n", result.draft_se_n},
                  {"vertical_n", result.vertical_n},
                  {"vertical_se_n", result.vertical_se_n},
-                 {"earthmoving_draft_n", result.earthmoving_draft_n},
-                 {"earthmoving_vertical_n", result.earthmoving_vertical_n},
+                 {"earthmoving_draft_n", result.expected.earthmoving.draft_n},
+                 {"earthmoving_vertical_n", result.expected.earthmoving.vertical_n},
                  {"preparation", options.preparation == Preparation::kLoose ? "loose" : "dense"},
                  {"friction_angle_deg", degrees(options.friction_angle_rad)},
                  {"cohesion_pa", options.cohesion_pa},
                  {"bulk_density_kg_m3", result.bulk_density_kg_m3},
                  {"particles", result.particles}};
+  addWedges(output.json, result.expected);
+  output.json["residual"] = nullptr;
+  if (result.expected_residual) {
+    Json residual = {{"friction_angle_deg", degrees(options.residual->friction_angle_rad)},
+                     {"cohesion_pa", options.residual->cohesion_pa},
+                     {"earthmoving_draft_n", result.expected_residual->earthmoving.draft_n},
+                     {"earthmoving_vertical_n", result.expected_residual->earthmoving.vertical_n}};
+    addWedges(residual, *result.expected_residual);
+    output.json["residual"] = residual;
+  }
   output.findings = findings(result, soil.target);
   output.trace = result.trace;
   output.draw = [result](const OutputFile& path, const std::string& title) { drawBlade(path, result, title); };
@@ -58,27 +134,28 @@ LabOutput bladeOutput(const LabSoil& soil, const LabConditions& conditions, Blad
 LabTest bladeEntry() {
   auto own = std::make_shared<BladeOptions>();
   auto own_strength = std::make_shared<bool>(false);
-  return {.name = "blade",
-          .description = "A blade drawn at constant depth: draft, against the earthmoving equation",
-          .examples =
-              "  haptolith lab blade --width-mm 50 --depth-mm 30 --rake-deg 90\n"
-              "  haptolith lab blade --soil dry-sand --friction-angle-deg 35 --soil-cohesion-pa 0",
-          .radius_mm = 3,
-          .options = {millimetresOption("width_mm", own->width_m, "width of the blade"),
-                      millimetresOption("depth_mm", own->depth_m, "depth of its lower edge"),
-                      degreesOption("rake_deg", own->rake_rad, "angle between blade and path"),
-                      preparationOption(own->preparation),
-                      {.key = "friction_angle_deg",
-                       .help = "for the equation",
-                       .usual = "measured by shearing the soil: its peak, or its residual when loose",
-                       .set = LabOption::Number([own, own_strength](double deg) {
-                         own->friction_angle_rad = radians(deg);
-                         *own_strength = true;
-                       })},
-                      numberOption("soil_cohesion_pa", own->cohesion_pa, "for the equation, beside a friction angle")},
-          .run = [own, own_strength](const LabSoil& soil, const LabConditions& conditions) {
-            return bladeOutput(soil, conditions, *own, *own_strength);
-          }};
+  return {
+      .name = "blade",
+      .description = "A blade drawn at constant depth: draft, against equations that know its sides or do not",
+      .examples =
+          "  haptolith lab blade --width-mm 50 --depth-mm 30 --rake-deg 90\n"
+          "  haptolith lab blade --soil dry-sand --friction-angle-deg 35 --soil-cohesion-pa 0",
+      .radius_mm = 3,
+      .options = {millimetresOption("width_mm", own->width_m, "width of the blade"),
+                  millimetresOption("depth_mm", own->depth_m, "depth of its lower edge"),
+                  degreesOption("rake_deg", own->rake_rad, "angle between blade and path"),
+                  preparationOption(own->preparation),
+                  {.key = "friction_angle_deg",
+                   .help = "for the equations",
+                   .usual = "measured by shearing the soil: its peak and its residual, or the latter alone when loose",
+                   .set = LabOption::Number([own, own_strength](double deg) {
+                     own->friction_angle_rad = radians(deg);
+                     *own_strength = true;
+                   })},
+                  numberOption("soil_cohesion_pa", own->cohesion_pa, "for the equations, beside a friction angle")},
+      .run = [own, own_strength](const LabSoil& soil, const LabConditions& conditions) {
+        return bladeOutput(soil, conditions, *own, *own_strength);
+      }};
 }
 
 }  // namespace haptolith
