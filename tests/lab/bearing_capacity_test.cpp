@@ -15,7 +15,7 @@ namespace {
 constexpr double kDegree = std::numbers::pi / 180;
 
 using Theory = BearingCapacity (*)(const Footing&);
-constexpr Theory kTheories[] = {terzaghiBearing, meyerhofBearing, vesicBearing};
+constexpr Theory kTheories[] = {terzaghiBearing, terzaghiLocalBearing, meyerhofBearing, vesicBearing};
 
 const Footing kSand{.diameter_m = 0.06, .density_kg_m3 = 1500, .friction_angle_rad = 35 * kDegree};
 
@@ -46,6 +46,18 @@ TEST(BearingCapacity, HasTerzaghisPublishedFactors) {
                  {45, 172.3, 173.3, 297.5},
                  {50, 347.5, 415.1, 1153.2}},
                 0.012);
+}
+
+/// Das, Principles of Foundation Engineering: N'_c, N'_q of local shear at 30 deg.
+TEST(BearingCapacity, OfLooseSoilHasTheFactorsOfTwoThirdsOfItsFriction) {
+  Footing sand = kSand;
+  sand.friction_angle_rad = 30 * kDegree;
+  const BearingCapacity loose = terzaghiLocalBearing(sand);
+  EXPECT_NEAR(loose.n_c, 18.99, 0.02);
+  EXPECT_NEAR(loose.n_q, 8.31, 0.01);
+  sand.friction_angle_rad = 0;
+  sand.cohesion_pa = 900;
+  EXPECT_NEAR(terzaghiLocalBearing(sand).pressure_pa, terzaghiBearing(sand).pressure_pa * 2 / 3, 1e-9);
 }
 
 TEST(BearingCapacity, HasMeyerhofsPublishedFactors) {

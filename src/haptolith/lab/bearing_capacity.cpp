@@ -83,6 +83,15 @@ BearingCapacity terzaghiBearing(const Footing& footing) {
   return result;
 }
 
+BearingCapacity terzaghiLocalBearing(const Footing& footing) {
+  validate(footing);
+  constexpr double kShare = 2.0 / 3;
+  Footing loose = footing;
+  loose.cohesion_pa *= kShare;
+  loose.friction_angle_rad = std::atan(kShare * std::tan(footing.friction_angle_rad));
+  return terzaghiBearing(loose);
+}
+
 BearingCapacity meyerhofBearing(const Footing& footing) {
   validate(footing);
   const double phi = footing.friction_angle_rad;

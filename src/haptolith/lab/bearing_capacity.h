@@ -37,6 +37,9 @@ struct BearingCapacity {
 /// All hold for soil that fails as a whole, and fails at one angle; a plate that goes deeper pushes soil aside.
 /// @throws InvalidParameter outside the ranges above. Not for the tick.
 [[nodiscard]] BearingCapacity terzaghiBearing(const Footing& footing);
+/// The same of soil so loose that it gives way under the footing alone, without heaving beside it: with two thirds of c
+/// and of tan phi (Terzaghi 1943, local shear).
+[[nodiscard]] BearingCapacity terzaghiLocalBearing(const Footing& footing);
 [[nodiscard]] BearingCapacity meyerhofBearing(const Footing& footing);
 [[nodiscard]] BearingCapacity vesicBearing(const Footing& footing);
 

@@ -30,21 +30,23 @@ void compareWithFooting(const PlateResult& result, const Footing& footing, LabOu
   const double pressure_pa =
       forceAt(result.curve, std::min(footing.depth_m, result.curve.back().depth_m)) / result.area_m2;
   const double terzaghi_pa = terzaghiBearing(footing).pressure_pa;
+  const double local_pa = terzaghiLocalBearing(footing).pressure_pa;
   const double meyerhof_pa = meyerhofBearing(footing).pressure_pa;
   const double vesic_pa = vesicBearing(footing).pressure_pa;
   output.text += fmt::format(
       "\n  pressure at {:.1f} mm {:.3g} kPa; bearing capacity of a footing there, with {:.1f}° and {:.0f} Pa: Terzaghi "
       "{:.3g},\n"
-      "  Meyerhof {:.3g}, Vesic {:.3g} kPa\n",
+      "  Meyerhof {:.3g}, Vesic {:.3g} kPa, and Terzaghi {:.3g} for soil so loose that it heaves nowhere\n",
       footing.depth_m / kMm, pressure_pa / 1e3, degrees(footing.friction_angle_rad), footing.cohesion_pa,
-      terzaghi_pa / 1e3, meyerhof_pa / 1e3, vesic_pa / 1e3);
+      terzaghi_pa / 1e3, meyerhof_pa / 1e3, vesic_pa / 1e3, local_pa / 1e3);
   output.json["bearing"] = {{"sinkage_mm", footing.depth_m / kMm},
                             {"pressure_pa", pressure_pa},
                             {"friction_angle_deg", degrees(footing.friction_angle_rad)},
                             {"cohesion_pa", footing.cohesion_pa},
                             {"terzaghi_pa", terzaghi_pa},
                             {"meyerhof_pa", meyerhof_pa},
-                            {"vesic_pa", vesic_pa}};
+                            {"vesic_pa", vesic_pa},
+                            {"terzaghi_local_pa", local_pa}};
 }
 
 LabOutput plateOutput(const LabConditions& conditions, const PlateOptions& options, const Strength& strength) {
