@@ -201,13 +201,9 @@ MohrCoulomb strengthBeforeBlade(const LabConditions& conditions, Preparation pre
   if (conditions.soil.contact_cohesion_n > 0) {
     return loose ? shear.residual : shear.peak;
   }
-  double stresses = 0;
-  double squares = 0;
-  for (const ShearPointResult& point : shear.points) {
-    stresses += point.normal_pa * (loose ? point.residual_pa : point.peak_pa);
-    squares += point.normal_pa * point.normal_pa;
-  }
-  return {.friction_angle_rad = std::atan(stresses / squares), .cohesion_pa = 0};
+  const double friction =
+      frictionWithoutCohesion(shear.points, loose ? &ShearPointResult::residual_pa : &ShearPointResult::peak_pa);
+  return {.friction_angle_rad = std::atan(friction), .cohesion_pa = 0};
 }
 
 void drawBlade(const OutputFile& file, const BladeResult& result, std::string_view title) {
