@@ -85,8 +85,10 @@ ResistivePush pushed(std::string name, ToolShape shape, const LabConditions& con
 
   ResistivePush result;
   result.name = std::move(name);
+  const PushCurve curve = pushIntoBed(conditions, push);
+  result.bulk_density_kg_m3 = curve.bulk_density_kg_m3;
   int counted = 0;
-  for (const PushReading& reading : pushIntoBed(conditions, push).readings) {
+  for (const PushReading& reading : curve.readings) {
     const double theory_n = theoryPushed(push.tool, reading.depth_m, soil);
     result.curve.push_back({reading.depth_m, reading.force_n, theory_n});
     if (reading.depth_m >= kReadFrom * push.depth_m) {
@@ -143,6 +145,7 @@ ResistiveScaling scaling(std::string name, double factor, const ResistivePush& b
   return {.name = std::move(name),
           .factor = factor,
           .force_factor = force_factor,
+          .density_factor = after.bulk_density_kg_m3 / before.bulk_density_kg_m3,
           .exponent = std::log(force_factor) / std::log(factor),
           .theory_exponent = std::log(after.theory_n / before.theory_n) / std::log(factor)};
 }

@@ -40,13 +40,15 @@ struct ResistivePush {
   std::vector<ResistivePoint> curve;
   double bed_n = 0;  ///< mean over the deeper two thirds of the curve
   double theory_n = 0;
+  double bulk_density_kg_m3 = 0;  ///< of the bed, before the push
 };
 
 /// What became of the plate's force when one thing changed: force ~ thing^exponent.
 struct ResistiveScaling {
   std::string name;
-  double factor = 0;        ///< by which it changed
-  double force_factor = 0;  ///< by which the bed's force did
+  double factor = 0;          ///< by which it changed
+  double force_factor = 0;    ///< by which the bed's force did
+  double density_factor = 0;  ///< by which the bed's own density did, for soil settles denser where it weighs more
   double exponent = 0;
   double theory_exponent = 0;
 };

@@ -68,6 +68,8 @@ struct ResistiveAngles {
 /// The surface is toolSurface()'s, cut at the soil's surface and into triangles of at most 1/24 of the tool's extent,
 /// on each of which depth and velocity are those of its middle. So tools that do not turn have exact forces, and others
 /// good to a per mille or so.
+/// A surface that slides along itself, n . v = 0, counts to the theory; of a round one that turns on the spot it is cut
+/// into flat pieces, half of which look backwards and do not count here.
 /// @param opening_m  of jaws, as in toolSurface().
 /// @throws InvalidParameter as validate(ToolParameters) and resistiveScale(). Not for the tick.
 [[nodiscard]] Wrench resistiveForce(const ToolParameters& tool, double opening_m, const Pose& scene_T_tool,

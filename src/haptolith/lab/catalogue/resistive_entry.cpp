@@ -41,10 +41,12 @@ std::string scalingTable(const ResistiveResult& result) {
   if (result.scalings.empty()) {
     return {};
   }
-  std::string text = "\n  the plate's force grows with   factor   force x   our exponent   theory's\n";
+  std::string text =
+      "\n  the plate's force grows with   factor   force x   our exponent   theory's   bed's density x\n";
   for (const ResistiveScaling& scaling : result.scalings) {
-    text += fmt::format("  {:<28} {:>8.2f}   {:>7.2f}   {:>12.2f}   {:>8.2f}\n", scaling.name, scaling.factor,
-                        scaling.force_factor, scaling.exponent, scaling.theory_exponent);
+    text +=
+        fmt::format("  {:<28} {:>8.2f}   {:>7.2f}   {:>12.2f}   {:>8.2f}   {:>15.2f}\n", scaling.name, scaling.factor,
+                    scaling.force_factor, scaling.exponent, scaling.theory_exponent, scaling.density_factor);
   }
   return text;
 }
@@ -74,6 +76,7 @@ LabOutput resistiveOutput(const LabConditions& conditions, const ResistiveOption
     pushes.push_back({{"name", push.name},
                       {"mean_force_n", push.bed_n},
                       {"mean_theory_n", push.theory_n},
+                      {"bulk_density_kg_m3", push.bulk_density_kg_m3},
                       {"ratio", push.bed_n / push.theory_n},
                       {"curve", curve}});
   }
@@ -82,6 +85,7 @@ LabOutput resistiveOutput(const LabConditions& conditions, const ResistiveOption
     scalings.push_back({{"name", scaling.name},
                         {"factor", scaling.factor},
                         {"force_factor", scaling.force_factor},
+                        {"density_factor", scaling.density_factor},
                         {"exponent", scaling.exponent},
                         {"theory_exponent", scaling.theory_exponent}});
   }
