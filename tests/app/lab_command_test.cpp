@@ -66,6 +66,7 @@ TEST_F(LabCommand, NonsenseIsRefused) {
   EXPECT_EQ(runHaptolith("lab fall --friction none").exit_status, 2);
   EXPECT_EQ(runHaptolith("lab fall --radius-mm -3").exit_status, 2);
   EXPECT_EQ(runHaptolith("lab shear --normal-pa 100,200").exit_status, 2);
+  EXPECT_EQ(runHaptolith("lab rft --size-factor 1").exit_status, 2);
   EXPECT_EQ(runHaptolith("lab fall --figure nowhere/at/all.svg").exit_status, 1);
 }
 

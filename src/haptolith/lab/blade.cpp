@@ -214,13 +214,7 @@ MohrCoulomb lineOf(const SoilParameters& soil, const ShearResult& shear, const M
   if (soil.contact_cohesion_n > 0) {
     return fitted;
   }
-  double stresses = 0;
-  double squares = 0;
-  for (const ShearPointResult& point : shear.points) {
-    stresses += point.normal_pa * (point.*strength_pa);
-    squares += point.normal_pa * point.normal_pa;
-  }
-  return {.friction_angle_rad = std::atan(stresses / squares), .cohesion_pa = 0};
+  return {.friction_angle_rad = std::atan(frictionWithoutCohesion(shear.points, strength_pa)), .cohesion_pa = 0};
 }
 
 }  // namespace

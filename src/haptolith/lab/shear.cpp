@@ -221,6 +221,17 @@ ShearResult shearTest(const LabConditions& conditions, const ShearOptions& optio
   return result;
 }
 
+double frictionWithoutCohesion(const std::vector<ShearPointResult>& points,
+                               double ShearPointResult::*shear_pa) noexcept {
+  double stresses = 0;
+  double squares = 0;
+  for (const ShearPointResult& point : points) {
+    stresses += point.normal_pa * point.*shear_pa;
+    squares += point.normal_pa * point.normal_pa;
+  }
+  return stresses / squares;
+}
+
 void drawShear(const OutputFile& path, const ShearResult& result, std::string_view title) {
   Figure figure(path, 1100, 480);
   std::vector<std::vector<double>> points;

@@ -49,6 +49,11 @@ struct ShearResult {
 /// @throws InvalidParameter for nonsense; Failure as LabBed::run(), and when a specimen does not hold the plate.
 [[nodiscard]] ShearResult shearTest(const LabConditions& conditions, const ShearOptions& options = {});
 
+/// tan(phi) of the line through all points that meets no cohesion, of their peaks or of their residual stresses: for
+/// soil without cohesion between its particles, where a fitted line's cohesion is scatter.
+[[nodiscard]] double frictionWithoutCohesion(const std::vector<ShearPointResult>& points,
+                                             double ShearPointResult::*shear_pa) noexcept;
+
 /// @throws InvalidParameter with the key, the value and the valid range.
 void validate(const ShearOptions& options);
 

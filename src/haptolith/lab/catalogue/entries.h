@@ -24,6 +24,7 @@ inline constexpr double kMm = 1e-3;
 [[nodiscard]] LabTest coneEntry();
 [[nodiscard]] LabTest bladeEntry();
 [[nodiscard]] LabTest grainEntry();
+[[nodiscard]] LabTest rftEntry();
 [[nodiscard]] LabTest funnelEntry();
 [[nodiscard]] LabTest carryEntry();
 [[nodiscard]] LabTest fallEntry();

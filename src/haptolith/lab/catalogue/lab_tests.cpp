@@ -22,7 +22,7 @@ SoilParameters soilForTest(SoilParameters soil, double radius_mm, const SoilChan
 
 std::vector<LabTest> labTests() {
   return {settleEntry(), shearEntry(),  reposeEntry(), cutEntry(),  plateEntry(), coneEntry(),
-          bladeEntry(),  funnelEntry(), carryEntry(),  fallEntry(), grainEntry()};
+          bladeEntry(),  funnelEntry(), carryEntry(),  fallEntry(), grainEntry(), rftEntry()};
 }
 
 LabTest labTest(std::string_view name) {
