@@ -34,7 +34,7 @@ double passive(double phi) {
   return std::pow(std::tan(kPi / 4 + phi / 2), 2);
 }
 
-double n_cOf(double n_q, double phi, double frictionless) {
+double cohesionFactor(double n_q, double phi, double frictionless) {
   return phi < kFrictionless ? frictionless : (n_q - 1) / std::tan(phi);
 }
 
@@ -76,7 +76,7 @@ BearingCapacity terzaghiBearing(const Footing& footing) {
   const double phi = footing.friction_angle_rad;
   BearingCapacity result;
   result.n_q = std::exp((1.5 * kPi - phi) * std::tan(phi)) / (2 * std::pow(std::cos(kPi / 4 + phi / 2), 2));
-  result.n_c = n_cOf(result.n_q, phi, kTerzaghiAlone);
+  result.n_c = cohesionFactor(result.n_q, phi, kTerzaghiAlone);
   result.n_gamma = std::tan(phi) / 2 * (weightCoefficient(phi) / std::pow(std::cos(phi), 2) - 1);
   result.pressure_pa =
       1.3 * footing.cohesion_pa * result.n_c + beside(footing) * result.n_q + 0.3 * ofWeight(footing) * result.n_gamma;
@@ -100,7 +100,7 @@ BearingCapacity meyerhofBearing(const Footing& footing) {
   const double both = phi < kMeyerhofFrom ? 1 : (1 + 0.1 * kp) * (1 + 0.1 * depth);
   BearingCapacity result;
   result.n_q = std::exp(kPi * std::tan(phi)) * kp;
-  result.n_c = n_cOf(result.n_q, phi, kCohesionAlone);
+  result.n_c = cohesionFactor(result.n_q, phi, kCohesionAlone);
   result.n_gamma = (result.n_q - 1) * std::tan(1.4 * phi);
   result.pressure_pa = footing.cohesion_pa * result.n_c * (1 + 0.2 * kp) * (1 + 0.2 * depth) +
                        (beside(footing) * result.n_q + ofWeight(footing) / 2 * result.n_gamma) * both;
@@ -114,7 +114,7 @@ BearingCapacity vesicBearing(const Footing& footing) {
   const double k = ratio > 1 ? std::atan(ratio) : ratio;
   BearingCapacity result;
   result.n_q = std::exp(kPi * std::tan(phi)) * passive(phi);
-  result.n_c = n_cOf(result.n_q, phi, kCohesionAlone);
+  result.n_c = cohesionFactor(result.n_q, phi, kCohesionAlone);
   result.n_gamma = 2 * (result.n_q + 1) * std::tan(phi);
   const double depth_q = 1 + 2 * std::tan(phi) * std::pow(1 - std::sin(phi), 2) * k;
   result.pressure_pa = footing.cohesion_pa * result.n_c * (1 + result.n_q / result.n_c) * (1 + 0.4 * k) +
