@@ -267,7 +267,8 @@ HAPTO_API int32_t hapto_soil_profile(const hapto_soil *soil, double gravity_m_s2
 
 /* Finds the contacts of macroparticles whose sheared bed is as an engineer measured (docs/laboratory.md); takes minutes.
  * target  "friction_angle_deg = 42\ncohesion_pa = 520\nbulk_density_kg_m3 = 1500" in TOML, and if need be strength ("residual" or
- *         "peak"), radius_mm, stiffness_n_m, body or gravity_m_s2, seed, threads, specimens, name, source.
+ *         "peak"), density ("lunar": more of it deeper, or "constant"), radius_mm, stiffness_n_m, body or gravity_m_s2, seed,
+ *         threads, specimens, name, source.
  * report  what the laboratory measured of it in the end, mean and standard deviation over specimens; may be NULL. */
 HAPTO_API int32_t hapto_soil_calibrate(const char *target, hapto_progress progress, void *user, hapto_soil **out,
                                        hapto_result **report);

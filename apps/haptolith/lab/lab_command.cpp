@@ -70,6 +70,7 @@ struct CalibrateCommand {
   SoilTarget target;
   double radius_mm = 7;
   double stiffness_n_m = 0;
+  DensityProfile density = DensityProfile::kLunar;
   std::string body = "Moon";
   std::string name, source, out_file;
   std::uint64_t seed = 1;
@@ -90,6 +91,7 @@ void runCalibrateSoil(const CalibrateCommand& command) {
   requireInRange("radius_mm", command.radius_mm, {0.5, 20});
   options.radius_m = command.radius_mm / 1e3;
   options.stiffness_n_m = command.stiffness_n_m;
+  options.density = command.density;
   options.gravity_m_s2 = findBody(command.body).gravity_m_s2;
   options.seed = command.seed;
   options.threads = conditions.threads;
@@ -150,7 +152,12 @@ void addCalibrate(CLI::App& lab) {
       ->transform(wordOf(words).description(""));
   app->add_option("--radius-mm", command->radius_mm, "radius of a macroparticle, 0.5 to 20")->capture_default_str();
   app->add_option("--stiffness-n-m", command->stiffness_n_m,
-                  "of the contacts [they give way by 2.8 % of the radius at 3 kPa]");
+                  "of the contacts [they give way by 2.8 % of the radius at 3 kPa, by 1.4 % with constant density]");
+  app->add_option("--density", command->density,
+                  "of soil that lies deeper: lunar, more; or constant, as in a laboratory's box [lunar]")
+      ->transform(wordOf(std::map<std::string, DensityProfile>{{"lunar", DensityProfile::kLunar},
+                                                               {"constant", DensityProfile::kConstant}})
+                      .description(""));
   app->add_option("--body", command->body, "where the soil has that density")->capture_default_str();
   app->add_option("--out", command->out_file, "soil file to write, for --soil: FILE.toml");
   command->overwrite.addTo(*app);

@@ -10,7 +10,7 @@
 
 #include "haptolith/core/error.h"
 #include "haptolith/figure/figure.h"
-#include "haptolith/lab/shear.h"
+#include "haptolith/lab/soil_strength.h"
 #include "haptolith/tool/tool_shape.h"
 
 namespace haptolith {
@@ -89,7 +89,24 @@ Setup setUp(const LabConditions& conditions, const BladeOptions& options) {
 /// What the soil does to the blade at one moment.
 struct Moment {
   double travel_m, draft_n, vertical_n;
+  double front_draft_n, front_vertical_n;
 };
+
+/// Force of the soil on the blade's flat front, from what the tool put on each particle in the last step.
+Vec3 forceOnFront(LabBed& bed, const ToolParameters& blade) {
+  constexpr double kFlat = 0.95;  // cosine of the angle between a contact's normal and the front's
+  const std::vector<Float4>& on_particles = bed.bed().externalForces();
+  const double radius_m = bed.bed().parameters().soil.radius_m;
+  Vec3 force_n = Vec3::Zero();
+  for (std::size_t i = 0; i < bed.soil(); ++i) {
+    const Vec3 on_particle_n(on_particles[i].x, on_particles[i].y, on_particles[i].z);
+    if (!on_particle_n.isZero(0) &&
+        penetration(blade, bed.toolPose().toBody(bed.centre(i)), radius_m, 0).outward.z() > kFlat) {
+      force_n -= on_particle_n;
+    }
+  }
+  return force_n;
+}
 
 struct Mean {
   double value = 0, standard_error = 0;
@@ -187,7 +204,9 @@ BladeResult bladeTest(const LabConditions& conditions, const BladeOptions& optio
   bed.moveTool({{options.speed_m_s, 0, 0}, Vec3::Zero()});
   bed.run(options.travel_depths * options.depth_m / options.speed_m_s, "the blade moves", [&] {
     const Vec3& force = bed.toolWrench().force_n;
-    moments.push_back({bed.toolPose().position_m.x() - setup.start.position_m.x(), -force.x(), -force.z()});
+    const Vec3 on_front = forceOnFront(bed, setup.tool);
+    moments.push_back({bed.toolPose().position_m.x() - setup.start.position_m.x(), -force.x(), -force.z(),
+                       -on_front.x(), -on_front.z()});
   });
   result.trace = traceOf(moments, options.depth_m / 50);
   std::erase_if(moments,
@@ -198,6 +217,8 @@ BladeResult bladeTest(const LabConditions& conditions, const BladeOptions& optio
   result.draft_se_n = draft.standard_error;
   result.vertical_n = vertical.value;
   result.vertical_se_n = vertical.standard_error;
+  result.front_draft_n = meanOf(moments, &Moment::front_draft_n).value;
+  result.front_vertical_n = meanOf(moments, &Moment::front_vertical_n).value;
   result.expected = equations(conditions, options, result, options.friction_angle_rad, options.cohesion_pa);
   if (options.residual) {
     result.expected_residual =
@@ -206,34 +227,14 @@ BladeResult bladeTest(const LabConditions& conditions, const BladeOptions& optio
   return result;
 }
 
-namespace {
-
-/// The line through the strengths; without cohesion between the particles through the origin.
-MohrCoulomb lineOf(const SoilParameters& soil, const ShearResult& shear, const MohrCoulomb& fitted,
-                   double ShearPointResult::*strength_pa) {
-  if (soil.contact_cohesion_n > 0) {
-    return fitted;
-  }
-  return {.friction_angle_rad = std::atan(frictionWithoutCohesion(shear.points, strength_pa)), .cohesion_pa = 0};
-}
-
-}  // namespace
-
 BladeStrength strengthBeforeBlade(const LabConditions& conditions, Preparation preparation) {
   const std::vector<double> stresses_pa = {200, 400, 800};
-  const auto residual = [&](double strain) {
-    const ShearResult shear = shearTest(conditions, {.normal_stresses_pa = stresses_pa, .strain = strain});
-    return lineOf(conditions.soil, shear, shear.residual, &ShearPointResult::residual_pa);
-  };
-  if (preparation == Preparation::kLoose) {
-    return {.undisturbed = residual(ShearOptions{}.strain), .residual = {}};
+  BladeStrength strength{.undisturbed = undisturbedStrength(conditions, preparation, stresses_pa), .residual = {}};
+  if (preparation == Preparation::kDense) {
+    constexpr double kStrain = 3;
+    strength.residual = residualStrength(conditions, stresses_pa, kStrain);
   }
-  // The largest of more strain would be more of a scattering stress, so the peak has a short test of its own.
-  const ShearResult peak =
-      shearTest(conditions, {.normal_stresses_pa = stresses_pa, .strain = 1, .residual_from = 0.9});
-  constexpr double kResidualStrain = 3;  // the residual state begins at 2
-  return {.undisturbed = lineOf(conditions.soil, peak, peak.peak, &ShearPointResult::peak_pa),
-          .residual = residual(kResidualStrain)};
+  return strength;
 }
 
 void drawBlade(const OutputFile& file, const BladeResult& result, std::string_view title) {

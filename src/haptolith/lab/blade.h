@@ -45,6 +45,8 @@ struct BladeResult {
   double vertical_n = 0;  ///< > 0: the soil pushes the blade down
   double draft_se_n = 0;  ///< standard error of draft_n, from the scatter of ten blocks
   double vertical_se_n = 0;
+  double front_draft_n = 0;     ///< of draft_n, what presses on the flat front; see bladeTest()
+  double front_vertical_n = 0;  ///< of vertical_n, likewise
   BladeEquations expected;                          ///< for `depth_m`, `width_m` and `bulk_density_kg_m3`
   std::optional<BladeEquations> expected_residual;  ///< likewise, with the residual strength
   double depth_m = 0;                               ///< below the settled surface: close to the wanted one, not exactly
@@ -73,6 +75,11 @@ struct BladeResult {
 /// not much wider than deep; the other two do, but not that the box ends side_room_depths beside the blade. With
 /// side_room_depths = 0 the blade is as wide as the box, `width_m`, which repeats itself sideways: the earthmoving
 /// equation's own plane case.
+///
+/// The equations know a face and no edge. Grains that meet the lower edge are pressed down and forward as by a bar as
+/// thick as the blade and a grain, which costs little where the blade is upright, and as much as the wedge where it is
+/// at 45 degrees and a grain is a fifth of the depth. So what presses on the front, where the contact's normal is that
+/// of the front within 18 degrees, is told apart: that is what equations are about, and draft_n is what a hand feels.
 /// @throws InvalidParameter outside the ranges above; Failure as LabBed::run(). Not for the tick.
 [[nodiscard]] BladeResult bladeTest(const LabConditions& conditions, const BladeOptions& options = {});
 
@@ -82,9 +89,7 @@ struct BladeStrength {
   std::optional<MohrCoulomb> residual;  ///< when it has sheared; none of loose soil, which has no other strength
 };
 
-/// Measured by shearing. Soil without cohesion between its particles has none: a fitted line's cohesion would be
-/// scatter.
-/// @throws as shearTest(). Not for the tick.
+/// Measured by shearing under 200 to 800 Pa. @throws as shearTest(). Not for the tick.
 [[nodiscard]] BladeStrength strengthBeforeBlade(const LabConditions& conditions, Preparation preparation);
 
 /// Draws draft and vertical force against travel, with the equations', into an .svg or .png file. @throws as Figure.

@@ -107,10 +107,10 @@ SoilParameters withContact(SoilParameters soil, const ContactStrength& contact) 
 }
 
 /// k with which a contact that carries the stress `pressure_pa` of its particle's cross-section gives way by 2.8 % of
-/// R.
-double stiffnessFor(double pressure_pa, double radius_m) {
-  constexpr double kOverlap = 0.028;
-  return 4 * radius_m * pressure_pa / kOverlap;
+/// R, or 1.4 % where it does not stiffen as it gives.
+double stiffnessFor(double pressure_pa, double radius_m, DensityProfile density) {
+  const double overlap = density == DensityProfile::kLunar ? 0.028 : 0.014;
+  return 4 * radius_m * pressure_pa / overlap;
 }
 
 /// rho0 and rho_max, in their ratio, for which a settled column has the wanted mean density over its upper 15 cm.
@@ -189,9 +189,13 @@ CalibratedSoil calibrateSoil(const SoilTarget& target, const CalibrateSoilOption
   soil.stiffness_n_m =
       options.stiffness_n_m > 0
           ? options.stiffness_n_m
-          : stiffnessFor(*std::ranges::max_element(options.shear.normal_stresses_pa), options.radius_m);
+          : stiffnessFor(*std::ranges::max_element(options.shear.normal_stresses_pa), options.radius_m,
+                         options.density);
   soil.rho0_kg_m3 *= target.bulk_density_kg_m3 / kTableDensity_kg_m3;
   soil.rho_max_kg_m3 *= target.bulk_density_kg_m3 / kTableDensity_kg_m3;
+  if (options.density == DensityProfile::kConstant) {
+    soil.gamma_nm = linearGamma(soil);
+  }
 
   ContactSearch search(wanted, target.strength);
   bool good = false;

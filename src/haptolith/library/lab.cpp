@@ -98,11 +98,15 @@ std::vector<LabOption> optionsOf(CalibrationAsked& asked) {
   SoilTarget& target = asked.target;
   CalibrateSoilOptions& o = asked.options;
   const auto set_strength = [&target](std::string_view word) { target.strength = valueOf(kSoilStrengthWords, word); };
+  const auto set_density = [&o](std::string_view word) {
+    o.density = word == "constant" ? DensityProfile::kConstant : DensityProfile::kLunar;
+  };
   return together(
       {numberOption("friction_angle_deg", target.friction_angle_deg, ""),
        numberOption("cohesion_pa", target.cohesion_pa, ""),
        numberOption("bulk_density_kg_m3", target.bulk_density_kg_m3, ""),
        wordOption("strength", {"residual", "peak"}, "residual", set_strength, ""),
+       wordOption("density", {"lunar", "constant"}, "lunar", set_density, ""),
        millimetresOption("radius_mm", o.radius_m, ""), numberOption("stiffness_n_m", o.stiffness_n_m, ""),
        seedOption("seed", o.seed, BedRanges::seed, ""), countOption("threads", o.threads, BedRanges::threads, ""),
        countOption("specimens", o.verification_seeds, CalibrateSoilRanges::verification_seeds, ""),

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "haptolith/core/error.h"
 #include "haptolith/soil/contact_law-inl.h"
@@ -37,6 +38,23 @@ ContactLaw makeContactLaw(const SoilParameters& soil) {
     law.a_thr_m = std::min(law.a_min_m + std::sqrt(soil.gamma_nm / soil.stiffness_n_m), diameter);
   }
   return law;
+}
+
+double linearGamma(const SoilParameters& soil) {
+  SoilParameters with_gamma_in_reach = soil;
+  with_gamma_in_reach.gamma_nm = std::numeric_limits<double>::min();
+  const double give_m = 2 * soil.radius_m - makeContactLaw(with_gamma_in_reach).a_min_m;
+  return soil.stiffness_n_m * give_m * give_m;
+}
+
+SoilParameters withStiffness(SoilParameters soil, double stiffness_n_m) {
+  constexpr double kRounding = 1e-6;  // of a number in a file
+  const bool linear = std::abs(soil.gamma_nm / linearGamma(soil) - 1) < kRounding;
+  soil.stiffness_n_m = stiffness_n_m;
+  if (linear) {
+    soil.gamma_nm = linearGamma(soil);
+  }
+  return soil;
 }
 
 namespace {

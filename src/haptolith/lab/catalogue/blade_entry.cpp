@@ -56,6 +56,8 @@ std::string table(const BladeResult& result, const BladeOptions& options) {
   if (result.expected_residual) {
     text += equationRows(*result.expected_residual, ", residual", "", "");
   }
+  text += tableRow("draft on its front / N", fmt::format("{:.3g}", result.front_draft_n), {});
+  text += tableRow("downwards on it / N", fmt::format("{:.3g}", result.front_vertical_n), {});
   text += fmt::format("\n  {:.0f} mm wide, {:.1f} mm deep, bulk density {:.0f} kg/m³, {} particles\n",
                       result.width_m / kMm, result.depth_m / kMm, result.bulk_density_kg_m3, result.particles);
   text += fmt::format("  the equations get {:.1f}° and {:.0f} Pa", degrees(options.friction_angle_rad),
@@ -106,6 +108,8 @@ LabOutput bladeOutput(const LabSoil& soil, const LabConditions& conditions, Blad
                  {"draft_se_n", result.draft_se_n},
                  {"vertical_n", result.vertical_n},
                  {"vertical_se_n", result.vertical_se_n},
+                 {"front_draft_n", result.front_draft_n},
+                 {"front_vertical_n", result.front_vertical_n},
                  {"earthmoving_draft_n", result.expected.earthmoving.draft_n},
                  {"earthmoving_vertical_n", result.expected.earthmoving.vertical_n},
                  {"preparation", options.preparation == Preparation::kLoose ? "loose" : "dense"},

@@ -6,6 +6,7 @@
 
 #include "haptolith/core/nearest_word.h"
 #include "haptolith/lab/catalogue/entries.h"
+#include "haptolith/soil/contact_law.h"
 
 namespace haptolith {
 
@@ -15,7 +16,9 @@ SoilParameters soilForTest(SoilParameters soil, double radius_mm, const SoilChan
     const double wanted_mm = changes.radius_mm.value_or(radius_mm);
     soil = rescaled(soil, requireInRange("radius_mm", wanted_mm, kRadius_mm) * kMm);
   }
-  soil.stiffness_n_m = changes.stiffness_n_m.value_or(soil.stiffness_n_m);
+  if (changes.stiffness_n_m) {
+    soil = withStiffness(soil, *changes.stiffness_n_m);
+  }
   soil.friction = changes.friction.value_or(soil.friction);
   return soil;
 }

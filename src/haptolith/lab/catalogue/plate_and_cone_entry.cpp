@@ -12,6 +12,7 @@
 #include "haptolith/lab/cone.h"
 #include "haptolith/lab/findings.h"
 #include "haptolith/lab/plate.h"
+#include "haptolith/lab/soil_strength.h"
 
 namespace haptolith {
 
@@ -23,6 +24,7 @@ using Json = nlohmann::ordered_json;
 struct Strength {
   std::optional<double> friction_angle_rad;
   double cohesion_pa = 0;
+  bool measured = false;  ///< by shearing the soil instead
 };
 
 /// The plate beside a footing at the same depth, where it has sunk in by a tenth of its diameter.
@@ -49,8 +51,19 @@ void compareWithFooting(const PlateResult& result, const Footing& footing, LabOu
                             {"terzaghi_local_pa", local_pa}};
 }
 
-LabOutput plateOutput(const LabConditions& conditions, const PlateOptions& options, const Strength& strength) {
+/// The strength of undisturbed soil, within what the equations of footings take.
+Strength measuredStrength(const LabConditions& conditions, Preparation preparation) {
+  const MohrCoulomb line = undisturbedStrength(conditions, preparation, {1000, 2000, 4000});
+  return {.friction_angle_rad = std::clamp(line.friction_angle_rad, 0.0, radians(50)),
+          .cohesion_pa = std::max(0.0, line.cohesion_pa),
+          .measured = true};
+}
+
+LabOutput plateOutput(const LabConditions& conditions, const PlateOptions& options, Strength strength) {
   constexpr double kSunk = 0.1;  // of the diameter
+  if (strength.measured) {
+    strength = measuredStrength(conditions, options.preparation);
+  }
   Footing footing{.diameter_m = options.diameter_m,
                   .depth_m = std::min(kSunk * options.diameter_m, options.max_sinkage_m),
                   .density_kg_m3 = conditions.soil.rho0_kg_m3,
@@ -134,7 +147,11 @@ LabTest plateEntry() {
                        .set = LabOption::Number([strength](double deg) {
                          strength->friction_angle_rad = radians(requireInRange("friction_angle_deg", deg, {0, 50}));
                        })},
-                      numberOption("soil_cohesion_pa", strength->cohesion_pa, "for that, beside a friction angle")},
+                      numberOption("soil_cohesion_pa", strength->cohesion_pa, "for that, beside a friction angle"),
+                      {.key = "measure_strength",
+                       .help = "compare with a footing in soil of the strength that shearing under 1 to 4 kPa shows",
+                       .usual = "",
+                       .set = LabOption::Switch([strength] { strength->measured = true; })}},
           .run = [own, strength](const LabSoil&, const LabConditions& conditions) {
             return plateOutput(conditions, *own, *strength);
           }};
