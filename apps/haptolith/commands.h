@@ -27,6 +27,7 @@ void addCompletionCommand(CLI::App& app);
 
 // Of `haptolith lab`.
 void addReport(CLI::App& lab);
+void addValidate(CLI::App& lab);
 
 // Of `haptolith study`.
 void addStudyExcludeCommand(CLI::App& study);

@@ -90,6 +90,21 @@ TEST(Blade, ThatLeansForwardIsMeasuredAllTheSame) {
   EXPECT_TRUE(blade.expected.upright_wedge);
 }
 
+TEST(Blade, TellsWhatPressesOnItsFrontFromWhatItsEdgeMeets) {
+  BladeOptions flat = kPlane;
+  flat.rake_rad = 45 * kDegree;
+  const BladeResult upright = bladeTest(coarseSand(kRadius_m), kPlane);
+  const BladeResult leaning = bladeTest(coarseSand(kRadius_m), flat);
+  EXPECT_GT(upright.front_draft_n, 0.75 * upright.draft_n);
+  EXPECT_LT(upright.front_draft_n, 1.02 * upright.draft_n);
+  EXPECT_LT(leaning.front_draft_n, 0.75 * leaning.draft_n) << "its edge presses soil down and forward";
+  // What slides up the front leans from its normal by the friction between them at most: Coulomb.
+  const auto angle_to_path = [](const BladeResult& b) { return std::atan2(b.front_vertical_n, b.front_draft_n); };
+  const double friction = std::atan(0.36);
+  EXPECT_NEAR(angle_to_path(upright), -friction, 5 * kDegree);
+  EXPECT_NEAR(angle_to_path(leaning), 45 * kDegree - friction, 5 * kDegree);
+}
+
 TEST(Blade, LeaningBackIsEasierToDrawAndLiftedLess) {
   BladeOptions flat = kPlane;
   flat.rake_rad = 45 * kDegree;

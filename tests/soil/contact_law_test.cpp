@@ -110,6 +110,28 @@ TEST(ContactFrictionLaw, RepelsLikeThePapersAndPullsHardestHalfwayAcrossItsRange
   EXPECT_EQ(contactForce(makeContactLaw(contactFriction(0)), 0.01401), 0);
 }
 
+TEST(ContactLaw, WithLinearGammaIsALinearSpring) {
+  SoilParameters soil = contactFriction(0);
+  soil.stiffness_n_m = 6000;
+  soil.gamma_nm = linearGamma(soil);
+  const ContactLaw law = makeContactLaw(soil);
+  for (double a = 0.005; a < 0.014; a += 1e-5) {
+    ASSERT_NEAR(contactForce(law, a), 6000 * (0.014 - a), 1e-6) << a;
+  }
+}
+
+TEST(ContactLaw, StaysASpringWithAnotherStiffnessIfItIsOne) {
+  SoilParameters soil = contactFriction(0);
+  const SoilParameters yielding = withStiffness(soil, 2 * soil.stiffness_n_m);
+  EXPECT_EQ(yielding.stiffness_n_m, 2 * soil.stiffness_n_m);
+  EXPECT_EQ(yielding.gamma_nm, soil.gamma_nm);
+  soil.gamma_nm = linearGamma(soil);
+  for (const double times : {0.5, 2.0}) {
+    const SoilParameters spring = withStiffness(soil, times * soil.stiffness_n_m);
+    EXPECT_DOUBLE_EQ(contactForce(makeContactLaw(spring), 0.0135), times * contactForce(makeContactLaw(soil), 0.0135));
+  }
+}
+
 TEST(ContactLaw, EnergyIsTheIntegralOfTheForce) {
   SoilParameters paper = findPreset("P3").soil;
   for (const SoilParameters& soil : {paper, contactFriction(0), contactFriction(0.03)}) {

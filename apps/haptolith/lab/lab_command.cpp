@@ -191,6 +191,7 @@ void addLabCommand(CLI::App& app) {
   }
   addCalibrate(*lab);
   addReport(*lab);
+  addValidate(*lab);
 }
 
 }  // namespace haptolith

@@ -12,6 +12,8 @@
 #include "haptolith/core/overloaded.h"
 #include "haptolith/scenario/scene_words.h"
 #include "haptolith/scenario/soil_file.h"
+#include "haptolith/scenario/soil_file_keys.h"
+#include "haptolith/scenario/toml_writer.h"
 #include "haptolith/soil/bodies.h"
 
 #include "shared/option_checks.h"
@@ -120,6 +122,19 @@ std::string circumstancesText(const LabOptions& options, const LabSoil& soil, co
   return fmt::format("{}, {} friction, {}, macroparticles of {:.3g} mm, seed {}", soil.name,
                      wordFor(kFrictionWords, conditions.soil.friction), findBody(options.body).name,
                      conditions.soil.radius_m / kMm, conditions.seed);
+}
+
+nlohmann::ordered_json soilJson(const SoilParameters& soil) {
+  Scenario scene;
+  scene.bed.soil = soil;
+  nlohmann::ordered_json json = nlohmann::ordered_json::object();
+  for (const ScenarioKey& key : soilKeys()) {
+    const std::string line = tomlLine(key, scene);
+    if (const std::size_t equals = line.find(" = "); equals != std::string::npos && key.name != "friction") {
+      json[std::string(key.name)] = line.substr(equals + 3, line.size() - equals - 4);
+    }
+  }
+  return json;
 }
 
 void requireWritable(const std::vector<OutputFile>& files) {

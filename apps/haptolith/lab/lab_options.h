@@ -52,6 +52,9 @@ void addOption(CLI::App& command, const LabOption& option);
 [[nodiscard]] std::string circumstancesText(const LabOptions& options, const LabSoil& soil,
                                             const LabConditions& conditions);
 
+/// The soil's keys, as a soil file has them, without the model of friction.
+[[nodiscard]] nlohmann::ordered_json soilJson(const SoilParameters& soil);
+
 /// Hours of work must not end in a file that cannot be written: tries each whose path is not empty.
 /// @throws Failure with the path and the system's reason.
 void requireWritable(const std::vector<OutputFile>& files);

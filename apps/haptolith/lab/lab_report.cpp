@@ -26,8 +26,6 @@
 #include "haptolith/lab/over_seeds.h"
 #include "haptolith/lab/report_page.h"
 #include "haptolith/scenario/scene_words.h"
-#include "haptolith/scenario/soil_file_keys.h"
-#include "haptolith/scenario/toml_writer.h"
 #include "haptolith/soil/bodies.h"
 
 #include "commands.h"
@@ -69,20 +67,6 @@ std::vector<LabTest> testsOf(const ReportOptions& options) {
         tests, [&](const LabTest& test) { return std::ranges::find(options.only, test.name) == options.only.end(); });
   }
   return tests;
-}
-
-/// The soil's keys, as a soil file has them; both models of friction are measured.
-Json soilJson(const SoilParameters& soil) {
-  Scenario scene;
-  scene.bed.soil = soil;
-  Json json = Json::object();
-  for (const ScenarioKey& key : soilKeys()) {
-    const std::string line = tomlLine(key, scene);
-    if (const std::size_t equals = line.find(" = "); equals != std::string::npos && key.name != "friction") {
-      json[std::string(key.name)] = line.substr(equals + 3, line.size() - equals - 4);
-    }
-  }
-  return json;
 }
 
 /// All that the results depend on.

@@ -10,6 +10,7 @@
 #include <cstring>
 #include <fstream>
 #include <system_error>
+#include <utility>
 #include <vector>
 
 #include "haptolith/core/atomic_file.h"
@@ -80,29 +81,11 @@ std::vector<std::string> differences(const Json& before, const Json& now) {
   return found;
 }
 
-/// Takes away what a report is made of, and nothing else.
-void removeReport(const ReportFolder& folder) {
-  std::vector<fs::path> files{folder.page()};
-  std::error_code ignored;
-  for (const fs::directory_entry& entry : fs::directory_iterator(folder.path() / kResults, ignored)) {
-    const fs::path extension = entry.path().extension();
-    if (extension == ".json" || extension == ".png") {
-      files.push_back(entry.path());
-    }
-  }
-  for (const fs::path& file : files) {
-    std::error_code error;
-    fs::remove(file, error);
-    if (error) {
-      throw Failure(fmt::format("cannot remove {}: {}", file.string(), error.message()));
-    }
-  }
-}
-
 }  // namespace
 
-ReportFolder::ReportFolder(const fs::path& path, const Json& conditions, ReportThere if_there)
-    : path_(path.has_filename() ? path : path.parent_path()) {
+ReportFolder::ReportFolder(const fs::path& path, const Json& conditions, ReportThere if_there,
+                           std::vector<std::string> pages)
+    : path_(path.has_filename() ? path : path.parent_path()), pages_(std::move(pages)) {
   const Json now = Json::parse(textOf(conditions));  // what is not finite is null, as in the file
   if (!fs::exists(fs::symlink_status(path_))) {
     const AtomicFolder made(path_);
@@ -123,7 +106,7 @@ ReportFolder::ReportFolder(const fs::path& path, const Json& conditions, ReportT
     }
     lock();
     if (!holds_report || if_there == ReportThere::kReplace) {
-      removeReport(*this);
+      removeReport();
       write(path_ / kConditions, now, IfThere::kReplace);
     } else if (const auto different = differences(read(path_ / kConditions), now); !different.empty()) {
       throw Failure(
@@ -133,6 +116,28 @@ ReportFolder::ReportFolder(const fs::path& path, const Json& conditions, ReportT
     }
   }
   fs::create_directories(path_ / kResults);
+}
+
+/// Takes away what a report is made of, and nothing else.
+void ReportFolder::removeReport() const {
+  std::vector<fs::path> files;
+  for (const std::string& page : pages_) {
+    files.push_back(path_ / page);
+  }
+  std::error_code ignored;
+  for (const fs::directory_entry& entry : fs::directory_iterator(path_ / kResults, ignored)) {
+    const fs::path extension = entry.path().extension();
+    if (extension == ".json" || extension == ".png") {
+      files.push_back(entry.path());
+    }
+  }
+  for (const fs::path& file : files) {
+    std::error_code error;
+    fs::remove(file, error);
+    if (error) {
+      throw Failure(fmt::format("cannot remove {}: {}", file.string(), error.message()));
+    }
+  }
 }
 
 fs::path ReportFolder::resultFile(const std::string& name) const {

@@ -16,8 +16,8 @@
 #include "haptolith/bed/bed_parameters.h"
 #include "haptolith/lab/calibrate_soil.h"
 #include "haptolith/lab/catalogue/lab_test.h"
+#include "haptolith/lab/catalogue/option_reader.h"
 #include "haptolith/library/errors.h"
-#include "haptolith/library/options.h"
 #include "haptolith/library/result.h"
 #include "haptolith/library/soil_object.h"
 #include "haptolith/library/values.h"
@@ -130,7 +130,7 @@ std::int32_t hapto_lab_test(const char* test, const hapto_soil* soil, const char
     readEnvironment();
     const LabTest chosen = labTest(test);
     Circumstances circumstances;
-    readOptions(options, together(chosen.options, optionsOf(circumstances)));
+    readOptions(textOrNothing(options), together(chosen.options, optionsOf(circumstances)));
     const LabSoil specimen{claim->name, soilForTest(claim->soil, chosen.radius_mm, circumstances.soil),
                            claim->file ? std::optional(claim->file->target) : std::nullopt};
     const LabConditions conditions{
@@ -154,7 +154,7 @@ std::int32_t hapto_soil_calibrate(const char* target, hapto_progress told, void*
     readEnvironment();
     CalibrationAsked asked;
     asked.options.threads = Circumstances().threads;
-    readOptions(target, optionsOf(asked));
+    readOptions(textOrNothing(target), optionsOf(asked));
     asked.options.progress = [&progress](std::string_view what, double share) { return progress.tell(what, share); };
     const CalibratedSoil made = calibrateSoil(asked.target, asked.options);
     auto soil = std::make_unique<NamedSoil>(

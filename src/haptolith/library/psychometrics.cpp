@@ -10,8 +10,8 @@
 #include <vector>
 
 #include "haptolith/core/error.h"
+#include "haptolith/lab/catalogue/option_reader.h"
 #include "haptolith/library/errors.h"
-#include "haptolith/library/options.h"
 #include "haptolith/library/result.h"
 #include "haptolith/psychometrics/fit.h"
 #include "haptolith/psychometrics/fit_json.h"
@@ -90,7 +90,7 @@ std::int32_t hapto_psychometric_fit(const double* levels, std::uint64_t count, c
     }
     FitRequest asked;
     double pool_tolerance = 0;
-    readOptions(options, optionsOf(asked, pool_tolerance));
+    readOptions(textOrNothing(options), optionsOf(asked, pool_tolerance));
     std::vector<Level> answers;
     for (std::uint64_t i = 0; i < count; ++i) {
       answers.push_back({levels[3 * i], levels[3 * i + 1], levels[3 * i + 2]});

@@ -88,6 +88,8 @@ LabOutput plateOutput(const LabConditions& conditions, const PlateOptions& optio
                              result.fit.modulus, result.fit.exponent, result.bulk_density_kg_m3);
   output.json = {{"plate_diameter_mm", options.diameter_m / kMm},
                  {"curve", curve},
+                 {"max_sinkage_mm", options.max_sinkage_m / kMm},
+                 {"pressure_at_max_sinkage_pa", result.curve.back().force_n / result.area_m2},
                  {"exponent", result.fit.exponent},
                  {"modulus", result.fit.modulus},
                  {"bulk_density_kg_m3", result.bulk_density_kg_m3},

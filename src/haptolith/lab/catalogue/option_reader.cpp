@@ -1,8 +1,7 @@
-#include "haptolith/library/options.h"
+#include "haptolith/lab/catalogue/option_reader.h"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
-#include <toml++/toml.h>
 
 #include <algorithm>
 #include <cmath>
@@ -15,9 +14,8 @@
 #include "haptolith/core/error.h"
 #include "haptolith/core/nearest_word.h"
 #include "haptolith/core/overloaded.h"
-#include "haptolith/library/values.h"
 
-namespace haptolith::library {
+namespace haptolith {
 
 namespace {
 
@@ -39,7 +37,9 @@ double numberIn(const std::string& key, const toml::node& node) {
   return *number;
 }
 
-void set(const LabOption& option, const toml::node& node) {
+}  // namespace
+
+void setOption(const LabOption& option, const toml::node& node) {
   const std::string& key = option.key;
   std::visit(
       Overloaded{[&](const LabOption::Number& set) { set(numberIn(key, node)); },
@@ -82,16 +82,7 @@ void set(const LabOption& option, const toml::node& node) {
       option.set);
 }
 
-}  // namespace
-
-void readOptions(const char* text, const std::vector<LabOption>& options) {
-  toml::table table;
-  try {
-    table = toml::parse(textOrNothing(text), std::string_view("options"));
-  } catch (const toml::parse_error& error) {
-    throw InvalidParameter("options", fmt::format("line {}", error.source().begin.line),
-                           fmt::format("TOML: {}", error.description()));
-  }
+void setOptions(const toml::table& table, const std::vector<LabOption>& options) {
   for (const auto& [key, node] : table) {
     const auto option = std::ranges::find(options, key.str(), &LabOption::key);
     if (option == options.end()) {
@@ -105,8 +96,19 @@ void readOptions(const char* text, const std::vector<LabOption>& options) {
                              fmt::format("one of the keys {}{}", fmt::join(known, ", "),
                                          nearest.empty() ? "" : fmt::format("; did you mean {}?", nearest)));
     }
-    set(*option, node);
+    setOption(*option, node);
   }
 }
 
-}  // namespace haptolith::library
+void readOptions(std::string_view text, const std::vector<LabOption>& options) {
+  toml::table table;
+  try {
+    table = toml::parse(text, std::string_view("options"));
+  } catch (const toml::parse_error& error) {
+    throw InvalidParameter("options", fmt::format("line {}", error.source().begin.line),
+                           fmt::format("TOML: {}", error.description()));
+  }
+  setOptions(table, options);
+}
+
+}  // namespace haptolith

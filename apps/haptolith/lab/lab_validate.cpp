@@ -1,0 +1,457 @@
+#include <CLI/App.hpp>
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <atomic>
+#include <cstdint>
+#include <map>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <set>
+#include <sstream>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "haptolith/core/atomic_file.h"
+#include "haptolith/core/clock.h"
+#include "haptolith/core/error.h"
+#include "haptolith/core/in_parallel.h"
+#include "haptolith/lab/catalogue/lab_test.h"
+#include "haptolith/lab/catalogue/option_reader.h"
+#include "haptolith/lab/validation.h"
+#include "haptolith/scenario/soil_file.h"
+#include "haptolith/soil/bodies.h"
+
+#include "commands.h"
+#include "lab/claims_file.h"
+#include "lab/lab_options.h"
+#include "lab/report_folder.h"
+#include "shared/option_checks.h"
+#include "shared/output.h"
+#include "shared/saved.h"
+#include "shared/stop_on_signal.h"
+
+namespace haptolith {
+
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+constexpr Range kSeeds{1, 100};
+constexpr const char* kPage = "validation.md";
+constexpr const char* kFigure = "validation.svg";
+
+struct ValidateOptions {
+  std::string claims_file, soil;
+  std::vector<std::string> only;
+  std::string folder = "validation";
+  std::uint64_t seed = 1;
+  int seeds = 3;
+  int threads = 0;
+  bool resume = false;
+  Overwrite overwrite;
+};
+
+/// A test with one seed: what is measured, saved and resumed as a whole. Several claims may read its result.
+struct Piece {
+  ClaimRun run;
+  LabSoil soil;
+  std::uint64_t seed = 1;
+  std::string name;          ///< of its file
+  Json specification;        ///< all that the result depends on
+  std::optional<Json> done;  ///< as saved: specification, took_s, and result or why_not
+};
+
+LabSoil soilOf(const ClaimRun& run) {
+  const NamedSoil found = findSoilOrPreset(run.soil);
+  LabSoil soil{found.name, soilForTest(found.soil, labTest(run.test).radius_mm, {.radius_mm = run.radius_mm}),
+               found.file ? std::optional(found.file->target) : std::nullopt};
+  soil.soil.stiffness_n_m *= run.stiffness_times;
+  soil.soil.gamma_nm *= run.stiffness_times;
+  return soil;
+}
+
+Json specificationOf(const ClaimRun& run, const LabSoil& soil, std::uint64_t seed) {
+  std::ostringstream options;
+  options << toml::json_formatter{run.options};
+  return {{"test", run.test},
+          {"soil", soil.name},
+          {"body", findBody(run.body).name},
+          {"options", Json::parse(options.str())},
+          {"particles", soilJson(soil.soil)},
+          {"seed", seed}};
+}
+
+/// Text that names a specification (Fowler, Noll and Vo, FNV-1a, 64 bits).
+std::string nameOf(const Json& specification) {
+  std::uint64_t hash = 0xcbf29ce484222325U;
+  for (const char letter : specification.dump()) {
+    hash = (hash ^ static_cast<unsigned char>(letter)) * 0x100000001b3U;
+  }
+  return fmt::format("{}-{:016x}", specification.at("test").get<std::string>(), hash);
+}
+
+std::optional<double> numberAt(const Json& result, const std::string& pointer) {
+  const Json::json_pointer at(pointer);
+  if (!result.contains(at)) {
+    throw InvalidParameter("ours or other", pointer, "where the test's JSON has a number (haptolith lab TEST --json)");
+  }
+  const Json& number = result.at(at);
+  return number.is_number() ? std::optional(number.get<double>()) : std::nullopt;
+}
+
+/// Claims on their way to a page. Several threads measure; what they share is behind `mutex_`.
+class Validation {
+ public:
+  explicit Validation(const ValidateOptions& options);
+
+  /// Measures what is missing. @throws Failure as Report::complete().
+  void complete();
+
+ private:
+  [[nodiscard]] std::size_t pieceFor(const ClaimRun& run, std::uint64_t seed);
+  void measure(std::size_t index);
+  [[nodiscard]] Json tried(std::size_t index);
+  [[nodiscard]] LabProgress progressOf(std::size_t index);
+  [[nodiscard]] bool ends() const { return stopAsked() || gives_up_; }
+  [[nodiscard]] std::size_t done() const;
+  [[nodiscard]] std::string leftText() const;
+
+  [[nodiscard]] ClaimSpecimen specimenOf(const MeasuredClaim& measured, std::size_t seed_index) const;
+  [[nodiscard]] JudgedClaim judged(std::size_t claim) const;
+  void savePage() const;
+
+  ValidateOptions options_;
+  StatusLine status_;
+  std::vector<MeasuredClaim> claims_;
+  std::vector<Piece> pieces_;
+  std::vector<std::vector<std::size_t>> runs_, overs_;  ///< of each claim, a piece for each seed
+  std::optional<ReportFolder> folder_;
+  int threads_ = 1, threads_each_ = 1;
+  std::size_t at_once_ = 1;
+
+  std::mutex mutex_;
+  std::set<std::size_t> running_;
+  std::atomic<bool> gives_up_ = false;
+};
+
+bool isChosen(const MeasuredClaim& measured, const ValidateOptions& options) {
+  const auto named = [&](const std::string& name) {
+    return std::ranges::find(options.only, name) != options.only.end();
+  };
+  return (options.only.empty() || named(measured.claim.id) || named(measured.claim.group)) &&
+         (options.soil.empty() || measured.any_soil);
+}
+
+std::vector<MeasuredClaim> chosenClaims(const ValidateOptions& options) {
+  std::vector<MeasuredClaim> claims =
+      options.claims_file.empty() ? shippedClaims() : readClaims(options.claims_file);
+  for (const std::string& name : options.only) {
+    const auto is = [&](const MeasuredClaim& m) { return m.claim.id == name || m.claim.group == name; };
+    if (std::ranges::none_of(claims, is)) {
+      std::set<std::string> groups;
+      for (const MeasuredClaim& measured : claims) {
+        groups.insert(measured.claim.group);
+      }
+      throw InvalidParameter("--only", fmt::format("'{}'", name),
+                             fmt::format("the id of a claim, or a group: {}", fmt::join(groups, ", ")));
+    }
+  }
+  std::erase_if(claims, [&](const MeasuredClaim& measured) { return !isChosen(measured, options); });
+  if (claims.empty()) {
+    throw InvalidParameter("--soil", fmt::format("'{}'", options.soil),
+                           "a soil for claims with any_soil = true, of which none was chosen");
+  }
+  for (MeasuredClaim& measured : claims) {
+    if (!options.soil.empty()) {
+      measured.run.soil = options.soil;
+      if (measured.over) {
+        measured.over->soil = options.soil;
+      }
+    }
+  }
+  return claims;
+}
+
+Validation::Validation(const ValidateOptions& options) : options_(options), claims_(chosenClaims(options)) {
+  runs_.resize(claims_.size());
+  overs_.resize(claims_.size());
+  for (int i = 0; i < options.seeds; ++i) {
+    const std::uint64_t seed = options.seed + static_cast<std::uint64_t>(i);
+    for (std::size_t claim = 0; claim < claims_.size(); ++claim) {
+      runs_[claim].push_back(pieceFor(claims_[claim].run, seed));
+      if (claims_[claim].over) {
+        overs_[claim].push_back(pieceFor(*claims_[claim].over, seed));
+      }
+    }
+  }
+  LabOptions lab;
+  lab.threads = options.threads;
+  threads_ = labConditions(lab, pieces_.front().soil, status_).threads;
+  folder_.emplace(options.folder, Json{{"validation", "haptolith " HAPTOLITH_VERSION}},
+                  options.resume              ? ReportThere::kResume
+                  : options.overwrite.allowed ? ReportThere::kReplace
+                                              : ReportThere::kRefuse,
+                  std::vector<std::string>{kPage, kFigure});
+  for (Piece& piece : pieces_) {
+    std::optional<Json> saved = folder_->result(piece.name);
+    if (saved && saved->value("specification", Json()) == piece.specification) {
+      piece.done = std::move(saved);
+    } else if (saved) {
+      throw Failure(fmt::format("{} is not what lab validate has written: without it, --resume measures it again",
+                                folder_->resultFile(piece.name).string()));
+    }
+  }
+}
+
+/// Of runs that are the same, one for all.
+std::size_t Validation::pieceFor(const ClaimRun& run, std::uint64_t seed) {
+  Piece piece{.run = run, .soil = soilOf(run), .seed = seed, .name = {}, .specification = {}, .done = {}};
+  piece.specification = specificationOf(run, piece.soil, seed);
+  piece.name = nameOf(piece.specification);
+  const auto found = std::ranges::find(pieces_, piece.name, &Piece::name);
+  if (found != pieces_.end()) {
+    return static_cast<std::size_t>(found - pieces_.begin());
+  }
+  pieces_.push_back(std::move(piece));
+  return pieces_.size() - 1;
+}
+
+void Validation::complete() {
+  std::vector<std::size_t> missing;
+  for (std::size_t i = 0; i < pieces_.size(); ++i) {
+    if (!pieces_[i].done) {
+      missing.push_back(i);
+    }
+  }
+  savePage();
+  if (missing.size() < pieces_.size()) {
+    post(fmt::format("{} of {} results are there already\n", done(), pieces_.size()));
+  }
+  at_once_ = std::clamp<std::size_t>(missing.size(), 1, static_cast<std::size_t>(threads_));
+  threads_each_ = std::max(1, threads_ / static_cast<int>(at_once_));
+  try {
+    inParallel(missing.size(), static_cast<int>(at_once_), [&](std::size_t i) { measure(missing[i]); });
+  } catch (const Failure&) {
+    if (!stopAsked()) {
+      throw;
+    }
+    throw Failure(fmt::format("interrupted: {} of {} results are kept in {}; the same command with --resume goes on",
+                              done(), pieces_.size(), folder_->path().string()));
+  }
+  drawValidation({folder_->path() / kFigure, IfThere::kReplace}, [this] {
+    std::vector<JudgedClaim> all;
+    for (std::size_t claim = 0; claim < claims_.size(); ++claim) {
+      all.push_back(judged(claim));
+    }
+    return all;
+  }());
+  savePage();
+}
+
+void Validation::measure(std::size_t index) {
+  try {
+    {
+      const std::scoped_lock lock(mutex_);
+      running_.insert(index);
+    }
+    const std::int64_t began_ns = monotonicNs();
+    Json document = tried(index);
+    const double took_s = static_cast<double>(monotonicNs() - began_ns) / 1e9;
+    document["took_s"] = took_s;
+    folder_->save(pieces_[index].name, document);
+    const std::scoped_lock lock(mutex_);
+    running_.erase(index);
+    pieces_[index].done = std::move(document);
+    savePage();
+    status_.clear();
+    const Piece& piece = pieces_[index];
+    post(fmt::format("[{}/{}] {}, {}, {}, seed {} ({:.0f} s{})\n", done(), pieces_.size(), piece.run.test,
+                     piece.soil.name, piece.run.body, piece.seed, took_s, leftText()));
+  } catch (...) {
+    gives_up_ = true;
+    throw;
+  }
+}
+
+/// A test that a soil fails outright is a finding, not the end.
+Json Validation::tried(std::size_t index) {
+  const Piece& piece = pieces_[index];
+  Json document{{"specification", piece.specification}};
+  try {
+    if (ends()) {
+      throw Failure("interrupted");
+    }
+    LabTest test = labTest(piece.run.test);
+    setOptions(piece.run.options, test.options);
+    const LabConditions conditions{.soil = piece.soil.soil,
+                                   .gravity_m_s2 = findBody(piece.run.body).gravity_m_s2,
+                                   .seed = piece.seed,
+                                   .threads = threads_each_,
+                                   .progress = progressOf(index)};
+    document["result"] = test.run(piece.soil, conditions).json;
+  } catch (const Failure& failure) {
+    if (ends()) {
+      throw;
+    }
+    document["why_not"] = failure.what();
+  } catch (const InvalidParameter& refused) {
+    document["why_not"] = refused.what();
+  }
+  return document;
+}
+
+LabProgress Validation::progressOf(std::size_t index) {
+  return [this, index](std::string_view what, double share) {
+    if (status_.visible()) {
+      const std::scoped_lock lock(mutex_);
+      if (index == *running_.begin()) {  // one of those at work is enough to look at
+        const Piece& piece = pieces_[index];
+        status_.update(fmt::format("{} of {} done; {}, {}: {}: {:.0f} %", done(), pieces_.size(), piece.run.test,
+                                   piece.soil.name, what, 100 * share));
+      }
+    }
+    return !ends();
+  };
+}
+
+std::size_t Validation::done() const {
+  return static_cast<std::size_t>(
+      std::ranges::count_if(pieces_, [](const Piece& piece) { return piece.done.has_value(); }));
+}
+
+/// "; about 40 min left": each as long as the mean of those that are done.
+std::string Validation::leftText() const {
+  double sum_s = 0;
+  for (const Piece& piece : pieces_) {
+    sum_s += piece.done ? piece.done->value("took_s", 0.0) : 0;
+  }
+  const auto there = static_cast<double>(done());
+  const double left_s =
+      sum_s / there * (static_cast<double>(pieces_.size()) - there) / static_cast<double>(at_once_);
+  return done() < pieces_.size() ? fmt::format("; about {:.0f} min left", std::ceil(left_s / 60)) : "";
+}
+
+ClaimSpecimen Validation::specimenOf(const MeasuredClaim& measured, std::size_t seed_index) const {
+  const auto claim = static_cast<std::size_t>(&measured - claims_.data());
+  const Json& run = *pieces_[runs_[claim][seed_index]].done;
+  const Json* over = measured.over ? &*pieces_[overs_[claim][seed_index]].done : nullptr;
+  ClaimSpecimen specimen;
+  for (const Json* document : {&run, over}) {
+    if (document != nullptr && document->contains("why_not")) {
+      specimen.why_not = document->at("why_not").get<std::string>();
+      return specimen;
+    }
+  }
+  specimen.ours = numberAt(run.at("result"), measured.ours);
+  if (!measured.other.empty()) {
+    specimen.other = numberAt(run.at("result"), measured.other);
+  }
+  if (over != nullptr && specimen.ours) {
+    const std::optional<double> divisor = numberAt(over->at("result"), measured.ours);
+    specimen.ours = divisor && *divisor != 0 ? std::optional(*specimen.ours / *divisor) : std::nullopt;
+  }
+  if (!specimen.ours || (!measured.other.empty() && !specimen.other)) {
+    specimen.why_not = "the test gave no number";
+  }
+  return specimen;
+}
+
+/// Of the seeds whose results are there.
+JudgedClaim Validation::judged(std::size_t claim) const {
+  const MeasuredClaim& measured = claims_[claim];
+  std::vector<ClaimSpecimen> specimens;
+  for (std::size_t i = 0; i < runs_[claim].size(); ++i) {
+    if (pieces_[runs_[claim][i]].done && (!measured.over || pieces_[overs_[claim][i]].done)) {
+      specimens.push_back(specimenOf(measured, i));
+    }
+  }
+  return {measured.claim, specimens.empty() ? std::nullopt : std::optional(judge(measured.claim, specimens))};
+}
+
+void Validation::savePage() const {
+  std::vector<JudgedClaim> all;
+  for (std::size_t claim = 0; claim < claims_.size(); ++claim) {
+    all.push_back(judged(claim));
+  }
+  const bool whole = done() == pieces_.size();
+  double sum_s = 0;
+  for (const Piece& piece : pieces_) {
+    sum_s += piece.done ? piece.done->value("took_s", 0.0) : 0;
+  }
+  std::string command = "haptolith lab validate";
+  command += options_.claims_file.empty() ? "" : fmt::format(" --claims {}", options_.claims_file);
+  command += options_.soil.empty() ? "" : fmt::format(" --soil {}", options_.soil);
+  command += options_.only.empty() ? "" : fmt::format(" --only '{}'", fmt::join(options_.only, ","));
+  command += options_.seeds != ValidateOptions{}.seeds ? fmt::format(" --seeds {}", options_.seeds) : "";
+  const std::vector<std::string> introduction{
+      fmt::format("    {}", command),
+      fmt::format("Each claim is a number of ours beside one that somebody else measured or calculated. {}\n"
+                  "haptolith {}; tests: {}, {:.1f} hours of one core.",
+                  options_.seeds > 1 ? fmt::format("Values are means of {} specimens, ± is the standard deviation\n"
+                                                   "of one, and n is how many gave a number.",
+                                                   options_.seeds)
+                                     : "Values are those of one specimen, so nothing is known of their spread.",
+                  HAPTOLITH_VERSION, pieces_.size(), sum_s / 3600)};
+  AtomicFile file({folder_->page(), IfThere::kReplace});
+  file.write(validationPage(all, introduction, whole ? kFigure : ""));
+  file.commit();
+}
+
+void runValidate(const ValidateOptions& options) {
+  const StopOnSignal stop_on_signal;
+  const auto tell_of_page_alone = [] {
+    for (const std::filesystem::path& path : filesWritten()) {
+      if (path.extension() == ".json") {
+        static_cast<void>(savedText(path, ""));
+      }
+    }
+  };
+  try {
+    Validation(options).complete();
+  } catch (...) {
+    tell_of_page_alone();
+    throw;
+  }
+  tell_of_page_alone();
+}
+
+}  // namespace
+
+void addValidate(CLI::App& lab) {
+  auto options = std::make_shared<ValidateOptions>();
+  CLI::App* command = lab.add_subcommand(
+      "validate",
+      "Claims about our soil beside what others measured and calculated, on one page; takes long, can be resumed");
+  command->add_option("--claims", options->claims_file, "a file of claims (docs/laboratory.md) [all that come along]");
+  command->add_option("--soil", options->soil,
+                      "claims about any soil, of this one: a named one, a soil file, or P1 to P6 [each claim's own]");
+  command->add_option("--only", options->only, "these claims or groups of claims only")->delimiter(',');
+  command->add_option("--seeds", options->seeds, "how many specimens of each test, 1 to 100")
+      ->check(wholeNumberIn(kSeeds))
+      ->capture_default_str();
+  command->add_option("--seed", options->seed, "the first of the seeds, of the specimens' particles")
+      ->capture_default_str();
+  command->add_option("--threads", options->threads, "threads to use; the result is the same [all]")
+      ->check(wholeNumberIn(BedRanges::threads));
+  command
+      ->add_option("--out", options->folder,
+                   "the folder: validation.md, its figure, and a file for each result as soon as it is there")
+      ->capture_default_str();
+  CLI::Option* resume =
+      command->add_flag("--resume", options->resume, "go on in that folder; claims may have been added or changed");
+  options->overwrite.addTo(*command);
+  command->get_option("--overwrite")->description("begin anew in a folder that holds a validation")->excludes(resume);
+  command->footer(
+      "Examples:\n"
+      "  haptolith lab validate --out evidence\n"
+      "  haptolith lab validate --out evidence --resume    after Ctrl-C, or whatever ended it\n"
+      "  haptolith lab validate --only Blades --seeds 1\n"
+      "  haptolith lab validate --soil my-sand.toml");
+  command->callback([options] { runValidate(*options); });
+}
+
+}  // namespace haptolith

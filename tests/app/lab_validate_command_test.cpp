@@ -1,0 +1,120 @@
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+#include <unistd.h>
+
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <string>
+
+#include "program.h"
+
+namespace haptolith {
+namespace {
+
+namespace fs = std::filesystem;
+using testing::AllOf;
+using testing::ContainsRegex;
+using testing::HasSubstr;
+using testing::Not;
+
+std::string textOf(const fs::path& path) {
+  std::ifstream file(path, std::ios::binary);
+  return {std::istreambuf_iterator<char>(file), {}};
+}
+
+/// Claims that the quickest tests alone measure.
+class LabValidateCommand : public testing::Test {
+ protected:
+  LabValidateCommand() { fs::create_directories(folder_); }
+  ~LabValidateCommand() override { fs::remove_all(folder_); }
+
+  [[nodiscard]] std::string validation(const std::string& name, const std::string& options) const {
+    return fmt::format("lab validate --threads 1 --out {} {}", (folder_ / name).string(), options);
+  }
+  [[nodiscard]] std::string claims(const std::string& text) const {
+    const fs::path path = folder_ / "claims.toml";
+    std::ofstream(path) << text;
+    return "--claims " + path.string();
+  }
+  [[nodiscard]] std::string page(const std::string& name) const { return textOf(folder_ / name / "validation.md"); }
+
+  const fs::path folder_ = fs::temp_directory_path() / ("haptolith_validate_" + std::to_string(getpid()));
+};
+
+const std::string kFall =
+    "[[claim]]\nid = 'fall'\ngroup = 'Newton'\nclaim = 'Falls with g'\nreference = 'Newton'\ntest = 'fall'\n"
+    "soil = 'dry-sand'\nours = '/acceleration_ratio'\n";
+
+TEST_F(LabValidateCommand, SaysOfEachClaimHowItStandsAndGoesOnWithWhatIsMissing) {
+  const std::string file = claims(kFall + "expected = 1\nwithin = 0.01\n" +
+                                  "[[claim]]\nid = 'wrong'\ngroup = 'Newton'\nclaim = 'Falls with half of it'\n"
+                                  "test = 'fall'\nsoil = 'dry-sand'\nours = '/acceleration_ratio'\nexpected = 0.5\n"
+                                  "factor = 1.2\nnote = 'Galilei would not have it.'\n");
+  const ProgramResult one = runHaptolith(validation("a", file + " --seeds 1"));
+  ASSERT_EQ(one.exit_status, 0) << one.errors;
+  EXPECT_THAT(one.errors, ContainsRegex(R"(\[1/1\] fall, dry-sand, Earth, seed 1)")) << "one test for both claims";
+  EXPECT_THAT(page("a"), AllOf(HasSubstr("1.00 | 1.00 | ± 1 % | 1 | 🟢 holds |"), HasSubstr("2.00 | factor 1.2 | 1 | 🔴"),
+                               HasSubstr("Galilei"), HasSubstr("(validation.svg)")));
+  EXPECT_THAT(textOf(folder_ / "a" / "validation.svg"), HasSubstr("</svg>"));
+
+  const ProgramResult refused = runHaptolith(validation("a", file + " --seeds 2"));
+  EXPECT_EQ(refused.exit_status, 1);
+  EXPECT_THAT(refused.errors, HasSubstr("--resume"));
+  const ProgramResult more = runHaptolith(validation("a", file + " --seeds 2 --resume"));
+  ASSERT_EQ(more.exit_status, 0) << more.errors;
+  EXPECT_THAT(more.errors, AllOf(HasSubstr("1 of 2 results are there already"), HasSubstr("[2/2] fall"),
+                                 Not(HasSubstr("seed 1"))));
+  EXPECT_THAT(page("a"), HasSubstr("| 2 | 🟢 holds |"));
+}
+
+TEST_F(LabValidateCommand, MeasuresOneConditionOverAnother) {
+  const ProgramResult run = runHaptolith(validation(
+      "over", claims(kFall + "expected = 1\nwithin = 0.01\nbody = 'Earth'\n[claim.over]\nbody = 'Moon'\n") +
+                  " --seeds 1"));
+  ASSERT_EQ(run.exit_status, 0) << run.errors;
+  EXPECT_THAT(run.errors, AllOf(HasSubstr("Earth"), HasSubstr("Moon"), HasSubstr("[2/2]")));
+  EXPECT_THAT(page("over"), HasSubstr("🟢"));
+}
+
+TEST_F(LabValidateCommand, RunsClaimsAboutAnySoilWithAnother) {
+  const ProgramResult run = runHaptolith(validation("soil", "--only newton-fall --soil toyoura --seeds 1"));
+  ASSERT_EQ(run.exit_status, 0) << run.errors;
+  EXPECT_THAT(run.errors, HasSubstr("fall, toyoura, Moon"));
+  const ProgramResult none = runHaptolith(validation("soil2", "--only moon-srp --soil toyoura"));
+  EXPECT_EQ(none.exit_status, 2);
+  EXPECT_THAT(none.errors, HasSubstr("any_soil"));
+}
+
+TEST_F(LabValidateCommand, RefusesNonsenseWithItsPlace) {
+  const auto refused = [&](const std::string& text, const std::string& said) {
+    const ProgramResult run = runHaptolith(validation("no", claims(text)));
+    EXPECT_EQ(run.exit_status, 2) << text;
+    EXPECT_THAT(run.errors, HasSubstr(said));
+    EXPECT_FALSE(fs::exists(folder_ / "no"));
+  };
+  refused("", "empty");
+  refused("claim = []\n", "each under [[claim]]");
+  refused(kFall, "claims.toml:1: ");
+  refused(kFall + "expected = 1\n", "exactly one of them");
+  refused(kFall + "expected = 1\nwithin = 0.1\nfactor = 2\n", "2 of them");
+  refused(kFall + "expected = 1\nwithin = 1.5\n", "claims.toml:10: ");
+  refused(kFall + "expected = 1\nwithin = 0.1\nnonsense = 3\n", "nonsense");
+  refused(kFall + "expected = 1\nwithin = 0.1\nbody = 'Vulcan'\n", "Vulcan");
+  refused(kFall + "expected = 1\nwithin = 0.1\n[claim.options]\ndepth_mm = 3\n", "depth_mm");
+  refused(kFall + "expected = 1\nwithin = 0.1\n" + kFall + "expected = 1\nwithin = 0.1\n", "another claim");
+  const ProgramResult only = runHaptolith(validation("no", "--only nonsense"));
+  EXPECT_EQ(only.exit_status, 2);
+  EXPECT_THAT(only.errors, HasSubstr("a group: "));
+}
+
+TEST_F(LabValidateCommand, AWrongPlaceInTheResultIsTold) {
+  std::string text = kFall + "expected = 1\nwithin = 0.1\n";
+  text.replace(text.find("/acceleration_ratio"), 19, "/nowhere");
+  const ProgramResult run = runHaptolith(validation("no", claims(text) + " --seeds 1"));
+  EXPECT_EQ(run.exit_status, 2);
+  EXPECT_THAT(run.errors, HasSubstr("/nowhere"));
+}
+
+}  // namespace
+}  // namespace haptolith

@@ -1,0 +1,126 @@
+#include "haptolith/lab/validation.h"
+
+#include <gmock/gmock.h>
+
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "haptolith/core/error.h"
+
+namespace haptolith {
+namespace {
+
+using testing::AllOf;
+using testing::HasSubstr;
+using testing::Not;
+
+Claim within(double share) {
+  Claim claim{.id = "weight", .group = "Newton", .claim = "Weight felt", .reference = "Newton", .unit = "N", .note = ""};
+  claim.expected = 10;
+  claim.within = share;
+  return claim;
+}
+
+std::vector<ClaimSpecimen> specimens(const std::vector<double>& ours) {
+  std::vector<ClaimSpecimen> all;
+  all.reserve(ours.size());
+  for (const double number : ours) {
+    all.push_back({.ours = number, .other = {}, .why_not = ""});
+  }
+  return all;
+}
+
+TEST(Validation, JudgesTheMeanOfTheSpecimensAgainstTheTolerance) {
+  const ClaimOutcome outcome = judge(within(0.1), specimens({9, 10, 11}));
+  EXPECT_EQ(outcome.light, ClaimLight::kGreen);
+  EXPECT_EQ(outcome.specimens, 3U);
+  EXPECT_DOUBLE_EQ(outcome.ours->mean, 10);
+  EXPECT_DOUBLE_EQ(*outcome.ours->deviation, 1);
+  EXPECT_DOUBLE_EQ(outcome.ratio->mean, 1);
+  EXPECT_DOUBLE_EQ(*outcome.ratio->deviation, 0.1);
+  EXPECT_DOUBLE_EQ(outcome.ratio_range->lowest, 0.9);
+  EXPECT_DOUBLE_EQ(outcome.ratio_range->highest, 1.1);
+  EXPECT_EQ(judge(within(0.1), specimens({10.9})).light, ClaimLight::kGreen);
+  EXPECT_FALSE(judge(within(0.1), specimens({10.9})).ours->deviation);
+}
+
+TEST(Validation, IsYellowByTheToleranceOnceMoreOrTheScatterOfASpecimen) {
+  EXPECT_EQ(judge(within(0.1), specimens({11.9})).light, ClaimLight::kYellow);
+  EXPECT_EQ(judge(within(0.1), specimens({12.1})).light, ClaimLight::kRed);
+  EXPECT_EQ(judge(within(0.1), specimens({8.1})).light, ClaimLight::kYellow);
+  EXPECT_EQ(judge(within(0.1), specimens({7.9})).light, ClaimLight::kRed);
+  EXPECT_EQ(judge(within(0.1), specimens({11, 13, 15})).light, ClaimLight::kYellow);  // 13 +- 2 meets 11
+  EXPECT_EQ(judge(within(0.1), specimens({12.9, 13, 13.1})).light, ClaimLight::kRed);
+}
+
+TEST(Validation, KnowsFactorsAndRanges) {
+  Claim factor = within(0.1);
+  factor.within.reset();
+  factor.factor = 2;
+  EXPECT_EQ(judge(factor, specimens({19})).light, ClaimLight::kGreen);
+  EXPECT_EQ(judge(factor, specimens({5.1})).light, ClaimLight::kGreen);
+  EXPECT_EQ(judge(factor, specimens({39})).light, ClaimLight::kYellow);
+  EXPECT_EQ(judge(factor, specimens({2.4})).light, ClaimLight::kRed);
+
+  Claim range = within(0.1);
+  range.within.reset();
+  range.expected = 0;
+  range.accepted = Range{-1, 1};
+  EXPECT_EQ(judge(range, specimens({0.9})).light, ClaimLight::kGreen);
+  EXPECT_EQ(judge(range, specimens({1.9})).light, ClaimLight::kYellow);
+  EXPECT_EQ(judge(range, specimens({2.1})).light, ClaimLight::kRed);
+  EXPECT_FALSE(judge(range, specimens({0.9})).ratio) << "nothing is a multiple of 0";
+}
+
+TEST(Validation, ComparesEachSpecimenWithItsOwnTheory) {
+  Claim claim = within(0.1);
+  claim.expected.reset();
+  const ClaimOutcome outcome = judge(claim, {{.ours = 10, .other = 10, .why_not = ""}, {.ours = 30, .other = 30, .why_not = ""}});
+  EXPECT_EQ(outcome.light, ClaimLight::kGreen);
+  EXPECT_DOUBLE_EQ(*outcome.ratio->deviation, 0) << "ratios, not numbers, have the scatter";
+  EXPECT_DOUBLE_EQ(outcome.other->mean, 20);
+}
+
+TEST(Validation, ASpecimenWithoutANumberMakesItRed) {
+  const ClaimOutcome outcome =
+      judge(within(0.1), {{.ours = 10, .other = {}, .why_not = ""}, {.ours = {}, .other = {}, .why_not = "clogged"}});
+  EXPECT_EQ(outcome.light, ClaimLight::kRed);
+  EXPECT_EQ(outcome.specimens, 1U);
+  EXPECT_EQ(outcome.why_not, "clogged");
+  EXPECT_FALSE(judge(within(0.1), {{.ours = {}, .other = {}, .why_not = "clogged"}}).ours);
+}
+
+TEST(Validation, RefusesNonsense) {
+  const auto refused = [](const std::function<void(Claim&)>& spoil) {
+    Claim claim = within(0.1);
+    spoil(claim);
+    EXPECT_THROW(validate(claim), InvalidParameter);
+  };
+  EXPECT_NO_THROW(validate(within(0.1)));
+  refused([](Claim& c) { c.within.reset(); });
+  refused([](Claim& c) { c.factor = 2; });
+  refused([](Claim& c) { c.within = -0.1; });
+  refused([](Claim& c) { c.within.reset(); c.factor = 0.5; });
+  refused([](Claim& c) { c.expected = 0; });
+}
+
+TEST(Validation, PageCountsLightsAndSaysWhatIsMissingAndWhy) {
+  Claim noted = within(0.1);
+  noted.note = "It is so.";
+  Claim other_group = within(0.1);
+  other_group.group = "Plates";
+  const std::string page = validationPage({{within(0.1), judge(within(0.1), specimens({10, 10.2}))},
+                                           {noted, judge(noted, specimens({20}))},
+                                           {other_group, {}}},
+                                          {"How it was made."}, "a.svg");
+  EXPECT_THAT(page, AllOf(HasSubstr("Of 3 claims 1 hold"), HasSubstr("1 fail"), HasSubstr("1 are not measured yet"),
+                          HasSubstr("How it was made."), HasSubstr("](a.svg)"), HasSubstr("## Newton"),
+                          HasSubstr("## Plates"), HasSubstr("| 10.1 ± 0.141 N | 1.01 ± 0.0141 | ± 10 % | 2 | 🟢 holds |"),
+                          HasSubstr("- **Weight felt**: It is so."), HasSubstr("not measured yet |")));
+  EXPECT_THAT(validationPage({{within(0.1), judge(within(0.1), specimens({10}))}}, {}, ""),
+              AllOf(Not(HasSubstr("![")), Not(HasSubstr("not measured"))));
+}
+
+}  // namespace
+}  // namespace haptolith
