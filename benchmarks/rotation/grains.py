@@ -76,18 +76,21 @@ class Box:
         return ' '.join('p' if axis in self.periodic else 'f' for axis in 'xyz')
 
 
-def loose(soil, box, number, bottom, rng, inside=lambda x, y, z: True):
-    """Grains on a grid so wide that none touch, as haptolith's looseSoil(): [x, y, z, radius, type]."""
+def loose(soil, box, number, bottom, rng, inside=lambda x, y, z: True, poured=False):
+    """Grains on a grid so wide that none touch, as haptolith's looseSoil(): [x, y, z, radius, type]. To be poured, every
+    other storey stands over the gaps of the one below."""
     largest = soil.radius * (1 + soil.spread)
-    cell = 2.15 * largest
+    cell = (2.6 if poured else 2.15) * largest
     play = cell / 2 - largest
     columns, rows = max(1, int(box.x / cell)), max(1, int(box.y / cell))
     grains, storey = [], 0
     while len(grains) < number:
-        for row in range(rows):
-            for column in range(columns):
-                at = ((column + 0.5) * box.x / columns - box.x / 2 + play * rng.uniform(-1, 1),
-                      (row + 0.5) * box.y / rows - box.y / 2 + play * rng.uniform(-1, 1),
+        gaps = storey % 2 if poured else 0
+        first = 0.5 + 0.5 * gaps
+        for row in range(rows - gaps):
+            for column in range(columns - gaps):
+                at = ((column + first) * box.x / columns - box.x / 2 + play * rng.uniform(-1, 1),
+                      (row + first) * box.y / rows - box.y / 2 + play * rng.uniform(-1, 1),
                       bottom + (storey + 0.5) * cell + play * rng.uniform(-1, 1))
                 if inside(*at) and len(grains) < number:
                     grains.append([*at, soil.radius * (1 + soil.spread * rng.uniform(-1, 1)), SOIL])
@@ -174,18 +177,17 @@ def thermo(said, first_column='Time'):
     return rows
 
 
-def settle(folder, name, soil, box, grains, gravity, extra, mass_of=None):
-    """Falls without friction until it rests, as haptolith's dense specimens; the grains afterwards. Kept, for grains of
-    all kinds begin from it."""
+def settle(folder, name, soil, box, grains, gravity, extra, falls_as=Grain('smooth', 0, None)):
+    """Falls until it rests; the grains afterwards. Without friction, as haptolith's dense specimens, unless `falls_as` has
+    some. Kept, for grains of all kinds begin from it."""
     dump = folder / (name + '.settled')
     if not dump.exists():
-        write_data(folder / (name + '.loose'), soil, box, grains, mass_of)
-        smooth = Grain('smooth', 0, None)
+        write_data(folder / (name + '.loose'), soil, box, grains)
         slow = soil.mass * math.sqrt(gravity / soil.d) * 0.4  # viscosity: nothing falls fast
         steps = max(500, round(0.1 / soil.dt))
         # Six times what haptolith asks for: friction, which comes next, ends the rest, and each test looks whether it has.
         at_rest = 6 * math.sqrt(2 * gravity * soil.radius / 500)
-        text = head(soil, box, smooth, name + '.loose', gravity) + side_walls(soil, box, smooth) + extra(smooth) + '\n'.join([
+        text = head(soil, box, falls_as, name + '.loose', gravity) + side_walls(soil, box, falls_as) + extra(falls_as) + '\n'.join([
             'fix slow soil viscous %g' % slow, 'thermo_style custom time atoms ke c_fastest', 'thermo_modify lost ignore', 'thermo %d' % steps,
             'run %d' % (5 * steps), 'variable i loop 100', 'label again', 'run %d' % steps,
             'variable v equal c_fastest', 'if "${v} < %g" then "jump SELF done"' % at_rest,

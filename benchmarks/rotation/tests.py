@@ -30,7 +30,7 @@ def shear(folder, grain, seed, stresses=SHEAR_STRESSES_PA):
         grains = rough_plate(soil, box, 0, rng)
         grains += loose(soil, box, soil.number_in(box.x * box.y * 10 * d), 2 * soil.radius, rng)
         grains = settle(folder, name, soil, box, grains, EARTH,
-                        lambda g: '', None)
+                        lambda g: '')
         top = max(z for _, _, z, _, kind in grains if kind == SOIL)
         grains += rough_plate(soil, box, top + 2.2 * soil.radius, rng, TOOL)
         plate = sum(1 for g in grains if g[4] == TOOL)
@@ -82,14 +82,15 @@ def beverloo(soil, opening_m, density):
     return BEVERLOO_C * density * math.sqrt(EARTH) * (opening_m - BEVERLOO_K * soil.d) ** 2.5
 
 
-def funnel(folder, grain, seed, opening):
-    """Discharge through a round opening in a flat rough floor; opening in d. As haptolith's funnelTest()."""
+def funnel(folder, grain, seed, opening, poured=False):
+    """Discharge through a round opening in a flat rough floor; opening in d. As haptolith's funnelTest(); poured: with
+    friction while the bed falls, so that it is looser."""
     soil = Soil()
     d, r = soil.d, soil.radius
     side = (opening + 8) * d
     fill = max(18, 3 * opening) * d
-    box = Box(side, side, -8 * r, 3.2 * fill + 20 * d)
-    name = 'funnel-%g-%d' % (opening, seed)
+    box = Box(side, side, -8 * r, (4.5 if poured else 3.2) * fill + 20 * d)
+    name = 'poured-%g-%d-bed-%s' % (opening, seed, grain.name) if poured else 'funnel-%g-%d' % (opening, seed)
     rng = rng_of(name, seed)
     ring_m = opening * d / 2 + r
     around = math.ceil(2 * math.pi * ring_m / (1.2 * r))
@@ -101,8 +102,8 @@ def funnel(folder, grain, seed, opening):
             floor.append(g)
         elif from_axis < ring_m - 0.2 * r:
             floor.append(g[:4] + [TOOL])  # the plug
-    grains = floor + loose(soil, box, soil.number_in(side * side * fill), 2.6 * r, rng)
-    grains = settle(folder, name, soil, box, grains, EARTH, lambda g: '')
+    grains = floor + loose(soil, box, soil.number_in(side * side * fill), 2.6 * r, rng, poured=poured)
+    grains = settle(folder, name, soil, box, grains, EARTH, lambda g: '', *([grain] if poured else []))
     soil_z = sorted(g[2] for g in grains if g[4] == SOIL)
     low, high = 2 * d, soil_z[-1] - 3 * d
     density = soil.mass * sum(1 for z in soil_z if low <= z < high) / (side * side * (high - low))
@@ -274,9 +275,11 @@ def cost(folder, grain, seed):
     grains = settle(folder, name, soil, box, grains, EARTH, floor)
     this = '%s-%s' % (name, grain.name)
     write_data(folder / (this + '.data'), soil, box, grains)
-    rounds = 5
+    rounds, steps = 5, 300
     said = lammps(folder, this, head(soil, box, grain, this + '.data', EARTH) + floor(grain) + '\n'.join(
-        ['thermo_style custom time atoms ke c_fastest', 'thermo 1000', 'run 1500'] + ['run 1000'] * rounds + ['']))
-    times = [float(line.split()[3]) for line in said.split('\n') if line.startswith('Loop time of')][1:]
-    return dict(steps_per_s=1000 / statistics.median(times), all_steps_per_s=[1000 / t for t in times], grains=len(grains),
+        ['thermo_style custom time atoms ke c_fastest', 'thermo 1000', 'run 700'] + ['run %d' % steps] * rounds + ['']))
+    walls = [float(line.split()[3]) for line in said.split('\n') if line.startswith('Loop time of')]
+    shares = [float(line.split('%')[0]) / 100 for line in said.split('\n') if '% CPU use with' in line]
+    speeds = [steps / (wall * share) for wall, share in zip(walls, shares)][1:]  # of processor time: others work here too
+    return dict(steps_per_s=statistics.median(speeds), all_steps_per_s=speeds, grains=len(grains),
                 at_rest_m_s=thermo(said)[-1]['c_fastest'])
