@@ -70,5 +70,16 @@ TEST_F(LabCommand, NonsenseIsRefused) {
   EXPECT_EQ(runHaptolith("lab fall --figure nowhere/at/all.svg").exit_status, 1);
 }
 
+TEST_F(LabCommand, RefusesInTheUnitThatWasGiven) {
+  EXPECT_THAT(runHaptolith("lab blade --rake-deg 20").errors,
+              HasSubstr("rake_deg = 20 is not valid: must be 30 to 120 (deg)"));
+  EXPECT_THAT(runHaptolith("lab blade --depth-mm 3").errors,
+              HasSubstr("depth_mm = 3 is not valid: must be 12 to 10000 (mm)"));
+  EXPECT_THAT(runHaptolith("lab plate --plate-diameter-mm 3").errors,
+              HasSubstr("plate_diameter_mm = 3 is not valid: must be 28 to 10000 (mm)"));
+  EXPECT_THAT(runHaptolith("lab rft --friction-angle-deg 80").errors,
+              HasSubstr("friction_angle_deg = 80 is not valid: must be 0 to 63 (deg)"));
+}
+
 }  // namespace
 }  // namespace haptolith

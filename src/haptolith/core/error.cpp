@@ -2,7 +2,9 @@
 
 #include <fmt/format.h>
 
+#include <array>
 #include <cmath>
+#include <numbers>
 #include <utility>
 
 namespace haptolith {
@@ -19,6 +21,18 @@ std::string printable(std::string_view text) {
   }
   return shown;
 }
+
+/// A unit of keys that parameters do not have.
+struct KeyUnit {
+  std::string_view name;
+  double in_si;
+};
+
+constexpr std::array kKeyUnits{
+    KeyUnit{"mm", 1e-3},
+    KeyUnit{"ms", 1e-3},
+    KeyUnit{"deg", std::numbers::pi / 180},
+};
 
 }  // namespace
 
@@ -43,6 +57,21 @@ double inUnits(double value, double unit) {
     }
   }
   return number;
+}
+
+InvalidParameter inUnitOfKey(const InvalidParameter& error, std::string_view key) {
+  if (key == error.key()) {
+    return error;
+  }
+  const std::string_view suffix = key.substr(key.rfind('_') + 1);
+  for (const KeyUnit& unit : kKeyUnits) {
+    if (unit.name == suffix && error.outOfRange()) {
+      const auto& [value, range] = *error.outOfRange();
+      return {std::string(key), fmt::format("{}", inUnits(value, unit.in_si)),
+              fmt::format("{} ({})", range.in(unit.in_si).text(), unit.name)};
+    }
+  }
+  return {std::string(key), error.value(), fmt::format("{} ({})", error.valid(), error.key())};
 }
 
 Range Range::in(double unit) const {

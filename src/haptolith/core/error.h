@@ -48,6 +48,10 @@ class InvalidParameter : public std::invalid_argument {
   std::optional<OutOfRange> out_of_range_;
 };
 
+/// What is wrong with a parameter in SI as who gave it has to know it, in the unit of the key he gave:
+/// "14 to 100000 (mm)".
+[[nodiscard]] InvalidParameter inUnitOfKey(const InvalidParameter& error, std::string_view key);
+
 /// The input was understood but the work could not be done: disk full, no solution, a device lost. Exit status 1.
 class Failure : public std::runtime_error {
  public:

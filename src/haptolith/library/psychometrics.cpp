@@ -13,6 +13,7 @@
 #include "haptolith/lab/catalogue/option_reader.h"
 #include "haptolith/library/errors.h"
 #include "haptolith/library/result.h"
+#include "haptolith/library/values.h"
 #include "haptolith/psychometrics/fit.h"
 #include "haptolith/psychometrics/fit_json.h"
 #include "haptolith/psychometrics/fit_request.h"

@@ -96,10 +96,6 @@ struct FileKey {
 /// The word of today in place of one that earlier versions wrote ("pairwise" for "contact"); any other as it is.
 [[nodiscard]] std::string_view currentWord(std::string_view word) noexcept;
 
-/// What is wrong with a parameter in SI as the reader of the file has to know it, in the unit of the key:
-/// "14 to 100000 (mm)".
-[[nodiscard]] InvalidParameter inUnitOfKey(const InvalidParameter& error, std::string_view key);
-
 /// "P1, P2 or P3".
 [[nodiscard]] std::string anyOf(const std::vector<std::string_view>& words);
 

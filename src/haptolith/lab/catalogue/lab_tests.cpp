@@ -23,9 +23,46 @@ SoilParameters soilForTest(SoilParameters soil, double radius_mm, const SoilChan
   return soil;
 }
 
+namespace {
+
+/// "depth" of "depth_mm".
+std::string_view withoutUnit(std::string_view name) {
+  return name.substr(0, name.rfind('_'));
+}
+
+/// What a test refuses as the option has it that was given: rake_rad as rake_deg, diameter_m as plate_diameter_mm.
+InvalidParameter inUnitOfOption(const InvalidParameter& error, const std::vector<LabOption>& options) {
+  const std::string_view wanted = withoutUnit(error.key());
+  for (const LabOption& option : options) {
+    const std::string_view offered = withoutUnit(option.key);
+    if (offered == wanted || offered.ends_with(fmt::format("_{}", wanted))) {
+      return inUnitOfKey(error, option.key);
+    }
+  }
+  return error;
+}
+
+/// The same test, which speaks of its options in their own units.
+LabTest inUnitsOfOptions(LabTest test) {
+  test.run = [run = std::move(test.run), options = test.options](const LabSoil& soil, const LabConditions& conditions) {
+    try {
+      return run(soil, conditions);
+    } catch (const InvalidParameter& error) {
+      throw inUnitOfOption(error, options);
+    }
+  };
+  return test;
+}
+
+}  // namespace
+
 std::vector<LabTest> labTests() {
-  return {settleEntry(), shearEntry(),  reposeEntry(), cutEntry(),  plateEntry(), coneEntry(),
-          bladeEntry(),  funnelEntry(), carryEntry(),  fallEntry(), grainEntry(), rftEntry()};
+  std::vector<LabTest> tests{settleEntry(), shearEntry(),  reposeEntry(), cutEntry(),  plateEntry(), coneEntry(),
+                             bladeEntry(),  funnelEntry(), carryEntry(),  fallEntry(), grainEntry(), rftEntry()};
+  for (LabTest& test : tests) {
+    test = inUnitsOfOptions(std::move(test));
+  }
+  return tests;
 }
 
 LabTest labTest(std::string_view name) {
