@@ -54,8 +54,9 @@ TEST_F(LabValidateCommand, SaysOfEachClaimHowItStandsAndGoesOnWithWhatIsMissing)
   const ProgramResult one = runHaptolith(validation("a", file + " --seeds 1"));
   ASSERT_EQ(one.exit_status, 0) << one.errors;
   EXPECT_THAT(one.errors, ContainsRegex(R"(\[1/1\] fall, dry-sand, Earth, seed 1)")) << "one test for both claims";
-  EXPECT_THAT(page("a"), AllOf(HasSubstr("1.00 | 1.00 | ± 1 % | 1 | 🟢 holds |"), HasSubstr("2.00 | factor 1.2 | 1 | 🔴"),
-                               HasSubstr("Galilei"), HasSubstr("(validation.svg)")));
+  EXPECT_THAT(page("a"),
+              AllOf(HasSubstr("1.00 | 1.00 | ± 1 % | 1 | 🟢 holds |"), HasSubstr("2.00 | factor 1.2 | 1 | 🔴"),
+                    HasSubstr("Galilei"), HasSubstr("(validation.svg)")));
   EXPECT_THAT(textOf(folder_ / "a" / "validation.svg"), HasSubstr("</svg>"));
 
   const ProgramResult refused = runHaptolith(validation("a", file + " --seeds 2"));
@@ -63,15 +64,15 @@ TEST_F(LabValidateCommand, SaysOfEachClaimHowItStandsAndGoesOnWithWhatIsMissing)
   EXPECT_THAT(refused.errors, HasSubstr("--resume"));
   const ProgramResult more = runHaptolith(validation("a", file + " --seeds 2 --resume"));
   ASSERT_EQ(more.exit_status, 0) << more.errors;
-  EXPECT_THAT(more.errors, AllOf(HasSubstr("1 of 2 results are there already"), HasSubstr("[2/2] fall"),
-                                 Not(HasSubstr("seed 1"))));
+  EXPECT_THAT(more.errors,
+              AllOf(HasSubstr("1 of 2 results are there already"), HasSubstr("[2/2] fall"), Not(HasSubstr("seed 1"))));
   EXPECT_THAT(page("a"), HasSubstr("| 2 | 🟢 holds |"));
 }
 
 TEST_F(LabValidateCommand, MeasuresOneConditionOverAnother) {
   const ProgramResult run = runHaptolith(validation(
-      "over", claims(kFall + "expected = 1\nwithin = 0.01\nbody = 'Earth'\n[claim.over]\nbody = 'Moon'\n") +
-                  " --seeds 1"));
+      "over",
+      claims(kFall + "expected = 1\nwithin = 0.01\nbody = 'Earth'\n[claim.over]\nbody = 'Moon'\n") + " --seeds 1"));
   ASSERT_EQ(run.exit_status, 0) << run.errors;
   EXPECT_THAT(run.errors, AllOf(HasSubstr("Earth"), HasSubstr("Moon"), HasSubstr("[2/2]")));
   EXPECT_THAT(page("over"), HasSubstr("🟢"));

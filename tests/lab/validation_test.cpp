@@ -16,7 +16,8 @@ using testing::HasSubstr;
 using testing::Not;
 
 Claim within(double share) {
-  Claim claim{.id = "weight", .group = "Newton", .claim = "Weight felt", .reference = "Newton", .unit = "N", .note = ""};
+  Claim claim{
+      .id = "weight", .group = "Newton", .claim = "Weight felt", .reference = "Newton", .unit = "N", .note = ""};
   claim.expected = 10;
   claim.within = share;
   return claim;
@@ -76,7 +77,8 @@ TEST(Validation, KnowsFactorsAndRanges) {
 TEST(Validation, ComparesEachSpecimenWithItsOwnTheory) {
   Claim claim = within(0.1);
   claim.expected.reset();
-  const ClaimOutcome outcome = judge(claim, {{.ours = 10, .other = 10, .why_not = ""}, {.ours = 30, .other = 30, .why_not = ""}});
+  const ClaimOutcome outcome =
+      judge(claim, {{.ours = 10, .other = 10, .why_not = ""}, {.ours = 30, .other = 30, .why_not = ""}});
   EXPECT_EQ(outcome.light, ClaimLight::kGreen);
   EXPECT_DOUBLE_EQ(*outcome.ratio->deviation, 0) << "ratios, not numbers, have the scatter";
   EXPECT_DOUBLE_EQ(outcome.other->mean, 20);
@@ -101,7 +103,10 @@ TEST(Validation, RefusesNonsense) {
   refused([](Claim& c) { c.within.reset(); });
   refused([](Claim& c) { c.factor = 2; });
   refused([](Claim& c) { c.within = -0.1; });
-  refused([](Claim& c) { c.within.reset(); c.factor = 0.5; });
+  refused([](Claim& c) {
+    c.within.reset();
+    c.factor = 0.5;
+  });
   refused([](Claim& c) { c.expected = 0; });
 }
 
@@ -114,10 +119,11 @@ TEST(Validation, PageCountsLightsAndSaysWhatIsMissingAndWhy) {
                                            {noted, judge(noted, specimens({20}))},
                                            {other_group, {}}},
                                           {"How it was made."}, "a.svg");
-  EXPECT_THAT(page, AllOf(HasSubstr("Of 3 claims 1 hold"), HasSubstr("1 fail"), HasSubstr("1 are not measured yet"),
-                          HasSubstr("How it was made."), HasSubstr("](a.svg)"), HasSubstr("## Newton"),
-                          HasSubstr("## Plates"), HasSubstr("| 10.1 ± 0.141 N | 1.01 ± 0.0141 | ± 10 % | 2 | 🟢 holds |"),
-                          HasSubstr("- **Weight felt**: It is so."), HasSubstr("not measured yet |")));
+  EXPECT_THAT(
+      page, AllOf(HasSubstr("Of 3 claims 1 hold"), HasSubstr("1 fail"), HasSubstr("1 are not measured yet"),
+                  HasSubstr("How it was made."), HasSubstr("](a.svg)"), HasSubstr("## Newton"), HasSubstr("## Plates"),
+                  HasSubstr("| 10.1 ± 0.141 N | 1.01 ± 0.0141 | ± 10 % | 2 | 🟢 holds |"),
+                  HasSubstr("- **Weight felt**: It is so."), HasSubstr("not measured yet |")));
   EXPECT_THAT(validationPage({{within(0.1), judge(within(0.1), specimens({10}))}}, {}, ""),
               AllOf(Not(HasSubstr("![")), Not(HasSubstr("not measured"))));
 }

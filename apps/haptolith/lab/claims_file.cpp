@@ -42,8 +42,8 @@ std::vector<Key> claimKeys() {
       {"", "id", "", Text{[](M& m, std::string_view v) { m.claim.id = v; }, kOnlyRead}, ""},
       {"", "group", "", Text{[](M& m, std::string_view v) { m.claim.group = v; }, kOnlyRead}, ""},
       {"", "claim", "", Text{[](M& m, std::string_view v) { m.claim.claim = v; }, kOnlyRead}, ""},
-      {"", "reference", "",
-       Text{[](M& m, std::string_view v) { m.claim.reference = v; }, kOnlyRead, TextSize::kPage}, ""},
+      {"", "reference", "", Text{[](M& m, std::string_view v) { m.claim.reference = v; }, kOnlyRead, TextSize::kPage},
+       ""},
       {"", "note", "", Text{[](M& m, std::string_view v) { m.claim.note = v; }, kOnlyRead, TextSize::kPage}, ""},
       {"", "unit", "", Text{[](M& m, std::string_view v) { m.claim.unit = v; }, kOnlyRead}, ""},
       {"", "ours", "", Text{[](M& m, std::string_view v) { m.ours = v; }, kOnlyRead}, ""},
@@ -51,8 +51,7 @@ std::vector<Key> claimKeys() {
       {"", "expected", "", Number{kAny, [](M& m, double v) { m.claim.expected = v; }, kOnlyRead}, ""},
       {"", "scatter", "", Interval{kAny, [](M& m, const Range& v) { m.claim.scatter = v; }, kOnlyRead}, ""},
       {"", "factor", "factor", Number{{1, 100}, [](M& m, double v) { m.claim.factor = v; }, kOnlyRead}, ""},
-      {"", "within", "within",
-       Number{{0, 1}, [](M& m, double v) { m.claim.within = v; }, kOnlyRead}, ""},
+      {"", "within", "within", Number{{0, 1}, [](M& m, double v) { m.claim.within = v; }, kOnlyRead}, ""},
       {"", "accepted", "accepted", Interval{kAny, [](M& m, const Range& v) { m.claim.accepted = v; }, kOnlyRead}, ""},
       {"", "any_soil", "", Key::SwitchValue{[](M& m, bool v) { m.any_soil = v; }, kOnlyRead}, ""},
       {"", "test", "", Text{[](M& m, std::string_view v) { m.run.test = v; }, kOnlyRead}, ""},
@@ -63,8 +62,8 @@ std::vector<Key> claimKeys() {
       {"over", "soil", "", Text{[](M& m, std::string_view v) { overOf(m).soil = v; }, kOnlyRead, TextSize::kPath}, ""},
       {"over", "body", "", Text{[](M& m, std::string_view v) { overOf(m).body = v; }, kOnlyRead}, ""},
       {"over", "radius_mm", "", Number{kRadius_mm, [](M& m, double v) { overOf(m).radius_mm = v; }, kOnlyRead}, ""},
-      {"over", "stiffness_times", "",
-       Number{kTimes, [](M& m, double v) { overOf(m).stiffness_times = v; }, kOnlyRead}, ""},
+      {"over", "stiffness_times", "", Number{kTimes, [](M& m, double v) { overOf(m).stiffness_times = v; }, kOnlyRead},
+       ""},
   };
 }
 

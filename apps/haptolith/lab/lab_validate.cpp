@@ -147,8 +147,7 @@ bool isChosen(const MeasuredClaim& measured, const ValidateOptions& options) {
 }
 
 std::vector<MeasuredClaim> chosenClaims(const ValidateOptions& options) {
-  std::vector<MeasuredClaim> claims =
-      options.claims_file.empty() ? shippedClaims() : readClaims(options.claims_file);
+  std::vector<MeasuredClaim> claims = options.claims_file.empty() ? shippedClaims() : readClaims(options.claims_file);
   for (const std::string& name : options.only) {
     const auto is = [&](const MeasuredClaim& m) { return m.claim.id == name || m.claim.group == name; };
     if (std::ranges::none_of(claims, is)) {
@@ -330,8 +329,7 @@ std::string Validation::leftText() const {
     sum_s += piece.done ? piece.done->value("took_s", 0.0) : 0;
   }
   const auto there = static_cast<double>(done());
-  const double left_s =
-      sum_s / there * (static_cast<double>(pieces_.size()) - there) / static_cast<double>(at_once_);
+  const double left_s = sum_s / there * (static_cast<double>(pieces_.size()) - there) / static_cast<double>(at_once_);
   return done() < pieces_.size() ? fmt::format("; about {:.0f} min left", std::ceil(left_s / 60)) : "";
 }
 

@@ -45,8 +45,8 @@ struct BladeResult {
   double vertical_n = 0;  ///< > 0: the soil pushes the blade down
   double draft_se_n = 0;  ///< standard error of draft_n, from the scatter of ten blocks
   double vertical_se_n = 0;
-  double front_draft_n = 0;     ///< of draft_n, what presses on the flat front; see bladeTest()
-  double front_vertical_n = 0;  ///< of vertical_n, likewise
+  double front_draft_n = 0;                         ///< of draft_n, what presses on the flat front; see bladeTest()
+  double front_vertical_n = 0;                      ///< of vertical_n, likewise
   BladeEquations expected;                          ///< for `depth_m`, `width_m` and `bulk_density_kg_m3`
   std::optional<BladeEquations> expected_residual;  ///< likewise, with the residual strength
   double depth_m = 0;                               ///< below the settled surface: close to the wanted one, not exactly

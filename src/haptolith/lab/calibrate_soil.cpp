@@ -186,11 +186,10 @@ CalibratedSoil calibrateSoil(const SoilTarget& target, const CalibrateSoilOption
 
   CalibratedSoil result;
   SoilParameters soil = rescaled(lunarContacts(), options.radius_m);
-  soil.stiffness_n_m =
-      options.stiffness_n_m > 0
-          ? options.stiffness_n_m
-          : stiffnessFor(*std::ranges::max_element(options.shear.normal_stresses_pa), options.radius_m,
-                         options.density);
+  soil.stiffness_n_m = options.stiffness_n_m > 0
+                           ? options.stiffness_n_m
+                           : stiffnessFor(*std::ranges::max_element(options.shear.normal_stresses_pa), options.radius_m,
+                                          options.density);
   soil.rho0_kg_m3 *= target.bulk_density_kg_m3 / kTableDensity_kg_m3;
   soil.rho_max_kg_m3 *= target.bulk_density_kg_m3 / kTableDensity_kg_m3;
   if (options.density == DensityProfile::kConstant) {

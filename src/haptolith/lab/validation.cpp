@@ -47,9 +47,8 @@ Range widened(const Range& accepted) {
 }  // namespace
 
 void validate(const Claim& claim) {
-  const int tolerances =
-      static_cast<int>(claim.factor.has_value()) + static_cast<int>(claim.within.has_value()) +
-      static_cast<int>(claim.accepted.has_value());
+  const int tolerances = static_cast<int>(claim.factor.has_value()) + static_cast<int>(claim.within.has_value()) +
+                         static_cast<int>(claim.accepted.has_value());
   if (tolerances != 1) {
     throw InvalidParameter("factor, within, accepted", fmt::format("{} of them", tolerances), "exactly one of them");
   }
@@ -202,9 +201,11 @@ std::string validationPage(const std::vector<JudgedClaim>& claims, const std::ve
   for (const std::string& paragraph : introduction) {
     page += "\n" + paragraph + "\n";
   }
-  const auto measured = std::ranges::count_if(claims, [](const JudgedClaim& judged) { return judged.outcome.has_value(); });
+  const auto measured =
+      std::ranges::count_if(claims, [](const JudgedClaim& judged) { return judged.outcome.has_value(); });
   page += fmt::format(
-      "\nOf {} claims {} hold (🟢: within the tolerance), {} nearly do (🟡: outside by no more than the tolerance again, "
+      "\nOf {} claims {} hold (🟢: within the tolerance), {} nearly do (🟡: outside by no more than the tolerance "
+      "again, "
       "or than one\nspecimen's scatter), and {} fail (🔴).{}\n",
       claims.size(), count(claims, ClaimLight::kGreen), count(claims, ClaimLight::kYellow),
       count(claims, ClaimLight::kRed),
@@ -275,11 +276,12 @@ void drawValidation(const OutputFile& file, const std::vector<JudgedClaim>& clai
     bands.push_back({nothing, nothing, nothing});
   }
   figure.data("bands", bands);
-  figure.command(fmt::format("set logscale x; set xrange [{}:{}]; set yrange [0:{}]; set ytics ({}); set grid xtics; "
-                             "set key tmargin center horizontal; set xlabel 'ours over theirs'; set lmargin 34; "
-                             "set arrow from 1, graph 0 to 1, graph 1 nohead linecolor rgb '#888888'; "
-                             "set xtics (0.05, 0.1, 0.2, 0.5, 1, 2, 5, 10, 20)",
-                             kLeast, kMost, rows + 1, labels));
+  figure.command(
+      fmt::format("set logscale x; set xrange [{}:{}]; set yrange [0:{}]; set ytics ({}); set grid xtics; "
+                  "set key tmargin center horizontal; set xlabel 'ours over theirs'; set lmargin 34; "
+                  "set arrow from 1, graph 0 to 1, graph 1 nohead linecolor rgb '#888888'; "
+                  "set xtics (0.05, 0.1, 0.2, 0.5, 1, 2, 5, 10, 20)",
+                  kLeast, kMost, rows + 1, labels));
   figure.command(
       "plot $bands using 1:2:($3-$1):(0) with vectors nohead linewidth 11 linecolor rgb '#d9d9d9' title 'tolerance', "
       "$green using 1:2:3:4 with xerrorbars pointtype 7 linewidth 1.5 linecolor rgb '#009e73' title 'holds', "

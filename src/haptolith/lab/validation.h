@@ -28,7 +28,7 @@ struct Claim {
   std::string note;       ///< why it stands as it does; may be empty
 
   std::optional<double> expected = {};  ///< the other number; none: each specimen has one of its own
-  Range scatter{0, 0};             ///< within which the source has it; empty (0 to 0) where it does not say
+  Range scatter{0, 0};                  ///< within which the source has it; empty (0 to 0) where it does not say
 
   // Tolerance; exactly one of them is set.
   std::optional<double> factor = {};   ///< ours over theirs within 1/factor to factor

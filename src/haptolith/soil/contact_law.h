@@ -35,8 +35,8 @@ struct ContactLaw {
 /// @throws InvalidParameter as validate(SoilParameters).
 [[nodiscard]] ContactLaw makeContactLaw(const SoilParameters& soil);
 
-/// gamma in N m with which (paper 7) is a linear spring of stiffness k, whatever the distance: k (2R - a_min)^2. Soil of
-/// such contacts is as dense at any depth, as far as its springs do not give; with less gamma it yields at first and
+/// gamma in N m with which (paper 7) is a linear spring of stiffness k, whatever the distance: k (2R - a_min)^2. Soil
+/// of such contacts is as dense at any depth, as far as its springs do not give; with less gamma it yields at first and
 /// is denser below, as lunar soil is. @throws as makeContactLaw().
 [[nodiscard]] double linearGamma(const SoilParameters& soil);
 
