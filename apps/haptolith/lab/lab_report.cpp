@@ -4,15 +4,12 @@
 
 #include <algorithm>
 #include <array>
-#include <atomic>
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
 #include <iterator>
 #include <memory>
-#include <mutex>
 #include <optional>
-#include <set>
 #include <string>
 #include <utility>
 #include <vector>
@@ -20,7 +17,6 @@
 #include "haptolith/core/atomic_file.h"
 #include "haptolith/core/clock.h"
 #include "haptolith/core/error.h"
-#include "haptolith/core/in_parallel.h"
 #include "haptolith/figure/figure.h"
 #include "haptolith/lab/catalogue/lab_test.h"
 #include "haptolith/lab/over_seeds.h"
@@ -30,6 +26,7 @@
 
 #include "commands.h"
 #include "lab/lab_options.h"
+#include "lab/lab_work.h"
 #include "lab/report_folder.h"
 #include "lab/report_results.h"
 #include "shared/option_checks.h"
@@ -113,7 +110,7 @@ struct Piece {
   std::uint64_t seed = 1;
 };
 
-/// A report under way. Several threads measure pieces; what they share is behind `mutex_`.
+/// A report under way. Several threads measure pieces.
 class Report {
  public:
   /// @throws Failure as ReportFolder, when a result cannot be read, and without gnuplot.
@@ -127,9 +124,6 @@ class Report {
   void measure(std::size_t index);
   [[nodiscard]] ReportResult tried(std::size_t index, Json& document);
   void keep(std::size_t index, ReportResult result, const Json& document);
-
-  [[nodiscard]] LabProgress progressOf(std::size_t index);
-  [[nodiscard]] bool ends() const { return stopAsked() || gives_up_; }
 
   [[nodiscard]] LabSoil soilOf(const Piece& piece) const;
   [[nodiscard]] LabConditions conditionsOf(const Piece& piece, const LabSoil& soil) const;
@@ -151,11 +145,7 @@ class Report {
   std::vector<Piece> pieces_;  ///< the first seed's come first, so that half a report has a value for each test
   std::optional<ReportFolder> folder_;
   std::vector<std::optional<ReportResult>> results_;  ///< of each piece
-  std::size_t at_once_ = 1;
-
-  std::mutex mutex_;
-  std::set<std::size_t> running_;
-  std::atomic<bool> gives_up_ = false;
+  std::optional<LabWork> work_;
 };
 
 Report::Report(const ReportOptions& options)
@@ -196,38 +186,16 @@ void Report::complete() {
     }
   }
   saveReport({folder_->page(), IfThere::kReplace}, page());
-  if (missing.size() < pieces_.size()) {
-    post(fmt::format("{} of {} results are there already\n", done(), pieces_.size()));
-  }
-  const auto threads = static_cast<std::size_t>(conditions_.threads);
-  at_once_ = std::clamp<std::size_t>(missing.size(), 1, threads);
-  conditions_.threads = static_cast<int>(threads / at_once_);
-  try {
-    inParallel(missing.size(), static_cast<int>(at_once_), [&](std::size_t i) { measure(missing[i]); });
-  } catch (const Failure&) {
-    if (!stopAsked()) {
-      throw;
-    }
-    throw Failure(fmt::format("interrupted: {} of {} results are kept in {}; the same command with --resume goes on",
-                              done(), pieces_.size(), folder_->path().string()));
-  }
+  work_.emplace(pieces_.size(), conditions_.threads, status_);
+  work_->run(missing, folder_->path(), [this](std::size_t index) { measure(index); });
 }
 
 void Report::measure(std::size_t index) {
-  try {
-    {
-      const std::scoped_lock lock(mutex_);
-      running_.insert(index);
-    }
-    const std::int64_t began_ns = monotonicNs();
-    Json document;
-    ReportResult result = tried(index, document);
-    result.took_s = static_cast<double>(monotonicNs() - began_ns) / 1e9;
-    keep(index, std::move(result), document);
-  } catch (...) {
-    gives_up_ = true;  // the others need not go on for minutes
-    throw;
-  }
+  const std::int64_t began_ns = monotonicNs();
+  Json document;
+  ReportResult result = tried(index, document);
+  result.took_s = static_cast<double>(monotonicNs() - began_ns) / 1e9;
+  keep(index, std::move(result), document);
 }
 
 /// A test that a soil fails outright (soil that does not flow through a funnel, say) is a finding, not the end of the
@@ -236,17 +204,18 @@ ReportResult Report::tried(std::size_t index, Json& document) {
   const Piece& piece = pieces_[index];
   const LabSoil soil = soilOf(piece);
   LabConditions conditions = conditionsOf(piece, soil);
-  conditions.progress = progressOf(index);
+  conditions.threads = work_->threadsEach();
+  conditions.progress = work_->progressOf(index, titleOf(piece));
   document = {{"test", tests_[piece.test].name}};
   document.update(circumstancesJson(options_.lab, soil, conditions));
   std::optional<LabOutput> output;
   try {
-    if (ends()) {
+    if (work_->ends()) {
       throw Failure("interrupted");
     }
     output = tests_[piece.test].run(soil, conditions);
   } catch (const Failure& failure) {
-    if (ends()) {
+    if (work_->ends()) {
       throw;
     }
     return {{}, failure.what(), 0};
@@ -262,32 +231,17 @@ void Report::keep(std::size_t index, ReportResult result, const Json& document) 
   Json whole = document;
   whole.update(jsonOf(result));
   folder_->save(fileNameOf(pieces_[index]), whole);
-  const std::scoped_lock lock(mutex_);
-  running_.erase(index);
-  results_[index] = std::move(result);
-  saveReport({folder_->page(), IfThere::kReplace}, page());
-  const ReportResult& kept = *results_[index];
-  const std::string found = kept.findings.empty() ? kept.why_not
-                                                  : fmt::format("{} {}", kept.findings.front().measured,
-                                                                overSeeds({kept.findings.front()}).text);
-  const std::string left =
-      done() < pieces_.size() ? fmt::format("; about {} left", durationText(secondsLeft())) : std::string();
-  status_.clear();
-  post(fmt::format("[{}/{}] {}: {} ({}{})\n", done(), pieces_.size(), titleOf(pieces_[index]), found,
-                   durationText(kept.took_s), left));
-}
-
-LabProgress Report::progressOf(std::size_t index) {
-  return [this, index](std::string_view what, double share) {
-    if (status_.visible()) {
-      const std::scoped_lock lock(mutex_);
-      if (index == *running_.begin()) {  // one of those at work is enough to look at
-        status_.update(fmt::format("{} of {} done; {}: {}: {:.0f} %", done(), pieces_.size(), titleOf(pieces_[index]),
-                                   what, 100 * share));
-      }
-    }
-    return !ends();
-  };
+  work_->finish(index, [&] {
+    results_[index] = std::move(result);
+    saveReport({folder_->page(), IfThere::kReplace}, page());
+    const ReportResult& kept = *results_[index];
+    const std::string found = kept.findings.empty() ? kept.why_not
+                                                    : fmt::format("{} {}", kept.findings.front().measured,
+                                                                  overSeeds({kept.findings.front()}).text);
+    const std::string left =
+        done() < pieces_.size() ? fmt::format("; about {} left", durationText(secondsLeft())) : std::string();
+    return fmt::format("{}: {} ({}{})", titleOf(pieces_[index]), found, durationText(kept.took_s), left);
+  });
 }
 
 LabSoil Report::soilOf(const Piece& piece) const {
@@ -354,7 +308,7 @@ double Report::secondsLeft() const {
       left_s += same.value_or(near.value_or(any_s));
     }
   }
-  return left_s / static_cast<double>(at_once_);
+  return left_s / static_cast<double>(work_->atOnce());
 }
 
 ReportCell Report::cellOf(std::size_t test, FrictionModel model) const {

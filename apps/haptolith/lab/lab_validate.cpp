@@ -3,11 +3,8 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
-#include <atomic>
 #include <cstdint>
-#include <map>
 #include <memory>
-#include <mutex>
 #include <optional>
 #include <set>
 #include <sstream>
@@ -18,7 +15,6 @@
 #include "haptolith/core/atomic_file.h"
 #include "haptolith/core/clock.h"
 #include "haptolith/core/error.h"
-#include "haptolith/core/in_parallel.h"
 #include "haptolith/lab/catalogue/lab_test.h"
 #include "haptolith/lab/catalogue/option_reader.h"
 #include "haptolith/lab/validation.h"
@@ -28,6 +24,7 @@
 #include "commands.h"
 #include "lab/claims_file.h"
 #include "lab/lab_options.h"
+#include "lab/lab_work.h"
 #include "lab/report_folder.h"
 #include "shared/option_checks.h"
 #include "shared/output.h"
@@ -94,6 +91,11 @@ std::string nameOf(const Json& specification) {
   return fmt::format("{}-{:016x}", specification.at("test").get<std::string>(), hash);
 }
 
+/// "blade, toyoura, Earth, seed 1"
+std::string titleOf(const Piece& piece) {
+  return fmt::format("{}, {}, {}, seed {}", piece.run.test, piece.soil.name, findBody(piece.run.body).name, piece.seed);
+}
+
 std::optional<double> numberAt(const Json& result, const std::string& pointer) {
   const Json::json_pointer at(pointer);
   if (!result.contains(at)) {
@@ -103,25 +105,24 @@ std::optional<double> numberAt(const Json& result, const std::string& pointer) {
   return number.is_number() ? std::optional(number.get<double>()) : std::nullopt;
 }
 
-/// Claims on their way to a page. Several threads measure; what they share is behind `mutex_`.
+/// Claims on their way to a page. Several threads measure.
 class Validation {
  public:
   explicit Validation(const ValidateOptions& options);
 
-  /// Measures what is missing. @throws Failure as Report::complete().
+  /// Measures what is missing. @throws Failure when a result cannot be saved, and when somebody ends it before.
   void complete();
 
  private:
   [[nodiscard]] std::size_t pieceFor(const ClaimRun& run, std::uint64_t seed);
   void measure(std::size_t index);
   [[nodiscard]] Json tried(std::size_t index);
-  [[nodiscard]] LabProgress progressOf(std::size_t index);
-  [[nodiscard]] bool ends() const { return stopAsked() || gives_up_; }
   [[nodiscard]] std::size_t done() const;
   [[nodiscard]] std::string leftText() const;
 
   [[nodiscard]] ClaimSpecimen specimenOf(const MeasuredClaim& measured, std::size_t seed_index) const;
   [[nodiscard]] JudgedClaim judged(std::size_t claim) const;
+  [[nodiscard]] std::vector<JudgedClaim> judgedClaims() const;
   void savePage() const;
 
   ValidateOptions options_;
@@ -130,12 +131,8 @@ class Validation {
   std::vector<Piece> pieces_;
   std::vector<std::vector<std::size_t>> runs_, overs_;  ///< of each claim, a piece for each seed
   std::optional<ReportFolder> folder_;
-  int threads_ = 1, threads_each_ = 1;
-  std::size_t at_once_ = 1;
-
-  std::mutex mutex_;
-  std::set<std::size_t> running_;
-  std::atomic<bool> gives_up_ = false;
+  int threads_ = 1;
+  std::optional<LabWork> work_;
 };
 
 bool isChosen(const MeasuredClaim& measured, const ValidateOptions& options) {
@@ -227,53 +224,24 @@ void Validation::complete() {
     }
   }
   savePage();
-  if (missing.size() < pieces_.size()) {
-    post(fmt::format("{} of {} results are there already\n", done(), pieces_.size()));
-  }
-  at_once_ = std::clamp<std::size_t>(missing.size(), 1, static_cast<std::size_t>(threads_));
-  threads_each_ = std::max(1, threads_ / static_cast<int>(at_once_));
-  try {
-    inParallel(missing.size(), static_cast<int>(at_once_), [&](std::size_t i) { measure(missing[i]); });
-  } catch (const Failure&) {
-    if (!stopAsked()) {
-      throw;
-    }
-    throw Failure(fmt::format("interrupted: {} of {} results are kept in {}; the same command with --resume goes on",
-                              done(), pieces_.size(), folder_->path().string()));
-  }
-  drawValidation({folder_->path() / kFigure, IfThere::kReplace}, [this] {
-    std::vector<JudgedClaim> all;
-    for (std::size_t claim = 0; claim < claims_.size(); ++claim) {
-      all.push_back(judged(claim));
-    }
-    return all;
-  }());
+  work_.emplace(pieces_.size(), threads_, status_);
+  work_->run(missing, folder_->path(), [this](std::size_t index) { measure(index); });
+  drawValidation({folder_->path() / kFigure, IfThere::kReplace}, judgedClaims());
   savePage();
 }
 
 void Validation::measure(std::size_t index) {
-  try {
-    {
-      const std::scoped_lock lock(mutex_);
-      running_.insert(index);
-    }
-    const std::int64_t began_ns = monotonicNs();
-    Json document = tried(index);
-    const double took_s = static_cast<double>(monotonicNs() - began_ns) / 1e9;
-    document["took_s"] = took_s;
-    folder_->save(pieces_[index].name, document);
-    const std::scoped_lock lock(mutex_);
-    running_.erase(index);
+  const std::int64_t began_ns = monotonicNs();
+  Json document = tried(index);
+  const double took_s = static_cast<double>(monotonicNs() - began_ns) / 1e9;
+  document["took_s"] = took_s;
+  folder_->save(pieces_[index].name, document);
+  work_->finish(index, [&] {
     pieces_[index].done = std::move(document);
     savePage();
-    status_.clear();
     const Piece& piece = pieces_[index];
-    post(fmt::format("[{}/{}] {}, {}, {}, seed {} ({:.0f} s{})\n", done(), pieces_.size(), piece.run.test,
-                     piece.soil.name, piece.run.body, piece.seed, took_s, leftText()));
-  } catch (...) {
-    gives_up_ = true;
-    throw;
-  }
+    return fmt::format("{} ({:.0f} s{})", titleOf(piece), took_s, leftText());
+  });
 }
 
 /// A test that a soil fails outright is a finding, not the end.
@@ -281,7 +249,7 @@ Json Validation::tried(std::size_t index) {
   const Piece& piece = pieces_[index];
   Json document{{"specification", piece.specification}};
   try {
-    if (ends()) {
+    if (work_->ends()) {
       throw Failure("interrupted");
     }
     LabTest test = labTest(piece.run.test);
@@ -289,11 +257,11 @@ Json Validation::tried(std::size_t index) {
     const LabConditions conditions{.soil = piece.soil.soil,
                                    .gravity_m_s2 = findBody(piece.run.body).gravity_m_s2,
                                    .seed = piece.seed,
-                                   .threads = threads_each_,
-                                   .progress = progressOf(index)};
+                                   .threads = work_->threadsEach(),
+                                   .progress = work_->progressOf(index, titleOf(piece))};
     document["result"] = test.run(piece.soil, conditions).json;
   } catch (const Failure& failure) {
-    if (ends()) {
+    if (work_->ends()) {
       throw;
     }
     document["why_not"] = failure.what();
@@ -301,20 +269,6 @@ Json Validation::tried(std::size_t index) {
     document["why_not"] = refused.what();
   }
   return document;
-}
-
-LabProgress Validation::progressOf(std::size_t index) {
-  return [this, index](std::string_view what, double share) {
-    if (status_.visible()) {
-      const std::scoped_lock lock(mutex_);
-      if (index == *running_.begin()) {  // one of those at work is enough to look at
-        const Piece& piece = pieces_[index];
-        status_.update(fmt::format("{} of {} done; {}, {}: {}: {:.0f} %", done(), pieces_.size(), piece.run.test,
-                                   piece.soil.name, what, 100 * share));
-      }
-    }
-    return !ends();
-  };
 }
 
 std::size_t Validation::done() const {
@@ -329,7 +283,8 @@ std::string Validation::leftText() const {
     sum_s += piece.done ? piece.done->value("took_s", 0.0) : 0;
   }
   const auto there = static_cast<double>(done());
-  const double left_s = sum_s / there * (static_cast<double>(pieces_.size()) - there) / static_cast<double>(at_once_);
+  const double left_s =
+      sum_s / there * (static_cast<double>(pieces_.size()) - there) / static_cast<double>(work_->atOnce());
   return done() < pieces_.size() ? fmt::format("; about {:.0f} min left", std::ceil(left_s / 60)) : "";
 }
 
@@ -370,11 +325,15 @@ JudgedClaim Validation::judged(std::size_t claim) const {
   return {measured.claim, specimens.empty() ? std::nullopt : std::optional(judge(measured.claim, specimens))};
 }
 
-void Validation::savePage() const {
+std::vector<JudgedClaim> Validation::judgedClaims() const {
   std::vector<JudgedClaim> all;
   for (std::size_t claim = 0; claim < claims_.size(); ++claim) {
     all.push_back(judged(claim));
   }
+  return all;
+}
+
+void Validation::savePage() const {
   const bool whole = done() == pieces_.size();
   double sum_s = 0;
   for (const Piece& piece : pieces_) {
@@ -395,7 +354,7 @@ void Validation::savePage() const {
                                      : "Values are those of one specimen, so nothing is known of their spread.",
                   HAPTOLITH_VERSION, pieces_.size(), sum_s / 3600)};
   AtomicFile file({folder_->page(), IfThere::kReplace});
-  file.write(validationPage(all, introduction, whole ? kFigure : ""));
+  file.write(validationPage(judgedClaims(), introduction, whole ? kFigure : ""));
   file.commit();
 }
 
