@@ -47,10 +47,10 @@ TEST(Validation, JudgesTheMeanOfTheSpecimensAgainstTheTolerance) {
 }
 
 TEST(Validation, IsYellowByTheToleranceOnceMoreOrTheScatterOfASpecimen) {
-  EXPECT_EQ(judge(within(0.1), specimens({11.9})).light, ClaimLight::kYellow);
-  EXPECT_EQ(judge(within(0.1), specimens({12.1})).light, ClaimLight::kRed);
-  EXPECT_EQ(judge(within(0.1), specimens({8.1})).light, ClaimLight::kYellow);
-  EXPECT_EQ(judge(within(0.1), specimens({7.9})).light, ClaimLight::kRed);
+  EXPECT_EQ(judge(within(0.1), specimens({12})).light, ClaimLight::kYellow);
+  EXPECT_EQ(judge(within(0.1), specimens({12.2})).light, ClaimLight::kRed);
+  EXPECT_EQ(judge(within(0.1), specimens({8.2})).light, ClaimLight::kYellow);
+  EXPECT_EQ(judge(within(0.1), specimens({8})).light, ClaimLight::kRed);
   EXPECT_EQ(judge(within(0.1), specimens({11, 13, 15})).light, ClaimLight::kYellow);  // 13 +- 2 meets 11
   EXPECT_EQ(judge(within(0.1), specimens({12.9, 13, 13.1})).light, ClaimLight::kRed);
 }

@@ -289,9 +289,9 @@ void LabBed::run(double duration_s, std::string_view what, const std::function<v
 }
 
 void LabBed::settle(Preparation preparation) {
-  // Falling soil is slowed down to a speed in proportion to gravity: 20 s are enough on the Moon, on Ceres they are
-  // not. And the paper's friction lets soil sink slowly.
-  const double longest_s = 20 * std::max(1.0, 1.625 / conditions_.gravity_m_s2) +
+  // Falling soil is slowed down to a speed in proportion to gravity: 20 s are enough on the Moon for half a metre of
+  // loose soil, on Ceres they are not. And the paper's friction lets soil sink slowly.
+  const double longest_s = 20 * std::max(1.0, 1.625 / conditions_.gravity_m_s2) * std::max(1.0, surfaceHeight() / 0.5) +
                            3 * sinkingTime(conditions_.soil, conditions_.gravity_m_s2, bed_.surfaceHeight(), dt_s_);
   if (preparation == Preparation::kDense) {
     bed_.setSettling(true);

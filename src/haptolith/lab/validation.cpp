@@ -38,7 +38,7 @@ ClaimLight lightOf(const ClaimValue& value, const Range& accepted, const Range& 
   return by_scatter || wider.contains(value.mean) ? ClaimLight::kYellow : ClaimLight::kRed;
 }
 
-/// The tolerance once more on either side.
+/// The tolerance once more on either side; of ratios it is a factor.
 Range widened(const Range& accepted) {
   const double half = (accepted.highest - accepted.lowest) / 2;
   return {accepted.lowest - half, accepted.highest + half};
@@ -109,7 +109,7 @@ ClaimOutcome judge(const Claim& claim, const std::vector<ClaimSpecimen>& specime
     outcome.ratio_range = accepted;
   } else {
     accepted = {1 - *claim.within, 1 + *claim.within};
-    wider = widened(accepted);
+    wider = {accepted.lowest * accepted.lowest, accepted.highest * accepted.highest};
     outcome.ratio_range = accepted;
   }
   const ClaimValue& judged = claim.accepted ? *outcome.ours : *outcome.ratio;
