@@ -123,7 +123,7 @@ TEST(Validation, PageCountsLightsAndSaysWhatIsMissingAndWhy) {
       page, AllOf(HasSubstr("Of 3 claims 1 hold"), HasSubstr("1 fail"), HasSubstr("1 are not measured yet"),
                   HasSubstr("How it was made."), HasSubstr("](a.svg)"), HasSubstr("## Newton"), HasSubstr("## Plates"),
                   HasSubstr("| 10.1 ± 0.141 N | 1.01 ± 0.0141 | ± 10 % | 2 | 🟢 holds |"),
-                  HasSubstr("- **Weight felt**: It is so."), HasSubstr("not measured yet |")));
+                  HasSubstr("- `weight`: It is so."), HasSubstr("not measured yet |")));
   EXPECT_THAT(validationPage({{within(0.1), judge(within(0.1), specimens({10}))}}, {}, ""),
               AllOf(Not(HasSubstr("![")), Not(HasSubstr("not measured"))));
 }

@@ -184,8 +184,8 @@ std::string rowText(const JudgedClaim& judged) {
     specimens = fmt::format("{}", outcome->specimens);
     verdict = markOf(outcome->light);
   }
-  return fmt::format("| {} | {} | {} | {} | {} | {} | {} |\n", judged.claim.claim, referenceText(judged), ours, ratio,
-                     toleranceText(judged.claim), specimens, verdict);
+  return fmt::format("| `{}`: {} | {} | {} | {} | {} | {} | {} |\n", judged.claim.id, judged.claim.claim,
+                     referenceText(judged), ours, ratio, toleranceText(judged.claim), specimens, verdict);
 }
 
 std::size_t count(const std::vector<JudgedClaim>& claims, ClaimLight light) {
@@ -229,7 +229,7 @@ std::string validationPage(const std::vector<JudgedClaim>& claims, const std::ve
     for (const JudgedClaim& judged : claims) {
       if (judged.claim.group == group) {
         page += rowText(judged);
-        notes += judged.claim.note.empty() ? "" : fmt::format("- **{}**: {}\n", judged.claim.claim, judged.claim.note);
+        notes += judged.claim.note.empty() ? "" : fmt::format("- `{}`: {}\n", judged.claim.id, judged.claim.note);
       }
     }
     page += notes.empty() ? "" : "\n" + notes;
@@ -238,8 +238,8 @@ std::string validationPage(const std::vector<JudgedClaim>& claims, const std::ve
 }
 
 void drawValidation(const OutputFile& file, const std::vector<JudgedClaim>& claims) {
-  constexpr double kLeast = 0.05;  // of the axis; what is less stands at its edge
-  constexpr double kMost = 20;
+  constexpr double kLeast = 0.1;  // of the axis; what is less stands at its edge
+  constexpr double kMost = 10;
   std::vector<const JudgedClaim*> shown;
   for (const JudgedClaim& judged : claims) {
     if (judged.outcome && judged.outcome->ratio && judged.outcome->ratio->mean > 0) {
@@ -280,7 +280,7 @@ void drawValidation(const OutputFile& file, const std::vector<JudgedClaim>& clai
       fmt::format("set logscale x; set xrange [{}:{}]; set yrange [0:{}]; set ytics ({}); set grid xtics; "
                   "set key tmargin center horizontal; set xlabel 'ours over theirs'; set lmargin 34; "
                   "set arrow from 1, graph 0 to 1, graph 1 nohead linecolor rgb '#888888'; "
-                  "set xtics (0.05, 0.1, 0.2, 0.5, 1, 2, 5, 10, 20)",
+                  "set xtics (0.1, 0.2, 0.5, 1, 2, 5, 10)",
                   kLeast, kMost, rows + 1, labels));
   figure.command(
       "plot $bands using 1:2:($3-$1):(0) with vectors nohead linewidth 11 linecolor rgb '#d9d9d9' title 'tolerance', "
