@@ -80,7 +80,8 @@ def calibrate(friction_angle_deg: float, cohesion_pa: float, bulk_density_kg_m3:
               progress: Optional[Progress] = None, **options: object) -> tuple[Soil, Result]:
     """Finds macroparticles whose sheared bed is as an engineer measured; takes minutes.
 
-    options: strength ("residual" or "peak"), radius_mm, stiffness_n_m, body, seed, threads, specimens, name, source.
+    options: strength ("residual" or "peak"), density ("lunar": more of it deeper, or "constant"), radius_mm, stiffness_n_m, body,
+    seed, threads, specimens, name, source.
     Returns the soil, and what the laboratory measured of it: mean and standard deviation over specimens."""
     asked: dict[str, object] = {"friction_angle_deg": friction_angle_deg, "cohesion_pa": cohesion_pa,
                                 "bulk_density_kg_m3": bulk_density_kg_m3, **options}

@@ -104,6 +104,9 @@ TEST_F(LabValidateCommand, RefusesNonsenseWithItsPlace) {
   refused(kFall + "expected = 1\nwithin = 0.1\nbody = 'Vulcan'\n", "Vulcan");
   refused(kFall + "expected = 1\nwithin = 0.1\n[claim.options]\ndepth_mm = 3\n", "depth_mm");
   refused(kFall + "expected = 1\nwithin = 0.1\n" + kFall + "expected = 1\nwithin = 0.1\n", "another claim");
+  std::string no_slash = kFall + "expected = 1\nwithin = 0.1\n";
+  no_slash.erase(no_slash.find('/'), 1);
+  refused(no_slash, "begins with /");
   const ProgramResult only = runHaptolith(validation("no", "--only nonsense"));
   EXPECT_EQ(only.exit_status, 2);
   EXPECT_THAT(only.errors, HasSubstr("a group: "));

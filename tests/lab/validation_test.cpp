@@ -124,6 +124,8 @@ TEST(Validation, PageCountsLightsAndSaysWhatIsMissingAndWhy) {
                   HasSubstr("How it was made."), HasSubstr("](a.svg)"), HasSubstr("## Newton"), HasSubstr("## Plates"),
                   HasSubstr("| 10.1 ± 0.141 N | 1.01 ± 0.0141 | ± 10 % | 2 | 🟢 holds |"),
                   HasSubstr("- `weight`: It is so."), HasSubstr("not measured yet |")));
+  noted.claim = "a | b";
+  EXPECT_THAT(validationPage({{noted, {}}}, {}, ""), HasSubstr("a \\| b |")) << "what would end a cell";
   EXPECT_THAT(validationPage({{within(0.1), judge(within(0.1), specimens({10}))}}, {}, ""),
               AllOf(Not(HasSubstr("![")), Not(HasSubstr("not measured"))));
 }

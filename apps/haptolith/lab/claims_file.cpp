@@ -119,6 +119,12 @@ MeasuredClaim claimIn(const TomlReader& reader) {
   if (measured.other.empty() == !measured.claim.expected && !measured.claim.accepted) {
     reader.refuse(reader.line(), "a claim needs either expected, a number, or other, where the test's JSON has one");
   }
+  for (const char* place : {"ours", "other"}) {
+    const std::string& pointer = place == std::string_view("ours") ? measured.ours : measured.other;
+    if (!pointer.empty() && !pointer.starts_with('/')) {
+      reader.refuseKey({"", place}, "a place in the test's JSON that begins with /, such as /draft_n");
+    }
+  }
   try {
     validate(measured.claim);
   } catch (const InvalidParameter& error) {
@@ -152,7 +158,19 @@ std::vector<MeasuredClaim> claimsIn(const TomlReader& reader) {
 }  // namespace
 
 std::vector<MeasuredClaim> readClaims(const std::filesystem::path& path) {
-  return claimsIn(TomlReader(path, kClaims));
+  std::vector<MeasuredClaim> claims = claimsIn(TomlReader(path, kClaims));
+  const auto beside = [&](std::string& soil) {
+    if (soil.ends_with(".toml")) {
+      soil = (path.parent_path() / soil).string();
+    }
+  };
+  for (MeasuredClaim& measured : claims) {
+    beside(measured.run.soil);
+    if (measured.over) {
+      beside(measured.over->soil);
+    }
+  }
+  return claims;
 }
 
 std::vector<MeasuredClaim> shippedClaims() {

@@ -18,6 +18,7 @@
 #include "haptolith/lab/catalogue/lab_test.h"
 #include "haptolith/lab/catalogue/option_reader.h"
 #include "haptolith/lab/validation.h"
+#include "haptolith/scenario/scene_words.h"
 #include "haptolith/scenario/soil_file.h"
 #include "haptolith/soil/bodies.h"
 
@@ -79,6 +80,7 @@ Json specificationOf(const ClaimRun& run, const LabSoil& soil, std::uint64_t see
           {"body", findBody(run.body).name},
           {"options", Json::parse(options.str())},
           {"particles", soilJson(soil.soil)},
+          {"friction", wordFor(kFrictionWords, soil.soil.friction)},
           {"seed", seed}};
 }
 

@@ -16,7 +16,7 @@ struct CalibrateSoilRanges {
 /// How dense the soil is that lies deeper.
 enum class DensityProfile {
   kLunar,     ///< denser with depth, as the Moon's: contacts yield at first (paper 7)
-  kConstant,  ///< the same, as soil in a laboratory's box: contacts are linear springs
+  kConstant,  ///< as dense below as above, as in a laboratory's box: contacts are linear springs
 };
 
 struct CalibrateSoilOptions {

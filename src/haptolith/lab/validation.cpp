@@ -172,6 +172,15 @@ std::string referenceText(const JudgedClaim& judged) {
   return claim.reference.empty() ? number : fmt::format("{}: {}", number, claim.reference);
 }
 
+/// Text of one cell of a table in Markdown.
+std::string cell(std::string_view text) {
+  std::string shown;
+  for (const char letter : text) {
+    shown += letter == '|' ? "\\|" : letter == '\n' ? " " : std::string(1, letter);
+  }
+  return shown;
+}
+
 std::string rowText(const JudgedClaim& judged) {
   const std::optional<ClaimOutcome>& outcome = judged.outcome;
   std::string ours = "not measured yet";
@@ -184,8 +193,8 @@ std::string rowText(const JudgedClaim& judged) {
     specimens = fmt::format("{}", outcome->specimens);
     verdict = markOf(outcome->light);
   }
-  return fmt::format("| `{}`: {} | {} | {} | {} | {} | {} | {} |\n", judged.claim.id, judged.claim.claim,
-                     referenceText(judged), ours, ratio, toleranceText(judged.claim), specimens, verdict);
+  return fmt::format("| `{}`: {} | {} | {} | {} | {} | {} | {} |\n", judged.claim.id, cell(judged.claim.claim),
+                     cell(referenceText(judged)), cell(ours), ratio, toleranceText(judged.claim), specimens, verdict);
 }
 
 std::size_t count(const std::vector<JudgedClaim>& claims, ClaimLight light) {
