@@ -364,7 +364,7 @@ void runValidate(const ValidateOptions& options) {
   const StopOnSignal stop_on_signal;
   const auto tell_of_page_alone = [] {
     for (const std::filesystem::path& path : filesWritten()) {
-      if (path.extension() == ".json") {
+      if (path.extension() != ".md" && path.extension() != ".svg") {
         static_cast<void>(savedText(path, ""));
       }
     }
