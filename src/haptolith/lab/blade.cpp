@@ -25,30 +25,6 @@ constexpr double kThickness_m = 2e-3;
 constexpr double kAboveDepths = 1.5;   // of the blade over the surface
 constexpr double kBehindDepths = 1.2;  // of soil behind the blade; what it pushes on the back is a few per cent
 
-void validate(const LabConditions& conditions, const BladeOptions& options) {
-  const Range positive{0, 10, Ends::kOpenBelow};
-  validate(conditions.soil);
-  requireInRange("gravity_m_s2", conditions.gravity_m_s2, {0, 1000, Ends::kOpenBelow});
-  requireInRange("width_m", options.width_m, positive);
-  requireInRange("depth_m", options.depth_m, {4 * conditions.soil.radius_m, 10});
-  requireInRange("rake_rad", options.rake_rad, {kPi / 6, kPi * 2 / 3});
-  constexpr double kMostInertia = 0.1;
-  requireInRange("speed_m_s", options.speed_m_s,
-                 {0, std::sqrt(kMostInertia * conditions.gravity_m_s2 * options.depth_m), Ends::kOpenBelow});
-  requireInRange("tool_friction", options.tool_friction, {0, std::tan(kPi / 3)});
-  requireInRange("level_depths", options.level_depths, {0, 100});
-  requireInRange("travel_depths", options.travel_depths, {options.level_depths, 100, Ends::kOpenBelow});
-  requireInRange("side_room_depths", options.side_room_depths, {0, 100});
-  requireInRange("ahead_depths", options.ahead_depths, {0.5, 100});
-  requireInRange("below_depths", options.below_depths, {0.1, 100});
-  requireInRange("friction_angle_rad", options.friction_angle_rad, {0, kPi / 3});
-  requireInRange("cohesion_pa", options.cohesion_pa, {0, 1e6});
-  if (options.residual) {
-    requireInRange("residual.friction_angle_rad", options.residual->friction_angle_rad, {0, kPi / 3});
-    requireInRange("residual.cohesion_pa", options.residual->cohesion_pa, {0, 1e6});
-  }
-}
-
 /// Where the blade and the soil are before anything has moved. The blade goes along x.
 struct Setup {
   LabBox box;
@@ -175,6 +151,30 @@ BladeEquations equations(const LabConditions& conditions, const BladeOptions& op
 }
 
 }  // namespace
+
+void validate(const LabConditions& conditions, const BladeOptions& options) {
+  const Range positive{0, 10, Ends::kOpenBelow};
+  validate(conditions.soil);
+  requireInRange("gravity_m_s2", conditions.gravity_m_s2, {0, 1000, Ends::kOpenBelow});
+  requireInRange("width_m", options.width_m, positive);
+  requireInRange("depth_m", options.depth_m, {4 * conditions.soil.radius_m, 10});
+  requireInRange("rake_rad", options.rake_rad, {kPi / 6, kPi * 2 / 3});
+  constexpr double kMostInertia = 0.1;
+  requireInRange("speed_m_s", options.speed_m_s,
+                 {0, std::sqrt(kMostInertia * conditions.gravity_m_s2 * options.depth_m), Ends::kOpenBelow});
+  requireInRange("tool_friction", options.tool_friction, {0, std::tan(kPi / 3)});
+  requireInRange("level_depths", options.level_depths, {0, 100});
+  requireInRange("travel_depths", options.travel_depths, {options.level_depths, 100, Ends::kOpenBelow});
+  requireInRange("side_room_depths", options.side_room_depths, {0, 100});
+  requireInRange("ahead_depths", options.ahead_depths, {0.5, 100});
+  requireInRange("below_depths", options.below_depths, {0.1, 100});
+  requireInRange("friction_angle_rad", options.friction_angle_rad, {0, kPi / 3});
+  requireInRange("cohesion_pa", options.cohesion_pa, {0, 1e6});
+  if (options.residual) {
+    requireInRange("residual.friction_angle_rad", options.residual->friction_angle_rad, {0, kPi / 3});
+    requireInRange("residual.cohesion_pa", options.residual->cohesion_pa, {0, 1e6});
+  }
+}
 
 BladeResult bladeTest(const LabConditions& conditions, const BladeOptions& options) {
   validate(conditions, options);

@@ -33,6 +33,9 @@ struct BladeOptions {
   std::optional<MohrCoulomb> residual = {};
 };
 
+/// @throws InvalidParameter where bladeTest() would. Not for the tick.
+void validate(const LabConditions& conditions, const BladeOptions& options);
+
 /// What the equations say of a blade, with one strength of the soil.
 struct BladeEquations {
   BladeForce earthmoving;                   ///< of earthmovingForce()

@@ -89,6 +89,7 @@ void addWedges(Json& json, const BladeEquations& equations) {
 }
 
 LabOutput bladeOutput(const LabSoil& soil, const LabConditions& conditions, BladeOptions options, bool own_strength) {
+  validate(conditions, options);  // what it refuses is refused now, not after minutes
   if (!own_strength) {
     const BladeStrength strength = strengthBeforeBlade(conditions, options.preparation);
     const MohrCoulomb undisturbed = inRange(strength.undisturbed);
