@@ -87,6 +87,23 @@ TEST_F(LabValidateCommand, RunsClaimsAboutAnySoilWithAnother) {
   EXPECT_THAT(none.errors, HasSubstr("any_soil"));
 }
 
+TEST_F(LabValidateCommand, FindsSoilFilesBesideTheClaims) {
+  std::ofstream(folder_ / "mine.toml")
+      << "[soil]\nradius_mm = 7\nrho0_kg_m3 = 1500\ngamma_nm = 4e-5\nstiffness_n_m = 3000\nfriction = 'contact'\n"
+         "contact_friction = 0.4\ncontact_cohesion_n = 0\n";
+  std::string text = kFall + "expected = 1\nwithin = 0.01\n";
+  text.replace(text.find("dry-sand"), 8, "mine.toml");
+  const ProgramResult run = runHaptolith(validation("beside", claims(text) + " --seeds 1"));
+  ASSERT_EQ(run.exit_status, 0) << run.errors;
+  EXPECT_THAT(run.errors, HasSubstr("fall, mine, Earth"));
+  EXPECT_THAT(page("beside"), HasSubstr("🟢"));
+
+  fs::remove(folder_ / "mine.toml");
+  const ProgramResult gone = runHaptolith(validation("gone", claims(text) + " --seeds 1"));
+  EXPECT_NE(gone.exit_status, 0);
+  EXPECT_THAT(gone.errors, HasSubstr((folder_ / "mine.toml").string()));
+}
+
 TEST_F(LabValidateCommand, RefusesNonsenseWithItsPlace) {
   const auto refused = [&](const std::string& text, const std::string& said) {
     const ProgramResult run = runHaptolith(validation("no", claims(text)));

@@ -72,6 +72,17 @@ TEST(Plate, NeedsForceInProportionToGravityWhenContactsAreAsMuchSofter) {
   EXPECT_NEAR(strong / force(plateTest(conditions, slower), 0.015) / kWeaker, 1, 0.35);
 }
 
+TEST(Plate, SinksDeeperIntoLooseSoilOnDenseSoil) {
+  PlateOptions layered = kSmall;
+  layered.loose_top_m = 0.03;
+  const PlateResult dense = plateTest(coarseSand(7e-3), kSmall);
+  const PlateResult plate = plateTest(coarseSand(7e-3), layered);
+  EXPECT_NEAR(static_cast<double>(plate.particles), static_cast<double>(dense.particles), 2);
+  EXPECT_GT(plate.bed_depth_m, dense.bed_depth_m);
+  EXPECT_LT(force(plate, 0.005), 0.7 * force(dense, 0.005));
+  EXPECT_LT(force(plate, 0.015), force(dense, 0.015));
+}
+
 TEST(Plate, TestGivesTheSameAgain) {
   const PlateResult once = plateTest(coarseSand(7e-3), kSmall);
   LabConditions conditions = coarseSand(7e-3);
@@ -105,6 +116,8 @@ TEST(Plate, TestRefusesNonsense) {
       [](PlateOptions& plate) { plate.friction = std::nan(""); },
       [](PlateOptions& plate) { plate.bed_width_diameters = 1.5; },
       [](PlateOptions& plate) { plate.bed_depth_diameters = 0.1; },  // through the floor
+      [](PlateOptions& plate) { plate.loose_top_m = -0.01; },
+      [](PlateOptions& plate) { plate.loose_top_m = 0.06; },  // nothing below it
       [](PlateOptions& plate) { plate.window_m = 0; },
       [](PlateOptions& plate) { plate.points = 2; },
   };

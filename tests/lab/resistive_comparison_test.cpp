@@ -29,7 +29,7 @@ const ResistiveOptions kSmall{.diameter_m = 0.048,
 
 TEST(ResistiveComparison, FindsOurBedAndTheTheoryOfTheSameOrderWithNothingTuned) {
   const ResistiveResult result = resistiveComparison(coarseSand(kRadius_m), kSmall);
-  ASSERT_EQ(result.pushes.size(), 3U);
+  ASSERT_EQ(result.pushes.size(), 4U);
   EXPECT_TRUE(result.scalings.empty());
   EXPECT_EQ(result.trace.rows.size(), result.pushes.front().curve.size());
   for (const ResistivePush& push : result.pushes) {

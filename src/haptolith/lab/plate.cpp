@@ -22,20 +22,6 @@ constexpr double kThickness = 1.0;
 /// Stiffer than the particles, so that the plate does not give way before they do.
 constexpr double kToolStiffness = 2;
 
-void validate(const LabConditions& conditions, const PlateOptions& options) {
-  validate(conditions.soil);
-  requireInRange("gravity_m_s2", conditions.gravity_m_s2, {0, 1000, Ends::kOpenBelow});
-  requireInRange("diameter_m", options.diameter_m, {8 * conditions.soil.radius_m, 10});
-  requireInRange("max_sinkage_m", options.max_sinkage_m, {0, kThickness * options.diameter_m, Ends::kOpenBelow});
-  requireInRange("speed_m_s", options.speed_m_s, {0, 10, Ends::kOpenBelow});
-  requireInRange("friction", options.friction, {0, 10});
-  requireInRange("bed_width_diameters", options.bed_width_diameters, {2, 100});
-  requireInRange("bed_depth_diameters", options.bed_depth_diameters,
-                 {options.max_sinkage_m / options.diameter_m, 100, Ends::kOpenBelow});
-  requireInRange("window_m", options.window_m, {0, options.max_sinkage_m, Ends::kOpenBelow});
-  requireInRange("points", options.points, {3, 100'000});
-}
-
 Push plateInto(const LabConditions& conditions, const PlateOptions& options, double area_m2) {
   Push push;
   push.what = "the plate sinks in";
@@ -53,10 +39,27 @@ Push plateInto(const LabConditions& conditions, const PlateOptions& options, dou
   push.bed_width_m = options.bed_width_diameters * options.diameter_m;
   push.bed_depth_m = options.bed_depth_diameters * options.diameter_m;
   push.preparation = options.preparation;
+  push.loose_top_m = options.loose_top_m;
   return push;
 }
 
 }  // namespace
+
+void validate(const LabConditions& conditions, const PlateOptions& options) {
+  validate(conditions.soil);
+  requireInRange("gravity_m_s2", conditions.gravity_m_s2, {0, 1000, Ends::kOpenBelow});
+  requireInRange("diameter_m", options.diameter_m, {8 * conditions.soil.radius_m, 10});
+  requireInRange("max_sinkage_m", options.max_sinkage_m, {0, kThickness * options.diameter_m, Ends::kOpenBelow});
+  requireInRange("speed_m_s", options.speed_m_s, {0, 10, Ends::kOpenBelow});
+  requireInRange("friction", options.friction, {0, 10});
+  requireInRange("bed_width_diameters", options.bed_width_diameters, {2, 100});
+  requireInRange("bed_depth_diameters", options.bed_depth_diameters,
+                 {options.max_sinkage_m / options.diameter_m, 100, Ends::kOpenBelow});
+  requireInRange("loose_top_m", options.loose_top_m,
+                 {0, options.bed_depth_diameters * options.diameter_m - 4 * conditions.soil.radius_m});
+  requireInRange("window_m", options.window_m, {0, options.max_sinkage_m, Ends::kOpenBelow});
+  requireInRange("points", options.points, {3, 100'000});
+}
 
 PlateResult plateTest(const LabConditions& conditions, const PlateOptions& options) {
   validate(conditions, options);

@@ -21,6 +21,7 @@ void validate(const Push& push) {
   requireInRange("bed_width_m", push.bed_width_m, {push.tool.diameter_m, 10, Ends::kOpenBelow});
   const double reached = push.depth_m + push.zero_m - push.lowest_m;
   requireInRange("bed_depth_m", push.bed_depth_m, {reached, 10, Ends::kOpenBelow});
+  requireInRange("loose_top_m", push.loose_top_m, {0, push.bed_depth_m});
 }
 
 /// Means over push.window_m around every push.sample_m; `raw` is sorted by depth.
@@ -51,17 +52,34 @@ double firstContact(const std::vector<PushReading>& raw, double contact_n) {
   return touching->depth_m;
 }
 
+/// What lies in the box before it settles for the last time. A loose top is poured onto soil that has settled.
+std::vector<Vec3> soilFor(const LabConditions& conditions, const Push& push, const LabBox& box) {
+  const auto fill = [&](double depth_m, double bottom_m, std::uint64_t seed, Preparation preparation) {
+    const std::size_t particles = particlesFor(conditions.soil, box.width_m * box.length_m * depth_m);
+    return looseSoil(conditions.soil, box, particles, bottom_m, seed, {}, preparation);
+  };
+  std::vector<Vec3> all = fill(push.bed_depth_m - push.loose_top_m, 0, conditions.seed, push.preparation);
+  if (push.loose_top_m > 0) {
+    LabBed below(conditions, box, all);
+    below.settle(push.preparation);
+    all = below.soilCentres();
+    const std::vector<Vec3> top =
+        fill(push.loose_top_m, below.bed().surfaceHeight(), conditions.seed + 1, Preparation::kLoose);
+    all.insert(all.end(), top.begin(), top.end());
+  }
+  return all;
+}
+
 }  // namespace
 
 PushCurve pushIntoBed(const LabConditions& conditions, const Push& push) {
   validate(push);
   const SoilParameters& soil = conditions.soil;
   const LabBox box{.width_m = push.bed_width_m, .length_m = push.bed_width_m};
-  const std::size_t wanted = particlesFor(soil, push.bed_width_m * push.bed_width_m * push.bed_depth_m);
-  LabBed bed(conditions, box, looseSoil(soil, box, wanted, 0, conditions.seed, {}, push.preparation), {}, push.tool);
+  LabBed bed(conditions, box, soilFor(conditions, push, box), {}, push.tool);
   constexpr double kFarAbove_m = 100;
-  bed.placeTool({{0, 0, kFarAbove_m}, Quat::Identity()});
-  bed.settle(push.preparation);
+  bed.placeTool({{0, 0, kFarAbove_m}, push.scene_R_tool});
+  bed.settle(push.loose_top_m > 0 ? Preparation::kLoose : push.preparation);
 
   PushCurve curve;
   curve.particles = bed.soil();
@@ -69,7 +87,7 @@ PushCurve pushIntoBed(const LabConditions& conditions, const Push& push) {
   curve.bulk_density_kg_m3 = bed.bulkDensity(0.2 * curve.bed_depth_m, 0.8 * curve.bed_depth_m);
 
   const double highest = bed.bed().surfaceHeight();
-  bed.placeTool({{0, 0, highest - push.lowest_m}, Quat::Identity()});
+  bed.placeTool({{0, 0, highest - push.lowest_m}, push.scene_R_tool});
   bed.moveTool({{0, 0, -push.speed_m_s}, Vec3::Zero()});
   std::vector<PushReading> raw;
   const double roughness = highest - curve.bed_depth_m + 3 * soil.radius_m;  // until it is in contact for certain

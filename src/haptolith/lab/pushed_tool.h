@@ -19,7 +19,8 @@ enum class DepthZero {
 /// A tool that is pushed straight down into the middle of a square box of soil, at constant speed.
 struct Push {
   std::string_view what;  ///< in words, for the conditions' progress
-  ToolParameters tool;    ///< its axis is z
+  ToolParameters tool;
+  Quat scene_R_tool = Quat::Identity();
   double zero_m = 0;      ///< height of the tool's point that depth is counted from, over its origin
   double lowest_m = 0;    ///< height of its lowest point over its origin; negative for plates
   DepthZero zero = DepthZero::kFirstContact;
@@ -31,6 +32,7 @@ struct Push {
   double bed_width_m = 0;
   double bed_depth_m = 0;  ///< as filled; the settled one is PushCurve::bed_depth_m
   Preparation preparation = Preparation::kDense;
+  double loose_top_m = 0;  ///< of bed_depth_m, poured onto the rest when that has settled
 };
 
 struct PushReading {

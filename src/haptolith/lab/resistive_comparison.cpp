@@ -6,7 +6,6 @@
 #include <array>
 #include <cmath>
 #include <numbers>
-#include <utility>
 
 #include "haptolith/core/error.h"
 #include "haptolith/figure/figure.h"
@@ -44,15 +43,29 @@ void validate(const LabConditions& conditions, const ResistiveOptions& options) 
   requireInRange("friction_angle_rad", options.friction_angle_rad, {0, 63 * std::numbers::pi / 180});
 }
 
-ToolParameters pushedTool(ToolShape shape, double diameter_m, const LabConditions& conditions) {
+/// What is pushed in.
+struct Pushed {
+  const char* name;
+  ToolShape shape;
+  bool lies = false;  ///< with its axis along y
+};
+constexpr std::array kPushed{Pushed{"plate", ToolShape::kPlate}, Pushed{"sphere", ToolShape::kSphere},
+                             Pushed{"cone, 90°", ToolShape::kCone}, Pushed{"wheel", ToolShape::kCylinder, true}};
+constexpr const Pushed& kPlate = kPushed[0];
+
+ToolParameters pushedTool(const Pushed& what, double diameter_m, const LabConditions& conditions) {
   ToolParameters tool;
-  tool.shape = shape;
+  tool.shape = what.shape;
   tool.diameter_m = diameter_m;
   tool.thickness_m = diameter_m;               // a plate is as thick as wide: no soil flows onto it
   tool.cone_angle_rad = std::numbers::pi / 2;  // blunt, for a sharp point meets single particles
-  tool.length_m = diameter_m;
+  tool.length_m = what.lies ? diameter_m / 2 : diameter_m;
   tool.stiffness_n_m = kToolStiffness * conditions.soil.stiffness_n_m;
   return tool;
+}
+
+Quat standing(const Pushed& what) {
+  return what.lies ? Quat(Eigen::AngleAxisd(std::numbers::pi / 2, Vec3::UnitX())) : Quat::Identity();
 }
 
 /// Height of a tool's lowest point over its origin.
@@ -60,20 +73,21 @@ double lowestPoint(const ToolParameters& tool) {
   return tool.shape == ToolShape::kCone ? 0 : -tool.diameter_m / 2;
 }
 
-double theoryPushed(const ToolParameters& tool, double depth_m, const ResistiveSoil& soil) {
-  const Pose pose{{0, 0, soil.surface_m - depth_m - lowestPoint(tool)}, Quat::Identity()};
-  return resistiveForce(tool, 0, pose, {{0, 0, -1}, Vec3::Zero()}, soil).force_n.z();
+double theoryPushed(const Push& push, double depth_m, const ResistiveSoil& soil) {
+  const Pose pose{{0, 0, soil.surface_m - depth_m - push.lowest_m}, push.scene_R_tool};
+  return resistiveForce(push.tool, 0, pose, {{0, 0, -1}, Vec3::Zero()}, soil).force_n.z();
 }
 
-ResistivePush pushed(std::string name, ToolShape shape, const LabConditions& conditions,
-                     const ResistiveOptions& options, double size, const ResistiveSoil& soil) {
+ResistivePush pushed(const Pushed& what, const LabConditions& conditions, const ResistiveOptions& options, double size,
+                     const ResistiveSoil& soil) {
   const double diameter_m = size * options.diameter_m;
   const double area_m2 = std::numbers::pi / 4 * diameter_m * diameter_m;
   Push push;
   push.what = "a tool sinks in";
-  push.tool = pushedTool(shape, diameter_m, conditions);
+  push.tool = pushedTool(what, diameter_m, conditions);
+  push.scene_R_tool = standing(what);
   push.zero_m = push.lowest_m = lowestPoint(push.tool);
-  push.zero = shape == ToolShape::kPlate ? DepthZero::kFirstContact : DepthZero::kSurface;
+  push.zero = what.shape == ToolShape::kPlate ? DepthZero::kFirstContact : DepthZero::kSurface;
   push.contact_n = kContactShare * conditions.soil.rho0_kg_m3 * conditions.gravity_m_s2 * diameter_m * area_m2;
   push.depth_m = size * options.max_sinkage_m;
   push.speed_m_s = options.push_speed_m_s;
@@ -84,12 +98,12 @@ ResistivePush pushed(std::string name, ToolShape shape, const LabConditions& con
   push.preparation = options.preparation;
 
   ResistivePush result;
-  result.name = std::move(name);
+  result.name = what.name;
   const PushCurve curve = pushIntoBed(conditions, push);
   result.bulk_density_kg_m3 = curve.bulk_density_kg_m3;
   int counted = 0;
   for (const PushReading& reading : curve.readings) {
-    const double theory_n = theoryPushed(push.tool, reading.depth_m, soil);
+    const double theory_n = theoryPushed(push, reading.depth_m, soil);
     result.curve.push_back({reading.depth_m, reading.force_n, theory_n});
     if (reading.depth_m >= kReadFrom * push.depth_m) {
       result.bed_n += reading.force_n;
@@ -163,7 +177,7 @@ void scale(const LabConditions& conditions, const ResistiveOptions& options, Sta
   ResistiveSoil soil = result.soil;
   soil.gravity_m_s2 = elsewhere.gravity_m_s2;
   result.scalings.push_back(scaling("gravity", elsewhere.gravity_m_s2 / conditions.gravity_m_s2, plate,
-                                    pushed("plate", ToolShape::kPlate, elsewhere, options, 1, soil)));
+                                    pushed(kPlate, elsewhere, options, 1, soil)));
 
   constexpr double kDenser = 2;
   progress.enter(0.60, 0.70);
@@ -173,12 +187,12 @@ void scale(const LabConditions& conditions, const ResistiveOptions& options, Sta
   soil = result.soil;
   soil.density_kg_m3 *= kDenser;
   result.scalings.push_back(
-      scaling("density", kDenser, plate, pushed("plate", ToolShape::kPlate, denser, options, 1, soil)));
+      scaling("density", kDenser, plate, pushed(kPlate, denser, options, 1, soil)));
 
   progress.enter(0.70, 1.0);
   result.scalings.push_back(
       scaling("size", options.size_factor, plate,
-              pushed("plate", ToolShape::kPlate, conditions, options, options.size_factor, result.soil)));
+              pushed(kPlate, conditions, options, options.size_factor, result.soil)));
 }
 
 }  // namespace
@@ -200,11 +214,11 @@ ResistiveResult resistiveComparison(const LabConditions& conditions, const Resis
   progress.enter(0.4 * of_scaling, 0.55 * of_scaling);
   drawBladeBoth(without_cohesion, options, result);
   double begin = 0.55;
-  for (const auto& [name, shape] : {std::pair{"plate", ToolShape::kPlate}, std::pair{"sphere", ToolShape::kSphere},
-                                    std::pair{"cone, 90°", ToolShape::kCone}}) {
-    progress.enter(begin * of_scaling, (begin + 0.15) * of_scaling);
-    begin += 0.15;
-    result.pushes.push_back(pushed(name, shape, without_cohesion, options, 1, result.soil));
+  for (const Pushed& what : kPushed) {
+    constexpr double kEach = 0.45 / kPushed.size();
+    progress.enter(begin * of_scaling, (begin + kEach) * of_scaling);
+    begin += kEach;
+    result.pushes.push_back(pushed(what, without_cohesion, options, 1, result.soil));
   }
   if (options.scaling) {
     scale(without_cohesion, options, progress, result);
@@ -217,7 +231,7 @@ ResistiveResult resistiveComparison(const LabConditions& conditions, const Resis
 }
 
 void drawResistive(const OutputFile& file, const ResistiveResult& result, std::string_view title) {
-  constexpr std::array kColours{"#0072b2", "#009e73", "#d55e00"};
+  constexpr std::array kColours{"#0072b2", "#009e73", "#d55e00", "#cc79a7"};
   Figure figure(file, 900, 600);
   std::string plot = "plot ";
   for (std::size_t i = 0; i < result.pushes.size(); ++i) {

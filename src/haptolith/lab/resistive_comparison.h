@@ -57,7 +57,7 @@ struct ResistiveResult {
   ResistiveSoil soil;  ///< as the theory was told, surface at 0
   double xi_n_m3 = 0;
   double peak_angle_rad = 0;          ///< measured, for the earthmoving equation
-  std::vector<ResistivePush> pushes;  ///< plate, sphere, cone
+  std::vector<ResistivePush> pushes;  ///< plate, sphere, cone, and a wheel that does not turn
   double blade_depth_m = 0;           ///< below the settled surface
   double draft_n = 0, draft_se_n = 0, theory_draft_n = 0, earthmoving_draft_n = 0;
   double vertical_n = 0, theory_vertical_n = 0;  ///< > 0: the soil pushes the blade down

@@ -61,6 +61,7 @@ Strength measuredStrength(const LabConditions& conditions, Preparation preparati
 
 LabOutput plateOutput(const LabConditions& conditions, const PlateOptions& options, Strength strength) {
   constexpr double kSunk = 0.1;  // of the diameter
+  validate(conditions, options);  // what it refuses is refused now, not after minutes
   if (strength.measured) {
     strength = measuredStrength(conditions, options.preparation);
   }
@@ -143,6 +144,7 @@ LabTest plateEntry() {
           .options = {millimetresOption("plate_diameter_mm", own->diameter_m, "diameter of the plate"),
                       millimetresOption("max_sinkage_mm", own->max_sinkage_m, "how deep it goes"),
                       preparationOption(own->preparation),
+                      millimetresOption("loose_top_mm", own->loose_top_m, "of the soil, poured onto the rest"),
                       {.key = "friction_angle_deg",
                        .help = "compare with the bearing capacity of a footing in soil of this angle",
                        .usual = "not compared",

@@ -111,13 +111,13 @@ LabOutput resistiveOutput(const LabConditions& conditions, const ResistiveOption
 LabTest rftEntry() {
   auto own = std::make_shared<ResistiveOptions>();
   return {.name = "rft",
-          .description = "Plate, sphere, cone and blade beside three-dimensional resistive force theory, nothing tuned",
+          .description = "Plate, sphere, cone, wheel and blade beside three-dimensional resistive force theory, nothing tuned",
           .examples =
               "  haptolith lab rft --soil dry-sand --figure rft.svg\n"
               "  haptolith lab rft --soil dry-sand --body Earth --no-scaling",
           .radius_mm = 5,
           .in_report = false,
-          .options = {millimetresOption("diameter_mm", own->diameter_m, "diameter of plate, sphere and cone"),
+          .options = {millimetresOption("diameter_mm", own->diameter_m, "diameter of plate, sphere, cone and wheel"),
                       millimetresOption("max_sinkage_mm", own->max_sinkage_m, "how deep they go"),
                       millimetresOption("blade_width_mm", own->blade_width_m, "width of the blade"),
                       millimetresOption("blade_depth_mm", own->blade_depth_m, "depth of its lower edge"),
