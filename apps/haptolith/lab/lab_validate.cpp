@@ -177,9 +177,14 @@ std::vector<MeasuredClaim> chosenClaims(const ValidateOptions& options) {
 Validation::Validation(const ValidateOptions& options) : options_(options), claims_(chosenClaims(options)) {
   runs_.resize(claims_.size());
   overs_.resize(claims_.size());
-  for (int i = 0; i < options.seeds; ++i) {
+  const auto seedsOf = [&](const MeasuredClaim& measured) { return options.seeds * measured.specimens_times; };
+  const std::int64_t most = seedsOf(*std::ranges::max_element(claims_, {}, seedsOf));
+  for (std::int64_t i = 0; i < most; ++i) {
     const std::uint64_t seed = options.seed + static_cast<std::uint64_t>(i);
     for (std::size_t claim = 0; claim < claims_.size(); ++claim) {
+      if (i >= seedsOf(claims_[claim])) {
+        continue;
+      }
       runs_[claim].push_back(pieceFor(claims_[claim].run, seed));
       if (claims_[claim].over) {
         overs_[claim].push_back(pieceFor(*claims_[claim].over, seed));
@@ -350,10 +355,11 @@ void Validation::savePage() const {
       fmt::format("    {}", command),
       fmt::format("Each claim is a number of ours beside one that somebody else measured or calculated. {}\n"
                   "haptolith {}; tests: {}, {:.1f} hours of one core.",
-                  options_.seeds > 1 ? fmt::format("Values are means of {} specimens, ± is the standard deviation\n"
-                                                   "of one, and n is how many gave a number.",
+                  options_.seeds > 1 ? fmt::format("Values are means of {} specimens, or of more, ± is the standard\n"
+                                                   "deviation of one, and n is how many gave a number.",
                                                    options_.seeds)
-                                     : "Values are those of one specimen, so nothing is known of their spread.",
+                                     : "Values are those of one specimen each, so nothing is known of their spread, or ± where\n"
+                                       "n is more.",
                   HAPTOLITH_VERSION, pieces_.size(), sum_s / 3600)};
   AtomicFile file({folder_->page(), IfThere::kReplace});
   file.write(validationPage(judgedClaims(), introduction, whole ? kFigure : ""));
