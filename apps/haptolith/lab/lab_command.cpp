@@ -152,7 +152,7 @@ void addCalibrate(CLI::App& lab) {
       ->transform(wordOf(words).description(""));
   app->add_option("--radius-mm", command->radius_mm, "radius of a macroparticle, 0.5 to 20")->capture_default_str();
   app->add_option("--stiffness-n-m", command->stiffness_n_m,
-                  "of the contacts [they give way by 2.8 % of the radius at 3 kPa, by 1.4 % with constant density]");
+                  "of the contacts [they give way by 2.8 % of the radius at 3 kPa, by 0.35 % with constant density]");
   app->add_option("--density", command->density,
                   "of soil that lies deeper: lunar, more; or constant, as in a laboratory's box [lunar]")
       ->transform(wordOf(std::map<std::string, DensityProfile>{{"lunar", DensityProfile::kLunar},
