@@ -59,6 +59,14 @@ Strength measuredStrength(const LabConditions& conditions, Preparation preparati
           .measured = true};
 }
 
+/// Slope of the force over the last third of the sinkage over that of the third before; 1: it grows in a straight line.
+double lateSlopeRatio(const PlateResult& result) {
+  const PushReading& deepest = result.curve.back();
+  const double a_third_n = forceAt(result.curve, deepest.depth_m / 3);
+  const double two_thirds_n = forceAt(result.curve, deepest.depth_m * 2 / 3);
+  return (deepest.force_n - two_thirds_n) / (two_thirds_n - a_third_n);
+}
+
 LabOutput plateOutput(const LabConditions& conditions, const PlateOptions& options, Strength strength) {
   constexpr double kSunk = 0.1;  // of the diameter
   validate(conditions, options);  // what it refuses is refused now, not after minutes
@@ -91,6 +99,7 @@ LabOutput plateOutput(const LabConditions& conditions, const PlateOptions& optio
                  {"curve", curve},
                  {"max_sinkage_mm", options.max_sinkage_m / kMm},
                  {"pressure_at_max_sinkage_pa", result.curve.back().force_n / result.area_m2},
+                 {"late_slope_ratio", lateSlopeRatio(result)},
                  {"exponent", result.fit.exponent},
                  {"modulus", result.fit.modulus},
                  {"bulk_density_kg_m3", result.bulk_density_kg_m3},
