@@ -355,11 +355,12 @@ void Validation::savePage() const {
       fmt::format("    {}", command),
       fmt::format("Each claim is a number of ours beside one that somebody else measured or calculated. {}\n"
                   "haptolith {}; tests: {}, {:.1f} hours of one core.",
-                  options_.seeds > 1 ? fmt::format("Values are means of {} specimens, or of more, ± is the standard\n"
-                                                   "deviation of one, and n is how many gave a number.",
-                                                   options_.seeds)
-                                     : "Values are those of one specimen each, so nothing is known of their spread, or ± where\n"
-                                       "n is more.",
+                  options_.seeds > 1
+                      ? fmt::format("Values are means of {} specimens, or of more, ± is the standard\n"
+                                    "deviation of one, and n is how many gave a number.",
+                                    options_.seeds)
+                      : "Values are those of one specimen each, so nothing is known of their spread, or ± where\n"
+                        "n is more.",
                   HAPTOLITH_VERSION, pieces_.size(), sum_s / 3600)};
   AtomicFile file({folder_->page(), IfThere::kReplace});
   file.write(validationPage(judgedClaims(), introduction, whole ? kFigure : ""));

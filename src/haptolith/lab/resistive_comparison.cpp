@@ -186,13 +186,11 @@ void scale(const LabConditions& conditions, const ResistiveOptions& options, Sta
   denser.soil.rho_max_kg_m3 *= kDenser;
   soil = result.soil;
   soil.density_kg_m3 *= kDenser;
-  result.scalings.push_back(
-      scaling("density", kDenser, plate, pushed(kPlate, denser, options, 1, soil)));
+  result.scalings.push_back(scaling("density", kDenser, plate, pushed(kPlate, denser, options, 1, soil)));
 
   progress.enter(0.70, 1.0);
-  result.scalings.push_back(
-      scaling("size", options.size_factor, plate,
-              pushed(kPlate, conditions, options, options.size_factor, result.soil)));
+  result.scalings.push_back(scaling("size", options.size_factor, plate,
+                                    pushed(kPlate, conditions, options, options.size_factor, result.soil)));
 }
 
 }  // namespace

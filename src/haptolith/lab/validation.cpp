@@ -144,8 +144,10 @@ std::string digits(double number) {
 
 std::string text(const ClaimValue& value, std::string_view unit) {
   const std::string behind = unit.empty() ? "" : fmt::format(" {}", unit);
-  return value.deviation ? fmt::format("{} ± {}{}", digits(value.mean), digits(*value.deviation), behind)
-                         : digits(value.mean) + behind;
+  constexpr double kRounding = 1e-9;  // what a theory without scatter differs by from one specimen to the next
+  return value.deviation.value_or(0) > kRounding * std::abs(value.mean)
+             ? fmt::format("{} ± {}{}", digits(value.mean), digits(*value.deviation), behind)
+             : digits(value.mean) + behind;
 }
 
 std::string toleranceText(const Claim& claim) {

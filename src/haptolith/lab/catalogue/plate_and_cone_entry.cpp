@@ -68,7 +68,7 @@ double lateSlopeRatio(const PlateResult& result) {
 }
 
 LabOutput plateOutput(const LabConditions& conditions, const PlateOptions& options, Strength strength) {
-  constexpr double kSunk = 0.1;  // of the diameter
+  constexpr double kSunk = 0.1;   // of the diameter
   validate(conditions, options);  // what it refuses is refused now, not after minutes
   if (strength.measured) {
     strength = measuredStrength(conditions, options.preparation);

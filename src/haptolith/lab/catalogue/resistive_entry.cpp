@@ -111,7 +111,8 @@ LabOutput resistiveOutput(const LabConditions& conditions, const ResistiveOption
 LabTest rftEntry() {
   auto own = std::make_shared<ResistiveOptions>();
   return {.name = "rft",
-          .description = "Plate, sphere, cone, wheel and blade beside three-dimensional resistive force theory, nothing tuned",
+          .description =
+              "Plate, sphere, cone, wheel and blade beside three-dimensional resistive force theory, nothing tuned",
           .examples =
               "  haptolith lab rft --soil dry-sand --figure rft.svg\n"
               "  haptolith lab rft --soil dry-sand --body Earth --no-scaling",
