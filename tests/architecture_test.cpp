@@ -25,6 +25,8 @@ using Folders = std::set<std::string>;
 const std::map<std::string, Folders> kArrows = {
     {"core", {}},
     {"figure", {"core"}},
+    // Shapes that others drew: it knows neither soil nor tools.
+    {"mesh", {"core"}},
     {"soil", {"core"}},
     {"bed", {"soil"}},
     {"tool", {"bed"}},

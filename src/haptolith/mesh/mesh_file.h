@@ -1,0 +1,49 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <string_view>
+
+#include "haptolith/core/error.h"
+#include "haptolith/mesh/triangle_mesh.h"
+
+namespace haptolith {
+
+/// What a mesh file may be at most.
+inline constexpr std::uintmax_t kMostMeshBytes = std::uintmax_t{256} << 20;
+inline constexpr std::size_t kMostTriangles = 2'000'000;
+inline constexpr std::size_t kMostMeshPoints = 3 * kMostTriangles;
+
+/// Largest edge of the box around a mesh that a hand can hold, in m.
+inline constexpr Range kHandSize_m{2e-3, 2};
+/// Distance of every point from the origin, in m: farther away a float no longer tells micrometres.
+inline constexpr Range kMeshReach_m{0, 10};
+inline constexpr Range kMeshUnit_m{1e-6, 1};
+
+struct MeshFileOptions {
+  double unit_m = 1e-3;  ///< of STL and OBJ, which have none, in m, 1e-6 to 1; glTF is in metres by its specification
+};
+
+enum class MeshFormat { kStl, kObj, kGltf };
+
+/// The format that a file's name says (.stl, .obj, .glb, .gltf, in any case of letters).
+[[nodiscard]] std::optional<MeshFormat> meshFormat(const std::filesystem::path& path);
+
+/// Reads a mesh, z up, in m: the triangles that the file holds, not mended yet (mend.h).
+///
+/// STL is binary or text; polygons of OBJ become fans; of glTF 2.0 the triangles of the default scene are taken, with
+/// the transforms of their nodes, and y up becomes z up: (x, y, z) -> (x, -z, y). Materials, normals, bones and
+/// animations are left aside. A mesh names no other files: glTF has its data embedded. Not for the tick.
+/// @throws InvalidParameter with the file, the place in it and what is valid: for anything that is not a mesh of this
+/// form, for numbers that are not finite, for a mesh outside kHandSize_m or kMeshReach_m (with the unit that would be
+/// plausible); Failure when the file cannot be read.
+[[nodiscard]] TriangleMesh readMesh(const std::filesystem::path& path, const MeshFileOptions& options = {});
+
+/// The same of bytes that are here already. @param name  for messages.
+[[nodiscard]] TriangleMesh parseMesh(std::string_view bytes, const std::string& name, MeshFormat format,
+                                     const MeshFileOptions& options = {});
+
+}  // namespace haptolith
