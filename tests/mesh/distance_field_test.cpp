@@ -131,14 +131,14 @@ TEST(DistanceField, IsTheDistanceToABox) {
 }
 
 TEST(DistanceField, IsExactAtTheGridsPoints) {
-  const MendedMesh mended = mend(made::sphere(0.02, 30));
+  const MendedMesh mended = mend(made::sphere(0.02, 20));
   const DistanceField field = makeDistanceField(mended, {.spacing_m = 0.5e-3, .band_m = 3e-3});
   const TriangleTree tree(mended.mesh);
   // The grid is about the middle of the mesh, a whole number of blocks of eight cells wide.
   int near = 0;
-  for (int i = -50; i <= 50; i += 3) {
-    for (int j = -50; j <= 50; j += 3) {
-      for (int k = -50; k <= 50; k += 3) {
+  for (int i = -50; i <= 50; i += 5) {
+    for (int j = -50; j <= 50; j += 5) {
+      for (int k = -50; k <= 50; k += 5) {
         const Vec3 point_m = field.spacing_m() * Vec3(i, j, k);
         double brute_m2 = std::numeric_limits<double>::infinity();
         if (std::abs(point_m.norm() - 0.02) < 2.5e-3) {
@@ -152,14 +152,14 @@ TEST(DistanceField, IsExactAtTheGridsPoints) {
       }
     }
   }
-  EXPECT_GT(near, 500);
+  EXPECT_GT(near, 150);
 }
 
 TEST(DistanceField, IsTheDistanceToASphereWithItsGradient) {
-  constexpr double kRadius_m = 0.025;
-  const DistanceField field = fieldOf(made::sphere(kRadius_m, 60));
-  Points points(0.035);
-  for (int i = 0; i < 50'000; ++i) {
+  constexpr double kRadius_m = 0.0125;
+  const DistanceField field = fieldOf(made::sphere(kRadius_m, 60), {.band_m = 3e-3});
+  Points points(0.018);
+  for (int i = 0; i < 20'000; ++i) {
     const Vec3 point_m = points.next();
     const double exact_m = std::clamp(point_m.norm() - kRadius_m, -field.band_m(), field.band_m());
     const auto [distance_m, gradient] = field.at(point_m);
@@ -171,15 +171,15 @@ TEST(DistanceField, IsTheDistanceToASphereWithItsGradient) {
 }
 
 TEST(DistanceField, KnowsBothSidesOfAWallOfOneMillimetre) {
-  constexpr double kOuter_m = 0.03;
+  constexpr double kOuter_m = 0.015;
   constexpr double kWall_m = 1e-3;
-  const DistanceField field = fieldOf(made::tube(kOuter_m, kWall_m, 0.08, 180));
+  const DistanceField field = fieldOf(made::tube(kOuter_m, kWall_m, 0.03, 180), {.band_m = 4e-3});
   for (int turn = 0; turn < 360; turn += 7) {
     const double angle = turn * std::numbers::pi / 180;
     const Vec3 out(std::cos(angle), std::sin(angle), 0);
     for (double r_m = kOuter_m - 4e-3; r_m < kOuter_m + 4e-3; r_m += 0.05e-3) {
       const double exact_m = std::abs(r_m - kOuter_m + kWall_m / 2) - kWall_m / 2;
-      const auto [distance_m, gradient] = field.at(r_m * out + Vec3(0, 0, 0.0123));
+      const auto [distance_m, gradient] = field.at(r_m * out + Vec3(0, 0, 0.0053));
       // Half a spacing in its middle, where distances bend; less at its faces.
       EXPECT_NEAR(distance_m, exact_m, std::abs(exact_m) < 0.1e-3 ? 0.05e-3 : 0.21e-3) << r_m;
       if (std::abs(exact_m) > 0.15e-3) {
@@ -197,13 +197,13 @@ TEST(DistanceField, KnowsBothSidesOfAWallOfOneMillimetre) {
 TEST(DistanceField, RefusesWallsThatItWouldNotSee) {
   EXPECT_THAT(refusalOf(made::tube(0.03, 0.5e-3, 0.08, 180)),
               AllOf(HasSubstr("spacing_m = 0.0004"), HasSubstr("0.5 mm thick")));
-  EXPECT_EQ(refusalOf(made::tube(0.03, 0.5e-3, 0.02, 90), {.spacing_m = 0.24e-3, .band_m = 1e-3}), "accepted");
+  EXPECT_EQ(refusalOf(made::tube(0.01, 0.5e-3, 0.01, 60), {.spacing_m = 0.24e-3, .band_m = 1e-3}), "accepted");
   // The edge of a blade is no wall.
   TriangleMesh wedge = made::box(Vec3(-0.02, -0.01, 0), Vec3(0.02, 0.01, 0.03));
   for (Vec3& point_m : wedge.points_m) {
     point_m.y() *= point_m.z() / 0.03;
   }
-  EXPECT_EQ(refusalOf(wedge), "accepted");
+  EXPECT_EQ(refusalOf(wedge, {.band_m = 1e-3}), "accepted");
 }
 
 TEST(DistanceField, OfPartsThatPassThroughEachOtherIsThatOfTheirUnion) {
@@ -231,10 +231,10 @@ TEST(DistanceField, OfPartsThatPassThroughEachOtherIsThatOfTheirUnion) {
 }
 
 TEST(DistanceField, OfAShellInASolidIsThatOfTheSolid) {
-  const DistanceField field = fieldOf(made::together(made::cube(0.03), made::cube(0.01)));
+  const DistanceField field = fieldOf(made::together(made::cube(0.03), made::cube(0.01)), {.spacing_m = 1e-3});
   EXPECT_EQ(field.at(Vec3(0.005, 0, 0)).distance_m, -field.band_m());
   EXPECT_EQ(field.at(Vec3::Zero()).distance_m, -field.band_m());
-  const DistanceField hollow = fieldOf(made::together(made::cube(0.03), made::insideOut(made::cube(0.016))));
+  const DistanceField hollow = fieldOf(made::together(made::cube(0.03), made::insideOut(made::cube(0.016))), {.spacing_m = 1e-3});
   EXPECT_NEAR(hollow.at(Vec3(0.006, 0, 0)).distance_m, 0.002, 1e-6);
   EXPECT_NEAR(hollow.at(Vec3(0.01, 0, 0)).distance_m, -0.002, 1e-6);
   EXPECT_EQ(hollow.at(Vec3::Zero()).distance_m, hollow.band_m());
@@ -268,7 +268,7 @@ TEST(DistanceField, IsOutsideFarAwayAndForWhatIsNoPoint) {
 TEST(DistanceField, IsTheSameForAnyNumberOfThreads) {
   const MendedMesh mended = mend(made::together(made::sphere(0.02, 24), made::cube(0.02, Vec3(0.015, 0, 0))));
   const auto hash = [&](int threads, double band_m = 3e-3) {
-    return makeDistanceField(mended, {.spacing_m = 0.8e-3, .band_m = band_m, .threads = threads}).hash();
+    return makeDistanceField(mended, {.spacing_m = 1.6e-3, .band_m = band_m, .threads = threads}).hash();
   };
   const std::uint64_t one = hash(1);
   EXPECT_EQ(hash(2), one);
