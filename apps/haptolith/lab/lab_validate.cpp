@@ -359,8 +359,8 @@ void Validation::savePage() const {
                       ? fmt::format("Values are means of {} specimens, or of more, ± is the standard\n"
                                     "deviation of one, and n is how many gave a number.",
                                     options_.seeds)
-                      : "Values are those of one specimen each, so nothing is known of their spread, or ± where\n"
-                        "n is more.",
+                      : "Values are those of one specimen, so nothing is known of their spread; where n is more,\n"
+                        "they are means, and ± is the standard deviation of one specimen.",
                   HAPTOLITH_VERSION, pieces_.size(), sum_s / 3600)};
   AtomicFile file({folder_->page(), IfThere::kReplace});
   file.write(validationPage(judgedClaims(), introduction, whole ? kFigure : ""));
