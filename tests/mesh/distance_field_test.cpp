@@ -234,7 +234,8 @@ TEST(DistanceField, OfAShellInASolidIsThatOfTheSolid) {
   const DistanceField field = fieldOf(made::together(made::cube(0.03), made::cube(0.01)), {.spacing_m = 1e-3});
   EXPECT_EQ(field.at(Vec3(0.005, 0, 0)).distance_m, -field.band_m());
   EXPECT_EQ(field.at(Vec3::Zero()).distance_m, -field.band_m());
-  const DistanceField hollow = fieldOf(made::together(made::cube(0.03), made::insideOut(made::cube(0.016))), {.spacing_m = 1e-3});
+  const DistanceField hollow =
+      fieldOf(made::together(made::cube(0.03), made::insideOut(made::cube(0.016))), {.spacing_m = 1e-3});
   EXPECT_NEAR(hollow.at(Vec3(0.006, 0, 0)).distance_m, 0.002, 1e-6);
   EXPECT_NEAR(hollow.at(Vec3(0.01, 0, 0)).distance_m, -0.002, 1e-6);
   EXPECT_EQ(hollow.at(Vec3::Zero()).distance_m, hollow.band_m());

@@ -26,11 +26,11 @@ struct ClaimRun {
 struct MeasuredClaim {
   Claim claim;
   ClaimRun run;
-  std::optional<ClaimRun> over;  ///< ours is the number of `run` over that of this one
-  std::string ours;              ///< where the number stands in the test's JSON: "/draft_n" (RFC 6901)
-  std::string other;             ///< where that of the theory stands; empty: the claim expects a number
+  std::optional<ClaimRun> over;      ///< ours is the number of `run` over that of this one
+  std::string ours;                  ///< where the number stands in the test's JSON: "/draft_n" (RFC 6901)
+  std::string other;                 ///< where that of the theory stands; empty: the claim expects a number
   std::int64_t specimens_times = 1;  ///< as many times as many specimens as asked for
-  bool any_soil = false;         ///< whether it is a claim about soil of any kind
+  bool any_soil = false;             ///< whether it is a claim about soil of any kind
 };
 
 /// Reads the claims of a file (docs/laboratory.md); soil files that it names lie beside it. @throws ScenarioError for

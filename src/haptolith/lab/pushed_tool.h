@@ -21,8 +21,8 @@ struct Push {
   std::string_view what;  ///< in words, for the conditions' progress
   ToolParameters tool;
   Quat scene_R_tool = Quat::Identity();
-  double zero_m = 0;      ///< height of the tool's point that depth is counted from, over its origin
-  double lowest_m = 0;    ///< height of its lowest point over its origin; negative for plates
+  double zero_m = 0;    ///< height of the tool's point that depth is counted from, over its origin
+  double lowest_m = 0;  ///< height of its lowest point over its origin; negative for plates
   DepthZero zero = DepthZero::kFirstContact;
   double contact_n = 0;  ///< force that counts as contact
   double depth_m = 0;    ///< to push, of the point at `zero_m`

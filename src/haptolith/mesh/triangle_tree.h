@@ -54,14 +54,15 @@ class TriangleTree {
   template <class Counts>
   [[nodiscard]] bool anyInBox(const Vec3& low_m, const Vec3& high_m, const Counts& counts) const {
     bool found = false;
-    forEachNear([&](const Node& node, int i) { return !found && meets(node, i, low_m - middle_m_, high_m - middle_m_); },
-                [&](std::int32_t place) {
-                  const std::array<Vec3, 3>& t = corners_m_[static_cast<std::size_t>(place)];
-                  const Vec3 low = t[0].cwiseMin(t[1]).cwiseMin(t[2]);
-                  const Vec3 high = t[0].cwiseMax(t[1]).cwiseMax(t[2]);
-                  found = found || ((low.array() <= high_m.array()).all() && (high.array() >= low_m.array()).all() &&
-                                    counts(triangles_[static_cast<std::size_t>(place)]));
-                });
+    forEachNear(
+        [&](const Node& node, int i) { return !found && meets(node, i, low_m - middle_m_, high_m - middle_m_); },
+        [&](std::int32_t place) {
+          const std::array<Vec3, 3>& t = corners_m_[static_cast<std::size_t>(place)];
+          const Vec3 low = t[0].cwiseMin(t[1]).cwiseMin(t[2]);
+          const Vec3 high = t[0].cwiseMax(t[1]).cwiseMax(t[2]);
+          found = found || ((low.array() <= high_m.array()).all() && (high.array() >= low_m.array()).all() &&
+                            counts(triangles_[static_cast<std::size_t>(place)]));
+        });
     return found;
   }
 
