@@ -29,7 +29,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     const DistanceField field =
         makeDistanceField(mended, {.spacing_m = 1e-3, .band_m = 1e-3, .threads = 1, .most_bytes = 1 << 20});
     const Vec3 middle_m = (field.corners().low_m + field.corners().high_m) / 2;
-    if (!(field.at(middle_m).distance_m <= field.band_m())) {
+    if (!(field.at(middle_m).distance_m <= field.band())) {
       std::abort();
     }
   } catch (const InvalidParameter&) {

@@ -108,23 +108,23 @@ TEST(DistanceField, IsTheDistanceToABox) {
   const DistanceField field = fieldOf(made::box(-half_m, half_m));
   EXPECT_THAT(field.report(), IsEmpty());
   EXPECT_LT((field.corners().high_m - half_m).norm() + (field.corners().low_m + half_m).norm(), 1e-12);
-  EXPECT_NEAR(field.enclosingRadius_m(), half_m.norm(), 1e-12);
+  EXPECT_NEAR(field.enclosingRadius(), half_m.norm(), 1e-12);
   Points points(0.03);
   double worst_m = 0;
   for (int i = 0; i < 100'000; ++i) {
     const Vec3 point_m = points.next();
     const auto [distance_m, gradient] = field.at(point_m);
-    const double exact_m = std::clamp(made::distanceToBox_m(point_m, half_m), -field.band_m(), field.band_m());
+    const double exact_m = std::clamp(made::distanceToBox_m(point_m, half_m), -field.band(), field.band());
     worst_m = std::max(worst_m, std::abs(distance_m - exact_m));
     EXPECT_NEAR(gradient.norm(), 1, 1e-12);
   }
-  EXPECT_LT(worst_m, field.spacing_m() / 2) << "at edges, where it bends between two points";
-  EXPECT_GT(worst_m, field.spacing_m() / 50) << "trilinear is not exact there";
+  EXPECT_LT(worst_m, field.spacing() / 2) << "at edges, where it bends between two points";
+  EXPECT_GT(worst_m, field.spacing() / 50) << "trilinear is not exact there";
   // Over the middle of a face it is linear, and so exact.
   for (double z_m = -0.004; z_m < 0.009; z_m += 0.00013) {
     const auto [distance_m, gradient] = field.at({0.0021, -0.0033, z_m});
     EXPECT_NEAR(distance_m, std::abs(z_m) - half_m.z(), 1e-8);
-    if (std::abs(z_m) > field.spacing_m()) {
+    if (std::abs(z_m) > field.spacing()) {
       EXPECT_LT((gradient - Vec3(0, 0, z_m > 0 ? 1 : -1)).norm(), 1e-5);
     }
   }
@@ -139,7 +139,7 @@ TEST(DistanceField, IsExactAtTheGridsPoints) {
   for (int i = -50; i <= 50; i += 5) {
     for (int j = -50; j <= 50; j += 5) {
       for (int k = -50; k <= 50; k += 5) {
-        const Vec3 point_m = field.spacing_m() * Vec3(i, j, k);
+        const Vec3 point_m = field.spacing() * Vec3(i, j, k);
         double brute_m2 = std::numeric_limits<double>::infinity();
         if (std::abs(point_m.norm() - 0.02) < 2.5e-3) {
           for (const auto& triangle : mended.mesh.triangles) {
@@ -161,10 +161,10 @@ TEST(DistanceField, IsTheDistanceToASphereWithItsGradient) {
   Points points(0.018);
   for (int i = 0; i < 20'000; ++i) {
     const Vec3 point_m = points.next();
-    const double exact_m = std::clamp(point_m.norm() - kRadius_m, -field.band_m(), field.band_m());
+    const double exact_m = std::clamp(point_m.norm() - kRadius_m, -field.band(), field.band());
     const auto [distance_m, gradient] = field.at(point_m);
     EXPECT_NEAR(distance_m, exact_m, 4e-5) << "flat triangles, and the bend between points";
-    if (std::abs(exact_m) < 0.9 * field.band_m()) {
+    if (std::abs(exact_m) < 0.9 * field.band()) {
       EXPECT_GT(gradient.dot(point_m.normalized()), 0.995);
     }
   }
@@ -191,7 +191,7 @@ TEST(DistanceField, KnowsBothSidesOfAWallOfOneMillimetre) {
     }
     EXPECT_LT(field.at((kOuter_m - kWall_m / 2) * out).distance_m, -0.3e-3) << "its middle is inside";
   }
-  EXPECT_EQ(field.at(Vec3::Zero()).distance_m, field.band_m()) << "the tube is hollow";
+  EXPECT_EQ(field.at(Vec3::Zero()).distance_m, field.band()) << "the tube is hollow";
 }
 
 TEST(DistanceField, RefusesWallsThatItWouldNotSee) {
@@ -219,9 +219,9 @@ TEST(DistanceField, OfPartsThatPassThroughEachOtherIsThatOfTheirUnion) {
     const double distance_m = field.at(point_m).distance_m;
     const double outside_m = std::min(first_m, second_m);
     if (outside_m > 0) {
-      EXPECT_NEAR(distance_m, std::min(outside_m, field.band_m()), 0.25e-3);
+      EXPECT_NEAR(distance_m, std::min(outside_m, field.band()), 0.25e-3);
     } else {  // at least as deep as in the deeper part
-      EXPECT_LE(distance_m, std::max(outside_m, -field.band_m()) + 0.25e-3);
+      EXPECT_LE(distance_m, std::max(outside_m, -field.band()) + 0.25e-3);
       ++inside;
     }
   }
@@ -232,13 +232,13 @@ TEST(DistanceField, OfPartsThatPassThroughEachOtherIsThatOfTheirUnion) {
 
 TEST(DistanceField, OfAShellInASolidIsThatOfTheSolid) {
   const DistanceField field = fieldOf(made::together(made::cube(0.03), made::cube(0.01)), {.spacing_m = 1e-3});
-  EXPECT_EQ(field.at(Vec3(0.005, 0, 0)).distance_m, -field.band_m());
-  EXPECT_EQ(field.at(Vec3::Zero()).distance_m, -field.band_m());
+  EXPECT_EQ(field.at(Vec3(0.005, 0, 0)).distance_m, -field.band());
+  EXPECT_EQ(field.at(Vec3::Zero()).distance_m, -field.band());
   const DistanceField hollow =
       fieldOf(made::together(made::cube(0.03), made::insideOut(made::cube(0.016))), {.spacing_m = 1e-3});
   EXPECT_NEAR(hollow.at(Vec3(0.006, 0, 0)).distance_m, 0.002, 1e-6);
   EXPECT_NEAR(hollow.at(Vec3(0.01, 0, 0)).distance_m, -0.002, 1e-6);
-  EXPECT_EQ(hollow.at(Vec3::Zero()).distance_m, hollow.band_m());
+  EXPECT_EQ(hollow.at(Vec3::Zero()).distance_m, hollow.band());
 }
 
 TEST(DistanceField, OfASheetIsHalfItsThicknessLess) {
@@ -260,10 +260,10 @@ TEST(DistanceField, IsOutsideFarAwayAndForWhatIsNoPoint) {
   const DistanceField field = fieldOf(made::cube(0.04));
   constexpr double kInfinity = std::numeric_limits<double>::infinity();
   for (const Vec3& point_m : {Vec3(1, 2, 3), Vec3(1e300, 0, 0), Vec3(0, -kInfinity, 0), Vec3(0, 0, std::nan(""))}) {
-    EXPECT_EQ(field.at(point_m).distance_m, field.band_m());
+    EXPECT_EQ(field.at(point_m).distance_m, field.band());
     EXPECT_NEAR(field.at(point_m).gradient.norm(), 1, 1e-12);
   }
-  EXPECT_EQ(field.at(Vec3::Zero()).distance_m, -field.band_m());
+  EXPECT_EQ(field.at(Vec3::Zero()).distance_m, -field.band());
 }
 
 TEST(DistanceField, IsTheSameForAnyNumberOfThreads) {
@@ -280,7 +280,7 @@ TEST(DistanceField, IsTheSameForAnyNumberOfThreads) {
 TEST(DistanceField, GrowsCoarserToFitItsMemoryAndSaysSo) {
   const DistanceField field = fieldOf(made::cube(0.05), {.most_bytes = std::size_t{4} << 20});
   EXPECT_LE(field.bytes(), std::size_t{4} << 20);
-  EXPECT_GT(field.spacing_m(), 0.4e-3);
+  EXPECT_GT(field.spacing(), 0.4e-3);
   EXPECT_THAT(field.report(), testing::ElementsAre(HasSubstr("0.4 mm would take more than 4 MiB")));
   EXPECT_NEAR(field.at({0.027, 0.001, 0.002}).distance_m, 0.002, 1e-6);
   EXPECT_THAT(refusalOf(made::tube(0.03, 1e-3, 0.08, 90), {.most_bytes = std::size_t{4} << 20}),

@@ -177,12 +177,12 @@ std::vector<MeasuredClaim> chosenClaims(const ValidateOptions& options) {
 Validation::Validation(const ValidateOptions& options) : options_(options), claims_(chosenClaims(options)) {
   runs_.resize(claims_.size());
   overs_.resize(claims_.size());
-  const auto seedsOf = [&](const MeasuredClaim& measured) { return options.seeds * measured.specimens_times; };
-  const std::int64_t most = seedsOf(*std::ranges::max_element(claims_, {}, seedsOf));
+  const auto seeds_of = [&](const MeasuredClaim& measured) { return options.seeds * measured.specimens_times; };
+  const std::int64_t most = seeds_of(*std::ranges::max_element(claims_, {}, seeds_of));
   for (std::int64_t i = 0; i < most; ++i) {
     const std::uint64_t seed = options.seed + static_cast<std::uint64_t>(i);
     for (std::size_t claim = 0; claim < claims_.size(); ++claim) {
-      if (i >= seedsOf(claims_[claim])) {
+      if (i >= seeds_of(claims_[claim])) {
         continue;
       }
       runs_[claim].push_back(pieceFor(claims_[claim].run, seed));

@@ -125,12 +125,12 @@ class FieldMaker {
       return false;
     }
     most_blocks_ = static_cast<std::size_t>(left / (sizeof(float) * DistanceField::kBlockValues));
-    const auto [nx, ny, nz] = field_.blocks_;
-    std::vector<std::vector<std::int32_t>> found(static_cast<std::size_t>(nz));
+    const std::array<int, 3>& blocks = field_.blocks_;
+    std::vector<std::vector<std::int32_t>> found(static_cast<std::size_t>(blocks[2]));
     std::atomic<std::size_t> count = 0;
     inParallel(found.size(), options_.threads, [&](std::size_t z) {
       const int layer = static_cast<int>(z);
-      collect({0, 0, layer}, {nx, ny, layer + 1}, -1, found[z], count);
+      collect({0, 0, layer}, {blocks[0], blocks[1], layer + 1}, -1, found[z], count);
     });
     lookForStop();
     blocks_.clear();
@@ -151,14 +151,14 @@ class FieldMaker {
       field_.table_[static_cast<std::size_t>(blocks_[i])] = static_cast<std::int32_t>(i);
     }
     field_.values_.resize(blocks_.size() * DistanceField::kBlockValues);
-    const auto forAllBlocks = [&](const auto& work) {
+    const auto for_all_blocks = [&](const auto& work) {
       inParallel(blocks_.size(), options_.threads, [&](std::size_t i) {
         lookForStop();
         work(i);
       });
     };
-    forAllBlocks([&](std::size_t i) { measureOwn(i); });
-    forAllBlocks([&](std::size_t i) { measureFarFaces(i); });
+    for_all_blocks([&](std::size_t i) { measureOwn(i); });
+    for_all_blocks([&](std::size_t i) { measureFarFaces(i); });
     if (mended_.sheet_thickness_m == 0) {
       makeSigns();
     }
@@ -176,7 +176,7 @@ class FieldMaker {
   [[nodiscard]] std::int32_t tablePlace(int x, int y, int z) const {
     return (z * field_.blocks_[1] + y) * field_.blocks_[0] + x;
   }
-  [[nodiscard]] double reach_m() const { return options_.band_m + half_m_; }
+  [[nodiscard]] double reach() const { return options_.band_m + half_m_; }
 
   /// Blocks of a range that may hold a point within the band.
   void collect(std::array<int, 3> low, std::array<int, 3> high, std::int32_t hint, std::vector<std::int32_t>& found,
@@ -190,7 +190,7 @@ class FieldMaker {
     }
     const double half_diagonal_m = 0.5 * edge_m * size.norm();
     const TriangleTree::Nearest nearest =
-        surface_.nearest(field_.low_m_ + edge_m * middle, reach_m() + half_diagonal_m, hint);
+        surface_.nearest(field_.low_m_ + edge_m * middle, reach() + half_diagonal_m, hint);
     if (nearest.place < 0 || count > most_blocks_) {
       return;
     }
@@ -213,7 +213,8 @@ class FieldMaker {
     return field_.values_.data() + block * DistanceField::kBlockValues;
   }
   static std::size_t valuePlace(int x, int y, int z) {
-    return static_cast<std::size_t>((z * kPoints + y) * kPoints + x);
+    const int place = (z * kPoints + y) * kPoints + x;
+    return static_cast<std::size_t>(place);
   }
   [[nodiscard]] std::array<int, 3> cellOf(std::size_t block) const {
     const auto [nx, ny, nz] = field_.blocks_;
@@ -223,7 +224,7 @@ class FieldMaker {
 
   /// Distance without a sign of a grid point. @param hint  the nearest triangle of a point beside it, then of this.
   [[nodiscard]] float measure(int x, int y, int z, std::int32_t& hint) const {
-    const double most_m = reach_m() + 4 * field_.spacing_m_;  // beyond, no cell has a part of the band
+    const double most_m = reach() + 4 * field_.spacing_m_;  // beyond, no cell has a part of the band
     const TriangleTree::Nearest nearest =
         surface_.nearest(field_.low_m_ + field_.spacing_m_ * Vec3(x, y, z), most_m, hint);
     hint = nearest.place;
@@ -274,18 +275,18 @@ class FieldMaker {
   // row ends with as many ways out as in: no ray can slip through between two triangles.
   void makeSigns() {
     is_inside_.assign(tableSize(), 0);
-    const auto layers = static_cast<std::size_t>(field_.blocks_[2] * kCells + 1);
+    const auto layers = static_cast<std::size_t>(field_.blocks_[2]) * kCells + 1;
     const TriangleMesh& mesh = mended_.mesh;
     std::vector<std::array<std::int32_t, 2>> passes(mesh.triangles.size());  // first and last layer
     std::vector<std::size_t> begin(layers + 1);
     std::size_t total = 0;
     for (std::size_t i = 0; i < passes.size(); ++i) {
       const auto [a, b, c] = cornersOf(mesh, mesh.triangles[i]);
-      const auto layerOf = [&](double z) { return (z - field_.low_m_.z()) / field_.spacing_m_; };
+      const auto layer_of = [&](double z) { return (z - field_.low_m_.z()) / field_.spacing_m_; };
       // One too many on each side is told by the edges.
-      passes[i] = {std::max(0, static_cast<std::int32_t>(layerOf(std::min({a.z(), b.z(), c.z()})))),
+      passes[i] = {std::max(0, static_cast<std::int32_t>(layer_of(std::min({a.z(), b.z(), c.z()})))),
                    std::min(static_cast<std::int32_t>(layers) - 1,
-                            static_cast<std::int32_t>(layerOf(std::max({a.z(), b.z(), c.z()}))) + 1)};
+                            static_cast<std::int32_t>(layer_of(std::max({a.z(), b.z(), c.z()}))) + 1)};
       total += static_cast<std::size_t>(passes[i][1] - passes[i][0] + 1);
       if (total > kMostLayerTriangles) {
         throw InvalidParameter("mesh", "too many large triangles", "a surface that a tool can have");
@@ -376,7 +377,7 @@ class FieldMaker {
   void signRow(int row, int layer, std::span<const RowHit> hits) {
     const auto [nx, ny, nz] = field_.blocks_;
     thread_local std::vector<std::uint8_t> inside;
-    inside.resize(static_cast<std::size_t>(nx * kCells + 1));
+    inside.resize(static_cast<std::size_t>(nx) * kCells + 1);
     std::size_t passed = 0;
     int winding = 0;
     for (std::size_t x = 0; x < inside.size(); ++x) {
@@ -396,7 +397,7 @@ class FieldMaker {
         }
         for (int bx = 0; bx < nx; ++bx) {
           const std::int32_t entry = field_.table_[static_cast<std::size_t>(tablePlace(bx, by, bz))];
-          const std::size_t first = static_cast<std::size_t>(bx * kCells);
+          const std::size_t first = static_cast<std::size_t>(bx) * kCells;
           if (entry >= 0) {
             float* values =
                 valuesOf(static_cast<std::size_t>(entry)) + valuePlace(0, row - by * kCells, layer - bz * kCells);
@@ -432,7 +433,7 @@ DistanceField makeDistanceField(const MendedMesh& mended, const DistanceFieldOpt
   const bool is_sheet = mended.sheet_thickness_m > 0;
   const TriangleTree tree(mended.mesh, options.threads);
   lookForStop();
-  const double wall_m = is_sheet ? mended.sheet_thickness_m : thinnestWall_m(mended, tree, options.threads);
+  const double wall_m = is_sheet ? mended.sheet_thickness_m : thinnestWall(mended, tree, options.threads);
   const double widest_m = wall_m / kSpacingsPerWall;
   if (options.spacing_m > widest_m) {
     throw InvalidParameter("spacing_m", fmt::format("{:.3g}", options.spacing_m),

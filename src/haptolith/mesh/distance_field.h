@@ -34,12 +34,12 @@ class DistanceField {
   /// At a point, in the mesh's frame. A point that is not finite is outside. May be called in the tick.
   [[nodiscard]] Sample at(const Vec3& point_m) const noexcept;
 
-  [[nodiscard]] double spacing_m() const noexcept { return spacing_m_; }
-  [[nodiscard]] double band_m() const noexcept { return band_m_; }
+  [[nodiscard]] double spacing() const noexcept { return spacing_m_; }
+  [[nodiscard]] double band() const noexcept { return band_m_; }
   /// The box around the surface, of a sheet with its thickness.
   [[nodiscard]] const MeshCorners& corners() const noexcept { return corners_; }
   /// Radius of the sphere around the origin that holds the surface, in m.
-  [[nodiscard]] double enclosingRadius_m() const noexcept { return enclosing_radius_m_; }
+  [[nodiscard]] double enclosingRadius() const noexcept { return enclosing_radius_m_; }
   /// Memory that it takes.
   [[nodiscard]] std::size_t bytes() const noexcept;
   /// XXH3 over all values, where they are, and the band. Not for the tick.
@@ -78,7 +78,7 @@ class DistanceField {
 ///
 /// Of parts that pass through each other it is exact to the union but within a quarter of the spacing of the edges
 /// where they meet. Takes seconds for 500 000 triangles. Not for the tick.
-/// @throws InvalidParameter for options outside their ranges, and when the thinnest walls (thinnestWall_m()) are less
+/// @throws InvalidParameter for options outside their ranges, and when the thinnest walls (thinnestWall()) are less
 /// than two spacings thick; Failure when stopAsked().
 [[nodiscard]] DistanceField makeDistanceField(const MendedMesh& mended, const DistanceFieldOptions& options = {});
 

@@ -165,9 +165,9 @@ std::size_t stitch(TriangleMesh& mesh, double reach_m) {
     }
   });
   std::ranges::sort(open);
-  open.erase(std::ranges::unique(open).begin(), open.end());
+  open.erase(std::unique(open.begin(), open.end()), open.end());
   const Vec3 low = cornersOf(mesh).low_m;
-  const auto cellOf = [&](const Vec3& point_m, int dx, int dy, int dz) {
+  const auto cell_of = [&](const Vec3& point_m, int dx, int dy, int dz) {
     const Vec3 cell = (point_m - low) / reach_m;  // at most 1 / kStitch
     const auto code = [](double c, int d) { return static_cast<std::uint64_t>(static_cast<std::int64_t>(c) + d + 1); };
     return code(cell.x(), dx) << 42 | code(cell.y(), dy) << 21 | code(cell.z(), dz);
@@ -179,7 +179,7 @@ std::size_t stitch(TriangleMesh& mesh, double reach_m) {
   for (const std::int32_t point : open) {
     const Vec3& point_m = mesh.points_m[at(point)];
     for (int i = 0; i < 27 && now[at(point)] == point; ++i) {
-      const auto cell = cells.find(cellOf(point_m, i % 3 - 1, i / 3 % 3 - 1, i / 9 - 1));
+      const auto cell = cells.find(cell_of(point_m, i % 3 - 1, i / 3 % 3 - 1, i / 9 - 1));
       const std::span<const std::int32_t> near = cell == cells.end() ? std::span<const std::int32_t>{} : cell->second;
       const auto same = std::ranges::find_if(
           near, [&](std::int32_t other) { return (mesh.points_m[at(other)] - point_m).norm() <= reach_m; });
@@ -189,7 +189,7 @@ std::size_t stitch(TriangleMesh& mesh, double reach_m) {
       }
     }
     if (now[at(point)] == point) {
-      cells[cellOf(point_m, 0, 0, 0)].push_back(point);
+      cells[cell_of(point_m, 0, 0, 0)].push_back(point);
     }
   }
   if (gone > 0) {
@@ -217,7 +217,7 @@ Copies dropCopies(TriangleMesh& mesh) {
   keys.reserve(mesh.triangles.size());
   for (std::size_t i = 0; i < mesh.triangles.size(); ++i) {
     Triangle t = mesh.triangles[i];
-    std::ranges::rotate(t, std::ranges::min_element(t));
+    std::rotate(t.begin(), std::ranges::min_element(t), t.end());
     const bool odd = t[1] > t[2];
     if (odd) {
       std::swap(t[1], t[2]);
@@ -285,19 +285,19 @@ std::size_t dropLooseParts(TriangleMesh& mesh) {
     part.area_m2 += areaOf(mesh, triangle);
     whole_m2 += areaOf(mesh, triangle);
   }
-  const double tiny_m = kLoosePart * cornersOf(mesh).largestEdge_m();
-  const auto isTiny = [&](const Part& part) { return (part.high - part.low).maxCoeff() <= tiny_m; };
+  const double tiny_m = kLoosePart * cornersOf(mesh).largestEdge();
+  const auto is_tiny = [&](const Part& part) { return (part.high - part.low).maxCoeff() <= tiny_m; };
   double tiny_m2 = 0;
   std::size_t gone = 0;
   for (const Part& part : found) {
     const bool there = part.high.x() >= part.low.x();
-    tiny_m2 += there && isTiny(part) ? part.area_m2 : 0;
-    gone += there && isTiny(part) ? 1 : 0;
+    tiny_m2 += there && is_tiny(part) ? part.area_m2 : 0;
+    gone += there && is_tiny(part) ? 1 : 0;
   }
   if (gone == 0 || tiny_m2 > kMostLooseArea * whole_m2) {
     return 0;
   }
-  std::erase_if(mesh.triangles, [&](const Triangle& t) { return isTiny(found[at(parts.find(t[0]))]); });
+  std::erase_if(mesh.triangles, [&](const Triangle& t) { return is_tiny(found[at(parts.find(t[0]))]); });
   return gone;
 }
 
@@ -396,7 +396,7 @@ Holes closeHoles(TriangleMesh& mesh, std::vector<std::int32_t>& patch_of, double
   std::ranges::sort(rim, [](const RimEdge& a, const RimEdge& b) {
     return std::tuple(a.from, a.to, a.triangle) < std::tuple(b.from, b.to, b.triangle);
   });
-  const auto nextFrom = [&](std::int32_t point) {
+  const auto next_from = [&](std::int32_t point) {
     return static_cast<std::size_t>(std::ranges::lower_bound(rim, point, {}, &RimEdge::from) - rim.begin());
   };
   std::vector<bool> used(rim.size());
@@ -459,7 +459,7 @@ Holes closeHoles(TriangleMesh& mesh, std::vector<std::int32_t>& patch_of, double
         path.resize(from);
         continue;
       }
-      const std::size_t first = nextFrom(end);
+      const std::size_t first = next_from(end);
       std::size_t next = first < rim.size() ? std::max(first, cursor[first]) : first;
       while (next < rim.size() && rim[next].from == end && used[next]) {
         ++next;
@@ -493,7 +493,7 @@ Shells shellsOf(const TriangleMesh& mesh, const Patches& patches) {
   std::vector<bool> closed_alone(n, true);
   Shells shells;
   std::vector<std::pair<std::int32_t, int>> sums;
-  const auto sumsOf = [&](std::span<const Edge> same) -> std::span<const std::pair<std::int32_t, int>> {
+  const auto sums_of = [&](std::span<const Edge> same) -> std::span<const std::pair<std::int32_t, int>> {
     sums.clear();
     for (const Edge& edge : same) {
       sums.emplace_back(patches.of[at(edge.triangle)], edge.forward ? 1 : -1);
@@ -510,7 +510,7 @@ Shells shellsOf(const TriangleMesh& mesh, const Patches& patches) {
     return std::span(sums).first(kept + 1);
   };
   forEachEdge(edges, [&](std::span<const Edge> same) {
-    for (const auto& [patch, sum] : sumsOf(same)) {
+    for (const auto& [patch, sum] : sums_of(same)) {
       closed_alone[at(patch)] = closed_alone[at(patch)] && sum == 0;
     }
     shells.closed = shells.closed && imbalance(same) == 0;
@@ -676,7 +676,7 @@ MendedMesh mend(TriangleMesh mesh, const MendOptions& options) {
   };
 
   std::size_t gone = mergeEqualPoints(mesh);
-  const double size_m = cornersOf(mesh).largestEdge_m();
+  const double size_m = cornersOf(mesh).largestEdge();
   lookForStop();
   if (size_m > 0) {
     const std::size_t stitched = stitch(mesh, kStitch * size_m);

@@ -48,7 +48,7 @@ std::string proposedUnit(double size_m, double unit_m, MeshFormat format) {
 
 void requireHandSize(const TriangleMesh& mesh, const std::string& name, double unit_m, MeshFormat format) {
   const MeshCorners corners = cornersOf(mesh);
-  const double size_m = corners.largestEdge_m();
+  const double size_m = corners.largestEdge();
   if (!kHandSize_m.contains(size_m)) {
     throw InvalidParameter(name + ": largest edge of the box around it", lengthText(size_m),
                            fmt::format("2 mm to 2 m, as a hand can hold it{}", proposedUnit(size_m, unit_m, format)));
@@ -115,7 +115,7 @@ double MeshText::number(std::string_view word, std::string_view what) const {
   const std::string_view digits = word.starts_with('+') ? word.substr(1) : word;
   const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), value);
   const bool tiny = error == std::errc::result_out_of_range && digits.find_first_of("eE") != std::string_view::npos &&
-                    digits.find("-", 1) != std::string_view::npos;
+                    digits.find('-', 1) != std::string_view::npos;
   if (end != digits.data() + digits.size() || (error != std::errc() && !tiny) || !std::isfinite(value)) {
     throw InvalidParameter(place(what), word.empty() ? "missing" : inQuotes(word), "a finite number");
   }

@@ -67,7 +67,7 @@ class OuterSurface {
     const Vec3 beside_m = kBeside_m * normal.normalized();
     Eigen::Index axis = 0;
     normal.cwiseAbs().maxCoeff(&axis);
-    const auto isOfAnother = [&](std::int32_t other) {
+    const auto is_of_another = [&](std::int32_t other) {
       return solid_.shells[static_cast<std::size_t>(other)] != shell;
     };
     std::vector<std::array<Vec3, 3>> waiting{whole};
@@ -83,7 +83,7 @@ class OuterSurface {
         length_m[edge] = (piece[(edge + 1) % 3] - piece[edge]).norm();
         longest = length_m[edge] > length_m[longest] ? edge : longest;
       }
-      if (length_m[longest] > finest_m_ && pieces < kMostPieces && tree_.anyInBox(box.low_m, box.high_m, isOfAnother)) {
+      if (length_m[longest] > finest_m_ && pieces < kMostPieces && tree_.anyInBox(box.low_m, box.high_m, is_of_another)) {
         const Vec3& from = piece[longest];
         const Vec3& to = piece[(longest + 1) % 3];
         const Vec3& tip = piece[(longest + 2) % 3];
@@ -129,20 +129,20 @@ TriangleMesh outerSurface(const MendedMesh& solid, const TriangleTree& tree, dou
   return outer;
 }
 
-double thinnestWall_m(const MendedMesh& solid, const TriangleTree& tree, int threads) {
+double thinnestWall(const MendedMesh& solid, const TriangleTree& tree, int threads) {
   constexpr std::size_t kRays = 20'000;
   constexpr double kCounts = 0.01;         // of the surface
   constexpr double kParallel = 0.9848078;  // cos 10 degrees
   constexpr double kNone = std::numeric_limits<double>::infinity();
   const TriangleMesh& mesh = solid.mesh;
-  const auto normalOf = [&](std::int32_t triangle) -> Vec3 {
+  const auto normal_of = [&](std::int32_t triangle) -> Vec3 {
     const auto [a, b, c] = cornersOf(mesh, mesh.triangles[static_cast<std::size_t>(triangle)]);
     return (b - a).cross(c - a);
   };
   std::vector<double> area_up_to(mesh.triangles.size());
   double area = 0;
   for (std::size_t i = 0; i < area_up_to.size(); ++i) {
-    area += normalOf(static_cast<std::int32_t>(i)).norm();
+    area += normal_of(static_cast<std::int32_t>(i)).norm();
     area_up_to[i] = area;
   }
   std::vector<double> thickness_m(kRays, kNone);
@@ -162,18 +162,18 @@ double thinnestWall_m(const MendedMesh& solid, const TriangleTree& tree, int thr
         v = 1 - v;
       }
       const auto [a, b, c] = cornersOf(mesh, mesh.triangles[static_cast<std::size_t>(triangle)]);
-      const Vec3 inwards = -normalOf(triangle).normalized();
+      const Vec3 inwards = -normal_of(triangle).normalized();
       tree.hits(a + u * (b - a) + v * (c - a) + kBeside_m * inwards, inwards, hits);
       int winding = 0;
       for (const TriangleTree::Hit& hit : hits) {
-        winding += normalOf(hit.triangle).dot(inwards) > 0 ? 1 : -1;
+        winding += normal_of(hit.triangle).dot(inwards) > 0 ? 1 : -1;
       }
       if (winding != 1) {
         continue;  // inside another part, or past an edge
       }
       std::ranges::sort(hits, {}, &TriangleTree::Hit::distance_m);
       for (const TriangleTree::Hit& hit : hits) {
-        const Vec3 normal = normalOf(hit.triangle);
+        const Vec3 normal = normal_of(hit.triangle);
         winding += normal.dot(inwards) > 0 ? -1 : 1;
         if (winding <= 0) {
           if (normal.dot(inwards) >= kParallel * normal.norm()) {

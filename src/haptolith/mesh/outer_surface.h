@@ -16,6 +16,6 @@ namespace haptolith {
 /// over the surface; where they leave it again through a face that is parallel within 10 degrees, there is a wall (not
 /// at the edge of a blade). Walls of less than 1 % of the surface do not count. Not for the tick.
 /// @param tree  of `solid.mesh`.
-[[nodiscard]] double thinnestWall_m(const MendedMesh& solid, const TriangleTree& tree, int threads);
+[[nodiscard]] double thinnestWall(const MendedMesh& solid, const TriangleTree& tree, int threads);
 
 }  // namespace haptolith

@@ -19,7 +19,7 @@ struct MeshCorners {
   Vec3 low_m = Vec3::Zero();
   Vec3 high_m = Vec3::Zero();
 
-  [[nodiscard]] double largestEdge_m() const { return (high_m - low_m).maxCoeff(); }
+  [[nodiscard]] double largestEdge() const { return (high_m - low_m).maxCoeff(); }
 };
 
 /// Of all points; zero without any. Not for the tick.

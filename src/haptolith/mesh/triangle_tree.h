@@ -113,7 +113,7 @@ class TriangleTree {
   static std::array<std::size_t, kBranches> shares(std::size_t n) noexcept;
   static std::size_t nodesFor(std::size_t n) noexcept;
   static std::size_t split(std::span<Item> items);
-  void build(std::span<Item> items, std::size_t node, std::size_t first, int threads);
+  void build(std::span<Item> items, std::size_t index, std::size_t first, int threads);
   void describe(std::span<const Item> items, Node& node, int i) const;
 
   std::vector<Node> nodes_;
