@@ -11,6 +11,7 @@
 #include <string>
 #include <vector>
 
+#include "haptolith/core/base64.h"
 #include "haptolith/core/error.h"
 #include "haptolith/figure/figure.h"
 
@@ -93,16 +94,6 @@ std::string withoutPictures(const std::string& html) {
     from = html.find('"', at);
   }
   return text + html.substr(from);
-}
-
-TEST(Base64, GivesTheNumbersOfTheStandard) {
-  // RFC 4648, section 10.
-  EXPECT_EQ(base64(""), "");
-  EXPECT_EQ(base64("f"), "Zg==");
-  EXPECT_EQ(base64("fo"), "Zm8=");
-  EXPECT_EQ(base64("foo"), "Zm9v");
-  EXPECT_EQ(base64("foobar"), "Zm9vYmFy");
-  EXPECT_EQ(base64(std::string_view("\xff\xfe\x00", 3)), "//4A");
 }
 
 TEST(HtmlEscaped, LeavesNothingThatABrowserWouldRead) {

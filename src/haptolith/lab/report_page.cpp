@@ -10,6 +10,7 @@
 #include <iterator>
 
 #include "haptolith/core/atomic_file.h"
+#include "haptolith/core/base64.h"
 #include "haptolith/core/error.h"
 
 namespace haptolith {
@@ -144,23 +145,6 @@ std::string htmlEscaped(std::string_view text) {
     }
   }
   return escaped;
-}
-
-std::string base64(std::string_view bytes) {
-  constexpr std::string_view kDigits = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
-  std::string text;
-  text.reserve((bytes.size() + 2) / 3 * 4);
-  for (std::size_t i = 0; i < bytes.size(); i += 3) {
-    const std::string_view three = bytes.substr(i, 3);
-    unsigned bits = 0;  // 24 of them, four digits of six
-    for (std::size_t j = 0; j < 3; ++j) {
-      bits = bits << 8 | (j < three.size() ? static_cast<unsigned char>(three[j]) : 0U);
-    }
-    for (std::size_t digit = 0; digit < 4; ++digit) {
-      text += digit <= three.size() ? kDigits[bits >> (18 - 6 * digit) & 63U] : '=';
-    }
-  }
-  return text;
 }
 
 std::string reportHtml(const ReportPage& page) {

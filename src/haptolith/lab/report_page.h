@@ -50,9 +50,6 @@ struct ReportPage {
 /// `text` as it must be written between tags and in quoted attributes.
 [[nodiscard]] std::string htmlEscaped(std::string_view text);
 
-/// `bytes` in base64 (RFC 4648, section 4), with padding.
-[[nodiscard]] std::string base64(std::string_view bytes);
-
 /// The page as one HTML document that needs no other file: figures are inside, there are no scripts, and it follows the
 /// reader's choice of light or dark. The same page gives the same bytes.
 /// @throws InvalidParameter when a figure is neither .svg nor .png; Failure when it cannot be read. Not for the tick.

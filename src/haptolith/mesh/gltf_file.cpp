@@ -13,6 +13,7 @@
 #include <utility>
 #include <vector>
 
+#include "haptolith/core/base64.h"
 #include "haptolith/core/error.h"
 #include "haptolith/core/plain_text.h"
 #include "haptolith/core/stop_asked.h"
@@ -204,33 +205,11 @@ std::string embedded(const Value& uri) {
   if (comma == std::string::npos || !head.ends_with(";base64")) {
     uri.refuse(inQuotes(text), "'data:...;base64,' and the data");
   }
-  constexpr std::string_view kLetters = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
-  std::array<std::uint8_t, 256> value{};
-  value.fill(64);
-  for (std::size_t i = 0; i < kLetters.size(); ++i) {
-    value[static_cast<unsigned char>(kLetters[i])] = static_cast<std::uint8_t>(i);
+  std::optional<std::string> bytes = fromBase64(std::string_view(text).substr(comma + 1));
+  if (!bytes) {
+    uri.refuse("data that is no base64", "whole and in letters of base64");
   }
-  std::string_view code = std::string_view(text).substr(comma + 1);
-  while (code.ends_with('=')) {
-    code.remove_suffix(1);
-  }
-  std::string bytes;
-  bytes.reserve(code.size() / 4 * 3 + 3);
-  std::uint32_t bits = 0;
-  int have = 0;
-  for (const char letter : code) {
-    const std::uint8_t six = value[static_cast<unsigned char>(letter)];
-    if (six == 64) {
-      uri.refuse("data with " + inQuotes(std::string_view(&letter, 1)), "letters of base64");
-    }
-    bits = ((bits << 6) | six) & 0xFFFFFF;
-    have += 6;
-    if (have >= 8) {
-      have -= 8;
-      bytes += static_cast<char>((bits >> have) & 0xFF);
-    }
-  }
-  return bytes;
+  return *std::move(bytes);
 }
 
 /// Elements of a buffer as an accessor names them: all of them lie in it.

@@ -8,11 +8,13 @@
 #include <cstdint>
 #include <cstdlib>
 #include <filesystem>
+#include <optional>
 #include <system_error>
 #include <thread>
 #include <utility>
 #include <vector>
 
+#include "haptolith/core/base64.h"
 #include "haptolith/core/child_process.h"
 #include "haptolith/core/error.h"
 
@@ -117,39 +119,6 @@ ChildProcess::Command commandFor(const HeadlessBrowser::Options& options, const 
     command.arguments.emplace_back("--no-sandbox");  // Chromium refuses to start as root otherwise
   }
   return command;
-}
-
-int sextet(char letter) noexcept {
-  if (letter >= 'A' && letter <= 'Z') {
-    return letter - 'A';
-  }
-  if (letter >= 'a' && letter <= 'z') {
-    return letter - 'a' + 26;
-  }
-  if (letter >= '0' && letter <= '9') {
-    return letter - '0' + 52;
-  }
-  return letter == '+' ? 62 : letter == '/' ? 63 : -1;
-}
-
-std::string fromBase64(std::string_view text) {
-  std::string bytes;
-  bytes.reserve(text.size() / 4 * 3);
-  std::uint32_t bits = 0;
-  int count = 0;
-  for (const char letter : text) {
-    const int value = sextet(letter);
-    if (value < 0) {  // "=" at the end
-      break;
-    }
-    bits = bits << 6 | static_cast<std::uint32_t>(value);
-    count += 6;
-    if (count >= 8) {
-      count -= 8;
-      bytes.push_back(static_cast<char>(bits >> count & 0xff));
-    }
-  }
-  return bytes;
 }
 
 }  // namespace
@@ -273,7 +242,11 @@ json HeadlessBrowser::evaluate(std::string_view expression) {
 std::string HeadlessBrowser::screenshot(Png png) {
   const json answer =
       implementation_->call("Page.captureScreenshot", {{"format", "png"}, {"optimizeForSpeed", png == Png::kQuick}});
-  return fromBase64(answer["data"].get_ref<const std::string&>());
+  const std::optional<std::string> picture = fromBase64(answer["data"].get_ref<const std::string&>());
+  if (!picture) {
+    throw Failure("the browser sent a picture that is no base64");
+  }
+  return *picture;
 }
 
 }  // namespace haptolith
