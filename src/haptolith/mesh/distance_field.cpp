@@ -222,17 +222,55 @@ class FieldMaker {
     return {place % nx * kCells, place / nx % ny * kCells, place / nx / ny * kCells};
   }
 
+  /// Beyond, no cell has a part of the band.
+  [[nodiscard]] double farthest() const { return reach() + 4 * field_.spacing_m_; }
+  [[nodiscard]] Vec3 pointAt(const Vec3& place) const { return field_.low_m_ + field_.spacing_m_ * place; }
+  [[nodiscard]] float distanceOf(double squared_m2) const {
+    return static_cast<float>(std::sqrt(squared_m2) - half_m_);
+  }
+
   /// Distance without a sign of a grid point. @param hint  the nearest triangle of a point beside it, then of this.
   [[nodiscard]] float measure(int x, int y, int z, std::int32_t& hint) const {
-    const double most_m = reach() + 4 * field_.spacing_m_;  // beyond, no cell has a part of the band
-    const TriangleTree::Nearest nearest =
-        surface_.nearest(field_.low_m_ + field_.spacing_m_ * Vec3(x, y, z), most_m, hint);
+    const TriangleTree::Nearest nearest = surface_.nearest(pointAt(Vec3(x, y, z)), farthest(), hint);
     hint = nearest.place;
-    return static_cast<float>(std::sqrt(nearest.squared_m2) - half_m_);
+    return distanceOf(nearest.squared_m2);
+  }
+
+  /// The points that no other block has as its own, where few triangles may be the nearest to one of them: these are
+  /// found once, by how far they are from the block's middle. False, and nothing done, where there are many.
+  bool measureOwnByFew(std::size_t block, std::vector<TriangleTree::Near>& near) {
+    constexpr std::size_t kFew = 200;
+    const auto [x0, y0, z0] = cellOf(block);
+    const double middle = 0.5 * (kCells - 1);
+    const Vec3 middle_m = pointAt(Vec3(x0 + middle, y0 + middle, z0 + middle));
+    const double half_diagonal_m = std::sqrt(3) * middle * field_.spacing_m_ * (1 + 1e-9);
+    const double most_m = farthest() + half_diagonal_m;
+    const TriangleTree::Nearest nearest = surface_.nearest(middle_m, most_m);
+    const double nearest_m = nearest.place >= 0 ? std::sqrt(nearest.squared_m2) : 0;
+    if (nearest.place >= 0 &&
+        !surface_.within(middle_m, std::min(most_m, nearest_m + 2 * half_diagonal_m), kFew, near)) {
+      return false;
+    }
+    float* values = valuesOf(block);
+    for (int z = 0; z < kCells; ++z) {
+      for (int y = 0; y < kCells; ++y) {
+        for (int x = 0; x < kCells; ++x) {
+          const Vec3 point_m = pointAt(Vec3(x0 + x, y0 + y, z0 + z));
+          const double away_m = (point_m - middle_m).norm() * (1 + 1e-9);
+          values[valuePlace(x, y, z)] = distanceOf(surface_.squaredDistanceTo(point_m, farthest(), near, away_m));
+        }
+      }
+    }
+    return true;
   }
 
   /// The points that no other block has as its own.
   void measureOwn(std::size_t block) {
+    thread_local std::vector<TriangleTree::Near> near;
+    near.clear();
+    if (measureOwnByFew(block, near)) {
+      return;
+    }
     const auto [x0, y0, z0] = cellOf(block);
     float* values = valuesOf(block);
     std::int32_t hint = -1;

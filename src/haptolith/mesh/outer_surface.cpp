@@ -56,51 +56,61 @@ class OuterSurface {
   void add(std::size_t triangle, std::vector<std::array<Vec3, 3>>& kept) const {
     const std::array<Vec3, 3> whole = cornersOf(solid_.mesh, solid_.mesh.triangles[triangle]);
     const std::int32_t shell = solid_.shells[triangle];
-    if (alone_[static_cast<std::size_t>(shell)]) {
-      kept.push_back(whole);
-      return;
-    }
     const Vec3 normal = (whole[1] - whole[0]).cross(whole[2] - whole[0]);
-    if (!(normal.norm() > 0)) {
+    const bool alone = alone_[static_cast<std::size_t>(shell)];
+    if (!alone && !(normal.norm() > 0)) {
       return;  // its edges belong to others
     }
-    const Vec3 beside_m = kBeside_m * normal.normalized();
-    Eigen::Index axis = 0;
-    normal.cwiseAbs().maxCoeff(&axis);
-    const auto is_of_another = [&](std::int32_t other) {
-      return solid_.shells[static_cast<std::size_t>(other)] != shell;
-    };
-    std::vector<std::array<Vec3, 3>> waiting{whole};
-    std::size_t pieces = 1;
-    while (!waiting.empty()) {
-      const std::array<Vec3, 3> piece = waiting.back();
-      waiting.pop_back();
-      Box box;
-      box.take(piece);
-      std::size_t longest = 0;
-      std::array<double, 3> length_m{};
-      for (std::size_t edge = 0; edge < 3; ++edge) {
-        length_m[edge] = (piece[(edge + 1) % 3] - piece[edge]).norm();
-        longest = length_m[edge] > length_m[longest] ? edge : longest;
-      }
-      if (length_m[longest] > finest_m_ && pieces < kMostPieces && tree_.anyInBox(box.low_m, box.high_m, is_of_another)) {
-        const Vec3& from = piece[longest];
-        const Vec3& to = piece[(longest + 1) % 3];
-        const Vec3& tip = piece[(longest + 2) % 3];
-        const Vec3 middle = (from + to) / 2;
-        waiting.push_back({from, middle, tip});
-        waiting.push_back({middle, to, tip});
-        ++pieces;
-        continue;
-      }
-      const Vec3 centre_m = (piece[0] + piece[1] + piece[2]) / 3;
-      if (tree_.winding(centre_m + beside_m, static_cast<int>(axis)) == 0) {
-        kept.push_back(piece);
-      }
+    Cutting cutting{.shell = shell, .beside_m = kBeside_m * normal.normalized(), .kept = kept};
+    normal.cwiseAbs().maxCoeff(&cutting.axis);
+    if (alone || staysWhole(whole, cutting)) {
+      kept.push_back(whole);
     }
   }
 
  private:
+  /// Of one triangle.
+  struct Cutting {
+    std::int32_t shell;
+    Vec3 beside_m;  ///< from its surface to outside
+    std::vector<std::array<Vec3, 3>>& kept;
+    Eigen::Index axis = 0;
+    std::size_t pieces = 1;
+  };
+
+  /// Whether all of a piece stays; of one that does not, adds what does.
+  bool staysWhole(const std::array<Vec3, 3>& piece, Cutting& cutting) const {
+    Box box;
+    box.take(piece);
+    std::size_t longest = 0;
+    std::array<double, 3> length_m{};
+    for (std::size_t edge = 0; edge < 3; ++edge) {
+      length_m[edge] = (piece[(edge + 1) % 3] - piece[edge]).norm();
+      longest = length_m[edge] > length_m[longest] ? edge : longest;
+    }
+    const auto is_of_another = [&](std::int32_t other) {
+      return solid_.shells[static_cast<std::size_t>(other)] != cutting.shell;
+    };
+    if (length_m[longest] <= finest_m_ || cutting.pieces >= kMostPieces ||
+        !tree_.anyInBox(box.low_m, box.high_m, is_of_another)) {
+      const Vec3 centre_m = (piece[0] + piece[1] + piece[2]) / 3;
+      return tree_.winding(centre_m + cutting.beside_m, static_cast<int>(cutting.axis)) == 0;
+    }
+    const Vec3& from = piece[longest];
+    const Vec3& to = piece[(longest + 1) % 3];
+    const Vec3& tip = piece[(longest + 2) % 3];
+    const Vec3 middle = (from + to) / 2;
+    ++cutting.pieces;
+    const std::array<Vec3, 3> one{from, middle, tip};
+    const std::array<Vec3, 3> other{middle, to, tip};
+    const bool one_stays = staysWhole(one, cutting);
+    const bool other_stays = staysWhole(other, cutting);
+    if (one_stays != other_stays) {
+      cutting.kept.push_back(one_stays ? one : other);
+    }
+    return one_stays && other_stays;
+  }
+
   const MendedMesh& solid_;
   const TriangleTree& tree_;
   double finest_m_;

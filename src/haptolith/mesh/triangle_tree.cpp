@@ -221,6 +221,43 @@ TriangleTree::TriangleTree(const TriangleMesh& mesh, int threads) : mesh_(&mesh)
   mesh_ = nullptr;
 }
 
+bool TriangleTree::within(const Vec3& point_m, double most_m, std::size_t most, std::vector<Near>& found) const {
+  found.clear();
+  const Vec3 reach_m = Vec3::Constant(most_m);
+  forEachNear(
+      [&](const Node& node, int i) {
+        return found.size() <= most && meets(node, i, point_m - reach_m - middle_m_, point_m + reach_m - middle_m_);
+      },
+      [&](std::int32_t place) {
+        const double distance_m = std::sqrt(squaredDistance(point_m, corners_m_[static_cast<std::size_t>(place)]));
+        if (distance_m < most_m) {
+          found.push_back({distance_m, place});
+        }
+      });
+  if (found.size() > most) {
+    return false;
+  }
+  std::ranges::sort(found, {}, &Near::distance_m);
+  return true;
+}
+
+double TriangleTree::squaredDistanceTo(const Vec3& point_m, double most_m, std::span<const Near> near,
+                                       double away_m) const noexcept {
+  double best_m2 = most_m * most_m;
+  double best_m = most_m;
+  for (const Near& one : near) {
+    if (one.distance_m - away_m > best_m) {
+      break;  // nor are those after it nearer
+    }
+    const double squared_m2 = squaredDistance(point_m, corners_m_[static_cast<std::size_t>(one.place)]);
+    if (squared_m2 < best_m2) {
+      best_m2 = squared_m2;
+      best_m = std::sqrt(squared_m2);
+    }
+  }
+  return best_m2;
+}
+
 TriangleTree::Nearest TriangleTree::nearest(const Vec3& point_m, double most_m, std::int32_t hint) const noexcept {
   Nearest best{most_m * most_m, -1};
   if (hint >= 0) {

@@ -27,6 +27,19 @@ class TriangleTree {
   /// @param hint  place of a triangle that is probably near; -1 for none.
   [[nodiscard]] Nearest nearest(const Vec3& point_m, double most_m, std::int32_t hint = -1) const noexcept;
 
+  /// A triangle near a point.
+  struct Near {
+    double distance_m = 0;
+    std::int32_t place = 0;  ///< in the tree
+  };
+  /// All triangles nearer to a point than `most_m`, the nearest first; false when there are more than `most`.
+  [[nodiscard]] bool within(const Vec3& point_m, double most_m, std::size_t most, std::vector<Near>& found) const;
+
+  /// The nearest of some triangles to a point; none further away than `most_m`.
+  /// @param near       nearest first to a point `away_m` from this one, and all that may be the nearest to this one.
+  [[nodiscard]] double squaredDistanceTo(const Vec3& point_m, double most_m, std::span<const Near> near,
+                                         double away_m) const noexcept;
+
   /// A surface that a straight line along an axis passes.
   struct Crossing {
     double at_m = 0;            ///< coordinate along the axis
