@@ -8,6 +8,7 @@
 import * as v from 'valibot';
 import { ProtocolError } from './protocol_error';
 import { StudyMessage, type StudyCommand } from './study/protocol';
+import { ToolMesh } from './tool_mesh';
 
 export const PROTOCOL_VERSION = 1;
 export const SUBPROTOCOL = 'haptolith.1';
@@ -22,7 +23,7 @@ export interface Pose {
   rotation: Quat;
 }
 
-const Shape = v.picklist(['box', 'sphere', 'plate', 'cylinder', 'jaws']);
+const Shape = v.picklist(['box', 'sphere', 'plate', 'cylinder', 'jaws', 'mesh']);
 export type Shape = v.InferOutput<typeof Shape>;
 
 export const COLOUR_MODES = ['plain', 'force', 'speed', 'depth', 'sleep'] as const;
@@ -67,17 +68,30 @@ const Slider = v.object({
 });
 export type Slider = v.InferOutput<typeof Slider>;
 
-const Tool = v.object({
-  shape: Shape,
-  size_mm: Vec3,
-  diameter_mm: v.number(),
-  thickness_mm: v.number(),
-  /** of a cylinder; an older program has none, and does not say */
-  length_mm: v.optional(v.number(), 0),
-  /** between jaws that are wide open */
-  opening_mm: v.number(),
-});
+const Tool = v.pipe(
+  v.object({
+    shape: Shape,
+    size_mm: Vec3,
+    diameter_mm: v.number(),
+    thickness_mm: v.number(),
+    /** of a cylinder; an older program has none, and does not say */
+    length_mm: v.optional(v.number(), 0),
+    /** between jaws that are wide open */
+    opening_mm: v.number(),
+    /** whatever the shape is now; null: nobody has drawn one */
+    mesh: v.nullish(ToolMesh, null),
+  }),
+  v.forward(
+    v.check(({ shape, mesh }) => shape !== 'mesh' || mesh !== null, 'there for a tool of this shape'),
+    ['mesh'],
+  ),
+);
 export type Tool = v.InferOutput<typeof Tool>;
+
+/** Whether two tools are the same in every number; a mesh, which has too many of them, is the same only as itself. */
+export function isSameTool({ mesh: a, ...one }: Tool, { mesh: b, ...other }: Tool): boolean {
+  return a === b && JSON.stringify(one) === JSON.stringify(other);
+}
 
 const Range3 = v.object({ low_m: Vec3, high_m: Vec3 });
 export type Range3 = v.InferOutput<typeof Range3>;
@@ -238,10 +252,10 @@ export function decodeMessage(text: string): Message | null {
   if (!schema) return null;
   const read = v.safeParse(schema, value, { abortEarly: true });
   if (read.success) return read.output;
-  const [{ path = [], received, expected }] = read.issues;
+  const [{ path = [], received, expected, message }] = read.issues;
   const where = path.map(({ key }) => (typeof key === 'number' ? `[${key}]` : `.${String(key)}`)).join('');
   throw new ProtocolError(
-    `${type}${where} ${received === 'undefined' ? 'is missing' : `is not valid: must be ${expected}`}`,
+    `${type}${where} ${received === 'undefined' ? 'is missing' : `is not valid: must be ${expected ?? message}`}`,
   );
 }
 

@@ -1,7 +1,16 @@
 // What the page knows of each shape of a tool. A new shape is an entry here and its word in the protocol's `Shape`.
 
-import { BoxGeometry, CylinderGeometry, SphereGeometry, type BufferGeometry, type Object3D } from 'three';
+import {
+  BoxGeometry,
+  CylinderGeometry,
+  EdgesGeometry,
+  SphereGeometry,
+  type BufferGeometry,
+  type Object3D,
+} from 'three';
 import type { Shape, Tool, Vec3 } from './protocol';
+import { sizeOfMesh } from './tool_mesh';
+import { meshEdges, meshGeometry } from './view/mesh_geometry';
 import { blade, shovelHandle, stick, yoke, type ToolMaterials } from './view/tool_geometry';
 
 /** A number that a person may change. */
@@ -12,8 +21,8 @@ export interface ToolSize {
   change(mm: number, tool: Tool): Partial<Tool>;
 }
 
-/** What a tool is made of, as the shader of its shadow knows it. */
-export const SOLIDS = ['box', 'sphere', 'cylinder'] as const;
+/** What a tool is made of, as the shader of its shadow knows it; of `none` it knows nothing, and there is no shadow. */
+export const SOLIDS = ['box', 'sphere', 'cylinder', 'none'] as const;
 
 export interface ToolShape {
   /** on buttons and in sentences */
@@ -21,17 +30,17 @@ export interface ToolShape {
   sizes: readonly ToolSize[];
   /** longest edge or diameter, in m */
   longest_m(tool: Tool): number;
-  /** radius of the sphere around it, in m */
+  /** radius of the sphere around it whose middle is the tool's origin, in m */
   reach_m(tool: Tool): number;
   /** it is two solids, which open along the tool's x */
   jaws: boolean;
   solid: (typeof SOLIDS)[number];
-  /** half of the solid's size along the tool's x, y and z, in m */
+  /** half of the solid's size along the tool's x, y and z, in m; of `none`, of a box around it about the tool's origin */
   half_m(tool: Tool): Vec3;
-  /** the solid, about its middle, in m */
+  /** the solid, in m, about its middle; a mesh is where it was drawn */
   geometry(tool: Tool): BufferGeometry;
-  /** between two faces, from which on their edge is drawn, in degrees */
-  edge_angle_deg: number;
+  /** those edges of the geometry that are drawn as lines */
+  edges(solid: BufferGeometry, tool: Tool): BufferGeometry;
   /** what is only there so that the tool can be recognised: soil passes through it */
   extras(tool: Tool, materials: ToolMaterials): Object3D[];
 }
@@ -55,6 +64,10 @@ const THICKNESS: ToolSize = {
 const LENGTH: ToolSize = { name: 'length', mm: (tool) => tool.length_mm, change: (length_mm) => ({ length_mm }) };
 const OPENING: ToolSize = { name: 'opening', mm: (tool) => tool.opening_mm, change: (opening_mm) => ({ opening_mm }) };
 
+/** Faces that meet at more than this have an edge. */
+const EDGE_ANGLE_DEG = 25;
+const sharpEdges = (solid: BufferGeometry): BufferGeometry => new EdgesGeometry(solid, EDGE_ANGLE_DEG);
+
 /** Round about z, with flat ends. */
 const round = (name: string, height: ToolSize): ToolShape => ({
   name,
@@ -68,7 +81,7 @@ const round = (name: string, height: ToolSize): ToolShape => ({
     const radius_m = tool.diameter_mm / 2000;
     return new CylinderGeometry(radius_m, radius_m, height.mm(tool) / 1000, 64).rotateX(Math.PI / 2);
   },
-  edge_angle_deg: 25,
+  edges: sharpEdges,
   extras: (tool, { handle }) => [stick(height.mm(tool) / 2000, tool.diameter_mm / 1000, 0.045, handle)],
 });
 
@@ -82,7 +95,7 @@ export const TOOL_SHAPES = {
     solid: 'box',
     half_m: (tool) => tool.size_mm.map((mm) => mm / 2000) as Vec3,
     geometry: blade,
-    edge_angle_deg: 25,
+    edges: sharpEdges,
     extras: shovelHandle,
   },
   sphere: {
@@ -94,7 +107,7 @@ export const TOOL_SHAPES = {
     solid: 'sphere',
     half_m: (tool) => [tool.diameter_mm / 2000, tool.diameter_mm / 2000, tool.diameter_mm / 2000],
     geometry: (tool) => new SphereGeometry(tool.diameter_mm / 2000, 48, 32),
-    edge_angle_deg: 0,
+    edges: (solid) => new EdgesGeometry(solid, 0),
     extras: (tool, { handle }) => [stick(tool.diameter_mm / 2000, tool.diameter_mm / 1000, 0.045, handle)],
   },
   plate: round('plate', THICKNESS),
@@ -115,9 +128,25 @@ export const TOOL_SHAPES = {
     ],
     geometry: ({ size_mm: [height_mm, width_mm, thickness_mm] }) =>
       new BoxGeometry(thickness_mm / 1000, width_mm / 1000, height_mm / 1000),
-    edge_angle_deg: 25,
+    edges: sharpEdges,
     extras: yoke,
+  },
+  // What somebody drew is the whole tool. The box around it is no solid: soil lies in a scoop, and in its box.
+  mesh: {
+    name: 'mesh',
+    sizes: [],
+    longest_m: (tool) => sizeOfMesh(tool.mesh!).longest_m,
+    reach_m: (tool) => sizeOfMesh(tool.mesh!).reach_m,
+    jaws: false,
+    solid: 'none',
+    half_m: (tool) => sizeOfMesh(tool.mesh!).half_m,
+    geometry: (tool) => meshGeometry(tool.mesh!),
+    edges: (_solid, tool) => meshEdges(tool.mesh!, EDGE_ANGLE_DEG),
+    extras: () => [],
   },
 } satisfies Record<Shape, ToolShape>;
 
 export const shapeOf = (tool: Tool): ToolShape => TOOL_SHAPES[tool.shape];
+
+/** Whether it can become one of this shape: a mesh has to be drawn first. */
+export const canBecome = (tool: Tool, shape: Shape): boolean => shape !== 'mesh' || tool.mesh !== null;

@@ -167,7 +167,7 @@ function halfSize(tool: Tool): Vec3 {
   const [x, y, z] = shape.half_m(tool);
   if (shape.jaws) return [tool.opening_mm / 2000 + 2 * x, y, z];
   // Of round ones a box that is about as large.
-  const across = { box: 1, cylinder: 0.8, sphere: 0.58 }[shape.solid];
+  const across = { box: 1, cylinder: 0.8, sphere: 0.58, none: 1 }[shape.solid];
   return [across * x, across * y, shape.solid === 'sphere' ? across * z : z];
 }
 

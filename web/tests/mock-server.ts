@@ -5,6 +5,7 @@ import { createReadStream, existsSync } from 'node:fs';
 import { createServer, type Server } from 'node:http';
 import { extname, join, normalize } from 'node:path';
 import { fileURLToPath } from 'node:url';
+import { parse } from 'valibot';
 import { WebSocketServer, type WebSocket } from 'ws';
 import {
   isFeltChange,
@@ -16,6 +17,7 @@ import {
   type Status,
   type Vec3,
 } from '../src/protocol';
+import { ToolMesh, type MeshText } from '../src/tool_mesh';
 import { shapeOf, TOOL_SHAPES } from '../src/tool_shapes';
 import { encodeFrame, type RecordValues } from './frame-bytes';
 import { MockBed } from './mock-bed';
@@ -64,6 +66,8 @@ export interface MockOptions {
   person_feels?: boolean;
   /** what must be in the address of the WebSocket */
   token?: string;
+  /** a tool that somebody drew */
+  mesh?: MeshText;
   /** none: no study is running */
   study?: MockStudy;
 }
@@ -183,7 +187,15 @@ export class MockServer {
       ],
       body: 'Moon',
       gravity_m_s2: [0, 0, -1.625],
-      tool: { shape: 'box', size_mm: [50, 40, 5], diameter_mm: 60, thickness_mm: 5, length_mm: 150, opening_mm: 60 },
+      tool: {
+        shape: 'box',
+        size_mm: [50, 40, 5],
+        diameter_mm: 60,
+        thickness_mm: 5,
+        length_mm: 150,
+        opening_mm: 60,
+        mesh: this.options.mesh ? parse(ToolMesh, this.options.mesh) : null,
+      },
       hand: { manoeuvre: 'still', max_force_n: 12, max_torque_nm: 0.2 },
       workspace: { low_m: [-far, -far, 0], high_m: [far, far, 0.4] },
     };
@@ -245,7 +257,7 @@ export class MockServer {
     });
     socket.on('message', (data) => this.receive(client, String(data)));
     socket.send(JSON.stringify(this.hello(client.number)));
-    socket.send(JSON.stringify(this.scene));
+    socket.send(this.textOf(this.scene));
   }
 
   private receive(client: Client, text: string): void {
@@ -382,7 +394,13 @@ export class MockServer {
   }
 
   private sendAll(message: object): void {
-    for (const { socket } of this.clients) socket.send(JSON.stringify(message));
+    const text = this.textOf(message);
+    for (const { socket } of this.clients) socket.send(text);
+  }
+
+  /** A mesh goes as it came. */
+  private textOf(message: object): string {
+    return JSON.stringify(message, (key, value: unknown) => (key === 'mesh' && value ? this.options.mesh : value));
   }
 
   private sendStudy(): void {

@@ -3,16 +3,19 @@
 
 import {
   COLOUR_MODES,
+  isSameTool,
   type ColourMode,
   type Command,
   type Hello,
   type Scene,
   type SceneChange,
+  type Shape,
   type Slider,
   type Status,
+  type Tool,
 } from '../protocol';
 import { VIEW_NAMES, type ViewName } from '../settings';
-import { shapeOf, TOOL_SHAPES } from '../tool_shapes';
+import { canBecome, shapeOf, TOOL_SHAPES } from '../tool_shapes';
 import { DRAG_WARNING, EXPLAIN, frictionModelName, sliderExplanation } from './explanations';
 import { h, setText } from './html';
 import { explain } from './tooltip';
@@ -55,7 +58,7 @@ export class Controls {
   private readonly slider_inputs = new Map<string, { input: HTMLInputElement; value: HTMLElement; spec: Slider }>();
   private readonly slider_timers = new Map<string, number>();
   private readonly changing: HTMLFieldSetElement[];
-  private size_key = '';
+  private sizes_of: Tool | null = null;
   private hello: Hello | null = null;
   private scene: Scene | null = null;
   private status: Status | null = null;
@@ -216,8 +219,12 @@ export class Controls {
     const cohesion = soil.cohesion_pa === null ? '' : `${Math.round(soil.cohesion_pa)} Pa, `;
     const density = soil.bulk_density_kg_m3 === null ? '' : `${Math.round(soil.bulk_density_kg_m3)} kg/m³`;
     setText(this.soil_facts, `${angle}${cohesion}${density}`);
-    for (const button of this.shapes.children as HTMLCollectionOf<HTMLElement>)
-      button.setAttribute('aria-pressed', String(button.dataset.shape === tool.shape));
+    for (const button of this.shapes.children as HTMLCollectionOf<HTMLElement>) {
+      const shape = button.dataset.shape as Shape;
+      button.setAttribute('aria-pressed', String(shape === tool.shape));
+      button.hidden = !canBecome(tool, shape);
+      if (shape === 'mesh') button.title = tool.mesh?.name ?? '';
+    }
     this.showSizes(scene);
     this.showSliders(scene.sliders, friction);
   }
@@ -247,7 +254,7 @@ export class Controls {
 
   /** What is so, where a change was asked for and not made. */
   showAgain(): void {
-    this.size_key = '';
+    this.sizes_of = null;
     if (this.scene) this.setScene(this.scene);
   }
 
@@ -280,7 +287,9 @@ export class Controls {
   next(what: 'soil' | 'body' | 'friction' | 'shape' | 'manoeuvre', by: 1 | -1 = 1): void {
     if (!this.hello || !this.scene) return;
     if (what === 'shape') {
-      const shape = following(this.hello.shapes, this.scene.tool.shape, by);
+      const { tool } = this.scene;
+      const shapes = this.hello.shapes.filter((shape) => canBecome(tool, shape));
+      const shape = following(shapes, tool.shape, by);
       return this.change({ tool: { shape } });
     }
     const list = this[what];
@@ -309,9 +318,8 @@ export class Controls {
   private showSizes(scene: Scene): void {
     const { tool } = scene;
     const largest_mm = Math.round(1000 * Math.min(scene.box.width_m, scene.box.length_m));
-    const key = JSON.stringify(tool);
-    if (key === this.size_key) return;
-    this.size_key = key;
+    if (this.sizes_of && isSameTool(tool, this.sizes_of)) return;
+    this.sizes_of = tool;
     // Rebuilding would take the focus away from the field that was just changed.
     const focused = document.activeElement instanceof HTMLInputElement ? document.activeElement.name : '';
     this.sizes.replaceChildren(

@@ -112,7 +112,7 @@ uniform vec2 u_box_half_m;
 uniform vec3 u_to_sun;
 uniform vec3 u_sun;
 uniform vec3 u_fill;
-uniform int u_tool_solid;       // 0 box, 1 sphere, 2 cylinder: SOLIDS
+uniform int u_tool_solid;       // 0 box, 1 sphere, 2 cylinder, 3 none: SOLIDS
 uniform vec3 u_tool_half_m;     // of one of two jaws
 uniform float u_jaw_middle_m;   // from the tool's origin to the middle of a jaw, 0 with other tools
 uniform vec3 u_tool_origin_m;
@@ -160,8 +160,9 @@ float sunPastFlying(vec3 from_m) {
   return smoothstep(0.0, 1.0, clamp(light, 0.0, 1.0));
 }
 
-// Distance from a point of the scene to the tool's surface, in m; negative inside.
+// Distance from a point of the scene to the tool's surface, in m; negative inside. What is no solid is nowhere near.
 float distanceToTool(vec3 at_m) {
+  if (u_tool_solid == 3) return 1e3;
   vec3 p = u_tool_T_scene * (at_m - u_tool_origin_m);
   if (u_tool_solid == 1) return length(p) - u_tool_half_m.x;
   vec3 d = u_tool_solid != 2 ? abs(vec3(abs(p.x) - u_jaw_middle_m, p.yz)) - u_tool_half_m

@@ -2,7 +2,6 @@
 
 import {
   BufferGeometry,
-  EdgesGeometry,
   Group,
   LineBasicMaterial,
   LineSegments,
@@ -11,7 +10,7 @@ import {
   MeshStandardMaterial,
   Object3D,
 } from 'three';
-import type { Pose, Tool } from '../protocol';
+import { isSameTool, type Pose, type Tool } from '../protocol';
 import { shapeOf } from '../tool_shapes';
 
 const METAL = { color: '#b3c1cb', metalness: 0.15, roughness: 0.45 } as const;
@@ -22,7 +21,7 @@ export class ToolView {
   readonly group = new Group();
   /** where the hand wants it */
   readonly ghost = new Group();
-  private built_for = '';
+  private built_for: Tool | null = null;
   /** what moves along the tool's x when jaws open */
   private jaws: { part: Object3D; side: number }[] = [];
   private jaw_thickness_m = 0;
@@ -49,9 +48,8 @@ export class ToolView {
   });
 
   setTool(tool: Tool): void {
-    const wanted = JSON.stringify(tool);
-    if (wanted === this.built_for) return;
-    this.built_for = wanted;
+    if (this.built_for && isSameTool(tool, this.built_for)) return;
+    this.built_for = tool;
     dispose(this.group);
     dispose(this.ghost);
     this.jaws = [];
@@ -61,14 +59,14 @@ export class ToolView {
     for (const side of shape.jaws ? [-1, 1] : [0]) {
       const body = new Mesh(solid, this.metal);
       const fill = new Mesh(solid, this.ghost_fill);
-      const lines = new LineSegments(new EdgesGeometry(solid, shape.edge_angle_deg), this.ghost_lines);
+      const lines = new LineSegments(shape.edges(solid, tool), this.ghost_lines);
       fill.renderOrder = 19;
       lines.renderOrder = 20;
       this.group.add(body);
       this.ghost.add(fill, lines);
       if (side !== 0) this.jaws.push(...[body, fill, lines].map((part) => ({ part, side })));
     }
-    this.group.add(...shape.extras(tool, { metal: this.metal, handle: this.handle }));
+    for (const part of shape.extras(tool, { metal: this.metal, handle: this.handle })) this.group.add(part);
   }
 
   setPoses(tool: Pose, wished: Pose, show_ghost: boolean, opening_m: number): void {

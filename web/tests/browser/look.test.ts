@@ -3,6 +3,7 @@
 import type { Browser } from 'playwright-core';
 import { afterAll, afterEach, beforeAll, describe, expect, it } from 'vitest';
 import { MockServer, type MockOptions } from '../mock-server';
+import { SCOOP } from '../scoop';
 import { launch, launchWithoutWebGl, newPage, violations, type Watched } from './pages';
 
 let browser: Browser;
@@ -71,6 +72,35 @@ describe('a recording', () => {
     const download = await downloading;
     expect(download.suggestedFilename()).toBe('haptolith-20260101-120000.h5');
     expect(await download.failure()).toBeNull();
+  });
+});
+
+describe('a tool that somebody drew', () => {
+  const shape = (page: Watched['page']) => page.evaluate(() => window.haptolith!.scene!.tool.shape);
+
+  it('is one of the tools, by its button and by the key', async () => {
+    const { page, complaints } = await visit({ mesh: SCOOP });
+    const button = page.getByRole('button', { name: 'mesh' });
+    expect(await button.getAttribute('title')).toBe('scoop.stl');
+    await button.click();
+    await page.locator('[data-shape=mesh][aria-pressed=true]').waitFor();
+    expect(await page.locator('.size').count()).toBe(0);
+    const drawn = await page.evaluate(() => window.haptolith!.framesDrawn);
+    await page.waitForFunction((before) => window.haptolith!.framesDrawn > before + 2, drawn);
+    await button.blur();
+    await page.keyboard.press('x');
+    await expect.poll(() => shape(page)).toBe('box');
+    expect(complaints).toEqual([]);
+  });
+
+  it('is none of them where nobody drew any', async () => {
+    const { page } = await visit();
+    expect(await page.getByRole('button', { name: 'jaws' }).isVisible()).toBe(true);
+    expect(await page.locator('[data-shape=mesh]').isVisible()).toBe(false);
+    await page.getByRole('button', { name: 'jaws' }).click();
+    await page.locator('[data-shape=jaws][aria-pressed=true]').waitFor();
+    await page.keyboard.press('x');
+    await expect.poll(() => shape(page)).toBe('box');
   });
 });
 

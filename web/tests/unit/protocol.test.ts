@@ -7,11 +7,14 @@ import {
   decodeMessage,
   dequantise,
   encodeCommand,
+  isSameTool,
   ProtocolError,
   speedOf,
   type FrameHeader,
+  type Scene,
 } from '../../src/protocol';
 import { encodeFrame } from '../frame-bytes';
+import { encodeMesh, SCOOP } from '../scoop';
 
 const HEADER: FrameHeader = {
   scene: 3,
@@ -212,6 +215,59 @@ describe('a message of another program', () => {
   ])('%s that is wrong is refused, and says where: %#', (type, change, where) => {
     expect(() => read(type, change)).toThrow(ProtocolError);
     expect(() => read(type, change)).toThrow(where);
+  });
+});
+
+describe('a mesh', () => {
+  const read = (mesh: unknown, shape = 'box'): Scene => {
+    const scene = example('scene');
+    return decodeMessage(JSON.stringify({ ...scene, tool: { ...(scene.tool as object), shape, mesh } })) as Scene;
+  };
+  const base64 = (...bytes: number[]): string => Buffer.from(bytes).toString('base64');
+
+  it('is read from bytes written by hand', () => {
+    const points_base64 = base64(0, 0, 0x80, 0x3f, 0, 0, 0, 0xc0, 0, 0, 0, 0);
+    const triangles_base64 = base64(0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0);
+    const { mesh } = read({ name: 'one.stl', points_base64, triangles_base64 }).tool;
+    expect(mesh).toEqual({
+      name: 'one.stl',
+      points_m: new Float32Array([1, -2, 0]),
+      triangles: new Uint32Array([0, 0, 0]),
+    });
+  });
+
+  it('may be missing while the tool is another', () => {
+    expect(read(undefined).tool.mesh).toBeNull();
+    expect(read(null).tool.mesh).toBeNull();
+    for (const none of [null, undefined])
+      expect(() => read(none, 'mesh')).toThrow('scene.tool.mesh is not valid: must be there for a tool of this shape');
+    expect(read(SCOOP, 'mesh').tool).toMatchObject({ shape: 'mesh', mesh: { name: 'scoop.stl' } });
+  });
+
+  it('stays the same object until it changes', () => {
+    const { tool } = read(SCOOP);
+    expect(read(SCOOP).tool.mesh).toBe(tool.mesh);
+    expect(isSameTool(read(SCOOP).tool, tool)).toBe(true);
+    expect(isSameTool(read(SCOOP, 'mesh').tool, tool)).toBe(false);
+    expect(isSameTool(read({ ...SCOOP, name: 'other.stl' }).tool, tool)).toBe(false);
+    expect(isSameTool(read(null).tool, tool)).toBe(false);
+  });
+
+  it.each([
+    [{ points_base64: '%' }, '.points_base64 is not valid: must be base64 of 12 bytes a point'],
+    [{ points_base64: base64(1, 2, 3, 4) }, '.points_base64 is not valid: must be base64 of 12 bytes a point'],
+    [{ points_base64: '' }, '.points_base64 is not valid: must be base64 of 12 bytes a point'],
+    [{ points_base64: encodeMesh('', [[0, NaN, 0]], []).points_base64 }, '.points_base64 is not valid: must be finite'],
+    [{ triangles_base64: base64(0, 0, 0, 0) }, '.triangles_base64 is not valid: must be base64 of 12 bytes a triangle'],
+    [
+      { triangles_base64: encodeMesh('', [], [[0, 1, 16]]).triangles_base64 },
+      '.triangles_base64 is not valid: must be of 16 points',
+    ],
+    [{ name: 7 }, '.name is not valid: must be string'],
+    [{ triangles_base64: undefined }, '.triangles_base64 is missing'],
+  ])('that is wrong is refused, and says where: %#', (change, where) => {
+    expect(() => read({ ...SCOOP, ...change })).toThrow(ProtocolError);
+    expect(() => read({ ...SCOOP, ...change })).toThrow(`scene.tool.mesh${where}`);
   });
 });
 

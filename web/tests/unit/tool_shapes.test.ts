@@ -1,7 +1,10 @@
-import { Box3, Vector3, type Mesh, MeshBasicMaterial } from 'three';
+import { Box3, MeshBasicMaterial, SphereGeometry, Vector3, type Mesh } from 'three';
+import { parse } from 'valibot';
 import { describe, expect, it } from 'vitest';
-import type { Shape, Tool } from '../../src/protocol';
-import { shapeOf, TOOL_SHAPES } from '../../src/tool_shapes';
+import type { Shape, Tool, Vec3 } from '../../src/protocol';
+import { ToolMesh } from '../../src/tool_mesh';
+import { canBecome, shapeOf, TOOL_SHAPES } from '../../src/tool_shapes';
+import { encodeMesh, SCOOP } from '../scoop';
 
 const tool = (shape: Shape): Tool => ({
   shape,
@@ -10,9 +13,12 @@ const tool = (shape: Shape): Tool => ({
   thickness_mm: 6,
   length_mm: 150,
   opening_mm: 30,
+  mesh: parse(ToolMesh, SCOOP),
 });
 
-describe.each(Object.keys(TOOL_SHAPES) as Shape[])('a %s', (name) => {
+const SHAPES = Object.keys(TOOL_SHAPES) as Shape[];
+
+describe.each(SHAPES.filter((name) => name !== 'mesh'))('a %s', (name) => {
   const given = tool(name);
   const shape = shapeOf(given);
 
@@ -51,12 +57,68 @@ describe.each(Object.keys(TOOL_SHAPES) as Shape[])('a %s', (name) => {
   });
 });
 
+describe('a mesh', () => {
+  const given = tool('mesh');
+  const shape = shapeOf(given);
+  const solid = shape.geometry(given);
+
+  it('is drawn where it was drawn', () => {
+    const drawn = new Box3().setFromBufferAttribute(solid.getAttribute('position') as never);
+    expect(drawn.min.toArray()).toEqual([-0.03, -0.02, 0].map(Math.fround));
+    expect(drawn.max.toArray()).toEqual([0.03, 0.02, 0.02].map(Math.fround));
+  });
+
+  it('has the sphere and the box around it about its origin', () => {
+    expect(shape.reach_m(given)).toBeCloseTo(Math.hypot(0.03, 0.02, 0.02), 6);
+    shape.half_m(given).forEach((value, axis) => expect(value).toBeCloseTo([0.03, 0.02, 0.02][axis]!, 6));
+  });
+
+  it('has flat faces that look outwards, and lines on its edges only', () => {
+    const [at, normal] = [solid.getAttribute('position'), solid.getAttribute('normal')];
+    const [a, b, c] = [new Vector3(), new Vector3(), new Vector3()];
+    for (let i = 0; i < at.count; i += 3) {
+      [a, b, c].forEach((corner, k) => corner.fromBufferAttribute(at, i + k));
+      const flat = b.sub(a).cross(c.sub(a)).normalize();
+      for (const k of [0, 1, 2])
+        expect(new Vector3().fromBufferAttribute(normal, i + k).distanceTo(flat)).toBeLessThan(1e-5);
+    }
+    // 4 at the bottom, 4 at each side of the rim, 4 around the floor, 8 upright; none across a quad.
+    expect(shape.edges(solid, given).getAttribute('position').count).toBe(2 * 24);
+  });
+
+  it('looks round where its triangles meet nearly flat', () => {
+    const ball = new SphereGeometry(0.02, 32, 24);
+    const [points, triangles] = [ball.getAttribute('position').array, ball.index!.array];
+    const of_threes = (numbers: ArrayLike<number>): Vec3[] =>
+      Array.from({ length: numbers.length / 3 }, (_, i) => [numbers[3 * i]!, numbers[3 * i + 1]!, numbers[3 * i + 2]!]);
+    const round = { ...given, mesh: parse(ToolMesh, encodeMesh('ball', of_threes(points), of_threes(triangles))) };
+    const drawn = shape.geometry(round);
+    const [at, normal] = [drawn.getAttribute('position'), drawn.getAttribute('normal')];
+    for (let i = 0; i < at.count; ++i) {
+      const outwards = new Vector3().fromBufferAttribute(at, i).normalize();
+      // Its seam, where points are there twice, is a little off.
+      expect(new Vector3().fromBufferAttribute(normal, i).angleTo(outwards)).toBeLessThan(0.11);
+    }
+    expect(shape.edges(drawn, round).getAttribute('position').count).toBe(0);
+  });
+
+  it('is offered where somebody has drawn one', () => {
+    expect(SHAPES.filter((name) => canBecome(given, name))).toEqual(SHAPES);
+    expect(SHAPES.filter((name) => canBecome({ ...given, mesh: null }, name))).not.toContain('mesh');
+  });
+});
+
 describe('a tool', () => {
   it('is as long as its longest edge or diameter', () => {
-    const longest_m = Object.fromEntries(
-      (Object.keys(TOOL_SHAPES) as Shape[]).map((name) => [name, shapeOf(tool(name)).longest_m(tool(name))]),
-    );
-    expect(longest_m).toEqual({ box: 0.05, sphere: 0.06, plate: 0.06, cylinder: 0.15, jaws: 0.05 });
+    const longest_m = Object.fromEntries(SHAPES.map((name) => [name, shapeOf(tool(name)).longest_m(tool(name))]));
+    expect(longest_m).toEqual({
+      box: 0.05,
+      sphere: 0.06,
+      plate: 0.06,
+      cylinder: 0.15,
+      jaws: 0.05,
+      mesh: 2 * Math.fround(0.03),
+    });
   });
 
   it('has the sizes that its shape needs, and no others', () => {
