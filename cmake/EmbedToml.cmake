@@ -1,11 +1,11 @@
 # cmake -DFILES=a.toml,b.toml -DHEADER=haptolith/scenario/built_in_soils.h -DTYPE=BuiltInSoil -DFUNCTION=builtInSoils
 #       -DOUTPUT=built_in_soils.cpp -P EmbedToml.cmake
-# Makes one source of TOML files, or of scripts, so that the program knows them wherever it is started.
+# Makes one source of TOML files, scripts or drawings, so that the program knows them wherever it is started.
 string(REPLACE "," ";" files "${FILES}")
 set(entries "")
 foreach(file ${files})
   get_filename_component(name ${file} NAME)
-  string(REGEX REPLACE "\\.toml$" "" name ${name})
+  string(REGEX REPLACE "\\.(toml|obj)$" "" name ${name})
   file(READ ${file} text)
   string(APPEND entries "    {\"${name}\", R\"toml(${text})toml\"},\n")
 endforeach()

@@ -29,7 +29,7 @@ const std::map<std::string, Folders> kArrows = {
     {"mesh", {"core"}},
     {"soil", {"core"}},
     {"bed", {"soil"}},
-    {"tool", {"bed"}},
+    {"tool", {"bed", "mesh"}},
     {"device", {"core"}},
     {"haptics", {"tool", "device"}},
     {"machine", {"haptics"}},

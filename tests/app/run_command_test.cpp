@@ -187,6 +187,18 @@ TEST_F(RunCommand, SeedChangesRainAndNothingElse) {
   EXPECT_NE(summaryOf(rain + " --seed 5")["state_hash"], summaryOf(rain + " --seed 6")["state_hash"]);
 }
 
+TEST_F(RunCommand, AToolThatSomebodyDrewIsToldOfAndReplayedWithoutItsFile) {
+  writeFile("wedge.obj", "v 0 0 0\nv 30 0 0\nv 0 20 0\nv 0 0 10\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n");
+  const ProgramResult run = runHaptolith(fmt::format(
+      "run paper --set tool.mesh={} --unpaced --duration-s 0.5 --record {}", file("wedge.obj"), file("run.h5")));
+  EXPECT_EQ(run.exit_status, 0) << run.errors;
+  EXPECT_THAT(run.errors, HasSubstr("wedge.obj: 30 x 20 x 10 mm"));
+  ASSERT_EQ(runInShell(fmt::format("rm '{}'", file("wedge.obj"))).exit_status, 0);
+  const ProgramResult replay = runHaptolith("replay " + file("run.h5"));
+  EXPECT_EQ(replay.exit_status, 0) << replay.errors;
+  EXPECT_THAT(replay.output, HasSubstr("500 of 500 ticks"));
+}
+
 TEST_F(RunCommand, TraceHasARowForEveryTickAndIsAPoseFile) {
   summaryOf("paper --unpaced --duration-s 1.5 --trace " + file("trace.csv"));
   EXPECT_EQ(files(), std::vector<std::string>{"trace.csv"});

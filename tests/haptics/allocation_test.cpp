@@ -2,11 +2,14 @@
 
 #include <gtest/gtest.h>
 
+#include <memory>
+#include <string>
 #include <vector>
 
 #include "haptolith/device/hand/virtual_hand.h"
 #include "haptolith/haptics/haptic_loop.h"
 #include "haptolith/soil/presets.h"
+#include "haptolith/tool/tool_mesh.h"
 
 #include "../counted_new.h"
 
@@ -82,6 +85,16 @@ TEST(Allocation, ATickOnSeveralThreadsAllocatesNothing) {
   EXPECT_EQ(allocationsIn(1200, bed, Manoeuvre::kStir, HandCompliance::kRigid), 0);  // the blade is in the soil by then
 }
 
+/// A box of 40 mm that is known by its mesh alone.
+ToolParameters meshTool() {
+  const std::string obj =
+      "v -20 -20 -20\nv 20 -20 -20\nv 20 20 -20\nv -20 20 -20\nv -20 -20 20\nv 20 -20 20\nv 20 20 20\nv -20 20 20\n"
+      "f 1 4 3 2\nf 5 6 7 8\nf 1 2 6 5\nf 2 3 7 6\nf 3 4 8 7\nf 4 1 5 8\n";
+  const ToolMeshSource source{
+      .name = "box.obj", .bytes = std::make_shared<const std::string>(obj), .format = MeshFormat::kObj};
+  return {.shape = ToolShape::kMesh, .mesh = toolMesh(source, 8e-3)};
+}
+
 TEST(Allocation, WhatIsAskedOfTheLoopAllocatesNothing) {
   BedParameters bed;
   bed.soil = findPreset("P4").soil;
@@ -94,14 +107,18 @@ TEST(Allocation, WhatIsAskedOfTheLoopAllocatesNothing) {
   LoopParameters loop_parameters;
   loop_parameters.paced = false;
   HapticLoop loop(scene, hand, loop_parameters, false);
-  const LoopRequest requests[] = {request::Speed{0.5},
-                                  request::Gravity{Vec3(0, 0, -3)},
-                                  request::Soil{SoilLaws(findPreset("P4").soil)},
-                                  request::ExchangeTool{ToolParameters{.shape = ToolShape::kSphere}},
-                                  request::ExchangeBed{&next},
-                                  request::Pause{},
-                                  request::Advance{3},
-                                  request::Resume{}};
+  const LoopRequest requests[] = {
+      request::Speed{0.5},
+      request::Gravity{Vec3(0, 0, -3)},
+      request::Soil{SoilLaws(findPreset("P4").soil)},
+      request::ExchangeTool{ToolParameters{.shape = ToolShape::kSphere}},
+      request::ExchangeTool{meshTool()},
+      request::ExchangeTool{ToolParameters{.shape = ToolShape::kSphere}},  // lets go of the mesh
+      request::ExchangeTool{meshTool()},
+      request::ExchangeBed{&next},
+      request::Pause{},
+      request::Advance{3},
+      request::Resume{}};
   const long before = allocations;
   for (const LoopRequest& asked : requests) {
     ASSERT_TRUE(loop.ask(asked));

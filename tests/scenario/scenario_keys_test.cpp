@@ -113,6 +113,7 @@ void checkTable(const Scenario& scene, std::string_view table) {
   if (table == "soil") {
     validate(scene.bed.soil);
   } else if (table == "tool") {
+    validate(scene.mesh);
     validate(scene.tool);
   } else if (table == "hand") {
     validate(scene.hand);

@@ -11,6 +11,7 @@
 #include <random>
 #include <string>
 
+#include "haptolith/core/base64.h"
 #include "haptolith/core/random.h"
 #include "haptolith/scenario/scenario.h"
 #include "haptolith/scenario/scenario_error.h"
@@ -112,6 +113,9 @@ TEST(ScenarioText, KeepsWhatNumbersWereCalledAndWhatHasNoName) {
 // --- every key -------------------------------------------------------------------------------------------------------
 
 bool onlyChooses(const ScenarioKey& key) {
+  if (key.table == "tool" && (key.name == "mesh" || key.name == "name")) {
+    return true;
+  }
   constexpr std::array<std::string_view, 6> kChoices{"preset", "name", "file", "direction", "body", "magnitude_m_s2"};
   return (key.table == "soil" || key.table == "gravity") && std::ranges::find(kChoices, key.name) != kChoices.end();
 }
@@ -127,6 +131,13 @@ double anyIn(const Range& range, std::mt19937_64& random) {
   const double low = std::max(range.lowest, -1e3);
   const double high = std::min(range.highest, 1e3);
   return low + (high - low) * (0.5 + 0.499 * uniformSigned(random));
+}
+
+/// A mesh of any size, as `mesh_data` has it.
+std::string tetrahedronData(std::mt19937_64& random) {
+  const double edge_mm = anyIn({10, 30}, random);
+  return "obj:" +
+         base64(fmt::format("v 0 0 0\nv {0} 0 0\nv 0 {0} 0\nv 0 0 {0}\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n", edge_mm));
 }
 
 /// Some other value than the default's, as TOML.
@@ -150,6 +161,8 @@ std::string someValue(const ScenarioKey& key, std::mt19937_64& random) {
       return fmt::format("'{}'", value.valid[random() % value.valid.size()]);
     } else if constexpr (std::is_same_v<Value, Key::TextValue>) {
       return fmt::format("'text {}'", random() % 1000);
+    } else if constexpr (std::is_same_v<Value, Key::DataValue>) {
+      return fmt::format("'{}'", tetrahedronData(random));
     } else {
       return "'moves.csv'";
     }
@@ -175,6 +188,12 @@ std::string likelyValue(const ScenarioKey& key, std::mt19937_64& random) {
   if (key.name == "fine_radius_mm") {
     return "0";  // only halves of the soil's are taken
   }
+  if (key.table == "coupling" && key.name == "mass_kg") {
+    return about(50);  // enough for a tick to follow any spring and damper
+  }
+  if (key.name == "mesh_unit_mm") {
+    return about(1);  // such that a hand can hold it
+  }
   if (key.table == "bed" && key.name.ends_with("_mm")) {
     return about(100);
   }
@@ -196,15 +215,17 @@ class ScenarioWithPoses : public testing::Test {
   [[nodiscard]] std::string anyScene(std::mt19937_64& random) const {
     std::string text;
     std::string_view table;
+    const bool with_mesh = random() % 20 == 0;  // which takes a while to be made
     for (const ScenarioKey& key : scenarioKeys()) {
-      if (onlyChooses(key)) {
+      if (onlyChooses(key) || (key.name == "mesh_data" && !with_mesh)) {
         continue;
       }
       if (key.table != table) {
         table = key.table;
         text += fmt::format("[{}]\n", table);
       }
-      text += fmt::format("{} = {}\n", key.name, likelyValue(key, random));
+      const std::string value = likelyValue(key, random);
+      text += fmt::format("{} = {}\n", key.name, value == "'mesh'" && !with_mesh ? "'box'" : value);
     }
     return text;
   }

@@ -6,15 +6,19 @@
 
 #include <atomic>
 #include <cstddef>
+#include <cstring>
 #include <filesystem>
 #include <fstream>
 #include <memory>
+#include <string>
 #include <system_error>
 #include <thread>
 #include <utility>
 #include <vector>
 
+#include "haptolith/core/base64.h"
 #include "haptolith/core/error.h"
+#include "haptolith/tool/tool_mesh.h"
 #include "haptolith/viewer/messages.h"
 
 #include "ws_client.h"
@@ -151,6 +155,28 @@ TEST(SceneMessage, TellsHowManyGrainsThereAreOfEachSize) {
   }
 }
 
+TEST(SceneMessage, HasTheMeshOfAToolWhateverTheShapeIsNow) {
+  Scenario scenario = scenarioFromText("[tool]\nname = 'rake'\n", "x.toml");
+  const auto tool_of = [](const Scenario& shown) {
+    const Session session(shown, false, SettleProgress{});
+    return Json::parse(sceneMessages(session, {Vec3(-1, -1, -1), Vec3(1, 1, 1)}).whole)["tool"];
+  };
+  const Json rake = tool_of(scenario);
+  EXPECT_EQ(rake["shape"], "mesh");
+  EXPECT_EQ(rake["mesh"]["name"], "rake");
+  const TriangleMesh& surface = scenario.tool.mesh->surface;
+  const std::string points = fromBase64(rake["mesh"]["points_base64"].get<std::string>()).value();
+  const std::string triangles = fromBase64(rake["mesh"]["triangles_base64"].get<std::string>()).value();
+  ASSERT_EQ(points.size(), 12 * surface.points_m.size());
+  ASSERT_EQ(triangles.size(), 12 * surface.triangles.size());
+  float first_m = 0;
+  std::memcpy(&first_m, points.data(), sizeof first_m);
+  EXPECT_EQ(first_m, static_cast<float>(surface.points_m.front().x()));
+  scenario.tool.shape = ToolShape::kSphere;
+  EXPECT_EQ(tool_of(scenario)["mesh"], rake["mesh"]);
+  EXPECT_EQ(tool_of(Scenario())["mesh"], nullptr);
+}
+
 TEST_F(LiveViewTest, ANewcomerIsToldEverythingInTheOrderOfTheProtocol) {
   WsClient client(port_);
   ASSERT_EQ(client.upgrade(), 101U);
@@ -217,6 +243,8 @@ TEST_F(LiveViewTest, WhatIsRefusedIsSaidAndChangesNothing) {
   const Json reply = ask(client, {{"do", "scene"}, {"body", "Venus"}});
   EXPECT_EQ(reply["ok"], false);
   EXPECT_THAT(reply["error"].get<std::string>(), testing::HasSubstr("Ceres"));
+  const Json mesh = ask(client, {{"do", "scene"}, {"tool", {{"shape", "mesh"}}}});
+  EXPECT_EQ(mesh["ok"], false) << "the scene has none";
   EXPECT_EQ(ask(client, {{"do", "undo"}})["ok"], false);
   EXPECT_EQ(ask(client, {{"do", "hold"}, {"pose", {0, 0, 9, 1, 0, 0, 0}}})["ok"], false);
 }

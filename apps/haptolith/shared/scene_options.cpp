@@ -11,6 +11,7 @@
 
 #include "haptolith/core/error.h"
 #include "haptolith/scenario/scene_words.h"
+#include "haptolith/tool/tool_mesh.h"
 
 #include "shared/option_checks.h"
 #include "shared/output.h"
@@ -34,6 +35,17 @@ std::map<std::string, Manoeuvre> handChoices() {
   auto choices = choicesOf(kManoeuvreWords);
   std::erase_if(choices, [](const auto& choice) { return choice.second == Manoeuvre::kPoses; });
   return choices;
+}
+
+/// How large the mesh is, from which a wrong unit is seen, and what was done to it.
+void tellOfMesh(const Scenario& scenario) {
+  const ToolMesh& mesh = *scenario.tool.mesh;
+  const Vec3 size_mm = 1e3 * (mesh.field.corners().high_m - mesh.field.corners().low_m);
+  spdlog::info("{}: {:.3g} x {:.3g} x {:.3g} mm, walls and corners to {:.2g} mm", scenario.mesh.name, size_mm.x(),
+               size_mm.y(), size_mm.z(), 1e3 * mesh.field.spacing());
+  for (const std::string& done : mesh.report) {
+    spdlog::info("{}: {}", scenario.mesh.name, done);
+  }
 }
 
 /// What opens when no scene is named: soil that feels as the Moon's does. The paper's soils are made for its scene.
@@ -153,6 +165,10 @@ Scenario scenarioFor(const SceneOptions& options) {
   bed.threads = options.threads.value_or(bed.threads);
   bed.seed = options.seed.value_or(bed.seed);
   options.device.applyTo(scenario.device);
+  makeToolMesh(scenario);
+  if (scenario.tool.shape == ToolShape::kMesh) {
+    tellOfMesh(scenario);
+  }
   for (const std::string& idle : idleKeys(scene, scenario, options.overrides)) {
     spdlog::warn("{}", idle);
   }

@@ -72,6 +72,11 @@ struct FileKey {
     std::string_view (*get)(const Target&);  ///< empty: left out
     TextSize size = TextSize::kLine;
   };
+  /// Bytes as text, of any length, as programs write them.
+  struct DataValue {
+    void (*set)(Target&, std::string_view);
+    std::string (*get)(const Target&);  ///< empty: left out
+  };
   /// Texts or numbers, several or one alone; what is more to say about them, set() checks. Only read.
   struct ItemsValue {
     std::string_view valid;
@@ -87,8 +92,8 @@ struct FileKey {
   std::string_view table;  ///< "soil"; empty at the top of the file
   std::string_view name;
   std::string_view parameter;  ///< what validate() calls it, in SI: "width_m" for width_mm
-  std::variant<NumberValue, CountValue, VectorValue, IntervalValue, SwitchValue, WordValue, TextValue, ItemsValue,
-               PathValue>
+  std::variant<NumberValue, CountValue, VectorValue, IntervalValue, SwitchValue, WordValue, TextValue, DataValue,
+               ItemsValue, PathValue>
       value;
   std::string_view meaning;  ///< one sentence for the document
 };
@@ -119,6 +124,8 @@ template <class Target>
       return anyOf(value.valid);
     } else if constexpr (std::is_same_v<Value, typename Key::TextValue>) {
       return value.size == TextSize::kLine ? "a line of text" : "text";
+    } else if constexpr (std::is_same_v<Value, typename Key::DataValue>) {
+      return "what a program wrote";
     } else if constexpr (std::is_same_v<Value, typename Key::ItemsValue>) {
       return std::string(value.valid);
     } else {

@@ -47,6 +47,7 @@ bool isNotDirect(const Scenario& scene) {
 constexpr std::string_view kPaper = "[soil] friction = paper";
 constexpr std::string_view kContact = "[soil] friction = contact";
 constexpr std::string_view kGraded = "[bed] fine_radius_mm above 0";
+constexpr std::string_view kMesh = "[tool] mesh";
 constexpr std::string_view kArm = "[hand] compliance = arm";
 constexpr std::string_view kNoPoses = "another [hand] manoeuvre than poses";
 constexpr std::string_view kNotDirect = "[coupling] kind = auto or virtual";
@@ -79,6 +80,10 @@ constexpr std::array kUses{
            "[tool] shape = sphere, plate or cylinder", true},
     KeyUse{"tool", "thickness_mm", isShape<ToolShape::kPlate>, "[tool] shape = plate", true},
     KeyUse{"tool", "length_mm", isShape<ToolShape::kCylinder>, "[tool] shape = cylinder", true},
+    KeyUse{"tool", "mesh_unit_mm", isShape<ToolShape::kMesh>, kMesh, true},
+    KeyUse{"tool", "mesh_sheet_mm", isShape<ToolShape::kMesh>, kMesh, true},
+    KeyUse{"tool", "mesh_origin_mm", isShape<ToolShape::kMesh>, kMesh, true},
+    KeyUse{"tool", "mesh_turn_deg", isShape<ToolShape::kMesh>, kMesh, true},
     KeyUse{"tool", "opening_mm", isShape<ToolShape::kJaws>, "[tool] shape = jaws", true},
     KeyUse{"tool", "adhesion_ratio", isPaper, kPaper, true},
     KeyUse{"tool", "friction", hasContactFriction, kContact, true},

@@ -6,6 +6,7 @@
 #include "haptolith/scenario/built_in_scenes.h"
 #include "haptolith/scenario/key_use.h"
 #include "haptolith/scenario/scenario.h"
+#include "haptolith/scenario/scenario_error.h"
 #include "haptolith/scenario/scenario_keys.h"
 #include "haptolith/scenario/toml_reader.h"
 #include "haptolith/scenario/toml_writer.h"
@@ -37,6 +38,10 @@ constexpr RivalKeys kRivals[]{
     {"soil", "preset", "name"},
     {"soil", "preset", "file"},
     {"soil", "name", "file"},
+    {"tool", "mesh", "mesh_data"},
+    {"tool", "name", "mesh"},
+    {"tool", "name", "mesh_data"},
+    {"tool", "name", "shape"},
     {"gravity", "body", "magnitude_m_s2"},
     {"gravity", "vector_m_s2", "direction"},
     {"gravity", "vector_m_s2", "body"},
@@ -51,6 +56,30 @@ void refuseContradictions(const TomlReader& reader) {
   if (manoeuvre != nullptr && manoeuvre->value_or(std::string_view()) != "poses") {
     reader.refuseBoth("hand", "poses", "manoeuvre");
   }
+  const toml::node* shape = reader.find("tool", "shape");
+  if (shape != nullptr && shape->value_or(std::string_view()) != "mesh") {
+    reader.refuseBoth("tool", "mesh", "shape");
+  }
+}
+
+/// With the line of the key that brought the mesh, of what is wrong in its file.
+void makeMesh(const TomlReader& reader, Scenario& scene) {
+  try {
+    makeToolMesh(scene);
+  } catch (const InvalidParameter& error) {
+    const std::string_view key = reader.find("tool", "mesh") != nullptr ? "mesh" : "mesh_data";
+    if (reader.find("tool", key) == nullptr) {
+      throw;
+    }
+    throw ScenarioError(reader.located({"tool", key}, error.what()), reader.lineOf("tool", key));
+  }
+}
+
+void requireMesh(const TomlReader& reader, const Scenario& scene) {
+  if (scene.tool.shape == ToolShape::kMesh && scene.mesh.bytes == nullptr) {
+    reader.refuse(reader.lineOf("tool", "shape"),
+                  "[tool] shape = 'mesh' needs [tool] mesh, an .stl, .obj, .glb or .gltf file");
+  }
 }
 
 void requirePoses(const TomlReader& reader, const Scenario& scene) {
@@ -63,6 +92,7 @@ void validateWhole(const TomlReader& reader, const Scenario& scene) {
   const std::span<const ScenarioKey> keys = scenarioKeys();
   reader.check(keys, "soil", [&] { validate(scene.bed.soil); });
   reader.check(keys, "bed", [&] { validate(scene.bed); });
+  reader.check(keys, "tool", [&] { validate(scene.mesh); });
   reader.check(keys, "tool", [&] { validate(scene.tool); });
   reader.check(keys, "hand", [&] { validate(scene.hand); });
   reader.check(keys, "loop", [&] { validate(scene.loop); });
@@ -124,6 +154,8 @@ Scenario read(const TomlReader& reader, From from, Scenario scene = {}) {
     reader.apply(key, scene);
   }
   requirePoses(reader, scene);
+  requireMesh(reader, scene);
+  makeMesh(reader, scene);
   validateWhole(reader, scene);
   if (from == From::kFile) {
     refuseWhatNeverCounts(reader, scene);
@@ -158,11 +190,22 @@ TomlReader readerOf(std::string_view name_or_file) {
   return {name_or_file, kScene};
 }
 
+/// A shape takes the place of the file's mesh, and a mesh that of its shape.
+void takeToolOverrides(TomlReader& reader, const TomlReader& given) {
+  if (given.has("tool", "mesh")) {
+    reader.passOver("tool", [](std::string_view key) { return key == "shape"; });
+  }
+  if (given.has("tool", "shape")) {
+    reader.passOver("tool", [](std::string_view key) { return key == "mesh" || key == "name"; });
+  }
+}
+
 /// Another soil takes the place of the file's, friction, stiffness and all, but for the size of its grains; and grains
 /// that rub on each other must not begin as a crystal (see setSoil()).
 void takeOverrides(TomlReader& reader, std::span<const std::string> overrides) {
   reader.takeOverrides(overrides, kRivals);
   const TomlReader given(overrides, kScene);
+  takeToolOverrides(reader, given);
   const bool measured = given.has("soil", "name") || given.has("soil", "file");
   if (measured || given.has("soil", "preset")) {
     reader.passOver("soil", [](std::string_view key) { return key != "radius_mm"; });

@@ -5,6 +5,7 @@
 #include "haptolith/core/error.h"
 #include "haptolith/soil/bodies.h"
 #include "haptolith/soil/presets.h"
+#include "haptolith/tool/tool_contact.h"
 
 namespace haptolith {
 
@@ -52,8 +53,15 @@ void changeBody(Scenario& scenario, std::string_view name) {
   scenario.body = body.name;
 }
 
+void makeToolMesh(Scenario& scenario) {
+  scenario.tool.mesh = scenario.mesh.bytes == nullptr
+                           ? nullptr
+                           : toolMesh(scenario.mesh, contactReach(scenario.tool, scenario.bed.soil));
+}
+
 void validate(const Scenario& scenario) {
   validate(scenario.bed);
+  validate(scenario.mesh);
   validate(scenario.tool);
   validate(scenario.hand);
   validate(scenario.loop);

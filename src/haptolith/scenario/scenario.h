@@ -12,6 +12,7 @@
 #include "haptolith/haptics/handling_parameters.h"
 #include "haptolith/haptics/loop_parameters.h"
 #include "haptolith/scenario/soil_file.h"
+#include "haptolith/tool/tool_mesh.h"
 #include "haptolith/tool/tool_parameters.h"
 
 namespace haptolith {
@@ -30,6 +31,7 @@ struct Scenario {
   std::string soil_name;      ///< empty when the soil is a preset or was given by its numbers
   std::string body = "Moon";  ///< empty when gravity was given by its number
   BedParameters bed;
+  ToolMeshSource mesh;  ///< what the tool's mesh is made of: see makeToolMesh()
   ToolParameters tool;
   HandParameters hand;
   LoopParameters loop;
@@ -95,6 +97,10 @@ void changeSoil(Scenario& scenario, std::string_view name_or_file);
 
 /// Takes the scene to another world; gravity keeps its direction. @throws InvalidParameter as findBody().
 void changeBody(Scenario& scenario, std::string_view name);
+
+/// Makes the tool's mesh of what the scene says of it, for its soil; to be called whenever either has changed.
+/// @throws InvalidParameter, Failure: as toolMesh().
+void makeToolMesh(Scenario& scenario);
 
 /// Checks what no single key can tell: for example that the bed, the tool and the hand fit into one scene.
 /// @throws InvalidParameter.

@@ -1,11 +1,17 @@
 #include "haptolith/scenario/scenario_keys.h"
 
+#include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <limits>
+#include <memory>
 #include <numbers>
+#include <optional>
 
+#include "haptolith/core/base64.h"
+#include "haptolith/core/plain_text.h"
 #include "haptolith/scenario/built_in_soils.h"
+#include "haptolith/scenario/built_in_tools.h"
 #include "haptolith/scenario/scene_words.h"
 #include "haptolith/scenario/soil_file.h"
 #include "haptolith/soil/bodies.h"
@@ -63,6 +69,31 @@ void setGravity(Scenario& scene, const Vec3& direction, double magnitude_m_s2) {
   scene.bed.gravity_m_s2 = direction.normalized() * magnitude_m_s2;
 }
 
+void setTool(Scenario& scene, std::string_view name) {
+  const std::string_view text = std::ranges::find(builtInTools(), name, &BuiltInTool::name)->text;
+  scene.mesh = {.name = std::string(name),
+                .bytes = std::make_shared<const std::string>(text),
+                .format = MeshFormat::kObj,
+                .origin_m = Vec3::Zero()};
+  scene.tool.shape = ToolShape::kMesh;
+}
+
+/// "stl:c29saWQ..."
+std::string dataOf(const ToolMeshSource& mesh) {
+  return mesh.bytes ? fmt::format("{}:{}", wordFor(kMeshFormatWords, mesh.format), base64(*mesh.bytes)) : "";
+}
+
+void readData(ToolMeshSource& mesh, std::string_view data) {
+  const std::size_t colon = data.find(':');
+  std::optional<std::string> bytes =
+      colon == std::string_view::npos ? std::nullopt : fromBase64(data.substr(colon + 1));
+  if (!bytes) {
+    throw InvalidParameter("mesh_data", inQuotes(data), "stl, obj or gltf, a colon, and base64");
+  }
+  mesh.format = valueOf(kMeshFormatWords, data.substr(0, colon));
+  mesh.bytes = std::make_shared<const std::string>(*std::move(bytes));
+}
+
 std::vector<ScenarioKey> allKeys() {
   using S = Scenario;
   using NumberValue = ScenarioKey::NumberValue;
@@ -71,6 +102,7 @@ std::vector<ScenarioKey> allKeys() {
   using SwitchValue = ScenarioKey::SwitchValue;
   using WordValue = ScenarioKey::WordValue;
   using TextValue = ScenarioKey::TextValue;
+  using DataValue = ScenarioKey::DataValue;
   using PathValue = ScenarioKey::PathValue;
   return {
       {"", "title", "",
@@ -184,6 +216,10 @@ std::vector<ScenarioKey> allKeys() {
       {"names", "body", "",
        TextValue{[](S& s, std::string_view v) { s.body = v; }, [](const S& s) { return std::string_view(s.body); }},
        "What the world is called."},
+      {"names", "mesh", "",
+       TextValue{[](S& s, std::string_view v) { s.mesh.name = v; },
+                 [](const S& s) { return s.mesh.bytes ? std::string_view(s.mesh.name) : std::string_view(); }},
+       "What the file of the tool's mesh was called."},
 
       {"bed", "start", "",
        WordValue{namesOf(kBedStartWords), [](S& s, std::string_view v) { s.bed.start = valueOf(kBedStartWords, v); },
@@ -253,9 +289,11 @@ std::vector<ScenarioKey> allKeys() {
       {"tool", "shape", "",
        WordValue{namesOf(kToolShapeWords), [](S& s, std::string_view v) { s.tool.shape = valueOf(kToolShapeWords, v); },
                  [](const S& s) { return wordFor(kToolShapeWords, s.tool.shape); }},
-       "Shape of the tool: the shovel, a ball, a round plate that lies flat, an upright cylinder, or two jaws that "
-       "open along "
-       "x."},
+       "Shape of the tool: the shovel, a ball, a round plate that lies flat, an upright cylinder, two jaws that "
+       "open along x, or a `mesh`."},
+      {"tool", "name", "",
+       WordValue{namesOf(builtInTools()), [](S& s, std::string_view v) { setTool(s, v); }, kOnlyRead},
+       "A tool that the program brings along, drawn to size (below); instead of `shape` and `mesh`."},
       {"tool", "size_mm", "size_m",
        VectorValue{ToolRanges::length_m.in(kMm), [](S& s, const Vec3& v) { s.tool.size_m = v * kMm; },
                    [](const S& s) { return millimetres(s.tool.size_m); }},
@@ -276,6 +314,36 @@ std::vector<ScenarioKey> allKeys() {
        NumberValue{ToolRanges::length_m.in(kMm), [](S& s, double v) { s.tool.length_m = v * kMm; },
                    [](const S& s) { return millimetres(s.tool.length_m); }},
        "Length of the `cylinder` along its axis."},
+      {"tool", "mesh_unit_mm", "mesh_unit_m",
+       NumberValue{kMeshUnit_m.in(kMm), [](S& s, double v) { s.mesh.unit_m = v * kMm; },
+                   [](const S& s) { return millimetres(s.mesh.unit_m); }},
+       "What a 1 in an STL or OBJ file is: 1 of a file in millimetres, 25.4 of one in inches, 1000 of one in metres. "
+       "glTF is in metres, whatever this says."},
+      {"tool", "mesh_sheet_mm", "sheet_thickness_m",
+       NumberValue{kSheetThickness_m.in(kMm), [](S& s, double v) { s.mesh.sheet_thickness_m = v * kMm; },
+                   [](const S& s) { return millimetres(s.mesh.sheet_thickness_m); }},
+       "How thick a surface is that is not closed; 0: it has to be closed."},
+      {"tool", "mesh_origin_mm", "mesh_origin_m",
+       VectorValue{
+           ToolMeshRanges::origin_m.in(kMm), [](S& s, const Vec3& v) { s.mesh.origin_m = v * kMm; },
+           [](const S& s) { return s.mesh.origin_m ? millimetres(*s.mesh.origin_m) : Vec3(Vec3::Constant(kLeftOut)); }},
+       "Which point of the mesh the hand holds, in the file's coordinates times its unit; left out: the middle of the "
+       "box around it."},
+      {"tool", "mesh_turn_deg", "mesh_turn_rad",
+       VectorValue{
+           ToolMeshRanges::turn_rad.in(kDegree), [](S& s, const Vec3& v) { s.mesh.turn_rad = v * kDegree; },
+           [](const S& s) { return Vec3(s.mesh.turn_rad.unaryExpr([](double x) { return inUnits(x, kDegree); })); }},
+       "How the mesh is turned in the hand: about x, then y, then z."},
+      {"tool", "mesh", "",
+       PathValue{[](S& s, const std::filesystem::path& v) {
+                   readInto(s.mesh, v);
+                   s.tool.shape = ToolShape::kMesh;
+                 },
+                 kOnlyRead},
+       "A tool that somebody drew: an .stl, .obj, .glb or .gltf file, beside the scene file. Implies `shape`."},
+      {"tool", "mesh_data", "",
+       DataValue{[](S& s, std::string_view v) { readData(s.mesh, v); }, [](const S& s) { return dataOf(s.mesh); }},
+       "What the program writes in place of `mesh`: the file's format, a colon, and the file in base64."},
       {"tool", "stiffness_n_m", "stiffness_n_m",
        NumberValue{ToolRanges::stiffness_n_m, [](S& s, double v) { s.tool.stiffness_n_m = v; },
                    [](const S& s) { return s.tool.stiffness_n_m; }},

@@ -11,6 +11,7 @@
 #include "haptolith/device/device_parameters.h"
 #include "haptolith/device/hand/hand_parameters.h"
 #include "haptolith/haptics/coupling.h"
+#include "haptolith/mesh/mesh_file.h"
 #include "haptolith/scenario/file_keys.h"
 #include "haptolith/scenario/soil_file.h"
 #include "haptolith/soil/soil_parameters.h"
@@ -48,7 +49,13 @@ inline constexpr std::array kBedStartWords{
 inline constexpr std::array kToolShapeWords{
     SceneWord{"box", ToolShape::kBox},     SceneWord{"sphere", ToolShape::kSphere},
     SceneWord{"plate", ToolShape::kPlate}, SceneWord{"cylinder", ToolShape::kCylinder},
-    SceneWord{"jaws", ToolShape::kJaws},
+    SceneWord{"jaws", ToolShape::kJaws},   SceneWord{"mesh", ToolShape::kMesh},
+};
+
+inline constexpr std::array kMeshFormatWords{
+    SceneWord{"stl", MeshFormat::kStl},
+    SceneWord{"obj", MeshFormat::kObj},
+    SceneWord{"gltf", MeshFormat::kGltf},
 };
 
 inline constexpr std::array kManoeuvreWords{

@@ -460,6 +460,14 @@ std::string TomlReader::text(const Place& place, TextSize size) const {
   return text->get();
 }
 
+std::string_view TomlReader::data(const Place& place) const {
+  const toml::value<std::string>* text = place.node.as_string();
+  if (text == nullptr) {
+    refuseValue(place);
+  }
+  return text->get();
+}
+
 void TomlReader::requireSize(const Place& place, std::string_view text, TextSize size) const {
   const Lines lines = size == TextSize::kLine ? Lines::kOne : Lines::kSeveral;
   if (!isPlainText(text, lines)) {

@@ -141,6 +141,7 @@ class TomlReader {
   [[nodiscard]] bool onOrOff(const Place& place) const;
   [[nodiscard]] std::string_view word(const Place& place, const std::vector<std::string_view>& words) const;
   [[nodiscard]] std::string text(const Place& place, TextSize size) const;
+  [[nodiscard]] std::string_view data(const Place& place) const;
   void requireSize(const Place& place, std::string_view text, TextSize size) const;
   [[nodiscard]] std::vector<TextOrNumber> items(const Place& place) const;
   [[nodiscard]] std::filesystem::path besideFile(const Place& place) const;
@@ -175,6 +176,8 @@ void TomlReader::apply(const FileKey<Target>& key, Target& target) const {
       value.set(target, word(place, value.valid));
     } else if constexpr (std::is_same_v<Value, typename Key::TextValue>) {
       value.set(target, text(place, value.size));
+    } else if constexpr (std::is_same_v<Value, typename Key::DataValue>) {
+      value.set(target, data(place));
     } else if constexpr (std::is_same_v<Value, typename Key::ItemsValue>) {
       value.set(target, items(place));
     } else {

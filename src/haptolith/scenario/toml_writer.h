@@ -37,7 +37,9 @@ template <class Target>
       } else if constexpr (std::is_same_v<Value, typename Key::CountValue>) {
         return fmt::format("{}", now);
       } else if constexpr (std::is_same_v<Value, typename Key::VectorValue>) {
-        return fmt::format("[{}, {}, {}]", tomlNumber(now.x()), tomlNumber(now.y()), tomlNumber(now.z()));
+        return now.hasNaN()
+                   ? ""
+                   : fmt::format("[{}, {}, {}]", tomlNumber(now.x()), tomlNumber(now.y()), tomlNumber(now.z()));
       } else if constexpr (std::is_same_v<Value, typename Key::IntervalValue>) {
         return now ? fmt::format("[{}, {}]", tomlNumber(now->lowest), tomlNumber(now->highest)) : "";
       } else if constexpr (std::is_same_v<Value, typename Key::SwitchValue>) {

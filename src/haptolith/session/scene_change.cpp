@@ -53,6 +53,7 @@ Scenario changed(Scenario scenario, const SceneChange& change) {
   set(tool.thickness_m, "thickness_mm", change.tool_thickness_m);
   set(tool.opening_m, "opening_mm", change.tool_opening_m);
   set(tool.length_m, "length_mm", change.tool_length_m);
+  makeToolMesh(scenario);
   validate(scenario);
   return scenario;
 }

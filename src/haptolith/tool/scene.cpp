@@ -1,5 +1,7 @@
 #include "haptolith/tool/scene.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
@@ -7,6 +9,7 @@
 #include "haptolith/bed/critical_step.h"
 #include "haptolith/core/interpolate.h"
 #include "haptolith/tool/tool_contact.h"
+#include "haptolith/tool/tool_mesh.h"
 
 namespace haptolith {
 
@@ -31,6 +34,11 @@ bool isNearBed(const BedParameters& bed, const Vec3& place_m) noexcept {
 int Scene::substepsOf(const BedParameters& bed, const ToolParameters& tool) {
   validate(bed);
   validate(tool);
+  if (const double reach_m = contactReach(tool, bed.soil);
+      tool.shape == ToolShape::kMesh && tool.mesh->field.band() < reach_m) {
+    throw InvalidParameter("mesh", fmt::format("with distances known to {:g} m", tool.mesh->field.band()),
+                           fmt::format("one made for this soil, to {:g} m", reach_m));
+  }
   return substepsFor(bed, stiffnessInStep(tool, bed.soil.friction));
 }
 

@@ -24,6 +24,14 @@ double stiffnessInStep(const ToolParameters& tool, FrictionModel friction) noexc
   return jaws * tool.stiffness_n_m * (friction == FrictionModel::kContact ? 1 + tool.damping_factor : 1);
 }
 
+double contactReach(const ToolParameters& tool, const SoilParameters& soil) noexcept {
+  const double outside_m = (1 + tool.adhesion_ratio) * soil.radius_m;
+  if (soil.friction != FrictionModel::kContact) {
+    return outside_m;
+  }
+  return outside_m + (soil.size_spread + (tool.adhesion_n > 0 ? soil.cohesion_range_ratio : 0)) * soil.radius_m;
+}
+
 namespace {
 
 namespace law = HWY_NAMESPACE;
@@ -168,8 +176,7 @@ class Encounter {
         radius_m_(soil.radius_m),
         dt_s_(dt_s),
         contact_friction_(soil.friction == FrictionModel::kContact),
-        contact_m_((1 + tool.adhesion_ratio) * soil.radius_m +
-                   (contact_friction_ ? soil.size_spread * soil.radius_m + frictional_[0].reach() : 0)),
+        contact_m_(contactReach(tool, soil)),
         around_m_(static_cast<float>(contact_m_ + kRounding_m)),
         reach_m_(enclosingRadius(tool) + contact_m_),
         box_(boxAround(tool, scene_T_tool)),

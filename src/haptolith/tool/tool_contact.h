@@ -25,6 +25,9 @@ namespace haptolith {
 /// dt^2 k + 2 dt c. The paper's steps have room for it.
 [[nodiscard]] double stiffnessInStep(const ToolParameters& tool, FrictionModel friction) noexcept;
 
+/// How far from the tool's surface the centre of a particle may be that feels it, in m.
+[[nodiscard]] double contactReach(const ToolParameters& tool, const SoilParameters& soil) noexcept;
+
 /// What the soil does to the tool.
 struct ToolReaction {
   Wrench wrench;  ///< about the tool's origin, scene frame

@@ -13,6 +13,9 @@ void validate(const ToolParameters& tool) {
   requireInRange("opening_m", tool.opening_m, ToolRanges::length_m);
   requireInRange("length_m", tool.length_m, ToolRanges::length_m);
   requireInRange("cone_angle_rad", tool.cone_angle_rad, ToolRanges::cone_angle_rad);
+  if (tool.shape == ToolShape::kMesh && tool.mesh == nullptr) {
+    throw InvalidParameter("shape", "mesh", "one with a mesh, or another");
+  }
   requireInRange("stiffness_n_m", tool.stiffness_n_m, ToolRanges::stiffness_n_m);
   requireInRange("damping_factor", tool.damping_factor, ToolRanges::damping_factor);
   requireInRange("adhesion_ratio", tool.adhesion_ratio, ToolRanges::adhesion_ratio);

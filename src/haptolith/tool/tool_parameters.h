@@ -1,12 +1,15 @@
 #pragma once
 
 #include <array>
+#include <memory>
 #include <numbers>
 
 #include "haptolith/core/error.h"
 #include "haptolith/core/vec.h"
 
 namespace haptolith {
+
+struct ToolMesh;
 
 enum class ToolShape {
   kBox,       ///< `size_m`: the shovel; its largest faces look along the tool's z
@@ -17,13 +20,16 @@ enum class ToolShape {
   kCylinder,  ///< closed at both ends: `diameter_m` across and `length_m` long, its axis along the tool's z; a corer's
               ///< outside
   kJaws,      ///< two boxes that face each other across the tool's x, each the `size_m` of a shovel that stands upright
+  kMesh,      ///< `mesh`: any
 };
 
+/// All that numbers describe: a mesh is not among them.
 inline constexpr std::array kToolShapes{ToolShape::kBox,  ToolShape::kSphere,   ToolShape::kPlate, ToolShape::kCone,
                                         ToolShape::kTube, ToolShape::kCylinder, ToolShape::kJaws};
 
 /// The tool and its contact with macroparticles (paper 21). The tool's origin is its centre, a cone's its point, and of
-/// jaws the middle between them:
+/// jaws the middle between them;
+/// of a mesh it is where its maker has it (ToolMeshSource):
 ///
 ///       |     |     z
 ///       |     |     |
@@ -37,6 +43,7 @@ struct ToolParameters {
   double opening_m = 0.06;                       ///< kJaws: between them when they are wide open
   double length_m = 0.06;                        ///< kCone (with its shaft), kTube, kCylinder
   double cone_angle_rad = std::numbers::pi / 6;  ///< kCone; 30 degrees, ASABE S313.3's
+  std::shared_ptr<const ToolMesh> mesh{};        ///< kMesh; of toolMesh(), which has each but once
   double stiffness_n_m = 500;                    ///< k_tool
   double damping_factor = 1.4;                   ///< c_tool = damping_factor * dt * k_tool / 2
   double adhesion_ratio = 0.002;                 ///< adhesion reaches this many radii outside the tool (paper 21)

@@ -3,6 +3,9 @@
 #include <algorithm>
 #include <cmath>
 
+#include "haptolith/tool/mesh_contact.h"
+#include "haptolith/tool/tool_mesh.h"
+
 namespace haptolith {
 
 namespace {
@@ -163,6 +166,8 @@ Penetration penetration(const ToolParameters& tool, const Vec3& centre_m, double
     case ToolShape::kCylinder: return faced(discOutline(tool.diameter_m / 2, centre_m), tool.length_m / 2);
     case ToolShape::kCone: return cone(tool, centre_m, radius_m);
     case ToolShape::kTube: return tube(tool, centre_m, radius_m);
+    case ToolShape::kMesh:
+      return meshPenetration(tool.mesh->field, centre_m, radius_m, tool.adhesion_ratio * radius_m, side);
   }
   return {};
 }
@@ -195,6 +200,7 @@ double enclosingRadius(const ToolParameters& tool) noexcept {
     case ToolShape::kTube: return std::hypot(tool.diameter_m, tool.length_m) / 2 + tool.thickness_m / 2;
     case ToolShape::kJaws:
       return Vec3(tool.opening_m + 2 * tool.size_m.z(), tool.size_m.y(), tool.size_m.x()).norm() / 2;
+    case ToolShape::kMesh: return tool.mesh->field.enclosingRadius();
   }
   return 0;
 }
@@ -214,6 +220,7 @@ ToolCorners cornersOf(const ToolParameters& tool) noexcept {
     }
     case ToolShape::kJaws:
       return around({tool.opening_m / 2 + tool.size_m.z(), tool.size_m.y() / 2, tool.size_m.x() / 2});
+    case ToolShape::kMesh: return {tool.mesh->field.corners().low_m, tool.mesh->field.corners().high_m};
   }
   return around(Vec3::Constant(1e3));
 }

@@ -11,7 +11,8 @@ namespace haptolith {
 struct Penetration {
   double depth_m = 0;            ///< z of (paper 21): > 0 overlapping, < 0 the gap between the surfaces
   Vec3 outward = Vec3::UnitZ();  ///< unit normal from the tool to the particle, tool frame
-  int side = 0;                  ///< large face the particle lies on: +1, -1, or 0 (beside the tool, or a sphere)
+  int side = 0;                  ///< large face the particle lies on: +1, -1, or 0 (beside the tool, or a sphere);
+                                 ///< with a mesh, a direction: see meshPenetration()
 };
 
 /// Penetration of a sphere of `radius_m` at `centre_m` (tool frame) into the tool. May be called in the tick.
@@ -20,7 +21,7 @@ struct Penetration {
 /// particle is pushed in by half the thickness, and shoot it through. Therefore a particle keeps the large face it came
 /// to: as long as its centre is over that face it is measured from there, until it has left the face's outline, has let
 /// go of it, or lies wholly on the other side.
-/// Jaws are two tools in one: see jawContacts().
+/// Jaws are two tools in one: see jawContacts(). Of a mesh, `side` is a direction: see meshPenetration().
 /// @param side  what the last call for this particle returned; 0 at first.
 [[nodiscard]] Penetration penetration(const ToolParameters& tool, const Vec3& centre_m, double radius_m,
                                       int side) noexcept;

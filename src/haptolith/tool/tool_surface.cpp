@@ -5,6 +5,8 @@
 #include <cstddef>
 #include <numbers>
 
+#include "haptolith/tool/tool_mesh.h"
+
 namespace haptolith {
 
 namespace {
@@ -127,6 +129,7 @@ ToolSurface toolSurface(const ToolParameters& tool, double opening_m) {
     case ToolShape::kCone: return turned(coneOutline(tool));
     case ToolShape::kTube: return turned(tubeOutline(tool));
     case ToolShape::kJaws: return jawsSurface(tool, opening_m);
+    case ToolShape::kMesh: return {tool.mesh->surface.points_m, tool.mesh->surface.triangles};
   }
   return {};
 }

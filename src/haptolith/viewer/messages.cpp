@@ -2,9 +2,13 @@
 
 #include <nlohmann/json.hpp>
 
+#include <bit>
+#include <cstdint>
 #include <utility>
+#include <vector>
 
 #include "haptolith/bed/simd_target.h"
+#include "haptolith/core/base64.h"
 #include "haptolith/core/error.h"
 #include "haptolith/scenario/scene_words.h"
 #include "haptolith/scenario/soil_file.h"
@@ -12,6 +16,7 @@
 #include "haptolith/soil/bodies.h"
 #include "haptolith/soil/presets.h"
 #include "haptolith/soil/strength.h"
+#include "haptolith/tool/tool_mesh.h"
 
 namespace haptolith {
 
@@ -56,6 +61,34 @@ Json strengthOf(const Scenario& scenario) {
     }
   }
   return strength;
+}
+
+/// Numbers as little-endian bytes, as every machine that this runs on has them, in base64.
+template <class Number>
+std::string packed(const std::vector<Number>& numbers) {
+  static_assert(std::endian::native == std::endian::little && sizeof(Number) == 4);
+  return base64({reinterpret_cast<const char*>(numbers.data()), 4 * numbers.size()});
+}
+
+/// The tool's mesh, if the scene has one, whatever the tool's shape is now.
+Json meshJson(const Scenario& scenario) {
+  const ToolMesh* mesh = scenario.tool.mesh.get();
+  if (mesh == nullptr) {
+    return nullptr;
+  }
+  std::vector<float> points_m;
+  points_m.reserve(3 * mesh->surface.points_m.size());
+  for (const Vec3& point_m : mesh->surface.points_m) {
+    for (const double x : point_m) {
+      points_m.push_back(static_cast<float>(x));
+    }
+  }
+  std::vector<std::uint32_t> corners;
+  corners.reserve(3 * mesh->surface.triangles.size());
+  for (const auto& triangle : mesh->surface.triangles) {
+    corners.insert(corners.end(), triangle.begin(), triangle.end());
+  }
+  return {{"name", scenario.mesh.name}, {"points_base64", packed(points_m)}, {"triangles_base64", packed(corners)}};
 }
 
 Json soilJson(const Scenario& scenario) {
@@ -159,7 +192,8 @@ Board::Texts sceneMessages(const Session& session, const FrameEncoder::Space& sp
                   {"diameter_mm", kPerMetre_mm * scenario.tool.diameter_m},
                   {"thickness_mm", kPerMetre_mm * scenario.tool.thickness_m},
                   {"opening_mm", kPerMetre_mm * scenario.tool.opening_m},
-                  {"length_mm", kPerMetre_mm * scenario.tool.length_m}}},
+                  {"length_mm", kPerMetre_mm * scenario.tool.length_m},
+                  {"mesh", meshJson(scenario)}}},
                 {"hand",
                  {{"manoeuvre", wordFor(kManoeuvreWords, session.manoeuvre())},
                   {"max_force_n", scenario.hand.max_force_n},

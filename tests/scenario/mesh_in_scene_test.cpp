@@ -1,0 +1,151 @@
+// Tools that somebody drew, in scene files: what the keys mean, what is refused, and that a scene carries its mesh
+// along.
+
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+#include <unistd.h>
+
+#include <filesystem>
+#include <fstream>
+#include <numbers>
+#include <string>
+#include <vector>
+
+#include "haptolith/scenario/built_in_tools.h"
+#include "haptolith/scenario/scenario.h"
+#include "haptolith/tool/tool_mesh.h"
+
+namespace haptolith {
+namespace {
+
+namespace fs = std::filesystem;
+using testing::AllOf;
+using testing::HasSubstr;
+
+class MeshInAScene : public testing::Test {
+ protected:
+  MeshInAScene() : folder_(fs::path(testing::TempDir()) / fmt::format("haptolith_mesh_in_scene_{}", getpid())) {
+    fs::create_directories(folder_);
+    std::ofstream(folder_ / "wedge.obj")
+        << "v 0 0 0\nv 30 0 0\nv 0 20 0\nv 0 0 10\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n";
+    std::ofstream(folder_ / "flat.obj") << "v 0 0 0\nv 30 0 0\nv 0 20 0\nf 1 2 3\n";
+    std::ofstream(folder_ / "broken.stl") << "solid\nfacet\nvertex 1 2\n";
+    std::ofstream(folder_ / "tool.step") << "ISO-10303-21;\n";
+  }
+  ~MeshInAScene() override { fs::remove_all(folder_); }
+
+  [[nodiscard]] Scenario sceneOf(const std::string& tool, const std::vector<std::string>& overrides = {}) const {
+    return scenarioFromText("[tool]\n" + tool, (folder_ / "x.toml").string(), overrides);
+  }
+  [[nodiscard]] std::string errorOf(const std::string& tool) const {
+    try {
+      (void)sceneOf(tool);
+    } catch (const InvalidParameter& error) {
+      return error.what();
+    }
+    return "";
+  }
+
+  fs::path folder_;
+};
+
+TEST_F(MeshInAScene, IsFoundBesideTheSceneFileAndPlaced) {
+  const Scenario scene =
+      sceneOf("mesh_unit_mm = 2\nmesh_origin_mm = [0, 0, 20]\nmesh_turn_deg = [0, 0, 90]\nmesh = 'wedge.obj'\n");
+  ASSERT_NE(scene.tool.mesh, nullptr);
+  EXPECT_EQ(scene.tool.shape, ToolShape::kMesh);
+  const MeshCorners& corners = scene.tool.mesh->field.corners();
+  EXPECT_LT((corners.low_m - Vec3(-0.04, 0, -0.02)).norm(), 1e-9);
+  EXPECT_LT((corners.high_m - Vec3(0, 0.06, 0)).norm(), 1e-9);
+  EXPECT_EQ(sceneOf("shape = 'mesh'\nmesh = 'wedge.obj'\n").tool.shape, ToolShape::kMesh);
+}
+
+TEST_F(MeshInAScene, RefusesWhatIsNoToolAndSaysWhere) {
+  EXPECT_THAT(errorOf("mesh = 'gone.stl'\n"), HasSubstr("no such file"));
+  EXPECT_THAT(errorOf("mesh = 'tool.step'\n"), AllOf(HasSubstr("x.toml:2"), HasSubstr(".stl, .obj, .glb or .gltf")));
+  EXPECT_THAT(errorOf("mesh = 'broken.stl'\n"), AllOf(HasSubstr("x.toml:2"), HasSubstr("broken.stl")));
+  EXPECT_THAT(errorOf("mesh = 'flat.obj'\n"), AllOf(HasSubstr("x.toml:2"), HasSubstr("flat.obj")));
+  EXPECT_THAT(errorOf("mesh_unit_mm = 1000\nmesh = 'wedge.obj'\n"), HasSubstr("with a unit of 1 mm"));
+  try {
+    (void)sceneOf("shape = 'box'\n", {"tool.mesh=" + (folder_ / "flat.obj").string()});
+    FAIL() << "flat.obj is no tool";
+  } catch (const InvalidParameter& error) {
+    EXPECT_THAT(error.what(), HasSubstr("override tool.mesh="));
+  }
+  EXPECT_THAT(errorOf("shape = 'mesh'\n"), HasSubstr("needs [tool] mesh"));
+  EXPECT_THAT(errorOf("shape = 'box'\nmesh = 'wedge.obj'\n"), HasSubstr("cannot both be given"));
+  EXPECT_THAT(errorOf("name = 'scoop'\nmesh = 'wedge.obj'\n"), HasSubstr("cannot both be given"));
+  EXPECT_THAT(errorOf("name = 'spoon'\n"), HasSubstr("did you mean scoop?"));
+  EXPECT_THAT(errorOf("mesh_data = 'obj-'\n"), HasSubstr("stl, obj or gltf, a colon, and base64"));
+  EXPECT_THAT(errorOf("mesh_data = 'ply:Zm9v'\n"), HasSubstr("mesh_data"));
+}
+
+TEST_F(MeshInAScene, OfASheetHasTheThicknessThatItIsGiven) {
+  const Scenario scene = sceneOf("mesh_sheet_mm = 2\nmesh = 'flat.obj'\n");
+  const DistanceField& field = scene.tool.mesh->field;
+  EXPECT_NEAR(field.corners().high_m.z() - field.corners().low_m.z(), 2e-3, 1e-9);
+  EXPECT_EQ(scene.tool.mesh->surface.triangles.size(), 2U + 6U) << "both sides and three walls";
+}
+
+TEST_F(MeshInAScene, TravelsWithItsText) {
+  const Scenario scene = sceneOf("mesh_turn_deg = [10, 0, 0]\nmesh = 'wedge.obj'\n");
+  const std::string text = scenarioText(scene);
+  fs::remove(folder_ / "wedge.obj");
+  const Scenario again = loadScenarioText(text, "the recorded scene");
+  EXPECT_TRUE(again == scene);
+  EXPECT_EQ(again.tool.mesh, scene.tool.mesh) << "made but once";
+  EXPECT_EQ(again.mesh.name, "wedge.obj");
+}
+
+TEST_F(MeshInAScene, GivesWayToAShapeThatIsAskedForAndComesBack) {
+  const Scenario ball = sceneOf("mesh = 'wedge.obj'\n", {"tool.shape=sphere"});
+  EXPECT_EQ(ball.tool.shape, ToolShape::kSphere);
+  EXPECT_EQ(sceneOf("shape = 'box'\n", {"tool.name=rake"}).mesh.name, "rake");
+  const std::string mesh = "tool.mesh=" + (folder_ / "wedge.obj").string();
+  EXPECT_EQ(sceneOf("shape = 'box'\n", {mesh}).mesh.name, "wedge.obj");
+
+  const Scenario rake = sceneOf("name = 'rake'\n");
+  const Scenario shown = changed(rake, std::vector<std::string>{"tool.shape=sphere"});
+  EXPECT_EQ(shown.tool.shape, ToolShape::kSphere);
+  EXPECT_EQ(changed(shown, std::vector<std::string>{"tool.shape=mesh"}).tool.mesh, rake.tool.mesh);
+}
+
+// --- the tools that come along ---------------------------------------------------------------------------------------
+
+double distanceAt(const Scenario& scene, const Vec3& place_mm) {
+  return scene.tool.mesh->field.at(1e-3 * place_mm).distance_m;
+}
+
+TEST(BuiltInTools, AreSolidWhereTheyShouldBeAndHollowWhereSoilGoes) {
+  struct Place {
+    const char* tool;
+    Vec3 at_mm;
+    bool solid;
+  };
+  const Place places[]{
+      {"scoop", {0, 0, -10.3}, true},       {"scoop", {0, 0, 0}, false},     {"scoop", {-29.3, 0, 0}, true},
+      {"scoop", {29, 0, 0}, false},         {"scoop", {-10, 21.8, 0}, true}, {"bucket", {0, 0, 0}, false},
+      {"bucket", {15, 0, -21}, true},       {"bucket", {-17, 0, 10}, true},  {"bucket", {0, 24, 0}, true},
+      {"bucket", {36, 6.5, -21}, true},     {"bucket", {36, 0, -21}, false}, {"rake", {0, 14, -15}, true},
+      {"rake", {0, 7, -15}, false},         {"rake", {0, 7, 12}, true},      {"corer", {0, 0, 0}, false},
+      {"corer", {19.2, 0, 0}, true},        {"corer", {0, -19.2, 30}, true}, {"auger", {0, 0, 0}, true},
+      {"auger", {14.1, -5.1, -34.7}, true}, {"auger", {15, 0, -25}, false},  {"auger", {-15, 0, -24}, true}};
+  Scenario scene;  // the one before is kept until another is made
+  for (const Place& place : places) {
+    scene = scenarioFromText(fmt::format("[tool]\nname = '{}'\n", place.tool), "x.toml");
+    EXPECT_EQ(distanceAt(scene, place.at_mm) < 0, place.solid) << place.tool << " " << place.at_mm.transpose();
+  }
+}
+
+TEST(BuiltInTools, NeedNoMendingAndFitIntoAHand) {
+  for (const BuiltInTool& tool : builtInTools()) {
+    const Scenario scene = scenarioFromText(fmt::format("[tool]\nname = '{}'\n", tool.name), "x.toml");
+    EXPECT_EQ(scene.tool.mesh->report, std::vector<std::string>{}) << tool.name;
+    EXPECT_LT(scene.tool.mesh->field.enclosingRadius(), 0.06) << tool.name;
+    EXPECT_EQ(scene.tool.mesh->field.spacing(), 0.4e-3) << tool.name;
+    EXPECT_LT(scene.tool.mesh->field.bytes(), std::size_t{40} << 20) << tool.name;
+  }
+}
+
+}  // namespace
+}  // namespace haptolith
