@@ -101,6 +101,9 @@ TEST_F(MeshInAScene, GivesWayToAShapeThatIsAskedForAndComesBack) {
   const Scenario ball = sceneOf("mesh = 'wedge.obj'\n", {"tool.shape=sphere"});
   EXPECT_EQ(ball.tool.shape, ToolShape::kSphere);
   EXPECT_EQ(sceneOf("shape = 'box'\n", {"tool.name=rake"}).mesh.name, "rake");
+  EXPECT_EQ(sceneOf("mesh_turn_deg = [90, 0, 0]\nmesh = 'wedge.obj'\n", {"tool.name=rake"}).mesh.turn_rad, Vec3::Zero())
+      << "that was how the other one is held";
+  EXPECT_EQ(sceneOf("mesh = 'wedge.obj'\n", {"tool.shape=mesh"}).mesh.name, "wedge.obj");
   const std::string mesh = "tool.mesh=" + (folder_ / "wedge.obj").string();
   EXPECT_EQ(sceneOf("shape = 'box'\n", {mesh}).mesh.name, "wedge.obj");
 

@@ -94,6 +94,42 @@ TEST(MeshContact, AParticleThatIsPressedIntoAThinWallStaysOnItsSide) {
   }
 }
 
+TEST(MeshContact, AParticleBetweenTwoWallsStaysThereHoweverNarrowItIs) {
+  // Two walls of 4 mm, 10 mm apart, and a particle of 14 mm that slides in between them and from one to the other.
+  TriangleMesh walls;
+  for (const double middle_m : {-0.007, 0.007}) {
+    const ToolSurface surface = toolSurface(boxOf({0.06, 0.004, 0.06}), 0);
+    const auto first = static_cast<std::int32_t>(walls.points_m.size());
+    for (const Vec3& point_m : surface.points_tool_m) {
+      walls.points_m.emplace_back(point_m + Vec3(0, middle_m, 0));
+    }
+    for (const auto& [a, b, c] : surface.triangles) {
+      walls.triangles.push_back({a + first, b + first, c + first});
+    }
+  }
+  const DistanceField field = makeDistanceField(mend(walls), {.spacing_m = 0.4e-3, .band_m = 9e-3});
+  int side = 0;
+  for (const double way : {1.0, -1.0}) {
+    for (double y_m = -0.004; y_m <= 0.004; y_m += 0.1e-3) {
+      const Penetration found = meshPenetration(field, {0, way * y_m, 0}, kRadius_m, kLetsGo_m, side);
+      side = found.side;
+      const double to_nearer_m = 0.005 - std::abs(y_m);
+      EXPECT_NEAR(found.depth_m, kRadius_m - to_nearer_m, 0.3e-3) << way << " " << y_m;
+    }
+  }
+}
+
+TEST(MeshContact, AParticleDeepInASolidIsPushedOutTheWayItCame) {
+  const DistanceField field = fieldOf(boxOf({0.06, 0.06, 0.06}));
+  int side = 0;
+  for (double z_m = -0.036; z_m < -0.005; z_m += 0.5e-3) {
+    const Penetration found = meshPenetration(field, {0.002, 0.001, z_m}, kRadius_m, kLetsGo_m, side);
+    side = found.side;
+    EXPECT_LT(found.outward.z(), -0.9) << z_m;
+    EXPECT_GT(found.depth_m, std::min(0.015, 0.0369 + z_m) - 0.1e-3) << z_m;
+  }
+}
+
 TEST(MeshContact, AParticleGoesRoundTheRimOfAThinWall) {
   const DistanceField field = fieldOf(boxOf({0.06, 0.06, 1e-3}));
   int side = 0;

@@ -65,12 +65,14 @@ Scenario withChangesOf(Scenario scene, const Scenario& other) {
   scene.bed.gravity_m_s2 = other.bed.gravity_m_s2;
   scene.bed.start = other.bed.start;  // of soil that lies already
   scene.bed.threads = other.bed.threads;
+  scene.mesh = other.mesh;
   scene.tool = other.tool;
   return scene;
 }
 
 Scenario madeOf(Scenario scene, const SoilParameters& soil) {
   scene.bed.soil = soil;
+  makeToolMesh(scene);
   return scene;
 }
 

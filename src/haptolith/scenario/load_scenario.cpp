@@ -190,12 +190,12 @@ TomlReader readerOf(std::string_view name_or_file) {
   return {name_or_file, kScene};
 }
 
-/// A shape takes the place of the file's mesh, and a mesh that of its shape.
+/// A shape takes the place of the file's mesh, and a mesh that of its shape and of the mesh that it had.
 void takeToolOverrides(TomlReader& reader, const TomlReader& given) {
-  if (given.has("tool", "mesh")) {
-    reader.passOver("tool", [](std::string_view key) { return key == "shape"; });
-  }
-  if (given.has("tool", "shape")) {
+  const toml::node* shape = given.find("tool", "shape");
+  if (given.has("tool", "mesh") || given.has("tool", "name")) {
+    reader.passOver("tool", [](std::string_view key) { return key == "shape" || key.starts_with("mesh"); });
+  } else if (shape != nullptr && shape->value_or(std::string_view()) != "mesh") {
     reader.passOver("tool", [](std::string_view key) { return key == "mesh" || key == "name"; });
   }
 }
@@ -238,6 +238,7 @@ Scenario changed(const Scenario& scenario, std::span<const std::string> override
   if (other_soil && !reader.has("soil", "radius_mm")) {  // the grains that are there
     scene.bed.soil = rescaled(scene.bed.soil, scenario.bed.soil.radius_m);
     scene.bed.start = scenario.bed.start;
+    makeToolMesh(scene);
   }
   if (reader.has("soil", "preset")) {
     scene.soil_name.clear();

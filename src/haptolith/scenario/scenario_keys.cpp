@@ -90,6 +90,10 @@ void readData(ToolMeshSource& mesh, std::string_view data) {
   if (!bytes) {
     throw InvalidParameter("mesh_data", inQuotes(data), "stl, obj or gltf, a colon, and base64");
   }
+  if (bytes->size() > kMostMeshBytes) {
+    throw InvalidParameter("mesh_data", fmt::format("{} bytes", bytes->size()),
+                           fmt::format("at most {} bytes", kMostMeshBytes));
+  }
   mesh.format = valueOf(kMeshFormatWords, data.substr(0, colon));
   mesh.bytes = std::make_shared<const std::string>(*std::move(bytes));
 }

@@ -31,6 +31,9 @@ std::optional<Vec3> wayOut(const DistanceField& field, const Vec3& from_m, const
   double before_m = 0, distance_before_m = 0;
   for (double way_m = 0; way_m <= longest_m;) {
     const double distance_m = field.at(from_m + way_m * along).distance_m;
+    if (way_m == 0 && distance_m == 0) {
+      return from_m;
+    }
     if (inside && distance_m >= 0) {  // between the two the field is as good as straight
       const double share = distance_before_m / (distance_before_m - distance_m);
       return from_m + (before_m + share * (way_m - before_m)) * along;
@@ -41,6 +44,19 @@ std::optional<Vec3> wayOut(const DistanceField& field, const Vec3& from_m, const
     way_m += std::max(std::abs(distance_m), shortest_m);
   }
   return std::nullopt;
+}
+
+/// Whether the body is still there on the other side of a point outside it: against a unit vector, within `longest_m`.
+bool isStillBehind(const DistanceField& field, const Vec3& from_m, const Vec3& along, double longest_m) {
+  const double shortest_m = field.spacing() / 2;
+  for (double way_m = 0; way_m <= longest_m;) {
+    const double distance_m = field.at(from_m - way_m * along).distance_m;
+    if (distance_m < 0) {
+      return true;
+    }
+    way_m += std::max(distance_m, shortest_m);
+  }
+  return false;
 }
 
 /// A sphere that touches where the surface is next to `surface_m`, which is on it.
@@ -89,11 +105,16 @@ Penetration meshPenetration(const DistanceField& field, const Vec3& centre_m, do
   const DistanceField::Sample here = field.at(centre_m);
   if (side != 0) {
     const Vec3 kept = directionOf(static_cast<std::uint8_t>(side));
-    const bool same_side = here.distance_m > 0 && here.gradient.dot(kept) > kSameSide;
+    const bool same_side = here.distance_m >= 0 && here.gradient.dot(kept) > kSameSide;
     const bool passed_through = here.distance_m > radius_m;
-    if (!same_side && !passed_through) {
+    // Between two walls the other one may be nearer now, while the one that it touched is still where it was.
+    const bool between = here.distance_m > 0 && isStillBehind(field, centre_m, kept, radius_m + letting_go_m);
+    if (!same_side && !passed_through && !between) {
       if (const std::optional<Vec3> surface_m = wayOut(field, centre_m, kept, 2 * radius_m)) {
         return touching(field, centre_m, radius_m, *surface_m);
+      }
+      if (here.distance_m <= -field.band()) {  // deeper than is known: out the way it came in
+        return {.depth_m = radius_m - here.distance_m, .outward = kept, .side = side};
       }
     }
   }
