@@ -14,11 +14,11 @@ namespace haptolith {
 /// penetration() of a sphere into a body that is known by its distance field alone.
 ///
 /// A wall may be thinner than a particle is pushed in, so the nearest surface may be the wall's other side. Therefore a
-/// particle keeps the direction in which it touched: when its centre is inside the body, or outside on a side that looks
-/// another way, the surface is looked for from the centre along that direction, through the wall. But not when what it
-/// touched is still behind it, as between two walls, of which the nearer one counts then. It lets go when there is no
-/// surface within two radii, as beyond the wall's edge, or when it lies wholly on the other side. May be called in the
-/// tick.
+/// particle keeps the direction in which it touched: when its centre is inside the body, or outside on a side that
+/// looks another way, the surface is looked for from the centre along that direction, through the wall. But not when
+/// what it touched is still behind it, as between two walls, of which the nearer one counts then. It lets go when there
+/// is no surface within two radii, as beyond the wall's edge, or when it lies wholly on the other side. May be called
+/// in the tick.
 /// @param letting_go_m  how far outside it has let go.
 /// @param side  what the last call for this particle returned, a directionCode() as a signed byte; 0 at first.
 [[nodiscard]] Penetration meshPenetration(const DistanceField& field, const Vec3& centre_m, double radius_m,
