@@ -23,10 +23,9 @@ struct ToolMeshSource {
   std::string name;                          ///< of the file, for messages; does not count when two are compared
   std::shared_ptr<const std::string> bytes;  ///< of the file; null: there is no mesh
   MeshFormat format = MeshFormat::kStl;
-  double unit_m = 1e-3;          ///< of STL and OBJ: see MeshFileOptions
-  double sheet_thickness_m = 0;  ///< of a surface that is not closed: see MendOptions
-  std::optional<Vec3>
-      origin_m{};  ///< point of the mesh that is the tool's origin; left out: middle of the box around it
+  double unit_m = 1e-3;            ///< of STL and OBJ: see MeshFileOptions
+  double sheet_thickness_m = 0;    ///< of a surface that is not closed: see MendOptions
+  std::optional<Vec3> origin_m{};  ///< of the mesh, where the hand holds it; left out: middle of the box around it
   Vec3 turn_rad = Vec3::Zero();
 
   [[nodiscard]] bool operator==(const ToolMeshSource& other) const;

@@ -28,8 +28,7 @@ inline constexpr std::array kToolShapes{ToolShape::kBox,  ToolShape::kSphere,   
                                         ToolShape::kTube, ToolShape::kCylinder, ToolShape::kJaws};
 
 /// The tool and its contact with macroparticles (paper 21). The tool's origin is its centre, a cone's its point, and of
-/// jaws the middle between them;
-/// of a mesh it is where its maker has it (ToolMeshSource):
+/// jaws the middle between them. A mesh has it where ToolMeshSource says.
 ///
 ///       |     |     z
 ///       |     |     |
