@@ -10,7 +10,7 @@
 #include <map>
 
 #include "haptolith/core/error.h"
-#include "haptolith/recording/recording_types.h"
+#include "haptolith/recording/recording_format.h"
 #include "haptolith/scenario/scene_words.h"
 #include "haptolith/tool/tool_mesh.h"
 
@@ -44,7 +44,7 @@ void tellOfMesh(const Scenario& scenario) {
   const Vec3 size_mm = 1e3 * (mesh.field.corners().high_m - mesh.field.corners().low_m);
   spdlog::info("{}: {:.3g} x {:.3g} x {:.3g} mm, walls and corners to {:.2g} mm", scenario.mesh.name, size_mm.x(),
                size_mm.y(), size_mm.z(), 1e3 * mesh.field.spacing());
-  constexpr std::size_t kMostRecordedBytes = kLongestText / 10 * 7;  // it is in the scene's text in base64
+  constexpr std::size_t kMostRecordedBytes = kLongestHeaderText / 10 * 7;  // it is in the scene's text in base64
   if (scenario.mesh.bytes->size() > kMostRecordedBytes) {
     spdlog::warn("{}: a file of more than {} kB: it cannot be recorded", scenario.mesh.name, kMostRecordedBytes / 1000);
   }

@@ -41,9 +41,9 @@ void validate(const RecordingHeader& header) {
   for (const HeaderEntry& entry : kHeaderEntries) {
     if (const auto* text = std::get_if<HeaderEntry::Member<std::string>>(&entry.member)) {
       const std::string& value = header.*(*text);
-      if (value.size() > kLongestText || value.find('\0') != std::string::npos) {
+      if (value.size() > kLongestHeaderText || value.find('\0') != std::string::npos) {
         throw InvalidParameter(entry.name, fmt::format("a text of {} bytes", value.size()),
-                               fmt::format("at most {} bytes, none of them zero", kLongestText));
+                               fmt::format("at most {} bytes, none of them zero", kLongestHeaderText));
       }
     }
   }

@@ -263,8 +263,8 @@ void readEntry(const Handle& file, const char* name, std::string& value) {
   const Handle attribute = openEntry(file, name);
   const Handle type = handle(H5Aget_type(attribute.id()), "read its header");
   const std::size_t bytes = H5Tget_size(type.id());
-  if (H5Tget_class(type.id()) != H5T_STRING || H5Tis_variable_str(type.id()) != 0 || bytes > kLongestText) {
-    throw Failure(fmt::format("{} in its header is no text of at most {} bytes", name, kLongestText));
+  if (H5Tget_class(type.id()) != H5T_STRING || H5Tis_variable_str(type.id()) != 0 || bytes > kLongestHeaderText) {
+    throw Failure(fmt::format("{} in its header is no text of at most {} bytes", name, kLongestHeaderText));
   }
   value.resize(bytes);
   done(H5Aread(attribute.id(), type.id(), value.data()), "read its header");

@@ -68,7 +68,4 @@ inline constexpr HeaderEntry kHeaderEntries[]{
     {"tick_s", &RecordingHeader::tick_s},
 };
 
-/// Of any text in the header, in bytes.
-inline constexpr std::size_t kLongestText = std::size_t{1} << 20;
-
 }  // namespace haptolith::hdf5
