@@ -41,6 +41,9 @@ endfunction()
 # haptolith_quickly_compiled(test_core): code that costs the compiler more than it ever costs the machine: the command line, tests.
 function(haptolith_quickly_compiled target)
   target_compile_options(${target} PRIVATE $<$<CONFIG:Release>:-O1>)
+  if(HAPTOLITH_SANITIZE)
+    target_compile_options(${target} PRIVATE -O0)
+  endif()
 endfunction()
 
 # haptolith_module(soil SOURCES a.cpp b.cpp DEPENDS core LIBRARIES PkgConfig::nlopt)

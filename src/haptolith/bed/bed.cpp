@@ -77,14 +77,6 @@ GridBox gridBox(const BedParameters& bed, double height_m) {
           periodsOf(bed)};
 }
 
-double highest(const std::vector<Float4>& grains) {
-  float height = 0;
-  for (const Float4& grain : grains) {
-    height = std::max(height, grain.z);
-  }
-  return height;
-}
-
 /// Groups first..last-1 of a part of the work.
 struct GroupRange {
   std::size_t first, last;
@@ -109,7 +101,9 @@ Bed::Bed(const BedParameters& parameters, const std::vector<Vec3>& centres_m)
     : Bed(parameters, withSizes(validated(parameters), centres_m)) {}
 
 Bed::Bed(const BedParameters& parameters, const std::vector<Float4>& grains)
-    : Bed(parameters, grains, highest(grains)) {}
+    : Bed(parameters, grains, highestCentre(grains)) {
+  makeStones(true);
+}
 
 Bed::Bed(const BedParameters& parameters, const std::vector<Float4>& grains, double grid_height_m)
     : parameters_(validated(parameters)),
@@ -195,6 +189,9 @@ std::vector<Bed::GrainRun> Bed::grainRuns() const {
 
 StepStatus Bed::step(double dt_s) noexcept {
   now_ = constantsFor(dt_s);
+  if (stones_.size() > 0 && !stones_.press({state_, external_, neighbourhood_, wakefulness_}, dt_s)) {
+    return StepStatus::kCollapsed;
+  }
   wakefulness_.listAwake();  // somebody may have been woken since the last step
   parts_ = partsFor(parameters_, wakefulness_.awake().size(), team_.size());
   team_.run([](void* bed, int part, int parts) noexcept { static_cast<Bed*>(bed)->stepPart(part, parts); }, this,
@@ -202,6 +199,13 @@ StepStatus Bed::step(double dt_s) noexcept {
   state_.position.swap(next_position_);
   state_.velocity.swap(next_velocity_);
   ++state_.step;
+  if (stones_.size() > 0) {
+    stones_.letGo(external_);
+    stones_.move(parameters_.gravity_m_s2, dt_s, wakefulness_.rule());
+    if (!stones_.areFinite()) {
+      return StepStatus::kNotFinite;
+    }
+  }
   for (const Moved& moved : movedOfParts()) {
     if (!moved.finite) {
       return StepStatus::kNotFinite;
@@ -296,7 +300,9 @@ void Bed::lookAgainWhenGoneFar(double dt_s) noexcept {
   for (const Moved& moved : movedOfParts()) {
     fastest_squared = std::max(fastest_squared, moved.fastest_squared);
   }
-  gone_since_look_m_ += std::sqrt(double{fastest_squared}) * dt_s;
+  const double gone_m = std::sqrt(double{fastest_squared}) * dt_s;
+  gone_since_look_m_ += gone_m;
+  stones_.soilWent(gone_m);
   if (gone_since_look_m_ > kRounded * now_.near_m / 2) {
     ++look_;
     gone_since_look_m_ = 0;
@@ -344,6 +350,7 @@ void Bed::setSettling(bool settling) noexcept {
 void Bed::setGravity(const Vec3& gravity_m_s2) noexcept {
   if (gravity_m_s2 != parameters_.gravity_m_s2) {
     wakefulness_.wakeAll(state_);
+    stones_.wakeAll();
   }
   parameters_.gravity_m_s2 = gravity_m_s2;
 }
@@ -352,6 +359,7 @@ void Bed::setSoil(const SoilLaws& laws) noexcept {
   wakefulness_.wakeAll(state_);
   parameters_.soil = laws.soil;
   laws_ = laws;
+  stones_.setSoil(laws.soil);
   ++look_;  // its contacts may reach further
 }
 
@@ -366,6 +374,23 @@ void Bed::release(std::size_t particle) noexcept {
   driven_ -= state_.velocity[particle].w == BedState::kDriven ? 1 : 0;
   wake(particle);
   state_.velocity[particle].w = 0;
+}
+
+void Bed::place(std::size_t particle, const Vec3& position_m) noexcept {
+  wake(particle);
+  const Float4 place{narrow<float>(position_m.x()), narrow<float>(position_m.y()), narrow<float>(position_m.z()),
+                     state_.position[particle].w};
+  for (auto* positions : {&state_.position, &next_position_}) {
+    (*positions)[particle] = place;
+  }
+  for (auto* velocities : {&state_.velocity, &next_velocity_}) {
+    (*velocities)[particle] = {0, 0, 0, (*velocities)[particle].w};
+  }
+  stones_.lookAgain();
+}
+
+std::uint64_t Bed::hash(std::size_t part, std::size_t parts) const noexcept {
+  return stonesHash(stones_.state(), stateHash(state_, part, parts));
 }
 
 Vec3 Bed::contactForce(std::size_t particle) const noexcept {
@@ -442,7 +467,7 @@ double Bed::energy() const {
       }
     }
   }
-  return energy;
+  return energy + stones_.energy(state_, parameters_.gravity_m_s2);
 }
 
 double Bed::largestSpeed(std::size_t first, std::size_t last) const noexcept {
@@ -476,7 +501,7 @@ std::size_t Bed::bytes() const noexcept {
                               state_.rested_at.size() + state_.tool_slip.size();
   return records * sizeof(Float4) + state_.wall_slip.size() * (sizeof(WallSlips) + 1) + state_.tool_side.size() +
          moved_.size() * sizeof(moved_[0]) + state_.rested.size() * sizeof(state_.rested[0]) + wakefulness_.bytes() +
-         state_.contacts.bytes() + neighbourhood_.bytes();
+         state_.contacts.bytes() + neighbourhood_.bytes() + stones_.bytes();
 }
 
 }  // namespace haptolith

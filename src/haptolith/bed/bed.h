@@ -13,6 +13,7 @@
 #include "haptolith/bed/neighbourhood.h"
 #include "haptolith/bed/soil_laws.h"
 #include "haptolith/bed/step_kernel.h"
+#include "haptolith/bed/stones.h"
 #include "haptolith/bed/wakefulness.h"
 #include "haptolith/bed/worker_team.h"
 
@@ -70,6 +71,10 @@ class Bed {
 
   /// Wakes a particle and what is next to it. May be called in the tick.
   void wake(std::size_t particle) noexcept { wakefulness_.wakeAround(particle, state_); }
+
+  /// Puts a particle somewhere else, at rest. Its neighbours are found by the end of the next step, so it must touch
+  /// nobody there. Not for the tick.
+  void place(std::size_t particle, const Vec3& position_m) noexcept;
 
   /// Lets a driven particle go.
   void release(std::size_t particle) noexcept;
@@ -130,6 +135,10 @@ class Bed {
   };
   [[nodiscard]] std::vector<GrainRun> grainRuns() const;
   [[nodiscard]] const BedState& state() const noexcept { return state_; }
+  [[nodiscard]] const Stones& stones() const noexcept { return stones_; }
+  [[nodiscard]] Stones& stones() noexcept { return stones_; }
+  /// As stateHash(), of the stones, too. May be called in the tick.
+  [[nodiscard]] std::uint64_t hash(std::size_t part = 0, std::size_t parts = 1) const noexcept;
   [[nodiscard]] std::vector<std::int8_t>& toolSides() noexcept { return state_.tool_side; }
   [[nodiscard]] std::vector<Float4>& toolSlip() noexcept { return state_.tool_slip; }
   /// How often a particle was entered again into the neighbour lists because it had moved on: see Neighbourhood.
@@ -162,6 +171,11 @@ class Bed {
   void recall(const StartingSoil& soil) noexcept;
   /// Soil from free_particles on stands for ever where it stands; the rest lies as it did in its tile, and may sleep.
   void holdSides(std::size_t free_particles) noexcept;
+  /// Makes the stones of the parameters, where they are to be or, to be put there later, anywhere.
+  void makeStones(bool where_they_are_to_be);
+  /// Puts soil that is where stones are on top of the rest, and lets both find their hold.
+  void bedStones(const SettleProgress& progress);
+  void moveOutOfStones();
   /// Lets soil find its hold under a gravity that pulls sideways, then stops it where it is.
   void settleOnSlope(double dt_s, const SettleProgress& progress);
   void stop() noexcept;
@@ -186,6 +200,7 @@ class Bed {
   float skin_m_;
 
   BedState state_;
+  Stones stones_;
   std::vector<Float4> next_position_, next_velocity_;
   std::vector<Float4> external_;
   std::vector<Float4> contact_force_;

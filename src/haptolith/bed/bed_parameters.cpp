@@ -66,6 +66,23 @@ double shortestPeriod(const SoilParameters& soil) {
   return 3 * (makeContactLaw(soil).cutoff_m + (1 + 2 * soil.size_spread) * soil.radius_m);
 }
 
+namespace {
+
+void validateStones(const BedParameters& bed) {
+  if (!bed.stones.any()) {
+    return;
+  }
+  validate(bed.stones);
+  if (bed.soil.friction != FrictionModel::kContact) {
+    throw InvalidParameter("stones", "with the paper's friction", "in soil with contact friction");
+  }
+  if (bed.periodic_x || bed.periodic_y) {
+    throw InvalidParameter("stones", "in a box that repeats itself", "in a box with walls");
+  }
+}
+
+}  // namespace
+
 void validate(const BedParameters& bed) {
   validate(bed.soil);
   requireInRange("stiffness_n_m", bed.soil.stiffness_n_m,
@@ -101,6 +118,7 @@ void validate(const BedParameters& bed) {
     requireInRange("seed", static_cast<double>(bed.seed), BedRanges::seed);
   }
   validateGrading(bed);
+  validateStones(bed);
   requireInRange("sleep_speed_m_s", bed.sleep_speed_m_s, BedRanges::sleep_speed_m_s);
   requireInRange("sleep_distance_m", bed.sleep_distance_m, BedRanges::sleep_distance_m);
   requireInRange("tick_s", bed.tick_s, BedRanges::tick_s);

@@ -5,6 +5,7 @@
 #include "haptolith/core/error.h"
 #include "haptolith/core/vec.h"
 #include "haptolith/soil/soil_parameters.h"
+#include "haptolith/stone/stone_parameters.h"
 
 namespace haptolith {
 
@@ -45,6 +46,7 @@ struct BedParameters {
   double depth_m = 0.04;   ///< kPacked, kSettled: height of the undisturbed soil
   std::uint64_t seed = 1;  ///< kRain, kSettled, and finer grains
   Grading grading;
+  StonesParameters stones;  ///< contact friction only, in a box with walls
 
   /// Whether soil at rest is left alone until something near it stirs (Wakefulness); what moves faster than this is not
   /// at rest, nor what has gone further than the distance from where it came to rest. The default is so slow that

@@ -58,11 +58,12 @@ Bed::Bed(const BedParameters& parameters, const SavedBed& saved)
     }
     holdSides(particles() - held);
   }
+  makeStones(false);
   restore(saved);
 }
 
 SavedBed Bed::save() const {
-  SavedBed saved{.state = state_, .grid_height_m = grid_height_m_, .near_groups = {}};
+  SavedBed saved{.state = state_, .grid_height_m = grid_height_m_, .near_groups = {}, .stones = stones_.save()};
   for (std::size_t word = 0; word < near_before_.size(); ++word) {
     for (std::uint64_t bits = near_before_[word]; bits != 0; bits &= bits - 1) {
       saved.near_groups.push_back(
@@ -83,7 +84,9 @@ void Bed::restore(const SavedBed& saved) {
                              fmt::format("below {}, the bed's groups", state_.rested.size()));
     }
   }
+  stones_.requireSound(saved.stones, particles());
   restore(saved.state);
+  stones_.restore(saved.stones);
   for (const std::uint32_t group : saved.near_groups) {
     near_before_[group / kBits] |= std::uint64_t{1} << (group % kBits);
   }
@@ -198,6 +201,7 @@ void Bed::restore(const BedState& state) {
   next_position_ = state_.position;  // who sleeps stands in both
   next_velocity_ = state_.velocity;
   wakefulness_.takeOver(state_);
+  stones_.lookAgain();
 }
 
 }  // namespace haptolith

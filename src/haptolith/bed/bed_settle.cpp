@@ -54,6 +54,11 @@ std::vector<Float4> withManyNeighboursTogether(const Bed& bed) {
   return grains;
 }
 
+BedParameters withoutStones(BedParameters bed) {
+  bed.stones = {};
+  return bed;
+}
+
 /// Grains of one size as they lie before they settle, of several after it.
 std::vector<Float4> startingGrains(const BedParameters& bed, const SettleProgress& progress) {
   if (grainClasses(bed) == 1) {
@@ -78,10 +83,15 @@ std::vector<Float4> startingGrains(const BedParameters& bed, const SettleProgres
 }  // namespace
 
 Bed::Bed(const BedParameters& parameters, const SettleProgress& progress)
-    : Bed(parameters, startingSoil(validated(parameters), progress), progress) {}
+    : Bed(parameters, startingSoil(withoutStones(validated(parameters)), progress), progress) {
+  if (parameters.stones.any()) {
+    makeStones(true);
+    bedStones(progress);
+  }
+}
 
 Bed::Bed(const BedParameters& parameters, const StartingSoil& soil, const SettleProgress& progress)
-    : Bed(parameters, soil.laid.grains) {
+    : Bed(parameters, soil.laid.grains, highestCentre(soil.laid.grains)) {
   const double dt_s = parameters.tick_s / substepsFor(parameters, 0);
   if (grainClasses(parameters) > 1) {
     return;  // settled together already

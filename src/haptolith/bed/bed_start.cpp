@@ -229,6 +229,14 @@ std::vector<Vec3> startingCentres(const BedParameters& bed) {
   return {};
 }
 
+double highestCentre(const std::vector<Float4>& grains) {
+  float height = 0;
+  for (const Float4& grain : grains) {
+    height = std::max(height, grain.z);
+  }
+  return height;
+}
+
 BedParameters withRoomFor(int particles, BedParameters bed) {
   constexpr double kVolumePerCubedRadius = 5.83;  // of a particle and its share of the gaps, walls' included
   constexpr double kDeepest_m = 0.12;

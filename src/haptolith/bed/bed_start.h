@@ -22,6 +22,9 @@ namespace haptolith {
 /// Centres with sizes as the seed deals them out.
 [[nodiscard]] std::vector<Float4> withSizes(const BedParameters& bed, const std::vector<Vec3>& centres_m);
 
+/// Height of the highest centre above the floor, in m; 0 without any.
+[[nodiscard]] double highestCentre(const std::vector<Float4>& grains);
+
 /// The bed as a packed sandbox for about so many particles: half as deep as wide, but no deeper than a hand reaches.
 [[nodiscard]] BedParameters withRoomFor(int particles, BedParameters bed);
 

@@ -16,6 +16,8 @@ static_assert(std::endian::native == std::endian::little, "saved states are litt
 
 constexpr char kMagic[8] = {'H', 'A', 'P', 'B', 'E', 'D', '0', '4'};
 
+constexpr std::string_view kStonesFollow = "HAPSTNS:";  // no bed begins with it
+
 struct Header {
   char magic[8];
   std::uint64_t step;
@@ -181,6 +183,13 @@ std::string serialise(const SavedBed& saved) {
   append(bytes, &saved.grid_height_m, 1);
   append(bytes, &near, 1);
   append(bytes, saved.near_groups.data(), near);
+  if (!saved.stones.stones.empty()) {  // a bed without is saved as it was before there were stones
+    const std::string stones = serialise(saved.stones);
+    const std::uint64_t length = stones.size();
+    append(bytes, kStonesFollow.data(), kStonesFollow.size());
+    append(bytes, &length, 1);
+    bytes += stones;
+  }
   return bytes + serialise(saved.state);
 }
 
@@ -197,6 +206,18 @@ SavedBed deserialiseSavedBed(std::string_view bytes) {
     throw Failure("this saved bed is damaged: it is shorter than it says");
   }
   take(bytes, saved.near_groups, near);
+  if (bytes.starts_with(kStonesFollow)) {
+    bytes.remove_prefix(kStonesFollow.size());
+    std::vector<std::uint64_t> length(1, bytes.size() + 1);
+    if (bytes.size() >= sizeof length[0]) {
+      take(bytes, length, 1);
+    }
+    if (length[0] > bytes.size()) {
+      throw Failure("this saved bed is damaged: its stones are cut short");
+    }
+    saved.stones = deserialiseStones(bytes.substr(0, length[0]));
+    bytes.remove_prefix(length[0]);
+  }
   saved.state = deserialiseBedState(bytes);
   return saved;
 }

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "haptolith/bed/contact_lists.h"
+#include "haptolith/bed/stones_state.h"
 
 namespace haptolith {
 
@@ -61,6 +62,7 @@ struct SavedBed {
   BedState state;
   double grid_height_m = 0;                ///< how high soil stood when the bed was made: the size of its grid
   std::vector<std::uint32_t> near_groups;  ///< that groupsNear() returned last, without those it returned before
+  StonesState stones;
 };
 
 /// 64-bit hash (XXH3) over positions, velocities and the memory of contacts. Equal states have equal hashes on one

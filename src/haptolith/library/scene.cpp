@@ -232,7 +232,7 @@ std::int32_t hapto_scene_state_hash(const hapto_scene* scene, std::uint64_t* out
     return wrongArgument(HAPTO_NULL, "out");
   }
   return with(scene, [&](const SceneObject& object) {
-    *out = stateHash(object.scene().bed().state());
+    *out = object.scene().bed().hash();
     return HAPTO_OK;
   });
 }

@@ -13,7 +13,7 @@
 namespace haptolith {
 
 inline constexpr Range kFieldSpacing_m{5e-5, 1e-2};
-inline constexpr Range kFieldBand_m{1e-3, 2e-2};
+inline constexpr Range kFieldBand_m{1e-3, 3e-2};
 
 struct DistanceFieldOptions {
   double spacing_m = 0.4e-3;  ///< of the grid's points, kFieldSpacing_m; more when it would not fit `most_bytes`

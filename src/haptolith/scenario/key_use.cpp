@@ -36,6 +36,14 @@ bool isManoeuvre(const Scenario& scene) {
   return scene.hand.manoeuvre != Manoeuvre::kPoses;
 }
 
+bool hasRandomStones(const Scenario& scene) {
+  return scene.bed.stones.count > 0;
+}
+
+bool hasStones(const Scenario& scene) {
+  return scene.bed.stones.any();
+}
+
 bool isArm(const Scenario& scene) {
   return scene.hand.compliance == HandCompliance::kArm;
 }
@@ -47,6 +55,8 @@ bool isNotDirect(const Scenario& scene) {
 constexpr std::string_view kPaper = "[soil] friction = paper";
 constexpr std::string_view kContact = "[soil] friction = contact";
 constexpr std::string_view kGraded = "[bed] fine_radius_mm above 0";
+constexpr std::string_view kStones = "[stones] count above 0";
+constexpr std::string_view kAnyStones = "[stones] count above 0, or a [[stone]]";
 constexpr std::string_view kMesh = "[tool] mesh";
 constexpr std::string_view kArm = "[hand] compliance = arm";
 constexpr std::string_view kNoPoses = "another [hand] manoeuvre than poses";
@@ -74,6 +84,16 @@ constexpr std::array kUses{
     KeyUse{"bed", "fine_depth_mm", isGraded, kGraded, true},
     KeyUse{"bed", "fine_x_mm", isGraded, kGraded, true},
     KeyUse{"bed", "fine_y_mm", isGraded, kGraded, true},
+
+    KeyUse{"stones", "shape", hasRandomStones, kStones, true},
+    KeyUse{"stones", "smallest_mm", hasRandomStones, kStones, true},
+    KeyUse{"stones", "largest_mm", hasRandomStones, kStones, true},
+    KeyUse{"stones", "exponent", hasRandomStones, kStones, true},
+    KeyUse{"stones", "shallowest_mm", hasRandomStones, kStones, true},
+    KeyUse{"stones", "deepest_mm", hasRandomStones, kStones, true},
+    KeyUse{"stones", "seed", hasRandomStones, kStones, true},
+    KeyUse{"stones", "fixed", hasRandomStones, kStones, true},
+    KeyUse{"stones", "density_kg_m3", hasStones, kAnyStones, true},
 
     KeyUse{"tool", "size_mm", isShape<ToolShape::kBox, ToolShape::kJaws>, "[tool] shape = box or jaws", true},
     KeyUse{"tool", "diameter_mm", isShape<ToolShape::kSphere, ToolShape::kPlate, ToolShape::kCylinder>,

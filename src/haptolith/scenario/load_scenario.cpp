@@ -8,6 +8,7 @@
 #include "haptolith/scenario/scenario.h"
 #include "haptolith/scenario/scenario_error.h"
 #include "haptolith/scenario/scenario_keys.h"
+#include "haptolith/scenario/stone_keys.h"
 #include "haptolith/scenario/toml_reader.h"
 #include "haptolith/scenario/toml_writer.h"
 
@@ -91,6 +92,7 @@ void requirePoses(const TomlReader& reader, const Scenario& scene) {
 void validateWhole(const TomlReader& reader, const Scenario& scene) {
   const std::span<const ScenarioKey> keys = scenarioKeys();
   reader.check(keys, "soil", [&] { validate(scene.bed.soil); });
+  reader.check(keys, "stones", [&] { validate(scene.bed.stones); });
   reader.check(keys, "bed", [&] { validate(scene.bed); });
   reader.check(keys, "tool", [&] { validate(scene.mesh); });
   reader.check(keys, "tool", [&] { validate(scene.tool); });
@@ -145,6 +147,7 @@ void refuseLibrary(const TomlReader& reader) {
 Scenario read(const TomlReader& reader, From from, Scenario scene = {}) {
   std::vector<KeyName> known = keyNames(scenarioKeys());
   known.push_back(kLibrary);
+  known.push_back({"", "stone"});  // a table of its own for each
   reader.refuseUnknownKeys(known);
   if (from == From::kFile) {
     refuseLibrary(reader);
@@ -153,6 +156,7 @@ Scenario read(const TomlReader& reader, From from, Scenario scene = {}) {
   for (const ScenarioKey& key : scenarioKeys()) {
     reader.apply(key, scene);
   }
+  readPlacedStones(reader, scene);
   requirePoses(reader, scene);
   requireMesh(reader, scene);
   makeMesh(reader, scene);

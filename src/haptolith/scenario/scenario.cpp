@@ -54,9 +54,14 @@ void changeBody(Scenario& scenario, std::string_view name) {
 }
 
 void makeToolMesh(Scenario& scenario) {
+  const StonesParameters& stones = scenario.bed.stones;
+  if (scenario.mesh.bytes != nullptr && largestSphere(stones) > kMostMeshReach_m) {
+    throw InvalidParameter("stones", fmt::format("of spheres up to {:g} mm across", 2e3 * largestSphere(stones)),
+                           fmt::format("at most {:g} mm where the tool is a mesh", 2e3 * kMostMeshReach_m));
+  }
   scenario.tool.mesh = scenario.mesh.bytes == nullptr
                            ? nullptr
-                           : toolMesh(scenario.mesh, contactReach(scenario.tool, scenario.bed.soil));
+                           : toolMesh(scenario.mesh, contactReach(scenario.tool, scenario.bed));
 }
 
 void validate(const Scenario& scenario) {

@@ -65,6 +65,13 @@ ScenarioKey::NumberValue gradingNumber(const Range& valid_m) {
           [](const Scenario& scene) { return millimetres(scene.bed.grading.*kNumber); }};
 }
 
+/// A length of stones at random places, in millimetres.
+template <double StonesParameters::*kNumber>
+ScenarioKey::NumberValue stonesLength(const Range& valid_m) {
+  return {valid_m.in(kMm), [](Scenario& scene, double value) { scene.bed.stones.*kNumber = value * kMm; },
+          [](const Scenario& scene) { return millimetres(scene.bed.stones.*kNumber); }};
+}
+
 void setGravity(Scenario& scene, const Vec3& direction, double magnitude_m_s2) {
   scene.bed.gravity_m_s2 = direction.normalized() * magnitude_m_s2;
 }
@@ -289,6 +296,39 @@ std::vector<ScenarioKey> allKeys() {
        CountValue{BedRanges::max_substeps, [](S& s, std::int64_t v) { s.bed.max_substeps = static_cast<int>(v); },
                   [](const S& s) { return static_cast<std::int64_t>(s.bed.max_substeps); }},
        "A soil that would need more steps in a tick to be stable is refused."},
+
+      {"stones", "count", "count",
+       CountValue{StonesRanges::count, [](S& s, std::int64_t v) { s.bed.stones.count = static_cast<int>(v); },
+                  [](const S& s) { return static_cast<std::int64_t>(s.bed.stones.count); }},
+       "Stones at random places in the soil, besides each [[stone]]."},
+      {"stones", "shape", "form",
+       WordValue{{kStoneFormWords[0].name, kStoneFormWords[1].name},
+                 [](S& s, std::string_view v) { s.bed.stones.form = valueOf(kStoneFormWords, v); },
+                 [](const S& s) { return wordFor(kStoneFormWords, s.bed.stones.form); }},
+       "Angular rocks, or balls."},
+      {"stones", "smallest_mm", "smallest_m", stonesLength<&StonesParameters::smallest_m>(kStoneSize_m),
+       "Diameter of the ball of the smallest one's volume."},
+      {"stones", "largest_mm", "largest_m", stonesLength<&StonesParameters::largest_m>(kStoneSize_m),
+       "Of the largest one's."},
+      {"stones", "exponent", "exponent",
+       NumberValue{StonesRanges::exponent, [](S& s, double v) { s.bed.stones.exponent = v; },
+                   [](const S& s) { return s.bed.stones.exponent; }},
+       "How many are larger than D goes as D to the minus this (below)."},
+      {"stones", "shallowest_mm", "shallowest_m", stonesLength<&StonesParameters::shallowest_m>(StonesRanges::depth_m),
+       "How deep the middle of the shallowest lies below the surface; below 0: above it."},
+      {"stones", "deepest_mm", "deepest_m", stonesLength<&StonesParameters::deepest_m>(StonesRanges::depth_m),
+       "How deep that of the deepest does."},
+      {"stones", "seed", "seed",
+       CountValue{StonesRanges::seed, [](S& s, std::int64_t v) { s.bed.stones.seed = static_cast<std::uint64_t>(v); },
+                  [](const S& s) { return static_cast<std::int64_t>(s.bed.stones.seed); }},
+       "Seed of their sizes, shapes and places."},
+      {"stones", "fixed", "fixed",
+       SwitchValue{[](S& s, bool v) { s.bed.stones.fixed = v; }, [](const S& s) { return s.bed.stones.fixed; }},
+       "Whether they stay where they are, whatever pushes them."},
+      {"stones", "density_kg_m3", "density_kg_m3",
+       NumberValue{StonesRanges::density_kg_m3, [](S& s, double v) { s.bed.stones.density_kg_m3 = v; },
+                   [](const S& s) { return s.bed.stones.density_kg_m3; }},
+       "Of all stones, each [[stone]] too."},
 
       {"tool", "shape", "",
        WordValue{namesOf(kToolShapeWords), [](S& s, std::string_view v) { s.tool.shape = valueOf(kToolShapeWords, v); },

@@ -2,6 +2,7 @@
 
 #include "haptolith/scenario/scenario.h"
 #include "haptolith/scenario/scenario_keys.h"
+#include "haptolith/scenario/stone_keys.h"
 #include "haptolith/scenario/toml_writer.h"
 
 namespace haptolith {
@@ -19,7 +20,7 @@ std::string textOf(const Scenario& scene) {
     }
     text += line;
   }
-  return text;
+  return text + placedStonesText(scene);
 }
 
 /// What reading its text gives: the same, but for where the poses lie, and without a library.

@@ -15,6 +15,7 @@
 #include "haptolith/scenario/file_keys.h"
 #include "haptolith/scenario/soil_file.h"
 #include "haptolith/soil/soil_parameters.h"
+#include "haptolith/stone/stone_parameters.h"
 #include "haptolith/tool/tool_parameters.h"
 
 namespace haptolith {
@@ -44,6 +45,12 @@ inline constexpr std::array kBedStartWords{
     SceneWord{"packed", BedStart::kPacked},
     SceneWord{"rain", BedStart::kRain},
     SceneWord{"settled", BedStart::kSettled},
+};
+
+inline constexpr std::array kStoneFormWords{
+    SceneWord{"rock", StoneForm::kRock},
+    SceneWord{"sphere", StoneForm::kSphere},
+    SceneWord{"spheres", StoneForm::kSpheres},
 };
 
 inline constexpr std::array kToolShapeWords{

@@ -34,7 +34,7 @@ bool isNearBed(const BedParameters& bed, const Vec3& place_m) noexcept {
 int Scene::substepsOf(const BedParameters& bed, const ToolParameters& tool) {
   validate(bed);
   validate(tool);
-  if (const double reach_m = contactReach(tool, bed.soil);
+  if (const double reach_m = contactReach(tool, bed);
       tool.shape == ToolShape::kMesh && tool.mesh->field.band() < reach_m) {
     throw InvalidParameter("mesh", fmt::format("with distances known to {:g} m", tool.mesh->field.band()),
                            fmt::format("one made for this soil, to {:g} m", reach_m));
@@ -58,6 +58,7 @@ void Scene::setTool(const ToolParameters& tool) noexcept {
       }
     }
   }
+  bed_.stones().forgetTool();
   tool_ = tool;
   opening_m_ = opening_ * tool.opening_m;
 }

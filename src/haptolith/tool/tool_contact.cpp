@@ -32,6 +32,10 @@ double contactReach(const ToolParameters& tool, const SoilParameters& soil) noex
   return outside_m + (soil.size_spread + (tool.adhesion_n > 0 ? soil.cohesion_range_ratio : 0)) * soil.radius_m;
 }
 
+double contactReach(const ToolParameters& tool, const BedParameters& bed) noexcept {
+  return std::max(contactReach(tool, bed.soil), largestSphere(bed.stones));
+}
+
 namespace {
 
 namespace law = HWY_NAMESPACE;
@@ -173,14 +177,27 @@ class Encounter {
         opening_m_s_(opening_m_s),
         classes_(classes),
         frictional_(ofEachClass(tool, soil, dt_s)),
+        with_stones_(withoutAdhesion(tool), soil, dt_s, 1),
         radius_m_(soil.radius_m),
         dt_s_(dt_s),
         contact_friction_(soil.friction == FrictionModel::kContact),
         contact_m_(contactReach(tool, soil)),
         around_m_(static_cast<float>(contact_m_ + kRounding_m)),
-        reach_m_(enclosingRadius(tool) + contact_m_),
+        enclosing_m_(enclosingRadius(tool)),
+        reach_m_(enclosing_m_ + contact_m_),
         box_(boxAround(tool, scene_T_tool)),
         rotation_(scene_T_tool.orientation.toRotationMatrix()) {}
+
+  /// Meets those stones that are near, sphere by sphere: to the tool each sphere is a grain that turns with its stone.
+  void meet(Stones& stones) noexcept {
+    for (std::size_t i = 0; i < stones.size(); ++i) {
+      const Pose pose = stones.pose(i);
+      const double near_m = enclosing_m_ + stones.shape(i)->reach_m;
+      if ((pose.position_m - pose_.position_m).squaredNorm() < near_m * near_m) {
+        meet(stones, i);
+      }
+    }
+  }
 
   /// From the tool's origin to the centre of a particle it may touch.
   [[nodiscard]] double reach() const noexcept { return reach_m_; }
@@ -226,41 +243,77 @@ class Encounter {
     return nothing(memory.side) && nothing(forces) && (!contact_friction_ || nothing(memory.slip));
   }
 
+  /// The tool as a bare stone meets it: only soil clings.
+  static ToolParameters withoutAdhesion(ToolParameters tool) {
+    tool.adhesion_n = 0;
+    return tool;
+  }
+
   /// Force on one particle within reach.
   Float4 meet(std::size_t i, const BedState& state, const ToolMemory& memory) noexcept {
     const Float4& p = state.position[i];
-    const Vec3 lever = Vec3(p.x, p.y, p.z) - pose_.position_m;
-    const Grain grain{lever, radius_m_ + p.w, state.velocity[i], static_cast<std::size_t>(classes_.of(p.w))};
-    if (tool_.shape == ToolShape::kJaws) {
-      return meetJaws(grain, memory.side[i], contact_friction_ ? &memory.slip[i] : nullptr);
+    const Float4& v = state.velocity[i];
+    const Grain grain{.lever_m = Vec3(p.x, p.y, p.z) - pose_.position_m,
+                      .radius_m = radius_m_ + p.w,
+                      .twist = {Vec3(v.x, v.y, v.z), Vec3::Zero()},
+                      .law = &frictional_[static_cast<std::size_t>(classes_.of(p.w))]};
+    return meet(grain, memory.side[i], contact_friction_ ? &memory.slip[i] : nullptr, [](const Answer&, const Vec3&) {});
+  }
+
+  /// Forces on one stone.
+  void meet(Stones& stones, std::size_t stone) noexcept {
+    const Vec3 middle_m = stones.pose(stone).position_m;
+    const Twist twist = stones.twist(stone);
+    const std::span<StoneToolMemory> memory = stones.toolMemory(stone);
+    const std::span<const Vec3> centres_m = stones.spheres(stone);
+    for (std::size_t s = 0; s < centres_m.size(); ++s) {
+      const Grain grain{.lever_m = centres_m[s] - pose_.position_m,
+                        .radius_m = stones.shape(stone)->spheres[s].radius_m,
+                        .twist = {twist.at(centres_m[s] - middle_m), twist.angular_rad_s},
+                        .law = &with_stones_};
+      if (grain.lever_m.norm() < enclosing_m_ + grain.radius_m) {
+        meet(grain, memory[s].side, &memory[s].slip_m, [&](const Answer& answer, const Vec3& point_m) {
+          stones.push(stone, answer.on_particle_n, pose_.position_m + point_m);
+        });
+      } else {
+        memory[s] = {};
+      }
     }
-    const Penetration contact = penetration(tool_, rotation_.transpose() * lever, grain.radius_m, memory.side[i]);
-    memory.side[i] = static_cast<std::int8_t>(contact.side);
+  }
+
+  /// A particle, or a sphere of a stone, within reach; its centre from the tool's origin.
+  struct Grain {
+    Vec3 lever_m;
+    double radius_m;
+    Twist twist;  ///< of its centre
+    const FrictionalTool* law;
+  };
+
+  /// @param kept  null without contact friction. @param also  is told each answer, and where.
+  template <class Also>
+  Float4 meet(const Grain& grain, std::int8_t& side, Float4* kept, const Also& also) noexcept {
+    if (tool_.shape == ToolShape::kJaws) {
+      return meetJaws(grain, side, kept, also);
+    }
+    const Penetration contact = penetration(tool_, rotation_.transpose() * grain.lever_m, grain.radius_m, side);
+    side = static_cast<std::int8_t>(contact.side);
 
     Vec3 slip = Vec3::Zero();
-    if (contact_friction_) {
-      const Float4& kept = memory.slip[i];
-      slip = rotation_ * Vec3(kept.x, kept.y, kept.z);
+    if (kept != nullptr) {
+      slip = rotation_ * Vec3(kept->x, kept->y, kept->z);
     }
     const Touch touch = touchOf(contact, grain);
     const Answer answer = answerTo(touch, twist_.at(touch.point_m), grain, slip);
-    if (contact_friction_) {
-      memory.slip[i] = record(rotation_.transpose() * slip);
+    if (kept != nullptr) {
+      *kept = record(rotation_.transpose() * slip);
     }
     if (answer.on_particle_n.isZero(0)) {
       return {};
     }
     feel(answer, touch.point_m);
+    also(answer, touch.point_m);
     return record(answer.on_particle_n);
   }
-
-  /// A particle within reach, its centre from the tool's origin.
-  struct Grain {
-    Vec3 lever_m;
-    double radius_m;
-    const Float4& velocity;
-    std::size_t grain_class;
-  };
 
   /// Where and how it touches, scene frame.
   struct Touch {
@@ -276,9 +329,8 @@ class Encounter {
   /// @param slip_m  of a soil with contact friction, scene frame; read and written.
   [[nodiscard]] Answer answerTo(const Touch& touch, const Vec3& tool_m_s, const Grain& grain,
                                 Vec3& slip_m) const noexcept {
-    const Float4& v = grain.velocity;
-    const Meeting meeting{touch.outward, touch.depth_m, tool_m_s, Vec3(v.x, v.y, v.z)};
-    return contact_friction_ ? frictional_[grain.grain_class].meet(meeting, slip_m)
+    const Meeting meeting{touch.outward, touch.depth_m, tool_m_s, grain.twist.at(touch.point_m - grain.lever_m)};
+    return contact_friction_ ? grain.law->meet(meeting, slip_m)
                              : paperAnswer(tool_, radius_m_, dt_s_, meeting);
   }
 
@@ -288,7 +340,8 @@ class Encounter {
   }
 
   /// The same with both jaws, each of which moves by itself. @param kept  null without contact friction.
-  Float4 meetJaws(const Grain& grain, std::int8_t& sides, Float4* kept) noexcept {
+  template <class Also>
+  Float4 meetJaws(const Grain& grain, std::int8_t& sides, Float4* kept, const Also& also) noexcept {
     const JawContacts contacts = jawContacts(tool_, rotation_.transpose() * grain.lever_m, grain.radius_m, sides);
     sides = contacts.sides;
     Vec3 on_particle_n = Vec3::Zero();
@@ -307,6 +360,7 @@ class Encounter {
       answer.on_particle_n *= jaw.share;
       answer.stiffness_n_m *= jaw.share;
       feel(answer, touch.point_m);
+      also(answer, touch.point_m);
       reaction_.grip_n -= answer.on_particle_n.dot(away);
       on_particle_n += answer.on_particle_n;
     }
@@ -319,12 +373,13 @@ class Encounter {
   double opening_m_s_;
   const GrainClasses& classes_;
   std::array<FrictionalTool, GrainClasses::kMost> frictional_;
+  FrictionalTool with_stones_;
   double radius_m_, dt_s_;
   bool contact_friction_;
   static constexpr double kRounding_m = 2e-6;  // of the box's test, in single precision
   double contact_m_;                           // from the tool's surface to the centre of a particle that feels it
   float around_m_;
-  double reach_m_;
+  double enclosing_m_, reach_m_;
   ToolBox box_;
   Eigen::Matrix3d rotation_;
   ToolReaction reaction_;
@@ -351,6 +406,7 @@ ToolReaction applyToolContact(const ToolParameters& tool, const Pose& scene_T_to
     const std::size_t first = group * kGroup;
     encounter.meet(first, std::min(first + kGroup, bed.particles()), bed.state(), memory, bed.externalForces());
   }
+  encounter.meet(bed.stones());
   return encounter.reaction();
 }
 

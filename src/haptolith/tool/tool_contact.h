@@ -28,6 +28,9 @@ namespace haptolith {
 /// How far from the tool's surface the centre of a particle may be that feels it, in m.
 [[nodiscard]] double contactReach(const ToolParameters& tool, const SoilParameters& soil) noexcept;
 
+/// The same of any sphere in a bed, of its stones, too.
+[[nodiscard]] double contactReach(const ToolParameters& tool, const BedParameters& bed) noexcept;
+
 /// What the soil does to the tool.
 struct ToolReaction {
   Wrench wrench;  ///< about the tool's origin, scene frame

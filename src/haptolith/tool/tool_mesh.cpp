@@ -18,20 +18,19 @@ namespace haptolith {
 namespace {
 
 /// How far distances are known, in m: the same for many soils, so that a soil can be changed without a wait.
-constexpr std::array kBands_m{5e-3, 10e-3, 15e-3, 20e-3};
+constexpr std::array kBands_m{5e-3, 10e-3, 15e-3, 20e-3, kFieldBand_m.highest};
 
 constexpr std::size_t kMostShownTriangles = 100'000;
 
 double bandFor(double reach_m) {
-  constexpr double kMargin_m = 0.5e-3;  // of the grid
   for (const double band_m : kBands_m) {
-    if (reach_m + kMargin_m <= band_m) {
+    if (reach_m + kFieldMargin_m <= band_m) {
       return band_m;
     }
   }
   throw InvalidParameter(
       "radius_m", fmt::format("with a reach of {:.3g} m", reach_m),
-      fmt::format("so small that grains touch a mesh from at most {:g} m", kBands_m.back() - kMargin_m));
+      fmt::format("so small that grains touch a mesh from at most {:g} m", kMostMeshReach_m));
 }
 
 Eigen::Matrix3d turned(const Vec3& turn_rad) {

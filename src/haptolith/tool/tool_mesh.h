@@ -49,6 +49,10 @@ struct ToolMesh {
   std::vector<std::string> report;  ///< what was done to the mesh: sentences
 };
 
+/// How far from a mesh's surface the middle of what touches it may be at most, in m; the margin is for the grid.
+inline constexpr double kFieldMargin_m = 0.5e-3;
+inline constexpr double kMostMeshReach_m = kFieldBand_m.highest - kFieldMargin_m;
+
 /// Reads a mesh file whole. @throws InvalidParameter for a name that is no mesh's, or a file that is too large; Failure
 /// when it cannot be read.
 void readInto(ToolMeshSource& source, const std::filesystem::path& path);

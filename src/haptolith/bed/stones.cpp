@@ -1,0 +1,731 @@
+#include "haptolith/bed/stones.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+#include <utility>
+
+#include "haptolith/bed/bed_tile.h"
+#include "haptolith/core/error.h"
+
+namespace haptolith {
+
+namespace {
+
+/// Who is nearer than contacts reach and this besides, in radii of the coarsest grains, is listed: looked for again
+/// when everything has gone so far. Larger: longer lists for every step; smaller: more looks.
+constexpr double kMarginRadii = 0.5;
+
+/// Grains in a volume at most, over those that would fill it whole: closer packings than the closest are pressed.
+constexpr double kDensest = 1.0;
+
+Vec3 placeOf(const Float4& p) noexcept {
+  return {p.x, p.y, p.z};
+}
+
+Vec3 inFrame(const Eigen::Matrix3d& scene_R_frame, const Vec3& v) noexcept {
+  return scene_R_frame.transpose() * v;
+}
+
+double ballVolume(double radius_m) {
+  return 4.0 / 3.0 * std::numbers::pi * radius_m * radius_m * radius_m;
+}
+
+/// A turn about one of a body's own axes.
+Quat aboutAxis(int axis, double angle_rad) noexcept {
+  Quat turn(std::cos(angle_rad / 2), 0, 0, 0);
+  turn.vec()[axis] = std::sin(angle_rad / 2);
+  return turn;
+}
+
+}  // namespace
+
+Stones::Stones(const BedParameters& bed, double skin_m, std::vector<std::shared_ptr<const StoneShape>> shapes,
+               const std::vector<bool>& fixed)
+    : soil_(bed.soil),
+      classes_(bed.soil.radius_m, grainClasses(bed)),
+      half_width_m_(bed.width_m / 2 + heldWidth(bed)),
+      half_length_m_(bed.length_m / 2 + heldWidth(bed)),
+      wall_ratio_(bed.wall_friction_ratio),
+      skin_m_(skin_m),
+      rest_steps_(restRule(bed).steps),
+      shapes_(std::move(shapes)),
+      bodies_(shapes_.size()),
+      memory_(shapes_.size()),
+      with_soil_(shapes_.size()),
+      with_walls_(shapes_.size()),
+      with_floor_(shapes_.size()) {
+  state_.stones.resize(shapes_.size());
+  const double finest_m = GrainClasses::scale(classes_.count() - 1) * soil_.radius_m;
+  std::size_t most_touched = 0;
+  for (std::size_t i = 0; i < shapes_.size(); ++i) {
+    const StoneShape& shape = *shapes_[i];
+    Body& body = bodies_[i];
+    body.mass_kg = bed.stones.density_kg_m3 * shape.volume_m3;
+    body.inertia_kg_m2 = bed.stones.density_kg_m3 * shape.inertia_m5;
+    body.radius_m = shape.radius();
+    body.fixed = fixed[i];
+    body.inverse_mass = body.fixed ? 0 : 1 / body.mass_kg;
+    body.inverse_inertia = body.fixed ? Vec3::Zero() : Vec3(body.inertia_kg_m2.cwiseInverse());
+    body.centres_m.resize(shape.spheres.size());
+    const double around_m = shape.reach_m + soil_.radius_m * (2 + soil_.size_spread) + margin() +
+                            soil_.cohesion_range_ratio * soil_.radius_m;
+    const auto most_near = static_cast<std::size_t>(
+        kDensest * std::max(ballVolume(around_m) - shape.volume_m3, 0.0) / ballVolume(finest_m)) + 16;
+    Memory& memory = memory_[i];
+    memory.particles.reserve(most_near);
+    memory.before.reserve(most_near);
+    memory.groups.reserve(most_near);
+    memory.spheres.reserve(most_near * std::min<std::size_t>(shape.spheres.size(), 64));
+    const std::size_t most_stones = std::min<std::size_t>(shapes_.size(), 64);
+    memory.pairs.reserve(most_stones);
+    memory.stones.reserve(most_stones * shape.spheres.size());
+    memory.stones_before.reserve(most_stones * shape.spheres.size());
+    memory.walls.resize(shape.spheres.size());
+    memory.tool.resize(shape.spheres.size());
+    memory.looked_at_m = -margin() * static_cast<double>(i) / static_cast<double>(shapes_.size());
+    most_touched += most_near;
+  }
+  put_.reserve(most_touched);
+  makeLaws();
+}
+
+double Stones::margin() const noexcept {
+  return kMarginRadii * soil_.radius_m;
+}
+
+void Stones::makeLaws() noexcept {
+  for (std::size_t i = 0; i < size(); ++i) {
+    const double r = bodies_[i].radius_m;
+    const double m = bodies_[i].mass_kg;
+    with_floor_[i] = StoneContactLaw::bare(soil_, {r, r, m, m});
+    with_walls_[i] = StoneContactLaw::bare(soil_, {r, r, m, m}, wall_ratio_);
+    for (int c = 0; c < classes_.count(); ++c) {
+      const SoilParameters grains = rescaled(soil_, GrainClasses::scale(c) * soil_.radius_m);
+      with_soil_[i][static_cast<std::size_t>(c)] =
+          StoneContactLaw::withGrains(grains, {r, grains.radius_m, m, macroparticleMass(grains)});
+    }
+    memory_[i].look = true;  // contacts may reach further, and those between stones are others
+  }
+}
+
+Pose Stones::pose(std::size_t stone) const noexcept {
+  return state_.stones[stone].scene_T_stone;
+}
+
+Twist Stones::twist(std::size_t stone) const noexcept {
+  return {state_.stones[stone].velocity_m_s, bodies_[stone].angular_rad_s};
+}
+
+void Stones::place(std::size_t stone, const Pose& scene_T_stone, const Twist& twist) noexcept {
+  StoneState& state = state_.stones[stone];
+  Body& body = bodies_[stone];
+  state.scene_T_stone = {scene_T_stone.position_m, scene_T_stone.orientation.normalized()};
+  state.velocity_m_s = twist.linear_m_s;
+  const Eigen::Matrix3d rotation = state.scene_T_stone.orientation.toRotationMatrix();
+  state.angular_momentum_nms =
+      rotation * body.inertia_kg_m2.cwiseProduct(rotation.transpose() * twist.angular_rad_s);
+  state.rested_at = state.scene_T_stone;
+  state.rested = 0;
+  noteTurn(stone);
+  lookAgain();
+}
+
+void Stones::push(std::size_t stone, const Vec3& force_n, const Vec3& point_m) noexcept {
+  bodies_[stone].pushed.add(force_n, point_m - state_.stones[stone].scene_T_stone.position_m);
+  wake(stone);
+}
+
+void Stones::forgetTool() noexcept {
+  for (Memory& memory : memory_) {
+    std::ranges::fill(memory.tool, StoneToolMemory{});
+  }
+}
+
+void Stones::wake(std::size_t stone) noexcept {
+  StoneState& state = state_.stones[stone];
+  if (state.asleep()) {
+    state.rested = rest_steps_;  // at rest, until it moves
+  }
+}
+
+void Stones::wakeAll() noexcept {
+  for (std::size_t i = 0; i < size(); ++i) {
+    wake(i);
+  }
+}
+
+void Stones::lookAgain() noexcept {
+  for (Memory& memory : memory_) {
+    memory.look = true;
+  }
+}
+
+void Stones::stop() noexcept {
+  for (std::size_t i = 0; i < size(); ++i) {
+    state_.stones[i].velocity_m_s.setZero();
+    state_.stones[i].angular_momentum_nms.setZero();
+    state_.stones[i].rested_at = state_.stones[i].scene_T_stone;
+    noteTurn(i);
+  }
+}
+
+void Stones::setSoil(const SoilParameters& soil) noexcept {
+  soil_ = soil;
+  makeLaws();
+  wakeAll();
+}
+
+bool Stones::press(const SoilAroundStones& soil, double dt_s) noexcept {
+  dt_s_ = dt_s;
+  put_.clear();
+  for (std::size_t i = 0; i < size(); ++i) {
+    bodies_[i].felt = {};
+    Memory& memory = memory_[i];
+    if (memory.look || went_m_ - memory.looked_at_m > margin()) {
+      if (!lookAround(i, soil)) {
+        return false;
+      }
+    }
+    const bool soil_awake = std::ranges::any_of(
+        memory.groups, [&](std::uint32_t group) { return !soil.state.asleep(group); });
+    if (soil_awake) {
+      wake(i);
+    }
+    memory.beside_unrest = soil_awake;
+  }
+  for (std::size_t i = 0; i < size(); ++i) {  // stones first: they may wake each other
+    pressStones(i);
+  }
+  for (std::size_t i = 0; i < size(); ++i) {
+    if (!state_.stones[i].asleep()) {
+      pressSoil(i, soil);
+      pressWalls(i);
+    }
+  }
+  return true;
+}
+
+bool Stones::areFinite() const noexcept {
+  return std::ranges::all_of(state_.stones, [](const StoneState& stone) {
+    return stone.scene_T_stone.position_m.allFinite() && stone.scene_T_stone.orientation.coeffs().allFinite();
+  });
+}
+
+bool Stones::lookAround(std::size_t stone, const SoilAroundStones& soil) noexcept {
+  Memory& memory = memory_[stone];
+  // After the first look, which is staggered, all are as old as they are.
+  memory.looked_at_m = memory.look && memory.looked_at_m < 0 ? memory.looked_at_m : went_m_;
+  memory.look = false;
+  return lookForParticles(stone, soil) && lookForStones(stone);
+}
+
+bool Stones::lookForParticles(std::size_t stone, const SoilAroundStones& soil) noexcept {
+  Memory& memory = memory_[stone];
+  const Body& body = bodies_[stone];
+  const StoneShape& shape = *shapes_[stone];
+  memory.before.swap(memory.particles);
+  memory.particles.clear();
+  memory.spheres.clear();
+  memory.groups.clear();
+  const double surface_m = with_soil_[stone][0].reach() + margin();
+  const double grain_m = (1 + soil_.size_spread) * soil_.radius_m;
+  const Vec3& middle = state_.stones[stone].scene_T_stone.position_m;
+  const double reach_m = shape.reach_m + surface_m + grain_m + skin_m_ / 2;  // of where particles are listed
+  const auto corner = [&](double sign) {
+    return Float4{static_cast<float>(middle.x() + sign * reach_m), static_cast<float>(middle.y() + sign * reach_m),
+                  static_cast<float>(middle.z() + sign * reach_m), 0};
+  };
+  bool room = true;
+  soil.neighbourhood.forEachNear(corner(-1), corner(1), [&](std::int32_t particle) {
+    const auto i = static_cast<std::size_t>(particle);
+    const Vec3 place = placeOf(soil.state.position[i]);
+    const double radius_m = soil_.radius_m + soil.state.position[i].w;
+    const double far_m = shape.reach_m + radius_m + surface_m;
+    if ((place - middle).squaredNorm() > far_m * far_m) {
+      return;
+    }
+    const auto first = static_cast<std::uint32_t>(memory.spheres.size());
+    for (std::size_t s = 0; s < shape.spheres.size(); ++s) {
+      const double near_m = shape.spheres[s].radius_m + radius_m + surface_m;
+      if ((place - body.centres_m[s]).squaredNorm() <= near_m * near_m) {
+        room = room && memory.spheres.size() < memory.spheres.capacity();
+        if (room) {
+          memory.spheres.push_back(static_cast<std::uint16_t>(s));
+        }
+      }
+    }
+    const auto count = static_cast<std::uint32_t>(memory.spheres.size()) - first;
+    if (count > 0) {
+      room = room && memory.particles.size() < memory.particles.capacity();
+      if (room) {
+        memory.particles.push_back({static_cast<std::uint32_t>(i), first, count, {}});
+      }
+    }
+  });
+  if (!room) {
+    return false;
+  }
+  std::ranges::sort(memory.particles, {}, &NearParticle::particle);
+  auto before = memory.before.begin();
+  for (NearParticle& near : memory.particles) {
+    while (before != memory.before.end() && before->particle < near.particle) {
+      ++before;
+    }
+    if (before != memory.before.end() && before->particle == near.particle) {
+      near.stretch = before->stretch;
+    }
+    const auto group = static_cast<std::uint32_t>(near.particle / kGroup);
+    if (memory.groups.empty() || memory.groups.back() != group) {
+      memory.groups.push_back(group);
+    }
+  }
+  return true;
+}
+
+bool Stones::lookForStones(std::size_t stone) noexcept {
+  Memory& memory = memory_[stone];
+  const StoneShape& shape = *shapes_[stone];
+  memory.stones_before.swap(memory.stones);
+  memory.stones.clear();
+  std::array<std::uint32_t, 64> partners_before{};  // of the pairs of the last look
+  for (std::size_t p = 0; p < memory.pairs.size(); ++p) {
+    partners_before[p] = memory.pairs[p].stone;
+  }
+  memory.pairs.clear();
+  const Vec3& middle = state_.stones[stone].scene_T_stone.position_m;
+  for (std::size_t other = stone + 1; other < size(); ++other) {
+    const StoneShape& with = *shapes_[other];
+    const double far_m = shape.reach_m + with.reach_m + margin();
+    if ((state_.stones[other].scene_T_stone.position_m - middle).squaredNorm() > far_m * far_m ||
+        (bodies_[stone].fixed && bodies_[other].fixed)) {
+      continue;
+    }
+    if (memory.pairs.size() == memory.pairs.capacity()) {
+      return false;
+    }
+    const auto pair = static_cast<std::uint32_t>(memory.pairs.size());
+    memory.pairs.push_back({static_cast<std::uint32_t>(other),
+                            StoneContactLaw::bare(soil_, {bodies_[stone].radius_m, bodies_[other].radius_m,
+                                                          bodies_[stone].mass_kg, bodies_[other].mass_kg})});
+    for (std::size_t s = 0; s < shape.spheres.size(); ++s) {
+      const double near_m = shape.spheres[s].radius_m + with.reach_m + margin();
+      if ((bodies_[stone].centres_m[s] - state_.stones[other].scene_T_stone.position_m).squaredNorm() <=
+          near_m * near_m) {
+        NearStone near{pair, static_cast<std::uint32_t>(s), {}};
+        for (const NearStone& before : memory.stones_before) {
+          if (before.sphere == s && partners_before[before.pair] == other) {
+            near.stretch = before.stretch;
+          }
+        }
+        memory.stones.push_back(near);
+      }
+    }
+  }
+  return true;
+}
+
+void Stones::pressSoil(std::size_t stone, const SoilAroundStones& soil) noexcept {
+  Body& body = bodies_[stone];
+  Memory& memory = memory_[stone];
+  const StoneShape& shape = *shapes_[stone];
+  const StoneState& state = state_.stones[stone];
+  const Vec3 middle = state.scene_T_stone.position_m;
+  const bool moving = !body.fixed && state.rested < soil.wakefulness.rule().steps;
+  for (NearParticle& near : memory.particles) {
+    const std::size_t i = near.particle;
+    const Float4& at = soil.state.position[i];
+    const Vec3 place = placeOf(at);
+    OverlapOfSpheres with;
+    for (std::uint32_t k = near.first; k < near.first + near.count; ++k) {
+      const std::size_t s = memory.spheres[k];
+      with.add(place - body.centres_m[s], shape.spheres[s].radius_m + soil_.radius_m + at.w);
+    }
+    const Overlap overlap = with.overlap();
+    const StoneContactLaw& law = with_soil_[stone][static_cast<std::size_t>(classes_.of(at.w))];
+    if (-overlap.depth_m >= law.reach()) {
+      near.stretch = {};
+      continue;
+    }
+    // All lines between the centres meet in the particle's: so does their sum's.
+    const Vec3 lever = place - (soil_.radius_m + at.w - overlap.depth_m / 2) * overlap.towards - middle;
+    const Vec3 relative = placeOf(soil.state.velocity[i]) - velocityAt(stone, lever);
+    Vec3 stretch = body.rotation * vectorOf(near.stretch);
+    const Vec3 force = law.force(overlap, relative, dt_s_, stretch);
+    near.stretch = stretchOf(inFrame(body.rotation, stretch));
+    Float4& sum = soil.forces[i];
+    put_.push_back({near.particle, sum});
+    const Stretch rounded = stretchOf(force);  // what the particle feels the stone feels
+    sum.x += rounded[0];
+    sum.y += rounded[1];
+    sum.z += rounded[2];
+    body.felt.add(-vectorOf(rounded), lever);
+    if (moving && soil.state.asleep(i / kGroup)) {
+      soil.wakefulness.wake(i / kGroup, soil.state);
+    }
+  }
+}
+
+void Stones::pressWalls(std::size_t stone) noexcept {
+  Body& body = bodies_[stone];
+  Memory& memory = memory_[stone];
+  const StoneShape& shape = *shapes_[stone];
+  const Vec3 middle = state_.stones[stone].scene_T_stone.position_m;
+  struct Wall {
+    double gap_m;    ///< of the sphere around the stone
+    Vec3 inwards;
+    const StoneContactLaw& law;
+  };
+  const auto sign = [](double of) { return of < 0 ? 1.0 : -1.0; };  // from the nearer of two walls
+  const std::array<Wall, 3> walls{
+      Wall{middle.z() - shape.reach_m, Vec3::UnitZ(), with_floor_[stone]},
+      Wall{half_width_m_ - std::abs(middle.x()) - shape.reach_m, sign(middle.x()) * Vec3::UnitX(), with_walls_[stone]},
+      Wall{half_length_m_ - std::abs(middle.y()) - shape.reach_m, sign(middle.y()) * Vec3::UnitY(),
+           with_walls_[stone]}};
+  const bool near = std::ranges::any_of(walls, [](const Wall& wall) { return wall.gap_m < 0; });
+  if (!near && !memory.touched_walls) {
+    return;
+  }
+  memory.touched_walls = near;
+  for (std::size_t s = 0; s < shape.spheres.size(); ++s) {
+    const Vec3& centre = body.centres_m[s];
+    const double radius_m = shape.spheres[s].radius_m;
+    const std::array<double, 3> gaps_m{centre.z() - radius_m, half_width_m_ - std::abs(centre.x()) - radius_m,
+                                       half_length_m_ - std::abs(centre.y()) - radius_m};
+    for (std::size_t w = 0; w < walls.size(); ++w) {
+      Stretch& kept = memory.walls[s][w];
+      if (gaps_m[w] >= 0) {
+        kept = {};
+        continue;
+      }
+      const Vec3& n = walls[w].inwards;
+      const Vec3 lever = centre - (radius_m + gaps_m[w]) * n - middle;
+      const Vec3 velocity = velocityAt(stone, lever);
+      Vec3 stretch = vectorOf(kept);
+      // The wall is the stone's mirror image, which comes as fast as it goes, and does not slide.
+      const Vec3 force = walls[w].law.force({-2 * gaps_m[w], n, 1}, velocity + velocity.dot(n) * n, dt_s_, stretch);
+      kept = stretchOf(stretch);
+      body.felt.add(force, lever);
+    }
+  }
+}
+
+void Stones::pressStones(std::size_t stone) noexcept {
+  Memory& memory = memory_[stone];
+  Body& body = bodies_[stone];
+  const StoneShape& shape = *shapes_[stone];
+  const Vec3 middle = state_.stones[stone].scene_T_stone.position_m;
+  for (NearStone& near : memory.stones) {
+    const Pair& pair = memory.pairs[near.pair];
+    const std::size_t other = pair.stone;
+    StoneState& mine = state_.stones[stone];
+    StoneState& theirs = state_.stones[other];
+    if (mine.asleep() && theirs.asleep()) {
+      continue;
+    }
+    const Vec3& centre = body.centres_m[near.sphere];
+    const double radius_m = shape.spheres[near.sphere].radius_m;
+    const StoneShape& with = *shapes_[other];
+    OverlapOfSpheres spheres;
+    for (std::size_t s = 0; s < with.spheres.size(); ++s) {
+      spheres.add(centre - bodies_[other].centres_m[s], with.spheres[s].radius_m + radius_m);
+    }
+    const Overlap overlap = spheres.overlap();
+    if (overlap.depth_m <= 0) {
+      near.stretch = {};
+      continue;
+    }
+    if (theirs.rested == 0) {
+      wake(stone);
+      memory.beside_unrest = true;
+    }
+    if (mine.rested == 0) {
+      wake(other);
+      memory_[other].beside_unrest = true;
+    }
+    const Vec3 point = centre - (radius_m - overlap.depth_m / 2) * overlap.towards;
+    const Vec3 their_middle = theirs.scene_T_stone.position_m;
+    const Vec3 relative = velocityAt(stone, point - middle) - velocityAt(other, point - their_middle);
+    Vec3 stretch = vectorOf(near.stretch);
+    const Vec3 force = pair.law.force(overlap, relative, dt_s_, stretch);
+    near.stretch = stretchOf(stretch);
+    body.felt.add(force, point - middle);
+    bodies_[other].felt.add(-force, point - their_middle);
+  }
+}
+
+void Stones::letGo(std::vector<Float4>& forces) noexcept {
+  for (std::size_t k = put_.size(); k > 0; --k) {
+    forces[put_[k - 1].particle] = put_[k - 1].before;
+  }
+}
+
+void Stones::move(const Vec3& gravity_m_s2, double dt_s, const RestRule& rule) noexcept {
+  rest_steps_ = rule.steps;
+  double fastest_m_s = 0;
+  for (std::size_t i = 0; i < size(); ++i) {
+    StoneState& state = state_.stones[i];
+    Body& body = bodies_[i];
+    const Wrench wrench{body.felt.force_n + body.pushed.force_n, body.felt.torque_nm + body.pushed.torque_nm};
+    body.pushed = {};
+    if (body.fixed) {
+      state.rested = rule.sleep && !memory_[i].beside_unrest ? StoneState::kAsleep : std::uint16_t{1};
+      continue;
+    }
+    if (state.asleep()) {
+      continue;
+    }
+    state.velocity_m_s += dt_s * (body.inverse_mass * wrench.force_n + gravity_m_s2);
+    state.scene_T_stone.position_m += dt_s * state.velocity_m_s;
+    state.angular_momentum_nms += dt_s * wrench.torque_nm;
+    turn(i, dt_s);
+    fastest_m_s = std::max(fastest_m_s, state.velocity_m_s.norm() + body.angular_rad_s.norm() * shapes_[i]->reach_m);
+    rest(i, rule);
+  }
+  went_m_ += 2 * fastest_m_s * dt_s;
+}
+
+/// A free body's turn, as short turns about its principal axes one after the other (McLachlan 1993, "Explicit
+/// Lie-Poisson integration"): its angular momentum stays in the scene to the last bit, and its energy swings a little
+/// about what it is.
+void Stones::turn(std::size_t stone, double dt_s) noexcept {
+  StoneState& state = state_.stones[stone];
+  const Body& body = bodies_[stone];
+  Quat& q = state.scene_T_stone.orientation;
+  const auto about = [&](int axis, double step_s) {
+    const double along = (q.conjugate() * state.angular_momentum_nms)[axis];
+    q = q * aboutAxis(axis, step_s * along * body.inverse_inertia[axis]);
+  };
+  about(0, dt_s / 2);
+  about(1, dt_s / 2);
+  about(2, dt_s);
+  about(1, dt_s / 2);
+  about(0, dt_s / 2);
+  q.normalize();
+  noteTurn(stone);
+}
+
+void Stones::noteTurn(std::size_t stone) noexcept {
+  const StoneState& state = state_.stones[stone];
+  Body& body = bodies_[stone];
+  body.rotation = state.scene_T_stone.orientation.toRotationMatrix();
+  body.angular_rad_s =
+      body.rotation * body.inverse_inertia.cwiseProduct(inFrame(body.rotation, state.angular_momentum_nms));
+  for (std::size_t s = 0; s < body.centres_m.size(); ++s) {
+    body.centres_m[s] = state.scene_T_stone.position_m + body.rotation * shapes_[stone]->spheres[s].centre_m;
+  }
+}
+
+void Stones::rest(std::size_t stone, const RestRule& rule) noexcept {
+  StoneState& state = state_.stones[stone];
+  const Body& body = bodies_[stone];
+  const double reach_m = shapes_[stone]->reach_m;
+  const double speed_m_s = state.velocity_m_s.norm() + body.angular_rad_s.norm() * reach_m;
+  const double crept_m = (state.scene_T_stone.position_m - state.rested_at.position_m).norm() +
+                         reach_m * state.scene_T_stone.orientation.angularDistance(state.rested_at.orientation);
+  if (speed_m_s > rule.speed_m_s || crept_m > rule.distance_m) {
+    state.rested = 0;
+    state.rested_at = state.scene_T_stone;
+  } else if (state.rested < rule.steps) {
+    ++state.rested;
+  } else if (rule.sleep && !memory_[stone].beside_unrest) {
+    state.rested = StoneState::kAsleep;
+    state.velocity_m_s.setZero();
+    state.angular_momentum_nms.setZero();
+    noteTurn(stone);
+  }
+}
+
+double Stones::largestSpeed() const noexcept {
+  double largest = 0;
+  for (std::size_t i = 0; i < size(); ++i) {
+    if (!bodies_[i].fixed && !asleep(i)) {
+      largest = std::max(largest, state_.stones[i].velocity_m_s.norm() +
+                                      bodies_[i].angular_rad_s.norm() * shapes_[i]->reach_m);
+    }
+  }
+  return largest;
+}
+
+double Stones::depthOf(const Vec3& centre_m, double radius_m) const {
+  double depth_m = -std::numeric_limits<double>::max();
+  for (std::size_t i = 0; i < size(); ++i) {
+    for (std::size_t s = 0; s < bodies_[i].centres_m.size(); ++s) {
+      depth_m = std::max(depth_m, radius_m + shapes_[i]->spheres[s].radius_m -
+                                      (centre_m - bodies_[i].centres_m[s]).norm());
+    }
+  }
+  return depth_m;
+}
+
+double Stones::energy(const BedState& soil, const Vec3& gravity_m_s2) const {
+  double energy = 0;
+  for (std::size_t i = 0; i < size(); ++i) {
+    const StoneState& state = state_.stones[i];
+    const Body& body = bodies_[i];
+    const Memory& memory = memory_[i];
+    const StoneShape& shape = *shapes_[i];
+    if (!body.fixed) {
+      energy += body.mass_kg * (state.velocity_m_s.squaredNorm() / 2 -
+                                gravity_m_s2.dot(state.scene_T_stone.position_m)) +
+                state.angular_momentum_nms.dot(body.angular_rad_s) / 2;
+    }
+    for (const NearParticle& near : memory.particles) {
+      const Float4& at = soil.position[near.particle];
+      OverlapOfSpheres with;
+      for (std::uint32_t k = near.first; k < near.first + near.count; ++k) {
+        const std::size_t s = memory.spheres[k];
+        with.add(placeOf(at) - body.centres_m[s], shape.spheres[s].radius_m + soil_.radius_m + at.w);
+      }
+      const StoneContactLaw& law = with_soil_[i][static_cast<std::size_t>(classes_.of(at.w))];
+      const double depth_m = with.overlap().depth_m;
+      energy += -depth_m < law.reach() ? law.energy(depth_m, vectorOf(near.stretch)) : 0;
+    }
+    for (std::size_t s = 0; s < shape.spheres.size(); ++s) {
+      const Vec3& centre = body.centres_m[s];
+      const double radius_m = shape.spheres[s].radius_m;
+      const std::array<double, 3> gaps_m{centre.z() - radius_m, half_width_m_ - std::abs(centre.x()) - radius_m,
+                                         half_length_m_ - std::abs(centre.y()) - radius_m};
+      for (std::size_t w = 0; w < gaps_m.size(); ++w) {
+        const StoneContactLaw& law = w == 0 ? with_floor_[i] : with_walls_[i];
+        // Half of a pair's: the mirror image moves as far as the stone. Its friction is the stone's alone.
+        const Vec3 stretch = vectorOf(memory.walls[s][w]);
+        energy += gaps_m[w] < 0 ? (law.energy(-2 * gaps_m[w], stretch) + law.energy(0, stretch)) / 2 : 0;
+      }
+    }
+    for (const NearStone& near : memory.stones) {
+      const Pair& pair = memory.pairs[near.pair];
+      OverlapOfSpheres with;
+      for (std::size_t s = 0; s < shapes_[pair.stone]->spheres.size(); ++s) {
+        with.add(body.centres_m[near.sphere] - bodies_[pair.stone].centres_m[s],
+                 shapes_[pair.stone]->spheres[s].radius_m + shape.spheres[near.sphere].radius_m);
+      }
+      const double depth_m = with.overlap().depth_m;
+      energy += depth_m > 0 ? pair.law.energy(depth_m, vectorOf(near.stretch)) : 0;
+    }
+  }
+  return energy;
+}
+
+StonesState Stones::save() const {
+  StonesState saved{.stones = state_.stones, .slips = {}};
+  const auto keep = [&](std::size_t stone, StoneSlip::With with, std::size_t sphere, std::uint32_t other,
+                        const Stretch& s) {
+    if (s != Stretch{}) {
+      saved.slips.push_back({.stone = static_cast<std::uint32_t>(stone),
+                             .with = with,
+                             .sphere = static_cast<std::uint32_t>(sphere),
+                             .other = other,
+                             .x = s[0],
+                             .y = s[1],
+                             .z = s[2],
+                             .w = 0});
+    }
+  };
+  for (std::size_t i = 0; i < size(); ++i) {
+    const Memory& memory = memory_[i];
+    for (const NearParticle& near : memory.particles) {
+      keep(i, StoneSlip::With::kParticle, 0, near.particle, near.stretch);
+    }
+    for (const NearStone& near : memory.stones) {
+      keep(i, StoneSlip::With::kStone, near.sphere, memory.pairs[near.pair].stone, near.stretch);
+    }
+    for (std::size_t s = 0; s < memory.walls.size(); ++s) {
+      for (std::uint32_t w = 0; w < memory.walls[s].size(); ++w) {
+        keep(i, StoneSlip::With::kWall, s, w, memory.walls[s][w]);
+      }
+      const StoneToolMemory& tool = memory.tool[s];
+      const Float4& slip = tool.slip_m;
+      if (tool.side != 0 || slip.x != 0 || slip.y != 0 || slip.z != 0 || slip.w != 0) {
+        saved.slips.push_back({.stone = static_cast<std::uint32_t>(i),
+                               .with = StoneSlip::With::kTool,
+                               .sphere = static_cast<std::uint32_t>(s),
+                               .other = static_cast<std::uint32_t>(std::int32_t{tool.side}),
+                               .x = slip.x,
+                               .y = slip.y,
+                               .z = slip.z,
+                               .w = slip.w});
+      }
+    }
+  }
+  return saved;
+}
+
+void Stones::requireSound(const StonesState& saved, std::size_t particles) const {
+  const auto is_number = [](const auto& v) { return v.allFinite(); };
+  bool sound = saved.stones.size() == size();
+  for (const StoneState& stone : saved.stones) {
+    for (const Pose& pose : {stone.scene_T_stone, stone.rested_at}) {
+      sound = sound && is_number(pose.position_m) && isUnit(pose.orientation);
+    }
+    sound = sound && is_number(stone.velocity_m_s) && is_number(stone.angular_momentum_nms);
+  }
+  for (const StoneSlip& slip : saved.slips) {
+    sound = sound && slip.stone < size() && slip.sphere < memory_[slip.stone].walls.size() &&
+            is_number(Eigen::Vector4f(slip.x, slip.y, slip.z, slip.w)) && slip.with <= StoneSlip::With::kTool &&
+            (slip.with != StoneSlip::With::kParticle || slip.other < particles) &&
+            (slip.with != StoneSlip::With::kWall || slip.other < 3) &&
+            (slip.with != StoneSlip::With::kStone || (slip.other > slip.stone && slip.other < size()));
+  }
+  if (!sound) {
+    throw InvalidParameter("state", "stones that are not of this bed, or nowhere", "this bed's stones, finite");
+  }
+}
+
+void Stones::restore(const StonesState& saved) {
+  state_.stones = saved.stones;
+  for (std::size_t i = 0; i < size(); ++i) {
+    Memory& memory = memory_[i];
+    memory.particles.clear();
+    memory.pairs.clear();
+    memory.stones.clear();
+    std::ranges::fill(memory.walls, std::array<Stretch, 3>{});
+    std::ranges::fill(memory.tool, StoneToolMemory{});
+    memory.look = true;
+    memory.touched_walls = true;
+    noteTurn(i);
+    bodies_[i].pushed = {};
+  }
+  for (const StoneSlip& slip : saved.slips) {
+    Memory& memory = memory_[slip.stone];
+    const Stretch stretch{slip.x, slip.y, slip.z};
+    switch (slip.with) {
+      case StoneSlip::With::kParticle:
+        if (memory.particles.size() < memory.particles.capacity()) {
+          memory.particles.push_back({slip.other, 0, 0, stretch});  // until the first look, which keeps what it knows
+        }
+        break;
+      case StoneSlip::With::kStone: {
+        auto pair = std::ranges::find(memory.pairs, slip.other, &Pair::stone);
+        if (pair == memory.pairs.end() && memory.pairs.size() < memory.pairs.capacity()) {
+          memory.pairs.push_back({slip.other, {}});
+          pair = memory.pairs.end() - 1;
+        }
+        if (pair != memory.pairs.end()) {
+          memory.stones.push_back({static_cast<std::uint32_t>(pair - memory.pairs.begin()), slip.sphere, stretch});
+        }
+        break;
+      }
+      case StoneSlip::With::kWall: memory.walls[slip.sphere][slip.other] = stretch; break;
+      case StoneSlip::With::kTool:
+        memory.tool[slip.sphere] = {static_cast<std::int8_t>(static_cast<std::int32_t>(slip.other)),
+                                    {slip.x, slip.y, slip.z, slip.w}};
+        break;
+    }
+  }
+}
+
+std::size_t Stones::bytes() const noexcept {
+  std::size_t bytes = size() * (sizeof(Body) + sizeof(Memory) + sizeof(StoneState) + sizeof(with_soil_[0]));
+  for (const Memory& memory : memory_) {
+    bytes += (memory.particles.capacity() + memory.before.capacity()) * sizeof(NearParticle) +
+             memory.spheres.capacity() * sizeof(std::uint16_t) + memory.groups.capacity() * sizeof(std::uint32_t) +
+             (memory.stones.capacity() + memory.stones_before.capacity()) * sizeof(NearStone) +
+             memory.pairs.capacity() * sizeof(Pair) + memory.walls.size() * sizeof(memory.walls[0]) +
+             memory.tool.size() * sizeof(StoneToolMemory);
+  }
+  return bytes + put_.capacity() * sizeof(Put);
+}
+
+}  // namespace haptolith

@@ -1,0 +1,200 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "haptolith/bed/bed_parameters.h"
+#include "haptolith/bed/bed_state.h"
+#include "haptolith/bed/grain_classes.h"
+#include "haptolith/bed/neighbourhood.h"
+#include "haptolith/bed/stone_contact.h"
+#include "haptolith/bed/stones_state.h"
+#include "haptolith/bed/wakefulness.h"
+#include "haptolith/core/vec.h"
+#include "haptolith/stone/stone_shape.h"
+
+namespace haptolith {
+
+/// What a tool remembers of one sphere of a stone: as BedState of a particle.
+struct StoneToolMemory {
+  std::int8_t side = 0;
+  Float4 slip_m;
+};
+
+/// The soil around stones, as a step finds it.
+struct SoilAroundStones {
+  BedState& state;
+  std::vector<Float4>& forces;  ///< on particles, N: others' so far, to which those of the stones come
+  const Neighbourhood& neighbourhood;
+  Wakefulness& wakefulness;
+};
+
+/// Rigid stones in a bed, each a clump of spheres: they move and turn by what soil, walls, each other and tools do to
+/// them.
+///
+/// A stone touches soil as a very large grain would. Between bodies of radii r1 and r2 there is the law of two grains
+/// of R = 2 r1 r2 / (r1 + r2), damped as two of the mass 2 m1 m2 / (m1 + m2), as between grain classes
+/// (contactFrictionLaw()); a stone's r is that of the sphere of its volume, and a wall is its mirror image. A particle
+/// touches a stone at the one sphere that it is deepest in: so the spheres' union is the stone, with one contact's
+/// stiffness everywhere. Each sphere of a stone touches walls, tools and, at the deepest of its spheres, another stone.
+///
+/// Each contact puts exactly opposite forces on both sides, at one point: among stones momentum and angular momentum
+/// are kept to rounding. Particles do not turn, so what friction would turn them by stays with the stone alone.
+///
+/// A stone sleeps when all soil around it does and it has not moved for as long as that takes; it wakes with any of it.
+class Stones {
+ public:
+  Stones() = default;
+
+  /// @param shapes  one for each stone. @param fixed  which of them stay where they are.
+  Stones(const BedParameters& bed, double skin_m, std::vector<std::shared_ptr<const StoneShape>> shapes,
+         const std::vector<bool>& fixed);
+
+  [[nodiscard]] std::size_t size() const noexcept { return shapes_.size(); }
+  /// Never changes while the bed lives. Not for the tick.
+  [[nodiscard]] const std::shared_ptr<const StoneShape>& shape(std::size_t stone) const { return shapes_[stone]; }
+  /// scene_T_stone. May be called in the tick.
+  [[nodiscard]] Pose pose(std::size_t stone) const noexcept;
+  [[nodiscard]] Twist twist(std::size_t stone) const noexcept;
+  [[nodiscard]] double mass(std::size_t stone) const noexcept { return bodies_[stone].mass_kg; }
+  /// Principal moments of inertia, in kg m^2.
+  [[nodiscard]] Vec3 inertia(std::size_t stone) const noexcept { return bodies_[stone].inertia_kg_m2; }
+  [[nodiscard]] bool isFixed(std::size_t stone) const noexcept { return bodies_[stone].fixed; }
+  [[nodiscard]] bool asleep(std::size_t stone) const noexcept { return state_.stones[stone].asleep(); }
+  [[nodiscard]] const StonesState& state() const noexcept { return state_; }
+  /// Where its spheres are now, scene frame.
+  [[nodiscard]] std::span<const Vec3> spheres(std::size_t stone) const noexcept { return bodies_[stone].centres_m; }
+
+  /// Puts a stone somewhere, at rest or moving. May be called in the tick.
+  void place(std::size_t stone, const Pose& scene_T_stone, const Twist& twist = {}) noexcept;
+
+  /// A force of others (a tool) on a stone for the next step, in N, scene frame, at a point of the scene; wakes it. May
+  /// be called in the tick.
+  void push(std::size_t stone, const Vec3& force_n, const Vec3& point_m) noexcept;
+
+  /// What a tool remembers of each sphere of a stone; it is kept here for the tool, as BedState keeps it of particles.
+  [[nodiscard]] std::span<StoneToolMemory> toolMemory(std::size_t stone) noexcept { return memory_[stone].tool; }
+  void forgetTool() noexcept;
+
+  /// First part of a step: what stones, soil and walls do to each other where they all are now. False when there is no
+  /// room for all that touches a stone: the bed has collapsed.
+  [[nodiscard]] bool press(const SoilAroundStones& soil, double dt_s) noexcept;
+  /// Second part: takes the forces on the soil back, which others than the stones put there stay.
+  void letGo(std::vector<Float4>& forces) noexcept;
+  /// Third part: velocities, then places.
+  void move(const Vec3& gravity_m_s2, double dt_s, const RestRule& rest) noexcept;
+  /// No particle has gone further than this in the step: who is near is looked for again when it might have changed.
+  void soilWent(double distance_m) noexcept { went_m_ += distance_m; }
+
+  /// Another soil, or others' forces, from now on: everybody wakes. May be called in the tick.
+  void setSoil(const SoilParameters& soil) noexcept;
+  void wakeAll() noexcept;
+  /// Soil has been put elsewhere: in the next step all look for who is near.
+  void lookAgain() noexcept;
+  /// False when a stone is nowhere.
+  [[nodiscard]] bool areFinite() const noexcept;
+  /// Stops them where they are.
+  void stop() noexcept;
+
+  /// Kinetic plus gravitational plus contact energy of the stones in J, that of their contacts with soil and stretched
+  /// friction included. Not for the tick.
+  [[nodiscard]] double energy(const BedState& soil, const Vec3& gravity_m_s2) const;
+
+  /// Largest speed of any point of a stone that is not fixed, in m/s; may be more than is reached.
+  [[nodiscard]] double largestSpeed() const noexcept;
+
+  /// How deep a sphere at a place reaches into the stone that it is deepest in; <= 0 outside of all. Not for the tick.
+  [[nodiscard]] double depthOf(const Vec3& centre_m, double radius_m) const;
+
+  [[nodiscard]] StonesState save() const;
+  /// @throws InvalidParameter when it has other stones than these or soil of more particles, or holds NaN.
+  void requireSound(const StonesState& saved, std::size_t particles) const;
+  /// Goes on from what is sound.
+  void restore(const StonesState& saved);
+  [[nodiscard]] std::size_t bytes() const noexcept;
+
+ private:
+  struct Body {
+    double mass_kg = 0, inverse_mass = 0;  ///< of a fixed one the inverse is 0
+    Vec3 inertia_kg_m2 = Vec3::Zero(), inverse_inertia = Vec3::Zero();
+    double radius_m = 0;  ///< of the sphere of its volume
+    bool fixed = false;
+    Eigen::Matrix3d rotation = Eigen::Matrix3d::Identity();  ///< scene_R_stone
+    Vec3 angular_rad_s = Vec3::Zero();
+    std::vector<Vec3> centres_m;  ///< of its spheres, scene frame
+    Wrench felt, pushed;          ///< about its middle: in this step, and by others for it
+  };
+
+  /// A particle that may touch a stone before it is looked for again.
+  struct NearParticle {
+    std::uint32_t particle;
+    std::uint32_t first, count;    ///< of its spheres, in Memory::spheres
+    std::array<float, 3> stretch;  ///< of friction, in m, stone's frame
+  };
+  /// Another stone that a sphere may touch.
+  struct NearStone {
+    std::uint32_t pair;            ///< in Memory::pairs
+    std::uint32_t sphere;          ///< of this one
+    std::array<float, 3> stretch;  ///< scene frame
+  };
+  struct Pair {
+    std::uint32_t stone;  ///< after this one in order
+    StoneContactLaw law;
+  };
+  struct Memory {
+    std::vector<NearParticle> particles, before;  ///< in ascending order; and room for those of the last look
+    std::vector<std::uint16_t> spheres;
+    std::vector<std::uint32_t> groups;  ///< of the particles, each once
+    std::vector<Pair> pairs;
+    std::vector<NearStone> stones, stones_before;
+    std::vector<std::array<std::array<float, 3>, 3>> walls;  ///< of each sphere: of the floor, an x and a y wall
+    std::vector<StoneToolMemory> tool;
+    double looked_at_m = 0;      ///< how far everything had gone when who is near was looked for
+    bool look = true;            ///< whether it has to be at once
+    bool beside_unrest = true;   ///< whether soil around it is awake, or a stone that it touches moves
+    bool touched_walls = false;  ///< whether `walls` remembers anything
+  };
+
+  [[nodiscard]] bool lookAround(std::size_t stone, const SoilAroundStones& soil) noexcept;
+  [[nodiscard]] bool lookForParticles(std::size_t stone, const SoilAroundStones& soil) noexcept;
+  [[nodiscard]] bool lookForStones(std::size_t stone) noexcept;
+  [[nodiscard]] double margin() const noexcept;
+  void pressSoil(std::size_t stone, const SoilAroundStones& soil) noexcept;
+  void pressWalls(std::size_t stone) noexcept;
+  void pressStones(std::size_t stone) noexcept;
+  void turn(std::size_t stone, double dt_s) noexcept;
+  void noteTurn(std::size_t stone) noexcept;
+  void rest(std::size_t stone, const RestRule& rule) noexcept;
+  void wake(std::size_t stone) noexcept;
+  [[nodiscard]] Vec3 velocityAt(std::size_t stone, const Vec3& lever_m) const noexcept {
+    return state_.stones[stone].velocity_m_s + bodies_[stone].angular_rad_s.cross(lever_m);
+  }
+  void makeLaws() noexcept;
+
+  SoilParameters soil_;
+  GrainClasses classes_;
+  double density_kg_m3_ = 0;
+  double half_width_m_ = 0, half_length_m_ = 0, wall_ratio_ = 1;
+  double skin_m_ = 0;
+  std::uint16_t rest_steps_ = 0;  ///< RestRule::steps
+  std::vector<std::shared_ptr<const StoneShape>> shapes_;
+  std::vector<Body> bodies_;
+  StonesState state_;  ///< its list of slips is filled by save() alone
+  std::vector<Memory> memory_;
+  std::vector<std::array<StoneContactLaw, GrainClasses::kMost>> with_soil_;
+  std::vector<StoneContactLaw> with_walls_, with_floor_;
+  /// What stones have put on particles in this step, and what was there before.
+  struct Put {
+    std::uint32_t particle;
+    Float4 before;
+  };
+  std::vector<Put> put_;
+  double went_m_ = 0;  ///< that no two bodies can have come closer by, in all
+  double dt_s_ = 0;    ///< that the laws are made for
+};
+
+}  // namespace haptolith

@@ -1,0 +1,403 @@
+// Stones against closed-form mechanics, alone in a box and in soil.
+
+#include "haptolith/bed/stones.h"
+
+#include <gmock/gmock.h>
+
+#include <cmath>
+#include <memory>
+#include <numbers>
+#include <random>
+#include <vector>
+
+#include "haptolith/bed/bed.h"
+#include "haptolith/bed/critical_step.h"
+#include "haptolith/core/random.h"
+
+namespace haptolith {
+namespace {
+
+using testing::DoubleNear;
+using testing::HasSubstr;
+
+constexpr double kMoon_m_s2 = 1.625;
+constexpr double kFriction = 0.5;
+
+SoilParameters soilWithFriction() {
+  SoilParameters soil;
+  soil.friction = FrictionModel::kContact;
+  soil.contact_friction = kFriction;
+  soil.stiffness_n_m = 400;
+  soil.gamma_nm = linearGamma(soil);
+  return soil;
+}
+
+/// A wide box of which one particle, far in a corner, is all the soil.
+BedParameters emptyBox() {
+  BedParameters bed;
+  bed.soil = soilWithFriction();
+  bed.width_m = 3;
+  bed.length_m = 3;
+  bed.sleep = false;
+  bed.gravity_m_s2 = Vec3::Zero();
+  return bed;
+}
+
+PlacedStone ball(double size_m, const Vec3& place_m) {
+  return {.form = StoneForm::kSphere, .size_m = size_m, .x_m = place_m.x(), .y_m = place_m.y(), .depth_m = -place_m.z()};
+}
+
+PlacedStone clump(std::vector<StoneSphere> spheres, const Vec3& place_m) {
+  return {.form = StoneForm::kSpheres,
+          .spheres = std::move(spheres),
+          .x_m = place_m.x(),
+          .y_m = place_m.y(),
+          .depth_m = -place_m.z()};
+}
+
+/// A bed of nothing but stones, at heights above the floor.
+Bed stonesOnly(BedParameters bed, std::vector<PlacedStone> stones) {
+  const double corner_m = -bed.width_m / 2 + 2 * bed.soil.radius_m;
+  const Vec3 far(corner_m, corner_m, bed.soil.radius_m);
+  for (PlacedStone& stone : stones) {
+    stone.depth_m += 2 * bed.soil.radius_m;  // of the particle's top
+  }
+  bed.stones.placed = std::move(stones);
+  return {bed, std::vector<Vec3>{far}};
+}
+
+double stepOf(const Bed& bed) {
+  return bed.parameters().tick_s / substepsFor(bed.parameters(), 0);
+}
+
+void run(Bed& bed, double time_s) {
+  const double dt_s = stepOf(bed);
+  for (int i = 0; i < std::lround(time_s / dt_s); ++i) {
+    ASSERT_EQ(bed.step(dt_s), StepStatus::kOk);
+  }
+}
+
+/// Gravity in a box whose floor is a slope that falls towards +x.
+Vec3 downSlope(double angle_deg) {
+  const double angle = angle_deg * std::numbers::pi / 180;
+  return kMoon_m_s2 * Vec3(std::sin(angle), 0, -std::cos(angle));
+}
+
+/// How far a stone sinks into the floor by its own weight, roughly.
+void putOnFloor(Bed& bed) {
+  const Stones& stones = bed.stones();
+  double lowest_m = 1;
+  for (std::size_t s = 0; s < stones.spheres(0).size(); ++s) {
+    lowest_m = std::min(lowest_m, stones.spheres(0)[s].z() - stones.shape(0)->spheres[s].radius_m);
+  }
+  Pose pose = stones.pose(0);
+  pose.position_m.z() -= lowest_m;
+  bed.stones().place(0, pose);
+}
+
+std::vector<StoneSphere> table() {  // flat and wide: it does not topple
+  std::vector<StoneSphere> spheres;
+  for (const double x : {-0.02, 0.0, 0.02}) {
+    for (const double y : {-0.02, 0.0, 0.02}) {
+      spheres.push_back({Vec3(x, y, 0), 0.011});
+    }
+  }
+  return spheres;
+}
+
+TEST(Stones, Fall) {
+  BedParameters box = emptyBox();
+  box.gravity_m_s2 = {0, 0, -kMoon_m_s2};
+  Bed bed = stonesOnly(box, {ball(0.04, {0, 0, 0.5})});
+  run(bed, 0.5);
+  EXPECT_THAT(0.5 - bed.stones().pose(0).position_m.z(), DoubleNear(kMoon_m_s2 * 0.125, 0.002 * kMoon_m_s2 * 0.125));
+  EXPECT_THAT(bed.stones().twist(0).linear_m_s.z(), DoubleNear(-kMoon_m_s2 * 0.5, 1e-9));
+}
+
+TEST(Stones, SlideDownASlopeAsCoulombSays) {
+  BedParameters box = emptyBox();
+  const double angle = 40 * std::numbers::pi / 180;
+  box.gravity_m_s2 = downSlope(40);
+  Bed bed = stonesOnly(box, {clump(table(), {0, 0, 0.05})});
+  putOnFloor(bed);
+  run(bed, 0.2);  // the springs of its contacts come to rest
+  const double before = bed.stones().twist(0).linear_m_s.x();
+  run(bed, 0.5);
+  const double wanted = kMoon_m_s2 * (std::sin(angle) - kFriction * std::cos(angle));
+  EXPECT_THAT((bed.stones().twist(0).linear_m_s.x() - before) / 0.5, DoubleNear(wanted, 0.02 * wanted));
+  EXPECT_LT(bed.stones().twist(0).angular_rad_s.norm(), 0.05);
+}
+
+TEST(Stones, StayOnASlopeBelowTheAngleOfFriction) {
+  BedParameters box = emptyBox();
+  box.gravity_m_s2 = downSlope(24);  // atan 0.5 = 26.6
+  Bed bed = stonesOnly(box, {clump(table(), {0, 0, 0.05})});
+  putOnFloor(bed);
+  run(bed, 1);
+  const double x_m = bed.stones().pose(0).position_m.x();
+  run(bed, 2);
+  EXPECT_THAT(bed.stones().pose(0).position_m.x(), DoubleNear(x_m, 1e-7));
+  EXPECT_LT(bed.stones().largestSpeed(), 1e-6);
+}
+
+TEST(Stones, RollDownASlope) {
+  BedParameters box = emptyBox();
+  const double angle = 20 * std::numbers::pi / 180;
+  box.gravity_m_s2 = downSlope(20);
+  Bed bed = stonesOnly(box, {ball(0.04, {0, 0, 0.02})});
+  run(bed, 0.2);
+  const double before = bed.stones().twist(0).linear_m_s.x();
+  run(bed, 0.5);
+  const double wanted = 5.0 / 7 * kMoon_m_s2 * std::sin(angle);
+  EXPECT_THAT((bed.stones().twist(0).linear_m_s.x() - before) / 0.5, DoubleNear(wanted, 0.02 * wanted));
+  // It rolls without sliding.
+  const Twist twist = bed.stones().twist(0);
+  EXPECT_THAT(twist.angular_rad_s.y() * 0.02, DoubleNear(twist.linear_m_s.x(), 0.02 * twist.linear_m_s.x()));
+}
+
+TEST(Stones, ABackSpinTurnsIntoRolling) {
+  // A ball that slides without turning rolls in the end with 5/7 of its speed, however strong the friction.
+  BedParameters box = emptyBox();
+  box.gravity_m_s2 = {0, 0, -kMoon_m_s2};
+  Bed bed = stonesOnly(box, {ball(0.04, {-1, 0, 0.02})});
+  bed.stones().place(0, bed.stones().pose(0), {Vec3(0.3, 0, 0), Vec3::Zero()});
+  run(bed, 1);
+  EXPECT_THAT(bed.stones().twist(0).linear_m_s.x(), DoubleNear(0.3 * 5 / 7, 0.02 * 0.3 * 5 / 7));
+}
+
+TEST(Stones, SpinFreelyAsEulerSays) {
+  BedParameters box = emptyBox();
+  // Of two equal balls: a symmetric top, whose axis goes round its angular momentum with L / I_across.
+  Bed bed = stonesOnly(box, {clump({{Vec3(0.015, 0, 0), 0.02}, {Vec3(-0.015, 0, 0), 0.02}}, {0, 0, 1})});
+  Stones& stones = bed.stones();
+  int along = 0;
+  stones.inertia(0).minCoeff(&along);
+  const double across_kg_m2 = stones.inertia(0).maxCoeff();
+  const Pose start = stones.pose(0);
+  const Vec3 axis = start.orientation * Vec3(Vec3::Unit(along));
+  const Vec3 beside = axis.unitOrthogonal();
+  stones.place(0, start, {Vec3(0.1, 0.05, 0), 20 * axis + 10 * beside});
+  const Vec3 momentum = stones.state().stones[0].angular_momentum_nms;
+  const double energy = bed.energy();
+  const double time_s = 1.5;
+  run(bed, time_s);
+  EXPECT_EQ(stones.state().stones[0].angular_momentum_nms, momentum);
+  EXPECT_THAT(bed.energy(), DoubleNear(energy, 1e-5 * energy));
+  const double turned = momentum.norm() / across_kg_m2 * time_s;  // several turns
+  const Vec3 wanted = Eigen::AngleAxisd(turned, momentum.normalized()) * axis;
+  EXPECT_LT((stones.pose(0).orientation * Vec3(Vec3::Unit(along)) - wanted).norm(), 0.02);
+}
+
+TEST(Stones, ATumblingStoneKeepsItsEnergy) {
+  BedParameters box = emptyBox();
+  Bed bed = stonesOnly(
+      box, {clump({{Vec3(0.02, 0, 0), 0.02}, {Vec3(-0.02, 0, 0), 0.015}, {Vec3(0, 0.012, 0), 0.015}}, {0, 0, 1})});
+  Stones& stones = bed.stones();
+  int middle = 0;
+  for (int i = 0; i < 3; ++i) {
+    const Vec3 moments = stones.inertia(0);
+    middle = moments[i] > moments.minCoeff() && moments[i] < moments.maxCoeff() ? i : middle;
+  }
+  const Vec3 spin = stones.pose(0).orientation * Vec3(15 * Vec3::Unit(middle) + Vec3::Constant(0.1));
+  stones.place(0, stones.pose(0), {Vec3::Zero(), spin});  // about the axis on which nothing spins steadily
+  const double energy = bed.energy();
+  double most = 0;
+  for (int i = 0; i < 100; ++i) {
+    run(bed, 0.1);
+    most = std::max(most, std::abs(bed.energy() / energy - 1));
+  }
+  EXPECT_LT(most, 1e-4);
+}
+
+/// Two balls that meet: speed of the first before and after, relative to the second, along their line.
+double restitution(double damping_ratio) {
+  BedParameters box = emptyBox();
+  box.soil.damping_ratio = damping_ratio;
+  Bed bed = stonesOnly(box, {ball(0.04, {-0.03, 0, 1}), ball(0.04, {0.03, 0, 1})});
+  bed.stones().place(0, bed.stones().pose(0), {Vec3(0.1, 0, 0), Vec3::Zero()});
+  bed.stones().place(1, bed.stones().pose(1), {Vec3(-0.1, 0, 0), Vec3::Zero()});
+  run(bed, 0.5);
+  return (bed.stones().twist(1).linear_m_s.x() - bed.stones().twist(0).linear_m_s.x()) / 0.2;
+}
+
+TEST(Stones, CollideWithTheRestitutionOfTheirDamping) {
+  EXPECT_THAT(restitution(0), DoubleNear(1, 0.005));
+  // A damped spring that never pulls, from where force begins to where it ends (Schwager and Poeschel 2007).
+  const double zeta = 0.2;
+  const double root = std::sqrt(1 - zeta * zeta);
+  const double wanted =
+      std::exp(-zeta / root * (std::numbers::pi - std::atan2(2 * zeta * root, 1 - 2 * zeta * zeta)));
+  EXPECT_THAT(restitution(zeta), DoubleNear(wanted, 0.02 * wanted));
+}
+
+TEST(Stones, KeepBothMomentaWhenTheyCollide) {
+  BedParameters box = emptyBox();
+  std::vector<PlacedStone> placed;
+  std::mt19937_64 random(3);
+  for (int i = 0; i < 12; ++i) {
+    const Vec3 place(0.08 * (i % 3 - 1), 0.08 * (i / 3 - 1.5), 1);
+    placed.push_back(i % 2 == 0 ? ball(0.05, place)
+                                : clump({{Vec3(0.012, 0, 0), 0.018}, {Vec3(-0.012, 0.004, 0.01), 0.02}}, place));
+  }
+  Bed bed = stonesOnly(box, placed);
+  Stones& stones = bed.stones();
+  for (std::size_t i = 0; i < stones.size(); ++i) {  // towards each other, and turning
+    const Vec3 inwards = -0.5 * (stones.pose(i).position_m - Vec3(0, 0, 1));
+    const Vec3 noise(uniformSigned(random), uniformSigned(random), uniformSigned(random));
+    stones.place(i, stones.pose(i), {inwards + 0.02 * noise, 5 * noise});
+  }
+  const auto momenta = [&] {
+    Vec3 linear = Vec3::Zero();
+    Vec3 angular = Vec3::Zero();
+    for (std::size_t i = 0; i < stones.size(); ++i) {
+      const Vec3 p = stones.mass(i) * stones.twist(i).linear_m_s;
+      linear += p;
+      angular += stones.pose(i).position_m.cross(p) + stones.state().stones[i].angular_momentum_nms;
+    }
+    return std::pair(linear, angular);
+  };
+  const auto [linear, angular] = momenta();
+  double energy = bed.energy();
+  const double first = energy;
+  for (int i = 0; i < 100; ++i) {
+    run(bed, 0.02);
+    EXPECT_LE(bed.energy(), energy + 0.001 * first) << i;
+    energy = std::min(energy, bed.energy());
+  }
+  EXPECT_LT(energy, 0.9 * first) << "they have not met";
+  const auto [linear_after, angular_after] = momenta();
+  EXPECT_LT((linear_after - linear).norm(), 1e-14);
+  // Semi-implicit steps keep it to rounding: forces act at one point, and places move along the new speeds.
+  EXPECT_LT((angular_after - angular).norm(), 1e-14);
+}
+
+// In soil.
+
+BedParameters soilWithStones() {
+  BedParameters bed;
+  bed.soil = soilWithFriction();
+  bed.start = BedStart::kSettled;
+  bed.width_m = 0.2;
+  bed.length_m = 0.16;
+  bed.depth_m = 0.06;
+  bed.sleep_speed_m_s = 0.01;
+  bed.sleep_distance_m = 7e-5;
+  bed.stones.count = 4;
+  bed.stones.smallest_m = 0.025;
+  bed.stones.largest_m = 0.04;
+  bed.stones.placed = {ball(0.04, {0, 0, -0.015})};
+  return bed;
+}
+
+TEST(Stones, LieInSoilThatCarriesThem) {
+  Bed bed(soilWithStones());
+  ASSERT_EQ(bed.stones().size(), 5U);
+  std::vector<Vec3> places;
+  for (std::size_t i = 0; i < bed.stones().size(); ++i) {
+    places.push_back(bed.stones().pose(i).position_m);
+  }
+  run(bed, 2);
+  for (std::size_t i = 0; i < bed.stones().size(); ++i) {
+    EXPECT_LT((bed.stones().pose(i).position_m - places[i]).norm(), 0.1 * bed.parameters().soil.radius_m) << i;
+    EXPECT_TRUE(bed.stones().asleep(i)) << i;
+  }
+  EXPECT_EQ(bed.awake(), 0U);
+  // Soil makes room for them, and none is lost.
+  BedParameters without = soilWithStones();
+  without.stones = {};
+  EXPECT_EQ(bed.particles(), Bed(without).particles());
+  for (std::size_t i = 0; i < bed.particles(); ++i) {
+    const Float4& p = bed.state().position[i];
+    EXPECT_LT(bed.stones().depthOf({p.x, p.y, p.z}, bed.parameters().soil.radius_m + p.w), 2e-3) << i;
+  }
+}
+
+TEST(Stones, WakeWhatTheyTouchAndAreWokenByIt) {
+  Bed bed(soilWithStones());
+  run(bed, 2);
+  ASSERT_EQ(bed.awake(), 0U);
+  const double dt_s = stepOf(bed);
+  const Vec3 start = bed.stones().pose(0).position_m;
+  for (int i = 0; i < 200; ++i) {
+    bed.stones().push(0, {0, 0, 0.4}, bed.stones().pose(0).position_m);  // its weight is 0.16 N
+    ASSERT_EQ(bed.step(dt_s), StepStatus::kOk);
+  }
+  EXPECT_GT((bed.stones().pose(0).position_m - start).z(), 2e-3);
+  EXPECT_GT(bed.awake(), 0U);
+  run(bed, 4);
+  EXPECT_TRUE(bed.stones().asleep(0));
+  EXPECT_EQ(bed.awake(), 0U);
+}
+
+TEST(Stones, GiveTheSameBitsForAnyNumberOfThreadsAndFromASavedState) {
+  const auto pushed = [](Bed& bed, int steps) {
+    const double dt_s = stepOf(bed);
+    for (int i = 0; i < steps; ++i) {
+      bed.stones().push(0, {0.5, 0.1, 1}, bed.stones().pose(0).position_m + Vec3(0, 0.01, 0));
+      ASSERT_EQ(bed.step(dt_s), StepStatus::kOk);
+    }
+  };
+  BedParameters parameters = soilWithStones();
+  parameters.sleep = false;
+  parameters.width_m = 0.3;
+  Bed one(parameters);
+  parameters.threads = 3;
+  Bed three(parameters);
+  pushed(one, 500);
+  pushed(three, 500);
+  EXPECT_EQ(one.hash(), three.hash());
+  const SavedBed saved = deserialiseSavedBed(serialise(one.save()));
+  Bed restored(parameters, saved);
+  EXPECT_EQ(restored.hash(), one.hash());
+  pushed(one, 500);
+  pushed(restored, 500);
+  EXPECT_EQ(restored.hash(), one.hash());
+  three.restore(saved);
+  pushed(three, 500);
+  EXPECT_EQ(three.hash(), one.hash());
+}
+
+TEST(Stones, FixedOnesStayWhateverPushes) {
+  BedParameters parameters = soilWithStones();
+  parameters.stones.placed[0].fixed = true;
+  Bed bed(parameters);
+  const Vec3 place = bed.stones().pose(0).position_m;
+  const double dt_s = stepOf(bed);
+  for (int i = 0; i < 300; ++i) {
+    bed.stones().push(0, {0, 0, 30}, place);
+    ASSERT_EQ(bed.step(dt_s), StepStatus::kOk);
+  }
+  EXPECT_EQ(bed.stones().pose(0).position_m, place);
+}
+
+TEST(Stones, AreRefusedWhereTheyCannotBe) {
+  const auto refusal = [](const BedParameters& bed) -> std::string {
+    try {
+      const Bed made(bed);
+    } catch (const InvalidParameter& error) {
+      return error.what();
+    }
+    return "taken";
+  };
+  BedParameters bed = soilWithStones();
+  bed.soil.friction = FrictionModel::kPaper;
+  EXPECT_THAT(refusal(bed), HasSubstr("contact friction"));
+  bed = soilWithStones();
+  bed.stones.placed[0].x_m = 0.095;
+  EXPECT_THAT(refusal(bed), HasSubstr("wholly in the box"));
+  bed = soilWithStones();
+  bed.stones.count = 500;
+  EXPECT_THAT(refusal(bed), HasSubstr("found no room"));
+  bed = soilWithStones();
+  bed.stones.largest_m = 0.01;
+  EXPECT_THAT(refusal(bed), HasSubstr("0.025"));
+  Bed other(soilWithStones());
+  SavedBed saved = other.save();
+  saved.stones.stones[0].velocity_m_s.x() = std::nan("");
+  EXPECT_THROW(other.restore(saved), InvalidParameter);
+  saved.stones.stones.pop_back();
+  EXPECT_THROW(other.restore(saved), InvalidParameter);
+}
+
+}  // namespace
+}  // namespace haptolith
