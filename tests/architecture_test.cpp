@@ -27,8 +27,9 @@ const std::map<std::string, Folders> kArrows = {
     {"figure", {"core"}},
     // Shapes that others drew: it knows neither soil nor tools.
     {"mesh", {"core"}},
+    {"stone", {"mesh"}},
     {"soil", {"core"}},
-    {"bed", {"soil"}},
+    {"bed", {"soil", "stone"}},
     {"tool", {"bed", "mesh"}},
     {"device", {"core"}},
     {"haptics", {"tool", "device"}},

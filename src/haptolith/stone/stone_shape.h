@@ -1,0 +1,65 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include "haptolith/core/error.h"
+#include "haptolith/core/vec.h"
+#include "haptolith/mesh/mend.h"
+#include "haptolith/mesh/triangle_mesh.h"
+
+namespace haptolith {
+
+/// One of the spheres that a stone is made of.
+struct StoneSphere {
+  Vec3 centre_m = Vec3::Zero();
+  double radius_m = 0;
+
+  [[nodiscard]] bool operator==(const StoneSphere&) const = default;
+};
+
+/// No stone is made of more.
+inline constexpr std::size_t kMostStoneSpheres = 500;
+/// Diameter of the sphere that has a stone's volume, in m.
+inline constexpr Range kStoneSize_m{1e-3, 10};
+
+/// A rigid stone: what soil, walls, tools and other stones touch is the union of its spheres. Its frame lies in the
+/// centre of its mass, along its principal axes: x along the smallest moment, z along the largest, so that a stone
+/// whose z is up lies flat.
+struct StoneShape {
+  std::vector<StoneSphere> spheres;  ///< stone's frame
+  double volume_m3 = 0;              ///< of their union
+  Vec3 inertia_m5 = Vec3::Zero();    ///< principal moments of the union's volume: those of its mass, over its density
+  double reach_m = 0;                ///< radius of the sphere about the centre of mass that holds them all
+  TriangleMesh shown;                ///< for pictures, stone's frame; empty: the spheres are what it looks like
+
+  /// Radius of the sphere of its volume.
+  [[nodiscard]] double radius() const noexcept;
+};
+
+/// A stone of spheres wherever they are: volume, centre and principal axes are found, exactly for one sphere, otherwise
+/// to 3e-4 by sums over 128 by 128 lines through the union, exact along each. The frame of one sphere is not turned.
+/// `shown`, in the same frame, goes with them. Not for the tick.
+/// @throws InvalidParameter for no sphere, more than kMostStoneSpheres, a radius or place that is not finite or not
+/// above 0, or spheres that do not hold together.
+[[nodiscard]] StoneShape makeStoneShape(std::vector<StoneSphere> spheres, TriangleMesh shown = {});
+
+/// A sphere of the diameter `size_m`. @throws InvalidParameter for a size outside kStoneSize_m.
+[[nodiscard]] StoneShape roundStone(double size_m);
+
+/// An angular rock of its own, for each seed another: a ball cut by random planes, as broken rock looks, somewhat
+/// longer than wide and wider than high; of up to 45 spheres that fill it up to its faces, scaled to the volume of a
+/// sphere of the diameter `size_m`. No sphere reaches out of what is shown; 95 % of that surface is within a twentieth
+/// of the size of their union. The same seed and size give the same bits. Not for the tick.
+/// @throws InvalidParameter for a size outside kStoneSize_m.
+[[nodiscard]] StoneShape angularRock(double size_m, std::uint64_t seed);
+
+/// A stone of the shape of a closed mesh, scaled to the volume of a sphere of the diameter `size_m`: spheres that fill
+/// it, the largest first, until their union is within a fiftieth of the size of 98 % of the surface or there are
+/// `most_spheres`. Not for the tick.
+/// @throws InvalidParameter for a mesh that is a sheet, or in pieces, or so thin that the spheres fill less than half
+/// of it; for a size outside kStoneSize_m, for no sphere or more than kMostStoneSpheres; Failure when stopAsked().
+[[nodiscard]] StoneShape stoneOfMesh(const MendedMesh& mesh, double size_m, std::size_t most_spheres = 60);
+
+}  // namespace haptolith
