@@ -12,6 +12,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
+#include <memory>
 #include <string>
 #include <string_view>
 #include <type_traits>
@@ -22,6 +23,7 @@
 #include "haptolith/bed/simd_target.h"
 #include "haptolith/core/error.h"
 #include "haptolith/haptics/haptic_loop.h"
+#include "haptolith/recording/picture_meshes.h"
 #include "haptolith/recording/recording_writer.h"
 #include "haptolith/soil/presets.h"
 
@@ -339,6 +341,29 @@ TEST_F(RecordedPicturesTest, WhoeverGivesUpIsHeard) {
                 ThrowsMessage<Failure>(HasSubstr("interrupted")));
     EXPECT_EQ(pictures, 2U);
   }
+}
+
+TEST(PictureMeshes, StonesAreTheirTrianglesOrTheirSpheresWhereTheyLie) {
+  StoneShape rock;
+  rock.shown = {.points_m = {Vec3::Zero(), Vec3(1, 0, 0), Vec3(0, 1, 0), Vec3(0, 0, 1)},
+                .triangles = {{0, 2, 1}, {0, 1, 3}, {0, 3, 2}, {1, 2, 3}}};
+  StoneShape balls;
+  balls.spheres = {{.centre_m = Vec3(0, 0, 0.5), .radius_m = 0.25}};
+  const Pose quarter_turn{Vec3(10, 0, 0), Quat(std::sqrt(0.5), 0, 0, std::sqrt(0.5))};
+  const Pose moved{Vec3(0, 5, 0), Quat::Identity()};
+  const PictureMesh mesh =
+      stonesMesh({{quarter_turn, std::make_shared<StoneShape>(rock)}, {moved, std::make_shared<StoneShape>(balls)}});
+  ASSERT_GT(mesh.point_m.size(), 4U);
+  EXPECT_NEAR(mesh.point_m[1][0], 10, 1e-6);
+  EXPECT_NEAR(mesh.point_m[1][1], 1, 1e-6);
+  for (std::size_t i = 4; i < mesh.point_m.size(); ++i) {
+    const auto& [x, y, z] = mesh.point_m[i];
+    EXPECT_NEAR((Vec3(x, y, z) - Vec3(0, 5, 0.5)).norm(), 0.25, 1e-6);
+  }
+  EXPECT_EQ(mesh.points_per_cell, 3U);
+  EXPECT_THAT(std::vector(mesh.cells.begin() + 3, mesh.cells.begin() + 6), testing::ElementsAre(0, 1, 3));
+  EXPECT_EQ(*std::min_element(mesh.cells.begin() + 12, mesh.cells.end()), 4);
+  EXPECT_EQ(*std::ranges::max_element(mesh.cells), static_cast<std::int32_t>(mesh.point_m.size()) - 1);
 }
 
 }  // namespace

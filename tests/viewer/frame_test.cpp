@@ -27,6 +27,11 @@ SceneSnapshot still(std::size_t particles, double time_s) {
   return snapshot;
 }
 
+std::string bytesOf(const char* file) {
+  std::ifstream stream(sourceDir() / file, std::ios::binary);
+  return {std::istreambuf_iterator<char>(stream), {}};
+}
+
 /// A frame taken apart by docs/protocol.md, without the encoder's help.
 struct Read {
   explicit Read(const std::string& bytes) : bytes_(bytes) {
@@ -34,7 +39,12 @@ struct Read {
     at(112, runs), at(116, records), at(120, number);
     EXPECT_EQ(bytes[0], 1);
     EXPECT_EQ(bytes[1], 1);
-    EXPECT_EQ(bytes.size(), 128 + 8 * runs + 8 * records);
+    if ((flags & 16) != 0) {
+      at(128 + 8 * runs + 8 * records, stones);
+      EXPECT_EQ(bytes.size(), 132 + 8 * runs + 8 * records + 28 * stones);
+    } else {
+      EXPECT_EQ(bytes.size(), 128 + 8 * runs + 8 * records);
+    }
     std::size_t record = 128 + 8 * runs;
     for (std::uint32_t run = 0; run < runs; ++run) {
       std::uint32_t first = 0;
@@ -65,7 +75,7 @@ struct Read {
   };
   const std::string& bytes_;
   std::uint16_t flags = 0;
-  std::uint32_t scene = 0, misses = 0, awake = 0, particles = 0, runs = 0, records = 0, number = 0;
+  std::uint32_t scene = 0, misses = 0, awake = 0, particles = 0, runs = 0, records = 0, number = 0, stones = 0;
   double time_s = 0;
   float tick_us = 0;
   std::vector<Shown> shown;
@@ -209,6 +219,34 @@ TEST(Frame, SleepersAndForcesAndWhatLeavesTheSpace) {
   EXPECT_EQ(frame.shown[4].force, 255);
 }
 
+TEST(Frame, EachSaysWhereAllStonesAreAfterTheRecords) {
+  SceneSnapshot snapshot = still(20, 1);
+  snapshot.stones = {{Vec3(0.01, -0.02, 0.03), Quat(0.5, -0.5, 0.5, -0.5)}, {Vec3(0.04, 0, 0.05)}};
+  FrameEncoder encoder(1, 20, kSpace);
+  encoder.take(snapshot, {});
+  const std::uint32_t seen = encoder.number();
+  const auto first = encoder.frameSince(0);
+  const Read whole(*first);
+  EXPECT_EQ(whole.flags, 4 + 16);
+  EXPECT_EQ(whole.records, 20U);
+  ASSERT_EQ(whole.stones, 2U);
+  const auto number = [](const Read& frame, std::size_t i) {
+    return frame.real(132 + 8 * frame.runs + 8 * frame.records + 4 * i);
+  };
+  const std::array expected{0.01F, -0.02F, 0.03F, 0.5F, -0.5F, 0.5F, -0.5F, 0.04F, 0.0F, 0.05F, 1.0F, 0.0F, 0.0F, 0.0F};
+  for (std::size_t i = 0; i < expected.size(); ++i) {
+    EXPECT_EQ(number(whole, i), expected[i]) << i;
+  }
+  snapshot.stones[1].position_m.z() = 0.06;
+  encoder.take(snapshot, {});
+  encoder.take(snapshot, {});  // no particle has moved
+  const auto later = encoder.frameSince(seen + 1);
+  const Read moved(*later);
+  EXPECT_EQ(moved.records, 0U);
+  ASSERT_EQ(moved.stones, 2U);
+  EXPECT_EQ(number(moved, 9), 0.06F);
+}
+
 // The same bytes as web/tests/unit/protocol.test.ts reads.
 TEST(Frame, HasTheBytesThatThePageIsTestedWith) {
   SceneSnapshot snapshot = still(40, 12.345);
@@ -231,9 +269,13 @@ TEST(Frame, HasTheBytesThatThePageIsTestedWith) {
   EXPECT_EQ(frame.real(76), 0.1F);
   EXPECT_EQ(frame.number, 100U);
 
-  std::ifstream file(sourceDir() / "tests/data/frame-v1.bin", std::ios::binary);
-  const std::string expected{std::istreambuf_iterator<char>(file), {}};
-  EXPECT_EQ(*bytes, expected) << "another format needs another version, in docs/protocol.md, the page and here";
+  EXPECT_EQ(*bytes, bytesOf("tests/data/frame-v1.bin"))
+      << "another format needs another version, in docs/protocol.md, the page and here";
+
+  snapshot.stones = {{Vec3(0.01, -0.02, 0.03), Quat(0.5, -0.5, 0.5, -0.5)}, {Vec3(0.04, 0, 0.05)}};
+  FrameEncoder with_stones(7, 40, kSpace, 99);
+  with_stones.take(snapshot, {.wanted = Pose{Vec3(0, 0, 0.1)}, .held = true, .load_n = loads});
+  EXPECT_EQ(*with_stones.frameSince(0), bytesOf("tests/data/frame-v1-stones.bin"));
 }
 
 }  // namespace

@@ -177,6 +177,32 @@ TEST(SceneMessage, HasTheMeshOfAToolWhateverTheShapeIsNow) {
   EXPECT_EQ(tool_of(Scenario())["mesh"], nullptr);
 }
 
+TEST(SceneMessage, HasStonesOnlyWhereThereAreAny) {
+  const Session session(Scenario(), false, SettleProgress{});
+  EXPECT_FALSE(Json::parse(sceneMessages(session, {Vec3(-1, -1, -1), Vec3(1, 1, 1)}).whole).contains("stones"));
+}
+
+TEST(StoneMessage, IsTheMeshOrTheSpheresOfOneWithout) {
+  StoneShape stone;
+  stone.spheres = {{.centre_m = Vec3(0.001, 0, -0.002), .radius_m = 0.01},
+                   {.centre_m = Vec3::Zero(), .radius_m = 0.02}};
+  EXPECT_EQ(Json(stoneJson(stone)), Json::parse(R"({"spheres": [[0.001, 0.0, -0.002, 0.01], [0.0, 0.0, 0.0, 0.02]]})"));
+  stone.shown = {.points_m = {Vec3::Zero(), Vec3(1, 0, 0), Vec3(0, 1, 0), Vec3(0, 0, 1)},
+                 .triangles = {{0, 2, 1}, {0, 1, 3}, {0, 3, 2}, {1, 2, 3}}};
+  const Json json = stoneJson(stone);
+  EXPECT_EQ(json.size(), 2U);
+  const std::string points = fromBase64(json["points_base64"].get<std::string>()).value();
+  const std::string triangles = fromBase64(json["triangles_base64"].get<std::string>()).value();
+  ASSERT_EQ(points.size(), 12U * 4);
+  ASSERT_EQ(triangles.size(), 12U * 4);
+  float x_m = 0;
+  std::memcpy(&x_m, points.data() + 12, sizeof x_m);
+  EXPECT_EQ(x_m, 1);
+  std::uint32_t corner = 0;
+  std::memcpy(&corner, triangles.data() + 4, sizeof corner);
+  EXPECT_EQ(corner, 2U);
+}
+
 TEST_F(LiveViewTest, ANewcomerIsToldEverythingInTheOrderOfTheProtocol) {
   WsClient client(port_);
   ASSERT_EQ(client.upgrade(), 101U);

@@ -2,11 +2,12 @@
 //
 // Text is JSON. What the program says is described by the schemas below, which check each message and give the types;
 // keys that they do not name are left out, so that later programs may add some. A binary message is a frame: 128 bytes,
-// then runs, then one record of 8 bytes for each particle. Nothing of a frame is copied here; the arrays look into the
-// message that came.
+// then runs, then one record of 8 bytes for each particle, then the poses of stones, if there are any. Nothing of a
+// frame is copied here; the arrays look into the message that came.
 
 import * as v from 'valibot';
 import { ProtocolError } from './protocol_error';
+import { Stone } from './stone';
 import { StudyMessage, type StudyCommand } from './study/protocol';
 import { ToolMesh } from './tool_mesh';
 
@@ -127,6 +128,8 @@ const Scene = v.object({
   body: v.nullable(v.string()),
   gravity_m_s2: Vec3,
   tool: Tool,
+  /** left out: there are none */
+  stones: v.optional(v.array(Stone)),
   hand: v.object({ manoeuvre: v.string(), max_force_n: v.number(), max_torque_nm: v.number() }),
   workspace: Range3,
 });
@@ -262,12 +265,14 @@ export function decodeMessage(text: string): Message | null {
 export const HEADER_BYTES = 128;
 export const RUN_BYTES = 8;
 export const RECORD_BYTES = 8;
+export const STONE_BYTES = 28;
 
 const FRAME_KIND = 1;
 const FLAG_PAUSED = 1;
 const FLAG_HELD = 2;
 const FLAG_WHOLE = 4;
 const FLAG_FORCES = 8;
+const FLAG_STONES = 16;
 
 export interface FrameHeader {
   scene: number;
@@ -296,6 +301,8 @@ export interface Frame extends FrameHeader {
   runs: Uint32Array;
   /** four u16 a particle: x, y, z, and speed + 256 force; see `speedOf` and `contactForceOf` for the two bytes */
   records: Uint16Array;
+  /** pose of each stone, seven numbers: x, y, z in m, rotation w, x, y, z */
+  stones: Float32Array;
 }
 
 function readVec3(view: DataView, at: number): Vec3 {
@@ -328,11 +335,17 @@ export function decodeFrame(buffer: ArrayBuffer): Frame {
   const particles = view.getUint32(108, true);
   const run_count = view.getUint32(112, true);
   const record_count = view.getUint32(116, true);
-  const expected_bytes = HEADER_BYTES + run_count * RUN_BYTES + record_count * RECORD_BYTES;
+  const flags = view.getUint16(2, true);
+  const stones_at = HEADER_BYTES + run_count * RUN_BYTES + record_count * RECORD_BYTES;
+  let expected_bytes = stones_at;
+  let stone_count = 0;
+  if (flags & FLAG_STONES) {
+    if (buffer.byteLength >= stones_at + 4) stone_count = view.getUint32(stones_at, true);
+    expected_bytes += 4 + stone_count * STONE_BYTES;
+  }
   if (buffer.byteLength !== expected_bytes)
     throw new ProtocolError(`a frame has ${buffer.byteLength} bytes instead of ${expected_bytes}`);
 
-  const flags = view.getUint16(2, true);
   const frame: Frame = {
     scene: view.getUint32(4, true),
     time_s: view.getFloat64(8, true),
@@ -354,11 +367,13 @@ export function decodeFrame(buffer: ArrayBuffer): Frame {
     // is little-endian wherever browsers run.
     runs: new Uint32Array(buffer, HEADER_BYTES, run_count * 2),
     records: new Uint16Array(buffer, HEADER_BYTES + run_count * RUN_BYTES, record_count * 4),
+    stones: stone_count > 0 ? new Float32Array(buffer, stones_at + 4, stone_count * 7) : new Float32Array(),
   };
   if (
     !allFinite(frame.time_s, frame.longestTick_us, frame.opening_m, ...frame.force_n, ...frame.torque_nm) ||
     !allFinite(...frame.tool.position_m, ...frame.tool.rotation) ||
-    !allFinite(...frame.wished.position_m, ...frame.wished.rotation)
+    !allFinite(...frame.wished.position_m, ...frame.wished.rotation) ||
+    !frame.stones.every(Number.isFinite)
   )
     throw new ProtocolError('a frame holds a number that is not finite');
 

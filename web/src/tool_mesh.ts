@@ -1,33 +1,16 @@
 // A tool that somebody drew: how its triangles come in a message, and how large they are.
 
 import * as v from 'valibot';
+import { readTriangles, TrianglesText, type TriangleMesh } from './triangle_mesh';
 
-/** Closed; everything is in the tool's frame. */
-export interface ToolMesh {
+/** Everything is in the tool's frame. */
+export interface ToolMesh extends TriangleMesh {
   /** of the file */
   name: string;
-  /** x, y, z of each point */
-  points_m: Float32Array<ArrayBuffer>;
-  /** three points each, counter-clockwise seen from outside */
-  triangles: Uint32Array<ArrayBuffer>;
 }
 
-const MeshText = v.object({ name: v.string(), points_base64: v.string(), triangles_base64: v.string() });
+const MeshText = v.object({ name: v.string(), ...TrianglesText.entries });
 export type MeshText = v.InferOutput<typeof MeshText>;
-
-/** Bytes of one or more triples of four bytes each; null: it is something else. */
-function triples(base64: string): ArrayBuffer | null {
-  let text: string;
-  try {
-    text = atob(base64);
-  } catch {
-    return null;
-  }
-  if (text.length === 0 || text.length % 12 !== 0) return null;
-  const bytes = new Uint8Array(text.length);
-  for (let i = 0; i < bytes.length; ++i) bytes[i] = text.charCodeAt(i);
-  return bytes.buffer;
-}
 
 // Every change of a scene brings its mesh again. One that has not changed stays the same object, so that nobody has to
 // look at all of its points to know that.
@@ -43,23 +26,13 @@ function isLatest({ name, points_base64, triangles_base64 }: MeshText): boolean 
 
 export const ToolMesh = v.pipe(
   MeshText,
-  v.rawTransform<MeshText, ToolMesh>(({ dataset: { value: text }, addIssue, NEVER }) => {
+  v.rawTransform<MeshText, ToolMesh>((context) => {
+    const text = context.dataset.value;
     if (latest && isLatest(text)) return latest.mesh;
-    const refuse = (key: keyof MeshText, expected: string): never => {
-      addIssue({ expected, path: [{ type: 'object', origin: 'value', input: text, key, value: text[key] }] });
-      return NEVER;
-    };
-    const points = triples(text.points_base64);
-    if (!points) return refuse('points_base64', 'base64 of 12 bytes a point');
-    const triangles = triples(text.triangles_base64);
-    if (!triangles) return refuse('triangles_base64', 'base64 of 12 bytes a triangle');
-    // They are read in the machine's byte order, as frames are.
-    const mesh = { name: text.name, points_m: new Float32Array(points), triangles: new Uint32Array(triangles) };
-    if (!mesh.points_m.every(Number.isFinite)) return refuse('points_base64', 'finite');
-    const count = mesh.points_m.length / 3;
-    if (!mesh.triangles.every((point) => point < count)) return refuse('triangles_base64', `of ${count} points`);
-    latest = { text, mesh };
-    return mesh;
+    const triangles = readTriangles(context);
+    if (!triangles) return context.NEVER;
+    latest = { text, mesh: { name: text.name, ...triangles } };
+    return latest.mesh;
   }),
 );
 

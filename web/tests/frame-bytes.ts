@@ -1,6 +1,6 @@
 // Writes frames as docs/protocol.md says, for tests and for the mock: the other half of decodeFrame.
 
-import type { FrameHeader } from '../src/protocol';
+import type { FrameHeader, Pose } from '../src/protocol';
 
 export interface RecordValues {
   x: number;
@@ -14,16 +14,21 @@ export function encodeFrame(
   header: FrameHeader,
   runs: [first: number, count: number][],
   records: RecordValues[],
+  stones: Pose[] = [],
 ): ArrayBuffer {
-  const buffer = new ArrayBuffer(128 + 8 * runs.length + 8 * records.length);
+  const stones_at = 128 + 8 * runs.length + 8 * records.length;
+  const buffer = new ArrayBuffer(stones_at + (stones.length > 0 ? 4 + 28 * stones.length : 0));
   const view = new DataView(buffer);
   const f32 = (at: number, values: readonly number[]): void =>
     values.forEach((value, i) => view.setFloat32(at + 4 * i, value, true));
   view.setUint8(0, 1);
   view.setUint8(1, 1);
-  const flags =
-    Number(header.paused) + 2 * Number(header.held) + 4 * Number(header.whole) + 8 * Number(header.forcesValid);
-  view.setUint16(2, flags, true);
+  const flags = [header.paused, header.held, header.whole, header.forcesValid, stones.length > 0];
+  view.setUint16(
+    2,
+    flags.reduce((sum, flag, bit) => sum + Number(flag) * 2 ** bit, 0),
+    true,
+  );
   view.setUint32(4, header.scene, true);
   view.setFloat64(8, header.time_s, true);
   f32(16, [...header.tool.position_m, ...header.tool.rotation]);
@@ -49,5 +54,7 @@ export function encodeFrame(
     view.setUint8(at + 7, force);
     at += 8;
   }
+  if (stones.length > 0) view.setUint32(stones_at, stones.length, true);
+  stones.forEach(({ position_m, rotation }, i) => f32(stones_at + 4 + 28 * i, [...position_m, ...rotation]));
   return buffer;
 }

@@ -5,7 +5,7 @@ import { createReadStream, existsSync } from 'node:fs';
 import { createServer, type Server } from 'node:http';
 import { extname, join, normalize } from 'node:path';
 import { fileURLToPath } from 'node:url';
-import { parse } from 'valibot';
+import { parse, type InferInput } from 'valibot';
 import { WebSocketServer, type WebSocket } from 'ws';
 import {
   isFeltChange,
@@ -17,6 +17,7 @@ import {
   type Status,
   type Vec3,
 } from '../src/protocol';
+import { Stone } from '../src/stone';
 import { ToolMesh, type MeshText } from '../src/tool_mesh';
 import { shapeOf, TOOL_SHAPES } from '../src/tool_shapes';
 import { encodeFrame, type RecordValues } from './frame-bytes';
@@ -68,6 +69,8 @@ export interface MockOptions {
   token?: string;
   /** a tool that somebody drew */
   mesh?: MeshText;
+  /** as a message has each, and where it lies */
+  stones?: { text: InferInput<typeof Stone>; pose: Pose }[];
   /** none: no study is running */
   study?: MockStudy;
 }
@@ -196,6 +199,7 @@ export class MockServer {
         opening_mm: 60,
         mesh: this.options.mesh ? parse(ToolMesh, this.options.mesh) : null,
       },
+      stones: this.options.stones?.map(({ text }) => parse(Stone, text)),
       hand: { manoeuvre: 'still', max_force_n: 12, max_torque_nm: 0.2 },
       workspace: { low_m: [-far, -far, 0], high_m: [far, far, 0.4] },
     };
@@ -398,9 +402,13 @@ export class MockServer {
     for (const { socket } of this.clients) socket.send(text);
   }
 
-  /** A mesh goes as it came. */
+  /** A mesh and stones go as they came. */
   private textOf(message: object): string {
-    return JSON.stringify(message, (key, value: unknown) => (key === 'mesh' && value ? this.options.mesh : value));
+    const { mesh, stones } = this.options;
+    return JSON.stringify(message, (key, value: unknown) => {
+      if (key === 'stones') return stones?.map(({ text }) => text);
+      return key === 'mesh' && value ? mesh : value;
+    });
   }
 
   private sendStudy(): void {
@@ -481,6 +489,7 @@ export class MockServer {
       },
       [[0, this.bed.count]],
       all,
+      this.options.stones?.map(({ pose }) => pose),
     );
     for (const { socket } of this.clients) if (socket.bufferedAmount < 1_000_000) socket.send(buffer);
   }

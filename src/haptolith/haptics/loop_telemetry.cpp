@@ -87,6 +87,11 @@ void LoopTelemetry::copyGroups(SceneSnapshot& snapshot, const Scene& scene, std:
   for (std::size_t group = first_group; group < last_group; ++group) {
     snapshot.asleep[group] = bed.state().asleep(group) ? 1 : 0;
   }
+  if (last_group == bed.state().rested.size()) {  // few: all with the last part
+    for (std::size_t stone = 0; stone < snapshot.stones.size(); ++stone) {
+      snapshot.stones[stone] = bed.stones().pose(stone);
+    }
+  }
   snapshot.largest_speed_m_s = std::max(first == 0 ? 0 : snapshot.largest_speed_m_s, bed.largestSpeed(first, last));
   snapshot.awake = bed.awake();
   snapshot.opening_m = scene.opening();

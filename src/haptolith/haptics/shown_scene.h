@@ -18,6 +18,7 @@ struct SceneSnapshot {
   double opening_m = 0;              ///< between the tool's jaws
   Wrench felt;                       ///< in the last tick, also while time stands still and the hand is let go
   std::vector<Float4> position;      ///< m; one per particle
+  std::vector<Pose> stones;          ///< scene_T_stone of each
   std::vector<std::uint8_t> asleep;  ///< one per group of kGroup particles, 1 when it sleeps: see Wakefulness
   std::uint64_t ticks = 0, deadline_misses = 0;
   double success_rate = 1, tick_us_p50 = 0, tick_us_p99 = 0, tick_us_max = 0, largest_speed_m_s = 0;

@@ -125,7 +125,7 @@ class Collection {
 }  // namespace
 
 void exportVtk(RecordedPictures& pictures, const AtomicFolder& folder) {
-  Collection particles, tools;
+  Collection particles, tools, stones;
   BoxMesh box;
   std::size_t number = 0;
   pictures.forEach([&](const ScenePicture& picture) {
@@ -142,12 +142,22 @@ void exportVtk(RecordedPictures& pictures, const AtomicFolder& folder) {
       folder.write(tool_name, tool.text());
       tools.add(picture.time_s, tool_name);
     }
+    if (!picture.stones.empty()) {
+      VtuFile stones_file(stonesMesh(picture.stones));
+      stones_file.addTime(picture.time_s);
+      const std::string stones_name = fmt::format("stones-{:06}.vtu", number);
+      folder.write(stones_name, stones_file.text());
+      stones.add(picture.time_s, stones_name);
+    }
     box.show(picture);
     ++number;
   });
   folder.write("particles.pvd", particles.text());
   if (!tools.empty()) {
     folder.write("tool.pvd", tools.text());
+  }
+  if (!stones.empty()) {
+    folder.write("stones.pvd", stones.text());
   }
   if (pictures.scenario()) {
     folder.write("box.vtu", VtuFile(box.of(pictures.scenario()->bed)).text());

@@ -159,6 +159,9 @@ class XdmfFolder {
     if (picture.tool) {
       addTool(picture, *picture.tool);
     }
+    if (!picture.stones.empty()) {
+      addStones(picture);
+    }
     box_.show(picture);
     times_s_.push_back(picture.time_s);
     ticks_.push_back(picture.tick);
@@ -170,6 +173,9 @@ class XdmfFolder {
     folder_.write("particles.xdmf", overTime("particles", particles_));
     if (!tools_.empty()) {
       folder_.write("tool.xdmf", overTime("tool", tools_));
+    }
+    if (!stones_.empty()) {
+      folder_.write("stones.xdmf", overTime("stones", stones_));
     }
     if (pictures_.scenario()) {
       const PictureMesh box = box_.of(pictures_.scenario()->bed);
@@ -212,6 +218,17 @@ class XdmfFolder {
     tools_ += grid("tool", timeElement(picture.time_s), content);
   }
 
+  void addStones(const ScenePicture& picture) {
+    const PictureMesh stones = stonesMesh(picture.stones);
+    if (stone_triangles_.empty()) {
+      stone_triangles_ =
+          topology("Triangle", 3, stones.cells.size() / 3, data_.write("/stones/triangles", stones.cells, 3));
+    }
+    stones_ += grid("stones", timeElement(picture.time_s),
+                    stone_triangles_ +
+                        geometry(data_.write(fmt::format("/stones/{:06}/points_m", times_s_.size()), stones.point_m)));
+  }
+
   /// Of so many particles: written once for all pictures that have as many.
   struct Numbering {
     std::string id, vertices;
@@ -230,7 +247,7 @@ class XdmfFolder {
   const AtomicFolder& folder_;
   DataFile data_;
   std::map<std::size_t, Numbering> numberings_;
-  std::string triangles_, particles_, tools_;
+  std::string triangles_, stone_triangles_, particles_, tools_, stones_;
   BoxMesh box_;
   std::vector<double> times_s_;
   std::vector<std::uint64_t> ticks_;

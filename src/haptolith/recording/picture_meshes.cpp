@@ -20,6 +20,20 @@ std::vector<double> values(const Vec3& v) {
   return {v.x(), v.y(), v.z()};
 }
 
+/// More triangles, of points in a frame whose place in the scene is `scene_T_points`.
+void append(PictureMesh& mesh, const std::vector<Vec3>& points_m,
+            const std::vector<std::array<std::int32_t, 3>>& triangles, const Pose& scene_T_points) {
+  const auto first = static_cast<std::int32_t>(mesh.point_m.size());
+  for (const Vec3& point_m : points_m) {
+    mesh.point_m.push_back(single(scene_T_points.toScene(point_m)));
+  }
+  for (const auto& triangle : triangles) {
+    for (const std::int32_t point : triangle) {
+      mesh.cells.push_back(first + point);
+    }
+  }
+}
+
 }  // namespace
 
 std::vector<NamedNumbers> numbersOf(const PicturedTool& tool) {
@@ -35,12 +49,23 @@ PictureMesh toolMesh(const ToolParameters& tool, const PicturedTool& at) {
   const ToolSurface surface = toolSurface(tool, at.opening_m);
   PictureMesh mesh{.point_m = {}, .cells = {}, .points_per_cell = 3};
   mesh.point_m.reserve(surface.points_tool_m.size());
-  for (const Vec3& point_tool_m : surface.points_tool_m) {
-    mesh.point_m.push_back(single(at.pose.toScene(point_tool_m)));
-  }
   mesh.cells.reserve(3 * surface.triangles.size());
-  for (const auto& triangle : surface.triangles) {
-    mesh.cells.insert(mesh.cells.end(), triangle.begin(), triangle.end());
+  append(mesh, surface.points_tool_m, surface.triangles, at.pose);
+  return mesh;
+}
+
+PictureMesh stonesMesh(const std::vector<PicturedStone>& stones) {
+  PictureMesh mesh{.point_m = {}, .cells = {}, .points_per_cell = 3};
+  for (const auto& [scene_T_stone, shape] : stones) {
+    append(mesh, shape->shown.points_m, shape->shown.triangles, scene_T_stone);
+    if (!shape->shown.triangles.empty()) {
+      continue;
+    }
+    for (const StoneSphere& sphere : shape->spheres) {
+      const ToolSurface ball = toolSurface({.shape = ToolShape::kSphere, .diameter_m = 2 * sphere.radius_m}, 0);
+      append(mesh, ball.points_tool_m, ball.triangles,
+             {scene_T_stone.toScene(sphere.centre_m), scene_T_stone.orientation});
+    }
   }
   return mesh;
 }

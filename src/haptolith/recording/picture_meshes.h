@@ -29,6 +29,9 @@ struct NamedNumbers {
 /// The tool's surface as triangles.
 [[nodiscard]] PictureMesh toolMesh(const ToolParameters& tool, const PicturedTool& at);
 
+/// What all stones look like, as triangles.
+[[nodiscard]] PictureMesh stonesMesh(const std::vector<PicturedStone>& stones);
+
 /// The edges of the bed's box, whose walls end nowhere: as high as the soil of the pictures that it was shown.
 class BoxMesh {
  public:

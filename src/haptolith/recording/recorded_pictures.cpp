@@ -187,6 +187,10 @@ ScenePicture RecordedPictures::replayedPicture(const FrameRow& row, const TickRe
   picture.position_m = xyz(position);
   picture.velocity_m_s = xyz({scene.bed().state().velocity.data(), scene.bed().particles()});
   addContacts(picture, scene.bed().parameters(), position);
+  const Stones& stones = scene.bed().stones();
+  for (std::size_t stone = 0; stone < stones.size(); ++stone) {
+    picture.stones.push_back({stones.pose(stone), stones.shape(stone)});
+  }
   if (tick != nullptr) {
     picture.tool = {.pose = scene.toolPose(), .opening_m = scene.opening(), .soil = scene.felt().wrench};
   }

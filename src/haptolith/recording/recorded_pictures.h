@@ -3,6 +3,7 @@
 #include <array>
 #include <cstdint>
 #include <functional>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -12,6 +13,7 @@
 #include "haptolith/recording/recording_reader.h"
 #include "haptolith/recording/replay.h"
 #include "haptolith/scenario/scenario.h"
+#include "haptolith/stone/stone_shape.h"
 
 namespace haptolith {
 
@@ -20,6 +22,12 @@ struct PicturedTool {
   Pose pose;
   double opening_m = 0;  ///< between jaws; 0 for another tool
   Wrench soil;           ///< about the tool's origin
+};
+
+/// A stone where it is at the end of a tick.
+struct PicturedStone {
+  Pose scene_T_stone;
+  std::shared_ptr<const StoneShape> shape;
 };
 
 /// The scene at the time of one of a recording's pictures; scene's frame. A particle has the same index in all.
@@ -31,10 +39,11 @@ struct ScenePicture {
   std::vector<float> radius_m;                     ///< NaN when somebody had changed the scene before
   std::vector<float> contact_force_n;              ///< contactLoads(); NaN as radius_m
   std::optional<PicturedTool> tool;                ///< none when its tick is missing or the scene was changed
+  std::vector<PicturedStone> stones;               ///< none where the recording could not be replayed
 };
 
 /// Goes through the pictures of a recording, with what it does not hold itself but what follows from it: radii, contact
-/// forces and the tool from the recorded scene and ticks, velocities by running it again. Not for the tick.
+/// forces and the tool from the recorded scene and ticks, velocities and stones by running it again. Not for the tick.
 class RecordedPictures {
  public:
   struct Options {

@@ -18,6 +18,7 @@ constexpr std::uint16_t kPaused = 1;
 constexpr std::uint16_t kHeld = 2;
 constexpr std::uint16_t kWhole = 4;
 constexpr std::uint16_t kLoadsKnown = 8;
+constexpr std::uint16_t kHasStones = 16;
 
 /// A number between 10^lowest and 10^(lowest + decades) as 1 to 255, on a logarithmic scale.
 std::uint8_t onLogScale(double value, double lowest_exponent, double decades) {
@@ -102,6 +103,7 @@ void FrameEncoder::take(const SceneSnapshot& snapshot, const Beside& beside) {
     before_s_ = snapshot.time_s;
   }
   tool_ = snapshot.scene_T_tool;
+  stones_ = snapshot.stones;
   wanted_ = beside.wanted.value_or(tool_);
   held_ = beside.held;
   felt_ = snapshot.felt;
@@ -145,6 +147,12 @@ std::shared_ptr<const std::string> FrameEncoder::frameSince(std::uint32_t seen) 
   for (const Run& run : runs) {
     bytes.append(reinterpret_cast<const char*>(&records_[run.first]), run.count * sizeof(Record));
   }
+  if (!stones_.empty()) {
+    put(bytes, static_cast<std::uint32_t>(stones_.size()));
+    for (const Pose& stone : stones_) {
+      putPose(bytes, stone);
+    }
+  }
   kept_.push_back({seen, std::make_shared<const std::string>(std::move(bytes))});
   return kept_.back().frame;
 }
@@ -155,7 +163,8 @@ std::string FrameEncoder::headFor(std::uint32_t runs, std::uint32_t records) con
   put(bytes, kFrameKind);
   put(bytes, kFrameVersion);
   put(bytes, static_cast<std::uint16_t>(flag(paused_, kPaused) | flag(held_, kHeld) |
-                                        flag(records == records_.size(), kWhole) | flag(loads_known_, kLoadsKnown)));
+                                        flag(records == records_.size(), kWhole) | flag(loads_known_, kLoadsKnown) |
+                                        flag(!stones_.empty(), kHasStones)));
   put(bytes, scene_);
   put(bytes, time_s_);
   putPose(bytes, tool_);

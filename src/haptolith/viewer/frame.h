@@ -13,7 +13,7 @@
 namespace haptolith {
 
 /// Pictures of the bed as bytes: docs/protocol.md. Positions are quantised, and only particles whose bytes have changed
-/// since a client's last frame are in its next. Not thread-safe.
+/// since a client's last frame are in its next; stones are in all. Not thread-safe.
 class FrameEncoder {
  public:
   /// A space that holds the bed; what leaves it is shown at its border.
@@ -71,6 +71,7 @@ class FrameEncoder {
   // Of the last snapshot.
   Pose tool_, wanted_;
   Wrench felt_;
+  std::vector<Pose> stones_;
   double time_s_ = 0, tick_us_ = 0, opening_m_ = 0;
   std::uint32_t misses_ = 0, awake_ = 0;
   bool paused_ = false, held_ = false, loads_known_ = false;

@@ -70,25 +70,30 @@ std::string packed(const std::vector<Number>& numbers) {
   return base64({reinterpret_cast<const char*>(numbers.data()), 4 * numbers.size()});
 }
 
-/// The tool's mesh, if the scene has one, whatever the tool's shape is now.
-Json meshJson(const Scenario& scenario) {
-  const ToolMesh* mesh = scenario.tool.mesh.get();
-  if (mesh == nullptr) {
-    return nullptr;
-  }
+Json meshJson(const TriangleMesh& mesh) {
   std::vector<float> points_m;
-  points_m.reserve(3 * mesh->surface.points_m.size());
-  for (const Vec3& point_m : mesh->surface.points_m) {
+  points_m.reserve(3 * mesh.points_m.size());
+  for (const Vec3& point_m : mesh.points_m) {
     for (const double x : point_m) {
       points_m.push_back(static_cast<float>(x));
     }
   }
   std::vector<std::uint32_t> corners;
-  corners.reserve(3 * mesh->surface.triangles.size());
-  for (const auto& triangle : mesh->surface.triangles) {
+  corners.reserve(3 * mesh.triangles.size());
+  for (const auto& triangle : mesh.triangles) {
     corners.insert(corners.end(), triangle.begin(), triangle.end());
   }
-  return {{"name", scenario.mesh.name}, {"points_base64", packed(points_m)}, {"triangles_base64", packed(corners)}};
+  return {{"points_base64", packed(points_m)}, {"triangles_base64", packed(corners)}};
+}
+
+/// The tool's mesh, if the scene has one, whatever the tool's shape is now.
+Json toolMeshJson(const Scenario& scenario) {
+  if (scenario.tool.mesh == nullptr) {
+    return nullptr;
+  }
+  Json mesh{{"name", scenario.mesh.name}};
+  mesh.update(meshJson(scenario.tool.mesh->surface));
+  return mesh;
 }
 
 Json soilJson(const Scenario& scenario) {
@@ -107,6 +112,14 @@ Json grainsJson(const Bed& bed, double radius_m) {
     grains.push_back({{"count", run.count}, {"radius_m", GrainClasses::scale(run.grain_class) * radius_m}});
   }
   return grains;
+}
+
+Json stonesJson(const Stones& stones) {
+  Json list = Json::array();
+  for (std::size_t stone = 0; stone < stones.size(); ++stone) {
+    list.push_back(stoneJson(*stones.shape(stone)));
+  }
+  return list;
 }
 
 Json recordedJson(const std::filesystem::path& file) {
@@ -154,6 +167,17 @@ Board::Texts helloMessages(std::string_view version, bool read_only) {
   return {std::move(whole), written(message)};
 }
 
+Json stoneJson(const StoneShape& stone) {
+  if (!stone.shown.triangles.empty()) {
+    return meshJson(stone.shown);
+  }
+  Json spheres = Json::array();
+  for (const StoneSphere& sphere : stone.spheres) {
+    spheres.push_back({sphere.centre_m.x(), sphere.centre_m.y(), sphere.centre_m.z(), sphere.radius_m});
+  }
+  return {{"spheres", std::move(spheres)}};
+}
+
 Board::Texts sceneMessages(const Session& session, const FrameEncoder::Space& space) {
   const Scenario& scenario = session.scenario();
   const BedParameters& bed = scenario.bed;
@@ -193,12 +217,15 @@ Board::Texts sceneMessages(const Session& session, const FrameEncoder::Space& sp
                   {"thickness_mm", kPerMetre_mm * scenario.tool.thickness_m},
                   {"opening_mm", kPerMetre_mm * scenario.tool.opening_m},
                   {"length_mm", kPerMetre_mm * scenario.tool.length_m},
-                  {"mesh", meshJson(scenario)}}},
+                  {"mesh", toolMeshJson(scenario)}}},
                 {"hand",
                  {{"manoeuvre", wordFor(kManoeuvreWords, session.manoeuvre())},
                   {"max_force_n", scenario.hand.max_force_n},
                   {"max_torque_nm", scenario.hand.max_torque_nm}}},
                 {"workspace", {{"low_m", array(session.workspaceLow())}, {"high_m", array(session.workspaceHigh())}}}});
+  if (const Stones& stones = session.scene().bed().stones(); stones.size() > 0) {
+    message["stones"] = stonesJson(stones);
+  }
   std::string whole = written(message);
   for (auto& [key, value] : message["soil"].items()) {
     value = nullptr;

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <nlohmann/json_fwd.hpp>
+
 #include <cstdint>
 #include <filesystem>
 #include <optional>
@@ -7,6 +9,7 @@
 #include <string_view>
 
 #include "haptolith/session/session.h"
+#include "haptolith/stone/stone_shape.h"
 #include "haptolith/viewer/board.h"
 #include "haptolith/viewer/frame.h"
 
@@ -16,6 +19,9 @@ namespace haptolith {
 
 /// "$client" in it stands for the number of the client it goes to: see Board.
 [[nodiscard]] Board::Texts helloMessages(std::string_view version, bool read_only);
+
+/// What a stone looks like: its mesh, or its spheres where it has none.
+[[nodiscard]] nlohmann::ordered_json stoneJson(const StoneShape& stone);
 
 [[nodiscard]] Board::Texts sceneMessages(const Session& session, const FrameEncoder::Space& space);
 

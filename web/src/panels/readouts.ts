@@ -68,10 +68,11 @@ export function pictureInWords(scene: Scene, frame: Frame): string {
   const tool = shapeOf(scene.tool).name;
   const place = name === 'depth' ? `${mm.toFixed(0)} mm deep in the soil` : `${mm.toFixed(0)} mm above the soil`;
   const [x_mm, y_mm] = frame.tool.position_m.map((value) => (1000 * value).toFixed(0));
+  const stones = scene.stones ? ` and ${scene.stones.length} stone${scene.stones.length > 1 ? 's' : ''}` : '';
   const sizes = grainsOf(scene).length > 1 ? ` (${sizesInWords(scene)} radius)` : '';
   return (
     `A box of ${(1000 * scene.box.width_m).toFixed(0)} by ${(1000 * scene.box.length_m).toFixed(0)} mm with ` +
-    `${scene.particles} particles${sizes}; ${tool} ${place}, at x ${x_mm} mm, y ${y_mm} mm; ` +
+    `${scene.particles} particles${sizes}${stones}; ${tool} ${place}, at x ${x_mm} mm, y ${y_mm} mm; ` +
     `force ${Math.hypot(...frame.force_n).toFixed(2)} N.`
   );
 }

@@ -23,6 +23,7 @@ import { ASLEEP_COLOUR, AWAKE_COLOUR, VIRIDIS } from './colour_maps';
 import { GRAIN_FRAGMENT_SHADER, GRAIN_VERTEX_SHADER } from './grain_shader';
 import { HeightField, type Carrier } from './height_field';
 import { lightScene, type LightUniforms } from './light_shader';
+import type { StoneView } from './stone_view';
 
 // Beyond these, the sun is asked for once a grain instead of once a pixel, and grains stay smooth.
 const MOST_WITH_PIXEL_SUN = 20_000;
@@ -141,12 +142,17 @@ export class BedView {
     return true;
   }
 
+  /** Something else than grains has moved that casts a shadow. */
+  outdateField(): void {
+    this.field_stale = true;
+  }
+
   /** Brings the height field up to date, when it is due. True while it is not yet. */
-  refreshField(now_ms: number): boolean {
+  refreshField(now_ms: number, stones: StoneView): boolean {
     if (!this.field_stale || !this.field || !this.records || this.drawn === 0) return false;
     const interval_ms = this.records.count <= MOST_WITH_PIXEL_SUN ? FIELD_INTERVAL_MS.small : FIELD_INTERVAL_MS.large;
     if (now_ms - this.field_built_ms < interval_ms) return true;
-    this.field.build(this.records.array as Uint16Array, this.records.count, this.carrier);
+    this.field.build(this.records.array as Uint16Array, this.records.count, this.carrier, stones.trianglesInScene());
     this.light.u_flying_m.value = this.field.flying_m;
     this.light.u_flying_count.value = this.field.flying_count;
     this.light.u_field_top_m.value = this.field.top_m;

@@ -1,7 +1,8 @@
 // How high the soil stands over each point of the floor: a small picture of the bed from above. Shaders look into it to
 // find out how much sky and sun a grain sees. Each point has two heights: as it is, and smoothed over about two grains.
 //
-// A grain in the air is no height: below it there is light. Such grains are listed instead, for round shadows of their own.
+// A grain or a stone in the air is no height: below it there is light. Such ones are listed instead, for round shadows
+// of their own.
 
 import { DataTexture, DataUtils, HalfFloatType, LinearFilter, RGFormat, Vector4 } from 'three';
 import { dequantise, radiiOf, type Scene, type Vec3 } from '../protocol';
@@ -67,10 +68,19 @@ export class HeightField {
     this.texture.minFilter = LinearFilter;
   }
 
-  /** Builds the field from all records (four u16 a particle, as in a frame). */
-  build(records: Uint16Array, particles: number, carrier: Carrier | null = null): void {
+  /**
+   * Builds the field from all records (four u16 a particle, as in a frame), and the triangles of each stone (nine
+   * numbers a triangle, in the scene's frame).
+   */
+  build(
+    records: Uint16Array,
+    particles: number,
+    carrier: Carrier | null = null,
+    stones_m: readonly Float32Array[] = [],
+  ): void {
     this.sort(records, particles);
     this.raise(records, particles, carrier);
+    for (const triangles_m of stones_m) this.raiseStone(triangles_m);
     this.smooth();
     const { heights, smoothed, halves } = this;
     let top_m = 0;
@@ -156,6 +166,41 @@ export class HeightField {
     }
   }
 
+  /** Lays the top of a stone over what is there, or lists it in place of the last grain when it flies. */
+  private raiseStone(triangles_m: Float32Array): void {
+    const ball = ballAround(triangles_m);
+    if (ball.lowest_m - this.heightAt(ball.x_m, ball.y_m) > FLYING_RADII * this.scene.radius_m) {
+      this.flying_count = Math.min(MOST_FLYING, this.flying_count + 1);
+      this.flying_m[this.flying_count - 1]!.set(ball.x_m, ball.y_m, ball.z_m, ball.radius_m);
+      return;
+    }
+    for (let i = 0; i < triangles_m.length; i += 9) this.raiseTriangle(triangles_m.subarray(i, i + 9));
+  }
+
+  private raiseTriangle(corners_m: Float32Array): void {
+    const [ax, ay, az, bx, by, bz, cx, cy, cz] = corners_m as unknown as FixedTriangle;
+    const [ux, uy, uz, vx, vy, vz] = [bx - ax, by - ay, bz - az, cx - ax, cy - ay, cz - az];
+    const area = ux * vy - uy * vx;
+    if (area <= 0) return; // its other side is up
+    const dx = this.cellWidth;
+    const dy = this.cellLength;
+    const first_column = Math.max(0, Math.ceil((Math.min(ax, bx, cx) - this.low_x_m) / dx - 0.5));
+    const last_column = Math.min(this.columns - 1, Math.floor((Math.max(ax, bx, cx) - this.low_x_m) / dx - 0.5));
+    const first_row = Math.max(0, Math.ceil((Math.min(ay, by, cy) - this.low_y_m) / dy - 0.5));
+    const last_row = Math.min(this.rows - 1, Math.floor((Math.max(ay, by, cy) - this.low_y_m) / dy - 0.5));
+    for (let row = first_row; row <= last_row; ++row) {
+      const y = this.low_y_m + (row + 0.5) * dy - ay;
+      for (let column = first_column; column <= last_column; ++column) {
+        const x = this.low_x_m + (column + 0.5) * dx - ax;
+        const u = (x * vy - y * vx) / area;
+        const v = (ux * y - uy * x) / area;
+        if (u < 0 || v < 0 || u + v > 1) continue;
+        const at = row * this.columns + column;
+        this.heights[at] = Math.max(this.heights[at]!, az + u * uz + v * vz);
+      }
+    }
+  }
+
   /** Whether neither soil, of the lower grains laid so far, nor what carries is close below a grain. */
   private flies(x_m: number, y_m: number, z_m: number, radius_m: number, carrier: Carrier | null): boolean {
     if (carrier) {
@@ -177,6 +222,30 @@ export class HeightField {
     for (let column = 0; column < columns; ++column)
       boxBlur(this.scratch, this.smoothed, column, columns, rows, reach_rows);
   }
+}
+
+type FixedTriangle = [number, number, number, number, number, number, number, number, number];
+
+/** The middle of a stone's corners, how far from it they are in the mean, and the lowest of them. */
+function ballAround(triangles_m: Float32Array): {
+  x_m: number;
+  y_m: number;
+  z_m: number;
+  radius_m: number;
+  lowest_m: number;
+} {
+  const count = triangles_m.length / 3;
+  const middle: Vec3 = [0, 0, 0];
+  let lowest_m = Infinity;
+  for (let i = 0; i < triangles_m.length; ++i) {
+    middle[i % 3]! += triangles_m[i]! / count;
+    if (i % 3 === 2) lowest_m = Math.min(lowest_m, triangles_m[i]!);
+  }
+  const [x_m, y_m, z_m] = middle;
+  let radius_m = 0;
+  for (let i = 0; i < triangles_m.length; i += 3)
+    radius_m += Math.hypot(triangles_m[i]! - x_m, triangles_m[i + 1]! - y_m, triangles_m[i + 2]! - z_m) / count;
+  return { x_m, y_m, z_m, radius_m, lowest_m };
 }
 
 /** Mean over 2 reach + 1 neighbours along one line of a picture; the ends stand for what is beyond them. */

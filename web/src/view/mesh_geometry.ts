@@ -2,8 +2,8 @@
 // surface share their points, so neighbours are found by number; three.js would look for them by place, which takes
 // seconds for a hundred thousand triangles.
 
-import { BufferGeometry, Float32BufferAttribute, Vector3 } from 'three';
-import type { ToolMesh } from '../tool_mesh';
+import { BufferGeometry, Float32BufferAttribute, Uint32BufferAttribute, Vector3 } from 'three';
+import type { TriangleMesh } from '../triangle_mesh';
 
 /** From this angle between them on, two faces do not look like one surface. */
 const CREASE_DEG = 30;
@@ -20,7 +20,7 @@ class Faces {
   private readonly around: Uint32Array;
   private readonly first: Uint32Array;
 
-  constructor(private readonly mesh: ToolMesh) {
+  constructor(private readonly mesh: TriangleMesh) {
     const { points_m, triangles } = mesh;
     this.normals = new Float32Array(triangles.length);
     this.areas = new Float32Array(triangles.length / 3);
@@ -68,7 +68,7 @@ class Faces {
   }
 }
 
-export function meshGeometry(mesh: ToolMesh): BufferGeometry {
+export function meshGeometry(mesh: TriangleMesh): BufferGeometry {
   const { points_m, triangles } = mesh;
   const faces = new Faces(mesh);
   const least = cosine(CREASE_DEG);
@@ -90,7 +90,7 @@ export function meshGeometry(mesh: ToolMesh): BufferGeometry {
 }
 
 /** Lines where two faces meet at more than an angle. */
-export function meshEdges(mesh: ToolMesh, edge_angle_deg: number): BufferGeometry {
+export function meshEdges(mesh: TriangleMesh, edge_angle_deg: number): BufferGeometry {
   const { points_m, triangles } = mesh;
   const faces = new Faces(mesh);
   const least = cosine(edge_angle_deg);
@@ -107,4 +107,14 @@ export function meshEdges(mesh: ToolMesh, edge_angle_deg: number): BufferGeometr
     if (sharp) for (const point of [from, to]) lines.push(...points_m.subarray(3 * point, 3 * point + 3));
   });
   return new BufferGeometry().setAttribute('position', new Float32BufferAttribute(lines, 3));
+}
+
+/** Every triangle flat. */
+export function flatGeometry({ points_m, triangles }: TriangleMesh): BufferGeometry {
+  const shared = new BufferGeometry()
+    .setAttribute('position', new Float32BufferAttribute(points_m, 3))
+    .setIndex(new Uint32BufferAttribute(triangles, 1));
+  const geometry = shared.toNonIndexed();
+  geometry.computeVertexNormals();
+  return geometry;
 }

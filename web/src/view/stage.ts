@@ -15,6 +15,7 @@ import { lightBody, makeLightUniforms, shadeTool, shadeToolAt, TO_SUN } from './
 import { makeRenderer, type Renderer } from './renderer';
 import { Resolution } from './resolution';
 import { SkyView } from './sky_view';
+import { StoneView } from './stone_view';
 import { ToolView } from './tool_view';
 
 const HIGHEST_PIXEL_RATIO = 2;
@@ -45,6 +46,7 @@ export class Stage {
   readonly sky = new SkyView();
   readonly box = new BoxView();
   readonly tool = new ToolView();
+  readonly stones: StoneView;
   readonly arrows = new ArrowsView();
   frames_drawn = 0;
   /** false: nothing is drawn for now */
@@ -84,9 +86,11 @@ export class Stage {
 
     this.bed = new BedView(this.light, this.renderer.extensions.has('EXT_conservative_depth'));
     this.ground = new GroundView(this.light);
+    this.stones = new StoneView(this.light);
     this.sun.position.copy(TO_SUN);
     this.fill.position.set(0, 0, 1);
-    this.bench.add(this.sky.mesh, this.ground.mesh, this.bed.mesh, this.box.group, this.tool.group);
+    this.bench.add(this.sky.mesh, this.ground.mesh, this.bed.mesh, this.stones.group);
+    this.bench.add(this.box.group, this.tool.group);
     if (!options.neutral) this.bench.add(this.tool.ghost, this.arrows.group);
     this.bench.add(this.sun, this.sun.target, this.fill, new AmbientLight(0xffffff, 0.15));
     this.world.add(this.bench);
@@ -117,6 +121,7 @@ export class Stage {
     this.ground.setScene(scene);
     this.box.setScene(scene);
     this.tool.setTool(scene.tool);
+    this.stones.setScene(scene);
     this.arrows.setScene(scene);
     this.sky.setBody(scene.body);
     lightBody(this.light, scene.body);
@@ -142,6 +147,7 @@ export class Stage {
     if (!this.scene || !this.bed.setFrame(frame)) return;
     this.frame = frame;
     this.tool.setPoses(frame.tool, frame.wished, held, frame.opening_m);
+    if (this.stones.setFrame(frame)) this.bed.outdateField();
     shadeToolAt(this.light, this.scene.tool, frame.tool, frame.opening_m);
     this.arrows.setFrame(frame, held);
     this.dirty = true;
@@ -224,7 +230,7 @@ export class Stage {
       return;
     }
     // A field that is not due yet is built with one of the next pictures.
-    this.dirty = this.bed.refreshField(now_ms);
+    this.dirty = this.bed.refreshField(now_ms, this.stones);
     this.arrows.setPicture(this.orbit.shorterSide_m(in_headset));
     this.renderer.render(this.world, this.orbit.camera);
     this.frames_drawn += 1;

@@ -104,6 +104,23 @@ describe('a tool that somebody drew', () => {
   });
 });
 
+describe('stones', () => {
+  it('are drawn, and put into words', async () => {
+    const { name: _, ...text } = SCOOP;
+    const spheres: [number, number, number, number][] = [[0, 0, 0, 0.01], [0.01, 0, 0, 0.01]]; // prettier-ignore
+    const { page, complaints } = await visit({
+      stones: [
+        { text, pose: { position_m: [0.03, 0.02, 0.05], rotation: [1, 0, 0, 0] } },
+        { text: { spheres }, pose: { position_m: [-0.03, -0.02, 0.1], rotation: [1, 0, 0, 0] } },
+      ],
+    });
+    await page.waitForFunction(() => window.haptolith!.ready);
+    const label = page.locator('canvas[role=img]');
+    await expect.poll(() => label.getAttribute('aria-label')).toContain('particles and 2 stones');
+    expect(complaints).toEqual([]);
+  });
+});
+
 describe('on a screen', () => {
   const SIZES = [
     [640, 360],

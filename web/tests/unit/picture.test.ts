@@ -2,6 +2,7 @@ import { describe, expect, it } from 'vitest';
 import type { Scene } from '../../src/protocol';
 import { niceStep, scaleOf } from '../../src/view/colour_maps';
 import { HeightField } from '../../src/view/height_field';
+import { flatGeometry } from '../../src/view/mesh_geometry';
 import { Resolution } from '../../src/view/resolution';
 import { lookOf } from '../../src/view/body_looks';
 
@@ -64,6 +65,45 @@ describe('the height field', () => {
     const field = new HeightField(SCENE);
     field.build(new Uint16Array([65535, 65535, 65535, 0, 0, 0, 65535, 0]), 2);
     expect(field.top_m).toBe(0);
+  });
+});
+
+describe('a stone', () => {
+  // A wedge whose top leans along x.
+  const at = (x: number, z: number): Float32Array => {
+    const [a, b, c] = [[x - 0.03, -0.03, z], [x + 0.03, -0.03, z + 0.02], [x, 0.04, z + 0.01]]; // prettier-ignore
+    const d = [x, 0, z - 0.01];
+    return new Float32Array([a, b, c, a, d, b, b, d, c, c, d, a].flat() as number[]);
+  };
+
+  it('is as high as its top, over the soil that it covers', () => {
+    const field = new HeightField(SCENE);
+    const record = [quantise(0.04, -0.2, 0.2), quantise(0, -0.2, 0.2), quantise(0.01, 0, 0.4), 0];
+    field.build(new Uint16Array(record), 1, null, [at(-0.03, 0.03)]);
+    expect(field.heightAt(-0.03, 0)).toBeCloseTo(0.04, 3);
+    expect(field.heightAt(-0.045, -0.02)).toBeCloseTo(0.035, 3);
+    expect(field.heightAt(-0.06, 0.03)).toBe(0);
+    expect(field.heightAt(0.04, 0)).toBeCloseTo(0.02, 3);
+    expect(field.flying_count).toBe(0);
+  });
+
+  it('is no height in the air, but casts a round shadow', () => {
+    const field = new HeightField(SCENE);
+    field.build(new Uint16Array(0), 0, null, [at(0, 0.1)]);
+    expect(field.top_m).toBe(0);
+    expect(field.flying_count).toBe(1);
+    const [x, y, z, radius_m] = field.flying_m[0]!.toArray();
+    expect([x, y, z]).toEqual([0, -0.005, 0.105].map((value) => expect.closeTo(value, 4) as number));
+    expect(radius_m).toBeGreaterThan(0.015);
+    expect(radius_m).toBeLessThan(0.045);
+  });
+});
+
+describe('flat triangles', () => {
+  it('have one direction each', () => {
+    const points_m = new Float32Array([0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1]);
+    const normals = flatGeometry({ points_m, triangles: new Uint32Array([0, 2, 1, 0, 1, 3]) }).getAttribute('normal');
+    expect(Array.from(normals.array)).toEqual([0, 0, -1, 0, 0, -1, 0, 0, -1, 0, -1, 0, 0, -1, 0, 0, -1, 0]);
   });
 });
 

@@ -10,7 +10,9 @@ import {
   isSameTool,
   ProtocolError,
   speedOf,
+  type Frame,
   type FrameHeader,
+  type Pose,
   type Scene,
 } from '../../src/protocol';
 import { encodeFrame } from '../frame-bytes';
@@ -41,6 +43,11 @@ const RECORDS = [
   { x: 6, y: 7, z: 8, speed: 255, force: 0 },
 ];
 
+const STONES: Pose[] = [
+  { position_m: [0.5, 0.25, -0.125], rotation: [0.5, -0.5, 0.5, -0.5] },
+  { position_m: [1, 2, 4], rotation: [1, 0, 0, 0] },
+];
+
 describe('a frame', () => {
   it('is read as it was written', () => {
     const frame = decodeFrame(encodeFrame(HEADER, [[0, 1], [8, 2]], RECORDS)); // prettier-ignore
@@ -48,6 +55,12 @@ describe('a frame', () => {
     expect([...frame.runs]).toEqual([0, 1, 8, 2]);
     expect([...frame.records.subarray(0, 4)]).toEqual([0, 65535, 256, 255 * 256]);
     expect([...frame.records.subarray(4, 8)]).toEqual([1, 2, 3, 4 + 5 * 256]);
+  });
+
+  it('says where stones are when there are any', () => {
+    const of = (stones: Pose[]): number[] => [...decodeFrame(encodeFrame(HEADER, [[0, 3]], RECORDS, stones)).stones];
+    expect(of([])).toEqual([]);
+    expect(of(STONES)).toEqual([0.5, 0.25, -0.125, 0.5, -0.5, 0.5, -0.5, 1, 2, 4, 1, 0, 0, 0]);
   });
 
   it('is read from bytes written by hand', () => {
@@ -86,24 +99,31 @@ describe('a frame', () => {
     ['a run of another length than its records', (_, view) => view.setUint32(132, 2, true)],
     ['a force that is not finite', (_, view) => view.setFloat32(44, NaN, true)],
     ['a pose that is not finite', (_, view) => view.setFloat32(16, Infinity, true)],
+    ['more stones than bytes', (_, view) => view.setUint32(160, 3, true)],
+    ['an enormous count of stones', (_, view) => view.setUint32(160, 0xffffffff, true)],
+    ['stones of which it says nothing', (bytes) => (bytes[2]! &= ~16)],
+    ['a stone at a place that is not finite', (_, view) => view.setFloat32(164, NaN, true)],
   ])('with %s is refused', (_name, damage) => {
-    const buffer = encodeFrame(HEADER, [[0, 3]], RECORDS);
+    const buffer = encodeFrame(HEADER, [[0, 3]], RECORDS, STONES);
     damage(new Uint8Array(buffer), new DataView(buffer));
     expect(() => decodeFrame(buffer)).toThrow(ProtocolError);
   });
 
-  it('of any shorter length is refused', () => {
-    const buffer = encodeFrame(HEADER, [[0, 3]], RECORDS);
+  it.each([[[]], [STONES]])('of any shorter length is refused', (stones) => {
+    const buffer = encodeFrame(HEADER, [[0, 3]], RECORDS, stones);
     for (let length = 0; length < buffer.byteLength; ++length)
       expect(() => decodeFrame(buffer.slice(0, length))).toThrow(ProtocolError);
   });
 });
 
 // The program's tests make these bytes: Frame.HasTheBytesThatThePageIsTestedWith in tests/viewer/frame_test.cpp.
-const SHARED = fileURLToPath(new URL('../../../tests/data/frame-v1.bin', import.meta.url));
+function sharedFrame(file: string): Frame {
+  const bytes = readFileSync(fileURLToPath(new URL(`../../../tests/data/${file}`, import.meta.url)));
+  return decodeFrame(bytes.buffer.slice(bytes.byteOffset, bytes.byteOffset + bytes.byteLength) as ArrayBuffer);
+}
+
 describe('the frame that the program is tested against', () => {
-  const bytes = readFileSync(SHARED);
-  const frame = decodeFrame(bytes.buffer.slice(bytes.byteOffset, bytes.byteOffset + bytes.byteLength) as ArrayBuffer);
+  const frame = sharedFrame('frame-v1.bin');
   const single = (values: number[]): number[] => Array.from(new Float32Array(values));
 
   it('says what the program meant', () => {
@@ -115,6 +135,12 @@ describe('the frame that the program is tested against', () => {
     expect(frame.torque_nm).toEqual(single([0.01, 0.02, -0.03]));
     expect(frame.wished.position_m).toEqual(single([0, 0, 0.1]));
     expect(Array.from(frame.runs)).toEqual([0, 40]);
+  });
+
+  it('has stones after what it is without', () => {
+    const { stones, ...rest } = sharedFrame('frame-v1-stones.bin');
+    expect({ ...rest, stones: new Float32Array() }).toEqual(frame);
+    expect([...stones]).toEqual([...single([0.01, -0.02, 0.03]), 0.5, -0.5, 0.5, -0.5, ...single([0.04, 0, 0.05, 1, 0, 0, 0])]); // prettier-ignore
   });
 
   it('shows every grain where it is', () => {
@@ -268,6 +294,29 @@ describe('a mesh', () => {
   ])('that is wrong is refused, and says where: %#', (change, where) => {
     expect(() => read({ ...SCOOP, ...change })).toThrow(ProtocolError);
     expect(() => read({ ...SCOOP, ...change })).toThrow(`scene.tool.mesh${where}`);
+  });
+});
+
+describe('stones', () => {
+  const read = (stones: unknown) => (decodeMessage(JSON.stringify({ ...example('scene'), stones })) as Scene).stones;
+  const { name: _, ...text } = SCOOP;
+
+  it('are meshes or spheres, or none', () => {
+    expect(read(undefined)).toBeUndefined();
+    const [mesh, spheres] = read([text, { spheres: [[0.01, -0.02, 0, 0.03]] }])!;
+    expect(mesh).toMatchObject({ points_m: { length: 48 } });
+    expect(spheres).toEqual({ spheres: [[0.01, -0.02, 0, 0.03]] });
+  });
+
+  it.each([
+    [{}],
+    [{ ...text, points_base64: '%' }],
+    [{ ...text, triangles_base64: undefined }],
+    [{ spheres: [] }],
+    [{ spheres: [[0, 0, 0]] }],
+    [{ spheres: [[0, 0, 0, -1]] }],
+  ])('that are wrong are refused, and it is said where: %#', (stone) => {
+    expect(() => read([text, stone])).toThrow('scene.stones[1]');
   });
 });
 

@@ -1,0 +1,16 @@
+// What a stone looks like, as it comes in a message.
+
+import * as v from 'valibot';
+import { readTriangles, TrianglesText, type TriangleMesh } from './triangle_mesh';
+
+const Sphere = v.tuple([v.number(), v.number(), v.number(), v.pipe(v.number(), v.gtValue(0))]);
+
+/** Everything is in the stone's frame, in m. Spheres are x, y, z and radius each. */
+export const Stone = v.union([
+  v.object({ spheres: v.pipe(v.array(Sphere), v.nonEmpty()) }),
+  v.pipe(
+    TrianglesText,
+    v.rawTransform<TrianglesText, TriangleMesh>((context) => readTriangles(context) ?? context.NEVER),
+  ),
+]);
+export type Stone = v.InferOutput<typeof Stone>;
