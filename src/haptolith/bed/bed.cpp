@@ -189,7 +189,7 @@ std::vector<Bed::GrainRun> Bed::grainRuns() const {
 
 StepStatus Bed::step(double dt_s) noexcept {
   now_ = constantsFor(dt_s);
-  if (stones_.size() > 0 && !stones_.press({state_, external_, neighbourhood_, wakefulness_}, dt_s)) {
+  if (stones_.size() > 0 && !pressStones(dt_s)) {
     return StepStatus::kCollapsed;
   }
   wakefulness_.listAwake();  // somebody may have been woken since the last step
@@ -217,6 +217,21 @@ StepStatus Bed::step(double dt_s) noexcept {
   }
   wakeAndLetSleep();
   return StepStatus::kOk;
+}
+
+bool Bed::pressStones(double dt_s) noexcept {
+  struct Work {
+    Stones& stones;
+    SoilAroundStones soil;
+  } work{stones_, {state_, external_, neighbourhood_, wakefulness_}};
+  stones_.begin(dt_s);
+  team_.run(
+      [](void* context, int part, int parts) noexcept {
+        const auto& shared = *static_cast<Work*>(context);
+        shared.stones.press(shared.soil, part, parts);
+      },
+      &work, team_.size() == 1 ? 1 : stones_.parts());
+  return stones_.putForces(work.soil);
 }
 
 StepConstants Bed::constantsFor(double dt_s) const noexcept {

@@ -176,6 +176,7 @@ class Bed {
   /// Puts soil that is where stones are on top of the rest, and lets both find their hold.
   void bedStones(const SettleProgress& progress);
   void moveOutOfStones();
+  [[nodiscard]] bool pressStones(double dt_s) noexcept;
   /// Lets soil find its hold under a gravity that pulls sideways, then stops it where it is.
   void settleOnSlope(double dt_s, const SettleProgress& progress);
   void stop() noexcept;

@@ -77,6 +77,7 @@ Stones::Stones(const BedParameters& bed, double skin_m, std::vector<std::shared_
     memory.particles.reserve(most_near);
     memory.before.reserve(most_near);
     memory.groups.reserve(most_near);
+    memory.pushes.reserve(most_near);
     memory.spheres.reserve(most_near * std::min<std::size_t>(shape.spheres.size(), 64));
     const std::size_t most_stones = std::min<std::size_t>(shapes_.size(), 64);
     memory.pairs.reserve(most_stones);
@@ -177,31 +178,56 @@ void Stones::setSoil(const SoilParameters& soil) noexcept {
   wakeAll();
 }
 
-bool Stones::press(const SoilAroundStones& soil, double dt_s) noexcept {
+void Stones::begin(double dt_s) noexcept {
   dt_s_ = dt_s;
   put_.clear();
-  for (std::size_t i = 0; i < size(); ++i) {
+}
+
+int Stones::parts() const noexcept {
+  constexpr std::ptrdiff_t kStonesInPart = 4;  // worth sharing out
+  const auto awake = std::ranges::count_if(state_.stones, [](const StoneState& stone) { return !stone.asleep(); });
+  return static_cast<int>(std::clamp<std::ptrdiff_t>(awake / kStonesInPart, 1, static_cast<std::ptrdiff_t>(size())));
+}
+
+void Stones::press(const SoilAroundStones& soil, int part, int parts) noexcept {
+  const auto begin_of = [&](int p) { return size() * static_cast<std::size_t>(p) / static_cast<std::size_t>(parts); };
+  for (std::size_t i = begin_of(part); i < begin_of(part + 1); ++i) {
     bodies_[i].felt = {};
     Memory& memory = memory_[i];
+    memory.pushes.clear();
     if (memory.look || went_m_ - memory.looked_at_m > margin()) {
-      if (!lookAround(i, soil)) {
-        return false;
-      }
+      memory.has_room = lookAround(i, soil);
     }
-    const bool soil_awake = std::ranges::any_of(
-        memory.groups, [&](std::uint32_t group) { return !soil.state.asleep(group); });
-    if (soil_awake) {
+    memory.beside_unrest =
+        std::ranges::any_of(memory.groups, [&](std::uint32_t group) { return !soil.state.asleep(group); });
+    if (memory.beside_unrest) {
       wake(i);
     }
-    memory.beside_unrest = soil_awake;
-  }
-  for (std::size_t i = 0; i < size(); ++i) {  // stones first: they may wake each other
-    pressStones(i);
-  }
-  for (std::size_t i = 0; i < size(); ++i) {
-    if (!state_.stones[i].asleep()) {
+    if (memory.has_room && !state_.stones[i].asleep()) {
       pressSoil(i, soil);
       pressWalls(i);
+    }
+  }
+}
+
+bool Stones::putForces(const SoilAroundStones& soil) noexcept {
+  if (!std::ranges::all_of(memory_, &Memory::has_room)) {
+    return false;
+  }
+  for (std::size_t i = 0; i < size(); ++i) {
+    pressStones(i, soil);
+  }
+  for (std::size_t i = 0; i < size(); ++i) {
+    const bool moving = !bodies_[i].fixed && state_.stones[i].rested < soil.wakefulness.rule().steps;
+    for (const Push& push : memory_[i].pushes) {
+      Float4& sum = soil.forces[push.particle];
+      put_.push_back({push.particle, sum});
+      sum.x += push.force_n[0];
+      sum.y += push.force_n[1];
+      sum.z += push.force_n[2];
+      if (moving && soil.state.asleep(push.particle / kGroup)) {
+        soil.wakefulness.wake(push.particle / kGroup, soil.state);
+      }
     }
   }
   return true;
@@ -260,7 +286,7 @@ bool Stones::lookForParticles(std::size_t stone, const SoilAroundStones& soil) n
     if (count > 0) {
       room = room && memory.particles.size() < memory.particles.capacity();
       if (room) {
-        memory.particles.push_back({static_cast<std::uint32_t>(i), first, count, {}});
+        memory.particles.push_back({static_cast<std::uint32_t>(i), first, count, {}, went_m_});
       }
     }
   });
@@ -330,10 +356,11 @@ void Stones::pressSoil(std::size_t stone, const SoilAroundStones& soil) noexcept
   Body& body = bodies_[stone];
   Memory& memory = memory_[stone];
   const StoneShape& shape = *shapes_[stone];
-  const StoneState& state = state_.stones[stone];
-  const Vec3 middle = state.scene_T_stone.position_m;
-  const bool moving = !body.fixed && state.rested < soil.wakefulness.rule().steps;
+  const Vec3 middle = state_.stones[stone].scene_T_stone.position_m;
   for (NearParticle& near : memory.particles) {
+    if (went_m_ < near.apart_until_m) {
+      continue;
+    }
     const std::size_t i = near.particle;
     const Float4& at = soil.state.position[i];
     const Vec3 place = placeOf(at);
@@ -346,6 +373,7 @@ void Stones::pressSoil(std::size_t stone, const SoilAroundStones& soil) noexcept
     const StoneContactLaw& law = with_soil_[stone][static_cast<std::size_t>(classes_.of(at.w))];
     if (-overlap.depth_m >= law.reach()) {
       near.stretch = {};
+      near.apart_until_m = went_m_ - overlap.depth_m - law.reach();
       continue;
     }
     // All lines between the centres meet in the particle's: so does their sum's.
@@ -354,16 +382,9 @@ void Stones::pressSoil(std::size_t stone, const SoilAroundStones& soil) noexcept
     Vec3 stretch = body.rotation * vectorOf(near.stretch);
     const Vec3 force = law.force(overlap, relative, dt_s_, stretch);
     near.stretch = stretchOf(inFrame(body.rotation, stretch));
-    Float4& sum = soil.forces[i];
-    put_.push_back({near.particle, sum});
     const Stretch rounded = stretchOf(force);  // what the particle feels the stone feels
-    sum.x += rounded[0];
-    sum.y += rounded[1];
-    sum.z += rounded[2];
+    memory.pushes.push_back({near.particle, rounded});
     body.felt.add(-vectorOf(rounded), lever);
-    if (moving && soil.state.asleep(i / kGroup)) {
-      soil.wakefulness.wake(i / kGroup, soil.state);
-    }
   }
 }
 
@@ -411,7 +432,16 @@ void Stones::pressWalls(std::size_t stone) noexcept {
   }
 }
 
-void Stones::pressStones(std::size_t stone) noexcept {
+void Stones::wakeBesideAnother(std::size_t stone, const SoilAroundStones& soil) noexcept {
+  memory_[stone].beside_unrest = true;
+  if (state_.stones[stone].asleep()) {
+    wake(stone);
+    pressSoil(stone, soil);  // which it slept through
+    pressWalls(stone);
+  }
+}
+
+void Stones::pressStones(std::size_t stone, const SoilAroundStones& soil) noexcept {
   Memory& memory = memory_[stone];
   Body& body = bodies_[stone];
   const StoneShape& shape = *shapes_[stone];
@@ -437,12 +467,10 @@ void Stones::pressStones(std::size_t stone) noexcept {
       continue;
     }
     if (theirs.rested == 0) {
-      wake(stone);
-      memory.beside_unrest = true;
+      wakeBesideAnother(stone, soil);
     }
     if (mine.rested == 0) {
-      wake(other);
-      memory_[other].beside_unrest = true;
+      wakeBesideAnother(other, soil);
     }
     const Vec3 point = centre - (radius_m - overlap.depth_m / 2) * overlap.towards;
     const Vec3 their_middle = theirs.scene_T_stone.position_m;
@@ -693,7 +721,7 @@ void Stones::restore(const StonesState& saved) {
     switch (slip.with) {
       case StoneSlip::With::kParticle:
         if (memory.particles.size() < memory.particles.capacity()) {
-          memory.particles.push_back({slip.other, 0, 0, stretch});  // until the first look, which keeps what it knows
+          memory.particles.push_back({slip.other, 0, 0, stretch, 0});  // until the first look, which keeps what it knows
         }
         break;
       case StoneSlip::With::kStone: {

@@ -80,12 +80,17 @@ class Stones {
   [[nodiscard]] std::span<StoneToolMemory> toolMemory(std::size_t stone) noexcept { return memory_[stone].tool; }
   void forgetTool() noexcept;
 
-  /// First part of a step: what stones, soil and walls do to each other where they all are now. False when there is no
-  /// room for all that touches a stone: the bed has collapsed.
-  [[nodiscard]] bool press(const SoilAroundStones& soil, double dt_s) noexcept;
-  /// Second part: takes the forces on the soil back, which others than the stones put there stay.
+  /// First part of a step of `dt_s`: what soil and walls do to stones where they all are now, in `parts` that several
+  /// threads may work out at once.
+  void begin(double dt_s) noexcept;
+  [[nodiscard]] int parts() const noexcept;
+  void press(const SoilAroundStones& soil, int part, int parts) noexcept;
+  /// Second part, when all have come back: what stones do to each other, and all of them to the soil. False when there
+  /// is no room for all that touches a stone: the bed has collapsed.
+  [[nodiscard]] bool putForces(const SoilAroundStones& soil) noexcept;
+  /// Third part, when the soil has felt them: takes the stones' forces on it back; those of others stay.
   void letGo(std::vector<Float4>& forces) noexcept;
-  /// Third part: velocities, then places.
+  /// Last part: velocities, then places.
   void move(const Vec3& gravity_m_s2, double dt_s, const RestRule& rest) noexcept;
   /// No particle has gone further than this in the step: who is near is looked for again when it might have changed.
   void soilWent(double distance_m) noexcept { went_m_ += distance_m; }
@@ -134,6 +139,7 @@ class Stones {
     std::uint32_t particle;
     std::uint32_t first, count;    ///< of its spheres, in Memory::spheres
     std::array<float, 3> stretch;  ///< of friction, in m, stone's frame
+    double apart_until_m;          ///< until everything has gone so far in all, it cannot touch
   };
   /// Another stone that a sphere may touch.
   struct NearStone {
@@ -145,6 +151,11 @@ class Stones {
     std::uint32_t stone;  ///< after this one in order
     StoneContactLaw law;
   };
+  /// What a stone does to a particle in this step.
+  struct Push {
+    std::uint32_t particle;
+    Stretch force_n;
+  };
   struct Memory {
     std::vector<NearParticle> particles, before;  ///< in ascending order; and room for those of the last look
     std::vector<std::uint16_t> spheres;
@@ -153,6 +164,8 @@ class Stones {
     std::vector<NearStone> stones, stones_before;
     std::vector<std::array<std::array<float, 3>, 3>> walls;  ///< of each sphere: of the floor, an x and a y wall
     std::vector<StoneToolMemory> tool;
+    std::vector<Push> pushes;
+    bool has_room = true;  ///< for all that is near
     double looked_at_m = 0;      ///< how far everything had gone when who is near was looked for
     bool look = true;            ///< whether it has to be at once
     bool beside_unrest = true;   ///< whether soil around it is awake, or a stone that it touches moves
@@ -165,7 +178,8 @@ class Stones {
   [[nodiscard]] double margin() const noexcept;
   void pressSoil(std::size_t stone, const SoilAroundStones& soil) noexcept;
   void pressWalls(std::size_t stone) noexcept;
-  void pressStones(std::size_t stone) noexcept;
+  void pressStones(std::size_t stone, const SoilAroundStones& soil) noexcept;
+  void wakeBesideAnother(std::size_t stone, const SoilAroundStones& soil) noexcept;
   void turn(std::size_t stone, double dt_s) noexcept;
   void noteTurn(std::size_t stone) noexcept;
   void rest(std::size_t stone, const RestRule& rule) noexcept;
