@@ -44,7 +44,8 @@ BedParameters emptyBox() {
 }
 
 PlacedStone ball(double size_m, const Vec3& place_m) {
-  return {.form = StoneForm::kSphere, .size_m = size_m, .x_m = place_m.x(), .y_m = place_m.y(), .depth_m = -place_m.z()};
+  return {
+      .form = StoneForm::kSphere, .size_m = size_m, .x_m = place_m.x(), .y_m = place_m.y(), .depth_m = -place_m.z()};
 }
 
 PlacedStone clump(std::vector<StoneSphere> spheres, const Vec3& place_m) {
@@ -225,8 +226,7 @@ TEST(Stones, CollideWithTheRestitutionOfTheirDamping) {
   // A damped spring that never pulls, from where force begins to where it ends (Schwager and Poeschel 2007).
   const double zeta = 0.2;
   const double root = std::sqrt(1 - zeta * zeta);
-  const double wanted =
-      std::exp(-zeta / root * (std::numbers::pi - std::atan2(2 * zeta * root, 1 - 2 * zeta * zeta)));
+  const double wanted = std::exp(-zeta / root * (std::numbers::pi - std::atan2(2 * zeta * root, 1 - 2 * zeta * zeta)));
   EXPECT_THAT(restitution(zeta), DoubleNear(wanted, 0.02 * wanted));
 }
 

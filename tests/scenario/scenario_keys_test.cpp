@@ -12,6 +12,7 @@
 #include <variant>
 
 #include "haptolith/core/error.h"
+#include "haptolith/scenario/stone_keys.h"
 
 #include "../source_dir.h"
 
@@ -26,7 +27,8 @@ std::string readSource(const std::string& name) {
 }
 
 /// The row of docs/scenarios.md for a key.
-std::string documented(const ScenarioKey& key) {
+template <class Key>
+std::string documented(const Key& key) {
   return fmt::format("| `{}` | {} | {} |\n", key.name, validText(key), key.meaning);
 }
 
@@ -41,13 +43,21 @@ TEST(ScenarioKeys, AreAllInTheDocument) {
   }
 }
 
+TEST(ScenarioKeys, OfAStoneAreAllInTheDocument) {
+  const std::string document = readSource("docs/scenarios.md");
+  const std::string text = document.substr(document.find("## [[stone]]\n"));
+  for (const StoneKey& key : stoneKeys()) {
+    EXPECT_THAT(text, HasSubstr(documented(key)));
+  }
+}
+
 TEST(ScenarioKeys, TheDocumentHasNoOthers) {
   const std::string document = readSource("docs/scenarios.md");
   std::ptrdiff_t rows = 0;
   for (std::size_t at = document.find("\n| `"); at != std::string::npos; at = document.find("\n| `", at + 1)) {
     ++rows;
   }
-  EXPECT_EQ(rows, std::ssize(scenarioKeys()));
+  EXPECT_EQ(rows, std::ssize(scenarioKeys()) + std::ssize(stoneKeys()));
 }
 
 TEST(ScenarioKeys, AreAllInThePapersScene) {

@@ -194,6 +194,17 @@ std::string likelyValue(const ScenarioKey& key, std::mt19937_64& random) {
   if (key.name == "mesh_unit_mm") {
     return about(1);  // such that a hand can hold it
   }
+  if (key.table == "stones") {
+    for (const auto& [name, middle] : {std::pair{"smallest_mm", 20.0}, std::pair{"largest_mm", 60.0},
+                                       std::pair{"shallowest_mm", -10.0}, std::pair{"deepest_mm", 50.0}}) {
+      if (key.name == name) {
+        return about(middle);
+      }
+    }
+    if (key.name == "count") {
+      return "0";  // not every soil takes stones
+    }
+  }
   if (key.table == "bed" && key.name.ends_with("_mm")) {
     return about(100);
   }
@@ -241,6 +252,61 @@ TEST_F(ScenarioWithPoses, GiveEveryKeyBackWhateverItIs) {
     ASSERT_TRUE(readAgain(scene) == scene) << text << "\nbecomes\n" << scenarioText(scene);
     ASSERT_EQ(scenarioText(readAgain(scene)), scenarioText(scene));
   }
+}
+
+TEST(ScenarioText, GivesStonesBack) {
+  const Scenario scene = loadScenarioText(R"(
+[soil]
+name = "lunar-0-15cm"
+[bed]
+start = "settled"
+depth_mm = 60
+[stones]
+count = 7
+shape = "sphere"
+smallest_mm = 12.5
+exponent = 1.8
+fixed = true
+[[stone]]
+size_mm = 33.3
+seed = 12
+x_mm = -20
+depth_mm = 31
+turn_deg = [10, 20, -30]
+[[stone]]
+shape = "spheres"
+spheres_mm = [0, 0, 0, 8, 0, 0.1, 12, 8]
+y_mm = 20
+fixed = true
+)",
+                                          "x");
+  EXPECT_EQ(scene.bed.stones.count, 7);
+  ASSERT_EQ(scene.bed.stones.placed.size(), 2U);
+  EXPECT_NEAR(scene.bed.stones.placed[0].size_m, 33.3e-3, 1e-12);
+  ASSERT_EQ(scene.bed.stones.placed[1].spheres.size(), 2U);
+  EXPECT_EQ(scene.bed.stones.placed[1].spheres[1], (StoneSphere{Vec3(0, 0.1 * 1e-3, 12 * 1e-3), 8 * 1e-3}));
+  expectSameAgain(scene, "stones");
+}
+
+TEST(ScenarioText, RefusesStonesThatCannotBeWithTheirLine) {
+  const auto refusal = [](const std::string& text) -> std::string {
+    try {
+      (void)scenarioFromText("[soil]\nname = 'lunar-0-15cm'\n" + text, "x");
+    } catch (const InvalidParameter& error) {
+      return error.what();
+    }
+    return "taken";
+  };
+  EXPECT_EQ(refusal("[stones]\ncount = 2000\n"),
+            "x:4: [stones] count = 2000 is not valid: must be a whole number, 0 to 1000");
+  EXPECT_THAT(refusal("[stones]\ncount = 3\nsmallest_mm = 60\n"), HasSubstr("[stones] largest_mm"));
+  EXPECT_THAT(refusal("[[stone]]\nsize_mm = 0\n"), HasSubstr("x:4: [[stone]] size_mm = 0"));
+  EXPECT_THAT(refusal("[[stone]]\nshape = 'spheres'\n"), HasSubstr("spheres_mm"));
+  EXPECT_THAT(refusal("[[stone]]\nshape = 'spheres'\nspheres_mm = [1, 2, 3]\n"),
+              HasSubstr("x, y, z and radius of each sphere"));
+  EXPECT_THAT(refusal("[[stone]]\nspheres_mm = [1, 2, 3, 4]\n"), HasSubstr("shape = spheres"));
+  EXPECT_THAT(refusal("[[stone]]\ncolour = 1\n"), HasSubstr("colour"));
+  EXPECT_THAT(refusal("stone = 3\n"), HasSubstr("stone"));
 }
 
 TEST_F(ScenarioWithPoses, DependOnNoFolder) {

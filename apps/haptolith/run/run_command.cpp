@@ -277,7 +277,7 @@ Json summaryJson(const Scenario& scenario, const Scene& scene, const HapticLoop&
           {"torque_nm", statisticsJson(statistics.torqueNm())},
           {"largest_speed_m_s", scene.bed().largestSpeed()},
           {"lost_records", summary.lost_records},
-          {"state_hash", fmt::format("{:016x}", stateHash(scene.bed().state()))},
+          {"state_hash", fmt::format("{:016x}", scene.bed().hash())},
           {"realtime",
            {{"scheduler", summary.real_time.scheduler},
             {"memory_locked", summary.real_time.memory_locked},
@@ -353,7 +353,7 @@ std::string summaryText(const Scenario& scenario, const Scene& scene, const Hapt
       fmt::arg("fmean", s.forceN().mean()), fmt::arg("fp99", s.forceN().percentile(0.99)),
       fmt::arg("fmax", s.forceN().max()), fmt::arg("mmean", s.torqueNm().mean()),
       fmt::arg("mp99", s.torqueNm().percentile(0.99)), fmt::arg("mmax", s.torqueNm().max()),
-      fmt::arg("hash", stateHash(scene.bed().state())));
+      fmt::arg("hash", scene.bed().hash()));
 }
 
 /// A run that was to last a certain time and did not, or that went wrong, has failed; its trace is kept all the same.

@@ -97,12 +97,13 @@ const char* text(StepStatus status) noexcept {
   return "";
 }
 
-Bed::Bed(const BedParameters& parameters, const std::vector<Vec3>& centres_m)
-    : Bed(parameters, withSizes(validated(parameters), centres_m)) {}
+Bed::Bed(const BedParameters& parameters, const std::vector<Vec3>& centres_m, const std::vector<Pose>& stones)
+    : Bed(parameters, withSizes(validated(parameters), centres_m), stones) {}
 
-Bed::Bed(const BedParameters& parameters, const std::vector<Float4>& grains)
+Bed::Bed(const BedParameters& parameters, const std::vector<Float4>& grains, const std::vector<Pose>& stones)
     : Bed(parameters, grains, highestCentre(grains)) {
-  makeStones(true);
+  makeStones();
+  placeStones(stones);
 }
 
 Bed::Bed(const BedParameters& parameters, const std::vector<Float4>& grains, double grid_height_m)

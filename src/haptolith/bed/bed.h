@@ -39,12 +39,13 @@ class Bed {
   /// @throws InvalidParameter when the parameters are not valid or the particles do not fit; Failure as settle().
   explicit Bed(const BedParameters& parameters, const SettleProgress& progress = {});
 
-  /// A bed with its centres where the caller wants them, at rest; how large each grain is, the seed decides.
-  Bed(const BedParameters& parameters, const std::vector<Vec3>& centres_m);
+  /// A bed with its centres where the caller wants them, at rest; how large each grain is, the seed decides. Stones are
+  /// where `stones` has them, by scene_T_stone; without it where the parameters put them.
+  Bed(const BedParameters& parameters, const std::vector<Vec3>& centres_m, const std::vector<Pose>& stones = {});
 
   /// The same with each grain's size: w is by how much its radius exceeds the soil's. In a graded bed grains come in
   /// whole groups of 16 of one class, but for the last.
-  Bed(const BedParameters& parameters, const std::vector<Float4>& grains);
+  Bed(const BedParameters& parameters, const std::vector<Float4>& grains, const std::vector<Pose>& stones = {});
 
   /// A bed that goes on from a saved one of the same parameters bit for bit, without being settled again. Soil and
   /// gravity may have been changed since it was made: `parameters` has them as they were when it was saved.
@@ -171,8 +172,10 @@ class Bed {
   void recall(const StartingSoil& soil) noexcept;
   /// Soil from free_particles on stands for ever where it stands; the rest lies as it did in its tile, and may sleep.
   void holdSides(std::size_t free_particles) noexcept;
-  /// Makes the stones of the parameters, where they are to be or, to be put there later, anywhere.
-  void makeStones(bool where_they_are_to_be);
+  /// Makes the stones of the parameters, all at the origin of the scene.
+  void makeStones();
+  /// Puts them where they are said to be or, of none, where the parameters have them.
+  void placeStones(const std::vector<Pose>& places);
   /// Puts soil that is where stones are on top of the rest, and lets both find their hold.
   void bedStones(const SettleProgress& progress);
   void moveOutOfStones();

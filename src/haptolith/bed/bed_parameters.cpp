@@ -69,10 +69,10 @@ double shortestPeriod(const SoilParameters& soil) {
 namespace {
 
 void validateStones(const BedParameters& bed) {
+  validate(bed.stones);
   if (!bed.stones.any()) {
     return;
   }
-  validate(bed.stones);
   if (bed.soil.friction != FrictionModel::kContact) {
     throw InvalidParameter("stones", "with the paper's friction", "in soil with contact friction");
   }

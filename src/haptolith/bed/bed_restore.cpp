@@ -58,7 +58,7 @@ Bed::Bed(const BedParameters& parameters, const SavedBed& saved)
     }
     holdSides(particles() - held);
   }
-  makeStones(false);
+  makeStones();
   restore(saved);
 }
 

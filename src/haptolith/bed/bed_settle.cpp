@@ -85,7 +85,8 @@ std::vector<Float4> startingGrains(const BedParameters& bed, const SettleProgres
 Bed::Bed(const BedParameters& parameters, const SettleProgress& progress)
     : Bed(parameters, startingSoil(withoutStones(validated(parameters)), progress), progress) {
   if (parameters.stones.any()) {
-    makeStones(true);
+    makeStones();
+    placeStones({});
     bedStones(progress);
   }
 }

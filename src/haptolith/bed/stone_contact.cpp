@@ -41,14 +41,14 @@ StoneContactLaw StoneContactLaw::withGrains(const SoilParameters& soil, const To
   return law;
 }
 
-StoneContactLaw StoneContactLaw::bare(const SoilParameters& soil, const TouchingBodies& bodies,
-                                      double friction_ratio) {
+StoneContactLaw StoneContactLaw::bare(const SoilParameters& soil, const TouchingBodies& bodies, double friction_ratio) {
   return {soil, bodies, friction_ratio};
 }
 
 void OverlapOfSpheres::add(const Vec3& apart_m, double radii_m) noexcept {
   const double squared = apart_m.squaredNorm();
-  if (const double beyond_m = radii_m - nearest_.depth_m; squared >= beyond_m * beyond_m && squared >= radii_m * radii_m) {
+  if (const double beyond_m = radii_m - nearest_.depth_m;
+      squared >= beyond_m * beyond_m && squared >= radii_m * radii_m) {
     return;  // outside, and not the nearest
   }
   const double distance_m = std::sqrt(squared);
@@ -83,15 +83,14 @@ Vec3 StoneContactLaw::force(const Overlap& overlap, const Vec3& relative_m_s, do
   const double a = law_.diameter_m - overlap.depth_m;
   const law::CohesiveContact<double> contact = law::cohesiveContact(repulsion, cohesion, law_.diameter_m, a);
   const double parting = relative_m_s.dot(n);
-  const double damped =
-      contact.normal - damping_ * law::rootOfStiffness(repulsion, a) * overlap.steepness * parting;
+  const double damped = contact.normal - damping_ * law::rootOfStiffness(repulsion, a) * overlap.steepness * parting;
   const double push = overlap.steepness * std::max(damped, std::min(contact.normal, 0.0));  // damping never pulls
   const Vec3 sliding = relative_m_s - parting * n;
   const law::FrictionOf<double> friction{dt_s, -tangential_n_m_, lag_s_, 1, kTiny};
   law::Triple<double> stretch{stretch_m.x(), stretch_m.y(), stretch_m.z()};
-  const law::Triple<double> drag = law::frictionForce<double>(
-      friction, friction_ * overlap.steepness * contact.compression / tangential_n_m_, {n.x(), n.y(), n.z()},
-      {sliding.x(), sliding.y(), sliding.z()}, stretch);
+  const law::Triple<double> drag =
+      law::frictionForce<double>(friction, friction_ * overlap.steepness * contact.compression / tangential_n_m_,
+                                 {n.x(), n.y(), n.z()}, {sliding.x(), sliding.y(), sliding.z()}, stretch);
   stretch_m = {stretch.x, stretch.y, stretch.z};
   return push * n + Vec3(drag.x, drag.y, drag.z);
 }

@@ -12,8 +12,8 @@ namespace haptolith {
 /// How a sphere overlaps a stone, or a stone its mirror image.
 struct Overlap {
   double depth_m = -std::numeric_limits<double>::max();  ///< negative: the gap between the surfaces
-  Vec3 towards = Vec3::UnitZ();  ///< unit normal from the second body to the first
-  double steepness = 1;          ///< by how much the depth grows for each metre that the bodies come closer
+  Vec3 towards = Vec3::UnitZ();                          ///< unit normal from the second body to the first
+  double steepness = 1;  ///< by how much the depth grows for each metre that the bodies come closer
 };
 
 /// Overlap of a sphere with the union of others: where it reaches into several of them, as deep as
@@ -69,10 +69,10 @@ class StoneContactLaw {
   StoneContactLaw(const SoilParameters& soil, const TouchingBodies& bodies, double friction_ratio);
 
   ContactLaw law_;
-  double damping_ = 0;             ///< as ContactFrictionLaw::damping
-  double friction_ = 0;            ///< mu_p
-  double tangential_n_m_ = 1;      ///< k_t
-  double lag_s_ = 0;               ///< c_t / k_t
+  double damping_ = 0;         ///< as ContactFrictionLaw::damping
+  double friction_ = 0;        ///< mu_p
+  double tangential_n_m_ = 1;  ///< k_t
+  double lag_s_ = 0;           ///< c_t / k_t
 };
 
 /// A vector in single precision, as contacts keep it.

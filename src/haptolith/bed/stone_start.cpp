@@ -64,9 +64,9 @@ std::vector<double> sizesOf(const StonesParameters& stones, std::mt19937_64& ran
   for (double& size_m : sizes_m) {
     const double share = uniform(random, 0, 1);
     const double e = stones.exponent;
-    size_m = e == 0 ? stones.smallest_m * std::pow(stones.largest_m / stones.smallest_m, share)
-                    : std::pow(std::lerp(std::pow(stones.largest_m, -e), std::pow(stones.smallest_m, -e), share),
-                               -1 / e);
+    size_m = e == 0
+                 ? stones.smallest_m * std::pow(stones.largest_m / stones.smallest_m, share)
+                 : std::pow(std::lerp(std::pow(stones.largest_m, -e), std::pow(stones.smallest_m, -e), share), -1 / e);
   }
   std::ranges::sort(sizes_m, std::greater());
   return sizes_m;
@@ -92,9 +92,8 @@ Quat anyTurn(std::mt19937_64& random) {
 class Standing {
  public:
   [[nodiscard]] bool hasRoomFor(const StoneShape& shape, const Vec3& place_m) const {
-    return std::ranges::none_of(stones_, [&](const auto& stone) {
-      return (stone.second - place_m).norm() < stone.first + shape.reach_m;
-    });
+    return std::ranges::none_of(
+        stones_, [&](const auto& stone) { return (stone.second - place_m).norm() < stone.first + shape.reach_m; });
   }
   void add(const StoneShape& shape, const Vec3& place_m) { stones_.emplace_back(shape.reach_m, place_m); }
 
@@ -124,21 +123,22 @@ StonesOfBed stonesOf(const StonesParameters& stones) {
   return all;
 }
 
-std::vector<Pose> startingPlaces(const BedParameters& bed, const StonesOfBed& stones, double surface_m) {
+std::vector<Pose> startingPlaces(const BedParameters& bed, const Stones& stones, double surface_m) {
   std::vector<Pose> places;
   Standing standing;
   const auto room_beside = [&](const StoneShape& shape) {
     return std::pair(bed.width_m / 2 - shape.reach_m, bed.length_m / 2 - shape.reach_m);
   };
   for (const PlacedStone& stone : bed.stones.placed) {
-    const StoneShape& shape = *stones.shapes[places.size()];
+    const StoneShape& shape = *stones.shape(places.size());
     const Vec3 place(stone.x_m, stone.y_m, surface_m - stone.depth_m);
     const auto [width_m, length_m] = room_beside(shape);
     const bool fits = std::abs(place.x()) <= width_m && std::abs(place.y()) <= length_m;
     if (!stone.fixed && (!fits || place.z() < shape.reach_m)) {
       throw InvalidParameter(
-          "stones.placed", fmt::format("a stone {:.4g} mm wide at {:g}, {:g} mm, {:g} mm deep", 2e3 * shape.reach_m,
-                                       1e3 * stone.x_m, 1e3 * stone.y_m, 1e3 * stone.depth_m),
+          "stones.placed",
+          fmt::format("a stone {:.4g} mm wide at {:g}, {:g} mm, {:g} mm deep", 2e3 * shape.reach_m, 1e3 * stone.x_m,
+                      1e3 * stone.y_m, 1e3 * stone.depth_m),
           fmt::format("wholly in the box: x within {:.4g} mm, y within {:.4g} mm, at most {:.4g} mm deep",
                       1e3 * width_m, 1e3 * length_m, 1e3 * (surface_m - shape.reach_m)));
     }
@@ -147,8 +147,8 @@ std::vector<Pose> startingPlaces(const BedParameters& bed, const StonesOfBed& st
   }
   std::mt19937_64 random(bed.stones.seed + 1);
   constexpr int kTries = 2000;
-  while (places.size() < stones.shapes.size()) {
-    const StoneShape& shape = *stones.shapes[places.size()];
+  while (places.size() < stones.size()) {
+    const StoneShape& shape = *stones.shape(places.size());
     const auto [width_m, length_m] = room_beside(shape);
     bool found = false;
     for (int t = 0; t < kTries && !found && width_m >= 0 && length_m >= 0; ++t) {
@@ -170,17 +170,21 @@ std::vector<Pose> startingPlaces(const BedParameters& bed, const StonesOfBed& st
   return places;
 }
 
-void Bed::makeStones(bool where_they_are_to_be) {
-  if (!parameters_.stones.any()) {
-    return;
+void Bed::makeStones() {
+  if (parameters_.stones.any()) {
+    const StonesOfBed all = stonesOf(parameters_.stones);
+    stones_ = Stones(parameters_, skin_m_, all.shapes, all.fixed);
   }
-  const StonesOfBed all = stonesOf(parameters_.stones);
-  stones_ = Stones(parameters_, skin_m_, all.shapes, all.fixed);
-  if (where_they_are_to_be) {
-    const std::vector<Pose> places = startingPlaces(parameters_, all, surfaceHeight());
-    for (std::size_t i = 0; i < places.size(); ++i) {
-      stones_.place(i, places[i]);
-    }
+}
+
+void Bed::placeStones(const std::vector<Pose>& places) {
+  if (!places.empty() && places.size() != stones_.size()) {
+    throw InvalidParameter("stones", fmt::format("{} places", places.size()),
+                           fmt::format("one for each of {} stones", stones_.size()));
+  }
+  const std::vector<Pose> all = places.empty() ? startingPlaces(parameters_, stones_, surfaceHeight()) : places;
+  for (std::size_t i = 0; i < all.size(); ++i) {
+    stones_.place(i, all[i]);
   }
 }
 

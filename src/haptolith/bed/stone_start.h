@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "haptolith/bed/bed_parameters.h"
+#include "haptolith/bed/stones.h"
 #include "haptolith/core/vec.h"
 #include "haptolith/stone/stone_shape.h"
 
@@ -19,6 +20,6 @@ struct StonesOfBed {
 /// Where they are at first, above or in soil whose surface is so high. None overlaps another; placed ones stand where
 /// they were put, the larger of the others are put first.
 /// @throws InvalidParameter when one is not in the box, overlaps another, or finds no place.
-[[nodiscard]] std::vector<Pose> startingPlaces(const BedParameters& bed, const StonesOfBed& stones, double surface_m);
+[[nodiscard]] std::vector<Pose> startingPlaces(const BedParameters& bed, const Stones& stones, double surface_m);
 
 }  // namespace haptolith

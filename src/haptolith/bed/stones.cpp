@@ -20,6 +20,12 @@ constexpr double kMarginRadii = 0.5;
 /// Grains in a volume at most, over those that would fill it whole: closer packings than the closest are pressed.
 constexpr double kDensest = 1.0;
 
+/// Other stones next to one, counted once for each pair.
+constexpr std::size_t kMostPartners = 64;
+
+/// For each particle near a stone room for so many of the stone's spheres, on average.
+constexpr std::size_t kMostSpheresEach = 64;
+
 Vec3 placeOf(const Float4& p) noexcept {
   return {p.x, p.y, p.z};
 }
@@ -32,10 +38,14 @@ double ballVolume(double radius_m) {
   return 4.0 / 3.0 * std::numbers::pi * radius_m * radius_m * radius_m;
 }
 
-/// A turn about one of a body's own axes.
+/// A small turn about one of a body's own axes. Without the library's sine, whose last digit differs between machines:
+/// tan(x) = x + x^3 / 3 is right to twelve digits for what a stone turns in a step.
 Quat aboutAxis(int axis, double angle_rad) noexcept {
-  Quat turn(std::cos(angle_rad / 2), 0, 0, 0);
-  turn.vec()[axis] = std::sin(angle_rad / 2);
+  const double half = angle_rad / 2;
+  const double tangent = half + half * half * half / 3;
+  const double cosine = 1 / std::sqrt(1 + tangent * tangent);
+  Quat turn(cosine, 0, 0, 0);
+  turn.vec()[axis] = cosine * tangent;
   return turn;
 }
 
@@ -71,15 +81,16 @@ Stones::Stones(const BedParameters& bed, double skin_m, std::vector<std::shared_
     body.centres_m.resize(shape.spheres.size());
     const double around_m = shape.reach_m + soil_.radius_m * (2 + soil_.size_spread) + margin() +
                             soil_.cohesion_range_ratio * soil_.radius_m;
-    const auto most_near = static_cast<std::size_t>(
-        kDensest * std::max(ballVolume(around_m) - shape.volume_m3, 0.0) / ballVolume(finest_m)) + 16;
+    const auto most_near = static_cast<std::size_t>(kDensest * std::max(ballVolume(around_m) - shape.volume_m3, 0.0) /
+                                                    ballVolume(finest_m)) +
+                           16;
     Memory& memory = memory_[i];
     memory.particles.reserve(most_near);
     memory.before.reserve(most_near);
     memory.groups.reserve(most_near);
     memory.pushes.reserve(most_near);
-    memory.spheres.reserve(most_near * std::min<std::size_t>(shape.spheres.size(), 64));
-    const std::size_t most_stones = std::min<std::size_t>(shapes_.size(), 64);
+    memory.spheres.reserve(most_near * std::min(shape.spheres.size(), kMostSpheresEach));
+    const std::size_t most_stones = std::min(shapes_.size(), kMostPartners);
     memory.pairs.reserve(most_stones);
     memory.stones.reserve(most_stones * shape.spheres.size());
     memory.stones_before.reserve(most_stones * shape.spheres.size());
@@ -115,6 +126,14 @@ Pose Stones::pose(std::size_t stone) const noexcept {
   return state_.stones[stone].scene_T_stone;
 }
 
+std::vector<Pose> Stones::poses() const {
+  std::vector<Pose> poses;
+  for (const StoneState& stone : state_.stones) {
+    poses.push_back(stone.scene_T_stone);
+  }
+  return poses;
+}
+
 Twist Stones::twist(std::size_t stone) const noexcept {
   return {state_.stones[stone].velocity_m_s, bodies_[stone].angular_rad_s};
 }
@@ -125,8 +144,7 @@ void Stones::place(std::size_t stone, const Pose& scene_T_stone, const Twist& tw
   state.scene_T_stone = {scene_T_stone.position_m, scene_T_stone.orientation.normalized()};
   state.velocity_m_s = twist.linear_m_s;
   const Eigen::Matrix3d rotation = state.scene_T_stone.orientation.toRotationMatrix();
-  state.angular_momentum_nms =
-      rotation * body.inertia_kg_m2.cwiseProduct(rotation.transpose() * twist.angular_rad_s);
+  state.angular_momentum_nms = rotation * body.inertia_kg_m2.cwiseProduct(rotation.transpose() * twist.angular_rad_s);
   state.rested_at = state.scene_T_stone;
   state.rested = 0;
   noteTurn(stone);
@@ -315,7 +333,7 @@ bool Stones::lookForStones(std::size_t stone) noexcept {
   const StoneShape& shape = *shapes_[stone];
   memory.stones_before.swap(memory.stones);
   memory.stones.clear();
-  std::array<std::uint32_t, 64> partners_before{};  // of the pairs of the last look
+  std::array<std::uint32_t, kMostPartners> partners_before{};  // of the pairs of the last look
   for (std::size_t p = 0; p < memory.pairs.size(); ++p) {
     partners_before[p] = memory.pairs[p].stone;
   }
@@ -328,7 +346,7 @@ bool Stones::lookForStones(std::size_t stone) noexcept {
         (bodies_[stone].fixed && bodies_[other].fixed)) {
       continue;
     }
-    if (memory.pairs.size() == memory.pairs.capacity()) {
+    if (memory.pairs.size() == kMostPartners) {
       return false;
     }
     const auto pair = static_cast<std::uint32_t>(memory.pairs.size());
@@ -394,7 +412,7 @@ void Stones::pressWalls(std::size_t stone) noexcept {
   const StoneShape& shape = *shapes_[stone];
   const Vec3 middle = state_.stones[stone].scene_T_stone.position_m;
   struct Wall {
-    double gap_m;    ///< of the sphere around the stone
+    double gap_m;  ///< of the sphere around the stone
     Vec3 inwards;
     const StoneContactLaw& law;
   };
@@ -550,8 +568,9 @@ void Stones::rest(std::size_t stone, const RestRule& rule) noexcept {
   const Body& body = bodies_[stone];
   const double reach_m = shapes_[stone]->reach_m;
   const double speed_m_s = state.velocity_m_s.norm() + body.angular_rad_s.norm() * reach_m;
-  const double crept_m = (state.scene_T_stone.position_m - state.rested_at.position_m).norm() +
-                         reach_m * state.scene_T_stone.orientation.angularDistance(state.rested_at.orientation);
+  const double crept_m =
+      (state.scene_T_stone.position_m - state.rested_at.position_m).norm() +
+      reach_m * 2 * (state.scene_T_stone.orientation.conjugate() * state.rested_at.orientation).vec().norm();
   if (speed_m_s > rule.speed_m_s || crept_m > rule.distance_m) {
     state.rested = 0;
     state.rested_at = state.scene_T_stone;
@@ -569,8 +588,8 @@ double Stones::largestSpeed() const noexcept {
   double largest = 0;
   for (std::size_t i = 0; i < size(); ++i) {
     if (!bodies_[i].fixed && !asleep(i)) {
-      largest = std::max(largest, state_.stones[i].velocity_m_s.norm() +
-                                      bodies_[i].angular_rad_s.norm() * shapes_[i]->reach_m);
+      largest = std::max(largest,
+                         state_.stones[i].velocity_m_s.norm() + bodies_[i].angular_rad_s.norm() * shapes_[i]->reach_m);
     }
   }
   return largest;
@@ -580,8 +599,8 @@ double Stones::depthOf(const Vec3& centre_m, double radius_m) const {
   double depth_m = -std::numeric_limits<double>::max();
   for (std::size_t i = 0; i < size(); ++i) {
     for (std::size_t s = 0; s < bodies_[i].centres_m.size(); ++s) {
-      depth_m = std::max(depth_m, radius_m + shapes_[i]->spheres[s].radius_m -
-                                      (centre_m - bodies_[i].centres_m[s]).norm());
+      depth_m =
+          std::max(depth_m, radius_m + shapes_[i]->spheres[s].radius_m - (centre_m - bodies_[i].centres_m[s]).norm());
     }
   }
   return depth_m;
@@ -595,9 +614,9 @@ double Stones::energy(const BedState& soil, const Vec3& gravity_m_s2) const {
     const Memory& memory = memory_[i];
     const StoneShape& shape = *shapes_[i];
     if (!body.fixed) {
-      energy += body.mass_kg * (state.velocity_m_s.squaredNorm() / 2 -
-                                gravity_m_s2.dot(state.scene_T_stone.position_m)) +
-                state.angular_momentum_nms.dot(body.angular_rad_s) / 2;
+      energy +=
+          body.mass_kg * (state.velocity_m_s.squaredNorm() / 2 - gravity_m_s2.dot(state.scene_T_stone.position_m)) +
+          state.angular_momentum_nms.dot(body.angular_rad_s) / 2;
     }
     for (const NearParticle& near : memory.particles) {
       const Float4& at = soil.position[near.particle];
@@ -721,12 +740,13 @@ void Stones::restore(const StonesState& saved) {
     switch (slip.with) {
       case StoneSlip::With::kParticle:
         if (memory.particles.size() < memory.particles.capacity()) {
-          memory.particles.push_back({slip.other, 0, 0, stretch, 0});  // until the first look, which keeps what it knows
+          memory.particles.push_back(
+              {slip.other, 0, 0, stretch, 0});  // until the first look, which keeps what it knows
         }
         break;
       case StoneSlip::With::kStone: {
         auto pair = std::ranges::find(memory.pairs, slip.other, &Pair::stone);
-        if (pair == memory.pairs.end() && memory.pairs.size() < memory.pairs.capacity()) {
+        if (pair == memory.pairs.end() && memory.pairs.size() < kMostPartners) {
           memory.pairs.push_back({slip.other, {}});
           pair = memory.pairs.end() - 1;
         }

@@ -59,6 +59,8 @@ class Stones {
   [[nodiscard]] const std::shared_ptr<const StoneShape>& shape(std::size_t stone) const { return shapes_[stone]; }
   /// scene_T_stone. May be called in the tick.
   [[nodiscard]] Pose pose(std::size_t stone) const noexcept;
+  /// Of all. Not for the tick.
+  [[nodiscard]] std::vector<Pose> poses() const;
   [[nodiscard]] Twist twist(std::size_t stone) const noexcept;
   [[nodiscard]] double mass(std::size_t stone) const noexcept { return bodies_[stone].mass_kg; }
   /// Principal moments of inertia, in kg m^2.
@@ -165,7 +167,7 @@ class Stones {
     std::vector<std::array<std::array<float, 3>, 3>> walls;  ///< of each sphere: of the floor, an x and a y wall
     std::vector<StoneToolMemory> tool;
     std::vector<Push> pushes;
-    bool has_room = true;  ///< for all that is near
+    bool has_room = true;        ///< for all that is near
     double looked_at_m = 0;      ///< how far everything had gone when who is near was looked for
     bool look = true;            ///< whether it has to be at once
     bool beside_unrest = true;   ///< whether soil around it is awake, or a stone that it touches moves

@@ -85,8 +85,7 @@ StonesState deserialiseStones(std::string_view bytes) {
   }
   const auto stones = take<std::uint64_t>(bytes);
   const auto slips = take<std::uint64_t>(bytes);
-  if (stones > bytes.size() / sizeof(Record) ||
-      slips != (bytes.size() - stones * sizeof(Record)) / sizeof(StoneSlip) ||
+  if (stones > bytes.size() / sizeof(Record) || slips != (bytes.size() - stones * sizeof(Record)) / sizeof(StoneSlip) ||
       bytes.size() != stones * sizeof(Record) + slips * sizeof(StoneSlip)) {
     throw Failure("these saved stones are damaged: their length does not fit their number");
   }

@@ -26,8 +26,8 @@ struct StoneSlip {
   enum class With : std::uint32_t { kParticle, kStone, kWall, kTool };
   std::uint32_t stone = 0;
   With with = With::kParticle;
-  std::uint32_t sphere = 0;  ///< of the stone; 0 with particles, which touch it as one
-  std::uint32_t other = 0;   ///< particle, stone, or wall: 0 floor, 1 at x, 2 at y; of a tool its side
+  std::uint32_t sphere = 0;          ///< of the stone; 0 with particles, which touch it as one
+  std::uint32_t other = 0;           ///< particle, stone, or wall: 0 floor, 1 at x, 2 at y; of a tool its side
   float x = 0, y = 0, z = 0, w = 0;  ///< m; w only with jaws
 
   [[nodiscard]] bool operator==(const StoneSlip&) const = default;

@@ -59,9 +59,8 @@ void makeToolMesh(Scenario& scenario) {
     throw InvalidParameter("stones", fmt::format("of spheres up to {:g} mm across", 2e3 * largestSphere(stones)),
                            fmt::format("at most {:g} mm where the tool is a mesh", 2e3 * kMostMeshReach_m));
   }
-  scenario.tool.mesh = scenario.mesh.bytes == nullptr
-                           ? nullptr
-                           : toolMesh(scenario.mesh, contactReach(scenario.tool, scenario.bed));
+  scenario.tool.mesh =
+      scenario.mesh.bytes == nullptr ? nullptr : toolMesh(scenario.mesh, contactReach(scenario.tool, scenario.bed));
 }
 
 void validate(const Scenario& scenario) {

@@ -66,17 +66,17 @@ std::vector<StoneKey> allKeys() {
       {"", "spheres_mm", "spheres",
        StoneKey::ItemsValue{"x, y, z and radius of each sphere, one after the other", setSpheres},
        "The spheres of a stone of your own, wherever its middle is."},
-      {"", "x_mm", "x_m", length<&S::x_m>(StonesRanges::place_m), "Where its middle is."},
-      {"", "y_mm", "y_m", length<&S::y_m>(StonesRanges::place_m), "Where its middle is."},
+      {"", "x_mm", "x_m", length<&S::x_m>(StonesRanges::place_m), "Where its middle is along x."},
+      {"", "y_mm", "y_m", length<&S::y_m>(StonesRanges::place_m), "Where its middle is along y."},
       {"", "depth_mm", "depth_m", length<&S::depth_m>(StonesRanges::depth_m),
        "How deep its middle lies below the surface; below 0 it begins above it, and falls."},
       {"", "turn_deg", "turn_rad",
-       StoneKey::VectorValue{StonesRanges::turn_rad.in(kDegree), [](S& s, const Vec3& v) { s.turn_rad = v * kDegree; },
-                             [](const S& s) {
-                               return Vec3(s.turn_rad.unaryExpr([](double a) { return inUnits(a, kDegree); }));
-                             }},
+       StoneKey::VectorValue{
+           StonesRanges::turn_rad.in(kDegree), [](S& s, const Vec3& v) { s.turn_rad = v * kDegree; },
+           [](const S& s) { return Vec3(s.turn_rad.unaryExpr([](double a) { return inUnits(a, kDegree); })); }},
        "How it is turned: about x first, then y, then z."},
-      {"", "fixed", "fixed", StoneKey::SwitchValue{[](S& s, bool v) { s.fixed = v; }, [](const S& s) { return s.fixed; }},
+      {"", "fixed", "fixed",
+       StoneKey::SwitchValue{[](S& s, bool v) { s.fixed = v; }, [](const S& s) { return s.fixed; }},
        "Whether it stays where it is, whatever pushes it, as bedrock does."},
   };
 }

@@ -75,17 +75,17 @@ Session::Showing Session::showNew(const Scenario& scenario, const SettleProgress
   const Bed& bed = made.scene->bed();
   std::vector<Vec3> centres_m = centresOf(bed.state().position);
   centres_m.resize(bed.particles());
-  made.fresh = std::make_shared<const Fresh>(
-      Fresh{scenario.bed.soil, scenario.bed.gravity_m_s2, std::move(centres_m), bed.surfaceHeight()});
+  made.fresh = std::make_shared<const Fresh>(Fresh{scenario.bed.soil, scenario.bed.gravity_m_s2, std::move(centres_m),
+                                                   bed.stones().poses(), bed.surfaceHeight()});
   return made;
 }
 
 Session::Showing Session::showAgain(const Scenario& scenario, const std::vector<Vec3>& centres_m,
-                                    std::shared_ptr<const Fresh> fresh) {
+                                    const std::vector<Pose>& stones, std::shared_ptr<const Fresh> fresh) {
   Showing made;
   made.scenario = scenario;
   made.made_of = scenario.bed.soil;
-  made.scene = std::make_unique<Scene>(scenario.bed, scenario.tool, centres_m);
+  made.scene = std::make_unique<Scene>(scenario.bed, scenario.tool, centres_m, stones);
   made.fresh = std::move(fresh);
   return made;
 }
@@ -330,20 +330,24 @@ void Session::keepFresh(std::shared_ptr<const Fresh> fresh) {
 void Session::make(std::string_view why, bool as_it_lies) {
   const std::shared_ptr<const Fresh> fresh = as_it_lies ? current_.fresh : freshFor(wanted_);
   std::vector<Vec3> centres_m;
+  std::vector<Pose> stones;
   if (as_it_lies) {
     centres_m = centresOf(snapshot().position);
-  } else if (fresh) {
-    centres_m = fresh->centres_m;  // no need to settle again
+    stones = snapshot().stones;
+  } else if (fresh) {  // no need to settle again
+    centres_m = fresh->centres_m;
+    stones = fresh->stones;
   }
   auto making = std::make_unique<Making>();
   making->why = why;
   try {
     making->result = std::async(std::launch::async, [scenario = wanted_, fresh, centres_m = std::move(centres_m),
-                                                     making = making.get()] {
-      Showing made = fresh ? showAgain(scenario, centres_m, fresh) : showNew(scenario, [making](double time_s, double) {
-        making->settled_s = time_s;
-        return !making->unwanted;
-      });
+                                                     stones = std::move(stones), making = making.get()] {
+      Showing made =
+          fresh ? showAgain(scenario, centres_m, stones, fresh) : showNew(scenario, [making](double time_s, double) {
+            making->settled_s = time_s;
+            return !making->unwanted;
+          });
       made.own_shown = std::make_unique<ShownScene>(*made.scene);
       made.shown = made.own_shown.get();
       return made;

@@ -112,6 +112,7 @@ class Session {
     SoilParameters soil;
     Vec3 gravity_m_s2;
     std::vector<Vec3> centres_m;
+    std::vector<Pose> stones;  ///< scene_T_stone
     double surface_m = 0;
   };
   /// A bed that is, was or will be shown.
@@ -128,7 +129,7 @@ class Session {
 
   [[nodiscard]] static Showing showNew(const Scenario& scenario, const SettleProgress& progress);
   [[nodiscard]] static Showing showAgain(const Scenario& scenario, const std::vector<Vec3>& centres_m,
-                                         std::shared_ptr<const Fresh> fresh);
+                                         const std::vector<Pose>& stones, std::shared_ptr<const Fresh> fresh);
   void wantBed(std::string_view why);
   void pursue();
   void changeWhatIsThere();

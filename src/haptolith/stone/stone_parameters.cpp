@@ -48,10 +48,14 @@ double largestSphere(const StonesParameters& stones) noexcept {
 void validate(const StonesParameters& stones) {
   requireInRange("count", stones.count, StonesRanges::count);
   requireInRange("smallest_m", stones.smallest_m, kStoneSize_m);
-  requireInRange("largest_m", stones.largest_m, {stones.smallest_m, kStoneSize_m.highest});
+  requireInRange("largest_m", stones.largest_m, kStoneSize_m);
   requireInRange("exponent", stones.exponent, StonesRanges::exponent);
   requireInRange("shallowest_m", stones.shallowest_m, StonesRanges::depth_m);
-  requireInRange("deepest_m", stones.deepest_m, {stones.shallowest_m, StonesRanges::depth_m.highest});
+  requireInRange("deepest_m", stones.deepest_m, StonesRanges::depth_m);
+  if (stones.count > 0) {
+    requireInRange("largest_m", stones.largest_m, {stones.smallest_m, kStoneSize_m.highest});
+    requireInRange("deepest_m", stones.deepest_m, {stones.shallowest_m, StonesRanges::depth_m.highest});
+  }
   requireInRange("seed", static_cast<double>(stones.seed), StonesRanges::seed);
   requireInRange("density_kg_m3", stones.density_kg_m3, StonesRanges::density_kg_m3);
   if (stones.form == StoneForm::kSpheres) {

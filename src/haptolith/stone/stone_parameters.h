@@ -20,13 +20,13 @@ enum class StoneForm {
 /// A stone that somebody puts somewhere.
 struct PlacedStone {
   StoneForm form = StoneForm::kRock;
-  double size_m = 0.03;              ///< diameter of the sphere of its volume; not for kSpheres
-  std::uint64_t seed = 1;            ///< of kRock
+  double size_m = 0.03;                ///< diameter of the sphere of its volume; not for kSpheres
+  std::uint64_t seed = 1;              ///< of kRock
   std::vector<StoneSphere> spheres{};  ///< of kSpheres, in a frame of their own
-  double x_m = 0, y_m = 0;           ///< of its middle, scene frame
-  double depth_m = 0;                ///< of its middle below the surface of the soil; negative: above it
-  Vec3 turn_rad = Vec3::Zero();      ///< about x first, then y, then z
-  bool fixed = false;                ///< stays where it is, whatever pushes it: bedrock, a post
+  double x_m = 0, y_m = 0;             ///< of its middle, scene frame
+  double depth_m = 0;                  ///< of its middle below the surface of the soil; negative: above it
+  Vec3 turn_rad = Vec3::Zero();        ///< about x first, then y, then z
+  bool fixed = false;                  ///< stays where it is, whatever pushes it: bedrock, a post
 
   [[nodiscard]] bool operator==(const PlacedStone&) const = default;
 };

@@ -45,8 +45,9 @@ int Scene::substepsOf(const BedParameters& bed, const ToolParameters& tool) {
 Scene::Scene(const BedParameters& bed, const ToolParameters& tool, const SettleProgress& progress)
     : tool_(tool), substeps_(substepsOf(bed, tool)), bed_(bed, progress), opening_m_(tool.opening_m) {}
 
-Scene::Scene(const BedParameters& bed, const ToolParameters& tool, const std::vector<Vec3>& centres_m)
-    : tool_(tool), substeps_(substepsOf(bed, tool)), bed_(bed, centres_m), opening_m_(tool.opening_m) {}
+Scene::Scene(const BedParameters& bed, const ToolParameters& tool, const std::vector<Vec3>& centres_m,
+             const std::vector<Pose>& stones)
+    : tool_(tool), substeps_(substepsOf(bed, tool)), bed_(bed, centres_m, stones), opening_m_(tool.opening_m) {}
 
 void Scene::setTool(const ToolParameters& tool) noexcept {
   for (const std::uint32_t group : bed_.groupsNear(tool_pose_.position_m, 0)) {  // and those that the old one was near

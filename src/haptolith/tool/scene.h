@@ -35,8 +35,9 @@ class Scene {
   /// as Bed::settle().
   Scene(const BedParameters& bed, const ToolParameters& tool, const SettleProgress& progress = {});
 
-  /// The same with its soil where the caller wants it, at rest.
-  Scene(const BedParameters& bed, const ToolParameters& tool, const std::vector<Vec3>& centres_m);
+  /// The same with its soil and stones where the caller wants them, at rest.
+  Scene(const BedParameters& bed, const ToolParameters& tool, const std::vector<Vec3>& centres_m,
+        const std::vector<Pose>& stones = {});
 
   /// A scene that goes on from a saved one bit for bit, without its soil being settled again.
   /// @throws InvalidParameter as restore().

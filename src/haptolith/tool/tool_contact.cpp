@@ -257,7 +257,8 @@ class Encounter {
                       .radius_m = radius_m_ + p.w,
                       .twist = {Vec3(v.x, v.y, v.z), Vec3::Zero()},
                       .law = &frictional_[static_cast<std::size_t>(classes_.of(p.w))]};
-    return meet(grain, memory.side[i], contact_friction_ ? &memory.slip[i] : nullptr, [](const Answer&, const Vec3&) {});
+    return meet(grain, memory.side[i], contact_friction_ ? &memory.slip[i] : nullptr,
+                [](const Answer&, const Vec3&) {});
   }
 
   /// Forces on one stone.
@@ -330,8 +331,7 @@ class Encounter {
   [[nodiscard]] Answer answerTo(const Touch& touch, const Vec3& tool_m_s, const Grain& grain,
                                 Vec3& slip_m) const noexcept {
     const Meeting meeting{touch.outward, touch.depth_m, tool_m_s, grain.twist.at(touch.point_m - grain.lever_m)};
-    return contact_friction_ ? grain.law->meet(meeting, slip_m)
-                             : paperAnswer(tool_, radius_m_, dt_s_, meeting);
+    return contact_friction_ ? grain.law->meet(meeting, slip_m) : paperAnswer(tool_, radius_m_, dt_s_, meeting);
   }
 
   void feel(const Answer& answer, const Vec3& point_m) noexcept {
