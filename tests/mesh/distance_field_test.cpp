@@ -289,7 +289,7 @@ TEST(DistanceField, GrowsCoarserToFitItsMemoryAndSaysSo) {
 
 TEST(DistanceField, RefusesOptionsOutsideTheirRanges) {
   EXPECT_THAT(refusalOf(made::cube(0.02), {.spacing_m = 0}), HasSubstr("spacing_m"));
-  EXPECT_THAT(refusalOf(made::cube(0.02), {.band_m = 0.03}), HasSubstr("band_m"));
+  EXPECT_THAT(refusalOf(made::cube(0.02), {.band_m = 0.04}), HasSubstr("band_m"));
   EXPECT_THAT(refusalOf(made::cube(0.02), {.band_m = std::nan("")}), HasSubstr("band_m"));
   EXPECT_THAT(refusalOf(made::cube(0.02), {.threads = 0}), HasSubstr("threads"));
   EXPECT_THROW((void)makeDistanceField({}), InvalidParameter);

@@ -11,6 +11,7 @@
 #include "haptolith/bed/critical_step.h"
 #include "haptolith/bed/graded_start.h"
 #include "haptolith/bed/spatial_order.h"
+#include "haptolith/bed/stone_start.h"
 #include "haptolith/bed/tile_cache.h"
 #include "haptolith/core/error.h"
 
@@ -59,6 +60,42 @@ BedParameters withoutStones(BedParameters bed) {
   return bed;
 }
 
+/// Soil of a given depth is where stones are not. (That of a given number of grains has as many with them, see
+/// bedStones(); and so has graded soil, whose grains stand in groups.)
+template <class StartingSoil>
+StartingSoil clearedOfStones(StartingSoil soil, const BedParameters& bed) {
+  const bool has_depth = bed.start == BedStart::kSettled || bed.start == BedStart::kPacked;
+  if (!bed.stones.any() || !has_depth || grainClasses(bed) > 1) {
+    return soil;
+  }
+  const StonesOfBed all = stonesOf(bed.stones);
+  Stones stones(bed, 0, all.shapes, all.fixed);
+  const std::vector<Pose> places = startingPlaces(bed, stones, bed.depth_m);
+  for (std::size_t i = 0; i < places.size(); ++i) {
+    stones.place(i, places[i]);
+  }
+  auto& laid = soil.laid;
+  const std::size_t free = laid.sources.empty() ? laid.grains.size() : laid.free;
+  std::size_t kept = 0;
+  for (std::size_t i = 0; i < laid.grains.size(); ++i) {
+    if (i < free && isInStone(stones, laid.grains[i], bed.soil.radius_m)) {
+      continue;
+    }
+    laid.grains[kept] = laid.grains[i];
+    if (!laid.sources.empty()) {
+      laid.sources[kept] = laid.sources[i];
+    }
+    ++kept;
+  }
+  laid.free -= std::min(laid.free, laid.grains.size() - kept);
+  laid.grains.resize(kept);
+  laid.sources.resize(laid.sources.empty() ? 0 : kept);
+  if (laid.grains.empty()) {
+    throw InvalidParameter("stones", "in place of all the soil", "with soil around them");
+  }
+  return soil;
+}
+
 /// Grains of one size as they lie before they settle, of several after it.
 std::vector<Float4> startingGrains(const BedParameters& bed, const SettleProgress& progress) {
   if (grainClasses(bed) == 1) {
@@ -83,7 +120,8 @@ std::vector<Float4> startingGrains(const BedParameters& bed, const SettleProgres
 }  // namespace
 
 Bed::Bed(const BedParameters& parameters, const SettleProgress& progress)
-    : Bed(parameters, startingSoil(withoutStones(validated(parameters)), progress), progress) {
+    : Bed(parameters, clearedOfStones(startingSoil(withoutStones(validated(parameters)), progress), parameters),
+          progress) {
   if (parameters.stones.any()) {
     makeStones();
     placeStones({});

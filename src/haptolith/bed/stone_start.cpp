@@ -22,7 +22,7 @@ namespace {
 /// Rocks at random places are of so many shapes, each turned another way: making one takes some milliseconds.
 constexpr std::uint64_t kRockShapes = 12;
 
-/// Soil deeper in a stone than this share of its radius makes room for it.
+/// Soil deeper in a stone than this share of its radius is not there with it.
 constexpr double kDeepest = 0.1;
 
 /// What is laid with stones has come to rest when nothing in it moves faster, or has had so long a simulated time for
@@ -123,6 +123,11 @@ StonesOfBed stonesOf(const StonesParameters& stones) {
   return all;
 }
 
+bool isInStone(const Stones& stones, const Float4& grain, double radius_m) {
+  const double own_m = radius_m + grain.w;
+  return stones.depthOf({grain.x, grain.y, grain.z}, own_m) > kDeepest * own_m;
+}
+
 std::vector<Pose> startingPlaces(const BedParameters& bed, const Stones& stones, double surface_m) {
   std::vector<Pose> places;
   Standing standing;
@@ -182,7 +187,9 @@ void Bed::placeStones(const std::vector<Pose>& places) {
     throw InvalidParameter("stones", fmt::format("{} places", places.size()),
                            fmt::format("one for each of {} stones", stones_.size()));
   }
-  const std::vector<Pose> all = places.empty() ? startingPlaces(parameters_, stones_, surfaceHeight()) : places;
+  const bool has_depth = parameters_.start == BedStart::kSettled || parameters_.start == BedStart::kPacked;
+  const double surface_m = has_depth ? parameters_.depth_m : surfaceHeight();
+  const std::vector<Pose> all = places.empty() ? startingPlaces(parameters_, stones_, surface_m) : places;
   for (std::size_t i = 0; i < all.size(); ++i) {
     stones_.place(i, all[i]);
   }
@@ -192,9 +199,7 @@ void Bed::moveOutOfStones() {
   const double radius_m = parameters_.soil.radius_m;
   std::vector<std::size_t> displaced;
   for (std::size_t i = 0; i < particles(); ++i) {
-    const Float4& p = state_.position[i];
-    const double own_m = radius_m + p.w;
-    if (!isDriven(i) && stones_.depthOf({p.x, p.y, p.z}, own_m) > kDeepest * own_m) {
+    if (!isDriven(i) && isInStone(stones_, state_.position[i], radius_m)) {
       displaced.push_back(i);
     }
   }

@@ -17,6 +17,9 @@ struct StonesOfBed {
 };
 [[nodiscard]] StonesOfBed stonesOf(const StonesParameters& stones);
 
+/// Whether a grain is so deep in a stone that one of the two has to make room.
+[[nodiscard]] bool isInStone(const Stones& stones, const Float4& grain, double radius_m);
+
 /// Where they are at first, above or in soil whose surface is so high. None overlaps another; placed ones stand where
 /// they were put, the larger of the others are put first.
 /// @throws InvalidParameter when one is not in the box, overlaps another, or finds no place.

@@ -38,6 +38,24 @@ double ballVolume(double radius_m) {
   return 4.0 / 3.0 * std::numbers::pi * radius_m * radius_m * radius_m;
 }
 
+/// A stone where it is now.
+struct PlacedShape {
+  const StoneShape& shape;
+  const std::vector<Vec3>& centres_m;  ///< of its spheres, scene frame
+};
+
+/// Of a particle with those spheres of a stone that it is near to.
+template <class NearParticle>
+Overlap overlapWith(const NearParticle& near, const std::vector<std::uint16_t>& spheres, const PlacedShape& stone,
+                    const Vec3& place_m, double radius_m) noexcept {
+  OverlapOfSpheres with;
+  for (std::uint32_t k = near.first; k < near.first + near.count; ++k) {
+    const std::size_t s = spheres[k];
+    with.add(place_m - stone.centres_m[s], stone.shape.spheres[s].radius_m + radius_m);
+  }
+  return with.overlap();
+}
+
 /// A small turn about one of a body's own axes. Without the library's sine, whose last digit differs between machines:
 /// tan(x) = x + x^3 / 3 is right to twelve digits for what a stone turns in a step.
 Quat aboutAxis(int axis, double angle_rad) noexcept {
@@ -55,6 +73,7 @@ Stones::Stones(const BedParameters& bed, double skin_m, std::vector<std::shared_
                const std::vector<bool>& fixed)
     : soil_(bed.soil),
       classes_(bed.soil.radius_m, grainClasses(bed)),
+      density_kg_m3_(bed.stones.density_kg_m3),
       half_width_m_(bed.width_m / 2 + heldWidth(bed)),
       half_length_m_(bed.length_m / 2 + heldWidth(bed)),
       wall_ratio_(bed.wall_friction_ratio),
@@ -72,8 +91,8 @@ Stones::Stones(const BedParameters& bed, double skin_m, std::vector<std::shared_
   for (std::size_t i = 0; i < shapes_.size(); ++i) {
     const StoneShape& shape = *shapes_[i];
     Body& body = bodies_[i];
-    body.mass_kg = bed.stones.density_kg_m3 * shape.volume_m3;
-    body.inertia_kg_m2 = bed.stones.density_kg_m3 * shape.inertia_m5;
+    body.mass_kg = density_kg_m3_ * shape.volume_m3;
+    body.inertia_kg_m2 = density_kg_m3_ * shape.inertia_m5;
     body.radius_m = shape.radius();
     body.fixed = fixed[i];
     body.inverse_mass = body.fixed ? 0 : 1 / body.mass_kg;
@@ -382,12 +401,7 @@ void Stones::pressSoil(std::size_t stone, const SoilAroundStones& soil) noexcept
     const std::size_t i = near.particle;
     const Float4& at = soil.state.position[i];
     const Vec3 place = placeOf(at);
-    OverlapOfSpheres with;
-    for (std::uint32_t k = near.first; k < near.first + near.count; ++k) {
-      const std::size_t s = memory.spheres[k];
-      with.add(place - body.centres_m[s], shape.spheres[s].radius_m + soil_.radius_m + at.w);
-    }
-    const Overlap overlap = with.overlap();
+    const Overlap overlap = overlapWith(near, memory.spheres, {shape, body.centres_m}, place, soil_.radius_m + at.w);
     const StoneContactLaw& law = with_soil_[stone][static_cast<std::size_t>(classes_.of(at.w))];
     if (-overlap.depth_m >= law.reach()) {
       near.stretch = {};
@@ -507,8 +521,8 @@ void Stones::letGo(std::vector<Float4>& forces) noexcept {
   }
 }
 
-void Stones::move(const Vec3& gravity_m_s2, double dt_s, const RestRule& rule) noexcept {
-  rest_steps_ = rule.steps;
+void Stones::move(const Vec3& gravity_m_s2, double dt_s, const RestRule& rest) noexcept {
+  rest_steps_ = rest.steps;
   double fastest_m_s = 0;
   for (std::size_t i = 0; i < size(); ++i) {
     StoneState& state = state_.stones[i];
@@ -516,7 +530,7 @@ void Stones::move(const Vec3& gravity_m_s2, double dt_s, const RestRule& rule) n
     const Wrench wrench{body.felt.force_n + body.pushed.force_n, body.felt.torque_nm + body.pushed.torque_nm};
     body.pushed = {};
     if (body.fixed) {
-      state.rested = rule.sleep && !memory_[i].beside_unrest ? StoneState::kAsleep : std::uint16_t{1};
+      state.rested = rest.sleep && !memory_[i].beside_unrest ? StoneState::kAsleep : std::uint16_t{1};
       continue;
     }
     if (state.asleep()) {
@@ -527,7 +541,7 @@ void Stones::move(const Vec3& gravity_m_s2, double dt_s, const RestRule& rule) n
     state.angular_momentum_nms += dt_s * wrench.torque_nm;
     turn(i, dt_s);
     fastest_m_s = std::max(fastest_m_s, state.velocity_m_s.norm() + body.angular_rad_s.norm() * shapes_[i]->reach_m);
-    rest(i, rule);
+    this->rest(i, rest);
   }
   went_m_ += 2 * fastest_m_s * dt_s;
 }
@@ -620,13 +634,9 @@ double Stones::energy(const BedState& soil, const Vec3& gravity_m_s2) const {
     }
     for (const NearParticle& near : memory.particles) {
       const Float4& at = soil.position[near.particle];
-      OverlapOfSpheres with;
-      for (std::uint32_t k = near.first; k < near.first + near.count; ++k) {
-        const std::size_t s = memory.spheres[k];
-        with.add(placeOf(at) - body.centres_m[s], shape.spheres[s].radius_m + soil_.radius_m + at.w);
-      }
       const StoneContactLaw& law = with_soil_[i][static_cast<std::size_t>(classes_.of(at.w))];
-      const double depth_m = with.overlap().depth_m;
+      const double depth_m =
+          overlapWith(near, memory.spheres, {shape, body.centres_m}, placeOf(at), soil_.radius_m + at.w).depth_m;
       energy += -depth_m < law.reach() ? law.energy(depth_m, vectorOf(near.stretch)) : 0;
     }
     for (std::size_t s = 0; s < shape.spheres.size(); ++s) {

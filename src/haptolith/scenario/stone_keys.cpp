@@ -84,8 +84,8 @@ std::vector<StoneKey> allKeys() {
 }  // namespace
 
 std::span<const StoneKey> stoneKeys() {
-  static const std::vector<StoneKey> keys = allKeys();
-  return keys;
+  static const std::vector<StoneKey> kKeys = allKeys();
+  return kKeys;
 }
 
 void readPlacedStones(const TomlReader& reader, Scenario& scene) {
