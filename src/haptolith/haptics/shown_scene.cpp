@@ -9,9 +9,7 @@ SceneSnapshot firstSnapshot(const Scene& scene) {
   const Bed& bed = scene.bed();
   snapshot.position.assign(bed.state().position.begin(),
                            bed.state().position.begin() + static_cast<std::ptrdiff_t>(bed.particles()));
-  for (std::size_t stone = 0; stone < bed.stones().size(); ++stone) {
-    snapshot.stones.push_back(bed.stones().pose(stone));
-  }
+  snapshot.stones = bed.stones().poses();
   snapshot.asleep.resize(bed.state().rested.size());
   snapshot.awake = bed.awake();
   return snapshot;
