@@ -22,8 +22,11 @@ namespace {
 /// Rocks at random places are of so many shapes, each turned another way: making one takes some milliseconds.
 constexpr std::uint64_t kRockShapes = 12;
 
-/// Soil deeper in a stone than this share of its radius is not there with it.
-constexpr double kDeepest = 0.1;
+/// Soil deeper in a stone than this share of its radius is not there with it, and the stone grows into the rest: with
+/// 1, grains whose middle is inside are left out, as much soil as the stone is large; beside a wall grains lie a little
+/// more densely than their middles tell.
+constexpr double kDeepest = 0.8;
+constexpr double kGrowing_s = 0.2;
 
 /// What is laid with stones has come to rest when nothing in it moves faster, or has had so long a simulated time for
 /// it.
@@ -256,20 +259,24 @@ void Bed::bedStones(const SettleProgress& progress) {
   moveOutOfStones();
   const double dt_s = parameters_.tick_s / substepsFor(parameters_, 0);
   constexpr int kStepsBetweenLooks = 100;
-  double time_s = 0;
+  const double grain_m = (1 + parameters_.soil.size_spread) * parameters_.soil.radius_m;
+  double time_s = -kGrowing_s;
   double speed_m_s = 0;
   do {
     for (int i = 0; i < kStepsBetweenLooks; ++i) {
+      const double to_grow_s = std::max(0.0, -(time_s + (i + 1) * dt_s));
+      stones_.growIn(kDeepest * grain_m * to_grow_s / kGrowing_s);
       if (const StepStatus status = step(dt_s); status != StepStatus::kOk) {
         throw Failure(fmt::format("the soil around the stones did not settle: {}", text(status)));
       }
     }
     time_s += kStepsBetweenLooks * dt_s;
     speed_m_s = std::max(largestSpeed(), stones_.largestSpeed());
-    if (progress && !progress(time_s, speed_m_s)) {
-      throw Failure(fmt::format("interrupted while the stones settled, after {:.1f} s of simulated time", time_s));
+    if (progress && !progress(kGrowing_s + time_s, speed_m_s)) {
+      throw Failure(
+          fmt::format("interrupted while the stones settled, after {:.1f} s of simulated time", kGrowing_s + time_s));
     }
-  } while (speed_m_s > kAtRest_m_s && time_s < kLongestBedding_s);
+  } while (time_s < kLongestBedding_s && (time_s <= 0 || speed_m_s > kAtRest_m_s));
   for (std::size_t i = 0; i < particles(); ++i) {
     state_.velocity[i] = isDriven(i) ? state_.velocity[i] : Float4{};
   }

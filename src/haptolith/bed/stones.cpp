@@ -42,6 +42,7 @@ double ballVolume(double radius_m) {
 struct PlacedShape {
   const StoneShape& shape;
   const std::vector<Vec3>& centres_m;  ///< of its spheres, scene frame
+  double short_m;                      ///< by which they are smaller
 };
 
 /// Of a particle with those spheres of a stone that it is near to.
@@ -51,7 +52,7 @@ Overlap overlapWith(const NearParticle& near, const std::vector<std::uint16_t>& 
   OverlapOfSpheres with;
   for (std::uint32_t k = near.first; k < near.first + near.count; ++k) {
     const std::size_t s = spheres[k];
-    with.add(place_m - stone.centres_m[s], stone.shape.spheres[s].radius_m + radius_m);
+    with.add(place_m - stone.centres_m[s], stone.shape.spheres[s].radius_m - stone.short_m + radius_m);
   }
   return with.overlap();
 }
@@ -215,6 +216,15 @@ void Stones::setSoil(const SoilParameters& soil) noexcept {
   wakeAll();
 }
 
+void Stones::growIn(double short_m) noexcept {
+  if (short_m == short_m_) {
+    return;
+  }
+  went_m_ += std::abs(short_m - short_m_);
+  short_m_ = short_m;
+  wakeAll();
+}
+
 void Stones::begin(double dt_s) noexcept {
   dt_s_ = dt_s;
   put_.clear();
@@ -255,7 +265,7 @@ bool Stones::putForces(const SoilAroundStones& soil) noexcept {
     pressStones(i, soil);
   }
   for (std::size_t i = 0; i < size(); ++i) {
-    const bool moving = !bodies_[i].fixed && state_.stones[i].rested < soil.wakefulness.rule().steps;
+    const bool moving = short_m_ > 0 || (!bodies_[i].fixed && state_.stones[i].rested < soil.wakefulness.rule().steps);
     for (const Push& push : memory_[i].pushes) {
       Float4& sum = soil.forces[push.particle];
       put_.push_back({push.particle, sum});
@@ -401,7 +411,8 @@ void Stones::pressSoil(std::size_t stone, const SoilAroundStones& soil) noexcept
     const std::size_t i = near.particle;
     const Float4& at = soil.state.position[i];
     const Vec3 place = placeOf(at);
-    const Overlap overlap = overlapWith(near, memory.spheres, {shape, body.centres_m}, place, soil_.radius_m + at.w);
+    const Overlap overlap =
+        overlapWith(near, memory.spheres, {shape, body.centres_m, short_m_}, place, soil_.radius_m + at.w);
     const StoneContactLaw& law = with_soil_[stone][static_cast<std::size_t>(classes_.of(at.w))];
     if (-overlap.depth_m >= law.reach()) {
       near.stretch = {};
@@ -529,6 +540,9 @@ void Stones::move(const Vec3& gravity_m_s2, double dt_s, const RestRule& rest) n
     Body& body = bodies_[i];
     const Wrench wrench{body.felt.force_n + body.pushed.force_n, body.felt.torque_nm + body.pushed.torque_nm};
     body.pushed = {};
+    if (short_m_ > 0) {
+      continue;
+    }
     if (body.fixed) {
       state.rested = rest.sleep && !memory_[i].beside_unrest ? StoneState::kAsleep : std::uint16_t{1};
       continue;
@@ -636,7 +650,8 @@ double Stones::energy(const BedState& soil, const Vec3& gravity_m_s2) const {
       const Float4& at = soil.position[near.particle];
       const StoneContactLaw& law = with_soil_[i][static_cast<std::size_t>(classes_.of(at.w))];
       const double depth_m =
-          overlapWith(near, memory.spheres, {shape, body.centres_m}, placeOf(at), soil_.radius_m + at.w).depth_m;
+          overlapWith(near, memory.spheres, {shape, body.centres_m, short_m_}, placeOf(at), soil_.radius_m + at.w)
+              .depth_m;
       energy += -depth_m < law.reach() ? law.energy(depth_m, vectorOf(near.stretch)) : 0;
     }
     for (std::size_t s = 0; s < shape.spheres.size(); ++s) {

@@ -82,6 +82,9 @@ class Stones {
   [[nodiscard]] std::span<StoneToolMemory> toolMemory(std::size_t stone) noexcept { return memory_[stone].tool; }
   void forgetTool() noexcept;
 
+  /// While stones grow into soil: for it their spheres are smaller by so much, and they stand fast until that is 0.
+  void growIn(double short_m) noexcept;
+
   /// First part of a step of `dt_s`: what soil and walls do to stones where they all are now, in `parts` that several
   /// threads may work out at once.
   void begin(double dt_s) noexcept;
@@ -209,8 +212,9 @@ class Stones {
     Float4 before;
   };
   std::vector<Put> put_;
-  double went_m_ = 0;  ///< that no two bodies can have come closer by, in all
-  double dt_s_ = 0;    ///< that the laws are made for
+  double went_m_ = 0;   ///< that no two bodies can have come closer by, in all
+  double dt_s_ = 0;     ///< of the step under way
+  double short_m_ = 0;  ///< growIn()
 };
 
 }  // namespace haptolith
