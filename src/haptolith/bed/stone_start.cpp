@@ -22,10 +22,10 @@ namespace {
 /// Rocks at random places are of so many shapes, each turned another way: making one takes some milliseconds.
 constexpr std::uint64_t kRockShapes = 12;
 
-/// Soil deeper in a stone than this share of its radius is not there with it, and the stone grows into the rest: with
-/// 1, grains whose middle is inside are left out, as much soil as the stone is large; beside a wall grains lie a little
-/// more densely than their middles tell.
-constexpr double kDeepest = 0.8;
+/// Soil deeper in a stone than this share of its radius is not there with it, and the stone grows into the rest. With 1
+/// it would be as much soil as the stone is large; but grains lie looser beside a wall, as if it stood a third of a
+/// radius further out (Desmond and Weeks 2009, Phys. Rev. E 80, 051305).
+constexpr double kDeepest = 0.65;
 constexpr double kGrowing_s = 0.2;
 
 /// What is laid with stones has come to rest when nothing in it moves faster, or has had so long a simulated time for
