@@ -45,6 +45,18 @@ StoneContactLaw StoneContactLaw::bare(const SoilParameters& soil, const Touching
   return {soil, bodies, friction_ratio};
 }
 
+ContactFrictionLaw StoneContactLaw::inKernel() const {
+  const auto f = [](double value) { return static_cast<float>(value); };
+  return {.normal = kernelLaw(law_, law_.diameter_m / 2),
+          .nearer = 0,
+          .cohesion = f(law_.cohesion_n),
+          .two_per_range = f(2 / law_.cohesion_range_m),
+          .damping = f(damping_),
+          .friction = f(friction_),
+          .stiffness = f(tangential_n_m_),
+          .lag = f(lag_s_)};
+}
+
 void OverlapOfSpheres::add(const Vec3& apart_m, double radii_m) noexcept {
   const double squared = apart_m.squaredNorm();
   if (const double beyond_m = radii_m - nearest_.depth_m;

@@ -3,6 +3,7 @@
 #include <array>
 #include <limits>
 
+#include "haptolith/bed/kernel_law.h"
 #include "haptolith/core/vec.h"
 #include "haptolith/soil/contact_law.h"
 #include "haptolith/soil/soil_parameters.h"
@@ -52,6 +53,9 @@ class StoneContactLaw {
   [[nodiscard]] static StoneContactLaw withGrains(const SoilParameters& soil, const TouchingBodies& bodies);
   [[nodiscard]] static StoneContactLaw bare(const SoilParameters& soil, const TouchingBodies& bodies,
                                             double friction_ratio = 1);
+
+  /// The same, as the kernel of soil around stones wants it.
+  [[nodiscard]] ContactFrictionLaw inKernel() const;
 
   /// From this gap between the surfaces on there is no force, in m.
   [[nodiscard]] double reach() const noexcept { return law_.cutoff_m - law_.diameter_m; }

@@ -1,6 +1,7 @@
 #include "haptolith/bed/stones.h"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <limits>
 #include <numbers>
@@ -20,11 +21,10 @@ constexpr double kMarginRadii = 0.5;
 /// Grains in a volume at most, over those that would fill it whole: closer packings than the closest are pressed.
 constexpr double kDensest = 1.0;
 
+constexpr std::size_t kBits = 64;
+
 /// Other stones next to one, counted once for each pair.
 constexpr std::size_t kMostPartners = 64;
-
-/// For each particle near a stone room for so many of the stone's spheres, on average.
-constexpr std::size_t kMostSpheresEach = 64;
 
 Vec3 placeOf(const Float4& p) noexcept {
   return {p.x, p.y, p.z};
@@ -36,25 +36,6 @@ Vec3 inFrame(const Eigen::Matrix3d& scene_R_frame, const Vec3& v) noexcept {
 
 double ballVolume(double radius_m) {
   return 4.0 / 3.0 * std::numbers::pi * radius_m * radius_m * radius_m;
-}
-
-/// A stone where it is now.
-struct PlacedShape {
-  const StoneShape& shape;
-  const std::vector<Vec3>& centres_m;  ///< of its spheres, scene frame
-  double short_m;                      ///< by which they are smaller
-};
-
-/// Of a particle with those spheres of a stone that it is near to.
-template <class NearParticle>
-Overlap overlapWith(const NearParticle& near, const std::vector<std::uint16_t>& spheres, const PlacedShape& stone,
-                    const Vec3& place_m, double radius_m) noexcept {
-  OverlapOfSpheres with;
-  for (std::uint32_t k = near.first; k < near.first + near.count; ++k) {
-    const std::size_t s = spheres[k];
-    with.add(place_m - stone.centres_m[s], stone.shape.spheres[s].radius_m - stone.short_m + radius_m);
-  }
-  return with.overlap();
 }
 
 /// A small turn about one of a body's own axes. Without the library's sine, whose last digit differs between machines:
@@ -81,6 +62,7 @@ Stones::Stones(const BedParameters& bed, double skin_m, std::vector<std::shared_
       skin_m_(skin_m),
       rest_steps_(restRule(bed).steps),
       shapes_(std::move(shapes)),
+      spheres_(shapes_.size()),
       bodies_(shapes_.size()),
       memory_(shapes_.size()),
       with_soil_(shapes_.size()),
@@ -104,12 +86,20 @@ Stones::Stones(const BedParameters& bed, double skin_m, std::vector<std::shared_
     const auto most_near = static_cast<std::size_t>(kDensest * std::max(ballVolume(around_m) - shape.volume_m3, 0.0) /
                                                     ballVolume(finest_m)) +
                            16;
+    for (const StoneSphere& sphere : shape.spheres) {
+      const auto f = [](double value) { return static_cast<float>(value); };
+      spheres_[i].push_back(
+          {f(sphere.centre_m.x()), f(sphere.centre_m.y()), f(sphere.centre_m.z()), f(sphere.radius_m)});
+    }
     Memory& memory = memory_[i];
-    memory.particles.reserve(most_near);
+    const std::size_t most_packs = most_near / kGroup + GrainClasses::kMost;
+    memory.packs.reserve(most_packs);
+    memory.spheres.reserve(most_packs * shape.spheres.size());
+    memory.near.reserve(most_near);
+    memory.near_now.resize((shape.spheres.size() + kBits - 1) / kBits);
     memory.before.reserve(most_near);
     memory.groups.reserve(most_near);
     memory.pushes.reserve(most_near);
-    memory.spheres.reserve(most_near * std::min(shape.spheres.size(), kMostSpheresEach));
     const std::size_t most_stones = std::min(shapes_.size(), kMostPartners);
     memory.pairs.reserve(most_stones);
     memory.stones.reserve(most_stones * shape.spheres.size());
@@ -135,8 +125,9 @@ void Stones::makeLaws() noexcept {
     with_walls_[i] = StoneContactLaw::bare(soil_, {r, r, m, m}, wall_ratio_);
     for (int c = 0; c < classes_.count(); ++c) {
       const SoilParameters grains = rescaled(soil_, GrainClasses::scale(c) * soil_.radius_m);
-      with_soil_[i][static_cast<std::size_t>(c)] =
+      const StoneContactLaw law =
           StoneContactLaw::withGrains(grains, {r, grains.radius_m, m, macroparticleMass(grains)});
+      with_soil_[i][static_cast<std::size_t>(c)] = {law, law.inKernel()};
     }
     memory_[i].look = true;  // contacts may reach further, and those between stones are others
   }
@@ -296,65 +287,125 @@ bool Stones::lookAround(std::size_t stone, const SoilAroundStones& soil) noexcep
 
 bool Stones::lookForParticles(std::size_t stone, const SoilAroundStones& soil) noexcept {
   Memory& memory = memory_[stone];
-  const Body& body = bodies_[stone];
-  const StoneShape& shape = *shapes_[stone];
-  memory.before.swap(memory.particles);
-  memory.particles.clear();
-  memory.spheres.clear();
-  memory.groups.clear();
-  const double surface_m = with_soil_[stone][0].reach() + margin();
-  const double grain_m = (1 + soil_.size_spread) * soil_.radius_m;
-  const Vec3& middle = state_.stones[stone].scene_T_stone.position_m;
-  const double reach_m = shape.reach_m + surface_m + grain_m + skin_m_ / 2;  // of where particles are listed
-  const auto corner = [&](double sign) {
-    return Float4{static_cast<float>(middle.x() + sign * reach_m), static_cast<float>(middle.y() + sign * reach_m),
-                  static_cast<float>(middle.z() + sign * reach_m), 0};
-  };
-  bool room = true;
-  soil.neighbourhood.forEachNear(corner(-1), corner(1), [&](std::int32_t particle) {
-    const auto i = static_cast<std::size_t>(particle);
-    const Vec3 place = placeOf(soil.state.position[i]);
-    const double radius_m = soil_.radius_m + soil.state.position[i].w;
-    const double far_m = shape.reach_m + radius_m + surface_m;
-    if ((place - middle).squaredNorm() > far_m * far_m) {
-      return;
-    }
-    const auto first = static_cast<std::uint32_t>(memory.spheres.size());
-    for (std::size_t s = 0; s < shape.spheres.size(); ++s) {
-      const double near_m = shape.spheres[s].radius_m + radius_m + surface_m;
-      if ((place - body.centres_m[s]).squaredNorm() <= near_m * near_m) {
-        room = room && memory.spheres.size() < memory.spheres.capacity();
-        if (room) {
-          memory.spheres.push_back(static_cast<std::uint16_t>(s));
-        }
+  for (const StonePack& pack : memory.packs) {
+    for (std::size_t k = 0; k < pack.count; ++k) {
+      const Stretch stretch{pack.stretch_m[0][k], pack.stretch_m[1][k], pack.stretch_m[2][k]};
+      if (stretch != Stretch{} && memory.before.size() < memory.before.capacity()) {
+        memory.before.push_back({static_cast<std::uint32_t>(pack.particle[k]), stretch});
       }
     }
-    const auto count = static_cast<std::uint32_t>(memory.spheres.size()) - first;
-    if (count > 0) {
-      room = room && memory.particles.size() < memory.particles.capacity();
-      if (room) {
-        memory.particles.push_back({static_cast<std::uint32_t>(i), first, count, {}, went_m_});
+  }
+  std::ranges::sort(memory.before, {}, &Slid::particle);
+  listCandidates(stone, soil);
+  const bool room = packUp(stone, soil.state);
+  memory.before.clear();
+  return room;
+}
+
+/// Who is near to the sphere around the stone, class by class.
+void Stones::listCandidates(std::size_t stone, const SoilAroundStones& soil) noexcept {
+  Memory& memory = memory_[stone];
+  memory.near.clear();
+  const double reach_m = shapes_[stone]->reach_m + with_soil_[stone][0].law.reach() + margin();
+  const double grain_m = (1 + soil_.size_spread) * soil_.radius_m;
+  const Vec3& middle = state_.stones[stone].scene_T_stone.position_m;
+  const double listed_m = reach_m + grain_m + skin_m_ / 2;  // of where particles are listed
+  const auto corner = [&](double sign) {
+    return Float4{static_cast<float>(middle.x() + sign * listed_m), static_cast<float>(middle.y() + sign * listed_m),
+                  static_cast<float>(middle.z() + sign * listed_m), 0};
+  };
+  memory.has_room = true;
+  soil.neighbourhood.forEachNear(corner(-1), corner(1), [&](std::int32_t particle) {
+    const Float4& at = soil.state.position[static_cast<std::size_t>(particle)];
+    const double far_m = reach_m + soil_.radius_m + at.w;
+    if ((placeOf(at) - middle).squaredNorm() <= far_m * far_m) {
+      memory.has_room = memory.has_room && memory.near.size() < memory.near.capacity();
+      if (memory.has_room) {
+        memory.near.push_back(static_cast<std::uint32_t>(particle));
       }
     }
   });
-  if (!room) {
-    return false;
-  }
-  std::ranges::sort(memory.particles, {}, &NearParticle::particle);
-  auto before = memory.before.begin();
-  for (NearParticle& near : memory.particles) {
-    while (before != memory.before.end() && before->particle < near.particle) {
-      ++before;
+  std::ranges::sort(memory.near, {}, [&](std::uint32_t particle) {
+    return std::pair(classes_.of(soil.state.position[particle].w), particle);
+  });
+}
+
+/// Those of the candidates who are near to a sphere, in packs of one class; false when there is no room for them.
+bool Stones::packUp(std::size_t stone, const BedState& soil) noexcept {
+  Memory& memory = memory_[stone];
+  memory.packs.clear();
+  memory.spheres.clear();
+  memory.groups.clear();
+  const Eigen::Matrix3d& rotation = bodies_[stone].rotation;
+  const Vec3& middle = state_.stones[stone].scene_T_stone.position_m;
+  const double surface_m = with_soil_[stone][0].law.reach() + margin();
+  const auto finish_pack = [&] {
+    StonePack& pack = memory.packs.back();
+    std::fill(pack.particle.begin() + pack.count, pack.particle.end(), pack.particle[0]);
+    pack.first_sphere = static_cast<std::uint32_t>(memory.spheres.size());
+    for (std::size_t word = 0; word < memory.near_now.size(); ++word) {
+      for (std::uint64_t bits = memory.near_now[word]; bits != 0; bits &= bits - 1) {
+        memory.spheres.push_back(
+            static_cast<std::uint16_t>(word * kBits + static_cast<std::size_t>(std::countr_zero(bits))));
+      }
     }
-    if (before != memory.before.end() && before->particle == near.particle) {
-      near.stretch = before->stretch;
+    pack.sphere_count = static_cast<std::uint32_t>(memory.spheres.size()) - pack.first_sphere;
+    std::ranges::fill(memory.near_now, std::uint64_t{0});
+  };
+  for (const std::uint32_t particle : memory.near) {
+    const Float4& at = soil.position[particle];
+    const Vec3 place = inFrame(rotation, placeOf(at) - middle);
+    const auto x = static_cast<float>(place.x());
+    const auto y = static_cast<float>(place.y());
+    const auto z = static_cast<float>(place.z());
+    const auto near_m = static_cast<float>(soil_.radius_m + at.w + surface_m);
+    const int grain_class = classes_.of(at.w);
+    const bool goes_on =
+        !memory.packs.empty() && memory.packs.back().count < kGroup && memory.packs.back().grain_class == grain_class;
+    bool begun = goes_on;
+    bool any = false;
+    for (std::size_t s = 0; s < spheres_[stone].size(); ++s) {
+      const Float4& sphere = spheres_[stone][s];
+      const float dx = x - sphere.x;
+      const float dy = y - sphere.y;
+      const float dz = z - sphere.z;
+      if (dx * dx + dy * dy + dz * dz > (near_m + sphere.w) * (near_m + sphere.w)) {
+        continue;
+      }
+      if (!begun) {
+        if (!memory.packs.empty()) {
+          finish_pack();
+        }
+        if (memory.packs.size() == memory.packs.capacity()) {
+          return false;
+        }
+        memory.packs.push_back({.grain_class = grain_class, .apart_until_m = went_m_});
+        begun = true;
+      }
+      memory.near_now[s / kBits] |= std::uint64_t{1} << (s % kBits);
+      any = true;
     }
-    const auto group = static_cast<std::uint32_t>(near.particle / kGroup);
+    if (!any) {
+      continue;
+    }
+    StonePack& pack = memory.packs.back();
+    const std::size_t k = pack.count++;
+    pack.particle[k] = static_cast<std::int32_t>(particle);
+    const auto before = std::ranges::lower_bound(memory.before, particle, {}, &Slid::particle);
+    if (before != memory.before.end() && before->particle == particle) {
+      for (std::size_t axis = 0; axis < 3; ++axis) {
+        pack.stretch_m[axis][k] = before->stretch_m[axis];
+      }
+    }
+    const auto group = static_cast<std::uint32_t>(particle / kGroup);
     if (memory.groups.empty() || memory.groups.back() != group) {
       memory.groups.push_back(group);
     }
   }
-  return true;
+  if (!memory.packs.empty()) {
+    finish_pack();
+  }
+  return memory.has_room;
 }
 
 bool Stones::lookForStones(std::size_t stone) noexcept {
@@ -402,32 +453,29 @@ bool Stones::lookForStones(std::size_t stone) noexcept {
 void Stones::pressSoil(std::size_t stone, const SoilAroundStones& soil) noexcept {
   Body& body = bodies_[stone];
   Memory& memory = memory_[stone];
-  const StoneShape& shape = *shapes_[stone];
-  const Vec3 middle = state_.stones[stone].scene_T_stone.position_m;
-  for (NearParticle& near : memory.particles) {
-    if (went_m_ < near.apart_until_m) {
+  const StoneState& state = state_.stones[stone];
+  const StoneMotion motion(state.scene_T_stone.position_m, body.rotation, state.velocity_m_s,
+                           inFrame(body.rotation, body.angular_rad_s));
+  PackTouch touch;
+  for (StonePack& pack : memory.packs) {
+    if (went_m_ < pack.apart_until_m) {
       continue;
     }
-    const std::size_t i = near.particle;
-    const Float4& at = soil.state.position[i];
-    const Vec3 place = placeOf(at);
-    const Overlap overlap =
-        overlapWith(near, memory.spheres, {shape, body.centres_m, short_m_}, place, soil_.radius_m + at.w);
-    const StoneContactLaw& law = with_soil_[stone][static_cast<std::size_t>(classes_.of(at.w))];
-    if (-overlap.depth_m >= law.reach()) {
-      near.stretch = {};
-      near.apart_until_m = went_m_ - overlap.depth_m - law.reach();
-      continue;
+    pressPack({.law = with_soil_[stone][static_cast<std::size_t>(pack.grain_class)].in_kernel,
+               .motion = motion,
+               .spheres = spheres_[stone].data(),
+               .numbers = std::span(memory.spheres).subspan(pack.first_sphere, pack.sphere_count),
+               .grain_m = static_cast<float>(soil_.radius_m - short_m_),
+               .dt_s = static_cast<float>(dt_s_)},
+              soil.state.position.data(), soil.state.velocity.data(), pack, touch);
+    pack.apart_until_m = went_m_ + *std::ranges::min_element(touch.beyond_m);
+    for (std::size_t k = 0; k < pack.count; ++k) {
+      if (touch.beyond_m[k] < 0) {
+        const Stretch force{touch.force_n[0][k], touch.force_n[1][k], touch.force_n[2][k]};
+        memory.pushes.push_back({static_cast<std::uint32_t>(pack.particle[k]), force});
+        body.felt.add(-vectorOf(force), {touch.lever_m[0][k], touch.lever_m[1][k], touch.lever_m[2][k]});
+      }
     }
-    // All lines between the centres meet in the particle's: so does their sum's.
-    const Vec3 lever = place - (soil_.radius_m + at.w - overlap.depth_m / 2) * overlap.towards - middle;
-    const Vec3 relative = placeOf(soil.state.velocity[i]) - velocityAt(stone, lever);
-    Vec3 stretch = body.rotation * vectorOf(near.stretch);
-    const Vec3 force = law.force(overlap, relative, dt_s_, stretch);
-    near.stretch = stretchOf(inFrame(body.rotation, stretch));
-    const Stretch rounded = stretchOf(force);  // what the particle feels the stone feels
-    memory.pushes.push_back({near.particle, rounded});
-    body.felt.add(-vectorOf(rounded), lever);
   }
 }
 
@@ -646,13 +694,18 @@ double Stones::energy(const BedState& soil, const Vec3& gravity_m_s2) const {
           body.mass_kg * (state.velocity_m_s.squaredNorm() / 2 - gravity_m_s2.dot(state.scene_T_stone.position_m)) +
           state.angular_momentum_nms.dot(body.angular_rad_s) / 2;
     }
-    for (const NearParticle& near : memory.particles) {
-      const Float4& at = soil.position[near.particle];
-      const StoneContactLaw& law = with_soil_[i][static_cast<std::size_t>(classes_.of(at.w))];
-      const double depth_m =
-          overlapWith(near, memory.spheres, {shape, body.centres_m, short_m_}, placeOf(at), soil_.radius_m + at.w)
-              .depth_m;
-      energy += -depth_m < law.reach() ? law.energy(depth_m, vectorOf(near.stretch)) : 0;
+    for (const StonePack& pack : memory.packs) {
+      const StoneContactLaw& law = with_soil_[i][static_cast<std::size_t>(pack.grain_class)].law;
+      for (std::size_t k = 0; k < pack.count; ++k) {
+        const Float4& at = soil.position[static_cast<std::size_t>(pack.particle[k])];
+        OverlapOfSpheres with;
+        for (std::size_t s = 0; s < shape.spheres.size(); ++s) {
+          with.add(placeOf(at) - body.centres_m[s], shape.spheres[s].radius_m - short_m_ + soil_.radius_m + at.w);
+        }
+        const double depth_m = with.overlap().depth_m;
+        const Stretch stretch{pack.stretch_m[0][k], pack.stretch_m[1][k], pack.stretch_m[2][k]};
+        energy += -depth_m < law.reach() ? law.energy(depth_m, vectorOf(stretch)) : 0;
+      }
     }
     for (std::size_t s = 0; s < shape.spheres.size(); ++s) {
       const Vec3& centre = body.centres_m[s];
@@ -697,8 +750,14 @@ StonesState Stones::save() const {
   };
   for (std::size_t i = 0; i < size(); ++i) {
     const Memory& memory = memory_[i];
-    for (const NearParticle& near : memory.particles) {
-      keep(i, StoneSlip::With::kParticle, 0, near.particle, near.stretch);
+    for (const StonePack& pack : memory.packs) {
+      for (std::size_t k = 0; k < pack.count; ++k) {
+        keep(i, StoneSlip::With::kParticle, 0, static_cast<std::uint32_t>(pack.particle[k]),
+             {pack.stretch_m[0][k], pack.stretch_m[1][k], pack.stretch_m[2][k]});
+      }
+    }
+    for (const Slid& slid : memory.before) {
+      keep(i, StoneSlip::With::kParticle, 0, slid.particle, slid.stretch_m);
     }
     for (const NearStone& near : memory.stones) {
       keep(i, StoneSlip::With::kStone, near.sphere, memory.pairs[near.pair].stone, near.stretch);
@@ -749,7 +808,8 @@ void Stones::restore(const StonesState& saved) {
   state_.stones = saved.stones;
   for (std::size_t i = 0; i < size(); ++i) {
     Memory& memory = memory_[i];
-    memory.particles.clear();
+    memory.packs.clear();
+    memory.before.clear();
     memory.pairs.clear();
     memory.stones.clear();
     std::ranges::fill(memory.walls, std::array<Stretch, 3>{});
@@ -764,9 +824,8 @@ void Stones::restore(const StonesState& saved) {
     const Stretch stretch{slip.x, slip.y, slip.z};
     switch (slip.with) {
       case StoneSlip::With::kParticle:
-        if (memory.particles.size() < memory.particles.capacity()) {
-          memory.particles.push_back(
-              {slip.other, 0, 0, stretch, 0});  // until the first look, which keeps what it knows
+        if (memory.before.size() < memory.before.capacity()) {
+          memory.before.push_back({slip.other, stretch});
         }
         break;
       case StoneSlip::With::kStone: {
@@ -792,8 +851,10 @@ void Stones::restore(const StonesState& saved) {
 std::size_t Stones::bytes() const noexcept {
   std::size_t bytes = size() * (sizeof(Body) + sizeof(Memory) + sizeof(StoneState) + sizeof(with_soil_[0]));
   for (const Memory& memory : memory_) {
-    bytes += (memory.particles.capacity() + memory.before.capacity()) * sizeof(NearParticle) +
-             memory.spheres.capacity() * sizeof(std::uint16_t) + memory.groups.capacity() * sizeof(std::uint32_t) +
+    bytes += memory.packs.capacity() * sizeof(StonePack) + memory.before.capacity() * sizeof(Slid) +
+             memory.spheres.capacity() * sizeof(std::uint16_t) + memory.near_now.size() * sizeof(std::uint64_t) +
+             (memory.near.capacity() + memory.groups.capacity()) * sizeof(std::uint32_t) +
+             memory.pushes.capacity() * sizeof(Push) +
              (memory.stones.capacity() + memory.stones_before.capacity()) * sizeof(NearStone) +
              memory.pairs.capacity() * sizeof(Pair) + memory.walls.size() * sizeof(memory.walls[0]) +
              memory.tool.size() * sizeof(StoneToolMemory);

@@ -12,6 +12,7 @@
 #include "haptolith/bed/grain_classes.h"
 #include "haptolith/bed/neighbourhood.h"
 #include "haptolith/bed/stone_contact.h"
+#include "haptolith/bed/stone_kernel.h"
 #include "haptolith/bed/stones_state.h"
 #include "haptolith/bed/wakefulness.h"
 #include "haptolith/core/vec.h"
@@ -139,12 +140,10 @@ class Stones {
     Wrench felt, pushed;          ///< about its middle: in this step, and by others for it
   };
 
-  /// A particle that may touch a stone before it is looked for again.
-  struct NearParticle {
+  /// Friction's stretch that a particle had when who is near was looked for the last time, stone's frame.
+  struct Slid {
     std::uint32_t particle;
-    std::uint32_t first, count;    ///< of its spheres, in Memory::spheres
-    std::array<float, 3> stretch;  ///< of friction, in m, stone's frame
-    double apart_until_m;          ///< until everything has gone so far in all, it cannot touch
+    Stretch stretch_m;
   };
   /// Another stone that a sphere may touch.
   struct NearStone {
@@ -162,9 +161,12 @@ class Stones {
     Stretch force_n;
   };
   struct Memory {
-    std::vector<NearParticle> particles, before;  ///< in ascending order; and room for those of the last look
-    std::vector<std::uint16_t> spheres;
-    std::vector<std::uint32_t> groups;  ///< of the particles, each once
+    std::vector<StonePack> packs;         ///< of particles that may touch it before it is looked again
+    std::vector<std::uint16_t> spheres;   ///< numbers that the packs refer to
+    std::vector<std::uint32_t> near;      ///< room for looking: particles
+    std::vector<std::uint64_t> near_now;  ///< and a bit for each sphere
+    std::vector<Slid> before;             ///< what a saved state remembers until the first look, and room for that
+    std::vector<std::uint32_t> groups;    ///< of the particles, each once
     std::vector<Pair> pairs;
     std::vector<NearStone> stones, stones_before;
     std::vector<std::array<std::array<float, 3>, 3>> walls;  ///< of each sphere: of the floor, an x and a y wall
@@ -179,6 +181,8 @@ class Stones {
 
   [[nodiscard]] bool lookAround(std::size_t stone, const SoilAroundStones& soil) noexcept;
   [[nodiscard]] bool lookForParticles(std::size_t stone, const SoilAroundStones& soil) noexcept;
+  void listCandidates(std::size_t stone, const SoilAroundStones& soil) noexcept;
+  [[nodiscard]] bool packUp(std::size_t stone, const BedState& soil) noexcept;
   [[nodiscard]] bool lookForStones(std::size_t stone) noexcept;
   [[nodiscard]] double margin() const noexcept;
   void pressSoil(std::size_t stone, const SoilAroundStones& soil) noexcept;
@@ -201,10 +205,15 @@ class Stones {
   double skin_m_ = 0;
   std::uint16_t rest_steps_ = 0;  ///< RestRule::steps
   std::vector<std::shared_ptr<const StoneShape>> shapes_;
+  std::vector<std::vector<Float4>> spheres_;  ///< of the shapes: middle in the stone's frame, radius
   std::vector<Body> bodies_;
   StonesState state_;  ///< its list of slips is filled by save() alone
   std::vector<Memory> memory_;
-  std::vector<std::array<StoneContactLaw, GrainClasses::kMost>> with_soil_;
+  struct SoilLaw {
+    StoneContactLaw law;
+    ContactFrictionLaw in_kernel;  ///< the same
+  };
+  std::vector<std::array<SoilLaw, GrainClasses::kMost>> with_soil_;
   std::vector<StoneContactLaw> with_walls_, with_floor_;
   /// What stones have put on particles in this step, and what was there before.
   struct Put {
