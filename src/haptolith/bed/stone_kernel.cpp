@@ -71,16 +71,14 @@ HWY_INLINE PackOverlap overlapOf(const StoneBesidePack& stone, const Triple<V>& 
     const Float4& sphere = stone.spheres[number];
     const Triple<V> apart = minus(place, {set(sphere.x), set(sphere.y), set(sphere.z)});
     const V radii = set(sphere.w) + own;
-    const V squared = dot(apart, apart);
+    const V squared = hn::Max(dot(apart, apart), set(1e-20F));  // a middle in a middle has a distance, too
     const V matters = radii - hn::Min(nearest, zero);
     if (hn::AllFalse(d, squared < matters * matters)) {
       continue;
     }
-    const V distance = hn::Sqrt(squared);
-    const auto somewhere = distance > zero;
-    const Triple<V> towards =
-        chosen(somewhere, times(one / hn::IfThenElse(somewhere, distance, one), apart), {zero, zero, one});
-    const V depth = radii - distance;
+    const Distance distance = distanceOf(squared);
+    const Triple<V> towards = times(distance.inverse, apart);
+    const V depth = radii - distance.metres;
     const auto deeper = depth > nearest;
     nearest = hn::IfThenElse(deeper, depth, nearest);
     nearest_towards = chosen(deeper, towards, nearest_towards);
