@@ -326,6 +326,34 @@ TEST(Stones, LieInSoilThatCarriesThem) {
   }
 }
 
+/// Grains around a point.
+int grainsWithin(const Bed& bed, const Vec3& middle_m, double radius_m) {
+  int count = 0;
+  for (std::size_t i = 0; i < bed.particles(); ++i) {
+    const Float4& p = bed.state().position[i];
+    count += (Vec3(p.x, p.y, p.z) - middle_m).norm() < radius_m ? 1 : 0;
+  }
+  return count;
+}
+
+TEST(Stones, SoilAroundThemIsAsDenseAsElsewhere) {
+  constexpr double kStone_m = 0.02;
+  constexpr double kAround_m = 0.045;
+  BedParameters parameters = soilWithStones();
+  parameters.depth_m = 0.1;
+  parameters.stones = {};
+  const Bed level(parameters);
+  parameters.stones.placed = {ball(2 * kStone_m, {0, 0, -0.05})};
+  parameters.stones.placed[0].fixed = true;
+  const Bed bed(parameters);
+  const Vec3 middle = bed.stones().pose(0).position_m;
+  const int with = grainsWithin(bed, middle, kAround_m);
+  const int without = grainsWithin(level, middle, kAround_m);
+  // Beside a wall soil is looser, as if the wall stood 0.35 R further out.
+  const double taken = std::pow((kStone_m + 0.35 * soilWithStones().soil.radius_m) / kAround_m, 3);
+  EXPECT_NEAR(with, (1 - taken) * without, 0.05 * without) << without;
+}
+
 TEST(Stones, WakeWhatTheyTouchAndAreWokenByIt) {
   Bed bed(soilWithStones());
   run(bed, 2);
