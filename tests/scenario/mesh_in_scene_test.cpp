@@ -13,6 +13,7 @@
 
 #include "haptolith/scenario/built_in_tools.h"
 #include "haptolith/scenario/scenario.h"
+#include "haptolith/tool/scene.h"
 #include "haptolith/tool/tool_mesh.h"
 
 namespace haptolith {
@@ -147,6 +148,44 @@ TEST(BuiltInTools, NeedNoMendingAndFitIntoAHand) {
     EXPECT_LT(scene.tool.mesh->field.enclosingRadius(), 0.06) << tool.name;
     EXPECT_EQ(scene.tool.mesh->field.spacing(), 0.4e-3) << tool.name;
     EXPECT_LT(scene.tool.mesh->field.bytes(), std::size_t{40} << 20) << tool.name;
+  }
+}
+
+TEST(DrawnTools, TheScoopCarriesALoadThatWeighsWhatItWeighs) {
+  const Scenario scenario = scenarioFromText(
+      "[tool]\nname = 'scoop'\n[soil]\nname = 'lunar-0-15cm'\nradius_mm = 4\n[bed]\nwidth_mm = 400\n", "x.toml");
+  constexpr double kHeight_m = 0.1;
+  std::vector<Vec3> grains{{-0.19, -0.05, 0.004}};  // in a corner of the box: the soil's surface
+  for (int x = 0; x < 5; ++x) {
+    for (int y = 0; y < 4; ++y) {
+      for (int z = 0; z < 2; ++z) {
+        grains.emplace_back(-0.022 + 0.0085 * x, -0.013 + 0.0085 * y, kHeight_m - 0.005 + 0.0085 * z);
+      }
+    }
+  }
+  const auto load = static_cast<double>(grains.size() - 1);
+  Scene scene(scenario.bed, scenario.tool, grains);
+  scene.placeTool({{{Vec3(0, 0, kHeight_m), Quat::Identity()}, {}}});
+  HandState hand{{scene.toolPose(), {}}};
+  for (int i = 0; i < 1500; ++i) {
+    ASSERT_EQ(scene.tick(hand), StepStatus::kOk);
+  }
+  const double mass_kg = load * macroparticleMass(scenario.bed.soil);
+  const double weight_n = -mass_kg * scenario.bed.gravity_m_s2.z();
+  EXPECT_NEAR(scene.felt().wrench.force_n.z(), -weight_n, 0.03 * weight_n);
+  // Sideways with 0.5 m/s^2 for 0.4 s.
+  constexpr double kFaster_m_s2 = 0.5;
+  double pushed_ns = 0;
+  for (int i = 1; i <= 400; ++i) {
+    const double t = 1e-3 * i;
+    hand.pose.position_m.y() = kFaster_m_s2 / 2 * t * t;
+    hand.twist.linear_m_s.y() = kFaster_m_s2 * t;
+    ASSERT_EQ(scene.tick(hand), StepStatus::kOk);
+    pushed_ns -= 1e-3 * scene.felt().wrench.force_n.y();
+  }
+  EXPECT_NEAR(pushed_ns, mass_kg * kFaster_m_s2 * 0.4, 0.1 * mass_kg * kFaster_m_s2 * 0.4);
+  for (std::size_t i = 1; i < grains.size(); ++i) {
+    EXPECT_GT(scene.bed().state().position[i].z, kHeight_m - 0.012) << i << " has been lost";
   }
 }
 
