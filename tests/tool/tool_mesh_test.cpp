@@ -224,10 +224,17 @@ int passages(const BedParameters& bed, const ToolParameters& tool, const Vec3& s
     }
   };
   move(Vec3(-0.045, 0, middle_m));
-  const double squeezing_m = bed.width_m / 2 - 0.006;  // 6 mm from the box, for grains of 14 mm
+  const std::vector<Pose> stones = scene.bed().stones().poses();
+  double squeezing_m = bed.width_m / 2 - 0.006;  // 6 mm from the box, for grains of 14 mm
+  for (std::size_t i = 0; i < scene.bed().stones().size(); ++i) {
+    squeezing_m -= 2 * scene.bed().stones().shape(i)->reach_m;
+  }
   for (int times = 0; times < 2; ++times) {
     move(Vec3(squeezing_m, 0.01, middle_m));
     move(Vec3(-squeezing_m, -0.01, middle_m));
+  }
+  for (std::size_t i = 0; i < stones.size(); ++i) {
+    EXPECT_GT((scene.bed().stones().pose(i).position_m - stones[i].position_m).norm(), 0.01) << "it was not met";
   }
   return count;
 }
@@ -240,6 +247,14 @@ TEST(ToolMesh, NobodyPassesAWallOfOneMillimetreAtHandSpeeds) {
     for (const double speed : {0.2, 0.5, 1.0}) {
       EXPECT_EQ(passages(bed, wall, {0.05, 0.04, 0.001}, speed), 0) << speed;
     }
+  }
+}
+
+TEST(ToolMesh, NobodyPassesAThinWallBesideAStone) {
+  BedParameters bed = lunarBed();
+  bed.stones.placed = {{.size_m = 0.02, .seed = 3, .x_m = 0.01, .depth_m = 0.4 * bed.depth_m}};
+  for (const double speed : {0.2, 1.0}) {
+    EXPECT_EQ(passages(bed, drawn(shovel(0.001)), {0.05, 0.04, 0.001}, speed), 0) << speed;
   }
 }
 
