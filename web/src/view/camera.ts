@@ -66,6 +66,7 @@ export class OrbitCamera {
   private box: Extent = { width_m: 0.126, length_m: 0.126, surface_m: 0.04, wall_m: 0.06 };
   private view: ViewName = 'three-quarter';
   private moved = false;
+  private in_ground = false;
   private turn: { from: Place; to: Place; start_ms: number } | null = null;
 
   constructor() {
@@ -79,6 +80,13 @@ export class OrbitCamera {
     if (JSON.stringify(box) === JSON.stringify(this.box)) return;
     this.box = box;
     this.aside_m.clampLength(0, this.longest_m / 2);
+    this.fit();
+  }
+
+  /** Whether the ground is at the level of the soil, and not below the box. */
+  setInGround(in_ground: boolean): void {
+    if (in_ground === this.in_ground) return;
+    this.in_ground = in_ground;
     this.fit();
   }
 
@@ -250,9 +258,11 @@ export class OrbitCamera {
       return { x: at_m.x / (depth_m * HALF_HEIGHT * this.camera.aspect), y: at_m.y / (depth_m * HALF_HEIGHT) };
     };
     const { width_m, length_m, wall_m } = this.box;
+    // What is in the ground is not to be seen.
+    const low_m = this.in_ground ? this.box.surface_m : 0;
     for (let corner = 0; corner < 8; ++corner) {
       const sign = (bit: number): number => (corner & bit ? 0.5 : -0.5);
-      const { x, y } = look(sign(1) * width_m, sign(2) * length_m, corner & 4 ? wall_m : 0);
+      const { x, y } = look(sign(1) * width_m, sign(2) * length_m, corner & 4 ? wall_m : low_m);
       box.aside = Math.max(box.aside, Math.abs(x));
       box.bottom = Math.min(box.bottom, y);
       box.top = Math.max(box.top, y);
@@ -277,7 +287,8 @@ export class OrbitCamera {
       this.target_m.z + distance_m * Math.sin(elevation),
     );
     // Under the ground there is nothing to see.
-    this.camera.position.z = Math.max(this.camera.position.z, 0.15 * this.box.surface_m);
+    const lowest_m = this.in_ground ? 1.2 * this.box.surface_m : 0.15 * this.box.surface_m;
+    this.camera.position.z = Math.max(this.camera.position.z, lowest_m);
     this.camera.lookAt(this.target_m);
     this.camera.rotateX(LOOK_OVER_DEG * DEGREES * Math.cos(elevation));
     this.camera.updateMatrixWorld();

@@ -3,8 +3,9 @@
 
 import { BackSide, Color, GLSL3, Mesh, ShaderMaterial, SphereGeometry, Vector3 } from 'three';
 import { lookOf } from './body_looks';
-import { TO_SUN } from './light_shader';
 
+// A little below the horizon, as the sine of the angle.
+const LOWEST = -0.02;
 const COMPANIONS = { earth: 1, jupiter: 2, charon: 3 } as const;
 
 const VERTEX_SHADER = /* glsl */ `
@@ -24,6 +25,7 @@ uniform vec3 u_to_sun;
 uniform vec3 u_sun;
 uniform float u_sun_radius;
 uniform float u_stars;
+uniform float u_lowest;
 uniform int u_companion;
 uniform vec3 u_to_companion;
 uniform float u_companion_radius;
@@ -82,6 +84,11 @@ vec3 companionColour(vec3 p) {
 
 void main() {
   vec3 way = normalize(v_way);
+  // The ground hides it there, and a renderer without a graphics card works it out all the same.
+  if (way.z < u_lowest) {
+    o_colour = linearToOutputTexel(vec4(u_horizon, 1.0));
+    return;
+  }
   float up = clamp(way.z, 0.0, 1.0);
   vec3 colour = mix(u_horizon, u_zenith, pow(up, 0.45));
   colour += u_stars * starlight(way);
@@ -113,7 +120,7 @@ export class SkyView {
   readonly mesh: Mesh<SphereGeometry, ShaderMaterial>;
   readonly horizon = new Color();
 
-  constructor() {
+  constructor(to_sun: Vector3) {
     const material = new ShaderMaterial({
       glslVersion: GLSL3,
       vertexShader: VERTEX_SHADER,
@@ -123,10 +130,11 @@ export class SkyView {
       uniforms: {
         u_zenith: { value: new Color() },
         u_horizon: { value: new Color() },
-        u_to_sun: { value: TO_SUN },
+        u_to_sun: { value: to_sun },
         u_sun: { value: new Color() },
         u_sun_radius: { value: 0.02 },
         u_stars: { value: 0 },
+        u_lowest: { value: LOWEST },
         u_companion: { value: 0 },
         u_to_companion: { value: new Vector3(0.36, 1, 0.17).normalize() },
         u_companion_radius: { value: 0.05 },
