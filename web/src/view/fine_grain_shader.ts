@@ -56,7 +56,7 @@ void main() {
   if ((number & 1u) == 1u) way = way.zxy;
   vec3 at_m = centre_m + CLOUD_RADII * radius_m * way;
   float size_m = radius_m * position.w * mix(0.5 * min(u_size, 1.6), u_size, aloft) * shown;
-  if (core) size_m = 0.8 * radius_m;
+  if (core) size_m = 0.65 * radius_m;
   vec4 here = surfaceAt(at_m.xy);
   float lying_m = here.x + 0.35 * size_m;
   at_m.z = max(lying_m, mix(lying_m, at_m.z, aloft));
@@ -78,8 +78,7 @@ void main() {
   vec3 bed_normal = vec3(surfaceAt(at_m.xy - vec2(u_cell_m.x, 0.0)).x - here.x,
                          surfaceAt(at_m.xy - vec2(0.0, u_cell_m.y)).x - here.x, 0.0) / vec3(u_cell_m, 1.0);
   // Light goes some way into loose soil.
-  round_normal += 0.4 * u_to_sun;
-  v_normal = normalize(mix(normalize(bed_normal + vec3(0.0, 0.0, 1.0)), round_normal, aloft));
+  v_normal = normalize(mix(normalize(bed_normal + vec3(0.0, 0.0, 1.0)), round_normal, aloft) + 0.4 * u_to_sun);
   float over_shadow_m = at_m.z - here.y;
   float sun = smoothstep(-0.03 * u_radius_m, 0.07 * u_radius_m, over_shadow_m) * sunPastTool(at_m);
   if (aloft < 0.5) sun *= sunPastFlying(at_m);
@@ -90,7 +89,7 @@ void main() {
   float speed_byte = state - 256.0 * force_byte;
   float spread = u_colour_mode == 0 ? 0.36 : 0.12;
   v_albedo = albedoOf(speed_byte, force_byte, speed_byte < 0.5 ? 1.0 : 0.0, centre_m.z) *
-             ((core ? 0.7 : 0.85) + spread * (seed - 0.5));
+             ((core ? 0.55 : 0.78) + spread * (seed - 0.5));
 }
 `;
 

@@ -155,6 +155,16 @@ uniform float u_tool_reach_m;   // of the ball around it
 uniform vec3 u_tool_origin_m;
 uniform mat3 u_tool_T_scene;
 
+// sRGB, as screens and headsets want it, of roots alone: a power costs a renderer without a graphics card much more.
+// Within half a step of 255.
+vec3 toScreen(vec3 linear) {
+  vec3 light = clamp(linear, 0.0, 1.0);
+  vec3 root = sqrt(light);
+  vec3 fourth = sqrt(root);
+  vec3 curved = 0.662002687 * root + 0.68412206 * fourth - 0.323583601 * sqrt(fourth) - 0.022541147 * light;
+  return mix(12.92 * light, curved, step(0.0031308, light));
+}
+
 // x: height of the soil as it is, y: smoothed; in m. Beside the field there is level ground.
 vec2 soilHeight(vec2 at_m) {
   vec2 uv = (at_m - u_field_rect.xy) * u_field_rect.zw;

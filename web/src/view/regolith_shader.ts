@@ -73,10 +73,4 @@ vec3 litSoil(vec3 albedo, vec3 normal, vec3 to_eye, float sun, float sky) {
   vec3 flat_light = vec3(0.62 + 0.26 * into * sun + 0.12 * sky);
   return albedo * mix(light, flat_light, u_flatness);
 }
-
-// sRGB, as screens and headsets want it.
-vec3 toScreen(vec3 linear) {
-  vec3 light = clamp(linear, 0.0, 1.0);
-  return mix(12.92 * light, 1.055 * pow(light, vec3(0.41666)) - 0.055, step(0.0031308, light));
-}
 `;

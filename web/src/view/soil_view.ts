@@ -12,6 +12,8 @@ import {
   InstancedBufferAttribute,
   InstancedBufferGeometry,
   LinearFilter,
+  LinearMipmapLinearFilter,
+  LinearMipmapNearestFilter,
   Mesh,
   Points,
   RawShaderMaterial,
@@ -141,8 +143,10 @@ export class SoilView {
     this.detailed = detailed;
     this.define('DETAIL', detailed);
     // Sharp at a slant costs many looks into the tile, which hardly count on a graphics card.
-    this.uniforms.u_tile.value.anisotropy = detailed ? 8 : 1;
-    this.uniforms.u_tile.value.needsUpdate = true;
+    const tile = this.uniforms.u_tile.value;
+    tile.anisotropy = detailed ? 8 : 1;
+    tile.minFilter = detailed ? LinearMipmapLinearFilter : LinearMipmapNearestFilter;
+    tile.needsUpdate = true;
     this.mesh();
     this.shareOut();
   }

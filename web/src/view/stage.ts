@@ -178,6 +178,7 @@ export class Stage {
   setEdge(widths: number | null): void {
     this.ground.setEdge(widths);
     this.bed.soil.setEdge(widths);
+    this.sky.setAround(widths !== null);
   }
 
   setView(name: ViewName, animate = true): void {

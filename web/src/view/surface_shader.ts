@@ -80,6 +80,7 @@ void main() {
   vec4 hummocks = texture(u_noise, vec3(still_uv / 7.0, 0.4)) - 0.5;
   vec4 swells = texture(u_noise, vec3(still_uv / 41.0, 0.7)) - 0.5;
 #else
+  fine = mix(fine, coarse, smoothstep(0.85, 0.65, normal.z));
   vec4 hummocks = vec4(0.0);
   vec4 swells = vec4(0.0);
 #endif
@@ -90,17 +91,19 @@ void main() {
   // A grain's own shadow is hard; that of a heap has the sun's soft edge.
   float sun = smoothstep(-0.03 * u_radius_m, 0.07 * u_radius_m, v_light.x);
   sun *= mix(1.0, fine.a * mix(1.0, coarse.a, 0.3), (0.7 + 0.2 * stirred) * (1.0 - u_flatness));
-  if (sun > 0.0) sun *= sunPastTool(at_m) * sunPastFlying(at_m);
+  // Loops that run once: sky_view.ts says why.
+  for (int lit = sun > 0.0 ? 0 : 1; lit < 1; ++lit) sun *= sunPastTool(at_m) * sunPastFlying(at_m);
   float deep = clamp(v_light.w / (2.0 * u_radius_m), 0.0, 1.0);
   float sky = 1.0 - 0.6 * deep;
-  if (distance(at_m, u_tool_origin_m) < u_tool_reach_m + u_radius_m)
+  for (int near = distance(at_m, u_tool_origin_m) < u_tool_reach_m + u_radius_m ? 0 : 1; near < 1; ++near)
     sky *= clamp(0.45 + 0.9 * distanceToTool(at_m) / u_radius_m, 0.3, 1.0);
 
   vec3 state = vec3(0.0);
   bool tinted = u_colour_mode > 0;
   vec2 beyond_m = abs(at_m.xy) - u_box_half_m;
   float outside_m = max(beyond_m.x, beyond_m.y);
-  if (tinted) state = texture(u_state, (at_m.xy - u_field_rect.xy) * u_field_rect.zw).rgb * 255.0;
+  for (int paint = tinted ? 0 : 1; paint < 1; ++paint)
+    state = textureLod(u_state, (at_m.xy - u_field_rect.xy) * u_field_rect.zw, 0.0).rgb * 255.0;
   vec3 albedo = tinted && outside_m < 0.0 ? albedoOf(state.r, state.g, state.b / 255.0, at_m.z) : u_soil;
   albedo *= 1.0 + (0.9 * (fine.b - 0.5) + 0.3 * (coarse.b - 0.5) + 0.16 * hummocks.r + 0.2 * swells.r) * (1.0 - 0.8 * u_flatness);
   albedo *= 1.0 - 0.08 * stirred;
