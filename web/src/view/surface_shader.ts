@@ -90,7 +90,7 @@ void main() {
 
   // A grain's own shadow is hard; that of a heap has the sun's soft edge.
   float sun = smoothstep(-0.03 * u_radius_m, 0.07 * u_radius_m, v_light.x);
-  sun *= mix(1.0, fine.a * mix(1.0, coarse.a, 0.3), (0.7 + 0.2 * stirred) * (1.0 - u_flatness));
+  sun *= mix(1.0, fine.a * mix(1.0, coarse.a, 0.3), (0.55 + 0.25 * stirred) * (1.0 - u_flatness));
   // Loops that run once: sky_view.ts says why.
   for (int lit = sun > 0.0 ? 0 : 1; lit < 1; ++lit) sun *= sunPastTool(at_m) * sunPastFlying(at_m);
   float deep = clamp(v_light.w / (2.0 * u_radius_m), 0.0, 1.0);
