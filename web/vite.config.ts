@@ -38,5 +38,5 @@ export default defineConfig({
     },
   },
   // `npm run dev` beside a program or the mock that listens on 8080.
-  server: { proxy: { '/ws': { target: 'ws://127.0.0.1:8080', ws: true, changeOrigin: true } } },
+  server: { proxy: { '/ws': { target: 'ws://127.0.0.1:8080', ws: true } } },
 });

@@ -75,6 +75,7 @@ TEST_F(SnapshotCommand, WrongOptionsAreUsageErrors) {
   refused("view.png", "--height 4321", "4321 is not valid: must be a whole number, 240 to 4320");
   refused("view.png", "--at-s -1", "--at-s");
   refused("view.png", "--fps 30", "--fps requires --film");
+  refused("view.png", "--drawing cubes", "must be grains or balls");
   refused("view.png", "--colour pink", "must be plain, force, speed, depth or sleep");
   refused("view.png", "--view below", "must be front, side, top or three-quarter");
   refused("view.png", "--panels --no-panels", "cannot both be given");

@@ -2,7 +2,7 @@
 
 import type { Layout } from './panels/layout';
 import type { ColourMode, Frame, FrameHeader, Scene, Status } from './protocol';
-import type { Theme, ViewName } from './settings';
+import type { Drawing, Theme, ViewName } from './settings';
 import type { Stage } from './view/stage';
 
 export interface Automation {
@@ -22,6 +22,7 @@ export interface Automation {
   readonly inHeadset: boolean;
   setCamera(name: ViewName): void;
   setColour(mode: ColourMode): void;
+  setDrawing(drawing: Drawing): void;
   setTheme(theme: Theme): void;
   hidePanels(hide: boolean): void;
 }
@@ -38,10 +39,11 @@ interface Parts {
   layout?: Layout;
   now: { hello: { client: number } | null; scene: Scene | null; status: Status | null; frame: Frame | null };
   setColour(mode: ColourMode): void;
+  setDrawing(drawing: Drawing): void;
   setTheme(theme: Theme): void;
 }
 
-export function publish({ stage, layout, now, setColour, setTheme }: Parts): void {
+export function publish({ stage, layout, now, setColour, setDrawing, setTheme }: Parts): void {
   let ready = false;
   const drawn = stage.onDrawn;
   stage.onDrawn = () => {
@@ -83,6 +85,7 @@ export function publish({ stage, layout, now, setColour, setTheme }: Parts): voi
     },
     setCamera: (name) => stage.setView(name, false),
     setColour,
+    setDrawing,
     setTheme: (theme) => setTheme(theme),
     hidePanels: (hide) => layout?.showPanels(!hide),
   };

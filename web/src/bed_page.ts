@@ -27,7 +27,16 @@ import {
   type Scene,
   type Status,
 } from './protocol';
-import { rememberColour, rememberTheme, VIEW_NAMES, type Settings, type Theme } from './settings';
+import {
+  DRAWINGS,
+  rememberColour,
+  rememberDrawing,
+  rememberTheme,
+  VIEW_NAMES,
+  type Drawing,
+  type Settings,
+  type Theme,
+} from './settings';
 import { askFirst } from './study/dialogs';
 import { isTyping, runShortcut, TOOL_KEYS, TOUCH, VIEW_KEYS, type Shortcut } from './shortcuts';
 import { Stage } from './view/stage';
@@ -41,6 +50,7 @@ export function openBedPage(settings: Settings, address: string): void {
     status: null as Status | null,
     frame: null as Frame | null,
     colour: settings.colour,
+    drawing: settings.drawing,
     theme: settings.theme,
   };
 
@@ -103,6 +113,7 @@ export function openBedPage(settings: Settings, address: string): void {
     {
       ask,
       setColour,
+      setDrawing,
       setView: (name) => stage.setView(name),
       resetView: () => stage.resetView(),
       setDigAnywhere: (on) => (pointer.dig_anywhere = on),
@@ -132,6 +143,7 @@ export function openBedPage(settings: Settings, address: string): void {
     { keys: ['+', '='], shown: '+ −', label: 'nearer, farther', group: 'view', run: () => zoom(1.15) },
     { keys: ['-'], shown: '', label: 'farther', group: 'view', run: () => zoom(1 / 1.15) },
     { keys: ['c'], label: 'next colours', group: 'view', run: nextColour },
+    { keys: ['p'], label: 'soil as grains or as balls', group: 'view', run: nextDrawing },
     { keys: ['v'], label: 'enter or leave VR', group: 'view', run: toggleVr },
     { keys: ['r'], label: 'reset: the scene as it was started', group: 'bed', run: () => ask({ do: 'reset' }) },
     { keys: ['l'], label: 'level the surface', group: 'bed', run: () => ask({ do: 'level' }) },
@@ -203,6 +215,7 @@ export function openBedPage(settings: Settings, address: string): void {
   });
   setTheme(now.theme, false);
   setColour(now.colour);
+  setDrawing(now.drawing);
   stage.setView(settings.view, false);
   showVr();
 
@@ -232,7 +245,7 @@ export function openBedPage(settings: Settings, address: string): void {
   };
   stage.start();
   connection.open();
-  publish({ stage, layout, now, setColour, setTheme });
+  publish({ stage, layout, now, setColour, setDrawing, setTheme });
 
   function onHello(hello: Hello): void {
     now.hello = hello;
@@ -311,6 +324,17 @@ export function openBedPage(settings: Settings, address: string): void {
 
   function nextColour(): void {
     setColour(COLOUR_MODES[(COLOUR_MODES.indexOf(now.colour) + 1) % COLOUR_MODES.length]!);
+  }
+
+  function setDrawing(drawing: Drawing): void {
+    now.drawing = drawing;
+    rememberDrawing(drawing);
+    stage.setDrawing(drawing);
+    controls.setDrawing(drawing);
+  }
+
+  function nextDrawing(): void {
+    setDrawing(DRAWINGS[(DRAWINGS.indexOf(now.drawing) + 1) % DRAWINGS.length]!);
   }
 
   function setTheme(theme: Theme, remember = true): void {

@@ -7,10 +7,14 @@ import { ROLES, type Role } from './study/protocol';
 export const VIEW_NAMES = ['front', 'side', 'top', 'three-quarter'] as const;
 export type ViewName = (typeof VIEW_NAMES)[number];
 export type Theme = 'dark' | 'light';
+/** how soil is drawn: as soil, or as the balls that are computed */
+export const DRAWINGS = ['grains', 'balls'] as const;
+export type Drawing = (typeof DRAWINGS)[number];
 
 export interface Settings {
   view: ViewName;
   colour: ColourMode;
+  drawing: Drawing;
   theme: Theme;
   panels: boolean;
   /** the page is drawn for a picture or a film: always all pixels, and nothing that is only for a person at work */
@@ -21,6 +25,7 @@ export interface Settings {
 
 const THEME_KEY = 'haptolith.theme';
 const COLOUR_KEY = 'haptolith.colour';
+const DRAWING_KEY = 'haptolith.drawing';
 
 function oneOf<T extends string>(names: readonly T[], value: string | null): T | null {
   return names.find((name) => name === value) ?? null;
@@ -50,6 +55,7 @@ export function readSettings(search: string, prefers_light: boolean): Settings {
   return {
     view: oneOf(VIEW_NAMES, query.get('view')) ?? 'three-quarter',
     colour: oneOf(COLOUR_MODES, query.get('colour')) ?? oneOf(COLOUR_MODES, recall(COLOUR_KEY)) ?? 'plain',
+    drawing: oneOf(DRAWINGS, query.get('drawing')) ?? oneOf(DRAWINGS, recall(DRAWING_KEY)) ?? 'grains',
     theme: oneOf(THEMES, query.get('theme')) ?? oneOf(THEMES, recall(THEME_KEY)) ?? (prefers_light ? 'light' : 'dark'),
     panels: query.get('panels') !== '0',
     for_pictures: query.get('quality') === 'full',
@@ -58,4 +64,5 @@ export function readSettings(search: string, prefers_light: boolean): Settings {
 }
 
 export const rememberTheme = (theme: Theme): void => remember(THEME_KEY, theme);
+export const rememberDrawing = (drawing: Drawing): void => remember(DRAWING_KEY, drawing);
 export const rememberColour = (colour: ColourMode): void => remember(COLOUR_KEY, colour);

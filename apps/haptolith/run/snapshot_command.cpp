@@ -60,7 +60,7 @@ struct SnapshotOptions {
   Overwrite overwrite;
   std::optional<double> at_s;
   int width_px = 1280, height_px = 720;
-  std::string view = "three-quarter", colour = "plain", theme = "dark";
+  std::string view = "three-quarter", drawing = "grains", colour = "plain", theme = "dark";
   bool panels = true;
   bool film = false;
   double duration_s = 8, frames_per_s = 30;
@@ -103,8 +103,8 @@ class Studio {
         view_(session_, {.bind = "127.0.0.1", .port = 0}, HAPTOLITH_VERSION, {}) {
     session_.pause();
     session_.start(stopAsked());
-    browser_.open(fmt::format("{}?view={}&colour={}&theme={}&panels={}&quality=full", view_.url(), options.view,
-                              options.colour, options.theme, options.panels ? 1 : 0));
+    browser_.open(fmt::format("{}?view={}&drawing={}&colour={}&theme={}&panels={}&quality=full", view_.url(),
+                              options.view, options.drawing, options.colour, options.theme, options.panels ? 1 : 0));
     waitForPage();
   }
 
@@ -283,6 +283,9 @@ void addSnapshotCommand(CLI::App& app) {
   command->add_option("--view", options->view, "Where it is looked at from [three-quarter]")
       ->check(oneOf({"front", "side", "top", "three-quarter"}))
       ->option_text("front|side|top|three-quarter");
+  command->add_option("--drawing", options->drawing, "Soil as it looks, or as the balls that are computed [grains]")
+      ->check(oneOf({"grains", "balls"}))
+      ->option_text("grains|balls");
   command->add_option("--colour", options->colour, "What grains are coloured by [plain]")
       ->check(oneOf(colourNames()))
       ->option_text("plain|force|speed|depth|sleep");

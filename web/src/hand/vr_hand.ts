@@ -130,7 +130,7 @@ export class VrHand {
   private enter(): void {
     this.active = true;
     this.room.visible = true;
-    this.stage.ground.setEdge(TABLE_WIDTHS);
+    this.stage.setEdge(TABLE_WIDTHS);
     if (this.stage.currentScene) this.placeBench(this.stage.currentScene);
     this.onChange();
   }
@@ -140,7 +140,7 @@ export class VrHand {
     this.active = false;
     this.room.visible = false;
     this.stage.renderer.xr.enabled = false;
-    this.stage.ground.setEdge(null);
+    this.stage.setEdge(null);
     this.stage.bench.position.set(0, 0, 0);
     this.stage.bench.quaternion.identity();
     this.stage.bench.scale.setScalar(1);

@@ -14,7 +14,7 @@ import {
   type Status,
   type Tool,
 } from '../protocol';
-import { VIEW_NAMES, type ViewName } from '../settings';
+import { DRAWINGS, VIEW_NAMES, type Drawing, type ViewName } from '../settings';
 import { canBecome, shapeOf, TOOL_SHAPES } from '../tool_shapes';
 import { DRAG_WARNING, EXPLAIN, frictionModelName, sliderExplanation } from './explanations';
 import { h, setText } from './html';
@@ -26,6 +26,7 @@ const SPEEDS = [1, 0.5, 0.2, 0.1, 0.05, 0.01];
 export interface Actions {
   ask(command: Command): void;
   setColour(mode: ColourMode): void;
+  setDrawing(drawing: Drawing): void;
   setView(name: ViewName): void;
   resetView(): void;
   setDigAnywhere(on: boolean): void;
@@ -55,6 +56,7 @@ export class Controls {
   private readonly record_file = h('p', { class: 'facts record-file', role: 'status' });
   private recorded = '';
   private readonly colours = h('div', { class: 'segmented', role: 'group', 'aria-label': 'Colour by' });
+  private readonly drawings = h('div', { class: 'segmented', role: 'group', 'aria-label': 'Soil drawn as' });
   private readonly slider_inputs = new Map<string, { input: HTMLInputElement; value: HTMLElement; spec: Slider }>();
   private readonly slider_timers = new Map<string, number>();
   private readonly changing: HTMLFieldSetElement[];
@@ -98,6 +100,12 @@ export class Controls {
       colour.dataset.colour = mode;
       colour.setAttribute('aria-pressed', 'false');
       this.colours.append(colour);
+    }
+    for (const drawing of DRAWINGS) {
+      const made = button(drawing, EXPLAIN[drawing], () => this.act.setDrawing(drawing));
+      made.dataset.drawing = drawing;
+      made.setAttribute('aria-pressed', 'false');
+      this.drawings.append(made);
     }
     const views = h(
       'div',
@@ -157,7 +165,7 @@ export class Controls {
       { class: 'controls', 'aria-label': 'Controls' },
       this.look_on,
       ...changing,
-      group('Picture', this.colours, views),
+      group('Picture', this.drawings, this.colours, views),
     );
     this.setConnected(false);
   }
@@ -245,6 +253,11 @@ export class Controls {
   setColour(mode: ColourMode): void {
     for (const button of this.colours.children as HTMLCollectionOf<HTMLElement>)
       button.setAttribute('aria-pressed', String(button.dataset.colour === mode));
+  }
+
+  setDrawing(drawing: Drawing): void {
+    for (const button of this.drawings.children as HTMLCollectionOf<HTMLElement>)
+      button.setAttribute('aria-pressed', String(button.dataset.drawing === drawing));
   }
 
   setConnected(connected: boolean): void {

@@ -41,6 +41,11 @@ export const EXPLAIN = {
   speed: 'How fast simulated time passes: real time, or slow motion.',
   view: 'Where the bed is seen from (1, 2, 3, 4).',
 
+  // how soil is drawn
+  grains:
+    'The soil as it would look: each particle stands for a handful of fine grains, in ground that goes on around the box (P).',
+  balls: 'The particles as they are computed, each a ball of its true size, in a box that stands on the ground (P).',
+
   // colours
   plain: 'The colour of the soil of this body.',
   force_colour: "Each particle in the colour of its contact force: the sum of its neighbours' normal forces on it.",

@@ -198,7 +198,13 @@ export function openExperimenterPage(settings: Settings, address: string): void 
   show(null);
   stage.start();
   connection.open();
-  publish({ stage, now, setColour: (mode) => stage.setColour(mode), setTheme });
+  publish({
+    stage,
+    now,
+    setColour: (mode) => stage.setColour(mode),
+    setDrawing: (drawing) => stage.setDrawing(drawing),
+    setTheme,
+  });
 
   function join(): void {
     connection.request({ do: 'study', act: 'join', as: 'experimenter' }).catch((error: Error) => {

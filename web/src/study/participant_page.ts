@@ -126,7 +126,13 @@ export function openParticipantPage(settings: Settings, address: string): void {
   onStudy(waiting(''));
   stage.start();
   connection.open();
-  publish({ stage, now, setColour: (mode) => stage.setColour(mode), setTheme });
+  publish({
+    stage,
+    now,
+    setColour: (mode) => stage.setColour(mode),
+    setDrawing: (drawing) => stage.setDrawing(drawing),
+    setTheme,
+  });
 
   function setTheme(theme: Settings['theme']): void {
     document.documentElement.dataset.theme = theme;

@@ -17,12 +17,15 @@ import {
   ZeroFactor,
 } from 'three';
 import { COLOUR_MODES, radiiOf, type ColourMode, type Frame, type Scene } from '../protocol';
+import type { Drawing } from '../settings';
 import { shapeOf } from '../tool_shapes';
 import { lookOf } from './body_looks';
 import { ASLEEP_COLOUR, AWAKE_COLOUR, VIRIDIS } from './colour_maps';
 import { GRAIN_FRAGMENT_SHADER, GRAIN_VERTEX_SHADER } from './grain_shader';
 import { HeightField, type Carrier } from './height_field';
-import { lightScene, type LightUniforms } from './light_shader';
+import { lightScene, shadeFlying, type Field, type LightUniforms } from './light_shader';
+import { SoilSurface } from './soil_surface';
+import { SoilView } from './soil_view';
 import type { StoneView } from './stone_view';
 
 // Beyond these, the sun is asked for once a grain instead of once a pixel, and grains stay smooth.
@@ -33,14 +36,17 @@ const FIELD_INTERVAL_MS = { small: 30, large: 80 } as const;
 
 export class BedView {
   readonly mesh: Mesh<InstancedBufferGeometry, RawShaderMaterial>;
-  field: HeightField | null = null;
+  readonly soil: SoilView;
   drawn = 0;
 
   private readonly material: RawShaderMaterial;
   private geometry = new InstancedBufferGeometry();
   private records: InstancedBufferAttribute | null = null;
   private scene: Scene | null = null;
-  private carrier: Carrier | null = null;
+  private radii_m: Float32Array = new Float32Array();
+  private field: HeightField | SoilSurface | null = null;
+  private drawing: Drawing = 'balls';
+  private carrier: (Carrier & { thickness_m: number }) | null = null;
   private field_stale = false;
   private field_built_ms = 0;
 
@@ -48,6 +54,8 @@ export class BedView {
     private readonly light: LightUniforms,
     private readonly conservative_depth: boolean,
   ) {
+    this.soil = new SoilView(light);
+    this.soil.group.visible = false;
     this.material = new RawShaderMaterial({
       glslVersion: GLSL3,
       vertexShader: GRAIN_VERTEX_SHADER,
@@ -91,8 +99,8 @@ export class BedView {
       this.scene.particles !== scene.particles ||
       this.scene.radius_m !== scene.radius_m;
     this.scene = scene;
+    this.soil.setScene(scene, this.depthRange_m);
     if (particles_changed) this.makeRoom(scene);
-    if (this.field && particles_changed) lightScene(this.light, scene, this.field);
     const uniforms = this.material.uniforms;
     (uniforms.u_quantised_low_m!.value as Vector3).set(...scene.quantised.low_m);
     (uniforms.u_quantised_high_m!.value as Vector3).set(...scene.quantised.high_m);
@@ -102,12 +110,23 @@ export class BedView {
   }
 
   setColour(mode: ColourMode): void {
+    this.soil.setColour(mode);
+    this.field_stale = true;
     this.material.uniforms.u_colour_mode!.value = COLOUR_MODES.indexOf(mode);
     this.material.uniforms.u_flatness!.value = mode === 'plain' ? 0 : 0.75;
   }
 
+  setDrawing(drawing: Drawing): void {
+    if (drawing === this.drawing) return;
+    this.drawing = drawing;
+    this.mesh.visible = drawing === 'balls';
+    this.soil.group.visible = drawing === 'grains';
+    this.makeField();
+  }
+
   /** The cheaper way to draw, for machines that are slow at this. */
   setDetail(detailed: boolean): void {
+    this.soil.setDetail(detailed);
     const few = (this.scene?.particles ?? 0) <= MOST_WITH_PIXEL_SUN;
     const defines: Record<string, string> = detailed && few ? { GRAIN_DETAIL: '1' } : { SUN_PER_GRAIN: '1' };
     if (this.conservative_depth) defines.CONSERVATIVE_DEPTH = '1';
@@ -121,7 +140,12 @@ export class BedView {
     const scene = this.scene;
     const attribute = this.records;
     if (!scene || !attribute || frame.scene !== scene.scene || frame.particles !== attribute.count) return false;
-    this.carrier = { at_m: frame.tool.position_m, radius_m: shapeOf(scene.tool).reach_m(scene.tool) };
+    const shape = shapeOf(scene.tool);
+    this.carrier = {
+      at_m: frame.tool.position_m,
+      radius_m: shape.reach_m(scene.tool),
+      thickness_m: shape.solid === 'none' ? 0 : 2 * Math.min(...shape.half_m(scene.tool)),
+    };
     const all = attribute.array as Uint16Array;
     let from = 0;
     for (let i = 0; i < frame.runs.length; i += 2) {
@@ -134,6 +158,7 @@ export class BedView {
     if (from > 0) {
       attribute.needsUpdate = true;
       this.field_stale = true;
+      if (this.drawing === 'grains') this.soil.takeRecords(all);
     }
     if (frame.whole) {
       this.drawn = frame.particles;
@@ -153,8 +178,11 @@ export class BedView {
     const interval_ms = this.records.count <= MOST_WITH_PIXEL_SUN ? FIELD_INTERVAL_MS.small : FIELD_INTERVAL_MS.large;
     if (now_ms - this.field_built_ms < interval_ms) return true;
     this.field.build(this.records.array as Uint16Array, this.records.count, this.carrier, stones.trianglesInScene());
-    this.light.u_flying_m.value = this.field.flying_m;
-    this.light.u_flying_count.value = this.field.flying_count;
+    if (this.field instanceof SoilSurface) {
+      this.light.u_ground_m.value = this.field.level_m;
+      this.soil.takeSurface(this.records.array as Uint16Array);
+    }
+    shadeFlying(this.light, this.field.flying_m, this.field.flying_count);
     this.light.u_field_top_m.value = this.field.top_m;
     this.field_built_ms = now_ms;
     this.field_stale = false;
@@ -172,13 +200,32 @@ export class BedView {
     this.records = new InstancedBufferAttribute(new Uint16Array(scene.particles * 4), 4, true);
     this.records.setUsage(DynamicDrawUsage);
     this.geometry.setAttribute('a_record', this.records);
-    const radii = radiiOf(scene);
-    this.geometry.setAttribute('a_radius_m', new InstancedBufferAttribute(radii, 1));
+    this.radii_m = radiiOf(scene);
+    this.geometry.setAttribute('a_radius_m', new InstancedBufferAttribute(this.radii_m, 1));
     this.geometry.instanceCount = 0;
     this.mesh.geometry = this.geometry;
     this.drawn = 0;
+    this.makeField();
+  }
+
+  private makeField(): void {
+    const { scene, radii_m } = this;
+    if (!scene) return;
     this.field?.dispose();
-    this.field = new HeightField(scene, radii);
+    if (this.drawing === 'grains') {
+      const field = new SoilSurface(scene, radii_m, this.light.u_to_sun.value);
+      lightScene(this.light, scene, { ...boundsOf(field), texture: field.standing }, scene.box.surface_m);
+      this.soil.setParticles(field, radii_m);
+      this.field = field;
+    } else {
+      this.field = new HeightField(scene, radii_m);
+      lightScene(this.light, scene, this.field, 0);
+    }
+    this.field_stale = true;
     this.field_built_ms = 0;
   }
+}
+
+function boundsOf({ low_x_m, low_y_m, width_m, length_m }: SoilSurface): Omit<Field, 'texture'> {
+  return { low_x_m, low_y_m, width_m, length_m };
 }

@@ -16,6 +16,12 @@ export interface BodyLook {
   fill: string;
   fill_strength: number;
   soil: string;
+  /** how far soil sends light back as that of an airless body: 0 matt, 1 as the Moon's; and how much brighter it is
+   * where one looks away from the sun (regolith_shader.ts) */
+  lunar: number;
+  surge: number;
+  /** share of the fill that reaches what lies in shadow */
+  shadow_fill: number;
   companion: 'earth' | 'jupiter' | 'charon' | null;
 }
 
@@ -30,6 +36,9 @@ const MOON: BodyLook = {
   fill: '#c9d2e2',
   fill_strength: 0.5,
   soil: '#a3a09b',
+  lunar: 1,
+  surge: 0.9,
+  shadow_fill: 0.16,
   companion: 'earth',
 };
 
@@ -46,6 +55,9 @@ const LOOKS: Record<string, BodyLook> = {
     fill: '#e3cbb0',
     fill_strength: 0.75,
     soil: '#ab7a58',
+    lunar: 0.45,
+    surge: 0.25,
+    shadow_fill: 0.9,
     companion: null,
   },
   Earth: {
@@ -59,6 +71,9 @@ const LOOKS: Record<string, BodyLook> = {
     fill: '#bcd4ee',
     fill_strength: 0.8,
     soil: '#cdae7e',
+    lunar: 0.15,
+    surge: 0.12,
+    shadow_fill: 0.9,
     companion: null,
   },
   Europa: {
@@ -72,6 +87,9 @@ const LOOKS: Record<string, BodyLook> = {
     fill: '#bcd0e8',
     fill_strength: 0.65,
     soil: '#c9d4dc',
+    lunar: 0.8,
+    surge: 0.5,
+    shadow_fill: 0.3,
     companion: 'jupiter',
   },
   Ceres: {
@@ -85,6 +103,9 @@ const LOOKS: Record<string, BodyLook> = {
     fill: '#c8cdd6',
     fill_strength: 0.55,
     soil: '#75726f',
+    lunar: 1,
+    surge: 0.9,
+    shadow_fill: 0.16,
     companion: null,
   },
   Pluto: {
@@ -98,6 +119,9 @@ const LOOKS: Record<string, BodyLook> = {
     fill: '#b9c2d8',
     fill_strength: 0.6,
     soil: '#cbb698',
+    lunar: 0.7,
+    surge: 0.4,
+    shadow_fill: 0.3,
     companion: 'charon',
   },
 };

@@ -34,6 +34,9 @@ const VIEWS: Record<ViewName, View> = {
   'three-quarter': { azimuth_deg: 32, elevation_deg: 22.5 },
 };
 
+// Into what is dug in level ground one has to look from above; from much higher there is no horizon.
+const IN_GROUND_DEG = 18;
+
 const FIELD_OF_VIEW_DEG = 40;
 // The eye looks a little over the bed: the tool works above it, and the horizon tells what is level.
 const LOOK_OVER_DEG = 5;
@@ -66,6 +69,7 @@ export class OrbitCamera {
   private box: Extent = { width_m: 0.126, length_m: 0.126, surface_m: 0.04, wall_m: 0.06 };
   private view: ViewName = 'three-quarter';
   private moved = false;
+  private in_ground = false;
   private turn: { from: Place; to: Place; start_ms: number } | null = null;
 
   constructor() {
@@ -80,6 +84,14 @@ export class OrbitCamera {
     this.box = box;
     this.aside_m.clampLength(0, this.longest_m / 2);
     this.fit();
+  }
+
+  /** Whether the ground is at the level of the soil, and not below the box. */
+  setInGround(in_ground: boolean): void {
+    if (in_ground === this.in_ground) return;
+    this.in_ground = in_ground;
+    if (this.moved) this.fit();
+    else this.setView(this.view, false);
   }
 
   /** A picture of another shape is framed anew, unless a person has chosen what it shows; `covered`: share of its height
@@ -101,12 +113,12 @@ export class OrbitCamera {
     this.aside_m.set(0, 0, 0);
     this.zoom = 1;
     this.turn = null;
-    Object.assign(this, VIEWS[name]);
+    Object.assign(this, this.viewOf(name));
     this.fit();
     if (!animate) return;
     // The short way round.
     from.azimuth_deg -= 360 * Math.round((from.azimuth_deg - this.azimuth_deg) / 360);
-    this.turn = { from, to: { ...this.fitted, ...VIEWS[name], zoom: 1 }, start_ms: performance.now() };
+    this.turn = { from, to: { ...this.fitted, ...this.viewOf(name), zoom: 1 }, start_ms: performance.now() };
     this.go(from);
   }
 
@@ -192,9 +204,14 @@ export class OrbitCamera {
     this.moved = true;
   }
 
+  private viewOf(name: ViewName): View {
+    const { azimuth_deg, elevation_deg } = VIEWS[name];
+    return { azimuth_deg, elevation_deg: this.in_ground ? Math.max(IN_GROUND_DEG, elevation_deg) : elevation_deg };
+  }
+
   /** Finds the place from which the named view shows all of the box. */
   private fit(): void {
-    const view = VIEWS[this.view];
+    const view = this.viewOf(this.view);
     const { azimuth_deg, elevation_deg, zoom, shown } = this;
     const aside_m = this.aside_m.clone();
     Object.assign(this, { ...view, zoom: 1 });
@@ -250,9 +267,11 @@ export class OrbitCamera {
       return { x: at_m.x / (depth_m * HALF_HEIGHT * this.camera.aspect), y: at_m.y / (depth_m * HALF_HEIGHT) };
     };
     const { width_m, length_m, wall_m } = this.box;
+    // In the ground, neither the box below it is to be seen nor its walls.
+    const [low_m, high_m] = this.in_ground ? [this.box.surface_m, this.box.surface_m] : [0, wall_m];
     for (let corner = 0; corner < 8; ++corner) {
       const sign = (bit: number): number => (corner & bit ? 0.5 : -0.5);
-      const { x, y } = look(sign(1) * width_m, sign(2) * length_m, corner & 4 ? wall_m : 0);
+      const { x, y } = look(sign(1) * width_m, sign(2) * length_m, corner & 4 ? high_m : low_m);
       box.aside = Math.max(box.aside, Math.abs(x));
       box.bottom = Math.min(box.bottom, y);
       box.top = Math.max(box.top, y);
@@ -277,7 +296,8 @@ export class OrbitCamera {
       this.target_m.z + distance_m * Math.sin(elevation),
     );
     // Under the ground there is nothing to see.
-    this.camera.position.z = Math.max(this.camera.position.z, 0.15 * this.box.surface_m);
+    const lowest_m = this.in_ground ? 1.2 * this.box.surface_m : 0.15 * this.box.surface_m;
+    this.camera.position.z = Math.max(this.camera.position.z, lowest_m);
     this.camera.lookAt(this.target_m);
     this.camera.rotateX(LOOK_OVER_DEG * DEGREES * Math.cos(elevation));
     this.camera.updateMatrixWorld();

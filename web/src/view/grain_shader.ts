@@ -129,11 +129,6 @@ flat in float v_radius_m;
 in vec3 v_at_m;
 layout(location = 0) out vec4 o_colour;
 
-// sRGB, as screens and headsets want it.
-vec3 toScreen(vec3 linear) {
-  vec3 light = clamp(linear, 0.0, 1.0);
-  return mix(12.92 * light, 1.055 * pow(light, vec3(0.41666)) - 0.055, step(0.0031308, light));
-}
 
 void main() {
   vec3 ray = normalize(v_at_m - v_eye_m);

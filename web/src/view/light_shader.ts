@@ -19,11 +19,13 @@ import {
 import type { Pose, Scene, Tool } from '../protocol';
 import { shapeOf, SOLIDS } from '../tool_shapes';
 import { lookOf } from './body_looks';
-import { MOST_FLYING, type HeightField } from './height_field';
+import { MOST_FLYING } from './height_field';
 import { makeNoiseTexture } from './noise_texture';
 
 /** Towards the sun: from the left, a little from the front, 38 degrees high. */
 export const TO_SUN = new Vector3(-0.62, -0.48, 0.62).normalize();
+/** From the same side, 27 degrees high: long shadows. */
+export const LOW_SUN = new Vector3(-0.7, -0.36, 0.4).normalize();
 
 export interface LightUniforms {
   [name: string]: IUniform;
@@ -31,8 +33,11 @@ export interface LightUniforms {
   u_field: IUniform<DataTexture>;
   u_field_rect: IUniform<Vector4>;
   u_field_top_m: IUniform<number>;
+  /** height of the ground beside the field */
+  u_ground_m: IUniform<number>;
   u_flying_m: IUniform<Vector4[]>;
   u_flying_count: IUniform<number>;
+  u_flying_around_m: IUniform<Vector4>;
   u_radius_m: IUniform<number>;
   u_box_half_m: IUniform<Vector2>;
   u_to_sun: IUniform<Vector3>;
@@ -41,6 +46,7 @@ export interface LightUniforms {
   u_tool_solid: IUniform<number>;
   u_tool_half_m: IUniform<Vector3>;
   u_jaw_middle_m: IUniform<number>;
+  u_tool_reach_m: IUniform<number>;
   u_tool_origin_m: IUniform<Vector3>;
   u_tool_T_scene: IUniform<Matrix3>;
 }
@@ -51,27 +57,53 @@ export function makeLightUniforms(): LightUniforms {
     u_field: { value: new DataTexture(new Uint8Array(4), 1, 1) },
     u_field_rect: { value: new Vector4(0, 0, 1, 1) },
     u_field_top_m: { value: 0 },
+    u_ground_m: { value: 0 },
     u_flying_m: { value: Array.from({ length: MOST_FLYING }, () => new Vector4()) },
     u_flying_count: { value: 0 },
+    u_flying_around_m: { value: new Vector4() },
     u_radius_m: { value: 0.007 },
     u_box_half_m: { value: new Vector2(0.1, 0.1) },
-    u_to_sun: { value: TO_SUN },
+    u_to_sun: { value: TO_SUN.clone() },
     u_sun: { value: new Color(1, 1, 1) },
     u_fill: { value: new Color(1, 1, 1) },
     u_tool_solid: { value: 0 },
     u_tool_half_m: { value: new Vector3(0.025, 0.02, 0.0025) },
     u_jaw_middle_m: { value: 0 },
+    u_tool_reach_m: { value: 0.04 },
     u_tool_origin_m: { value: new Vector3(0, 0, 1) },
     u_tool_T_scene: { value: new Matrix3() },
   };
 }
 
-export function lightScene(uniforms: LightUniforms, scene: Scene, field: HeightField): void {
+export interface Field {
+  texture: DataTexture;
+  low_x_m: number;
+  low_y_m: number;
+  width_m: number;
+  length_m: number;
+}
+
+/** `ground_m`: height of the ground beside the field. */
+export function lightScene(uniforms: LightUniforms, scene: Scene, field: Field, ground_m: number): void {
   uniforms.u_field.value = field.texture;
+  uniforms.u_ground_m.value = ground_m;
   uniforms.u_flying_count.value = 0;
   uniforms.u_field_rect.value.set(field.low_x_m, field.low_y_m, 1 / field.width_m, 1 / field.length_m);
   uniforms.u_radius_m.value = scene.radius_m;
   uniforms.u_box_half_m.value.set(scene.box.width_m / 2, scene.box.length_m / 2);
+}
+
+/** Which balls in the air cast a shadow. */
+export function shadeFlying(uniforms: LightUniforms, flying_m: Vector4[], count: number): void {
+  uniforms.u_flying_m.value = flying_m;
+  uniforms.u_flying_count.value = count;
+  const around = uniforms.u_flying_around_m.value.set(0, 0, 0, 0);
+  for (let i = 0; i < count; ++i) around.addScaledVector(flying_m[i]!, 1 / count);
+  around.w = 0;
+  for (let i = 0; i < count; ++i) {
+    const { x, y, z, w } = flying_m[i]!;
+    around.w = Math.max(around.w, Math.hypot(x - around.x, y - around.y, z - around.z) + w);
+  }
 }
 
 export function lightBody(uniforms: LightUniforms, body: string | null): void {
@@ -91,6 +123,8 @@ const scratch = new Matrix4();
 
 export function shadeToolAt(uniforms: LightUniforms, tool: Tool, pose: Pose, opening_m: number): void {
   uniforms.u_jaw_middle_m.value = shapeOf(tool).jaws ? opening_m / 2 + uniforms.u_tool_half_m.value.x : 0;
+  const { x: half_x, y: half_y, z: half_z } = uniforms.u_tool_half_m.value;
+  uniforms.u_tool_reach_m.value = Math.hypot(half_x + uniforms.u_jaw_middle_m.value, half_y, half_z);
   const [w, x, y, z] = pose.rotation;
   uniforms.u_tool_origin_m.value.set(...pose.position_m);
   // The inverse of a rotation is its transpose.
@@ -105,8 +139,10 @@ uniform sampler3D u_noise;         // height; slope along x, y, z about 0.5
 uniform sampler2D u_field;
 uniform vec4 u_field_rect;      // low x, low y, 1 / width, 1 / length
 uniform float u_field_top_m;
+uniform float u_ground_m;
 uniform vec4 u_flying_m[${MOST_FLYING}];  // centre, radius
 uniform int u_flying_count;
+uniform vec4 u_flying_around_m;  // a ball around all of them
 uniform float u_radius_m;       // of the coarsest grains
 uniform vec2 u_box_half_m;
 uniform vec3 u_to_sun;
@@ -115,13 +151,24 @@ uniform vec3 u_fill;
 uniform int u_tool_solid;       // 0 box, 1 sphere, 2 cylinder, 3 none: SOLIDS
 uniform vec3 u_tool_half_m;     // of one of two jaws
 uniform float u_jaw_middle_m;   // from the tool's origin to the middle of a jaw, 0 with other tools
+uniform float u_tool_reach_m;   // of the ball around it
 uniform vec3 u_tool_origin_m;
 uniform mat3 u_tool_T_scene;
 
-// x: height of the soil as it is, y: smoothed; in m. Beside the field there is bare ground.
+// sRGB, as screens and headsets want it, of roots alone: a power costs a renderer without a graphics card much more.
+// Within half a step of 255.
+vec3 toScreen(vec3 linear) {
+  vec3 light = clamp(linear, 0.0, 1.0);
+  vec3 root = sqrt(light);
+  vec3 fourth = sqrt(root);
+  vec3 curved = 0.662002687 * root + 0.68412206 * fourth - 0.323583601 * sqrt(fourth) - 0.022541147 * light;
+  return mix(12.92 * light, curved, step(0.0031308, light));
+}
+
+// x: height of the soil as it is, y: smoothed; in m. Beside the field there is level ground.
 vec2 soilHeight(vec2 at_m) {
   vec2 uv = (at_m - u_field_rect.xy) * u_field_rect.zw;
-  if (any(lessThan(uv, vec2(0.0))) || any(greaterThan(uv, vec2(1.0)))) return vec2(0.0);
+  if (any(lessThan(uv, vec2(0.0))) || any(greaterThan(uv, vec2(1.0)))) return vec2(u_ground_m);
   return textureLod(u_field, uv, 0.0).xy;
 }
 
@@ -148,6 +195,10 @@ float sunOverSoil(vec3 from_m, float radius_m, int steps) {
 // Shadows of grains in the air: round, and softer with the way.
 float sunPastFlying(vec3 from_m) {
   float light = 1.0;
+  // Most points are far from all of their shadows: one look at the ball around them settles those.
+  vec3 to_all = u_flying_around_m.xyz - from_m;
+  float along_all_m = dot(to_all, u_to_sun);
+  if (length(to_all - along_all_m * u_to_sun) > u_flying_around_m.w * 1.35 + 0.06 * max(along_all_m, 0.0)) return light;
   for (int i = 0; i < u_flying_count; ++i) {
     vec3 to_grain = u_flying_m[i].xyz - from_m;
     float radius_m = u_flying_m[i].w;
@@ -174,15 +225,14 @@ float sunPastTool(vec3 from_m) {
   // Most points are far from the tool's shadow: one look at its enclosing sphere settles them.
   vec3 to_tool = u_tool_origin_m - from_m;
   float along_m = dot(to_tool, u_to_sun);
-  float reach_m = length(u_tool_half_m + vec3(u_jaw_middle_m, 0.0, 0.0));
   float beside_m = length(to_tool - along_m * u_to_sun);
-  if (along_m < -reach_m || beside_m > reach_m * 1.3 + 0.06 * max(along_m, 0.0)) return 1.0;
+  if (along_m < -u_tool_reach_m || beside_m > u_tool_reach_m * 1.3 + 0.06 * max(along_m, 0.0)) return 1.0;
   float light = 1.0;
   float way_m = 0.15 * u_radius_m;
   for (int i = 0; i < 14; ++i) {
     float free_m = distanceToTool(from_m + way_m * u_to_sun);
     light = min(light, 0.5 + 9.0 * free_m / (way_m + 0.01));
-    if (light <= 0.0 || way_m > along_m + reach_m) break;
+    if (light <= 0.0 || way_m > along_m + u_tool_reach_m) break;
     way_m += max(free_m, 0.12 * u_radius_m);
   }
   return smoothstep(0.0, 1.0, clamp(light, 0.0, 1.0));

@@ -3,8 +3,9 @@
 
 import { BackSide, Color, GLSL3, Mesh, ShaderMaterial, SphereGeometry, Vector3 } from 'three';
 import { lookOf } from './body_looks';
-import { TO_SUN } from './light_shader';
 
+// The ground hides what is lower; a little more is drawn, so that nothing is left open.
+const LOWEST_RAD = (2 * Math.PI) / 180;
 const COMPANIONS = { earth: 1, jupiter: 2, charon: 3 } as const;
 
 const VERTEX_SHADER = /* glsl */ `
@@ -82,28 +83,30 @@ vec3 companionColour(vec3 p) {
 
 void main() {
   vec3 way = normalize(v_way);
+  // A renderer without a graphics card works out both branches of an "if", but no loop that does not begin: that is why
+  // there are loops here that run once.
   float up = clamp(way.z, 0.0, 1.0);
   vec3 colour = mix(u_horizon, u_zenith, pow(up, 0.45));
-  colour += u_stars * starlight(way);
+  for (int stars = u_stars > 0.0 ? 0 : 1; stars < 1; ++stars) colour += u_stars * starlight(way);
 
   float to_sun = dot(way, u_to_sun);
   float sun_edge = cos(u_sun_radius);
   colour += u_sun * smoothstep(sun_edge - fwidth(to_sun), sun_edge + fwidth(to_sun), to_sun) * 2.0;
   colour += u_sun * 0.10 * pow(max(to_sun, 0.0), 900.0) * (1.0 + 4.0 * length(u_zenith));
 
-  if (u_companion > 0) {
-    vec3 right = normalize(cross(u_to_companion, vec3(0.0, 0.0, 1.0)));
-    vec3 above = cross(right, u_to_companion);
-    vec2 disc = vec2(dot(way, right), dot(way, above)) / sin(u_companion_radius);
-    float reach = length(disc);
-    if (reach < 1.1 && dot(way, u_to_companion) > 0.0) {
-      vec3 normal = vec3(disc, sqrt(max(0.0, 1.0 - reach * reach)));
-      vec3 sun_seen = normalize(vec3(dot(u_to_sun, right) - 0.3, dot(u_to_sun, above), 0.35));
-      float lit = smoothstep(-0.08, 0.35, dot(normal, sun_seen));
-      vec3 face = companionColour(vec3(normal.x, normal.z, normal.y)) * (0.02 + 1.05 * lit);
-      colour = mix(colour, face, 1.0 - smoothstep(1.0 - 1.5 * fwidth(reach), 1.0, reach));
-      if (u_companion == 1) colour += vec3(0.10, 0.22, 0.5) * lit * smoothstep(1.1, 0.97, reach) * smoothstep(0.8, 1.0, reach);
-    }
+  vec3 right = normalize(cross(u_to_companion, vec3(0.0, 0.0, 1.0)));
+  vec3 above = cross(right, u_to_companion);
+  vec2 disc = vec2(dot(way, right), dot(way, above)) / sin(u_companion_radius);
+  float reach = length(disc);
+  float soft = fwidth(reach);
+  bool beside = u_companion == 0 || reach >= 1.1 || dot(way, u_to_companion) <= 0.0;
+  for (int companion = beside ? 1 : 0; companion < 1; ++companion) {
+    vec3 normal = vec3(disc, sqrt(max(0.0, 1.0 - reach * reach)));
+    vec3 sun_seen = normalize(vec3(dot(u_to_sun, right) - 0.3, dot(u_to_sun, above), 0.35));
+    float lit = smoothstep(-0.08, 0.35, dot(normal, sun_seen));
+    vec3 face = companionColour(vec3(normal.x, normal.z, normal.y)) * (0.02 + 1.05 * lit);
+    colour = mix(colour, face, 1.0 - smoothstep(1.0 - 1.5 * soft, 1.0, reach));
+    if (u_companion == 1) colour += vec3(0.10, 0.22, 0.5) * lit * smoothstep(1.1, 0.97, reach) * smoothstep(0.8, 1.0, reach);
   }
   o_colour = linearToOutputTexel(vec4(colour, 1.0));
 }
@@ -113,7 +116,7 @@ export class SkyView {
   readonly mesh: Mesh<SphereGeometry, ShaderMaterial>;
   readonly horizon = new Color();
 
-  constructor() {
+  constructor(to_sun: Vector3) {
     const material = new ShaderMaterial({
       glslVersion: GLSL3,
       vertexShader: VERTEX_SHADER,
@@ -123,7 +126,7 @@ export class SkyView {
       uniforms: {
         u_zenith: { value: new Color() },
         u_horizon: { value: new Color() },
-        u_to_sun: { value: TO_SUN },
+        u_to_sun: { value: to_sun },
         u_sun: { value: new Color() },
         u_sun_radius: { value: 0.02 },
         u_stars: { value: 0 },
@@ -132,10 +135,16 @@ export class SkyView {
         u_companion_radius: { value: 0.05 },
       },
     });
-    this.mesh = new Mesh(new SphereGeometry(1, 32, 16), material);
+    this.mesh = new Mesh(skyDown(Math.PI / 2 + LOWEST_RAD), material);
     this.mesh.frustumCulled = false;
     // After everything solid, so that only the pixels where there is sky are worked out.
     this.mesh.renderOrder = 2;
+  }
+
+  /** Whether there is sky below the horizon, too: around a table there is. */
+  setAround(around: boolean): void {
+    this.mesh.geometry.dispose();
+    this.mesh.geometry = skyDown(around ? Math.PI : Math.PI / 2 + LOWEST_RAD);
   }
 
   setBody(body: string | null): void {
@@ -150,4 +159,9 @@ export class SkyView {
     uniforms.u_companion_radius!.value = look.companion === 'jupiter' ? 0.085 : 0.038;
     this.horizon.set(look.horizon);
   }
+}
+
+/** From straight up to so far down. */
+function skyDown(angle_rad: number): SphereGeometry {
+  return new SphereGeometry(1, 32, 16, 0, 2 * Math.PI, 0, angle_rad).rotateX(Math.PI / 2) as SphereGeometry;
 }

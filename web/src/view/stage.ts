@@ -4,14 +4,14 @@
 import { AmbientLight, Color, DirectionalLight, Group, HemisphereLight, Scene as World, Vector3 } from 'three';
 import { h } from '../panels/html';
 import type { ColourMode, Frame, Scene, Vec3 } from '../protocol';
-import type { ViewName } from '../settings';
+import type { Drawing, ViewName } from '../settings';
 import { ArrowsView } from './arrows';
 import { BedView } from './bed_view';
 import { lookOf } from './body_looks';
 import { BoxView } from './box_view';
 import { OrbitCamera } from './camera';
 import { GroundView } from './ground_view';
-import { lightBody, makeLightUniforms, shadeTool, shadeToolAt, TO_SUN } from './light_shader';
+import { lightBody, makeLightUniforms, shadeTool, shadeToolAt, LOW_SUN, TO_SUN } from './light_shader';
 import { makeRenderer, type Renderer } from './renderer';
 import { Resolution } from './resolution';
 import { SkyView } from './sky_view';
@@ -43,7 +43,7 @@ export class Stage {
   readonly orbit = new OrbitCamera();
   readonly bed: BedView;
   readonly ground: GroundView;
-  readonly sky = new SkyView();
+  readonly sky: SkyView;
   readonly box = new BoxView();
   readonly tool = new ToolView();
   readonly stones: StoneView;
@@ -58,6 +58,7 @@ export class Stage {
   onDrawn: () => void = () => {};
 
   private readonly light = makeLightUniforms();
+  private drawing: Drawing = 'balls';
   private readonly sun = new DirectionalLight(0xffffff, 2);
   private readonly fill = new HemisphereLight(0xffffff, 0x555555, 1);
   private readonly resolution: Resolution;
@@ -87,9 +88,10 @@ export class Stage {
     this.bed = new BedView(this.light, this.renderer.extensions.has('EXT_conservative_depth'));
     this.ground = new GroundView(this.light);
     this.stones = new StoneView(this.light);
-    this.sun.position.copy(TO_SUN);
+    this.sky = new SkyView(this.light.u_to_sun.value);
+    this.setDrawing('grains');
     this.fill.position.set(0, 0, 1);
-    this.bench.add(this.sky.mesh, this.ground.mesh, this.bed.mesh, this.stones.group);
+    this.bench.add(this.sky.mesh, this.ground.mesh, this.bed.soil.group, this.bed.mesh, this.stones.group);
     this.bench.add(this.box.group, this.tool.group);
     if (!options.neutral) this.bench.add(this.tool.ghost, this.arrows.group);
     this.bench.add(this.sun, this.sun.target, this.fill, new AmbientLight(0xffffff, 0.15));
@@ -156,6 +158,27 @@ export class Stage {
   setColour(mode: ColourMode): void {
     this.bed.setColour(mode);
     this.dirty = true;
+  }
+
+  /** `grains`: soil as it looks, in the ground. `balls`: as it is computed, in a box on the ground. */
+  setDrawing(drawing: Drawing): void {
+    if (drawing === this.drawing) return;
+    this.drawing = drawing;
+    const balls = drawing === 'balls';
+    this.ground.mesh.visible = this.box.group.visible = balls;
+    // Low light shows how soil lies; balls are clearer in higher one.
+    this.light.u_to_sun.value.copy(balls ? TO_SUN : LOW_SUN);
+    this.sun.position.copy(this.light.u_to_sun.value);
+    this.bed.setDrawing(drawing);
+    this.orbit.setInGround(!balls);
+    this.dirty = true;
+  }
+
+  /** The ground ends after so many widths of the box; null: at the horizon. */
+  setEdge(widths: number | null): void {
+    this.ground.setEdge(widths);
+    this.bed.soil.setEdge(widths);
+    this.sky.setAround(widths !== null);
   }
 
   setView(name: ViewName, animate = true): void {

@@ -121,6 +121,51 @@ describe('stones', () => {
   });
 });
 
+describe('soil', () => {
+  /** Mean brightness of patches of the picture, 0 to 255. */
+  async function patches(page: Watched['page'], places: { x: number; y: number }[]): Promise<number[]> {
+    const picture = (await page.screenshot()).toString('base64');
+    return page.evaluate(
+      async ([text, at]) => {
+        const bytes = Uint8Array.from(atob(text), (letter) => letter.charCodeAt(0));
+        const bitmap = await createImageBitmap(new Blob([bytes], { type: 'image/png' }));
+        const canvas = new OffscreenCanvas(bitmap.width, bitmap.height).getContext('2d')!;
+        canvas.drawImage(bitmap, 0, 0);
+        return at.map(({ x, y }) => {
+          const { data } = canvas.getImageData(Math.round(x) - 20, Math.round(y) - 10, 40, 20);
+          return data.reduce((sum, value, i) => sum + (i % 4 === 3 ? 0 : value), 0) / ((3 * data.length) / 4);
+        });
+      },
+      [picture, places] as const,
+    );
+  }
+
+  it('lies in the ground, as bright as that, or is balls in a box that stands on it', async () => {
+    const { page, complaints } = await visit({}, '?panels=0');
+    await page.waitForFunction(() => window.haptolith!.ready);
+    const redrawn = async (): Promise<void> => {
+      const drawn = await page.evaluate(() => window.haptolith!.framesDrawn);
+      await page.evaluate(() => window.haptolith!.setCamera('three-quarter'));
+      await page.waitForFunction((before) => window.haptolith!.framesDrawn > before, drawn);
+    };
+    const middle = (await page.evaluate(() => window.haptolith!.bedOnScreen))!;
+    const in_front = { x: middle.x, y: (await page.locator('.view').boundingBox())!.height - 40 };
+    await redrawn();
+    const [bed, ground] = await patches(page, [middle, in_front]);
+    expect(bed! / ground!).toBeGreaterThan(0.7);
+    expect(bed! / ground!).toBeLessThan(1.4);
+    await page.keyboard.press('p');
+    await redrawn();
+    const [balls, floor] = await patches(page, [(await page.evaluate(() => window.haptolith!.bedOnScreen))!, in_front]);
+    expect(Math.abs(balls! - bed!) + Math.abs(floor! - ground!)).toBeGreaterThan(8);
+    expect(await page.locator('[data-drawing=balls]').getAttribute('aria-pressed')).toBe('true');
+    await page.reload();
+    await page.waitForFunction(() => window.haptolith?.ready === true);
+    expect(await page.locator('[data-drawing=balls]').getAttribute('aria-pressed')).toBe('true');
+    expect(complaints).toEqual([]);
+  });
+});
+
 describe('on a screen', () => {
   const SIZES = [
     [640, 360],

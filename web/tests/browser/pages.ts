@@ -2,24 +2,13 @@
 
 import { readFileSync } from 'node:fs';
 import { createRequire } from 'node:module';
-import { chromium, type Browser, type Page } from 'playwright-core';
+import type { Browser, Page } from 'playwright-core';
 import { expect } from 'vitest';
+
+export { launch, launchWithoutWebGl } from './launch';
 
 // Long enough for a browser that draws in software beside other work on two cores: nothing here is a measure of speed.
 const WAIT_MS = 150_000;
-
-const executable = (): string => process.env.CHROMIUM ?? '/usr/bin/chromium';
-
-export function launch(): Promise<Browser> {
-  return chromium.launch({
-    executablePath: executable(),
-    args: ['--no-sandbox', '--use-angle=swiftshader', '--enable-unsafe-swiftshader', '--ignore-gpu-blocklist'],
-  });
-}
-
-export function launchWithoutWebGl(): Promise<Browser> {
-  return chromium.launch({ executablePath: executable(), args: ['--no-sandbox', '--disable-3d-apis'] });
-}
 
 const AXE = readFileSync(createRequire(import.meta.url).resolve('axe-core/axe.min.js'), 'utf8');
 interface Axe {

@@ -3,9 +3,10 @@ import { readSettings } from '../../src/settings';
 
 describe('settings', () => {
   it('come from the address', () => {
-    expect(readSettings('?view=top&colour=force&theme=light&panels=0&quality=full', false)).toEqual({
+    expect(readSettings('?view=top&colour=force&drawing=balls&theme=light&panels=0&quality=full', false)).toEqual({
       view: 'top',
       colour: 'force',
+      drawing: 'balls',
       theme: 'light',
       panels: false,
       for_pictures: true,
@@ -17,6 +18,7 @@ describe('settings', () => {
     expect(readSettings('?view=below&colour=mood', true)).toEqual({
       view: 'three-quarter',
       colour: 'plain',
+      drawing: 'grains',
       theme: 'light',
       panels: true,
       for_pictures: false,

@@ -1,0 +1,54 @@
+// npm run frames -- ADDRESS [SECONDS [QUERY]]: how many pictures a second a page draws without a graphics card, and what
+// each costs the browser in processor time, which says more on a busy machine. The address is that of a running program.
+
+import { readdirSync, readFileSync } from 'node:fs';
+import { launch } from './browser/launch';
+
+const SETTLING_S = 15; // the page finds out how many pixels it can draw
+const TICKS_PER_S = 100;
+
+/** Processor time so far of a process and all that it started, in s. */
+function processorTime_s(root: number): number {
+  const children = new Map<number, number[]>();
+  const used_s = new Map<number, number>();
+  for (const name of readdirSync('/proc').filter((entry) => /^\d+$/.test(entry))) {
+    try {
+      const fields = readFileSync(`/proc/${name}/stat`, 'utf8')
+        .replace(/^.*\) /, '')
+        .split(' ');
+      used_s.set(Number(name), (Number(fields[11]) + Number(fields[12])) / TICKS_PER_S);
+      const parent = Number(fields[1]);
+      children.set(parent, [...(children.get(parent) ?? []), Number(name)]);
+    } catch {
+      // it has ended since
+    }
+  }
+  const sum = (id: number): number =>
+    (used_s.get(id) ?? 0) + (children.get(id) ?? []).reduce((total, child) => total + sum(child), 0);
+  return sum(root);
+}
+
+const [address, seconds = '15', query = ''] = process.argv.slice(2);
+if (!address) throw new Error('npm run frames -- ADDRESS [SECONDS [QUERY]]');
+const browser = await launch();
+const page = await browser.newPage({ viewport: { width: 1280, height: 720 } });
+await page.goto(`${address}${query}`);
+await page.waitForFunction(() => window.haptolith?.ready === true, null, { timeout: 120_000 });
+await page.waitForTimeout(1000 * SETTLING_S);
+const drawn = (): Promise<[number, number]> =>
+  page.evaluate(() => [window.haptolith!.framesDrawn, performance.now() / 1000]);
+const [first, start_s] = await drawn();
+const before_s = processorTime_s(process.pid);
+await page.waitForTimeout(1000 * Number(seconds));
+const [last, end_s] = await drawn();
+const used_s = processorTime_s(process.pid) - before_s;
+const pictures = last - first;
+const canvas = await page.evaluate(() => {
+  const { width, height } = document.querySelector<HTMLCanvasElement>('.stage-canvas')!;
+  return `${width} x ${height}`;
+});
+console.log(
+  `${(pictures / (end_s - start_s)).toFixed(1)} pictures/s of ${canvas} pixels, ` +
+    `${((1000 * used_s) / pictures).toFixed(0)} ms of processor time each`,
+);
+await browser.close();

@@ -1,0 +1,140 @@
+import { describe, expect, it } from 'vitest';
+import { radiiOf, type Scene } from '../../src/protocol';
+import { SoilSurface } from '../../src/view/soil_surface';
+import { SIDE, regolithTile, tileSun } from '../../src/view/soil_texture';
+import { swarm } from '../../src/view/soil_view';
+import { surfaceMesh } from '../../src/view/surface_mesh';
+
+const RADIUS_M = 0.005;
+const WIDTH_M = 0.12;
+const FROM_LEFT = { x: -0.8, y: 0, z: 0.6 };
+
+type Place = [x_m: number, y_m: number, z_m: number];
+
+/** A layer of particles, as level as balls can be. */
+function layer(z_m: number): Place[] {
+  const across = 12;
+  const at_m = (nth: number): number => ((nth + 0.5) / across - 0.5) * WIDTH_M;
+  return Array.from({ length: across * across }, (_, i) => [at_m(i % across), at_m(Math.floor(i / across)), z_m]);
+}
+
+function sceneOf(particles: number): Scene {
+  return {
+    particles,
+    radius_m: RADIUS_M,
+    box: { width_m: WIDTH_M, length_m: WIDTH_M, surface_m: 2 * RADIUS_M, periodic_x: false, periodic_y: false },
+    quantised: { low_m: [-0.2, -0.2, 0], high_m: [0.2, 0.2, 0.4] },
+  } as unknown as Scene;
+}
+
+function recordsOf(places: Place[]): Uint16Array {
+  const quantise = (value: number, low: number): number => Math.round((65535 * (value - low)) / 0.4);
+  return new Uint16Array(places.flatMap(([x, y, z]) => [quantise(x, -0.2), quantise(y, -0.2), quantise(z, 0), 0]));
+}
+
+function surfaceOf(places: Place[]): SoilSurface {
+  const scene = sceneOf(places.length);
+  const surface = new SoilSurface(scene, radiiOf(scene), FROM_LEFT);
+  surface.build(recordsOf(places), places.length);
+  return surface;
+}
+
+describe('the surface of soil', () => {
+  it('is level over a level layer of balls, and so is the ground around', () => {
+    const surface = surfaceOf(layer(RADIUS_M));
+    for (let x_m = -0.055; x_m < 0.056; x_m += 0.003)
+      expect(Math.abs(surface.heightAt(x_m, 0.01) - surface.level_m)).toBeLessThan(0.1 * RADIUS_M);
+    expect(surface.level_m).toBeGreaterThan(1.6 * RADIUS_M);
+    expect(surface.level_m).toBeLessThan(2.01 * RADIUS_M);
+    expect(surface.heightAt(0.4, 0)).toBe(surface.level_m);
+    expect(surface.seen_count).toBe(144);
+    expect(surface.flying_count).toBe(0);
+  });
+
+  it('meets the ground around from a heap at the wall without a step', () => {
+    const surface = surfaceOf([...layer(RADIUS_M), [0.055, 0, 2.8 * RADIUS_M], [0.055, 0.005, 4.4 * RADIUS_M]]);
+    expect(surface.heightAt(0.055, 0.002)).toBeGreaterThan(surface.level_m + RADIUS_M);
+    let before_m = surface.heightAt(0.055, 0.002);
+    for (let x_m = 0.056; x_m < 0.1; x_m += 0.001) {
+      const height_m = surface.heightAt(x_m, 0.002);
+      expect(Math.abs(height_m - before_m)).toBeLessThan(0.0035);
+      before_m = height_m;
+    }
+    expect(before_m).toBeCloseTo(surface.level_m, 5);
+  });
+
+  it('leaves out what is in the air, little by little, and lists it', () => {
+    const over = (gap_radii: number): SoilSurface =>
+      surfaceOf([...layer(RADIUS_M), [0.005, 0.005, (3 + gap_radii) * RADIUS_M]]);
+    const heights = [0, 0.4, 0.8, 1.2, 1.6, 3].map((gap) => over(gap).heightAt(0.005, 0.005));
+    expect(heights[0]! - over(9).level_m).toBeGreaterThan(0.3 * RADIUS_M);
+    for (let i = 1; i < heights.length; ++i) expect(Math.abs(heights[i]! - heights[i - 1]!)).toBeLessThan(RADIUS_M);
+    expect(Math.abs(heights.at(-1)! - over(3).level_m)).toBeLessThan(0.1 * RADIUS_M);
+    expect(over(3).flying_count).toBe(1);
+    expect(over(3).flying_m[0]!.z).toBeCloseTo(6 * RADIUS_M, 4);
+  });
+
+  it('takes the thickness of the tool for no gap', () => {
+    const places: Place[] = [...layer(RADIUS_M), [0.005, 0.005, 4.4 * RADIUS_M]];
+    const scene = sceneOf(places.length);
+    const surface = new SoilSurface(scene, radiiOf(scene), FROM_LEFT);
+    const tool = { at_m: [0, 0, 0.01] as [number, number, number], radius_m: 0.03, thickness_m: 0.005 };
+    surface.build(recordsOf(places), places.length, tool);
+    expect(surface.flying_count).toBe(0);
+  });
+
+  it('has a shadow on the side away from the sun', () => {
+    const heap: Place[] = [0, 1, 2].flatMap((up) => layer((1 + 1.6 * (up + 1)) * RADIUS_M).filter(([x]) => Math.abs(x) < 0.011)); // prettier-ignore
+    const surface = surfaceOf([...layer(RADIUS_M), ...heap]);
+    expect(surface.isShaded(-0.03, 0)).toBe(false);
+    expect(surface.isShaded(0, 0)).toBe(false);
+    expect(surface.isShaded(0.022, 0)).toBe(true);
+    expect(surface.isShaded(0.05, 0)).toBe(false);
+  });
+
+  it('says which way the sides of a heap in the air face', () => {
+    const places: Place[] = [...layer(RADIUS_M), [-0.005, 0, 0.06], [0.005, 0, 0.06]];
+    const surface = surfaceOf(places);
+    expect(surface.outwards[3 * 144]!).toBeLessThan(0);
+    expect(surface.outwards[3 * 145]!).toBeGreaterThan(0);
+  });
+});
+
+describe('small grains', () => {
+  it('of a swarm lie within it, the first in the middle', () => {
+    const grains = swarm(80);
+    expect(Array.from(grains.subarray(0, 4))).toEqual([0, 0, 0, 0]);
+    for (let i = 4; i < grains.length; i += 4) {
+      expect(Math.hypot(grains[i]!, grains[i + 1]!, grains[i + 2]!)).toBeLessThanOrEqual(1.0001);
+      expect(grains[i + 3]!).toBeGreaterThan(0.05);
+      expect(grains[i + 3]!).toBeLessThan(0.4);
+    }
+  });
+
+  it('of the tile cast shadows away from the sun', () => {
+    let seed = 3;
+    const { heights } = regolithTile(() => (seed = (seed * 16807) % 2147483647) / 2147483647);
+    expect(heights.every(Number.isFinite)).toBe(true);
+    const post = new Float32Array(SIDE * SIDE);
+    post[100 * SIDE + 500] = 20;
+    const sun = tileSun(post, FROM_LEFT);
+    expect(sun[100 * SIDE + 490]).toBe(1);
+    expect(sun[100 * SIDE + 505]).toBe(0);
+    expect(sun[100 * SIDE + 5]).toBe(0); // over the tile's edge
+    expect(sun[100 * SIDE + 40]).toBe(1);
+    expect(sun[104 * SIDE + 505]).toBe(1);
+  });
+});
+
+describe('the mesh of the ground', () => {
+  it('has no hole between the bed and the horizon', () => {
+    const at = surfaceMesh(0.2, 0.1, 10, 5, 12).getAttribute('position');
+    const inner = Array.from({ length: at.count }, (_, i) => i).filter((i) => at.getZ(i) < 0);
+    expect(inner.length).toBeGreaterThan(0);
+    for (const i of inner) {
+      expect(Math.abs(at.getX(i))).toBeLessThan(0.1);
+      expect(Math.abs(at.getY(i))).toBeLessThan(0.05);
+    }
+    expect(Math.max(...Array.from({ length: at.count }, (_, i) => Math.hypot(at.getX(i), at.getY(i))))).toBeCloseTo(12);
+  });
+});
