@@ -129,7 +129,7 @@ describe('soil', () => {
       async ([text, at]) => {
         const bytes = Uint8Array.from(atob(text), (letter) => letter.charCodeAt(0));
         const bitmap = await createImageBitmap(new Blob([bytes], { type: 'image/png' }));
-        const canvas = new OffscreenCanvas(bitmap.width, bitmap.height).getContext('2d')!;
+        const canvas = new OffscreenCanvas(bitmap.width, bitmap.height).getContext('2d', { willReadFrequently: true })!;
         canvas.drawImage(bitmap, 0, 0);
         return at.map(({ x, y }) => {
           const { data } = canvas.getImageData(Math.round(x) - 20, Math.round(y) - 10, 40, 20);
