@@ -16,6 +16,7 @@
 #include <utility>
 #include <vector>
 
+#include "haptolith/study/answers.h"
 #include "haptolith/study/simulated_participant.h"
 
 namespace haptolith {
@@ -100,6 +101,15 @@ TEST_P(TaskStudy, LosesNoAnswerAndDoublesNoneWhenTheProgramIsKilled) {
   EXPECT_EQ(answered(killed), planned) << "after " << kills << " kills";
   EXPECT_TRUE(isFinished(killed));
   RecordProperty("kills", kills);
+}
+
+TEST(TaskStudyFit, KnowsTheMiddleOfACurveWhoseLevelsAllLieOnOneSide) {
+  StudyBlock block = loadProtocolText(findProtocol("buried-stone").text, "buried-stone").blocks.front();
+  EXPECT_EQ(fitOptionsOf(block).threshold, block.reference.value);
+  block.task = TaskKind::kReferenceFirst;  // who favours an answer has a middle elsewhere
+  EXPECT_FALSE(fitOptionsOf(block).threshold.has_value());
+  const StudyBlock both_sides = loadProtocolText(findProtocol("firm-ground").text, "firm-ground").blocks.front();
+  EXPECT_FALSE(fitOptionsOf(both_sides).threshold.has_value());
 }
 
 INSTANTIATE_TEST_SUITE_P(Of, TaskStudy, testing::Values("buried-stone", "firm-ground"), [](const auto& of) {
