@@ -48,6 +48,35 @@ TEST_F(StudyExploreCommand, TellsWhatAHandFeelsOfEachStimulus) {
   EXPECT_GT(fs::file_size(weber), 1000U);
 }
 
+TEST_F(StudyExploreCommand, TellsWhatForceAndWhatThePictureTellOfATask) {
+  std::ofstream(folder_ / "scene.toml") << "[soil]\nname = 'dry-sand'\n[bed]\nstart = 'packed'\ndepth_mm = 30\n"
+                                           "[tool]\nshape = 'sphere'\ndiameter_mm = 30\n"
+                                           "[hand]\nmanoeuvre = 'press'\nperiod_s = 1\nsurface_mm = 30\n";
+  std::ofstream(folder_ / "p.toml") << "title = 'T'\nscene = 'scene.toml'\n[[block]]\nname = 'a'\nquestion = 'q'\n"
+                                       "answers = ['1', '2']\nvaries = 'soil_depth_mm'\nreference = 30\n"
+                                       "levels = [20, 60]\n";
+  const std::string command =
+      "study explore --repeats 4 --rounds 1 --resamplings 20 --protocol " + (folder_ / "p.toml").string();
+  const ProgramResult result = runHaptolith(command + " --json");
+  ASSERT_EQ(result.exit_status, 0) << result.errors;
+  const json task = json::parse(result.output).at("tasks").at(0);
+  EXPECT_EQ(task.at("reference"), "30");
+  EXPECT_EQ(task.at("exploration_s"), 1);
+  const json& level = task.at("levels").at(1);
+  EXPECT_EQ(level.at("level"), "60");
+  EXPECT_DOUBLE_EQ(level.at("picture").at("d_prime_per_s"), level.at("picture").at("d_prime"));
+  EXPECT_GT(level.at("picture").at("d_prime"), 1);
+  EXPECT_LE(level.at("force").at("d_prime_per_s_low"), level.at("force").at("d_prime_per_s_high"));
+  const ProgramResult text = runHaptolith(command);
+  EXPECT_THAT(text.output, testing::HasSubstr("force d'"));
+  EXPECT_THAT(text.output, testing::HasSubstr("seen height (mm)"));
+  EXPECT_EQ(runHaptolith(command + " --hand stir").exit_status, 2);
+  EXPECT_EQ(runHaptolith("study explore --repeats 3 --protocol " + (folder_ / "p.toml").string()).exit_status, 2);
+  const ProgramResult none = runHaptolith("study explore --protocol buried-ston");
+  EXPECT_EQ(none.exit_status, 2);
+  EXPECT_THAT(none.errors, testing::HasSubstr("buried-stone"));
+}
+
 TEST_F(StudyExploreCommand, IsTheSameForAnyNumberOfThreads) {
   EXPECT_EQ(runHaptolith(kQuick + " --json --threads 1").output, runHaptolith(kQuick + " --json --threads 3").output);
 }

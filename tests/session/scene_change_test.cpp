@@ -51,6 +51,70 @@ TEST(SceneChange, WhatCannotBeIsRefused) {
   refused([](SceneChange& c) { c.tool_size_m = Vec3(0, 1, 1); });
 }
 
+/// Settled soil with a ball in it.
+Scenario ballInSoil() {
+  Scenario scene = findScenario("buried-stone");
+  scene.bed.stones.placed.push_back(scene.bed.stones.placed.front());
+  return scene;
+}
+
+TEST(SceneChange, ChangesTheDepthOfSoilItsStonesAndGravity) {
+  SceneChange change;
+  change.soil_depth_m = 0.06;
+  change.stone_size_m = 0.02;
+  change.stone_depth_m = 0.04;
+  change.gravity_m_s2 = 5;
+  const Scenario next = changed(ballInSoil(), change);
+  EXPECT_EQ(next.bed.depth_m, 0.06);
+  ASSERT_EQ(next.bed.stones.placed.size(), 2U);
+  for (const PlacedStone& stone : next.bed.stones.placed) {
+    EXPECT_EQ(stone.size_m, 0.02);
+    EXPECT_EQ(stone.depth_m, 0.04);
+    EXPECT_TRUE(stone.fixed);
+  }
+  EXPECT_EQ(next.bed.gravity_m_s2, Vec3(0, 0, -5));
+  EXPECT_TRUE(next.body.empty());
+  EXPECT_EQ(next.bed.soil, ballInSoil().bed.soil);
+  EXPECT_TRUE(change.wantsNewBed());
+}
+
+TEST(SceneChange, GravityKeepsItsDirectionAndFallsDownFromNothing) {
+  Scenario scene;
+  scene.bed.gravity_m_s2 = Vec3(3, 0, -4);
+  SceneChange change;
+  change.gravity_m_s2 = 10;
+  EXPECT_TRUE(changed(scene, change).bed.gravity_m_s2.isApprox(Vec3(6, 0, -8)));
+  scene.bed.gravity_m_s2 = Vec3::Zero();
+  EXPECT_EQ(changed(scene, change).bed.gravity_m_s2, Vec3(0, 0, -10));
+  EXPECT_FALSE(change.wantsNewBed());
+}
+
+TEST(SceneChange, WhatABedOrAStoneCannotBeIsRefusedWithItsValue) {
+  const auto refused = [](const Scenario& scene, auto set, const std::string& value, const std::string& valid) {
+    SceneChange change;
+    set(change);
+    EXPECT_THAT([&] { (void)changed(scene, change); }, testing::ThrowsMessage<InvalidParameter>(testing::AllOf(
+                                                           testing::HasSubstr(value), testing::HasSubstr(valid))));
+  };
+  refused(
+      Scenario{}, [](SceneChange& c) { c.soil_depth_m = 0.05; }, "soil_depth_mm = 50", "`packed` or `settled`");
+  refused(
+      Scenario{}, [](SceneChange& c) { c.stone_depth_m = 0.05; }, "stone_depth_mm = 50", "no [[stone]]");
+  refused(
+      Scenario{}, [](SceneChange& c) { c.stone_size_m = 0.05; }, "stone_size_mm = 50", "no [[stone]]");
+  refused(
+      findScenario("firm-ground"), [](SceneChange& c) { c.stone_size_m = 0.05; }, "stone_size_mm = 50",
+      "size of its spheres");
+  refused(
+      ballInSoil(), [](SceneChange& c) { c.stone_size_m = 0.0005; }, "stone_size_mm = 0.5", "1 to 10000");
+  refused(
+      ballInSoil(), [](SceneChange& c) { c.stone_depth_m = 200; }, "stone_depth_mm = 200000", "-10000 to 100000");
+  refused(
+      ballInSoil(), [](SceneChange& c) { c.soil_depth_m = 0.001; }, "1", "");
+  refused(
+      Scenario{}, [](SceneChange& c) { c.gravity_m_s2 = -1; }, "gravity_m_s2 = -1", "0 to 1000");
+}
+
 TEST(SceneChange, NoToolBecomesLargerThanTheBox) {
   const auto refused = [](auto set) {
     SceneChange change;

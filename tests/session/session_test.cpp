@@ -241,6 +241,26 @@ TEST_F(SessionTest, ShowsOneStimulusAfterAnotherEachOnALevelBed) {
   EXPECT_EQ(session_->scenario().body, "Mars");
 }
 
+TEST_F(SessionTest, ShowsStonesWhereEachStimulusHasThem) {
+  Scenario scene = findScenario("buried-stone");
+  scene.bed.start = BedStart::kPacked;  // soon at rest
+  scene.loop.paced = false;
+  scene.hand.manoeuvre = Manoeuvre::kStill;
+  start(scene);
+  const auto stone_m = [&] { return session_->scene().bed().stones().poses().front().position_m.z(); };
+  const double first_m = stone_m();
+  SceneChange deeper, no_change;
+  deeper.stone_depth_m = scene.bed.stones.placed.front().depth_m + 0.01;
+  for (int round = 0; round < 2; ++round) {
+    session_->show(std::array{deeper});
+    ASSERT_TRUE(soon([&] { return session_->settled(); }));
+    EXPECT_NEAR(stone_m(), first_m - 0.01, 0.002) << "round " << round;
+    session_->show(std::array{no_change});
+    ASSERT_TRUE(soon([&] { return session_->settled(); }));
+    EXPECT_NEAR(stone_m(), first_m, 1e-6) << "round " << round;
+  }
+}
+
 TEST_F(SessionTest, AToolThatTouchesNothingFadesOutOfTheSoilAndBackWithoutAJump) {
   start();
   session_->hold(Pose{Vec3(0.01, 0, 0.02)});

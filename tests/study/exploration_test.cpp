@@ -117,6 +117,46 @@ TEST(Exploration, FeelsNoWeightWithoutGravity) {
   EXPECT_NEAR(scoop.carried_n, 0, 0.01);  // on Earth some 0.08
 }
 
+TEST(Picture, IsWhatTheSurfaceDoes) {
+  BedParameters bed;
+  bed.width_m = bed.length_m = 0.028;  // two cells each way, of 14 mm
+  const double r = bed.soil.radius_m;
+  // Four grains on top, one below another that nobody sees.
+  const std::vector<Vec3> before_m{{-r, -r, 0.030}, {r, -r, 0.030}, {-r, r, 0.030}, {r, r, 0.030}, {r, r, 0.010}};
+  std::vector<Vec3> after_m = before_m;
+  EXPECT_EQ(pictureOf(before_m, after_m, bed).heave_m, 0);
+  EXPECT_EQ(pictureOf(before_m, after_m, bed).moved_m, 0);
+  EXPECT_NEAR(pictureOf(before_m, after_m, bed).height_m, 0.030 + r, 1e-12);
+  after_m[4].z() = 0.002;  // not seen
+  EXPECT_EQ(pictureOf(before_m, after_m, bed).moved_m, 0);
+  after_m[0].z() = 0.034;
+  after_m[1].z() = 0.022;
+  const Picture seen = pictureOf(before_m, after_m, bed);
+  EXPECT_NEAR(seen.heave_m, 0.004, 1e-12);
+  EXPECT_NEAR(seen.hollow_m, 0.008, 1e-12);
+  EXPECT_NEAR(seen.moved_m, (0.004 + 0.008) / 4, 1e-12);
+}
+
+TEST(Exploration, MeetsAStoneFromAnySideOfTheBed) {
+  Scenario scene = findScenario("buried-stone");
+  scene.bed.start = BedStart::kPacked;
+  scene.bed.stones.placed[0].x_m = 0.03;
+  scene.hand.period_s = 1;
+  const LevelBed bed = levelBed(scene);
+  ASSERT_EQ(bed.stones.size(), 1U);
+  ExploringHand over_stone{.hand = scene.hand}, elsewhere{.hand = scene.hand};
+  over_stone.hand.home_m.x() = elsewhere.hand.home_m.x() = 0.03;
+  const double over_n = explore(scene, bed, over_stone, 1).felt.peak_force_n;
+  elsewhere.quarter_turns = 2;
+  EXPECT_GT(over_n, 1.5 * explore(scene, bed, elsewhere, 1).felt.peak_force_n);
+  over_stone.quarter_turns = 1;  // the stone with its soil
+  over_stone.hand.home_m = Vec3(0, 0.03, scene.hand.home_m.z());
+  EXPECT_NEAR(explore(scene, bed, over_stone, 1).felt.peak_force_n, over_n, 0.05 * over_n);
+  for (std::uint64_t seed = 1; seed <= 20; ++seed) {
+    EXPECT_FALSE(exploringHand(scene, {.manoeuvre = Manoeuvre::kPress, .seed = seed}).mirrored);
+  }
+}
+
 TEST(Exploration, RefusesNonsense) {
   EXPECT_THROW((void)explore(paperScene(), {.manoeuvre = Manoeuvre::kPoses}), InvalidParameter);
   EXPECT_THROW((void)explore(paperScene(), {.rounds = 0}), InvalidParameter);

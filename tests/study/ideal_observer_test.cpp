@@ -143,7 +143,72 @@ TEST(Discrimination, RefusesNonsense) {
   EXPECT_THROW((void)discriminate(std::vector<FeltStimulus>(2), 0, kOneSense), InvalidParameter);
 }
 
+/// Explorations of one cue whose sensations scatter by `scatter_jnds`.
+FeltStimulus scattering(double magnitude, int explorations, int cues, double scatter_jnds, std::mt19937_64& random) {
+  std::normal_distribution<double> normal;
+  FeltStimulus stimulus;
+  for (int i = 0; i < explorations; ++i) {
+    std::vector<double>& magnitudes = stimulus.magnitudes.emplace_back();
+    for (int cue = 0; cue < cues; ++cue) {
+      magnitudes.push_back(magnitude * std::pow(1.3, scatter_jnds * normal(random)));
+    }
+  }
+  return stimulus;
+}
+
+TEST(PairDiscrimination, OfOneCueIsItsDiscriminability) {
+  const FeltStimulus a{.x = 0, .magnitudes = {{10}, {10}, {10}, {10}}},
+      b{.x = 0, .magnitudes = {{13}, {13}, {13}, {13}}};
+  EXPECT_NEAR(discriminatePair(a, b, kOneSense).jnds, 1, 1e-5);
+  EXPECT_NEAR(discriminatePair(b, a, kOneSense).jnds, 1, 1e-5) << "the observer learns which way the cue goes";
+  EXPECT_EQ(discriminatePair(a, a, kOneSense).jnds, 0);
+}
+
+TEST(PairDiscrimination, FindsNothingInNoise) {
+  std::mt19937_64 random(3);
+  const std::vector<Sense> senses(5, kSense);
+  double sum = 0;
+  constexpr int kStudies = 400;
+  for (int study = 0; study < kStudies; ++study) {
+    const FeltStimulus a = scattering(10, 16, 5, 1, random), b = scattering(10, 16, 5, 1, random);
+    sum += discriminatePair(a, b, senses).jnds;
+  }
+  EXPECT_NEAR(sum / kStudies, 0, 0.06);
+}
+
+TEST(PairDiscrimination, HoldsTheTrueDistanceInItsInterval) {
+  std::mt19937_64 random(4);
+  const double truth = 2 / std::sqrt(1 + 0.5);  // 2 JNDs, each stimulus scattering by a half
+  int held = 0;
+  constexpr int kStudies = 100;
+  for (int study = 0; study < kStudies; ++study) {
+    const FeltStimulus a = scattering(10, 16, 1, 0.5, random), b = scattering(16.9, 16, 1, 0.5, random);
+    const PairDiscrimination found = discriminatePair(a, b, kOneSense, {.resamplings = 100});
+    held += static_cast<int>(found.interval.low <= truth && truth <= found.interval.high);
+  }
+  EXPECT_GT(held, 0.8 * kStudies);
+  RecordProperty("held", held);
+}
+
+TEST(PairDiscrimination, RefusesNonsense) {
+  const FeltStimulus few{.x = 0, .magnitudes = {{10}, {10}, {10}}},
+      enough{.x = 0, .magnitudes = {{10}, {10}, {10}, {10}}};
+  EXPECT_THROW((void)discriminatePair(few, enough, kOneSense), InvalidParameter);
+  EXPECT_THROW((void)discriminatePair(enough, enough, std::array{kSense, kSense}), InvalidParameter);
+}
+
+TEST(DPrime, IsTheRootOfTwoOfAJnd) {
+  // A JND is told in 84 % of two-interval trials, whose d' is sqrt(2) z(0.84) by definition.
+  EXPECT_NEAR(dPrime(1), 1.414, 1e-3);
+  EXPECT_EQ(dPrime(0), 0);
+}
+
 TEST(Cues, HaveSensesThatMakeSense) {
+  EXPECT_FALSE(seenCues().empty());
+  for (const SeenCue& cue : seenCues()) {
+    EXPECT_LT(cue.sense.weber_fraction, 0.11) << cue.name << ": the eye is finer than the hand";
+    EXPECT_GT(cue.sense.threshold, 0) << cue.name;
+  }
   EXPECT_FALSE(cues().empty());
   for (const Cue& cue : cues()) {
     EXPECT_GT(cue.sense.weber_fraction, 0.05) << cue.name;

@@ -125,6 +125,47 @@ TEST(ShippedProtocols, HaveOneOfHapticsAlone) {
   EXPECT_EQ(block.questionnaire.size(), 6U);
 }
 
+/// Tasks whose answer lies below the surface: with vision, without, and with vision that is late.
+TEST(ShippedProtocols, HaveTasksThatAHandAloneCanTell) {
+  for (const char* name : {"buried-stone", "firm-ground"}) {
+    const StudyProtocol protocol = load(findProtocol(name).text);
+    ASSERT_EQ(protocol.blocks.size(), 3U) << name;
+    EXPECT_TRUE(protocol.blocks[0].visual && protocol.blocks[0].visual_delay_s == 0) << name;
+    EXPECT_FALSE(protocol.blocks[1].visual) << name;
+    EXPECT_EQ(protocol.blocks[2].visual_delay_s, 1) << name;
+    for (const StudyBlock& block : protocol.blocks) {
+      EXPECT_EQ(block.task, TaskKind::kTwoInterval) << name;
+      EXPECT_EQ(values(block.levels), values(protocol.blocks[0].levels)) << name;
+      EXPECT_EQ(block.reference.value, protocol.blocks[0].reference.value) << name;
+      EXPECT_GT(block.reference.value, 0) << name << ": study plan takes ratios";
+      EXPECT_EQ(block.procedure, ProcedureKind::kConstant) << name;
+    }
+  }
+}
+
+TEST(ShippedProtocols, LayTheStoneUnderTheFloorWhereThereIsNone) {
+  const StudyProtocol protocol = load(findProtocol("buried-stone").text);
+  const StudyBlock& block = protocol.blocks[0];
+  const auto top_m = [&](const Stimulus& stimulus) {
+    const PlacedStone stone = sceneOf(protocol, block, stimulus).bed.stones.placed.at(0);
+    return stone.depth_m - stone.size_m / 2;
+  };
+  EXPECT_GT(top_m(block.reference), protocol.scene.bed.depth_m);
+  for (const Stimulus& level : block.levels) {
+    EXPECT_GT(top_m(level), 0) << "it would be seen";
+    EXPECT_NEAR(protocol.scene.bed.depth_m / top_m(level), level.value, 0.01);
+  }
+}
+
+TEST(ShippedProtocols, LayFirmGroundAsDeepAsTheAxisSays) {
+  const StudyProtocol protocol = load(findProtocol("firm-ground").text);
+  const StudyBlock& block = protocol.blocks[0];
+  for (const Stimulus& level : block.levels) {
+    const PlacedStone ground = sceneOf(protocol, block, level).bed.stones.placed.at(0);
+    EXPECT_NEAR(1e3 * (ground.depth_m - ground.spheres.front().radius_m), level.value, 1e-9);
+  }
+}
+
 TEST(ShippedProtocols, AreListedWhenAnotherIsAskedFor) {
   try {
     (void)findProtocol("papr");
@@ -236,6 +277,28 @@ TEST(Protocol, ChangesTheSceneOfABlock) {
   const Scenario scene = sceneOf(protocol, protocol.blocks[0], protocol.blocks[0].levels[0]);
   EXPECT_EQ(scene.bed.soil.contact_friction, 0.25);
   EXPECT_EQ(scene.body, "Earth");
+}
+
+TEST(Protocol, VariesNumbersOfTheScene) {
+  const auto scene = [](const std::string& varied, const char* scene_name) {
+    const StudyProtocol protocol = load(kTitle + "scene = '" + scene_name + "'\n" + kNames + varied);
+    EXPECT_EQ(names(protocol.blocks[0].levels), (std::vector<std::string>{"30", "50"}));
+    return sceneOf(protocol, protocol.blocks[0], protocol.blocks[0].levels[1]);
+  };
+  const std::string numbers = "reference = 40\nlevels = [50, 30]\n";
+  EXPECT_EQ(scene("varies = 'soil_depth_mm'\n" + numbers, "buried-stone").bed.depth_m, 0.05);
+  EXPECT_EQ(scene("varies = 'stone_size_mm'\n" + numbers, "buried-stone").bed.stones.placed[0].size_m, 0.05);
+  EXPECT_EQ(scene("varies = 'stone_depth_mm'\n" + numbers, "firm-ground").bed.stones.placed[0].depth_m, 0.05);
+  EXPECT_EQ(scene("varies = 'gravity_m_s2'\n" + numbers, "paper").bed.gravity_m_s2, Vec3(0, 0, -50));
+  EXPECT_EQ(scene("varies = 'soil_depth_mm'\n" + numbers + "[block.scene]\nstone_size_mm = 12\n", "buried-stone")
+                .bed.stones.placed[0]
+                .size_m,
+            0.012);
+}
+
+TEST(Protocol, ShowsThePictureLateWhereItSaysSo) {
+  EXPECT_EQ(load(kTitle + kNames + kFriction).blocks[0].visual_delay_s, 0);
+  EXPECT_EQ(load(kTitle + kNames + kFriction + "visual_delay_s = 0.4\n").blocks[0].visual_delay_s, 0.4);
 }
 
 TEST(Protocol, TakesItsSceneFromBesideIt) {
@@ -363,6 +426,17 @@ INSTANTIATE_TEST_SUITE_P(
               "among the levels, because these have `values` of their own"},
         Wrong{"ADesignThatIsNone", kBlock + "procedure = 'quest+'\n[block.quest_plus]\ndesign = '1afc'\n",
               "2afc, 3afc, ... or 100afc"},
+        Wrong{"AVisualDelayOutOfRange", kBlock + "visual_delay_s = 5.5\n",
+              "visual_delay_s = 5.5 is not valid: must be 0 to 5"},
+        Wrong{"AVisualDelayOfNothing", kBlock + "visual = false\nvisual_delay_s = 1\n", "there is nothing to see"},
+        Wrong{"AStoneThatIsNotThere",
+              kTitle + kNames + "varies = 'stone_depth_mm'\nreference = 20\nlevels = [10, 30]\n",
+              "the scene has no [[stone]]"},
+        Wrong{"ADepthOfACountedBed", kTitle + kNames + "varies = 'soil_depth_mm'\nreference = 20\nlevels = [10, 30]\n",
+              "filled up to a depth"},
+        Wrong{"AGravityOutOfRange", kTitle + kNames + "varies = 'gravity_m_s2'\nreference = 20\nlevels = [10, 3000]\n",
+              "3000"},
+        Wrong{"ASceneThatIsNone", kTitle + "scene = 'buried-ston'\n" + kNames + kFriction, "buried-ston"},
         Wrong{"TooManyRepeats", kBlock + "repeats = 100000\n", "1 to 1000"},
         Wrong{"ABlockThatIsNoTable", kTitle + "block = 3\n", "tables, each under [[block]]"},
         Wrong{"TwoSoils", kBlock + "[block.scene]\npreset = 'P1'\nsoil = 'lms-1'\n", "cannot both be given"},

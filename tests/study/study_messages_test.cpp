@@ -5,6 +5,7 @@
 #include <unistd.h>
 
 #include <filesystem>
+#include <map>
 #include <memory>
 #include <string>
 
@@ -61,6 +62,31 @@ class StudyMessages : public testing::Test {
   std::unique_ptr<StudyStore> store_;
   std::unique_ptr<Conductor> conductor_;
 };
+
+TEST_F(StudyMessages, TellsThePageHowLateThePictureIs) {
+  const std::string late = kTwoBlocks + "visual_delay_s = 0.5\n";  // of the last block
+  TearDown();
+  StudyStore::create(file_, loadProtocolText(late, "test"), late, 7);
+  store_ = std::make_unique<StudyStore>(file_, StudyStore::Access::kRun);
+  conductor_ = std::make_unique<Conductor>(*store_, rig_, ConductorOptions{.now_s = [this] { return now_s_; }});
+  conductor_->begin("");
+  says({{"act", "fill"}, {"values", {{"age", "30"}, {"name", "Ada"}}}});
+  EXPECT_EQ(participant().at("visual_delay_s"), 0);
+  std::map<std::string, double> told_s;
+  for (int i = 0; i < 400 && participant().at("phase") != "finished"; ++i) {
+    now_s_ += 1;
+    conductor_->poll();
+    const json now = participant();
+    if (now.at("phase") == "interval") {
+      told_s[experimenter().at("now").at("block")] = now.at("visual_delay_s");
+      says({{"act", "go"}});
+    } else if (now.at("phase") == "question") {
+      EXPECT_EQ(now.at("visual_delay_s"), 0);
+      says({{"act", "answer"}, {"choice", 1}});
+    }
+  }
+  EXPECT_EQ(told_s, (std::map<std::string, double>{{"friction", 0}, {"gravity", 0.5}}));
+}
 
 TEST_F(StudyMessages, AnEmptyStudyWaits) {
   EXPECT_EQ(participant()["phase"], "waiting");

@@ -12,6 +12,8 @@ export interface Automation {
   readonly status: Status | null;
   /** header of the last frame */
   readonly frame: FrameHeader | null;
+  /** time of the frame in the picture, which a study may show late */
+  readonly seen_s: number | null;
   readonly client: number | null;
   readonly particlesDrawn: number;
   readonly framesDrawn: number;
@@ -64,6 +66,9 @@ export function publish({ stage, layout, now, setColour, setDrawing, setTheme }:
       if (!now.frame) return null;
       const { runs: _runs, records: _records, ...header } = now.frame;
       return header;
+    },
+    get seen_s() {
+      return stage.currentFrame?.time_s ?? null;
     },
     get client() {
       return now.hello?.client ?? null;

@@ -23,6 +23,7 @@ export interface MockStudyOptions {
   feedback_s?: number;
   break_s?: number;
   visual?: boolean;
+  visual_delay_s?: number;
 }
 
 interface Block {
@@ -145,7 +146,15 @@ export class MockStudy {
   problem: string | null = null;
 
   constructor(options: MockStudyOptions = {}) {
-    this.options = { interval_s: 20, preparing_s: 1, feedback_s: 1.5, break_s: 10, visual: true, ...options };
+    this.options = {
+      interval_s: 20,
+      preparing_s: 1,
+      feedback_s: 1.5,
+      break_s: 10,
+      visual: true,
+      visual_delay_s: 0,
+      ...options,
+    };
     this.screens = this.allScreens();
   }
 
@@ -382,7 +391,7 @@ export class MockStudy {
 
   private trialScreens(trial: Trial): Screen[] {
     const { question, choices } = BLOCKS[trial.block]!;
-    const { interval_s, preparing_s, feedback_s, visual } = this.options;
+    const { interval_s, preparing_s, feedback_s, visual, visual_delay_s } = this.options;
     const part = (message: Screen['message'], auto_s?: number): Screen => ({
       message,
       block: trial.block,
@@ -391,7 +400,16 @@ export class MockStudy {
     });
     const interval = (which: number, label: string): Screen =>
       part(
-        { phase: 'interval', interval: which, intervals: 2, label, visual, can_dig: true, button: 'Continue' },
+        {
+          phase: 'interval',
+          interval: which,
+          intervals: 2,
+          label,
+          visual,
+          visual_delay_s,
+          can_dig: true,
+          button: 'Continue',
+        },
         interval_s,
       );
     return [

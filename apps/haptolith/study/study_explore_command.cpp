@@ -16,6 +16,7 @@
 #include "haptolith/scenario/scene_words.h"
 #include "haptolith/study/perception/perception.h"
 #include "haptolith/study/perception/perception_figure.h"
+#include "haptolith/study/perception/task_perception.h"
 
 #include "commands.h"
 #include "lab/lab_options.h"
@@ -23,6 +24,7 @@
 #include "shared/output.h"
 #include "shared/overwrite.h"
 #include "shared/stop_on_signal.h"
+#include "study/task_report.h"
 
 namespace haptolith {
 
@@ -34,6 +36,7 @@ constexpr const char* kExamples = R"(Examples:
   haptolith study explore                                          all of it: some minutes
   haptolith study explore --block gravity --friction paper --hand stir --repeats 10
   haptolith study explore --csv explorations.csv --figure forces.png --weber-figure weber.png
+  haptolith study explore --protocol buried-stone                  what force tells of a task, and what the picture
 
 docs/perception.md tells what was found, and how the numbers are meant.)";
 
@@ -42,6 +45,7 @@ struct Options {
   PerceiveOptions perceive;
   std::string block = "both", friction = "both", hand = "all";
   std::string csv_file, figure_file, weber_figure_file;
+  std::vector<std::string> protocols;  ///< empty: the paper's stimuli
   Overwrite overwrite;
   bool json = false;
 };
@@ -166,7 +170,38 @@ void saveCsv(const Options& options, const PerceptionOptions& wanted, const std:
   file.commit();
 }
 
+/// The first block of a protocol: those of one task differ in what is seen, not in the soils.
+void runTasks(const Options& options) {
+  const StopOnSignal stop_on_signal;
+  const PerceptionOptions wanted = perceptionOf(options);
+  const TaskOptions task_options{.repeats = wanted.repeats,
+                                 .rounds = wanted.rounds,
+                                 .seed = wanted.seed,
+                                 .threads = wanted.threads,
+                                 .perceive = options.perceive};
+  std::string text;
+  Json json = {{"tasks", Json::array()}};
+  for (const std::string& name : options.protocols) {
+    const ProtocolText source = findProtocol(name);
+    const StudyProtocol protocol = loadProtocolText(source.text, source.name);
+    StatusLine status;
+    const TaskPerception task = perceiveTask(protocol, protocol.blocks.front(), task_options, [&](double share) {
+      if (status.visible()) {
+        status.update(fmt::format("exploring {}: {:.0f} %", source.name, 100 * share));
+      }
+      return !stopAsked();
+    });
+    status.clear();
+    text += taskTable(source.name, task, task_options);
+    json["tasks"].push_back(taskJson(source.name, task, task_options));
+  }
+  options.json ? printJson(json) : printText(text);
+}
+
 void run(const Options& options) {
+  if (!options.protocols.empty()) {
+    return runTasks(options);
+  }
   const StopOnSignal stop_on_signal;
   requireWritable({options.overwrite(options.csv_file), options.overwrite(options.figure_file),
                    options.overwrite(options.weber_figure_file)});
@@ -212,18 +247,28 @@ void addStudyExploreCommand(CLI::App& study) {
   options->perception.threads = 0;
   PerceptionOptions& perception = options->perception;
   CLI::App* command = study.add_subcommand("explore", "How far apart the paper's stimuli are for a hand that explores");
+  CLI::Option* protocols =
+      command
+          ->add_option("--protocol", options->protocols,
+                       "instead of the paper's stimuli, those of the first block of a study, explored by its scene's "
+                       "[hand]: what force alone tells, and what the picture alone")
+          ->option_text("NAME|FILE ...");
   command->add_option("--block", options->block, "which stimuli")
       ->check(oneOf({"friction", "gravity", "both"}))
+      ->excludes(protocols)
       ->capture_default_str();
   command->add_option("--friction", options->friction, "model of friction")
       ->transform([](const std::string& word) { return std::string(currentWord(word)); }, "")
       ->check(oneOf({"paper", "contact", "both"}))
+      ->excludes(protocols)
       ->capture_default_str();
   command->add_option("--hand", options->hand, "what the hand does")
       ->check(oneOf({"stir", "press", "scoop", "all"}))
+      ->excludes(protocols)
       ->capture_default_str();
   command->add_option("--contact-cohesion-n", perception.contact_cohesion_n, "of soil with contact friction, in N")
       ->check(numberIn({0.0, 1.0}))
+      ->excludes(protocols)
       ->capture_default_str();
   command->add_option("--repeats", perception.repeats, "explorations of each stimulus by each hand")
       ->check(wholeNumberIn({2, 1000}))
@@ -242,9 +287,10 @@ void addStudyExploreCommand(CLI::App& study) {
       ->capture_default_str();
   command->add_option("--threads", perception.threads, "explorations at a time; the result is the same [all]")
       ->check(wholeNumberIn({1, 256}));
-  command->add_option("--csv", options->csv_file, "write every exploration: FILE.csv");
-  command->add_option("--figure", options->figure_file, "draw the forces, .svg or .png");
-  command->add_option("--weber-figure", options->weber_figure_file, "draw the Weber fractions, .svg or .png");
+  command->add_option("--csv", options->csv_file, "write every exploration: FILE.csv")->excludes(protocols);
+  command->add_option("--figure", options->figure_file, "draw the forces, .svg or .png")->excludes(protocols);
+  command->add_option("--weber-figure", options->weber_figure_file, "draw the Weber fractions, .svg or .png")
+      ->excludes(protocols);
   options->overwrite.addTo(*command);
   command->add_flag("--json", options->json, "print one JSON object instead of tables");
   command->footer(kExamples);

@@ -1,5 +1,7 @@
 #include "haptolith/session/scene_change.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <string_view>
@@ -15,6 +17,42 @@ constexpr double kMm = 1e-3;  // m
 double checkedLength(std::string_view key, double length_m, const Range& valid_m) {
   requireInRange(key, inUnits(length_m, kMm), valid_m.in(kMm));
   return length_m;
+}
+
+[[noreturn]] void refuseLength(std::string_view key, double length_m, const char* why) {
+  throw InvalidParameter(std::string(key), fmt::format("{:g}", inUnits(length_m, kMm)),
+                         fmt::format("left out: {}", why));
+}
+
+void changeDepth(BedParameters& bed, double depth_m) {
+  if (bed.start != BedStart::kPacked && bed.start != BedStart::kSettled) {
+    refuseLength("soil_depth_mm", depth_m, "only a bed that starts `packed` or `settled` is filled up to a depth");
+  }
+  bed.depth_m = checkedLength("soil_depth_mm", depth_m, BedRanges::length_m);
+}
+
+void changeStones(std::vector<PlacedStone>& stones, const SceneChange& change) {
+  if (stones.empty() && (change.stone_size_m || change.stone_depth_m)) {
+    refuseLength(change.stone_size_m ? "stone_size_mm" : "stone_depth_mm",
+                 change.stone_size_m.value_or(change.stone_depth_m.value_or(0)), "the scene has no [[stone]]");
+  }
+  for (PlacedStone& stone : stones) {
+    if (change.stone_size_m && stone.form == StoneForm::kSpheres) {
+      refuseLength("stone_size_mm", *change.stone_size_m, "a stone of shape = spheres has the size of its spheres");
+    }
+    stone.size_m =
+        change.stone_size_m ? checkedLength("stone_size_mm", *change.stone_size_m, kStoneSize_m) : stone.size_m;
+    stone.depth_m = change.stone_depth_m ? checkedLength("stone_depth_mm", *change.stone_depth_m, StonesRanges::depth_m)
+                                         : stone.depth_m;
+  }
+}
+
+void changeGravity(Scenario& scenario, double gravity_m_s2) {
+  Vec3& gravity = scenario.bed.gravity_m_s2;
+  const double now_m_s2 = gravity.norm();
+  requireInRange("gravity_m_s2", gravity_m_s2, BedRanges::gravity_m_s2);
+  gravity = now_m_s2 > 0 ? Vec3(gravity * (gravity_m_s2 / now_m_s2)) : Vec3(0, 0, -gravity_m_s2);
+  scenario.body.clear();
 }
 
 }  // namespace
@@ -40,6 +78,13 @@ Scenario changed(Scenario scenario, const SceneChange& change) {
   if (change.body) {
     changeBody(scenario, *change.body);
   }
+  if (change.gravity_m_s2) {
+    changeGravity(scenario, *change.gravity_m_s2);
+  }
+  if (change.soil_depth_m) {
+    changeDepth(scenario.bed, *change.soil_depth_m);
+  }
+  changeStones(scenario.bed.stones.placed, change);
   ToolParameters& tool = scenario.tool;
   tool.shape = change.tool_shape.value_or(tool.shape);
   const Range lengths_m = toolLengths(scenario.bed);

@@ -19,9 +19,14 @@ struct SceneChange {
   std::optional<ToolShape> tool_shape = {};
   std::optional<Vec3> tool_size_m = {};
   std::optional<double> tool_diameter_m = {}, tool_thickness_m = {}, tool_opening_m = {}, tool_length_m = {};
+  std::optional<double> soil_depth_m = {};                      ///< of a bed that is filled up to a depth
+  std::optional<double> stone_size_m = {}, stone_depth_m = {};  ///< of each stone that was put somewhere
+  std::optional<double> gravity_m_s2 = {};                      ///< keeps its direction
 
   /// Whether it asks for other soil, of which a bed has to be made, or only for what a bed can go on with.
-  [[nodiscard]] bool wantsNewBed() const noexcept { return preset || soil || friction; }
+  [[nodiscard]] bool wantsNewBed() const noexcept {
+    return preset || soil || friction || soil_depth_m || stone_size_m || stone_depth_m;
+  }
 };
 
 /// How long, wide or thick a tool may become while a scene is shown, in m: as the box at most. One that is larger

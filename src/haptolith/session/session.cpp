@@ -75,8 +75,8 @@ Session::Showing Session::showNew(const Scenario& scenario, const SettleProgress
   const Bed& bed = made.scene->bed();
   std::vector<Vec3> centres_m = centresOf(bed.state().position);
   centres_m.resize(bed.particles());
-  made.fresh = std::make_shared<const Fresh>(Fresh{scenario.bed.soil, scenario.bed.gravity_m_s2, std::move(centres_m),
-                                                   bed.stones().poses(), bed.surfaceHeight()});
+  made.fresh = std::make_shared<const Fresh>(
+      Fresh{scenario.bed, std::move(centres_m), bed.stones().poses(), bed.surfaceHeight()});
   return made;
 }
 
@@ -309,9 +309,7 @@ void Session::changeWhatIsThere() {
 }
 
 std::shared_ptr<const Session::Fresh> Session::freshFor(const Scenario& scenario) const {
-  const auto same = [&scenario](const std::shared_ptr<const Fresh>& fresh) {
-    return fresh->soil == scenario.bed.soil && fresh->gravity_m_s2 == scenario.bed.gravity_m_s2;
-  };
+  const auto same = [&scenario](const std::shared_ptr<const Fresh>& fresh) { return fresh->bed == scenario.bed; };
   const auto found = std::ranges::find_if(fresh_, same);
   return found == fresh_.end() ? nullptr : *found;
 }

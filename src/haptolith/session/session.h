@@ -107,10 +107,9 @@ class Session {
   [[nodiscard]] const HapticLoop& loop() const noexcept { return *loop_; }
 
  private:
-  /// How a bed lay when it was new: level, and at rest with this soil under this gravity.
+  /// How a bed lay when it was new: level, and at rest.
   struct Fresh {
-    SoilParameters soil;
-    Vec3 gravity_m_s2;
+    BedParameters bed;  ///< what it was made of
     std::vector<Vec3> centres_m;
     std::vector<Pose> stones;  ///< scene_T_stone
     double surface_m = 0;

@@ -14,6 +14,14 @@ bool isAnswered(const TrialRow& trial) {
   return trial.state == TrialState::kAnswered && trial.answer && !trial.answer->timed_out;
 }
 
+/// Whether all levels lie on one side of the reference, and the question has an answer for each interval: then two
+/// equal stimuli are answered either way equally often, while no level shows where the curve has its middle.
+bool hasItsMiddleAtTheReference(const StudyBlock& block) {
+  const double reference = block.reference.value;
+  return block.task == TaskKind::kTwoInterval &&
+         (block.levels.front().value >= reference || block.levels.back().value <= reference);
+}
+
 }  // namespace
 
 bool counts(const TrialRow& trial) {
@@ -47,7 +55,9 @@ FitOptions fitOptionsOf(const StudyBlock& block) {
   const auto positive = [](const Stimulus& stimulus) { return stimulus.value > 0; };
   if (positive(block.reference) && std::ranges::all_of(block.levels, positive)) {
     FitOptions options = weberOptions(block.reference.value);
-    options.threshold.reset();
+    if (!hasItsMiddleAtTheReference(block)) {
+      options.threshold.reset();
+    }
     return options;
   }
   FitOptions options;

@@ -27,7 +27,8 @@ namespace haptolith {
                                            std::optional<std::int64_t> participant = std::nullopt);
 
 /// How one person's answers in a block are fitted unless somebody wants it otherwise: (paper 22) without lapses, with
-/// Weber fraction and point of subjective equality free. A block with values at or below zero has no Weber fraction:
+/// Weber fraction and point of subjective equality free; this is the reference in a two-interval block whose levels all
+/// lie on one side of it. A block with values at or below zero has no Weber fraction:
 /// its curve is a cumulative Gaussian over a linear axis.
 [[nodiscard]] FitOptions fitOptionsOf(const StudyBlock& block);
 

@@ -80,6 +80,13 @@ std::string levelsText(const StudyBlock& block) {
   return fmt::format("{}", fmt::join(levels, ", "));
 }
 
+std::string visionText(const StudyBlock& block) {
+  if (!block.visual) {
+    return "not seen";
+  }
+  return block.visual_delay_s > 0 ? fmt::format("seen {:g} s late", block.visual_delay_s) : "seen";
+}
+
 std::string designText(const StudyBlock& block) {
   std::string text = fmt::format(
       "### {}\n\n- Varied: {}; reference {}; levels {}.\n- Question: \"{}\" Answers: \"{}\" or \"{}\"; {}.\n"
@@ -89,7 +96,7 @@ std::string designText(const StudyBlock& block) {
       procedureText(block));
   text += fmt::format("- A stimulus lasts {}; an answer may take {}. The scene is {} meanwhile.\n",
                       secondsText(block.interval_s, "until the participant goes on"),
-                      secondsText(block.answer_limit_s, "any time"), block.visual ? "seen" : "not seen");
+                      secondsText(block.answer_limit_s, "any time"), visionText(block));
   if (block.practice_trials > 0) {
     text += fmt::format("- Practice: {} trials{}, which count for nothing", block.practice_trials,
                         block.practice_feedback ? " with feedback" : "");

@@ -74,7 +74,24 @@ Stimulus frictionStimulus(std::string_view varies, const TextOrNumber& level) {
   return stimulus;
 }
 
+const SceneNumber* sceneNumberNamed(std::string_view key) {
+  const std::span<const SceneNumber> numbers = sceneNumbers();
+  const auto found = std::ranges::find(numbers, key, &SceneNumber::key);
+  return found == numbers.end() ? nullptr : &*found;
+}
+
+Stimulus sceneStimulus(std::string_view varies, const TextOrNumber& level) {
+  Stimulus stimulus = sliderStimulus(varies, level);
+  const SceneNumber& number = *sceneNumberNamed(varies);
+  stimulus.change = {};
+  stimulus.change.*number.member = stimulus.value * number.unit;
+  return stimulus;
+}
+
 Variation variationOf(std::string_view varies) {
+  if (const SceneNumber* number = sceneNumberNamed(varies)) {
+    return {"numbers", number->axis_label, sceneStimulus};
+  }
   if (varies == "preset") {
     return {"presets", "friction coefficient", presetStimulus};
   }
@@ -195,6 +212,12 @@ void requireCriteria(const StudyBlock& block) {
          "no practice_criterion says when another is needed");
   refuse("catch_levels", !catches && !block.catch_levels.empty(), "there are no catch_trials");
   refuse("catch_criterion", !catches && block.catch_criterion > 0, "there are no catch_trials");
+}
+
+void requireVisualDelay(const StudyBlock& block) {
+  if (!block.visual && block.visual_delay_s > 0) {
+    throw InvalidParameter("visual_delay_s", "", "left out: with `visual = false` there is nothing to see");
+  }
 }
 
 /// Whether there is a level on each side of the reference is what tells "more" from "less".
@@ -350,6 +373,7 @@ StudyBlock readBlock(const TomlReader& reader, const StudyProtocol& protocol) {
     block.catch_levels = easyLevels(draft, "catch_levels", draft.catch_levels);
     sortLevels(block);
     requireCriteria(block);
+    requireVisualDelay(block);
     requireReferenceAmongLevels(block);
     requireProcedure(block);
     requireScenes(protocol, block);
@@ -361,6 +385,14 @@ StudyBlock readBlock(const TomlReader& reader, const StudyProtocol& protocol) {
   return block;
 }
 
+/// The built-in scene that the key names; empty: it names a file, or is left out.
+std::string builtInScene(const TomlReader& reader) {
+  const toml::node* key = reader.find("", "scene");
+  const std::string name = key != nullptr ? key->value_or(std::string()) : "";
+  const std::vector<std::string> names = sceneNames();
+  return std::ranges::find(names, name) != names.end() ? name : "";
+}
+
 StudyProtocol read(const TomlReader& reader, const Scenario* scene) {
   std::vector<KeyName> known = keyNames(protocolKeys());
   for (const char* tables : {"block", "demographics", "groups", "item"}) {
@@ -369,14 +401,17 @@ StudyProtocol read(const TomlReader& reader, const Scenario* scene) {
   reader.refuseUnknownKeys(known);
   reader.require("", "title");
   ProtocolDraft draft;
+  const std::string built_in = builtInScene(reader);
   for (const ProtocolKey& key : protocolKeys()) {
-    if (scene == nullptr || key.name != "scene") {
+    if (key.name != "scene" || (scene == nullptr && built_in.empty())) {
       reader.apply(key, draft);
     }
   }
   StudyProtocol& protocol = draft.protocol;
   if (scene != nullptr) {
     protocol.scene = *scene;
+  } else if (!built_in.empty()) {
+    protocol.scene = findScenario(built_in);
   } else if (!draft.scene_file.empty()) {
     protocol.scene = loadScenario(draft.scene_file);
   }

@@ -67,6 +67,7 @@ struct StudyBlock {
   bool feedback = false;                       ///< whether a participant is told that an answer was right
   bool practice_feedback = true;               ///< the same in practice trials
   bool visual = true;                          ///< false: the participant's page is blank while a stimulus is felt
+  double visual_delay_s = 0;                   ///< how much later than the force its picture is seen; 0 if not visual
   double interval_s = 0;                       ///< longest time with one stimulus; 0: until the participant goes on
   double between_intervals_s = 0.25;           ///< from the end of the first stimulus to the beginning of the second
   double between_trials_s = 0.25;              ///< from the answer (and its feedback) to the next first stimulus

@@ -25,14 +25,28 @@ constexpr Range kTrials{0, 1000};
 constexpr Range kShare{0, 1};
 constexpr std::size_t kLongestName = 32;
 
-constexpr std::array<std::string_view, 8> kVariedThings{"preset",
-                                                        "body",
-                                                        "soil",
-                                                        "friction_coefficient",
-                                                        "friction_angle_deg",
-                                                        "cohesion_pa",
-                                                        "contact_friction",
-                                                        "contact_cohesion_mn"};
+constexpr double kMm = 1e-3;           // m
+constexpr Range kVisualDelay_s{0, 5};  // so many pictures a page can hold back
+
+constexpr std::array kSceneNumbers{
+    SceneNumber{"soil_depth_mm", "depth of the soil (mm)", kMm, &SceneChange::soil_depth_m},
+    SceneNumber{"stone_size_mm", "size of the stone (mm)", kMm, &SceneChange::stone_size_m},
+    SceneNumber{"stone_depth_mm", "depth of the stone (mm)", kMm, &SceneChange::stone_depth_m},
+    SceneNumber{"gravity_m_s2", "gravity (m/s²)", 1, &SceneChange::gravity_m_s2},
+};
+
+constexpr std::array<std::string_view, 12> kVariedThings{"preset",
+                                                         "body",
+                                                         "soil",
+                                                         "friction_coefficient",
+                                                         "friction_angle_deg",
+                                                         "cohesion_pa",
+                                                         "contact_friction",
+                                                         "contact_cohesion_mn",
+                                                         "soil_depth_mm",
+                                                         "stone_size_mm",
+                                                         "stone_depth_mm",
+                                                         "gravity_m_s2"};
 
 constexpr std::array kOrderWords{
     SceneWord{"fixed", BlockOrder::kFixed},
@@ -193,7 +207,8 @@ std::vector<ProtocolKey> allProtocolKeys() {
       {"", "thanks", "", pageText<&StudyProtocol::thanks>(), "What is read at the end."},
       {"", "scene", "",
        ProtocolKey::PathValue{[](D& d, const std::filesystem::path& v) { d.scene_file = v; }, kOnlyRead},
-       "A scene file (scenarios.md), beside the protocol; left out: the paper's scene."},
+       "A scene file (scenarios.md), beside the protocol, or the name of a built-in scene; left out: the paper's "
+       "scene."},
       {"", "order", "",
        ProtocolKey::WordValue{namesOf(kOrderWords),
                               [](D& d, std::string_view v) { d.protocol.order = valueOf(kOrderWords, v); }, kOnlyRead},
@@ -267,7 +282,7 @@ std::vector<BlockKey> designKeys() {
        BlockKey::WordValue{
            {kVariedThings.begin(), kVariedThings.end()}, [](D& d, std::string_view v) { d.varies = v; }, kOnlyRead},
        "What differs between test and reference: the soil as a preset or by name, the celestial body, or one number of "
-       "the soil. The first three of those numbers are for `paper` friction, the other two for `contact`. "
+       "the scene (`[block.scene]` has them). "
        "`friction_coefficient` is the tangent of the friction angle, of which the paper's Weber fraction is one: 0.29 "
        "of "
        "it is 0.18 of an angle of 40°."},
@@ -331,6 +346,9 @@ std::vector<BlockKey> courseKeys() {
        "The same in practice trials; left out: true."},
       {"", "visual", "", onOrOff<&StudyBlock::visual>(),
        "Whether the scene is seen while it is felt; false for haptics alone. Left out: true."},
+      {"", "visual_delay_s", "", number<&StudyBlock::visual_delay_s>(kVisualDelay_s),
+       "How much later than the force its picture is seen; left out: 0. Until then the picture shows the soil "
+       "as it was before."},
       {"", "interval_s", "", number<&StudyBlock::interval_s>(kSeconds),
        "Longest time with one stimulus; 0: until the participant goes on."},
       {"", "between_intervals_s", "", number<&StudyBlock::between_intervals_s>(kSeconds),
@@ -408,6 +426,16 @@ std::vector<BlockKey> procedureKeys() {
   };
 }
 
+/// A number of the scene of the whole block.
+template <std::size_t kIndex>
+BlockKey sceneNumber(const Range& valid, std::string_view meaning) {
+  const auto set = [](BlockDraft& d, double v) {
+    d.block.scene.*kSceneNumbers[kIndex].member = v * kSceneNumbers[kIndex].unit;
+  };
+  return {"scene", kSceneNumbers[kIndex].key, "",
+          BlockKey::NumberValue{valid.in(kSceneNumbers[kIndex].unit), set, kOnlyRead}, meaning};
+}
+
 /// A number that the soil of the whole block is given.
 #define SLIDER_KEY(name, range, meaning)                                                                           \
   BlockKey {                                                                                                       \
@@ -438,6 +466,10 @@ std::vector<BlockKey> sceneKeys() {
       SLIDER_KEY("cohesion_pa", (Range{0, kInfinity}), "Its cohesion; for `paper` friction."),
       SLIDER_KEY("contact_friction", (Range{0, 2}), "Friction of a contact; for `contact` friction."),
       SLIDER_KEY("contact_cohesion_mn", (Range{0, kInfinity}), "Largest pull of a contact; for `contact` friction."),
+      sceneNumber<0>(BedRanges::length_m, "Height of the soil, of a bed that starts `packed` or `settled`."),
+      sceneNumber<1>(kStoneSize_m, "Size of each [[stone]] of the scene."),
+      sceneNumber<2>(StonesRanges::depth_m, "How deep the middle of each [[stone]] lies below the surface."),
+      sceneNumber<3>(BedRanges::gravity_m_s2, "Gravity by its number."),
   };
 }
 
@@ -515,6 +547,10 @@ std::span<const ItemKey> itemKeys() {
 
 std::span<const std::string_view> variedThings() {
   return kVariedThings;
+}
+
+std::span<const SceneNumber> sceneNumbers() {
+  return kSceneNumbers;
 }
 
 }  // namespace haptolith

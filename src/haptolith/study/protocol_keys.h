@@ -3,6 +3,7 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "haptolith/scenario/file_keys.h"
@@ -45,7 +46,15 @@ using ItemKey = FileKey<FormItem>;
 [[nodiscard]] std::span<const BlockKey> blockKeys();
 [[nodiscard]] std::span<const ItemKey> itemKeys();
 
-/// What a block may vary: "preset", "body", "soil" or the key of a slider.
+/// What a block may vary: "preset", "body", "soil", the key of a slider or that of a number of the scene.
 [[nodiscard]] std::span<const std::string_view> variedThings();
+
+/// A number of the scene, other than the soil's, that a block may set or vary.
+struct SceneNumber {
+  std::string_view key, axis_label;
+  double unit = 1;  ///< of the key, in SI
+  std::optional<double> SceneChange::*member = nullptr;
+};
+[[nodiscard]] std::span<const SceneNumber> sceneNumbers();
 
 }  // namespace haptolith

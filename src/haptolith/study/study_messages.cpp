@@ -258,6 +258,7 @@ std::string participantMessage(const Conductor& conductor) {
                {"remaining_s", now.paused ? Json(nullptr) : orNull(now.remaining_s)},
                {"choices", asks ? Json(now.block->answers) : Json::array()},
                {"visual", feels && now.block->visual},
+               {"visual_delay_s", feels ? now.block->visual_delay_s : 0},
                {"can_dig", feels && conductor.rig().pageMayHold()},
                {"feedback", now.right ? Json(*now.right ? "right" : "wrong") : Json(nullptr)},
                {"progress", progressJson(now)},

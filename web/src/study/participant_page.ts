@@ -14,6 +14,7 @@ import { Stage } from '../view/stage';
 import { Countdown } from './countdown';
 import { askToStop } from './dialogs';
 import { isTooLong } from './form';
+import { LateFrames } from './late_frames';
 import { OneAct } from './one_act';
 import { Prompts } from './prompts';
 import type { ParticipantMessage, Phase, StudyCommand, StudyMessage } from './protocol';
@@ -46,6 +47,7 @@ export function openParticipantPage(settings: Settings, address: string): void {
     },
     scene: (scene) => {
       now.scene = scene;
+      late.clear();
       stage.setScene(scene);
       hand.setScene(scene);
     },
@@ -57,7 +59,7 @@ export function openParticipantPage(settings: Settings, address: string): void {
       now.frame = frame;
       hand.setFrame(frame);
       if (touch.felt(frame.force_n)) prompts.hold(null);
-      stage.setFrame(frame, frame.held);
+      late.add(frame, performance.now());
     },
     study: onStudy,
     link: onLink,
@@ -100,6 +102,7 @@ export function openParticipantPage(settings: Settings, address: string): void {
     full_quality: settings.for_pictures,
     neutral: true,
   });
+  const late = new LateFrames((frame) => stage.setFrame(frame, frame.held));
   const hand = new Hand(
     connection,
     // Who takes the tool as the interval ends comes too late, and need not be told.
@@ -112,6 +115,7 @@ export function openParticipantPage(settings: Settings, address: string): void {
   stage.onTick = (now_ms) => {
     keys.tick(now_ms);
     hand.tick(now_ms);
+    late.tick(performance.now());
   };
   stage.setView(settings.view, false);
   addEventListener('keydown', onKeyDown, { capture: true });
@@ -178,6 +182,7 @@ export function openParticipantPage(settings: Settings, address: string): void {
     // What is not to be seen cannot be aimed at.
     pointer.dig_anywhere = can_dig && !visible;
     stage.shown = visible;
+    late.setDelay(visible ? message.visual_delay_s : 0, performance.now());
     stage.over = page.querySelector<HTMLElement>('.interval-label');
     stage.refit();
   }

@@ -82,6 +82,8 @@ const ParticipantMessage = v.object({
   choices: v.nullish(v.array(v.string()), () => []),
   /** whether the scene may be seen */
   visual: flag,
+  /** how much later than what is felt it is to be seen */
+  visual_delay_s: number,
   can_dig: flag,
   feedback: v.nullish(v.picklist(['right', 'wrong']), null),
   progress: v.nullish(Progress, null),

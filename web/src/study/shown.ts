@@ -19,6 +19,7 @@ export function waiting(text: string): ParticipantMessage {
     remaining_s: null,
     choices: [],
     visual: false,
+    visual_delay_s: 0,
     can_dig: false,
     feedback: null,
     progress: null,

@@ -212,6 +212,20 @@ describe("the participant's page", () => {
     await page.mouse.up();
   });
 
+  it('shows the tool later than it moves where the study says so', async () => {
+    const delay_ms = 1500;
+    const { page } = await participantAt('interval', 1, { visual_delay_s: delay_ms / 1000 });
+    const waited_ms = await page.evaluate(async () => {
+      const bed = window.haptolith!;
+      const felt_s = bed.frame!.time_s;
+      const began_ms = performance.now();
+      while (bed.seen_s! < felt_s) await new Promise(requestAnimationFrame);
+      return performance.now() - began_ms;
+    });
+    expect(waited_ms).toBeGreaterThan(0.9 * delay_ms);
+    expect(waited_ms).toBeLessThan(2 * delay_ms);
+  });
+
   it('demands what is required and has no position on a scale before it is touched', async () => {
     const { page, study } = await participantAt('form', 2);
     const sliders = page.locator('input[type=range]');

@@ -2,7 +2,11 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
+#include <cstddef>
+#include <limits>
+#include <numbers>
 #include <random>
 #include <utility>
 
@@ -41,6 +45,66 @@ std::vector<Vec3> turned(std::vector<Vec3> centres_m, const ExploringHand& from)
   }
   return centres_m;
 }
+
+/// Stones turn with the soil.
+std::vector<Pose> turned(std::vector<Pose> scene_T_stones, const ExploringHand& from) {
+  const Quat turn(Eigen::AngleAxisd(from.quarter_turns * std::numbers::pi / 2, Vec3::UnitZ()));
+  for (Pose& pose : scene_T_stones) {
+    pose.position_m = turn * pose.position_m;
+    pose.orientation = turn * pose.orientation;
+  }
+  return scene_T_stones;
+}
+
+std::vector<Vec3> centresOf(const Scene& scene) {
+  std::vector<Vec3> centres_m;
+  for (std::size_t i = 0; i < scene.bed().particles(); ++i) {
+    const Float4& p = scene.bed().state().position[i];
+    centres_m.emplace_back(p.x, p.y, p.z);
+  }
+  return centres_m;
+}
+
+/// The soil's surface from above: the highest grain of each cell that is as wide as a grain. What is higher than
+/// `ceiling_m` clings to the tool or flies.
+class Surface {
+ public:
+  Surface(const std::vector<Vec3>& centres_m, const BedParameters& bed,
+          double ceiling_m = std::numeric_limits<double>::infinity())
+      : cell_m_(2 * bed.soil.radius_m),
+        columns_(cells(bed.width_m)),
+        rows_(cells(bed.length_m)),
+        low_m_(-bed.width_m / 2, -bed.length_m / 2),
+        highest_(columns_ * rows_, kNone) {
+    for (std::size_t i = 0; i < centres_m.size(); ++i) {
+      if (centres_m[i].z() > ceiling_m) {
+        continue;
+      }
+      std::size_t& highest = highest_[cellOf(centres_m[i])];
+      highest = highest == kNone || centres_m[i].z() > centres_m[highest].z() ? i : highest;
+    }
+  }
+
+  static constexpr std::size_t kNone = std::numeric_limits<std::size_t>::max();
+  /// Of each cell, its highest grain; kNone where there is none.
+  [[nodiscard]] const std::vector<std::size_t>& highest() const { return highest_; }
+
+ private:
+  [[nodiscard]] std::size_t cells(double length_m) const {
+    return std::max(std::size_t{1}, static_cast<std::size_t>(length_m / cell_m_));
+  }
+  [[nodiscard]] std::size_t cellOf(const Vec3& p_m) const {
+    const auto along = [this](double from_m, std::size_t count) {
+      return std::min(count - 1, static_cast<std::size_t>(std::max(0.0, from_m / cell_m_)));
+    };
+    return along(p_m.y() - low_m_.y(), rows_) * columns_ + along(p_m.x() - low_m_.x(), columns_);
+  }
+
+  double cell_m_;
+  std::size_t columns_, rows_;
+  Eigen::Vector2d low_m_;
+  std::vector<std::size_t> highest_;
+};
 
 /// Whether the tool holds soil up: nose up, and as high as it comes, where it nearly stands still.
 bool carries(const Pose& scene_T_tool, const HandParameters& hand) {
@@ -81,14 +145,35 @@ class Mean {
 
 }  // namespace
 
+Picture pictureOf(const std::vector<Vec3>& before_m, const std::vector<Vec3>& after_m, const BedParameters& bed) {
+  const auto height = [](const Vec3& a, const Vec3& b) { return a.z() < b.z(); };
+  const double ceiling_m = std::ranges::max_element(before_m, height)->z() + 4 * bed.soil.radius_m;
+  const std::vector<std::size_t> at_first = Surface(before_m, bed).highest();
+  const std::vector<std::size_t> in_the_end = Surface(after_m, bed, ceiling_m).highest();
+  Picture seen;
+  Mean height_m, moved_m;
+  for (std::size_t cell = 0; cell < at_first.size(); ++cell) {
+    const std::size_t top = at_first[cell];
+    if (top == Surface::kNone) {
+      continue;
+    }
+    height_m.add(before_m[top].z() + bed.soil.radius_m);
+    if (after_m[top].z() <= ceiling_m) {
+      moved_m.add((after_m[top] - before_m[top]).norm());
+    }
+    const double now_m = in_the_end[cell] == Surface::kNone ? -bed.soil.radius_m : after_m[in_the_end[cell]].z();
+    seen.heave_m = std::max(seen.heave_m, now_m - before_m[top].z());
+    seen.hollow_m = std::max(seen.hollow_m, before_m[top].z() - now_m);
+  }
+  seen.height_m = height_m.value();
+  seen.moved_m = moved_m.value();
+  return seen;
+}
+
 LevelBed levelBed(const Scenario& scenario, const SettleProgress& progress) {
   const Scene scene(scenario.bed, scenario.tool, progress);
-  LevelBed bed{.centres_m = {}, .surface_m = scene.bed().surfaceHeight()};
-  for (std::size_t i = 0; i < scene.bed().particles(); ++i) {
-    const Float4& p = scene.bed().state().position[i];
-    bed.centres_m.emplace_back(p.x, p.y, p.z);
-  }
-  return bed;
+  return {
+      .centres_m = centresOf(scene), .surface_m = scene.bed().surfaceHeight(), .stones = scene.bed().stones().poses()};
 }
 
 ExploringHand exploringHand(const Scenario& scenario, const ExplorationOptions& options) {
@@ -109,7 +194,7 @@ ExploringHand exploringHand(const Scenario& scenario, const ExplorationOptions& 
   if (options.variation > 0) {
     const bool square = scenario.bed.width_m == scenario.bed.length_m;
     exploring.quarter_turns = square ? static_cast<int>(random() % 4) : 2 * static_cast<int>(random() % 2);
-    exploring.mirrored = random() % 2 == 1;
+    exploring.mirrored = random() % 2 == 1 && !scenario.bed.stones.any();
   }
   return exploring;
 }
@@ -124,12 +209,14 @@ Exploration explore(const Scenario& scenario, const LevelBed& bed, const Explori
   unpaced.loop.paced = false;
   unpaced.hand = exploring.hand;
   unpaced.hand.surface_m = scenario.hand.surface_m.value_or(bed.surface_m);
-  Scene scene(unpaced.bed, unpaced.tool, turned(bed.centres_m, exploring));
+  const std::vector<Vec3> before_m = turned(bed.centres_m, exploring);
+  Scene scene(unpaced.bed, unpaced.tool, before_m, turned(bed.stones, exploring));
   VirtualHand hand(unpaced.hand, unpaced.bed.tick_s);
   HapticLoop loop(scene, hand, unpaced.loop, true, handlingOf(unpaced, *unpaced.hand.surface_m));
 
   FeltSummary felt;
   Mean carried_n, carried_kg;
+  double lowest_m = std::numeric_limits<double>::infinity();
   std::vector<TickRecord> records;
   const auto ticks = std::llround(rounds * unpaced.hand.period_s / unpaced.loop.tick_s);
   for (long long tick = 0; tick < ticks; ++tick) {
@@ -139,6 +226,7 @@ Exploration explore(const Scenario& scenario, const LevelBed& bed, const Explori
     records.clear();
     loop.takeRecords(records);
     felt.add(records.back());
+    lowest_m = std::min(lowest_m, scene.toolPose().position_m.z());
     if (carries(scene.toolPose(), unpaced.hand)) {
       carried_n.add(-records.back().felt.wrench.force_n.z());
       if (tick % kTicksPerLook == 0) {
@@ -150,6 +238,8 @@ Exploration explore(const Scenario& scenario, const LevelBed& bed, const Explori
   done.drag_n = done.felt.work_j / done.felt.path_m;
   done.carried_n = carried_n.value();
   done.carried_kg = carried_kg.value();
+  done.seen = pictureOf(before_m, centresOf(scene), unpaced.bed);
+  done.seen.reached_m = bed.surface_m - lowest_m;
   return done;
 }
 

@@ -14,6 +14,7 @@ namespace haptolith {
 struct LevelBed {
   std::vector<Vec3> centres_m;
   double surface_m = 0;
+  std::vector<Pose> stones = {};  ///< scene_T_stone
 };
 
 /// The soil of a scene before anybody touches it.
@@ -33,7 +34,7 @@ struct ExplorationOptions {
 struct ExploringHand {
   HandParameters hand = {};
   int quarter_turns = 0;  ///< of the soil under the hand: it comes from another side
-  bool mirrored = false;  ///< the soil, across the scene's x-z plane
+  bool mirrored = false;  ///< the soil, across the scene's x-z plane; never where stones lie, which have a handedness
 };
 
 /// Draws how the hand of `options.seed` explores. With a variation of 1, evenly: the place up to 5 mm from the scene's
@@ -42,9 +43,24 @@ struct ExploringHand {
 /// @throws InvalidParameter for options out of range.
 [[nodiscard]] ExploringHand exploringHand(const Scenario& scenario, const ExplorationOptions& options);
 
+/// What somebody sees who only looks on while a hand explores: numbers of the soil's visible surface, in m.
+struct Picture {
+  double height_m = 0;   ///< mean height of the surface over the floor before the hand comes
+  double heave_m = 0;    ///< largest rise of the surface in the end, anywhere
+  double hollow_m = 0;   ///< largest fall of the surface in the end, anywhere
+  double moved_m = 0;    ///< mean way of the grains that lay on the surface
+  double reached_m = 0;  ///< how far below the undisturbed surface the tool's origin came
+};
+
+/// All of it but `reached_m`, of grains before and after; one number, one grain. A cell of the surface is as wide as a
+/// grain, and what its highest grain does is seen.
+[[nodiscard]] Picture pictureOf(const std::vector<Vec3>& before_m, const std::vector<Vec3>& after_m,
+                                const BedParameters& bed);
+
 /// What a hand did and felt.
 struct Exploration {
   TrialSummary felt;
+  Picture seen = {};
   /// Work over path: the mean force against the movement, N.
   double drag_n = std::numeric_limits<double>::quiet_NaN();
   /// Mean downward force on the hand while it carries: its nose is up, and it is as high as it comes. N; NaN when

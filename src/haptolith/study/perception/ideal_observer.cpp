@@ -8,6 +8,7 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <numbers>
 #include <random>
 
 #include "haptolith/core/error.h"
@@ -30,6 +31,21 @@ constexpr std::array kCues{
     Cue{"force sd", "N", "standard deviation of force", kForce, [](const Exploration& e) { return e.felt.force_sd_n; }},
     Cue{"drag", "N", "work over path", kResistance, [](const Exploration& e) { return e.drag_n; }},
     Cue{"weight", "N", "downward force while lifting", kWeight, [](const Exploration& e) { return e.carried_n; }},
+};
+
+/// Length as it is seen: 0.04 of a height of 55 mm at 84 % right (Ernst and Banks 2002), and a minute of arc, what a
+/// sharp eye resolves, at 0.6 m. In mm.
+constexpr Sense kLength{.weber_fraction = 0.04, .threshold = 0.17};
+
+constexpr double kPerMm = 1e3;
+constexpr std::array kSeenCues{
+    SeenCue{"height", "mm", "height of the surface", kLength, [](const Picture& p) { return kPerMm * p.height_m; }},
+    SeenCue{"heave", "mm", "largest rise", kLength, [](const Picture& p) { return kPerMm * p.heave_m; }},
+    SeenCue{"hollow", "mm", "largest fall", kLength, [](const Picture& p) { return kPerMm * p.hollow_m; }},
+    SeenCue{"way", "mm", "way of the grains on the surface", kLength,
+            [](const Picture& p) { return kPerMm * p.moved_m; }},
+    SeenCue{"reach", "mm", "how deep the tool goes", kLength, [](const Picture& p) { return kPerMm * p.reached_m; },
+            true},
 };
 
 struct Moments {
@@ -74,6 +90,15 @@ JointMoments sensations(const FeltStimulus& stimulus, std::span<const Sense> sen
   return moments;
 }
 
+void requireMagnitudes(const FeltStimulus& stimulus, std::size_t senses) {
+  for (const std::vector<double>& exploration : stimulus.magnitudes) {
+    if (exploration.size() != senses) {
+      throw InvalidParameter("magnitudes of an exploration", fmt::format("{}", exploration.size()),
+                             fmt::format("{}, as many as senses", senses));
+    }
+  }
+}
+
 void validate(std::span<const FeltStimulus> stimuli, std::size_t reference, std::span<const Sense> senses) {
   if (stimuli.size() < 3 || reference >= stimuli.size()) {
     throw InvalidParameter("stimuli", fmt::format("{}, with reference {}", stimuli.size(), reference),
@@ -82,12 +107,7 @@ void validate(std::span<const FeltStimulus> stimuli, std::size_t reference, std:
   requireInRange("number of senses", static_cast<double>(senses.size()), {1, 100});
   for (const FeltStimulus& stimulus : stimuli) {
     requireInRange("explorations of a stimulus", static_cast<double>(stimulus.magnitudes.size()), {2, 1e6});
-    for (const std::vector<double>& exploration : stimulus.magnitudes) {
-      if (exploration.size() != senses.size()) {
-        throw InvalidParameter("magnitudes of an exploration", fmt::format("{}", exploration.size()),
-                               fmt::format("{}, as many as senses", senses.size()));
-      }
-    }
+    requireMagnitudes(stimulus, senses.size());
   }
 }
 
@@ -153,6 +173,33 @@ Discrimination judged(std::span<const FeltStimulus> stimuli, std::size_t referen
   return found;
 }
 
+/// Every second exploration, from the first or from the second on.
+FeltStimulus half(const FeltStimulus& whole, std::size_t first) {
+  FeltStimulus part{.x = whole.x};
+  for (std::size_t i = first; i < whole.magnitudes.size(); i += 2) {
+    part.magnitudes.push_back(whole.magnitudes[i]);
+  }
+  return part;
+}
+
+/// JNDs with the weights that are learnt from the ones, judged by the others.
+double learntAndJudged(const std::array<JointMoments, 2>& learnt, const std::array<JointMoments, 2>& judged) {
+  const Eigen::ArrayXd noise = 1 + learnt[0].covariance.diagonal().array() + learnt[1].covariance.diagonal().array();
+  const Eigen::VectorXd weights = ((learnt[1].mean - learnt[0].mean).array() / noise).matrix();
+  return weights.norm() > 0 ? apart(judged[0], judged[1], weights) : 0;
+}
+
+/// @param halves  of the reference, then of the test.
+double judgedPair(const std::array<std::vector<FeltStimulus>, 2>& halves, std::span<const Sense> senses) {
+  std::array<std::array<JointMoments, 2>, 2> moments;
+  for (std::size_t part = 0; part < 2; ++part) {
+    for (std::size_t stimulus = 0; stimulus < 2; ++stimulus) {
+      moments[part][stimulus] = sensations(halves[stimulus][part], senses);
+    }
+  }
+  return (learntAndJudged(moments[0], moments[1]) + learntAndJudged(moments[1], moments[0])) / 2;
+}
+
 /// As many explorations of each stimulus, drawn from those that there are.
 std::vector<FeltStimulus> resampled(std::span<const FeltStimulus> stimuli, std::mt19937_64& random) {
   std::vector<FeltStimulus> drawn(stimuli.begin(), stimuli.end());
@@ -165,10 +212,30 @@ std::vector<FeltStimulus> resampled(std::span<const FeltStimulus> stimuli, std::
   return drawn;
 }
 
+/// Percentiles of what is found again and again.
+template <class Find>
+Interval percentilesOf(const ObserverOptions& options, Find find) {
+  std::vector<double> found(static_cast<std::size_t>(options.resamplings));
+  std::ranges::generate(found, find);
+  std::ranges::sort(found);
+  const auto percentile = [&found](double share) {
+    return found[static_cast<std::size_t>(std::lround(share * static_cast<double>(found.size() - 1)))];
+  };
+  return {.low = percentile((1 - options.confidence) / 2), .high = percentile((1 + options.confidence) / 2)};
+}
+
 }  // namespace
 
 std::span<const Cue> cues() {
   return kCues;
+}
+
+std::span<const SeenCue> seenCues() {
+  return kSeenCues;
+}
+
+double dPrime(double jnds) noexcept {
+  return std::numbers::sqrt2 * jnds;
 }
 
 double sensation(double magnitude, const Sense& sense) noexcept {
@@ -182,22 +249,33 @@ double discriminability(std::span<const double> a, std::span<const double> b, co
   return (of_b.mean - of_a.mean) / std::sqrt(1 + of_a.variance + of_b.variance);
 }
 
+PairDiscrimination discriminatePair(const FeltStimulus& reference, const FeltStimulus& test,
+                                    std::span<const Sense> senses, const ObserverOptions& options) {
+  std::array<std::vector<FeltStimulus>, 2> halves;
+  for (std::size_t i = 0; i < 2; ++i) {
+    const FeltStimulus& whole = i == 0 ? reference : test;
+    requireInRange("explorations of a stimulus", static_cast<double>(whole.magnitudes.size()), {4, 1e6});
+    requireMagnitudes(whole, senses.size());
+    halves[i] = {half(whole, 0), half(whole, 1)};
+  }
+  PairDiscrimination found{.jnds = judgedPair(halves, senses)};
+  if (options.resamplings > 0) {
+    std::mt19937_64 random(options.seed);
+    found.interval = percentilesOf(options, [&] {
+      return judgedPair({resampled(halves[0], random), resampled(halves[1], random)}, senses);
+    });
+  }
+  return found;
+}
+
 Discrimination discriminate(std::span<const FeltStimulus> stimuli, std::size_t reference, std::span<const Sense> senses,
                             const ObserverOptions& options) {
   validate(stimuli, reference, senses);
   Discrimination found = judged(stimuli, reference, senses);
   if (options.resamplings > 0) {
     std::mt19937_64 random(options.seed);
-    std::vector<double> fractions(static_cast<std::size_t>(options.resamplings));
-    for (double& fraction : fractions) {
-      fraction = judged(resampled(stimuli, random), reference, senses).weber_fraction;
-    }
-    std::ranges::sort(fractions);
-    const auto percentile = [&](double share) {
-      return fractions[static_cast<std::size_t>(std::lround(share * static_cast<double>(fractions.size() - 1)))];
-    };
-    found.interval = {.low = percentile((1 - options.confidence) / 2),
-                      .high = percentile((1 + options.confidence) / 2)};
+    found.interval =
+        percentilesOf(options, [&] { return judged(resampled(stimuli, random), reference, senses).weber_fraction; });
   }
   return found;
 }

@@ -44,6 +44,17 @@ struct Cue {
 /// @throws InvalidParameter for fewer than two magnitudes on a side.
 [[nodiscard]] double discriminability(std::span<const double> a, std::span<const double> b, const Sense& sense);
 
+/// A number that somebody could judge soil by who only looks on.
+struct SeenCue {
+  std::string_view name, unit, title;
+  Sense sense;
+  double (*value)(const Picture&);
+  bool of_tool = false;  ///< of the tool, not of the soil: it tells how far a hand could push
+};
+
+/// What can be seen of an exploration, each with the eye's sense for it; docs/perception.md names the source.
+[[nodiscard]] std::span<const SeenCue> seenCues();
+
 /// What one stimulus feels like.
 struct FeltStimulus {
   double x = 0;  ///< on the axis of the psychometric function, > 0
@@ -86,5 +97,27 @@ struct Discrimination {
 /// @throws InvalidParameter for other numbers of them, and as fitPsychometric().
 [[nodiscard]] Discrimination discriminate(std::span<const FeltStimulus> stimuli, std::size_t reference,
                                           std::span<const Sense> senses, const ObserverOptions& options = {});
+
+/// Of two stimuli alone, in JNDs.
+struct PairDiscrimination {
+  double jnds = 0;         ///< by how much the observer finds the second to be the one; chance at 0
+  Interval interval = {};  ///< percentiles of what resampled explorations give; NaN without
+};
+
+/// How well an observer tells `test` from `reference` who weighs the sensations of all cues. Weights are learnt from
+/// every second exploration and judged by the others, and the other way round; `jnds` is the mean of both: weights that
+/// are judged by what they were learnt from find a difference in any noise.
+///
+///     v_k ~ (mean s_k,test - mean s_k,ref) / (1 + var s_k,test + var s_k,ref),   d as discriminate()
+///
+/// Each cue has its weight as if it scattered by itself: few explorations do not tell how cues scatter together, and
+/// weights that believe they do are worse (Dudoit, Fridlyand and Speed 2002, J. Am. Stat. Assoc. 97:77).
+/// @throws InvalidParameter for fewer than four explorations of one, or other numbers of magnitudes than of senses.
+[[nodiscard]] PairDiscrimination discriminatePair(const FeltStimulus& reference, const FeltStimulus& test,
+                                                  std::span<const Sense> senses, const ObserverOptions& options = {});
+
+/// d' of an observer for whom two stimuli are so many JNDs apart. Of two intervals the right one is found in a share
+/// Phi(d) of trials, and by definition in Phi(d' / sqrt 2) (Green and Swets 1966): d' = sqrt(2) d.
+[[nodiscard]] double dPrime(double jnds) noexcept;
 
 }  // namespace haptolith
