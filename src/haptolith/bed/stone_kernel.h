@@ -25,8 +25,9 @@ struct StonePack {
 
 /// Where a stone is and how it moves, in the precision of grains.
 struct StoneMotion {
-  StoneMotion(const Vec3& middle_m, const Eigen::Matrix3d& scene_R_stone, const Vec3& velocity_m_s,
-              const Vec3& spin_rad_s);
+  /// @param middle  in m, scene frame. @param rotation  scene_R_stone. @param velocity  in m/s, scene frame.
+  /// @param spin  in rad/s, stone's frame.
+  StoneMotion(const Vec3& middle, const Eigen::Matrix3d& rotation, const Vec3& velocity, const Vec3& spin);
 
   std::array<float, 3> middle_m, middle_rest_m;  ///< scene frame; and what rounding has left of it
   std::array<std::array<float, 3>, 3> scene_R_stone;
