@@ -1,5 +1,6 @@
 // npm run frames -- ADDRESS [SECONDS [QUERY]]: how many pictures a second a page draws without a graphics card, and what
-// each costs the browser in processor time, which says more on a busy machine. The address is that of a running program.
+// each costs the browser in processor time, which says more on a busy machine. The address is that of a running program;
+// a query is drawing=balls, for example.
 
 import { readdirSync, readFileSync } from 'node:fs';
 import { launch } from './browser/launch';
@@ -30,25 +31,30 @@ function processorTime_s(root: number): number {
 
 const [address, seconds = '15', query = ''] = process.argv.slice(2);
 if (!address) throw new Error('npm run frames -- ADDRESS [SECONDS [QUERY]]');
+const url = new URL(address);
+url.search = query;
 const browser = await launch();
-const page = await browser.newPage({ viewport: { width: 1280, height: 720 } });
-await page.goto(`${address}${query}`);
-await page.waitForFunction(() => window.haptolith?.ready === true, null, { timeout: 120_000 });
-await page.waitForTimeout(1000 * SETTLING_S);
-const drawn = (): Promise<[number, number]> =>
-  page.evaluate(() => [window.haptolith!.framesDrawn, performance.now() / 1000]);
-const [first, start_s] = await drawn();
-const before_s = processorTime_s(process.pid);
-await page.waitForTimeout(1000 * Number(seconds));
-const [last, end_s] = await drawn();
-const used_s = processorTime_s(process.pid) - before_s;
-const pictures = last - first;
-const canvas = await page.evaluate(() => {
-  const { width, height } = document.querySelector<HTMLCanvasElement>('.stage-canvas')!;
-  return `${width} x ${height}`;
-});
-console.log(
-  `${(pictures / (end_s - start_s)).toFixed(1)} pictures/s of ${canvas} pixels, ` +
-    `${((1000 * used_s) / pictures).toFixed(0)} ms of processor time each`,
-);
-await browser.close();
+try {
+  const page = await browser.newPage({ viewport: { width: 1280, height: 720 } });
+  await page.goto(url.href);
+  await page.waitForFunction(() => window.haptolith?.ready === true, null, { timeout: 120_000 });
+  await page.waitForTimeout(1000 * SETTLING_S);
+  const drawn = (): Promise<[number, number]> =>
+    page.evaluate(() => [window.haptolith!.framesDrawn, performance.now() / 1000]);
+  const [first, start_s] = await drawn();
+  const before_s = processorTime_s(process.pid);
+  await page.waitForTimeout(1000 * Number(seconds));
+  const [last, end_s] = await drawn();
+  const used_s = processorTime_s(process.pid) - before_s;
+  const pictures = last - first;
+  const canvas = await page.evaluate(() => {
+    const { width, height } = document.querySelector<HTMLCanvasElement>('.stage-canvas')!;
+    return `${width} x ${height}`;
+  });
+  console.log(
+    `${(pictures / (end_s - start_s)).toFixed(1)} pictures/s of ${canvas} pixels, ` +
+      `${((1000 * used_s) / pictures).toFixed(0)} ms of processor time each`,
+  );
+} finally {
+  await browser.close();
+}

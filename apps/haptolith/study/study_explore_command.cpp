@@ -8,6 +8,7 @@
 #include <memory>
 #include <string>
 #include <thread>
+#include <utility>
 #include <vector>
 
 #include "haptolith/core/atomic_file.h"
@@ -179,23 +180,32 @@ void runTasks(const Options& options) {
                                  .seed = wanted.seed,
                                  .threads = wanted.threads,
                                  .perceive = options.perceive};
-  std::string text;
-  Json json = {{"tasks", Json::array()}};
+  std::vector<std::pair<std::string, StudyProtocol>> protocols;  // all of them, before minutes go into the first
   for (const std::string& name : options.protocols) {
     const ProtocolText source = findProtocol(name);
-    const StudyProtocol protocol = loadProtocolText(source.text, source.name);
+    protocols.emplace_back(source.name, loadProtocolText(source.text, source.name));
+  }
+  Json json = {{"tasks", Json::array()}};
+  for (const auto& known : protocols) {
+    const std::string& name = known.first;
+    const StudyProtocol& protocol = known.second;
     StatusLine status;
     const TaskPerception task = perceiveTask(protocol, protocol.blocks.front(), task_options, [&](double share) {
       if (status.visible()) {
-        status.update(fmt::format("exploring {}: {:.0f} %", source.name, 100 * share));
+        status.update(fmt::format("exploring {}: {:.0f} %", name, 100 * share));
       }
       return !stopAsked();
     });
     status.clear();
-    text += taskTable(source.name, task, task_options);
-    json["tasks"].push_back(taskJson(source.name, task, task_options));
+    if (options.json) {
+      json["tasks"].push_back(taskJson(name, task, task_options));
+    } else {
+      printText(taskTable(name, task, task_options));
+    }
   }
-  options.json ? printJson(json) : printText(text);
+  if (options.json) {
+    printJson(json);
+  }
 }
 
 void run(const Options& options) {

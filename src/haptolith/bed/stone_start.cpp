@@ -23,8 +23,9 @@ namespace {
 constexpr std::uint64_t kRockShapes = 12;
 
 /// Soil deeper in a stone than this share of its radius is not there with it, and the stone grows into the rest. With 1
-/// it would be as much soil as the stone is large; but grains lie looser beside a wall, as if it stood a third of a
-/// radius further out (Desmond and Weeks 2009, Phys. Rev. E 80, 051305).
+/// it would be as much soil as the stone is large; but beside a wall grains lie looser, as Desmond and Weeks 2009
+/// (Phys. Rev. E 80, 051305) found for close packings: here as if the stone were a third of R larger all around
+/// (Stones.SoilAroundThemIsAsDenseAsElsewhere).
 constexpr double kDeepest = 0.65;
 constexpr double kGrowing_s = 0.2;
 

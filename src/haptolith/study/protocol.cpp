@@ -216,7 +216,8 @@ void requireCriteria(const StudyBlock& block) {
 
 void requireVisualDelay(const StudyBlock& block) {
   if (!block.visual && block.visual_delay_s > 0) {
-    throw InvalidParameter("visual_delay_s", "", "left out: with `visual = false` there is nothing to see");
+    throw InvalidParameter("visual_delay_s", fmt::format("{:g}", block.visual_delay_s),
+                           "left out: with `visual = false` there is nothing to see");
   }
 }
 
