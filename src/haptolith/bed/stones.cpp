@@ -1,14 +1,13 @@
 #include "haptolith/bed/stones.h"
 
 #include <algorithm>
-#include <bit>
 #include <cmath>
 #include <limits>
 #include <numbers>
 #include <utility>
 
 #include "haptolith/bed/bed_tile.h"
-#include "haptolith/core/error.h"
+#include "haptolith/bed/stones_internal.h"
 
 namespace haptolith {
 
@@ -20,19 +19,6 @@ constexpr double kMarginRadii = 0.5;
 
 /// Grains in a volume at most, over those that would fill it whole: closer packings than the closest are pressed.
 constexpr double kDensest = 1.0;
-
-constexpr std::size_t kBits = 64;
-
-/// Other stones next to one, counted once for each pair.
-constexpr std::size_t kMostPartners = 64;
-
-Vec3 placeOf(const Float4& p) noexcept {
-  return {p.x, p.y, p.z};
-}
-
-Vec3 inFrame(const Eigen::Matrix3d& scene_R_frame, const Vec3& v) noexcept {
-  return scene_R_frame.transpose() * v;
-}
 
 double ballVolume(double radius_m) {
   return 4.0 / 3.0 * std::numbers::pi * radius_m * radius_m * radius_m;
@@ -96,7 +82,7 @@ Stones::Stones(const BedParameters& bed, double skin_m, std::vector<std::shared_
     memory.packs.reserve(most_packs);
     memory.spheres.reserve(most_packs * shape.spheres.size());
     memory.near.reserve(most_near);
-    memory.near_now.resize((shape.spheres.size() + kBits - 1) / kBits);
+    memory.near_now.resize((shape.spheres.size() + kSphereBits - 1) / kSphereBits);
     memory.before.reserve(most_near);
     memory.groups.reserve(most_near);
     memory.pushes.reserve(most_near);
@@ -275,179 +261,6 @@ bool Stones::areFinite() const noexcept {
   return std::ranges::all_of(state_.stones, [](const StoneState& stone) {
     return stone.scene_T_stone.position_m.allFinite() && stone.scene_T_stone.orientation.coeffs().allFinite();
   });
-}
-
-bool Stones::lookAround(std::size_t stone, const SoilAroundStones& soil) noexcept {
-  Memory& memory = memory_[stone];
-  // After the first look, which is staggered, all are as old as they are.
-  memory.looked_at_m = memory.look && memory.looked_at_m < 0 ? memory.looked_at_m : went_m_;
-  memory.look = false;
-  return lookForParticles(stone, soil) && lookForStones(stone);
-}
-
-bool Stones::lookForParticles(std::size_t stone, const SoilAroundStones& soil) noexcept {
-  Memory& memory = memory_[stone];
-  for (const StonePack& pack : memory.packs) {
-    for (std::size_t k = 0; k < pack.count; ++k) {
-      const Stretch stretch{pack.stretch_m[0][k], pack.stretch_m[1][k], pack.stretch_m[2][k]};
-      if (stretch != Stretch{} && memory.before.size() < memory.before.capacity()) {
-        memory.before.push_back({static_cast<std::uint32_t>(pack.particle[k]), stretch});
-      }
-    }
-  }
-  std::ranges::sort(memory.before, {}, &Slid::particle);
-  listCandidates(stone, soil);
-  const bool room = packUp(stone, soil.state);
-  memory.before.clear();
-  return room;
-}
-
-/// Who is near to the sphere around the stone, class by class.
-void Stones::listCandidates(std::size_t stone, const SoilAroundStones& soil) noexcept {
-  Memory& memory = memory_[stone];
-  memory.near.clear();
-  const double reach_m = shapes_[stone]->reach_m + with_soil_[stone][0].law.reach() + margin();
-  const double grain_m = (1 + soil_.size_spread) * soil_.radius_m;
-  const Vec3& middle = state_.stones[stone].scene_T_stone.position_m;
-  const double listed_m = reach_m + grain_m + skin_m_ / 2;  // of where particles are listed
-  const auto corner = [&](double sign) {
-    return Float4{static_cast<float>(middle.x() + sign * listed_m), static_cast<float>(middle.y() + sign * listed_m),
-                  static_cast<float>(middle.z() + sign * listed_m), 0};
-  };
-  memory.has_room = true;
-  soil.neighbourhood.forEachNear(corner(-1), corner(1), [&](std::int32_t particle) {
-    const Float4& at = soil.state.position[static_cast<std::size_t>(particle)];
-    const double far_m = reach_m + soil_.radius_m + at.w;
-    if ((placeOf(at) - middle).squaredNorm() <= far_m * far_m) {
-      memory.has_room = memory.has_room && memory.near.size() < memory.near.capacity();
-      if (memory.has_room) {
-        memory.near.push_back(static_cast<std::uint32_t>(particle));
-      }
-    }
-  });
-  std::ranges::sort(memory.near, {}, [&](std::uint32_t particle) {
-    return std::pair(classes_.of(soil.state.position[particle].w), particle);
-  });
-}
-
-/// Those of the candidates who are near to a sphere, in packs of one class; false when there is no room for them.
-bool Stones::packUp(std::size_t stone, const BedState& soil) noexcept {
-  Memory& memory = memory_[stone];
-  memory.packs.clear();
-  memory.spheres.clear();
-  memory.groups.clear();
-  const Eigen::Matrix3d& rotation = bodies_[stone].rotation;
-  const Vec3& middle = state_.stones[stone].scene_T_stone.position_m;
-  const double surface_m = with_soil_[stone][0].law.reach() + margin();
-  const auto finish_pack = [&] {
-    StonePack& pack = memory.packs.back();
-    std::fill(pack.particle.begin() + pack.count, pack.particle.end(), pack.particle[0]);
-    pack.first_sphere = static_cast<std::uint32_t>(memory.spheres.size());
-    for (std::size_t word = 0; word < memory.near_now.size(); ++word) {
-      for (std::uint64_t bits = memory.near_now[word]; bits != 0; bits &= bits - 1) {
-        memory.spheres.push_back(
-            static_cast<std::uint16_t>(word * kBits + static_cast<std::size_t>(std::countr_zero(bits))));
-      }
-    }
-    pack.sphere_count = static_cast<std::uint32_t>(memory.spheres.size()) - pack.first_sphere;
-    std::ranges::fill(memory.near_now, std::uint64_t{0});
-  };
-  for (const std::uint32_t particle : memory.near) {
-    const Float4& at = soil.position[particle];
-    const Vec3 place = inFrame(rotation, placeOf(at) - middle);
-    const auto x = static_cast<float>(place.x());
-    const auto y = static_cast<float>(place.y());
-    const auto z = static_cast<float>(place.z());
-    const auto near_m = static_cast<float>(soil_.radius_m + at.w + surface_m);
-    const int grain_class = classes_.of(at.w);
-    const bool goes_on =
-        !memory.packs.empty() && memory.packs.back().count < kGroup && memory.packs.back().grain_class == grain_class;
-    bool begun = goes_on;
-    bool any = false;
-    for (std::size_t s = 0; s < spheres_[stone].size(); ++s) {
-      const Float4& sphere = spheres_[stone][s];
-      const float dx = x - sphere.x;
-      const float dy = y - sphere.y;
-      const float dz = z - sphere.z;
-      if (dx * dx + dy * dy + dz * dz > (near_m + sphere.w) * (near_m + sphere.w)) {
-        continue;
-      }
-      if (!begun) {
-        if (!memory.packs.empty()) {
-          finish_pack();
-        }
-        if (memory.packs.size() == memory.packs.capacity()) {
-          return false;
-        }
-        memory.packs.push_back({.grain_class = grain_class, .apart_until_m = went_m_});
-        begun = true;
-      }
-      memory.near_now[s / kBits] |= std::uint64_t{1} << (s % kBits);
-      any = true;
-    }
-    if (!any) {
-      continue;
-    }
-    StonePack& pack = memory.packs.back();
-    const std::size_t k = pack.count++;
-    pack.particle[k] = static_cast<std::int32_t>(particle);
-    const auto before = std::ranges::lower_bound(memory.before, particle, {}, &Slid::particle);
-    if (before != memory.before.end() && before->particle == particle) {
-      for (std::size_t axis = 0; axis < 3; ++axis) {
-        pack.stretch_m[axis][k] = before->stretch_m[axis];
-      }
-    }
-    const auto group = static_cast<std::uint32_t>(particle / kGroup);
-    if (memory.groups.empty() || memory.groups.back() != group) {
-      memory.groups.push_back(group);
-    }
-  }
-  if (!memory.packs.empty()) {
-    finish_pack();
-  }
-  return memory.has_room;
-}
-
-bool Stones::lookForStones(std::size_t stone) noexcept {
-  Memory& memory = memory_[stone];
-  const StoneShape& shape = *shapes_[stone];
-  memory.stones_before.swap(memory.stones);
-  memory.stones.clear();
-  std::array<std::uint32_t, kMostPartners> partners_before{};  // of the pairs of the last look
-  for (std::size_t p = 0; p < memory.pairs.size(); ++p) {
-    partners_before[p] = memory.pairs[p].stone;
-  }
-  memory.pairs.clear();
-  const Vec3& middle = state_.stones[stone].scene_T_stone.position_m;
-  for (std::size_t other = stone + 1; other < size(); ++other) {
-    const StoneShape& with = *shapes_[other];
-    const double far_m = shape.reach_m + with.reach_m + margin();
-    if ((state_.stones[other].scene_T_stone.position_m - middle).squaredNorm() > far_m * far_m ||
-        (bodies_[stone].fixed && bodies_[other].fixed)) {
-      continue;
-    }
-    if (memory.pairs.size() == kMostPartners) {
-      return false;
-    }
-    const auto pair = static_cast<std::uint32_t>(memory.pairs.size());
-    memory.pairs.push_back({static_cast<std::uint32_t>(other),
-                            StoneContactLaw::bare(soil_, {bodies_[stone].radius_m, bodies_[other].radius_m,
-                                                          bodies_[stone].mass_kg, bodies_[other].mass_kg})});
-    for (std::size_t s = 0; s < shape.spheres.size(); ++s) {
-      const double near_m = shape.spheres[s].radius_m + with.reach_m + margin();
-      if ((bodies_[stone].centres_m[s] - state_.stones[other].scene_T_stone.position_m).squaredNorm() <=
-          near_m * near_m) {
-        NearStone near{pair, static_cast<std::uint32_t>(s), {}};
-        for (const NearStone& before : memory.stones_before) {
-          if (before.sphere == s && partners_before[before.pair] == other) {
-            near.stretch = before.stretch;
-          }
-        }
-        memory.stones.push_back(near);
-      }
-    }
-  }
-  return true;
 }
 
 void Stones::pressSoil(std::size_t stone, const SoilAroundStones& soil) noexcept {
@@ -731,121 +544,6 @@ double Stones::energy(const BedState& soil, const Vec3& gravity_m_s2) const {
     }
   }
   return energy;
-}
-
-StonesState Stones::save() const {
-  StonesState saved{.stones = state_.stones, .slips = {}};
-  const auto keep = [&](std::size_t stone, StoneSlip::With with, std::size_t sphere, std::uint32_t other,
-                        const Stretch& s) {
-    if (s != Stretch{}) {
-      saved.slips.push_back({.stone = static_cast<std::uint32_t>(stone),
-                             .with = with,
-                             .sphere = static_cast<std::uint32_t>(sphere),
-                             .other = other,
-                             .x = s[0],
-                             .y = s[1],
-                             .z = s[2],
-                             .w = 0});
-    }
-  };
-  for (std::size_t i = 0; i < size(); ++i) {
-    const Memory& memory = memory_[i];
-    for (const StonePack& pack : memory.packs) {
-      for (std::size_t k = 0; k < pack.count; ++k) {
-        keep(i, StoneSlip::With::kParticle, 0, static_cast<std::uint32_t>(pack.particle[k]),
-             {pack.stretch_m[0][k], pack.stretch_m[1][k], pack.stretch_m[2][k]});
-      }
-    }
-    for (const Slid& slid : memory.before) {
-      keep(i, StoneSlip::With::kParticle, 0, slid.particle, slid.stretch_m);
-    }
-    for (const NearStone& near : memory.stones) {
-      keep(i, StoneSlip::With::kStone, near.sphere, memory.pairs[near.pair].stone, near.stretch);
-    }
-    for (std::size_t s = 0; s < memory.walls.size(); ++s) {
-      for (std::uint32_t w = 0; w < memory.walls[s].size(); ++w) {
-        keep(i, StoneSlip::With::kWall, s, w, memory.walls[s][w]);
-      }
-      const StoneToolMemory& tool = memory.tool[s];
-      const Float4& slip = tool.slip_m;
-      if (tool.side != 0 || slip.x != 0 || slip.y != 0 || slip.z != 0 || slip.w != 0) {
-        saved.slips.push_back({.stone = static_cast<std::uint32_t>(i),
-                               .with = StoneSlip::With::kTool,
-                               .sphere = static_cast<std::uint32_t>(s),
-                               .other = static_cast<std::uint32_t>(std::int32_t{tool.side}),
-                               .x = slip.x,
-                               .y = slip.y,
-                               .z = slip.z,
-                               .w = slip.w});
-      }
-    }
-  }
-  return saved;
-}
-
-void Stones::requireSound(const StonesState& saved, std::size_t particles) const {
-  const auto is_number = [](const auto& v) { return v.allFinite(); };
-  bool sound = saved.stones.size() == size();
-  for (const StoneState& stone : saved.stones) {
-    for (const Pose& pose : {stone.scene_T_stone, stone.rested_at}) {
-      sound = sound && is_number(pose.position_m) && isUnit(pose.orientation);
-    }
-    sound = sound && is_number(stone.velocity_m_s) && is_number(stone.angular_momentum_nms);
-  }
-  for (const StoneSlip& slip : saved.slips) {
-    sound = sound && slip.stone < size() && slip.sphere < memory_[slip.stone].walls.size() &&
-            is_number(Eigen::Vector4f(slip.x, slip.y, slip.z, slip.w)) && slip.with <= StoneSlip::With::kTool &&
-            (slip.with != StoneSlip::With::kParticle || slip.other < particles) &&
-            (slip.with != StoneSlip::With::kWall || slip.other < 3) &&
-            (slip.with != StoneSlip::With::kStone || (slip.other > slip.stone && slip.other < size()));
-  }
-  if (!sound) {
-    throw InvalidParameter("state", "stones that are not of this bed, or nowhere", "this bed's stones, finite");
-  }
-}
-
-void Stones::restore(const StonesState& saved) {
-  state_.stones = saved.stones;
-  for (std::size_t i = 0; i < size(); ++i) {
-    Memory& memory = memory_[i];
-    memory.packs.clear();
-    memory.before.clear();
-    memory.pairs.clear();
-    memory.stones.clear();
-    std::ranges::fill(memory.walls, std::array<Stretch, 3>{});
-    std::ranges::fill(memory.tool, StoneToolMemory{});
-    memory.look = true;
-    memory.touched_walls = true;
-    noteTurn(i);
-    bodies_[i].pushed = {};
-  }
-  for (const StoneSlip& slip : saved.slips) {
-    Memory& memory = memory_[slip.stone];
-    const Stretch stretch{slip.x, slip.y, slip.z};
-    switch (slip.with) {
-      case StoneSlip::With::kParticle:
-        if (memory.before.size() < memory.before.capacity()) {
-          memory.before.push_back({slip.other, stretch});
-        }
-        break;
-      case StoneSlip::With::kStone: {
-        auto pair = std::ranges::find(memory.pairs, slip.other, &Pair::stone);
-        if (pair == memory.pairs.end() && memory.pairs.size() < kMostPartners) {
-          memory.pairs.push_back({slip.other, {}});
-          pair = memory.pairs.end() - 1;
-        }
-        if (pair != memory.pairs.end()) {
-          memory.stones.push_back({static_cast<std::uint32_t>(pair - memory.pairs.begin()), slip.sphere, stretch});
-        }
-        break;
-      }
-      case StoneSlip::With::kWall: memory.walls[slip.sphere][slip.other] = stretch; break;
-      case StoneSlip::With::kTool:
-        memory.tool[slip.sphere] = {static_cast<std::int8_t>(static_cast<std::int32_t>(slip.other)),
-                                    {slip.x, slip.y, slip.z, slip.w}};
-        break;
-    }
-  }
 }
 
 std::size_t Stones::bytes() const noexcept {
