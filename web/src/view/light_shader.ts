@@ -198,8 +198,9 @@ float sunPastFlying(vec3 from_m) {
   // Most points are far from all of their shadows: one look at the ball around them settles those.
   vec3 to_all = u_flying_around_m.xyz - from_m;
   float along_all_m = dot(to_all, u_to_sun);
-  if (length(to_all - along_all_m * u_to_sun) > u_flying_around_m.w * 1.35 + 0.06 * max(along_all_m, 0.0)) return light;
-  for (int i = 0; i < u_flying_count; ++i) {
+  bool past_all = length(to_all - along_all_m * u_to_sun) > u_flying_around_m.w * 1.35 + 0.06 * max(along_all_m, 0.0);
+  // A loop that does not begin instead of an early return: sky_view.ts says why.
+  for (int i = past_all ? u_flying_count : 0; i < u_flying_count; ++i) {
     vec3 to_grain = u_flying_m[i].xyz - from_m;
     float radius_m = u_flying_m[i].w;
     float along_m = dot(to_grain, u_to_sun);
@@ -226,10 +227,10 @@ float sunPastTool(vec3 from_m) {
   vec3 to_tool = u_tool_origin_m - from_m;
   float along_m = dot(to_tool, u_to_sun);
   float beside_m = length(to_tool - along_m * u_to_sun);
-  if (along_m < -u_tool_reach_m || beside_m > u_tool_reach_m * 1.3 + 0.06 * max(along_m, 0.0)) return 1.0;
+  bool past_it = along_m < -u_tool_reach_m || beside_m > u_tool_reach_m * 1.3 + 0.06 * max(along_m, 0.0);
   float light = 1.0;
   float way_m = 0.15 * u_radius_m;
-  for (int i = 0; i < 14; ++i) {
+  for (int i = past_it ? 14 : 0; i < 14; ++i) {
     float free_m = distanceToTool(from_m + way_m * u_to_sun);
     light = min(light, 0.5 + 9.0 * free_m / (way_m + 0.01));
     if (light <= 0.0 || way_m > along_m + u_tool_reach_m) break;

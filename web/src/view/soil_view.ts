@@ -189,8 +189,9 @@ export class SoilView {
   private mesh(): void {
     if (!this.field) return;
     const { width_m, length_m, columns, rows } = this.field;
-    const most = this.detailed ? 192 : 80;
-    const size = [width_m, length_m, Math.min(most, columns), Math.min(most, rows)] as const;
+    const cells = (points: number): number =>
+      this.detailed ? Math.min(192, points) : Math.min(80, Math.ceil(0.55 * points));
+    const size = [width_m, length_m, cells(columns), cells(rows)] as const;
     if (size.join() === this.meshed_for) return;
     this.meshed_for = size.join();
     this.surface.geometry.dispose();

@@ -14,6 +14,9 @@ out vec3 v_at_m;
 out vec3 v_normal;
 out vec4 v_light;               // height over the shadow, drift along x and y, how deep below what is around
 flat out vec3 v_eye_m;
+#ifndef DETAIL
+out float v_sun;                // past tool and what flies; a corner of the mesh every few pixels is enough without a graphics card
+#endif
 
 void main() {
   mat3 turn = mat3(modelViewMatrix);
@@ -26,6 +29,9 @@ void main() {
   v_normal = vec3(-slope, 1.0);
   v_at_m = vec3(position.xy, here.x + position.z);
   v_light = vec4(here.x - here.y, here.zw, soilHeight(position.xy).y - here.x);
+#ifndef DETAIL
+  v_sun = sunPastTool(v_at_m) * sunPastFlying(v_at_m);
+#endif
   gl_Position = projectionMatrix * modelViewMatrix * vec4(v_at_m, 1.0);
 }
 `;
@@ -43,6 +49,9 @@ in vec3 v_at_m;
 in vec3 v_normal;
 in vec4 v_light;
 flat in vec3 v_eye_m;
+#ifndef DETAIL
+in float v_sun;
+#endif
 layout(location = 0) out vec4 o_colour;
 
 void main() {
@@ -91,10 +100,14 @@ void main() {
   // A grain's own shadow is hard; that of a heap has the sun's soft edge.
   float sun = smoothstep(-0.03 * u_radius_m, 0.07 * u_radius_m, v_light.x);
   sun *= mix(1.0, fine.a * mix(1.0, coarse.a, 0.3), (0.55 + 0.25 * stirred) * (1.0 - u_flatness));
-  // Loops that run once: sky_view.ts says why.
-  for (int lit = sun > 0.0 ? 0 : 1; lit < 1; ++lit) sun *= sunPastTool(at_m) * sunPastFlying(at_m);
+#ifdef DETAIL
+  if (sun > 0.0) sun *= sunPastTool(at_m) * sunPastFlying(at_m);
+#else
+  sun *= v_sun;
+#endif
   float deep = clamp(v_light.w / (2.0 * u_radius_m), 0.0, 1.0);
   float sky = 1.0 - 0.6 * deep;
+  // Loops that run once: sky_view.ts says why.
   for (int near = distance(at_m, u_tool_origin_m) < u_tool_reach_m + u_radius_m ? 0 : 1; near < 1; ++near)
     sky *= clamp(0.45 + 0.9 * distanceToTool(at_m) / u_radius_m, 0.3, 1.0);
 
