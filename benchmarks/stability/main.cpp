@@ -37,7 +37,7 @@ struct Soil {
   std::string preset, body;
   FrictionModel friction = FrictionModel::kPaper;
   BedParameters bed;
-  std::vector<Vec3> centres_m;
+  LyingSoil lying;
 };
 
 struct Cell {
@@ -67,7 +67,7 @@ std::vector<Soil> soils(int threads) {
       }
     }
   }
-  inParallel(all.size(), threads, [&all](std::size_t i) { all[i].centres_m = settled(all[i].bed); });
+  inParallel(all.size(), threads, [&all](std::size_t i) { all[i].lying = settled(all[i].bed); });
   return all;
 }
 
@@ -213,7 +213,7 @@ constexpr double kAssumedResolution_m = 1e-4;
 
 struct UnknownCell {
   const Scenario* scenario = nullptr;
-  const std::vector<Vec3>* centres_m = nullptr;
+  const LyingSoil* lying = nullptr;
   StabilityCase setting;
   StabilityResult result, without;
 };
@@ -226,8 +226,8 @@ int unknownDevices(int threads) {
                        "stiffness_n_m = 3000\n[gravity]\nbody = \"Earth\"\n[bed]\nstart = \"rain\"",
                        "B"),
       loadScenarioText("title = \"apollo-15-srp\"\n[soil]\nname = \"apollo-15-srp\"", "C")};
-  std::vector<std::vector<Vec3>> centres_m(scenes.size());
-  inParallel(scenes.size(), threads, [&](std::size_t i) { centres_m[i] = settled(scenes[i].bed); });
+  std::vector<LyingSoil> lying(scenes.size());
+  inParallel(scenes.size(), threads, [&](std::size_t i) { lying[i] = settled(scenes[i].bed); });
   std::vector<HoldingHand> hands(std::begin(kLightHands), std::end(kLightHands));
   hands.push_back(kNoHand);
   std::vector<UnknownCell> cells;
@@ -245,7 +245,7 @@ int unknownDevices(int threads) {
             setting.noise_m = noise_m;
             setting.resolution_m = kAssumedResolution_m;
             setting.coupling = CouplingKind::kVirtual;
-            cells.push_back({&scenes[i], &centres_m[i], setting, {}, {}});
+            cells.push_back({&scenes[i], &lying[i], setting, {}, {}});
           }
         }
       }
@@ -254,9 +254,9 @@ int unknownDevices(int threads) {
   inParallel(cells.size(), threads, [&cells](std::size_t i) {
     UnknownCell& cell = cells[i];
     StabilityCase setting = cell.setting;
-    cell.result = measureStability(cell.scenario->bed, *cell.centres_m, setting, cell.scenario->tool);
+    cell.result = measureStability(cell.scenario->bed, *cell.lying, setting, cell.scenario->tool);
     setting.passivity = false;
-    cell.without = measureStability(cell.scenario->bed, *cell.centres_m, setting, cell.scenario->tool);
+    cell.without = measureStability(cell.scenario->bed, *cell.lying, setting, cell.scenario->tool);
   });
   fmt::print(
       "soil,hand,delay_ms,step_mm,noise_mm,injected_mj,vibration_mm,vibration_before_mm,held_n,held_without_n\n");
@@ -299,7 +299,7 @@ int sweep(int argc, char** argv) {
   const std::vector<Soil> beds = soils(threads);
   std::vector<Cell> cells = cellsOf(beds);
   inParallel(cells.size(), threads, [&cells](std::size_t i) {
-    cells[i].result = measureStability(cells[i].soil->bed, cells[i].soil->centres_m, cells[i].setting);
+    cells[i].result = measureStability(cells[i].soil->bed, cells[i].soil->lying, cells[i].setting);
   });
   print(cells);
   summarise(cells);

@@ -148,19 +148,13 @@ class HeldDevice final : public HapticDevice {
 
 }  // namespace
 
-std::vector<Vec3> settled(const BedParameters& bed) {
-  const Scene scene(bed, ToolParameters{});
-  std::vector<Vec3> centres_m;
-  for (std::size_t i = 0; i < scene.bed().particles(); ++i) {
-    const Float4& p = scene.bed().state().position[i];
-    centres_m.emplace_back(p.x, p.y, p.z);
-  }
-  return centres_m;
+LyingSoil settled(const BedParameters& bed) {
+  return Bed(bed).lying();
 }
 
-StabilityResult measureStability(const BedParameters& bed, const std::vector<Vec3>& centres_m,
-                                 const StabilityCase& parameters, const ToolParameters& tool) {
-  Scene scene(bed, tool, centres_m);
+StabilityResult measureStability(const BedParameters& bed, const LyingSoil& lying, const StabilityCase& parameters,
+                                 const ToolParameters& tool) {
+  Scene scene(bed, tool, lying);
   HeldDevice device(parameters, scene.bed().surfaceHeight());
   LoopParameters unpaced;
   unpaced.paced = false;

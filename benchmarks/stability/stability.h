@@ -66,10 +66,10 @@ struct StabilityResult {
 /// 4000 N/s at most.
 /// @param bed  at rest, as Scene takes it.
 /// @throws InvalidParameter as Scene and HapticLoop.
-[[nodiscard]] StabilityResult measureStability(const BedParameters& bed, const std::vector<Vec3>& centres_m,
+[[nodiscard]] StabilityResult measureStability(const BedParameters& bed, const LyingSoil& lying,
                                                const StabilityCase& parameters, const ToolParameters& tool = {});
 
 /// Where the particles of this bed are when it has come to rest.
-[[nodiscard]] std::vector<Vec3> settled(const BedParameters& bed);
+[[nodiscard]] LyingSoil settled(const BedParameters& bed);
 
 }  // namespace haptolith

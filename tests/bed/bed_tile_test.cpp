@@ -109,6 +109,27 @@ TEST(SettledStart, HoldsItsSidesWhateverHappensToTheSoil) {
   EXPECT_EQ(stateHash(again.state()), stateHash(bed.state()));
 }
 
+TEST(SettledStart, SoilThatLayInABedLiesInAnother) {
+  BedParameters parameters = settledBed();
+  parameters.sleep_speed_m_s = 0;
+  const Bed bed(parameters);
+  const LyingSoil lying = bed.lying();
+  ASSERT_GT(lying.held, 0U);
+  Bed again(parameters, lying);
+  EXPECT_EQ(again.heldParticles(), bed.heldParticles());
+  for (int i = 0; i < 500; ++i) {
+    ASSERT_EQ(again.step(stepOf(parameters)), StepStatus::kOk);
+  }
+  double farthest_m = 0;
+  for (std::size_t i = 0; i < bed.particles(); ++i) {
+    const Float4 &now = again.state().position[i], &then = lying.grains[i];
+    ASSERT_EQ(now.w, then.w) << i;
+    farthest_m = std::max<double>(farthest_m, std::hypot(now.x - then.x, now.y - then.y, now.z - then.z));
+  }
+  // A little, since contacts have forgotten what they had slipped.
+  EXPECT_LT(farthest_m, 0.2 * parameters.soil.radius_m);
+}
+
 TEST(SettledStart, ComesToRestOnASlope) {
   BedParameters parameters = settledBed();
   parameters.gravity_m_s2 = Vec3(0.3, 0, -1.59);

@@ -26,7 +26,7 @@ class Stability : public testing::TestWithParam<NamedHand> {
   static StabilityResult measure(StabilityCase setting) {
     BedParameters bed;
     bed.soil = findPreset("P1").soil;  // the stickiest: the worst in the sweep
-    static const std::vector<Vec3> kAtRest = settled(bed);
+    static const LyingSoil kAtRest = settled(bed);
     setting.hand = GetParam().hand;
     return measureStability(bed, kAtRest, setting);
   }

@@ -213,6 +213,27 @@ TEST_F(SessionTest, APausedSessionGoesOnTickByTick) {
   ASSERT_TRUE(soon([&] { return session_->snapshot().ticks > ticks + 1000; }));
 }
 
+TEST_F(SessionTest, LevelSoilLiesAsItDidAtFirstHoweverItWasMade) {
+  Scenario settled = findScenario("soil-surface");  // repeated from a tile, its sides held
+  settled.bed.width_m = settled.bed.length_m = 0.08;
+  settled.bed.depth_m = 0.02;
+  settled.loop.paced = false;
+  settled.hand.manoeuvre = Manoeuvre::kStill;
+  start(settled);
+  const std::vector<Float4> first = session_->snapshot().position;
+  const std::size_t held = session_->scene().bed().heldParticles();
+  ASSERT_GT(held, 0U);
+  session_->level();
+  ASSERT_TRUE(soon([&] { return session_->scenes() == 2; }));
+  waitTicks(500);
+  EXPECT_EQ(session_->scene().bed().heldParticles(), held);
+  const std::vector<Float4> level = session_->snapshot().position;
+  EXPECT_LT(farthest(level, first), 1e-4);
+  for (std::size_t i = 0; i < level.size(); ++i) {
+    ASSERT_EQ(level[i].w, first[i].w) << i;
+  }
+}
+
 TEST_F(SessionTest, ShowsOneStimulusAfterAnotherEachOnALevelBed) {
   start();
   const SceneChange block{.preset = "P4"}, mars{.body = "Mars"}, ceres{.body = "Ceres"};

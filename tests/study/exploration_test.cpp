@@ -117,6 +117,45 @@ TEST(Exploration, FeelsNoWeightWithoutGravity) {
   EXPECT_NEAR(scoop.carried_n, 0, 0.01);  // on Earth some 0.08
 }
 
+/// A built-in scene whose soil is so deep, packed instead of settled: at rest at once.
+Scenario filled(const char* scene, double depth_m) {
+  Scenario filled = findScenario(scene);
+  filled.bed.start = BedStart::kPacked;
+  filled.bed.depth_m = depth_m;
+  return filled;
+}
+
+TEST(Exploration, FeelsHowHighSoilReaches) {
+  const auto felt_m = [](double depth_m) {
+    const Scenario scene = filled("soil-surface", depth_m);
+    const LevelBed bed = levelBed(scene);
+    // The tip is half the rod's length below its middle.
+    return explore(scene, bed, {.manoeuvre = Manoeuvre::kPress, .rounds = 2}).felt_up_to_m - 0.030 - bed.surface_m;
+  };
+  const double radius_m = findScenario("soil-surface").bed.soil.radius_m;
+  for (const double depth_m : {0.028, 0.040, 0.052}) {
+    EXPECT_NEAR(felt_m(depth_m), 0, 1.5 * radius_m) << depth_m;
+  }
+}
+
+TEST(Exploration, FeelsNoSoilAboveIt) {
+  Scenario above = filled("soil-surface", 0.028);
+  above.hand.surface_m = 0.2;
+  EXPECT_TRUE(std::isnan(explore(above, {.manoeuvre = Manoeuvre::kPress, .rounds = 1}).felt_up_to_m));
+}
+
+TEST(Exploration, SeesWhatAScoopWithSidesCarries) {
+  const auto scooped = [](double depth_m) {
+    return explore(filled("scoop-load", depth_m), {.manoeuvre = Manoeuvre::kScoop, .rounds = 1, .variation = 0});
+  };
+  const Exploration little = scooped(0.006);
+  const Exploration much = scooped(0.020);
+  EXPECT_GT(much.seen.load_m, 1.2 * little.seen.load_m);
+  const double volume_m3 = std::pow(much.seen.load_m, 3);
+  EXPECT_NEAR(volume_m3 * findScenario("scoop-load").bed.soil.rho0_kg_m3, much.carried_kg, 1e-12);
+  EXPECT_NEAR(much.carried_n, 9.807 * much.carried_kg, 0.2 * much.carried_n);  // it is still lifting, and losing some
+}
+
 TEST(Picture, IsWhatTheSurfaceDoes) {
   BedParameters bed;
   bed.width_m = bed.length_m = 0.028;  // two cells each way, of 14 mm
@@ -143,7 +182,7 @@ TEST(Exploration, MeetsAStoneFromAnySideOfTheBed) {
   scene.bed.stones.placed[0].x_m = 0.03;
   scene.hand.period_s = 1;
   const LevelBed bed = levelBed(scene);
-  ASSERT_EQ(bed.stones.size(), 1U);
+  ASSERT_EQ(bed.lying.stones.size(), 1U);
   ExploringHand over_stone{.hand = scene.hand}, elsewhere{.hand = scene.hand};
   over_stone.hand.home_m.x() = elsewhere.hand.home_m.x() = 0.03;
   const double over_n = explore(scene, bed, over_stone, 1).felt.peak_force_n;

@@ -106,6 +106,12 @@ Bed::Bed(const BedParameters& parameters, const std::vector<Float4>& grains, con
   placeStones(stones);
 }
 
+Bed::Bed(const BedParameters& parameters, const LyingSoil& lying) : Bed(parameters, lying.grains, lying.stones) {
+  if (lying.held > 0) {
+    holdSides(lying.grains.size() - std::min(lying.held, lying.grains.size()));
+  }
+}
+
 Bed::Bed(const BedParameters& parameters, const std::vector<Float4>& grains, double grid_height_m)
     : parameters_(validated(parameters)),
       laws_(parameters.soil, grainClasses(parameters)),

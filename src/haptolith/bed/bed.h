@@ -27,6 +27,13 @@ enum class StepStatus { kOk, kNotFinite, kCollapsed };
 /// Called now and then while a bed settles, with simulated time and the largest speed; false gives up.
 using SettleProgress = std::function<bool(double time_s, double speed_m_s)>;
 
+/// Soil and stones as they lie in a bed: what it takes to make another bed of them.
+struct LyingSoil {
+  std::vector<Float4> grains;  ///< centres, m; w: by how much a grain's radius exceeds the soil's
+  std::size_t held = 0;        ///< the last so many stand for ever, where a settled bed ends
+  std::vector<Pose> stones;    ///< scene_T_stone
+};
+
 /// A box of identical macroparticles: their contacts, friction and gravity. With the paper's friction contacts follow
 /// (paper 19), friction (14) and damping (20); with contact friction see friction-inl.h.
 ///
@@ -46,6 +53,10 @@ class Bed {
   /// The same with each grain's size: w is by how much its radius exceeds the soil's. In a graded bed grains come in
   /// whole groups of 16 of one class, but for the last.
   Bed(const BedParameters& parameters, const std::vector<Float4>& grains, const std::vector<Pose>& stones = {});
+
+  /// The same of soil that lay in a bed of such parameters, its held grains held again. What contacts remembered of
+  /// slipping is forgotten.
+  Bed(const BedParameters& parameters, const LyingSoil& lying);
 
   /// A bed that goes on from a saved one of the same parameters bit for bit, without being settled again. Soil and
   /// gravity may have been changed since it was made: `parameters` has them as they were when it was saved.
@@ -95,6 +106,8 @@ class Bed {
   [[nodiscard]] bool isDriven(std::size_t particle) const noexcept { return state_.velocity[particle].w != 0; }
   /// How many particles are held, see LaidSoil; the tool does not feel them.
   [[nodiscard]] std::size_t heldParticles() const noexcept;
+  /// Not for the tick.
+  [[nodiscard]] LyingSoil lying() const;
 
   /// Force of its neighbours on a particle, in N, scene frame: in the last step in which it was awake and any particle
   /// was driven.

@@ -223,6 +223,11 @@ std::size_t Bed::heldParticles() const noexcept {
   return held;
 }
 
+LyingSoil Bed::lying() const {
+  const auto end = state_.position.begin() + static_cast<std::ptrdiff_t>(particles());
+  return {.grains = {state_.position.begin(), end}, .held = heldParticles(), .stones = stones().poses()};
+}
+
 void Bed::holdSides(std::size_t free_particles) noexcept {
   for (std::size_t i = free_particles; i < particles(); ++i) {
     state_.velocity[i].w = BedState::kHeld;

@@ -222,17 +222,21 @@ ScenePicture RecordedPictures::recordedPicture(const FrameRow& row, const TickRe
   return picture;
 }
 
-/// A bed whose grains are all of one class draws their radii by its seed and their number alone, wherever they lie.
-/// Which grain of a graded bed is how large follows from how they settled, so that bed is made once more.
+/// A bed that is packed or rains draws its grains' radii by its seed and their number alone, wherever they lie. Which
+/// grain is how large in one that is graded, repeated from a settled tile or has stones in it follows from how it was
+/// made, so that bed is made once more.
 const std::vector<float>& RecordedPictures::radiusExcesses(const std::vector<std::array<float, 3>>& position_m) {
   const SoilParameters& soil = scenario_->bed.soil;
-  const bool graded = grainClasses(scenario_->bed) > 1;
+  const BedParameters& made_of = scenario_->bed;
+  const bool all_alike = soil.friction != FrictionModel::kContact || soil.size_spread == 0;
+  const bool by_seed =
+      grainClasses(made_of) == 1 && (all_alike || (made_of.start != BedStart::kSettled && !made_of.stones.any()));
   const auto take_from = [&](const Bed& bed) {
     for (std::size_t i = 0; i < bed.particles() && bed.particles() == position_m.size(); ++i) {
       radius_excess_m_->push_back(bed.state().position[i].w);
     }
   };
-  if (graded && !radius_excess_m_) {
+  if (!by_seed && !radius_excess_m_) {
     radius_excess_m_.emplace();
     try {
       if (replay_) {
@@ -243,9 +247,9 @@ const std::vector<float>& RecordedPictures::radiusExcesses(const std::vector<std
     } catch (const Failure&) {
       goOn(0);
     }
-  } else if (graded) {
+  } else if (!by_seed) {
     return *radius_excess_m_;
-  } else if (soil.friction != FrictionModel::kContact || soil.size_spread == 0) {
+  } else if (all_alike) {
     radius_excess_m_.emplace(position_m.size(), 0.0F);
   } else if (!radius_excess_m_) {
     radius_excess_m_.emplace();

@@ -27,15 +27,6 @@ constexpr double kAboveSurface_m = 0.35;
 /// How many level beds are remembered: the stimuli of a study.
 constexpr std::size_t kMaxCachedBeds = 64;
 
-std::vector<Vec3> centresOf(const std::vector<Float4>& positions) {
-  std::vector<Vec3> centres_m;
-  centres_m.reserve(positions.size());
-  for (const Float4& p : positions) {
-    centres_m.emplace_back(p.x, p.y, p.z);
-  }
-  return centres_m;
-}
-
 /// Before anything is made or moves.
 Scenario forItsHand(Scenario scenario, const HapticDevice* device) {
   if (device == nullptr && scenario.device.kind != DeviceKind::kVirtualHand && !scenario.loop.paced) {
@@ -73,19 +64,28 @@ Session::Showing Session::showNew(const Scenario& scenario, const SettleProgress
   made.made_of = scenario.bed.soil;
   made.scene = std::make_unique<Scene>(scenario.bed, scenario.tool, progress);
   const Bed& bed = made.scene->bed();
-  std::vector<Vec3> centres_m = centresOf(bed.state().position);
-  centres_m.resize(bed.particles());
-  made.fresh = std::make_shared<const Fresh>(
-      Fresh{scenario.bed, std::move(centres_m), bed.stones().poses(), bed.surfaceHeight()});
+  made.fresh =
+      std::make_shared<const Fresh>(Fresh{scenario.bed, made.scene->save(), bed.heldParticles(), bed.surfaceHeight()});
   return made;
 }
 
-Session::Showing Session::showAgain(const Scenario& scenario, const std::vector<Vec3>& centres_m,
-                                    const std::vector<Pose>& stones, std::shared_ptr<const Fresh> fresh) {
+Session::Showing Session::showFresh(const Scenario& scenario, std::shared_ptr<const Fresh> fresh) {
   Showing made;
   made.scenario = scenario;
   made.made_of = scenario.bed.soil;
-  made.scene = std::make_unique<Scene>(scenario.bed, scenario.tool, centres_m, stones);
+  SavedScene saved = fresh->saved;
+  saved.opening_m = scenario.tool.opening_m;  // of another tool, perhaps
+  made.scene = std::make_unique<Scene>(scenario.bed, scenario.tool, saved);
+  made.fresh = std::move(fresh);
+  return made;
+}
+
+Session::Showing Session::showLying(const Scenario& scenario, const LyingSoil& lying,
+                                    std::shared_ptr<const Fresh> fresh) {
+  Showing made;
+  made.scenario = scenario;
+  made.made_of = scenario.bed.soil;
+  made.scene = std::make_unique<Scene>(scenario.bed, scenario.tool, lying);
   made.fresh = std::move(fresh);
   return made;
 }
@@ -327,29 +327,26 @@ void Session::keepFresh(std::shared_ptr<const Fresh> fresh) {
 
 void Session::make(std::string_view why, bool as_it_lies) {
   const std::shared_ptr<const Fresh> fresh = as_it_lies ? current_.fresh : freshFor(wanted_);
-  std::vector<Vec3> centres_m;
-  std::vector<Pose> stones;
+  LyingSoil lying;
   if (as_it_lies) {
-    centres_m = centresOf(snapshot().position);
-    stones = snapshot().stones;
-  } else if (fresh) {  // no need to settle again
-    centres_m = fresh->centres_m;
-    stones = fresh->stones;
+    lying = {.grains = snapshot().position, .held = fresh->held, .stones = snapshot().stones};
   }
   auto making = std::make_unique<Making>();
   making->why = why;
   try {
-    making->result = std::async(std::launch::async, [scenario = wanted_, fresh, centres_m = std::move(centres_m),
-                                                     stones = std::move(stones), making = making.get()] {
-      Showing made =
-          fresh ? showAgain(scenario, centres_m, stones, fresh) : showNew(scenario, [making](double time_s, double) {
+    making->result = std::async(
+        std::launch::async, [scenario = wanted_, fresh, as_it_lies, lying = std::move(lying), making = making.get()] {
+          const auto progress = [making](double time_s, double) {
             making->settled_s = time_s;
             return !making->unwanted;
-          });
-      made.own_shown = std::make_unique<ShownScene>(*made.scene);
-      made.shown = made.own_shown.get();
-      return made;
-    });
+          };
+          Showing made = as_it_lies ? showLying(scenario, lying, fresh)
+                         : fresh    ? showFresh(scenario, fresh)  // no need to settle again
+                                    : showNew(scenario, progress);
+          made.own_shown = std::make_unique<ShownScene>(*made.scene);
+          made.shown = made.own_shown.get();
+          return made;
+        });
   } catch (const std::exception& error) {  // no thread: the bed that is there stays
     wanted_ = current_.scenario;
     throw Failure(fmt::format("no other bed can be made now: {}", error.what()));

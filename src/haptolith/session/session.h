@@ -110,8 +110,8 @@ class Session {
   /// How a bed lay when it was new: level, and at rest.
   struct Fresh {
     BedParameters bed;  ///< what it was made of
-    std::vector<Vec3> centres_m;
-    std::vector<Pose> stones;  ///< scene_T_stone
+    SavedScene saved;
+    std::size_t held = 0;  ///< of its particles, see LyingSoil
     double surface_m = 0;
   };
   /// A bed that is, was or will be shown.
@@ -127,8 +127,9 @@ class Session {
   struct Making;
 
   [[nodiscard]] static Showing showNew(const Scenario& scenario, const SettleProgress& progress);
-  [[nodiscard]] static Showing showAgain(const Scenario& scenario, const std::vector<Vec3>& centres_m,
-                                         const std::vector<Pose>& stones, std::shared_ptr<const Fresh> fresh);
+  [[nodiscard]] static Showing showFresh(const Scenario& scenario, std::shared_ptr<const Fresh> fresh);
+  [[nodiscard]] static Showing showLying(const Scenario& scenario, const LyingSoil& lying,
+                                         std::shared_ptr<const Fresh> fresh);
   void wantBed(std::string_view why);
   void pursue();
   void changeWhatIsThere();

@@ -49,6 +49,9 @@ Scene::Scene(const BedParameters& bed, const ToolParameters& tool, const std::ve
              const std::vector<Pose>& stones)
     : tool_(tool), substeps_(substepsOf(bed, tool)), bed_(bed, centres_m, stones), opening_m_(tool.opening_m) {}
 
+Scene::Scene(const BedParameters& bed, const ToolParameters& tool, const LyingSoil& lying)
+    : tool_(tool), substeps_(substepsOf(bed, tool)), bed_(bed, lying), opening_m_(tool.opening_m) {}
+
 void Scene::setTool(const ToolParameters& tool) noexcept {
   for (const std::uint32_t group : bed_.groupsNear(tool_pose_.position_m, 0)) {  // and those that the old one was near
     for (std::size_t i = group * kGroup; i < std::min((group + 1) * kGroup, bed_.particles()); ++i) {

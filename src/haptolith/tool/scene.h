@@ -35,9 +35,13 @@ class Scene {
   /// as Bed::settle().
   Scene(const BedParameters& bed, const ToolParameters& tool, const SettleProgress& progress = {});
 
-  /// The same with its soil and stones where the caller wants them, at rest.
+  /// The same with its soil and stones where the caller wants them, at rest; how large each grain is, the seed decides.
   Scene(const BedParameters& bed, const ToolParameters& tool, const std::vector<Vec3>& centres_m,
         const std::vector<Pose>& stones = {});
+
+  /// The same of soil that lay in a bed of such parameters, with each grain's size: the seed does not tell it where
+  /// soil was repeated from a tile or lies around stones.
+  Scene(const BedParameters& bed, const ToolParameters& tool, const LyingSoil& lying);
 
   /// A scene that goes on from a saved one bit for bit, without its soil being settled again.
   /// @throws InvalidParameter as restore().

@@ -7,6 +7,7 @@
 #include <cstddef>
 #include <limits>
 #include <numbers>
+#include <numeric>
 #include <random>
 #include <utility>
 
@@ -35,31 +36,26 @@ void validate(const ExplorationOptions& options) {
   requireInRange("variation", options.variation, {0, 2});
 }
 
-/// Soil as the hand finds it that comes from another side.
-std::vector<Vec3> turned(std::vector<Vec3> centres_m, const ExploringHand& from) {
-  for (Vec3& p : centres_m) {
-    p.y() = from.mirrored ? -p.y() : p.y();
+/// Soil and stones as the hand finds them that comes from another side.
+LyingSoil turned(LyingSoil lying, const ExploringHand& from) {
+  for (Float4& p : lying.grains) {
+    p.y = from.mirrored ? -p.y : p.y;
     for (int turn = 0; turn < from.quarter_turns; ++turn) {
-      p = Vec3(-p.y(), p.x(), p.z());
+      p = {-p.y, p.x, p.z, p.w};
     }
   }
-  return centres_m;
-}
-
-/// Stones turn with the soil.
-std::vector<Pose> turned(std::vector<Pose> scene_T_stones, const ExploringHand& from) {
   const Quat turn(Eigen::AngleAxisd(from.quarter_turns * std::numbers::pi / 2, Vec3::UnitZ()));
-  for (Pose& pose : scene_T_stones) {
+  for (Pose& pose : lying.stones) {
     pose.position_m = turn * pose.position_m;
     pose.orientation = turn * pose.orientation;
   }
-  return scene_T_stones;
+  return lying;
 }
 
-std::vector<Vec3> centresOf(const Scene& scene) {
+std::vector<Vec3> centresOf(const std::vector<Float4>& grains) {
   std::vector<Vec3> centres_m;
-  for (std::size_t i = 0; i < scene.bed().particles(); ++i) {
-    const Float4& p = scene.bed().state().position[i];
+  centres_m.reserve(grains.size());
+  for (const Float4& p : grains) {
     centres_m.emplace_back(p.x, p.y, p.z);
   }
   return centres_m;
@@ -113,21 +109,49 @@ bool carries(const Pose& scene_T_tool, const HandParameters& hand) {
   return nose.z() > kNoseUp && scene_T_tool.position_m.z() - hand.surface_m.value_or(0) > 0.9 * hand.home_m.z();
 }
 
-/// In kg, what is above the tool and no farther than a heap on it can be high.
+/// In kg, what is in or above the tool and no farther than a heap on it can be high.
 double massAbove(const Scene& scene) {
-  const ToolParameters& tool = scene.tool();
-  const ToolCorners corners = cornersOf(tool);
+  const ToolCorners corners = cornersOf(scene.tool());
   const double reach_m = corners.high_m.x() - corners.low_m.x();
   const double radius_m = scene.bed().parameters().soil.radius_m;
   double mass_kg = 0;
   for (std::size_t i = 0; i < scene.bed().particles(); ++i) {
     const Float4& p = scene.bed().state().position[i];
     const Vec3 there_m = scene.toolPose().toBody(Vec3(p.x, p.y, p.z));
-    const bool above = std::abs(there_m.x()) < reach_m / 2 + radius_m && std::abs(there_m.y()) < reach_m / 2 + radius_m;
-    mass_kg += above && there_m.z() > 0 && there_m.z() < reach_m ? scene.bed().mass() : 0;
+    const auto beside = [&](int axis) {
+      return there_m[axis] < corners.low_m[axis] - radius_m || there_m[axis] > corners.high_m[axis] + radius_m;
+    };
+    const bool within = !beside(0) && !beside(1) && there_m.z() > corners.low_m.z() && there_m.z() < reach_m;
+    mass_kg += within ? scene.bed().mass() : 0;
   }
   return mass_kg;
 }
+
+/// How high soil is felt, each time that a tool goes into it.
+class FeltHeight {
+ public:
+  void add(double height_m, double force_n) {
+    constexpr double kFelt_n = 0.1;    // well above the least that is noticed
+    constexpr double kClear_m = 0.01;  // so much higher, and it has left
+    if (force_n >= kFelt_n) {
+      if (clear_) {
+        highest_m_.push_back(height_m);
+      }
+      highest_m_.back() = std::max(highest_m_.back(), height_m);
+      clear_ = false;
+    } else {
+      clear_ = clear_ || height_m > highest_m_.back() + kClear_m;
+    }
+  }
+  /// Mean of all times; NaN when there was none.
+  [[nodiscard]] double mean() const {
+    return std::accumulate(highest_m_.begin(), highest_m_.end(), 0.0) / static_cast<double>(highest_m_.size());
+  }
+
+ private:
+  std::vector<double> highest_m_;
+  bool clear_ = true;
+};
 
 /// A mean that is NaN of nothing.
 class Mean {
@@ -172,8 +196,7 @@ Picture pictureOf(const std::vector<Vec3>& before_m, const std::vector<Vec3>& af
 
 LevelBed levelBed(const Scenario& scenario, const SettleProgress& progress) {
   const Scene scene(scenario.bed, scenario.tool, progress);
-  return {
-      .centres_m = centresOf(scene), .surface_m = scene.bed().surfaceHeight(), .stones = scene.bed().stones().poses()};
+  return {.lying = scene.bed().lying(), .surface_m = scene.bed().surfaceHeight()};
 }
 
 ExploringHand exploringHand(const Scenario& scenario, const ExplorationOptions& options) {
@@ -209,13 +232,14 @@ Exploration explore(const Scenario& scenario, const LevelBed& bed, const Explori
   unpaced.loop.paced = false;
   unpaced.hand = exploring.hand;
   unpaced.hand.surface_m = scenario.hand.surface_m.value_or(bed.surface_m);
-  const std::vector<Vec3> before_m = turned(bed.centres_m, exploring);
-  Scene scene(unpaced.bed, unpaced.tool, before_m, turned(bed.stones, exploring));
+  const LyingSoil before = turned(bed.lying, exploring);
+  Scene scene(unpaced.bed, unpaced.tool, before);
   VirtualHand hand(unpaced.hand, unpaced.bed.tick_s);
   HapticLoop loop(scene, hand, unpaced.loop, true, handlingOf(unpaced, *unpaced.hand.surface_m));
 
   FeltSummary felt;
   Mean carried_n, carried_kg;
+  FeltHeight felt_height;
   double lowest_m = std::numeric_limits<double>::infinity();
   std::vector<TickRecord> records;
   const auto ticks = std::llround(rounds * unpaced.hand.period_s / unpaced.loop.tick_s);
@@ -227,6 +251,7 @@ Exploration explore(const Scenario& scenario, const LevelBed& bed, const Explori
     loop.takeRecords(records);
     felt.add(records.back());
     lowest_m = std::min(lowest_m, scene.toolPose().position_m.z());
+    felt_height.add(scene.toolPose().position_m.z(), records.back().felt.wrench.force_n.norm());
     if (carries(scene.toolPose(), unpaced.hand)) {
       carried_n.add(-records.back().felt.wrench.force_n.z());
       if (tick % kTicksPerLook == 0) {
@@ -238,8 +263,10 @@ Exploration explore(const Scenario& scenario, const LevelBed& bed, const Explori
   done.drag_n = done.felt.work_j / done.felt.path_m;
   done.carried_n = carried_n.value();
   done.carried_kg = carried_kg.value();
-  done.seen = pictureOf(before_m, centresOf(scene), unpaced.bed);
+  done.seen = pictureOf(centresOf(before.grains), centresOf(scene.bed().lying().grains), unpaced.bed);
   done.seen.reached_m = bed.surface_m - lowest_m;
+  done.seen.load_m = std::cbrt(done.carried_kg / unpaced.bed.soil.rho0_kg_m3);
+  done.felt_up_to_m = felt_height.mean();
   return done;
 }
 

@@ -12,9 +12,8 @@ namespace haptolith {
 
 /// Undisturbed soil, settled once, for as many explorations as wanted.
 struct LevelBed {
-  std::vector<Vec3> centres_m;
+  LyingSoil lying;
   double surface_m = 0;
-  std::vector<Pose> stones = {};  ///< scene_T_stone
 };
 
 /// The soil of a scene before anybody touches it.
@@ -50,9 +49,11 @@ struct Picture {
   double hollow_m = 0;   ///< largest fall of the surface in the end, anywhere
   double moved_m = 0;    ///< mean way of the grains that lay on the surface
   double reached_m = 0;  ///< how far below the undisturbed surface the tool's origin came
+  /// Edge of a cube as large as the soil that the tool carries, on average; NaN when it never carries.
+  double load_m = std::numeric_limits<double>::quiet_NaN();
 };
 
-/// All of it but `reached_m`, of grains before and after; one number, one grain. A cell of the surface is as wide as a
+/// All of the soil that lies, of grains before and after; one number, one grain. A cell of the surface is as wide as a
 /// grain, and what its highest grain does is seen.
 [[nodiscard]] Picture pictureOf(const std::vector<Vec3>& before_m, const std::vector<Vec3>& after_m,
                                 const BedParameters& bed);
@@ -68,6 +69,9 @@ struct Exploration {
   double carried_n = std::numeric_limits<double>::quiet_NaN();
   /// Mean mass of the soil above the tool meanwhile, in kg, whether it presses on the tool or not.
   double carried_kg = std::numeric_limits<double>::quiet_NaN();
+  /// How high over the floor the tool's origin came where it still felt soil, 0.1 N or more: mean over the times that
+  /// it went into soil, m; NaN when it never did.
+  double felt_up_to_m = std::numeric_limits<double>::quiet_NaN();
 };
 
 /// Explores soil by a script, as fast as the machine can: no clock, no device. The same arguments give the same
