@@ -112,11 +112,12 @@ TEST(TaskStudyFit, KnowsTheMiddleOfACurveWhoseLevelsAllLieOnOneSide) {
   EXPECT_FALSE(fitOptionsOf(both_sides).threshold.has_value());
 }
 
-INSTANTIATE_TEST_SUITE_P(Of, TaskStudy, testing::Values("buried-stone", "firm-ground"), [](const auto& of) {
-  std::string name = of.param;
-  std::erase(name, '-');
-  return name;
-});
+INSTANTIATE_TEST_SUITE_P(Of, TaskStudy, testing::Values("buried-stone", "firm-ground", "scoop-load", "soil-surface"),
+                         [](const auto& of) {
+                           std::string name = of.param;
+                           std::erase(name, '-');
+                           return name;
+                         });
 
 }  // namespace
 }  // namespace haptolith

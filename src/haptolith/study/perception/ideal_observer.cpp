@@ -33,11 +33,20 @@ constexpr std::array kCues{
     Cue{"weight", "N", "downward force while lifting", kWeight, [](const Exploration& e) { return e.carried_n; }},
 };
 
+constexpr double kPerMm = 1e3;
+
+/// Where the hand is: 0.09 of a limb's displacement (Jones and Hunter 1992), and an arm's angles to 0.6 to 1.1 degrees
+/// (van Beers et al. 1998), which is 6 mm at a hand that is 0.45 m from its shoulder. In mm.
+constexpr Sense kPlace{.weber_fraction = 0.09, .threshold = 6};
+constexpr std::array kPlaceCues{
+    Cue{"felt up to", "mm", "how high soil is felt", kPlace,
+        [](const Exploration& e) { return kPerMm * e.felt_up_to_m; }},
+};
+
 /// Length as it is seen: 0.04 of a height of 55 mm at 84 % right (Ernst and Banks 2002), and a minute of arc, what a
 /// sharp eye resolves, at 0.6 m. In mm.
 constexpr Sense kLength{.weber_fraction = 0.04, .threshold = 0.17};
 
-constexpr double kPerMm = 1e3;
 constexpr std::array kSeenCues{
     SeenCue{"height", "mm", "height of the surface", kLength, [](const Picture& p) { return kPerMm * p.height_m; }},
     SeenCue{"heave", "mm", "largest rise", kLength, [](const Picture& p) { return kPerMm * p.heave_m; }},
@@ -46,6 +55,8 @@ constexpr std::array kSeenCues{
             [](const Picture& p) { return kPerMm * p.moved_m; }},
     SeenCue{"reach", "mm", "how deep the tool goes", kLength, [](const Picture& p) { return kPerMm * p.reached_m; },
             true},
+    SeenCue{"load", "mm", "edge of a cube as large as what is carried", kLength,
+            [](const Picture& p) { return kPerMm * p.load_m; }},
 };
 
 struct Moments {
@@ -228,6 +239,10 @@ Interval percentilesOf(const ObserverOptions& options, Find find) {
 
 std::span<const Cue> cues() {
   return kCues;
+}
+
+std::span<const Cue> placeCues() {
+  return kPlaceCues;
 }
 
 std::span<const SeenCue> seenCues() {

@@ -26,6 +26,9 @@ struct Cue {
 /// The forces that exploring hands feel, each with the sense for it; docs/perception.md names the sources.
 [[nodiscard]] std::span<const Cue> cues();
 
+/// What a hand tells by where it is, likewise; asked of studies' tasks, not of the paper's stimuli.
+[[nodiscard]] std::span<const Cue> placeCues();
+
 /// A magnitude in just noticeable differences (JNDs) above nothing.
 ///
 ///     s(x) = arsinh(k x / x0) / k,  k = ln(1 + w)

@@ -34,8 +34,10 @@ std::vector<AnyCue> cuesOf(const std::vector<Explorations>& stimuli, bool seen, 
       all.push_back({cue.name, cue.unit, cue.sense, nullptr, cue.value, cue.of_tool});
     }
   } else {
-    for (const Cue& cue : cues()) {
-      all.push_back({cue.name, cue.unit, cue.sense, cue.value, nullptr, false});
+    for (const std::span<const Cue> of_hand : {cues(), placeCues()}) {
+      for (const Cue& cue : of_hand) {
+        all.push_back({cue.name, cue.unit, cue.sense, cue.value, nullptr, false});
+      }
     }
   }
   std::erase_if(all, [&](const AnyCue& cue) {

@@ -50,8 +50,8 @@ struct TaskOptions {
 };
 
 /// Lets the hand of the block's scene explore the reference and every level, and asks ideal observers: one who has only
-/// the forces (cues()), one who has only the picture (seenCues()), and one who has only the soil's. None knows anything
-/// else of a stimulus. Cues that the hand never has are left out.
+/// the hand (cues(), placeCues()), one who has only the picture (seenCues()), and one who has only the soil's. None
+/// knows anything else of a stimulus. Cues that the hand never has are left out.
 /// @throws Failure when it was given up, and as explore(); InvalidParameter for options out of range, and for a hand
 /// that follows poses.
 [[nodiscard]] TaskPerception perceiveTask(const StudyProtocol& protocol, const StudyBlock& block,
