@@ -39,6 +39,7 @@ import {
 } from './settings';
 import { askFirst } from './study/dialogs';
 import { isTyping, runShortcut, TOOL_KEYS, TOUCH, VIEW_KEYS, type Shortcut } from './shortcuts';
+import { SoilSound } from './sound';
 import { Stage } from './view/stage';
 
 const DESCRIBE_INTERVAL_MS = 1000;
@@ -109,6 +110,7 @@ export function openBedPage(settings: Settings, address: string): void {
   const legend = new Legend();
   const scale_bar = new ScaleBar();
   const plots = new Plots();
+  const sound = new SoilSound();
   const controls = new Controls(
     {
       ask,
@@ -117,6 +119,7 @@ export function openBedPage(settings: Settings, address: string): void {
       setView: (name) => stage.setView(name),
       resetView: () => stage.resetView(),
       setDigAnywhere: (on) => (pointer.dig_anywhere = on),
+      setSound,
       bringTool,
       recordingAddress: (file) => recordingAddress(address, file),
     },
@@ -298,6 +301,7 @@ export function openBedPage(settings: Settings, address: string): void {
     hand.setFrame(frame);
     stage.setFrame(frame, frame.held);
     plots.setFrame(frame);
+    sound.setFrame(frame);
     strip.setTime(frame.time_s);
     if (now.scene) readouts.setFrame(frame, now.scene, performance.now());
   }
@@ -331,6 +335,12 @@ export function openBedPage(settings: Settings, address: string): void {
     rememberDrawing(drawing);
     stage.setDrawing(drawing);
     controls.setDrawing(drawing);
+  }
+
+  function setSound(on: boolean): boolean {
+    const plays = sound.setOn(on);
+    if (!plays) notices.toast('No sound: this browser plays none.');
+    return plays;
   }
 
   function nextDrawing(): void {

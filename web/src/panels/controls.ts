@@ -30,6 +30,8 @@ export interface Actions {
   setView(name: ViewName): void;
   resetView(): void;
   setDigAnywhere(on: boolean): void;
+  /** false: this browser plays nothing */
+  setSound(on: boolean): boolean;
   bringTool(): void;
   recordingAddress(file: string): string;
 }
@@ -47,6 +49,7 @@ export class Controls {
   private readonly manoeuvre = h('select', { id: 'manoeuvre' });
   private readonly still: HTMLButtonElement;
   private readonly dig = h('input', { type: 'checkbox', id: 'dig' });
+  private readonly sound = h('input', { type: 'checkbox', id: 'sound' });
   private readonly undo: HTMLButtonElement;
   private readonly pause: HTMLButtonElement;
   private readonly step: HTMLButtonElement;
@@ -85,6 +88,9 @@ export class Controls {
     this.manoeuvre.addEventListener('change', () => this.act.ask({ do: 'play', manoeuvre: this.manoeuvre.value }));
     this.speed.addEventListener('change', () => this.act.ask({ do: 'speed', factor: Number(this.speed.value) }));
     this.dig.addEventListener('change', () => this.act.setDigAnywhere(this.dig.checked));
+    this.sound.addEventListener('change', () => {
+      if (!this.act.setSound(this.sound.checked)) this.sound.checked = false;
+    });
     this.speed.append(
       ...SPEEDS.map((factor) => h('option', { value: factor }, factor === 1 ? 'real time' : `${factor} ×`)),
     );
@@ -117,6 +123,8 @@ export class Controls {
 
     const dig = h('label', { class: 'check' }, this.dig, h('span', {}, 'drag anywhere to dig'));
     explain(this.dig, EXPLAIN.dig, dig);
+    const sound = h('label', { class: 'check' }, this.sound, h('span', {}, 'sound of digging'));
+    explain(this.sound, EXPLAIN.sound, sound);
     explain(this.soil_facts, EXPLAIN.facts);
     this.soil_facts.tabIndex = 0;
 
@@ -165,7 +173,7 @@ export class Controls {
       { class: 'controls', 'aria-label': 'Controls' },
       this.look_on,
       ...changing,
-      group('Picture', this.drawings, this.colours, views),
+      group('Picture', this.drawings, this.colours, views, sound),
     );
     this.setConnected(false);
   }

@@ -40,6 +40,8 @@ export const EXPLAIN = {
   record: 'Writes every step to a file on the computer where the program runs (O).',
   speed: 'How fast simulated time passes: real time, or slow motion.',
   view: 'Where the bed is seen from (1, 2, 3, 4).',
+  sound:
+    'Noise as loud as the work that the tool does on the soil, and as high as fine grains pass by it; a stone knocks.',
 
   // how soil is drawn
   grains:
