@@ -6,7 +6,8 @@
 
 import { DataTexture, DataUtils, HalfFloatType, LinearFilter, RGFormat, Vector4 } from 'three';
 import { dequantise, radiiOf, type Scene, type Vec3 } from '../protocol';
-import { ballAround, boxBlur, HeightOrder, raiseTriangles } from './height_grid';
+import { boxBlur } from './grid_filters';
+import { ballAround, HeightOrder, raiseTriangles } from './height_grid';
 
 const LARGEST_SIDE = 192;
 // A grain is a few cells wide, enough to see its round top; more cells than this cost time without being seen.

@@ -77,22 +77,3 @@ export function ballAround(triangles_m: Float32Array): {
     radius_m += Math.hypot(triangles_m[i]! - x_m, triangles_m[i + 1]! - y_m, triangles_m[i + 2]! - z_m) / count;
   return { x_m, y_m, z_m, radius_m, lowest_m };
 }
-
-/** Mean over 2 reach + 1 neighbours along one line of a picture; the ends stand for what is beyond them. */
-export function boxBlur(
-  from: Float32Array,
-  to: Float32Array,
-  start: number,
-  stride: number,
-  count: number,
-  reach: number,
-): void {
-  const at = (i: number): number => from[start + Math.min(count - 1, Math.max(0, i)) * stride]!;
-  let sum = 0;
-  for (let i = -reach; i <= reach; ++i) sum += at(i);
-  const share = 1 / (2 * reach + 1);
-  for (let i = 0; i < count; ++i) {
-    to[start + i * stride] = sum * share;
-    sum += at(i + reach + 1) - at(i - reach);
-  }
-}

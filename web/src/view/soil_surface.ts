@@ -4,12 +4,14 @@
 // point and how far the soil there has come since the scene began, so that what they draw on it moves with it.
 //
 // What the tool carries or throws lies above the surface and is no part of it: it is listed, as are the particles that
-// can be seen, for fine_grains.ts to draw.
+// can be seen, for soil_view.ts to draw.
 
-import { DataTexture, DataUtils, HalfFloatType, LinearFilter, RGBAFormat, RGFormat, Vector4 } from 'three';
+import { DataTexture, DataUtils, HalfFloatType, LinearFilter, RGBAFormat, RGFormat, type Vector4 } from 'three';
 import { dequantise, type Scene } from '../protocol';
-import { MOST_FLYING, type Carrier } from './height_field';
-import { ballAround, boxBlur, HeightOrder, raiseTriangles, type Grid } from './height_grid';
+import { Aloft } from './aloft';
+import { blurTwice, castShadows, fillGaps } from './grid_filters';
+import type { Carrier } from './height_field';
+import { ballAround, HeightOrder, raiseTriangles, type Grid } from './height_grid';
 
 const LARGEST_SIDE = 192;
 const CELLS_PER_RADIUS = 3;
@@ -21,9 +23,6 @@ const LYING_RADII = 0.3;
 const ALOFT_RADII = 1.5;
 // Particles whose top is farther below the surface than this are not seen.
 const SEEN_RADII = 1.6;
-// Particles nearer than this to each other are in one heap; more than so many are not looked at.
-const HEAP_RADII = 5;
-const MOST_IN_HEAPS = 400;
 
 export class SoilSurface implements Grid {
   readonly columns: number;
@@ -41,11 +40,8 @@ export class SoilSurface implements Grid {
   top_m = 0;
   /** height of the ground around, in m */
   level_m: number;
-  /** centres and radii of balls about what is aloft; the first `flying_count` are valid */
-  readonly flying_m = Array.from({ length: MOST_FLYING }, () => new Vector4());
-  flying_count = 0;
-  /** towards the outside of the heap in which a particle is aloft, x, y, z; 0 for those on the bed and for single ones */
-  readonly outwards: Float32Array;
+  /** what lies above it */
+  readonly aloft: Aloft;
   /** particles that can be seen; the first `seen_count` are valid */
   readonly seen: Uint32Array;
   seen_count = 0;
@@ -66,8 +62,6 @@ export class SoilSurface implements Grid {
   /** where each particle was first, x and y */
   private readonly from_m: Float32Array;
   private from_known = false;
-  private readonly aloft: number[] = [];
-  private readonly aloft_particles: number[] = [];
 
   constructor(
     private readonly scene: Scene,
@@ -97,7 +91,7 @@ export class SoilSurface implements Grid {
     ];
     [this.drift_x, this.drift_y] = [heights(), heights()];
     this.topmost = new Uint32Array(cells);
-    this.outwards = new Float32Array(3 * radii_m.length);
+    this.aloft = new Aloft(radii_m.length);
     this.seen = new Uint32Array(radii_m.length);
     this.from_m = new Float32Array(2 * radii_m.length);
     this.halves = new Uint16Array(4 * cells);
@@ -119,20 +113,20 @@ export class SoilSurface implements Grid {
     this.order.sort(records, particles);
     this.lay(records, particles, carrier);
     this.extend();
-    this.fillGaps();
-    this.blurTwice(this.bed, this.surface, 0.55);
+    const radius_m = this.scene.radius_m;
+    fillGaps(this.bed, this.scratch, this, 0.9 * radius_m);
+    this.blur(this.bed, this.surface, 0.55 * radius_m);
     if (first) this.findLevel();
     this.meetGround();
-    this.blurTwice(this.drift_x, this.drift_x, 0.6);
-    this.blurTwice(this.drift_y, this.drift_y, 0.6);
-    this.blurTwice(this.surface, this.wide, 1.6);
+    this.blur(this.drift_x, this.drift_x, 0.6 * radius_m);
+    this.blur(this.drift_y, this.drift_y, 0.6 * radius_m);
+    this.blur(this.surface, this.wide, 1.6 * radius_m);
     this.findSeen(records, particles);
     // From here on, `bed` is what stands there, stones too.
     this.bed.set(this.surface);
-    this.groupAloft();
-    this.findOutwards();
+    this.aloft.gather();
     for (const triangles_m of stones_m) this.layStone(triangles_m);
-    this.castShadows();
+    castShadows(this.bed, this.shadow, this, this.to_sun);
     this.upload();
   }
 
@@ -150,6 +144,15 @@ export class SoilSurface implements Grid {
     const row = Math.floor((y_m - this.low_y_m) / this.cell_length_m);
     const at = row * this.columns + column;
     return this.shadow[at]! > this.surface[at]!;
+  }
+
+  /** Balls that cast the shadow of what is aloft, as HeightField has them. */
+  get flying_m(): Vector4[] {
+    return this.aloft.balls_m;
+  }
+
+  get flying_count(): number {
+    return this.aloft.ball_count;
   }
 
   dispose(): void {
@@ -173,8 +176,7 @@ export class SoilSurface implements Grid {
     bed.fill(0);
     drift_x.fill(0);
     drift_y.fill(0);
-    for (const i of this.aloft_particles) this.outwards.fill(0, 3 * i, 3 * i + 3);
-    this.aloft.length = this.aloft_particles.length = 0;
+    this.aloft.clear();
     for (let nth = 0; nth < particles; ++nth) {
       const i = this.order.index[nth]!;
       const radius_m = this.radii_m[i]!;
@@ -182,10 +184,7 @@ export class SoilSurface implements Grid {
       const y_m = dequantise(records[4 * i + 1]!, low_m[1], high_m[1]);
       const z_m = dequantise(records[4 * i + 2]!, low_m[2], high_m[2]);
       const lies = this.liesOnBed(x_m, y_m, z_m, radius_m, carrier);
-      if (lies < 0.5) {
-        this.aloft.push(x_m, y_m, z_m, radius_m);
-        this.aloft_particles.push(i);
-      }
+      if (lies < 0.5) this.aloft.add(i, x_m, y_m, z_m, radius_m);
       if (lies <= 0) continue;
       const x = x_m - low_x_m;
       const y = y_m - low_y_m;
@@ -257,27 +256,8 @@ export class SoilSurface implements Grid {
       }
   }
 
-  /** A ball as large as the particles, rolled over the bed, does not fall into what is narrower than itself. */
-  private fillGaps(): void {
-    const across = Math.max(1, Math.round((0.9 * this.scene.radius_m) / this.cell_width_m));
-    const along = Math.max(1, Math.round((0.9 * this.scene.radius_m) / this.cell_length_m));
-    const { columns, rows, bed, scratch } = this;
-    for (const pick of [Math.max, Math.min]) {
-      for (let row = 0; row < rows; ++row) slide(pick, bed, scratch, row * columns, 1, columns, across);
-      for (let column = 0; column < columns; ++column) slide(pick, scratch, bed, column, columns, rows, along);
-    }
-  }
-
-  /** Two box blurs after each other, as wide as so many radii, are nearly a bell. */
-  private blurTwice(from: Float32Array, to: Float32Array, radii: number): void {
-    const { columns, rows, scratch } = this;
-    const across = Math.max(1, Math.round((radii * this.scene.radius_m) / this.cell_width_m));
-    const along = Math.max(1, Math.round((radii * this.scene.radius_m) / this.cell_length_m));
-    for (let pass = 0; pass < 2; ++pass) {
-      const source = pass === 0 ? from : to;
-      for (let row = 0; row < rows; ++row) boxBlur(source, scratch, row * columns, 1, columns, across);
-      for (let column = 0; column < columns; ++column) boxBlur(scratch, to, column, columns, rows, along);
-    }
+  private blur(from: Float32Array, to: Float32Array, reach_m: number): void {
+    blurTwice(from, to, this.scratch, this, reach_m);
   }
 
   /** What is called the surface is where the tops of particles are, about; smoothed, they lie a little lower. */
@@ -326,87 +306,12 @@ export class SoilSurface implements Grid {
     }
   }
 
-  /** Gathers what is aloft in a few balls, which cast its shadow. */
-  private groupAloft(): void {
-    const { aloft, flying_m } = this;
-    const count = aloft.length / 4;
-    const groups = Math.min(MOST_FLYING, count);
-    const sums = new Float64Array(5 * groups);
-    for (let i = 0; i < count; ++i) {
-      const [x, y, z, r] = aloft.slice(4 * i, 4 * i + 4) as [number, number, number, number];
-      let group = i;
-      if (i >= groups) {
-        let nearest = Infinity;
-        for (let g = 0; g < groups; ++g) {
-          const away = Math.hypot(x - aloft[4 * g]!, y - aloft[4 * g + 1]!, z - aloft[4 * g + 2]!);
-          if (away < nearest) [nearest, group] = [away, g];
-        }
-      }
-      for (const [k, value] of [x, y, z, r ** 3, 1].entries()) sums[5 * group + k]! += value;
-    }
-    this.flying_count = groups;
-    for (let g = 0; g < groups; ++g) {
-      const n = sums[5 * g + 4]!;
-      // Balls that touch leave a third of the room free.
-      const radius_m = Math.cbrt((n > 1 ? 1.5 : 1.2) * sums[5 * g + 3]!);
-      flying_m[g]!.set(sums[5 * g]! / n, sums[5 * g + 1]! / n, sums[5 * g + 2]! / n, radius_m);
-    }
-  }
-
-  /** Away from the neighbours of each: which way the side of a heap on the tool faces. */
-  private findOutwards(): void {
-    const { aloft, aloft_particles, outwards } = this;
-    const count = Math.min(MOST_IN_HEAPS, aloft_particles.length);
-    for (let a = 0; a < count; ++a)
-      for (let b = 0; b < a; ++b) {
-        const away = [0, 1, 2].map((axis) => aloft[4 * a + axis]! - aloft[4 * b + axis]!);
-        const reach_m = HEAP_RADII * aloft[4 * a + 3]!;
-        const squared = away[0]! ** 2 + away[1]! ** 2 + away[2]! ** 2;
-        if (squared > reach_m * reach_m) continue;
-        for (let axis = 0; axis < 3; ++axis) {
-          outwards[3 * aloft_particles[a]! + axis]! += away[axis]! / reach_m;
-          outwards[3 * aloft_particles[b]! + axis]! -= away[axis]! / reach_m;
-        }
-      }
-  }
-
   /** Puts a stone on what is there, or lists it in place of the last ball when it flies. */
   private layStone(triangles_m: Float32Array): void {
     const ball = ballAround(triangles_m);
     if (ball.lowest_m - this.heightAt(ball.x_m, ball.y_m) <= this.scene.radius_m)
       return raiseTriangles(triangles_m, this.bed, this);
-    this.flying_count = Math.min(MOST_FLYING, this.flying_count + 1);
-    this.flying_m[this.flying_count - 1]!.set(ball.x_m, ball.y_m, ball.z_m, ball.radius_m);
-  }
-
-  /** Goes away from the sun, cell by cell: a shadow sinks with the way, and every top that stands above it begins anew. */
-  private castShadows(): void {
-    const { columns, rows, bed, shadow, to_sun, cell_width_m: dx, cell_length_m: dy } = this;
-    const by_columns = Math.abs(to_sun.x) * dy >= Math.abs(to_sun.y) * dx;
-    const [lines, cells] = by_columns ? [columns, rows] : [rows, columns];
-    const [line_stride, cell_stride] = by_columns ? [1, columns] : [columns, 1];
-    const [main, other] = by_columns ? [to_sun.x / dx, to_sun.y / dy] : [to_sun.y / dy, to_sun.x / dx];
-    const towards = Math.sign(main);
-    const aside = other / Math.abs(main);
-    const drop_m = to_sun.z / Math.abs(main);
-    const whole = Math.floor(aside);
-    const part = aside - whole;
-    for (let nth = 0; nth < lines; ++nth) {
-      const line = towards > 0 ? lines - 1 - nth : nth;
-      for (let cell = 0; cell < cells; ++cell) {
-        const at = line * line_stride + cell * cell_stride;
-        if (nth === 0) {
-          shadow[at] = -1;
-          continue;
-        }
-        const before = (line + towards) * line_stride;
-        const a = before + Math.min(cells - 1, Math.max(0, cell + whole)) * cell_stride;
-        const b = before + Math.min(cells - 1, Math.max(0, cell + whole + 1)) * cell_stride;
-        const top_a = Math.max(shadow[a]!, bed[a]!);
-        const top_b = Math.max(shadow[b]!, bed[b]!);
-        shadow[at] = top_a + part * (top_b - top_a) - drop_m;
-      }
-    }
+    this.aloft.addBall(ball.x_m, ball.y_m, ball.z_m, ball.radius_m);
   }
 
   private upload(): void {
@@ -428,22 +333,3 @@ export class SoilSurface implements Grid {
 }
 
 const PROBES = [0, 0, 1, 0, -1, 0, 0, 1, 0, -1];
-
-/** Greatest or least of 2 reach + 1 neighbours along one line of a picture. */
-function slide(
-  pick: (a: number, b: number) => number,
-  from: Float32Array,
-  to: Float32Array,
-  start: number,
-  stride: number,
-  count: number,
-  reach: number,
-): void {
-  for (let i = 0; i < count; ++i) {
-    let best = from[start + i * stride]!;
-    const first = Math.max(0, i - reach);
-    const last = Math.min(count - 1, i + reach);
-    for (let k = first; k <= last; ++k) best = pick(best, from[start + k * stride]!);
-    to[start + i * stride] = best;
-  }
-}

@@ -174,7 +174,7 @@ export class SoilView {
     for (let nth = 0; nth < field.seen_count; ++nth) {
       const i = field.seen[nth]!;
       for (let k = 0; k < 4; ++k) own.array[4 * nth + k] = records[4 * i + k]!;
-      for (let k = 0; k < 3; ++k) outwards.array[3 * nth + k] = field.outwards[3 * i + k]!;
+      for (let k = 0; k < 3; ++k) outwards.array[3 * nth + k] = field.aloft.outwards[3 * i + k]!;
       particle.array[2 * nth] = this.radii_m[i]!;
       particle.array[2 * nth + 1] = i;
     }

@@ -95,8 +95,8 @@ describe('the surface of soil', () => {
   it('says which way the sides of a heap in the air face', () => {
     const places: Place[] = [...layer(RADIUS_M), [-0.005, 0, 0.06], [0.005, 0, 0.06]];
     const surface = surfaceOf(places);
-    expect(surface.outwards[3 * 144]!).toBeLessThan(0);
-    expect(surface.outwards[3 * 145]!).toBeGreaterThan(0);
+    expect(surface.aloft.outwards[3 * 144]!).toBeLessThan(0);
+    expect(surface.aloft.outwards[3 * 145]!).toBeGreaterThan(0);
   });
 });
 

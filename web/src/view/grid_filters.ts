@@ -1,0 +1,108 @@
+// What is done to all heights of a grid at once: smoothing, filling, shadows.
+
+import type { Grid } from './height_grid';
+
+/** Two box blurs after each other, each of `reach_m` to either side, are nearly a bell. `scratch` is written over. */
+export function blurTwice(
+  from: Float32Array,
+  to: Float32Array,
+  scratch: Float32Array,
+  grid: Grid,
+  reach_m: number,
+): void {
+  const { columns, rows } = grid;
+  const [across, along] = cellsOf(grid, reach_m);
+  for (let pass = 0; pass < 2; ++pass) {
+    const source = pass === 0 ? from : to;
+    for (let row = 0; row < rows; ++row) boxBlur(source, scratch, row * columns, 1, columns, across);
+    for (let column = 0; column < columns; ++column) boxBlur(scratch, to, column, columns, rows, along);
+  }
+}
+
+/** A block that reaches so far, pushed over the heights from above, does not fall into what is narrower than itself. */
+export function fillGaps(heights: Float32Array, scratch: Float32Array, grid: Grid, reach_m: number): void {
+  const { columns, rows } = grid;
+  const [across, along] = cellsOf(grid, reach_m);
+  for (const pick of [Math.max, Math.min]) {
+    for (let row = 0; row < rows; ++row) slide(pick, heights, scratch, row * columns, 1, columns, across);
+    for (let column = 0; column < columns; ++column) slide(pick, scratch, heights, column, columns, rows, along);
+  }
+}
+
+/** How high the shadow reaches over each point. Goes away from the sun, cell by cell: a shadow sinks with the way, and every
+ * top that stands above it begins anew. */
+export function castShadows(
+  heights: Float32Array,
+  shadow: Float32Array,
+  grid: Grid,
+  to_sun: { x: number; y: number; z: number },
+): void {
+  const { columns, rows, cell_width_m: dx, cell_length_m: dy } = grid;
+  const by_columns = Math.abs(to_sun.x) * dy >= Math.abs(to_sun.y) * dx;
+  const [lines, cells] = by_columns ? [columns, rows] : [rows, columns];
+  const [line_stride, cell_stride] = by_columns ? [1, columns] : [columns, 1];
+  const [main, other] = by_columns ? [to_sun.x / dx, to_sun.y / dy] : [to_sun.y / dy, to_sun.x / dx];
+  const towards = Math.sign(main);
+  const aside = other / Math.abs(main);
+  const drop_m = to_sun.z / Math.abs(main);
+  const whole = Math.floor(aside);
+  const part = aside - whole;
+  for (let nth = 0; nth < lines; ++nth) {
+    const line = towards > 0 ? lines - 1 - nth : nth;
+    for (let cell = 0; cell < cells; ++cell) {
+      const at = line * line_stride + cell * cell_stride;
+      if (nth === 0) {
+        shadow[at] = -1;
+        continue;
+      }
+      const before = (line + towards) * line_stride;
+      const a = before + Math.min(cells - 1, Math.max(0, cell + whole)) * cell_stride;
+      const b = before + Math.min(cells - 1, Math.max(0, cell + whole + 1)) * cell_stride;
+      const top_a = Math.max(shadow[a]!, heights[a]!);
+      const top_b = Math.max(shadow[b]!, heights[b]!);
+      shadow[at] = top_a + part * (top_b - top_a) - drop_m;
+    }
+  }
+}
+
+function cellsOf(grid: Grid, reach_m: number): [number, number] {
+  return [Math.max(1, Math.round(reach_m / grid.cell_width_m)), Math.max(1, Math.round(reach_m / grid.cell_length_m))];
+}
+
+/** Mean over 2 reach + 1 neighbours along one line of a picture; the ends stand for what is beyond them. */
+export function boxBlur(
+  from: Float32Array,
+  to: Float32Array,
+  start: number,
+  stride: number,
+  count: number,
+  reach: number,
+): void {
+  const at = (i: number): number => from[start + Math.min(count - 1, Math.max(0, i)) * stride]!;
+  let sum = 0;
+  for (let i = -reach; i <= reach; ++i) sum += at(i);
+  const share = 1 / (2 * reach + 1);
+  for (let i = 0; i < count; ++i) {
+    to[start + i * stride] = sum * share;
+    sum += at(i + reach + 1) - at(i - reach);
+  }
+}
+
+/** Greatest or least of 2 reach + 1 neighbours along one line of a picture. */
+function slide(
+  pick: (a: number, b: number) => number,
+  from: Float32Array,
+  to: Float32Array,
+  start: number,
+  stride: number,
+  count: number,
+  reach: number,
+): void {
+  for (let i = 0; i < count; ++i) {
+    let best = from[start + i * stride]!;
+    const first = Math.max(0, i - reach);
+    const last = Math.min(count - 1, i + reach);
+    for (let k = first; k <= last; ++k) best = pick(best, from[start + k * stride]!);
+    to[start + i * stride] = best;
+  }
+}
