@@ -114,6 +114,36 @@ TEST_F(MeshInAScene, GivesWayToAShapeThatIsAskedForAndComesBack) {
   EXPECT_EQ(changed(shown, std::vector<std::string>{"tool.shape=mesh"}).tool.mesh, rake.tool.mesh);
 }
 
+constexpr const char* kScraper =
+    "\n[[tool_part]]\nsize_mm = [5, 60, 30]\n"
+    "[[tool_part]]\nshape = 'cylinder'\ndiameter_mm = 12\nlength_mm = 80\nat_mm = [0, 0, 50]\nturn_deg = [0, 0, 45]\n";
+
+TEST_F(MeshInAScene, MayBePutTogetherOfParts) {
+  const Scenario scene = sceneOf(std::string("stiffness_n_m = 9000\n") + kScraper);
+  EXPECT_EQ(scene.tool.shape, ToolShape::kMesh);
+  EXPECT_EQ(scene.tool.stiffness_n_m, 9000);
+  const MeshCorners& corners = scene.tool.mesh->field.corners();
+  EXPECT_LT((corners.low_m - Vec3(-0.006, -0.03, -0.015)).norm(), 1e-5);
+  EXPECT_LT((corners.high_m - Vec3(0.006, 0.03, 0.09)).norm(), 1e-5);
+  EXPECT_TRUE(scene.tool.mesh->report.empty());
+  EXPECT_TRUE(loadScenarioText(scenarioText(scene), "the recorded scene") == scene);
+  EXPECT_EQ(sceneOf(kScraper, {"tool.shape=sphere"}).tool.shape, ToolShape::kSphere);
+  EXPECT_EQ(sceneOf(kScraper, {"tool.name=rake"}).mesh.name, "rake");
+  EXPECT_EQ(sceneOf(kScraper, {"tool.shape=mesh"}).mesh.bytes->size(), scene.mesh.bytes->size());
+}
+
+TEST_F(MeshInAScene, OfPartsRefusesWhatDoesNotFit) {
+  EXPECT_THAT(errorOf(std::string("name = 'rake'\n") + kScraper), HasSubstr("put together of [[tool_part]]"));
+  EXPECT_THAT(errorOf(std::string("shape = 'box'\n") + kScraper), HasSubstr("put together of [[tool_part]]"));
+  EXPECT_THAT(errorOf(std::string("mesh_unit_mm = 2\n") + kScraper), HasSubstr("put together of [[tool_part]]"));
+  EXPECT_THAT(errorOf("\n[[tool_part]]\nshape = 'sphere'\nsize_mm = [1, 2, 3]\n"), HasSubstr("a sphere has none"));
+  EXPECT_THAT(errorOf("\n[[tool_part]]\nlength_mm = 10\n"), HasSubstr("a box has none"));
+  EXPECT_THAT(errorOf("\n[[tool_part]]\nshape = 'sphere'\ndiameter_mm = 0\n"),
+              AllOf(HasSubstr("diameter_mm"), HasSubstr("0.5 to 1000")));
+  EXPECT_THAT(errorOf("\n[[tool_part]]\ncolour = 'red'\n"), HasSubstr("colour"));
+  EXPECT_THAT(errorOf("\n[[tool_part]]\nsize_mm = [40, 40, 0.5]\n"), AllOf(HasSubstr("x.toml:3"), HasSubstr("walls")));
+}
+
 // --- the tools that come along ---------------------------------------------------------------------------------------
 
 double distanceAt(const Scenario& scene, const Vec3& place_mm) {

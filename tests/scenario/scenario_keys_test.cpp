@@ -13,6 +13,7 @@
 
 #include "haptolith/core/error.h"
 #include "haptolith/scenario/stone_keys.h"
+#include "haptolith/scenario/tool_part_keys.h"
 
 #include "../source_dir.h"
 
@@ -51,13 +52,21 @@ TEST(ScenarioKeys, OfAStoneAreAllInTheDocument) {
   }
 }
 
+TEST(ScenarioKeys, OfAToolsPartAreAllInTheDocument) {
+  const std::string document = readSource("docs/scenarios.md");
+  const std::string text = document.substr(document.find("## [[tool_part]]\n"));
+  for (const ToolPartKey& key : toolPartKeys()) {
+    EXPECT_THAT(text, HasSubstr(documented(key)));
+  }
+}
+
 TEST(ScenarioKeys, TheDocumentHasNoOthers) {
   const std::string document = readSource("docs/scenarios.md");
   std::ptrdiff_t rows = 0;
   for (std::size_t at = document.find("\n| `"); at != std::string::npos; at = document.find("\n| `", at + 1)) {
     ++rows;
   }
-  EXPECT_EQ(rows, std::ssize(scenarioKeys()) + std::ssize(stoneKeys()));
+  EXPECT_EQ(rows, std::ssize(scenarioKeys()) + std::ssize(stoneKeys()) + std::ssize(toolPartKeys()));
 }
 
 TEST(ScenarioKeys, AreAllInThePapersScene) {

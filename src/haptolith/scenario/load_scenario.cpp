@@ -11,6 +11,7 @@
 #include "haptolith/scenario/stone_keys.h"
 #include "haptolith/scenario/toml_reader.h"
 #include "haptolith/scenario/toml_writer.h"
+#include "haptolith/scenario/tool_part_keys.h"
 
 namespace haptolith {
 
@@ -68,11 +69,12 @@ void makeMesh(const TomlReader& reader, Scenario& scene) {
   try {
     makeToolMesh(scene);
   } catch (const InvalidParameter& error) {
-    const std::string_view key = reader.find("tool", "mesh") != nullptr ? "mesh" : "mesh_data";
-    if (reader.find("tool", key) == nullptr) {
-      throw;
+    for (const KeyName& key : {KeyName{"tool", "mesh"}, KeyName{"tool", "mesh_data"}, KeyName{"", "tool_part"}}) {
+      if (reader.find(key.table, key.name) != nullptr) {
+        throw ScenarioError(reader.located(key, error.what()), reader.lineOf(key.table, key.name));
+      }
     }
-    throw ScenarioError(reader.located({"tool", key}, error.what()), reader.lineOf("tool", key));
+    throw;
   }
 }
 
@@ -148,6 +150,7 @@ Scenario read(const TomlReader& reader, From from, Scenario scene = {}) {
   std::vector<KeyName> known = keyNames(scenarioKeys());
   known.push_back(kLibrary);
   known.push_back({"", "stone"});  // a table of its own for each
+  known.push_back({"", "tool_part"});
   reader.refuseUnknownKeys(known);
   if (from == From::kFile) {
     refuseLibrary(reader);
@@ -157,6 +160,7 @@ Scenario read(const TomlReader& reader, From from, Scenario scene = {}) {
     reader.apply(key, scene);
   }
   readPlacedStones(reader, scene);
+  readToolParts(reader, scene);
   requirePoses(reader, scene);
   requireMesh(reader, scene);
   makeMesh(reader, scene);
@@ -194,12 +198,18 @@ TomlReader readerOf(std::string_view name_or_file) {
   return {name_or_file, kScene};
 }
 
-/// A shape takes the place of the file's mesh, and a mesh that of its shape and of the mesh that it had.
+/// A shape takes the place of the file's mesh, and a mesh that of its shape and of the mesh that it had; either that of
+/// the parts that it is put together of.
 void takeToolOverrides(TomlReader& reader, const TomlReader& given) {
   const toml::node* shape = given.find("tool", "shape");
-  if (given.has("tool", "mesh") || given.has("tool", "name")) {
+  const bool other_mesh = given.has("tool", "mesh") || given.has("tool", "name");
+  const bool other_shape = shape != nullptr && shape->value_or(std::string_view()) != "mesh";
+  if (other_mesh || other_shape) {
+    reader.passOver("", [](std::string_view key) { return key == "tool_part"; });
+  }
+  if (other_mesh) {
     reader.passOver("tool", [](std::string_view key) { return key == "shape" || key.starts_with("mesh"); });
-  } else if (shape != nullptr && shape->value_or(std::string_view()) != "mesh") {
+  } else if (other_shape) {
     reader.passOver("tool", [](std::string_view key) { return key == "mesh" || key == "name"; });
   }
 }

@@ -17,6 +17,7 @@
 #include "haptolith/soil/soil_parameters.h"
 #include "haptolith/stone/stone_parameters.h"
 #include "haptolith/tool/tool_parameters.h"
+#include "haptolith/tool/tool_part.h"
 
 namespace haptolith {
 
@@ -51,6 +52,12 @@ inline constexpr std::array kStoneFormWords{
     SceneWord{"rock", StoneForm::kRock},
     SceneWord{"sphere", StoneForm::kSphere},
     SceneWord{"spheres", StoneForm::kSpheres},
+};
+
+inline constexpr std::array kToolPartWords{
+    SceneWord{"box", ToolPartForm::kBox},
+    SceneWord{"sphere", ToolPartForm::kSphere},
+    SceneWord{"cylinder", ToolPartForm::kCylinder},
 };
 
 inline constexpr std::array kToolShapeWords{

@@ -178,7 +178,7 @@ void TomlReader::takeOverrides(std::span<const std::string> overrides, std::span
 }
 
 void TomlReader::passOver(std::string_view table, const std::function<bool(std::string_view key)>& which) {
-  toml::table* const at = (*table_)[table].as_table();
+  toml::table* const at = table.empty() ? table_.get() : (*table_)[table].as_table();
   if (at == nullptr) {
     return;
   }

@@ -64,7 +64,8 @@ class TomlReader {
   /// text. A key of the file that is a rival of one of these is passed over. @throws ScenarioError.
   void takeOverrides(std::span<const std::string> overrides, std::span<const RivalKeys> rivals);
 
-  /// Leaves out the keys of a table that `which` chooses and no override has set.
+  /// Leaves out the keys of a table, or of the file itself where that is empty, that `which` chooses and no override
+  /// has set.
   void passOver(std::string_view table, const std::function<bool(std::string_view key)>& which);
 
   /// Null when the file does not have it.

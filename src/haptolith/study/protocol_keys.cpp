@@ -35,18 +35,22 @@ constexpr std::array kSceneNumbers{
     SceneNumber{"gravity_m_s2", "gravity (m/s²)", 1, &SceneChange::gravity_m_s2},
 };
 
-constexpr std::array<std::string_view, 12> kVariedThings{"preset",
-                                                         "body",
-                                                         "soil",
-                                                         "friction_coefficient",
-                                                         "friction_angle_deg",
-                                                         "cohesion_pa",
-                                                         "contact_friction",
-                                                         "contact_cohesion_mn",
-                                                         "soil_depth_mm",
-                                                         "stone_size_mm",
-                                                         "stone_depth_mm",
-                                                         "gravity_m_s2"};
+constexpr std::array<std::string_view, 8> kVariedOfSoil{"preset",
+                                                        "body",
+                                                        "soil",
+                                                        "friction_coefficient",
+                                                        "friction_angle_deg",
+                                                        "cohesion_pa",
+                                                        "contact_friction",
+                                                        "contact_cohesion_mn"};
+
+/// What a block may vary: what the soil is, and any number of the scene.
+constexpr auto kVariedThings = [] {
+  std::array<std::string_view, kVariedOfSoil.size() + kSceneNumbers.size()> all{};
+  const auto end = std::ranges::copy(kVariedOfSoil, all.begin()).out;
+  std::ranges::transform(kSceneNumbers, end, &SceneNumber::key);
+  return all;
+}();
 
 constexpr std::array kOrderWords{
     SceneWord{"fixed", BlockOrder::kFixed},
