@@ -64,12 +64,12 @@ struct StabilityResult {
 /// Presses the tool 15 mm into the soil within 1 s, stirs for 2 s at 0.5 Hz, and holds still for 3 s. The device tells
 /// positions in steps and a low-pass of their differences, and shows forces in steps of 0.01 N, 12 N at most and
 /// 4000 N/s at most.
-/// @param bed  at rest, as Scene takes it.
+/// @param lying  of settled(bed).
 /// @throws InvalidParameter as Scene and HapticLoop.
 [[nodiscard]] StabilityResult measureStability(const BedParameters& bed, const LyingSoil& lying,
                                                const StabilityCase& parameters, const ToolParameters& tool = {});
 
-/// Where the particles of this bed are when it has come to rest.
+/// Soil of this bed when it has come to rest.
 [[nodiscard]] LyingSoil settled(const BedParameters& bed);
 
 }  // namespace haptolith

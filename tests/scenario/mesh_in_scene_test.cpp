@@ -140,6 +140,11 @@ TEST_F(MeshInAScene, OfPartsRefusesWhatDoesNotFit) {
   EXPECT_THAT(errorOf("\n[[tool_part]]\nlength_mm = 10\n"), HasSubstr("a box has none"));
   EXPECT_THAT(errorOf("\n[[tool_part]]\nshape = 'sphere'\ndiameter_mm = 0\n"),
               AllOf(HasSubstr("diameter_mm"), HasSubstr("0.5 to 1000")));
+  std::string many;
+  for (int i = 0; i < 65; ++i) {
+    many += "\n[[tool_part]]\nshape = 'sphere'\n";
+  }
+  EXPECT_THAT(errorOf(many), AllOf(HasSubstr("65"), HasSubstr("1 to 64")));
   EXPECT_THAT(errorOf("\n[[tool_part]]\ncolour = 'red'\n"), HasSubstr("colour"));
   EXPECT_THAT(errorOf("\n[[tool_part]]\nsize_mm = [40, 40, 0.5]\n"), AllOf(HasSubstr("x.toml:3"), HasSubstr("walls")));
 }

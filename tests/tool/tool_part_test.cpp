@@ -81,6 +81,7 @@ TEST(ToolPart, RefusesWhatCannotBe) {
   EXPECT_THROW(validate({.form = ToolPartForm::kSphere, .diameter_m = NAN}), InvalidParameter);
   EXPECT_THROW(validate({.form = ToolPartForm::kCylinder, .length_m = 2}), InvalidParameter);
   EXPECT_THROW(validate({.at_m = Vec3(0, 5, 0)}), InvalidParameter);
+  EXPECT_THROW((void)drawn(std::vector<ToolPart>(65)), InvalidParameter);
   EXPECT_THROW((void)drawn(std::vector<ToolPart>{{.turn_rad = Vec3(10, 0, 0)}}), InvalidParameter);
 }
 

@@ -91,7 +91,13 @@ void readToolParts(const TomlReader& reader, Scenario& scene) {
     reader.refuseKey({"tool", "shape"}, "left out or mesh: the tool is put together of [[tool_part]]");
   }
   std::vector<ToolPart> parts;
-  for (const TomlReader& table : reader.parts(kPart.name)) {
+  const std::vector<TomlReader> tables = reader.parts(kPart.name);
+  if (!ToolPartRanges::count.contains(static_cast<double>(tables.size()))) {
+    reader.refuse(reader.lineOf(kPart.table, kPart.name),
+                  fmt::format("{} [[tool_part]] are not valid: must be {:g} to {:g}", tables.size(),
+                              ToolPartRanges::count.lowest, ToolPartRanges::count.highest));
+  }
+  for (const TomlReader& table : tables) {
     table.refuseUnknownKeys(keyNames(toolPartKeys()));
     ToolPart part;
     for (const ToolPartKey& key : toolPartKeys()) {
@@ -100,9 +106,6 @@ void readToolParts(const TomlReader& reader, Scenario& scene) {
     refuseOtherSizes(table, part.form);
     table.check(toolPartKeys(), "", [&] { validate(part); });
     parts.push_back(part);
-  }
-  if (parts.empty()) {
-    reader.refuseKey(kPart, "one [[tool_part]] or more");
   }
   scene.mesh = {.name = "parts",
                 .bytes = std::make_shared<const std::string>(drawn(parts)),

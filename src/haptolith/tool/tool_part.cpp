@@ -92,6 +92,7 @@ void validate(const ToolPart& part) {
 }
 
 std::string drawn(std::span<const ToolPart> parts) {
+  requireInRange("number of parts", static_cast<double>(parts.size()), ToolPartRanges::count);
   std::string text;
   int first = 1;
   for (const ToolPart& part : parts) {

@@ -27,6 +27,7 @@ struct ToolPart {
 /// What is valid of a ToolPart, along each axis; read by validate() and scene files alike.
 struct ToolPartRanges {
   static constexpr Range length_m{0.5e-3, 1};  ///< thinner than a wall of a mesh cannot be felt on both sides
+  static constexpr Range count{1, 64};         ///< of parts: a short file must not ask for gigabytes
   static constexpr Range at_m{-1, 1};
   static constexpr Range turn_rad{-2 * std::numbers::pi, 2 * std::numbers::pi};
 };
@@ -36,6 +37,7 @@ void validate(const ToolPart& part);
 
 /// The parts as an OBJ file in mm, closed, each by itself: what lies in any of them is solid. Round ones have 64 sides,
 /// whose corners lie on the surface, so that they are 0.12 % of their radius too small between them.
+/// @throws InvalidParameter as validate(), and for too many parts.
 [[nodiscard]] std::string drawn(std::span<const ToolPart> parts);
 
 }  // namespace haptolith
