@@ -155,15 +155,14 @@ TEST(Inverse3, ASilentServiceMakesItStaleAndIsNotPressed) {
 
 TEST(Inverse3, MessagesThatNobodyAskedForDoNotPileUp) {
   HaplyService::Behaviour behaviour;
-  behaviour.answers_each = 3;
+  behaviour.answers_each = 100;  // more than this thread reads in a millisecond, on any machine
   // The place tells which command it answers.
   behaviour.answer = [](int command) { return HaplyService::state(fmt::format("{:.6f}", 1e-5 * command)); };
   const HaplyService service(behaviour);
   Inverse3 device(at(service.address()));
-  ASSERT_TRUE(shows(device, Vec3::Zero(), [&](const DeviceInput&) { return service.commands() >= 600; }));
-  // 1200 too many have come: 1.2 s of lag if they were read one in a millisecond.
+  ASSERT_TRUE(shows(device, Vec3::Zero(), [&](const DeviceInput&) { return service.commands() >= 200; }));
   EXPECT_TRUE(shows(device, Vec3::Zero(), [&](const DeviceInput& input) {
-    return service.commands() - std::lround(1e5 * input.pose.position_m.x()) <= 20;
+    return service.commands() - std::lround(1e5 * input.pose.position_m.x()) <= 2;
   }));
 }
 

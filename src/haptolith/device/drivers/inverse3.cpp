@@ -218,7 +218,8 @@ class Inverse3::Connection {
   };
 
   // Of the driver's thread: reads messages as they come, and sends a force each millisecond, unless the one before has
-  // not been answered: a service that is slow is not given more than it can do.
+  // not been answered or messages still wait to be read: neither the service nor this thread is given more than it can
+  // do, else the arm would be shown as it was ever longer ago. Messages without end hold no force back for long.
 
   void serve() {
     receive();
@@ -228,6 +229,7 @@ class Inverse3::Connection {
       const std::int64_t now_ns = monotonicNs();
       if (session_.io.poll_one() == 0) {  // what comes from now on is no older than this
         nothing_waited_ns_ = now_ns;
+        caught_up_ = answered_;
         session_.io.run_one();
       }
     }
@@ -239,7 +241,8 @@ class Inverse3::Connection {
         return;
       }
       const bool zero_is_due = let_go_.load() && !zero_sent_.load();
-      if (!writing_ && (answered_ || zero_is_due)) {
+      const bool held_back_long = answered_ && monotonicNs() - sent_ns_ > kFresh_ns;
+      if (!writing_ && (caught_up_ || held_back_long || zero_is_due)) {
         send();
       }
       timer_.expires_at(std::max(timer_.expiry() + kPeriod, Clock::now()));  // what was missed is not made up for
@@ -250,8 +253,9 @@ class Inverse3::Connection {
   void send() {
     const bool let_go = let_go_.load();
     command_ = inverse3Command(device_, let_go ? Vec3(Vec3::Zero()) : force(), session_.inventory.dialect);
+    sent_ns_ = monotonicNs();
     writing_ = true;
-    answered_ = false;
+    answered_ = caught_up_ = false;
     session_.stream.async_write(asio::buffer(command_), [this, let_go](beast::error_code error, std::size_t) {
       writing_ = false;
       if (error) {
@@ -312,7 +316,9 @@ class Inverse3::Connection {
   std::string device_, grip_;
   std::string command_;
   asio::steady_timer timer_{session_.io, Clock::now()};
-  bool writing_ = false, answered_ = false;
+  bool writing_ = false;
+  bool answered_ = false, caught_up_ = false;  ///< since the force was sent; and nothing waited after that
+  std::int64_t sent_ns_ = 0;
   std::int64_t nothing_waited_ns_ = 0;  ///< when that was seen last: no message that comes now is older
   Inverse3State newest_;
 
