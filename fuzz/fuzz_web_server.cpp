@@ -28,7 +28,7 @@ constexpr const char* kUpgrade =
 
 struct Target {
   haptolith::Board board{"hello"};
-  haptolith::WebServer server{{.port = 0}, board};
+  haptolith::WebServer server{{.port = 0, .takes_uploads = true}, board};
 };
 
 }  // namespace

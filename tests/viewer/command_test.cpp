@@ -36,6 +36,14 @@ TEST(Command, EveryCommandOfTheProtocolIsUnderstood) {
   EXPECT_EQ(hold.scene_T_tool.orientation.w(), 1);
   parsed<command::Release>(R"({"do": "release"})");
   EXPECT_EQ(parsed<command::Play>(R"({"do": "play", "manoeuvre": "stir"})").manoeuvre, Manoeuvre::kStir);
+  const auto file = parsed<command::ToolFile>(
+      R"({"do": "tool_file", "upload": 7, "name": "Ålesund.OBJ", "unit_mm": 25.4, "sheet_thickness_mm": 1.5})");
+  EXPECT_EQ(file.upload, 7U);
+  EXPECT_EQ(file.source.name, "Ålesund.OBJ");
+  EXPECT_EQ(file.source.format, MeshFormat::kObj);
+  EXPECT_EQ(file.source.unit_m, 0.0254);
+  EXPECT_EQ(file.source.sheet_thickness_m, 0.0015);
+  EXPECT_EQ(parsed<command::ToolFile>(R"({"do": "tool_file", "upload": 0, "name": "a.stl"})").source.unit_m, 0.001);
   parsed<command::Reset>(R"({"do": "reset"})");
   parsed<command::Level>(R"({"do": "level"})");
   parsed<command::Undo>(R"({"do": "undo"})");
@@ -115,6 +123,10 @@ TEST(Command, WhatIsWrongIsSaid) {
   EXPECT_THAT(refused(R"({"do": "hold", "pose": [1e300, 2, 3, 4, 5, 6, 7]})"), HasSubstr("-1000 to 1000"));
   EXPECT_THAT(refused(R"({"do": "play"})"), HasSubstr("scoop"));
   EXPECT_THAT(refused(R"({"do": "play", "manoeuvre": "poses"})"), HasSubstr("scoop"));
+  EXPECT_THAT(refused(R"({"do": "tool_file", "name": "a.stl"})"), HasSubstr("upload"));
+  EXPECT_THAT(refused(R"({"do": "tool_file", "upload": -1, "name": "a.stl"})"), HasSubstr("whole number"));
+  EXPECT_THAT(refused(R"({"do": "tool_file", "upload": 1, "name": "a.step"})"), HasSubstr(".glb"));
+  EXPECT_THAT(refused(R"({"do": "tool_file", "upload": 1, "name": "a.stl", "unit_mm": 0})"), HasSubstr("unit_mm"));
   EXPECT_THAT(refused(R"({"do": "step", "ticks": 0})"), HasSubstr("1 to 1000"));
   EXPECT_THAT(refused(R"({"do": "step", "ticks": 1.5})"), HasSubstr("whole number"));
   EXPECT_THAT(refused(R"({"do": "speed", "factor": 2})"), HasSubstr("0.01 to 1"));

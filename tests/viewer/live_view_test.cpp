@@ -1,5 +1,6 @@
 #include "haptolith/viewer/live_view.h"
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <pthread.h>
@@ -77,7 +78,7 @@ class LiveViewTest : public testing::Test {
     scenario.hand.manoeuvre = Manoeuvre::kStill;
     scenario.loop.paced = false;
     session_ = std::make_unique<Session>(scenario, false, SettleProgress{}, std::move(device));
-    view_ = std::make_unique<LiveView>(*session_, WebServerOptions{.port = 0}, "test",
+    view_ = std::make_unique<LiveView>(*session_, WebServerOptions{.port = 0, .takes_uploads = true}, "test",
                                        LiveView::Recorder{.start =
                                                               [this] {
                                                                 startThread();
@@ -273,6 +274,47 @@ TEST_F(LiveViewTest, WhatIsRefusedIsSaidAndChangesNothing) {
   EXPECT_EQ(mesh["ok"], false) << "the scene has none";
   EXPECT_EQ(ask(client, {{"do", "undo"}})["ok"], false);
   EXPECT_EQ(ask(client, {{"do", "hold"}, {"pose", {0, 0, 9, 1, 0, 0, 0}}})["ok"], false);
+}
+
+/// A box as text, in the file's own unit.
+std::string boxObj(double x, double y, double z) {
+  std::string text;
+  for (int corner = 0; corner < 8; ++corner) {
+    text +=
+        fmt::format("v {} {} {}\n", (corner & 1) != 0 ? x : 0, (corner & 2) != 0 ? y : 0, (corner & 4) != 0 ? z : 0);
+  }
+  return text + "f 1 3 4 2\nf 5 6 8 7\nf 1 2 6 5\nf 3 7 8 4\nf 1 5 7 3\nf 2 4 8 6\n";
+}
+
+TEST_F(LiveViewTest, AnUploadedMeshBecomesTheTool) {
+  WsClient client(port_);
+  ASSERT_EQ(client.upgrade(), 101U);
+  EXPECT_EQ(client.receive("hello").value()["takes_uploads"], true);
+  const auto upload = [&](const std::string& text) {
+    return Json::parse(WsClient::put(port_, "/upload", text).second)["upload"];
+  };
+  const Json fits{{"do", "tool_file"}, {"upload", upload(boxObj(5, 4, 0.5))}, {"name", "box.obj"}, {"unit_mm", 10}};
+  EXPECT_EQ(ask(client, fits)["ok"], true);
+  EXPECT_TRUE(until(client, "scene", [](const Json& s) {
+    return s["tool"]["shape"] == "mesh" && s["tool"]["mesh"]["name"] == "box.obj" && s["scene"] == 1;
+  })) << "the bed stays";
+  EXPECT_THAT(ask(client, fits)["error"].get<std::string>(), testing::HasSubstr("upload it again"));
+
+  Json wrong{{"do", "tool_file"}, {"upload", upload(boxObj(5, 4, 0.5))}, {"name", "box.obj"}, {"unit_mm", 100}};
+  EXPECT_EQ(ask(client, wrong)["ok"], true);
+  EXPECT_TRUE(until(client, "status", [](const Json& s) {
+    return s["problem"].is_string() &&
+           s["problem"].get<std::string>().find("box.obj = 50 x 400 x 500 mm") != std::string::npos;
+  })) << "wider than the box";
+  wrong["upload"] = upload("v 1 2\n");
+  EXPECT_EQ(ask(client, wrong)["ok"], true);
+  EXPECT_TRUE(until(client, "status", [](const Json& s) {
+    return s["problem"].is_string() && s["problem"].get<std::string>().find("a finite number") != std::string::npos;
+  }));
+  EXPECT_EQ(ask(client, {{"do", "reset"}})["ok"], true);
+  EXPECT_TRUE(until(client, "scene", [](const Json& s) {
+    return s["tool"]["shape"] == "box" && s["tool"]["mesh"].is_null() && s["scene"] == 2;
+  }));
 }
 
 /// For as long as it lives, no thread can be started: each would get a larger stack than there are addresses.

@@ -127,6 +127,62 @@ TEST_F(RecordingsTest, AreForWhoHasATokenThatTellsWhatIsShown) {
   EXPECT_EQ(WsClient::get(server.port(), "/recordings/tape.h5?token=one").first, 403U);
 }
 
+class UploadTest : public WebServerTest {
+ protected:
+  UploadTest() : WebServerTest({.port = 0, .takes_uploads = true}) {}
+
+  [[nodiscard]] std::string url() const { return "http://127.0.0.1:" + std::to_string(server_.port()); }
+};
+
+TEST_F(UploadTest, TheNewestIsKeptUntilItIsTaken) {
+  const std::string large(kLargestUpload, 'x');
+  EXPECT_EQ(WsClient::put(server_.port(), "/upload", "first"), std::pair(200U, std::string("{\"upload\": 1}\n")));
+  EXPECT_EQ(WsClient::put(server_.port(), "/upload", large, url()), std::pair(200U, std::string("{\"upload\": 2}\n")));
+  EXPECT_EQ(server_.takeUpload(1), nullptr);
+  const std::shared_ptr<const std::string> taken = server_.takeUpload(2);
+  ASSERT_NE(taken, nullptr);
+  EXPECT_TRUE(*taken == large);
+  EXPECT_EQ(server_.takeUpload(2), nullptr) << "once";
+  EXPECT_EQ(server_.takeUpload(3), nullptr);
+}
+
+TEST_F(UploadTest, WhatIsTooLargeOrFromElsewhereIsRefused) {
+  EXPECT_EQ(WsClient::put(server_.port(), "/upload", std::string(kLargestUpload + 1, 'x')).first, 413U);
+  EXPECT_EQ(WsClient::put(server_.port(), "/upload", "x", "http://evil.com").first, 403U);
+  EXPECT_EQ(WsClient::put(server_.port(), "/uploads", "x").first, 400U) << "only uploads have a body";
+  EXPECT_EQ(WsClient::put(server_.port(), "/index.html", "x").first, 400U);
+  EXPECT_EQ(WsClient::get(server_.port(), "/upload").first, 404U);
+  EXPECT_EQ(WsClient::put(server_.port(), "/upload", "").second, "{\"upload\": 1}\n") << "an empty one is one";
+}
+
+TEST_F(UploadTest, OneAtATimeAndOneThatBreaksOffHoldsNobodyUp) {
+  namespace asio = boost::asio;
+  asio::io_context io;
+  asio::ip::tcp::socket slow(io);
+  slow.connect({asio::ip::make_address("127.0.0.1"), server_.port()});
+  asio::write(slow,
+              asio::buffer(std::string("PUT /upload HTTP/1.1\r\nHost: localhost\r\nContent-Length: 100\r\n\r\nhalf")));
+  EXPECT_TRUE(soon([&] { return WsClient::put(server_.port(), "/upload", "x").first == 503U; }));
+  slow.close();
+  EXPECT_TRUE(soon([&] { return WsClient::put(server_.port(), "/upload", "x").first == 200U; }));
+}
+
+TEST(Upload, IsForWhoHasATokenThatTellsWhatIsShown) {
+  Board board{R"({"type":"hello","client":"$client"})"};
+  WebServer server(
+      {.port = 0, .entrances = {{.token = "one", .nameless = true}, {.token = "another"}}, .takes_uploads = true},
+      board);
+  EXPECT_EQ(WsClient::put(server.port(), "/upload", "x").first, 401U);
+  EXPECT_EQ(WsClient::put(server.port(), "/upload?token=wrong", "x").first, 401U);
+  EXPECT_EQ(WsClient::put(server.port(), "/upload?token=one", "x").first, 403U);
+  EXPECT_EQ(WsClient::put(server.port(), "/upload?token=another", "x").first, 200U);
+}
+
+TEST_F(WebServerTest, TakesNoUploadsUnlessItIsTold) {
+  EXPECT_EQ(WsClient::put(server_.port(), "/upload", "x").first, 400U);
+  EXPECT_EQ(server_.takeUpload(0), nullptr);
+}
+
 TEST_F(WebServerTest, OnlyPagesOfThisMachineMayConnect) {
   EXPECT_EQ(WsClient::get(server_.port(), "/", "evil.com").first, 403U) << "a name that was pointed at us";
   EXPECT_EQ(WsClient::get(server_.port(), "/", "localhost:1234").first, 200U) << "forwarded through SSH";

@@ -103,6 +103,19 @@ class WsClient {
     return answerTo(request, port);
   }
 
+  /// A request with a body.
+  static std::pair<unsigned, std::string> put(std::uint16_t port, const std::string& target, std::string body,
+                                              const std::string& origin = {}) {
+    namespace http = boost::beast::http;
+    http::request<http::string_body> request(http::verb::put, target, 11, std::move(body));
+    request.set(http::field::host, "127.0.0.1:" + std::to_string(port));
+    if (!origin.empty()) {
+      request.set(http::field::origin, origin);
+    }
+    request.prepare_payload();
+    return answerTo(request, port);
+  }
+
  private:
   /// Asks again by hand: the library does not tell with what it was refused.
   [[nodiscard]] unsigned refusal() const {
@@ -122,14 +135,16 @@ class WsClient {
     return answerTo(request, port_).first;
   }
 
-  static std::pair<unsigned, std::string> answerTo(
-      const boost::beast::http::request<boost::beast::http::empty_body>& request, std::uint16_t port) {
+  template <class Body>
+  static std::pair<unsigned, std::string> answerTo(const boost::beast::http::request<Body>& request,
+                                                   std::uint16_t port) {
     namespace http = boost::beast::http;
     boost::asio::io_context io;
     boost::beast::tcp_stream stream(io);
     stream.expires_after(std::chrono::seconds(10));
     stream.connect({boost::asio::ip::make_address("127.0.0.1"), port});
-    http::write(stream, request);
+    boost::beast::error_code refused_early;  // before all of a body was sent
+    http::write(stream, request, refused_early);
     boost::beast::flat_buffer buffer;
     http::response_parser<http::string_body> response;
     response.skip(request.method() == http::verb::head);

@@ -1,7 +1,7 @@
 // The page that shows the bed and holds the tool.
 
 import { publish } from './automation';
-import { Connection, recordingAddress } from './connection';
+import { Connection, recordingAddress, uploadAddress } from './connection';
 import { GamepadHand } from './hand/gamepad_hand';
 import { Hand } from './hand/hand';
 import { KeyHand } from './hand/key_hand';
@@ -40,6 +40,7 @@ import {
 import { askFirst } from './study/dialogs';
 import { isTyping, runShortcut, TOOL_KEYS, TOUCH, VIEW_KEYS, type Shortcut } from './shortcuts';
 import { SoilSound } from './sound';
+import { ToolFiles } from './tool_file';
 import { Stage } from './view/stage';
 
 const DESCRIBE_INTERVAL_MS = 1000;
@@ -111,6 +112,12 @@ export function openBedPage(settings: Settings, address: string): void {
   const scale_bar = new ScaleBar();
   const plots = new Plots();
   const sound = new SoilSound();
+  const tool_files = new ToolFiles({
+    address: () => uploadAddress(address),
+    taken: () => now.hello?.takes_uploads === true && connection.connected,
+    use: (file) => ask({ do: 'tool_file', ...file }),
+    refused: (why) => notices.toast(why),
+  });
   const controls = new Controls(
     {
       ask,
@@ -121,6 +128,7 @@ export function openBedPage(settings: Settings, address: string): void {
       setDigAnywhere: (on) => (pointer.dig_anywhere = on),
       setSound,
       bringTool,
+      chooseToolFile: () => tool_files.choose(),
       recordingAddress: (file) => recordingAddress(address, file),
     },
     settings.for_pictures,
@@ -214,7 +222,7 @@ export function openBedPage(settings: Settings, address: string): void {
     ],
     plots: plots.element,
     controls: controls.element,
-    dialogs: [help.element],
+    dialogs: [help.element, tool_files.overlay],
   });
   setTheme(now.theme, false);
   setColour(now.colour);
@@ -261,6 +269,9 @@ export function openBedPage(settings: Settings, address: string): void {
   }
 
   function onScene(scene: Scene): void {
+    const { mesh } = scene.tool;
+    if (now.scene && mesh && mesh !== now.scene.tool.mesh && mesh.report.length > 0)
+      notices.toast(`${mesh.name}: ${mesh.report.join(' ')}`);
     now.scene = scene;
     stage.setScene(scene);
     if (!now.hello?.read_only) hand.setScene(scene); // without a scene it takes nothing
@@ -273,7 +284,7 @@ export function openBedPage(settings: Settings, address: string): void {
 
   function onStatus(status: Status): void {
     if (status.problem && status.problem !== now.status?.problem) {
-      notices.toast(`The bed could not be made: ${status.problem}`);
+      notices.toast(`That could not be made: ${status.problem}`);
     }
     if (status.let_go && status.let_go !== now.status?.let_go) {
       notices.toast(`The hand was let go: ${status.let_go}.`);

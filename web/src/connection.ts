@@ -52,6 +52,13 @@ export function recordingAddress(socket_address: string, file: string): string {
   return address.href;
 }
 
+/** Where a file can be uploaded, by the address of the WebSocket. */
+export function uploadAddress(socket_address: string): string {
+  const address = new URL(socket_address.replace(/^ws/, 'http'));
+  address.pathname = '/upload';
+  return address.href;
+}
+
 /** Why a WebSocket did not even open: a browser does not tell, but an ordinary request to the same address does. */
 async function whyNotOpened(address: string): Promise<string | null> {
   try {

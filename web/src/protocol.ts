@@ -9,6 +9,7 @@ import * as v from 'valibot';
 import { ProtocolError } from './protocol_error';
 import { Stone } from './stone';
 import { StudyMessage, type StudyCommand } from './study/protocol';
+import type { ToolFile } from './tool_file';
 import { ToolMesh } from './tool_mesh';
 
 export const PROTOCOL_VERSION = 1;
@@ -37,6 +38,8 @@ const Hello = v.object({
   client: v.number(),
   /** pages may look on only */
   read_only: v.boolean(),
+  /** a tool may be uploaded; an older program takes none, and does not say */
+  takes_uploads: v.optional(v.boolean(), false),
   presets: v.array(v.object({ name: v.string(), friction_coefficient: v.number() })),
   soils: v.array(
     v.object({
@@ -203,10 +206,12 @@ export type Command =
   | StudyCommand;
 
 /** What a person at a device feels. */
-export type FeltChange = ({ do: 'reset' | 'level' | 'undo' } | ({ do: 'scene' } & SceneChange)) & { confirmed?: true };
+export type FeltChange = (
+  { do: 'reset' | 'level' | 'undo' } | ({ do: 'scene' } & SceneChange) | ({ do: 'tool_file' } & ToolFile)
+) & { confirmed?: true };
 
 export function isFeltChange(command: Command): command is FeltChange {
-  return ['reset', 'level', 'undo', 'scene'].includes(command.do);
+  return ['reset', 'level', 'undo', 'scene', 'tool_file'].includes(command.do);
 }
 
 export interface SceneChange {

@@ -7,9 +7,16 @@ import { readTriangles, TrianglesText, type TriangleMesh } from './triangle_mesh
 export interface ToolMesh extends TriangleMesh {
   /** of the file */
   name: string;
+  /** what was done to it, a sentence each */
+  report: string[];
 }
 
-const MeshText = v.object({ name: v.string(), ...TrianglesText.entries });
+const MeshText = v.object({
+  name: v.string(),
+  /** an older program does not say */
+  report: v.optional(v.array(v.string()), []),
+  ...TrianglesText.entries,
+});
 export type MeshText = v.InferOutput<typeof MeshText>;
 
 // Every change of a scene brings its mesh again. One that has not changed stays the same object, so that nobody has to
@@ -31,7 +38,7 @@ export const ToolMesh = v.pipe(
     if (latest && isLatest(text)) return latest.mesh;
     const triangles = readTriangles(context);
     if (!triangles) return context.NEVER;
-    latest = { text, mesh: { name: text.name, ...triangles } };
+    latest = { text, mesh: { name: text.name, report: text.report, ...triangles } };
     return latest.mesh;
   }),
 );

@@ -23,6 +23,7 @@ import { shapeOf, TOOL_SHAPES } from '../src/tool_shapes';
 import { encodeFrame, type RecordValues } from './frame-bytes';
 import { MockBed } from './mock-bed';
 import { MockStudy } from './mock-study';
+import { SCOOP } from './scoop';
 
 const DIST = fileURLToPath(new URL('../dist', import.meta.url));
 const TYPES: Record<string, string> = {
@@ -93,6 +94,7 @@ export class MockServer {
   private wished: Pose = structuredClone(START_POSE);
   private holder: number | null = null;
   private next_client = 1;
+  private uploads = 0;
   private time_s = 0;
   private frame_number = 0;
   private misses = 0;
@@ -104,8 +106,10 @@ export class MockServer {
   private recording: string | null = null;
   private recorded: Status['recorded'] = null;
   private scene: Scene;
+  private mesh: MeshText | undefined;
 
   constructor(private readonly options: MockOptions = {}) {
+    this.mesh = options.mesh;
     this.bed = this.makeBed();
     this.scene = this.startScene();
     this.http = createServer((request, response) => {
@@ -114,6 +118,10 @@ export class MockServer {
       if (path.startsWith('/recordings/')) {
         const there = path === `/recordings/${this.recorded?.file}`;
         return void response.writeHead(!this.knowsToken(request.url) ? 401 : there ? 200 : 404).end('recorded');
+      }
+      if (path === '/upload' && request.method === 'PUT') {
+        request.resume();
+        return void request.on('end', () => response.end(JSON.stringify({ upload: ++this.uploads })));
       }
       const file = join(DIST, path === '/' ? 'index.html' : path);
       if (!file.startsWith(DIST) || !existsSync(file)) return void response.writeHead(404).end();
@@ -212,6 +220,7 @@ export class MockServer {
       version: '0.2.0',
       client,
       read_only: this.options.read_only ?? false,
+      takes_uploads: !this.options.read_only,
       presets: PRESETS.map(([name, friction_coefficient]) => ({ name, friction_coefficient })),
       soils: SOILS,
       bodies: Object.entries(BODIES).map(([name, gravity_m_s2]) => ({ name, gravity_m_s2 })),
@@ -292,6 +301,12 @@ export class MockServer {
         this.holder = client.number;
         this.wished = { position_m: [x, y, z], rotation };
         return null;
+      }
+      case 'tool_file': {
+        if (command.upload !== this.uploads) return 'upload it again';
+        this.mesh = { ...SCOOP, name: command.name, report: ['Closed 1 hole.'] };
+        this.scene.tool = { ...this.scene.tool, shape: 'mesh', mesh: parse(ToolMesh, this.mesh) };
+        return this.sendScene();
       }
       case 'release':
         if (this.holder === client.number) this.holder = null;
@@ -404,7 +419,8 @@ export class MockServer {
 
   /** A mesh and stones go as they came. */
   private textOf(message: object): string {
-    const { mesh, stones } = this.options;
+    const { mesh, options } = this;
+    const { stones } = options;
     return JSON.stringify(message, (key, value: unknown) => {
       if (key === 'stones') return stones?.map(({ text }) => text);
       return key === 'mesh' && value ? mesh : value;

@@ -7,6 +7,7 @@ export function encodeMesh(name: string, points_m: Vec3[], triangles: Vec3[]): M
   const base64 = (numbers: Float32Array | Uint32Array): string => Buffer.from(numbers.buffer).toString('base64');
   return {
     name,
+    report: [],
     points_base64: base64(new Float32Array(points_m.flat())),
     triangles_base64: base64(new Uint32Array(triangles.flat())),
   };

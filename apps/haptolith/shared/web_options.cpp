@@ -101,6 +101,7 @@ std::string WebOptions::portNotice(std::uint16_t port_served) const {
 
 WebServerOptions WebOptions::forAll() const {
   WebServerOptions options = whereItListens();
+  options.takes_uploads = !read_only;
   Entrance& entrance = options.entrances.front();
   entrance.token = givenToken();
   options.guessable = !entrance.token.empty();

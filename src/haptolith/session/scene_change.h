@@ -8,6 +8,7 @@
 #include "haptolith/core/error.h"
 #include "haptolith/core/vec.h"
 #include "haptolith/scenario/scenario.h"
+#include "haptolith/tool/tool_mesh.h"
 
 namespace haptolith {
 
@@ -17,6 +18,7 @@ struct SceneChange {
   std::optional<FrictionModel> friction = {};
   std::vector<std::pair<std::string, double>> sliders = {};  ///< see slidersOf()
   std::optional<ToolShape> tool_shape = {};
+  std::optional<ToolMeshSource> tool_mesh = {};
   std::optional<Vec3> tool_size_m = {};
   std::optional<double> tool_diameter_m = {}, tool_thickness_m = {}, tool_opening_m = {}, tool_length_m = {};
   std::optional<double> soil_depth_m = {};                      ///< of a bed that is filled up to a depth

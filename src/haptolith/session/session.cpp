@@ -13,6 +13,7 @@
 #include "haptolith/scenario/scene_words.h"
 #include "haptolith/soil/soil_parameters.h"
 #include "haptolith/tool/tool_contact.h"
+#include "haptolith/tool/tool_mesh.h"
 
 namespace haptolith {
 
@@ -56,6 +57,12 @@ struct Session::Making {
   std::atomic<bool> unwanted{false};
   std::atomic<double> settled_s{0};
   std::future<Showing> result;
+};
+
+/// A tool's mesh on its way.
+struct Session::MakingMesh {
+  ToolMeshSource source;
+  std::future<std::shared_ptr<const ToolMesh>> result;
 };
 
 Session::Showing Session::showNew(const Scenario& scenario, const SettleProgress& progress) {
@@ -162,6 +169,7 @@ bool Session::update() {
 bool Session::poll() {
   const bool on_stage = takeStage();
   bool made = takeMade();
+  made = takeMadeMesh() || made;
   try {
     pursue();
   } catch (const Failure& failure) {
@@ -210,6 +218,39 @@ bool Session::takeMade() {
       problem_ = error.what();
       wanted_ = current_.scenario;
     }
+  }
+  return true;
+}
+
+void Session::takeToolMesh(ToolMeshSource source) {
+  validate(source);
+  if (making_mesh_) {
+    throw Failure(fmt::format("{} is being made into a tool: wait for it", making_mesh_->source.name));
+  }
+  problem_.clear();
+  auto making = std::make_unique<MakingMesh>();
+  making->source = std::move(source);
+  try {
+    making->result =
+        std::async(std::launch::async, [source = making->source, reach_m = contactReach(wanted_.tool, wanted_.bed)] {
+          return toolMesh(source, reach_m);
+        });
+  } catch (const std::exception& error) {
+    throw Failure(fmt::format("no other tool can be made now: {}", error.what()));
+  }
+  making_mesh_ = std::move(making);
+}
+
+bool Session::takeMadeMesh() {
+  if (!making_mesh_ || making_mesh_->result.wait_for(0s) != std::future_status::ready) {
+    return false;
+  }
+  const std::unique_ptr<MakingMesh> made = std::move(making_mesh_);
+  try {
+    (void)made->result.get();  // kept: the change below finds it
+    change({.tool_shape = ToolShape::kMesh, .tool_mesh = made->source});
+  } catch (const std::exception& error) {  // the tool that is there stays
+    problem_ = error.what();
   }
   return true;
 }
@@ -297,6 +338,7 @@ void Session::changeWhatIsThere() {
       return;
     }
     now.tool = wanted_.tool;
+    now.mesh = wanted_.mesh;
   }
   if (wanted_.bed.soil == now.bed.soil) {
     return;
@@ -434,6 +476,9 @@ Vec3 Session::workspaceHigh() const noexcept {
 }
 
 std::string Session::busy() const {
+  if (making_mesh_) {
+    return fmt::format("making {} into a tool", making_mesh_->source.name);
+  }
   if (!making_) {
     return coming_ ? "switching to the new bed" : "";
   }

@@ -15,6 +15,7 @@
 #include "haptolith/haptics/loop_thread.h"
 #include "haptolith/scenario/scenario.h"
 #include "haptolith/session/scene_change.h"
+#include "haptolith/tool/tool_mesh.h"
 
 namespace haptolith {
 
@@ -49,6 +50,8 @@ class Session {
   // has come.
 
   void change(const SceneChange& change);
+  /// Another mesh as the tool, made on a thread of its own: it comes with a later poll(), or problem() says why not.
+  void takeToolMesh(ToolMeshSource source);
   void reset();  ///< the scene as it was started
   /// The scene as it was started with these changes, one after the other, and a bed of its own, level and untouched.
   void show(std::span<const SceneChange> changes);
@@ -92,7 +95,7 @@ class Session {
   [[nodiscard]] std::string busy() const;
   /// What undo() would take back; empty when nothing.
   [[nodiscard]] std::string_view undoable() const noexcept { return previous_ ? previous_->replaced_by : ""; }
-  /// Why the last bed could not be made; empty when it could.
+  /// Why the last bed or mesh could not be made; empty when it could.
   [[nodiscard]] const std::string& problem() const noexcept { return problem_; }
   [[nodiscard]] std::string_view deviceName() const noexcept { return device_->name(); }
   [[nodiscard]] const HapticDevice& device() const noexcept { return *device_; }
@@ -125,6 +128,7 @@ class Session {
     std::string_view replaced_by;
   };
   struct Making;
+  struct MakingMesh;
 
   [[nodiscard]] static Showing showNew(const Scenario& scenario, const SettleProgress& progress);
   [[nodiscard]] static Showing showFresh(const Scenario& scenario, std::shared_ptr<const Fresh> fresh);
@@ -137,6 +141,7 @@ class Session {
   [[nodiscard]] std::shared_ptr<const Fresh> freshFor(const Scenario& scenario) const;
   void keepFresh(std::shared_ptr<const Fresh> fresh);
   bool takeMade();
+  bool takeMadeMesh();
   bool takeStage();
   void bringOnStage(Showing next);
   void ask(const LoopRequest& request);
@@ -149,6 +154,7 @@ class Session {
   std::optional<Showing> previous_, coming_;
   bool coming_is_asked_for_ = false;
   std::unique_ptr<Making> making_;
+  std::unique_ptr<MakingMesh> making_mesh_;
   std::string_view bed_wanted_;  ///< why another bed is wanted when nothing is on its way any more; empty: it is not
   std::vector<std::shared_ptr<const Fresh>> fresh_;  ///< beds that need not settle again, the newest last
   bool paused_ = false;

@@ -102,16 +102,21 @@ void validate(const ToolMeshSource& source) {
   }
 }
 
-void readInto(ToolMeshSource& source, const std::filesystem::path& path) {
+MeshFormat requireMeshFormat(const std::filesystem::path& path) {
   const std::optional<MeshFormat> format = meshFormat(path);
   if (!format) {
     throw InvalidParameter("mesh", inQuotes(path.string()), "a file whose name ends in .stl, .obj, .glb or .gltf");
   }
+  return *format;
+}
+
+void readInto(ToolMeshSource& source, const std::filesystem::path& path) {
+  const MeshFormat format = requireMeshFormat(path);
   std::ifstream file = openInput(path, kMostMeshBytes);
   std::string bytes{std::istreambuf_iterator<char>(file), {}};
   source.name = shortened(path.filename().string());
   source.bytes = std::make_shared<const std::string>(std::move(bytes));
-  source.format = *format;
+  source.format = format;
 }
 
 std::shared_ptr<const ToolMesh> toolMesh(const ToolMeshSource& source, double reach_m) {

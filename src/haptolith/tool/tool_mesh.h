@@ -53,6 +53,9 @@ struct ToolMesh {
 inline constexpr double kFieldMargin_m = 0.5e-3;
 inline constexpr double kMostMeshReach_m = kFieldBand_m.highest - kFieldMargin_m;
 
+/// The format that a file's name says. @throws InvalidParameter for a name that is no mesh's.
+[[nodiscard]] MeshFormat requireMeshFormat(const std::filesystem::path& path);
+
 /// Reads a mesh file whole. @throws InvalidParameter for a name that is no mesh's, or a file that is too large; Failure
 /// when it cannot be read.
 void readInto(ToolMeshSource& source, const std::filesystem::path& path);

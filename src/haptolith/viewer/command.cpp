@@ -11,6 +11,7 @@
 #include <set>
 
 #include "haptolith/core/error.h"
+#include "haptolith/core/plain_text.h"
 #include "haptolith/scenario/scene_words.h"
 
 namespace haptolith {
@@ -23,7 +24,7 @@ constexpr double kMm = 1e-3;  // m
 constexpr int kMostTicks = 1000;
 constexpr double kLargestNumber = 1e9;
 constexpr int kDeepest = 8;
-constexpr std::int64_t kLargestId = (std::int64_t{1} << 53) - 1;  // what a page's numbers hold exactly
+constexpr std::int64_t kLargestWhole = (std::int64_t{1} << 53) - 1;
 constexpr std::string_view kForGuest = "study";
 
 /// Reads the keys of one JSON object, and knows which it was asked for.
@@ -177,6 +178,27 @@ command::Change change(Keys& keys) {
   return {change};
 }
 
+/// A whole number that a page's numbers hold exactly.
+std::int64_t wholeOf(const std::string& key, const Json& value) {
+  const bool whole = value.is_number_integer() && (value.is_number_unsigned() || value.get<std::int64_t>() >= 0);
+  if (!whole || value.get<std::uint64_t>() > static_cast<std::uint64_t>(kLargestWhole)) {
+    throw InvalidParameter(key, value.is_number() ? value.dump() : std::string(value.type_name()),
+                           fmt::format("a whole number from 0 to {}", kLargestWhole));
+  }
+  return value.get<std::int64_t>();
+}
+
+command::ToolFile toolFile(Keys& keys) {
+  command::ToolFile file;
+  file.upload = static_cast<std::uint64_t>(wholeOf("upload", keys.need("upload")));
+  const std::string name = Keys::textOf("name", keys.need("name"));
+  file.source.name = haptolith::shortened(name);
+  file.source.format = requireMeshFormat(name);
+  file.source.unit_m = keys.number("unit_mm", kMeshUnit_m.in(kMm)).value_or(1) * kMm;
+  file.source.sheet_thickness_m = keys.number("sheet_thickness_mm", kSheetThickness_m.in(kMm)).value_or(0) * kMm;
+  return file;
+}
+
 command::Step step(Keys& keys) {
   const double ticks = keys.number("ticks", {1, kMostTicks}).value_or(1);
   if (ticks != std::floor(ticks)) {
@@ -198,16 +220,6 @@ bool flag(const std::string& key, const Json& value) {
 
 command::Record record(Keys& keys) {
   return {flag("on", keys.need("on"))};
-}
-
-/// A number that the reply can repeat exactly.
-std::int64_t idOf(const Json& value) {
-  const bool whole = value.is_number_integer() && (value.is_number_unsigned() || value.get<std::int64_t>() >= 0);
-  if (!whole || value.get<std::uint64_t>() > static_cast<std::uint64_t>(kLargestId)) {
-    throw InvalidParameter("id", value.is_number() ? value.dump() : std::string(value.type_name()),
-                           fmt::format("a whole number from 0 to {}", kLargestId));
-  }
-  return value.get<std::int64_t>();
 }
 
 command::Colour colour(Keys& keys) {
@@ -250,6 +262,7 @@ Command commandOf(const Json& message) {
       {"release", [](Keys&) -> Command { return command::Release{}; }},
       {"play", [](Keys& k) -> Command { return play(k); }},
       {"scene", [](Keys& k) -> Command { return change(k); }},
+      {"tool_file", [](Keys& k) -> Command { return toolFile(k); }},
       {"reset", [](Keys&) -> Command { return command::Reset{}; }},
       {"level", [](Keys&) -> Command { return command::Level{}; }},
       {"undo", [](Keys&) -> Command { return command::Undo{}; }},
@@ -291,7 +304,7 @@ ClientMessage parseClientMessage(std::string_view text) {
   try {
     if (json.is_object() && json.contains("id")) {
       message.wants_reply = true;
-      message.id = idOf(json["id"]);
+      message.id = wholeOf("id", json["id"]);  // the reply repeats it
     }
     if (json.is_object() && json.contains("do") && json["do"] == kForGuest) {
       message.for_guest = true;

@@ -10,6 +10,7 @@
 #include "haptolith/device/hand/hand_parameters.h"
 #include "haptolith/scenario/scene_words.h"
 #include "haptolith/session/scene_change.h"
+#include "haptolith/tool/tool_mesh.h"
 
 namespace haptolith {
 
@@ -29,6 +30,11 @@ struct Play {
 };
 struct Change {
   SceneChange change;
+};
+/// A mesh that the client has uploaded as the tool.
+struct ToolFile {
+  std::uint64_t upload = 0;  ///< see WebServer::takeUpload()
+  ToolMeshSource source;     ///< without its bytes
 };
 struct Reset {};
 struct Level {};
@@ -50,9 +56,9 @@ struct Colour {
 
 }  // namespace command
 
-using Command = std::variant<command::Hold, command::Release, command::Play, command::Change, command::Reset,
-                             command::Level, command::Undo, command::Pause, command::Resume, command::Step,
-                             command::Speed, command::Record, command::Colour>;
+using Command = std::variant<command::Hold, command::Release, command::Play, command::Change, command::ToolFile,
+                             command::Reset, command::Level, command::Undo, command::Pause, command::Resume,
+                             command::Step, command::Speed, command::Record, command::Colour>;
 
 /// A message of a client, taken apart as far as that went.
 struct ClientMessage {

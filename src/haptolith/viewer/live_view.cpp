@@ -42,8 +42,9 @@ FrameEncoder::Space spaceOf(const Session& session) {
 
 /// Whether a hand in the soil feels another force after this.
 bool changesWhatIsFelt(const Command& asked) {
-  return std::holds_alternative<command::Change>(asked) || std::holds_alternative<command::Reset>(asked) ||
-         std::holds_alternative<command::Level>(asked) || std::holds_alternative<command::Undo>(asked);
+  return std::holds_alternative<command::Change>(asked) || std::holds_alternative<command::ToolFile>(asked) ||
+         std::holds_alternative<command::Reset>(asked) || std::holds_alternative<command::Level>(asked) ||
+         std::holds_alternative<command::Undo>(asked);
 }
 
 }  // namespace
@@ -54,7 +55,7 @@ LiveView::LiveView(Session& session, const WebServerOptions& options, std::strin
       recorder_(std::move(recorder)),
       extension_(std::move(extension)),
       clients_(clients),
-      board_(helloMessages(version, clients == Clients::kLookOn)),
+      board_(helloMessages(version, clients == Clients::kLookOn, options.takes_uploads)),
       server_(options, board_),
       space_(spaceOf(session)) {}
 
@@ -144,6 +145,15 @@ void LiveView::carryOut(std::uint32_t client, const Command& asked) {
                    session_.play(play.manoeuvre);
                  },
                  [&](const command::Change& change) { session_.change(change.change); },
+                 [&](const command::ToolFile& file) {
+                   ToolMeshSource source = file.source;
+                   source.bytes = server_.takeUpload(file.upload);
+                   if (source.bytes == nullptr) {
+                     throw InvalidParameter("upload", std::to_string(file.upload),
+                                            "the newest file that was uploaded, once: upload it again");
+                   }
+                   session_.takeToolMesh(std::move(source));
+                 },
                  [&](const command::Reset&) { session_.reset(); }, [&](const command::Level&) { session_.level(); },
                  [&](const command::Undo&) { session_.undo(); },
                  [&](const command::Pause&) {

@@ -91,7 +91,7 @@ Json toolMeshJson(const Scenario& scenario) {
   if (scenario.tool.mesh == nullptr) {
     return nullptr;
   }
-  Json mesh{{"name", scenario.mesh.name}};
+  Json mesh{{"name", scenario.mesh.name}, {"report", scenario.tool.mesh->report}};
   mesh.update(meshJson(scenario.tool.mesh->surface));
   return mesh;
 }
@@ -129,12 +129,9 @@ Json recordedJson(const std::filesystem::path& file) {
 
 }  // namespace
 
-Board::Texts helloMessages(std::string_view version, bool read_only) {
-  Json message{{"type", "hello"},
-               {"protocol", kProtocol},
-               {"version", version},
-               {"client", "$client"},
-               {"read_only", read_only}};
+Board::Texts helloMessages(std::string_view version, bool read_only, bool takes_uploads) {
+  Json message{{"type", "hello"},     {"protocol", kProtocol},  {"version", version},
+               {"client", "$client"}, {"read_only", read_only}, {"takes_uploads", takes_uploads}};
   Json& presets_list = message["presets"] = Json::array();
   for (const Preset& preset : presets()) {
     presets_list.push_back({{"name", preset.name}, {"friction_coefficient", preset.friction_coefficient}});

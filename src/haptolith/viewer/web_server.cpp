@@ -117,6 +117,7 @@ WebServer::Implementation::Implementation(const WebServerOptions& options, Board
     : board(shared_board),
       entrances(options.entrances),
       guessable(options.guessable),
+      takes_uploads(options.takes_uploads),
       loopback_only(isLoopback(options.bind)) {
   validate(options);
   const asio::ip::address ip = *addressOf(options);
@@ -283,6 +284,13 @@ void WebServer::Implementation::forget(std::uint32_t client) {
   }
 }
 
+std::uint64_t WebServer::Implementation::keepUpload(std::string bytes) {
+  auto kept = std::make_shared<const std::string>(std::move(bytes));
+  const std::scoped_lock lock(mutex);
+  upload = std::move(kept);
+  return ++last_upload;
+}
+
 std::string WebServer::Implementation::urlAt(const asio::ip::address& address, std::size_t entrance) const {
   const std::string& token = entrances[entrance].token;
   return fmt::format("http://{}{}{}:{}/{}{}", address.is_v6() ? "[" : "", address.to_string(),
@@ -333,6 +341,11 @@ bool WebServer::takeEvent(Event& event) {
     queues.erase(next);
   }
   return true;
+}
+
+std::shared_ptr<const std::string> WebServer::takeUpload(std::uint64_t number) {
+  const std::scoped_lock lock(implementation_->mutex);
+  return number == implementation_->last_upload ? std::move(implementation_->upload) : nullptr;
 }
 
 void WebServer::notify() {

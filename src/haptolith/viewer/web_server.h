@@ -11,6 +11,8 @@
 
 namespace haptolith {
 
+inline constexpr std::size_t kLargestUpload = std::size_t{32} << 20;
+
 /// A way in: an address of the page with its token.
 struct Entrance {
   std::string token = {};  ///< what clients must know; empty: nothing
@@ -30,6 +32,8 @@ struct WebServerOptions {
   /// program have few files. So many that who crowds others out by the thousand needs a while for it, in which anybody
   /// else has sent a request.
   std::size_t most_asking = 2048, most_served = 512;
+  /// Whether pages may upload files, of at most kLargestUpload bytes: see WebServer::takeUpload().
+  bool takes_uploads = false;
 };
 
 /// @throws InvalidParameter for an invalid address, an entrance that needs a token and has none, two with the
@@ -70,6 +74,9 @@ class WebServer {
   void notify();
   /// Sends a text to one client, after what it has been sent before. One that lets too many wait is dropped.
   void send(std::uint32_t client, std::string text);
+  /// Takes over what somebody has uploaded, by the number that the answer gave them; null when it is no longer there.
+  /// One upload is kept, the newest.
+  std::shared_ptr<const std::string> takeUpload(std::uint64_t number);
   /// Lets who has a token download this file as /recordings/NAME, and no other; not who comes by a nameless entrance.
   void offer(const std::filesystem::path& file);
 

@@ -78,6 +78,8 @@ class WebServer::Implementation {
   void leave(std::uint32_t client);
   bool push(Event event);
   void forget(std::uint32_t client);
+  /// Keeps an upload, the newest alone; @return its number.
+  std::uint64_t keepUpload(std::string bytes);
 
   bool ends = false;       // outlives io, which destroys the clients that are left
   bool accepting = false;  ///< or about to, after a pause
@@ -94,7 +96,8 @@ class WebServer::Implementation {
   asio::steady_timer pause{io};
   Board& board;
   std::vector<Entrance> entrances;
-  bool guessable = false;
+  bool guessable = false, takes_uploads = false;
+  bool uploading = false;  ///< somebody is: one at a time
   bool loopback_only = true;
   std::atomic<std::size_t> joined{0};
 
@@ -106,6 +109,8 @@ class WebServer::Implementation {
   std::mutex mutex;
   std::map<std::uint32_t, Queue> queues;  // none of them empty
   std::uint32_t last_taken = 0;
+  std::uint64_t last_upload = 0;
+  std::shared_ptr<const std::string> upload;
   std::atomic<bool> notified{false};
   std::thread thread;
 };

@@ -10,9 +10,11 @@
 namespace haptolith {
 
 inline constexpr std::string_view kRecordings = "/recordings/";
+inline constexpr std::string_view kUpload = "/upload";
 inline constexpr std::size_t kMostClients = 32;
 inline constexpr std::size_t kLargestHeader = 8192;  // bytes
 inline constexpr auto kRequestTime = 10s;            // for each further one, and to take an answer
+inline constexpr auto kUploadTime = 60s;             // for the whole of it, kRequestTime for each piece
 inline constexpr auto kFarewellTime = 1s;
 
 inline std::string_view contentType(std::string_view path) {
@@ -70,38 +72,52 @@ class WebServer::Implementation::Visitor : public std::enable_shared_from_this<V
       : server_(server), network_(networkOf(socket)), stream_(std::move(socket)) {
     stand(server_.asking);
   }
-  ~Visitor() { leaveCrowd(); }
+  ~Visitor() {
+    leaveCrowd();
+    endUpload();
+  }
   Visitor(const Visitor&) = delete;
   Visitor& operator=(const Visitor&) = delete;
 
   void read() {
     parser_.emplace();
     parser_->header_limit(kLargestHeader);
-    parser_->body_limit(0);
+    parser_->body_limit(kLargestUpload);
     stream_.expires_after(crowd_ == &server_.asking ? kHeaderTime : kRequestTime);
-    http::async_read(stream_, buffer_, *parser_, [self = shared_from_this()](beast::error_code error, std::size_t) {
+    http::async_read_header(stream_, buffer_, *parser_, [self = shared_from_this()](auto error, std::size_t) {
       if (!self->stream_.socket().is_open() || self->crowd_ == nullptr) {
         return;
       }
       if (!error) {
         self->stand(self->server_.served);
         self->answer();
-      } else if (error.category() == http::make_error_code(http::error::bad_method).category() &&
-                 error != http::error::end_of_stream && error != http::error::partial_message) {
-        self->stand(self->server_.served);
-        self->refuse(error == http::error::header_limit ? http::status::request_header_fields_too_large
-                                                        : http::status::bad_request,
-                     "this is no request that the program understands\n");
+      } else {
+        self->refuseFor(error);
       }
     });
   }
 
   void sendAway() {
     leaveCrowd();
+    endUpload();
     stream_.close();
   }
 
  private:
+  /// Answers what is no HTTP request, or too long a one; what has only broken off gets no answer.
+  void refuseFor(beast::error_code error) {
+    if (error.category() != http::make_error_code(http::error::bad_method).category() ||
+        error == http::error::end_of_stream || error == http::error::partial_message) {
+      return;
+    }
+    stand(server_.served);
+    refuse(error == http::error::header_limit ? http::status::request_header_fields_too_large
+           : error == http::error::body_limit ? http::status::payload_too_large
+                                              : http::status::bad_request,
+           error == http::error::body_limit ? fmt::format("larger than {} bytes\n", kLargestUpload)
+                                            : "this is no request that the program understands\n");
+  }
+
   void stand(Crowd& crowd) {
     if (crowd_ == &crowd) {
       return;
@@ -135,17 +151,22 @@ class WebServer::Implementation::Visitor : public std::enable_shared_from_this<V
     const std::string_view path = target.substr(0, target.find('?'));
     const std::optional<std::size_t> entrance = server_.entranceOf(target);
     const bool is_recording = path.starts_with(kRecordings);
-    const bool needs_token = is_socket || path == "/ws" || is_recording;
+    const bool is_upload = server_.takes_uploads && path == kUpload;
+    const bool needs_token = is_socket || path == "/ws" || is_recording || is_upload;
     if (request.count(http::field::host) > 1 || request.count(http::field::origin) > 1) {
       refuse(http::status::bad_request, "Host and Origin may be given once only\n");
     } else if (!server_.isHostAllowed(host)) {
       refuse(http::status::forbidden, "this address is not one of the program's\n");
-    } else if (is_socket && !origin.empty() && !isFromHere(origin, host)) {
+    } else if ((is_socket || is_upload) && !origin.empty() && !isFromHere(origin, host)) {
       refuse(http::status::forbidden, "pages from elsewhere may not connect\n");
     } else if (needs_token && !server_.mayGuess(network_, !entrance && !tokenOf(target).empty())) {
       refuse(http::status::too_many_requests, "too many wrong tokens: try again in a while\n");
     } else if (needs_token && !entrance) {
       refuse(http::status::unauthorized, "the address lacks the token that the program printed\n");
+    } else if (is_upload && request.method() == http::verb::put) {
+      takeUpload(*entrance);
+    } else if (!parser_->is_done()) {
+      refuse(http::status::bad_request, "only uploads have a body\n");
     } else if (is_socket) {
       upgrade(path, *entrance);
     } else if (request.method() != http::verb::get && request.method() != http::verb::head) {
@@ -155,7 +176,7 @@ class WebServer::Implementation::Visitor : public std::enable_shared_from_this<V
     } else if (is_recording) {
       sendRecording(path.substr(kRecordings.size()), *entrance);
     } else if (const WebFile* file = findFile(target)) {
-      send(http::status::ok, contentType(file->path), file->content);
+      send(http::status::ok, contentType(file->path), std::string_view(file->content), request.keep_alive());
     } else {
       refuse(http::status::not_found, "there is no such file\n");
     }
@@ -220,13 +241,63 @@ class WebServer::Implementation::Visitor : public std::enable_shared_from_this<V
     });
   }
 
-  void refuse(http::status status, std::string_view why) { send(status, "text/plain; charset=utf-8", why); }
+  /// One at a time, so that many cannot take all memory.
+  void takeUpload(std::size_t entrance) {
+    if (server_.entrances[entrance].nameless) {
+      refuse(http::status::forbidden, "this token may upload nothing\n");
+    } else if (server_.uploading) {
+      refuse(http::status::service_unavailable, "somebody else is uploading a file: try again\n");
+    } else {
+      upload_.emplace(std::move(*parser_));
+      upload_until_ = std::chrono::steady_clock::now() + kUploadTime;
+      server_.uploading = uploads_ = true;
+      takeMoreOfUpload();
+    }
+  }
 
-  void send(http::status status, std::string_view type, std::string_view content) {
+  void takeMoreOfUpload() {
+    if (upload_->is_done()) {
+      const std::uint64_t number = server_.keepUpload(std::move(upload_->get().body()));
+      const bool keeps_alive = upload_->get().keep_alive();
+      endUpload();
+      send(http::status::ok, "application/json", fmt::format("{{\"upload\": {}}}\n", number), keeps_alive);
+      return;
+    }
+    stream_.expires_at(std::min(upload_until_, std::chrono::steady_clock::now() + kRequestTime));
+    http::async_read_some(stream_, buffer_, *upload_, [self = shared_from_this()](auto error, std::size_t) {
+      if (self->crowd_ == nullptr) {
+        return;
+      }
+      if (!error) {
+        self->takeMoreOfUpload();
+        return;
+      }
+      self->endUpload();
+      self->refuseFor(error);
+    });
+  }
+
+  void endUpload() {
+    if (std::exchange(uploads_, false)) {
+      server_.uploading = false;
+    }
+  }
+
+  void refuse(http::status status, std::string why) {
+    send(status, "text/plain; charset=utf-8", std::move(why), false);
+  }
+
+  void send(http::status status, std::string_view type, std::string content, bool keep_alive) {
+    kept_content_ = std::move(content);
+    send(status, type, std::string_view(kept_content_), keep_alive);
+  }
+
+  /// @param content  outlives the answer.
+  void send(http::status status, std::string_view type, std::string_view content, bool keep_alive) {
     const auto& request = parser_->get();
     response_.emplace(std::piecewise_construct, std::make_tuple(content.data(), content.size()),
                       std::make_tuple(status, request.version() == 10 ? 10U : 11U));
-    addFields(*response_, type, status == http::status::ok && request.keep_alive());
+    addFields(*response_, type, keep_alive);
     response_->prepare_payload();
     const auto done = [self = shared_from_this()](beast::error_code error, std::size_t) {
       self->sent(error, self->response_->keep_alive());
@@ -285,6 +356,10 @@ class WebServer::Implementation::Visitor : public std::enable_shared_from_this<V
   beast::tcp_stream stream_;
   beast::flat_buffer buffer_;
   std::optional<http::request_parser<http::empty_body>> parser_;
+  std::optional<http::request_parser<http::string_body>> upload_;
+  bool uploads_ = false;
+  std::chrono::steady_clock::time_point upload_until_;
+  std::string kept_content_;
   using Response = http::response<http::span_body<const char>>;
   std::optional<Response> response_;
   std::optional<http::response_serializer<http::span_body<const char>>> serializer_;

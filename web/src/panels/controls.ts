@@ -33,6 +33,7 @@ export interface Actions {
   /** false: this browser plays nothing */
   setSound(on: boolean): boolean;
   bringTool(): void;
+  chooseToolFile(): void;
   recordingAddress(file: string): string;
 }
 
@@ -46,6 +47,7 @@ export class Controls {
   private readonly body = h('select', { id: 'body' });
   private readonly shapes = h('div', { class: 'segmented', role: 'group', 'aria-label': 'Tool' });
   private readonly sizes = h('div', { class: 'sizes' });
+  private readonly tool_file: HTMLElement;
   private readonly manoeuvre = h('select', { id: 'manoeuvre' });
   private readonly still: HTMLButtonElement;
   private readonly dig = h('input', { type: 'checkbox', id: 'dig' });
@@ -96,6 +98,8 @@ export class Controls {
     );
 
     this.still = button('Hold still', EXPLAIN.still, () => this.holdStill());
+    const open_file = button('Open a drawing…', EXPLAIN.tool_file, () => this.act.chooseToolFile());
+    this.tool_file = h('div', { class: 'row buttons', hidden: true }, open_file);
     this.undo = button('Undo', EXPLAIN.undo, () => this.act.ask({ do: 'undo' }));
     this.pause = button('Pause', EXPLAIN.pause, () => this.togglePause());
     this.step = button('Step', EXPLAIN.step, () => this.stepOnce(1));
@@ -138,7 +142,7 @@ export class Controls {
         this.sliders,
         field('Body', this.body, EXPLAIN.body),
       ),
-      group('Tool', this.shapes, this.sizes),
+      group('Tool', this.shapes, this.sizes, this.tool_file),
       group(
         'Hand',
         field('Manoeuvre', this.manoeuvre, EXPLAIN.manoeuvre),
@@ -206,6 +210,7 @@ export class Controls {
       ...hello.bodies.map((body) => h('option', { value: body.name }, `${body.name}, ${body.gravity_m_s2} m/s²`)),
     );
     this.manoeuvre.replaceChildren(...hello.manoeuvres.map((name) => h('option', { value: name }, name)));
+    this.tool_file.hidden = !hello.takes_uploads;
     this.shapes.replaceChildren(
       ...hello.shapes.map((shape) =>
         h(

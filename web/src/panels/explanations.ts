@@ -30,6 +30,7 @@ export const EXPLAIN = {
   tool: 'The tool in the soil: it changes while the soil lies there.',
   manoeuvre: 'What the virtual hand does with the tool while nobody holds it.',
   still: 'Stops the virtual hand where it is (Y).',
+  tool_file: 'A file of yours becomes the tool: STL, OBJ or glTF. It can be dropped on the page, too.',
   bring: 'Lifts the tool and brings it over the middle of the bed, where it is in the picture (K).',
   dig: 'The left button or one finger moves the tool wherever it is pressed in the picture, not only on the tool (G).',
   reset: 'The scene as it was started (R).',

@@ -3,6 +3,7 @@
 import { h, setText } from './html';
 
 const TOAST_MS = 6000;
+const READING_MS = 80; // a letter
 const MOST_TOASTS = 3;
 
 export class Notices {
@@ -37,6 +38,6 @@ export class Notices {
     toast.append(close);
     this.toasts.append(toast);
     while (this.toasts.children.length > MOST_TOASTS) this.toasts.firstElementChild!.remove();
-    setTimeout(() => toast.remove(), TOAST_MS);
+    setTimeout(() => toast.remove(), Math.max(TOAST_MS, READING_MS * text.length));
   }
 }

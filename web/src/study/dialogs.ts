@@ -12,6 +12,8 @@ interface Question {
   suggestions?: string[];
   /** more to choose, below the suggestions */
   choice?: HTMLElement;
+  /** the second button loses nothing */
+  harmless?: boolean;
   /** the buttons change places: a double click on the question before does not answer this one */
   swapped?: boolean;
 }
@@ -19,7 +21,7 @@ interface Question {
 /** Asks; what is meant to be done needs the second button, and words where there is an input. */
 export function askFirst(question: Question, act: (words: string) => void, otherwise?: () => void): void {
   const { input } = question;
-  const go_on = h('button', { type: 'submit', class: 'danger' }, question.go_on);
+  const go_on = h('button', { type: 'submit', class: question.harmless ? 'primary' : 'danger' }, question.go_on);
   const enable = (): void => {
     go_on.disabled = input !== undefined && input.value.trim() === '';
   };

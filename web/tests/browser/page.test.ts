@@ -5,6 +5,12 @@ import { afterAll, afterEach, beforeAll, describe, expect, it } from 'vitest';
 import { frame, grabTool, holdStill, launch, openPage, scene, type Watched } from './pages';
 import { portOf, startProgram, type Program } from './program';
 
+/** A plate of 5 by 4 by 0.5. */
+const PLATE = [
+  ...[0, 0.5].flatMap((z) => [0, 4].flatMap((y) => [0, 5].map((x) => `v ${x} ${y} ${z}`))),
+  ...['1 3 4 2', '5 6 8 7', '1 2 6 5', '3 7 8 4', '1 5 7 3', '2 4 8 6'].map((corners) => `f ${corners}`),
+].join('\n');
+
 let browser: Browser;
 let program: Program;
 const open: Watched[] = [];
@@ -121,6 +127,43 @@ describe('the page', () => {
     await page.getByRole('button', { name: 'Undo reset' }).click();
     await page.waitForFunction(() => window.haptolith!.scene!.soil.preset === 'P1');
     await page.waitForFunction(() => window.haptolith!.particlesDrawn === window.haptolith!.scene!.particles);
+    expect(complaints).toEqual([]);
+  });
+
+  it('digs with a drawing that is chosen, or dropped on it', async () => {
+    const { page, complaints } = await visit();
+    const tool = async (): Promise<string> => {
+      const { shape, mesh } = (await scene(page)).tool;
+      return `${shape} ${mesh?.name ?? ''}`;
+    };
+    const dialog = page.locator('.question-dialog');
+    const [chooser] = await Promise.all([
+      page.waitForEvent('filechooser'),
+      page.getByRole('button', { name: 'Open a drawing…' }).click(),
+    ]);
+    await chooser.setFiles({ name: 'notes.txt', mimeType: 'text/plain', buffer: Buffer.from('no mesh') });
+    await page.getByText('notes.txt is no drawing of a tool').waitFor();
+    await chooser.setFiles({ name: 'plate.obj', mimeType: 'model/obj', buffer: Buffer.from(PLATE) });
+    await dialog.getByLabel('Unit of the file').selectOption('centimetres');
+    await dialog.getByRole('button', { name: 'Dig with it' }).click();
+    await expect.poll(tool, { timeout: 60_000 }).toBe('mesh plate.obj');
+
+    const drop = await page.evaluateHandle(
+      (text) => {
+        const transfer = new DataTransfer();
+        transfer.items.add(new File([text], 'dropped.obj'));
+        return transfer;
+      },
+      PLATE.replaceAll(' 0.5', ' 0.4'),
+    );
+    await page.dispatchEvent('body', 'dragenter', { dataTransfer: drop });
+    await page.getByText('Drop a drawing here').waitFor();
+    await page.dispatchEvent('body', 'drop', { dataTransfer: drop });
+    await dialog.getByLabel('Unit of the file').selectOption('centimetres');
+    await dialog.getByRole('button', { name: 'Dig with it' }).click();
+    await expect.poll(tool, { timeout: 60_000 }).toBe('mesh dropped.obj');
+    expect(await page.getByText('Drop a drawing here').isVisible()).toBe(false);
+    await page.keyboard.press('r');
     expect(complaints).toEqual([]);
   });
 

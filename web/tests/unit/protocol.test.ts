@@ -257,6 +257,7 @@ describe('a mesh', () => {
     const { mesh } = read({ name: 'one.stl', points_base64, triangles_base64 }).tool;
     expect(mesh).toEqual({
       name: 'one.stl',
+      report: [],
       points_m: new Float32Array([1, -2, 0]),
       triangles: new Uint32Array([0, 0, 0]),
     });

@@ -1,0 +1,129 @@
+// A tool from a file of the person's: chosen or dropped on the page, uploaded, then asked for.
+
+import * as v from 'valibot';
+import { h } from './panels/html';
+import { askFirst } from './study/dialogs';
+
+const ENDINGS = ['.stl', '.obj', '.glb', '.gltf'];
+const MOST_BYTES = 32 * 1024 * 1024;
+const UNITS_MM: [name: string, unit_mm: number][] = [
+  ['millimetres', 1],
+  ['centimetres', 10],
+  ['metres', 1000],
+  ['inches', 25.4],
+];
+const Uploaded = v.object({ upload: v.number() });
+
+/** How a file is to be understood. */
+export interface ToolFile {
+  upload: number;
+  name: string;
+  unit_mm: number;
+  sheet_thickness_mm: number;
+}
+
+/** Why this file cannot be a tool, in words for a person; null: it may be one. */
+export function whyNoTool(file: Pick<File, 'name' | 'size'>): string | null {
+  if (!ENDINGS.some((ending) => file.name.toLowerCase().endsWith(ending)))
+    return `${file.name} is no drawing of a tool: its name must end in ${ENDINGS.join(', ')}.`;
+  if (file.size > MOST_BYTES)
+    return `${file.name} has ${Math.ceil(file.size / 1024 / 1024)} MiB; pages take at most 32. Name it in the scene file instead: [tool] mesh.`;
+  return null;
+}
+
+/** @throws Error in words for a person. */
+export async function upload(address: string, file: Blob): Promise<number> {
+  const answer = await fetch(address, { method: 'PUT', body: file });
+  if (!answer.ok) throw new Error(`The file was not taken: ${(await answer.text()).trim()}.`);
+  return v.parse(Uploaded, await answer.json()).upload;
+}
+
+interface Listener {
+  /** where files go */
+  address(): string;
+  /** whether the program takes any now */
+  taken(): boolean;
+  use(file: ToolFile): void;
+  refused(why: string): void;
+}
+
+/** Asks for files, by a button or dropped on the page. */
+export class ToolFiles {
+  /** says where to drop, while something is held over the page */
+  readonly overlay = h(
+    'div',
+    { class: 'drop-here', hidden: true },
+    h('p', {}, 'Drop a drawing here to dig with it', h('small', {}, 'STL, OBJ or glTF')),
+  );
+  private readonly chooser = h('input', { type: 'file', accept: ENDINGS.join(',') });
+
+  constructor(private readonly listener: Listener) {
+    this.chooser.addEventListener('change', () => {
+      const file = this.chooser.files?.[0];
+      this.chooser.value = ''; // the same file again is a change again
+      if (file) this.take(file);
+    });
+    let over = 0;
+    const show = (depth: number): void => {
+      over = depth;
+      this.overlay.hidden = over === 0;
+    };
+    const holdsFiles = (event: DragEvent): boolean => event.dataTransfer?.types.includes('Files') === true;
+    addEventListener('dragenter', (event) => {
+      if (holdsFiles(event) && listener.taken()) show(over + 1);
+    });
+    addEventListener('dragleave', (event) => {
+      if (holdsFiles(event)) show(Math.max(0, over - 1));
+    });
+    // Without these the browser leaves the page to show the file.
+    addEventListener('dragover', (event) => {
+      if (holdsFiles(event)) event.preventDefault();
+    });
+    addEventListener('drop', (event) => {
+      if (!holdsFiles(event)) return;
+      event.preventDefault();
+      show(0);
+      const file = event.dataTransfer?.files[0];
+      if (file && listener.taken()) this.take(file);
+    });
+  }
+
+  choose(): void {
+    this.chooser.click();
+  }
+
+  private take(file: File): void {
+    const why_not = whyNoTool(file);
+    if (why_not !== null) return this.listener.refused(why_not);
+    const metric = /\.gl(b|tf)$/i.test(file.name);
+    const unit = h('select', { id: 'unit' }, ...UNITS_MM.map(([name, mm]) => h('option', { value: mm }, name)));
+    const sheet = h('input', { type: 'number', id: 'sheet', min: 0, max: 20, step: 0.1, value: 0 });
+    askFirst(
+      {
+        title: `Dig with ${file.name}?`,
+        text: 'The hand holds it in the middle. Holes are mended where that is safe; what cannot be mended is said.',
+        choice: h(
+          'div',
+          { class: 'tool-file' },
+          !metric && h('label', {}, h('span', {}, 'Unit of the file'), unit),
+          h('label', {}, h('span', {}, 'Its walls are bare sheet: thickness in mm'), sheet),
+        ),
+        harmless: true,
+        stay: 'Cancel',
+        go_on: 'Dig with it',
+      },
+      () => {
+        upload(this.listener.address(), file).then(
+          (number) =>
+            this.listener.use({
+              upload: number,
+              name: file.name,
+              unit_mm: metric ? 1000 : Number(unit.value),
+              sheet_thickness_mm: Number(sheet.value) || 0,
+            }),
+          (error: unknown) => this.listener.refused(error instanceof Error ? error.message : String(error)),
+        );
+      },
+    );
+  }
+}
