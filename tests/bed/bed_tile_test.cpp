@@ -4,6 +4,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
+#include <numeric>
 
 #include "haptolith/bed/bed.h"
 #include "haptolith/bed/critical_step.h"
@@ -117,6 +119,8 @@ TEST(SettledStart, SoilThatLayInABedLiesInAnother) {
   ASSERT_GT(lying.held, 0U);
   Bed again(parameters, lying);
   EXPECT_EQ(again.heldParticles(), bed.heldParticles());
+  again.setGravity(2 * parameters.gravity_m_s2);  // wakes all
+  again.setGravity(parameters.gravity_m_s2);
   for (int i = 0; i < 500; ++i) {
     ASSERT_EQ(again.step(stepOf(parameters)), StepStatus::kOk);
   }
@@ -128,6 +132,35 @@ TEST(SettledStart, SoilThatLayInABedLiesInAnother) {
   }
   // A little, since contacts have forgotten what they had slipped.
   EXPECT_LT(farthest_m, 0.2 * parameters.soil.radius_m);
+}
+
+TEST(SettledStart, SoilThatIsThrownAgainstASideAboveItFalls) {
+  BedParameters parameters = settledBed();
+  parameters.sleep_speed_m_s = 0;
+  parameters.soil.contact_cohesion_n = 0.1;  // holds fifty grains
+  LyingSoil lying = Bed(parameters).lying();
+  std::vector<std::size_t> topmost(lying.grains.size() - lying.held);
+  std::iota(topmost.begin(), topmost.end(), 0U);
+  std::ranges::sort(topmost, std::greater(), [&](std::size_t i) { return lying.grains[i].z; });
+  constexpr std::size_t kThrown = 60;  // a block of 3 x 5 x 4 pressed against the side
+  const double apart_m = 1.96 * parameters.soil.radius_m;
+  const double wall_m = parameters.width_m / 2 + heldWidth(parameters);
+  for (std::size_t n = 0; n < kThrown; ++n) {
+    Float4& grain = lying.grains[topmost[n]];
+    const auto place = [&](std::size_t along) { return static_cast<float>(apart_m * static_cast<double>(along)); };
+    grain = {static_cast<float>(wall_m - apart_m / 2) - place(n % 3), place(n / 3 % 5), 0.15F + place(n / 15), 0};
+  }
+  Bed bed(parameters, lying);
+  bed.setGravity(2 * parameters.gravity_m_s2);  // wakes all
+  bed.setGravity(parameters.gravity_m_s2);
+  for (double time_s = 0; time_s < 1; time_s += stepOf(parameters)) {
+    ASSERT_EQ(bed.step(stepOf(parameters)), StepStatus::kOk);
+  }
+  double highest_m = 0;
+  for (std::size_t i = 0; i < bed.particles(); ++i) {
+    highest_m = std::max<double>(highest_m, bed.state().position[i].z);
+  }
+  EXPECT_LT(highest_m, 0.15) << "nothing hangs on a wall that nobody sees";
 }
 
 TEST(SettledStart, ComesToRestOnASlope) {

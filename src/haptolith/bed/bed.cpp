@@ -67,7 +67,7 @@ StepBox stepBox(const BedParameters& bed) {
           .half_length = narrow<float>(bed.length_m / 2 + held_m),
           .walls_x = !bed.periodic_x,
           .walls_y = !bed.periodic_y,
-          .wall_ratio = narrow<float>(bed.wall_friction_ratio),
+          .wall_ratio = narrow<float>(wallRatio(bed)),
           .periods = periodsOf(bed)};
 }
 
@@ -454,7 +454,7 @@ double Bed::energy() const {
     const double radius_m = GrainClasses::scale(own) * parameters_.soil.radius_m;
     const ContactLaw floor = wallLaw(pairs[index(own, own)], radius_m);
     ContactLaw side_wall = floor;
-    side_wall.cohesion_n *= parameters_.wall_friction_ratio;
+    side_wall.cohesion_n *= wallRatio(parameters_);
     const double excess = state_.position[i].w;
     const double nearer = law_between(own, own).nearer;
     const auto to_walls = [&](double across_m, double from_middle_m) {

@@ -210,6 +210,10 @@ double heldWidth(const BedParameters& bed) {
   return makeContactLaw(bed.soil).cutoff_m + 2 * largestExcess(bed.soil);
 }
 
+double wallRatio(const BedParameters& bed) {
+  return heldWidth(bed) > 0 ? 0 : bed.wall_friction_ratio;
+}
+
 LaidSoil laidOut(const BedTile& tile, const BedParameters& bed) {
   const double held_m = heldWidth(bed);
   const double width_m = bed.width_m + (bed.periodic_x ? 0 : 2 * held_m);

@@ -52,6 +52,10 @@ struct LaidSoil {
 /// How far held soil reaches beyond what is free, in m: as far as a contact. 0 in beds without.
 [[nodiscard]] double heldWidth(const BedParameters& bed);
 
+/// Friction and cohesion of the side walls over the soil's: BedParameters::wall_friction_ratio, but 0 behind held soil.
+/// There nothing but what was thrown or heaped above the bed can reach the walls, and would hang on them in the air.
+[[nodiscard]] double wallRatio(const BedParameters& bed);
+
 /// Copies of the tile over the box of `bed`.
 /// @throws InvalidParameter when there would be too many.
 [[nodiscard]] LaidSoil laidOut(const BedTile& tile, const BedParameters& bed);

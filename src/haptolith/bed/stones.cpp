@@ -44,7 +44,7 @@ Stones::Stones(const BedParameters& bed, double skin_m, std::vector<std::shared_
       density_kg_m3_(bed.stones.density_kg_m3),
       half_width_m_(bed.width_m / 2 + heldWidth(bed)),
       half_length_m_(bed.length_m / 2 + heldWidth(bed)),
-      wall_ratio_(bed.wall_friction_ratio),
+      wall_ratio_(wallRatio(bed)),
       skin_m_(skin_m),
       rest_steps_(restRule(bed).steps),
       shapes_(std::move(shapes)),

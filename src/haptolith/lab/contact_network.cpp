@@ -7,6 +7,7 @@
 #include <functional>
 #include <random>
 
+#include "haptolith/bed/bed_tile.h"
 #include "haptolith/core/random.h"
 #include "haptolith/soil/contact_law.h"
 #include "haptolith/tool/tool_shape.h"
@@ -69,10 +70,10 @@ void addWalls(ContactNetwork& network, const Bed& bed, const PairSprings& spring
   };
   add(p.z, Vec3::UnitZ(), 1);
   if (!box.periodic_x) {
-    add(box.width_m / 2 - std::abs(p.x), Vec3::UnitX(), box.wall_friction_ratio);
+    add(box.width_m / 2 + heldWidth(box) - std::abs(p.x), Vec3::UnitX(), wallRatio(box));
   }
   if (!box.periodic_y) {
-    add(box.length_m / 2 - std::abs(p.y), Vec3::UnitY(), box.wall_friction_ratio);
+    add(box.length_m / 2 + heldWidth(box) - std::abs(p.y), Vec3::UnitY(), wallRatio(box));
   }
 }
 
