@@ -160,6 +160,7 @@ export class BedView {
       this.field_stale = true;
       if (this.drawing === 'grains') this.soil.takeRecords(all);
     }
+    if (this.drawing === 'grains') this.soil.throwDust(all, frame.time_s);
     if (frame.whole) {
       this.drawn = frame.particles;
       this.geometry.instanceCount = frame.particles;

@@ -25,6 +25,7 @@ import {
 } from 'three';
 import { COLOUR_MODES, type ColourMode, type Scene } from '../protocol';
 import { lookOf } from './body_looks';
+import { Dust } from './dust';
 import { ASLEEP_COLOUR, AWAKE_COLOUR, VIRIDIS } from './colour_maps';
 import { FINE_GRAIN_FRAGMENT_SHADER, FINE_GRAIN_VERTEX_SHADER } from './fine_grain_shader';
 import { LOW_SUN, type LightUniforms } from './light_shader';
@@ -42,6 +43,7 @@ const TILE_WIDTHS = 0.32;
 
 export class SoilView {
   readonly group = new Group();
+  readonly dust: Dust;
   private readonly surface: Mesh<BufferGeometry, RawShaderMaterial>;
   private readonly grains: Points<InstancedBufferGeometry, RawShaderMaterial>;
   private readonly uniforms;
@@ -99,13 +101,15 @@ export class SoilView {
       this.uniforms.u_height_px.value = height_px;
       this.grains.material.uniformsNeedUpdate = true;
     };
-    this.group.add(this.surface, this.grains);
+    this.dust = new Dust(this.uniforms);
+    this.group.add(this.surface, this.grains, this.dust.points);
   }
 
   setScene(scene: Scene, depth_range_m: number): void {
     const look = lookOf(scene.body);
     const { uniforms } = this;
     this.width_m = Math.max(scene.box.width_m, scene.box.length_m);
+    this.dust.setWorld(scene.body, scene.gravity_m_s2, scene.quantised);
     uniforms.u_soil.value.set(look.soil);
     uniforms.u_horizon.value.set(look.horizon);
     uniforms.u_haze_m.value = look.haze_widths * this.width_m;
@@ -130,6 +134,7 @@ export class SoilView {
     this.uniforms.u_state.value = this.state;
     this.mesh();
     this.makeSwarms();
+    this.dust.forget();
   }
 
   setColour(mode: ColourMode): void {
@@ -149,6 +154,7 @@ export class SoilView {
     tile.needsUpdate = true;
     this.mesh();
     this.shareOut();
+    this.dust.setDetail(detailed);
   }
 
   /** The ground ends after so many widths of the box; null: at the horizon. */
@@ -162,6 +168,12 @@ export class SoilView {
     this.shareOut();
     if (this.mode !== 'plain') this.paintState(records);
     this.takeRecords(records);
+  }
+
+  /** What a frame says: fast grains throw dust. Where colours mean a number there is none. */
+  throwDust(records: Uint16Array, time_s: number): void {
+    if (this.mode === 'plain') this.dust.take(records, this.radii_m, time_s);
+    else if (this.dust.points.visible) this.dust.forget();
   }
 
   /** Particles have moved: the swarms go with them at once, the surface follows when it is due. */

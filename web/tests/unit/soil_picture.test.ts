@@ -1,4 +1,5 @@
 import { describe, expect, it } from 'vitest';
+import { Dust, flown_m, slowingTime_s } from '../../src/view/dust';
 import { radiiOf, type Scene } from '../../src/protocol';
 import { SoilSurface } from '../../src/view/soil_surface';
 import { SIDE, regolithTile, tileSun } from '../../src/view/soil_texture';
@@ -123,6 +124,46 @@ describe('small grains', () => {
     expect(sun[100 * SIDE + 5]).toBe(0); // over the tile's edge
     expect(sun[100 * SIDE + 40]).toBe(1);
     expect(sun[104 * SIDE + 505]).toBe(1);
+  });
+});
+
+describe('dust', () => {
+  it('flies as far as steps of its equation of motion take it', () => {
+    for (const [body, gravity_m_s2] of [
+      ['Moon', -1.625],
+      ['Mars', -3.72],
+      ['Earth', -9.81],
+    ] as const) {
+      const tau_s = slowingTime_s(body);
+      expect(tau_s === null).toBe(body === 'Moon');
+      const step_s = 1e-5;
+      let [way_m, speed_m_s] = [0, 0.6];
+      for (let i = 0; i < 50_000; ++i) {
+        speed_m_s += step_s * (gravity_m_s2 - (tau_s === null ? 0 : speed_m_s / tau_s));
+        way_m += step_s * speed_m_s;
+      }
+      expect(Math.abs(flown_m(0.6, gravity_m_s2, tau_s, 0.5) - way_m)).toBeLessThan(1e-4);
+    }
+    expect(slowingTime_s('Earth')).toBeCloseTo(0.083, 3);
+  });
+
+  it('comes from fast grains alone, and lands', () => {
+    const dust = new Dust({});
+    dust.setWorld('Moon', [0, 0, -1.625], { low_m: [0, 0, 0], high_m: [1, 1, 1] });
+    const radii_m = new Float32Array(50).fill(0.007);
+    const fast = 200; // 0.4 m/s
+    const slow = 120; // 0.006 m/s
+    const frame = (x: number, speed: number): Uint16Array =>
+      new Uint16Array(radii_m.length * 4).map((_, k) => [x, 30_000, 30_000, speed][k % 4]!);
+    for (let n = 0; n < 30; ++n) dust.take(frame(1000 + 10 * n, slow), radii_m, 0.016 * n);
+    expect(dust.count).toBe(0);
+    for (let n = 30; n < 60; ++n) dust.take(frame(1000 + 400 * n, fast), radii_m, 0.016 * n);
+    expect(dust.count).toBeGreaterThan(200);
+    expect(dust.points.visible).toBe(true);
+    for (let n = 60; n < 300; ++n) dust.take(frame(30_000, slow), radii_m, 0.016 * n);
+    expect(dust.count).toBe(0);
+    dust.take(frame(30_000, fast), radii_m, 0);
+    expect(dust.points.visible).toBe(false); // time has gone back: a film, or another bed
   });
 });
 
