@@ -9,6 +9,7 @@
 #include <fstream>
 #include <functional>
 #include <limits>
+#include <numbers>
 #include <string>
 #include <thread>
 #include <vector>
@@ -123,6 +124,64 @@ TEST(HapticLoop, TheHandFeelsTheFilteredAndLimitedWrenchOfTheSoil) {
     ASSERT_EQ(records.back().soil.force_n, scene.felt().wrench.force_n);
   }
   EXPECT_NEAR(device.largest_force_n_, 0.3, 1e-12);  // the limit was reached, and not passed
+}
+
+/// In the air, up and down by 5 cm each second, turned on its side.
+DeviceInput lifting(int tick) {
+  constexpr double kAmplitude_m = 0.05;
+  const double phase = 2 * std::numbers::pi * kTick_s * tick;
+  DeviceInput input;
+  input.pose = {Vec3(0, 0, 0.15 + kAmplitude_m * std::sin(phase)),
+                Quat(Eigen::AngleAxisd(std::numbers::pi / 2, Vec3::UnitZ()))};
+  input.twist.linear_m_s = Vec3(0, 0, 2 * std::numbers::pi * kAmplitude_m * std::cos(phase));
+  return input;
+}
+
+TEST(HapticLoop, AToolWithAMassIsFeltWithItsWeightAndNobodyDampsIt) {
+  ToolParameters tool;
+  tool.mass_kg = 0.2;
+  tool.centre_of_mass_m = Vec3(0.03, 0, -0.01);
+  Scene scene(paperBed(), tool);
+  FakeDevice device(lifting);
+  HapticLoop loop(scene, device, unpaced(0), true);
+  const double weight_n = 0.2 * 1.625;
+  for (int tick = 0; tick < 5000; ++tick) {
+    ASSERT_EQ(loop.tick(), LoopEnd::kRunning);
+    ASSERT_LT((device.last_.force_n - Vec3(0, 0, -weight_n)).norm(), 1e-12) << tick;
+    // The centre is along y, seen from the scene.
+    ASSERT_LT((device.last_.torque_nm - Vec3(-0.03 * weight_n, 0, 0)).norm(), 1e-12) << tick;
+  }
+  std::vector<TickRecord> records;
+  loop.takeRecords(records);
+  ASSERT_FALSE(records.empty());
+  for (const TickRecord& record : records) {
+    ASSERT_EQ(record.flags & kTickPassivityDamped, 0U);
+    ASSERT_EQ(record.injected_j, 0) << "gravity gives back what lifting cost";
+    ASSERT_LT((record.rendered.wrench.force_n - Vec3(0, 0, -weight_n)).norm(), 1e-12);
+  }
+}
+
+TEST(HapticLoop, AVirtualCouplingAlsoShowsTheInertiaOfAToolWithAMass) {
+  ToolParameters tool;
+  tool.mass_kg = 0.3;
+  Scene scene(paperBed(), tool);
+  FakeDevice device(lifting);
+  HandlingParameters handling;
+  handling.coupling.kind = CouplingKind::kVirtual;
+  HapticLoop loop(scene, device, unpaced(0), false, handling);
+  double most_n = -1e9, least_n = 1e9;
+  for (int tick = 0; tick < 4000; ++tick) {
+    ASSERT_EQ(loop.tick(), LoopEnd::kRunning);
+    if (tick >= 2000) {
+      most_n = std::max(most_n, device.last_.force_n.z());
+      least_n = std::min(least_n, device.last_.force_n.z());
+    }
+  }
+  const double omega = 2 * std::numbers::pi;
+  // Through a spring K the hand meets m a / |1 - m w^2 / (K + i B w)|, 6 % more than m a here.
+  const double inertia_n = 0.3 * 0.05 * omega * omega;
+  EXPECT_NEAR((most_n - least_n) / 2, inertia_n, 0.1 * inertia_n);
+  EXPECT_NEAR((most_n + least_n) / 2, -0.3 * 1.625, 0.01);
 }
 
 TEST(HapticLoop, AStopFlagEndsItAndTheHandIsLetGo) {

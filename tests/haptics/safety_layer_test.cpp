@@ -400,5 +400,32 @@ TEST(SafetyLayer, RefusesNonsense) {
   }
 }
 
+TEST(SafetyLayer, AToolTooHeavyForTheDeviceStaysWithinItsLimitsAndIsNotTakenForEnergy) {
+  for (const auto& make : {forPerson, forSimulation}) {
+    SafetyLayer safety = make({}, small());
+    const Wrench weight{Vec3(0, 0, -5), Vec3(0.3, 0, 0)};
+    for (int tick = 0; tick < 5000; ++tick) {
+      DeviceInput input;
+      input.pose.position_m.z() = 0.1 * std::sin(2 * 3.14159 * tick * kTick_s);
+      safety.check(input, {});
+      const DeviceOutput felt = safety.step({}, weight);
+      ASSERT_LE(felt.wrench.force_n.norm(), small().max_force_n * (1 + 1e-12));
+      ASSERT_LE(felt.wrench.torque_nm.norm(), small().max_torque_nm * (1 + 1e-12));
+      ASSERT_EQ(safety.flags() & kTickPassivityDamped, 0U) << tick;
+      if (tick > 3000) {
+        ASSERT_NEAR(felt.wrench.force_n.z(), -small().max_force_n, 1e-12);
+      }
+    }
+    EXPECT_LT(std::abs(safety.passivity().injected()), 1e-3) << "what the change of force per tick left";
+  }
+}
+
+TEST(SafetyLayer, AWeightThatIsNoNumberLetsGo) {
+  SafetyLayer safety = forSimulation();
+  EXPECT_FALSE(isNothing(after(safety, 3, force(1))));
+  EXPECT_TRUE(isNothing(safety.step(force(1), {Vec3(0, 0, kNaN), Vec3::Zero()})));
+  EXPECT_EQ(safety.trip(), SafetyTrip::kForceNotFinite);
+}
+
 }  // namespace
 }  // namespace haptolith

@@ -250,6 +250,15 @@ TEST_F(LoadScenario, PosesLieBesideTheSceneAndImplyTheManoeuvre) {
 
 // --- what is refused, and in which words ---
 
+TEST_F(LoadScenario, JawsAreBentNoMoreThanGrainsFitInto) {
+  EXPECT_THAT(errorOf("[tool]\nshape = 'jaws'\njaw_bend_deg = 181\n"),
+              HasSubstr("x.toml:3: [tool] jaw_bend_deg = 181"));
+  // 50 mm long and 5 mm thick round grains of 14 mm: 50 / 9.5 = 5.26 rad, never too much; of 30 mm: 2.86.
+  EXPECT_NO_THROW((void)scenarioFromText("[tool]\nshape = 'jaws'\njaw_bend_deg = 180\n", "x.toml"));
+  EXPECT_THAT(errorOf("[soil]\nradius_mm = 15\n[tool]\nshape = 'jaws'\njaw_bend_deg = 180\n"),
+              AllOf(HasSubstr("jaw_bend"), HasSubstr("30 mm")));
+}
+
 TEST_F(LoadScenario, UnknownKeysSuggestTheNearest) {
   EXPECT_EQ(errorOf("[soil]\n\nrho_max = 1900\n"),
             "x.toml:3: [soil] rho_max is not known; did you mean [soil] rho_max_kg_m3?");

@@ -1,6 +1,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <numbers>
@@ -8,11 +9,13 @@
 #include <vector>
 
 #include "haptolith/core/random.h"
+#include "haptolith/mesh/triangle_tree.h"
 #include "haptolith/soil/presets.h"
 #include "haptolith/tool/scene.h"
 #include "haptolith/tool/tool_box.h"
 #include "haptolith/tool/tool_contact.h"
 #include "haptolith/tool/tool_shape.h"
+#include "haptolith/tool/tool_surface.h"
 
 namespace haptolith {
 namespace {
@@ -21,12 +24,16 @@ constexpr double kRadius_m = 7e-3;
 constexpr double kTick_s = 1e-3;
 
 /// Jaws 50 mm high, 40 mm wide and 5 mm thick: between them x is from -opening / 2 to opening / 2.
-ToolParameters jaws(double opening_m) {
+ToolParameters jaws(double opening_m, double bend_rad = 0) {
   ToolParameters tool;
   tool.shape = ToolShape::kJaws;
   tool.opening_m = opening_m;
+  tool.jaw_bend_rad = bend_rad;
   return tool;
 }
+
+/// Flat plates, shells, and shells that close to a tube.
+constexpr std::array kBends_rad{0.0, 1.2, std::numbers::pi};
 
 Float4 record(const Vec3& v) {
   return {static_cast<float>(v.x()), static_cast<float>(v.y()), static_cast<float>(v.z()), 0};
@@ -81,6 +88,68 @@ TEST(Jaws, ReachAsFarAsTheirCorners) {
   EXPECT_FLOAT_EQ(box.half_edges_m[0], 0.035F);
   EXPECT_FLOAT_EQ(box.half_edges_m[1], 0.02F);
   EXPECT_FLOAT_EQ(box.half_edges_m[2], 0.025F);
+}
+
+TEST(Jaws, BentOnesAreAsFarAwayAsTheirSurfaceIs) {
+  std::mt19937_64 random(7);
+  for (const double bend_rad : kBends_rad) {
+    const ToolParameters tool = jaws(0.02, bend_rad);
+    const ToolSurface surface = toolSurface(tool, tool.opening_m);
+    int outside = 0;
+    for (int i = 0; i < 3000; ++i) {
+      const Vec3 centre = anyVector(random, 0.06);
+      double nearest_m = 1;
+      for (const auto& [a, b, c] : surface.triangles) {
+        const auto at = [&](std::int32_t point) { return surface.points_tool_m[static_cast<std::size_t>(point)]; };
+        nearest_m = std::min(nearest_m, std::sqrt(squaredDistance(centre, {at(a), at(b), at(c)})));
+      }
+      const JawContacts found = jawContacts(tool, centre, kRadius_m, 0);
+      const double nearer_m = kRadius_m - std::max(found.jaws[0].found.depth_m, found.jaws[1].found.depth_m);
+      if (nearer_m < 1e-4) {
+        continue;  // inside, where the face that a particle came over counts
+      }
+      ++outside;
+      ASSERT_NEAR(nearer_m, nearest_m, 4e-5) << centre.transpose() << ", bend " << bend_rad << ": arcs of 24 chords";
+      for (const JawContact& jaw : found.jaws) {
+        ASSERT_NEAR(jaw.found.outward.norm(), 1, 1e-12);
+      }
+      ASSERT_LE(centre.norm() - nearer_m, enclosingRadius(tool) + 1e-9);
+    }
+    EXPECT_GT(outside, 2000);
+    const ToolCorners corners = cornersOf(tool);
+    Vec3 farthest = Vec3::Zero();
+    for (const Vec3& point : surface.points_tool_m) {
+      farthest = farthest.cwiseMax(point);
+    }
+    EXPECT_LT((farthest - corners.high_m).norm(), 2e-5) << bend_rad;
+  }
+}
+
+TEST(Jaws, BentOnesPushTheWayInWhichTheirDistanceGrows) {
+  std::mt19937_64 random(8);
+  const ToolParameters tool = jaws(0.02, 2);
+  int compared = 0;
+  for (int i = 0; i < 2000; ++i) {
+    const Vec3 centre = anyVector(random, 0.05);
+    const auto depth_at = [&](const Vec3& at, std::size_t jaw) {
+      return jawContacts(tool, at, kRadius_m, 0).jaws[jaw].found.depth_m;
+    };
+    for (const std::size_t jaw : {0U, 1U}) {
+      if (depth_at(centre, jaw) > kRadius_m - 1e-3) {
+        continue;
+      }
+      constexpr double kStep_m = 1e-7;
+      Vec3 slope;
+      for (int axis = 0; axis < 3; ++axis) {
+        const Vec3 step = kStep_m * Vec3::Unit(axis);
+        slope[axis] = (depth_at(centre - step, jaw) - depth_at(centre + step, jaw)) / (2 * kStep_m);
+      }
+      ASSERT_LT((slope - jawContacts(tool, centre, kRadius_m, 0).jaws[jaw].found.outward).norm(), 1e-3)
+          << centre.transpose();
+      ++compared;
+    }
+  }
+  EXPECT_GT(compared, 2000);
 }
 
 TEST(Jaws, PushAParticleAwayFromTheFaceItTouches) {
@@ -144,7 +213,10 @@ TEST(Jaws, ClosedWithoutAGapAreABoxOfTwiceTheThickness) {
 TEST(Jaws, AreTheSameFromLeftAndRight) {
   std::mt19937_64 random(3);
   const auto mirrored = [](const Vec3& v) { return Vec3(-v.x(), v.y(), v.z()); };
-  for (const FrictionModel friction : {FrictionModel::kPaper, FrictionModel::kContact}) {
+  for (const auto& [friction, bend_rad] : {std::pair{FrictionModel::kPaper, 0.0},
+                                           {FrictionModel::kContact, 0.0},
+                                           {FrictionModel::kPaper, 2.0},
+                                           {FrictionModel::kContact, 2.0}}) {
     for (const double opening_m : {0.0, 0.003, 0.012, 0.04}) {
       Grains grains;
       grains.soil.friction = friction;
@@ -156,8 +228,9 @@ TEST(Jaws, AreTheSameFromLeftAndRight) {
         mirror.add(mirrored(x), mirrored(v));
       }
       for (int step = 0; step < 3; ++step) {
-        const ToolReaction one = grains.react(jaws(opening_m), {}, {.twist = {}, .opening_m_s = -0.2});
-        const ToolReaction other = mirror.react(jaws(opening_m), {}, {.twist = {}, .opening_m_s = -0.2});
+        const Motion closing{.twist = {}, .opening_m_s = -0.2};
+        const ToolReaction one = grains.react(jaws(opening_m, bend_rad), {}, closing);
+        const ToolReaction other = mirror.react(jaws(opening_m, bend_rad), {}, closing);
         EXPECT_NEAR(one.grip_n, other.grip_n, 1e-6);
         EXPECT_LT((one.wrench.force_n - mirrored(other.wrench.force_n)).norm(), 1e-6);
         EXPECT_GT(one.wrench.force_n.norm(), 0.1);
@@ -199,12 +272,19 @@ TEST(Jaws, FeelEachSideOfAParticleThatIsNotInTheMiddle) {
 
 TEST(Jaws, ObeyNewtonsThirdLaw) {
   std::mt19937_64 random(4);
-  for (const double opening_m : {0.0, 0.004, 0.013, 0.04}) {
+  for (const auto& [opening_m, bend_rad] : {std::pair{0.0, 0.0},
+                                            {0.004, 0.0},
+                                            {0.013, 0.0},
+                                            {0.04, 0.0},
+                                            {0.0, 1.2},
+                                            {0.013, 2.0},
+                                            {0.04, std::numbers::pi}}) {
     Grains grains;
     for (int i = 0; i < 400; ++i) {
       grains.add(anyVector(random, 0.04), anyVector(random, 0.1));
     }
-    const ToolReaction reaction = grains.react(jaws(opening_m), {}, {{Vec3(0.1, -0.2, 0.3), Vec3(1, 2, -1)}, -0.5});
+    const ToolReaction reaction =
+        grains.react(jaws(opening_m, bend_rad), {}, {{Vec3(0.1, -0.2, 0.3), Vec3(1, 2, -1)}, -0.5});
     Wrench on_grains;
     for (std::size_t i = 0; i < grains.at.size(); ++i) {
       on_grains.add(grains.forceOn(i), grains.at[i]);  // along normals, which go through the centres
@@ -270,26 +350,29 @@ TEST(Jaws, GiveTheSoilThePowerThatTheirWrenchAndTheirGripTake) {
 
 TEST(Jaws, GiveBackTheWorkOfAClosedWay) {
   // To the side and together, apart and back, around particles that stay where they are: springs keep nothing.
-  Grains grains;
-  grains.add(Vec3(0.001, 0, 0));
-  grains.add(Vec3(-0.002, 0.01, 0.01));
-  grains.add(Vec3(0.0145, -0.01, 0));
-  double work_j = 0;
-  double to_and_fro_j = 0;
-  constexpr int kSteps = 2000;
-  const auto x = [](double s) { return 0.001 * std::sin(2 * std::numbers::pi * s); };
-  const auto opening = [](double s) { return 0.008 + 0.003 * std::cos(2 * std::numbers::pi * s); };
-  for (int i = 0; i < kSteps; ++i) {
-    const double from = static_cast<double>(i) / kSteps;
-    const double to = static_cast<double>(i + 1) / kSteps;
-    const double middle = (from + to) / 2;
-    const ToolReaction now = grains.react(jaws(opening(middle)), {Vec3(x(middle), 0, 0), Quat::Identity()});
-    const double step_j = now.wrench.force_n.x() * (x(to) - x(from)) + now.grip_n * (opening(to) - opening(from));
-    work_j += step_j;
-    to_and_fro_j += std::abs(step_j);
+  for (const double bend_rad : kBends_rad) {
+    Grains grains;
+    grains.add(Vec3(0.001, 0, -0.02));
+    grains.add(Vec3(-0.002, 0.01, 0.02));
+    grains.add(Vec3(0.0145, -0.01, 0));
+    grains.add(Vec3(0.012, 0.005, 0.01));
+    double work_j = 0;
+    double to_and_fro_j = 0;
+    constexpr int kSteps = 2000;
+    const auto x = [](double s) { return 0.001 * std::sin(2 * std::numbers::pi * s); };
+    const auto opening = [](double s) { return 0.008 + 0.003 * std::cos(2 * std::numbers::pi * s); };
+    for (int i = 0; i < kSteps; ++i) {
+      const double from = static_cast<double>(i) / kSteps;
+      const double to = static_cast<double>(i + 1) / kSteps;
+      const double middle = (from + to) / 2;
+      const ToolReaction now = grains.react(jaws(opening(middle), bend_rad), {Vec3(x(middle), 0, 0), Quat::Identity()});
+      const double step_j = now.wrench.force_n.x() * (x(to) - x(from)) + now.grip_n * (opening(to) - opening(from));
+      work_j += step_j;
+      to_and_fro_j += std::abs(step_j);
+    }
+    EXPECT_GT(to_and_fro_j, 1e-3);
+    EXPECT_LT(std::abs(work_j), 1e-3 * to_and_fro_j) << bend_rad;
   }
-  EXPECT_GT(to_and_fro_j, 1e-3);
-  EXPECT_LT(std::abs(work_j), 1e-3 * to_and_fro_j);
 }
 
 TEST(Jaws, PushWithoutJumpsWhereTheyMakeUpOneSurface) {
@@ -427,6 +510,37 @@ TEST(JawsInAScene, GatherSoilAndFeelItBetweenThem) {
   EXPECT_GT(scene.felt().grip_n, 0.05) << "something is still between them";
   go(0.12, 0.12, 0.3, 1, 100);
   EXPECT_NEAR(scene.felt().grip_n, 0, 0.05);
+}
+
+TEST(JawsInAScene, ShellsCarryWhatFlatOnesDrop) {
+  const auto carried = [](double bend_rad) {
+    BedParameters bed = p4();
+    bed.soil.friction = FrictionModel::kContact;
+    ToolParameters tool = jaws(0.05, bend_rad);
+    tool.size_m = {0.08, 0.06, 0.004};
+    tool.friction = 0;
+    Scene scene(bed, tool);
+    const auto go = [&](double from_m, double to_m, double open_from, double open_to, int ticks) {
+      for (int i = 1; i <= ticks; ++i) {
+        const double share = static_cast<double>(i) / ticks;
+        const Twist twist{Vec3(0, 0, (to_m - from_m) / (ticks * kTick_s)), Vec3::Zero()};
+        const Pose pose{Vec3(0, 0, std::lerp(from_m, to_m, share)), Quat::Identity()};
+        EXPECT_EQ(scene.tick({{pose, twist}, std::lerp(open_from, open_to, share)}), StepStatus::kOk);
+      }
+    };
+    scene.placeTool({{{Vec3(0, 0, 0.12), Quat::Identity()}, {}}});
+    go(0.12, 0.04, 1, 1, 800);
+    go(0.04, 0.04, 1, 0.04, 400);
+    go(0.04, 0.2, 0.04, 0.04, 1600);
+    go(0.2, 0.2, 0.04, 0.04, 500);
+    int high = 0;
+    const BedState& state = scene.bed().state();
+    for (std::size_t i = 0; i < state.particles(); ++i) {
+      high += state.position[i].z > 0.15F ? 1 : 0;
+    }
+    return high;
+  };
+  EXPECT_GE(carried(2.5), carried(0) + 4) << "without friction at the tool only a floor carries";
 }
 
 }  // namespace

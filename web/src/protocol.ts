@@ -82,6 +82,8 @@ const Tool = v.pipe(
     length_mm: v.optional(v.number(), 0),
     /** between jaws that are wide open */
     opening_mm: v.number(),
+    /** of each jaw; an older program has flat ones, and does not say */
+    jaw_bend_deg: v.optional(v.number(), 0),
     /** whatever the shape is now; null: nobody has drawn one */
     mesh: v.nullish(ToolMesh, null),
   }),

@@ -1,17 +1,10 @@
 // What the page knows of each shape of a tool. A new shape is an entry here and its word in the protocol's `Shape`.
 
-import {
-  BoxGeometry,
-  CylinderGeometry,
-  EdgesGeometry,
-  SphereGeometry,
-  type BufferGeometry,
-  type Object3D,
-} from 'three';
+import { CylinderGeometry, EdgesGeometry, SphereGeometry, type BufferGeometry, type Object3D } from 'three';
 import type { Shape, Tool, Vec3 } from './protocol';
 import { sizeOfMesh } from './tool_mesh';
 import { meshEdges, meshGeometry } from './view/mesh_geometry';
-import { blade, shovelHandle, stick, yoke, type ToolMaterials } from './view/tool_geometry';
+import { blade, halfJaw_m, rightJaw, shovelHandle, stick, yoke, type ToolMaterials } from './view/tool_geometry';
 
 /** A number that a person may change. */
 export interface ToolSize {
@@ -35,9 +28,11 @@ export interface ToolShape {
   /** it is two solids, which open along the tool's x */
   jaws: boolean;
   solid: (typeof SOLIDS)[number];
-  /** half of the solid's size along the tool's x, y and z, in m; of `none`, of a box around it about the tool's origin */
+  /** half of the solid's size along the tool's x, y and z, in m, of one jaw with its bulge; of `none`, of a box around
+   * it about the tool's origin */
   half_m(tool: Tool): Vec3;
-  /** the solid, in m, about its middle; a mesh is where it was drawn */
+  /** the solid, in m, about its middle, of jaws the right one, about the middle of its flat plate; a mesh is where it was
+   * drawn */
   geometry(tool: Tool): BufferGeometry;
   /** those edges of the geometry that are drawn as lines */
   edges(solid: BufferGeometry, tool: Tool): BufferGeometry;
@@ -117,17 +112,14 @@ export const TOOL_SHAPES = {
     name: 'jaws',
     sizes: [...EDGES, OPENING],
     longest_m: (tool) => Math.max(...tool.size_mm) / 1000,
-    reach_m: ({ size_mm: [height_mm, width_mm, thickness_mm], opening_mm }) =>
-      Math.hypot(opening_mm + 2 * thickness_mm, width_mm, height_mm) / 2000,
+    reach_m: (tool) => {
+      const [x, y, z] = halfJaw_m(tool);
+      return Math.hypot(tool.opening_mm / 2000 + 2 * x, y, z);
+    },
     jaws: true,
     solid: 'box',
-    half_m: ({ size_mm: [height_mm, width_mm, thickness_mm] }) => [
-      thickness_mm / 2000,
-      width_mm / 2000,
-      height_mm / 2000,
-    ],
-    geometry: ({ size_mm: [height_mm, width_mm, thickness_mm] }) =>
-      new BoxGeometry(thickness_mm / 1000, width_mm / 1000, height_mm / 1000),
+    half_m: halfJaw_m,
+    geometry: rightJaw,
     edges: sharpEdges,
     extras: yoke,
   },

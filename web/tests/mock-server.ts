@@ -205,6 +205,7 @@ export class MockServer {
         thickness_mm: 5,
         length_mm: 150,
         opening_mm: 60,
+        jaw_bend_deg: 0,
         mesh: this.options.mesh ? parse(ToolMesh, this.options.mesh) : null,
       },
       stones: this.options.stones?.map(({ text }) => parse(Stone, text)),

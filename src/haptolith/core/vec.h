@@ -43,6 +43,12 @@ struct Wrench {
   Vec3 force_n = Vec3::Zero();
   Vec3 torque_nm = Vec3::Zero();
 
+  [[nodiscard]] bool isZero() const { return force_n.isZero(0) && torque_nm.isZero(0); }
+
+  void add(const Wrench& other) {
+    force_n += other.force_n;
+    torque_nm += other.torque_nm;
+  }
   void add(const Vec3& force, const Vec3& lever_m) {
     force_n += force;
     torque_nm += lever_m.cross(force);

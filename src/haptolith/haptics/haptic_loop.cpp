@@ -31,6 +31,12 @@ double softestSpring(const Scene& scene, const Coupling& coupling) noexcept {
   return std::min({scene.tool().stiffness_n_m, scene.bed().parameters().soil.stiffness_n_m, coupling.stiffness()});
 }
 
+/// With a virtual coupling the tool has a mass of its own: at least what the hand is to feel.
+CouplingParameters withMassOf(const ToolParameters& tool, CouplingParameters coupling) noexcept {
+  coupling.spring.mass_kg = std::max(coupling.spring.mass_kg, tool.mass_kg);
+  return coupling;
+}
+
 }  // namespace
 
 HapticLoop::HapticLoop(Scene& scene, HapticDevice& device, const LoopParameters& parameters, bool keep_records,
@@ -41,7 +47,8 @@ HapticLoop::HapticLoop(Scene& scene, HapticDevice& device, const LoopParameters&
       device_(device),
       parameters_(parameters),
       mapping_(handling.mapping, device.limits(), parameters.tick_s),
-      coupling_(handling.coupling, suitsDirectly(device.limits()), parameters.filter_cutoff_hz, parameters.tick_s),
+      coupling_(withMassOf(scene.tool(), handling.coupling), suitsDirectly(device.limits()),
+                parameters.filter_cutoff_hz, parameters.tick_s),
       safety_(handling.safety, device.limits(), device.simulated(), softestSpring(scene, coupling_), parameters.tick_s),
       clock_(parameters.tick_s, parameters.paced),
       fade_(parameters.tick_s, device.simulated()),  // soil where a person's hand is moves out of its way gently
@@ -85,12 +92,26 @@ LoopEnd HapticLoop::tick() noexcept {
   }
 
   // The hand feels it, as far as is safe.
-  const DeviceOutput rendered = mapping_.toDevice(coupling_.feel(scene_->felt(), scene_->contactStiffness()));
-  felt_ = safety_.step(rendered);
+  DeviceOutput rendered = mapping_.toDevice(coupling_.feel(scene_->felt(), scene_->contactStiffness()));
+  const Wrench weight = toolWeight();
+  felt_ = safety_.step(rendered, weight);
+  if (!weight.isZero()) {
+    rendered.wrench.add(weight);
+  }
   // After a tick that took too long, the force in it comes from where the hand no longer is; the next tick trips.
   device_.write(watchdog_ && watchdog_->tooLate() ? DeviceOutput{} : felt_);
   publish();
   return finish(input.state == DeviceState::kFinished ? LoopEnd::kFinished : LoopEnd::kRunning, input, rendered);
+}
+
+/// In the device's frame.
+Wrench HapticLoop::toolWeight() const noexcept {
+  const ToolParameters& tool = scene_->tool();
+  if (tool.mass_kg == 0) {
+    return {};
+  }
+  const Vec3& gravity_m_s2 = scene_->bed().parameters().gravity_m_s2;
+  return mapping_.toDevice({weightOf(tool, scene_->toolPose().orientation, gravity_m_s2), 0}).wrench;
 }
 
 /// Counts a tick, records it, and reports why the hand was let go in it. One that cannot be felt ends the run; it is

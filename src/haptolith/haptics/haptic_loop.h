@@ -85,6 +85,7 @@ class HapticLoop {
   void followHand(const DeviceInput& input) noexcept;
   void fadeTool() noexcept;
   [[nodiscard]] LoopEnd moveTool() noexcept;
+  [[nodiscard]] Wrench toolWeight() const noexcept;
   [[nodiscard]] LoopEnd endFor(SafetyTrip trip) const noexcept;
   [[nodiscard]] LoopEnd finish(LoopEnd end, const DeviceInput& input, const DeviceOutput& rendered) noexcept;
   void publish() noexcept;

@@ -88,7 +88,7 @@ void SafetyLayer::check(const DeviceInput& input, const LoopHealth& health) noex
   }
   if (trip_ == SafetyTrip::kNone) {
     begun_ = true;
-    passivity_.observe(input.pose, held_.wrench);
+    passivity_.observe(input.pose, held_soil_);
   }
 }
 
@@ -132,36 +132,50 @@ void SafetyLayer::restart() noexcept {
   plausibility_.restart();
   passivity_.restart();
   held_ = {};
+  held_soil_ = {};
 }
 
-DeviceOutput SafetyLayer::step(const DeviceOutput& rendered) noexcept {
+DeviceOutput SafetyLayer::step(const DeviceOutput& rendered, const Wrench& weight) noexcept {
   flags_ = stopping_ ? kTickSoftStop : 0U;
-  if (!isFinite(rendered)) {
+  if (!isFinite(rendered) || !isFinite(DeviceOutput{weight})) {
     releaseForce(SafetyTrip::kForceNotFinite);
   }
   if (trip_ != SafetyTrip::kNone) {
     flags_ |= kTickForceZeroed;
     held_ = {};
+    held_soil_ = {};
     return held_;
   }
   startOrStopSoftly();
   DeviceOutput wanted = limited(rendered);
+  Wrench shown_weight = haptolith::limited(weight, limits_);
   if (soft_start_.share() <
       1) {  // a share of what is limited: else ten times too much would be all there is within a third
     const double share = smooth(soft_start_.share());
     wanted.wrench = {share * wanted.wrench.force_n, share * wanted.wrench.torque_nm};
     wanted.gripper_force_n *= share;
+    shown_weight = {share * shown_weight.force_n, share * shown_weight.torque_nm};
     flags_ |= kTickSoftStart;
   }
+  wanted = dampedForPassivity(wanted);
+  if (!shown_weight.isZero()) {
+    wanted.wrench.add(shown_weight);
+    wanted = limited(wanted);
+  }
+  held_ = reachable(wanted);
+  held_soil_ = {held_.wrench.force_n - shown_weight.force_n, held_.wrench.torque_nm - shown_weight.torque_nm};
+  return held_;
+}
+
+/// What is left of it, and added to it, when a hand was given too much energy.
+DeviceOutput SafetyLayer::dampedForPassivity(DeviceOutput wanted) noexcept {
   if (const double share = damps_ ? passivity_.softening() : 1; share < 1) {
     wanted.wrench = {share * wanted.wrench.force_n, share * wanted.wrench.torque_nm};
     wanted.gripper_force_n *= share;
     flags_ |= kTickPassivityDamped;
   }
-  if (const Wrench damping = passivity_.damping();
-      damps_ && !(damping.force_n.isZero(0) && damping.torque_nm.isZero(0))) {
-    wanted.wrench.force_n += damping.force_n;
-    wanted.wrench.torque_nm += damping.torque_nm;
+  if (const Wrench damping = passivity_.damping(); damps_ && !damping.isZero()) {
+    wanted.wrench.add(damping);
     wanted = limited(wanted);
     flags_ |= kTickPassivityDamped;
   }
@@ -169,8 +183,7 @@ DeviceOutput SafetyLayer::step(const DeviceOutput& rendered) noexcept {
     wanted.wrench = {share * wanted.wrench.force_n, share * wanted.wrench.torque_nm};
     flags_ |= kTickPassivityDamped;
   }
-  held_ = reachable(wanted);
-  return held_;
+  return wanted;
 }
 
 bool SafetyLayer::stopped() const noexcept {

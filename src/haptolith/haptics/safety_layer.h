@@ -50,8 +50,10 @@ class SafetyLayer {
   /// The hand feels nothing from now on, until check() has found all well for a while.
   void releaseForce(SafetyTrip why) noexcept;
 
-  /// What the hand is made to feel instead of `rendered`.
-  DeviceOutput step(const DeviceOutput& rendered) noexcept;
+  /// What the hand is made to feel instead of `rendered` and `weight` together.
+  /// @param weight  of the tool, in the device's frame. Gravity gives back what lifting costs: what the device can show
+  /// of it is no matter of Passivity.
+  DeviceOutput step(const DeviceOutput& rendered, const Wrench& weight = {}) noexcept;
 
   /// Force goes to nothing and stays there: the run is about to end. Whether it has; a hand that has been let go feels
   /// nothing already.
@@ -77,6 +79,7 @@ class SafetyLayer {
   [[nodiscard]] DeviceOutput limited(const DeviceOutput& wanted) noexcept;
   [[nodiscard]] DeviceOutput reachable(const DeviceOutput& wanted) noexcept;
   void startOrStopSoftly() noexcept;
+  [[nodiscard]] DeviceOutput dampedForPassivity(DeviceOutput wanted) noexcept;
 
   DeviceLimits limits_;
   bool simulated_, damps_;
@@ -92,6 +95,7 @@ class SafetyLayer {
   int misses_ = 0, well_for_ = 0;
   Ramp soft_start_;    ///< share of the force
   DeviceOutput held_;  ///< what the hand feels now
+  Wrench held_soil_;   ///< that without the tool's weight
 };
 
 }  // namespace haptolith

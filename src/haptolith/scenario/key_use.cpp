@@ -105,6 +105,7 @@ constexpr std::array kUses{
     KeyUse{"tool", "mesh_origin_mm", isShape<ToolShape::kMesh>, kMesh, true},
     KeyUse{"tool", "mesh_turn_deg", isShape<ToolShape::kMesh>, kMesh, true},
     KeyUse{"tool", "opening_mm", isShape<ToolShape::kJaws>, "[tool] shape = jaws", true},
+    KeyUse{"tool", "jaw_bend_deg", isShape<ToolShape::kJaws>, "[tool] shape = jaws", true},
     KeyUse{"tool", "adhesion_ratio", isPaper, kPaper, true},
     KeyUse{"tool", "friction", hasContactFriction, kContact, true},
     KeyUse{"tool", "adhesion_n", hasContactFriction, kContact, true},

@@ -63,6 +63,23 @@ void makeToolMesh(Scenario& scenario) {
       scenario.mesh.bytes == nullptr ? nullptr : toolMesh(scenario.mesh, contactReach(scenario.tool, scenario.bed));
 }
 
+/// On the inside of a shell a grain larger than its curve would touch it in two places, of which contact knows one.
+void requireRoomInJaws(const Scenario& scenario) {
+  const ToolParameters& tool = scenario.tool;
+  if (tool.shape != ToolShape::kJaws || tool.jaw_bend_rad == 0) {
+    return;
+  }
+  const SoilParameters& soil = scenario.bed.soil;
+  const double grain_m = soil.radius_m * (1 + soil.size_spread);
+  const double inside_m = tool.size_m.x() / tool.jaw_bend_rad - tool.size_m.z() / 2;
+  if (inside_m <= grain_m) {
+    const double most_rad = tool.size_m.x() / (grain_m + tool.size_m.z() / 2);
+    throw InvalidParameter(
+        "jaw_bend_rad", fmt::format("{:g}", tool.jaw_bend_rad),
+        fmt::format("less than {:.3g}, so that grains of {:g} mm fit into the curve", most_rad, 2e3 * grain_m));
+  }
+}
+
 void validate(const Scenario& scenario) {
   validate(scenario.bed);
   validate(scenario.mesh);
@@ -73,6 +90,7 @@ void validate(const Scenario& scenario) {
   validate(scenario.handling.mapping);
   validate(scenario.handling.coupling, scenario.loop.tick_s);
   validate(scenario.handling.safety);
+  requireRoomInJaws(scenario);
   if (scenario.bed.tick_s != scenario.loop.tick_s) {
     throw InvalidParameter("tick_s", fmt::format("{}", scenario.loop.tick_s),
                            fmt::format("the bed's {}", scenario.bed.tick_s));

@@ -46,7 +46,7 @@ void requireEnoughSubsteps(const Scenario& scenario) {
 
 bool sameTool(const ToolParameters& a, const ToolParameters& b) {
   return a.shape == b.shape && a.size_m == b.size_m && a.diameter_m == b.diameter_m && a.thickness_m == b.thickness_m &&
-         a.opening_m == b.opening_m && a.length_m == b.length_m && a.mesh == b.mesh;
+         a.opening_m == b.opening_m && a.jaw_bend_rad == b.jaw_bend_rad && a.length_m == b.length_m && a.mesh == b.mesh;
 }
 
 }  // namespace

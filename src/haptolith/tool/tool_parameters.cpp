@@ -13,6 +13,7 @@ void validate(const ToolParameters& tool) {
   requireInRange("opening_m", tool.opening_m, ToolRanges::length_m);
   requireInRange("length_m", tool.length_m, ToolRanges::length_m);
   requireInRange("cone_angle_rad", tool.cone_angle_rad, ToolRanges::cone_angle_rad);
+  requireInRange("jaw_bend_rad", tool.jaw_bend_rad, ToolRanges::jaw_bend_rad);
   if (tool.shape == ToolShape::kMesh && tool.mesh == nullptr) {
     throw InvalidParameter("shape", "mesh", "one with a mesh, or another");
   }
@@ -21,6 +22,15 @@ void validate(const ToolParameters& tool) {
   requireInRange("adhesion_ratio", tool.adhesion_ratio, ToolRanges::adhesion_ratio);
   requireInRange("friction", tool.friction, ToolRanges::friction);
   requireInRange("adhesion_n", tool.adhesion_n, ToolRanges::adhesion_n);
+  requireInRange("mass_kg", tool.mass_kg, ToolRanges::mass_kg);
+  for (int axis = 0; axis < 3; ++axis) {
+    requireInRange("centre_of_mass_m", tool.centre_of_mass_m[axis], ToolRanges::centre_of_mass_m);
+  }
+}
+
+Wrench weightOf(const ToolParameters& tool, const Quat& orientation, const Vec3& gravity_m_s2) noexcept {
+  const Vec3 force_n = tool.mass_kg * gravity_m_s2;
+  return {force_n, (orientation * tool.centre_of_mass_m).cross(force_n)};
 }
 
 }  // namespace haptolith

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "haptolith/tool/jaw_shell.h"
 #include "haptolith/tool/mesh_contact.h"
 #include "haptolith/tool/tool_mesh.h"
 
@@ -113,12 +114,6 @@ Penetration overFace(const Outline& outline, double half_height_m, const Vec3& c
 
 // --- jaws ---
 
-/// From the frame of a box to that of a jaw, which is the box upright, and back: z becomes x. That this mirrors does
-/// not matter to a box.
-Vec3 upright(const Vec3& v) {
-  return {v.z(), v.y(), v.x()};
-}
-
 /// Two sides, each -1, 0 or 1, as one number from -4 to 4; 0 for neither side.
 std::int8_t packed(const std::array<int, 2>& sides) {
   return static_cast<std::int8_t>(sides[0] + 3 * sides[1]);
@@ -178,10 +173,10 @@ JawContacts jawContacts(const ToolParameters& tool, const Vec3& centre_m, double
   const std::array<int, 2> before = sidesOf(sides);
   JawContacts contacts;
   for (std::size_t i = 0; i < 2; ++i) {
-    const double from_middle_m = (i == 0 ? -1 : 1) * (tool.opening_m + tool.size_m.z()) / 2;
-    const Vec3 in_jaw = upright(centre_m - Vec3(from_middle_m, 0, 0));
-    contacts.jaws[i].found = penetration(jaw, in_jaw, radius_m, before[i]);
-    contacts.jaws[i].found.outward = upright(contacts.jaws[i].found.outward);
+    const JawShell shell(tool, i == 0 ? -1 : 1);
+    const JawShell::Place place = shell.flattened(centre_m);
+    contacts.jaws[i].found = penetration(jaw, place.flat_m, radius_m, before[i]);
+    contacts.jaws[i].found.outward = shell.bent(contacts.jaws[i].found.outward, place);
   }
   contacts.sides = packed({contacts.jaws[0].found.side, contacts.jaws[1].found.side});
   share(contacts, tool, radius_m);
@@ -198,8 +193,7 @@ double enclosingRadius(const ToolParameters& tool) noexcept {
       return std::hypot(tool.diameter_m / 2,
                         std::max(tool.length_m, tool.diameter_m / 2 / std::tan(tool.cone_angle_rad / 2)));
     case ToolShape::kTube: return std::hypot(tool.diameter_m, tool.length_m) / 2 + tool.thickness_m / 2;
-    case ToolShape::kJaws:
-      return Vec3(tool.opening_m + 2 * tool.size_m.z(), tool.size_m.y(), tool.size_m.x()).norm() / 2;
+    case ToolShape::kJaws: return cornersOf(tool).high_m.norm();
     case ToolShape::kMesh: return tool.mesh->field.enclosingRadius();
   }
   return 0;
@@ -218,8 +212,10 @@ ToolCorners cornersOf(const ToolParameters& tool) noexcept {
       const double outer = r + tool.thickness_m / 2;
       return around({outer, outer, (tool.length_m + tool.thickness_m) / 2});
     }
-    case ToolShape::kJaws:
-      return around({tool.opening_m / 2 + tool.size_m.z(), tool.size_m.y() / 2, tool.size_m.x() / 2});
+    case ToolShape::kJaws: {
+      const JawShell right(tool, 1);
+      return around({right.farthestX(), tool.size_m.y() / 2, right.halfHeight()});
+    }
     case ToolShape::kMesh: return {tool.mesh->field.corners().low_m, tool.mesh->field.corners().high_m};
   }
   return around(Vec3::Constant(1e3));

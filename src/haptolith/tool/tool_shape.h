@@ -36,9 +36,10 @@ struct JawContacts {
   std::int8_t sides = 0;           ///< both jaws' Penetration::side, for the next call
 };
 
-/// Penetration of a sphere into both of the jaws, `tool.opening_m` apart. Each jaw is a box (see penetration()), and a
-/// particle between the two touches both. Where they make up one surface, as closed jaws do, it must not be pushed
-/// twice: of two contacts with depths d1 >= d2 and normals that agree, the force is shared so that together they push
+/// Penetration of a sphere into both of the jaws, `tool.opening_m` apart. Each jaw is a box (see penetration()), bent
+/// to a shell where `jaw_bend_rad` says so (JawShell), and a particle between the two touches both. Where they make up
+/// one surface, as closed jaws do, it must not be pushed twice: of two contacts with depths d1 >= d2 and normals that
+/// agree, the force is shared so that together they push
 ///
 ///     k d1                            jaws that touch: the other jaw counts for nothing
 ///     k (d1 - d2 / 2) and k d2 / 2    under a narrow slot: the two edges carry the particle together

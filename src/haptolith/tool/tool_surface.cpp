@@ -5,12 +5,14 @@
 #include <cstddef>
 #include <numbers>
 
+#include "haptolith/tool/jaw_shell.h"
 #include "haptolith/tool/tool_mesh.h"
 
 namespace haptolith {
 
 namespace {
 
+constexpr std::int32_t kArcSegments = 24;
 constexpr int kSegments = 48;  ///< round the axis; the eye takes it for a circle
 
 ToolSurface boxSurface(const Vec3& size_m, const Vec3& middle_m) {
@@ -104,11 +106,40 @@ std::vector<OutlinePoint> tubeOutline(const ToolParameters& tool) {
   return outline;
 }
 
+/// @param side  -1 or 1: see JawShell.
+ToolSurface jawSurface(const ToolParameters& tool, int side) {
+  const Vec3 half_m = tool.size_m / 2;
+  if (tool.jaw_bend_rad == 0) {
+    return boxSurface({tool.size_m.z(), tool.size_m.y(), tool.size_m.x()},
+                      {side * (tool.opening_m + tool.size_m.z()) / 2, 0, 0});
+  }
+  const JawShell shell(tool, side);
+  ToolSurface jaw;
+  for (std::int32_t station = 0; station <= kArcSegments; ++station) {
+    const double along_m = half_m.x() * (2.0 * station / kArcSegments - 1);
+    for (const auto& [x, y] : {std::array{-1, -1}, {1, -1}, {1, 1}, {-1, 1}}) {
+      jaw.points_tool_m.push_back(shell.onTool({along_m, y * half_m.y(), x * half_m.z()}));
+    }
+  }
+  jaw.triangles = {{0, 2, 1}, {0, 3, 2}};  // below
+  for (std::int32_t first = 0; first < 4 * kArcSegments; first += 4) {
+    for (std::int32_t i = 0; i < 4; ++i) {
+      const std::int32_t next = (i + 1) % 4;
+      jaw.triangles.push_back({first + i, first + next, first + next + 4});
+      jaw.triangles.push_back({first + i, first + next + 4, first + i + 4});
+    }
+  }
+  constexpr std::int32_t kTop = 4 * kArcSegments;
+  jaw.triangles.push_back({kTop, kTop + 1, kTop + 2});
+  jaw.triangles.push_back({kTop, kTop + 2, kTop + 3});
+  return jaw;
+}
+
 ToolSurface jawsSurface(const ToolParameters& tool, double opening_m) {
-  const Vec3 upright_m(tool.size_m.z(), tool.size_m.y(), tool.size_m.x());
-  const Vec3 from_middle_m((opening_m + tool.size_m.z()) / 2, 0, 0);
-  ToolSurface jaws = boxSurface(upright_m, -from_middle_m);
-  const ToolSurface right = boxSurface(upright_m, from_middle_m);
+  ToolParameters now = tool;
+  now.opening_m = opening_m;
+  ToolSurface jaws = jawSurface(now, -1);
+  const ToolSurface right = jawSurface(now, 1);
   const auto left_points = static_cast<std::int32_t>(jaws.points_tool_m.size());
   jaws.points_tool_m.insert(jaws.points_tool_m.end(), right.points_tool_m.begin(), right.points_tool_m.end());
   for (const auto& [a, b, c] : right.triangles) {

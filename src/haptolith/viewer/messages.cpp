@@ -4,6 +4,7 @@
 
 #include <bit>
 #include <cstdint>
+#include <numbers>
 #include <utility>
 #include <vector>
 
@@ -213,6 +214,7 @@ Board::Texts sceneMessages(const Session& session, const FrameEncoder::Space& sp
                   {"diameter_mm", kPerMetre_mm * scenario.tool.diameter_m},
                   {"thickness_mm", kPerMetre_mm * scenario.tool.thickness_m},
                   {"opening_mm", kPerMetre_mm * scenario.tool.opening_m},
+                  {"jaw_bend_deg", scenario.tool.jaw_bend_rad * 180 / std::numbers::pi},
                   {"length_mm", kPerMetre_mm * scenario.tool.length_m},
                   {"mesh", toolMeshJson(scenario)}}},
                 {"hand",

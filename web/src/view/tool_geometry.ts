@@ -57,9 +57,42 @@ export function stick(from_m: number, size_m: number, thickness: number, materia
   return mesh;
 }
 
+/** How far the middle of a jaw bulges out, and the radius of its arc; 0 and null of a flat one. */
+function arcOf(tool: Tool): { bulge_m: number; radius_m: number | null; half_rad: number } {
+  const [length_m] = edges_m(tool);
+  const half_rad = (tool.jaw_bend_deg * Math.PI) / 360;
+  if (half_rad === 0) return { bulge_m: 0, radius_m: null, half_rad };
+  const radius_m = length_m / (2 * half_rad);
+  return { bulge_m: radius_m * (1 - Math.cos(half_rad)), radius_m, half_rad };
+}
+
+/** Half of the box around one jaw, along the tool's x, y and z. */
+export function halfJaw_m(tool: Tool): Vec3 {
+  const [length_m, width_m, thickness_m] = edges_m(tool);
+  const { bulge_m, radius_m, half_rad } = arcOf(tool);
+  const half_height_m = radius_m === null ? length_m / 2 : (radius_m + thickness_m / 2) * Math.sin(half_rad);
+  return [(thickness_m + bulge_m) / 2, width_m / 2, half_height_m];
+}
+
+/** The right one of two jaws; the left one is the same, turned about z. */
+export function rightJaw(tool: Tool): BufferGeometry {
+  const [length_m, width_m, thickness_m] = edges_m(tool);
+  const { radius_m, half_rad } = arcOf(tool);
+  if (radius_m === null) return new BoxGeometry(thickness_m, width_m, length_m);
+  const axis_m = -radius_m * Math.cos(half_rad);
+  const profile = new Outline();
+  profile.absarc(axis_m, 0, radius_m + thickness_m / 2, -half_rad, half_rad, false);
+  profile.absarc(axis_m, 0, radius_m - thickness_m / 2, half_rad, -half_rad, true);
+  profile.closePath();
+  return new ExtrudeGeometry(profile, { depth: width_m, bevelEnabled: false, curveSegments: 24 })
+    .translate(0, 0, -width_m / 2)
+    .rotateX(Math.PI / 2);
+}
+
 /** A beam on which the jaws slide, and a stick to hold it by. */
 export function yoke(tool: Tool, { handle }: ToolMaterials): Object3D[] {
-  const [height_m, width_m, thickness_m] = edges_m(tool);
+  const [, width_m, thickness_m] = edges_m(tool);
+  const height_m = 2 * halfJaw_m(tool)[2];
   const across_m = tool.opening_mm / 1000 + 2 * thickness_m;
   const beam_m = 0.12 * height_m;
   const beam = new Mesh(new BoxGeometry(across_m, 0.3 * width_m, beam_m), handle);

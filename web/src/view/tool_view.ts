@@ -55,7 +55,7 @@ export class ToolView {
     this.jaws = [];
     const shape = shapeOf(tool);
     const solid = shape.geometry(tool);
-    this.jaw_thickness_m = 2 * shape.half_m(tool)[0];
+    this.jaw_thickness_m = tool.size_mm[2] / 1000;
     for (const side of shape.jaws ? [-1, 1] : [0]) {
       const body = new Mesh(solid, this.metal);
       const fill = new Mesh(solid, this.ghost_fill);
@@ -70,7 +70,10 @@ export class ToolView {
   }
 
   setPoses(tool: Pose, wished: Pose, show_ghost: boolean, opening_m: number): void {
-    for (const { part, side } of this.jaws) part.position.x = (side * (opening_m + this.jaw_thickness_m)) / 2;
+    for (const { part, side } of this.jaws) {
+      part.position.x = (side * (opening_m + this.jaw_thickness_m)) / 2;
+      part.rotation.z = side < 0 ? Math.PI : 0;
+    }
     place(this.group, tool);
     place(this.ghost, wished);
     this.ghost.visible = show_ghost;

@@ -13,6 +13,7 @@ const tool = (shape: Shape): Tool => ({
   thickness_mm: 6,
   length_mm: 150,
   opening_mm: 30,
+  jaw_bend_deg: 0,
   mesh: parse(ToolMesh, SCOOP),
 });
 
@@ -54,6 +55,25 @@ describe.each(SHAPES.filter((name) => name !== 'mesh'))('a %s', (name) => {
     const extras = shape.extras(given, { metal: material, handle: material });
     const top_m = Math.max(...extras.map((part) => new Box3().setFromObject(part as Mesh).max.z));
     expect(top_m).toBeGreaterThan(shape.half_m(given)[2] + 0.02);
+  });
+});
+
+describe('jaws that are bent', () => {
+  const given = { ...tool('jaws'), jaw_bend_deg: 140 };
+
+  it('have the right one drawn from its flat ends outwards, and reach as far as their bulge', () => {
+    const drawn = new Box3().setFromBufferAttribute(shapeOf(given).geometry(given).getAttribute('position') as never);
+    const half_rad = (70 * Math.PI) / 180;
+    const radius_m = 0.05 / (2 * half_rad);
+    const outer_m = radius_m + 0.0025;
+    const close = (a: number, b: number): void => expect(Math.abs(a - b)).toBeLessThan(2e-5);
+    close(drawn.max.x, outer_m - radius_m * Math.cos(half_rad));
+    close(drawn.max.z, outer_m * Math.sin(half_rad));
+    close(drawn.min.z, -outer_m * Math.sin(half_rad));
+    close(drawn.max.y, 0.02);
+    const [x, y, z] = shapeOf(given).half_m(given);
+    close(2 * x, 0.005 + radius_m * (1 - Math.cos(half_rad)));
+    expect(shapeOf(given).reach_m(given)).toBeCloseTo(Math.hypot(0.015 + 2 * x, y, z), 12);
   });
 });
 
