@@ -1,0 +1,195 @@
+#include <CLI/App.hpp>
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+#include <unistd.h>
+
+#include <algorithm>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "haptolith/core/stop_asked.h"
+#include "haptolith/teleop/udp_relay.h"
+
+#include "commands.h"
+#include "shared/option_checks.h"
+#include "shared/output.h"
+#include "shared/stop_on_signal.h"
+
+namespace haptolith {
+
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+constexpr double kMs = 1e-3;
+constexpr double kKbit = 1e3;
+constexpr double kLook_s = 0.1;
+
+constexpr const char* kExamples = R"(Examples:
+  haptolith teleop link --profile earth-moon --to 127.0.0.1:9050
+                              what comes to 127.0.0.1:7400 goes on to port 9050 after 1.3 s, answers after another 1.3 s
+  haptolith teleop link --round-trip-s 1 --jitter-ms 50 --loss 0.1 --to 127.0.0.1:9050
+  haptolith teleop link --profile lan --outage 20,10 --to 127.0.0.1:9050    cut off for 10 s
+  haptolith teleop profiles                                                 links by their names)";
+
+struct LinkOptions {
+  UdpRelayOptions relay;
+  std::string profile = "lan";
+  std::optional<double> round_trip_s, jitter_ms, loss, rate_kbit_s, duration_s;
+  std::optional<std::uint64_t> seed;
+  std::vector<double> outage;
+  std::string delays_up, delays_down;
+  bool json = false;
+
+  [[nodiscard]] LinkProfile link() const {
+    LinkProfile link = findLinkProfile(profile);
+    for (LinkParameters* way : {&link.up, &link.down}) {
+      way->delay_s = round_trip_s ? *round_trip_s / 2 : way->delay_s;
+      way->jitter_s = jitter_ms ? *jitter_ms * kMs : way->jitter_s;
+      way->loss = loss.value_or(way->loss);
+      way->rate_bit_s = rate_kbit_s ? *rate_kbit_s * kKbit : way->rate_bit_s;
+      for (std::size_t i = 0; i + 1 < outage.size(); i += 2) {
+        way->outages.push_back({.start_s = outage[i], .duration_s = outage[i + 1]});
+      }
+      std::ranges::sort(way->outages, {}, &Outage::start_s);
+    }
+    link.up.seed = seed.value_or(link.up.seed);
+    link.down.seed = seed ? *seed + 1 : link.down.seed;
+    if (!delays_up.empty()) {
+      link.up.delays = readDelays(delays_up);
+    }
+    if (!delays_down.empty()) {
+      link.down.delays = readDelays(delays_down);
+    }
+    return link;
+  }
+};
+
+Json countsJson(const LinkCounts& counts) {
+  return {{"sent", counts.sent},          {"arrived", counts.arrived}, {"lost", counts.lost},
+          {"cut_off", counts.cut_off},    {"dropped", counts.dropped}, {"duplicated", counts.duplicated},
+          {"overtaken", counts.overtaken}};
+}
+
+std::string countsText(const LinkCounts& up, const LinkCounts& down, std::uint64_t ignored) {
+  const auto way = [](const char* name, const LinkCounts& counts) {
+    return fmt::format("  {:5} {:9} sent {:9} arrived {:8} lost {:8} cut off {:8} dropped by the queue\n", name,
+                       counts.sent, counts.arrived, counts.lost, counts.cut_off, counts.dropped);
+  };
+  return fmt::format("{}{}  {:11} ignored: from strangers\n", way("up", up), way("down", down), ignored);
+}
+
+void runLink(const LinkOptions& options) {
+  const LinkProfile link = options.link();
+  UdpRelay relay(link.up, link.down, options.relay);
+  const StopOnSignal stop;
+  printNotice(fmt::format("a link of {:g} s there and back, from port {} to {}; Ctrl-C ends it\n", link.roundTrip(),
+                          relay.port(), options.relay.to));
+  double left_s = options.duration_s.value_or(LinkRanges::time_s.highest);
+  StatusLine status;
+  while (!stopAsked() && left_s > 0) {
+    const double next_s = std::min(left_s, kLook_s);
+    relay.run(next_s);
+    left_s -= next_s;
+    if (status.visible()) {
+      status.update(fmt::format("{} up, {} down, {} on their way", relay.up().arrived, relay.down().arrived,
+                                relay.up().sent - relay.up().arrived));
+    }
+  }
+  status.clear();
+  if (options.json) {
+    printJson({{"profile", options.profile},
+               {"round_trip_s", link.roundTrip()},
+               {"up", countsJson(relay.up())},
+               {"down", countsJson(relay.down())},
+               {"ignored", relay.ignored()}});
+    return;
+  }
+  printText(countsText(relay.up(), relay.down(), relay.ignored()));
+}
+
+Json profileJson(const LinkProfile& profile) {
+  return {{"name", profile.name},
+          {"what", profile.what},
+          {"round_trip_s", profile.roundTrip()},
+          {"jitter_s", profile.up.jitter_s},
+          {"loss", profile.up.meanLoss()},
+          {"rate_bit_s", profile.up.rate_bit_s}};
+}
+
+void listProfiles(bool json) {
+  if (json) {
+    Json list = Json::array();
+    for (const LinkProfile& profile : linkProfiles()) {
+      list.push_back(profileJson(profile));
+    }
+    printJson({{"profiles", list}});
+    return;
+  }
+  std::string text = fmt::format("{:17} {:>10} {:>9} {:>6} {:>10}\n", "", "there and", "jitter", "loss", "kbit/s");
+  text += fmt::format("{:17} {:>10} {:>9} {:>6} {:>10}\n", "name", "back, s", "ms", "%", "each way");
+  for (const LinkProfile& profile : linkProfiles()) {
+    text += fmt::format("{:17} {:10g} {:9g} {:6.1f} {:10g}  {}\n", profile.name, profile.roundTrip(),
+                        profile.up.jitter_s / kMs, 100 * profile.up.meanLoss(), profile.up.rate_bit_s / kKbit,
+                        profile.what);
+  }
+  printText(text);
+}
+
+void addLink(CLI::App& teleop) {
+  auto options = std::make_shared<LinkOptions>();
+  CLI::App* command =
+      teleop.add_subcommand("link", "Stand between two programs that talk by UDP, as a slow and lossy network would");
+  command->footer(kExamples);
+  command->add_option("--to", options->relay.to, "Where the robot's program listens")
+      ->option_text("HOST:PORT")
+      ->required();
+  command->add_option("--listen", options->relay.listen, "Where the operator's program sends to")
+      ->option_text("HOST:PORT [127.0.0.1:7400]");
+  command->add_option("--profile", options->profile, "A link by its name: haptolith teleop profiles")
+      ->option_text("NAME [lan]");
+  const auto number = [&](const char* name, std::optional<double>& value, const Range& range, const char* unit,
+                          const char* what) {
+    command->add_option(name, value, what)->option_text(unit)->check(numberIn(range));
+  };
+  const Range& delay_s = LinkRanges::delay_s;
+  number("--round-trip-s", options->round_trip_s, {0, 2 * delay_s.highest}, "SECONDS",
+         "Delay there and back, half of it each [the profile's]");
+  number("--jitter-ms", options->jitter_ms, LinkRanges::jitter_s.in(kMs), "MS",
+         "Standard deviation of the delay each way [the profile's]");
+  number("--loss", options->loss, LinkRanges::share, "SHARE",
+         "Packets that are lost, 0 to 1, beside the profile's bursts");
+  number("--rate-kbit-s", options->rate_kbit_s, LinkRanges::rate_bit_s.in(kKbit), "KBIT/S",
+         "Rate each way; 0: no limit [the profile's]");
+  command->add_option("--outage", options->outage, "Cut off from this time on for so long; again for another")
+      ->option_text("START_S,DURATION_S")
+      ->delimiter(',')
+      ->type_size(2)
+      ->expected(-1);
+  command
+      ->add_option("--delays-up", options->delays_up,
+                   "Delays as they were measured, from operator to robot: t_s,delay_s")
+      ->option_text("FILE.csv");
+  command->add_option("--delays-down", options->delays_down, "The same from robot to operator")
+      ->option_text("FILE.csv");
+  command->add_option("--seed", options->seed, "Seed of all chance")->option_text("N");
+  number("--duration-s", options->duration_s, {0, LinkRanges::time_s.highest}, "SECONDS", "How long [until Ctrl-C]");
+  command->add_flag("--json", options->json, "Print one JSON object at the end");
+  command->callback([options] { runLink(*options); });
+}
+
+}  // namespace
+
+void addTeleopCommand(CLI::App& app) {
+  CLI::App* teleop = app.add_subcommand("teleop", "Dig far away: links with delay");
+  teleop->require_subcommand(1);
+  addLink(*teleop);
+  auto json = std::make_shared<bool>(false);
+  CLI::App* profiles = teleop->add_subcommand("profiles", "List the links that have a name");
+  profiles->add_flag("--json", *json, "Print one JSON object");
+  profiles->callback([json] { listProfiles(*json); });
+}
+
+}  // namespace haptolith

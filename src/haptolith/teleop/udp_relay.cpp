@@ -1,0 +1,216 @@
+#include "haptolith/teleop/udp_relay.h"
+
+#include <boost/asio/io_context.hpp>
+#include <boost/asio/ip/udp.hpp>
+#include <boost/asio/steady_timer.hpp>
+#include <fmt/format.h>
+
+#include <array>
+#include <charconv>
+#include <chrono>
+#include <optional>
+#include <string_view>
+#include <utility>
+
+#include "haptolith/core/plain_text.h"
+
+namespace haptolith {
+
+namespace {
+
+namespace asio = boost::asio;
+using Udp = asio::ip::udp;
+using Clock = std::chrono::steady_clock;
+using Error = boost::system::error_code;
+
+constexpr std::size_t kLargestDatagram = 65536;
+/// On the way in each direction: half a minute at 1 kHz, and whoever floods the relay takes no more memory than that.
+constexpr std::size_t kMostOnTheWay = 32'768;
+constexpr double kForgottenAfter_s = 10;
+
+Udp::endpoint endpointOf(const char* key, std::string_view text) {
+  const std::size_t colon = text.rfind(':');
+  const std::string_view digits = colon == std::string_view::npos ? std::string_view() : text.substr(colon + 1);
+  std::uint16_t port = 0;
+  const auto [end, wrong] = std::from_chars(digits.data(), digits.data() + digits.size(), port);
+  std::string host(text.substr(0, std::min(colon, text.size())));
+  if (host.starts_with('[') && host.ends_with(']')) {
+    host = host.substr(1, host.size() - 2);
+  }
+  Error error;
+  const asio::ip::address address = asio::ip::make_address(host == "localhost" ? "127.0.0.1" : host, error);
+  if (error || wrong != std::errc{} || end != digits.data() + digits.size()) {
+    throw InvalidParameter(key, inQuotes(text),
+                           "HOST:PORT with an IP address or localhost, for example 127.0.0.1:7400");
+  }
+  return {address, port};
+}
+
+}  // namespace
+
+class UdpRelay::Implementation {
+ public:
+  Implementation(const LinkParameters& up, const LinkParameters& down, const UdpRelayOptions& options)
+      : up_{Link(up)}, down_{Link(down)}, robot_(endpointOf("to", options.to)) {
+    open(operator_socket_, "listen", endpointOf("listen", options.listen));
+    open(robot_socket_, "to", {robot_.address().is_v6() ? Udp::v6() : Udp::v4(), 0});
+    hear(operator_socket_, operator_buffer_, [this](std::size_t bytes) { fromOperator(bytes); });
+    hear(robot_socket_, robot_buffer_, [this](std::size_t bytes) { fromRobot(bytes); });
+  }
+
+  void run(double duration_s) {
+    io_.restart();
+    io_.run_for(std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(duration_s)));
+    if (failed_) {
+      throw Failure(fmt::format("the relay cannot go on: {}", failed_.message()));
+    }
+  }
+
+  [[nodiscard]] std::uint16_t port() const { return operator_socket_.local_endpoint().port(); }
+  [[nodiscard]] const Link& up() const noexcept { return up_.link; }
+  [[nodiscard]] const Link& down() const noexcept { return down_.link; }
+  [[nodiscard]] std::uint64_t ignored() const noexcept { return ignored_; }
+
+ private:
+  struct Way {
+    Link link;
+    std::size_t on_it = 0;
+  };
+  struct Buffer {
+    std::array<std::uint8_t, kLargestDatagram> bytes;
+    Udp::endpoint from;
+  };
+
+  static void open(Udp::socket& socket, const char* key, const Udp::endpoint& where) {
+    Error error;
+    socket.open(where.protocol(), error);
+    if (!error) {
+      socket.bind(where, error);
+    }
+    if (!error) {
+      socket.non_blocking(true, error);
+    }
+    if (error) {
+      throw Failure(fmt::format("cannot use {}:{} for '{}': {}", where.address().to_string(), where.port(), key,
+                                error.message()));
+    }
+  }
+
+  [[nodiscard]] double now() const { return std::chrono::duration<double>(Clock::now() - began_).count(); }
+
+  template <class Take>
+  void hear(Udp::socket& socket, Buffer& buffer, Take take) {
+    socket.async_receive_from(asio::buffer(buffer.bytes), buffer.from,
+                              [this, &socket, &buffer, take](Error error, std::size_t bytes) {
+                                // That nobody listens where the last packet went is no reason to end.
+                                if (error && error != asio::error::connection_refused) {
+                                  failed_ = error;
+                                  io_.stop();
+                                  return;
+                                }
+                                if (!error) {
+                                  take(bytes);
+                                }
+                                hear(socket, buffer, take);
+                              });
+  }
+
+  void fromOperator(std::size_t bytes) {
+    const double now_s = now();
+    if (!operator_ || now_s - heard_s_ > kForgottenAfter_s) {
+      operator_ = operator_buffer_.from;
+    }
+    if (operator_buffer_.from != *operator_) {
+      ++ignored_;
+      return;
+    }
+    heard_s_ = now_s;
+    take(up_, operator_buffer_, bytes);
+  }
+
+  void fromRobot(std::size_t bytes) {
+    if (!operator_ || robot_buffer_.from != robot_) {
+      ++ignored_;
+      return;
+    }
+    take(down_, robot_buffer_, bytes);
+  }
+
+  void take(Way& way, const Buffer& buffer, std::size_t bytes) {
+    if (way.on_it >= kMostOnTheWay) {
+      ++ignored_;
+      return;
+    }
+    const LinkCounts before = way.link.counts();
+    way.link.send(now(), Packet(buffer.bytes.begin(), buffer.bytes.begin() + static_cast<std::ptrdiff_t>(bytes)));
+    const LinkCounts& after = way.link.counts();
+    const bool on_its_way = after.lost + after.cut_off + after.dropped == before.lost + before.cut_off + before.dropped;
+    way.on_it += (on_its_way ? 1U : 0U) + (after.duplicated - before.duplicated);
+    deliver();
+  }
+
+  /// Passes on what has arrived, and waits for the next.
+  void deliver() {
+    const double now_s = now();
+    pass(up_, robot_socket_, robot_, now_s);
+    if (operator_) {
+      pass(down_, operator_socket_, *operator_, now_s);
+    }
+    std::optional<double> next_s = up_.link.nextArrival();
+    if (const std::optional<double> back_s = down_.link.nextArrival(); back_s && (!next_s || *back_s < *next_s)) {
+      next_s = back_s;
+    }
+    if (!next_s) {
+      return;
+    }
+    timer_.expires_at(began_ + std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(*next_s)) +
+                      std::chrono::nanoseconds(1));
+    timer_.async_wait([this](Error error) {
+      if (!error) {
+        deliver();
+      }
+    });
+  }
+
+  static void pass(Way& way, Udp::socket& socket, const Udp::endpoint& to, double now_s) {
+    while (const std::optional<Link::Arrival> arrival = way.link.receive(now_s)) {
+      --way.on_it;
+      Error lost;  // as a network loses what nobody takes
+      socket.send_to(asio::buffer(arrival->packet), to, 0, lost);
+    }
+  }
+
+  asio::io_context io_{1};
+  Udp::socket operator_socket_{io_}, robot_socket_{io_};
+  asio::steady_timer timer_{io_};
+  Clock::time_point began_ = Clock::now();
+  Way up_, down_;
+  Udp::endpoint robot_;
+  std::optional<Udp::endpoint> operator_;
+  double heard_s_ = 0;
+  Buffer operator_buffer_, robot_buffer_;
+  std::uint64_t ignored_ = 0;
+  Error failed_;
+};
+
+UdpRelay::UdpRelay(const LinkParameters& up, const LinkParameters& down, const UdpRelayOptions& options)
+    : implementation_(std::make_unique<Implementation>(up, down, options)) {}
+UdpRelay::~UdpRelay() = default;
+
+void UdpRelay::run(double duration_s) {
+  implementation_->run(duration_s);
+}
+std::uint16_t UdpRelay::port() const {
+  return implementation_->port();
+}
+const LinkCounts& UdpRelay::up() const noexcept {
+  return implementation_->up().counts();
+}
+const LinkCounts& UdpRelay::down() const noexcept {
+  return implementation_->down().counts();
+}
+std::uint64_t UdpRelay::ignored() const noexcept {
+  return implementation_->ignored();
+}
+
+}  // namespace haptolith
