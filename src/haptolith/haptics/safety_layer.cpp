@@ -132,7 +132,7 @@ void SafetyLayer::restart() noexcept {
   plausibility_.restart();
   passivity_.restart();
   held_ = {};
-  held_soil_ = {};
+  held_weight_ = held_soil_ = {};
 }
 
 DeviceOutput SafetyLayer::step(const DeviceOutput& rendered, const Wrench& weight) noexcept {
@@ -143,27 +143,29 @@ DeviceOutput SafetyLayer::step(const DeviceOutput& rendered, const Wrench& weigh
   if (trip_ != SafetyTrip::kNone) {
     flags_ |= kTickForceZeroed;
     held_ = {};
-    held_soil_ = {};
+    held_weight_ = held_soil_ = {};
     return held_;
   }
   startOrStopSoftly();
   DeviceOutput wanted = limited(rendered);
-  Wrench shown_weight = haptolith::limited(weight, limits_);
+  Wrench wanted_weight = haptolith::limited(weight, limits_);
   if (soft_start_.share() <
       1) {  // a share of what is limited: else ten times too much would be all there is within a third
     const double share = smooth(soft_start_.share());
     wanted.wrench = {share * wanted.wrench.force_n, share * wanted.wrench.torque_nm};
     wanted.gripper_force_n *= share;
-    shown_weight = {share * shown_weight.force_n, share * shown_weight.torque_nm};
+    wanted_weight = {share * wanted_weight.force_n, share * wanted_weight.torque_nm};
     flags_ |= kTickSoftStart;
   }
   wanted = dampedForPassivity(wanted);
-  if (!shown_weight.isZero()) {
-    wanted.wrench.add(shown_weight);
+  held_weight_ = {stepTowards(held_weight_.force_n, wanted_weight.force_n, tick_s_ * limits_.max_force_rate_n_s),
+                  stepTowards(held_weight_.torque_nm, wanted_weight.torque_nm, tick_s_ * limits_.max_torque_rate_nm_s)};
+  if (!held_weight_.isZero()) {
+    wanted.wrench.add(held_weight_);
     wanted = limited(wanted);
   }
   held_ = reachable(wanted);
-  held_soil_ = {held_.wrench.force_n - shown_weight.force_n, held_.wrench.torque_nm - shown_weight.torque_nm};
+  held_soil_ = {held_.wrench.force_n - held_weight_.force_n, held_.wrench.torque_nm - held_weight_.torque_nm};
   return held_;
 }
 

@@ -93,9 +93,9 @@ class SafetyLayer {
   bool just_tripped_ = false, just_recovered_ = false, stopping_ = false;
   std::uint32_t trips_ = 0, flags_ = 0;
   int misses_ = 0, well_for_ = 0;
-  Ramp soft_start_;    ///< share of the force
-  DeviceOutput held_;  ///< what the hand feels now
-  Wrench held_soil_;   ///< that without the tool's weight
+  Ramp soft_start_;                 ///< share of the force
+  DeviceOutput held_;               ///< what the hand feels now
+  Wrench held_weight_, held_soil_;  ///< of that the tool's weight, and the rest
 };
 
 }  // namespace haptolith
