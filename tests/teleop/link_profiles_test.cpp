@@ -50,7 +50,7 @@ TEST(LinkProfiles, ARefusalNamesThem) {
 
 class Delays : public testing::Test {
  protected:
-  ~Delays() override { std::filesystem::remove(file_); }
+  void TearDown() override { std::filesystem::remove(file_); }
 
   std::vector<DelayAt> read(const std::string& text) {
     std::ofstream(file_) << text;

@@ -70,7 +70,7 @@ class RelayTest : public testing::Test {
       thread_.join();
     }
   }
-  ~RelayTest() override { end(); }
+  void TearDown() override { end(); }
 
   End operator_, robot_, stranger_;
   std::optional<UdpRelay> relay_;
