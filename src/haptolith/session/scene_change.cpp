@@ -47,21 +47,6 @@ void changeStones(std::vector<PlacedStone>& stones, const SceneChange& change) {
   }
 }
 
-/// A handle may be longer than the box.
-void requireFitting(const ToolMesh& mesh, const std::string& name, const Range& lengths_m) {
-  const MeshCorners& corners = mesh.field.corners();
-  Vec3 size_m = corners.high_m - corners.low_m;
-  std::ranges::sort(size_m);
-  if (size_m[1] > lengths_m.highest) {
-    throw InvalidParameter(
-        name,
-        fmt::format("{:.0f} x {:.0f} x {:.0f} mm", inUnits(size_m[0], kMm), inUnits(size_m[1], kMm),
-                    inUnits(size_m[2], kMm)),
-        fmt::format("at most {:.0f} mm in two of its directions, as wide as the box: is its unit right?",
-                    inUnits(lengths_m.highest, kMm)));
-  }
-}
-
 void changeGravity(Scenario& scenario, double gravity_m_s2) {
   Vec3& gravity = scenario.bed.gravity_m_s2;
   const double now_m_s2 = gravity.norm();
@@ -74,6 +59,19 @@ void changeGravity(Scenario& scenario, double gravity_m_s2) {
 
 Range toolLengths(const BedParameters& bed) {
   return {ToolRanges::length_m.lowest, std::min(bed.width_m, bed.length_m)};
+}
+
+void requireFitting(const MeshCorners& mesh, const std::string& name, const Range& lengths_m) {
+  Vec3 size_m = mesh.high_m - mesh.low_m;
+  std::ranges::sort(size_m);
+  if (size_m[1] > lengths_m.highest) {
+    throw InvalidParameter(
+        name,
+        fmt::format("{:.0f} x {:.0f} x {:.0f} mm", inUnits(size_m[0], kMm), inUnits(size_m[1], kMm),
+                    inUnits(size_m[2], kMm)),
+        fmt::format("at most {:.0f} mm in two of its directions, as wide as the box: is its unit right?",
+                    inUnits(lengths_m.highest, kMm)));
+  }
 }
 
 Scenario changed(Scenario scenario, const SceneChange& change) {
@@ -118,7 +116,7 @@ Scenario changed(Scenario scenario, const SceneChange& change) {
   }
   makeToolMesh(scenario);
   if (change.tool_mesh) {
-    requireFitting(*scenario.tool.mesh, scenario.mesh.name, lengths_m);
+    requireFitting(scenario.tool.mesh->field.corners(), scenario.mesh.name, lengths_m);
   }
   validate(scenario);
   return scenario;

@@ -35,6 +35,10 @@ struct SceneChange {
 /// leaves the soil no place, which pushes the hand away with all the force there is, and makes the bed collapse.
 [[nodiscard]] Range toolLengths(const BedParameters& bed);
 
+/// Refuses a mesh that is wider than `lengths_m` in more than one of its directions: a handle may be longer.
+/// @throws InvalidParameter.
+void requireFitting(const MeshCorners& mesh, const std::string& name, const Range& lengths_m);
+
 /// The scene with the change made. @throws InvalidParameter naming what cannot be; Failure when a soil file cannot be
 /// read.
 [[nodiscard]] Scenario changed(Scenario scenario, const SceneChange& change);

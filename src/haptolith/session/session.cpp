@@ -232,7 +232,11 @@ void Session::takeToolMesh(ToolMeshSource source) {
   making->source = std::move(source);
   try {
     making->result =
-        std::async(std::launch::async, [source = making->source, reach_m = contactReach(wanted_.tool, wanted_.bed)] {
+        std::async(std::launch::async, [source = making->source, reach_m = contactReach(wanted_.tool, wanted_.bed),
+                                        lengths_m = toolLengths(wanted_.bed)] {
+          // One with a wrong unit is refused before it is measured, which takes the longer the larger it is.
+          requireFitting(cornersOf(parseMesh(*source.bytes, source.name, source.format, {.unit_m = source.unit_m})),
+                         source.name, lengths_m);
           return toolMesh(source, reach_m);
         });
   } catch (const std::exception& error) {

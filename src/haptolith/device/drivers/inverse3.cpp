@@ -43,6 +43,7 @@ constexpr auto kOpenPatience = 2s;
 constexpr auto kFindPatience = 300ms;
 constexpr auto kPeriod = 1ms;
 constexpr std::int64_t kFresh_ns = 20'000'000;
+constexpr std::int64_t kMostPatience_ns = 16 * kFresh_ns;
 constexpr std::size_t kLargestMessage = 256 * 1024;  // bytes: an inventory is some kilobytes
 
 struct Address {
@@ -219,7 +220,8 @@ class Inverse3::Connection {
 
   // Of the driver's thread: reads messages as they come, and sends a force each millisecond, unless the one before has
   // not been answered or messages still wait to be read: neither the service nor this thread is given more than it can
-  // do, else the arm would be shown as it was ever longer ago. Messages without end hold no force back for long.
+  // do, else the arm would be shown as it was ever longer ago. Messages without end hold no force back for long, but
+  // for longer each time, so that a machine that is slow at reading catches up all the same.
 
   void serve() {
     receive();
@@ -241,8 +243,10 @@ class Inverse3::Connection {
         return;
       }
       const bool zero_is_due = let_go_.load() && !zero_sent_.load();
-      const bool held_back_long = answered_ && monotonicNs() - sent_ns_ > kFresh_ns;
+      const bool held_back_long = answered_ && monotonicNs() - sent_ns_ > patience_ns_;
       if (!writing_ && (caught_up_ || held_back_long || zero_is_due)) {
+        patience_ns_ =
+            caught_up_ ? std::max(kFresh_ns, patience_ns_ / 2) : std::min(kMostPatience_ns, 2 * patience_ns_);
         send();
       }
       timer_.expires_at(std::max(timer_.expiry() + kPeriod, Clock::now()));  // what was missed is not made up for
@@ -319,7 +323,8 @@ class Inverse3::Connection {
   bool writing_ = false;
   bool answered_ = false, caught_up_ = false;  ///< since the force was sent; and nothing waited after that
   std::int64_t sent_ns_ = 0;
-  std::int64_t nothing_waited_ns_ = 0;  ///< when that was seen last: no message that comes now is older
+  std::int64_t patience_ns_ = kFresh_ns;  ///< for how long a force is held back at most
+  std::int64_t nothing_waited_ns_ = 0;    ///< when that was seen last: no message that comes now is older
   Inverse3State newest_;
 
   LatestValue<Told> told_;
