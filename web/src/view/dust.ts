@@ -102,6 +102,8 @@ export class Dust {
   private before_s = -Infinity;
   private quantised: Range3 = { low_m: [0, 0, 0], high_m: [1, 1, 1] };
   private seed = 1972;
+  /** A participant of a study is not told what gravity is, and dust would tell, or fly wrongly. */
+  private gravity_known = false;
 
   /** @param soil  what the shaders of soil know */
   constructor(soil: Record<string, IUniform>) {
@@ -135,6 +137,8 @@ export class Dust {
   }
 
   setWorld(body: string | null, gravity_m_s2: Vec3, quantised: Range3): void {
+    this.gravity_known = Math.hypot(...gravity_m_s2) > 0;
+    if (!this.gravity_known) this.forget();
     this.uniforms.u_gravity_m_s2.value.set(...gravity_m_s2);
     this.uniforms.u_slowing_s.value = slowingTime_s(body) ?? 0;
     this.quantised = quantised;
@@ -164,6 +168,7 @@ export class Dust {
 
   /** Grains are there at this time: the fast ones throw dust. */
   take(records: Uint16Array, radii_m: Float32Array, time_s: number): void {
+    if (!this.gravity_known) return;
     const step_s = time_s - this.before_s;
     if (step_s < 0) this.forget();
     this.uniforms.u_time_s.value = time_s;

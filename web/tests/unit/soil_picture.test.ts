@@ -162,6 +162,10 @@ describe('dust', () => {
     expect(dust.points.visible).toBe(true);
     for (let n = 60; n < 300; ++n) dust.take(frame(30_000, slow), radii_m, 0.016 * n);
     expect(dust.count).toBe(0);
+    dust.setWorld(null, [0, 0, 0], { low_m: [0, 0, 0], high_m: [1, 1, 1] }); // for a participant of a study
+    for (let n = 300; n < 330; ++n) dust.take(frame(1000 + 40 * n, fast), radii_m, 0.016 * n);
+    expect(dust.count).toBe(0);
+    dust.setWorld('Moon', [0, 0, -1.625], { low_m: [0, 0, 0], high_m: [1, 1, 1] });
     dust.take(frame(30_000, fast), radii_m, 0);
     expect(dust.points.visible).toBe(false); // time has gone back: a film, or another bed
   });
