@@ -145,6 +145,10 @@ TEST(Link, CountsAddUp) {
   EXPECT_EQ(counts.sent, 5000U);
   EXPECT_EQ(counts.arrived, came.size());
   EXPECT_EQ(counts.arrived, counts.sent - counts.lost - counts.cut_off - counts.dropped + counts.duplicated);
+  EXPECT_EQ(counts.onTheWay(), 0U);
+  EXPECT_EQ(link.bytesOnTheWay(), 0U);
+  link.send(1e3, Packet(500));
+  EXPECT_EQ(counts.onTheWay() > 0, link.bytesOnTheWay() >= 500);
   for (const std::uint64_t some : {counts.lost, counts.cut_off, counts.duplicated, counts.overtaken}) {
     EXPECT_GT(some, 0U);
   }

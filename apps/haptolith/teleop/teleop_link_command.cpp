@@ -78,15 +78,18 @@ std::string countsText(const LinkCounts& up, const LinkCounts& down, std::uint64
     return fmt::format("  {:5} {:9} sent {:9} arrived {:8} lost {:8} cut off {:8} dropped by the queue\n", name,
                        counts.sent, counts.arrived, counts.lost, counts.cut_off, counts.dropped);
   };
-  return fmt::format("{}{}  {:11} ignored: from strangers\n", way("up", up), way("down", down), ignored);
+  return fmt::format("{}{}        {:9} not taken: from strangers, or too many on their way\n", way("up", up),
+                     way("down", down), ignored);
 }
 
 void runLink(const LinkOptions& options) {
   const LinkProfile link = options.link();
   UdpRelay relay(link.up, link.down, options.relay);
   const StopOnSignal stop;
-  printNotice(fmt::format("a link of {:g} s there and back, from port {} to {}; Ctrl-C ends it\n", link.roundTrip(),
-                          relay.port(), options.relay.to));
+  const bool measured = !link.up.delays.empty() || !link.down.delays.empty();
+  printNotice(fmt::format("a link of {} there and back, from port {} to {}; Ctrl-C ends it\n",
+                          measured ? "delays from a table" : fmt::format("{:g} s", link.roundTrip()), relay.port(),
+                          options.relay.to));
   double left_s = options.duration_s.value_or(LinkRanges::time_s.highest);
   StatusLine status;
   while (!stopAsked() && left_s > 0) {
@@ -95,13 +98,13 @@ void runLink(const LinkOptions& options) {
     left_s -= next_s;
     if (status.visible()) {
       status.update(fmt::format("{} up, {} down, {} on their way", relay.up().arrived, relay.down().arrived,
-                                relay.up().sent - relay.up().arrived));
+                                relay.up().onTheWay() + relay.down().onTheWay()));
     }
   }
   status.clear();
   if (options.json) {
     printJson({{"profile", options.profile},
-               {"round_trip_s", link.roundTrip()},
+               {"round_trip_s", measured ? Json(nullptr) : Json(link.roundTrip())},
                {"up", countsJson(relay.up())},
                {"down", countsJson(relay.down())},
                {"ignored", relay.ignored()}});
@@ -167,14 +170,15 @@ void addLink(CLI::App& teleop) {
       ->option_text("START_S,DURATION_S")
       ->delimiter(',')
       ->type_size(2)
-      ->expected(-1);
+      ->expected(-1)
+      ->check(numberIn(LinkRanges::time_s));
   command
       ->add_option("--delays-up", options->delays_up,
                    "Delays as they were measured, from operator to robot: t_s,delay_s")
       ->option_text("FILE.csv");
   command->add_option("--delays-down", options->delays_down, "The same from robot to operator")
       ->option_text("FILE.csv");
-  command->add_option("--seed", options->seed, "Seed of all chance")->option_text("N");
+  command->add_option("--seed", options->seed, "Seed of all chance")->option_text("N")->check(wholeNumberIn({0, 9e15}));
   number("--duration-s", options->duration_s, {0, LinkRanges::time_s.highest}, "SECONDS", "How long [until Ctrl-C]");
   command->add_flag("--json", options->json, "Print one JSON object at the end");
   command->callback([options] { runLink(*options); });

@@ -11,6 +11,7 @@ namespace haptolith {
 namespace {
 
 constexpr double kBitsPerByte = 8;
+constexpr std::size_t kBytesBeside = 100;  // a packet's own
 
 /// Pareto's distribution of index 3, from the standard deviate of a normal one that stands at the same rank; shifted
 /// and scaled to mean 0 and standard deviation 1.
@@ -41,7 +42,9 @@ void Link::send(double time_s, Packet packet) {
 
   double leaves_s = now_s_;
   if (parameters_.rate_bit_s > 0) {
-    std::erase_if(queued_until_s_, [&](double until_s) { return until_s <= now_s_; });
+    while (!queued_until_s_.empty() && queued_until_s_.front() <= now_s_) {
+      queued_until_s_.pop_front();
+    }
     if (queued_until_s_.size() >= static_cast<std::size_t>(parameters_.queue_packets)) {
       ++counts_.dropped;
       return;
@@ -71,6 +74,7 @@ void Link::dispatch(double time_s, double jitter_s, Packet packet) {
   if (parameters_.in_order) {
     arrives_s = last_arrival_s_ = std::max(arrives_s, last_arrival_s_);
   }
+  bytes_on_the_way_ += packet.size() + kBytesBeside;
   on_its_way_.push_back({arrives_s, number_, std::move(packet)});
   std::ranges::push_heap(on_its_way_, arrivesLater);
 }
@@ -82,6 +86,7 @@ std::optional<Link::Arrival> Link::receive(double time_s) {
   std::ranges::pop_heap(on_its_way_, arrivesLater);
   OnItsWay next = std::move(on_its_way_.back());
   on_its_way_.pop_back();
+  bytes_on_the_way_ -= next.packet.size() + kBytesBeside;
   ++counts_.arrived;
   counts_.overtaken += next.number < newest_arrived_ ? 1 : 0;
   newest_arrived_ = std::max(newest_arrived_, next.number);

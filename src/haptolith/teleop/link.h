@@ -2,6 +2,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <deque>
 #include <optional>
 #include <random>
 #include <vector>
@@ -21,12 +22,15 @@ struct LinkCounts {
   std::uint64_t duplicated = 0;  ///< arrive once more
   std::uint64_t overtaken = 0;   ///< arrived after one that was sent later
 
+  [[nodiscard]] std::uint64_t onTheWay() const noexcept {
+    return sent + duplicated - arrived - lost - cut_off - dropped;
+  }
   [[nodiscard]] bool operator==(const LinkCounts&) const = default;
 };
 
 /// One direction of a link, in time that the caller tells: seconds of delay take no time to compute. A packet waits for
 /// those before it to be sent at the link's rate, may be lost, and arrives a delay later. The same calls give the same
-/// bits on every machine. Allocates; not for the tick.
+/// bits, with the same C library. Allocates; not for the tick.
 class Link {
  public:
   /// @throws InvalidParameter as validate().
@@ -45,6 +49,8 @@ class Link {
   [[nodiscard]] std::optional<double> nextArrival() const noexcept;
 
   [[nodiscard]] const LinkCounts& counts() const noexcept { return counts_; }
+  /// That packets on their way hold, some 100 bytes for each beside its own.
+  [[nodiscard]] std::size_t bytesOnTheWay() const noexcept { return bytes_on_the_way_; }
   [[nodiscard]] const LinkParameters& parameters() const noexcept { return parameters_; }
 
  private:
@@ -68,13 +74,14 @@ class Link {
   LinkParameters parameters_;
   std::mt19937_64 random_;
   double now_s_ = 0;
-  std::vector<double> queued_until_s_;  ///< when each of those that wait has been sent, oldest first
+  std::deque<double> queued_until_s_;  ///< when each of those that wait has been sent, oldest first
   double busy_until_s_ = 0;
   bool bad_ = false;
   double deviate_ = 0;
   bool has_deviate_ = false;
   double last_arrival_s_ = 0;
   std::uint64_t number_ = 0, newest_arrived_ = 0;
+  std::size_t bytes_on_the_way_ = 0;
   std::vector<OnItsWay> on_its_way_;  ///< a heap, the next to arrive at its top
   LinkCounts counts_;
 };

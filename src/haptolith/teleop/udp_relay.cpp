@@ -24,8 +24,9 @@ using Clock = std::chrono::steady_clock;
 using Error = boost::system::error_code;
 
 constexpr std::size_t kLargestDatagram = 65536;
-/// On the way in each direction: half a minute at 1 kHz, and whoever floods the relay takes no more memory than that.
-constexpr std::size_t kMostOnTheWay = 32'768;
+/// On the way in each direction: four minutes of packets of 150 bytes at 1 kHz. Whoever floods the relay takes no more
+/// memory than that.
+constexpr std::size_t kMostBytesOnTheWay = std::size_t{64} << 20;
 constexpr double kForgottenAfter_s = 10;
 
 Udp::endpoint endpointOf(const char* key, std::string_view text) {
@@ -51,7 +52,7 @@ Udp::endpoint endpointOf(const char* key, std::string_view text) {
 class UdpRelay::Implementation {
  public:
   Implementation(const LinkParameters& up, const LinkParameters& down, const UdpRelayOptions& options)
-      : up_{Link(up)}, down_{Link(down)}, robot_(endpointOf("to", options.to)) {
+      : up_(up), down_(down), robot_(endpointOf("to", options.to)) {
     open(operator_socket_, "listen", endpointOf("listen", options.listen));
     open(robot_socket_, "to", {robot_.address().is_v6() ? Udp::v6() : Udp::v4(), 0});
     hear(operator_socket_, operator_buffer_, [this](std::size_t bytes) { fromOperator(bytes); });
@@ -67,15 +68,11 @@ class UdpRelay::Implementation {
   }
 
   [[nodiscard]] std::uint16_t port() const { return operator_socket_.local_endpoint().port(); }
-  [[nodiscard]] const Link& up() const noexcept { return up_.link; }
-  [[nodiscard]] const Link& down() const noexcept { return down_.link; }
+  [[nodiscard]] const Link& up() const noexcept { return up_; }
+  [[nodiscard]] const Link& down() const noexcept { return down_; }
   [[nodiscard]] std::uint64_t ignored() const noexcept { return ignored_; }
 
  private:
-  struct Way {
-    Link link;
-    std::size_t on_it = 0;
-  };
   struct Buffer {
     std::array<std::uint8_t, kLargestDatagram> bytes;
     Udp::endpoint from;
@@ -136,16 +133,12 @@ class UdpRelay::Implementation {
     take(down_, robot_buffer_, bytes);
   }
 
-  void take(Way& way, const Buffer& buffer, std::size_t bytes) {
-    if (way.on_it >= kMostOnTheWay) {
+  void take(Link& way, const Buffer& buffer, std::size_t bytes) {
+    if (way.bytesOnTheWay() >= kMostBytesOnTheWay) {
       ++ignored_;
       return;
     }
-    const LinkCounts before = way.link.counts();
-    way.link.send(now(), Packet(buffer.bytes.begin(), buffer.bytes.begin() + static_cast<std::ptrdiff_t>(bytes)));
-    const LinkCounts& after = way.link.counts();
-    const bool on_its_way = after.lost + after.cut_off + after.dropped == before.lost + before.cut_off + before.dropped;
-    way.on_it += (on_its_way ? 1U : 0U) + (after.duplicated - before.duplicated);
+    way.send(now(), Packet(buffer.bytes.begin(), buffer.bytes.begin() + static_cast<std::ptrdiff_t>(bytes)));
     deliver();
   }
 
@@ -156,8 +149,8 @@ class UdpRelay::Implementation {
     if (operator_) {
       pass(down_, operator_socket_, *operator_, now_s);
     }
-    std::optional<double> next_s = up_.link.nextArrival();
-    if (const std::optional<double> back_s = down_.link.nextArrival(); back_s && (!next_s || *back_s < *next_s)) {
+    std::optional<double> next_s = up_.nextArrival();
+    if (const std::optional<double> back_s = down_.nextArrival(); back_s && (!next_s || *back_s < *next_s)) {
       next_s = back_s;
     }
     if (!next_s) {
@@ -172,9 +165,8 @@ class UdpRelay::Implementation {
     });
   }
 
-  static void pass(Way& way, Udp::socket& socket, const Udp::endpoint& to, double now_s) {
-    while (const std::optional<Link::Arrival> arrival = way.link.receive(now_s)) {
-      --way.on_it;
+  static void pass(Link& way, Udp::socket& socket, const Udp::endpoint& to, double now_s) {
+    while (const std::optional<Link::Arrival> arrival = way.receive(now_s)) {
       Error lost;  // as a network loses what nobody takes
       socket.send_to(asio::buffer(arrival->packet), to, 0, lost);
     }
@@ -184,7 +176,7 @@ class UdpRelay::Implementation {
   Udp::socket operator_socket_{io_}, robot_socket_{io_};
   asio::steady_timer timer_{io_};
   Clock::time_point began_ = Clock::now();
-  Way up_, down_;
+  Link up_, down_;
   Udp::endpoint robot_;
   std::optional<Udp::endpoint> operator_;
   double heard_s_ = 0;

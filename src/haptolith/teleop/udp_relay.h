@@ -30,7 +30,8 @@ class UdpRelay {
   [[nodiscard]] std::uint16_t port() const;
   [[nodiscard]] const LinkCounts& up() const noexcept;
   [[nodiscard]] const LinkCounts& down() const noexcept;
-  /// Packets that were passed to nobody: of strangers, or for a first one that there is not yet.
+  /// Packets that were not taken: of strangers, for a first one that there is not yet, or while 64 MiB are on their
+  /// way.
   [[nodiscard]] std::uint64_t ignored() const noexcept;
 
  private:
