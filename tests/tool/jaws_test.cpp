@@ -489,26 +489,28 @@ TEST(JawsInAScene, LetNothingThroughWhenTheySnapShut) {
   }
 }
 
+/// Leads upright jaws, open by a share, from one height and opening to others.
+void lead(Scene& scene, double from_m, double to_m, double open_from, double open_to, int ticks) {
+  for (int i = 1; i <= ticks; ++i) {
+    const double share = static_cast<double>(i) / ticks;
+    const Twist twist{Vec3(0, 0, (to_m - from_m) / (ticks * kTick_s)), Vec3::Zero()};
+    const Pose pose{Vec3(0, 0, std::lerp(from_m, to_m, share)), Quat::Identity()};
+    ASSERT_EQ(scene.tick({{pose, twist}, std::lerp(open_from, open_to, share)}), StepStatus::kOk);
+  }
+}
+
 TEST(JawsInAScene, GatherSoilAndFeelItBetweenThem) {
   BedParameters bed = p4();
   bed.soil.friction = FrictionModel::kContact;  // with the paper's, nothing but dust holds on to a tool
   Scene scene(bed, jaws(0.04));
-  const auto go = [&](double from_m, double to_m, double open_from, double open_to, int ticks) {
-    for (int i = 1; i <= ticks; ++i) {
-      const double share = static_cast<double>(i) / ticks;
-      const Twist twist{Vec3(0, 0, (to_m - from_m) / (ticks * kTick_s)), Vec3::Zero()};
-      const Pose pose{Vec3(0, 0, std::lerp(from_m, to_m, share)), Quat::Identity()};
-      ASSERT_EQ(scene.tick({{pose, twist}, std::lerp(open_from, open_to, share)}), StepStatus::kOk);
-    }
-  };
   scene.placeTool({{{Vec3(0, 0, 0.12), Quat::Identity()}, {}}});
-  go(0.12, 0.045, 1, 1, 500);
+  lead(scene, 0.12, 0.045, 1, 1, 500);
   const double open_n = scene.felt().grip_n;
-  go(0.045, 0.045, 1, 0.3, 40);  // 28 mm in 40 ms, to less than a particle
+  lead(scene, 0.045, 0.045, 1, 0.3, 40);  // 28 mm in 40 ms, to less than a particle
   EXPECT_GT(scene.felt().grip_n, open_n + 0.2);
-  go(0.045, 0.12, 0.3, 0.3, 500);
+  lead(scene, 0.045, 0.12, 0.3, 0.3, 500);
   EXPECT_GT(scene.felt().grip_n, 0.05) << "something is still between them";
-  go(0.12, 0.12, 0.3, 1, 100);
+  lead(scene, 0.12, 0.12, 0.3, 1, 100);
   EXPECT_NEAR(scene.felt().grip_n, 0, 0.05);
 }
 
@@ -520,19 +522,11 @@ TEST(JawsInAScene, ShellsCarryWhatFlatOnesDrop) {
     tool.size_m = {0.08, 0.06, 0.004};
     tool.friction = 0;
     Scene scene(bed, tool);
-    const auto go = [&](double from_m, double to_m, double open_from, double open_to, int ticks) {
-      for (int i = 1; i <= ticks; ++i) {
-        const double share = static_cast<double>(i) / ticks;
-        const Twist twist{Vec3(0, 0, (to_m - from_m) / (ticks * kTick_s)), Vec3::Zero()};
-        const Pose pose{Vec3(0, 0, std::lerp(from_m, to_m, share)), Quat::Identity()};
-        EXPECT_EQ(scene.tick({{pose, twist}, std::lerp(open_from, open_to, share)}), StepStatus::kOk);
-      }
-    };
     scene.placeTool({{{Vec3(0, 0, 0.12), Quat::Identity()}, {}}});
-    go(0.12, 0.04, 1, 1, 800);
-    go(0.04, 0.04, 1, 0.04, 400);
-    go(0.04, 0.2, 0.04, 0.04, 1600);
-    go(0.2, 0.2, 0.04, 0.04, 500);
+    lead(scene, 0.12, 0.04, 1, 1, 800);
+    lead(scene, 0.04, 0.04, 1, 0.04, 400);
+    lead(scene, 0.04, 0.2, 0.04, 0.04, 1600);
+    lead(scene, 0.2, 0.2, 0.04, 0.04, 500);
     int high = 0;
     const BedState& state = scene.bed().state();
     for (std::size_t i = 0; i < state.particles(); ++i) {
