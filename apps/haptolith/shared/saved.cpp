@@ -34,7 +34,7 @@ std::string sizeText(std::uintmax_t bytes) {
 /// The largest table whose rows are counted: a trace of hours is not read once more for that.
 constexpr std::uintmax_t kMostCounted = 16UL << 20;
 
-/// Rows below the heading, and columns.
+/// Rows below the heading, and columns; lines that begin with # are remarks.
 std::string tableText(const fs::path& path) {
   std::ifstream file(path, std::ios::binary);
   std::string line;
@@ -42,7 +42,9 @@ std::string tableText(const fs::path& path) {
   std::ptrdiff_t columns = 0;
   const char separator = path.extension() == ".tsv" ? '\t' : ',';
   while (std::getline(file, line)) {
-    columns = lines++ == 0 ? 1 + std::ranges::count(line, separator) : columns;
+    if (!line.starts_with('#')) {
+      columns = lines++ == 0 ? 1 + std::ranges::count(line, separator) : columns;
+    }
   }
   return fmt::format("{} rows of {} columns", lines == 0 ? 0 : lines - 1, columns);
 }
