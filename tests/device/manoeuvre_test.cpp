@@ -7,8 +7,8 @@
 namespace haptolith {
 namespace {
 
-constexpr Manoeuvre kAll[] = {Manoeuvre::kStill, Manoeuvre::kPress, Manoeuvre::kStir,
-                              Manoeuvre::kScoop, Manoeuvre::kCarry, Manoeuvre::kShake};
+constexpr Manoeuvre kAll[] = {Manoeuvre::kStill, Manoeuvre::kPress, Manoeuvre::kStir, Manoeuvre::kScoop,
+                              Manoeuvre::kCarry, Manoeuvre::kShake, Manoeuvre::kCut};
 constexpr double kTick_s = 1e-3;
 
 HandParameters handFor(Manoeuvre manoeuvre) {
@@ -153,8 +153,24 @@ TEST(ManoeuvreOpening, ClosesAtTheLowestPointAndOpensWhereTheSoilIsTippedOut) {
   EXPECT_EQ(manoeuvreOpening(hand, 4 - kTick_s), 1);
 }
 
+TEST(Manoeuvre, CutsStraightAtOneDepthWithItsEdgeAhead) {
+  const HandParameters hand = handFor(Manoeuvre::kCut);
+  const double from_s = 0.11 * hand.period_s;
+  const double to_s = 0.25 * hand.period_s;
+  const Vec3 begin = manoeuvrePose(hand, from_s).position_m;
+  for (double t = from_s; t <= to_s; t += 0.01) {
+    const Pose pose = manoeuvrePose(hand, t);
+    EXPECT_NEAR(pose.position_m.z(), 0.035 - hand.depth_m, 1e-12);
+    EXPECT_NEAR(pose.position_m.y(), begin.y(), 1e-12);
+    const Vec3 edge = pose.orientation * Vec3(0.025, 0, 0);  // the shovel's end that is in the soil
+    EXPECT_GT(edge.x(), 0) << "ahead of its middle";
+    EXPECT_LT(edge.z(), -0.02);
+  }
+  EXPECT_NEAR(manoeuvrePose(hand, to_s).position_m.x() - begin.x(), 2 * hand.reach_m, 1e-12);
+}
+
 TEST(ManoeuvreOpening, IsOpenInAnythingThatLiftsNothingAndAtTheEnd) {
-  for (const Manoeuvre manoeuvre : {Manoeuvre::kStill, Manoeuvre::kPress, Manoeuvre::kStir}) {
+  for (const Manoeuvre manoeuvre : {Manoeuvre::kStill, Manoeuvre::kPress, Manoeuvre::kStir, Manoeuvre::kCut}) {
     for (double t = 0; t < 8; t += 0.01) {
       EXPECT_EQ(manoeuvreOpening(handFor(manoeuvre), t), 1);
     }

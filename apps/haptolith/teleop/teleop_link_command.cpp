@@ -16,6 +16,8 @@
 #include "shared/option_checks.h"
 #include "shared/output.h"
 #include "shared/stop_on_signal.h"
+#include "teleop/link_options.h"
+#include "teleop/teleop_bench_command.h"
 
 namespace haptolith {
 
@@ -34,37 +36,11 @@ constexpr const char* kExamples = R"(Examples:
   haptolith teleop link --profile lan --outage 20,10 --to 127.0.0.1:9050    cut off for 10 s
   haptolith teleop profiles                                                 links by their names)";
 
-struct LinkOptions {
+struct RelayOptions {
   UdpRelayOptions relay;
-  std::string profile = "lan";
-  std::optional<double> round_trip_s, jitter_ms, loss, rate_kbit_s, duration_s;
-  std::optional<std::uint64_t> seed;
-  std::vector<double> outage;
-  std::string delays_up, delays_down;
+  LinkOptions link;
+  std::optional<double> duration_s;
   bool json = false;
-
-  [[nodiscard]] LinkProfile link() const {
-    LinkProfile link = findLinkProfile(profile);
-    for (LinkParameters* way : {&link.up, &link.down}) {
-      way->delay_s = round_trip_s ? *round_trip_s / 2 : way->delay_s;
-      way->jitter_s = jitter_ms ? *jitter_ms * kMs : way->jitter_s;
-      way->loss = loss.value_or(way->loss);
-      way->rate_bit_s = rate_kbit_s ? *rate_kbit_s * kKbit : way->rate_bit_s;
-      for (std::size_t i = 0; i + 1 < outage.size(); i += 2) {
-        way->outages.push_back({.start_s = outage[i], .duration_s = outage[i + 1]});
-      }
-      std::ranges::sort(way->outages, {}, &Outage::start_s);
-    }
-    link.up.seed = seed.value_or(link.up.seed);
-    link.down.seed = seed ? *seed + 1 : link.down.seed;
-    if (!delays_up.empty()) {
-      link.up.delays = readDelays(delays_up);
-    }
-    if (!delays_down.empty()) {
-      link.down.delays = readDelays(delays_down);
-    }
-    return link;
-  }
 };
 
 Json countsJson(const LinkCounts& counts) {
@@ -82,8 +58,8 @@ std::string countsText(const LinkCounts& up, const LinkCounts& down, std::uint64
                      way("down", down), ignored);
 }
 
-void runLink(const LinkOptions& options) {
-  const LinkProfile link = options.link();
+void runLink(const RelayOptions& options) {
+  const LinkProfile link = options.link.link();
   UdpRelay relay(link.up, link.down, options.relay);
   const StopOnSignal stop;
   const bool measured = !link.up.delays.empty() || !link.down.delays.empty();
@@ -103,7 +79,7 @@ void runLink(const LinkOptions& options) {
   }
   status.clear();
   if (options.json) {
-    printJson({{"profile", options.profile},
+    printJson({{"profile", options.link.profile},
                {"round_trip_s", measured ? Json(nullptr) : Json(link.roundTrip())},
                {"up", countsJson(relay.up())},
                {"down", countsJson(relay.down())},
@@ -142,7 +118,7 @@ void listProfiles(bool json) {
 }
 
 void addLink(CLI::App& teleop) {
-  auto options = std::make_shared<LinkOptions>();
+  auto options = std::make_shared<RelayOptions>();
   CLI::App* command =
       teleop.add_subcommand("link", "Stand between two programs that talk by UDP, as a slow and lossy network would");
   command->footer(kExamples);
@@ -151,35 +127,17 @@ void addLink(CLI::App& teleop) {
       ->required();
   command->add_option("--listen", options->relay.listen, "Where the operator's program sends to")
       ->option_text("HOST:PORT [127.0.0.1:7400]");
-  command->add_option("--profile", options->profile, "A link by its name: haptolith teleop profiles")
+  command->add_option("--profile", options->link.profile, "A link by its name: haptolith teleop profiles")
       ->option_text("NAME [lan]");
-  const auto number = [&](const char* name, std::optional<double>& value, const Range& range, const char* unit,
-                          const char* what) {
-    command->add_option(name, value, what)->option_text(unit)->check(numberIn(range));
-  };
-  const Range& delay_s = LinkRanges::delay_s;
-  number("--round-trip-s", options->round_trip_s, {0, 2 * delay_s.highest}, "SECONDS",
-         "Delay there and back, half of it each [the profile's]");
-  number("--jitter-ms", options->jitter_ms, LinkRanges::jitter_s.in(kMs), "MS",
-         "Standard deviation of the delay each way [the profile's]");
-  number("--loss", options->loss, LinkRanges::share, "SHARE",
-         "Packets that are lost, 0 to 1, beside the profile's bursts");
-  number("--rate-kbit-s", options->rate_kbit_s, LinkRanges::rate_bit_s.in(kKbit), "KBIT/S",
-         "Rate each way; 0: no limit [the profile's]");
-  command->add_option("--outage", options->outage, "Cut off from this time on for so long; again for another")
-      ->option_text("START_S,DURATION_S")
-      ->delimiter(',')
-      ->type_size(2)
-      ->expected(-1)
-      ->check(numberIn(LinkRanges::time_s));
   command
-      ->add_option("--delays-up", options->delays_up,
-                   "Delays as they were measured, from operator to robot: t_s,delay_s")
-      ->option_text("FILE.csv");
-  command->add_option("--delays-down", options->delays_down, "The same from robot to operator")
-      ->option_text("FILE.csv");
-  command->add_option("--seed", options->seed, "Seed of all chance")->option_text("N")->check(wholeNumberIn({0, 9e15}));
-  number("--duration-s", options->duration_s, {0, LinkRanges::time_s.highest}, "SECONDS", "How long [until Ctrl-C]");
+      ->add_option("--round-trip-s", options->link.round_trip_s,
+                   "Delay there and back, half of it each [the profile's]")
+      ->option_text("SECONDS")
+      ->check(numberIn({0, 2 * LinkRanges::delay_s.highest}));
+  options->link.addTo(*command);
+  command->add_option("--duration-s", options->duration_s, "How long [until Ctrl-C]")
+      ->option_text("SECONDS")
+      ->check(numberIn({0, LinkRanges::time_s.highest}));
   command->add_flag("--json", options->json, "Print one JSON object at the end");
   command->callback([options] { runLink(*options); });
 }
@@ -187,9 +145,10 @@ void addLink(CLI::App& teleop) {
 }  // namespace
 
 void addTeleopCommand(CLI::App& app) {
-  CLI::App* teleop = app.add_subcommand("teleop", "Dig far away: links with delay");
+  CLI::App* teleop = app.add_subcommand("teleop", "Dig far away: links with delay, and what they do to a hand");
   teleop->require_subcommand(1);
   addLink(*teleop);
+  addTeleopBench(*teleop);
   auto json = std::make_shared<bool>(false);
   CLI::App* profiles = teleop->add_subcommand("profiles", "List the links that have a name");
   profiles->add_flag("--json", *json, "Print one JSON object");

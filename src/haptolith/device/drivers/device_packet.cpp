@@ -1,18 +1,14 @@
 #include "haptolith/device/drivers/device_packet.h"
 
-#include <algorithm>
-#include <bit>
 #include <cmath>
-#include <cstring>
 #include <string_view>
 #include <utility>
+
+#include "haptolith/core/packet_bytes.h"
 
 namespace haptolith {
 
 namespace {
-
-static_assert(std::endian::native == std::endian::little, "packets are copied as they lie in memory");
-static_assert(sizeof(double) == 8);
 
 constexpr std::string_view kDeviceMagic = "HLDV";
 constexpr std::string_view kAnswerMagic = "HLAN";
@@ -24,73 +20,6 @@ constexpr std::uint16_t kLetGo = 2;
 constexpr double kLargestPosition_m = 10;
 constexpr double kLargestSpeed_m_s = 100;
 constexpr double kLargestTurning_rad_s = 1000;
-
-/// Reads values one after the other; its maker has checked the size.
-class Reader {
- public:
-  explicit Reader(std::span<const std::byte> bytes) : rest_(bytes) {}
-
-  template <class T>
-  void read(T& value) noexcept {
-    std::memcpy(&value, rest_.data(), sizeof(T));
-    rest_ = rest_.subspan(sizeof(T));
-  }
-  template <class T>
-  [[nodiscard]] T next() noexcept {
-    T value;
-    read(value);
-    return value;
-  }
-  void read(Vec3& v) noexcept {
-    read(v.x());
-    read(v.y());
-    read(v.z());
-  }
-  void read(Quat& q) noexcept {
-    read(q.w());
-    read(q.x());
-    read(q.y());
-    read(q.z());
-  }
-  [[nodiscard]] bool nextIs(std::string_view magic) noexcept {
-    const bool is = std::memcmp(rest_.data(), magic.data(), magic.size()) == 0;
-    rest_ = rest_.subspan(magic.size());
-    return is;
-  }
-
- private:
-  std::span<const std::byte> rest_;
-};
-
-/// Writes values one after the other.
-class Writer {
- public:
-  explicit Writer(std::span<std::byte> bytes) : rest_(bytes) {}
-
-  template <class T>
-  void write(const T& value) noexcept {
-    std::memcpy(rest_.data(), &value, sizeof(T));
-    rest_ = rest_.subspan(sizeof(T));
-  }
-  void write(const Vec3& v) noexcept {
-    write(v.x());
-    write(v.y());
-    write(v.z());
-  }
-  void write(const Quat& q) noexcept {
-    write(q.w());
-    write(q.x());
-    write(q.y());
-    write(q.z());
-  }
-  void write(std::string_view magic) noexcept {
-    std::memcpy(rest_.data(), magic.data(), magic.size());
-    rest_ = rest_.subspan(magic.size());
-  }
-
- private:
-  std::span<std::byte> rest_;
-};
 
 bool isWithin(double largest, const Vec3& v) noexcept {
   return v.cwiseAbs().maxCoeff() <= largest;
@@ -118,7 +47,7 @@ std::optional<PacketFault> read(std::span<const std::byte> bytes, DevicePacket& 
   if (bytes.size() != DevicePacket::kBytes) {
     return PacketFault::kSize;
   }
-  Reader reader(bytes);
+  PacketReader reader(bytes);
   if (!reader.nextIs(kDeviceMagic)) {
     return PacketFault::kMagic;
   }
@@ -129,10 +58,10 @@ std::optional<PacketFault> read(std::span<const std::byte> bytes, DevicePacket& 
   reader.read(packet.sequence);
   reader.read(packet.buttons);
   reader.read(packet.sender_time);
-  reader.read(packet.pose.position_m);
-  reader.read(packet.pose.orientation);
-  reader.read(packet.twist.linear_m_s);
-  reader.read(packet.twist.angular_rad_s);
+  reader.readVector(packet.pose.position_m);
+  reader.readQuaternion(packet.pose.orientation);
+  reader.readVector(packet.twist.linear_m_s);
+  reader.readVector(packet.twist.angular_rad_s);
   reader.read(packet.gripper_open);
   return faultIn(packet);
 }
@@ -155,7 +84,7 @@ std::optional<AnswerPacket> parseAnswer(std::span<const std::byte> bytes) noexce
   if (bytes.size() != AnswerPacket::kBytes) {
     return std::nullopt;
   }
-  Reader reader(bytes);
+  PacketReader reader(bytes);
   if (!reader.nextIs(kAnswerMagic) || reader.next<std::uint16_t>() != AnswerPacket::kVersion) {
     return std::nullopt;
   }
@@ -166,8 +95,8 @@ std::optional<AnswerPacket> parseAnswer(std::span<const std::byte> bytes) noexce
   reader.read(packet.sequence);
   reader.read(packet.number);
   reader.read(packet.sender_time);
-  reader.read(packet.output.wrench.force_n);
-  reader.read(packet.output.wrench.torque_nm);
+  reader.readVector(packet.output.wrench.force_n);
+  reader.readVector(packet.output.wrench.torque_nm);
   reader.read(packet.output.gripper_force_n);
   const bool finite = packet.output.wrench.force_n.allFinite() && packet.output.wrench.torque_nm.allFinite() &&
                       std::isfinite(packet.output.gripper_force_n);
@@ -176,32 +105,32 @@ std::optional<AnswerPacket> parseAnswer(std::span<const std::byte> bytes) noexce
 
 std::array<std::byte, DevicePacket::kBytes> bytesOf(const DevicePacket& packet) noexcept {
   std::array<std::byte, DevicePacket::kBytes> bytes{};
-  Writer writer(bytes);
-  writer.write(kDeviceMagic);
+  PacketWriter writer(bytes);
+  writer.writeMagic(kDeviceMagic);
   writer.write(DevicePacket::kVersion);
   writer.write(packet.held ? kHeld : std::uint16_t{0});
   writer.write(packet.sequence);
   writer.write(packet.buttons);
   writer.write(packet.sender_time);
-  writer.write(packet.pose.position_m);
-  writer.write(packet.pose.orientation);
-  writer.write(packet.twist.linear_m_s);
-  writer.write(packet.twist.angular_rad_s);
+  writer.writeVector(packet.pose.position_m);
+  writer.writeQuaternion(packet.pose.orientation);
+  writer.writeVector(packet.twist.linear_m_s);
+  writer.writeVector(packet.twist.angular_rad_s);
   writer.write(packet.gripper_open);
   return bytes;
 }
 
 std::array<std::byte, AnswerPacket::kBytes> bytesOf(const AnswerPacket& packet) noexcept {
   std::array<std::byte, AnswerPacket::kBytes> bytes{};
-  Writer writer(bytes);
-  writer.write(kAnswerMagic);
+  PacketWriter writer(bytes);
+  writer.writeMagic(kAnswerMagic);
   writer.write(AnswerPacket::kVersion);
   writer.write(static_cast<std::uint16_t>((packet.live ? kLive : 0) | (packet.let_go ? kLetGo : 0)));
   writer.write(packet.sequence);
   writer.write(packet.number);
   writer.write(packet.sender_time);
-  writer.write(packet.output.wrench.force_n);
-  writer.write(packet.output.wrench.torque_nm);
+  writer.writeVector(packet.output.wrench.force_n);
+  writer.writeVector(packet.output.wrench.torque_nm);
   writer.write(packet.output.gripper_force_n);
   return bytes;
 }

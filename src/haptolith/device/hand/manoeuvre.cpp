@@ -63,6 +63,15 @@ constexpr KeyPose kShakeTable[] = {
     {0.84, 0.5, 0, 0.7, 0, 0},   {0.90, 0.0, 0, 0.8, 100, 0},  {1.00, 0.0, 0, 1.0, 0, 0},
 };
 
+// Three straight cuts that cross in the middle, the blade leaning back by 20 degrees, its edge ahead.
+constexpr KeyPose kCutTable[] = {
+    {0.00, 0., 0.0 / 3, 1.0, 70, 0}, {0.05, -1, 0.0 / 3, 0.5, 70, 0}, {0.11, -1, 0.0 / 3, -1., 70, 0},
+    {0.25, 1., 0.0 / 3, -1., 70, 0}, {0.31, 1., 0.0 / 3, 0.5, 70, 0},  // in, through, out
+    {0.38, -1, 1.0 / 3, 0.5, 70, 0}, {0.44, -1, 1.0 / 3, -1., 70, 0}, {0.58, 1., 1.0 / 3, -1., 70, 0},
+    {0.64, 1., 1.0 / 3, 0.5, 70, 0}, {0.70, -1, 2.0 / 3, 0.5, 70, 0}, {0.75, -1, 2.0 / 3, -1., 70, 0},
+    {0.88, 1., 2.0 / 3, -1., 70, 0}, {0.93, 1., 2.0 / 3, 0.5, 70, 0}, {1.00, 0., 3.0 / 3, 1.0, 70, 0},
+};
+
 std::span<const KeyPose> tableOf(Manoeuvre manoeuvre) {
   switch (manoeuvre) {
     case Manoeuvre::kPress: return kPressTable;
@@ -70,6 +79,7 @@ std::span<const KeyPose> tableOf(Manoeuvre manoeuvre) {
     case Manoeuvre::kScoop: return kScoopTable;
     case Manoeuvre::kCarry: return kCarryTable;
     case Manoeuvre::kShake: return kShakeTable;
+    case Manoeuvre::kCut: return kCutTable;
     case Manoeuvre::kStill:
     case Manoeuvre::kPoses: break;
   }

@@ -1,0 +1,233 @@
+#include "teleop/teleop_bench_command.h"
+
+#include <CLI/App.hpp>
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include <algorithm>
+#include <atomic>
+#include <map>
+#include <memory>
+#include <mutex>
+#include <numeric>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "haptolith/core/atomic_file.h"
+#include "haptolith/core/in_parallel.h"
+#include "haptolith/core/stop_asked.h"
+#include "haptolith/teleop/simulation.h"
+
+#include "shared/option_checks.h"
+#include "shared/output.h"
+#include "shared/overwrite.h"
+#include "shared/saved.h"
+#include "shared/stop_on_signal.h"
+#include "teleop/link_options.h"
+
+namespace haptolith {
+
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+constexpr const char* kExamples = R"(Examples:
+  haptolith teleop bench                                   six round trips, a model and delayed force: some minutes
+  haptolith teleop bench --round-trip-s 2.6 --case model,twin --duration-s 20
+  haptolith teleop bench --site dig --set soil.radius_mm=5                 the robot's soil, or the model's, another one
+
+docs/teleop.md tells what was found, and how the numbers are meant.)";
+
+constexpr double kMm = 1e-3;
+constexpr double kMillijoule = 1e-3;
+
+/// What is compared.
+enum class Case { kModel, kBilateral, kTwin };
+
+const char* text(Case which) {
+  switch (which) {
+    case Case::kModel: return "model";
+    case Case::kBilateral: return "bilateral";
+    case Case::kTwin: return "twin";
+  }
+  return "?";
+}
+
+const std::map<std::string, Case> kCaseWords{
+    {"model", Case::kModel}, {"bilateral", Case::kBilateral}, {"twin", Case::kTwin}};
+
+struct BenchOptions {
+  std::string model = "dig", site = "dig-site";
+  std::vector<std::string> cases{"model", "bilateral", "twin"};
+  std::vector<std::string> model_overrides, site_overrides;
+  std::vector<double> round_trips_s{0, 0.1, 0.4, 0.85, 2.6, 5};
+  LinkOptions link;
+  double duration_s = 20;
+  int threads = static_cast<int>(std::max(1U, std::thread::hardware_concurrency()));
+  std::string csv_file;
+  Overwrite overwrite;
+  bool json = false;
+};
+
+struct Row {
+  double round_trip_s;
+  Case which;
+  TeleopResult result;
+};
+
+TeleopSetup setupFor(const BenchOptions& options, double round_trip_s, Case which) {
+  TeleopSetup setup;
+  setup.model = findScenario(options.model, options.model_overrides);
+  if (which == Case::kTwin) {
+    setup.site = setup.model;
+    ++setup.site.bed.seed;
+  } else {
+    setup.site = findScenario(options.site, options.site_overrides);
+  }
+  LinkOptions link = options.link;
+  link.round_trip_s = round_trip_s;
+  const LinkProfile profile = link.link();
+  setup.up = profile.up;
+  setup.down = profile.down;
+  setup.sending = sendingOver(setup.up, setup.down);
+  setup.feedback = which == Case::kBilateral ? Feedback::kBilateral : Feedback::kModel;
+  setup.duration_s = options.duration_s;
+  return setup;
+}
+
+Json rowJson(const Row& row, double duration_s) {
+  const TeleopResult& result = row.result;
+  return {{"round_trip_s", row.round_trip_s},
+          {"case", text(row.which)},
+          {"force_error_share", result.agreement.share(0, duration_s)},
+          {"met_rms_n", result.agreement.rmsMet(0, duration_s)},
+          {"off_in_air_m", result.free_m},
+          {"off_in_soil_m", result.soil_m},
+          {"given_j", result.given_j},
+          {"behind_s", result.behind_s},
+          {"followed_share", result.followed_share},
+          {"taken_back_j", result.taken_back_j},
+          {"ran_out", result.ran_out},
+          {"stops", result.stops},
+          {"lost", result.up.lost + result.up.cut_off + result.down.lost + result.down.cut_off}};
+}
+
+std::string rowText(const Row& row, double duration_s) {
+  const TeleopResult& result = row.result;
+  return fmt::format("{:8.2f}  {:10} {:7.1f} {:8.2f} {:8.3f} {:8.3f} {:9.4f} {:8.2f} {:8.1f} {:6}\n", row.round_trip_s,
+                     text(row.which), 100 * result.agreement.share(0, duration_s),
+                     result.agreement.rmsMet(0, duration_s), result.free_m / kMm, result.soil_m / kMm,
+                     result.given_j / kMillijoule, result.behind_s, 100 * result.followed_share, result.stops);
+}
+
+/// Force felt beside force met, window by window.
+void writeCsv(const OutputFile& file, const std::vector<Row>& rows) {
+  AtomicFile table(file);
+  table.write("round_trip_s,case,t_s,felt_x_n,felt_y_n,felt_z_n,met_x_n,met_y_n,met_z_n\n");
+  for (const Row& row : rows) {
+    for (const AgreementPoint& window : row.result.agreement.windows()) {
+      const Vec3& felt = window.felt_n;
+      const Vec3& met = window.met_n;
+      table.write(fmt::format("{:g},{},{:.3f},{:.5g},{:.5g},{:.5g},{:.5g},{:.5g},{:.5g}\n", row.round_trip_s,
+                              text(row.which), window.time_s, felt.x(), felt.y(), felt.z(), met.x(), met.y(), met.z()));
+    }
+  }
+  table.commit();
+}
+
+std::vector<Row> rowsFor(const BenchOptions& options) {
+  std::vector<Row> rows;
+  for (const double round_trip_s : options.round_trips_s) {
+    for (const std::string& word : options.cases) {
+      const Case which = kCaseWords.at(word);
+      if (which != Case::kTwin || round_trip_s == options.round_trips_s.front()) {  // of a twin delay changes nothing
+        rows.push_back({round_trip_s, which, {}});
+      }
+    }
+  }
+  return rows;
+}
+
+void runBench(const BenchOptions& options) {
+  const StopOnSignal stop;
+  StatusLine status;
+  std::vector<Row> rows = rowsFor(options);
+  std::vector<std::atomic<double>> done(rows.size());
+  std::mutex of_status;
+  inParallel(rows.size(), options.threads, [&](std::size_t row) {
+    const auto progress = [&](double share) {
+      done[row] = share;
+      const std::scoped_lock lock(of_status);
+      status.update(
+          fmt::format("{} runs: {:.0f} %", rows.size(),
+                      100 * std::accumulate(done.begin(), done.end(), 0.0) / static_cast<double>(rows.size())));
+      return !stopAsked();
+    };
+    rows[row].result = simulateTeleop(setupFor(options, rows[row].round_trip_s, rows[row].which), progress);
+    done[row] = 1;
+  });
+  status.clear();
+  if (!options.csv_file.empty()) {
+    writeCsv(options.overwrite(options.csv_file), rows);
+  }
+  if (options.json) {
+    Json list = Json::array();
+    for (const Row& row : rows) {
+      list.push_back(rowJson(row, options.duration_s));
+    }
+    printJson({{"model", options.model}, {"site", options.site}, {"duration_s", options.duration_s}, {"runs", list}});
+    return;
+  }
+  std::string table = "there and              force error      met   off, mm              given   behind  follows\n";
+  table += "back, s   case             %  RMS, N   in air  in soil        mJ        s        %  stops\n";
+  for (const Row& row : rows) {
+    table += rowText(row, options.duration_s);
+  }
+  printText(table);
+  printNotice(savedText());
+}
+
+}  // namespace
+
+void addTeleopBench(CLI::App& teleop) {
+  auto options = std::make_shared<BenchOptions>();
+  CLI::App* command = teleop.add_subcommand(
+      "bench", "Dig in simulated time over links with delay: how true the force is, how close the robot follows");
+  command->footer(kExamples);
+  command->add_option("--model", options->model, "Scene whose hand digs, and whose soil the operator feels")
+      ->option_text("SCENE [dig]");
+  command->add_option("--set", options->model_overrides, "Another value of one of the model's keys")
+      ->option_text("TABLE.KEY=VALUE");
+  command->add_option("--site", options->site, "Scene whose soil the robot finds")->option_text("SCENE [dig-site]");
+  command->add_option("--set-site", options->site_overrides, "Another value of one of the site's keys")
+      ->option_text("TABLE.KEY=VALUE");
+  command->add_option("--round-trip-s", options->round_trips_s, "Delays there and back")
+      ->option_text("SECONDS,... [0,0.1,0.4,0.85,2.6,5]")
+      ->delimiter(',')
+      ->check(numberIn({0, 2 * LinkRanges::delay_s.highest}));
+  command->add_option("--profile", options->link.profile, "Whose jitter, loss and rate: haptolith teleop profiles")
+      ->option_text("NAME [lan]");
+  options->link.addTo(*command);
+  command
+      ->add_option(
+          "--case", options->cases,
+          "model: the hand feels a model of the soil; bilateral: what the robot's sensor tells, late; twin: a\n"
+          "model whose soil is the robot's, in another specimen: as true as any model can be")
+      ->option_text("model,bilateral,twin [all]")
+      ->delimiter(',')
+      ->check(oneOf({"model", "bilateral", "twin"}));
+  command->add_option("--duration-s", options->duration_s, "Simulated time of each run")
+      ->option_text("SECONDS [20]")
+      ->check(numberIn(TeleopRanges::duration_s));
+  command->add_option("--threads", options->threads, "Runs at the same time")
+      ->option_text("N [one for each processor]")
+      ->check(wholeNumberIn({1, 256}));
+  command->add_option("--csv", options->csv_file, "Write force felt and force met, window by window")
+      ->option_text("FILE.csv");
+  options->overwrite.addTo(*command);
+  command->add_flag("--json", options->json, "Print one JSON object");
+  command->callback([options] { runBench(*options); });
+}
+
+}  // namespace haptolith

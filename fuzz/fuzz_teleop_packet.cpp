@@ -1,0 +1,42 @@
+// What a robot or an operator is sent: a packet that is taken is one that could have been meant, and is written as it
+// was read.
+
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <cstdlib>
+#include <span>
+
+#include "haptolith/teleop/teleop_packet.h"
+
+namespace {
+
+void require(bool right) {
+  if (!right) {
+    std::abort();
+  }
+}
+
+}  // namespace
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  using namespace haptolith;
+  const std::span bytes(data, size);
+  if (const auto command = parseCommand(bytes)) {
+    for (const CommandKey& key : command->keys) {
+      require(key.hand.pose.position_m.allFinite() && key.hand.pose.position_m.cwiseAbs().maxCoeff() <= 10);
+      require(std::abs(key.hand.pose.orientation.norm() - 1) < 1e-12);
+      require(key.hand.opening >= 0 && key.hand.opening <= 1);
+    }
+    const auto again = parseCommand(bytesOf(*command));
+    require(again && again->keys.size() == command->keys.size() && again->number == command->number);
+  }
+  if (const auto state = parseState(bytes)) {
+    for (const RobotReport& report : state->reports) {
+      require(report.met.force_n.allFinite() && report.ticks <= report.index);
+    }
+    const auto again = parseState(bytesOf(*state));
+    require(again && again->reports.size() == state->reports.size() && again->state == state->state);
+  }
+  return 0;
+}

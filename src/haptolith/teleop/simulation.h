@@ -1,0 +1,60 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+
+#include "haptolith/scenario/scenario.h"
+#include "haptolith/teleop/force_agreement.h"
+#include "haptolith/teleop/link.h"
+#include "haptolith/teleop/robot.h"
+#include "haptolith/teleop/teleop_packet.h"
+
+namespace haptolith {
+
+/// What the operator's hand feels.
+enum class Feedback : std::uint8_t {
+  kModel,      ///< a bed of its own, at once: model-mediated teleoperation; the model stays as it is
+  kBilateral,  ///< what the robot's sensor tells, late, kept passive by PassiveEnd at both ends
+};
+
+/// A teleoperation in simulated time: a virtual hand, a link, a robot in a bed of its own.
+struct TeleopSetup {
+  Scenario model;  ///< the operator's scene; its hand moves the tool
+  Scenario site;   ///< the robot's; its tool digs there. Its hand and device do not count
+  RobotParameters robot;
+  LinkParameters up, down;
+  Feedback feedback = Feedback::kModel;
+  double duration_s = 30;
+  Sending sending;
+  double bilateral_period_s = 0.002;  ///< of kBilateral: there a force that is late counts
+  double robot_clock_share = 0;       ///< by which the robot's clock is too fast
+};
+
+struct TeleopRanges {
+  static constexpr Range duration_s{0.1, 1e5};
+  static constexpr Range period_s{1e-3, 1};
+  static constexpr Range clock_share{-0.01, 0.01};
+};
+
+/// How it went.
+struct TeleopResult {
+  ForceAgreement agreement;       ///< force felt beside force met, by command
+  double free_m = 0, soil_m = 0;  ///< how far the robot's tool was from the command, at most: in the air, in soil
+  double given_j = 0;             ///< most energy that the hand had been given, less what it gave
+  double behind_s = 0;            ///< mean age of the command that the newest report was about
+  double followed_share = 0;      ///< of the time since commands first came
+  double taken_back_j = 0;        ///< kBilateral: by both ends
+  std::uint64_t ran_out = 0, stops = 0;      ///< see Robot
+  StopReason last_stop = StopReason::kNone;  ///< that the robot has not got over
+  LinkCounts up, down;
+};
+
+/// Called now and then with the share that is done; false gives up.
+using TeleopProgress = std::function<bool(double share)>;
+
+/// Runs it. The same setup gives the same bits, with the same C library. Not for the tick.
+/// @throws InvalidParameter, Failure: as all parts of it; Failure when the hand left the scene, or `progress` gave up.
+[[nodiscard]] TeleopResult simulateTeleop(const TeleopSetup& setup, const TeleopProgress& progress = {});
+
+}  // namespace haptolith

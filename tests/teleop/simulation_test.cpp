@@ -1,0 +1,222 @@
+#include "haptolith/teleop/simulation.h"
+
+#include <gmock/gmock.h>
+
+#include <cmath>
+
+#include "haptolith/teleop/link_profiles.h"
+#include "haptolith/teleop/site.h"
+
+namespace haptolith {
+namespace {
+
+/// The paper's small bed on both sides, with contact friction; a stiff hand that presses and lifts.
+TeleopSetup smallSetup(double round_trip_s) {
+  TeleopSetup setup;
+  setup.model.bed.soil.friction = FrictionModel::kContact;
+  setup.model.hand.manoeuvre = Manoeuvre::kCut;
+  setup.model.hand.depth_m = 0.01;
+  setup.model.hand.period_s = 12;
+  setup.model.hand.compliance = HandCompliance::kRigid;
+  setup.site = setup.model;
+  setup.up.delay_s = setup.down.delay_s = round_trip_s / 2;
+  setup.duration_s = 10;
+  return setup;
+}
+
+std::vector<double> metOf(const TeleopResult& result) {
+  std::vector<double> met;
+  for (const AgreementPoint& window : result.agreement.windows()) {
+    met.push_back(window.met_n.x());
+  }
+  return met;
+}
+
+TEST(TeleopSimulation, TheSameBedOnBothSidesGivesTheSameForce) {
+  TeleopSetup setup;
+  setup.model = findScenario(
+      "dig", std::vector<std::string>{"soil.radius_mm=7", "bed.width_mm=126", "bed.length_mm=126", "hand.period_s=12"});
+  setup.model.hand.compliance = HandCompliance::kRigid;
+  setup.model.hand.reach_m = 0.02;
+  setup.model.hand.depth_m = 0;
+  setup.site = setup.model;
+  setup.up.delay_s = setup.down.delay_s = 1.3;
+  setup.robot.sensor.noise_n = setup.robot.sensor.noise_nm = 0;
+  setup.duration_s = 8;
+  const TeleopResult result = simulateTeleop(setup);
+  EXPECT_GT(result.agreement.rmsMet(0, 8), 1);
+  EXPECT_LT(result.agreement.share(0, 8), 0.3) << "grains magnify what the robot's arm yields";
+  EXPECT_LT(result.free_m, 1e-3);
+  EXPECT_LT(result.soil_m, 3e-3);
+  EXPECT_NEAR(result.behind_s, 2.65, 0.1);
+  EXPECT_EQ(result.stops, 0U);
+  EXPECT_LE(result.given_j, 1e-3);
+}
+
+TEST(TeleopSimulation, TheSameSetupGivesTheSameBits) {
+  TeleopSetup setup = smallSetup(0.4);
+  setup.up.jitter_s = setup.down.jitter_s = 0.05;
+  setup.up.loss = setup.down.loss = 0.1;
+  setup.duration_s = 5;
+  const TeleopResult one = simulateTeleop(setup);
+  const TeleopResult two = simulateTeleop(setup);
+  EXPECT_EQ(metOf(one), metOf(two));
+  EXPECT_EQ(one.soil_m, two.soil_m);
+  EXPECT_EQ(one.up, two.up);
+  EXPECT_GT(one.up.lost, 0U);
+}
+
+struct Trouble {
+  const char* name;
+  void (*make)(TeleopSetup&);
+};
+
+void PrintTo(const Trouble& trouble, std::ostream* out) {
+  *out << trouble.name;
+}
+
+class WhateverTheLinkDoes : public testing::TestWithParam<Trouble> {};
+
+TEST_P(WhateverTheLinkDoes, TheRobotIsWhereTheCommandOfItsIndexWas) {
+  TeleopSetup setup = smallSetup(0.85);
+  GetParam().make(setup);
+  setup.duration_s = 20;
+  const TeleopResult result = simulateTeleop(setup);
+  EXPECT_LT(result.free_m, 1e-3);
+  EXPECT_LT(result.soil_m, 3e-3);
+  EXPECT_GT(result.followed_share, 0.95);
+  EXPECT_EQ(result.stops, 0U);
+  EXPECT_GT(result.agreement.windows().size(), 80U) << "and its reports come";
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    Links, WhateverTheLinkDoes,
+    testing::Values(Trouble{"jitter", [](TeleopSetup& setup) { setup.up.jitter_s = setup.down.jitter_s = 0.2; }},
+                    Trouble{"loss", [](TeleopSetup& setup) { setup.up.loss = setup.down.loss = 0.3; }},
+                    Trouble{"overtaking",
+                            [](TeleopSetup& setup) {
+                              setup.up.in_order = setup.down.in_order = false;
+                              setup.up.jitter_s = setup.down.jitter_s = 0.1;
+                              setup.up.duplicate = setup.down.duplicate = 0.2;
+                            }},
+                    Trouble{"one way slower",
+                            [](TeleopSetup& setup) {
+                              setup.up.delay_s = 0.8;
+                              setup.down.delay_s = 0.05;
+                            }},
+                    Trouble{"changing delay",
+                            [](TeleopSetup& setup) {
+                              setup.up.delays = {{0, 0.2}, {4, 0.5}, {8, 0.1}, {12, 0.6}};
+                            }},
+                    Trouble{"a clock that is too fast", [](TeleopSetup& setup) { setup.robot_clock_share = 5e-3; }},
+                    Trouble{"a clock that is too slow", [](TeleopSetup& setup) { setup.robot_clock_share = -5e-3; }},
+                    Trouble{"256 kbit/s",
+                            [](TeleopSetup& setup) {
+                              setup.up.rate_bit_s = setup.down.rate_bit_s = 256e3;
+                              setup.sending = sendingOver(setup.up, setup.down);
+                            }}),
+    [](const auto& link) {
+      std::string name = link.param.name;
+      std::erase_if(name, [](char c) { return std::isalnum(static_cast<unsigned char>(c)) == 0; });
+      return name;
+    });
+
+TEST(TeleopSimulation, SixtyFourKilobitsASecondCarryItFiveTimesASecond) {
+  TeleopSetup setup = smallSetup(2.6);
+  setup.up.rate_bit_s = setup.down.rate_bit_s = 64e3;
+  setup.sending = sendingOver(setup.up, setup.down);
+  const TeleopResult result = simulateTeleop(setup);
+  EXPECT_LT(result.free_m, 1e-3);
+  EXPECT_LT(result.soil_m, 3e-3);
+  EXPECT_EQ(result.up.dropped + result.down.dropped, 0U);
+}
+
+TEST(TeleopSimulation, BurstsOfLossStopItAtWorst) {
+  TeleopSetup setup = smallSetup(0.85);
+  for (LinkParameters* way : {&setup.up, &setup.down}) {  // 30 %, 25 packets at a time
+    way->turns_good = 1.0 / 25;
+    way->turns_bad = way->turns_good * 0.3 / 0.7;
+  }
+  setup.duration_s = 40;
+  const TeleopResult result = simulateTeleop(setup);
+  EXPECT_LT(result.free_m, 1e-3);
+  EXPECT_LT(result.soil_m, 3e-3);
+  EXPECT_GT(result.followed_share, 0.7);
+}
+
+TEST(TeleopSimulation, AnOutageOfTenSecondsEndsInTheAirAndGoesOn) {
+  TeleopSetup setup = smallSetup(0.4);
+  setup.up.outages = setup.down.outages = {{.start_s = 6, .duration_s = 10}};
+  setup.duration_s = 40;
+  const TeleopResult result = simulateTeleop(setup);
+  EXPECT_GE(result.stops, 1U);
+  EXPECT_EQ(result.last_stop, StopReason::kNone) << "it has got over it";
+  EXPECT_LT(result.free_m, 1e-3);
+  EXPECT_GT(result.followed_share, 0.5);
+}
+
+TEST(TeleopSimulation, DelayedForceIsTrueWithoutDelayAndUselessWithIt) {
+  TeleopSetup setup = smallSetup(0);
+  setup.feedback = Feedback::kBilateral;
+  const TeleopResult at_once = simulateTeleop(setup);
+  EXPECT_LT(at_once.agreement.share(0, 10), 0.15);
+  EXPECT_LT(at_once.soil_m, 3e-3);
+  setup.up.delay_s = setup.down.delay_s = 1.3;
+  const TeleopResult late = simulateTeleop(setup);
+  EXPECT_GT(late.agreement.share(0, 10), 0.8);
+  EXPECT_GT(late.taken_back_j, 0);
+}
+
+TEST(TeleopSimulation, EndsWhenNobodyWantsItAnyMore) {
+  EXPECT_THROW((void)simulateTeleop(smallSetup(0), [](double share) { return share < 0.1; }), Failure);
+}
+
+TEST(TeleopSimulation, RefusesNonsense) {
+  TeleopSetup setup = smallSetup(0);
+  setup.sending.period_s = 0;
+  EXPECT_THROW((void)simulateTeleop(setup), InvalidParameter);
+  setup = smallSetup(0);
+  setup.site.loop.tick_s = 2e-3;
+  EXPECT_THROW((void)simulateTeleop(setup), InvalidParameter);
+  setup = smallSetup(-1);
+  EXPECT_THROW((void)simulateTeleop(setup), InvalidParameter);
+}
+
+TEST(ForceAgreement, IsTheRootOfMeanSquaresOfWindowsInAnyOrder) {
+  ForceAgreement agreement;
+  for (int i = 40; i >= 1; --i) {
+    const double met = i <= 20 ? 4 : 2;
+    agreement.add(0.02 * i, 0.02, {met + 1, 0, 0}, {met, 0, 0});
+  }
+  agreement.add(0.82, 0.02, {100, 0, 0}, {1, 0, 0});  // of a window that is not known
+  ASSERT_EQ(agreement.windows().size(), 4U);
+  EXPECT_NEAR(agreement.windows()[0].time_s, 0.1, 1e-12);
+  EXPECT_NEAR(agreement.rmsMet(0, 1), std::sqrt((16 + 4) / 2.0), 1e-12);
+  EXPECT_NEAR(agreement.rmsDifference(0, 1), 1, 1e-12);
+  EXPECT_NEAR(agreement.share(0.4, 0.8), 0.5, 1e-12);
+  EXPECT_TRUE(std::isnan(agreement.share(5, 6)));
+}
+
+TEST(FeltTrack, IsTheMeanOverAnyStretchThatIsKnown) {
+  FeltTrack track;
+  for (std::uint64_t i = 0; i < 100000; ++i) {
+    track.add(i, {static_cast<double>(i), 0, 1});
+  }
+  EXPECT_NEAR(track.mean(99000, 99010)->x(), 99005.5, 1e-6);
+  EXPECT_FALSE(track.mean(99000, 99000));
+  EXPECT_FALSE(track.mean(99990, 100000)) << "not yet";
+  EXPECT_FALSE(track.mean(100, 200)) << "over";
+}
+
+TEST(MeanSurfaceHeight, OfOneLayerOfSpheresIsWhatTheyAreFromAbove) {
+  BedParameters bed;
+  bed.start = BedStart::kPacked;
+  Bed packed(bed);
+  const double highest_m = packed.surfaceHeight();
+  const double mean_m = meanSurfaceHeight(packed);
+  EXPECT_LT(mean_m, highest_m);
+  EXPECT_GT(mean_m, highest_m - 2 * bed.soil.radius_m);
+}
+
+}  // namespace
+}  // namespace haptolith
