@@ -190,6 +190,16 @@ TEST_F(RobotOverSoil, ARobotThatBeginsAnewInMidStrokeGoesAboveTheSoilToWhereTheH
   EXPECT_GT(furthest_down_aside_m, 0.05);
 }
 
+TEST_F(RobotOverSoil, BeginsWithWhatIsNewNotWithWhatIsSentAgain) {
+  std::vector<CommandKey> keys;
+  for (std::uint64_t index = 4000; index <= 6400; index += 300) {
+    keys.push_back(at(index, {0, 0, 0.09}));
+  }
+  robot_->take(1, true, keys);
+  robot_->tick();
+  EXPECT_GT(robot_->index(), 6300);
+}
+
 TEST_F(RobotOverSoil, PullsNoHarderThanItsCapAndStaysBehind) {
   RobotParameters weak;
   weak.max_force_n = 0.3;

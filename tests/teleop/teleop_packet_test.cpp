@@ -8,6 +8,7 @@
 #include <random>
 
 #include "haptolith/core/error.h"
+#include "haptolith/teleop.h"
 
 namespace haptolith {
 namespace {
@@ -189,6 +190,42 @@ TEST(TeleopPackets, HoldAtMostWhatTheySay) {
   EXPECT_THROW((void)bytesOf(someCommand(65)), InvalidParameter);
   EXPECT_THROW((void)bytesOf(someState(65)), InvalidParameter);
   EXPECT_TRUE(parseCommand(bytesOf(someCommand(64))));
+}
+
+TEST(TeleopHeader, DescribesThePacketsForC) {
+  static_assert(sizeof(hapto_teleop_command_header) == CommandPacket::kHeaderBytes);
+  static_assert(sizeof(hapto_teleop_command_key) == CommandPacket::kKeyBytes);
+  static_assert(sizeof(hapto_teleop_state_header) == StatePacket::kHeaderBytes);
+  static_assert(sizeof(hapto_teleop_robot_report) == StatePacket::kReportBytes);
+  static_assert(HAPTO_TELEOP_MOST_KEYS == CommandPacket::kMostKeys &&
+                HAPTO_TELEOP_MOST_KEYS == StatePacket::kMostReports);
+  static_assert(HAPTO_ROBOT_FAILED == static_cast<int>(RobotState::kFailed) &&
+                HAPTO_ROBOT_FOLLOWING == static_cast<int>(RobotState::kFollowing) &&
+                HAPTO_STOP_FAULT == static_cast<int>(StopReason::kFault) &&
+                HAPTO_STOP_GAP == static_cast<int>(StopReason::kGap));
+  const Packet command = bytesOf(someCommand(2));
+  hapto_teleop_command_header header;
+  hapto_teleop_command_key key;
+  std::memcpy(&header, command.data(), sizeof header);
+  std::memcpy(&key, command.data() + sizeof header + sizeof key, sizeof key);
+  EXPECT_EQ(header.flags, HAPTO_TELEOP_HELD | HAPTO_TELEOP_TARE);
+  EXPECT_EQ(header.keys, 2U);
+  EXPECT_EQ(header.number, 123456789012U);
+  EXPECT_EQ(key.index, 1020U);
+  EXPECT_EQ(key.position_m[2], 0.3F);
+  EXPECT_EQ(key.angular_velocity_rad_s[1], -2.0F);
+  EXPECT_EQ(key.opening, 0.25F);
+  const Packet state = bytesOf(someState(1));
+  hapto_teleop_state_header told;
+  hapto_teleop_robot_report report;
+  std::memcpy(&told, state.data(), sizeof told);
+  std::memcpy(&report, state.data() + sizeof told, sizeof report);
+  EXPECT_EQ(told.flags, HAPTO_TELEOP_AT_FORCE_CAP | HAPTO_TELEOP_AT_EDGE);
+  EXPECT_EQ(told.state, HAPTO_ROBOT_HOLDING);
+  EXPECT_EQ(told.reason, HAPTO_STOP_FORCE);
+  EXPECT_EQ(report.ticks, 20U);
+  EXPECT_EQ(report.force_n[1], -2.0F);
+  EXPECT_EQ(report.torque_nm[2], 0.3F);
 }
 
 TEST(KeyHistory, SendsWhatMayHaveBeenLostAgain) {

@@ -22,6 +22,8 @@
 #include "haptolith/scenario/scenario.h"
 #include "haptolith/scenario/scene_words.h"
 #include "haptolith/session/session.h"
+#include "haptolith/teleop/operator_end.h"
+#include "haptolith/teleop/site.h"
 #include "haptolith/viewer/live_view.h"
 
 #include "commands.h"
@@ -35,6 +37,9 @@
 #include "shared/session_driver.h"
 #include "shared/stop_on_signal.h"
 #include "shared/web_options.h"
+#include "teleop/operator_report.h"
+#include "teleop/teleop_commands.h"
+#include "teleop/teleop_end_options.h"
 
 namespace haptolith {
 
@@ -58,6 +63,11 @@ constexpr const char* kExamples = R"(Examples:
   haptolith run --device force-dimension            feel it (haptolith devices, haptolith doctor)
   haptolith run --duration-s 60 --record run.h5     for haptolith replay and haptolith export)";
 
+constexpr const char* kOperatorExamples = R"(Examples:
+  haptolith teleop remote                                       a robot in a bed of its own, in another terminal
+  haptolith teleop operator --to 127.0.0.1:7410                 leads it, in the scene dig
+  haptolith teleop operator --to 127.0.0.1:7400 regolith        over haptolith teleop link, in another scene)";
+
 /// What the command line says; everything else comes from the scenario.
 struct RunOptions {
   SceneOptions scene;
@@ -70,6 +80,8 @@ struct RunOptions {
   bool json = false;
   std::optional<bool> serve;
   WebOptions web;
+  std::string robot;  ///< HOST:PORT of one that follows the tool; empty: none
+  TeleopEndOptions robot_end;
 };
 
 Scenario scenarioFor(const RunOptions& options) {
@@ -144,8 +156,16 @@ class Follower {
     }
   }
 
-  [[nodiscard]] bool wantsRecords() const noexcept { return trace_ || keep_history_; }
+  [[nodiscard]] bool wantsRecords() const noexcept { return trace_ || keep_history_ || robot_; }
   [[nodiscard]] bool traces() const noexcept { return trace_.has_value(); }
+
+  /// Lets a robot follow the session's tool from its first tick on.
+  void lead(const Session& session, const RunOptions& options) {
+    const Scenario& scenario = session.shown();
+    robot_.emplace(options.robot, options.robot_end.end(), meanSurfaceHeight(session.scene().bed()),
+                   scenario.loop.tick_s);
+  }
+  [[nodiscard]] const OperatorEnd* robot() const noexcept { return robot_ ? &*robot_ : nullptr; }
 
   /// Records the session from its first tick on.
   void record(Session& session, const RunOptions& options) {
@@ -162,6 +182,10 @@ class Follower {
         remember(record);
       }
     }
+    if (robot_) {
+      robot_->follow(news.ticks);
+      robot_->receive();
+    }
     if (news.snapshot) {
       const SceneSnapshot& now = session.snapshot();
       if (keep_history_ &&
@@ -169,7 +193,7 @@ class Follower {
         history_.strongest = now;
       }
       if (status_.visible()) {
-        status_.update(statusText(now));
+        status_.update(robot_ ? robotText(robot_->news()) : statusText(now));
       }
     }
   }
@@ -222,6 +246,7 @@ class Follower {
   const Scenario& scenario_;
   bool finest_, keep_history_;
   std::optional<TraceFile> trace_;
+  std::optional<OperatorEnd> robot_;
   SessionRecording recording_;
   StatusLine status_;
   RunHistory history_;
@@ -419,10 +444,14 @@ void run(const RunOptions& options) {
     figure.emplace(options.overwrite(options.figure_file), kRunFigureWidth_px, kRunFigureHeight_px);
   }
   const bool serves = options.serve.value_or(scenario.loop.paced && !options.json);
-  const bool keeps_records = follower.wantsRecords() || serves || !options.record_file.empty();
+  const bool leads = !options.robot.empty();
+  const bool keeps_records = follower.wantsRecords() || leads || serves || !options.record_file.empty();
   Session session(scenario, keeps_records, settlingIn(follower.status()));
   follower.status().clear();
   warnOfStiffness(session);
+  if (leads) {
+    follower.lead(session, options);
+  }
   const std::unique_ptr<LiveView> view = serves ? viewOf(session, follower, options, web) : nullptr;
   if (!options.record_file.empty()) {
     follower.record(session, options);
@@ -430,7 +459,7 @@ void run(const RunOptions& options) {
   std::optional<RecordTaker> taker;
   if (keeps_records) {
     taker.emplace(session.loop(), follower.recording(),
-                  follower.wantsRecords() ? RecordTaker::Keep::kForTake : RecordTaker::Keep::kNothing,
+                  follower.wantsRecords() || leads ? RecordTaker::Keep::kForTake : RecordTaker::Keep::kNothing,
                   scenario.loop.paced);
   }
   SessionDriver driver(session, follower.recording(), follower.status(), view.get(), taker ? &*taker : nullptr);
@@ -444,7 +473,7 @@ void run(const RunOptions& options) {
         return true;
       },
       !scenario.loop.paced ? 1ms
-      : view               ? 4ms
+      : view || leads      ? 4ms
                            : 20ms);
   const LoopEnd end = session.join();
   follower.follow(session, driver.look());
@@ -455,9 +484,16 @@ void run(const RunOptions& options) {
     drawRun(*figure, session.shown(), follower.history(), session.loop().statistics());
   }
   if (options.json) {
-    printJson(summaryJson(session.shown(), session.scene(), session.loop(), summary));
+    Json json = summaryJson(session.shown(), session.scene(), session.loop(), summary);
+    if (follower.robot() != nullptr) {
+      json["robot"] = robotJson(*follower.robot());
+    }
+    printJson(json);
   } else {
     printText(summaryText(session.shown(), session.scene(), session.loop(), summary));
+    if (follower.robot() != nullptr) {
+      printText(robotSummary(*follower.robot()));
+    }
   }
   throwWhenItFailed(session.shown(), session.loop(), summary.end);
   if (!follower.recording().problem().empty()) {
@@ -472,10 +508,10 @@ void run(const RunOptions& options) {
 
 }  // namespace
 
-void addRunCommand(CLI::App& app) {
-  auto options = std::make_shared<RunOptions>();
-  CLI::App* command = app.add_subcommand("run", "Run a scene at 1 kHz under a hand, until Ctrl-C or --duration-s");
-  command->footer(kExamples);
+namespace {
+
+/// All that a run can be told.
+void addOptions(CLI::App* command, const std::shared_ptr<RunOptions>& options) {
   options->scene.addTo(*command);
   command->add_option("--duration-s", options->duration_s, "Simulated time; default: until Ctrl-C")
       ->check(numberIn(LoopRanges::duration_s))
@@ -502,6 +538,26 @@ void addRunCommand(CLI::App& app) {
       ->excludes(serve);
   options->web.addToRun(*command);
   command->callback([options] { run(*options); });
+}
+
+}  // namespace
+
+void addRunCommand(CLI::App& app) {
+  auto options = std::make_shared<RunOptions>();
+  CLI::App* command = app.add_subcommand("run", "Run a scene at 1 kHz under a hand, until Ctrl-C or --duration-s");
+  command->footer(kExamples);
+  addOptions(command, options);
+}
+
+void addTeleopOperator(CLI::App& teleop) {
+  auto options = std::make_shared<RunOptions>();
+  options->scene.scenario_file = "dig";
+  CLI::App* command =
+      teleop.add_subcommand("operator", "Run a scene as `haptolith run` does, while a robot follows the tool");
+  command->footer(kOperatorExamples);
+  command->add_option("--to", options->robot, "Where the robot listens")->option_text("HOST:PORT")->required();
+  options->robot_end.addTo(*command);
+  addOptions(command, options);
 }
 
 }  // namespace haptolith

@@ -5,8 +5,6 @@
 #include <spdlog/spdlog.h>
 
 #include <algorithm>
-#include <cstdlib>
-#include <fstream>
 #include <map>
 
 #include "haptolith/core/error.h"
@@ -16,6 +14,7 @@
 
 #include "shared/option_checks.h"
 #include "shared/output.h"
+#include "shared/packet_key_file.h"
 #include "shared/stop_on_signal.h"
 
 namespace haptolith {
@@ -61,25 +60,6 @@ std::string sceneOf(const SceneOptions& options) {
   return options.preset ? "paper" : "regolith";
 }
 
-/// The network device's key: from the file, or from the environment; never from a scene, which may come from anybody.
-std::string keyFrom(const std::optional<std::string>& file) {
-  constexpr std::size_t kLongest = 200;
-  if (!file) {
-    const char* said = std::getenv("HAPTOLITH_DEVICE_KEY");
-    return said != nullptr ? said : "";
-  }
-  std::ifstream stream(*file);
-  std::string key(kLongest, '\0');
-  stream.read(key.data(), static_cast<std::streamsize>(key.size()));
-  if (stream.bad() || (stream.fail() && !stream.eof())) {
-    throw Failure(
-        fmt::format("cannot read the device's key in '{}'; make one with: openssl rand -hex 32 > '{}'", *file, *file));
-  }
-  key.resize(static_cast<std::size_t>(stream.gcount()));
-  key.erase(std::find_if(key.begin(), key.end(), [](char c) { return c == '\n' || c == '\r'; }), key.end());
-  return key.empty() ? "(empty)" : key;  // a key was asked for
-}
-
 }  // namespace
 
 CLI::Option* DeviceOptions::addTo(CLI::App& command) {
@@ -107,7 +87,7 @@ void DeviceOptions::applyTo(DeviceParameters& device) const {
   device.library = library.value_or(device.library);
   device.address = address.value_or(device.address);
   device.insecure = insecure;
-  device.key = device.kind == DeviceKind::kNetwork ? keyFrom(key_file) : "";
+  device.key = device.kind == DeviceKind::kNetwork ? keyFrom(key_file, "HAPTOLITH_DEVICE_KEY") : "";
 }
 
 void SceneOptions::addTo(CLI::App& command) {

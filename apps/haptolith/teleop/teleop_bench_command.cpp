@@ -1,5 +1,3 @@
-#include "teleop/teleop_bench_command.h"
-
 #include <CLI/App.hpp>
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -25,6 +23,7 @@
 #include "shared/saved.h"
 #include "shared/stop_on_signal.h"
 #include "teleop/link_options.h"
+#include "teleop/teleop_commands.h"
 
 namespace haptolith {
 

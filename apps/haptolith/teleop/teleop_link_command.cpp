@@ -17,7 +17,7 @@
 #include "shared/output.h"
 #include "shared/stop_on_signal.h"
 #include "teleop/link_options.h"
-#include "teleop/teleop_bench_command.h"
+#include "teleop/teleop_commands.h"
 
 namespace haptolith {
 
@@ -148,6 +148,8 @@ void addTeleopCommand(CLI::App& app) {
   CLI::App* teleop = app.add_subcommand("teleop", "Dig far away: links with delay, and what they do to a hand");
   teleop->require_subcommand(1);
   addLink(*teleop);
+  addTeleopRemote(*teleop);
+  addTeleopOperator(*teleop);
   addTeleopBench(*teleop);
   auto json = std::make_shared<bool>(false);
   CLI::App* profiles = teleop->add_subcommand("profiles", "List the links that have a name");

@@ -9,7 +9,8 @@
 
 namespace haptolith {
 
-/// What the hand felt in each tick, as sums: its mean over any stretch of the last half minute costs two reads. Not for
+/// What the hand felt in each tick, as sums, but for the limits of its device: a hand that is shown 12 N at most cannot
+/// say what a model is worth: its mean over any stretch of the last half minute costs two reads. Not for
 /// the tick.
 class FeltTrack {
  public:

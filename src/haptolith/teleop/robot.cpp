@@ -128,8 +128,9 @@ void Robot::play() {
     return;
   }
   const auto newest = static_cast<double>(track_.newest());
-  if (!plays_ && (play_ < static_cast<double>(track_.oldest()) || play_ > newest)) {  // the first that have come
-    play_ = static_cast<double>(track_.oldest());
+  const auto oldest = static_cast<double>(track_.oldest());
+  if (!plays_ && (play_ < oldest || play_ > newest)) {  // the first that have come; what was long ago is over
+    play_ = std::max(oldest, newest - playout_s_ / tick_s_);
     reported_index_ = play_;
   }
   const double in_hand_s = (newest - play_) * tick_s_;

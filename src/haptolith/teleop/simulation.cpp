@@ -65,9 +65,10 @@ class EnergyGiven {
 /// Where the operator had the tool in the last half minute, and what was felt.
 class OperatorLog {
  public:
-  void add(std::uint64_t index, const HandState& tool, const Wrench& felt) {
+  /// @param unlimited  what the hand would feel of a device without limits.
+  void add(std::uint64_t index, const HandState& tool, const Wrench& felt, const Wrench& unlimited) {
     tools_[index % FeltTrack::kTicks] = tool.pose.position_m;
-    felt_.add(index, felt.force_n);
+    felt_.add(index, unlimited.force_n);
     energy_.tick(tool.pose, felt);
   }
   [[nodiscard]] Vec3 toolAt(double index) const {
@@ -161,9 +162,11 @@ class ModelOperator {
     tool_ = {{tick.scene_T_tool, tick.device.twist}, tick.device.gripper_open};
     tool_.pose.position_m.z() -= site_.surface_m;
     felt_ = tick.felt.wrench;
+    unlimited_ = tick.rendered.wrench;
   }
   [[nodiscard]] const HandState& tool() const noexcept { return tool_; }
   [[nodiscard]] const Wrench& felt() const noexcept { return felt_; }
+  [[nodiscard]] const Wrench& unlimited() const noexcept { return unlimited_; }
 
  private:
   static LoopParameters unpaced(LoopParameters loop) {
@@ -176,7 +179,7 @@ class ModelOperator {
   HapticLoop loop_;
   std::vector<TickRecord> records_;
   HandState tool_;
-  Wrench felt_;
+  Wrench felt_, unlimited_;
 };
 
 TeleopResult simulateModel(const TeleopSetup& setup, const TeleopProgress& progress) {
@@ -204,7 +207,7 @@ TeleopResult simulateModel(const TeleopSetup& setup, const TeleopProgress& progr
     const double now_s = course.time(tick);
     course.look(tick);
     hand.tick();
-    log.add(tick, hand.tool(), hand.felt());
+    log.add(tick, hand.tool(), hand.felt(), hand.unlimited());
     if (tick % course.period() == 0) {
       command.keys = commands.add({tick, hand.tool()});
       ++command.number;
@@ -421,9 +424,12 @@ TeleopResult simulateBilateral(const TeleopSetup& setup, const TeleopProgress& p
         end.hear(signal.in_j);
       }
     }
-    const Wrench shown = end.damp(limited(newest, hand.limits()), input.twist);
+    const Wrench within = limited(newest, hand.limits());
+    const Wrench shown = end.damp(within, input.twist);
+    const Wrench unlimited{newest.force_n + shown.force_n - within.force_n,
+                           newest.torque_nm + shown.torque_nm - within.torque_nm};
     hand.write({shown, 0});
-    log.add(tick, {{input.pose, input.twist}, input.gripper_open}, shown);
+    log.add(tick, {{input.pose, input.twist}, input.gripper_open}, shown, unlimited);
     if (tick % course.period() == 0) {
       up.send(now_s, signalOf(tick + 1, input.pose, end.in()).bytes());
     }

@@ -6,13 +6,12 @@
 #include <fmt/format.h>
 
 #include <array>
-#include <charconv>
 #include <chrono>
 #include <optional>
-#include <string_view>
 #include <utility>
 
-#include "haptolith/core/plain_text.h"
+#include "haptolith/core/error.h"
+#include "haptolith/teleop/udp_address.h"
 
 namespace haptolith {
 
@@ -29,32 +28,14 @@ constexpr std::size_t kLargestDatagram = 65536;
 constexpr std::size_t kMostBytesOnTheWay = std::size_t{64} << 20;
 constexpr double kForgottenAfter_s = 10;
 
-Udp::endpoint endpointOf(const char* key, std::string_view text) {
-  const std::size_t colon = text.rfind(':');
-  const std::string_view digits = colon == std::string_view::npos ? std::string_view() : text.substr(colon + 1);
-  std::uint16_t port = 0;
-  const auto [end, wrong] = std::from_chars(digits.data(), digits.data() + digits.size(), port);
-  std::string host(text.substr(0, std::min(colon, text.size())));
-  if (host.starts_with('[') && host.ends_with(']')) {
-    host = host.substr(1, host.size() - 2);
-  }
-  Error error;
-  const asio::ip::address address = asio::ip::make_address(host == "localhost" ? "127.0.0.1" : host, error);
-  if (error || wrong != std::errc{} || end != digits.data() + digits.size()) {
-    throw InvalidParameter(key, inQuotes(text),
-                           "HOST:PORT with an IP address or localhost, for example 127.0.0.1:7400");
-  }
-  return {address, port};
-}
-
 }  // namespace
 
 class UdpRelay::Implementation {
  public:
   Implementation(const LinkParameters& up, const LinkParameters& down, const UdpRelayOptions& options)
       : up_(up), down_(down), robot_(endpointOf("to", options.to)) {
-    open(operator_socket_, "listen", endpointOf("listen", options.listen));
-    open(robot_socket_, "to", {robot_.address().is_v6() ? Udp::v6() : Udp::v4(), 0});
+    openAt("listen", endpointOf("listen", options.listen), operator_socket_);
+    openAt("to", {robot_.address().is_v6() ? Udp::v6() : Udp::v4(), 0}, robot_socket_);
     hear(operator_socket_, operator_buffer_, [this](std::size_t bytes) { fromOperator(bytes); });
     hear(robot_socket_, robot_buffer_, [this](std::size_t bytes) { fromRobot(bytes); });
   }
@@ -77,21 +58,6 @@ class UdpRelay::Implementation {
     std::array<std::uint8_t, kLargestDatagram> bytes;
     Udp::endpoint from;
   };
-
-  static void open(Udp::socket& socket, const char* key, const Udp::endpoint& where) {
-    Error error;
-    socket.open(where.protocol(), error);
-    if (!error) {
-      socket.bind(where, error);
-    }
-    if (!error) {
-      socket.non_blocking(true, error);
-    }
-    if (error) {
-      throw Failure(fmt::format("cannot use {}:{} for '{}': {}", where.address().to_string(), where.port(), key,
-                                error.message()));
-    }
-  }
 
   [[nodiscard]] double now() const { return std::chrono::duration<double>(Clock::now() - began_).count(); }
 

@@ -2,7 +2,6 @@
 
 #include <sodium.h>
 
-#include <algorithm>
 #include <cstring>
 
 #include "haptolith/core/error.h"
@@ -11,11 +10,16 @@ namespace haptolith {
 
 namespace {
 
-constexpr std::size_t kLongest = 216;  // bytes, with the nonce
-
-PacketKey::Tag blake2b(std::span<const unsigned char> message, const std::array<unsigned char, 32>& key) noexcept {
+PacketKey::Tag blake2b(std::span<const std::byte> first, std::span<const std::byte> then,
+                       const std::array<unsigned char, 32>& key) noexcept {
   std::array<unsigned char, PacketKey::kTagBytes> hash{};
-  crypto_generichash(hash.data(), hash.size(), message.data(), message.size(), key.data(), key.size());
+  crypto_generichash_state state;  // NOLINT(cppcoreguidelines-pro-type-member-init): by the next call
+  crypto_generichash_init(&state, key.data(), key.size(), hash.size());
+  for (const std::span<const std::byte> part : {first, then}) {
+    // NOLINTNEXTLINE(cppcoreguidelines-pro-type-reinterpret-cast): the library's bytes
+    crypto_generichash_update(&state, reinterpret_cast<const unsigned char*>(part.data()), part.size());
+  }
+  crypto_generichash_final(&state, hash.data(), hash.size());
   PacketKey::Tag tag{};
   std::memcpy(tag.data(), hash.data(), tag.size());
   return tag;
@@ -28,18 +32,14 @@ PacketKey::PacketKey(std::string_view hex) {
   if (sodium_init() < 0 || hex.size() != 2 * key_.size() ||
       sodium_hex2bin(key_.data(), key_.size(), hex.data(), hex.size(), nullptr, &bytes, nullptr) != 0 ||
       bytes != key_.size()) {
-    throw InvalidParameter("the network device's key", "(not shown)",
+    throw InvalidParameter("the key of packets", "(not shown)",
                            "64 hexadecimal digits, as `openssl rand -hex 32` prints them");
   }
   randombytes_buf(secret_.data(), secret_.size());
 }
 
 PacketKey::Tag PacketKey::tagOf(std::span<const std::byte> packet, const Nonce& nonce) const noexcept {
-  std::array<unsigned char, kLongest> message;  // NOLINT(cppcoreguidelines-pro-type-member-init): filled as far as used
-  const std::size_t size = std::min(packet.size(), kLongest - nonce.size());
-  std::memcpy(message.data(), nonce.data(), nonce.size());
-  std::memcpy(message.data() + nonce.size(), packet.data(), size);
-  return blake2b(std::span(message).first(nonce.size() + size), key_);
+  return blake2b(nonce, packet, key_);
 }
 
 bool PacketKey::signs(std::span<const std::byte> tag, std::span<const std::byte> packet,
@@ -49,10 +49,7 @@ bool PacketKey::signs(std::span<const std::byte> tag, std::span<const std::byte>
 }
 
 PacketKey::Nonce PacketKey::nonceFor(std::uint64_t sender, std::uint64_t epoch) const noexcept {
-  std::array<unsigned char, 16> message{};
-  std::memcpy(message.data(), &sender, 8);
-  std::memcpy(message.data() + 8, &epoch, 8);
-  return blake2b(message, secret_);
+  return blake2b(std::as_bytes(std::span(&sender, 1)), std::as_bytes(std::span(&epoch, 1)), secret_);
 }
 
 }  // namespace haptolith

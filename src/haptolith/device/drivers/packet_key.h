@@ -8,7 +8,7 @@
 
 namespace haptolith {
 
-/// What both ends of a network device know, and nobody else: with it each packet is signed. A tag is
+/// What both ends of a network device, or of a teleoperation, know, and nobody else: with it each packet is signed. A tag is
 ///
 ///     BLAKE2b(key = K, nonce || packet), 16 bytes                    (RFC 7693; Python: hashlib.blake2b(..., key=K))
 ///
@@ -24,7 +24,6 @@ class PacketKey {
   /// what.
   explicit PacketKey(std::string_view hex);
 
-  /// @param packet  up to 200 bytes.
   [[nodiscard]] Tag tagOf(std::span<const std::byte> packet, const Nonce& nonce) const noexcept;
 
   /// Whether these bytes are the packet's tag, in a time that does not tell how many are.

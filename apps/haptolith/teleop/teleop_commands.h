@@ -6,7 +6,9 @@ class App;
 
 namespace haptolith {
 
-/// `haptolith teleop bench`.
+// Each adds its command to `haptolith teleop`.
 void addTeleopBench(CLI::App& teleop);
+void addTeleopOperator(CLI::App& teleop);
+void addTeleopRemote(CLI::App& teleop);
 
 }  // namespace haptolith

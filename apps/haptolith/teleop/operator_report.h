@@ -1,0 +1,19 @@
+#pragma once
+
+#include <nlohmann/json_fwd.hpp>
+
+#include <string>
+
+#include "haptolith/teleop/operator_end.h"
+
+namespace haptolith {
+
+/// "robot following, 2650 commands behind; force felt 3.2 N, met 2.9 N": for a status line.
+[[nodiscard]] std::string robotText(const RobotNews& news);
+
+/// How it went, for the end of a run.
+[[nodiscard]] std::string robotSummary(const OperatorEnd& end);
+[[nodiscard]] nlohmann::ordered_json robotJson(const OperatorEnd& end);
+[[nodiscard]] nlohmann::ordered_json countsJson(const PacketCounts& counts);
+
+}  // namespace haptolith

@@ -1,0 +1,129 @@
+#include <CLI/App.hpp>
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "haptolith/core/stop_asked.h"
+#include "haptolith/device/hand/virtual_hand.h"
+#include "haptolith/haptics/loop_clock.h"
+#include "haptolith/scenario/scenario.h"
+#include "haptolith/teleop/robot_server.h"
+#include "haptolith/teleop/site.h"
+
+#include "shared/option_checks.h"
+#include "shared/output.h"
+#include "shared/scene_options.h"
+#include "shared/stop_on_signal.h"
+#include "teleop/operator_report.h"
+#include "teleop/teleop_commands.h"
+#include "teleop/teleop_end_options.h"
+
+namespace haptolith {
+
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+constexpr const char* kExamples = R"(Examples:
+  haptolith teleop remote                                  digs in the scene dig-site, follows who sends to 127.0.0.1:7410
+  haptolith teleop operator --to 127.0.0.1:7410            leads it, in another terminal
+  haptolith teleop remote regolith --max-force-n 20
+  haptolith teleop remote --listen 0.0.0.0:7410 --key-file teleop.key     openssl rand -hex 32 > teleop.key
+
+A robot of your own takes its place with the packets of docs/teleop.md: include/haptolith/teleop.h for C, and
+examples/teleop_robot.py.)";
+
+struct RemoteOptions {
+  std::string site = "dig-site";
+  std::vector<std::string> overrides;
+  std::string listen = EndOptions().listen;
+  TeleopEndOptions end;
+  RobotParameters robot;
+  double duration_s = 0;
+  bool json = false;
+};
+
+std::string statusText(const Robot& robot, const RobotServer& server) {
+  const std::string who =
+      server.operatorAddress().empty() ? "no operator yet" : fmt::format("operator {}", server.operatorAddress());
+  const std::string why = robot.reason() == StopReason::kNone ? "" : fmt::format(" ({})", text(robot.reason()));
+  return fmt::format("{}: {}{}, command {:.0f} of {}, {:.2f} N", who, text(robot.state()), why, robot.index(),
+                     robot.newest(), robot.met().force_n.norm());
+}
+
+void runRemote(const RemoteOptions& options) {
+  const StopOnSignal stop;
+  StatusLine status;
+  Scenario scenario = findScenario(options.site, options.overrides);
+  validate(scenario);
+  EndOptions end = options.end.end();
+  end.listen = options.listen;
+  requireSafe("listen", end.listen, end);
+  Scene scene(scenario.bed, scenario.tool, settlingIn(status));
+  HandParameters hand = scenario.hand;
+  hand.surface_m = 0;
+  const double tick_s = scenario.loop.tick_s;
+  Robot robot(options.robot, scene, meanSurfaceHeight(scene.bed()), VirtualHand(hand, tick_s).read().pose);
+  RobotServer server(robot, end, tick_s);
+  status.clear();
+  printNotice(fmt::format("a robot in '{}', at port {}{}; Ctrl-C ends it\n", scenario.title, server.port(),
+                          end.key.empty() ? "" : ", with a key"));
+  LoopClock clock(tick_s, true);
+  clock.start();
+  const double ticks = options.duration_s > 0 ? options.duration_s / tick_s : -1;
+  for (std::uint64_t tick = 0; !stopAsked() && (ticks < 0 || static_cast<double>(tick) < ticks); ++tick) {
+    (void)clock.waitForTick();
+    clock.beginTick();
+    server.receive();
+    robot.tick();
+    server.answer();
+    clock.endTick();
+    clock.planNextTick();
+    if (status.visible()) {
+      status.update(statusText(robot, server));
+    }
+  }
+  status.clear();
+  const PacketCounts& counts = server.counts();
+  if (options.json) {
+    printJson({{"state", text(robot.state())},
+               {"reason", text(robot.reason())},
+               {"stops", robot.stops()},
+               {"ran_out", robot.ranOut()},
+               {"packets", countsJson(counts)}});
+    return;
+  }
+  printText(fmt::format(
+      "  robot      {}\n  packets    {} taken; {} malformed, {} forged, {} replayed, {} of strangers\n",
+      statusText(robot, server), counts.taken, counts.malformed, counts.forged, counts.replayed, counts.strangers));
+}
+
+}  // namespace
+
+void addTeleopRemote(CLI::App& teleop) {
+  auto options = std::make_shared<RemoteOptions>();
+  CLI::App* command =
+      teleop.add_subcommand("remote", "Be a robot that digs in a bed of its own, where an operator leads it");
+  command->footer(kExamples);
+  command->add_option("site", options->site, "Scene that it digs in [dig-site]")->option_text("SCENE");
+  command->add_option("--set", options->overrides, "Another value of one of the scene's keys; again for another")
+      ->option_text("TABLE.KEY=VALUE");
+  command->add_option("--listen", options->listen, "Where commands come to")->option_text("HOST:PORT [127.0.0.1:7410]");
+  options->end.addTo(*command);
+  const auto number = [&](const char* name, double& value, const Range& range, const char* unit, const char* what) {
+    command->add_option(name, value, fmt::format("{} [{:g}]", what, value))->option_text(unit)->check(numberIn(range));
+  };
+  number("--max-force-n", options->robot.max_force_n, RobotRanges::force_n, "N", "Pulls the tool no harder");
+  number("--stop-force-n", options->robot.stop_force_n, RobotRanges::force_n, "N", "Stops when its sensor tells more");
+  number("--max-speed-m-s", options->robot.max_speed_m_s, RobotRanges::speed_m_s, "M/S", "Moves the tool no faster");
+  number("--silence-s", options->robot.silence_s, RobotRanges::time_s, "SECONDS",
+         "Lifts the tool after so long without a command");
+  number("--duration-s", options->duration_s, LinkRanges::time_s, "SECONDS", "How long; 0: until Ctrl-C");
+  command->add_flag("--json", options->json, "Print one JSON object at the end");
+  command->callback([options] { runRemote(*options); });
+}
+
+}  // namespace haptolith

@@ -1,0 +1,64 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <set>
+#include <span>
+#include <string>
+
+#include "haptolith/haptics/tick_record.h"
+#include "haptolith/teleop/force_agreement.h"
+#include "haptolith/teleop/robot_server.h"
+
+namespace haptolith {
+
+/// How the robot fares, as far as the operator knows.
+struct RobotNews {
+  bool heard = false;        ///< in the last second, more than the round trip
+  bool ever = false;         ///< at all
+  double round_trip_s = 0;   ///< of the newest packet
+  std::uint64_t behind = 0;  ///< commands between the newest that was sent and the newest that was carried out
+  StatePacket state;         ///< the newest
+  Vec3 felt_n = Vec3::Zero(), met_n = Vec3::Zero();  ///< in the newest stretch of commands of which both are known
+};
+
+/// An operator's end of a link: tells a robot where the tool is in each tick, and sets what the hand felt, but for its
+/// device's limits, beside what the robot met. Not for the tick: whoever follows the loop calls it.
+class OperatorEnd {
+ public:
+  /// @param to         where the robot listens, HOST:PORT.
+  /// @param surface_m  height of the soil's surface in the operator's scene: the site frame's zero.
+  /// @throws InvalidParameter, Failure: as RobotServer.
+  OperatorEnd(const std::string& to, const EndOptions& options, double surface_m, double tick_s);
+
+  /// What the loop has done since the last call: ticks one after the other.
+  void follow(std::span<const TickRecord> ticks);
+  /// Takes what has come.
+  void receive();
+
+  [[nodiscard]] const RobotNews& news() const noexcept { return news_; }
+  [[nodiscard]] const ForceAgreement& agreement() const noexcept { return agreement_; }
+  [[nodiscard]] const PacketCounts& counts() const noexcept { return counts_; }
+  [[nodiscard]] std::uint64_t sent() const noexcept { return command_.number; }
+
+ private:
+  void take(const StatePacket& packet);
+
+  std::string to_;
+  EndOptions options_;
+  double surface_m_, tick_s_;
+  UdpPort port_;
+  PacketSeal seal_;
+  KeyHistory<CommandKey> history_;
+  CommandPacket command_;
+  std::uint64_t next_ = 0, period_;  ///< index of the next tick
+  FeltTrack felt_;
+  ForceAgreement agreement_;
+  std::set<std::uint64_t> known_;  ///< reports of the last half minute
+  std::uint64_t executed_ = 0;
+  std::int64_t heard_ns_ = 0;
+  PacketCounts counts_;
+  RobotNews news_;
+};
+
+}  // namespace haptolith
