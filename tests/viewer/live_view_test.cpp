@@ -95,6 +95,9 @@ class LiveViewTest : public testing::Test {
       while (!session_->done()) {
         view_->handleMessages();
         const bool changed = session_->poll();
+        if (has_robot_) {
+          view_->setRobot(robot_);
+        }
         view_->show(session_->update(), changed);
         std::this_thread::sleep_for(1ms);
       }
@@ -126,7 +129,8 @@ class LiveViewTest : public testing::Test {
     return testing::AssertionFailure() << "the connection ended first";
   }
 
-  std::atomic<bool> stop_{false}, recording_{false};
+  std::atomic<bool> stop_{false}, recording_{false}, has_robot_{false};
+  RobotShown robot_;  ///< before has_robot_ is set
   TalkingExtension extension_;
   std::unique_ptr<Session> session_;
   std::unique_ptr<LiveView> view_;
@@ -246,6 +250,25 @@ TEST_F(LiveViewTest, CommandsReachTheSession) {
   EXPECT_EQ(ask(client, {{"do", "record"}, {"on", true}})["ok"], true);
   EXPECT_TRUE(until(client, "status", [](const Json& s) { return s["recording"] == "tape.csv"; }));
   EXPECT_TRUE(recording_);
+}
+
+TEST_F(LiveViewTest, ARobotThatFollowsIsToldOfWithTheStatus) {
+  WsClient client(port_);
+  ASSERT_EQ(client.upgrade(), 101U);
+  EXPECT_TRUE(until(client, "status", [](const Json& s) { return s["robot"].is_null(); }));
+  robot_.state = "holding";
+  robot_.reason = "too much force";
+  robot_.heard = true;
+  robot_.behind = 2650;
+  robot_.scene_T_tool.position_m = {0.25, 0, 0.5};
+  robot_.met_n = {1, 2, -3};
+  has_robot_ = true;
+  EXPECT_TRUE(until(client, "status", [](const Json& s) { return !s["robot"].is_null(); }));
+  EXPECT_TRUE(until(client, "status", [](const Json& s) {
+    const Json& robot = s["robot"];
+    return robot["state"] == "holding" && robot["reason"] == "too much force" && robot["behind"] == 2650 &&
+           robot["pose"] == Json{0.25, 0, 0.5, 1, 0, 0, 0} && robot["met_n"] == Json{1, 2, -3};
+  }));
 }
 
 TEST_F(LiveViewTest, AFinishedRecordingIsNamedWithItsFolderAndCanBeDownloaded) {

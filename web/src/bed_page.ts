@@ -292,6 +292,8 @@ export function openBedPage(settings: Settings, address: string): void {
     agreed &&= status.person_feels;
     now.status = status;
     strip.setStatus(status);
+    readouts.setRobot(status.robot ?? null);
+    stage.setRobot(status.robot ?? null);
     controls.setStatus(status);
     describe();
     notices.setBusy(status.busy);

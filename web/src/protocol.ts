@@ -153,6 +153,22 @@ export function radiiOf(scene: Scene): Float32Array {
   return radii;
 }
 
+const Robot = v.object({
+  state: v.string(),
+  /** why it stopped; null: it has not */
+  reason: v.nullable(v.string()),
+  heard: v.boolean(),
+  /** ticks since the command that it was last heard to have come to */
+  behind: v.number(),
+  round_trip_s: v.number(),
+  /** of its tool then */
+  pose: v.pipe(v.array(v.number()), v.length(7)),
+  /** at the newest commands of which both are known, and what the robot met there */
+  felt_n: Vec3,
+  met_n: Vec3,
+});
+export type Robot = v.InferOutput<typeof Robot>;
+
 const Status = v.object({
   type: v.literal('status'),
   time_s: v.number(),
@@ -182,6 +198,8 @@ const Status = v.object({
   recording: v.nullable(v.string()),
   /** the last file that is finished, and where it is; an older program does not say */
   recorded: v.nullish(v.object({ file: v.string(), folder: v.string() })),
+  /** far away, follows the tool; an older program knows of none, and does not say */
+  robot: v.nullish(Robot),
 });
 export type Status = v.InferOutput<typeof Status>;
 

@@ -12,6 +12,7 @@ import {
   type Command,
   type Hello,
   type Pose,
+  type Robot,
   type Scene,
   type SceneChange,
   type Status,
@@ -66,6 +67,8 @@ export interface MockOptions {
   read_only?: boolean;
   /** a person's hand is at a device */
   person_feels?: boolean;
+  /** as in a status: far away, follows the tool */
+  robot?: Robot;
   /** what must be in the address of the WebSocket */
   token?: string;
   /** a tool that somebody drew */
@@ -258,6 +261,7 @@ export class MockServer {
       undo: this.undo_name,
       recording: this.recording,
       recorded: this.recorded,
+      robot: this.options.robot ?? null,
     };
   }
 

@@ -165,6 +165,12 @@ class Follower {
     robot_.emplace(options.robot, options.robot_end.end(), meanSurfaceHeight(session.scene().bed()),
                    scenario.loop.tick_s);
   }
+  /// Lets the page know of it.
+  void show(LiveView& view) const {
+    if (robot_) {
+      view.setRobot(robotShown(robot_->news(), robot_->surface()));
+    }
+  }
   [[nodiscard]] const OperatorEnd* robot() const noexcept { return robot_ ? &*robot_ : nullptr; }
 
   /// Records the session from its first tick on.
@@ -470,6 +476,9 @@ void run(const RunOptions& options) {
   driver.run(
       [&](const SessionDriver::News& news) {
         follower.follow(session, news);
+        if (view) {
+          follower.show(*view);
+        }
         return true;
       },
       !scenario.loop.paced ? 1ms

@@ -31,6 +31,22 @@ std::string robotText(const RobotNews& news) {
                      news.met_n.norm());
 }
 
+RobotShown robotShown(const RobotNews& news, double surface_m) {
+  RobotShown shown;
+  shown.state = news.ever ? text(news.state.state) : "not heard yet";
+  shown.reason = news.state.reason == StopReason::kNone ? "" : text(news.state.reason);
+  shown.heard = news.heard;
+  shown.behind = news.behind;
+  shown.round_trip_s = news.round_trip_s;
+  if (!news.state.reports.empty()) {
+    shown.scene_T_tool = news.state.reports.back().pose;
+  }
+  shown.scene_T_tool.position_m.z() += surface_m;
+  shown.felt_n = news.felt_n;
+  shown.met_n = news.met_n;
+  return shown;
+}
+
 std::string robotSummary(const OperatorEnd& end) {
   const RobotNews& news = end.news();
   const ForceAgreement& agreement = end.agreement();

@@ -2,10 +2,12 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include <cstdint>
 #include <memory>
 #include <string>
 #include <vector>
 
+#include "haptolith/core/clock.h"
 #include "haptolith/core/stop_asked.h"
 #include "haptolith/device/hand/virtual_hand.h"
 #include "haptolith/haptics/loop_clock.h"
@@ -46,12 +48,37 @@ struct RemoteOptions {
   bool json = false;
 };
 
-std::string statusText(const Robot& robot, const RobotServer& server) {
+/// How fast the robot's time runs, over the last seconds.
+class Rate {
+ public:
+  explicit Rate(double tick_s) : tick_s_(tick_s) {}
+
+  void tick() {
+    constexpr std::int64_t kOver_ns = 2'000'000'000;
+    ++ticks_;
+    const std::int64_t now_ns = monotonicNs();
+    if (now_ns - since_ns_ >= kOver_ns) {
+      value_ = static_cast<double>(ticks_) * tick_s_ * 1e9 / static_cast<double>(now_ns - since_ns_);
+      since_ns_ = now_ns;
+      ticks_ = 0;
+    }
+  }
+  [[nodiscard]] double value() const noexcept { return value_; }
+
+ private:
+  double tick_s_, value_ = 1;
+  std::int64_t since_ns_ = monotonicNs(), ticks_ = 0;
+};
+
+std::string statusText(const Robot& robot, const RobotServer& server, double rate) {
   const std::string who =
       server.operatorAddress().empty() ? "no operator yet" : fmt::format("operator {}", server.operatorAddress());
   const std::string why = robot.reason() == StopReason::kNone ? "" : fmt::format(" ({})", text(robot.reason()));
-  return fmt::format("{}: {}{}, command {:.0f} of {}, {:.2f} N", who, text(robot.state()), why, robot.index(),
-                     robot.newest(), robot.met().force_n.norm());
+  constexpr double kSlow = 0.97;
+  const std::string slow =
+      rate < kSlow ? fmt::format("; this machine is too slow for it: {:.0f} % of real time", 100 * rate) : "";
+  return fmt::format("{}: {}{}, command {:.0f} of {}, {:.2f} N{}", who, text(robot.state()), why, robot.index(),
+                     robot.newest(), robot.met().force_n.norm(), slow);
 }
 
 void runRemote(const RemoteOptions& options) {
@@ -72,6 +99,7 @@ void runRemote(const RemoteOptions& options) {
   printNotice(fmt::format("a robot in '{}', at port {}{}; Ctrl-C ends it\n", scenario.title, server.port(),
                           end.key.empty() ? "" : ", with a key"));
   LoopClock clock(tick_s, true);
+  Rate rate(tick_s);
   clock.start();
   const double ticks = options.duration_s > 0 ? options.duration_s / tick_s : -1;
   for (std::uint64_t tick = 0; !stopAsked() && (ticks < 0 || static_cast<double>(tick) < ticks); ++tick) {
@@ -82,8 +110,9 @@ void runRemote(const RemoteOptions& options) {
     server.answer();
     clock.endTick();
     clock.planNextTick();
+    rate.tick();
     if (status.visible()) {
-      status.update(statusText(robot, server));
+      status.update(statusText(robot, server, rate.value()));
     }
   }
   status.clear();
@@ -93,12 +122,14 @@ void runRemote(const RemoteOptions& options) {
                {"reason", text(robot.reason())},
                {"stops", robot.stops()},
                {"ran_out", robot.ranOut()},
+               {"real_time_share", rate.value()},
                {"packets", countsJson(counts)}});
     return;
   }
-  printText(fmt::format(
-      "  robot      {}\n  packets    {} taken; {} malformed, {} forged, {} replayed, {} of strangers\n",
-      statusText(robot, server), counts.taken, counts.malformed, counts.forged, counts.replayed, counts.strangers));
+  printText(
+      fmt::format("  robot      {}\n  packets    {} taken; {} malformed, {} forged, {} replayed, {} of strangers\n",
+                  statusText(robot, server, rate.value()), counts.taken, counts.malformed, counts.forged,
+                  counts.replayed, counts.strangers));
 }
 
 }  // namespace

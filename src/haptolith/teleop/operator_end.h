@@ -36,6 +36,7 @@ class OperatorEnd {
   /// Takes what has come.
   void receive();
 
+  [[nodiscard]] double surface() const noexcept { return surface_m_; }
   [[nodiscard]] const RobotNews& news() const noexcept { return news_; }
   [[nodiscard]] const ForceAgreement& agreement() const noexcept { return agreement_; }
   [[nodiscard]] const PacketCounts& counts() const noexcept { return counts_; }

@@ -257,7 +257,8 @@ void LiveView::showStatus() {
                                              .clients = server_.clients(),
                                              .held_by = holder_,
                                              .recording = recording,
-                                             .recorded = recorded_}));
+                                             .recorded = recorded_,
+                                             .robot = robot_ ? &*robot_ : nullptr}));
 }
 
 }  // namespace haptolith

@@ -14,6 +14,7 @@
 #include "haptolith/session/session.h"
 #include "haptolith/viewer/board.h"
 #include "haptolith/viewer/command.h"
+#include "haptolith/viewer/messages.h"
 #include "haptolith/viewer/web_server.h"
 
 namespace haptolith {
@@ -59,6 +60,9 @@ class LiveView {
   /// Shows what is new. `newer` and `changed` are what Session::update() and poll() said.
   void show(bool newer, bool changed);
 
+  /// How a robot that follows the tool fares: shown with the next status.
+  void setRobot(RobotShown robot) { robot_ = std::move(robot); }
+
   /// Sends a client a message of the extension's, a whole JSON object. A client that lets too many wait is dropped; for
   /// one that has left nothing happens.
   void send(std::uint32_t client, std::string text) { server_.send(client, std::move(text)); }
@@ -85,6 +89,7 @@ class LiveView {
   std::string recording_;           ///< the file that was being written when last looked
   std::filesystem::path recorded_;  ///< the last one that is finished
   std::optional<std::uint32_t> holder_;
+  std::optional<RobotShown> robot_;
   std::set<std::uint32_t> coloured_by_force_;
   std::uint32_t scene_shown_ = 0;
   bool scene_changed_ = true;

@@ -128,6 +128,23 @@ Json recordedJson(const std::filesystem::path& file) {
                       : Json{{"file", file.filename().string()}, {"folder", file.parent_path().string()}};
 }
 
+Json robotJson(const RobotShown* robot) {
+  if (robot == nullptr) {
+    return nullptr;
+  }
+  const Vec3& at = robot->scene_T_tool.position_m;
+  const Quat& turn = robot->scene_T_tool.orientation;
+  const auto vector = [](const Vec3& v) { return Json{v.x(), v.y(), v.z()}; };
+  return {{"state", robot->state},
+          {"reason", orNull(robot->reason)},
+          {"heard", robot->heard},
+          {"behind", robot->behind},
+          {"round_trip_s", robot->round_trip_s},
+          {"pose", {at.x(), at.y(), at.z(), turn.w(), turn.x(), turn.y(), turn.z()}},
+          {"felt_n", vector(robot->felt_n)},
+          {"met_n", vector(robot->met_n)}};
+}
+
 }  // namespace
 
 Board::Texts helloMessages(std::string_view version, bool read_only, bool takes_uploads) {
@@ -263,7 +280,8 @@ Board::Texts statusMessages(const Session& session, const StatusBeside& beside) 
                 {"can_undo", !session.undoable().empty()},
                 {"undo", orNull(session.undoable())},
                 {"recording", orNull(beside.recording)},
-                {"recorded", recordedJson(beside.recorded)}});
+                {"recorded", recordedJson(beside.recorded)},
+                {"robot", robotJson(beside.robot)}});
   std::string whole = written(message);
   for (const char* names : {"problem", "undo", "recording", "recorded"}) {
     message[names] = nullptr;

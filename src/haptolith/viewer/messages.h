@@ -25,6 +25,18 @@ namespace haptolith {
 
 [[nodiscard]] Board::Texts sceneMessages(const Session& session, const FrameEncoder::Space& space);
 
+/// A robot far away that follows the tool.
+struct RobotShown {
+  std::string state;           ///< "following"
+  std::string reason;          ///< why it stopped; empty: it has not
+  bool heard = false;          ///< lately
+  std::uint64_t behind = 0;    ///< ticks since the command that it was last heard to have come to
+  double round_trip_s = 0;     ///< of a packet
+  Pose scene_T_tool;           ///< of its tool then, as if its soil's surface were this one's
+  Vec3 felt_n = Vec3::Zero();  ///< at the newest commands of which both are known,
+  Vec3 met_n = Vec3::Zero();   ///< and what the robot met there
+};
+
 /// What a session does not know about itself.
 struct StatusBeside {
   double rate_hz = 0;  ///< ticks a second, lately
@@ -32,6 +44,7 @@ struct StatusBeside {
   std::optional<std::uint32_t> held_by = {};  ///< a client's number
   std::string_view recording = {};            ///< a file's name; empty: none
   std::filesystem::path recorded = {};        ///< the last file that is finished, and its folder; empty: none
+  const RobotShown* robot = nullptr;          ///< null: none follows
 };
 [[nodiscard]] Board::Texts statusMessages(const Session& session, const StatusBeside& beside);
 

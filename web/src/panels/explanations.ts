@@ -13,6 +13,9 @@ export const EXPLAIN = {
   device: 'What holds the tool: a haptic device, or the virtual hand of this program.',
   granted: 'The operating system runs the force loop before all other programs, so that they cannot delay it.',
   not_granted: 'The operating system gives the force loop no priority, so other programs can delay a step.',
+  robot:
+    'A robot far away that follows the tool, and how old the news of it is. Its tool is the orange outline in the picture.',
+  met: "Force of the soil on the robot's tool, at the newest commands that it was heard to have carried out.",
   clients: 'Browsers and programs that are connected, and which of them holds the tool.',
 
   // over the picture

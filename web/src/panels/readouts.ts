@@ -1,6 +1,6 @@
 // The numbers over the picture: what the hand feels, and where the tool is.
 
-import { grainsOf, type Frame, type Scene, type Vec3 } from '../protocol';
+import { grainsOf, type Frame, type Robot, type Scene, type Vec3 } from '../protocol';
 import { shapeOf } from '../tool_shapes';
 import { EXPLAIN } from './explanations';
 import { fixed, h, setText } from './html';
@@ -77,11 +77,20 @@ export function pictureInWords(scene: Scene, frame: Frame): string {
   );
 }
 
+/** "robot following, 2.6 s behind". */
+export function robotInWords(robot: Robot): string {
+  if (!robot.heard) return robot.round_trip_s > 0 ? 'robot silent' : 'no word of the robot yet';
+  const why = robot.reason === null ? '' : ` (${robot.reason})`;
+  return `robot ${robot.state}${why}, ${(robot.behind / 1000).toFixed(1)} s behind`;
+}
+
 export class Readouts {
   readonly element: HTMLElement;
   private readonly force = new Readout('swatch-force', 'force', 'N', 'force', EXPLAIN.force);
   private readonly torque = new Readout('swatch-torque', 'torque', 'mN m', 'torque', EXPLAIN.torque);
   private readonly place = new Readout('swatch-tool', 'above soil', 'mm', 'depth', EXPLAIN.depth);
+  private readonly met = new Readout('swatch-robot', 'robot met', 'N', 'met', EXPLAIN.met);
+  private readonly robot = h('span', { class: 'robot-state', tabindex: 0, role: 'group', 'aria-label': 'robot' });
   private shown_ms = 0;
 
   constructor() {
@@ -96,7 +105,21 @@ export class Readouts {
       ...this.force.cells,
       ...this.torque.cells,
       ...this.place.cells,
+      ...this.met.cells,
+      this.robot,
     );
+    explain(this.robot, EXPLAIN.robot);
+    this.setRobot(null);
+  }
+
+  /** What a robot far away does, and what it met; null: there is none. */
+  setRobot(robot: Robot | null): void {
+    for (const cell of [this.robot, ...this.met.cells]) cell.hidden = robot === null;
+    if (robot === null) return;
+    setText(this.robot, robotInWords(robot));
+    this.robot.dataset.level = !robot.heard ? 'bad' : robot.state === 'following' ? 'good' : 'warn';
+    if (robot.heard) this.met.show(Math.hypot(...robot.met_n), robot.met_n, 2);
+    else this.met.clear();
   }
 
   setFrame(frame: Frame, scene: Scene, now_ms: number): void {

@@ -3,7 +3,7 @@
 
 import { AmbientLight, Color, DirectionalLight, Group, HemisphereLight, Scene as World, Vector3 } from 'three';
 import { h } from '../panels/html';
-import type { ColourMode, Frame, Scene, Vec3 } from '../protocol';
+import type { ColourMode, Frame, Robot, Scene, Vec3 } from '../protocol';
 import type { Drawing, ViewName } from '../settings';
 import { ArrowsView } from './arrows';
 import { BedView } from './bed_view';
@@ -14,6 +14,7 @@ import { GroundView } from './ground_view';
 import { lightBody, makeLightUniforms, shadeTool, shadeToolAt, LOW_SUN, TO_SUN } from './light_shader';
 import { makeRenderer, type Renderer } from './renderer';
 import { Resolution } from './resolution';
+import { RobotView } from './robot_view';
 import { SkyView } from './sky_view';
 import { StoneView } from './stone_view';
 import { ToolView } from './tool_view';
@@ -46,6 +47,7 @@ export class Stage {
   readonly sky: SkyView;
   readonly box = new BoxView();
   readonly tool = new ToolView();
+  readonly robot = new RobotView();
   readonly stones: StoneView;
   readonly arrows = new ArrowsView();
   frames_drawn = 0;
@@ -92,7 +94,7 @@ export class Stage {
     this.setDrawing('grains');
     this.fill.position.set(0, 0, 1);
     this.bench.add(this.sky.mesh, this.ground.mesh, this.bed.soil.group, this.bed.mesh, this.stones.group);
-    this.bench.add(this.box.group, this.tool.group);
+    this.bench.add(this.box.group, this.tool.group, this.robot.group);
     if (!options.neutral) this.bench.add(this.tool.ghost, this.arrows.group);
     this.bench.add(this.sun, this.sun.target, this.fill, new AmbientLight(0xffffff, 0.15));
     this.world.add(this.bench);
@@ -123,6 +125,7 @@ export class Stage {
     this.ground.setScene(scene);
     this.box.setScene(scene);
     this.tool.setTool(scene.tool);
+    this.robot.setTool(scene.tool);
     this.stones.setScene(scene);
     this.arrows.setScene(scene);
     this.sky.setBody(scene.body);
@@ -153,6 +156,13 @@ export class Stage {
     shadeToolAt(this.light, this.scene.tool, frame.tool, frame.opening_m);
     this.arrows.setFrame(frame, held);
     this.dirty = true;
+  }
+
+  /** Where a robot far away has its tool; null: there is none. */
+  setRobot(robot: Robot | null): void {
+    const shown = this.robot.group.visible;
+    this.robot.setRobot(robot, performance.now());
+    if (this.robot.group.visible || shown) this.dirty = true;
   }
 
   setColour(mode: ColourMode): void {
@@ -248,6 +258,7 @@ export class Stage {
     this.onTick(now_ms);
     const in_headset = this.renderer.xr.isPresenting;
     if (this.orbit.advance(now_ms)) this.dirty = true;
+    if (this.robot.advance(now_ms)) this.dirty = true;
     if ((!this.dirty || !this.shown) && !in_headset) {
       this.resolution.rest();
       return;

@@ -4,6 +4,7 @@ import type { Browser } from 'playwright-core';
 import { afterAll, afterEach, beforeAll, describe, expect, it } from 'vitest';
 import { MockServer, type MockOptions } from '../mock-server';
 import { MockStudy } from '../mock-study';
+import type { Vec3 } from '../../src/protocol';
 import { launch, newPage, scene, type Watched } from './pages';
 
 let browser: Browser;
@@ -70,6 +71,33 @@ describe('access', () => {
     await page.waitForTimeout(200);
     expect(await page.evaluate(() => window.haptolith!.frame!.held)).toBe(false);
     expect(await page.locator('.toast').count()).toBe(0);
+  });
+
+  it('shows a robot that follows the tool, where it was heard to be', async () => {
+    const robot = {
+      state: 'following',
+      reason: null,
+      heard: true,
+      behind: 2600,
+      round_trip_s: 2.6,
+      pose: [0.03, 0.02, 0.12, 1, 0, 0, 0],
+      felt_n: [-2, 0, 1] as Vec3,
+      met_n: [-3, 0, 4] as Vec3,
+    };
+    const watched = await visit({ robot });
+    await connected(watched);
+    const { page } = watched;
+    await page.getByText('following, 2.6 s behind').waitFor();
+    expect((await page.locator('[data-test=met]').textContent())?.trim()).toBe('5.00');
+    expect(await page.locator('[data-test=met]').isVisible()).toBe(true);
+    expect(watched.complaints).toEqual([]);
+  });
+
+  it('shows no robot where none follows', async () => {
+    const watched = await visit({});
+    await connected(watched);
+    expect(await watched.page.locator('[data-test=met]').isVisible()).toBe(false);
+    expect(await watched.page.getByRole('group', { name: 'robot', exact: true }).count()).toBe(0);
   });
 
   it('asks before it changes what a person feels, once', async () => {

@@ -84,6 +84,23 @@ describe('nobody is kept out', { timeout: 900_000 }, () => {
     await check(page, 'read-only');
   });
 
+  it('of the page beside a robot that has stopped', async () => {
+    const page = await visit({
+      robot: {
+        state: 'holding',
+        reason: 'too much force',
+        heard: true,
+        behind: 2650,
+        round_trip_s: 2.6,
+        pose: [0.03, 0.02, 0.05, 1, 0, 0, 0],
+        felt_n: [0, 0, 1],
+        met_n: [0, 0, 90],
+      },
+    });
+    await page.getByText('holding (too much force)').waitFor();
+    await check(page, 'robot');
+  });
+
   it('of the page that asks before it changes what a person feels', async () => {
     const page = await visit({ person_feels: true });
     await page.waitForFunction(() => window.haptolith?.status?.person_feels);

@@ -1,8 +1,8 @@
 import { describe, expect, it } from 'vitest';
 import { EXPLAIN, frictionModelName, sliderExplanation } from '../../src/panels/explanations';
 import { inWords } from '../../src/panels/plots';
-import type { Frame, Scene } from '../../src/protocol';
-import { pictureInWords, placeOf, sizesInWords } from '../../src/panels/readouts';
+import type { Frame, Robot, Scene } from '../../src/protocol';
+import { pictureInWords, placeOf, robotInWords, sizesInWords } from '../../src/panels/readouts';
 
 describe('the place of the tool', () => {
   it('is a height above the soil or a depth in it, never a negative one', () => {
@@ -35,6 +35,16 @@ describe('in words', () => {
     expect(pictureInWords({ ...scene, box, tool: { shape: 'box' } } as unknown as Scene, frame)).toContain(
       'with 51 particles (16 of 7 mm, 32 of 3.5 mm, 3 of 1.75 mm radius); shovel 10 mm above the soil',
     );
+  });
+
+  it('a robot says what it does, why it stopped, and how old that is', () => {
+    const robot = { state: 'following', reason: null, heard: true, behind: 2649, round_trip_s: 2.6 } as Robot;
+    expect(robotInWords(robot)).toBe('robot following, 2.6 s behind');
+    expect(robotInWords({ ...robot, state: 'holding', reason: 'too much force' })).toBe(
+      'robot holding (too much force), 2.6 s behind',
+    );
+    expect(robotInWords({ ...robot, heard: false })).toBe('robot silent');
+    expect(robotInWords({ ...robot, heard: false, round_trip_s: 0 })).toBe('no word of the robot yet');
   });
 
   it('a plot says what each line is now and where it has been', () => {
