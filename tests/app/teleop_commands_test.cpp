@@ -58,6 +58,65 @@ print(json.dumps({'fastest_s': min(took), 'counts': json.loads(link.communicate(
   EXPECT_EQ(seen["counts"]["ignored"], 0);
 }
 
+TEST(TeleopCommands, TheBenchComparesAndKeepsItsFiles) {
+  const std::filesystem::path folder =
+      std::filesystem::path(testing::TempDir()) / ("haptolith-bench-" + std::to_string(getpid()));
+  std::filesystem::create_directory(folder);
+  const std::string bench = "teleop bench --model paper --site paper --duration-s 3 --round-trip-s 0.4,1 --csv " +
+                            (folder / "force.csv").string() + " --figure " + (folder / "force.svg").string();
+  const ProgramResult result = runHaptolith(bench + " --json");
+  ASSERT_EQ(result.exit_status, 0) << result.errors;
+  const json runs = json::parse(result.output).at("runs");
+  ASSERT_EQ(runs.size(), 5U) << "a twin needs no delays";
+  EXPECT_EQ(runs[0]["case"], "model");
+  EXPECT_EQ(runs[2]["case"], "twin");
+  EXPECT_EQ(runs[4]["case"], "bilateral");
+  EXPECT_NEAR(runs[3]["behind_s"].get<double>(), 1.03, 0.05);
+  EXPECT_LT(runs[0]["off_in_air_m"].get<double>(), 1e-3);
+  std::ifstream csv(folder / "force.csv");
+  std::string heading;
+  std::getline(csv, heading);
+  EXPECT_EQ(heading, "round_trip_s,case,t_s,felt_x_n,felt_y_n,felt_z_n,met_x_n,met_y_n,met_z_n");
+  EXPECT_GT(std::filesystem::file_size(folder / "force.svg"), 2000U);
+  const ProgramResult again = runHaptolith(bench);
+  EXPECT_EQ(again.exit_status, 1) << "before any work";
+  EXPECT_THAT(again.errors, HasSubstr("--overwrite"));
+  std::filesystem::remove_all(folder);
+}
+
+TEST(TeleopCommands, AnOperatorLeadsARobotInAnotherProgram) {
+  const std::filesystem::path script =
+      std::filesystem::path(testing::TempDir()) / ("haptolith-lead-" + std::to_string(getpid()) + ".py");
+  std::ofstream(script) << R"(import json, subprocess, sys
+robot = subprocess.Popen([sys.argv[1], 'teleop', 'remote', 'paper', '--listen', '127.0.0.1:0', '--duration-s', '20',
+                          '--json'], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+port = robot.stderr.readline().split('at port ')[1].split(';')[0].split(',')[0]
+lead = subprocess.run([sys.argv[1], 'teleop', 'operator', 'paper', '--hand', 'still', '--to', '127.0.0.1:' + port,
+                       '--duration-s', '3', '--json'], capture_output=True, text=True)
+robot.send_signal(2)
+print(json.dumps({'lead': json.loads(lead.stdout), 'robot': json.loads(robot.communicate()[0])}))
+)";
+  const ProgramResult result = runInShell("python3 " + script.string() + " \"$HAPTOLITH\"");
+  std::filesystem::remove(script);
+  ASSERT_EQ(result.exit_status, 0) << result.errors;
+  const json seen = json::parse(result.output);
+  EXPECT_EQ(seen["lead"]["robot"]["state"], "following");
+  EXPECT_GT(seen["lead"]["robot"]["packets"]["taken"].get<int>(), 50);
+  EXPECT_EQ(seen["lead"]["robot"]["packets"]["forged"], 0);
+  EXPECT_GT(seen["robot"]["packets"]["taken"].get<int>(), 50);
+  EXPECT_EQ(seen["robot"]["packets"]["malformed"], 0);
+}
+
+TEST(TeleopCommands, BothEndsStayOnThisMachineWithoutAKey) {
+  const ProgramResult remote = runHaptolith("teleop remote paper --listen 0.0.0.0:7410 --duration-s 1");
+  EXPECT_EQ(remote.exit_status, 2);
+  EXPECT_THAT(remote.errors, AllOf(HasSubstr("0.0.0.0:7410"), HasSubstr("--key-file")));
+  const ProgramResult lead = runHaptolith("teleop operator paper --to 192.0.2.1:7410 --duration-s 1 --no-serve");
+  EXPECT_EQ(lead.exit_status, 2);
+  EXPECT_THAT(lead.errors, AllOf(HasSubstr("192.0.2.1:7410"), HasSubstr("--key-file")));
+  EXPECT_THAT(runHaptolith("teleop operator paper").errors, HasSubstr("--to"));
+}
+
 TEST(TeleopCommands, WhatIsWrongIsSaid) {
   const auto refused = [](const std::string& arguments) {
     const ProgramResult result = runHaptolith("teleop link " + arguments);

@@ -15,6 +15,7 @@
 #include "haptolith/core/atomic_file.h"
 #include "haptolith/core/in_parallel.h"
 #include "haptolith/core/stop_asked.h"
+#include "haptolith/teleop/agreement_figure.h"
 #include "haptolith/teleop/simulation.h"
 
 #include "shared/option_checks.h"
@@ -64,7 +65,7 @@ struct BenchOptions {
   LinkOptions link;
   double duration_s = 20;
   int threads = static_cast<int>(std::max(1U, std::thread::hardware_concurrency()));
-  std::string csv_file;
+  std::string csv_file, figure_file;
   Overwrite overwrite;
   bool json = false;
 };
@@ -148,9 +149,25 @@ std::vector<Row> rowsFor(const BenchOptions& options) {
   return rows;
 }
 
+std::vector<AgreementPanel> panelsOf(const std::vector<Row>& rows) {
+  std::vector<AgreementPanel> panels;
+  for (const Row& row : rows) {
+    const ForceAgreement& agreement = row.result.agreement;
+    panels.push_back({fmt::format("{}, {:g} s there and back: {:.0f} %", text(row.which), row.round_trip_s,
+                                  100 * agreement.share(0, TeleopRanges::duration_s.highest)),
+                      agreement.windows()});
+  }
+  return panels;
+}
+
 void runBench(const BenchOptions& options) {
   const StopOnSignal stop;
   StatusLine status;
+  for (const std::string& file : {options.csv_file, options.figure_file}) {
+    if (!file.empty()) {
+      requireFree(options.overwrite(file));  // before minutes of work
+    }
+  }
   std::vector<Row> rows = rowsFor(options);
   std::vector<std::atomic<double>> done(rows.size());
   std::mutex of_status;
@@ -169,6 +186,9 @@ void runBench(const BenchOptions& options) {
   status.clear();
   if (!options.csv_file.empty()) {
     writeCsv(options.overwrite(options.csv_file), rows);
+  }
+  if (!options.figure_file.empty()) {
+    drawAgreement(options.overwrite(options.figure_file), panelsOf(rows));
   }
   if (options.json) {
     Json list = Json::array();
@@ -224,6 +244,7 @@ void addTeleopBench(CLI::App& teleop) {
       ->check(wholeNumberIn({1, 256}));
   command->add_option("--csv", options->csv_file, "Write force felt and force met, window by window")
       ->option_text("FILE.csv");
+  command->add_option("--figure", options->figure_file, "Draw the same (.svg or .png)")->option_text("FILE");
   options->overwrite.addTo(*command);
   command->add_flag("--json", options->json, "Print one JSON object");
   command->callback([options] { runBench(*options); });
