@@ -12,7 +12,7 @@ namespace haptolith {
 
 namespace {
 
-constexpr int kWidth_px = 1200, kPanelHeight_px = 210, kMargins_px = 120;
+constexpr int kWidth_px = 1200, kPanelHeight_px = 230, kMargins_px = 120;
 // Two of Okabe and Ito's colours, which the colour-blind can tell apart.
 constexpr const char* kFelt = "#0072b2";
 constexpr const char* kMet = "#d55e00";
@@ -40,7 +40,7 @@ void drawAgreement(const OutputFile& file, const std::vector<AgreementPanel>& pa
       "'#e6e6e6'\nset xtics nomirror scale 0.5\nset ytics nomirror scale 0.5\nset xrange [0:{}]\nset yrange "
       "[0:{}]\nset "
       "key top right samplen 1.5",
-      rows, columns, bottom, 1 - 40.0 / height_px, 62.0 / height_px, longest_s, 1.05 * strongest_n));
+      rows, columns, bottom, 1 - 40.0 / height_px, 80.0 / height_px, longest_s, 1.05 * strongest_n));
   for (std::size_t i = 0; i < panels.size(); ++i) {
     std::vector<std::vector<double>> data;
     for (const AgreementPoint& point : panels[i].points) {
