@@ -8,7 +8,8 @@
 
 namespace haptolith {
 
-/// What both ends of a network device, or of a teleoperation, know, and nobody else: with it each packet is signed. A tag is
+/// What both ends of a network device, or of a teleoperation, know, and nobody else: with it each packet is signed. A
+/// tag is
 ///
 ///     BLAKE2b(key = K, nonce || packet), 16 bytes                    (RFC 7693; Python: hashlib.blake2b(..., key=K))
 ///
