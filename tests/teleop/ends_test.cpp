@@ -173,6 +173,26 @@ TEST_F(Ends, WhatHasBeenListenedToIsOfNoUse) {
   EXPECT_EQ(robot_.session(), 6U);
 }
 
+TEST_F(Ends, ARobotThatIsStartedAgainIsLedAgain) {
+  for (const std::string& key : {std::string(), kKey}) {
+    begin(key);
+    EndOptions options;
+    options.key = key;
+    OperatorEnd end(to_, options, 0, kTick_s);
+    ASSERT_TRUE(until([&] { return end.news().heard && server_->counts().taken > 0; }, &end));
+    const std::uint32_t before = end.news().state.robot_session;
+    options.listen = to_;
+    server_.reset();
+    server_.emplace(robot_, options, kTick_s);
+    const auto enough = std::chrono::steady_clock::now() + std::chrono::seconds(10);
+    while (server_->counts().taken == 0 && std::chrono::steady_clock::now() < enough) {
+      (void)until([&] { return server_->counts().taken > 0; }, &end);
+    }
+    EXPECT_GT(server_->counts().taken, 0U);
+    EXPECT_TRUE(until([&] { return end.news().state.robot_session != before; }, &end));
+  }
+}
+
 TEST_F(Ends, WithoutAKeyTheFirstIsHeardUntilItFallsSilent) {
   begin("");
   UdpPort first("to", "127.0.0.1:0"), second("to", "127.0.0.1:0");

@@ -567,6 +567,7 @@ void addTeleopOperator(CLI::App& teleop) {
   command->add_option("--to", options->robot, "Where the robot listens")->option_text("HOST:PORT")->required();
   options->robot_end.addTo(*command);
   addOptions(command, options);
+  command->get_option("scenario")->description("Scene by its name (haptolith scenes) or from a file; default: dig");
 }
 
 }  // namespace haptolith

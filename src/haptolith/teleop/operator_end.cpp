@@ -43,6 +43,9 @@ void OperatorEnd::follow(std::span<const TickRecord> ticks) {
       key.hand.pose.position_m.z() -= surface_m_;
       command_.keys = history_.add(key);
       command_.held = tick.trip == 0 && tick.device.state == DeviceState::kLive;
+      if (!news_.heard) {  // a robot that was started again knows nothing of the nonce of the one before
+        seal_.forget();
+      }
       command_.sender_time = static_cast<std::uint64_t>(monotonicNs());
       ++command_.number;
       port_.send(to_, seal_.seal(bytesOf(command_)));

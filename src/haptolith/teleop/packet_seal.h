@@ -26,6 +26,8 @@ class PacketSeal {
   /// @param hex  as PacketKey's; empty: no key. @throws InvalidParameter as PacketKey.
   explicit PacketSeal(std::string_view hex);
 
+  /// Greets again: the other may have been started anew, with another nonce.
+  void forget() noexcept { other_ = {}; }
   [[nodiscard]] bool hasKey() const noexcept { return key_.has_value(); }
   [[nodiscard]] Packet seal(Packet packet) const;
 
