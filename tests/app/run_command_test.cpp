@@ -307,7 +307,7 @@ TEST_F(RunCommand, BadPosesAreToldWithFileLineAndColumn) {
   } cases[] = {{"0,0,0,0.1,1,0,0,0\n1,0,nan,0.1,1,0,0,0\n", ":3: y_m"},
                {"0,0,0,0.1,1,0,0,0\n0,0,0,0.1,1,0,0,0\n", "time goes forward"},
                {"0,0,0,0.1,1,0,0,0\n1,0,0,0.1,0,0,0,0\n", "qw,qx,qy,qz"},
-               {"0,0,0,0.1,1,0,0\n", "eight numbers"},
+               {"0,0,0,0.1,1,0,0\n", "8 numbers"},
                {"", "at least 2"}};
   for (const auto& [text, told] : cases) {
     writeFile("poses.csv", header + text);

@@ -119,9 +119,9 @@ TEST_F(PoseFileTest, WhatIsNoFiniteNumberIsRefusedWithItsPlace) {
 
 TEST_F(PoseFileTest, TooFewOrTooManyColumnsAreRefused) {
   const std::string good = std::string(kHeader) + kTwo;
-  expectRefused(good + "2,0,0,0,1,0,0\n", 4, "eight numbers");
-  expectRefused(good + "2\n", 4, "eight numbers");
-  expectRefused(good + "2,0,0,0,1,0,0,0,0\n", 4, "eight numbers");
+  expectRefused(good + "2,0,0,0,1,0,0\n", 4, "8 numbers");
+  expectRefused(good + "2\n", 4, "8 numbers");
+  expectRefused(good + "2,0,0,0,1,0,0,0,0\n", 4, "8 numbers");
 }
 
 TEST_F(PoseFileTest, TimeGoesForward) {

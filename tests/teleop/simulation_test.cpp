@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include "haptolith/teleop/link_profiles.h"
-#include "haptolith/teleop/site.h"
+#include "haptolith/bed/surface_height.h"
 
 namespace haptolith {
 namespace {

@@ -23,7 +23,7 @@
 #include "haptolith/scenario/scene_words.h"
 #include "haptolith/session/session.h"
 #include "haptolith/teleop/operator_end.h"
-#include "haptolith/teleop/site.h"
+#include "haptolith/bed/surface_height.h"
 #include "haptolith/viewer/live_view.h"
 
 #include "commands.h"

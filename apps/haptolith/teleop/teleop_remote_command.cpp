@@ -13,7 +13,7 @@
 #include "haptolith/haptics/loop_clock.h"
 #include "haptolith/scenario/scenario.h"
 #include "haptolith/teleop/robot_server.h"
-#include "haptolith/teleop/site.h"
+#include "haptolith/bed/surface_height.h"
 
 #include "shared/option_checks.h"
 #include "shared/output.h"

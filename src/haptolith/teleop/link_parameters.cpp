@@ -2,14 +2,11 @@
 
 #include <fmt/format.h>
 
-#include <charconv>
-#include <fstream>
-#include <optional>
+#include <array>
 #include <string>
 #include <string_view>
 
-#include "haptolith/core/input_file.h"
-#include "haptolith/core/plain_text.h"
+#include "haptolith/core/number_rows.h"
 
 namespace haptolith {
 
@@ -22,18 +19,6 @@ void requireGrowing(const char* key, double before_s, double time_s) {
   if (time_s <= before_s) {
     throw InvalidParameter(key, fmt::format("{:g} s after {:g} s", time_s, before_s), "times that grow");
   }
-}
-
-/// The two numbers of a line; none: it is no such line.
-std::optional<DelayAt> delayOf(std::string_view line) {
-  DelayAt delay;
-  const char* const end = line.data() + line.size();
-  const auto [comma, wrong] = std::from_chars(line.data(), end, delay.time_s);
-  if (wrong != std::errc{} || comma == end || *comma != ',') {
-    return std::nullopt;
-  }
-  const auto [rest, also_wrong] = std::from_chars(comma + 1, end, delay.delay_s);
-  return also_wrong == std::errc{} && rest == end ? std::optional(delay) : std::nullopt;
 }
 
 }  // namespace
@@ -75,35 +60,17 @@ void validate(const LinkParameters& link) {
 }
 
 std::vector<DelayAt> readDelays(const std::filesystem::path& path) {
-  std::ifstream file = openInput(path, kLimits.bytes);
-  LineReader lines(file, path.string(), kLimits);
+  NumberRows rows(path, kHeading, kLimits);
   std::vector<DelayAt> delays;
-  std::string line;
-  while (lines.next(line)) {
-    if (line.ends_with('\r')) {
-      line.pop_back();
+  std::array<double, 2> numbers{};
+  while (rows.next(numbers)) {
+    const auto [time_s, delay_s] = numbers;
+    requireInRange(rows.key("t_s"), time_s, LinkRanges::time_s);
+    requireInRange(rows.key("delay_s"), delay_s, LinkRanges::delay_s);
+    if (!delays.empty() && time_s <= delays.back().time_s) {
+      throw InvalidParameter(rows.key("t_s"), fmt::format("{:g}", time_s), "later than the line before");
     }
-    const auto refuse = [&](std::string_view valid) {
-      return InvalidParameter(fmt::format("{}:{}", path.string(), lines.number()), inQuotes(line), std::string(valid));
-    };
-    if (lines.number() == 1) {
-      if (line != kHeading) {
-        throw refuse(fmt::format("the heading {}", kHeading));
-      }
-      continue;
-    }
-    const std::optional<DelayAt> delay = delayOf(line);
-    if (!delay || !LinkRanges::time_s.contains(delay->time_s) || !LinkRanges::delay_s.contains(delay->delay_s)) {
-      throw refuse(fmt::format("a time, {} s, a comma, and a delay, {} s", LinkRanges::time_s.text(),
-                               LinkRanges::delay_s.text()));
-    }
-    if (!delays.empty() && delay->time_s <= delays.back().time_s) {
-      throw refuse("later than the line before");
-    }
-    delays.push_back(*delay);
-    if (delays.size() > static_cast<std::size_t>(kLimits.rows)) {
-      throw refuse(fmt::format("one of {} rows at most", kLimits.rows));
-    }
+    delays.push_back({time_s, delay_s});
   }
   if (delays.empty()) {
     throw InvalidParameter(path.string(), "without a delay", "a table of delays");

@@ -13,7 +13,7 @@
 #include "haptolith/haptics/haptic_loop.h"
 #include "haptolith/haptics/wrench_filter.h"
 #include "haptolith/teleop/passive_end.h"
-#include "haptolith/teleop/site.h"
+#include "haptolith/bed/surface_height.h"
 #include "haptolith/teleop/teleop_packet.h"
 
 namespace haptolith {

@@ -1,4 +1,4 @@
-#include "haptolith/teleop/site.h"
+#include "haptolith/bed/surface_height.h"
 
 #include <algorithm>
 #include <cmath>
