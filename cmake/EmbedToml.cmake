@@ -7,7 +7,7 @@ foreach(file ${files})
   get_filename_component(name ${file} NAME)
   string(REGEX REPLACE "\\.(toml|obj)$" "" name ${name})
   file(READ ${file} text)
-  string(APPEND entries "    {\"${name}\", R\"toml(${text})toml\"},\n")
+  string(APPEND entries "    {\"${name}\", R\"toml(${text})toml\"sv},\n")
 endforeach()
 file(WRITE ${OUTPUT}
 "// Made of files by cmake/EmbedToml.cmake.
@@ -16,6 +16,7 @@ file(WRITE ${OUTPUT}
 namespace haptolith {
 
 std::span<const ${TYPE}> ${FUNCTION}() {
+  using namespace std::string_view_literals;
   static constexpr ${TYPE} kFiles[]{
 ${entries}  };
   return kFiles;

@@ -98,12 +98,12 @@ function(haptolith_install_library target)
 endfunction()
 
 # haptolith_embed_toml(soils built_in_soils.cpp HEADER haptolith/... TYPE BuiltInSoil FUNCTION builtInSoils)
-# Makes a source, in the current binary folder, of the TOML files, Python and R scripts and OBJ drawings in a folder of the project.
+# Makes a source, in the current binary folder, of the TOML files, Python and R scripts, OBJ drawings and JSON in a folder of the project.
 function(haptolith_embed_toml folder output)
   cmake_parse_arguments(ARG "" "HEADER;TYPE;FUNCTION" "" ${ARGN})
   file(GLOB files CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/${folder}/*.toml
        ${PROJECT_SOURCE_DIR}/${folder}/*.py ${PROJECT_SOURCE_DIR}/${folder}/*.R
-       ${PROJECT_SOURCE_DIR}/${folder}/*.obj)
+       ${PROJECT_SOURCE_DIR}/${folder}/*.obj ${PROJECT_SOURCE_DIR}/${folder}/*.json)
   list(JOIN files "," file_list)  # in the command itself, so that a file that goes away is noticed
   set(embed ${PROJECT_SOURCE_DIR}/cmake/EmbedToml.cmake)
   add_custom_command(

@@ -46,7 +46,9 @@ const std::map<std::string, Folders> kArrows = {
     // What others build on, through C: neither files of recordings, nor pages, nor studies.
     {"library", {"scenario", "lab", "psychometrics"}},
     {"recording_library", {"library", "recording"}},
-    {"teleop", {"haptics", "scenario", "figure"}},
+    // The laboratory turned round: from forces to soil.
+    {"identify", {"lab", "figure"}},
+    {"teleop", {"haptics", "scenario", "identify", "figure"}},
     {"viewer", {"session"}},
 };
 

@@ -18,6 +18,7 @@ void addSoilCommands(CLI::App& app);
 void addScenesCommand(CLI::App& app);
 void addLabCommand(CLI::App& app);
 void addStudyCommand(CLI::App& app);
+void addIdentifyCommand(CLI::App& app);
 void addTeleopCommand(CLI::App& app);
 void addBenchCommand(CLI::App& app);
 void addDevicesCommand(CLI::App& app);

@@ -51,6 +51,7 @@ void addCommands(CLI::App& app) {
   addScenesCommand(app);
   addLabCommand(app);
   addStudyCommand(app);
+  addIdentifyCommand(app);
   addTeleopCommand(app);
   addBenchCommand(app);
   addDevicesCommand(app);

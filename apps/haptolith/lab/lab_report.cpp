@@ -26,7 +26,7 @@
 
 #include "commands.h"
 #include "lab/lab_options.h"
-#include "lab/lab_work.h"
+#include "shared/kept_work.h"
 #include "lab/report_folder.h"
 #include "lab/report_results.h"
 #include "shared/option_checks.h"
@@ -145,7 +145,7 @@ class Report {
   std::vector<Piece> pieces_;  ///< the first seed's come first, so that half a report has a value for each test
   std::optional<ReportFolder> folder_;
   std::vector<std::optional<ReportResult>> results_;  ///< of each piece
-  std::optional<LabWork> work_;
+  std::optional<KeptWork> work_;
 };
 
 Report::Report(const ReportOptions& options)

@@ -25,7 +25,7 @@
 #include "commands.h"
 #include "lab/claims_file.h"
 #include "lab/lab_options.h"
-#include "lab/lab_work.h"
+#include "shared/kept_work.h"
 #include "lab/report_folder.h"
 #include "shared/option_checks.h"
 #include "shared/output.h"
@@ -134,7 +134,7 @@ class Validation {
   std::vector<std::vector<std::size_t>> runs_, overs_;  ///< of each claim, a piece for each seed
   std::optional<ReportFolder> folder_;
   int threads_ = 1;
-  std::optional<LabWork> work_;
+  std::optional<KeptWork> work_;
 };
 
 bool isChosen(const MeasuredClaim& measured, const ValidateOptions& options) {

@@ -8,6 +8,7 @@
 #include <memory>
 #include <mutex>
 #include <numeric>
+#include <optional>
 #include <string>
 #include <thread>
 #include <vector>
@@ -16,8 +17,11 @@
 #include "haptolith/core/in_parallel.h"
 #include "haptolith/core/stop_asked.h"
 #include "haptolith/teleop/agreement_figure.h"
+#include "haptolith/identify/training_file.h"
 #include "haptolith/teleop/simulation.h"
+#include "haptolith/teleop/site_probe.h"
 
+#include "identify/belief_report.h"
 #include "shared/option_checks.h"
 #include "shared/output.h"
 #include "shared/overwrite.h"
@@ -43,11 +47,12 @@ constexpr double kMm = 1e-3;
 constexpr double kMillijoule = 1e-3;
 
 /// What is compared.
-enum class Case { kModel, kBilateral, kTwin };
+enum class Case { kModel, kLearned, kBilateral, kTwin };
 
 const char* text(Case which) {
   switch (which) {
     case Case::kModel: return "model";
+    case Case::kLearned: return "learned";
     case Case::kBilateral: return "bilateral";
     case Case::kTwin: return "twin";
   }
@@ -55,11 +60,11 @@ const char* text(Case which) {
 }
 
 const std::map<std::string, Case> kCaseWords{
-    {"model", Case::kModel}, {"bilateral", Case::kBilateral}, {"twin", Case::kTwin}};
+    {"model", Case::kModel}, {"learned", Case::kLearned}, {"bilateral", Case::kBilateral}, {"twin", Case::kTwin}};
 
 struct BenchOptions {
   std::string model = "dig", site = "dig-site";
-  std::vector<std::string> cases{"model", "bilateral", "twin"};
+  std::vector<std::string> cases{"model", "learned", "bilateral", "twin"};
   std::vector<std::string> model_overrides, site_overrides;
   std::vector<double> round_trips_s{0, 0.1, 0.4, 0.85, 2.6, 5};
   LinkOptions link;
@@ -76,9 +81,32 @@ struct Row {
   TeleopResult result;
 };
 
-TeleopSetup setupFor(const BenchOptions& options, double round_trip_s, Case which) {
+/// The robot's probe of its site, and the model that came of it.
+struct Learned {
+  ProbedSoil probed;
+  Scenario model;
+};
+
+Learned learn(const BenchOptions& options, StatusLine& status) {
+  const auto progress = [&](std::string_view what, double share) {
+    status.update(fmt::format("{}: {:.0f} %", what, 100 * share));
+    return !stopAsked();
+  };
+  const Scenario site = findScenario(options.site, options.site_overrides);
+  const Training& training = probeTraining();
+  const ProbedSoil probed = probeSite(site, {}, training, progress);
+  return {probed, learned(findScenario(options.model, options.model_overrides), probed.belief,
+                          StrengthMap(training.runs))};
+}
+
+double gravityOf(const Learned& learned) {
+  return learned.model.bed.gravity_m_s2.norm();
+}
+
+TeleopSetup setupFor(const BenchOptions& options, double round_trip_s, Case which,
+                     const std::optional<Learned>& learned) {
   TeleopSetup setup;
-  setup.model = findScenario(options.model, options.model_overrides);
+  setup.model = which == Case::kLearned ? learned->model : findScenario(options.model, options.model_overrides);
   if (which == Case::kTwin) {
     setup.site = setup.model;
     ++setup.site.bed.seed;
@@ -169,6 +197,8 @@ void runBench(const BenchOptions& options) {
     }
   }
   std::vector<Row> rows = rowsFor(options);
+  const bool learns = std::ranges::any_of(rows, [](const Row& row) { return row.which == Case::kLearned; });
+  const std::optional<Learned> learned = learns ? std::optional(learn(options, status)) : std::nullopt;
   std::vector<std::atomic<double>> done(rows.size());
   std::mutex of_status;
   inParallel(rows.size(), options.threads, [&](std::size_t row) {
@@ -180,7 +210,7 @@ void runBench(const BenchOptions& options) {
                       100 * std::accumulate(done.begin(), done.end(), 0.0) / static_cast<double>(rows.size())));
       return !stopAsked();
     };
-    rows[row].result = simulateTeleop(setupFor(options, rows[row].round_trip_s, rows[row].which), progress);
+    rows[row].result = simulateTeleop(setupFor(options, rows[row].round_trip_s, rows[row].which, learned), progress);
     done[row] = 1;
   });
   status.clear();
@@ -195,10 +225,18 @@ void runBench(const BenchOptions& options) {
     for (const Row& row : rows) {
       list.push_back(rowJson(row, options.duration_s));
     }
-    printJson({{"model", options.model}, {"site", options.site}, {"duration_s", options.duration_s}, {"runs", list}});
+    Json json{{"model", options.model}, {"site", options.site}, {"duration_s", options.duration_s}, {"runs", list}};
+    if (learned) {
+      json["identified"] = beliefJson(learned->probed.belief, {}, gravityOf(*learned));
+    }
+    printJson(json);
     return;
   }
-  std::string table = "there and              force error      met   off, mm              given   behind  follows\n";
+  std::string table = learned ? fmt::format("the robot's probe, {} of {} windows in place:\n{}\n", learned->probed.windows,
+                                            learned->probed.of_windows,
+                                            beliefText(learned->probed.belief, {}, gravityOf(*learned)))
+                              : "";
+  table += "there and              force error      met   off, mm              given   behind  follows\n";
   table += "back, s   case             %  RMS, N   in air  in soil        mJ        s        %  stops\n";
   for (const Row& row : rows) {
     table += rowText(row, options.duration_s);
@@ -231,11 +269,12 @@ void addTeleopBench(CLI::App& teleop) {
   command
       ->add_option(
           "--case", options->cases,
-          "model: the hand feels a model of the soil; bilateral: what the robot's sensor tells, late; twin: a\n"
-          "model whose soil is the robot's, in another specimen: as true as any model can be")
-      ->option_text("model,bilateral,twin [all]")
+          "model: the hand feels a model of the soil; learned: the same, of soil that the robot's probe has told;\n"
+          "bilateral: what the robot's sensor tells, late; twin: a model whose soil is the robot's, in another\n"
+          "specimen: as true as any model can be")
+      ->option_text("model,learned,bilateral,twin [all]")
       ->delimiter(',')
-      ->check(oneOf({"model", "bilateral", "twin"}));
+      ->check(oneOf({"model", "learned", "bilateral", "twin"}));
   command->add_option("--duration-s", options->duration_s, "Simulated time of each run")
       ->option_text("SECONDS [20]")
       ->check(numberIn(TeleopRanges::duration_s));

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <charconv>
 #include <cmath>
 
@@ -32,9 +33,11 @@ std::vector<std::string_view> fieldsOf(std::string_view line) {
 
 }  // namespace
 
-NumberRows::NumberRows(const std::filesystem::path& path, std::string_view heading, const TextLimits& limits)
+NumberRows::NumberRows(const std::filesystem::path& path, std::string_view heading, const TextLimits& limits,
+                       OtherColumns others)
     : path_(path),
       heading_(heading),
+      others_(others),
       limits_(limits),
       file_(openInput(path, limits.bytes)),
       lines_(file_, path.string(), limits) {
@@ -55,9 +58,7 @@ bool NumberRows::next(std::span<double> numbers) {
       continue;
     }
     if (!heading_seen_) {
-      if (line != heading_) {
-        throw InvalidParameter(key("header"), inQuotes(line), fmt::format("'{}'", heading_));
-      }
+      readHeading(line);
       heading_seen_ = true;
       continue;
     }
@@ -71,13 +72,27 @@ bool NumberRows::next(std::span<double> numbers) {
   return false;
 }
 
+void NumberRows::readHeading(std::string_view line) {
+  const std::vector<std::string_view> found = fieldsOf(line);
+  in_file_ = found.size();
+  for (const std::string& column : columns_) {
+    const auto place = std::ranges::find(found, column);
+    if (place == found.end() || (others_ == OtherColumns::kNone && line != heading_)) {
+      throw InvalidParameter(key("header"), inQuotes(line),
+                             others_ == OtherColumns::kNone ? fmt::format("'{}'", heading_)
+                                                            : fmt::format("columns {}, among others", heading_));
+    }
+    places_.push_back(static_cast<std::size_t>(place - found.begin()));
+  }
+}
+
 void NumberRows::read(std::string_view line, std::span<double> numbers) const {
   const std::vector<std::string_view> fields = fieldsOf(line);
-  if (fields.size() != columns_.size()) {
-    throw InvalidParameter(key("line"), inQuotes(line), fmt::format("{} numbers", columns_.size()));
+  if (fields.size() != in_file_) {
+    throw InvalidParameter(key("line"), inQuotes(line), fmt::format("{} numbers", in_file_));
   }
-  for (std::size_t i = 0; i < fields.size(); ++i) {
-    const std::string_view field = fields[i];
+  for (std::size_t i = 0; i < columns_.size(); ++i) {
+    const std::string_view field = fields[places_[i]];
     const auto [end, error] = std::from_chars(field.data(), field.data() + field.size(), numbers[i]);
     if (error != std::errc{} || end != field.data() + field.size() || !std::isfinite(numbers[i])) {
       throw InvalidParameter(key(columns_[i]), inQuotes(field), "a finite number");

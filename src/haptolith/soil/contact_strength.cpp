@@ -1,12 +1,11 @@
 #include "haptolith/soil/contact_strength.h"
 
-#include <boost/math/tools/toms748_solve.hpp>
-
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstddef>
-#include <cstdint>
+
+#include "haptolith/core/crossing.h"
 
 namespace haptolith {
 
@@ -41,20 +40,6 @@ std::size_t cellOf(const std::array<double, kKnots>& knots, double x) {
     ++cell;
   }
   return cell;
-}
-
-/// Where an increasing function crosses zero between two ends; the nearer end when it does not.
-template <class Function>
-double crossing(double lowest, double highest, Function f) {
-  const double at_lowest = f(lowest);
-  const double at_highest = f(highest);
-  if (at_lowest >= 0 || at_highest <= 0) {
-    return at_lowest >= 0 ? lowest : highest;
-  }
-  std::uintmax_t iterations = 100;
-  const auto bracket = boost::math::tools::toms748_solve(f, lowest, highest, at_lowest, at_highest,
-                                                         boost::math::tools::eps_tolerance<double>(30), iterations);
-  return (bracket.first + bracket.second) / 2;
 }
 
 /// How much a contact of another size holds at the same stress: as R^2.
@@ -95,11 +80,11 @@ ShearStrength tabulatedStrength(const ContactStrength& contact, SoilStrength kin
 
 ContactStrength tabulatedContact(const ShearStrength& wanted, SoilStrength kind) {
   const auto cohesion_for = [&](double friction) {
-    return wanted.cohesion_pa <= 0 ? 0 : crossing(0, kMostCohesion_n, [&](double cohesion) {
+    return wanted.cohesion_pa <= 0 ? 0 : crossing({0, kMostCohesion_n}, [&](double cohesion) {
       return tabulatedStrength({friction, cohesion}, kind).cohesion_pa - wanted.cohesion_pa;
     });
   };
-  const double friction = crossing(kLeastFriction, kMostFriction, [&](double mu) {
+  const double friction = crossing({kLeastFriction, kMostFriction}, [&](double mu) {
     return tabulatedStrength({mu, cohesion_for(mu)}, kind).angle_deg - wanted.angle_deg;
   });
   return {friction, cohesion_for(friction)};
@@ -124,7 +109,7 @@ ShearStrength CalibratedStrength::at(const ContactStrength& contact) const {
 }
 
 double CalibratedStrength::contactCohesionFor(double friction, double cohesion_pa) const {
-  return cohesion_pa <= 0 ? 0 : crossing(0, kMostCohesion_n, [&](double cohesion_n) {
+  return cohesion_pa <= 0 ? 0 : crossing({0, kMostCohesion_n}, [&](double cohesion_n) {
     return cohesionOf({friction, cohesion_n}) - cohesion_pa;
   });
 }
@@ -134,7 +119,7 @@ ShearStrength CalibratedStrength::of(const SoilParameters& soil) const {
 }
 
 SoilParameters CalibratedStrength::with(SoilParameters soil, const ShearStrength& wanted) const {
-  soil.contact_friction = crossing(kLeastFriction, kMostFriction, [&](double friction) {
+  soil.contact_friction = crossing({kLeastFriction, kMostFriction}, [&](double friction) {
     return at({friction, contactCohesionFor(friction, wanted.cohesion_pa)}).angle_deg - wanted.angle_deg;
   });
   soil.contact_cohesion_n = contactCohesionFor(soil.contact_friction, wanted.cohesion_pa) * sizeFactor(soil);

@@ -1,4 +1,4 @@
-#include "lab/lab_work.h"
+#include "shared/kept_work.h"
 
 #include <fmt/format.h>
 
@@ -13,10 +13,10 @@
 
 namespace haptolith {
 
-LabWork::LabWork(std::size_t pieces, int threads, StatusLine& status)
+KeptWork::KeptWork(std::size_t pieces, int threads, StatusLine& status)
     : pieces_(pieces), threads_(threads), threads_each_(threads), status_(status) {}
 
-void LabWork::run(const std::vector<std::size_t>& missing, const std::filesystem::path& kept,
+void KeptWork::run(const std::vector<std::size_t>& missing, const std::filesystem::path& kept,
                   const std::function<void(std::size_t)>& piece) {
   done_ = pieces_ - missing.size();
   if (done_ > 0) {
@@ -46,11 +46,11 @@ void LabWork::run(const std::vector<std::size_t>& missing, const std::filesystem
   }
 }
 
-bool LabWork::ends() const {
+bool KeptWork::ends() const {
   return stopAsked() || gives_up_;
 }
 
-LabProgress LabWork::progressOf(std::size_t index, std::string title) {
+LabProgress KeptWork::progressOf(std::size_t index, std::string title) {
   return [this, index, title = std::move(title)](std::string_view what, double share) {
     if (status_.visible()) {
       const std::scoped_lock lock(mutex_);
@@ -62,7 +62,7 @@ LabProgress LabWork::progressOf(std::size_t index, std::string title) {
   };
 }
 
-void LabWork::finish(std::size_t index, const std::function<std::string()>& keep) {
+void KeptWork::finish(std::size_t index, const std::function<std::string()>& keep) {
   const std::scoped_lock lock(mutex_);
   running_.erase(index);
   ++done_;

@@ -16,11 +16,11 @@ namespace haptolith {
 class StatusLine;
 
 /// Hours of work in pieces, several at the same time, each of which is kept as soon as it is done. Not for the tick.
-class LabWork {
+class KeptWork {
  public:
   /// @param pieces  how many there are, those included that were done before.
   /// @param threads  to be shared out among the pieces.
-  LabWork(std::size_t pieces, int threads, StatusLine& status);
+  KeptWork(std::size_t pieces, int threads, StatusLine& status);
 
   /// Does each of `missing`; tells first how many are there already.
   /// @param kept  where what is done lies, for whoever interrupts.

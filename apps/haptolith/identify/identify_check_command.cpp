@@ -1,0 +1,103 @@
+#include <CLI/App.hpp>
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "haptolith/core/atomic_file.h"
+#include "haptolith/identify/soil_check.h"
+#include "haptolith/identify/training_file.h"
+
+#include "identify/identify_commands.h"
+#include "identify/training_options.h"
+#include "shared/output.h"
+#include "shared/saved.h"
+
+namespace haptolith {
+
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+constexpr const char* kExamples = R"(Examples:
+  haptolith identify check --out hidden.json               50 soils of other kinds: an hour of two processors
+  haptolith identify check --out hidden.json --resume      goes on, or tells once more what came of them
+
+docs/identify.md has what came of the built-in training.)";
+
+struct CheckOptions {
+  SoilsOptions soils;
+  std::string training_file, figure_file;
+  bool json = false;
+};
+
+std::string rowText(const CheckedSoil& row) {
+  const auto part = [](double truth, const Estimate& told, int decimals) {
+    return fmt::format("{:7.{}f} {:7.{}f} {:7.{}f} {:7.{}f} {}", truth, decimals, told.low, decimals, told.middle, decimals,
+                       told.high, decimals, holds(told, truth) ? ' ' : '*');
+  };
+  const SoilBelief& belief = row.belief;
+  return fmt::format("{:4} {} {} {}  {}{}\n", row.number,
+                     part(row.truth.friction_angle_deg, belief.friction_angle_deg, 1),
+                     part(row.truth.cohesion_pa, belief.cohesion_pa, 0),
+                     part(row.tool_friction_angle_deg, belief.tool_friction_angle_deg, 1),
+                     belief.misfit > kStrange ? "strange" : "", row.has_stone ? " stone" : "");
+}
+
+void check(const CheckOptions& options) {
+  const std::optional<Training> read =
+      options.training_file.empty() ? std::nullopt : std::optional(readTraining(options.training_file));
+  const Training& training = read ? *read : probeTraining();
+  if (!options.figure_file.empty()) {
+    requireFree(options.soils.overwrite(options.figure_file));  // before an hour of work
+  }
+  const Training hidden = dugSoils(options.soils, SoilFamily::kOther);
+  const SoilCheck checked(training, hidden);
+  if (!options.figure_file.empty()) {
+    drawCheck(options.soils.overwrite(options.figure_file), checked.soils());
+  }
+  if (options.json) {
+    Json json{{"soils", checked.soils().size()}};
+    for (const CheckedNumber& number : checked.numbers()) {
+      json[number.name] = {{"median_error", number.median_error}, {"held_by_90", number.held_share}};
+    }
+    json["strange"] = checked.strange();
+    printJson(json);
+    return;
+  }
+  std::string text = "     friction angle, deg              cohesion, Pa                     soil-tool friction, deg\n"
+                     "soil    true    from  median      to     true    from  median      to     true    from  median      to\n";
+  for (const CheckedSoil& row : checked.soils()) {
+    text += rowText(row);
+  }
+  text += "\n* outside the 90 % interval\n\n";
+  for (const CheckedNumber& number : checked.numbers()) {
+    text += fmt::format("{:24} median error {:5.{}f}{}, 90 % intervals hold {:.0f} % of them\n", number.name,
+                        number.median_error, number.decimals, number.unit, 100 * number.held_share);
+  }
+  printText(text);
+  printNotice(savedText());
+}
+
+}  // namespace
+
+void addIdentifyCheck(CLI::App& identify) {
+  auto options = std::make_shared<CheckOptions>();
+  CLI::App* command = identify.add_subcommand(
+      "check", "Tell soils of other kinds than those of the training, and compare with what a shear test measures");
+  command->footer(kExamples);
+  command->add_option("--out", options->soils.out_file, "Where to keep what these soils do to the tool")
+      ->option_text("FILE.json")
+      ->required();
+  command->add_option("--training", options->training_file, "What was learned")->option_text("FILE.json [the probe's]");
+  options->soils.addTo(*command, 50);
+  command->add_option("--figure", options->figure_file, "Draw what was told over what is true (.svg or .png)")
+      ->option_text("FILE");
+  command->add_flag("--json", options->json, "Print one JSON object");
+  command->callback([options] { check(*options); });
+}
+
+}  // namespace haptolith

@@ -1,0 +1,29 @@
+#include <CLI/App.hpp>
+
+#include "commands.h"
+#include "identify/identify_commands.h"
+
+namespace haptolith {
+
+namespace {
+
+constexpr const char* kExamples = R"(Examples:
+  haptolith identify probe --out probe.csv            where a robot's shovel goes to learn about soil
+  haptolith identify soil measured.csv                what soil it was that the robot met there
+  haptolith identify train --poses mine.csv --tool spade --out mine.json      another movement, another tool
+
+docs/identify.md tells what can be known from forces, and how well.)";
+
+}  // namespace
+
+void addIdentifyCommand(CLI::App& app) {
+  CLI::App* identify = app.add_subcommand("identify", "Friction and cohesion of soil from forces on a tool");
+  identify->require_subcommand(1);
+  identify->footer(kExamples);
+  addIdentifyProbe(*identify);
+  addIdentifySoil(*identify);
+  addIdentifyTrain(*identify);
+  addIdentifyCheck(*identify);
+}
+
+}  // namespace haptolith

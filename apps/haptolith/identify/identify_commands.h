@@ -1,0 +1,14 @@
+#pragma once
+
+namespace CLI {
+class App;
+}
+
+namespace haptolith {
+
+void addIdentifyProbe(CLI::App& identify);
+void addIdentifySoil(CLI::App& identify);
+void addIdentifyTrain(CLI::App& identify);
+void addIdentifyCheck(CLI::App& identify);
+
+}  // namespace haptolith

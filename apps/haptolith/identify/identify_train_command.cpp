@@ -1,0 +1,47 @@
+#include <CLI/App.hpp>
+#include <fmt/format.h>
+
+#include <memory>
+
+#include "haptolith/identify/soil_belief.h"
+
+#include "identify/identify_commands.h"
+#include "identify/training_options.h"
+#include "shared/output.h"
+#include "shared/saved.h"
+
+namespace haptolith {
+
+namespace {
+
+constexpr const char* kExamples = R"(Examples:
+  haptolith identify train --out probe.json                                  as the built-in one was made
+  haptolith identify train --poses mine.csv --scene mine.toml --out mine.json
+  haptolith identify train --out probe.json --soils 200 --resume             goes on, with more soils
+
+Every soil takes about a minute of one processor; fewer than 100 tell little. docs/identify.md tells what is learned.)";
+
+void train(const SoilsOptions& options) {
+  Training training = dugSoils(options, SoilFamily::kTraining);
+  if (!training.temper) {
+    training.temper = LeaveOneOut(training).calibratedTemper();
+    keep(options, training);
+  }
+  printNotice(savedText());
+}
+
+}  // namespace
+
+void addIdentifyTrain(CLI::App& identify) {
+  auto options = std::make_shared<SoilsOptions>();
+  CLI::App* command =
+      identify.add_subcommand("train", "Dig along a movement in many soils, to learn what each does to the tool");
+  command->footer(kExamples);
+  command->add_option("--out", options->out_file, "Where to write what was learned")
+      ->option_text("FILE.json")
+      ->required();
+  options->addTo(*command, 144);
+  command->callback([options] { train(*options); });
+}
+
+}  // namespace haptolith

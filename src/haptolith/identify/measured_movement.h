@@ -1,0 +1,41 @@
+#pragma once
+
+#include <filesystem>
+#include <span>
+#include <vector>
+
+#include "haptolith/identify/force_emulator.h"
+#include "haptolith/identify/tool_movement.h"
+
+namespace haptolith {
+
+/// Where a tool was, and what the soil did to it.
+struct MeasuredSample {
+  double time_s = 0;
+  Pose pose;
+  Vec3 force_n;  ///< of the soil on the tool, in the same frame
+};
+
+/// Reads a table with the columns t_s, x_m, y_m, z_m, qw, qx, qy, qz, soil_fx_n, soil_fy_n and soil_fz_n, as `haptolith
+/// run --trace` writes one; others are passed over. Two rows or more.
+/// @throws InvalidParameter, Failure: as NumberRows; for time that does not go forward and quaternions that are none.
+[[nodiscard]] std::vector<MeasuredSample> readMeasured(const std::filesystem::path& path);
+
+/// Forces of a movement that was looked for in what was measured.
+struct MatchedForces {
+  MeasuredForces forces;
+  double begin_s = 0;       ///< when it began, by the times of the samples
+  std::size_t windows = 0;  ///< in which the tool was where it should have been
+};
+
+/// How far from there it may be: further down, and the force is another one.
+inline constexpr double kPoseTolerance_m = 3e-3, kTurnTolerance_rad = 0.05;
+
+/// Finds when the movement was made, and the mean force in each of its windows: where the tool was within the
+/// tolerances of the movement from the window's beginning to its end, and something was measured at least every fifth
+/// of it.
+/// @param origin_m  the site's origin, in the middle of the soil's first surface, in the frame of the samples.
+[[nodiscard]] MatchedForces matchForces(const ToolMovement& movement, std::span<const MeasuredSample> samples,
+                                        const Vec3& origin_m);
+
+}  // namespace haptolith

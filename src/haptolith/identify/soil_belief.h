@@ -1,0 +1,88 @@
+#pragma once
+
+#include <cstddef>
+#include <optional>
+
+#include "haptolith/identify/force_emulator.h"
+
+namespace haptolith {
+
+/// A number and where it lies by 90 %: quantiles of 5, 50 and 95 %.
+struct Estimate {
+  double low = 0, middle = 0, high = 0;
+};
+
+/// What forces tell of a soil.
+struct SoilBelief {
+  Estimate friction_angle_deg;       ///< phi, residual
+  Estimate peak_angle_deg;           ///< of undisturbed soil of the training's kinds that has this residual strength
+  Estimate cohesion_pa;              ///< c, residual
+  Estimate tool_friction_angle_deg;  ///< delta
+  std::size_t numbers = 0;           ///< of forces that were used
+  double samples = 0;                ///< how many of the samples count
+  /// How much further from the emulator than its scatter, per number: 1 is usual. More than kStrange: no soil of the
+  /// training does this to the tool.
+  double misfit = 0;
+};
+inline constexpr double kStrange = 2.5;
+
+/// An estimate counts as one when its interval is at most so much of the one before anything was measured; otherwise
+/// forces have told nothing of it.
+inline constexpr double kIdentifiedShare = 0.7;
+[[nodiscard]] bool isIdentified(const Estimate& estimate, const Range& before) noexcept;
+
+/// What soil it is, of which these forces are known.
+///
+/// Bayes' rule over the box of `prior`, evenly, with a likelihood of Student's t for heavy tails,
+///
+///     L = (1 + d' S^-1 d / nu)^(-(nu + p) / (2 T)),    d = y - expected,    nu = 6
+///
+/// by importance sampling: 8192 states of a Halton sequence over the box, then as many over the normal distribution that
+/// these have shown, until a thousand of them count. T makes 90 % intervals hold 90 % of the training's own soils, each left out
+/// of what the emulator learned (calibrate()). The same numbers on every run. Takes some ten milliseconds.
+class SoilIdentifier {
+ public:
+  /// @throws as ForceEmulator. Takes half a minute where the training does not know its T yet.
+  explicit SoilIdentifier(const Training& training);
+
+  /// @throws InvalidParameter when none of the windows was measured.
+  [[nodiscard]] SoilBelief identify(const MeasuredForces& forces, double gravity_m_s2,
+                                    const SoilPrior& prior = {}) const;
+
+  [[nodiscard]] const ForceEmulator& emulator() const noexcept { return emulator_; }
+  [[nodiscard]] double temper() const noexcept { return temper_; }
+
+ private:
+  ForceEmulator emulator_;
+  double temper_;
+};
+
+/// How well soils of the training are told that were left out of it, one after the other.
+struct LeftOutSoil {
+  SoilState truth;
+  SoilBelief belief;
+};
+
+/// What each soil of a training is told to be by what the others have taught.
+class LeaveOneOut {
+ public:
+  /// @throws as ForceEmulator.
+  explicit LeaveOneOut(const Training& training);
+
+  [[nodiscard]] std::vector<LeftOutSoil> with(double temper) const;
+
+  /// The T for which 90 % of the intervals hold, of friction angle, cohesion and tool friction together; 1 to 32.
+  [[nodiscard]] double calibratedTemper() const;
+
+ private:
+  const Training& training_;
+  std::vector<ForceEmulator> others_;
+};
+
+/// Whether the interval holds the number.
+[[nodiscard]] constexpr bool holds(const Estimate& estimate, double truth) noexcept {
+  constexpr double kRounding = 1e-9;
+  return estimate.low <= truth + kRounding && truth <= estimate.high;
+}
+
+}  // namespace haptolith

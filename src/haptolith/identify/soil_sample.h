@@ -1,0 +1,78 @@
+#pragma once
+
+#include <cstdint>
+
+#include "haptolith/core/vec.h"
+#include "haptolith/soil/soil_parameters.h"
+#include "haptolith/tool/tool_parameters.h"
+
+namespace haptolith {
+
+/// Soil of some kind, and what a tool meets in it.
+struct SoilSample {
+  SoilParameters soil;
+  double tool_friction = 0.36;  ///< tan(delta)
+  double tool_adhesion_n = 0;   ///< of a contact, as ToolParameters::adhesion_n
+  double surface_error_m = 0;   ///< by which its surface is higher than the robot took it to be
+  double stone_size_m = 0;      ///< of a stone in the probe's way (kStonePlace); 0: there is none
+};
+
+/// Its middle, from the middle of the surface.
+inline const Vec3 kStonePlace_m{-0.06, 0.032, -0.02};
+
+/// From what they are drawn.
+enum class SoilFamily {
+  kTraining,
+  kOther,  ///< wider than the training in all that is not strength; each tenth has a stone in it
+};
+
+/// What samples are drawn from, evenly; in the logarithm where it says so.
+struct SampleRanges {
+  Range contact_friction;      ///< 0.12 to 0.6 are friction angles of 20 to 48 degrees, about
+  Range contact_cohesion_n;    ///< of contacts at 7 mm, in the logarithm; one soil in seven has none
+  Range tool_friction;
+  Range adhesion_share;        ///< of the contacts' cohesion
+  Range density_kg_m3;         ///< rho0
+  Range radius_m;
+  Range stiffness_n_m;         ///< at 7 mm, in the logarithm
+  Range size_spread;
+  Range tangential_ratio;
+  Range cohesion_range_ratio;
+  Range surface_error_m;
+  Range damping_ratio;
+  Range gamma_times;           ///< how much sooner or later contacts stiffen, in the logarithm
+};
+
+inline constexpr SampleRanges kTrainingRanges{.contact_friction{0.12, 0.6},
+                                              .contact_cohesion_n{0.004, 0.6},
+                                              .tool_friction{0.1, 0.7},
+                                              .adhesion_share{0, 0.3},
+                                              .density_kg_m3{1250, 1750},
+                                              .radius_m{5e-3, 7e-3},
+                                              .stiffness_n_m{2000, 8000},
+                                              .size_spread{0.1, 0.3},
+                                              .tangential_ratio{0.3, 0.8},
+                                              .cohesion_range_ratio{0.2, 0.5},
+                                              .surface_error_m{-1e-3, 1e-3},
+                                              .damping_ratio{0.2, 0.2},
+                                              .gamma_times{1, 1}};
+
+inline constexpr SampleRanges kOtherRanges{.contact_friction{0.15, 0.55},
+                                           .contact_cohesion_n{0.006, 0.5},
+                                           .tool_friction{0.1, 0.7},
+                                           .adhesion_share{0, 0.5},
+                                           .density_kg_m3{1200, 1800},
+                                           .radius_m{4.5e-3, 7.5e-3},
+                                           .stiffness_n_m{1500, 12'000},
+                                           .size_spread{0.05, 0.3},
+                                           .tangential_ratio{0.2, 1},
+                                           .cohesion_range_ratio{0.15, 0.5},
+                                           .surface_error_m{-1.5e-3, 1.5e-3},
+                                           .damping_ratio{0.1, 0.4},
+                                           .gamma_times{0.3, 3}};
+
+/// Soil number `number` of an endless row of soils that differ in strength and in kind: size, spread and stiffness of
+/// their grains, how far these cohere, density. The same on every machine.
+[[nodiscard]] SoilSample soilSample(std::uint64_t number, SoilFamily family = SoilFamily::kTraining);
+
+}  // namespace haptolith

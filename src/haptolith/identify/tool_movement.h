@@ -1,0 +1,37 @@
+#pragma once
+
+#include <vector>
+
+#include "haptolith/core/movement.h"
+#include "haptolith/tool/tool_parameters.h"
+
+namespace haptolith {
+
+/// Where a tool is at a time; site frame: origin in the middle of the soil's first surface, z up.
+struct TimedPose {
+  double time_s = 0;
+  Pose pose;
+};
+
+/// A movement of a tool, straight and even from pose to pose.
+class ToolMovement {
+ public:
+  /// @param poses  two or more, later and later, the first at 0 s. @throws InvalidParameter otherwise.
+  explicit ToolMovement(std::vector<TimedPose> poses);
+
+  /// At `time_s`; the first pose before it, the last afterwards.
+  [[nodiscard]] Pose at(double time_s) const noexcept;
+  [[nodiscard]] double duration() const noexcept { return poses_.back().time_s; }
+  [[nodiscard]] const std::vector<TimedPose>& poses() const noexcept { return poses_; }
+
+ private:
+  std::vector<TimedPose> poses_;
+};
+
+/// A movement from which soil can be told: a shovel's face is pressed 8 and 14 mm into soil that nothing has touched,
+/// and the shovel is drawn 70 mm, its edge ahead, 20 and 35 mm deep, upright and leaning back by 30 degrees. 33 s, in
+/// a field of 260 mm by 250 mm; no two of these share their soil.
+/// @throws InvalidParameter for a tool that is not a box of 30 to 60 mm by 30 to 50 mm.
+[[nodiscard]] ToolMovement probeMovement(const ToolParameters& shovel);
+
+}  // namespace haptolith

@@ -1,0 +1,74 @@
+#include "haptolith/identify/digging.h"
+
+#include <gmock/gmock.h>
+
+#include "haptolith/identify/training_file.h"
+
+namespace haptolith {
+namespace {
+
+/// A plate of 30 mm by 30 mm that goes 10 mm down and up again.
+ToolMovement shortPress() {
+  return ToolMovement({{0, {{0, 0, 0.01}, Quat::Identity()}},
+                       {1, {{0, 0, -0.0075}, Quat::Identity()}},
+                       {2, {{0, 0, 0.02}, Quat::Identity()}}});
+}
+
+const ToolParameters kPlate{.size_m{0.03, 0.03, 0.005}};
+const DiggingField kSmall{.width_m = 0.14, .length_m = 0.14, .depth_m = 0.05};
+
+TEST(Digging, MeetsNothingInTheAirAndMoreFurtherDown) {
+  const WindowForces forces = digAlong(shortPress(), kPlate, soilSample(1), kSmall);
+  ASSERT_EQ(forces.size(), 8U);
+  EXPECT_LT(forces[0].norm(), 0.1 * forces[3].norm());
+  EXPECT_LT(forces[7].norm(), 0.02) << "in the air";
+  EXPECT_GT(forces[3].z(), forces[2].z());
+  EXPECT_GT(forces[3].z(), 5 * std::hypot(forces[3].x(), forces[3].y()));
+}
+
+TEST(Digging, IsTheSameAtEachTry) {
+  EXPECT_EQ(digAlong(shortPress(), kPlate, soilSample(1), kSmall), digAlong(shortPress(), kPlate, soilSample(1), kSmall));
+}
+
+TEST(Digging, MeetsTheSurfaceSoonerWhereItIsHigher) {
+  SoilSample sample = soilSample(1);
+  sample.surface_error_m = 2e-3;
+  const double higher_n = digAlong(shortPress(), kPlate, sample, kSmall)[3].z();
+  sample.surface_error_m = -2e-3;
+  EXPECT_GT(higher_n, 1.1 * digAlong(shortPress(), kPlate, sample, kSmall)[3].z());
+}
+
+TEST(Digging, EndsWhereNobodyWantsIt) {
+  EXPECT_THROW((void)digAlong(shortPress(), kPlate, soilSample(1), kSmall, [](std::string_view, double) { return false; }),
+               Failure);
+}
+
+// What is shipped is what this program does: another compiler's last bits grow to other forces, but not to another soil.
+TEST(ProbeTraining, IsOfThisProgram) {
+  const Training& training = probeTraining();
+  ASSERT_GE(training.runs.size(), 100U);
+  EXPECT_TRUE(training.temper);
+  const TrainingRun& stored = training.runs.front();
+  const WindowForces forces = digAlong(training.movement, {}, stored.sample, {.seed = stored.number});
+  ASSERT_EQ(forces.size(), stored.forces.size());
+  double difference = 0, size = 0;
+  for (std::size_t i = 0; i < forces.size(); ++i) {
+    difference += (forces[i] - stored.forces[i]).squaredNorm();
+    size += stored.forces[i].squaredNorm();
+  }
+  EXPECT_LT(std::sqrt(difference / size), 0.15);
+}
+
+TEST(SoilSamples, DifferAndRepeat) {
+  for (const SoilFamily family : {SoilFamily::kTraining, SoilFamily::kOther}) {
+    EXPECT_EQ(soilSample(5, family).soil, soilSample(5, family).soil);
+    EXPECT_NE(soilSample(5, family).soil, soilSample(6, family).soil);
+    EXPECT_NO_THROW(validate(soilSample(5, family).soil));
+  }
+  EXPECT_NE(soilSample(5).soil, soilSample(5, SoilFamily::kOther).soil);
+  EXPECT_EQ(soilSample(9, SoilFamily::kOther).stone_size_m, 0);
+  EXPECT_GT(soilSample(10, SoilFamily::kOther).stone_size_m, 0);
+}
+
+}  // namespace
+}  // namespace haptolith

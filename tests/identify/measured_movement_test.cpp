@@ -1,0 +1,103 @@
+#include "haptolith/identify/measured_movement.h"
+
+#include <gmock/gmock.h>
+#include <unistd.h>
+
+#include <filesystem>
+#include <fstream>
+
+namespace haptolith {
+namespace {
+
+using testing::HasSubstr;
+
+const ToolMovement kMovement({{0, {}}, {1, {{0.1, 0, 0}, Quat::Identity()}}, {2, {{0.1, 0, -0.05}, Quat::Identity()}}});
+
+/// The movement from `begin_s` on, with a force that is the window's number.
+std::vector<MeasuredSample> made(double begin_s, const Vec3& origin_m, double step_s = 0.01) {
+  std::vector<MeasuredSample> samples;
+  for (int i = 0; i * step_s < 5; ++i) {
+    const double time_s = i * step_s;
+    const Pose pose = kMovement.at(time_s - begin_s);
+    samples.push_back({time_s, {pose.position_m + origin_m, pose.orientation}, Vec3(std::floor((time_s - begin_s) / 0.25), 0, 1)});
+  }
+  return samples;
+}
+
+TEST(MatchForces, FindsWhenItBegan) {
+  const MatchedForces matched = matchForces(kMovement, made(1.5, {1, 2, 3}), {1, 2, 3});
+  EXPECT_NEAR(matched.begin_s, 1.5, 0.03);
+  EXPECT_EQ(matched.windows, 8U);
+  for (std::size_t window = 0; window < 8; ++window) {
+    EXPECT_NEAR(matched.forces[window]->x(), static_cast<double>(window), 0.15);
+  }
+}
+
+TEST(MatchForces, LeavesOutWhereTheToolWasElsewhere) {
+  std::vector<MeasuredSample> samples = made(1, Vec3::Zero());
+  for (MeasuredSample& sample : samples) {
+    if (sample.time_s > 1.9 && sample.time_s < 2.1) {
+      sample.pose.position_m.z() += 0.005;  // stuck
+    }
+    if (sample.time_s > 2.6 && sample.time_s < 2.7) {
+      sample.pose.orientation = Quat(Eigen::AngleAxisd(0.1, Vec3::UnitX()));
+    }
+  }
+  const MatchedForces matched = matchForces(kMovement, samples, Vec3::Zero());
+  EXPECT_EQ(matched.windows, 5U);
+  EXPECT_FALSE(matched.forces[3] || matched.forces[4] || matched.forces[6]);
+}
+
+TEST(MatchForces, FindsNothingWhereThereIsNothing) {
+  EXPECT_EQ(matchForces(kMovement, made(1, Vec3::Zero()), {0, 0.01, 0}).windows, 0U) << "10 mm beside it";
+  EXPECT_EQ(matchForces(kMovement, made(1, Vec3::Zero(), 0.2), Vec3::Zero()).windows, 0U) << "too seldom";
+}
+
+TEST(MatchForces, TakesWhatThereIsOfAMovement) {
+  std::vector<MeasuredSample> samples = made(1, Vec3::Zero());
+  std::erase_if(samples, [](const MeasuredSample& sample) { return sample.time_s > 2; });
+  EXPECT_EQ(matchForces(kMovement, samples, Vec3::Zero()).windows, 4U);
+}
+
+class ReadMeasured : public testing::Test {
+ protected:
+  void TearDown() override { std::filesystem::remove(file_); }
+
+  std::vector<MeasuredSample> read(const std::string& text) {
+    std::ofstream(file_) << text;
+    return readMeasured(file_);
+  }
+  std::string refusal(const std::string& text) {
+    try {
+      (void)read(text);
+    } catch (const InvalidParameter& error) {
+      return error.what();
+    }
+    return "taken";
+  }
+
+  static constexpr const char* kHeader = "tick_us,t_s,x_m,y_m,z_m,qw,qx,qy,qz,soil_fx_n,soil_fy_n,soil_fz_n\n";
+  std::filesystem::path file_ =
+      std::filesystem::path(testing::TempDir()) / ("haptolith-measured-" + std::to_string(getpid()) + ".csv");
+};
+
+TEST_F(ReadMeasured, TakesItsColumnsWhereverTheyAre) {
+  const auto samples = read(std::string(kHeader) + "x,0,1,2,3,1,0,0,0,4,5,6\ny,0.5,1,2,3,0,1,0,0,7,8,9\n");
+  ASSERT_EQ(samples.size(), 2U);
+  EXPECT_EQ(samples[1].time_s, 0.5);
+  EXPECT_EQ(samples[0].pose.position_m, Vec3(1, 2, 3));
+  EXPECT_EQ(samples[1].force_n, Vec3(7, 8, 9));
+}
+
+TEST_F(ReadMeasured, SaysWhatIsWrong) {
+  EXPECT_THAT(refusal("t_s,x_m\n0,0\n1,1\n"), HasSubstr("columns t_s,x_m,y_m,z_m,qw,qx,qy,qz,soil_fx_n"));
+  EXPECT_THAT(refusal(std::string(kHeader) + "0,0,1,2,3,1,0,0,0,4,5,6\n"), HasSubstr("two or more"));
+  EXPECT_THAT(refusal(std::string(kHeader) + "0,0,1,2,3,1,0,0,0,4,5,6\n0,0,1,2,3,1,0,0,0,4,5,6\n"),
+              HasSubstr("time goes forward"));
+  EXPECT_THAT(refusal(std::string(kHeader) + "0,0,1,2,3,2,0,0,0,4,5,6\n"), HasSubstr("length of qw,qx,qy,qz"));
+  EXPECT_THAT(refusal(std::string(kHeader) + "0,0,1,2,3,1,0,0,0,4,5,nan\n"), HasSubstr(":2: soil_fz_n"));
+  EXPECT_THAT(refusal(std::string(kHeader) + "0,0,1,2,3,1,0,0,0,4,5,1e9\n"), HasSubstr("-1000000 to 1000000"));
+}
+
+}  // namespace
+}  // namespace haptolith

@@ -1,0 +1,36 @@
+#include "haptolith/identify/soil_check.h"
+
+#include <gmock/gmock.h>
+
+#include "haptolith/identify/training_file.h"
+
+#include "../source_dir.h"
+#include "made_up_training.h"
+
+namespace haptolith {
+namespace {
+
+// Fifty soils of kinds that the training has not seen, each sheared: `haptolith identify check --out hidden.json`.
+TEST(SoilCheck, FiftyHiddenSoilsAreTold) {
+  const Training hidden = readTraining(sourceDir() / "tests/data/identify-hidden.json");
+  const SoilCheck check(probeTraining(), hidden);
+  ASSERT_EQ(check.soils().size(), 50U);
+  const std::vector<CheckedNumber> numbers = check.numbers();
+  EXPECT_LE(numbers[0].median_error, 2) << "degrees of friction angle";
+  EXPECT_LE(numbers[1].median_error, 50) << "Pa of cohesion";
+  EXPECT_LE(numbers[2].median_error, 20) << "% of cohesion of 250 Pa and more";
+  EXPECT_LE(numbers[3].median_error, 3) << "degrees of soil-tool friction";
+  for (const std::size_t i : {0U, 1U, 3U}) {
+    EXPECT_GE(numbers[i].held_share, 0.8) << numbers[i].name;
+  }
+}
+
+TEST(SoilCheck, NeedsSoilsWhoseStrengthIsKnown) {
+  const Training training = MadeUpSoil(0.1).training(30);
+  Training hidden = training;
+  hidden.runs.front().strength.reset();
+  EXPECT_THROW(SoilCheck(training, hidden), InvalidParameter);
+}
+
+}  // namespace
+}  // namespace haptolith
