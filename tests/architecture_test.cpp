@@ -122,7 +122,11 @@ TEST(Architecture, DevicesKnowNoSoil) {
 
 TEST(Architecture, LabHasNoDeviceAndTheBranchesNeverMeet) {
   EXPECT_FALSE(mayInclude("lab").contains("device"));
-  const Folders branches{"lab", "study", "teleop", "viewer"};
+  EXPECT_FALSE(mayInclude("identify").contains("device"));
+  for (const char* branch : {"study", "viewer"}) {
+    EXPECT_FALSE(mayInclude(branch).contains("lab")) << branch;
+  }
+  const Folders branches{"study", "teleop", "viewer"};
   for (const std::string& branch : branches) {
     for (const std::string& other : branches) {
       EXPECT_EQ(mayInclude(branch).contains(other), branch == other) << branch << " -> " << other;

@@ -2,6 +2,10 @@
 
 #include <gmock/gmock.h>
 
+#include <cmath>
+#include <string_view>
+
+#include "haptolith/bed/simd_target.h"
 #include "haptolith/identify/training_file.h"
 
 namespace haptolith {
@@ -43,20 +47,21 @@ TEST(Digging, EndsWhereNobodyWantsIt) {
                Failure);
 }
 
-// What is shipped is what this program does: another compiler's last bits grow to other forces, but not to another soil.
+// What is shipped is what this program does. Another instruction set's last bits grow to forces of another specimen.
 TEST(ProbeTraining, IsOfThisProgram) {
   const Training& training = probeTraining();
-  ASSERT_GE(training.runs.size(), 100U);
+  ASSERT_GE(training.runs.size(), 90U);
   EXPECT_TRUE(training.temper);
   const TrainingRun& stored = training.runs.front();
-  const WindowForces forces = digAlong(training.movement, {}, stored.sample, {.seed = stored.number});
+  const WindowForces forces = digAlong(probeMovement({}), {}, soilSample(stored.number), {.seed = stored.number});
   ASSERT_EQ(forces.size(), stored.forces.size());
   double difference = 0, size = 0;
   for (std::size_t i = 0; i < forces.size(); ++i) {
     difference += (forces[i] - stored.forces[i]).squaredNorm();
     size += stored.forces[i].squaredNorm();
   }
-  EXPECT_LT(std::sqrt(difference / size), 0.15);
+  const bool same_target = std::string_view(simdTarget()) == "AVX2";
+  EXPECT_LT(std::sqrt(difference / size), same_target ? 1e-3 : 0.5) << simdTarget();
 }
 
 TEST(SoilSamples, DifferAndRepeat) {

@@ -191,7 +191,10 @@ std::string trainingText(const Training& training) {
 }
 
 Training parseTraining(std::string_view text, std::string_view name) {
-  const Json json = Json::parse(text, nullptr, false);
+  // What lies deeper than any of its numbers is not kept.
+  constexpr int kDeepest = 6;
+  const Json json =
+      Json::parse(text, [](int depth, Json::parse_event_t, const Json&) { return depth <= kDeepest; }, false);
   if (json.is_discarded()) {
     throw InvalidParameter(std::string(name), "no JSON", "a training that `haptolith identify train` has written");
   }
@@ -200,9 +203,9 @@ Training parseTraining(std::string_view text, std::string_view name) {
   (void)file.at("window_s").number({kForceWindow_s, kForceWindow_s});
   Training training{ToolMovement(posesFrom(file.at("poses"))), {}, 0, {}, {}};
   training.gravity_m_s2 = file.at("gravity_m_s2").number(BedRanges::gravity_m_s2);
-  const auto windows = static_cast<std::size_t>(training.movement.duration() / kForceWindow_s);
   requireInRange(fmt::format("{}: poses: duration_s", name), training.movement.duration(),
                  {kForceWindow_s, kForceWindow_s * kMostWindows});
+  const auto windows = static_cast<std::size_t>(training.movement.duration() / kForceWindow_s);
   if (file.has("temper")) {
     training.temper = file.at("temper").number({0.1, 1000});
   }

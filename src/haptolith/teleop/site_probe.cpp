@@ -25,6 +25,9 @@ BedParameters untouched(const Scenario& site) {
   bed.length_m = field.length_m;
   bed.depth_m = field.depth_m;
   bed.seed += kAnotherPlace;
+  // Only what the tool stirs is worked on: see BedParameters::sleep.
+  bed.sleep_speed_m_s = 0.01;
+  bed.sleep_distance_m = bed.soil.radius_m / 100;
   return bed;
 }
 

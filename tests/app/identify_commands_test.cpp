@@ -1,0 +1,77 @@
+#include <gmock/gmock.h>
+#include <nlohmann/json.hpp>
+#include <unistd.h>
+
+#include <filesystem>
+#include <fstream>
+#include <string>
+
+#include "program.h"
+
+namespace haptolith {
+namespace {
+
+using nlohmann::json;
+using testing::AllOf;
+using testing::HasSubstr;
+
+class IdentifyCommands : public testing::Test {
+ protected:
+  void SetUp() override { std::filesystem::create_directories(folder_); }
+  void TearDown() override { std::filesystem::remove_all(folder_); }
+
+  [[nodiscard]] std::string in(const std::string& name) const { return (folder_ / name).string(); }
+
+  std::filesystem::path folder_ =
+      std::filesystem::path(testing::TempDir()) / ("haptolith-identify-" + std::to_string(getpid()));
+};
+
+// As a stranger would: where to go, going there, what soil it was.
+TEST_F(IdentifyCommands, TellTheSoilOfAScene) {
+  const ProgramResult probe = runHaptolith("identify probe --scene field --out " + in("probe.csv"));
+  EXPECT_EQ(probe.exit_status, 0) << probe.errors;
+  const std::size_t at = probe.errors.find("--origin-mm ");
+  ASSERT_NE(at, std::string::npos) << probe.errors;
+  const std::string origin = probe.errors.substr(at, probe.errors.find('\n', at) - at);
+  const ProgramResult run = runHaptolith("run field --unpaced --no-serve --poses " + in("probe.csv") + " --trace " + in("measured.csv"));
+  EXPECT_EQ(run.exit_status, 0) << run.errors;
+
+  const std::string soil = "identify soil " + in("measured.csv") + " " + origin;
+  const ProgramResult told = runHaptolith(soil + " --soil-out " + in("found.toml"));
+  EXPECT_EQ(told.exit_status, 0) << told.errors;
+  EXPECT_THAT(told.output, AllOf(HasSubstr("111 of 111 windows"), HasSubstr("friction angle"), HasSubstr("density"),
+                                 HasSubstr("not identified")));
+  const json numbers = json::parse(runHaptolith(soil + " --json").output).at("soil");
+  EXPECT_NEAR(numbers.at("friction_angle_deg").at("median").get<double>(), 41.7, 4);
+  EXPECT_NEAR(numbers.at("cohesion_pa").at("median").get<double>(), 545, 300);
+  EXPECT_NEAR(numbers.at("tool_friction_angle_deg").at("median").get<double>(), 19.8, 4);
+  EXPECT_EQ(numbers.at("strange"), false);
+
+  EXPECT_EQ(runHaptolith("run field --unpaced --no-serve --duration-s 0.01 --set soil.file=" + in("found.toml")).exit_status, 0);
+  const ProgramResult again = runHaptolith(soil + " --soil-out " + in("found.toml"));
+  EXPECT_EQ(again.exit_status, 1);
+  EXPECT_THAT(again.errors, HasSubstr("--overwrite"));
+}
+
+TEST_F(IdentifyCommands, SayWhatIsWrong) {
+  std::ofstream(in("else.csv")) << "t_s,x_m,y_m,z_m,qw,qx,qy,qz,soil_fx_n,soil_fy_n,soil_fz_n\n"
+                                   "0,1,1,1,1,0,0,0,0,0,0\n0.1,1,1,1,1,0,0,0,0,0,0\n";
+  const ProgramResult elsewhere = runHaptolith("identify soil " + in("else.csv"));
+  EXPECT_EQ(elsewhere.exit_status, 1);
+  EXPECT_THAT(elsewhere.errors, HasSubstr("--origin-mm"));
+  EXPECT_EQ(runHaptolith("identify soil /nonexistent.csv").exit_status, 2);
+  EXPECT_EQ(runHaptolith("identify").exit_status, 2);
+  std::ofstream(in("bad.json")) << "{}";
+  const ProgramResult bad = runHaptolith("identify soil " + in("else.csv") + " --training " + in("bad.json"));
+  EXPECT_EQ(bad.exit_status, 2);
+  EXPECT_THAT(bad.errors, HasSubstr("haptolith_training"));
+  EXPECT_THAT(runHaptolith("identify soil " + in("else.csv") + " --origin-mm 1,2").errors, HasSubstr("--origin-mm"));
+  EXPECT_EQ(runHaptolith("identify train --soils 0 --out " + in("t.json")).exit_status, 2);
+  std::ofstream(in("there.json")) << "mine";
+  const ProgramResult there = runHaptolith("identify train --out " + in("there.json"));
+  EXPECT_EQ(there.exit_status, 1);
+  EXPECT_THAT(there.errors, HasSubstr("--overwrite"));
+}
+
+}  // namespace
+}  // namespace haptolith
