@@ -33,7 +33,8 @@ TEST_F(IdentifyCommands, TellTheSoilOfAScene) {
   const std::size_t at = probe.errors.find("--origin-mm ");
   ASSERT_NE(at, std::string::npos) << probe.errors;
   const std::string origin = probe.errors.substr(at, probe.errors.find('\n', at) - at);
-  const ProgramResult run = runHaptolith("run field --unpaced --no-serve --poses " + in("probe.csv") + " --trace " + in("measured.csv"));
+  const ProgramResult run =
+      runHaptolith("run field --unpaced --no-serve --poses " + in("probe.csv") + " --trace " + in("measured.csv"));
   EXPECT_EQ(run.exit_status, 0) << run.errors;
 
   const std::string soil = "identify soil " + in("measured.csv") + " " + origin;
@@ -47,7 +48,9 @@ TEST_F(IdentifyCommands, TellTheSoilOfAScene) {
   EXPECT_NEAR(numbers.at("tool_friction_angle_deg").at("median").get<double>(), 19.8, 4);
   EXPECT_EQ(numbers.at("strange"), false);
 
-  EXPECT_EQ(runHaptolith("run field --unpaced --no-serve --duration-s 0.01 --set soil.file=" + in("found.toml")).exit_status, 0);
+  EXPECT_EQ(
+      runHaptolith("run field --unpaced --no-serve --duration-s 0.01 --set soil.file=" + in("found.toml")).exit_status,
+      0);
   const ProgramResult again = runHaptolith(soil + " --soil-out " + in("found.toml"));
   EXPECT_EQ(again.exit_status, 1);
   EXPECT_THAT(again.errors, HasSubstr("--overwrite"));

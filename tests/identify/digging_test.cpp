@@ -31,7 +31,8 @@ TEST(Digging, MeetsNothingInTheAirAndMoreFurtherDown) {
 }
 
 TEST(Digging, IsTheSameAtEachTry) {
-  EXPECT_EQ(digAlong(shortPress(), kPlate, soilSample(1), kSmall), digAlong(shortPress(), kPlate, soilSample(1), kSmall));
+  EXPECT_EQ(digAlong(shortPress(), kPlate, soilSample(1), kSmall),
+            digAlong(shortPress(), kPlate, soilSample(1), kSmall));
 }
 
 TEST(Digging, MeetsTheSurfaceSoonerWhereItIsHigher) {
@@ -43,8 +44,9 @@ TEST(Digging, MeetsTheSurfaceSoonerWhereItIsHigher) {
 }
 
 TEST(Digging, EndsWhereNobodyWantsIt) {
-  EXPECT_THROW((void)digAlong(shortPress(), kPlate, soilSample(1), kSmall, [](std::string_view, double) { return false; }),
-               Failure);
+  EXPECT_THROW(
+      (void)digAlong(shortPress(), kPlate, soilSample(1), kSmall, [](std::string_view, double) { return false; }),
+      Failure);
 }
 
 // What is shipped is what this program does. Another instruction set's last bits grow to forces of another specimen.

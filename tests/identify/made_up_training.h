@@ -72,9 +72,9 @@ class MadeUpSoil {
     }
     const double depth_m = place % 2 == 0 ? 0.02 : 0.035;
     const double rake = place < 5 ? std::numbers::pi / 2 : std::numbers::pi / 3;
-    const double draft_n =
-        0.08 * depth_m * (weight_pa_m * depth_m / 2 * passive + 2 * soil.cohesion_pa * std::sqrt(passive)) *
-        (place < 5 ? 1 : 0.8 + 0.1 * std::tan(phi));
+    const double draft_n = 0.08 * depth_m *
+                           (weight_pa_m * depth_m / 2 * passive + 2 * soil.cohesion_pa * std::sqrt(passive)) *
+                           (place < 5 ? 1 : 0.8 + 0.1 * std::tan(phi));
     return {-draft_n, 0, draft_n / std::tan(rake + std::atan(soil.tool_friction))};
   }
 

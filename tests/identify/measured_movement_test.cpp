@@ -19,7 +19,8 @@ std::vector<MeasuredSample> made(double begin_s, const Vec3& origin_m, double st
   for (int i = 0; i * step_s < 5; ++i) {
     const double time_s = i * step_s;
     const Pose pose = kMovement.at(time_s - begin_s);
-    samples.push_back({time_s, {pose.position_m + origin_m, pose.orientation}, Vec3(std::floor((time_s - begin_s) / 0.25), 0, 1)});
+    samples.push_back(
+        {time_s, {pose.position_m + origin_m, pose.orientation}, Vec3(std::floor((time_s - begin_s) / 0.25), 0, 1)});
   }
   return samples;
 }

@@ -50,7 +50,8 @@ TEST_F(Identified, IntervalsHoldWhatTheySay) {
     run.sample = soilSample(static_cast<std::uint64_t>(5000 + i));
     const SoilState truth = {MadeUpSoil::strengthOf(run.sample.soil).residual.angle_deg,
                              MadeUpSoil::strengthOf(run.sample.soil).residual.cohesion_pa, run.sample.tool_friction};
-    const SoilBelief belief = calibrated.identify(all(soils_.forces(truth, kGravity, 7000U + static_cast<unsigned>(i))), kGravity);
+    const SoilBelief belief =
+        calibrated.identify(all(soils_.forces(truth, kGravity, 7000U + static_cast<unsigned>(i))), kGravity);
     held += holds(belief.friction_angle_deg, truth.friction_angle_deg) ? 1 : 0;
     held += holds(belief.cohesion_pa, truth.cohesion_pa) ? 1 : 0;
     held += holds(belief.tool_friction_angle_deg, angleOf(truth.tool_friction)) ? 1 : 0;

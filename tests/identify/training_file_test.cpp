@@ -51,7 +51,8 @@ TEST(TrainingFile, SaysWhatIsWrong) {
   EXPECT_THAT(refusal(std::string(1'000'000, '[')), HasSubstr("identify train"));
   EXPECT_THAT(refusal(std::string(100'000, '[') + std::string(100'000, ']')), HasSubstr("haptolith_training"));
   EXPECT_THAT(refusal(replaced(good, "\"haptolith_training\": 1", "\"haptolith_training\": 2")), HasSubstr("2"));
-  EXPECT_THAT(refusal(replaced(good, "\"gravity_m_s2\": 1.625", "\"gravity_m_s2\": \"much\"")), HasSubstr("gravity_m_s2"));
+  EXPECT_THAT(refusal(replaced(good, "\"gravity_m_s2\": 1.625", "\"gravity_m_s2\": \"much\"")),
+              HasSubstr("gravity_m_s2"));
   EXPECT_THAT(refusal(replaced(good, "\"radius_m\":", "\"radius_m\":-")), HasSubstr("mine.json: runs[0]: radius_m"));
   EXPECT_THAT(refusal(replaced(good, "\"forces_n\":[[", "\"forces_n\":[[0,0,0],[")), HasSubstr("a list of 28"));
   EXPECT_THAT(refusal(replaced(good, "\"poses\": [[", "\"poses\": [[0,0,0,0,2,0,0,0],[")), HasSubstr("qw,qx,qy,qz"));

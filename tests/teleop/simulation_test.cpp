@@ -4,8 +4,8 @@
 
 #include <cmath>
 
-#include "haptolith/teleop/link_profiles.h"
 #include "haptolith/bed/surface_height.h"
+#include "haptolith/teleop/link_profiles.h"
 
 namespace haptolith {
 namespace {

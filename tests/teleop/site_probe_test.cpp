@@ -39,8 +39,9 @@ TEST(SiteProbe, ARobotTellsTheSoilOfItsSite) {
 }
 
 TEST(SiteProbe, EndsWhereNobodyWantsIt) {
-  EXPECT_THROW((void)probeSite(siteOfCoarseGrains(), {}, probeTraining(), [](std::string_view, double) { return false; }),
-               Failure);
+  EXPECT_THROW(
+      (void)probeSite(siteOfCoarseGrains(), {}, probeTraining(), [](std::string_view, double) { return false; }),
+      Failure);
 }
 
 }  // namespace

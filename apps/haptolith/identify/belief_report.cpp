@@ -32,10 +32,20 @@ std::array<Line, 4> linesOf(const SoilBelief& belief, const SoilPrior& prior, do
                "residual: what sheared soil has left"},
           Line{"", "peak_angle_deg", belief.peak_angle_deg, prior.friction_angle_deg, "°", 1,
                "peak: dense soil that nothing has touched"},
-          Line{"cohesion", "cohesion_pa", belief.cohesion_pa,
-               {pascals(prior.cohesion_m.lowest), pascals(prior.cohesion_m.highest)}, " Pa", 0, "residual"},
-          Line{"soil-tool friction", "tool_friction_angle_deg", belief.tool_friction_angle_deg,
-               {angle(prior.tool_friction.lowest), angle(prior.tool_friction.highest)}, "°", 1, ""}};
+          Line{"cohesion",
+               "cohesion_pa",
+               belief.cohesion_pa,
+               {pascals(prior.cohesion_m.lowest), pascals(prior.cohesion_m.highest)},
+               " Pa",
+               0,
+               "residual"},
+          Line{"soil-tool friction",
+               "tool_friction_angle_deg",
+               belief.tool_friction_angle_deg,
+               {angle(prior.tool_friction.lowest), angle(prior.tool_friction.highest)},
+               "°",
+               1,
+               ""}};
 }
 
 }  // namespace

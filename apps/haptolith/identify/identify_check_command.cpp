@@ -36,8 +36,8 @@ struct CheckOptions {
 
 std::string rowText(const CheckedSoil& row) {
   const auto part = [](double truth, const Estimate& told, int decimals) {
-    return fmt::format("{:7.{}f} {:7.{}f} {:7.{}f} {:7.{}f} {}", truth, decimals, told.low, decimals, told.middle, decimals,
-                       told.high, decimals, holds(told, truth) ? ' ' : '*');
+    return fmt::format("{:7.{}f} {:7.{}f} {:7.{}f} {:7.{}f} {}", truth, decimals, told.low, decimals, told.middle,
+                       decimals, told.high, decimals, holds(told, truth) ? ' ' : '*');
   };
   const SoilBelief& belief = row.belief;
   return fmt::format("{:4} {} {} {}  {}{}\n", row.number,
@@ -68,8 +68,9 @@ void check(const CheckOptions& options) {
     printJson(json);
     return;
   }
-  std::string text = "     friction angle, deg              cohesion, Pa                     soil-tool friction, deg\n"
-                     "soil    true    from  median      to     true    from  median      to     true    from  median      to\n";
+  std::string text =
+      "     friction angle, deg              cohesion, Pa                     soil-tool friction, deg\n"
+      "soil    true    from  median      to     true    from  median      to     true    from  median      to\n";
   for (const CheckedSoil& row : checked.soils()) {
     text += rowText(row);
   }

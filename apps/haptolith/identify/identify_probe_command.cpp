@@ -72,8 +72,7 @@ void addIdentifyProbe(CLI::App& identify) {
       "probe", "Write where a shovel goes, every millisecond, so that its forces tell about the soil");
   command->footer(kExamples);
   command->add_option("--out", options->out_file, "Where to write it")->option_text("FILE.csv")->required();
-  command
-      ->add_option("--origin-mm", options->origin_mm, "Where the middle of the soil's surface is in its frame, z up")
+  command->add_option("--origin-mm", options->origin_mm, "Where the middle of the soil's surface is in its frame, z up")
       ->option_text("X,Y,Z [0,0,0]")
       ->delimiter(',')
       ->expected(3)

@@ -69,8 +69,9 @@ void identifySoil(const SoilOptions& options) {
   const Vec3 origin_m = 1e-3 * Vec3(options.origin_mm[0], options.origin_mm[1], options.origin_mm[2]);
   const MatchedForces matched = matchForces(training.movement, readMeasured(options.measured_file), origin_m);
   if (matched.windows == 0) {
-    throw Failure(options.measured_file +
-                  ": the tool is nowhere within 3 mm and 3 degrees of the movement that was learned; is --origin-mm right?");
+    throw Failure(
+        options.measured_file +
+        ": the tool is nowhere within 3 mm and 3 degrees of the movement that was learned; is --origin-mm right?");
   }
   const double gravity_m_s2 = findBody(options.body).gravity_m_s2;
   const SoilPrior prior;
@@ -91,9 +92,10 @@ void identifySoil(const SoilOptions& options) {
     printJson(json);
     return;
   }
-  printText(fmt::format("identify soil: the movement begins at {:.2f} s; {} of {} windows are in place, {} numbers tell\n\n",
-                        matched.begin_s, matched.windows, matched.forces.size(), belief.numbers) +
-            beliefText(belief, prior, gravity_m_s2));
+  printText(
+      fmt::format("identify soil: the movement begins at {:.2f} s; {} of {} windows are in place, {} numbers tell\n\n",
+                  matched.begin_s, matched.windows, matched.forces.size(), belief.numbers) +
+      beliefText(belief, prior, gravity_m_s2));
   printNotice(savedText());
 }
 
@@ -104,9 +106,10 @@ void addIdentifySoil(CLI::App& identify) {
   CLI::App* command = identify.add_subcommand("soil", "Tell from forces on a tool what soil it moved through");
   command->footer(kExamples);
   command
-      ->add_option("measured", options->measured_file,
-                   "Table with t_s, x_m, y_m, z_m, qw, qx, qy, qz, soil_fx_n, soil_fy_n, soil_fz_n: where the tool was,\n"
-                   "and the force of the soil on it")
+      ->add_option(
+          "measured", options->measured_file,
+          "Table with t_s, x_m, y_m, z_m, qw, qx, qy, qz, soil_fx_n, soil_fy_n, soil_fz_n: where the tool was,\n"
+          "and the force of the soil on it")
       ->option_text("FILE.csv")
       ->required();
   command->add_option("--training", options->training_file, "What soils do to this tool along this movement")

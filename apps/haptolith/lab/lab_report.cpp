@@ -26,9 +26,9 @@
 
 #include "commands.h"
 #include "lab/lab_options.h"
-#include "shared/kept_work.h"
 #include "lab/report_folder.h"
 #include "lab/report_results.h"
+#include "shared/kept_work.h"
 #include "shared/option_checks.h"
 #include "shared/output.h"
 #include "shared/saved.h"

@@ -14,6 +14,7 @@
 #include <vector>
 
 #include "haptolith/bed/simd_target.h"
+#include "haptolith/bed/surface_height.h"
 #include "haptolith/core/error.h"
 #include "haptolith/core/plain_text.h"
 #include "haptolith/haptics/stiffness_check.h"
@@ -23,7 +24,6 @@
 #include "haptolith/scenario/scene_words.h"
 #include "haptolith/session/session.h"
 #include "haptolith/teleop/operator_end.h"
-#include "haptolith/bed/surface_height.h"
 #include "haptolith/viewer/live_view.h"
 
 #include "commands.h"

@@ -17,7 +17,7 @@ KeptWork::KeptWork(std::size_t pieces, int threads, StatusLine& status)
     : pieces_(pieces), threads_(threads), threads_each_(threads), status_(status) {}
 
 void KeptWork::run(const std::vector<std::size_t>& missing, const std::filesystem::path& kept,
-                  const std::function<void(std::size_t)>& piece) {
+                   const std::function<void(std::size_t)>& piece) {
   done_ = pieces_ - missing.size();
   if (done_ > 0) {
     post(fmt::format("{} of {} results are there already\n", done_, pieces_));

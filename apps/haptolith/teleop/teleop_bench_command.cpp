@@ -16,8 +16,8 @@
 #include "haptolith/core/atomic_file.h"
 #include "haptolith/core/in_parallel.h"
 #include "haptolith/core/stop_asked.h"
-#include "haptolith/teleop/agreement_figure.h"
 #include "haptolith/identify/training_file.h"
+#include "haptolith/teleop/agreement_figure.h"
 #include "haptolith/teleop/simulation.h"
 #include "haptolith/teleop/site_probe.h"
 
@@ -95,8 +95,8 @@ Learned learn(const BenchOptions& options, StatusLine& status) {
   const Scenario site = findScenario(options.site, options.site_overrides);
   const Training& training = probeTraining();
   const ProbedSoil probed = probeSite(site, {}, training, progress);
-  return {probed, learned(findScenario(options.model, options.model_overrides), probed.belief,
-                          StrengthMap(training.runs))};
+  return {probed,
+          learned(findScenario(options.model, options.model_overrides), probed.belief, StrengthMap(training.runs))};
 }
 
 double gravityOf(const Learned& learned) {
@@ -232,10 +232,10 @@ void runBench(const BenchOptions& options) {
     printJson(json);
     return;
   }
-  std::string table = learned ? fmt::format("the robot's probe, {} of {} windows in place:\n{}\n", learned->probed.windows,
-                                            learned->probed.of_windows,
-                                            beliefText(learned->probed.belief, {}, gravityOf(*learned)))
-                              : "";
+  std::string table =
+      learned ? fmt::format("the robot's probe, {} of {} windows in place:\n{}\n", learned->probed.windows,
+                            learned->probed.of_windows, beliefText(learned->probed.belief, {}, gravityOf(*learned)))
+              : "";
   table += "there and              force error      met   off, mm              given   behind  follows\n";
   table += "back, s   case             %  RMS, N   in air  in soil        mJ        s        %  stops\n";
   for (const Row& row : rows) {

@@ -7,13 +7,13 @@
 #include <string>
 #include <vector>
 
+#include "haptolith/bed/surface_height.h"
 #include "haptolith/core/clock.h"
 #include "haptolith/core/stop_asked.h"
 #include "haptolith/device/hand/virtual_hand.h"
 #include "haptolith/haptics/loop_clock.h"
 #include "haptolith/scenario/scenario.h"
 #include "haptolith/teleop/robot_server.h"
-#include "haptolith/bed/surface_height.h"
 
 #include "shared/option_checks.h"
 #include "shared/output.h"

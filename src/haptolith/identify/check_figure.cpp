@@ -54,17 +54,20 @@ void drawCheck(const OutputFile& file, const std::vector<CheckedSoil>& soils) {
     const std::string soil = fmt::format("soil{}", number), stone = fmt::format("stone{}", number);
     figure.data(soil, rowsOf(soils, panel, false));
     figure.data(stone, rowsOf(soils, panel, true));
-    figure.command(fmt::format("set title '{}'\nset xlabel 'measured by a shear test, {}'\nset ylabel 'told from forces, {}'\n"
-                               "set xrange {}\nset yrange {}\nset key {}",
-                               panel.title, panel.unit, panel.unit, panel.axes, panel.axes, number == 0 ? "on" : "off"));
+    figure.command(
+        fmt::format("set title '{}'\nset xlabel 'measured by a shear test, {}'\nset ylabel 'told from forces, {}'\n"
+                    "set xrange {}\nset yrange {}\nset key {}",
+                    panel.title, panel.unit, panel.unit, panel.axes, panel.axes, number == 0 ? "on" : "off"));
     if (number == 2) {
       figure.command("set xlabel 'set, degrees'");
     }
-    figure.command(fmt::format(
-        "plot x with lines linecolor rgb '#888888' notitle, ${0} using 1:2:3:4 with yerrorbars pointtype 7 pointsize 0.6 "
-        "linecolor rgb '{2}' title 'soil, 90 %% interval', ${1} using 1:2:3:4 with yerrorbars pointtype 5 pointsize 0.8 "
-        "linecolor rgb '{3}' title 'with a stone in it'",
-        soil, stone, kSoil, kStone));
+    figure.command(
+        fmt::format("plot x with lines linecolor rgb '#888888' notitle, ${0} using 1:2:3:4 with yerrorbars pointtype 7 "
+                    "pointsize 0.6 "
+                    "linecolor rgb '{2}' title 'soil, 90 %% interval', ${1} using 1:2:3:4 with yerrorbars pointtype 5 "
+                    "pointsize 0.8 "
+                    "linecolor rgb '{3}' title 'with a stone in it'",
+                    soil, stone, kSoil, kStone));
     ++number;
   }
   figure.command("unset multiplot");

@@ -98,8 +98,8 @@ ForceEmulator::ForceEmulator(const Training& training, std::optional<std::size_t
   }
   fit_.emplace(terms(states), values, kLambda);
   peak_.emplace(terms(states), peaks_deg, kLambda);
-  covariance_ = shrunkCovariance(values - expected(states),
-                                 std::max(5.0, static_cast<double>(rows) - 0.9 * (kTerms + 1)));
+  covariance_ =
+      shrunkCovariance(values - expected(states), std::max(5.0, static_cast<double>(rows) - 0.9 * (kTerms + 1)));
 }
 
 void ForceEmulator::chooseFeatures(const Training& training) {

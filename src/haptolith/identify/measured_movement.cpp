@@ -85,8 +85,7 @@ std::vector<MeasuredSample> readMeasured(const std::filesystem::path& path) {
   return samples;
 }
 
-MatchedForces matchForces(const ToolMovement& movement, std::span<const MeasuredSample> samples,
-                          const Vec3& origin_m) {
+MatchedForces matchForces(const ToolMovement& movement, std::span<const MeasuredSample> samples, const Vec3& origin_m) {
   const Course course(samples, origin_m);
   MatchedForces matched;
   matched.forces.resize(windowsOf(movement));

@@ -1,6 +1,7 @@
 #include "haptolith/identify/ridge.h"
 
 #include <Eigen/Cholesky>
+
 #include <algorithm>
 #include <cmath>
 
@@ -12,8 +13,8 @@ Ridge::Ridge(const Eigen::MatrixXd& columns, const Eigen::MatrixXd& observed, do
   Eigen::MatrixXd centred = columns.rowwise() - mean_;
   scale_ = (centred.colwise().squaredNorm() / static_cast<double>(columns.rows())).cwiseSqrt().cwiseMax(kNothing);
   centred = centred.array().rowwise() / scale_.array();
-  const Eigen::MatrixXd normal = centred.transpose() * centred +
-                                 lambda * Eigen::MatrixXd::Identity(columns.cols(), columns.cols());
+  const Eigen::MatrixXd normal =
+      centred.transpose() * centred + lambda * Eigen::MatrixXd::Identity(columns.cols(), columns.cols());
   slopes_ = normal.ldlt().solve(centred.transpose() * (observed.rowwise() - constant_));
 }
 

@@ -53,8 +53,8 @@ const Eigen::MatrixXd& haltonPoints() {
 }
 
 const Eigen::MatrixXd& normalPoints() {
-  static const Eigen::MatrixXd points = haltonPoints().unaryExpr(
-      [](double share) { return std::numbers::sqrt2 * boost::math::erf_inv(2 * share - 1); });
+  static const Eigen::MatrixXd points =
+      haltonPoints().unaryExpr([](double share) { return std::numbers::sqrt2 * boost::math::erf_inv(2 * share - 1); });
   return points;
 }
 
@@ -157,8 +157,8 @@ Estimate estimateOf(const Eigen::VectorXd& values, const Eigen::VectorXd& weight
   return estimate;
 }
 
-SoilBelief identifyWith(const ForceEmulator& emulator, double temper, const MeasuredForces& forces,
-                        double gravity_m_s2, const SoilPrior& prior) {
+SoilBelief identifyWith(const ForceEmulator& emulator, double temper, const MeasuredForces& forces, double gravity_m_s2,
+                        const SoilPrior& prior) {
   const ForceEmulator::Observed observed = emulator.observed(forces, gravity_m_s2);
   if (observed.which.empty()) {
     throw InvalidParameter("forces", "of no window", "some where the tool is in soil");
@@ -211,8 +211,9 @@ std::vector<LeftOutSoil> LeaveOneOut::with(double temper) const {
   const auto threads = static_cast<int>(std::max(1U, std::thread::hardware_concurrency()));
   inParallel(soils.size(), threads, [&](std::size_t i) {
     const TrainingRun& run = training_.runs[i];
-    soils[i] = {stateOf(run, others_[i].strengths()),
-                identifyWith(others_[i], temper, measuredForces(run, kNoise_n, run.number), training_.gravity_m_s2, {})};
+    soils[i] = {
+        stateOf(run, others_[i].strengths()),
+        identifyWith(others_[i], temper, measuredForces(run, kNoise_n, run.number), training_.gravity_m_s2, {})};
   });
   return soils;
 }

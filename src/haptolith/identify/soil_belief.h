@@ -37,9 +37,10 @@ inline constexpr double kIdentifiedShare = 0.7;
 ///
 ///     L = (1 + d' S^-1 d / nu)^(-(nu + p) / (2 T)),    d = y - expected,    nu = 6
 ///
-/// by importance sampling: 8192 states of a Halton sequence over the box, then as many over the normal distribution that
-/// these have shown, until a thousand of them count. T makes 90 % intervals hold 90 % of the training's own soils, each left out
-/// of what the emulator learned (calibrate()). The same numbers on every run. Takes some ten milliseconds.
+/// by importance sampling: 8192 states of a Halton sequence over the box, then as many over the normal distribution
+/// that these have shown, until a thousand of them count. T makes 90 % intervals hold 90 % of the training's own soils,
+/// each left out of what the emulator learned (calibrate()). The same numbers on every run. Takes some ten
+/// milliseconds.
 class SoilIdentifier {
  public:
   /// @throws as ForceEmulator. Takes half a minute where the training does not know its T yet.

@@ -29,7 +29,8 @@ struct Told {
   Estimate estimate;
 };
 
-CheckedNumber over(std::string name, std::string unit, int decimals, const std::vector<Told>& soils, bool in_parts = false) {
+CheckedNumber over(std::string name, std::string unit, int decimals, const std::vector<Told>& soils,
+                   bool in_parts = false) {
   std::vector<double> errors;
   double held = 0;
   for (const auto& [truth, estimate] : soils) {
@@ -46,12 +47,13 @@ SoilCheck::SoilCheck(const Training& training, const Training& hidden) {
   const SoilIdentifier identifier(training);
   for (const TrainingRun& run : hidden.runs) {
     if (!run.strength) {
-      throw InvalidParameter(fmt::format("soil {}", run.number), "not sheared", "sheared: its strength has to be known");
+      throw InvalidParameter(fmt::format("soil {}", run.number), "not sheared",
+                             "sheared: its strength has to be known");
     }
     MeasuredForces forces = measuredForces(run, kNoise_n, run.number);
     std::mt19937_64 random(run.number);
-    const Vec3 bias_n = kBias_n * std::numbers::sqrt3 *
-                        Vec3(uniformSigned(random), uniformSigned(random), uniformSigned(random));
+    const Vec3 bias_n =
+        kBias_n * std::numbers::sqrt3 * Vec3(uniformSigned(random), uniformSigned(random), uniformSigned(random));
     for (std::optional<Vec3>& force_n : forces) {
       *force_n += bias_n;
     }

@@ -28,19 +28,19 @@ enum class SoilFamily {
 
 /// What samples are drawn from, evenly; in the logarithm where it says so.
 struct SampleRanges {
-  Range contact_friction;      ///< 0.12 to 0.6 are friction angles of 20 to 48 degrees, about
-  Range contact_cohesion_n;    ///< of contacts at 7 mm, in the logarithm; one soil in seven has none
+  Range contact_friction;    ///< 0.12 to 0.6 are friction angles of 20 to 48 degrees, about
+  Range contact_cohesion_n;  ///< of contacts at 7 mm, in the logarithm; one soil in seven has none
   Range tool_friction;
-  Range adhesion_share;        ///< of the contacts' cohesion
-  Range density_kg_m3;         ///< rho0
+  Range adhesion_share;  ///< of the contacts' cohesion
+  Range density_kg_m3;   ///< rho0
   Range radius_m;
-  Range stiffness_n_m;         ///< at 7 mm, in the logarithm
+  Range stiffness_n_m;  ///< at 7 mm, in the logarithm
   Range size_spread;
   Range tangential_ratio;
   Range cohesion_range_ratio;
   Range surface_error_m;
   Range damping_ratio;
-  Range gamma_times;           ///< how much sooner or later contacts stiffen, in the logarithm
+  Range gamma_times;  ///< how much sooner or later contacts stiffen, in the logarithm
 };
 
 inline constexpr SampleRanges kTrainingRanges{.contact_friction{0.12, 0.6},

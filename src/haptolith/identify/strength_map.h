@@ -10,7 +10,8 @@ namespace haptolith {
 
 /// How strong soil is whose contacts are known: through the shear tests of a training, of soils that differ in kind.
 ///
-///     phi = quadratic of mu_p and ln(1 + s / 300 Pa),    c = s exp(quadratic of mu_p, linear of ln s),    s = F_c / R^2
+///     phi = quadratic of mu_p and ln(1 + s / 300 Pa),    c = s exp(quadratic of mu_p, linear of ln s),    s = F_c /
+///     R^2
 ///
 /// with linear terms of the grains' spread, stiffness, tangential stiffness and range of cohesion. Soil without
 /// cohesion between its particles has none.

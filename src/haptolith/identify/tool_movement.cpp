@@ -12,12 +12,12 @@ namespace haptolith {
 
 namespace {
 
-constexpr double kAir_m_s = 0.15;    // from place to place
-constexpr double kCut_m_s = 0.03;    // v^2 / (g d) is 0.03 on the Moon, 20 mm deep
+constexpr double kAir_m_s = 0.15;  // from place to place
+constexpr double kCut_m_s = 0.03;  // v^2 / (g d) is 0.03 on the Moon, 20 mm deep
 constexpr double kPress_m_s = 0.015;
-constexpr double kClear_m = 0.04;    // of the tool's lowest point above the soil, between two places
+constexpr double kClear_m = 0.04;  // of the tool's lowest point above the soil, between two places
 constexpr double kHold_s = 0.3;
-constexpr double kTravel_m = 0.07;   // of a cut
+constexpr double kTravel_m = 0.07;  // of a cut
 
 /// A movement that grows from place to place. Heights are those of the shovel's lowest point.
 class Making {

@@ -1,11 +1,11 @@
 #include "haptolith/identify/training_file.h"
 
 #include <fmt/format.h>
+#include <nlohmann/json.hpp>
 
 #include <array>
 #include <cmath>
 #include <iterator>
-#include <nlohmann/json.hpp>
 #include <span>
 
 #include "haptolith/bed/bed_parameters.h"
@@ -33,9 +33,11 @@ struct SampleKey {
 
 constexpr std::array kSampleKeys{
     SampleKey{"radius_m", [](SoilSample& s) -> double& { return s.soil.radius_m; }, SoilRanges::radius_m},
-    SampleKey{"stiffness_n_m", [](SoilSample& s) -> double& { return s.soil.stiffness_n_m; }, SoilRanges::stiffness_n_m},
+    SampleKey{"stiffness_n_m", [](SoilSample& s) -> double& { return s.soil.stiffness_n_m; },
+              SoilRanges::stiffness_n_m},
     SampleKey{"gamma_nm", [](SoilSample& s) -> double& { return s.soil.gamma_nm; }, SoilRanges::gamma_nm},
-    SampleKey{"damping_ratio", [](SoilSample& s) -> double& { return s.soil.damping_ratio; }, SoilRanges::damping_ratio},
+    SampleKey{"damping_ratio", [](SoilSample& s) -> double& { return s.soil.damping_ratio; },
+              SoilRanges::damping_ratio},
     SampleKey{"rho0_kg_m3", [](SoilSample& s) -> double& { return s.soil.rho0_kg_m3; }, SoilRanges::rho0_kg_m3},
     SampleKey{"contact_friction", [](SoilSample& s) -> double& { return s.soil.contact_friction; },
               SoilRanges::contact_friction},
@@ -87,9 +89,9 @@ class Node {
 
   [[nodiscard]] std::vector<Node> list(std::size_t least, std::size_t most) const {
     if (!json_.is_array() || json_.size() < least || json_.size() > most) {
-      throw InvalidParameter(place_, json_.is_array() ? fmt::format("of {}", json_.size()) : inQuotes(json_.dump()),
-                             least == most ? fmt::format("a list of {}", least)
-                                           : fmt::format("a list of {} to {}", least, most));
+      throw InvalidParameter(
+          place_, json_.is_array() ? fmt::format("of {}", json_.size()) : inQuotes(json_.dump()),
+          least == most ? fmt::format("a list of {}", least) : fmt::format("a list of {} to {}", least, most));
     }
     std::vector<Node> nodes;
     for (std::size_t i = 0; i < json_.size(); ++i) {
@@ -163,11 +165,11 @@ std::string trainingText(const Training& training) {
     poses.push_back(row);
   }
   // One line for each run: what changes is then seen.
-  std::string text = fmt::format("{{\"haptolith_training\": {},\n\"tool\": {},\n\"gravity_m_s2\": {},\n\"window_s\": {},\n"
-                                 "{}\"poses\": {},\n\"runs\": [",
-                                 kVersion, Json(training.tool).dump(), training.gravity_m_s2, kForceWindow_s,
-                                 training.temper ? fmt::format("\"temper\": {:.4g},\n", *training.temper) : "",
-                                 poses.dump());
+  std::string text = fmt::format(
+      "{{\"haptolith_training\": {},\n\"tool\": {},\n\"gravity_m_s2\": {},\n\"window_s\": {},\n"
+      "{}\"poses\": {},\n\"runs\": [",
+      kVersion, Json(training.tool).dump(), training.gravity_m_s2, kForceWindow_s,
+      training.temper ? fmt::format("\"temper\": {:.4g},\n", *training.temper) : "", poses.dump());
   const char* separator = "\n";
   for (const TrainingRun& run : training.runs) {
     Json row{{"number", run.number}};
@@ -193,8 +195,8 @@ std::string trainingText(const Training& training) {
 Training parseTraining(std::string_view text, std::string_view name) {
   // What lies deeper than any of its numbers is not kept.
   constexpr int kDeepest = 6;
-  const Json json =
-      Json::parse(text, [](int depth, Json::parse_event_t, const Json&) { return depth <= kDeepest; }, false);
+  const Json json = Json::parse(
+      text, [](int depth, Json::parse_event_t, const Json&) { return depth <= kDeepest; }, false);
   if (json.is_discarded()) {
     throw InvalidParameter(std::string(name), "no JSON", "a training that `haptolith identify train` has written");
   }

@@ -9,11 +9,11 @@
 #include <set>
 #include <vector>
 
+#include "haptolith/bed/surface_height.h"
 #include "haptolith/device/hand/virtual_hand.h"
 #include "haptolith/haptics/haptic_loop.h"
 #include "haptolith/haptics/wrench_filter.h"
 #include "haptolith/teleop/passive_end.h"
-#include "haptolith/bed/surface_height.h"
 #include "haptolith/teleop/teleop_packet.h"
 
 namespace haptolith {
