@@ -3,6 +3,8 @@
 #include <gmock/gmock.h>
 
 #include <cmath>
+#include <cstdint>
+#include <set>
 #include <string_view>
 
 #include "haptolith/bed/simd_target.h"
@@ -67,14 +69,25 @@ TEST(ProbeTraining, IsOfThisProgram) {
 }
 
 TEST(SoilSamples, DifferAndRepeat) {
-  for (const SoilFamily family : {SoilFamily::kTraining, SoilFamily::kOther}) {
-    EXPECT_EQ(soilSample(5, family).soil, soilSample(5, family).soil);
-    EXPECT_NE(soilSample(5, family).soil, soilSample(6, family).soil);
-    EXPECT_NO_THROW(validate(soilSample(5, family).soil));
+  for (const std::uint64_t number : {std::uint64_t{5}, hiddenNumber(3)}) {
+    EXPECT_EQ(soilSample(number).soil, soilSample(number).soil);
+    EXPECT_NE(soilSample(number).soil, soilSample(number + 1).soil);
+    EXPECT_NO_THROW(validate(soilSample(number).soil));
   }
-  EXPECT_NE(soilSample(5).soil, soilSample(5, SoilFamily::kOther).soil);
-  EXPECT_EQ(soilSample(9, SoilFamily::kOther).stone_size_m, 0);
-  EXPECT_GT(soilSample(10, SoilFamily::kOther).stone_size_m, 0);
+  EXPECT_EQ(soilSample(10).stone_size_m, 0);
+  EXPECT_EQ(soilSample(hiddenNumber(4)).stone_size_m, 0);
+  EXPECT_GT(soilSample(hiddenNumber(5)).stone_size_m, 0);
+}
+
+TEST(SoilSamples, NoTrainingHasWhatIsHidden) {
+  std::set<std::uint64_t> trained;
+  for (std::uint64_t place = 1; place <= 1000; ++place) {
+    EXPECT_TRUE(trained.insert(trainingNumber(place)).second);
+    EXPECT_EQ(soilSample(trainingNumber(place)).stone_size_m, 0);
+  }
+  for (std::uint64_t place = 1; place <= 1000; ++place) {
+    EXPECT_FALSE(trained.contains(hiddenNumber(place)));
+  }
 }
 
 }  // namespace

@@ -90,6 +90,14 @@ TEST_F(ReadMeasured, TakesItsColumnsWhereverTheyAre) {
   EXPECT_EQ(samples[1].force_n, Vec3(7, 8, 9));
 }
 
+TEST_F(ReadMeasured, TakesAnExportedRecording) {
+  const auto samples = read(
+      "# an export\nt_s,x_m,tool_x_m,tool_y_m,tool_z_m,tool_qw,tool_qx,tool_qy,tool_qz,soil_fx_n,soil_fy_n,soil_fz_n\n"
+      "0,9,1,2,3,1,0,0,0,4,5,6\n1,9,1,2,3,1,0,0,0,4,5,6\n");
+  ASSERT_EQ(samples.size(), 2U);
+  EXPECT_EQ(samples[0].pose.position_m, Vec3(1, 2, 3));
+}
+
 TEST_F(ReadMeasured, SaysWhatIsWrong) {
   EXPECT_THAT(refusal("t_s,x_m\n0,0\n1,1\n"), HasSubstr("columns t_s,x_m,y_m,z_m,qw,qx,qy,qz,soil_fx_n"));
   EXPECT_THAT(refusal(std::string(kHeader) + "0,0,1,2,3,1,0,0,0,4,5,6\n"), HasSubstr("two or more"));

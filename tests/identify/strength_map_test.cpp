@@ -45,7 +45,7 @@ TEST(StrengthMap, GivesContactsForAStrength) {
 TEST(StrengthMap, OfTheProbeAgreesWithWhatWasMeasured) {
   const StrengthMap map(probeTraining().runs);
   EXPECT_LT(map.angleScatter_deg(), 2);
-  EXPECT_LT(map.cohesionScatter(), 0.25);
+  EXPECT_LT(map.cohesionScatter(), 0.35);
 }
 
 TEST(StrengthMap, NeedsSoilsThatWereSheared) {

@@ -23,7 +23,7 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 constexpr const char* kExamples = R"(Examples:
-  haptolith identify check --out hidden.json               50 soils of other kinds: an hour of two processors
+  haptolith identify check --out hidden.json               50 soils: an hour of two processors
   haptolith identify check --out hidden.json --resume      goes on, or tells once more what came of them
 
 docs/identify.md has what came of the built-in training.)";
@@ -54,7 +54,7 @@ void check(const CheckOptions& options) {
   if (!options.figure_file.empty()) {
     requireFree(options.soils.overwrite(options.figure_file));  // before an hour of work
   }
-  const Training hidden = dugSoils(options.soils, SoilFamily::kOther);
+  const Training hidden = dugSoils(options.soils, hiddenNumber);
   const SoilCheck checked(training, hidden);
   if (!options.figure_file.empty()) {
     drawCheck(options.soils.overwrite(options.figure_file), checked.soils());
@@ -88,7 +88,7 @@ void check(const CheckOptions& options) {
 void addIdentifyCheck(CLI::App& identify) {
   auto options = std::make_shared<CheckOptions>();
   CLI::App* command = identify.add_subcommand(
-      "check", "Tell soils of other kinds than those of the training, and compare with what a shear test measures");
+      "check", "Tell soils that no training has seen, and compare with what a shear test measures");
   command->footer(kExamples);
   command->add_option("--out", options->soils.out_file, "Where to keep what these soils do to the tool")
       ->option_text("FILE.json")

@@ -22,7 +22,7 @@ constexpr const char* kExamples = R"(Examples:
 Every soil takes about a minute of one processor; fewer than 100 tell little. docs/identify.md tells what is learned.)";
 
 void train(const SoilsOptions& options) {
-  Training training = dugSoils(options, SoilFamily::kTraining);
+  Training training = dugSoils(options, trainingNumber);
   if (!training.temper) {
     training.temper = LeaveOneOut(training).calibratedTemper();
     keep(options, training);
@@ -40,7 +40,7 @@ void addIdentifyTrain(CLI::App& identify) {
   command->add_option("--out", options->out_file, "Where to write what was learned")
       ->option_text("FILE.json")
       ->required();
-  options->addTo(*command, 144);
+  options->addTo(*command, 121);
   command->callback([options] { train(*options); });
 }
 

@@ -103,7 +103,7 @@ void keep(const SoilsOptions& options, const Training& training) {
   file.commit();
 }
 
-Training dugSoils(const SoilsOptions& options, SoilFamily family) {
+Training dugSoils(const SoilsOptions& options, std::uint64_t (*number_of)(std::uint64_t place)) {
   const Dig dig = digFor(options.movement);
   Training training = begun(options, dig);
   const StopOnSignal stop;
@@ -112,7 +112,7 @@ Training dugSoils(const SoilsOptions& options, SoilFamily family) {
   const auto count = static_cast<std::size_t>(options.soils);
   std::vector<std::size_t> missing;
   for (std::size_t i = 0; i < count; ++i) {
-    if (std::ranges::none_of(training.runs, [i](const TrainingRun& run) { return run.number == i + 1; })) {
+    if (std::ranges::none_of(training.runs, [&](const TrainingRun& run) { return run.number == number_of(i + 1); })) {
       missing.push_back(i);
     }
   }
@@ -123,7 +123,7 @@ Training dugSoils(const SoilsOptions& options, SoilFamily family) {
     const std::string title = fmt::format("soil {}", i + 1);
     std::optional<TrainingRun> run;
     try {
-      run = trainingRun(dig.movement, dig.tool, dig.field, i + 1, family, work.progressOf(i, title));
+      run = trainingRun(dig.movement, dig.tool, dig.field, number_of(i + 1), work.progressOf(i, title));
     } catch (const Failure& failure) {  // a few of such soils tremble for ever
       if (work.ends()) {
         throw;

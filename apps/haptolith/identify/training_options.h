@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <string>
 #include <vector>
 
@@ -38,7 +39,7 @@ struct Dig {
 struct SoilsOptions {
   MovementOptions movement;
   std::string out_file;
-  int soils = 144;
+  int soils = 0;
   int threads = 0;  ///< 0: one for each processor
   bool resume = false;
   Overwrite overwrite;
@@ -48,7 +49,8 @@ struct SoilsOptions {
 };
 
 /// Digs in those soils that the file does not have yet. @throws as trainingRun(); Failure when somebody ends it.
-[[nodiscard]] Training dugSoils(const SoilsOptions& options, SoilFamily family);
+/// @param number_of  the number of the first, the second, and so on, from 1.
+[[nodiscard]] Training dugSoils(const SoilsOptions& options, std::uint64_t (*number_of)(std::uint64_t place));
 
 /// The file's runs, written anew. @throws Failure.
 void keep(const SoilsOptions& options, const Training& training);

@@ -59,6 +59,12 @@ SoilState stateOf(const TrainingRun& run, const StrengthMap& strengths) {
   return {strength.angle_deg, strength.cohesion_pa, run.sample.tool_friction};
 }
 
+SoilState measuredState(const TrainingRun& run) {
+  const ShearStrength& residual = run.strength->residual;
+  const bool coheres = run.sample.soil.contact_cohesion_n > 0;
+  return {residual.angle_deg, coheres ? std::max(0.0, residual.cohesion_pa) : 0, run.sample.tool_friction};
+}
+
 MeasuredForces measuredForces(const TrainingRun& run, double noise_n, std::uint64_t seed) {
   std::mt19937_64 random(seed);
   MeasuredForces forces;

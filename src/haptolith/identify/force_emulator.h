@@ -61,8 +61,11 @@ class ForceEmulator {
   Eigen::MatrixXd covariance_;
 };
 
-/// The state of a run's soil.
+/// The state of a run's soil, by the map.
 [[nodiscard]] SoilState stateOf(const TrainingRun& run, const StrengthMap& strengths);
+
+/// The same as its own shear test has measured it: without cohesion where its grains have none. The run was sheared.
+[[nodiscard]] SoilState measuredState(const TrainingRun& run);
 
 /// A run's forces, all of them measured, by a sensor whose noise is `noise_n` in each window.
 [[nodiscard]] MeasuredForces measuredForces(const TrainingRun& run, double noise_n = 0, std::uint64_t seed = 1);

@@ -5,8 +5,11 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <string>
+#include <string_view>
 
 #include "haptolith/core/error.h"
+#include "haptolith/core/input_file.h"
 #include "haptolith/core/number_rows.h"
 
 namespace haptolith {
@@ -14,7 +17,9 @@ namespace haptolith {
 namespace {
 
 constexpr TextLimits kLimits{.bytes = std::uintmax_t{1} << 30, .line_bytes = 4000, .rows = 5'000'000};
-constexpr const char* kColumns = "t_s,x_m,y_m,z_m,qw,qx,qy,qz,soil_fx_n,soil_fy_n,soil_fz_n";
+constexpr std::string_view kColumns = "t_s,x_m,y_m,z_m,qw,qx,qy,qz,soil_fx_n,soil_fy_n,soil_fz_n";
+constexpr std::string_view kExportColumns =
+    "t_s,tool_x_m,tool_y_m,tool_z_m,tool_qw,tool_qx,tool_qy,tool_qz,soil_fx_n,soil_fy_n,soil_fz_n";
 constexpr double kLargest = 1e6;
 
 bool isThere(const Pose& tool, const Pose& wanted) {
@@ -61,10 +66,20 @@ int agreement(const ToolMovement& movement, const Course& course, double begin_s
   return count;
 }
 
+/// Whose columns a file has: an export's, where it says which pose is the tool's, or else a trace's.
+std::string_view columnsOf(const std::filesystem::path& path) {
+  std::ifstream file = openInput(path, kLimits.bytes);
+  LineReader lines(file, path.string(), kLimits);
+  std::string line;
+  while (lines.next(line) && (line.empty() || line.front() == '#')) {
+  }
+  return line.find("tool_x_m") == std::string::npos ? kColumns : kExportColumns;
+}
+
 }  // namespace
 
 std::vector<MeasuredSample> readMeasured(const std::filesystem::path& path) {
-  NumberRows rows(path, kColumns, kLimits, OtherColumns::kPassedOver);
+  NumberRows rows(path, columnsOf(path), kLimits, OtherColumns::kPassedOver);
   std::vector<MeasuredSample> samples;
   std::array<double, 11> v{};
   while (rows.next(v)) {

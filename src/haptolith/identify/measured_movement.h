@@ -17,7 +17,8 @@ struct MeasuredSample {
 };
 
 /// Reads a table with the columns t_s, x_m, y_m, z_m, qw, qx, qy, qz, soil_fx_n, soil_fy_n and soil_fz_n, as `haptolith
-/// run --trace` writes one; others are passed over. Two rows or more.
+/// run --trace` writes one, or with tool_ before those of the pose, as `haptolith export` does; others are passed over.
+/// Two rows or more.
 /// @throws InvalidParameter, Failure: as NumberRows; for time that does not go forward and quaternions that are none.
 [[nodiscard]] std::vector<MeasuredSample> readMeasured(const std::filesystem::path& path);
 

@@ -201,7 +201,10 @@ SoilBelief SoilIdentifier::identify(const MeasuredForces& forces, double gravity
 
 LeaveOneOut::LeaveOneOut(const Training& training) : training_(training) {
   for (std::size_t i = 0; i < training.runs.size(); ++i) {
-    others_.emplace_back(training, i);
+    if (training.runs[i].strength) {
+      sheared_.push_back(i);
+      others_.emplace_back(training, i);
+    }
   }
 }
 
@@ -210,10 +213,9 @@ std::vector<LeftOutSoil> LeaveOneOut::with(double temper) const {
   std::vector<LeftOutSoil> soils(others_.size());
   const auto threads = static_cast<int>(std::max(1U, std::thread::hardware_concurrency()));
   inParallel(soils.size(), threads, [&](std::size_t i) {
-    const TrainingRun& run = training_.runs[i];
-    soils[i] = {
-        stateOf(run, others_[i].strengths()),
-        identifyWith(others_[i], temper, measuredForces(run, kNoise_n, run.number), training_.gravity_m_s2, {})};
+    const TrainingRun& run = training_.runs[sheared_[i]];
+    soils[i] = {measuredState(run), identifyWith(others_[i], temper, measuredForces(run, kNoise_n, run.number),
+                                                 training_.gravity_m_s2, {})};
   });
   return soils;
 }

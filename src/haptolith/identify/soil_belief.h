@@ -58,13 +58,13 @@ class SoilIdentifier {
   double temper_;
 };
 
-/// How well soils of the training are told that were left out of it, one after the other.
+/// How well a soil of the training is told that was left out of it.
 struct LeftOutSoil {
   SoilState truth;
   SoilBelief belief;
 };
 
-/// What each soil of a training is told to be by what the others have taught.
+/// What each soil of a training that was sheared is told to be by what the others have taught.
 class LeaveOneOut {
  public:
   /// @throws as ForceEmulator.
@@ -77,7 +77,8 @@ class LeaveOneOut {
 
  private:
   const Training& training_;
-  std::vector<ForceEmulator> others_;
+  std::vector<std::size_t> sheared_;
+  std::vector<ForceEmulator> others_;  ///< without each of these
 };
 
 /// Whether the interval holds the number.

@@ -60,8 +60,7 @@ SoilCheck::SoilCheck(const Training& training, const Training& hidden) {
     CheckedSoil soil;
     soil.number = run.number;
     soil.has_stone = run.sample.stone_size_m > 0;
-    const double cohesion_pa = run.sample.soil.contact_cohesion_n > 0 ? run.strength->residual.cohesion_pa : 0;
-    soil.truth = {run.strength->residual.angle_deg, std::max(0.0, cohesion_pa), run.sample.tool_friction};
+    soil.truth = measuredState(run);
     soil.tool_friction_angle_deg = std::atan(run.sample.tool_friction) * 180 / std::numbers::pi;
     soil.belief = identifier.identify(forces, hidden.gravity_m_s2);
     soils_.push_back(soil);

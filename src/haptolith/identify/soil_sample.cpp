@@ -52,17 +52,13 @@ SoilSample sampleFrom(Draw& draw, const SampleRanges& ranges) {
 
 }  // namespace
 
-SoilSample soilSample(std::uint64_t number, SoilFamily family) {
-  if (family == SoilFamily::kTraining) {
-    Draw draw(number);
-    return sampleFrom(draw, kTrainingRanges);
-  }
-  constexpr std::uint64_t kOtherNumbers = 1'000'000;  // so that no two soils are drawn from the same numbers
+SoilSample soilSample(std::uint64_t number) {
   constexpr std::uint64_t kWithStone = 10;
   constexpr Range kStoneSize_m{0.02, 0.035};
-  Draw draw(kOtherNumbers + number);
-  SoilSample sample = sampleFrom(draw, kOtherRanges);
-  sample.stone_size_m = number % kWithStone == 0 ? draw.in(kStoneSize_m) : 0;
+  const bool wide = number >= kWideNumbers;
+  Draw draw(number);
+  SoilSample sample = sampleFrom(draw, wide ? kWideRanges : kNearRanges);
+  sample.stone_size_m = wide && number % kWithStone == 0 ? draw.in(kStoneSize_m) : 0;
   return sample;
 }
 

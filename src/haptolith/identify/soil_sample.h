@@ -20,12 +20,6 @@ struct SoilSample {
 /// Its middle, from the middle of the surface.
 inline const Vec3 kStonePlace_m{-0.06, 0.032, -0.02};
 
-/// From what they are drawn.
-enum class SoilFamily {
-  kTraining,
-  kOther,  ///< wider than the training in all that is not strength; each tenth has a stone in it
-};
-
 /// What samples are drawn from, evenly; in the logarithm where it says so.
 struct SampleRanges {
   Range contact_friction;    ///< 0.12 to 0.6 are friction angles of 20 to 48 degrees, about
@@ -43,36 +37,48 @@ struct SampleRanges {
   Range gamma_times;  ///< how much sooner or later contacts stiffen, in the logarithm
 };
 
-inline constexpr SampleRanges kTrainingRanges{.contact_friction{0.12, 0.6},
-                                              .contact_cohesion_n{0.004, 0.6},
-                                              .tool_friction{0.1, 0.7},
-                                              .adhesion_share{0, 0.3},
-                                              .density_kg_m3{1250, 1750},
-                                              .radius_m{5e-3, 7e-3},
-                                              .stiffness_n_m{2000, 8000},
-                                              .size_spread{0.1, 0.3},
-                                              .tangential_ratio{0.3, 0.8},
-                                              .cohesion_range_ratio{0.2, 0.5},
-                                              .surface_error_m{-1e-3, 1e-3},
-                                              .damping_ratio{0.2, 0.2},
-                                              .gamma_times{1, 1}};
+inline constexpr SampleRanges kNearRanges{.contact_friction{0.12, 0.6},
+                                          .contact_cohesion_n{0.004, 0.6},
+                                          .tool_friction{0.1, 0.7},
+                                          .adhesion_share{0, 0.3},
+                                          .density_kg_m3{1250, 1750},
+                                          .radius_m{5e-3, 7e-3},
+                                          .stiffness_n_m{2000, 8000},
+                                          .size_spread{0.1, 0.3},
+                                          .tangential_ratio{0.3, 0.8},
+                                          .cohesion_range_ratio{0.2, 0.5},
+                                          .surface_error_m{-1e-3, 1e-3},
+                                          .damping_ratio{0.2, 0.2},
+                                          .gamma_times{1, 1}};
 
-inline constexpr SampleRanges kOtherRanges{.contact_friction{0.15, 0.55},
-                                           .contact_cohesion_n{0.006, 0.5},
-                                           .tool_friction{0.1, 0.7},
-                                           .adhesion_share{0, 0.5},
-                                           .density_kg_m3{1200, 1800},
-                                           .radius_m{4.5e-3, 7.5e-3},
-                                           .stiffness_n_m{1500, 12'000},
-                                           .size_spread{0.05, 0.3},
-                                           .tangential_ratio{0.2, 1},
-                                           .cohesion_range_ratio{0.15, 0.5},
-                                           .surface_error_m{-1.5e-3, 1.5e-3},
-                                           .damping_ratio{0.1, 0.4},
-                                           .gamma_times{0.3, 3}};
+inline constexpr SampleRanges kWideRanges{.contact_friction{0.15, 0.55},
+                                          .contact_cohesion_n{0.006, 0.5},
+                                          .tool_friction{0.1, 0.7},
+                                          .adhesion_share{0, 0.5},
+                                          .density_kg_m3{1200, 1800},
+                                          .radius_m{4.5e-3, 7.5e-3},
+                                          .stiffness_n_m{1500, 12'000},
+                                          .size_spread{0.05, 0.3},
+                                          .tangential_ratio{0.2, 1},
+                                          .cohesion_range_ratio{0.15, 0.5},
+                                          .surface_error_m{-1.5e-3, 1.5e-3},
+                                          .damping_ratio{0.1, 0.4},
+                                          .gamma_times{0.3, 3}};
 
-/// Soil number `number` of an endless row of soils that differ in strength and in kind: size, spread and stiffness of
-/// their grains, how far these cohere, density. The same on every machine.
-[[nodiscard]] SoilSample soilSample(std::uint64_t number, SoilFamily family = SoilFamily::kTraining);
+/// Soil number `number` of two endless rows of soils that differ in strength and in kind: size, spread and stiffness of
+/// their grains, how soon contacts stiffen, how far they cohere, damping, density. From kWideNumbers on they differ
+/// more in kind, and each tenth has a stone in it. The same on every machine.
+[[nodiscard]] SoilSample soilSample(std::uint64_t number);
+inline constexpr std::uint64_t kWideNumbers = 1'000'000;
+
+/// The number of the soil that a training has as its `place`-th, from 1: first kNearSoils that differ less, then
+/// odd ones of those that differ more. And of one that no training has.
+inline constexpr std::uint64_t kNearSoils = 96;
+[[nodiscard]] constexpr std::uint64_t trainingNumber(std::uint64_t place) noexcept {
+  return place <= kNearSoils ? place : kWideNumbers + 2 * (place - kNearSoils) - 1;
+}
+[[nodiscard]] constexpr std::uint64_t hiddenNumber(std::uint64_t place) noexcept {
+  return kWideNumbers + 2 * place;
+}
 
 }  // namespace haptolith

@@ -24,20 +24,25 @@ double relativeStiffness(const SoilParameters& soil) {
   return std::log(soil.stiffness_n_m / soil.radius_m * lunar.radius_m / lunar.stiffness_n_m);
 }
 
+/// How much sooner than lunar contacts of that size these stiffen.
+double relativeStiffening(const SoilParameters& soil) {
+  return std::log(soil.gamma_nm / rescaled(lunarContacts(), soil.radius_m).gamma_nm);
+}
+
 Eigen::RowVectorXd angleColumns(const SoilParameters& soil) {
   const double mu = soil.contact_friction;
   const double q = std::log1p(contactStress(soil) / 300);
-  Eigen::RowVectorXd columns(9);
+  Eigen::RowVectorXd columns(10);
   columns << mu, mu * mu, q, q * q, q * mu, soil.size_spread, soil.tangential_ratio, relativeStiffness(soil),
-      soil.cohesion_range_ratio;
+      soil.cohesion_range_ratio, relativeStiffening(soil);
   return columns;
 }
 
 Eigen::RowVectorXd cohesionColumns(const SoilParameters& soil) {
   const double mu = soil.contact_friction;
-  Eigen::RowVectorXd columns(7);
+  Eigen::RowVectorXd columns(8);
   columns << mu, mu * mu, std::log(contactStress(soil)), soil.cohesion_range_ratio, soil.size_spread,
-      soil.tangential_ratio, relativeStiffness(soil);
+      soil.tangential_ratio, relativeStiffness(soil), relativeStiffening(soil);
   return columns;
 }
 
@@ -120,10 +125,10 @@ ShearStrength StrengthMap::of(const SoilParameters& soil, SoilStrength kind) con
 }
 
 SoilParameters StrengthMap::with(SoilParameters soil, const ShearStrength& residual) const {
-  const Range friction = kTrainingRanges.contact_friction;
+  const Range friction = kNearRanges.contact_friction;
   const double area = soil.radius_m * soil.radius_m;
-  const Range stress_pa{kTrainingRanges.contact_cohesion_n.lowest / std::pow(kTabulatedRadius_m, 2),
-                        kTrainingRanges.contact_cohesion_n.highest / std::pow(kTabulatedRadius_m, 2)};
+  const Range stress_pa{kNearRanges.contact_cohesion_n.lowest / std::pow(kTabulatedRadius_m, 2),
+                        kNearRanges.contact_cohesion_n.highest / std::pow(kTabulatedRadius_m, 2)};
   const auto cohesive = [&](double mu) {
     soil.contact_friction = mu;
     const auto wrong_by = [&](double of_contact_pa) {

@@ -23,15 +23,15 @@ MeasuredStrength measuredStrength(const SoilParameters& soil, double gravity_m_s
 }
 
 TrainingRun trainingRun(const ToolMovement& movement, const ToolParameters& tool, const DiggingField& field,
-                        std::uint64_t number, SoilFamily family, const LabProgress& progress) {
+                        std::uint64_t number, const LabProgress& progress) {
   TrainingRun run;
   run.number = number;
-  run.sample = soilSample(number, family);
+  run.sample = soilSample(number);
   DiggingField own = field;
-  own.seed = number;
+  own.seed = number % kWideNumbers;
   run.forces = digAlong(movement, tool, run.sample, own, progress);
-  if (family == SoilFamily::kOther || number % kShearedEvery == 0) {
-    run.strength = measuredStrength(run.sample.soil, field.gravity_m_s2, number, progress);
+  if (number >= kWideNumbers || number % kShearedEvery == 0) {
+    run.strength = measuredStrength(run.sample.soil, field.gravity_m_s2, own.seed, progress);
   }
   return run;
 }

@@ -18,7 +18,7 @@ struct MeasuredStrength {
 
 /// What one soil did to the tool, and how strong it is.
 struct TrainingRun {
-  std::uint64_t number = 0;  ///< of soilSample(), and the specimen's seed
+  std::uint64_t number = 0;  ///< of soilSample(); less a million where it has that, the specimen's seed
   SoilSample sample;
   std::optional<MeasuredStrength> strength;  ///< none: it was not sheared
   WindowForces forces;
@@ -37,14 +37,14 @@ struct Training {
 [[nodiscard]] MeasuredStrength measuredStrength(const SoilParameters& soil, double gravity_m_s2, std::uint64_t seed,
                                                 const LabProgress& progress = {});
 
-/// Of so many soils of a training one is sheared, which takes longer than to dig in it: strength goes smoothly with
-/// contacts. Of another family each one is.
+/// Of so many soils that differ less in kind one is sheared, which takes longer than to dig in it: strength goes
+/// smoothly with contacts. Of the others each one is.
 inline constexpr std::uint64_t kShearedEvery = 3;
 
 /// Digs in soil `number`, and shears it when its turn comes. Takes a minute.
 /// @throws as shearTest() and digAlong().
 [[nodiscard]] TrainingRun trainingRun(const ToolMovement& movement, const ToolParameters& tool,
                                       const DiggingField& field, std::uint64_t number,
-                                      SoilFamily family = SoilFamily::kTraining, const LabProgress& progress = {});
+                                      const LabProgress& progress = {});
 
 }  // namespace haptolith
