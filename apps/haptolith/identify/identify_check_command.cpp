@@ -61,8 +61,11 @@ void check(const CheckOptions& options) {
   }
   if (options.json) {
     Json json{{"soils", checked.soils().size()}};
-    for (const CheckedNumber& number : checked.numbers()) {
-      json[number.name] = {{"median_error", number.median_error}, {"held_by_90", number.held_share}};
+    for (const bool with_stones : {true, false}) {
+      Json& part = json[with_stones ? "all" : "without_stone"];
+      for (const CheckedNumber& number : checked.numbers(with_stones)) {
+        part[number.name] = {{"median_error", number.median_error}, {"held_by_90", number.held_share}};
+      }
     }
     json["strange"] = checked.strange();
     printJson(json);
@@ -74,10 +77,15 @@ void check(const CheckOptions& options) {
   for (const CheckedSoil& row : checked.soils()) {
     text += rowText(row);
   }
-  text += "\n* outside the 90 % interval\n\n";
-  for (const CheckedNumber& number : checked.numbers()) {
-    text += fmt::format("{:24} median error {:5.{}f}{}, 90 % intervals hold {:.0f} % of them\n", number.name,
-                        number.median_error, number.decimals, number.unit, 100 * number.held_share);
+  text += "\n* outside the 90 % interval\n";
+  for (const bool with_stones : {true, false}) {
+    text +=
+        with_stones ? "\nall of them                 median error  held by 90 % intervals\n" : "\nwithout a stone\n";
+    for (const CheckedNumber& number : checked.numbers(with_stones)) {
+      text += fmt::format("  {:28} {:>9}  {:21.0f} %\n", number.name,
+                          fmt::format("{:.{}f}{}", number.median_error, number.decimals, number.unit),
+                          100 * number.held_share);
+    }
   }
   printText(text);
   printNotice(savedText());

@@ -26,7 +26,7 @@ struct Panel {
 constexpr Panel kPanels[]{
     {"friction angle, residual", "degrees", "[15:55]", [](const CheckedSoil& s) { return s.truth.friction_angle_deg; },
      [](const CheckedSoil& s) -> const Estimate& { return s.belief.friction_angle_deg; }},
-    {"cohesion, residual", "Pa", "[0:1500]", [](const CheckedSoil& s) { return s.truth.cohesion_pa; },
+    {"cohesion, residual", "Pa", "[0:1200]", [](const CheckedSoil& s) { return s.truth.cohesion_pa; },
      [](const CheckedSoil& s) -> const Estimate& { return s.belief.cohesion_pa; }},
     {"soil-tool friction", "degrees", "[0:40]", [](const CheckedSoil& s) { return s.tool_friction_angle_deg; },
      [](const CheckedSoil& s) -> const Estimate& { return s.belief.tool_friction_angle_deg; }}};
@@ -64,7 +64,7 @@ void drawCheck(const OutputFile& file, const std::vector<CheckedSoil>& soils) {
     figure.command(
         fmt::format("plot x with lines linecolor rgb '#888888' notitle, ${0} using 1:2:3:4 with yerrorbars pointtype 7 "
                     "pointsize 0.6 "
-                    "linecolor rgb '{2}' title 'soil, 90 %% interval', ${1} using 1:2:3:4 with yerrorbars pointtype 5 "
+                    "linecolor rgb '{2}' title 'soil, 90 % interval', ${1} using 1:2:3:4 with yerrorbars pointtype 5 "
                     "pointsize 0.8 "
                     "linecolor rgb '{3}' title 'with a stone in it'",
                     soil, stone, kSoil, kStone));

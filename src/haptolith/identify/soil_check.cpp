@@ -67,10 +67,13 @@ SoilCheck::SoilCheck(const Training& training, const Training& hidden) {
   }
 }
 
-std::vector<CheckedNumber> SoilCheck::numbers() const {
+std::vector<CheckedNumber> SoilCheck::numbers(bool with_stones) const {
   std::vector<Told> angles, cohesions, larger, tool;
   constexpr double kLarge_pa = 250;  // of which 20 % are 50 Pa
   for (const CheckedSoil& soil : soils_) {
+    if (soil.has_stone && !with_stones) {
+      continue;
+    }
     angles.push_back({soil.truth.friction_angle_deg, soil.belief.friction_angle_deg});
     tool.push_back({soil.tool_friction_angle_deg, soil.belief.tool_friction_angle_deg});
     const Told cohesion{soil.truth.cohesion_pa, soil.belief.cohesion_pa};

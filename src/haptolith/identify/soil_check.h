@@ -36,8 +36,9 @@ class SoilCheck {
   SoilCheck(const Training& training, const Training& hidden);
 
   [[nodiscard]] const std::vector<CheckedSoil>& soils() const noexcept { return soils_; }
-  /// Friction angle, cohesion, cohesion in parts of itself where it is 250 Pa and more, tool friction.
-  [[nodiscard]] std::vector<CheckedNumber> numbers() const;
+  /// Friction angle, cohesion, cohesion in parts of itself where it is 250 Pa and more, tool friction: of all soils, or
+  /// of those without a stone in them.
+  [[nodiscard]] std::vector<CheckedNumber> numbers(bool with_stones = true) const;
   /// How many are told to be of no kind that was learned.
   [[nodiscard]] int strange() const;
 
