@@ -44,7 +44,7 @@ TEST(StrengthMap, GivesContactsForAStrength) {
 
 TEST(StrengthMap, OfTheProbeAgreesWithWhatWasMeasured) {
   const StrengthMap map(probeTraining().runs);
-  EXPECT_LT(map.angleScatter_deg(), 2);
+  EXPECT_LT(map.angleScatter(), 2);
   EXPECT_LT(map.cohesionScatter(), 0.35);
 }
 

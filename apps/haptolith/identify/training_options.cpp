@@ -136,7 +136,7 @@ Training dugSoils(const SoilsOptions& options, std::uint64_t (*number_of)(std::u
       std::ranges::sort(training.runs, {}, &TrainingRun::number);
       training.temper.reset();
       keep(options, training);
-      return title;
+      return std::string(title);
     });
   });
   return training;

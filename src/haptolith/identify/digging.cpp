@@ -25,9 +25,9 @@ BedParameters bedFor(const SoilSample& sample, const DiggingField& field) {
   if (sample.stone_size_m > 0) {
     bed.stones.placed.push_back({.size_m = sample.stone_size_m,
                                  .seed = field.seed,
-                                 .x_m = kStonePlace_m.x(),
-                                 .y_m = kStonePlace_m.y(),
-                                 .depth_m = -kStonePlace_m.z()});
+                                 .x_m = stonePlace().x(),
+                                 .y_m = stonePlace().y(),
+                                 .depth_m = -stonePlace().z()});
   }
   return bed;
 }

@@ -150,7 +150,7 @@ ForceEmulator::Observed ForceEmulator::observed(const MeasuredForces& forces, do
   return result;
 }
 
-Eigen::VectorXd ForceEmulator::peakAngles_deg(const Eigen::MatrixXd& states) const {
+Eigen::VectorXd ForceEmulator::peakAngles(const Eigen::MatrixXd& states) const {
   return peak_->of(terms(states));
 }
 

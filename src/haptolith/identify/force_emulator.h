@@ -43,7 +43,7 @@ class ForceEmulator {
   [[nodiscard]] const Eigen::MatrixXd& covariance() const noexcept { return covariance_; }
 
   /// Peak angles, in deg, of undisturbed soil in these states: those of the training's, without their scatter.
-  [[nodiscard]] Eigen::VectorXd peakAngles_deg(const Eigen::MatrixXd& states) const;
+  [[nodiscard]] Eigen::VectorXd peakAngles(const Eigen::MatrixXd& states) const;
 
   [[nodiscard]] const StrengthMap& strengths() const noexcept { return strengths_; }
 

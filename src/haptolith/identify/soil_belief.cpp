@@ -177,7 +177,7 @@ SoilBelief identifyWith(const ForceEmulator& emulator, double temper, const Meas
   }
   SoilBelief belief;
   belief.friction_angle_deg = estimateOf(sample.states.col(0), weights);
-  belief.peak_angle_deg = estimateOf(emulator.peakAngles_deg(sample.states), weights);
+  belief.peak_angle_deg = estimateOf(emulator.peakAngles(sample.states), weights);
   belief.cohesion_pa = estimateOf(cohesion_pa, weights);
   belief.tool_friction_angle_deg = estimateOf(angle_deg, weights);
   belief.numbers = observed.which.size();

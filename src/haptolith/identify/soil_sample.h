@@ -14,11 +14,13 @@ struct SoilSample {
   double tool_friction = 0.36;  ///< tan(delta)
   double tool_adhesion_n = 0;   ///< of a contact, as ToolParameters::adhesion_n
   double surface_error_m = 0;   ///< by which its surface is higher than the robot took it to be
-  double stone_size_m = 0;      ///< of a stone in the probe's way (kStonePlace); 0: there is none
+  double stone_size_m = 0;      ///< of a stone in the probe's way (stonePlace()); 0: there is none
 };
 
-/// Its middle, from the middle of the surface.
-inline const Vec3 kStonePlace_m{-0.06, 0.032, -0.02};
+/// Its middle, in m from the middle of the surface.
+[[nodiscard]] inline Vec3 stonePlace() {
+  return {-0.06, 0.032, -0.02};
+}
 
 /// What samples are drawn from, evenly; in the logarithm where it says so.
 struct SampleRanges {

@@ -28,7 +28,7 @@ class StrengthMap {
   [[nodiscard]] SoilParameters with(SoilParameters soil, const ShearStrength& residual) const;
 
   /// Standard deviations of what was measured from the map: of phi in deg, of ln c.
-  [[nodiscard]] double angleScatter_deg() const noexcept { return angle_scatter_deg_; }
+  [[nodiscard]] double angleScatter() const noexcept { return angle_scatter_deg_; }
   [[nodiscard]] double cohesionScatter() const noexcept { return cohesion_scatter_; }
 
  private:

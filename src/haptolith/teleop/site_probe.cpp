@@ -24,6 +24,7 @@ BedParameters untouched(const Scenario& site) {
   bed.width_m = field.width_m;
   bed.length_m = field.length_m;
   bed.depth_m = field.depth_m;
+  bed.start = BedStart::kSettled;
   bed.seed += kAnotherPlace;
   // Only what the tool stirs is worked on: see BedParameters::sleep.
   bed.sleep_speed_m_s = 0.01;
@@ -101,6 +102,9 @@ ProbedSoil probeSite(const Scenario& site, const RobotParameters& parameters, co
 }
 
 Scenario learned(Scenario model, const SoilBelief& belief, const StrengthMap& strengths) {
+  if (model.bed.soil.friction != FrictionModel::kContact) {
+    throw InvalidParameter("model: soil.friction", "paper", "contact: the paper's has no strength that digging tells");
+  }
   model.bed.soil = strengths.with(model.bed.soil, {belief.friction_angle_deg.middle, belief.cohesion_pa.middle});
   model.tool.friction = std::tan(belief.tool_friction_angle_deg.middle * std::numbers::pi / 180);
   model.preset.clear();

@@ -23,6 +23,7 @@ struct ProbedSoil {
                                    const LabProgress& progress = {});
 
 /// The model with soil of its own kind that is as strong as was believed, and the tool's friction in it.
+/// @throws InvalidParameter for a model with the paper's friction.
 [[nodiscard]] Scenario learned(Scenario model, const SoilBelief& belief, const StrengthMap& strengths);
 
 }  // namespace haptolith
