@@ -50,7 +50,7 @@ WindowForces digAlong(const ToolMovement& movement, const ToolParameters& tool, 
   };
   Scene scene(bedFor(sample, field), toolIn(sample, tool), [&](double, double) { return tell("soil settles", 0); });
   const double zero_m = meanSurfaceHeight(scene.bed()) - sample.surface_error_m;
-  const auto handAt = [&](double time_s) {
+  const auto hand_at = [&](double time_s) {
     HandState hand;
     hand.pose = movement.at(time_s);
     hand.pose.position_m.z() += zero_m;
@@ -59,7 +59,7 @@ WindowForces digAlong(const ToolMovement& movement, const ToolParameters& tool, 
   const double tick_s = scene.bed().parameters().tick_s;
   const auto per_window = static_cast<int>(std::llround(kForceWindow_s / tick_s));
   const auto windows = static_cast<std::size_t>(movement.duration() / kForceWindow_s);
-  scene.placeTool(handAt(0));
+  scene.placeTool(hand_at(0));
   WindowForces forces;
   double time_s = 0;
   while (forces.size() < windows) {
@@ -67,8 +67,8 @@ WindowForces digAlong(const ToolMovement& movement, const ToolParameters& tool, 
     Vec3 sum_n = Vec3::Zero();
     for (int i = 0; i < per_window; ++i) {
       time_s += tick_s;
-      const HandState before = handAt(time_s - tick_s);
-      HandState hand = handAt(time_s);
+      const HandState before = hand_at(time_s - tick_s);
+      HandState hand = hand_at(time_s);
       hand.twist = {(hand.pose.position_m - before.pose.position_m) / tick_s,
                     rotationBetween(before.pose.orientation, hand.pose.orientation) / tick_s};
       if (scene.tick(hand) != StepStatus::kOk) {

@@ -112,20 +112,22 @@ void ForceEmulator::chooseFeatures(const Training& training) {
   const double least_n = 0.25 * training.gravity_m_s2;  // 0.4 N on the Moon
   const std::size_t windows = training.runs.front().forces.size();
   std::vector<MeasuredForces> forces;
+  forces.reserve(training.runs.size());
   for (const TrainingRun& run : training.runs) {
     forces.push_back(measuredForces(run));
   }
-  const auto medianOver = [&](auto&& of, std::size_t window) {
+  const auto median_over = [&](auto&& of, std::size_t window) {
     std::vector<double> values;
+    values.reserve(forces.size());
     for (const MeasuredForces& run : forces) {
       values.push_back(of(*blockMean(run, window)));
     }
     return median(std::move(values));
   };
   for (std::size_t window = 0; window + kBlock <= windows; window += kBlock) {
-    const double size_n = medianOver([](const Vec3& f) { return f.norm(); }, window);
+    const double size_n = median_over([](const Vec3& f) { return f.norm(); }, window);
     for (const int axis : kAxes) {
-      const double along_n = medianOver([axis](const Vec3& f) { return std::abs(f[axis]); }, window);
+      const double along_n = median_over([axis](const Vec3& f) { return std::abs(f[axis]); }, window);
       if (size_n >= least_n && along_n >= std::max(0.12 * size_n, least_n / 2)) {
         features_.push_back({window, axis, (0.15 * along_n + 0.05) / training.gravity_m_s2});
       }

@@ -39,7 +39,7 @@ double digitsReversed(Eigen::Index index, int base) {
 
 /// Points in the unit cube, evenly (Halton 1960).
 const Eigen::MatrixXd& haltonPoints() {
-  static const Eigen::MatrixXd points = [] {
+  static const Eigen::MatrixXd kPoints = [] {
     constexpr std::array kBases{2, 3, 5};
     Eigen::MatrixXd made(kStates, 3);
     for (Eigen::Index i = 0; i < kStates; ++i) {
@@ -49,13 +49,13 @@ const Eigen::MatrixXd& haltonPoints() {
     }
     return made;
   }();
-  return points;
+  return kPoints;
 }
 
 const Eigen::MatrixXd& normalPoints() {
-  static const Eigen::MatrixXd points =
+  static const Eigen::MatrixXd kPoints =
       haltonPoints().unaryExpr([](double share) { return std::numbers::sqrt2 * boost::math::erf_inv(2 * share - 1); });
-  return points;
+  return kPoints;
 }
 
 /// States, and the logarithms of their weights.

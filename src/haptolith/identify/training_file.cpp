@@ -225,14 +225,14 @@ Training readTraining(const std::filesystem::path& path) {
 }
 
 const Training& probeTraining() {
-  static const Training training = [] {
+  static const Training kTraining = [] {
     const std::span<const BuiltInTraining> files = builtInTrainings();
     if (files.empty()) {
       throw Failure("this program was built without a training");
     }
     return parseTraining(files.front().text, files.front().name);
   }();
-  return training;
+  return kTraining;
 }
 
 }  // namespace haptolith

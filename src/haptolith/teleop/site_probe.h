@@ -19,7 +19,7 @@ struct ProbedSoil {
 /// works: the movement of `training`, by its arm, read by its sensor.
 /// @param site  its scene; the box is the training's. @throws as Scene, Robot and SoilIdentifier; Failure when
 /// `progress` gives up.
-[[nodiscard]] ProbedSoil probeSite(const Scenario& site, const RobotParameters& robot, const Training& training,
+[[nodiscard]] ProbedSoil probeSite(const Scenario& site, const RobotParameters& parameters, const Training& training,
                                    const LabProgress& progress = {});
 
 /// The model with soil of its own kind that is as strong as was believed, and the tool's friction in it.
