@@ -56,6 +56,19 @@ TEST_F(IdentifyCommands, TellTheSoilOfAScene) {
   EXPECT_THAT(again.errors, HasSubstr("--overwrite"));
 }
 
+TEST_F(IdentifyCommands, TrainingGoesOnWhereItStopped) {
+  std::ofstream(in("poses.csv")) << "t_s,x_m,y_m,z_m,qw,qx,qy,qz\n0,0,0,0.01,1,0,0,0\n1,0,0,-0.0075,1,0,0,0\n";
+  const std::string train = "identify train --poses " + in("poses.csv") + " --out " + in("mine.json") +
+                            " --set bed.width_mm=140 --set bed.length_mm=140 --set bed.depth_mm=50 --soils ";
+  EXPECT_EQ(runHaptolith(train + "1").exit_status, 0);
+  EXPECT_EQ(runHaptolith(train + "2").exit_status, 1) << "it is there";
+  const ProgramResult more = runHaptolith(train + "2 --resume");
+  EXPECT_EQ(more.exit_status, 0) << more.errors;
+  EXPECT_THAT(more.errors, AllOf(HasSubstr("1 of 2"), HasSubstr("not enough to learn from yet")));
+  std::ifstream file(in("mine.json"));
+  EXPECT_EQ(json::parse(file).at("runs").size(), 2U);
+}
+
 TEST_F(IdentifyCommands, SayWhatIsWrong) {
   std::ofstream(in("else.csv")) << "t_s,x_m,y_m,z_m,qw,qx,qy,qz,soil_fx_n,soil_fy_n,soil_fz_n\n"
                                    "0,1,1,1,1,0,0,0,0,0,0\n0.1,1,1,1,1,0,0,0,0,0,0\n";

@@ -10,7 +10,7 @@ namespace {
 constexpr const char* kExamples = R"(Examples:
   haptolith identify probe --out probe.csv            where a robot's shovel goes to learn about soil
   haptolith identify soil measured.csv                what soil it was that the robot met there
-  haptolith identify train --poses mine.csv --tool spade --out mine.json      another movement, another tool
+  haptolith identify train --poses mine.csv --scene mine.toml --out mine.json    another movement, another tool
 
 docs/identify.md tells what can be known from forces, and how well.)";
 

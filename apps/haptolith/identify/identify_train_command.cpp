@@ -3,6 +3,7 @@
 
 #include <memory>
 
+#include "haptolith/core/error.h"
 #include "haptolith/identify/soil_belief.h"
 
 #include "identify/identify_commands.h"
@@ -24,8 +25,12 @@ Every soil takes about a minute of one processor; fewer than 100 tell little. do
 void train(const SoilsOptions& options) {
   Training training = dugSoils(options, trainingNumber);
   if (!training.temper) {
-    training.temper = LeaveOneOut(training).calibratedTemper();
-    keep(options, training);
+    try {
+      training.temper = LeaveOneOut(training).calibratedTemper();
+      keep(options, training);
+    } catch (const InvalidParameter& too_few) {  // what was dug stays
+      printNotice(fmt::format("not enough to learn from yet: {}\n", too_few.what()));
+    }
   }
   printNotice(savedText());
 }

@@ -5,6 +5,8 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <fstream>
+#include <iterator>
 #include <optional>
 #include <thread>
 
@@ -41,10 +43,21 @@ bool isSameMovement(const ToolMovement& one, const ToolMovement& other) {
   });
 }
 
+/// What the same command has kept before. It is none of its inputs, which it may not write: it goes on with it.
+Training keptBefore(const std::filesystem::path& path) {
+  constexpr std::uintmax_t kMostBytes = std::uintmax_t{64} << 20;
+  if (!std::filesystem::is_regular_file(path) || std::filesystem::file_size(path) > kMostBytes) {
+    throw InvalidParameter("--resume", path.string(), "a file that this command has begun, of 64 MiB at most");
+  }
+  std::ifstream file(path);
+  const std::string text(std::istreambuf_iterator<char>(file), {});
+  return parseTraining(text, path.string());
+}
+
 Training begun(const SoilsOptions& options, const Dig& dig) {
   Training training{dig.movement, textOf(dig.tool), dig.field.gravity_m_s2, {}, {}};
   if (options.resume && std::filesystem::exists(options.out_file)) {
-    Training before = readTraining(options.out_file);
+    Training before = keptBefore(options.out_file);
     if (before.tool != training.tool || before.gravity_m_s2 != training.gravity_m_s2 ||
         !isSameMovement(before.movement, training.movement)) {
       throw InvalidParameter("--resume", options.out_file, "a training of the same movement, tool and gravity");

@@ -200,6 +200,7 @@ SoilBelief SoilIdentifier::identify(const MeasuredForces& forces, double gravity
 }
 
 LeaveOneOut::LeaveOneOut(const Training& training) : training_(training) {
+  (void)ForceEmulator(training);  // that there are enough
   for (std::size_t i = 0; i < training.runs.size(); ++i) {
     if (training.runs[i].strength) {
       sheared_.push_back(i);
