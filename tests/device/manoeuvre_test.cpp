@@ -8,7 +8,7 @@ namespace haptolith {
 namespace {
 
 constexpr Manoeuvre kAll[] = {Manoeuvre::kStill, Manoeuvre::kPress, Manoeuvre::kStir, Manoeuvre::kScoop,
-                              Manoeuvre::kCarry, Manoeuvre::kShake, Manoeuvre::kCut};
+                              Manoeuvre::kCarry, Manoeuvre::kShake, Manoeuvre::kCut, Manoeuvre::kFurrows};
 constexpr double kTick_s = 1e-3;
 
 HandParameters handFor(Manoeuvre manoeuvre) {
@@ -16,6 +16,7 @@ HandParameters handFor(Manoeuvre manoeuvre) {
   hand.manoeuvre = manoeuvre;
   hand.surface_m = 0.035;
   hand.home_m = {0.01, -0.02, 0.085};
+  hand.period_s = manoeuvre == Manoeuvre::kFurrows ? 8 : 4;  // five cuts take their time
   return hand;
 }
 
@@ -28,7 +29,7 @@ TEST(Manoeuvre, BeginsAndEndsAtHome) {
     const HandParameters hand = handFor(manoeuvre);
     const Vec3 home(0.01, -0.02, 0.035 + 0.085);
     const Quat start = manoeuvrePose(hand, 0).orientation;
-    for (const double t : {0.0, 4.0, 8.0, 4.0 - 1e-9}) {
+    for (const double t : {0.0, hand.period_s, 8.0, hand.period_s - 1e-9}) {
       EXPECT_LT((manoeuvrePose(hand, t).position_m - home).norm(), 1e-9) << static_cast<int>(manoeuvre) << " at " << t;
       EXPECT_LT(angleBetween(manoeuvrePose(hand, t).orientation, start), 1e-7) << static_cast<int>(manoeuvre);
     }
@@ -169,8 +170,30 @@ TEST(Manoeuvre, CutsStraightAtOneDepthWithItsEdgeAhead) {
   EXPECT_NEAR(manoeuvrePose(hand, to_s).position_m.x() - begin.x(), 2 * hand.reach_m, 1e-12);
 }
 
+TEST(Manoeuvre, CutsFurrowsBesideEachOtherEachOnce) {
+  const HandParameters hand = handFor(Manoeuvre::kFurrows);
+  std::vector<double> furrows_m;
+  double furthest_m = 0;
+  for (double t = 0; t < hand.period_s; t += 1e-3) {
+    const Pose pose = manoeuvrePose(hand, t);
+    if (pose.position_m.z() < 0.035 - hand.depth_m + 1e-9) {  // at its depth
+      if (furrows_m.empty() || std::abs(furrows_m.back() - pose.position_m.y()) > 1e-9) {
+        furrows_m.push_back(pose.position_m.y());
+        EXPECT_NEAR(pose.position_m.x(), hand.home_m.x() - hand.reach_m, 1e-3) << "begins at the same end";
+      }
+      furthest_m = std::max(furthest_m, pose.position_m.x());
+    }
+  }
+  ASSERT_EQ(furrows_m.size(), 5U);
+  for (std::size_t i = 1; i < furrows_m.size(); ++i) {
+    EXPECT_NEAR(furrows_m[i] - furrows_m[i - 1], 0.7 * hand.reach_m, 1e-9);
+  }
+  EXPECT_NEAR(furthest_m, hand.home_m.x() + hand.reach_m, 1e-6);
+}
+
 TEST(ManoeuvreOpening, IsOpenInAnythingThatLiftsNothingAndAtTheEnd) {
-  for (const Manoeuvre manoeuvre : {Manoeuvre::kStill, Manoeuvre::kPress, Manoeuvre::kStir, Manoeuvre::kCut}) {
+  for (const Manoeuvre manoeuvre : {Manoeuvre::kStill, Manoeuvre::kPress, Manoeuvre::kStir, Manoeuvre::kCut,
+                                    Manoeuvre::kFurrows}) {
     for (double t = 0; t < 8; t += 0.01) {
       EXPECT_EQ(manoeuvreOpening(handFor(manoeuvre), t), 1);
     }

@@ -230,7 +230,7 @@ export class MockServer {
       bodies: Object.entries(BODIES).map(([name, gravity_m_s2]) => ({ name, gravity_m_s2 })),
       frictions: ['paper', 'contact'],
       shapes: Object.keys(TOOL_SHAPES) as Hello['shapes'],
-      manoeuvres: ['still', 'press', 'stir', 'scoop', 'carry', 'shake', 'cut'],
+      manoeuvres: ['still', 'press', 'stir', 'scoop', 'carry', 'shake', 'cut', 'furrows'],
     };
   }
 

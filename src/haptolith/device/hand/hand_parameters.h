@@ -9,7 +9,7 @@
 namespace haptolith {
 
 /// What the virtual hand does with the tool, over and over.
-enum class Manoeuvre { kStill, kPress, kStir, kScoop, kCarry, kShake, kCut, kPoses };
+enum class Manoeuvre { kStill, kPress, kStir, kScoop, kCarry, kShake, kCut, kFurrows, kPoses };
 
 /// How the hand answers force.
 enum class HandCompliance {
