@@ -455,5 +455,35 @@ TEST(HapticLoop, EveryEndHasAText) {
   EXPECT_TRUE(std::ranges::adjacent_find(texts) == texts.end());
 }
 
+TEST(HapticLoop, SoilIsAdjustedAStepATickAndEachTickSaysSo) {
+  BedParameters bed;
+  bed.soil.friction = FrictionModel::kContact;
+  bed.soil.contact_cohesion_n = 0.01;
+  Scene scene(bed, {});
+  FakeDevice device(above);
+  HapticLoop loop(scene, device, unpaced(0), true);
+  const auto adjust = [&](double friction) {
+    SoilParameters soil = bed.soil;
+    soil.contact_friction = friction;
+    EXPECT_TRUE(loop.ask(request::Adjust{SoilLaws(soil), friction / 2}));
+  };
+  adjust(0.3);
+  adjust(0.4);
+  std::vector<TickRecord> ticks;
+  std::vector<double> frictions;
+  for (int i = 0; i < 3; ++i) {
+    (void)loop.tick();
+    frictions.push_back(scene.bed().parameters().soil.contact_friction);
+  }
+  loop.takeRecords(ticks);
+  EXPECT_EQ(frictions, (std::vector<double>{0.3, 0.4, 0.4}));
+  EXPECT_EQ(scene.tool().friction, 0.2);
+  ASSERT_EQ(ticks.size(), 3U);
+  for (std::size_t i = 0; i < 3; ++i) {
+    EXPECT_EQ((ticks[i].flags & kTickSoilAdjusted) != 0, i < 2) << i;
+    EXPECT_EQ(ticks[i].flags & kTickSceneChanged, 0U) << "a replay can follow";
+  }
+}
+
 }  // namespace
 }  // namespace haptolith

@@ -119,7 +119,12 @@ class ReplayTest : public testing::Test {
 
   [[nodiscard]] RecordingReader recording() const {
     const fs::path file = folder_ / "run.h5";
-    RecordingWriter(file, header_, {.overwrite = true}).add(ticks_);
+    RecordingWriter writer(file, header_, {.overwrite = true});
+    for (const RecordingEvent& event : events_) {
+      writer.add(event);
+    }
+    writer.add(ticks_);
+    writer.finish();
     return RecordingReader(file);
   }
 
@@ -156,6 +161,7 @@ class ReplayTest : public testing::Test {
   RecordingHeader header_;
   bool simulated_ = false;  ///< whether nobody is at the device
   std::vector<TickRecord> ticks_;
+  std::vector<RecordingEvent> events_;
   DeviceOutput last_felt_;
 };
 
@@ -340,6 +346,40 @@ TEST_F(ReplayTest, ARunThatFailsIsReplayedUpToTheTickThatFailed) {
     ASSERT_TRUE(replayed().difference) << "a run that did not end there";
     EXPECT_EQ(replayed().difference->what, "end");
   }
+}
+
+TEST_F(ReplayTest, SoilThatLearnsIsReplayedToTheLastBit) {
+  Scenario scenario = personsScene();
+  scenario.bed.soil.friction = FrictionModel::kContact;
+  scenario.bed.soil.contact_cohesion_n = 0.01;
+  record(scenario, nothingHappens, [&](HapticLoop& loop) {
+    for (int i = 0; i < 300; ++i) {
+      if (i % 20 == 10) {
+        const SoilAdjustment step{0.5 - 1.0 / 3 * i / 300, 0.01 + 1e-4 * i / 7, 0.36 + 1e-3 * i};
+        ASSERT_TRUE(loop.ask(request::Adjust{SoilLaws(step.of(scenario.bed.soil)), step.tool_friction}));
+        events_.push_back({.time_s = 1e-3 * i, .kind = kAdjustmentKind, .text = adjustmentText(step)});
+      }
+      tickTimes(loop, 1);
+    }
+  });
+  EXPECT_EQ(ticksWith(kTickSoilAdjusted), 15U);
+  EXPECT_GT(largestFelt(), 0);
+  expectBitForBit(replayed());
+
+  const std::vector<RecordingEvent> all = events_;
+  events_.resize(3);
+  EXPECT_EQ(replayed().ended_early, "at 0.071 s the soil changed, and how is not recorded");
+  EXPECT_EQ(replayed().ticks, 70U);
+  events_ = all;
+  std::swap(events_[3], events_[9]);
+  EXPECT_TRUE(replayed().difference) << "another soil is felt otherwise";
+  events_ = all;
+  for (const char* nonsense : {"", "{}", R"({"contact_friction": "much", "contact_cohesion_n": 0, "tool_friction": 0})"}) {
+    events_[2].text = nonsense;
+    EXPECT_THROW((void)replayed(), Failure) << nonsense;
+  }
+  events_[2].text = R"({"contact_friction": -1, "contact_cohesion_n": 0, "tool_friction": 0})";
+  EXPECT_THROW((void)replayed(), InvalidParameter);
 }
 
 TEST_F(ReplayTest, AChangedSceneEndsTheComparisonAndSaysWhy) {

@@ -132,6 +132,35 @@ TEST_F(SessionTest, ASliderThatTheListsAreNotGoodForTakesTheSoilAsItLies) {
   EXPECT_GT(farthest(dug, session_->snapshot().position), 5e-3) << "level, although made of what was dug";
 }
 
+TEST_F(SessionTest, SoilIsAdjustedWhereItLiesUnlessSomebodyWantsAnother) {
+  Scenario cohesive = quiet();
+  cohesive.bed.soil.friction = FrictionModel::kContact;
+  cohesive.bed.soil.contact_cohesion_n = 0.01;
+  start(cohesive);
+  EXPECT_TRUE(session_->adjust({.contact_friction = 0.31, .contact_cohesion_n = 0.02, .tool_friction = 0.27}));
+  waitTicks(100);
+  EXPECT_EQ(session_->scenes(), 1U);
+  EXPECT_EQ(session_->shown().bed.soil.contact_friction, 0.31);
+  EXPECT_EQ(session_->scenario().tool.friction, 0.27);
+  EXPECT_TRUE(session_->settled()) << "and no other bed is made for it";
+  EXPECT_THROW((void)session_->adjust({.contact_friction = -1, .contact_cohesion_n = 0, .tool_friction = 0}),
+               InvalidParameter);
+  session_->change({.preset = "P6"});
+  EXPECT_FALSE(session_->adjust({.contact_friction = 0.5, .contact_cohesion_n = 0.02, .tool_friction = 0.27}));
+  ASSERT_TRUE(soon([&] { return session_->scenes() == 2; }));
+  EXPECT_EQ(session_->shown().preset, "P6");
+  stop_ = true;
+  session_->join();
+}
+
+TEST_F(SessionTest, AdjustsNothingThatTheListsAreNotGoodFor) {
+  Scenario cohesionless = quiet();
+  cohesionless.bed.soil.friction = FrictionModel::kContact;
+  start(cohesionless);
+  EXPECT_FALSE(session_->adjust({.contact_friction = 0.3, .contact_cohesion_n = 0.02, .tool_friction = 0.3}));
+  EXPECT_EQ(session_->shown().bed.soil, cohesionless.bed.soil);
+}
+
 TEST_F(SessionTest, WhatIsAskedForWhileABedComesIsDoneToThatBed) {
   start();
   session_->setSpeed(0.1);

@@ -379,10 +379,14 @@ void Bed::setGravity(const Vec3& gravity_m_s2) noexcept {
 
 void Bed::setSoil(const SoilLaws& laws) noexcept {
   wakefulness_.wakeAll(state_);
+  adjustSoil(laws);
+  ++look_;  // its contacts may reach further
+}
+
+void Bed::adjustSoil(const SoilLaws& laws) noexcept {
   parameters_.soil = laws.soil;
   laws_ = laws;
   stones_.setSoil(laws.soil);
-  ++look_;  // its contacts may reach further
 }
 
 void Bed::drive(std::size_t particle, const Vec3& velocity_m_s) noexcept {

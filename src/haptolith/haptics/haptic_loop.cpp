@@ -277,7 +277,8 @@ LoopEnd HapticLoop::endFor(SafetyTrip trip) const noexcept {
 void HapticLoop::takeRequests() noexcept {
   // One exchange at a time: what stands behind another waits with it.
   while (requests_.read_available() > 0 &&
-         !(fade_.waits() && std::holds_alternative<request::Exchange>(requests_.front()))) {
+         !(fade_.waits() && std::holds_alternative<request::Exchange>(requests_.front())) &&
+         !((flags_ & kTickSoilAdjusted) != 0 && std::holds_alternative<request::Adjust>(requests_.front()))) {
     carryOut(requests_.front());
     requests_.pop();
   }
@@ -295,6 +296,11 @@ void HapticLoop::carryOut(const LoopRequest& asked) noexcept {
                  [this](const request::Soil& soil) {
                    flags_ |= kTickSceneChanged;
                    scene_->bed().setSoil(soil.laws);
+                 },
+                 [this](const request::Adjust& adjust) {
+                   flags_ |= kTickSoilAdjusted;
+                   scene_->bed().adjustSoil(adjust.laws);
+                   scene_->setToolFriction(adjust.tool_friction);
                  },
                  [this](const request::SetContact& touch) {
                    flags_ |= kTickSceneChanged;

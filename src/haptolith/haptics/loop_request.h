@@ -27,6 +27,12 @@ struct Gravity {
 struct Soil {  ///< one that the bed isCompatible()
   SoilLaws laws;
 };
+/// A little more or less friction and cohesion, and friction of the tool in it: a step of one in a tick at most, so that
+/// a recording knows which tick each one came before.
+struct Adjust {
+  SoilLaws laws;  ///< see Bed::adjustSoil()
+  double tool_friction = 0;
+};
 struct SetContact {  ///< whether the tool touches the soil: it fades into it, or out of it
   bool on = true;
 };
@@ -44,6 +50,6 @@ using Exchange = std::variant<ExchangeTool, ExchangeBed>;
 }  // namespace request
 
 using LoopRequest = std::variant<request::Pause, request::Resume, request::Advance, request::Speed, request::Gravity,
-                                 request::Soil, request::SetContact, request::Exchange>;
+                                 request::Soil, request::Adjust, request::SetContact, request::Exchange>;
 
 }  // namespace haptolith

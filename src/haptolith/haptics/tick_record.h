@@ -20,6 +20,7 @@ enum TickFlag : std::uint32_t {
   kTickSoftStop = 512,       ///< the run was about to end
   kTickFailed = 1024,       ///< the run ended with it: the device is gone, or the bed or the hand no longer makes sense
   kTickSceneChanged = 256,  ///< somebody has changed soil, gravity, tool or bed, or the tool fades for that
+  kTickSoilAdjusted = 2048,  ///< soil and tool friction were changed a little: see request::Adjust
 };
 
 /// One tick, as it is recorded.

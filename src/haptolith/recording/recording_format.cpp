@@ -2,6 +2,7 @@
 
 #include <fmt/chrono.h>
 #include <fmt/format.h>
+#include <nlohmann/json.hpp>
 #include <unistd.h>
 
 #include <cmath>
@@ -33,6 +34,22 @@ ParticleFrame particleFrame(const SceneSnapshot& snapshot) {
     frame.position_m.push_back({position.x, position.y, position.z});
   }
   return frame;
+}
+
+std::string adjustmentText(const SoilAdjustment& adjustment) {
+  return nlohmann::ordered_json{{"contact_friction", adjustment.contact_friction},
+                                {"contact_cohesion_n", adjustment.contact_cohesion_n},
+                                {"tool_friction", adjustment.tool_friction}}
+      .dump();
+}
+
+SoilAdjustment adjustmentOf(const RecordingEvent& event) {
+  try {
+    const auto json = nlohmann::json::parse(event.text);
+    return {json.at("contact_friction"), json.at("contact_cohesion_n"), json.at("tool_friction")};
+  } catch (const nlohmann::json::exception&) {
+    throw Failure(fmt::format("the recording's event at {:.3f} s says of the soil: {}", event.time_s, event.text));
+  }
 }
 
 namespace {

@@ -11,6 +11,7 @@
 #include "haptolith/device/declared_limits.h"
 #include "haptolith/haptics/shown_scene.h"
 #include "haptolith/haptics/tick_record.h"
+#include "haptolith/soil/soil_parameters.h"
 
 // What a recording holds: an HDF5 file with /ticks, /particles/position, /particles/frames, /events and a header.
 
@@ -68,6 +69,12 @@ struct RecordingEvent {
   std::string kind;  ///< one word
   std::string text;
 };
+
+/// The event of a change of the soil that a replay makes again, and what it says.
+inline constexpr const char* kAdjustmentKind = "soil";
+[[nodiscard]] std::string adjustmentText(const SoilAdjustment& adjustment);
+/// @throws Failure when the event says something else.
+[[nodiscard]] SoilAdjustment adjustmentOf(const RecordingEvent& event);
 
 /// A column of /ticks: its name, with the unit, and which member of TickRecord it holds.
 struct TickColumn {

@@ -78,6 +78,11 @@ Replay::Replay(const RecordingReader& recording, std::optional<int> threads, con
       own ? handlingOfOwnDevice(scenario_, surface_m) : handlingOf(scenario_, surface_m);
   loop_ = std::make_unique<HapticLoop>(*scene_, *device_, scenario_.loop, true, handling);
   loop_->hashRecords();
+  for (const RecordingEvent& event : recording.readEvents(0, recording.events())) {
+    if (event.kind == kAdjustmentKind) {
+      adjustments_.push_back(adjustmentOf(event));
+    }
+  }
 }
 
 ReplayResult Replay::run(const std::function<bool(const TickRecord& was, const TickRecord& is)>& go_on) {
@@ -104,6 +109,18 @@ ReplayResult Replay::run(const std::function<bool(const TickRecord& was, const T
         loop_->ask(request::Pause{});
         (void)loop_->tick();
         loop_->ask(request::Resume{});
+      }
+      if ((was.flags & kTickSoilAdjusted) != 0) {
+        if (adjustments_.empty()) {
+          result.ended_early = fmt::format("at {:.3f} s the soil changed, and how is not recorded", was.time_s);
+          return result;
+        }
+        const SoilAdjustment& adjustment = adjustments_.front();
+        validate(adjustment.of(scenario_.bed.soil));
+        requireInRange("tool_friction", adjustment.tool_friction, ToolRanges::friction);
+        loop_->ask(request::Adjust{SoilLaws(adjustment.of(scenario_.bed.soil), grainClasses(scenario_.bed)),
+                                   adjustment.tool_friction});
+        adjustments_.pop_front();
       }
       if ((was.flags & kTickSoftStop) != 0) {
         loop_->softStop();

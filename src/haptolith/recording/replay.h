@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <deque>
 #include <functional>
 #include <memory>
 #include <optional>
@@ -58,6 +59,7 @@ class Replay {
   std::unique_ptr<Scene> scene_;
   std::unique_ptr<ReplayDevice> device_;
   std::unique_ptr<HapticLoop> loop_;
+  std::deque<SoilAdjustment> adjustments_;  ///< that are still to come
 };
 
 }  // namespace haptolith

@@ -406,6 +406,26 @@ void Session::bringOnStage(Showing next) {
   coming_is_asked_for_ = false;
 }
 
+bool Session::adjust(const SoilAdjustment& adjustment) {
+  Scenario next = current_.scenario;
+  next.bed.soil = adjustment.of(next.bed.soil);
+  next.tool.friction = adjustment.tool_friction;
+  validate(next.bed.soil);
+  validate(next.tool);
+  if (making_ || coming_ || !bed_wanted_.empty() || wanted_.bed.soil != current_.scenario.bed.soil ||
+      !sameTool(wanted_.tool, current_.scenario.tool) ||
+      (next.bed.soil.contact_cohesion_n > 0) != (current_.scenario.bed.soil.contact_cohesion_n > 0) ||
+      !isCompatible(current_.made_of, next.bed.soil, stiffnessInStep(next.tool, next.bed.soil.friction)) ||
+      !loop_->ask(request::Adjust{SoilLaws(next.bed.soil, grainClasses(next.bed)), next.tool.friction})) {
+    return false;
+  }
+  for (Scenario* scenario : {&current_.scenario, &wanted_}) {
+    scenario->bed.soil = next.bed.soil;
+    scenario->tool.friction = next.tool.friction;
+  }
+  return true;
+}
+
 void Session::touch(bool on) {
   ask(request::SetContact{on});
 }

@@ -54,6 +54,19 @@ struct SoilRanges {
 /// @throws InvalidParameter with the key, the value and the valid range. An infinite stiffness passes.
 void validate(const SoilParameters& soil);
 
+/// What of a soil with contact friction, and of a tool in it, can be changed little by little while they touch.
+struct SoilAdjustment {
+  double contact_friction = 0, contact_cohesion_n = 0;  ///< as in SoilParameters
+  double tool_friction = 0;                             ///< tan(delta)
+
+  [[nodiscard]] SoilParameters of(SoilParameters soil) const noexcept {
+    soil.contact_friction = contact_friction;
+    soil.contact_cohesion_n = contact_cohesion_n;
+    return soil;
+  }
+  [[nodiscard]] bool operator==(const SoilAdjustment&) const = default;
+};
+
 /// m = 4 sqrt(2) rho0 R^3, in kg (paper 4).
 [[nodiscard]] double macroparticleMass(const SoilParameters& soil);
 

@@ -75,6 +75,9 @@ class Scene {
   /// touched. May be called in the tick.
   void setTool(const ToolParameters& tool) noexcept;
 
+  /// Another friction between soil and tool: what touches goes on touching. May be called in the tick.
+  void setToolFriction(double friction) noexcept { tool_.friction = friction; }
+
   /// All that this scene, or another of the same parameters, needs to go on from here. Not for the tick.
   [[nodiscard]] SavedScene save() const;
   /// Not for the tick. @throws InvalidParameter as Bed::restore(), and for a tool that is nowhere; the scene is then as
