@@ -31,12 +31,12 @@ TEST(SiteProbe, ARobotTellsTheSoilOfItsSite) {
 
   const StrengthMap strengths(training.runs);
   const Scenario model = findScenario("dig");
-  const Scenario better = learned(model, probed.belief, strengths);
+  const Scenario better = withBelievedSoil(model, probed.belief, strengths);
   EXPECT_EQ(better.bed.soil.radius_m, model.bed.soil.radius_m) << "the operator's own grains";
   EXPECT_NEAR(strengths.of(better.bed.soil).angle_deg, probed.belief.friction_angle_deg.middle, 0.1);
   EXPECT_NEAR(strengths.of(better.bed.soil).cohesion_pa, probed.belief.cohesion_pa.middle, 1);
   EXPECT_NO_THROW(validate(better));
-  EXPECT_THROW((void)learned(findScenario("paper"), probed.belief, strengths), InvalidParameter);
+  EXPECT_THROW((void)withBelievedSoil(findScenario("paper"), probed.belief, strengths), InvalidParameter);
 }
 
 TEST(SiteProbe, EndsWhereNobodyWantsIt) {

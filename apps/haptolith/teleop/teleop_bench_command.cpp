@@ -18,6 +18,7 @@
 #include "haptolith/core/stop_asked.h"
 #include "haptolith/identify/training_file.h"
 #include "haptolith/teleop/agreement_figure.h"
+#include "haptolith/teleop/learning_model.h"
 #include "haptolith/teleop/simulation.h"
 #include "haptolith/teleop/site_probe.h"
 
@@ -47,12 +48,14 @@ constexpr double kMm = 1e-3;
 constexpr double kMillijoule = 1e-3;
 
 /// What is compared.
-enum class Case { kModel, kLearned, kBilateral, kTwin };
+enum class Case { kModel, kProbed, kLearning, kBoth, kBilateral, kTwin };
 
 const char* text(Case which) {
   switch (which) {
     case Case::kModel: return "model";
-    case Case::kLearned: return "learned";
+    case Case::kProbed: return "probed";
+    case Case::kLearning: return "learning";
+    case Case::kBoth: return "both";
     case Case::kBilateral: return "bilateral";
     case Case::kTwin: return "twin";
   }
@@ -60,15 +63,24 @@ const char* text(Case which) {
 }
 
 const std::map<std::string, Case> kCaseWords{
-    {"model", Case::kModel}, {"learned", Case::kLearned}, {"bilateral", Case::kBilateral}, {"twin", Case::kTwin}};
+    {"model", Case::kModel}, {"probed", Case::kProbed},       {"learning", Case::kLearning},
+    {"both", Case::kBoth},   {"bilateral", Case::kBilateral}, {"twin", Case::kTwin}};
+
+bool begins(Case which) {
+  return which == Case::kProbed || which == Case::kBoth;
+}
+
+bool learns(Case which) {
+  return which == Case::kLearning || which == Case::kBoth;
+}
 
 struct BenchOptions {
   std::string model = "dig", site = "dig-site";
-  std::vector<std::string> cases{"model", "bilateral", "twin"};
+  std::vector<std::string> cases{"model", "learning", "bilateral", "twin"};
   std::vector<std::string> model_overrides, site_overrides;
   std::vector<double> round_trips_s{0, 0.1, 0.4, 0.85, 2.6, 5};
   LinkOptions link;
-  double duration_s = 20;
+  double duration_s = 40;
   int threads = static_cast<int>(std::max(1U, std::thread::hardware_concurrency()));
   std::string csv_file, figure_file;
   Overwrite overwrite;
@@ -82,31 +94,31 @@ struct Row {
 };
 
 /// The robot's probe of its site, and the model that came of it.
-struct Learned {
-  ProbedSoil probed;
+struct Probed {
+  ProbedSoil soil;
   Scenario model;
 };
 
-Learned learn(const BenchOptions& options, StatusLine& status) {
+Probed probe(const BenchOptions& options, StatusLine& status) {
   const auto progress = [&](std::string_view what, double share) {
     status.update(fmt::format("{}: {:.0f} %", what, 100 * share));
     return !stopAsked();
   };
   const Scenario site = findScenario(options.site, options.site_overrides);
   const Training& training = probeTraining();
-  const ProbedSoil probed = probeSite(site, {}, training, progress);
-  return {probed,
-          learned(findScenario(options.model, options.model_overrides), probed.belief, StrengthMap(training.runs))};
+  const ProbedSoil soil = probeSite(site, {}, training, progress);
+  return {soil,
+          withBelievedSoil(findScenario(options.model, options.model_overrides), soil.belief, StrengthMap(training.runs))};
 }
 
-double gravityOf(const Learned& learned) {
-  return learned.model.bed.gravity_m_s2.norm();
+double gravityOf(const Probed& probed) {
+  return probed.model.bed.gravity_m_s2.norm();
 }
 
 TeleopSetup setupFor(const BenchOptions& options, double round_trip_s, Case which,
-                     const std::optional<Learned>& learned) {
+                     const std::optional<Probed>& probed) {
   TeleopSetup setup;
-  setup.model = which == Case::kLearned ? learned->model : findScenario(options.model, options.model_overrides);
+  setup.model = begins(which) ? probed->model : findScenario(options.model, options.model_overrides);
   if (which == Case::kTwin) {
     setup.site = setup.model;
     ++setup.site.bed.seed;
@@ -121,6 +133,10 @@ TeleopSetup setupFor(const BenchOptions& options, double round_trip_s, Case whic
   setup.sending = sendingOver(setup.up, setup.down);
   setup.feedback = which == Case::kBilateral ? Feedback::kBilateral : Feedback::kModel;
   setup.duration_s = options.duration_s;
+  if (learns(which)) {
+    setup.model = readyToLearn(setup.model);
+    setup.learns.emplace(probeTraining().runs);
+  }
   return setup;
 }
 
@@ -138,6 +154,9 @@ Json rowJson(const Row& row, double duration_s) {
           {"taken_back_j", result.taken_back_j},
           {"ran_out", result.ran_out},
           {"stops", result.stops},
+          {"updates", result.updates},
+          {"update_j", result.update_j},
+          {"update_jump", result.update_jump},
           {"lost", result.up.lost + result.up.cut_off + result.down.lost + result.down.cut_off}};
 }
 
@@ -197,8 +216,8 @@ void runBench(const BenchOptions& options) {
     }
   }
   std::vector<Row> rows = rowsFor(options);
-  const bool learns = std::ranges::any_of(rows, [](const Row& row) { return row.which == Case::kLearned; });
-  const std::optional<Learned> learned = learns ? std::optional(learn(options, status)) : std::nullopt;
+  const bool probes = std::ranges::any_of(rows, [](const Row& row) { return begins(row.which); });
+  const std::optional<Probed> probed = probes ? std::optional(probe(options, status)) : std::nullopt;
   std::vector<std::atomic<double>> done(rows.size());
   std::mutex of_status;
   inParallel(rows.size(), options.threads, [&](std::size_t row) {
@@ -210,7 +229,7 @@ void runBench(const BenchOptions& options) {
                       100 * std::accumulate(done.begin(), done.end(), 0.0) / static_cast<double>(rows.size())));
       return !stopAsked();
     };
-    rows[row].result = simulateTeleop(setupFor(options, rows[row].round_trip_s, rows[row].which, learned), progress);
+    rows[row].result = simulateTeleop(setupFor(options, rows[row].round_trip_s, rows[row].which, probed), progress);
     done[row] = 1;
   });
   status.clear();
@@ -226,15 +245,15 @@ void runBench(const BenchOptions& options) {
       list.push_back(rowJson(row, options.duration_s));
     }
     Json json{{"model", options.model}, {"site", options.site}, {"duration_s", options.duration_s}, {"runs", list}};
-    if (learned) {
-      json["identified"] = beliefJson(learned->probed.belief, {}, gravityOf(*learned));
+    if (probed) {
+      json["identified"] = beliefJson(probed->soil.belief, {}, gravityOf(*probed));
     }
     printJson(json);
     return;
   }
   std::string table =
-      learned ? fmt::format("the robot's probe, {} of {} windows in place:\n{}\n", learned->probed.windows,
-                            learned->probed.of_windows, beliefText(learned->probed.belief, {}, gravityOf(*learned)))
+      probed ? fmt::format("the robot's probe, {} of {} windows in place:\n{}\n", probed->soil.windows,
+                           probed->soil.of_windows, beliefText(probed->soil.belief, {}, gravityOf(*probed)))
               : "";
   table += "there and              force error      met   off, mm              given   behind  follows\n";
   table += "back, s   case             %  RMS, N   in air  in soil        mJ        s        %  stops\n";
@@ -269,14 +288,15 @@ void addTeleopBench(CLI::App& teleop) {
   command
       ->add_option(
           "--case", options->cases,
-          "model: the hand feels a model of the soil; learned: the same, of soil that the robot's probe has told;\n"
+          "model: the hand feels a model of the soil, which stays as it is; probed: of soil that the robot's probe has\n"
+          "told; learning: which learns from the robot's forces while both dig; both: one after the other;\n"
           "bilateral: what the robot's sensor tells, late; twin: a model whose soil is the robot's, in another\n"
           "specimen: as true as any model can be")
-      ->option_text("model,learned,bilateral,twin [model,bilateral,twin]")
+      ->option_text("model,probed,learning,both,bilateral,twin [model,learning,bilateral,twin]")
       ->delimiter(',')
-      ->check(oneOf({"model", "learned", "bilateral", "twin"}));
+      ->check(oneOf({"model", "probed", "learning", "both", "bilateral", "twin"}));
   command->add_option("--duration-s", options->duration_s, "Simulated time of each run")
-      ->option_text("SECONDS [20]")
+      ->option_text("SECONDS [40]")
       ->check(numberIn(TeleopRanges::duration_s));
   command->add_option("--threads", options->threads, "Runs at the same time")
       ->option_text("N [one for each processor]")

@@ -54,7 +54,7 @@ void OperatorEnd::follow(std::span<const TickRecord> ticks) {
   }
 }
 
-void OperatorEnd::receive() {
+void OperatorEnd::receive(const Met& met) {
   for (int i = 0; i < kMostAtOnce; ++i) {
     const std::optional<UdpPort::Datagram> datagram = port_.receive();
     if (!datagram) {
@@ -66,7 +66,7 @@ void OperatorEnd::receive() {
       continue;
     }
     if (const std::optional<StatePacket> packet = parseState(opened.packet)) {
-      take(*packet);
+      take(*packet, met);
     } else {
       ++counts_.malformed;
     }
@@ -76,7 +76,7 @@ void OperatorEnd::receive() {
   news_.behind = next_ > executed_ ? next_ - executed_ : 0;
 }
 
-void OperatorEnd::take(const StatePacket& packet) {
+void OperatorEnd::take(const StatePacket& packet, const Met& met) {
   const bool same_robot = news_.ever && packet.robot_session == news_.state.robot_session;
   if (same_robot && packet.number <= news_.state.number) {
     ++counts_.replayed;
@@ -99,6 +99,9 @@ void OperatorEnd::take(const StatePacket& packet) {
       agreement_.add(static_cast<double>(report.index) * tick_s_, report.ticks * tick_s_, *felt_n, report.met.force_n);
       news_.felt_n = *felt_n;
       news_.met_n = report.met.force_n;
+      if (met) {
+        met(report, *felt_n);
+      }
     }
   }
   while (!known_.empty() && *known_.begin() + FeltTrack::kTicks < executed_) {

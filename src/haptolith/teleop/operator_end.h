@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <optional>
 #include <set>
 #include <span>
@@ -33,17 +34,21 @@ class OperatorEnd {
 
   /// What the loop has done since the last call: ticks one after the other.
   void follow(std::span<const TickRecord> ticks);
+  /// Called with each new report, and the mean of what was felt over the same commands.
+  using Met = std::function<void(const RobotReport& report, const Vec3& felt_n)>;
   /// Takes what has come.
-  void receive();
+  void receive(const Met& met = {});
 
   [[nodiscard]] double surface() const noexcept { return surface_m_; }
   [[nodiscard]] const RobotNews& news() const noexcept { return news_; }
   [[nodiscard]] const ForceAgreement& agreement() const noexcept { return agreement_; }
   [[nodiscard]] const PacketCounts& counts() const noexcept { return counts_; }
+  /// How many ticks it has followed: the index of the next.
+  [[nodiscard]] std::uint64_t ticks() const noexcept { return next_; }
   [[nodiscard]] std::uint64_t sent() const noexcept { return command_.number; }
 
  private:
-  void take(const StatePacket& packet);
+  void take(const StatePacket& packet, const Met& met);
 
   std::string to_;
   EndOptions options_;

@@ -3,9 +3,12 @@
 #include <cstddef>
 #include <cstdint>
 #include <functional>
+#include <optional>
 
+#include "haptolith/identify/strength_map.h"
 #include "haptolith/scenario/scenario.h"
 #include "haptolith/teleop/force_agreement.h"
+#include "haptolith/teleop/learning_model.h"
 #include "haptolith/teleop/link.h"
 #include "haptolith/teleop/robot.h"
 #include "haptolith/teleop/teleop_packet.h"
@@ -14,7 +17,7 @@ namespace haptolith {
 
 /// What the operator's hand feels.
 enum class Feedback : std::uint8_t {
-  kModel,      ///< a bed of its own, at once: model-mediated teleoperation; the model stays as it is
+  kModel,      ///< a bed of its own, at once: model-mediated teleoperation
   kBilateral,  ///< what the robot's sensor tells, late, kept passive by PassiveEnd at both ends
 };
 
@@ -29,6 +32,7 @@ struct TeleopSetup {
   Sending sending;
   double bilateral_period_s = 0.002;  ///< of kBilateral: there a force that is late counts
   double robot_clock_share = 0;       ///< by which the robot's clock is too fast
+  std::optional<StrengthMap> learns;  ///< the model does, while it digs: see LearningModel
 };
 
 struct TeleopRanges {
@@ -48,6 +52,12 @@ struct TeleopResult {
   std::uint64_t ran_out = 0, stops = 0;      ///< see Robot
   StopReason last_stop = StopReason::kNone;  ///< that the robot has not got over
   LinkCounts up, down;
+  std::optional<ModelSoil> learned;  ///< in the end
+  std::uint64_t updates = 0;         ///< of the model's soil
+  double update_j = 0;               ///< energy that soil pushed into the hand more than without updates, at most
+  /// Largest change of the force within 0.1 s of an update that the hand has not caused, over what is hardly felt:
+  /// 0.1 N, or 7 % of the force.
+  double update_jump = 0;
 };
 
 /// Called now and then with the share that is done; false gives up.

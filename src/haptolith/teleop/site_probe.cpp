@@ -101,7 +101,7 @@ ProbedSoil probeSite(const Scenario& site, const RobotParameters& parameters, co
   return {identifier.identify(matched.forces, site.bed.gravity_m_s2.norm()), matched.windows, matched.forces.size()};
 }
 
-Scenario learned(Scenario model, const SoilBelief& belief, const StrengthMap& strengths) {
+Scenario withBelievedSoil(Scenario model, const SoilBelief& belief, const StrengthMap& strengths) {
   if (model.bed.soil.friction != FrictionModel::kContact) {
     throw InvalidParameter("model: soil.friction", "paper", "contact: the paper's has no strength that digging tells");
   }

@@ -24,6 +24,6 @@ struct ProbedSoil {
 
 /// The model with soil of its own kind that is as strong as was believed, and the tool's friction in it.
 /// @throws InvalidParameter for a model with the paper's friction.
-[[nodiscard]] Scenario learned(Scenario model, const SoilBelief& belief, const StrengthMap& strengths);
+[[nodiscard]] Scenario withBelievedSoil(Scenario model, const SoilBelief& belief, const StrengthMap& strengths);
 
 }  // namespace haptolith

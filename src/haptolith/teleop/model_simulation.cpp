@@ -1,0 +1,222 @@
+#include <array>
+#include <optional>
+#include <set>
+#include <vector>
+
+#include <fmt/format.h>
+
+#include "haptolith/haptics/haptic_loop.h"
+#include "haptolith/device/hand/virtual_hand.h"
+#include "haptolith/teleop/simulation_parts.h"
+#include "haptolith/teleop/teleop_packet.h"
+
+namespace haptolith::simulation {
+
+namespace {
+
+constexpr std::uint32_t kSession = 1;
+
+/// What updates of a model's soil do to the force that no hand has caused: for a tenth of a second after an update began
+/// a copy of the scene, which is not updated, has its tool moved likewise.
+class UpdateWatch {
+ public:
+  explicit UpdateWatch(double tick_s) : tick_s_(tick_s) {}
+
+  /// Before the first step of an update.
+  void begin(const Scene& scene) {
+    if (!other_) {
+      other_.emplace(scene.bed().parameters(), scene.tool(), scene.save());
+      ticks_ = 0;
+      apart_n_ = unchanged_n_ = Vec3::Zero();
+    }
+  }
+  /// After each tick of the scene.
+  void tick(const Scene& scene, const HandState& hand) {
+    constexpr int kWatched = 100, kCompared = 20;
+    if (!other_) {
+      return;
+    }
+    (void)other_->tick(hand);
+    pushed_j_ += pushed(scene.felt().wrench, hand.twist) - pushed(other_->felt().wrench, hand.twist);
+    most_pushed_j_ = std::max(most_pushed_j_, pushed_j_);
+    if (++ticks_ > kWatched - kCompared) {
+      apart_n_ += (scene.felt().wrench.force_n - other_->felt().wrench.force_n) / kCompared;
+      unchanged_n_ += other_->felt().wrench.force_n / kCompared;
+    }
+    if (ticks_ == kWatched) {
+      worst_ = std::max(worst_, apart_n_.norm() / std::max(0.1, 0.07 * unchanged_n_.norm()));
+      other_.reset();
+    }
+  }
+  /// The largest change over what is allowed: 0.1 N, or 7 % of the force.
+  [[nodiscard]] double worst() const noexcept { return worst_; }
+  /// Energy that soil pushed into the hand, more than it would have without updates: at most, up to any time.
+  [[nodiscard]] double pushed() const noexcept { return most_pushed_j_; }
+
+ private:
+  [[nodiscard]] double pushed(const Wrench& felt, const Twist& twist) const noexcept {
+    return tick_s_ * std::max(0.0, felt.force_n.dot(twist.linear_m_s) + felt.torque_nm.dot(twist.angular_rad_s));
+  }
+
+  std::optional<Scene> other_;
+  int ticks_ = 0;
+  Vec3 apart_n_, unchanged_n_;
+  double worst_ = 0;
+  double tick_s_;
+  double pushed_j_ = 0, most_pushed_j_ = 0;
+};
+
+/// A hand that feels a bed of its own.
+class ModelOperator {
+ public:
+  explicit ModelOperator(const Scenario& scenario)
+      : site_(scenario),
+        hand_(handAbove(scenario, site_.surface_m), scenario.loop.tick_s),
+        loop_(site_.scene, hand_, unpaced(scenario.loop), true, handlingOf(scenario, site_.surface_m)),
+        watch_(scenario.loop.tick_s) {}
+
+  /// @throws Failure when there is no hand any more.
+  void tick() {
+    if (const LoopEnd end = loop_.tick(); end != LoopEnd::kRunning) {
+      throw Failure(fmt::format("the operator's run ended: {}", text(end)));
+    }
+    records_.clear();
+    loop_.takeRecords(records_);
+    const TickRecord& tick = records_.back();
+    tool_ = {{tick.scene_T_tool, tick.device.twist}, tick.device.gripper_open};
+    tool_.pose.position_m.z() -= site_.surface_m;
+    felt_ = tick.felt.wrench;
+    unlimited_ = tick.rendered.wrench;
+    watch_.tick(site_.scene, {{tick.scene_T_tool, tick.device.twist}, tick.device.gripper_open});
+  }
+  /// Another soil and tool friction from the next tick on.
+  void become(const SoilAdjustment& adjustment) {
+    if (!inAir()) {
+      watch_.begin(site_.scene);
+    }
+    const BedParameters& bed = site_.scene.bed().parameters();
+    loop_.ask(request::Adjust{SoilLaws(adjustment.of(bed.soil), grainClasses(bed)), adjustment.tool_friction});
+  }
+  [[nodiscard]] bool inAir() const noexcept { return unlimited_.force_n.norm() < kInSoil_n; }
+  [[nodiscard]] const UpdateWatch& watch() const noexcept { return watch_; }
+  [[nodiscard]] const HandState& tool() const noexcept { return tool_; }
+  [[nodiscard]] const Wrench& felt() const noexcept { return felt_; }
+  [[nodiscard]] const Wrench& unlimited() const noexcept { return unlimited_; }
+
+ private:
+  static LoopParameters unpaced(LoopParameters loop) {
+    loop.paced = false;
+    return loop;
+  }
+
+  Site site_;
+  VirtualHand hand_;
+  HapticLoop loop_;
+  std::vector<TickRecord> records_;
+  HandState tool_;
+  Wrench felt_, unlimited_;
+  UpdateWatch watch_;
+};
+
+}  // namespace
+
+TeleopResult simulateModel(const TeleopSetup& setup, const TeleopProgress& progress) {
+  TeleopResult result;
+  const Course course(setup, setup.sending.period_s, progress);
+  ModelOperator hand(setup.model);
+  std::optional<LearningModel> learning;
+  if (setup.learns) {
+    learning.emplace(setup.model, *setup.learns);
+  }
+  Site site(setup.site);
+  HandParameters home = handAbove(setup.model, 0);
+  Robot robot(setup.robot, site.scene, site.surface_m, VirtualHand(home, course.time(1)).read().pose);
+  Link up(setup.up);
+  Link down(setup.down);
+  OperatorLog log;
+  KeyHistory<CommandKey> commands(commandLags(setup.sending.period_s, setup.sending.command_keys));
+  KeyHistory<RobotReport> reports(reportLags(setup.sending.report_keys));
+  CommandPacket command{.session = kSession};
+  StatePacket state{.robot_session = kSession};
+  std::uint64_t newest_report = 0;
+  std::set<std::uint64_t> known;  // reports by their index: others may overtake them, and all come more than once
+  double robot_ticks = 0;
+  Mean behind;
+  std::uint64_t robot_tick = 0;
+  Share followed;
+
+  for (std::uint64_t tick = 0; tick < course.ticks(); ++tick) {
+    const double now_s = course.time(tick);
+    course.look(tick);
+    if (const std::optional<SoilAdjustment> step = learning ? learning->at(tick, hand.inAir()) : std::nullopt) {
+      hand.become(*step);
+    }
+    hand.tick();
+    log.add(tick, hand.tool(), hand.felt(), hand.unlimited());
+    if (tick % course.period() == 0) {
+      command.keys = commands.add({tick, hand.tool()});
+      ++command.number;
+      up.send(now_s, bytesOf(command));
+    }
+
+    while (const std::optional<Link::Arrival> arrived = up.receive(now_s)) {
+      if (const std::optional<CommandPacket> packet = parseCommand(arrived->packet)) {
+        robot.take(packet->session, packet->held, packet->keys);
+        state.operator_session = packet->session;
+        state.newest = robot.newest();
+      }
+    }
+    for (robot_ticks += 1 + setup.robot_clock_share; robot_ticks >= 1; robot_ticks -= 1) {
+      robot.tick();
+      followed.tick(robot.state() == RobotState::kFollowing);
+      if (robot.state() == RobotState::kFollowing) {
+        enter((robot.tool().pose.position_m - log.toolAt(robot.index())).norm(), site.scene.felt().wrench, result);
+      }
+      if (robot_tick++ % course.period() == 0) {
+        // Reports of one command would stand one upon the other: a robot that waits has nothing new to tell.
+        const RobotReport report = robot.report();
+        if (state.reports.empty() || report.index > state.reports.back().index) {
+          state.reports = reports.add(report);
+        }
+        state.state = robot.state();
+        state.reason = robot.reason();
+        ++state.number;
+        down.send(now_s, bytesOf(state));
+      }
+    }
+
+    while (const std::optional<Link::Arrival> arrived = down.receive(now_s)) {
+      const std::optional<StatePacket> packet = parseState(arrived->packet);
+      for (const RobotReport& report : packet ? packet->reports : std::vector<RobotReport>()) {
+        if (!known.insert(report.index).second) {
+          continue;
+        }
+        newest_report = std::max(newest_report, report.index);
+        if (const auto felt_n = log.felt().mean(report.index - report.ticks, report.index)) {
+          result.agreement.add(course.time(report.index), course.time(report.ticks), *felt_n, report.met.force_n);
+          if (learning) {
+            learning->met(report, *felt_n);
+          }
+        }
+      }
+    }
+    behind.tick(newest_report > 0, now_s - course.time(newest_report));
+  }
+  result.given_j = log.mostGiven();
+  result.behind_s = behind.mean();
+  result.followed_share = followed.value();
+  result.ran_out = robot.ranOut();
+  result.stops = robot.stops();
+  result.last_stop = robot.reason();
+  result.up = up.counts();
+  result.down = down.counts();
+  if (learning) {
+    result.learned = learning->learned();
+    result.updates = learning->updates();
+    result.update_jump = hand.watch().worst();
+    result.update_j = hand.watch().pushed();
+  }
+  return result;
+}
+
+}  // namespace haptolith::simulation

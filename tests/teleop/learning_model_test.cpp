@@ -1,0 +1,159 @@
+#include "haptolith/teleop/learning_model.h"
+
+#include <gmock/gmock.h>
+
+#include <cmath>
+#include <vector>
+
+#include "haptolith/identify/training_file.h"
+
+namespace haptolith {
+namespace {
+
+const StrengthMap& strengths() {
+  static const StrengthMap kStrengths(probeTraining().runs);
+  return kStrengths;
+}
+
+/// A blade 35 mm deep that goes on and on at 30 mm/s; from so far on it meets `met` times what was felt.
+class Cutting {
+ public:
+  explicit Cutting(LearningModel& model) : model_(model) {}
+
+  /// The robot's report of 20 ticks, which comes `late` ticks later than it happens.
+  void report(std::uint64_t index, double met, std::uint64_t late = 0) {
+    RobotReport report;
+    report.index = index;
+    report.ticks = 20;
+    report.pose = {{3e-5 * static_cast<double>(index), 0, -0.01},
+                   Quat(Eigen::AngleAxisd(1.5, Vec3::UnitY()))};
+    report.met.force_n = met * kFelt_n;
+    waiting_.push_back({index + late, report});
+  }
+  /// Goes on to a tick, and notes all steps on the way.
+  void goOn(std::uint64_t to, bool in_air = false) {
+    for (; now_ < to; ++now_) {
+      for (; !waiting_.empty() && waiting_.front().arrives <= now_; waiting_.erase(waiting_.begin())) {
+        model_.met(waiting_.front().report, kFelt_n);
+      }
+      if (const auto step = model_.at(now_, in_air)) {
+        steps.push_back(*step);
+      }
+    }
+  }
+
+  std::vector<SoilAdjustment> steps;
+
+ private:
+  struct Waiting {
+    std::uint64_t arrives;
+    RobotReport report;
+  };
+  static inline const Vec3 kFelt_n{-10, 0, 1};
+  LearningModel& model_;
+  std::vector<Waiting> waiting_;
+  std::uint64_t now_ = 0;
+};
+
+Scenario digModel() {
+  return readyToLearn(findScenario("dig"));
+}
+
+TEST(LearningModel, StaysAsItIsWhileNothingIsMetOrAllIsAsItWasFelt) {
+  LearningModel model(digModel(), strengths());
+  Cutting cutting(model);
+  cutting.goOn(3000);
+  EXPECT_TRUE(cutting.steps.empty());
+  EXPECT_EQ(model.updates(), 0U);
+  for (std::uint64_t index = 3020; index <= 6000; index += 20) {
+    cutting.report(index, 1);
+  }
+  cutting.goOn(8000);
+  ASSERT_FALSE(cutting.steps.empty());
+  const Scenario was = digModel();
+  EXPECT_NEAR(cutting.steps.back().contact_friction, was.bed.soil.contact_friction, 0.02);
+  EXPECT_NEAR(cutting.steps.back().contact_cohesion_n / was.bed.soil.contact_cohesion_n, 1, 0.1);
+  EXPECT_NEAR(cutting.steps.back().tool_friction, was.tool.friction, 0.02);
+}
+
+TEST(LearningModel, BecomesWeakerInStepsThatNobodyFeels) {
+  LearningModel model(digModel(), strengths());
+  const SoilState first = model.state();
+  Cutting cutting(model);
+  for (std::uint64_t index = 20; index <= 4000; index += 20) {
+    cutting.report(index, 0.4, 850);
+  }
+  cutting.goOn(6000);
+  EXPECT_GE(model.updates(), 3U);
+  ASSERT_GT(cutting.steps.size(), 100U);
+  EXPECT_LT(cutting.steps.back().contact_cohesion_n, 0.8 * digModel().bed.soil.contact_cohesion_n);
+  const ModelLearner law({.middle = first}, digModel().bed.soil.rho0_kg_m3, 1.625);
+  const ToolCut cut{.depth_m = 0.035, .rake_rad = 1.4};
+  const auto forceAfter = [&](const SoilAdjustment& step) {
+    const ShearStrength strength = strengths().of(step.of(digModel().bed.soil));
+    return law.forceAlong(cut, {strength.angle_deg, strength.cohesion_pa, step.tool_friction});
+  };
+  for (std::size_t i = 1; i < cutting.steps.size(); ++i) {
+    EXPECT_LT(std::abs(std::log(forceAfter(cutting.steps[i]) / forceAfter(cutting.steps[i - 1]))), 0.01) << i;
+  }
+  EXPECT_NEAR(law.forceAlong(cut, model.learned().state) / law.forceAlong(cut, first), 0.4, 0.1)
+      << "each stretch was felt in soil that was not weaker yet";
+}
+
+TEST(LearningModel, GoesFasterInTheAir) {
+  std::vector<std::size_t> steps;
+  for (const bool in_air : {false, true}) {
+    LearningModel model(digModel(), strengths());
+    Cutting cutting(model);
+    for (std::uint64_t index = 20; index <= 1600; index += 20) {
+      cutting.report(index, 0.4);
+    }
+    cutting.goOn(1650);
+    cutting.steps.clear();
+    cutting.goOn(30000, in_air);
+    steps.push_back(cutting.steps.size());
+  }
+  EXPECT_GT(steps[0], 3 * steps[1]);
+}
+
+TEST(LearningModel, ReportsMayOvertakeEachOtherAndComeLate) {
+  LearningModel in_order(digModel(), strengths()), mixed(digModel(), strengths());
+  Cutting one(in_order), other(mixed);
+  for (std::uint64_t index = 20; index <= 4000; index += 40) {
+    one.report(index, 0.5);
+    one.report(index + 20, 0.5);
+    other.report(index + 20, 0.5);
+    other.report(index, 0.5);
+  }
+  one.goOn(6000);
+  other.goOn(6000);
+  EXPECT_NEAR(in_order.learned().state.friction_angle_deg, mixed.learned().state.friction_angle_deg, 0.5);
+  EXPECT_NEAR(in_order.learned().state.cohesion_pa / mixed.learned().state.cohesion_pa, 1, 0.05);
+}
+
+TEST(LearningModel, ThinkingBesideTheLoopComesToTheSame) {
+  LearningModel at_once(digModel(), strengths()), beside(digModel(), strengths(), LearningModel::Work::kBeside);
+  Cutting one(at_once), other(beside);
+  for (std::uint64_t index = 20; index <= 1000; index += 20) {
+    one.report(index, 0.5);
+    other.report(index, 0.5);
+  }
+  one.goOn(1600);
+  other.goOn(1600);
+  for (std::uint64_t tick = 1600; beside.updates() == 0 && tick < 100'000'000; ++tick) {
+    other.goOn(tick);
+  }
+  EXPECT_EQ(at_once.learned().state.cohesion_pa, beside.learned().state.cohesion_pa);
+}
+
+TEST(LearningModel, SoilWithoutCohesionMayGetSomeAndThePapersFrictionIsRefused) {
+  Scenario sand = findScenario("dig");
+  sand.bed.soil.contact_cohesion_n = 0;
+  EXPECT_GT(readyToLearn(sand).bed.soil.contact_cohesion_n, 0);
+  EXPECT_LT(readyToLearn(sand).bed.soil.contact_cohesion_n, 1e-5);
+  EXPECT_FALSE(canLearn(findScenario("paper")));
+  EXPECT_THROW((void)readyToLearn(findScenario("paper")), InvalidParameter);
+}
+
+}  // namespace
+}  // namespace haptolith
