@@ -153,6 +153,9 @@ export function radiiOf(scene: Scene): Float32Array {
   return radii;
 }
 
+/** the lower end of 90 %, the middle, the upper end */
+const Interval = v.pipe(v.array(v.number()), v.length(3));
+
 const Robot = v.object({
   state: v.string(),
   /** why it stopped; null: it has not */
@@ -166,6 +169,10 @@ const Robot = v.object({
   /** at the newest commands of which both are known, and what the robot met there */
   felt_n: Vec3,
   met_n: Vec3,
+  /** what the soil here has learned to be like from what the robot met; null: nothing yet */
+  learned: v.nullish(
+    v.object({ friction_angle_deg: Interval, cohesion_pa: Interval, tool_friction_angle_deg: Interval }),
+  ),
 });
 export type Robot = v.InferOutput<typeof Robot>;
 

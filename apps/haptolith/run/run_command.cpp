@@ -14,7 +14,6 @@
 #include <vector>
 
 #include "haptolith/bed/simd_target.h"
-#include "haptolith/bed/surface_height.h"
 #include "haptolith/core/error.h"
 #include "haptolith/core/plain_text.h"
 #include "haptolith/haptics/stiffness_check.h"
@@ -23,7 +22,7 @@
 #include "haptolith/scenario/scenario.h"
 #include "haptolith/scenario/scene_words.h"
 #include "haptolith/session/session.h"
-#include "haptolith/teleop/operator_end.h"
+#include "haptolith/teleop/learning_model.h"
 #include "haptolith/viewer/live_view.h"
 
 #include "commands.h"
@@ -38,6 +37,7 @@
 #include "shared/stop_on_signal.h"
 #include "shared/web_options.h"
 #include "teleop/operator_report.h"
+#include "teleop/robot_lead.h"
 #include "teleop/teleop_commands.h"
 #include "teleop/teleop_end_options.h"
 
@@ -82,6 +82,7 @@ struct RunOptions {
   WebOptions web;
   std::string robot;  ///< HOST:PORT of one that follows the tool; empty: none
   TeleopEndOptions robot_end;
+  std::optional<bool> learns;  ///< the soil does from what the robot meets; default: where it can
 };
 
 Scenario scenarioFor(const RunOptions& options) {
@@ -161,17 +162,15 @@ class Follower {
 
   /// Lets a robot follow the session's tool from its first tick on.
   void lead(const Session& session, const RunOptions& options) {
-    const Scenario& scenario = session.shown();
-    robot_.emplace(options.robot, options.robot_end.end(), meanSurfaceHeight(session.scene().bed()),
-                   scenario.loop.tick_s);
+    robot_.emplace(session, options.robot, options.robot_end.end(), options.learns.value_or(canLearn(session.shown())));
   }
   /// Lets the page know of it.
   void show(LiveView& view) const {
     if (robot_) {
-      view.setRobot(robotShown(robot_->news(), robot_->surface()));
+      view.setRobot(robotShown(*robot_));
     }
   }
-  [[nodiscard]] const OperatorEnd* robot() const noexcept { return robot_ ? &*robot_ : nullptr; }
+  [[nodiscard]] const RobotLead* robot() const noexcept { return robot_ ? &*robot_ : nullptr; }
 
   /// Records the session from its first tick on.
   void record(Session& session, const RunOptions& options) {
@@ -179,7 +178,7 @@ class Follower {
     recording_.start(session, options.record_file, options.overwrite.allowed);
   }
 
-  void follow(const Session& session, const SessionDriver::News& news) {
+  void follow(Session& session, const SessionDriver::News& news) {
     for (const TickRecord& record : news.ticks) {
       if (trace_) {
         trace_->write(record);
@@ -189,8 +188,7 @@ class Follower {
       }
     }
     if (robot_) {
-      robot_->follow(news.ticks);
-      robot_->receive();
+      robot_->follow(session, news.ticks, recording_);
     }
     if (news.snapshot) {
       const SceneSnapshot& now = session.snapshot();
@@ -199,7 +197,7 @@ class Follower {
         history_.strongest = now;
       }
       if (status_.visible()) {
-        status_.update(robot_ ? robotText(robot_->news()) : statusText(now));
+        status_.update(robot_ ? robotText(*robot_) : statusText(now));
       }
     }
   }
@@ -252,7 +250,7 @@ class Follower {
   const Scenario& scenario_;
   bool finest_, keep_history_;
   std::optional<TraceFile> trace_;
-  std::optional<OperatorEnd> robot_;
+  std::optional<RobotLead> robot_;
   SessionRecording recording_;
   StatusLine status_;
   RunHistory history_;
@@ -437,6 +435,9 @@ std::unique_ptr<LiveView> viewOf(Session& session, Follower& follower, const Run
 void run(const RunOptions& options) {
   const StopOnSignal stop_on_signal;
   Scenario scenario = scenarioFor(options);
+  if (!options.robot.empty() && options.learns.value_or(canLearn(scenario))) {
+    scenario = readyToLearn(scenario);
+  }
   const WebServerOptions web = options.web.forAll();
   std::optional<FinestGrain> finest;
   if (options.finest) {
@@ -566,6 +567,13 @@ void addTeleopOperator(CLI::App& teleop) {
   command->footer(kOperatorExamples);
   command->add_option("--to", options->robot, "Where the robot listens")->option_text("HOST:PORT")->required();
   options->robot_end.addTo(*command);
+  CLI::Option* learn = command->add_flag_callback(
+      "--learn", [options] { options->learns = true; },
+      "Make the soil what the robot meets, while both dig; default: where it has contact friction");
+  command
+      ->add_flag_callback(
+          "--no-learn", [options] { options->learns = false; }, "Leave the soil as it is")
+      ->excludes(learn);
   addOptions(command, options);
   command->get_option("scenario")->description("Scene by its name (haptolith scenes) or from a file; default: dig");
 }

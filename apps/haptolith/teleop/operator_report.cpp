@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include <array>
 #include <limits>
 
 namespace haptolith {
@@ -12,9 +13,28 @@ namespace {
 using Json = nlohmann::ordered_json;
 constexpr double kEver = std::numeric_limits<double>::infinity();
 
+Json estimateJson(const Estimate& estimate) {
+  return {{"low", estimate.low}, {"middle", estimate.middle}, {"high", estimate.high}};
+}
+
+/// "34.2 (31 to 37) deg, 150 (90 to 240) Pa".
+std::string learnedText(const ModelSoil& soil) {
+  const Estimate& angle = soil.friction_angle_deg;
+  const Estimate& cohesion = soil.cohesion_pa;
+  const Estimate& tool = soil.tool_friction_angle_deg;
+  return fmt::format("{:.1f} ({:.0f} to {:.0f}) deg, {:.0f} ({:.0f} to {:.0f}) Pa, soil-tool {:.1f} ({:.0f} to {:.0f}) deg",
+                     angle.middle, angle.low, angle.high, cohesion.middle, cohesion.low, cohesion.high, tool.middle,
+                     tool.low, tool.high);
+}
+
+bool hasLearned(const RobotLead& robot) {
+  return robot.learning() != nullptr && robot.learning()->updates() > 0;
+}
+
 }  // namespace
 
-std::string robotText(const RobotNews& news) {
+std::string robotText(const RobotLead& robot) {
+  const RobotNews& news = robot.end().news();
   if (!news.ever) {
     return "no word of the robot yet";
   }
@@ -26,12 +46,17 @@ std::string robotText(const RobotNews& news) {
                     : news.state.at_speed_cap ? ", at its largest speed"
                     : news.state.at_edge      ? ", at the edge of its workspace"
                                               : "";
-  return fmt::format("robot {}{}{}, {} commands behind, round trip {:.2f} s; force felt {:.2f} N, met {:.2f} N",
+  const std::string soil =
+      hasLearned(robot) ? fmt::format("; soil {:.1f} deg, {:.0f} Pa", robot.learning()->learned().state.friction_angle_deg,
+                                      robot.learning()->learned().state.cohesion_pa)
+                        : "";
+  return fmt::format("robot {}{}{}, {} commands behind, round trip {:.2f} s; force felt {:.2f} N, met {:.2f} N{}",
                      text(news.state.state), why, cap, news.behind, news.round_trip_s, news.felt_n.norm(),
-                     news.met_n.norm());
+                     news.met_n.norm(), soil);
 }
 
-RobotShown robotShown(const RobotNews& news, double surface_m) {
+RobotShown robotShown(const RobotLead& robot) {
+  const RobotNews& news = robot.end().news();
   RobotShown shown;
   shown.state = news.ever ? text(news.state.state) : "not heard yet";
   shown.reason = news.state.reason == StopReason::kNone ? "" : text(news.state.reason);
@@ -41,19 +66,29 @@ RobotShown robotShown(const RobotNews& news, double surface_m) {
   if (!news.state.reports.empty()) {
     shown.scene_T_tool = news.state.reports.back().pose;
   }
-  shown.scene_T_tool.position_m.z() += surface_m;
+  shown.scene_T_tool.position_m.z() += robot.end().surface();
   shown.felt_n = news.felt_n;
   shown.met_n = news.met_n;
+  if (hasLearned(robot)) {
+    const ModelSoil& soil = robot.learning()->learned();
+    const auto interval = [](const Estimate& of) { return std::array{of.low, of.middle, of.high}; };
+    shown.learned = {interval(soil.friction_angle_deg), interval(soil.cohesion_pa),
+                     interval(soil.tool_friction_angle_deg)};
+  }
   return shown;
 }
 
-std::string robotSummary(const OperatorEnd& end) {
-  const RobotNews& news = end.news();
+std::string robotSummary(const RobotLead& robot) {
+  const OperatorEnd& end = robot.end();
   const ForceAgreement& agreement = end.agreement();
-  std::string text = fmt::format("  robot      {}\n", robotText(news));
+  std::string text = fmt::format("  robot      {}\n", robotText(robot));
   if (agreement.rmsMet(0, kEver) > 0) {
     text += fmt::format("  met        {:.2f} N RMS; felt differs from it by {:.2f} N RMS, {:.0f} %\n",
                         agreement.rmsMet(0, kEver), agreement.rmsDifference(0, kEver), 100 * agreement.share(0, kEver));
+  }
+  if (hasLearned(robot)) {
+    text += fmt::format("  learned    {}; {} updates\n", learnedText(robot.learning()->learned()),
+                        robot.learning()->updates());
   }
   const PacketCounts& counts = end.counts();
   text += fmt::format("  packets    {} sent, {} taken; {} malformed, {} forged, {} replayed\n", end.sent(),
@@ -66,7 +101,20 @@ Json countsJson(const PacketCounts& counts) {
           {"greetings", counts.greetings}, {"replayed", counts.replayed},   {"strangers", counts.strangers}};
 }
 
-Json robotJson(const OperatorEnd& end) {
+Json learnedJson(const RobotLead& robot) {
+  if (!hasLearned(robot)) {
+    return nullptr;
+  }
+  const ModelSoil& soil = robot.learning()->learned();
+  return {{"friction_angle_deg", estimateJson(soil.friction_angle_deg)},
+          {"cohesion_pa", estimateJson(soil.cohesion_pa)},
+          {"tool_friction_angle_deg", estimateJson(soil.tool_friction_angle_deg)},
+          {"stretches", soil.stretches},
+          {"updates", robot.learning()->updates()}};
+}
+
+Json robotJson(const RobotLead& robot) {
+  const OperatorEnd& end = robot.end();
   const RobotNews& news = end.news();
   const ForceAgreement& agreement = end.agreement();
   return {{"heard", news.heard},
@@ -76,6 +124,7 @@ Json robotJson(const OperatorEnd& end) {
           {"behind", news.behind},
           {"met_rms_n", agreement.rmsMet(0, kEver)},
           {"force_error_share", agreement.share(0, kEver)},
+          {"learned", learnedJson(robot)},
           {"sent", end.sent()},
           {"packets", countsJson(end.counts())}};
 }

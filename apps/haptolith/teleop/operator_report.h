@@ -4,20 +4,21 @@
 
 #include <string>
 
-#include "haptolith/teleop/operator_end.h"
 #include "haptolith/viewer/messages.h"
+
+#include "teleop/robot_lead.h"
 
 namespace haptolith {
 
 /// "robot following, 2650 commands behind; force felt 3.2 N, met 2.9 N": for a status line.
-[[nodiscard]] std::string robotText(const RobotNews& news);
+[[nodiscard]] std::string robotText(const RobotLead& robot);
 
 /// The same for the page.
-[[nodiscard]] RobotShown robotShown(const RobotNews& news, double surface_m);
+[[nodiscard]] RobotShown robotShown(const RobotLead& robot);
 
 /// How it went, for the end of a run.
-[[nodiscard]] std::string robotSummary(const OperatorEnd& end);
-[[nodiscard]] nlohmann::ordered_json robotJson(const OperatorEnd& end);
+[[nodiscard]] std::string robotSummary(const RobotLead& robot);
+[[nodiscard]] nlohmann::ordered_json robotJson(const RobotLead& robot);
 [[nodiscard]] nlohmann::ordered_json countsJson(const PacketCounts& counts);
 
 }  // namespace haptolith

@@ -128,6 +128,13 @@ Json recordedJson(const std::filesystem::path& file) {
                       : Json{{"file", file.filename().string()}, {"folder", file.parent_path().string()}};
 }
 
+Json learnedJson(const std::optional<RobotShown::Learned>& learned) {
+  return learned ? Json{{"friction_angle_deg", learned->friction_angle_deg},
+                        {"cohesion_pa", learned->cohesion_pa},
+                        {"tool_friction_angle_deg", learned->tool_friction_angle_deg}}
+                 : Json(nullptr);
+}
+
 Json robotJson(const RobotShown* robot) {
   if (robot == nullptr) {
     return nullptr;
@@ -142,7 +149,8 @@ Json robotJson(const RobotShown* robot) {
           {"round_trip_s", robot->round_trip_s},
           {"pose", {at.x(), at.y(), at.z(), turn.w(), turn.x(), turn.y(), turn.z()}},
           {"felt_n", vector(robot->felt_n)},
-          {"met_n", vector(robot->met_n)}};
+          {"met_n", vector(robot->met_n)},
+          {"learned", learnedJson(robot->learned)}};
 }
 
 }  // namespace

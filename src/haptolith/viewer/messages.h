@@ -2,6 +2,7 @@
 
 #include <nlohmann/json_fwd.hpp>
 
+#include <array>
 #include <cstdint>
 #include <filesystem>
 #include <optional>
@@ -35,6 +36,11 @@ struct RobotShown {
   Pose scene_T_tool;           ///< of its tool then, as if its soil's surface were this one's
   Vec3 felt_n = Vec3::Zero();  ///< at the newest commands of which both are known,
   Vec3 met_n = Vec3::Zero();   ///< and what the robot met there
+  /// What the soil has learned to be like; each the lower end of 90 %, the middle, the upper end.
+  struct Learned {
+    std::array<double, 3> friction_angle_deg{}, cohesion_pa{}, tool_friction_angle_deg{};
+  };
+  std::optional<Learned> learned;  ///< none: nothing yet
 };
 
 /// What a session does not know about itself.

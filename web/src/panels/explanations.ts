@@ -15,6 +15,8 @@ export const EXPLAIN = {
   not_granted: 'The operating system gives the force loop no priority, so other programs can delay a step.',
   robot:
     'A robot far away that follows the tool, and how old the news of it is. Its tool is the orange outline in the picture.',
+  learned:
+    'How strong the soil here has become, to do to the tool what the robot meets: friction angle and cohesion, each with the interval that holds it nine times in ten.',
   met: "Force of the soil on the robot's tool, at the newest commands that it was heard to have carried out.",
   clients: 'Browsers and programs that are connected, and which of them holds the tool.',
 

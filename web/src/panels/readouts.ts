@@ -84,6 +84,15 @@ export function robotInWords(robot: Robot): string {
   return `robot ${robot.state}${why}, ${(robot.behind / 1000).toFixed(1)} s behind`;
 }
 
+/** "soil learned: 34° (31 to 37), 150 Pa (90 to 240)". */
+export function learnedInWords(learned: NonNullable<Robot['learned']>): string {
+  const between = (interval: number[], unit: string) => {
+    const [low, middle, high] = interval.map((number) => number.toFixed(0));
+    return `${middle}${unit} (${low} to ${high})`;
+  };
+  return `soil learned: ${between(learned.friction_angle_deg, '°')}, ${between(learned.cohesion_pa, ' Pa')}`;
+}
+
 export class Readouts {
   readonly element: HTMLElement;
   private readonly force = new Readout('swatch-force', 'force', 'N', 'force', EXPLAIN.force);
@@ -91,6 +100,12 @@ export class Readouts {
   private readonly place = new Readout('swatch-tool', 'above soil', 'mm', 'depth', EXPLAIN.depth);
   private readonly met = new Readout('swatch-robot', 'robot met', 'N', 'met', EXPLAIN.met);
   private readonly robot = h('span', { class: 'robot-state', tabindex: 0, role: 'group', 'aria-label': 'robot' });
+  private readonly learned = h('span', {
+    class: 'robot-state',
+    tabindex: 0,
+    role: 'group',
+    'aria-label': 'soil learned',
+  });
   private shown_ms = 0;
 
   constructor() {
@@ -107,14 +122,19 @@ export class Readouts {
       ...this.place.cells,
       ...this.met.cells,
       this.robot,
+      this.learned,
     );
     explain(this.robot, EXPLAIN.robot);
+    explain(this.learned, EXPLAIN.learned);
     this.setRobot(null);
   }
 
   /** What a robot far away does, and what it met; null: there is none. */
   setRobot(robot: Robot | null): void {
     for (const cell of [this.robot, ...this.met.cells]) cell.hidden = robot === null;
+    const learned = robot?.learned ?? null;
+    this.learned.hidden = learned === null;
+    if (learned !== null) setText(this.learned, learnedInWords(learned));
     if (robot === null) return;
     setText(this.robot, robotInWords(robot));
     this.robot.dataset.level = !robot.heard ? 'bad' : robot.state === 'following' ? 'good' : 'warn';

@@ -83,11 +83,17 @@ describe('access', () => {
       pose: [0.03, 0.02, 0.12, 1, 0, 0, 0],
       felt_n: [-2, 0, 1] as Vec3,
       met_n: [-3, 0, 4] as Vec3,
+      learned: {
+        friction_angle_deg: [31.2, 34.4, 37.1],
+        cohesion_pa: [90, 150, 240],
+        tool_friction_angle_deg: [15, 18, 21],
+      },
     };
     const watched = await visit({ robot });
     await connected(watched);
     const { page } = watched;
     await page.getByText('following, 2.6 s behind').waitFor();
+    await page.getByText('soil learned: 34° (31 to 37), 150 Pa (90 to 240)').waitFor();
     expect((await page.locator('[data-test=met]').textContent())?.trim()).toBe('5.00');
     expect(await page.locator('[data-test=met]').isVisible()).toBe(true);
     expect(watched.complaints).toEqual([]);
