@@ -5,6 +5,8 @@
 #include <cmath>
 
 #include "haptolith/bed/surface_height.h"
+#include "haptolith/identify/training_file.h"
+#include "haptolith/teleop/learning_model.h"
 #include "haptolith/teleop/link_profiles.h"
 
 namespace haptolith {
@@ -165,6 +167,32 @@ TEST(TeleopSimulation, DelayedForceIsTrueWithoutDelayAndUselessWithIt) {
   const TeleopResult late = simulateTeleop(setup);
   EXPECT_GT(late.agreement.share(0, 10), 0.8);
   EXPECT_GT(late.taken_back_j, 0);
+}
+
+// Lunar soil as the model, weaker soil of stiffer grains at the site; large grains, so that it takes seconds.
+TEST(TeleopSimulation, AModelThatLearnsBecomesWhatTheRobotMeetsAndNobodyFeelsIt) {
+  TeleopSetup setup;
+  setup.model = readyToLearn(
+      findScenario("dig", std::vector<std::string>{"soil.radius_mm=8", "bed.sleep_distance_mm=0.08", "hand.period_s=24"}));
+  setup.site = findScenario("dig-site", std::vector<std::string>{"soil.radius_mm=7", "bed.sleep_distance_mm=0.07"});
+  setup.up.delay_s = setup.down.delay_s = 0.2;
+  setup.duration_s = 8;
+  const TeleopResult stays = simulateTeleop(setup);
+  EXPECT_EQ(stays.updates, 0U);
+  EXPECT_GT(stays.agreement.share(0, 8), 1);
+  setup.learns.emplace(probeTraining().runs);
+  const TeleopResult short_run = simulateTeleop(setup), again = simulateTeleop(setup);
+  EXPECT_EQ(metOf(short_run), metOf(again)) << "the same on every run";
+  EXPECT_EQ(short_run.learned->state.cohesion_pa, again.learned->state.cohesion_pa);
+  setup.duration_s = 24;
+  const TeleopResult learns = simulateTeleop(setup);
+  EXPECT_LT(learns.agreement.share(14, 24), 0.45) << "two specimens of grains so large differ by a third";
+  EXPECT_GT(learns.updates, 10U);
+  EXPECT_LT(learns.update_j, 1e-3);
+  EXPECT_LT(learns.update_jump, 4) << "grains so large slip by much where a few slip otherwise";
+  EXPECT_LE(learns.given_j, 1e-3);
+  ASSERT_TRUE(learns.learned);
+  EXPECT_LT(learns.learned->state.cohesion_pa, 350) << "the model began with 545";
 }
 
 TEST(TeleopSimulation, EndsWhenNobodyWantsItAnyMore) {

@@ -17,8 +17,13 @@ Json estimateJson(const Estimate& estimate) {
   return {{"low", estimate.low}, {"middle", estimate.middle}, {"high", estimate.high}};
 }
 
-/// "34.2 (31 to 37) deg, 150 (90 to 240) Pa".
-std::string learnedText(const ModelSoil& soil) {
+bool hasLearned(const RobotLead& robot) {
+  return robot.learning() != nullptr && robot.learning()->updates() > 0;
+}
+
+}  // namespace
+
+std::string soilText(const ModelSoil& soil) {
   const Estimate& angle = soil.friction_angle_deg;
   const Estimate& cohesion = soil.cohesion_pa;
   const Estimate& tool = soil.tool_friction_angle_deg;
@@ -26,12 +31,6 @@ std::string learnedText(const ModelSoil& soil) {
                      angle.middle, angle.low, angle.high, cohesion.middle, cohesion.low, cohesion.high, tool.middle,
                      tool.low, tool.high);
 }
-
-bool hasLearned(const RobotLead& robot) {
-  return robot.learning() != nullptr && robot.learning()->updates() > 0;
-}
-
-}  // namespace
 
 std::string robotText(const RobotLead& robot) {
   const RobotNews& news = robot.end().news();
@@ -87,7 +86,7 @@ std::string robotSummary(const RobotLead& robot) {
                         agreement.rmsMet(0, kEver), agreement.rmsDifference(0, kEver), 100 * agreement.share(0, kEver));
   }
   if (hasLearned(robot)) {
-    text += fmt::format("  learned    {}; {} updates\n", learnedText(robot.learning()->learned()),
+    text += fmt::format("  learned    {}; {} updates\n", soilText(robot.learning()->learned()),
                         robot.learning()->updates());
   }
   const PacketCounts& counts = end.counts();

@@ -13,6 +13,9 @@ namespace haptolith {
 /// "robot following, 2650 commands behind; force felt 3.2 N, met 2.9 N": for a status line.
 [[nodiscard]] std::string robotText(const RobotLead& robot);
 
+/// "34.2 (31 to 37) deg, 150 (90 to 240) Pa, soil-tool 18.1 (15 to 21) deg".
+[[nodiscard]] std::string soilText(const ModelSoil& soil);
+
 /// The same for the page.
 [[nodiscard]] RobotShown robotShown(const RobotLead& robot);
 

@@ -29,6 +29,7 @@
 #include "shared/saved.h"
 #include "shared/stop_on_signal.h"
 #include "teleop/link_options.h"
+#include "teleop/operator_report.h"
 #include "teleop/teleop_commands.h"
 
 namespace haptolith {
@@ -46,6 +47,7 @@ docs/teleop.md tells what was found, and how the numbers are meant.)";
 
 constexpr double kMm = 1e-3;
 constexpr double kMillijoule = 1e-3;
+constexpr double kLast_s = 10;  ///< of a run, when a model that learns should have learned
 
 /// What is compared.
 enum class Case { kModel, kProbed, kLearning, kBoth, kBilateral, kTwin };
@@ -76,7 +78,7 @@ bool learns(Case which) {
 
 struct BenchOptions {
   std::string model = "dig", site = "dig-site";
-  std::vector<std::string> cases{"model", "learning", "bilateral", "twin"};
+  std::vector<std::string> cases;  ///< empty: those that the model is good for
   std::vector<std::string> model_overrides, site_overrides;
   std::vector<double> round_trips_s{0, 0.1, 0.4, 0.85, 2.6, 5};
   LinkOptions link;
@@ -145,6 +147,7 @@ Json rowJson(const Row& row, double duration_s) {
   return {{"round_trip_s", row.round_trip_s},
           {"case", text(row.which)},
           {"force_error_share", result.agreement.share(0, duration_s)},
+          {"force_error_share_last_10_s", result.agreement.share(duration_s - kLast_s, duration_s)},
           {"met_rms_n", result.agreement.rmsMet(0, duration_s)},
           {"off_in_air_m", result.free_m},
           {"off_in_soil_m", result.soil_m},
@@ -162,10 +165,20 @@ Json rowJson(const Row& row, double duration_s) {
 
 std::string rowText(const Row& row, double duration_s) {
   const TeleopResult& result = row.result;
-  return fmt::format("{:8.2f}  {:10} {:7.1f} {:8.2f} {:8.3f} {:8.3f} {:9.4f} {:8.2f} {:8.1f} {:6}\n", row.round_trip_s,
+  return fmt::format("{:8.2f}  {:10} {:7.1f} {:9.1f} {:8.2f} {:8.3f} {:8.3f} {:9.4f} {:8.2f} {:8.1f} {:6}\n", row.round_trip_s,
                      text(row.which), 100 * result.agreement.share(0, duration_s),
-                     result.agreement.rmsMet(0, duration_s), result.free_m / kMm, result.soil_m / kMm,
+                     100 * result.agreement.share(duration_s - kLast_s, duration_s), result.agreement.rmsMet(0, duration_s), result.free_m / kMm, result.soil_m / kMm,
                      result.given_j / kMillijoule, result.behind_s, 100 * result.followed_share, result.stops);
+}
+
+/// What a model has learned, and how gently; empty: it does not learn.
+std::string learnedText(const Row& row) {
+  const TeleopResult& result = row.result;
+  return result.learned ? fmt::format("{}, {:g} s: in the end {}; {} updates gave {:.4f} mJ, and changed the force by {:.1f} "
+                                      "times what is hardly felt at most\n",
+                                      text(row.which), row.round_trip_s, soilText(*result.learned), result.updates,
+                                      result.update_j / kMillijoule, result.update_jump)
+                        : "";
 }
 
 /// Force felt beside force met, window by window.
@@ -183,10 +196,20 @@ void writeCsv(const OutputFile& file, const std::vector<Row>& rows) {
   table.commit();
 }
 
+std::vector<std::string> casesOf(const BenchOptions& options) {
+  if (!options.cases.empty()) {
+    return options.cases;
+  }
+  return canLearn(findScenario(options.model, options.model_overrides))
+             ? std::vector<std::string>{"model", "learning", "bilateral", "twin"}
+             : std::vector<std::string>{"model", "bilateral", "twin"};
+}
+
 std::vector<Row> rowsFor(const BenchOptions& options) {
+  const std::vector<std::string> cases = casesOf(options);
   std::vector<Row> rows;
   for (const double round_trip_s : options.round_trips_s) {
-    for (const std::string& word : options.cases) {
+    for (const std::string& word : cases) {
       const Case which = kCaseWords.at(word);
       if (which != Case::kTwin || round_trip_s == options.round_trips_s.front()) {  // of a twin delay changes nothing
         rows.push_back({round_trip_s, which, {}});
@@ -255,10 +278,13 @@ void runBench(const BenchOptions& options) {
       probed ? fmt::format("the robot's probe, {} of {} windows in place:\n{}\n", probed->soil.windows,
                            probed->soil.of_windows, beliefText(probed->soil.belief, {}, gravityOf(*probed)))
               : "";
-  table += "there and              force error      met   off, mm              given   behind  follows\n";
-  table += "back, s   case             %  RMS, N   in air  in soil        mJ        s        %  stops\n";
+  table += "there and           force error, %          met      off, mm            given   behind  follows\n";
+  table += "back, s   case       whole  last 10 s   RMS, N   in air  in soil        mJ        s        %  stops\n";
   for (const Row& row : rows) {
     table += rowText(row, options.duration_s);
+  }
+  for (const Row& row : rows) {
+    table += learnedText(row);
   }
   printText(table);
   printNotice(savedText());
@@ -292,7 +318,7 @@ void addTeleopBench(CLI::App& teleop) {
           "told; learning: which learns from the robot's forces while both dig; both: one after the other;\n"
           "bilateral: what the robot's sensor tells, late; twin: a model whose soil is the robot's, in another\n"
           "specimen: as true as any model can be")
-      ->option_text("model,probed,learning,both,bilateral,twin [model,learning,bilateral,twin]")
+      ->option_text("model,probed,learning,both,bilateral,twin [all but probed and both]")
       ->delimiter(',')
       ->check(oneOf({"model", "probed", "learning", "both", "bilateral", "twin"}));
   command->add_option("--duration-s", options->duration_s, "Simulated time of each run")

@@ -13,7 +13,7 @@ namespace {
 
 constexpr std::uint64_t kStepTicks = 20, kLookTicks = 500;
 constexpr double kLeastWay_s = 0.5;
-constexpr double kFasterInAir = 5;
+constexpr double kFasterInAir = 20;
 constexpr double kHardly_n = 1e-6;     ///< of a contact's cohesion
 constexpr double kLeastForce_n = 0.3;  ///< of a stretch that tells anything
 

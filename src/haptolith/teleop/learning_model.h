@@ -28,7 +28,7 @@ namespace haptolith {
 ///
 /// Half a second of commands makes a stretch; each time there is a new one, contact friction, cohesion and soil-tool
 /// friction set out for what all stretches nearby say, in steps of a fiftieth of a second, so slowly that the force should
-/// change by 2 % in a tenth of a second; five times as fast while the tool is in the air. The soil lies as it lies: no
+/// change by 1 % in a tenth of a second; twenty times as fast while the tool is in the air. The soil lies as it lies: no
 /// bed has to be made, and none is cross-faded with another. Not for the tick.
 class LearningModel {
  public:
@@ -52,7 +52,7 @@ class LearningModel {
   [[nodiscard]] std::uint64_t updates() const noexcept { return updates_; }
 
   static constexpr std::uint64_t kStretchTicks = 400;
-  static constexpr double kChange_s = 0.2;  ///< of ln F, while the tool is in soil
+  static constexpr double kChange_s = 0.1;  ///< of ln F, while the tool is in soil
 
  private:
   struct Window {
