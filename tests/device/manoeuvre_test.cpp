@@ -8,7 +8,7 @@ namespace haptolith {
 namespace {
 
 constexpr Manoeuvre kAll[] = {Manoeuvre::kStill, Manoeuvre::kPress, Manoeuvre::kStir, Manoeuvre::kScoop,
-                              Manoeuvre::kCarry, Manoeuvre::kShake, Manoeuvre::kCut, Manoeuvre::kFurrows};
+                              Manoeuvre::kCarry, Manoeuvre::kShake, Manoeuvre::kCut,  Manoeuvre::kFurrows};
 constexpr double kTick_s = 1e-3;
 
 HandParameters handFor(Manoeuvre manoeuvre) {
@@ -192,8 +192,8 @@ TEST(Manoeuvre, CutsFurrowsBesideEachOtherEachOnce) {
 }
 
 TEST(ManoeuvreOpening, IsOpenInAnythingThatLiftsNothingAndAtTheEnd) {
-  for (const Manoeuvre manoeuvre : {Manoeuvre::kStill, Manoeuvre::kPress, Manoeuvre::kStir, Manoeuvre::kCut,
-                                    Manoeuvre::kFurrows}) {
+  for (const Manoeuvre manoeuvre :
+       {Manoeuvre::kStill, Manoeuvre::kPress, Manoeuvre::kStir, Manoeuvre::kCut, Manoeuvre::kFurrows}) {
     for (double t = 0; t < 8; t += 0.01) {
       EXPECT_EQ(manoeuvreOpening(handFor(manoeuvre), t), 1);
     }

@@ -113,7 +113,8 @@ TEST(ModelLearner, RemembersOnlySoManyStretchesAndForgetsTheOldest) {
   EXPECT_NEAR(learns.forceAlong(cut, learns.at(Vec3::Zero()).state) / learns.forceAlong(cut, kTruth), 1, 0.05);
 }
 
-// Truths drawn from the prior, forces that scatter as two specimens do, two stretches alike: nine intervals in ten hold.
+// Truths drawn from the prior, forces that scatter as two specimens do, two stretches alike: nine intervals in ten
+// hold.
 TEST(ModelLearner, NineIntervalsInTenHoldTheTruth) {
   std::mt19937_64 random(7);
   std::normal_distribution<double> normal;
@@ -124,8 +125,8 @@ TEST(ModelLearner, NineIntervalsInTenHoldTheTruth) {
                           std::clamp(0.36 + 0.1 * normal(random), 0.08, 0.65)};
     ModelLearner learns({.middle = {35, 200, 0.36}}, kDensity_kg_m3, kMoon_m_s2);
     for (int i = 0; i < 15; ++i) {
-      DiggingStretch stretch = stretchAt(Vec3::Zero(), cutAt(0.012 + 0.002 * i, i % 2 == 0 ? 80 : 55),
-                                         {35, 200, 0.36}, truth);
+      DiggingStretch stretch =
+          stretchAt(Vec3::Zero(), cutAt(0.012 + 0.002 * i, i % 2 == 0 ? 80 : 55), {35, 200, 0.36}, truth);
       const double size_n = std::max(stretch.met_n.norm(), stretch.felt_n.norm());
       stretch.met_n += 0.2 * size_n * Vec3(normal(random), normal(random), normal(random));
       learns.add(stretch);

@@ -374,7 +374,8 @@ TEST_F(ReplayTest, SoilThatLearnsIsReplayedToTheLastBit) {
   std::swap(events_[3], events_[9]);
   EXPECT_TRUE(replayed().difference) << "another soil is felt otherwise";
   events_ = all;
-  for (const char* nonsense : {"", "{}", R"({"contact_friction": "much", "contact_cohesion_n": 0, "tool_friction": 0})"}) {
+  for (const char* nonsense :
+       {"", "{}", R"({"contact_friction": "much", "contact_cohesion_n": 0, "tool_friction": 0})"}) {
     events_[2].text = nonsense;
     EXPECT_THROW((void)replayed(), Failure) << nonsense;
   }

@@ -25,8 +25,7 @@ class Cutting {
     RobotReport report;
     report.index = index;
     report.ticks = 20;
-    report.pose = {{3e-5 * static_cast<double>(index), 0, -0.01},
-                   Quat(Eigen::AngleAxisd(1.5, Vec3::UnitY()))};
+    report.pose = {{3e-5 * static_cast<double>(index), 0, -0.01}, Quat(Eigen::AngleAxisd(1.5, Vec3::UnitY()))};
     report.met.force_n = met * kFelt_n;
     waiting_.push_back({index + late, report});
   }
@@ -89,12 +88,12 @@ TEST(LearningModel, BecomesWeakerInStepsThatNobodyFeels) {
   EXPECT_LT(cutting.steps.back().contact_cohesion_n, 0.8 * digModel().bed.soil.contact_cohesion_n);
   const ModelLearner law({.middle = first}, digModel().bed.soil.rho0_kg_m3, 1.625);
   const ToolCut cut{.depth_m = 0.035, .rake_rad = 1.4};
-  const auto forceAfter = [&](const SoilAdjustment& step) {
+  const auto force_after = [&](const SoilAdjustment& step) {
     const ShearStrength strength = strengths().of(step.of(digModel().bed.soil));
     return law.forceAlong(cut, {strength.angle_deg, strength.cohesion_pa, step.tool_friction});
   };
   for (std::size_t i = 1; i < cutting.steps.size(); ++i) {
-    EXPECT_LT(std::abs(std::log(forceAfter(cutting.steps[i]) / forceAfter(cutting.steps[i - 1]))), 0.01) << i;
+    EXPECT_LT(std::abs(std::log(force_after(cutting.steps[i]) / force_after(cutting.steps[i - 1]))), 0.01) << i;
   }
   EXPECT_NEAR(law.forceAlong(cut, model.learned().state) / law.forceAlong(cut, first), 0.4, 0.1)
       << "each stretch was felt in soil that was not weaker yet";

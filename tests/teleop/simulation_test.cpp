@@ -172,8 +172,8 @@ TEST(TeleopSimulation, DelayedForceIsTrueWithoutDelayAndUselessWithIt) {
 // Lunar soil as the model, weaker soil of stiffer grains at the site; large grains, so that it takes seconds.
 TEST(TeleopSimulation, AModelThatLearnsBecomesWhatTheRobotMeetsAndNobodyFeelsIt) {
   TeleopSetup setup;
-  setup.model = readyToLearn(
-      findScenario("dig", std::vector<std::string>{"soil.radius_mm=8", "bed.sleep_distance_mm=0.08", "hand.period_s=24"}));
+  setup.model = readyToLearn(findScenario(
+      "dig", std::vector<std::string>{"soil.radius_mm=8", "bed.sleep_distance_mm=0.08", "hand.period_s=24"}));
   setup.site = findScenario("dig-site", std::vector<std::string>{"soil.radius_mm=7", "bed.sleep_distance_mm=0.07"});
   setup.up.delay_s = setup.down.delay_s = 0.2;
   setup.duration_s = 8;

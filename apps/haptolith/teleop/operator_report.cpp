@@ -27,9 +27,10 @@ std::string soilText(const ModelSoil& soil) {
   const Estimate& angle = soil.friction_angle_deg;
   const Estimate& cohesion = soil.cohesion_pa;
   const Estimate& tool = soil.tool_friction_angle_deg;
-  return fmt::format("{:.1f} ({:.0f} to {:.0f}) deg, {:.0f} ({:.0f} to {:.0f}) Pa, soil-tool {:.1f} ({:.0f} to {:.0f}) deg",
-                     angle.middle, angle.low, angle.high, cohesion.middle, cohesion.low, cohesion.high, tool.middle,
-                     tool.low, tool.high);
+  return fmt::format(
+      "{:.1f} ({:.0f} to {:.0f}) deg, {:.0f} ({:.0f} to {:.0f}) Pa, soil-tool {:.1f} ({:.0f} to {:.0f}) deg",
+      angle.middle, angle.low, angle.high, cohesion.middle, cohesion.low, cohesion.high, tool.middle, tool.low,
+      tool.high);
 }
 
 std::string robotText(const RobotLead& robot) {
@@ -45,10 +46,10 @@ std::string robotText(const RobotLead& robot) {
                     : news.state.at_speed_cap ? ", at its largest speed"
                     : news.state.at_edge      ? ", at the edge of its workspace"
                                               : "";
-  const std::string soil =
-      hasLearned(robot) ? fmt::format("; soil {:.1f} deg, {:.0f} Pa", robot.learning()->learned().state.friction_angle_deg,
-                                      robot.learning()->learned().state.cohesion_pa)
-                        : "";
+  const std::string soil = hasLearned(robot) ? fmt::format("; soil {:.1f} deg, {:.0f} Pa",
+                                                           robot.learning()->learned().state.friction_angle_deg,
+                                                           robot.learning()->learned().state.cohesion_pa)
+                                             : "";
   return fmt::format("robot {}{}{}, {} commands behind, round trip {:.2f} s; force felt {:.2f} N, met {:.2f} N{}",
                      text(news.state.state), why, cap, news.behind, news.round_trip_s, news.felt_n.norm(),
                      news.met_n.norm(), soil);

@@ -64,9 +64,9 @@ const char* text(Case which) {
   return "?";
 }
 
-const std::map<std::string, Case> kCaseWords{
-    {"model", Case::kModel}, {"probed", Case::kProbed},       {"learning", Case::kLearning},
-    {"both", Case::kBoth},   {"bilateral", Case::kBilateral}, {"twin", Case::kTwin}};
+const std::map<std::string, Case> kCaseWords{{"model", Case::kModel},         {"probed", Case::kProbed},
+                                             {"learning", Case::kLearning},   {"both", Case::kBoth},
+                                             {"bilateral", Case::kBilateral}, {"twin", Case::kTwin}};
 
 bool begins(Case which) {
   return which == Case::kProbed || which == Case::kBoth;
@@ -109,8 +109,8 @@ Probed probe(const BenchOptions& options, StatusLine& status) {
   const Scenario site = findScenario(options.site, options.site_overrides);
   const Training& training = probeTraining();
   const ProbedSoil soil = probeSite(site, {}, training, progress);
-  return {soil,
-          withBelievedSoil(findScenario(options.model, options.model_overrides), soil.belief, StrengthMap(training.runs))};
+  return {soil, withBelievedSoil(findScenario(options.model, options.model_overrides), soil.belief,
+                                 StrengthMap(training.runs))};
 }
 
 double gravityOf(const Probed& probed) {
@@ -165,19 +165,21 @@ Json rowJson(const Row& row, double duration_s) {
 
 std::string rowText(const Row& row, double duration_s) {
   const TeleopResult& result = row.result;
-  return fmt::format("{:8.2f}  {:10} {:7.1f} {:9.1f} {:8.2f} {:8.3f} {:8.3f} {:9.4f} {:8.2f} {:8.1f} {:6}\n", row.round_trip_s,
-                     text(row.which), 100 * result.agreement.share(0, duration_s),
-                     100 * result.agreement.share(duration_s - kLast_s, duration_s), result.agreement.rmsMet(0, duration_s), result.free_m / kMm, result.soil_m / kMm,
+  return fmt::format("{:8.2f}  {:10} {:7.1f} {:9.1f} {:8.2f} {:8.3f} {:8.3f} {:9.4f} {:8.2f} {:8.1f} {:6}\n",
+                     row.round_trip_s, text(row.which), 100 * result.agreement.share(0, duration_s),
+                     100 * result.agreement.share(duration_s - kLast_s, duration_s),
+                     result.agreement.rmsMet(0, duration_s), result.free_m / kMm, result.soil_m / kMm,
                      result.given_j / kMillijoule, result.behind_s, 100 * result.followed_share, result.stops);
 }
 
 /// What a model has learned, and how gently; empty: it does not learn.
 std::string learnedText(const Row& row) {
   const TeleopResult& result = row.result;
-  return result.learned ? fmt::format("{}, {:g} s: in the end {}; {} updates gave {:.4f} mJ, and changed the force by {:.1f} "
-                                      "times what is hardly felt at most\n",
-                                      text(row.which), row.round_trip_s, soilText(*result.learned), result.updates,
-                                      result.update_j / kMillijoule, result.update_jump)
+  return result.learned ? fmt::format(
+                              "{}, {:g} s: in the end {}; {} updates gave {:.4f} mJ, and changed the force by {:.1f} "
+                              "times what is hardly felt at most\n",
+                              text(row.which), row.round_trip_s, soilText(*result.learned), result.updates,
+                              result.update_j / kMillijoule, result.update_jump)
                         : "";
 }
 
@@ -277,7 +279,7 @@ void runBench(const BenchOptions& options) {
   std::string table =
       probed ? fmt::format("the robot's probe, {} of {} windows in place:\n{}\n", probed->soil.windows,
                            probed->soil.of_windows, beliefText(probed->soil.belief, {}, gravityOf(*probed)))
-              : "";
+             : "";
   table += "there and           force error, %          met      off, mm            given   behind  follows\n";
   table += "back, s   case       whole  last 10 s   RMS, N   in air  in soil        mJ        s        %  stops\n";
   for (const Row& row : rows) {
@@ -314,7 +316,8 @@ void addTeleopBench(CLI::App& teleop) {
   command
       ->add_option(
           "--case", options->cases,
-          "model: the hand feels a model of the soil, which stays as it is; probed: of soil that the robot's probe has\n"
+          "model: the hand feels a model of the soil, which stays as it is; probed: of soil that the robot's probe "
+          "has\n"
           "told; learning: which learns from the robot's forces while both dig; both: one after the other;\n"
           "bilateral: what the robot's sensor tells, late; twin: a model whose soil is the robot's, in another\n"
           "specimen: as true as any model can be")

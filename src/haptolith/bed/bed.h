@@ -102,8 +102,8 @@ class Bed {
   /// isCompatible(). May be called in the tick.
   void setSoil(const SoilLaws& laws) noexcept;
 
-  /// The same, of a soil whose contacts reach as far, with a little more or less friction and cohesion: what sleeps goes
-  /// on sleeping, and is such soil when something wakes it. May be called in the tick.
+  /// The same, of a soil whose contacts reach as far, with a little more or less friction and cohesion: what sleeps
+  /// goes on sleeping, and is such soil when something wakes it. May be called in the tick.
   void adjustSoil(const SoilLaws& laws) noexcept;
 
   /// Whether nothing can push a particle: driven ones, and soil that is held where a box of settled soil ends.

@@ -27,8 +27,8 @@ struct Gravity {
 struct Soil {  ///< one that the bed isCompatible()
   SoilLaws laws;
 };
-/// A little more or less friction and cohesion, and friction of the tool in it: a step of one in a tick at most, so that
-/// a recording knows which tick each one came before.
+/// A little more or less friction and cohesion, and friction of the tool in it: a step of one in a tick at most, so
+/// that a recording knows which tick each one came before.
 struct Adjust {
   SoilLaws laws;  ///< see Bed::adjustSoil()
   double tool_friction = 0;

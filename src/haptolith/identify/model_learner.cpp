@@ -14,10 +14,10 @@ namespace haptolith {
 namespace {
 
 constexpr double kDegree = std::numbers::pi / 180;
-constexpr double kScatter = 0.2;   ///< of a stretch's force: of specimens, and of the law of how it grows
-constexpr double kNoise_n = 0.1;   ///< of a sensor, and of grains that strike one by one
-constexpr double kFreedom = 4;     ///< nu of Student's t
-constexpr double kAlike = 2;       ///< stretches one after the other say partly the same: so many are worth one
+constexpr double kScatter = 0.2;  ///< of a stretch's force: of specimens, and of the law of how it grows
+constexpr double kNoise_n = 0.1;  ///< of a sensor, and of grains that strike one by one
+constexpr double kFreedom = 4;    ///< nu of Student's t
+constexpr double kAlike = 2;      ///< stretches one after the other say partly the same: so many are worth one
 constexpr double kFarShare = 0.05;
 constexpr int kMostSteps = 12;
 constexpr SoilPrior kBounds{.friction_angle_deg{12, 50}, .cohesion_m{0, 1.5}, .tool_friction{0.05, 0.7}};

@@ -29,10 +29,10 @@ struct ModelSoil {
 ///     met = s R felt + e,    s = F(theta, cut) / F(model, cut),    R turns by delta - delta_model about the axis
 ///     across
 ///
-/// F is the fundamental earthmoving equation's (earthmovingForce()) at the tool's depth and rake. What it is wrong about
-/// the next stretches put right, in which the model already has another strength. theta is the most probable state,
-/// by Gauss and Newton with Student's t for e, from all stretches nearby, on a prior about the model's first strength;
-/// intervals are those of the normal distribution there.
+/// F is the fundamental earthmoving equation's (earthmovingForce()) at the tool's depth and rake. What it is wrong
+/// about the next stretches put right, in which the model already has another strength. theta is the most probable
+/// state, by Gauss and Newton with Student's t for e, from all stretches nearby, on a prior about the model's first
+/// strength; intervals are those of the normal distribution there.
 ///
 /// theta is a strength of the model's own kind of soil. Where the real grains are of another kind, it is not what a
 /// shear test of them would measure: SoilIdentifier tells that.

@@ -31,10 +31,10 @@ std::optional<ToolCut> cutOf(const ToolSurface& surface, const Pose& site_T_tool
   Vec3 leading = Vec3::Zero();
   for (const auto& [a, b, c] : surface.triangles) {
     const Vec3& corner = points[static_cast<std::size_t>(a)];
-    const Vec3 normal_m2 = (points[static_cast<std::size_t>(b)] - corner)
-                               .cross(points[static_cast<std::size_t>(c)] - corner);
-    const double lowest_corner_m = std::min({corner.z(), points[static_cast<std::size_t>(b)].z(),
-                                             points[static_cast<std::size_t>(c)].z()});
+    const Vec3 normal_m2 =
+        (points[static_cast<std::size_t>(b)] - corner).cross(points[static_cast<std::size_t>(c)] - corner);
+    const double lowest_corner_m =
+        std::min({corner.z(), points[static_cast<std::size_t>(b)].z(), points[static_cast<std::size_t>(c)].z()});
     const double sweeps = normal_m2.dot(velocity_m_s) / speed_m_s;
     if (sweeps > 0 && lowest_corner_m < 0) {
       leading += normal_m2.normalized() * sweeps;

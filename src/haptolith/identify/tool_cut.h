@@ -17,7 +17,8 @@ struct ToolCut {
 /// The cut of a tool that goes somewhere, site frame: the mean of the normals of all that leads, each as large as the
 /// area that it sweeps. None: the tool is less than `kLeastDepth_m` deep, stands still, or goes up and out.
 /// Not for the tick.
-[[nodiscard]] std::optional<ToolCut> cutOf(const ToolSurface& surface, const Pose& site_T_tool, const Vec3& velocity_m_s);
+[[nodiscard]] std::optional<ToolCut> cutOf(const ToolSurface& surface, const Pose& site_T_tool,
+                                           const Vec3& velocity_m_s);
 inline constexpr double kLeastDepth_m = 0.004;
 
 }  // namespace haptolith

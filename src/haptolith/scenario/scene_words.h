@@ -73,9 +73,11 @@ inline constexpr std::array kMeshFormatWords{
 };
 
 inline constexpr std::array kManoeuvreWords{
-    SceneWord{"still", Manoeuvre::kStill}, SceneWord{"press", Manoeuvre::kPress}, SceneWord{"stir", Manoeuvre::kStir},
-    SceneWord{"scoop", Manoeuvre::kScoop}, SceneWord{"carry", Manoeuvre::kCarry}, SceneWord{"shake", Manoeuvre::kShake},
-    SceneWord{"cut", Manoeuvre::kCut}, SceneWord{"furrows", Manoeuvre::kFurrows}, SceneWord{"poses", Manoeuvre::kPoses},
+    SceneWord{"still", Manoeuvre::kStill}, SceneWord{"press", Manoeuvre::kPress},
+    SceneWord{"stir", Manoeuvre::kStir},   SceneWord{"scoop", Manoeuvre::kScoop},
+    SceneWord{"carry", Manoeuvre::kCarry}, SceneWord{"shake", Manoeuvre::kShake},
+    SceneWord{"cut", Manoeuvre::kCut},     SceneWord{"furrows", Manoeuvre::kFurrows},
+    SceneWord{"poses", Manoeuvre::kPoses},
 };
 
 inline constexpr std::array kDeviceWords{

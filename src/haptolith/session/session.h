@@ -58,8 +58,9 @@ class Session {
   void level();  ///< the same soil, level again
   void undo();   ///< the bed as it was before the last new one; a second undo brings that back
 
-  /// Changes the soil that is shown and the tool's friction in it a little, at once. False, and nothing is changed, while
-  /// the loop takes no more, or another bed, soil or tool is on its way; or where soil coheres that did not before. @throws InvalidParameter outside their ranges.
+  /// Changes the soil that is shown and the tool's friction in it a little, at once. False, and nothing is changed,
+  /// while the loop takes no more, or another bed, soil or tool is on its way; or where soil coheres that did not
+  /// before. @throws InvalidParameter outside their ranges.
   [[nodiscard]] bool adjust(const SoilAdjustment& adjustment);
 
   /// Whether the tool touches the soil: it fades out of it in a tenth of a second, and into it again. A bed that comes

@@ -89,8 +89,7 @@ void LearningModel::close(const Window& window) {
   }
   const double duration_s = static_cast<double>(last.index - first.index) * tick_s_;
   const Pose middle = interpolate(first.pose, last.pose, 0.5);
-  const std::optional<ToolCut> cut =
-      cutOf(tool_, middle, (last.pose.position_m - first.pose.position_m) / duration_s);
+  const std::optional<ToolCut> cut = cutOf(tool_, middle, (last.pose.position_m - first.pose.position_m) / duration_s);
   const Vec3 felt_n = window.felt / window.ticks, met_n = window.met / window.ticks;
   if (!cut || felt_n.norm() < kLeastForce_n || met_n.norm() < kLeastForce_n) {
     return;
@@ -104,8 +103,7 @@ void LearningModel::close(const Window& window) {
 void LearningModel::setOut(const ModelSoil& learned) {
   learned_ = learned;
   from_ = now_;
-  const SoilParameters wanted =
-      strengths_.with(soil_, {learned_.state.friction_angle_deg, learned_.state.cohesion_pa});
+  const SoilParameters wanted = strengths_.with(soil_, {learned_.state.friction_angle_deg, learned_.state.cohesion_pa});
   to_ = {wanted.contact_friction, std::max(kHardly_n, wanted.contact_cohesion_n), learned_.state.tool_friction};
   const double change =
       std::abs(std::log(learner_.forceAlong(cut_, stateOf(to_)) / learner_.forceAlong(cut_, stateOf(from_))));

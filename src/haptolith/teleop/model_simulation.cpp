@@ -1,12 +1,12 @@
+#include <fmt/format.h>
+
 #include <array>
 #include <optional>
 #include <set>
 #include <vector>
 
-#include <fmt/format.h>
-
-#include "haptolith/haptics/haptic_loop.h"
 #include "haptolith/device/hand/virtual_hand.h"
+#include "haptolith/haptics/haptic_loop.h"
 #include "haptolith/teleop/simulation_parts.h"
 #include "haptolith/teleop/teleop_packet.h"
 
@@ -16,8 +16,8 @@ namespace {
 
 constexpr std::uint32_t kSession = 1;
 
-/// What updates of a model's soil do to the force that no hand has caused: for a tenth of a second after an update began
-/// a copy of the scene, which is not updated, has its tool moved likewise.
+/// What updates of a model's soil do to the force that no hand has caused: for a tenth of a second after an update
+/// began a copy of the scene, which is not updated, has its tool moved likewise.
 class UpdateWatch {
  public:
   explicit UpdateWatch(double tick_s) : tick_s_(tick_s) {}

@@ -17,7 +17,7 @@ TeleopResult simulateTeleop(const TeleopSetup& setup, const TeleopProgress& prog
                            fmt::format("the model's {:g}", setup.model.loop.tick_s));
   }
   return setup.feedback == Feedback::kModel ? simulation::simulateModel(setup, progress)
-                                              : simulation::simulateBilateral(setup, progress);
+                                            : simulation::simulateBilateral(setup, progress);
 }
 
 }  // namespace haptolith

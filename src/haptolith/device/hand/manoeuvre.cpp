@@ -14,13 +14,13 @@ constexpr double kTurn = 2 * std::numbers::pi;
 
 /// A pose on the way, in the manoeuvre's own measures.
 struct KeyPose {
-  double share;     ///< of the period
-  double out;       ///< distance from the box's axis, in `reach_m`; along x at turn 0
-  double turn;      ///< about the box's axis, in turns; the tool turns along
-  double height;    ///< of the tool's origin: 0 surface, 1 home, -1 `depth_m` below the surface
-  double nose_deg;  ///< tilt of the tool's x axis: 90 points straight down
-  double shake;     ///< share of kShakeAmplitude_m
-  double aside = 0; ///< along y, in `reach_m`
+  double share;      ///< of the period
+  double out;        ///< distance from the box's axis, in `reach_m`; along x at turn 0
+  double turn;       ///< about the box's axis, in turns; the tool turns along
+  double height;     ///< of the tool's origin: 0 surface, 1 home, -1 `depth_m` below the surface
+  double nose_deg;   ///< tilt of the tool's x axis: 90 points straight down
+  double shake;      ///< share of kShakeAmplitude_m
+  double aside = 0;  ///< along y, in `reach_m`
 };
 
 constexpr double kShakeAmplitude_m = 0.006;
@@ -75,12 +75,13 @@ constexpr KeyPose kCutTable[] = {
 
 // Five straight cuts beside each other, each in soil that nothing has touched, the blade as in a cut.
 constexpr KeyPose kFurrowsTable[] = {
-    {0.00, 0, 0, 1.0, 70, 0, 0.0},
-    {0.048, -1, 0, 0.5, 70, 0, -1.4}, {0.072, -1, 0, -1., 70, 0, -1.4}, {0.172, 1., 0, -1., 70, 0, -1.4}, {0.195, 1., 0, 0.5, 70, 0, -1.4},
-    {0.238, -1, 0, 0.5, 70, 0, -0.7}, {0.262, -1, 0, -1., 70, 0, -0.7}, {0.362, 1., 0, -1., 70, 0, -0.7}, {0.385, 1., 0, 0.5, 70, 0, -0.7},
-    {0.428, -1, 0, 0.5, 70, 0, 0.0}, {0.452, -1, 0, -1., 70, 0, 0.0}, {0.552, 1., 0, -1., 70, 0, 0.0}, {0.575, 1., 0, 0.5, 70, 0, 0.0},
-    {0.618, -1, 0, 0.5, 70, 0, 0.7}, {0.642, -1, 0, -1., 70, 0, 0.7}, {0.742, 1., 0, -1., 70, 0, 0.7}, {0.765, 1., 0, 0.5, 70, 0, 0.7},
-    {0.808, -1, 0, 0.5, 70, 0, 1.4}, {0.832, -1, 0, -1., 70, 0, 1.4}, {0.932, 1., 0, -1., 70, 0, 1.4}, {0.955, 1., 0, 0.5, 70, 0, 1.4},
+    {0.00, 0, 0, 1.0, 70, 0, 0.0},    {0.048, -1, 0, 0.5, 70, 0, -1.4}, {0.072, -1, 0, -1., 70, 0, -1.4},
+    {0.172, 1., 0, -1., 70, 0, -1.4}, {0.195, 1., 0, 0.5, 70, 0, -1.4}, {0.238, -1, 0, 0.5, 70, 0, -0.7},
+    {0.262, -1, 0, -1., 70, 0, -0.7}, {0.362, 1., 0, -1., 70, 0, -0.7}, {0.385, 1., 0, 0.5, 70, 0, -0.7},
+    {0.428, -1, 0, 0.5, 70, 0, 0.0},  {0.452, -1, 0, -1., 70, 0, 0.0},  {0.552, 1., 0, -1., 70, 0, 0.0},
+    {0.575, 1., 0, 0.5, 70, 0, 0.0},  {0.618, -1, 0, 0.5, 70, 0, 0.7},  {0.642, -1, 0, -1., 70, 0, 0.7},
+    {0.742, 1., 0, -1., 70, 0, 0.7},  {0.765, 1., 0, 0.5, 70, 0, 0.7},  {0.808, -1, 0, 0.5, 70, 0, 1.4},
+    {0.832, -1, 0, -1., 70, 0, 1.4},  {0.932, 1., 0, -1., 70, 0, 1.4},  {0.955, 1., 0, 0.5, 70, 0, 1.4},
     {1.00, 0, 0, 1.0, 70, 0, 0.0},
 };
 
@@ -173,7 +174,8 @@ Pose manoeuvrePose(const HandParameters& hand, double time_s) noexcept {
   // A stirring blade faces the way it goes; everything else looks outwards.
   const double yaw = hand.manoeuvre == Manoeuvre::kStir ? angle + kTurn / 4 : angle;
   const double nose = key.nose_deg * kTurn / 360;
-  return {Vec3(hand.home_m.x() + out_m * std::cos(angle), hand.home_m.y() + out_m * std::sin(angle) + key.aside * hand.reach_m,
+  return {Vec3(hand.home_m.x() + out_m * std::cos(angle),
+               hand.home_m.y() + out_m * std::sin(angle) + key.aside * hand.reach_m,
                hand.surface_m.value_or(0) + key.height + shake_m),
           Quat(Eigen::AngleAxisd(yaw, Vec3::UnitZ()) * Eigen::AngleAxisd(nose, Vec3::UnitY()))};
 }
