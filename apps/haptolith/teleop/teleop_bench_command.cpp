@@ -121,11 +121,11 @@ TeleopSetup setupFor(const BenchOptions& options, double round_trip_s, Case whic
                      const std::optional<Probed>& probed) {
   TeleopSetup setup;
   setup.model = begins(which) ? probed->model : findScenario(options.model, options.model_overrides);
+  setup.site = findScenario(options.site, options.site_overrides);
   if (which == Case::kTwin) {
-    setup.site = setup.model;
-    ++setup.site.bed.seed;
-  } else {
-    setup.site = findScenario(options.site, options.site_overrides);
+    setup.model.bed = setup.site.bed;
+    setup.model.tool = setup.site.tool;
+    ++setup.model.bed.seed;
   }
   LinkOptions link = options.link;
   link.round_trip_s = round_trip_s;

@@ -12,6 +12,7 @@ namespace haptolith {
 namespace {
 
 constexpr std::uint64_t kStepTicks = 20, kLookTicks = 500;
+constexpr std::uint64_t kInAirTicks = 300;  ///< a tool that touches now and then is not in the air
 constexpr double kLeastWay_s = 0.5;
 constexpr double kFasterInAir = 20;
 constexpr double kHardly_n = 1e-6;     ///< of a contact's cohesion
@@ -113,6 +114,7 @@ void LearningModel::setOut(const ModelSoil& learned) {
 }
 
 std::optional<SoilAdjustment> LearningModel::at(std::uint64_t index, bool in_air) {
+  touched_ = in_air ? touched_ : index;
   if (index >= looked_ + kLookTicks && has_new_ && !coming_.valid()) {
     looked_ = index;
     has_new_ = false;
@@ -126,7 +128,7 @@ std::optional<SoilAdjustment> LearningModel::at(std::uint64_t index, bool in_air
     return std::nullopt;
   }
   stepped_ = index;
-  gone_s_ = std::min(way_s_, gone_s_ + kStepTicks * tick_s_ * (in_air ? kFasterInAir : 1));
+  gone_s_ = std::min(way_s_, gone_s_ + kStepTicks * tick_s_ * (index > touched_ + kInAirTicks ? kFasterInAir : 1));
   const double share = gone_s_ / way_s_;
   now_.contact_friction = mix(from_.contact_friction, to_.contact_friction, share);
   now_.contact_cohesion_n = mix(from_.contact_cohesion_n, to_.contact_cohesion_n, share);

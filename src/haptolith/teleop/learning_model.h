@@ -28,7 +28,7 @@ namespace haptolith {
 ///
 /// Half a second of commands makes a stretch; each time there is a new one, contact friction, cohesion and soil-tool
 /// friction set out for what all stretches nearby say, in steps of a fiftieth of a second, so slowly that the force
-/// should change by 1 % in a tenth of a second; twenty times as fast while the tool is in the air. The soil lies as it
+/// should change by 1 % in a tenth of a second; twenty times as fast once the tool has been in the air for a while. The soil lies as it
 /// lies: no bed has to be made, and none is cross-faded with another. Not for the tick.
 class LearningModel {
  public:
@@ -83,7 +83,7 @@ class LearningModel {
   bool has_new_ = false;
   Work work_;
   std::future<ModelSoil> coming_;
-  std::uint64_t looked_ = 0, stepped_ = 0;
+  std::uint64_t looked_ = 0, stepped_ = 0, touched_ = 0;
   double way_s_ = 0, gone_s_ = 0;  ///< from `from_` to `to_`, and of that so far
   ModelSoil learned_;
   std::uint64_t updates_ = 0;
