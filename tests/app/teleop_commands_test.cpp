@@ -107,6 +107,39 @@ print(json.dumps({'lead': json.loads(lead.stdout), 'robot': json.loads(robot.com
   EXPECT_EQ(seen["robot"]["packets"]["malformed"], 0);
 }
 
+TEST(TeleopCommands, TheOperatorsSoilLearnsAndIsReplayedToTheLastBit) {
+  const std::filesystem::path folder =
+      std::filesystem::path(testing::TempDir()) / ("haptolith-learns-" + std::to_string(getpid()));
+  std::filesystem::create_directory(folder);
+  std::ofstream(folder / "learn.py") << R"(import subprocess, sys
+robot = subprocess.Popen([sys.argv[1], 'teleop', 'remote', 'dig-site', '--set', 'soil.radius_mm=8', '--set', 'soil.stiffness_n_m=3000',
+                          '--listen', '127.0.0.1:0', '--duration-s', '40'], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+port = robot.stderr.readline().split('at port ')[1].split(';')[0].split(',')[0]
+lead = subprocess.run([sys.argv[1], 'teleop', 'operator', 'dig', '--set', 'soil.radius_mm=9', '--set', 'hand.period_s=24',
+                       '--to', '127.0.0.1:' + port, '--duration-s', '12', '--json', '--record', sys.argv[2]],
+                      capture_output=True, text=True)
+robot.send_signal(2)
+robot.communicate()
+print(lead.stdout)
+sys.stderr.write(lead.stderr)
+)";
+  const std::string recording = (folder / "learns.h5").string();
+  const ProgramResult result = runInShell("python3 " + (folder / "learn.py").string() + " \"$HAPTOLITH\" " + recording);
+  ASSERT_EQ(result.exit_status, 0) << result.errors;
+  const json learned = json::parse(result.output)["robot"]["learned"];
+  ASSERT_TRUE(learned.is_object()) << result.output;
+  EXPECT_GT(learned["updates"].get<int>(), 0);
+  EXPECT_LT(learned["cohesion_pa"]["middle"].get<double>(), 500) << "it began with 545";
+  const ProgramResult replayed = runHaptolith("replay " + recording + " --verify --json");
+  EXPECT_EQ(replayed.exit_status, 0) << replayed.output << replayed.errors;
+  std::filesystem::remove_all(folder);
+
+  const ProgramResult refused =
+      runHaptolith("teleop operator paper --learn --to 127.0.0.1:7410 --duration-s 1 --no-serve");
+  EXPECT_EQ(refused.exit_status, 2);
+  EXPECT_THAT(refused.errors, HasSubstr("contact"));
+}
+
 TEST(TeleopCommands, BothEndsStayOnThisMachineWithoutAKey) {
   const ProgramResult remote = runHaptolith("teleop remote paper --listen 0.0.0.0:7410 --duration-s 1");
   EXPECT_EQ(remote.exit_status, 2);

@@ -188,7 +188,7 @@ TEST(Manoeuvre, CutsFurrowsBesideEachOtherEachOnce) {
   for (std::size_t i = 1; i < furrows_m.size(); ++i) {
     EXPECT_NEAR(furrows_m[i] - furrows_m[i - 1], 0.7 * hand.reach_m, 1e-9);
   }
-  EXPECT_NEAR(furthest_m, hand.home_m.x() + hand.reach_m, 1e-6);
+  EXPECT_NEAR(furthest_m, hand.home_m.x() + hand.reach_m / 2, 1e-6);
 }
 
 TEST(ManoeuvreOpening, IsOpenInAnythingThatLiftsNothingAndAtTheEnd) {
