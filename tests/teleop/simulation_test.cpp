@@ -34,6 +34,18 @@ std::vector<double> metOf(const TeleopResult& result) {
   return met;
 }
 
+/// Mean size of the force that was felt over that of the one that was met.
+double feltOverMet(const TeleopResult& result, double from_s, double to_s) {
+  double felt_n = 0, met_n = 0;
+  for (const AgreementPoint& window : result.agreement.windows()) {
+    if (window.time_s >= from_s && window.time_s < to_s) {
+      felt_n += window.felt_n.norm();
+      met_n += window.met_n.norm();
+    }
+  }
+  return felt_n / met_n;
+}
+
 TEST(TeleopSimulation, TheSameBedOnBothSidesGivesTheSameForce) {
   TeleopSetup setup;
   setup.model = findScenario(
@@ -173,20 +185,24 @@ TEST(TeleopSimulation, DelayedForceIsTrueWithoutDelayAndUselessWithIt) {
 TEST(TeleopSimulation, AModelThatLearnsBecomesWhatTheRobotMeetsAndNobodyFeelsIt) {
   TeleopSetup setup;
   setup.model = readyToLearn(findScenario(
-      "dig", std::vector<std::string>{"soil.radius_mm=8", "bed.sleep_distance_mm=0.08", "hand.period_s=24"}));
-  setup.site = findScenario("dig-site", std::vector<std::string>{"soil.radius_mm=7", "bed.sleep_distance_mm=0.07"});
+      "dig", std::vector<std::string>{"soil.radius_mm=9", "bed.sleep_distance_mm=0.09", "hand.period_s=24"}));
+  setup.site = findScenario("dig-site", std::vector<std::string>{"soil.radius_mm=8", "bed.sleep_distance_mm=0.08",
+                                                                 "soil.stiffness_n_m=5000"});
   setup.up.delay_s = setup.down.delay_s = 0.2;
-  setup.duration_s = 8;
+  setup.duration_s = 7;
   const TeleopResult stays = simulateTeleop(setup);
   EXPECT_EQ(stays.updates, 0U);
-  EXPECT_GT(stays.agreement.share(0, 8), 1);
+  EXPECT_GT(stays.agreement.share(0, 7), 1);
+  EXPECT_GT(feltOverMet(stays, 0, 7), 2);
   setup.learns.emplace(probeTraining().runs);
   const TeleopResult short_run = simulateTeleop(setup), again = simulateTeleop(setup);
   EXPECT_EQ(metOf(short_run), metOf(again)) << "the same on every run";
   EXPECT_EQ(short_run.learned->state.cohesion_pa, again.learned->state.cohesion_pa);
   setup.duration_s = 24;
   const TeleopResult learns = simulateTeleop(setup);
-  EXPECT_LT(learns.agreement.share(14, 24), 0.45) << "two specimens of grains so large differ by a third";
+  EXPECT_LT(learns.agreement.share(12, 24), 0.8) << "two specimens of grains so large differ by half";
+  EXPECT_GT(feltOverMet(learns, 12, 24), 0.7);
+  EXPECT_LT(feltOverMet(learns, 12, 24), 1.4);
   EXPECT_GT(learns.updates, 10U);
   EXPECT_LT(learns.update_j, 1e-3);
   EXPECT_LT(learns.update_jump, 4) << "grains so large slip by much where a few slip otherwise";

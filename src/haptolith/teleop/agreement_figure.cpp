@@ -17,6 +17,20 @@ constexpr int kWidth_px = 1200, kPanelHeight_px = 230, kMargins_px = 120;
 constexpr const char* kFelt = "#0072b2";
 constexpr const char* kMet = "#d55e00";
 
+double strongestOf(const AgreementPanel& panel) {
+  double strongest_n = 0;
+  for (const AgreementPoint& point : panel.points) {
+    strongest_n = std::max({strongest_n, point.felt_n.norm(), point.met_n.norm()});
+  }
+  return strongest_n;
+}
+
+/// Where there is room for the key.
+std::size_t quietestOf(const std::vector<AgreementPanel>& panels) {
+  const auto quietest = std::ranges::min_element(panels, {}, strongestOf);
+  return static_cast<std::size_t>(quietest - panels.begin());
+}
+
 }  // namespace
 
 void drawAgreement(const OutputFile& file, const std::vector<AgreementPanel>& panels) {
@@ -25,11 +39,12 @@ void drawAgreement(const OutputFile& file, const std::vector<AgreementPanel>& pa
   }
   double longest_s = 1, strongest_n = 1;
   for (const AgreementPanel& panel : panels) {
+    strongest_n = std::max(strongest_n, strongestOf(panel));
     for (const AgreementPoint& point : panel.points) {
       longest_s = std::max(longest_s, point.time_s);
-      strongest_n = std::max({strongest_n, point.felt_n.norm(), point.met_n.norm()});
     }
   }
+  const std::size_t quietest = quietestOf(panels);
   const std::size_t columns = std::min<std::size_t>(2, panels.size());
   const std::size_t rows = (panels.size() + columns - 1) / columns;
   const int height_px = kPanelHeight_px * static_cast<int>(rows) + kMargins_px;
@@ -50,7 +65,8 @@ void drawAgreement(const OutputFile& file, const std::vector<AgreementPanel>& pa
     figure.data(name, data);
     figure.command(fmt::format("set title {} font ',11'\nset ylabel '{}'\nset xlabel '{}'\nset key {}",
                                gnuplotQuoted(panels[i].title), i % columns == 0 ? "force, N" : "",
-                               i + columns >= panels.size() ? "time of the command, s" : "", i == 0 ? "on" : "off"));
+                               i + columns >= panels.size() ? "time of the command, s" : "",
+                               i == quietest ? "on" : "off"));
     figure.command(
         data.empty()
             ? std::string("plot NaN notitle")
