@@ -28,8 +28,8 @@ namespace haptolith {
 ///
 /// Half a second of commands makes a stretch; each time there is a new one, contact friction, cohesion and soil-tool
 /// friction set out for what all stretches nearby say, in steps of a fiftieth of a second, so slowly that the force
-/// should change by 1 % in a tenth of a second; twenty times as fast once the tool has been in the air for a while. The soil lies as it
-/// lies: no bed has to be made, and none is cross-faded with another. Not for the tick.
+/// should change by 1 % in a tenth of a second; twenty times as fast once the tool has been in the air for a while. The
+/// soil lies as it lies: no bed has to be made, and none is cross-faded with another. Not for the tick.
 class LearningModel {
  public:
   /// Where what was met is thought about, which takes some hundredths of a second.
