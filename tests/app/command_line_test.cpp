@@ -72,10 +72,8 @@ TEST(Usage, WrongValuesOfOptionsAreToldWithWhatIsValid) {
     EXPECT_EQ(result.exit_status, 2) << arguments;
     return result.errors;
   };
-  EXPECT_THAT(
-      errorOf("run --hand dig"),
-      StartsWith(
-          "haptolith: error: --hand: 'dig' is not valid: must be carry, cut, press, scoop, shake, still or stir"));
+  EXPECT_THAT(errorOf("run --hand dig"), StartsWith("haptolith: error: --hand: 'dig' is not valid: must be carry, cut, "
+                                                    "furrows, press, scoop, shake, still or stir"));
   EXPECT_THAT(errorOf("run --hand shak"), HasSubstr("; did you mean shake?\n"));
   EXPECT_THAT(errorOf("run --port 99999"),
               StartsWith("haptolith: error: --port: 99999 is not valid: must be a whole number, 0 to 65535\n"));

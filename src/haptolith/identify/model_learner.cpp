@@ -14,7 +14,8 @@ namespace haptolith {
 namespace {
 
 constexpr double kDegree = std::numbers::pi / 180;
-constexpr double kScatter = 0.2;  ///< of a stretch's force: of specimens, and of the law of how it grows
+constexpr double kScatter = 0.2;  ///< of a stretch's force, of specimens
+constexpr double kGrowth = 0.4;   ///< by which the law of how force grows is wrong, of the logarithm of the growth
 constexpr double kNoise_n = 0.1;  ///< of a sensor, and of grains that strike one by one
 constexpr double kFreedom = 4;    ///< nu of Student's t
 constexpr double kAlike = 2;      ///< stretches one after the other say partly the same: so many are worth one
@@ -58,7 +59,7 @@ ModelSoil ModelLearner::at(const Vec3& place_m) const {
   struct Known {
     Vec3 axis, felt_n, met_n;
     const ToolCut* cut;
-    double model_force, model_delta_rad, weight, sd_n;
+    double model_force, model_delta_rad, weight;
   };
   std::vector<Known> known;
   known.reserve(stretches_.size());
@@ -67,10 +68,8 @@ ModelSoil ModelLearner::at(const Vec3& place_m) const {
     const double away = (stretch.place_m - place_m).head<2>().norm() / kReach_m;
     const double weight = kFarShare + (1 - kFarShare) * std::exp(-away * away / 2);
     stretches += weight;
-    const double size_n = std::max(stretch.met_n.norm(), stretch.felt_n.norm());
     known.push_back({Vec3::UnitZ().cross(stretch.cut.ahead), stretch.felt_n, stretch.met_n, &stretch.cut,
-                     forceAlong(stretch.cut, stretch.model), std::atan(stretch.model.tool_friction), weight / kAlike,
-                     std::hypot(kScatter * size_n, kNoise_n)});
+                     forceAlong(stretch.cut, stretch.model), std::atan(stretch.model.tool_friction), weight / kAlike});
   }
   const StateVector first = stateVector(prior_.middle, gravity_m_s2_);
   const Eigen::Vector3d sd(prior_.angle_deg, prior_.cohesion_log, prior_.tool_friction);
@@ -99,7 +98,11 @@ ModelSoil ModelLearner::at(const Vec3& place_m) const {
         moved[axis] += by;
         slopes.col(axis) = (predicted(stretch, moved) - expected_n) / by;
       }
-      const double variance = stretch.sd_n * stretch.sd_n;
+      // What was felt in a model that was far from this state tells less of it.
+      const double growth = std::log(expected_n.norm() / stretch.felt_n.norm());
+      const double size_n = std::max(stretch.met_n.norm(), expected_n.norm());
+      const double sd_n = std::hypot(std::hypot(kScatter, kGrowth * growth) * size_n, kNoise_n);
+      const double variance = sd_n * sd_n;
       const double counts = stretch.weight / variance * (kFreedom + 3) / (kFreedom + apart_n.squaredNorm() / variance);
       hessian += counts * slopes.transpose() * slopes;
       gradient += counts * slopes.transpose() * apart_n;
