@@ -23,7 +23,7 @@ constexpr double kFarShare = 0.05;
 constexpr int kMostSteps = 12;
 constexpr SoilPrior kBounds{.friction_angle_deg{12, 50}, .cohesion_m{0, 1.5}, .tool_friction{0.05, 0.7}};
 
-StateVector within(StateVector state) {
+StateVector within(const StateVector& state) {
   return state.cwiseMax(lowest(kBounds)).cwiseMin(highest(kBounds));
 }
 
