@@ -32,7 +32,8 @@ struct ModelSoil {
 /// F is the fundamental earthmoving equation's (earthmovingForce()) at the tool's depth and rake. What it is wrong
 /// about the next stretches put right, in which the model already has another strength. theta is the most probable
 /// state, by Gauss and Newton with Student's t for e, from all stretches nearby, on a prior about the model's first
-/// strength; intervals are those of the normal distribution there.
+/// strength; intervals are those of the normal distribution there. A stretch counts less the more its model differed
+/// from theta: e grows with |ln s|.
 ///
 /// theta is a strength of the model's own kind of soil. Where the real grains are of another kind, it is not what a
 /// shear test of them would measure: SoilIdentifier tells that.
