@@ -7,6 +7,7 @@
 #include <cstdlib>
 #include <span>
 
+#include "haptolith/teleop/site_map.h"
 #include "haptolith/teleop/teleop_packet.h"
 
 namespace {
@@ -37,6 +38,12 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     }
     const auto again = parseState(bytesOf(*state));
     require(again && again->reports.size() == state->reports.size() && again->state == state->state);
+  }
+  if (const auto seen = parseSite(bytes)) {
+    SiteMap map;
+    require(map.take(*seen) && map.heights().size() == seen->grid.cells());
+    const auto again = parseSite(bytesOf(*seen));
+    require(again && again->steps == seen->steps && again->grid == seen->grid);
   }
   return 0;
 }

@@ -20,6 +20,9 @@ extern "C" {
 #define HAPTO_TELEOP_VERSION 1
 #define HAPTO_TELEOP_MOST_KEYS 64 /* and reports */
 
+#define HAPTO_TELEOP_SITE_SIDE 16 /* a packet's cells along either side, at most */
+#define HAPTO_TELEOP_NOT_SEEN (-32768)
+
 /* Flags of commands. */
 #define HAPTO_TELEOP_HELD 1u /* the operator's hand holds the tool; without it the robot stops */
 #define HAPTO_TELEOP_TARE 2u /* the force sensor is to find a new zero, when it next hangs still in the air */
@@ -100,6 +103,26 @@ typedef struct hapto_teleop_robot_report {
   float torque_nm[3]; /* about the tool's origin */
   float zero_too;
 } hapto_teleop_robot_report;
+
+/* Robot to operator, from robots that see their site: this, then columns x rows heights (int16_t) over the site's zero,
+ * row by row, in steps of 0.1 mm. Optional. */
+typedef struct hapto_teleop_site_header {
+  char magic[4];          /* "HLTM" */
+  uint16_t version;       /* HAPTO_TELEOP_VERSION */
+  uint16_t zero;
+  uint32_t robot_session; /* as in states */
+  uint16_t map_columns;   /* of the whole map, along x; 1 to 1024 */
+  uint16_t map_rows;      /* along y; 1 to 1024 */
+  float corner_m[2];      /* x, y of the corner of the map's first cell; each within 100 m */
+  float cell_m;           /* width of a cell; 1e-4 to 1 */
+  uint16_t column;        /* first one that the packet is about */
+  uint16_t row;
+  uint16_t columns;       /* of the packet: 1 to HAPTO_TELEOP_SITE_SIDE */
+  uint16_t rows;
+  uint32_t zero_too;
+  uint64_t number; /* of this packet, one more with each; of its own, beside that of states */
+  uint64_t index;  /* of the command that the robot had come to when it looked */
+} hapto_teleop_site_header;
 
 #pragma pack(pop)
 

@@ -133,6 +133,32 @@ TEST_F(Ends, FindEachOtherAndAgreeOnCommands) {
   }
 }
 
+TEST_F(Ends, WhatTheRobotSeesComesToItsOperatorAlone) {
+  for (const std::string& key : {std::string(), kKey}) {
+    begin(key);
+    EndOptions options;
+    options.key = key;
+    OperatorEnd end(to_, options, 0, kTick_s);
+    SitePacket seen;
+    seen.grid = {0, 0, 0.01, 2, 1};
+    seen.columns = 2;
+    seen.rows = 1;
+    seen.steps = {10, -10};
+    server_->show(seen);  // to nobody yet
+    ASSERT_TRUE(until([&] { return end.news().heard; }, &end));
+    EXPECT_TRUE(end.site().empty());
+    EXPECT_TRUE(until(
+        [&] {
+          ++seen.number;
+          server_->show(seen);
+          return !end.site().empty();
+        },
+        &end));
+    EXPECT_DOUBLE_EQ(end.site().heights()[1], -0.001);
+    EXPECT_EQ(end.counts().malformed, 0U);
+  }
+}
+
 TEST_F(Ends, AStrangerWithoutTheKeyMovesNothing) {
   begin(kKey);
   EndOptions options;

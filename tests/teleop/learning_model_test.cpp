@@ -131,7 +131,7 @@ TEST(LearningModel, ReportsMayOvertakeEachOtherAndComeLate) {
 }
 
 TEST(LearningModel, ThinkingBesideTheLoopComesToTheSame) {
-  LearningModel at_once(digModel(), strengths()), beside(digModel(), strengths(), LearningModel::Work::kBeside);
+  LearningModel at_once(digModel(), strengths()), beside(digModel(), strengths(), Work::kBeside);
   Cutting one(at_once), other(beside);
   for (std::uint64_t index = 20; index <= 1000; index += 20) {
     one.report(index, 0.5);

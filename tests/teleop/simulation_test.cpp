@@ -220,6 +220,9 @@ TEST(TeleopSimulation, RefusesNonsense) {
   setup.sending.period_s = 0;
   EXPECT_THROW((void)simulateTeleop(setup), InvalidParameter);
   setup = smallSetup(0);
+  setup.sending.site_period_s = 0;
+  EXPECT_THROW((void)simulateTeleop(setup), InvalidParameter);
+  setup = smallSetup(0);
   setup.site.loop.tick_s = 2e-3;
   EXPECT_THROW((void)simulateTeleop(setup), InvalidParameter);
   setup = smallSetup(-1);

@@ -16,6 +16,7 @@ import { Legend, ScaleBar } from './panels/legend';
 import { Notices } from './panels/notices';
 import { Plots } from './panels/plots';
 import { pictureInWords, Readouts } from './panels/readouts';
+import { SiteCard } from './panels/site_card';
 import { StatusStrip } from './panels/status_strip';
 import {
   COLOUR_MODES,
@@ -107,7 +108,9 @@ export function openBedPage(settings: Settings, address: string): void {
 
   const strip = new StatusStrip(() => now.hello?.client ?? null, settings.for_pictures);
   const readouts = new Readouts();
+  const site_card = new SiteCard();
   stage.over = readouts.element;
+  stage.site_window = site_card.window;
   const legend = new Legend();
   const scale_bar = new ScaleBar();
   const plots = new Plots();
@@ -214,6 +217,7 @@ export function openBedPage(settings: Settings, address: string): void {
     over_view: [
       readouts.element,
       legend.element,
+      site_card.element,
       scale_bar.element,
       hint,
       notices.banner,
@@ -293,6 +297,7 @@ export function openBedPage(settings: Settings, address: string): void {
     now.status = status;
     strip.setStatus(status);
     readouts.setRobot(status.robot ?? null);
+    site_card.setRobot(status.robot ?? null);
     stage.setRobot(status.robot ?? null);
     controls.setStatus(status);
     describe();

@@ -156,6 +156,16 @@ export function radiiOf(scene: Scene): Float32Array {
 /** the lower end of 90 %, the middle, the upper end */
 const Interval = v.pipe(v.array(v.number()), v.length(3));
 
+/** What a robot sees of its site: heights over its first surface, row by row along x; null: not known. */
+const Site = v.object({
+  corner_m: v.pipe(v.array(v.number()), v.length(2)),
+  cell_m: v.number(),
+  columns: v.number(),
+  rows: v.number(),
+  heights_mm: v.array(v.nullable(v.number())),
+});
+export type Site = v.InferOutput<typeof Site>;
+
 const Robot = v.object({
   state: v.string(),
   /** why it stopped; null: it has not */
@@ -173,6 +183,8 @@ const Robot = v.object({
   learned: v.nullish(
     v.object({ friction_angle_deg: Interval, cohesion_pa: Interval, tool_friction_angle_deg: Interval }),
   ),
+  /** null: it has shown nothing; an older program does not say */
+  site: v.nullish(Site),
 });
 export type Robot = v.InferOutput<typeof Robot>;
 

@@ -75,6 +75,10 @@ RobotShown robotShown(const RobotLead& robot) {
     shown.learned = {interval(soil.friction_angle_deg), interval(soil.cohesion_pa),
                      interval(soil.tool_friction_angle_deg)};
   }
+  if (const SiteMap& site = robot.end().site(); !site.empty()) {
+    const HeightGrid& grid = site.grid();
+    shown.site = {grid.x_m, grid.y_m, grid.cell_m, grid.columns, grid.rows, site.heights()};
+  }
   return shown;
 }
 

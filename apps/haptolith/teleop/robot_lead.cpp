@@ -24,7 +24,7 @@ void RobotLead::begin(const Scenario& model) {
   tool_friction_ = model.tool.friction;
   learning_.reset();
   if (canLearn(model)) {
-    learning_.emplace(model, StrengthMap(probeTraining().runs), LearningModel::Work::kBeside);
+    learning_.emplace(model, StrengthMap(probeTraining().runs), Work::kBeside);
   }
 }
 

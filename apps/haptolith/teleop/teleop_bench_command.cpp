@@ -157,29 +157,33 @@ Json rowJson(const Row& row, double duration_s) {
           {"taken_back_j", result.taken_back_j},
           {"ran_out", result.ran_out},
           {"stops", result.stops},
+          {"known_surface_m", result.known_surface_m},
+          {"apart_surface_m", result.apart_surface_m},
           {"updates", result.updates},
           {"update_j", result.update_j},
           {"update_jump", result.update_jump},
+          {"most_update_jumps", result.most_update_jumps},
           {"lost", result.up.lost + result.up.cut_off + result.down.lost + result.down.cut_off}};
 }
 
 std::string rowText(const Row& row, double duration_s) {
   const TeleopResult& result = row.result;
-  return fmt::format("{:8.2f}  {:10} {:7.1f} {:9.1f} {:8.2f} {:8.3f} {:8.3f} {:9.4f} {:8.2f} {:8.1f} {:6}\n",
-                     row.round_trip_s, text(row.which), 100 * result.agreement.share(0, duration_s),
-                     100 * result.agreement.share(duration_s - kLast_s, duration_s),
-                     result.agreement.rmsMet(0, duration_s), result.free_m / kMm, result.soil_m / kMm,
-                     result.given_j / kMillijoule, result.behind_s, 100 * result.followed_share, result.stops);
+  return fmt::format(
+      "{:8.2f}  {:10} {:7.1f} {:9.1f} {:8.2f} {:8.3f} {:8.3f} {:8.2f} {:8.2f} {:9.4f} {:8.2f} {:8.1f} {:6}\n",
+      row.round_trip_s, text(row.which), 100 * result.agreement.share(0, duration_s),
+      100 * result.agreement.share(duration_s - kLast_s, duration_s), result.agreement.rmsMet(0, duration_s),
+      result.free_m / kMm, result.soil_m / kMm, result.known_surface_m / kMm, result.apart_surface_m / kMm,
+      result.given_j / kMillijoule, result.behind_s, 100 * result.followed_share, result.stops);
 }
 
 /// What a model has learned, and how gently; empty: it does not learn.
 std::string learnedText(const Row& row) {
   const TeleopResult& result = row.result;
   return result.learned ? fmt::format(
-                              "{}, {:g} s: in the end {}; {} updates gave {:.4f} mJ, and changed the force by {:.1f} "
-                              "times what is hardly felt at most\n",
+                              "{}, {:g} s: in the end {}; {} updates gave {:.4f} mJ, and changed the force within "
+                              "0.1 s by {:.2f} times what is hardly felt at most, 95 % of them by {:.2f}\n",
                               text(row.which), row.round_trip_s, soilText(*result.learned), result.updates,
-                              result.update_j / kMillijoule, result.update_jump)
+                              result.update_j / kMillijoule, result.update_jump, result.most_update_jumps)
                         : "";
 }
 
@@ -280,8 +284,11 @@ void runBench(const BenchOptions& options) {
       probed ? fmt::format("the robot's probe, {} of {} windows in place:\n{}\n", probed->soil.windows,
                            probed->soil.of_windows, beliefText(probed->soil.belief, {}, gravityOf(*probed)))
              : "";
-  table += "there and           force error, %          met      off, mm            given   behind  follows\n";
-  table += "back, s   case       whole  last 10 s   RMS, N   in air  in soil        mJ        s        %  stops\n";
+  table +=
+      "there and           force error, %          met      off, mm         surface, mm     given   behind  follows\n";
+  table +=
+      "back, s   case       whole  last 10 s   RMS, N   in air  in soil   known    apart        mJ        s        %  "
+      "stops\n";
   for (const Row& row : rows) {
     table += rowText(row, options.duration_s);
   }

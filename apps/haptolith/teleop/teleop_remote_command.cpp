@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -14,6 +15,7 @@
 #include "haptolith/haptics/loop_clock.h"
 #include "haptolith/scenario/scenario.h"
 #include "haptolith/teleop/robot_server.h"
+#include "haptolith/teleop/site_camera.h"
 
 #include "shared/option_checks.h"
 #include "shared/output.h"
@@ -93,7 +95,9 @@ void runRemote(const RemoteOptions& options) {
   HandParameters hand = scenario.hand;
   hand.surface_m = 0;
   const double tick_s = scenario.loop.tick_s;
-  Robot robot(options.robot, scene, meanSurfaceHeight(scene.bed()), VirtualHand(hand, tick_s).read().pose);
+  const double surface_m = meanSurfaceHeight(scene.bed());
+  Robot robot(options.robot, scene, surface_m, VirtualHand(hand, tick_s).read().pose);
+  SiteCamera camera(scene.bed(), surface_m, end.sending.site_period_s, tick_s, Work::kBeside);
   RobotServer server(robot, end, tick_s);
   status.clear();
   printNotice(fmt::format("a robot in '{}', at port {}{}; Ctrl-C ends it\n", scenario.title, server.port(),
@@ -108,6 +112,9 @@ void runRemote(const RemoteOptions& options) {
     server.receive();
     robot.tick();
     server.answer();
+    if (const std::optional<SitePacket> seen = camera.tick(static_cast<std::uint64_t>(robot.index()))) {
+      server.show(*seen);
+    }
     clock.endTick();
     clock.planNextTick();
     rate.tick();

@@ -1,7 +1,6 @@
 #include "haptolith/teleop/learning_model.h"
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 
 #include "haptolith/core/error.h"
@@ -101,7 +100,7 @@ void LearningModel::close(const Window& window) {
   has_new_ = true;
 }
 
-void LearningModel::setOut(const ModelSoil& learned) {
+void LearningModel::setOutFor(const ModelSoil& learned) {
   learned_ = learned;
   from_ = now_;
   const SoilParameters wanted = strengths_.with(soil_, {learned_.state.friction_angle_deg, learned_.state.cohesion_pa});
@@ -118,11 +117,10 @@ std::optional<SoilAdjustment> LearningModel::at(std::uint64_t index, bool in_air
   if (index >= looked_ + kLookTicks && has_new_ && !coming_.valid()) {
     looked_ = index;
     has_new_ = false;
-    coming_ = std::async(work_ == Work::kBeside ? std::launch::async : std::launch::deferred,
-                         [learner = learner_, place_m = place_m_] { return learner.at(place_m); });
+    coming_ = setOut(work_, [learner = learner_, place_m = place_m_] { return learner.at(place_m); });
   }
-  if (coming_.valid() && coming_.wait_for(std::chrono::seconds(0)) != std::future_status::timeout) {
-    setOut(coming_.get());
+  if (isThere(coming_)) {
+    setOutFor(coming_.get());
   }
   if (index < stepped_ + kStepTicks || gone_s_ == way_s_) {
     return std::nullopt;

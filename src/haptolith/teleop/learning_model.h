@@ -6,6 +6,7 @@
 #include <map>
 #include <optional>
 
+#include "haptolith/core/work.h"
 #include "haptolith/identify/model_learner.h"
 #include "haptolith/identify/strength_map.h"
 #include "haptolith/scenario/scenario.h"
@@ -32,12 +33,8 @@ namespace haptolith {
 /// soil lies as it lies: no bed has to be made, and none is cross-faded with another. Not for the tick.
 class LearningModel {
  public:
-  /// Where what was met is thought about, which takes some hundredths of a second.
-  enum class Work : std::uint8_t {
-    kAtOnce,  ///< in at(): the same steps on every run
-    kBeside,  ///< on a thread of its own
-  };
   /// @param model  readyToLearn().
+  /// @param work  where what was met is thought about, which takes some hundredths of a second.
   LearningModel(const Scenario& model, const StrengthMap& strengths, Work work = Work::kAtOnce);
 
   /// A report of the robot, and the mean of what was felt over the same commands. In any order, each once.
@@ -65,7 +62,7 @@ class LearningModel {
     SoilState state;
   };
   void close(const Window& window);
-  void setOut(const ModelSoil& learned);
+  void setOutFor(const ModelSoil& learned);
   [[nodiscard]] SoilState stateOf(const SoilAdjustment& contacts) const;
   [[nodiscard]] const SoilState& stateAt(std::uint64_t index) const;
 

@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 
 #include <array>
+#include <deque>
 #include <optional>
 #include <set>
 #include <vector>
@@ -8,6 +9,9 @@
 #include "haptolith/device/hand/virtual_hand.h"
 #include "haptolith/haptics/haptic_loop.h"
 #include "haptolith/teleop/simulation_parts.h"
+#include "haptolith/teleop/site_camera.h"
+#include "haptolith/teleop/site_map.h"
+#include "haptolith/teleop/surface_watch.h"
 #include "haptolith/teleop/teleop_packet.h"
 
 namespace haptolith::simulation {
@@ -15,6 +19,7 @@ namespace haptolith::simulation {
 namespace {
 
 constexpr std::uint32_t kSession = 1;
+constexpr double kSurfaceLate_s = 1;  ///< beyond the round trip, until a change of the site is known
 
 /// What updates of a model's soil do to the force that no hand has caused: for a tenth of a second after an update
 /// began a copy of the scene, which is not updated, has its tool moved likewise.
@@ -44,12 +49,16 @@ class UpdateWatch {
       unchanged_n_ += other_->felt().wrench.force_n / kCompared;
     }
     if (ticks_ == kWatched) {
-      worst_ = std::max(worst_, apart_n_.norm() / std::max(0.1, 0.07 * unchanged_n_.norm()));
+      changes_.push_back(apart_n_.norm() / std::max(0.1, 0.07 * unchanged_n_.norm()));
       other_.reset();
     }
   }
-  /// The largest change over what is allowed: 0.1 N, or 7 % of the force.
-  [[nodiscard]] double worst() const noexcept { return worst_; }
+  /// A share of all changes is no larger, over what is hardly felt: 0.1 N, or 7 % of the force. 0: none was seen.
+  [[nodiscard]] double change(double share) const {
+    std::vector<double> sorted = changes_;
+    std::ranges::sort(sorted);
+    return sorted.empty() ? 0 : sorted[static_cast<std::size_t>(share * static_cast<double>(sorted.size() - 1))];
+  }
   /// Energy that soil pushed into the hand, more than it would have without updates: at most, up to any time.
   [[nodiscard]] double pushed() const noexcept { return most_pushed_j_; }
 
@@ -61,7 +70,7 @@ class UpdateWatch {
   std::optional<Scene> other_;
   int ticks_ = 0;
   Vec3 apart_n_, unchanged_n_;
-  double worst_ = 0;
+  std::vector<double> changes_;
   double tick_s_;
   double pushed_j_ = 0, most_pushed_j_ = 0;
 };
@@ -97,6 +106,8 @@ class ModelOperator {
     const BedParameters& bed = site_.scene.bed().parameters();
     loop_.ask(request::Adjust{SoilLaws(adjustment.of(bed.soil), grainClasses(bed)), adjustment.tool_friction});
   }
+  /// Of its soil over the surface that it began with.
+  [[nodiscard]] std::vector<double> heights(const HeightGrid& grid) const { return site_.heights(grid); }
   [[nodiscard]] bool inAir() const noexcept { return unlimited_.force_n.norm() < kInSoil_n; }
   [[nodiscard]] const UpdateWatch& watch() const noexcept { return watch_; }
   [[nodiscard]] const HandState& tool() const noexcept { return tool_; }
@@ -131,6 +142,10 @@ TeleopResult simulateModel(const TeleopSetup& setup, const TeleopProgress& progr
   Site site(setup.site);
   HandParameters home = handAbove(setup.model, 0);
   Robot robot(setup.robot, site.scene, site.surface_m, VirtualHand(home, course.time(1)).read().pose);
+  SiteCamera camera(site.scene.bed(), site.surface_m, setup.sending.site_period_s, course.time(1));
+  SiteMap known_site;
+  SurfaceWatch surface(setup.up.delay_s + setup.down.delay_s + kSurfaceLate_s);
+  std::deque<std::vector<double>> model_heights;  // at every 250th command that the robot has not come to yet
   Link up(setup.up);
   Link down(setup.down);
   OperatorLog log;
@@ -141,6 +156,7 @@ TeleopResult simulateModel(const TeleopSetup& setup, const TeleopProgress& progr
   std::uint64_t newest_report = 0;
   std::set<std::uint64_t> known;  // reports by their index: others may overtake them, and all come more than once
   double robot_ticks = 0;
+  std::uint64_t next_compared = 0;
   Mean behind;
   std::uint64_t robot_tick = 0;
   Share followed;
@@ -150,6 +166,9 @@ TeleopResult simulateModel(const TeleopSetup& setup, const TeleopProgress& progr
     course.look(tick);
     if (const std::optional<SoilAdjustment> step = learning ? learning->at(tick, hand.inAir()) : std::nullopt) {
       hand.become(*step);
+    }
+    if (tick % kLookEvery == 0) {
+      model_heights.push_back(hand.heights(camera.grid()));
     }
     hand.tick();
     log.add(tick, hand.tool(), hand.felt(), hand.unlimited());
@@ -183,9 +202,23 @@ TeleopResult simulateModel(const TeleopSetup& setup, const TeleopProgress& progr
         ++state.number;
         down.send(now_s, bytesOf(state));
       }
+      if (!model_heights.empty() && robot.index() >= static_cast<double>(next_compared)) {
+        surface.look(now_s, site.heights(camera.grid()), known_site);
+        surface.compare(model_heights.front());
+        model_heights.pop_front();
+        next_compared += kLookEvery;
+      }
+      if (std::optional<SitePacket> seen = camera.tick(static_cast<std::uint64_t>(robot.index()))) {
+        seen->robot_session = kSession;
+        down.send(now_s, bytesOf(*seen));
+      }
     }
 
     while (const std::optional<Link::Arrival> arrived = down.receive(now_s)) {
+      if (const std::optional<SitePacket> seen = parseSite(arrived->packet)) {
+        known_site.take(*seen);
+        continue;
+      }
       const std::optional<StatePacket> packet = parseState(arrived->packet);
       for (const RobotReport& report : packet ? packet->reports : std::vector<RobotReport>()) {
         if (!known.insert(report.index).second) {
@@ -208,12 +241,16 @@ TeleopResult simulateModel(const TeleopSetup& setup, const TeleopProgress& progr
   result.ran_out = robot.ranOut();
   result.stops = robot.stops();
   result.last_stop = robot.reason();
+  result.known_surface_m = surface.known();
+  result.apart_surface_m = surface.apart();
   result.up = up.counts();
   result.down = down.counts();
   if (learning) {
     result.learned = learning->learned();
     result.updates = learning->updates();
-    result.update_jump = hand.watch().worst();
+    constexpr double kMost = 0.95;
+    result.update_jump = hand.watch().change(1);
+    result.most_update_jumps = hand.watch().change(kMost);
     result.update_j = hand.watch().pushed();
   }
   return result;

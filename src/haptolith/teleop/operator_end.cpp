@@ -67,6 +67,8 @@ void OperatorEnd::receive(const Met& met) {
     }
     if (const std::optional<StatePacket> packet = parseState(opened.packet)) {
       take(*packet, met);
+    } else if (const std::optional<SitePacket> seen = parseSite(opened.packet)) {
+      take(*seen);
     } else {
       ++counts_.malformed;
     }
@@ -107,6 +109,14 @@ void OperatorEnd::take(const StatePacket& packet, const Met& met) {
   while (!known_.empty() && *known_.begin() + FeltTrack::kTicks < executed_) {
     known_.erase(known_.begin());
   }
+}
+
+void OperatorEnd::take(const SitePacket& packet) {
+  if (!news_.ever || packet.robot_session != news_.state.robot_session || !site_.take(packet)) {
+    ++counts_.replayed;
+    return;
+  }
+  ++counts_.taken;
 }
 
 }  // namespace haptolith

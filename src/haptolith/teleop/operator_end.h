@@ -10,6 +10,7 @@
 #include "haptolith/haptics/tick_record.h"
 #include "haptolith/teleop/force_agreement.h"
 #include "haptolith/teleop/robot_server.h"
+#include "haptolith/teleop/site_map.h"
 
 namespace haptolith {
 
@@ -41,6 +42,8 @@ class OperatorEnd {
 
   [[nodiscard]] double surface() const noexcept { return surface_m_; }
   [[nodiscard]] const RobotNews& news() const noexcept { return news_; }
+  /// What the robot has shown of its site.
+  [[nodiscard]] const SiteMap& site() const noexcept { return site_; }
   [[nodiscard]] const ForceAgreement& agreement() const noexcept { return agreement_; }
   [[nodiscard]] const PacketCounts& counts() const noexcept { return counts_; }
   /// How many ticks it has followed: the index of the next.
@@ -49,6 +52,7 @@ class OperatorEnd {
 
  private:
   void take(const StatePacket& packet, const Met& met);
+  void take(const SitePacket& packet);
 
   std::string to_;
   EndOptions options_;
@@ -65,6 +69,7 @@ class OperatorEnd {
   std::int64_t heard_ns_ = 0;
   PacketCounts counts_;
   RobotNews news_;
+  SiteMap site_;
 };
 
 }  // namespace haptolith

@@ -128,4 +128,11 @@ void RobotServer::answer() {
   port_.send(operator_, seal_.seal(bytesOf(state_)));
 }
 
+void RobotServer::show(SitePacket packet) {
+  if (!operator_.empty()) {
+    packet.robot_session = state_.robot_session;
+    port_.send(operator_, seal_.seal(bytesOf(packet)));
+  }
+}
+
 }  // namespace haptolith

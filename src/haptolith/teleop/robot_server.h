@@ -6,6 +6,7 @@
 
 #include "haptolith/teleop/packet_seal.h"
 #include "haptolith/teleop/robot.h"
+#include "haptolith/teleop/site_packet.h"
 #include "haptolith/teleop/teleop_packet.h"
 #include "haptolith/teleop/udp_port.h"
 
@@ -42,6 +43,8 @@ class RobotServer {
   void receive();
   /// Once a tick: tells the operator where the robot is, when that is due.
   void answer();
+  /// Tells the operator, if there is one, what the robot sees of its site.
+  void show(SitePacket packet);
 
   [[nodiscard]] std::uint16_t port() const { return port_.port(); }
   [[nodiscard]] const PacketCounts& counts() const noexcept { return counts_; }

@@ -10,6 +10,7 @@ namespace haptolith {
 TeleopResult simulateTeleop(const TeleopSetup& setup, const TeleopProgress& progress) {
   requireInRange("duration_s", setup.duration_s, TeleopRanges::duration_s);
   requireInRange("period_s", setup.sending.period_s, TeleopRanges::period_s);
+  requireInRange("site_period_s", setup.sending.site_period_s, TeleopRanges::site_period_s);
   requireInRange("bilateral_period_s", setup.bilateral_period_s, TeleopRanges::period_s);
   requireInRange("robot_clock_share", setup.robot_clock_share, TeleopRanges::clock_share);
   if (setup.model.loop.tick_s != setup.site.loop.tick_s) {

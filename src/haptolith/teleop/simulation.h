@@ -38,6 +38,7 @@ struct TeleopSetup {
 struct TeleopRanges {
   static constexpr Range duration_s{0.1, 1e5};
   static constexpr Range period_s{1e-3, 1};
+  static constexpr Range site_period_s{1e-3, 60};
   static constexpr Range clock_share{-0.01, 0.01};
 };
 
@@ -52,12 +53,16 @@ struct TeleopResult {
   std::uint64_t ran_out = 0, stops = 0;      ///< see Robot
   StopReason last_stop = StopReason::kNone;  ///< that the robot has not got over
   LinkCounts up, down;
+  /// kModel, where the site has been dug, RMS: of its surface as the operator knows it, a round trip and a second after
+  /// it has come to rest; and of the model's surface beside it, in the end.
+  double known_surface_m = 0, apart_surface_m = 0;
   std::optional<ModelSoil> learned;  ///< in the end
   std::uint64_t updates = 0;         ///< of the model's soil
   double update_j = 0;               ///< energy that soil pushed into the hand more than without updates, at most
   /// Largest change of the force within 0.1 s of an update that the hand has not caused, over what is hardly felt:
   /// 0.1 N, or 7 % of the force.
   double update_jump = 0;
+  double most_update_jumps = 0;  ///< 95 % of them are no larger
 };
 
 /// Called now and then with the share that is done; false gives up.

@@ -20,6 +20,16 @@ struct Site {
   explicit Site(const Scenario& scenario)
       : scene(scenario.bed, scenario.tool), surface_m(meanSurfaceHeight(scene.bed())) {}
 
+  /// Over the surface that it began with.
+  [[nodiscard]] std::vector<double> heights(const HeightGrid& grid) const {
+    constexpr std::size_t kRays = 4;
+    std::vector<double> heights = surfaceHeights(seenSoil(scene.bed()), grid, kRays);
+    for (double& height : heights) {
+      height -= surface_m;
+    }
+    return heights;
+  }
+
   Scene scene;
   double surface_m;
 };

@@ -8,6 +8,7 @@
 #include <string_view>
 
 #include "haptolith/core/packet_bytes.h"
+#include "haptolith/teleop/site_packet.h"
 
 namespace haptolith {
 
@@ -239,6 +240,12 @@ Sending sendingOver(const LinkParameters& up, const LinkParameters& down) {
   sending.command_keys = keys(wanted);
   sending.report_keys =
       fit(down, sending.period_s, StatePacket::kHeaderBytes, StatePacket::kReportBytes, sending.report_keys);
+  if (down.rate_bit_s > 0) {
+    constexpr double kShareOfSite = 0.1;
+    constexpr std::size_t kLargest = SitePacket::kHeaderBytes + 2 * SitePacket::kSide * SitePacket::kSide;
+    const double bits = kBitsPerByte * (static_cast<double>(kLargest) + down.overhead_bytes);
+    sending.site_period_s = std::max(sending.site_period_s, bits / (kShareOfSite * down.rate_bit_s));
+  }
   return sending;
 }
 

@@ -123,10 +123,11 @@ class KeyHistory {
 [[nodiscard]] std::vector<std::size_t> reportLags(std::size_t keys);
 
 /// How often to send, and how much, over a link of some rate: 50 times a second, or 10 where that fills four fifths of
-/// it with less than 8 keys.
+/// it with less than 8 keys; pictures of the site take a tenth of it at most.
 struct Sending {
   double period_s = 0.02;
   std::size_t command_keys = 13, report_keys = 4;
+  double site_period_s = 0.05;  ///< between two SitePackets
 };
 [[nodiscard]] Sending sendingOver(const LinkParameters& up, const LinkParameters& down);
 

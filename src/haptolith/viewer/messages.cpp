@@ -3,6 +3,7 @@
 #include <nlohmann/json.hpp>
 
 #include <bit>
+#include <cmath>
 #include <cstdint>
 #include <numbers>
 #include <utility>
@@ -135,6 +136,22 @@ Json learnedJson(const std::optional<RobotShown::Learned>& learned) {
                  : Json(nullptr);
 }
 
+Json siteJson(const std::optional<RobotShown::Site>& site) {
+  if (!site) {
+    return nullptr;
+  }
+  Json heights_mm = Json::array();
+  for (const double height_m : site->height_m) {
+    constexpr double kTenthsInMetre = 1e4;
+    heights_mm.push_back(std::isfinite(height_m) ? Json(std::round(height_m * kTenthsInMetre) / 10) : Json(nullptr));
+  }
+  return {{"corner_m", {site->x_m, site->y_m}},
+          {"cell_m", site->cell_m},
+          {"columns", site->columns},
+          {"rows", site->rows},
+          {"heights_mm", heights_mm}};
+}
+
 Json robotJson(const RobotShown* robot) {
   if (robot == nullptr) {
     return nullptr;
@@ -150,7 +167,8 @@ Json robotJson(const RobotShown* robot) {
           {"pose", {at.x(), at.y(), at.z(), turn.w(), turn.x(), turn.y(), turn.z()}},
           {"felt_n", vector(robot->felt_n)},
           {"met_n", vector(robot->met_n)},
-          {"learned", learnedJson(robot->learned)}};
+          {"learned", learnedJson(robot->learned)},
+          {"site", siteJson(robot->site)}};
 }
 
 }  // namespace

@@ -8,6 +8,7 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "haptolith/session/session.h"
 #include "haptolith/stone/stone_shape.h"
@@ -41,6 +42,14 @@ struct RobotShown {
     std::array<double, 3> friction_angle_deg{}, cohesion_pa{}, tool_friction_angle_deg{};
   };
   std::optional<Learned> learned;  ///< none: nothing yet
+  /// What it sees of its site: heights over the site's first surface, row by row along x, in m; NaN: not known.
+  struct Site {
+    double x_m = 0, y_m = 0;  ///< corner of the first cell
+    double cell_m = 0;
+    std::size_t columns = 0, rows = 0;
+    std::vector<double> height_m;
+  };
+  std::optional<Site> site;  ///< none: it has shown nothing
 };
 
 /// What a session does not know about itself.

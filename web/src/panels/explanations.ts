@@ -17,6 +17,7 @@ export const EXPLAIN = {
     'A robot far away that follows the tool, and how old the news of it is. Its tool is the orange outline in the picture.',
   learned:
     'How strong the soil here has become, to do to the tool what the robot meets: friction angle and cohesion, each with the interval that holds it nine times in ten.',
+  site: 'The soil that the robot digs in, as it sees it from above, and its tool: from where the bed itself is seen, so that the two can be compared. What was never seen is a hole.',
   met: "Force of the soil on the robot's tool, at the newest commands that it was heard to have carried out.",
   clients: 'Browsers and programs that are connected, and which of them holds the tool.',
 

@@ -5,7 +5,16 @@ import { WebGLRenderer } from 'three';
 
 export type Renderer = Pick<
   WebGLRenderer,
-  'domElement' | 'xr' | 'setPixelRatio' | 'setSize' | 'setClearColor' | 'setAnimationLoop' | 'render'
+  | 'domElement'
+  | 'xr'
+  | 'setPixelRatio'
+  | 'setSize'
+  | 'setClearColor'
+  | 'setAnimationLoop'
+  | 'render'
+  | 'setScissorTest'
+  | 'setScissor'
+  | 'setViewport'
 > & { extensions: { has(name: string): boolean } };
 
 /** WebGL 2 where there is any; else what keeps the page's beat and draws nothing. */
@@ -33,6 +42,9 @@ class NoRenderer {
   setSize(): void {}
   setClearColor(): void {}
   render(): void {}
+  setScissorTest(): void {}
+  setScissor(): void {}
+  setViewport(): void {}
 
   private beat(now_ms: number): void {
     this.run?.(now_ms);

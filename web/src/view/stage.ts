@@ -15,6 +15,7 @@ import { lightBody, makeLightUniforms, shadeTool, shadeToolAt, LOW_SUN, TO_SUN }
 import { makeRenderer, type Renderer } from './renderer';
 import { Resolution } from './resolution';
 import { RobotView } from './robot_view';
+import { SiteView } from './site_view';
 import { SkyView } from './sky_view';
 import { StoneView } from './stone_view';
 import { ToolView } from './tool_view';
@@ -48,6 +49,7 @@ export class Stage {
   readonly box = new BoxView();
   readonly tool = new ToolView();
   readonly robot = new RobotView();
+  readonly site = new SiteView();
   readonly stones: StoneView;
   readonly arrows = new ArrowsView();
   frames_drawn = 0;
@@ -55,6 +57,8 @@ export class Stage {
   shown = true;
   /** what lies over the top of the picture */
   over: HTMLElement | null = null;
+  /** what the picture of a robot's site fills */
+  site_window: HTMLElement | null = null;
   /** called before each picture is drawn */
   onTick: (now_ms: number) => void = () => {};
   onDrawn: () => void = () => {};
@@ -126,6 +130,7 @@ export class Stage {
     this.box.setScene(scene);
     this.tool.setTool(scene.tool);
     this.robot.setTool(scene.tool);
+    this.site.setScene(scene, this.neutral);
     this.stones.setScene(scene);
     this.arrows.setScene(scene);
     this.sky.setBody(scene.body);
@@ -161,8 +166,9 @@ export class Stage {
   /** Where a robot far away has its tool; null: there is none. */
   setRobot(robot: Robot | null): void {
     const shown = this.robot.group.visible;
-    this.robot.setRobot(robot, performance.now());
-    if (this.robot.group.visible || shown) this.dirty = true;
+    const now_ms = performance.now();
+    this.robot.setRobot(robot, now_ms);
+    if (this.site.setRobot(robot, now_ms) || this.robot.group.visible || shown) this.dirty = true;
   }
 
   setColour(mode: ColourMode): void {
@@ -231,6 +237,19 @@ export class Stage {
     this.resize();
   }
 
+  private drawSite(): void {
+    const window = this.site_window?.getBoundingClientRect();
+    if (!this.site.visible || !window || window.width < 1 || window.height < 1) return;
+    const canvas = this.renderer.domElement.getBoundingClientRect();
+    const [x, y] = [window.left - canvas.left, canvas.bottom - window.bottom];
+    this.renderer.setScissorTest(true);
+    this.renderer.setScissor(x, y, window.width, window.height);
+    this.renderer.setViewport(x, y, window.width, window.height);
+    this.renderer.render(this.site.world, this.site.cameraBeside(this.orbit.camera, window.width / window.height));
+    this.renderer.setScissorTest(false);
+    this.renderer.setViewport(0, 0, canvas.width, canvas.height);
+  }
+
   private setDetail(detailed: boolean): void {
     this.bed.setDetail(detailed);
     this.ground.setDetail(detailed);
@@ -258,7 +277,7 @@ export class Stage {
     this.onTick(now_ms);
     const in_headset = this.renderer.xr.isPresenting;
     if (this.orbit.advance(now_ms)) this.dirty = true;
-    if (this.robot.advance(now_ms)) this.dirty = true;
+    for (const moving of [this.robot, this.site]) if (moving.advance(now_ms)) this.dirty = true;
     if ((!this.dirty || !this.shown) && !in_headset) {
       this.resolution.rest();
       return;
@@ -267,6 +286,7 @@ export class Stage {
     this.dirty = this.bed.refreshField(now_ms, this.stones);
     this.arrows.setPicture(this.orbit.shorterSide_m(in_headset));
     this.renderer.render(this.world, this.orbit.camera);
+    if (!in_headset) this.drawSite();
     this.frames_drawn += 1;
     this.onDrawn();
     if (!in_headset && this.resolution.drawn(now_ms)) {

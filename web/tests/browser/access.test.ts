@@ -5,7 +5,7 @@ import { afterAll, afterEach, beforeAll, describe, expect, it } from 'vitest';
 import { MockServer, type MockOptions } from '../mock-server';
 import { MockStudy } from '../mock-study';
 import type { Vec3 } from '../../src/protocol';
-import { launch, newPage, scene, type Watched } from './pages';
+import { launch, newPage, pixelsIn, scene, type Watched } from './pages';
 
 let browser: Browser;
 const open: Watched[] = [];
@@ -88,6 +88,13 @@ describe('access', () => {
         cohesion_pa: [90, 150, 240],
         tool_friction_angle_deg: [15, 18, 21],
       },
+      site: {
+        corner_m: [-0.04, -0.04] as [number, number],
+        cell_m: 0.01,
+        columns: 8,
+        rows: 8,
+        heights_mm: Array.from({ length: 64 }, (_, i) => (i === 9 ? null : i % 8)),
+      },
     };
     const watched = await visit({ robot });
     await connected(watched);
@@ -96,6 +103,11 @@ describe('access', () => {
     await page.getByText('soil learned: 34° (31 to 37), 150 Pa (90 to 240)').waitFor();
     expect((await page.locator('[data-test=met]').textContent())?.trim()).toBe('5.00');
     expect(await page.locator('[data-test=met]').isVisible()).toBe(true);
+    const site = page.getByRole('region', { name: "The robot's site" });
+    expect(await site.textContent()).toBe("robot's site, 2.6 s ago");
+    const picture = await pixelsIn(page, (await site.locator('.site-window').boundingBox())!);
+    const reds = new Set(picture.filter((_, i) => i % 4 === 0));
+    expect(reds.size, 'soil in light and shadow').toBeGreaterThan(20);
     expect(watched.complaints).toEqual([]);
   });
 
@@ -104,6 +116,7 @@ describe('access', () => {
     await connected(watched);
     expect(await watched.page.locator('[data-test=met]').isVisible()).toBe(false);
     expect(await watched.page.getByRole('group', { name: 'robot', exact: true }).count()).toBe(0);
+    expect(await watched.page.locator('.site-card').isVisible()).toBe(false);
   });
 
   it('asks before it changes what a person feels, once', async () => {

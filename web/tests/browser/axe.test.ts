@@ -95,6 +95,7 @@ describe('nobody is kept out', { timeout: 900_000 }, () => {
         pose: [0.03, 0.02, 0.05, 1, 0, 0, 0],
         felt_n: [0, 0, 1],
         met_n: [0, 0, 90],
+        site: { corner_m: [-0.02, -0.02], cell_m: 0.02, columns: 2, rows: 2, heights_mm: [0, 1, 2, 3] },
       },
     });
     await page.getByText('holding (too much force)').waitFor();

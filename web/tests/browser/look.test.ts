@@ -4,7 +4,7 @@ import type { Browser } from 'playwright-core';
 import { afterAll, afterEach, beforeAll, describe, expect, it } from 'vitest';
 import { MockServer, type MockOptions } from '../mock-server';
 import { SCOOP } from '../scoop';
-import { launch, launchWithoutWebGl, newPage, violations, type Watched } from './pages';
+import { launch, launchWithoutWebGl, newPage, pixelsIn, violations, type Watched } from './pages';
 
 let browser: Browser;
 const open: Watched[] = [];
@@ -124,20 +124,12 @@ describe('stones', () => {
 describe('soil', () => {
   /** Mean brightness of patches of the picture, 0 to 255. */
   async function patches(page: Watched['page'], places: { x: number; y: number }[]): Promise<number[]> {
-    const picture = (await page.screenshot()).toString('base64');
-    return page.evaluate(
-      async ([text, at]) => {
-        const bytes = Uint8Array.from(atob(text), (letter) => letter.charCodeAt(0));
-        const bitmap = await createImageBitmap(new Blob([bytes], { type: 'image/png' }));
-        const canvas = new OffscreenCanvas(bitmap.width, bitmap.height).getContext('2d', { willReadFrequently: true })!;
-        canvas.drawImage(bitmap, 0, 0);
-        return at.map(({ x, y }) => {
-          const { data } = canvas.getImageData(Math.round(x) - 20, Math.round(y) - 10, 40, 20);
-          return data.reduce((sum, value, i) => sum + (i % 4 === 3 ? 0 : value), 0) / ((3 * data.length) / 4);
-        });
-      },
-      [picture, places] as const,
-    );
+    const means: number[] = [];
+    for (const { x, y } of places) {
+      const data = await pixelsIn(page, { x: Math.round(x) - 20, y: Math.round(y) - 10, width: 40, height: 20 });
+      means.push(data.reduce((sum, value, i) => sum + (i % 4 === 3 ? 0 : value), 0) / ((3 * data.length) / 4));
+    }
+    return means;
   }
 
   it('lies in the ground, as bright as that, or is balls in a box that stands on it', async () => {

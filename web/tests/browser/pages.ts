@@ -95,3 +95,18 @@ export async function grabTool(page: Page): Promise<{ x: number; y: number }> {
   await page.waitForFunction(() => window.haptolith!.frame!.held);
   return at;
 }
+
+/** Red, green, blue and opacity of each pixel of a part of the page, 0 to 255. */
+export async function pixelsIn(
+  page: Page,
+  clip: { x: number; y: number; width: number; height: number },
+): Promise<number[]> {
+  const picture = (await page.screenshot({ clip })).toString('base64');
+  return page.evaluate(async (text) => {
+    const bytes = Uint8Array.from(atob(text), (letter) => letter.charCodeAt(0));
+    const bitmap = await createImageBitmap(new Blob([bytes], { type: 'image/png' }));
+    const canvas = new OffscreenCanvas(bitmap.width, bitmap.height).getContext('2d', { willReadFrequently: true })!;
+    canvas.drawImage(bitmap, 0, 0);
+    return [...canvas.getImageData(0, 0, bitmap.width, bitmap.height).data];
+  }, picture);
+}

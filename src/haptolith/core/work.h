@@ -1,0 +1,28 @@
+#pragma once
+
+#include <chrono>
+#include <cstdint>
+#include <future>
+#include <utility>
+
+namespace haptolith {
+
+/// Where something is worked out that takes longer than its caller may.
+enum class Work : std::uint8_t {
+  kAtOnce,  ///< where it is asked for: the same steps on every run
+  kBeside,  ///< on a thread of its own
+};
+
+/// Sets out; isThere() when it may be fetched. Not for the tick.
+template <class Task>
+[[nodiscard]] auto setOut(Work work, Task task) {
+  return std::async(work == Work::kBeside ? std::launch::async : std::launch::deferred, std::move(task));
+}
+
+/// Whether the result can be fetched without waiting for a thread.
+template <class Result>
+[[nodiscard]] bool isThere(const std::future<Result>& coming) {
+  return coming.valid() && coming.wait_for(std::chrono::seconds(0)) != std::future_status::timeout;
+}
+
+}  // namespace haptolith
