@@ -132,6 +132,32 @@ sys.stderr.write(lead.stderr)
   EXPECT_LT(learned["cohesion_pa"]["middle"].get<double>(), 500) << "it began with 545";
   const ProgramResult replayed = runHaptolith("replay " + recording + " --verify --json");
   EXPECT_EQ(replayed.exit_status, 0) << replayed.output << replayed.errors;
+  for (const char* format : {"csv", "robot-csv"}) {
+    const ProgramResult exported = runHaptolith("export " + recording + " --format " + format);
+    EXPECT_EQ(exported.exit_status, 0) << exported.errors;
+  }
+  std::ofstream(folder / "both.py") << R"(import csv, json, math, sys
+ticks = list(csv.DictReader(open(sys.argv[1])))
+reports = list(csv.DictReader(open(sys.argv[2])))
+place = lambda row: [float(row['tool_%s_m' % axis]) for axis in 'xyz']
+print(json.dumps({'reports': len(reports),
+                  'furthest_m': max(math.dist(place(row), place(ticks[int(row['command']) - 1]))
+                                    for row in reports if int(row['commands']) > 0),
+                  'earliest_s': min(float(row['heard_s']) - 1e-3 * int(row['command']) for row in reports)}))
+)";
+  const ProgramResult both =
+      runInShell("python3 " + (folder / "both.py").string() + " " + (folder / "learns.csv").string() + " " +
+                 (folder / "learns-robot.csv").string());
+  ASSERT_EQ(both.exit_status, 0) << both.errors;
+  const json sides = json::parse(both.output);
+  EXPECT_GT(sides["reports"].get<int>(), 300) << "50 a second";
+  EXPECT_LT(sides["furthest_m"].get<double>(), 3e-3) << "of the robot's tool from the operator's at the same tick";
+  EXPECT_GT(sides["earliest_s"].get<double>(), -1e-9) << "none is heard before its command";
+  const std::string paper = (folder / "paper.h5").string();
+  ASSERT_EQ(runHaptolith("run paper --no-serve --unpaced --duration-s 0.05 --record " + paper).exit_status, 0);
+  const ProgramResult none = runHaptolith("export " + paper + " --format robot-csv");
+  EXPECT_EQ(none.exit_status, 1);
+  EXPECT_THAT(none.errors, HasSubstr("no reports of a robot"));
   std::filesystem::remove_all(folder);
 
   const ProgramResult refused =

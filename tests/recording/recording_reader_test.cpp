@@ -36,7 +36,13 @@ class RecordingReaderTest : public testing::Test {
  protected:
   RecordingReaderTest() : folder_(fs::path(testing::TempDir()) / fmt::format("haptolith_reader_{}", getpid())) {
     fs::create_directories(folder_);
-    RecordingWriter writer(path(), madeUpHeader());
+    RecordingWriter writer(path(), madeUpHeader(), {.robot = true});
+    writer.add(RobotRow());
+    SiteRow site;
+    site.map = {20, 20};
+    site.first = {16, 0};
+    site.count = {4, 16};
+    writer.add(site);
     std::vector<TickRecord> ticks;
     for (std::uint64_t n = 0; n < 400; ++n) {
       ticks.push_back(madeUpTick(n));
@@ -82,6 +88,8 @@ class RecordingReaderTest : public testing::Test {
       (void)reader.readFrame(row);
     }
     (void)reader.readEvents(0, reader.events());
+    (void)reader.readReports(0, reader.reports());
+    (void)reader.readSite(0, reader.siteRows());
   }
 
   fs::path folder_;

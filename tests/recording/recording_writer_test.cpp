@@ -11,6 +11,7 @@
 #include <filesystem>
 #include <fstream>
 #include <iterator>
+#include <limits>
 #include <memory>
 #include <random>
 #include <string>
@@ -109,6 +110,68 @@ TEST_F(RecordingWriterTest, AWholeRecordingAndAPartOfARunLackNothing) {
   EXPECT_EQ(RecordingReader(file("part.h5")).events(), 0U);
 }
 
+TEST_F(RecordingWriterTest, WhatARobotTellsComesBackBitForBit) {
+  RobotRow row;
+  row.heard_s = 0.125;
+  row.command = 41;
+  row.commands = 20;
+  row.scene_T_tool = {{0.1, -0.0, std::numeric_limits<double>::denorm_min()}, {0.5, -0.5, 0.5, -0.5}};
+  row.met = {{1, 2, 3}, {4, 5, std::numeric_limits<double>::infinity()}};
+  row.state = 3;
+  row.reason = 7;
+  SiteRow site;
+  site.heard_s = 0.25;
+  site.command = 61;
+  site.corner_m = {-0.1, 0.2};
+  site.cell_m = 0.01;
+  site.map = {20, 3};
+  site.first = {16, 1};
+  site.count = {4, 2};
+  site.height_m[7] = 0.0625F;
+  {
+    RecordingWriter writer(file("robot.h5"), madeUpHeader(), {.robot = true});
+    for (int i = 0; i < 200; ++i) {
+      writer.add(row);
+      writer.add(site);
+      ++row.command;
+    }
+  }
+  const RecordingReader reader(file("robot.h5"));
+  ASSERT_EQ(reader.reports(), 200U);
+  ASSERT_EQ(reader.siteRows(), 200U);
+  row.command = 41 + 199;
+  const RobotRow back = reader.readReports(199, 5).at(0);
+  std::string wanted, got;
+  appendCsv(wanted, row);
+  appendCsv(got, back);
+  EXPECT_EQ(got, wanted);
+  EXPECT_THAT(got, HasSubstr("0.125,240,20,0.1,-0,5e-324,0.5,-0.5,0.5,-0.5,1,2,3,4,5,inf,3,7"));
+  EXPECT_EQ(csvHeader(robotColumns()),
+            "heard_s,command,commands,tool_x_m,tool_y_m,tool_z_m,tool_qw,tool_qx,tool_qy,tool_qz,met_fx_n,met_fy_n,"
+            "met_fz_n,met_tx_nm,met_ty_nm,met_tz_nm,state,reason\n");
+  const SiteRow seen = reader.readSite(3, 1).at(0);
+  EXPECT_EQ(seen.corner_m, site.corner_m);
+  EXPECT_EQ(seen.map, site.map);
+  EXPECT_EQ(seen.first, site.first);
+  EXPECT_EQ(seen.count, site.count);
+  EXPECT_EQ(seen.height_m, site.height_m);
+}
+
+TEST_F(RecordingWriterTest, WithoutARobotThereIsNoPlaceForOne) {
+  {
+    RecordingWriter writer(file("alone.h5"), madeUpHeader());
+    writer.add(RobotRow());
+    writer.add(SiteRow());
+    writer.add(madeUpTicks(0, 3));
+  }
+  const RecordingReader reader(file("alone.h5"));
+  EXPECT_EQ(reader.ticks(), 3U);
+  EXPECT_EQ(reader.reports(), 0U);
+  EXPECT_EQ(reader.siteRows(), 0U);
+  EXPECT_TRUE(reader.readReports(0, 10).empty());
+  EXPECT_TRUE(reader.readSite(0, 10).empty());
+}
+
 // As many chunks as half an hour has at 1 kHz. With HDF5's own caches 0.9 MiB more are in use at its end.
 TEST_F(RecordingWriterTest, AFileThatGrowsTakesNoMoreMemory) {
   constexpr int kChunks = 12'000, kChunksAtFirst = 800, kTicksPerChunk = 16;
@@ -119,12 +182,12 @@ TEST_F(RecordingWriterTest, AFileThatGrowsTakesNoMoreMemory) {
   }
   RecordingHeader header = madeUpHeader();
   header.tick_s = 0.01;
-  hdf5::RecordingFile recording(file("long.h5"), header, false);
+  hdf5::RecordingFile recording(file("long.h5"), header, false, false);
   const std::vector<TickRecord> ticks = madeUpTicks(0, kTicksPerChunk);
   const std::vector<ParticleFrame> frames{madeUpFrame(0, 256), madeUpFrame(1, 256)};
   double at_first_kib = 0;
   for (int chunk = 0; chunk < kChunks; ++chunk) {
-    recording.take(ticks, frames, {});
+    recording.take({.ticks = ticks, .frames = frames});
     ASSERT_TRUE(recording.writeWholeChunks());
     at_first_kib = chunk == kChunksAtFirst ? heap_kib() : at_first_kib;
   }

@@ -32,6 +32,7 @@ namespace fs = std::filesystem;
 constexpr const char* kExamples = R"(Examples:
   haptolith export run.h5 --format csv              run.csv: a row for every tick, for spreadsheets, pandas and R
   haptolith export run.h5 --format particles-csv    run-particles.csv: a row for every particle of every picture
+  haptolith export run.h5 --format robot-csv        run-robot.csv: a row for every report of a robot (teleop operator)
   haptolith export run.h5 --format xdmf             run-xdmf/: particles, tool and box for ParaView, data in HDF5
   haptolith export run.h5 --format vtk              run-vtk/: the same as files that need no HDF5
 
@@ -84,7 +85,7 @@ void exportCsv(const RecordingReader& recording, const ExportOptions& options) {
   const fs::path out = outFor(options, ".csv");
   AtomicFile file(options.overwrite(out.string()));
   Progress progress;
-  std::string text = csvHeader();
+  std::string text = csvHeader(tickColumns());
   for (std::uint64_t first = 0; first < recording.ticks(); first += kBlock) {
     if (!progress.shows([&] { return fmt::format("tick {} of {}", first, recording.ticks()); })) {
       throw Failure("interrupted");
@@ -106,6 +107,24 @@ std::string picturesText(const RecordedPictures& pictures) {
   return pictures.replayed() == pictures.count() ? count + " with velocities"
          : pictures.replayed() == 0              ? count + " without velocities"
                                     : fmt::format("{}, {} of them with velocities", count, pictures.replayed());
+}
+
+/// What a robot told, report by report, likewise.
+void exportCsvOfRobot(const RecordingReader& recording, const ExportOptions& options) {
+  if (recording.reports() == 0) {
+    throw Failure(fmt::format("{} holds no reports of a robot: haptolith teleop operator --record makes such a file",
+                              options.file));
+  }
+  AtomicFile file(options.overwrite(outFor(options, "-robot.csv").string()));
+  file.write(csvHeader(robotColumns()));
+  for (std::uint64_t first = 0; first < recording.reports(); first += kBlock) {
+    std::string text;
+    for (const RobotRow& row : recording.readReports(first, kBlock)) {
+      appendCsv(text, row);
+    }
+    file.write(text);
+  }
+  file.commit();
 }
 
 void requirePictures(const RecordingReader& recording, const ExportOptions& options) {
@@ -168,6 +187,8 @@ void exportRecording(const ExportOptions& options) {
     exportCsv(recording, options);
   } else if (options.format == "particles-csv") {
     exportCsvOfParticles(recording, options);
+  } else if (options.format == "robot-csv") {
+    exportCsvOfRobot(recording, options);
   } else {
     exportFolder(recording, options, options.format == "xdmf" ? exportXdmf : exportVtk);
   }
@@ -187,11 +208,13 @@ void addExportCommand(CLI::App& app) {
   command->footer(kExamples);
   command->add_option("file", options->file, "A recording (.h5)")->required()->option_text("FILE.h5");
   command
-      ->add_option("--format", options->format,
-                   "csv: ticks; particles-csv: particles; xdmf, vtk: particles, tool and box, for ParaView")
+      ->add_option(
+          "--format", options->format,
+          "csv: ticks; particles-csv: particles; robot-csv: what a robot told that followed the tool; xdmf, vtk:\n"
+          "particles, tool and box, for ParaView")
       ->required()
-      ->check(oneOf({"csv", "particles-csv", "xdmf", "vtk"}))
-      ->option_text("csv|particles-csv|xdmf|vtk");
+      ->check(oneOf({"csv", "particles-csv", "robot-csv", "xdmf", "vtk"}))
+      ->option_text("csv|particles-csv|robot-csv|xdmf|vtk");
   command
       ->add_option("--out", options->out, "Where to: a file, for xdmf and vtk a new folder [named after the recording]")
       ->option_text("PATH");

@@ -147,7 +147,7 @@ class Follower {
       : scenario_(scenario),
         finest_(options.finest),
         keep_history_(!options.figure_file.empty()),
-        recording_(recordingFor(options.frames_per_s)) {
+        recording_(recordingFor(options.frames_per_s, !options.robot.empty())) {
     if (!options.trace_file.empty()) {
       trace_.emplace(options.overwrite(options.trace_file));
     }

@@ -6,9 +6,10 @@
 
 namespace haptolith {
 
-SessionRecording recordingFor(double frames_per_s) {
+SessionRecording recordingFor(double frames_per_s, bool robot) {
   return SessionRecording({.frames_per_s = frames_per_s,
                            .program_version = HAPTOLITH_VERSION,
+                           .robot = robot,
                            .warn = [](const std::string& text) { spdlog::warn("{}", text); }});
 }
 

@@ -16,7 +16,7 @@
 namespace haptolith {
 
 /// The recording of a command, which warns on standard error.
-[[nodiscard]] SessionRecording recordingFor(double frames_per_s);
+[[nodiscard]] SessionRecording recordingFor(double frames_per_s, bool robot = false);
 
 /// What the main thread does again and again while a session's loop runs on its own: what pages ask for, what is new in
 /// the scene, in the recording, on the pages and, when the hand was let go, on standard error.

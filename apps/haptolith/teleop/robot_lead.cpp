@@ -1,5 +1,9 @@
 #include "teleop/robot_lead.h"
 
+#include <array>
+#include <cstddef>
+#include <limits>
+
 #include "haptolith/bed/surface_height.h"
 #include "haptolith/identify/training_file.h"
 #include "haptolith/recording/recording_format.h"
@@ -30,18 +34,53 @@ void RobotLead::begin(const Scenario& model) {
 
 void RobotLead::follow(Session& session, std::span<const TickRecord> ticks, SessionRecording& recording) {
   end_.follow(ticks);
-  end_.receive([this](const RobotReport& report, const Vec3& felt_n) {
-    if (learning_) {
-      learning_->met(report, felt_n);
-    }
-  });
   if (!ticks.empty()) {
     in_air_ = ticks.back().rendered.wrench.force_n.norm() < kInSoil_n;
     time_s_ = ticks.back().time_s;
   }
+  end_.receive({.report =
+                    [&](const RobotReport& report, const std::optional<Vec3>& felt_n) {
+                      if (learning_ && felt_n) {
+                        learning_->met(report, *felt_n);
+                      }
+                      recording.add(rowOf(report));
+                    },
+                .seen = [&](const SitePacket& seen) { recording.add(rowOf(seen)); }});
   if (learns_) {
     learn(session, recording);
   }
+}
+
+RobotRow RobotLead::rowOf(const RobotReport& report) const {
+  RobotRow row{.heard_s = time_s_,
+               .command = report.index + 1,
+               .commands = report.ticks,
+               .scene_T_tool = report.pose,
+               .met = report.met,
+               .state = static_cast<std::uint8_t>(end_.news().state.state),
+               .reason = static_cast<std::uint8_t>(end_.news().state.reason)};
+  row.scene_T_tool.position_m.z() += end_.surface();
+  return row;
+}
+
+SiteRow RobotLead::rowOf(const SitePacket& seen) const {
+  const auto pair = [](std::size_t first, std::size_t second) {
+    return std::array{static_cast<std::uint32_t>(first), static_cast<std::uint32_t>(second)};
+  };
+  SiteRow row{.heard_s = time_s_,
+              .command = seen.index + 1,
+              .corner_m = {seen.grid.x_m, seen.grid.y_m},
+              .cell_m = seen.grid.cell_m,
+              .map = pair(seen.grid.columns, seen.grid.rows),
+              .first = pair(seen.column, seen.row),
+              .count = pair(seen.columns, seen.rows)};
+  row.height_m.fill(std::numeric_limits<float>::quiet_NaN());
+  for (std::size_t i = 0; i < seen.steps.size(); ++i) {
+    if (seen.steps[i] != SitePacket::kNotSeen) {
+      row.height_m[i] = static_cast<float>(end_.surface() + seen.steps[i] * SitePacket::kStep_m);
+    }
+  }
+  return row;
 }
 
 void RobotLead::learn(Session& session, SessionRecording& recording) {

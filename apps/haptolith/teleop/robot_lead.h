@@ -26,6 +26,8 @@ class RobotLead {
   [[nodiscard]] const LearningModel* learning() const noexcept { return learning_ ? &*learning_ : nullptr; }
 
  private:
+  [[nodiscard]] RobotRow rowOf(const RobotReport& report) const;
+  [[nodiscard]] SiteRow rowOf(const SitePacket& seen) const;
   void learn(Session& session, SessionRecording& recording);
   void begin(const Scenario& model);
 

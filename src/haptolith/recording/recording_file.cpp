@@ -27,6 +27,7 @@ constexpr std::uint64_t kFewestTicks = 16, kMostTicks = 4096;  // per chunk
 
 // These are not compressed, and may be written again in their place.
 constexpr std::uint64_t kPositionsPerChunk = 8192, kFramesPerChunk = 64, kEventsPerChunk = 16;
+constexpr std::uint64_t kReportsPerChunk = 64, kSiteRowsPerChunk = 16;
 
 // What HDF5 may keep in memory; the largest chunk has less than the first.
 constexpr std::size_t kChunkBytes = std::size_t{2} << 20;
@@ -164,7 +165,7 @@ void requireFree(const fs::path& path, bool overwrite) {
   }
 }
 
-RecordingFile::RecordingFile(fs::path path, const RecordingHeader& header, bool overwrite)
+RecordingFile::RecordingFile(fs::path path, const RecordingHeader& header, bool overwrite, bool robot)
     : path_(std::move(path)), ticks_per_chunk_(0), tick_s_(header.tick_s), whole_run_(header.start_tick == 0) {
   validate(header);
   ticks_per_chunk_ = ticksPerChunk(header.tick_s);
@@ -194,6 +195,18 @@ RecordingFile::RecordingFile(fs::path path, const RecordingHeader& header, bool 
                       {.file_type = eventType(Place::kFile),
                        .memory_type = eventType(Place::kMemory),
                        .chunk_rows = kEventsPerChunk});
+    all_ = {&ticks_, &position_, &frames_, &events_};
+    if (robot) {
+      reports_ = Growing(file_, kReports,
+                         {.file_type = robotType(Place::kFile),
+                          .memory_type = robotType(Place::kMemory),
+                          .chunk_rows = kReportsPerChunk});
+      site_ = Growing(file_, kSite,
+                      {.file_type = siteType(Place::kFile),
+                       .memory_type = siteType(Place::kMemory),
+                       .chunk_rows = kSiteRowsPerChunk});
+      all_.insert(all_.end(), {&reports_, &site_});
+    }
     done(H5Fstart_swmr_write(file_.id()), "start writing");
     fs::rename(making, path_);
     rememberOutput(path_);
@@ -205,9 +218,8 @@ RecordingFile::RecordingFile(fs::path path, const RecordingHeader& header, bool 
   }
 }
 
-void RecordingFile::take(const std::vector<TickRecord>& ticks, const std::vector<ParticleFrame>& frames,
-                         const std::vector<RecordingEvent>& events) {
-  for (const TickRecord& tick : ticks) {
+void RecordingFile::take(const Batch& batch) {
+  for (const TickRecord& tick : batch.ticks) {
     const std::uint64_t number = tickNumber(tick.time_s, tick_s_);
     const bool begins = last_number_ == 0 && !whole_run_;
     if (!begins && number > last_number_ + 1) {
@@ -217,18 +229,20 @@ void RecordingFile::take(const std::vector<TickRecord>& ticks, const std::vector
     last_time_s_ = tick.time_s;
     unwritten_ticks_.push_back(tick);
   }
-  for (const ParticleFrame& frame : frames) {
+  for (const ParticleFrame& frame : batch.frames) {
     unwritten_frames_.push_back({.time_s = frame.time_s,
                                  .tick = frame.tick,
                                  .first = position_.rows() + unwritten_positions_.size(),
                                  .count = frame.position_m.size()});
     unwritten_positions_.insert(unwritten_positions_.end(), frame.position_m.begin(), frame.position_m.end());
   }
-  for (const RecordingEvent& event : events) {
+  for (const RecordingEvent& event : batch.events) {
     EventRow& row = unwritten_events_.emplace_back(EventRow{.time_s = event.time_s, .tick = event.tick});
     copyText(event.kind, row.kind);
     copyText(event.text, row.text);
   }
+  unwritten_reports_.insert(unwritten_reports_.end(), batch.reports.begin(), batch.reports.end());
+  unwritten_site_.insert(unwritten_site_.end(), batch.site.begin(), batch.site.end());
 }
 
 void RecordingFile::noteMissing(std::uint64_t ticks, double time_s) {
@@ -247,7 +261,8 @@ void RecordingFile::countLost(std::uint64_t lost) {
 }
 
 bool RecordingFile::hasUnwritten() const noexcept {
-  return !unwritten_ticks_.empty() || !unwritten_frames_.empty() || !unwritten_events_.empty();
+  return !unwritten_ticks_.empty() || !unwritten_frames_.empty() || !unwritten_events_.empty() ||
+         !unwritten_reports_.empty() || !unwritten_site_.empty();
 }
 
 bool RecordingFile::writeWholeChunks() {
@@ -271,14 +286,17 @@ void RecordingFile::write(std::size_t ticks) {
   position_.append(unwritten_positions_.data(), unwritten_positions_.size());
   frames_.append(unwritten_frames_.data(), unwritten_frames_.size());
   events_.append(unwritten_events_.data(), unwritten_events_.size());
-  // Positions before the frames that point at them.
-  for (Growing* each : {&ticks_, &position_, &frames_, &events_}) {
+  reports_.append(unwritten_reports_.data(), unwritten_reports_.size());
+  site_.append(unwritten_site_.data(), unwritten_site_.size());
+  for (Growing* each : all_) {
     each->flush();
   }
   unwritten_ticks_.erase(unwritten_ticks_.begin(), unwritten_ticks_.begin() + static_cast<std::ptrdiff_t>(ticks));
   unwritten_positions_.clear();
   unwritten_frames_.clear();
   unwritten_events_.clear();
+  unwritten_reports_.clear();
+  unwritten_site_.clear();
 }
 
 void RecordingFile::close() {
@@ -286,7 +304,7 @@ void RecordingFile::close() {
     const Handle entry = handle(H5Aopen(file_.id(), kMissingTicks, H5P_DEFAULT), "write the header");
     done(H5Awrite(entry.id(), countType(Place::kMemory).id(), &missing_), "write the header");
   }
-  for (Growing* each : {&ticks_, &position_, &frames_, &events_}) {
+  for (Growing* each : all_) {
     each->close();
   }
   if (!file_.close()) {
@@ -300,7 +318,7 @@ void RecordingFile::abandon() noexcept {
     const Descriptor nowhere(memfd_create("haptolith", MFD_CLOEXEC));
     dup2(nowhere.number(), descriptor());
   }
-  for (Growing* each : {&ticks_, &position_, &frames_, &events_}) {
+  for (Growing* each : all_) {
     each->close();
   }
   file_.close();

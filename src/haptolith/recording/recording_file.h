@@ -41,16 +41,25 @@ class Growing {
 /// @throws Failure when the file is there and may not be overwritten.
 void requireFree(const std::filesystem::path& path, bool overwrite);
 
+/// What is to be written.
+struct Batch {
+  std::vector<TickRecord> ticks = {};
+  std::vector<ParticleFrame> frames = {};
+  std::vector<RecordingEvent> events = {};
+  std::vector<RobotRow> reports = {};
+  std::vector<SiteRow> site = {};
+};
+
 /// A recording's file while it is written, in HDF5's SWMR mode: at any moment what is on the disk is a file that opens.
 /// From one thread.
 class RecordingFile {
  public:
   /// @throws as RecordingWriter.
-  RecordingFile(std::filesystem::path path, const RecordingHeader& header, bool overwrite);
+  /// @param robot  whether it has a place for what a robot tells.
+  RecordingFile(std::filesystem::path path, const RecordingHeader& header, bool overwrite, bool robot);
 
   /// Takes what is to be written; nothing is written yet.
-  void take(const std::vector<TickRecord>& ticks, const std::vector<ParticleFrame>& frames,
-            const std::vector<RecordingEvent>& events);
+  void take(const Batch& batch);
 
   [[nodiscard]] bool hasUnwritten() const noexcept;
 
@@ -90,12 +99,15 @@ class RecordingFile {
   std::uint64_t last_number_ = 0, missing_ = 0;
   double last_time_s_ = 0;
   Handle file_;
-  Growing ticks_, position_, frames_, events_;
+  Growing ticks_, position_, frames_, events_, reports_, site_;
+  std::vector<Growing*> all_;  ///< that are there; positions before the frames that point at them
 
   std::vector<TickRecord> unwritten_ticks_;
   std::vector<std::array<float, 3>> unwritten_positions_;
   std::vector<FrameRow> unwritten_frames_;
   std::vector<EventRow> unwritten_events_;
+  std::vector<RobotRow> unwritten_reports_;
+  std::vector<SiteRow> unwritten_site_;
 };
 
 }  // namespace haptolith::hdf5

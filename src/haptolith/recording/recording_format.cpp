@@ -55,6 +55,7 @@ SoilAdjustment adjustmentOf(const RecordingEvent& event) {
 namespace {
 
 /// Names the members of a record one after the other.
+template <class Record>
 class ColumnList {
  public:
   template <class T>
@@ -91,8 +92,8 @@ class ColumnList {
     add(name + "gripper_n", output.gripper_force_n);
   }
 
-  [[nodiscard]] const TickRecord& record() const noexcept { return record_; }
-  [[nodiscard]] std::vector<TickColumn> columns() && { return std::move(columns_); }
+  [[nodiscard]] const Record& record() const noexcept { return record_; }
+  [[nodiscard]] std::vector<RecordColumn> columns() && { return std::move(columns_); }
 
  private:
   [[nodiscard]] std::size_t offset(const void* member) const noexcept {
@@ -100,12 +101,12 @@ class ColumnList {
                                     reinterpret_cast<const std::byte*>(&record_));
   }
 
-  TickRecord record_;
-  std::vector<TickColumn> columns_;
+  Record record_;
+  std::vector<RecordColumn> columns_;
 };
 
-std::vector<TickColumn> makeColumns() {
-  ColumnList list;
+std::vector<RecordColumn> makeTickColumns() {
+  ColumnList<TickRecord> list;
   const TickRecord& tick = list.record();
   list.add("t_s", tick.time_s);
   list.addPose("device_", tick.device.pose);
@@ -128,34 +129,61 @@ std::vector<TickColumn> makeColumns() {
   return std::move(list).columns();
 }
 
+std::vector<RecordColumn> makeRobotColumns() {
+  ColumnList<RobotRow> list;
+  const RobotRow& row = list.record();
+  list.add("heard_s", row.heard_s);
+  list.add("command", row.command);
+  list.add("commands", row.commands);
+  list.addPose("tool_", row.scene_T_tool);
+  list.addWrench("met_", row.met);
+  list.add("state", row.state);
+  list.add("reason", row.reason);
+  return std::move(list).columns();
+}
+
+template <class Record>
+void appendLine(std::string& text, const std::vector<RecordColumn>& columns, const Record& record) {
+  for (const RecordColumn& column : columns) {
+    std::visit([&](auto value) { fmt::format_to(std::back_inserter(text), "{},", value); }, column.of(record));
+  }
+  text.back() = '\n';
+}
+
 }  // namespace
 
-TickColumn::Value TickColumn::of(const TickRecord& record) const noexcept {
+RecordColumn::Value RecordColumn::at(const std::byte* member) const noexcept {
   return std::visit(
       [&](auto value) -> Value {
-        std::memcpy(&value, reinterpret_cast<const std::byte*>(&record) + offset, sizeof(value));
+        std::memcpy(&value, member, sizeof(value));
         return value;
       },
       type);
 }
 
-std::string csvHeader() {
+std::string csvHeader(const std::vector<RecordColumn>& columns) {
   std::string text;
-  for (const TickColumn& column : tickColumns()) {
+  for (const RecordColumn& column : columns) {
     text += (text.empty() ? "" : ",") + column.name;
   }
   return text + '\n';
 }
 
 void appendCsv(std::string& text, const TickRecord& record) {
-  for (const TickColumn& column : tickColumns()) {
-    std::visit([&](auto value) { fmt::format_to(std::back_inserter(text), "{},", value); }, column.of(record));
-  }
-  text.back() = '\n';
+  appendLine(text, tickColumns(), record);
 }
 
-const std::vector<TickColumn>& tickColumns() {
-  static const std::vector<TickColumn> kColumns = makeColumns();
+void appendCsv(std::string& text, const RobotRow& row) {
+  appendLine(text, robotColumns(), row);
+}
+
+const std::vector<RecordColumn>& tickColumns() {
+  static const std::vector<RecordColumn> kColumns = makeTickColumns();
+  return kColumns;
+}
+
+const std::vector<RecordColumn>& robotColumns() {
+  static const std::vector<RecordColumn> kColumns = makeRobotColumns();
   return kColumns;
 }
 

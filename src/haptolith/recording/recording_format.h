@@ -13,7 +13,8 @@
 #include "haptolith/haptics/tick_record.h"
 #include "haptolith/soil/soil_parameters.h"
 
-// What a recording holds: an HDF5 file with /ticks, /particles/position, /particles/frames, /events and a header.
+// What a recording holds: an HDF5 file with /ticks, /particles/position, /particles/frames, /events and a header; where
+// a robot followed the tool, /robot/reports and /robot/site.
 
 namespace haptolith {
 
@@ -70,29 +71,63 @@ struct RecordingEvent {
   std::string text;
 };
 
+/// What a robot that follows the tool told of a stretch of commands: a row of /robot/reports. In the scene's frame, as
+/// if the surface of the robot's soil were this one's.
+struct RobotRow {
+  double heard_s = 0;          ///< when it was heard, in the time of the run
+  std::uint64_t command = 0;   ///< number of the tick that it had come to
+  std::uint64_t commands = 0;  ///< ticks up to that one that force and torque are the mean over; 0: it followed none
+  Pose scene_T_tool;
+  Wrench met;                          ///< of the soil on its tool, about the tool's origin
+  std::uint8_t state = 0, reason = 0;  ///< what it did when it was last heard, and why it stopped
+};
+
+/// What it saw of a part of its site: a row of /robot/site, likewise.
+struct SiteRow {
+  static constexpr std::size_t kCells = 256;
+
+  double heard_s = 0;
+  std::uint64_t command = 0;             ///< number of the tick that it had come to when it looked
+  std::array<double, 2> corner_m{};      ///< of the first cell of the whole map
+  double cell_m = 0;                     ///< width of each
+  std::array<std::uint32_t, 2> map{};    ///< columns along x, rows along y of the whole map
+  std::array<std::uint32_t, 2> first{};  ///< column and row that the part begins at
+  std::array<std::uint32_t, 2> count{};  ///< its columns and rows
+  std::array<float, kCells> height_m{};  ///< row by row; NaN: not seen, or beyond the part
+};
+
 /// The event of a change of the soil that a replay makes again, and what it says.
 inline constexpr const char* kAdjustmentKind = "soil";
 [[nodiscard]] std::string adjustmentText(const SoilAdjustment& adjustment);
 /// @throws Failure when the event says something else.
 [[nodiscard]] SoilAdjustment adjustmentOf(const RecordingEvent& event);
 
-/// A column of /ticks: its name, with the unit, and which member of TickRecord it holds.
-struct TickColumn {
+/// A column of /ticks or /robot/reports: its name, with the unit, and which member of a TickRecord or RobotRow it
+/// holds.
+struct RecordColumn {
   using Value = std::variant<double, std::uint64_t, std::uint32_t, std::uint8_t>;
 
   std::string name;
   Value type;          ///< of the member; its value means nothing
-  std::size_t offset;  ///< of the member in TickRecord, in bytes
+  std::size_t offset;  ///< of the member, in bytes
 
   /// What a record has in this column.
-  [[nodiscard]] Value of(const TickRecord& record) const noexcept;
+  template <class Record>
+  [[nodiscard]] Value of(const Record& record) const noexcept {
+    return at(reinterpret_cast<const std::byte*>(&record) + offset);
+  }
+
+ private:
+  [[nodiscard]] Value at(const std::byte* member) const noexcept;
 };
 
-/// The columns' names, and a record's values that read back as the same: lines of a CSV file.
-[[nodiscard]] std::string csvHeader();
-void appendCsv(std::string& text, const TickRecord& record);
+/// All columns, in the order of the file. The file's types, its reader and the CSV export are made of these.
+[[nodiscard]] const std::vector<RecordColumn>& tickColumns();
+[[nodiscard]] const std::vector<RecordColumn>& robotColumns();
 
-/// All columns, in the order of the file. The file's type, its reader and the CSV export are made of these.
-[[nodiscard]] const std::vector<TickColumn>& tickColumns();
+/// The columns' names, and a record's values that read back as the same: lines of a CSV file.
+[[nodiscard]] std::string csvHeader(const std::vector<RecordColumn>& columns);
+void appendCsv(std::string& text, const TickRecord& record);
+void appendCsv(std::string& text, const RobotRow& row);
 
 }  // namespace haptolith

@@ -333,6 +333,11 @@ class RecordingReader::File {
     position_ = table(kPosition, coordinateType(Place::kFile), coordinateType(Place::kMemory), 3);
     frames_ = table(kFrames, frameType(Place::kFile), frameType(Place::kMemory));
     events_ = table(kEvents, eventType(Place::kFile), eventType(Place::kMemory));
+    if (H5Lexists(hdf5_.id(), kRobot, H5P_DEFAULT) > 0) {
+      requireMember(raw_, hdf5_, kRobot);
+      reports_ = table(kReports, robotType(Place::kFile), robotType(Place::kMemory));
+      site_ = table(kSite, siteType(Place::kFile), siteType(Place::kMemory));
+    }
   }
 
   [[nodiscard]] const RecordingHeader& header() const noexcept { return header_; }
@@ -342,6 +347,8 @@ class RecordingReader::File {
   [[nodiscard]] const Table& position() const noexcept { return *position_; }
   [[nodiscard]] const Table& frames() const noexcept { return *frames_; }
   [[nodiscard]] const Table& events() const noexcept { return *events_; }
+  [[nodiscard]] const Table* reports() const noexcept { return reports_.get(); }  ///< null: no robot followed
+  [[nodiscard]] const Table* site() const noexcept { return site_.get(); }
 
   template <class Row>
   [[nodiscard]] std::vector<Row> read(const Table& table, std::uint64_t first, std::uint64_t count) const {
@@ -376,7 +383,7 @@ class RecordingReader::File {
   Handle hdf5_;
   RecordingHeader header_;
   std::uint64_t missing_ticks_ = 0;
-  std::unique_ptr<Table> ticks_, position_, frames_, events_;
+  std::unique_ptr<Table> ticks_, position_, frames_, events_, reports_, site_;
 };
 
 RecordingReader::RecordingReader(const std::filesystem::path& path) {
@@ -416,6 +423,14 @@ std::uint64_t RecordingReader::events() const noexcept {
   return file_->events().rows();
 }
 
+std::uint64_t RecordingReader::reports() const noexcept {
+  return file_->reports() == nullptr ? 0 : file_->reports()->rows();
+}
+
+std::uint64_t RecordingReader::siteRows() const noexcept {
+  return file_->site() == nullptr ? 0 : file_->site()->rows();
+}
+
 std::vector<TickRecord> RecordingReader::readTicks(std::uint64_t first, std::uint64_t count) const {
   std::vector<TickRecord> ticks = file_->read<TickRecord>(file_->ticks(), first, count);
   for (const TickRecord& tick : ticks) {
@@ -444,6 +459,31 @@ std::vector<RecordingEvent> RecordingReader::readEvents(std::uint64_t first, std
     events.push_back({.time_s = row.time_s, .tick = row.tick, .kind = textOf(row.kind), .text = textOf(row.text)});
   }
   return events;
+}
+
+std::vector<RobotRow> RecordingReader::readReports(std::uint64_t first, std::uint64_t count) const {
+  return reports() == 0 ? std::vector<RobotRow>() : file_->read<RobotRow>(*file_->reports(), first, count);
+}
+
+std::vector<SiteRow> RecordingReader::readSite(std::uint64_t first, std::uint64_t count) const {
+  std::vector<SiteRow> rows;
+  if (siteRows() > 0) {
+    rows = file_->read<SiteRow>(*file_->site(), first, count);
+  }
+  for (const SiteRow& row : rows) {
+    const auto [columns, lines] = row.count;
+    const auto fits = [](std::uint32_t begin, std::uint32_t count_of, std::uint32_t of) {
+      return begin <= of && count_of <= of - begin;
+    };
+    if (std::uint64_t{columns} * lines > SiteRow::kCells || !fits(row.first[0], columns, row.map[0]) ||
+        !fits(row.first[1], lines, row.map[1])) {
+      file_->refuse(
+          fmt::format("a part of the robot's site at {} s is said to be {} by {} cells from column {}, row "
+                      "{} of {} by {}",
+                      row.heard_s, columns, lines, row.first[0], row.first[1], row.map[0], row.map[1]));
+    }
+  }
+  return rows;
 }
 
 ParticleFrame RecordingReader::readFrame(const FrameRow& row) const {

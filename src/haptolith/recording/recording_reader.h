@@ -30,11 +30,16 @@ class RecordingReader {
   [[nodiscard]] std::uint64_t ticks() const noexcept;
   [[nodiscard]] std::uint64_t frames() const noexcept;
   [[nodiscard]] std::uint64_t events() const noexcept;
+  /// Of a robot that followed the tool; 0 where none did.
+  [[nodiscard]] std::uint64_t reports() const noexcept;
+  [[nodiscard]] std::uint64_t siteRows() const noexcept;
 
   /// `count` of them beginning with number `first`, or as many as there are. @throws Failure when the file is damaged.
   [[nodiscard]] std::vector<TickRecord> readTicks(std::uint64_t first, std::uint64_t count) const;
   [[nodiscard]] std::vector<FrameRow> readFrameRows(std::uint64_t first, std::uint64_t count) const;
   [[nodiscard]] std::vector<RecordingEvent> readEvents(std::uint64_t first, std::uint64_t count) const;
+  [[nodiscard]] std::vector<RobotRow> readReports(std::uint64_t first, std::uint64_t count) const;
+  [[nodiscard]] std::vector<SiteRow> readSite(std::uint64_t first, std::uint64_t count) const;
   /// The particles of a frame. @throws Failure as readTicks(), and when the row is of another file.
   [[nodiscard]] ParticleFrame readFrame(const FrameRow& row) const;
 

@@ -1,6 +1,7 @@
 #include "haptolith/recording/recording_types.h"
 
 #include <cstddef>
+#include <initializer_list>
 #include <type_traits>
 #include <utility>
 #include <variant>
@@ -54,15 +55,29 @@ Handle copyOf(Place place) {
   return handle(H5Tcopy(scalar<T>(place)), "make a type");
 }
 
-}  // namespace
-
-Handle tickType(Place place) {
+std::vector<Member> membersOf(const std::vector<RecordColumn>& columns, Place place) {
   std::vector<Member> members;
-  for (const TickColumn& column : tickColumns()) {
+  for (const RecordColumn& column : columns) {
     Handle type = std::visit([&](auto value) { return copyOf<decltype(value)>(place); }, column.type);
     members.push_back({column.name.c_str(), column.offset, std::move(type)});
   }
-  return compound(sizeof(TickRecord), members, place);
+  return members;
+}
+
+/// Numbers that lie in memory one after the other.
+template <class T>
+void addNumbers(std::vector<Member>& members, std::size_t offset, std::initializer_list<const char*> names,
+                Place place) {
+  for (const char* name : names) {
+    members.push_back({name, offset, copyOf<T>(place)});
+    offset += sizeof(T);
+  }
+}
+
+}  // namespace
+
+Handle tickType(Place place) {
+  return compound(sizeof(TickRecord), membersOf(tickColumns(), place), place);
 }
 
 Handle frameType(Place place) {
@@ -81,6 +96,25 @@ Handle eventType(Place place) {
   members.push_back({"kind", offsetof(EventRow, kind), textType(RecordingEvent::kMostKind)});
   members.push_back({"text", offsetof(EventRow, text), textType(RecordingEvent::kMostText)});
   return compound(sizeof(EventRow), members, place);
+}
+
+Handle robotType(Place place) {
+  return compound(sizeof(RobotRow), membersOf(robotColumns(), place), place);
+}
+
+Handle siteType(Place place) {
+  std::vector<Member> members;
+  members.push_back({"heard_s", offsetof(SiteRow, heard_s), numberType(place)});
+  members.push_back({"command", offsetof(SiteRow, command), countType(place)});
+  addNumbers<double>(members, offsetof(SiteRow, corner_m), {"corner_x_m", "corner_y_m"}, place);
+  members.push_back({"cell_m", offsetof(SiteRow, cell_m), numberType(place)});
+  addNumbers<std::uint32_t>(members, offsetof(SiteRow, map), {"map_columns", "map_rows"}, place);
+  addNumbers<std::uint32_t>(members, offsetof(SiteRow, first), {"column", "row"}, place);
+  addNumbers<std::uint32_t>(members, offsetof(SiteRow, count), {"columns", "rows"}, place);
+  constexpr hsize_t kCells = SiteRow::kCells;
+  Handle heights = handle(H5Tarray_create2(scalar<float>(place), 1, &kCells), "make a type");
+  members.push_back({"height_m", offsetof(SiteRow, height_m), std::move(heights)});
+  return compound(sizeof(SiteRow), members, place);
 }
 
 Handle coordinateType(Place place) {

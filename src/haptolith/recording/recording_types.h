@@ -20,6 +20,9 @@ inline constexpr const char* kTicks = "/ticks";
 inline constexpr const char* kPosition = "/particles/position";
 inline constexpr const char* kFrames = "/particles/frames";
 inline constexpr const char* kEvents = "/events";
+inline constexpr const char* kRobot = "/robot";
+inline constexpr const char* kReports = "/robot/reports";
+inline constexpr const char* kSite = "/robot/site";
 
 /// An attribute of the file's root, which the first recordings lack: RecordingReader::missingTicks().
 inline constexpr const char* kMissingTicks = "missing_ticks";
@@ -37,6 +40,8 @@ struct EventRow {
 [[nodiscard]] Handle tickType(Place place);
 [[nodiscard]] Handle frameType(Place place);
 [[nodiscard]] Handle eventType(Place place);
+[[nodiscard]] Handle robotType(Place place);
+[[nodiscard]] Handle siteType(Place place);
 [[nodiscard]] Handle coordinateType(Place place);
 /// UTF-8 of at most `bytes`, filled up with zeros.
 [[nodiscard]] Handle textType(std::size_t bytes);

@@ -30,20 +30,12 @@ constexpr std::size_t kMostWaitingForFrames = std::size_t{32}
 constexpr auto kLookEvery = 25ms;
 constexpr auto kOldest = 200ms;
 
-/// What waits for the thread.
-struct Batch {
-  std::vector<TickRecord> ticks;
-  std::vector<ParticleFrame> frames;
-  std::vector<RecordingEvent> events;
-  std::size_t bytes = 0;
-};
-
 }  // namespace
 
 class RecordingWriter::Thread {
  public:
   Thread(const std::filesystem::path& path, const RecordingHeader& header, const RecordingOptions& options)
-      : path_(path.string()), wait_when_full_(options.wait_when_full) {
+      : path_(path.string()), wait_when_full_(options.wait_when_full), robot_(options.robot) {
     std::promise<void> made;
     std::future<void> making = made.get_future();
     thread_ = startThread("the recording",
@@ -68,6 +60,18 @@ class RecordingWriter::Thread {
 
   void add(const RecordingEvent& event) {
     add(sizeof(event) + event.kind.size() + event.text.size(), kMostWaiting, [&] { waiting_.events.push_back(event); });
+  }
+
+  void add(const RobotRow& report) {
+    if (robot_) {
+      add(sizeof(report), kMostWaiting, [&] { waiting_.reports.push_back(report); });
+    }
+  }
+
+  void add(const SiteRow& seen) {
+    if (robot_) {
+      add(sizeof(seen), kMostWaitingForFrames, [&] { waiting_.site.push_back(seen); });
+    }
   }
 
   void finish(std::uint64_t lost) noexcept {
@@ -102,7 +106,7 @@ class RecordingWriter::Thread {
   template <class Copy>
   void add(std::size_t bytes, std::size_t most, Copy copy) {
     std::unique_lock lock(mutex_);
-    const auto has_room = [&] { return !takes() || waiting_.bytes == 0 || waiting_.bytes + bytes <= most; };
+    const auto has_room = [&] { return !takes() || waiting_bytes_ == 0 || waiting_bytes_ + bytes <= most; };
     if (wait_when_full_) {
       changed_.wait(lock, has_room);
     }
@@ -111,11 +115,11 @@ class RecordingWriter::Thread {
     }
     if (has_room()) {
       copy();
-      waiting_.bytes += bytes;
+      waiting_bytes_ += bytes;
     } else if (most == kMostWaitingForFrames) {
       ++left_out_;
     } else {
-      stop(fmt::format("the disk is too slow: {} MiB wait to be written", waiting_.bytes >> 20));
+      stop(fmt::format("the disk is too slow: {} MiB wait to be written", waiting_bytes_ >> 20));
     }
   }
 
@@ -138,6 +142,7 @@ class RecordingWriter::Thread {
                       path_, why, written_.ticks, written_.frames, written_.events);
     }
     waiting_ = {};
+    waiting_bytes_ = 0;
     changed_.notify_all();
   }
 
@@ -145,7 +150,7 @@ class RecordingWriter::Thread {
             std::promise<void>& made) {
     std::unique_ptr<hdf5::RecordingFile> file;
     try {
-      file = std::make_unique<hdf5::RecordingFile>(path, header, overwrite);
+      file = std::make_unique<hdf5::RecordingFile>(path, header, overwrite, robot_);
       made.set_value();
     } catch (...) {
       made.set_exception(std::current_exception());
@@ -166,7 +171,7 @@ class RecordingWriter::Thread {
   void writeAll(hdf5::RecordingFile& file) {
     Clock::time_point oldest = Clock::now();  // of what is not yet in the file
     for (bool last = false; !last;) {
-      Batch batch;
+      hdf5::Batch batch;
       std::uint64_t lost = 0;
       {
         std::unique_lock lock(mutex_);
@@ -174,12 +179,13 @@ class RecordingWriter::Thread {
         last = ending_ || !problem_.empty();
         lost = lost_;
         std::swap(batch, waiting_);
+        waiting_bytes_ = 0;
       }
       changed_.notify_all();
       if (!file.hasUnwritten()) {
         oldest = Clock::now() - kLookEvery;
       }
-      file.take(batch.ticks, batch.frames, batch.events);
+      file.take(batch);
       if (last) {
         file.countLost(lost);
       }
@@ -194,11 +200,12 @@ class RecordingWriter::Thread {
   }
 
   const std::string path_;
-  const bool wait_when_full_;
+  const bool wait_when_full_, robot_;
 
   mutable std::mutex mutex_;
   std::condition_variable changed_;
-  Batch waiting_;
+  hdf5::Batch waiting_;
+  std::size_t waiting_bytes_ = 0;
   bool ending_ = false;
   std::uint64_t lost_ = 0;
   std::string problem_;
@@ -230,6 +237,14 @@ void RecordingWriter::add(const ParticleFrame& frame) {
 
 void RecordingWriter::add(const RecordingEvent& event) {
   thread_->add(event);
+}
+
+void RecordingWriter::add(const RobotRow& report) {
+  thread_->add(report);
+}
+
+void RecordingWriter::add(const SiteRow& seen) {
+  thread_->add(seen);
 }
 
 void RecordingWriter::finish(std::uint64_t lost) noexcept {

@@ -15,6 +15,7 @@ struct RecordingOptions {
   /// What add() does when the disk is so slow that 64 MiB wait to be written: wait, as suits a loop that nobody paces,
   /// or end the recording. Particles are left out before, when 32 MiB wait.
   bool wait_when_full = false;
+  bool robot = false;  ///< a robot follows the tool: there is a place for what it tells
 };
 
 /// Writes a recording. All work on the file is done by a thread of its own, so that a slow disk delays nobody; whatever
@@ -39,6 +40,9 @@ class RecordingWriter {
   void add(std::span<const TickRecord> ticks);
   void add(const ParticleFrame& frame);
   void add(const RecordingEvent& event);
+  /// Where RecordingOptions::robot was said.
+  void add(const RobotRow& report);
+  void add(const SiteRow& seen);
 
   /// Writes what waits and closes the file; problem() then tells whether all is in it.
   /// @param lost  ticks that were to be recorded and are known to have been lost on the way here.

@@ -53,7 +53,8 @@ void SessionRecording::begin(const Session& session, const std::string& file, bo
   RecordingHeader header = headerOf(session, options_.program_version);
   header.start_tick = session.loopTicks();
   auto writer = std::make_unique<RecordingWriter>(
-      file, header, RecordingOptions{.overwrite = overwrite, .wait_when_full = !session.shown().loop.paced});
+      file, header,
+      RecordingOptions{.overwrite = overwrite, .wait_when_full = !session.shown().loop.paced, .robot = options_.robot});
   name_ = file;
   problem_.clear();
   next_frame_s_ = 0;
@@ -134,6 +135,18 @@ void SessionRecording::add(const SceneSnapshot& snapshot) {
   if (!name_.empty() && options_.frames_per_s > 0 && snapshot.time_s >= next_frame_s_) {
     writer_->add(particleFrame(snapshot));
     next_frame_s_ = std::max(next_frame_s_ + 1 / options_.frames_per_s, snapshot.time_s);
+  }
+}
+
+void SessionRecording::add(const RobotRow& report) {
+  if (!name_.empty()) {
+    writer_->add(report);
+  }
+}
+
+void SessionRecording::add(const SiteRow& seen) {
+  if (!name_.empty()) {
+    writer_->add(seen);
   }
 }
 

@@ -21,6 +21,7 @@ class SessionRecording {
   struct Options {
     double frames_per_s = 0;      ///< pictures of all particles; 0: none
     std::string program_version;  ///< for the file
+    bool robot = false;           ///< one follows the tool: what it tells is recorded, too
     std::function<void(const std::string&)> warn = [](const std::string&) {};
   };
 
@@ -44,6 +45,8 @@ class SessionRecording {
   /// Adds what is new while something is being recorded; ticks from any one thread.
   void add(const std::vector<TickRecord>& ticks);
   void add(const SceneSnapshot& snapshot);
+  void add(const RobotRow& report);
+  void add(const SiteRow& seen);
   void note(const std::string& kind, double time_s, const std::string& text);
 
   /// Its file's name; empty when nothing is being recorded.

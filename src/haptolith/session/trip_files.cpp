@@ -23,7 +23,7 @@ constexpr double kBetween_s = 1;
 std::string writeTripFile(const TripReport& report) {
   std::string name = newFileName("haptolith-trip", ".csv");
   AtomicFile file(name);
-  std::string text = fmt::format("# at {:.3f} s: {}\n", report.time_s, report.reason()) + csvHeader();
+  std::string text = fmt::format("# at {:.3f} s: {}\n", report.time_s, report.reason()) + csvHeader(tickColumns());
   for (std::size_t i = 0; i < report.count; ++i) {
     appendCsv(text, report.ticks[i]);
   }

@@ -54,7 +54,7 @@ void OperatorEnd::follow(std::span<const TickRecord> ticks) {
   }
 }
 
-void OperatorEnd::receive(const Met& met) {
+void OperatorEnd::receive(const RobotListener& listener) {
   for (int i = 0; i < kMostAtOnce; ++i) {
     const std::optional<UdpPort::Datagram> datagram = port_.receive();
     if (!datagram) {
@@ -66,9 +66,9 @@ void OperatorEnd::receive(const Met& met) {
       continue;
     }
     if (const std::optional<StatePacket> packet = parseState(opened.packet)) {
-      take(*packet, met);
+      take(*packet, listener);
     } else if (const std::optional<SitePacket> seen = parseSite(opened.packet)) {
-      take(*seen);
+      take(*seen, listener);
     } else {
       ++counts_.malformed;
     }
@@ -78,7 +78,7 @@ void OperatorEnd::receive(const Met& met) {
   news_.behind = next_ > executed_ ? next_ - executed_ : 0;
 }
 
-void OperatorEnd::take(const StatePacket& packet, const Met& met) {
+void OperatorEnd::take(const StatePacket& packet, const RobotListener& listener) {
   const bool same_robot = news_.ever && packet.robot_session == news_.state.robot_session;
   if (same_robot && packet.number <= news_.state.number) {
     ++counts_.replayed;
@@ -97,13 +97,14 @@ void OperatorEnd::take(const StatePacket& packet, const Met& met) {
       continue;
     }
     executed_ = std::max(executed_, report.index);
-    if (const std::optional<Vec3> felt_n = felt_.mean(report.index - report.ticks, report.index)) {
+    const std::optional<Vec3> felt_n = felt_.mean(report.index - report.ticks, report.index);
+    if (felt_n) {
       agreement_.add(static_cast<double>(report.index) * tick_s_, report.ticks * tick_s_, *felt_n, report.met.force_n);
       news_.felt_n = *felt_n;
       news_.met_n = report.met.force_n;
-      if (met) {
-        met(report, *felt_n);
-      }
+    }
+    if (listener.report) {
+      listener.report(report, felt_n);
     }
   }
   while (!known_.empty() && *known_.begin() + FeltTrack::kTicks < executed_) {
@@ -111,12 +112,15 @@ void OperatorEnd::take(const StatePacket& packet, const Met& met) {
   }
 }
 
-void OperatorEnd::take(const SitePacket& packet) {
+void OperatorEnd::take(const SitePacket& packet, const RobotListener& listener) {
   if (!news_.ever || packet.robot_session != news_.state.robot_session || !site_.take(packet)) {
     ++counts_.replayed;
     return;
   }
   ++counts_.taken;
+  if (listener.seen) {
+    listener.seen(packet);
+  }
 }
 
 }  // namespace haptolith

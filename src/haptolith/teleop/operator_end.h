@@ -24,6 +24,15 @@ struct RobotNews {
   Vec3 felt_n = Vec3::Zero(), met_n = Vec3::Zero();  ///< in the newest stretch of commands of which both are known
 };
 
+/// Who is told what has come from a robot; functions may be missing.
+struct RobotListener {
+  /// Each new report, and the mean of what was felt over the same commands; none: the robot followed none, or they are
+  /// too long ago.
+  std::function<void(const RobotReport& report, const std::optional<Vec3>& felt_n)> report = {};
+  /// What it sees of its site, where that is news.
+  std::function<void(const SitePacket& seen)> seen = {};
+};
+
 /// An operator's end of a link: tells a robot where the tool is in each tick, and sets what the hand felt, but for its
 /// device's limits, beside what the robot met. Not for the tick: whoever follows the loop calls it.
 class OperatorEnd {
@@ -35,10 +44,8 @@ class OperatorEnd {
 
   /// What the loop has done since the last call: ticks one after the other.
   void follow(std::span<const TickRecord> ticks);
-  /// Called with each new report, and the mean of what was felt over the same commands.
-  using Met = std::function<void(const RobotReport& report, const Vec3& felt_n)>;
   /// Takes what has come.
-  void receive(const Met& met = {});
+  void receive(const RobotListener& listener = {});
 
   [[nodiscard]] double surface() const noexcept { return surface_m_; }
   [[nodiscard]] const RobotNews& news() const noexcept { return news_; }
@@ -51,8 +58,8 @@ class OperatorEnd {
   [[nodiscard]] std::uint64_t sent() const noexcept { return command_.number; }
 
  private:
-  void take(const StatePacket& packet, const Met& met);
-  void take(const SitePacket& packet);
+  void take(const StatePacket& packet, const RobotListener& listener);
+  void take(const SitePacket& packet, const RobotListener& listener);
 
   std::string to_;
   EndOptions options_;
