@@ -211,6 +211,39 @@ TEST(TeleopSimulation, AModelThatLearnsBecomesWhatTheRobotMeetsAndNobodyFeelsIt)
   EXPECT_LT(learns.learned->state.cohesion_pa, 350) << "the model began with 545";
 }
 
+TEST(TeleopSimulation, ATaskEndsWhenItIsSeenToBeDoneAtTheSite) {
+  TeleopSetup setup = smallSetup(0.4);
+  setup.task = Task::kPress;
+  setup.duration_s = 60;
+  const TeleopResult result = simulateTeleop(setup);
+  ASSERT_TRUE(result.task);
+  EXPECT_LT(result.task->done_s, 20);
+  EXPECT_NEAR(result.task->done_s, result.duration_s, 2e-3) << "the run ends with it";
+  EXPECT_NEAR(result.task->reached, 8, 0.8);
+  EXPECT_EQ(simulateTeleop(setup).task->done_s, result.task->done_s);
+  setup.duration_s = 1;
+  EXPECT_TRUE(std::isnan(simulateTeleop(setup).task->done_s)) << "no time for it";
+  setup.feedback = Feedback::kBilateral;
+  setup.up.delay_s = setup.down.delay_s = 0;
+  setup.duration_s = 60;
+  const TeleopResult by_force = simulateTeleop(setup);
+  EXPECT_LT(by_force.task->done_s, 60);
+  EXPECT_GT(by_force.task->done_s, result.task->done_s) << "who has no model moves and waits";
+  setup.task.reset();
+  setup.duration_s = 1;
+  EXPECT_FALSE(simulateTeleop(setup).task);
+}
+
+TEST(TeleopSimulation, WhatTheOperatorKnowsOfTheSiteIsTrueAfterARoundTripAndASecond) {
+  TeleopSetup setup = smallSetup(0.4);
+  setup.up.jitter_s = setup.down.jitter_s = 0.05;
+  setup.up.loss = setup.down.loss = 0.3;
+  const TeleopResult result = simulateTeleop(setup);
+  EXPECT_GT(result.known_surface_m, 0) << "something was dug";
+  EXPECT_LT(result.known_surface_m, setup.site.bed.soil.radius_m / 2);
+  EXPECT_GT(result.apart_surface_m, 0);
+}
+
 TEST(TeleopSimulation, EndsWhenNobodyWantsItAnyMore) {
   EXPECT_THROW((void)simulateTeleop(smallSetup(0), [](double share) { return share < 0.1; }), Failure);
 }

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <atomic>
+#include <cmath>
 #include <map>
 #include <memory>
 #include <mutex>
@@ -41,6 +42,7 @@ using Json = nlohmann::ordered_json;
 constexpr const char* kExamples = R"(Examples:
   haptolith teleop bench                                   six round trips, a model and delayed force: some minutes
   haptolith teleop bench --round-trip-s 2.6 --case model,twin --duration-s 20
+  haptolith teleop bench --task trench --round-trip-s 0,2.6     until it is done: how long does that take?
   haptolith teleop bench --site dig --set soil.radius_mm=5                 the robot's soil, or the model's, another one
 
 docs/teleop.md tells what was found, and how the numbers are meant.)";
@@ -82,12 +84,20 @@ struct BenchOptions {
   std::vector<std::string> model_overrides, site_overrides;
   std::vector<double> round_trips_s{0, 0.1, 0.4, 0.85, 2.6, 5};
   LinkOptions link;
-  double duration_s = 40;
+  std::optional<double> duration_given_s;
+  std::string task;  ///< empty: the scene's manoeuvre
   int threads = static_cast<int>(std::max(1U, std::thread::hardware_concurrency()));
   std::string csv_file, figure_file;
   Overwrite overwrite;
   bool json = false;
+
+  [[nodiscard]] double duration() const {
+    constexpr double kOfManoeuvre_s = 40, kOfTask_s = 180;
+    return duration_given_s.value_or(task.empty() ? kOfManoeuvre_s : kOfTask_s);
+  }
 };
+
+const std::map<std::string, Task> kTaskWords{{"trench", Task::kTrench}, {"press", Task::kPress}};
 
 struct Row {
   double round_trip_s;
@@ -134,7 +144,10 @@ TeleopSetup setupFor(const BenchOptions& options, double round_trip_s, Case whic
   setup.down = profile.down;
   setup.sending = sendingOver(setup.up, setup.down);
   setup.feedback = which == Case::kBilateral ? Feedback::kBilateral : Feedback::kModel;
-  setup.duration_s = options.duration_s;
+  setup.duration_s = options.duration();
+  if (!options.task.empty()) {
+    setup.task = kTaskWords.at(options.task);
+  }
   if (learns(which)) {
     setup.model = readyToLearn(setup.model);
     setup.learns.emplace(probeTraining().runs);
@@ -142,8 +155,9 @@ TeleopSetup setupFor(const BenchOptions& options, double round_trip_s, Case whic
   return setup;
 }
 
-Json rowJson(const Row& row, double duration_s) {
+Json rowJson(const Row& row) {
   const TeleopResult& result = row.result;
+  const double duration_s = result.duration_s;
   return {{"round_trip_s", row.round_trip_s},
           {"case", text(row.which)},
           {"force_error_share", result.agreement.share(0, duration_s)},
@@ -159,6 +173,9 @@ Json rowJson(const Row& row, double duration_s) {
           {"stops", result.stops},
           {"known_surface_m", result.known_surface_m},
           {"apart_surface_m", result.apart_surface_m},
+          {"task_s", result.task ? Json(result.task->done_s) : Json(nullptr)},
+          {"task_strokes", result.task ? Json(result.task->strokes) : Json(nullptr)},
+          {"task_reached", result.task ? Json(result.task->reached) : Json(nullptr)},
           {"updates", result.updates},
           {"update_j", result.update_j},
           {"update_jump", result.update_jump},
@@ -166,14 +183,29 @@ Json rowJson(const Row& row, double duration_s) {
           {"lost", result.up.lost + result.up.cut_off + result.down.lost + result.down.cut_off}};
 }
 
-std::string rowText(const Row& row, double duration_s) {
+std::string rowText(const Row& row) {
   const TeleopResult& result = row.result;
+  const double duration_s = result.duration_s;
   return fmt::format(
       "{:8.2f}  {:10} {:7.1f} {:9.1f} {:8.2f} {:8.3f} {:8.3f} {:8.2f} {:8.2f} {:9.4f} {:8.2f} {:8.1f} {:6}\n",
       row.round_trip_s, text(row.which), 100 * result.agreement.share(0, duration_s),
       100 * result.agreement.share(duration_s - kLast_s, duration_s), result.agreement.rmsMet(0, duration_s),
       result.free_m / kMm, result.soil_m / kMm, result.known_surface_m / kMm, result.apart_surface_m / kMm,
       result.given_j / kMillijoule, result.behind_s, 100 * result.followed_share, result.stops);
+}
+
+/// How the task went; empty: there is none.
+std::string taskText(const Row& row, const BenchOptions& options) {
+  const std::optional<TaskResult>& task = row.result.task;
+  if (!task) {
+    return "";
+  }
+  const bool trench = options.task == "trench";
+  const std::string when = std::isnan(task->done_s) ? fmt::format("not done in {:g} s", options.duration())
+                                                    : fmt::format("done after {:.1f} s", task->done_s);
+  return fmt::format("{}, {:g} s: {} {}, {} {}, {:.1f} {} in the end\n", text(row.which), row.round_trip_s,
+                     options.task, when, task->strokes, trench ? "strokes" : "presses",
+                     trench ? task->reached / kMm : task->reached, trench ? "mm" : "N");
 }
 
 /// What a model has learned, and how gently; empty: it does not learn.
@@ -271,9 +303,9 @@ void runBench(const BenchOptions& options) {
   if (options.json) {
     Json list = Json::array();
     for (const Row& row : rows) {
-      list.push_back(rowJson(row, options.duration_s));
+      list.push_back(rowJson(row));
     }
-    Json json{{"model", options.model}, {"site", options.site}, {"duration_s", options.duration_s}, {"runs", list}};
+    Json json{{"model", options.model}, {"site", options.site}, {"duration_s", options.duration()}, {"runs", list}};
     if (probed) {
       json["identified"] = beliefJson(probed->soil.belief, {}, gravityOf(*probed));
     }
@@ -290,10 +322,10 @@ void runBench(const BenchOptions& options) {
       "back, s   case       whole  last 10 s   RMS, N   in air  in soil   known    apart        mJ        s        %  "
       "stops\n";
   for (const Row& row : rows) {
-    table += rowText(row, options.duration_s);
+    table += rowText(row);
   }
   for (const Row& row : rows) {
-    table += learnedText(row);
+    table += taskText(row, options) + learnedText(row);
   }
   printText(table);
   printNotice(savedText());
@@ -331,8 +363,15 @@ void addTeleopBench(CLI::App& teleop) {
       ->option_text("model,probed,learning,both,bilateral,twin [all but probed and both]")
       ->delimiter(',')
       ->check(oneOf({"model", "probed", "learning", "both", "bilateral", "twin"}));
-  command->add_option("--duration-s", options->duration_s, "Simulated time of each run")
-      ->option_text("SECONDS [40]")
+  command
+      ->add_option(
+          "--task", options->task,
+          "trench: the hand digs one 40 mm deep; press: it presses the tool's face on the soil with 8 N; until\n"
+          "that is seen to be done at the robot's site")
+      ->option_text("trench|press [the scene's manoeuvre]")
+      ->check(oneOf({"trench", "press"}));
+  command->add_option("--duration-s", options->duration_given_s, "Simulated time of each run, with a task at most")
+      ->option_text("SECONDS [40; with a task 180]")
       ->check(numberIn(TeleopRanges::duration_s));
   command->add_option("--threads", options->threads, "Runs at the same time")
       ->option_text("N [one for each processor]")

@@ -20,4 +20,8 @@ Vec3 rotationBetween(const Quat& from, const Quat& to) noexcept {
   return turn.angle() > EIGEN_PI ? Vec3((turn.angle() - 2 * EIGEN_PI) * turn.axis()) : Vec3(turn.angle() * turn.axis());
 }
 
+Movement movement(const Pose& from, const Pose& to, double tick_s) noexcept {
+  return {to, {(to.position_m - from.position_m) / tick_s, rotationBetween(from.orientation, to.orientation) / tick_s}};
+}
+
 }  // namespace haptolith

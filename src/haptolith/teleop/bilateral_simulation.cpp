@@ -1,10 +1,11 @@
 #include <array>
 #include <cstring>
 
-#include "haptolith/device/hand/virtual_hand.h"
 #include "haptolith/haptics/wrench_filter.h"
 #include "haptolith/teleop/passive_end.h"
 #include "haptolith/teleop/simulation_parts.h"
+#include "haptolith/teleop/site_camera.h"
+#include "haptolith/teleop/site_map.h"
 
 namespace haptolith::simulation {
 
@@ -141,7 +142,8 @@ TeleopResult simulateBilateral(const TeleopSetup& setup, const TeleopProgress& p
   TeleopResult result;
   const Course course(setup, setup.bilateral_period_s, progress);
   const double tick_s = course.time(1);
-  VirtualHand hand(handAbove(setup.model, 0), tick_s);
+  OperatorHand operator_hand(setup, 0);
+  HapticDevice& hand = operator_hand.device();
   PassiveEnd end(tick_s, setup.robot.arm.lever_m);
   Site site(setup.site);
   BilateralRobot robot(setup.robot, site, VirtualHand(handAbove(setup.model, 0), tick_s).read().pose, course.period(),
@@ -151,6 +153,8 @@ TeleopResult simulateBilateral(const TeleopSetup& setup, const TeleopProgress& p
   OperatorLog log;
   Wrench newest;
   std::uint64_t newest_signal = 0;
+  SiteCamera camera(site.scene.bed(), site.surface_m, setup.sending.site_period_s, tick_s);
+  SiteMap known_site;
   double reported = 0;
   Mean behind;
   Vec3 met_sum = Vec3::Zero();
@@ -158,12 +162,24 @@ TeleopResult simulateBilateral(const TeleopSetup& setup, const TeleopProgress& p
 
   for (std::uint64_t tick = 0; tick < course.ticks(); ++tick) {
     const double now_s = course.time(tick);
+    result.duration_s = now_s;
     course.look(tick);
+    if (operator_hand.hasTask()) {
+      operator_hand.look({now_s, tick, {}, newest.force_n.norm(), newest.force_n.norm(), newest_signal, &known_site});
+      if (operator_hand.done()) {
+        break;
+      }
+    }
     const DeviceInput input = hand.read();
+    operator_hand.came(input.pose);
     if (input.state != DeviceState::kLive) {
       throw Failure("the operator's hand has come to its end");
     }
     while (const std::optional<Link::Arrival> arrived = down.receive(now_s)) {
+      if (const std::optional<SitePacket> seen = parseSite(arrived->packet)) {
+        known_site.take(*seen);
+        continue;
+      }
       const Signal signal = Signal::from(arrived->packet);
       if (signal.index >= newest_signal) {
         newest_signal = signal.index;
@@ -185,6 +201,10 @@ TeleopResult simulateBilateral(const TeleopSetup& setup, const TeleopProgress& p
       robot.take(Signal::from(arrived->packet));
     }
     robot.tick();
+    if (std::optional<SitePacket> seen = camera.tick(static_cast<std::uint64_t>(robot.index()))) {
+      seen->robot_session = 1;
+      down.send(now_s, bytesOf(*seen));
+    }
     followed.tick(robot.follows());
     met_sum += robot.met().force_n;
     if (robot.follows()) {
@@ -206,6 +226,7 @@ TeleopResult simulateBilateral(const TeleopSetup& setup, const TeleopProgress& p
     }
     behind.tick(newest_signal > 0, now_s - course.time(newest_signal));
   }
+  result.task = operator_hand.result();
   result.given_j = log.mostGiven();
   result.behind_s = behind.mean();
   result.followed_share = followed.value();

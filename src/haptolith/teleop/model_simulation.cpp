@@ -6,7 +6,6 @@
 #include <set>
 #include <vector>
 
-#include "haptolith/device/hand/virtual_hand.h"
 #include "haptolith/haptics/haptic_loop.h"
 #include "haptolith/teleop/simulation_parts.h"
 #include "haptolith/teleop/site_camera.h"
@@ -78,11 +77,11 @@ class UpdateWatch {
 /// A hand that feels a bed of its own.
 class ModelOperator {
  public:
-  explicit ModelOperator(const Scenario& scenario)
-      : site_(scenario),
-        hand_(handAbove(scenario, site_.surface_m), scenario.loop.tick_s),
-        loop_(site_.scene, hand_, unpaced(scenario.loop), true, handlingOf(scenario, site_.surface_m)),
-        watch_(scenario.loop.tick_s) {}
+  explicit ModelOperator(const TeleopSetup& setup)
+      : site_(setup.model),
+        hand_(setup, site_.surface_m),
+        loop_(site_.scene, hand_.device(), unpaced(setup.model.loop), true, handlingOf(setup.model, site_.surface_m)),
+        watch_(setup.model.loop.tick_s) {}
 
   /// @throws Failure when there is no hand any more.
   void tick() {
@@ -94,6 +93,7 @@ class ModelOperator {
     const TickRecord& tick = records_.back();
     tool_ = {{tick.scene_T_tool, tick.device.twist}, tick.device.gripper_open};
     tool_.pose.position_m.z() -= site_.surface_m;
+    hand_.came(tool_.pose);
     felt_ = tick.felt.wrench;
     unlimited_ = tick.rendered.wrench;
     watch_.tick(site_.scene, {{tick.scene_T_tool, tick.device.twist}, tick.device.gripper_open});
@@ -106,6 +106,7 @@ class ModelOperator {
     const BedParameters& bed = site_.scene.bed().parameters();
     loop_.ask(request::Adjust{SoilLaws(adjustment.of(bed.soil), grainClasses(bed)), adjustment.tool_friction});
   }
+  [[nodiscard]] OperatorHand& hand() noexcept { return hand_; }
   /// Of its soil over the surface that it began with.
   [[nodiscard]] std::vector<double> heights(const HeightGrid& grid) const { return site_.heights(grid); }
   [[nodiscard]] bool inAir() const noexcept { return unlimited_.force_n.norm() < kInSoil_n; }
@@ -121,7 +122,7 @@ class ModelOperator {
   }
 
   Site site_;
-  VirtualHand hand_;
+  OperatorHand hand_;
   HapticLoop loop_;
   std::vector<TickRecord> records_;
   HandState tool_;
@@ -134,7 +135,7 @@ class ModelOperator {
 TeleopResult simulateModel(const TeleopSetup& setup, const TeleopProgress& progress) {
   TeleopResult result;
   const Course course(setup, setup.sending.period_s, progress);
-  ModelOperator hand(setup.model);
+  ModelOperator hand(setup);
   std::optional<LearningModel> learning;
   if (setup.learns) {
     learning.emplace(setup.model, *setup.learns);
@@ -154,21 +155,36 @@ TeleopResult simulateModel(const TeleopSetup& setup, const TeleopProgress& progr
   CommandPacket command{.session = kSession};
   StatePacket state{.robot_session = kSession};
   std::uint64_t newest_report = 0;
+  MetLast met;
   std::set<std::uint64_t> known;  // reports by their index: others may overtake them, and all come more than once
   double robot_ticks = 0;
-  std::uint64_t next_compared = 0;
+  std::uint64_t next_compared = 0, looks = 0;
   Mean behind;
   std::uint64_t robot_tick = 0;
   Share followed;
 
   for (std::uint64_t tick = 0; tick < course.ticks(); ++tick) {
     const double now_s = course.time(tick);
+    result.duration_s = now_s;
     course.look(tick);
     if (const std::optional<SoilAdjustment> step = learning ? learning->at(tick, hand.inAir()) : std::nullopt) {
       hand.become(*step);
     }
     if (tick % kLookEvery == 0) {
       model_heights.push_back(hand.heights(camera.grid()));
+    }
+    if (hand.hand().hasTask()) {
+      hand.hand().look({now_s,
+                        tick,
+                        {},
+                        hand.unlimited().force_n.norm(),
+                        met.force_n,
+                        met.index,
+                        &known_site,
+                        [&](const HeightGrid& grid) { return hand.heights(grid); }});
+      if (hand.hand().done()) {
+        break;
+      }
     }
     hand.tick();
     log.add(tick, hand.tool(), hand.felt(), hand.unlimited());
@@ -203,8 +219,7 @@ TeleopResult simulateModel(const TeleopSetup& setup, const TeleopProgress& progr
         down.send(now_s, bytesOf(state));
       }
       if (!model_heights.empty() && robot.index() >= static_cast<double>(next_compared)) {
-        surface.look(now_s, site.heights(camera.grid()), known_site);
-        surface.compare(model_heights.front());
+        surface.compare(site.heights(camera.grid()), model_heights.front());
         model_heights.pop_front();
         next_compared += kLookEvery;
       }
@@ -225,6 +240,7 @@ TeleopResult simulateModel(const TeleopSetup& setup, const TeleopProgress& progr
           continue;
         }
         newest_report = std::max(newest_report, report.index);
+        met = report.index >= met.index ? MetLast{report.met.force_n.norm(), report.index} : met;
         if (const auto felt_n = log.felt().mean(report.index - report.ticks, report.index)) {
           result.agreement.add(course.time(report.index), course.time(report.ticks), *felt_n, report.met.force_n);
           if (learning) {
@@ -232,6 +248,10 @@ TeleopResult simulateModel(const TeleopSetup& setup, const TeleopProgress& progr
           }
         }
       }
+    }
+    if (camera.looks() != looks) {
+      looks = camera.looks();
+      surface.look(now_s, camera.heights(), known_site);
     }
     behind.tick(newest_report > 0, now_s - course.time(newest_report));
   }
@@ -241,6 +261,7 @@ TeleopResult simulateModel(const TeleopSetup& setup, const TeleopProgress& progr
   result.ran_out = robot.ranOut();
   result.stops = robot.stops();
   result.last_stop = robot.reason();
+  result.task = hand.hand().result();
   result.known_surface_m = surface.known();
   result.apart_surface_m = surface.apart();
   result.up = up.counts();

@@ -11,6 +11,7 @@
 #include "haptolith/teleop/learning_model.h"
 #include "haptolith/teleop/link.h"
 #include "haptolith/teleop/robot.h"
+#include "haptolith/teleop/task_operator.h"
 #include "haptolith/teleop/teleop_packet.h"
 
 namespace haptolith {
@@ -32,6 +33,8 @@ struct TeleopSetup {
   Sending sending;
   double bilateral_period_s = 0.002;  ///< of kBilateral: there a force that is late counts
   double robot_clock_share = 0;       ///< by which the robot's clock is too fast
+  /// A hand that does this, in place of the scene's manoeuvre; the run ends when it is done.
+  std::optional<Task> task;
   std::optional<StrengthMap> learns;  ///< the model does, while it digs: see LearningModel
 };
 
@@ -42,8 +45,16 @@ struct TeleopRanges {
   static constexpr Range clock_share{-0.01, 0.01};
 };
 
+/// How a task went.
+struct TaskResult {
+  double done_s = 0;  ///< when the operator has seen that it is done; NaN: not in this run
+  int strokes = 0;
+  double reached = 0;  ///< depth in m, or force in N: see TaskOperator
+};
+
 /// How it went.
 struct TeleopResult {
+  double duration_s = 0;          ///< a task may end it sooner
   ForceAgreement agreement;       ///< force felt beside force met, by command
   double free_m = 0, soil_m = 0;  ///< how far the robot's tool was from the command, at most: in the air, in soil
   double given_j = 0;             ///< most energy that the hand had been given, less what it gave
@@ -56,6 +67,7 @@ struct TeleopResult {
   /// kModel, where the site has been dug, RMS: of its surface as the operator knows it, a round trip and a second after
   /// it has come to rest; and of the model's surface beside it, in the end.
   double known_surface_m = 0, apart_surface_m = 0;
+  std::optional<TaskResult> task;
   std::optional<ModelSoil> learned;  ///< in the end
   std::uint64_t updates = 0;         ///< of the model's soil
   double update_j = 0;               ///< energy that soil pushed into the hand more than without updates, at most

@@ -3,10 +3,14 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <limits>
+#include <optional>
 #include <vector>
 
 #include "haptolith/bed/surface_height.h"
+#include "haptolith/device/hand/virtual_hand.h"
 #include "haptolith/teleop/simulation.h"
+#include "haptolith/teleop/task_operator.h"
 
 namespace haptolith::simulation {
 
@@ -142,6 +146,58 @@ class Course {
   const TeleopProgress& progress_;
   double tick_s_;
   std::uint64_t ticks_, period_;
+};
+
+/// What moves the tool: the hand of the scene, or one with a task.
+class OperatorHand {
+ public:
+  /// @param surface_m  height of the soil in the hand's frame.
+  OperatorHand(const TeleopSetup& setup, double surface_m)
+      : surface_m_(surface_m), scene_hand_(handAbove(setup.model, surface_m), setup.model.loop.tick_s) {
+    if (setup.task) {
+      const HandParameters& hand = setup.model.hand;
+      const bool yields = hand.compliance == HandCompliance::kArm;
+      Pose start = VirtualHand(handAbove(setup.model, surface_m), setup.model.loop.tick_s).read().pose;
+      task_hand_.emplace(yields ? std::optional(armOf(hand)) : std::nullopt, scene_hand_.limits(),
+                         setup.model.loop.tick_s, start);
+      start.position_m.z() -= surface_m;
+      task_.emplace(*setup.task, setup.up.delay_s + setup.down.delay_s, start);
+      tool_ = start;
+    }
+  }
+
+  [[nodiscard]] HapticDevice& device() noexcept {
+    return task_hand_ ? static_cast<HapticDevice&>(*task_hand_) : scene_hand_;
+  }
+  [[nodiscard]] bool hasTask() const noexcept { return task_.has_value(); }
+  /// Before a tick, where it has a task; the tool is where it was last said to have come to.
+  void look(TaskSight sight) {
+    sight.tool = tool_;
+    Pose wanted = task_->wanted(sight);
+    wanted.position_m.z() += surface_m_;
+    task_hand_->want(wanted);
+    done_s_ = task_->done() && std::isnan(done_s_) ? sight.time_s : done_s_;
+  }
+  /// After a tick, site frame.
+  void came(const Pose& tool) noexcept { tool_ = tool; }
+  [[nodiscard]] bool done() const noexcept { return task_ && task_->done(); }
+  [[nodiscard]] std::optional<TaskResult> result() const {
+    return task_ ? std::optional(TaskResult{done_s_, task_->strokes(), task_->reached()}) : std::nullopt;
+  }
+
+ private:
+  double surface_m_;
+  VirtualHand scene_hand_;
+  std::optional<TaskHand> task_hand_;
+  std::optional<TaskOperator> task_;
+  Pose tool_;
+  double done_s_ = std::numeric_limits<double>::quiet_NaN();
+};
+
+/// The force that a robot was last heard to have met.
+struct MetLast {
+  double force_n = 0;
+  std::uint64_t index = 0;
 };
 
 [[nodiscard]] TeleopResult simulateModel(const TeleopSetup& setup, const TeleopProgress& progress);

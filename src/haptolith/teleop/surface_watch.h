@@ -16,7 +16,7 @@ class SurfaceWatch {
   /// @param late_s  how long a cell has to have been at rest.
   explicit SurfaceWatch(double late_s) : late_s_(late_s) {}
 
-  /// @param heights_m  as they are, over the site's zero. @param known  on the same grid.
+  /// When the camera has looked. @param heights_m  as they are, over the site's zero. @param known  on the same grid.
   void look(double now_s, const std::vector<double>& heights_m, const SiteMap& known) {
     if (first_m_.empty()) {
       first_m_ = rested_at_m_ = heights_m;
@@ -33,12 +33,12 @@ class SurfaceWatch {
       }
     }
   }
-  /// Another surface on the same grid, at the command of the last look.
-  void compare(const std::vector<double>& heights_m) {
+  /// The site, and another surface on the same grid, at the same command.
+  void compare(const std::vector<double>& heights_m, const std::vector<double>& others_m) {
     apart_ = {};
     for (std::size_t cell = 0; cell < now_m_.size(); ++cell) {
       if (isDug(cell)) {
-        apart_.add(heights_m[cell] - now_m_[cell]);
+        apart_.add(others_m[cell] - heights_m[cell]);
       }
     }
   }

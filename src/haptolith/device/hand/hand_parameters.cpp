@@ -24,4 +24,8 @@ void validate(const HandParameters& hand) {
   }
 }
 
+ArmParameters armOf(const HandParameters& hand) noexcept {
+  return {hand.mass_kg, hand.damping_n_s_m, hand.stiffness_n_m, hand.lever_m};
+}
+
 }  // namespace haptolith

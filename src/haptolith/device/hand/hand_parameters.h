@@ -5,6 +5,7 @@
 
 #include "haptolith/core/error.h"
 #include "haptolith/core/vec.h"
+#include "haptolith/device/hand/arm.h"
 
 namespace haptolith {
 
@@ -57,5 +58,8 @@ struct HandRanges {
 
 /// @throws InvalidParameter with the key, the value and the valid range.
 void validate(const HandParameters& hand);
+
+/// Its arm, where its compliance is one.
+[[nodiscard]] ArmParameters armOf(const HandParameters& hand) noexcept;
 
 }  // namespace haptolith

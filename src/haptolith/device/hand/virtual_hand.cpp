@@ -29,10 +29,6 @@ constexpr double kGrip_s = 0.1;
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
-ArmParameters armOf(const HandParameters& hand) noexcept {
-  return {hand.mass_kg, hand.damping_n_s_m, hand.stiffness_n_m, hand.lever_m};
-}
-
 void requireStableArm(const HandParameters& hand, double tick_s) {
   const double least_mass_kg = lightestArm(armOf(hand), tick_s);
   if (hand.compliance == HandCompliance::kArm && hand.mass_kg <= least_mass_kg) {
@@ -41,10 +37,6 @@ void requireStableArm(const HandParameters& hand, double tick_s) {
         fmt::format("> {:g}, or the arm's spring and damper are numerically unstable at a tick of {:g} s",
                     least_mass_kg, tick_s));
   }
-}
-
-Movement movement(const Pose& from, const Pose& to, double tick_s) noexcept {
-  return {to, {(to.position_m - from.position_m) / tick_s, rotationBetween(from.orientation, to.orientation) / tick_s}};
 }
 
 }  // namespace
