@@ -52,7 +52,7 @@ TickRecord tickNumber(std::uint64_t n) {
 
 int measure(const std::string& path, double hours, std::size_t particles) {
   const auto ticks = static_cast<std::uint64_t>(hours * 3600 * kTicksPerS);
-  hdf5::RecordingFile file(path, RecordingHeader{}, true);
+  hdf5::RecordingFile file(path, RecordingHeader{}, true, false);
   std::vector<TickRecord> fresh(kTicksAtOnce);
   double first_resident_kib = 0, most_growth_kib = 0;
   fmt::print("recorded / s   resident / KiB   heap in use / KiB   file / MiB\n");
@@ -65,7 +65,7 @@ int measure(const std::string& path, double hours, std::size_t particles) {
       frames.push_back({.time_s = fresh.front().time_s, .tick = n, .position_m = {}});
       frames.back().position_m.resize(particles);
     }
-    file.take(fresh, frames, {});
+    file.take({.ticks = fresh, .frames = frames});
     (void)file.writeWholeChunks();
     const std::uint64_t s = (n + kTicksAtOnce) / kTicksPerS;
     if ((n + kTicksAtOnce) % kTicksPerS != 0 || s < kFirst_s) {

@@ -150,6 +150,32 @@ TEST(TaskOperator, PressesUntilTheRobotHasMetWhatItIsToMeet) {
   }
 }
 
+TEST(TaskOperator, ScoopsDeeperUntilTheRobotHasLiftedEnough) {
+  TaskOperator hand(Task::kScoop, 1, kHome);
+  std::deque<double> met;
+  Pose tool = kHome;
+  SiteMap site;
+  double deepest_m = 0, now_s = 0, load_n = 0;
+  for (std::uint64_t tick = 0; !hand.done() && now_s < 100; ++tick, now_s += kTick_s) {
+    deepest_m = std::max(deepest_m, -tool.position_m.z());
+    if (tool.position_m.z() > 0.049) {
+      const bool tipped = (tool.orientation * Vec3::UnitX()).z() < -0.8;
+      load_n = tipped ? 0 : deepest_m > 0 ? 5 * deepest_m : 0;  // 0.042 N at first, 0.084, 0.126
+      deepest_m = tipped ? 0 : deepest_m;
+    }
+    met.push_back(load_n);
+    const bool heard = met.size() > 1000;
+    tool = hand.wanted(
+        {now_s, tick, tool, load_n, heard ? met.front() : 0, heard ? tick - 1000 : 0, &site});
+    if (heard) {
+      met.pop_front();
+    }
+  }
+  EXPECT_TRUE(hand.done());
+  EXPECT_EQ(hand.strokes(), 3);
+  EXPECT_NEAR(hand.reached(), 0.126, 0.01) << "not what was heard of the scoop before";
+}
+
 TEST(TrenchDepth, IsTheMeanOfCellsAlongItsMiddleAndKnownOnlyWhereAllAre) {
   EXPECT_NEAR(trenchDepth(kGrid, dug(0.03)), 0.03, 1e-12);
   std::vector<double> heights = dug(0.03);

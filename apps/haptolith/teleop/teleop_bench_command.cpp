@@ -97,7 +97,7 @@ struct BenchOptions {
   }
 };
 
-const std::map<std::string, Task> kTaskWords{{"trench", Task::kTrench}, {"press", Task::kPress}};
+const std::map<std::string, Task> kTaskWords{{"trench", Task::kTrench}, {"press", Task::kPress}, {"scoop", Task::kScoop}};
 
 struct Row {
   double round_trip_s;
@@ -203,9 +203,9 @@ std::string taskText(const Row& row, const BenchOptions& options) {
   const bool trench = options.task == "trench";
   const std::string when = std::isnan(task->done_s) ? fmt::format("not done in {:g} s", options.duration())
                                                     : fmt::format("done after {:.1f} s", task->done_s);
-  return fmt::format("{}, {:g} s: {} {}, {} {}, {:.1f} {} in the end\n", text(row.which), row.round_trip_s,
-                     options.task, when, task->strokes, trench ? "strokes" : "presses",
-                     trench ? task->reached / kMm : task->reached, trench ? "mm" : "N");
+  return fmt::format("{}, {:g} s: {} {}, {} tries, {} in the end\n", text(row.which), row.round_trip_s, options.task, when,
+                     task->strokes,
+                     trench ? fmt::format("{:.1f} mm", task->reached / kMm) : fmt::format("{:.3f} N", task->reached));
 }
 
 /// What a model has learned, and how gently; empty: it does not learn.
@@ -366,10 +366,10 @@ void addTeleopBench(CLI::App& teleop) {
   command
       ->add_option(
           "--task", options->task,
-          "trench: the hand digs one 40 mm deep; press: it presses the tool's face on the soil with 8 N; until\n"
-          "that is seen to be done at the robot's site")
-      ->option_text("trench|press [the scene's manoeuvre]")
-      ->check(oneOf({"trench", "press"}));
+          "trench: the hand digs one 40 mm deep; press: it presses the tool's face on the soil with 8 N;\n"
+                   "scoop: it lifts 0.1 N of soil; until that is seen to be done at the robot's site")
+      ->option_text("trench|press|scoop [the scene's manoeuvre]")
+      ->check(oneOf({"trench", "press", "scoop"}));
   command->add_option("--duration-s", options->duration_given_s, "Simulated time of each run, with a task at most")
       ->option_text("SECONDS [40; with a task 180]")
       ->check(numberIn(TeleopRanges::duration_s));

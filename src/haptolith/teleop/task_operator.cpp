@@ -27,13 +27,23 @@ constexpr double kForce_n = 8, kWithin = 0.1, kNearly = 0.97;
 constexpr double kPress_m_s = 0.01, kStep_m = 0.002;
 constexpr double kDeepestPress_m = -0.03;
 
+// The scoop.
+constexpr double kLoad_n = 0.1;
+constexpr double kFirstScoop_m = 0.012, kDeepestScoop_m = 0.036;
+constexpr double kHeld_m = 0.05;  ///< above the soil, to be weighed
+constexpr double kWeighs_s = 0.5;
+
 constexpr double kLooks_s = 0.6;     ///< beyond the round trip, before what is seen is judged
 constexpr double kCorrects_s = 0.3;  ///< in which an operator who sees the tool off its way brings it back
 constexpr double kMostCorrection_m = 0.03;
 constexpr std::uint64_t kSettles = 200;  ///< commands after a press that do not count
 
+/// Its x axis so far down.
+Quat nose(double down_rad) {
+  return Quat(Eigen::AngleAxisd(down_rad, Vec3::UnitY()));
+}
 Quat blade() {
-  return Quat(Eigen::AngleAxisd(kNose_rad, Vec3::UnitY()));
+  return nose(kNose_rad);
 }
 
 }  // namespace
@@ -42,6 +52,8 @@ TaskOperator::TaskOperator(Task task, double round_trip_s, const Pose& start)
     : task_(task), round_trip_s_(round_trip_s), planned_(start), aim_n_(kForce_n) {
   if (task_ == Task::kTrench) {
     stroke(kDeeper_m);
+  } else if (task_ == Task::kScoop) {
+    scoop(kFirstScoop_m);
   } else {
     goTo({{0, 0, kAbove_m}, Quat::Identity()}, kInAir_m_s);
     goTo({{0, 0, 0.005}, Quat::Identity()}, kInAir_m_s);
@@ -58,6 +70,23 @@ void TaskOperator::stroke(double edge_m) {
   goTo({{kBehind_m, 0, in_m}, blade()}, kInSoil_m_s);
   goTo({{kAhead_m, 0, in_m}, blade()}, kInSoil_m_s);
   goTo({{kAhead_m, 0, kAbove_m}, blade()}, kInAir_m_s);
+  phase_ = Phase::kMove;
+}
+
+void TaskOperator::scoop(double depth_m) {
+  constexpr double kIn_rad = 0.6, kUp_rad = -0.2;
+  edge_m_ = depth_m;
+  ++strokes_;
+  way_.clear();
+  leg_ = 0;
+  if (strokes_ > 1) {
+    goTo({{0, 0, kHeld_m}, nose(kNose_rad)}, kInAir_m_s);  // tips out what is too little
+  }
+  goTo({{-0.06, 0, 0.03}, nose(kIn_rad)}, kInAir_m_s);
+  goTo({{-0.045, 0, 0.01 - depth_m}, nose(kIn_rad)}, kInSoil_m_s);
+  goTo({{0.015, 0, -0.7 * depth_m}, nose(0.2)}, kInSoil_m_s);
+  goTo({{0.03, 0, 0}, nose(kUp_rad)}, kInSoil_m_s);
+  goTo({{0.03, 0, kHeld_m}, nose(kUp_rad)}, kInSoil_m_s);
   phase_ = Phase::kMove;
 }
 
@@ -79,12 +108,14 @@ Pose TaskOperator::wanted(const TaskSight& sight) {
     leg_ += left_m <= step_m ? 1 : 0;
   } else if (task_ == Task::kTrench) {
     judgeTrench(sight);
+  } else if (task_ == Task::kScoop) {
+    judgeScoop(sight);
   } else if (phase_ == Phase::kWait) {
     judgePress(sight);
   } else {
     press(sight);
   }
-  if (task_ == Task::kTrench) {
+  if (task_ != Task::kPress) {
     correction_m_ += tick_s_ / kCorrects_s * (planned_.position_m - sight.tool.position_m);
     correction_m_ = correction_m_.cwiseMin(kMostCorrection_m).cwiseMax(-kMostCorrection_m);
   }
@@ -128,8 +159,31 @@ void TaskOperator::press(const TaskSight& sight) {
   }
 }
 
+bool TaskOperator::isToBeJudged(const TaskSight& sight) const noexcept {
+  return sight.time_s >= waits_since_s_ + round_trip_s_ + kLooks_s && sight.met_at >= waits_at_ + kSettles;
+}
+
+void TaskOperator::judgeScoop(const TaskSight& sight) {
+  if (phase_ != Phase::kWait) {
+    wait(sight);
+    weighed_n_ = weighings_ = 0;
+  }
+  if (!isToBeJudged(sight)) {
+    return;
+  }
+  weighed_n_ += sight.met_n;
+  ++weighings_;
+  if (sight.time_s >= waits_since_s_ + round_trip_s_ + kLooks_s + kWeighs_s) {
+    reached_ = weighed_n_ / weighings_;
+    done_ = reached_ >= kLoad_n;
+    if (!done_) {
+      scoop(std::min(2 * edge_m_, kDeepestScoop_m));
+    }
+  }
+}
+
 void TaskOperator::judgePress(const TaskSight& sight) {
-  if (sight.time_s < waits_since_s_ + round_trip_s_ + kLooks_s || sight.met_at < waits_at_ + kSettles) {
+  if (!isToBeJudged(sight)) {
     return;
   }
   reached_ = sight.met_n;

@@ -18,6 +18,7 @@ namespace haptolith {
 enum class Task : std::uint8_t {
   kTrench,  ///< a trench 40 mm deep and 60 mm long, as wide as the tool
   kPress,   ///< the tool's large face on the soil with 8 N
+  kScoop,   ///< a load of 0.1 N on the tool: on the Moon 44 cm3 of soil
 };
 
 /// What an operator goes by.
@@ -45,9 +46,9 @@ class TaskOperator {
   [[nodiscard]] Pose wanted(const TaskSight& sight);
 
   [[nodiscard]] bool done() const noexcept { return done_; }
-  /// Strokes of the trench, or presses.
+  /// Strokes of the trench, presses, or scoops.
   [[nodiscard]] int strokes() const noexcept { return strokes_; }
-  /// Depth of the trench in m, or force in N: as it was seen at the site when last judged.
+  /// Depth of the trench in m, or force or weight in N: as it was seen at the site when last judged.
   [[nodiscard]] double reached() const noexcept { return reached_; }
 
  private:
@@ -55,7 +56,10 @@ class TaskOperator {
   void judgeTrench(const TaskSight& sight);
   void press(const TaskSight& sight);
   void judgePress(const TaskSight& sight);
+  void judgeScoop(const TaskSight& sight);
+  [[nodiscard]] bool isToBeJudged(const TaskSight& sight) const noexcept;
   void stroke(double edge_m);
+  void scoop(double depth_m);
   void goTo(const Pose& pose, double speed_m_s) { way_.push_back({pose, speed_m_s}); }
   void wait(const TaskSight& sight);
 
@@ -73,9 +77,10 @@ class TaskOperator {
   Vec3 correction_m_ = Vec3::Zero();
   double last_s_ = 0, tick_s_ = 0, waits_since_s_ = 0;
   std::uint64_t waits_at_ = 0;
-  double edge_m_ = 0;     ///< how deep the blade's edge went last
+  double edge_m_ = 0;     ///< how deep the blade's edge went last, or the scoop
   double aim_n_ = 0;      ///< force that is to be felt
   double pressed_m_ = 0;  ///< since the last wait
+  double weighed_n_ = 0, weighings_ = 0;
   bool done_ = false;
   int strokes_ = 0;
   double reached_ = 0;

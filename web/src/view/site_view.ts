@@ -30,7 +30,7 @@ export class SiteView {
   private readonly tool = new RobotView();
   private readonly soil = new MeshLambertMaterial({ side: DoubleSide });
   private readonly sun = new DirectionalLight(0xffffff, 2.4);
-  private readonly fill = new HemisphereLight(0xffffff, 0x333333, 0.5);
+  private readonly fill = new HemisphereLight(0xffffff, 0x333333, 0.8);
   private readonly block = new Mesh(new BufferGeometry(), this.soil);
   private readonly camera = new PerspectiveCamera();
   private shown: Site | null = null;
