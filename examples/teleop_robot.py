@@ -5,8 +5,8 @@
     haptolith teleop operator --to 127.0.0.1:7410        in another
 
 It follows commands by their number, stands still when none comes, and tells a force: that of level ground which pushes back
-with 500 N/m below the site's zero. Replace drive() and measure() by your arm and your force sensor. The packets are those of
-docs/teleop.md and include/haptolith/teleop.h. Nothing but Python's standard library is needed.
+with 500 N/m below the site's zero. Replace drive(), measure() and look() by your arm, your force sensor and your camera; without
+a camera leave look() away. The packets are those of docs/teleop.md and include/haptolith/teleop.h. Nothing but Python's standard library is needed.
 """
 
 import argparse
@@ -23,11 +23,12 @@ COMMAND = struct.Struct("<4sHHIIQQ")  # magic, version, flags, session, keys, nu
 KEY = struct.Struct("<Q3f4f3f3ff")  # index, position, orientation, velocities, opening
 STATE = struct.Struct("<4sHHIIQQQBBHI")  # magic, version, flags, sessions, number, time, newest, state, reason, reports
 REPORT = struct.Struct("<QII3f4f3f3ff")  # index, ticks, -, position, orientation, force, torque, -
+SITE = struct.Struct("<4sHHIHHfffHHHHIQQ")  # magic, version, -, session, map, corner, cell, part, -, number, index
 HELD = 1
 WAITING, FOLLOWING, HOLDING = 1, 3, 4
 NONE, SILENCE, RELEASED = 0, 1, 2
 TAG_BYTES = NONCE_BYTES = 16
-PERIOD_S, SILENCE_S = 0.02, 1.0
+PERIOD_S, LOOK_S, SILENCE_S = 0.02, 0.25, 1.0
 MOST_REPORTS = 4  # in a packet: what a lost one told is told again
 
 
@@ -83,6 +84,19 @@ def measure(pose):
     return (0.0, 0.0, 500 * depth), (0.0, 0.0, 0.0)
 
 
+SIDE, CELL_M = 16, 0.015  # cells along a side of the map, and their width
+
+
+def look(pose):
+    """Heights of the soil over the site's zero in m, row by row along x: here of ground that gives way under the tool."""
+    (x, y, z), heights = pose[0], []
+    for row in range(SIDE):
+        for column in range(SIDE):
+            aside = [(i + 0.5 - SIDE / 2) * CELL_M - at for i, at in ((column, x), (row, y))]
+            heights.append(min(0.0, z) if max(map(abs, aside)) < 0.03 else 0.0)
+    return heights
+
+
 class Robot:
     def __init__(self):
         self.keys, self.session, self.number, self.sent, self.held = {}, 0, 0, 0, False
@@ -133,6 +147,13 @@ class Robot:
         self.reports = self.reports[-MOST_REPORTS:]
 
 
+def map_packet(session, number, index, heights):
+    """A map of one part, which is all of it; larger ones go out in parts of 16 by 16 cells."""
+    corner = -SIDE / 2 * CELL_M
+    header = SITE.pack(b"HLTM", 1, 0, session, SIDE, SIDE, corner, corner, CELL_M, 0, 0, SIDE, SIDE, 0, number, index)
+    return header + struct.pack(f"<{SIDE * SIDE}h", *(round(1e4 * height) for height in heights))
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--listen", default="127.0.0.1:7410", help="HOST:PORT that commands come to")
@@ -144,8 +165,8 @@ def main():
     sock.bind((host, int(port)))
     sock.setblocking(False)
     seal, robot, operator = Seal(args.key_file), Robot(), None
-    own_session, number = random.randrange(1, 2**32), 0
-    start = told = before = printed = time.monotonic()
+    own_session, number, maps = random.randrange(1, 2**32), 0, 0
+    start = told = before = printed = shown = time.monotonic()
     while args.seconds is None or time.monotonic() - start < args.seconds:
         while True:
             try:
@@ -173,8 +194,14 @@ def main():
                                 max(robot.keys, default=0), state, reason, len(robot.reports), 0)
             for index, ticks, mean, (position, orientation) in robot.reports:
                 packet += REPORT.pack(index, ticks, 0, *position, *orientation, *mean, 0.0)
+            packets = [packet]
+            if now - shown >= LOOK_S:
+                shown = now
+                maps += 1
+                packets.append(map_packet(own_session, maps, int(robot.index or 0), look(robot.pose)))
             try:
-                sock.sendto(seal.seal(packet), operator)
+                for packet in packets:
+                    sock.sendto(seal.seal(packet), operator)
             except ConnectionRefusedError:
                 pass  # the operator has gone; it may come back
         if now - printed > 0.5:

@@ -296,6 +296,9 @@ TEST_P(PythonsRobot, FollowsAnOperatorAndTellsTheForceOfItsGround) {
   EXPECT_NEAR(end.agreement().windows()[1].met_n.z(), 5, 1e-3) << "500 N/m";
   EXPECT_NEAR(end.agreement().share(0, 100), 0, 1e-3);
   EXPECT_NEAR(end.news().state.reports.back().pose.position_m.x(), 0.02, 1e-6);
+  ASSERT_EQ(end.site().heights().size(), 256U);
+  EXPECT_EQ(end.site().heights()[0], 0);
+  EXPECT_NEAR(end.site().heights()[8 * 16 + 9], -0.01, 1e-9) << "it gives way under the tool";
   EXPECT_EQ(end.counts().malformed, 0U);
   EXPECT_EQ(end.counts().forged, 0U);
   std::filesystem::remove(key_file);
