@@ -234,6 +234,20 @@ TEST(TeleopSimulation, ATaskEndsWhenItIsSeenToBeDoneAtTheSite) {
   EXPECT_FALSE(simulateTeleop(setup).task);
 }
 
+TEST(TeleopSimulation, AHandThatLetsGoStopsTheRobotAndIsGivenNothing) {
+  TeleopSetup setup = smallSetup(0.4);
+  setup.duration_s = 8;
+  setup.lets_go_s = 2.6;  // in the soil
+  const TeleopResult result = simulateTeleop(setup);
+  EXPECT_EQ(result.last_stop, StopReason::kReleased);
+  EXPECT_GT(result.agreement.rmsMet(0, 4), 0) << "it had begun";
+  EXPECT_LT(result.followed_share, 0.4);
+  setup.lets_go_s = 0;  // nobody was ever there
+  EXPECT_EQ(simulateTeleop(setup).followed_share, 0);
+  setup.task = Task::kPress;
+  EXPECT_THROW((void)simulateTeleop(setup), InvalidParameter);
+}
+
 TEST(TeleopSimulation, WhatTheOperatorKnowsOfTheSiteIsTrueAfterARoundTripAndASecond) {
   TeleopSetup setup = smallSetup(0.4);
   setup.up.jitter_s = setup.down.jitter_s = 0.05;

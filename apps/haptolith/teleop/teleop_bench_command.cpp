@@ -85,6 +85,7 @@ struct BenchOptions {
   std::vector<double> round_trips_s{0, 0.1, 0.4, 0.85, 2.6, 5};
   LinkOptions link;
   std::optional<double> duration_given_s;
+  std::optional<double> lets_go_s;
   std::string task;  ///< empty: the scene's manoeuvre
   int threads = static_cast<int>(std::max(1U, std::thread::hardware_concurrency()));
   std::string csv_file, figure_file;
@@ -145,6 +146,7 @@ TeleopSetup setupFor(const BenchOptions& options, double round_trip_s, Case whic
   setup.sending = sendingOver(setup.up, setup.down);
   setup.feedback = which == Case::kBilateral ? Feedback::kBilateral : Feedback::kModel;
   setup.duration_s = options.duration();
+  setup.lets_go_s = options.lets_go_s;
   if (!options.task.empty()) {
     setup.task = kTaskWords.at(options.task);
   }
@@ -370,6 +372,9 @@ void addTeleopBench(CLI::App& teleop) {
                    "scoop: it lifts 0.1 N of soil; until that is seen to be done at the robot's site")
       ->option_text("trench|press|scoop [the scene's manoeuvre]")
       ->check(oneOf({"trench", "press", "scoop"}));
+  command->add_option("--lets-go-s", options->lets_go_s, "The hand lets go of the tool then; only where it feels a model")
+      ->option_text("SECONDS [never]")
+      ->check(numberIn(TeleopRanges::lets_go_s));
   command->add_option("--duration-s", options->duration_given_s, "Simulated time of each run, with a task at most")
       ->option_text("SECONDS [40; with a task 180]")
       ->check(numberIn(TeleopRanges::duration_s));

@@ -190,6 +190,7 @@ TeleopResult simulateModel(const TeleopSetup& setup, const TeleopProgress& progr
     log.add(tick, hand.tool(), hand.felt(), hand.unlimited());
     if (tick % course.period() == 0) {
       command.keys = commands.add({tick, hand.tool()});
+      command.held = hand.hand().holds();
       ++command.number;
       up.send(now_s, bytesOf(command));
     }

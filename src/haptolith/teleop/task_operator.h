@@ -89,13 +89,16 @@ class TaskOperator {
 /// Mean depth of a trench in m: of the cells along its middle, under the surface. NaN where one is not known.
 [[nodiscard]] double trenchDepth(const HeightGrid& grid, const std::vector<double>& heights_m);
 
-/// A hand that goes where a TaskOperator wants it, and yields to what it feels as its arm does.
+/// A hand that goes where a TaskOperator wants it, and yields to what it feels as its arm does; or lets go of the tool,
+/// which is then as free as a device's handle.
 class TaskHand final : public HapticDevice {
  public:
   /// @param arm  none: it yields to nothing. @param start  in the frame of the scene.
   TaskHand(const std::optional<ArmParameters>& arm, const DeviceLimits& limits, double tick_s, const Pose& start);
 
   void want(const Pose& pose) noexcept { next_ = pose; }
+  /// From now on nobody holds the tool, which goes on as it went.
+  void letGo(const Movement& tool) noexcept;
 
   [[nodiscard]] std::string_view name() const noexcept override { return "operator with a task"; }
   [[nodiscard]] DeviceLimits limits() const noexcept override { return limits_; }
