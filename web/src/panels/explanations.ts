@@ -14,7 +14,7 @@ export const EXPLAIN = {
   granted: 'The operating system runs the force loop before all other programs, so that they cannot delay it.',
   not_granted: 'The operating system gives the force loop no priority, so other programs can delay a step.',
   robot:
-    'A robot far away that follows the tool, and how old the news of it is. Its tool is the orange outline in the picture.',
+    'A robot far away that follows the tool, and how old the news of it is: more than the link takes where it was cut off or its machine is too slow. Its tool is the orange outline in the picture.',
   learned:
     'How strong the soil here has become, to do to the tool what the robot meets: friction angle and cohesion, each with the interval that holds it nine times in ten.',
   site: 'The soil that the robot digs in, as it sees it from above, and its tool: from where the bed itself is seen, so that the two can be compared. What was never seen is a hole.',

@@ -77,11 +77,17 @@ export function pictureInWords(scene: Scene, frame: Frame): string {
   );
 }
 
+/** Whether it is further behind than its link explains: it was cut off, or its machine is too slow. */
+function lags(robot: Robot): boolean {
+  return robot.state === 'following' && robot.behind / 1000 > robot.round_trip_s + 1;
+}
+
 /** "robot following, 2.6 s behind". */
 export function robotInWords(robot: Robot): string {
   if (!robot.heard) return robot.round_trip_s > 0 ? 'robot silent' : 'no word of the robot yet';
   const why = robot.reason === null ? '' : ` (${robot.reason})`;
-  return `robot ${robot.state}${why}, ${(robot.behind / 1000).toFixed(1)} s behind`;
+  const more = lags(robot) ? `, of which the link takes ${robot.round_trip_s.toFixed(1)} s` : '';
+  return `robot ${robot.state}${why}, ${(robot.behind / 1000).toFixed(1)} s behind${more}`;
 }
 
 /** "soil learned: 34° (31 to 37), 150 Pa (90 to 240)". */
@@ -137,7 +143,7 @@ export class Readouts {
     if (learned !== null) setText(this.learned, learnedInWords(learned));
     if (robot === null) return;
     setText(this.robot, robotInWords(robot));
-    this.robot.dataset.level = !robot.heard ? 'bad' : robot.state === 'following' ? 'good' : 'warn';
+    this.robot.dataset.level = !robot.heard ? 'bad' : robot.state === 'following' && !lags(robot) ? 'good' : 'warn';
     if (robot.heard) this.met.show(Math.hypot(...robot.met_n), robot.met_n, 2);
     else this.met.clear();
   }

@@ -43,6 +43,9 @@ describe('in words', () => {
     expect(robotInWords({ ...robot, state: 'holding', reason: 'too much force' })).toBe(
       'robot holding (too much force), 2.6 s behind',
     );
+    expect(robotInWords({ ...robot, behind: 9000 })).toBe(
+      'robot following, 9.0 s behind, of which the link takes 2.6 s',
+    );
     expect(robotInWords({ ...robot, heard: false })).toBe('robot silent');
     expect(robotInWords({ ...robot, heard: false, round_trip_s: 0 })).toBe('no word of the robot yet');
   });
