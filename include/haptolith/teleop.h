@@ -112,7 +112,7 @@ typedef struct hapto_teleop_site_header {
   uint16_t zero;
   uint32_t robot_session; /* as in states */
   uint16_t map_columns;   /* of the whole map, along x; 1 to 1024 */
-  uint16_t map_rows;      /* along y; 1 to 1024 */
+  uint16_t map_rows;      /* along y; 1 to 1024; columns times rows 65536 at most */
   float corner_m[2];      /* x, y of the corner of the map's first cell; each within 100 m */
   float cell_m;           /* width of a cell; 1e-4 to 1 */
   uint16_t column;        /* first one that the packet is about */

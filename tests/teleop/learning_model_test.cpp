@@ -99,6 +99,24 @@ TEST(LearningModel, BecomesWeakerInStepsThatNobodyFeels) {
       << "each stretch was felt in soil that was not weaker yet";
 }
 
+TEST(LearningModel, AStepThatIsRefusedComesAgain) {
+  LearningModel model(digModel(), strengths());
+  Cutting cutting(model);
+  for (std::uint64_t index = 20; index <= 1600; index += 20) {
+    cutting.report(index, 0.4);
+  }
+  cutting.goOn(1650);
+  const SoilState was = model.state();
+  const auto step = model.at(1680, false);
+  ASSERT_TRUE(step);
+  EXPECT_NE(model.state().cohesion_pa, was.cohesion_pa);
+  model.refused();
+  EXPECT_EQ(model.state().cohesion_pa, was.cohesion_pa) << "the soil is as it was";
+  const auto again = model.at(1700, false);
+  ASSERT_TRUE(again);
+  EXPECT_EQ(again->contact_cohesion_n, step->contact_cohesion_n);
+}
+
 TEST(LearningModel, GoesFasterInTheAir) {
   std::vector<std::size_t> steps;
   for (const bool in_air : {false, true}) {

@@ -87,6 +87,12 @@ TEST(SitePacket, RefusesWhatMakesNoSense) {
   EXPECT_FALSE(parseSite(with<std::uint32_t>(8, 0))) << "no session";
   EXPECT_FALSE(parseSite(with<std::uint16_t>(12, 19))) << "beyond the map";
   EXPECT_FALSE(parseSite(with<std::uint16_t>(14, 1025))) << "too large a map";
+  SitePacket large = somePacket();
+  large.grid.columns = 256;
+  large.grid.rows = 256;
+  EXPECT_TRUE(parseSite(bytesOf(large)));
+  large.grid.rows = 257;
+  EXPECT_FALSE(parseSite(bytesOf(large))) << "more than anybody shows";
   EXPECT_FALSE(parseSite(with(16, kNan)));
   EXPECT_FALSE(parseSite(with(20, 101.0F)));
   EXPECT_FALSE(parseSite(with(24, kNan)));

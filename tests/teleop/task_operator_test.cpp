@@ -165,8 +165,7 @@ TEST(TaskOperator, ScoopsDeeperUntilTheRobotHasLiftedEnough) {
     }
     met.push_back(load_n);
     const bool heard = met.size() > 1000;
-    tool = hand.wanted(
-        {now_s, tick, tool, load_n, heard ? met.front() : 0, heard ? tick - 1000 : 0, &site});
+    tool = hand.wanted({now_s, tick, tool, load_n, heard ? met.front() : 0, heard ? tick - 1000 : 0, &site});
     if (heard) {
       met.pop_front();
     }

@@ -89,7 +89,9 @@ void RobotLead::learn(Session& session, SessionRecording& recording) {
     begin(shown);
   }
   const std::optional<SoilAdjustment> step = learning_ ? learning_->at(end_.ticks(), in_air_) : std::nullopt;
-  if (step && session.adjust(*step)) {
+  if (step && !session.adjust(*step)) {
+    learning_->refused();
+  } else if (step) {
     recording.note(kAdjustmentKind, time_s_, adjustmentText(*step));
     soil_ = session.shown().bed.soil;
     tool_friction_ = session.shown().tool.friction;

@@ -98,7 +98,8 @@ struct BenchOptions {
   }
 };
 
-const std::map<std::string, Task> kTaskWords{{"trench", Task::kTrench}, {"press", Task::kPress}, {"scoop", Task::kScoop}};
+const std::map<std::string, Task> kTaskWords{
+    {"trench", Task::kTrench}, {"press", Task::kPress}, {"scoop", Task::kScoop}};
 
 struct Row {
   double round_trip_s;
@@ -205,8 +206,8 @@ std::string taskText(const Row& row, const BenchOptions& options) {
   const bool trench = options.task == "trench";
   const std::string when = std::isnan(task->done_s) ? fmt::format("not done in {:g} s", options.duration())
                                                     : fmt::format("done after {:.1f} s", task->done_s);
-  return fmt::format("{}, {:g} s: {} {}, {} tries, {} in the end\n", text(row.which), row.round_trip_s, options.task, when,
-                     task->strokes,
+  return fmt::format("{}, {:g} s: {} {}, {} tries, {} in the end\n", text(row.which), row.round_trip_s, options.task,
+                     when, task->strokes,
                      trench ? fmt::format("{:.1f} mm", task->reached / kMm) : fmt::format("{:.3f} N", task->reached));
 }
 
@@ -366,13 +367,13 @@ void addTeleopBench(CLI::App& teleop) {
       ->delimiter(',')
       ->check(oneOf({"model", "probed", "learning", "both", "bilateral", "twin"}));
   command
-      ->add_option(
-          "--task", options->task,
-          "trench: the hand digs one 40 mm deep; press: it presses the tool's face on the soil with 8 N;\n"
+      ->add_option("--task", options->task,
+                   "trench: the hand digs one 40 mm deep; press: it presses the tool's face on the soil with 8 N;\n"
                    "scoop: it lifts 0.1 N of soil; until that is seen to be done at the robot's site")
       ->option_text("trench|press|scoop [the scene's manoeuvre]")
       ->check(oneOf({"trench", "press", "scoop"}));
-  command->add_option("--lets-go-s", options->lets_go_s, "The hand lets go of the tool then; only where it feels a model")
+  command
+      ->add_option("--lets-go-s", options->lets_go_s, "The hand lets go of the tool then; only where it feels a model")
       ->option_text("SECONDS [never]")
       ->check(numberIn(TeleopRanges::lets_go_s));
   command->add_option("--duration-s", options->duration_given_s, "Simulated time of each run, with a task at most")

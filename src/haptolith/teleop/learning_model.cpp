@@ -43,6 +43,7 @@ LearningModel::LearningModel(const Scenario& model, const StrengthMap& strengths
       now_{soil_.contact_friction, soil_.contact_cohesion_n, model.tool.friction},
       from_(now_),
       to_(now_),
+      before_(now_),
       learner_(priorOf(stateOf(now_)), model.bed.soil.rho0_kg_m3, model.bed.gravity_m_s2.norm()),
       states_{{0, stateOf(now_)}},
       work_(work) {
@@ -126,6 +127,8 @@ std::optional<SoilAdjustment> LearningModel::at(std::uint64_t index, bool in_air
     return std::nullopt;
   }
   stepped_ = index;
+  before_ = now_;
+  gone_before_s_ = gone_s_;
   gone_s_ = std::min(way_s_, gone_s_ + kStepTicks * tick_s_ * (index > touched_ + kInAirTicks ? kFasterInAir : 1));
   const double share = gone_s_ / way_s_;
   now_.contact_friction = mix(from_.contact_friction, to_.contact_friction, share);
@@ -137,6 +140,12 @@ std::optional<SoilAdjustment> LearningModel::at(std::uint64_t index, bool in_air
     states_.pop_front();
   }
   return now_;
+}
+
+void LearningModel::refused() {
+  now_ = before_;
+  gone_s_ = gone_before_s_;
+  states_.pop_back();
 }
 
 }  // namespace haptolith

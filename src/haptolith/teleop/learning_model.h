@@ -43,6 +43,8 @@ class LearningModel {
   /// How the model is to change at tick `index`; none: not now. Call it often, with an index that grows.
   /// @param in_air  whether the hand feels no soil.
   [[nodiscard]] std::optional<SoilAdjustment> at(std::uint64_t index, bool in_air);
+  /// The step that at() has just told could not be made: it comes again.
+  void refused();
 
   [[nodiscard]] const ModelSoil& learned() const noexcept { return learned_; }
   [[nodiscard]] const SoilState& state() const noexcept { return states_.back().state; }  ///< of the model now
@@ -71,6 +73,8 @@ class LearningModel {
   ToolSurface tool_;
   SoilParameters soil_;  ///< as the model began
   SoilAdjustment now_, from_, to_;
+  SoilAdjustment before_;     ///< the last step
+  double gone_before_s_ = 0;  ///< likewise
   ModelLearner learner_;
   std::deque<StateFrom> states_;
   std::map<std::uint64_t, Window> windows_;  ///< by their number

@@ -35,7 +35,7 @@ struct TeleopSetup {
   double robot_clock_share = 0;       ///< by which the robot's clock is too fast
   /// A hand that does this, in place of the scene's manoeuvre; the run ends when it is done.
   std::optional<Task> task;
-  std::optional<double> lets_go_s;  ///< then the hand lets go of the tool; not with a task
+  std::optional<double> lets_go_s;    ///< then the hand lets go of the tool; not with a task
   std::optional<StrengthMap> learns;  ///< the model does, while it digs: see LearningModel
 };
 

@@ -14,13 +14,13 @@ constexpr double kFurthest_m = 100;
 constexpr double kSmallestCell_m = 1e-4, kLargestCell_m = 1;
 
 bool isPart(std::size_t first, std::size_t count, std::size_t of) noexcept {
-  return count >= 1 && count <= SitePacket::kSide && of >= 1 && of <= SitePacket::kMostCells && first + count <= of;
+  return count >= 1 && count <= SitePacket::kSide && of >= 1 && of <= SitePacket::kMostAlong && first + count <= of;
 }
 
 bool makesSense(const SitePacket& packet) noexcept {
   const HeightGrid& grid = packet.grid;
   return packet.robot_session != 0 && std::abs(grid.x_m) <= kFurthest_m && std::abs(grid.y_m) <= kFurthest_m &&
-         grid.cell_m >= kSmallestCell_m && grid.cell_m <= kLargestCell_m &&
+         grid.cell_m >= kSmallestCell_m && grid.cell_m <= kLargestCell_m && grid.cells() <= SitePacket::kMostCells &&
          isPart(packet.column, packet.columns, grid.columns) && isPart(packet.row, packet.rows, grid.rows);
 }
 

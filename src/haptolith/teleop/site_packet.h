@@ -20,7 +20,7 @@ namespace haptolith {
 ///          6  u16     0
 ///          8  u32     session of its own, as in its StatePackets
 ///         12  u16     columns of the whole map, along x: 1 to 1024
-///         14  u16     rows, along y: 1 to 1024
+///         14  u16     rows, along y: 1 to 1024; columns times rows: 65536 at most
 ///         16  f32     x of the corner of the map's first cell, m      site frame; within 100 m
 ///         20  f32     y likewise
 ///         24  f32     width of a cell, m                              1e-4 to 1
@@ -34,7 +34,7 @@ namespace haptolith {
 ///     then w h numbers, row by row:
 ///          0  i16     height over the site's zero, in steps of 0.1 mm; -32768: not seen
 struct SitePacket {
-  static constexpr std::size_t kHeaderBytes = 56, kSide = 16, kMostCells = 1024;
+  static constexpr std::size_t kHeaderBytes = 56, kSide = 16, kMostAlong = 1024, kMostCells = 65536;
   static constexpr std::uint16_t kVersion = 1;
   static constexpr double kStep_m = 1e-4;
   static constexpr std::int16_t kNotSeen = -32768;
