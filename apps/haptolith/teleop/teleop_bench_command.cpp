@@ -186,13 +186,18 @@ Json rowJson(const Row& row) {
           {"lost", result.up.lost + result.up.cut_off + result.down.lost + result.down.cut_off}};
 }
 
+/// Where nothing was met there is none.
+std::string percentText(double share) {
+  return std::isnan(share) ? "-" : fmt::format("{:.1f}", 100 * share);
+}
+
 std::string rowText(const Row& row) {
   const TeleopResult& result = row.result;
   const double duration_s = result.duration_s;
   return fmt::format(
-      "{:8.2f}  {:10} {:7.1f} {:9.1f} {:8.2f} {:8.3f} {:8.3f} {:8.2f} {:8.2f} {:9.4f} {:8.2f} {:8.1f} {:6}\n",
-      row.round_trip_s, text(row.which), 100 * result.agreement.share(0, duration_s),
-      100 * result.agreement.share(duration_s - kLast_s, duration_s), result.agreement.rmsMet(0, duration_s),
+      "{:8.2f}  {:10} {:>7} {:>9} {:8.2f} {:8.3f} {:8.3f} {:8.2f} {:8.2f} {:9.4f} {:8.2f} {:8.1f} {:6}\n",
+      row.round_trip_s, text(row.which), percentText(result.agreement.share(0, duration_s)),
+      percentText(result.agreement.share(duration_s - kLast_s, duration_s)), result.agreement.rmsMet(0, duration_s),
       result.free_m / kMm, result.soil_m / kMm, result.known_surface_m / kMm, result.apart_surface_m / kMm,
       result.given_j / kMillijoule, result.behind_s, 100 * result.followed_share, result.stops);
 }

@@ -197,8 +197,9 @@ void TaskOperator::judgePress(const TaskSight& sight) {
 double trenchDepth(const HeightGrid& grid, const std::vector<double>& heights_m) {
   double sum_m = 0, count = 0;
   for (std::size_t cell = 0; cell < heights_m.size(); ++cell) {
-    const double x_m = grid.x_m + (static_cast<double>(cell % grid.columns) + 0.5) * grid.cell_m;
-    const double y_m = grid.y_m + (static_cast<double>(cell / grid.columns) + 0.5) * grid.cell_m;
+    const std::size_t column = cell % grid.columns, row = cell / grid.columns;
+    const double x_m = grid.x_m + (static_cast<double>(column) + 0.5) * grid.cell_m;
+    const double y_m = grid.y_m + (static_cast<double>(row) + 0.5) * grid.cell_m;
     if (std::abs(x_m) <= kHalfLength_m && std::abs(y_m) <= kHalfWidth_m) {
       sum_m -= heights_m[cell];
       ++count;
