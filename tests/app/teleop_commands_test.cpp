@@ -135,6 +135,7 @@ sys.stderr.write(lead.stderr)
   for (const char* format : {"csv", "robot-csv"}) {
     const ProgramResult exported = runHaptolith("export " + recording + " --format " + format);
     EXPECT_EQ(exported.exit_status, 0) << exported.errors;
+    EXPECT_THAT(exported.output, HasSubstr("saved"));
   }
   std::ofstream(folder / "both.py") << R"(import csv, json, math, sys
 ticks = list(csv.DictReader(open(sys.argv[1])))
@@ -174,6 +175,14 @@ TEST(TeleopCommands, BothEndsStayOnThisMachineWithoutAKey) {
   EXPECT_EQ(lead.exit_status, 2);
   EXPECT_THAT(lead.errors, AllOf(HasSubstr("192.0.2.1:7410"), HasSubstr("--key-file")));
   EXPECT_THAT(runHaptolith("teleop operator paper").errors, HasSubstr("--to"));
+}
+
+TEST(TeleopCommands, AHandThatLetsGoHasNoTaskAndFeelsAModel) {
+  for (const char* with : {"--task press", "--case bilateral"}) {
+    const ProgramResult result = runHaptolith(std::string("teleop bench --lets-go-s 1 ") + with);
+    EXPECT_EQ(result.exit_status, 2) << result.output;
+    EXPECT_THAT(result.errors, HasSubstr("--lets-go-s"));
+  }
 }
 
 TEST(TeleopCommands, WhatIsWrongIsSaid) {

@@ -242,6 +242,7 @@ TEST(TeleopSimulation, AHandThatLetsGoStopsTheRobotAndIsGivenNothing) {
   EXPECT_EQ(result.last_stop, StopReason::kReleased);
   EXPECT_GT(result.agreement.rmsMet(0, 4), 0) << "it had begun";
   EXPECT_LT(result.followed_share, 0.4);
+  EXPECT_LE(result.given_j, 1e-3);
   setup.lets_go_s = 0;  // nobody was ever there
   EXPECT_EQ(simulateTeleop(setup).followed_share, 0);
   setup.task = Task::kPress;

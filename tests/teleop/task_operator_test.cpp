@@ -183,23 +183,5 @@ TEST(TrenchDepth, IsTheMeanOfCellsAlongItsMiddleAndKnownOnlyWhereAllAre) {
   EXPECT_TRUE(std::isnan(trenchDepth({}, {})));
 }
 
-TEST(TaskHand, GoesWhereItIsWantedAndYieldsAsItsArmDoes) {
-  TaskHand stiff(std::nullopt, {}, kTick_s, kHome);
-  TaskHand arm(ArmParameters{.mass_kg = 0.5, .damping_n_s_m = 20, .stiffness_n_m = 800}, {}, kTick_s, kHome);
-  const Pose there{{0.001, 0, 0.08}, Quat::Identity()};
-  stiff.want(there);
-  arm.want(there);
-  EXPECT_EQ(stiff.read().pose.position_m, there.position_m);
-  EXPECT_NEAR(stiff.read().twist.linear_m_s.x(), 0, 1e-12);
-  for (int tick = 0; tick < 2000; ++tick) {
-    stiff.write({{{0, 0, 4}, Vec3::Zero()}, 0});
-    arm.write({{{0, 0, 4}, Vec3::Zero()}, 0});
-    (void)stiff.read();
-    (void)arm.read();
-  }
-  EXPECT_EQ(stiff.read().pose.position_m, there.position_m);
-  EXPECT_NEAR(arm.read().pose.position_m.z(), 0.08 + 4.0 / 800, 1e-6);
-}
-
 }  // namespace
 }  // namespace haptolith

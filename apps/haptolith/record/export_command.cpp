@@ -115,7 +115,8 @@ void exportCsvOfRobot(const RecordingReader& recording, const ExportOptions& opt
     throw Failure(fmt::format("{} holds no reports of a robot: haptolith teleop operator --record makes such a file",
                               options.file));
   }
-  AtomicFile file(options.overwrite(outFor(options, "-robot.csv").string()));
+  const fs::path out = outFor(options, "-robot.csv");
+  AtomicFile file(options.overwrite(out.string()));
   file.write(csvHeader(robotColumns()));
   for (std::uint64_t first = 0; first < recording.reports(); first += kBlock) {
     std::string text;
@@ -125,6 +126,7 @@ void exportCsvOfRobot(const RecordingReader& recording, const ExportOptions& opt
     file.write(text);
   }
   file.commit();
+  printText(savedText(out, fmt::format("{} reports of a robot", recording.reports())));
 }
 
 void requirePictures(const RecordingReader& recording, const ExportOptions& options) {

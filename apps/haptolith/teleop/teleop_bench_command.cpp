@@ -246,9 +246,14 @@ std::vector<std::string> casesOf(const BenchOptions& options) {
   if (!options.cases.empty()) {
     return options.cases;
   }
-  return canLearn(findScenario(options.model, options.model_overrides))
-             ? std::vector<std::string>{"model", "learning", "bilateral", "twin"}
-             : std::vector<std::string>{"model", "bilateral", "twin"};
+  std::vector<std::string> cases{"model", "twin"};
+  if (canLearn(findScenario(options.model, options.model_overrides))) {
+    cases.insert(cases.begin() + 1, "learning");
+  }
+  if (!options.lets_go_s) {
+    cases.insert(cases.end() - 1, "bilateral");
+  }
+  return cases;
 }
 
 std::vector<Row> rowsFor(const BenchOptions& options) {
@@ -285,6 +290,11 @@ void runBench(const BenchOptions& options) {
     }
   }
   std::vector<Row> rows = rowsFor(options);
+  const bool feels_robot = std::ranges::any_of(rows, [](const Row& row) { return row.which == Case::kBilateral; });
+  if (options.lets_go_s && (feels_robot || !options.task.empty())) {
+    throw InvalidParameter("--lets-go-s", fmt::format("{:g}", *options.lets_go_s),
+                           "without --task, and not with --case bilateral");
+  }
   const bool probes = std::ranges::any_of(rows, [](const Row& row) { return begins(row.which); });
   const std::optional<Probed> probed = probes ? std::optional(probe(options, status)) : std::nullopt;
   std::vector<std::atomic<double>> done(rows.size());

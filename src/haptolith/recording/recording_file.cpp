@@ -173,6 +173,10 @@ RecordingFile::RecordingFile(fs::path path, const RecordingHeader& header, bool 
   requireFree(path_, overwrite);
   // Under its own name the file is there as soon as a killed program would leave one that opens, and not before.
   const fs::path making = temporaryBeside(path_, "part");
+  all_ = {&ticks_, &position_, &frames_, &events_};
+  if (robot) {
+    all_.insert(all_.end(), {&reports_, &site_});
+  }
   try {
     file_ = createFile(making);
     writeHeader(file_, header);
@@ -195,7 +199,6 @@ RecordingFile::RecordingFile(fs::path path, const RecordingHeader& header, bool 
                       {.file_type = eventType(Place::kFile),
                        .memory_type = eventType(Place::kMemory),
                        .chunk_rows = kEventsPerChunk});
-    all_ = {&ticks_, &position_, &frames_, &events_};
     if (robot) {
       reports_ = Growing(file_, kReports,
                          {.file_type = robotType(Place::kFile),
@@ -205,7 +208,6 @@ RecordingFile::RecordingFile(fs::path path, const RecordingHeader& header, bool 
                       {.file_type = siteType(Place::kFile),
                        .memory_type = siteType(Place::kMemory),
                        .chunk_rows = kSiteRowsPerChunk});
-      all_.insert(all_.end(), {&reports_, &site_});
     }
     done(H5Fstart_swmr_write(file_.id()), "start writing");
     fs::rename(making, path_);

@@ -57,6 +57,8 @@ class RecordingFile {
   /// @throws as RecordingWriter.
   /// @param robot  whether it has a place for what a robot tells.
   RecordingFile(std::filesystem::path path, const RecordingHeader& header, bool overwrite, bool robot);
+  RecordingFile(const RecordingFile&) = delete;
+  RecordingFile& operator=(const RecordingFile&) = delete;
 
   /// Takes what is to be written; nothing is written yet.
   void take(const Batch& batch);
@@ -100,7 +102,7 @@ class RecordingFile {
   double last_time_s_ = 0;
   Handle file_;
   Growing ticks_, position_, frames_, events_, reports_, site_;
-  std::vector<Growing*> all_;  ///< that are there; positions before the frames that point at them
+  std::vector<Growing*> all_;  ///< that the file has; positions before the frames that point at them
 
   std::vector<TickRecord> unwritten_ticks_;
   std::vector<std::array<float, 3>> unwritten_positions_;

@@ -70,7 +70,7 @@ class RecordingWriter::Thread {
 
   void add(const SiteRow& seen) {
     if (robot_) {
-      add(sizeof(seen), kMostWaitingForFrames, [&] { waiting_.site.push_back(seen); });
+      add(sizeof(seen), kMostWaiting, [&] { waiting_.site.push_back(seen); });
     }
   }
 

@@ -2,6 +2,7 @@
 #include <cstring>
 
 #include "haptolith/haptics/wrench_filter.h"
+#include "haptolith/teleop/operator_hand.h"
 #include "haptolith/teleop/passive_end.h"
 #include "haptolith/teleop/simulation_parts.h"
 #include "haptolith/teleop/site_camera.h"
@@ -142,8 +143,7 @@ TeleopResult simulateBilateral(const TeleopSetup& setup, const TeleopProgress& p
   TeleopResult result;
   const Course course(setup, setup.bilateral_period_s, progress);
   const double tick_s = course.time(1);
-  OperatorHand operator_hand(setup, 0);
-  HapticDevice& hand = operator_hand.device();
+  OperatorHand hand(setup, 0);
   PassiveEnd end(tick_s, setup.robot.arm.lever_m);
   Site site(setup.site);
   BilateralRobot robot(setup.robot, site, VirtualHand(handAbove(setup.model, 0), tick_s).read().pose, course.period(),
@@ -164,14 +164,14 @@ TeleopResult simulateBilateral(const TeleopSetup& setup, const TeleopProgress& p
     const double now_s = course.time(tick);
     result.duration_s = now_s;
     course.look(tick);
-    if (operator_hand.hasTask()) {
-      operator_hand.look({now_s, tick, {}, newest.force_n.norm(), newest.force_n.norm(), newest_signal, &known_site});
-      if (operator_hand.done()) {
+    if (hand.hasTask()) {
+      hand.look({now_s, tick, {}, newest.force_n.norm(), newest.force_n.norm(), newest_signal, &known_site});
+      if (hand.done()) {
         break;
       }
     }
     const DeviceInput input = hand.read();
-    operator_hand.came(input.pose);
+    hand.came(input.pose);
     if (input.state != DeviceState::kLive) {
       throw Failure("the operator's hand has come to its end");
     }
@@ -226,7 +226,7 @@ TeleopResult simulateBilateral(const TeleopSetup& setup, const TeleopProgress& p
     }
     behind.tick(newest_signal > 0, now_s - course.time(newest_signal));
   }
-  result.task = operator_hand.result();
+  result.task = hand.result();
   result.given_j = log.mostGiven();
   result.behind_s = behind.mean();
   result.followed_share = followed.value();

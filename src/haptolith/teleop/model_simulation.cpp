@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "haptolith/haptics/haptic_loop.h"
+#include "haptolith/teleop/operator_hand.h"
 #include "haptolith/teleop/simulation_parts.h"
 #include "haptolith/teleop/site_camera.h"
 #include "haptolith/teleop/site_map.h"
@@ -80,7 +81,7 @@ class ModelOperator {
   explicit ModelOperator(const TeleopSetup& setup)
       : site_(setup.model),
         hand_(setup, site_.surface_m),
-        loop_(site_.scene, hand_.device(), unpaced(setup.model.loop), true, handlingOf(setup.model, site_.surface_m)),
+        loop_(site_.scene, hand_, unpaced(setup.model.loop), true, handlingOf(setup.model, site_.surface_m)),
         watch_(setup.model.loop.tick_s) {}
 
   /// @throws Failure when there is no hand any more.

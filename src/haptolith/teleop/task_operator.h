@@ -3,13 +3,10 @@
 #include <cstddef>
 #include <cstdint>
 #include <functional>
-#include <optional>
 #include <vector>
 
 #include "haptolith/bed/surface_height.h"
-#include "haptolith/core/movement.h"
-#include "haptolith/device/hand/arm.h"
-#include "haptolith/device/haptic_device.h"
+#include "haptolith/core/vec.h"
 #include "haptolith/teleop/site_map.h"
 
 namespace haptolith {
@@ -88,33 +85,5 @@ class TaskOperator {
 
 /// Mean depth of a trench in m: of the cells along its middle, under the surface. NaN where one is not known.
 [[nodiscard]] double trenchDepth(const HeightGrid& grid, const std::vector<double>& heights_m);
-
-/// A hand that goes where a TaskOperator wants it, and yields to what it feels as its arm does; or lets go of the tool,
-/// which is then as free as a device's handle.
-class TaskHand final : public HapticDevice {
- public:
-  /// @param arm  none: it yields to nothing. @param start  in the frame of the scene.
-  TaskHand(const std::optional<ArmParameters>& arm, const DeviceLimits& limits, double tick_s, const Pose& start);
-
-  void want(const Pose& pose) noexcept { next_ = pose; }
-  /// From now on nobody holds the tool, which goes on as it went.
-  void letGo(const Movement& tool) noexcept;
-
-  [[nodiscard]] std::string_view name() const noexcept override { return "operator with a task"; }
-  [[nodiscard]] DeviceLimits limits() const noexcept override { return limits_; }
-  [[nodiscard]] bool simulated() const noexcept override { return true; }
-  [[nodiscard]] DeviceInput read() noexcept override;
-  void write(const DeviceOutput& output) noexcept override { felt_ = output.wrench; }
-  void releaseForce() noexcept override { felt_ = {}; }
-  void resumeForce() noexcept override {}
-
- private:
-  std::optional<ArmParameters> arm_;
-  DeviceLimits limits_;
-  double tick_s_;
-  Pose wanted_, next_;
-  Movement tool_;
-  Wrench felt_;
-};
 
 }  // namespace haptolith

@@ -61,8 +61,9 @@ export class SiteView {
     const before = this.shown;
     this.shown = site;
     this.tool.setRobot(robot, now_ms);
-    if (site && !(before && isSame(before, site))) this.build(site);
-    return site !== null || before !== null;
+    const changed = site === null ? before !== null : before === null || !isSame(before, site);
+    if (site && changed) this.build(site);
+    return changed;
   }
 
   /** Whether the tool still moves. */

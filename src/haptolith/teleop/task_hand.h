@@ -1,0 +1,40 @@
+#pragma once
+
+#include <optional>
+#include <string_view>
+
+#include "haptolith/core/movement.h"
+#include "haptolith/device/hand/arm.h"
+#include "haptolith/device/haptic_device.h"
+
+namespace haptolith {
+
+/// A hand that goes where a TaskOperator wants it, and yields to what it feels as its arm does; or lets go of the tool,
+/// which is then as free as a device's handle.
+class TaskHand final : public HapticDevice {
+ public:
+  /// @param arm  none: it yields to nothing. @param start  in the frame of the scene.
+  TaskHand(const std::optional<ArmParameters>& arm, const DeviceLimits& limits, double tick_s, const Pose& start);
+
+  void want(const Pose& pose) noexcept { next_ = pose; }
+  /// From now on nobody holds the tool, which goes on as it went.
+  void letGo(const Movement& tool) noexcept;
+
+  [[nodiscard]] std::string_view name() const noexcept override { return "operator with a task"; }
+  [[nodiscard]] DeviceLimits limits() const noexcept override { return limits_; }
+  [[nodiscard]] bool simulated() const noexcept override { return true; }
+  [[nodiscard]] DeviceInput read() noexcept override;
+  void write(const DeviceOutput& output) noexcept override { felt_ = output.wrench; }
+  void releaseForce() noexcept override { felt_ = {}; }
+  void resumeForce() noexcept override {}
+
+ private:
+  std::optional<ArmParameters> arm_;
+  DeviceLimits limits_;
+  double tick_s_;
+  Pose wanted_, next_;
+  Movement tool_;
+  Wrench felt_;
+};
+
+}  // namespace haptolith
