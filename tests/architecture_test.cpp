@@ -31,6 +31,8 @@ const std::map<std::string, Folders> kArrows = {
     {"soil", {"core"}},
     {"bed", {"soil", "stone"}},
     {"tool", {"bed", "mesh"}},
+    // Files of other engines.
+    {"exchange", {"tool"}},
     {"device", {"core"}},
     {"haptics", {"tool", "device"}},
     {"machine", {"haptics"}},

@@ -14,6 +14,7 @@ void addRunCommand(CLI::App& app);
 void addSnapshotCommand(CLI::App& app);
 void addReplayCommand(CLI::App& app);
 void addExportCommand(CLI::App& app);
+void addImportCommand(CLI::App& app);
 void addSoilCommands(CLI::App& app);
 void addScenesCommand(CLI::App& app);
 void addLabCommand(CLI::App& app);

@@ -47,6 +47,7 @@ void addCommands(CLI::App& app) {
   addSnapshotCommand(app);
   addReplayCommand(app);
   addExportCommand(app);
+  addImportCommand(app);
   addSoilCommands(app);
   addScenesCommand(app);
   addLabCommand(app);

@@ -16,7 +16,9 @@
 #include <string>
 #include <vector>
 
+#include "haptolith/exchange/lammps_export.h"
 #include "haptolith/lab/lab_bed.h"
+#include "haptolith/scenario/soil_file.h"
 #include "haptolith/soil/contact_law.h"
 
 namespace haptolith {
@@ -44,6 +46,9 @@ struct Scene {
   std::vector<Knot> movement{};
   std::optional<Servo> servo{};
   double duration_s = 0;
+  /// Soil that belongs to a body from now on, by its number: where grains cohere otherwise in the other engine they would
+  /// slip on the plates, not on each other.
+  std::vector<std::vector<std::size_t>> glued{};
   /// What lies deeper has been spilled and touches nothing that counts; the other engine leaves it out.
   double spilled_below_m = -std::numeric_limits<double>::max();
 };
@@ -128,6 +133,32 @@ Scene slide(const LabConditions& conditions) {
   return scene;
 }
 
+/// Ten balls that fall onto a rough plate between walls.
+Scene ten(const LabConditions& conditions) {
+  const SoilParameters& soil = conditions.soil;
+  const double d = 2 * soil.radius_m;
+  Scene scene{.conditions = conditions, .box = {.width_m = 4 * d, .length_m = 4 * d, .wall_friction_ratio = 1}};
+  scene.soil_m = looseSoil(soil, scene.box, 10, 3 * d, conditions.seed);
+  scene.soil_m.resize(10);
+  scene.bodies_m = {roughPlate(soil, scene.box, d, conditions.seed + 1)};
+  scene.movement = {{0, 0}};
+  scene.duration_s = 1.5;
+  return scene;
+}
+
+/// A column of 256 grains five wide between rough walls, poured loosely, that falls together on a rough plate.
+Scene column(const LabConditions& conditions) {
+  const SoilParameters& soil = conditions.soil;
+  const double d = 2 * soil.radius_m;
+  Scene scene{.conditions = conditions, .box = {.width_m = 5.5 * d, .length_m = 5.5 * d, .wall_friction_ratio = 1}};
+  scene.soil_m = looseSoil(soil, scene.box, 256, 2.5 * d, conditions.seed);
+  scene.soil_m.resize(256);
+  scene.bodies_m = {roughPlate(soil, scene.box, d, conditions.seed + 1)};
+  scene.movement = {{0, 0}};
+  scene.duration_s = 3;
+  return scene;
+}
+
 /// Takes the settled places over, with everything at rest and no contact remembered.
 void takePlaces(const LabBed& lab, Scene& scene) {
   scene.soil_m = lab.soilCentres();
@@ -139,10 +170,11 @@ void takePlaces(const LabBed& lab, Scene& scene) {
   }
 }
 
+double normal_pa = 500;  // of `shear`; the last argument may be another
+
 /// Soil under constant load between two rough plates, periodic in x and y, without gravity: as shear.cpp of the
 /// laboratory has it.
 Scene shear(const LabConditions& conditions) {
-  constexpr double kNormal_pa = 500;
   constexpr double kHeightDiameters = 8;
   constexpr double kInertialNumber = 0.02;
   constexpr double kStrain = 4;
@@ -156,7 +188,7 @@ Scene shear(const LabConditions& conditions) {
   scene.bodies_m = {roughPlate(soil, scene.box, d, conditions.seed + 1),
                     roughPlate(soil, scene.box, scene.soil_m.back().z() + 2.5 * d, conditions.seed + 2)};
   const double mass = macroparticleMass(soil) * area / (d * d);
-  scene.servo = Servo{.load_n = kNormal_pa * area,
+  scene.servo = Servo{.load_n = normal_pa * area,
                       .mass_kg = mass,
                       .damping_n_s_m = 0.1 * std::sqrt(mass * soil.stiffness_n_m * area) / d,
                       .fastest_m_s = 0.15};
@@ -175,7 +207,7 @@ Scene shear(const LabConditions& conditions) {
   takePlaces(lab, scene);
 
   const double height = lab.centreOfBody(1).z() - lab.centreOfBody(0).z();
-  const double speed = kInertialNumber * height / d * std::sqrt(kNormal_pa / soil.rho0_kg_m3);
+  const double speed = kInertialNumber * height / d * std::sqrt(normal_pa / soil.rho0_kg_m3);
   const double lasts = kStrain * height / speed;
   scene.movement = {{0, 0}, {kRest_s, 0}, {kRest_s + 0.02 * lasts, speed}};
   scene.duration_s = kRest_s + 1.01 * lasts;  // 0.01: what the start takes
@@ -256,10 +288,12 @@ Scene carry(const LabConditions& conditions) {
 Scene sceneNamed(const std::string& name, const LabConditions& conditions) {
   if (name == "impact") return impact(conditions);
   if (name == "slide") return slide(conditions);
+  if (name == "ten") return ten(conditions);
+  if (name == "column") return column(conditions);
   if (name == "shear") return shear(conditions);
   if (name == "blade") return blade(conditions);
   if (name == "carry") return carry(conditions);
-  throw std::invalid_argument("no scene \"" + name + "\": impact, slide, shear, blade or carry");
+  throw std::invalid_argument("no scene \"" + name + "\": impact, slide, ten, column, shear, blade or carry");
 }
 
 /// Where everything is and what is done with it, as JSON.
@@ -305,6 +339,95 @@ void writeScene(const std::filesystem::path& path, const Scene& scene, const Lab
   fmt::print(out, "\n]}}\n");
 }
 
+/// The speed of Driver::velocityAt() along x, as a formula of LAMMPS.
+std::string speedFormula(const std::vector<Knot>& movement) {
+  std::string text = fmt::format("(v_t>={:.9g})*{:.9g}", movement.back().time_s, movement.back().speed_m_s);
+  for (std::size_t i = 1; i < movement.size(); ++i) {
+    const Knot &from = movement[i - 1], &to = movement[i];
+    text += fmt::format("+(v_t>={0:.9g})*(v_t<{1:.9g})*({2:.9g}+{3:.9g}*(v_t-{0:.9g}))", from.time_s, to.time_s,
+                        from.speed_m_s, (to.speed_m_s - from.speed_m_s) / (to.time_s - from.time_s));
+  }
+  return text;
+}
+
+/// Glues the two layers of soil next to each body to it.
+void glue(Scene& scene, const LabBed& lab) {
+  const double near_m = 4 * scene.conditions.soil.radius_m;
+  for (std::size_t body = 0; body < scene.bodies_m.size(); ++body) {
+    scene.glued.emplace_back();
+    for (std::size_t i = 0; i < lab.soil(); ++i) {
+      if (std::abs(lab.centre(i).z() - lab.centreOfBody(body).z()) < near_m) {
+        scene.glued.back().push_back(i);
+      }
+    }
+  }
+}
+
+/// The same scene for LAMMPS, as `haptolith export --format lammps` writes beds, and what moves its bodies.
+void writeLammps(const std::filesystem::path& folder, const Scene& scene, const LabBed& lab) {
+  LammpsRun run{.title = "a scene of benchmarks/peers",
+                .program = "haptolith",
+                .dt_s = lab.dt(),
+                .duration_s = scene.duration_s,
+                .dump_every_s = scene.duration_s};
+  run.kinds.assign(lab.soil(), LammpsRun::kSoil);
+  int last = LammpsRun::kBody - 1;
+  for (const std::vector<Vec3>& body : scene.bodies_m) {
+    run.kinds.insert(run.kinds.end(), body.size(), ++last);
+  }
+  for (std::size_t body = 0; body < scene.glued.size(); ++body) {
+    for (const std::size_t i : scene.glued[body]) {
+      run.kinds[i] = LammpsRun::kBody + static_cast<int>(body);
+    }
+  }
+  const LammpsFiles files = lammpsFiles(lab.bed(), run);
+  const long steps_per_row = std::max(1L, std::lround(scene.duration_s / lab.dt() / kRows));
+  const auto grains = scene.bodies_m.back().size() + (scene.glued.empty() ? 0 : scene.glued.back().size());
+  std::string load = "0";
+  std::string text = fmt::format(R"(
+group           bodies type {0}:{1}
+group           driven type {1}
+group           first id 1
+neigh_modify    exclude group bodies bodies
+variable        t equal (step-1)*dt   # a step moves by the speed at its beginning
+variable        vx equal {2}
+variable        still equal 0
+)",
+                                 files.typeOf(LammpsRun::kBody), files.typeOf(last), speedFormula(scene.movement));
+  if (scene.servo) {
+    // The plate's mass is that of its spheres together; a load and a damper on each of them, and the same force.
+    const Servo& servo = *scene.servo;
+    load = fmt::format("{:.9g}+{:.9g}*vcm(driven,z)", servo.load_n, servo.damping_n_s_m);
+    text += fmt::format(
+        "set             group driven mass {:.9g}\nvariable        load equal -({})/{}\n"
+        "fix             load driven aveforce NULL NULL v_load\n"
+        "fix             drive driven move variable NULL NULL NULL v_vx v_still NULL\n",
+        servo.mass_kg / static_cast<double>(grains), load, grains);
+  } else {
+    text += "fix             drive driven move variable NULL NULL NULL v_vx v_still v_still\n";
+  }
+  text += fmt::format(R"(compute         on_it driven reduce sum fx fy fz
+variable        fx equal c_on_it[1]
+variable        fy equal c_on_it[2]
+variable        fz equal c_on_it[3]+{0}
+variable        began equal xcm(driven,x)
+variable        x0 equal ${{began}}
+variable        gone equal xcm(driven,x)-v_x0
+variable        height equal xcm(driven,z)
+variable        x equal xcm(first,x)
+variable        y equal xcm(first,y)
+variable        z equal xcm(first,z)
+fix             forces all ave/time 1 {1} {1} v_fx v_fy v_fz file forces.txt format " %.9g"
+fix             places all ave/time {1} 1 {1} v_gone v_height v_x v_y v_z file places.txt format " %.9g"
+run             {2}
+)",
+                      scene.servo ? load : "0", steps_per_row, std::lround(scene.duration_s / lab.dt()));
+  std::filesystem::create_directories(folder);
+  std::ofstream(folder / "bed.data") << files.data;
+  std::ofstream(folder / "pull.table") << files.table;
+  std::ofstream(folder / "in.haptolith") << files.setup << text;
+}
+
 /// Runs the scene and writes its curve: means over each row's steps, and where the driven body and the first particle
 /// are at its end.
 void runScene(const std::filesystem::path& path, const Scene& scene, LabBed& lab) {
@@ -317,13 +440,28 @@ void runScene(const std::filesystem::path& path, const Scene& scene, LabBed& lab
   Driver driver(scene);
   Vec3 sum = Vec3::Zero();
   double displacement = 0;
+  for (const std::vector<std::size_t>& of_body : scene.glued) {
+    for (const std::size_t i : of_body) {
+      lab.bed().drive(i, Vec3::Zero());
+    }
+  }
+  const auto force = [&] {
+    Vec3 on_it = lab.forceOnBody(driven);
+    for (std::size_t k = 0; !scene.glued.empty() && k < scene.glued[driven].size(); ++k) {
+      on_it += lab.bed().contactForce(scene.glued[driven][k]);
+    }
+    return on_it;
+  };
   for (long i = 0; i < steps; ++i) {
-    const double soil_n = i > 0 ? lab.forceOnBody(driven).z() : 0;
+    const double soil_n = i > 0 ? force().z() : 0;
     const Vec3 velocity = driver.velocityAt(static_cast<double>(i) * lab.dt(), lab.dt(), soil_n);
     lab.moveBody(driven, velocity);
+    for (std::size_t k = 0; !scene.glued.empty() && k < scene.glued[driven].size(); ++k) {
+      lab.bed().drive(scene.glued[driven][k], velocity);
+    }
     lab.step();
     displacement += lab.dt() * velocity.x();
-    sum += lab.forceOnBody(driven);
+    sum += force();
     if ((i + 1) % steps_per_row == 0) {
       const Vec3 mean = sum / static_cast<double>(steps_per_row);
       const Vec3 first = lab.centre(0);
@@ -336,24 +474,35 @@ void runScene(const std::filesystem::path& path, const Scene& scene, LabBed& lab
 }
 
 int run(int argc, char** argv) {
-  if (argc < 4 || argc > 5) {
-    fmt::print(stderr, "peer_scene <impact|slide|shear|blade|carry> <seed> <folder> [damping ratio]\n");
+  if (argc < 4 || argc > 7) {
+    fmt::print(stderr,
+               "peer_scene <impact|slide|ten|column|shear|blade|carry> <seed> <folder> [damping ratio [soil [normal stress "
+               "of shear, Pa]]]\n");
     return 2;
   }
   const std::string name = argv[1];
   const std::filesystem::path folder = argv[3];
   LabConditions conditions;
   conditions.seed = std::stoull(argv[2]);
-  conditions.soil = linearSoil(argc == 5 ? std::stod(argv[4]) : 0.2);
-  const Scene scene = sceneNamed(name, conditions);
+  conditions.soil = linearSoil(argc >= 5 ? std::stod(argv[4]) : 0.2);
+  if (argc >= 6 && std::string(argv[5]) != "springs") {
+    conditions.soil = findSoil(argv[5]).soil;
+    conditions.soil.damping_ratio = std::stod(argv[4]);
+  }
+  normal_pa = argc == 7 ? std::stod(argv[6]) : normal_pa;
+  Scene scene = sceneNamed(name, conditions);
   LabBed lab(scene.conditions, scene.box, scene.soil_m, scene.bodies_m);
   for (std::size_t i = 0; i < scene.soil_velocity_m_s.size(); ++i) {
     lab.bed().drive(i, scene.soil_velocity_m_s[i]);
     lab.bed().release(i);
   }
+  if (name == "shear" && argc >= 6 && std::string(argv[5]) != "springs") {
+    glue(scene, lab);
+  }
   std::filesystem::create_directories(folder);
   const std::string stem = name + "-" + argv[2];
   writeScene(folder / (stem + ".json"), scene, lab);
+  writeLammps(folder / (stem + "-lammps"), scene, lab);
   runScene(folder / (stem + "-haptolith.txt"), scene, lab);
   fmt::print("{}: {} particles of soil, {} driven, {:g} s in steps of {:g} s\n", stem, lab.soil(),
              lab.bed().particles() - lab.soil(), scene.duration_s, lab.dt());

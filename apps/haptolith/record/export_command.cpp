@@ -7,6 +7,7 @@
 #include <memory>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "haptolith/core/atomic_file.h"
 #include "haptolith/core/atomic_folder.h"
@@ -17,6 +18,7 @@
 #include "haptolith/recording/recording_reader.h"
 
 #include "commands.h"
+#include "record/export_lammps.h"
 #include "shared/option_checks.h"
 #include "shared/output.h"
 #include "shared/overwrite.h"
@@ -35,6 +37,8 @@ constexpr const char* kExamples = R"(Examples:
   haptolith export run.h5 --format robot-csv        run-robot.csv: a row for every report of a robot (teleop operator)
   haptolith export run.h5 --format xdmf             run-xdmf/: particles, tool and box for ParaView, data in HDF5
   haptolith export run.h5 --format vtk              run-vtk/: the same as files that need no HDF5
+  haptolith export run.h5 --format lammps           run-lammps/: the bed and the tool's way, to run in LAMMPS
+  haptolith export field --format lammps            field-lammps/: the same of a scene's bed, without a tool
 
 Particles come with id, radius, velocity and contact force. A recording does not hold velocities: the run is computed
 again for them, to the bit, which takes as long as it took then without waiting for the clock.)";
@@ -44,6 +48,8 @@ constexpr std::uint64_t kBlock = 4096;  // rows that are read at a time
 struct ExportOptions {
   std::string file, format, out;
   bool no_replay = false;
+  std::vector<std::string> overrides;
+  double from_s = 0, duration_s = 1;
   Overwrite overwrite;
 };
 
@@ -184,6 +190,9 @@ void exportFolder(const RecordingReader& recording, const ExportOptions& options
 
 void exportRecording(const ExportOptions& options) {
   const StopOnSignal stop_on_signal;  // before there is anything half done
+  if (options.format == "lammps") {
+    return exportLammps({options.file, options.overrides, options.out, options.from_s, options.duration_s});
+  }
   const RecordingReader recording(options.file);
   if (options.format == "csv") {
     exportCsv(recording, options);
@@ -206,22 +215,33 @@ void exportRecording(const ExportOptions& options) {
 
 void addExportCommand(CLI::App& app) {
   auto options = std::make_shared<ExportOptions>();
-  CLI::App* command = app.add_subcommand("export", "Convert a recording for other programs: CSV, XDMF or VTK");
+  CLI::App* command = app.add_subcommand("export", "Convert a recording or a scene for other programs: CSV, XDMF, VTK or LAMMPS");
   command->footer(kExamples);
-  command->add_option("file", options->file, "A recording (.h5)")->required()->option_text("FILE.h5");
+  command->add_option("file", options->file, "A recording (.h5); for lammps a scene, too")
+      ->required()
+      ->option_text("FILE");
   command
       ->add_option(
           "--format", options->format,
           "csv: ticks; particles-csv: particles; robot-csv: what a robot told that followed the tool; xdmf, vtk:\n"
-          "particles, tool and box, for ParaView")
+          "particles, tool and box, for ParaView; lammps: bed and tool as an input script for LAMMPS")
       ->required()
-      ->check(oneOf({"csv", "particles-csv", "robot-csv", "xdmf", "vtk"}))
-      ->option_text("csv|particles-csv|robot-csv|xdmf|vtk");
+      ->check(oneOf({"csv", "particles-csv", "robot-csv", "xdmf", "vtk", "lammps"}))
+      ->option_text("csv|particles-csv|robot-csv|xdmf|vtk|lammps");
   command
-      ->add_option("--out", options->out, "Where to: a file, for xdmf and vtk a new folder [named after the recording]")
+      ->add_option("--out", options->out, "Where to: a file, for xdmf, vtk and lammps a new folder [named after the recording]")
       ->option_text("PATH");
   command->add_flag("--no-replay", options->no_replay,
                     "Do not compute the run again: what is in the recording, at once, without velocities");
+  command->add_option("--set", options->overrides, "lammps: another value of one of the scene's keys; again for another")
+      ->option_text("TABLE.KEY=VALUE");
+  command
+      ->add_option("--from-s", options->from_s, "lammps: the bed as it is then in the recording, and the tool from there on")
+      ->check(numberIn({0, 1e9}))
+      ->option_text("SECONDS [0]");
+  command->add_option("--run-s", options->duration_s, "lammps: how long a scene's bed runs, without a tool")
+      ->check(numberIn({1e-3, 1e6}))
+      ->option_text("SECONDS [1]");
   options->overwrite.addTo(*command);
   command->callback([options] { exportRecording(*options); });
 }

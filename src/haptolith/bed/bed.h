@@ -197,8 +197,8 @@ class Bed {
   void bedStones(const SettleProgress& progress);
   void moveOutOfStones();
   [[nodiscard]] bool pressStones(double dt_s) noexcept;
-  /// Lets soil find its hold under a gravity that pulls sideways, then stops it where it is.
-  void settleOnSlope(double dt_s, const SettleProgress& progress);
+  /// Lets soil find its hold where it lies, until nothing in it moves faster, then stops it where it is.
+  void findHold(double dt_s, double rest_m_s, const SettleProgress& progress);
   void stop() noexcept;
   [[nodiscard]] StepConstants constantsFor(double dt_s) const noexcept;
   void stepPart(int part, int parts) noexcept;
@@ -241,7 +241,7 @@ class Bed {
   double gone_since_look_m_ = 0;  ///< that no particle can have gone further
   StepConstants now_{};
   bool friction_on_ = true;
-  bool laying_ = false;     ///< settleOnSlope(), in which a drag brakes soil
+  bool laying_ = false;     ///< findHold(), in which a drag brakes soil
   std::size_t driven_ = 0;  ///< particles
   std::uint64_t relistings_ = 0;
   std::int64_t relisting_ns_ = 0;

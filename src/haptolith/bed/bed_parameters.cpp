@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <string>
 
@@ -29,6 +30,11 @@ int grainClasses(const BedParameters& bed) {
   throw InvalidParameter(
       "fine_radius_m", fmt::format("{:g}", finest_m),
       fmt::format("one of {}or 0: the soil's radius of {:g} halved once, twice or three times", halves, coarsest_m));
+}
+
+bool GivenGrains::operator==(const GivenGrains& other) const {
+  const bool same_grains = grains == other.grains || (count() == other.count() && count() > 0 && *grains == *other.grains);
+  return held == other.held && (same_grains || count() + other.count() == 0);
 }
 
 SoilParameters finestSoil(const BedParameters& bed) {
@@ -68,6 +74,39 @@ double shortestPeriod(const SoilParameters& soil) {
 
 namespace {
 
+/// One whose numbers cannot be, by its place in the list from 1.
+void validateGiven(const BedParameters& bed) {
+  const std::size_t count = bed.given.count();
+  requireInRange("grains", static_cast<double>(count), BedRanges::particles);
+  requireInRange("held", static_cast<double>(bed.given.held), {0, static_cast<double>(count) - 1});
+  if (grainClasses(bed) > 1) {
+    throw InvalidParameter("fine_radius_m", fmt::format("{:g}", bed.grading.fine_radius_m),
+                           "0 in a bed of given grains");
+  }
+  constexpr double kRounding = 1e-6;
+  const bool has_spread = bed.soil.friction == FrictionModel::kContact;
+  const double spread_m = (has_spread ? bed.soil.size_spread : 0) * bed.soil.radius_m;
+  const double most_excess_m = spread_m + kRounding * bed.soil.radius_m;
+  const double beside_m = bed.given.held > 0 ? 4 * bed.soil.radius_m : 0;
+  const auto fits = [](double value, double most) { return std::abs(value) <= most; };  // false for NaN
+  for (std::size_t i = 0; i < count; ++i) {
+    const auto& [x, y, z, excess] = (*bed.given.grains)[i];
+    if (!fits(x, bed.width_m / 2 + beside_m) || !fits(y, bed.length_m / 2 + beside_m) ||
+        !(z >= 0 && z <= BedRanges::length_m.highest)) {
+      throw InvalidParameter(fmt::format("grains: number {}", i + 1), fmt::format("({:g}, {:g}, {:g}) m", x, y, z),
+                             fmt::format("in the box, {:g} m wide and {:g} m long around x = y = 0, and above its "
+                                         "floor, z = 0",
+                                         bed.width_m, bed.length_m));
+    }
+    if (!fits(excess, most_excess_m)) {
+      throw InvalidParameter(fmt::format("grains: radius_m of number {}", i + 1),
+                             fmt::format("{:g}", bed.soil.radius_m + excess),
+                             fmt::format("{:g} to {:g}, as [soil] radius_mm and size_spread have it",
+                                         bed.soil.radius_m - spread_m, bed.soil.radius_m + spread_m));
+    }
+  }
+}
+
 void validateStones(const BedParameters& bed) {
   validate(bed.stones);
   if (!bed.stones.any()) {
@@ -105,6 +144,8 @@ void validate(const BedParameters& bed) {
   }
   if (bed.start == BedStart::kPacked || bed.start == BedStart::kSettled) {
     requireInRange("depth_m", bed.depth_m, {diameter, BedRanges::length_m.highest});
+  } else if (bed.start == BedStart::kGiven) {
+    validateGiven(bed);
   } else {
     requireInRange("particles", bed.particles, BedRanges::particles);
   }

@@ -1,6 +1,11 @@
 #pragma once
 
+#include <array>
+#include <cstddef>
 #include <cstdint>
+#include <memory>
+#include <string>
+#include <vector>
 
 #include "haptolith/core/error.h"
 #include "haptolith/core/vec.h"
@@ -15,6 +20,18 @@ enum class BedStart {
   kRain,     ///< dropped loosely at random and settled without friction, `particles` of them
   kCount,    ///< exactly `particles` in `layers` layers, close-packed: the paper's scene
   kSettled,  ///< as soil that has settled, at rest: a tile of `depth_m` again and again (bed_tile.h)
+  kGiven,    ///< where `given` has them: of a file, or of another program; then they find their hold and come to rest
+};
+
+/// Grains that somebody has put where they are.
+struct GivenGrains {
+  /// Centres in m; the fourth number is by how much a grain's radius exceeds the soil's. Null: none.
+  std::shared_ptr<const std::vector<std::array<float, 4>>> grains;
+  std::size_t held = 0;  ///< the last so many stand for ever, behind the sides of the box
+  std::string name;      ///< of the file, for messages; does not count when two are compared
+
+  [[nodiscard]] std::size_t count() const noexcept { return grains == nullptr ? 0 : grains->size(); }
+  [[nodiscard]] bool operator==(const GivenGrains& other) const;
 };
 
 /// Finer grains where soil is felt, contact friction only: a box of the finest below the surface, around it shells of
@@ -45,6 +62,7 @@ struct BedParameters {
   int layers = 3;          ///< kCount
   double depth_m = 0.04;   ///< kPacked, kSettled: height of the undisturbed soil
   std::uint64_t seed = 1;  ///< kRain, kSettled, and finer grains
+  GivenGrains given;       ///< kGiven
   Grading grading;
   StonesParameters stones;  ///< contact friction only, in a box with walls
 

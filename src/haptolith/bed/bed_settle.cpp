@@ -3,8 +3,10 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <tuple>
+#include <utility>
 
 #include "haptolith/bed/bed.h"
 #include "haptolith/bed/bed_start.h"
@@ -27,7 +29,9 @@ double longestSettling(const BedParameters& bed, double height_m, double dt_s) {
 
 /// Soil laid on a slope is at rest when nothing in it moves faster,
 constexpr double kLaidRest_m_s = 1e-3;
-/// and is given up after so long a simulated time.
+/// soil that somebody has put somewhere when nothing does so,
+constexpr double kGivenRest_m_s = 2e-5;
+/// and either is given up after so long a simulated time.
 constexpr double kLongestLaying_s = 60;
 
 /// Grains of several sizes, class by class, ordered so that a group's 16 have about as many neighbours: it takes as
@@ -96,6 +100,24 @@ StartingSoil clearedOfStones(StartingSoil soil, const BedParameters& bed) {
   return soil;
 }
 
+/// Given grains in spatial order, those that are held last.
+LaidSoil givenSoil(const BedParameters& bed) {
+  const std::vector<std::array<float, 4>>& given = *bed.given.grains;
+  LaidSoil soil{.grains = {}, .sources = {}, .free = given.size() - bed.given.held};
+  soil.grains.reserve(given.size());
+  for (const auto& [first, last] : {std::pair(std::size_t{0}, soil.free), std::pair(soil.free, given.size())}) {
+    std::vector<Vec3> centres;
+    for (std::size_t i = first; i < last; ++i) {
+      centres.emplace_back(given[i][0], given[i][1], given[i][2]);
+    }
+    for (const std::size_t point : spatialOrder(centres, bed.soil.radius_m)) {
+      const auto& [x, y, z, excess] = given[first + point];
+      soil.grains.push_back({x, y, z, excess});
+    }
+  }
+  return soil;
+}
+
 /// Grains of one size as they lie before they settle, of several after it.
 std::vector<Float4> startingGrains(const BedParameters& bed, const SettleProgress& progress) {
   if (grainClasses(bed) == 1) {
@@ -143,12 +165,19 @@ Bed::Bed(const BedParameters& parameters, const StartingSoil& soil, const Settle
     holdSides(soil.laid.free);
     const bool on_a_slope = parameters_.gravity_m_s2.x() != 0 || parameters_.gravity_m_s2.y() != 0;
     if (on_a_slope) {
-      settleOnSlope(dt_s, progress);
+      findHold(dt_s, kLaidRest_m_s, progress);
     }
+  }
+  if (parameters.start == BedStart::kGiven) {
+    holdSides(soil.laid.free);
+    findHold(dt_s, kGivenRest_m_s, progress);
   }
 }
 
 Bed::StartingSoil Bed::startingSoil(const BedParameters& bed, const SettleProgress& progress) {
+  if (bed.start == BedStart::kGiven) {
+    return {.tile = {}, .laid = givenSoil(bed)};
+  }
   if (bed.start != BedStart::kSettled || grainClasses(bed) > 1) {
     return {.tile = {}, .laid = {.grains = startingGrains(bed, progress), .sources = {}}};
   }
@@ -241,25 +270,27 @@ void Bed::holdSides(std::size_t free_particles) noexcept {
   wakefulness_.listAwake();
 }
 
-void Bed::settleOnSlope(double dt_s, const SettleProgress& progress) {
+void Bed::findHold(double dt_s, double rest_m_s, const SettleProgress& progress) {
   wakefulness_.wakeAll(state_);
   laying_ = true;
   constexpr int kStepsBetweenLooks = 100;
   double time_s = 0;
   do {
     if (time_s >= kLongestLaying_s) {
-      throw Failure(fmt::format("the soil on the slope did not come to rest within {:g} s", kLongestLaying_s));
+      throw Failure(fmt::format("the soil did not come to rest where it was laid within {:g} s: its fastest particle "
+                                "still moves at {:.2g} m/s",
+                                kLongestLaying_s, largestSpeed()));
     }
     for (int i = 0; i < kStepsBetweenLooks; ++i) {
       if (const StepStatus status = step(dt_s); status != StepStatus::kOk) {
-        throw Failure(fmt::format("the soil on the slope did not settle: {}", text(status)));
+        throw Failure(fmt::format("the soil did not come to rest where it was laid: {}", text(status)));
       }
     }
     time_s += kStepsBetweenLooks * dt_s;
     if (progress && !progress(time_s, largestSpeed())) {
       throw Failure(fmt::format("interrupted while the bed settled, after {:.1f} s of simulated time", time_s));
     }
-  } while (largestSpeed() > kLaidRest_m_s);
+  } while (largestSpeed() > rest_m_s);
   laying_ = false;
   stop();
 }

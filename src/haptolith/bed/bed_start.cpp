@@ -224,7 +224,8 @@ std::vector<Vec3> startingCentres(const BedParameters& bed) {
     case BedStart::kPacked: return packed(bed);
     case BedStart::kRain: return rained(bed);
     case BedStart::kCount: return counted(bed);
-    case BedStart::kSettled: break;
+    case BedStart::kSettled:
+    case BedStart::kGiven: break;
   }
   return {};
 }

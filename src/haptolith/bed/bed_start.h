@@ -12,7 +12,7 @@ namespace haptolith {
 /// kPacked: close packing, layers spaced as the analysis (paper 6) puts them under their own weight. kCount: the same
 /// with exactly `particles` in `layers` layers; where the undeformed packing has fewer places, it is squeezed sideways
 /// as little as possible, and places left over are taken from the rim of the top layer. kRain: loosely above the floor,
-/// to be settled. None for kSettled, which bed_tile.h makes.
+/// to be settled. None for kSettled, which bed_tile.h makes, and kGiven.
 /// @throws InvalidParameter when the particles do not fit.
 [[nodiscard]] std::vector<Vec3> startingCentres(const BedParameters& bed);
 

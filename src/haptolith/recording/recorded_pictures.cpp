@@ -229,8 +229,8 @@ const std::vector<float>& RecordedPictures::radiusExcesses(const std::vector<std
   const SoilParameters& soil = scenario_->bed.soil;
   const BedParameters& made_of = scenario_->bed;
   const bool all_alike = soil.friction != FrictionModel::kContact || soil.size_spread == 0;
-  const bool by_seed =
-      grainClasses(made_of) == 1 && (all_alike || (made_of.start != BedStart::kSettled && !made_of.stones.any()));
+  const bool has_own_sizes = made_of.start == BedStart::kSettled || made_of.start == BedStart::kGiven;
+  const bool by_seed = grainClasses(made_of) == 1 && (all_alike || (!has_own_sizes && !made_of.stones.any()));
   const auto take_from = [&](const Bed& bed) {
     for (std::size_t i = 0; i < bed.particles() && bed.particles() == position_m.size(); ++i) {
       radius_excess_m_->push_back(bed.state().position[i].w);

@@ -77,6 +77,7 @@ constexpr std::array kUses{
     KeyUse{"bed", "particles", starts<BedStart::kCount, BedStart::kRain>, "[bed] start = count or rain", false},
     KeyUse{"bed", "layers", starts<BedStart::kCount>, "[bed] start = count", false},
     KeyUse{"bed", "depth_mm", starts<BedStart::kPacked, BedStart::kSettled>, "[bed] start = packed or settled", false},
+    KeyUse{"bed", "grains", starts<BedStart::kGiven>, "[bed] start = given", false},
     KeyUse{"bed", "seed", needsSeed, "[bed] start = rain or settled, or fine_radius_mm", true},
     KeyUse{"bed", "fine_radius_mm", hasContactFriction, kContact, true},
     KeyUse{"bed", "fine_width_mm", isGraded, kGraded, true},

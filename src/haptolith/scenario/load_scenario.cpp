@@ -40,6 +40,7 @@ constexpr RivalKeys kRivals[]{
     {"soil", "preset", "name"},
     {"soil", "preset", "file"},
     {"soil", "name", "file"},
+    {"bed", "grains", "grains_data"},
     {"tool", "mesh", "mesh_data"},
     {"tool", "name", "mesh"},
     {"tool", "name", "mesh_data"},
@@ -62,6 +63,10 @@ void refuseContradictions(const TomlReader& reader) {
   if (shape != nullptr && shape->value_or(std::string_view()) != "mesh") {
     reader.refuseBoth("tool", "mesh", "shape");
   }
+  const toml::node* start = reader.find("bed", "start");
+  if (start != nullptr && start->value_or(std::string_view()) != "given") {
+    reader.refuseBoth("bed", "grains", "start");
+  }
 }
 
 /// With the line of the key that brought the mesh, of what is wrong in its file.
@@ -82,6 +87,13 @@ void requireMesh(const TomlReader& reader, const Scenario& scene) {
   if (scene.tool.shape == ToolShape::kMesh && scene.mesh.bytes == nullptr) {
     reader.refuse(reader.lineOf("tool", "shape"),
                   "[tool] shape = 'mesh' needs [tool] mesh, an .stl, .obj, .glb or .gltf file");
+  }
+}
+
+void requireGrains(const TomlReader& reader, const Scenario& scene) {
+  const bool asked = reader.find("bed", "grains") != nullptr || reader.find("bed", "grains_data") != nullptr;
+  if (scene.bed.start == BedStart::kGiven && !asked) {
+    reader.refuse(reader.lineOf("bed", "start"), "[bed] start = 'given' needs [bed] grains, a CSV file");
   }
 }
 
@@ -161,6 +173,7 @@ Scenario read(const TomlReader& reader, From from, Scenario scene = {}) {
   }
   readPlacedStones(reader, scene);
   readToolParts(reader, scene);
+  requireGrains(reader, scene);
   requirePoses(reader, scene);
   requireMesh(reader, scene);
   makeMesh(reader, scene);

@@ -80,6 +80,10 @@ struct Scenario {
 /// gone.
 [[nodiscard]] std::string scenarioText(const Scenario& scenario);
 
+/// The same as a file for people, of a scene whose grains are in a CSV file beside it (given_grains.h), whatever they
+/// were made of before.
+[[nodiscard]] std::string scenarioTextWithGrains(Scenario scenario, std::string_view grains_file);
+
 /// How hand and tool are joined above soil whose surface is so high: the virtual hand's frame is the scene's, another
 /// device's workspace lies above the surface.
 [[nodiscard]] HandlingParameters handlingOf(const Scenario& scenario, double surface_m);

@@ -12,6 +12,7 @@
 #include "haptolith/core/plain_text.h"
 #include "haptolith/scenario/built_in_soils.h"
 #include "haptolith/scenario/built_in_tools.h"
+#include "haptolith/scenario/given_grains.h"
 #include "haptolith/scenario/scene_words.h"
 #include "haptolith/scenario/soil_file.h"
 #include "haptolith/soil/bodies.h"
@@ -235,8 +236,19 @@ std::vector<ScenarioKey> allKeys() {
       {"bed", "start", "",
        WordValue{namesOf(kBedStartWords), [](S& s, std::string_view v) { s.bed.start = valueOf(kBedStartWords, v); },
                  [](const S& s) { return wordFor(kBedStartWords, s.bed.start); }},
-       "How the soil lies at first: `particles` in `layers`; closely packed up to `depth_mm`; dropped at random; or "
-       "settled and levelled at `depth_mm`, at rest, in pieces that repeat (below)."},
+       "How the soil lies at first: `particles` in `layers`; closely packed up to `depth_mm`; dropped at random; "
+       "settled and levelled at `depth_mm`, at rest, in pieces that repeat (below); or where `grains` has it."},
+      {"bed", "grains", "",
+       PathValue{[](S& s, const std::filesystem::path& v) {
+                   s.bed.given = readGrains(v, s.bed.soil.radius_m);
+                   s.bed.start = BedStart::kGiven;
+                 },
+                 kOnlyRead},
+       "Where each grain is: a .csv file beside the scene file (below), as `haptolith import` writes. Implies `start`."},
+      {"bed", "grains_data", "",
+       DataValue{[](S& s, std::string_view v) { readGrainsData(s.bed.given, v); },
+                 [](const S& s) { return grainsData(s.bed.given); }},
+       "What the program writes in place of `grains`: how many are held, a colon, and their numbers in base64."},
       {"bed", "particles", "particles",
        CountValue{BedRanges::particles, [](S& s, std::int64_t v) { s.bed.particles = static_cast<int>(v); },
                   [](const S& s) { return static_cast<std::int64_t>(s.bed.particles); }},

@@ -9,11 +9,14 @@ namespace haptolith {
 
 namespace {
 
-std::string textOf(const Scenario& scene) {
+/// @param grains_file  what stands in place of the given grains themselves.
+std::string textOf(const Scenario& scene, std::string_view grains_file = {}) {
   std::string text;
   std::string_view table;
   for (const ScenarioKey& key : scenarioKeys()) {
-    const std::string line = tomlLine(key, scene);
+    const bool is_grains = key.table == "bed" && key.name == "grains_data";
+    const std::string line = is_grains && !grains_file.empty() ? fmt::format("grains = {}\n", tomlText(grains_file))
+                                                               : tomlLine(key, scene);
     if (!line.empty() && key.table != table) {
       table = key.table;
       text += fmt::format("\n[{}]\n", table);
@@ -32,6 +35,18 @@ Scenario readBack(Scenario scene) {
 }
 
 }  // namespace
+
+std::string scenarioTextWithGrains(Scenario scenario, std::string_view grains_file) {
+  const BedParameters usual;
+  BedParameters& bed = scenario.bed;
+  bed.start = BedStart::kGiven;
+  bed.given = {};
+  bed.particles = usual.particles;  // what has no effect any more
+  bed.layers = usual.layers;
+  bed.depth_m = usual.depth_m;
+  bed.grading = {};
+  return textOf(scenario, grains_file);
+}
 
 std::string scenarioText(const Scenario& scenario) {
   std::string text = textOf(scenario);

@@ -46,6 +46,7 @@ inline constexpr std::array kBedStartWords{
     SceneWord{"packed", BedStart::kPacked},
     SceneWord{"rain", BedStart::kRain},
     SceneWord{"settled", BedStart::kSettled},
+    SceneWord{"given", BedStart::kGiven},
 };
 
 inline constexpr std::array kStoneFormWords{

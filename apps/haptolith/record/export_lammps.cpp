@@ -1,0 +1,138 @@
+#include "record/export_lammps.h"
+
+#include <fmt/format.h>
+#include <spdlog/spdlog.h>
+
+#include <algorithm>
+#include <filesystem>
+
+#include "haptolith/bed/critical_step.h"
+#include "haptolith/core/atomic_folder.h"
+#include "haptolith/core/error.h"
+#include "haptolith/exchange/lammps_export.h"
+#include "haptolith/recording/replay.h"
+#include "haptolith/scenario/scenario.h"
+#include "haptolith/soil/contact_law.h"
+#include "haptolith/tool/tool_contact.h"
+
+#include "shared/output.h"
+#include "shared/saved.h"
+#include "shared/scene_options.h"
+#include "shared/stop_on_signal.h"
+
+namespace haptolith {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr std::uint64_t kBlock = 4096;  // ticks that are read at a time
+
+fs::path folderFor(const LammpsExportOptions& options) {
+  if (!options.out.empty()) {
+    return options.out;
+  }
+  const fs::path file = options.file;
+  return (file.has_extension() ? fs::path(file).replace_extension() : file).filename().string() + "-lammps";
+}
+
+double stepOf(const Scenario& scene, bool has_tool) {
+  const double tool = has_tool ? stiffnessInStep(scene.tool, scene.bed.soil.friction) : 0;
+  return scene.bed.tick_s / substepsFor(scene.bed, tool);
+}
+
+void write(const LammpsExportOptions& options, const Scenario& scene, const Bed& bed, LammpsRun run) {
+  run.title = scene.title;
+  run.program = "haptolith " HAPTOLITH_VERSION;
+  const LammpsFiles files = lammpsFiles(bed, run);
+  const AtomicFolder folder(folderFor(options));
+  folder.write("bed.data", files.data);
+  if (!files.table.empty()) {
+    folder.write("pull.table", files.table);
+  }
+  folder.write("in.haptolith", files.input());
+  folder.write("scene.toml", scenarioText(scene));
+  folder.commit();
+  printText(savedText(folder.path(),
+                      files.tool_spheres > 0
+                          ? fmt::format("{} grains and a tool of {} spheres", bed.particles(), files.tool_spheres)
+                          : fmt::format("{} grains", bed.particles())));
+  if (!files.law.exact) {
+    spdlog::warn(
+        "LAMMPS has no style for this soil's law of contacts: the nearest is written, and in.haptolith says what "
+        "differs; without cohesion, and with soil.gamma_nm = {:.4g}, contacts are springs, which LAMMPS has",
+        (1 - 3e-4) * linearGamma(scene.bed.soil));  // rounded, still no more than k allows
+  }
+  printText(fmt::format("  cd {} && lmp -in in.haptolith          (Debian's package lammps)\n"
+                        "  haptolith import {}/soil.lammpstrj --out dug.toml\n",
+                        folder.path().string(), folder.path().string()));
+}
+
+void exportScene(const LammpsExportOptions& options) {
+  if (options.from_s != 0) {
+    throw InvalidParameter("from-s", fmt::format("{:g}", options.from_s), "left out: a scene has no times");
+  }
+  const Scenario scene = findScenario(options.file, options.overrides);
+  validate(scene);
+  StatusLine status;
+  const Bed bed(scene.bed, settlingIn(status));
+  status.clear();
+  write(options, scene, bed, {.dt_s = stepOf(scene, false), .duration_s = options.duration_s});
+}
+
+/// Where the tool was, from a time on. @throws Failure where somebody changed the scene after that.
+std::vector<TimedPose> pathOf(const RecordingReader& recording, double from_s) {
+  std::vector<TimedPose> path;
+  for (std::uint64_t first = 0; first < recording.ticks(); first += kBlock) {
+    for (const TickRecord& tick : recording.readTicks(first, kBlock)) {
+      if (tick.time_s < from_s) {
+        continue;
+      }
+      if ((tick.flags & (kTickSceneChanged | kTickSoilAdjusted)) != 0) {
+        throw Failure(fmt::format("somebody changed the scene {:.3f} s after the recording's beginning: what comes "
+                                  "after that is of other soil or another tool",
+                                  tick.time_s));
+      }
+      path.push_back({tick.time_s, tick.scene_T_tool});
+    }
+  }
+  if (path.size() < 2) {
+    throw InvalidParameter("from-s", fmt::format("{:g}", from_s), "before the recording's last two ticks");
+  }
+  return path;
+}
+
+void exportRecorded(const LammpsExportOptions& options) {
+  if (!options.overrides.empty()) {
+    throw InvalidParameter("set", options.overrides.front(), "left out: a recording has its scene");
+  }
+  const RecordingReader recording(options.file);
+  StatusLine status;
+  Replay replay(recording, {}, settlingIn(status));
+  const std::vector<TimedPose> path = pathOf(recording, options.from_s);
+  if (options.from_s > 0) {
+    const ReplayResult result = replay.run([&](const TickRecord& was, const TickRecord&) {
+      status.update(fmt::format("replaying {:.1f} s of {:.1f} s", was.time_s, options.from_s));
+      return !stopAsked() && was.time_s < options.from_s;
+    });
+    if (result.difference || stopAsked()) {
+      throw Failure(stopAsked() ? "interrupted" : "the replay differs from the recording: its bed is another");
+    }
+  }
+  status.clear();
+  const Scenario& scene = replay.scenario();
+  write(options, scene, replay.loop().shownScene().scene.bed(),
+        {.dt_s = stepOf(scene, true), .tool = &scene.tool, .path = path});
+}
+
+}  // namespace
+
+void exportLammps(const LammpsExportOptions& options) {
+  if (fs::path(options.file).extension() == ".h5") {
+    exportRecorded(options);
+  } else {
+    exportScene(options);
+  }
+}
+
+}  // namespace haptolith

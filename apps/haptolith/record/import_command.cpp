@@ -1,0 +1,130 @@
+#include <CLI/App.hpp>
+#include <fmt/format.h>
+#include <spdlog/spdlog.h>
+
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <filesystem>
+#include <iterator>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "haptolith/core/atomic_file.h"
+#include "haptolith/core/error.h"
+#include "haptolith/exchange/lammps_dump.h"
+#include "haptolith/exchange/lammps_export.h"
+#include "haptolith/scenario/scenario.h"
+
+#include "commands.h"
+#include "shared/option_checks.h"
+#include "shared/output.h"
+#include "shared/overwrite.h"
+#include "shared/saved.h"
+#include "shared/stop_on_signal.h"
+
+namespace haptolith {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr const char* kExamples = R"(Examples:
+  haptolith export field --format lammps                        field-lammps/: a bed for LAMMPS
+  cd field-lammps && mpirun -np 4 lmp -in in.haptolith          which writes soil.lammpstrj
+  haptolith import field-lammps/soil.lammpstrj --out dug.toml   the last picture as a scene: dug.toml and dug.csv
+  haptolith run dug.toml                                        to feel it)";
+
+struct ImportOptions {
+  std::string file, scene, out;
+  std::optional<std::size_t> picture;
+  Overwrite overwrite;
+};
+
+/// The scene that the dump's bed is of: that beside it where nobody says.
+Scenario sceneOf(const ImportOptions& options) {
+  if (!options.scene.empty()) {
+    return findScenario(options.scene);
+  }
+  const fs::path beside = fs::path(options.file).parent_path() / "scene.toml";
+  std::error_code ignored;
+  if (!fs::exists(beside, ignored)) {
+    throw InvalidParameter("scene", "left out",
+                           fmt::format("a scene of such soil in such a box: there is no {}, which `haptolith export "
+                                       "--format lammps` writes",
+                                       beside.string()));
+  }
+  return findScenario(beside.string());
+}
+
+/// A bed as a table; the soil first, then what is held. What is neither (a tool) is left out.
+std::string tableOf(const LammpsPicture& picture) {
+  std::string text = "x_m,y_m,z_m,radius_m,held\n";
+  for (const int type : {LammpsRun::kSoil, LammpsRun::kHeld}) {
+    for (const DumpedGrain& grain : picture.grains) {
+      if (grain.type == type) {
+        fmt::format_to(std::back_inserter(text), "{:.9g},{:.9g},{:.9g},{:.9g},{}\n", grain.centre_m.x(),
+                       grain.centre_m.y(), grain.centre_m.z(), grain.radius_m, type == LammpsRun::kHeld ? 1 : 0);
+      }
+    }
+  }
+  return text;
+}
+
+void importDump(const ImportOptions& options) {
+  const StopOnSignal stop_on_signal;
+  fs::path out = options.out;
+  if (out.extension() != ".toml") {
+    throw InvalidParameter("out", options.out, "a file name ending in .toml");
+  }
+  const fs::path table = fs::path(out).replace_extension(".csv");
+  AtomicFile scene_file(options.overwrite(out.string())), table_file(options.overwrite(table.string()));
+  Scenario scene = sceneOf(options);
+  StatusLine status;
+  const LammpsPicture picture = readLammpsDump(options.file, options.picture, [&](std::size_t passed) {
+    status.update(fmt::format("{} pictures read", passed));
+    return !stopAsked();
+  });
+  status.clear();
+  std::size_t taken = 0;
+  for (const DumpedGrain& grain : picture.grains) {
+    taken += grain.type == LammpsRun::kSoil || grain.type == LammpsRun::kHeld ? 1 : 0;
+  }
+  table_file.write(tableOf(picture));
+  table_file.commit();
+  scene.title = fmt::format("Step {} of {}", picture.step, fs::path(options.file).filename().string());
+  scene_file.write(scenarioTextWithGrains(scene, table.filename().string()));
+  scene_file.commit();
+  printText(savedText(table, fmt::format("{} grains of picture {}, step {}", taken, picture.number, picture.step)));
+  printText(savedText(out, "a scene of them"));
+  if (taken < picture.grains.size()) {
+    printText(fmt::format("  {} others, of types other than {} (soil) and {} (held), are left out: a tool\n",
+                          picture.grains.size() - taken, static_cast<int>(LammpsRun::kSoil),
+                          static_cast<int>(LammpsRun::kHeld)));
+  }
+}
+
+}  // namespace
+
+void addImportCommand(CLI::App& app) {
+  auto options = std::make_shared<ImportOptions>();
+  CLI::App* command = app.add_subcommand("import", "Make a scene of a bed that LAMMPS has written");
+  command->footer(kExamples);
+  command->add_option("dump", options->file, "A text file of LAMMPS' dump custom, with id, x, y, z and radius")
+      ->required()
+      ->option_text("FILE");
+  command->add_option("--scene", options->scene, "Soil, box and tool [scene.toml beside the dump]")
+      ->option_text("SCENE");
+  command->add_option("--out", options->out, "The new scene; its grains go into a .csv beside it")
+      ->required()
+      ->option_text("FILE.toml");
+  command->add_option("--picture", options->picture, "Which of the dump's pictures, 1 is the first [the last]")
+      ->check(numberIn({1, 1e9}))
+      ->option_text("N");
+  options->overwrite.addTo(*command);
+  command->callback([options] { importDump(*options); });
+}
+
+}  // namespace haptolith
