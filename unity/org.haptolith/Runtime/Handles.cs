@@ -1,0 +1,69 @@
+using System;
+using System.Runtime.InteropServices;
+
+namespace Haptolith
+{
+  /// <summary>Owns a hapto_scene. The runtime destroys it at the latest when it unloads this code.</summary>
+  public sealed class SceneHandle : SafeHandle
+  {
+    internal SceneHandle(IntPtr scene) : base(IntPtr.Zero, true)
+    {
+      SetHandle(scene);
+    }
+
+    public override bool IsInvalid
+    {
+      get { return handle == IntPtr.Zero; }
+    }
+
+    protected override bool ReleaseHandle()
+    {
+      return Native.hapto_scene_destroy(handle) == Native.HAPTO_OK;
+    }
+  }
+
+  /// <summary>Owns a hapto_loop, and keeps the scene alive that the loop works on.</summary>
+  public sealed class LoopHandle : SafeHandle
+  {
+    readonly SceneHandle scene_;
+
+    /// <summary>The scene has had its DangerousAddRef() for this.</summary>
+    internal LoopHandle(IntPtr loop, SceneHandle scene) : base(IntPtr.Zero, true)
+    {
+      scene_ = scene;
+      SetHandle(loop);
+    }
+
+    public override bool IsInvalid
+    {
+      get { return handle == IntPtr.Zero; }
+    }
+
+    protected override bool ReleaseHandle()
+    {
+      int status = Native.hapto_loop_destroy(handle);
+      scene_.DangerousRelease();
+      return status == Native.HAPTO_OK;
+    }
+  }
+
+  /// <summary>A handle for the time of a call: nobody destroys it meanwhile. Throws ObjectDisposedException when it is gone.</summary>
+  struct Borrowed : IDisposable
+  {
+    public readonly IntPtr Address;
+    readonly SafeHandle handle_;
+
+    public Borrowed(SafeHandle handle)
+    {
+      bool added = false;
+      handle.DangerousAddRef(ref added);
+      handle_ = handle;
+      Address = handle.DangerousGetHandle();
+    }
+
+    public void Dispose()
+    {
+      handle_.DangerousRelease();
+    }
+  }
+}
