@@ -20,7 +20,7 @@ from commands import commands
 MANUAL = Path(__file__).resolve().parent
 SOURCE = MANUAL.parent
 
-LANGUAGES = {".toml": "toml", ".c": "c", ".h": "c", ".hpp": "cpp", ".cpp": "cpp", ".py": "python", ".sh": "bash"}
+LANGUAGES = {".toml": "toml", ".c": "c", ".h": "c", ".hpp": "cpp", ".cpp": "cpp", ".py": "python", ".cs": "csharp", ".sh": "bash"}
 
 
 # --- the C header -----------------------------------------------------------------------------------------------------
