@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # Builds the examples as a stranger would, against an installed tree, and looks at what they print.
-#   consumers.sh HOW BUILD_FOLDER WORK_FOLDER    HOW: find_package, pkg_config, add_subdirectory, mujoco, symbols or header
-#   consumers.sh HOW installed WORK_FOLDER       with what the system's packages have installed: find_package, pkg_config, mujoco
+#   consumers.sh HOW BUILD_FOLDER WORK_FOLDER    HOW: find_package, pkg_config, add_subdirectory, mujoco, chai3d, symbols or header
+#   consumers.sh HOW installed WORK_FOLDER       with what the system's packages have installed: find_package, pkg_config, mujoco, chai3d
 set -euo pipefail
 how=$1 build=$2 work=$3
 source=$(cd "$(dirname "${BASH_SOURCE[0]}")/../.." && pwd)
@@ -101,6 +101,13 @@ CMAKE
       /usr/bin/python3 "$source/examples/mujoco/draw.py" "$work/arm.csv" "$work/arm.png"
     [[ -s $work/arm.png ]] || fail "the arm is not drawn"
     ;;
+  chai3d)  # with a stand-in of its classes, in the C++ that CHAI3D is built with
+    install
+    read -ra flags <<< "$(pkg-config --cflags --libs haptolith)"
+    g++ -std=c++11 -pedantic -Wall -Wextra -Werror -isystem "$source/tests/library/chai3d" "$source/examples/chai3d/dig.cpp" "${flags[@]}" -o "$work/chai3d_dig"
+    "$work/chai3d_dig" | tee "$work/chai3d_dig.txt"
+    awk '/N$/ { if ($4 < last) exit 1; last = $4 } END { exit !(NR == 6 && last > 3) }' "$work/chai3d_dig.txt" || fail "the hand does not feel soil that grows harder"
+    ;;
   symbols)
     for name in haptolith haptolith_recording; do
       library=$build/lib/lib$name.so
@@ -132,5 +139,5 @@ CMAKE
       clang++ -std=c++17 -pedantic -Wall -Wextra -Werror -I"$source/include" -I"$build/include" -fsyntax-only "$work/wrapper.cpp"
     fi
     ;;
-  *) fail "HOW is find_package, pkg_config, add_subdirectory, mujoco, symbols or header, not '$how'" ;;
+  *) fail "HOW is find_package, pkg_config, add_subdirectory, mujoco, chai3d, symbols or header, not '$how'" ;;
 esac
