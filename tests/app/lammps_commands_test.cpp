@@ -1,0 +1,205 @@
+// A bed on its way to LAMMPS and back, as a user sends it: export, lmp, import, run.
+
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <sstream>
+#include <string>
+#include <vector>
+
+#include "program.h"
+
+namespace haptolith {
+namespace {
+
+namespace fs = std::filesystem;
+using testing::HasSubstr;
+
+using Rows = std::vector<std::vector<double>>;
+
+class ToLammps : public testing::Test {
+ protected:
+  ToLammps() : folder_(fs::path(testing::TempDir()) / fmt::format("haptolith_lammps_{}", getpid())) {
+    fs::create_directories(folder_);
+    std::ofstream(folder_ / "springs.toml") << R"(
+[soil]
+friction = "contact"
+radius_mm = 6
+stiffness_n_m = 1000
+gamma_nm = 0.004194
+rho0_kg_m3 = 1330
+rho_max_kg_m3 = 1824
+contact_friction = 0.4
+size_spread = 0.15
+[bed]
+start = "settled"
+width_mm = 100
+length_mm = 100
+depth_mm = 50
+)";
+  }
+  ~ToLammps() override { fs::remove_all(folder_); }
+
+  [[nodiscard]] std::string path(const std::string& name) const { return (folder_ / name).string(); }
+
+  /// Numbers of a table whose lines begin with one.
+  [[nodiscard]] Rows numbers(const std::string& name) const {
+    Rows rows;
+    std::ifstream file(path(name));
+    for (std::string line; std::getline(file, line);) {
+      std::ranges::replace(line, ',', ' ');
+      std::istringstream words(line);
+      std::vector<double> row;
+      for (double number = 0; words >> number;) {
+        row.push_back(number);
+      }
+      if (!row.empty()) {
+        rows.push_back(row);
+      }
+    }
+    return rows;
+  }
+
+  static bool hasLammps() { return runInShell("command -v lmp").exit_status == 0; }
+  [[nodiscard]] ProgramResult lammps(const std::string& name) const {
+    return runInShell(fmt::format("cd {} && lmp -in in.haptolith -log none > said.txt", path(name)));
+  }
+
+  fs::path folder_;
+};
+
+TEST_F(ToLammps, GoesABedAndComesBackAsItLay) {
+  const ProgramResult exported =
+      runHaptolith(fmt::format("export {} --format lammps --out {} --run-s 0.2", path("springs.toml"), path("l")));
+  ASSERT_EQ(exported.exit_status, 0) << exported.errors;
+  EXPECT_THAT(exported.output, HasSubstr("lmp -in in.haptolith"));
+  EXPECT_EQ(exported.errors, "") << "springs are what LAMMPS has";
+  if (!hasLammps()) {
+    GTEST_SKIP() << "needs Debian's package lammps";
+  }
+  ASSERT_EQ(lammps("l").exit_status, 0);
+  const ProgramResult imported =
+      runHaptolith(fmt::format("import {} --out {}", path("l/soil.lammpstrj"), path("back.toml")));
+  ASSERT_EQ(imported.exit_status, 0) << imported.errors;
+  // As dense: the bed lay, and lies.
+  double before_m = 0, after_m = 0, grains = 0;
+  for (const std::vector<double>& row : numbers("l/bed.data")) {
+    if (row.size() == 7 && row[2] > 0.005) {  // an atom's line: id type diameter density x y z
+      before_m += row[6];
+      ++grains;
+    }
+  }
+  const Rows back = numbers("back.csv");
+  ASSERT_EQ(static_cast<double>(back.size()), grains);
+  for (const std::vector<double>& row : back) {
+    after_m += row[2];
+  }
+  EXPECT_NEAR(after_m / before_m, 1, 0.01);
+  // At rest, to be felt.
+  const ProgramResult run = runHaptolith(fmt::format(
+      "run {} --hand still --duration-s 0.5 --unpaced --record {} --json", path("back.toml"), path("back.h5")));
+  ASSERT_EQ(run.exit_status, 0) << run.errors;
+  ASSERT_EQ(runHaptolith(fmt::format("export {} --format particles-csv --out {}", path("back.h5"), path("p.csv"))).exit_status, 0);
+  double fastest_m_s = 0;
+  std::size_t looked = 0;
+  for (const std::vector<double>& row : numbers("p.csv")) {
+    if (row.size() >= 11) {
+      fastest_m_s = std::max({fastest_m_s, std::abs(row[8]), std::abs(row[9]), std::abs(row[10])});
+      ++looked;
+    }
+  }
+  EXPECT_GT(looked, back.size());
+  EXPECT_LT(fastest_m_s, 1e-4);
+}
+
+TEST_F(ToLammps, GoesTheToolOfARecording) {
+  std::ofstream(folder_ / "down.csv") << "t_s,x_m,y_m,z_m,qw,qx,qy,qz\n0,0,0,0.08,1,0,0,0\n0.4,0,0,0.045,1,0,0,0\n"
+                                         "0.6,0,0,0.045,1,0,0,0\n";
+  const ProgramResult run =
+      runHaptolith(fmt::format("run {} --poses {} --set hand.compliance=rigid --duration-s 0.6 --unpaced --record {}",
+                               path("springs.toml"), path("down.csv"), path("run.h5")));
+  ASSERT_EQ(run.exit_status, 0) << run.errors;
+  ASSERT_EQ(runHaptolith(fmt::format("export {} --format csv --out {}", path("run.h5"), path("run.csv"))).exit_status, 0);
+  const ProgramResult exported =
+      runHaptolith(fmt::format("export {} --format lammps --out {}", path("run.h5"), path("l")));
+  ASSERT_EQ(exported.exit_status, 0) << exported.errors;
+  EXPECT_THAT(exported.output, HasSubstr("a tool of "));
+  if (!hasLammps()) {
+    GTEST_SKIP() << "needs Debian's package lammps";
+  }
+  ASSERT_EQ(lammps("l").exit_status, 0);
+  // Pressed into the soil by 5 mm the shovel is held up: the mean of the last 0.1 s in both.
+  double ours_n = 0, theirs_n = 0, ours = 0, theirs = 0;
+  std::ifstream heading(path("run.csv"));
+  std::string names;
+  std::getline(heading, names);
+  const std::string before = names.substr(0, names.find("soil_fz_n"));
+  const auto column = static_cast<std::size_t>(std::ranges::count(before, ','));
+  std::ifstream table(path("run.csv"));
+  for (std::string line; std::getline(table, line);) {
+    std::vector<std::string> cells;
+    std::istringstream words(line);
+    for (std::string cell; std::getline(words, cell, ',');) {
+      cells.push_back(cell);
+    }
+    if (cells.size() > column && cells[0] != "t_s" && std::stod(cells[0]) > 0.5) {
+      ours_n += std::stod(cells[column]);
+      ++ours;
+    }
+  }
+  for (const std::vector<double>& row : numbers("l/tool.txt")) {
+    if (row.size() == 11 && row[1] > 0.5) {
+      theirs_n += row[4];
+      ++theirs;
+    }
+  }
+  ASSERT_GT(theirs, 50);
+  EXPECT_GT(ours_n / ours, 0.2);
+  EXPECT_NEAR((theirs_n / theirs) / (ours_n / ours), 1, 0.25);
+}
+
+TEST_F(ToLammps, GoesNothingThatLammpsDoesNotHave) {
+  const ProgramResult paper = runHaptolith(fmt::format("export paper --format lammps --out {}", path("l")));
+  EXPECT_EQ(paper.exit_status, 2);
+  EXPECT_THAT(paper.errors, HasSubstr("no other engine has it"));
+  const ProgramResult stones = runHaptolith(fmt::format("export stones --format lammps --out {}", path("l")));
+  EXPECT_EQ(stones.exit_status, 2);
+  EXPECT_THAT(stones.errors, HasSubstr("nothing that turns is exported"));
+  EXPECT_FALSE(fs::exists(path("l")));
+  const ProgramResult times =
+      runHaptolith(fmt::format("export {} --format lammps --from-s 2 --out {}", path("springs.toml"), path("l")));
+  EXPECT_EQ(times.exit_status, 2);
+  EXPECT_THAT(times.errors, HasSubstr("a scene has no times"));
+}
+
+TEST_F(ToLammps, ComesNothingThatIsNoDump) {
+  std::ofstream(folder_ / "no.txt") << "x,y\n1,2\n";
+  const ProgramResult no_scene = runHaptolith(fmt::format("import {} --out {}", path("no.txt"), path("x.toml")));
+  EXPECT_EQ(no_scene.exit_status, 2);
+  EXPECT_THAT(no_scene.errors, HasSubstr("scene"));
+  const ProgramResult no_dump = runHaptolith(
+      fmt::format("import {} --scene {} --out {}", path("no.txt"), path("springs.toml"), path("x.toml")));
+  EXPECT_EQ(no_dump.exit_status, 2);
+  EXPECT_THAT(no_dump.errors, HasSubstr("no.txt:1"));
+  EXPECT_FALSE(fs::exists(path("x.toml")));
+  EXPECT_FALSE(fs::exists(path("x.csv")));
+  EXPECT_EQ(runHaptolith(fmt::format("import {} --scene {} --out {}", path("no.txt"), path("springs.toml"),
+                                     path("x.csv")))
+                .exit_status,
+            2)
+      << "a scene's name ends in .toml";
+  std::ofstream(folder_ / "x.toml") << "mine";
+  EXPECT_EQ(runHaptolith(fmt::format("import {} --scene {} --out {}", path("no.txt"), path("springs.toml"),
+                                     path("x.toml")))
+                .exit_status,
+            1)
+      << "no file is written over unasked";
+}
+
+}  // namespace
+}  // namespace haptolith
