@@ -7,6 +7,8 @@
 #include <limits>
 #include <vector>
 
+#include "haptolith/network_device.h"
+
 namespace haptolith {
 namespace {
 
@@ -158,6 +160,54 @@ TEST(AnswerPacket, IsReadAsItWasWritten) {
   EXPECT_FALSE(parseAnswer(bytes)) << "version 2";
   sent.output.wrench.torque_nm.y() = std::numeric_limits<double>::quiet_NaN();
   EXPECT_FALSE(parseAnswer(bytesOf(sent)));
+}
+
+template <class T>
+void expectTheBytesOf(const T& structure, std::span<const std::byte> bytes) {
+  ASSERT_EQ(bytes.size(), sizeof structure);
+  EXPECT_EQ(std::memcmp(&structure, bytes.data(), sizeof structure), 0);
+}
+
+TEST(NetworkDeviceHeader, DescribesThePacketsForC) {
+  static_assert(sizeof(hapto_network_packet) == DevicePacket::kBytes);
+  static_assert(sizeof(hapto_network_answer) == AnswerPacket::kBytes);
+  static_assert(HAPTO_NETWORK_VERSION == DevicePacket::kVersion && HAPTO_NETWORK_VERSION == AnswerPacket::kVersion);
+
+  hapto_network_packet packet{.magic = {},
+                              .version = HAPTO_NETWORK_VERSION,
+                              .flags = HAPTO_NETWORK_HELD,
+                              .sequence = 0x01020304,
+                              .buttons = 5,
+                              .sender_time = 0x1122334455667788,
+                              .position_m = {0.01, -0.02, 0.03},
+                              .orientation_wxyz = {0.5, -0.5, 0.5, -0.5},
+                              .velocity_m_s = {1, 2, 3},
+                              .angular_velocity_rad_s = {-4, 5, -6},
+                              .gripper_open = 0.25};
+  std::memcpy(packet.magic, HAPTO_NETWORK_PACKET_MAGIC, sizeof packet.magic);
+  expectTheBytesOf(packet, bytesOf(somePacket()));
+
+  hapto_network_answer answer{.magic = {},
+                              .version = HAPTO_NETWORK_VERSION,
+                              .flags = HAPTO_NETWORK_LIVE,
+                              .sequence = 7,
+                              .number = 8,
+                              .sender_time = 9,
+                              .force_n = {1, -2, 3},
+                              .torque_nm = {-0.1, 0.2, 0.3},
+                              .gripper_force_n = -4};
+  std::memcpy(answer.magic, HAPTO_NETWORK_ANSWER_MAGIC, sizeof answer.magic);
+  AnswerPacket told;
+  told.live = true;
+  told.sequence = 7;
+  told.number = 8;
+  told.sender_time = 9;
+  told.output = {{Vec3(1, -2, 3), Vec3(-0.1, 0.2, 0.3)}, -4};
+  expectTheBytesOf(answer, bytesOf(told));
+  told.live = false;
+  told.let_go = true;
+  answer.flags = HAPTO_NETWORK_LET_GO;
+  expectTheBytesOf(answer, bytesOf(told));
 }
 
 }  // namespace

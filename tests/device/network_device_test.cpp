@@ -23,6 +23,7 @@
 #include "haptolith/core/child_process.h"
 #include "haptolith/core/clock.h"
 #include "haptolith/core/error.h"
+#include "haptolith/network_device.h"
 
 #include "../source_dir.h"
 #include "udp_client.h"
@@ -100,6 +101,34 @@ TEST(NetworkDevice, TellsWhatItIsSent) {
   EXPECT_EQ(input.twist.angular_rad_s, Vec3(1, 2, 3));
   EXPECT_EQ(input.gripper_open, 0.75);
   EXPECT_EQ(input.buttons, 6U);
+}
+
+TEST(NetworkDevice, SpeaksWithWhatHasOnlyItsHeader) {
+  NetworkDevice device(kAnyPort, kPatient);
+  const UdpClient client(device.port());
+  hapto_network_packet packet{};
+  std::memcpy(packet.magic, HAPTO_NETWORK_PACKET_MAGIC, sizeof packet.magic);
+  packet.version = HAPTO_NETWORK_VERSION;
+  packet.flags = HAPTO_NETWORK_HELD;
+  packet.sender_time = 41;
+  packet.position_m[1] = 0.02;
+  packet.orientation_wxyz[0] = 1;
+  packet.angular_velocity_rad_s[2] = -3;
+  client.send(std::as_bytes(std::span(&packet, 1)));
+  const DeviceInput input = readUntilSeen(device, 1);
+  EXPECT_EQ(input.state, DeviceState::kLive);
+  EXPECT_EQ(input.pose.position_m, Vec3(0, 0.02, 0));
+  EXPECT_EQ(input.twist.angular_rad_s, Vec3(0, 0, -3));
+
+  device.write({{Vec3(1, 2, 3), Vec3(0, 0, 0.1)}});
+  const std::vector<std::byte> bytes = client.receiveBytes(10'000);
+  hapto_network_answer answer{};
+  ASSERT_EQ(bytes.size(), sizeof answer);
+  std::memcpy(&answer, bytes.data(), sizeof answer);
+  EXPECT_EQ(answer.flags, HAPTO_NETWORK_LIVE);
+  EXPECT_EQ(answer.sender_time, 41U);
+  EXPECT_EQ(answer.force_n[2], 3);
+  EXPECT_EQ(answer.torque_nm[2], 0.1);
 }
 
 TEST(NetworkDevice, AnswersEachWriteWithTheForceAndWhatTheSenderNeedsForItsRoundTrip) {

@@ -126,7 +126,7 @@ CMAKE
     done
     ;;
   header)
-    printf '#include <haptolith/recording.h>\nint main(void) { return 0; }\n' > "$work/alone.c"
+    printf '#include <haptolith/network_device.h>\n#include <haptolith/recording.h>\nint main(void) { return 0; }\n' > "$work/alone.c"
     for standard in c99 c11 c17; do
       gcc -std=$standard -pedantic -Wall -Wextra -Wstrict-prototypes -Wpadded -Werror -I"$source/include" -I"$build/include" -fsyntax-only "$work/alone.c"
     done
