@@ -20,8 +20,8 @@ from commands import commands
 MANUAL = Path(__file__).resolve().parent
 SOURCE = MANUAL.parent
 
-LANGUAGES = {".toml": "toml", ".c": "c", ".h": "c", ".hpp": "cpp", ".cpp": "cpp", ".cs": "csharp", ".m": "matlab", ".py": "python",
-             ".sh": "bash"}
+LANGUAGES = {".toml": "toml", ".c": "c", ".h": "c", ".hpp": "cpp", ".cpp": "cpp", ".cs": "csharp", ".gd": "gdscript", ".m": "matlab", ".mjs": "javascript",
+             ".py": "python", ".sh": "bash"}
 
 
 # --- the C header -----------------------------------------------------------------------------------------------------

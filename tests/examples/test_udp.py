@@ -71,7 +71,8 @@ def running(folder):
 def digs_by_udp(command, folder):
     """What an example prints that is started with address, seconds and height behind `command`."""
     with running(folder) as (address, summary):
-        done = subprocess.run(command(address), cwd=folder, text=True, capture_output=True, timeout=60, check=False)
+        done = subprocess.run(command(address), cwd=folder, env={**os.environ, "HOME": str(folder)}, text=True, capture_output=True,
+                              timeout=60, check=False)
         felt = summary()["force_n"]["max"]
     assert done.returncode == 0, done.stdout + done.stderr
     told = re.search(r"(\d+) packets sent, (\d+) answers, strongest force (\d+\.\d+) N", done.stdout)
@@ -106,6 +107,13 @@ def test_matlab(tmp_path):
     folder = EXAMPLES / "matlab"
     digs_by_udp(lambda address: [octave, "--path", folder, "--eval", "pkg load instrument-control; "
                                  f"circle({address.split(':')[1]}, {SECONDS}, {HEIGHT_MM})"], tmp_path)
+
+
+def test_godot(tmp_path):
+    """Without a picture."""
+    godot = needed("godot3-server", "godot3-server")
+    digs_by_udp(lambda address: [godot, "--path", EXAMPLES / "godot", f"--address={address}", f"--seconds={SECONDS}",
+                                 f"--height-mm={HEIGHT_MM}"], tmp_path)
 
 
 def test_nobody(tmp_path):
