@@ -1,6 +1,7 @@
 import { readdirSync, readFileSync } from 'node:fs';
 import { defineConfig, type Plugin } from 'vite';
 import own from './package.json' with { type: 'json' };
+import { protocolSource } from './resolve.config';
 
 /// licences.txt beside the page: of the packages that have become a part of it.
 function licences(): Plugin {
@@ -22,6 +23,7 @@ function licences(): Plugin {
 // plain files: no inline script, no code that is loaded later, relative addresses throughout.
 export default defineConfig({
   base: './',
+  ...protocolSource,
   plugins: [licences()],
   build: {
     target: 'es2022',

@@ -1,3 +1,4 @@
 import { defineConfig } from 'vitest/config';
+import { protocolSource } from './resolve.config';
 
-export default defineConfig({ test: { include: ['tests/unit/**/*.test.ts'], environment: 'node' } });
+export default defineConfig({ ...protocolSource, test: { include: ['tests/unit/**/*.test.ts'], environment: 'node' } });

@@ -1,7 +1,7 @@
 // window.haptolith: what tests and `haptolith snapshot` see and steer.
 
+import type { ColourMode, Frame, FrameHeader, Scene, Status } from 'haptolith-protocol';
 import type { Layout } from './panels/layout';
-import type { ColourMode, Frame, FrameHeader, Scene, Status } from './protocol';
 import type { Drawing, Theme, ViewName } from './settings';
 import type { Stage } from './view/stage';
 

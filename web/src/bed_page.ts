@@ -1,5 +1,15 @@
 // The page that shows the bed and holds the tool.
 
+import {
+  COLOUR_MODES,
+  type ColourMode,
+  type Command,
+  type Frame,
+  type Hello,
+  isFeltChange,
+  type Scene,
+  type Status,
+} from 'haptolith-protocol';
 import { publish } from './automation';
 import { Connection, recordingAddress, uploadAddress } from './connection';
 import { GamepadHand } from './hand/gamepad_hand';
@@ -18,16 +28,6 @@ import { Plots } from './panels/plots';
 import { pictureInWords, Readouts } from './panels/readouts';
 import { SiteCard } from './panels/site_card';
 import { StatusStrip } from './panels/status_strip';
-import {
-  COLOUR_MODES,
-  isFeltChange,
-  type ColourMode,
-  type Command,
-  type Frame,
-  type Hello,
-  type Scene,
-  type Status,
-} from './protocol';
 import {
   DRAWINGS,
   rememberColour,

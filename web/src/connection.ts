@@ -1,17 +1,17 @@
 // The WebSocket: opens it, opens it again when it breaks, and pairs replies with the commands they answer.
 
 import {
+  type Command,
   decodeFrame,
   decodeMessage,
   encodeCommand,
-  SUBPROTOCOL,
-  type Command,
   type Frame,
   type Hello,
   type Scene,
   type Status,
-} from './protocol';
-import type { StudyMessage } from './study/protocol';
+  type StudyMessage,
+  SUBPROTOCOL,
+} from 'haptolith-protocol';
 
 export interface Listener {
   hello(hello: Hello): void;

@@ -1,8 +1,7 @@
 // What the person chose for this page: from the address first (a snapshot command chooses what is drawn that way), else
 // remembered from the last visit, else the browser's preference.
 
-import { COLOUR_MODES, type ColourMode } from './protocol';
-import { ROLES, type Role } from './study/protocol';
+import { COLOUR_MODES, type ColourMode, type Role, ROLES } from 'haptolith-protocol';
 
 export const VIEW_NAMES = ['front', 'side', 'top', 'three-quarter'] as const;
 export type ViewName = (typeof VIEW_NAMES)[number];

@@ -1,7 +1,7 @@
 // The sound of digging, off until somebody asks for it: noise as loud as the work that the tool does on the soil, and as
 // high as real grains of 0.1 mm pass by it. On the Moon it would come through the handle, for there is no air.
 
-import type { Frame, FrameHeader, Pose, Quat, Vec3 } from './protocol';
+import type { Frame, FrameHeader, Pose, Quat, Vec3 } from 'haptolith-protocol';
 
 // Loudness grows with power, so amplitude with its root; at this power it is as loud as it gets.
 const LOUDEST_W = 0.5;

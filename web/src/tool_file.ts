@@ -1,5 +1,6 @@
 // A tool from a file of the person's: chosen or dropped on the page, uploaded, then asked for.
 
+import type { ToolFile } from 'haptolith-protocol';
 import * as v from 'valibot';
 import { h } from './panels/html';
 import { askFirst } from './study/dialogs';
@@ -13,14 +14,6 @@ const UNITS_MM: [name: string, unit_mm: number][] = [
   ['inches', 25.4],
 ];
 const Uploaded = v.object({ upload: v.number() });
-
-/** How a file is to be understood. */
-export interface ToolFile {
-  upload: number;
-  name: string;
-  unit_mm: number;
-  sheet_thickness_mm: number;
-}
 
 /** Why this file cannot be a tool, in words for a person; null: it may be one. */
 export function whyNoTool(file: Pick<File, 'name' | 'size'>): string | null {

@@ -1,7 +1,7 @@
 // What the page knows of each shape of a tool. A new shape is an entry here and its word in the protocol's `Shape`.
 
+import type { Shape, Tool, Vec3 } from 'haptolith-protocol';
 import { CylinderGeometry, EdgesGeometry, SphereGeometry, type BufferGeometry, type Object3D } from 'three';
-import type { Shape, Tool, Vec3 } from './protocol';
 import { sizeOfMesh } from './tool_mesh';
 import { meshEdges, meshGeometry } from './view/mesh_geometry';
 import { blade, halfJaw_m, rightJaw, shovelHandle, stick, yoke, type ToolMaterials } from './view/tool_geometry';

@@ -1,6 +1,6 @@
 // Writes frames as docs/protocol.md says, for tests and for the mock: the other half of decodeFrame.
 
-import type { FrameHeader, Pose } from '../src/protocol';
+import type { FrameHeader, Pose } from 'haptolith-protocol';
 
 export interface RecordValues {
   x: number;

@@ -1,7 +1,7 @@
 // A stand-in for the bed of the program: round grains that push each other apart and lie where they come to rest. It has
 // no physics worth the name; it is there so that the page has something to show and something to feel.
 
-import type { Pose, Tool, Vec3 } from '../src/protocol';
+import type { Pose, Tool, Vec3 } from 'haptolith-protocol';
 import { shapeOf } from '../src/tool_shapes';
 
 const ROUNDS = 3;

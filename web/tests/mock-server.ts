@@ -1,25 +1,26 @@
 // Stands in for `haptolith run` while the page is developed, and in browser tests when no program is named: serves
 // web/dist and speaks docs/protocol.md.
 
+import {
+  type Command,
+  type Hello,
+  isFeltChange,
+  type MeshText,
+  type Pose,
+  type Robot,
+  type Scene,
+  type SceneChange,
+  type Status,
+  Stone,
+  ToolMesh,
+  type Vec3,
+} from 'haptolith-protocol';
 import { createReadStream, existsSync } from 'node:fs';
 import { createServer, type Server } from 'node:http';
 import { extname, join, normalize } from 'node:path';
 import { fileURLToPath } from 'node:url';
 import { parse, type InferInput } from 'valibot';
 import { WebSocketServer, type WebSocket } from 'ws';
-import {
-  isFeltChange,
-  type Command,
-  type Hello,
-  type Pose,
-  type Robot,
-  type Scene,
-  type SceneChange,
-  type Status,
-  type Vec3,
-} from '../src/protocol';
-import { Stone } from '../src/stone';
-import { ToolMesh, type MeshText } from '../src/tool_mesh';
 import { shapeOf, TOOL_SHAPES } from '../src/tool_shapes';
 import { encodeFrame, type RecordValues } from './frame-bytes';
 import { MockBed } from './mock-bed';

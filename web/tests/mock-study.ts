@@ -1,9 +1,9 @@
 // A study for the stand-in: two blocks of comparisons, run as the program would, with times short enough to look at.
 
-import type { Command } from '../src/protocol';
 import type {
   Answer,
   BlockResult,
+  Command,
   ExperimenterMessage,
   Field,
   Note,
@@ -14,7 +14,7 @@ import type {
   StudyMessage,
   TrialKind,
   TrialShown,
-} from '../src/study/protocol';
+} from 'haptolith-protocol';
 import { waiting } from '../src/study/shown';
 
 export interface MockStudyOptions {

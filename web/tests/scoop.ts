@@ -1,7 +1,6 @@
 // A mesh as somebody might draw it, and meshes as the program sends them: the other half of ToolMesh.
 
-import type { Vec3 } from '../src/protocol';
-import type { MeshText } from '../src/tool_mesh';
+import type { MeshText, Vec3 } from 'haptolith-protocol';
 
 export function encodeMesh(name: string, points_m: Vec3[], triangles: Vec3[]): MeshText {
   const base64 = (numbers: Float32Array | Uint32Array): string => Buffer.from(numbers.buffer).toString('base64');

@@ -1,8 +1,8 @@
 // The hand of this page: what holds the tool here (mouse, keys, gamepad, controller) says where it wishes the tool to
 // be; this sends the wish to the program, at most 60 times a second, and lets go when the last of them has.
 
+import type { Frame, Pose, Scene, Vec3 } from 'haptolith-protocol';
 import type { Connection } from '../connection';
-import type { Frame, Pose, Scene, Vec3 } from '../protocol';
 import { clampTo, samePose, turned } from './pose_math';
 
 export type Holder = 'mouse' | 'keys' | 'gamepad' | 'controller' | 'automation';

@@ -1,8 +1,8 @@
 // The tool by keys: arrows move it level, as seen; page up and page down raise and lower; Q E turn it, W S tilt its nose,
 // A D roll it. While the mouse holds the tool they add to it. The tool is let go a moment after the last key.
 
+import type { Vec3 } from 'haptolith-protocol';
 import type { OrbitCamera } from '../view/camera';
-import type { Vec3 } from '../protocol';
 import type { Hand } from './hand';
 
 const TURN_RAD_S = (80 * Math.PI) / 180;

@@ -1,7 +1,7 @@
 // Small sums with poses, in the protocol's own order (quaternions w, x, y, z).
 
+import type { Pose, Quat, Range3, Vec3 } from 'haptolith-protocol';
 import { Quaternion, Vector3 } from 'three';
-import type { Pose, Quat, Range3, Vec3 } from '../protocol';
 
 export function clampTo(range: Range3, at_m: Vec3): Vec3 {
   return at_m.map((value, axis) => Math.min(range.high_m[axis]!, Math.max(range.low_m[axis]!, value))) as Vec3;

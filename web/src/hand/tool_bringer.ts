@@ -1,7 +1,7 @@
 // "Bring tool here": lifts the tool out of the soil and over the middle of the bed, at the pace of a calm hand, and lets
 // go of it there.
 
-import type { Scene, Vec3 } from '../protocol';
+import type { Scene, Vec3 } from 'haptolith-protocol';
 import { shapeOf } from '../tool_shapes';
 import type { Hand } from './hand';
 

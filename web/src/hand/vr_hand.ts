@@ -2,6 +2,7 @@
 // controller is the shovel while its trigger or grip is pressed. The tool follows the controller's movement from where it
 // is, so that nothing jumps when it is taken. The controller vibrates with the force.
 
+import type { Pose, Scene } from 'haptolith-protocol';
 import {
   CircleGeometry,
   Color,
@@ -13,7 +14,6 @@ import {
   Quaternion,
   Vector3,
 } from 'three';
-import type { Pose, Scene } from '../protocol';
 import type { Stage } from '../view/stage';
 import { lookOf } from '../view/body_looks';
 import type { Hand } from './hand';

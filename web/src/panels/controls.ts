@@ -3,17 +3,17 @@
 
 import {
   COLOUR_MODES,
-  isSameTool,
   type ColourMode,
   type Command,
   type Hello,
+  isSameTool,
   type Scene,
   type SceneChange,
   type Shape,
   type Slider,
   type Status,
   type Tool,
-} from '../protocol';
+} from 'haptolith-protocol';
 import { DRAWINGS, VIEW_NAMES, type Drawing, type ViewName } from '../settings';
 import { canBecome, shapeOf, TOOL_SHAPES } from '../tool_shapes';
 import { DRAG_WARNING, EXPLAIN, frictionModelName, sliderExplanation } from './explanations';

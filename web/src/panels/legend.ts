@@ -1,6 +1,6 @@
 // What the colours of the grains mean, and how long a stretch of the picture is.
 
-import type { ColourMode } from '../protocol';
+import type { ColourMode } from 'haptolith-protocol';
 import { ASLEEP_COLOUR, AWAKE_COLOUR, niceStep, scaleOf, VIRIDIS } from '../view/colour_maps';
 import { h, setText } from './html';
 

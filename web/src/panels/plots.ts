@@ -1,8 +1,8 @@
 // The last ten seconds: force, torque, and how long ticks took against the millisecond they have.
 
+import type { Frame } from 'haptolith-protocol';
 import uPlot from 'uplot';
 import 'uplot/dist/uPlot.min.css';
-import type { Frame } from '../protocol';
 import { History, lonely, SPAN_S, type Table } from './history';
 import { h } from './html';
 

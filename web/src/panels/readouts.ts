@@ -1,6 +1,6 @@
 // The numbers over the picture: what the hand feels, and where the tool is.
 
-import { grainsOf, type Frame, type Robot, type Scene, type Vec3 } from '../protocol';
+import { type Frame, grainsOf, type Robot, type Scene, type Vec3 } from 'haptolith-protocol';
 import { shapeOf } from '../tool_shapes';
 import { EXPLAIN } from './explanations';
 import { fixed, h, setText } from './html';

@@ -1,6 +1,6 @@
 // Frames the corner of the picture that shows a robot's site, and says what it is.
 
-import type { Robot } from '../protocol';
+import type { Robot } from 'haptolith-protocol';
 import { EXPLAIN } from './explanations';
 import { h, setText } from './html';
 import { explain } from './tooltip';

@@ -1,6 +1,6 @@
 // The strip along the top: how the loop runs, and on what.
 
-import type { Scene, Status } from '../protocol';
+import type { Scene, Status } from 'haptolith-protocol';
 import { EXPLAIN } from './explanations';
 import { fixed, h, setText } from './html';
 import { sizesInWords } from './readouts';

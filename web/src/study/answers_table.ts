@@ -1,7 +1,7 @@
 // The answers so far, newest first.
 
+import type { Answer } from 'haptolith-protocol';
 import { fixed, h } from '../panels/html';
-import type { Answer } from './protocol';
 
 export class AnswersTable {
   readonly element: HTMLElement;

@@ -1,5 +1,6 @@
 // The experimenter's page: the scene, how far the study is, what is shown, what was answered, and what can be done.
 
+import type { ExperimenterMessage, Frame, Phase, Scene, Status, StudyCommand, StudyMessage } from 'haptolith-protocol';
 import { publish } from '../automation';
 import { Connection } from '../connection';
 import { Hand } from '../hand/hand';
@@ -7,14 +8,12 @@ import { PointerHand } from '../hand/pointer_hand';
 import { fixed, h, setText } from '../panels/html';
 import { Notices } from '../panels/notices';
 import { Plots, steppedRange, type PlotSpec } from '../panels/plots';
-import type { Frame, Scene, Status } from '../protocol';
 import { rememberTheme, type Settings, type Theme } from '../settings';
 import { isTyping } from '../shortcuts';
 import { Stage } from '../view/stage';
 import { AnswersTable } from './answers_table';
 import { askFirst } from './dialogs';
 import { NotesPanel } from './notes_panel';
-import type { ExperimenterMessage, Phase, StudyCommand, StudyMessage } from './protocol';
 import { ResultsPanel } from './results_panel';
 import { shareDone } from './shown';
 import { trialCard } from './trial_card';

@@ -1,7 +1,7 @@
 // A form: questions of a study about the person and the task, one below the other.
 
+import type { Field } from 'haptolith-protocol';
 import { h } from '../panels/html';
-import type { Field } from './protocol';
 
 const MOST_BUTTONS = 11;
 const MOST_PILLS = 7;

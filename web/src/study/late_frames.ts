@@ -1,6 +1,6 @@
 // Pictures that are seen later than what they show is felt (docs/studies.md, `visual_delay_s`).
 
-import type { Frame } from '../protocol';
+import type { Frame } from 'haptolith-protocol';
 
 /** Holds frames back for a while. None is left out and the order stays: a frame tells only what has moved since the last. */
 export class LateFrames {

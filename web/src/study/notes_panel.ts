@@ -1,7 +1,7 @@
 // What the experimenter and the program noted, newest first, and a line to write the next one.
 
+import type { Note } from 'haptolith-protocol';
 import { h } from '../panels/html';
-import type { Note } from './protocol';
 
 const LONGEST_NOTE = 2000;
 

@@ -1,5 +1,6 @@
 // The participant's page: one thing at a time, and nothing that tells what is shown.
 
+import type { Frame, ParticipantMessage, Phase, Scene, Status, StudyCommand, StudyMessage } from 'haptolith-protocol';
 import { publish } from '../automation';
 import { Connection, NO_TOKEN } from '../connection';
 import { Hand } from '../hand/hand';
@@ -7,7 +8,6 @@ import { KeyHand } from '../hand/key_hand';
 import { PointerHand } from '../hand/pointer_hand';
 import { h, setText } from '../panels/html';
 import { Notices } from '../panels/notices';
-import type { Frame, Scene, Status } from '../protocol';
 import type { Settings } from '../settings';
 import { isTyping } from '../shortcuts';
 import { Stage } from '../view/stage';
@@ -17,7 +17,6 @@ import { isTooLong } from './form';
 import { LateFrames } from './late_frames';
 import { OneAct } from './one_act';
 import { Prompts } from './prompts';
-import type { ParticipantMessage, Phase, StudyCommand, StudyMessage } from './protocol';
 import { asSentence, shareDone, waiting, whatIsShown } from './shown';
 import { mustTouch, Touch, TOUCH_FIRST } from './touch';
 

@@ -1,9 +1,9 @@
 // What the participant's page shows in each phase: one thing at a time, large enough to be read from two metres.
 
+import type { ParticipantMessage, Phase } from 'haptolith-protocol';
 import { h, setText } from '../panels/html';
 import { clockText, type Countdown } from './countdown';
 import { Form } from './form';
-import type { ParticipantMessage, Phase } from './protocol';
 
 export interface Acts {
   go(): void;

@@ -1,7 +1,7 @@
 // The psychometric function of a block: shares of "more" as points that grow with the number of answers, the fitted
 // curve, its threshold and the reference.
 
-import type { BlockResult } from './protocol';
+import type { BlockResult } from 'haptolith-protocol';
 import { makeScale } from './plot_scale';
 
 const MARGIN = { left: 40, right: 14, top: 26, bottom: 36 };

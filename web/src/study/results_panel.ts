@@ -1,7 +1,7 @@
 // A psychometric function for each block.
 
+import type { BlockResult } from 'haptolith-protocol';
 import { h, setText } from '../panels/html';
-import type { BlockResult } from './protocol';
 import { drawPsychometric } from './psychometric_plot';
 
 const number = (value: number): string => String(Number(value.toPrecision(3)));

@@ -1,6 +1,6 @@
 // What the participant's page works out from a message.
 
-import type { ParticipantMessage } from './protocol';
+import type { ParticipantMessage } from 'haptolith-protocol';
 
 /** What is shown before the program has said anything. */
 export function waiting(text: string): ParticipantMessage {

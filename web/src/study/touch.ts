@@ -1,7 +1,6 @@
 // Who has not touched the soil has nothing to compare: an interval that a person ends by a button ends only after that.
 
-import type { Vec3 } from '../protocol';
-import type { ParticipantMessage } from './protocol';
+import type { ParticipantMessage, Vec3 } from 'haptolith-protocol';
 
 // A single grain that the tool moves is felt as more.
 const LEAST_FORCE_N = 0.02;

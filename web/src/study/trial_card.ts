@@ -1,7 +1,7 @@
 // What is shown now, or next: block, reference and test, in the order in which they are felt.
 
+import type { TrialKind, TrialShown } from 'haptolith-protocol';
 import { h } from '../panels/html';
-import type { TrialKind, TrialShown } from './protocol';
 
 const KINDS: Record<TrialKind, string> = { practice: 'practice', main: 'main trial', catch: 'catch trial' };
 

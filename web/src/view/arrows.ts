@@ -2,6 +2,7 @@
 // the tool to where the hand wants it. Drawn over everything: an arrow that soil hides says nothing. Arrows are as long as
 // the picture, not the box, asks for: legible in each; and thin beside the tool, which they must not hide.
 
+import type { Frame, Scene, Vec3 } from 'haptolith-protocol';
 import {
   BufferGeometry,
   ConeGeometry,
@@ -17,7 +18,6 @@ import {
   TorusGeometry,
   Vector3,
 } from 'three';
-import type { Frame, Scene, Vec3 } from '../protocol';
 import { shapeOf } from '../tool_shapes';
 
 export const FORCE_COLOUR = '#ff5a5f';

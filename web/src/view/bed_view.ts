@@ -1,6 +1,7 @@
 // The bed: all grains in one draw call. A frame's records go to the graphics card as they came, eight bytes a grain;
 // the shader turns them into positions, and only runs that changed are sent again. How large each is, it is told once.
 
+import { COLOUR_MODES, type ColourMode, type Frame, radiiOf, type Scene } from 'haptolith-protocol';
 import {
   Color,
   CustomBlending,
@@ -16,7 +17,6 @@ import {
   Vector3,
   ZeroFactor,
 } from 'three';
-import { COLOUR_MODES, radiiOf, type ColourMode, type Frame, type Scene } from '../protocol';
 import type { Drawing } from '../settings';
 import { shapeOf } from '../tool_shapes';
 import { lookOf } from './body_looks';

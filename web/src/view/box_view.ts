@@ -1,5 +1,6 @@
 // The box that holds the bed: thin edges, walls that are barely there, and a mark every ten millimetres along the floor.
 
+import type { Scene } from 'haptolith-protocol';
 import {
   BoxGeometry,
   BufferGeometry,
@@ -13,7 +14,6 @@ import {
   Mesh,
   MeshBasicMaterial,
 } from 'three';
-import type { Scene } from '../protocol';
 import { niceStep } from './colour_maps';
 
 export class BoxView {

@@ -1,8 +1,8 @@
 // The eye that orbits the bed. Angles about the middle of the bed, and a distance; nothing else, so that a view can be
 // named and found again.
 
+import type { Scene } from 'haptolith-protocol';
 import { PerspectiveCamera, Vector3 } from 'three';
-import type { Scene } from '../protocol';
 import type { ViewName } from '../settings';
 import { BoxView } from './box_view';
 

@@ -1,7 +1,7 @@
 // Colours for numbers. Viridis is perceptually uniform and safe for colour-blind eyes; nine samples with straight lines
 // between them are within a just noticeable difference of the published table.
 
-import type { ColourMode } from '../protocol';
+import type { ColourMode } from 'haptolith-protocol';
 
 export const VIRIDIS = [
   '#440154',

@@ -2,6 +2,7 @@
 // how much there is; how it flies is not: a parabola where there is no air, and where there is, Stokes' drag on grains of
 // a tenth of a millimetre, tau = rho d^2 / 18 mu.
 
+import { type Range3, speedOf, type Vec3 } from 'haptolith-protocol';
 import {
   BufferAttribute,
   BufferGeometry,
@@ -14,7 +15,6 @@ import {
   type IUniform,
   type WebGLRenderer,
 } from 'three';
-import { speedOf, type Range3, type Vec3 } from '../protocol';
 import { REGOLITH_SHADER } from './regolith_shader';
 
 const MOST_MOTES = 1500;

@@ -1,8 +1,8 @@
 // The ground around the box and the floor in it, with the shadows that soil and tool cast on them. In a headset the
 // ground shrinks to the top of a table.
 
+import type { Scene } from 'haptolith-protocol';
 import { CircleGeometry, Color, GLSL3, Mesh, ShaderMaterial } from 'three';
-import type { Scene } from '../protocol';
 import { lookOf } from './body_looks';
 import { LIGHT_SHADER, type LightUniforms } from './light_shader';
 

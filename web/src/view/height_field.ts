@@ -4,8 +4,8 @@
 // A grain or a stone in the air is no height: below it there is light. Such ones are listed instead, for round shadows
 // of their own.
 
+import { dequantise, radiiOf, type Scene, type Vec3 } from 'haptolith-protocol';
 import { DataTexture, DataUtils, HalfFloatType, LinearFilter, RGFormat, Vector4 } from 'three';
-import { dequantise, radiiOf, type Scene, type Vec3 } from '../protocol';
 import { boxBlur } from './grid_filters';
 import { ballAround, HeightOrder, raiseTriangles } from './height_grid';
 

@@ -1,6 +1,6 @@
 // What pictures of the bed from above are made with: cells in rows, each with a height.
 
-import type { Vec3 } from '../protocol';
+import type { Vec3 } from 'haptolith-protocol';
 
 export interface Grid {
   readonly columns: number;

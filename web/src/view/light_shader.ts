@@ -4,6 +4,7 @@
 // free. Grains in the air, which are not in the field, cast a round shadow. Shadow of the tool: its signed distance, walked along the same ray, with the soft edge that the ratio of
 // distance to way gives.
 
+import type { Pose, Scene, Tool } from 'haptolith-protocol';
 import {
   Color,
   Data3DTexture,
@@ -16,7 +17,6 @@ import {
   Vector4,
   type IUniform,
 } from 'three';
-import type { Pose, Scene, Tool } from '../protocol';
 import { shapeOf, SOLIDS } from '../tool_shapes';
 import { lookOf } from './body_looks';
 import { MOST_FLYING } from './height_field';

@@ -2,8 +2,8 @@
 // surface share their points, so neighbours are found by number; three.js would look for them by place, which takes
 // seconds for a hundred thousand triangles.
 
+import type { TriangleMesh } from 'haptolith-protocol';
 import { BufferGeometry, Float32BufferAttribute, Uint32BufferAttribute, Vector3 } from 'three';
-import type { TriangleMesh } from '../triangle_mesh';
 
 /** From this angle between them on, two faces do not look like one surface. */
 const CREASE_DEG = 30;

@@ -1,5 +1,6 @@
 // Where a robot far away has its tool, as it was last heard of: an outline that glides from one report to the next.
 
+import { isSameTool, type Robot, type Tool } from 'haptolith-protocol';
 import {
   BufferGeometry,
   Group,
@@ -10,7 +11,6 @@ import {
   Quaternion,
   Vector3,
 } from 'three';
-import { isSameTool, type Robot, type Tool } from '../protocol';
 import { shapeOf } from '../tool_shapes';
 
 const COLOUR = '#ff9f43';

@@ -1,6 +1,7 @@
 // The soil that a robot far away digs in, as its operator knows it: a block with that surface and the robot's tool, seen
 // from where the bed itself is seen from, in a corner of the picture.
 
+import type { Robot, Scene, Site } from 'haptolith-protocol';
 import {
   BufferAttribute,
   BufferGeometry,
@@ -13,7 +14,6 @@ import {
   PerspectiveCamera,
   Scene as World,
 } from 'three';
-import type { Robot, Scene, Site } from '../protocol';
 import { lookOf } from './body_looks';
 import { LOW_SUN } from './light_shader';
 import { RobotView } from './robot_view';

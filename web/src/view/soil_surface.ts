@@ -6,8 +6,8 @@
 // What the tool carries or throws lies above the surface and is no part of it: it is listed, as are the particles that
 // can be seen, for soil_view.ts to draw.
 
+import { dequantise, type Scene } from 'haptolith-protocol';
 import { DataTexture, DataUtils, HalfFloatType, LinearFilter, RGBAFormat, RGFormat, type Vector4 } from 'three';
-import { dequantise, type Scene } from '../protocol';
 import { Aloft } from './aloft';
 import { blurTwice, castShadows, fillGaps } from './grid_filters';
 import type { Carrier } from './height_field';

@@ -1,6 +1,7 @@
 // Soil that looks like soil: the bed as one surface that lies in the ground of its body, and over it a swarm of small
 // grains for every macroparticle that can be seen.
 
+import { COLOUR_MODES, type ColourMode, type Scene } from 'haptolith-protocol';
 import {
   BufferAttribute,
   BufferGeometry,
@@ -23,7 +24,6 @@ import {
   Vector4,
   type WebGLRenderer,
 } from 'three';
-import { COLOUR_MODES, type ColourMode, type Scene } from '../protocol';
 import { lookOf } from './body_looks';
 import { Dust } from './dust';
 import { ASLEEP_COLOUR, AWAKE_COLOUR, VIRIDIS } from './colour_maps';

@@ -1,9 +1,9 @@
 // The picture: everything that stands in it, and when it is drawn. A frame is drawn only when something changed, so a
 // paused bed costs nothing.
 
+import type { ColourMode, Frame, Robot, Scene, Vec3 } from 'haptolith-protocol';
 import { AmbientLight, Color, DirectionalLight, Group, HemisphereLight, Scene as World, Vector3 } from 'three';
 import { h } from '../panels/html';
-import type { ColourMode, Frame, Robot, Scene, Vec3 } from '../protocol';
 import type { Drawing, ViewName } from '../settings';
 import { ArrowsView } from './arrows';
 import { BedView } from './bed_view';

@@ -1,9 +1,8 @@
 // Stones: rock of a colour of its own, with the facets that it broke along, in the light that the soil is in.
 
+import type { Frame, Scene, Stone } from 'haptolith-protocol';
 import { BufferGeometry, Color, GLSL3, Group, Mesh, ShaderMaterial, SphereGeometry } from 'three';
 import { mergeGeometries } from 'three/examples/jsm/utils/BufferGeometryUtils.js';
-import type { Frame, Scene } from '../protocol';
-import type { Stone } from '../stone';
 import { LIGHT_SHADER, type LightUniforms } from './light_shader';
 import { flatGeometry } from './mesh_geometry';
 import { place } from './tool_view';

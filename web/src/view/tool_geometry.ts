@@ -1,6 +1,7 @@
 // The parts of tools: what touches soil has exactly the size that the simulation has; handle, bevel and rims are there
 // so that a tool can be recognised.
 
+import type { Tool, Vec3 } from 'haptolith-protocol';
 import {
   BoxGeometry,
   CatmullRomCurve3,
@@ -15,7 +16,6 @@ import {
   type Material,
   type Object3D,
 } from 'three';
-import type { Tool, Vec3 } from '../protocol';
 
 export interface ToolMaterials {
   metal: Material;

@@ -1,5 +1,6 @@
 // The tool where it is, and where the hand wants it. Its handle is translucent because soil passes through it.
 
+import { isSameTool, type Pose, type Tool } from 'haptolith-protocol';
 import {
   BufferGeometry,
   Group,
@@ -10,7 +11,6 @@ import {
   MeshStandardMaterial,
   Object3D,
 } from 'three';
-import { isSameTool, type Pose, type Tool } from '../protocol';
 import { shapeOf } from '../tool_shapes';
 
 const METAL = { color: '#b3c1cb', metalness: 0.15, roughness: 0.45 } as const;

@@ -1,10 +1,10 @@
 // Who may do what from the page: tokens, pages that only look on, and a person at a device.
 
+import type { Vec3 } from 'haptolith-protocol';
 import type { Browser } from 'playwright-core';
 import { afterAll, afterEach, beforeAll, describe, expect, it } from 'vitest';
 import { MockServer, type MockOptions } from '../mock-server';
 import { MockStudy } from '../mock-study';
-import type { Vec3 } from '../../src/protocol';
 import { launch, newPage, pixelsIn, scene, type Watched } from './pages';
 
 let browser: Browser;

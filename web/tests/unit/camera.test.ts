@@ -1,6 +1,6 @@
+import type { Scene } from 'haptolith-protocol';
 import { Vector3 } from 'three';
 import { describe, expect, it } from 'vitest';
-import type { Scene } from '../../src/protocol';
 import { VIEW_NAMES } from '../../src/settings';
 import { BoxView } from '../../src/view/box_view';
 import { OrbitCamera } from '../../src/view/camera';

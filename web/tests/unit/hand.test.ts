@@ -1,9 +1,9 @@
+import type { Command, Frame, Scene } from 'haptolith-protocol';
 import { describe, expect, it } from 'vitest';
 import type { Connection } from '../../src/connection';
 import { Hand } from '../../src/hand/hand';
 import { clampTo, turned } from '../../src/hand/pose_math';
 import { ToolBringer } from '../../src/hand/tool_bringer';
-import type { Command, Frame, Scene } from '../../src/protocol';
 
 const SCENE = {
   workspace: { low_m: [-0.1, -0.1, 0], high_m: [0.1, 0.1, 0.3] },

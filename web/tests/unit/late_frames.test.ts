@@ -1,5 +1,5 @@
+import type { Frame } from 'haptolith-protocol';
 import { describe, expect, it } from 'vitest';
-import type { Frame } from '../../src/protocol';
 import { LateFrames } from '../../src/study/late_frames';
 
 const frame = (number: number): Frame => ({ number }) as Frame;

@@ -1,7 +1,7 @@
+import type { Frame, Robot, Scene } from 'haptolith-protocol';
 import { describe, expect, it } from 'vitest';
 import { EXPLAIN, frictionModelName, sliderExplanation } from '../../src/panels/explanations';
 import { inWords } from '../../src/panels/plots';
-import type { Frame, Robot, Scene } from '../../src/protocol';
 import { pictureInWords, placeOf, robotInWords, sizesInWords } from '../../src/panels/readouts';
 
 describe('the place of the tool', () => {

@@ -1,5 +1,5 @@
+import type { Scene } from 'haptolith-protocol';
 import { describe, expect, it } from 'vitest';
-import type { Scene } from '../../src/protocol';
 import { niceStep, scaleOf } from '../../src/view/colour_maps';
 import { HeightField } from '../../src/view/height_field';
 import { flatGeometry } from '../../src/view/mesh_geometry';

@@ -1,20 +1,20 @@
-import { readFileSync } from 'node:fs';
-import { fileURLToPath } from 'node:url';
-import { describe, expect, it } from 'vitest';
 import {
   contactForceOf,
   decodeFrame,
   decodeMessage,
   dequantise,
   encodeCommand,
-  isSameTool,
-  ProtocolError,
-  speedOf,
   type Frame,
   type FrameHeader,
+  isSameTool,
   type Pose,
+  ProtocolError,
   type Scene,
-} from '../../src/protocol';
+  speedOf,
+} from 'haptolith-protocol';
+import { readFileSync } from 'node:fs';
+import { fileURLToPath } from 'node:url';
+import { describe, expect, it } from 'vitest';
 import { encodeFrame } from '../frame-bytes';
 import { encodeMesh, SCOOP } from '../scoop';
 

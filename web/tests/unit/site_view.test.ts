@@ -1,5 +1,5 @@
+import type { Site } from 'haptolith-protocol';
 import { describe, expect, it } from 'vitest';
-import type { Site } from '../../src/protocol';
 import { blockOf } from '../../src/view/site_view';
 
 const site = (heights_mm: (number | null)[]): Site => ({

@@ -1,6 +1,6 @@
+import { radiiOf, type Scene } from 'haptolith-protocol';
 import { describe, expect, it } from 'vitest';
 import { Dust, flown_m, slowingTime_s } from '../../src/view/dust';
-import { radiiOf, type Scene } from '../../src/protocol';
 import { SoilSurface } from '../../src/view/soil_surface';
 import { SIDE, regolithTile, tileSun } from '../../src/view/soil_texture';
 import { swarm } from '../../src/view/soil_view';

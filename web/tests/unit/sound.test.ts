@@ -1,5 +1,5 @@
+import type { Frame, Quat, Vec3 } from 'haptolith-protocol';
 import { describe, expect, it, vi } from 'vitest';
-import type { Frame, Quat, Vec3 } from '../../src/protocol';
 import { crackle, knock, loudness, pitch_hz, SoilSound, sounding } from '../../src/sound';
 
 function frame(over: Partial<Frame> & { at_m?: Vec3; rotation?: Quat }): Frame {

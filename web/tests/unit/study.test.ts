@@ -1,3 +1,4 @@
+import type { BlockResult, Field } from 'haptolith-protocol';
 import { describe, expect, it } from 'vitest';
 import { readSettings } from '../../src/settings';
 import { clockText, Countdown } from '../../src/study/countdown';
@@ -5,7 +6,6 @@ import { isTooLong, scaleStep, wholeSteps } from '../../src/study/form';
 import { OneAct } from '../../src/study/one_act';
 import { linearTicks, logTicks, makeScale } from '../../src/study/plot_scale';
 import { splitParagraphs } from '../../src/study/prompts';
-import type { BlockResult, Field } from '../../src/study/protocol';
 import { boundsOf, isLog, pointRadius, shareAt } from '../../src/study/psychometric_plot';
 import { asSentence, shareDone, waiting, whatIsShown } from '../../src/study/shown';
 

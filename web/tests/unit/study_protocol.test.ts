@@ -1,6 +1,11 @@
+import {
+  decodeMessage,
+  encodeCommand,
+  type ExperimenterMessage,
+  type ParticipantMessage,
+  ProtocolError,
+} from 'haptolith-protocol';
 import { describe, expect, it } from 'vitest';
-import { decodeMessage, encodeCommand, ProtocolError } from '../../src/protocol';
-import type { ExperimenterMessage, ParticipantMessage } from '../../src/study/protocol';
 
 const read = (message: object) => decodeMessage(JSON.stringify({ type: 'study', ...message }));
 

@@ -1,8 +1,7 @@
+import { type Shape, type Tool, ToolMesh, type Vec3 } from 'haptolith-protocol';
 import { Box3, MeshBasicMaterial, SphereGeometry, Vector3, type Mesh } from 'three';
 import { parse } from 'valibot';
 import { describe, expect, it } from 'vitest';
-import type { Shape, Tool, Vec3 } from '../../src/protocol';
-import { ToolMesh } from '../../src/tool_mesh';
 import { canBecome, shapeOf, TOOL_SHAPES } from '../../src/tool_shapes';
 import { encodeMesh, SCOOP } from '../scoop';
 

@@ -1,7 +1,7 @@
 // What a stone looks like, as it comes in a message.
 
 import * as v from 'valibot';
-import { readTriangles, TrianglesText, type TriangleMesh } from './triangle_mesh';
+import { readTriangles, TrianglesText, type TriangleMesh } from './triangle_mesh.js';
 
 const Sphere = v.tuple([v.number(), v.number(), v.number(), v.pipe(v.number(), v.gtValue(0))]);
 

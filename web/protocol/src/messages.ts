@@ -1,35 +1,18 @@
-// What the program and the page tell each other: docs/protocol.md, version 1.
+// What the program tells: docs/protocol.md, version 1.
 //
 // Text is JSON. What the program says is described by the schemas below, which check each message and give the types;
-// keys that they do not name are left out, so that later programs may add some. A binary message is a frame: 128 bytes,
-// then runs, then one record of 8 bytes for each particle, then the poses of stones, if there are any. Nothing of a
-// frame is copied here; the arrays look into the message that came.
+// keys that they do not name are left out, so that later programs may add some.
 
 import * as v from 'valibot';
-import { ProtocolError } from './protocol_error';
-import { Stone } from './stone';
-import { StudyMessage, type StudyCommand } from './study/protocol';
-import type { ToolFile } from './tool_file';
-import { ToolMesh } from './tool_mesh';
-
-export const PROTOCOL_VERSION = 1;
-export const SUBPROTOCOL = 'haptolith.1';
-
-const Vec3 = v.tuple([v.number(), v.number(), v.number()]);
-export type Vec3 = v.InferOutput<typeof Vec3>;
-/** w, x, y, z */
-export type Quat = [number, number, number, number];
-
-export interface Pose {
-  position_m: Vec3;
-  rotation: Quat;
-}
+import { Vec3 } from './pose.js';
+import { ProtocolError } from './protocol_error.js';
+import { Stone } from './stone.js';
+import { StudyMessage } from './study.js';
+import { ToolMesh } from './tool_mesh.js';
+import { PROTOCOL_VERSION } from './version.js';
 
 const Shape = v.picklist(['box', 'sphere', 'plate', 'cylinder', 'jaws', 'mesh']);
 export type Shape = v.InferOutput<typeof Shape>;
-
-export const COLOUR_MODES = ['plain', 'force', 'speed', 'depth', 'sleep'] as const;
-export type ColourMode = (typeof COLOUR_MODES)[number];
 
 const Hello = v.object({
   type: v.literal('hello'),
@@ -233,42 +216,6 @@ export type Reply = v.InferOutput<typeof Reply>;
 
 export type Message = Hello | Scene | Status | Reply | StudyMessage;
 
-export type Command =
-  | { do: 'hold'; pose: [number, number, number, number, number, number, number] }
-  | { do: 'release' | 'pause' | 'resume' }
-  | { do: 'play'; manoeuvre: string }
-  | FeltChange
-  | { do: 'step'; ticks: number }
-  | { do: 'speed'; factor: number }
-  | { do: 'record'; on: boolean }
-  | { do: 'colour'; by: ColourMode }
-  | StudyCommand;
-
-/** What a person at a device feels. */
-export type FeltChange = (
-  { do: 'reset' | 'level' | 'undo' } | ({ do: 'scene' } & SceneChange) | ({ do: 'tool_file' } & ToolFile)
-) & { confirmed?: true };
-
-export function isFeltChange(command: Command): command is FeltChange {
-  return ['reset', 'level', 'undo', 'scene', 'tool_file'].includes(command.do);
-}
-
-export interface SceneChange {
-  preset?: string;
-  soil?: string;
-  friction?: string;
-  body?: string;
-  tool?: Partial<Tool>;
-  sliders?: Record<string, number>;
-}
-
-/** Text of a command; with `id` the program replies to it. */
-export function encodeCommand(command: Command, id?: number): string {
-  return JSON.stringify(id === undefined ? command : { id, ...command });
-}
-
-export { ProtocolError };
-
 const MESSAGES = new Map<string, v.GenericSchema<unknown, Message>>([
   ['hello', Hello],
   ['scene', Scene],
@@ -304,146 +251,4 @@ export function decodeMessage(text: string): Message | null {
   throw new ProtocolError(
     `${type}${where} ${received === 'undefined' ? 'is missing' : `is not valid: must be ${expected ?? message}`}`,
   );
-}
-
-export const HEADER_BYTES = 128;
-export const RUN_BYTES = 8;
-export const RECORD_BYTES = 8;
-export const STONE_BYTES = 28;
-
-const FRAME_KIND = 1;
-const FLAG_PAUSED = 1;
-const FLAG_HELD = 2;
-const FLAG_WHOLE = 4;
-const FLAG_FORCES = 8;
-const FLAG_STONES = 16;
-
-export interface FrameHeader {
-  scene: number;
-  time_s: number;
-  paused: boolean;
-  held: boolean;
-  /** all particles are in this frame */
-  whole: boolean;
-  /** the records' contact forces are valid */
-  forcesValid: boolean;
-  tool: Pose;
-  force_n: Vec3;
-  torque_nm: Vec3;
-  wished: Pose;
-  longestTick_us: number;
-  misses: number;
-  awake: number;
-  particles: number;
-  number: number;
-  /** between the tool's jaws; 0 with another tool */
-  opening_m: number;
-}
-
-export interface Frame extends FrameHeader {
-  /** first particle and count of each run, one after the other */
-  runs: Uint32Array;
-  /** four u16 a particle: x, y, z, and speed + 256 force; see `speedOf` and `contactForceOf` for the two bytes */
-  records: Uint16Array;
-  /** pose of each stone, seven numbers: x, y, z in m, rotation w, x, y, z */
-  stones: Float32Array;
-}
-
-function readVec3(view: DataView, at: number): Vec3 {
-  return [view.getFloat32(at, true), view.getFloat32(at + 4, true), view.getFloat32(at + 8, true)];
-}
-
-function readPose(view: DataView, at: number): Pose {
-  return {
-    position_m: readVec3(view, at),
-    rotation: [
-      view.getFloat32(at + 12, true),
-      view.getFloat32(at + 16, true),
-      view.getFloat32(at + 20, true),
-      view.getFloat32(at + 24, true),
-    ],
-  };
-}
-
-const allFinite = (...numbers: number[]): boolean => numbers.every(Number.isFinite);
-
-/** Decodes a frame; throws ProtocolError on one that is damaged, before anything of it is used. */
-export function decodeFrame(buffer: ArrayBuffer): Frame {
-  if (buffer.byteLength < HEADER_BYTES) throw new ProtocolError(`a frame of ${buffer.byteLength} bytes has no header`);
-  const view = new DataView(buffer);
-  const kind = view.getUint8(0);
-  const version = view.getUint8(1);
-  if (kind !== FRAME_KIND) throw new ProtocolError(`a binary message of kind ${kind} is no frame`);
-  if (version !== PROTOCOL_VERSION) throw new ProtocolError(`a frame of version ${version}`);
-
-  const particles = view.getUint32(108, true);
-  const run_count = view.getUint32(112, true);
-  const record_count = view.getUint32(116, true);
-  const flags = view.getUint16(2, true);
-  const stones_at = HEADER_BYTES + run_count * RUN_BYTES + record_count * RECORD_BYTES;
-  let expected_bytes = stones_at;
-  let stone_count = 0;
-  if (flags & FLAG_STONES) {
-    if (buffer.byteLength >= stones_at + 4) stone_count = view.getUint32(stones_at, true);
-    expected_bytes += 4 + stone_count * STONE_BYTES;
-  }
-  if (buffer.byteLength !== expected_bytes)
-    throw new ProtocolError(`a frame has ${buffer.byteLength} bytes instead of ${expected_bytes}`);
-
-  const frame: Frame = {
-    scene: view.getUint32(4, true),
-    time_s: view.getFloat64(8, true),
-    paused: (flags & FLAG_PAUSED) !== 0,
-    held: (flags & FLAG_HELD) !== 0,
-    whole: (flags & FLAG_WHOLE) !== 0,
-    forcesValid: (flags & FLAG_FORCES) !== 0,
-    tool: readPose(view, 16),
-    force_n: readVec3(view, 44),
-    torque_nm: readVec3(view, 56),
-    wished: readPose(view, 68),
-    longestTick_us: view.getFloat32(96, true),
-    misses: view.getUint32(100, true),
-    awake: view.getUint32(104, true),
-    particles,
-    number: view.getUint32(120, true),
-    opening_m: view.getFloat32(124, true),
-    // Header and runs are multiples of 8 bytes, so the views are aligned. They read in the machine's byte order, which
-    // is little-endian wherever browsers run.
-    runs: new Uint32Array(buffer, HEADER_BYTES, run_count * 2),
-    records: new Uint16Array(buffer, HEADER_BYTES + run_count * RUN_BYTES, record_count * 4),
-    stones: stone_count > 0 ? new Float32Array(buffer, stones_at + 4, stone_count * 7) : new Float32Array(),
-  };
-  if (
-    !allFinite(frame.time_s, frame.longestTick_us, frame.opening_m, ...frame.force_n, ...frame.torque_nm) ||
-    !allFinite(...frame.tool.position_m, ...frame.tool.rotation) ||
-    !allFinite(...frame.wished.position_m, ...frame.wished.rotation) ||
-    !frame.stones.every(Number.isFinite)
-  )
-    throw new ProtocolError('a frame holds a number that is not finite');
-
-  let records_in_runs = 0;
-  for (let i = 0; i < frame.runs.length; i += 2) {
-    const first = frame.runs[i]!;
-    const count = frame.runs[i + 1]!;
-    if (first + count > particles) throw new ProtocolError(`a run ends at ${first + count} of ${particles} particles`);
-    records_in_runs += count;
-  }
-  if (records_in_runs !== record_count)
-    throw new ProtocolError(`the runs hold ${records_in_runs} records instead of ${record_count}`);
-  return frame;
-}
-
-/** Position along one axis in m. */
-export function dequantise(value: number, low_m: number, high_m: number): number {
-  return low_m + (value / 65535) * (high_m - low_m);
-}
-
-/** Speed in m/s of a record's speed byte; 0 when asleep. */
-export function speedOf(byte: number): number {
-  return byte === 0 ? 0 : 10 ** (-4 + (4 * (byte - 1)) / 254);
-}
-
-/** Contact force in N of a record's force byte. */
-export function contactForceOf(byte: number): number {
-  return byte === 0 ? 0 : 10 ** (-5 + (6 * (byte - 1)) / 254);
 }

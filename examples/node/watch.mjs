@@ -1,0 +1,77 @@
+// Looks on while haptolith runs, as the page does, and says how many frames came, of how many particles, and how large
+// the force was. Exit status 1: it could not connect, or a message was damaged.
+//
+//     haptolith run paper --hand scoop --port 8080          in one terminal
+//     node watch.mjs --address ws://127.0.0.1:8080/ws       in another, where haptolith-protocol is installed (docs/protocol.md)
+//
+// Options: --address, --seconds 5, and where the program wants one, --token TEXT.
+
+import { decodeFrame, decodeMessage, encodeCommand, SUBPROTOCOL } from 'haptolith-protocol';
+import { parseArgs } from 'node:util';
+
+// Node has had a WebSocket of its own since 22. Neither sends an Origin, so the program takes them for what they are: no page.
+const Socket = globalThis.WebSocket ?? (await import('ws')).default;
+
+const { values: options } = parseArgs({
+  options: {
+    address: { type: 'string', default: 'ws://127.0.0.1:8080/ws' },
+    seconds: { type: 'string', default: '5' },
+    token: { type: 'string' },
+  },
+});
+
+const address = new URL(options.address);
+if (options.token !== undefined) address.searchParams.set('token', options.token);
+const socket = new Socket(address, SUBPROTOCOL);
+socket.binaryType = 'arraybuffer';
+
+let scene = null;
+let newest = null;
+let frames = 0;
+let strongest_n = 0;
+
+function readText(text) {
+  const message = decodeMessage(text); // null: of a later program
+  switch (message?.type) {
+    case 'hello':
+      console.log(`haptolith ${message.version}, this is client ${message.client}`);
+      break;
+    case 'scene':
+      scene = message;
+      console.log(`${scene.title}: ${scene.particles} particles`);
+      break;
+    case 'reply':
+      if (!message.ok) console.log(`refused: ${message.error}`);
+  }
+}
+
+function readFrame(bytes) {
+  newest = decodeFrame(bytes);
+  ++frames;
+  strongest_n = Math.max(strongest_n, Math.hypot(...newest.force_n));
+}
+
+socket.onopen = () => {
+  socket.send(encodeCommand({ do: 'colour', by: 'force' }, 1)); // contact forces in the records, too
+  setTimeout(() => socket.close(), Number(options.seconds) * 1000);
+};
+socket.onmessage = ({ data }) => {
+  try {
+    if (typeof data === 'string') readText(data);
+    else readFrame(data);
+  } catch (error) {
+    console.error(`a damaged message: ${error.message}`);
+    process.exit(1);
+  }
+};
+socket.onerror = ({ message }) => console.error(`no connection: ${message || 'nobody listens there, or it wants a token'}`);
+socket.onclose = ({ code, reason }) => {
+  if (newest === null || scene === null) {
+    console.error(`nothing came (${code} ${reason})`);
+    process.exit(1);
+  }
+  console.log(
+    `${frames} frames, the last at ${newest.time_s.toFixed(3)} s: ${newest.particles} particles, ${newest.awake} awake, ` +
+      `force ${Math.hypot(...newest.force_n).toFixed(4)} N, strongest ${strongest_n.toFixed(4)} N`,
+  );
+};
