@@ -46,8 +46,8 @@ struct Scene {
   std::vector<Knot> movement{};
   std::optional<Servo> servo{};
   double duration_s = 0;
-  /// Soil that belongs to a body from now on, by its number: where grains cohere otherwise in the other engine they would
-  /// slip on the plates, not on each other.
+  /// Soil that belongs to a body from now on, by its number: where grains cohere otherwise in the other engine they
+  /// would slip on the plates, not on each other.
   std::vector<std::vector<std::size_t>> glued{};
   /// What lies deeper has been spilled and touches nothing that counts; the other engine leaves it out.
   double spilled_below_m = -std::numeric_limits<double>::max();
@@ -424,7 +424,7 @@ run             {2}
                       scene.servo ? load : "0", steps_per_row, std::lround(scene.duration_s / lab.dt()));
   std::filesystem::create_directories(folder);
   std::ofstream(folder / "bed.data") << files.data;
-  std::ofstream(folder / "pull.table") << files.table;
+  std::ofstream(folder / "rest.table") << files.table;
   std::ofstream(folder / "in.haptolith") << files.setup << text;
 }
 
@@ -475,9 +475,10 @@ void runScene(const std::filesystem::path& path, const Scene& scene, LabBed& lab
 
 int run(int argc, char** argv) {
   if (argc < 4 || argc > 7) {
-    fmt::print(stderr,
-               "peer_scene <impact|slide|ten|column|shear|blade|carry> <seed> <folder> [damping ratio [soil [normal stress "
-               "of shear, Pa]]]\n");
+    fmt::print(
+        stderr,
+        "peer_scene <impact|slide|ten|column|shear|blade|carry> <seed> <folder> [damping ratio [soil [normal stress "
+        "of shear, Pa]]]\n");
     return 2;
   }
   const std::string name = argv[1];

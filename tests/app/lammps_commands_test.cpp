@@ -104,7 +104,9 @@ TEST_F(ToLammps, GoesABedAndComesBackAsItLay) {
   const ProgramResult run = runHaptolith(fmt::format(
       "run {} --hand still --duration-s 0.5 --unpaced --record {} --json", path("back.toml"), path("back.h5")));
   ASSERT_EQ(run.exit_status, 0) << run.errors;
-  ASSERT_EQ(runHaptolith(fmt::format("export {} --format particles-csv --out {}", path("back.h5"), path("p.csv"))).exit_status, 0);
+  ASSERT_EQ(runHaptolith(fmt::format("export {} --format particles-csv --out {}", path("back.h5"), path("p.csv")))
+                .exit_status,
+            0);
   double fastest_m_s = 0;
   std::size_t looked = 0;
   for (const std::vector<double>& row : numbers("p.csv")) {
@@ -124,7 +126,8 @@ TEST_F(ToLammps, GoesTheToolOfARecording) {
       runHaptolith(fmt::format("run {} --poses {} --set hand.compliance=rigid --duration-s 0.6 --unpaced --record {}",
                                path("springs.toml"), path("down.csv"), path("run.h5")));
   ASSERT_EQ(run.exit_status, 0) << run.errors;
-  ASSERT_EQ(runHaptolith(fmt::format("export {} --format csv --out {}", path("run.h5"), path("run.csv"))).exit_status, 0);
+  ASSERT_EQ(runHaptolith(fmt::format("export {} --format csv --out {}", path("run.h5"), path("run.csv"))).exit_status,
+            0);
   const ProgramResult exported =
       runHaptolith(fmt::format("export {} --format lammps --out {}", path("run.h5"), path("l")));
   ASSERT_EQ(exported.exit_status, 0) << exported.errors;
@@ -182,22 +185,22 @@ TEST_F(ToLammps, ComesNothingThatIsNoDump) {
   const ProgramResult no_scene = runHaptolith(fmt::format("import {} --out {}", path("no.txt"), path("x.toml")));
   EXPECT_EQ(no_scene.exit_status, 2);
   EXPECT_THAT(no_scene.errors, HasSubstr("scene"));
-  const ProgramResult no_dump = runHaptolith(
-      fmt::format("import {} --scene {} --out {}", path("no.txt"), path("springs.toml"), path("x.toml")));
+  const ProgramResult no_dump =
+      runHaptolith(fmt::format("import {} --scene {} --out {}", path("no.txt"), path("springs.toml"), path("x.toml")));
   EXPECT_EQ(no_dump.exit_status, 2);
   EXPECT_THAT(no_dump.errors, HasSubstr("no.txt:1"));
   EXPECT_FALSE(fs::exists(path("x.toml")));
   EXPECT_FALSE(fs::exists(path("x.csv")));
-  EXPECT_EQ(runHaptolith(fmt::format("import {} --scene {} --out {}", path("no.txt"), path("springs.toml"),
-                                     path("x.csv")))
-                .exit_status,
-            2)
+  EXPECT_EQ(
+      runHaptolith(fmt::format("import {} --scene {} --out {}", path("no.txt"), path("springs.toml"), path("x.csv")))
+          .exit_status,
+      2)
       << "a scene's name ends in .toml";
   std::ofstream(folder_ / "x.toml") << "mine";
-  EXPECT_EQ(runHaptolith(fmt::format("import {} --scene {} --out {}", path("no.txt"), path("springs.toml"),
-                                     path("x.toml")))
-                .exit_status,
-            1)
+  EXPECT_EQ(
+      runHaptolith(fmt::format("import {} --scene {} --out {}", path("no.txt"), path("springs.toml"), path("x.toml")))
+          .exit_status,
+      1)
       << "no file is written over unasked";
 }
 

@@ -43,8 +43,8 @@ class LammpsDump : public testing::Test {
 constexpr const char* kHeading = "id type x y z radius vx vy vz";
 
 TEST_F(LammpsDump, GivesGrainsInTheOrderOfTheirIds) {
-  const LammpsPicture read = readLammpsDump(
-      with(picture(400, kHeading, "2 3 0.1 0.2 0.3 0.004 0 0 0\n1 1 -0.1 -0.2 1e-2 0.005 1 2 3\n", 2)));
+  const LammpsPicture read =
+      readLammpsDump(with(picture(400, kHeading, "2 3 0.1 0.2 0.3 0.004 0 0 0\n1 1 -0.1 -0.2 1e-2 0.005 1 2 3\n", 2)));
   EXPECT_EQ(read.step, 400);
   EXPECT_EQ(read.number, 1U);
   ASSERT_EQ(read.grains.size(), 2U);
@@ -72,12 +72,13 @@ TEST_F(LammpsDump, TakesTheGrainsOwnRadii) {
 }
 
 TEST_F(LammpsDump, GivesTheLastThatIsWhole) {
-  const std::string two = picture(0, kHeading, "1 1 0 0 1 0.004 0 0 0\n", 1) +
-                          picture(100, kHeading, "1 1 0 0 2 0.004 0 0 0\n", 1);
+  const std::string two =
+      picture(0, kHeading, "1 1 0 0 1 0.004 0 0 0\n", 1) + picture(100, kHeading, "1 1 0 0 2 0.004 0 0 0\n", 1);
   EXPECT_EQ(readLammpsDump(with(two)).step, 100);
   EXPECT_EQ(readLammpsDump(with(two), 1).step, 0);
-  const std::string cut = two + "ITEM: TIMESTEP\n200\nITEM: NUMBER OF ATOMS\n2\nITEM: BOX BOUNDS ff ff ff\n0 1\n0 1\n0 1\n"
-                                "ITEM: ATOMS id type x y z radius\n1 1 0 0 3 0.004\n";
+  const std::string cut = two +
+                          "ITEM: TIMESTEP\n200\nITEM: NUMBER OF ATOMS\n2\nITEM: BOX BOUNDS ff ff ff\n0 1\n0 1\n0 1\n"
+                          "ITEM: ATOMS id type x y z radius\n1 1 0 0 3 0.004\n";
   EXPECT_EQ(readLammpsDump(with(cut)).step, 100);
   EXPECT_THAT(errorOf(two, 3), HasSubstr("has 2 whole pictures"));
 }

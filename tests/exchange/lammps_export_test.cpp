@@ -56,7 +56,7 @@ TEST(LammpsExport, WritesEachGrainWithItsSizeAndMass) {
     EXPECT_NEAR(x, p.x, 1e-8);
     EXPECT_NEAR(z, p.z, 1e-8);
   }
-  EXPECT_THAT(files.setup, HasSubstr("The law of contacts is the same"));
+  EXPECT_THAT(files.setup, HasSubstr("The same, too: sizes, and the law of contacts"));
   EXPECT_THAT(files.setup, HasSubstr("vector 0 0 -1.625"));
   EXPECT_THAT(files.setup, Not(HasSubstr("group           tool")));
   EXPECT_THAT(files.path, HasSubstr("run             5000"));
@@ -114,42 +114,42 @@ TEST(LammpsExport, LetsTheToolGoItsWay) {
   EXPECT_EQ(steps, 1000);
 }
 
-TEST(LammpsExport, PullsAcrossGapsByATable) {
+TEST(LammpsExport, AddsWhatIsLackingByATableOfElevenSizes) {
   BedParameters parameters = springs();
   parameters.soil.contact_cohesion_n = 0.2;
   const Bed bed(parameters);
   const LammpsFiles files = lammpsFiles(bed, {.dt_s = 1e-4, .duration_s = 1});
-  EXPECT_EQ(files.soil_types, 5);
-  EXPECT_THAT(files.setup, HasSubstr("group           soil type 1:5"));
-  EXPECT_THAT(files.setup, HasSubstr("group           held type 6"));
-  EXPECT_THAT(files.setup, HasSubstr("hybrid/overlay granular table linear 2000"));
-  EXPECT_THAT(files.setup, HasSubstr("pair_coeff      2 4 table pull.table PULL_4"));
-  // Two of the middle size: nothing where they touch, F_c halfway, nothing from the range on, and energies that fall.
-  const std::vector<std::string> rows = section(files.table.substr(files.table.find("PULL_4")), "N ");
-  ASSERT_EQ(rows.size(), 1500U);
-  double strongest_n = 0, before_j = 0, before_m = 0, before_n = 0, apart = 0;
+  EXPECT_EQ(files.soil_types, 11);
+  EXPECT_THAT(files.setup, HasSubstr("group           soil type 1:11"));
+  EXPECT_THAT(files.setup, HasSubstr("group           held type 12"));
+  EXPECT_THAT(files.setup, HasSubstr("hybrid/overlay granular table linear 4000"));
+  EXPECT_THAT(files.setup, HasSubstr("pair_coeff      2 4 table rest.table REST_4"));
+  // Two of the middle size.
+  const std::vector<std::string> rows = section(files.table.substr(files.table.find("REST_10\n")), "N ");
+  ASSERT_EQ(rows.size(), 2000U);
+  double before_j = 0, before_m = 0, before_n = 0, apart = 0;
   for (const std::string& row : rows) {
     double number = 0, a_m = 0, energy_j = 0, force_n = 0;
     std::istringstream(row) >> number >> a_m >> energy_j >> force_n;
-    EXPECT_NEAR(force_n, a_m < bed.law().diameter_m ? 0 : contactForce(bed.law(), a_m), 1e-6);
-    strongest_n = std::min(strongest_n, force_n);
-    if (number > 1 && a_m > bed.law().diameter_m + 1e-5) {
+    EXPECT_NEAR(force_n, number == 2000 ? 0 : restForce(files.law, bed.law(), 0, a_m), 1e-6);
+    if (number > 1) {
       apart = std::max(apart, std::abs((before_j - energy_j) / (a_m - before_m) - (force_n + before_n) / 2));
     }
     before_j = energy_j;
     before_m = a_m;
     before_n = force_n;
   }
-  EXPECT_NEAR(strongest_n, -0.2, 1e-4);
-  EXPECT_LT(apart, 2e-3);
-  // Grains of each bin are within a fifth of all sizes of its middle.
+  EXPECT_LT(apart, 1e-2) << "energies fall by what forces do";
+  // Each grain is of its bin's size.
   const auto atoms = section(files.data, "Atoms # sphere");
+  const double spread_m = 0.2 * bed.parameters().soil.radius_m;
   for (std::size_t i = 0; i < bed.particles(); ++i) {
     std::istringstream row(atoms[i]);
-    double id = 0, type = 0;
-    row >> id >> type;
-    const double middle_m = 0.2 * bed.parameters().soil.radius_m * ((2 * type - 1) / 5 - 1);
-    EXPECT_LE(std::abs(bed.state().position[i].w - middle_m), 0.2 * bed.parameters().soil.radius_m / 5 + 1e-9);
+    double id = 0, type = 0, diameter_m = 0;
+    row >> id >> type >> diameter_m;
+    const double middle_m = spread_m * ((2 * type - 1) / 11 - 1);
+    EXPECT_LE(std::abs(bed.state().position[i].w - middle_m), spread_m / 11 + 1e-9);
+    EXPECT_NEAR(diameter_m / 2, bed.parameters().soil.radius_m + middle_m + files.law.larger_m, 1e-9);
   }
 }
 

@@ -35,8 +35,9 @@ TEST(GranularLaw, IsTheSameForSprings) {
   const GranularLaw law = granularLaw(bed);
   EXPECT_TRUE(law.exact);
   EXPECT_EQ(law.spread_of_fit, 0);
-  EXPECT_FALSE(law.grains.coheres);
-  EXPECT_EQ(law.smaller_m, 0);
+  EXPECT_FALSE(law.grains.hertz);
+  EXPECT_EQ(law.larger_m, 0);
+  EXPECT_EQ(law.wall_behind_m, 0);
   EXPECT_DOUBLE_EQ(law.grains.stiffness, 1000);
   EXPECT_DOUBLE_EQ(law.grains.across_n_m, 500);
   // zeta of the critical damping of a pair that bounces: 2 sqrt(m/2 k).
@@ -57,74 +58,70 @@ TEST(GranularLaw, HasTheWallAsAMirror) {
                    law.grains.across_damping * law.grains.damping_n_s_m);
 }
 
-TEST(GranularLaw, IsTheNearestLineForOtherSoil) {
+/// Soil that cannot be told to LAMMPS exactly: that of lunar-0-15cm, with cohesion or without.
+BedParameters lunar(double cohesion_n) {
   SoilParameters soil = springs();
-  soil.gamma_nm /= 20;
-  BedParameters parameters = bedOf(soil);
-  parameters.depth_m = 0.2;
-  const Bed bed(parameters);
-  const GranularLaw law = granularLaw(bed);
-  EXPECT_FALSE(law.exact);
-  EXPECT_FALSE(law.grains.coheres);
-  EXPECT_GT(law.smaller_m, 0);  // a hyperbola bends upwards: the line begins later
-  EXPECT_LT(law.smaller_m, 0.1 * soil.radius_m);
-  EXPECT_LT(law.grains.stiffness, soil.stiffness_n_m);
-  EXPECT_GT(law.grains.stiffness, soil.gamma_nm / std::pow(2 * soil.radius_m - bed.law().a_min_m, 2));
-  EXPECT_LT(law.spread_of_fit, 0.1);
-}
-
-TEST(GranularLaw, CoheresAsTheSoilDoes) {
-  SoilParameters soil = springs();  // those of lunar-0-15cm
   soil.gamma_nm = 6e-5;
   soil.rho0_kg_m3 = 1400;
   soil.rho_max_kg_m3 = 1801.4;
   soil.stiffness_n_m = 3000;
-  soil.contact_cohesion_n = 0.24;
+  soil.contact_cohesion_n = cohesion_n;
   BedParameters parameters = bedOf(soil);
   parameters.gravity_m_s2 = {0, 0, -60};  // pressed as in a test under load
-  const Bed bed(parameters);
+  return parameters;
+}
+
+double hertz(const GranularLaw& law, const ContactLaw& contact, double distance_m) {
+  const double radii_m = contact.diameter_m + 2 * law.larger_m;
+  const double overlap_m = std::max(0.0, radii_m - distance_m);
+  return law.grains.stiffness * std::sqrt(radii_m / 4) * std::pow(overlap_m, 1.5);
+}
+
+TEST(GranularLaw, IsWithItsTableTheLawAlongTheNormal) {
+  for (const double cohesion_n : {0.0, 0.24}) {
+    const Bed bed(lunar(cohesion_n));
+    const GranularLaw law = granularLaw(bed);
+    EXPECT_FALSE(law.exact);
+    EXPECT_TRUE(law.grains.hertz);
+    for (double a_m = 0.011; a_m < bed.law().cutoff_m; a_m += 1e-4) {
+      EXPECT_NEAR(hertz(law, bed.law(), a_m) + restForce(law, bed.law(), 0, a_m), contactForce(bed.law(), a_m), 1e-9);
+    }
+    // Larger grains do the same further apart, but for the curve of their surfaces.
+    EXPECT_NEAR(restForce(law, bed.law(), 1e-3, 0.0135 + 1e-3), restForce(law, bed.law(), 0, 0.0135), 0.02);
+    EXPECT_EQ(restForce(law, bed.law(), 0, bed.law().cutoff_m + 2e-3), 0);
+  }
+}
+
+TEST(GranularLaw, LimitsFrictionByAboutWhatTheSoilDoes) {
+  const Bed with_cohesion(lunar(0.24)), without(lunar(0));
+  const GranularLaw coheres = granularLaw(with_cohesion), slides = granularLaw(without);
+  EXPECT_LT(coheres.spread_of_fit, 0.35);
+  EXPECT_LT(slides.spread_of_fit, 0.35);
+  EXPECT_GT(coheres.larger_m, 0) << "cohesion limits friction before grains touch";
+  EXPECT_LT(slides.larger_m, 0) << "a hyperbola bends upwards, so Hertz' law begins later";
+  // Grains that just touch: F_c, and nothing.
+  const double touch_m = with_cohesion.law().diameter_m;
+  EXPECT_NEAR(hertz(coheres, with_cohesion.law(), touch_m), 0.24, 0.12);
+  EXPECT_EQ(hertz(slides, without.law(), touch_m), 0);
+}
+
+TEST(GranularLaw, HasAWallThatBeginsWhereGrainsDo) {
+  const Bed bed(lunar(0.24));
   const GranularLaw law = granularLaw(bed);
-  EXPECT_FALSE(law.exact);
-  EXPECT_TRUE(law.grains.coheres);
-  EXPECT_DOUBLE_EQ(law.grains.pull_n, 0.12);
-  EXPECT_THAT(law.grains.text(), HasSubstr("jkr "));
-  EXPECT_LT(law.spread_of_fit, 0.2);
-  EXPECT_DOUBLE_EQ(law.wall.pull_n, law.grains.pull_n);
+  EXPECT_FALSE(law.wall.hertz);
+  EXPECT_LE(law.wall.stiffness, 2 * bed.parameters().soil.stiffness_n_m);
+  // The spheres are larger than the grains, and the wall stands back by at least as much.
+  EXPECT_GE(law.wall_behind_m, law.larger_m);
+  EXPECT_LT(law.wall_behind_m, law.larger_m + 0.2 * bed.parameters().soil.radius_m);
 }
 
-TEST(JkrForce, IsWhatLammpsGives) {
-  // `pair_coeff * * jkr 484403 0.36 0 3.72`, two spheres of 7 mm that overlap by 0.1 mm, LAMMPS of 29 September 2021.
-  const double pull_n = 3 * M_PI * 3.72 * 3.5e-3;
-  EXPECT_NEAR(jkrForce(1e-4, 484403.0 / 2, pull_n, 3.5e-3), -0.081185035, 1e-8);
-  // fix wall/gran granular with the same numbers, 0.05 mm in it.
-  EXPECT_NEAR(jkrForce(5e-5, 484403.0 / 2, 2 * pull_n, 7e-3), -0.19894836, 1e-7);
-}
-
-TEST(JkrForce, IsHertzWithoutAPull) {
-  for (const double overlap_m : {1e-6, 1e-4, 1e-3}) {
-    EXPECT_NEAR(jkrForce(overlap_m, 1e6, 0, 3e-3), 4.0 / 3 * 1e6 * std::sqrt(3e-3) * std::pow(overlap_m, 1.5), 1e-9);
-  }
-}
-
-TEST(JkrForce, OfAWallIsThatOfAMirrorImage) {
-  // Twice as stiff, the same pull, twice the effective radius, half the overlap.
-  for (const double overlap_m : {0.0, 1e-5, 1e-4, 1e-3}) {
-    const double pair_n = jkrForce(overlap_m, 3e5, 0.1, 3.5e-3);
-    EXPECT_NEAR(jkrForce(overlap_m / 2, 6e5, 0.1, 7e-3), pair_n, 1e-9 + 1e-9 * std::abs(pair_n));
-  }
-}
-
-TEST(GranularLaw, HasARestitutionForEveryDamping) {
-  for (const double zeta : {0.02, 0.1, 0.2, 0.35, 0.5}) {
-    const double e = restitutionOf(zeta);
-    // Tsuji, Tanaka and Ishida's damping as LAMMPS has it, a polynomial of sixth order.
-    const double alpha = 1.2728 - 4.2783 * e + 11.087 * e * e - 22.348 * std::pow(e, 3) + 27.467 * std::pow(e, 4) -
-                         18.022 * std::pow(e, 5) + 4.8218 * std::pow(e, 6);
-    EXPECT_NEAR(alpha, 2 * zeta * std::sqrt(1.5), 1e-9) << zeta;
-    EXPECT_GT(e, 0);
-    EXPECT_LT(e, 1);
-  }
-  EXPECT_GT(restitutionOf(0.1), restitutionOf(0.2));
+TEST(GranularLaw, HasALawForSoilThatDoesNotLieYet) {
+  BedParameters two = lunar(0.24);
+  two.start = BedStart::kRain;
+  two.particles = 2;
+  const GranularLaw law = granularLaw(Bed(two));
+  EXPECT_GT(law.grains.stiffness, 0);
+  EXPECT_GT(law.wall.stiffness, 0);
 }
 
 TEST(GranularLaw, RefusesWhatNoStyleHas) {

@@ -22,8 +22,9 @@ class GrainsInAScene : public testing::Test {
  protected:
   GrainsInAScene() : folder_(fs::path(testing::TempDir()) / fmt::format("haptolith_grains_{}", getpid())) {
     fs::create_directories(folder_);
-    write("bed.csv", "id,z_m,y_m,x_m,radius_m,held\n1,0.007,0.01,0.02,0.0075,0\n2,0.006,0,-0.07,0.0065,1\n"
-                     "3,0.007,-0.01,0,0.007,0\n");
+    write("bed.csv",
+          "id,z_m,y_m,x_m,radius_m,held\n1,0.007,0.01,0.02,0.0075,0\n2,0.006,0,-0.07,0.0065,1\n"
+          "3,0.007,-0.01,0,0.007,0\n");
     write("free.csv", "x_m,y_m,z_m,radius_m\n# nobody is held\n0,0,0.007,0.007\n");
   }
   ~GrainsInAScene() override { fs::remove_all(folder_); }

@@ -215,7 +215,8 @@ void exportRecording(const ExportOptions& options) {
 
 void addExportCommand(CLI::App& app) {
   auto options = std::make_shared<ExportOptions>();
-  CLI::App* command = app.add_subcommand("export", "Convert a recording or a scene for other programs: CSV, XDMF, VTK or LAMMPS");
+  CLI::App* command =
+      app.add_subcommand("export", "Convert a recording or a scene for other programs: CSV, XDMF, VTK or LAMMPS");
   command->footer(kExamples);
   command->add_option("file", options->file, "A recording (.h5); for lammps a scene, too")
       ->required()
@@ -229,14 +230,17 @@ void addExportCommand(CLI::App& app) {
       ->check(oneOf({"csv", "particles-csv", "robot-csv", "xdmf", "vtk", "lammps"}))
       ->option_text("csv|particles-csv|robot-csv|xdmf|vtk|lammps");
   command
-      ->add_option("--out", options->out, "Where to: a file, for xdmf, vtk and lammps a new folder [named after the recording]")
+      ->add_option("--out", options->out,
+                   "Where to: a file, for xdmf, vtk and lammps a new folder [named after the recording]")
       ->option_text("PATH");
   command->add_flag("--no-replay", options->no_replay,
                     "Do not compute the run again: what is in the recording, at once, without velocities");
-  command->add_option("--set", options->overrides, "lammps: another value of one of the scene's keys; again for another")
+  command
+      ->add_option("--set", options->overrides, "lammps: another value of one of the scene's keys; again for another")
       ->option_text("TABLE.KEY=VALUE");
   command
-      ->add_option("--from-s", options->from_s, "lammps: the bed as it is then in the recording, and the tool from there on")
+      ->add_option("--from-s", options->from_s,
+                   "lammps: the bed as it is then in the recording, and the tool from there on")
       ->check(numberIn({0, 1e9}))
       ->option_text("SECONDS [0]");
   command->add_option("--run-s", options->duration_s, "lammps: how long a scene's bed runs, without a tool")

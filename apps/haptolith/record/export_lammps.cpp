@@ -48,24 +48,24 @@ void write(const LammpsExportOptions& options, const Scenario& scene, const Bed&
   const AtomicFolder folder(folderFor(options));
   folder.write("bed.data", files.data);
   if (!files.table.empty()) {
-    folder.write("pull.table", files.table);
+    folder.write("rest.table", files.table);
   }
   folder.write("in.haptolith", files.input());
   folder.write("scene.toml", scenarioText(scene));
   folder.commit();
-  printText(savedText(folder.path(),
-                      files.tool_spheres > 0
-                          ? fmt::format("{} grains and a tool of {} spheres", bed.particles(), files.tool_spheres)
-                          : fmt::format("{} grains", bed.particles())));
+  printText(savedText(folder.path(), files.tool_spheres > 0 ? fmt::format("{} grains and a tool of {} spheres",
+                                                                          bed.particles(), files.tool_spheres)
+                                                            : fmt::format("{} grains", bed.particles())));
   if (!files.law.exact) {
     spdlog::warn(
         "LAMMPS has no style for this soil's law of contacts: the nearest is written, and in.haptolith says what "
         "differs; without cohesion, and with soil.gamma_nm = {:.4g}, contacts are springs, which LAMMPS has",
         (1 - 3e-4) * linearGamma(scene.bed.soil));  // rounded, still no more than k allows
   }
-  printText(fmt::format("  cd {} && lmp -in in.haptolith          (Debian's package lammps)\n"
-                        "  haptolith import {}/soil.lammpstrj --out dug.toml\n",
-                        folder.path().string(), folder.path().string()));
+  printText(
+      fmt::format("  cd {} && lmp -in in.haptolith          (Debian's package lammps)\n"
+                  "  haptolith import {}/soil.lammpstrj --out dug.toml\n",
+                  folder.path().string(), folder.path().string()));
 }
 
 void exportScene(const LammpsExportOptions& options) {
@@ -89,9 +89,10 @@ std::vector<TimedPose> pathOf(const RecordingReader& recording, double from_s) {
         continue;
       }
       if ((tick.flags & (kTickSceneChanged | kTickSoilAdjusted)) != 0) {
-        throw Failure(fmt::format("somebody changed the scene {:.3f} s after the recording's beginning: what comes "
-                                  "after that is of other soil or another tool",
-                                  tick.time_s));
+        throw Failure(
+            fmt::format("somebody changed the scene {:.3f} s after the recording's beginning: what comes "
+                        "after that is of other soil or another tool",
+                        tick.time_s));
       }
       path.push_back({tick.time_s, tick.scene_T_tool});
     }

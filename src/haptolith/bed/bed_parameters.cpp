@@ -33,7 +33,8 @@ int grainClasses(const BedParameters& bed) {
 }
 
 bool GivenGrains::operator==(const GivenGrains& other) const {
-  const bool same_grains = grains == other.grains || (count() == other.count() && count() > 0 && *grains == *other.grains);
+  const bool same_grains =
+      grains == other.grains || (count() == other.count() && count() > 0 && *grains == *other.grains);
   return held == other.held && (same_grains || count() + other.count() == 0);
 }
 

@@ -277,9 +277,10 @@ void Bed::findHold(double dt_s, double rest_m_s, const SettleProgress& progress)
   double time_s = 0;
   do {
     if (time_s >= kLongestLaying_s) {
-      throw Failure(fmt::format("the soil did not come to rest where it was laid within {:g} s: its fastest particle "
-                                "still moves at {:.2g} m/s",
-                                kLongestLaying_s, largestSpeed()));
+      throw Failure(
+          fmt::format("the soil did not come to rest where it was laid within {:g} s: its fastest particle "
+                      "still moves at {:.2g} m/s",
+                      kLongestLaying_s, largestSpeed()));
     }
     for (int i = 0; i < kStepsBetweenLooks; ++i) {
       if (const StepStatus status = step(dt_s); status != StepStatus::kOk) {

@@ -21,14 +21,14 @@ struct DumpedGrain {
 /// One of a dump's pictures.
 struct LammpsPicture {
   std::int64_t step = 0;
-  std::size_t number = 0;  ///< in the file, 1 is the first
+  std::size_t number = 0;           ///< in the file, 1 is the first
   std::vector<DumpedGrain> grains;  ///< in the order of their ids
 };
 
 /// Reads a text file of `dump custom` (or `dump atom` and others with such headings) that has the columns id, x, y, z
-/// and radius, in whatever order and among others; type where there is one, else 1. A variable of the script's, v_radius
-/// or v_type, goes before what LAMMPS itself has of that name. A file that its writer has not
-/// finished has the pictures that are whole.
+/// and radius, in whatever order and among others; type where there is one, else 1. A variable of the script's,
+/// v_radius or v_type, goes before what LAMMPS itself has of that name. A file that its writer has not finished has the
+/// pictures that are whole.
 /// @param number  which picture, 1 is the first; none: the last that is whole.
 /// @param progress  told how many pictures were passed over; false gives up.
 /// @throws InvalidParameter with file, line and what is missing for a file that is no such dump, or that has no such

@@ -17,9 +17,9 @@ namespace haptolith {
 
 namespace {
 
-constexpr double kToolTold_s = 1e-3;      ///< mean forces on the tool are told so often
-constexpr double kKey_s = 0.01;           ///< from pose to pose of the tool
-constexpr double kMostSphere = 1.0 / 3;   ///< of a tool, in radii of the soil
+constexpr double kToolTold_s = 1e-3;     ///< mean forces on the tool are told so often
+constexpr double kKey_s = 0.01;          ///< from pose to pose of the tool
+constexpr double kMostSphere = 1.0 / 3;  ///< of a tool, in radii of the soil
 
 double densityOf(double mass_kg, double radius_m) {
   return mass_kg / (4.0 / 3 * std::numbers::pi * radius_m * radius_m * radius_m);
@@ -36,46 +36,65 @@ std::vector<int> kindsOf(const Bed& bed, const LammpsRun& run) {
   return kinds;
 }
 
-/// Sizes of grains that a table is made for: a table knows distances, not gaps.
+/// The sizes that grains have where a table is needed, which knows distances and not radii.
 class SizeBins {
  public:
-  explicit SizeBins(const SoilParameters& soil)
-      : radius_m_(soil.radius_m), spread_(soil.size_spread), count_(soil.contact_cohesion_n > 0 && spread_ > 0 ? 5 : 1) {}
+  SizeBins(const SoilParameters& soil, bool needs_table)
+      : half_m_(soil.size_spread * soil.radius_m),
+        count_(needs_table && half_m_ > 0 ? kMost : 1),
+        quantised_(needs_table) {}
 
   [[nodiscard]] int count() const noexcept { return count_; }
   /// 0 is that of the smallest.
   [[nodiscard]] int of(double excess_m) const noexcept {
-    const double place = spread_ > 0 ? (excess_m / (spread_ * radius_m_) + 1) / 2 : 0.5;
+    const double place = half_m_ > 0 ? (excess_m / half_m_ + 1) / 2 : 0.5;
     return std::clamp(static_cast<int>(place * count_), 0, count_ - 1);
   }
-  /// By how much two grains' radii add up to more than 2 R.
-  [[nodiscard]] double excess(int both) const noexcept {
-    return spread_ * radius_m_ * (static_cast<double>(2 * both + 2) / count_ - 2);
+  /// By how much a grain's radius exceeds R in LAMMPS.
+  [[nodiscard]] double sizeOf(double excess_m) const noexcept {
+    return quantised_ ? more(2 * of(excess_m)) / 2 : excess_m;
+  }
+  /// By how much two grains' radii, of bins that add up to `both`, exceed 2 R.
+  [[nodiscard]] double more(int both) const noexcept {
+    return half_m_ * (static_cast<double>(2 * both + 2) / count_ - 2);
   }
 
  private:
-  double radius_m_, spread_;
+  static constexpr int kMost = 11;
+
+  double half_m_;
   int count_;
+  bool quantised_;
 };
 
 std::string tableName(int both) {
-  return fmt::format("PULL_{}", both);
+  return fmt::format("REST_{}", both);
 }
 
-/// F_c's pull across the gap between two grains, of each sum of two bins.
-std::string tableText(const Bed& bed, const SizeBins& bins) {
-  constexpr int kRows = 1500;
-  const ContactLaw& law = bed.law();
-  std::string text = "# What pulls grains of haptolith's soil together that do not touch, over the distance of their centres.\n";
+/// Up to what distance grains act on each other, in m.
+double reachOf(const Bed& bed, const GranularLaw& law, double more_m) {
+  return std::max(bed.law().cutoff_m, bed.law().diameter_m + 2 * law.larger_m) + more_m;
+}
+
+/// restForce() of each sum of two bins.
+std::string tableText(const Bed& bed, const GranularLaw& law, const SizeBins& bins) {
+  constexpr int kRows = 2000;
+  std::string text = "# What `granular` lacks of haptolith's contact law, over the distance of two grains.\n";
   for (int both = 0; both <= 2 * (bins.count() - 1); ++both) {
-    const double more_m = bins.excess(both);
-    const double first_m = law.diameter_m / 4, last_m = law.cutoff_m + more_m;
+    const double more_m = bins.more(both);
+    const double first_m = bed.law().diameter_m / 2, last_m = reachOf(bed, law, more_m);
+    const double step_m = (last_m - first_m) / (kRows - 1);
+    std::vector<double> force_n(kRows), energy_j(kRows);
+    for (int row = kRows - 2; row >= 0; --row) {  // nothing at the end
+      const auto at = static_cast<std::size_t>(row);
+      force_n[at] = restForce(law, bed.law(), more_m, first_m + row * step_m);
+      energy_j[at] = energy_j[at + 1] + step_m * (force_n[at] + force_n[at + 1]) / 2;
+    }
     fmt::format_to(std::back_inserter(text), "\n{}\nN {} R {:.9g} {:.9g}\n\n", tableName(both), kRows, first_m, last_m);
     for (int row = 0; row < kRows; ++row) {
-      const double a_m = first_m + (last_m - first_m) * row / (kRows - 1);
-      const double gap_m = std::max(a_m - more_m, law.diameter_m);
-      fmt::format_to(std::back_inserter(text), "{} {:.9g} {:.9g} {:.9g}\n", row + 1, a_m, contactEnergy(law, gap_m),
-                     a_m - more_m < law.diameter_m ? 0 : contactForce(law, gap_m));
+      const auto at = static_cast<std::size_t>(row);
+      fmt::format_to(std::back_inserter(text), "{} {:.9g} {:.9g} {:.9g}\n", row + 1, first_m + row * step_m,
+                     energy_j[at], force_n[at]);
     }
   }
   return text;
@@ -96,7 +115,7 @@ Box boxOf(const BedParameters& bed) {
 
 std::string dataText(const Bed& bed, const LammpsRun& run, const LammpsFiles& files, const ToolSpheres& spheres) {
   const std::vector<int> kinds = kindsOf(bed, run);
-  const SizeBins bins(bed.parameters().soil);
+  const SizeBins bins(bed.parameters().soil, !files.law.exact);
   const BedParameters& parameters = bed.parameters();
   const double radius_m = parameters.soil.radius_m;
   const Box box = boxOf(parameters);
@@ -124,14 +143,14 @@ std::string dataText(const Bed& bed, const LammpsRun& run, const LammpsFiles& fi
       top_m);
   for (std::size_t i = 0; i < bed.particles(); ++i) {
     const Float4& p = bed.state().position[i];
-    const double grain_m = radius_m + p.w - files.law.smaller_m;
+    const double grain_m = radius_m + bins.sizeOf(p.w) + files.law.larger_m;
     const int type = kinds[i] == LammpsRun::kSoil ? 1 + bins.of(p.w) : files.typeOf(kinds[i]);
     appendAtom(text, i + 1, type, grain_m, densityOf(bed.mass(), grain_m), {p.x, p.y, p.z});
   }
   const Pose start = run.path.empty() ? Pose{} : run.path.front().scene_T_tool;
   for (std::size_t i = 0; i < spheres.centres_tool_m.size(); ++i) {
-    appendAtom(text, bed.particles() + i + 1, files.typeOf(LammpsRun::kTool), spheres.radius_m, parameters.soil.rho0_kg_m3,
-               start.position_m + start.orientation * spheres.centres_tool_m[i]);
+    appendAtom(text, bed.particles() + i + 1, files.typeOf(LammpsRun::kTool), spheres.radius_m,
+               parameters.soil.rho0_kg_m3, start.position_m + start.orientation * spheres.centres_tool_m[i]);
   }
   text += "\nVelocities\n\n";
   for (std::size_t i = 0; i < bed.particles() + spheres.centres_tool_m.size(); ++i) {
@@ -143,22 +162,17 @@ std::string dataText(const Bed& bed, const LammpsRun& run, const LammpsFiles& fi
 
 std::string remarks(const GranularLaw& law, const ToolSpheres& spheres) {
   std::string text =
-      "# The same as in haptolith: places, sizes and masses; grains that do not turn; gravity; walls and floor, which\n"
+      "# The same as in haptolith: places and masses; grains that do not turn; gravity; walls and floor, which\n"
       "# answer like a grain's mirror image; Cundall and Strack's friction; the step.\n";
   if (law.exact) {
-    text += "# The law of contacts is the same, a spring and a damper that never pulls.\n";
+    text += "# The same, too: sizes, and the law of contacts, a spring and a damper that never pulls.\n";
   } else {
     text += fmt::format(
-        "# NEARLY: this soil's law of contacts is not among LAMMPS' styles. Here it is {}, as stiff as is nearest to\n"
-        "# the forces of this bed's contacts (RMS of the difference: {:.0f} %), of spheres whose radii are {:.3g} mm {}\n"
-        "# than the grains'. docs/lammps.md says what that does to the soil's strength.\n",
-        law.grains.coheres ? "that of Johnson, Kendall and Roberts" : "a spring", 100 * law.spread_of_fit,
-        1e3 * std::abs(law.smaller_m), law.smaller_m < 0 ? "larger" : "smaller");
-  }
-  if (law.grains.coheres) {
-    text +=
-        "# Across gaps grains pull as here, each as large as its fifth of all sizes; walls and the tool pull only what\n"
-        "# touches them.\n";
+        "# The same but for the sizes, which are eleven: what acts along the normal, of Hertz' law and a table.\n"
+        "# NEARLY: what limits friction is Hertz' part, which is off by {:.0f} % (RMS) in this bed as it lies; walls "
+        "are\n"
+        "# springs that do not cohere. docs/lammps.md says what that does to the soil's strength.\n",
+        100 * law.spread_of_fit);
   }
   text +=
       "# Not the same: where a contact slides, LAMMPS puts the damper's force into the spring. What contacts remember\n"
@@ -171,23 +185,23 @@ std::string remarks(const GranularLaw& law, const ToolSpheres& spheres) {
   return text;
 }
 
-/// A side wall has its own share of the soil's friction and cohesion.
+/// A side wall has its own share of the soil's friction.
 GranularContact sideWall(const GranularLaw& law, double ratio) {
   GranularContact wall = law.wall;
   wall.friction *= ratio;
-  wall.pull_n *= ratio;
   return wall;
 }
 
 std::string setupText(const Bed& bed, const LammpsRun& run, const LammpsFiles& files, const ToolSpheres& spheres) {
   const BedParameters& parameters = bed.parameters();
   const GranularLaw& law = files.law;
-  const SizeBins bins(parameters.soil);
+  const SizeBins bins(parameters.soil, !law.exact);
   const bool has_tool = !spheres.centres_tool_m.empty();
   const Vec3& gravity = parameters.gravity_m_s2;
   const Box box = boxOf(parameters);
   std::string text = fmt::format(
-      "# '{}', by {}\n# LAMMPS of September 2021 (Debian 12) or newer, with the package GRANULAR: lmp -in in.haptolith\n"
+      "# '{}', by {}\n# LAMMPS of September 2021 (Debian 12) or newer, with the package GRANULAR: lmp -in "
+      "in.haptolith\n"
       "#                                                   mpirun -np 4 lmp -in in.haptolith\n"
       "# SI units. z is up, the floor at z = 0, x = y = 0 in the middle of the box.\n{}",
       plainText(run.title), plainText(run.program), remarks(law, spheres));
@@ -207,8 +221,8 @@ std::string setupText(const Bed& bed, const LammpsRun& run, const LammpsFiles& f
   add("timestep        {:.10g}", run.dt_s);
   const std::vector<int> kinds = kindsOf(bed, run);
   const int most_kind = *std::ranges::max_element(kinds);
-  const char* granular = law.grains.coheres ? " granular" : "";
-  add("pair_style      {}", law.grains.coheres ? "hybrid/overlay granular table linear 2000" : "granular");
+  const char* granular = law.exact ? "" : " granular";
+  add("pair_style      {}", law.exact ? "granular" : "hybrid/overlay granular table linear 4000");
   add("pair_coeff      * *{} {}", granular, law.grains.text());
   if (has_tool) {
     const GranularContact tool = granularContact(*run.tool, parameters.soil, run.dt_s);
@@ -216,19 +230,19 @@ std::string setupText(const Bed& bed, const LammpsRun& run, const LammpsFiles& f
     add("neigh_modify    exclude group tool tool\nneigh_modify    exclude group held tool");
     add("pair_coeff      1*{} {}{} {}", held_type, tool_type, granular, tool.text());
   }
-  if (law.grains.coheres) {
-    const auto pull = [&](int one, const std::string& other, int both) {
-      add("pair_coeff      {} {} table pull.table {} {:.9g}", one, other, tableName(both),
-          bed.law().cutoff_m + bins.excess(both));
+  if (!law.exact) {
+    const auto rest = [&](int one, const std::string& other, int both) {
+      add("pair_coeff      {} {} table rest.table {} {:.9g}", one, other, tableName(both),
+          reachOf(bed, law, bins.more(both)));
     };
     const int middle = bins.count() / 2;
     for (int one = 0; one < bins.count(); ++one) {
       for (int other = one; other < bins.count(); ++other) {
-        pull(one + 1, fmt::format("{}", other + 1), one + other);
+        rest(one + 1, fmt::format("{}", other + 1), one + other);
       }
-      pull(one + 1, fmt::format("{}", held_type), one + middle);
+      rest(one + 1, fmt::format("{}", held_type), one + middle);
       if (most_kind >= LammpsRun::kBody) {
-        pull(one + 1, fmt::format("{}*{}", files.typeOf(LammpsRun::kBody), files.typeOf(most_kind)), one + middle);
+        rest(one + 1, fmt::format("{}*{}", files.typeOf(LammpsRun::kBody), files.typeOf(most_kind)), one + middle);
       }
     }
   }
@@ -237,21 +251,21 @@ std::string setupText(const Bed& bed, const LammpsRun& run, const LammpsFiles& f
         gravity.y(), gravity.z());
   }
   add("fix             motion soil nve   # not nve/sphere: nothing turns");
-  add("fix             floor soil wall/gran granular {} zplane 0 NULL", law.wall.text());
+  add("fix             floor soil wall/gran granular {} zplane {:.9g} NULL", law.wall.text(), 0.0 - law.wall_behind_m);
   const std::string side = sideWall(law, wallRatio(parameters)).text();
   if (!parameters.periodic_x) {
-    add("fix             walls_x soil wall/gran granular {} xplane {:.9g} {:.9g}", side, -box.half_width_m,
-        box.half_width_m);
+    add("fix             walls_x soil wall/gran granular {} xplane {:.9g} {:.9g}", side,
+        -box.half_width_m - law.wall_behind_m, box.half_width_m + law.wall_behind_m);
   }
   if (!parameters.periodic_y) {
-    add("fix             walls_y soil wall/gran granular {} yplane {:.9g} {:.9g}", side, -box.half_length_m,
-        box.half_length_m);
+    add("fix             walls_y soil wall/gran granular {} yplane {:.9g} {:.9g}", side,
+        -box.half_length_m - law.wall_behind_m, box.half_length_m + law.wall_behind_m);
   }
   add("fix             even all balance 1000 1.1 shift xy 10 1.05   # for mpirun: as many grains on each rank");
   add("thermo          {}", std::max(1L, std::lround(0.1 / run.dt_s)));
   add("variable        type atom gmask(soil)+2*gmask(held){}", has_tool ? "+3*gmask(tool)" : "");
   add("compute         sphere all property/atom radius\nvariable        radius atom c_sphere{:+.9g}   # the grains'",
-      law.smaller_m);
+      0.0 - law.larger_m);
   add("dump            soil all custom {} soil.lammpstrj id v_type x y z v_radius vx vy vz",
       std::max(1L, std::lround(run.dump_every_s / run.dt_s)));
   return text;
@@ -333,7 +347,8 @@ thermo_style    custom step time ke c_on_tool[1] c_on_tool[2] c_on_tool[3]
 LammpsFiles lammpsFiles(const Bed& bed, const LammpsRun& run) {
   LammpsFiles files;
   files.law = granularLaw(bed);
-  files.soil_types = SizeBins(bed.parameters().soil).count();
+  const SizeBins bins(bed.parameters().soil, !files.law.exact);
+  files.soil_types = bins.count();
   ToolSpheres spheres;
   if (run.tool != nullptr) {
     if (run.tool->shape == ToolShape::kJaws) {
@@ -343,10 +358,12 @@ LammpsFiles lammpsFiles(const Bed& bed, const LammpsRun& run) {
       throw InvalidParameter("path", fmt::format("{} poses", run.path.size()), "at least 2");
     }
     spheres = toolSpheres(*run.tool, 0, kMostSphere * bed.parameters().soil.radius_m);
+    constexpr double kLeast_m = 1e-5;  // grains that are larger by more than that meet the tool too early
+    spheres.radius_m = std::max(kLeast_m, spheres.radius_m - files.law.larger_m);
   }
   files.tool_spheres = spheres.centres_tool_m.size();
   files.data = dataText(bed, run, files, spheres);
-  files.table = files.law.grains.coheres ? tableText(bed, SizeBins(bed.parameters().soil)) : "";
+  files.table = files.law.exact ? "" : tableText(bed, files.law, bins);
   files.setup = setupText(bed, run, files, spheres);
   files.path = run.tool == nullptr
                    ? fmt::format("\nrun             {}\n", std::max(1L, std::lround(run.duration_s / run.dt_s)))

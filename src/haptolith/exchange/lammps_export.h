@@ -19,10 +19,10 @@ struct TimedPose {
 /// What is to be done with a bed in LAMMPS.
 struct LammpsRun {
   std::string title = {};
-  std::string program = {};        ///< what writes it, with its version
-  double dt_s = 0;                 ///< of a step
-  double duration_s = 0;           ///< without a tool; with one its path says it
-  double dump_every_s = 0.1;       ///< from picture to picture
+  std::string program = {};   ///< what writes it, with its version
+  double dt_s = 0;            ///< of a step
+  double duration_s = 0;      ///< without a tool; with one its path says it
+  double dump_every_s = 0.1;  ///< from picture to picture
   const ToolParameters* tool = nullptr;
   std::vector<TimedPose> path = {};  ///< of the tool, at least two, in order of time
   /// What each particle is; empty: kSoil, and kHeld where it stands for ever. Bodies (kBody and more) are moved by
@@ -35,7 +35,7 @@ struct LammpsRun {
 /// An input script of LAMMPS in two parts, and what it reads.
 struct LammpsFiles {
   std::string data;   ///< bed.data
-  std::string table;  ///< pull.table, of soil that coheres; else empty
+  std::string table;  ///< rest.table, of soil whose law is not exactly LAMMPS'; else empty
   std::string setup;  ///< everything before the first step
   std::string path;   ///< how the tool goes, and the steps; without one the steps alone
   GranularLaw law;
@@ -48,8 +48,8 @@ struct LammpsFiles {
 };
 
 /// The bed as it lies, for LAMMPS: contacts by granularLaw(), walls as they are, grains that do not turn, a tool of
-/// spheres (toolSpheres()) that follows its path and whose force is told. Soil that coheres pulls across gaps by a table,
-/// grains of a fifth of all sizes alike. What contacts remember of slipping is left behind.
+/// spheres (toolSpheres()) that follows its path and whose force is told. What contacts remember of slipping is left
+/// behind.
 /// @throws InvalidParameter as granularLaw() and toolSpheres(); for jaws, which are not one rigid body, and for a path
 /// of fewer than two poses.
 [[nodiscard]] LammpsFiles lammpsFiles(const Bed& bed, const LammpsRun& run);

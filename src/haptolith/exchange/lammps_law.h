@@ -7,16 +7,13 @@
 
 namespace haptolith {
 
-/// What is between two bodies, in the words of LAMMPS' pair style `granular`: along the normal a spring with a damper
-/// beside it, F = k delta (`hooke`) or Johnson, Kendall and Roberts' law of bodies that cohere (`jkr`, jkrForce());
-/// across it Cundall and Strack's spring and slider. Friction is limited by mu F, with jkr by mu (F + 2 pull).
+/// What is between two bodies, in the words of LAMMPS' pair style `granular`: along the normal a spring, F = k delta
+/// (`hooke`) or F = K sqrt(r) delta^(3/2) (`hertz`), r = r1 r2 / (r1 + r2), and a damper beside it that never pulls;
+/// across it Cundall and Strack's spring and slider, which holds mu F at most.
 struct GranularContact {
-  bool coheres = false;       ///< jkr; else hooke, whose damper never pulls
-  double stiffness = 0;       ///< k in N/m, or E of the two together in Pa
-  double pull_n = 0;          ///< jkr: the largest
-  double effective_m = 0;     ///< jkr: radius r1 r2 / (r1 + r2) of two grains of mean size; of one at a wall its own
-  double damping_n_s_m = 0;   ///< hooke
-  double restitution = 1;     ///< jkr: by which LAMMPS knows damping that goes with sqrt(m k) ("tsuji")
+  bool hertz = false;
+  double stiffness = 0;  ///< k in N/m, or K in Pa
+  double damping_n_s_m = 0;
   double across_n_m = 0;      ///< k_t
   double across_damping = 0;  ///< c_t / c_n
   double friction = 0;        ///< mu
@@ -25,32 +22,27 @@ struct GranularContact {
   [[nodiscard]] std::string text() const;
 };
 
-/// The contacts of a bed for LAMMPS, and what they are not.
+/// The contacts of a bed for LAMMPS.
+///
+/// Where (paper 7) is a line and grains do not cohere, `granular` has the law itself. Other soil has Hertz' law for
+/// what limits friction, compression and cohesion together, as near as a stiffness and a distance at which it begins
+/// come to that of the contacts that the bed has now; and a table of what is lacking to the force along the normal
+/// (restForce()), which therefore is (paper 7)'s, with the pull across gaps. A table knows distances and not radii, so
+/// grains are then of a few sizes (SizeBins). Walls are springs that do not cohere.
 struct GranularLaw {
   GranularContact grains, wall;  ///< the wall is a grain's mirror image, as in haptolith
-  bool exact = true;             ///< (paper 7) is a line, and grains do not cohere
-  double smaller_m = 0;          ///< by how much grains' radii are less in LAMMPS, where forces begin later
-  double spread_of_fit = 0;      ///< where it is not exact: RMS of the difference of contact forces over their RMS
+  bool exact = true;
+  double larger_m = 0;       ///< by how much radii are more in LAMMPS than the grains' are
+  double wall_behind_m = 0;  ///< how far behind itself a wall stands there
+  double spread_of_fit = 0;  ///< by what share the limit of friction is off, RMS, each contact weighed by it
 };
 
-/// The law of a bed, as near as `granular` has one: (paper 7) itself where that is a line without cohesion. Other soil
-/// without cohesion has the line, and soil with cohesion the law of jkr, that are nearest to the forces of the contacts
-/// that the bed has now, stiffness and where they begin; with F_c / 2 to pull, which adds F_c to what friction is
-/// limited by, as in haptolith.
 /// @throws InvalidParameter for soil that no style of LAMMPS comes near: the paper's friction, grains of several
 /// sizes by classes, stones, which turn.
 [[nodiscard]] GranularLaw granularLaw(const Bed& bed);
 
-/// Force between two elastic spheres that cohere (Johnson, Kendall and Roberts 1971), as LAMMPS has it:
-///
-///     F = 4 E a^3 / (3 r) - 2 pi a^2 sqrt(4 gamma E / (pi a)),   delta = a^2 / r - 2 sqrt(pi gamma a / E)
-///
-/// @param overlap_m  delta, >= 0. @param pull_n  3 pi gamma r, the largest pull. @param effective_m  r.
-[[nodiscard]] double jkrForce(double overlap_m, double modulus_pa, double pull_n, double effective_m);
-
-/// The restitution from which LAMMPS' `damping tsuji` makes c = 2 zeta sqrt(m_eff dF/d delta) of Hertz' law, with its
-/// polynomial alpha(e) = 2 zeta sqrt(3/2). @param damping_ratio  zeta, 0 to 0.5.
-[[nodiscard]] double restitutionOf(double damping_ratio);
+/// What the table adds to the granular part, in N, for two grains whose radii add up to 2 R + `more_m`.
+[[nodiscard]] double restForce(const GranularLaw& law, const ContactLaw& contact, double more_m, double distance_m);
 
 /// Between a grain and each sphere of a tool (tool_spheres.h). @param dt_s  of a step: the tool's damper depends on it.
 [[nodiscard]] GranularContact granularContact(const ToolParameters& tool, const SoilParameters& soil, double dt_s);

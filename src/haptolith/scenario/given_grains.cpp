@@ -82,8 +82,8 @@ void readGrainsData(GivenGrains& given, std::string_view data) {
   const std::size_t colon = data.find(':');
   const std::optional<std::string> bytes =
       colon == std::string_view::npos ? std::nullopt : fromBase64(data.substr(colon + 1));
-  const bool counted = std::from_chars(data.data(), data.data() + std::min(colon, data.size()), given.held).ec ==
-                       std::errc();
+  const bool counted =
+      std::from_chars(data.data(), data.data() + std::min(colon, data.size()), given.held).ec == std::errc();
   if (!bytes || !counted || bytes->empty() || bytes->size() % sizeof(Grain) != 0) {
     throw InvalidParameter("grains_data", inQuotes(data.substr(0, 40)),
                            "how many grains are held, a colon, and the numbers of all of them in base64");

@@ -244,7 +244,8 @@ std::vector<ScenarioKey> allKeys() {
                    s.bed.start = BedStart::kGiven;
                  },
                  kOnlyRead},
-       "Where each grain is: a .csv file beside the scene file (below), as `haptolith import` writes. Implies `start`."},
+       "Where each grain is: a .csv file beside the scene file (below), as `haptolith import` writes. Implies "
+       "`start`."},
       {"bed", "grains_data", "",
        DataValue{[](S& s, std::string_view v) { readGrainsData(s.bed.given, v); },
                  [](const S& s) { return grainsData(s.bed.given); }},

@@ -15,8 +15,8 @@ std::string textOf(const Scenario& scene, std::string_view grains_file = {}) {
   std::string_view table;
   for (const ScenarioKey& key : scenarioKeys()) {
     const bool is_grains = key.table == "bed" && key.name == "grains_data";
-    const std::string line = is_grains && !grains_file.empty() ? fmt::format("grains = {}\n", tomlText(grains_file))
-                                                               : tomlLine(key, scene);
+    const std::string line =
+        is_grains && !grains_file.empty() ? fmt::format("grains = {}\n", tomlText(grains_file)) : tomlLine(key, scene);
     if (!line.empty() && key.table != table) {
       table = key.table;
       text += fmt::format("\n[{}]\n", table);

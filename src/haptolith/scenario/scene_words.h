@@ -42,10 +42,8 @@ inline constexpr std::array kSoilStrengthWords{
 };
 
 inline constexpr std::array kBedStartWords{
-    SceneWord{"count", BedStart::kCount},
-    SceneWord{"packed", BedStart::kPacked},
-    SceneWord{"rain", BedStart::kRain},
-    SceneWord{"settled", BedStart::kSettled},
+    SceneWord{"count", BedStart::kCount}, SceneWord{"packed", BedStart::kPacked},
+    SceneWord{"rain", BedStart::kRain},   SceneWord{"settled", BedStart::kSettled},
     SceneWord{"given", BedStart::kGiven},
 };
 
