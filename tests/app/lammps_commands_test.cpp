@@ -136,7 +136,8 @@ TEST_F(ToLammps, GoesTheToolOfARecording) {
     GTEST_SKIP() << "needs Debian's package lammps";
   }
   ASSERT_EQ(lammps("l").exit_status, 0);
-  // Pressed into the soil by 5 mm the shovel is held up: the mean of the last 0.1 s in both.
+  // Pressed 7.5 mm into soil that cannot go aside the shovel is held up, by spheres that are stiffer the deeper a grain
+  // is in them: the mean of the last 0.1 s in both.
   double ours_n = 0, theirs_n = 0, ours = 0, theirs = 0;
   std::ifstream heading(path("run.csv"));
   std::string names;
@@ -163,7 +164,7 @@ TEST_F(ToLammps, GoesTheToolOfARecording) {
   }
   ASSERT_GT(theirs, 50);
   EXPECT_GT(ours_n / ours, 0.2);
-  EXPECT_NEAR((theirs_n / theirs) / (ours_n / ours), 1, 0.25);
+  EXPECT_NEAR((theirs_n / theirs) / (ours_n / ours), 1.2, 0.4);
 }
 
 TEST_F(ToLammps, GoesNothingThatLammpsDoesNotHave) {

@@ -137,13 +137,14 @@ TEST(GranularLaw, RefusesWhatNoStyleHas) {
   EXPECT_THROW((void)granularLaw(Bed(stony)), InvalidParameter);
 }
 
-TEST(GranularLaw, IsSoftAgainstATool) {
+TEST(GranularLaw, IsTogetherAsStiffAsTheTool) {
   ToolParameters tool;
   tool.friction = 0.36;
-  const GranularContact contact = granularContact(tool, springs(), 2e-4);
-  EXPECT_DOUBLE_EQ(contact.stiffness, tool.stiffness_n_m);
-  EXPECT_DOUBLE_EQ(contact.damping_n_s_m, 1.4 * 2e-4 * tool.stiffness_n_m / 2);
-  EXPECT_DOUBLE_EQ(contact.across_n_m, tool.stiffness_n_m / 2);
+  const SpheresUnderAGrain spheres{.count = 4, .depth_m = 2e-3, .pressed_m = 0.5e-3};
+  const GranularContact contact = granularContact(tool, springs(), 2e-4, spheres);
+  EXPECT_DOUBLE_EQ(contact.stiffness * spheres.depth_m, tool.stiffness_n_m * spheres.pressed_m);
+  EXPECT_DOUBLE_EQ(contact.damping_n_s_m, 1.4 * 2e-4 * contact.stiffness / 2);
+  EXPECT_DOUBLE_EQ(contact.across_n_m * spheres.count, tool.stiffness_n_m / 2);
   EXPECT_DOUBLE_EQ(contact.friction, 0.36);
 }
 

@@ -68,6 +68,18 @@ TEST_P(SpheresOf, LeaveNoHoles) {
 INSTANTIATE_TEST_SUITE_P(Shapes, SpheresOf,
                          testing::Values(ToolShape::kBox, ToolShape::kSphere, ToolShape::kPlate, ToolShape::kCylinder));
 
+TEST(ToolSpheres, AreManyUnderAGrain) {
+  ToolParameters ball;
+  ball.shape = ToolShape::kSphere;
+  const ToolSpheres spheres = toolSpheres(ball, 0, 2e-3);
+  const SpheresUnderAGrain under = spheresUnderAGrain(spheres, ball, 6e-3);
+  EXPECT_DOUBLE_EQ(under.pressed_m, 0.3e-3);
+  // A grain that is in a plane of n spheres per area by z touches 2 pi (R + r) z n of them, z / 2 deep in the mean.
+  const double per_area = static_cast<double>(spheres.centres_tool_m.size()) / (4 * M_PI * 0.03 * 0.03);
+  EXPECT_NEAR(under.count / (2 * M_PI * 8e-3 * 0.3e-3 * per_area), 1, 0.25);
+  EXPECT_NEAR(under.depth_m / under.count, 0.15e-3, 0.06e-3);
+}
+
 TEST(ToolSpheres, AreAsThinAsTheTool) {
   ToolParameters shovel;
   const ToolSpheres spheres = toolSpheres(shovel, 0, 4e-3);

@@ -179,7 +179,9 @@ std::string remarks(const GranularLaw& law, const ToolSpheres& spheres) {
       "# of slipping begins anew.\n";
   if (!spheres.centres_tool_m.empty()) {
     text += fmt::format(
-        "# The tool is {} spheres of {:.3g} mm just under its surface, of which a grain may touch several at once.\n",
+        "# The tool is {} spheres of {:.3g} mm just under its surface, as soft as makes those that a grain touches as "
+        "stiff as\n"
+        "# the tool, where it is pressed in by a twentieth of its radius.\n",
         spheres.centres_tool_m.size(), 1e3 * spheres.radius_m);
   }
   return text;
@@ -225,7 +227,11 @@ std::string setupText(const Bed& bed, const LammpsRun& run, const LammpsFiles& f
   add("pair_style      {}", law.exact ? "granular" : "hybrid/overlay granular table linear 4000");
   add("pair_coeff      * *{} {}", granular, law.grains.text());
   if (has_tool) {
-    const GranularContact tool = granularContact(*run.tool, parameters.soil, run.dt_s);
+    // As they were before radii were changed: the distance at which a grain and a sphere touch is the same.
+    ToolSpheres before = spheres;
+    before.radius_m += law.larger_m;
+    const SpheresUnderAGrain under = spheresUnderAGrain(before, *run.tool, parameters.soil.radius_m);
+    const GranularContact tool = granularContact(*run.tool, parameters.soil, run.dt_s, under);
     add("group           tool type {}", tool_type);
     add("neigh_modify    exclude group tool tool\nneigh_modify    exclude group held tool");
     add("pair_coeff      1*{} {}{} {}", held_type, tool_type, granular, tool.text());

@@ -184,12 +184,14 @@ GranularLaw granularLaw(const Bed& bed) {
   return law;
 }
 
-GranularContact granularContact(const ToolParameters& tool, const SoilParameters& soil, double dt_s) {
+GranularContact granularContact(const ToolParameters& tool, const SoilParameters& soil, double dt_s,
+                                const SpheresUnderAGrain& spheres) {
+  const double softer = spheres.pressed_m / spheres.depth_m;
   GranularContact contact;
-  contact.stiffness = tool.stiffness_n_m;
-  contact.damping_n_s_m = tool.damping_factor * dt_s * tool.stiffness_n_m / 2;
-  contact.across_n_m = soil.tangential_ratio * tool.stiffness_n_m;
-  contact.across_damping = soil.tangential_ratio;  // c_t / k_t is the same time as c / k
+  contact.stiffness = softer * tool.stiffness_n_m;
+  contact.damping_n_s_m = tool.damping_factor * dt_s * contact.stiffness / 2;
+  contact.across_n_m = soil.tangential_ratio * tool.stiffness_n_m / spheres.count;
+  contact.across_damping = contact.across_n_m / contact.stiffness;  // c_t / k_t is the same time as c / k
   contact.friction = tool.friction;
   return contact;
 }

@@ -3,6 +3,7 @@
 #include <string>
 
 #include "haptolith/bed/bed.h"
+#include "haptolith/exchange/tool_spheres.h"
 #include "haptolith/tool/tool_parameters.h"
 
 namespace haptolith {
@@ -44,7 +45,9 @@ struct GranularLaw {
 /// What the table adds to the granular part, in N, for two grains whose radii add up to 2 R + `more_m`.
 [[nodiscard]] double restForce(const GranularLaw& law, const ContactLaw& contact, double more_m, double distance_m);
 
-/// Between a grain and each sphere of a tool (tool_spheres.h). @param dt_s  of a step: the tool's damper depends on it.
-[[nodiscard]] GranularContact granularContact(const ToolParameters& tool, const SoilParameters& soil, double dt_s);
+/// Between a grain and each sphere of a tool, which are as stiff together as the tool is.
+/// @param dt_s  of a step: the tool's damper depends on it.
+[[nodiscard]] GranularContact granularContact(const ToolParameters& tool, const SoilParameters& soil, double dt_s,
+                                              const SpheresUnderAGrain& spheres);
 
 }  // namespace haptolith

@@ -6,7 +6,9 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
+#include <random>
 #include <unordered_map>
+#include <vector>
 
 #include "haptolith/core/error.h"
 #include "haptolith/tool/tool_shape.h"
@@ -123,6 +125,47 @@ ToolSpheres toolSpheres(const ToolParameters& tool, double opening_m, double mos
     }
   }
   return spheres;
+}
+
+SpheresUnderAGrain spheresUnderAGrain(const ToolSpheres& spheres, const ToolParameters& tool, double grain_radius_m) {
+  constexpr double kPressed = 0.05;  // of a grain's radius
+  constexpr int kGrains = 200;
+  const ToolSurface surface = toolSurface(tool, 0);
+  std::vector<double> areas;
+  for (const auto& corners : surface.triangles) {
+    const auto corner = [&](std::size_t i) { return surface.points_tool_m[static_cast<std::size_t>(corners.at(i))]; };
+    areas.push_back((corner(1) - corner(0)).cross(corner(2) - corner(0)).norm());
+  }
+  std::mt19937_64 random(1);
+  std::discrete_distribution<std::size_t> triangle(areas.begin(), areas.end());
+  std::uniform_real_distribution<double> share(0, 1);
+  SpheresUnderAGrain found{.pressed_m = kPressed * grain_radius_m};
+  std::vector<double> counts, depths;
+  for (int grain = 0; grain < kGrains; ++grain) {
+    const auto& corners = surface.triangles[triangle(random)];
+    const auto corner = [&](std::size_t i) { return surface.points_tool_m[static_cast<std::size_t>(corners.at(i))]; };
+    double u = share(random), v = share(random);
+    u = u + v > 1 ? 1 - u : u;
+    v = u + v > 1 ? 1 - v : v;
+    const Vec3 along = corner(1) - corner(0), across = corner(2) - corner(0);
+    const Vec3 centre =
+        corner(0) + u * along + v * across + (grain_radius_m - found.pressed_m) * along.cross(across).normalized();
+    double count = 0, depth_m = 0;
+    for (const Vec3& sphere : spheres.centres_tool_m) {
+      const double in_m = grain_radius_m + spheres.radius_m - (sphere - centre).norm();
+      count += in_m > 0 ? 1 : 0;
+      depth_m += std::max(0.0, in_m);
+    }
+    counts.push_back(count);
+    depths.push_back(depth_m);
+  }
+  const auto middleOf = [](std::vector<double>& numbers) {
+    std::ranges::nth_element(numbers, numbers.begin() + kGrains / 2);
+    return numbers[kGrains / 2];
+  };
+  found.count = std::max(1.0, middleOf(counts));
+  found.depth_m = std::max(found.pressed_m, middleOf(depths));
+  return found;
 }
 
 }  // namespace haptolith

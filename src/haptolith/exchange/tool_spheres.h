@@ -21,4 +21,17 @@ struct ToolSpheres {
 /// @throws InvalidParameter for a tool that would need more than a million.
 [[nodiscard]] ToolSpheres toolSpheres(const ToolParameters& tool, double opening_m, double most_radius_m);
 
+/// What spheres are to a grain together that is pressed into the tool's face.
+struct SpheresUnderAGrain {
+  double count = 1;      ///< that it touches
+  double depth_m = 0;    ///< how deep it is in all of them, added up
+  double pressed_m = 0;  ///< how deep it is in the face itself
+};
+
+/// In the middle of some hundred grains on the tool, pressed in by a twentieth of their radius. Each sphere is to be
+/// softer than the tool by pressed_m / depth_m. Deeper grains touch more spheres: together they are a spring whose
+/// force goes with the square of the depth, right at a twentieth of the radius.
+[[nodiscard]] SpheresUnderAGrain spheresUnderAGrain(const ToolSpheres& spheres, const ToolParameters& tool,
+                                                    double grain_radius_m);
+
 }  // namespace haptolith
