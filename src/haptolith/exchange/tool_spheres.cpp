@@ -159,12 +159,12 @@ SpheresUnderAGrain spheresUnderAGrain(const ToolSpheres& spheres, const ToolPara
     counts.push_back(count);
     depths.push_back(depth_m);
   }
-  const auto middleOf = [](std::vector<double>& numbers) {
+  const auto middle_of = [](std::vector<double>& numbers) {
     std::ranges::nth_element(numbers, numbers.begin() + kGrains / 2);
     return numbers[kGrains / 2];
   };
-  found.count = std::max(1.0, middleOf(counts));
-  found.depth_m = std::max(found.pressed_m, middleOf(depths));
+  found.count = std::max(1.0, middle_of(counts));
+  found.depth_m = std::max(found.pressed_m, middle_of(depths));
   return found;
 }
 
