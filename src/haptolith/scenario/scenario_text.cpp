@@ -1,5 +1,7 @@
+#include <algorithm>
 #include <filesystem>
 
+#include "haptolith/scenario/key_use.h"
 #include "haptolith/scenario/scenario.h"
 #include "haptolith/scenario/scenario_keys.h"
 #include "haptolith/scenario/stone_keys.h"
@@ -9,14 +11,25 @@ namespace haptolith {
 
 namespace {
 
-/// @param grains_file  what stands in place of the given grains themselves.
+bool counts(const ScenarioKey& key, const Scenario& scene) {
+  return std::ranges::none_of(keyUses(), [&](const KeyUse& use) {
+    return use.table == key.table && use.name == key.name && !use.counts(scene);
+  });
+}
+
+/// @param grains_file  what stands in place of the given grains themselves, in a file for people: keys that have no
+/// effect are left out of that.
 std::string textOf(const Scenario& scene, std::string_view grains_file = {}) {
+  const bool for_people = !grains_file.empty();
   std::string text;
   std::string_view table;
   for (const ScenarioKey& key : scenarioKeys()) {
+    if (for_people && !counts(key, scene)) {
+      continue;
+    }
     const bool is_grains = key.table == "bed" && key.name == "grains_data";
     const std::string line =
-        is_grains && !grains_file.empty() ? fmt::format("grains = {}\n", tomlText(grains_file)) : tomlLine(key, scene);
+        is_grains && for_people ? fmt::format("grains = {}\n", tomlText(grains_file)) : tomlLine(key, scene);
     if (!line.empty() && key.table != table) {
       table = key.table;
       text += fmt::format("\n[{}]\n", table);
@@ -37,14 +50,9 @@ Scenario readBack(Scenario scene) {
 }  // namespace
 
 std::string scenarioTextWithGrains(Scenario scenario, std::string_view grains_file) {
-  const BedParameters usual;
-  BedParameters& bed = scenario.bed;
-  bed.start = BedStart::kGiven;
-  bed.given = {};
-  bed.particles = usual.particles;  // what has no effect any more
-  bed.layers = usual.layers;
-  bed.depth_m = usual.depth_m;
-  bed.grading = {};
+  scenario.bed.start = BedStart::kGiven;
+  scenario.bed.given = {};
+  scenario.bed.grading = {};
   return textOf(scenario, grains_file);
 }
 
