@@ -190,6 +190,12 @@ TEST_F(ToLammps, ComesNothingThatIsNoDump) {
       runHaptolith(fmt::format("import {} --scene {} --out {}", path("no.txt"), path("springs.toml"), path("x.toml")));
   EXPECT_EQ(no_dump.exit_status, 2);
   EXPECT_THAT(no_dump.errors, HasSubstr("no.txt:1"));
+  std::ofstream(folder_ / "tool.txt") << "ITEM: TIMESTEP\n0\nITEM: NUMBER OF ATOMS\n1\nITEM: BOX BOUNDS ff ff ff\n"
+                                         "0 1\n0 1\n0 1\nITEM: ATOMS id type x y z radius\n1 7 0 0 0.01 0.006\n";
+  const ProgramResult no_soil = runHaptolith(
+      fmt::format("import {} --scene {} --out {}", path("tool.txt"), path("springs.toml"), path("x.toml")));
+  EXPECT_EQ(no_soil.exit_status, 2);
+  EXPECT_THAT(no_soil.errors, HasSubstr("type 1 (soil)"));
   EXPECT_FALSE(fs::exists(path("x.toml")));
   EXPECT_FALSE(fs::exists(path("x.csv")));
   EXPECT_EQ(

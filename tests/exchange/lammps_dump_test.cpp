@@ -1,6 +1,8 @@
 #include "haptolith/exchange/lammps_dump.h"
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
+#include <unistd.h>
 
 #include <filesystem>
 #include <fstream>
@@ -20,7 +22,7 @@ std::string picture(int step, const std::string& heading, const std::string& row
 
 class LammpsDump : public testing::Test {
  protected:
-  LammpsDump() : path_(std::filesystem::temp_directory_path() / "haptolith_dump_test.lammpstrj") {}
+  LammpsDump() : path_(std::filesystem::temp_directory_path() / fmt::format("haptolith_dump_{}.lammpstrj", getpid())) {}
   ~LammpsDump() override { std::filesystem::remove(path_); }
 
   std::filesystem::path with(const std::string& text) const {

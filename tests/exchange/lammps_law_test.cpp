@@ -119,9 +119,15 @@ TEST(GranularLaw, HasALawForSoilThatDoesNotLieYet) {
   BedParameters two = lunar(0.24);
   two.start = BedStart::kRain;
   two.particles = 2;
-  const GranularLaw law = granularLaw(Bed(two));
-  EXPECT_GT(law.grains.stiffness, 0);
-  EXPECT_GT(law.wall.stiffness, 0);
+  BedParameters many = lunar(0.24);  // that cohere across gaps and do not touch
+  many.start = BedStart::kPacked;
+  many.gravity_m_s2 = Vec3::Zero();
+  for (const BedParameters& loose : {two, many}) {
+    const GranularLaw law = granularLaw(Bed(loose));
+    EXPECT_GT(law.grains.stiffness, 0);
+    EXPECT_GT(law.wall.stiffness, 0);
+    EXPECT_TRUE(std::isfinite(law.wall_behind_m));
+  }
 }
 
 TEST(GranularLaw, RefusesWhatNoStyleHas) {

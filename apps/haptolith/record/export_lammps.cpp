@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 #include <spdlog/spdlog.h>
 
-#include <algorithm>
 #include <filesystem>
 
 #include "haptolith/bed/critical_step.h"
@@ -116,8 +115,14 @@ void exportRecorded(const LammpsExportOptions& options) {
       status.update(fmt::format("replaying {:.1f} s of {:.1f} s", was.time_s, options.from_s));
       return !stopAsked() && was.time_s < options.from_s;
     });
-    if (result.difference || stopAsked()) {
-      throw Failure(stopAsked() ? "interrupted" : "the replay differs from the recording: its bed is another");
+    if (stopAsked()) {
+      throw Failure("interrupted");
+    }
+    if (result.difference || result.gap || !result.ended_early.empty()) {
+      throw Failure(fmt::format("the bed at {:g} s cannot be computed again: {}", options.from_s,
+                                result.difference ? "the replay differs from the recording"
+                                : result.gap      ? "ticks are missing before it"
+                                                  : result.ended_early));
     }
   }
   status.clear();

@@ -2,8 +2,6 @@
 #include <fmt/format.h>
 #include <spdlog/spdlog.h>
 
-#include <array>
-#include <cmath>
 #include <cstddef>
 #include <filesystem>
 #include <iterator>
@@ -91,6 +89,11 @@ void importDump(const ImportOptions& options) {
   std::size_t taken = 0;
   for (const DumpedGrain& grain : picture.grains) {
     taken += grain.type == LammpsRun::kSoil || grain.type == LammpsRun::kHeld ? 1 : 0;
+  }
+  if (taken == 0) {
+    throw InvalidParameter("dump", fmt::format("{} grains of other types", picture.grains.size()),
+                           fmt::format("one with grains of type {} (soil) or {} (held)",
+                                       static_cast<int>(LammpsRun::kSoil), static_cast<int>(LammpsRun::kHeld)));
   }
   table_file.write(tableOf(picture));
   table_file.commit();

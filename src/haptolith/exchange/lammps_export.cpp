@@ -168,7 +168,8 @@ std::string remarks(const GranularLaw& law, const ToolSpheres& spheres) {
     text += "# The same, too: sizes, and the law of contacts, a spring and a damper that never pulls.\n";
   } else {
     text += fmt::format(
-        "# The same but for the sizes, which are eleven: what acts along the normal, of Hertz' law and a table.\n"
+        "# The same but for the sizes, which are eleven at most: what acts along the normal, of Hertz' law and a "
+        "table.\n"
         "# NEARLY: what limits friction is Hertz' part, which is off by {:.0f} % (RMS) in this bed as it lies; walls "
         "are\n"
         "# springs that do not cohere. docs/lammps.md says what that does to the soil's strength.\n",
@@ -279,7 +280,6 @@ std::string setupText(const Bed& bed, const LammpsRun& run, const LammpsFiles& f
 
 /// One of the tool's poses, as commands.
 struct Key {
-  double time_s;
   Pose pose;
   Vec3 velocity, turning;
   long steps;
@@ -299,8 +299,7 @@ std::vector<Key> keysOf(const LammpsRun& run) {
     const long until = std::lround((to.time_s - begin_s) / run.dt_s);
     if (until > done) {
       const double lasts_s = static_cast<double>(until - done) * run.dt_s;
-      keys.push_back({static_cast<double>(done) * run.dt_s, from.scene_T_tool,
-                      (to.scene_T_tool.position_m - from.scene_T_tool.position_m) / lasts_s,
+      keys.push_back({from.scene_T_tool, (to.scene_T_tool.position_m - from.scene_T_tool.position_m) / lasts_s,
                       rotationBetween(from.scene_T_tool.orientation, to.scene_T_tool.orientation) / lasts_s,
                       until - done});
       done = until;

@@ -95,7 +95,8 @@ Fit lineOf(const std::vector<Touch>& touches, double stiffest_n_m) {
       squares += (touch.overlap_m - overlap) * (touch.overlap_m - overlap);
     }
   }
-  const double stiffness = std::clamp(both / squares, 1e-3 * stiffest_n_m, stiffest_n_m);
+  // Contacts that are all pressed alike have no slope.
+  const double stiffness = squares > 0 ? std::clamp(both / squares, 1e-3 * stiffest_n_m, stiffest_n_m) : stiffest_n_m;
   return {stiffness, force / stiffness - overlap, 0};
 }
 
@@ -155,8 +156,9 @@ GranularLaw granularLaw(const Bed& bed) {
   if (!law.exact) {
     grains.hertz = true;
     std::vector<Touch> touches = touchesOf(bed);
-    constexpr std::size_t kEnough = 20;
-    if (touches.size() < kEnough) {  // nothing lies yet: as if pressed by some of R
+    constexpr auto kEnough = 20;
+    const auto pressed = std::ranges::count_if(touches, [](const Touch& touch) { return touch.push_n > 0; });
+    if (pressed < kEnough) {  // nothing lies yet: as if pressed by some of R
       touches.clear();
       for (const double overlap : {-0.1, 0.0, 0.02, 0.05, 0.1, 0.15}) {
         const double overlap_m = overlap * soil.radius_m;
