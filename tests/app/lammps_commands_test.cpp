@@ -132,6 +132,13 @@ TEST_F(ToLammps, GoesTheToolOfARecording) {
       runHaptolith(fmt::format("export {} --format lammps --out {}", path("run.h5"), path("l")));
   ASSERT_EQ(exported.exit_status, 0) << exported.errors;
   EXPECT_THAT(exported.output, HasSubstr("a tool of "));
+  const ProgramResult later =
+      runHaptolith(fmt::format("export {} --format lammps --from-s 0.3 --out {}", path("run.h5"), path("later")));
+  ASSERT_EQ(later.exit_status, 0) << later.errors;
+  EXPECT_TRUE(fs::exists(path("later/in.haptolith")));
+  const ProgramResult after =
+      runHaptolith(fmt::format("export {} --format lammps --from-s 5 --out {}", path("run.h5"), path("after")));
+  EXPECT_EQ(after.exit_status, 2);
   if (!hasLammps()) {
     GTEST_SKIP() << "needs Debian's package lammps";
   }

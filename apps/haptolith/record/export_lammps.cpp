@@ -111,14 +111,16 @@ void exportRecorded(const LammpsExportOptions& options) {
   Replay replay(recording, {}, settlingIn(status));
   const std::vector<TimedPose> path = pathOf(recording, options.from_s);
   if (options.from_s > 0) {
+    bool is_there = false;
     const ReplayResult result = replay.run([&](const TickRecord& was, const TickRecord&) {
       status.update(fmt::format("replaying {:.1f} s of {:.1f} s", was.time_s, options.from_s));
-      return !stopAsked() && was.time_s < options.from_s;
+      is_there = was.time_s >= options.from_s;
+      return !stopAsked() && !is_there;
     });
     if (stopAsked()) {
       throw Failure("interrupted");
     }
-    if (result.difference || result.gap || !result.ended_early.empty()) {
+    if (result.difference || !is_there) {
       throw Failure(fmt::format("the bed at {:g} s cannot be computed again: {}", options.from_s,
                                 result.difference ? "the replay differs from the recording"
                                 : result.gap      ? "ticks are missing before it"
