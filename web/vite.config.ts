@@ -3,8 +3,8 @@ import { defineConfig, type Plugin } from 'vite';
 import own from './package.json' with { type: 'json' };
 import { protocolSource } from './resolve.config';
 
-/// licences.txt beside the page: of the packages that have become a part of it.
-function licences(): Plugin {
+// licences.txt beside the page: of the packages that have become a part of it.
+export function licences(): Plugin {
   return {
     name: 'licences',
     generateBundle() {

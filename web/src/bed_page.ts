@@ -11,7 +11,7 @@ import {
   type Status,
 } from 'haptolith-protocol';
 import { publish } from './automation';
-import { Connection, recordingAddress, uploadAddress } from './connection';
+import { Connection, type Program } from './connection';
 import { GamepadHand } from './hand/gamepad_hand';
 import { Hand } from './hand/hand';
 import { KeyHand } from './hand/key_hand';
@@ -45,8 +45,18 @@ import { ToolFiles } from './tool_file';
 import { Stage } from './view/stage';
 
 const DESCRIBE_INTERVAL_MS = 1000;
+const RECORDING = (run: () => void): Shortcut => ({ keys: ['o'], label: 'record, on and off', group: 'time', run });
 
-export function openBedPage(settings: Settings, address: string): void {
+/** What a page that shows the bed lets others see and do. */
+export interface BedPage {
+  readonly stage: Stage;
+  readonly notices: Notices;
+  colour(): ColourMode;
+  drawing(): Drawing;
+}
+
+/** @param buttons  in the strip along the top, before its own */
+export function openBedPage(settings: Settings, program: Program, buttons: HTMLElement[] = []): BedPage {
   const now = {
     hello: null as Hello | null,
     scene: null as Scene | null,
@@ -60,7 +70,7 @@ export function openBedPage(settings: Settings, address: string): void {
   let described_ms = -Infinity;
 
   const notices = new Notices(() => connection.retryNow());
-  const connection = new Connection(address, {
+  const connection = new Connection(program, {
     hello: onHello,
     scene: onScene,
     status: onStatus,
@@ -116,7 +126,7 @@ export function openBedPage(settings: Settings, address: string): void {
   const plots = new Plots();
   const sound = new SoilSound();
   const tool_files = new ToolFiles({
-    address: () => uploadAddress(address),
+    upload: (file) => program.upload(file),
     taken: () => now.hello?.takes_uploads === true && connection.connected,
     use: (file) => ask({ do: 'tool_file', ...file }),
     refused: (why) => notices.toast(why),
@@ -132,7 +142,7 @@ export function openBedPage(settings: Settings, address: string): void {
       setSound,
       bringTool,
       chooseToolFile: () => tool_files.choose(),
-      recordingAddress: (file) => recordingAddress(address, file),
+      recordingAddress: program.recordingAddress,
     },
     settings.for_pictures,
   );
@@ -170,7 +180,7 @@ export function openBedPage(settings: Settings, address: string): void {
     { keys: ['.'], label: 'while paused: one tick', group: 'time', run: () => controls.stepOnce(1) },
     { keys: [','], label: 'while paused: 100 ticks', group: 'time', run: () => controls.stepOnce(100) },
     { keys: ['n'], label: 'slow motion, on and off', group: 'time', run: () => controls.toggleSlowMotion() },
-    { keys: ['o'], label: 'record, on and off', group: 'time', run: () => controls.toggleRecord() },
+    ...(program.recordingAddress ? [RECORDING(() => controls.toggleRecord())] : []),
     {
       keys: ['h'],
       label: 'hide or show the panels',
@@ -213,7 +223,7 @@ export function openBedPage(settings: Settings, address: string): void {
 
   layout.assemble({
     strip: strip.element,
-    buttons: [vr_button, theme_button, help_button],
+    buttons: [...buttons, vr_button, theme_button, help_button],
     over_view: [
       readouts.element,
       legend.element,
@@ -261,6 +271,7 @@ export function openBedPage(settings: Settings, address: string): void {
   stage.start();
   connection.open();
   publish({ stage, layout, now, setColour, setDrawing, setTheme });
+  return { stage, notices, colour: () => now.colour, drawing: () => now.drawing };
 
   function onHello(hello: Hello): void {
     now.hello = hello;

@@ -1,4 +1,4 @@
-// The WebSocket: opens it, opens it again when it breaks, and pairs replies with the commands they answer.
+// The line to what runs the soil: opens it, opens it again when it breaks, and pairs replies with the commands they answer.
 
 import {
   type Command,
@@ -12,6 +12,7 @@ import {
   type StudyMessage,
   SUBPROTOCOL,
 } from 'haptolith-protocol';
+import * as v from 'valibot';
 
 export interface Listener {
   hello(hello: Hello): void;
@@ -26,6 +27,26 @@ export interface Listener {
   damaged(error: unknown): void;
 }
 
+/** A WebSocket, or what behaves like one. */
+export type Socket = Pick<WebSocket, 'binaryType' | 'readyState' | 'send' | 'close'> & {
+  onopen: ((event: Event) => void) | null;
+  onmessage: ((event: MessageEvent<ArrayBuffer | string>) => void) | null;
+  onclose: ((event: CloseEvent) => void) | null;
+};
+
+/** What runs the soil: a program somewhere, or a worker of this page. */
+export interface Program {
+  connect(): Socket;
+  /** why it could not be reached, in words for a person; null: nobody knows */
+  whyNotReached(): Promise<string | null>;
+  /** it is gone when nothing has come from it for so long */
+  readonly longest_silence_ms: number;
+  /** takes a file for a command to name by the number; @throws Error in words for a person */
+  upload(file: Blob): Promise<number>;
+  /** where a recording can be downloaded; null: nothing is recorded */
+  recordingAddress: ((file: string) => string) | null;
+}
+
 /** The program refused a command, or could not be reached. */
 export class CommandError extends Error {
   override name = 'CommandError';
@@ -33,9 +54,11 @@ export class CommandError extends Error {
 
 const FIRST_RETRY_MS = 250;
 const LONGEST_RETRY_MS = 4000;
+const OPEN = 1; // of readyState
 // A half-open connection looks alive for minutes; the program sends a status four times a second, so 8 s of silence mean
 // that it is gone.
 const SILENCE_MS = 8000;
+const Uploaded = v.object({ upload: v.number() });
 
 export const NO_TOKEN = 'this address lacks the token: open the page by the address that the program printed';
 
@@ -45,34 +68,45 @@ export function socketAddress(location: Location, token: string | null): string 
   return `${scheme}//${location.host}/ws${query}`;
 }
 
-/** Where a recording can be downloaded, by the address of the WebSocket. */
-export function recordingAddress(socket_address: string, file: string): string {
-  const address = new URL(socket_address.replace(/^ws/, 'http'));
-  address.pathname = `/recordings/${encodeURIComponent(file)}`;
-  return address.href;
-}
+/** `haptolith run` and its like, by the address of its WebSocket. */
+export class ServedProgram implements Program {
+  readonly longest_silence_ms = SILENCE_MS;
 
-/** Where a file can be uploaded, by the address of the WebSocket. */
-export function uploadAddress(socket_address: string): string {
-  const address = new URL(socket_address.replace(/^ws/, 'http'));
-  address.pathname = '/upload';
-  return address.href;
-}
+  constructor(private readonly address: string) {}
 
-/** Why a WebSocket did not even open: a browser does not tell, but an ordinary request to the same address does. */
-async function whyNotOpened(address: string): Promise<string | null> {
-  try {
-    const { status } = await fetch(address.replace(/^ws/, 'http'), { cache: 'no-store' });
-    if (status === 401) return NO_TOKEN;
-    if (status === 429) return 'too many wrong tokens came from here';
-  } catch {
-    // nobody is there
+  connect(): Socket {
+    return new WebSocket(this.address, SUBPROTOCOL);
   }
-  return null;
+
+  /** A browser does not tell why a WebSocket did not even open, but an ordinary request to the same address does. */
+  async whyNotReached(): Promise<string | null> {
+    try {
+      const { status } = await fetch(this.address.replace(/^ws/, 'http'), { cache: 'no-store' });
+      if (status === 401) return NO_TOKEN;
+      if (status === 429) return 'too many wrong tokens came from here';
+    } catch {
+      // nobody is there
+    }
+    return null;
+  }
+
+  async upload(file: Blob): Promise<number> {
+    const answer = await fetch(this.beside('/upload'), { method: 'PUT', body: file });
+    if (!answer.ok) throw new Error(`The file was not taken: ${(await answer.text()).trim()}.`);
+    return v.parse(Uploaded, await answer.json()).upload;
+  }
+
+  readonly recordingAddress = (file: string): string => this.beside(`/recordings/${encodeURIComponent(file)}`);
+
+  private beside(path: string): string {
+    const address = new URL(this.address.replace(/^ws/, 'http'));
+    address.pathname = path;
+    return address.href;
+  }
 }
 
 export class Connection {
-  private socket: WebSocket | null = null;
+  private socket: Socket | null = null;
   private next_id = 1;
   private retry_ms = FIRST_RETRY_MS;
   private retry_timer = 0;
@@ -82,17 +116,17 @@ export class Connection {
   private readonly waiting = new Map<number, { resolve: () => void; reject: (error: Error) => void }>();
 
   constructor(
-    private readonly address: string,
+    private readonly program: Program,
     private readonly listener: Listener,
   ) {}
 
   open(): void {
-    const socket = new WebSocket(this.address, SUBPROTOCOL);
+    const socket = this.program.connect();
     socket.binaryType = 'arraybuffer';
     socket.onopen = () => (this.opened = true);
     this.opened = false;
     this.socket = socket;
-    socket.onmessage = (event: MessageEvent<ArrayBuffer | string>) => this.receive(event.data);
+    socket.onmessage = (event) => this.receive(event.data);
     socket.onclose = (event) => this.lost(socket, event);
     this.watchForSilence();
   }
@@ -112,7 +146,7 @@ export class Connection {
   }
 
   get connected(): boolean {
-    return this.socket?.readyState === WebSocket.OPEN;
+    return this.socket?.readyState === OPEN;
   }
 
   /** Sends a command; resolves when the program accepts it, rejects with its words when it does not. */
@@ -163,7 +197,7 @@ export class Connection {
     }
   }
 
-  private lost(socket: WebSocket, event: CloseEvent): void {
+  private lost(socket: Socket, event: CloseEvent): void {
     if (socket !== this.socket) return;
     this.socket = null;
     clearTimeout(this.silence_timer);
@@ -174,7 +208,7 @@ export class Connection {
     const why = refused ? `the program ended the connection (${event.reason || event.code})` : 'connection lost';
     this.listener.link(false, why);
     if (!this.opened)
-      void whyNotOpened(this.address).then((reason) => {
+      void this.program.whyNotReached().then((reason) => {
         if (reason !== null && !this.connected) this.listener.link(false, reason);
       });
     this.retry_timer = window.setTimeout(() => this.open(), this.retry_ms);
@@ -188,6 +222,6 @@ export class Connection {
       socket?.close();
       // A half-open socket may take long to report its end; do not wait for it.
       if (socket) this.lost(socket, new CloseEvent('close', { code: 1006 }));
-    }, SILENCE_MS);
+    }, this.program.longest_silence_ms);
   }
 }

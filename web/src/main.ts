@@ -6,7 +6,7 @@
 // and what they are made of:
 //
 //   protocol.ts     what the program says and understands (docs/protocol.md); study/protocol.ts: what a study adds
-//   connection.ts   the WebSocket; comes back by itself; token.ts: what the program wants to know first
+//   connection.ts   the line to the program; comes back by itself; token.ts: what the program wants to know first
 //   view/           the picture: Stage holds all that stands in it; each thing has a file; shaders work in the scene's
 //                   frame, in metres, so that a screen and a headset see the same
 //   hand/           holding the tool: Hand sends where it is wished; mouse, keys, gamepad and controller move the wish
@@ -19,7 +19,7 @@
 import './style.css';
 import './study/study.css';
 import { openBedPage } from './bed_page';
-import { socketAddress } from './connection';
+import { ServedProgram, socketAddress } from './connection';
 import { readSettings } from './settings';
 import { openExperimenterPage } from './study/experimenter_page';
 import { openParticipantPage } from './study/participant_page';
@@ -27,11 +27,13 @@ import { takeToken } from './token';
 
 const settings = readSettings(location.search, matchMedia('(prefers-color-scheme: light)').matches);
 
-const address = socketAddress(
-  location,
-  takeToken(location, history, () => sessionStorage),
+const program = new ServedProgram(
+  socketAddress(
+    location,
+    takeToken(location, history, () => sessionStorage),
+  ),
 );
 
-if (settings.study === 'participant') openParticipantPage(settings, address);
-else if (settings.study === 'experimenter') openExperimenterPage(settings, address);
-else openBedPage(settings, address);
+if (settings.study === 'participant') openParticipantPage(settings, program);
+else if (settings.study === 'experimenter') openExperimenterPage(settings, program);
+else openBedPage(settings, program);

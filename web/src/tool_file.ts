@@ -1,7 +1,6 @@
 // A tool from a file of the person's: chosen or dropped on the page, uploaded, then asked for.
 
 import type { ToolFile } from 'haptolith-protocol';
-import * as v from 'valibot';
 import { h } from './panels/html';
 import { askFirst } from './study/dialogs';
 
@@ -13,7 +12,6 @@ const UNITS_MM: [name: string, unit_mm: number][] = [
   ['metres', 1000],
   ['inches', 25.4],
 ];
-const Uploaded = v.object({ upload: v.number() });
 
 /** Why this file cannot be a tool, in words for a person; null: it may be one. */
 export function whyNoTool(file: Pick<File, 'name' | 'size'>): string | null {
@@ -24,16 +22,9 @@ export function whyNoTool(file: Pick<File, 'name' | 'size'>): string | null {
   return null;
 }
 
-/** @throws Error in words for a person. */
-export async function upload(address: string, file: Blob): Promise<number> {
-  const answer = await fetch(address, { method: 'PUT', body: file });
-  if (!answer.ok) throw new Error(`The file was not taken: ${(await answer.text()).trim()}.`);
-  return v.parse(Uploaded, await answer.json()).upload;
-}
-
 interface Listener {
-  /** where files go */
-  address(): string;
+  /** takes a file for a command to name by the number; @throws Error in words for a person */
+  upload(file: Blob): Promise<number>;
   /** whether the program takes any now */
   taken(): boolean;
   use(file: ToolFile): void;
@@ -106,7 +97,7 @@ export class ToolFiles {
         go_on: 'Dig with it',
       },
       () => {
-        upload(this.listener.address(), file).then(
+        this.listener.upload(file).then(
           (number) =>
             this.listener.use({
               upload: number,

@@ -7,6 +7,8 @@
 #include <thread>
 #include <vector>
 
+#include "haptolith/core/work.h"
+
 namespace haptolith {
 
 void inParallel(std::size_t count, int threads, const std::function<void(std::size_t)>& work) {
@@ -26,7 +28,8 @@ void inParallel(std::size_t count, int threads, const std::function<void(std::si
   };
   {
     std::vector<std::jthread> others;
-    for (std::size_t i = 1; i < std::min(count, static_cast<std::size_t>(std::max(1, threads))); ++i) {
+    const std::size_t most = kHasThreads ? static_cast<std::size_t>(std::max(1, threads)) : 1;
+    for (std::size_t i = 1; i < std::min(count, most); ++i) {
       others.emplace_back(serve);
     }
     serve();

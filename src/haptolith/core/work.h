@@ -13,10 +13,17 @@ enum class Work : std::uint8_t {
   kBeside,  ///< on a thread of its own
 };
 
-/// Sets out; isThere() when it may be fetched. Not for the tick.
+/// Whether there are threads: in a browser there is one, and what should be worked out beside is so when it is fetched.
+#if defined(__EMSCRIPTEN__) && !defined(__EMSCRIPTEN_PTHREADS__)
+inline constexpr bool kHasThreads = false;
+#else
+inline constexpr bool kHasThreads = true;
+#endif
+
+/// Sets out; isThere() when it may be fetched. Not for the tick. @throws std::system_error when there is no thread.
 template <class Task>
 [[nodiscard]] auto setOut(Work work, Task task) {
-  return std::async(work == Work::kBeside ? std::launch::async : std::launch::deferred, std::move(task));
+  return std::async(work == Work::kBeside && kHasThreads ? std::launch::async : std::launch::deferred, std::move(task));
 }
 
 /// Whether the result can be fetched without waiting for a thread.

@@ -9,6 +9,7 @@
 
 #include "haptolith/bed/critical_step.h"
 #include "haptolith/core/error.h"
+#include "haptolith/core/work.h"
 #include "haptolith/device/open_device.h"
 #include "haptolith/scenario/scene_words.h"
 #include "haptolith/soil/soil_parameters.h"
@@ -203,7 +204,7 @@ bool Session::takeStage() {
 }
 
 bool Session::takeMade() {
-  if (!making_ || coming_ || making_->result.wait_for(0s) != std::future_status::ready) {
+  if (!making_ || coming_ || !isThere(making_->result)) {
     return false;
   }
   const std::unique_ptr<Making> made = std::move(making_);
@@ -231,14 +232,13 @@ void Session::takeToolMesh(ToolMeshSource source) {
   auto making = std::make_unique<MakingMesh>();
   making->source = std::move(source);
   try {
-    making->result =
-        std::async(std::launch::async, [source = making->source, reach_m = contactReach(wanted_.tool, wanted_.bed),
-                                        lengths_m = toolLengths(wanted_.bed)] {
-          // One with a wrong unit is refused before it is measured, which takes the longer the larger it is.
-          requireFitting(cornersOf(parseMesh(*source.bytes, source.name, source.format, {.unit_m = source.unit_m})),
-                         source.name, lengths_m);
-          return toolMesh(source, reach_m);
-        });
+    making->result = setOut(Work::kBeside, [source = making->source, reach_m = contactReach(wanted_.tool, wanted_.bed),
+                                            lengths_m = toolLengths(wanted_.bed)] {
+      // One with a wrong unit is refused before it is measured, which takes the longer the larger it is.
+      requireFitting(cornersOf(parseMesh(*source.bytes, source.name, source.format, {.unit_m = source.unit_m})),
+                     source.name, lengths_m);
+      return toolMesh(source, reach_m);
+    });
   } catch (const std::exception& error) {
     throw Failure(fmt::format("no other tool can be made now: {}", error.what()));
   }
@@ -246,7 +246,7 @@ void Session::takeToolMesh(ToolMeshSource source) {
 }
 
 bool Session::takeMadeMesh() {
-  if (!making_mesh_ || making_mesh_->result.wait_for(0s) != std::future_status::ready) {
+  if (!making_mesh_ || !isThere(making_mesh_->result)) {
     return false;
   }
   const std::unique_ptr<MakingMesh> made = std::move(making_mesh_);
@@ -380,8 +380,8 @@ void Session::make(std::string_view why, bool as_it_lies) {
   auto making = std::make_unique<Making>();
   making->why = why;
   try {
-    making->result = std::async(
-        std::launch::async, [scenario = wanted_, fresh, as_it_lies, lying = std::move(lying), making = making.get()] {
+    making->result =
+        setOut(Work::kBeside, [scenario = wanted_, fresh, as_it_lies, lying = std::move(lying), making = making.get()] {
           const auto progress = [making](double time_s, double) {
             making->settled_s = time_s;
             return !making->unwanted;

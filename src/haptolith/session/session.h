@@ -30,12 +30,14 @@ class Session {
           std::unique_ptr<HapticDevice> device = nullptr);
   ~Session();
 
-  /// Starts the loop; `stop` ends it. @throws InvalidParameter as requireUsableCpu().
+  /// Starts the loop; `stop` ends it. @throws InvalidParameter as requireUsableCpu(). Where there are no threads, the
+  /// caller ticks loop() instead.
   void start(std::atomic<bool>& stop);
   [[nodiscard]] bool done() const { return thread_ && thread_->done(); }
   /// Waits for the loop's end.
   LoopEnd join();
-  [[nodiscard]] const RealTime& realTime() const { return thread_->realTime(); }
+  /// What the loop's thread was granted; nothing where it has none.
+  [[nodiscard]] RealTime realTime() const { return thread_ ? thread_->realTime() : RealTime{}; }
 
   /// Moves on what others have finished: call it some hundred times a second. True when something has changed that
   /// scenario() and scenes() tell.

@@ -34,7 +34,8 @@ export interface Actions {
   setSound(on: boolean): boolean;
   bringTool(): void;
   chooseToolFile(): void;
-  recordingAddress(file: string): string;
+  /** null: nothing is recorded */
+  recordingAddress: ((file: string) => string) | null;
 }
 
 export class Controls {
@@ -104,6 +105,7 @@ export class Controls {
     this.pause = button('Pause', EXPLAIN.pause, () => this.togglePause());
     this.step = button('Step', EXPLAIN.step, () => this.stepOnce(1));
     this.record = button('Record', EXPLAIN.record, () => this.toggleRecord());
+    this.record.hidden = act.recordingAddress === null;
 
     for (const mode of COLOUR_MODES) {
       const colour = button(mode, COLOUR_EXPLANATIONS[mode], () => this.act.setColour(mode));
@@ -336,7 +338,7 @@ export class Controls {
     else if (recorded)
       this.record_file.replaceChildren(
         `${recorded.file} is in ${recorded.folder} on the computer where the program runs. `,
-        h('a', { href: this.act.recordingAddress(recorded.file), download: recorded.file }, 'Download'),
+        h('a', { href: this.act.recordingAddress?.(recorded.file) ?? '', download: recorded.file }, 'Download'),
       );
     else this.record_file.replaceChildren();
   }

@@ -2,7 +2,7 @@
 
 import type { ExperimenterMessage, Frame, Phase, Scene, Status, StudyCommand, StudyMessage } from 'haptolith-protocol';
 import { publish } from '../automation';
-import { Connection } from '../connection';
+import { Connection, type Program } from '../connection';
 import { Hand } from '../hand/hand';
 import { PointerHand } from '../hand/pointer_hand';
 import { fixed, h, setText } from '../panels/html';
@@ -46,7 +46,7 @@ const FORCE: PlotSpec = {
 const BLINDED = 'Hidden, so that nothing in your voice or face tells it.';
 const REASONS = ['distracted', 'pressed the wrong key', 'did not touch the soil', 'trouble with the device'];
 
-export function openExperimenterPage(settings: Settings, address: string): void {
+export function openExperimenterPage(settings: Settings, program: Program): void {
   const now = {
     hello: null as { client: number } | null,
     scene: null as Scene | null,
@@ -58,7 +58,7 @@ export function openExperimenterPage(settings: Settings, address: string): void 
   };
 
   const notices = new Notices(() => connection.retryNow());
-  const connection = new Connection(address, {
+  const connection = new Connection(program, {
     hello: (hello) => {
       now.hello = hello;
       force_plot.clear();

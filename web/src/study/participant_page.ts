@@ -2,7 +2,7 @@
 
 import type { Frame, ParticipantMessage, Phase, Scene, Status, StudyCommand, StudyMessage } from 'haptolith-protocol';
 import { publish } from '../automation';
-import { Connection, NO_TOKEN } from '../connection';
+import { Connection, NO_TOKEN, type Program } from '../connection';
 import { Hand } from '../hand/hand';
 import { KeyHand } from '../hand/key_hand';
 import { PointerHand } from '../hand/pointer_hand';
@@ -25,7 +25,7 @@ const CLOCK_INTERVAL_MS = 100;
 const OVER: Phase[] = ['finished', 'withdrawn'];
 const BESIDE_BLOCKS: Phase[] = ['waiting', 'consent', ...OVER];
 
-export function openParticipantPage(settings: Settings, address: string): void {
+export function openParticipantPage(settings: Settings, program: Program): void {
   const now = {
     hello: null as { client: number } | null,
     scene: null as Scene | null,
@@ -39,7 +39,7 @@ export function openParticipantPage(settings: Settings, address: string): void {
   const touch = new Touch();
 
   const notices = new Notices(() => connection.retryNow());
-  const connection = new Connection(address, {
+  const connection = new Connection(program, {
     hello: (hello) => {
       now.hello = hello;
       join();

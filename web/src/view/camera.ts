@@ -18,6 +18,13 @@ interface Fit {
 
 type Place = View & Fit & { zoom: number };
 
+/** Where an eye is that a person has moved. */
+export interface EyePlace extends View {
+  zoom: number;
+  /** beside the middle of the bed, level */
+  aside_m: [x: number, y: number];
+}
+
 interface Extent {
   width_m: number;
   length_m: number;
@@ -46,6 +53,8 @@ const FILLED = 0.65;
 const RAISED_TOOL_M = 0.12;
 const LOWEST_DEG = 2;
 const HIGHEST_DEG = 89.5;
+const SMALLEST_ZOOM = 0.15;
+const LARGEST_ZOOM = 8;
 const TURN_S = 0.35;
 const DEGREES = Math.PI / 180;
 const HALF_HEIGHT = Math.tan((FIELD_OF_VIEW_DEG / 2) * DEGREES);
@@ -122,6 +131,21 @@ export class OrbitCamera {
     this.go(from);
   }
 
+  /** Where a person has moved the eye to; null: it is at a named view. */
+  get moved_to(): EyePlace | null {
+    const { azimuth_deg, elevation_deg, zoom, aside_m } = this;
+    return this.moved ? { azimuth_deg, elevation_deg, zoom, aside_m: [aside_m.x, aside_m.y] } : null;
+  }
+
+  moveTo(place: EyePlace): void {
+    this.takeOver();
+    this.azimuth_deg = place.azimuth_deg;
+    this.elevation_deg = Math.min(HIGHEST_DEG, Math.max(LOWEST_DEG, place.elevation_deg));
+    this.zoom = Math.min(LARGEST_ZOOM, Math.max(SMALLEST_ZOOM, place.zoom));
+    this.aside_m.set(place.aside_m[0], place.aside_m[1], 0).clampLength(0, this.longest_m / 2);
+    this.apply();
+  }
+
   resetView(animate: boolean): void {
     this.setView(this.view, animate);
   }
@@ -135,7 +159,7 @@ export class OrbitCamera {
 
   zoomBy(factor: number): void {
     this.takeOver();
-    this.zoom = Math.min(8, Math.max(0.15, this.zoom * factor));
+    this.zoom = Math.min(LARGEST_ZOOM, Math.max(SMALLEST_ZOOM, this.zoom * factor));
     this.apply();
   }
 

@@ -1,0 +1,37 @@
+// Whether the soil in a browser still has its bits, as tests/scenario/golden_test.cpp asks of the program:
+//
+//     node check_bits.mjs FOLDER            with soil.js and soil.wasm in it
+//
+// The bits are those of neither AVX nor SSE: WebAssembly has no first guesses of reciprocals, and the C library's sines are
+// others (docs/demo.md).
+
+import { existsSync, readFileSync } from 'node:fs';
+import { createRequire } from 'node:module';
+import { join, resolve } from 'node:path';
+
+const SCENES = {
+  PaperScoop: ['[hand]\nmanoeuvre = "scoop"', 8000, '0xe85df03812acaa29'],
+  PaperStir: ['[hand]\nmanoeuvre = "stir"', 8000, '0xa7a282b8462e928d'],
+  LunarStir: ['[soil]\nname = "lunar-0-15cm"\n[hand]\nmanoeuvre = "stir"', 4000, '0x1c4ae7a1c66dccb0'],
+  Rain: ['[bed]\nstart = "rain"\nparticles = 300\nseed = 7\n[hand]\nmanoeuvre = "stir"', 8000, '0x50f1f5dbd7db5273'],
+};
+
+const folder = resolve(process.argv[2]);
+if (!existsSync(join(folder, 'soil.wasm'))) process.exit(77); // there is no compiler for it
+const demo = await createRequire(import.meta.url)(join(folder, 'soil.js'))({
+  wasmBinary: readFileSync(join(folder, 'soil.wasm')),
+  toPage() {},
+  settling() {},
+});
+let wrong = 0;
+for (const [name, [scene, ticks, golden]] of Object.entries(SCENES)) {
+  const [hash, tick_us] = demo.ccall('demoOutcome', 'string', ['string', 'number', 'number'], [scene, ticks, 0]).split(' ');
+  const same = hash === golden;
+  console.log(`${name}: ${hash}, ${tick_us} us a tick${same ? '' : `, not ${golden}`}`);
+  wrong += same ? 0 : 1;
+}
+// Compiled without vectors (cmake -DHAPTOLITH_DEMO_SCALAR=ON) it is to be the program's SCALAR.
+const cut = (scene) => demo.ccall('demoOutcome', 'string', ['string', 'number', 'number'], [scene, 2000, 1]);
+const cuts = [cut('[soil]\npreset = "P3"'), cut('[soil]\nname = "lunar-0-15cm"')];
+console.log(`straight cut of P3 and lunar-0-15cm: ${cuts.join(', ')}`);
+process.exitCode = wrong === 0 ? 0 : 1;

@@ -1,0 +1,346 @@
+// Runs a scene in a web worker: the session, the loop and the view are the program's. What the worker calls from
+// JavaScript (web/src/demo/worker.ts) stands at the end; nothing here waits, because the worker has one thread.
+
+#include <emscripten.h>
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+#include <xxhash.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <sstream>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "haptolith/bed/tile_cache.h"
+#include "haptolith/core/error.h"
+#include "haptolith/device/hand/virtual_hand.h"
+#include "haptolith/haptics/haptic_loop.h"
+#include "haptolith/scenario/scenario.h"
+#include "haptolith/session/session.h"
+#include "haptolith/viewer/live_view.h"
+
+#include "page_server.h"
+
+// clang-format off
+EM_JS(void, postToPage, (const char* bytes, size_t size, int binary), {
+  Module['toPage'](HEAPU8.slice(bytes, bytes + size), binary);
+});
+EM_JS(void, tellSettling, (double settled_s), {
+  Module['settling'](settled_s);
+});
+// clang-format on
+
+namespace haptolith::demo {
+
+namespace {
+
+using Clock = std::chrono::steady_clock;
+using namespace std::chrono_literals;
+
+/// So long the soil may work before the page's messages have their turn.
+constexpr auto kLongestTurn = 12ms;
+/// Time that a slow machine, or one that was asleep, is behind is lost: the soil then moves in slow motion.
+constexpr double kMostBehind_s = 0.03;
+/// A bed is made with nothing else going on; before that the page is told.
+constexpr auto kBeforeMaking = 300ms;
+
+class Demo {
+ public:
+  Demo(Scenario base, Scenario scenario)
+      : base_(std::move(base)),
+        session_(unpaced(std::move(scenario)), false,
+                 [](double settled_s, double) {
+                   tellSettling(settled_s);
+                   return true;
+                 }),
+        view_(session_, {.takes_uploads = true}, HAPTOLITH_VERSION, {}) {}
+
+  /// What makes the scene as it is wanted now of the one that has a name: see overridesOf().
+  [[nodiscard]] std::string changes() const;
+
+  /// Brings the soil up to now, and the page too. @return whether the scene goes on.
+  bool turn(double now_s) {
+    const double passed_s = std::exchange(last_s_, now_s) < 0 ? 0 : now_s - before_s_;
+    before_s_ = now_s;
+    if (end_ == LoopEnd::kRunning) {
+      behind_s_ = std::min(kMostBehind_s, behind_s_ + passed_s * session_.speed());
+      tickUntil(Clock::now() + kLongestTurn);
+    }
+    view_.handleMessages();
+    const bool changed = mayMake() && session_.poll();
+    const bool newer = session_.update();
+    view_.show(newer, changed);
+    return end_ == LoopEnd::kRunning;
+  }
+
+ private:
+  static Scenario unpaced(Scenario scenario) {
+    scenario.loop.paced = false;  // by the worker instead
+    scenario.bed.threads = 1;
+    return scenario;
+  }
+
+  void tickUntil(Clock::time_point until) {
+    const double tick_s = session_.scenario().loop.tick_s;
+    for (; behind_s_ >= tick_s && end_ == LoopEnd::kRunning; behind_s_ -= tick_s) {
+      end_ = session_.loop().tick();
+      if (Clock::now() >= until) {
+        return;
+      }
+    }
+    if (end_ != LoopEnd::kRunning) {
+      session_.loop().publishEnd(end_);
+    }
+  }
+
+  /// Whether the page knows by now that a bed is made.
+  bool mayMake() {
+    const Clock::time_point now = Clock::now();
+    if (session_.busy().empty()) {
+      idle_at_ = now;
+    }
+    return session_.busy().empty() || now - idle_at_ > kBeforeMaking;
+  }
+
+  Scenario base_;
+  Session session_;
+  LiveView view_;
+  LoopEnd end_ = LoopEnd::kRunning;
+  double behind_s_ = 0, before_s_ = 0, last_s_ = -1;
+  Clock::time_point idle_at_;
+};
+
+std::unique_ptr<Demo> demo;
+std::string told;
+
+/// The same as the golden test's of the program: each force that the hand was given, and the soil at the end.
+std::string outcomeOf(Scenario scenario, int ticks) {
+  scenario.loop.paced = false;
+  Scene scene(scenario.bed, scenario.tool);
+  const double surface_m = scene.bed().surfaceHeight();
+  scenario.hand.surface_m = surface_m;
+  VirtualHand hand(scenario.hand, scenario.bed.tick_s);
+  HapticLoop loop(scene, hand, scenario.loop, true, handlingOf(scenario, surface_m));
+  std::vector<TickRecord> records;
+  std::uint64_t hash = 0;
+  const auto fold = [&hash](const void* data, std::size_t bytes) { hash = XXH3_64bits_withSeed(data, bytes, hash); };
+  const Clock::time_point begun = Clock::now();
+  for (int tick = 0; tick < ticks; ++tick) {
+    if (loop.tick() != LoopEnd::kRunning) {
+      throw Failure("the run ended early");
+    }
+    records.clear();
+    loop.takeRecords(records);
+    for (const TickRecord& record : records) {
+      fold(record.felt.wrench.force_n.data(), sizeof(double) * 3);
+      fold(record.felt.wrench.torque_nm.data(), sizeof(double) * 3);
+    }
+  }
+  const double took_s = std::chrono::duration<double>(Clock::now() - begun).count();
+  const std::uint64_t state = scene.bed().hash();
+  fold(&state, sizeof state);
+  return fmt::format("0x{:x} {:.1f}", hash, 1e6 * took_s / ticks);
+}
+
+/// The soil in each tick of a cut whose way asks nothing of the C library, so that it is the same on every machine, as
+/// tests/scenario/golden_test.cpp has it.
+std::string outcomeOfCut(const Scenario& scenario, int ticks) {
+  Scene scene(scenario.bed, scenario.tool);
+  const double surface_m = scene.bed().surfaceHeight();
+  std::uint64_t hash = 0;
+  for (int tick = 0; tick <= ticks; ++tick) {
+    const double share = static_cast<double>(tick) / ticks;
+    HandState hand;
+    hand.pose.position_m = Vec3(0.04 * share - 0.02, 0, surface_m + 0.01 - 0.025 * share);
+    if (tick == 0) {
+      scene.placeTool(hand);
+      continue;
+    }
+    if (scene.tick(hand) != StepStatus::kOk) {
+      throw Failure("the bed did not bear it");
+    }
+    const std::uint64_t state = scene.bed().hash();
+    hash = XXH3_64bits_withSeed(&state, sizeof state, hash);
+  }
+  return fmt::format("0x{:x}", hash);
+}
+
+/// Does it, and keeps why it failed in `told`; empty: it has not.
+template <class Work>
+const char* tell(Work work) {
+  try {
+    told.clear();
+    work();
+  } catch (const std::exception& error) {
+    told = error.what();
+  }
+  return told.c_str();
+}
+
+/// A scene that a browser's one thread keeps up with. Those of the program by their names, too, are opened when asked
+/// for.
+struct DemoScene {
+  std::string_view name, of;
+  std::vector<std::string> overrides = {};
+};
+const std::vector<DemoScene>& demoScenes() {
+  static const std::vector<DemoScene> kScenes{
+      {"moon", "regolith", {"soil.radius_mm=4.5"}},
+      {"paper", "paper"},
+      {"rain", "rain"},
+      {"jaws", "jaws"},
+      {"sandbox", "sandbox"},
+  };
+  return kScenes;
+}
+
+Scenario sceneNamed(std::string_view name) {
+  for (const DemoScene& scene : demoScenes()) {
+    if (scene.name == name) {
+      return findScenario(scene.of, scene.overrides);
+    }
+  }
+  return findScenario(name);
+}
+
+/// @param changes  "table.key=value" in a line each: what overridesOf() gave somebody else.
+Scenario sceneOf(std::string_view name, std::string_view changes) {
+  Scenario scenario = sceneNamed(name);
+  std::vector<std::string> overrides;
+  while (!changes.empty()) {
+    const std::size_t end = std::min(changes.find('\n'), changes.size());
+    overrides.emplace_back(changes.substr(0, end));
+    changes.remove_prefix(std::min(end + 1, changes.size()));
+  }
+  // By its numbers, so that what is changed does not contradict a name.
+  return overrides.empty() ? scenario : scenarioFromText(scenarioText(scenario), "this address", overrides);
+}
+
+/// The lines of a scene's text, each as "table.key=value".
+std::vector<std::string> settingsOf(const Scenario& scenario) {
+  std::vector<std::string> settings;
+  std::string table;
+  std::istringstream text(scenarioText(scenario));
+  for (std::string line; std::getline(text, line);) {
+    const std::size_t equals = line.find(" = ");
+    if (line.starts_with('[')) {
+      table = line.starts_with("[[") ? "" : line.substr(1, line.find(']') - 1);
+    } else if (!table.empty() && equals != std::string::npos) {
+      settings.push_back(table + "." + line.substr(0, equals) + "=" + line.substr(equals + 3));
+    }
+  }
+  return settings;
+}
+
+/// What makes `now` of `base`: what fits into an address, which grains and drawings do not.
+std::string overridesOf(const Scenario& base, const Scenario& now) {
+  constexpr std::size_t kLongest = 200;
+  const std::vector<std::string> before = settingsOf(base);
+  std::string changes;
+  for (const std::string& setting : settingsOf(now)) {
+    if (std::ranges::find(before, setting) == before.end() && setting.size() <= kLongest) {
+      changes += setting + "\n";
+    }
+  }
+  return changes;
+}
+
+std::string Demo::changes() const {
+  Scenario now = session_.scenario();
+  now.loop = base_.loop;  // the worker's own
+  now.bed.threads = base_.bed.threads;
+  now.hand.surface_m = base_.hand.surface_m;
+  now.hand.manoeuvre = session_.manoeuvre();
+  return overridesOf(base_, now);
+}
+
+}  // namespace
+
+}  // namespace haptolith::demo
+
+using haptolith::demo::page;
+
+// For JavaScript. What returns a text says with it why nothing came of it; empty: it is done.
+extern "C" {
+
+/// The scenes to choose from, as JSON: name, title.
+EMSCRIPTEN_KEEPALIVE const char* demoScenes() {
+  nlohmann::ordered_json list = nlohmann::ordered_json::array();
+  for (const auto& scene : haptolith::demo::demoScenes()) {
+    list.push_back({{"name", scene.name}, {"title", haptolith::demo::sceneNamed(scene.name).title}});
+  }
+  haptolith::demo::told = list.dump();
+  return haptolith::demo::told.c_str();
+}
+
+/// Name of the file with the settled soil of a scene; empty: it needs none. A file of that name in /tiles is taken, and
+/// what had to settle is put there.
+EMSCRIPTEN_KEEPALIVE const char* demoTile(const char* scene, const char* changes) {
+  std::string name;
+  const char* failed = haptolith::demo::tell([&] {
+    const haptolith::Scenario scenario = haptolith::demo::sceneOf(scene, changes);
+    name = scenario.bed.start == haptolith::BedStart::kSettled ? haptolith::tileFileName(scenario.bed) : "";
+  });
+  haptolith::demo::told = *failed == '\0' ? name : "";
+  return haptolith::demo::told.c_str();
+}
+
+/// Opens a scene: one of demoScenes() or of the program's, by its name, with changes that demoChanges() has told.
+EMSCRIPTEN_KEEPALIVE const char* demoOpen(const char* scene, const char* changes) {
+  return haptolith::demo::tell([&] {
+    haptolith::useTileCache("/tiles");
+    page().post = [](const std::string& bytes, bool binary) { postToPage(bytes.data(), bytes.size(), binary ? 1 : 0); };
+    haptolith::Scenario scenario = haptolith::demo::sceneOf(scene, changes);
+    haptolith::demo::demo.reset();
+    haptolith::demo::demo =
+        std::make_unique<haptolith::demo::Demo>(haptolith::demo::sceneNamed(scene), std::move(scenario));
+    page().come();
+  });
+}
+
+/// What makes the scene as it is now of the one of that name: a line each.
+EMSCRIPTEN_KEEPALIVE const char* demoChanges() {
+  std::string changes;
+  const char* failed = haptolith::demo::tell([&] { changes = haptolith::demo::demo->changes(); });
+  haptolith::demo::told = *failed == '\0' ? changes : "";
+  return haptolith::demo::told.c_str();
+}
+
+/// Goes on to now, in s. False when the scene has ended.
+EMSCRIPTEN_KEEPALIVE bool demoTurn(double now_s) {
+  return haptolith::demo::demo->turn(now_s);
+}
+
+EMSCRIPTEN_KEEPALIVE void demoHear(const char* text) {
+  page().sent(text);
+}
+
+EMSCRIPTEN_KEEPALIVE void demoTook() {
+  page().took();
+}
+
+EMSCRIPTEN_KEEPALIVE double demoTakeFile(const char* bytes, std::size_t size) {
+  return page().brought(std::string(bytes, size));
+}
+
+/// The hash that tests/scenario/golden_test.cpp would have of a scene's text after so many ticks, and how long one took
+/// in us; with `cut` that of its straight cut. Or why there is none.
+EMSCRIPTEN_KEEPALIVE const char* demoOutcome(const char* scene, int ticks, bool cut) {
+  std::string outcome;
+  const char* failed = haptolith::demo::tell([&] {
+    const haptolith::Scenario scenario = haptolith::loadScenarioText(scene, "scene");
+    outcome = cut ? haptolith::demo::outcomeOfCut(scenario, ticks) : haptolith::demo::outcomeOf(scenario, ticks);
+  });
+  if (*failed == '\0') {
+    haptolith::demo::told = outcome;
+  }
+  return haptolith::demo::told.c_str();
+}
+
+}  // extern "C"

@@ -1,0 +1,59 @@
+// What a browser has none of: devices, other processors, other instruction sets.
+
+#include <hwy/highway.h>
+#include <pthread.h>
+#include <signal.h>
+#include <sys/prctl.h>
+#include <sys/random.h>
+#include <unistd.h>
+
+#include <cerrno>
+
+#include "haptolith/bed/simd_target.h"
+#include "haptolith/core/error.h"
+#include "haptolith/device/open_device.h"
+
+// Of Linux, and missing in emscripten's C library: nothing here depends on being granted any of it.
+extern "C" {
+
+int pthread_setaffinity_np(pthread_t /*thread*/, size_t /*size*/, const cpu_set_t* /*cpus*/) {
+  return ENOSYS;
+}
+
+int pthread_setschedparam(pthread_t /*thread*/, int /*policy*/, const sched_param* /*parameters*/) {
+  return ENOSYS;
+}
+
+int prctl(int /*option*/, ...) {
+  errno = ENOSYS;
+  return -1;
+}
+
+int sigaltstack(const stack_t* __restrict /*stack*/, stack_t* __restrict /*before*/) {
+  errno = ENOSYS;
+  return -1;
+}
+
+ssize_t getrandom(void* bytes, size_t size, unsigned /*flags*/) {
+  return getentropy(bytes, size) == 0 ? static_cast<ssize_t>(size) : -1;
+}
+
+}  // extern "C"
+
+namespace haptolith {
+
+void validate(const DeviceParameters& /*parameters*/) {}  // none is opened
+
+std::unique_ptr<HapticDevice> openDevice(const DeviceParameters& /*parameters*/, double /*tick_s*/) {
+  throw Failure("a browser opens no haptic device: install haptolith, and dig with yours there");
+}
+
+std::vector<DeviceReport> findDevices(const DeviceParameters& /*parameters*/) {
+  return {};
+}
+
+const char* simdTarget() noexcept {
+  return hwy::TargetName(HWY_TARGET);
+}
+
+}  // namespace haptolith
