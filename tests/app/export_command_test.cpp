@@ -251,6 +251,43 @@ assert len(joined) >= len(table) - rows[0]['count'] and 'tool_z_m' in joined
 )");
 }
 
+TEST_F(ExportCommand, AFilmHasTheMessagesOfAPage) {
+  makeRun();
+  const ProgramResult result = runHaptolith("export --format film " + file("run.h5"));
+  ASSERT_EQ(result.exit_status, 0) << result.errors;
+  EXPECT_EQ(files(), (std::vector<std::string>{"run.film", "run.h5"}));
+  expectTrueInPython(R"(
+import h5py, json, numpy, struct
+film = open('run.film', 'rb').read()
+assert film[:16] == b'haptolith film 1'
+messages, at = [], 16
+while at < len(film):
+    size, kind = struct.unpack_from('<IB', film, at)
+    messages.append((kind, film[at + 5:at + 5 + size]))
+    at += 5 + size
+hello, scene = (json.loads(text) for kind, text in messages[:2])
+assert hello['type'] == 'hello' and hello['client'] == 1 and hello['read_only'], hello
+assert scene['type'] == 'scene' and scene['particles'] == 256 and scene['soil']['preset'] == 'P3'
+frames = [frame for kind, frame in messages[2:] if kind == 2]
+recorded = h5py.File('run.h5')
+assert len(frames) == len(messages) - 2 == len(recorded['particles/frames']), len(frames)
+low, high = (numpy.array(scene['quantised'][end]) for end in ('low_m', 'high_m'))
+records = numpy.zeros((256, 4), '<u2')
+positions, rows = recorded['particles/position'], recorded['particles/frames'][:]
+for number, frame in enumerate(frames):
+    time_s, = struct.unpack_from('<d', frame, 8)
+    particles, runs, count = struct.unpack_from('<III', frame, 108)
+    assert particles == 256 and (number > 0 or count == 256)
+    values = numpy.frombuffer(frame, '<u2', 4 * count, 128 + 8 * runs).reshape(-1, 4)
+    for first, some in numpy.frombuffer(frame, '<u4', 2 * runs, 128).reshape(-1, 2):
+        records[first:first + some], values = values[:some], values[some:]
+    shown_m = low + records[:, :3] / 65535 * (high - low)
+    first = int(rows[number]['first'])
+    assert numpy.abs(shown_m - positions[first:first + 256]).max() < (high - low).max() / 65535
+    assert time_s == rows[number]['t_s']
+)");
+}
+
 TEST_F(ExportCommand, WithoutAReplayAllButVelocitiesIsThere) {
   makeRun();
   for (const char* format : {"vtk", "xdmf", "particles-csv"}) {

@@ -20,11 +20,17 @@ export interface Served {
   close(): Promise<void>;
 }
 
-export function serveFolder(folder: string): Promise<Served> {
+/** @param besides  files that are not in it, by their paths; null: there is none */
+export function serveFolder(folder: string, besides: Record<string, Buffer | null> = {}): Promise<Served> {
   const sent = new Map<string, number>();
   const server = createServer((request, response) => {
     const path = normalize(new URL(request.url ?? '/', 'http://here').pathname);
     const file = join(resolve(folder), path === '/' ? 'index.html' : path);
+    const beside = besides[path];
+    if (beside) {
+      response.writeHead(200, { 'content-type': 'application/octet-stream' }).end(beside);
+      return;
+    }
     if (!existsSync(file) || !statSync(file).isFile()) {
       response.writeHead(404).end();
       return;

@@ -16,6 +16,7 @@
 #include "haptolith/recording/export_pictures.h"
 #include "haptolith/recording/recorded_pictures.h"
 #include "haptolith/recording/recording_reader.h"
+#include "haptolith/viewer/film.h"
 
 #include "commands.h"
 #include "record/export_lammps.h"
@@ -37,6 +38,7 @@ constexpr const char* kExamples = R"(Examples:
   haptolith export run.h5 --format robot-csv        run-robot.csv: a row for every report of a robot (teleop operator)
   haptolith export run.h5 --format xdmf             run-xdmf/: particles, tool and box for ParaView, data in HDF5
   haptolith export run.h5 --format vtk              run-vtk/: the same as files that need no HDF5
+  haptolith export run.h5 --format film             run.film: to be played in a browser, by the page of ./dev demo
   haptolith export run.h5 --format lammps           run-lammps/: the bed and the tool's way, to run in LAMMPS
   haptolith export field --format lammps            field-lammps/: the same of a scene's bed, without a tool
 
@@ -176,6 +178,16 @@ void exportCsvOfParticles(const RecordingReader& recording, const ExportOptions&
   });
 }
 
+void exportFilmOfPage(const RecordingReader& recording, const ExportOptions& options) {
+  requirePictures(recording, options);
+  const fs::path out = outFor(options, ".film");
+  AtomicFile file(options.overwrite(out.string()));
+  exportPictures(recording, options, out, [&](RecordedPictures& pictures) {
+    exportFilm(pictures, HAPTOLITH_VERSION, [&](std::string_view bytes) { file.write(bytes); });
+    file.commit();
+  });
+}
+
 using ExportToFolder = void (*)(RecordedPictures&, const AtomicFolder&);
 
 void exportFolder(const RecordingReader& recording, const ExportOptions& options, ExportToFolder make) {
@@ -200,6 +212,8 @@ void exportRecording(const ExportOptions& options) {
     exportCsvOfParticles(recording, options);
   } else if (options.format == "robot-csv") {
     exportCsvOfRobot(recording, options);
+  } else if (options.format == "film") {
+    exportFilmOfPage(recording, options);
   } else {
     exportFolder(recording, options, options.format == "xdmf" ? exportXdmf : exportVtk);
   }
@@ -215,8 +229,8 @@ void exportRecording(const ExportOptions& options) {
 
 void addExportCommand(CLI::App& app) {
   auto options = std::make_shared<ExportOptions>();
-  CLI::App* command =
-      app.add_subcommand("export", "Convert a recording or a scene for other programs: CSV, XDMF, VTK or LAMMPS");
+  CLI::App* command = app.add_subcommand(
+      "export", "Convert a recording or a scene for other programs: CSV, XDMF, VTK, LAMMPS or a browser");
   command->footer(kExamples);
   command->add_option("file", options->file, "A recording (.h5); for lammps a scene, too")
       ->required()
@@ -225,10 +239,11 @@ void addExportCommand(CLI::App& app) {
       ->add_option(
           "--format", options->format,
           "csv: ticks; particles-csv: particles; robot-csv: what a robot told that followed the tool; xdmf, vtk:\n"
-          "particles, tool and box, for ParaView; lammps: bed and tool as an input script for LAMMPS")
+          "particles, tool and box, for ParaView; film: for a browser; lammps: bed and tool as an input script for "
+          "LAMMPS")
       ->required()
-      ->check(oneOf({"csv", "particles-csv", "robot-csv", "xdmf", "vtk", "lammps"}))
-      ->option_text("csv|particles-csv|robot-csv|xdmf|vtk|lammps");
+      ->check(oneOf({"csv", "particles-csv", "robot-csv", "xdmf", "vtk", "film", "lammps"}))
+      ->option_text("csv|particles-csv|robot-csv|xdmf|vtk|film|lammps");
   command
       ->add_option("--out", options->out,
                    "Where to: a file, for xdmf, vtk and lammps a new folder [named after the recording]")

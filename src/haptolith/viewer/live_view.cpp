@@ -29,17 +29,6 @@ constexpr int kMostInARound = 256;
 /// Contact forces take some microseconds a particle to work out; no more than this share of the time goes to them.
 constexpr double kShareForLoads = 0.2;
 
-/// Thrown particles fly this high before they are shown at the border.
-constexpr double kAboveSurface_m = 0.4;
-constexpr double kBesideBox_m = 0.02;
-
-FrameEncoder::Space spaceOf(const Session& session) {
-  const BedParameters& bed = session.shown().bed;
-  const double x = bed.width_m / 2 + kBesideBox_m;
-  const double y = bed.length_m / 2 + kBesideBox_m;
-  return {Vec3(-x, -y, -kBesideBox_m), Vec3(x, y, session.surface() + kAboveSurface_m)};
-}
-
 /// Whether a hand in the soil feels another force after this.
 bool changesWhatIsFelt(const Command& asked) {
   return std::holds_alternative<command::Change>(asked) || std::holds_alternative<command::ToolFile>(asked) ||
@@ -57,7 +46,7 @@ LiveView::LiveView(Session& session, const WebServerOptions& options, std::strin
       clients_(clients),
       board_(helloMessages(version, clients == Clients::kLookOn, options.takes_uploads)),
       server_(options, board_),
-      space_(spaceOf(session)) {}
+      space_(shownSpace(session.shown().bed, session.surface())) {}
 
 void LiveView::handleMessages() {
   const Clock::time_point until = Clock::now() + kLongestRound;
@@ -226,7 +215,7 @@ void LiveView::showScene() {
     return;
   }
   scene_shown_ = session_.scenes();
-  space_ = spaceOf(session_);
+  space_ = shownSpace(session_.shown().bed, session_.surface());
   loads_n_.clear();
   board_.setScene(sceneMessages(session_, space_), scene_shown_, session_.snapshot().position.size(), space_);
 }

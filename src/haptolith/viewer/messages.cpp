@@ -108,20 +108,28 @@ Json soilJson(const Scenario& scenario) {
 }
 
 /// How many grains of which radius, in the order of a frame's particles.
-Json grainsJson(const Bed& bed, double radius_m) {
+Json grainsJson(const std::vector<Bed::GrainRun>& runs, double radius_m) {
   Json grains = Json::array();
-  for (const Bed::GrainRun& run : bed.grainRuns()) {
+  for (const Bed::GrainRun& run : runs) {
     grains.push_back({{"count", run.count}, {"radius_m", GrainClasses::scale(run.grain_class) * radius_m}});
   }
   return grains;
 }
 
-Json stonesJson(const Stones& stones) {
+Json stonesJson(const std::vector<std::shared_ptr<const StoneShape>>& stones) {
   Json list = Json::array();
-  for (std::size_t stone = 0; stone < stones.size(); ++stone) {
-    list.push_back(stoneJson(*stones.shape(stone)));
+  for (const auto& stone : stones) {
+    list.push_back(stoneJson(*stone));
   }
   return list;
+}
+
+std::size_t countOf(const std::vector<Bed::GrainRun>& runs) {
+  std::size_t count = 0;
+  for (const Bed::GrainRun& run : runs) {
+    count += run.count;
+  }
+  return count;
 }
 
 Json recordedJson(const std::filesystem::path& file) {
@@ -220,9 +228,32 @@ Json stoneJson(const StoneShape& stone) {
 }
 
 Board::Texts sceneMessages(const Session& session, const FrameEncoder::Space& space) {
-  const Scenario& scenario = session.scenario();
+  const Bed& bed = session.scene().bed();
+  SceneLookedAt shown{.scenario = session.scenario(),
+                      .soil = session.shown().bed.soil,
+                      .scene = session.scenes(),
+                      .grains = bed.grainRuns(),
+                      .surface_m = session.surface(),
+                      .manoeuvre = session.manoeuvre(),
+                      .low_m = session.workspaceLow(),
+                      .high_m = session.workspaceHigh()};
+  for (std::size_t stone = 0; stone < bed.stones().size(); ++stone) {
+    shown.stones.push_back(bed.stones().shape(stone));
+  }
+  return sceneMessages(shown, space);
+}
+
+FrameEncoder::Space shownSpace(const BedParameters& bed, double surface_m) {
+  constexpr double kAboveSurface_m = 0.4;
+  constexpr double kBesideBox_m = 0.02;
+  const double x = bed.width_m / 2 + kBesideBox_m;
+  const double y = bed.length_m / 2 + kBesideBox_m;
+  return {Vec3(-x, -y, -kBesideBox_m), Vec3(x, y, surface_m + kAboveSurface_m)};
+}
+
+Board::Texts sceneMessages(const SceneLookedAt& shown, const FrameEncoder::Space& space) {
+  const Scenario& scenario = shown.scenario;
   const BedParameters& bed = scenario.bed;
-  const SoilParameters& shown = session.shown().bed.soil;
   Json sliders = Json::array();
   for (const SoilSlider& slider : slidersOf(bed.soil, calibrationOf(scenario))) {
     sliders.push_back({{"key", slider.key},
@@ -234,16 +265,16 @@ Board::Texts sceneMessages(const Session& session, const FrameEncoder::Space& sp
                        {"step", slider.step}});
   }
   Json message({{"type", "scene"},
-                {"scene", session.scenes()},
+                {"scene", shown.scene},
                 {"title", scenario.title},
-                {"particles", session.scene().bed().particles()},
+                {"particles", countOf(shown.grains)},
                 {"radius_m", bed.soil.radius_m},
-                {"grains", grainsJson(session.scene().bed(), shown.radius_m)},
-                {"size_spread", shown.friction == FrictionModel::kContact ? shown.size_spread : 0.0},
+                {"grains", grainsJson(shown.grains, shown.soil.radius_m)},
+                {"size_spread", shown.soil.friction == FrictionModel::kContact ? shown.soil.size_spread : 0.0},
                 {"box",
                  {{"width_m", bed.width_m},
                   {"length_m", bed.length_m},
-                  {"surface_m", session.surface()},
+                  {"surface_m", shown.surface_m},
                   {"periodic_x", bed.periodic_x},
                   {"periodic_y", bed.periodic_y}}},
                 {"quantised", {{"low_m", array(space.low_m)}, {"high_m", array(space.high_m)}}},
@@ -261,12 +292,12 @@ Board::Texts sceneMessages(const Session& session, const FrameEncoder::Space& sp
                   {"length_mm", kPerMetre_mm * scenario.tool.length_m},
                   {"mesh", toolMeshJson(scenario)}}},
                 {"hand",
-                 {{"manoeuvre", wordFor(kManoeuvreWords, session.manoeuvre())},
+                 {{"manoeuvre", wordFor(kManoeuvreWords, shown.manoeuvre)},
                   {"max_force_n", scenario.hand.max_force_n},
                   {"max_torque_nm", scenario.hand.max_torque_nm}}},
-                {"workspace", {{"low_m", array(session.workspaceLow())}, {"high_m", array(session.workspaceHigh())}}}});
-  if (const Stones& stones = session.scene().bed().stones(); stones.size() > 0) {
-    message["stones"] = stonesJson(stones);
+                {"workspace", {{"low_m", array(shown.low_m)}, {"high_m", array(shown.high_m)}}}});
+  if (!shown.stones.empty()) {
+    message["stones"] = stonesJson(shown.stones);
   }
   std::string whole = written(message);
   for (auto& [key, value] : message["soil"].items()) {

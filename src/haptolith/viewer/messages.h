@@ -5,6 +5,7 @@
 #include <array>
 #include <cstdint>
 #include <filesystem>
+#include <memory>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -25,7 +26,22 @@ namespace haptolith {
 /// What a stone looks like: its mesh, or its spheres where it has none.
 [[nodiscard]] nlohmann::ordered_json stoneJson(const StoneShape& stone);
 
+/// A scene that somebody looks at.
+struct SceneLookedAt {
+  const Scenario& scenario;    ///< as it is wanted
+  const SoilParameters& soil;  ///< as it is shown
+  std::uint32_t scene = 1;     ///< see FrameEncoder
+  std::vector<Bed::GrainRun> grains;
+  double surface_m = 0;
+  Manoeuvre manoeuvre = Manoeuvre::kStill;
+  Vec3 low_m, high_m;  ///< where the tool may be
+  std::vector<std::shared_ptr<const StoneShape>> stones = {};
+};
+[[nodiscard]] Board::Texts sceneMessages(const SceneLookedAt& shown, const FrameEncoder::Space& space);
 [[nodiscard]] Board::Texts sceneMessages(const Session& session, const FrameEncoder::Space& space);
+
+/// The space around a bed that pictures show: thrown particles fly so high before they are shown at the border.
+[[nodiscard]] FrameEncoder::Space shownSpace(const BedParameters& bed, double surface_m);
 
 /// A robot far away that follows the tool.
 struct RobotShown {

@@ -1,4 +1,5 @@
-// The page with the soil in it: nothing is installed, and nothing leaves this browser. What it shows is in its address.
+// The page with the soil in it: nothing is installed, and nothing leaves this browser. What it shows is in its
+// address: a scene, or with `?play=` a film.
 
 import '../style.css';
 import './demo.css';
@@ -6,55 +7,108 @@ import { openBedPage } from '../bed_page';
 import { h, setText } from '../panels/html';
 import { readSettings } from '../settings';
 import { addressOf, readShown } from './address';
+import { readFilm } from './film';
+import { filmBar } from './film_bar';
+import { FilmProgram } from './film_program';
 import type { DemoScene } from './messages';
 import { WorkerProgram } from './worker_program';
 
+const DROPPED = 'dropped';
 const shown = readShown(location.search);
 const settings = readSettings(location.search, matchMedia('(prefers-color-scheme: light)').matches);
 
-const scenes = h('select', { class: 'demo-scene', 'aria-label': 'Scene', title: 'Another scene' });
-scenes.addEventListener('change', () => location.assign(`?scene=${encodeURIComponent(scenes.value)}`));
-const share = h('button', { type: 'button', class: 'quiet', title: 'Copy an address that shows this scene' }, 'Share');
 const cover_text = h('p', { role: 'status' }, 'Bringing the soil…');
 const cover = h('div', { class: 'demo-cover' }, h('span', { class: 'spinner', 'aria-hidden': 'true' }), cover_text);
+
+function fail(why: string): void {
+  cover.classList.add('failed');
+  cover.replaceChildren(
+    h('p', { role: 'alert' }, `This cannot be shown: ${why}`),
+    h('p', {}, h('a', { href: '?' }, 'Open the first scene')),
+  );
+  document.body.append(cover);
+}
+
 document.body.append(cover);
+const film = new URLSearchParams(location.search).get('play');
+if (film === null) openScene();
+else openFilm(film).catch((error: unknown) => fail(error instanceof Error ? error.message : String(error)));
 
-const program = new WorkerProgram(shown.scene, shown.changes, {
-  opened: (list) => {
-    cover.remove();
-    showScenes(list);
+// A film that is dropped on the page is played, and not taken for a drawing of a tool. The page begins anew for it, and finds
+// it where browsers keep what pages want to find again.
+addEventListener('dragover', (event) => event.preventDefault());
+addEventListener(
+  'drop',
+  (event) => {
+    const file = event.dataTransfer?.files[0];
+    if (!file?.name.endsWith('.film')) return;
+    event.preventDefault();
+    event.stopImmediatePropagation();
+    caches
+      .open(DROPPED)
+      .then((kept) => kept.put(DROPPED, new Response(file)))
+      .then(() => location.assign(`?play=${DROPPED}`))
+      .catch(() => fail('this browser keeps no file for it; put the film beside the page and open ?play=NAME.film'));
   },
-  settling: (time_s) => setText(cover_text, `Letting the soil settle: ${time_s.toFixed(1)} s`),
-  failed: (why) => {
-    cover.classList.add('failed');
-    cover.replaceChildren(
-      h('p', { role: 'alert' }, `This scene cannot be shown: ${why}`),
-      h('p', {}, h('a', { href: '?' }, 'Open the first scene')),
-    );
-    document.body.append(cover);
-  },
-});
-const page = openBedPage(settings, program, [scenes, share]);
-if (shown.eye) page.stage.orbit.moveTo(shown.eye);
+  { capture: true },
+);
 
-share.addEventListener('click', () => {
-  void program
-    .changes()
-    .then(async (changes) => {
-      const looks = { colour: page.colour(), drawing: page.drawing() };
-      const address = addressOf(location.href, { scene: shown.scene, changes, eye: page.stage.orbit.moved_to }, looks);
-      history.replaceState(null, '', address);
-      await navigator.clipboard.writeText(address);
-      page.notices.toast('The address is copied: whoever opens it sees this scene, with level soil.');
-    })
-    .catch(() => page.notices.toast('The address bar now has this scene: copy it from there.'));
-});
+function openScene(): void {
+  const scenes = h('select', { class: 'demo-scene', 'aria-label': 'Scene', title: 'Another scene' });
+  scenes.addEventListener('change', () => location.assign(`?scene=${encodeURIComponent(scenes.value)}`));
+  const share = h(
+    'button',
+    { type: 'button', class: 'quiet', title: 'Copy an address that shows this scene' },
+    'Share',
+  );
+  const program = new WorkerProgram(shown.scene, shown.changes, {
+    opened: (list) => {
+      cover.remove();
+      showScenes(scenes, list);
+    },
+    settling: (time_s) => setText(cover_text, `Letting the soil settle: ${time_s.toFixed(1)} s`),
+    failed: fail,
+  });
+  const page = openBedPage(settings, program, [scenes, share]);
+  if (shown.eye) page.stage.orbit.moveTo(shown.eye);
 
-function showScenes(list: DemoScene[]): void {
+  share.addEventListener('click', () => {
+    void program
+      .changes()
+      .then(async (changes) => {
+        const looks = { colour: page.colour(), drawing: page.drawing() };
+        const address = addressOf(
+          location.href,
+          { scene: shown.scene, changes, eye: page.stage.orbit.moved_to },
+          looks,
+        );
+        history.replaceState(null, '', address);
+        await navigator.clipboard.writeText(address);
+        page.notices.toast('The address is copied: whoever opens it sees this scene, with level soil.');
+      })
+      .catch(() => page.notices.toast('The address bar now has this scene: copy it from there.'));
+  });
+}
+
+function showScenes(scenes: HTMLSelectElement, list: DemoScene[]): void {
   const all = list.some(({ name }) => name === shown.scene)
     ? list
     : [...list, { name: shown.scene, title: shown.scene }];
   scenes.replaceChildren(
     ...all.map(({ name, title }) => h('option', { value: name, selected: name === shown.scene }, title)),
   );
+}
+
+/** @param address  of a film: beside the page, or anywhere that lets this page read it */
+async function openFilm(address: string): Promise<void> {
+  setText(cover_text, 'Bringing the film…');
+  const kept = address === DROPPED ? await caches.match(DROPPED) : undefined;
+  const answer = kept ?? (await fetch(address).catch(() => null));
+  if (!answer?.ok) throw new Error(`no film came from ${address}`);
+  const program = new FilmProgram(readFilm(await answer.arrayBuffer()));
+  cover.remove();
+  document.body.classList.add('of-film');
+  const page = openBedPage(settings, program);
+  page.stage.renderer.domElement.parentElement!.append(filmBar(program));
+  if (shown.eye) page.stage.orbit.moveTo(shown.eye);
 }

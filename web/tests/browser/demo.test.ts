@@ -1,7 +1,10 @@
 // The demo, which apps/demo/make_demo has put into the folder that HAPTOLITH_DEMO names; left out where there is no compiler
 // for it.
 
+import { execFileSync } from 'node:child_process';
 import { existsSync } from 'node:fs';
+import { mkdtemp, readFile, rm } from 'node:fs/promises';
+import { tmpdir } from 'node:os';
 import { join } from 'node:path';
 import type { Browser } from 'playwright-core';
 import { afterAll, afterEach, beforeAll, describe, expect, it } from 'vitest';
@@ -10,6 +13,21 @@ import { frame, grabTool, holdStill, launch, openPage, scene, violations, type W
 
 const FOLDER = process.env.HAPTOLITH_DEMO ?? '';
 const MOST_BYTES = 10e6;
+
+/** Of a second of the program's, which this test is given as the others are. */
+async function madeFilm(): Promise<Buffer | null> {
+  const program = process.env.HAPTOLITH;
+  if (!program) return null;
+  const folder = await mkdtemp(join(tmpdir(), 'haptolith-film-'));
+  try {
+    const run = (...words: string[]): void => void execFileSync(program, words, { cwd: folder, stdio: 'ignore' });
+    run('run', 'paper', '--hand', 'stir', '--duration-s', '1', '--no-serve', '--record', 'run.h5');
+    run('export', 'run.h5', '--format', 'film');
+    return await readFile(join(folder, 'run.film'));
+  } finally {
+    await rm(folder, { recursive: true });
+  }
+}
 
 describe.skipIf(!existsSync(join(FOLDER, 'soil.wasm')))('the demo', () => {
   let browser: Browser;
@@ -23,7 +41,7 @@ describe.skipIf(!existsSync(join(FOLDER, 'soil.wasm')))('the demo', () => {
   }
 
   beforeAll(async () => {
-    host = await serveFolder(FOLDER);
+    host = await serveFolder(FOLDER, { '/run.film': await madeFilm() });
     browser = await launch();
   });
   afterEach(async () => {
@@ -113,6 +131,28 @@ describe.skipIf(!existsSync(join(FOLDER, 'soil.wasm')))('the demo', () => {
     expect(after.gravity_m_s2).toEqual(before.gravity_m_s2);
     expect(after.tool).toEqual(before.tool);
     expect(shared.complaints).toEqual([]);
+  });
+
+  it.skipIf(!process.env.HAPTOLITH)('plays a film, which may be looked at anywhere', async () => {
+    const { page, complaints } = await visit('?play=run.film');
+    await page.waitForFunction(() => window.haptolith!.frame!.time_s > 0.3);
+    await page.getByRole('button', { name: 'Stop' }).click();
+    await page.getByRole('button', { name: 'Play' }).waitFor();
+    const at = (time: string): Promise<unknown> => {
+      const place = page.getByRole('slider', { name: 'Time in the film' });
+      return place
+        .fill(time)
+        .then(() => page.waitForFunction((t) => Math.abs(window.haptolith!.frame!.time_s - t) < 0.2, Number(time)));
+    };
+    const seen = (): Promise<number[]> => page.evaluate(() => window.haptolith!.frame!.tool.position_m.slice());
+    await at('0.9');
+    const late = await seen();
+    await at('0.2');
+    await at('0.9');
+    expect(await seen()).toEqual(late);
+    await page.getByRole('button', { name: 'Play' }).click();
+    await page.waitForFunction(() => window.haptolith!.frame!.time_s > 0.95);
+    expect(complaints).toEqual([]);
   });
 
   it('says why an address shows nothing', async () => {
