@@ -29,6 +29,7 @@ void addDoctorCommand(CLI::App& app);
 void addCompletionCommand(CLI::App& app);
 
 // Of `haptolith lab`.
+void addCollect(CLI::App& lab);
 void addReport(CLI::App& lab);
 void addValidate(CLI::App& lab);
 

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <limits>
 #include <vector>
 
@@ -24,6 +25,16 @@ TEST(OverSeeds, ShowsMeanAndStandardDeviation) {
   const ReportValue value = overSeeds(specimens({40, 42, 44}));
   EXPECT_EQ(value.text, "42.0 ± 2.0°");
   EXPECT_EQ(value.verdict, Verdict::kPass);
+}
+
+TEST(OverSeeds, ScatterIsOfThoseThatHaveANumber) {
+  const Scatter scatter = scatterOf({40, kNone, 42, 44});
+  EXPECT_EQ(scatter.mean, 42);
+  EXPECT_EQ(scatter.sd, 2);
+  EXPECT_EQ(scatter.specimens, 3U);
+  EXPECT_TRUE(std::isnan(scatterOf({40}).sd));
+  EXPECT_TRUE(std::isnan(scatterOf({kNone}).mean));
+  EXPECT_EQ(scatterOf({}).specimens, 0U);
 }
 
 TEST(OverSeeds, OneSeedHasNoSpread) {

@@ -1,11 +1,15 @@
 #include <CLI/App.hpp>
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <nlohmann/json.hpp>
 
+#include <cstdint>
 #include <filesystem>
 #include <map>
 #include <memory>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include "haptolith/core/error.h"
 #include "haptolith/lab/calibrate_soil.h"
@@ -16,6 +20,7 @@
 
 #include "commands.h"
 #include "lab/lab_options.h"
+#include "lab/specimens.h"
 #include "shared/option_checks.h"
 #include "shared/output.h"
 #include "shared/stop_on_signal.h"
@@ -28,9 +33,30 @@ using Json = nlohmann::ordered_json;
 
 // --- haptolith lab TEST ----------------------------------------------------------------------------------------------
 
-void runTest(const LabTest& test, const LabOptions& options) {
-  const StopOnSignal stop_on_signal;
+constexpr Range kSeeds{1, 100};
+
+struct TestCommand {
+  LabOptions lab;
+  int seeds = 1;
+  std::map<std::string, std::string> given;  ///< of the test's own options
+};
+
+/// The test's own options that are not as usual.
+std::map<std::string, std::string> givenOptions(const CLI::App& command, const LabTest& test) {
+  std::map<std::string, std::string> given;
+  for (const LabOption& option : test.options) {
+    const CLI::Option* of_command = command.get_option(flagOf(option));
+    const std::string text = fmt::format("{}", fmt::join(of_command->results(), ","));
+    if (of_command->count() > 0 && text != option.usual) {
+      given.emplace(option.key, text);
+    }
+  }
+  return given;
+}
+
+void runSpecimen(const LabTest& test, const TestCommand& command) {
   StatusLine status;
+  const LabOptions& options = command.lab;
   requireWritable({options.overwrite(options.trace_file), options.overwrite(options.figure_file)});
   const LabSoil soil = labSoil(options, test.radius_mm);
   const LabConditions conditions = labConditions(options, soil, status);
@@ -44,24 +70,60 @@ void runTest(const LabTest& test, const LabOptions& options) {
     output.draw(options.overwrite(options.figure_file), circumstances);
   }
   if (options.json) {
-    Json document{{"test", test.name}};
-    document.update(circumstancesJson(options, soil, conditions));
-    document.update(output.json);
-    printJson(document);
+    printJson(specimenJson(test, options, soil, conditions, output, command.given));
   } else {
     printText(fmt::format("lab {}: {}\n\n{}", test.name, circumstances, output.text));
   }
 }
 
+/// One specimen after the other; what they have in common.
+void runSpecimens(const LabTest& test, const TestCommand& command) {
+  StatusLine status;
+  LabOptions options = command.lab;
+  const LabSoil soil = labSoil(options, test.radius_mm);
+  std::vector<Specimen> specimens;
+  for (int i = 0; i < command.seeds; ++i) {
+    options.seed = command.lab.seed + static_cast<std::uint64_t>(i);
+    const LabConditions conditions = labConditions(options, soil, status);
+    specimens.push_back(
+        {options.seed, specimenJson(test, options, soil, conditions, test.run(soil, conditions), command.given), ""});
+  }
+  status.clear();
+  const Collection collection = collected(std::move(specimens));
+  options.json ? printJson(collection.json) : printText(collection.text);
+}
+
+void runTest(const LabTest& test, const TestCommand& command) {
+  const StopOnSignal stop_on_signal;
+  if (command.seeds == 1) {
+    return runSpecimen(test, command);
+  }
+  for (const auto& [option, file] :
+       {std::pair("--figure", command.lab.figure_file), {"--trace", command.lab.trace_file}}) {
+    if (!file.empty()) {
+      throw InvalidParameter(option, file, "left out with --seeds: it is of one specimen");
+    }
+  }
+  runSpecimens(test, command);
+}
+
 void addTest(CLI::App& lab, const LabTest& test) {
-  auto options = std::make_shared<LabOptions>();
+  auto options = std::make_shared<TestCommand>();
   CLI::App* command = lab.add_subcommand(test.name, test.description);
-  options->addTo(*command);
+  options->lab.addTo(*command);
+  command
+      ->add_option("--seeds", options->seeds,
+                   "how many specimens, each from another seed, --seed the first: tells their mean and scatter")
+      ->check(wholeNumberIn(kSeeds))
+      ->capture_default_str();
   for (const LabOption& option : test.options) {
     addOption(*command, option);
   }
   command->footer("Examples:\n" + test.examples);
-  command->callback([test, options] { runTest(test, *options); });
+  command->callback([test, options, command] {
+    options->given = givenOptions(*command, test);
+    runTest(test, *options);
+  });
 }
 
 // --- haptolith lab calibrate -----------------------------------------------------------------------------------------
@@ -189,6 +251,7 @@ void addLabCommand(CLI::App& app) {
   for (const LabTest& test : labTests()) {
     addTest(*lab, test);
   }
+  addCollect(*lab);
   addCalibrate(*lab);
   addReport(*lab);
   addValidate(*lab);

@@ -62,9 +62,14 @@ void LabOptions::addTo(CLI::App& command) {
   command.add_flag("--json", json, "print one JSON object instead of a table");
 }
 
-void addOption(CLI::App& command, const LabOption& option) {
+std::string flagOf(const LabOption& option) {
   std::string flag = "--" + option.key;
   std::ranges::replace(flag, '_', '-');
+  return flag;
+}
+
+void addOption(CLI::App& command, const LabOption& option) {
+  const std::string flag = flagOf(option);
   const std::string help = option.usual.empty() ? option.help : fmt::format("{} [{}]", option.help, option.usual);
   const auto add =
       Overloaded{[&](const LabOption::Number& set) { command.add_option_function<double>(flag, set, help); },
@@ -135,6 +140,16 @@ nlohmann::ordered_json soilJson(const SoilParameters& soil) {
     }
   }
   return json;
+}
+
+nlohmann::ordered_json targetJson(const std::optional<SoilTarget>& target) {
+  if (!target) {
+    return nullptr;
+  }
+  return {{"bulk_density_kg_m3", target->bulk_density_kg_m3},
+          {"friction_angle_deg", target->friction_angle_deg},
+          {"cohesion_pa", target->cohesion_pa},
+          {"strength", wordFor(kSoilStrengthWords, target->strength)}};
 }
 
 void requireWritable(const std::vector<OutputFile>& files) {

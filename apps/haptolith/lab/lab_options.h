@@ -36,7 +36,10 @@ struct LabOptions {
   void addTo(CLI::App& command);
 };
 
-/// An option of a test, as --key-with-dashes.
+/// --key-with-dashes.
+[[nodiscard]] std::string flagOf(const LabOption& option);
+
+/// An option of a test under that name.
 void addOption(CLI::App& command, const LabOption& option);
 
 /// The soil that the command line named: a named one, a file, or one of the paper's presets.
@@ -54,6 +57,9 @@ void addOption(CLI::App& command, const LabOption& option);
 
 /// The soil's keys, as a soil file has them, without the model of friction.
 [[nodiscard]] nlohmann::ordered_json soilJson(const SoilParameters& soil);
+
+/// What an engineer measured of the soil; null: nothing.
+[[nodiscard]] nlohmann::ordered_json targetJson(const std::optional<SoilTarget>& target);
 
 /// Hours of work must not end in a file that cannot be written: tries each whose path is not empty.
 /// @throws Failure with the path and the system's reason.

@@ -72,22 +72,15 @@ Json conditionsJson(const ReportOptions& options, const LabSoil& soil, const Lab
   for (const LabTest& test : testsOf(options)) {
     names.push_back(test.name);
   }
-  Json json{{"program", "haptolith " HAPTOLITH_VERSION},
-            {"soil", soil.name},
-            {"body", findBody(options.lab.body).name},
-            {"gravity_m_s2", conditions.gravity_m_s2},
-            {"seed", options.lab.seed},
-            {"seeds", options.seeds},
-            {"tests", fmt::format("{}", fmt::join(names, " "))},
-            {"particles", soilJson(soil.soil)},
-            {"target", nullptr}};
-  if (soil.target) {
-    json["target"] = {{"bulk_density_kg_m3", soil.target->bulk_density_kg_m3},
-                      {"friction_angle_deg", soil.target->friction_angle_deg},
-                      {"cohesion_pa", soil.target->cohesion_pa},
-                      {"strength", wordFor(kSoilStrengthWords, soil.target->strength)}};
-  }
-  return json;
+  return {{"program", "haptolith " HAPTOLITH_VERSION},
+          {"soil", soil.name},
+          {"body", findBody(options.lab.body).name},
+          {"gravity_m_s2", conditions.gravity_m_s2},
+          {"seed", options.lab.seed},
+          {"seeds", options.seeds},
+          {"tests", fmt::format("{}", fmt::join(names, " "))},
+          {"particles", soilJson(soil.soil)},
+          {"target", targetJson(soil.target)}};
 }
 
 /// "1 to 3", or "1".

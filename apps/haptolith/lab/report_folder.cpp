@@ -18,6 +18,8 @@
 #include "haptolith/core/error.h"
 #include "haptolith/core/input_file.h"
 
+#include "lab/json_differences.h"
+
 namespace haptolith {
 
 namespace {
@@ -48,39 +50,6 @@ Json read(const fs::path& path) {
   return json;
 }
 
-/// "body was \"Moon\" and is \"Mars\"" for each of the first values that differ.
-std::vector<std::string> differences(const Json& before, const Json& now) {
-  constexpr std::size_t kMost = 4;
-  std::vector<std::string> found;
-  std::size_t more = 0;
-  const Json flat_before = before.flatten();
-  const Json flat_now = now.flatten();
-  const auto shown = [](const Json& all, const std::string& key) {
-    return all.contains(key) ? all.at(key).dump(-1, ' ', false, Json::error_handler_t::replace) : "nothing";
-  };
-  const auto differs = [&](const std::string& key) {
-    if (found.size() == kMost) {
-      ++more;
-    } else {
-      found.push_back(fmt::format("{} was {} and is {}", key.substr(1), shown(flat_before, key), shown(flat_now, key)));
-    }
-  };
-  for (const auto& [key, value] : flat_now.items()) {
-    if (!flat_before.contains(key) || flat_before.at(key) != value) {
-      differs(key);
-    }
-  }
-  for (const auto& [key, value] : flat_before.items()) {
-    if (!flat_now.contains(key)) {
-      differs(key);
-    }
-  }
-  if (more > 0) {
-    found.push_back(fmt::format("and {} more", more));
-  }
-  return found;
-}
-
 }  // namespace
 
 ReportFolder::ReportFolder(const fs::path& path, const Json& conditions, ReportThere if_there,
@@ -108,7 +77,8 @@ ReportFolder::ReportFolder(const fs::path& path, const Json& conditions, ReportT
     if (!holds_report || if_there == ReportThere::kReplace) {
       removeReport();
       write(path_ / kConditions, now, IfThere::kReplace);
-    } else if (const auto different = differences(read(path_ / kConditions), now); !different.empty()) {
+    } else if (const auto different = differences(read(path_ / kConditions), now, "{} was {} and is {}");
+               !different.empty()) {
       throw Failure(
           fmt::format("{} holds a report that was made under other conditions: {}. Resume it under its own, or choose "
                       "another name with --out",

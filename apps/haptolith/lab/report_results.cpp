@@ -20,36 +20,6 @@ double numberOr(const Json& json, double otherwise) {
   return json.is_null() ? otherwise : json.get<double>();
 }
 
-Json jsonOf(const Finding& finding) {
-  Json json{{"measured", finding.measured},
-            {"target", finding.target},
-            {"number", finding.number},
-            {"unit", finding.unit},
-            {"decimals", finding.decimals}};
-  if (finding.accepted) {
-    json["accepted"] = {{"lowest", finding.accepted->lowest},
-                        {"highest", finding.accepted->highest},
-                        {"ends_belong", finding.accepted->ends == Ends::kClosed}};
-  }
-  return json;
-}
-
-Finding findingFrom(const Json& json) {
-  constexpr double kInfinite = std::numeric_limits<double>::infinity();
-  Finding finding{json.at("measured").get<std::string>(),
-                  json.at("target").get<std::string>(),
-                  numberOr(json.at("number"), std::numeric_limits<double>::quiet_NaN()),
-                  json.at("unit").get<std::string>(),
-                  json.at("decimals").get<int>(),
-                  {}};
-  if (json.contains("accepted")) {
-    const Json& accepted = json.at("accepted");
-    finding.accepted = Range{numberOr(accepted.at("lowest"), -kInfinite), numberOr(accepted.at("highest"), kInfinite),
-                             accepted.at("ends_belong").get<bool>() ? Ends::kClosed : Ends::kOpen};
-  }
-  return finding;
-}
-
 /// Finding `i` of one model, over the seeds that are there.
 ReportValue valueOf(const ReportCell& cell, std::size_t i, const Finding& wanted) {
   std::vector<Finding> specimens;
@@ -80,6 +50,36 @@ ReportValue valueOf(const ReportCell& cell, std::size_t i, const Finding& wanted
 }
 
 }  // namespace
+
+Json jsonOf(const Finding& finding) {
+  Json json{{"measured", finding.measured},
+            {"target", finding.target},
+            {"number", finding.number},
+            {"unit", finding.unit},
+            {"decimals", finding.decimals}};
+  if (finding.accepted) {
+    json["accepted"] = {{"lowest", finding.accepted->lowest},
+                        {"highest", finding.accepted->highest},
+                        {"ends_belong", finding.accepted->ends == Ends::kClosed}};
+  }
+  return json;
+}
+
+Finding findingFrom(const Json& json) {
+  constexpr double kInfinite = std::numeric_limits<double>::infinity();
+  Finding finding{json.at("measured").get<std::string>(),
+                  json.at("target").get<std::string>(),
+                  numberOr(json.at("number"), std::numeric_limits<double>::quiet_NaN()),
+                  json.at("unit").get<std::string>(),
+                  json.at("decimals").get<int>(),
+                  {}};
+  if (json.contains("accepted")) {
+    const Json& accepted = json.at("accepted");
+    finding.accepted = Range{numberOr(accepted.at("lowest"), -kInfinite), numberOr(accepted.at("highest"), kInfinite),
+                             accepted.at("ends_belong").get<bool>() ? Ends::kClosed : Ends::kOpen};
+  }
+  return finding;
+}
 
 Json jsonOf(const ReportResult& result) {
   Json findings = Json::array();

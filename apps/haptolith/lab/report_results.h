@@ -19,8 +19,12 @@ struct ReportResult {
   double took_s = 0;
 };
 
-/// As members of a JSON object that resultFrom() reads back to the last bit.
+// As JSON, which the functions below read back to the last bit.
+[[nodiscard]] nlohmann::ordered_json jsonOf(const Finding& finding);
 [[nodiscard]] nlohmann::ordered_json jsonOf(const ReportResult& result);
+
+/// @throws nlohmann::json::exception for anything else.
+[[nodiscard]] Finding findingFrom(const nlohmann::ordered_json& json);
 
 /// @throws nlohmann::json::exception for anything else.
 [[nodiscard]] ReportResult resultFrom(const nlohmann::ordered_json& json);

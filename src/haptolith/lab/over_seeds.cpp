@@ -2,14 +2,18 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <iterator>
 #include <limits>
 #include <numeric>
 
 namespace haptolith {
 
 namespace {
+
+constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
 
 /// With so many decimals, and never as -0.
 std::string shown(double number, int decimals) {
@@ -18,6 +22,27 @@ std::string shown(double number, int decimals) {
 }
 
 }  // namespace
+
+Scatter scatterOf(const std::vector<double>& numbers) {
+  std::vector<double> finite;
+  std::ranges::copy_if(numbers, std::back_inserter(finite), [](double number) { return std::isfinite(number); });
+  if (finite.empty()) {
+    return {kNone, kNone, 0};
+  }
+  const auto count = static_cast<double>(finite.size());
+  const double mean = std::accumulate(finite.begin(), finite.end(), 0.0) / count;
+  double squares = 0;
+  for (const double number : finite) {
+    squares += (number - mean) * (number - mean);
+  }
+  return {mean, finite.size() > 1 ? std::sqrt(squares / (count - 1)) : kNone, finite.size()};
+}
+
+std::string shown(const Scatter& scatter, int decimals) {
+  return scatter.specimens == 0  ? "none"
+         : scatter.specimens > 1 ? shown(scatter.mean, decimals) + " ± " + shown(scatter.sd, decimals)
+                                 : shown(scatter.mean, decimals);
+}
 
 Verdict verdictOn(const Finding& finding, double number) {
   return !finding.accepted ? Verdict::kInfo : finding.accepted->contains(number) ? Verdict::kPass : Verdict::kFail;
@@ -28,30 +53,19 @@ ReportValue overSeeds(const std::vector<Finding>& specimens) {
   std::vector<double> numbers;
   numbers.reserve(specimens.size());
   for (const Finding& finding : specimens) {
-    if (std::isfinite(finding.number)) {
-      numbers.push_back(finding.number);
-    }
+    numbers.push_back(finding.number);
   }
-  const double nan = std::numeric_limits<double>::quiet_NaN();
-  if (numbers.empty()) {
-    return {"none", verdictOn(first, nan)};
-  }
-  const auto count = static_cast<double>(numbers.size());
-  const double mean = std::accumulate(numbers.begin(), numbers.end(), 0.0) / count;
-  std::string text = shown(mean, first.decimals);
-  if (numbers.size() > 1) {
-    double squares = 0;
-    for (const double number : numbers) {
-      squares += (number - mean) * (number - mean);
-    }
-    text += " ± " + shown(std::sqrt(squares / (count - 1)), first.decimals);
+  const Scatter scatter = scatterOf(numbers);
+  std::string text = shown(scatter, first.decimals);
+  if (scatter.specimens == 0) {
+    return {text, verdictOn(first, scatter.mean)};
   }
   text += first.unit;
-  const std::size_t none = specimens.size() - numbers.size();
+  const std::size_t none = specimens.size() - scatter.specimens;
   if (none > 0) {
     text += fmt::format(" (none with {} of {} seeds)", none, specimens.size());
   }
-  return {text, verdictOn(first, none > 0 ? nan : mean)};
+  return {text, verdictOn(first, none > 0 ? kNone : scatter.mean)};
 }
 
 }  // namespace haptolith

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <string>
 #include <vector>
 
@@ -7,6 +8,19 @@
 #include "haptolith/lab/report_page.h"
 
 namespace haptolith {
+
+/// What numbers of several specimens have in common.
+struct Scatter {
+  double mean = 0;            ///< NaN without any
+  double sd = 0;              ///< standard deviation of one specimen (n - 1); NaN of fewer than two
+  std::size_t specimens = 0;  ///< that have a number
+};
+
+/// Mean and standard deviation of those that are finite.
+[[nodiscard]] Scatter scatterOf(const std::vector<double>& numbers);
+
+/// "41.9 ± 0.4" with so many decimals, "41.9" of one specimen, "none" of none; never -0.
+[[nodiscard]] std::string shown(const Scatter& scatter, int decimals);
 
 /// Whether `number` is where `finding` accepts it: kInfo when it says nothing of that, kFail for NaN.
 [[nodiscard]] Verdict verdictOn(const Finding& finding, double number);

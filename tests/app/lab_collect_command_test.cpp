@@ -1,0 +1,190 @@
+// Specimens that many machines measured, put together.
+
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+#include <nlohmann/json.hpp>
+#include <unistd.h>
+
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <functional>
+#include <iterator>
+#include <string>
+
+#include "program.h"
+
+namespace haptolith {
+namespace {
+
+namespace fs = std::filesystem;
+using nlohmann::json;
+using testing::AllOf;
+using testing::HasSubstr;
+
+class LabCollect : public testing::Test {
+ protected:
+  LabCollect() { fs::create_directories(folder_); }
+  ~LabCollect() override { fs::remove_all(folder_); }
+
+  [[nodiscard]] std::string fileOf(int seed) const { return (folder_ / fmt::format("{}.json", seed)).string(); }
+
+  /// One specimen, as a job of an array measures it.
+  [[nodiscard]] std::string measured(int seed, const std::string& test) const {
+    const ProgramResult result = runHaptolith(fmt::format("lab {} --seed {} --json > {}", test, seed, fileOf(seed)));
+    EXPECT_EQ(result.exit_status, 0) << result.errors;
+    return fileOf(seed);
+  }
+
+  [[nodiscard]] json read(int seed) const { return json::parse(std::ifstream(fileOf(seed))); }
+
+  /// A file like that of `seed`, changed.
+  std::string changed(int seed, const std::function<void(json&)>& change) const {
+    json specimen = read(seed);
+    change(specimen);
+    const std::string path = (folder_ / "changed.json").string();
+    std::ofstream(path) << specimen;
+    return path;
+  }
+
+  static void expectRefused(const std::string& files, const testing::Matcher<const std::string&>& why,
+                            int exit_status = 1) {
+    const ProgramResult result = runHaptolith("lab collect " + files);
+    EXPECT_EQ(result.exit_status, exit_status) << files;
+    EXPECT_EQ(result.output, "");
+    EXPECT_THAT(result.errors, why);
+  }
+
+  fs::path folder_ = fs::temp_directory_path() / ("haptolith_collect_" + std::to_string(getpid()));
+};
+
+constexpr const char* kCarry = "carry --soil dry-sand --particles 60";
+
+TEST_F(LabCollect, GivesWhatOneRunOverTheSameSeedsGives) {
+  const std::string files = measured(3, kCarry) + " " + measured(1, kCarry) + " " + measured(2, kCarry);
+  for (const char* form : {"", " --json"}) {
+    const ProgramResult apart = runHaptolith("lab collect " + files + form);
+    const ProgramResult at_once = runHaptolith(std::string("lab ") + kCarry + " --seeds 3" + form);
+    ASSERT_EQ(apart.exit_status, 0) << apart.errors;
+    ASSERT_EQ(at_once.exit_status, 0) << at_once.errors;
+    EXPECT_EQ(apart.output, at_once.output);
+  }
+}
+
+TEST_F(LabCollect, TellsMeanAndScatterOfEachNumber) {
+  const std::string files = measured(1, kCarry) + " " + measured(2, kCarry);
+  const double a = read(1).at("shake_ratio"), b = read(2).at("shake_ratio");
+  ASSERT_NE(a, b);
+  const fs::path table = folder_ / "all.csv";
+  const ProgramResult result = runHaptolith("lab collect --json " + files + " --out " + table.string());
+  ASSERT_EQ(result.exit_status, 0) << result.errors;
+  const json answer = json::parse(result.output);
+  EXPECT_EQ(answer.at("test"), "carry");
+  EXPECT_EQ(answer.at("options"), json({{"particles", "60"}}));
+  EXPECT_EQ(answer.at("seeds"), json({1, 2}));
+  EXPECT_EQ(answer.at("specimens"), 2);
+  const json shaken = answer.at("results").at("shake_ratio");
+  EXPECT_DOUBLE_EQ(shaken.at("mean"), (a + b) / 2);
+  EXPECT_NEAR(shaken.at("sd"), std::abs(a - b) / std::sqrt(2), 1e-12);  // of two: (n - 1)
+  EXPECT_EQ(shaken.at("specimens"), 2);
+  const json weight = answer.at("findings").at(0);
+  EXPECT_EQ(weight.at("measured"), "weight felt over weight");
+  EXPECT_DOUBLE_EQ(weight.at("mean"), answer.at("results").at("weight_ratio").at("mean"));
+  EXPECT_EQ(weight.at("passes"), true);
+  std::ifstream csv(table);
+  std::string header, row;
+  std::getline(csv, header);
+  std::getline(csv, row);
+  EXPECT_EQ(header, "seed,weight_ratio,drag_ratio,shake_ratio,follow_ratio,carried_kg,left_kg");
+  EXPECT_THAT(row, testing::StartsWith("1,"));
+  EXPECT_EQ(runHaptolith("lab collect " + files + " --out " + table.string()).exit_status, 1);  // it is there
+}
+
+TEST_F(LabCollect, SpecimensWithoutANumberAreToldAndNotMixedIn) {
+  const std::string first = measured(1, kCarry);
+  const std::string none = changed(1, [](json& specimen) {
+    specimen["seed"] = 2;
+    specimen["weight_ratio"] = nullptr;
+    specimen["findings"][0]["number"] = nullptr;
+  });
+  const ProgramResult result = runHaptolith("lab collect --json " + first + " " + none);
+  ASSERT_EQ(result.exit_status, 0) << result.errors;
+  const json answer = json::parse(result.output);
+  const json weight = answer.at("results").at("weight_ratio");
+  EXPECT_EQ(weight.at("mean"), read(1).at("weight_ratio"));
+  EXPECT_EQ(weight.at("sd"), nullptr);
+  EXPECT_EQ(weight.at("specimens"), 1);
+  EXPECT_EQ(answer.at("findings").at(0).at("passes"), false);
+  EXPECT_THAT(runHaptolith("lab collect " + first + " " + none).output, HasSubstr("(none with 1 of 2 seeds)"));
+}
+
+TEST_F(LabCollect, CurvesOfOtherLengthsHaveNothingInCommon) {
+  const std::string first = measured(1, kCarry);
+  const auto with_curve = [&](int seed, const json& curve, bool stands) {
+    const std::string path = fileOf(10 + seed);
+    json specimen = read(1);
+    specimen["seed"] = seed;
+    specimen["curve"] = curve;
+    specimen["stands"] = stands;
+    std::ofstream(path) << specimen;
+    return path;
+  };
+  const std::string files =
+      with_curve(5, {1, 2}, true) + " " + with_curve(6, {3, 4}, false) + " " + with_curve(7, {3, 6}, true);
+  const ProgramResult same = runHaptolith("lab collect --json " + files);
+  ASSERT_EQ(same.exit_status, 0) << same.errors;
+  const json results = json::parse(same.output).at("results");
+  EXPECT_EQ(results.at("curve").at(1).at("mean"), 4);
+  EXPECT_EQ(results.at("stands"), json({{"yes", 2}, {"specimens", 3}}));
+  const ProgramResult other = runHaptolith("lab collect --json " + files + " " + with_curve(8, {3, 6, 9}, true));
+  EXPECT_EQ(json::parse(other.output).at("results").at("curve"), nullptr);
+}
+
+TEST_F(LabCollect, RefusesWhatIsNotOneTest) {
+  const std::string first = measured(1, kCarry), second = measured(2, kCarry);
+  expectRefused(first + " " + first, HasSubstr("both of seed 1"));
+  const auto other = [&](const char* key, const json& value) {
+    return first + " " + changed(2, [&](json& specimen) { specimen[key] = value; });
+  };
+  expectRefused(other("test", "fall"), HasSubstr("test is \"carry\" there and \"fall\" here"));
+  expectRefused(other("body", "Mars"), HasSubstr("changed.json is not of the same test as "));
+  expectRefused(other("program", "haptolith 0.0.1"), HasSubstr("haptolith 0.0.1"));
+  expectRefused(other("options", json({{"particles", "61"}})),
+                HasSubstr("options/particles is \"60\" there and \"61\" here"));
+  expectRefused(first + " " + changed(2, [](json& specimen) { specimen["soil_keys"]["contact_friction"] = "0.9"; }),
+                HasSubstr("soil_keys/contact_friction"));
+  expectRefused(other("another_number", 1), HasSubstr("changed.json has other results than "));
+}
+
+TEST_F(LabCollect, NamesTheFileThatIsCutOrForeign) {
+  const std::string first = measured(1, kCarry), second = measured(2, kCarry);
+  const auto file = [&](const std::string& content) {
+    const std::string path = (folder_ / "bad.json").string();
+    std::ofstream(path) << content;
+    return first + " " + path;
+  };
+  std::ifstream stream(second);
+  const std::string whole{std::istreambuf_iterator<char>(stream), {}};
+  expectRefused(file(""), AllOf(HasSubstr("bad.json is empty"), HasSubstr("has not ended, or failed")));
+  expectRefused(file(whole.substr(0, whole.size() / 2)), HasSubstr("bad.json is cut off"));
+  expectRefused(file(whole + whole), HasSubstr("bad.json is cut off, or holds something else than one result"));
+  expectRefused(file("[1, 2]"), HasSubstr("bad.json is not what `haptolith lab TEST --json` prints"));
+  expectRefused(file("{\"seed\": 2}"), HasSubstr("bad.json is not what"));
+  expectRefused(file("\x01\xff"), HasSubstr("bad.json is cut off"));
+  expectRefused(
+      file(json::parse(whole).patch(json::parse(R"([{"op": "replace", "path": "/seed", "value": -2}])")).dump()),
+      HasSubstr("bad.json is not what"));
+  expectRefused(file(runHaptolith("lab collect --json " + first).output), HasSubstr("name the files of each"));
+  expectRefused(first + " " + (folder_ / "none.json").string(), HasSubstr("none.json"), 2);
+  expectRefused("", HasSubstr("FILES"), 2);
+}
+
+TEST_F(LabCollect, SeveralSeedsHaveNoFigureOfOne) {
+  const ProgramResult result = runHaptolith("lab fall --seeds 2 --figure " + (folder_ / "fall.svg").string());
+  EXPECT_EQ(result.exit_status, 2);
+  EXPECT_THAT(result.errors, HasSubstr("left out with --seeds"));
+  EXPECT_EQ(runHaptolith("lab fall --seeds 0").exit_status, 2);
+}
+
+}  // namespace
+}  // namespace haptolith
