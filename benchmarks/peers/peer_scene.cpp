@@ -364,12 +364,13 @@ void glue(Scene& scene, const LabBed& lab) {
 }
 
 /// The same scene for LAMMPS, as `haptolith export --format lammps` writes beds, and what moves its bodies.
-void writeLammps(const std::filesystem::path& folder, const Scene& scene, const LabBed& lab) {
+void writeLammps(const std::filesystem::path& folder, const Scene& scene, const LabBed& lab, LammpsLaw law) {
   LammpsRun run{.title = "a scene of benchmarks/peers",
                 .program = "haptolith",
                 .dt_s = lab.dt(),
                 .duration_s = scene.duration_s,
-                .dump_every_s = scene.duration_s};
+                .dump_every_s = scene.duration_s,
+                .law = law};
   run.kinds.assign(lab.soil(), LammpsRun::kSoil);
   int last = LammpsRun::kBody - 1;
   for (const std::vector<Vec3>& body : scene.bodies_m) {
@@ -474,11 +475,11 @@ void runScene(const std::filesystem::path& path, const Scene& scene, LabBed& lab
 }
 
 int run(int argc, char** argv) {
-  if (argc < 4 || argc > 7) {
+  if (argc < 4 || argc > 8) {
     fmt::print(
         stderr,
         "peer_scene <impact|slide|ten|column|shear|blade|carry> <seed> <folder> [damping ratio [soil [normal stress "
-        "of shear, Pa]]]\n");
+        "of shear, Pa [own-law]]]]\n");
     return 2;
   }
   const std::string name = argv[1];
@@ -490,7 +491,7 @@ int run(int argc, char** argv) {
     conditions.soil = findSoil(argv[5]).soil;
     conditions.soil.damping_ratio = std::stod(argv[4]);
   }
-  normal_pa = argc == 7 ? std::stod(argv[6]) : normal_pa;
+  normal_pa = argc >= 7 ? std::stod(argv[6]) : normal_pa;
   Scene scene = sceneNamed(name, conditions);
   LabBed lab(scene.conditions, scene.box, scene.soil_m, scene.bodies_m);
   for (std::size_t i = 0; i < scene.soil_velocity_m_s.size(); ++i) {
@@ -503,7 +504,8 @@ int run(int argc, char** argv) {
   std::filesystem::create_directories(folder);
   const std::string stem = name + "-" + argv[2];
   writeScene(folder / (stem + ".json"), scene, lab);
-  writeLammps(folder / (stem + "-lammps"), scene, lab);
+  writeLammps(folder / (stem + "-lammps"), scene, lab,
+              argc == 8 && std::string(argv[7]) == "own-law" ? LammpsLaw::kOwn : LammpsLaw::kOfStyles);
   runScene(folder / (stem + "-haptolith.txt"), scene, lab);
   fmt::print("{}: {} particles of soil, {} driven, {:g} s in steps of {:g} s\n", stem, lab.soil(),
              lab.bed().particles() - lab.soil(), scene.duration_s, lab.dt());

@@ -153,6 +153,28 @@ TEST(LammpsExport, AddsWhatIsLackingByATableOfElevenSizes) {
   }
 }
 
+TEST(LammpsExport, WritesOurOwnLawWithOneTypeAndNoTable) {
+  BedParameters parameters = springs();
+  parameters.soil.gamma_nm /= 20;
+  parameters.soil.contact_cohesion_n = 0.02;
+  const Bed bed(parameters);
+  const LammpsFiles files = lammpsFiles(bed, {.dt_s = 2e-4, .duration_s = 1, .law = LammpsLaw::kOwn});
+  EXPECT_EQ(files.soil_types, 1);
+  EXPECT_EQ(files.table, "");
+  EXPECT_THAT(files.setup, HasSubstr("pair_style      granular\npair_coeff      * * haptolith 0.014 "));
+  EXPECT_THAT(files.setup, HasSubstr("wall/gran granular haptolith 0.014 "));
+  EXPECT_THAT(files.setup, HasSubstr("extras/lammps"));
+  EXPECT_THAT(files.setup, Not(HasSubstr("Not the same")));
+  // Radii reach as far as cohesion does; the dump has the grains' own.
+  const double reach_m = bed.law().cohesion_range_m / 2;
+  std::istringstream row(section(files.data, "Atoms # sphere").front());
+  double id = 0, type = 0, diameter = 0, density = 0;
+  row >> id >> type >> diameter >> density;
+  EXPECT_NEAR(diameter, 2 * (parameters.soil.radius_m + bed.state().position[0].w + reach_m), 1e-9);
+  EXPECT_NEAR(density * M_PI / 6 * std::pow(diameter, 3), bed.mass(), 1e-7 * bed.mass());
+  EXPECT_THAT(files.setup, HasSubstr("variable        radius atom c_sphere-0.0014"));
+}
+
 TEST(LammpsExport, RefusesJawsAndAToolWithoutAWay) {
   const Bed bed(springs());
   ToolParameters tool;

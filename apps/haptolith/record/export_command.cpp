@@ -52,6 +52,7 @@ struct ExportOptions {
   bool no_replay = false;
   std::vector<std::string> overrides;
   double from_s = 0, duration_s = 1;
+  bool own_law = false;
   Overwrite overwrite;
 };
 
@@ -203,7 +204,8 @@ void exportFolder(const RecordingReader& recording, const ExportOptions& options
 void exportRecording(const ExportOptions& options) {
   const StopOnSignal stop_on_signal;  // before there is anything half done
   if (options.format == "lammps") {
-    return exportLammps({options.file, options.overrides, options.out, options.from_s, options.duration_s});
+    return exportLammps(
+        {options.file, options.overrides, options.out, options.from_s, options.duration_s, options.own_law});
   }
   const RecordingReader recording(options.file);
   if (options.format == "csv") {
@@ -261,6 +263,8 @@ void addExportCommand(CLI::App& app) {
   command->add_option("--run-s", options->duration_s, "lammps: how long a scene's bed runs, without a tool")
       ->check(numberIn({1e-3, 1e6}))
       ->option_text("SECONDS [1]");
+  command->add_flag("--own-law", options->own_law,
+                    "lammps: contacts exactly as here, for a LAMMPS that was built with extras/lammps");
   options->overwrite.addTo(*command);
   command->callback([options] { exportRecording(*options); });
 }

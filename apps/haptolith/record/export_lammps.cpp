@@ -43,6 +43,7 @@ double stepOf(const Scenario& scene, bool has_tool) {
 void write(const LammpsExportOptions& options, const Scenario& scene, const Bed& bed, LammpsRun run) {
   run.title = scene.title;
   run.program = "haptolith " HAPTOLITH_VERSION;
+  run.law = options.own_law ? LammpsLaw::kOwn : LammpsLaw::kOfStyles;
   const LammpsFiles files = lammpsFiles(bed, run);
   const AtomicFolder folder(folderFor(options));
   folder.write("bed.data", files.data);
@@ -58,13 +59,15 @@ void write(const LammpsExportOptions& options, const Scenario& scene, const Bed&
   if (!files.law.exact) {
     spdlog::warn(
         "LAMMPS has no style for this soil's law of contacts: the nearest is written, and in.haptolith says what "
-        "differs; without cohesion, and with soil.gamma_nm = {:.4g}, contacts are springs, which LAMMPS has",
+        "differs; --own-law writes the law itself, for LAMMPS that has it built in; without cohesion, and with "
+        "soil.gamma_nm = {:.4g}, contacts are springs, which LAMMPS has",
         (1 - 3e-4) * linearGamma(scene.bed.soil));  // rounded, still no more than k allows
   }
-  printText(
-      fmt::format("  cd {} && lmp -in in.haptolith          (Debian's package lammps)\n"
-                  "  haptolith import {}/soil.lammpstrj --out dug.toml\n",
-                  folder.path().string(), folder.path().string()));
+  printText(fmt::format(
+      "  cd {} && lmp -in in.haptolith          ({})\n"
+      "  haptolith import {}/soil.lammpstrj --out dug.toml\n",
+      folder.path().string(), options.own_law ? "built with haptolith's law: extras/lammps" : "Debian's package lammps",
+      folder.path().string()));
 }
 
 void exportScene(const LammpsExportOptions& options) {

@@ -164,7 +164,12 @@ std::string remarks(const GranularLaw& law, const ToolSpheres& spheres) {
   std::string text =
       "# The same as in haptolith: places and masses; grains that do not turn; gravity; walls and floor, which\n"
       "# answer like a grain's mirror image; Cundall and Strack's friction; the step.\n";
-  if (law.exact) {
+  if (law.own) {
+    text +=
+        "# The same, too: sizes, and the law of contacts, damping and cohesion, at walls as well.\n"
+        "# Radii are larger here than the grains' are by half of how far cohesion reaches; soil.lammpstrj has the "
+        "grains'.\n";
+  } else if (law.exact) {
     text += "# The same, too: sizes, and the law of contacts, a spring and a damper that never pulls.\n";
   } else {
     text += fmt::format(
@@ -175,9 +180,10 @@ std::string remarks(const GranularLaw& law, const ToolSpheres& spheres) {
         "# springs that do not cohere. docs/lammps.md says what that does to the soil's strength.\n",
         100 * law.spread_of_fit);
   }
-  text +=
-      "# Not the same: where a contact slides, LAMMPS puts the damper's force into the spring. What contacts remember\n"
-      "# of slipping begins anew.\n";
+  if (!law.own) {
+    text += "# Not the same: where a contact slides, LAMMPS puts the damper's force into the spring.\n";
+  }
+  text += "# What contacts remember of slipping begins anew.\n";
   if (!spheres.centres_tool_m.empty()) {
     text += fmt::format(
         "# The tool is {} spheres of {:.3g} mm just under its surface, as soft as makes those that a grain touches as "
@@ -188,13 +194,6 @@ std::string remarks(const GranularLaw& law, const ToolSpheres& spheres) {
   return text;
 }
 
-/// A side wall has its own share of the soil's friction.
-GranularContact sideWall(const GranularLaw& law, double ratio) {
-  GranularContact wall = law.wall;
-  wall.friction *= ratio;
-  return wall;
-}
-
 std::string setupText(const Bed& bed, const LammpsRun& run, const LammpsFiles& files, const ToolSpheres& spheres) {
   const BedParameters& parameters = bed.parameters();
   const GranularLaw& law = files.law;
@@ -203,11 +202,14 @@ std::string setupText(const Bed& bed, const LammpsRun& run, const LammpsFiles& f
   const Vec3& gravity = parameters.gravity_m_s2;
   const Box box = boxOf(parameters);
   std::string text = fmt::format(
-      "# '{}', by {}\n# LAMMPS of September 2021 (Debian 12) or newer, with the package GRANULAR: lmp -in "
+      "# '{}', by {}\n# LAMMPS {}, with the package GRANULAR: lmp -in "
       "in.haptolith\n"
       "#                                                   mpirun -np 4 lmp -in in.haptolith\n"
       "# SI units. z is up, the floor at z = 0, x = y = 0 in the middle of the box.\n{}",
-      plainText(run.title), plainText(run.program), remarks(law, spheres));
+      plainText(run.title), plainText(run.program),
+      law.own ? "of 2023 or newer that has haptolith's law built in (extras/lammps)"
+              : "of September 2021 (Debian 12) or newer",
+      remarks(law, spheres));
   const auto add = [&text]<class... Args>(fmt::format_string<Args...> format, Args&&... args) {
     fmt::format_to(std::back_inserter(text), format, std::forward<Args>(args)...);
     text += '\n';
@@ -226,7 +228,7 @@ std::string setupText(const Bed& bed, const LammpsRun& run, const LammpsFiles& f
   const int most_kind = *std::ranges::max_element(kinds);
   const char* granular = law.exact ? "" : " granular";
   add("pair_style      {}", law.exact ? "granular" : "hybrid/overlay granular table linear 4000");
-  add("pair_coeff      * *{} {}", granular, law.grains.text());
+  add("pair_coeff      * *{} {}", granular, law.betweenGrains());
   if (has_tool) {
     // As they were before radii were changed: the distance at which a grain and a sphere touch is the same.
     ToolSpheres before = spheres;
@@ -258,8 +260,8 @@ std::string setupText(const Bed& bed, const LammpsRun& run, const LammpsFiles& f
         gravity.y(), gravity.z());
   }
   add("fix             motion soil nve   # not nve/sphere: nothing turns");
-  add("fix             floor soil wall/gran granular {} zplane {:.9g} NULL", law.wall.text(), 0.0 - law.wall_behind_m);
-  const std::string side = sideWall(law, wallRatio(parameters)).text();
+  add("fix             floor soil wall/gran granular {} zplane {:.9g} NULL", law.atWall(1), 0.0 - law.wall_behind_m);
+  const std::string side = law.atWall(wallRatio(parameters));
   if (!parameters.periodic_x) {
     add("fix             walls_x soil wall/gran granular {} xplane {:.9g} {:.9g}", side,
         -box.half_width_m - law.wall_behind_m, box.half_width_m + law.wall_behind_m);
@@ -351,7 +353,7 @@ thermo_style    custom step time ke c_on_tool[1] c_on_tool[2] c_on_tool[3]
 
 LammpsFiles lammpsFiles(const Bed& bed, const LammpsRun& run) {
   LammpsFiles files;
-  files.law = granularLaw(bed);
+  files.law = granularLaw(bed, run.law);
   const SizeBins bins(bed.parameters().soil, !files.law.exact);
   files.soil_types = bins.count();
   ToolSpheres spheres;

@@ -23,6 +23,7 @@ struct LammpsRun {
   double dt_s = 0;            ///< of a step
   double duration_s = 0;      ///< without a tool; with one its path says it
   double dump_every_s = 0.1;  ///< from picture to picture
+  LammpsLaw law = LammpsLaw::kOfStyles;
   const ToolParameters* tool = nullptr;
   std::vector<TimedPose> path = {};  ///< of the tool, at least two, in order of time
   /// What each particle is; empty: kSoil, and kHeld where it stands for ever. Bodies (kBody and more) are moved by

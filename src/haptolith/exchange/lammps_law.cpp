@@ -33,6 +33,19 @@ bool isLine(const SoilParameters& soil) {
   return std::abs(soil.gamma_nm / linearGamma(soil) - 1) < kRounding;
 }
 
+/// As bed/kernel_law.cpp has it.
+OwnContact ownContact(const Bed& bed) {
+  const SoilParameters& soil = bed.parameters().soil;
+  OwnContact own;
+  own.law = bed.law();
+  own.damping_n_s = soil.damping_ratio * std::sqrt(2 * bed.mass() * own.law.gamma_nm);
+  own.across_n_m = soil.tangential_ratio * soil.stiffness_n_m;
+  own.lag_s = soil.damping_ratio * std::sqrt(2 * bed.mass() / own.across_n_m);
+  own.friction = soil.contact_friction;
+  own.larger_m = own.law.cutoff_m - own.law.diameter_m;  // LAMMPS' lists of neighbours know radii, and no reach
+  return own;
+}
+
 /// How far two grains overlap (less than 0: the gap), how they repel, and what limits their friction, over mu.
 struct Touch {
   double overlap_m, push_n, limit_n;
@@ -135,17 +148,40 @@ std::string GranularContact::text() const {
       hertz ? "hertz" : "hooke", stiffness, damping_n_s_m, across_n_m, across_damping, friction);
 }
 
+std::string OwnContact::text(double ratio) const {
+  return fmt::format(
+      "haptolith {:.10g} {:.10g} {:.10g} {:.10g} {:.10g} {:.10g} {:.10g} {:.10g} damping velocity tangential "
+      "haptolith {:.10g} {:.10g} {:.10g}",
+      law.diameter_m, law.a_min_m, law.gamma_nm, law.stiffness_n_m, ratio * law.cohesion_n, law.cohesion_range_m,
+      damping_n_s, larger_m, across_n_m, lag_s, ratio * friction);
+}
+
+std::string GranularLaw::betweenGrains() const {
+  return own ? own->text() : grains.text();
+}
+
+std::string GranularLaw::atWall(double ratio) const {
+  GranularContact its = wall;
+  its.friction *= ratio;
+  return own ? own->text(ratio) : its.text();
+}
+
 double restForce(const GranularLaw& law, const ContactLaw& contact, double more_m, double distance_m) {
   const double radii_m = contact.diameter_m + more_m + 2 * law.larger_m;
   return contactForce(contact, distance_m - more_m) -
          law.grains.stiffness * hertzShape(radii_m - distance_m, effectiveOf(radii_m));
 }
 
-GranularLaw granularLaw(const Bed& bed) {
+GranularLaw granularLaw(const Bed& bed, LammpsLaw whose) {
   const BedParameters& parameters = bed.parameters();
   const SoilParameters& soil = parameters.soil;
   requireExportable(parameters);
   GranularLaw law;
+  if (whose == LammpsLaw::kOwn) {
+    law.own = ownContact(bed);
+    law.larger_m = law.own->larger_m / 2;
+    return law;
+  }
   law.exact = isLine(soil) && soil.contact_cohesion_n == 0;
   GranularContact& grains = law.grains;
   grains.stiffness = soil.stiffness_n_m;

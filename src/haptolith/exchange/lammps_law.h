@@ -1,5 +1,6 @@
 #pragma once
 
+#include <optional>
 #include <string>
 
 #include "haptolith/bed/bed.h"
@@ -23,6 +24,22 @@ struct GranularContact {
   [[nodiscard]] std::string text() const;
 };
 
+/// haptolith's law itself, as sub-models of pair style `granular` that LAMMPS has where extras/lammps was built in.
+struct OwnContact {
+  ContactLaw law;
+  double damping_n_s = 0;  ///< c (a - a_min): zeta sqrt(2 m gamma)
+  double across_n_m = 0;   ///< k_t
+  double lag_s = 0;        ///< c_t / k_t
+  double friction = 0;     ///< mu
+  double larger_m = 0;     ///< by how much two radii together are more in LAMMPS than grains' are
+
+  /// "haptolith 0.014 0.0133 6e-05 3000 ...". @param ratio  share of friction and cohesion that a wall has.
+  [[nodiscard]] std::string text(double ratio = 1) const;
+};
+
+/// Whose law a bed has in LAMMPS: that of LAMMPS' own styles, or haptolith's (OwnContact).
+enum class LammpsLaw { kOfStyles, kOwn };
+
 /// The contacts of a bed for LAMMPS.
 ///
 /// Where (paper 7) is a line and grains do not cohere, `granular` has the law itself. Other soil has Hertz' law for
@@ -30,17 +47,24 @@ struct GranularContact {
 /// come to that of the contacts that the bed has now; and a table of what is lacking to the force along the normal
 /// (restForce()), which therefore is (paper 7)'s, with the pull across gaps. A table knows distances and not radii, so
 /// grains are then of a few sizes (SizeBins). Walls are springs that do not cohere.
+///
+/// With LammpsLaw::kOwn all of it is as here, whatever the soil.
 struct GranularLaw {
-  GranularContact grains, wall;  ///< the wall is a grain's mirror image, as in haptolith
+  GranularContact grains, wall;        ///< the wall is a grain's mirror image, as in haptolith
+  std::optional<OwnContact> own = {};  ///< instead of both
   bool exact = true;
   double larger_m = 0;       ///< by how much radii are more in LAMMPS than the grains' are
   double wall_behind_m = 0;  ///< how far behind itself a wall stands there
   double spread_of_fit = 0;  ///< by what share the limit of friction is off, RMS, each contact weighed by it
+
+  [[nodiscard]] std::string betweenGrains() const;
+  /// @param ratio  of a side wall's friction to the soil's.
+  [[nodiscard]] std::string atWall(double ratio) const;
 };
 
 /// @throws InvalidParameter for soil that no style of LAMMPS comes near: the paper's friction, grains of several
 /// sizes by classes, stones, which turn.
-[[nodiscard]] GranularLaw granularLaw(const Bed& bed);
+[[nodiscard]] GranularLaw granularLaw(const Bed& bed, LammpsLaw whose = LammpsLaw::kOfStyles);
 
 /// What the table adds to the granular part, in N, for two grains whose radii add up to 2 R + `more_m`.
 [[nodiscard]] double restForce(const GranularLaw& law, const ContactLaw& contact, double more_m, double distance_m);
