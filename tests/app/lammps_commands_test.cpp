@@ -6,8 +6,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 #include <filesystem>
 #include <fstream>
+#include <iterator>
 #include <sstream>
 #include <string>
 #include <vector>
@@ -186,6 +188,44 @@ TEST_F(ToLammps, GoesNothingThatLammpsDoesNotHave) {
       runHaptolith(fmt::format("export {} --format lammps --from-s 2 --out {}", path("springs.toml"), path("l")));
   EXPECT_EQ(times.exit_status, 2);
   EXPECT_THAT(times.errors, HasSubstr("a scene has no times"));
+}
+
+TEST_F(ToLammps, GoesADumpToVtk) {
+  const std::string head = "\nITEM: NUMBER OF ATOMS\n2\nITEM: BOX BOUNDS ff ff fm\n-1 1\n-1 1\n0 1\n";
+  std::ofstream(path("soil.lammpstrj")) << "ITEM: TIMESTEP\n0\nITEM: TIME\n0" << head
+                                        << "ITEM: ATOMS id type x y z radius vx vy vz\n"
+                                        << "7 1 0.5 0 0 0.25 0 0 -2\n3 2 0 0 0 0.125 0 0 0\n"
+                                        << "ITEM: TIMESTEP\n400\nITEM: TIME\n0.1" << head
+                                        << "ITEM: ATOMS id type x y z radius vx vy vz\n"
+                                        << "7 1 0.5 0 0 0.25 0 0 -2\n3 2 0 0 0 0.125 0 0 0\n"
+                                        << "ITEM: TIMESTEP\n800\nITEM: NUMBER OF ATOMS\n2\n";  // still being written
+  const ProgramResult result = runHaptolith("export " + path("soil.lammpstrj") + " --format vtk");
+  ASSERT_EQ(result.exit_status, 0) << result.errors;
+  EXPECT_THAT(result.output, HasSubstr("2 pictures of the particles"));
+  const auto text = [&](const std::string& name) {
+    std::ifstream file(path("soil-vtk/" + name), std::ios::binary);
+    return std::string{std::istreambuf_iterator<char>(file), {}};
+  };
+  EXPECT_THAT(text("particles.pvd"), HasSubstr("timestep=\"0.1\" file=\"particles-000001.vtu\""));
+  const std::string vtu = text("particles-000001.vtu");
+  EXPECT_THAT(vtu, HasSubstr("NumberOfPoints=\"2\""));
+  // Arrays lie behind the description, each with its size in bytes before it, in the order of ids.
+  const auto floats = [&](const std::string& name, std::size_t count) {
+    const std::size_t at = vtu.find("offset=\"", vtu.find("Name=\"" + name + "\"")) + 8;
+    const std::size_t from = vtu.find("encoding=\"raw\">\n_") + 17 + std::stoul(vtu.substr(at)) + 8;
+    std::vector<float> values(count);
+    std::memcpy(values.data(), vtu.data() + from, count * sizeof(float));
+    return values;
+  };
+  EXPECT_EQ(floats("radius_m", 2), (std::vector<float>{0.125F, 0.25F}));
+  EXPECT_EQ(floats("velocity_m_s", 6), (std::vector<float>{0, 0, 0, 0, 0, -2}));
+  EXPECT_EQ(floats("Points", 6), (std::vector<float>{0, 0, 0, 0.5F, 0, 0}));
+  EXPECT_EQ(runHaptolith("export " + path("soil.lammpstrj") + " --format vtk").exit_status, 1);  // it is there
+  std::ofstream(path("bad.lammpstrj")) << "ITEM: TIMESTEP\n0" << head << "ITEM: ATOMS id x y\n1 0 0\n2 0 0\n";
+  const ProgramResult bad = runHaptolith("export " + path("bad.lammpstrj") + " --format vtk");
+  EXPECT_EQ(bad.exit_status, 2);
+  EXPECT_THAT(bad.errors, HasSubstr("bad.lammpstrj:9"));
+  EXPECT_FALSE(fs::exists(path("bad-vtk")));
 }
 
 TEST_F(ToLammps, ComesNothingThatIsNoDump) {

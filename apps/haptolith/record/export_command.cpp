@@ -20,6 +20,7 @@
 
 #include "commands.h"
 #include "record/export_lammps.h"
+#include "record/export_lammps_dump.h"
 #include "shared/option_checks.h"
 #include "shared/output.h"
 #include "shared/overwrite.h"
@@ -39,6 +40,7 @@ constexpr const char* kExamples = R"(Examples:
   haptolith export run.h5 --format xdmf             run-xdmf/: particles, tool and box for ParaView, data in HDF5
   haptolith export run.h5 --format vtk              run-vtk/: the same as files that need no HDF5
   haptolith export run.h5 --format film             run.film: to be played in a browser, by the page of ./dev demo
+  haptolith export soil.lammpstrj --format vtk      soil-vtk/: the pictures that LAMMPS has dumped
   haptolith export run.h5 --format lammps           run-lammps/: the bed and the tool's way, to run in LAMMPS
   haptolith export field --format lammps            field-lammps/: the same of a scene's bed, without a tool
 
@@ -203,6 +205,11 @@ void exportFolder(const RecordingReader& recording, const ExportOptions& options
 
 void exportRecording(const ExportOptions& options) {
   const StopOnSignal stop_on_signal;  // before there is anything half done
+  if (options.format == "vtk" && isLammpsDump(options.file)) {
+    const fs::path out =
+        options.out.empty() ? fs::path(options.file).replace_extension().string() + "-vtk" : options.out;
+    return exportLammpsDump(options.file, out);
+  }
   if (options.format == "lammps") {
     return exportLammps(
         {options.file, options.overrides, options.out, options.from_s, options.duration_s, options.own_law});
@@ -234,7 +241,7 @@ void addExportCommand(CLI::App& app) {
   CLI::App* command = app.add_subcommand(
       "export", "Convert a recording or a scene for other programs: CSV, XDMF, VTK, LAMMPS or a browser");
   command->footer(kExamples);
-  command->add_option("file", options->file, "A recording (.h5); for lammps a scene, too")
+  command->add_option("file", options->file, "A recording (.h5); for lammps a scene, for vtk a dump of LAMMPS, too")
       ->required()
       ->option_text("FILE");
   command

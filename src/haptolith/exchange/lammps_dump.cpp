@@ -20,8 +20,8 @@ namespace haptolith {
 namespace {
 
 constexpr TextLimits kLimits{.bytes = 1ULL << 40U, .line_bytes = 4000, .rows = 10'000'000};
-constexpr std::array<std::string_view, 6> kColumns{"id", "x", "y", "z", "radius", "type"};
-constexpr std::size_t kNeeded = 5;
+constexpr std::array<std::string_view, 9> kColumns{"id", "x", "y", "z", "radius", "type", "vx", "vy", "vz"};
+constexpr std::size_t kNeeded = 5, kType = 5, kVelocity = 6;
 constexpr std::size_t kNone = static_cast<std::size_t>(-1);
 
 std::string_view nextWord(std::string_view& rest) {
@@ -48,17 +48,22 @@ class DumpReader {
     if (!lines_.next(line_)) {
       return false;
     }
-    LammpsPicture read{.step = 0, .number = ++count_, .grains = {}};
+    LammpsPicture read;
+    read.number = ++count_;
     std::size_t grains = 0;
     while (!line_.starts_with("ITEM: ATOMS")) {
       if (!line_.starts_with("ITEM: ")) {
         refuse(line_, "a dump of LAMMPS: a line that begins with ITEM:");
       }
       const bool is_step = line_.starts_with("ITEM: TIMESTEP"), is_count = line_.starts_with("ITEM: NUMBER OF ATOMS");
+      const bool is_time = line_ == "ITEM: TIME";
       bool ended = !lines_.next(line_);
       while (!ended && !line_.starts_with("ITEM: ")) {
         if (is_step) {
           read.step = whole(line_);
+        } else if (is_time) {
+          std::string_view rest = line_;
+          read.time_s = number(nextWord(rest));
         } else if (is_count) {
           grains = count(line_);
         }
@@ -82,6 +87,8 @@ class DumpReader {
  private:
   bool readGrains(LammpsPicture& picture, std::size_t grains, bool keeps) {
     const std::array<std::size_t, kColumns.size()> places = keeps ? placesOf(line_) : decltype(placesOf(line_)){};
+    picture.has_velocities = keeps && std::all_of(places.begin() + kVelocity, places.end(),
+                                                  [](std::size_t place) { return place != kNone; });
     picture.grains.reserve(keeps ? grains : 0);
     for (std::size_t i = 0; i < grains; ++i) {
       if (!lines_.next(line_)) {
@@ -116,7 +123,7 @@ class DumpReader {
 
   [[nodiscard]] DumpedGrain grain(const std::array<std::size_t, kColumns.size()>& places) const {
     std::array<double, kColumns.size()> numbers{};
-    numbers.back() = 1;  // the type, where nobody tells it
+    numbers.at(kType) = 1;  // the type, where nobody tells it
     std::size_t found = 0;
     std::string_view rest = line_;
     std::size_t place = 0;
@@ -132,9 +139,10 @@ class DumpReader {
       refuse(line_, "as many numbers as the heading has columns");
     }
     return {.id = static_cast<std::int64_t>(numbers[0]),
-            .type = static_cast<int>(numbers[5]),
+            .type = static_cast<int>(numbers[kType]),
             .centre_m = {numbers[1], numbers[2], numbers[3]},
-            .radius_m = numbers[4]};
+            .radius_m = numbers[4],
+            .velocity_m_s = {numbers[6], numbers[7], numbers[8]}};
   }
 
   [[nodiscard]] double number(std::string_view word) const {
@@ -182,6 +190,18 @@ LammpsPicture readLammpsDump(const std::filesystem::path& path, std::optional<st
   }
   std::ranges::sort(picture.grains, {}, &DumpedGrain::id);
   return picture;
+}
+
+void forEachLammpsPicture(const std::filesystem::path& path, const std::function<void(const LammpsPicture&)>& visit) {
+  DumpReader reader(path);
+  LammpsPicture picture;
+  while (reader.next(picture, {})) {
+    std::ranges::sort(picture.grains, {}, &DumpedGrain::id);
+    visit(picture);
+  }
+  if (picture.number == 0) {
+    throw InvalidParameter(path.string(), "has 0 whole pictures", "a dump of LAMMPS with at least one");
+  }
 }
 
 }  // namespace haptolith

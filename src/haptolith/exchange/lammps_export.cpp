@@ -277,6 +277,7 @@ std::string setupText(const Bed& bed, const LammpsRun& run, const LammpsFiles& f
       0.0 - law.larger_m);
   add("dump            soil all custom {} soil.lammpstrj id v_type x y z v_radius vx vy vz",
       std::max(1L, std::lround(run.dump_every_s / run.dt_s)));
+  add("dump_modify     soil time yes");
   return text;
 }
 

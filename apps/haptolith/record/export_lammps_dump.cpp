@@ -1,0 +1,89 @@
+#include "record/export_lammps_dump.h"
+
+#include <fmt/format.h>
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <fstream>
+#include <string>
+#include <vector>
+
+#include "haptolith/core/atomic_folder.h"
+#include "haptolith/core/error.h"
+#include "haptolith/exchange/lammps_dump.h"
+#include "haptolith/recording/picture_meshes.h"
+#include "haptolith/recording/vtu_file.h"
+
+#include "shared/output.h"
+#include "shared/saved.h"
+#include "shared/stop_on_signal.h"
+
+namespace haptolith {
+
+namespace {
+
+std::array<float, 3> floats(const Vec3& of) {
+  return {static_cast<float>(of.x()), static_cast<float>(of.y()), static_cast<float>(of.z())};
+}
+
+double timeOf(const LammpsPicture& picture) {
+  return picture.time_s.value_or(static_cast<double>(picture.step));
+}
+
+VtuFile fileOf(const LammpsPicture& picture) {
+  std::vector<std::array<float, 3>> position_m, velocity_m_s;
+  std::vector<std::int32_t> id, type;
+  std::vector<float> radius_m;
+  for (const DumpedGrain& grain : picture.grains) {
+    position_m.push_back(floats(grain.centre_m));
+    velocity_m_s.push_back(floats(grain.velocity_m_s));
+    id.push_back(static_cast<std::int32_t>(grain.id));
+    type.push_back(grain.type);
+    radius_m.push_back(static_cast<float>(grain.radius_m));
+  }
+  VtuFile file({.point_m = position_m, .cells = numbered(position_m.size()), .points_per_cell = 1});
+  file.addTime(timeOf(picture));
+  file.addPointData(kId, id);
+  file.addPointData("type", type);
+  file.addPointData(kRadius, radius_m);
+  if (picture.has_velocities) {
+    file.addPointData(kVelocity, velocity_m_s);
+  }
+  return file;
+}
+
+}  // namespace
+
+bool isLammpsDump(const std::filesystem::path& path) {
+  constexpr std::string_view kBegins = "ITEM: ";
+  std::error_code ignored;
+  if (!std::filesystem::is_regular_file(path, ignored)) {
+    return false;
+  }
+  std::string begins(kBegins.size(), ' ');
+  std::ifstream(path).read(begins.data(), static_cast<std::streamsize>(begins.size()));
+  return begins == kBegins;
+}
+
+void exportLammpsDump(const std::filesystem::path& path, const std::filesystem::path& out) {
+  const AtomicFolder folder(out);
+  VtkCollection pictures;
+  StatusLine status;
+  std::size_t count = 0;
+  forEachLammpsPicture(path, [&](const LammpsPicture& picture) {
+    if (stopAsked()) {
+      throw Failure("interrupted");
+    }
+    const std::string name = fmt::format("particles-{:06}.vtu", count++);
+    folder.write(name, fileOf(picture).text());
+    pictures.add(timeOf(picture), name);
+    status.update(fmt::format("{} pictures", count));
+  });
+  folder.write("particles.pvd", pictures.text());
+  folder.commit();
+  status.clear();
+  printText(savedText(folder.path(), fmt::format("{} picture{} of the particles", count, count == 1 ? "" : "s")));
+}
+
+}  // namespace haptolith
