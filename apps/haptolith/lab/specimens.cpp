@@ -85,6 +85,7 @@ bool areAlike(const std::vector<Json>& values, const auto& is_kind) {
 
 std::vector<Json> membersAt(const std::vector<Json>& values, const auto& place) {
   std::vector<Json> members;
+  members.reserve(values.size());
   for (const Json& value : values) {
     members.push_back(value.contains(place) ? value.at(place) : Json(nullptr));
   }
