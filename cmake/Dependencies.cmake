@@ -17,4 +17,9 @@ if(HAPTOLITH_PROGRAM)
   find_package(spdlog REQUIRED)
   pkg_check_modules(hdf5 REQUIRED IMPORTED_TARGET hdf5)
   find_package(SQLiteCpp 3.2 REQUIRED)
+  # ROS 2's network without ROS 2: a program without it says what to install (src/haptolith/ros2).
+  find_package(CycloneDDS 0.10 QUIET)
+  if(CycloneDDS_FOUND)
+    enable_language(C)  # of what idlc makes
+  endif()
 endif()

@@ -51,6 +51,8 @@ const std::map<std::string, Folders> kArrows = {
     // The laboratory turned round: from forces to soil.
     {"identify", {"lab", "figure"}},
     {"teleop", {"haptics", "scenario", "identify", "figure"}},
+    // A robot network of others; teleop for the robots at its other side.
+    {"ros2", {"teleop"}},
     {"viewer", {"session"}},
 };
 

@@ -21,6 +21,7 @@ void addLabCommand(CLI::App& app);
 void addStudyCommand(CLI::App& app);
 void addIdentifyCommand(CLI::App& app);
 void addTeleopCommand(CLI::App& app);
+void addRos2Command(CLI::App& app);
 void addBenchCommand(CLI::App& app);
 void addDevicesCommand(CLI::App& app);
 void addDoctorCommand(CLI::App& app);

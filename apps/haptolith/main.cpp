@@ -54,6 +54,7 @@ void addCommands(CLI::App& app) {
   addStudyCommand(app);
   addIdentifyCommand(app);
   addTeleopCommand(app);
+  addRos2Command(app);
   addBenchCommand(app);
   addDevicesCommand(app);
   addDoctorCommand(app);

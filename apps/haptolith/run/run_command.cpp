@@ -11,6 +11,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "haptolith/bed/simd_target.h"
@@ -26,6 +27,7 @@
 #include "haptolith/viewer/live_view.h"
 
 #include "commands.h"
+#include "run/run_companion.h"
 #include "run/run_figure.h"
 #include "run/trace_file.h"
 #include "shared/histogram_json.h"
@@ -83,6 +85,7 @@ struct RunOptions {
   std::string robot;  ///< HOST:PORT of one that follows the tool; empty: none
   TeleopEndOptions robot_end;
   std::optional<bool> learns;  ///< the soil does from what the robot meets; default: where it can
+  CompanionFactory companion;  ///< empty: none
 };
 
 Scenario scenarioFor(const RunOptions& options) {
@@ -452,8 +455,10 @@ void run(const RunOptions& options) {
   }
   const bool serves = options.serve.value_or(scenario.loop.paced && !options.json);
   const bool leads = !options.robot.empty();
-  const bool keeps_records = follower.wantsRecords() || leads || serves || !options.record_file.empty();
-  Session session(scenario, keeps_records, settlingIn(follower.status()));
+  const std::unique_ptr<RunCompanion> companion =
+      options.companion ? options.companion(scenario, options.scene) : nullptr;
+  const bool keeps_records = follower.wantsRecords() || leads || serves || companion || !options.record_file.empty();
+  Session session(scenario, keeps_records, settlingIn(follower.status()), companion ? companion->device() : nullptr);
   follower.status().clear();
   warnOfStiffness(session);
   if (leads) {
@@ -467,7 +472,7 @@ void run(const RunOptions& options) {
   if (keeps_records) {
     taker.emplace(session.loop(), follower.recording(),
                   follower.wantsRecords() || leads ? RecordTaker::Keep::kForTake : RecordTaker::Keep::kNothing,
-                  scenario.loop.paced);
+                  scenario.loop.paced, companion ? companion->listener() : RecordTaker::Listener());
   }
   SessionDriver driver(session, follower.recording(), follower.status(), view.get(), taker ? &*taker : nullptr);
   session.start(stopAsked());
@@ -477,6 +482,9 @@ void run(const RunOptions& options) {
   driver.run(
       [&](const SessionDriver::News& news) {
         follower.follow(session, news);
+        if (companion) {
+          companion->follow(session, news);
+        }
         if (view) {
           follower.show(*view);
         }
@@ -498,11 +506,17 @@ void run(const RunOptions& options) {
     if (follower.robot() != nullptr) {
       json["robot"] = robotJson(*follower.robot());
     }
+    if (companion) {
+      companion->addTo(json);
+    }
     printJson(json);
   } else {
     printText(summaryText(session.shown(), session.scene(), session.loop(), summary));
     if (follower.robot() != nullptr) {
       printText(robotSummary(*follower.robot()));
+    }
+    if (companion) {
+      printText(companion->summary());
     }
   }
   throwWhenItFailed(session.shown(), session.loop(), summary.end);
@@ -557,6 +571,12 @@ void addRunCommand(CLI::App& app) {
   CLI::App* command = app.add_subcommand("run", "Run a scene at 1 kHz under a hand, until Ctrl-C or --duration-s");
   command->footer(kExamples);
   addOptions(command, options);
+}
+
+void addRunOptions(CLI::App& command, CompanionFactory companion) {
+  auto options = std::make_shared<RunOptions>();
+  options->companion = std::move(companion);
+  addOptions(&command, options);
 }
 
 void addTeleopOperator(CLI::App& teleop) {

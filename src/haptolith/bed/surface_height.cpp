@@ -58,6 +58,20 @@ SeenSoil seenSoil(const Bed& bed) {
   return seen;
 }
 
+SeenSoil seenSoil(const Bed& bed, std::span<const Float4> grains, std::span<const Pose> stones) {
+  SeenSoil seen;
+  seen.radius_m = bed.parameters().soil.radius_m;
+  seen.grains.assign(grains.begin(), grains.end());
+  for (std::size_t stone = 0; stone < std::min(stones.size(), bed.stones().size()); ++stone) {
+    for (const StoneSphere& sphere : bed.stones().shape(stone)->spheres) {
+      const Vec3 at_m = stones[stone].toScene(sphere.centre_m);
+      seen.stones.push_back({static_cast<float>(at_m.x()), static_cast<float>(at_m.y()), static_cast<float>(at_m.z()),
+                             static_cast<float>(sphere.radius_m - seen.radius_m)});
+    }
+  }
+  return seen;
+}
+
 std::vector<double> surfaceHeights(const SeenSoil& seen, const HeightGrid& grid, std::size_t rays) {
   const HeightGrid fine{grid.x_m, grid.y_m, grid.cell_m / static_cast<double>(rays), grid.columns * rays,
                         grid.rows * rays};

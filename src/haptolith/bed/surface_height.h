@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstddef>
+#include <span>
 #include <vector>
 
 #include "haptolith/bed/bed.h"
@@ -27,6 +28,9 @@ struct SeenSoil {
   std::vector<Float4> stones;  ///< their spheres, likewise
 };
 [[nodiscard]] SeenSoil seenSoil(const Bed& bed);
+/// The same of a moment from which grains and poses of stones were copied, while the bed has gone on: what is taken
+/// from the bed are sizes, which stay.
+[[nodiscard]] SeenSoil seenSoil(const Bed& bed, std::span<const Float4> grains, std::span<const Pose> stones);
 
 /// Height of the soil over the floor in each cell, in m, row by row: of the spheres, as seen from above, the mean of
 /// `rays` by `rays` places. Not for the tick.

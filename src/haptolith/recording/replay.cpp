@@ -72,8 +72,9 @@ Replay::Replay(const RecordingReader& recording, std::optional<int> threads, con
   const DeclaredLimits declared = limitsOf(header.device_limits);
   device_ = std::make_unique<ReplayDevice>(header.device, declared.limits, declared.simulated);
   const double surface_m = scenario_.hand.surface_m.value_or(scene_->bed().surfaceHeight());
-  // A host's own device is named by no scene, which names the virtual hand then.
-  const bool own = scenario_.device.kind == DeviceKind::kVirtualHand && header.device != VirtualHand::kName;
+  // A host's own device is named by no scene, which names the virtual hand then. What leads the virtual hand
+  // from elsewhere is called after it, and shares its frame.
+  const bool own = scenario_.device.kind == DeviceKind::kVirtualHand && !header.device.starts_with(VirtualHand::kName);
   const HandlingParameters handling =
       own ? handlingOfOwnDevice(scenario_, surface_m) : handlingOf(scenario_, surface_m);
   loop_ = std::make_unique<HapticLoop>(*scene_, *device_, scenario_.loop, true, handling);

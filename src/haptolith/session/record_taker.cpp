@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <utility>
 
 #include "haptolith/core/start_thread.h"
 
@@ -14,17 +15,24 @@ using namespace std::chrono_literals;
 /// 30 s at 1 kHz, about 13 MB.
 constexpr std::size_t kMostKept = 30'000;
 
+/// Between two looks while somebody listens.
+constexpr std::chrono::microseconds kSoon = 500us;
+
 }  // namespace
 
-RecordTaker::RecordTaker(HapticLoop& loop, SessionRecording& recording, Keep keep, bool paced)
-    : loop_(loop), recording_(recording), keeps_(keep == Keep::kForTake), paced_(paced) {
+RecordTaker::RecordTaker(HapticLoop& loop, SessionRecording& recording, Keep keep, bool paced, Listener listener)
+    : loop_(loop),
+      recording_(recording),
+      keeps_(keep == Keep::kForTake),
+      paced_(paced),
+      listener_(std::move(listener)) {
   thread_ = startThread("taking what is recorded", [this] {
     while (!ends_) {
       {
         const std::lock_guard lock(mutex_);
         takeNow();
       }
-      std::this_thread::sleep_for(paced_ ? 10ms : 1ms);
+      std::this_thread::sleep_for(listener_ ? kSoon : paced_ ? 10ms : 1ms);
     }
   });
 }
@@ -41,6 +49,9 @@ void RecordTaker::takeNow() {
   fresh_.clear();
   loop_.takeRecords(fresh_);
   recording_.add(fresh_);
+  if (listener_) {
+    listener_(fresh_);
+  }
   if (keeps_) {
     const std::size_t room = paced_ ? kMostKept - std::min(kept_.size(), kMostKept) : fresh_.size();
     const std::size_t count = std::min(room, fresh_.size());

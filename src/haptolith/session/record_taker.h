@@ -2,7 +2,9 @@
 
 #include <atomic>
 #include <cstdint>
+#include <functional>
 #include <mutex>
+#include <span>
 #include <thread>
 #include <vector>
 
@@ -16,11 +18,13 @@ namespace haptolith {
 class RecordTaker {
  public:
   enum class Keep { kNothing, kForTake };
+  /// Is told each tick soon after it, on one thread at a time; must not wait.
+  using Listener = std::function<void(std::span<const TickRecord>)>;
 
   /// @param keep   whether take() is called with somebody who wants the ticks.
   /// @param paced  else the loop waits when too many ticks wait for take(); in step with the clock they are lost to it
   ///               (to it alone, the recording has them).
-  RecordTaker(HapticLoop& loop, SessionRecording& recording, Keep keep, bool paced);
+  RecordTaker(HapticLoop& loop, SessionRecording& recording, Keep keep, bool paced, Listener listener = {});
   ~RecordTaker();
   RecordTaker(const RecordTaker&) = delete;
   RecordTaker& operator=(const RecordTaker&) = delete;
@@ -38,6 +42,7 @@ class RecordTaker {
   HapticLoop& loop_;
   SessionRecording& recording_;
   const bool keeps_, paced_;
+  const Listener listener_;
   mutable std::mutex mutex_;
   std::vector<TickRecord> fresh_, kept_;
   std::uint64_t not_kept_ = 0;

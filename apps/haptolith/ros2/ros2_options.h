@@ -1,0 +1,18 @@
+#pragma once
+
+#include "haptolith/ros2/ros2_node.h"
+
+namespace CLI {
+class App;
+}  // namespace CLI
+
+namespace haptolith {
+
+/// Which ROS 2 graph to join, as the command line says it.
+struct Ros2Options {
+  Ros2Parameters node;
+
+  void addTo(CLI::App& command);
+};
+
+}  // namespace haptolith
