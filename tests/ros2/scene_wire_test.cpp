@@ -98,6 +98,15 @@ class SceneWireTest : public testing::Test {
     });
   }
 
+  /// Until the reader, which is told nothing twice, knows of the writer.
+  bool writeUntilTaken(std::size_t writer) {
+    return eventually([&] {
+      peer_.write(writer, target({0, 0, 0.1}));
+      std::this_thread::sleep_for(5ms);
+      return publisher_->counts().targets > 0;
+    });
+  }
+
   FastDdsPeer peer_{someDomain()};
   std::optional<Ros2Node> node_;
   std::optional<ScenePublisher> publisher_;
@@ -267,7 +276,7 @@ TEST_F(SceneWireTest, TargetsAreTakenFromWritersOfEitherReliability) {
 
 TEST_F(SceneWireTest, TargetsWithoutSenseAreCountedAndNotTaken) {
   const std::size_t writer = peer_.makeWriter("rt/haptolith/target_pose", kPose, PeerQos::kReliable);
-  ASSERT_TRUE(eventually([&] { return peer_.readersOf(writer) == 1; }));
+  ASSERT_TRUE(writeUntilTaken(writer));
   constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
   const std::vector<Bytes> nonsense{target({kNan, 0, 0}), target({0, 0, std::numeric_limits<double>::infinity()}),
                                     target({0, 0, 0}, "", {0, 0, 0, 0}), target({0, 0, 0}, "", {0, 0, 0, kNan}),
@@ -281,16 +290,15 @@ TEST_F(SceneWireTest, TargetsWithoutSenseAreCountedAndNotTaken) {
   Bytes cut = target({0, 0, 0});
   cut.resize(60);
   peer_.write(writer, cut);  // DDS refuses it
+  const std::uint64_t taken = publisher_->counts().targets;
   peer_.write(writer, target({0, 0, 0.1}));
-  ASSERT_TRUE(eventually([&] { return publisher_->counts().targets == 1; }));
+  ASSERT_TRUE(eventually([&] { return publisher_->counts().targets > taken; }));
   EXPECT_EQ(publisher_->counts().nonsense, count);
 }
 
 TEST_F(SceneWireTest, TheFirstWriterHoldsTheTool) {
   const std::size_t first = peer_.makeWriter("rt/haptolith/target_pose", kPose, PeerQos::kReliable);
-  ASSERT_TRUE(eventually([&] { return peer_.readersOf(first) == 1; }));
-  peer_.write(first, target({0, 0, 0.1}));
-  ASSERT_TRUE(eventually([&] { return publisher_->counts().targets == 1; }));
+  ASSERT_TRUE(writeUntilTaken(first));
   FastDdsPeer other(someDomain());
   const std::size_t second = other.makeWriter("rt/haptolith/target_pose", kPose, PeerQos::kReliable);
   ASSERT_TRUE(eventually([&] { return other.readersOf(second) == 1; }));
@@ -308,6 +316,57 @@ TEST_F(SceneWireTest, TheFirstWriterHoldsTheTool) {
     std::this_thread::sleep_for(5ms);
     return inbox.update() && inbox.latest().scene_T_tool.position_m.z() == 0.2;
   }));
+}
+
+TEST_F(SceneWireTest, ATargetThatStopsLetsTheToolGoUntilItComesAgain) {
+  const BedParameters bed;
+  Scene scene(bed, ToolParameters());
+  const TargetParameters space{.low_m = {-0.1, -0.1, 0}, .high_m = {0.1, 0.1, 0.5}};
+  TargetDevice device(publisher_->inbox(), space, HandParameters(), bed.tick_s);
+  LoopParameters parameters;
+  parameters.paced = false;
+  HandlingParameters handling;
+  handling.safety.soft_start_s = 0.5;
+  handling.safety.calm_s = 0.3;
+  HapticLoop loop(scene, device, parameters, true, handling);
+  const std::size_t writer = peer_.makeWriter("rt/haptolith/target_pose", kPose, PeerQos::kReliable);
+  ASSERT_TRUE(eventually([&] { return peer_.readersOf(writer) == 1; }));
+  const Bytes in_soil = target({0, 0, scene.bed().surfaceHeight() - 0.02});
+  std::vector<TickRecord> ticks;
+  const auto tick_until = [&](bool wanted, const std::function<bool(const TickRecord&)>& happened) {
+    for (int i = 0; i < 8000; ++i) {
+      if (wanted && i % 20 == 0) {  // 50 a second
+        peer_.write(writer, in_soil);
+      }
+      (void)loop.tick();
+      loop.takeRecords(ticks);
+      if (happened(ticks.back())) {
+        return true;
+      }
+      std::this_thread::sleep_for(1ms);
+    }
+    return false;
+  };
+  const auto feels = [](const TickRecord& tick) { return tick.felt.wrench.force_n.norm() > 0.2; };
+  ASSERT_TRUE(tick_until(true, feels));
+  const std::int64_t stopped_ns = monotonicNs();
+  ASSERT_TRUE(tick_until(false, [](const TickRecord& tick) { return tick.trip != 0; }));
+  const double after_s = 1e-9 * static_cast<double>(monotonicNs() - stopped_ns);
+  EXPECT_GT(after_s, 0.07);  // the newest target was up to 20 ms old
+  EXPECT_LT(after_s, 0.2);
+  EXPECT_EQ(ticks.back().trip, static_cast<std::uint8_t>(SafetyTrip::kStale));
+  EXPECT_TRUE(ticks.back().felt.wrench.isZero());
+  const Vec3 left_m = ticks.back().scene_T_tool.position_m;
+  ASSERT_TRUE(tick_until(false, [n = 0](const TickRecord& /*unused*/) mutable { return ++n == 200; }));
+  EXPECT_EQ(ticks.back().scene_T_tool.position_m, left_m);
+  EXPECT_TRUE(ticks.back().soil.isZero());  // it has faded out of the soil
+  // It comes back: calm first, then softly.
+  const std::size_t first = ticks.size();
+  ASSERT_TRUE(tick_until(true, feels));
+  EXPECT_GT(ticks.size() - first, 300U);
+  for (std::size_t i = first; i < ticks.size(); ++i) {
+    EXPECT_LT((ticks[i].felt.wrench.force_n - ticks[i - 1].felt.wrench.force_n).norm(), 0.3);
+  }
 }
 
 /// 1 kHz both ways, HAPTOLITH_ROS2_SECONDS long (docs/ros2.md: 60).

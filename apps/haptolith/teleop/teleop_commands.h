@@ -10,5 +10,6 @@ namespace haptolith {
 void addTeleopBench(CLI::App& teleop);
 void addTeleopOperator(CLI::App& teleop);
 void addTeleopRemote(CLI::App& teleop);
+void addTeleopRos2(CLI::App& teleop);
 
 }  // namespace haptolith

@@ -149,6 +149,7 @@ void addTeleopCommand(CLI::App& app) {
   teleop->require_subcommand(1);
   addLink(*teleop);
   addTeleopRemote(*teleop);
+  addTeleopRos2(*teleop);
   addTeleopOperator(*teleop);
   addTeleopBench(*teleop);
   auto json = std::make_shared<bool>(false);

@@ -22,6 +22,7 @@
 #include "shared/scene_options.h"
 #include "shared/stop_on_signal.h"
 #include "teleop/operator_report.h"
+#include "teleop/robot_status.h"
 #include "teleop/teleop_commands.h"
 #include "teleop/teleop_end_options.h"
 
@@ -73,14 +74,10 @@ class Rate {
 };
 
 std::string statusText(const Robot& robot, const RobotServer& server, double rate) {
-  const std::string who =
-      server.operatorAddress().empty() ? "no operator yet" : fmt::format("operator {}", server.operatorAddress());
-  const std::string why = robot.reason() == StopReason::kNone ? "" : fmt::format(" ({})", text(robot.reason()));
   constexpr double kSlow = 0.97;
   const std::string slow =
       rate < kSlow ? fmt::format("; this machine is too slow for it: {:.0f} % of real time", 100 * rate) : "";
-  return fmt::format("{}: {}{}, command {:.0f} of {}, {:.2f} N{}", who, text(robot.state()), why, robot.index(),
-                     robot.newest(), robot.met().force_n.norm(), slow);
+  return robotStatusText(robot, server) + slow;
 }
 
 void runRemote(const RemoteOptions& options) {
@@ -133,10 +130,7 @@ void runRemote(const RemoteOptions& options) {
                {"packets", countsJson(counts)}});
     return;
   }
-  printText(
-      fmt::format("  robot      {}\n  packets    {} taken; {} malformed, {} forged, {} replayed, {} of strangers\n",
-                  statusText(robot, server, rate.value()), counts.taken, counts.malformed, counts.forged,
-                  counts.replayed, counts.strangers));
+  printText(robotSummaryText(robot, server, statusText(robot, server, rate.value())));
 }
 
 }  // namespace

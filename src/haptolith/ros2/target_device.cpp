@@ -18,6 +18,7 @@ TargetDevice::TargetDevice(std::shared_ptr<TargetInbox> inbox, const TargetParam
 
 DeviceLimits TargetDevice::limits() const noexcept {
   DeviceLimits limits = hand_.limits();
+  limits.damping_n_s_m = VirtualHand::kPull.damping_n_s_m;
   limits.grips = false;  // a pose says nothing of jaws
   return limits;
 }

@@ -4,6 +4,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
+
+#include "haptolith/teleop/simulated_arm.h"
 
 namespace haptolith {
 
@@ -17,16 +20,6 @@ constexpr double kLongestPlayout_s = 2;
 constexpr double kPlayoutGrowth = 1.5;
 constexpr double kSlowest = 0.95, kFastest = 1.1;  // paces at which commands are carried out
 constexpr double kPaceTime_s = 2;                  // in which the pace evens out what is in hand
-
-bool isFinite(const Movement& tool) noexcept {
-  return tool.pose.position_m.allFinite() && tool.pose.orientation.coeffs().allFinite() &&
-         tool.twist.linear_m_s.allFinite() && tool.twist.angular_rad_s.allFinite();
-}
-
-Pose lifted(Pose pose, double by_m) noexcept {
-  pose.position_m.z() += by_m;
-  return pose;
-}
 
 }  // namespace
 
@@ -83,16 +76,24 @@ void validate(const RobotParameters& robot, double tick_s) {
 
 Robot::Robot(const RobotParameters& parameters, Scene& scene, double surface_m, const Pose& home)
     : parameters_(parameters),
-      scene_(scene),
-      surface_m_(surface_m),
       tick_s_(scene.bed().parameters().tick_s),
-      sensor_(parameters.sensor, scene.bed().parameters().gravity_m_s2, tick_s_),
       track_(tick_s_),
       playout_s_(parameters.playout_s),
       wanted_{{home, {}}, 1},
       tool_{home, {}} {
   validate(parameters_, tick_s_);
-  scene_.placeTool({{lifted(home, surface_m_), {}}, 1});
+  arm_ = std::make_unique<SimulatedArm>(parameters_.arm, parameters_.max_force_n, parameters_.sensor, scene, surface_m,
+                                        home);
+}
+
+Robot::Robot(const RobotParameters& parameters, std::unique_ptr<RobotArm> arm, double tick_s)
+    : parameters_(parameters),
+      tick_s_(tick_s),
+      arm_(std::move(arm)),
+      begins_at_tool_(true),
+      track_(tick_s_),
+      playout_s_(parameters.playout_s) {
+  validate(parameters_, tick_s_);
 }
 
 void Robot::take(std::uint32_t session, bool held, std::span<const CommandKey> keys) {
@@ -183,20 +184,27 @@ void Robot::stop(StopReason reason) noexcept {
 
 void Robot::decide() {
   const bool silent = silent_s_ > parameters_.silence_s;
+  if (!arm_->ready() && state_ != RobotState::kTaring && state_ != RobotState::kFailed) {
+    stop(StopReason::kFault);
+    become(RobotState::kTaring);  // until it tells again where it is
+  }
   const bool commanded = !track_.empty() && held_ && !silent;
   switch (state_) {
     case RobotState::kFailed: return;
     case RobotState::kTaring:
-      if (sensor_.tared()) {
+      if (arm_->ready()) {
         become(RobotState::kWaiting);
       }
       return;
     case RobotState::kWaiting:
       if (wants_tare_ && tool_.pose.position_m.z() >= parameters_.clear_m) {
         wants_tare_ = false;
-        sensor_.tare();
+        arm_->tare();
         become(RobotState::kTaring);
       } else if (commanded) {
+        if (begins_at_tool_) {
+          wanted_ = {{tool_.pose, {}}, wanted_.opening};
+        }
         become(RobotState::kApproaching);
       }
       return;
@@ -294,6 +302,12 @@ void Robot::want(const Pose& pose, double opening) noexcept {
   wanted_.opening = opening;
 }
 
+/// Whether where the tool is wanted is somebody's will.
+bool Robot::commandsArm() const noexcept {
+  return state_ == RobotState::kApproaching || state_ == RobotState::kFollowing || state_ == RobotState::kHolding ||
+         state_ == RobotState::kRetracting;
+}
+
 void Robot::moveTool() noexcept {
   if (state_ == RobotState::kFailed) {
     return;
@@ -301,18 +315,11 @@ void Robot::moveTool() noexcept {
   if (state_ != RobotState::kFollowing && state_ != RobotState::kApproaching && state_ != RobotState::kRetracting) {
     wanted_.twist = {};
   }
-  // Its joints carry the tool's weight and feel the soil.
-  const Wrench pull = moveArm(parameters_.arm, wanted_, scene_.felt().wrench, parameters_.max_force_n, tick_s_, tool_);
-  at_force_cap_ = pull.force_n.norm() >= parameters_.max_force_n * (1 - 1e-9);
-  if (!isFinite(tool_)) {
-    stop(StopReason::kFault);  // the bed never learns of it
-    return;
-  }
-  HandState hand{tool_, wanted_.opening};
-  hand.pose = lifted(hand.pose, surface_m_);
-  const StepStatus status = scene_.tick(hand);
-  met_ = sensor_.read(scene_.felt().wrench, tool_);
-  if (status != StepStatus::kOk || !met_.force_n.allFinite() || !met_.torque_nm.allFinite()) {
+  const ArmReading now = arm_->move(wanted_, commandsArm());
+  tool_ = now.tool;
+  met_ = now.met;
+  at_force_cap_ = now.at_force_cap;
+  if (now.fault) {
     stop(StopReason::kFault);
     return;
   }

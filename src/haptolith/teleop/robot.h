@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <span>
 
@@ -8,6 +9,7 @@
 #include "haptolith/device/hand/arm.h"
 #include "haptolith/teleop/command_track.h"
 #include "haptolith/teleop/force_sensor.h"
+#include "haptolith/teleop/robot_arm.h"
 #include "haptolith/tool/scene.h"
 
 namespace haptolith {
@@ -78,15 +80,19 @@ struct RobotReport {
   Wrench met;               ///< mean of what the sensor told, site frame, about the tool's origin
 };
 
-/// A stand-in for a robot: a compliant arm with a force sensor that digs in a bed of its own, and follows commands by
-/// their index. It needs no clock in common with the operator: it carries a command out when it comes, in order, at the
-/// pace of its own ticks, up to a tenth faster when many wait. tick() allocates nothing.
+/// A robot that follows commands by their index: an arm, and what keeps it safe. The arm is a stand-in that digs in a
+/// bed of its own, or another's. It needs no clock in common with the operator: it carries a command out when it comes,
+/// in order, at the pace of its own ticks, up to a tenth faster when many wait. tick() allocates nothing with a
+/// stand-in.
 class Robot {
  public:
   /// @param scene  its bed and tool; it puts the tool at home.
   /// @param surface_m  height of the soil's surface in that scene: the site frame's zero.
   /// @throws InvalidParameter as validate().
   Robot(const RobotParameters& parameters, Scene& scene, double surface_m, const Pose& home);
+  /// With another arm, which may be anywhere, and be moved by others while no operator wants it: each approach begins
+  /// where the tool is. While the arm is not ready the robot is taring. @throws InvalidParameter as validate().
+  Robot(const RobotParameters& parameters, std::unique_ptr<RobotArm> arm, double tick_s);
 
   /// What a packet brought: keys of an operator's program that calls itself `session`.
   void take(std::uint32_t session, bool held, std::span<const CommandKey> keys);
@@ -129,10 +135,12 @@ class Robot {
   void moveTool() noexcept;
   void account() noexcept;
 
+  [[nodiscard]] bool commandsArm() const noexcept;
+
   RobotParameters parameters_;
-  Scene& scene_;
-  double surface_m_, tick_s_;
-  ForceSensor sensor_;
+  double tick_s_;
+  std::unique_ptr<RobotArm> arm_;
+  bool begins_at_tool_ = false;  ///< an approach does, since others may have moved the arm
   CommandTrack track_;
 
   RobotState state_ = RobotState::kTaring;

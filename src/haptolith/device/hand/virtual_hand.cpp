@@ -14,10 +14,6 @@ namespace haptolith {
 
 namespace {
 
-/// The coupling of a tool that is pulled by hand: an arm's mass, stiffer than it so that the tool keeps up with a
-/// mouse, and critically damped so that it does not swing.
-constexpr ArmParameters kCoupling{.mass_kg = 0.3, .damping_n_s_m = 19, .stiffness_n_m = 300, .lever_m = 0.1};
-
 /// Poses come 60 times a second: their steps are rounded off with this time constant.
 constexpr double kSmoothing_s = 0.02;
 
@@ -132,7 +128,7 @@ void VirtualHand::followManoeuvre() noexcept {
 void VirtualHand::followCommand(const Pose& held) noexcept {
   const Pose before = smooth_;
   smooth_ = interpolate(before, held, 1 - std::exp(-tick_s_ / kSmoothing_s));
-  moveArm(kCoupling, movement(before, smooth_, tick_s_), felt_, hand_.max_force_n, tick_s_, tool_);
+  moveArm(kPull, movement(before, smooth_, tick_s_), felt_, hand_.max_force_n, tick_s_, tool_);
 }
 
 void VirtualHand::moveGripper() noexcept {

@@ -22,6 +22,9 @@ class VirtualHand final : public HapticDevice {
   VirtualHand(const HandParameters& hand, double tick_s);
 
   static constexpr std::string_view kName = "virtual hand";
+  /// The coupling of a tool that is pulled by hand: an arm's mass, stiffer than it so that the tool keeps up with a
+  /// mouse, and critically damped so that it does not swing.
+  static constexpr ArmParameters kPull{.mass_kg = 0.3, .damping_n_s_m = 19, .stiffness_n_m = 300, .lever_m = 0.1};
   [[nodiscard]] std::string_view name() const noexcept override { return kName; }
   /// Its frame is the scene's. It shows what a sigma.7 shows.
   [[nodiscard]] DeviceLimits limits() const noexcept override;

@@ -1,0 +1,15 @@
+#pragma once
+
+#include <string>
+
+#include "haptolith/teleop/robot_server.h"
+
+namespace haptolith {
+
+/// "operator 127.0.0.1:40000: following, command 1200 of 1300, 2.31 N".
+[[nodiscard]] std::string robotStatusText(const Robot& robot, const RobotServer& server);
+
+/// Lines for the end, with what the robot did last.
+[[nodiscard]] std::string robotSummaryText(const Robot& robot, const RobotServer& server, const std::string& status);
+
+}  // namespace haptolith
