@@ -71,6 +71,11 @@ class Ros2Companion final : public RunCompanion {
   }
 
   void follow(const Session& session, const SessionDriver::News& news) override {
+    if (news.snapshot && !surface_m_) {
+      const Bed& bed = session.scene().bed();
+      surface_m_ = meanSurfaceHeight(seenSoil(bed, session.snapshot().position, {}), bed.parameters());
+      printNotice(fmt::format("the soil's surface lies at z = {:.4f} m\n", *surface_m_));
+    }
     if (!news.snapshot || options_.surface_hz == 0 || monotonicNs() < next_surface_ns_) {
       return;
     }
@@ -94,6 +99,7 @@ class Ros2Companion final : public RunCompanion {
   void addTo(Json& json) const override {
     const SceneMessageCounts counts = publisher_->counts();
     json["ros2"] = {{"node", node_->text()},
+                    {"surface_m", surface_m_ ? Json(*surface_m_) : Json(nullptr)},
                     {"ticks_told", counts.ticks},
                     {"ticks_not_told", counts.not_told},
                     {"surfaces", counts.surfaces},
@@ -111,6 +117,7 @@ class Ros2Companion final : public RunCompanion {
   std::optional<Ros2Node> node_;
   std::optional<ScenePublisher> publisher_;
   std::int64_t next_surface_ns_ = 0;
+  std::optional<double> surface_m_;  ///< mean height of the soil as it lay at first: a robot's site has its zero there
 };
 
 }  // namespace

@@ -33,7 +33,7 @@ constexpr const char* kExamples = R"(Examples:
   haptolith teleop operator --to 127.0.0.1:7410              leads the robot, in another terminal
 
   haptolith ros2 dig-site --node-name robot                  in place of a robot: soil of its own, by ROS 2
-  haptolith teleop ros2 --site 0,0,0.1,0                     its soil lies some 0.1 m above the floor of its box
+  haptolith teleop ros2 --site 0,0,0.048,0                   the height of its surface, which it prints
 
 Frames, what keeps the robot safe and what does not: docs/ros2.md.)";
 

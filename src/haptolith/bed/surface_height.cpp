@@ -95,9 +95,12 @@ std::vector<double> surfaceHeights(const SeenSoil& seen, const HeightGrid& grid,
 }
 
 double meanSurfaceHeight(const Bed& bed) {
-  SeenSoil seen = seenSoil(bed);
+  return meanSurfaceHeight(seenSoil(bed), bed.parameters());
+}
+
+double meanSurfaceHeight(SeenSoil seen, const BedParameters& bed) {
   seen.stones.clear();
-  const std::vector<double> heights = surfaceHeights(seen, gridWithinSides(bed.parameters(), seen.radius_m / 2), 1);
+  const std::vector<double> heights = surfaceHeights(seen, gridWithinSides(bed, seen.radius_m / 2), 1);
   return std::accumulate(heights.begin(), heights.end(), 0.0) / static_cast<double>(heights.size());
 }
 

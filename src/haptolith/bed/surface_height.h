@@ -40,5 +40,6 @@ struct SeenSoil {
 /// fine as half a grain. Soil of other grains lies as high by it where it was filled as high, which its highest grain
 /// does not. Not for the tick.
 [[nodiscard]] double meanSurfaceHeight(const Bed& bed);
+[[nodiscard]] double meanSurfaceHeight(SeenSoil seen, const BedParameters& bed);
 
 }  // namespace haptolith
