@@ -105,46 +105,46 @@ class FastDdsPeer::Implementation {
     rtps::Locator_t here;
     rtps::IPLocator::setIPv4(here, "127.0.0.1");
     qos.wire_protocol().builtin.initialPeersList.push_back(here);
-    participant_ = made(
+    participant = made(
         dds::DomainParticipantFactory::get_instance()->create_participant(static_cast<std::uint32_t>(domain), qos));
-    publisher_ = made(participant_->create_publisher(dds::PUBLISHER_QOS_DEFAULT));
-    subscriber_ = made(participant_->create_subscriber(dds::SUBSCRIBER_QOS_DEFAULT));
+    publisher = made(participant->create_publisher(dds::PUBLISHER_QOS_DEFAULT));
+    subscriber = made(participant->create_subscriber(dds::SUBSCRIBER_QOS_DEFAULT));
   }
   ~Implementation() {
-    participant_->delete_contained_entities();
-    dds::DomainParticipantFactory::get_instance()->delete_participant(participant_);
+    participant->delete_contained_entities();
+    dds::DomainParticipantFactory::get_instance()->delete_participant(participant);
   }
   Implementation(const Implementation&) = delete;
   Implementation& operator=(const Implementation&) = delete;
 
   dds::Topic* topic(const std::string& name, const std::string& type) {
-    dds::Topic*& known = topics_[name];
+    dds::Topic*& known = topics[name];
     if (known == nullptr) {
-      dds::TypeSupport(new BytesType(type)).register_type(participant_);
-      known = made(participant_->create_topic(name, type, dds::TOPIC_QOS_DEFAULT));
+      dds::TypeSupport(new BytesType(type)).register_type(participant);
+      known = made(participant->create_topic(name, type, dds::TOPIC_QOS_DEFAULT));
     }
     return known;
   }
   void listen(dds::Topic* topic, PeerQos kind, std::function<void(const Bytes&)> heard) {
     dds::DataReaderQos qos = dds::DATAREADER_QOS_DEFAULT;
     setQos(qos, kind);
-    listeners_.push_back(std::make_unique<Listener>(std::move(heard)));
-    readers_.push_back(made(subscriber_->create_datareader(topic, qos, listeners_.back().get())));
+    listeners.push_back(std::make_unique<Listener>(std::move(heard)));
+    readers.push_back(made(subscriber->create_datareader(topic, qos, listeners.back().get())));
   }
   std::size_t makeWriter(dds::Topic* topic, PeerQos kind) {
     dds::DataWriterQos qos = dds::DATAWRITER_QOS_DEFAULT;
     setQos(qos, kind);
-    writers_.push_back(made(publisher_->create_datawriter(topic, qos)));
-    return writers_.size() - 1;
+    writers.push_back(made(publisher->create_datawriter(topic, qos)));
+    return writers.size() - 1;
   }
 
-  dds::DomainParticipant* participant_ = nullptr;
-  dds::Publisher* publisher_ = nullptr;
-  dds::Subscriber* subscriber_ = nullptr;
-  std::map<std::string, dds::Topic*> topics_;
-  std::vector<std::unique_ptr<Listener>> listeners_;
-  std::vector<dds::DataReader*> readers_;
-  std::vector<dds::DataWriter*> writers_;
+  dds::DomainParticipant* participant = nullptr;
+  dds::Publisher* publisher = nullptr;
+  dds::Subscriber* subscriber = nullptr;
+  std::map<std::string, dds::Topic*> topics;
+  std::vector<std::unique_ptr<Listener>> listeners;
+  std::vector<dds::DataReader*> readers;
+  std::vector<dds::DataWriter*> writers;
 };
 
 FastDdsPeer::FastDdsPeer(int domain) : implementation_(std::make_unique<Implementation>(domain)) {}
@@ -161,18 +161,18 @@ std::size_t FastDdsPeer::makeWriter(const std::string& topic, const std::string&
 
 void FastDdsPeer::write(std::size_t writer, const Bytes& payload) {
   Bytes bytes = payload;
-  implementation_->writers_[writer]->write(&bytes);
+  implementation_->writers[writer]->write(&bytes);
 }
 
 int FastDdsPeer::readersOf(std::size_t writer) const {
   dds::PublicationMatchedStatus status;
-  implementation_->writers_[writer]->get_publication_matched_status(status);
+  implementation_->writers[writer]->get_publication_matched_status(status);
   return status.current_count;
 }
 
 int FastDdsPeer::writersFound() const {
   int found = 0;
-  for (dds::DataReader* reader : implementation_->readers_) {
+  for (dds::DataReader* reader : implementation_->readers) {
     dds::SubscriptionMatchedStatus status;
     reader->get_subscription_matched_status(status);
     found += status.current_count;

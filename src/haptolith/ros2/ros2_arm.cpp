@@ -85,13 +85,13 @@ class Ros2Arm::Implementation {
     if (!told || posed_ns_ == 0) {
       return;
     }
-    // In the sensor's axes its zero stays what it is, however the tool turns.
     const std::int64_t now_ns = monotonicNs();
     measured_ns_ = now_ns;
     if (!zero_) {
       tare(*told, now_ns);
       return;
     }
+    // The zero is taken off along the axes that the sensor tells: there it stays what it is, however the tool turns.
     const double sign = parameters_.wrench_of_tool ? -1 : 1;
     const bool of_base = message.header.frame_id == frame_;
     const Quat turn = of_base ? Quat(parameters_.base_T_site.orientation.conjugate()) : reading_.tool.pose.orientation;

@@ -163,8 +163,9 @@ class ScenePublisher::Implementation {
     constexpr std::uint8_t kFloat32 = 7;  // sensor_msgs/PointField
     std::vector<std::uint8_t> data(kPointBytes * grid.cells());
     for (std::size_t i = 0; i < grid.cells(); ++i) {
+      const std::size_t row_number = i / grid.columns;
       const double column = static_cast<double>(i % grid.columns) + 0.5;
-      const double row = static_cast<double>(i / grid.columns) + 0.5;
+      const double row = static_cast<double>(row_number) + 0.5;
       const std::array point{static_cast<float>(grid.x_m + column * grid.cell_m),
                              static_cast<float>(grid.y_m + row * grid.cell_m), static_cast<float>(heights_m[i])};
       std::memcpy(&data[i * kPointBytes], point.data(), kPointBytes);
