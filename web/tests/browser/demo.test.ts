@@ -9,7 +9,7 @@ import { join } from 'node:path';
 import type { Browser } from 'playwright-core';
 import { afterAll, afterEach, beforeAll, describe, expect, it } from 'vitest';
 import { serveFolder, type Served } from '../static-server';
-import { frame, grabTool, holdStill, launch, openPage, scene, violations, type Watched } from './pages';
+import { frame, grabTool, holdStill, launch, openPage, pullIntoSoil, scene, violations, type Watched } from './pages';
 
 const FOLDER = process.env.HAPTOLITH_DEMO ?? '';
 const MOST_BYTES = 10e6;
@@ -70,17 +70,7 @@ describe.skipIf(!existsSync(join(FOLDER, 'soil.wasm')))('the demo', () => {
     await holdStill(page);
     const start = await frame(page);
     const at = await grabTool(page);
-    let down_px = 0;
-    await expect
-      .poll(
-        async () => {
-          down_px = Math.min(down_px + 25, 400);
-          await page.mouse.move(at.x + down_px / 10, at.y + down_px);
-          return Math.hypot(...(await frame(page)).force_n);
-        },
-        { timeout: 150_000, interval: 150 },
-      )
-      .toBeGreaterThan(0.05);
+    await pullIntoSoil(page, at);
     expect((await frame(page)).tool.position_m[2]).toBeLessThan(start.tool.position_m[2] - 0.005);
     await page.mouse.up();
     await page.waitForFunction(() => !window.haptolith!.frame!.held);

@@ -2,7 +2,7 @@ import { readFileSync } from 'node:fs';
 import { createRequire } from 'node:module';
 import type { Browser } from 'playwright-core';
 import { afterAll, afterEach, beforeAll, describe, expect, it } from 'vitest';
-import { frame, grabTool, holdStill, launch, openPage, scene, type Watched } from './pages';
+import { frame, grabTool, holdStill, launch, openPage, pullIntoSoil, scene, type Watched } from './pages';
 import { portOf, startProgram, type Program } from './program';
 
 /** A plate of 5 by 4 by 0.5. */
@@ -67,18 +67,7 @@ describe('the page', () => {
     const readout = page.locator('[data-test=force]');
     const start = await frame(page);
     const at = await grabTool(page);
-    // Down into the soil, and on until it pushes back.
-    let down_px = 0;
-    await expect
-      .poll(
-        async () => {
-          down_px = Math.min(down_px + 25, 400);
-          await page.mouse.move(at.x + down_px / 10, at.y + down_px);
-          return Math.hypot(...(await frame(page)).force_n);
-        },
-        { timeout: 150_000, interval: 150 },
-      )
-      .toBeGreaterThan(0.05);
+    await pullIntoSoil(page, at);
     expect((await frame(page)).tool.position_m[2]).toBeLessThan(start.tool.position_m[2] - 0.005);
     await page.waitForFunction(() => Number(document.querySelector('[data-test=force]')!.textContent!.trim()) > 0.04);
     expect(await readout.textContent()).toMatch(/\d\.\d\d/);

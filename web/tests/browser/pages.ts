@@ -96,6 +96,21 @@ export async function grabTool(page: Page): Promise<{ x: number; y: number }> {
   return at;
 }
 
+/** Pulls the tool, which the mouse has at `at`, down into the soil, and on until it pushes back. */
+export async function pullIntoSoil(page: Page, at: { x: number; y: number }): Promise<void> {
+  let down_px = 0;
+  await expect
+    .poll(
+      async () => {
+        down_px = Math.min(down_px + 25, 400);
+        await page.mouse.move(at.x + down_px / 10, at.y + down_px);
+        return Math.hypot(...(await frame(page)).force_n);
+      },
+      { timeout: WAIT_MS, interval: 150 },
+    )
+    .toBeGreaterThan(0.05);
+}
+
 /** Red, green, blue and opacity of each pixel of a part of the page, 0 to 255. */
 export async function pixelsIn(
   page: Page,
