@@ -49,8 +49,7 @@ double surfaceOf(const ScenePicture& picture, const BedParameters& bed) {
   const auto columns = static_cast<std::size_t>(bed.width_m / cell_m) + 1;
   const auto rows = static_cast<std::size_t>(bed.length_m / cell_m) + 1;
   std::vector<double> highest_m(columns * rows, 0);
-  for (std::size_t i = 0; i < picture.position_m.size(); ++i) {
-    const auto& [x, y, z] = picture.position_m[i];
+  for (const auto& [x, y, z] : picture.position_m) {
     const auto at = [cell_m](double coordinate_m, double width_m, std::size_t cells) {
       const double cell = std::clamp((coordinate_m + width_m / 2) / cell_m, 0.0, static_cast<double>(cells - 1));
       return static_cast<std::size_t>(cell);
