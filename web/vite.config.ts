@@ -4,7 +4,7 @@ import own from './package.json' with { type: 'json' };
 import { protocolSource } from './resolve.config';
 
 // licences.txt beside the page: of the packages that have become a part of it.
-export function licences(): Plugin {
+function licences(): Plugin {
   return {
     name: 'licences',
     generateBundle() {

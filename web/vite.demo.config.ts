@@ -1,25 +1,12 @@
-import { defineConfig } from 'vite';
-import { protocolSource } from './resolve.config';
-import { licences } from './vite.config';
+import { mergeConfig } from 'vite';
+import page from './vite.config';
 
-// The page with the soil in it, as a folder that any web server or file host serves: ./dev demo.
-export default defineConfig({
-  base: './',
-  ...protocolSource,
-  plugins: [licences()],
+// The page with the soil in it, as a folder that any web server or file host serves: ./dev demo. What somebody has put
+// into the folder, a film for one, stays there.
+export default mergeConfig(page, {
   worker: {
     format: 'iife', // takes the compiler's script in with importScripts()
     rollupOptions: { output: { entryFileNames: 'worker.js' } },
   },
-  build: {
-    target: 'es2022',
-    cssCodeSplit: false,
-    modulePreload: false,
-    chunkSizeWarningLimit: 1200,
-    assetsInlineLimit: 0,
-    rollupOptions: {
-      input: 'demo.html',
-      output: { entryFileNames: 'haptolith.js', assetFileNames: 'haptolith[extname]', inlineDynamicImports: true },
-    },
-  },
+  build: { emptyOutDir: false, rollupOptions: { input: 'demo.html' } },
 });

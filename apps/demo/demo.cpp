@@ -66,8 +66,8 @@ class Demo {
 
   /// Brings the soil up to now, and the page too. @return whether the scene goes on.
   bool turn(double now_s) {
-    const double passed_s = std::exchange(last_s_, now_s) < 0 ? 0 : now_s - before_s_;
-    before_s_ = now_s;
+    const double before_s = std::exchange(last_s_, now_s);
+    const double passed_s = before_s < 0 ? 0 : now_s - before_s;
     if (end_ == LoopEnd::kRunning) {
       behind_s_ = std::min(kMostBehind_s, behind_s_ + passed_s * session_.speed());
       tickUntil(Clock::now() + kLongestTurn);
@@ -112,7 +112,8 @@ class Demo {
   Session session_;
   LiveView view_;
   LoopEnd end_ = LoopEnd::kRunning;
-  double behind_s_ = 0, before_s_ = 0, last_s_ = -1;
+  double behind_s_ = 0;
+  double last_s_ = -1;  ///< when turn() was called last; none yet
   Clock::time_point idle_at_;
 };
 

@@ -60,10 +60,13 @@ let running = false;
 async function run(demo: DemoModule): Promise<void> {
   if (running) return;
   running = true;
-  for (;;) {
-    demo._demoTurn(performance.now() / 1000);
+  while (demo._demoTurn(performance.now() / 1000)) {
     await new Promise((resolve) => setTimeout(resolve, BETWEEN_TURNS_MS));
   }
+  tell({
+    is: 'failed',
+    why: 'the run has ended, because the soil did not bear what was done to it; load the page again',
+  });
 }
 
 async function open(scene: string, changes: string): Promise<void> {
