@@ -341,7 +341,8 @@ std::string counted(int number, std::string_view of) {
   return fmt::format("{} {}{}", number, of, number == 1 ? "" : "s");
 }
 
-/// "256 macroparticles of 7 mm", "2048 macroparticles (208 of 7 mm, 1840 of 3.5 mm)".
+/// "256 macroparticles of 7 mm", "2048 macroparticles (208 of 7 mm, 1840 of 3.5 mm)"; those of several sizes that are
+/// held come last, "189 of 7 mm behind the sides".
 std::string grainsText(const Bed& bed) {
   std::vector<std::string> sizes;
   const std::vector<Bed::GrainRun> runs = bed.grainRuns();
@@ -349,6 +350,9 @@ std::string grainsText(const Bed& bed) {
     const std::string size =
         fmt::format("of {:g} mm", 1e3 * GrainClasses::scale(grain_class) * bed.parameters().soil.radius_m);
     sizes.push_back(runs.size() == 1 ? size : fmt::format("{} {}", count, size));
+  }
+  if (runs.size() > 1 && bed.heldParticles() > 0) {
+    sizes.back() += " behind the sides";
   }
   const std::string all = fmt::format("{}", fmt::join(sizes, ", "));
   return runs.size() == 1 ? fmt::format("{} macroparticles {}", bed.particles(), all)

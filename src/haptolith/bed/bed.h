@@ -185,6 +185,8 @@ class Bed {
   };
   Bed(const BedParameters& parameters, const StartingSoil& soil, const SettleProgress& progress);
   [[nodiscard]] static StartingSoil startingSoil(const BedParameters& bed, const SettleProgress& progress);
+  /// Grains of several sizes that have settled together, beside coarse ones that are held.
+  [[nodiscard]] static LaidSoil gradedSoil(const BedParameters& bed, const SettleProgress& progress);
   /// Takes over what the contacts of laid soil remember.
   void recall(const StartingSoil& soil) noexcept;
   /// Soil from free_particles on stands for ever where it stands; the rest lies as it did in its tile, and may sleep.

@@ -52,7 +52,7 @@ double gridHeight(const SavedBed& saved) {
 Bed::Bed(const BedParameters& parameters, const SavedBed& saved)
     : Bed(validated(parameters), grainsOf(saved.state), gridHeight(saved)) {
   const bool has_held = parameters.start == BedStart::kSettled || parameters.start == BedStart::kGiven;
-  if (has_held && grainClasses(parameters) == 1) {
+  if (has_held) {
     std::size_t held = 0;
     for (std::size_t i = 0; i < particles(); ++i) {
       held += saved.state.isHeld(i) ? 1 : 0;

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <optional>
 #include <tuple>
 #include <utility>
 
@@ -27,6 +28,10 @@ double longestSettling(const BedParameters& bed, double height_m, double dt_s) {
   return 60 + 3 * sinkingTime(bed.soil, bed.gravity_m_s2.norm(), height_m, dt_s);
 }
 
+/// How often a graded bed is filled up and settles: where sizes are joined gaps close, and cohesion draws soil together
+/// that has settled without. After the third time it sinks by less than a tenth of a coarse grain's radius.
+constexpr int kFillings = 3;
+
 /// Soil laid on a slope is at rest when nothing in it moves faster,
 constexpr double kLaidRest_m_s = 1e-3;
 /// soil that somebody has put somewhere when nothing does so,
@@ -34,12 +39,12 @@ constexpr double kGivenRest_m_s = 2e-5;
 /// and either is given up after so long a simulated time.
 constexpr double kLongestLaying_s = 60;
 
-/// Grains of several sizes, class by class, ordered so that a group's 16 have about as many neighbours: it takes as
-/// long as the one of them that has most, and next to finer ones a grain has four times as many as among its like.
+/// Free grains of several sizes, class by class, ordered so that a group's 16 have about as many neighbours: it takes
+/// as long as the one of them that has most, and next to finer ones a grain has four times as many as among its like.
 std::vector<Float4> withManyNeighboursTogether(const Bed& bed) {
   const ContactLists& lists = bed.state().contacts;
-  std::vector<std::size_t> order(bed.particles());
-  std::vector<std::uint32_t> neighbours(bed.particles());
+  std::vector<std::size_t> order(bed.particles() - bed.heldParticles());
+  std::vector<std::uint32_t> neighbours(order.size());
   for (std::size_t i = 0; i < order.size(); ++i) {
     order[i] = i;
     bool of_other_size = false;
@@ -118,27 +123,6 @@ LaidSoil givenSoil(const BedParameters& bed) {
   return soil;
 }
 
-/// Grains of one size as they lie before they settle, of several after it.
-std::vector<Float4> startingGrains(const BedParameters& bed, const SettleProgress& progress) {
-  if (grainClasses(bed) == 1) {
-    return withSizes(bed, inSpatialOrder(startingCentres(bed), bed.soil.radius_m));
-  }
-  const auto grains_of = [](const Bed& made) {
-    const auto& position = made.state().position;
-    const auto free = static_cast<std::ptrdiff_t>(made.particles() - made.heldParticles());
-    return std::vector<Float4>(position.begin(), position.begin() + free);
-  };
-  return cachedGradedGrains(bed, [&] {
-    const auto settled = [&](const BedParameters& of_one_size) { return grains_of(Bed(of_one_size, progress)); };
-    BedParameters coarse = bed;
-    coarse.grading = {};
-    Bed together(bed, gradedGrains(bed, settled(coarse), settled));
-    const double dt_s = bed.tick_s / substepsFor(bed, 0);
-    together.settle(dt_s, longestSettling(bed, together.surfaceHeight(), dt_s), progress);
-    return withManyNeighboursTogether(together);
-  });
-}
-
 }  // namespace
 
 Bed::Bed(const BedParameters& parameters, const SettleProgress& progress)
@@ -154,8 +138,12 @@ Bed::Bed(const BedParameters& parameters, const SettleProgress& progress)
 Bed::Bed(const BedParameters& parameters, const StartingSoil& soil, const SettleProgress& progress)
     : Bed(parameters, soil.laid.grains, highestCentre(soil.laid.grains)) {
   const double dt_s = parameters.tick_s / substepsFor(parameters, 0);
-  if (grainClasses(parameters) > 1) {
-    return;  // settled together already
+  if (grainClasses(parameters) > 1) {  // settled together already, but what contacts remembered is not kept
+    if (soil.laid.free < soil.laid.grains.size()) {
+      holdSides(soil.laid.free);
+    }
+    findHold(dt_s, kGivenRest_m_s, progress);
+    return;
   }
   if (parameters.start == BedStart::kRain) {
     settle(dt_s, longestSettling(parameters, surfaceHeight(), dt_s), progress);
@@ -178,11 +166,48 @@ Bed::StartingSoil Bed::startingSoil(const BedParameters& bed, const SettleProgre
   if (bed.start == BedStart::kGiven) {
     return {.tile = {}, .laid = givenSoil(bed)};
   }
-  if (bed.start != BedStart::kSettled || grainClasses(bed) > 1) {
-    return {.tile = {}, .laid = {.grains = startingGrains(bed, progress), .sources = {}}};
+  if (grainClasses(bed) > 1) {
+    return {.tile = {}, .laid = gradedSoil(bed, progress)};
+  }
+  if (bed.start != BedStart::kSettled) {
+    const std::vector<Vec3> centres = inSpatialOrder(startingCentres(bed), bed.soil.radius_m);
+    return {.tile = {}, .laid = {.grains = withSizes(bed, centres), .sources = {}}};
   }
   StartingSoil soil{.tile = cachedTile(bed, progress), .laid = {}};
   soil.laid = laidOut(soil.tile, bed);
+  return soil;
+}
+
+LaidSoil Bed::gradedSoil(const BedParameters& bed, const SettleProgress& progress) {
+  std::optional<LyingSoil> made;
+  const auto coarse = [&]() -> const LyingSoil& {
+    if (!made) {
+      BedParameters of_one_size = bed;
+      of_one_size.grading = {};
+      made = Bed(of_one_size, progress).lying();
+    }
+    return *made;
+  };
+  LaidSoil soil;
+  soil.grains = cachedGradedGrains(bed, [&] {
+    const GradedFilling filling(
+        bed, coarse(), [&](const BedParameters& of_one_size) { return Bed(of_one_size, progress).lying().grains; });
+    const double dt_s = bed.tick_s / substepsFor(bed, 0);
+    std::vector<Float4> free;
+    for (int time = 0; time < kFillings; ++time) {
+      Bed together(bed, filling.filledUp(free));
+      together.settle(dt_s, longestSettling(bed, together.surfaceHeight(), dt_s), progress);
+      together.findHold(dt_s, kGivenRest_m_s, progress);  // cohesion draws it together, by some 4 % in lunar soil
+      free = withManyNeighboursTogether(together);
+    }
+    return free;
+  });
+  soil.free = soil.grains.size();
+  if (heldWidth(bed) > 0) {
+    const LyingSoil& lying = coarse();
+    soil.grains.insert(soil.grains.end(), lying.grains.end() - static_cast<std::ptrdiff_t>(lying.held),
+                       lying.grains.end());
+  }
   return soil;
 }
 

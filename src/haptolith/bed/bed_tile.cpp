@@ -205,7 +205,7 @@ BedTile settledTile(const BedParameters& bed, const TileProgress& progress) {
 
 double heldWidth(const BedParameters& bed) {
   const bool has_held = bed.start == BedStart::kSettled || (bed.start == BedStart::kGiven && bed.given.held > 0);
-  if (!has_held || grainClasses(bed) > 1) {
+  if (!has_held) {
     return 0;
   }
   return makeContactLaw(bed.soil).cutoff_m + 2 * largestExcess(bed.soil);

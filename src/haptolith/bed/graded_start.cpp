@@ -11,6 +11,7 @@
 
 #include "haptolith/bed/grain_classes.h"
 #include "haptolith/bed/spatial_order.h"
+#include "haptolith/bed/surface_height.h"
 #include "haptolith/core/error.h"
 #include "haptolith/soil/contact_law.h"
 
@@ -22,80 +23,26 @@ namespace {
 /// as others do not touch them.
 constexpr double kShell = 2;
 
-/// How deep a finer grain may stand in a coarser one where they are joined, in its radius; settling parts them.
+/// How deep a grain may stand in others where they are joined, in its radius; settling parts them.
 constexpr double kMostOverlap = 0.3;
 
-/// A box of grains of class c and finer, scene frame; it is open upwards.
-struct Region {
-  double low_x, high_x, low_y, high_y, floor;
-
-  [[nodiscard]] bool holds(const Float4& grain) const {
-    return grain.x > low_x && grain.x < high_x && grain.y > low_y && grain.y < high_y && grain.z > floor;
-  }
-  [[nodiscard]] Region grown(double by_m) const {
-    return {low_x - by_m, high_x + by_m, low_y - by_m, high_y + by_m, floor - by_m};
-  }
-};
-
-double radiusOf(const BedParameters& bed, int grain_class) {
-  return GrainClasses::scale(grain_class) * bed.soil.radius_m;
+std::vector<Float4> freeOf(const LyingSoil& soil) {
+  return {soil.grains.begin(), soil.grains.end() - static_cast<std::ptrdiff_t>(soil.held)};
 }
 
-/// Height of the soil: where columns as wide as a grain end, on average, and what lies over the centres of the topmost.
-double surfaceOf(const std::vector<Float4>& grains, double radius_m) {
-  constexpr double kAboveCentre = 0.6;
-  std::map<std::pair<int, int>, float> top;
-  for (const Float4& grain : grains) {
-    const auto column = [radius_m](float place) { return static_cast<int>(std::floor(place / (2 * radius_m))); };
-    float& highest = top.try_emplace({column(grain.x), column(grain.y)}, grain.z).first->second;
-    highest = std::max(highest, grain.z);
-  }
-  double sum = 0;
-  for (const auto& [column, highest] : top) {
-    sum += highest;
-  }
-  return sum / static_cast<double>(top.size()) + kAboveCentre * radius_m;
+std::vector<Float4> heldOf(const LyingSoil& soil) {
+  return {soil.grains.end() - static_cast<std::ptrdiff_t>(soil.held), soil.grains.end()};
 }
 
-/// Regions of classes 1 and finer, the largest first.
-std::vector<Region> regionsOf(const BedParameters& bed, double surface_m) {
-  const Grading& grading = bed.grading;
-  Region region{grading.fine_x_m - grading.fine_width_m / 2, grading.fine_x_m + grading.fine_width_m / 2,
-                grading.fine_y_m - grading.fine_length_m / 2, grading.fine_y_m + grading.fine_length_m / 2,
-                surface_m - grading.fine_depth_m};
-  std::vector<Region> regions{region};
-  for (int c = grainClasses(bed) - 2; c > 0; --c) {
-    region = region.grown(kShell * 2 * radiusOf(bed, c));
-    regions.insert(regions.begin(), region);
-  }
-  return regions;
+/// Height of the soil as a camera sees it, whatever the size of its grains.
+double surfaceOf(const std::vector<Float4>& grains, const BedParameters& bed) {
+  return meanSurfaceHeight({.radius_m = bed.soil.radius_m, .grains = grains, .stones = {}}, bed);
 }
 
-/// A bed of one class that fills a region up to the surface, to be cut: it repeats itself, and is deeper than what is
-/// taken of it, for next to its floor grains lie in layers.
-BedParameters tileFor(const BedParameters& bed, int grain_class, const Region& region, double surface_m) {
-  constexpr double kDeeper = 6, kWider = 2;  // radii
-  BedParameters tile = bed;
-  tile.grading = {};
-  tile.soil = rescaled(bed.soil, radiusOf(bed, grain_class));
-  const double r = tile.soil.radius_m;
-  const double shortest = 3 * (makeContactLaw(tile.soil).cutoff_m + (1 + 2 * tile.soil.size_spread) * r) + r;
-  const auto side = [&](double low, double high, double most) {
-    return std::max(std::min(high - low, most) + kWider * r, shortest);
-  };
-  tile.width_m = side(region.low_x, region.high_x, bed.width_m);
-  tile.length_m = side(region.low_y, region.high_y, bed.length_m);
-  tile.periodic_x = tile.periodic_y = true;
-  tile.start = BedStart::kSettled;
-  tile.seed = bed.seed + static_cast<std::uint64_t>(grain_class);
-  tile.depth_m = surface_m - std::max(region.floor, 0.0) + kDeeper * r;
-  return tile;
-}
-
-/// Whether a grain stands in a coarser one.
-class Coarser {
+/// Grains that have their place, to be asked whether there is room for another.
+class Standing {
  public:
-  explicit Coarser(const BedParameters& bed) : radius_m_(bed.soil.radius_m), cell_m_(2.7 * bed.soil.radius_m) {}
+  explicit Standing(const BedParameters& bed) : radius_m_(bed.soil.radius_m), cell_m_(2.7 * bed.soil.radius_m) {}
 
   void add(const std::vector<Float4>& grains) {
     for (const Float4& grain : grains) {
@@ -103,7 +50,7 @@ class Coarser {
     }
   }
 
-  [[nodiscard]] bool overlap(const Float4& grain) const {
+  [[nodiscard]] bool haveRoomFor(const Float4& grain) const {
     const double own = radius_m_ + grain.w;
     for (int k = 0; k < 27; ++k) {
       const auto found = cells_.find(cellOf(grain, k % 3 - 1, k / 3 % 3 - 1, k / 9 - 1));
@@ -113,11 +60,11 @@ class Coarser {
       for (const Float4& other : found->second) {
         const double apart = std::hypot(grain.x - other.x, grain.y - other.y, grain.z - other.z);
         if (apart < own + radius_m_ + other.w - kMostOverlap * own) {
-          return true;
+          return false;
         }
       }
     }
-    return false;
+    return true;
   }
 
  private:
@@ -130,13 +77,6 @@ class Coarser {
   double radius_m_, cell_m_;
   std::map<Cell, std::vector<Float4>> cells_;
 };
-
-/// Takes the highest away until whole groups are left.
-void leaveWholeGroups(std::vector<Float4>& grains) {
-  const std::size_t surplus = grains.size() % kGroup;
-  std::ranges::stable_sort(grains, [](const Float4& a, const Float4& b) { return a.z < b.z; });
-  grains.resize(grains.size() - surplus);
-}
 
 std::vector<Float4> ordered(const std::vector<Float4>& grains, double radius_m) {
   std::vector<Vec3> centres_m;
@@ -153,58 +93,125 @@ std::vector<Float4> ordered(const std::vector<Float4>& grains, double radius_m) 
 
 }  // namespace
 
-std::vector<Float4> gradedGrains(const BedParameters& bed, const std::vector<Float4>& coarse,
-                                 const std::function<std::vector<Float4>(const BedParameters&)>& settled) {
-  const int classes = grainClasses(bed);
-  const double surface_m = surfaceOf(coarse, bed.soil.radius_m);
-  const std::vector<Region> regions = regionsOf(bed, surface_m);
-  const auto region_of = [&](int grain_class) -> const Region& {
-    return regions[static_cast<std::size_t>(grain_class - 1)];
+double GradedFilling::Region::depthOf(const Float4& grain) const {
+  return std::min(
+      {grain.x - low_x, high_x - grain.x, grain.y - low_y, high_y - grain.y, static_cast<double>(grain.z) - floor});
+}
+
+double GradedFilling::radiusOf(int grain_class) const {
+  return GrainClasses::scale(grain_class) * bed_.soil.radius_m;
+}
+
+GradedFilling::GradedFilling(const BedParameters& bed, const LyingSoil& coarse,
+                             const std::function<std::vector<Float4>(const BedParameters&)>& settled)
+    : bed_(bed),
+      classes_(grainClasses(bed)),
+      surface_m_(surfaceOf(coarse.grains, bed)),
+      candidates_{freeOf(coarse)},
+      held_(heldOf(coarse)) {
+  const Grading& grading = bed.grading;
+  Region region{grading.fine_x_m - grading.fine_width_m / 2, grading.fine_x_m + grading.fine_width_m / 2,
+                grading.fine_y_m - grading.fine_length_m / 2, grading.fine_y_m + grading.fine_length_m / 2,
+                surface_m_ - grading.fine_depth_m};
+  regions_ = {region};
+  for (int c = classes_ - 2; c > 0; --c) {
+    region = region.grown(kShell * 2 * radiusOf(c));
+    regions_.insert(regions_.begin(), region);
+  }
+  for (int c = 1; c < classes_; ++c) {
+    const BedParameters tile = tileFor(c);
+    candidates_.push_back(placed(settled(tile), tile, c));
+  }
+}
+
+/// A bed of one class that fills a region up to the surface and the gaps beside it, to be cut: it repeats itself, and
+/// is deeper than what is taken of it, for next to its floor grains lie in layers.
+BedParameters GradedFilling::tileFor(int grain_class) const {
+  constexpr double kDeeper = 6, kWider = 2;  // radii
+  const Region region = regionOf(grain_class).grown(2 * radiusOf(grain_class - 1));
+  BedParameters tile = bed_;
+  tile.grading = {};
+  tile.soil = rescaled(bed_.soil, radiusOf(grain_class));
+  const double r = tile.soil.radius_m;
+  const double shortest = 3 * (makeContactLaw(tile.soil).cutoff_m + (1 + 2 * tile.soil.size_spread) * r) + r;
+  const auto side = [&](double low, double high, double most) {
+    return std::max(std::min(high - low, most) + kWider * r, shortest);
   };
-  std::vector<Float4> all;
-  Coarser coarser(bed);
-  for (int c = 0; c < classes; ++c) {
+  tile.width_m = side(region.low_x, region.high_x, bed_.width_m);
+  tile.length_m = side(region.low_y, region.high_y, bed_.length_m);
+  tile.periodic_x = tile.periodic_y = true;
+  tile.start = BedStart::kSettled;
+  tile.seed = bed_.seed + static_cast<std::uint64_t>(grain_class);
+  tile.depth_m = surface_m_ - std::max(region.floor, 0.0) + kDeeper * r;
+  return tile;
+}
+
+/// Those grains of a tile that stand in the box: from the middle of the tile to that of the region, or of what is in
+/// the box of it; surface on surface.
+std::vector<Float4> GradedFilling::placed(std::vector<Float4> made, const BedParameters& tile, int grain_class) const {
+  const Region region = regionOf(grain_class).grown(2 * radiusOf(grain_class - 1));
+  const auto middle = [](double low, double high, double side) {
+    return (std::max(low, -side / 2) + std::min(high, side / 2)) / 2;
+  };
+  const double x = middle(region.low_x, region.high_x, bed_.width_m);
+  const double y = middle(region.low_y, region.high_y, bed_.length_m);
+  const double up = surface_m_ - surfaceOf(made, tile);
+  for (Float4& grain : made) {
+    // What has crossed an end of a tile that repeats itself has gone to the other end.
+    grain.x = static_cast<float>(grain.x - tile.width_m * std::round(grain.x / tile.width_m) + x);
+    grain.y = static_cast<float>(grain.y - tile.length_m * std::round(grain.y / tile.length_m) + y);
+    grain.z = static_cast<float>(grain.z + up);
+    grain.w = static_cast<float>(grain.w + tile.soil.radius_m - bed_.soil.radius_m);
+  }
+  std::erase_if(made, [&](const Float4& grain) {
+    const double radius_m = bed_.soil.radius_m + grain.w;
+    return !(grain.z > radius_m && (bed_.periodic_x || std::abs(grain.x) < bed_.width_m / 2 - radius_m) &&
+             (bed_.periodic_y || std::abs(grain.y) < bed_.length_m / 2 - radius_m));
+  });
+  return made;
+}
+
+bool GradedFilling::belongs(const Float4& grain, int grain_class, const std::vector<Float4>& left_out) const {
+  if (grain_class + 1 < classes_ && regionOf(grain_class + 1).holds(grain)) {
+    return false;
+  }
+  const auto in_place_of = [&](const Float4& coarser) {
+    return std::hypot(grain.x - coarser.x, grain.y - coarser.y, grain.z - coarser.z) < bed_.soil.radius_m + coarser.w;
+  };
+  return grain_class == 0 || regionOf(grain_class).grown(radiusOf(grain_class)).holds(grain) ||
+         std::ranges::any_of(left_out, in_place_of);
+}
+
+LyingSoil GradedFilling::filledUp(const std::vector<Float4>& free) const {
+  const GrainClasses classes(bed_.soil.radius_m, classes_);
+  Standing standing(bed_);
+  standing.add(free);
+  LyingSoil all;
+  std::vector<Float4> left_out;  // of the class before, for want of a whole group: finer ones fill their place
+  for (int c = 0; c < classes_; ++c) {
     std::vector<Float4> own;
-    const auto wanted = [&](const Float4& grain) {
-      return (c == 0 || region_of(c).holds(grain)) && (c + 1 == classes || !region_of(c + 1).holds(grain));
-    };
+    std::ranges::copy_if(candidates_[static_cast<std::size_t>(c)], std::back_inserter(own), [&](const Float4& grain) {
+      return belongs(grain, c, left_out) && standing.haveRoomFor(grain);
+    });
+    const Region& finer = regionOf(std::min(c + 1, classes_ - 1));
+    std::ranges::stable_sort(own, {}, [&](const Float4& grain) { return finer.depthOf(grain); });
+    const auto whole = own.begin() + static_cast<std::ptrdiff_t>(own.size() / kGroup * kGroup);
+    left_out.assign(whole, own.end());
+    own.erase(whole, own.end());
+    standing.add(own);
     if (c == 0) {
-      std::ranges::copy_if(coarse, std::back_inserter(own), wanted);
-    } else {
-      const Region& region = region_of(c);
-      const BedParameters tile = tileFor(bed, c, region, surface_m);
-      const std::vector<Float4> made = settled(tile);
-      // From the middle of the tile to that of the region, or of what is in the box of it; surface on surface.
-      const auto middle = [](double low, double high, double side) {
-        return (std::max(low, -side / 2) + std::min(high, side / 2)) / 2;
-      };
-      const double x = middle(region.low_x, region.high_x, bed.width_m);
-      const double y = middle(region.low_y, region.high_y, bed.length_m);
-      const double up = surface_m - surfaceOf(made, tile.soil.radius_m);
-      for (Float4 grain : made) {
-        // What has crossed an end of a tile that repeats itself has gone to the other end.
-        grain.x = static_cast<float>(grain.x - tile.width_m * std::round(grain.x / tile.width_m) + x);
-        grain.y = static_cast<float>(grain.y - tile.length_m * std::round(grain.y / tile.length_m) + y);
-        grain.z = static_cast<float>(grain.z + up);
-        grain.w = static_cast<float>(grain.w + tile.soil.radius_m - bed.soil.radius_m);
-        const double radius_m = bed.soil.radius_m + grain.w;
-        const bool inside = grain.z > radius_m && (bed.periodic_x || std::abs(grain.x) < bed.width_m / 2 - radius_m) &&
-                            (bed.periodic_y || std::abs(grain.y) < bed.length_m / 2 - radius_m);
-        if (inside && wanted(grain) && !coarser.overlap(grain)) {
-          own.push_back(grain);
-        }
-      }
+      standing.add(held_);  // no room for finer ones; the free coarse ones have always stood beside them
     }
-    coarser.add(own);
-    if (c + 1 < classes) {
-      leaveWholeGroups(own);
-    } else if (own.empty()) {
-      throw InvalidParameter("fine_depth_m", fmt::format("{:g}", bed.grading.fine_depth_m),
+    std::ranges::copy_if(free, std::back_inserter(own), [&](const Float4& grain) { return classes.of(grain.w) == c; });
+    if (c + 1 == classes_ && own.empty()) {
+      throw InvalidParameter("fine_depth_m", fmt::format("{:g}", bed_.grading.fine_depth_m),
                              "so much that grains fit into the fine soil");
     }
-    const std::vector<Float4> in_order = ordered(own, radiusOf(bed, c));
-    all.insert(all.end(), in_order.begin(), in_order.end());
+    const std::vector<Float4> in_order = ordered(own, radiusOf(c));
+    all.grains.insert(all.grains.end(), in_order.begin(), in_order.end());
   }
+  all.grains.insert(all.grains.end(), held_.begin(), held_.end());
+  all.held = held_.size();
   return all;
 }
 

@@ -7,6 +7,7 @@
 #include <numbers>
 #include <utility>
 
+#include "haptolith/bed/surface_height.h"
 #include "haptolith/core/error.h"
 #include "haptolith/figure/figure.h"
 #include "haptolith/lab/lab_bed.h"
@@ -22,7 +23,7 @@ constexpr double kToolStiffness = 2;  // over the contacts': the blade does not 
 constexpr double kSample_s = 1e-3;
 
 // Room around the blade and its way; below it more than two of the coarsest grains.
-constexpr double kBehind_m = 0.02, kAhead_m = 0.05, kBeside_m = 0.02, kBelow_m = 0.025;
+constexpr double kBehind_m = 0.02, kAhead_m = 0.05, kBeside_m = 0.02, kBelow_m = 0.035;
 // Fine grains around the blade: it pushes soil ahead and aside of it.
 constexpr double kFineAhead_m = 0.025, kFineBeside_m = 0.01, kFineBelow_m = 0.008;
 
@@ -52,11 +53,8 @@ BedParameters boxOf(const LabConditions& conditions, const GrainOptions& options
   bed.gravity_m_s2 = {0, 0, -conditions.gravity_m_s2};
   bed.width_m = kBehind_m + options.travel_m + kAhead_m;
   bed.length_m = options.width_m + 2 * kBeside_m;
-  bed.wall_friction_ratio = 0;
-  bed.start = BedStart::kRain;
-  const double filled = 0.93;  // gaps at the floor, the walls and the surface take the rest
-  const double volume_m3 = bed.width_m * bed.length_m * (options.depth_m + kBelow_m);
-  bed.particles = static_cast<int>(particlesFor(soil, filled * volume_m3));
+  bed.start = BedStart::kSettled;
+  bed.depth_m = options.depth_m + kBelow_m;
   bed.threads = conditions.threads;
   bed.max_substeps = static_cast<int>(BedRanges::max_substeps.highest);
   bed.sleep = false;
@@ -90,6 +88,19 @@ std::vector<Bedding> beddings(const LabConditions& conditions, const GrainOption
   return all;
 }
 
+/// Height of the soil where the blade will go, as a camera sees it: the same for grains of any size, whose tips stand
+/// the higher the larger they are.
+double surfaceOfWay(const Bed& bed, const GrainOptions& options) {
+  constexpr std::size_t kRays = 200;
+  const double length_m = options.travel_m;
+  const HeightGrid way{.x_m = kBehind_m - bed.parameters().width_m / 2,
+                       .y_m = -options.width_m / 2,
+                       .cell_m = std::min(length_m, options.width_m),
+                       .columns = 1,
+                       .rows = 1};
+  return surfaceHeights(seenSoil(bed), way, kRays).front();
+}
+
 struct Drawn {
   std::size_t particles = 0;
   std::vector<std::vector<double>> trace;  ///< travel_m, draft_n, filtered_n, one row a sample
@@ -108,14 +119,14 @@ Drawn draw(const LabConditions& conditions, const GrainOptions& options, const B
   // Upright, its normal along x, let down behind and then drawn.
   Eigen::Matrix3d axes;
   axes << 0, 0, 1, 0, 1, 0, -1, 0, 0;
-  const double surface = lab.surfaceHeight(0.9);
+  const double surface = surfaceOfWay(lab.bed(), options);
   const double above = 2 * parameters.soil.radius_m;
   lab.placeTool({{kBehind_m - parameters.width_m / 2, 0, surface + above + options.depth_m}, Quat(axes)});
   lab.moveTool({{0, 0, -options.speed_m_s}, Vec3::Zero()});
   lab.run((above + options.depth_m) / options.speed_m_s, what);
 
   Drawn drawn;
-  drawn.particles = lab.soil();
+  drawn.particles = lab.soil() - lab.bed().heldParticles();
   lab.moveTool({{options.speed_m_s, 0, 0}, Vec3::Zero()});
   const double share = 1 - std::exp(-2 * std::numbers::pi * options.filter_cutoff_hz * kSample_s);
   double filtered = 0;
