@@ -55,6 +55,17 @@ TEST(Blade, IsComparedWithTheEquationForTheBedItReallyMovedThrough) {
   EXPECT_DOUBLE_EQ(blade.expected.earthmoving.vertical_n, force.vertical_n);
 }
 
+TEST(Blade, GoesLessDeepBelowTheSurfaceThanBelowTheTipsOfGrains) {
+  BladeOptions options = kPlane;
+  const BladeResult from_tips = bladeTest(coarseSand(kRadius_m), options);
+  options.depth_from = DepthFrom::kSurface;
+  const BladeResult from_surface = bladeTest(coarseSand(kRadius_m), options);
+  EXPECT_EQ(from_surface.draft_n, from_tips.draft_n);  // the blade goes where it went
+  EXPECT_LT(from_surface.depth_m, from_tips.depth_m - 0.4 * kRadius_m);
+  EXPECT_GT(from_surface.depth_m, from_tips.depth_m - 2 * kRadius_m);
+  EXPECT_LT(from_surface.expected.earthmoving.draft_n, from_tips.expected.earthmoving.draft_n);
+}
+
 TEST(Blade, IsComparedWithWedgesThatKnowItsSidesWhereItHasSides) {
   LabConditions conditions = coarseSand(kRadius_m);
   EXPECT_FALSE(bladeTest(conditions, kPlane).expected.wedge);

@@ -43,6 +43,16 @@ TEST(Plate, MeetsMoreAndMoreResistanceFromItsFirstContactOn) {
   EXPECT_GT(force(plate, 0.015), 1.2 * force(plate, 0.010));
 }
 
+TEST(Plate, HasMetTheTipsOfGrainsWhereItReachesTheSurface) {
+  PlateOptions options = kSmall;
+  const PlateResult from_contact = plateTest(coarseSand(7e-3), options);
+  options.depth_from = DepthFrom::kSurface;
+  const PlateResult from_surface = plateTest(coarseSand(7e-3), options);
+  EXPECT_GT(force(from_surface, 0), force(from_contact, 0));
+  EXPECT_LT(from_surface.bed_depth_m, from_contact.bed_depth_m - 0.4 * 7e-3);
+  EXPECT_GT(force(from_surface, 0.005), force(from_contact, 0.005));
+}
+
 TEST(Plate, IsCarriedByItsFitAndByASoilOfTheRightDensity) {
   const PlateResult plate = plateTest(coarseSand(7e-3), kSmall);
   EXPECT_GT(plate.fit.exponent, 0.4);

@@ -193,7 +193,7 @@ BladeResult bladeTest(const LabConditions& conditions, const BladeOptions& optio
   bed.settle(options.preparation);
 
   BladeResult result;
-  const double surface = bed.surfaceHeight();
+  const double surface = bed.surfaceHeight(options.depth_from);
   result.particles = bed.soil();
   result.depth_m = surface - options.below_depths * options.depth_m;
   result.width_m = options.width_m;

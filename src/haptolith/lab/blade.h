@@ -27,6 +27,7 @@ struct BladeOptions {
   double ahead_depths = 3;                 ///< of soil ahead of where the blade stops, in d
   double below_depths = 0.8;               ///< of soil under the lower edge, in d
   Preparation preparation = Preparation::kDense;
+  DepthFrom depth_from = DepthFrom::kTips;
   double friction_angle_rad = 0.785;  ///< phi of the soil for the equations, as measured by shear
   double cohesion_pa = 0;             ///< c, likewise
   /// What the soil has left once it has sheared, for the equations a second time; none: not known, or the same.

@@ -52,6 +52,7 @@ Push coneInto(const LabConditions& conditions, const ConeOptions& options) {
   push.bed_width_m = options.bed_width_diameters * options.base_diameter_m;
   push.bed_depth_m = options.max_depth_m + height + options.below_diameters * options.base_diameter_m;
   push.preparation = options.preparation;
+  push.depth_from = options.depth_from;
   return push;
 }
 

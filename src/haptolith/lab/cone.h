@@ -20,6 +20,7 @@ struct ConeOptions {
   double bed_width_diameters = 10;               ///< of the square box, in base diameters; at least 4
   double below_diameters = 2.5;                  ///< of soil under the point at the end, in base diameters
   Preparation preparation = Preparation::kDense;
+  DepthFrom depth_from = DepthFrom::kTips;
   double window_m = 4e-3;  ///< of depth over which a point of the curve is the mean
   int points = 50;         ///< of the curve behind its zero; 3 or more
 };

@@ -8,6 +8,7 @@
 #include <random>
 
 #include "haptolith/bed/critical_step.h"
+#include "haptolith/bed/surface_height.h"
 #include "haptolith/core/error.h"
 #include "haptolith/core/random.h"
 
@@ -220,6 +221,10 @@ double LabBed::surfaceHeight(double share) const {
   const auto at = tops.begin() + static_cast<std::ptrdiff_t>(share * static_cast<double>(soil_ - 1));
   std::nth_element(tops.begin(), at, tops.end());
   return static_cast<double>(*at) + conditions_.soil.radius_m;
+}
+
+double LabBed::surfaceHeight(DepthFrom from) const {
+  return from == DepthFrom::kTips ? surfaceHeight() : meanSurfaceHeight(bed_);
 }
 
 double LabBed::bulkDensity(double bottom_m, double top_m) const {

@@ -16,6 +16,13 @@ enum class Preparation {
   kLoose,  ///< as if poured: yields until it is as strong as it gets
 };
 
+/// What depth counts from. Grains are large, and their tips stand higher than the soil that they stand for.
+enum class DepthFrom {
+  kTips,     ///< where a plate first meets any; for other tools the height under which 98 % of the grains have theirs
+  kSurface,  ///< what a camera sees in the mean (meanSurfaceHeight()): up to 0.3 R below where soil of the bed's
+             ///< density would end, which is 0.8 to 1 R below the tips
+};
+
 /// The box a test is done in. Axes as in BedParameters.
 struct LabBox {
   double width_m = 0.2, length_m = 0.2;
@@ -73,6 +80,7 @@ class LabBed {
 
   /// Height under which `share` of the soil's particles have their top.
   [[nodiscard]] double surfaceHeight(double share = 0.98) const;
+  [[nodiscard]] double surfaceHeight(DepthFrom from) const;
 
   /// Mass of the soil with its centres between two heights over the volume there, in kg/m^3, walls' shadows included.
   [[nodiscard]] double bulkDensity(double bottom_m, double top_m) const;

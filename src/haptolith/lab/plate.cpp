@@ -39,6 +39,7 @@ Push plateInto(const LabConditions& conditions, const PlateOptions& options, dou
   push.bed_width_m = options.bed_width_diameters * options.diameter_m;
   push.bed_depth_m = options.bed_depth_diameters * options.diameter_m;
   push.preparation = options.preparation;
+  push.depth_from = options.depth_from;
   push.loose_top_m = options.loose_top_m;
   return push;
 }

@@ -20,6 +20,7 @@ struct PlateOptions {
   double bed_width_diameters = 3.5;  ///< of the square box, in D; at least 2
   double bed_depth_diameters = 2.5;  ///< of the soil as filled, in D; the floor is rough
   Preparation preparation = Preparation::kDense;
+  DepthFrom depth_from = DepthFrom::kTips;
   double loose_top_m = 0;  ///< of the bed's depth, poured onto the rest; two grains less than all, at most
   double window_m = 1e-3;  ///< of sinkage over which a point of the curve is the mean
   int points = 60;         ///< of the curve behind its zero; 3 or more

@@ -83,7 +83,7 @@ PushCurve pushIntoBed(const LabConditions& conditions, const Push& push) {
 
   PushCurve curve;
   curve.particles = bed.soil();
-  curve.bed_depth_m = bed.surfaceHeight();
+  curve.bed_depth_m = bed.surfaceHeight(push.depth_from);
   curve.bulk_density_kg_m3 = bed.bulkDensity(0.2 * curve.bed_depth_m, 0.8 * curve.bed_depth_m);
 
   const double highest = bed.bed().surfaceHeight();
@@ -96,7 +96,7 @@ PushCurve pushIntoBed(const LabConditions& conditions, const Push& push) {
     const double height = bed.toolPose().position_m.z() + push.zero_m;
     raw.push_back({curve.bed_depth_m - height, bed.toolWrench().force_n.z()});
   });
-  if (push.zero == DepthZero::kFirstContact) {
+  if (push.zero == DepthZero::kFirstContact && push.depth_from == DepthFrom::kTips) {
     const double contact = firstContact(raw, push.contact_n);
     for (PushReading& reading : raw) {
       reading.depth_m -= contact;

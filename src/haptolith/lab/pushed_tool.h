@@ -12,8 +12,8 @@ namespace haptolith {
 
 /// Where depth 0 is.
 enum class DepthZero {
-  kFirstContact,  ///< where the force first exceeds Push::contact_n
-  kSurface,       ///< at LabBed::surfaceHeight() of the bed before
+  kFirstContact,  ///< where the force first exceeds Push::contact_n, unless Push::depth_from says kSurface
+  kSurface,       ///< at LabBed::surfaceHeight(Push::depth_from) of the bed before
 };
 
 /// A tool that is pushed straight down into the middle of a square box of soil, at constant speed.
@@ -32,6 +32,7 @@ struct Push {
   double bed_width_m = 0;
   double bed_depth_m = 0;  ///< as filled; the settled one is PushCurve::bed_depth_m
   Preparation preparation = Preparation::kDense;
+  DepthFrom depth_from = DepthFrom::kTips;
   double loose_top_m = 0;  ///< of bed_depth_m, poured onto the rest when that has settled
 };
 
@@ -42,7 +43,7 @@ struct PushReading {
 
 struct PushCurve {
   std::vector<PushReading> readings;  ///< from depth 0 to Push::depth_m, every sample_m
-  double bed_depth_m = 0;             ///< LabBed::surfaceHeight() before the push
+  double bed_depth_m = 0;             ///< the surface before the push
   double bulk_density_kg_m3 = 0;      ///< before the push, away from floor and surface
   std::size_t particles = 0;
 };

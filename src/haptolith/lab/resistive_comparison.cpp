@@ -96,6 +96,7 @@ ResistivePush pushed(const Pushed& what, const LabConditions& conditions, const 
   push.bed_width_m = kBedWidth * diameter_m;
   push.bed_depth_m = kBedDepth * diameter_m;
   push.preparation = options.preparation;
+  push.depth_from = options.depth_from;
 
   ResistivePush result;
   result.name = what.name;
@@ -136,6 +137,7 @@ void drawBladeBoth(const LabConditions& conditions, const ResistiveOptions& opti
   blade_options.depth_m = options.blade_depth_m;
   blade_options.speed_m_s = options.blade_speed_m_s;
   blade_options.preparation = options.preparation;
+  blade_options.depth_from = options.depth_from;
   blade_options.friction_angle_rad = std::clamp(result.peak_angle_rad, 5 * kDegree, 59 * kDegree);
   const BladeResult blade = bladeTest(conditions, blade_options);
   result.blade_depth_m = blade.depth_m;

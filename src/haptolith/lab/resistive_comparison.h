@@ -23,6 +23,7 @@ struct ResistiveOptions {
   double size_factor = 1.5;       ///< of the larger plate, its sinkage and its box; above 1 to 4
   bool scaling = true;            ///< whether the plate is pushed once more for each law of scaling
   Preparation preparation = Preparation::kDense;
+  DepthFrom depth_from = DepthFrom::kTips;
   /// How the soil is sheared that the theory is told of; without its own cohesion.
   ShearOptions shear{.normal_stresses_pa = {200, 400, 800}};
   double friction_angle_rad = 0;  ///< for the theory; 0: the residual one, measured by shearing the soil

@@ -150,6 +150,7 @@ LabTest bladeEntry() {
                   millimetresOption("depth_mm", own->depth_m, "depth of its lower edge"),
                   degreesOption("rake_deg", own->rake_rad, "angle between blade and path"),
                   preparationOption(own->preparation),
+                  depthFromOption(own->depth_from),
                   {.key = "friction_angle_deg",
                    .help = "for the equations",
                    .usual = "measured by shearing the soil: its peak and its residual, or the latter alone when loose",

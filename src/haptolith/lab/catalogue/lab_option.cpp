@@ -84,4 +84,12 @@ LabOption preparationOption(Preparation& preparation) {
                     "of the soil: dense, as if shaken, or loose, as if poured");
 }
 
+LabOption depthFromOption(DepthFrom& from) {
+  const auto set = [&from](std::string_view word) {
+    from = word == "surface" ? DepthFrom::kSurface : DepthFrom::kTips;
+  };
+  return wordOption("depth_from", {"tips", "surface"}, from == DepthFrom::kSurface ? "surface" : "tips", set,
+                    "what depth counts from: the tips of the highest grains, or the surface as a camera sees it");
+}
+
 }  // namespace haptolith

@@ -153,6 +153,7 @@ LabTest plateEntry() {
           .options = {millimetresOption("plate_diameter_mm", own->diameter_m, "diameter of the plate"),
                       millimetresOption("max_sinkage_mm", own->max_sinkage_m, "how deep it goes"),
                       preparationOption(own->preparation),
+                      depthFromOption(own->depth_from),
                       millimetresOption("loose_top_mm", own->loose_top_m, "of the soil, poured onto the rest"),
                       {.key = "friction_angle_deg",
                        .help = "compare with the bearing capacity of a footing in soil of this angle",
@@ -178,7 +179,7 @@ LabTest coneEntry() {
           .radius_mm = 3,
           .options = {millimetresOption("cone_diameter_mm", own->base_diameter_m, "diameter of the cone's base"),
                       millimetresOption("max_depth_mm", own->max_depth_m, "how deep the base goes"),
-                      preparationOption(own->preparation)},
+                      preparationOption(own->preparation), depthFromOption(own->depth_from)},
           .run = [own](const LabSoil&, const LabConditions& conditions) { return coneOutput(conditions, *own); }};
 }
 

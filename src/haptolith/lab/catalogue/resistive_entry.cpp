@@ -128,6 +128,7 @@ LabTest rftEntry() {
                        .usual = "",
                        .set = LabOption::Switch([own] { own->scaling = false; })},
                       preparationOption(own->preparation),
+                      depthFromOption(own->depth_from),
                       {.key = "friction_angle_deg",
                        .help = "of the soil, for the theory",
                        .usual = "the residual one, measured by shearing the soil",
