@@ -36,6 +36,14 @@ TEST(Help, NamesTheCommandItBelongsTo) {
   EXPECT_THAT(runHaptolith("completion --help").output, HasSubstr("Usage: haptolith completion "));
 }
 
+TEST(Help, ShowsExamplesOfTheCommandAndNotOfTheProgram) {
+  for (const std::string command : {"teleop", "teleop profiles", "soil", "soil list", "lab", "study", "identify"}) {
+    const std::string help = runHaptolith(command + " --help").output;
+    EXPECT_THAT(help, HasSubstr("  haptolith " + command)) << command;
+    EXPECT_THAT(help, Not(HasSubstr("haptolith completion bash"))) << command;
+  }
+}
+
 TEST(Usage, NoCommandShowsTheHelpAsAnError) {
   const ProgramResult result = runHaptolith("");
   EXPECT_EQ(result.exit_status, 2);

@@ -463,7 +463,7 @@ TEST_F(RunCommand, PosesWithoutEndAreRefused) {
   const ProgramResult result =
       runHaptolith(fmt::format("run paper --poses '{}' --duration-s 0.05 --unpaced --no-serve", file("zero.csv")));
   EXPECT_EQ(result.exit_status, 2);
-  EXPECT_THAT(result.errors, HasSubstr("a device is not valid: must be a file that exists"));
+  EXPECT_THAT(result.errors, HasSubstr("zero.csv' is not valid: must be a file; it is a device"));
 }
 
 // --- what is there already ---

@@ -75,6 +75,7 @@ TEST(Overrides, SayWhichOfThemIsWrong) {
   EXPECT_THAT(message({"Bed.seed=1"}), HasSubstr("table.key=value"));
   EXPECT_THAT(message({"a.b.c=1"}), HasSubstr("table.key=value"));
   EXPECT_THAT(message({"soil.colour=red"}), HasSubstr("override soil.colour=red: [soil] colour is not known"));
+  EXPECT_THAT(message({"rain.count=3"}), testing::StartsWith("override rain.count=3: [rain] is not known"));
   EXPECT_THAT(message({"soil.file=no-such.toml"}), HasSubstr("no such file"));
   EXPECT_THAT(message({"device.library=/tmp/x.so"}), HasSubstr("no file names code"));
   EXPECT_THAT(message({"title=\xff\xfe"}), HasSubstr("UTF-8"));

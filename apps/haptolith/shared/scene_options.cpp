@@ -113,7 +113,7 @@ void SceneOptions::addTo(CLI::App& command) {
       ->option_text("paper|contact");
   command.add_option("--body", body, "World: Ceres, Pluto, Europa, Moon, Mars or Earth")->option_text("NAME");
   CLI::Option* hand = command.add_option("--hand", manoeuvre, "What the virtual hand does");
-  hand->transform(wordOf(handChoices()))->option_text("still|press|stir|scoop|carry|shake");
+  hand->transform(wordOf(handChoices()))->option_text("still|press|stir|scoop|carry|shake|cut|furrows");
   command.add_option("--poses", poses_file, "CSV of poses the hand follows: t_s,x_m,y_m,z_m,qw,qx,qy,qz")
       ->option_text("FILE")
       ->excludes(hand);

@@ -147,6 +147,12 @@ void addLink(CLI::App& teleop) {
 void addTeleopCommand(CLI::App& app) {
   CLI::App* teleop = app.add_subcommand("teleop", "Dig far away: links with delay, and what they do to a hand");
   teleop->require_subcommand(1);
+  teleop->footer(
+      "Examples, each in a terminal of its own:\n"
+      "  haptolith teleop remote\n"
+      "  haptolith teleop link --profile earth-moon --to 127.0.0.1:7410\n"
+      "  haptolith teleop operator --to 127.0.0.1:7400\n"
+      "Every command explains itself with --help; docs/teleop.md tells the whole story.");
   addLink(*teleop);
   addTeleopRemote(*teleop);
   addTeleopRos2(*teleop);
@@ -154,6 +160,7 @@ void addTeleopCommand(CLI::App& app) {
   addTeleopBench(*teleop);
   auto json = std::make_shared<bool>(false);
   CLI::App* profiles = teleop->add_subcommand("profiles", "List the links that have a name");
+  profiles->footer("Example:\n  haptolith teleop profiles");
   profiles->add_flag("--json", *json, "Print one JSON object");
   profiles->callback([json] { listProfiles(*json); });
 }

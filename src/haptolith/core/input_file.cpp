@@ -29,10 +29,10 @@ std::string sizeText(std::uintmax_t bytes) {
 
 std::string_view kindOf(const fs::file_status& status) {
   switch (status.type()) {
-    case fs::file_type::not_found: return "no such file";
-    case fs::file_type::directory: return "a folder";
-    case fs::file_type::fifo: return "a pipe";
-    default: return "a device";
+    case fs::file_type::not_found: return "there is no such file";
+    case fs::file_type::directory: return "it is a folder";
+    case fs::file_type::fifo: return "it is a pipe";
+    default: return "it is a device";
   }
 }
 
@@ -63,7 +63,7 @@ std::ifstream openInput(const fs::path& path, std::uintmax_t most_bytes) {
     throw Failure(fmt::format("cannot read {}: {}", path.string(), error.message()));
   }
   if (!fs::is_regular_file(status)) {
-    throw InvalidParameter(path.string(), std::string(kindOf(status)), "a file that exists");
+    throw InvalidParameter("file", fmt::format("'{}'", path.string()), fmt::format("a file; {}", kindOf(status)));
   }
   const std::uintmax_t size = fs::file_size(path, error);
   if (!error && size > most_bytes) {

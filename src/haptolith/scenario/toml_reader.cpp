@@ -338,7 +338,10 @@ void TomlReader::refuseUnknownKeysIn(std::string_view table, const toml::node& n
 void TomlReader::refuseUnknown(const KeyName& key, const toml::node& node, std::span<const KeyName> known) const {
   const std::string shown = node.is_table() ? fmt::format("[{}]", key.name) : fullName(key);
   const std::string message = fmt::format("{} is not known{}", shortened(shown), suggestion(key, known));
-  throw ScenarioError(located(node, message), lineOfNode(node), {dotted(key), quote(node), "a key that is known"});
+  // A table that an override has made stands in no line: its key tells who asked for it.
+  const toml::table* made = node.source().begin ? nullptr : node.as_table();
+  const toml::node& at = made == nullptr || made->empty() ? node : made->begin()->second;
+  throw ScenarioError(located(at, message), lineOfNode(at), {dotted(key), quote(node), "a key that is known"});
 }
 
 /// The nearest key of the same table, or the same key in another table.
