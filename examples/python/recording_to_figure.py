@@ -13,6 +13,8 @@ import numpy as np
 
 from haptolith.recording import Recording
 
+if len(sys.argv) != 3:
+    sys.exit(__doc__)
 file, picture = Path(sys.argv[1]), Path(sys.argv[2])
 if picture.exists():
     sys.exit(f"{picture} is there already: name another file")

@@ -1,7 +1,7 @@
 /* libhaptolith: soil that a hand, a robot or a simulator can dig in, at 1 kHz.
  *
  *     hapto_scene *scene = NULL;
- *     hapto_pose pose = {{0, 0, 0.03}, {1, 0, 0, 0}};
+ *     hapto_pose pose = {{0, 0, 0.06}, {1, 0, 0, 0}};
  *     hapto_wrench felt;
  *     if (hapto_scene_from_file("paper", NULL, 0, NULL, NULL, &scene) == HAPTO_OK &&
  *         hapto_scene_step(scene, &pose, NULL, &felt) == HAPTO_OK) { ... }

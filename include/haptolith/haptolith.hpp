@@ -2,7 +2,7 @@
 // every function is explained.
 //
 //     hapto::Scene scene = hapto::Scene::fromFile("regolith", {"bed.threads=2"});
-//     hapto_wrench felt = scene.step({{0, 0, 0.03}, {1, 0, 0, 0}});
+//     hapto_wrench felt = scene.step({{0, 0, 0.06}, {1, 0, 0, 0}});
 #ifndef HAPTOLITH_HAPTOLITH_HPP
 #define HAPTOLITH_HAPTOLITH_HPP
 

@@ -3,7 +3,8 @@
     import haptolith as hp
 
     with hp.Scene("paper", soil__preset="P3") as scene:
-        felt = scene.step([0, 0, 0.03])          # one tick of 1 ms: what the soil does to the tool
+        for tick in range(300):                              # down into the soil, at 0.1 m/s
+            felt = scene.step([0, 0, 0.06 - 1e-4 * tick])    # one tick of 1 ms: what the soil does to the tool
         print(felt.force_n, scene.positions[:, 2].max())
 
 SI units, right-handed frames, z up, quaternions w x y z; a pose is scene_T_tool. Parameters are the keys of scene
