@@ -215,7 +215,7 @@ for (block in unique(trials$block)) {
     list(x = x, k = sapply(x, function(at) sum(person$response[person$x == at])),
          n = sapply(x, function(at) sum(person$x == at)))
   })
-  cat(sprintf("%s: %d participant(s), %d answers, reference %g\n", block, length(people), nrow(of_block),
+  cat(sprintf("%s: %d participant%s, %d answers, reference %g\n", block, length(people), if (length(people) == 1) "" else "s", nrow(of_block),
               of_block$x_reference[1]))
   fit <- if (length(people) > 1) fit_group(people) else fit_one(people[[1]])
   for (what in names(fit)) {

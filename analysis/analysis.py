@@ -279,7 +279,8 @@ def main():
         return
     for result in results:
         group = f" of group {result['of_group']}" if "of_group" in result else ""
-        print(f"{result['block']}{group}: {result['participants']} participant(s), {result['answers']} answers, "
+        plural = "" if result["participants"] == 1 else "s"
+        print(f"{result['block']}{group}: {result['participants']} participant{plural}, {result['answers']} answers, "
               f"reference {result['reference']:g}")
         for key, what in (("weber_fraction", "Weber fraction"), ("pse", "PSE"), ("lapse", "lapse rate"),
                           ("weber_fraction_spread", "spread of ln(Weber fraction)"),

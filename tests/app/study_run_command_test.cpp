@@ -298,7 +298,7 @@ TEST_F(StudyRunCommands, SimulatedPeopleMakeAFigureThatFindsTheirWeberFraction) 
       runHaptolith(fmt::format("study figure {} --block friction --pooled --out {}", file("a.study"), file("one.png")));
   EXPECT_TRUE(fs::exists(folder_ / "one.png")) << one.errors;
   EXPECT_THAT(one.output,
-              AllOf(HasSubstr("30 participant(s)"), HasSubstr("Weber fraction"), HasSubstr("PSE"),
+              AllOf(HasSubstr("30 participants,"), HasSubstr("Weber fraction"), HasSubstr("PSE"),
                     HasSubstr("Lapses: the rate is fitted"), HasSubstr("takes all answers for one person's")));
 }
 

@@ -224,7 +224,8 @@ std::vector<std::string> remarksOn(const BlockResult& result) {
 }
 
 std::string text(const BlockResult& result) {
-  std::string told = fmt::format("{}: {} participant(s), reference {} ({:g})\n", result.name(), result.codes.size(),
+  std::string told = fmt::format("{}: {} {}, reference {} ({:g})\n", result.name(), result.codes.size(),
+                                 result.codes.size() == 1 ? "participant" : "participants",
                                  result.block->reference.name, result.block->reference.value);
   if (result.group) {
     told += groupText(*result.group, result.codes);

@@ -192,10 +192,14 @@ void plan(const Options& options) {
   const StudyBlock block = blockOf(options);
   StatusLine status;
   std::size_t done = 0;
+  // How many a search takes is not known beforehand.
+  const std::size_t all =
+      options.participants.size() * options.repeats.size() * static_cast<std::size_t>(options.parameters.studies);
+  const std::string of_all = options.search ? "" : fmt::format(" of {}", all);
   const std::vector<PlanOutcome> outcomes = outcomesOf(options, block, [&] {
     ++done;
     if (status.visible()) {
-      status.update(fmt::format("{} studies", done));
+      status.update(fmt::format("study {}{}", done, of_all));
     }
     return !stopAsked();
   });
