@@ -127,6 +127,12 @@ export function openExperimenterPage(settings: Settings, program: Program): void
   const force = h('span', { class: 'force-number numbers', 'data-test': 'force' }, '–');
   const peak = h('span', { class: 'unit numbers' });
   const results = new ResultsPanel();
+  const no_results = h(
+    'section',
+    { class: 'card no-results', 'aria-label': 'Psychometric functions' },
+    h('h2', {}, 'Psychometric functions'),
+    h('p', { class: 'nothing' }, BLINDED),
+  );
   const answers = new AnswersTable();
   const notes = new NotesPanel((text) => ask({ do: 'study', act: 'note', text }));
 
@@ -169,6 +175,7 @@ export function openExperimenterPage(settings: Settings, program: Program): void
       h('section', { class: 'card', 'aria-label': 'Shown now' }, h('h2', {}, 'Now'), now_body),
       h('section', { class: 'card', 'aria-label': 'Shown next' }, h('h2', {}, 'Next'), next_body),
       results.element,
+      no_results,
       answers.element,
       notes.element,
     ),
@@ -263,6 +270,7 @@ export function openExperimenterPage(settings: Settings, program: Program): void
     group.hidden = blinded || !study?.group;
     setText(group, blinded || !study?.group ? '' : `group ${study.group}`);
     results.set(study?.blocks ?? [], blinded);
+    no_results.hidden = !blinded;
     answers.set(study?.answers ?? [], blinded);
     stage.setNeutral(blinded);
   }

@@ -341,6 +341,7 @@ describe("the experimenter's page", () => {
     const hidden = async (): Promise<void> => {
       expect(await page.locator('.right').innerText()).not.toMatch(/P\d|✓|✕/);
       expect(await page.locator('.psychometric:visible').count()).toBe(0);
+      expect(await page.getByRole('region', { name: 'Psychometric functions' }).innerText()).toMatch(/Hidden/);
       expect(await page.locator('header').innerText()).not.toMatch(/seen/);
     };
     await page.locator('tbody tr').first().waitFor();
@@ -353,6 +354,7 @@ describe("the experimenter's page", () => {
     await page.getByRole('region', { name: 'Shown now' }).getByText('P3').waitFor();
     await page.getByText('group seen').waitFor();
     expect(await page.locator('tbody').innerText()).toMatch(/✓|✕/);
+    expect(await page.locator('.no-results:visible').count()).toBe(0);
     expect(study.written.map(({ text }) => text)).toEqual([expect.stringMatching(/^unblinded/)]);
     await page.getByRole('button', { name: 'Blind again' }).click();
     await page.getByRole('button', { name: 'Unblind…' }).waitFor();
