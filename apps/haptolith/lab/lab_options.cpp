@@ -104,9 +104,7 @@ LabConditions labConditions(const LabOptions& options, const LabSoil& soil, Stat
   conditions.seed = options.seed;
   conditions.threads = threadsFor(options.threads);
   conditions.progress = [&status](std::string_view what, double share) {
-    if (status.visible()) {
-      status.update(fmt::format("{}: {:.0f} %", what, 100 * share));
-    }
+    status.tell([&] { return fmt::format("{}: {:.0f} %", what, 100 * share); });
     return !stopAsked();
   };
   return conditions;

@@ -11,7 +11,6 @@
 
 #include "haptolith/core/atomic_file.h"
 #include "haptolith/core/atomic_folder.h"
-#include "haptolith/core/clock.h"
 #include "haptolith/core/error.h"
 #include "haptolith/recording/export_pictures.h"
 #include "haptolith/recording/recorded_pictures.h"
@@ -25,6 +24,7 @@
 #include "shared/output.h"
 #include "shared/overwrite.h"
 #include "shared/saved.h"
+#include "shared/scene_options.h"
 #include "shared/stop_on_signal.h"
 
 namespace haptolith {
@@ -58,30 +58,6 @@ struct ExportOptions {
   Overwrite overwrite;
 };
 
-/// Tells how far it is: on a terminal at once, else with a line every ten seconds.
-class Progress {
- public:
-  /// @param text  makes up what to tell. @return false when somebody asks for the end.
-  template <class Text>
-  bool shows(Text text) {
-    if (status_.visible()) {
-      status_.update(text());
-    } else if (monotonicNs() >= next_ns_) {
-      next_ns_ += kEveryNs;
-      post(fmt::format("haptolith: {}\n", text()));
-    }
-    return !stopAsked();
-  }
-
-  void end() { status_.clear(); }
-
- private:
-  static constexpr std::int64_t kEveryNs = 10'000'000'000;
-
-  StatusLine status_;
-  std::int64_t next_ns_ = monotonicNs() + kEveryNs;
-};
-
 /// Where to, when nobody says: run.csv or run-vtk for run.h5. Never the recording's own name.
 fs::path outFor(const ExportOptions& options, std::string_view ending) {
   if (!options.out.empty()) {
@@ -95,10 +71,11 @@ fs::path outFor(const ExportOptions& options, std::string_view ending) {
 void exportCsv(const RecordingReader& recording, const ExportOptions& options) {
   const fs::path out = outFor(options, ".csv");
   AtomicFile file(options.overwrite(out.string()));
-  Progress progress;
+  StatusLine status;
   std::string text = csvHeader(tickColumns());
   for (std::uint64_t first = 0; first < recording.ticks(); first += kBlock) {
-    if (!progress.shows([&] { return fmt::format("tick {} of {}", first, recording.ticks()); })) {
+    status.tell([&] { return fmt::format("tick {} of {}", first, recording.ticks()); });
+    if (stopAsked()) {
       throw Failure("interrupted");
     }
     for (const TickRecord& tick : recording.readTicks(first, kBlock)) {
@@ -109,7 +86,7 @@ void exportCsv(const RecordingReader& recording, const ExportOptions& options) {
   }
   file.write(text);
   file.commit();
-  progress.end();
+  status.clear();
   printText(savedText(out, fmt::format("{} ticks", recording.ticks())));
 }
 
@@ -149,21 +126,19 @@ void requirePictures(const RecordingReader& recording, const ExportOptions& opti
 /// From the recording to what `write` makes of its pictures.
 template <class Write>
 void exportPictures(const RecordingReader& recording, const ExportOptions& options, const fs::path& out, Write write) {
-  Progress progress;
+  StatusLine status;
   const double end_s =
       static_cast<double>(recording.header().start_tick + recording.ticks()) * recording.header().tick_s;
-  const auto settling = [&](double time_s, double speed_m_s) {
-    return progress.shows(
-        [&] { return fmt::format("the bed settles: {:.1f} s, fastest particle {:.4f} m/s", time_s, speed_m_s); });
-  };
   const auto reached = [&](double time_s) {
-    return progress.shows([&] {
+    status.tell([&] {
       return fmt::format("{} {:.1f} s of {:.1f} s", options.no_replay ? "reading" : "replaying", time_s, end_s);
     });
+    return !stopAsked();
   };
-  RecordedPictures pictures(recording, {.replay = !options.no_replay, .settling = settling, .reached = reached});
+  RecordedPictures pictures(recording,
+                            {.replay = !options.no_replay, .settling = settlingIn(status), .reached = reached});
   write(pictures);
-  progress.end();
+  status.clear();
   printText(savedText(out, picturesText(pictures)));
   if (!pictures.whyNotReplayed().empty()) {
     spdlog::warn("{} of {} pictures have no velocities: {}", pictures.count() - pictures.replayed(), pictures.count(),

@@ -91,10 +91,10 @@ void replay(const ReplayOptions& options) {
   StatusLine status;
   Replay replay(recording, options.threads, settlingIn(status));
   const ReplayResult result = replay.run([&](const TickRecord& was, const TickRecord&) {
-    if (status.visible()) {
-      status.update(fmt::format("{:.1f} s of {:.1f} s", was.time_s,
-                                static_cast<double>(recording.ticks()) * recording.header().tick_s));
-    }
+    status.tell([&] {
+      return fmt::format("{:.1f} s of {:.1f} s", was.time_s,
+                         static_cast<double>(recording.ticks()) * recording.header().tick_s);
+    });
     return !stopAsked();
   });
   status.clear();

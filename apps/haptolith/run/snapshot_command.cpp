@@ -243,9 +243,7 @@ void makeFilm(const SnapshotOptions& options) {
   const auto frames = std::max(1LL, std::llround(options.duration_s * options.frames_per_s));
   studio.play(start_s);
   for (long long frame = 0; frame < frames; ++frame) {
-    if (status.visible()) {
-      status.update(fmt::format("frame {} of {}", frame + 1, frames));
-    }
+    status.tell([&] { return fmt::format("frame {} of {}", frame + 1, frames); });
     if (frame > 0) {
       studio.step(start_s + static_cast<double>(frame) / options.frames_per_s);
     }

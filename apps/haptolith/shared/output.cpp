@@ -114,6 +114,7 @@ Posted& posted() {
 }
 
 constexpr std::int64_t kUpdateIntervalNs = 100'000'000;
+constexpr std::int64_t kLineIntervalNs = 10'000'000'000;
 constexpr std::string_view kEraseLine = "\r\033[K";
 
 /// As much of a line of UTF-8 as the terminal shows without wrapping it; all of it where no width is known.
@@ -205,10 +206,20 @@ bool isColoured(int descriptor) noexcept {
   return !refused && !dumb && isTerminal(descriptor);
 }
 
-StatusLine::StatusLine() : visible_(isTerminal(STDERR_FILENO)), coloured_(isColoured(STDERR_FILENO)) {}
+StatusLine::StatusLine()
+    : visible_(isTerminal(STDERR_FILENO)),
+      coloured_(isColoured(STDERR_FILENO)),
+      next_line_ns_(monotonicNs() + kLineIntervalNs) {}
 
 StatusLine::~StatusLine() {
   clear();
+}
+
+bool StatusLine::lineIsDue() noexcept {
+  const std::int64_t now_ns = monotonicNs();
+  const bool due = now_ns >= next_line_ns_;
+  next_line_ns_ = due ? now_ns + kLineIntervalNs : next_line_ns_;
+  return due;
 }
 
 void StatusLine::clear() {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <fmt/format.h>
 #include <nlohmann/json_fwd.hpp>
 
 #include <cstdint>
@@ -44,6 +45,17 @@ class StatusLine {
   /// Shows `text`, at most ten times a second: calls in between cost one clock reading.
   void update(std::string_view text);
 
+  /// Tells how far long work is, as `text` makes it up: as update(), and where no terminal watches with a line of its
+  /// own every ten seconds.
+  template <class Text>
+  void tell(const Text& text) {
+    if (visible_) {
+      update(text());
+    } else if (lineIsDue()) {
+      post(fmt::format("haptolith: {}\n", text()));
+    }
+  }
+
   /// Wipes the line, so that other text can follow.
   void clear();
 
@@ -51,8 +63,11 @@ class StatusLine {
   [[nodiscard]] bool visible() const noexcept { return visible_; }
 
  private:
+  [[nodiscard]] bool lineIsDue() noexcept;
+
   bool visible_, coloured_;
   std::int64_t next_ns_ = 0;
+  std::int64_t next_line_ns_;
 };
 
 }  // namespace haptolith

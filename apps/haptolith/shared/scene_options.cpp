@@ -162,9 +162,8 @@ Scenario scenarioFor(const SceneOptions& options) {
 
 SettleProgress settlingIn(StatusLine& status) {
   return [&status](double time_s, double speed_m_s) {
-    if (status.visible()) {
-      status.update(fmt::format("the bed settles: {:.1f} s, fastest particle {:.4f} m/s", time_s, speed_m_s));
-    }
+    status.tell(
+        [&] { return fmt::format("the bed settles: {:.1f} s, fastest particle {:.4f} m/s", time_s, speed_m_s); });
     return !stopAsked();
   };
 }

@@ -191,9 +191,7 @@ void runTasks(const Options& options) {
     const StudyProtocol& protocol = known.second;
     StatusLine status;
     const TaskPerception task = perceiveTask(protocol, protocol.blocks.front(), task_options, [&](double share) {
-      if (status.visible()) {
-        status.update(fmt::format("exploring {}: {:.0f} %", name, 100 * share));
-      }
+      status.tell([&] { return fmt::format("exploring {}: {:.0f} %", name, 100 * share); });
       return !stopAsked();
     });
     status.clear();
@@ -218,9 +216,7 @@ void run(const Options& options) {
   const PerceptionOptions wanted = perceptionOf(options);
   StatusLine status;
   const std::vector<PerceptionBlock> blocks = explorePaperStimuli(wanted, [&](double share) {
-    if (status.visible()) {
-      status.update(fmt::format("exploring: {:.0f} %", 100 * share));
-    }
+    status.tell([&] { return fmt::format("exploring: {:.0f} %", 100 * share); });
     return !stopAsked();
   });
   status.clear();

@@ -198,9 +198,7 @@ void plan(const Options& options) {
   const std::string of_all = options.search ? "" : fmt::format(" of {}", all);
   const std::vector<PlanOutcome> outcomes = outcomesOf(options, block, [&] {
     ++done;
-    if (status.visible()) {
-      status.update(fmt::format("study {}{}", done, of_all));
-    }
+    status.tell([&] { return fmt::format("study {}{}", done, of_all); });
     return !stopAsked();
   });
   status.clear();
