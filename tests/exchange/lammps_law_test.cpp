@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 
 #include <cmath>
+#include <cstdio>
 
 #include "haptolith/core/error.h"
 #include "haptolith/soil/contact_law.h"
@@ -90,6 +91,23 @@ TEST(GranularLaw, IsWithItsTableTheLawAlongTheNormal) {
     EXPECT_NEAR(restForce(law, bed.law(), 1e-3, 0.0135 + 1e-3), restForce(law, bed.law(), 0, 0.0135), 0.02);
     EXPECT_EQ(restForce(law, bed.law(), 0, bed.law().cutoff_m + 2e-3), 0);
   }
+}
+
+TEST(GranularLaw, OfItsOwnEndsWhereTheBedsDoes) {
+  // The damper, too: where nothing coheres, what comes near is braked when it touches, not before.
+  const Bed with_cohesion(lunar(0.24)), without(lunar(0));
+  for (const Bed* bed : {&with_cohesion, &without}) {
+    const GranularLaw law = granularLaw(*bed, LammpsLaw::kOwn);
+    const double reach_m = bed->law().cutoff_m - bed->law().diameter_m;
+    EXPECT_DOUBLE_EQ(law.own->reach_m, reach_m);
+    EXPECT_DOUBLE_EQ(2 * law.larger_m, reach_m);
+    double diameter_m = 0, a_min_m = 0, gamma_nm = 0, k_n_m = 0, pull_n = 0, written_m = 0;
+    ASSERT_EQ(std::sscanf(law.betweenGrains().c_str(), "haptolith %lf %lf %lf %lf %lf %lf", &diameter_m, &a_min_m,
+                          &gamma_nm, &k_n_m, &pull_n, &written_m),
+              6);
+    EXPECT_NEAR(written_m, reach_m, 1e-12);
+  }
+  EXPECT_EQ(granularLaw(without, LammpsLaw::kOwn).own->reach_m, 0);
 }
 
 TEST(GranularLaw, LimitsFrictionByAboutWhatTheSoilDoes) {

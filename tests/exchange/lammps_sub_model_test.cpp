@@ -91,6 +91,21 @@ TEST_F(LammpsSubModel, DampsApproachAndPartingAndNeverPulls) {
   }
 }
 
+TEST(LammpsSubModelWithoutCohesion, BrakesNothingBeforeItTouches) {
+  BedParameters parameters = cohesive();
+  parameters.soil.contact_cohesion_n = 0;
+  const Bed bed(parameters);
+  const Coefficients numbers = coefficientsOf(granularLaw(bed, LammpsLaw::kOwn).betweenGrains());
+  std::array<double, 3> stretch{};
+  const auto force_at = [&](double a_m) {
+    const SubModelContact contact{
+        .radii_m = bed.law().diameter_m, .distance_m = a_m, .parting_m_s = -0.1, .dt_s = 2e-4};
+    return subModelForce(numbers.normal, numbers.across, contact, stretch);
+  };
+  EXPECT_FALSE(force_at(1.001 * bed.law().diameter_m).touches);
+  EXPECT_GT(force_at(0.999 * bed.law().diameter_m).normal_n, contactForce(bed.law(), 0.999 * bed.law().diameter_m));
+}
+
 TEST_F(LammpsSubModel, HoldsFrictionByRepulsionAndCohesion) {
   const SoilParameters& soil = bed_.parameters().soil;
   const double k_t = soil.tangential_ratio * soil.stiffness_n_m;

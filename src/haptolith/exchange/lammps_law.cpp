@@ -42,7 +42,7 @@ OwnContact ownContact(const Bed& bed) {
   own.across_n_m = soil.tangential_ratio * soil.stiffness_n_m;
   own.lag_s = soil.damping_ratio * std::sqrt(2 * bed.mass() / own.across_n_m);
   own.friction = soil.contact_friction;
-  own.larger_m = own.law.cutoff_m - own.law.diameter_m;  // LAMMPS' lists of neighbours know radii, and no reach
+  own.reach_m = own.law.cutoff_m - own.law.diameter_m;
   return own;
 }
 
@@ -152,8 +152,8 @@ std::string OwnContact::text(double ratio) const {
   return fmt::format(
       "haptolith {:.10g} {:.10g} {:.10g} {:.10g} {:.10g} {:.10g} {:.10g} {:.10g} damping velocity tangential "
       "haptolith {:.10g} {:.10g} {:.10g}",
-      law.diameter_m, law.a_min_m, law.gamma_nm, law.stiffness_n_m, ratio * law.cohesion_n, law.cohesion_range_m,
-      damping_n_s, larger_m, across_n_m, lag_s, ratio * friction);
+      law.diameter_m, law.a_min_m, law.gamma_nm, law.stiffness_n_m, ratio * law.cohesion_n, reach_m, damping_n_s,
+      reach_m, across_n_m, lag_s, ratio * friction);
 }
 
 std::string GranularLaw::betweenGrains() const {
@@ -179,7 +179,7 @@ GranularLaw granularLaw(const Bed& bed, LammpsLaw whose) {
   GranularLaw law;
   if (whose == LammpsLaw::kOwn) {
     law.own = ownContact(bed);
-    law.larger_m = law.own->larger_m / 2;
+    law.larger_m = law.own->reach_m / 2;
     return law;
   }
   law.exact = isLine(soil) && soil.contact_cohesion_n == 0;

@@ -31,7 +31,9 @@ struct OwnContact {
   double across_n_m = 0;   ///< k_t
   double lag_s = 0;        ///< c_t / k_t
   double friction = 0;     ///< mu
-  double larger_m = 0;     ///< by how much two radii together are more in LAMMPS than grains' are
+  /// How far beyond touching a contact goes: as far as cohesion, where there is any. Two radii together are as much
+  /// more in LAMMPS than the grains' are, for its lists of neighbours know radii, and no reach.
+  double reach_m = 0;
 
   /// "haptolith 0.014 0.0133 6e-05 3000 ...". @param ratio  share of friction and cohesion that a wall has.
   [[nodiscard]] std::string text(double ratio = 1) const;
