@@ -172,19 +172,22 @@ void takePlaces(const LabBed& lab, Scene& scene) {
 
 double normal_pa = 500;  // of `shear`; the last argument may be another
 
+/// In diameters of grains, and how far one plate goes over the height.
+struct ShearCell {
+  double width = 20, length = 12, height = 8, strain = 4;
+};
+
 /// Soil under constant load between two rough plates, periodic in x and y, without gravity: as shear.cpp of the
 /// laboratory has it.
-Scene shear(const LabConditions& conditions) {
-  constexpr double kHeightDiameters = 8;
+Scene shear(const LabConditions& conditions, const ShearCell& cell) {
   constexpr double kInertialNumber = 0.02;
-  constexpr double kStrain = 4;
   constexpr double kRest_s = 0.3;
   const SoilParameters& soil = conditions.soil;
   const double d = 2 * soil.radius_m;
   Scene scene{.conditions = conditions,
-              .box = {.width_m = 20 * d, .length_m = 12 * d, .periodic_x = true, .periodic_y = true}};
+              .box = {.width_m = cell.width * d, .length_m = cell.length * d, .periodic_x = true, .periodic_y = true}};
   const double area = scene.box.width_m * scene.box.length_m;
-  scene.soil_m = looseSoil(soil, scene.box, particlesFor(soil, area * kHeightDiameters * d), 2 * d, conditions.seed);
+  scene.soil_m = looseSoil(soil, scene.box, particlesFor(soil, area * cell.height * d), 2 * d, conditions.seed);
   scene.bodies_m = {roughPlate(soil, scene.box, d, conditions.seed + 1),
                     roughPlate(soil, scene.box, scene.soil_m.back().z() + 2.5 * d, conditions.seed + 2)};
   const double mass = macroparticleMass(soil) * area / (d * d);
@@ -208,7 +211,7 @@ Scene shear(const LabConditions& conditions) {
 
   const double height = lab.centreOfBody(1).z() - lab.centreOfBody(0).z();
   const double speed = kInertialNumber * height / d * std::sqrt(normal_pa / soil.rho0_kg_m3);
-  const double lasts = kStrain * height / speed;
+  const double lasts = cell.strain * height / speed;
   scene.movement = {{0, 0}, {kRest_s, 0}, {kRest_s + 0.02 * lasts, speed}};
   scene.duration_s = kRest_s + 1.01 * lasts;  // 0.01: what the start takes
   return scene;
@@ -290,10 +293,12 @@ Scene sceneNamed(const std::string& name, const LabConditions& conditions) {
   if (name == "slide") return slide(conditions);
   if (name == "ten") return ten(conditions);
   if (name == "column") return column(conditions);
-  if (name == "shear") return shear(conditions);
+  if (name == "shear") return shear(conditions, {});
+  if (name == "small-shear") return shear(conditions, {.width = 10, .length = 6, .height = 8, .strain = 0.6});
   if (name == "blade") return blade(conditions);
   if (name == "carry") return carry(conditions);
-  throw std::invalid_argument("no scene \"" + name + "\": impact, slide, ten, column, shear, blade or carry");
+  throw std::invalid_argument("no scene \"" + name +
+                              "\": impact, slide, ten, column, shear, small-shear, blade or carry");
 }
 
 /// Where everything is and what is done with it, as JSON.
@@ -476,10 +481,10 @@ void runScene(const std::filesystem::path& path, const Scene& scene, LabBed& lab
 
 int run(int argc, char** argv) {
   if (argc < 4 || argc > 8) {
-    fmt::print(
-        stderr,
-        "peer_scene <impact|slide|ten|column|shear|blade|carry> <seed> <folder> [damping ratio [soil [normal stress "
-        "of shear, Pa [own-law]]]]\n");
+    fmt::print(stderr,
+               "peer_scene <impact|slide|ten|column|shear|small-shear|blade|carry> <seed> <folder> [damping ratio "
+               "[soil [normal stress "
+               "of shear, Pa [own-law]]]]\n");
     return 2;
   }
   const std::string name = argv[1];
@@ -498,7 +503,7 @@ int run(int argc, char** argv) {
     lab.bed().drive(i, scene.soil_velocity_m_s[i]);
     lab.bed().release(i);
   }
-  if (name == "shear" && argc >= 6 && std::string(argv[5]) != "springs") {
+  if (name.ends_with("shear") && argc >= 6 && std::string(argv[5]) != "springs") {
     glue(scene, lab);
   }
   std::filesystem::create_directories(folder);
