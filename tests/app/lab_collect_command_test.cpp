@@ -100,6 +100,42 @@ TEST_F(LabCollect, TellsMeanAndScatterOfEachNumber) {
   EXPECT_EQ(runHaptolith("lab collect " + files + " --out " + table.string()).exit_status, 1);  // it is there
 }
 
+TEST_F(LabCollect, PutsCalibrationsTogether) {
+  // What `lab calibrate --specimens 2 --json` printed for another seed; a calibration takes minutes.
+  const json printed = json::parse(R"({"test": "calibrate", "soil": "32°, 0 Pa, 1500 kg/m³", "friction": "contact",
+    "body": "Moon", "gravity_m_s2": 1.625, "radius_mm": 7.0, "stiffness_n_m": 3000.0, "seed": 1,
+    "friction_angle_deg": 32.4, "friction_angle_sd_deg": 0.6, "cohesion_pa": 12.0, "cohesion_sd_pa": 9.0,
+    "bulk_density_kg_m3": 1502.0, "rounds": 2, "contact_friction": 0.25, "contact_cohesion_n": 0.0, "gamma_nm": 6e-05,
+    "rho0_kg_m3": 1300.0, "rho_max_kg_m3": 1800.0, "out": "soil-1.toml",
+    "findings": [
+      {"measured": "residual friction angle", "target": "32 ± 2°", "number": 32.4, "unit": "°", "decimals": 1,
+       "accepted": {"lowest": 30.0, "highest": 34.0, "ends_belong": true}}],
+    "program": "haptolith 1", "options": {"density": "lunar", "specimens": "2"}, "soil_keys": {},
+    "target": {"bulk_density_kg_m3": 1500.0, "friction_angle_deg": 32.0, "cohesion_pa": 0.0, "strength": "residual"}})");
+  const auto calibration = [&](int seed, double contact_friction, double angle_deg, double asked_deg) {
+    json one = printed;
+    one["seed"] = seed;
+    one["contact_friction"] = contact_friction;
+    one["out"] = fmt::format("soil-{}.toml", seed);
+    one["findings"][0]["number"] = angle_deg;
+    one["target"]["friction_angle_deg"] = asked_deg;
+    std::ofstream(fileOf(seed)) << one;
+    return fileOf(seed);
+  };
+  const std::string files = calibration(1, 0.25, 32.4, 32) + " " + calibration(2, 0.27, 36.6, 32);
+  const ProgramResult result = runHaptolith("lab collect --json " + files);
+  ASSERT_EQ(result.exit_status, 0) << result.errors;
+  const json answer = json::parse(result.output);
+  EXPECT_NEAR(answer.at("results").at("contact_friction").at("mean"), 0.26, 1e-12);
+  EXPECT_NEAR(answer.at("results").at("contact_friction").at("sd"), 0.02 / std::sqrt(2), 1e-12);
+  EXPECT_NEAR(answer.at("findings").at(0).at("mean"), 34.5, 1e-12);
+  EXPECT_EQ(answer.at("findings").at(0).at("passes"), false);
+  EXPECT_THAT(runHaptolith("lab collect " + files).output,
+              HasSubstr("lab calibrate: 32°, 0 Pa, 1500 kg/m³, contact friction, Moon, macroparticles of 7 mm; 2"));
+  expectRefused(files + " " + calibration(3, 0.25, 33, 33),
+                HasSubstr("target/friction_angle_deg is 32.0 there and 33.0 here"));
+}
+
 TEST_F(LabCollect, SpecimensWithoutANumberAreToldAndNotMixedIn) {
   const std::string first = measured(1, kCarry);
   const std::string none = changed(1, [](json& specimen) {

@@ -11,6 +11,7 @@ namespace haptolith {
 namespace {
 
 using testing::AllOf;
+using testing::Each;
 using testing::ElementsAre;
 using testing::Field;
 using testing::HasSubstr;
@@ -44,6 +45,16 @@ TEST(Findings, SandOnEarthIsJudgedByItsOwnDensityAndNotByTheMoons) {
                                        Field(&Finding::target, HasSubstr("1330 kg/m³ ± 5 %"))),
                                  AllOf(ResultOf(verdictOf, Verdict::kInfo), Field(&Finding::target, IsEmpty()))));
   EXPECT_EQ(verdictOf(findings(settledTo(1250), kEarth_m_s2, target(1330)).front()), Verdict::kFail);
+}
+
+TEST(Findings, CalibrationIsJudgedByWhatWasAsked) {
+  SoilTarget asked = target(1500, 42, 520);
+  asked.strength = SoilStrength::kPeak;
+  const auto good = findings(SoilReached{43.9, 0.5, 623, 40, 1430, 5}, asked);
+  EXPECT_THAT(good, Each(ResultOf(verdictOf, Verdict::kPass)));
+  EXPECT_EQ(good.front().measured, "peak friction angle");
+  const auto bad = findings(SoilReached{39.9, 0.5, 625, 40, 1420, 5}, asked);
+  EXPECT_THAT(bad, Each(ResultOf(verdictOf, Verdict::kFail)));
 }
 
 TEST(Findings, BladeIsJudgedByThePlaneEquationAndShownBesideWedgesWithSides) {

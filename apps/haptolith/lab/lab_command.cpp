@@ -14,6 +14,7 @@
 #include "haptolith/core/error.h"
 #include "haptolith/lab/calibrate_soil.h"
 #include "haptolith/lab/catalogue/lab_test.h"
+#include "haptolith/lab/findings.h"
 #include "haptolith/scenario/scene_words.h"
 #include "haptolith/scenario/soil_file.h"
 #include "haptolith/soil/bodies.h"
@@ -70,7 +71,7 @@ void runSpecimen(const LabTest& test, const TestCommand& command) {
     output.draw(options.overwrite(options.figure_file), circumstances);
   }
   if (options.json) {
-    printJson(specimenJson(test, options, soil, conditions, output, command.given));
+    printJson(specimenJson(test.name, options, soil, conditions, output, command.given));
   } else {
     printText(fmt::format("lab {}: {}\n\n{}", test.name, circumstances, output.text));
   }
@@ -85,8 +86,9 @@ void runSpecimens(const LabTest& test, const TestCommand& command) {
   for (int i = 0; i < command.seeds; ++i) {
     options.seed = command.lab.seed + static_cast<std::uint64_t>(i);
     const LabConditions conditions = labConditions(options, soil, status);
-    specimens.push_back(
-        {options.seed, specimenJson(test, options, soil, conditions, test.run(soil, conditions), command.given), ""});
+    specimens.push_back({options.seed,
+                         specimenJson(test.name, options, soil, conditions, test.run(soil, conditions), command.given),
+                         ""});
   }
   status.clear();
   const Collection collection = collected(std::move(specimens));
@@ -142,6 +144,37 @@ struct CalibrateCommand {
   bool json = false;
 };
 
+/// A calibration as a specimen of a test that is called `calibrate`, for `lab collect`: what was asked, from which
+/// seed, what came of it.
+Json calibrationJson(const CalibrateCommand& command, const CalibrateSoilOptions& asked, const CalibratedSoil& result) {
+  const SoilReached& reached = result.reached;
+  LabOutput output;
+  output.findings = findings(reached, command.target);
+  output.json = {{"friction_angle_deg", reached.friction_angle_deg},
+                 {"friction_angle_sd_deg", reached.friction_angle_sd_deg},
+                 {"cohesion_pa", reached.cohesion_pa},
+                 {"cohesion_sd_pa", reached.cohesion_sd_pa},
+                 {"bulk_density_kg_m3", reached.bulk_density_kg_m3},
+                 {"rounds", result.rounds},
+                 {"contact_friction", result.soil.contact_friction},
+                 {"contact_cohesion_n", result.soil.contact_cohesion_n},
+                 {"gamma_nm", result.soil.gamma_nm},
+                 {"rho0_kg_m3", result.soil.rho0_kg_m3},
+                 {"rho_max_kg_m3", result.soil.rho_max_kg_m3},
+                 {"out", command.out_file.empty() ? Json(nullptr) : Json(command.out_file)}};
+  LabOptions lab;
+  lab.body = command.body;
+  const LabSoil wanted{fmt::format("{:g}°, {:g} Pa, {:g} kg/m³", command.target.friction_angle_deg,
+                                   command.target.cohesion_pa, command.target.bulk_density_kg_m3),
+                       result.soil, command.target};
+  const LabConditions conditions{result.soil, asked.gravity_m_s2, asked.seed};
+  Json json = specimenJson("calibrate", lab, wanted, conditions, output,
+                           {{"density", command.density == DensityProfile::kLunar ? "lunar" : "constant"},
+                            {"specimens", fmt::format("{}", asked.verification_seeds)}});
+  json["soil_keys"] = Json::object();  // those of the soil that came of it are no condition
+  return json;
+}
+
 void runCalibrateSoil(const CalibrateCommand& command) {
   const StopOnSignal stop_on_signal;
   StatusLine status;
@@ -169,21 +202,7 @@ void runCalibrateSoil(const CalibrateCommand& command) {
     giveName(made, out.path, out.if_there);
   }
   if (command.json) {
-    printJson({{"friction_angle_deg", reached.friction_angle_deg},
-               {"friction_angle_sd_deg", reached.friction_angle_sd_deg},
-               {"cohesion_pa", reached.cohesion_pa},
-               {"cohesion_sd_pa", reached.cohesion_sd_pa},
-               {"bulk_density_kg_m3", reached.bulk_density_kg_m3},
-               {"seeds", reached.seeds},
-               {"rounds", result.rounds},
-               {"contact_friction", result.soil.contact_friction},
-               {"contact_cohesion_n", result.soil.contact_cohesion_n},
-               {"stiffness_n_m", result.soil.stiffness_n_m},
-               {"gamma_nm", result.soil.gamma_nm},
-               {"rho0_kg_m3", result.soil.rho0_kg_m3},
-               {"rho_max_kg_m3", result.soil.rho_max_kg_m3},
-               {"radius_mm", command.radius_mm},
-               {"out", command.out_file.empty() ? Json(nullptr) : Json(command.out_file)}});
+    printJson(calibrationJson(command, options, result));
     return;
   }
   printText(
@@ -227,13 +246,16 @@ void addCalibrate(CLI::App& lab) {
   app->add_option("--source", command->source, "where the target comes from, for that file");
   app->add_option("--specimens", command->specimens, "to verify with, 2 or more, each from another seed")
       ->capture_default_str();
-  app->add_option("--seed", command->seed, "of the specimens")->capture_default_str();
+  app->add_option("--seed", command->seed, "of the specimens; with another one all of them are others")
+      ->capture_default_str();
   app->add_option("--threads", command->threads, "threads to use [all]")->check(wholeNumberIn(BedRanges::threads));
   app->add_flag("--json", command->json, "print one JSON object instead of a table");
   app->footer(
       "Example:\n"
       "  haptolith lab calibrate --friction-angle-deg 42 --cohesion-pa 520 --bulk-density-kg-m3 1500 --out soil.toml\n"
-      "  haptolith run --soil soil.toml");
+      "  haptolith run --soil soil.toml\n"
+      "How much depends on the specimens: the same with --seed 1 --json, --seed 2 --json and so on, and then\n"
+      "  haptolith lab collect calibrate-*.json");
   app->callback([command] {
     if (command->name.empty()) {
       command->name = std::filesystem::path(command->out_file).stem().string();

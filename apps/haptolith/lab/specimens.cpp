@@ -246,9 +246,10 @@ std::string textOf(const std::vector<Column>& columns) {
 
 }  // namespace
 
-Json specimenJson(const LabTest& test, const LabOptions& options, const LabSoil& soil, const LabConditions& conditions,
-                  const LabOutput& output, const std::map<std::string, std::string>& given) {
-  Json json{{"test", test.name}};
+Json specimenJson(const std::string& test, const LabOptions& options, const LabSoil& soil,
+                  const LabConditions& conditions, const LabOutput& output,
+                  const std::map<std::string, std::string>& given) {
+  Json json{{"test", test}};
   json.update(circumstancesJson(options, soil, conditions));
   json.update(output.json);
   json["findings"] = Json::array();

@@ -15,9 +15,11 @@
 namespace haptolith {
 
 /// One specimen of a test as `haptolith lab TEST --json` prints it: what was done, from which seed, what came of it.
+/// @param test  its name.
 /// @param given  the test's own options, as the command line has them: key and text.
-[[nodiscard]] nlohmann::ordered_json specimenJson(const LabTest& test, const LabOptions& options, const LabSoil& soil,
-                                                  const LabConditions& conditions, const LabOutput& output,
+[[nodiscard]] nlohmann::ordered_json specimenJson(const std::string& test, const LabOptions& options,
+                                                  const LabSoil& soil, const LabConditions& conditions,
+                                                  const LabOutput& output,
                                                   const std::map<std::string, std::string>& given);
 
 /// One that somebody's file holds.

@@ -166,6 +166,12 @@ double standardDeviation(const std::vector<ShearStrength>& strengths, double She
   return std::sqrt(sum / static_cast<double>(strengths.size() - 1));
 }
 
+/// The first of `specimens` seeds that no calibration from another seed takes for the same: those of seed 1 begin at
+/// `from`.
+std::uint64_t firstSeed(std::uint64_t from, std::uint64_t calibration_seed, int specimens) {
+  return from + (calibration_seed - 1) * static_cast<std::uint64_t>(specimens);
+}
+
 void validate(const SoilTarget& target, const CalibrateSoilOptions& options) {
   requireInRange("friction_angle_deg", target.friction_angle_deg, {kLeastFrictionAngle_deg, kMostFrictionAngle_deg});
   requireInRange("cohesion_pa", target.cohesion_pa, {0, kMostCohesion_pa});
@@ -197,11 +203,12 @@ CalibratedSoil calibrateSoil(const SoilTarget& target, const CalibrateSoilOption
     soil.gamma_nm = linearGamma(soil);
   }
 
+  const std::uint64_t search_seed = firstSeed(1, options.seed, kSearchSeeds);
   ContactSearch search(wanted, target.strength);
   bool good = false;
   while (!good && result.rounds < kMostRounds) {
     const std::vector<ShearStrength> measured =
-        shear(withContact(soil, search.contact()), target.strength, options, options.seed, kSearchSeeds);
+        shear(withContact(soil, search.contact()), target.strength, options, search_seed, kSearchSeeds);
     good = search.learn({mean(measured, &ShearStrength::angle_deg), mean(measured, &ShearStrength::cohesion_pa)});
     ++result.rounds;
   }
@@ -218,7 +225,8 @@ CalibratedSoil calibrateSoil(const SoilTarget& target, const CalibrateSoilOption
   result.reached.bulk_density_kg_m3 = calibrateDensity(result.soil, target.bulk_density_kg_m3, options);
 
   const std::vector<ShearStrength> verified =
-      shear(result.soil, target.strength, options, options.seed + 1000, options.verification_seeds);
+      shear(result.soil, target.strength, options, firstSeed(1001, options.seed, options.verification_seeds),
+            options.verification_seeds);
   result.reached.friction_angle_deg = mean(verified, &ShearStrength::angle_deg);
   result.reached.friction_angle_sd_deg = standardDeviation(verified, &ShearStrength::angle_deg);
   result.reached.cohesion_pa = mean(verified, &ShearStrength::cohesion_pa);

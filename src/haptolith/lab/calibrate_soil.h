@@ -24,7 +24,7 @@ struct CalibrateSoilOptions {
   double stiffness_n_m = 0;  ///< k; 0: what the greatest normal stress of the shear test needs, see calibrateSoil()
   DensityProfile density = DensityProfile::kLunar;
   double gravity_m_s2 = 1.625;  ///< under which the soil has the target's bulk density
-  std::uint64_t seed = 1;       ///< of the search; the verification takes other ones
+  std::uint64_t seed = 1;       ///< another one: other specimens, those of the verification as well
   int threads = 1;
   int verification_seeds = 5;  ///< 2 or more
   ShearOptions shear{};

@@ -27,6 +27,32 @@ Range near(double wanted, double tolerance) {
   return {wanted - tolerance, wanted + tolerance};
 }
 
+Finding angleOf(std::string measured, double angle_deg) {
+  return {std::move(measured), "", angle_deg, "°", 1};
+}
+
+Finding cohesionOf(std::string measured, double cohesion_pa) {
+  return {std::move(measured), "", cohesion_pa, " Pa"};
+}
+
+/// Beside the strength that was measured of the soil.
+void judge(Finding& angle, Finding& cohesion, const SoilTarget& target) {
+  const double wanted_deg = target.friction_angle_deg;
+  const double wanted_pa = target.cohesion_pa;
+  const double tolerance_pa = std::max(50.0, 0.2 * wanted_pa);
+  angle.target = fmt::format("{:g} ± 2°", wanted_deg);
+  angle.accepted = near(wanted_deg, 2);
+  cohesion.target = fmt::format("{:g} ± {:g} Pa", wanted_pa, tolerance_pa);
+  cohesion.accepted = near(wanted_pa, tolerance_pa);
+}
+
+/// Beside the density that was measured of the soil.
+void judge(Finding& density, const SoilTarget& target) {
+  const double wanted = target.bulk_density_kg_m3;
+  density.target = fmt::format("{:g} kg/m³ ± {:.0f} %", wanted, 100 * kDensityTolerance);
+  density.accepted = near(wanted, kDensityTolerance * wanted);
+}
+
 /// Down to which depth a target's density is the mean.
 const MeasuredBand& upperBand() {
   return measuredBands().front();
@@ -55,9 +81,7 @@ std::vector<Finding> findings(const SettleResult& result, double gravity_m_s2,
           fmt::format("{:.0f} ± {:.0f} kg/m³ (Lunar Sourcebook)", measured->density_kg_m3, measured->tolerance_kg_m3);
       finding.accepted = near(measured->density_kg_m3, measured->tolerance_kg_m3);
     } else if (target && band.top_m == upperBand().top_m && band.bottom_m == upperBand().bottom_m) {
-      const double wanted = target->bulk_density_kg_m3;
-      finding.target = fmt::format("{:g} kg/m³ ± {:.0f} %", wanted, 100 * kDensityTolerance);
-      finding.accepted = near(wanted, kDensityTolerance * wanted);
+      judge(finding, *target);
     }
     found.push_back(std::move(finding));
   }
@@ -65,25 +89,24 @@ std::vector<Finding> findings(const SettleResult& result, double gravity_m_s2,
 }
 
 std::vector<Finding> findings(const ShearResult& result, const std::optional<SoilTarget>& target) {
-  const auto angle = [](std::string measured, const MohrCoulomb& fit) {
-    return Finding{std::move(measured), "", degrees(fit.friction_angle_rad), "°", 1};
-  };
-  const auto cohesion = [](std::string measured, const MohrCoulomb& fit) {
-    return Finding{std::move(measured), "", fit.cohesion_pa, " Pa"};
-  };
-  std::vector<Finding> found{angle("residual friction angle", result.residual),
-                             cohesion("residual cohesion", result.residual), angle("peak friction angle", result.peak),
-                             cohesion("peak cohesion", result.peak)};
+  std::vector<Finding> found{angleOf("residual friction angle", degrees(result.residual.friction_angle_rad)),
+                             cohesionOf("residual cohesion", result.residual.cohesion_pa),
+                             angleOf("peak friction angle", degrees(result.peak.friction_angle_rad)),
+                             cohesionOf("peak cohesion", result.peak.cohesion_pa)};
   if (target) {
     const std::size_t first = target->strength == SoilStrength::kPeak ? 2 : 0;
-    const double wanted = target->friction_angle_deg;
-    const double wanted_pa = target->cohesion_pa;
-    const double tolerance = std::max(50.0, 0.2 * wanted_pa);
-    found[first].target = fmt::format("{:g} ± 2°", wanted);
-    found[first].accepted = near(wanted, 2);
-    found[first + 1].target = fmt::format("{:g} ± {:g} Pa", wanted_pa, tolerance);
-    found[first + 1].accepted = near(wanted_pa, tolerance);
+    judge(found[first], found[first + 1], *target);
   }
+  return found;
+}
+
+std::vector<Finding> findings(const SoilReached& reached, const SoilTarget& target) {
+  const std::string strength = target.strength == SoilStrength::kPeak ? "peak" : "residual";
+  std::vector<Finding> found{angleOf(strength + " friction angle", reached.friction_angle_deg),
+                             cohesionOf(strength + " cohesion", reached.cohesion_pa),
+                             {"density of the upper 15 cm", "", reached.bulk_density_kg_m3, " kg/m³"}};
+  judge(found[0], found[1], target);
+  judge(found[2], target);
   return found;
 }
 

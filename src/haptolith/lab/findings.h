@@ -31,6 +31,8 @@ namespace haptolith {
                                             const std::optional<SoilTarget>& target);
 /// Friction angle +- 2 degrees; cohesion +- 20 %, or +- 50 Pa where that is more.
 [[nodiscard]] std::vector<Finding> findings(const ShearResult& result, const std::optional<SoilTarget>& target);
+/// What calibrateSoil() reached beside what was asked: as of a sheared and a settled bed.
+[[nodiscard]] std::vector<Finding> findings(const SoilReached& reached, const SoilTarget& target);
 /// +- 3 degrees of the friction angle of a soil without cohesion.
 [[nodiscard]] std::vector<Finding> findings(const ReposeResult& result, const std::optional<SoilTarget>& target);
 /// Stands (kStandingCut) with 100 Pa of cohesion or more, else falls.
