@@ -56,6 +56,28 @@ TEST_F(IdentifyCommands, TellTheSoilOfAScene) {
   EXPECT_THAT(again.errors, HasSubstr("--overwrite"));
 }
 
+// Part by part: where to begin, what that tells, and what is to be done after that.
+TEST_F(IdentifyCommands, ChooseTheNextPart) {
+  const ProgramResult first = runHaptolith("identify next --origin-mm 0,0,60.4 --out " + in("first.csv"));
+  EXPECT_EQ(first.exit_status, 0) << first.errors;
+  EXPECT_THAT(first.output, AllOf(HasSubstr("0 of 6 parts are measured"), HasSubstr("Next: cut 35 mm, upright")));
+  EXPECT_EQ(runHaptolith("run field --unpaced --no-serve --poses " + in("first.csv") + " --trace " + in("one.csv"))
+                .exit_status,
+            0);
+  const std::string measured = in("one.csv") + " --origin-mm 0,0,60.4";
+  EXPECT_THAT(runHaptolith("identify soil " + measured).output,
+              AllOf(HasSubstr("1 of 6 parts"), HasSubstr("cut 35 mm, upright   from 0.00 s in ")));
+
+  const json next = json::parse(runHaptolith("identify next --json " + measured + " --out " + in("second.csv")).output);
+  EXPECT_EQ(next.at("gains").size(), 5U);
+  EXPECT_EQ(next.at("next"), next.at("gains")[0].at("name"));
+  EXPECT_TRUE(std::filesystem::exists(in("second.csv")));
+  EXPECT_EQ(runHaptolith("identify next " + measured + " --out " + in("second.csv")).exit_status, 1) << "it is there";
+  const ProgramResult enough = runHaptolith("identify next " + measured + " --wanted 60,3000,60 --out " + in("no.csv"));
+  EXPECT_THAT(enough.output, HasSubstr("no other part is needed"));
+  EXPECT_FALSE(std::filesystem::exists(in("no.csv")));
+}
+
 TEST_F(IdentifyCommands, TrainingGoesOnWhereItStopped) {
   std::ofstream(in("poses.csv")) << "t_s,x_m,y_m,z_m,qw,qx,qy,qz\n0,0,0,0.01,1,0,0,0\n1,0,0,-0.0075,1,0,0,0\n";
   const std::string train = "identify train --poses " + in("poses.csv") + " --out " + in("mine.json") +

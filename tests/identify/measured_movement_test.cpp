@@ -60,6 +60,56 @@ TEST(MatchForces, TakesWhatThereIsOfAMovement) {
   EXPECT_EQ(matchForces(kMovement, samples, Vec3::Zero()).windows, 4U);
 }
 
+/// The first second of the movement, and the second one.
+const std::vector<MovementPart> kParts{
+    {"along", 0, 4, ToolMovement({{0, {}}, {1, {{0.1, 0, 0}, Quat::Identity()}}})},
+    {"down", 4, 4, ToolMovement({{0, {{0.1, 0, 0}, Quat::Identity()}}, {1, {{0.1, 0, -0.05}, Quat::Identity()}}})}};
+
+/// What of these was measured between two times, as if it had been so much later.
+std::vector<MeasuredSample> stretch(std::vector<MeasuredSample> samples, double from_s, double to_s, double later_s) {
+  std::erase_if(samples, [&](const MeasuredSample& s) { return s.time_s < from_s || s.time_s > to_s; });
+  for (MeasuredSample& sample : samples) {
+    sample.time_s += later_s;
+  }
+  return samples;
+}
+
+TEST(MatchParts, FindsThemInWhateverOrder) {
+  const std::vector<MeasuredSample> whole = made(1, Vec3::Zero());
+  std::vector<MeasuredSample> course = stretch(whole, 1.95, 3.1, 0);
+  const std::vector<MeasuredSample> first = stretch(whole, 0.9, 1.99, 10);
+  course.insert(course.end(), first.begin(), first.end());
+  const MatchedParts matched = matchParts(kMovement, kParts, {course}, Vec3::Zero());
+  EXPECT_EQ(matched.windows, 8U);
+  EXPECT_NEAR(matched.parts[0].begin_s, 11, 0.03);
+  EXPECT_NEAR(matched.parts[1].begin_s, 2, 0.03);
+  for (std::size_t window = 0; window < 8; ++window) {
+    EXPECT_NEAR(matched.forces[window]->x(), static_cast<double>(window), 0.15);
+  }
+}
+
+TEST(MatchParts, FindsThemInSeveralCourses) {
+  const std::vector<MeasuredSample> whole = made(1, Vec3::Zero());
+  std::vector<MeasuredSample> again = stretch(whole, 0, 2.05, 0);  // in soil that was touched
+  for (MeasuredSample& sample : again) {
+    sample.force_n.x() += 100;
+  }
+  const MatchedParts matched =
+      matchParts(kMovement, kParts, {stretch(whole, 0, 2.05, 5), again, stretch(whole, 1.95, 5, 7)}, Vec3::Zero());
+  EXPECT_EQ(matched.windows, 8U);
+  EXPECT_EQ(matched.parts[0].course, 0U);
+  EXPECT_EQ(matched.parts[1].course, 2U);
+  EXPECT_NEAR(matched.forces[2]->x(), 2, 0.15);
+  const MatchedParts one = matchParts(kMovement, kParts, {stretch(whole, 1.95, 5, 7)}, Vec3::Zero());
+  EXPECT_EQ(one.parts[0].windows, 0U);
+  EXPECT_EQ(one.windows, 4U);
+}
+
+TEST(MatchParts, IsMatchForcesOfAWholeMovement) {
+  const std::vector<MeasuredSample> whole = made(1.37, {1, 2, 3});
+  EXPECT_EQ(matchParts(kMovement, kParts, {whole}, {1, 2, 3}).forces, matchForces(kMovement, whole, {1, 2, 3}).forces);
+}
+
 class ReadMeasured : public testing::Test {
  protected:
   void TearDown() override { std::filesystem::remove(file_); }

@@ -10,6 +10,7 @@ namespace {
 constexpr const char* kExamples = R"(Examples:
   haptolith identify probe --out probe.csv            where a robot's shovel goes to learn about soil
   haptolith identify soil measured.csv                what soil it was that the robot met there
+  haptolith identify next first.csv --out second.csv  which part of the probe would tell the most after that
   haptolith identify train --poses mine.csv --scene mine.toml --out mine.json    another movement, another tool
 
 docs/identify.md tells what can be known from forces, and how well.)";
@@ -22,6 +23,7 @@ void addIdentifyCommand(CLI::App& app) {
   identify->footer(kExamples);
   addIdentifyProbe(*identify);
   addIdentifySoil(*identify);
+  addIdentifyNext(*identify);
   addIdentifyTrain(*identify);
   addIdentifyCheck(*identify);
 }

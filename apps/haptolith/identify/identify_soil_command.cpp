@@ -2,19 +2,15 @@
 #include <fmt/format.h>
 
 #include <memory>
-#include <optional>
 #include <string>
 
 #include "haptolith/core/atomic_file.h"
-#include "haptolith/core/error.h"
-#include "haptolith/identify/measured_movement.h"
 #include "haptolith/identify/soil_belief.h"
-#include "haptolith/identify/training_file.h"
 #include "haptolith/scenario/soil_file.h"
-#include "haptolith/soil/bodies.h"
 
 #include "identify/belief_report.h"
 #include "identify/identify_commands.h"
+#include "identify/measured_options.h"
 #include "shared/option_checks.h"
 #include "shared/output.h"
 #include "shared/overwrite.h"
@@ -26,14 +22,14 @@ namespace {
 
 constexpr const char* kExamples = R"(Examples:
   haptolith identify soil measured.csv
+  haptolith identify soil press.csv cut.csv                 parts of the probe, in whatever order
   haptolith identify soil trace.csv --origin-mm 0,0,70 --soil-out found.toml && haptolith run dig --set soil.file=found.toml
 
 docs/identify.md tells what the table has to hold, and what the numbers are worth.)";
 
 struct SoilOptions {
-  std::string measured_file, training_file, soil_out;
-  std::vector<double> origin_mm{0, 0, 0};
-  std::string body = "Moon";
+  MeasuredOptions measured;
+  std::string soil_out;
   double radius_mm = 5, density_kg_m3 = 1500;
   Overwrite overwrite;
   bool json = false;
@@ -63,39 +59,22 @@ void identifySoil(const SoilOptions& options) {
   if (!options.soil_out.empty()) {
     requireFree(options.overwrite(options.soil_out));
   }
-  const std::optional<Training> read =
-      options.training_file.empty() ? std::nullopt : std::optional(readTraining(options.training_file));
-  const Training& training = read ? *read : probeTraining();
-  const Vec3 origin_m = 1e-3 * Vec3(options.origin_mm[0], options.origin_mm[1], options.origin_mm[2]);
-  const MatchedForces matched = matchForces(training.movement, readMeasured(options.measured_file), origin_m);
-  if (matched.windows == 0) {
-    throw Failure(
-        options.measured_file +
-        ": the tool is nowhere within 3 mm and 3 degrees of the movement that was learned; is --origin-mm right?");
-  }
-  const double gravity_m_s2 = findBody(options.body).gravity_m_s2;
+  const Measured measured = measuredBy(options.measured);
   const SoilPrior prior;
-  const SoilIdentifier identifier(training);
-  const SoilBelief belief = identifier.identify(matched.forces, gravity_m_s2);
+  const SoilBelief belief = measured.identifier.identify(measured.matched.forces, measured.gravity_m_s2);
   if (!options.soil_out.empty()) {
     AtomicFile file(options.overwrite(options.soil_out));
-    file.write(soilFileText(soilFileOf(options, belief, identifier.emulator().strengths())));
+    file.write(soilFileText(soilFileOf(options, belief, measured.identifier.emulator().strengths())));
     file.commit();
   }
   if (options.json) {
-    nlohmann::ordered_json json{{"measured", options.measured_file},
-                                {"begin_s", matched.begin_s},
-                                {"windows", matched.windows},
-                                {"windows_of_movement", matched.forces.size()},
-                                {"gravity_m_s2", gravity_m_s2}};
-    json["soil"] = beliefJson(belief, prior, gravity_m_s2);
+    nlohmann::ordered_json json = measured.json(options.measured);
+    json["soil"] = beliefJson(belief, prior, measured.gravity_m_s2);
     printJson(json);
     return;
   }
-  printText(
-      fmt::format("identify soil: the movement begins at {:.2f} s; {} of {} windows are in place, {} numbers tell\n\n",
-                  matched.begin_s, matched.windows, matched.forces.size(), belief.numbers) +
-      beliefText(belief, prior, gravity_m_s2));
+  printText("identify soil: " + measured.text(options.measured) + "\n" +
+            beliefText(belief, prior, measured.gravity_m_s2));
   printNotice(savedText());
 }
 
@@ -105,21 +84,7 @@ void addIdentifySoil(CLI::App& identify) {
   auto options = std::make_shared<SoilOptions>();
   CLI::App* command = identify.add_subcommand("soil", "Tell from forces on a tool what soil it moved through");
   command->footer(kExamples);
-  command
-      ->add_option(
-          "measured", options->measured_file,
-          "Table with t_s, x_m, y_m, z_m, qw, qx, qy, qz, soil_fx_n, soil_fy_n, soil_fz_n: where the tool was,\n"
-          "and the force of the soil on it")
-      ->option_text("FILE.csv")
-      ->required();
-  command->add_option("--training", options->training_file, "What soils do to this tool along this movement")
-      ->option_text("FILE.json [the probe's]");
-  command->add_option("--origin-mm", options->origin_mm, "Where the middle of the soil's surface was in that frame")
-      ->option_text("X,Y,Z [0,0,0]")
-      ->delimiter(',')
-      ->expected(3)
-      ->check(numberIn({-1e5, 1e5}));
-  command->add_option("--body", options->body, "Ceres, Pluto, Europa, Moon, Mars or Earth")->capture_default_str();
+  options->measured.addTo(*command, true);
   command->add_option("--density-kg-m3", options->density_kg_m3, "Its density in bulk, for --soil-out")
       ->option_text("RHO [1500]")
       ->check(numberIn({1000, 2500}));

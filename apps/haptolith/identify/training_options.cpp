@@ -37,12 +37,6 @@ ToolMovement movementOf(const PoseFile& file) {
   return ToolMovement(std::move(poses));
 }
 
-bool isSameMovement(const ToolMovement& one, const ToolMovement& other) {
-  return std::ranges::equal(one.poses(), other.poses(), [](const TimedPose& a, const TimedPose& b) {
-    return std::abs(a.time_s - b.time_s) < 1e-3 && (a.pose.position_m - b.pose.position_m).norm() < 1e-5;
-  });
-}
-
 /// What the same command has kept before. It is none of its inputs, which it may not write: it goes on with it.
 Training keptBefore(const std::filesystem::path& path) {
   constexpr std::uintmax_t kMostBytes = std::uintmax_t{64} << 20;

@@ -14,7 +14,7 @@ namespace haptolith {
 
 namespace {
 
-constexpr std::size_t kBlock = 2;  ///< windows that make up one number: half a second
+constexpr std::size_t kBlock = ForceEmulator::kBlock;
 constexpr std::size_t kLeastRuns = 20;
 constexpr double kLambda = 0.5;
 constexpr double kNoise_n = 0.05;  ///< of a window, that the training is given: sensors have some
@@ -71,12 +71,7 @@ MeasuredForces measuredForces(const TrainingRun& run, double noise_n, std::uint6
   for (const Vec3& force_n : run.forces) {
     Vec3 measured_n = force_n;
     for (double& component_n : measured_n) {
-      // Twelve even numbers make a nearly normal one (Irwin and Hall), the same on every machine.
-      double sum = 0;
-      for (int i = 0; i < 12; ++i) {
-        sum += uniformSigned(random) / 2;
-      }
-      component_n += noise_n * sum;
+      component_n += noise_n * nearlyNormal(random);
     }
     forces.emplace_back(measured_n);
   }

@@ -31,6 +31,12 @@ class ForceEmulator {
   /// How many numbers there are for the forces of a whole movement.
   [[nodiscard]] std::size_t size() const noexcept { return features_.size(); }
 
+  /// Windows that make up one number: half a second. And the first of a number's; numbers are in the order of these.
+  static constexpr std::size_t kBlock = 2;
+  [[nodiscard]] std::size_t windowOf(Eigen::Index number) const {
+    return features_[static_cast<std::size_t>(number)].window;
+  }
+
   /// Those of them that were measured, and which they are.
   struct Observed {
     std::vector<Eigen::Index> which;

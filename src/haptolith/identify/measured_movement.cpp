@@ -61,9 +61,25 @@ int agreement(const ToolMovement& movement, const Course& course, double begin_s
   for (std::size_t window = 0; window < windowsOf(movement); ++window) {
     const double middle_s = (static_cast<double>(window) + 0.5) * kForceWindow_s;
     const MeasuredSample* sample = course.after(begin_s + middle_s);
-    count += sample != nullptr && isThere(course.pose(*sample), movement.at(sample->time_s - begin_s)) ? 1 : 0;
+    count += sample != nullptr && sample->time_s < begin_s + middle_s + kForceWindow_s / 2 &&
+                     isThere(course.pose(*sample), movement.at(sample->time_s - begin_s))
+                 ? 1
+                 : 0;
   }
   return count;
+}
+
+/// Whether something was measured at least every fifth of a window.
+bool isCovered(std::span<const MeasuredSample> inside, double from_s) {
+  constexpr double kLongest_s = kForceWindow_s / 5 + 1e-6;
+  double last_s = from_s;
+  for (const MeasuredSample& sample : inside) {
+    if (sample.time_s - last_s > kLongest_s) {
+      return false;
+    }
+    last_s = sample.time_s;
+  }
+  return from_s + kForceWindow_s - last_s <= kLongest_s;
 }
 
 /// Whose columns a file has: an export's, where it says which pose is the tool's, or else a trace's.
@@ -121,14 +137,13 @@ MatchedForces matchForces(const ToolMovement& movement, std::span<const Measured
     return matched;
   }
   matched.begin_s = (first_s + last_s) / 2;
-  constexpr std::ptrdiff_t kLeastSamples = 5;
   for (std::size_t window = 0; window < matched.forces.size(); ++window) {
     const double from_s = matched.begin_s + static_cast<double>(window) * kForceWindow_s;
     const std::span<const MeasuredSample> inside = course.between(from_s, from_s + kForceWindow_s);
     const auto here = [&](const MeasuredSample& sample) {
       return isThere(course.pose(sample), movement.at(sample.time_s - matched.begin_s));
     };
-    if (std::ssize(inside) < kLeastSamples || !std::ranges::all_of(inside, here)) {
+    if (!isCovered(inside, from_s) || !std::ranges::all_of(inside, here)) {
       continue;
     }
     Vec3 sum_n = Vec3::Zero();
@@ -137,6 +152,35 @@ MatchedForces matchForces(const ToolMovement& movement, std::span<const Measured
     }
     matched.forces[window] = sum_n / static_cast<double>(inside.size());
     ++matched.windows;
+  }
+  return matched;
+}
+
+MatchedParts matchParts(const ToolMovement& movement, const std::vector<MovementPart>& parts,
+                        const std::vector<std::vector<MeasuredSample>>& courses, const Vec3& origin_m) {
+  MatchedParts matched;
+  matched.forces.resize(windowsOf(movement));
+  matched.parts.resize(parts.size());
+  for (std::size_t course = 0; course < courses.size(); ++course) {
+    const MatchedForces whole = matchForces(movement, courses[course], origin_m);
+    for (std::size_t i = 0; i < parts.size(); ++i) {
+      const MovementPart& part = parts[i];
+      const auto take = [&](std::span<const std::optional<Vec3>> forces, double begin_s) {
+        const auto windows = static_cast<std::size_t>(
+            std::ranges::count_if(forces, [](const std::optional<Vec3>& force) { return force.has_value(); }));
+        if (windows > matched.parts[i].windows) {
+          matched.parts[i] = {course, begin_s, windows};
+          std::ranges::copy(forces, matched.forces.begin() + static_cast<std::ptrdiff_t>(part.first_window));
+        }
+      };
+      take(std::span(whole.forces).subspan(part.first_window, part.windows),
+           whole.begin_s + static_cast<double>(part.first_window) * kForceWindow_s);
+      const MatchedForces alone = matchForces(part.movement, courses[course], origin_m);
+      take(std::span(alone.forces).first(part.windows), alone.begin_s);
+    }
+  }
+  for (const FoundPart& part : matched.parts) {
+    matched.windows += part.windows;
   }
   return matched;
 }

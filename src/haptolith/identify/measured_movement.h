@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "haptolith/identify/force_emulator.h"
+#include "haptolith/identify/movement_part.h"
 #include "haptolith/identify/tool_movement.h"
 
 namespace haptolith {
@@ -38,5 +39,24 @@ inline constexpr double kPoseTolerance_m = 3e-3, kTurnTolerance_rad = 0.05;
 /// @param origin_m  the site's origin, in the middle of the soil's first surface, in the frame of the samples.
 [[nodiscard]] MatchedForces matchForces(const ToolMovement& movement, std::span<const MeasuredSample> samples,
                                         const Vec3& origin_m);
+
+/// Where a part of a movement was found.
+struct FoundPart {
+  std::size_t course = 0;   ///< of those that were looked through
+  double begin_s = 0;       ///< by the times of its samples
+  std::size_t windows = 0;  ///< in place; 0: nowhere
+};
+
+/// Forces of a movement whose parts were made in whatever order, in one course or several.
+struct MatchedParts {
+  MeasuredForces forces;
+  std::vector<FoundPart> parts;  ///< one for each
+  std::size_t windows = 0;       ///< in place
+};
+
+/// Looks for the whole movement in each course, and for each part by itself; a part counts where the most of its
+/// windows are in place, and of equal places in the first: what was made again lies in soil that was touched.
+[[nodiscard]] MatchedParts matchParts(const ToolMovement& movement, const std::vector<MovementPart>& parts,
+                                      const std::vector<std::vector<MeasuredSample>>& courses, const Vec3& origin_m);
 
 }  // namespace haptolith

@@ -1,16 +1,11 @@
 #pragma once
 
 #include <cstddef>
-#include <optional>
 
+#include "haptolith/identify/belief_sample.h"
 #include "haptolith/identify/force_emulator.h"
 
 namespace haptolith {
-
-/// A number and where it lies by 90 %: quantiles of 5, 50 and 95 %.
-struct Estimate {
-  double low = 0, middle = 0, high = 0;
-};
 
 /// What forces tell of a soil.
 struct SoilBelief {
@@ -26,6 +21,12 @@ struct SoilBelief {
 };
 inline constexpr double kStrange = 2.5;
 
+/// What a sample of states says.
+[[nodiscard]] SoilBelief beliefOf(const BeliefSample& sample, const ForceEmulator& emulator, double gravity_m_s2);
+/// What these forces tell, by Bayes' rule as SoilIdentifier says it; where there are none, what is believed before.
+[[nodiscard]] SoilBelief beliefOf(const MeasuredForces& forces, const ForceEmulator& emulator, double temper,
+                                  double gravity_m_s2, const SoilPrior& prior = {});
+
 /// An estimate counts as one when its interval is at most so much of the one before anything was measured; otherwise
 /// forces have told nothing of it.
 inline constexpr double kIdentifiedShare = 0.7;
@@ -33,12 +34,8 @@ inline constexpr double kIdentifiedShare = 0.7;
 
 /// What soil it is, of which these forces are known.
 ///
-/// Bayes' rule over the box of `prior`, evenly, with a likelihood of Student's t for heavy tails,
-///
-///     L = (1 + d' S^-1 d / nu)^(-(nu + p) / (2 T)),    d = y - expected,    nu = 6
-///
-/// by importance sampling: 8192 states of a Halton sequence over the box, then as many over the normal distribution
-/// that these have shown, until a thousand of them count. T makes 90 % intervals hold 90 % of the training's own soils,
+/// Bayes' rule over the box of `prior`, evenly, with the likelihood of SoilLikelihood, by the sampling of believed().
+/// Forces of a part of the movement will do. T makes 90 % intervals hold 90 % of the training's own soils,
 /// each left out of what the emulator learned (calibrate()). The same numbers on every run. Takes some ten
 /// milliseconds.
 class SoilIdentifier {

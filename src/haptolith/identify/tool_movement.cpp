@@ -3,6 +3,8 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
+#include <cmath>
 #include <numbers>
 
 #include "haptolith/core/error.h"
@@ -18,6 +20,14 @@ constexpr double kPress_m_s = 0.015;
 constexpr double kClear_m = 0.04;  // of the tool's lowest point above the soil, between two places
 constexpr double kHold_s = 0.3;
 constexpr double kTravel_m = 0.07;  // of a cut
+
+constexpr double kUpright = std::numbers::pi / 2, kLeaning = std::numbers::pi / 3;
+constexpr std::array kParts{ProbePart{"press 8 mm", 0.08, -0.06, 0.008, 0},
+                            ProbePart{"press 14 mm", 0.08, 0.06, 0.014, 0},
+                            ProbePart{"cut 20 mm, upright", -0.1, -0.096, 0.02, kUpright},
+                            ProbePart{"cut 35 mm, upright", -0.1, 0.032, 0.035, kUpright},
+                            ProbePart{"cut 20 mm, leaning", -0.1, 0.096, 0.02, kLeaning},
+                            ProbePart{"cut 35 mm, leaning", -0.1, -0.032, 0.035, kLeaning}};
 
 /// A movement that grows from place to place. Heights are those of the shovel's lowest point.
 class Making {
@@ -92,20 +102,30 @@ Pose ToolMovement::at(double time_s) const noexcept {
   return interpolate(from.pose, after->pose, (time_s - from.time_s) / (after->time_s - from.time_s));
 }
 
+bool isSameMovement(const ToolMovement& one, const ToolMovement& other) {
+  return std::ranges::equal(one.poses(), other.poses(), [](const TimedPose& a, const TimedPose& b) {
+    return std::abs(a.time_s - b.time_s) < 1e-3 && (a.pose.position_m - b.pose.position_m).norm() < 1e-5;
+  });
+}
+
+std::span<const ProbePart> probeParts() {
+  return kParts;
+}
+
 ToolMovement probeMovement(const ToolParameters& shovel) {
   if (shovel.shape != ToolShape::kBox) {
     throw InvalidParameter("tool.shape", "another", "box: the probe is a shovel's");
   }
   requireInRange("tool.size_m.x", shovel.size_m.x(), {0.03, 0.06});
   requireInRange("tool.size_m.y", shovel.size_m.y(), {0.03, 0.05});
-  constexpr double kUpright = std::numbers::pi / 2, kLeaning = std::numbers::pi / 3;
   Making making(shovel);
-  making.press(0.08, -0.06, 0.008);
-  making.press(0.08, 0.06, 0.014);
-  making.cut(-0.1, -0.096, 0.02, kUpright);
-  making.cut(-0.1, 0.032, 0.035, kUpright);
-  making.cut(-0.1, 0.096, 0.02, kLeaning);
-  making.cut(-0.1, -0.032, 0.035, kLeaning);
+  for (const ProbePart& part : kParts) {
+    if (part.rake_rad > 0) {
+      making.cut(part.x_m, part.y_m, part.depth_m, part.rake_rad);
+    } else {
+      making.press(part.x_m, part.y_m, part.depth_m);
+    }
+  }
   return ToolMovement(std::move(making).poses());
 }
 

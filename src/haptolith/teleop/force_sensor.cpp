@@ -11,19 +11,10 @@ namespace {
 
 constexpr int kTareReadings = 500;  // half a second: it leaves a twentieth of the noise
 
-/// Of mean 0 and standard deviation 1, almost normal: the sum of twelve even ones, the same on every machine.
-double deviate(std::mt19937_64& random) {
-  double sum = 0;
-  for (int i = 0; i < 12; ++i) {
-    sum += uniformSigned(random);
-  }
-  return sum / 2;
-}
-
 Vec3 deviates(std::mt19937_64& random) {
-  const double x = deviate(random);
-  const double y = deviate(random);
-  return {x, y, deviate(random)};
+  const double x = nearlyNormal(random);
+  const double y = nearlyNormal(random);
+  return {x, y, nearlyNormal(random)};
 }
 
 void approach(const Wrench& target, double share, Wrench& wrench) noexcept {

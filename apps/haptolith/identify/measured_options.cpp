@@ -1,0 +1,114 @@
+#include "identify/measured_options.h"
+
+#include <CLI/App.hpp>
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <optional>
+
+#include "haptolith/core/error.h"
+#include "haptolith/identify/next_part.h"
+#include "haptolith/identify/training_file.h"
+#include "haptolith/soil/bodies.h"
+
+#include "shared/option_checks.h"
+
+namespace haptolith {
+
+void MeasuredOptions::addTo(CLI::App& command, bool needed) {
+  command
+      .add_option(
+          "measured", files,
+          "Tables with t_s, x_m, y_m, z_m, qw, qx, qy, qz, soil_fx_n, soil_fy_n, soil_fz_n: where the tool was,\n"
+          "and the force of the soil on it, along the movement or parts of it")
+      ->option_text("FILE.csv ...")
+      ->required(needed);
+  command.add_option("--training", training_file, "What soils do to this tool along this movement")
+      ->option_text("FILE.json [the probe's]");
+  addOrigin(command, origin_mm);
+  command.add_option("--body", body, "Ceres, Pluto, Europa, Moon, Mars or Earth")->capture_default_str();
+}
+
+void addOrigin(CLI::App& command, std::vector<double>& origin_mm) {
+  command.add_option("--origin-mm", origin_mm, "Where the middle of the soil's surface is in its frame, z up")
+      ->option_text("X,Y,Z [0,0,0]")
+      ->delimiter(',')
+      ->expected(3)
+      ->check(numberIn({-1e5, 1e5}));
+}
+
+Measured measuredBy(const MeasuredOptions& options) {
+  const std::optional<Training> read =
+      options.training_file.empty() ? std::nullopt : std::optional(readTraining(options.training_file));
+  const Training& training = read ? *read : probeTraining();
+  std::vector<std::vector<MeasuredSample>> courses;
+  for (const std::string& file : options.files) {
+    courses.push_back(readMeasured(file));
+    if (matchForces(training.movement, courses.back(), options.originM()).windows == 0) {
+      throw Failure(
+          file +
+          ": the tool is nowhere within 3 mm and 3 degrees of the movement that was learned; is --origin-mm right?");
+    }
+  }
+  SoilIdentifier identifier(training);
+  std::vector<MovementPart> parts = partsOf(training.movement, identifier.emulator());
+  MatchedParts matched = matchParts(training.movement, parts, courses, options.originM());
+  return {std::move(identifier), std::move(parts), std::move(matched), findBody(options.body).gravity_m_s2};
+}
+
+std::vector<bool> Measured::partsMeasured() const {
+  std::vector<bool> measured;
+  for (const MovementPart& part : parts) {
+    measured.push_back(isMeasured(part, identifier.emulator(), matched.forces));
+  }
+  return measured;
+}
+
+std::string Measured::text(const MeasuredOptions& options) const {
+  const std::vector<bool> measured = partsMeasured();
+  const auto count = std::ranges::count(measured, true);
+  const std::size_t numbers = identifier.emulator().observed(matched.forces, gravity_m_s2).which.size();
+  std::string text = fmt::format("{} of {} parts are measured: {} of {} windows are in place, {} numbers tell\n", count,
+                                 parts.size(), matched.windows, matched.forces.size(), numbers);
+  for (std::size_t i = 0; i < parts.size(); ++i) {
+    if (measured[i]) {
+      text += fmt::format("  {:20} from {:.2f} s in {}\n", parts[i].name, matched.parts[i].begin_s,
+                          options.files[matched.parts[i].course]);
+    }
+  }
+  return text;
+}
+
+nlohmann::ordered_json Measured::json(const MeasuredOptions& options) const {
+  const std::vector<bool> measured = partsMeasured();
+  nlohmann::ordered_json json{{"measured", options.files},
+                              {"windows", matched.windows},
+                              {"windows_of_movement", matched.forces.size()},
+                              {"gravity_m_s2", gravity_m_s2}};
+  for (std::size_t i = 0; i < parts.size(); ++i) {
+    nlohmann::ordered_json part{{"name", parts[i].name}, {"measured", bool(measured[i])}};
+    if (measured[i]) {
+      part["file"] = options.files[matched.parts[i].course];
+      part["begin_s"] = matched.parts[i].begin_s;
+    }
+    json["parts"].push_back(part);
+  }
+  return json;
+}
+
+void writePoses(const OutputFile& file, const ToolMovement& movement, const Vec3& origin_m) {
+  constexpr double kTick_s = 1e-3;
+  AtomicFile out(file);
+  out.write("t_s,x_m,y_m,z_m,qw,qx,qy,qz\n");
+  const auto ticks = static_cast<int>(movement.duration() / kTick_s);
+  for (int tick = 0; tick <= ticks; ++tick) {
+    const Pose pose = movement.at(tick * kTick_s);
+    const Vec3 p = pose.position_m + origin_m;
+    const Quat& q = pose.orientation;
+    out.write(fmt::format("{:.3f},{:.6f},{:.6f},{:.6f},{:.6f},{:.6f},{:.6f},{:.6f}\n", tick * kTick_s, p.x(), p.y(),
+                          p.z(), q.w(), q.x(), q.y(), q.z()));
+  }
+  out.commit();
+}
+
+}  // namespace haptolith
