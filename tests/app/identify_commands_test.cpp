@@ -78,6 +78,26 @@ TEST_F(IdentifyCommands, ChooseTheNextPart) {
   EXPECT_FALSE(std::filesystem::exists(in("no.csv")));
 }
 
+TEST_F(IdentifyCommands, TellDensityFromAScoop) {
+  {
+    std::ofstream table(in("weighed.csv"));
+    table << "t_s,x_m,y_m,z_m,qw,qx,qy,qz,soil_fx_n,soil_fy_n,soil_fz_n\n";
+    for (int i = 0; i < 1000; ++i) {
+      const double force_n = (i < 500 ? 0.8 : 0.7) + 1e-3 * (i % 7 - 3);
+      table << 0.01 * i << ",0,0,0.1,1,0,0,0,0,0," << force_n << '\n';
+    }
+  }
+  const std::string density =
+      "identify density " + in("weighed.csv") + " --empty-s 0,4 --full-s 6,9.9 --gravity-m-s2 2";
+  const json told = json::parse(runHaptolith(density + " --volume-cm3 40,2 --json").output);
+  EXPECT_NEAR(told.at("mass_kg").at("median").get<double>(), 0.05, 1e-4);
+  EXPECT_NEAR(told.at("density_kg_m3").at("median").get<double>(), 1250, 3);
+  EXPECT_NEAR(told.at("density_kg_m3").at("interval_90")[0].get<double>(), 1250 / 1.09, 15);
+  EXPECT_THAT(runHaptolith(density).output, AllOf(HasSubstr("50.0"), HasSubstr("--volume-cm3")));
+  EXPECT_THAT(runHaptolith("identify density " + in("weighed.csv") + " --empty-s 0,4 --full-s 9,6").errors,
+              HasSubstr("--full-s"));
+}
+
 TEST_F(IdentifyCommands, TrainingGoesOnWhereItStopped) {
   std::ofstream(in("poses.csv")) << "t_s,x_m,y_m,z_m,qw,qx,qy,qz\n0,0,0,0.01,1,0,0,0\n1,0,0,-0.0075,1,0,0,0\n";
   const std::string train = "identify train --poses " + in("poses.csv") + " --out " + in("mine.json") +

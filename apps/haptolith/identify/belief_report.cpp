@@ -61,7 +61,9 @@ std::string beliefText(const SoilBelief& belief, const SoilPrior& prior, double 
       text += fmt::format("  {:20} {:>9}  not identified: these forces do not tell\n", line.name, "");
     }
   }
-  text += fmt::format("  {:20} {:>9}  not identified: that takes a scoop that is weighed\n", "density", "");
+  text +=
+      fmt::format("  {:20} {:>9}  not identified: that takes a scoop that is weighed, see haptolith identify density\n",
+                  "density", "");
   if (belief.misfit > kStrange) {
     text += fmt::format(
         "  These forces are {:.1f} times as far from what was learned as soils are: it is none of their kinds, or\n"

@@ -18,12 +18,13 @@ docs/identify.md tells what can be known from forces, and how well.)";
 }  // namespace
 
 void addIdentifyCommand(CLI::App& app) {
-  CLI::App* identify = app.add_subcommand("identify", "Friction and cohesion of soil from forces on a tool");
+  CLI::App* identify = app.add_subcommand("identify", "Friction, cohesion and density of soil from forces on a tool");
   identify->require_subcommand(1);
   identify->footer(kExamples);
   addIdentifyProbe(*identify);
   addIdentifySoil(*identify);
   addIdentifyNext(*identify);
+  addIdentifyDensity(*identify);
   addIdentifyTrain(*identify);
   addIdentifyCheck(*identify);
 }

@@ -9,6 +9,7 @@ namespace haptolith {
 void addIdentifyProbe(CLI::App& identify);
 void addIdentifySoil(CLI::App& identify);
 void addIdentifyNext(CLI::App& identify);
+void addIdentifyDensity(CLI::App& identify);
 void addIdentifyTrain(CLI::App& identify);
 void addIdentifyCheck(CLI::App& identify);
 
