@@ -64,6 +64,8 @@ std::string beliefText(const SoilBelief& belief, const SoilPrior& prior, double 
   text +=
       fmt::format("  {:20} {:>9}  not identified: that takes a scoop that is weighed, see haptolith identify density\n",
                   "density", "");
+  text += fmt::format("  {:20} {:>9}  not identified: forces of kinds of soil differ more than it changes them\n",
+                      "adhesion to the tool", "");
   if (belief.misfit > kStrange) {
     text += fmt::format(
         "  These forces are {:.1f} times as far from what was learned as soils are: it is none of their kinds, or\n"
