@@ -48,7 +48,8 @@ void tellDensity(const DensityOptions& options) {
   const Estimate mass_kg = massOf(scoop);
   std::optional<Uncertain> volume_m3;
   if (!options.volume_cm3.empty()) {
-    volume_m3 = Uncertain{1e-6 * options.volume_cm3[0], options.volume_cm3.size() > 1 ? 1e-6 * options.volume_cm3[1] : 0};
+    volume_m3 =
+        Uncertain{1e-6 * options.volume_cm3[0], options.volume_cm3.size() > 1 ? 1e-6 * options.volume_cm3[1] : 0};
   }
   std::optional<Estimate> density_kg_m3;
   if (volume_m3) {
