@@ -51,7 +51,7 @@ TEST(WeighedScoop, IntervalsHoldNineTimesInTen) {
     constexpr int kTries = 1000;
     int held = 0;
     for (int i = 0; i < kTries; ++i) {
-      const Estimate mass_kg = massOf(
+      const SoilEstimate mass_kg = massOf(
           weighScoop(weighed(kMass_kg, memory_s, 0, 100U + unsigned(i)), {{0.5, 3.5}, {4.5, 7.5}, {}, 0}, kMoon_m_s2));
       held += holds(mass_kg, kMass_kg) ? 1 : 0;
     }
@@ -81,11 +81,11 @@ TEST(WeighedScoop, DensityHoldsNineTimesInTen) {
   int held = 0;
   for (int i = 0; i < kTries; ++i) {
     const ScoopMass mass{{kMass_kg + 2e-3 * nearlyNormal(random), 2e-3}, 1000};
-    const Estimate density_kg_m3 = densityOf(mass, {kVolume_m3 + kError_m3 * nearlyNormal(random), kError_m3});
+    const SoilEstimate density_kg_m3 = densityOf(mass, {kVolume_m3 + kError_m3 * nearlyNormal(random), kError_m3});
     held += holds(density_kg_m3, kMass_kg / kVolume_m3) ? 1 : 0;
   }
   EXPECT_NEAR(held / double(kTries), 0.9, 0.03);
-  const Estimate exact = densityOf({{0.066, 0}, 9}, {44e-6, 0});
+  const SoilEstimate exact = densityOf({{0.066, 0}, 9}, {44e-6, 0});
   EXPECT_NEAR(exact.low, 1500, 1e-6);
   EXPECT_NEAR(exact.high, 1500, 1e-6);
 }
@@ -178,7 +178,7 @@ TEST(WeighedScoop, WeighsWhatItLifts) {
     ASSERT_GT(scoop.mass_kg, 0.01);
     const ScoopMass mass = weighScoop(scoop.samples, {{0.2, 1.4}, {7.5, 9}, {}, 0}, kMoon_m_s2);
     EXPECT_NEAR(mass.mass_kg.value / scoop.mass_kg, 1, 0.01);
-    const Estimate density_kg_m3 = densityOf(mass, {scoop.mass_kg / scoop.bulk_density_kg_m3, 1e-6});
+    const SoilEstimate density_kg_m3 = densityOf(mass, {scoop.mass_kg / scoop.bulk_density_kg_m3, 1e-6});
     EXPECT_TRUE(holds(density_kg_m3, scoop.bulk_density_kg_m3)) << "where its volume is known";
   }
 }

@@ -14,7 +14,7 @@ namespace {
 struct Line {
   const char* name;
   const char* key;
-  Estimate estimate;
+  SoilEstimate estimate;
   Range before;
   const char* unit;
   int decimals;

@@ -35,7 +35,7 @@ struct CheckOptions {
 };
 
 std::string rowText(const CheckedSoil& row) {
-  const auto part = [](double truth, const Estimate& told, int decimals) {
+  const auto part = [](double truth, const SoilEstimate& told, int decimals) {
     return fmt::format("{:7.{}f} {:7.{}f} {:7.{}f} {:7.{}f} {}", truth, decimals, told.low, decimals, told.middle,
                        decimals, told.high, decimals, holds(told, truth) ? ' ' : '*');
   };

@@ -45,18 +45,18 @@ void tellDensity(const DensityOptions& options) {
   }
   const double gravity_m_s2 = options.gravity_m_s2 > 0 ? options.gravity_m_s2 : findBody(options.body).gravity_m_s2;
   const ScoopMass scoop = weighScoop(readMeasured(options.measured_file), weighing, gravity_m_s2);
-  const Estimate mass_kg = massOf(scoop);
+  const SoilEstimate mass_kg = massOf(scoop);
   std::optional<Uncertain> volume_m3;
   if (!options.volume_cm3.empty()) {
     volume_m3 =
         Uncertain{1e-6 * options.volume_cm3[0], options.volume_cm3.size() > 1 ? 1e-6 * options.volume_cm3[1] : 0};
   }
-  std::optional<Estimate> density_kg_m3;
+  std::optional<SoilEstimate> density_kg_m3;
   if (volume_m3) {
     density_kg_m3 = densityOf(scoop, *volume_m3);
   }
   if (options.json) {
-    const auto json = [](const Estimate& e) {
+    const auto json = [](const SoilEstimate& e) {
       return nlohmann::ordered_json{{"median", e.middle}, {"interval_90", {e.low, e.high}}};
     };
     nlohmann::ordered_json told{{"measured", options.measured_file}, {"gravity_m_s2", gravity_m_s2}};

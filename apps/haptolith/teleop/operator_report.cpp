@@ -13,7 +13,7 @@ namespace {
 using Json = nlohmann::ordered_json;
 constexpr double kEver = std::numeric_limits<double>::infinity();
 
-Json estimateJson(const Estimate& estimate) {
+Json estimateJson(const SoilEstimate& estimate) {
   return {{"low", estimate.low}, {"middle", estimate.middle}, {"high", estimate.high}};
 }
 
@@ -24,9 +24,9 @@ bool hasLearned(const RobotLead& robot) {
 }  // namespace
 
 std::string soilText(const ModelSoil& soil) {
-  const Estimate& angle = soil.friction_angle_deg;
-  const Estimate& cohesion = soil.cohesion_pa;
-  const Estimate& tool = soil.tool_friction_angle_deg;
+  const SoilEstimate& angle = soil.friction_angle_deg;
+  const SoilEstimate& cohesion = soil.cohesion_pa;
+  const SoilEstimate& tool = soil.tool_friction_angle_deg;
   return fmt::format(
       "{:.1f} ({:.0f} to {:.0f}) deg, {:.0f} ({:.0f} to {:.0f}) Pa, soil-tool {:.1f} ({:.0f} to {:.0f}) deg",
       angle.middle, angle.low, angle.high, cohesion.middle, cohesion.low, cohesion.high, tool.middle, tool.low,
@@ -75,7 +75,7 @@ RobotShown robotShown(const RobotLead& robot) {
   shown.met_n = news.met_n;
   if (hasLearned(robot)) {
     const ModelSoil& soil = robot.learning()->learned();
-    const auto interval = [](const Estimate& of) { return std::array{of.low, of.middle, of.high}; };
+    const auto interval = [](const SoilEstimate& of) { return std::array{of.low, of.middle, of.high}; };
     shown.learned = {interval(soil.friction_angle_deg), interval(soil.cohesion_pa),
                      interval(soil.tool_friction_angle_deg)};
   }

@@ -149,11 +149,11 @@ Eigen::MatrixX3d toldOf(const Eigen::MatrixXd& states, double gravity_m_s2) {
   return told;
 }
 
-Estimate estimateOf(const Eigen::VectorXd& values, const Eigen::VectorXd& weights) {
+SoilEstimate estimateOf(const Eigen::VectorXd& values, const Eigen::VectorXd& weights) {
   std::vector<Eigen::Index> order(static_cast<std::size_t>(values.size()));
   std::iota(order.begin(), order.end(), 0);
   std::ranges::sort(order, {}, [&](Eigen::Index i) { return values[i]; });
-  Estimate estimate;
+  SoilEstimate estimate;
   double sum = 0;
   for (const Eigen::Index i : order) {
     const double before = sum;

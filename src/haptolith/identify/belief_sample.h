@@ -9,7 +9,7 @@
 namespace haptolith {
 
 /// A number and where it lies by 90 %: quantiles of 5, 50 and 95 %.
-struct Estimate {
+struct SoilEstimate {
   double low = 0, middle = 0, high = 0;
 
   [[nodiscard]] double width() const noexcept { return high - low; }
@@ -56,6 +56,6 @@ struct BeliefSample {
 [[nodiscard]] Eigen::MatrixX3d toldOf(const Eigen::MatrixXd& states, double gravity_m_s2);
 
 /// Of values that count so much.
-[[nodiscard]] Estimate estimateOf(const Eigen::VectorXd& values, const Eigen::VectorXd& weights);
+[[nodiscard]] SoilEstimate estimateOf(const Eigen::VectorXd& values, const Eigen::VectorXd& weights);
 
 }  // namespace haptolith

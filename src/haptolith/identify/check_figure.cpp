@@ -20,22 +20,22 @@ struct Panel {
   const char* unit;
   const char* axes;
   double (*truth)(const CheckedSoil&);
-  const Estimate& (*told)(const CheckedSoil&);
+  const SoilEstimate& (*told)(const CheckedSoil&);
 };
 
 constexpr Panel kPanels[]{
     {"friction angle, residual", "degrees", "[15:55]", [](const CheckedSoil& s) { return s.truth.friction_angle_deg; },
-     [](const CheckedSoil& s) -> const Estimate& { return s.belief.friction_angle_deg; }},
+     [](const CheckedSoil& s) -> const SoilEstimate& { return s.belief.friction_angle_deg; }},
     {"cohesion, residual", "Pa", "[0:1200]", [](const CheckedSoil& s) { return s.truth.cohesion_pa; },
-     [](const CheckedSoil& s) -> const Estimate& { return s.belief.cohesion_pa; }},
+     [](const CheckedSoil& s) -> const SoilEstimate& { return s.belief.cohesion_pa; }},
     {"soil-tool friction", "degrees", "[0:40]", [](const CheckedSoil& s) { return s.tool_friction_angle_deg; },
-     [](const CheckedSoil& s) -> const Estimate& { return s.belief.tool_friction_angle_deg; }}};
+     [](const CheckedSoil& s) -> const SoilEstimate& { return s.belief.tool_friction_angle_deg; }}};
 
 std::vector<std::vector<double>> rowsOf(const std::vector<CheckedSoil>& soils, const Panel& panel, bool with_stone) {
   std::vector<std::vector<double>> rows;
   for (const CheckedSoil& soil : soils) {
     if (soil.has_stone == with_stone) {
-      const Estimate& told = panel.told(soil);
+      const SoilEstimate& told = panel.told(soil);
       rows.push_back({panel.truth(soil), told.middle, told.low, told.high});
     }
   }

@@ -19,7 +19,7 @@ struct DiggingStretch {
 /// What a model's soil has to be so that it does to a tool what the real soil does.
 struct ModelSoil {
   SoilState state;
-  Estimate friction_angle_deg, cohesion_pa, tool_friction_angle_deg;
+  SoilEstimate friction_angle_deg, cohesion_pa, tool_friction_angle_deg;
   double stretches = 0;  ///< that count at this place
 };
 

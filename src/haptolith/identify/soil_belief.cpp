@@ -43,7 +43,7 @@ SoilBelief beliefOf(const MeasuredForces& forces, const ForceEmulator& emulator,
   return belief;
 }
 
-bool isIdentified(const Estimate& estimate, const Range& before) noexcept {
+bool isIdentified(const SoilEstimate& estimate, const Range& before) noexcept {
   return estimate.high - estimate.low <= kIdentifiedShare * 0.9 * (before.highest - before.lowest);
 }
 

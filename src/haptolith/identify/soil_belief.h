@@ -9,12 +9,12 @@ namespace haptolith {
 
 /// What forces tell of a soil.
 struct SoilBelief {
-  Estimate friction_angle_deg;       ///< phi, residual
-  Estimate peak_angle_deg;           ///< of undisturbed soil of the training's kinds that has this residual strength
-  Estimate cohesion_pa;              ///< c, residual
-  Estimate tool_friction_angle_deg;  ///< delta
-  std::size_t numbers = 0;           ///< of forces that were used
-  double samples = 0;                ///< how many of the samples count
+  SoilEstimate friction_angle_deg;  ///< phi, residual
+  SoilEstimate peak_angle_deg;      ///< of undisturbed soil of the training's kinds that has this residual strength
+  SoilEstimate cohesion_pa;         ///< c, residual
+  SoilEstimate tool_friction_angle_deg;  ///< delta
+  std::size_t numbers = 0;               ///< of forces that were used
+  double samples = 0;                    ///< how many of the samples count
   /// How much further from the emulator than its scatter, per number: 1 is usual. More than kStrange: no soil of the
   /// training does this to the tool.
   double misfit = 0;
@@ -30,7 +30,7 @@ inline constexpr double kStrange = 2.5;
 /// An estimate counts as one when its interval is at most so much of the one before anything was measured; otherwise
 /// forces have told nothing of it.
 inline constexpr double kIdentifiedShare = 0.7;
-[[nodiscard]] bool isIdentified(const Estimate& estimate, const Range& before) noexcept;
+[[nodiscard]] bool isIdentified(const SoilEstimate& estimate, const Range& before) noexcept;
 
 /// What soil it is, of which these forces are known.
 ///
@@ -79,7 +79,7 @@ class LeaveOneOut {
 };
 
 /// Whether the interval holds the number.
-[[nodiscard]] constexpr bool holds(const Estimate& estimate, double truth) noexcept {
+[[nodiscard]] constexpr bool holds(const SoilEstimate& estimate, double truth) noexcept {
   constexpr double kRounding = 1e-9;
   return estimate.low <= truth + kRounding && truth <= estimate.high;
 }

@@ -26,7 +26,7 @@ double median(std::vector<double> values) {
 /// A number of each soil.
 struct Told {
   double truth;
-  Estimate estimate;
+  SoilEstimate estimate;
 };
 
 CheckedNumber over(std::string name, std::string unit, int decimals, const std::vector<Told>& soils,

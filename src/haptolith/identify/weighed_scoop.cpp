@@ -86,12 +86,12 @@ ScoopMass weighScoop(std::span<const MeasuredSample> samples, const ScoopWeighin
           freedom};
 }
 
-Estimate massOf(const ScoopMass& scoop) {
+SoilEstimate massOf(const ScoopMass& scoop) {
   const double half_kg = quantile95(scoop.freedom) * scoop.mass_kg.error;
   return {scoop.mass_kg.value - half_kg, scoop.mass_kg.value, scoop.mass_kg.value + half_kg};
 }
 
-Estimate densityOf(const ScoopMass& scoop, const Uncertain& volume_m3) {
+SoilEstimate densityOf(const ScoopMass& scoop, const Uncertain& volume_m3) {
   requireInRange("volume_m3", volume_m3.value, {0, 1, Ends::kOpenBelow});
   requireInRange("volume_m3: its error over itself", volume_m3.error / volume_m3.value, {0, 0.5});
   const double t = quantile95(scoop.freedom);

@@ -40,11 +40,11 @@ struct ScoopMass {
                                    double gravity_m_s2);
 
 /// An interval of 90 % for the mass, in kg.
-[[nodiscard]] Estimate massOf(const ScoopMass& scoop);
+[[nodiscard]] SoilEstimate massOf(const ScoopMass& scoop);
 
 /// Density of what fills a volume, in kg/m^3: all rho for which m - rho V is not further from 0 than chance takes it
 /// nine times in ten (Fieller, J. R. Stat. Soc. B 16, 1954).
 /// @throws InvalidParameter for a volume that is not known to half of itself.
-[[nodiscard]] Estimate densityOf(const ScoopMass& scoop, const Uncertain& volume_m3);
+[[nodiscard]] SoilEstimate densityOf(const ScoopMass& scoop, const Uncertain& volume_m3);
 
 }  // namespace haptolith
