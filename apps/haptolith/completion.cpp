@@ -61,7 +61,7 @@ Words splitChoices(const std::string& description) {
 }
 
 template <class Table>
-Words namesOf(const Table& table) {
+Words namedIn(const Table& table) {
   Words names;
   for (const auto& entry : table) {
     names.emplace_back(entry.name);
@@ -73,13 +73,13 @@ Words namesOf(const Table& table) {
 /// every command alike.
 Words choicesOf(const CLI::Option& option) {
   if (option.check_lname("preset")) {
-    return namesOf(presets());
+    return namedIn(presets());
   }
   if (option.check_lname("soil")) {
     return soilNames();
   }
   if (option.check_lname("body")) {
-    return namesOf(bodies());
+    return namedIn(bodies());
   }
   if (option.check_lname("protocol")) {
     const auto names = protocolNames();

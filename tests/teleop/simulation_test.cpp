@@ -213,7 +213,7 @@ TEST(TeleopSimulation, AModelThatLearnsBecomesWhatTheRobotMeetsAndNobodyFeelsIt)
 
 TEST(TeleopSimulation, ATaskEndsWhenItIsSeenToBeDoneAtTheSite) {
   TeleopSetup setup = smallSetup(0.4);
-  setup.task = Task::kPress;
+  setup.task = SiteTask::kPress;
   setup.duration_s = 60;
   const TeleopResult result = simulateTeleop(setup);
   ASSERT_TRUE(result.task);
@@ -234,6 +234,22 @@ TEST(TeleopSimulation, ATaskEndsWhenItIsSeenToBeDoneAtTheSite) {
   EXPECT_FALSE(simulateTeleop(setup).task);
 }
 
+TEST(TeleopSimulation, WhoFeelsNothingGoesByWhatTheRobotMet) {
+  TeleopSetup setup = smallSetup(0.4);
+  setup.feedback = Feedback::kNone;
+  setup.task = SiteTask::kPress;
+  setup.duration_s = 120;
+  const TeleopResult result = simulateTeleop(setup);
+  EXPECT_NEAR(result.task->reached, 8, 0.8);
+  EXPECT_NEAR(result.agreement.share(0, 120), 1, 1e-9) << "all that was met was not felt";
+  EXPECT_EQ(result.given_j, 0);
+  setup.feedback = Feedback::kModel;
+  EXPECT_GT(result.task->done_s, simulateTeleop(setup).task->done_s) << "who has no model moves and waits";
+  setup.feedback = Feedback::kNone;
+  setup.learns.emplace(probeTraining().runs);
+  EXPECT_THROW((void)simulateTeleop(setup), InvalidParameter) << "there is no model to learn";
+}
+
 TEST(TeleopSimulation, AHandThatLetsGoStopsTheRobotAndIsGivenNothing) {
   TeleopSetup setup = smallSetup(0.4);
   setup.duration_s = 8;
@@ -245,7 +261,7 @@ TEST(TeleopSimulation, AHandThatLetsGoStopsTheRobotAndIsGivenNothing) {
   EXPECT_LE(result.given_j, 1e-3);
   setup.lets_go_s = 0;  // nobody was ever there
   EXPECT_EQ(simulateTeleop(setup).followed_share, 0);
-  setup.task = Task::kPress;
+  setup.task = SiteTask::kPress;
   EXPECT_THROW((void)simulateTeleop(setup), InvalidParameter);
 }
 

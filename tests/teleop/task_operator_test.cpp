@@ -73,7 +73,7 @@ struct World {
 
 TEST(TaskOperator, DigsDeeperStrokeByStrokeUntilTheSiteIsSeenToBeDeepEnough) {
   World at_once{.late_s = 0.01, .has_model = true};
-  TaskOperator hand(Task::kTrench, 0, kHome);
+  TaskOperator hand(SiteTask::kTrench, 0, kHome);
   at_once.dig(hand, 100);
   EXPECT_TRUE(hand.done());
   EXPECT_EQ(hand.strokes(), 3) << "15, 30, 43 mm";
@@ -81,14 +81,14 @@ TEST(TaskOperator, DigsDeeperStrokeByStrokeUntilTheSiteIsSeenToBeDeepEnough) {
   EXPECT_LT(at_once.now_s, 30);
 
   World late{.late_s = 2.6, .has_model = true};
-  TaskOperator with_model(Task::kTrench, 2.6, kHome);
+  TaskOperator with_model(SiteTask::kTrench, 2.6, kHome);
   late.dig(with_model, 100);
   EXPECT_TRUE(with_model.done());
   EXPECT_GT(late.now_s, at_once.now_s + 0.5) << "one look in the end";
   EXPECT_LT(late.now_s, at_once.now_s + 2.7) << "while the stroke goes on";
 
   World blind{.late_s = 2.6, .has_model = false};
-  TaskOperator without(Task::kTrench, 2.6, kHome);
+  TaskOperator without(SiteTask::kTrench, 2.6, kHome);
   blind.dig(without, 100);
   EXPECT_TRUE(without.done());
   EXPECT_EQ(without.strokes(), 3);
@@ -97,7 +97,7 @@ TEST(TaskOperator, DigsDeeperStrokeByStrokeUntilTheSiteIsSeenToBeDeepEnough) {
 
 TEST(TaskOperator, AModelThatPromisesTooMuchCostsAnotherStroke) {
   World world{.late_s = 1, .has_model = true, .model_deeper_m = 0.012};
-  TaskOperator hand(Task::kTrench, 1, kHome);
+  TaskOperator hand(SiteTask::kTrench, 1, kHome);
   world.dig(hand, 100);
   EXPECT_TRUE(hand.done());
   EXPECT_GE(world.depth_m, 0.04) << "it goes by the site, not by its model";
@@ -106,7 +106,7 @@ TEST(TaskOperator, AModelThatPromisesTooMuchCostsAnotherStroke) {
 
 TEST(TaskOperator, DoesNotSayThatItIsDoneWhereNothingIsSeen) {
   World world{.late_s = 1e9, .has_model = false};
-  TaskOperator hand(Task::kTrench, 0, kHome);
+  TaskOperator hand(SiteTask::kTrench, 0, kHome);
   world.dig(hand, 60);
   EXPECT_FALSE(hand.done());
 }
@@ -115,7 +115,7 @@ TEST(TaskOperator, PressesUntilTheRobotHasMetWhatItIsToMeet) {
   for (const bool has_model : {true, false}) {
     // A spring here, one that is 1.5 times as stiff at the site, seen a second later.
     constexpr double kStiffness_n_m = 1000, kRatio = 1.5;
-    TaskOperator hand(Task::kPress, 1, kHome);
+    TaskOperator hand(SiteTask::kPress, 1, kHome);
     std::deque<double> met;
     Pose tool = kHome;
     SiteMap site;
@@ -151,7 +151,7 @@ TEST(TaskOperator, PressesUntilTheRobotHasMetWhatItIsToMeet) {
 }
 
 TEST(TaskOperator, ScoopsDeeperUntilTheRobotHasLiftedEnough) {
-  TaskOperator hand(Task::kScoop, 1, kHome);
+  TaskOperator hand(SiteTask::kScoop, 1, kHome);
   std::deque<double> met;
   Pose tool = kHome;
   SiteMap site;

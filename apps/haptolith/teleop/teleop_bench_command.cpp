@@ -18,6 +18,7 @@
 #include "haptolith/core/in_parallel.h"
 #include "haptolith/core/stop_asked.h"
 #include "haptolith/identify/training_file.h"
+#include "haptolith/scenario/site_task.h"
 #include "haptolith/teleop/agreement_figure.h"
 #include "haptolith/teleop/learning_model.h"
 #include "haptolith/teleop/simulation.h"
@@ -52,7 +53,7 @@ constexpr double kMillijoule = 1e-3;
 constexpr double kLast_s = 10;  ///< of a run, when a model that learns should have learned
 
 /// What is compared.
-enum class Case { kModel, kProbed, kLearning, kBoth, kBilateral, kTwin };
+enum class Case { kModel, kProbed, kLearning, kBoth, kNone, kBilateral, kTwin };
 
 const char* text(Case which) {
   switch (which) {
@@ -60,15 +61,16 @@ const char* text(Case which) {
     case Case::kProbed: return "probed";
     case Case::kLearning: return "learning";
     case Case::kBoth: return "both";
+    case Case::kNone: return "none";
     case Case::kBilateral: return "bilateral";
     case Case::kTwin: return "twin";
   }
   return "?";
 }
 
-const std::map<std::string, Case> kCaseWords{{"model", Case::kModel},         {"probed", Case::kProbed},
-                                             {"learning", Case::kLearning},   {"both", Case::kBoth},
-                                             {"bilateral", Case::kBilateral}, {"twin", Case::kTwin}};
+const std::map<std::string, Case> kCaseWords{
+    {"model", Case::kModel}, {"probed", Case::kProbed},       {"learning", Case::kLearning}, {"both", Case::kBoth},
+    {"none", Case::kNone},   {"bilateral", Case::kBilateral}, {"twin", Case::kTwin}};
 
 bool begins(Case which) {
   return which == Case::kProbed || which == Case::kBoth;
@@ -97,9 +99,6 @@ struct BenchOptions {
     return duration_given_s.value_or(task.empty() ? kOfManoeuvre_s : kOfTask_s);
   }
 };
-
-const std::map<std::string, Task> kTaskWords{
-    {"trench", Task::kTrench}, {"press", Task::kPress}, {"scoop", Task::kScoop}};
 
 struct Row {
   double round_trip_s;
@@ -145,11 +144,13 @@ TeleopSetup setupFor(const BenchOptions& options, double round_trip_s, Case whic
   setup.up = profile.up;
   setup.down = profile.down;
   setup.sending = sendingOver(setup.up, setup.down);
-  setup.feedback = which == Case::kBilateral ? Feedback::kBilateral : Feedback::kModel;
+  setup.feedback = which == Case::kBilateral ? Feedback::kBilateral
+                   : which == Case::kNone    ? Feedback::kNone
+                                             : Feedback::kModel;
   setup.duration_s = options.duration();
   setup.lets_go_s = options.lets_go_s;
   if (!options.task.empty()) {
-    setup.task = kTaskWords.at(options.task);
+    setup.task = valueOf(kSiteTaskWords, options.task);
   }
   if (learns(which)) {
     setup.model = readyToLearn(setup.model);
@@ -375,12 +376,12 @@ void addTeleopBench(CLI::App& teleop) {
           "--case", options->cases,
           "model: the hand feels a model of the soil, which stays as it is; probed: of soil that the robot's probe "
           "has\n"
-          "told; learning: which learns from the robot's forces while both dig; both: one after the other;\n"
-          "bilateral: what the robot's sensor tells, late; twin: a model whose soil is the robot's, in another\n"
-          "specimen: as true as any model can be")
-      ->option_text("model,probed,learning,both,bilateral,twin [all but probed and both]")
+          "told; learning: which learns from the robot's forces while both dig; both: one after the other; none:\n"
+          "nothing is felt; bilateral: what the robot's sensor tells, late; twin: a model whose soil is the robot's,\n"
+          "in another specimen: as true as any model can be")
+      ->option_text("model,probed,learning,both,none,bilateral,twin [all but probed, both and none]")
       ->delimiter(',')
-      ->check(oneOf({"model", "probed", "learning", "both", "bilateral", "twin"}));
+      ->check(oneOf({"model", "probed", "learning", "both", "none", "bilateral", "twin"}));
   command
       ->add_option("--task", options->task,
                    "trench: the hand digs one 40 mm deep; press: it presses the tool's face on the soil with 8 N;\n"

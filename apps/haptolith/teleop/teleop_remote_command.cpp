@@ -4,18 +4,15 @@
 
 #include <cstdint>
 #include <memory>
-#include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
-#include "haptolith/bed/surface_height.h"
 #include "haptolith/core/clock.h"
 #include "haptolith/core/stop_asked.h"
-#include "haptolith/device/hand/virtual_hand.h"
 #include "haptolith/haptics/loop_clock.h"
 #include "haptolith/scenario/scenario.h"
-#include "haptolith/teleop/robot_server.h"
-#include "haptolith/teleop/site_camera.h"
+#include "haptolith/teleop/site_robot.h"
 
 #include "shared/option_checks.h"
 #include "shared/output.h"
@@ -88,14 +85,11 @@ void runRemote(const RemoteOptions& options) {
   EndOptions end = options.end.end();
   end.listen = options.listen;
   requireSafe("listen", end.listen, end);
-  Scene scene(scenario.bed, scenario.tool, settlingIn(status));
-  HandParameters hand = scenario.hand;
-  hand.surface_m = 0;
+  auto scene = std::make_unique<Scene>(scenario.bed, scenario.tool, settlingIn(status));
+  SiteRobot site(scenario, std::move(scene), options.robot, end);
+  const Robot& robot = site.robot();
+  const RobotServer& server = site.server();
   const double tick_s = scenario.loop.tick_s;
-  const double surface_m = meanSurfaceHeight(scene.bed());
-  Robot robot(options.robot, scene, surface_m, VirtualHand(hand, tick_s).read().pose);
-  SiteCamera camera(scene.bed(), surface_m, end.sending.site_period_s, tick_s, Work::kBeside);
-  RobotServer server(robot, end, tick_s);
   status.clear();
   printNotice(fmt::format("a robot in '{}', at port {}{}; Ctrl-C ends it\n", scenario.title, server.port(),
                           end.key.empty() ? "" : ", with a key"));
@@ -106,12 +100,7 @@ void runRemote(const RemoteOptions& options) {
   for (std::uint64_t tick = 0; !stopAsked() && (ticks < 0 || static_cast<double>(tick) < ticks); ++tick) {
     (void)clock.waitForTick();
     clock.beginTick();
-    server.receive();
-    robot.tick();
-    server.answer();
-    if (const std::optional<SitePacket> seen = camera.tick(static_cast<std::uint64_t>(robot.index()))) {
-      server.show(*seen);
-    }
+    site.tick();
     clock.endTick();
     clock.planNextTick();
     rate.tick();

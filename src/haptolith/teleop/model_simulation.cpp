@@ -4,6 +4,7 @@
 #include <deque>
 #include <optional>
 #include <set>
+#include <utility>
 #include <vector>
 
 #include "haptolith/haptics/haptic_loop.h"
@@ -82,7 +83,11 @@ class ModelOperator {
       : site_(setup.model),
         hand_(setup, site_.surface_m),
         loop_(site_.scene, hand_, unpaced(setup.model.loop), true, handlingOf(setup.model, site_.surface_m)),
-        watch_(setup.model.loop.tick_s) {}
+        watch_(setup.model.loop.tick_s) {
+    if (setup.feedback == Feedback::kNone) {
+      loop_.ask(request::SetContact{false});
+    }
+  }
 
   /// @throws Failure when there is no hand any more.
   void tick() {
@@ -136,6 +141,7 @@ class ModelOperator {
 TeleopResult simulateModel(const TeleopSetup& setup, const TeleopProgress& progress) {
   TeleopResult result;
   const Course course(setup, setup.sending.period_s, progress);
+  const bool feels = setup.feedback == Feedback::kModel;
   ModelOperator hand(setup);
   std::optional<LearningModel> learning;
   if (setup.learns) {
@@ -175,14 +181,12 @@ TeleopResult simulateModel(const TeleopSetup& setup, const TeleopProgress& progr
       model_heights.push_back(hand.heights(camera.grid()));
     }
     if (hand.hand().hasTask()) {
-      hand.hand().look({now_s,
-                        tick,
-                        {},
-                        hand.unlimited().force_n.norm(),
-                        met.force_n,
-                        met.index,
-                        &known_site,
-                        [&](const HeightGrid& grid) { return hand.heights(grid); }});
+      TaskSight sight{now_s,       tick,      {},         feels ? hand.unlimited().force_n.norm() : met.force_n,
+                      met.force_n, met.index, &known_site};
+      if (feels) {
+        sight.own = [&](const HeightGrid& grid) { return hand.heights(grid); };
+      }
+      hand.hand().look(std::move(sight));
       if (hand.hand().done()) {
         break;
       }

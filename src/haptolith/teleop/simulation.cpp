@@ -22,8 +22,11 @@ TeleopResult simulateTeleop(const TeleopSetup& setup, const TeleopProgress& prog
     throw InvalidParameter("site.loop.tick_s", fmt::format("{:g}", setup.site.loop.tick_s),
                            fmt::format("the model's {:g}", setup.model.loop.tick_s));
   }
-  return setup.feedback == Feedback::kModel ? simulation::simulateModel(setup, progress)
-                                            : simulation::simulateBilateral(setup, progress);
+  if (setup.learns && setup.feedback != Feedback::kModel) {
+    throw InvalidParameter("learns", "", "left out where no model is felt");
+  }
+  return setup.feedback == Feedback::kBilateral ? simulation::simulateBilateral(setup, progress)
+                                                : simulation::simulateModel(setup, progress);
 }
 
 }  // namespace haptolith

@@ -19,6 +19,7 @@ namespace haptolith {
 /// What the operator's hand feels.
 enum class Feedback : std::uint8_t {
   kModel,      ///< a bed of its own, at once: model-mediated teleoperation
+  kNone,       ///< nothing: the tool goes through the air, and what the robot met is read off a display, late
   kBilateral,  ///< what the robot's sensor tells, late, kept passive by PassiveEnd at both ends
 };
 
@@ -34,7 +35,7 @@ struct TeleopSetup {
   double bilateral_period_s = 0.002;  ///< of kBilateral: there a force that is late counts
   double robot_clock_share = 0;       ///< by which the robot's clock is too fast
   /// A hand that does this, in place of the scene's manoeuvre; the run ends when it is done.
-  std::optional<Task> task;
+  std::optional<SiteTask> task;
   std::optional<double> lets_go_s;    ///< then the hand lets go of the tool; not with a task
   std::optional<StrengthMap> learns;  ///< the model does, while it digs: see LearningModel
 };

@@ -13,7 +13,8 @@ namespace haptolith {
 namespace {
 
 // The trench.
-constexpr double kDepth_m = 0.04, kHalfLength_m = 0.03, kHalfWidth_m = 0.012;
+constexpr double kDepth_m = SiteTaskGoals::trench_depth_m;
+constexpr double kHalfLength_m = SiteTaskGoals::trench_length_m / 2, kHalfWidth_m = SiteTaskGoals::trench_width_m / 2;
 constexpr double kBehind_m = -0.06, kAhead_m = 0.045;  ///< where strokes begin and end
 constexpr double kDeeper_m = 0.015;                    ///< from stroke to stroke
 constexpr double kBelow_m = 0.003;                     ///< the edge goes under what is wanted: some falls back in
@@ -24,12 +25,12 @@ constexpr double kHalfBlade_m = 0.025;  ///< from the tool's origin to its edge
 constexpr double kInSoil_m_s = 0.04, kInAir_m_s = 0.15;
 
 // The press.
-constexpr double kForce_n = 8, kWithin = 0.1, kNearly = 0.97;
+constexpr double kForce_n = SiteTaskGoals::press_n, kWithin = SiteTaskGoals::press_within, kNearly = 0.97;
 constexpr double kPress_m_s = 0.01, kStep_m = 0.002;
 constexpr double kDeepestPress_m = -0.03;
 
 // The scoop.
-constexpr double kLoad_n = 0.1;
+constexpr double kLoad_n = SiteTaskGoals::load_n;
 constexpr double kFirstScoop_m = 0.012, kDeepestScoop_m = 0.036;
 constexpr double kHeld_m = 0.05;  ///< above the soil, to be weighed
 constexpr double kWeighs_s = 0.5;
@@ -49,11 +50,11 @@ Quat blade() {
 
 }  // namespace
 
-TaskOperator::TaskOperator(Task task, double round_trip_s, const Pose& start)
+TaskOperator::TaskOperator(SiteTask task, double round_trip_s, const Pose& start)
     : task_(task), round_trip_s_(round_trip_s), planned_(start), aim_n_(kForce_n) {
-  if (task_ == Task::kTrench) {
+  if (task_ == SiteTask::kTrench) {
     stroke(kDeeper_m);
-  } else if (task_ == Task::kScoop) {
+  } else if (task_ == SiteTask::kScoop) {
     scoop(kFirstScoop_m);
   } else {
     goTo({{0, 0, kAbove_m}, Quat::Identity()}, kInAir_m_s);
@@ -107,16 +108,16 @@ Pose TaskOperator::wanted(const TaskSight& sight) {
     const double step_m = leg.speed_m_s * tick_s_;
     planned_ = left_m <= step_m ? leg.pose : interpolate(planned_, leg.pose, step_m / left_m);
     leg_ += left_m <= step_m ? 1 : 0;
-  } else if (task_ == Task::kTrench) {
+  } else if (task_ == SiteTask::kTrench) {
     judgeTrench(sight);
-  } else if (task_ == Task::kScoop) {
+  } else if (task_ == SiteTask::kScoop) {
     judgeScoop(sight);
   } else if (phase_ == Phase::kWait) {
     judgePress(sight);
   } else {
     press(sight);
   }
-  if (task_ != Task::kPress) {
+  if (task_ != SiteTask::kPress) {
     correction_m_ += tick_s_ / kCorrects_s * (planned_.position_m - sight.tool.position_m);
     correction_m_ = correction_m_.cwiseMin(kMostCorrection_m).cwiseMax(-kMostCorrection_m);
   }

@@ -7,16 +7,10 @@
 
 #include "haptolith/bed/surface_height.h"
 #include "haptolith/core/vec.h"
+#include "haptolith/scenario/site_task.h"
 #include "haptolith/teleop/site_map.h"
 
 namespace haptolith {
-
-/// What an operator has to do at the robot's site. In the site frame: z is 0 at the soil's first surface.
-enum class Task : std::uint8_t {
-  kTrench,  ///< a trench 40 mm deep and 60 mm long, as wide as the tool
-  kPress,   ///< the tool's large face on the soil with 8 N
-  kScoop,   ///< a load of 0.1 N on the tool: on the Moon 44 cm3 of soil
-};
 
 /// What an operator goes by.
 struct TaskSight {
@@ -31,13 +25,14 @@ struct TaskSight {
   std::function<std::vector<double>(const HeightGrid& grid)> own = {};
 };
 
-/// A virtual operator with a task, who goes on until it is seen to be done at the robot's site. Who has a model of the
-/// soil goes by that from stroke to stroke and looks at the site in the end; who has none moves, waits until what the
-/// robot did is seen, and moves again, as operators do. Not for the tick.
+/// A virtual operator with a task, in the site frame (z is 0 at the soil's first surface), who goes on until it is seen
+/// to be done at the robot's site. Who has a model of the soil goes by that from stroke to stroke and looks at the site
+/// in the end; who has none moves, waits until what the robot did is seen, and moves again, as operators do. Not for
+/// the tick.
 class TaskOperator {
  public:
   /// @param round_trip_s  as the operator knows it.
-  TaskOperator(Task task, double round_trip_s, const Pose& start);
+  TaskOperator(SiteTask task, double round_trip_s, const Pose& start);
 
   /// Where the hand is to be now; call it once a tick.
   [[nodiscard]] Pose wanted(const TaskSight& sight);
@@ -65,7 +60,7 @@ class TaskOperator {
     double speed_m_s;
   };
 
-  Task task_;
+  SiteTask task_;
   double round_trip_s_;
   Phase phase_ = Phase::kMove;
   std::vector<Leg> way_;
