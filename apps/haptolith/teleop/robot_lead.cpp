@@ -1,7 +1,9 @@
 #include "teleop/robot_lead.h"
 
 #include <array>
+#include <cmath>
 #include <cstddef>
+#include <cstdint>
 #include <limits>
 
 #include "haptolith/bed/surface_height.h"
@@ -14,10 +16,19 @@ namespace {
 
 constexpr double kInSoil_n = 0.2;  ///< more than this on the hand, and it is not in the air
 
+/// While a loop runs its bed is the loop's, and a picture of it has to do.
+double surfaceOf(const Session& session) {
+  const Bed& bed = session.scene().bed();
+  return session.loopTicks() == 0 ? meanSurfaceHeight(bed)
+                                  : meanSurfaceHeight(seenSoil(bed, session.snapshot().position, {}), bed.parameters());
+}
+
 }  // namespace
 
 RobotLead::RobotLead(const Session& session, const std::string& to, const EndOptions& options, bool learns)
-    : end_(to, options, meanSurfaceHeight(session.scene().bed()), session.shown().loop.tick_s), learns_(learns) {
+    : end_(to, options, surfaceOf(session), session.shown().loop.tick_s),
+      learns_(learns),
+      tick_s_(session.shown().loop.tick_s) {
   if (learns_) {
     begin(session.shown());
   }
@@ -32,9 +43,26 @@ void RobotLead::begin(const Scenario& model) {
   }
 }
 
-void RobotLead::follow(Session& session, std::span<const TickRecord> ticks, SessionRecording& recording) {
+/// A recording may begin before the robot is led, or after: its commands are numbered as its own ticks are.
+template <class Told>
+void RobotLead::record(const Told& told, SessionRecording& recording) const {
+  const std::optional<double> begun_s = recording.begun();
+  if (!begun_s || !first_s_) {
+    return;
+  }
+  auto row = rowOf(told);
+  const auto number = static_cast<std::int64_t>(row.command) + std::llround((*first_s_ - *begun_s) / tick_s_);
+  if (number > 0) {
+    row.command = static_cast<std::uint64_t>(number);
+    recording.add(row);
+  }
+}
+
+void RobotLead::follow(Session& session, std::span<const TickRecord> ticks, SessionRecording& recording,
+                       const RobotListener& also) {
   end_.follow(ticks);
   if (!ticks.empty()) {
+    first_s_ = first_s_.value_or(ticks.front().time_s);
     in_air_ = ticks.back().rendered.wrench.force_n.norm() < kInSoil_n;
     time_s_ = ticks.back().time_s;
   }
@@ -43,9 +71,18 @@ void RobotLead::follow(Session& session, std::span<const TickRecord> ticks, Sess
                       if (learning_ && felt_n) {
                         learning_->met(report, *felt_n);
                       }
-                      recording.add(rowOf(report));
+                      record(report, recording);
+                      if (also.report) {
+                        also.report(report, felt_n);
+                      }
                     },
-                .seen = [&](const SitePacket& seen) { recording.add(rowOf(seen)); }});
+                .seen =
+                    [&](const SitePacket& seen) {
+                      record(seen, recording);
+                      if (also.seen) {
+                        also.seen(seen);
+                      }
+                    }});
   if (learns_) {
     learn(session, recording);
   }

@@ -20,7 +20,9 @@ class RobotLead {
   RobotLead(const Session& session, const std::string& to, const EndOptions& options, bool learns);
 
   /// What the loop has done since the last call, and what has come from the robot. To be called often.
-  void follow(Session& session, std::span<const TickRecord> ticks, SessionRecording& recording);
+  /// @param also  who is told that, too.
+  void follow(Session& session, std::span<const TickRecord> ticks, SessionRecording& recording,
+              const RobotListener& also = {});
 
   [[nodiscard]] const OperatorEnd& end() const noexcept { return end_; }
   [[nodiscard]] const LearningModel* learning() const noexcept { return learning_ ? &*learning_ : nullptr; }
@@ -28,6 +30,8 @@ class RobotLead {
  private:
   [[nodiscard]] RobotRow rowOf(const RobotReport& report) const;
   [[nodiscard]] SiteRow rowOf(const SitePacket& seen) const;
+  template <class Told>
+  void record(const Told& told, SessionRecording& recording) const;
   void learn(Session& session, SessionRecording& recording);
   void begin(const Scenario& model);
 
@@ -37,7 +41,8 @@ class RobotLead {
   SoilParameters soil_;  ///< that the session had when last looked
   double tool_friction_ = 0;
   bool in_air_ = true;
-  double time_s_ = 0;
+  double time_s_ = 0, tick_s_ = 0;
+  std::optional<double> first_s_;  ///< of the first tick that the robot was told of
 };
 
 }  // namespace haptolith

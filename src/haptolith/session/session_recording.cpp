@@ -63,6 +63,12 @@ void SessionRecording::begin(const Session& session, const std::string& file, bo
   const std::lock_guard lock(mutex_);
   writer_ = std::move(writer);
   ticks_ = 0;
+  begun_s_.reset();
+}
+
+std::optional<double> SessionRecording::begun() {
+  const std::lock_guard lock(mutex_);
+  return begun_s_;
 }
 
 std::unique_ptr<RecordingWriter> SessionRecording::takeWriter() {
@@ -128,6 +134,7 @@ void SessionRecording::add(const std::vector<TickRecord>& ticks) {
   if (writer_ && !ticks.empty()) {
     writer_->add(ticks);
     ticks_ += ticks.size();
+    begun_s_ = begun_s_ ? begun_s_ : ticks.front().time_s;
   }
 }
 

@@ -4,6 +4,7 @@
 #include <functional>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -49,6 +50,9 @@ class SessionRecording {
   void add(const SiteRow& seen);
   void note(const std::string& kind, double time_s, const std::string& text);
 
+  /// Time of its first tick, in s; none: it has none yet.
+  [[nodiscard]] std::optional<double> begun();
+
   /// Its file's name; empty when nothing is being recorded.
   [[nodiscard]] const std::string& name() const noexcept { return name_; }
   /// What went wrong with the last one; empty when nothing did.
@@ -69,6 +73,7 @@ class SessionRecording {
   std::mutex mutex_;  ///< for what follows, which add(ticks) touches
   std::unique_ptr<RecordingWriter> writer_;
   std::uint64_t ticks_ = 0;
+  std::optional<double> begun_s_;
 };
 
 }  // namespace haptolith
