@@ -34,6 +34,14 @@ class FakeRig final : public Rig {
     felt.mean_force_n = static_cast<double>(shown.size());
     return felt;
   }
+  bool workIsDone() override {
+    if (robot_is_lost) {
+      throw Failure("the robot has fallen silent");
+    }
+    return summary.done == 1;
+  }
+  std::string workText() const override { return "23 of 40 mm"; }
+  TeleopSummary work() const override { return summary; }
   void pause() override { paused = true; }
   void resume() override { paused = false; }
   void startRecording(const std::filesystem::path& file) override {
@@ -54,7 +62,8 @@ class FakeRig final : public Rig {
 
   std::vector<std::string> prepared, shown, recordings;
   bool is_ready = true, feels = false, paused = false, fails_to_show = false, fails_to_record = false;
-  bool has_no_thread = false;
+  bool has_no_thread = false, robot_is_lost = false;
+  TeleopSummary summary;
   std::uint32_t down = 0;
 };
 

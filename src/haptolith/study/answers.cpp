@@ -25,7 +25,7 @@ bool hasItsMiddleAtTheReference(const StudyBlock& block) {
 }  // namespace
 
 bool counts(const TrialRow& trial) {
-  return trial.kind == TrialKind::kMain && isAnswered(trial);
+  return trial.kind == TrialKind::kMain && isAnswered(trial) && !trial.answer->teleop;
 }
 
 std::vector<Level> levelsOf(std::span<const TrialRow> trials, std::size_t block,

@@ -13,7 +13,7 @@
 
 namespace haptolith {
 
-/// Whether a trial is a point of a curve: a main one, answered in time and not repeated.
+/// Whether a trial is a point of a curve: a main one that compares, answered in time and not repeated.
 [[nodiscard]] bool counts(const TrialRow& trial);
 
 /// How often the tests of a block were said to have more, by their values, the smallest first.

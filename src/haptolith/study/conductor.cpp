@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
+#include <limits>
 #include <new>
 #include <stdexcept>
 #include <utility>
@@ -331,7 +332,7 @@ void Conductor::beginTrial() {
   begun.kind = trial_->plan.kind;
   begun.block_name = now.name;
   begun.level = test.name;
-  begun.reference = now.reference.name;
+  begun.reference = now.teleop ? "" : now.reference.name;
   begun.value = test.value;
   begun.reference_value = now.reference.value;
   begun.test_first = trial_->plan.test_first;
@@ -358,9 +359,15 @@ void Conductor::prepareInterval(int interval) {
 }
 
 void Conductor::endInterval() {
+  const TeleopSummary work = rig_.work();
   trial_->felt[static_cast<std::size_t>(trial_->interval - 1)] = rig_.rest();
   stopRecording();
-  if (trial_->interval == 1) {
+  if (block().teleop) {
+    enter(StudyPhase::kQuestion);  // that nobody is asked: the answer waits there when it cannot be written
+    TrialAnswer given{.reaction_s = std::numeric_limits<double>::quiet_NaN(), .felt = trial_->felt, .teleop = work};
+    unsaved_ = Unsaved{trial_->id, given, trial_->plan.kind == TrialKind::kPractice};
+    finishTrial();
+  } else if (trial_->interval == 1) {
     prepareInterval(2);
   } else {
     enter(StudyPhase::kQuestion);
@@ -409,7 +416,9 @@ void Conductor::finishTrial() {
   enter(StudyPhase::kFeedback);
   readRows();
   const bool tells = done.practice ? block().practice_feedback : block().feedback;
-  if (done.answer.correct && tells) {
+  if (done.answer.teleop) {
+    right_ = done.answer.teleop->done == 1;
+  } else if (done.answer.correct && tells) {
     right_ = done.answer.correct;
   } else {
     goToNextTrial();
@@ -444,7 +453,9 @@ void Conductor::poll() {
         }
         break;
       case StudyPhase::kInterval:
-        if ((left_s && *left_s <= 0) || (pressed && elapsed() > kShortestInterval_s)) {
+        if (block().teleop && rig_.workIsDone()) {
+          endInterval();
+        } else if ((left_s && *left_s <= 0) || (pressed && !block().teleop && elapsed() > kShortestInterval_s)) {
           endInterval();
         }
         break;
@@ -513,7 +524,11 @@ void Conductor::proceed() {
   switch (phase_) {
     case StudyPhase::kConsent:
     case StudyPhase::kInstructions: return guarded([this] { finishStep(); });
-    case StudyPhase::kInterval: return guarded([this] { endInterval(); });
+    case StudyPhase::kInterval:
+      if (block().teleop) {
+        refuse("go", "before the work is done", "left out: it ends when that is seen, or when the time is over");
+      }
+      return guarded([this] { endInterval(); });
     case StudyPhase::kBreak:
       if (remaining().value_or(0) > 0) {
         refuse("go", "in a break", fmt::format("asked for in {:.0f} s", std::ceil(*remaining())));
@@ -712,7 +727,8 @@ StudyState Conductor::state() const {
     case StudyPhase::kConsent: now.button = "I agree and take part"; break;
     case StudyPhase::kInstructions: now.button = "Continue"; break;
     case StudyPhase::kInterval:
-      now.button = now.interval == 1 ? "I have felt enough" : "I have felt enough: answer";
+      now.button = block().teleop ? "" : now.interval == 1 ? "I have felt enough" : "I have felt enough: answer";
+      now.work = block().teleop ? rig_.workText() : "";
       break;
     case StudyPhase::kBreak: now.button = now.remaining_s.value_or(0) > 0 ? "" : "Continue"; break;
     default: break;

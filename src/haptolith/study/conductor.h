@@ -44,7 +44,8 @@ struct StudyState {
   int interval = 0;                      ///< 1 or 2 while a stimulus is prepared or felt, else 0
   int soil = 0, soils = 0;               ///< before a block's first trial: which of how many is prepared; else 0
   std::optional<double> remaining_s = {};
-  std::optional<bool> right = {};  ///< feedback
+  std::optional<bool> right = {};  ///< feedback; of work for a robot, whether it was done in time
+  std::string work = {};           ///< how much of it is seen to be done; empty: there is none
   std::optional<ShownTrial> now = {}, next = {};
   std::string problem = {};
 };

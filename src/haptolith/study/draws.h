@@ -22,7 +22,8 @@ enum class Purpose : std::uint64_t {
   kTrialSeed,
   kAdaptiveOrder,
   kProcedure,
-  kGroups
+  kGroups,
+  kTrust
 };
 
 /// The finaliser of SplitMix64 (Steele, Lea and Flood 2014): each bit of the result depends on every bit of the number.

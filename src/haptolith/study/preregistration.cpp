@@ -87,7 +87,26 @@ std::string visionText(const StudyBlock& block) {
   return block.visual_delay_s > 0 ? fmt::format("seen {:g} s late", block.visual_delay_s) : "seen";
 }
 
+std::string teleopText(const StudyBlock& block) {
+  const TeleopWork& work = *block.teleop;
+  std::string text = fmt::format(
+      "### {}\n\n- Each trial is work for a robot: \"{}\", in at most {:g} s.\n- Felt meanwhile: {}. The delay is {:g} "
+      "s "
+      "there and back.\n- {} trials",
+      block.title.empty() ? block.name : block.title, goalOf(work.task), block.interval_s,
+      work.felt == TeleopFelt::kNone    ? "nothing"
+      : work.felt == TeleopFelt::kModel ? "a model of the soil, which stays as it is"
+                                        : "a model of the soil, which learns from what the robot meets",
+      work.round_trip_s, block.repeats);
+  text +=
+      block.practice_trials > 0 ? fmt::format(", after {} that count for nothing.\n", block.practice_trials) : ".\n";
+  return text;
+}
+
 std::string designText(const StudyBlock& block) {
+  if (block.teleop) {
+    return teleopText(block);
+  }
   std::string text = fmt::format(
       "### {}\n\n- Varied: {}; reference {}; levels {}.\n- Question: \"{}\" Answers: \"{}\" or \"{}\"; {}.\n"
       "- Levels are chosen by {}.\n",
@@ -196,23 +215,40 @@ std::string preregistrationText(const StudyProtocol& protocol, const Preregistra
       protocol.planned_participants > 0
           ? fmt::format("{} who finish; no look at the answers decides when to stop", protocol.planned_participants)
           : std::string("[NUMBER: the key `participants`], fixed before the first one"));
+  text += "## Measures and analysis\n\n";
+  const auto works = static_cast<std::size_t>(
+      std::ranges::count_if(protocol.blocks, [](const StudyBlock& block) { return block.teleop.has_value(); }));
+  if (works > 0) {
+    text +=
+        "- Measures of work for a robot: whether it was done in time, task time (the time limit where it was not), "
+        "error "
+        "of force (RMS of force felt less force met at the same command over RMS of force met), and the scales of the "
+        "form after the block.\n"
+        "- Estimates: means over participants of each participant's mean over the main trials, and of differences from "
+        "the first block, paired within participants, with 95 % intervals (Student's t).\n";
+  }
+  const std::size_t compares = protocol.blocks.size() - works;
   text +=
-      "## Measures and analysis\n\n"
-      "- Measure: the share of answers that the test had more, for each level and participant.\n"
-      "- Model: a psychometric function for each participant, the cumulative Gaussian of the logarithm of the stimulus "
-      "(Gaussian of the stimulus where values are not all above 0), with the point of subjective equality free. "
-      "ln(Weber fraction) and "
-      "ln(PSE) of participants come from normal distributions; one lapse rate is estimated for all, with the prior "
-      "Beta(1, 100). Priors are those of docs/psychometrics.md; sums over grids, no random numbers.\n"
-      "- Estimates: the Weber fraction and the PSE of the median participant, posterior medians with 95 % intervals, "
-      "and the "
-      "spread between participants.\n";
-  if (protocol.blocks.size() > 1) {
+      compares == 0
+          ? ""
+          : "- Measure: the share of answers that the test had more, for each level and participant.\n"
+            "- Model: a psychometric function for each participant, the cumulative Gaussian of the logarithm of the "
+            "stimulus "
+            "(Gaussian of the stimulus where values are not all above 0), with the point of subjective equality free. "
+            "ln(Weber fraction) and "
+            "ln(PSE) of participants come from normal distributions; one lapse rate is estimated for all, with the "
+            "prior "
+            "Beta(1, 100). Priors are those of docs/psychometrics.md; sums over grids, no random numbers.\n"
+            "- Estimates: the Weber fraction and the PSE of the median participant, posterior medians with 95 % "
+            "intervals, "
+            "and the "
+            "spread between participants.\n";
+  if (compares > 1) {
     text +=
         "- Blocks are compared by the ratio of their Weber fractions, paired within participants, with a 95 % "
         "interval.\n";
   }
-  if (!protocol.groups.empty()) {
+  if (!protocol.groups.empty() && compares > 0) {
     text +=
         "- Groups are fitted each by itself and compared by the ratio of their Weber fractions and of their PSEs (as "
         "shares of the references), with 95 % intervals; the Bayes factor of no difference is against a logarithm of "

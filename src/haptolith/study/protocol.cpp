@@ -350,13 +350,83 @@ void requireProcedure(StudyBlock& block) {
   }
 }
 
+/// What a comparison needs and work at a robot's site has no use for.
+constexpr std::array kOfComparisons{"question",
+                                    "answers",
+                                    "varies",
+                                    "reference",
+                                    "levels",
+                                    "values",
+                                    "reference_value",
+                                    "axis_label",
+                                    "log_axis",
+                                    "task",
+                                    "procedure",
+                                    "practice_levels",
+                                    "practice_criterion",
+                                    "practice_rounds",
+                                    "catch_trials",
+                                    "catch_levels",
+                                    "catch_criterion",
+                                    "feedback",
+                                    "practice_feedback",
+                                    "between_intervals_s",
+                                    "answer_limit_s",
+                                    "visual_delay_s"};
+
+/// Its robot must be able to dig in its site, and its model to learn.
+void requireTeleop(const StudyProtocol& protocol, const StudyBlock& block) {
+  const TeleopWork& work = *block.teleop;
+  const std::vector<std::string> sites = sceneNames();
+  if (std::ranges::find(sites, work.site) == sites.end()) {
+    throw InvalidParameter("site", inQuotes(work.site), fmt::format("a built-in scene: {}", fmt::join(sites, ", ")));
+  }
+  const Scenario model = sceneOf(protocol, block, block.reference);
+  const bool can_learn =
+      protocol.scene.bed.soil.friction == FrictionModel::kContact && model.bed.soil.friction == FrictionModel::kContact;
+  if (work.felt == TeleopFelt::kLearning && !can_learn) {
+    throw InvalidParameter("felt", "learning", "model or none where the study's scene has no contact friction");
+  }
+  if (const double tick_s = findScenario(work.site).loop.tick_s; tick_s != model.loop.tick_s) {
+    throw InvalidParameter("site", inQuotes(work.site),
+                           fmt::format("one whose loop has ticks of {:g} s, as the scene's", model.loop.tick_s));
+  }
+}
+
+/// A block that compares nothing; what it shares with others is read already.
+StudyBlock readTeleopBlock(const TomlReader& reader, const StudyProtocol& protocol, const BlockDraft& draft) {
+  for (const char* key : kOfComparisons) {
+    if (reader.has("", key)) {
+      reader.refuseKey({"", key}, "left out: with [block.teleop] nothing is compared");
+    }
+  }
+  for (const char* needed : {"task", "felt", "round_trip_s"}) {
+    reader.require("teleop", needed);
+  }
+  reader.require("", "interval_s");
+  StudyBlock block = draft.block;
+  block.teleop = draft.teleop;
+  if (!(block.interval_s > 0)) {
+    reader.refuseKey({"", "interval_s"}, "> 0: with [block.teleop] it is the time limit of a task");
+  }
+  block.axis_label = "delay there and back (s)";
+  block.reference.name = fmt::format("{} {:g} s", teleopFeltWord(block.teleop->felt), block.teleop->round_trip_s);
+  block.reference.value = block.teleop->round_trip_s;
+  block.levels = {block.reference};
+  reader.check(blockKeys(), "teleop", [&] { requireTeleop(protocol, block); });
+  return block;
+}
+
 StudyBlock readBlock(const TomlReader& reader, const StudyProtocol& protocol) {
   std::vector<KeyName> known = keyNames(blockKeys());
   known.push_back({"", "item"});
   reader.refuseUnknownKeys(known);
   reader.refuseBoth("scene", "preset", "soil");
+  const bool teleop = reader.has("teleop");
   for (const char* needed : {"name", "question", "answers", "varies", "reference", "levels"}) {
-    reader.require("", needed);
+    if (!teleop || std::string_view(needed) == "name") {
+      reader.require("", needed);
+    }
   }
   BlockDraft draft;
   for (const BlockKey& key : blockKeys()) {
@@ -364,6 +434,11 @@ StudyBlock readBlock(const TomlReader& reader, const StudyProtocol& protocol) {
   }
   StudyBlock& block = draft.block;
   refuseKeysOfOtherProcedures(reader, block);
+  if (teleop) {
+    block = readTeleopBlock(reader, protocol, draft);
+    block.questionnaire = withTaskLoadIndex(draft.task_load_index, readItems(reader, "item"));
+    return block;
+  }
   if (block.axis_label.empty()) {
     block.axis_label = variationOf(draft.varies).axis_label;
   }

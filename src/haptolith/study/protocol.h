@@ -2,6 +2,7 @@
 
 #include <array>
 #include <filesystem>
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
@@ -10,6 +11,7 @@
 #include "haptolith/psychometrics/quest_plus.h"
 #include "haptolith/psychometrics/staircase.h"
 #include "haptolith/scenario/scenario.h"
+#include "haptolith/scenario/site_task.h"
 #include "haptolith/session/scene_change.h"
 
 namespace haptolith {
@@ -43,6 +45,19 @@ struct FormItem {
   bool personal = false;  ///< kept in the table that an export leaves out
 };
 
+/// What the hand feels while a robot far away does the work. kNone: nothing; kModel: soil of its own, which stays as it
+/// is; kLearning: soil of its own, which becomes like what the robot meets.
+enum class TeleopFelt { kNone, kModel, kLearning };
+
+/// What the trials of a block are where they compare nothing: a task at the site of a robot, which is led over a link
+/// with delay. What is felt is the block's scene.
+struct TeleopWork {
+  SiteTask task = SiteTask::kTrench;
+  TeleopFelt felt = TeleopFelt::kLearning;
+  double round_trip_s = 0;
+  std::string site = "dig-site";  ///< built-in scene that the robot digs in
+};
+
 struct StudyBlock {
   std::string name = {}, title = {}, instructions = {}, question = {};
   std::string hypothesis = {};              ///< for the preregistration
@@ -51,7 +66,8 @@ struct StudyBlock {
   bool log_axis = false;
   SceneChange scene = {};  ///< what the block changes of the study's scene
   Stimulus reference = {};
-  std::vector<Stimulus> levels = {};  ///< in the order of their values, the smallest first
+  std::vector<Stimulus> levels = {};      ///< in the order of their values, the smallest first
+  std::optional<TeleopWork> teleop = {};  ///< then reference and the only level are its name and round trip
   TaskKind task = TaskKind::kReferenceFirst;
   ProcedureKind procedure = ProcedureKind::kConstant;
   int repeats = 3;                             ///< constant: of each level

@@ -10,6 +10,7 @@
 #include <system_error>
 
 #include "haptolith/scenario/scene_words.h"
+#include "haptolith/scenario/site_task.h"
 #include "haptolith/scenario/soil_file.h"
 #include "haptolith/soil/bodies.h"
 #include "haptolith/soil/presets.h"
@@ -74,6 +75,13 @@ constexpr std::array kProcedureWords{
     SceneWord{"constant", ProcedureKind::kConstant},
     SceneWord{"staircase", ProcedureKind::kStaircase},
     SceneWord{"quest+", ProcedureKind::kQuestPlus},
+};
+
+constexpr Range kRoundTrip_s{0, 20};
+constexpr std::array kTeleopFeltWords{
+    SceneWord{"none", TeleopFelt::kNone},
+    SceneWord{"model", TeleopFelt::kModel},
+    SceneWord{"learning", TeleopFelt::kLearning},
 };
 
 constexpr std::array kTargetWords{
@@ -479,6 +487,29 @@ std::vector<BlockKey> sceneKeys() {
 
 #undef SLIDER_KEY
 
+std::vector<BlockKey> teleopKeys() {
+  using D = BlockDraft;
+  return {
+      {"teleop", "task", "",
+       BlockKey::WordValue{namesOf(kSiteTaskWords),
+                           [](D& d, std::string_view v) { d.teleop.task = valueOf(kSiteTaskWords, v); }, kOnlyRead},
+       "What is to be done at the robot's site: a trench 40 mm deep and 60 mm long, the tool's face pressed on the "
+       "soil "
+       "with 8 N, within a tenth and for half a second, or a load of 0.1 N held in the air for as long."},
+      {"teleop", "felt", "",
+       BlockKey::WordValue{namesOf(kTeleopFeltWords),
+                           [](D& d, std::string_view v) { d.teleop.felt = valueOf(kTeleopFeltWords, v); }, kOnlyRead},
+       "What the hand feels meanwhile: nothing, the block's scene as a model that stays as it is, or as one that "
+       "learns "
+       "from what the robot meets."},
+      {"teleop", "round_trip_s", "",
+       BlockKey::NumberValue{kRoundTrip_s, [](D& d, double v) { d.teleop.round_trip_s = v; }, kOnlyRead},
+       "Delay to the robot and back; half of it each way."},
+      {"teleop", "site", "", BlockKey::TextValue{[](D& d, std::string_view v) { d.teleop.site = v; }, kOnlyRead},
+       "The built-in scene that the robot digs in, level in each trial; left out: `dig-site`."},
+  };
+}
+
 /// Checks of values against each other call a parameter what the file calls it.
 template <class Key>
 std::vector<Key> named(std::vector<Key> keys) {
@@ -490,7 +521,7 @@ std::vector<Key> named(std::vector<Key> keys) {
 
 std::vector<BlockKey> allBlockKeys() {
   std::vector<BlockKey> keys = designKeys();
-  for (const std::vector<BlockKey>& more : {courseKeys(), sceneKeys(), procedureKeys()}) {
+  for (const std::vector<BlockKey>& more : {courseKeys(), sceneKeys(), procedureKeys(), teleopKeys()}) {
     keys.insert(keys.end(), more.begin(), more.end());
   }
   return keys;
@@ -551,6 +582,10 @@ std::span<const ItemKey> itemKeys() {
 
 std::span<const std::string_view> variedThings() {
   return kVariedThings;
+}
+
+std::string_view teleopFeltWord(TeleopFelt felt) {
+  return wordFor(kTeleopFeltWords, felt);
 }
 
 std::span<const SceneNumber> sceneNumbers() {

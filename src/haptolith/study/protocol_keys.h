@@ -25,6 +25,7 @@ struct BlockDraft {
   std::vector<TextOrNumber> levels = {}, values = {}, reference = {};
   std::vector<TextOrNumber> practice_levels = {}, catch_levels = {};
   std::optional<double> reference_value = {};
+  TeleopWork teleop = {};
   bool task_load_index = false;
 };
 
@@ -45,6 +46,9 @@ using ItemKey = FileKey<FormItem>;
 [[nodiscard]] std::span<const GroupKey> groupKeys();
 [[nodiscard]] std::span<const BlockKey> blockKeys();
 [[nodiscard]] std::span<const ItemKey> itemKeys();
+
+/// "none", "model" or "learning".
+[[nodiscard]] std::string_view teleopFeltWord(TeleopFelt felt);
 
 /// What a block may vary: "preset", "body", "soil", the key of a slider or that of a number of the scene.
 [[nodiscard]] std::span<const std::string_view> variedThings();

@@ -29,6 +29,15 @@ class Rig {
   /// The tool fades out of the soil again. What the hand did and felt since feel().
   virtual TrialSummary rest() = 0;
 
+  // Of a block with work for a robot, from feel() to rest():
+
+  /// Whether the work is seen to be done at the robot's site. @throws Failure when the robot is lost.
+  [[nodiscard]] virtual bool workIsDone() { return false; }
+  /// How much of it is seen to be: "23 of 40 mm"; empty: nothing is known.
+  [[nodiscard]] virtual std::string workText() const { return ""; }
+  /// How it went so far.
+  [[nodiscard]] virtual TeleopSummary work() const { return {}; }
+
   /// Time stands still and the hand is let go, until resume().
   virtual void pause() = 0;
   virtual void resume() = 0;

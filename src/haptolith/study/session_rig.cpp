@@ -36,6 +36,7 @@ void SessionRig::follow(const std::vector<TickRecord>& ticks) {
 
 void SessionRig::show(const StudyBlock& block, const Stimulus& stimulus) {
   feels_ = false;
+  touches_ = !block.teleop || block.teleop->felt != TeleopFelt::kNone;
   session_.touch(false);
   session_.show(std::array{block.scene, stimulus.change});
 }
@@ -50,7 +51,7 @@ bool SessionRig::ready() {
 void SessionRig::feel() {
   felt_ = {};
   feels_ = true;
-  session_.touch(true);
+  session_.touch(touches_);
 }
 
 TrialSummary SessionRig::rest() {

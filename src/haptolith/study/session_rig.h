@@ -28,6 +28,7 @@ class SessionRig final : public Rig {
   void prepare(const StudyBlock& block, const Stimulus& stimulus) override { show(block, stimulus); }
   void show(const StudyBlock& block, const Stimulus& stimulus) override;
   [[nodiscard]] bool ready() override;
+  /// Where nothing is to be felt, the tool stays out of the soil.
   void feel() override;
   TrialSummary rest() override;
   void pause() override;
@@ -42,7 +43,7 @@ class SessionRig final : public Rig {
  private:
   Session& session_;
   Recorder recorder_;
-  bool feels_ = false, squeezed_ = false;
+  bool feels_ = false, touches_ = true, squeezed_ = false;
   FeltSummary felt_;
   std::uint32_t buttons_ = 0;
 };

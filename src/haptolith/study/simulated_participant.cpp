@@ -123,11 +123,28 @@ void SimulatedParticipant::step(Conductor& conductor) {
       for (const FormItem& item : *now.form) {
         const bool parts = now.form == &protocol.demographics && std::ranges::find(strata, item.key) != strata.end();
         values[item.key] = parts ? anyAnswerTo(item, stratum_random_) : answerTo(item);
+        if (now.block != nullptr && now.block->teleop && item.kind == FormItem::Kind::kScale && item.key == kTrustKey) {
+          values[item.key] = fmt::format("{:.0f}", trust(item, conductor.trials(), now.block->name));
+        }
       }
       return conductor.fill(values);
     }
     default: now_s_ += 2; return;
   }
+}
+
+double SimulatedParticipant::trust(const FormItem& item, const std::vector<TrialRow>& trials,
+                                   const std::string& block) {
+  constexpr double kSpread = 0.1;
+  double sum = 0, count = 0;
+  for (const TrialRow& trial : trials) {
+    const bool is_of_it = trial.block_name == block && trial.state == TrialState::kAnswered && trial.answer &&
+                          trial.answer->teleop && std::isfinite(trial.answer->teleop->force_error);
+    sum += is_of_it ? trial.answer->teleop->force_error : 0;
+    count += is_of_it ? 1 : 0;
+  }
+  const double truth = count == 0 ? 0.5 : 1 - sum / count;
+  return item.low + (item.high - item.low) * std::clamp(truth + kSpread * normal(trust_random_), 0.0, 1.0);
 }
 
 int SimulatedParticipant::choose(const Conductor& conductor, const StudyState& now) {

@@ -4,6 +4,7 @@
 #include <optional>
 #include <random>
 #include <string>
+#include <vector>
 
 #include "haptolith/study/conductor.h"
 #include "haptolith/study/draws.h"
@@ -12,6 +13,10 @@ namespace haptolith {
 
 /// What the codes of simulated participants begin with, and no others.
 inline constexpr const char* kSimulatedCode = "sim";
+
+/// The scale after a block of work for a robot that a simulated participant answers by the error of force: at 1 less
+/// the error of its length, give or take a tenth of it (normally distributed), within its ends.
+inline constexpr const char* kTrustKey = "trust";
 
 /// What a simulated participant judges by.
 enum class JudgedBy {
@@ -84,7 +89,8 @@ class SimulatedParticipant {
       : observer_(observer, seed),
         by_(observer.judged_by),
         group_factor_(observer.group_factor),
-        stratum_random_(seedOf({seed, static_cast<std::uint64_t>(Purpose::kGroups)})) {}
+        stratum_random_(seedOf({seed, static_cast<std::uint64_t>(Purpose::kGroups)})),
+        trust_random_(seedOf({seed, static_cast<std::uint64_t>(Purpose::kTrust)})) {}
 
   /// Until the study is over for everyone who has begun. @throws Failure when it pauses with a problem;
   /// InvalidParameter for a block whose values an observer of ratios cannot judge.
@@ -92,12 +98,14 @@ class SimulatedParticipant {
 
  private:
   void step(Conductor& conductor);
+  [[nodiscard]] double trust(const FormItem& item, const std::vector<TrialRow>& trials, const std::string& block);
   [[nodiscard]] int choose(const Conductor& conductor, const StudyState& now);
 
   SimulatedObserver observer_;
   JudgedBy by_;
   double group_factor_;
   std::mt19937_64 stratum_random_;  ///< apart from the observer's, whose answers are the same with and without strata
+  std::mt19937_64 trust_random_;    ///< likewise
   double now_s_ = 0;
 };
 

@@ -77,6 +77,14 @@ bool speaksForItself(const StudyState& now) {
          now.phase == StudyPhase::kBreak || now.phase == StudyPhase::kWithdrawn;
 }
 
+std::string titleOf(const StudyState& now, bool asks) {
+  const bool works = now.block != nullptr && now.block->teleop;
+  if (works && !now.paused && now.phase == StudyPhase::kFeedback) {
+    return now.right.value_or(false) ? "That is done" : "The time is over";
+  }
+  return speaksForItself(now) ? "" : asks ? now.block->question : now.title;
+}
+
 Json progressJson(const StudyState& now) {
   if (!now.participant.empty() && now.blocks == 0) {
     return nullptr;  // the group, and with it the blocks, is not decided yet
@@ -110,8 +118,8 @@ Json trialJson(const StudyState& now, const std::optional<ShownTrial>& trial, bo
   }
   return {{"kind", wordOf(trial->kind)},
           {"block", trial->block->name},
-          {"question", trial->block->question},
-          {"reference", trial->block->reference.name},
+          {"question", trial->block->teleop ? goalOf(trial->block->teleop->task) : trial->block->question},
+          {"reference", trial->block->teleop ? "" : trial->block->reference.name},
           {"test", trial->test->name},
           {"value", trial->test->value},
           {"test_first", trial->test_first},
@@ -132,6 +140,15 @@ Json notesJson(const Conductor& conductor) {
   return notes;
 }
 
+Json workJson(const TrialRow& row) {
+  if (!row.answer || !row.answer->teleop) {
+    return nullptr;
+  }
+  const TeleopSummary& work = *row.answer->teleop;
+  const auto known = [](double value) { return std::isnan(value) ? Json(nullptr) : Json(value); };
+  return {{"done", work.done == 1}, {"time_s", known(work.time_s)}, {"force_error", known(work.force_error)}};
+}
+
 Json answersJson(const std::vector<TrialRow>& rows) {
   Json answers = Json::array();
   for (const TrialRow& row : latest(rows)) {
@@ -140,9 +157,10 @@ Json answersJson(const std::vector<TrialRow>& rows) {
                        {"kind", wordOf(row.kind)},
                        {"test", row.level},
                        {"value", row.value},
-                       {"positive", row.answer ? Json(row.answer->positive) : Json(nullptr)},
+                       {"positive", row.answer && !row.answer->teleop ? Json(row.answer->positive) : Json(nullptr)},
+                       {"work", workJson(row)},
                        {"correct", row.answer ? orNull(row.answer->correct) : Json(nullptr)},
-                       {"reaction_s", row.answer ? Json(row.answer->reaction_s) : Json(nullptr)},
+                       {"reaction_s", row.answer && !row.answer->teleop ? Json(row.answer->reaction_s) : Json(nullptr)},
                        {"state", wordOf(row.state)},
                        {"reason", row.reason}});
   }
@@ -234,7 +252,8 @@ void handleExperimenter(Conductor& conductor, const std::string& act, const Json
 
 std::string participantMessage(const Conductor& conductor) {
   const StudyState now = conductor.state();
-  const bool asks = !now.paused && now.phase == StudyPhase::kQuestion;
+  const bool works = now.block != nullptr && now.block->teleop;
+  const bool asks = !now.paused && now.phase == StudyPhase::kQuestion && !works;
   const bool feels = !now.paused && now.phase == StudyPhase::kInterval;
   Json fields = Json::array();
   if (now.form != nullptr) {
@@ -246,15 +265,16 @@ std::string participantMessage(const Conductor& conductor) {
                {"as", "participant"},
                {"study", conductor.store().title()},
                {"phase", phaseWord(now)},
-               {"title", speaksForItself(now) ? ""
-                         : asks               ? now.block->question
-                                              : now.title},
+               {"title", titleOf(now, asks)},
                {"text", speaksForItself(now) ? preparingText(now) : now.text},
                {"fields", std::move(fields)},
                {"button", now.paused ? Json(nullptr) : orNull(now.button)},
                {"interval", now.interval > 0 ? Json(now.interval) : Json(nullptr)},
-               {"intervals", 2},
-               {"label", now.interval == 0 ? Json(nullptr) : Json(now.interval == 1 ? "First" : "Second")},
+               {"intervals", works ? 1 : 2},
+               {"label", now.interval == 0 ? Json(nullptr)
+                         : works           ? Json(goalOf(now.block->teleop->task))
+                                           : Json(now.interval == 1 ? "First" : "Second")},
+               {"work", orNull(now.work)},
                {"remaining_s", now.paused ? Json(nullptr) : orNull(now.remaining_s)},
                {"choices", asks ? Json(now.block->answers) : Json::array()},
                {"visual", feels && now.block->visual},
@@ -270,6 +290,9 @@ std::string historyJson(const Conductor& conductor) {
   const std::vector<StudyBlock>& blocks = conductor.store().protocol().blocks;
   Json results = Json::array();
   for (std::size_t i = 0; i < blocks.size(); ++i) {
+    if (blocks[i].teleop) {
+      continue;  // no curve
+    }
     const std::vector<Level> levels = levelsOf(conductor.trials(), i);
     Json points = Json::array();
     for (const Level& level : levels) {

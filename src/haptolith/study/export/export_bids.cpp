@@ -184,7 +184,7 @@ void addSessions(Json& json, const ParticipantRow& participant, const std::vecto
 }
 
 Json behaviourJson(const StudyBlock& block) {
-  Json json{{"TaskName", block.name}, {"TaskDescription", block.question}};
+  Json json{{"TaskName", block.name}, {"TaskDescription", block.teleop ? goalOf(block.teleop->task) : block.question}};
   if (!block.instructions.empty()) {
     json["Instructions"] = block.instructions;
   }

@@ -99,7 +99,7 @@ std::vector<FilledColumn<TrialOf>> answerColumns() {
         "The answer, whichever way it was asked.",
         "",
         {{"0", "the test was said to have less than the reference"}, {"1", "the test was said to have more"}}},
-       ofAnswer([](const TrialAnswer& a) { return a.timed_out ? "" : textOf(a.positive); })},
+       ofAnswer([](const TrialAnswer& a) { return a.timed_out || a.teleop ? "" : textOf(a.positive); })},
       {{"correct", "correct", "Whether that is so.", "", {{"0", "no"}, {"1", "yes"}}},
        ofAnswer([](const TrialAnswer& a) { return a.correct ? textOf(*a.correct) : ""; })},
       {{"response_time_s", "response_time", "From the question to the answer.", "s"},
@@ -113,6 +113,18 @@ std::vector<FilledColumn<TrialOf>> answerColumns() {
         {{"0", "no"}, {"1", "yes"}}},
        ofAnswer([](const TrialAnswer& a) { return textOf(a.timed_out); })},
   };
+}
+
+/// Of trials that are work for a robot.
+std::vector<FilledColumn<TrialOf>> workColumns() {
+  std::vector<FilledColumn<TrialOf>> columns;
+  for (const TeleopColumn& number : teleopColumns()) {
+    const std::string full = fmt::format("teleop_{}", number.name);
+    columns.push_back(
+        {{full, full, fmt::format("Of work for a robot: {}", number.meaning), std::string(number.unit)},
+         ofAnswer([=](const TrialAnswer& a) { return a.teleop ? textOf((*a.teleop).*number.value) : ""; })});
+  }
+  return columns;
 }
 
 std::vector<FilledColumn<TrialOf>> feltColumns() {
@@ -153,7 +165,8 @@ std::string recordingState(const TrialOf& of) {
       return "unfinished";
     }
   }
-  return there == 2 || (there == 1 && !of.trial.answer) ? "whole" : "missing";
+  const bool both = of.trial.answer && !of.trial.answer->teleop;  // should be there
+  return there == 2 || (there == 1 && !both) ? "whole" : "missing";
 }
 
 std::vector<FilledColumn<TrialOf>> recordColumns() {
@@ -235,7 +248,8 @@ std::vector<ExportColumn> columnsAlone(const std::vector<FilledColumn<Of>>& fill
 const std::vector<FilledColumn<TrialOf>>& filledTrialColumns() {
   static const std::vector<FilledColumn<TrialOf>> kColumns = [] {
     std::vector<FilledColumn<TrialOf>> all = designColumns();
-    for (const std::vector<FilledColumn<TrialOf>>& more : {answerColumns(), feltColumns(), recordColumns()}) {
+    for (const std::vector<FilledColumn<TrialOf>>& more :
+         {answerColumns(), workColumns(), feltColumns(), recordColumns()}) {
       all.insert(all.end(), more.begin(), more.end());
     }
     return all;

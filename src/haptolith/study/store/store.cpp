@@ -60,6 +60,30 @@ constexpr std::array kSummaryColumns{
     SummaryColumn{"work_j", "J", "Work that the hand did on the soil.", &TrialSummary::work_j},
 };
 
+constexpr std::array kTeleopColumns{
+    TeleopColumn{"done", "",
+                 "Whether it was seen to be done at the robot's site: 1, or 0 when the time was over before.",
+                 &TeleopSummary::done},
+    TeleopColumn{"time_s", "s", "Task time: until it was seen to be done, or the time was over.",
+                 &TeleopSummary::time_s},
+    TeleopColumn{"follows_s", "s", "Of that, until the robot was first heard to follow the hand; missing: never.",
+                 &TeleopSummary::follows_s},
+    TeleopColumn{"reached", "",
+                 "What was seen to be reached: a trench's depth in m, or the force of a press or a load in N.",
+                 &TeleopSummary::reached},
+    TeleopColumn{"force_error", "",
+                 "RMS of force felt less force met at the same command, over RMS of force met, in windows of 0.2 s.",
+                 &TeleopSummary::force_error},
+    TeleopColumn{"met_rms_n", "N", "RMS of the force on the robot's tool, in such windows.", &TeleopSummary::met_rms_n},
+    TeleopColumn{"met_peak_n", "N", "Largest force on the robot's tool, in such windows.", &TeleopSummary::met_peak_n},
+    TeleopColumn{"stops", "", "How often the robot was heard to stop by itself.", &TeleopSummary::stops},
+    TeleopColumn{"friction_angle_deg", "deg", "Friction angle of the soil that the model has learned.",
+                 &TeleopSummary::friction_angle_deg},
+    TeleopColumn{"cohesion_pa", "Pa", "Its cohesion.", &TeleopSummary::cohesion_pa},
+    TeleopColumn{"tool_friction_angle_deg", "deg", "Its friction angle on the tool.",
+                 &TeleopSummary::tool_friction_angle_deg},
+};
+
 template <class Words, class Value>
 std::string_view wordIn(const Words& words, Value value) {
   return std::ranges::find(words, value, [](const auto& entry) { return entry.first; })->second;
@@ -129,10 +153,15 @@ std::string selectTrials() {
     }
     sql += fmt::format(", {}.deadline_misses", interval);
   }
+  sql += ", teleop.trial";
+  for (const TeleopColumn& column : kTeleopColumns) {
+    sql += fmt::format(", teleop.{}", column.name);
+  }
   return sql +
          " FROM trial LEFT JOIN answer ON answer.trial = trial.id"
          " LEFT JOIN felt AS first ON first.trial = answer.trial AND first.interval = 1"
-         " LEFT JOIN felt AS second ON second.trial = answer.trial AND second.interval = 2";
+         " LEFT JOIN felt AS second ON second.trial = answer.trial AND second.interval = 2"
+         " LEFT JOIN teleop ON teleop.trial = answer.trial";
 }
 
 /// The columns of a row, one after the other.
@@ -166,6 +195,12 @@ std::optional<TrialAnswer> answerOf(Columns& columns) {
   answer.reaction_s = numberOrNan(columns.next());
   answer.timed_out = columns.next().getInt() != 0;
   answer.felt = {summaryOf(columns), summaryOf(columns)};
+  if (!columns.next().isNull()) {
+    answer.teleop.emplace();
+    for (const TeleopColumn& column : kTeleopColumns) {
+      (*answer.teleop).*column.value = numberOrNan(columns.next());
+    }
+  }
   return answer;
 }
 
@@ -208,14 +243,31 @@ int largestEver(SQLite::Database& database, std::string_view what) {
   return database.execAndGet(fmt::format("SELECT largest_{} FROM study", what)).getInt();
 }
 
-void insertFelt(SQLite::Database& database, std::int64_t trial, int interval, const TrialSummary& felt) {
-  std::string names, marks;
-  for (const SummaryColumn& column : kSummaryColumns) {
-    names += fmt::format(", {}", column.name);
-    marks += ", ?";
+/// ", name, name" or ", ?, ?" of all columns.
+template <class ColumnsOf>
+std::string listed(const ColumnsOf& columns, bool as_marks) {
+  std::string list;
+  for (const auto& column : columns) {
+    list += fmt::format(", {}", as_marks ? "?" : column.name);
   }
-  SQLite::Statement query(
-      database, fmt::format("INSERT INTO felt (trial, interval, deadline_misses{}) VALUES (?, ?, ?{})", names, marks));
+  return list;
+}
+
+void insertTeleop(SQLite::Database& database, std::int64_t trial, const TeleopSummary& summary) {
+  SQLite::Statement query(database, fmt::format("INSERT INTO teleop (trial{}) VALUES (?{})",
+                                                listed(kTeleopColumns, false), listed(kTeleopColumns, true)));
+  int at = 0;
+  bindAt(query, ++at, trial);
+  for (const TeleopColumn& column : kTeleopColumns) {
+    bindAt(query, ++at, summary.*column.value);
+  }
+  query.exec();
+}
+
+void insertFelt(SQLite::Database& database, std::int64_t trial, int interval, const TrialSummary& felt) {
+  SQLite::Statement query(database,
+                          fmt::format("INSERT INTO felt (trial, interval, deadline_misses{}) VALUES (?, ?, ?{})",
+                                      listed(kSummaryColumns, false), listed(kSummaryColumns, true)));
   int at = 0;
   bindAt(query, ++at, trial);
   bindAt(query, ++at, interval);
@@ -242,6 +294,10 @@ std::string_view standingOf(const ParticipantRow& participant) {
 
 bool isLeftOut(const ParticipantRow& participant) {
   return participant.state == "withdrawn" || !participant.excluded_for.empty();
+}
+
+std::span<const TeleopColumn> teleopColumns() {
+  return kTeleopColumns;
 }
 
 std::span<const SummaryColumn> summaryColumns() {
@@ -530,6 +586,9 @@ void StudyStore::answerTrial(std::int64_t id, const TrialAnswer& answer) {
             answer.positive, answer.correct, answer.reaction_s, answer.timed_out);
     insertFelt(database, id, 1, answer.felt[0]);
     insertFelt(database, id, 2, answer.felt[1]);
+    if (answer.teleop) {
+      insertTeleop(database, id, *answer.teleop);
+    }
     return execute(database, "UPDATE trial SET state = 'answered', answered_at = ? WHERE id = ?",
                    std::string_view(nowText()), id);
   });

@@ -44,6 +44,29 @@ struct SummaryColumn {
 /// All but deadline_misses.
 [[nodiscard]] std::span<const SummaryColumn> summaryColumns();
 
+/// How the work of a robot went in one trial. NaN: not known.
+struct TeleopSummary {
+  double done = std::numeric_limits<double>::quiet_NaN();  ///< 1: it was seen to be done at the site; 0: it was not
+  double time_s = std::numeric_limits<double>::quiet_NaN();
+  double follows_s = std::numeric_limits<double>::quiet_NaN();
+  double reached = std::numeric_limits<double>::quiet_NaN();
+  double force_error = std::numeric_limits<double>::quiet_NaN();
+  double met_rms_n = std::numeric_limits<double>::quiet_NaN();
+  double met_peak_n = std::numeric_limits<double>::quiet_NaN();
+  double stops = std::numeric_limits<double>::quiet_NaN();
+  double friction_angle_deg = std::numeric_limits<double>::quiet_NaN();
+  double cohesion_pa = std::numeric_limits<double>::quiet_NaN();
+  double tool_friction_angle_deg = std::numeric_limits<double>::quiet_NaN();
+};
+
+/// A number of TeleopSummary: its column in the store's table `teleop` and, with "teleop_" before it, in exports.
+struct TeleopColumn {
+  std::string_view name, unit, meaning;
+  double TeleopSummary::*value;
+};
+
+[[nodiscard]] std::span<const TeleopColumn> teleopColumns();
+
 /// A trial as it begins: what is to be felt.
 struct TrialBegun {
   std::int64_t participant = 0;  ///< ParticipantRow::id
@@ -65,6 +88,8 @@ struct TrialAnswer {
   double reaction_s = 0;               ///< from the question to the answer
   bool timed_out = false;              ///< no answer came in time
   std::array<TrialSummary, 2> felt{};  ///< in the first and in the second interval
+  std::optional<TeleopSummary> teleop =
+      {};  ///< of work for a robot, where nothing is asked: only felt[0] counts beside it
 };
 
 /// kBegun: under way, or cut off by a crash, until somebody calls it lost. kRepeated: by the experimenter, who said

@@ -205,6 +205,22 @@ CREATE TRIGGER assignments_are_kept BEFORE DELETE ON assignment
 WHEN NOT EXISTS (SELECT 1 FROM removal WHERE done_at = '')
 BEGIN SELECT raise(ABORT, 'an assignment is never deleted'); END;
 )sql",
+    R"sql(
+CREATE TABLE teleop (
+  trial INTEGER PRIMARY KEY REFERENCES answer ON DELETE CASCADE,
+  done REAL,
+  time_s REAL,
+  follows_s REAL,
+  reached REAL,
+  force_error REAL,
+  met_rms_n REAL,
+  met_peak_n REAL,
+  stops REAL,
+  friction_angle_deg REAL,
+  cohesion_pa REAL,
+  tool_friction_angle_deg REAL
+) STRICT;
+)sql",
 };
 
 /// What a person can do about an error, by SQLite's code.
