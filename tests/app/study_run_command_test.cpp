@@ -9,13 +9,16 @@
 #include <filesystem>
 #include <fstream>
 #include <iterator>
+#include <map>
 #include <memory>
 #include <optional>
 #include <regex>
 #include <set>
+#include <sstream>
 #include <string>
 #include <thread>
 #include <tuple>
+#include <vector>
 
 #include "../viewer/ws_client.h"
 #include "program.h"
@@ -207,6 +210,128 @@ body = "Ceres"
     }
   }
   EXPECT_THAT(types, testing::IsSupersetOf({"hello", "scene", "status", "study"}));
+}
+
+/// Two blocks of work for a robot in the paper's small bed.
+constexpr const char* kPresses = R"(title = "A press far away"
+[[block]]
+name = "felt"
+interval_s = 4
+repeats = 1
+between_trials_s = 0
+[block.teleop]
+task = "press"
+felt = "model"
+round_trip_s = 0.2
+site = "paper"
+[[block]]
+name = "unfelt"
+interval_s = 4
+repeats = 1
+between_trials_s = 0
+[block.teleop]
+task = "press"
+felt = "none"
+round_trip_s = 0.2
+site = "paper"
+)";
+
+/// The rows of a table without quotes, by their columns.
+std::vector<std::map<std::string, std::string>> tableIn(const std::string& file) {
+  std::ifstream stream(file);
+  std::vector<std::string> heads;
+  std::vector<std::map<std::string, std::string>> rows;
+  for (std::string line; std::getline(stream, line);) {
+    std::istringstream parts(line);
+    std::vector<std::string> fields;
+    for (std::string field; std::getline(parts, field, ',');) {
+      fields.push_back(field);
+    }
+    if (heads.empty()) {
+      heads = fields;
+      continue;
+    }
+    rows.emplace_back();
+    for (std::size_t i = 0; i < fields.size(); ++i) {
+      rows.back()[heads[i]] = fields[i];
+    }
+  }
+  return rows;
+}
+
+TEST_F(RunningStudy, ARobotBehindALinkFollowsInEachTrialAndIsMeasured) {
+  std::ofstream(file("press.toml")) << kPresses;
+  start("", "", file("press.toml"));
+  const auto participant = pageWith(participants_);
+  participant->send(R"({"id": 1, "do": "study", "act": "join", "as": "participant"})");
+  bool followed = false, told = false;
+  while (!followed || !told) {
+    const std::optional<std::string> message = participant->receive();
+    ASSERT_TRUE(message) << "followed " << followed << ", told " << told;
+    if (participant->gotText()) {
+      const Json news = Json::parse(*message);
+      followed = followed || (news["type"] == "status" && news["robot"].is_object() &&
+                              news["robot"]["state"] == "following" && news["robot"]["learned"].is_null());
+      told = told || (news["type"] == "study" && news["work"].is_string());
+    }
+  }
+  for (int i = 0; i < 300 && status()["participants"][0]["state"] == "running"; ++i) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(100));
+  }
+  const std::string table = file("press.csv");
+  ASSERT_EQ(runHaptolith(fmt::format("study export {} --to {}", file("a.study"), table)).exit_status, 0) << said();
+  const auto rows = tableIn(table);
+  ASSERT_EQ(rows.size(), 2U);
+  for (std::map<std::string, std::string> row : rows) {
+    EXPECT_EQ(row["state"], "answered");
+    EXPECT_EQ(row["teleop_done"], "0") << "nobody pressed";
+    EXPECT_NEAR(std::stod(row["teleop_time_s"]), 4, 0.5);
+    EXPECT_GT(std::stod(row["teleop_follows_s"]), 0.2) << "the way there and back";
+    EXPECT_EQ(row["recording_state"], "whole");
+    EXPECT_EQ(row["x"], "0.2");
+  }
+  EXPECT_TRUE(fs::exists(folder_ / "a-recordings" / "S01-felt-001-1-first.h5"));
+}
+
+TEST_F(StudyRunCommands, AVirtualOperatorDoesWorkForARobot) {
+  std::ofstream(file("press.toml")) << std::regex_replace(std::string(kPresses), std::regex("interval_s = 4"),
+                                                          "interval_s = 60");
+  makeStudy(file("press.toml"));
+  const ProgramResult run = runHaptolith(fmt::format("study simulate {} --participants 2", file("a.study")));
+  ASSERT_EQ(run.exit_status, 0) << run.errors;
+  EXPECT_THAT(run.output, HasSubstr("4 trials of work for a robot"));
+  ASSERT_EQ(runHaptolith(fmt::format("study export {} --to {}", file("a.study"), file("a.csv"))).exit_status, 0);
+  std::set<std::string> times;
+  for (std::map<std::string, std::string> row : tableIn(file("a.csv"))) {
+    EXPECT_EQ(row["teleop_done"], "1") << row["level"];
+    EXPECT_NEAR(std::stod(row["teleop_reached"]), 8, 0.8);
+    times.insert(row["teleop_time_s"]);
+    if (row["block"] == "unfelt") {
+      EXPECT_NEAR(std::stod(row["teleop_force_error"]), 1, 1e-6) << "all that was met was not felt";
+    }
+  }
+  EXPECT_EQ(times.size(), 4U) << "each trial has soils of its own";
+  const ProgramResult figure = runHaptolith(fmt::format("study figure --json {}", file("a.study")));
+  ASSERT_EQ(figure.exit_status, 0) << figure.errors;
+  const Json blocks = Json::parse(figure.output)["teleop"];
+  ASSERT_EQ(blocks.size(), 2U);
+  EXPECT_EQ(blocks[1]["measures"][1]["measure"], "task time");
+  EXPECT_EQ(blocks[1]["measures"][1]["of_people"]["people"], 2);
+  EXPECT_TRUE(blocks[1]["measures"][1]["more_than_first"]["low"].is_number());
+  EXPECT_THAT(runHaptolith("study figure " + file("a.study")).output, HasSubstr("task time (s)"));
+  EXPECT_THAT(runHaptolith("study status " + file("a.study")).output, HasSubstr("task time (s)"));
+  EXPECT_EQ(runHaptolith(fmt::format("study figure {} --out {}", file("a.study"), file("a.svg"))).exit_status, 1);
+  EXPECT_EQ(runHaptolith("study plan --protocol " + file("press.toml")).exit_status, 2);
+}
+
+TEST_F(StudyRunCommands, ADelayBeyondItsRangeIsRefused) {
+  std::ofstream(file("press.toml")) << std::regex_replace(std::string(kPresses), std::regex("round_trip_s = 0.2"),
+                                                          "round_trip_s = 99");
+  const ProgramResult run =
+      runHaptolith(fmt::format("study new {} --protocol {}", file("a.study"), file("press.toml")));
+  EXPECT_EQ(run.exit_status, 2);
+  EXPECT_THAT(run.errors, HasSubstr("round_trip_s = 99 is not valid: must be 0 to 20"));
+  EXPECT_FALSE(fs::exists(file("a.study")));
 }
 
 TEST_F(RunningStudy, TokensThatAreGivenStayTheSame) {

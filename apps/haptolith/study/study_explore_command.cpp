@@ -184,6 +184,9 @@ void runTasks(const Options& options) {
   for (const std::string& name : options.protocols) {
     const ProtocolText source = findProtocol(name);
     protocols.emplace_back(source.name, loadProtocolText(source.text, source.name));
+    if (protocols.back().second.blocks.front().teleop) {
+      throw InvalidParameter("protocol", name, "one whose first block compares");
+    }
   }
   Json json = {{"tasks", Json::array()}};
   for (const auto& known : protocols) {

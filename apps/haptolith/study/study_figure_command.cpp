@@ -20,12 +20,14 @@
 #include "haptolith/study/answers.h"
 #include "haptolith/study/store/participant_flow.h"
 #include "haptolith/study/store/store.h"
+#include "haptolith/study/teleop_results.h"
 
 #include "commands.h"
 #include "shared/option_checks.h"
 #include "shared/output.h"
 #include "shared/overwrite.h"
 #include "study/fit_report.h"
+#include "study/teleop_report.h"
 
 namespace haptolith {
 
@@ -427,7 +429,7 @@ std::vector<BlockResult> resultsOf(const Options& options, const StudyStore& stu
     }
   };
   for (std::size_t i = 0; i < blocks.size(); ++i) {
-    if (!options.block.empty() && blocks[i].name != options.block) {
+    if (blocks[i].teleop || (!options.block.empty() && blocks[i].name != options.block)) {
       continue;
     }
     if (study.protocol().groups.empty()) {
@@ -436,9 +438,6 @@ std::vector<BlockResult> resultsOf(const Options& options, const StudyStore& stu
     for (const ParticipantGroup& group : study.protocol().groups) {
       add(i, &group);
     }
-  }
-  if (results.empty()) {
-    throw Failure(fmt::format("{}: nobody has answered yet", options.file));
   }
   return results;
 }
@@ -449,6 +448,16 @@ void show(const Options& options) {
   }
   const StudyStore study(options.file, StudyStore::Access::kRead);
   const std::vector<BlockResult> results = resultsOf(options, study);
+  std::vector<TeleopBlockResult> works = teleopResults(study, options.withdrawn);
+  std::erase_if(works, [&](const TeleopBlockResult& of) {
+    return !options.block.empty() && study.protocol().blocks[of.block].name != options.block;
+  });
+  if (results.empty() && works.empty()) {
+    throw Failure(fmt::format("{}: nobody has answered yet", options.file));
+  }
+  if (results.empty() && !options.out.empty()) {
+    throw Failure(fmt::format("{}: work for a robot has no curve; leave --out out for its table", options.file));
+  }
   Json json{{"study", study.title()}, {"participants", flowText(flowOf(study))}, {"blocks", Json::array()}};
   std::string told = flowsText(study);
   for (const GroupFlow& flow : groupFlowsOf(study)) {
@@ -465,6 +474,10 @@ void show(const Options& options) {
     json["differences"].push_back(jsonOf(difference));
     told += "\n" + text(difference, options.confidence);
   }
+  if (!works.empty()) {
+    json["teleop"] = teleopJson(study.protocol(), works, options.confidence);
+    told += teleopTable(study.protocol(), works, options.confidence);
+  }
   if (options.json) {
     printJson(json);
   } else {
@@ -476,8 +489,10 @@ void show(const Options& options) {
 
 void addStudyFigureCommand(CLI::App& study) {
   auto options = std::make_shared<Options>();
-  CLI::App* command =
-      study.add_subcommand("figure", "Psychometric curves and Weber fractions of a study, as in the paper's Fig. 5");
+  CLI::App* command = study.add_subcommand(
+      "figure",
+      "Psychometric curves and Weber fractions of a study, as in the paper's Fig. 5; task times and errors of "
+      "force of work for a robot");
   command->footer(kExamples);
   command->add_option("study", options->file, "A study")->required()->option_text("FILE");
   command->add_option("--out", options->out, "Draw them (.svg or .png), one figure a block")->option_text("FILE");

@@ -11,6 +11,7 @@
 #include <string_view>
 #include <vector>
 
+#include "haptolith/scenario/site_task.h"
 #include "haptolith/study/protocol.h"
 #include "haptolith/study/sequence.h"
 #include "haptolith/study/store/store.h"
@@ -47,6 +48,11 @@ std::string summaryOf(const StudyProtocol& protocol) {
     std::size_t trials = 0;
     for (const PlannedBlock& planned : sequence) {
       trials += planned.block == i ? planned.trials.size() : 0;
+    }
+    if (block.teleop) {
+      text += fmt::format("  {:<16} work for a robot: {}, {}, {} trials\n", block.name,
+                          wordFor(kSiteTaskWords, block.teleop->task), block.reference.name, trials);
+      continue;
     }
     const bool adaptive = block.procedure != ProcedureKind::kConstant;
     text += fmt::format("  {:<16} {} levels against {}, {}\n", block.name, block.levels.size(), block.reference.name,

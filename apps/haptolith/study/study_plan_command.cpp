@@ -56,6 +56,11 @@ StudyBlock blockOf(const Options& options) {
   if (found == protocol.blocks.end()) {
     throw InvalidParameter("block", options.block, fmt::format("one of {}", text.name));
   }
+  if (found->teleop) {
+    throw InvalidParameter(
+        "block", found->name,
+        "one that compares: how people's task times and errors differ is to be found in a pilot study");
+  }
   return *found;
 }
 

@@ -8,7 +8,9 @@
 #include <cstdint>
 #include <filesystem>
 #include <memory>
+#include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "haptolith/core/error.h"
@@ -16,11 +18,11 @@
 #include "haptolith/session/session.h"
 #include "haptolith/study/conductor.h"
 #include "haptolith/study/criteria.h"
-#include "haptolith/study/session_rig.h"
 #include "haptolith/study/simulated_participant.h"
 #include "haptolith/study/store/provenance.h"
 #include "haptolith/study/store/study_files.h"
 #include "haptolith/study/study_pages.h"
+#include "haptolith/teleop/learning_model.h"
 #include "haptolith/viewer/live_view.h"
 
 #include "commands.h"
@@ -30,6 +32,8 @@
 #include "shared/session_driver.h"
 #include "shared/stop_on_signal.h"
 #include "shared/web_options.h"
+#include "study/teleop_rig.h"
+#include "teleop/operator_report.h"
 
 namespace haptolith {
 
@@ -54,11 +58,21 @@ struct StudyRunOptions {
   double frames_per_s = 0;
 };
 
+bool works(const StudyProtocol& protocol) {
+  return std::ranges::any_of(protocol.blocks, [](const StudyBlock& block) { return block.teleop.has_value(); });
+}
+
+bool learns(const StudyProtocol& protocol) {
+  return std::ranges::any_of(protocol.blocks, [](const StudyBlock& block) {
+    return block.teleop && block.teleop->felt == TeleopFelt::kLearning;
+  });
+}
+
 Scenario sceneFor(const StudyRunOptions& options, const StudyProtocol& protocol) {
   if (!options.resumes && !options.trial_run) {
     requireFilledIn(protocol);
   }
-  Scenario scene = protocol.scene;
+  Scenario scene = learns(protocol) ? readyToLearn(protocol.scene) : protocol.scene;
   options.device.applyTo(scene.device);
   scene.hand.manoeuvre = Manoeuvre::kStill;  // without a device, the participant moves it
   scene.loop.duration_s = 0;
@@ -113,10 +127,11 @@ class StudyRun {
   StudyRun(const StudyRunOptions& options, const WebServerOptions& web)
       : options_(options),
         store_(options.file, StudyStore::Access::kRun),
-        recording_(recordingFor(options.frames_per_s)),
+        recording_(recordingFor(options.frames_per_s, works(store_.protocol()))),
         session_(sceneFor(options, store_.protocol()), true, settlingIn(status_)),
-        rig_(session_, {.start = [this](const std::filesystem::path& file) { recording_.start(session_, file, false); },
-                        .stop = [this] { stopRecording(); }}),
+        rig_(session_, recording_,
+             {.start = [this](const std::filesystem::path& file) { recording_.start(session_, file, false); },
+              .stop = [this] { stopRecording(); }}),
         conductor_(store_, rig_, {.now_s = &StudyRun::now, .recordings = recordings()}),
         pages_(conductor_),
         view_(session_, web, HAPTOLITH_VERSION, {}, extensionOf(pages_)) {
@@ -139,6 +154,7 @@ class StudyRun {
           }
           tellOfLost(taker.lost());
           conductor_.poll();
+          showRobot();
           showPages();
           showStatus();
           return !stopAsked() && conductor_.state().phase != StudyPhase::kWaiting;
@@ -222,6 +238,16 @@ class StudyRun {
                                                        .safety_trips = session_.snapshot().trips});
   }
 
+  /// What a model has learned would tell the participant what it is.
+  void showRobot() {
+    std::optional<RobotShown> shown;
+    if (rig_.lead() != nullptr) {
+      shown = robotShown(*rig_.lead());
+      shown->learned.reset();
+    }
+    view_.setRobot(std::move(shown));
+  }
+
   void showPages() {
     const StudyPages::News news = pages_.news(rig_.force());
     if (news.lets_go) {
@@ -272,7 +298,7 @@ class StudyRun {
   StatusLine status_;
   SessionRecording recording_;
   Session session_;
-  SessionRig rig_;
+  TeleopRig rig_;
   Conductor conductor_;
   StudyPages pages_;
   LiveView view_;

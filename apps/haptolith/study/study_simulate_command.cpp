@@ -11,6 +11,7 @@
 #include <random>
 #include <string>
 #include <string_view>
+#include <utility>
 
 #include "haptolith/core/error.h"
 #include "haptolith/study/answers.h"
@@ -24,6 +25,7 @@
 #include "shared/output.h"
 #include "shared/stop_on_signal.h"
 #include "study/lapse_options.h"
+#include "study/teleop_work.h"
 
 namespace haptolith {
 
@@ -35,7 +37,8 @@ constexpr const char* kExamples = R"(Examples:
   haptolith study new try.study --protocol paper-friction
   haptolith study simulate try.study --participants 8 --weber 0.29
   haptolith study figure try.study --out try.svg
-  haptolith study simulate try.study --hand stir --judge mean-force --weber 0.1    by what a hand really feels)";
+  haptolith study simulate try.study --hand stir --judge mean-force --weber 0.1    by what a hand really feels
+  haptolith study simulate dig.study --participants 2       work for a robot is done by a virtual operator: minutes)";
 
 struct Options {
   std::string file;
@@ -60,11 +63,16 @@ const std::map<std::string, JudgedBy>& judgeChoices() {
 }
 
 /// A hand that explores when there is something to judge by, else none.
-std::unique_ptr<Rig> rigFor(const Options& options, const StudyProtocol& protocol) {
-  if (!options.hand) {
-    return std::make_unique<RigWithoutBed>();
+std::unique_ptr<Rig> rigFor(const Options& options, const StudyProtocol& protocol, std::uint64_t people_before) {
+  std::unique_ptr<Rig> rig = std::make_unique<RigWithoutBed>();
+  if (options.hand) {
+    rig =
+        std::make_unique<SimulatedRig>(protocol, ExplorationOptions{.manoeuvre = *options.hand, .seed = options.seed});
   }
-  return std::make_unique<SimulatedRig>(protocol, ExplorationOptions{.manoeuvre = *options.hand, .seed = options.seed});
+  // Whoever goes on with a study meets other soils than those before.
+  constexpr std::uint64_t kTrialsOfSeed = 1'000'000, kTrialsOfPerson = 1000;
+  return std::make_unique<SimulatedTeleopRig>(protocol, std::move(rig),
+                                              options.seed * kTrialsOfSeed + people_before * kTrialsOfPerson);
 }
 
 template <class Choices, class Value>
@@ -109,9 +117,9 @@ void simulate(const Options& options) {
   }
   requireNobody(study);
   StatusLine status;
-  const std::unique_ptr<Rig> rig = rigFor(options, study.protocol());
   std::mt19937_64 random(options.seed);
   const std::size_t before = flowOf(study).began();  // also those who were removed: no code is given twice
+  const std::unique_ptr<Rig> rig = rigFor(options, study.protocol(), before);
   for (int person = 0; person < options.participants; ++person) {
     if (stopAsked()) {
       throw Failure(fmt::format("interrupted after {} of {} participants", person, options.participants));
@@ -132,12 +140,15 @@ void simulate(const Options& options) {
     study.endSession(session, std::nullopt);
   }
   status.clear();
-  std::size_t answers = 0;
+  std::size_t answers = 0, works = 0;
   for (const TrialRow& row : study.trials()) {
     answers += counts(row) ? 1 : 0;
+    works +=
+        row.kind == TrialKind::kMain && row.state == TrialState::kAnswered && row.answer && row.answer->teleop ? 1 : 0;
   }
-  printText(fmt::format("{}: {} simulated participants, {} answers that count\n", options.file,
-                        study.participants().size(), answers));
+  printText(fmt::format("{}: {} simulated participants, {} answers that count{}\n", options.file,
+                        study.participants().size(), answers,
+                        works > 0 ? fmt::format(", {} trials of work for a robot", works) : ""));
 }
 
 }  // namespace

@@ -18,6 +18,7 @@
 #include "commands.h"
 #include "shared/output.h"
 #include "study/session_report.h"
+#include "study/teleop_report.h"
 
 namespace haptolith {
 
@@ -28,6 +29,8 @@ using Json = nlohmann::ordered_json;
 constexpr const char* kExamples = R"(Examples:
   haptolith study status friction.study          also while the study runs
   haptolith study status friction.study --json)";
+
+constexpr double kConfidence = 0.95;
 
 struct Options {
   std::string file;
@@ -168,6 +171,7 @@ Json statusJson(const StudyStore& study, const std::vector<TrialRow>& trials) {
     }
     json["blocks"].push_back(std::move(row));
   }
+  json["teleop"] = teleopJson(study.protocol(), teleopResults(study, false), kConfidence);
   return json;
 }
 
@@ -290,6 +294,7 @@ void showStatus(const Options& options) {
   for (std::size_t block = 0; block < study.protocol().blocks.size(); ++block) {
     text += levelsText(study.protocol().blocks[block], levelsOf(analysed, block));
   }
+  text += teleopTable(study.protocol(), teleopResults(study, false), kConfidence);
   printText(text + resultsText(study, trials) + sessionsText(study) + pendingText(study));
 }
 

@@ -60,8 +60,8 @@ class LiveView {
   /// Shows what is new. `newer` and `changed` are what Session::update() and poll() said.
   void show(bool newer, bool changed);
 
-  /// How a robot that follows the tool fares: shown with the next status.
-  void setRobot(RobotShown robot) { robot_ = std::move(robot); }
+  /// How a robot that follows the tool fares: shown with the next status. None: there is none.
+  void setRobot(std::optional<RobotShown> robot) { robot_ = std::move(robot); }
 
   /// Sends a client a message of the extension's, a whole JSON object. A client that lets too many wait is dropped; for
   /// one that has left nothing happens.

@@ -1,0 +1,178 @@
+#include "study/teleop_rig.h"
+
+#include <chrono>
+#include <limits>
+#include <utility>
+
+#include "haptolith/core/error.h"
+#include "haptolith/scenario/site_task.h"
+
+#include "study/teleop_work.h"
+
+namespace haptolith {
+
+namespace {
+
+using namespace std::chrono_literals;
+
+constexpr double kLost_s = 5;  ///< without a word, beyond the round trip
+
+}  // namespace
+
+/// Its soil settles on a thread of its own, once.
+void TeleopRig::wantSite(const std::string& name) {
+  if (name == site_name_) {
+    return;
+  }
+  site_.reset();
+  site_name_ = name;
+  coming_ = std::async(std::launch::async, [name] {
+    Scenario scenario = findScenario(name);
+    validate(scenario);
+    const Scene scene(scenario.bed, scenario.tool);
+    SavedScene level = scene.save();
+    return Site{std::move(scenario), std::move(level)};
+  });
+}
+
+void TeleopRig::prepare(const StudyBlock& block, const Stimulus& stimulus) {
+  show(block, stimulus);
+  wants_robot_ = false;
+}
+
+void TeleopRig::show(const StudyBlock& block, const Stimulus& stimulus) {
+  dismissRobot();
+  work_ = block.teleop;
+  if (work_) {
+    wantSite(work_->site);
+  }
+  wants_robot_ = work_.has_value();
+  rig_.show(block, stimulus);
+}
+
+bool TeleopRig::ready() {
+  const bool session_is_ready = rig_.ready();
+  if (!work_) {
+    return session_is_ready;
+  }
+  if (!site_ && coming_.valid() && coming_.wait_for(0s) == std::future_status::ready) {
+    try {
+      site_ = coming_.get();
+    } catch (...) {
+      site_name_.clear();  // the next try begins anew
+      throw;
+    }
+  }
+  if (!site_) {
+    return false;
+  }
+  if (wants_robot_ && !robot_) {
+    const LinkProfile link = linkOf(*work_);
+    robot_ = std::make_unique<RobotBehindLink>(
+        site_->scenario, std::make_unique<Scene>(site_->scenario.bed, site_->scenario.tool, site_->level), link.up,
+        link.down);
+  }
+  if (robot_ && !robot_->problem().empty()) {
+    throw Failure(robot_->problem());
+  }
+  return session_is_ready && (!wants_robot_ || robot_->isReady());
+}
+
+void TeleopRig::feel() {
+  if (work_) {
+    const LinkProfile link = linkOf(*work_);
+    EndOptions end;
+    end.sending = sendingOver(link.up, link.down);
+    lead_.emplace(session_, robot_->address(), end, work_->felt == TeleopFelt::kLearning);
+    judge_.emplace(work_->task);
+    silent_since_s_ = 0;
+    state_ = RobotState::kTaring;
+    follows_s_.reset();
+    done_s_.reset();
+    stops_ = 0;
+  }
+  rig_.feel();
+}
+
+TrialSummary TeleopRig::rest() {
+  dismissRobot();
+  return rig_.rest();
+}
+
+void TeleopRig::dismissRobot() {
+  lead_.reset();
+  judge_.reset();
+  robot_.reset();
+}
+
+void TeleopRig::follow(const std::vector<TickRecord>& ticks) {
+  rig_.follow(ticks);
+  if (!lead_) {
+    return;
+  }
+  const double tick_s = session_.shown().loop.tick_s;
+  lead_->follow(session_, ticks, recording_, {.report = [&](const RobotReport& report, const std::optional<Vec3>&) {
+                  judge_->met(report, tick_s);
+                }});
+  watchRobot();
+}
+
+/// What the robot was heard to do, and whether its work is done.
+void TeleopRig::watchRobot() {
+  const OperatorEnd& end = lead_->end();
+  const double now_s = static_cast<double>(end.ticks()) * session_.shown().loop.tick_s;
+  if (end.news().heard) {
+    silent_since_s_ = now_s;
+  }
+  if (const RobotState state = end.news().state.state; end.news().ever && state != state_) {
+    const bool stopped = state == RobotState::kHolding || state == RobotState::kRetracting;
+    stops_ += state_ == RobotState::kFollowing && stopped ? 1 : 0;
+    state_ = state;
+  }
+  if (state_ == RobotState::kFollowing && !follows_s_) {
+    follows_s_ = now_s;
+  }
+  judge_->look(end.site());
+  if (judge_->done() && !done_s_) {
+    done_s_ = now_s;
+  }
+}
+
+bool TeleopRig::workIsDone() {
+  if (!lead_) {
+    return false;
+  }
+  if (!robot_->problem().empty()) {
+    throw Failure(robot_->problem());
+  }
+  const double now_s = static_cast<double>(lead_->end().ticks()) * session_.shown().loop.tick_s;
+  if (now_s - silent_since_s_ > kLost_s + work_->round_trip_s) {
+    throw Failure("the robot has fallen silent: the trial is done again when the study goes on");
+  }
+  if (state_ == RobotState::kFailed) {
+    throw Failure("the robot has failed: its readings make no sense; the trial is done again when the study goes on");
+  }
+  return judge_->done();
+}
+
+std::string TeleopRig::workText() const {
+  return judge_ ? reachedText(work_->task, judge_->reached()) : "";
+}
+
+TeleopSummary TeleopRig::work() const {
+  if (!lead_) {
+    return {};
+  }
+  const double now_s = static_cast<double>(lead_->end().ticks()) * session_.shown().loop.tick_s;
+  TeleopSummary summary =
+      summaryOf(lead_->end().agreement(),
+                lead_->learning() != nullptr ? std::optional(lead_->learning()->learned()) : std::nullopt);
+  summary.done = done_s_ ? 1 : 0;
+  summary.time_s = done_s_.value_or(now_s);
+  summary.follows_s = follows_s_.value_or(std::numeric_limits<double>::quiet_NaN());
+  summary.reached = judge_->reached();
+  summary.stops = stops_;
+  return summary;
+}
+
+}  // namespace haptolith
