@@ -303,6 +303,7 @@ export class MockStudy {
       value: test[1],
       positive: null,
       correct: null,
+      work: null,
       reaction_s: null,
       state: 'answered',
       reason: '',

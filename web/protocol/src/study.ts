@@ -77,6 +77,8 @@ const ParticipantMessage = v.object({
   interval: number,
   intervals: number,
   label: text,
+  /** how much of a robot's work is seen to be done: "23 of 40 mm"; null: there is none */
+  work: textOrNull,
   /** null: nothing runs out */
   remaining_s: numberOrNull,
   choices: v.nullish(v.array(v.string()), () => []),
@@ -116,6 +118,8 @@ const Answer = v.object({
   /** the test was said to have more; null: no answer was given */
   positive: flagOrNull,
   correct: flagOrNull,
+  /** of work for a robot, which answers nothing; null: it is none */
+  work: v.nullish(v.object({ done: v.boolean(), time_s: numberOrNull, force_error: numberOrNull }), null),
   reaction_s: numberOrNull,
   /** begun: it is under way */
   state: v.picklist(['begun', 'answered', 'repeated', 'lost']),

@@ -42,7 +42,9 @@ function row(answer: Answer, blinded: boolean): HTMLElement {
   // A catch trial is known by what it shows.
   const told_kind = kind === 'main' || (blinded && kind === 'catch') ? '' : kind;
   const remark = state === 'answered' ? told_kind : reason ? `${state}: ${reason}` : state;
-  const said = answer.positive === null ? '–' : answer.positive ? 'more' : 'less';
+  const { work } = answer;
+  const said = work ? workInWords(work) : answer.positive === null ? '–' : answer.positive ? 'more' : 'less';
+  const time_s = work ? work.time_s : answer.reaction_s;
   const right =
     answer.correct === null
       ? h('td', {}, '–')
@@ -60,6 +62,12 @@ function row(answer: Answer, blinded: boolean): HTMLElement {
       h('td', {}, answer.test, h('span', { class: 'unit numbers' }, ` ${String(Number(answer.value.toPrecision(4)))}`)),
     !blinded && h('td', {}, said),
     !blinded && right,
-    h('td', { class: 'numbers' }, answer.reaction_s === null ? '–' : fixed(answer.reaction_s, 1, 4)),
+    h('td', { class: 'numbers' }, time_s === null ? '–' : fixed(time_s, 1, 4)),
   );
+}
+
+/** "done, force 51 % off". */
+function workInWords({ done, force_error }: NonNullable<Answer['work']>): string {
+  const off = force_error === null ? '' : `, force ${(100 * force_error).toFixed(0)} % off`;
+  return (done ? 'done' : 'not done') + off;
 }

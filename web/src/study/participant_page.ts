@@ -8,6 +8,7 @@ import { KeyHand } from '../hand/key_hand';
 import { PointerHand } from '../hand/pointer_hand';
 import { h, setText } from '../panels/html';
 import { Notices } from '../panels/notices';
+import { SiteCard } from '../panels/site_card';
 import type { Settings } from '../settings';
 import { isTyping } from '../shortcuts';
 import { Stage } from '../view/stage';
@@ -52,6 +53,8 @@ export function openParticipantPage(settings: Settings, program: Program): void 
     },
     status: (status) => {
       now.status = status;
+      stage.setRobot(status.robot ?? null);
+      site_card.setRobot(status.robot ?? null);
       if (status.paused || (status.held_by !== null && status.held_by !== now.hello?.client)) hand.giveUp();
     },
     frame: (frame) => {
@@ -81,10 +84,12 @@ export function openParticipantPage(settings: Settings, program: Program): void 
   const problem = h('div', { class: 'problem', role: 'alert', hidden: true });
   const stop_button = h('button', { type: 'button', class: 'stop', onclick: stop }, 'Stop taking part');
   const view = h('div', { class: 'view', 'aria-hidden': 'true' });
+  const site_card = new SiteCard();
   const page = h(
     'div',
     { class: 'study participant' },
     view,
+    site_card.element,
     h('header', { class: 'participant-head' }, progress_bar, progress_text, stop_button),
     prompts.element,
     prompts.announcer,
@@ -101,6 +106,7 @@ export function openParticipantPage(settings: Settings, program: Program): void 
     full_quality: settings.for_pictures,
     neutral: true,
   });
+  stage.site_window = site_card.window;
   const late = new LateFrames((frame) => stage.setFrame(frame, frame.held));
   const hand = new Hand(
     connection,
@@ -166,6 +172,7 @@ export function openParticipantPage(settings: Settings, program: Program): void 
       stop_button.hidden = OVER.includes(message.phase) || message.study === '';
     }
     countdown.set(message.remaining_s);
+    prompts.setWork(message.work);
     problem.hidden = message.problem === null;
     setText(problem, message.problem ?? '');
   }

@@ -38,6 +38,7 @@ export class Prompts {
   private clock: HTMLElement | null = null;
   private bar: HTMLElement | null = null;
   private reason: HTMLElement | null = null;
+  private work: HTMLElement | null = null;
   private held: string | null = null;
   private buttons: HTMLButtonElement[] = [];
   /** The last form with what has been filled in: it comes back after a pause. */
@@ -55,6 +56,7 @@ export class Prompts {
     this.clock = null;
     this.bar = null;
     this.reason = null;
+    this.work = null;
     this.held = null;
     this.buttons = [];
     const parts = this.partsOf(message, title, text);
@@ -63,6 +65,11 @@ export class Prompts {
     this.element.scrollTop = 0;
     setText(this.announcer, [phase === 'interval' ? message.label : title, text].filter(Boolean).join('. '));
     this.tick();
+  }
+
+  /** How much of a robot's work is seen to be done. */
+  setWork(work: string | null): void {
+    if (this.work) setText(this.work, work ?? '');
   }
 
   /** Why it cannot go on yet; null: it can. */
@@ -156,6 +163,7 @@ export class Prompts {
     );
     this.clock = h('span', { class: 'clock numbers' });
     this.reason = h('p', { class: 'reason', role: 'status' });
+    this.work = h('p', { class: 'work numbers' }, message.work ?? '');
     return [
       h(
         'div',
@@ -165,7 +173,7 @@ export class Prompts {
         this.timeBar(),
         this.clock,
       ),
-      h('div', { class: 'interval-foot' }, ...paragraphs(text), this.reason, ...this.goButton(message)),
+      h('div', { class: 'interval-foot' }, ...paragraphs(text), this.work, this.reason, ...this.goButton(message)),
     ];
   }
 

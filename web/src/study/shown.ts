@@ -16,6 +16,7 @@ export function waiting(text: string): ParticipantMessage {
     interval: 0,
     intervals: 0,
     label: '',
+    work: null,
     remaining_s: null,
     choices: [],
     visual: false,
@@ -33,9 +34,9 @@ export function asSentence(words: string): string {
   return words.charAt(0).toUpperCase() + words.slice(1) + (/[.!?]$/.test(words) ? '' : '.');
 }
 
-/** Equal for messages that show the same, however much time is left. */
+/** Equal for messages that show the same, however much time is left and work is done. */
 export function whatIsShown(message: ParticipantMessage): string {
-  return JSON.stringify({ ...message, remaining_s: null, problem: null });
+  return JSON.stringify({ ...message, work: null, remaining_s: null, problem: null });
 }
 
 /** Share of the whole study that is done, 0 to 1; a block whose length nobody knows counts when it is over. */
