@@ -294,8 +294,10 @@ TEST_F(RunningStudy, ARobotBehindALinkFollowsInEachTrialAndIsMeasured) {
 }
 
 TEST_F(StudyRunCommands, AVirtualOperatorDoesWorkForARobot) {
-  std::ofstream(file("press.toml")) << std::regex_replace(std::string(kPresses), std::regex("interval_s = 4"),
-                                                          "interval_s = 60");
+  // In soil of the Moon: a bed of 256 balls is too thin for a model of it to tell when a press is done.
+  const std::string on_the_moon = std::regex_replace(std::string(kPresses), std::regex("site = \"paper\"\n"), "");
+  std::ofstream(file("press.toml")) << "scene = \"dig\"\n"
+                                    << std::regex_replace(on_the_moon, std::regex("interval_s = 4"), "interval_s = 60");
   makeStudy(file("press.toml"));
   const ProgramResult run = runHaptolith(fmt::format("study simulate {} --participants 2", file("a.study")));
   ASSERT_EQ(run.exit_status, 0) << run.errors;

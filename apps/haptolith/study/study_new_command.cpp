@@ -50,8 +50,9 @@ std::string summaryOf(const StudyProtocol& protocol) {
       trials += planned.block == i ? planned.trials.size() : 0;
     }
     if (block.teleop) {
-      text += fmt::format("  {:<16} work for a robot: {}, {}, {} trials\n", block.name,
-                          wordFor(kSiteTaskWords, block.teleop->task), block.reference.name, trials);
+      text += fmt::format("  {:<16} work for a robot: {}, {}, {}\n", block.name,
+                          wordFor(kSiteTaskWords, block.teleop->task), block.reference.name,
+                          trials == 1 ? std::string("1 trial") : fmt::format("{} trials", trials));
       continue;
     }
     const bool adaptive = block.procedure != ProcedureKind::kConstant;

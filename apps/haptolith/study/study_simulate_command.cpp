@@ -146,9 +146,9 @@ void simulate(const Options& options) {
     works +=
         row.kind == TrialKind::kMain && row.state == TrialState::kAnswered && row.answer && row.answer->teleop ? 1 : 0;
   }
-  printText(fmt::format("{}: {} simulated participants, {} answers that count{}\n", options.file,
-                        study.participants().size(), answers,
-                        works > 0 ? fmt::format(", {} trials of work for a robot", works) : ""));
+  printText(fmt::format(
+      "{}: {} simulated participants, {} answers that count{}\n", options.file, study.participants().size(), answers,
+      works > 0 ? fmt::format(", {} {} of work for a robot", works, works == 1 ? "trial" : "trials") : ""));
 }
 
 }  // namespace

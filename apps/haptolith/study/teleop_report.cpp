@@ -47,15 +47,23 @@ const TeleopMeasure* inFirst(const std::vector<TeleopBlockResult>& results, cons
 
 }  // namespace
 
+namespace {
+
+std::string peopleText(std::size_t people) {
+  return people == 1 ? "1 participant" : fmt::format("{} participants", people);
+}
+
+}  // namespace
+
 std::string teleopTable(const StudyProtocol& protocol, const std::vector<TeleopBlockResult>& results,
                         double confidence) {
   std::string text;
   for (const TeleopBlockResult& result : results) {
     const StudyBlock& block = protocol.blocks[result.block];
     const bool first = &result == &results.front();
-    text += fmt::format("\n{}: {}, {} there and back; {} participant(s)\n  {:<34}{:>30}{:>30}\n", block.name,
+    text += fmt::format("\n{}: {}, {} there and back; {}\n  {:<34}{:>30}{:>30}\n", block.name,
                         wordFor(kSiteTaskWords, block.teleop->task), block.reference.name,
-                        result.measures.front().of_people.size(), "",
+                        peopleText(result.measures.front().of_people.size()), "",
                         fmt::format("mean ({:g} % interval)", 100 * confidence),
                         first ? "" : "more than in " + protocol.blocks[results.front().block].name);
     for (const TeleopMeasure& measure : result.measures) {
