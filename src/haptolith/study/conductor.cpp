@@ -453,9 +453,8 @@ void Conductor::poll() {
         }
         break;
       case StudyPhase::kInterval:
-        if (block().teleop && rig_.workIsDone()) {
-          endInterval();
-        } else if ((left_s && *left_s <= 0) || (pressed && !block().teleop && elapsed() > kShortestInterval_s)) {
+        if ((block().teleop && rig_.workIsDone()) || (left_s && *left_s <= 0) ||
+            (pressed && !block().teleop && elapsed() > kShortestInterval_s)) {
           endInterval();
         }
         break;
