@@ -63,7 +63,8 @@ const std::map<std::string, JudgedBy>& judgeChoices() {
 }
 
 /// A hand that explores when there is something to judge by, else none.
-std::unique_ptr<Rig> rigFor(const Options& options, const StudyProtocol& protocol, std::uint64_t people_before) {
+std::unique_ptr<Rig> rigFor(const Options& options, const StudyProtocol& protocol, std::uint64_t people_before,
+                            const TeleopProgress& progress) {
   std::unique_ptr<Rig> rig = std::make_unique<RigWithoutBed>();
   if (options.hand) {
     rig =
@@ -72,7 +73,7 @@ std::unique_ptr<Rig> rigFor(const Options& options, const StudyProtocol& protoco
   // Whoever goes on with a study meets other soils than those before.
   constexpr std::uint64_t kTrialsOfSeed = 1'000'000, kTrialsOfPerson = 1000;
   return std::make_unique<SimulatedTeleopRig>(protocol, std::move(rig),
-                                              options.seed * kTrialsOfSeed + people_before * kTrialsOfPerson);
+                                              options.seed * kTrialsOfSeed + people_before * kTrialsOfPerson, progress);
 }
 
 template <class Choices, class Value>
@@ -119,8 +120,15 @@ void simulate(const Options& options) {
   StatusLine status;
   std::mt19937_64 random(options.seed);
   const std::size_t before = flowOf(study).began();  // also those who were removed: no code is given twice
-  const std::unique_ptr<Rig> rig = rigFor(options, study.protocol(), before);
-  for (int person = 0; person < options.participants; ++person) {
+  int person = 0;
+  const std::unique_ptr<Rig> rig = rigFor(options, study.protocol(), before, [&](double share) {
+    status.tell([&] {
+      return fmt::format("participant {} of {}, a trial with the robot: {:.0f} %", person + 1, options.participants,
+                         100 * share);
+    });
+    return !stopAsked();
+  });
+  for (; person < options.participants; ++person) {
     if (stopAsked()) {
       throw Failure(fmt::format("interrupted after {} of {} participants", person, options.participants));
     }

@@ -45,10 +45,6 @@ const TeleopMeasure* inFirst(const std::vector<TeleopBlockResult>& results, cons
   return found == results.front().measures.end() ? nullptr : &*found;
 }
 
-}  // namespace
-
-namespace {
-
 std::string peopleText(std::size_t people) {
   return people == 1 ? "1 participant" : fmt::format("{} participants", people);
 }

@@ -4,10 +4,8 @@
 #include <cmath>
 #include <limits>
 
-#include "haptolith/core/stop_asked.h"
 #include "haptolith/identify/training_file.h"
 #include "haptolith/teleop/learning_model.h"
-#include "haptolith/teleop/simulation.h"
 
 namespace haptolith {
 
@@ -80,8 +78,7 @@ void SimulatedTeleopRig::feel() {
     other_->feel();
     return;
   }
-  const TeleopResult result =
-      simulateTeleop(setupFor(protocol_, *work_, next_seed_++), [](double) { return !stopAsked(); });
+  const TeleopResult result = simulateTeleop(setupFor(protocol_, *work_, next_seed_++), progress_);
   summary_ = summaryOf(result.agreement, result.learned);
   const bool done = std::isfinite(result.task->done_s);
   summary_.done = done ? 1 : 0;

@@ -9,6 +9,7 @@
 #include "haptolith/study/rig.h"
 #include "haptolith/teleop/force_agreement.h"
 #include "haptolith/teleop/link_profiles.h"
+#include "haptolith/teleop/simulation.h"
 
 namespace haptolith {
 
@@ -28,13 +29,15 @@ namespace haptolith {
 class SimulatedTeleopRig final : public Rig {
  public:
   /// @param seed  of the first trial's soils and link; each one after that has the next.
-  SimulatedTeleopRig(const StudyProtocol& protocol, std::unique_ptr<Rig> other, std::uint64_t seed)
-      : protocol_(protocol), other_(std::move(other)), next_seed_(seed) {}
+  /// @param progress  of a trial's work.
+  SimulatedTeleopRig(const StudyProtocol& protocol, std::unique_ptr<Rig> other, std::uint64_t seed,
+                     TeleopProgress progress)
+      : protocol_(protocol), other_(std::move(other)), next_seed_(seed), progress_(std::move(progress)) {}
 
   void prepare(const StudyBlock& block, const Stimulus& stimulus) override;
   void show(const StudyBlock& block, const Stimulus& stimulus) override;
   [[nodiscard]] bool ready() override { return work_ != nullptr || other_->ready(); }
-  /// @throws InvalidParameter, Failure as simulateTeleop(); Failure also when the program is to stop.
+  /// @throws InvalidParameter, Failure as simulateTeleop(); Failure also when `progress` gives up.
   void feel() override;
   TrialSummary rest() override;
   [[nodiscard]] bool workIsDone() override { return summary_.done == 1; }
@@ -52,6 +55,7 @@ class SimulatedTeleopRig final : public Rig {
   StudyProtocol protocol_;
   std::unique_ptr<Rig> other_;
   std::uint64_t next_seed_;
+  TeleopProgress progress_;
   const StudyBlock* work_ = nullptr;  ///< the block that is shown, where it is work for a robot
   TeleopSummary summary_;
   TrialSummary felt_;
