@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
 #include <random>
 
 #include "haptolith/bed/bed_start.h"
@@ -66,6 +67,29 @@ TEST(SpatialOrder, OfNobodyIsNobodyAndDoesNotDependOnTheOrderBefore) {
   const std::vector<Vec3> ordered = inSpatialOrder(points, bed.soil.radius_m);
   std::shuffle(points.begin(), points.end(), std::mt19937_64(4));
   EXPECT_EQ(inSpatialOrder(points, bed.soil.radius_m), ordered);
+}
+
+TEST(SpatialOrder, SlabsHaveEachGroupOnceAndHalfOfThemLieOnOneSide) {
+  const BedParameters bed = sandbox(BedStart::kPacked);
+  const std::vector<Vec3> points = inSpatialOrder(startingCentres(bed), bed.soil.radius_m);
+  std::vector<Float4> spheres;
+  for (const Vec3& p : points) {
+    spheres.push_back({static_cast<float>(p.x()), static_cast<float>(p.y()), static_cast<float>(p.z()), 0});
+  }
+  const std::vector<std::uint32_t> order = groupsInSlabs(spheres, bed.soil.radius_m);
+  std::vector<std::uint32_t> each = order;
+  std::ranges::sort(each);
+  ASSERT_EQ(each.size(), (points.size() + kGroup - 1) / kGroup);
+  for (std::uint32_t group = 0; group < each.size(); ++group) {
+    ASSERT_EQ(each[group], group);
+  }
+  const auto middle_m = [&](std::uint32_t group) { return points[group * kGroup].y(); };
+  const std::size_t half = order.size() / 2;
+  const double first_m = middle_m(*std::max_element(order.begin(), order.begin() + half,
+                                                    [&](auto a, auto b) { return middle_m(a) < middle_m(b); }));
+  const double second_m = middle_m(
+      *std::min_element(order.begin() + half, order.end(), [&](auto a, auto b) { return middle_m(a) < middle_m(b); }));
+  EXPECT_LT(first_m, second_m + 2 * 2 * std::sqrt(3.0) * bed.soil.radius_m) << "two rows of cells, where one is cut";
 }
 
 }  // namespace

@@ -1,6 +1,8 @@
 #include "haptolith/bed/worker_team.h"
 
 #include <gtest/gtest.h>
+#include <pthread.h>
+#include <sched.h>
 
 #include <atomic>
 #include <chrono>
@@ -97,6 +99,65 @@ TEST(WorkerTeam, IsNotHeldUpForLongByAHelperWhoseCoreIsTakenAway) {
   }
   EXPECT_GT(taken.helped, 0) << "it is asked again";
   EXPECT_LT(taken.helped, kRounds / 20) << "1.3 s of work alone, 0.3 s of waiting for 300 parts";
+}
+
+TEST(WorkerTeam, WorksAsEverWhenWorkWasExpected) {
+  WorkerTeam team(3);
+  constexpr int kParts = 12;
+  Ledger ledger{std::vector<int>(kParts), std::vector<int>(kParts)};
+  for (int round = 1; round <= 200; ++round) {
+    team.expect(round % 2 == 0 ? 0 : 300'000);  // over when it comes, or not
+    std::this_thread::sleep_for(std::chrono::microseconds(100));
+    team.run(&Ledger::note, &ledger, kParts);
+    ASSERT_EQ(ledger.calls, std::vector<int>(kParts, round));
+  }
+}
+
+TEST(WorkerTeam, AFewThreadsThatExpectWorkEndAtOnce) {
+  const auto start = std::chrono::steady_clock::now();
+  {
+    WorkerTeam team(3);
+    team.expect(60'000'000'000);
+    std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  }
+  EXPECT_LT(std::chrono::steady_clock::now() - start, std::chrono::seconds(30));
+}
+
+TEST(WorkerTeam, HasThePriorityThatItIsGiven) {
+  struct Seen {
+    std::atomic<int> helper{-1};
+    std::thread::id caller = std::this_thread::get_id();
+    static void work(void* context, int /*part*/, int /*parts*/) noexcept {
+      auto* seen = static_cast<Seen*>(context);
+      if (std::this_thread::get_id() != seen->caller) {
+        int policy = SCHED_OTHER;
+        sched_param parameters{};
+        pthread_getschedparam(pthread_self(), &policy, &parameters);
+        seen->helper = policy == SCHED_FIFO ? parameters.sched_priority : 0;
+      }
+      std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    }
+  } seen;
+  const auto priority_of_helper = [&](WorkerTeam& team) {
+    seen.helper = -1;
+    for (int round = 0; round < 1000 && seen.helper < 0; ++round) {
+      team.run(&Seen::work, &seen, 4);
+    }
+    return seen.helper.load();
+  };
+  WorkerTeam team(2);
+  EXPECT_EQ(priority_of_helper(team), 0);
+  sched_param real_time{};
+  real_time.sched_priority = 1;
+  if (pthread_setschedparam(pthread_self(), SCHED_FIFO, &real_time) != 0) {
+    GTEST_SKIP() << "this user may have no real-time priority";
+  }
+  real_time.sched_priority = 0;
+  pthread_setschedparam(pthread_self(), SCHED_OTHER, &real_time);
+  team.setPriority(1);
+  EXPECT_EQ(priority_of_helper(team), 1);
+  team.setPriority(0);
+  EXPECT_EQ(priority_of_helper(team), 0);
 }
 
 TEST(WorkerTeam, EndsWithoutEverHavingWorked) {

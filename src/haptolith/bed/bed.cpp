@@ -161,6 +161,10 @@ Bed::Bed(const BedParameters& parameters, const std::vector<Float4>& grains, dou
   if (!neighbourhood_.enterAll(state_.listed_at, state_.contacts)) {
     throw InvalidParameter("centres_m", fmt::format("{} particles", n), "apart from each other");
   }
+  if (team_.size() > 1 &&
+      grain_class_.empty()) {  // of several sizes each is a heap of groups, whose halves are no halves of the box
+    wakefulness_.setOrder(groupsInSlabs(grains, parameters.soil.radius_m));
+  }
 }
 
 void Bed::noteClasses() {
@@ -224,6 +228,10 @@ StepStatus Bed::step(double dt_s) noexcept {
   }
   wakeAndLetSleep();
   return StepStatus::kOk;
+}
+
+bool Bed::sharesSteps() const noexcept {
+  return partsFor(parameters_, wakefulness_.awake().size(), team_.size()) > 1;
 }
 
 bool Bed::pressStones(double dt_s) noexcept {
@@ -340,6 +348,7 @@ bool Bed::relistMovedParticles() noexcept {
   if (count == 0) {
     return true;
   }
+  std::sort(moved_.begin(), moved_.begin() + static_cast<std::ptrdiff_t>(count));  // whoever worked on them
   relistings_ += count;
   const std::int64_t start_ns = monotonicNs();
   const bool fits =
@@ -352,13 +361,10 @@ bool Bed::relistMovedParticles() noexcept {
 }
 
 void Bed::wakeAndLetSleep() noexcept {
-  for (const Wakefulness::Found& found : foundByParts()) {
-    wakefulness_.wakeBeside({found.disturbed, found.disturbed_count}, state_);
-  }
-  for (const Wakefulness::Found& found : foundByParts()) {
-    wakefulness_.putToSleep({found.ready_to_sleep, found.ready_to_sleep_count}, near_before_,
-                            {.state = state_, .next_position = next_position_, .next_velocity = next_velocity_});
-  }
+  const Wakefulness::Found found = wakefulness_.inOrder({found_by_part_.data(), static_cast<std::size_t>(parts_)});
+  wakefulness_.wakeBeside({found.disturbed, found.disturbed_count}, state_);
+  wakefulness_.putToSleep({found.ready_to_sleep, found.ready_to_sleep_count}, near_before_,
+                          {.state = state_, .next_position = next_position_, .next_velocity = next_velocity_});
   wakefulness_.listAwake();
 }
 

@@ -77,6 +77,14 @@ class Bed {
   /// the tick. `dt_s` must be a stable step: see substepsFor() in critical_step.h.
   [[nodiscard]] StepStatus step(double dt_s) noexcept;
 
+  /// Whether a step is now worth the help of other threads.
+  [[nodiscard]] bool sharesSteps() const noexcept;
+  /// A step comes within so long: the other threads wake up and look for it. May be called in the tick's thread,
+  /// between ticks.
+  void expectStep(std::int64_t within_ns) noexcept { team_.expect(within_ns); }
+  /// The real-time priority of the other threads; 0: none. May be called in the tick.
+  void setHelpersPriority(int priority) noexcept { team_.setPriority(priority); }
+
   /// From the next step on a particle moves with this velocity, whatever pushes it, and others feel it as before: rough
   /// plates and floors are made of such particles. None that is held can be driven. May be called in the tick.
   void drive(std::size_t particle, const Vec3& velocity_m_s) noexcept;
@@ -206,9 +214,6 @@ class Bed {
   void stepPart(int part, int parts) noexcept;
   [[nodiscard]] std::span<const Moved> movedOfParts() const noexcept {
     return {moved_of_part_.data(), static_cast<std::size_t>(parts_)};
-  }
-  [[nodiscard]] std::span<const Wakefulness::Found> foundByParts() const noexcept {
-    return {found_by_part_.data(), static_cast<std::size_t>(parts_)};
   }
   [[nodiscard]] bool relistMovedParticles() noexcept;
   void lookAgainWhenGoneFar(double dt_s) noexcept;

@@ -61,4 +61,30 @@ std::vector<Vec3> inSpatialOrder(const std::vector<Vec3>& points_m, double radiu
   return ordered;
 }
 
+std::vector<std::uint32_t> groupsInSlabs(const std::vector<Float4>& spheres, double radius_m) {
+  const double slab_m = 2 * radius_m * kCellDiameters.y();
+  struct Place {
+    std::int64_t slab;
+    std::uint32_t group;
+    auto operator<=>(const Place&) const = default;
+  };
+  std::vector<Place> places;
+  for (std::size_t first = 0; first < spheres.size(); first += kGroup) {
+    const std::size_t last = std::min(first + kGroup, spheres.size());
+    double sum_m = 0;
+    for (std::size_t i = first; i < last; ++i) {
+      sum_m += spheres[i].y;
+    }
+    places.push_back(
+        {std::llround(sum_m / static_cast<double>(last - first) / slab_m), static_cast<std::uint32_t>(first / kGroup)});
+  }
+  std::ranges::sort(places);
+  std::vector<std::uint32_t> order;
+  order.reserve(places.size());
+  for (const Place& place : places) {
+    order.push_back(place.group);
+  }
+  return order;
+}
+
 }  // namespace haptolith

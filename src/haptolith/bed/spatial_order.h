@@ -1,8 +1,10 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <vector>
 
+#include "haptolith/bed/bed_state.h"
 #include "haptolith/core/vec.h"
 
 namespace haptolith {
@@ -15,5 +17,10 @@ namespace haptolith {
 
 /// The same as an order: which point comes first, which next.
 [[nodiscard]] std::vector<std::size_t> spatialOrder(const std::vector<Vec3>& points_m, double radius_m);
+
+/// The groups of 16 of spheres in such an order, slab by slab across the box, each a row of cells deep in y and in
+/// ascending order within: threads that take a part of them each meet each other's soil along a wall, and not along a
+/// whole layer, and what one has written and the other has to fetch is the dearest of all.
+[[nodiscard]] std::vector<std::uint32_t> groupsInSlabs(const std::vector<Float4>& spheres, double radius_m);
 
 }  // namespace haptolith

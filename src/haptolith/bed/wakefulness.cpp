@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <bit>
+#include <numeric>
 
 #include "haptolith/bed/critical_step.h"
 
@@ -51,14 +52,34 @@ Wakefulness::Wakefulness(std::size_t groups, const RestRule& rule)
     : rule_(rule),
       awake_(groups + 1),
       awake_count_(groups),
+      order_(groups),
+      place_in_order_(groups),
       awake_bits_(groups / kBits + 1),
       moving_(groups),
       disturbed_(groups),
       ready_to_sleep_(groups) {
-  for (std::size_t group = 0; group <= groups; ++group) {
-    awake_[group] = static_cast<std::uint32_t>(group);
-    awake_bits_[group / kBits] |= std::uint64_t{group < groups} << (group % kBits);
+  std::iota(awake_.begin(), awake_.end(), 0U);
+  std::iota(order_.begin(), order_.end(), 0U);
+  place_in_order_ = order_;
+  for (std::size_t group = 0; group < groups; ++group) {
+    noteAwake(group, true);
   }
+}
+
+void Wakefulness::setOrder(const std::vector<std::uint32_t>& order) noexcept {
+  for (std::size_t place = 0; place < order.size(); ++place) {
+    order_[place] = order[place];
+    place_in_order_[order[place]] = static_cast<std::uint32_t>(place);
+  }
+  changed_ = true;
+}
+
+void Wakefulness::noteAwake(std::size_t group, bool awake) noexcept {
+  const std::size_t place = place_in_order_[group];
+  const std::uint64_t bit = std::uint64_t{1} << (place % kBits);
+  std::uint64_t& word = awake_bits_[place / kBits];
+  word = awake ? word | bit : word & ~bit;
+  changed_ = true;
 }
 
 Wakefulness::Found Wakefulness::count(std::size_t first, std::size_t last, const std::vector<Float4>& position,
@@ -83,6 +104,19 @@ Wakefulness::Found Wakefulness::count(std::size_t first, std::size_t last, const
     }
   }
   return found;
+}
+
+Wakefulness::Found Wakefulness::inOrder(std::span<const Found> of_parts) noexcept {
+  Found all{disturbed_.data(), ready_to_sleep_.data()};
+  for (const Found& found : of_parts) {
+    std::copy_n(found.disturbed, found.disturbed_count, all.disturbed + all.disturbed_count);
+    std::copy_n(found.ready_to_sleep, found.ready_to_sleep_count, all.ready_to_sleep + all.ready_to_sleep_count);
+    all.disturbed_count += found.disturbed_count;
+    all.ready_to_sleep_count += found.ready_to_sleep_count;
+  }
+  std::sort(all.disturbed, all.disturbed + all.disturbed_count);
+  std::sort(all.ready_to_sleep, all.ready_to_sleep + all.ready_to_sleep_count);
+  return all;
 }
 
 bool Wakefulness::hasCrept(std::size_t group, const std::vector<Float4>& position, BedState& state) const noexcept {
@@ -127,8 +161,7 @@ void Wakefulness::wake(std::size_t group, BedState& state) noexcept {
     return;
   }
   state.rested[group] = rule_.steps;  // at rest, but it has a turn's time to begin to move
-  awake_bits_[group / kBits] |= std::uint64_t{1} << (group % kBits);
-  changed_ = true;
+  noteAwake(group, true);
   ContactLists& lists = state.contacts;
   if (lists.remembers()) {
     forEachEntry(group, lists, [&](std::size_t i, std::uint32_t s, std::size_t j) {
@@ -188,8 +221,7 @@ void Wakefulness::sleep(std::size_t group, const Records& records) noexcept {
     });
   }
   state.rested[group] = BedState::kAsleep;
-  awake_bits_[group / kBits] &= ~(std::uint64_t{1} << (group % kBits));
-  changed_ = true;
+  noteAwake(group, false);
 }
 
 void Wakefulness::listAwake() noexcept {
@@ -200,8 +232,7 @@ void Wakefulness::listAwake() noexcept {
   awake_count_ = 0;
   for (std::size_t word = 0; word < awake_bits_.size(); ++word) {
     for (std::uint64_t bits = awake_bits_[word]; bits != 0; bits &= bits - 1) {
-      awake_[awake_count_++] =
-          static_cast<std::uint32_t>(word * kBits + static_cast<std::size_t>(std::countr_zero(bits)));
+      awake_[awake_count_++] = order_[word * kBits + static_cast<std::size_t>(std::countr_zero(bits))];
     }
   }
   awake_[awake_count_] = static_cast<std::uint32_t>(moving_.size());
@@ -220,15 +251,13 @@ void Wakefulness::takeOver(BedState& state) noexcept {
     }
   }
   for (std::size_t group = 0; group < moving_.size(); ++group) {
-    const std::uint64_t bit = std::uint64_t{1} << (group % kBits);
-    std::uint64_t& word = awake_bits_[group / kBits];
-    word = state.asleep(group) ? word & ~bit : word | bit;
+    noteAwake(group, !state.asleep(group));
   }
-  changed_ = true;
 }
 
 std::size_t Wakefulness::bytes() const noexcept {
-  return (awake_.size() + disturbed_.size() + ready_to_sleep_.size()) * sizeof(awake_[0]) +
+  return (awake_.size() + order_.size() + place_in_order_.size() + disturbed_.size() + ready_to_sleep_.size()) *
+             sizeof(awake_[0]) +
          awake_bits_.size() * sizeof(awake_bits_[0]) + moving_.size();
 }
 

@@ -36,7 +36,10 @@ class Wakefulness {
 
   Wakefulness(std::size_t groups, const RestRule& rule);
 
-  /// Groups that are worked on, in ascending order. Behind the last stands one number more, that of no group.
+  /// In which order groups are worked on from now on: each number once. Nothing but time depends on it.
+  void setOrder(const std::vector<std::uint32_t>& order) noexcept;
+
+  /// Groups that are worked on, in that order. Behind the last stands one number more, that of no group.
   [[nodiscard]] std::span<const std::uint32_t> awake() const noexcept { return {awake_.data(), awake_count_}; }
   [[nodiscard]] const RestRule& rule() const noexcept { return rule_; }
   /// Another rule from now on. Who sleeps goes on sleeping.
@@ -56,6 +59,10 @@ class Wakefulness {
   /// count different groups at once.
   [[nodiscard]] Found count(std::size_t first, std::size_t last, const std::vector<Float4>& position,
                             BedState& state) noexcept;
+
+  /// What all parts have found, in ascending order of groups: the same in whatever parts, and by whomever, the work was
+  /// done. Its lists stand where the parts' did.
+  [[nodiscard]] Found inOrder(std::span<const Found> of_parts) noexcept;
 
   /// A bed's records, and those its next step will write: who sleeps stands in both.
   struct Records {
@@ -89,11 +96,13 @@ class Wakefulness {
   [[nodiscard]] bool hasCrept(std::size_t group, const std::vector<Float4>& position, BedState& state) const noexcept;
   [[nodiscard]] bool maySleep(std::size_t group, const BedState& state) const noexcept;
   void sleep(std::size_t group, const Records& records) noexcept;
+  void noteAwake(std::size_t group, bool awake) noexcept;
 
   RestRule rule_;
   std::vector<std::uint32_t> awake_;
   std::size_t awake_count_;
-  std::vector<std::uint64_t> awake_bits_;
+  std::vector<std::uint32_t> order_, place_in_order_;
+  std::vector<std::uint64_t> awake_bits_;  // in that order
   bool changed_ = false;
   std::vector<std::uint8_t> moving_;
   std::vector<std::uint32_t> disturbed_, ready_to_sleep_;

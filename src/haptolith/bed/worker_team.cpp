@@ -1,5 +1,10 @@
 #include "haptolith/bed/worker_team.h"
 
+#include <pthread.h>
+#include <sched.h>
+
+#include <algorithm>
+
 #include "haptolith/core/clock.h"
 
 namespace haptolith {
@@ -22,20 +27,27 @@ inline void relax() noexcept {
 #endif
 }
 
-/// Waits until `value` is no longer `old`.
+/// Waits until `value` is no longer `old`, looking until `at_least_ns` at any rate.
 template <class T>
-void waitWhile(const std::atomic<T>& value, T old) noexcept {
+void waitWhile(const std::atomic<T>& value, T old, std::int64_t at_least_ns) noexcept {
   std::int64_t until_ns = 0;
   for (int looks = 1; value.load(std::memory_order_acquire) == old; ++looks) {
     relax();
     if (looks % kLooksBetweenClocks == 0) {
       const std::int64_t now_ns = monotonicNs();
-      until_ns = until_ns == 0 ? now_ns + kLooking_ns : until_ns;
+      until_ns = until_ns == 0 ? std::max(now_ns + kLooking_ns, at_least_ns) : until_ns;
       if (now_ns >= until_ns) {
         value.wait(old, std::memory_order_acquire);
       }
     }
   }
+}
+
+/// Of the calling thread: 0 is an ordinary one. It does without where the system refuses.
+void giveThisThread(int priority) noexcept {
+  sched_param parameters{};
+  parameters.sched_priority = priority;
+  (void)pthread_setschedparam(pthread_self(), priority > 0 ? SCHED_FIFO : SCHED_OTHER, &parameters);
 }
 
 constexpr int kRoundShift = 32;
@@ -59,8 +71,21 @@ WorkerTeam::~WorkerTeam() {
   }
 }
 
+bool WorkerTeam::worksAlone() const noexcept {
+  return alone_until_ns_ != 0 && monotonicNs() < alone_until_ns_;
+}
+
+void WorkerTeam::expect(std::int64_t within_ns) noexcept {
+  if (ranges_.size() == 1 || worksAlone()) {
+    return;
+  }
+  expected_until_ns_.store(monotonicNs() + within_ns, std::memory_order_relaxed);
+  round_.fetch_add(1, std::memory_order_release);  // a round without parts
+  round_.notify_all();
+}
+
 void WorkerTeam::run(Work work, void* context, int parts) noexcept {
-  if (ranges_.size() == 1 || parts == 1 || (alone_until_ns_ != 0 && monotonicNs() < alone_until_ns_)) {
+  if (ranges_.size() == 1 || parts == 1 || worksAlone()) {
     for (int part = 0; part < parts; ++part) {
       work(context, part, parts);
     }
@@ -87,7 +112,7 @@ void WorkerTeam::run(Work work, void* context, int parts) noexcept {
   const std::int64_t finished_ns = monotonicNs();
   for (int left = unfinished_.load(std::memory_order_acquire); left > 0;
        left = unfinished_.load(std::memory_order_acquire)) {
-    waitWhile(unfinished_, left);
+    waitWhile(unfinished_, left, 0);
   }
   const std::int64_t now_ns = monotonicNs();
   const std::int64_t lost_ns = now_ns - finished_ns;
@@ -114,11 +139,16 @@ void WorkerTeam::workOn(std::uint32_t round, std::size_t own) noexcept {
 
 void WorkerTeam::serve(std::size_t own) noexcept {
   std::uint32_t seen = 0;
+  int priority = 0;
   for (;;) {
-    waitWhile(round_, seen);
+    waitWhile(round_, seen, expected_until_ns_.load(std::memory_order_relaxed));
     seen = round_.load(std::memory_order_acquire);
     if (stop_) {
       return;
+    }
+    if (const int wanted = priority_.load(std::memory_order_relaxed); wanted != priority) {
+      giveThisThread(wanted);
+      priority = wanted;
     }
     workOn(seen, own);
   }

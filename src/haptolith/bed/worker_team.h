@@ -31,6 +31,15 @@ class WorkerTeam {
 
   static constexpr int kMostParts = 0xFFFF;
 
+  /// Work comes soon: wakes the threads, who then look for it for so long. Returns at once; may be called in the tick's
+  /// thread, between ticks.
+  void expect(std::int64_t within_ns) noexcept;
+
+  /// From the next loop on the other threads have this real-time priority; 0: none. The scheduler leaves a thread that
+  /// has none waiting on a processor that one with priority keeps, though another processor is free. May be called in
+  /// the tick.
+  void setPriority(int priority) noexcept { priority_.store(priority, std::memory_order_relaxed); }
+
  private:
   /// Parts that one thread begins with: number of the loop (32 bits), end (16), next (16), in one so that nobody takes
   /// a part of a loop that is over.
@@ -40,6 +49,7 @@ class WorkerTeam {
 
   void serve(std::size_t own) noexcept;
   void workOn(std::uint32_t round, std::size_t own) noexcept;
+  [[nodiscard]] bool worksAlone() const noexcept;
 
   std::vector<Range> ranges_;  // one for each thread
   std::vector<std::thread> threads_;
@@ -48,6 +58,8 @@ class WorkerTeam {
   int parts_ = 0;
   std::int64_t alone_until_ns_ = 0;  // 0: in company
   alignas(64) std::atomic<std::uint32_t> round_{0};
+  std::atomic<std::int64_t> expected_until_ns_{0};
+  std::atomic<int> priority_{0};
   alignas(64) std::atomic<int> unfinished_{0};
   std::atomic<bool> stop_{false};
 };

@@ -10,6 +10,7 @@
 #include "haptolith/core/overloaded.h"
 #include "haptolith/core/signal_stack.h"
 #include "haptolith/haptics/last_resort.h"
+#include "haptolith/haptics/real_time.h"
 
 namespace haptolith {
 
@@ -156,10 +157,12 @@ LoopEnd HapticLoop::run(const std::atomic<bool>& stop) noexcept {
 LoopEnd HapticLoop::runTicks(const std::atomic<bool>& stop) noexcept {
   const auto last_tick = static_cast<std::uint64_t>(std::llround(parameters_.duration_s / parameters_.tick_s));
   LoopEnd wanted_end = LoopEnd::kRunning;
+  helpers_priority_ = helpersPriority();
+  scene_->bed().setHelpersPriority(helpers_priority_);
   clock_.start();
   while (true) {
     if (parameters_.paced) {
-      telemetry_.addLateness(clock_.waitForTick());
+      telemetry_.addLateness(clock_.standsStill() ? clock_.waitForTick() : clock_.waitForTick(scene_->bed()));
     }
     if (const LoopEnd end = tick(); end != LoopEnd::kRunning) {
       return end;
@@ -322,6 +325,7 @@ void HapticLoop::carryOut(const request::Exchange& exchange) noexcept {
                         [this](const request::ExchangeBed& next) {
                           next.shown->scene.placeTool({{scene_->toolPose(), {}}, hand_.opening});
                           scene_ = &next.shown->scene;
+                          scene_->bed().setHelpersPriority(helpers_priority_);
                           shown_.store(next.shown, std::memory_order_release);
                         }},
              exchange);

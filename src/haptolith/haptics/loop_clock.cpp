@@ -12,13 +12,29 @@ namespace {
 constexpr double kNsPerS = 1e9;
 constexpr std::int64_t kMoment_ns = 1'000'000;
 
+constexpr std::int64_t kBefore_ns = 150'000;
+constexpr std::int64_t kLate_ns = 100'000;  // as the loop's thread may be itself
+
 }  // namespace
+
+void sleepUntilTick(std::int64_t due_ns, Bed& bed) noexcept {
+  if (bed.sharesSteps()) {
+    sleepUntilNs(due_ns - kBefore_ns);
+    bed.expectStep(kBefore_ns + kLate_ns);
+  }
+  sleepUntilNs(due_ns);
+}
 
 LoopClock::LoopClock(double tick_s, bool paced) noexcept
     : tick_s_(tick_s), period_ns_(static_cast<std::int64_t>(std::llround(tick_s * kNsPerS))), paced_(paced) {}
 
 void LoopClock::start() noexcept {
   due_ns_ = monotonicNs();
+}
+
+double LoopClock::waitForTick(Bed& bed) noexcept {
+  sleepUntilTick(due_ns_, bed);
+  return waitForTick();
 }
 
 double LoopClock::waitForTick() noexcept {

@@ -2,7 +2,13 @@
 
 #include <cstdint>
 
+#include "haptolith/bed/bed.h"
+
 namespace haptolith {
+
+/// Sleeps until a tick is due. The threads that share the bed's steps are woken 150 us before: in the tick they would
+/// come 50 to 100 us late, when the first of them has done much of its work alone.
+void sleepUntilTick(std::int64_t due_ns, Bed& bed) noexcept;
 
 /// When the loop's ticks are, and whether they were in time: in step with the system's clock or as fast as possible, at
 /// another speed, paused. All functions but waitForTick() and waitAMoment() return at once.
@@ -14,6 +20,8 @@ class LoopClock {
   void start() noexcept;
   /// When paced: sleeps until the tick is due, and takes note of how late it began. @return that, in us.
   double waitForTick() noexcept;
+  /// The same; shortly before, wakes the threads that share the bed's steps.
+  double waitForTick(Bed& bed) noexcept;
   /// A tick that is late is not made up for by a burst of early ones: the hand would feel time run faster.
   void planNextTick() noexcept;
   /// A moment, for a loop that is not paced.

@@ -110,4 +110,11 @@ RealTime requestRealTime(const LoopParameters& loop) {
   return granted;
 }
 
+int helpersPriority() noexcept {
+  int policy = SCHED_OTHER;
+  sched_param parameters{};
+  const bool known = pthread_getschedparam(pthread_self(), &policy, &parameters) == 0;
+  return known && policy == SCHED_FIFO ? parameters.sched_priority - 1 : 0;
+}
+
 }  // namespace haptolith

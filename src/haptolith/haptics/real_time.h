@@ -32,4 +32,9 @@ void requireUsableCpu(int cpu);
 /// asks for SCHED_FIFO and locked memory. Tells what came of it. Call before the first tick.
 [[nodiscard]] RealTime requestRealTime(const LoopParameters& loop);
 
+/// The real-time priority for threads that help the calling one in its ticks: one less than its own, so that they never
+/// keep it waiting; 0 where it has none. An ordinary thread that wakes on the processor that a real-time one keeps is
+/// left waiting there, though others are free.
+[[nodiscard]] int helpersPriority() noexcept;
+
 }  // namespace haptolith

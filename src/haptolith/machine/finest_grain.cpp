@@ -13,6 +13,7 @@
 #include "haptolith/core/error.h"
 #include "haptolith/core/histogram.h"
 #include "haptolith/core/start_thread.h"
+#include "haptolith/haptics/loop_clock.h"
 #include "haptolith/haptics/real_time.h"
 #include "haptolith/tool/tool_contact.h"
 
@@ -75,7 +76,7 @@ double slowTickUs(Scene& scene, const LoopParameters& loop, const std::atomic<bo
   const auto tick_us = [&] {
     wanted_ns = std::max(wanted_ns + period_ns, monotonicNs());
     if (loop.paced) {
-      sleepUntilNs(wanted_ns);
+      sleepUntilTick(wanted_ns, scene.bed());
     }
     const std::int64_t start_ns = monotonicNs();
     if (const StepStatus status = scene.tick(stirring(scene, surface_m, ++ticks * loop.tick_s));
@@ -84,6 +85,7 @@ double slowTickUs(Scene& scene, const LoopParameters& loop, const std::atomic<bo
     }
     return kSettledShare * 1e-3 * static_cast<double>(monotonicNs() - start_ns);
   };
+  scene.bed().setHelpersPriority(helpersPriority());
   scene.placeTool(stirring(scene, surface_m, 0));
   while (ticks * loop.tick_s < kDepth_m / kEnter_m_s && !stop) {
     (void)tick_us();
