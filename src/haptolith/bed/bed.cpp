@@ -161,8 +161,7 @@ Bed::Bed(const BedParameters& parameters, const std::vector<Float4>& grains, dou
   if (!neighbourhood_.enterAll(state_.listed_at, state_.contacts)) {
     throw InvalidParameter("centres_m", fmt::format("{} particles", n), "apart from each other");
   }
-  if (team_.size() > 1 &&
-      grain_class_.empty()) {  // of several sizes each is a heap of groups, whose halves are no halves of the box
+  if (team_.size() > 1 && grain_class_.empty()) {  // of several sizes it was no faster
     wakefulness_.setOrder(groupsInSlabs(grains, parameters.soil.radius_m));
   }
 }
