@@ -20,6 +20,7 @@
 #include "haptolith/study/answers.h"
 #include "haptolith/study/store/participant_flow.h"
 #include "haptolith/study/store/store.h"
+#include "haptolith/study/teleop_figure.h"
 #include "haptolith/study/teleop_results.h"
 
 #include "commands.h"
@@ -127,6 +128,15 @@ std::optional<BlockResult> resultOf(const Options& options, const StudyStore& st
   fitTo(result, options);
   result.caught = caught(trials, index);
   return result;
+}
+
+/// "figure.svg", or "figure-work.svg" where there are curves, too.
+OutputFile workFileFor(const Options& options, bool alone) {
+  std::filesystem::path file = options.out;
+  if (!alone) {
+    file.replace_filename(fmt::format("{}-work{}", file.stem().string(), file.extension().string()));
+  }
+  return options.overwrite(file.string());
 }
 
 /// "figure.svg", or "figure-friction.svg" where there are several blocks, "figure-friction-seen.svg" of a group.
@@ -455,9 +465,6 @@ void show(const Options& options) {
   if (results.empty() && works.empty()) {
     throw Failure(fmt::format("{}: nobody has answered yet", options.file));
   }
-  if (results.empty() && !options.out.empty()) {
-    throw Failure(fmt::format("{}: work for a robot has no curve; leave --out out for its table", options.file));
-  }
   Json json{{"study", study.title()}, {"participants", flowText(flowOf(study))}, {"blocks", Json::array()}};
   std::string told = flowsText(study);
   for (const GroupFlow& flow : groupFlowsOf(study)) {
@@ -475,6 +482,10 @@ void show(const Options& options) {
     told += "\n" + text(difference, options.confidence);
   }
   if (!works.empty()) {
+    if (!options.out.empty()) {
+      drawTeleopFigure(workFileFor(options, results.empty()), study.protocol(), works, options.confidence,
+                       study.title());
+    }
     json["teleop"] = teleopJson(study.protocol(), works, options.confidence);
     told += teleopTable(study.protocol(), works, options.confidence);
   }
@@ -495,7 +506,10 @@ void addStudyFigureCommand(CLI::App& study) {
       "force of work for a robot");
   command->footer(kExamples);
   command->add_option("study", options->file, "A study")->required()->option_text("FILE");
-  command->add_option("--out", options->out, "Draw them (.svg or .png), one figure a block")->option_text("FILE");
+  command
+      ->add_option("--out", options->out,
+                   "Draw them (.svg or .png): a figure for each block, one for all work for a robot")
+      ->option_text("FILE");
   command->add_option("--block", options->block, "Only this one")->option_text("NAME");
   command->add_option("--sigmoid", options->sigmoid, "Another curve than (paper 22)")
       ->option_text("norm|logistic|weber|as-printed|weibull|gumbel");
