@@ -275,22 +275,35 @@ std::span<const std::uint32_t> Bed::groupsNear(const Vec3& centre_m, double radi
     return Float4{narrow<float>(centre_m.x() + sign * reach), narrow<float>(centre_m.y() + sign * reach),
                   narrow<float>(centre_m.z() + sign * reach), 0};
   };
-  std::ranges::fill(near_now_, std::uint64_t{0});
-  neighbourhood_.forEachNear(corner(-1), corner(1), [&](std::int32_t particle) {
-    const std::size_t group = static_cast<std::size_t>(particle) / kGroup;
-    near_now_[group / kBits] |= std::uint64_t{1} << (group % kBits);
-  });
+  const Neighbourhood::Place place = neighbourhood_.placeOf(corner(-1), corner(1));
+  if (near_place_ != place) {
+    std::ranges::fill(near_now_, std::uint64_t{0});
+    neighbourhood_.forEachIn(place, [&](std::int32_t particle) {
+      const std::size_t group = static_cast<std::size_t>(particle) / kGroup;
+      near_now_[group / kBits] |= std::uint64_t{1} << (group % kBits);
+    });
+    listNearGroups();
+    near_now_.swap(near_before_);
+    near_place_ = place;
+    near_now_is_before_ = false;
+  } else if (!near_now_is_before_) {  // as most often, in several substeps of a tick
+    near_now_ = near_before_;
+    listNearGroups();
+    near_now_is_before_ = true;
+  }
+  for (const std::uint32_t group : near_groups_) {
+    wakefulness_.wake(group, state_);
+  }
+  return near_groups_;
+}
+
+void Bed::listNearGroups() noexcept {
   near_groups_.clear();
   for (std::size_t word = 0; word < near_now_.size(); ++word) {
     for (std::uint64_t bits = near_now_[word] | near_before_[word]; bits != 0; bits &= bits - 1) {
       near_groups_.push_back(narrow<std::uint32_t>(word * kBits + static_cast<std::size_t>(std::countr_zero(bits))));
     }
   }
-  near_now_.swap(near_before_);
-  for (const std::uint32_t group : near_groups_) {
-    wakefulness_.wake(group, state_);
-  }
-  return near_groups_;
 }
 
 void Bed::stepPart(int part, int parts) noexcept {

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -211,6 +212,7 @@ class Bed {
   void findHold(double dt_s, double rest_m_s, const SettleProgress& progress);
   void stop() noexcept;
   [[nodiscard]] StepConstants constantsFor(double dt_s) const noexcept;
+  void listNearGroups() noexcept;
   void stepPart(int part, int parts) noexcept;
   [[nodiscard]] std::span<const Moved> movedOfParts() const noexcept {
     return {moved_of_part_.data(), static_cast<std::size_t>(parts_)};
@@ -240,6 +242,8 @@ class Bed {
   std::vector<Wakefulness::Found> found_by_part_;
   std::vector<std::uint64_t> near_now_, near_before_;  ///< groupsNear(), a bit for each group; those before stay awake
   std::vector<std::uint32_t> near_groups_;
+  std::optional<Neighbourhood::Place> near_place_;  ///< whose groups near_before_ are; none: what was restored
+  bool near_now_is_before_ = false;
   std::vector<std::int32_t> moved_;  ///< who has left its place in this step: each part's from its first particle on
   WorkerTeam team_;
   int parts_ = 1;  ///< that the present step is shared out in

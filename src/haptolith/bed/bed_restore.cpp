@@ -190,6 +190,7 @@ void Bed::restore(const BedState& state) {
   state_.contacts.takeOver(state.contacts);
   driven_ = 0;
   std::ranges::fill(external_, Float4{});
+  near_place_.reset();
   std::ranges::fill(near_before_, std::uint64_t{0});
   for (std::size_t i = 0; i < n; ++i) {
     driven_ += state_.velocity[i].w == BedState::kDriven ? 1 : 0;

@@ -36,9 +36,21 @@ class CellGrid {
   [[nodiscard]] std::uint32_t candidatesWithin(const Float4& place, float reach_m, std::int32_t* out) const noexcept;
   [[nodiscard]] std::size_t candidatesAtMost(float reach_m) const noexcept;
 
-  /// Calls `each(particle)` for all particles of the cells that a box from `low` to `high` touches, and maybe others.
+  /// Cells from one to another, along each axis.
+  struct Block {
+    struct Place {
+      int x, y, z;
+      bool operator==(const Place&) const = default;
+    } from, to;
+    bool operator==(const Block&) const = default;
+  };
+  /// The cells that a box from `low` to `high` touches.
+  [[nodiscard]] Block blockOf(const Float4& low, const Float4& high) const noexcept {
+    return {placeOf(low), placeOf(high)};
+  }
+  /// Calls `each(particle)` for all particles of these cells, and maybe others: all along an axis that repeats itself.
   template <class Each>
-  void forEachNear(const Float4& low, const Float4& high, Each each) const noexcept;
+  void forEachIn(const Block& block, Each each) const noexcept;
 
   [[nodiscard]] std::size_t cells() const noexcept { return count_.size(); }
   [[nodiscard]] std::size_t bytes() const noexcept;
@@ -47,9 +59,7 @@ class CellGrid {
   /// More than fit into a cell's volume unless they are pressed together by half; the rest is spilled.
   static constexpr std::size_t kCellRoom = 16;
 
-  struct Place {
-    int x, y, z;
-  };
+  using Place = Block::Place;
   [[nodiscard]] Place placeOf(const Float4& position) const noexcept;
   [[nodiscard]] std::uint32_t number(const Place& place) const noexcept {
     return static_cast<std::uint32_t>((place.z * ny_ + place.y) * nx_ + place.x);
@@ -66,11 +76,10 @@ class CellGrid {
 };
 
 template <class Each>
-void CellGrid::forEachNear(const Float4& low, const Float4& high, Each each) const noexcept {
+void CellGrid::forEachIn(const Block& block, Each each) const noexcept {
   const bool wraps_x = periods_.width > 0;
   const bool wraps_y = periods_.length > 0;
-  const Place from = placeOf(low);
-  const Place to = placeOf(high);
+  const auto& [from, to] = block;
   for (int z = from.z; z <= to.z; ++z) {
     for (int y = wraps_y ? 0 : from.y; y <= (wraps_y ? ny_ - 1 : to.y); ++y) {
       for (int x = wraps_x ? 0 : from.x; x <= (wraps_x ? nx_ - 1 : to.x); ++x) {

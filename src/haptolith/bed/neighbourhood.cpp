@@ -126,6 +126,7 @@ std::uint32_t Neighbourhood::findNear(std::int32_t particle, const std::vector<F
 
 bool Neighbourhood::enterAll(const std::vector<Float4>& listed_at, ContactLists& lists) noexcept {
   const std::size_t n = lists.particles();
+  ++changes_;
   for (CellGrid& grid : grids_) {
     grid.clear();
   }
@@ -205,6 +206,7 @@ bool Neighbourhood::enterAgain(std::span<const std::int32_t> particles, const st
     if (cell != left) {
       grid.remove(particle, left);
       grid.insert(particle, cell);
+      ++changes_;
     }
     place = here;
   }

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -39,11 +40,25 @@ class Neighbourhood {
   [[nodiscard]] bool enterAgain(std::span<const std::int32_t> particles, const std::vector<Float4>& position,
                                 std::vector<Float4>& listed_at, ContactLists& lists) noexcept;
 
-  /// Calls `each(particle)` for all particles in a box from `low` to `high`, and maybe others.
+  /// The cells of all classes in a box, and how often anybody has changed cells: who is in them is the same as long as
+  /// both are.
+  struct Place {
+    std::array<CellGrid::Block, GrainClasses::kMost> cells;
+    std::uint64_t changes = 0;
+    bool operator==(const Place&) const = default;
+  };
+  [[nodiscard]] Place placeOf(const Float4& low, const Float4& high) const noexcept {
+    Place place{.cells = {}, .changes = changes_};
+    for (std::size_t i = 0; i < grids_.size(); ++i) {
+      place.cells[i] = grids_[i].blockOf(low, high);
+    }
+    return place;
+  }
+  /// Calls `each(particle)` for all particles in the box that this is the place of, and maybe others.
   template <class Each>
-  void forEachNear(const Float4& low, const Float4& high, Each each) const noexcept {
-    for (const CellGrid& grid : grids_) {
-      grid.forEachNear(low, high, each);
+  void forEachIn(const Place& place, Each each) const noexcept {
+    for (std::size_t i = 0; i < grids_.size(); ++i) {
+      grids_[i].forEachIn(place.cells[i], each);
     }
   }
   [[nodiscard]] std::size_t bytes() const noexcept;
@@ -65,6 +80,7 @@ class Neighbourhood {
   float reach_m_, beyond_m_, radius_m_, largest_excess_m_;
   Periods periods_;
   std::vector<CellGrid> grids_;  ///< one for each class
+  std::uint64_t changes_ = 0;    ///< of who is in which cell
   std::vector<std::int32_t> candidates_, near_;
 };
 

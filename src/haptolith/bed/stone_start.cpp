@@ -231,7 +231,7 @@ void Bed::moveOutOfStones() {
         return Float4{static_cast<float>(place.x() + sign * 3 * grain_m),
                       static_cast<float>(place.y() + sign * 3 * grain_m), sign < 0 ? 0.0F : 1e3F, 0};
       };
-      neighbourhood_.forEachNear(wide(-1), wide(1), [&](std::int32_t particle) {
+      neighbourhood_.forEachIn(neighbourhood_.placeOf(wide(-1), wide(1)), [&](std::int32_t particle) {
         const auto j = static_cast<std::size_t>(particle);
         const Float4& q = state_.position[j];
         if (!gone[j]) {

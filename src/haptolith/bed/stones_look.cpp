@@ -48,7 +48,7 @@ void Stones::listCandidates(std::size_t stone, const SoilAroundStones& soil) noe
                   static_cast<float>(middle.z() + sign * listed_m), 0};
   };
   memory.has_room = true;
-  soil.neighbourhood.forEachNear(corner(-1), corner(1), [&](std::int32_t particle) {
+  soil.neighbourhood.forEachIn(soil.neighbourhood.placeOf(corner(-1), corner(1)), [&](std::int32_t particle) {
     const Float4& at = soil.state.position[static_cast<std::size_t>(particle)];
     const double far_m = reach_m + soil_.radius_m + at.w;
     if ((placeOf(at) - middle).squaredNorm() <= far_m * far_m) {
