@@ -104,12 +104,40 @@ TEST(Scene, SubstepsMoveTheToolInEqualPartsAndMeanTheWrench) {
   EXPECT_EQ(scene.toolPose().position_m, Vec3(0, 0, 0.1));
 }
 
-TEST(Scene, ATornPoseEndsTheStepWithAStatus) {
+TEST(Scene, AToolThatIsNowhereMovesNoSoilAndTheSceneGoesOn) {
   Scene scene(paperBed(), ToolParameters{});
   const double z = scene.bed().surfaceHeight();
-  scene.placeTool({{{Vec3(0, 0, z), Quat::Identity()}, {}}});
-  EXPECT_EQ(scene.tick({{{Vec3(0, 0, z), Quat::Identity()}, {Vec3(0, 0, std::nan("")), Vec3::Zero()}}}),
-            StepStatus::kNotFinite);
+  const HandState here{{{Vec3(0, 0, z), Quat::Identity()}, {}}};
+  scene.placeTool(here);
+  for (int i = 0; i < 20; ++i) {
+    ASSERT_EQ(scene.tick(here), StepStatus::kOk);
+  }
+  ASSERT_GT(scene.felt().wrench.force_n.norm(), 0);
+  const std::uint64_t before = stateHash(scene.bed().state());
+  const auto with = [&](auto change) {
+    HandState hand = here;
+    change(hand);
+    return hand;
+  };
+  std::vector<HandState> nowhere;
+  for (const double number : {std::nan(""), HUGE_VAL, -HUGE_VAL}) {
+    for (int axis = 0; axis < 3; ++axis) {
+      nowhere.push_back(with([&](HandState& hand) { hand.pose.position_m(axis) = number; }));
+      nowhere.push_back(with([&](HandState& hand) { hand.twist.linear_m_s(axis) = number; }));
+      nowhere.push_back(with([&](HandState& hand) { hand.twist.angular_rad_s(axis) = number; }));
+    }
+    nowhere.push_back(with([&](HandState& hand) { hand.pose.orientation.x() = number; }));
+  }
+  nowhere.push_back(with([](HandState& hand) { hand.pose.orientation.coeffs().setZero(); }));
+  for (const HandState& hand : nowhere) {
+    EXPECT_EQ(scene.tick(hand), StepStatus::kNotFinite);
+    EXPECT_TRUE(scene.felt().wrench.isZero());
+    scene.placeTool(hand);
+    EXPECT_EQ(scene.toolPose().position_m, here.pose.position_m);
+    EXPECT_EQ(stateHash(scene.bed().state()), before);
+  }
+  EXPECT_EQ(scene.tick(here), StepStatus::kOk);
+  EXPECT_GT(scene.felt().wrench.force_n.norm(), 0);
 }
 
 }  // namespace

@@ -22,6 +22,12 @@ ToolParameters faded(ToolParameters tool, double fade) noexcept {
   return tool;
 }
 
+/// Whether the soil can be asked what it does there: a search for neighbours of NaN would leave the grid.
+bool isSomewhere(const Movement& movement) noexcept {
+  return movement.pose.position_m.allFinite() && isUnit(movement.pose.orientation) &&
+         movement.twist.linear_m_s.allFinite() && movement.twist.angular_rad_s.allFinite();
+}
+
 }  // namespace
 
 bool isNearBed(const BedParameters& bed, const Vec3& place_m) noexcept {
@@ -75,11 +81,18 @@ void Scene::open(double share) noexcept {
 
 void Scene::placeTool(const HandState& hand) noexcept {
   open(hand.opening);
-  tool_pose_ = hand.pose;
   opening_m_ = opening_ * tool_.opening_m;
+  if (isSomewhere(hand)) {
+    tool_pose_ = hand.pose;
+  }
 }
 
 StepStatus Scene::tick(const HandState& hand) noexcept {
+  if (!isSomewhere(hand)) {
+    felt_ = {};
+    stiffness_n_m_.setZero();
+    return StepStatus::kNotFinite;
+  }
   open(hand.opening);
   const double dt = bed_.parameters().tick_s / substeps_;
   const Pose from = tool_pose_;

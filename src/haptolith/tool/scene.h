@@ -49,7 +49,9 @@ class Scene {
 
   /// One tick: moves the tool from where it was to where `hand` has it, and opens jaws, in equal substeps, steps the
   /// bed each time, and leaves the mean of what was felt in felt(). An opening that is not finite changes nothing; no
-  /// tool but jaws takes notice of one. May be called in the tick.
+  /// tool but jaws takes notice of one. A tool that is nowhere (a pose or twist that is not finite, an orientation
+  /// whose norm is not 1) is kNotFinite: nothing moves then, nothing is felt, and the scene can go on. May be called in
+  /// the tick.
   [[nodiscard]] StepStatus tick(const HandState& hand) noexcept;
 
   /// Force and torque of the soil on the tool over the last tick, about the tool's origin, scene frame, unfiltered; and
@@ -62,7 +64,8 @@ class Scene {
   /// Between the jaws now, in m; 0 with another tool.
   [[nodiscard]] double opening() const noexcept { return tool_.shape == ToolShape::kJaws ? opening_m_ : 0; }
 
-  /// Puts the tool where `hand` has it, without moving it there, and opens jaws likewise.
+  /// Puts the tool where `hand` has it, without moving it there, and opens jaws likewise. A tool that is nowhere, see
+  /// tick(), stays where it was.
   void placeTool(const HandState& hand) noexcept;
 
   /// How much of itself the tool is, 0 to 1: with less than 1 it presses, damps and coheres by so much less, and the
