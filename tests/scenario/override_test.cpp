@@ -58,6 +58,19 @@ TEST(Overrides, ANamedSoilIsThatSoilWithItsOwnFrictionAsWithTheOptionSoil) {
   EXPECT_EQ(own.bed.start, BedStart::kPacked);
 }
 
+TEST(Overrides, TellTheirSoilAndWorldInTheTitleThatTheFileHasForItsOwn) {
+  const auto titled = [](const Texts& overrides) { return findScenario("europa", overrides).title; };
+  const std::string own = findScenario("europa").title;
+  EXPECT_EQ(titled({"bed.seed=3"}), own);
+  EXPECT_EQ(titled({"soil.preset=P1"}), "P1 on Europa, otherwise: " + own);
+  EXPECT_EQ(titled({"gravity.body=Moon"}), "P4 on the Moon, otherwise: " + own);
+  EXPECT_EQ(titled({"gravity.magnitude_m_s2=3", "soil.name=dry-sand"}), "dry-sand under 3 m/s2, otherwise: " + own);
+  EXPECT_EQ(titled({"soil.preset=P1", "title=mine"}), "mine");
+  Scenario scene = findScenario("europa", Texts{"soil.preset=P1"});
+  changeBody(scene, "Mars");
+  EXPECT_EQ(scene.title, "P1 on Mars, otherwise: " + own);
+}
+
 TEST(Overrides, SayWhichOfThemIsWrong) {
   const auto message = [](const Texts& overrides) {
     try {

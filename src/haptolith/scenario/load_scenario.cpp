@@ -1,6 +1,7 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
+#include <array>
 
 #include "haptolith/core/nearest_word.h"
 #include "haptolith/scenario/built_in_scenes.h"
@@ -243,12 +244,29 @@ void takeOverrides(TomlReader& reader, std::span<const std::string> overrides) {
   }
 }
 
+/// Whether they name another soil or another world, and no title for it.
+bool nameOtherSoilOrWorld(std::span<const std::string> overrides) {
+  const TomlReader given(overrides, kScene);
+  constexpr std::array kNames{KeyName{"soil", "preset"},
+                              KeyName{"soil", "name"},
+                              KeyName{"soil", "file"},
+                              KeyName{"gravity", "body"},
+                              KeyName{"gravity", "magnitude_m_s2"},
+                              KeyName{"gravity", "vector_m_s2"}};
+  return !given.has("", "title") &&
+         std::ranges::any_of(kNames, [&](const KeyName& key) { return given.has(key.table, key.name); });
+}
+
 }  // namespace
 
 Scenario findScenario(std::string_view name_or_file, std::span<const std::string> overrides) {
   TomlReader reader = readerOf(name_or_file);
   takeOverrides(reader, overrides);
-  return read(reader, From::kFile);
+  Scenario scene = read(reader, From::kFile);
+  if (nameOtherSoilOrWorld(overrides)) {
+    retitle(scene, "");
+  }
+  return scene;
 }
 
 Scenario scenarioFromText(std::string_view text, std::string_view name, std::span<const std::string> overrides) {

@@ -3,11 +3,20 @@
 #include <fmt/format.h>
 
 #include "haptolith/core/error.h"
+#include "haptolith/scenario/file_keys.h"
 #include "haptolith/soil/bodies.h"
 #include "haptolith/soil/presets.h"
 #include "haptolith/tool/tool_contact.h"
 
 namespace haptolith {
+
+namespace {
+
+std::string titleBegins(const std::string& soil_and_world) {
+  return soil_and_world + ", otherwise: ";
+}
+
+}  // namespace
 
 HandlingParameters handlingOf(const Scenario& scenario, double surface_m) {
   HandlingParameters handling = handlingOfOwnDevice(scenario, surface_m);
@@ -32,25 +41,53 @@ void setSoil(Scenario& scenario, const SoilFile& soil) {
   }
 }
 
+std::string soilAndWorld(const Scenario& scenario) {
+  const std::string& named = scenario.preset.empty() ? scenario.soil_name : scenario.preset;
+  const std::string soil = named.empty() ? "soil of its own" : named;
+  return scenario.body.empty() ? fmt::format("{} under {:.3g} m/s2", soil, scenario.bed.gravity_m_s2.norm())
+                               : fmt::format("{} on {}{}", soil, scenario.body == "Moon" ? "the " : "", scenario.body);
+}
+
+void retitle(Scenario& scenario, const std::string& before) {
+  const std::string now = soilAndWorld(scenario);
+  if (now == before) {
+    return;
+  }
+  std::string title = scenario.title;
+  if (const std::size_t told = title.find(titleBegins(before)); !before.empty() && told != std::string::npos) {
+    title.erase(told, titleBegins(before).size());
+  }
+  title.insert(0, titleBegins(now));
+  if (title.size() <= mostBytes(TextSize::kLine)) {
+    scenario.title = title;
+  }
+}
+
 void changePreset(Scenario& scenario, std::string_view name) {
   const Preset& preset = findPreset(name);
+  const std::string before = soilAndWorld(scenario);
   scenario.bed.soil = rescaled(preset.soil, scenario.bed.soil.radius_m);
   scenario.preset = preset.name;
   scenario.soil_name.clear();
+  retitle(scenario, before);
 }
 
 void changeSoil(Scenario& scenario, std::string_view name_or_file) {
   SoilFile file = findSoil(name_or_file);
   file.soil = rescaled(file.soil, scenario.bed.soil.radius_m);
+  const std::string before = soilAndWorld(scenario);
   setSoil(scenario, file);
+  retitle(scenario, before);
 }
 
 void changeBody(Scenario& scenario, std::string_view name) {
   const Body& body = findBody(name);
-  const double before = scenario.bed.gravity_m_s2.norm();
-  const Vec3 direction = before > 0 ? Vec3(scenario.bed.gravity_m_s2 / before) : Vec3(-Vec3::UnitZ());
+  const std::string before = soilAndWorld(scenario);
+  const double before_m_s2 = scenario.bed.gravity_m_s2.norm();
+  const Vec3 direction = before_m_s2 > 0 ? Vec3(scenario.bed.gravity_m_s2 / before_m_s2) : Vec3(-Vec3::UnitZ());
   scenario.bed.gravity_m_s2 = body.gravity_m_s2 * direction;
   scenario.body = body.name;
+  retitle(scenario, before);
 }
 
 void makeToolMesh(Scenario& scenario) {

@@ -51,8 +51,10 @@ void changeGravity(Scenario& scenario, double gravity_m_s2) {
   Vec3& gravity = scenario.bed.gravity_m_s2;
   const double now_m_s2 = gravity.norm();
   requireInRange("gravity_m_s2", gravity_m_s2, BedRanges::gravity_m_s2);
+  const std::string before = soilAndWorld(scenario);
   gravity = now_m_s2 > 0 ? Vec3(gravity * (gravity_m_s2 / now_m_s2)) : Vec3(0, 0, -gravity_m_s2);
   scenario.body.clear();
+  retitle(scenario, before);
 }
 
 }  // namespace
