@@ -19,6 +19,8 @@
 
 #include "haptolith/core/base64.h"
 #include "haptolith/core/error.h"
+#include "haptolith/scenario/soil_file.h"
+#include "haptolith/soil/presets.h"
 #include "haptolith/tool/tool_mesh.h"
 #include "haptolith/viewer/messages.h"
 
@@ -158,6 +160,23 @@ TEST(SceneMessage, TellsHowManyGrainsThereAreOfEachSize) {
     EXPECT_EQ(p.w < -0.001, i >= grains[0]["count"].get<std::size_t>()) << i;
     ++i;
   }
+}
+
+TEST(SceneMessage, TellsOfANamedSoilWhatWasMeasuredAndNotItsParameters) {
+  const auto soil_of = [](const Scenario& wanted) {
+    const SceneLookedAt shown{.scenario = wanted, .soil = wanted.bed.soil, .grains = {}, .low_m = {}, .high_m = {}};
+    return Json::parse(sceneMessages(shown, {Vec3(-1, -1, -1), Vec3(1, 1, 1)}).whole)["soil"];
+  };
+  Scenario scenario = findScenario("regolith");
+  const SoilTarget measured = findSoil(scenario.soil_name).target;
+  EXPECT_EQ(soil_of(scenario)["bulk_density_kg_m3"], measured.bulk_density_kg_m3);
+  EXPECT_EQ(soil_of(scenario)["friction_angle_deg"], measured.friction_angle_deg);
+  scenario.bed.soil.contact_friction *= 1.5;
+  EXPECT_EQ(soil_of(scenario)["bulk_density_kg_m3"], measured.bulk_density_kg_m3) << "it lies there as before";
+  EXPECT_EQ(soil_of(scenario)["friction_angle_deg"], nullptr);
+  scenario.bed.soil.rho0_kg_m3 *= 1.1;
+  EXPECT_EQ(soil_of(scenario)["bulk_density_kg_m3"], nullptr) << "nobody has measured this one";
+  EXPECT_EQ(soil_of(Scenario{})["bulk_density_kg_m3"], findPreset("P3").soil.rho0_kg_m3);
 }
 
 TEST(SceneMessage, HasTheMeshOfAToolWhateverTheShapeIsNow) {

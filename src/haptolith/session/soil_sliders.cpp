@@ -52,6 +52,12 @@ std::vector<SoilSlider> contactSliders(const SoilParameters& soil) {
 
 }  // namespace
 
+SoilParameters withContactsOf(SoilParameters soil, const SoilParameters& other) {
+  soil.contact_friction = other.contact_friction;
+  soil.contact_cohesion_n = other.contact_cohesion_n;
+  return soil;
+}
+
 std::optional<CalibratedStrength> calibrationOf(const Scenario& scenario) {
   const SoilParameters& soil = scenario.bed.soil;
   if (scenario.soil_name.empty() || soil.friction != FrictionModel::kContact) {
@@ -60,10 +66,8 @@ std::optional<CalibratedStrength> calibrationOf(const Scenario& scenario) {
   try {
     const SoilFile file = findSoil(scenario.soil_name);
     const SoilParameters calibrated = rescaled(file.soil, soil.radius_m);
-    SoilParameters other_contacts = calibrated;
-    other_contacts.contact_friction = soil.contact_friction;
-    other_contacts.contact_cohesion_n = soil.contact_cohesion_n;
-    return other_contacts == soil ? std::optional(CalibratedStrength(calibrated, file.target)) : std::nullopt;
+    return withContactsOf(calibrated, soil) == soil ? std::optional(CalibratedStrength(calibrated, file.target))
+                                                    : std::nullopt;
   } catch (const std::exception&) {  // a file that has gone: nothing is known of its soil
     return std::nullopt;
   }

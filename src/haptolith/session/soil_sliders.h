@@ -16,6 +16,9 @@ struct SoilSlider {
   double value = 0, low = 0, high = 1, step = 0.01;
 };
 
+/// The soil with contact friction and cohesion of another.
+[[nodiscard]] SoilParameters withContactsOf(SoilParameters soil, const SoilParameters& other);
+
 /// How the strength of a scene's soil changes with its contacts; none when it has no name, was calibrated for another
 /// model of friction, or differs from the calibrated soil in more than contact friction and cohesion.
 [[nodiscard]] std::optional<CalibratedStrength> calibrationOf(const Scenario& scenario);

@@ -42,27 +42,33 @@ Json orNull(std::string_view text) {
   return text.empty() ? Json(nullptr) : Json(text);
 }
 
-/// Friction angle and cohesion that the soil shows: a named soil's as the laboratory measured them, a preset's as
-/// (paper 17, 18) have them. Nothing is known of a named soil whose numbers have been changed.
-Json strengthOf(const Scenario& scenario) {
+/// Friction angle, cohesion and density that the soil shows: a named soil's as they were measured (rho0 is that of a
+/// close packing, in which its grains do not lie), a preset's as (paper 17, 18) and Table II have them. Nothing is
+/// known of a named soil whose numbers have been changed, but for the density where only its contacts are others.
+Json measuresOf(const Scenario& scenario) {
   const SoilParameters& soil = scenario.bed.soil;
-  Json strength{{"friction_angle_deg", nullptr}, {"cohesion_pa", nullptr}};
+  Json measures{{"friction_angle_deg", nullptr}, {"cohesion_pa", nullptr}, {"bulk_density_kg_m3", nullptr}};
   if (!scenario.soil_name.empty()) {
     try {
       const SoilFile file = findSoil(scenario.soil_name);
       if (rescaled(file.soil, soil.radius_m) == soil) {
-        strength["friction_angle_deg"] = file.target.friction_angle_deg;
-        strength["cohesion_pa"] = file.target.cohesion_pa;
+        measures["friction_angle_deg"] = file.target.friction_angle_deg;
+        measures["cohesion_pa"] = file.target.cohesion_pa;
       }
-    } catch (const std::exception&) {  // a file that has gone: its strength is not known, that is all
-      return strength;
+      if (withContactsOf(rescaled(file.soil, soil.radius_m), soil) == soil) {
+        measures["bulk_density_kg_m3"] = file.target.bulk_density_kg_m3;
+      }
+    } catch (const std::exception&) {  // a file that has gone: its measures are not known, that is all
     }
-  } else if (soil.friction == FrictionModel::kPaper) {
+    return measures;
+  }
+  measures["bulk_density_kg_m3"] = soil.rho0_kg_m3;
+  if (soil.friction == FrictionModel::kPaper) {
     for (const SoilSlider& slider : slidersOf(soil)) {
-      strength[std::string(slider.key)] = slider.value;
+      measures[std::string(slider.key)] = slider.value;
     }
   }
-  return strength;
+  return measures;
 }
 
 /// Numbers as little-endian bytes, as every machine that this runs on has them, in base64.
@@ -102,8 +108,7 @@ Json soilJson(const Scenario& scenario) {
   Json soil{{"preset", orNull(scenario.preset)},
             {"name", orNull(scenario.soil_name)},
             {"friction", wordFor(kFrictionWords, scenario.bed.soil.friction)}};
-  soil.update(strengthOf(scenario));
-  soil["bulk_density_kg_m3"] = scenario.bed.soil.rho0_kg_m3;
+  soil.update(measuresOf(scenario));
   return soil;
 }
 
