@@ -12,6 +12,7 @@ namespace {
 
 using testing::AllOf;
 using testing::HasSubstr;
+using testing::StartsWith;
 
 std::string failureOf(const std::function<void()>& work) {
   try {
@@ -34,7 +35,7 @@ TEST(SharedLibrary, ItsFunctionsCanBeCalledAlsoWhenItIsGone) {
 
 TEST(SharedLibrary, OneThatIsNotThereIsNamed) {
   EXPECT_THAT(failureOf([] { SharedLibrary("libno_such_thing.so.7"); }),
-              AllOf(HasSubstr("libno_such_thing.so.7"), HasSubstr("No such file")));
+              AllOf(StartsWith("cannot load libno_such_thing.so.7: cannot open"), HasSubstr("No such file")));
 }
 
 TEST(SharedLibrary, AFunctionThatItLacksIsNamed) {

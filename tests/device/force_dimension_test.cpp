@@ -177,7 +177,7 @@ TEST_F(ForceDimensionSearch, AFailureNamesEveryPathThatWasTried) {
   setenv("FDSDK", (folder_ / "two").c_str(), 1);
   fs::create_directories(folder_ / "two");
   std::ofstream(folder_ / "two/libdrd.so.3.17.6") << "no library";
-  EXPECT_THAT(failure(), AllOf(HasSubstr((folder_ / "one/libdrd.so*").string()),
+  EXPECT_THAT(failure(), AllOf(HasSubstr("there is no " + (folder_ / "one/libdrd.so*").string() + "\n"),
                                HasSubstr((folder_ / "one/lib/release/lin-*-gcc/libdrd.so*").string()),
                                HasSubstr((folder_ / "two/libdrd.so.3.17.6").string()),
                                HasSubstr("cannot load libdrd.so.3"), HasSubstr((folder_ / "local/libdrd.so*").string()),

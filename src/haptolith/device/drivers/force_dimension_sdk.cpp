@@ -19,6 +19,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
+constexpr const char* kLibraries = "libdrd.so*";  ///< what SDKs call them
+
 std::vector<fs::path> matching(const fs::path& folder, const char* pattern) {
   std::vector<fs::path> found;
   std::error_code ignored;  // a folder that cannot be read has nothing for us
@@ -38,14 +40,14 @@ bool isNewer(const fs::path& a, const fs::path& b) {
 /// The libraries in a folder and where an SDK's folder keeps them (lib/release/lin-x86_64-gcc/), newest first; what was
 /// looked for when there are none.
 std::vector<fs::path> librariesBelow(const fs::path& folder) {
-  constexpr const char* kName = "libdrd.so*";
-  std::vector<fs::path> found = matching(folder, kName);
+  std::vector<fs::path> found = matching(folder, kLibraries);
   for (const fs::path& platform : matching(folder / "lib" / "release", "lin-*-gcc")) {
-    const std::vector<fs::path> here = matching(platform, kName);
+    const std::vector<fs::path> here = matching(platform, kLibraries);
     found.insert(found.end(), here.begin(), here.end());
   }
   std::sort(found.begin(), found.end(), isNewer);
-  return found.empty() ? std::vector<fs::path>{folder / kName, folder / "lib/release/lin-*-gcc" / kName} : found;
+  return found.empty() ? std::vector<fs::path>{folder / kLibraries, folder / "lib/release/lin-*-gcc" / kLibraries}
+                       : found;
 }
 
 std::vector<fs::path> candidates(const fs::path& library, const ForceDimensionPlaces& places) {
@@ -67,7 +69,7 @@ std::vector<fs::path> candidates(const fs::path& library, const ForceDimensionPl
     std::istringstream text(folders);
     for (std::string folder; std::getline(text, folder, ':');) {
       if (!folder.empty()) {
-        std::vector<fs::path> here = matching(folder, "libdrd.so*");
+        std::vector<fs::path> here = matching(folder, kLibraries);
         std::sort(here.begin(), here.end(), isNewer);
         add(here);
       }
@@ -81,6 +83,10 @@ std::vector<fs::path> candidates(const fs::path& library, const ForceDimensionPl
 SharedLibrary firstThatLoads(const fs::path& library, const ForceDimensionPlaces& places) {
   std::vector<std::string> tried;
   for (const fs::path& candidate : candidates(library, places)) {
+    if (candidate.filename() == kLibraries) {  // a folder where nothing is called like that
+      tried.push_back(fmt::format("there is no {}", candidate.string()));
+      continue;
+    }
     try {
       return SharedLibrary(candidate);
     } catch (const Failure& failure) {
