@@ -385,7 +385,7 @@ TEST_F(StudyCommands, ForgetTakesRecordingsAndNamesWhatStays) {
   const ProgramResult forget =
       runHaptolith(fmt::format("study forget {} S02 --reason 'asked for it'", file("a.study")));
   EXPECT_EQ(forget.exit_status, 0) << forget.errors;
-  EXPECT_THAT(forget.output, AllOf(HasSubstr("S02: deleted, with 3 trials and 1 recordings"),
+  EXPECT_THAT(forget.output, AllOf(HasSubstr("S02: deleted, with 3 trials and 1 recording\n"),
                                    HasSubstr((folder_ / "a.csv").string()), HasSubstr("copies and backups")));
   EXPECT_FALSE(fs::exists(folder_ / "a-recordings/S02-friction-001-1-first.h5"));
 }

@@ -12,6 +12,7 @@
 #include "haptolith/bed/bed_start.h"
 #include "haptolith/bed/simd_target.h"
 #include "haptolith/core/clock.h"
+#include "haptolith/core/counted.h"
 #include "haptolith/core/error.h"
 #include "haptolith/device/hand/virtual_hand.h"
 #include "haptolith/figure/figure.h"
@@ -165,7 +166,7 @@ std::vector<BenchScene> scenesOf(const BenchOptions& options) {
   for (const std::string& file : options.scenes) {
     for (const int threads : options.threads) {
       const Scenario scene = findScenario(file);
-      scenes.push_back({fmt::format("{}, {} threads", file, threads), scene.bed, scene.tool, scene.hand});
+      scenes.push_back({fmt::format("{}, {}", file, counted(threads, "thread")), scene.bed, scene.tool, scene.hand});
       BedParameters& bed = scenes.back().bed;
       bed.threads = threads;
       letSleep(bed, options);
@@ -179,8 +180,8 @@ std::vector<BenchScene> scenesOf(const BenchOptions& options) {
   for (const int particles : options.particles) {
     for (const FrictionModel friction : options.friction) {
       for (const int threads : options.threads) {
-        const std::string what =
-            fmt::format("{} particles, {} friction, {} threads", particles, wordFor(kFrictionWords, friction), threads);
+        const std::string what = fmt::format("{}, {} friction, {}", counted(particles, "particle"),
+                                             wordFor(kFrictionWords, friction), counted(threads, "thread"));
         scenes.push_back({what, sandbox(options, particles, friction, threads), ToolParameters{}, hand});
       }
     }
@@ -241,8 +242,8 @@ void drawBench(const OutputFile& file, const std::vector<BenchRow>& rows) {
     const std::string name = fmt::format("curve{}", i);
     figure.data(name, points);
     plot += fmt::format(
-        ", ${0} using 1:2:2:3 with yerrorlines pointtype 7 linewidth 2 linecolor rgb '{1}' title '{2}, {3} thread{4}'",
-        name, colours[i % 4], wordFor(kFrictionWords, what.first), what.second, what.second == 1 ? "" : "s");
+        ", ${0} using 1:2:2:3 with yerrorlines pointtype 7 linewidth 2 linecolor rgb '{1}' title '{2}, {3}'", name,
+        colours[i % 4], wordFor(kFrictionWords, what.first), counted(what.second, "thread"));
     ++i;
   }
   figure.command(

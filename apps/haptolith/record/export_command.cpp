@@ -11,6 +11,7 @@
 
 #include "haptolith/core/atomic_file.h"
 #include "haptolith/core/atomic_folder.h"
+#include "haptolith/core/counted.h"
 #include "haptolith/core/error.h"
 #include "haptolith/recording/export_pictures.h"
 #include "haptolith/recording/recorded_pictures.h"
@@ -87,11 +88,11 @@ void exportCsv(const RecordingReader& recording, const ExportOptions& options) {
   file.write(text);
   file.commit();
   status.clear();
-  printText(savedText(out, fmt::format("{} ticks", recording.ticks())));
+  printText(savedText(out, counted(recording.ticks(), "tick")));
 }
 
 std::string picturesText(const RecordedPictures& pictures) {
-  const std::string count = fmt::format("{} pictures of the particles", pictures.count());
+  const std::string count = counted(pictures.count(), "picture") + " of the particles";
   return pictures.replayed() == pictures.count() ? count + " with velocities"
          : pictures.replayed() == 0              ? count + " without velocities"
                                     : fmt::format("{}, {} of them with velocities", count, pictures.replayed());
@@ -203,9 +204,9 @@ void exportRecording(const ExportOptions& options) {
   }
   if (recording.missingTicks() > 0) {
     spdlog::warn(
-        "{} lacks {} ticks that the disk or the machine was too slow for; the numbers of those before and after tell "
+        "{} lacks {} that the disk or the machine was too slow for; the numbers of those before and after tell "
         "where",
-        options.file, recording.missingTicks());
+        options.file, counted(recording.missingTicks(), "tick"));
   }
 }
 

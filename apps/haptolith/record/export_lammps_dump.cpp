@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "haptolith/core/atomic_folder.h"
+#include "haptolith/core/counted.h"
 #include "haptolith/core/error.h"
 #include "haptolith/exchange/lammps_dump.h"
 #include "haptolith/recording/picture_meshes.h"
@@ -78,12 +79,12 @@ void exportLammpsDump(const std::filesystem::path& path, const std::filesystem::
     const std::string name = fmt::format("particles-{:06}.vtu", count++);
     folder.write(name, fileOf(picture).text());
     pictures.add(timeOf(picture), name);
-    status.update(fmt::format("{} pictures", count));
+    status.update(counted(count, "picture"));
   });
   folder.write("particles.pvd", pictures.text());
   folder.commit();
   status.clear();
-  printText(savedText(folder.path(), fmt::format("{} picture{} of the particles", count, count == 1 ? "" : "s")));
+  printText(savedText(folder.path(), counted(count, "picture") + " of the particles"));
 }
 
 }  // namespace haptolith

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "haptolith/core/atomic_file.h"
+#include "haptolith/core/counted.h"
 #include "haptolith/core/error.h"
 #include "haptolith/exchange/lammps_dump.h"
 #include "haptolith/exchange/lammps_export.h"
@@ -82,7 +83,7 @@ void importDump(const ImportOptions& options) {
   Scenario scene = sceneOf(options);
   StatusLine status;
   const LammpsPicture picture = readLammpsDump(options.file, options.picture, [&](std::size_t passed) {
-    status.update(fmt::format("{} pictures read", passed));
+    status.update(counted(passed, "picture") + " read");
     return !stopAsked();
   });
   status.clear();
@@ -100,7 +101,8 @@ void importDump(const ImportOptions& options) {
   scene.title = fmt::format("Step {} of {}", picture.step, fs::path(options.file).filename().string());
   scene_file.write(scenarioTextWithGrains(scene, table.filename().string()));
   scene_file.commit();
-  printText(savedText(table, fmt::format("{} grains of picture {}, step {}", taken, picture.number, picture.step)));
+  printText(savedText(table,
+                      fmt::format("{} of picture {}, step {}", counted(taken, "grain"), picture.number, picture.step)));
   printText(savedText(out, "a scene of them"));
   if (taken < picture.grains.size()) {
     printText(fmt::format("  {} others, of types other than {} (soil) and {} (held), are left out: a tool\n",

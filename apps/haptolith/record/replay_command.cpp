@@ -8,6 +8,7 @@
 #include <string>
 
 #include "haptolith/bed/simd_target.h"
+#include "haptolith/core/counted.h"
 #include "haptolith/core/error.h"
 #include "haptolith/recording/replay.h"
 
@@ -37,17 +38,17 @@ struct ReplayOptions {
 };
 
 std::string gapText(const ReplayGap& gap) {
-  return gap.ticks == 0
-             ? fmt::format("the ticks after {:.3f} s are not in the order of a run", gap.time_s)
-             : fmt::format("{} ticks after {:.3f} s: what follows cannot be replayed", gap.ticks, gap.time_s);
+  return gap.ticks == 0 ? fmt::format("the ticks after {:.3f} s are not in the order of a run", gap.time_s)
+                        : fmt::format("{} after {:.3f} s: what follows cannot be replayed", counted(gap.ticks, "tick"),
+                                      gap.time_s);
 }
 
 std::string summary(const ReplayOptions& options, const RecordingReader& recording, const Replay& replay,
                     const ReplayResult& result) {
   const int threads = replay.scenario().bed.threads;
-  std::string text =
-      fmt::format("{}\n  replayed   {} of {} ticks, {} hashes compared ({}, {} thread{})\n", replay.scenario().title,
-                  result.ticks, recording.ticks(), result.hashes, simdTarget(), threads, threads == 1 ? "" : "s");
+  std::string text = fmt::format("{}\n  replayed   {} of {}, {} compared ({}, {})\n", replay.scenario().title,
+                                 result.ticks, counted(recording.ticks(), "tick"),
+                                 counted(result.hashes, "hash", "hashes"), simdTarget(), counted(threads, "thread"));
   if (result.difference) {
     text += fmt::format("  differs    in tick {} at {:.3f} s: {}\n", result.difference->tick, result.difference->time_s,
                         result.difference->what);

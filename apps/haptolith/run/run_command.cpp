@@ -15,6 +15,7 @@
 #include <vector>
 
 #include "haptolith/bed/simd_target.h"
+#include "haptolith/core/counted.h"
 #include "haptolith/core/error.h"
 #include "haptolith/core/plain_text.h"
 #include "haptolith/haptics/stiffness_check.h"
@@ -336,11 +337,6 @@ std::string deadlinesText(const Scenario& scenario, const LoopStatistics& statis
                              : "none: as fast as it can";
 }
 
-/// "1 thread", "2 threads".
-std::string counted(int number, std::string_view of) {
-  return fmt::format("{} {}{}", number, of, number == 1 ? "" : "s");
-}
-
 /// "256 macroparticles of 7 mm", "2048 macroparticles (208 of 7 mm, 1840 of 3.5 mm)"; those of several sizes that are
 /// held come last, "189 of 7 mm behind the sides".
 std::string grainsText(const Bed& bed) {
@@ -528,9 +524,8 @@ void run(const RunOptions& options) {
     throw Failure(fmt::format("the recording is not whole: {}", follower.recording().problem()));
   }
   if (summary.lost_records > 0 && follower.traces()) {
-    throw Failure(
-        fmt::format("the trace is not whole: {} ticks are missing, because the program was held up for too long",
-                    summary.lost_records));
+    throw Failure(fmt::format("the trace is not whole: {} missing, because the program was held up for too long",
+                              counted(summary.lost_records, "tick is", "ticks are")));
   }
 }
 

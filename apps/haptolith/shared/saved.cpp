@@ -10,6 +10,7 @@
 #include <string>
 
 #include "haptolith/core/atomic_file.h"
+#include "haptolith/core/counted.h"
 
 namespace haptolith {
 
@@ -46,13 +47,13 @@ std::string tableText(const fs::path& path) {
       columns = lines++ == 0 ? 1 + std::ranges::count(line, separator) : columns;
     }
   }
-  return fmt::format("{} rows of {} columns", lines == 0 ? 0 : lines - 1, columns);
+  return fmt::format("{} of {}", counted(lines == 0 ? 0 : lines - 1, "row"), counted(columns, "column"));
 }
 
 std::string whatIs(const fs::path& path) {
   std::error_code ignored;
   if (fs::is_directory(path, ignored)) {
-    return fmt::format("{} files", std::distance(fs::directory_iterator(path, ignored), fs::directory_iterator()));
+    return counted(std::distance(fs::directory_iterator(path, ignored), fs::directory_iterator()), "file");
   }
   const std::string extension = path.extension().string();
   const std::uintmax_t size = fs::file_size(path, ignored);

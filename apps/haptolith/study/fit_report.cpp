@@ -7,6 +7,8 @@
 #include <optional>
 #include <string_view>
 
+#include "haptolith/core/counted.h"
+
 namespace haptolith {
 
 namespace {
@@ -94,8 +96,8 @@ std::string fitText(const Fit& fit) {
   const std::string_view interval =
       fit.method == FitMethod::kMaximumLikelihood ? "profile interval" : "credible interval";
   std::string text =
-      fmt::format("Psychometric function {} ({}), {}; {} answers to {} stimuli\n\n", nameOf(function.sigmoid),
-                  designName(fit), wordsFor(fit.method), fit.n_trials, fit.levels.size());
+      fmt::format("Psychometric function {} ({}), {}; {} answers to {}\n\n", nameOf(function.sigmoid), designName(fit),
+                  wordsFor(fit.method), fit.n_trials, counted(fit.levels.size(), "stimulus", "stimuli"));
   text += fmt::format("{:>28}   {:g} % {}\n", "estimate", 100 * fit.confidence, interval);
   text += line("threshold", fit.threshold, "x50, where the sigmoid is a half");
   text += line("JND", fit.jnd, "x84 - x50");

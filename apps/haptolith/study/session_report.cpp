@@ -10,6 +10,7 @@
 #include <string_view>
 #include <vector>
 
+#include "haptolith/core/counted.h"
 #include "haptolith/study/store/provenance.h"
 
 namespace haptolith {
@@ -54,8 +55,8 @@ std::string sessionsText(const StudyStore& study) {
     const auto& [kind, version, device, machine] = what;
     text += fmt::format("  {} {} by haptolith {}, {}; {}\n", alike.sessions, kind, version, device, machine);
     if (alike.counted) {
-      text += fmt::format("    {} of {} ticks late, the hand let go {} times\n", alike.counts.missed_ticks,
-                          alike.counts.ticks, alike.counts.safety_trips);
+      text += fmt::format("    {} of {} late, the hand let go {}\n", alike.counts.missed_ticks,
+                          counted(alike.counts.ticks, "tick"), counted(alike.counts.safety_trips, "time"));
     }
     if (alike.unfinished > 0) {
       text += fmt::format("    {} under way or cut off\n", alike.unfinished);

@@ -13,6 +13,7 @@
 #include <utility>
 #include <vector>
 
+#include "haptolith/core/counted.h"
 #include "haptolith/core/error.h"
 #include "haptolith/psychometrics/group.h"
 #include "haptolith/psychometrics/group_difference.h"
@@ -218,7 +219,7 @@ std::vector<std::string> remarksOn(const BlockResult& result) {
   }
   if (isWeber(fit.function.sigmoid) && w.interval.high > kWide * w.interval.low) {
     remarks.push_back(fmt::format("{} answers of {} hardly bound the Weber fraction: {:.3g} to {:.3g}.", fit.n_trials,
-                                  result.group ? fmt::format("{} people", result.codes.size()) : "one person",
+                                  result.group ? counted(result.codes.size(), "person", "people") : "one person",
                                   w.interval.low, w.interval.high));
   }
   const std::optional<Interval> shown = weberFractionsShownBy(*result.block);
@@ -236,9 +237,9 @@ std::vector<std::string> remarksOn(const BlockResult& result) {
 }
 
 std::string text(const BlockResult& result) {
-  std::string told = fmt::format("{}: {} {}, reference {} ({:g})\n", result.name(), result.codes.size(),
-                                 result.codes.size() == 1 ? "participant" : "participants",
-                                 result.block->reference.name, result.block->reference.value);
+  std::string told =
+      fmt::format("{}: {}, reference {} ({:g})\n", result.name(), counted(result.codes.size(), "participant"),
+                  result.block->reference.name, result.block->reference.value);
   if (result.group) {
     told += groupText(*result.group, result.codes);
   }

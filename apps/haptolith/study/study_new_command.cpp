@@ -11,6 +11,7 @@
 #include <string_view>
 #include <vector>
 
+#include "haptolith/core/counted.h"
 #include "haptolith/scenario/site_task.h"
 #include "haptolith/study/protocol.h"
 #include "haptolith/study/sequence.h"
@@ -51,13 +52,13 @@ std::string summaryOf(const StudyProtocol& protocol) {
     }
     if (block.teleop) {
       text += fmt::format("  {:<16} work for a robot: {}, {}, {}\n", block.name,
-                          wordFor(kSiteTaskWords, block.teleop->task), block.reference.name,
-                          trials == 1 ? std::string("1 trial") : fmt::format("{} trials", trials));
+                          wordFor(kSiteTaskWords, block.teleop->task), block.reference.name, counted(trials, "trial"));
       continue;
     }
     const bool adaptive = block.procedure != ProcedureKind::kConstant;
-    text += fmt::format("  {:<16} {} levels against {}, {}\n", block.name, block.levels.size(), block.reference.name,
-                        adaptive ? std::string("chosen from the answers so far") : fmt::format("{} trials", trials));
+    text += fmt::format("  {:<16} {} against {}, {}\n", block.name, counted(block.levels.size(), "level"),
+                        block.reference.name,
+                        adaptive ? std::string("chosen from the answers so far") : counted(trials, "trial"));
   }
   for (const ParticipantGroup& group : protocol.groups) {
     std::vector<std::string_view> blocks;

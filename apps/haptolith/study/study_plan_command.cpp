@@ -12,6 +12,7 @@
 #include <utility>
 #include <vector>
 
+#include "haptolith/core/counted.h"
 #include "haptolith/core/error.h"
 #include "haptolith/figure/figure.h"
 #include "haptolith/study/study_plan.h"
@@ -96,8 +97,9 @@ std::string searchText(const Options& options, const std::vector<PlanOutcome>& o
     const auto found = std::ranges::find_if(outcomes, [&](const PlanOutcome& outcome) {
       return outcome.size.repeats == repeats && successOf(outcome).value >= options.power;
     });
-    text += fmt::format("{} participants with {} trials of each level: enough for {:g} % of studies\n",
-                        found->size.participants, repeats, 100 * options.power);
+    text +=
+        fmt::format("{} with {} of each level: enough for {:g} % of studies\n",
+                    counted(found->size.participants, "participant"), counted(repeats, "trial"), 100 * options.power);
   }
   return text;
 }

@@ -13,6 +13,7 @@
 #include <utility>
 #include <vector>
 
+#include "haptolith/core/counted.h"
 #include "haptolith/core/error.h"
 #include "haptolith/scenario/scene_words.h"
 #include "haptolith/session/session.h"
@@ -193,7 +194,8 @@ class StudyRun {
   /// Recordings tell of their own; what a trial says of forces would be worked out without these ticks as well.
   void tellOfLost(std::uint64_t lost) {
     if (lost > told_lost_) {
-      const std::string text = fmt::format("the program was held up: {} ticks are missing", lost - told_lost_);
+      const std::string text =
+          fmt::format("the program was held up: {} missing", counted(lost - told_lost_, "tick is", "ticks are"));
       told_lost_ = lost;
       spdlog::warn("{}", text);
       conductor_.remark(text);
@@ -207,7 +209,7 @@ class StudyRun {
       requireRoom(store_, options_);
       if (const int enough = store_.protocol().planned_participants;
           enough > 0 && finishedParticipants(store_.participants()) >= enough) {
-        spdlog::warn("the protocol ends the study after {} participants, who have finished", enough);
+        spdlog::warn("the protocol ends the study after {}, and so many have finished", counted(enough, "participant"));
       }
       conductor_.begin(options_.participant);
     }
@@ -284,7 +286,7 @@ class StudyRun {
     for (const TrialRow& row : store_.trials()) {
       answers += row.state == TrialState::kAnswered ? 1 : 0;
     }
-    printText(fmt::format("{}: {} answers in {}\n", store_.title(), answers, options_.file));
+    printText(fmt::format("{}: {} in {}\n", store_.title(), counted(answers, "answer"), options_.file));
     if (!over) {
       printText(fmt::format("{} goes on with: haptolith study resume {}\n", code_, options_.file));
     }

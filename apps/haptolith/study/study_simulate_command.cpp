@@ -13,6 +13,7 @@
 #include <string_view>
 #include <utility>
 
+#include "haptolith/core/counted.h"
 #include "haptolith/core/error.h"
 #include "haptolith/study/answers.h"
 #include "haptolith/study/simulated_participant.h"
@@ -130,7 +131,7 @@ void simulate(const Options& options) {
   });
   for (; person < options.participants; ++person) {
     if (stopAsked()) {
-      throw Failure(fmt::format("interrupted after {} of {} participants", person, options.participants));
+      throw Failure(fmt::format("interrupted after {} of {}", person, counted(options.participants, "participant")));
     }
     status.update(fmt::format("participant {} of {}", person + 1, options.participants));
     ObserverParameters who = options.observer;
@@ -154,9 +155,9 @@ void simulate(const Options& options) {
     works +=
         row.kind == TrialKind::kMain && row.state == TrialState::kAnswered && row.answer && row.answer->teleop ? 1 : 0;
   }
-  printText(fmt::format(
-      "{}: {} simulated participants, {} answers that count{}\n", options.file, study.participants().size(), answers,
-      works > 0 ? fmt::format(", {} {} of work for a robot", works, works == 1 ? "trial" : "trials") : ""));
+  printText(fmt::format("{}: {}, {}{}\n", options.file, counted(study.participants().size(), "simulated participant"),
+                        counted(answers, "answer that counts", "answers that count"),
+                        works > 0 ? fmt::format(", {} of work for a robot", counted(works, "trial")) : ""));
 }
 
 }  // namespace

@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "haptolith/core/counted.h"
 #include "haptolith/study/adaptive_results.h"
 #include "haptolith/study/answers.h"
 #include "haptolith/study/criteria.h"
@@ -226,9 +227,10 @@ std::string participantsText(const StudyStore& study, const std::vector<TrialRow
 
 std::string stoppingText(const StudyStore& study) {
   const int planned_participants = study.protocol().planned_participants;
-  return planned_participants > 0 ? fmt::format("\nThe study ends after {} participants: {} have finished.\n",
-                                                planned_participants, finishedParticipants(study.participants()))
-                                  : "";
+  return planned_participants > 0
+             ? fmt::format("\nThe study ends after {}; finished so far: {}.\n",
+                           counted(planned_participants, "participant"), finishedParticipants(study.participants()))
+             : "";
 }
 
 /// What is to be known of somebody before their answers are used.
@@ -259,12 +261,12 @@ std::string resultsText(const StudyStore& study, const std::vector<TrialRow>& tr
   for (const ParticipantRow& participant : study.participants()) {
     for (std::size_t block = 0; block < study.protocol().blocks.size(); ++block) {
       if (const AdaptiveResult* result = resultIn(results, participant.id, block)) {
-        text +=
-            fmt::format("  {:<8}{:<12}{} trials{}{}{}{}\n", participant.code, study.protocol().blocks[block].name,
-                        result->trials, result->finished ? "" : " so far", estimateText("threshold", result->threshold),
-                        result->weber_fraction ? estimateText("Weber fraction", result->weber_fraction)
-                                               : estimateText("JND", result->jnd),
-                        result->remark.empty() ? "" : "  (" + result->remark + ")");
+        text += fmt::format("  {:<8}{:<12}{}{}{}{}{}\n", participant.code, study.protocol().blocks[block].name,
+                            counted(result->trials, "trial"), result->finished ? "" : " so far",
+                            estimateText("threshold", result->threshold),
+                            result->weber_fraction ? estimateText("Weber fraction", result->weber_fraction)
+                                                   : estimateText("JND", result->jnd),
+                            result->remark.empty() ? "" : "  (" + result->remark + ")");
       }
     }
   }

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <optional>
 
+#include "haptolith/core/counted.h"
 #include "haptolith/scenario/scene_words.h"
 #include "haptolith/scenario/site_task.h"
 
@@ -46,7 +47,7 @@ const TeleopMeasure* inFirst(const std::vector<TeleopBlockResult>& results, cons
 }
 
 std::string peopleText(std::size_t people) {
-  return people == 1 ? "1 participant" : fmt::format("{} participants", people);
+  return counted(people, "participant");
 }
 
 }  // namespace

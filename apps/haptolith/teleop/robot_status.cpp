@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include "haptolith/core/counted.h"
+
 namespace haptolith {
 
 std::string robotStatusText(const Robot& robot, const RobotServer& server) {
@@ -15,9 +17,10 @@ std::string robotStatusText(const Robot& robot, const RobotServer& server) {
 std::string robotSummaryText(const Robot& robot, const RobotServer& server, const std::string& status) {
   const PacketCounts& counts = server.counts();
   return fmt::format(
-      "  robot      {}; stopped {} times\n  packets    {} taken; {} malformed, {} forged, {} replayed, {} of "
+      "  robot      {}; stopped {}\n  packets    {} taken; {} malformed, {} forged, {} replayed, {} of "
       "strangers\n",
-      status, robot.stops(), counts.taken, counts.malformed, counts.forged, counts.replayed, counts.strangers);
+      status, counted(robot.stops(), "time"), counts.taken, counts.malformed, counts.forged, counts.replayed,
+      counts.strangers);
 }
 
 }  // namespace haptolith

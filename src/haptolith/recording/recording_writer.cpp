@@ -11,6 +11,7 @@
 #include <utility>
 #include <vector>
 
+#include "haptolith/core/counted.h"
 #include "haptolith/core/error.h"
 #include "haptolith/core/start_thread.h"
 #include "haptolith/recording/recording_file.h"
@@ -137,9 +138,9 @@ class RecordingWriter::Thread {
   /// With the lock held.
   void stop(const std::string& why) {
     if (problem_.empty()) {
-      problem_ =
-          fmt::format("the recording {} has ended: {}; it holds {} ticks, {} pictures of the particles and {} events",
-                      path_, why, written_.ticks, written_.frames, written_.events);
+      problem_ = fmt::format("the recording {} has ended: {}; it holds {}, {} of the particles and {}", path_, why,
+                             counted(written_.ticks, "tick"), counted(written_.frames, "picture"),
+                             counted(written_.events, "event"));
     }
     waiting_ = {};
     waiting_bytes_ = 0;

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "haptolith/bed/simd_target.h"
+#include "haptolith/core/counted.h"
 #include "haptolith/core/error.h"
 #include "haptolith/core/new_file_name.h"
 
@@ -88,7 +89,8 @@ void SessionRecording::stop() {
     throw Failure(problem_);
   }
   if (const std::uint64_t missing = ended->written().missing; missing > 0) {
-    problem_ = fmt::format("{} ticks are missing in {}: the program was held up for too long", missing, name);
+    problem_ = fmt::format("{} missing in {}: the program was held up for too long",
+                           counted(missing, "tick is", "ticks are"), name);
     options_.warn(problem_);
   }
 }

@@ -8,6 +8,7 @@
 #include <string_view>
 #include <vector>
 
+#include "haptolith/core/counted.h"
 #include "haptolith/study/groups.h"
 #include "haptolith/study/store/provenance.h"
 
@@ -44,15 +45,15 @@ std::string_view orderText(BlockOrder order) {
 std::string procedureText(const StudyBlock& block) {
   switch (block.procedure) {
     case ProcedureKind::kConstant:
-      return fmt::format("constant stimuli: each level {} times, in an order drawn for each participant",
-                         block.repeats);
+      return fmt::format("constant stimuli: each level {}, in an order drawn for each participant",
+                         counted(block.repeats, "time"));
     case ProcedureKind::kStaircase:
       return fmt::format("staircases, {} down and {} up, that end after {} reversals or {} trials",
                          block.staircase.down, block.staircase.up, block.staircase.reversals,
                          block.staircase.most_trials);
     case ProcedureKind::kQuestPlus:
-      return fmt::format("QUEST+ (Watson 2017): the most informative level each time, {} trials",
-                         block.quest_plus.trials);
+      return fmt::format("QUEST+ (Watson 2017): the most informative level each time, {}",
+                         counted(block.quest_plus.trials, "trial"));
   }
   return {};
 }
@@ -92,12 +93,12 @@ std::string teleopText(const StudyBlock& block) {
   std::string text = fmt::format(
       "### {}\n\n- Each trial is work for a robot: \"{}\", in at most {:g} s.\n- Felt meanwhile: {}. The delay is {:g} "
       "s "
-      "there and back.\n- {} trials",
+      "there and back.\n- {}",
       block.title.empty() ? block.name : block.title, goalOf(work.task), block.interval_s,
       work.felt == TeleopFelt::kNone    ? "nothing"
       : work.felt == TeleopFelt::kModel ? "a model of the soil, which stays as it is"
                                         : "a model of the soil, which learns from what the robot meets",
-      work.round_trip_s, block.repeats);
+      work.round_trip_s, counted(block.repeats, "trial"));
   text +=
       block.practice_trials > 0 ? fmt::format(", after {} that count for nothing.\n", block.practice_trials) : ".\n";
   return text;
@@ -117,11 +118,12 @@ std::string designText(const StudyBlock& block) {
                       secondsText(block.interval_s, "until the participant goes on"),
                       secondsText(block.answer_limit_s, "any time"), visionText(block));
   if (block.practice_trials > 0) {
-    text += fmt::format("- Practice: {} trials{}, which count for nothing", block.practice_trials,
+    text += fmt::format("- Practice: {}{}, which count for nothing", counted(block.practice_trials, "trial"),
                         block.practice_feedback ? " with feedback" : "");
-    text += block.practice_criterion > 0 ? fmt::format(", until {:.0f} % are right, {} rounds at most.\n",
-                                                       100 * block.practice_criterion, block.practice_rounds)
-                                         : ".\n";
+    text += block.practice_criterion > 0
+                ? fmt::format(", until {:.0f} % are right, {} at most.\n", 100 * block.practice_criterion,
+                              counted(block.practice_rounds, "round"))
+                : ".\n";
   }
   if (block.catch_trials > 0) {
     text += fmt::format(

@@ -103,7 +103,7 @@ export function inWords(spec: Pick<PlotSpec, 'title' | 'unit' | 'lines'>, [, ...
   const lines = spec.lines.flatMap((line, i) => {
     const values = (columns[i] ?? []).filter((value) => value !== null);
     if (values.length === 0) return [];
-    if (line.points) return [`${line.name} ${values.length} times`];
+    if (line.points) return [`${line.name} ${values.length} ${values.length === 1 ? 'time' : 'times'}`];
     const [low, high] = [Math.min(...values), Math.max(...values)];
     return [`${line.name} ${number(values.at(-1)!)}, from ${number(low)} to ${number(high)}`];
   });

@@ -58,7 +58,7 @@ describe('in words', () => {
       [null, null, 9],
     ];
     expect(inWords({ title: 'Force', unit: 'N', lines }, table)).toBe(
-      'Force in N over the last ten seconds. x -1, from -1 to 3; late 1 times.',
+      'Force in N over the last ten seconds. x -1, from -1 to 3; late 1 time.',
     );
     expect(inWords({ title: 'Force', unit: 'N', lines }, [[], [], []])).toContain('No data yet');
   });
