@@ -6,11 +6,13 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <iterator>
 #include <limits>
 #include <numbers>
 #include <vector>
 
 #include "haptolith/core/error.h"
+#include "haptolith/lab/over_seeds.h"
 #include "haptolith/lab/settle.h"
 #include "haptolith/soil/contact_law.h"
 #include "haptolith/soil/contact_strength.h"
@@ -149,21 +151,10 @@ std::vector<ShearStrength> shear(const SoilParameters& soil, SoilStrength kind, 
   return strengths;
 }
 
-double mean(const std::vector<ShearStrength>& strengths, double ShearStrength::*what) {
-  double sum = 0;
-  for (const ShearStrength& strength : strengths) {
-    sum += strength.*what;
-  }
-  return sum / static_cast<double>(strengths.size());
-}
-
-double standardDeviation(const std::vector<ShearStrength>& strengths, double ShearStrength::*what) {
-  const double middle = mean(strengths, what);
-  double sum = 0;
-  for (const ShearStrength& strength : strengths) {
-    sum += std::pow(strength.*what - middle, 2);
-  }
-  return std::sqrt(sum / static_cast<double>(strengths.size() - 1));
+Scatter scatterAmong(const std::vector<ShearStrength>& strengths, double ShearStrength::*what) {
+  std::vector<double> numbers;
+  std::ranges::transform(strengths, std::back_inserter(numbers), what);
+  return scatterOf(numbers);
 }
 
 /// The first of `specimens` seeds that no calibration from another seed takes for the same: those of seed 1 begin at
@@ -209,7 +200,8 @@ CalibratedSoil calibrateSoil(const SoilTarget& target, const CalibrateSoilOption
   while (!good && result.rounds < kMostRounds) {
     const std::vector<ShearStrength> measured =
         shear(withContact(soil, search.contact()), target.strength, options, search_seed, kSearchSeeds);
-    good = search.learn({mean(measured, &ShearStrength::angle_deg), mean(measured, &ShearStrength::cohesion_pa)});
+    good = search.learn({scatterAmong(measured, &ShearStrength::angle_deg).mean,
+                         scatterAmong(measured, &ShearStrength::cohesion_pa).mean});
     ++result.rounds;
   }
   const ShearStrength& found = search.bestFound();
@@ -227,10 +219,12 @@ CalibratedSoil calibrateSoil(const SoilTarget& target, const CalibrateSoilOption
   const std::vector<ShearStrength> verified =
       shear(result.soil, target.strength, options, firstSeed(1001, options.seed, options.verification_seeds),
             options.verification_seeds);
-  result.reached.friction_angle_deg = mean(verified, &ShearStrength::angle_deg);
-  result.reached.friction_angle_sd_deg = standardDeviation(verified, &ShearStrength::angle_deg);
-  result.reached.cohesion_pa = mean(verified, &ShearStrength::cohesion_pa);
-  result.reached.cohesion_sd_pa = standardDeviation(verified, &ShearStrength::cohesion_pa);
+  const Scatter angle_deg = scatterAmong(verified, &ShearStrength::angle_deg);
+  const Scatter cohesion_pa = scatterAmong(verified, &ShearStrength::cohesion_pa);
+  result.reached.friction_angle_deg = angle_deg.mean;
+  result.reached.friction_angle_sd_deg = angle_deg.sd;
+  result.reached.cohesion_pa = cohesion_pa.mean;
+  result.reached.cohesion_sd_pa = cohesion_pa.sd;
   result.reached.seeds = options.verification_seeds;
   return result;
 }
