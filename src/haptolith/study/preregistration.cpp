@@ -92,8 +92,7 @@ std::string teleopText(const StudyBlock& block) {
   const TeleopWork& work = *block.teleop;
   std::string text = fmt::format(
       "### {}\n\n- Each trial is work for a robot: \"{}\", in at most {:g} s.\n- Felt meanwhile: {}. The delay is {:g} "
-      "s "
-      "there and back.\n- {}",
+      "s there and back.\n- {}",
       block.title.empty() ? block.name : block.title, goalOf(work.task), block.interval_s,
       work.felt == TeleopFelt::kNone    ? "nothing"
       : work.felt == TeleopFelt::kModel ? "a model of the soil, which stays as it is"

@@ -494,14 +494,12 @@ std::vector<BlockKey> teleopKeys() {
        BlockKey::WordValue{namesOf(kSiteTaskWords),
                            [](D& d, std::string_view v) { d.teleop.task = valueOf(kSiteTaskWords, v); }, kOnlyRead},
        "What is to be done at the robot's site: a trench 40 mm deep and 60 mm long, the tool's face pressed on the "
-       "soil "
-       "with 8 N, within a tenth and for half a second, or a load of 0.1 N held in the air for as long."},
+       "soil with 8 N, within a tenth and for half a second, or a load of 0.1 N held in the air for as long."},
       {"teleop", "felt", "",
        BlockKey::WordValue{namesOf(kTeleopFeltWords),
                            [](D& d, std::string_view v) { d.teleop.felt = valueOf(kTeleopFeltWords, v); }, kOnlyRead},
        "What the hand feels meanwhile: nothing, the block's scene as a model that stays as it is, or as one that "
-       "learns "
-       "from what the robot meets."},
+       "learns from what the robot meets."},
       {"teleop", "round_trip_s", "",
        BlockKey::NumberValue{kRoundTrip_s, [](D& d, double v) { d.teleop.round_trip_s = v; }, kOnlyRead},
        "Delay to the robot and back; half of it each way."},
