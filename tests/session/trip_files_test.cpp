@@ -4,6 +4,7 @@
 #include <gmock/gmock.h>
 #include <unistd.h>
 
+#include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <iterator>
@@ -19,15 +20,20 @@ using testing::HasSubstr;
 using testing::IsEmpty;
 using testing::Not;
 
-/// In a folder of its own, for the files are written where the program was started.
+/// With a home of its own, and started in another folder, where nothing may be left.
 class TripFilesTest : public testing::Test {
  protected:
   TripFilesTest()
       : before_(fs::current_path()), folder_(fs::path(testing::TempDir()) / fmt::format("trips_{}", getpid())) {
-    fs::create_directories(folder_);
-    fs::current_path(folder_);
+    fs::create_directories(here());
+    fs::current_path(here());
+    const char* home = std::getenv("HOME");
+    home_ = home == nullptr ? "" : home;
+    setenv("HOME", folder_.c_str(), 1);
+    unsetenv("XDG_STATE_HOME");
   }
   ~TripFilesTest() override {
+    setenv("HOME", home_.c_str(), 1);
     fs::current_path(before_);
     fs::remove_all(folder_);
   }
@@ -38,27 +44,44 @@ class TripFilesTest : public testing::Test {
     report_->count = 2;
     return *report_;
   }
-  [[nodiscard]] std::ptrdiff_t files() const {
-    return std::distance(fs::directory_iterator(folder_), fs::directory_iterator());
+  [[nodiscard]] fs::path here() const { return folder_ / "here"; }
+  [[nodiscard]] static std::ptrdiff_t filesIn(const fs::path& folder) {
+    return std::distance(fs::directory_iterator(folder), fs::directory_iterator());
   }
+  [[nodiscard]] fs::path kept() const { return folder_ / ".local/state/haptolith"; }
+  [[nodiscard]] std::ptrdiff_t files() const { return filesIn(kept()); }
 
   std::unique_ptr<TripReport> report_ = std::make_unique<TripReport>();
   fs::path before_, folder_;
+  std::string home_;
 };
 
 TEST_F(TripFilesTest, SayWhyAndKeepTheTicksBefore) {
   TripFiles trips;
   EXPECT_THAT(trips.tell(at(1.25), "no answer from the handle"),
               AllOf(HasSubstr("at 1.250 s the hand was let go"), HasSubstr(text(SafetyTrip::kStale)),
-                    HasSubstr("no answer from the handle"), HasSubstr("the last 2 ticks are in haptolith-trip-")));
+                    HasSubstr("no answer from the handle"),
+                    HasSubstr("the last 2 ticks are in " + (kept() / "haptolith-trip-").string())));
   ASSERT_EQ(files(), 1);
-  std::ifstream file(fs::directory_iterator(folder_)->path());
+  EXPECT_EQ(filesIn(here()), 0);
+  std::ifstream file(fs::directory_iterator(kept())->path());
   int lines = 0;
   for (std::string line; std::getline(file, line);) {
     ++lines;
   }
   EXPECT_EQ(lines, 2 + 2) << "reason, names of the columns, two ticks";
   EXPECT_THAT(trips.rest(), IsEmpty());
+}
+
+TEST_F(TripFilesTest, StandWhereTheEnvironmentWantsThemAndHereWithoutAHome) {
+  TripFiles trips;
+  setenv("XDG_STATE_HOME", (folder_ / "states").c_str(), 1);
+  (void)trips.tell(at(1), "");
+  EXPECT_EQ(filesIn(folder_ / "states/haptolith"), 1);
+  unsetenv("XDG_STATE_HOME");
+  unsetenv("HOME");
+  EXPECT_THAT(trips.tell(at(2), ""), HasSubstr("ticks are in haptolith-trip-"));
+  EXPECT_EQ(filesIn(here()), 1);
 }
 
 TEST_F(TripFilesTest, EndAfterTwentyAndThenItIsToldOnceASecond) {
@@ -72,7 +95,7 @@ TEST_F(TripFilesTest, EndAfterTwentyAndThenItIsToldOnceASecond) {
   }
   EXPECT_THAT(trips.tell(at(2), ""), AllOf(HasSubstr("50 more times before"), Not(HasSubstr("ticks are in"))));
   EXPECT_THAT(trips.tell(at(2.1), ""), IsEmpty());
-  EXPECT_THAT(trips.rest(), HasSubstr("1 more times"));
+  EXPECT_THAT(trips.rest(), HasSubstr("1 more time"));
   EXPECT_EQ(files(), 20);
 }
 

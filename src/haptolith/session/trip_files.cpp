@@ -2,11 +2,15 @@
 
 #include <fmt/format.h>
 
+#include <cstdlib>
+#include <filesystem>
 #include <string>
 #include <string_view>
+#include <system_error>
 #include <utility>
 
 #include "haptolith/core/atomic_file.h"
+#include "haptolith/core/counted.h"
 #include "haptolith/core/error.h"
 #include "haptolith/core/new_file_name.h"
 #include "haptolith/recording/recording_format.h"
@@ -19,9 +23,27 @@ namespace {
 constexpr std::uint64_t kMostFiles = 20;
 constexpr double kBetween_s = 1;
 
+/// Where programs keep what nobody has asked for; empty, the current folder, for who has no home.
+std::filesystem::path tripFolder() {
+  const auto absolute = [](const char* variable) {
+    const char* value = std::getenv(variable);
+    const std::filesystem::path folder = value == nullptr ? "" : value;
+    return folder.is_absolute() ? folder : std::filesystem::path();
+  };
+  if (const std::filesystem::path states = absolute("XDG_STATE_HOME"); !states.empty()) {
+    return states / "haptolith";
+  }
+  const std::filesystem::path home = absolute("HOME");
+  return home.empty() ? home : home / ".local" / "state" / "haptolith";
+}
+
 /// @return the file's name. @throws Failure when it cannot be written.
 std::string writeTripFile(const TripReport& report) {
-  std::string name = newFileName("haptolith-trip", ".csv");
+  const std::filesystem::path folder = tripFolder();
+  if (std::error_code error; !folder.empty()) {
+    std::filesystem::create_directories(folder, error);  // where that fails, the file says why
+  }
+  std::string name = newFileName((folder / "haptolith-trip").string(), ".csv");
   AtomicFile file(name);
   std::string text = fmt::format("# at {:.3f} s: {}\n", report.time_s, report.reason()) + csvHeader(tickColumns());
   for (std::size_t i = 0; i < report.count; ++i) {
@@ -42,7 +64,7 @@ std::string TripFiles::tell(const TripReport& report, std::string_view problem) 
   told_s_ = report.time_s;
   std::string where;
   if (untold_ > 0) {
-    where = fmt::format("; {} more times before that", std::exchange(untold_, 0));
+    where = fmt::format("; {} before that", counted(std::exchange(untold_, 0), "more time"));
   }
   if (files_ < kMostFiles) {
     ++files_;
@@ -58,7 +80,7 @@ std::string TripFiles::tell(const TripReport& report, std::string_view problem) 
 }
 
 std::string TripFiles::rest() const {
-  return untold_ > 0 ? fmt::format("the hand was let go {} more times", untold_) : "";
+  return untold_ > 0 ? fmt::format("the hand was let go {}", counted(untold_, "more time")) : "";
 }
 
 }  // namespace haptolith

@@ -12,7 +12,8 @@ namespace haptolith {
 /// when it does so again and again.
 class TripFiles {
  public:
-  /// Writes the last ticks to a new CSV file where the program was started. After 20 times no more files are written,
+  /// Writes the last ticks to a new CSV file in the user's folder for such things, $XDG_STATE_HOME/haptolith or
+  /// ~/.local/state/haptolith. After 20 times no more files are written,
   /// and it tells once a second how often that was.
   /// @param problem  what the device says of it; may be empty.
   /// @return what there is to tell; empty: nothing.
