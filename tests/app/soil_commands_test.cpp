@@ -128,6 +128,15 @@ TEST_F(SoilCommands, WrongUseOfProfileIsToldAndHasStatusTwo) {
   expectWrongUse("soil", "a command is missing");
 }
 
+TEST_F(SoilCommands, ProfileTakesASoilByItsNameOrSaysWhatMeasuresIt) {
+  EXPECT_EQ(runJson("soil profile --soil p3"), runJson("soil profile --preset P3"));
+  expectWrongUse("soil profile --soil dry-sand", "haptolith lab settle --soil dry-sand");
+  expectWrongUse("soil profile --soil no-such-soil", "dry-sand");
+  expectWrongUse("soil profile --soil P3 --preset P4", "--preset");
+  expectWrongUse("soil profile --soil P3 --mu-hat 0.3", "--mu-hat");
+  expectWrongUse("soil profile", "--preset, --soil, or all of");
+}
+
 TEST_F(SoilCommands, SoilThatCannotCarryItselfIsAFailure) {
   const ProgramResult answer = runHaptolith("soil profile --preset P3 --body Earth --stiffness-n-m 100 --json");
   EXPECT_EQ(answer.exit_status, 1);

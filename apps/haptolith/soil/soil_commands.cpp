@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <memory>
@@ -9,9 +10,11 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "haptolith/core/error.h"
+#include "haptolith/core/plain_text.h"
 #include "haptolith/scenario/scene_words.h"
 #include "haptolith/scenario/soil_file.h"
 #include "haptolith/soil/bodies.h"
@@ -139,7 +142,7 @@ void printBands(const std::vector<Band>& bands) {
 // --- haptolith soil profile ------------------------------------------------------------------------------------------
 
 struct ProfileOptions {
-  std::optional<std::string> preset;
+  std::optional<std::string> preset, soil;
   std::optional<double> gamma_nm, rho0_kg_m3, rho_max_kg_m3, mu_hat;
   Conditions conditions;
   std::string figure;
@@ -149,12 +152,31 @@ struct ProfileOptions {
 
 constexpr const char* kCustomSoil = "--gamma-nm, --rho0-kg-m3, --rho-max-kg-m3 and --mu-hat";
 
+/// The analysis is of layers as the paper's friction lets them lie; grains that rub on each other lie less densely, and
+/// no formula says how.
+[[noreturn]] void refuseToAnalyse(const std::string& name, const std::string& name_or_file) {
+  throw InvalidParameter(
+      "soil", inQuotes(name),
+      fmt::format("P1 to P6, or a soil file whose friction is 'paper': density with depth of this one is measured, by "
+                  "haptolith lab settle --soil {}; its friction and cohesion are in haptolith soil list",
+                  plainText(name_or_file)));
+}
+
+SoilParameters namedSoil(const std::string& name_or_file) {
+  const NamedSoil found = findSoilOrPreset(name_or_file);
+  if (found.soil.friction == FrictionModel::kContact) {
+    refuseToAnalyse(found.name, name_or_file);
+  }
+  return found.soil;
+}
+
 SoilParameters soilOf(const ProfileOptions& options) {
   requireInRange("radius_mm", options.conditions.radius_mm, {0.01, 1000});  // the library's range, in the user's unit
   SoilParameters soil;
   if (options.preset) {
-    soil = findPreset(*options.preset).soil;
-    soil = rescaled(soil, options.conditions.radius());
+    soil = rescaled(findPreset(*options.preset).soil, options.conditions.radius());
+  } else if (options.soil) {
+    soil = rescaled(namedSoil(*options.soil), options.conditions.radius());
   } else if (options.gamma_nm && options.rho0_kg_m3 && options.rho_max_kg_m3 && options.mu_hat) {
     soil.gamma_nm = *options.gamma_nm;
     soil.rho0_kg_m3 = *options.rho0_kg_m3;
@@ -162,7 +184,7 @@ SoilParameters soilOf(const ProfileOptions& options) {
     soil.mu_hat = *options.mu_hat;
     soil.radius_m = options.conditions.radius();
   } else {
-    throw CLI::RequiredError(fmt::format("--preset, or all of {},", kCustomSoil));
+    throw CLI::RequiredError(fmt::format("--preset, --soil, or all of {},", kCustomSoil));
   }
   soil.stiffness_n_m = options.conditions.stiffness_n_m;
   return soil;
@@ -243,7 +265,17 @@ void printProfileText(const Profile& profile, const Conditions& conditions) {
   printLayers(profile.layers);
 }
 
-void runProfile(const ProfileOptions& options) {
+/// --soil takes presets too, as everywhere.
+bool isPreset(const std::string& name) {
+  return std::ranges::any_of(presets(), [&](const Preset& preset) {
+    return CLI::detail::to_lower(std::string(preset.name)) == CLI::detail::to_lower(name);
+  });
+}
+
+void runProfile(ProfileOptions options) {
+  if (options.soil && isPreset(*options.soil)) {
+    options.preset = std::exchange(options.soil, std::nullopt);
+  }
   const Profile profile = makeProfile(options);
   if (!options.figure.empty()) {
     drawDensityFigure(options.overwrite(options.figure), {profile.soil, options.conditions.gravity(), profile.preset});
@@ -264,8 +296,11 @@ void addProfile(CLI::App& soil) {
       command->add_option("--rho0-kg-m3", options->rho0_kg_m3, "bulk density at the surface"),
       command->add_option("--rho-max-kg-m3", options->rho_max_kg_m3, "bulk density the law never reaches"),
       command->add_option("--mu-hat", options->mu_hat, "model friction, friction coefficient / sqrt(6)")};
+  CLI::Option* soil_option =
+      command->add_option("--soil", options->soil, "P1 to P6, or a soil file with the paper's friction")
+          ->excludes(preset);
   for (CLI::Option* option : custom) {
-    option->excludes(preset);
+    option->excludes(preset)->excludes(soil_option);
   }
   options->conditions.addOptions(
       *command, "radius of a macroparticle; a preset stays the same soil: gamma is scaled with R cubed");
