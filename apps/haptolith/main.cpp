@@ -17,6 +17,7 @@
 #include "haptolith/core/plain_text.h"
 
 #include "commands.h"
+#include "shared/help_formatter.h"
 #include "shared/option_checks.h"
 #include "shared/output.h"
 #include "shared/saved.h"
@@ -172,6 +173,7 @@ int main(int argc, char** argv) {
     logToStandardError();
     CLI::App app{"haptolith: lunar and planetary regolith, felt through a haptic device at 1 kHz", "haptolith"};
     app.set_version_flag("--version", "haptolith " HAPTOLITH_VERSION, "Print the version");
+    app.formatter(std::make_shared<HelpFormatter>());
     app.require_subcommand(1);
     app.footer(kExamples);
     addCommands(app);

@@ -44,6 +44,24 @@ TEST(Help, ShowsExamplesOfTheCommandAndNotOfTheProgram) {
   }
 }
 
+TEST(Help, SaysWhatToWriteAndWhatIsTakenOtherwise) {
+  const std::string bench = runHaptolith("bench --help").output;
+  EXPECT_THAT(bench, HasSubstr("--friction contact|paper,..."));
+  EXPECT_THAT(bench, HasSubstr("--threads N,...             numbers of threads, 1 to 256 [1,2]\n"));
+  EXPECT_THAT(bench, HasSubstr("--seconds NUMBER            of simulated time for each row [1]\n"));
+  EXPECT_THAT(bench, HasSubstr("--figure FILE "));
+  EXPECT_THAT(runHaptolith("lab shear --help").output, HasSubstr("the result is the same, 1 to 256 [all]\n"));
+  EXPECT_THAT(runHaptolith("snapshot --help").output, HasSubstr("or with --film .mp4 or .webm; required\n"));
+  EXPECT_THAT(runHaptolith("soil profile --help").output, HasSubstr("gravity, instead of a body; not with --body\n"));
+  for (const char* command :
+       {"run", "bench", "lab shear", "lab calibrate", "soil profile", "study fit", "completion"}) {
+    const std::string help = runHaptolith(fmt::format("{} --help", command)).output;
+    for (const char* of_the_parser : {"ENUM", "FLOAT", "INT", "Excludes:", "REQUIRED", ":{"}) {
+      EXPECT_THAT(help, Not(HasSubstr(of_the_parser))) << command;
+    }
+  }
+}
+
 TEST(Usage, NoCommandShowsTheHelpAsAnError) {
   const ProgramResult result = runHaptolith("");
   EXPECT_EQ(result.exit_status, 2);
@@ -231,6 +249,8 @@ TEST(Completion, BashOffersCommandsOptionsAndChoices) {
   EXPECT_EQ(bashOffers("run --friction c"), "contact\n");
   EXPECT_EQ(bashOffers("soil prof"), "profile\n");
   EXPECT_EQ(bashOffers("soil cal"), "calibrate-paper\n");
+  EXPECT_EQ(bashOffers("bench --friction c"), "contact\n");
+  EXPECT_EQ(bashOffers("lab plate --preparation l"), "loose\n");
   EXPECT_EQ(bashOffers("run sand"), "sandbox\n");
   EXPECT_EQ(bashOffers("study new x --protocol paper-f"), "paper-friction\n");
 }

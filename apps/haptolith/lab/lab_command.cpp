@@ -230,15 +230,14 @@ void addCalibrate(CLI::App& lab) {
   }
   app->add_option("--strength", command->target.strength,
                   "residual: what a moving shovel feels; peak: what undisturbed soil carries at most [residual]")
-      ->transform(wordOf(words).description(""));
+      ->transform(wordOf(words));
   app->add_option("--radius-mm", command->radius_mm, "radius of a macroparticle, 0.5 to 20")->capture_default_str();
   app->add_option("--stiffness-n-m", command->stiffness_n_m,
                   "of the contacts [they give way by 2.8 % of the radius at 3 kPa, by 0.35 % with constant density]");
   app->add_option("--density", command->density,
                   "of soil that lies deeper: lunar, more; or constant, as in a laboratory's box [lunar]")
       ->transform(wordOf(std::map<std::string, DensityProfile>{{"lunar", DensityProfile::kLunar},
-                                                               {"constant", DensityProfile::kConstant}})
-                      .description(""));
+                                                               {"constant", DensityProfile::kConstant}}));
   app->add_option("--body", command->body, "where the soil has that density")->capture_default_str();
   app->add_option("--out", command->out_file, "soil file to write, for --soil: FILE.toml");
   command->overwrite.addTo(*app);

@@ -48,8 +48,8 @@ void LabOptions::addTo(CLI::App& command) {
   for (const auto& word : kFrictionWords) {
     models.emplace(word.name, word.value);
   }
-  command.add_option("--friction", friction, "paper or contact [as the soil's file says]")
-      ->transform(wordOf(models).description(""));
+  command.add_option("--friction", friction, "what friction acts against [as the soil's file says]")
+      ->transform(wordOf(models));
   command.add_option("--body", body, "Ceres, Pluto, Europa, Moon, Mars or Earth")->capture_default_str();
   command.add_option("--radius-mm", radius_mm, "radius of a macroparticle; the soil stays the same [the test's own]");
   command.add_option("--stiffness-n-m", stiffness_n_m, "of the contacts at that radius [the soil's]");
@@ -83,7 +83,7 @@ void addOption(CLI::App& command, const LabOption& option) {
                  [&](const LabOption::Word& word) {
                    command.add_option_function<std::string>(flag, word.set, help)
                        ->transform(inLowerCase())
-                       ->check(oneOf(word.words).description(""));
+                       ->check(oneOf(word.words));
                  }};
   std::visit(add, option.set);
 }

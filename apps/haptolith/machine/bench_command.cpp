@@ -313,9 +313,9 @@ void addBenchCommand(CLI::App& app) {
   for (const auto& word : kFrictionWords) {
     models.emplace(word.name, word.value);
   }
-  command->add_option("--friction", options->friction, "paper, contact or both [paper,contact]")
+  command->add_option("--friction", options->friction, "what friction acts against [paper,contact]")
       ->delimiter(',')
-      ->transform(wordOf(models).description(""));
+      ->transform(wordOf(models));
   command->add_option("--threads", options->threads, "numbers of threads")
       ->delimiter(',')
       ->check(wholeNumberIn(BedRanges::threads))
@@ -323,10 +323,9 @@ void addBenchCommand(CLI::App& app) {
   command->add_option("--soil", options->soil.soil, "a named soil, a soil file, or P1 to P6 [P3]");
   command->add_option("--radius-mm", options->soil.radius_mm, "of the macroparticles [the soil's]");
   const std::map<std::string, BedStart> starts{{"packed", BedStart::kPacked}, {"settled", BedStart::kSettled}};
-  command->add_option("--start", options->start, "how the soil lies at first: packed or settled [packed]")
-      ->transform(wordOf(starts).description(""));
+  command->add_option("--start", options->start, "how the soil lies at first [packed]")->transform(wordOf(starts));
   const std::map<std::string, Manoeuvre> hands{{"stir", Manoeuvre::kStir}, {"still", Manoeuvre::kStill}};
-  command->add_option("--hand", options->hand, "stir or still [stir]")->transform(wordOf(hands).description(""));
+  command->add_option("--hand", options->hand, "what the hand does [stir]")->transform(wordOf(hands));
   command->add_option("--sleep-speed-m-s", options->sleep_speed_m_s,
                       "let soil sleep in which nothing moves faster [all stays awake]");
   command->add_option("--sleep-distance-mm", options->sleep_distance_mm,
