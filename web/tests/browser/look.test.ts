@@ -163,6 +163,7 @@ describe('on a screen', () => {
     [640, 360],
     [844, 390],
     [390, 844],
+    [800, 600],
     [1280, 720],
   ] as const;
 
@@ -181,6 +182,17 @@ describe('on a screen', () => {
         const inside = x > box.x && x < box.x + box.width && y > box.y && y < box.y + box.height;
         expect({ name, inside }).toEqual({ name, inside: false });
       }
+    }
+    const hint = await page.locator('.hint').boundingBox();
+    for (const name of ['.legend', '.scale-bar', '.readouts']) {
+      const box = await page.locator(name).boundingBox();
+      if (!hint || !box) continue; // not shown
+      const apart =
+        hint.x + hint.width <= box.x ||
+        box.x + box.width <= hint.x ||
+        hint.y + hint.height <= box.y ||
+        box.y + box.height <= hint.y;
+      expect({ name, apart }).toEqual({ name, apart: true });
     }
     for (const { x, y } of places) {
       expect(x).toBeGreaterThan(view.x);
