@@ -18,7 +18,7 @@ const StrengthMap& strengths() {
 /// A blade 35 mm deep that goes on and on at 30 mm/s; from so far on it meets `met` times what was felt.
 class Cutting {
  public:
-  explicit Cutting(LearningModel& model) : model_(model) {}
+  explicit Cutting(LearningModel& model, const Vec3& felt_n = {-10, 0, 1}) : felt_n_(felt_n), model_(model) {}
 
   /// The robot's report of 20 ticks, which comes `late` ticks later than it happens.
   void report(std::uint64_t index, double met, std::uint64_t late = 0) {
@@ -26,14 +26,14 @@ class Cutting {
     report.index = index;
     report.ticks = 20;
     report.pose = {{3e-5 * static_cast<double>(index), 0, -0.01}, Quat(Eigen::AngleAxisd(1.5, Vec3::UnitY()))};
-    report.met.force_n = met * kFelt_n;
+    report.met.force_n = met * felt_n_;
     waiting_.push_back({index + late, report});
   }
   /// Goes on to a tick, and notes all steps on the way.
   void goOn(std::uint64_t to, bool in_air = false) {
     for (; now_ < to; ++now_) {
       for (; !waiting_.empty() && waiting_.front().arrives <= now_; waiting_.erase(waiting_.begin())) {
-        model_.met(waiting_.front().report, kFelt_n);
+        model_.met(waiting_.front().report, felt_n_);
       }
       if (const auto step = model_.at(now_, in_air)) {
         steps.push_back(*step);
@@ -48,7 +48,7 @@ class Cutting {
     std::uint64_t arrives;
     RobotReport report;
   };
-  static inline const Vec3 kFelt_n{-10, 0, 1};
+  Vec3 felt_n_;
   LearningModel& model_;
   std::vector<Waiting> waiting_;
   std::uint64_t now_ = 0;
@@ -97,6 +97,19 @@ TEST(LearningModel, BecomesWeakerInStepsThatNobodyFeels) {
   }
   EXPECT_NEAR(law.forceAlong(cut, model.learned().state) / law.forceAlong(cut, first), 0.4, 0.1)
       << "each stretch was felt in soil that was not weaker yet";
+}
+
+// Where an edge goes in, soil pushes it up. That grows with strength otherwise than the force of a cut.
+TEST(LearningModel, LearnsFromCutsAlone) {
+  for (const Vec3& felt_n : {Vec3(0, 0, 8), Vec3(4, 0, 10), Vec3(-5, 0, 8), Vec3(0, 8, 0)}) {
+    LearningModel model(digModel(), strengths());
+    Cutting cutting(model, felt_n);
+    for (std::uint64_t index = 20; index <= 4000; index += 20) {
+      cutting.report(index, 0.4);
+    }
+    cutting.goOn(6000);
+    EXPECT_EQ(model.updates(), 0U) << felt_n.transpose();
+  }
 }
 
 TEST(LearningModel, AStepThatIsRefusedComesAgain) {

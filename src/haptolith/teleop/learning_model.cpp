@@ -16,9 +16,16 @@ constexpr double kLeastWay_s = 0.5;
 constexpr double kFasterInAir = 20;
 constexpr double kHardly_n = 1e-6;     ///< of a contact's cohesion
 constexpr double kLeastForce_n = 0.3;  ///< of a stretch that tells anything
+constexpr double kLeastDraft = 0.7;    ///< of a cut's force, the share that pushes the tool back
 
 double mix(double from, double to, double share) {
   return from + share * (to - from);
+}
+
+/// Whether a force is that of soil which is cut: it pushes the tool back. Where an edge goes in, soil pushes it up, and
+/// grows with strength less than half as much as a cut does: the law of cuts would take that for weaker soil.
+bool isOfCut(const Vec3& force_n, const ToolCut& cut) {
+  return -force_n.dot(cut.ahead) >= kLeastDraft * force_n.norm();
 }
 
 ModelLearner::Prior priorOf(const SoilState& state) {
@@ -93,6 +100,9 @@ void LearningModel::close(const Window& window) {
   const std::optional<ToolCut> cut = cutOf(tool_, middle, (last.pose.position_m - first.pose.position_m) / duration_s);
   const Vec3 felt_n = window.felt / window.ticks, met_n = window.met / window.ticks;
   if (!cut || felt_n.norm() < kLeastForce_n || met_n.norm() < kLeastForce_n) {
+    return;
+  }
+  if (!isOfCut(felt_n, *cut) || !isOfCut(met_n, *cut)) {
     return;
   }
   learner_.add({middle.position_m, *cut, stateAt((first.index + last.index) / 2), felt_n, met_n});

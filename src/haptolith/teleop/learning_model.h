@@ -27,10 +27,11 @@ namespace haptolith {
 
 /// An operator's model whose soil becomes like that which the robot meets, while both dig.
 ///
-/// Half a second of commands makes a stretch; each time there is a new one, contact friction, cohesion and soil-tool
-/// friction set out for what all stretches nearby say, in steps of a fiftieth of a second, so slowly that the force
-/// should change by 1 % in a tenth of a second; twenty times as fast once the tool has been in the air for a while. The
-/// soil lies as it lies: no bed has to be made, and none is cross-faded with another. Not for the tick.
+/// 0.4 s of commands make a stretch, which counts where both soils push the tool back, as soil that is cut does. Each
+/// time there is a new one, contact friction, cohesion and soil-tool friction set out for what all stretches nearby
+/// say, in steps of a fiftieth of a second, so slowly that the force should change by 1 % in a tenth of a second;
+/// twenty times as fast once the tool has been in the air for a while. The soil lies as it lies: no bed has to be made,
+/// and none is cross-faded with another. Not for the tick.
 class LearningModel {
  public:
   /// @param model  readyToLearn().
