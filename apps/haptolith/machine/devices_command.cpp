@@ -19,9 +19,9 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 constexpr const char* kExamples = R"(Examples:
-  haptolith devices                          what is there, and why the rest is not
-  haptolith devices --library /opt/sdk       with Force Dimension's SDK in that folder
-  haptolith run --device force-dimension     hold the tool with it)";
+  haptolith devices                             what is there, and why the rest is not
+  haptolith devices --device-library /opt/sdk   with Force Dimension's SDK in that folder
+  haptolith run --device force-dimension        hold the tool with it)";
 
 struct DevicesOptions {
   DeviceParameters parameters;
@@ -79,7 +79,7 @@ void addDevicesCommand(CLI::App& app) {
   auto options = std::make_shared<DevicesOptions>();
   CLI::App* command = app.add_subcommand("devices", "List devices that can hold the tool, and why others cannot");
   command->footer(kExamples);
-  command->add_option("--library", options->parameters.library, "Folder or file of Force Dimension's SDK")
+  command->add_option("--device-library,--library", options->parameters.library, "Folder or file of Force Dimension's SDK")
       ->option_text("PATH");
   command->add_flag("--json", options->json, "Print one JSON object");
   command->callback([options] { listDevices(*options); });

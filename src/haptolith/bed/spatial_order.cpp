@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <tuple>
+#include <utility>
 
 namespace haptolith {
 
@@ -63,12 +64,7 @@ std::vector<Vec3> inSpatialOrder(const std::vector<Vec3>& points_m, double radiu
 
 std::vector<std::uint32_t> groupsInSlabs(const std::vector<Float4>& spheres, double radius_m) {
   const double slab_m = 2 * radius_m * kCellDiameters.y();
-  struct Place {
-    std::int64_t slab;
-    std::uint32_t group;
-    auto operator<=>(const Place&) const = default;
-  };
-  std::vector<Place> places;
+  std::vector<std::pair<std::int64_t, std::uint32_t>> places;  // slab, group
   for (std::size_t first = 0; first < spheres.size(); first += kGroup) {
     const std::size_t last = std::min(first + kGroup, spheres.size());
     double sum_m = 0;
@@ -81,8 +77,8 @@ std::vector<std::uint32_t> groupsInSlabs(const std::vector<Float4>& spheres, dou
   std::ranges::sort(places);
   std::vector<std::uint32_t> order;
   order.reserve(places.size());
-  for (const Place& place : places) {
-    order.push_back(place.group);
+  for (const auto& [slab, group] : places) {
+    order.push_back(group);
   }
   return order;
 }
