@@ -79,7 +79,8 @@ void addDevicesCommand(CLI::App& app) {
   auto options = std::make_shared<DevicesOptions>();
   CLI::App* command = app.add_subcommand("devices", "List devices that can hold the tool, and why others cannot");
   command->footer(kExamples);
-  command->add_option("--device-library,--library", options->parameters.library, "Folder or file of Force Dimension's SDK")
+  command
+      ->add_option("--device-library,--library", options->parameters.library, "Folder or file of Force Dimension's SDK")
       ->option_text("PATH");
   command->add_flag("--json", options->json, "Print one JSON object");
   command->callback([options] { listDevices(*options); });
