@@ -71,8 +71,8 @@ std::vector<std::uint32_t> groupsInSlabs(const std::vector<Float4>& spheres, dou
     for (std::size_t i = first; i < last; ++i) {
       sum_m += spheres[i].y;
     }
-    places.push_back(
-        {std::llround(sum_m / static_cast<double>(last - first) / slab_m), static_cast<std::uint32_t>(first / kGroup)});
+    places.emplace_back(std::llround(sum_m / static_cast<double>(last - first) / slab_m),
+                        static_cast<std::uint32_t>(first / kGroup));
   }
   std::ranges::sort(places);
   std::vector<std::uint32_t> order;
