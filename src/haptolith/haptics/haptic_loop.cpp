@@ -146,6 +146,7 @@ LoopEnd HapticLoop::run(const std::atomic<bool>& stop) noexcept {
     watchdog_->start();
   }
   const LoopEnd end = runTicks(stop);
+  scene_->bed().setHelpersPriority(0);  // who steps it now may be an ordinary thread
   if (watchdog_) {
     watchdog_->stop();
   }

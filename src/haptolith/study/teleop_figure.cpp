@@ -103,9 +103,9 @@ void drawTeleopFigure(const OutputFile& path, const StudyProtocol& protocol,
         ", ${0} using 1:2:3:4 with yerrorbars pointtype 7 pointsize 1.2 linewidth 2 linecolor rgb '#0072b2', "
         "${0} using 1:2 with points pointtype 7 pointsize 1.2 linecolor rgb '#0072b2'",
         data);
-    figure.command(fmt::format("set title {}\nset yrange [{}:{}]",
-                               gnuplotQuoted(fmt::format("{}, {}", panels[p].name, panels[p].unit)), "0",
-                               highest > 0 ? fmt::format("{}", 1.08 * highest) : "1"));
+    figure.command(fmt::format("set title {}\nset yrange [0:{}]",
+                               gnuplotQuoted(fmt::format("{}, {}", panels[p].name, panels[p].unit)),
+                               highest > 0 ? 1.08 * highest : 1.0));
     figure.command(plot);
   }
   figure.command("unset multiplot");
