@@ -485,5 +485,38 @@ TEST(HapticLoop, SoilIsAdjustedAStepATickAndEachTickSaysSo) {
   }
 }
 
+TEST(HapticLoop, GrainsAreMovedOneATickAndEachTickSaysSo) {
+  BedParameters bed;
+  Scene scene(bed, {});
+  FakeDevice device([](int tick) {
+    DeviceInput input = above(tick);
+    input.pose.position_m = {0, 0, 0.5};
+    return input;
+  });
+  HapticLoop loop(scene, device, unpaced(0), true);
+  const auto x = [&](std::size_t grain) { return scene.bed().state().position[grain].x; };
+  for (const int grain : {0, 1}) {
+    const Float4& at = scene.bed().state().position[static_cast<std::size_t>(grain)];
+    const Vec3 to_m(0.02 * (grain + 1), 0, 0.1);
+    EXPECT_TRUE(loop.ask(request::MoveGrain{{static_cast<std::size_t>(grain), Vec3(at.x, at.y, at.z), to_m}}));
+  }
+  EXPECT_TRUE(loop.ask(request::MoveGrain{{0, {9, 9, 9}, {0, 0, 0.2}}})) << "which it will not do";
+  std::vector<TickRecord> ticks;
+  (void)loop.tick();
+  EXPECT_EQ(x(0), 0.02F);
+  EXPECT_NE(x(1), 0.04F);
+  (void)loop.tick();
+  EXPECT_EQ(x(1), 0.04F);
+  (void)loop.tick();
+  (void)loop.tick();
+  EXPECT_LT(scene.bed().state().position[0].z, 0.11F);
+  loop.takeRecords(ticks);
+  ASSERT_EQ(ticks.size(), 4U);
+  for (std::size_t i = 0; i < 4; ++i) {
+    EXPECT_EQ((ticks[i].flags & kTickGrainMoved) != 0, i < 3) << i;
+    EXPECT_EQ(ticks[i].flags & kTickSceneChanged, 0U) << "a replay can follow";
+  }
+}
+
 }  // namespace
 }  // namespace haptolith

@@ -383,6 +383,42 @@ TEST_F(ReplayTest, SoilThatLearnsIsReplayedToTheLastBit) {
   EXPECT_THROW((void)replayed(), InvalidParameter);
 }
 
+TEST_F(ReplayTest, GrainsThatWereMovedAreMovedAgain) {
+  const Scenario scenario = personsScene();
+  const Bed same(scenario.bed);
+  record(scenario, nothingHappens, [&](HapticLoop& loop) {
+    for (std::size_t i = 0; i < 100; ++i) {
+      if (i % 25 == 10) {
+        const Float4& at = same.state().position[i];
+        const GrainMove move{i, Vec3(at.x, at.y, at.z), {-0.05 + 4e-3 / 3 * static_cast<double>(i), 0.05, 0.1}};
+        ASSERT_TRUE(loop.ask(request::MoveGrain{move}));
+        events_.push_back(
+            {.time_s = 1e-3 * static_cast<double>(i), .kind = kGrainMoveKind, .text = grainMoveText(move)});
+        EXPECT_EQ(grainMoveOf(events_.back()), move);
+      }
+      tickTimes(loop, 1);
+    }
+  });
+  EXPECT_EQ(ticksWith(kTickGrainMoved), 4U);
+  expectBitForBit(replayed());
+
+  const std::vector<RecordingEvent> all = events_;
+  events_.resize(2);
+  EXPECT_EQ(replayed().ended_early, "at 0.061 s a grain was moved, and which is not recorded");
+  events_ = all;
+  std::swap(events_[0], events_[1]);
+  EXPECT_TRUE(replayed().difference) << "another grain";
+  for (const char* nonsense : {"", "{}", R"({"grain": "one", "from_m": [0, 0, 0], "to_m": [0, 0, 0]})",
+                               R"({"grain": 1, "from_m": [0, 0], "to_m": [0, 0, 0]})"}) {
+    events_ = all;
+    events_[1].text = nonsense;
+    EXPECT_THROW((void)replayed(), Failure) << nonsense;
+  }
+  events_ = all;
+  events_[1].text = R"({"grain": -1, "from_m": [0, 0, 0], "to_m": [1e300, 0, 0]})";
+  EXPECT_TRUE(replayed().difference) << "which it does not do";
+}
+
 TEST_F(ReplayTest, AChangedSceneEndsTheComparisonAndSaysWhy) {
   record(personsScene(), nothingHappens, [](HapticLoop& loop) {
     tickTimes(loop, 120);

@@ -104,6 +104,31 @@ TEST(Scene, SubstepsMoveTheToolInEqualPartsAndMeanTheWrench) {
   EXPECT_EQ(scene.toolPose().position_m, Vec3(0, 0, 0.1));
 }
 
+TEST(Scene, MovesNoGrainThatLiesNearTheToolNorToThere) {
+  BedParameters bed = paperBed();
+  bed.width_m = bed.length_m = 0.3;
+  bed.start = BedStart::kPacked;
+  Scene scene(bed, ToolParameters{});
+  const double above_m = scene.bed().surfaceHeight() + 8e-3;
+  std::size_t left = 0;  // the highest in the corner
+  for (std::size_t i = 0; i < scene.bed().particles(); ++i) {
+    const Float4& at = scene.bed().state().position[i];
+    const Float4& best = scene.bed().state().position[left];
+    left = at.x - at.z * -10 < best.x - best.z * -10 ? left : i;
+  }
+  const Float4& at = scene.bed().state().position[left];
+  const Vec3 from_m(at.x, at.y, at.z);
+  const Vec3 far_m(-0.12, -0.12, above_m);
+  const auto placeTool = [&](const Vec3& place_m) { scene.placeTool({{{place_m, Quat::Identity()}, {}}}); };
+  placeTool(from_m);
+  EXPECT_FALSE(scene.moveGrain({left, from_m, far_m}));
+  placeTool(far_m);
+  EXPECT_FALSE(scene.moveGrain({left, from_m, far_m}));
+  placeTool({0, 0, 0.5});
+  EXPECT_TRUE(scene.moveGrain({left, from_m, far_m}));
+  EXPECT_EQ(scene.bed().state().position[left].x, -0.12F);
+}
+
 TEST(Scene, AToolThatIsNowhereMovesNoSoilAndTheSceneGoesOn) {
   Scene scene(paperBed(), ToolParameters{});
   const double z = scene.bed().surfaceHeight();

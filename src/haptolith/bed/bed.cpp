@@ -433,6 +433,43 @@ void Bed::place(std::size_t particle, const Vec3& position_m) noexcept {
   stones_.lookAgain();
 }
 
+bool Bed::hasRoomFor(std::size_t particle, const Vec3& place_m) const noexcept {
+  const double radius_m = parameters_.soil.radius_m + static_cast<double>(state_.position[particle].w);
+  const double highest_m = grid_height_m_ + 1;
+  if (!place_m.allFinite() || std::abs(place_m.x()) > static_cast<double>(box_.half_width) - radius_m ||
+      std::abs(place_m.y()) > static_cast<double>(box_.half_length) - radius_m || place_m.z() < radius_m ||
+      place_m.z() > highest_m || stones_.depthOf(place_m, radius_m) > 0) {
+    return false;
+  }
+  const double reach_m = radius_m + parameters_.soil.radius_m + largestExcess(parameters_.soil) + skin_m_ / 2;
+  const auto corner = [&](double sign) {
+    return Float4{narrow<float>(place_m.x() + sign * reach_m), narrow<float>(place_m.y() + sign * reach_m),
+                  narrow<float>(place_m.z() + sign * reach_m), 0};
+  };
+  bool room = true;
+  neighbourhood_.forEachIn(neighbourhood_.placeOf(corner(-1), corner(1)), [&](std::int32_t other) {
+    const Float4& at = state_.position[static_cast<std::size_t>(other)];
+    const double apart_m = (Vec3(at.x, at.y, at.z) - place_m).norm();
+    room = room && (static_cast<std::size_t>(other) == particle ||
+                    apart_m >= radius_m + parameters_.soil.radius_m + static_cast<double>(at.w));
+  });
+  return room;
+}
+
+bool Bed::moveGrain(const GrainMove& move) noexcept {
+  constexpr double kStillThere = 0.1;  // in R
+  if (move.grain >= particles() || isDriven(move.grain)) {
+    return false;
+  }
+  const Float4& at = state_.position[move.grain];
+  const bool there = (Vec3(at.x, at.y, at.z) - move.from_m).norm() <= kStillThere * parameters_.soil.radius_m;
+  if (!there || !hasRoomFor(move.grain, move.to_m)) {
+    return false;
+  }
+  place(move.grain, move.to_m);
+  return true;
+}
+
 std::uint64_t Bed::hash(std::size_t part, std::size_t parts) const noexcept {
   return stonesHash(stones_.state(), stateHash(state_, part, parts));
 }

@@ -35,6 +35,13 @@ struct LyingSoil {
   std::vector<Pose> stones;    ///< scene_T_stone
 };
 
+/// A grain that is to lie somewhere else, scene frame.
+struct GrainMove {
+  std::size_t grain = 0;
+  Vec3 from_m = Vec3::Zero(), to_m = Vec3::Zero();
+  [[nodiscard]] bool operator==(const GrainMove&) const = default;
+};
+
 /// A box of identical macroparticles: their contacts, friction and gravity. With the paper's friction contacts follow
 /// (paper 19), friction (14) and damping (20); with contact friction see friction-inl.h.
 ///
@@ -96,6 +103,11 @@ class Bed {
   /// Puts a particle somewhere else, at rest. Its neighbours are found by the end of the next step, so it must touch
   /// nobody there. Not for the tick.
   void place(std::size_t particle, const Vec3& position_m) noexcept;
+
+  /// Puts a grain somewhere else, at rest, if all is as whoever asks for it has seen it: the grain is free and within a
+  /// tenth of R of where it was, and in its new place it touches neither grains nor stones nor walls. False, and it
+  /// stays, otherwise. May be called in the tick.
+  [[nodiscard]] bool moveGrain(const GrainMove& move) noexcept;
 
   /// Lets a driven particle go.
   void release(std::size_t particle) noexcept;
@@ -213,6 +225,7 @@ class Bed {
   void stop() noexcept;
   [[nodiscard]] StepConstants constantsFor(double dt_s) const noexcept;
   void listNearGroups() noexcept;
+  [[nodiscard]] bool hasRoomFor(std::size_t particle, const Vec3& place_m) const noexcept;
   void stepPart(int part, int parts) noexcept;
   [[nodiscard]] std::span<const Moved> movedOfParts() const noexcept {
     return {moved_of_part_.data(), static_cast<std::size_t>(parts_)};

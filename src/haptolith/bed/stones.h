@@ -118,7 +118,8 @@ class Stones {
   /// Largest speed of any point of a stone that is not fixed, in m/s; may be more than is reached.
   [[nodiscard]] double largestSpeed() const noexcept;
 
-  /// How deep a sphere at a place reaches into the stone that it is deepest in; <= 0 outside of all. Not for the tick.
+  /// How deep a sphere at a place reaches into the stone that it is deepest in; <= 0 outside of all. It looks at all
+  /// spheres: in the tick once at most.
   [[nodiscard]] double depthOf(const Vec3& centre_m, double radius_m) const;
 
   [[nodiscard]] StonesState save() const;

@@ -282,7 +282,8 @@ void HapticLoop::takeRequests() noexcept {
   // One exchange at a time: what stands behind another waits with it.
   while (requests_.read_available() > 0 &&
          !(fade_.waits() && std::holds_alternative<request::Exchange>(requests_.front())) &&
-         !((flags_ & kTickSoilAdjusted) != 0 && std::holds_alternative<request::Adjust>(requests_.front()))) {
+         !((flags_ & kTickSoilAdjusted) != 0 && std::holds_alternative<request::Adjust>(requests_.front())) &&
+         !((flags_ & kTickGrainMoved) != 0 && std::holds_alternative<request::MoveGrain>(requests_.front()))) {
     carryOut(requests_.front());
     requests_.pop();
   }
@@ -305,6 +306,10 @@ void HapticLoop::carryOut(const LoopRequest& asked) noexcept {
                    flags_ |= kTickSoilAdjusted;
                    scene_->bed().adjustSoil(adjust.laws);
                    scene_->setToolFriction(adjust.tool_friction);
+                 },
+                 [this](const request::MoveGrain& grain) {
+                   flags_ |= kTickGrainMoved;
+                   (void)scene_->moveGrain(grain.move);
                  },
                  [this](const request::SetContact& touch) {
                    flags_ |= kTickSceneChanged;

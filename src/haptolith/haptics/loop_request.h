@@ -2,6 +2,7 @@
 
 #include <variant>
 
+#include "haptolith/bed/bed.h"
 #include "haptolith/bed/soil_laws.h"
 #include "haptolith/core/vec.h"
 #include "haptolith/tool/tool_parameters.h"
@@ -33,6 +34,10 @@ struct Adjust {
   SoilLaws laws;  ///< see Bed::adjustSoil()
   double tool_friction = 0;
 };
+/// A grain that is to lie elsewhere, if it may (Scene::moveGrain()): one in a tick at most, likewise.
+struct MoveGrain {
+  GrainMove move;
+};
 struct SetContact {  ///< whether the tool touches the soil: it fades into it, or out of it
   bool on = true;
 };
@@ -49,7 +54,8 @@ using Exchange = std::variant<ExchangeTool, ExchangeBed>;
 
 }  // namespace request
 
-using LoopRequest = std::variant<request::Pause, request::Resume, request::Advance, request::Speed, request::Gravity,
-                                 request::Soil, request::Adjust, request::SetContact, request::Exchange>;
+using LoopRequest =
+    std::variant<request::Pause, request::Resume, request::Advance, request::Speed, request::Gravity, request::Soil,
+                 request::Adjust, request::MoveGrain, request::SetContact, request::Exchange>;
 
 }  // namespace haptolith

@@ -21,6 +21,7 @@ enum TickFlag : std::uint32_t {
   kTickFailed = 1024,       ///< the run ended with it: the device is gone, or the bed or the hand no longer makes sense
   kTickSceneChanged = 256,  ///< somebody has changed soil, gravity, tool or bed, or the tool fades for that
   kTickSoilAdjusted = 2048,  ///< soil and tool friction were changed a little: see request::Adjust
+  kTickGrainMoved = 4096,    ///< a grain was to lie elsewhere: see request::MoveGrain
 };
 
 /// One tick, as it is recorded.

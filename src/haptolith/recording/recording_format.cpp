@@ -52,6 +52,25 @@ SoilAdjustment adjustmentOf(const RecordingEvent& event) {
   }
 }
 
+std::string grainMoveText(const GrainMove& move) {
+  const auto triple = [](const Vec3& v) { return std::array{v.x(), v.y(), v.z()}; };
+  return nlohmann::ordered_json{{"grain", move.grain}, {"from_m", triple(move.from_m)}, {"to_m", triple(move.to_m)}}
+      .dump();
+}
+
+GrainMove grainMoveOf(const RecordingEvent& event) {
+  try {
+    const auto json = nlohmann::json::parse(event.text);
+    const auto vector = [&](const char* key) {
+      const auto v = json.at(key).get<std::array<double, 3>>();
+      return Vec3(v[0], v[1], v[2]);
+    };
+    return {json.at("grain"), vector("from_m"), vector("to_m")};
+  } catch (const nlohmann::json::exception&) {
+    throw Failure(fmt::format("the recording's event at {:.3f} s says of a grain: {}", event.time_s, event.text));
+  }
+}
+
 namespace {
 
 /// Names the members of a record one after the other.

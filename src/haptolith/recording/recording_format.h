@@ -8,6 +8,7 @@
 #include <variant>
 #include <vector>
 
+#include "haptolith/bed/bed.h"
 #include "haptolith/device/declared_limits.h"
 #include "haptolith/haptics/shown_scene.h"
 #include "haptolith/haptics/tick_record.h"
@@ -101,6 +102,12 @@ inline constexpr const char* kAdjustmentKind = "soil";
 [[nodiscard]] std::string adjustmentText(const SoilAdjustment& adjustment);
 /// @throws Failure when the event says something else.
 [[nodiscard]] SoilAdjustment adjustmentOf(const RecordingEvent& event);
+
+/// The same of a grain that is to lie elsewhere.
+inline constexpr const char* kGrainMoveKind = "grain";
+[[nodiscard]] std::string grainMoveText(const GrainMove& move);
+/// @throws Failure when the event says something else.
+[[nodiscard]] GrainMove grainMoveOf(const RecordingEvent& event);
 
 /// A column of /ticks or /robot/reports: its name, with the unit, and which member of a TickRecord or RobotRow it
 /// holds.

@@ -82,6 +82,8 @@ Replay::Replay(const RecordingReader& recording, std::optional<int> threads, con
   for (const RecordingEvent& event : recording.readEvents(0, recording.events())) {
     if (event.kind == kAdjustmentKind) {
       adjustments_.push_back(adjustmentOf(event));
+    } else if (event.kind == kGrainMoveKind) {
+      grain_moves_.push_back(grainMoveOf(event));
     }
   }
 }
@@ -122,6 +124,14 @@ ReplayResult Replay::run(const std::function<bool(const TickRecord& was, const T
         loop_->ask(request::Adjust{SoilLaws(adjustment.of(scenario_.bed.soil), grainClasses(scenario_.bed)),
                                    adjustment.tool_friction});
         adjustments_.pop_front();
+      }
+      if ((was.flags & kTickGrainMoved) != 0) {
+        if (grain_moves_.empty()) {
+          result.ended_early = fmt::format("at {:.3f} s a grain was moved, and which is not recorded", was.time_s);
+          return result;
+        }
+        loop_->ask(request::MoveGrain{grain_moves_.front()});
+        grain_moves_.pop_front();
       }
       if ((was.flags & kTickSoftStop) != 0) {
         loop_->softStop();

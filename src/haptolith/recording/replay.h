@@ -59,7 +59,9 @@ class Replay {
   std::unique_ptr<Scene> scene_;
   std::unique_ptr<ReplayDevice> device_;
   std::unique_ptr<HapticLoop> loop_;
-  std::deque<SoilAdjustment> adjustments_;  ///< that are still to come
+  // That are still to come:
+  std::deque<SoilAdjustment> adjustments_;
+  std::deque<GrainMove> grain_moves_;
 };
 
 }  // namespace haptolith

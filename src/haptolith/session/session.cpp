@@ -426,6 +426,10 @@ bool Session::adjust(const SoilAdjustment& adjustment) {
   return true;
 }
 
+bool Session::moveGrain(const GrainMove& move) {
+  return !making_ && !coming_ && bed_wanted_.empty() && loop_->ask(request::MoveGrain{move});
+}
+
 void Session::touch(bool on) {
   ask(request::SetContact{on});
 }

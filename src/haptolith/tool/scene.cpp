@@ -10,6 +10,7 @@
 #include "haptolith/core/interpolate.h"
 #include "haptolith/tool/tool_contact.h"
 #include "haptolith/tool/tool_mesh.h"
+#include "haptolith/tool/tool_shape.h"
 
 namespace haptolith {
 
@@ -85,6 +86,12 @@ void Scene::placeTool(const HandState& hand) noexcept {
   if (isSomewhere(hand)) {
     tool_pose_ = hand.pose;
   }
+}
+
+bool Scene::moveGrain(const GrainMove& move) noexcept {
+  const double clear_m = enclosingRadius(tool_) + 4 * bed_.parameters().soil.radius_m;
+  const auto isClear = [&](const Vec3& place_m) { return (place_m - tool_pose_.position_m).norm() > clear_m; };
+  return isClear(move.from_m) && isClear(move.to_m) && bed_.moveGrain(move);
 }
 
 StepStatus Scene::tick(const HandState& hand) noexcept {

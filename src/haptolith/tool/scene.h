@@ -81,6 +81,10 @@ class Scene {
   /// Another friction between soil and tool: what touches goes on touching. May be called in the tick.
   void setToolFriction(double friction) noexcept { tool_.friction = friction; }
 
+  /// As Bed::moveGrain(), away from the tool: what it touches, and what lies within two grains' width of the sphere
+  /// around it, stays. May be called in the tick.
+  [[nodiscard]] bool moveGrain(const GrainMove& move) noexcept;
+
   /// All that this scene, or another of the same parameters, needs to go on from here. Not for the tick.
   [[nodiscard]] SavedScene save() const;
   /// Not for the tick. @throws InvalidParameter as Bed::restore(), and for a tool that is nowhere; the scene is then as
