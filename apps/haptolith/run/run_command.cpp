@@ -85,6 +85,7 @@ struct RunOptions {
   WebOptions web;
   std::string robot;  ///< HOST:PORT of one that follows the tool; empty: none
   TeleopEndOptions robot_end;
+  bool mends = true;           ///< the soil's surface becomes what the robot sees
   std::optional<bool> learns;  ///< the soil does from what the robot meets; default: where it can
   CompanionFactory companion;  ///< empty: none
 };
@@ -166,7 +167,8 @@ class Follower {
 
   /// Lets a robot follow the session's tool from its first tick on.
   void lead(const Session& session, const RunOptions& options) {
-    robot_.emplace(session, options.robot, options.robot_end.end(), options.learns.value_or(canLearn(session.shown())));
+    robot_.emplace(session, options.robot, options.robot_end.end(),
+                   Likening{.strength = options.learns.value_or(canLearn(session.shown())), .surface = options.mends});
   }
   /// Lets the page know of it.
   void show(LiveView& view) const {
@@ -593,6 +595,9 @@ void addTeleopOperator(CLI::App& teleop) {
       ->add_flag_callback(
           "--no-learn", [options] { options->learns = false; }, "Leave the soil as it is")
       ->excludes(learn);
+  command->add_flag_callback(
+      "--no-mend", [options] { options->mends = false; },
+      "Leave the soil's surface as it is; else grains are laid where the robot sees more soil than there is");
   addOptions(command, options);
   command->get_option("scenario")->description("Scene by its name (haptolith scenes) or from a file; default: dig");
 }

@@ -6,6 +6,7 @@
 
 #include "haptolith/identify/training_file.h"
 #include "haptolith/teleop/learning_model.h"
+#include "haptolith/teleop/surface_mender.h"
 
 namespace haptolith {
 
@@ -29,6 +30,7 @@ TeleopSetup setupFor(const StudyProtocol& protocol, const StudyBlock& block, std
   setup.task = work.task;
   if (work.felt == TeleopFelt::kLearning) {
     setup.learns.emplace(probeTraining().runs);
+    setup.mends = canMend(setup.model.bed);
   }
   return setup;
 }

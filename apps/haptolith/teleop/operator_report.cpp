@@ -6,6 +6,8 @@
 #include <array>
 #include <limits>
 
+#include "haptolith/core/counted.h"
+
 namespace haptolith {
 
 namespace {
@@ -98,6 +100,9 @@ std::string robotSummary(const RobotLead& robot) {
     text += fmt::format("  learned    {}; {} updates\n", soilText(robot.learning()->learned()),
                         robot.learning()->updates());
   }
+  if (robot.mended() > 0) {
+    text += fmt::format("  mended     the surface, by {}\n", counted(robot.mended(), "grain"));
+  }
   const PacketCounts& counts = end.counts();
   text += fmt::format("  packets    {} sent, {} taken; {} malformed, {} forged, {} replayed\n", end.sent(),
                       counts.taken, counts.malformed, counts.forged, counts.replayed);
@@ -133,6 +138,7 @@ Json robotJson(const RobotLead& robot) {
           {"met_rms_n", agreement.rmsMet(0, kEver)},
           {"force_error_share", agreement.share(0, kEver)},
           {"learned", learnedJson(robot)},
+          {"mended_grains", robot.mended()},
           {"sent", end.sent()},
           {"packets", countsJson(end.counts())}};
 }

@@ -1,5 +1,6 @@
 #include "teleop/robot_lead.h"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstddef>
@@ -25,11 +26,11 @@ double surfaceOf(const Session& session) {
 
 }  // namespace
 
-RobotLead::RobotLead(const Session& session, const std::string& to, const EndOptions& options, bool learns)
+RobotLead::RobotLead(const Session& session, const std::string& to, const EndOptions& options, const Likening& likening)
     : end_(to, options, surfaceOf(session), session.shown().loop.tick_s),
-      learns_(learns),
+      likening_(likening),
       tick_s_(session.shown().loop.tick_s) {
-  if (learns_) {
+  if (likening_.strength) {
     begin(session.shown());
   }
 }
@@ -83,8 +84,11 @@ void RobotLead::follow(Session& session, std::span<const TickRecord> ticks, Sess
                         also.seen(seen);
                       }
                     }});
-  if (learns_) {
+  if (likening_.strength) {
     learn(session, recording);
+  }
+  if (likening_.surface) {
+    mend(session, recording);
   }
 }
 
@@ -118,6 +122,40 @@ SiteRow RobotLead::rowOf(const SitePacket& seen) const {
     }
   }
   return row;
+}
+
+void RobotLead::mend(Session& session, SessionRecording& recording) {
+  constexpr std::uint64_t kLookTicks = 250;
+  const BedParameters& bed = session.shown().bed;
+  const SceneSnapshot& now = session.snapshot();
+  if (now.position.empty() || !canMend(bed)) {
+    return;
+  }
+  if (!mender_ || now.position.size() != grains_) {  // another bed may have come
+    mender_.emplace(bed, session.shown().tool, end_.surface(), Work::kBeside);
+    grains_ = now.position.size();
+    looked_ = now.ticks;
+  }
+  if (now.ticks >= looked_ + kLookTicks) {
+    looked_ = now.ticks;
+    const auto ago = static_cast<std::int64_t>(std::llround((time_s_ - now.time_s) / tick_s_));
+    const auto index = std::max<std::int64_t>(0, static_cast<std::int64_t>(end_.ticks()) - ago);
+    mender_->look(static_cast<std::uint64_t>(index), seenSoil(session.scene().bed(), now.position, now.stones),
+                  now.scene_T_tool.position_m, end_.site());
+  }
+  constexpr int kAtOnce = 4;  // of what the loop is asked for and does tick by tick: others want something of it, too
+  for (int i = 0; i < kAtOnce; ++i) {
+    const std::optional<GrainMove> move = mender_->next();
+    if (!move) {
+      return;
+    }
+    if (!session.moveGrain(*move)) {
+      mender_->refused(*move);
+      return;
+    }
+    ++mended_;
+    recording.note(kGrainMoveKind, time_s_, grainMoveText(*move));
+  }
 }
 
 void RobotLead::learn(Session& session, SessionRecording& recording) {

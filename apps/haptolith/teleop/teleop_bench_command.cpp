@@ -23,6 +23,7 @@
 #include "haptolith/teleop/learning_model.h"
 #include "haptolith/teleop/simulation.h"
 #include "haptolith/teleop/site_probe.h"
+#include "haptolith/teleop/surface_mender.h"
 
 #include "identify/belief_report.h"
 #include "shared/option_checks.h"
@@ -93,6 +94,7 @@ struct BenchOptions {
   std::string csv_file, figure_file;
   Overwrite overwrite;
   bool json = false;
+  bool mends = true;  ///< models that learn do
 
   [[nodiscard]] double duration() const {
     constexpr double kOfManoeuvre_s = 40, kOfTask_s = 180;
@@ -155,6 +157,7 @@ TeleopSetup setupFor(const BenchOptions& options, double round_trip_s, Case whic
   if (learns(which)) {
     setup.model = readyToLearn(setup.model);
     setup.learns.emplace(probeTraining().runs);
+    setup.mends = options.mends && canMend(setup.model.bed);
   }
   return setup;
 }
@@ -180,6 +183,7 @@ Json rowJson(const Row& row) {
           {"task_s", result.task ? Json(result.task->done_s) : Json(nullptr)},
           {"task_strokes", result.task ? Json(result.task->strokes) : Json(nullptr)},
           {"task_reached", result.task ? Json(result.task->reached) : Json(nullptr)},
+          {"mended_grains", result.mended},
           {"updates", result.updates},
           {"update_j", result.update_j},
           {"update_jump", result.update_jump},
@@ -395,6 +399,8 @@ void addTeleopBench(CLI::App& teleop) {
   command->add_option("--duration-s", options->duration_given_s, "Simulated time of each run, with a task at most")
       ->option_text("SECONDS [40; with a task 180]")
       ->check(numberIn(TeleopRanges::duration_s));
+  command->add_flag_callback(
+      "--no-mend", [options] { options->mends = false; }, "Leave the surface of models that learn as it is");
   command->add_option("--threads", options->threads, "Runs at the same time")
       ->option_text("N [one for each processor]")
       ->check(wholeNumberIn({1, 256}));

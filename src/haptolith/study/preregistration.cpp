@@ -96,7 +96,7 @@ std::string teleopText(const StudyBlock& block) {
       block.title.empty() ? block.name : block.title, goalOf(work.task), block.interval_s,
       work.felt == TeleopFelt::kNone    ? "nothing"
       : work.felt == TeleopFelt::kModel ? "a model of the soil, which stays as it is"
-                                        : "a model of the soil, which learns from what the robot meets",
+                                        : "a model of the soil, which learns from what the robot meets and sees",
       work.round_trip_s, counted(block.repeats, "trial"));
   text +=
       block.practice_trials > 0 ? fmt::format(", after {} that count for nothing.\n", block.practice_trials) : ".\n";

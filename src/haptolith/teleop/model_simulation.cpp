@@ -12,6 +12,7 @@
 #include "haptolith/teleop/simulation_parts.h"
 #include "haptolith/teleop/site_camera.h"
 #include "haptolith/teleop/site_map.h"
+#include "haptolith/teleop/surface_mender.h"
 #include "haptolith/teleop/surface_watch.h"
 #include "haptolith/teleop/teleop_packet.h"
 
@@ -112,6 +113,14 @@ class ModelOperator {
     const BedParameters& bed = site_.scene.bed().parameters();
     loop_.ask(request::Adjust{SoilLaws(adjustment.of(bed.soil), grainClasses(bed)), adjustment.tool_friction});
   }
+  /// A grain lies elsewhere from the next tick on, if it may.
+  void move(const GrainMove& move) {
+    if (!inAir()) {
+      watch_.begin(site_.scene);
+    }
+    loop_.ask(request::MoveGrain{move});
+  }
+  [[nodiscard]] const Site& site() const noexcept { return site_; }
   [[nodiscard]] OperatorHand& hand() noexcept { return hand_; }
   /// Of its soil over the surface that it began with.
   [[nodiscard]] std::vector<double> heights(const HeightGrid& grid) const { return site_.heights(grid); }
@@ -147,6 +156,11 @@ TeleopResult simulateModel(const TeleopSetup& setup, const TeleopProgress& progr
   if (setup.learns) {
     learning.emplace(setup.model, *setup.learns);
   }
+  std::optional<SurfaceMender> mender;
+  if (setup.mends) {
+    const Bed& bed = hand.site().scene.bed();
+    mender.emplace(bed.parameters(), setup.model.tool, hand.site().surface_m);
+  }
   Site site(setup.site);
   HandParameters home = handAbove(setup.model, 0);
   Robot robot(setup.robot, site.scene, site.surface_m, VirtualHand(home, course.time(1)).read().pose);
@@ -176,6 +190,14 @@ TeleopResult simulateModel(const TeleopSetup& setup, const TeleopProgress& progr
     course.look(tick);
     if (const std::optional<SoilAdjustment> step = learning ? learning->at(tick, hand.inAir()) : std::nullopt) {
       hand.become(*step);
+    }
+    if (mender && tick % kLookEvery == 0) {
+      const Scene& model = hand.site().scene;
+      mender->look(tick, seenSoil(model.bed()), model.toolPose().position_m, known_site);
+    }
+    if (const std::optional<GrainMove> move = mender ? mender->next() : std::nullopt) {
+      hand.move(*move);
+      ++result.mended;
     }
     if (tick % kLookEvery == 0) {
       model_heights.push_back(hand.heights(camera.grid()));

@@ -4,6 +4,7 @@
 
 #include "haptolith/core/error.h"
 #include "haptolith/teleop/simulation_parts.h"
+#include "haptolith/teleop/surface_mender.h"
 
 namespace haptolith {
 
@@ -21,6 +22,9 @@ TeleopResult simulateTeleop(const TeleopSetup& setup, const TeleopProgress& prog
   if (setup.model.loop.tick_s != setup.site.loop.tick_s) {
     throw InvalidParameter("site.loop.tick_s", fmt::format("{:g}", setup.site.loop.tick_s),
                            fmt::format("the model's {:g}", setup.model.loop.tick_s));
+  }
+  if (setup.mends && !canMend(setup.model.bed)) {
+    throw InvalidParameter("mends", "", "left out where grains are of several sizes");
   }
   if (setup.learns && setup.feedback != Feedback::kModel) {
     throw InvalidParameter("learns", "", "left out where no model is felt");

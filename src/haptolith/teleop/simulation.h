@@ -38,6 +38,7 @@ struct TeleopSetup {
   std::optional<SiteTask> task;
   std::optional<double> lets_go_s;    ///< then the hand lets go of the tool; not with a task
   std::optional<StrengthMap> learns;  ///< the model does, while it digs: see LearningModel
+  bool mends = false;                 ///< the model's surface becomes the one that is seen: see SurfaceMender
 };
 
 struct TeleopRanges {
@@ -73,6 +74,7 @@ struct TeleopResult {
   std::optional<TaskResult> task;
   std::optional<ModelSoil> learned;  ///< in the end
   std::uint64_t updates = 0;         ///< of the model's soil
+  std::uint64_t mended = 0;          ///< its grains that were to lie elsewhere
   double update_j = 0;               ///< energy that soil pushed into the hand more than without updates, at most
   /// Largest change of the force within 0.1 s of an update that the hand has not caused, over what is hardly felt:
   /// 0.1 N, or 7 % of the force.

@@ -20,6 +20,8 @@ class SiteMap {
   [[nodiscard]] const HeightGrid& grid() const noexcept { return grid_; }
   /// Row by row, in m; NaN: not known.
   [[nodiscard]] const std::vector<double>& heights() const noexcept { return heights_m_; }
+  /// Command that the robot had come to when it saw each cell.
+  [[nodiscard]] const std::vector<std::uint64_t>& commands() const noexcept { return commands_; }
   /// How many packets it has taken: another number, and it may have changed.
   [[nodiscard]] std::uint64_t taken() const noexcept { return taken_; }
 
@@ -28,6 +30,7 @@ class SiteMap {
   HeightGrid grid_;
   std::vector<double> heights_m_;
   std::vector<std::uint64_t> numbers_;  ///< of the packet that each cell is known from
+  std::vector<std::uint64_t> commands_;
   std::uint64_t taken_ = 0;
 };
 
