@@ -211,6 +211,21 @@ TEST(TeleopSimulation, AModelThatLearnsBecomesWhatTheRobotMeetsAndNobodyFeelsIt)
   EXPECT_LT(learns.learned->state.cohesion_pa, 350) << "the model began with 545";
 }
 
+TEST(TeleopSimulation, AModelWhoseSurfaceIsMendedLiesMoreLikeTheSite) {
+  TeleopSetup setup;
+  setup.model = findScenario("dig", std::vector<std::string>{"soil.radius_mm=8", "hand.period_s=24"});
+  setup.site = findScenario("dig-site", std::vector<std::string>{"soil.radius_mm=8", "soil.stiffness_n_m=3000"});
+  setup.up.delay_s = setup.down.delay_s = 0.2;
+  setup.duration_s = 26;
+  const TeleopResult left = simulateTeleop(setup);
+  EXPECT_EQ(left.mended, 0U);
+  setup.mends = true;
+  const TeleopResult mended = simulateTeleop(setup);
+  EXPECT_GT(mended.mended, 5U);
+  EXPECT_LT(mended.apart_surface_m, left.apart_surface_m);
+  EXPECT_LE(mended.given_j, 1e-3);
+}
+
 TEST(TeleopSimulation, ATaskEndsWhenItIsSeenToBeDoneAtTheSite) {
   TeleopSetup setup = smallSetup(0.4);
   setup.task = SiteTask::kPress;
@@ -248,6 +263,12 @@ TEST(TeleopSimulation, WhoFeelsNothingGoesByWhatTheRobotMet) {
   setup.feedback = Feedback::kNone;
   setup.learns.emplace(probeTraining().runs);
   EXPECT_THROW((void)simulateTeleop(setup), InvalidParameter) << "there is no model to learn";
+  setup.learns.reset();
+  setup.mends = true;
+  EXPECT_THROW((void)simulateTeleop(setup), InvalidParameter) << "nor to mend";
+  setup.feedback = Feedback::kModel;
+  setup.model = findScenario("fine-grains");
+  EXPECT_THROW((void)simulateTeleop(setup), InvalidParameter) << "of several sizes";
 }
 
 TEST(TeleopSimulation, AHandThatLetsGoStopsTheRobotAndIsGivenNothing) {

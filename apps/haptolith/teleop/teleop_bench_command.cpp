@@ -45,6 +45,8 @@ constexpr const char* kExamples = R"(Examples:
   haptolith teleop bench                                   six round trips, a model and delayed force: some minutes
   haptolith teleop bench --round-trip-s 2.6 --case model,twin --duration-s 20
   haptolith teleop bench --task trench --round-trip-s 0,2.6     until it is done: how long does that take?
+  haptolith teleop bench --case learning,twin --set soil.radius_mm=4 --set-site soil.radius_mm=3       finer grains:
+                                                           less is chance in the forces; some minutes for each run
   haptolith teleop bench --site dig --set soil.radius_mm=5                 the robot's soil, or the model's, another one
 
 docs/teleop.md tells what was found, and how the numbers are meant.)";
@@ -94,7 +96,7 @@ struct BenchOptions {
   std::string csv_file, figure_file;
   Overwrite overwrite;
   bool json = false;
-  bool mends = true;  ///< models that learn do
+  std::optional<bool> mends;  ///< a model's surface is mended; default: where it learns
 
   [[nodiscard]] double duration() const {
     constexpr double kOfManoeuvre_s = 40, kOfTask_s = 180;
@@ -157,8 +159,8 @@ TeleopSetup setupFor(const BenchOptions& options, double round_trip_s, Case whic
   if (learns(which)) {
     setup.model = readyToLearn(setup.model);
     setup.learns.emplace(probeTraining().runs);
-    setup.mends = options.mends && canMend(setup.model.bed);
   }
+  setup.mends = options.mends.value_or(learns(which)) && setup.feedback == Feedback::kModel && canMend(setup.model.bed);
   return setup;
 }
 
@@ -399,8 +401,13 @@ void addTeleopBench(CLI::App& teleop) {
   command->add_option("--duration-s", options->duration_given_s, "Simulated time of each run, with a task at most")
       ->option_text("SECONDS [40; with a task 180]")
       ->check(numberIn(TeleopRanges::duration_s));
-  command->add_flag_callback(
-      "--no-mend", [options] { options->mends = false; }, "Leave the surface of models that learn as it is");
+  CLI::Option* mend = command->add_flag_callback(
+      "--mend", [options] { options->mends = true; },
+      "Mend the surface of every model by what the robot sees; default: of those that learn");
+  command
+      ->add_flag_callback(
+          "--no-mend", [options] { options->mends = false; }, "Leave their surfaces as they are")
+      ->excludes(mend);
   command->add_option("--threads", options->threads, "Runs at the same time")
       ->option_text("N [one for each processor]")
       ->check(wholeNumberIn({1, 256}));

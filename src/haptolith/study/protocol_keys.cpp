@@ -499,7 +499,7 @@ std::vector<BlockKey> teleopKeys() {
        BlockKey::WordValue{namesOf(kTeleopFeltWords),
                            [](D& d, std::string_view v) { d.teleop.felt = valueOf(kTeleopFeltWords, v); }, kOnlyRead},
        "What the hand feels meanwhile: nothing, the block's scene as a model that stays as it is, or as one that "
-       "learns from what the robot meets."},
+       "learns from what the robot meets and sees."},
       {"teleop", "round_trip_s", "",
        BlockKey::NumberValue{kRoundTrip_s, [](D& d, double v) { d.teleop.round_trip_s = v; }, kOnlyRead},
        "Delay to the robot and back; half of it each way."},

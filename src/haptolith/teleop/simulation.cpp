@@ -23,8 +23,8 @@ TeleopResult simulateTeleop(const TeleopSetup& setup, const TeleopProgress& prog
     throw InvalidParameter("site.loop.tick_s", fmt::format("{:g}", setup.site.loop.tick_s),
                            fmt::format("the model's {:g}", setup.model.loop.tick_s));
   }
-  if (setup.mends && !canMend(setup.model.bed)) {
-    throw InvalidParameter("mends", "", "left out where grains are of several sizes");
+  if (setup.mends && (setup.feedback != Feedback::kModel || !canMend(setup.model.bed))) {
+    throw InvalidParameter("mends", "", "left out where no model is felt, or its grains are of several sizes");
   }
   if (setup.learns && setup.feedback != Feedback::kModel) {
     throw InvalidParameter("learns", "", "left out where no model is felt");
