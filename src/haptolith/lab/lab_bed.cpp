@@ -8,7 +8,6 @@
 #include <random>
 
 #include "haptolith/bed/critical_step.h"
-#include "haptolith/bed/surface_height.h"
 #include "haptolith/core/error.h"
 #include "haptolith/core/random.h"
 
@@ -224,7 +223,26 @@ double LabBed::surfaceHeight(double share) const {
 }
 
 double LabBed::surfaceHeight(DepthFrom from) const {
-  return from == DepthFrom::kTips ? surfaceHeight() : meanSurfaceHeight(bed_);
+  return from == DepthFrom::kTips ? surfaceHeight() : levelSurface();
+}
+
+double LabBed::levelSurface() const {
+  const double r = conditions_.soil.radius_m;
+  const double tips = surfaceHeight();
+  const double top = std::max(tips - 3 * r, tips / 2);
+  const double bottom = std::max(tips - 7 * r, tips / 4);
+  const auto grainsAbove = [&](double z) {  // of class 0, in parts by volume
+    double grains = 0;
+    for (std::size_t i = 0; i < soil_; ++i) {
+      const double own_r = GrainClasses::scale(bed_.classOf(i)) * r;
+      const double t = std::clamp((bed_.state().position[i].z + own_r - z) / (2 * own_r), 0.0, 1.0);
+      grains += double{GrainClasses::scale(3 * bed_.classOf(i))} * t * t * (3 - 2 * t);
+    }
+    return grains;
+  };
+  const double above = grainsAbove(top);
+  const double per_metre = (grainsAbove(bottom) - above) / (top - bottom);
+  return top + above / per_metre;
 }
 
 double LabBed::bulkDensity(double bottom_m, double top_m) const {

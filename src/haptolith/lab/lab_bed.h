@@ -19,8 +19,7 @@ enum class Preparation {
 /// What depth counts from. Grains are large, and their tips stand higher than the soil that they stand for.
 enum class DepthFrom {
   kTips,     ///< where a plate first meets any; for other tools the height under which 98 % of the grains have theirs
-  kSurface,  ///< what a camera sees in the mean (meanSurfaceHeight()): up to 0.3 R below where soil of the bed's
-             ///< density would end, which is 0.8 to 1 R below the tips
+  kSurface,  ///< where the soil would end if it were as dense up to there as it is below: LabBed::levelSurface()
 };
 
 /// The box a test is done in. Axes as in BedParameters.
@@ -81,6 +80,10 @@ class LabBed {
   /// Height under which `share` of the soil's particles have their top.
   [[nodiscard]] double surfaceHeight(double share = 0.98) const;
   [[nodiscard]] double surfaceHeight(DepthFrom from) const;
+
+  /// Height at which the same soil would end had it one density, that of 3 to 7 R below the tips, up to a sharp
+  /// surface: what equations of continua mean by theirs (Gibbs' dividing surface of mass).
+  [[nodiscard]] double levelSurface() const;
 
   /// Mass of the soil with its centres between two heights over the volume there, in kg/m^3, walls' shadows included.
   [[nodiscard]] double bulkDensity(double bottom_m, double top_m) const;

@@ -88,8 +88,9 @@ LabOption depthFromOption(DepthFrom& from) {
   const auto set = [&from](std::string_view word) {
     from = word == "surface" ? DepthFrom::kSurface : DepthFrom::kTips;
   };
-  return wordOption("depth_from", {"tips", "surface"}, from == DepthFrom::kSurface ? "surface" : "tips", set,
-                    "what depth counts from: the tips of the highest grains, or the surface as a camera sees it");
+  return wordOption(
+      "depth_from", {"tips", "surface"}, from == DepthFrom::kSurface ? "surface" : "tips", set,
+      "what depth counts from: the tips of the highest grains, or the surface that soil of one density would have");
 }
 
 }  // namespace haptolith
