@@ -26,6 +26,10 @@ constexpr double kSkinRadii = 0.5;
 /// every step; smaller: more looks.
 constexpr double kNearRadii = 0.1;
 
+/// So far from the middle of the box a position is known to 3e-8 m: in substeps of a third of a millisecond everything
+/// that is faster than 0.05 mm/s moves. In wider boxes remainders are kept.
+constexpr float kExactWithin_m = 0.5F;
+
 /// A thread is worth waking, which takes some 100 us, for at least this many particles; contacts with friction take
 /// three times as long as the paper's, and several substeps a tick. Where two threads begin to be faster than one in
 /// `haptolith bench` on two cores, to a power of two.
@@ -140,6 +144,9 @@ Bed::Bed(const BedParameters& parameters, const std::vector<Float4>& grains, dou
   state_.velocity.resize(n);
   state_.velocity.resize(padded, kGhostVelocity);
   state_.tool_side.resize(n);
+  if (std::max(box_.half_width, box_.half_length) > kExactWithin_m) {
+    state_.remainder.resize(padded);
+  }
   noteClasses();
   state_.listed_at = state_.position;
   state_.rested.resize(padded / kGroup);
@@ -316,6 +323,7 @@ void Bed::stepPart(int part, int parts) noexcept {
                           .listed_at = state_.listed_at.data(),
                           .next_position = next_position_.data(),
                           .next_velocity = next_velocity_.data(),
+                          .remainder = state_.remainder.empty() ? nullptr : state_.remainder.data(),
                           .contact_force = driven_ > 0 ? contact_force_.data() : nullptr,
                           .wall_slip = state_.wall_slip.data(),
                           .grain_class = grain_class_.empty() ? nullptr : grain_class_.data(),
@@ -429,6 +437,9 @@ void Bed::place(std::size_t particle, const Vec3& position_m) noexcept {
   }
   for (auto* velocities : {&state_.velocity, &next_velocity_}) {
     (*velocities)[particle] = {0, 0, 0, (*velocities)[particle].w};
+  }
+  if (!state_.remainder.empty()) {
+    state_.remainder[particle] = {};
   }
   stones_.lookAgain();
 }
@@ -579,7 +590,7 @@ double Bed::takeRelistingUs() noexcept {
 std::size_t Bed::bytes() const noexcept {
   const std::size_t records = state_.position.size() + state_.velocity.size() + state_.listed_at.size() +
                               next_position_.size() + next_velocity_.size() + external_.size() + contact_force_.size() +
-                              state_.rested_at.size() + state_.tool_slip.size();
+                              state_.rested_at.size() + state_.tool_slip.size() + state_.remainder.size();
   return records * sizeof(Float4) + state_.wall_slip.size() * (sizeof(WallSlips) + 1) + state_.tool_side.size() +
          moved_.size() * sizeof(moved_[0]) + state_.rested.size() * sizeof(state_.rested[0]) + wakefulness_.bytes() +
          state_.contacts.bytes() + neighbourhood_.bytes() + stones_.bytes();

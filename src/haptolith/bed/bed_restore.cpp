@@ -102,11 +102,14 @@ void Bed::restore(const BedState& state) {
     throw InvalidParameter("state", fmt::format("{} particles", state.particles()),
                            fmt::format("of this bed's {} particles", n));
   }
+  if (state.remainder.size() != state_.remainder.size()) {
+    throw InvalidParameter("state", state.remainder.empty() ? "of a narrow box" : "of a wide box", "of a box like this");
+  }
   // A saved state may come from a file: a position that is NaN would become the index of a cell.
   const auto finite = [](float value) { return std::isfinite(value); };
   const auto is_number = [&](const Float4& r) { return finite(r.x) && finite(r.y) && finite(r.z) && finite(r.w); };
   for (const auto* records_of :
-       {&state.position, &state.velocity, &state.listed_at, &state.rested_at, &state.tool_slip}) {
+       {&state.position, &state.velocity, &state.listed_at, &state.rested_at, &state.tool_slip, &state.remainder}) {
     if (!std::all_of(records_of->begin(), records_of->end(), is_number)) {
       throw InvalidParameter("state", "positions, velocities or slips that are no numbers", "finite");
     }
@@ -180,6 +183,7 @@ void Bed::restore(const BedState& state) {
   state_.step = state.step;  // piece by piece: what is reserved stays reserved
   state_.position = state.position;
   state_.velocity = state.velocity;
+  state_.remainder = state.remainder;
   state_.listed_at = state.listed_at;
   state_.rested = state.rested;
   state_.rested_at = state.rested_at;

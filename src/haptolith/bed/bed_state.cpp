@@ -15,6 +15,8 @@ namespace {
 static_assert(std::endian::native == std::endian::little, "saved states are little-endian");
 
 constexpr char kMagic[8] = {'H', 'A', 'P', 'B', 'E', 'D', '0', '4'};
+constexpr char kMagicOfWide[8] = {'H', 'A', 'P', 'B', 'E', 'D', '0', '5'};  // the same, and remainders
+
 
 constexpr std::string_view kStonesFollow = "HAPSTNS:";  // no bed begins with it
 
@@ -26,11 +28,16 @@ struct Header {
   std::uint64_t remembered;  ///< particles whose friction remembers: all, or 0 with the paper's friction
 };
 
+bool isWide(const Header& header) {
+  return std::memcmp(header.magic, kMagicOfWide, sizeof kMagicOfWide) == 0;
+}
+
 /// Length of what follows the header.
 std::uint64_t bytesAfter(const Header& header) {
   const bool remembers = header.remembered > 0;
   const std::uint64_t groups = paddedCount(header.particles) / kGroup;
-  return header.particles * (4 * sizeof(Float4) + sizeof(std::int8_t) + sizeof(std::uint16_t)) +
+  const std::uint64_t records = isWide(header) ? 5 : 4;
+  return header.particles * (records * sizeof(Float4) + sizeof(std::int8_t) + sizeof(std::uint16_t)) +
          groups * sizeof(std::uint16_t) + header.contacts * (sizeof(std::int32_t) + (remembers ? sizeof(Slip) : 0)) +
          (remembers ? groups * sizeof(WallSlips) : 0) + header.remembered * sizeof(Float4);
 }
@@ -111,6 +118,7 @@ std::uint64_t stateHash(const BedState& state, std::size_t part, std::size_t par
   add(state.position, kGroup, state.particles());
   add(state.velocity, kGroup, state.particles());
   add(state.tool_side, kGroup, state.particles());
+  add(state.remainder, kGroup, state.remainder.empty() ? 0 : state.particles());
   const ContactLists& contacts = state.contacts;
   for (std::size_t group = first; contacts.remembers() && group < std::min(last, contacts.groups()); ++group) {
     const std::size_t row = 3 * kGroup;
@@ -128,7 +136,8 @@ std::string serialise(const BedState& state) {
   for (std::size_t i = 0; i < n; ++i) {
     header.contacts += state.contacts.count(i);
   }
-  std::memcpy(header.magic, kMagic, sizeof kMagic);
+  const bool wide = !state.remainder.empty();
+  std::memcpy(header.magic, wide ? kMagicOfWide : kMagic, sizeof kMagic);
   std::string bytes(reinterpret_cast<const char*>(&header), sizeof header);
   append(bytes, state.position.data(), n);
   append(bytes, state.velocity.data(), n);
@@ -139,6 +148,7 @@ std::string serialise(const BedState& state) {
   append(bytes, state.contacts);
   append(bytes, state.wall_slip.data(), state.wall_slip.size());
   append(bytes, state.tool_slip.data(), state.tool_slip.size());
+  append(bytes, state.remainder.data(), wide ? n : 0);
   return bytes;
 }
 
@@ -148,7 +158,7 @@ BedState deserialiseBedState(std::string_view bytes) {
     throw Failure("this is no saved bed: it is shorter than the header");
   }
   std::memcpy(&header, bytes.data(), sizeof header);
-  if (std::memcmp(header.magic, kMagic, sizeof kMagic) != 0) {
+  if (std::memcmp(header.magic, kMagic, sizeof kMagic) != 0 && !isWide(header)) {
     throw Failure("this is no saved bed, or one of another version");
   }
   bytes.remove_prefix(sizeof header);
@@ -170,6 +180,10 @@ BedState deserialiseBedState(std::string_view bytes) {
   state.contacts = takeContacts(bytes, header);
   take(bytes, state.wall_slip, header.remembered > 0 ? paddedCount(n) / kGroup : 0);
   take(bytes, state.tool_slip, header.remembered);
+  if (isWide(header)) {
+    take(bytes, state.remainder, n);
+    state.remainder.resize(paddedCount(n));
+  }
   state.position.resize(paddedCount(n), kGhost);
   state.velocity.resize(paddedCount(n), kGhostVelocity);
   state.listed_at.resize(paddedCount(n), kGhost);

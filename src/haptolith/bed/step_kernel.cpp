@@ -47,8 +47,16 @@ HWY_INLINE void moveOn(const StepConstants& now, const Grain& grain, const StepA
                        const Records& here, const Records& velocity, Moved& moved, V& fastest_squared) {
   const D d;
   const V dt = set(now.dt);
-  const Records next{hn::MulAdd(dt, velocity.x, here.x), hn::MulAdd(dt, velocity.y, here.y),
-                     hn::MulAdd(dt, velocity.z, here.z), here.w};
+  Records next{hn::MulAdd(dt, velocity.x, here.x), hn::MulAdd(dt, velocity.y, here.y),
+               hn::MulAdd(dt, velocity.z, here.z), here.w};
+  if (arrays.remainder != nullptr) {  // what rounding cuts off is made up for in later steps (Kahan 1965)
+    Float4* const kept = arrays.remainder + at.particle();
+    const Records left = loadInOrder(kept);
+    const Records way{hn::MulAdd(dt, velocity.x, left.x), hn::MulAdd(dt, velocity.y, left.y),
+                      hn::MulAdd(dt, velocity.z, left.z), here.w};
+    next = {here.x + way.x, here.y + way.y, here.z + way.z, here.w};
+    storeInOrder({way.x - (next.x - here.x), way.y - (next.y - here.y), way.z - (next.z - here.z), hn::Zero(d)}, kept);
+  }
   storeInOrder(velocity, arrays.next_velocity + at.particle());
   storeInOrder(next, arrays.next_position + at.particle());
 

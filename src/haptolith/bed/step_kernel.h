@@ -40,6 +40,7 @@ struct StepArrays {
   const Float4* external;   ///< forces of others
   const Float4* listed_at;  ///< see Neighbourhood
   Float4 *next_position, *next_velocity;
+  Float4* remainder;                ///< BedState::remainder; null: none
   Float4* contact_force;            ///< of the neighbours on each particle, N; not kept when null
   WallSlips* wall_slip;             ///< contact friction only
   const std::uint8_t* grain_class;  ///< of each group; null: of all the coarsest (contact friction only)
