@@ -145,7 +145,7 @@ void RobotLead::mend(Session& session, SessionRecording& recording) {
   }
   constexpr int kAtOnce = 4;  // of what the loop is asked for and does tick by tick: others want something of it, too
   for (int i = 0; i < kAtOnce; ++i) {
-    const std::optional<GrainMove> move = mender_->next();
+    const std::optional<GrainMove> move = mender_->next(in_air_);
     if (!move) {
       return;
     }

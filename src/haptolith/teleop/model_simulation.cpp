@@ -114,12 +114,7 @@ class ModelOperator {
     loop_.ask(request::Adjust{SoilLaws(adjustment.of(bed.soil), grainClasses(bed)), adjustment.tool_friction});
   }
   /// A grain lies elsewhere from the next tick on, if it may.
-  void move(const GrainMove& move) {
-    if (!inAir()) {
-      watch_.begin(site_.scene);
-    }
-    loop_.ask(request::MoveGrain{move});
-  }
+  void move(const GrainMove& move) { loop_.ask(request::MoveGrain{move}); }
   [[nodiscard]] const Site& site() const noexcept { return site_; }
   [[nodiscard]] OperatorHand& hand() noexcept { return hand_; }
   /// Of its soil over the surface that it began with.
@@ -195,7 +190,7 @@ TeleopResult simulateModel(const TeleopSetup& setup, const TeleopProgress& progr
       const Scene& model = hand.site().scene;
       mender->look(tick, seenSoil(model.bed()), model.toolPose().position_m, known_site);
     }
-    if (const std::optional<GrainMove> move = mender ? mender->next() : std::nullopt) {
+    if (const std::optional<GrainMove> move = mender ? mender->next(hand.inAir()) : std::nullopt) {
       hand.move(*move);
       ++result.mended;
     }

@@ -321,9 +321,9 @@ void SurfaceMender::take() {
   }
 }
 
-std::optional<GrainMove> SurfaceMender::next() {
+std::optional<GrainMove> SurfaceMender::next(bool in_air) {
   take();
-  if (moves_.empty()) {
+  if (!in_air || moves_.empty()) {
     return std::nullopt;
   }
   const GrainMove move = moves_.front();

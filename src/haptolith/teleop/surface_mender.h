@@ -31,7 +31,8 @@ namespace haptolith {
 
 /// Keeps the surface of an operator's soil like that which the robot's camera sees: wherever the tool has been away for
 /// a second before the command that the robot had come to when it looked, and is away now. Grains are taken from where
-/// there is too much and laid where there is too little, never near the tool. Not for the tick.
+/// there is too much and laid where there is too little, never near the tool, and only while that is in the air: so no
+/// hand feels it. Not for the tick.
 class SurfaceMender {
  public:
   /// @param model      grains of which canMend().
@@ -44,7 +45,8 @@ class SurfaceMender {
   void look(std::uint64_t index, SeenSoil seen, const Vec3& tool_m, const SiteMap& site);
 
   /// A grain that is to lie elsewhere; none: not now.
-  [[nodiscard]] std::optional<GrainMove> next();
+  /// @param in_air  whether the hand feels no soil.
+  [[nodiscard]] std::optional<GrainMove> next(bool in_air);
   /// The one that next() has just told could not be asked for: it comes again.
   void refused(const GrainMove& move) { moves_.push_front(move); }
 
