@@ -103,7 +103,8 @@ void Bed::restore(const BedState& state) {
                            fmt::format("of this bed's {} particles", n));
   }
   if (state.remainder.size() != state_.remainder.size()) {
-    throw InvalidParameter("state", state.remainder.empty() ? "of a narrow box" : "of a wide box", "of a box like this");
+    throw InvalidParameter("state", state.remainder.empty() ? "of a narrow box" : "of a wide box",
+                           "of a box like this");
   }
   // A saved state may come from a file: a position that is NaN would become the index of a cell.
   const auto finite = [](float value) { return std::isfinite(value); };

@@ -17,7 +17,6 @@ static_assert(std::endian::native == std::endian::little, "saved states are litt
 constexpr char kMagic[8] = {'H', 'A', 'P', 'B', 'E', 'D', '0', '4'};
 constexpr char kMagicOfWide[8] = {'H', 'A', 'P', 'B', 'E', 'D', '0', '5'};  // the same, and remainders
 
-
 constexpr std::string_view kStonesFollow = "HAPSTNS:";  // no bed begins with it
 
 struct Header {
