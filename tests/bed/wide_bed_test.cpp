@@ -64,23 +64,23 @@ Bed tumbling(int threads) {
 }
 
 TEST(WideBed, GoesOnFromASavedStateAndWithAnyNumberOfThreadsBitForBit) {
-  const auto hashAfter = [](Bed& bed, int steps) {
+  const auto hash_after = [](Bed& bed, int steps) {
     for (int i = 0; i < steps; ++i) {
       EXPECT_EQ(bed.step(kStep_s), StepStatus::kOk);
     }
     return bed.hash();
   };
   Bed bed = tumbling(1);
-  const std::uint64_t halfway = hashAfter(bed, 150);
+  const std::uint64_t halfway = hash_after(bed, 150);
   const std::string saved = serialise(bed.save());
-  const std::uint64_t end = hashAfter(bed, 150);
+  const std::uint64_t end = hash_after(bed, 150);
   EXPECT_NE(halfway, end);
   for (const int threads : {2, 3}) {
     Bed other = tumbling(threads);
-    EXPECT_EQ(hashAfter(other, 150), halfway);
+    EXPECT_EQ(hash_after(other, 150), halfway);
     Bed again = tumbling(threads);
     again.restore(deserialiseSavedBed(saved));
-    EXPECT_EQ(hashAfter(again, 150), end);
+    EXPECT_EQ(hash_after(again, 150), end);
   }
 }
 

@@ -148,13 +148,13 @@ TEST(SurfaceMender, MendsWhatTheRobotSawAfterTheToolHadGone) {
   const Site& site = level();
   const BedParameters& bed = site.scene.bed().parameters();
   const double surface_m = meanSurfaceHeight(site.scene.bed());
-  const auto movesAfter = [&](std::uint64_t command, const Vec3& tool_m) {
+  const auto moves_after = [&](std::uint64_t command, const Vec3& tool_m) {
     SurfaceMender mender(bed, site.scene.tool(), surface_m);
     mender.look(0, seenSoil(site.scene.bed()), tool_m, dugSite(site, command));
     return movesOf(mender);
   };
-  EXPECT_TRUE(movesAfter(999, kAway.pose.position_m).empty()) << "it had not settled then, for all anybody knows";
-  const std::vector<GrainMove> all = movesAfter(1000, {1, 0, 0});
+  EXPECT_TRUE(moves_after(999, kAway.pose.position_m).empty()) << "it had not settled then, for all anybody knows";
+  const std::vector<GrainMove> all = moves_after(1000, {1, 0, 0});
   EXPECT_GT(all.size(), 20U);
   for (const GrainMove& move : all) {
     EXPECT_GT(move.to_m.x(), 0.05);
@@ -164,7 +164,7 @@ TEST(SurfaceMender, MendsWhatTheRobotSawAfterTheToolHadGone) {
                    site.scene.bed().state().position[move.grain].z));
   }
   const Vec3 tool_m(0.1, 0, surface_m);
-  for (const GrainMove& move : movesAfter(1000, tool_m)) {
+  for (const GrainMove& move : moves_after(1000, tool_m)) {
     EXPECT_GT((move.to_m - tool_m).norm(), enclosingRadius(site.scene.tool()) + 4 * bed.soil.radius_m);
   }
   SurfaceMender mender(bed, site.scene.tool(), surface_m);

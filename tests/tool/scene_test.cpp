@@ -119,12 +119,12 @@ TEST(Scene, MovesNoGrainThatLiesNearTheToolNorToThere) {
   const Float4& at = scene.bed().state().position[left];
   const Vec3 from_m(at.x, at.y, at.z);
   const Vec3 far_m(-0.12, -0.12, above_m);
-  const auto placeTool = [&](const Vec3& place_m) { scene.placeTool({{{place_m, Quat::Identity()}, {}}}); };
-  placeTool(from_m);
+  const auto place_tool = [&](const Vec3& place_m) { scene.placeTool({{{place_m, Quat::Identity()}, {}}}); };
+  place_tool(from_m);
   EXPECT_FALSE(scene.moveGrain({left, from_m, far_m}));
-  placeTool(far_m);
+  place_tool(far_m);
   EXPECT_FALSE(scene.moveGrain({left, from_m, far_m}));
-  placeTool({0, 0, 0.5});
+  place_tool({0, 0, 0.5});
   EXPECT_TRUE(scene.moveGrain({left, from_m, far_m}));
   EXPECT_EQ(scene.bed().state().position[left].x, -0.12F);
 }

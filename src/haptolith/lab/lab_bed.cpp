@@ -231,7 +231,7 @@ double LabBed::levelSurface() const {
   const double tips = surfaceHeight();
   const double top = std::max(tips - 3 * r, tips / 2);
   const double bottom = std::max(tips - 7 * r, tips / 4);
-  const auto grainsAbove = [&](double z) {  // of class 0, in parts by volume
+  const auto grains_above = [&](double z) {  // of class 0, in parts by volume
     double grains = 0;
     for (std::size_t i = 0; i < soil_; ++i) {
       const double own_r = GrainClasses::scale(bed_.classOf(i)) * r;
@@ -240,8 +240,8 @@ double LabBed::levelSurface() const {
     }
     return grains;
   };
-  const double above = grainsAbove(top);
-  const double per_metre = (grainsAbove(bottom) - above) / (top - bottom);
+  const double above = grains_above(top);
+  const double per_metre = (grains_above(bottom) - above) / (top - bottom);
   return top + above / per_metre;
 }
 

@@ -158,7 +158,7 @@ class Mending {
     const double left_m = grid_.x_m + static_cast<double>(block.column) * grid_.cell_m;
     const double front_m = grid_.y_m + static_cast<double>(block.row) * grid_.cell_m;
     std::vector<Float4> near;  // centre, and how close to it the grain may come
-    const auto addNear = [&](const Float4& sphere) {
+    const auto add_near = [&](const Float4& sphere) {
       const double touch_m = own_m + radiusOf(soil_, sphere);
       const double x_m = sphere.x, y_m = sphere.y;
       if (x_m > left_m - touch_m && x_m < left_m + width_m + touch_m && y_m > front_m - touch_m &&
@@ -168,14 +168,15 @@ class Mending {
     };
     for (std::size_t i = 0; i < soil_.grains.size(); ++i) {
       if (i != grain) {
-        addNear(soil_.grains[i]);
+        add_near(soil_.grains[i]);
       }
     }
-    std::ranges::for_each(soil_.stones, addNear);
+    std::ranges::for_each(soil_.stones, add_near);
     std::optional<Vec3> lowest;
     for (int i = 0; i < kPlaces * kPlaces; ++i) {
-      const double x_m = left_m + (i % kPlaces + 0.5) / kPlaces * width_m;
-      const double y_m = front_m + (std::floor(i / kPlaces) + 0.5) / kPlaces * length_m;
+      const int column = i % kPlaces, row = i / kPlaces;
+      const double x_m = left_m + (column + 0.5) / kPlaces * width_m;
+      const double y_m = front_m + (row + 0.5) / kPlaces * length_m;
       if (!mayChange(x_m, y_m) || std::abs(x_m) > bed_.width_m / 2 - own_m ||
           std::abs(y_m) > bed_.length_m / 2 - own_m) {
         continue;
@@ -229,8 +230,9 @@ class Mending {
 };
 
 Eigen::Vector2d middleOf(const HeightGrid& grid, std::size_t cell) {
-  return {grid.x_m + (static_cast<double>(cell % grid.columns) + 0.5) * grid.cell_m,
-          grid.y_m + (static_cast<double>(cell / grid.columns) + 0.5) * grid.cell_m};
+  const std::size_t column = cell % grid.columns, row = cell / grid.columns;
+  return {grid.x_m + (static_cast<double>(column) + 0.5) * grid.cell_m,
+          grid.y_m + (static_cast<double>(row) + 0.5) * grid.cell_m};
 }
 
 /// What is known of a site, in cells that are no narrower than a grain's radius.

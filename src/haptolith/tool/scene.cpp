@@ -90,8 +90,8 @@ void Scene::placeTool(const HandState& hand) noexcept {
 
 bool Scene::moveGrain(const GrainMove& move) noexcept {
   const double clear_m = enclosingRadius(tool_) + 4 * bed_.parameters().soil.radius_m;
-  const auto isClear = [&](const Vec3& place_m) { return (place_m - tool_pose_.position_m).norm() > clear_m; };
-  return isClear(move.from_m) && isClear(move.to_m) && bed_.moveGrain(move);
+  const auto is_clear = [&](const Vec3& place_m) { return (place_m - tool_pose_.position_m).norm() > clear_m; };
+  return is_clear(move.from_m) && is_clear(move.to_m) && bed_.moveGrain(move);
 }
 
 StepStatus Scene::tick(const HandState& hand) noexcept {
