@@ -33,8 +33,11 @@ double radiusOf(const SeenSoil& soil, const Float4& sphere) {
   return soil.radius_m + static_cast<double>(sphere.w);
 }
 
-std::size_t raysOf(const SeenSoil& soil, const HeightGrid& grid) {  // four to a grain's width
-  return static_cast<std::size_t>(std::clamp(std::round(2 * grid.cell_m / soil.radius_m), 1.0, 16.0));
+/// Four to a grain's width, but no more than a camera's map could want, whatever grid somebody has sent.
+std::size_t raysOf(const SeenSoil& soil, const HeightGrid& grid) {
+  constexpr double kMost = 1 << 20;  // of all cells
+  const double along = std::min(2 * grid.cell_m / soil.radius_m, std::sqrt(kMost / static_cast<double>(grid.cells())));
+  return static_cast<std::size_t>(std::max(1.0, std::round(along)));
 }
 
 /// Soil whose grains are moved one by one, beside what its surface is to be.
