@@ -123,6 +123,7 @@ TEST(SiteMap, KnowsTheNewestOfEachCellInWhateverOrderItCame) {
   EXPECT_EQ(map.heights().size(), 60U);
   EXPECT_TRUE(std::isnan(map.heights()[0])) << "not told yet";
   EXPECT_DOUBLE_EQ(map.heights()[1 * 20 + 19], 3.2767);
+  EXPECT_EQ(map.commands()[1 * 20 + 19], 42U);
   EXPECT_TRUE(std::isnan(map.heights()[2 * 20 + 17])) << "not seen";
   packet.number -= 1;
   packet.steps.assign(8, 100);

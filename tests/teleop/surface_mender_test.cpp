@@ -183,12 +183,15 @@ TEST(SurfaceMender, TellsAgainWhatWasRefused) {
   const Site& site = level();
   SurfaceMender mender(site.scene.bed().parameters(), site.scene.tool(), meanSurfaceHeight(site.scene.bed()));
   mender.look(0, seenSoil(site.scene.bed()), {1, 0, 0}, dugSite(site, 1000));
-  EXPECT_FALSE(mender.next(false)) << "somebody would feel it";
   const std::optional<GrainMove> first = mender.next(true);
   ASSERT_TRUE(first);
   mender.refused(*first);
   EXPECT_EQ(mender.next(true), first);
   EXPECT_NE(mender.next(true), first);
+  EXPECT_FALSE(mender.next(false)) << "somebody would feel it";
+  EXPECT_FALSE(mender.next(true)) << "and may have dug since";
+  mender.look(250, seenSoil(site.scene.bed()), {1, 0, 0}, dugSite(site, 1250));
+  EXPECT_TRUE(mender.next(true));
 }
 
 TEST(SurfaceMender, HoldsOutWhateverMapItIsGiven) {

@@ -101,7 +101,7 @@ class Bed {
   void wake(std::size_t particle) noexcept { wakefulness_.wakeAround(particle, state_); }
 
   /// Puts a particle somewhere else, at rest. Its neighbours are found by the end of the next step, so it must touch
-  /// nobody there. Not for the tick.
+  /// nobody there. May be called in the tick.
   void place(std::size_t particle, const Vec3& position_m) noexcept;
 
   /// Puts a grain somewhere else, at rest, if all is as whoever asks for it has seen it: the grain is free and within a

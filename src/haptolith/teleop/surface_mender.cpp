@@ -328,7 +328,10 @@ void SurfaceMender::take() {
 
 std::optional<GrainMove> SurfaceMender::next(bool in_air) {
   take();
-  if (!in_air || moves_.empty()) {
+  if (!in_air) {  // what was chosen before soil was dug again is of no use afterwards
+    moves_.clear();
+  }
+  if (moves_.empty()) {
     return std::nullopt;
   }
   const GrainMove move = moves_.front();

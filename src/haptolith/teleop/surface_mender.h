@@ -45,7 +45,7 @@ class SurfaceMender {
   void look(std::uint64_t index, SeenSoil seen, const Vec3& tool_m, const SiteMap& site);
 
   /// A grain that is to lie elsewhere; none: not now.
-  /// @param in_air  whether the hand feels no soil.
+  /// @param in_air  whether the hand feels no soil; if it does, those that are still to come are forgotten.
   [[nodiscard]] std::optional<GrainMove> next(bool in_air);
   /// The one that next() has just told could not be asked for: it comes again.
   void refused(const GrainMove& move) { moves_.push_front(move); }
