@@ -116,6 +116,22 @@ TEST(ProbeParts, HaveNamesAndMeetInTheAir) {
                                  "cut 20 mm, leaning", "cut 35 mm, leaning"));
 }
 
+TEST(PartsCheck, MeasuresEachPartOnce) {
+  constexpr std::size_t kEvery = 25;
+  const PartsCheck check(probeTraining(), kEvery);
+  const std::vector<PartsCourse> courses = check.courses(PartOrder::kByGain);
+  ASSERT_GE(courses.size(), 2U);
+  for (const PartsCourse& course : courses) {
+    std::vector<std::size_t> parts;
+    for (const PartsStep& step : course.steps) {
+      parts.push_back(step.part);
+    }
+    EXPECT_THAT(parts, testing::UnorderedElementsAre(0, 1, 2, 3, 4, 5));
+    EXPECT_NEAR(course.steps.back().time_s, check.duration(), 1e-9);
+    EXPECT_LT(course.steps.back().belief.friction_angle_deg.width(), 0.9 * course.before.friction_angle_deg);
+  }
+}
+
 // docs/identify.md has the same of all the soils: `haptolith identify next --check`.
 TEST(PartsCheck, GainTellsSoonerAndIntervalsComeAsExpected) {
   constexpr std::size_t kEvery = 3;

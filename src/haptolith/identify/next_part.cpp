@@ -49,6 +49,7 @@ struct Present {
   double temper;
   const ForceEmulator::Observed& observed;
   BeliefSample sample;
+  Eigen::MatrixXd expected;  ///< of each state, in its row
   std::array<Ordered, 3> told;
 };
 
@@ -80,7 +81,7 @@ PartGain gainOf(const MovementPart& part, const Present& present) {
 
   // Whitened, what is measured later depends no more on what was measured before: L^-1 (expected - measured).
   const Eigen::LLT<Eigen::MatrixXd> root(present.emulator.covariance()(which, which));
-  Eigen::MatrixXd apart = present.emulator.expected(present.sample.states)(Eigen::all, which).transpose();
+  Eigen::MatrixXd apart = present.expected(Eigen::all, which).transpose();
   apart.topRows(before).colwise() -= present.observed.values(places);
   root.matrixL().solveInPlace(apart);
   const Eigen::VectorXd known = apart.topRows(before).colwise().squaredNorm().transpose();
@@ -145,10 +146,12 @@ std::vector<PartGain> expectedGains(const std::vector<MovementPart>& parts, cons
   BeliefSample sample =
       observed.which.empty() ? believedBefore(prior) : believed(SoilLikelihood(emulator, observed, temper), prior);
   const Eigen::MatrixX3d told = toldOf(sample.states, gravity_m_s2);
+  Eigen::MatrixXd expected = emulator.expected(sample.states);
   const Present present{emulator,
                         temper,
                         observed,
                         std::move(sample),
+                        std::move(expected),
                         {Ordered(told.col(0)), Ordered(told.col(1)), Ordered(told.col(2))}};
   std::vector<PartGain> gains;
   for (std::size_t i = 0; i < parts.size(); ++i) {
