@@ -147,7 +147,9 @@ BenchRow measure(const BenchOptions& options, const BenchScene& made_of, StatusL
       if (stopAsked()) {
         throw Failure("interrupted");
       }
-      status.update(fmt::format("{}: {:.0f} %", what, 100 * static_cast<double>(tick) / static_cast<double>(ticks)));
+      status.tell([&] {
+        return fmt::format("{}: {:.0f} %", what, 100 * static_cast<double>(tick) / static_cast<double>(ticks));
+      });
     }
   }
   row.particles = scene.bed().particles();

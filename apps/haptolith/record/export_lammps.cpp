@@ -116,7 +116,7 @@ void exportRecorded(const LammpsExportOptions& options) {
   if (options.from_s > 0) {
     bool is_there = false;
     const ReplayResult result = replay.run([&](const TickRecord& was, const TickRecord&) {
-      status.update(fmt::format("replaying {:.1f} s of {:.1f} s", was.time_s, options.from_s));
+      status.tell([&] { return fmt::format("replaying {:.1f} s of {:.1f} s", was.time_s, options.from_s); });
       is_there = was.time_s >= options.from_s;
       return !stopAsked() && !is_there;
     });

@@ -79,7 +79,7 @@ void exportLammpsDump(const std::filesystem::path& path, const std::filesystem::
     const std::string name = fmt::format("particles-{:06}.vtu", count++);
     folder.write(name, fileOf(picture).text());
     pictures.add(timeOf(picture), name);
-    status.update(counted(count, "picture"));
+    status.tell([&] { return counted(count, "picture"); });
   });
   folder.write("particles.pvd", pictures.text());
   folder.commit();

@@ -83,7 +83,7 @@ void importDump(const ImportOptions& options) {
   Scenario scene = sceneOf(options);
   StatusLine status;
   const LammpsPicture picture = readLammpsDump(options.file, options.picture, [&](std::size_t passed) {
-    status.update(counted(passed, "picture") + " read");
+    status.tell([&] { return counted(passed, "picture") + " read"; });
     return !stopAsked();
   });
   status.clear();

@@ -133,7 +133,7 @@ void simulate(const Options& options) {
     if (stopAsked()) {
       throw Failure(fmt::format("interrupted after {} of {}", person, counted(options.participants, "participant")));
     }
-    status.update(fmt::format("participant {} of {}", person + 1, options.participants));
+    status.tell([&] { return fmt::format("participant {} of {}", person + 1, options.participants); });
     ObserverParameters who = options.observer;
     who.weber_fraction *= std::exp(options.spread * normal(random));
     SimulatedParticipant participant(who, random());

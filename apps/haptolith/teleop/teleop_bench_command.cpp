@@ -15,6 +15,7 @@
 #include <vector>
 
 #include "haptolith/core/atomic_file.h"
+#include "haptolith/core/counted.h"
 #include "haptolith/core/in_parallel.h"
 #include "haptolith/core/stop_asked.h"
 #include "haptolith/identify/training_file.h"
@@ -118,7 +119,7 @@ struct Probed {
 
 Probed probe(const BenchOptions& options, StatusLine& status) {
   const auto progress = [&](std::string_view what, double share) {
-    status.update(fmt::format("{}: {:.0f} %", what, 100 * share));
+    status.tell([&] { return fmt::format("{}: {:.0f} %", what, 100 * share); });
     return !stopAsked();
   };
   const Scenario site = findScenario(options.site, options.site_overrides);
@@ -310,9 +311,10 @@ void runBench(const BenchOptions& options) {
     const auto progress = [&](double share) {
       done[row] = share;
       const std::scoped_lock lock(of_status);
-      status.update(
-          fmt::format("{} runs: {:.0f} %", rows.size(),
-                      100 * std::accumulate(done.begin(), done.end(), 0.0) / static_cast<double>(rows.size())));
+      status.tell([&] {
+        const double sum = std::accumulate(done.begin(), done.end(), 0.0);
+        return fmt::format("{}: {:.0f} %", counted(rows.size(), "run"), 100 * sum / static_cast<double>(rows.size()));
+      });
       return !stopAsked();
     };
     rows[row].result = simulateTeleop(setupFor(options, rows[row].round_trip_s, rows[row].which, probed), progress);
