@@ -56,8 +56,8 @@ TEST_F(LabValidateCommand, SaysOfEachClaimHowItStandsAndGoesOnWithWhatIsMissing)
   EXPECT_THAT(one.errors, ContainsRegex(R"(\[1/1\] fall, dry-sand, Earth, seed 1)")) << "one test for both claims";
   EXPECT_THAT(page("a"),
               AllOf(HasSubstr("1.00 | 1.00 | ± 1 % | 1 | 🟢 holds |"), HasSubstr("2.00 | factor 1.2 | 1 | 🔴"),
-                    HasSubstr("Galilei"), HasSubstr("(validation.svg)")));
-  EXPECT_THAT(textOf(folder_ / "a" / "validation.svg"), HasSubstr("</svg>"));
+                    HasSubstr("Galilei"), HasSubstr("(validation-newton.svg)")));
+  EXPECT_THAT(textOf(folder_ / "a" / "validation-newton.svg"), HasSubstr("</svg>"));
 
   const ProgramResult refused = runHaptolith(validation("a", file + " --seeds 2"));
   EXPECT_EQ(refused.exit_status, 1);

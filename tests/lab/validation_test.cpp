@@ -2,6 +2,7 @@
 
 #include <gmock/gmock.h>
 
+#include <filesystem>
 #include <functional>
 #include <string>
 #include <vector>
@@ -118,16 +119,32 @@ TEST(Validation, PageCountsLightsAndSaysWhatIsMissingAndWhy) {
   const std::string page = validationPage({{within(0.1), judge(within(0.1), specimens({10, 10.2}))},
                                            {noted, judge(noted, specimens({20}))},
                                            {other_group, {}}},
-                                          {"How it was made."}, "a.svg");
-  EXPECT_THAT(
-      page, AllOf(HasSubstr("Of 3 claims 1 hold"), HasSubstr("1 fail"), HasSubstr("1 are not measured yet"),
-                  HasSubstr("How it was made."), HasSubstr("](a.svg)"), HasSubstr("## Newton"), HasSubstr("## Plates"),
-                  HasSubstr("| 10.1 ± 0.141 N | 1.01 ± 0.0141 | ± 10 % | 2 | 🟢 holds |"),
-                  HasSubstr("- `weight`: It is so."), HasSubstr("not measured yet |")));
+                                          {"How it was made."}, true);
+  EXPECT_THAT(page, AllOf(HasSubstr("Of 3 claims 1 hold"), HasSubstr("1 fail"), HasSubstr("1 are not measured yet"),
+                          HasSubstr("How it was made."), HasSubstr("](validation-newton.svg)"),
+                          Not(HasSubstr("validation-plates")), HasSubstr("## Newton"), HasSubstr("## Plates"),
+                          HasSubstr("| 10.1 ± 0.141 N | 1.01 ± 0.0141 | ± 10 % | 2 | 🟢 holds |"),
+                          HasSubstr("- `weight`: It is so."), HasSubstr("not measured yet |")));
   noted.claim = "a | b";
-  EXPECT_THAT(validationPage({{noted, {}}}, {}, ""), HasSubstr("a \\| b |")) << "what would end a cell";
-  EXPECT_THAT(validationPage({{within(0.1), judge(within(0.1), specimens({10}))}}, {}, ""),
+  EXPECT_THAT(validationPage({{noted, {}}}, {}, false), HasSubstr("a \\| b |")) << "what would end a cell";
+  EXPECT_THAT(validationPage({{within(0.1), judge(within(0.1), specimens({10}))}}, {}, false),
               AllOf(Not(HasSubstr("![")), Not(HasSubstr("not measured"))));
+}
+
+TEST(Validation, GroupsKeepTheirOrderAndHaveFiguresOfTheirOwn) {
+  Claim other_group = within(0.1);
+  other_group.group = "Flow and heaps";
+  EXPECT_THAT(groupsOf({within(0.1), other_group, within(0.1)}), testing::ElementsAre("Newton", "Flow and heaps"));
+  EXPECT_THAT(figureNamesOf({"Flow and heaps", "Sand 1", "Sand-1", "\u7802"}),
+              testing::ElementsAre("validation-flow-and-heaps.svg", "validation-sand-1.svg", "validation-sand-1-2.svg",
+                                   "validation----.svg"));
+  const auto file = std::filesystem::path(testing::TempDir()) / "claims.svg";
+  std::filesystem::remove(file);  // of an earlier run
+  const std::vector<JudgedClaim> claims{{within(0.1), judge(within(0.1), specimens({10}))}, {other_group, {}}};
+  EXPECT_FALSE(drawValidation(file, claims, "Flow and heaps")) << "nothing is measured of it";
+  EXPECT_FALSE(std::filesystem::exists(file));
+  EXPECT_TRUE(drawValidation(file, claims, "Newton"));
+  EXPECT_TRUE(std::filesystem::exists(file));
 }
 
 }  // namespace

@@ -40,7 +40,6 @@ using Json = nlohmann::ordered_json;
 
 constexpr Range kSeeds{1, 100};
 constexpr const char* kPage = "validation.md";
-constexpr const char* kFigure = "validation.svg";
 
 struct ValidateOptions {
   std::string claims_file, soil;
@@ -145,8 +144,12 @@ bool isChosen(const MeasuredClaim& measured, const ValidateOptions& options) {
          (options.soil.empty() || measured.any_soil);
 }
 
+std::vector<MeasuredClaim> allClaims(const ValidateOptions& options) {
+  return options.claims_file.empty() ? shippedClaims() : readClaims(options.claims_file);
+}
+
 std::vector<MeasuredClaim> chosenClaims(const ValidateOptions& options) {
-  std::vector<MeasuredClaim> claims = options.claims_file.empty() ? shippedClaims() : readClaims(options.claims_file);
+  std::vector<MeasuredClaim> claims = allClaims(options);
   for (const std::string& name : options.only) {
     const auto is = [&](const MeasuredClaim& m) { return m.claim.id == name || m.claim.group == name; };
     if (std::ranges::none_of(claims, is)) {
@@ -174,6 +177,19 @@ std::vector<MeasuredClaim> chosenClaims(const ValidateOptions& options) {
   return claims;
 }
 
+std::vector<Claim> claimsOf(const std::vector<MeasuredClaim>& measured) {
+  std::vector<Claim> claims(measured.size());
+  std::ranges::transform(measured, claims.begin(), &MeasuredClaim::claim);
+  return claims;
+}
+
+/// The page and the figures of all groups, chosen or not: another choice may have been there before.
+std::vector<std::string> filesOf(const ValidateOptions& options) {
+  std::vector<std::string> files = figureNamesOf(groupsOf(claimsOf(allClaims(options))));
+  files.insert(files.begin(), kPage);
+  return files;
+}
+
 Validation::Validation(const ValidateOptions& options) : options_(options), claims_(chosenClaims(options)) {
   runs_.resize(claims_.size());
   overs_.resize(claims_.size());
@@ -198,7 +214,7 @@ Validation::Validation(const ValidateOptions& options) : options_(options), clai
                   options.resume              ? ReportThere::kResume
                   : options.overwrite.allowed ? ReportThere::kReplace
                                               : ReportThere::kRefuse,
-                  std::vector<std::string>{kPage, kFigure});
+                  filesOf(options));
   for (Piece& piece : pieces_) {
     std::optional<Json> saved = folder_->result(piece.name);
     if (saved && saved->value("specification", Json()) == piece.specification) {
@@ -233,7 +249,12 @@ void Validation::complete() {
   savePage();
   work_.emplace(pieces_.size(), threads_, status_);
   work_->run(missing, folder_->path(), [this](std::size_t index) { measure(index); });
-  drawValidation({folder_->path() / kFigure, IfThere::kReplace}, judgedClaims());
+  const std::vector<JudgedClaim> claims = judgedClaims();
+  const std::vector<std::string> groups = groupsOf(claimsOf(claims_));
+  const std::vector<std::string> figures = figureNamesOf(groups);
+  for (std::size_t i = 0; i < groups.size(); ++i) {
+    drawValidation({folder_->path() / figures[i], IfThere::kReplace}, claims, groups[i]);
+  }
   savePage();
 }
 
@@ -363,7 +384,7 @@ void Validation::savePage() const {
                         "they are means, and ± is the standard deviation of one specimen.",
                   HAPTOLITH_VERSION, pieces_.size(), sum_s / 3600)};
   AtomicFile file({folder_->page(), IfThere::kReplace});
-  file.write(validationPage(judgedClaims(), introduction, whole ? kFigure : ""));
+  file.write(validationPage(judgedClaims(), introduction, whole));
   file.commit();
 }
 
@@ -405,7 +426,7 @@ void addValidate(CLI::App& lab) {
       ->check(wholeNumberIn(BedRanges::threads));
   command
       ->add_option("--out", options->folder,
-                   "the folder: validation.md, its figure, and a file for each result as soon as it is there")
+                   "the folder: validation.md, its figures, and a file for each result as soon as it is there")
       ->capture_default_str();
   CLI::Option* resume =
       command->add_flag("--resume", options->resume, "go on in that folder; claims may have been added or changed");

@@ -204,10 +204,42 @@ std::size_t count(const std::vector<JudgedClaim>& claims, ClaimLight light) {
       claims, [&](const JudgedClaim& judged) { return judged.outcome && judged.outcome->light == light; }));
 }
 
+bool hasRatio(const JudgedClaim& judged) {
+  return judged.outcome && judged.outcome->ratio && judged.outcome->ratio->mean > 0;
+}
+
 }  // namespace
 
+std::vector<std::string> groupsOf(const std::vector<Claim>& claims) {
+  std::vector<std::string> groups;
+  for (const Claim& claim : claims) {
+    if (std::ranges::find(groups, claim.group) == groups.end()) {
+      groups.push_back(claim.group);
+    }
+  }
+  return groups;
+}
+
+std::vector<std::string> figureNamesOf(const std::vector<std::string>& groups) {
+  std::vector<std::string> names;
+  for (const std::string& group : groups) {
+    std::string name = "validation-";
+    for (const char letter : group) {
+      const bool plain = (letter >= 'a' && letter <= 'z') || (letter >= '0' && letter <= '9');
+      const bool capital = letter >= 'A' && letter <= 'Z';
+      name += plain ? letter : capital ? static_cast<char>(letter - 'A' + 'a') : '-';
+    }
+    std::string file = name + ".svg";
+    for (int number = 2; std::ranges::find(names, file) != names.end(); ++number) {
+      file = fmt::format("{}-{}.svg", name, number);
+    }
+    names.push_back(file);
+  }
+  return names;
+}
+
 std::string validationPage(const std::vector<JudgedClaim>& claims, const std::vector<std::string>& introduction,
-                           std::string_view figure) {
+                           bool has_figures) {
   std::string page = "# Validation: where this soil is soil, and where it is not\n";
   for (const std::string& paragraph : introduction) {
     page += "\n" + paragraph + "\n";
@@ -223,16 +255,14 @@ std::string validationPage(const std::vector<JudgedClaim>& claims, const std::ve
       static_cast<std::size_t>(measured) < claims.size()
           ? fmt::format(" {} are not measured yet.", claims.size() - static_cast<std::size_t>(measured))
           : "");
-  if (!figure.empty()) {
-    page += fmt::format("\n![Ours over theirs for each claim, with scatter and tolerance]({})\n", figure);
-  }
-  std::vector<std::string> groups;
+  std::vector<Claim> bare;
   for (const JudgedClaim& judged : claims) {
-    if (std::ranges::find(groups, judged.claim.group) == groups.end()) {
-      groups.push_back(judged.claim.group);
-    }
+    bare.push_back(judged.claim);
   }
-  for (const std::string& group : groups) {
+  const std::vector<std::string> groups = groupsOf(bare);
+  const std::vector<std::string> figures = figureNamesOf(groups);
+  for (std::size_t i = 0; i < groups.size(); ++i) {
+    const std::string& group = groups[i];
     page += fmt::format(
         "\n## {}\n\n| Claim | Reference | Ours | Ours over theirs | Tolerance | n | |\n|---|---|--:|--:|--:|--:|---|\n",
         group);
@@ -244,18 +274,26 @@ std::string validationPage(const std::vector<JudgedClaim>& claims, const std::ve
       }
     }
     page += notes.empty() ? "" : "\n" + notes;
+    const bool has_figure = has_figures && std::ranges::any_of(claims, [&](const JudgedClaim& judged) {
+                              return judged.claim.group == group && hasRatio(judged);
+                            });
+    page +=
+        has_figure ? fmt::format("\n![{}: ours over theirs, with scatter and tolerance]({})\n", group, figures[i]) : "";
   }
   return page;
 }
 
-void drawValidation(const OutputFile& file, const std::vector<JudgedClaim>& claims) {
+bool drawValidation(const OutputFile& file, const std::vector<JudgedClaim>& claims, std::string_view group) {
   constexpr double kLeast = 0.1;  // of the axis; what is less stands at its edge
   constexpr double kMost = 10;
   std::vector<const JudgedClaim*> shown;
   for (const JudgedClaim& judged : claims) {
-    if (judged.outcome && judged.outcome->ratio && judged.outcome->ratio->mean > 0) {
+    if (judged.claim.group == group && hasRatio(judged)) {
       shown.push_back(&judged);
     }
+  }
+  if (shown.empty()) {
+    return false;
   }
   const auto rows = static_cast<double>(shown.size());
   Figure figure(file, 1000, 120 + 22 * static_cast<int>(shown.size()));
@@ -299,6 +337,7 @@ void drawValidation(const OutputFile& file, const std::vector<JudgedClaim>& clai
       "$yellow using 1:2:3:4 with xerrorbars pointtype 9 linewidth 1.5 linecolor rgb '#e69f00' title 'nearly', "
       "$red using 1:2:3:4 with xerrorbars pointtype 5 linewidth 1.5 linecolor rgb '#d55e00' title 'fails'");
   figure.save();
+  return true;
 }
 
 }  // namespace haptolith

@@ -71,13 +71,19 @@ struct JudgedClaim {
   std::optional<ClaimOutcome> outcome;
 };
 
-/// The page in Markdown: how many stand, a table for each group, notes.
-/// @param introduction  paragraphs under the title.  @param figure  file name of its figure, beside the page; may be
-/// empty.
-[[nodiscard]] std::string validationPage(const std::vector<JudgedClaim>& claims,
-                                         const std::vector<std::string>& introduction, std::string_view figure);
+/// Headings under which claims stand, in their order.
+[[nodiscard]] std::vector<std::string> groupsOf(const std::vector<Claim>& claims);
 
-/// Ours over theirs with scatter and tolerance, one line for each claim that has a ratio. @throws as Figure.
-void drawValidation(const OutputFile& file, const std::vector<JudgedClaim>& claims);
+/// File names of their figures, each another: "validation-flow-and-heaps.svg".
+[[nodiscard]] std::vector<std::string> figureNamesOf(const std::vector<std::string>& groups);
+
+/// The page in Markdown: how many stand, and for each group a table, notes and, beside the page, its figure.
+/// @param introduction  paragraphs under the title.
+[[nodiscard]] std::string validationPage(const std::vector<JudgedClaim>& claims,
+                                         const std::vector<std::string>& introduction, bool has_figures);
+
+/// Ours over theirs with scatter and tolerance, one line for each claim of a group that has a ratio. False, and no
+/// file: none has. @throws as Figure.
+bool drawValidation(const OutputFile& file, const std::vector<JudgedClaim>& claims, std::string_view group);
 
 }  // namespace haptolith
