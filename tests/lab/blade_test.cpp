@@ -34,8 +34,8 @@ const BladeOptions kPlane{.width_m = 0.05,
 TEST(Blade, NeedsADraftOfTheEarthmovingEquationsSize) {
   const BladeResult blade = bladeTest(coarseSand(kRadius_m), kPlane);
   EXPECT_NEAR(blade.depth_m, 0.025, 0.004);
-  EXPECT_GT(blade.draft_n, 0.6 * blade.expected.earthmoving.draft_n);
-  EXPECT_LT(blade.draft_n, 2.2 * blade.expected.earthmoving.draft_n);
+  EXPECT_GT(blade.draft_n, 0.6 * blade.expected.undisturbed.earthmoving.draft_n);
+  EXPECT_LT(blade.draft_n, 2.2 * blade.expected.undisturbed.earthmoving.draft_n);
   EXPECT_LT(blade.vertical_n, 0);  // it is lifted by the soil that climbs it
   EXPECT_GT(blade.draft_se_n, 0);
   EXPECT_LT(blade.draft_se_n, 0.3 * blade.draft_n);
@@ -51,8 +51,8 @@ TEST(Blade, IsComparedWithTheEquationForTheBedItReallyMovedThrough) {
                                              .gravity_m_s2 = 9.807,
                                              .friction_angle_rad = 48 * kDegree,
                                              .tool_friction_rad = std::atan(0.36)});
-  EXPECT_DOUBLE_EQ(blade.expected.earthmoving.draft_n, force.draft_n);
-  EXPECT_DOUBLE_EQ(blade.expected.earthmoving.vertical_n, force.vertical_n);
+  EXPECT_DOUBLE_EQ(blade.expected.undisturbed.earthmoving.draft_n, force.draft_n);
+  EXPECT_DOUBLE_EQ(blade.expected.undisturbed.earthmoving.vertical_n, force.vertical_n);
 }
 
 TEST(Blade, GoesLessDeepBelowTheSurfaceThanBelowTheTipsOfGrains) {
@@ -63,13 +63,13 @@ TEST(Blade, GoesLessDeepBelowTheSurfaceThanBelowTheTipsOfGrains) {
   EXPECT_EQ(from_surface.draft_n, from_tips.draft_n);  // the blade goes where it went
   EXPECT_LT(from_surface.depth_m, from_tips.depth_m - 0.4 * kRadius_m);
   EXPECT_GT(from_surface.depth_m, from_tips.depth_m - 2 * kRadius_m);
-  EXPECT_LT(from_surface.expected.earthmoving.draft_n, from_tips.expected.earthmoving.draft_n);
+  EXPECT_LT(from_surface.expected.undisturbed.earthmoving.draft_n, from_tips.expected.undisturbed.earthmoving.draft_n);
 }
 
 TEST(Blade, IsComparedWithWedgesThatKnowItsSidesWhereItHasSides) {
   LabConditions conditions = coarseSand(kRadius_m);
-  EXPECT_FALSE(bladeTest(conditions, kPlane).expected.wedge);
-  EXPECT_FALSE(bladeTest(conditions, kPlane).expected.upright_wedge);
+  EXPECT_FALSE(bladeTest(conditions, kPlane).expected.undisturbed.wedge);
+  EXPECT_FALSE(bladeTest(conditions, kPlane).expected.undisturbed.upright_wedge);
 
   BladeOptions narrow = kPlane;
   narrow.side_room_depths = 1;
@@ -82,12 +82,39 @@ TEST(Blade, IsComparedWithWedgesThatKnowItsSidesWhereItHasSides) {
                      .gravity_m_s2 = 9.807,
                      .friction_angle_rad = 48 * kDegree,
                      .tool_friction_rad = std::atan(0.36)};
-  ASSERT_TRUE(blade.expected.wedge && blade.expected.upright_wedge && blade.expected_residual);
-  EXPECT_DOUBLE_EQ(blade.expected.wedge->draft_n, wedgeForce(expected).draft_n);
-  EXPECT_DOUBLE_EQ(blade.expected.upright_wedge->draft_n, uprightWedgeForce(expected).draft_n);
+  ASSERT_TRUE(blade.expected.undisturbed.wedge && blade.expected.undisturbed.upright_wedge && blade.expected.residual);
+  EXPECT_DOUBLE_EQ(blade.expected.undisturbed.wedge->draft_n, wedgeForce(expected).draft_n);
+  EXPECT_DOUBLE_EQ(blade.expected.undisturbed.upright_wedge->draft_n, uprightWedgeForce(expected).draft_n);
   expected.friction_angle_rad = 39 * kDegree;
-  EXPECT_DOUBLE_EQ(blade.expected_residual->earthmoving.draft_n, earthmovingForce(expected).draft_n);
-  EXPECT_DOUBLE_EQ(blade.expected_residual->wedge->draft_n, wedgeForce(expected).draft_n);
+  EXPECT_DOUBLE_EQ(blade.expected.residual->earthmoving.draft_n, earthmovingForce(expected).draft_n);
+  EXPECT_DOUBLE_EQ(blade.expected.residual->wedge->draft_n, wedgeForce(expected).draft_n);
+}
+
+TEST(Blade, HasBeforeItTheWeightOfWhatItWentThrough) {
+  // Nothing gets away to the sides, so that in the mean over 0.5 to 1.5 depths lies there what a depth of travel takes.
+  for (const double rake_deg : {60.0, 90.0}) {
+    BladeOptions options = kPlane;
+    options.depth_from = DepthFrom::kSurface;
+    options.rake_rad = rake_deg * kDegree;
+    const BladeResult blade = bladeTest(coarseSand(kRadius_m), options);
+    BladeCase expected{.width_m = blade.width_m,
+                       .depth_m = blade.depth_m,
+                       .rake_rad = options.rake_rad,
+                       .density_kg_m3 = blade.bulk_density_kg_m3,
+                       .gravity_m_s2 = 9.807,
+                       .friction_angle_rad = options.friction_angle_rad,
+                       .tool_friction_rad = std::atan(options.tool_friction)};
+    const double beta = earthmovingForce(expected).beta_rad;
+    const double reach_m = blade.depth_m * (1 / std::tan(options.rake_rad) + 1 / std::tan(beta));
+    const double swept_m = blade.depth_m + kRadius_m;  // the edge takes along the grains that it meets
+    const double swept_pa = blade.bulk_density_kg_m3 * 9.807 * swept_m * options.depth_m / reach_m;
+    EXPECT_NEAR(blade.heap_pa / swept_pa, 0.95, 0.2) << rake_deg;
+
+    expected.surcharge_pa = blade.heap_pa;
+    const double heaped_n = earthmovingForce(expected).draft_n;
+    EXPECT_NEAR(blade.expected_heaped.undisturbed.earthmoving.draft_n, heaped_n, 1e-9 * heaped_n);
+    EXPECT_GT(heaped_n, 1.3 * blade.expected.undisturbed.earthmoving.draft_n);
+  }
 }
 
 TEST(Blade, ThatLeansForwardIsMeasuredAllTheSame) {
@@ -97,8 +124,8 @@ TEST(Blade, ThatLeansForwardIsMeasuredAllTheSame) {
   forward.friction_angle_rad = 39 * kDegree;
   const BladeResult blade = bladeTest(coarseSand(kRadius_m), forward);
   EXPECT_GT(blade.draft_n, 0);
-  EXPECT_FALSE(blade.expected.wedge);
-  EXPECT_TRUE(blade.expected.upright_wedge);
+  EXPECT_FALSE(blade.expected.undisturbed.wedge);
+  EXPECT_TRUE(blade.expected.undisturbed.upright_wedge);
 }
 
 TEST(Blade, TellsWhatPressesOnItsFrontFromWhatItsEdgeMeets) {
@@ -147,7 +174,7 @@ TEST(Blade, IsHarderToDrawThroughCohesiveSoil) {
   options.cohesion_pa = 2500;
   const BladeResult sticky = bladeTest(conditions, options);
   EXPECT_GT(sticky.draft_n, 1.3 * dry);
-  EXPECT_GT(sticky.expected.earthmoving.draft_n, 1.3 * dry);
+  EXPECT_GT(sticky.expected.undisturbed.earthmoving.draft_n, 1.3 * dry);
 }
 
 TEST(Blade, TestRefusesNonsense) {
@@ -179,8 +206,8 @@ TEST(Blade, IsDrawnBesideTheEquation) {
   BladeResult blade;
   blade.trace = {.columns = {"travel_m", "draft_n", "vertical_n"}, .rows = {{0, 0, 0}, {0.01, 2, -1}, {0.02, 2.2, -1}}};
   blade.draft_n = 2.1;
-  blade.expected.earthmoving.draft_n = 1.9;
-  blade.expected.wedge = WedgeForce{.draft_n = 2.5};
+  blade.expected.undisturbed.earthmoving.draft_n = 1.9;
+  blade.expected.undisturbed.wedge = WedgeForce{.draft_n = 2.5};
   const auto file = std::filesystem::path(testing::TempDir()) / "blade.svg";
   std::filesystem::remove(file);  // of an earlier run
   drawBlade(file, blade, "a soil");

@@ -57,20 +57,33 @@ TEST(Findings, CalibrationIsJudgedByWhatWasAsked) {
   EXPECT_THAT(bad, Each(ResultOf(verdictOf, Verdict::kFail)));
 }
 
-TEST(Findings, BladeIsJudgedByThePlaneEquationAndShownBesideWedgesWithSides) {
+TEST(Findings, BladeIsJudgedByWhatPressesOnItsFrontBesideTheEquationThatKnowsItsSidesAndItsHeap) {
   BladeResult blade;
   blade.draft_n = 3;
-  blade.expected = {.earthmoving = {.draft_n = 2}, .upright_wedge = {{.draft_n = 2.5}}, .wedge = {{.draft_n = 4}}};
-  EXPECT_EQ(findings(blade, target(1330)).size(), 4U);
-  blade.expected_residual = {{.earthmoving = {.draft_n = 1}, .upright_wedge = {{.draft_n = 1.5}}, .wedge = {}}};
+  blade.front_draft_n = 2.4;
+  blade.expected.undisturbed = {.earthmoving = {.draft_n = 1.5}, .upright_wedge = {}, .wedge = {}};
+  blade.expected_heaped.undisturbed = {.earthmoving = {.draft_n = 3}, .upright_wedge = {}, .wedge = {}};
+  const auto plane = findings(blade, target(1330));
+  ASSERT_EQ(plane.size(), 3U);
+  EXPECT_DOUBLE_EQ(plane[1].number, 0.8);
+  EXPECT_EQ(verdictOf(plane[1]), Verdict::kPass);
+  EXPECT_DOUBLE_EQ(plane[2].number, 2);
+  EXPECT_EQ(verdictOf(plane[2]), Verdict::kInfo) << "which knows of no heap";
+
+  blade.expected.undisturbed.upright_wedge = {{.draft_n = 2.5}};
+  blade.expected.undisturbed.wedge = {{.draft_n = 4}};
+  blade.expected_heaped.undisturbed.wedge = {{.draft_n = 4.8}};
+  blade.expected.residual = {{.earthmoving = {.draft_n = 1}, .upright_wedge = {{.draft_n = 1.5}}, .wedge = {}}};
   const auto found = findings(blade, target(1330));
-  ASSERT_EQ(found.size(), 5U);
+  ASSERT_EQ(found.size(), 6U);
+  EXPECT_DOUBLE_EQ(found[1].number, 0.5);
   EXPECT_EQ(verdictOf(found[1]), Verdict::kFail);
-  EXPECT_DOUBLE_EQ(found[2].number, 1.2);
-  EXPECT_DOUBLE_EQ(found[3].number, 0.75);
-  EXPECT_DOUBLE_EQ(found[4].number, 2);
-  EXPECT_THAT(found[4].measured, HasSubstr("residual"));
-  EXPECT_EQ(verdictOf(found[3]), Verdict::kInfo);
+  EXPECT_THAT(found[1].measured, HasSubstr("crescents"));
+  EXPECT_DOUBLE_EQ(found[3].number, 1.2);
+  EXPECT_DOUBLE_EQ(found[4].number, 0.75);
+  EXPECT_DOUBLE_EQ(found[5].number, 2);
+  EXPECT_THAT(found[5].measured, HasSubstr("residual"));
+  EXPECT_EQ(verdictOf(found[4]), Verdict::kInfo);
 }
 
 TEST(Findings, LunarSoilOnTheMoonIsJudgedByWhatWasMeasuredThere) {

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <string>
 #include <vector>
 
@@ -128,26 +129,113 @@ LabTrace traceOf(const std::vector<Moment>& moments, double stretch_m) {
   return trace;
 }
 
-BladeEquations equations(const LabConditions& conditions, const BladeOptions& options, const BladeResult& result,
-                         double friction_angle_rad, double cohesion_pa) {
-  const BladeCase blade{.width_m = result.width_m,
-                        .depth_m = result.depth_m,
-                        .rake_rad = options.rake_rad,
-                        .density_kg_m3 = result.bulk_density_kg_m3,
-                        .gravity_m_s2 = conditions.gravity_m_s2,
-                        .friction_angle_rad = friction_angle_rad,
-                        .tool_friction_rad = std::atan(options.tool_friction),
-                        .cohesion_pa = cohesion_pa};
-  BladeEquations equations{.earthmoving = earthmovingForce(blade), .upright_wedge = {}, .wedge = {}};
-  if (options.side_room_depths > 0) {
-    equations.upright_wedge = uprightWedgeForce(blade);
+/// What has come to lie before a blade since it began to move: mass over how far it is ahead of the lower edge.
+class Heap {
+ public:
+  /// Before the blade has moved. @param edge_height_m  of the blade's lower edge
+  Heap(const LabBed& bed, const BladeOptions& options, double edge_height_m)
+      : bed_(bed),
+        edge_height_m_(edge_height_m),
+        // A bed without sides repeats itself, and its grains may have gone over the seam.
+        half_width_m_(options.side_room_depths > 0 ? options.width_m / 2 : std::numeric_limits<double>::infinity()),
+        cell_m_(options.ahead_depths * options.depth_m / kCells) {
+    add(-1);
+    first_ = sum_;
+    sum_.fill(0);
+  }
+
+  /// How it lies now counts in the mean.
+  void look() {
+    add(1);
+    ++looks_;
+  }
+  /// Mean weight, in N, of what lies up to a distance ahead of the edge, or to where the box ends.
+  [[nodiscard]] double weight(double ahead_of_edge_m) const {
+    const double cells = std::min(ahead_of_edge_m / cell_m_, double{kCells});
+    double grains = 0;
+    for (std::size_t i = 0; i < kCells; ++i) {
+      grains += std::clamp(cells - static_cast<double>(i), 0.0, 1.0) * (sum_[i] / looks_ + first_[i]);
+    }
+    return -bed_.bed().parameters().gravity_m_s2.z() * grains * bed_.bed().mass();
+  }
+
+ private:
+  static constexpr std::size_t kCells = 100;  // the first holds what lies on a front that leans back, too
+
+  void add(double each) {
+    const Pose& blade = bed_.toolPose();
+    const Vec3 forwards = blade.orientation * Vec3::UnitZ();
+    const Vec3 on_front = blade.position_m + kThickness_m / 2 * forwards;
+    // Where the front meets the height of the edge.
+    const double edge_m = on_front.x() + (on_front.z() - edge_height_m_) * forwards.z() / forwards.x();
+    for (std::size_t i = 0; i < bed_.soil(); ++i) {
+      const Vec3 centre = bed_.centre(i);
+      const double cell = std::max(0.0, (centre.x() - edge_m) / cell_m_);
+      const bool is_before = (centre - on_front).dot(forwards) > 0 && centre.z() > edge_height_m_;
+      if (is_before && std::abs(centre.y()) < half_width_m_ && cell < kCells) {
+        sum_[static_cast<std::size_t>(cell)] += each;
+      }
+    }
+  }
+
+  const LabBed& bed_;
+  double edge_height_m_, half_width_m_, cell_m_;
+  std::array<double, kCells> first_{}, sum_{};  ///< grains in each; those at first count against
+  double looks_ = 0;
+};
+
+/// The pressure that a heap is to a wedge which breaks out at an angle.
+double pressure(const Heap& heap, const BladeCase& blade, double beta_rad) {
+  const double ahead_m = blade.depth_m / std::tan(beta_rad);
+  const double reach_m = ahead_m + blade.depth_m / std::tan(blade.rake_rad);
+  return std::max(0.0, heap.weight(ahead_m) / (blade.width_m * reach_m));
+}
+
+/// A force by an equation, with what lies of a heap on the wedge that the equation has without.
+template <class Force>
+auto underHeap(const Heap* heap, BladeCase blade, const Force& force) {
+  const auto without = force(blade);
+  if (heap == nullptr) {
+    return without;
+  }
+  blade.surcharge_pa = pressure(*heap, blade, without.beta_rad);
+  return force(blade);
+}
+
+/// @param heap  null: there is none.
+BladeEquations equationsFor(const BladeCase& blade, bool has_sides, const Heap* heap) {
+  BladeEquations equations{.earthmoving = underHeap(heap, blade, earthmovingForce), .upright_wedge = {}, .wedge = {}};
+  if (has_sides) {
+    equations.upright_wedge = underHeap(heap, blade, uprightWedgeForce);
     try {
-      equations.wedge = wedgeForce(blade);
+      equations.wedge = underHeap(heap, blade, wedgeForce);
     } catch (const InvalidParameter&) {
       // Leaning forward, or too flat for its width: what was measured is not thrown away for that.
     }
   }
   return equations;
+}
+
+BladeCase caseOf(const LabConditions& conditions, const BladeOptions& options, const BladeResult& result) {
+  return {.width_m = result.width_m,
+          .depth_m = result.depth_m,
+          .rake_rad = options.rake_rad,
+          .density_kg_m3 = result.bulk_density_kg_m3,
+          .gravity_m_s2 = conditions.gravity_m_s2,
+          .friction_angle_rad = options.friction_angle_rad,
+          .tool_friction_rad = std::atan(options.tool_friction),
+          .cohesion_pa = options.cohesion_pa};
+}
+
+BladeExpectation expectation(BladeCase blade, const BladeOptions& options, const Heap* heap) {
+  const bool has_sides = options.side_room_depths > 0;
+  BladeExpectation expected{.undisturbed = equationsFor(blade, has_sides, heap), .residual = {}};
+  if (options.residual) {
+    blade.friction_angle_rad = options.residual->friction_angle_rad;
+    blade.cohesion_pa = options.residual->cohesion_pa;
+    expected.residual = equationsFor(blade, has_sides, heap);
+  }
+  return expected;
 }
 
 }  // namespace
@@ -200,6 +288,7 @@ BladeResult bladeTest(const LabConditions& conditions, const BladeOptions& optio
   result.bulk_density_kg_m3 = bed.bulkDensity(0.2 * surface, 0.8 * surface);
   result.inertia = options.speed_m_s * options.speed_m_s / (conditions.gravity_m_s2 * result.depth_m);
 
+  Heap heap(bed, options, options.below_depths * options.depth_m);
   std::vector<Moment> moments;
   bed.moveTool({{options.speed_m_s, 0, 0}, Vec3::Zero()});
   bed.run(options.travel_depths * options.depth_m / options.speed_m_s, "the blade moves", [&] {
@@ -207,6 +296,9 @@ BladeResult bladeTest(const LabConditions& conditions, const BladeOptions& optio
     const Vec3 on_front = forceOnFront(bed, setup.tool);
     moments.push_back({bed.toolPose().position_m.x() - setup.start.position_m.x(), -force.x(), -force.z(),
                        -on_front.x(), -on_front.z()});
+    if (moments.back().travel_m >= options.level_depths * options.depth_m) {
+      heap.look();
+    }
   });
   result.trace = traceOf(moments, options.depth_m / 50);
   std::erase_if(moments,
@@ -219,11 +311,11 @@ BladeResult bladeTest(const LabConditions& conditions, const BladeOptions& optio
   result.vertical_se_n = vertical.standard_error;
   result.front_draft_n = meanOf(moments, &Moment::front_draft_n).value;
   result.front_vertical_n = meanOf(moments, &Moment::front_vertical_n).value;
-  result.expected = equations(conditions, options, result, options.friction_angle_rad, options.cohesion_pa);
-  if (options.residual) {
-    result.expected_residual =
-        equations(conditions, options, result, options.residual->friction_angle_rad, options.residual->cohesion_pa);
-  }
+  const BladeCase blade = caseOf(conditions, options, result);
+  result.expected = expectation(blade, options, nullptr);
+  result.expected_heaped = expectation(blade, options, &heap);
+  const BladeEquations& bare = result.expected.undisturbed;
+  result.heap_pa = pressure(heap, blade, bare.wedge ? bare.wedge->beta_rad : bare.earthmoving.beta_rad);
   return result;
 }
 
@@ -249,26 +341,30 @@ void drawBlade(const OutputFile& file, const BladeResult& result, std::string_vi
       "set xlabel 'travel / mm'; set ylabel 'force / N'; set key tmargin center horizontal; set xrange [0:*]");
   figure.command(fmt::format("set title {}", gnuplotQuoted(title)));
   std::string with_sides;
-  if (result.expected.upright_wedge) {
+  if (result.expected.undisturbed.upright_wedge) {
     with_sides += fmt::format(
         "{} with lines dashtype (2,5) linewidth 1.5 linecolor rgb '#0072b2' title "
         "'draft, wedge between upright sides', ",
-        result.expected.upright_wedge->draft_n);
+        result.expected.undisturbed.upright_wedge->draft_n);
   }
-  if (result.expected.wedge) {
+  if (result.expected.undisturbed.wedge) {
     with_sides += fmt::format(
         "{} with lines dashtype (8,5,2,5) linewidth 1.5 linecolor rgb '#0072b2' title "
         "'draft, wedge with crescents', ",
-        result.expected.wedge->draft_n);
+        result.expected.undisturbed.wedge->draft_n);
   }
+  const BladeEquations& heaped = result.expected_heaped.undisturbed;
+  with_sides += fmt::format("{} with lines linewidth 1 linecolor rgb '#0072b2' title 'draft, {} under the heap', ",
+                            heaped.wedge ? heaped.wedge->draft_n : heaped.earthmoving.draft_n,
+                            heaped.wedge ? "wedge with crescents" : "earthmoving equation");
   figure.command(fmt::format(
       "plot $trace using 1:2 with lines linewidth 2.5 linecolor rgb '#0072b2' title 'draft', "
       "$trace using 1:3 with lines linewidth 2.5 linecolor rgb '#009e73' title 'vertical', "
       "{} with lines dashtype (8,5) linewidth 1.5 linecolor rgb '#0072b2' title 'draft, earthmoving equation', {}"
       "{} with lines dashtype (8,5) linewidth 1.5 linecolor rgb '#009e73' title 'vertical, earthmoving equation', "
       "{} with lines dashtype (2,3) linewidth 1.5 linecolor rgb '#888888' title 'mean draft ± {:.2g} N'",
-      result.expected.earthmoving.draft_n, with_sides, result.expected.earthmoving.vertical_n, result.draft_n,
-      result.draft_se_n));
+      result.expected.undisturbed.earthmoving.draft_n, with_sides, result.expected.undisturbed.earthmoving.vertical_n,
+      result.draft_n, result.draft_se_n));
   figure.save();
 }
 

@@ -44,18 +44,25 @@ struct BladeEquations {
   std::optional<WedgeForce> wedge;          ///< of wedgeForce(); likewise, and none where it refuses
 };
 
+/// The same for soil as it is first broken, and once it has sheared.
+struct BladeExpectation {
+  BladeEquations undisturbed;
+  std::optional<BladeEquations> residual;  ///< none: BladeOptions::residual is not known
+};
+
 struct BladeResult {
   double draft_n = 0;     ///< against the movement, mean from level_depths to travel_depths
   double vertical_n = 0;  ///< > 0: the soil pushes the blade down
   double draft_se_n = 0;  ///< standard error of draft_n, from the scatter of ten blocks
   double vertical_se_n = 0;
-  double front_draft_n = 0;                         ///< of draft_n, what presses on the flat front; see bladeTest()
-  double front_vertical_n = 0;                      ///< of vertical_n, likewise
-  BladeEquations expected;                          ///< for `depth_m`, `width_m` and `bulk_density_kg_m3`
-  std::optional<BladeEquations> expected_residual;  ///< likewise, with the residual strength
-  double depth_m = 0;                               ///< below the settled surface: close to the wanted one, not exactly
-  double width_m = 0;                               ///< of the blade, or of the box when the blade is as wide
-  double inertia = 0;                               ///< v^2/(g d)
+  double front_draft_n = 0;     ///< of draft_n, what presses on the flat front; see bladeTest()
+  double front_vertical_n = 0;  ///< of vertical_n, likewise
+  double heap_pa = 0;         ///< q of the wedge with crescents, or else of the plane one, undisturbed; see bladeTest()
+  BladeExpectation expected;  ///< for `depth_m`, `width_m` and `bulk_density_kg_m3`, and a level surface
+  BladeExpectation expected_heaped;  ///< likewise, with the heap's weight
+  double depth_m = 0;                ///< below the settled surface: close to the wanted one, not exactly
+  double width_m = 0;                ///< of the blade, or of the box when the blade is as wide
+  double inertia = 0;                ///< v^2/(g d)
   double bulk_density_kg_m3 = 0;
   std::size_t particles = 0;
   LabTrace trace;  ///< travel, draft and vertical force, each row a mean over 1/50 of the depth
@@ -72,8 +79,15 @@ struct BladeResult {
 ///
 /// Either equation is the balance on the first wedge that breaks out, with a flat surface. The draft climbs while that
 /// wedge forms, levels off after about half a depth of travel, and then rises slowly for good, for soil heaps up before
-/// the blade. So the mean is taken from 0.5 to 1.5 depths: later the heap is a surcharge that the equation would have
-/// to be told.
+/// the blade. The mean is taken from 0.5 to 1.5 depths. There the heap weighs half as much as the wedge and more:
+/// before a wide blade lies all the soil that it has gone through. So each equation is told it, too, as what they call
+/// a surcharge:
+///
+///     q = g (m - m_0) / (w r)
+///
+/// with m the mass before the front, over the lower edge, as wide as the blade and as far as the equation's wedge
+/// reaches on the surface, r = d (cot alpha + cot beta), but no further than ahead_depths, and m_0 the same before the
+/// blade has moved. beta is that without a heap. Beside the blade, on the crescents, as much is taken to lie.
 ///
 /// The earthmoving equation does not know the soil that breaks out to both sides, which adds to the draft of a blade
 /// not much wider than deep; the other two do, but not that the box ends side_room_depths beside the blade. With
@@ -96,7 +110,8 @@ struct BladeStrength {
 /// Measured by shearing under 200 to 800 Pa. @throws as shearTest(). Not for the tick.
 [[nodiscard]] BladeStrength strengthBeforeBlade(const LabConditions& conditions, Preparation preparation);
 
-/// Draws draft and vertical force against travel, with the equations', into an .svg or .png file. @throws as Figure.
+/// Draws draft and vertical force against travel, with the equations', with and without the heap, into an .svg or .png
+/// file. @throws as Figure.
 void drawBlade(const OutputFile& file, const BladeResult& result, std::string_view title);
 
 }  // namespace haptolith

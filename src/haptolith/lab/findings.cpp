@@ -149,12 +149,17 @@ std::vector<Finding> findings(const BladeResult& result, const std::optional<Soi
   Finding draft{
       fmt::format("draft of a blade {:.0f} mm wide, {:.0f} mm deep", result.width_m / kMm, result.depth_m / kMm), "",
       result.draft_n, " N", 2};
-  Finding ratio{"draft over that of the earthmoving equation", "1 ± 40 %",
-                result.draft_n / result.expected.earthmoving.draft_n, "", 2};
+  const BladeEquations& heaped = result.expected_heaped.undisturbed;
+  const double with_heap_n = heaped.wedge ? heaped.wedge->draft_n : heaped.earthmoving.draft_n;
+  Finding ratio{fmt::format("draft on its front over that of {}, under the heap before it",
+                            heaped.wedge ? "a wedge with crescents" : "the earthmoving equation"),
+                "1 ± 40 %", result.front_draft_n / with_heap_n, "", 2};
   if (target) {
     ratio.accepted = near(1, 0.4);
   }
   std::vector<Finding> all{draft, ratio};
+  all.push_back({"draft over that of the earthmoving equation", "",
+                 result.draft_n / result.expected.undisturbed.earthmoving.draft_n, "", 2});
   const auto over_wedges = [&](const BladeEquations& equations, std::string_view strength) {
     if (equations.upright_wedge) {
       all.push_back({fmt::format("draft over that of a wedge between upright sides{}", strength), "",
@@ -165,9 +170,9 @@ std::vector<Finding> findings(const BladeResult& result, const std::optional<Soi
                      result.draft_n / equations.wedge->draft_n, "", 2});
     }
   };
-  over_wedges(result.expected, "");
-  if (result.expected_residual) {
-    over_wedges(*result.expected_residual, ", residual strength");
+  over_wedges(result.expected.undisturbed, "");
+  if (result.expected.residual) {
+    over_wedges(*result.expected.residual, ", residual strength");
   }
   return all;
 }

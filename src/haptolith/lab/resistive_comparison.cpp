@@ -144,7 +144,7 @@ void drawBladeBoth(const LabConditions& conditions, const ResistiveOptions& opti
   result.draft_n = blade.draft_n;
   result.draft_se_n = blade.draft_se_n;
   result.vertical_n = blade.vertical_n;
-  result.earthmoving_draft_n = blade.expected.earthmoving.draft_n;
+  result.earthmoving_draft_n = blade.expected.undisturbed.earthmoving.draft_n;
 
   ToolParameters plate;  // as thin as bladeTest()'s, half of it over the surface
   plate.shape = ToolShape::kBox;

@@ -29,7 +29,7 @@ MohrCoulomb inRange(const MohrCoulomb& strength) {
 /// A row of the table: what was measured, and what each equation says; none: it says nothing.
 std::string tableRow(std::string_view what, const std::string& measured,
                      const std::vector<std::optional<double>>& equations_n) {
-  std::string row = fmt::format("  {:<23}  {:<17}", what, measured);
+  std::string row = fmt::format("  {:<29}  {:<17}", what, measured);
   for (const std::optional<double>& force_n : equations_n) {
     row += fmt::format("  {:<20}", force_n ? fmt::format("{:.3g}", *force_n) : "-");
   }
@@ -49,12 +49,16 @@ std::string equationRows(const BladeEquations& equations, std::string_view stren
 
 std::string table(const BladeResult& result, const BladeOptions& options) {
   const auto measured = [](double value, double error) { return fmt::format("{:.3g} ± {:.2g}", value, error); };
-  std::string text = fmt::format("  {:<23}  {:<17}  {:<20}  {:<20}  {}\n", "", "measured", "earthmoving equation",
+  std::string text = fmt::format("  {:<29}  {:<17}  {:<20}  {:<20}  {}\n", "", "measured", "earthmoving equation",
                                  "... upright sides", "... crescents") +
-                     equationRows(result.expected, "", measured(result.draft_n, result.draft_se_n),
+                     equationRows(result.expected.undisturbed, "", measured(result.draft_n, result.draft_se_n),
                                   measured(result.vertical_n, result.vertical_se_n));
-  if (result.expected_residual) {
-    text += equationRows(*result.expected_residual, ", residual", "", "");
+  if (result.expected.residual) {
+    text += equationRows(*result.expected.residual, ", residual", "", "");
+  }
+  text += equationRows(result.expected_heaped.undisturbed, ", heaped", "", "");
+  if (result.expected_heaped.residual) {
+    text += equationRows(*result.expected_heaped.residual, ", residual, heaped", "", "");
   }
   text += tableRow("draft on its front / N", fmt::format("{:.3g}", result.front_draft_n), {});
   text += tableRow("downwards on it / N", fmt::format("{:.3g}", result.front_vertical_n), {});
@@ -66,26 +70,41 @@ std::string table(const BladeResult& result, const BladeOptions& options) {
     text += fmt::format(", residual {:.1f}° and {:.0f} Pa", degrees(options.residual->friction_angle_rad),
                         options.residual->cohesion_pa);
   }
-  text += "\n";
-  if (const std::optional<WedgeForce>& wedge = result.expected.wedge) {
+  text +=
+      fmt::format("; where heaped, {:.0f} Pa more on them: the soil that has come before the blade\n", result.heap_pa);
+  if (const std::optional<WedgeForce>& wedge = result.expected.undisturbed.wedge) {
     text += fmt::format("  crescents break out {:.0f} mm ahead and {:.0f} mm to either side, at {:.0f}°\n",
                         wedge->rupture_distance_m / kMm, wedge->crescent_width_m / kMm, degrees(wedge->beta_rad));
   }
   return text;
 }
 
-/// What the wedges say, null where they say nothing.
-void addWedges(Json& json, const BladeEquations& equations) {
+/// What equations say, null where they say nothing.
+Json equationsJson(const BladeEquations& equations) {
   const auto number = [](const auto& force, auto value, double unit) {
     return force ? Json((*force).*value / unit) : Json(nullptr);
   };
-  json["upright_wedge_draft_n"] = number(equations.upright_wedge, &BladeForce::draft_n, 1);
-  json["upright_wedge_vertical_n"] = number(equations.upright_wedge, &BladeForce::vertical_n, 1);
-  json["wedge_draft_n"] = number(equations.wedge, &WedgeForce::draft_n, 1);
-  json["wedge_vertical_n"] = number(equations.wedge, &WedgeForce::vertical_n, 1);
-  json["wedge_beta_deg"] = number(equations.wedge, &WedgeForce::beta_rad, radians(1));
-  json["wedge_rupture_distance_mm"] = number(equations.wedge, &WedgeForce::rupture_distance_m, kMm);
-  json["wedge_crescent_width_mm"] = number(equations.wedge, &WedgeForce::crescent_width_m, kMm);
+  return {{"earthmoving_draft_n", equations.earthmoving.draft_n},
+          {"earthmoving_vertical_n", equations.earthmoving.vertical_n},
+          {"upright_wedge_draft_n", number(equations.upright_wedge, &BladeForce::draft_n, 1)},
+          {"upright_wedge_vertical_n", number(equations.upright_wedge, &BladeForce::vertical_n, 1)},
+          {"wedge_draft_n", number(equations.wedge, &WedgeForce::draft_n, 1)},
+          {"wedge_vertical_n", number(equations.wedge, &WedgeForce::vertical_n, 1)},
+          {"wedge_beta_deg", number(equations.wedge, &WedgeForce::beta_rad, radians(1))},
+          {"wedge_rupture_distance_mm", number(equations.wedge, &WedgeForce::rupture_distance_m, kMm)},
+          {"wedge_crescent_width_mm", number(equations.wedge, &WedgeForce::crescent_width_m, kMm)}};
+}
+
+/// What they say with the peak strength, and in `residual` with the residual; null: not known.
+Json expectationJson(const BladeExpectation& expected, const std::optional<MohrCoulomb>& residual) {
+  Json json = equationsJson(expected.undisturbed);
+  json["residual"] = nullptr;
+  if (expected.residual) {
+    json["residual"] = equationsJson(*expected.residual);
+    json["residual"]["friction_angle_deg"] = degrees(residual->friction_angle_rad);
+    json["residual"]["cohesion_pa"] = residual->cohesion_pa;
+  }
+  return json;
 }
 
 LabOutput bladeOutput(const LabSoil& soil, const LabConditions& conditions, BladeOptions options, bool own_strength) {
@@ -111,23 +130,14 @@ LabOutput bladeOutput(const LabSoil& soil, const LabConditions& conditions, Blad
                  {"vertical_se_n", result.vertical_se_n},
                  {"front_draft_n", result.front_draft_n},
                  {"front_vertical_n", result.front_vertical_n},
-                 {"earthmoving_draft_n", result.expected.earthmoving.draft_n},
-                 {"earthmoving_vertical_n", result.expected.earthmoving.vertical_n},
+                 {"heap_pa", result.heap_pa},
                  {"preparation", options.preparation == Preparation::kLoose ? "loose" : "dense"},
                  {"friction_angle_deg", degrees(options.friction_angle_rad)},
                  {"cohesion_pa", options.cohesion_pa},
                  {"bulk_density_kg_m3", result.bulk_density_kg_m3},
                  {"particles", result.particles}};
-  addWedges(output.json, result.expected);
-  output.json["residual"] = nullptr;
-  if (result.expected_residual) {
-    Json residual = {{"friction_angle_deg", degrees(options.residual->friction_angle_rad)},
-                     {"cohesion_pa", options.residual->cohesion_pa},
-                     {"earthmoving_draft_n", result.expected_residual->earthmoving.draft_n},
-                     {"earthmoving_vertical_n", result.expected_residual->earthmoving.vertical_n}};
-    addWedges(residual, *result.expected_residual);
-    output.json["residual"] = residual;
-  }
+  output.json.update(expectationJson(result.expected, options.residual));
+  output.json["heaped"] = expectationJson(result.expected_heaped, options.residual);
   output.findings = findings(result, soil.target);
   output.trace = result.trace;
   output.draw = [result](const OutputFile& path, const std::string& title) { drawBlade(path, result, title); };
