@@ -125,6 +125,8 @@ void LearningModel::setOutFor(const ModelSoil& learned) {
 
 std::optional<SoilAdjustment> LearningModel::at(std::uint64_t index, bool in_air) {
   touched_ = in_air ? touched_ : index;
+  const bool is_lifted = index > touched_ + kInAirTicks;
+  lifted_ = is_lifted ? index : lifted_;
   if (index >= looked_ + kLookTicks && has_new_ && !coming_.valid()) {
     looked_ = index;
     has_new_ = false;
@@ -133,13 +135,14 @@ std::optional<SoilAdjustment> LearningModel::at(std::uint64_t index, bool in_air
   if (isThere(coming_)) {
     setOutFor(coming_.get());
   }
-  if (index < stepped_ + kStepTicks || gone_s_ == way_s_) {
+  const bool may_change = is_lifted || index > lifted_ + kLongStrokeTicks;
+  if (!may_change || index < stepped_ + kStepTicks || gone_s_ == way_s_) {
     return std::nullopt;
   }
   stepped_ = index;
   before_ = now_;
   gone_before_s_ = gone_s_;
-  gone_s_ = std::min(way_s_, gone_s_ + kStepTicks * tick_s_ * (index > touched_ + kInAirTicks ? kFasterInAir : 1));
+  gone_s_ = std::min(way_s_, gone_s_ + kStepTicks * tick_s_ * (is_lifted ? kFasterInAir : 1));
   const double share = gone_s_ / way_s_;
   now_.contact_friction = mix(from_.contact_friction, to_.contact_friction, share);
   now_.contact_cohesion_n = mix(from_.contact_cohesion_n, to_.contact_cohesion_n, share);

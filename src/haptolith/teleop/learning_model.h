@@ -29,9 +29,10 @@ namespace haptolith {
 ///
 /// 0.4 s of commands make a stretch, which counts where both soils push the tool back, as soil that is cut does. Each
 /// time there is a new one, contact friction, cohesion and soil-tool friction set out for what all stretches nearby
-/// say, in steps of a fiftieth of a second, so slowly that the force should change by 1 % in a tenth of a second;
-/// twenty times as fast once the tool has been in the air for a while. The soil lies as it lies: no bed has to be made,
-/// and none is cross-faded with another. Not for the tick.
+/// say, in steps of a fiftieth of a second, while the tool is lifted: so that no force changes that a hand feels. In a
+/// stroke of more than ten seconds they do so, too, then twenty times as slowly, so that the force should change by 1 %
+/// in a tenth of a second. The soil lies as it lies: no bed has to be made, and none is cross-faded with another. Not
+/// for the tick.
 class LearningModel {
  public:
   /// @param model  readyToLearn().
@@ -51,8 +52,8 @@ class LearningModel {
   [[nodiscard]] const SoilState& state() const noexcept { return states_.back().state; }  ///< of the model now
   [[nodiscard]] std::uint64_t updates() const noexcept { return updates_; }
 
-  static constexpr std::uint64_t kStretchTicks = 400;
-  static constexpr double kChange_s = 0.1;  ///< of ln F, while the tool is in soil
+  static constexpr std::uint64_t kStretchTicks = 400, kLongStrokeTicks = 10000;
+  static constexpr double kChange_s = 0.1;  ///< of ln F in a second, in a long stroke
 
  private:
   struct Window {
@@ -85,7 +86,7 @@ class LearningModel {
   bool has_new_ = false;
   Work work_;
   std::future<ModelSoil> coming_;
-  std::uint64_t looked_ = 0, stepped_ = 0, touched_ = 0;
+  std::uint64_t looked_ = 0, stepped_ = 0, touched_ = 0, lifted_ = 0;
   double way_s_ = 0, gone_s_ = 0;  ///< from `from_` to `to_`, and of that so far
   ModelSoil learned_;
   std::uint64_t updates_ = 0;
