@@ -409,13 +409,16 @@ TEST_F(ReplayTest, GrainsThatWereMovedAreMovedAgain) {
   std::swap(events_[0], events_[1]);
   EXPECT_TRUE(replayed().difference) << "another grain";
   for (const char* nonsense : {"", "{}", R"({"grain": "one", "from_m": [0, 0, 0], "to_m": [0, 0, 0]})",
-                               R"({"grain": 1, "from_m": [0, 0], "to_m": [0, 0, 0]})"}) {
+                               R"({"grain": 1, "from_m": [0, 0], "to_m": [0, 0, 0]})",
+                               R"({"grain": -1, "from_m": [0, 0, 0], "to_m": [0, 0, 0]})",
+                               R"({"grain": 0.5, "from_m": [0, 0, 0], "to_m": [0, 0, 0]})",
+                               R"({"grain": 1e300, "from_m": [0, 0, 0], "to_m": [0, 0, 0]})"}) {
     events_ = all;
     events_[1].text = nonsense;
     EXPECT_THROW((void)replayed(), Failure) << nonsense;
   }
   events_ = all;
-  events_[1].text = R"({"grain": -1, "from_m": [0, 0, 0], "to_m": [1e300, 0, 0]})";
+  events_[1].text = R"({"grain": 99999999, "from_m": [0, 0, 0], "to_m": [1e300, 0, 0]})";
   EXPECT_TRUE(replayed().difference) << "which it does not do";
 }
 

@@ -161,6 +161,18 @@ TEST_F(SessionTest, AdjustsNothingThatTheListsAreNotGoodFor) {
   EXPECT_EQ(session_->shown().bed.soil, cohesionless.bed.soil);
 }
 
+TEST_F(SessionTest, NoGrainIsMovedWhileTimeStandsStillSoThatItGoesOnAgain) {
+  start();
+  const GrainMove nowhere{0, Vec3::Zero(), Vec3::Zero()};  // the bed refuses it
+  EXPECT_TRUE(session_->moveGrain(nowhere));
+  session_->pause();
+  EXPECT_FALSE(session_->moveGrain(nowhere));
+  EXPECT_FALSE(session_->moveGrain(nowhere));
+  session_->resume();
+  waitTicks(100);
+  EXPECT_TRUE(session_->moveGrain(nowhere));
+}
+
 TEST_F(SessionTest, WhatIsAskedForWhileABedComesIsDoneToThatBed) {
   start();
   session_->setSpeed(0.1);

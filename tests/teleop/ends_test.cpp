@@ -147,6 +147,17 @@ TEST_F(Ends, WhatTheRobotSeesComesToItsOperatorAlone) {
     server_->show(seen);  // to nobody yet
     ASSERT_TRUE(until([&] { return end.news().heard; }, &end));
     EXPECT_TRUE(end.site().empty());
+    seen.index = 1000000;  // by the commands of somebody who was there before
+    const std::uint64_t before = end.counts().replayed;
+    EXPECT_TRUE(until(
+        [&] {
+          ++seen.number;
+          server_->show(seen);
+          return end.counts().replayed > before;
+        },
+        &end));
+    EXPECT_TRUE(end.site().empty());
+    seen.index = 0;
     EXPECT_TRUE(until(
         [&] {
           ++seen.number;

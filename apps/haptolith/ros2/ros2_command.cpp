@@ -72,17 +72,18 @@ class Ros2Companion final : public RunCompanion {
 
   void follow(const Session& session, const SessionDriver::News& news) override {
     if (news.snapshot && !surface_m_) {
-      const Bed& bed = session.scene().bed();
-      surface_m_ = meanSurfaceHeight(seenSoil(bed, session.snapshot().position, {}), bed.parameters());
+      const BedParameters& bed = session.shown().bed;
+      surface_m_ = meanSurfaceHeight({bed.soil.radius_m, session.snapshot().position, {}}, bed);
       printNotice(fmt::format("the soil's surface lies at z = {:.4f} m\n", *surface_m_));
     }
     if (!news.snapshot || options_.surface_hz == 0 || monotonicNs() < next_surface_ns_) {
       return;
     }
     constexpr double kSecond_ns = 1e9;
-    const Bed& bed = session.scene().bed();
+    const BedParameters& bed = session.shown().bed;
     const SceneSnapshot& now = session.snapshot();
-    if (publisher_->show(seenSoil(bed, now.position, now.stones), surfaceGrid(bed.parameters()))) {
+    if (publisher_->show(seenSoil(session.scene().bed(), bed.soil.radius_m, now.position, now.stones),
+                         surfaceGrid(bed))) {
       next_surface_ns_ = monotonicNs() + static_cast<std::int64_t>(kSecond_ns / options_.surface_hz);
     }
   }

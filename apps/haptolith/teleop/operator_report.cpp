@@ -101,7 +101,7 @@ std::string robotSummary(const RobotLead& robot) {
                         robot.learning()->updates());
   }
   if (robot.mended() > 0) {
-    text += fmt::format("  mended     the surface, by {}\n", counted(robot.mended(), "grain"));
+    text += fmt::format("  mended     the surface: {} to lie elsewhere\n", counted(robot.mended(), "grain"));
   }
   const PacketCounts& counts = end.counts();
   text += fmt::format("  packets    {} sent, {} taken; {} malformed, {} forged, {} replayed\n", end.sent(),

@@ -19,9 +19,9 @@ constexpr double kInSoil_n = 0.2;  ///< more than this on the hand, and it is no
 
 /// While a loop runs its bed is the loop's, and a picture of it has to do.
 double surfaceOf(const Session& session) {
-  const Bed& bed = session.scene().bed();
-  return session.loopTicks() == 0 ? meanSurfaceHeight(bed)
-                                  : meanSurfaceHeight(seenSoil(bed, session.snapshot().position, {}), bed.parameters());
+  const BedParameters& bed = session.shown().bed;
+  return session.loopTicks() == 0 ? meanSurfaceHeight(session.scene().bed())
+                                  : meanSurfaceHeight({bed.soil.radius_m, session.snapshot().position, {}}, bed);
 }
 
 }  // namespace
@@ -131,8 +131,11 @@ void RobotLead::mend(Session& session, SessionRecording& recording) {
   if (now.position.empty() || !canMend(bed)) {
     return;
   }
-  if (!mender_ || now.position.size() != grains_) {  // another bed may have come
-    mender_.emplace(bed, session.shown().tool, end_.surface(), Work::kBeside);
+  ToolParameters tool = session.shown().tool;
+  tool.friction = mended_for_.friction;                                     // which is learned
+  if (!mender_ || now.position.size() != grains_ || tool != mended_for_) {  // another bed or tool may have come
+    mender_.emplace(bed, tool, end_.surface(), Work::kBeside);
+    mended_for_ = tool;
     grains_ = now.position.size();
     looked_ = now.ticks;
   }
@@ -140,7 +143,8 @@ void RobotLead::mend(Session& session, SessionRecording& recording) {
     looked_ = now.ticks;
     const auto ago = static_cast<std::int64_t>(std::llround((time_s_ - now.time_s) / tick_s_));
     const auto index = std::max<std::int64_t>(0, static_cast<std::int64_t>(end_.ticks()) - ago);
-    mender_->look(static_cast<std::uint64_t>(index), seenSoil(session.scene().bed(), now.position, now.stones),
+    mender_->look(static_cast<std::uint64_t>(index),
+                  seenSoil(session.scene().bed(), bed.soil.radius_m, now.position, now.stones),
                   now.scene_T_tool.position_m, end_.site());
   }
   constexpr int kAtOnce = 4;  // of what the loop is asked for and does tick by tick: others want something of it, too

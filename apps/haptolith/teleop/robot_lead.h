@@ -48,8 +48,9 @@ class RobotLead {
   Likening likening_;
   std::optional<LearningModel> learning_;
   std::optional<SurfaceMender> mender_;
-  std::size_t grains_ = 0;    ///< of the bed that is mended
-  std::uint64_t looked_ = 0;  ///< at that tick of the loop
+  std::size_t grains_ = 0;     ///< of the bed that is mended
+  ToolParameters mended_for_;  ///< in whose way nothing is put
+  std::uint64_t looked_ = 0;   ///< at that tick of the loop
   std::size_t mended_ = 0;
   SoilParameters soil_;  ///< that the session had when last looked
   double tool_friction_ = 0;

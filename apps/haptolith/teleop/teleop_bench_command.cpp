@@ -270,7 +270,8 @@ std::vector<Row> rowsFor(const BenchOptions& options) {
   for (const double round_trip_s : options.round_trips_s) {
     for (const std::string& word : cases) {
       const Case which = kCaseWords.at(word);
-      if (which != Case::kTwin || round_trip_s == options.round_trips_s.front()) {  // of a twin delay changes nothing
+      const bool delay_counts = which != Case::kTwin || options.mends.value_or(false);  // of the map that mends
+      if (delay_counts || round_trip_s == options.round_trips_s.front()) {
         rows.push_back({round_trip_s, which, {}});
       }
     }

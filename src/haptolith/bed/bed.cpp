@@ -28,7 +28,7 @@ constexpr double kNearRadii = 0.1;
 
 /// So far from the middle of the box a position is known to 3e-8 m: in substeps of a third of a millisecond everything
 /// that is faster than 0.05 mm/s moves. In wider boxes remainders are kept.
-constexpr float kExactWithin_m = 0.5F;
+constexpr double kExactWidth_m = 1;
 
 /// A thread is worth waking, which takes some 100 us, for at least this many particles; contacts with friction take
 /// three times as long as the paper's, and several substeps a tick. Where two threads begin to be faster than one in
@@ -144,7 +144,7 @@ Bed::Bed(const BedParameters& parameters, const std::vector<Float4>& grains, dou
   state_.velocity.resize(n);
   state_.velocity.resize(padded, kGhostVelocity);
   state_.tool_side.resize(n);
-  if (std::max(box_.half_width, box_.half_length) > kExactWithin_m) {
+  if (std::max(parameters_.width_m, parameters_.length_m) > kExactWidth_m) {
     state_.remainder.resize(padded);
   }
   noteClasses();

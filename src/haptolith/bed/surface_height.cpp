@@ -58,9 +58,9 @@ SeenSoil seenSoil(const Bed& bed) {
   return seen;
 }
 
-SeenSoil seenSoil(const Bed& bed, std::span<const Float4> grains, std::span<const Pose> stones) {
+SeenSoil seenSoil(const Bed& bed, double radius_m, std::span<const Float4> grains, std::span<const Pose> stones) {
   SeenSoil seen;
-  seen.radius_m = bed.parameters().soil.radius_m;
+  seen.radius_m = radius_m;
   seen.grains.assign(grains.begin(), grains.end());
   for (std::size_t stone = 0; stone < std::min(stones.size(), bed.stones().size()); ++stone) {
     for (const StoneSphere& sphere : bed.stones().shape(stone)->spheres) {

@@ -28,9 +28,10 @@ struct SeenSoil {
   std::vector<Float4> stones;  ///< their spheres, likewise
 };
 [[nodiscard]] SeenSoil seenSoil(const Bed& bed);
-/// The same of a moment from which grains and poses of stones were copied, while the bed has gone on: what is taken
-/// from the bed are sizes, which stay.
-[[nodiscard]] SeenSoil seenSoil(const Bed& bed, std::span<const Float4> grains, std::span<const Pose> stones);
+/// The same of a moment from which grains, of this radius, and poses of stones were copied, while the bed goes on:
+/// what is taken from the bed are its stones' shapes, which stay.
+[[nodiscard]] SeenSoil seenSoil(const Bed& bed, double radius_m, std::span<const Float4> grains,
+                                std::span<const Pose> stones);
 
 /// Height of the soil over the floor in each cell, in m, row by row: of the spheres, as seen from above, the mean of
 /// `rays` by `rays` places. Not for the tick.

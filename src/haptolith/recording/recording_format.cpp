@@ -65,10 +65,14 @@ GrainMove grainMoveOf(const RecordingEvent& event) {
       const auto v = json.at(key).get<std::array<double, 3>>();
       return Vec3(v[0], v[1], v[2]);
     };
-    return {json.at("grain"), vector("from_m"), vector("to_m")};
+    const auto& grain = json.at("grain");
+    if (grain.is_number_unsigned()) {
+      return {grain, vector("from_m"), vector("to_m")};
+    }
   } catch (const nlohmann::json::exception&) {
-    throw Failure(fmt::format("the recording's event at {:.3f} s says of a grain: {}", event.time_s, event.text));
+    // Nor is it a grain's.
   }
+  throw Failure(fmt::format("the recording's event at {:.3f} s says of a grain: {}", event.time_s, event.text));
 }
 
 namespace {

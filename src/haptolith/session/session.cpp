@@ -427,7 +427,8 @@ bool Session::adjust(const SoilAdjustment& adjustment) {
 }
 
 bool Session::moveGrain(const GrainMove& move) {
-  return !making_ && !coming_ && bed_wanted_.empty() && loop_->ask(request::MoveGrain{move});
+  // The loop moves one grain in each tick: while there are none, what is asked behind a second one would wait for ever.
+  return !paused_ && !making_ && !coming_ && bed_wanted_.empty() && loop_->ask(request::MoveGrain{move});
 }
 
 void Session::touch(bool on) {

@@ -65,8 +65,8 @@ class Session {
   /// before. @throws InvalidParameter outside their ranges.
   [[nodiscard]] bool adjust(const SoilAdjustment& adjustment);
 
-  /// Lets a grain lie elsewhere, if it may (Scene::moveGrain()). False, and nothing is asked for, while the loop takes
-  /// no more, or another bed is on its way.
+  /// Lets a grain lie elsewhere, if it may (Scene::moveGrain()). False, and nothing is asked for, while the run is
+  /// paused or the loop takes no more, or another bed is on its way.
   [[nodiscard]] bool moveGrain(const GrainMove& move);
 
   /// Whether the tool touches the soil: it fades out of it in a tenth of a second, and into it again. A bed that comes

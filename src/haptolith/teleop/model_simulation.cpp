@@ -115,6 +115,12 @@ class ModelOperator {
   }
   /// A grain lies elsewhere from the next tick on, if it may.
   void move(const GrainMove& move) { loop_.ask(request::MoveGrain{move}); }
+  /// Whether it does since the last tick: a bed refuses what is not as it was seen.
+  [[nodiscard]] bool hasMoved(const GrainMove& move) const {
+    const Float4& at = site_.scene.bed().state().position[move.grain];
+    const Vec3 place_m(at.x, at.y, at.z);
+    return (place_m - move.to_m).norm() < (place_m - move.from_m).norm();
+  }
   [[nodiscard]] const Site& site() const noexcept { return site_; }
   [[nodiscard]] OperatorHand& hand() noexcept { return hand_; }
   /// Of its soil over the surface that it began with.
@@ -190,9 +196,9 @@ TeleopResult simulateModel(const TeleopSetup& setup, const TeleopProgress& progr
       const Scene& model = hand.site().scene;
       mender->look(tick, seenSoil(model.bed()), model.toolPose().position_m, known_site);
     }
-    if (const std::optional<GrainMove> move = mender ? mender->next(hand.inAir()) : std::nullopt) {
+    const std::optional<GrainMove> move = mender ? mender->next(hand.inAir()) : std::nullopt;
+    if (move) {
       hand.move(*move);
-      ++result.mended;
     }
     if (tick % kLookEvery == 0) {
       model_heights.push_back(hand.heights(camera.grid()));
@@ -209,6 +215,7 @@ TeleopResult simulateModel(const TeleopSetup& setup, const TeleopProgress& progr
       }
     }
     hand.tick();
+    result.mended += move && hand.hasMoved(*move) ? 1 : 0;
     log.add(tick, hand.tool(), hand.felt(), hand.unlimited());
     if (tick % course.period() == 0) {
       command.keys = commands.add({tick, hand.tool()});

@@ -113,7 +113,9 @@ void OperatorEnd::take(const StatePacket& packet, const RobotListener& listener)
 }
 
 void OperatorEnd::take(const SitePacket& packet, const RobotListener& listener) {
-  if (!news_.ever || packet.robot_session != news_.state.robot_session || !site_.take(packet)) {
+  // A map may be from before this run, numbered by another operator's commands.
+  const bool is_own = news_.ever && packet.robot_session == news_.state.robot_session && packet.index < next_;
+  if (!is_own || !site_.take(packet)) {
     ++counts_.replayed;
     return;
   }

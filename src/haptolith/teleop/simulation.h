@@ -74,7 +74,7 @@ struct TeleopResult {
   std::optional<TaskResult> task;
   std::optional<ModelSoil> learned;  ///< in the end
   std::uint64_t updates = 0;         ///< of the model's soil
-  std::uint64_t mended = 0;          ///< its grains that were to lie elsewhere
+  std::uint64_t mended = 0;          ///< its grains that were laid elsewhere
   double update_j = 0;               ///< energy that soil pushed into the hand more than without updates, at most
   /// Largest change of the force within 0.1 s of an update that the hand has not caused, over what is hardly felt:
   /// 0.1 N, or 7 % of the force.
