@@ -67,6 +67,12 @@ TEST_F(LabCommand, NonsenseIsRefused) {
   EXPECT_EQ(runHaptolith("lab fall --radius-mm -3").exit_status, 2);
   EXPECT_EQ(runHaptolith("lab shear --normal-pa 100,200").exit_status, 2);
   EXPECT_EQ(runHaptolith("lab rft --size-factor 1").exit_status, 2);
+  for (const char* seed : {"-1", "1.5", "99999999999999999999"}) {
+    EXPECT_EQ(runHaptolith(std::string("lab fall --seed ") + seed).exit_status, 2) << seed;
+  }
+  EXPECT_THAT(runHaptolith("lab blade --depth-mm 1000").errors, HasSubstr("must be 3e+06 or less"));
+  EXPECT_THAT(runHaptolith("lab blade --soil-cohesion-pa 100").errors, HasSubstr("given beside friction_angle_deg"));
+  EXPECT_THAT(runHaptolith("lab plate --measure-strength --friction-angle-deg 9").errors, HasSubstr("left out"));
   EXPECT_EQ(runHaptolith("lab fall --figure nowhere/at/all.svg").exit_status, 1);
 }
 
@@ -76,7 +82,7 @@ TEST_F(LabCommand, RefusesInTheUnitThatWasGiven) {
   EXPECT_THAT(runHaptolith("lab blade --depth-mm 3").errors,
               HasSubstr("depth_mm = 3 is not valid: must be 12 to 10000 (mm)"));
   EXPECT_THAT(runHaptolith("lab plate --plate-diameter-mm 3").errors,
-              HasSubstr("plate_diameter_mm = 3 is not valid: must be 28 to 10000 (mm)"));
+              HasSubstr("plate_diameter_mm = 3 is not valid: must be 28 to 2857 (mm)"));
   EXPECT_THAT(runHaptolith("lab rft --friction-angle-deg 80").errors,
               HasSubstr("friction_angle_deg = 80 is not valid: must be 0 to 63 (deg)"));
 }

@@ -69,6 +69,15 @@ TEST_F(LabValidateCommand, SaysOfEachClaimHowItStandsAndGoesOnWithWhatIsMissing)
   EXPECT_THAT(page("a"), HasSubstr("| 2 | 🟢 holds |"));
 }
 
+TEST_F(LabValidateCommand, SaysWhichClaimPointsWhereNoNumberIs) {
+  std::string wrong = kFall;
+  wrong.replace(wrong.find("/acceleration_ratio"), 19, "/acceleration");
+  const ProgramResult run = runHaptolith(validation("wrong", claims(wrong + "expected = 1\nwithin = 0.01\n") + " --seeds 1"));
+  EXPECT_EQ(run.exit_status, 2);
+  EXPECT_THAT(run.errors, AllOf(HasSubstr("claim fall: ours or other = '/acceleration' is not valid"),
+                                HasSubstr("/acceleration_ratio")));
+}
+
 TEST_F(LabValidateCommand, MeasuresOneConditionOverAnother) {
   const ProgramResult run = runHaptolith(validation(
       "over",

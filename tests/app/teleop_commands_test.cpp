@@ -196,8 +196,8 @@ TEST(TeleopCommands, WhatIsWrongIsSaid) {
   EXPECT_THAT(refused("--to 127.0.0.1:9 --profile mars"), AllOf(HasSubstr("'mars'"), HasSubstr("earth-moon")));
   EXPECT_THAT(refused("--to 127.0.0.1:9 --loss 2"), HasSubstr("0 to 1"));
   EXPECT_THAT(refused("--to 127.0.0.1:9 --outage 5,10 --outage 8,1"), HasSubstr("outages"));
-  EXPECT_THAT(refused("--to 127.0.0.1:9 --outage 5,x"), HasSubstr("'x' is not valid"));
-  EXPECT_THAT(refused("--to 127.0.0.1:9 --outage 5"), HasSubstr("--outage"));
+  EXPECT_THAT(refused("--to 127.0.0.1:9 --outage 5,x"), HasSubstr("'5,x' is not valid: must be START_S"));
+  EXPECT_THAT(refused("--to 127.0.0.1:9 --outage 5 --duration-s 1"), HasSubstr("--outage = '5' is not valid"));
   EXPECT_THAT(refused("--to 127.0.0.1:9 --seed 1.5"), HasSubstr("whole number"));
   EXPECT_THAT(refused("--to 127.0.0.1:9 --delays-up /nonexistent.csv"), HasSubstr("no such file"));
 }

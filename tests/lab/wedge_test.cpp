@@ -76,6 +76,8 @@ Balance balanceAt(const BladeCase& blade, double beta, Surface surface, int slic
   // The origin is where the blade's side meets the surface; a crescent ends beside the lower corner.
   const Eigen::Vector3d corner(leaning, 0, -d);
   const double eta = std::atan2(std::sqrt(r * r - leaning * leaning), leaning);
+  BladeCase beside = blade;
+  beside.surcharge_pa = blade.surcharge_beside_pa.value_or(blade.surcharge_pa);
   for (int i = 0; i < slices; ++i) {
     const double from = eta * i / slices;
     const double to = eta * (i + 1) / slices;
@@ -88,7 +90,7 @@ Balance balanceAt(const BladeCase& blade, double beta, Surface surface, int slic
         .upper_face_m2 = first.cross(last).norm() / 2,
         .failure_surface_m2 = surface == Surface::kOfCorners ? triangle : (to - from) * r * d / std::sin(beta) / 2,
         .blade_face_m2 = 0};
-    const double push = pushOn(slice, blade, beta);
+    const double push = pushOn(slice, beside, beta);
     ahead += 2 * push * std::cos(middle);
     up += 2 * push;
   }
@@ -122,6 +124,19 @@ std::vector<BladeCase> manyCases() {
 
 TEST(Wedge, IsTheBalanceOfForcesOnTheCentreAndOnSlicesOfTheCrescents) {
   for (const BladeCase& blade : manyCases()) {
+    const WedgeForce force = wedgeForce(blade);
+    const Balance expected = balanceAt(blade, force.beta_rad, Surface::kAsInThePaper);
+    EXPECT_NEAR(force.draft_n, expected.draft_n, 1e-4 * expected.draft_n);
+    EXPECT_NEAR(force.vertical_n, expected.vertical_n, 1e-4 * force.draft_n);
+  }
+}
+
+TEST(Wedge, MayCarryAnotherSurchargeBesideTheBlade) {
+  for (BladeCase blade : manyCases()) {
+    const double alike_n = wedgeForce(blade).draft_n;
+    blade.surcharge_beside_pa = blade.surcharge_pa;
+    EXPECT_NEAR(wedgeForce(blade).draft_n, alike_n, 1e-9 * alike_n);
+    blade.surcharge_beside_pa = 0.3 * blade.surcharge_pa + 200;
     const WedgeForce force = wedgeForce(blade);
     const Balance expected = balanceAt(blade, force.beta_rad, Surface::kAsInThePaper);
     EXPECT_NEAR(force.draft_n, expected.draft_n, 1e-4 * expected.draft_n);
@@ -255,6 +270,7 @@ TEST(Wedge, RefusesNonsenseAndBladesThatLeanForward) {
       [](BladeCase& blade) { blade.cohesion_pa = -1; },
       [](BladeCase& blade) { blade.adhesion_pa = 1; },  // more than the cohesion
       [](BladeCase& blade) { blade.surcharge_pa = std::numeric_limits<double>::infinity(); },
+      [](BladeCase& blade) { blade.surcharge_beside_pa = -1; },
   };
   for (std::size_t i = 0; i < nonsense.size(); ++i) {
     BladeCase blade = kSandAndTine;

@@ -48,6 +48,7 @@ void tellDensity(const DensityOptions& options) {
   const SoilEstimate mass_kg = massOf(scoop);
   std::optional<Uncertain> volume_m3;
   if (!options.volume_cm3.empty()) {
+    requireInRange("--volume-cm3", options.volume_cm3[0], {0.1, 1e6});
     volume_m3 =
         Uncertain{1e-6 * options.volume_cm3[0], options.volume_cm3.size() > 1 ? 1e-6 * options.volume_cm3[1] : 0};
   }

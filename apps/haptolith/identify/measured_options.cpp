@@ -72,7 +72,7 @@ std::string Measured::text(const MeasuredOptions& options) const {
                                  parts.size(), matched.windows, matched.forces.size(), numbers);
   for (std::size_t i = 0; i < parts.size(); ++i) {
     if (measured[i]) {
-      text += fmt::format("  {:20} from {:.2f} s in {}\n", parts[i].name, matched.parts[i].begin_s,
+      text += fmt::format("  {:20} from {:.2f} s in {}\n", parts[i].name, std::max(0.0, matched.parts[i].begin_s),
                           options.files[matched.parts[i].course]);
     }
   }

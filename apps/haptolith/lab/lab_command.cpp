@@ -246,6 +246,7 @@ void addCalibrate(CLI::App& lab) {
   app->add_option("--specimens", command->specimens, "to verify with, 2 or more, each from another seed")
       ->capture_default_str();
   app->add_option("--seed", command->seed, "of the specimens; with another one all of them are others")
+      ->check(wholeNumberIn(BedRanges::seed))
       ->capture_default_str();
   app->add_option("--threads", command->threads, "threads to use [all]")->check(wholeNumberIn(BedRanges::threads));
   app->add_flag("--json", command->json, "print one JSON object instead of a table");

@@ -53,7 +53,9 @@ void LabOptions::addTo(CLI::App& command) {
   command.add_option("--body", body, "Ceres, Pluto, Europa, Moon, Mars or Earth")->capture_default_str();
   command.add_option("--radius-mm", radius_mm, "radius of a macroparticle; the soil stays the same [the test's own]");
   command.add_option("--stiffness-n-m", stiffness_n_m, "of the contacts at that radius [the soil's]");
-  command.add_option("--seed", seed, "of the specimen's particles")->capture_default_str();
+  command.add_option("--seed", seed, "of the specimen's particles")
+      ->check(wholeNumberIn(BedRanges::seed))
+      ->capture_default_str();
   command.add_option("--threads", threads, "threads to use; the result is the same [all]")
       ->check(wholeNumberIn(BedRanges::threads));
   command.add_option("--figure", figure_file, "draw what was measured: FILE.svg or FILE.png");

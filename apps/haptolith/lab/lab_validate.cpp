@@ -44,7 +44,7 @@ constexpr const char* kPage = "validation.md";
 struct ValidateOptions {
   std::string claims_file, soil;
   std::vector<std::string> only;
-  std::string folder = "validation";
+  std::string folder = "evidence";
   std::uint64_t seed = 1;
   int seeds = 3;
   int threads = 0;
@@ -97,10 +97,18 @@ std::string titleOf(const Piece& piece) {
   return fmt::format("{}, {}, {}, seed {}", piece.run.test, piece.soil.name, findBody(piece.run.body).name, piece.seed);
 }
 
-std::optional<double> numberAt(const Json& result, const std::string& pointer) {
+std::optional<double> numberAt(const Json& result, const MeasuredClaim& claim, const std::string& pointer) {
   const Json::json_pointer at(pointer);
   if (!result.contains(at)) {
-    throw InvalidParameter("ours or other", pointer, "where the test's JSON has a number (haptolith lab TEST --json)");
+    std::vector<std::string> there;
+    for (const auto& [key, value] : result.items()) {
+      if (value.is_number()) {
+        there.push_back("/" + key);
+      }
+    }
+    throw InvalidParameter(fmt::format("claim {}: ours or other", claim.claim.id), fmt::format("'{}'", pointer),
+                           fmt::format("where `haptolith lab {} --json` has a number: {}", claim.run.test,
+                                       fmt::join(there, ", ")));
   }
   const Json& number = result.at(at);
   return number.is_number() ? std::optional(number.get<double>()) : std::nullopt;
@@ -327,12 +335,12 @@ ClaimSpecimen Validation::specimenOf(const MeasuredClaim& measured, std::size_t 
       return specimen;
     }
   }
-  specimen.ours = numberAt(run.at("result"), measured.ours);
+  specimen.ours = numberAt(run.at("result"), measured, measured.ours);
   if (!measured.other.empty()) {
-    specimen.other = numberAt(run.at("result"), measured.other);
+    specimen.other = numberAt(run.at("result"), measured, measured.other);
   }
   if (over != nullptr && specimen.ours) {
-    const std::optional<double> divisor = numberAt(over->at("result"), measured.ours);
+    const std::optional<double> divisor = numberAt(over->at("result"), measured, measured.ours);
     specimen.ours = divisor && *divisor != 0 ? std::optional(*specimen.ours / *divisor) : std::nullopt;
   }
   if (!specimen.ours || (!measured.other.empty() && !specimen.other)) {
@@ -421,6 +429,7 @@ void addValidate(CLI::App& lab) {
       ->check(wholeNumberIn(kSeeds))
       ->capture_default_str();
   command->add_option("--seed", options->seed, "the first of the seeds, of the specimens' particles")
+      ->check(wholeNumberIn(BedRanges::seed))
       ->capture_default_str();
   command->add_option("--threads", options->threads, "threads to use; the result is the same [all]")
       ->check(wholeNumberIn(BedRanges::threads));

@@ -285,7 +285,9 @@ void addStudyExploreCommand(CLI::App& study) {
   command->add_option("--rounds", perception.rounds, "of the movement in each, 4 s long")
       ->check(wholeNumberIn({1, 1000}))
       ->capture_default_str();
-  command->add_option("--seed", perception.seed, "of the hands and beds")->capture_default_str();
+  command->add_option("--seed", perception.seed, "of the hands and beds")
+      ->check(wholeNumberIn(BedRanges::seed))
+      ->capture_default_str();
   command
       ->add_option("--sense-scale", options->perceive.sense_scale,
                    "scales what the senses tell apart: 0.6 for the finest that were measured, 1.8 for the coarsest")

@@ -1,9 +1,13 @@
 #include "teleop/link_options.h"
 
 #include <CLI/App.hpp>
+#include <fmt/format.h>
 
 #include <algorithm>
+#include <charconv>
+#include <iterator>
 
+#include "haptolith/core/error.h"
 #include "shared/option_checks.h"
 
 namespace haptolith {
@@ -13,6 +17,21 @@ namespace {
 constexpr double kMs = 1e-3;
 constexpr double kKbit = 1e3;
 constexpr double kBurst_packets = 25;  // of --burst-loss
+
+Outage outageFrom(const std::string& text) {
+  Outage outage;
+  const char* const end = text.data() + text.size();
+  const auto start = std::from_chars(text.data(), end, outage.start_s);
+  if (start.ec == std::errc() && start.ptr != end && *start.ptr == ',') {
+    const auto duration = std::from_chars(start.ptr + 1, end, outage.duration_s);
+    if (duration.ec == std::errc() && duration.ptr == end && LinkRanges::time_s.contains(outage.start_s) &&
+        LinkRanges::time_s.contains(outage.duration_s)) {
+      return outage;
+    }
+  }
+  throw InvalidParameter("--outage", fmt::format("'{}'", text),
+                         fmt::format("START_S,DURATION_S, two numbers of 0 to {:g}", LinkRanges::time_s.highest));
+}
 
 }  // namespace
 
@@ -30,10 +49,7 @@ void LinkOptions::addTo(CLI::App& command) {
          "Rate each way; 0: no limit [the profile's]");
   command.add_option("--outage", outage, "Cut off from this time on for so long; again for another")
       ->option_text("START_S,DURATION_S")
-      ->delimiter(',')
-      ->type_size(2)
-      ->expected(-1)
-      ->check(numberIn(LinkRanges::time_s));
+      ->allow_extra_args(false);
   command.add_option("--delays-up", delays_up, "Delays as they were measured, from operator to robot: t_s,delay_s")
       ->option_text("FILE.csv");
   command.add_option("--delays-down", delays_down, "The same from robot to operator")->option_text("FILE.csv");
@@ -51,9 +67,7 @@ LinkProfile LinkOptions::link() const {
       way->turns_bad = way->turns_good * *burst_loss / (1 - *burst_loss);
     }
     way->rate_bit_s = rate_kbit_s ? *rate_kbit_s * kKbit : way->rate_bit_s;
-    for (std::size_t i = 0; i + 1 < outage.size(); i += 2) {
-      way->outages.push_back({.start_s = outage[i], .duration_s = outage[i + 1]});
-    }
+    std::ranges::transform(outage, std::back_inserter(way->outages), outageFrom);
     std::ranges::sort(way->outages, {}, &Outage::start_s);
   }
   link.up.seed = seed.value_or(link.up.seed);

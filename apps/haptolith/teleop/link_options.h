@@ -18,7 +18,7 @@ struct LinkOptions {
   std::string profile = "lan";
   std::optional<double> round_trip_s, jitter_ms, loss, burst_loss, rate_kbit_s;
   std::optional<std::uint64_t> seed;
-  std::vector<double> outage;
+  std::vector<std::string> outage;
   std::string delays_up, delays_down;
 
   /// All but the round trip and the profile, which commands ask for in their own ways.

@@ -53,7 +53,7 @@ SoilIdentifier::SoilIdentifier(const Training& training)
 SoilBelief SoilIdentifier::identify(const MeasuredForces& forces, double gravity_m_s2, const SoilPrior& prior) const {
   const SoilBelief belief = beliefOf(forces, emulator_, temper_, gravity_m_s2, prior);
   if (belief.numbers == 0) {
-    throw InvalidParameter("forces", "of no window", "some where the tool is in soil");
+    throw InvalidParameter("windows in which the tool is in soil", "0", "1 or more");
   }
   return belief;
 }

@@ -25,6 +25,13 @@ HeldForce heldForce(std::span<const MeasuredSample> samples, const char* key, co
   const auto from = std::ranges::lower_bound(samples, time_s.lowest, {}, &MeasuredSample::time_s);
   const auto to = std::ranges::upper_bound(samples, time_s.highest, {}, &MeasuredSample::time_s);
   const std::string when = fmt::format("{:g},{:g}", time_s.lowest, time_s.highest);
+  constexpr double kEnd_s = 0.1;
+  if (!samples.empty() &&
+      (time_s.lowest < samples.front().time_s - kEnd_s || time_s.highest > samples.back().time_s + kEnd_s)) {
+    throw InvalidParameter(key, when,
+                           fmt::format("within what was measured: {:g} to {:g} s", samples.front().time_s,
+                                       samples.back().time_s));
+  }
   if (time_s.highest - time_s.lowest < kLeastTime_s || to - from < kLeastSamples) {
     throw InvalidParameter(key, when,
                            fmt::format("half a second or more in which {} forces were measured", kLeastSamples));
@@ -58,9 +65,20 @@ double quantile95(double freedom) {
   return boost::math::quantile(boost::math::students_t(freedom), 0.95);
 }
 
+void requireApart(const Range& full_s, const char* key, const Range& empty_s) {
+  if (full_s.lowest <= empty_s.highest && empty_s.lowest <= full_s.highest) {
+    throw InvalidParameter(key, fmt::format("{:g},{:g}", empty_s.lowest, empty_s.highest),
+                           fmt::format("at another time than --full-s, {:g},{:g}", full_s.lowest, full_s.highest));
+  }
+}
+
 }  // namespace
 
 ScoopMass weighScoop(std::span<const MeasuredSample> samples, const ScoopWeighing& weighing, double gravity_m_s2) {
+  requireApart(weighing.full_s, "--empty-s", weighing.empty_s);
+  if (weighing.empty_again_s) {
+    requireApart(weighing.full_s, "--empty-again-s", *weighing.empty_again_s);
+  }
   const HeldForce empty = heldForce(samples, "--empty-s", weighing.empty_s);
   const HeldForce full = heldForce(samples, "--full-s", weighing.full_s);
   double zero_n = empty.force_n.value, drift_n = weighing.drift_n_s * std::abs(full.middle_s - empty.middle_s);
@@ -92,7 +110,11 @@ SoilEstimate massOf(const ScoopMass& scoop) {
 }
 
 SoilEstimate densityOf(const ScoopMass& scoop, const Uncertain& volume_m3) {
-  requireInRange("volume_m3", volume_m3.value, {0, 1, Ends::kOpenBelow});
+  requireInRange("volume_m3", volume_m3.value, {1e-7, 1});
+  if (massOf(scoop).high <= 0) {
+    throw Failure(fmt::format("the scoop was lighter full than empty, by {:.3g} g: are the times the other way round?",
+                              -1e3 * scoop.mass_kg.value));
+  }
   requireInRange("volume_m3: its error over itself", volume_m3.error / volume_m3.value, {0, 0.5});
   const double t = quantile95(scoop.freedom);
   const auto& [m, m_error] = scoop.mass_kg;

@@ -44,7 +44,8 @@ struct ScoopMass {
 
 /// Density of what fills a volume, in kg/m^3: all rho for which m - rho V is not further from 0 than chance takes it
 /// nine times in ten (Fieller, J. R. Stat. Soc. B 16, 1954).
-/// @throws InvalidParameter for a volume that is not known to half of itself.
+/// @throws InvalidParameter for a volume outside 0.1 cm^3 to 1 m^3, or not known to half of itself; Failure where the
+/// scoop was surely lighter full than empty.
 [[nodiscard]] SoilEstimate densityOf(const ScoopMass& scoop, const Uncertain& volume_m3);
 
 }  // namespace haptolith

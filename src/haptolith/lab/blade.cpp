@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <limits>
 #include <string>
 #include <vector>
 
@@ -129,86 +128,119 @@ LabTrace traceOf(const std::vector<Moment>& moments, double stretch_m) {
   return trace;
 }
 
-/// What has come to lie before a blade since it began to move: mass over how far it is ahead of the lower edge.
+/// Where an equation says that soil breaks out, seen from above.
+struct HeapZone {
+  double ahead_m = 0;      ///< of the lower edge: to where the wedge ends
+  double reach_m = 0;      ///< r, on the surface, from the front
+  double crescent_rad = 0; ///< eta, of the crescent on either side; 0: none
+};
+
+/// What the equations of one strength get: earthmoving, between upright sides, with crescents.
+using ThreeZones = std::array<HeapZone, 3>;
+
+ThreeZones zonesOf(const BladeCase& blade, const BladeEquations& equations) {
+  const auto zone = [&](double beta_rad, double crescent_rad) {
+    const double ahead_m = blade.depth_m / std::tan(beta_rad);
+    return HeapZone{ahead_m, ahead_m + blade.depth_m / std::tan(blade.rake_rad), crescent_rad};
+  };
+  const HeapZone plane = zone(equations.earthmoving.beta_rad, 0);
+  return {plane, equations.upright_wedge ? zone(equations.upright_wedge->beta_rad, 0) : plane,
+          equations.wedge ? zone(equations.wedge->beta_rad, equations.wedge->crescent_angle_rad) : plane};
+}
+
+/// What has come to lie before a blade since it began to move.
 class Heap {
  public:
-  /// Before the blade has moved. @param edge_height_m  of the blade's lower edge
-  Heap(const LabBed& bed, const BladeOptions& options, double edge_height_m)
+  /// @param edge_height_m  of the blade's lower edge
+  Heap(const LabBed& bed, const BladeOptions& options, double edge_height_m, const ThreeZones& zones)
       : bed_(bed),
         edge_height_m_(edge_height_m),
-        // A bed without sides repeats itself, and its grains may have gone over the seam.
-        half_width_m_(options.side_room_depths > 0 ? options.width_m / 2 : std::numeric_limits<double>::infinity()),
-        cell_m_(options.ahead_depths * options.depth_m / kCells) {
-    add(-1);
-    first_ = sum_;
-    sum_.fill(0);
+        half_width_m_(options.width_m / 2),
+        has_sides_(options.side_room_depths > 0),
+        most_ahead_m_(options.ahead_depths * options.depth_m),
+        zones_(zones) {
+    add(-1, first_);
   }
 
   /// How it lies now counts in the mean.
   void look() {
-    add(1);
+    add(1, sum_);
     ++looks_;
   }
-  /// Mean weight, in N, of what lies up to a distance ahead of the edge, or to where the box ends.
-  [[nodiscard]] double weight(double ahead_of_edge_m) const {
-    const double cells = std::min(ahead_of_edge_m / cell_m_, double{kCells});
-    double grains = 0;
-    for (std::size_t i = 0; i < kCells; ++i) {
-      grains += std::clamp(cells - static_cast<double>(i), 0.0, 1.0) * (sum_[i] / looks_ + first_[i]);
+
+  struct Pressures {
+    double ahead_pa = 0, beside_pa = 0;
+  };
+  /// Mean weight on the wedge and on both crescents, over the areas of these.
+  [[nodiscard]] std::array<Pressures, 3> pressures() const {
+    std::array<Pressures, 3> all;
+    const double grain_n = -bed_.bed().parameters().gravity_m_s2.z() * bed_.bed().mass();
+    for (std::size_t i = 0; i < zones_.size(); ++i) {
+      const auto& [ahead_m, reach_m, crescent_rad] = zones_[i];
+      const auto over = [&](double Grains::*where, double area_m2) {
+        return std::max(0.0, grain_n * (sum_[i].*where / looks_ + first_[i].*where) / area_m2);
+      };
+      all[i] = {over(&Grains::ahead, 2 * half_width_m_ * reach_m),
+                crescent_rad > 0 ? over(&Grains::beside, reach_m * reach_m * crescent_rad) : 0};
     }
-    return -bed_.bed().parameters().gravity_m_s2.z() * grains * bed_.bed().mass();
+    return all;
   }
 
  private:
-  static constexpr std::size_t kCells = 100;  // the first holds what lies on a front that leans back, too
+  struct Grains {
+    double ahead = 0, beside = 0;
+  };
 
-  void add(double each) {
+  void add(double each, std::array<Grains, 3>& to) const {
     const Pose& blade = bed_.toolPose();
     const Vec3 forwards = blade.orientation * Vec3::UnitZ();
     const Vec3 on_front = blade.position_m + kThickness_m / 2 * forwards;
     // Where the front meets the height of the edge.
     const double edge_m = on_front.x() + (on_front.z() - edge_height_m_) * forwards.z() / forwards.x();
-    for (std::size_t i = 0; i < bed_.soil(); ++i) {
-      const Vec3 centre = bed_.centre(i);
-      const double cell = std::max(0.0, (centre.x() - edge_m) / cell_m_);
-      const bool is_before = (centre - on_front).dot(forwards) > 0 && centre.z() > edge_height_m_;
-      if (is_before && std::abs(centre.y()) < half_width_m_ && cell < kCells) {
-        sum_[static_cast<std::size_t>(cell)] += each;
+    for (std::size_t grain = 0; grain < bed_.soil(); ++grain) {
+      const Vec3 centre = bed_.centre(grain);
+      const double ahead_m = centre.x() - edge_m;
+      const double beside_m = std::abs(centre.y()) - half_width_m_;
+      if (centre.z() < edge_height_m_ || ahead_m > most_ahead_m_ || (centre - on_front).dot(forwards) < 0) {
+        continue;
+      }
+      for (std::size_t i = 0; i < zones_.size(); ++i) {
+        const HeapZone& zone = zones_[i];
+        if (!has_sides_ || beside_m < 0) {  // where the bed repeats itself grains may have gone over the seam
+          to[i].ahead += ahead_m < zone.ahead_m ? each : 0;
+        } else {
+          const double from_front_m = ahead_m + zone.reach_m - zone.ahead_m;  // on the surface
+          const bool is_in = std::hypot(from_front_m, beside_m) < zone.reach_m &&
+                             std::atan2(beside_m, from_front_m) < zone.crescent_rad;
+          to[i].beside += is_in ? each : 0;
+        }
       }
     }
   }
 
   const LabBed& bed_;
-  double edge_height_m_, half_width_m_, cell_m_;
-  std::array<double, kCells> first_{}, sum_{};  ///< grains in each; those at first count against
+  double edge_height_m_, half_width_m_;
+  bool has_sides_;
+  double most_ahead_m_;  ///< where the box ends
+  ThreeZones zones_;
+  std::array<Grains, 3> first_{}, sum_{};  ///< those at first count against
   double looks_ = 0;
 };
 
-/// The pressure that a heap is to a wedge which breaks out at an angle.
-double pressure(const Heap& heap, const BladeCase& blade, double beta_rad) {
-  const double ahead_m = blade.depth_m / std::tan(beta_rad);
-  const double reach_m = ahead_m + blade.depth_m / std::tan(blade.rake_rad);
-  return std::max(0.0, heap.weight(ahead_m) / (blade.width_m * reach_m));
-}
-
-/// A force by an equation, with what lies of a heap on the wedge that the equation has without.
-template <class Force>
-auto underHeap(const Heap* heap, BladeCase blade, const Force& force) {
-  const auto without = force(blade);
-  if (heap == nullptr) {
-    return without;
-  }
-  blade.surcharge_pa = pressure(*heap, blade, without.beta_rad);
-  return force(blade);
-}
-
 /// @param heap  null: there is none.
 BladeEquations equationsFor(const BladeCase& blade, bool has_sides, const Heap* heap) {
-  BladeEquations equations{.earthmoving = underHeap(heap, blade, earthmovingForce), .upright_wedge = {}, .wedge = {}};
+  const std::array<Heap::Pressures, 3> load = heap != nullptr ? heap->pressures() : std::array<Heap::Pressures, 3>();
+  const auto under = [&](std::size_t equation) {
+    BladeCase loaded = blade;
+    loaded.surcharge_pa = load[equation].ahead_pa;
+    loaded.surcharge_beside_pa = load[equation].beside_pa;
+    return loaded;
+  };
+  BladeEquations equations{.earthmoving = earthmovingForce(under(0)), .upright_wedge = {}, .wedge = {}};
   if (has_sides) {
-    equations.upright_wedge = underHeap(heap, blade, uprightWedgeForce);
+    equations.upright_wedge = uprightWedgeForce(under(1));
     try {
-      equations.wedge = underHeap(heap, blade, wedgeForce);
+      equations.wedge = wedgeForce(under(2));
     } catch (const InvalidParameter&) {
       // Leaning forward, or too flat for its width: what was measured is not thrown away for that.
     }
@@ -227,15 +259,11 @@ BladeCase caseOf(const LabConditions& conditions, const BladeOptions& options, c
           .cohesion_pa = options.cohesion_pa};
 }
 
-BladeExpectation expectation(BladeCase blade, const BladeOptions& options, const Heap* heap) {
-  const bool has_sides = options.side_room_depths > 0;
-  BladeExpectation expected{.undisturbed = equationsFor(blade, has_sides, heap), .residual = {}};
-  if (options.residual) {
-    blade.friction_angle_rad = options.residual->friction_angle_rad;
-    blade.cohesion_pa = options.residual->cohesion_pa;
-    expected.residual = equationsFor(blade, has_sides, heap);
-  }
-  return expected;
+/// The same soil once it has sheared.
+BladeCase sheared(BladeCase blade, const MohrCoulomb& residual) {
+  blade.friction_angle_rad = residual.friction_angle_rad;
+  blade.cohesion_pa = residual.cohesion_pa;
+  return blade;
 }
 
 }  // namespace
@@ -262,6 +290,7 @@ void validate(const LabConditions& conditions, const BladeOptions& options) {
     requireInRange("residual.friction_angle_rad", options.residual->friction_angle_rad, {0, kPi / 3});
     requireInRange("residual.cohesion_pa", options.residual->cohesion_pa, {0, 1e6});
   }
+  (void)particlesFor(conditions.soil, setUp(conditions, options).soil_volume_m3);
 }
 
 BladeResult bladeTest(const LabConditions& conditions, const BladeOptions& options) {
@@ -288,7 +317,18 @@ BladeResult bladeTest(const LabConditions& conditions, const BladeOptions& optio
   result.bulk_density_kg_m3 = bed.bulkDensity(0.2 * surface, 0.8 * surface);
   result.inertia = options.speed_m_s * options.speed_m_s / (conditions.gravity_m_s2 * result.depth_m);
 
-  Heap heap(bed, options, options.below_depths * options.depth_m);
+  const bool has_sides = options.side_room_depths > 0;
+  const BladeCase undisturbed = caseOf(conditions, options, result);
+  const double edge_height_m = options.below_depths * options.depth_m;
+  result.expected.undisturbed = equationsFor(undisturbed, has_sides, nullptr);
+  Heap heap(bed, options, edge_height_m, zonesOf(undisturbed, result.expected.undisturbed));
+  std::optional<Heap> heap_of_residual;
+  if (options.residual) {
+    const BladeCase residual = sheared(undisturbed, *options.residual);
+    result.expected.residual = equationsFor(residual, has_sides, nullptr);
+    heap_of_residual.emplace(bed, options, edge_height_m, zonesOf(residual, *result.expected.residual));
+  }
+
   std::vector<Moment> moments;
   bed.moveTool({{options.speed_m_s, 0, 0}, Vec3::Zero()});
   bed.run(options.travel_depths * options.depth_m / options.speed_m_s, "the blade moves", [&] {
@@ -298,6 +338,9 @@ BladeResult bladeTest(const LabConditions& conditions, const BladeOptions& optio
                        -on_front.x(), -on_front.z()});
     if (moments.back().travel_m >= options.level_depths * options.depth_m) {
       heap.look();
+      if (heap_of_residual) {
+        heap_of_residual->look();
+      }
     }
   });
   result.trace = traceOf(moments, options.depth_m / 50);
@@ -311,11 +354,12 @@ BladeResult bladeTest(const LabConditions& conditions, const BladeOptions& optio
   result.vertical_se_n = vertical.standard_error;
   result.front_draft_n = meanOf(moments, &Moment::front_draft_n).value;
   result.front_vertical_n = meanOf(moments, &Moment::front_vertical_n).value;
-  const BladeCase blade = caseOf(conditions, options, result);
-  result.expected = expectation(blade, options, nullptr);
-  result.expected_heaped = expectation(blade, options, &heap);
-  const BladeEquations& bare = result.expected.undisturbed;
-  result.heap_pa = pressure(heap, blade, bare.wedge ? bare.wedge->beta_rad : bare.earthmoving.beta_rad);
+  result.expected_heaped.undisturbed = equationsFor(undisturbed, has_sides, &heap);
+  if (options.residual) {
+    result.expected_heaped.residual = equationsFor(sheared(undisturbed, *options.residual), has_sides, &*heap_of_residual);
+  }
+  result.heap_pa = heap.pressures()[result.expected.undisturbed.wedge ? 2 : 0].ahead_pa;
+  result.heap_beside_pa = heap.pressures()[2].beside_pa;
   return result;
 }
 

@@ -58,6 +58,7 @@ struct BladeResult {
   double front_draft_n = 0;     ///< of draft_n, what presses on the flat front; see bladeTest()
   double front_vertical_n = 0;  ///< of vertical_n, likewise
   double heap_pa = 0;         ///< q of the wedge with crescents, or else of the plane one, undisturbed; see bladeTest()
+  double heap_beside_pa = 0;  ///< of its crescents; 0 without
   BladeExpectation expected;  ///< for `depth_m`, `width_m` and `bulk_density_kg_m3`, and a level surface
   BladeExpectation expected_heaped;  ///< likewise, with the heap's weight
   double depth_m = 0;                ///< below the settled surface: close to the wanted one, not exactly
@@ -87,7 +88,8 @@ struct BladeResult {
 ///
 /// with m the mass before the front, over the lower edge, as wide as the blade and as far as the equation's wedge
 /// reaches on the surface, r = d (cot alpha + cot beta), but no further than ahead_depths, and m_0 the same before the
-/// blade has moved. beta is that without a heap. Beside the blade, on the crescents, as much is taken to lie.
+/// blade has moved. beta is that without a heap. Crescents get what lies on them, over their area: less, the narrower
+/// the blade is.
 ///
 /// The earthmoving equation does not know the soil that breaks out to both sides, which adds to the draft of a blade
 /// not much wider than deep; the other two do, but not that the box ends side_room_depths beside the blade. With

@@ -32,6 +32,7 @@ void validate(const BladeCase& blade) {
   requireInRange("cohesion_pa", blade.cohesion_pa, not_negative);
   requireInRange("adhesion_pa", blade.adhesion_pa, {0, blade.cohesion_pa});
   requireInRange("surcharge_pa", blade.surcharge_pa, not_negative);
+  requireInRange("surcharge_beside_pa", blade.surcharge_beside_pa.value_or(0), not_negative);
   requireInRange("rake_rad", blade.rake_rad,
                  {0, kMostAngles - blade.tool_friction_rad - blade.friction_angle_rad, Ends::kOpen});
 }

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <optional>
+
 namespace haptolith {
 
 /// A wide, straight, slow blade and the soil before it.
@@ -14,6 +16,7 @@ struct BladeCase {
   double cohesion_pa = 0;         ///< c; 0 or more
   double adhesion_pa = 0;         ///< c_a, of the soil to the blade; 0 to c
   double surcharge_pa = 0;        ///< q, a load on the surface; 0 or more
+  std::optional<double> surcharge_beside_pa = {};  ///< on crescents (wedgeForce()); none: q, as ahead of the blade
 };
 
 /// What the soil does to the blade, and the factors it was made of.

@@ -137,8 +137,14 @@ std::vector<Float4> mixedGrains(const SoilParameters& soil, const std::vector<Ve
 }
 
 std::size_t particlesFor(const SoilParameters& soil, double volume_m3) {
+  constexpr double kMost = 3e6;  // two gigabytes, and days
   const double sphere = 4.0 / 3 * std::numbers::pi * std::pow(soil.radius_m, 3);
-  return static_cast<std::size_t>(std::max(1.0, kRandomPacking * volume_m3 / sphere));
+  const double particles = std::max(1.0, kRandomPacking * volume_m3 / sphere);
+  if (!(particles <= kMost)) {
+    throw InvalidParameter("particles that the test takes", fmt::format("{:.3g}", particles),
+                           fmt::format("{:g} or less: with larger ones (radius_mm), or a smaller tool and box", kMost));
+  }
+  return static_cast<std::size_t>(particles);
 }
 
 std::vector<Vec3> roughPlate(const SoilParameters& soil, const LabBox& box, double height_m, std::uint64_t seed) {

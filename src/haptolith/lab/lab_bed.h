@@ -43,7 +43,8 @@ struct LabBox {
 [[nodiscard]] std::vector<Float4> mixedGrains(const SoilParameters& soil, const std::vector<Vec3>& loose, int classes,
                                               std::uint64_t seed);
 
-/// How many particles fill `volume_m3` when densely packed without load.
+/// How many particles fill `volume_m3` when densely packed without load. @throws InvalidParameter for more than three
+/// million.
 [[nodiscard]] std::size_t particlesFor(const SoilParameters& soil, double volume_m3);
 
 /// Centres of a rough, tight plate over the whole box: closer together than particles are wide, at random heights of

@@ -12,6 +12,7 @@ namespace haptolith {
 namespace {
 
 constexpr double kMmPerM = 1000;
+constexpr double kWidestBed_m = 10;
 
 /// Share of rho0 g D, the soil's own scale of pressure under a plate, that counts as contact.
 constexpr double kContactShare = 0.05;
@@ -49,11 +50,12 @@ Push plateInto(const LabConditions& conditions, const PlateOptions& options, dou
 void validate(const LabConditions& conditions, const PlateOptions& options) {
   validate(conditions.soil);
   requireInRange("gravity_m_s2", conditions.gravity_m_s2, {0, 1000, Ends::kOpenBelow});
-  requireInRange("diameter_m", options.diameter_m, {8 * conditions.soil.radius_m, 10});
+  requireInRange("bed_width_diameters", options.bed_width_diameters, {2, 100});
+  requireInRange("diameter_m", options.diameter_m,
+                 {8 * conditions.soil.radius_m, std::floor(kMmPerM * kWidestBed_m / options.bed_width_diameters) / kMmPerM});
   requireInRange("max_sinkage_m", options.max_sinkage_m, {0, kThickness * options.diameter_m, Ends::kOpenBelow});
   requireInRange("speed_m_s", options.speed_m_s, {0, 10, Ends::kOpenBelow});
   requireInRange("friction", options.friction, {0, 10});
-  requireInRange("bed_width_diameters", options.bed_width_diameters, {2, 100});
   requireInRange("bed_depth_diameters", options.bed_depth_diameters,
                  {options.max_sinkage_m / options.diameter_m, 100, Ends::kOpenBelow});
   requireInRange("loose_top_m", options.loose_top_m,

@@ -16,11 +16,13 @@ namespace {
 /// w (rho g d^2 N_gamma + ...) of the plane wedge's factors, when the crescents are as much as `sides_m` more width.
 double forceWithSides(const BladeCase& blade, const BladeForce& plane, double sides_m) {
   const double weight = blade.density_kg_m3 * blade.gravity_m_s2 * blade.depth_m * plane.n_gamma;
-  const double shares = blade.cohesion_pa * plane.n_c + blade.surcharge_pa * plane.n_q;
+  const double ahead = blade.cohesion_pa * plane.n_c + blade.surcharge_pa * plane.n_q;
+  const double beside =
+      blade.cohesion_pa * plane.n_c + blade.surcharge_beside_pa.value_or(blade.surcharge_pa) * plane.n_q;
   const double adhesion = blade.adhesion_pa * plane.n_a;
   // A slice of a crescent comes to a point below, so it weighs two thirds of what the wedge does under as much surface.
   return blade.depth_m *
-         (weight * (blade.width_m + 2.0 / 3 * sides_m) + shares * (blade.width_m + sides_m) + adhesion * blade.width_m);
+         (weight * (blade.width_m + 2.0 / 3 * sides_m) + (ahead + adhesion) * blade.width_m + beside * sides_m);
 }
 
 WedgeForce forceAt(const BladeCase& blade, double beta) {

@@ -31,6 +31,8 @@ struct WedgeForce {
 ///     s        = r sin eta = d sqrt(cot^2 beta + 2 cot alpha cot beta),    cos eta = (d / r) cot alpha
 ///     vertical = the same with r eta in place of s and cos(alpha + delta) in place of sin(alpha + delta), - c_a d w
 ///
+/// where q N_q is of the surcharge beside the blade for the part with s / w, if that is another one.
+///
 /// McKyes and Ali, The cutting of soil by narrow blades (J. Terramechanics 14(2):43-51, 1977); McKyes, Soil Cutting and
 /// Tillage (1985). Ahead of the blade slides the plane wedge of earthmovingForce(). Beside it stand, on either side,
 /// slices of a crescent with the angle d eta', each r long on the surface and with its point at the blade's lower

@@ -62,8 +62,10 @@ std::string table(const BladeResult& result, const BladeOptions& options) {
   }
   text += tableRow("draft on its front / N", fmt::format("{:.3g}", result.front_draft_n), {});
   text += tableRow("downwards on it / N", fmt::format("{:.3g}", result.front_vertical_n), {});
-  text += fmt::format("\n  {:.0f} mm wide, {:.1f} mm deep, bulk density {:.0f} kg/m³, {} particles\n",
-                      result.width_m / kMm, result.depth_m / kMm, result.bulk_density_kg_m3, result.particles);
+  const std::string settled =
+      fmt::format(" ({:.3g} were asked: its edge has its place before the soil settles)", options.depth_m / kMm);
+  text += fmt::format("\n  {:.0f} mm wide, {:.1f} mm deep{}, bulk density {:.0f} kg/m³, {} particles\n",
+                      result.width_m / kMm, result.depth_m / kMm, settled, result.bulk_density_kg_m3, result.particles);
   text += fmt::format("  the equations get {:.1f}° and {:.0f} Pa", degrees(options.friction_angle_rad),
                       options.cohesion_pa);
   if (options.residual) {
@@ -71,7 +73,8 @@ std::string table(const BladeResult& result, const BladeOptions& options) {
                         options.residual->cohesion_pa);
   }
   text +=
-      fmt::format("; where heaped, {:.0f} Pa more on them: the soil that has come before the blade\n", result.heap_pa);
+      fmt::format("\n  where heaped, also what soil has come before the blade: {:.0f} Pa on the wedge", result.heap_pa);
+  text += result.expected.undisturbed.wedge ? fmt::format(", {:.0f} Pa on the crescents\n", result.heap_beside_pa) : "\n";
   if (const std::optional<WedgeForce>& wedge = result.expected.undisturbed.wedge) {
     text += fmt::format("  crescents break out {:.0f} mm ahead and {:.0f} mm to either side, at {:.0f}°\n",
                         wedge->rupture_distance_m / kMm, wedge->crescent_width_m / kMm, degrees(wedge->beta_rad));
@@ -108,6 +111,10 @@ Json expectationJson(const BladeExpectation& expected, const std::optional<MohrC
 }
 
 LabOutput bladeOutput(const LabSoil& soil, const LabConditions& conditions, BladeOptions options, bool own_strength) {
+  if (options.cohesion_pa != 0 && !own_strength) {
+    throw InvalidParameter("soil_cohesion_pa", fmt::format("{:g}", options.cohesion_pa),
+                           "given beside friction_angle_deg: without that, shearing tells both");
+  }
   validate(conditions, options);  // what it refuses is refused now, not after minutes
   if (!own_strength) {
     const BladeStrength strength = strengthBeforeBlade(conditions, options.preparation);
@@ -131,6 +138,7 @@ LabOutput bladeOutput(const LabSoil& soil, const LabConditions& conditions, Blad
                  {"front_draft_n", result.front_draft_n},
                  {"front_vertical_n", result.front_vertical_n},
                  {"heap_pa", result.heap_pa},
+                 {"heap_beside_pa", result.heap_beside_pa},
                  {"preparation", options.preparation == Preparation::kLoose ? "loose" : "dense"},
                  {"friction_angle_deg", degrees(options.friction_angle_rad)},
                  {"cohesion_pa", options.cohesion_pa},

@@ -27,6 +27,17 @@ struct Strength {
   bool measured = false;  ///< by shearing the soil instead
 };
 
+void requireOneStrength(const Strength& strength) {
+  if (strength.measured && strength.friction_angle_rad) {
+    throw InvalidParameter("friction_angle_deg", fmt::format("{:g}", degrees(*strength.friction_angle_rad)),
+                           "left out with measure_strength, which measures it");
+  }
+  if (strength.cohesion_pa != 0 && !strength.friction_angle_rad) {
+    throw InvalidParameter("soil_cohesion_pa", fmt::format("{:g}", strength.cohesion_pa),
+                           "given beside friction_angle_deg");
+  }
+}
+
 /// The plate beside a footing at the same depth, where it has sunk in by a tenth of its diameter.
 void compareWithFooting(const PlateResult& result, const Footing& footing, LabOutput& output) {
   const double pressure_pa =
@@ -167,6 +178,7 @@ LabTest plateEntry() {
                        .usual = "",
                        .set = LabOption::Switch([strength] { strength->measured = true; })}},
           .run = [own, strength](const LabSoil&, const LabConditions& conditions) {
+            requireOneStrength(*strength);
             return plateOutput(conditions, *own, *strength);
           }};
 }
