@@ -72,7 +72,8 @@ TEST_F(LabValidateCommand, SaysOfEachClaimHowItStandsAndGoesOnWithWhatIsMissing)
 TEST_F(LabValidateCommand, SaysWhichClaimPointsWhereNoNumberIs) {
   std::string wrong = kFall;
   wrong.replace(wrong.find("/acceleration_ratio"), 19, "/acceleration");
-  const ProgramResult run = runHaptolith(validation("wrong", claims(wrong + "expected = 1\nwithin = 0.01\n") + " --seeds 1"));
+  const ProgramResult run =
+      runHaptolith(validation("wrong", claims(wrong + "expected = 1\nwithin = 0.01\n") + " --seeds 1"));
   EXPECT_EQ(run.exit_status, 2);
   EXPECT_THAT(run.errors, AllOf(HasSubstr("claim fall: ours or other = '/acceleration' is not valid"),
                                 HasSubstr("/acceleration_ratio")));

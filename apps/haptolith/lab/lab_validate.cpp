@@ -106,9 +106,9 @@ std::optional<double> numberAt(const Json& result, const MeasuredClaim& claim, c
         there.push_back("/" + key);
       }
     }
-    throw InvalidParameter(fmt::format("claim {}: ours or other", claim.claim.id), fmt::format("'{}'", pointer),
-                           fmt::format("where `haptolith lab {} --json` has a number: {}", claim.run.test,
-                                       fmt::join(there, ", ")));
+    throw InvalidParameter(
+        fmt::format("claim {}: ours or other", claim.claim.id), fmt::format("'{}'", pointer),
+        fmt::format("where `haptolith lab {} --json` has a number: {}", claim.run.test, fmt::join(there, ", ")));
   }
   const Json& number = result.at(at);
   return number.is_number() ? std::optional(number.get<double>()) : std::nullopt;

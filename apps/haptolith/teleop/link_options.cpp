@@ -8,6 +8,7 @@
 #include <iterator>
 
 #include "haptolith/core/error.h"
+
 #include "shared/option_checks.h"
 
 namespace haptolith {

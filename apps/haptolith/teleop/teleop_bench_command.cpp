@@ -219,8 +219,8 @@ std::string taskText(const Row& row, const BenchOptions& options) {
   const bool trench = options.task == "trench";
   const std::string when = std::isnan(task->done_s) ? fmt::format("not done in {:g} s", options.duration())
                                                     : fmt::format("done after {:.1f} s", task->done_s);
-  return fmt::format("{}, {:g} s: {} {}, {}, {} in the end\n", text(row.which), row.round_trip_s, options.task,
-                     when, counted(task->strokes, "try", "tries"),
+  return fmt::format("{}, {:g} s: {} {}, {}, {} in the end\n", text(row.which), row.round_trip_s, options.task, when,
+                     counted(task->strokes, "try", "tries"),
                      trench ? fmt::format("{:.1f} mm", task->reached / kMm) : fmt::format("{:.3f} N", task->reached));
 }
 

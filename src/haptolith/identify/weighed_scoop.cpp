@@ -28,9 +28,9 @@ HeldForce heldForce(std::span<const MeasuredSample> samples, const char* key, co
   constexpr double kEnd_s = 0.1;
   if (!samples.empty() &&
       (time_s.lowest < samples.front().time_s - kEnd_s || time_s.highest > samples.back().time_s + kEnd_s)) {
-    throw InvalidParameter(key, when,
-                           fmt::format("within what was measured: {:g} to {:g} s", samples.front().time_s,
-                                       samples.back().time_s));
+    throw InvalidParameter(
+        key, when,
+        fmt::format("within what was measured: {:g} to {:g} s", samples.front().time_s, samples.back().time_s));
   }
   if (time_s.highest - time_s.lowest < kLeastTime_s || to - from < kLeastSamples) {
     throw InvalidParameter(key, when,

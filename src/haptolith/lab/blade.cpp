@@ -130,9 +130,9 @@ LabTrace traceOf(const std::vector<Moment>& moments, double stretch_m) {
 
 /// Where an equation says that soil breaks out, seen from above.
 struct HeapZone {
-  double ahead_m = 0;      ///< of the lower edge: to where the wedge ends
-  double reach_m = 0;      ///< r, on the surface, from the front
-  double crescent_rad = 0; ///< eta, of the crescent on either side; 0: none
+  double ahead_m = 0;       ///< of the lower edge: to where the wedge ends
+  double reach_m = 0;       ///< r, on the surface, from the front
+  double crescent_rad = 0;  ///< eta, of the crescent on either side; 0: none
 };
 
 /// What the equations of one strength get: earthmoving, between upright sides, with crescents.
@@ -356,7 +356,8 @@ BladeResult bladeTest(const LabConditions& conditions, const BladeOptions& optio
   result.front_vertical_n = meanOf(moments, &Moment::front_vertical_n).value;
   result.expected_heaped.undisturbed = equationsFor(undisturbed, has_sides, &heap);
   if (options.residual) {
-    result.expected_heaped.residual = equationsFor(sheared(undisturbed, *options.residual), has_sides, &*heap_of_residual);
+    result.expected_heaped.residual =
+        equationsFor(sheared(undisturbed, *options.residual), has_sides, &*heap_of_residual);
   }
   result.heap_pa = heap.pressures()[result.expected.undisturbed.wedge ? 2 : 0].ahead_pa;
   result.heap_beside_pa = heap.pressures()[2].beside_pa;

@@ -51,8 +51,9 @@ void validate(const LabConditions& conditions, const PlateOptions& options) {
   validate(conditions.soil);
   requireInRange("gravity_m_s2", conditions.gravity_m_s2, {0, 1000, Ends::kOpenBelow});
   requireInRange("bed_width_diameters", options.bed_width_diameters, {2, 100});
-  requireInRange("diameter_m", options.diameter_m,
-                 {8 * conditions.soil.radius_m, std::floor(kMmPerM * kWidestBed_m / options.bed_width_diameters) / kMmPerM});
+  requireInRange(
+      "diameter_m", options.diameter_m,
+      {8 * conditions.soil.radius_m, std::floor(kMmPerM * kWidestBed_m / options.bed_width_diameters) / kMmPerM});
   requireInRange("max_sinkage_m", options.max_sinkage_m, {0, kThickness * options.diameter_m, Ends::kOpenBelow});
   requireInRange("speed_m_s", options.speed_m_s, {0, 10, Ends::kOpenBelow});
   requireInRange("friction", options.friction, {0, 10});

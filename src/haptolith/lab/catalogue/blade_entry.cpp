@@ -74,7 +74,8 @@ std::string table(const BladeResult& result, const BladeOptions& options) {
   }
   text +=
       fmt::format("\n  where heaped, also what soil has come before the blade: {:.0f} Pa on the wedge", result.heap_pa);
-  text += result.expected.undisturbed.wedge ? fmt::format(", {:.0f} Pa on the crescents\n", result.heap_beside_pa) : "\n";
+  text +=
+      result.expected.undisturbed.wedge ? fmt::format(", {:.0f} Pa on the crescents\n", result.heap_beside_pa) : "\n";
   if (const std::optional<WedgeForce>& wedge = result.expected.undisturbed.wedge) {
     text += fmt::format("  crescents break out {:.0f} mm ahead and {:.0f} mm to either side, at {:.0f}°\n",
                         wedge->rupture_distance_m / kMm, wedge->crescent_width_m / kMm, degrees(wedge->beta_rad));
