@@ -255,10 +255,8 @@ std::string validationPage(const std::vector<JudgedClaim>& claims, const std::ve
       static_cast<std::size_t>(measured) < claims.size()
           ? fmt::format(" {} are not measured yet.", claims.size() - static_cast<std::size_t>(measured))
           : "");
-  std::vector<Claim> bare;
-  for (const JudgedClaim& judged : claims) {
-    bare.push_back(judged.claim);
-  }
+  std::vector<Claim> bare(claims.size());
+  std::ranges::transform(claims, bare.begin(), &JudgedClaim::claim);
   const std::vector<std::string> groups = groupsOf(bare);
   const std::vector<std::string> figures = figureNamesOf(groups);
   for (std::size_t i = 0; i < groups.size(); ++i) {
