@@ -376,40 +376,39 @@ BladeStrength strengthBeforeBlade(const LabConditions& conditions, Preparation p
 
 void drawBlade(const OutputFile& file, const BladeResult& result, std::string_view title) {
   constexpr double kMmPerM = 1000;
-  Figure figure(file, 900, 600);
+  Figure figure(file, 1100, 500);
   std::vector<std::vector<double>> rows = result.trace.rows;
   for (std::vector<double>& row : rows) {
     row[0] *= kMmPerM;
   }
   figure.data("trace", rows);
   figure.command(
-      "set xlabel 'travel / mm'; set ylabel 'force / N'; set key tmargin center horizontal; set xrange [0:*]");
+      "set xlabel 'travel / mm'; set ylabel 'force / N'; set key outside right center Left reverse; set xrange [0:*]");
   figure.command(fmt::format("set title {}", gnuplotQuoted(title)));
-  std::string with_sides;
-  if (result.expected.undisturbed.upright_wedge) {
-    with_sides += fmt::format(
-        "{} with lines dashtype (2,5) linewidth 1.5 linecolor rgb '#0072b2' title "
-        "'draft, wedge between upright sides', ",
-        result.expected.undisturbed.upright_wedge->draft_n);
-  }
-  if (result.expected.undisturbed.wedge) {
-    with_sides += fmt::format(
-        "{} with lines dashtype (8,5,2,5) linewidth 1.5 linecolor rgb '#0072b2' title "
-        "'draft, wedge with crescents', ",
-        result.expected.undisturbed.wedge->draft_n);
-  }
-  const BladeEquations& heaped = result.expected_heaped.undisturbed;
-  with_sides += fmt::format("{} with lines linewidth 1 linecolor rgb '#0072b2' title 'draft, {} under the heap', ",
-                            heaped.wedge ? heaped.wedge->draft_n : heaped.earthmoving.draft_n,
-                            heaped.wedge ? "wedge with crescents" : "earthmoving equation");
-  figure.command(fmt::format(
+  std::string curves =
       "plot $trace using 1:2 with lines linewidth 2.5 linecolor rgb '#0072b2' title 'draft', "
-      "$trace using 1:3 with lines linewidth 2.5 linecolor rgb '#009e73' title 'vertical', "
-      "{} with lines dashtype (8,5) linewidth 1.5 linecolor rgb '#0072b2' title 'draft, earthmoving equation', {}"
-      "{} with lines dashtype (8,5) linewidth 1.5 linecolor rgb '#009e73' title 'vertical, earthmoving equation', "
-      "{} with lines dashtype (2,3) linewidth 1.5 linecolor rgb '#888888' title 'mean draft ± {:.2g} N'",
-      result.expected.undisturbed.earthmoving.draft_n, with_sides, result.expected.undisturbed.earthmoving.vertical_n,
-      result.draft_n, result.draft_se_n));
+      "$trace using 1:3 with lines linewidth 2.5 linecolor rgb '#009e73' title 'vertical'";
+  const auto level = [&](double force_n, std::string_view look, std::string_view name) {
+    curves += fmt::format(", {} with lines {} title '{}'", force_n, look, name);
+  };
+  const BladeEquations& bare = result.expected.undisturbed;
+  const BladeEquations& heaped = result.expected_heaped.undisturbed;
+  level(result.draft_n, "dashtype (2,3) linewidth 1.5 linecolor rgb '#888888'",
+        fmt::format("mean draft ± {:.2g} N", result.draft_se_n));
+  level(bare.earthmoving.draft_n, "dashtype (8,5) linewidth 1.5 linecolor rgb '#d55e00'", "earthmoving equation");
+  if (bare.upright_wedge) {
+    level(bare.upright_wedge->draft_n, "dashtype (2,5) linewidth 2 linecolor rgb '#cc79a7'",
+          "wedge between upright sides");
+  }
+  if (bare.wedge) {
+    level(bare.wedge->draft_n, "dashtype (8,5) linewidth 1.5 linecolor rgb '#e69f00'", "wedge with crescents");
+  }
+  level(heaped.wedge ? heaped.wedge->draft_n : heaped.earthmoving.draft_n,
+        fmt::format("linewidth 1.5 linecolor rgb '{}'", heaped.wedge ? "#e69f00" : "#d55e00"),
+        "the same, under the heap");
+  level(bare.earthmoving.vertical_n, "dashtype (8,5) linewidth 1.5 linecolor rgb '#009e73'",
+        "vertical, earthmoving equation");
+  figure.command(curves);
   figure.save();
 }
 

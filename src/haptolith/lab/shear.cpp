@@ -261,13 +261,13 @@ void drawShear(const OutputFile& path, const ShearResult& result, std::string_vi
     return fmt::format("{} + {}*x", fit.cohesion_pa / 1e3, std::tan(fit.friction_angle_rad));
   };
   const auto label = [](std::string_view what, const MohrCoulomb& fit) {
-    return fmt::format("{}: {:.1f} deg, {:.0f} Pa", what, fit.friction_angle_rad * 180 / std::numbers::pi,
+    return fmt::format("{}: {:.1f}°, {:.0f} Pa", what, fit.friction_angle_rad * 180 / std::numbers::pi,
                        fit.cohesion_pa);
   };
-  figure.command(
-      fmt::format("set xlabel 'normal stress / kPa'; set ylabel 'shear stress / kPa'; set key title ''; "
-                  "set xrange [0:{:g}]; set yrange [0:*]",
-                  1.1 * largest));
+  figure.command(fmt::format(
+      "set xlabel 'normal stress / kPa'; set ylabel 'shear stress / kPa'; set key inside top left vertical title ''; "
+      "set xrange [0:{:g}]; set yrange [0:*]",
+      1.1 * largest));
   figure.command(fmt::format(
       "plot $points using 1:2 with points pt 9 ps 1.3 lc '#d2691e' notitle, {} lw 2 dt 2 lc '#d2691e' title '{}', "
       "$points using 1:3 with points pt 7 ps 1.2 lc '#1f6fb4' notitle, {} lw 2 lc '#1f6fb4' title '{}'",
