@@ -85,6 +85,12 @@ TEST(Blade, IsComparedWithWedgesThatKnowItsSidesWhereItHasSides) {
   ASSERT_TRUE(blade.expected.undisturbed.wedge && blade.expected.undisturbed.upright_wedge && blade.expected.residual);
   EXPECT_DOUBLE_EQ(blade.expected.undisturbed.wedge->draft_n, wedgeForce(expected).draft_n);
   EXPECT_DOUBLE_EQ(blade.expected.undisturbed.upright_wedge->draft_n, uprightWedgeForce(expected).draft_n);
+  EXPECT_GT(blade.heap_beside_pa, 0);
+  EXPECT_LT(blade.heap_beside_pa, 0.7 * blade.heap_pa) << "soil heaps up before the blade";
+  BladeCase heaped = expected;
+  heaped.surcharge_pa = blade.heap_pa;
+  heaped.surcharge_beside_pa = blade.heap_beside_pa;
+  EXPECT_DOUBLE_EQ(blade.expected_heaped.undisturbed.wedge->draft_n, wedgeForce(heaped).draft_n);
   expected.friction_angle_rad = 39 * kDegree;
   EXPECT_DOUBLE_EQ(blade.expected.residual->earthmoving.draft_n, earthmovingForce(expected).draft_n);
   EXPECT_DOUBLE_EQ(blade.expected.residual->wedge->draft_n, wedgeForce(expected).draft_n);

@@ -25,6 +25,8 @@ constexpr const char* kExamples = R"(Examples:
 
 docs/identify.md tells what the numbers are worth.)";
 
+constexpr double kCm3 = 1e-6;  // in m^3
+
 struct DensityOptions {
   std::string measured_file, body = "Moon";
   std::vector<double> empty_s, full_s, empty_again_s, volume_cm3;
@@ -48,9 +50,9 @@ void tellDensity(const DensityOptions& options) {
   const SoilEstimate mass_kg = massOf(scoop);
   std::optional<Uncertain> volume_m3;
   if (!options.volume_cm3.empty()) {
-    requireInRange("--volume-cm3", options.volume_cm3[0], {0.1, 1e6});
+    requireInRange("--volume-cm3", options.volume_cm3[0], kScoopVolume_m3.in(kCm3));
     volume_m3 =
-        Uncertain{1e-6 * options.volume_cm3[0], options.volume_cm3.size() > 1 ? 1e-6 * options.volume_cm3[1] : 0};
+        Uncertain{kCm3 * options.volume_cm3[0], options.volume_cm3.size() > 1 ? kCm3 * options.volume_cm3[1] : 0};
   }
   std::optional<SoilEstimate> density_kg_m3;
   if (volume_m3) {

@@ -26,8 +26,8 @@ constexpr double kSkinRadii = 0.5;
 /// every step; smaller: more looks.
 constexpr double kNearRadii = 0.1;
 
-/// So far from the middle of the box a position is known to 3e-8 m: in substeps of a third of a millisecond everything
-/// that is faster than 0.05 mm/s moves. In wider boxes remainders are kept.
+/// In a box as wide as this a position is known to 3e-8 m: in substeps of a third of a millisecond everything that is
+/// faster than 0.05 mm/s moves. In wider boxes remainders are kept.
 constexpr double kExactWidth_m = 1;
 
 /// A thread is worth waking, which takes some 100 us, for at least this many particles; contacts with friction take

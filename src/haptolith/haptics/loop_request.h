@@ -34,7 +34,8 @@ struct Adjust {
   SoilLaws laws;  ///< see Bed::adjustSoil()
   double tool_friction = 0;
 };
-/// A grain that is to lie elsewhere, if it may (Scene::moveGrain()): one in a tick at most, likewise.
+/// A grain that is to lie elsewhere, if it may (Scene::moveGrain()): one in a tick at most, likewise. Not to be asked
+/// for while time stands still: what is asked behind a second one, the end of the pause too, would wait for a tick.
 struct MoveGrain {
   GrainMove move;
 };

@@ -110,7 +110,7 @@ SoilEstimate massOf(const ScoopMass& scoop) {
 }
 
 SoilEstimate densityOf(const ScoopMass& scoop, const Uncertain& volume_m3) {
-  requireInRange("volume_m3", volume_m3.value, {1e-7, 1});
+  requireInRange("volume_m3", volume_m3.value, kScoopVolume_m3);
   if (massOf(scoop).high <= 0) {
     throw Failure(fmt::format("the scoop was lighter full than empty, by {:.3g} g: are the times the other way round?",
                               -1e3 * scoop.mass_kg.value));

@@ -14,6 +14,8 @@ struct Uncertain {
   double value = 0, error = 0;
 };
 
+inline constexpr Range kScoopVolume_m3{1e-7, 1};
+
 /// When a scoop was held still in the air, by the times of the samples.
 struct ScoopWeighing {
   Range empty_s, full_s;
@@ -35,7 +37,7 @@ struct ScoopMass {
 /// the drift. Noise may be alike from reading to reading: a mean's error is that of the means of ten equal parts of its
 /// time (batch means: Law and Kelton, Simulation Modeling and Analysis), as long as each is longer than that.
 /// @throws InvalidParameter where the scoop was held for less than half a second, or measured less than a hundred
-/// times, or moved by 1 mm or 1 degree meanwhile.
+/// times, or moved by 1 mm or 1 degree meanwhile, and for times that were not measured, or of full and empty at once.
 [[nodiscard]] ScoopMass weighScoop(std::span<const MeasuredSample> samples, const ScoopWeighing& weighing,
                                    double gravity_m_s2);
 
@@ -44,7 +46,7 @@ struct ScoopMass {
 
 /// Density of what fills a volume, in kg/m^3: all rho for which m - rho V is not further from 0 than chance takes it
 /// nine times in ten (Fieller, J. R. Stat. Soc. B 16, 1954).
-/// @throws InvalidParameter for a volume outside 0.1 cm^3 to 1 m^3, or not known to half of itself; Failure where the
+/// @throws InvalidParameter for a volume outside kScoopVolume_m3, or not known to half of itself; Failure where the
 /// scoop was surely lighter full than empty.
 [[nodiscard]] SoilEstimate densityOf(const ScoopMass& scoop, const Uncertain& volume_m3);
 
