@@ -19,6 +19,26 @@ if(HAPTOLITH_SANITIZE)
   endif()
 endif()
 
+# haptolith_unity(haptolith_soil): compiles a target's sources twelve at a time, which takes half as long; a changed file then
+# costs its whole batch. Sources that Highway compiles once for each instruction set include themselves, and stay alone.
+option(HAPTOLITH_UNITY "Compile several sources at a time: quicker from nothing, slower after a change" OFF)
+function(haptolith_unity target)
+  if(HAPTOLITH_UNITY)
+    set_target_properties(${target} PROPERTIES UNITY_BUILD ON UNITY_BUILD_BATCH_SIZE 12)
+    # Of types in unnamed namespaces, which are as private in a batch as in a source.
+    target_compile_options(${target} PRIVATE $<$<CXX_COMPILER_ID:GNU>:-Wno-subobject-linkage>)
+    get_target_property(sources ${target} SOURCES)
+    foreach(source IN LISTS sources)
+      if(EXISTS ${CMAKE_CURRENT_SOURCE_DIR}/${source})
+        file(STRINGS ${CMAKE_CURRENT_SOURCE_DIR}/${source} alone REGEX "HWY_TARGET_INCLUDE" LIMIT_COUNT 1)
+        if(alone)
+          set_source_files_properties(${source} PROPERTIES SKIP_UNITY_BUILD_INCLUSION ON)
+        endif()
+      endif()
+    endforeach()
+  endif()
+endfunction()
+
 # haptolith_precompile(tests LIBRARIES fmt::fmt HEADERS <vector>): headers that most sources of a kind include, compiled once.
 # haptolith_precompiled(test_core tests): a target of that kind. What a source needs it still includes: clang-tidy knows of none.
 option(HAPTOLITH_PRECOMPILED_HEADERS "Compile headers that most sources include once" ON)
@@ -58,6 +78,7 @@ function(haptolith_module name)
     PRIVATE ${ARG_LIBRARIES})
   set_target_properties(haptolith_${name} PROPERTIES POSITION_INDEPENDENT_CODE ON)
   haptolith_precompiled(haptolith_${name} library)
+  haptolith_unity(haptolith_${name})
 endfunction()
 
 # haptolith_shared_library(haptolith_library haptolith SOURCES a.cpp LIBRARIES haptolith::lab)
@@ -73,6 +94,7 @@ function(haptolith_shared_library target output_name)
   target_include_directories(${target} PRIVATE ${PROJECT_SOURCE_DIR}/include ${PROJECT_BINARY_DIR}/include)
   target_link_libraries(${target} PRIVATE ${ARG_LIBRARIES})
   haptolith_precompiled(${target} library)
+  haptolith_unity(${target})
   set_target_properties(${target} PROPERTIES
     OUTPUT_NAME ${output_name} EXPORT_NAME ${output_name} LIBRARY_OUTPUT_DIRECTORY ${PROJECT_BINARY_DIR}/lib
     VERSION ${PROJECT_VERSION} SOVERSION ${PROJECT_VERSION_MAJOR}.${PROJECT_VERSION_MINOR}

@@ -10,6 +10,15 @@ namespace haptolith {
 // command line is parsed, which then throws CLI::ParseError for wrong usage, InvalidParameter for a wrong value,
 // Failure for work undone.
 
+/// All commands of this executable: program.cpp of `haptolith`, workbench.cpp of `haptolith-workbench`.
+void addCommands(CLI::App& app);
+/// Replaces this process by the executable that has the command; returns when this one has it.
+/// @throws Failure when there is none.
+void runWhatIsElsewhere(int argc, char** argv);
+
+/// The commands that both executables have.
+void addProgramCommands(CLI::App& app);
+
 void addRunCommand(CLI::App& app);
 void addSnapshotCommand(CLI::App& app);
 void addReplayCommand(CLI::App& app);

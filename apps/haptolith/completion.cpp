@@ -17,6 +17,7 @@
 #include "commands.h"
 #include "shared/option_checks.h"
 #include "shared/output.h"
+#include "workbench_commands.h"
 
 namespace haptolith {
 
@@ -292,7 +293,7 @@ function __haptolith_at
 }  // namespace
 
 void addCompletionCommand(CLI::App& app) {
-  CLI::App* command = app.add_subcommand("completion", "Print a script that completes commands and options in a shell");
+  CLI::App* command = app.add_subcommand("completion", kCompletionDescription);
   auto shell = std::make_shared<std::string>();
   command->add_option("shell", *shell, "The shell")->required()->check(oneOf({"bash", "zsh", "fish"}));
   command->footer("Examples:\n  source <(haptolith completion bash)\n  haptolith completion fish | source");

@@ -28,7 +28,7 @@ namespace {
 /// What the program tells its caller; docs and scripts rely on these.
 enum ExitStatus { kOk = 0, kFailed = 1, kUsage = 2 };
 
-constexpr const char* kExamples = R"(Examples:
+constexpr const char* kProgramExamples = R"(Examples:
   haptolith run                          soil of the Moon, felt by a virtual hand
   haptolith run paper                    the paper's scene
   haptolith run scenarios/rain.toml      one from a file (docs/scenarios.md)
@@ -42,25 +42,6 @@ HAPTOLITH_SIMD=SSE4 haptolith ...          with another instruction set than the
 HAPTOLITH_CACHE=off haptolith ...          without keeping settled soil, or with the folder where to keep it
 
 Exit status: 0 done, 1 failed, 2 wrong usage.)";
-
-void addCommands(CLI::App& app) {
-  addRunCommand(app);
-  addSnapshotCommand(app);
-  addReplayCommand(app);
-  addExportCommand(app);
-  addImportCommand(app);
-  addSoilCommands(app);
-  addScenesCommand(app);
-  addLabCommand(app);
-  addStudyCommand(app);
-  addIdentifyCommand(app);
-  addTeleopCommand(app);
-  addRos2Command(app);
-  addBenchCommand(app);
-  addDevicesCommand(app);
-  addDoctorCommand(app);
-  addCompletionCommand(app);
-}
 
 /// The log on standard error, which waits for no terminal. Texts of files are in its messages: what a terminal would
 /// obey is taken out of them.
@@ -171,11 +152,12 @@ int main(int argc, char** argv) {
   std::signal(SIGPIPE, SIG_IGN);  // a closed pipe is an error of the write, like a full disk
   try {
     logToStandardError();
+    runWhatIsElsewhere(argc, argv);
     CLI::App app{"haptolith: lunar and planetary regolith, felt through a haptic device at 1 kHz", "haptolith"};
     app.set_version_flag("--version", "haptolith " HAPTOLITH_VERSION, "Print the version");
     app.formatter(std::make_shared<HelpFormatter>());
     app.require_subcommand(1);
-    app.footer(kExamples);
+    app.footer(kProgramExamples);
     addCommands(app);
     return run(app, argc, argv);
   } catch (const std::filesystem::filesystem_error& error) {

@@ -22,7 +22,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr const char* kExamples = R"(Examples:
+constexpr const char* kIdentifyCheckExamples = R"(Examples:
   haptolith identify check --out hidden.json               50 soils: an hour of two processors
   haptolith identify check --out hidden.json --resume      goes on, or tells once more what came of them
 
@@ -97,7 +97,7 @@ void addIdentifyCheck(CLI::App& identify) {
   auto options = std::make_shared<CheckOptions>();
   CLI::App* command = identify.add_subcommand(
       "check", "Tell soils that no training has seen, and compare with what a shear test measures");
-  command->footer(kExamples);
+  command->footer(kIdentifyCheckExamples);
   command->add_option("--out", options->soils.out_file, "Where to keep what these soils do to the tool")
       ->option_text("FILE.json")
       ->required();

@@ -2,12 +2,13 @@
 
 #include "commands.h"
 #include "identify/identify_commands.h"
+#include "workbench_commands.h"
 
 namespace haptolith {
 
 namespace {
 
-constexpr const char* kExamples = R"(Examples:
+constexpr const char* kIdentifyExamples = R"(Examples:
   haptolith identify probe --out probe.csv            where a robot's shovel goes to learn about soil
   haptolith identify soil measured.csv                what soil it was that the robot met there
   haptolith identify next first.csv --out second.csv  which part of the probe would tell the most after that
@@ -18,9 +19,9 @@ docs/identify.md tells what can be known from forces, and how well.)";
 }  // namespace
 
 void addIdentifyCommand(CLI::App& app) {
-  CLI::App* identify = app.add_subcommand("identify", "Friction, cohesion and density of soil from forces on a tool");
+  CLI::App* identify = app.add_subcommand("identify", kIdentifyDescription);
   identify->require_subcommand(1);
-  identify->footer(kExamples);
+  identify->footer(kIdentifyExamples);
   addIdentifyProbe(*identify);
   addIdentifySoil(*identify);
   addIdentifyNext(*identify);

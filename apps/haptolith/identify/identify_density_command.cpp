@@ -19,7 +19,7 @@ namespace haptolith {
 
 namespace {
 
-constexpr const char* kExamples = R"(Examples:
+constexpr const char* kIdentifyDensityExamples = R"(Examples:
   haptolith identify density weighed.csv --empty-s 0,2 --full-s 8,10 --volume-cm3 44,3
   haptolith identify density weighed.csv --empty-s 0,2 --full-s 8,10 --empty-again-s 14,16 --volume-cm3 44,3
 
@@ -93,7 +93,7 @@ void addIdentifyDensity(CLI::App& identify) {
   auto options = std::make_shared<DensityOptions>();
   CLI::App* command =
       identify.add_subcommand("density", "Weigh soil in a scoop, and tell its density from the volume it came from");
-  command->footer(kExamples);
+  command->footer(kIdentifyDensityExamples);
   command
       ->add_option(
           "measured", options->measured_file,

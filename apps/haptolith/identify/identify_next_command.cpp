@@ -28,7 +28,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr const char* kExamples = R"(Examples:
+constexpr const char* kIdentifyNextExamples = R"(Examples:
   haptolith identify next --out first.csv                          nothing is measured yet: where to begin
   haptolith identify next measured.csv --out second.csv            what to do after that
   haptolith identify next first.csv second.csv --wanted 10,400,14
@@ -174,7 +174,7 @@ void addIdentifyNext(CLI::App& identify) {
   auto options = std::make_shared<NextOptions>();
   CLI::App* command = identify.add_subcommand(
       "next", "Choose the part of a probe that is to be made next, by what it is expected to tell");
-  command->footer(kExamples);
+  command->footer(kIdentifyNextExamples);
   options->measured.addTo(*command, false);
   command->add_option("--out", options->out_file, "Where to write where the tool goes, every millisecond")
       ->option_text("FILE.csv");

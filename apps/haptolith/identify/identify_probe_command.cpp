@@ -22,7 +22,7 @@ namespace haptolith {
 
 namespace {
 
-constexpr const char* kExamples = R"(Examples:
+constexpr const char* kIdentifyProbeExamples = R"(Examples:
   haptolith identify probe --out probe.csv
   haptolith identify probe --scene field --out probe.csv && haptolith run field --poses probe.csv --trace measured.csv)";
 
@@ -58,7 +58,7 @@ void addIdentifyProbe(CLI::App& identify) {
   auto options = std::make_shared<ProbeOptions>();
   CLI::App* command = identify.add_subcommand(
       "probe", "Write where a shovel goes, every millisecond, so that its forces tell about the soil");
-  command->footer(kExamples);
+  command->footer(kIdentifyProbeExamples);
   command->add_option("--out", options->out_file, "Where to write it")->option_text("FILE.csv")->required();
   addOrigin(*command, options->origin_mm);
   command->add_option("--scene", options->scene, "The same for the bed of a scene, which then settles")

@@ -20,7 +20,7 @@ namespace haptolith {
 
 namespace {
 
-constexpr const char* kExamples = R"(Examples:
+constexpr const char* kIdentifySoilExamples = R"(Examples:
   haptolith identify soil measured.csv
   haptolith identify soil press.csv cut.csv                 parts of the probe, in whatever order
   haptolith identify soil trace.csv --origin-mm 0,0,70 --soil-out found.toml && haptolith run dig --set soil.file=found.toml
@@ -83,7 +83,7 @@ void identifySoil(const SoilOptions& options) {
 void addIdentifySoil(CLI::App& identify) {
   auto options = std::make_shared<SoilOptions>();
   CLI::App* command = identify.add_subcommand("soil", "Tell from forces on a tool what soil it moved through");
-  command->footer(kExamples);
+  command->footer(kIdentifySoilExamples);
   options->measured.addTo(*command, true);
   command->add_option("--density-kg-m3", options->density_kg_m3, "Its density in bulk, for --soil-out")
       ->option_text("RHO [1500]")

@@ -15,7 +15,7 @@ namespace haptolith {
 
 namespace {
 
-constexpr const char* kExamples = R"(Examples:
+constexpr const char* kIdentifyTrainExamples = R"(Examples:
   haptolith identify train --out probe.json                                  as the built-in one was made
   haptolith identify train --poses mine.csv --scene mine.toml --out mine.json
   haptolith identify train --out probe.json --soils 200 --resume             goes on, with more soils
@@ -41,7 +41,7 @@ void addIdentifyTrain(CLI::App& identify) {
   auto options = std::make_shared<SoilsOptions>();
   CLI::App* command =
       identify.add_subcommand("train", "Dig along a movement in many soils, to learn what each does to the tool");
-  command->footer(kExamples);
+  command->footer(kIdentifyTrainExamples);
   command->add_option("--out", options->out_file, "Where to write what was learned")
       ->option_text("FILE.json")
       ->required();

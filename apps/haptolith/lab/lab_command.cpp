@@ -25,6 +25,7 @@
 #include "shared/option_checks.h"
 #include "shared/output.h"
 #include "shared/stop_on_signal.h"
+#include "workbench_commands.h"
 
 namespace haptolith {
 
@@ -267,7 +268,7 @@ void addCalibrate(CLI::App& lab) {
 }  // namespace
 
 void addLabCommand(CLI::App& app) {
-  CLI::App* lab = app.add_subcommand("lab", "A soil laboratory: what a bed of macroparticles really does");
+  CLI::App* lab = app.add_subcommand("lab", kLabDescription);
   lab->require_subcommand(1);
   lab->footer("Example:\n  haptolith lab shear --soil lunar-0-15cm\nEvery test explains itself with --help.");
   for (const LabTest& test : labTests()) {

@@ -40,7 +40,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr Range kSeeds{1, 100};
+constexpr Range kReportSeeds{1, 100};
 constexpr std::array kModels{FrictionModel::kContact, FrictionModel::kPaper};
 
 struct ReportOptions {
@@ -97,7 +97,7 @@ std::string durationText(double seconds) {
 }
 
 /// One test with one model of friction and one seed: what is done, saved and resumed as a whole.
-struct Piece {
+struct ReportPiece {
   std::size_t test = 0;
   FrictionModel model{};
   std::uint64_t seed = 1;
@@ -118,11 +118,11 @@ class Report {
   [[nodiscard]] ReportResult tried(std::size_t index, Json& document);
   void keep(std::size_t index, ReportResult result, const Json& document);
 
-  [[nodiscard]] LabSoil soilOf(const Piece& piece) const;
-  [[nodiscard]] LabConditions conditionsOf(const Piece& piece, const LabSoil& soil) const;
-  [[nodiscard]] std::string captionOf(const Piece& piece) const;
-  [[nodiscard]] std::string fileNameOf(const Piece& piece) const;
-  [[nodiscard]] std::string titleOf(const Piece& piece) const;
+  [[nodiscard]] LabSoil soilOf(const ReportPiece& piece) const;
+  [[nodiscard]] LabConditions conditionsOf(const ReportPiece& piece, const LabSoil& soil) const;
+  [[nodiscard]] std::string captionOf(const ReportPiece& piece) const;
+  [[nodiscard]] std::string fileNameOf(const ReportPiece& piece) const;
+  [[nodiscard]] std::string titleOf(const ReportPiece& piece) const;
 
   [[nodiscard]] std::size_t done() const;
   [[nodiscard]] double secondsLeft() const;
@@ -135,7 +135,7 @@ class Report {
   LabSoil soil_;
   LabConditions conditions_;
   std::vector<LabTest> tests_;
-  std::vector<Piece> pieces_;  ///< the first seed's come first, so that half a report has a value for each test
+  std::vector<ReportPiece> pieces_;  ///< the first seed's come first, so that half a report has a value for each test
   std::optional<ReportFolder> folder_;
   std::vector<std::optional<ReportResult>> results_;  ///< of each piece
   std::optional<KeptWork> work_;
@@ -160,7 +160,7 @@ Report::Report(const ReportOptions& options)
                   : options.lab.overwrite.allowed ? ReportThere::kReplace
                                                   : ReportThere::kRefuse);
   results_.reserve(pieces_.size());
-  for (const Piece& piece : pieces_) {
+  for (const ReportPiece& piece : pieces_) {
     const std::optional<Json> saved = folder_->result(fileNameOf(piece));
     try {
       results_.push_back(saved ? std::optional(resultFrom(*saved)) : std::nullopt);
@@ -194,7 +194,7 @@ void Report::measure(std::size_t index) {
 /// A test that a soil fails outright (soil that does not flow through a funnel, say) is a finding, not the end of the
 /// report; only an interruption is.
 ReportResult Report::tried(std::size_t index, Json& document) {
-  const Piece& piece = pieces_[index];
+  const ReportPiece& piece = pieces_[index];
   const LabSoil soil = soilOf(piece);
   LabConditions conditions = conditionsOf(piece, soil);
   conditions.threads = work_->threadsEach();
@@ -237,7 +237,7 @@ void Report::keep(std::size_t index, ReportResult result, const Json& document) 
   });
 }
 
-LabSoil Report::soilOf(const Piece& piece) const {
+LabSoil Report::soilOf(const ReportPiece& piece) const {
   LabSoil soil = soil_;
   const LabTest& test = tests_[piece.test];
   soil.soil.friction = piece.model;
@@ -251,7 +251,7 @@ LabSoil Report::soilOf(const Piece& piece) const {
   return soil;
 }
 
-LabConditions Report::conditionsOf(const Piece& piece, const LabSoil& soil) const {
+LabConditions Report::conditionsOf(const ReportPiece& piece, const LabSoil& soil) const {
   LabConditions conditions = conditions_;
   conditions.soil = soil.soil;
   conditions.seed = piece.seed;
@@ -259,17 +259,17 @@ LabConditions Report::conditionsOf(const Piece& piece, const LabSoil& soil) cons
 }
 
 /// "shear: dry-sand, contact friction, Earth, macroparticles of 7 mm, seed 1"
-std::string Report::captionOf(const Piece& piece) const {
+std::string Report::captionOf(const ReportPiece& piece) const {
   const LabSoil soil = soilOf(piece);
   return fmt::format("{}: {}", reportName(tests_[piece.test]),
                      circumstancesText(options_.lab, soil, conditionsOf(piece, soil)));
 }
 
-std::string Report::fileNameOf(const Piece& piece) const {
+std::string Report::fileNameOf(const ReportPiece& piece) const {
   return fmt::format("{}-{}-{}", tests_[piece.test].name, wordFor(kFrictionWords, piece.model), piece.seed);
 }
 
-std::string Report::titleOf(const Piece& piece) const {
+std::string Report::titleOf(const ReportPiece& piece) const {
   return fmt::format("{}, {}, seed {}", tests_[piece.test].name, wordFor(kFrictionWords, piece.model), piece.seed);
 }
 
@@ -291,13 +291,13 @@ double Report::secondsLeft() const {
     }
     return count > 0 ? std::optional(sum_s / count) : std::nullopt;
   };
-  const double any_s = mean_s([](const Piece&) { return true; }).value_or(0);
+  const double any_s = mean_s([](const ReportPiece&) { return true; }).value_or(0);
   double left_s = 0;
   for (std::size_t i = 0; i < pieces_.size(); ++i) {
     if (!results_[i]) {
-      const Piece& piece = pieces_[i];
-      const auto same = mean_s([&](const Piece& p) { return p.test == piece.test && p.model == piece.model; });
-      const auto near = mean_s([&](const Piece& p) { return p.test == piece.test; });
+      const ReportPiece& piece = pieces_[i];
+      const auto same = mean_s([&](const ReportPiece& p) { return p.test == piece.test && p.model == piece.model; });
+      const auto near = mean_s([&](const ReportPiece& p) { return p.test == piece.test; });
       left_s += same.value_or(near.value_or(any_s));
     }
   }
@@ -421,7 +421,7 @@ void addReport(CLI::App& lab) {
   }
   command->get_option("--seed")->description("the first of the seeds, of the specimens' particles");
   command->add_option("--seeds", options->seeds, "how many specimens of each test, 1 to 100, each from another seed")
-      ->check(wholeNumberIn(kSeeds))
+      ->check(wholeNumberIn(kReportSeeds))
       ->capture_default_str();
   command->add_option("--only", options->only, "these tests only")->delimiter(',')->check(oneOf(testNames()));
   command

@@ -38,7 +38,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr Range kSeeds{1, 100};
+constexpr Range kValidationSeeds{1, 100};
 constexpr const char* kPage = "validation.md";
 
 struct ValidateOptions {
@@ -53,7 +53,7 @@ struct ValidateOptions {
 };
 
 /// A test with one seed: what is measured, saved and resumed as a whole. Several claims may read its result.
-struct Piece {
+struct ClaimPiece {
   ClaimRun run;
   LabSoil soil;
   std::uint64_t seed = 1;
@@ -93,7 +93,7 @@ std::string nameOf(const Json& specification) {
 }
 
 /// "blade, toyoura, Earth, seed 1"
-std::string titleOf(const Piece& piece) {
+std::string titleOf(const ClaimPiece& piece) {
   return fmt::format("{}, {}, {}, seed {}", piece.run.test, piece.soil.name, findBody(piece.run.body).name, piece.seed);
 }
 
@@ -137,7 +137,7 @@ class Validation {
   ValidateOptions options_;
   StatusLine status_;
   std::vector<MeasuredClaim> claims_;
-  std::vector<Piece> pieces_;
+  std::vector<ClaimPiece> pieces_;
   std::vector<std::vector<std::size_t>> runs_, overs_;  ///< of each claim, a piece for each seed
   std::optional<ReportFolder> folder_;
   int threads_ = 1;
@@ -223,7 +223,7 @@ Validation::Validation(const ValidateOptions& options) : options_(options), clai
                   : options.overwrite.allowed ? ReportThere::kReplace
                                               : ReportThere::kRefuse,
                   filesOf(options));
-  for (Piece& piece : pieces_) {
+  for (ClaimPiece& piece : pieces_) {
     std::optional<Json> saved = folder_->result(piece.name);
     if (saved && saved->value("specification", Json()) == piece.specification) {
       piece.done = std::move(saved);
@@ -236,10 +236,10 @@ Validation::Validation(const ValidateOptions& options) : options_(options), clai
 
 /// Of runs that are the same, one for all.
 std::size_t Validation::pieceFor(const ClaimRun& run, std::uint64_t seed) {
-  Piece piece{.run = run, .soil = soilOf(run), .seed = seed, .name = {}, .specification = {}, .done = {}};
+  ClaimPiece piece{.run = run, .soil = soilOf(run), .seed = seed, .name = {}, .specification = {}, .done = {}};
   piece.specification = specificationOf(run, piece.soil, seed);
   piece.name = nameOf(piece.specification);
-  const auto found = std::ranges::find(pieces_, piece.name, &Piece::name);
+  const auto found = std::ranges::find(pieces_, piece.name, &ClaimPiece::name);
   if (found != pieces_.end()) {
     return static_cast<std::size_t>(found - pieces_.begin());
   }
@@ -275,14 +275,14 @@ void Validation::measure(std::size_t index) {
   work_->finish(index, [&] {
     pieces_[index].done = std::move(document);
     savePage();
-    const Piece& piece = pieces_[index];
+    const ClaimPiece& piece = pieces_[index];
     return fmt::format("{} ({:.0f} s{})", titleOf(piece), took_s, leftText());
   });
 }
 
 /// A test that a soil fails outright is a finding, not the end.
 Json Validation::tried(std::size_t index) {
-  const Piece& piece = pieces_[index];
+  const ClaimPiece& piece = pieces_[index];
   Json document{{"specification", piece.specification}};
   try {
     if (work_->ends()) {
@@ -309,13 +309,13 @@ Json Validation::tried(std::size_t index) {
 
 std::size_t Validation::done() const {
   return static_cast<std::size_t>(
-      std::ranges::count_if(pieces_, [](const Piece& piece) { return piece.done.has_value(); }));
+      std::ranges::count_if(pieces_, [](const ClaimPiece& piece) { return piece.done.has_value(); }));
 }
 
 /// "; about 40 min left": each as long as the mean of those that are done.
 std::string Validation::leftText() const {
   double sum_s = 0;
-  for (const Piece& piece : pieces_) {
+  for (const ClaimPiece& piece : pieces_) {
     sum_s += piece.done ? piece.done->value("took_s", 0.0) : 0;
   }
   const auto there = static_cast<double>(done());
@@ -372,7 +372,7 @@ std::vector<JudgedClaim> Validation::judgedClaims() const {
 void Validation::savePage() const {
   const bool whole = done() == pieces_.size();
   double sum_s = 0;
-  for (const Piece& piece : pieces_) {
+  for (const ClaimPiece& piece : pieces_) {
     sum_s += piece.done ? piece.done->value("took_s", 0.0) : 0;
   }
   std::string command = "haptolith lab validate";
@@ -426,7 +426,7 @@ void addValidate(CLI::App& lab) {
                       "claims about any soil, of this one: a named one, a soil file, or P1 to P6 [each claim's own]");
   command->add_option("--only", options->only, "these claims or groups of claims only")->delimiter(',');
   command->add_option("--seeds", options->seeds, "how many specimens of each test, 1 to 100")
-      ->check(wholeNumberIn(kSeeds))
+      ->check(wholeNumberIn(kValidationSeeds))
       ->capture_default_str();
   command->add_option("--seed", options->seed, "the first of the seeds, of the specimens' particles")
       ->check(wholeNumberIn(BedRanges::seed))

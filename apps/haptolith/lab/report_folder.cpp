@@ -27,9 +27,9 @@ namespace {
 namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
 
-constexpr const char* kConditions = "conditions.json";
+constexpr const char* kReportConditions = "conditions.json";
 constexpr const char* kResults = "results";
-constexpr std::uintmax_t kMostBytes = std::uintmax_t{16} << 20;
+constexpr std::uintmax_t kMostReportBytes = std::uintmax_t{16} << 20;
 
 std::string textOf(const Json& json) {
   return json.dump(2, ' ', false, Json::error_handler_t::replace) + '\n';
@@ -42,7 +42,7 @@ void write(const fs::path& path, const Json& json, IfThere if_there) {
 }
 
 Json read(const fs::path& path) {
-  std::ifstream file = openInput(path, kMostBytes);
+  std::ifstream file = openInput(path, kMostReportBytes);
   Json json = Json::parse(file, nullptr, false);
   if (!json.is_object()) {
     throw Failure(fmt::format("{} is not what lab report has written", path.string()));
@@ -58,7 +58,7 @@ ReportFolder::ReportFolder(const fs::path& path, const Json& conditions, ReportT
   const Json now = Json::parse(textOf(conditions));  // what is not finite is null, as in the file
   if (!fs::exists(fs::symlink_status(path_))) {
     const AtomicFolder made(path_);
-    made.write(kConditions, textOf(now));
+    made.write(kReportConditions, textOf(now));
     made.commit();
     lock();
   } else {
@@ -68,7 +68,7 @@ ReportFolder::ReportFolder(const fs::path& path, const Json& conditions, ReportT
                       "or choose another name with --out",
                       path_.string()));
     }
-    const bool holds_report = fs::exists(path_ / kConditions);
+    const bool holds_report = fs::exists(path_ / kReportConditions);
     if (!holds_report && !(fs::is_directory(path_) && fs::is_empty(path_))) {
       throw Failure(
           fmt::format("{} holds something else than a report: choose another name with --out", path_.string()));
@@ -76,8 +76,8 @@ ReportFolder::ReportFolder(const fs::path& path, const Json& conditions, ReportT
     lock();
     if (!holds_report || if_there == ReportThere::kReplace) {
       removeReport();
-      write(path_ / kConditions, now, IfThere::kReplace);
-    } else if (const auto different = differences(read(path_ / kConditions), now, "{} was {} and is {}");
+      write(path_ / kReportConditions, now, IfThere::kReplace);
+    } else if (const auto different = differences(read(path_ / kReportConditions), now, "{} was {} and is {}");
                !different.empty()) {
       throw Failure(
           fmt::format("{} holds a report that was made under other conditions: {}. Resume it under its own, or choose "

@@ -27,6 +27,7 @@
 #include "shared/output.h"
 #include "shared/overwrite.h"
 #include "shared/stop_on_signal.h"
+#include "workbench_commands.h"
 
 namespace haptolith {
 
@@ -304,8 +305,7 @@ void runBench(const BenchOptions& options) {
 void addBenchCommand(CLI::App& app) {
   auto options = std::make_shared<BenchOptions>();
   options->soil.soil = "P3";
-  CLI::App* command =
-      app.add_subcommand("bench", "How long a tick takes, by number of particles, friction and threads");
+  CLI::App* command = app.add_subcommand("bench", kBenchDescription);
   command
       ->add_option("--scene", options->scenes,
                    "scenes, by name or file: their bed, tool and hand, instead of what follows but --threads")

@@ -18,7 +18,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr const char* kExamples = R"(Examples:
+constexpr const char* kDevicesExamples = R"(Examples:
   haptolith devices                             what is there, and why the rest is not
   haptolith devices --device-library /opt/sdk   with Force Dimension's SDK in that folder
   haptolith run --device force-dimension        hold the tool with it)";
@@ -78,7 +78,7 @@ void listDevices(const DevicesOptions& options) {
 void addDevicesCommand(CLI::App& app) {
   auto options = std::make_shared<DevicesOptions>();
   CLI::App* command = app.add_subcommand("devices", "List devices that can hold the tool, and why others cannot");
-  command->footer(kExamples);
+  command->footer(kDevicesExamples);
   command
       ->add_option("--device-library,--library", options->parameters.library, "Folder or file of Force Dimension's SDK")
       ->option_text("PATH");

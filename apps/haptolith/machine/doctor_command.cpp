@@ -24,7 +24,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr const char* kExamples = R"(Examples:
+constexpr const char* kDoctorExamples = R"(Examples:
   haptolith doctor                   ten seconds
   haptolith doctor --seconds 600     as long as rare lateness needs to show itself
   haptolith doctor --cpu 3           on the CPU that `haptolith run --cpu 3` would use
@@ -190,7 +190,7 @@ void addDoctorCommand(CLI::App& app) {
   auto options = std::make_shared<DoctorOptions>();
   CLI::App* command =
       app.add_subcommand("doctor", "Tell whether this machine can run the loop in real time, and what helps");
-  command->footer(kExamples);
+  command->footer(kDoctorExamples);
   command->add_option("--seconds", options->seconds, "How long to measure how punctual it is [10]")
       ->option_text("SECONDS");
   command->add_option("--cpu", options->cpu, "The CPU to measure on; default: any")->option_text("N");

@@ -34,7 +34,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr const char* kExamples = R"(Examples:
+constexpr const char* kExportExamples = R"(Examples:
   haptolith export run.h5 --format csv              run.csv: a row for every tick, for spreadsheets, pandas and R
   haptolith export run.h5 --format particles-csv    run-particles.csv: a row for every particle of every picture
   haptolith export run.h5 --format robot-csv        run-robot.csv: a row for every report of a robot (teleop operator)
@@ -216,7 +216,7 @@ void addExportCommand(CLI::App& app) {
   auto options = std::make_shared<ExportOptions>();
   CLI::App* command = app.add_subcommand(
       "export", "Convert a recording or a scene for other programs: CSV, XDMF, VTK, LAMMPS or a browser");
-  command->footer(kExamples);
+  command->footer(kExportExamples);
   command->add_option("file", options->file, "A recording (.h5); for lammps a scene, for vtk a dump of LAMMPS, too")
       ->required()
       ->option_text("FILE");

@@ -25,7 +25,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::uint64_t kBlock = 4096;  // ticks that are read at a time
+constexpr std::uint64_t kPicturesAtOnce = 4096;  // ticks that are read at a time
 
 fs::path folderFor(const LammpsExportOptions& options) {
   if (!options.out.empty()) {
@@ -85,8 +85,8 @@ void exportScene(const LammpsExportOptions& options) {
 /// Where the tool was, from a time on. @throws Failure where somebody changed the scene after that.
 std::vector<TimedPose> pathOf(const RecordingReader& recording, double from_s) {
   std::vector<TimedPose> path;
-  for (std::uint64_t first = 0; first < recording.ticks(); first += kBlock) {
-    for (const TickRecord& tick : recording.readTicks(first, kBlock)) {
+  for (std::uint64_t first = 0; first < recording.ticks(); first += kPicturesAtOnce) {
+    for (const TickRecord& tick : recording.readTicks(first, kPicturesAtOnce)) {
       if (tick.time_s < from_s) {
         continue;
       }

@@ -30,7 +30,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr const char* kExamples = R"(Examples:
+constexpr const char* kImportExamples = R"(Examples:
   haptolith export field --format lammps                        field-lammps/: a bed for LAMMPS
   cd field-lammps && mpirun -np 4 lmp -in in.haptolith          which writes soil.lammpstrj
   haptolith import field-lammps/soil.lammpstrj --out dug.toml   the last picture as a scene: dug.toml and dug.csv
@@ -116,7 +116,7 @@ void importDump(const ImportOptions& options) {
 void addImportCommand(CLI::App& app) {
   auto options = std::make_shared<ImportOptions>();
   CLI::App* command = app.add_subcommand("import", "Make a scene of a bed that LAMMPS has written");
-  command->footer(kExamples);
+  command->footer(kImportExamples);
   command->add_option("dump", options->file, "A text file of LAMMPS' dump custom, with id, x, y, z and radius")
       ->required()
       ->option_text("FILE");

@@ -24,7 +24,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr const char* kExamples = R"(Examples:
+constexpr const char* kReplayExamples = R"(Examples:
   haptolith run --record run.h5 --duration-s 60     a recording
   haptolith replay run.h5                           the same scene under the same hand
   haptolith replay run.h5 --verify --threads 2      does every tick come out bit for bit?
@@ -121,7 +121,7 @@ void replay(const ReplayOptions& options) {
 void addReplayCommand(CLI::App& app) {
   auto options = std::make_shared<ReplayOptions>();
   CLI::App* command = app.add_subcommand("replay", "Run a recording again, and compare it tick by tick");
-  command->footer(kExamples);
+  command->footer(kReplayExamples);
   command->add_option("file", options->file, "A recording of a whole run (.h5)")->required()->option_text("FILE.h5");
   command->add_flag("--verify", options->verify, "Fail unless every hash and force is the same to the last bit");
   command->add_option("--threads", options->threads, "Threads that share a tick; default: as recorded")

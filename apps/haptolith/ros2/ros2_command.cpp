@@ -18,6 +18,7 @@
 #include "run/run_companion.h"
 #include "shared/option_checks.h"
 #include "shared/output.h"
+#include "workbench_commands.h"
 
 namespace haptolith {
 
@@ -25,7 +26,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr const char* kExamples = R"(Examples:
+constexpr const char* kRos2Examples = R"(Examples:
   haptolith ros2                              soil of the Moon; /haptolith/target_pose moves the tool
   haptolith ros2 dig --hand scoop             the virtual hand digs, and ROS 2 listens
   haptolith ros2 --device force-dimension     a person digs
@@ -70,7 +71,7 @@ class Ros2Companion final : public RunCompanion {
     return [this](std::span<const TickRecord> ticks) { publisher_->add(ticks); };
   }
 
-  void follow(const Session& session, const SessionDriver::News& news) override {
+  void follow(Session& session, const SessionDriver::News& news, SessionRecording&) override {
     if (news.snapshot && !surface_m_) {
       const BedParameters& bed = session.shown().bed;
       surface_m_ = meanSurfaceHeight({bed.soil.radius_m, session.snapshot().position, {}}, bed);
@@ -125,9 +126,8 @@ class Ros2Companion final : public RunCompanion {
 
 void addRos2Command(CLI::App& app) {
   auto options = std::make_shared<SceneOverRos2>();
-  CLI::App* command = app.add_subcommand(
-      "ros2", "Run a scene as `haptolith run` does, as a node of ROS 2: poses, wrenches and soil out, targets in");
-  command->footer(kExamples);
+  CLI::App* command = app.add_subcommand("ros2", kRos2Description);
+  command->footer(kRos2Examples);
   options->ros2.addTo(*command);
   command
       ->add_option("--target-timeout-s", options->timeout_s,
@@ -137,7 +137,7 @@ void addRos2Command(CLI::App& app) {
   command->add_option("--surface-hz", options->surface_hz, "Pictures of the soil a second; 0: none [5]")
       ->check(numberIn({0, 30}))
       ->option_text("HZ");
-  addRunOptions(*command, [options](const Scenario& scenario, const SceneOptions& asked) {
+  addRunOptions(*command, [options](Scenario& scenario, const SceneOptions& asked) {
     const bool somebody =
         asked.device.kind || asked.manoeuvre || asked.poses_file || scenario.device.kind != DeviceKind::kVirtualHand;
     return std::make_unique<Ros2Companion>(*options, scenario, !somebody);

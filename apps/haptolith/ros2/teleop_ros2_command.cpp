@@ -28,7 +28,7 @@ namespace haptolith {
 
 namespace {
 
-constexpr const char* kExamples = R"(Examples:
+constexpr const char* kTeleopRos2Examples = R"(Examples:
   haptolith teleop ros2 --robot /arm --site 0.5,0,0.1,90     /arm/target_pose out; /arm/tool_pose and /arm/wrench in
   haptolith teleop operator --to 127.0.0.1:7410              leads the robot, in another terminal
 
@@ -110,7 +110,7 @@ void addTeleopRos2(CLI::App& teleop) {
   options->ros2.node.name.node = "haptolith_gateway";
   CLI::App* command =
       teleop.add_subcommand("ros2", "Be the end of a robot with ROS 2: an operator leads it by its topics");
-  command->footer(kExamples);
+  command->footer(kTeleopRos2Examples);
   const auto text = [&](const char* name, std::string& value, const char* what) {
     command->add_option(name, value, what)->option_text("/TOPIC");
   };

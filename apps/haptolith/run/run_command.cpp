@@ -24,7 +24,6 @@
 #include "haptolith/scenario/scenario.h"
 #include "haptolith/scenario/scene_words.h"
 #include "haptolith/session/session.h"
-#include "haptolith/teleop/learning_model.h"
 #include "haptolith/viewer/live_view.h"
 
 #include "commands.h"
@@ -39,10 +38,6 @@
 #include "shared/session_driver.h"
 #include "shared/stop_on_signal.h"
 #include "shared/web_options.h"
-#include "teleop/operator_report.h"
-#include "teleop/robot_lead.h"
-#include "teleop/teleop_commands.h"
-#include "teleop/teleop_end_options.h"
 
 namespace haptolith {
 
@@ -51,7 +46,7 @@ namespace {
 using namespace std::chrono_literals;
 using Json = nlohmann::ordered_json;
 
-constexpr const char* kExamples = R"(Examples:
+constexpr const char* kRunExamples = R"(Examples:
   haptolith run                                     soil of the Moon under a shovel, until Ctrl-C
   haptolith run paper                               the paper's scene
   haptolith run --hand stir --duration-s 10         ten seconds of stirring
@@ -66,11 +61,6 @@ constexpr const char* kExamples = R"(Examples:
   haptolith run --device force-dimension            feel it (haptolith devices, haptolith doctor)
   haptolith run --duration-s 60 --record run.h5     for haptolith replay and haptolith export)";
 
-constexpr const char* kOperatorExamples = R"(Examples:
-  haptolith teleop remote                                       a robot in a bed of its own, in another terminal
-  haptolith teleop operator --to 127.0.0.1:7410                 leads it, in the scene dig
-  haptolith teleop operator --to 127.0.0.1:7400 regolith        over haptolith teleop link, in another scene)";
-
 /// What the command line says; everything else comes from the scenario.
 struct RunOptions {
   SceneOptions scene;
@@ -83,10 +73,6 @@ struct RunOptions {
   bool json = false;
   std::optional<bool> serve;
   WebOptions web;
-  std::string robot;  ///< HOST:PORT of one that follows the tool; empty: none
-  TeleopEndOptions robot_end;
-  bool mends = true;           ///< the soil's surface becomes what the robot sees
-  std::optional<bool> learns;  ///< the soil does from what the robot meets; default: where it can
   CompanionFactory companion;  ///< empty: none
 };
 
@@ -148,11 +134,12 @@ void requireRecordingName(const std::filesystem::path& file) {
 /// Everything that follows the loop from a distance: trace, history for the figure, the status line.
 class Follower {
  public:
-  Follower(const RunOptions& options, const Scenario& scenario)
+  Follower(const RunOptions& options, const Scenario& scenario, RunCompanion* companion)
       : scenario_(scenario),
+        companion_(companion),
         finest_(options.finest),
         keep_history_(!options.figure_file.empty()),
-        recording_(recordingFor(options.frames_per_s, !options.robot.empty())) {
+        recording_(recordingFor(options.frames_per_s, companion != nullptr && companion->leadsRobot())) {
     if (!options.trace_file.empty()) {
       trace_.emplace(options.overwrite(options.trace_file));
     }
@@ -162,21 +149,8 @@ class Follower {
     }
   }
 
-  [[nodiscard]] bool wantsRecords() const noexcept { return trace_ || keep_history_ || robot_; }
+  [[nodiscard]] bool wantsRecords() const noexcept { return trace_ || keep_history_; }
   [[nodiscard]] bool traces() const noexcept { return trace_.has_value(); }
-
-  /// Lets a robot follow the session's tool from its first tick on.
-  void lead(const Session& session, const RunOptions& options) {
-    robot_.emplace(session, options.robot, options.robot_end.end(),
-                   Likening{.strength = options.learns.value_or(canLearn(session.shown())), .surface = options.mends});
-  }
-  /// Lets the page know of it.
-  void show(LiveView& view) const {
-    if (robot_) {
-      view.setRobot(robotShown(*robot_));
-    }
-  }
-  [[nodiscard]] const RobotLead* robot() const noexcept { return robot_ ? &*robot_ : nullptr; }
 
   /// Records the session from its first tick on.
   void record(Session& session, const RunOptions& options) {
@@ -193,8 +167,8 @@ class Follower {
         remember(record);
       }
     }
-    if (robot_) {
-      robot_->follow(session, news.ticks, recording_);
+    if (companion_ != nullptr) {
+      companion_->follow(session, news, recording_);
     }
     if (news.snapshot) {
       const SceneSnapshot& now = session.snapshot();
@@ -203,7 +177,8 @@ class Follower {
         history_.strongest = now;
       }
       if (status_.visible()) {
-        status_.update(robot_ ? robotText(*robot_) : statusText(now));
+        const std::string companion = companion_ != nullptr ? companion_->status() : "";
+        status_.update(companion.empty() ? statusText(now) : companion);
       }
     }
   }
@@ -254,9 +229,9 @@ class Follower {
   }
 
   const Scenario& scenario_;
+  RunCompanion* companion_;
   bool finest_, keep_history_;
   std::optional<TraceFile> trace_;
-  std::optional<RobotLead> robot_;
   SessionRecording recording_;
   StatusLine status_;
   RunHistory history_;
@@ -440,9 +415,8 @@ std::unique_ptr<LiveView> viewOf(Session& session, Follower& follower, const Run
 void run(const RunOptions& options) {
   const StopOnSignal stop_on_signal;
   Scenario scenario = scenarioFor(options);
-  if (!options.robot.empty() && options.learns.value_or(canLearn(scenario))) {
-    scenario = readyToLearn(scenario);
-  }
+  const std::unique_ptr<RunCompanion> companion =
+      options.companion ? options.companion(scenario, options.scene) : nullptr;
   const WebServerOptions web = options.web.forAll();
   std::optional<FinestGrain> finest;
   if (options.finest) {
@@ -450,21 +424,19 @@ void run(const RunOptions& options) {
     finest = chooseFinest(scenario, status);
   }
   // Files that cannot be written are refused before the bed is made.
-  Follower follower(options, scenario);
+  Follower follower(options, scenario, companion.get());
   std::optional<Figure> figure;
   if (!options.figure_file.empty()) {
     figure.emplace(options.overwrite(options.figure_file), kRunFigureWidth_px, kRunFigureHeight_px);
   }
   const bool serves = options.serve.value_or(scenario.loop.paced && !options.json);
-  const bool leads = !options.robot.empty();
-  const std::unique_ptr<RunCompanion> companion =
-      options.companion ? options.companion(scenario, options.scene) : nullptr;
-  const bool keeps_records = follower.wantsRecords() || leads || serves || companion || !options.record_file.empty();
+  const bool leads = companion && companion->leadsRobot();
+  const bool keeps_records = follower.wantsRecords() || serves || companion || !options.record_file.empty();
   Session session(scenario, keeps_records, settlingIn(follower.status()), companion ? companion->device() : nullptr);
   follower.status().clear();
   warnOfStiffness(session);
-  if (leads) {
-    follower.lead(session, options);
+  if (companion) {
+    companion->begin(session);
   }
   const std::unique_ptr<LiveView> view = serves ? viewOf(session, follower, options, web) : nullptr;
   if (!options.record_file.empty()) {
@@ -484,11 +456,8 @@ void run(const RunOptions& options) {
   driver.run(
       [&](const SessionDriver::News& news) {
         follower.follow(session, news);
-        if (companion) {
-          companion->follow(session, news);
-        }
-        if (view) {
-          follower.show(*view);
+        if (view && companion) {
+          companion->showIn(*view);
         }
         return true;
       },
@@ -505,18 +474,12 @@ void run(const RunOptions& options) {
   }
   if (options.json) {
     Json json = summaryJson(session.shown(), session.scene(), session.loop(), summary);
-    if (follower.robot() != nullptr) {
-      json["robot"] = robotJson(*follower.robot());
-    }
     if (companion) {
       companion->addTo(json);
     }
     printJson(json);
   } else {
     printText(summaryText(session.shown(), session.scene(), session.loop(), summary));
-    if (follower.robot() != nullptr) {
-      printText(robotSummary(*follower.robot()));
-    }
     if (companion) {
       printText(companion->summary());
     }
@@ -570,36 +533,19 @@ void addOptions(CLI::App* command, const std::shared_ptr<RunOptions>& options) {
 void addRunCommand(CLI::App& app) {
   auto options = std::make_shared<RunOptions>();
   CLI::App* command = app.add_subcommand("run", "Run a scene at 1 kHz under a hand, until Ctrl-C or --duration-s");
-  command->footer(kExamples);
+  command->footer(kRunExamples);
   addOptions(command, options);
 }
 
-void addRunOptions(CLI::App& command, CompanionFactory companion) {
+void addRunOptions(CLI::App& command, CompanionFactory companion, const std::string& scene) {
   auto options = std::make_shared<RunOptions>();
   options->companion = std::move(companion);
+  options->scene.scenario_file = scene;
   addOptions(&command, options);
-}
-
-void addTeleopOperator(CLI::App& teleop) {
-  auto options = std::make_shared<RunOptions>();
-  options->scene.scenario_file = "dig";
-  CLI::App* command =
-      teleop.add_subcommand("operator", "Run a scene as `haptolith run` does, while a robot follows the tool");
-  command->footer(kOperatorExamples);
-  command->add_option("--to", options->robot, "Where the robot listens")->option_text("HOST:PORT")->required();
-  options->robot_end.addTo(*command);
-  CLI::Option* learn = command->add_flag_callback(
-      "--learn", [options] { options->learns = true; },
-      "Make the soil what the robot meets, while both dig; default: where it has contact friction");
-  command
-      ->add_flag_callback(
-          "--no-learn", [options] { options->learns = false; }, "Leave the soil as it is")
-      ->excludes(learn);
-  command->add_flag_callback(
-      "--no-mend", [options] { options->mends = false; },
-      "Leave the soil's surface as it is; else grains are laid where the robot sees more soil than there is");
-  addOptions(command, options);
-  command->get_option("scenario")->description("Scene by its name (haptolith scenes) or from a file; default: dig");
+  if (!scene.empty()) {
+    command.get_option("scenario")
+        ->description(fmt::format("Scene by its name (haptolith scenes) or from a file; default: {}", scene));
+  }
 }
 
 }  // namespace haptolith

@@ -9,6 +9,8 @@
 #include "haptolith/scenario/scenario.h"
 #include "haptolith/session/record_taker.h"
 #include "haptolith/session/session.h"
+#include "haptolith/session/session_recording.h"
+#include "haptolith/viewer/live_view.h"
 
 #include "shared/scene_options.h"
 #include "shared/session_driver.h"
@@ -19,28 +21,37 @@ class App;
 
 namespace haptolith {
 
-/// Somebody who goes along with a run, and may have its tool: a network of robots, for one.
+/// Part of a run that another command adds: robots that follow the tool, a network that moves it.
 class RunCompanion {
  public:
   virtual ~RunCompanion() = default;
 
-  /// What holds the tool; none: what the scene and the command line say.
-  [[nodiscard]] virtual std::unique_ptr<HapticDevice> device() = 0;
-  /// Who is told each tick.
-  [[nodiscard]] virtual RecordTaker::Listener listener() = 0;
-  /// After each look of the main thread.
-  virtual void follow(const Session& session, const SessionDriver::News& news) = 0;
+  /// Device that holds the tool; none: the one that the scene and the command line name.
+  [[nodiscard]] virtual std::unique_ptr<HapticDevice> device() { return nullptr; }
+  /// Receives each tick's record on the thread that takes them; empty: none.
+  [[nodiscard]] virtual RecordTaker::Listener listener() { return {}; }
+  /// Whether follow() needs each tick's record, and the recording has tables of a robot.
+  [[nodiscard]] virtual bool leadsRobot() const { return false; }
 
-  /// What became of it, when the run is over: lines for people, or a member of the run's JSON object.
+  /// Once, with the bed made and the loop not yet started. @throws Failure.
+  virtual void begin(const Session& session) { static_cast<void>(session); }
+  /// After each look of the main thread.
+  virtual void follow(Session& session, const SessionDriver::News& news, SessionRecording& recording) = 0;
+  /// State in the browser view.
+  virtual void showIn(LiveView& view) const { static_cast<void>(view); }
+  /// Status line in place of the run's own; empty: the run's own.
+  [[nodiscard]] virtual std::string status() const { return {}; }
+
+  /// Result when the run is over: lines of text, or a member of the run's JSON object.
   [[nodiscard]] virtual std::string summary() const = 0;
   virtual void addTo(nlohmann::ordered_json& json) const = 0;
 };
 
-/// Makes one before the bed is made. @throws InvalidParameter, Failure.
-using CompanionFactory =
-    std::function<std::unique_ptr<RunCompanion>(const Scenario& scenario, const SceneOptions& options)>;
+/// Makes a companion before the bed is made; may change the scene. @throws InvalidParameter, Failure.
+using CompanionFactory = std::function<std::unique_ptr<RunCompanion>(Scenario& scenario, const SceneOptions& options)>;
 
-/// All that `haptolith run` can be told, for a command that runs a scene with a companion.
-void addRunOptions(CLI::App& command, CompanionFactory companion);
+/// Adds the options of `haptolith run` to a command that runs a scene with a companion.
+/// @param scene  opened when the command line names none; empty: as `haptolith run` does.
+void addRunOptions(CLI::App& command, CompanionFactory companion, const std::string& scene = {});
 
 }  // namespace haptolith

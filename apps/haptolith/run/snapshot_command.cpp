@@ -33,7 +33,7 @@ namespace {
 
 using namespace std::chrono_literals;
 
-constexpr const char* kExamples = R"(Examples:
+constexpr const char* kSnapshotExamples = R"(Examples:
   haptolith snapshot --hand scoop --out view.png            soil of the Moon after two seconds
   haptolith snapshot --at-s 3.5 --theme light --no-panels --out bed.png
   haptolith snapshot --body Mars --colour force --view front --out mars.png
@@ -263,7 +263,7 @@ void addSnapshotCommand(CLI::App& app) {
   auto options = std::make_shared<SnapshotOptions>();
   CLI::App* command =
       app.add_subcommand("snapshot", "Draw a scene as the page in the browser shows it: a picture or a film");
-  command->footer(kExamples);
+  command->footer(kSnapshotExamples);
   options->scene.addTo(*command);
   command->add_option("--out", options->out_file, "Where to: .png, or with --film .mp4 or .webm")
       ->required()

@@ -17,7 +17,7 @@ namespace haptolith {
 
 namespace {
 
-constexpr double kCmPerM = 100;
+constexpr double kFigureCmPerM = 100;
 
 // From Okabe and Ito's colours, which the colour-blind can tell apart.
 constexpr std::array<std::string_view, 6> kPresetColours{"#d55e00", "#e69f00", "#009e73",
@@ -28,7 +28,7 @@ using Rows = std::vector<std::vector<double>>;  // density in kg/m^3, depth in c
 Rows rowsOf(const std::vector<Layer>& layers) {
   Rows rows;
   for (const Layer& layer : layers) {
-    rows.push_back({layer.density_kg_m3, layer.depth_m * kCmPerM});
+    rows.push_back({layer.density_kg_m3, layer.depth_m * kFigureCmPerM});
   }
   return rows;
 }
@@ -66,9 +66,9 @@ class Curves {
 void addMeasuredBands(Curves& curves) {
   Rows rows;
   for (const MeasuredBand& band : measuredBands()) {
-    rows.push_back({band.density_kg_m3, (band.top_m + band.bottom_m) / 2 * kCmPerM,
+    rows.push_back({band.density_kg_m3, (band.top_m + band.bottom_m) / 2 * kFigureCmPerM,
                     band.density_kg_m3 - band.tolerance_kg_m3, band.density_kg_m3 + band.tolerance_kg_m3,
-                    band.top_m * kCmPerM, band.bottom_m * kCmPerM});
+                    band.top_m * kFigureCmPerM, band.bottom_m * kFigureCmPerM});
   }
   curves.add(rows,
              "using 1:2:3:4:5:6 with xyerrorbars pointtype 7 pointsize 0.6 linewidth 1.5 linecolor rgb '#888888' "
@@ -80,7 +80,7 @@ void addLunarLaw(Curves& curves) {
   Rows rows;
   for (int i = 0; i <= kSteps; ++i) {
     const double depth = kLunarLawDepthM * i / kSteps;
-    rows.push_back({lunarBulkDensity(depth), depth * kCmPerM});
+    rows.push_back({lunarBulkDensity(depth), depth * kFigureCmPerM});
   }
   curves.add(rows, "using 1:2 with lines linewidth 2.5 dashtype (8,5) linecolor rgb '#000000' title 'lunar law'");
 }

@@ -1,12 +1,13 @@
 #include <CLI/App.hpp>
 
 #include "commands.h"
+#include "workbench_commands.h"
 
 namespace haptolith {
 
 namespace {
 
-constexpr const char* kExamples = R"(Examples:
+constexpr const char* kStudyExamples = R"(Examples:
   haptolith study new friction.study --protocol paper-friction
   haptolith study run friction.study --trial-run
   haptolith study figure friction.study --out friction.svg
@@ -16,9 +17,9 @@ Every command explains itself with --help; docs/studies.md tells the whole story
 }  // namespace
 
 void addStudyCommand(CLI::App& app) {
-  CLI::App* study = app.add_subcommand("study", "User studies: from the protocol to the psychometric curve");
+  CLI::App* study = app.add_subcommand("study", kStudyDescription);
   study->require_subcommand(1);
-  study->footer(kExamples);
+  study->footer(kStudyExamples);
   addStudyNewCommand(*study);
   addStudyRunCommands(*study);
   addStudyStatusCommand(*study);

@@ -15,19 +15,19 @@ namespace haptolith {
 
 namespace {
 
-constexpr const char* kExamples = R"(Examples:
+constexpr const char* kStudyExcludeExamples = R"(Examples:
   haptolith study exclude friction.study S03 --reason "catch trials"
   haptolith study exclude friction.study S03 --undo --reason "the criterion was another"
 
 Figures and fits leave S03 out; exports mark the rows. Nothing is deleted, and the log of who was excluded when and why
 is only ever added to.)";
 
-struct Options {
+struct ExcludeOptions {
   std::string file, participant, reason;
   bool undo = false;
 };
 
-void exclude(const Options& options) {
+void exclude(const ExcludeOptions& options) {
   StudyStore study(options.file, StudyStore::Access::kRun);
   const ParticipantRow participant = participantNamed(study, options.participant);
   study.setExcluded(participant.id, !options.undo, options.reason);
@@ -38,9 +38,9 @@ void exclude(const Options& options) {
 }  // namespace
 
 void addStudyExcludeCommand(CLI::App& study) {
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<ExcludeOptions>();
   CLI::App* command = study.add_subcommand("exclude", "Leave a participant out of figures and fits, with a reason");
-  command->footer(kExamples);
+  command->footer(kStudyExcludeExamples);
   command->add_option("file", options->file, "A study")->required()->option_text("FILE");
   command->add_option("participant", options->participant, "Whom")->required()->option_text("S03");
   command->add_option("--reason", options->reason, "Why; kept for good")->required()->option_text("TEXT");

@@ -33,7 +33,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr const char* kExamples = R"(Examples:
+constexpr const char* kStudyExploreExamples = R"(Examples:
   haptolith study explore                                          all of it: some minutes
   haptolith study explore --block gravity --friction paper --hand stir --repeats 10
   haptolith study explore --csv explorations.csv --figure forces.png --weber-figure weber.png
@@ -41,7 +41,7 @@ constexpr const char* kExamples = R"(Examples:
 
 docs/perception.md tells what was found, and how the numbers are meant.)";
 
-struct Options {
+struct ExploreOptions {
   PerceptionOptions perception;
   PerceiveOptions perceive;
   std::string block = "both", friction = "both", hand = "all";
@@ -51,7 +51,7 @@ struct Options {
   bool json = false;
 };
 
-PerceptionOptions perceptionOf(const Options& options) {
+PerceptionOptions perceptionOf(const ExploreOptions& options) {
   PerceptionOptions wanted = options.perception;
   if (options.block != "both") {
     wanted.blocks = {options.block};
@@ -142,7 +142,8 @@ Json jsonOf(const PerceptionBlock& block, const std::vector<PerceivedCue>& perce
           {"cues", all}};
 }
 
-void saveCsv(const Options& options, const PerceptionOptions& wanted, const std::vector<PerceptionBlock>& blocks) {
+void saveCsv(const ExploreOptions& options, const PerceptionOptions& wanted,
+             const std::vector<PerceptionBlock>& blocks) {
   AtomicFile file(options.overwrite(options.csv_file));
   file.write("block,friction,stimulus,x,hand,repeat,duration_s,path_m,work_j");
   for (const Cue& cue : cues()) {
@@ -172,7 +173,7 @@ void saveCsv(const Options& options, const PerceptionOptions& wanted, const std:
 }
 
 /// The first block of a protocol: those of one task differ in what is seen, not in the soils.
-void runTasks(const Options& options) {
+void runTasks(const ExploreOptions& options) {
   const StopOnSignal stop_on_signal;
   const PerceptionOptions wanted = perceptionOf(options);
   const TaskOptions task_options{.repeats = wanted.repeats,
@@ -209,7 +210,7 @@ void runTasks(const Options& options) {
   }
 }
 
-void run(const Options& options) {
+void runExplore(const ExploreOptions& options) {
   if (!options.protocols.empty()) {
     return runTasks(options);
   }
@@ -252,7 +253,7 @@ void run(const Options& options) {
 }  // namespace
 
 void addStudyExploreCommand(CLI::App& study) {
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<ExploreOptions>();
   options->perception.threads = 0;
   PerceptionOptions& perception = options->perception;
   CLI::App* command = study.add_subcommand("explore", "How far apart the paper's stimuli are for a hand that explores");
@@ -304,8 +305,8 @@ void addStudyExploreCommand(CLI::App& study) {
       ->excludes(protocols);
   options->overwrite.addTo(*command);
   command->add_flag("--json", options->json, "print one JSON object instead of tables");
-  command->footer(kExamples);
-  command->callback([options] { run(*options); });
+  command->footer(kStudyExploreExamples);
+  command->callback([options] { runExplore(*options); });
 }
 
 }  // namespace haptolith

@@ -13,17 +13,17 @@ namespace haptolith {
 
 namespace {
 
-constexpr const char* kExamples = R"(Examples:
+constexpr const char* kStudyExportExamples = R"(Examples:
   haptolith study export friction.study --to friction.csv               a row for each trial
   haptolith study export friction.study --to friction --format bids     a folder for archives
   haptolith study export friction.study --to all.csv --personal         with answers that tell who somebody is)";
 
-struct Options {
+struct ExportOptions {
   std::string file, to, format = "csv";
   ExportOptions what;
 };
 
-void exportStudy(const Options& options) {
+void exportStudy(const ExportOptions& options) {
   const StudyStore study(options.file, StudyStore::Access::kRead);
   if (options.format == "bids") {
     exportBids(study, options.to, options.what);
@@ -35,10 +35,10 @@ void exportStudy(const Options& options) {
 }  // namespace
 
 void addStudyExportCommand(CLI::App& study) {
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<ExportOptions>();
   options->what.program_version = HAPTOLITH_VERSION;
   CLI::App* command = study.add_subcommand("export", "Convert a study for other programs: CSV or BIDS");
-  command->footer(kExamples);
+  command->footer(kStudyExportExamples);
   command->add_option("file", options->file, "A study")->required()->option_text("FILE");
   command->add_option("--to", options->to, "Where to: a file, for bids a folder")->required()->option_text("PATH");
   command

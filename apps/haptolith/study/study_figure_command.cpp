@@ -37,7 +37,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr const char* kExamples = R"(Examples:
+constexpr const char* kStudyFigureExamples = R"(Examples:
   haptolith study figure friction.study --out friction.svg
   haptolith study figure both.study --out figure.png        figure-friction.png and figure-gravity.png
   haptolith study figure friction.study --json              numbers alone
@@ -48,7 +48,7 @@ has the models and how well their intervals hold.)";
 constexpr double kWide = 3;            // high over low end of an interval that hardly bounds anything
 constexpr double kDoubtful = 1.0 / 3;  // Bayes factor of people alike below which they are said to differ
 
-struct Options {
+struct FigureOptions {
   std::string file, out, block;
   std::optional<std::string> sigmoid;
   bool fixed_threshold = false, pooled = false, json = false, withdrawn = false;
@@ -74,7 +74,7 @@ struct BlockResult {
   [[nodiscard]] const Fit& headline() const { return group ? group->median_person : *pooled; }
 };
 
-FitOptions fitOptionsFor(const Options& options, const StudyBlock& block) {
+FitOptions fitOptionsFor(const FigureOptions& options, const StudyBlock& block) {
   FitOptions fit = fitOptionsOf(block);
   if (options.sigmoid) {
     fit.sigmoid = sigmoidNamed(*options.sigmoid);
@@ -89,7 +89,7 @@ FitOptions fitOptionsFor(const Options& options, const StudyBlock& block) {
   return fit;
 }
 
-void fitTo(BlockResult& result, const Options& options) {
+void fitTo(BlockResult& result, const FigureOptions& options) {
   const FitOptions fit = fitOptionsFor(options, *result.block);
   const std::vector<Level> all = pooled(result.levels);
   if (all.size() < 2 && !fit.threshold) {
@@ -105,7 +105,7 @@ void fitTo(BlockResult& result, const Options& options) {
 }
 
 /// None when nobody has answered yet.
-std::optional<BlockResult> resultOf(const Options& options, const StudyStore& study, std::size_t index,
+std::optional<BlockResult> resultOf(const FigureOptions& options, const StudyStore& study, std::size_t index,
                                     const ParticipantGroup* people) {
   BlockResult result;
   result.block = &study.protocol().blocks[index];
@@ -132,7 +132,7 @@ std::optional<BlockResult> resultOf(const Options& options, const StudyStore& st
 }
 
 /// "figure.svg", or "figure-work.svg" where there are curves, too.
-OutputFile workFileFor(const Options& options, bool alone) {
+OutputFile workFileFor(const FigureOptions& options, bool alone) {
   std::filesystem::path file = options.out;
   if (!alone) {
     file.replace_filename(fmt::format("{}-work{}", file.stem().string(), file.extension().string()));
@@ -141,7 +141,7 @@ OutputFile workFileFor(const Options& options, bool alone) {
 }
 
 /// "figure.svg", or "figure-friction.svg" where there are several blocks, "figure-friction-seen.svg" of a group.
-OutputFile fileFor(const Options& options, const BlockResult& result, bool several) {
+OutputFile fileFor(const FigureOptions& options, const BlockResult& result, bool several) {
   std::filesystem::path file = options.out;
   if (several) {
     const std::string group = result.people == nullptr ? "" : "-" + result.people->name;
@@ -151,7 +151,7 @@ OutputFile fileFor(const Options& options, const BlockResult& result, bool sever
   return options.overwrite(file.string());
 }
 
-void draw(const OutputFile& file, const Options& options, const StudyStore& study, const BlockResult& result) {
+void draw(const OutputFile& file, const FigureOptions& options, const StudyStore& study, const BlockResult& result) {
   PsychometricFigure figure;
   figure.title =
       study.protocol().blocks.size() > 1 && !result.block->title.empty() ? result.block->title : study.title();
@@ -424,7 +424,7 @@ Json jsonOf(const Difference& difference) {
   return json;
 }
 
-std::vector<BlockResult> resultsOf(const Options& options, const StudyStore& study) {
+std::vector<BlockResult> resultsOf(const FigureOptions& options, const StudyStore& study) {
   const std::vector<StudyBlock>& blocks = study.protocol().blocks;
   if (!options.block.empty() && std::ranges::find(blocks, options.block, &StudyBlock::name) == blocks.end()) {
     std::string names;
@@ -453,7 +453,7 @@ std::vector<BlockResult> resultsOf(const Options& options, const StudyStore& stu
   return results;
 }
 
-void show(const Options& options) {
+void show(const FigureOptions& options) {
   if (options.sigmoid) {
     (void)sigmoidNamed(*options.sigmoid);  // throws, whatever the study holds
   }
@@ -500,12 +500,12 @@ void show(const Options& options) {
 }  // namespace
 
 void addStudyFigureCommand(CLI::App& study) {
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<FigureOptions>();
   CLI::App* command = study.add_subcommand(
       "figure",
       "Psychometric curves and Weber fractions of a study, as in the paper's Fig. 5; task times and errors of "
       "force of work for a robot");
-  command->footer(kExamples);
+  command->footer(kStudyFigureExamples);
   command->add_option("study", options->file, "A study")->required()->option_text("FILE");
   command
       ->add_option("--out", options->out,

@@ -27,7 +27,7 @@ namespace haptolith {
 
 namespace {
 
-constexpr const char* kExamples = R"(Examples:
+constexpr const char* kStudyFitExamples = R"(Examples:
   haptolith study fit --data answers.csv --sigmoid weber --reference 0.835       the paper's (22): w alone is free
   haptolith study fit --data answers.csv --design 2afc --sigmoid norm --json     as psignifit fits it
   haptolith study fit --data trials.csv --reference 1.625 --group --figure gravity.png --log-x
@@ -35,7 +35,7 @@ constexpr const char* kExamples = R"(Examples:
 FILE has the columns x,k,n (stimulus, positive answers, answers), or x,response with a row for each trial; with a column
 participant, --group tells people apart. docs/psychometrics.md explains models, priors and numbers.)";
 
-struct Options {
+struct FitCommandOptions {
   std::string data, block, figure;
   FitRequest fit;
   double pool_tolerance = 0;
@@ -48,7 +48,7 @@ struct Options {
 };
 
 /// The people of one block.
-std::vector<AnswersOf> answersOf(const Options& options) {
+std::vector<AnswersOf> answersOf(const FitCommandOptions& options) {
   std::vector<AnswersOf> all = readAnswersFile(options.data, options.pool_tolerance);
   std::string blocks;
   for (const AnswersOf& of : all) {
@@ -69,7 +69,7 @@ std::vector<AnswersOf> answersOf(const Options& options) {
 }
 
 /// The sigmoids to compare with the wanted one: on its axis, and Weibull where there is a logarithm.
-std::vector<Sigmoid> comparable(const FitOptions& wanted, const std::vector<Level>& levels) {
+std::vector<Sigmoid> comparable(const FitCommandOptions& wanted, const std::vector<Level>& levels) {
   std::vector<Sigmoid> sigmoids{Sigmoid::kNorm, Sigmoid::kLogistic, Sigmoid::kStudent, Sigmoid::kReversedGumbel};
   if (!wanted.log_axis) {
     sigmoids.push_back(Sigmoid::kGumbel);  // on a logarithmic axis it is Weibull's
@@ -112,7 +112,7 @@ struct Result {
 };
 
 /// Each group of people by itself, in the order in which the table has them.
-std::vector<GroupResult> fitGroups(const std::vector<AnswersOf>& answers, const FitOptions& options) {
+std::vector<GroupResult> fitGroups(const std::vector<AnswersOf>& answers, const FitCommandOptions& options) {
   std::vector<GroupResult> groups;
   std::vector<std::vector<std::vector<Level>>> levels;
   for (const AnswersOf& of : answers) {
@@ -154,8 +154,8 @@ void tellDifferences(const std::vector<GroupResult>& groups, double confidence, 
   }
 }
 
-Result fitAll(const Options& options, const std::vector<AnswersOf>& answers) {
-  const FitOptions wanted = fitOptionsOf(options.fit, "--");
+Result fitAll(const FitCommandOptions& options, const std::vector<AnswersOf>& answers) {
+  const FitCommandOptions wanted = fitOptionsOf(options.fit, "--");
   std::vector<std::vector<Level>> participants;
   Result result;
   for (const AnswersOf& of : answers) {
@@ -165,12 +165,12 @@ Result fitAll(const Options& options, const std::vector<AnswersOf>& answers) {
   const std::vector<Level> all = pooledAnswers(participants, options.pool_tolerance);
   result.fit = fitAsAsked(all, options.fit, "--");
   if (options.group) {
-    FitOptions quick = wanted;
+    FitCommandOptions quick = wanted;
     quick.simulations = 0;
     result.group = fitGroup(participants, quick);
   }
   if (options.between_groups) {
-    FitOptions quick = wanted;
+    FitCommandOptions quick = wanted;
     quick.simulations = 0;
     result.groups = fitGroups(answers, quick);
   }
@@ -180,7 +180,7 @@ Result fitAll(const Options& options, const std::vector<AnswersOf>& answers) {
   return result;
 }
 
-void draw(const Options& options, const Result& result) {
+void draw(const FitCommandOptions& options, const Result& result) {
   PsychometricFigure figure{
       .x_label = options.x_label, .log_axis = options.fit.log_x, .reference = options.fit.reference};
   figure.group = FigureCurve{.title = result.names.size() > 1 ? "all" : "fit", .fit = result.fit};
@@ -192,7 +192,7 @@ void draw(const Options& options, const Result& result) {
   drawPsychometricFigure(options.overwrite(options.figure), figure);
 }
 
-void printGroups(const Options& options, const std::vector<GroupResult>& groups) {
+void printGroups(const FitCommandOptions& options, const std::vector<GroupResult>& groups) {
   for (const GroupResult& group : groups) {
     printText(fmt::format("\nGroup {}:\n{}", group.name, groupText(group.fit, group.people)));
   }
@@ -205,7 +205,7 @@ void printGroups(const Options& options, const std::vector<GroupResult>& groups)
                   });
 }
 
-nlohmann::ordered_json groupsJson(const Options& options, const std::vector<GroupResult>& groups) {
+nlohmann::ordered_json groupsJson(const FitCommandOptions& options, const std::vector<GroupResult>& groups) {
   nlohmann::ordered_json json;
   for (const GroupResult& group : groups) {
     nlohmann::ordered_json fit{{"group", group.name}};
@@ -222,7 +222,7 @@ nlohmann::ordered_json groupsJson(const Options& options, const std::vector<Grou
   return json;
 }
 
-void print(const Options& options, const Result& result) {
+void print(const FitCommandOptions& options, const Result& result) {
   if (!options.json) {
     printText(fitText(result.fit));
     printText(result.group ? groupText(*result.group, result.names) : "");
@@ -248,7 +248,7 @@ void print(const Options& options, const Result& result) {
   printJson(json);
 }
 
-void run(const Options& options) {
+void runFit(const FitCommandOptions& options) {
   const Result result = fitAll(options, answersOf(options));
   if (!options.figure.empty()) {
     draw(options, result);
@@ -256,7 +256,7 @@ void run(const Options& options) {
   print(options, result);
 }
 
-void addModelOptions(CLI::App& command, Options& options) {
+void addModelOptions(CLI::App& command, FitCommandOptions& options) {
   command.add_option("--design", options.fit.design, "what the asymptotes are")
       ->check(oneOf(designNames()))
       ->capture_default_str();
@@ -280,7 +280,7 @@ void addModelOptions(CLI::App& command, Options& options) {
 }  // namespace
 
 void addStudyFitCommand(CLI::App& study) {
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<FitCommandOptions>();
   CLI::App* command = study.add_subcommand("fit", "A psychometric function for the answers in a table");
   command->add_option("--data", options->data, "table of answers, .csv or .tsv")->required();
   command->add_option("--block", options->block, "which block, when the table has several");
@@ -300,8 +300,8 @@ void addStudyFitCommand(CLI::App& study) {
   command->add_option("--x-label", options->x_label, "of the figure's axis")->capture_default_str();
   options->overwrite.addTo(*command);
   command->add_flag("--json", options->json, "print one JSON object instead of a table");
-  command->footer(kExamples);
-  command->callback([options] { run(*options); });
+  command->footer(kStudyFitExamples);
+  command->callback([options] { runFit(*options); });
 }
 
 }  // namespace haptolith

@@ -21,14 +21,14 @@ namespace haptolith {
 
 namespace {
 
-constexpr const char* kExamples = R"(Examples:
+constexpr const char* kStudyForgetExamples = R"(Examples:
   haptolith study forget friction.study S03 --personal               what would tell who S03 is; the answers stay
   haptolith study forget friction.study S03 --reason "asked for it"  all there is of S03, and the recordings
 
 There is no way back. What stays is that somebody was removed, when and why. Exports and copies of the study are files
 of their own; those beside the study that name S03 are listed.)";
 
-struct Options {
+struct ForgetOptions {
   std::string file, participant, reason;
   bool personal = false, keep_recordings = false;
 };
@@ -56,7 +56,7 @@ std::vector<std::filesystem::path> recordingsOf(const StudyStore& study, const P
   return haptolith::recordingsOf(study.file(), participant.code, names);
 }
 
-void forgetEverything(StudyStore& study, const ParticipantRow& participant, const Options& options) {
+void forgetEverything(StudyStore& study, const ParticipantRow& participant, const ForgetOptions& options) {
   const std::vector<TrialRow> trials = study.trials(participant.id);
   const std::vector<std::filesystem::path> recordings = recordingsOf(study, participant, trials);
   study.removeParticipant(participant.id, options.reason,
@@ -68,7 +68,7 @@ void forgetEverything(StudyStore& study, const ParticipantRow& participant, cons
   printText("Exports elsewhere, copies and backups are not known to haptolith: delete those by hand.\n");
 }
 
-void forget(const Options& options) {
+void forget(const ForgetOptions& options) {
   StudyStore study(options.file, StudyStore::Access::kRun);
   if (const std::string removed_at = removedBefore(study, options.participant); !removed_at.empty()) {
     printText(fmt::format("{}: deleted already, at {}\n", options.participant, removed_at));
@@ -86,9 +86,9 @@ void forget(const Options& options) {
 }  // namespace
 
 void addStudyForgetCommand(CLI::App& study) {
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<ForgetOptions>();
   CLI::App* command = study.add_subcommand("forget", "Delete what the study holds of a participant");
-  command->footer(kExamples);
+  command->footer(kStudyForgetExamples);
   command->add_option("file", options->file, "A study")->required()->option_text("FILE");
   command->add_option("participant", options->participant, "Whose")->required()->option_text("S03");
   CLI::Option* personal = command->add_flag("--personal", options->personal, "Only the answers to personal items");

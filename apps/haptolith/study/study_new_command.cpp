@@ -24,13 +24,13 @@ namespace haptolith {
 
 namespace {
 
-constexpr const char* kExamples = R"(Examples:
+constexpr const char* kStudyNewExamples = R"(Examples:
   haptolith study new friction.study --protocol paper-friction
   haptolith study new mine.study --protocol mine.toml
 
 Built in: {}. docs/studies.md explains how to write one.)";
 
-struct Options {
+struct NewOptions {
   std::string file, protocol;
   std::optional<std::uint64_t> seed;
 };
@@ -70,7 +70,7 @@ std::string summaryOf(const StudyProtocol& protocol) {
   return text;
 }
 
-void makeStudy(const Options& options) {
+void makeStudy(const NewOptions& options) {
   const ProtocolText text = findProtocol(options.protocol);
   const StudyProtocol protocol = loadProtocolText(text.text, text.name);
   // The built-in ones are examples, good for a trial run.
@@ -92,9 +92,9 @@ void makeStudy(const Options& options) {
 }  // namespace
 
 void addStudyNewCommand(CLI::App& study) {
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<NewOptions>();
   CLI::App* command = study.add_subcommand("new", "Make the file of a study");
-  command->footer(fmt::format(kExamples, fmt::join(protocolNames(), ", ")));
+  command->footer(fmt::format(kStudyNewExamples, fmt::join(protocolNames(), ", ")));
   command->add_option("file", options->file, "The file to make; it must not exist")->required()->option_text("FILE");
   command->add_option("--protocol", options->protocol, "A built-in protocol, or a file")
       ->required()

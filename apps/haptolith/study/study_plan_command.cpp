@@ -30,7 +30,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr const char* kExamples = R"(Examples:
+constexpr const char* kStudyPlanExamples = R"(Examples:
   haptolith study plan --protocol paper-friction --weber 0.29
   haptolith study plan --protocol paper-friction --weber 0.29 --against 0.4 --participants 8,16,32 --figure power.svg
   haptolith study plan --protocol paper-friction --weber 0.29 --against 0.4 --spread 0.3 --repeats 12 --people
@@ -39,7 +39,7 @@ constexpr const char* kExamples = R"(Examples:
 constexpr int kFigureWidth_px = 1100;
 constexpr int kFigureHeight_px = 460;
 
-struct Options {
+struct PlanOptions {
   std::string protocol = "paper-friction", block, figure;
   std::vector<int> participants{4, 8, 16, 32}, repeats{3, 6, 12};
   PlanParameters parameters;
@@ -49,7 +49,7 @@ struct Options {
   double power = 0.8;   ///< that is searched for
 };
 
-StudyBlock blockOf(const Options& options) {
+StudyBlock blockOf(const PlanOptions& options) {
   const ProtocolText text = findProtocol(options.protocol);
   const StudyProtocol protocol = loadProtocolText(text.text, text.name);
   const auto found = options.block.empty() ? protocol.blocks.begin()
@@ -70,7 +70,7 @@ std::string shareText(const SimulatedShare& share) {
                      100 * share.interval.high);
 }
 
-std::string tableText(const Options& options, const StudyBlock& block, const std::vector<PlanOutcome>& outcomes) {
+std::string tableText(const PlanOptions& options, const StudyBlock& block, const std::vector<PlanOutcome>& outcomes) {
   const PlanParameters& parameters = options.parameters;
   std::string table = fmt::format(
       "{}: {} simulated studies of each size, Weber fraction {:g}, fitted as `study figure` does\n"
@@ -91,7 +91,7 @@ std::string tableText(const Options& options, const StudyBlock& block, const std
 }
 
 /// The least number of participants among those that were tried.
-std::string searchText(const Options& options, const std::vector<PlanOutcome>& outcomes) {
+std::string searchText(const PlanOptions& options, const std::vector<PlanOutcome>& outcomes) {
   std::string text = "\n";
   for (const int repeats : options.repeats) {
     const auto found = std::ranges::find_if(outcomes, [&](const PlanOutcome& outcome) {
@@ -108,7 +108,7 @@ Json jsonOf(const SimulatedShare& share) {
   return {{"share", share.value}, {"interval", {share.interval.low, share.interval.high}}};
 }
 
-Json jsonOf(const Options& options, const StudyBlock& block, const std::vector<PlanOutcome>& outcomes) {
+Json jsonOf(const PlanOptions& options, const StudyBlock& block, const std::vector<PlanOutcome>& outcomes) {
   Json rows = Json::array();
   for (const PlanOutcome& outcome : outcomes) {
     rows.push_back({{"participants", outcome.size.participants},
@@ -131,7 +131,7 @@ Json jsonOf(const Options& options, const StudyBlock& block, const std::vector<P
 }
 
 /// How well a study of each size tells, over the number of participants; a curve for each number of repeats.
-void draw(const Options& options, const std::vector<PlanOutcome>& outcomes) {
+void draw(const PlanOptions& options, const std::vector<PlanOutcome>& outcomes) {
   Figure figure(options.overwrite(options.figure), kFigureWidth_px, kFigureHeight_px);
   const bool power = options.parameters.against.has_value();
   std::string plots, ranges;
@@ -178,7 +178,7 @@ set title 'studies that tell it from {:g}'
   figure.save();
 }
 
-std::vector<PlanOutcome> outcomesOf(const Options& options, const StudyBlock& block,
+std::vector<PlanOutcome> outcomesOf(const PlanOptions& options, const StudyBlock& block,
                                     const std::function<bool()>& goes_on) {
   std::vector<PlanOutcome> outcomes;
   std::vector<StudySize> sizes;
@@ -194,7 +194,7 @@ std::vector<PlanOutcome> outcomesOf(const Options& options, const StudyBlock& bl
   return options.search ? outcomes : planStudy(block, sizes, options.parameters, goes_on);
 }
 
-void plan(const Options& options) {
+void plan(const PlanOptions& options) {
   const StopOnSignal stop_on_signal;
   const StudyBlock block = blockOf(options);
   StatusLine status;
@@ -222,9 +222,9 @@ void plan(const Options& options) {
 }  // namespace
 
 void addStudyPlanCommand(CLI::App& study) {
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<PlanOptions>();
   CLI::App* command = study.add_subcommand("plan", "How many participants and trials a study needs, by simulation");
-  command->footer(kExamples);
+  command->footer(kStudyPlanExamples);
   command->add_option("--protocol", options->protocol, "A built-in protocol or a file [paper-friction]")
       ->option_text("NAME|FILE");
   command->add_option("--block", options->block, "Which block of it; default: the first")->option_text("NAME");

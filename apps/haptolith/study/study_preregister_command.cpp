@@ -15,16 +15,16 @@ namespace haptolith {
 
 namespace {
 
-constexpr const char* kExamples = R"(Examples:
+constexpr const char* kStudyPreregisterExamples = R"(Examples:
   haptolith study preregister mine.toml
   haptolith study preregister mine.toml --out preregistration.md)";
 
-struct Options {
+struct PreregisterOptions {
   std::string protocol, file;
   Overwrite overwrite;
 };
 
-void preregister(const Options& options) {
+void preregister(const PreregisterOptions& options) {
   const ProtocolText text = findProtocol(options.protocol);
   const std::string written = preregistrationText(loadProtocolText(text.text, text.name),
                                                   {.protocol_text = text.text, .version = HAPTOLITH_VERSION});
@@ -41,9 +41,9 @@ void preregister(const Options& options) {
 }  // namespace
 
 void addStudyPreregisterCommand(CLI::App& study) {
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<PreregisterOptions>();
   CLI::App* command = study.add_subcommand("preregister", "Write the text of a preregistration from a protocol");
-  command->footer(kExamples);
+  command->footer(kStudyPreregisterExamples);
   command->add_option("protocol", options->protocol, "A built-in protocol, or a file")
       ->required()
       ->option_text("PROTOCOL");

@@ -42,7 +42,7 @@ namespace {
 
 using namespace std::chrono_literals;
 
-constexpr const char* kExamples = R"(Examples:
+constexpr const char* kStudyRunExamples = R"(Examples:
   haptolith study new friction.study --protocol paper-friction
   haptolith study run friction.study                               the next participant, with the mouse
   haptolith study run try.study --trial-run                        try a built-in protocol yourself
@@ -310,7 +310,7 @@ class StudyRun {
 };
 
 void addRunOptions(CLI::App& command, const std::shared_ptr<StudyRunOptions>& options) {
-  command.footer(kExamples);
+  command.footer(kStudyRunExamples);
   command.add_option("study", options->file, "The study (haptolith study new)")->required()->option_text("FILE");
   options->device.addTo(command);
   command.add_option("--record-frames", options->frames_per_s, "Pictures of all particles a second in recordings [0]")

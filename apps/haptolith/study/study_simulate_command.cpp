@@ -34,14 +34,14 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr const char* kExamples = R"(Examples:
+constexpr const char* kStudySimulateExamples = R"(Examples:
   haptolith study new try.study --protocol paper-friction
   haptolith study simulate try.study --participants 8 --weber 0.29
   haptolith study figure try.study --out try.svg
   haptolith study simulate try.study --hand stir --judge mean-force --weber 0.1    by what a hand really feels
   haptolith study simulate dig.study --participants 2       work for a robot is done by a virtual operator: minutes)";
 
-struct Options {
+struct SimulateOptions {
   std::string file;
   int participants = 8;
   ObserverParameters observer;
@@ -64,7 +64,7 @@ const std::map<std::string, JudgedBy>& judgeChoices() {
 }
 
 /// A hand that explores when there is something to judge by, else none.
-std::unique_ptr<Rig> rigFor(const Options& options, const StudyProtocol& protocol, std::uint64_t people_before,
+std::unique_ptr<Rig> rigFor(const SimulateOptions& options, const StudyProtocol& protocol, std::uint64_t people_before,
                             const TeleopProgress& progress) {
   std::unique_ptr<Rig> rig = std::make_unique<RigWithoutBed>();
   if (options.hand) {
@@ -84,7 +84,7 @@ std::string nameIn(const Choices& choices, const Value& value, std::string_view 
 }
 
 /// What the table of sessions keeps: the options by their names, and the Weber fraction of this participant.
-std::string simulationText(const Options& options, const ObserverParameters& who) {
+std::string simulationText(const SimulateOptions& options, const ObserverParameters& who) {
   Json json{{"weber", options.observer.weber_fraction},
             {"spread", options.spread},
             {"bias", who.bias},
@@ -110,7 +110,7 @@ void requireNobody(const StudyStore& study) {
   }
 }
 
-void simulate(const Options& options) {
+void simulate(const SimulateOptions& options) {
   const StopOnSignal stop_on_signal;
   validate(options.observer);
   StudyStore study(options.file, StudyStore::Access::kRun);
@@ -163,9 +163,9 @@ void simulate(const Options& options) {
 }  // namespace
 
 void addStudySimulateCommand(CLI::App& study) {
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<SimulateOptions>();
   CLI::App* command = study.add_subcommand("simulate", "Let simulated participants take part, to try a study out");
-  command->footer(kExamples);
+  command->footer(kStudySimulateExamples);
   command->add_option("study", options->file, "A study that no person has taken part in")
       ->required()
       ->option_text("FILE");

@@ -27,13 +27,13 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr const char* kExamples = R"(Examples:
+constexpr const char* kStudyStatusExamples = R"(Examples:
   haptolith study status friction.study          also while the study runs
   haptolith study status friction.study --json)";
 
 constexpr double kConfidence = 0.95;
 
-struct Options {
+struct StatusOptions {
   std::string file;
   bool json = false;
 };
@@ -282,7 +282,7 @@ std::string levelsText(const StudyBlock& block, const std::vector<Level>& levels
   return levels.empty() ? "" : text;
 }
 
-void showStatus(const Options& options) {
+void showStatus(const StatusOptions& options) {
   const StudyStore study(options.file, StudyStore::Access::kRead);
   const std::vector<TrialRow> trials = study.trials();
   if (options.json) {
@@ -303,9 +303,9 @@ void showStatus(const Options& options) {
 }  // namespace
 
 void addStudyStatusCommand(CLI::App& study) {
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<StatusOptions>();
   CLI::App* command = study.add_subcommand("status", "Tell who has taken part, how far they are and what was answered");
-  command->footer(kExamples);
+  command->footer(kStudyStatusExamples);
   command->add_option("file", options->file, "A study")->required()->option_text("FILE");
   command->add_flag("--json", options->json, "Print one JSON object");
   command->callback([options] { showStatus(*options); });

@@ -42,7 +42,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr const char* kExamples = R"(Examples:
+constexpr const char* kTeleopBenchExamples = R"(Examples:
   haptolith teleop bench                                   six round trips, a model and delayed force: some minutes
   haptolith teleop bench --round-trip-s 2.6 --case model,twin --duration-s 20
   haptolith teleop bench --task trench --round-trip-s 0,2.6     until it is done: how long does that take?
@@ -52,7 +52,7 @@ constexpr const char* kExamples = R"(Examples:
 
 docs/teleop.md tells what was found, and how the numbers are meant.)";
 
-constexpr double kMm = 1e-3;
+constexpr double kBenchMm = 1e-3;
 constexpr double kMillijoule = 1e-3;
 constexpr double kLast_s = 10;  ///< of a run, when a model that learns should have learned
 
@@ -84,7 +84,7 @@ bool learns(Case which) {
   return which == Case::kLearning || which == Case::kBoth;
 }
 
-struct BenchOptions {
+struct TeleopBenchOptions {
   std::string model = "dig", site = "dig-site";
   std::vector<std::string> cases;  ///< empty: those that the model is good for
   std::vector<std::string> model_overrides, site_overrides;
@@ -117,7 +117,7 @@ struct Probed {
   Scenario model;
 };
 
-Probed probe(const BenchOptions& options, StatusLine& status) {
+Probed probe(const TeleopBenchOptions& options, StatusLine& status) {
   const auto progress = [&](std::string_view what, double share) {
     status.tell([&] { return fmt::format("{}: {:.0f} %", what, 100 * share); });
     return !stopAsked();
@@ -133,7 +133,7 @@ double gravityOf(const Probed& probed) {
   return probed.model.bed.gravity_m_s2.norm();
 }
 
-TeleopSetup setupFor(const BenchOptions& options, double round_trip_s, Case which,
+TeleopSetup setupFor(const TeleopBenchOptions& options, double round_trip_s, Case which,
                      const std::optional<Probed>& probed) {
   TeleopSetup setup;
   setup.model = begins(which) ? probed->model : findScenario(options.model, options.model_overrides);
@@ -206,12 +206,13 @@ std::string rowText(const Row& row) {
       "{:8.2f}  {:10} {:>7} {:>9} {:8.2f} {:8.3f} {:8.3f} {:8.2f} {:8.2f} {:9.4f} {:8.2f} {:8.1f} {:6}\n",
       row.round_trip_s, text(row.which), percentText(result.agreement.share(0, duration_s)),
       percentText(result.agreement.share(duration_s - kLast_s, duration_s)), result.agreement.rmsMet(0, duration_s),
-      result.free_m / kMm, result.soil_m / kMm, result.known_surface_m / kMm, result.apart_surface_m / kMm,
-      result.given_j / kMillijoule, result.behind_s, 100 * result.followed_share, result.stops);
+      result.free_m / kBenchMm, result.soil_m / kBenchMm, result.known_surface_m / kBenchMm,
+      result.apart_surface_m / kBenchMm, result.given_j / kMillijoule, result.behind_s, 100 * result.followed_share,
+      result.stops);
 }
 
 /// How the task went; empty: there is none.
-std::string taskText(const Row& row, const BenchOptions& options) {
+std::string taskText(const Row& row, const TeleopBenchOptions& options) {
   const std::optional<TaskResult>& task = row.result.task;
   if (!task) {
     return "";
@@ -219,9 +220,10 @@ std::string taskText(const Row& row, const BenchOptions& options) {
   const bool trench = options.task == "trench";
   const std::string when = std::isnan(task->done_s) ? fmt::format("not done in {:g} s", options.duration())
                                                     : fmt::format("done after {:.1f} s", task->done_s);
-  return fmt::format("{}, {:g} s: {} {}, {}, {} in the end\n", text(row.which), row.round_trip_s, options.task, when,
-                     counted(task->strokes, "try", "tries"),
-                     trench ? fmt::format("{:.1f} mm", task->reached / kMm) : fmt::format("{:.3f} N", task->reached));
+  return fmt::format(
+      "{}, {:g} s: {} {}, {}, {} in the end\n", text(row.which), row.round_trip_s, options.task, when,
+      counted(task->strokes, "try", "tries"),
+      trench ? fmt::format("{:.1f} mm", task->reached / kBenchMm) : fmt::format("{:.3f} N", task->reached));
 }
 
 /// What a model has learned, and how gently; empty: it does not learn.
@@ -250,7 +252,7 @@ void writeCsv(const OutputFile& file, const std::vector<Row>& rows) {
   table.commit();
 }
 
-std::vector<std::string> casesOf(const BenchOptions& options) {
+std::vector<std::string> casesOf(const TeleopBenchOptions& options) {
   if (!options.cases.empty()) {
     return options.cases;
   }
@@ -264,7 +266,7 @@ std::vector<std::string> casesOf(const BenchOptions& options) {
   return cases;
 }
 
-std::vector<Row> rowsFor(const BenchOptions& options) {
+std::vector<Row> rowsFor(const TeleopBenchOptions& options) {
   const std::vector<std::string> cases = casesOf(options);
   std::vector<Row> rows;
   for (const double round_trip_s : options.round_trips_s) {
@@ -290,7 +292,7 @@ std::vector<AgreementPanel> panelsOf(const std::vector<Row>& rows) {
   return panels;
 }
 
-void runBench(const BenchOptions& options) {
+void runTeleopBench(const TeleopBenchOptions& options) {
   const StopOnSignal stop;
   StatusLine status;
   for (const std::string& file : {options.csv_file, options.figure_file}) {
@@ -362,10 +364,10 @@ void runBench(const BenchOptions& options) {
 }  // namespace
 
 void addTeleopBench(CLI::App& teleop) {
-  auto options = std::make_shared<BenchOptions>();
+  auto options = std::make_shared<TeleopBenchOptions>();
   CLI::App* command = teleop.add_subcommand(
       "bench", "Dig in simulated time over links with delay: how true the force is, how close the robot follows");
-  command->footer(kExamples);
+  command->footer(kTeleopBenchExamples);
   command->add_option("--model", options->model, "Scene whose hand digs, and whose soil the operator feels")
       ->option_text("SCENE [dig]");
   command->add_option("--set", options->model_overrides, "Another value of one of the model's keys")
@@ -419,7 +421,7 @@ void addTeleopBench(CLI::App& teleop) {
   command->add_option("--figure", options->figure_file, "Draw the same (.svg or .png)")->option_text("FILE");
   options->overwrite.addTo(*command);
   command->add_flag("--json", options->json, "Print one JSON object");
-  command->callback([options] { runBench(*options); });
+  command->callback([options] { runTeleopBench(*options); });
 }
 
 }  // namespace haptolith

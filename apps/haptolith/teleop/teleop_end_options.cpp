@@ -9,7 +9,7 @@ namespace haptolith {
 
 namespace {
 
-constexpr double kKbit = 1e3;
+constexpr double kEndKbit = 1e3;
 
 }  // namespace
 
@@ -32,7 +32,7 @@ EndOptions TeleopEndOptions::end() const {
   end.key = keyFrom(key_file, "HAPTOLITH_TELEOP_KEY");
   end.insecure = insecure;
   LinkParameters way;
-  way.rate_bit_s = rate_kbit_s.value_or(1000) * kKbit;
+  way.rate_bit_s = rate_kbit_s.value_or(1000) * kEndKbit;
   way.overhead_bytes += end.key.empty() ? 0 : static_cast<int>(PacketSeal::kBytes);
   end.sending = sendingOver(way, way);
   return end;

@@ -18,6 +18,7 @@
 #include "shared/stop_on_signal.h"
 #include "teleop/link_options.h"
 #include "teleop/teleop_commands.h"
+#include "workbench_commands.h"
 
 namespace haptolith {
 
@@ -25,11 +26,11 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr double kMs = 1e-3;
-constexpr double kKbit = 1e3;
+constexpr double kLinkMs = 1e-3;
+constexpr double kLinkKbit = 1e3;
 constexpr double kLook_s = 0.1;
 
-constexpr const char* kExamples = R"(Examples:
+constexpr const char* kTeleopLinkExamples = R"(Examples:
   haptolith teleop link --profile earth-moon --to 127.0.0.1:9050
                               what comes to 127.0.0.1:7400 goes on to port 9050 after 1.3 s, answers after another 1.3 s
   haptolith teleop link --round-trip-s 1 --jitter-ms 50 --loss 0.1 --to 127.0.0.1:9050
@@ -111,7 +112,7 @@ void listProfiles(bool json) {
   text += fmt::format("{:17} {:>10} {:>9} {:>6} {:>10}\n", "name", "back, s", "ms", "%", "each way");
   for (const LinkProfile& profile : linkProfiles()) {
     text += fmt::format("{:17} {:10g} {:9g} {:6.1f} {:10g}  {}\n", profile.name, profile.roundTrip(),
-                        profile.up.jitter_s / kMs, 100 * profile.up.meanLoss(), profile.up.rate_bit_s / kKbit,
+                        profile.up.jitter_s / kLinkMs, 100 * profile.up.meanLoss(), profile.up.rate_bit_s / kLinkKbit,
                         profile.what);
   }
   printText(text);
@@ -121,7 +122,7 @@ void addLink(CLI::App& teleop) {
   auto options = std::make_shared<RelayOptions>();
   CLI::App* command =
       teleop.add_subcommand("link", "Stand between two programs that talk by UDP, as a slow and lossy network would");
-  command->footer(kExamples);
+  command->footer(kTeleopLinkExamples);
   command->add_option("--to", options->relay.to, "Where the robot's program listens")
       ->option_text("HOST:PORT")
       ->required();
@@ -145,7 +146,7 @@ void addLink(CLI::App& teleop) {
 }  // namespace
 
 void addTeleopCommand(CLI::App& app) {
-  CLI::App* teleop = app.add_subcommand("teleop", "Dig far away: links with delay, and what they do to a hand");
+  CLI::App* teleop = app.add_subcommand("teleop", kTeleopDescription);
   teleop->require_subcommand(1);
   teleop->footer(
       "Examples, each in a terminal of its own:\n"

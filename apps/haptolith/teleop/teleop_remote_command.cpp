@@ -29,7 +29,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr const char* kExamples = R"(Examples:
+constexpr const char* kTeleopRemoteExamples = R"(Examples:
   haptolith teleop remote                                  digs in the scene dig-site, follows who sends to 127.0.0.1:7410
   haptolith teleop operator --to 127.0.0.1:7410            leads it, in another terminal
   haptolith teleop remote regolith --max-force-n 20
@@ -128,7 +128,7 @@ void addTeleopRemote(CLI::App& teleop) {
   auto options = std::make_shared<RemoteOptions>();
   CLI::App* command =
       teleop.add_subcommand("remote", "Be a robot that digs in a bed of its own, where an operator leads it");
-  command->footer(kExamples);
+  command->footer(kTeleopRemoteExamples);
   command->add_option("site", options->site, "Scene that it digs in [dig-site]")->option_text("SCENE");
   command->add_option("--set", options->overrides, "Another value of one of the scene's keys; again for another")
       ->option_text("TABLE.KEY=VALUE");

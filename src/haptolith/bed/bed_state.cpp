@@ -14,7 +14,7 @@ namespace {
 
 static_assert(std::endian::native == std::endian::little, "saved states are little-endian");
 
-constexpr char kMagic[8] = {'H', 'A', 'P', 'B', 'E', 'D', '0', '4'};
+constexpr char kBedMagic[8] = {'H', 'A', 'P', 'B', 'E', 'D', '0', '4'};
 constexpr char kMagicOfWide[8] = {'H', 'A', 'P', 'B', 'E', 'D', '0', '5'};  // the same, and remainders
 
 constexpr std::string_view kStonesFollow = "HAPSTNS:";  // no bed begins with it
@@ -136,7 +136,7 @@ std::string serialise(const BedState& state) {
     header.contacts += state.contacts.count(i);
   }
   const bool wide = !state.remainder.empty();
-  std::memcpy(header.magic, wide ? kMagicOfWide : kMagic, sizeof kMagic);
+  std::memcpy(header.magic, wide ? kMagicOfWide : kBedMagic, sizeof kBedMagic);
   std::string bytes(reinterpret_cast<const char*>(&header), sizeof header);
   append(bytes, state.position.data(), n);
   append(bytes, state.velocity.data(), n);
@@ -157,7 +157,7 @@ BedState deserialiseBedState(std::string_view bytes) {
     throw Failure("this is no saved bed: it is shorter than the header");
   }
   std::memcpy(&header, bytes.data(), sizeof header);
-  if (std::memcmp(header.magic, kMagic, sizeof kMagic) != 0 && !isWide(header)) {
+  if (std::memcmp(header.magic, kBedMagic, sizeof kBedMagic) != 0 && !isWide(header)) {
     throw Failure("this is no saved bed, or one of another version");
   }
   bytes.remove_prefix(sizeof header);

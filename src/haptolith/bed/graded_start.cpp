@@ -40,9 +40,9 @@ double surfaceOf(const std::vector<Float4>& grains, const BedParameters& bed) {
 }
 
 /// Grains that have their place, to be asked whether there is room for another.
-class Standing {
+class StandingGrain {
  public:
-  explicit Standing(const BedParameters& bed) : radius_m_(bed.soil.radius_m), cell_m_(2.7 * bed.soil.radius_m) {}
+  explicit StandingGrain(const BedParameters& bed) : radius_m_(bed.soil.radius_m), cell_m_(2.7 * bed.soil.radius_m) {}
 
   void add(const std::vector<Float4>& grains) {
     for (const Float4& grain : grains) {
@@ -184,7 +184,7 @@ bool GradedFilling::belongs(const Float4& grain, int grain_class, const std::vec
 
 LyingSoil GradedFilling::filledUp(const std::vector<Float4>& free) const {
   const GrainClasses classes(bed_.soil.radius_m, classes_);
-  Standing standing(bed_);
+  StandingGrain standing(bed_);
   standing.add(free);
   LyingSoil all;
   std::vector<Float4> left_out;  // of the class before, for want of a whole group: finer ones fill their place

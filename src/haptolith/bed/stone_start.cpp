@@ -93,7 +93,7 @@ Quat anyTurn(std::mt19937_64& random) {
 }
 
 /// Stones that already stand somewhere.
-class Standing {
+class StandingStone {
  public:
   [[nodiscard]] bool hasRoomFor(const StoneShape& shape, const Vec3& place_m) const {
     return std::ranges::none_of(
@@ -134,7 +134,7 @@ bool isInStone(const Stones& stones, const Float4& grain, double radius_m) {
 
 std::vector<Pose> startingPlaces(const BedParameters& bed, const Stones& stones, double surface_m) {
   std::vector<Pose> places;
-  Standing standing;
+  StandingStone standing;
   const auto room_beside = [&](const StoneShape& shape) {
     return std::pair(bed.width_m / 2 - shape.reach_m, bed.length_m / 2 - shape.reach_m);
   };

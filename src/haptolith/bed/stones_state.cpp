@@ -11,7 +11,7 @@ namespace haptolith {
 
 namespace {
 
-constexpr std::array<char, 8> kMagic{'H', 'A', 'P', 'S', 'T', 'N', '0', '1'};
+constexpr std::array<char, 8> kStonesMagic{'H', 'A', 'P', 'S', 'T', 'N', '0', '1'};
 
 /// A stone as numbers only, so that its bytes are its value.
 struct Record {
@@ -67,7 +67,7 @@ std::uint64_t stonesHash(const StonesState& state, std::uint64_t hash) noexcept 
 }
 
 std::string serialise(const StonesState& state) {
-  std::string bytes(kMagic.data(), kMagic.size());
+  std::string bytes(kStonesMagic.data(), kStonesMagic.size());
   append(bytes, std::uint64_t{state.stones.size()});
   append(bytes, std::uint64_t{state.slips.size()});
   for (const StoneState& stone : state.stones) {
@@ -80,7 +80,7 @@ std::string serialise(const StonesState& state) {
 }
 
 StonesState deserialiseStones(std::string_view bytes) {
-  if (take<std::array<char, 8>>(bytes) != kMagic) {
+  if (take<std::array<char, 8>>(bytes) != kStonesMagic) {
     throw Failure("these are no saved stones, or of another version");
   }
   const auto stones = take<std::uint64_t>(bytes);

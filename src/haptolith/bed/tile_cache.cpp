@@ -37,7 +37,7 @@ constexpr int kGradedLaw = 2;
 constexpr int kFormat = 1;
 
 constexpr std::string_view kPrefix = "tile-";
-constexpr std::string_view kMagic = "haptolith tile\n";
+constexpr std::string_view kTileMagic = "haptolith tile\n";
 
 struct Cache {
   fs::path folder;
@@ -87,7 +87,7 @@ template <class Number>
 }
 
 std::string fileOf(const BedTile& tile, const std::string& key) {
-  std::string bytes(kMagic);
+  std::string bytes(kTileMagic);
   append(bytes, key);
   append(bytes, std::vector<double>{tile.width_m, tile.length_m});
   append(bytes, tile.grains);
@@ -129,7 +129,7 @@ bool isSound(const BedTile& tile, const Wanted& soil) {
 
 std::optional<BedTile> tileIn(std::string_view bytes, const Wanted& wanted) {
   std::uint64_t sum = 0;
-  if (bytes.size() < kMagic.size() + sizeof sum || !bytes.starts_with(kMagic)) {
+  if (bytes.size() < kTileMagic.size() + sizeof sum || !bytes.starts_with(kTileMagic)) {
     return std::nullopt;
   }
   std::memcpy(&sum, bytes.data() + bytes.size() - sizeof sum, sizeof sum);
@@ -137,7 +137,7 @@ std::optional<BedTile> tileIn(std::string_view bytes, const Wanted& wanted) {
   if (XXH3_64bits(bytes.data(), bytes.size()) != sum) {
     return std::nullopt;
   }
-  bytes.remove_prefix(kMagic.size());
+  bytes.remove_prefix(kTileMagic.size());
   BedTile tile;
   std::vector<char> own_key;
   std::vector<double> periods;

@@ -11,7 +11,7 @@ namespace haptolith {
 
 namespace {
 
-using Json = nlohmann::ordered_json;
+using LimitsJson = nlohmann::ordered_json;
 
 constexpr std::array<std::pair<const char*, double DeviceLimits::*>, 13> kNumbers{{
     {"max_force_n", &DeviceLimits::max_force_n},
@@ -37,7 +37,8 @@ constexpr std::array<std::pair<const char*, bool DeviceLimits::*>, 4> kSwitches{
 }  // namespace
 
 std::string limitsText(const DeviceLimits& limits, bool simulated) {
-  Json json{{"simulated", simulated}, {"workspace_centre_m", limits.workspace_centre_m}, {"turn_rad", limits.turn_rad}};
+  LimitsJson json{
+      {"simulated", simulated}, {"workspace_centre_m", limits.workspace_centre_m}, {"turn_rad", limits.turn_rad}};
   for (const auto& [name, member] : kNumbers) {
     json[name] = limits.*member;  // an infinite one becomes null
   }
@@ -48,7 +49,7 @@ std::string limitsText(const DeviceLimits& limits, bool simulated) {
 }
 
 DeclaredLimits limitsOf(std::string_view text) try {
-  const Json json = Json::parse(text);
+  const LimitsJson json = LimitsJson::parse(text);
   DeclaredLimits declared;
   declared.simulated = json.at("simulated").get<bool>();
   for (int axis = 0; axis < 3; ++axis) {
@@ -63,7 +64,7 @@ DeclaredLimits limitsOf(std::string_view text) try {
     if (unknown(name)) {
       continue;
     }
-    const Json& value = json.at(name);
+    const LimitsJson& value = json.at(name);
     declared.limits.*member = value.is_null() ? DeviceLimits::kNone : value.get<double>();
   }
   for (const auto& [name, member] : kSwitches) {
@@ -72,7 +73,7 @@ DeclaredLimits limitsOf(std::string_view text) try {
     }
   }
   return declared;
-} catch (const Json::exception& error) {
+} catch (const LimitsJson::exception& error) {
   throw Failure(fmt::format("what the recorded device declared cannot be read: {}", error.what()));
 }
 

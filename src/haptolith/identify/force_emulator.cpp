@@ -16,12 +16,12 @@ namespace {
 
 constexpr std::size_t kBlock = ForceEmulator::kBlock;
 constexpr std::size_t kLeastRuns = 20;
-constexpr double kLambda = 0.5;
-constexpr double kNoise_n = 0.05;  ///< of a window, that the training is given: sensors have some
+constexpr double kEmulatorLambda = 0.5;
+constexpr double kEmulatorNoise_n = 0.05;  ///< of a window, that the training is given: sensors have some
 constexpr std::array kAxes{0, 1, 2};
 constexpr Eigen::Index kTerms = 9;
 
-double median(std::vector<double> values) {
+double upperMedian(std::vector<double> values) {
   const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
   std::ranges::nth_element(values, middle);
   return *middle;
@@ -94,11 +94,11 @@ ForceEmulator::ForceEmulator(const Training& training, std::optional<std::size_t
       const TrainingRun& run = training.runs[i];
       states.row(row) = stateVector(stateOf(run, strengths_), training.gravity_m_s2);
       peaks_deg[row] = strengths_.of(run.sample.soil, SoilStrength::kPeak).angle_deg;
-      values.row(row++) = observed(measuredForces(run, kNoise_n, run.number), training.gravity_m_s2).values;
+      values.row(row++) = observed(measuredForces(run, kEmulatorNoise_n, run.number), training.gravity_m_s2).values;
     }
   }
-  fit_.emplace(terms(states), values, kLambda);
-  peak_.emplace(terms(states), peaks_deg, kLambda);
+  fit_.emplace(terms(states), values, kEmulatorLambda);
+  peak_.emplace(terms(states), peaks_deg, kEmulatorLambda);
   covariance_ =
       shrunkCovariance(values - expected(states), std::max(5.0, static_cast<double>(rows) - 0.9 * (kTerms + 1)));
 }
@@ -117,7 +117,7 @@ void ForceEmulator::chooseFeatures(const Training& training) {
     for (const MeasuredForces& run : forces) {
       values.push_back(of(*blockMean(run, window)));
     }
-    return median(std::move(values));
+    return upperMedian(std::move(values));
   };
   for (std::size_t window = 0; window + kBlock <= windows; window += kBlock) {
     const double size_n = median_over([](const Vec3& f) { return f.norm(); }, window);

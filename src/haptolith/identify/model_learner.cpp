@@ -16,9 +16,9 @@ namespace {
 constexpr double kDegree = std::numbers::pi / 180;
 constexpr double kScatter = 0.2;  ///< of a stretch's force, of specimens
 constexpr double kGrowth = 0.4;   ///< by which the law of how force grows is wrong, of the logarithm of the growth
-constexpr double kNoise_n = 0.1;  ///< of a sensor, and of grains that strike one by one
-constexpr double kFreedom = 4;    ///< nu of Student's t
-constexpr double kAlike = 2;      ///< stretches one after the other say partly the same: so many are worth one
+constexpr double kLearnerNoise_n = 0.1;  ///< of a sensor, and of grains that strike one by one
+constexpr double kFreedom = 4;           ///< nu of Student's t
+constexpr double kAlike = 2;             ///< stretches one after the other say partly the same: so many are worth one
 constexpr double kFarShare = 0.05;
 constexpr int kMostSteps = 12;
 constexpr SoilPrior kBounds{.friction_angle_deg{12, 50}, .cohesion_m{0, 1.5}, .tool_friction{0.05, 0.7}};
@@ -101,7 +101,7 @@ ModelSoil ModelLearner::at(const Vec3& place_m) const {
       // What was felt in a model that was far from this state tells less of it.
       const double growth = std::log(expected_n.norm() / stretch.felt_n.norm());
       const double size_n = std::max(stretch.met_n.norm(), expected_n.norm());
-      const double sd_n = std::hypot(std::hypot(kScatter, kGrowth * growth) * size_n, kNoise_n);
+      const double sd_n = std::hypot(std::hypot(kScatter, kGrowth * growth) * size_n, kLearnerNoise_n);
       const double variance = sd_n * sd_n;
       const double counts = stretch.weight / variance * (kFreedom + 3) / (kFreedom + apart_n.squaredNorm() / variance);
       hessian += counts * slopes.transpose() * slopes;

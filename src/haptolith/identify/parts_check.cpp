@@ -13,9 +13,9 @@ namespace haptolith {
 
 namespace {
 
-constexpr double kNoise_n = 0.05;
+constexpr double kProbeNoise_n = 0.05;
 
-double median(std::vector<double> values) {
+double medianOfParts(std::vector<double> values) {
   const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
   std::ranges::nth_element(values, middle);
   return *middle;
@@ -61,7 +61,7 @@ PartsCourse PartsCheck::courseOf(std::size_t place, PartOrder order) const {
   const TrainingRun& run = training_.runs[sheared_[place]];
   const ForceEmulator& emulator = others_[place];
   const double gravity_m_s2 = training_.gravity_m_s2;
-  const MeasuredForces all = measuredForces(run, kNoise_n, run.number);
+  const MeasuredForces all = measuredForces(run, kProbeNoise_n, run.number);
   MeasuredForces forces(all.size());
   std::mt19937_64 random(run.number);
   PartsCourse course{measuredState(run), widthsOf(beliefOf(forces, emulator, temper_, gravity_m_s2)), {}};
@@ -113,8 +113,8 @@ std::vector<PartsRow> partsRows(const std::vector<PartsCourse>& courses) {
     row.held_share = held / intervals;
     row.within_quarter = near / intervals;
     for (std::size_t i = 0; i < kWidths.size(); ++i) {
-      row.median.*kWidths[i] = median(widths[i]);
-      row.over_expected.*kWidths[i] = median(ratios[i]);
+      row.median.*kWidths[i] = medianOfParts(widths[i]);
+      row.over_expected.*kWidths[i] = medianOfParts(ratios[i]);
     }
     rows.push_back(row);
   }

@@ -14,7 +14,7 @@ namespace haptolith {
 
 namespace {
 
-double median(std::vector<double> values) {
+double medianOrZero(std::vector<double> values) {
   if (values.empty()) {
     return 0;
   }
@@ -38,7 +38,7 @@ CheckedNumber over(std::string name, std::string unit, int decimals, const std::
     held += holds(estimate, truth) ? 1 : 0;
   }
   const double share = soils.empty() ? 0 : held / static_cast<double>(soils.size());
-  return {std::move(name), std::move(unit), decimals, median(std::move(errors)), share};
+  return {std::move(name), std::move(unit), decimals, medianOrZero(std::move(errors)), share};
 }
 
 }  // namespace

@@ -12,7 +12,7 @@ namespace haptolith {
 
 namespace {
 
-constexpr double kLambda = 0.3;
+constexpr double kMapLambda = 0.3;
 constexpr double kLeastMeasured_pa = 15;  ///< a line's cohesion below it is scatter
 
 double contactStress(const SoilParameters& soil) {
@@ -55,7 +55,7 @@ Ridge fitted(const std::vector<Eigen::RowVectorXd>& rows, const std::vector<doub
     columns.row(static_cast<Eigen::Index>(i)) = rows[i];
   }
   return {columns, Eigen::Map<const Eigen::VectorXd>(observed.data(), static_cast<Eigen::Index>(observed.size())),
-          kLambda};
+          kMapLambda};
 }
 
 bool hasCohesion(const TrainingRun& run, const ShearStrength& measured) {

@@ -14,7 +14,7 @@ namespace {
 
 constexpr int kBatches = 10;
 constexpr double kLeastTime_s = 0.5, kStill_m = 1e-3, kStill_rad = std::numbers::pi / 180;
-constexpr std::ptrdiff_t kLeastSamples = 100;
+constexpr std::ptrdiff_t kLeastWeighings = 100;
 
 struct HeldForce {
   Uncertain force_n;
@@ -32,9 +32,9 @@ HeldForce heldForce(std::span<const MeasuredSample> samples, const char* key, co
         key, when,
         fmt::format("within what was measured: {:g} to {:g} s", samples.front().time_s, samples.back().time_s));
   }
-  if (time_s.highest - time_s.lowest < kLeastTime_s || to - from < kLeastSamples) {
+  if (time_s.highest - time_s.lowest < kLeastTime_s || to - from < kLeastWeighings) {
     throw InvalidParameter(key, when,
-                           fmt::format("half a second or more in which {} forces were measured", kLeastSamples));
+                           fmt::format("half a second or more in which {} forces were measured", kLeastWeighings));
   }
   const std::span<const MeasuredSample> held(from, to);
   if (std::ranges::any_of(held, [&](const MeasuredSample& sample) {

@@ -12,11 +12,11 @@ namespace haptolith {
 
 namespace {
 
-constexpr double kPi = std::numbers::pi;
-constexpr double kFrictionless = 1e-9;      // rad; below it N_c is its limit
-constexpr double kMeyerhofFrom = kPi / 18;  // rad; from 10 deg on friction makes shape and depth count for weight
-constexpr double kCohesionAlone = kPi + 2;  // N_c without friction, Prandtl's
-constexpr double kTerzaghiAlone = 1.5 * kPi + 1;
+constexpr double kFrictionless = 1e-9;  // rad; below it N_c is its limit
+constexpr double kMeyerhofFrom =
+    std::numbers::pi / 18;  // rad; from 10 deg on friction makes shape and depth count for weight
+constexpr double kCohesionAlone = std::numbers::pi + 2;  // N_c without friction, Prandtl's
+constexpr double kTerzaghiAlone = 1.5 * std::numbers::pi + 1;
 
 void validate(const Footing& footing) {
   constexpr double kDeepest = 2.5;  // diameters
@@ -25,13 +25,13 @@ void validate(const Footing& footing) {
   requireInRange("depth_m", footing.depth_m, {0, kDeepest * footing.diameter_m});
   requireInRange("density_kg_m3", footing.density_kg_m3, positive);
   requireInRange("gravity_m_s2", footing.gravity_m_s2, {0, 1000, Ends::kOpenBelow});
-  requireInRange("friction_angle_rad", footing.friction_angle_rad, {0, kPi * 50 / 180});
+  requireInRange("friction_angle_rad", footing.friction_angle_rad, {0, std::numbers::pi * 50 / 180});
   requireInRange("cohesion_pa", footing.cohesion_pa, {0, Range{}.highest});
 }
 
 /// K_p = tan^2(45 deg + phi / 2), the passive pressure's coefficient.
 double passive(double phi) {
-  return std::pow(std::tan(kPi / 4 + phi / 2), 2);
+  return std::pow(std::tan(std::numbers::pi / 4 + phi / 2), 2);
 }
 
 double cohesionFactor(double n_q, double phi, double frictionless) {
@@ -55,7 +55,7 @@ double weightCoefficient(double phi) {
                                                {40, 141},
                                                {45, 298},
                                                {50, 800}}};
-  const double deg = std::min(180 / kPi * phi, kTable.back().deg);
+  const double deg = std::min(180 / std::numbers::pi * phi, kTable.back().deg);
   const auto* const above =
       std::ranges::find_if(kTable.begin() + 1, kTable.end(), [deg](const Row& row) { return row.deg >= deg; });
   const Row& low = *std::prev(above);
@@ -75,7 +75,8 @@ BearingCapacity terzaghiBearing(const Footing& footing) {
   validate(footing);
   const double phi = footing.friction_angle_rad;
   BearingCapacity result;
-  result.n_q = std::exp((1.5 * kPi - phi) * std::tan(phi)) / (2 * std::pow(std::cos(kPi / 4 + phi / 2), 2));
+  result.n_q = std::exp((1.5 * std::numbers::pi - phi) * std::tan(phi)) /
+               (2 * std::pow(std::cos(std::numbers::pi / 4 + phi / 2), 2));
   result.n_c = cohesionFactor(result.n_q, phi, kTerzaghiAlone);
   result.n_gamma = std::tan(phi) / 2 * (weightCoefficient(phi) / std::pow(std::cos(phi), 2) - 1);
   result.pressure_pa =
@@ -99,7 +100,7 @@ BearingCapacity meyerhofBearing(const Footing& footing) {
   const double depth = std::sqrt(kp) * footing.depth_m / footing.diameter_m;
   const double both = phi < kMeyerhofFrom ? 1 : (1 + 0.1 * kp) * (1 + 0.1 * depth);
   BearingCapacity result;
-  result.n_q = std::exp(kPi * std::tan(phi)) * kp;
+  result.n_q = std::exp(std::numbers::pi * std::tan(phi)) * kp;
   result.n_c = cohesionFactor(result.n_q, phi, kCohesionAlone);
   result.n_gamma = (result.n_q - 1) * std::tan(1.4 * phi);
   result.pressure_pa = footing.cohesion_pa * result.n_c * (1 + 0.2 * kp) * (1 + 0.2 * depth) +
@@ -113,7 +114,7 @@ BearingCapacity vesicBearing(const Footing& footing) {
   const double ratio = footing.depth_m / footing.diameter_m;
   const double k = ratio > 1 ? std::atan(ratio) : ratio;
   BearingCapacity result;
-  result.n_q = std::exp(kPi * std::tan(phi)) * passive(phi);
+  result.n_q = std::exp(std::numbers::pi * std::tan(phi)) * passive(phi);
   result.n_c = cohesionFactor(result.n_q, phi, kCohesionAlone);
   result.n_gamma = 2 * (result.n_q + 1) * std::tan(phi);
   const double depth_q = 1 + 2 * std::tan(phi) * std::pow(1 - std::sin(phi), 2) * k;

@@ -17,11 +17,9 @@ namespace haptolith {
 
 namespace {
 
-constexpr double kPi = std::numbers::pi;
-
 /// Stiffer than the particles, so that the blade does not give way before they do.
-constexpr double kToolStiffness = 2;
-constexpr double kThickness_m = 2e-3;
+constexpr double kBladeStiffness = 2;
+constexpr double kBladeThickness_m = 2e-3;
 constexpr double kAboveDepths = 1.5;   // of the blade over the surface
 constexpr double kBehindDepths = 1.2;  // of soil behind the blade; what it pushes on the back is a few per cent
 
@@ -49,8 +47,8 @@ Setup setUp(const LabConditions& conditions, const BladeOptions& options) {
 
   const double length = (1 + kAboveDepths) * d / std::sin(options.rake_rad);
   setup.tool.shape = ToolShape::kBox;
-  setup.tool.size_m = {length, as_wide_as_box ? 2 * options.width_m : options.width_m, kThickness_m};
-  setup.tool.stiffness_n_m = kToolStiffness * conditions.soil.stiffness_n_m;
+  setup.tool.size_m = {length, as_wide_as_box ? 2 * options.width_m : options.width_m, kBladeThickness_m};
+  setup.tool.stiffness_n_m = kBladeStiffness * conditions.soil.stiffness_n_m;
   setup.tool.friction = options.tool_friction;
 
   const Vec3 up_the_blade(-std::cos(options.rake_rad), 0, std::sin(options.rake_rad));
@@ -58,7 +56,7 @@ Setup setUp(const LabConditions& conditions, const BladeOptions& options) {
   Eigen::Matrix3d axes;
   axes << up_the_blade, forwards.cross(up_the_blade), forwards;
   const Vec3 edge(behind - setup.box.width_m / 2, 0, tip_height);  // lower edge of the front
-  setup.start = {edge + length / 2 * up_the_blade - kThickness_m / 2 * forwards, Quat(axes)};
+  setup.start = {edge + length / 2 * up_the_blade - kBladeThickness_m / 2 * forwards, Quat(axes)};
   return setup;
 }
 
@@ -194,7 +192,7 @@ class Heap {
   void add(double each, std::array<Grains, 3>& to) const {
     const Pose& blade = bed_.toolPose();
     const Vec3 forwards = blade.orientation * Vec3::UnitZ();
-    const Vec3 on_front = blade.position_m + kThickness_m / 2 * forwards;
+    const Vec3 on_front = blade.position_m + kBladeThickness_m / 2 * forwards;
     // Where the front meets the height of the edge.
     const double edge_m = on_front.x() + (on_front.z() - edge_height_m_) * forwards.z() / forwards.x();
     for (std::size_t grain = 0; grain < bed_.soil(); ++grain) {
@@ -274,20 +272,20 @@ void validate(const LabConditions& conditions, const BladeOptions& options) {
   requireInRange("gravity_m_s2", conditions.gravity_m_s2, {0, 1000, Ends::kOpenBelow});
   requireInRange("width_m", options.width_m, positive);
   requireInRange("depth_m", options.depth_m, {4 * conditions.soil.radius_m, 10});
-  requireInRange("rake_rad", options.rake_rad, {kPi / 6, kPi * 2 / 3});
+  requireInRange("rake_rad", options.rake_rad, {std::numbers::pi / 6, std::numbers::pi * 2 / 3});
   constexpr double kMostInertia = 0.1;
   requireInRange("speed_m_s", options.speed_m_s,
                  {0, std::sqrt(kMostInertia * conditions.gravity_m_s2 * options.depth_m), Ends::kOpenBelow});
-  requireInRange("tool_friction", options.tool_friction, {0, std::tan(kPi / 3)});
+  requireInRange("tool_friction", options.tool_friction, {0, std::tan(std::numbers::pi / 3)});
   requireInRange("level_depths", options.level_depths, {0, 100});
   requireInRange("travel_depths", options.travel_depths, {options.level_depths, 100, Ends::kOpenBelow});
   requireInRange("side_room_depths", options.side_room_depths, {0, 100});
   requireInRange("ahead_depths", options.ahead_depths, {0.5, 100});
   requireInRange("below_depths", options.below_depths, {0.1, 100});
-  requireInRange("friction_angle_rad", options.friction_angle_rad, {0, kPi / 3});
+  requireInRange("friction_angle_rad", options.friction_angle_rad, {0, std::numbers::pi / 3});
   requireInRange("cohesion_pa", options.cohesion_pa, {0, 1e6});
   if (options.residual) {
-    requireInRange("residual.friction_angle_rad", options.residual->friction_angle_rad, {0, kPi / 3});
+    requireInRange("residual.friction_angle_rad", options.residual->friction_angle_rad, {0, std::numbers::pi / 3});
     requireInRange("residual.cohesion_pa", options.residual->cohesion_pa, {0, 1e6});
   }
   (void)particlesFor(conditions.soil, setUp(conditions, options).soil_volume_m3);

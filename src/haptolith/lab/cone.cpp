@@ -16,7 +16,7 @@ namespace haptolith {
 namespace {
 
 /// Stiffer than the particles, so that the cone does not give way before they do.
-constexpr double kToolStiffness = 2;
+constexpr double kConeStiffness = 2;
 
 void validate(const LabConditions& conditions, const ConeOptions& options) {
   validate(conditions.soil);
@@ -40,7 +40,7 @@ Push coneInto(const LabConditions& conditions, const ConeOptions& options) {
   push.tool.diameter_m = options.base_diameter_m;
   push.tool.cone_angle_rad = options.cone_angle_rad;
   push.tool.length_m = 2 * (height + options.max_depth_m);  // the shaft's end stays above the soil
-  push.tool.stiffness_n_m = kToolStiffness * conditions.soil.stiffness_n_m;
+  push.tool.stiffness_n_m = kConeStiffness * conditions.soil.stiffness_n_m;
   push.tool.friction = options.friction;
   push.zero = DepthZero::kSurface;
   push.zero_m = height;

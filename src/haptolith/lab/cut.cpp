@@ -19,10 +19,10 @@ namespace {
 
 constexpr double kCrest = 0.9;
 constexpr double kToe = 0.1;
-constexpr double kStrip = 0.25;       // of H, behind the face, where the height is read
-constexpr double kLongestRest = 100;  // in sqrt(H / g)
-constexpr double kLook = 0.25;        // in sqrt(H / g)
-constexpr double kLetGo = 0.4;        // part of the test's time before the plate goes
+constexpr double kStrip = 0.25;          // of H, behind the face, where the height is read
+constexpr double kLongestCutRest = 100;  // in sqrt(H / g)
+constexpr double kCutLook = 0.25;        // in sqrt(H / g)
+constexpr double kLetGo = 0.4;           // part of the test's time before the plate goes
 
 void validate(const LabConditions& conditions, const CutOptions& options) {
   validate(conditions.soil);
@@ -35,12 +35,12 @@ void validate(const LabConditions& conditions, const CutOptions& options) {
 }
 
 /// The box, divided by the plate. The bed's x is 0 in its middle; results count from the face.
-struct Apparatus {
+struct CutApparatus {
   double depth_m, room_m, face_x_m, floor_z_m;
   LabBox box;
   ToolParameters plate;
 
-  Apparatus(const SoilParameters& soil, const CutOptions& options)
+  CutApparatus(const SoilParameters& soil, const CutOptions& options)
       : depth_m(options.depth * options.height_m),
         room_m(options.room * options.height_m),
         face_x_m((depth_m - room_m) / 2),
@@ -152,7 +152,7 @@ CutResult verticalCutTest(const LabConditions& conditions, const CutOptions& opt
   inner.progress = progress.inner();
 
   const SoilParameters& soil = conditions.soil;
-  const Apparatus apparatus(soil, options);
+  const CutApparatus apparatus(soil, options);
   LabBed bed(inner, apparatus.box, apparatus.fill(soil, options.height_m + 2 * soil.radius_m, conditions.seed),
              {roughPlate(soil, apparatus.box, apparatus.floor_z_m - soil.radius_m, conditions.seed)}, apparatus.plate);
   bed.placeTool(apparatus.plateAt(0));
@@ -177,12 +177,12 @@ CutResult verticalCutTest(const LabConditions& conditions, const CutOptions& opt
   const double begin_s = bed.time();
   for (bool rests = false; !rests;) {
     const double t = bed.time() - begin_s;
-    if (t > kLongestRest * fall_s + far_m / speed) {
+    if (t > kLongestCutRest * fall_s + far_m / speed) {
       throw Failure(fmt::format("the cut did not come to rest: its fastest particle still moves at {:.2g} m/s",
                                 bed.bed().largestSpeed()));
     }
     progress.enter(kLetGo + (1 - kLetGo) * t / (t + far_m / speed + 4 * fall_s), 1);
-    bed.run(kLook * fall_s, "the plate is gone, the cut stands or falls");
+    bed.run(kCutLook * fall_s, "the plate is gone, the cut stands or falls");
     const double ahead = bed.toolPose().position_m.x() - apparatus.plateAt(0).position_m.x();
     if (ahead > far_m) {
       bed.moveTool({});

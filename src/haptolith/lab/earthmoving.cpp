@@ -10,9 +10,9 @@ namespace haptolith {
 
 namespace {
 
-constexpr double kPi = std::numbers::pi;
-constexpr double kMostFriction = kPi / 3;        // rad; no soil has more
-constexpr double kMostAngles = kPi * 175 / 180;  // rad; alpha + delta + phi; at 180 deg the range of beta is empty
+constexpr double kMostFriction = std::numbers::pi / 3;  // rad; no soil has more
+constexpr double kMostAngles =
+    std::numbers::pi * 175 / 180;  // rad; alpha + delta + phi; at 180 deg the range of beta is empty
 
 double cot(double angle_rad) {
   return 1 / std::tan(angle_rad);
@@ -38,7 +38,7 @@ void validate(const BladeCase& blade) {
 }
 
 double steepestFailurePlane(const BladeCase& blade) {
-  return kPi - blade.rake_rad - blade.tool_friction_rad - blade.friction_angle_rad;
+  return std::numbers::pi - blade.rake_rad - blade.tool_friction_rad - blade.friction_angle_rad;
 }
 
 BladeForce earthmovingForceAt(const BladeCase& blade, double beta_rad) {

@@ -18,7 +18,7 @@ namespace {
 constexpr double kMm = 1e-3;
 constexpr double kDensityTolerance = 0.05;  // of the soil's own target
 
-double degrees(double radians) {
+double degreesFound(double radians) {
   return radians * 180 / std::numbers::pi;
 }
 
@@ -89,9 +89,9 @@ std::vector<Finding> findings(const SettleResult& result, double gravity_m_s2,
 }
 
 std::vector<Finding> findings(const ShearResult& result, const std::optional<SoilTarget>& target) {
-  std::vector<Finding> found{angleOf("residual friction angle", degrees(result.residual.friction_angle_rad)),
+  std::vector<Finding> found{angleOf("residual friction angle", degreesFound(result.residual.friction_angle_rad)),
                              cohesionOf("residual cohesion", result.residual.cohesion_pa),
-                             angleOf("peak friction angle", degrees(result.peak.friction_angle_rad)),
+                             angleOf("peak friction angle", degreesFound(result.peak.friction_angle_rad)),
                              cohesionOf("peak cohesion", result.peak.cohesion_pa)};
   if (target) {
     const std::size_t first = target->strength == SoilStrength::kPeak ? 2 : 0;
@@ -111,7 +111,7 @@ std::vector<Finding> findings(const SoilReached& reached, const SoilTarget& targ
 }
 
 std::vector<Finding> findings(const ReposeResult& result, const std::optional<SoilTarget>& target) {
-  Finding angle{"angle of repose, without cohesion", "", degrees(result.angle_rad), "°", 1};
+  Finding angle{"angle of repose, without cohesion", "", degreesFound(result.angle_rad), "°", 1};
   // A soil that has cohesion is another one without it: nobody knows what it should show.
   if (target && target->cohesion_pa == 0) {
     angle.measured = "angle of repose";

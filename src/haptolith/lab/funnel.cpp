@@ -19,7 +19,7 @@ namespace haptolith {
 namespace {
 
 // Times in sqrt(d / g).
-constexpr double kLook = 0.5;
+constexpr double kFunnelLook = 0.5;
 constexpr double kQuiet = 20;      // flow that pauses longer has stopped
 constexpr double kLongest = 2000;  // that a trickle is watched
 
@@ -42,11 +42,11 @@ void validate(const LabConditions& conditions, const FunnelOptions& options) {
 }
 
 /// Container and bin for one opening, in m.
-struct Apparatus {
+struct FunnelApparatus {
   double opening_m, fill_m, floor_z_m;
   LabBox box;
 
-  Apparatus(const SoilParameters& soil, const FunnelOptions& options, double opening)
+  FunnelApparatus(const SoilParameters& soil, const FunnelOptions& options, double opening)
       : opening_m(opening * 2 * soil.radius_m),
         fill_m(std::max(options.fill, options.fill_openings * opening) * 2 * soil.radius_m) {
     box.width_m = box.length_m = opening_m + 2 * options.margin * 2 * soil.radius_m;
@@ -88,7 +88,7 @@ struct Apparatus {
 /// One opening from filling to the end of flow.
 class Discharge {
  public:
-  Discharge(const LabConditions& conditions, const Apparatus& apparatus)
+  Discharge(const LabConditions& conditions, const FunnelApparatus& apparatus)
       : conditions_(conditions),
         apparatus_(apparatus),
         unit_s_(std::sqrt(2 * conditions.soil.radius_m / conditions.gravity_m_s2)),
@@ -113,7 +113,7 @@ class Discharge {
     while (flows && bed_.time() - begin < kLongest * unit_s_) {
       note();
       progress.enter(half_way + (to - half_way) * std::clamp(1 - cover() / first_cover, 0.0, 1.0), to);
-      bed_.run(kLook * unit_s_, fmt::format("soil runs through {:.3g} mm", apparatus_.opening_m * 1e3));
+      bed_.run(kFunnelLook * unit_s_, fmt::format("soil runs through {:.3g} mm", apparatus_.opening_m * 1e3));
       parkPlug();
       count();
       if (passed_ > last_passed) {
@@ -151,7 +151,7 @@ class Discharge {
     for (std::size_t i = 0; i < bed_.soil(); ++i) {
       const Vec3 c = bed_.centre(i);
       passed += c.z() < passed_below ? 1 : 0;
-      if (Apparatus::fromAxis(c) < middle) {
+      if (FunnelApparatus::fromAxis(c) < middle) {
         cover_m_ = std::max(cover_m_, c.z() - apparatus_.floor_z_m);
       }
     }
@@ -183,7 +183,7 @@ class Discharge {
   }
 
   const LabConditions& conditions_;
-  const Apparatus& apparatus_;
+  const FunnelApparatus& apparatus_;
   double unit_s_;
   LabBed bed_;
   int settled_below_ = 0;  ///< particles that were under the floor before the plug went
@@ -222,7 +222,7 @@ FunnelResult funnelTest(const LabConditions& conditions, const FunnelOptions& op
   result.trace.columns = {"opening_m", "rate_kg_s", "rate_se_kg_s", "clogged"};
   const auto openings = static_cast<double>(options.openings.size());
   for (std::size_t i = 0; i < options.openings.size(); ++i) {
-    const Apparatus apparatus(conditions.soil, options, options.openings[i]);
+    const FunnelApparatus apparatus(conditions.soil, options, options.openings[i]);
     Discharge discharge(inner, apparatus);
     const auto done = static_cast<double>(i);
     FunnelPoint point = discharge.run(progress, done / openings, (done + 1) / openings);

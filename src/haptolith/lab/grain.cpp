@@ -17,9 +17,9 @@ namespace haptolith {
 
 namespace {
 
-constexpr double kMm = 1e-3;
-constexpr double kThickness_m = 2e-3;
-constexpr double kToolStiffness = 2;  // over the contacts': the blade does not give way before they do
+constexpr double kGrainMm = 1e-3;
+constexpr double kGrainBladeThickness_m = 2e-3;
+constexpr double kGrainToolStiffness = 2;  // over the contacts': the blade does not give way before they do
 constexpr double kSample_s = 1e-3;
 
 // Room around the blade and its way; below it more than two of the coarsest grains.
@@ -39,7 +39,7 @@ void validate(const LabConditions& conditions, const GrainOptions& options) {
   requireInRange("filter_cutoff_hz", options.filter_cutoff_hz, {0, 0.5 / kSample_s, Ends::kOpenBelow});
   requireInRange("specimens", options.specimens, GrainRanges::specimens);
   for (const double radius_m : options.radii_m) {
-    requireInRange("radii_m", radius_m, {0.5 * kMm, 20 * kMm});
+    requireInRange("radii_m", radius_m, {0.5 * kGrainMm, 20 * kGrainMm});
   }
   if (options.radii_m.empty() && !options.graded) {
     throw InvalidParameter("radii_m", "none", "one size of grain at least");
@@ -71,7 +71,7 @@ struct Bedding {
 std::vector<Bedding> beddings(const LabConditions& conditions, const GrainOptions& options) {
   std::vector<Bedding> all;
   for (const double radius_m : options.radii_m) {
-    all.push_back({fmt::format("{:g} mm", radius_m / kMm),
+    all.push_back({fmt::format("{:g} mm", radius_m / kGrainMm),
                    boxOf(conditions, options, rescaled(conditions.soil, radius_m)), radius_m});
   }
   if (options.graded) {
@@ -82,8 +82,9 @@ std::vector<Bedding> beddings(const LabConditions& conditions, const GrainOption
     bed.grading.fine_width_m = std::min(bed.grading.fine_width_m, bed.width_m - 2 * std::abs(bed.grading.fine_x_m));
     bed.grading.fine_length_m = std::min(options.width_m + 2 * kFineBeside_m, bed.length_m);
     bed.grading.fine_depth_m = options.depth_m + kFineBelow_m;
-    all.push_back({fmt::format("graded, {:g} to {:g} mm", conditions.soil.radius_m / kMm, options.fine_radius_m / kMm),
-                   bed, options.fine_radius_m});
+    all.push_back(
+        {fmt::format("graded, {:g} to {:g} mm", conditions.soil.radius_m / kGrainMm, options.fine_radius_m / kGrainMm),
+         bed, options.fine_radius_m});
   }
   return all;
 }
@@ -110,8 +111,8 @@ Drawn draw(const LabConditions& conditions, const GrainOptions& options, const B
            std::string_view what) {
   ToolParameters blade;
   blade.shape = ToolShape::kBox;
-  blade.size_m = {2 * options.depth_m, options.width_m, kThickness_m};
-  blade.stiffness_n_m = kToolStiffness * parameters.soil.stiffness_n_m;
+  blade.size_m = {2 * options.depth_m, options.width_m, kGrainBladeThickness_m};
+  blade.stiffness_n_m = kGrainToolStiffness * parameters.soil.stiffness_n_m;
   LabConditions of_specimen = conditions;
   of_specimen.soil = parameters.soil;
   LabBed lab(of_specimen, parameters, blade);

@@ -11,17 +11,17 @@ namespace haptolith {
 
 namespace {
 
-constexpr double kMmPerM = 1000;
+constexpr double kPlateMmPerM = 1000;
 constexpr double kWidestBed_m = 10;
 
 /// Share of rho0 g D, the soil's own scale of pressure under a plate, that counts as contact.
-constexpr double kContactShare = 0.05;
+constexpr double kPlateContactShare = 0.05;
 
 /// Thickness over diameter: soil does not flow onto the plate before it has sunk in as deep.
 constexpr double kThickness = 1.0;
 
 /// Stiffer than the particles, so that the plate does not give way before they do.
-constexpr double kToolStiffness = 2;
+constexpr double kPlateStiffness = 2;
 
 Push plateInto(const LabConditions& conditions, const PlateOptions& options, double area_m2) {
   Push push;
@@ -29,10 +29,11 @@ Push plateInto(const LabConditions& conditions, const PlateOptions& options, dou
   push.tool.shape = ToolShape::kPlate;
   push.tool.diameter_m = options.diameter_m;
   push.tool.thickness_m = kThickness * options.diameter_m;
-  push.tool.stiffness_n_m = kToolStiffness * conditions.soil.stiffness_n_m;
+  push.tool.stiffness_n_m = kPlateStiffness * conditions.soil.stiffness_n_m;
   push.tool.friction = options.friction;
   push.zero_m = push.lowest_m = -push.tool.thickness_m / 2;
-  push.contact_n = kContactShare * conditions.soil.rho0_kg_m3 * conditions.gravity_m_s2 * options.diameter_m * area_m2;
+  push.contact_n =
+      kPlateContactShare * conditions.soil.rho0_kg_m3 * conditions.gravity_m_s2 * options.diameter_m * area_m2;
   push.depth_m = options.max_sinkage_m;
   push.speed_m_s = options.speed_m_s;
   push.sample_m = options.max_sinkage_m / options.points;
@@ -51,9 +52,9 @@ void validate(const LabConditions& conditions, const PlateOptions& options) {
   validate(conditions.soil);
   requireInRange("gravity_m_s2", conditions.gravity_m_s2, {0, 1000, Ends::kOpenBelow});
   requireInRange("bed_width_diameters", options.bed_width_diameters, {2, 100});
-  requireInRange(
-      "diameter_m", options.diameter_m,
-      {8 * conditions.soil.radius_m, std::floor(kMmPerM * kWidestBed_m / options.bed_width_diameters) / kMmPerM});
+  requireInRange("diameter_m", options.diameter_m,
+                 {8 * conditions.soil.radius_m,
+                  std::floor(kPlateMmPerM * kWidestBed_m / options.bed_width_diameters) / kPlateMmPerM});
   requireInRange("max_sinkage_m", options.max_sinkage_m, {0, kThickness * options.diameter_m, Ends::kOpenBelow});
   requireInRange("speed_m_s", options.speed_m_s, {0, 10, Ends::kOpenBelow});
   requireInRange("friction", options.friction, {0, 10});
@@ -91,8 +92,8 @@ void drawPlate(const OutputFile& file, const PlateResult& result, std::string_vi
   std::vector<std::vector<double>> simulated;
   std::vector<std::vector<double>> fitted;
   for (const PushReading& reading : result.curve) {
-    simulated.push_back({reading.depth_m * kMmPerM, reading.force_n});
-    fitted.push_back({reading.depth_m * kMmPerM, result.fit.pressureAt(reading.depth_m) * result.area_m2});
+    simulated.push_back({reading.depth_m * kPlateMmPerM, reading.force_n});
+    fitted.push_back({reading.depth_m * kPlateMmPerM, result.fit.pressureAt(reading.depth_m) * result.area_m2});
   }
   figure.data("simulated", simulated);
   figure.data("fitted", fitted);
@@ -103,7 +104,7 @@ void drawPlate(const OutputFile& file, const PlateResult& result, std::string_vi
   for (std::size_t i = 0; i < measured.size(); ++i) {
     std::vector<std::vector<double>> rows;
     for (const PushReading& point : measured[i].points) {
-      rows.push_back({point.depth_m * kMmPerM, point.force_n});
+      rows.push_back({point.depth_m * kPlateMmPerM, point.force_n});
     }
     figure.data(fmt::format("measured{}", i), rows);
     plot += fmt::format(", $measured{} using 1:2 with lines linewidth 1 linecolor rgb '#888888' title {}", i,

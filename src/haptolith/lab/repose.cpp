@@ -21,7 +21,7 @@ namespace {
 constexpr double kFlattestHeap_rad = 20 * std::numbers::pi / 180;
 
 /// Time for the heap to come to rest, in sqrt(R / g). Flanks go on creeping for some tens of them.
-constexpr double kLongestRest = 1000;
+constexpr double kLongestHeapRest = 1000;
 
 void validate(const LabConditions& conditions, const ReposeOptions& options) {
   validate(conditions.soil);
@@ -33,12 +33,12 @@ void validate(const LabConditions& conditions, const ReposeOptions& options) {
 }
 
 /// Lengths of the apparatus, in m.
-struct Apparatus {
+struct ReposeApparatus {
   double inner_m, fill_m, spread_m, floor_z_m;
   LabBox box;
   ToolParameters tube;
 
-  Apparatus(const SoilParameters& soil, const ReposeOptions& options)
+  ReposeApparatus(const SoilParameters& soil, const ReposeOptions& options)
       : inner_m(options.tube_radius * soil.radius_m), fill_m(options.fill * soil.radius_m) {
     const double r = soil.radius_m;
     // A cone of the volume in the tube: V = pi s^3 tan(angle) / 3.
@@ -77,10 +77,10 @@ struct Apparatus {
 };
 
 /// Watches one test while it runs.
-class Heap {
+class HeapOnFloor {
  public:
-  Heap(const LabConditions& conditions, const ReposeOptions& options, const Apparatus& apparatus,
-       const LabConditions& inner)
+  HeapOnFloor(const LabConditions& conditions, const ReposeOptions& options, const ReposeApparatus& apparatus,
+              const LabConditions& inner)
       : conditions_(conditions),
         options_(options),
         apparatus_(apparatus),
@@ -108,7 +108,7 @@ class Heap {
 
   void rest(StagedProgress& progress) {
     progress.enter(kRestBegins, 1);
-    for (double t = 0; t < kLongestRest; t += kLook) {
+    for (double t = 0; t < kLongestHeapRest; t += kLook) {
       bed_.run(look(), "the heap comes to rest");
       note();
       if (bed_.bed().largestSpeed() < restSpeed()) {
@@ -168,7 +168,7 @@ class Heap {
 
   const LabConditions& conditions_;
   const ReposeOptions& options_;
-  const Apparatus& apparatus_;
+  const ReposeApparatus& apparatus_;
   LabBed bed_;
   LabTrace trace_;
 };
@@ -178,12 +178,12 @@ class Heap {
 ReposeResult reposeTest(const LabConditions& conditions, const ReposeOptions& options) {
   validate(conditions, options);
   StagedProgress progress(conditions.progress);
-  progress.enter(0, Heap::kLiftBegins);
+  progress.enter(0, HeapOnFloor::kLiftBegins);
   LabConditions inner = conditions;
   inner.progress = progress.inner();
 
-  const Apparatus apparatus(conditions.soil, options);
-  Heap heap(conditions, options, apparatus, inner);
+  const ReposeApparatus apparatus(conditions.soil, options);
+  HeapOnFloor heap(conditions, options, apparatus, inner);
   heap.settle();
   heap.lift(progress);
   heap.rest(progress);

@@ -21,7 +21,7 @@ constexpr double kMmPerM = 1000;
 constexpr int kPoints = 40;  ///< of a curve behind its first
 
 /// Stiffer than the particles, so that a tool does not give way before they do.
-constexpr double kToolStiffness = 2;
+constexpr double kIntruderStiffness = 2;
 
 /// Share of rho0 g D that counts as contact of the plate, as in plateTest().
 constexpr double kContactShare = 0.05;
@@ -60,7 +60,7 @@ ToolParameters pushedTool(const Pushed& what, double diameter_m, const LabCondit
   tool.thickness_m = diameter_m;               // a plate is as thick as wide: no soil flows onto it
   tool.cone_angle_rad = std::numbers::pi / 2;  // blunt, for a sharp point meets single particles
   tool.length_m = what.lies ? diameter_m / 2 : diameter_m;
-  tool.stiffness_n_m = kToolStiffness * conditions.soil.stiffness_n_m;
+  tool.stiffness_n_m = kIntruderStiffness * conditions.soil.stiffness_n_m;
   return tool;
 }
 

@@ -22,7 +22,7 @@ namespace {
 
 using Triangle = std::array<std::int32_t, 3>;
 
-std::size_t at(std::int32_t index) {
+std::size_t indexOf(std::int32_t index) {
   return static_cast<std::size_t>(index);
 }
 
@@ -31,7 +31,7 @@ std::string counted(std::size_t count, std::string_view what) {
   return fmt::format("{} {}{}", count, what, count == 1 ? "" : "s");
 }
 
-void lookForStop() {
+void stopMending() {
   if (stopAsked()) {
     throw Failure("interrupted");
   }
@@ -42,16 +42,16 @@ class Unions {
  public:
   explicit Unions(std::size_t n) : parent_(n) { std::iota(parent_.begin(), parent_.end(), 0); }
   std::int32_t find(std::int32_t i) {
-    while (parent_[at(i)] != i) {
-      parent_[at(i)] = parent_[at(parent_[at(i)])];
-      i = parent_[at(i)];
+    while (parent_[indexOf(i)] != i) {
+      parent_[indexOf(i)] = parent_[indexOf(parent_[indexOf(i)])];
+      i = parent_[indexOf(i)];
     }
     return i;
   }
   void unite(std::int32_t a, std::int32_t b) {
     a = find(a);
     b = find(b);
-    parent_[at(std::max(a, b))] = std::min(a, b);
+    parent_[indexOf(std::max(a, b))] = std::min(a, b);
   }
 
  private:
@@ -115,7 +115,7 @@ double areaOf(const TriangleMesh& mesh, const Triangle& triangle) {
 std::size_t renumber(TriangleMesh& mesh, const std::vector<std::int32_t>& now) {
   return std::erase_if(mesh.triangles, [&](Triangle& triangle) {
     for (std::int32_t& point : triangle) {
-      point = now[at(point)];
+      point = now[indexOf(point)];
     }
     return triangle[0] == triangle[1] || triangle[1] == triangle[2] || triangle[2] == triangle[0];
   });
@@ -128,7 +128,7 @@ std::size_t mergeEqualPoints(TriangleMesh& mesh) {
     point_m.array() += 0.0;  // -0 is 0
   }
   const auto coordinates = [&](std::int32_t i) {
-    const Vec3& p = mesh.points_m[at(i)];
+    const Vec3& p = mesh.points_m[indexOf(i)];
     return std::tuple(p.x(), p.y(), p.z());
   };
   std::vector<std::int32_t> order(n);
@@ -140,16 +140,16 @@ std::size_t mergeEqualPoints(TriangleMesh& mesh) {
   std::vector<std::int32_t> first(n);
   for (std::size_t i = 0; i < n; ++i) {
     const bool same = i > 0 && coordinates(order[i]) == coordinates(order[i - 1]);
-    first[at(order[i])] = same ? first[at(order[i - 1])] : order[i];
+    first[indexOf(order[i])] = same ? first[indexOf(order[i - 1])] : order[i];
   }
   std::vector<std::int32_t> now(n);
   std::size_t kept = 0;
   for (std::size_t i = 0; i < n; ++i) {
-    if (at(first[i]) == i) {
+    if (indexOf(first[i]) == i) {
       now[i] = static_cast<std::int32_t>(kept);
       mesh.points_m[kept++] = mesh.points_m[i];
     } else {
-      now[i] = now[at(first[i])];
+      now[i] = now[indexOf(first[i])];
     }
   }
   mesh.points_m.resize(kept);
@@ -177,18 +177,18 @@ std::size_t stitch(TriangleMesh& mesh, double reach_m) {
   std::iota(now.begin(), now.end(), 0);
   std::size_t gone = 0;
   for (const std::int32_t point : open) {
-    const Vec3& point_m = mesh.points_m[at(point)];
-    for (int i = 0; i < 27 && now[at(point)] == point; ++i) {
+    const Vec3& point_m = mesh.points_m[indexOf(point)];
+    for (int i = 0; i < 27 && now[indexOf(point)] == point; ++i) {
       const auto cell = cells.find(cell_of(point_m, i % 3 - 1, i / 3 % 3 - 1, i / 9 - 1));
       const std::span<const std::int32_t> near = cell == cells.end() ? std::span<const std::int32_t>{} : cell->second;
       const auto same = std::ranges::find_if(
-          near, [&](std::int32_t other) { return (mesh.points_m[at(other)] - point_m).norm() <= reach_m; });
+          near, [&](std::int32_t other) { return (mesh.points_m[indexOf(other)] - point_m).norm() <= reach_m; });
       if (same != near.end()) {
-        now[at(point)] = *same;
+        now[indexOf(point)] = *same;
         ++gone;
       }
     }
-    if (now[at(point)] == point) {
+    if (now[indexOf(point)] == point) {
       cells[cell_of(point_m, 0, 0, 0)].push_back(point);
     }
   }
@@ -243,7 +243,7 @@ Copies dropCopies(TriangleMesh& mesh) {
     for (std::size_t j = i; j < end; ++j) {
       const bool keep = !kept && (net == 0 || keys[j].odd == (net < 0));
       kept = kept || keep;
-      goes[at(keys[j].triangle)] = !keep;
+      goes[indexOf(keys[j].triangle)] = !keep;
       found.copies += keep ? 0 : 1;
     }
     i = end;
@@ -254,7 +254,7 @@ Copies dropCopies(TriangleMesh& mesh) {
     found.inner_walls = pairs.size();
     found.copies -= pairs.size();
     for (const std::int32_t triangle : pairs) {
-      goes[at(triangle)] = true;
+      goes[indexOf(triangle)] = true;
     }
   }
   std::size_t i = 0;
@@ -277,7 +277,7 @@ std::size_t dropLooseParts(TriangleMesh& mesh) {
   std::vector<Part> found(mesh.points_m.size());
   double whole_m2 = 0;
   for (const Triangle& triangle : mesh.triangles) {
-    Part& part = found[at(parts.find(triangle[0]))];
+    Part& part = found[indexOf(parts.find(triangle[0]))];
     for (const Vec3& corner : cornersOf(mesh, triangle)) {
       part.low = part.low.cwiseMin(corner);
       part.high = part.high.cwiseMax(corner);
@@ -297,7 +297,7 @@ std::size_t dropLooseParts(TriangleMesh& mesh) {
   if (gone == 0 || tiny_m2 > kMostLooseArea * whole_m2) {
     return 0;
   }
-  std::erase_if(mesh.triangles, [&](const Triangle& t) { return is_tiny(found[at(parts.find(t[0]))]); });
+  std::erase_if(mesh.triangles, [&](const Triangle& t) { return is_tiny(found[indexOf(parts.find(t[0]))]); });
   return gone;
 }
 
@@ -321,7 +321,7 @@ Patches turnNeighbours(TriangleMesh& mesh) {
     if (same.size() == 2 && same[0].triangle != same[1].triangle) {
       const bool opposed = same[0].forward == same[1].forward;
       for (std::size_t side = 0; side < 2; ++side) {
-        const std::size_t own = at(same[side].triangle);
+        const std::size_t own = indexOf(same[side].triangle);
         neighbours[own][count[own]++] = {same[1 - side].triangle, opposed};
       }
     }
@@ -338,9 +338,9 @@ Patches turnNeighbours(TriangleMesh& mesh) {
     patches.of[seed] = patch;
     std::size_t opposed = 0;
     for (std::size_t i = 0; i < members.size(); ++i) {
-      const std::size_t own = at(members[i]);
+      const std::size_t own = indexOf(members[i]);
       for (std::size_t k = 0; k < count[own]; ++k) {
-        const std::size_t other = at(neighbours[own][k].triangle);
+        const std::size_t other = indexOf(neighbours[own][k].triangle);
         const bool turn = turned[own] != neighbours[own][k].opposed;
         if (patches.of[other] < 0) {
           patches.of[other] = patch;
@@ -354,7 +354,7 @@ Patches turnNeighbours(TriangleMesh& mesh) {
     }
     const bool by_seed = 2 * opposed <= members.size();  // as most look
     for (const std::int32_t member : members) {
-      turned[at(member)] = turned[at(member)] == by_seed;
+      turned[indexOf(member)] = turned[indexOf(member)] == by_seed;
     }
     const std::size_t changed = by_seed ? opposed : members.size() - opposed;
     patches.turned += changed;
@@ -409,8 +409,8 @@ Holes closeHoles(TriangleMesh& mesh, std::vector<std::int32_t>& patch_of, double
     double around_m = 0;
     Vec3 middle = Vec3::Zero();
     for (const std::size_t i : loop) {
-      const Vec3& from = mesh.points_m[at(rim[i].from)];
-      const Vec3& to = mesh.points_m[at(rim[i].to)];
+      const Vec3& from = mesh.points_m[indexOf(rim[i].from)];
+      const Vec3& to = mesh.points_m[indexOf(rim[i].to)];
       around_m += (to - from).norm();
       middle += (to - from).norm() * (from + to) / 2;
     }
@@ -420,7 +420,8 @@ Holes closeHoles(TriangleMesh& mesh, std::vector<std::int32_t>& patch_of, double
     middle /= around_m;
     double area_m2 = 0;
     for (const std::size_t i : loop) {
-      area_m2 += (mesh.points_m[at(rim[i].from)] - middle).cross(mesh.points_m[at(rim[i].to)] - middle).norm() / 2;
+      area_m2 +=
+          (mesh.points_m[indexOf(rim[i].from)] - middle).cross(mesh.points_m[indexOf(rim[i].to)] - middle).norm() / 2;
     }
     const bool slit = area_m2 <= kStitch * largest_edge_m * around_m;
     if (only_look || (around_m > kLargestHole * largest_edge_m && !slit)) {
@@ -431,13 +432,13 @@ Holes closeHoles(TriangleMesh& mesh, std::vector<std::int32_t>& patch_of, double
     ++holes.closed;
     if (loop.size() == 3) {
       mesh.triangles.push_back({rim[loop[0]].from, rim[loop[1]].from, rim[loop[2]].from});
-      patch_of.push_back(patch_of[at(rim[loop[0]].triangle)]);
+      patch_of.push_back(patch_of[indexOf(rim[loop[0]].triangle)]);
       return;
     }
     mesh.points_m.push_back(middle);
     for (const std::size_t i : loop) {
       mesh.triangles.push_back({rim[i].from, rim[i].to, static_cast<std::int32_t>(mesh.points_m.size() - 1)});
-      patch_of.push_back(patch_of[at(rim[i].triangle)]);
+      patch_of.push_back(patch_of[indexOf(rim[i].triangle)]);
     }
   };
   for (std::size_t start = 0; start < rim.size(); ++start) {
@@ -496,7 +497,7 @@ Shells shellsOf(const TriangleMesh& mesh, const Patches& patches) {
   const auto sums_of = [&](std::span<const Edge> same) -> std::span<const std::pair<std::int32_t, int>> {
     sums.clear();
     for (const Edge& edge : same) {
-      sums.emplace_back(patches.of[at(edge.triangle)], edge.forward ? 1 : -1);
+      sums.emplace_back(patches.of[indexOf(edge.triangle)], edge.forward ? 1 : -1);
     }
     std::ranges::sort(sums);
     std::size_t kept = 0;
@@ -511,7 +512,7 @@ Shells shellsOf(const TriangleMesh& mesh, const Patches& patches) {
   };
   forEachEdge(edges, [&](std::span<const Edge> same) {
     for (const auto& [patch, sum] : sums_of(same)) {
-      closed_alone[at(patch)] = closed_alone[at(patch)] && sum == 0;
+      closed_alone[indexOf(patch)] = closed_alone[indexOf(patch)] && sum == 0;
     }
     shells.closed = shells.closed && imbalance(same) == 0;
   });
@@ -519,8 +520,8 @@ Shells shellsOf(const TriangleMesh& mesh, const Patches& patches) {
   forEachEdge(edges, [&](std::span<const Edge> same) {
     std::int32_t last = -1;
     for (const Edge& edge : same) {
-      const std::int32_t patch = patches.of[at(edge.triangle)];
-      if (!closed_alone[at(patch)]) {
+      const std::int32_t patch = patches.of[indexOf(edge.triangle)];
+      if (!closed_alone[indexOf(patch)]) {
         if (last >= 0) {
           together.unite(last, patch);
         }
@@ -530,16 +531,16 @@ Shells shellsOf(const TriangleMesh& mesh, const Patches& patches) {
   });
   std::vector<std::int32_t> number(n, -1);
   for (std::size_t patch = 0; patch < n; ++patch) {
-    const std::size_t root = at(together.find(static_cast<std::int32_t>(patch)));
+    const std::size_t root = indexOf(together.find(static_cast<std::int32_t>(patch)));
     if (number[root] < 0) {
       number[root] = static_cast<std::int32_t>(shells.as_in_file.size());
       shells.as_in_file.push_back(true);
     }
     number[patch] = number[root];
-    shells.as_in_file[at(number[patch])] = shells.as_in_file[at(number[patch])] && patches.as_in_file[patch];
+    shells.as_in_file[indexOf(number[patch])] = shells.as_in_file[indexOf(number[patch])] && patches.as_in_file[patch];
   }
   for (const std::int32_t patch : patches.of) {
-    shells.of.push_back(number[at(patch)]);
+    shells.of.push_back(number[indexOf(patch)]);
   }
   return shells;
 }
@@ -564,12 +565,12 @@ Turned turnOutwards(TriangleMesh& mesh, const Shells& shells) {
   std::vector<Shell> all(n);
   std::vector<std::size_t> size(n);
   for (const std::int32_t shell : shells.of) {
-    ++size[at(shell)];
+    ++size[indexOf(shell)];
   }
   std::vector<std::size_t> passed(n);
-  const Vec3 origin = mesh.points_m[at(mesh.triangles[0][0])];
+  const Vec3 origin = mesh.points_m[indexOf(mesh.triangles[0][0])];
   for (std::size_t i = 0; i < mesh.triangles.size(); ++i) {
-    Shell& shell = all[at(shells.of[i])];
+    Shell& shell = all[indexOf(shells.of[i])];
     const auto [a, b, c] = cornersOf(mesh, mesh.triangles[i]);
     shell.volume_m3 += (a - origin).dot((b - origin).cross(c - origin)) / 6;
     for (const Vec3& corner : {a, b, c}) {
@@ -577,7 +578,7 @@ Turned turnOutwards(TriangleMesh& mesh, const Shells& shells) {
       shell.high = shell.high.cwiseMax(corner);
     }
     constexpr std::size_t kSome = 5;
-    if (passed[at(shells.of[i])]++ % std::max<std::size_t>(1, size[at(shells.of[i])] / kSome) == 0) {
+    if (passed[indexOf(shells.of[i])]++ % std::max<std::size_t>(1, size[indexOf(shells.of[i])] / kSome) == 0) {
       shell.some.push_back(static_cast<std::int32_t>(i));
     }
   }
@@ -588,11 +589,11 @@ Turned turnOutwards(TriangleMesh& mesh, const Shells& shells) {
     for (std::size_t own = 0; own < n; ++own) {
       std::vector<std::size_t> holders(n);
       for (const std::int32_t triangle : all[own].some) {
-        const auto [a, b, c] = cornersOf(mesh, mesh.triangles[at(triangle)]);
+        const auto [a, b, c] = cornersOf(mesh, mesh.triangles[indexOf(triangle)]);
         tree.crossings((a + b + c) / 3, 0, true, crossings);
         std::ranges::fill(windings, 0);
         for (const TriangleTree::Crossing& crossing : crossings) {
-          windings[at(shells.of[at(crossing.triangle)])] -= crossing.step;
+          windings[indexOf(shells.of[indexOf(crossing.triangle)])] -= crossing.step;
         }
         for (std::size_t other = 0; other < n; ++other) {
           holders[other] += windings[other] != 0 ? 1 : 0;
@@ -604,11 +605,11 @@ Turned turnOutwards(TriangleMesh& mesh, const Shells& shells) {
                            (all[other].high.array() >= all[own].high.array()).all() &&
                            std::abs(all[other].volume_m3) > std::abs(all[own].volume_m3);
         std::int32_t& around = all[own].around;
-        if (holds && (around < 0 || std::abs(all[other].volume_m3) < std::abs(all[at(around)].volume_m3))) {
+        if (holds && (around < 0 || std::abs(all[other].volume_m3) < std::abs(all[indexOf(around)].volume_m3))) {
           around = static_cast<std::int32_t>(other);
         }
       }
-      lookForStop();
+      stopMending();
     }
   }
   std::vector<std::size_t> by_volume(n);
@@ -620,8 +621,8 @@ Turned turnOutwards(TriangleMesh& mesh, const Shells& shells) {
   for (const std::size_t own : by_volume) {  // those around come first
     Shell& shell = all[own];
     shell.side = 1;
-    if (shell.around >= 0 && shells.as_in_file[own] && shells.as_in_file[at(shell.around)]) {
-      const Shell& around = all[at(shell.around)];
+    if (shell.around >= 0 && shells.as_in_file[own] && shells.as_in_file[indexOf(shell.around)]) {
+      const Shell& around = all[indexOf(shell.around)];
       const bool opposed = (shell.volume_m3 < 0) != (around.volume_m3 < 0);
       shell.side = opposed ? -around.side : around.side;
     }
@@ -630,7 +631,7 @@ Turned turnOutwards(TriangleMesh& mesh, const Shells& shells) {
     turned.cavities += shell.side < 0 ? 1 : 0;
   }
   for (std::size_t i = 0; i < mesh.triangles.size(); ++i) {
-    if (turn[at(shells.of[i])]) {
+    if (turn[indexOf(shells.of[i])]) {
       std::swap(mesh.triangles[i][1], mesh.triangles[i][2]);
     }
   }
@@ -642,11 +643,11 @@ void dropUnusedPoints(TriangleMesh& mesh) {
   std::vector<Vec3> kept;
   for (Triangle& triangle : mesh.triangles) {
     for (std::int32_t& point : triangle) {
-      if (now[at(point)] < 0) {
-        now[at(point)] = static_cast<std::int32_t>(kept.size());
-        kept.push_back(mesh.points_m[at(point)]);
+      if (now[indexOf(point)] < 0) {
+        now[indexOf(point)] = static_cast<std::int32_t>(kept.size());
+        kept.push_back(mesh.points_m[indexOf(point)]);
       }
-      point = now[at(point)];
+      point = now[indexOf(point)];
     }
   }
   mesh.points_m = std::move(kept);
@@ -654,7 +655,7 @@ void dropUnusedPoints(TriangleMesh& mesh) {
 
 void requireSound(const TriangleMesh& mesh) {
   const auto known = [&](const Triangle& t) {
-    return std::ranges::all_of(t, [&](std::int32_t i) { return i >= 0 && at(i) < mesh.points_m.size(); });
+    return std::ranges::all_of(t, [&](std::int32_t i) { return i >= 0 && indexOf(i) < mesh.points_m.size(); });
   };
   if (!std::ranges::all_of(mesh.triangles, known) ||
       !std::ranges::all_of(mesh.points_m, [](const Vec3& point_m) { return point_m.allFinite(); })) {
@@ -677,7 +678,7 @@ MendedMesh mend(TriangleMesh mesh, const MendOptions& options) {
 
   std::size_t gone = mergeEqualPoints(mesh);
   const double size_m = cornersOf(mesh).largestEdge();
-  lookForStop();
+  stopMending();
   if (size_m > 0) {
     const std::size_t stitched = stitch(mesh, kStitch * size_m);
     tell(stitched, fmt::format("Joined {} on open edges to others within {:.2g} um.", counted(stitched, "point"),
@@ -697,16 +698,16 @@ MendedMesh mend(TriangleMesh mesh, const MendOptions& options) {
   if (mesh.triangles.empty()) {
     throw InvalidParameter("mesh", "nothing with an area", "triangles that make up a surface");
   }
-  lookForStop();
+  stopMending();
 
   Patches patches = turnNeighbours(mesh);
   tell(patches.turned, fmt::format("Turned {} that looked the other way than the surface around.",
                                    counted(patches.turned, "triangle")));
-  lookForStop();
+  stopMending();
   const Holes holes = closeHoles(mesh, patches.of, size_m, may_be_sheet);
   tell(holes.closed,
        fmt::format("Closed {} up to {:.3g} mm around.", counted(holes.closed, "opening"), 1e3 * kLargestHole * size_m));
-  lookForStop();
+  stopMending();
   const Shells shells = shellsOf(mesh, patches);
   if (shells.closed && !patches.one_sided) {
     if (shells.as_in_file.size() > kMostShells) {

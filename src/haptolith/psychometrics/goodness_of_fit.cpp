@@ -15,7 +15,7 @@ namespace haptolith {
 namespace {
 
 constexpr double kTolerance = 1e-5;  // of the fits to simulated studies
-constexpr int kPeaks = 2;            // of the likelihood, from which each simulated study is fitted besides its origin
+constexpr int kDeviancePeaks = 2;    // of the likelihood, from which each simulated study is fitted besides its origin
 
 }  // namespace
 
@@ -43,7 +43,7 @@ SimulatedFits simulatedFits(const Model& model, const ParameterPoint& point) {
   for (int i = 0; i < model.options().simulations; ++i) {
     const Model simulated =
         model.withAnswers(simulatedAnswers(model.levels(), function, random, point[kOverdispersion]));
-    std::vector<ParameterPoint> starts = likelihoodPeaks(simulated, kPeaks);
+    std::vector<ParameterPoint> starts = likelihoodPeaks(simulated, kDeviancePeaks);
     starts.push_back(point);
     fits.points.push_back(
         optimumNear(simulated, starts, {.objective = Objective::kLikelihood, .tolerance = kTolerance}).point);

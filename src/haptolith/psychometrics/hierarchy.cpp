@@ -23,8 +23,8 @@ constexpr int kMostRounds = 8;    // of coarse grids, each over what the one bef
 constexpr double kSettled = 0.8;  // of a support: when a round leaves as much of each, the next would bring no more
 // What is less dense than the best point by more than this (e^-9 = 1.2e-4) is left out of the next grid.
 constexpr double kNegligible = 9;
-constexpr double kImpossible = 1e-300;  // nobody is: one person's answers never exclude a point by themselves
-constexpr int kDraws = 400;
+constexpr double kImpossibleGroup = 1e-300;  // nobody is: one person's answers never exclude a point by themselves
+constexpr int kHierarchyDraws = 400;
 constexpr int kQuickPlaces = 31;  // of a table
 constexpr int kThoroughPlaces = 61;
 constexpr double kNegligibleInTable = 12;
@@ -121,7 +121,7 @@ class HyperGrid {
     for (std::size_t i = 0; i < people.size(); ++i) {
       const Person person = personOf(i);
       for (std::size_t s = 0; s < log_density_.size(); ++s) {
-        log_density_[s] += integrals(person, s).array().max(kImpossible).log();
+        log_density_[s] += integrals(person, s).array().max(kImpossibleGroup).log();
       }
     }
   }
@@ -163,12 +163,13 @@ class HyperGrid {
         point[i] = values_[i][at[i]];
       }
       posterior.means(static_cast<Eigen::Index>(at[kFirstMean]), static_cast<Eigen::Index>(at[kSecondMean])) += mass;
-      while (std::ssize(posterior.draws) < kDraws && (double(posterior.draws.size()) + 0.5) / kDraws < cumulated) {
+      while (std::ssize(posterior.draws) < kHierarchyDraws &&
+             (double(posterior.draws.size()) + 0.5) / kHierarchyDraws < cumulated) {
         posterior.draws.push_back(point);
       }
     });
     for (int i = 0; i < kHyperParameters; ++i) {
-      const Eigen::ArrayXd log_density = (sums[i] / trapezoid(values_[i])).max(kImpossible).log();
+      const Eigen::ArrayXd log_density = (sums[i] / trapezoid(values_[i])).max(kImpossibleGroup).log();
       const Eigen::ArrayXd shifted = log_density - log_density.maxCoeff();
       posterior.marginals[i] = {values_[i], {shifted.begin(), shifted.end()}};
     }
@@ -268,7 +269,7 @@ class HyperGrid {
       Eigen::ArrayXd second = Eigen::ArrayXd::Zero(columns);
       for (std::size_t s = 0; s < log_density_.size(); ++s) {
         const Eigen::MatrixXd& likelihood = person.likelihoods[s];
-        const Eigen::MatrixXd density = log_density_[s] / integrals(person, s).array().max(kImpossible);
+        const Eigen::MatrixXd density = log_density_[s] / integrals(person, s).array().max(kImpossibleGroup);
         mass += likelihood.array() * (person.first_weights.transpose() * density * person.second_weights).array();
         first +=
             (likelihood * (person.second_weights.transpose() * log_density_[s].matrix().colwise().sum().transpose()))
@@ -459,7 +460,7 @@ Marginal differenceOf(const Marginal& first, const Marginal& second) {
       mass[below + 1] += share * a.mass * b.mass;
     }
   }
-  const Eigen::ArrayXd log = (mass / mass.maxCoeff()).max(kImpossible).log();
+  const Eigen::ArrayXd log = (mass / mass.maxCoeff()).max(kImpossibleGroup).log();
   return {evenly(support, kDifferences), {log.begin(), log.end()}};
 }
 

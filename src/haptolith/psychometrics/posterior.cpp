@@ -15,30 +15,30 @@ namespace haptolith {
 
 namespace {
 
-using Sizes = std::array<int, kParameters>;
-using Supports = std::array<Support, kParameters>;
+using GridSizes = std::array<int, kParameters>;
+using GridSupports = std::array<Support, kParameters>;
 
 // What is less dense than the best point by more than this (e^-9 = 1.2e-4) is left out of the last grid.
-constexpr double kNegligible = 9;
+constexpr double kNegligibleMass = 9;
 // The same of parameters that are summed over: the likelihood of another one is wanted where it is small, too.
 constexpr double kNegligibleNuisance = 12;
 constexpr std::size_t kHumps = 3;  // of the posterior, among which its maximum is looked for
-constexpr Sizes kCoarse{17, 17, 6, 6, 5};
+constexpr GridSizes kCoarseGrid{17, 17, 6, 6, 5};
 // Of the grid of the likelihood's peaks, which lie between any two stimuli where the function is narrow.
-constexpr Sizes kPeaks{49, 12, 4, 4, 1};
-constexpr Sizes kNuisance{28, 28, 10, 10, 8};
+constexpr GridSizes kPosteriorPeaks{49, 12, 4, 4, 1};
+constexpr GridSizes kNuisance{28, 28, 10, 10, 8};
 constexpr double kRounding = 1e-12;  // by which equal values may differ, as a share of them
 constexpr int kRounds = 3;           // of coarse grids, each over what the one before has left
 
-Supports wholeSupport(const Model& model) {
-  Supports supports;
+GridSupports wholeSupport(const Model& model) {
+  GridSupports supports;
   for (int i = 0; i < kParameters; ++i) {
     supports[i] = model.support(i);
   }
   return supports;
 }
 
-Sizes fineSizes(const Model& model) {
+GridSizes fineSizes(const Model& model) {
   const GridSizes& grid = model.options().grid;
   if (model.freeParameters() == 1) {
     return {grid.alone, grid.alone, grid.alone, grid.alone, grid.alone};
@@ -103,10 +103,10 @@ void addLogLikelihoods(const std::vector<Level>& levels, const std::vector<doubl
   }
 }
 
-using Axes = std::array<GridAxis, kParameters>;
+using GridAxes = std::array<GridAxis, kParameters>;
 
-Axes coarseAxes(const Model& model, const Supports& supports, const Sizes& sizes = kCoarse) {
-  Axes axes;
+GridAxes coarseAxes(const Model& model, const GridSupports& supports, const GridSizes& sizes = kCoarseGrid) {
+  GridAxes axes;
   for (int i = 0; i < kParameters; ++i) {
     const bool dense_below = i != kThreshold && i != kScale;
     axes[i] = coarseAxis(supports[i], sizes[i], isLogarithmic(model, i), dense_below);
@@ -114,8 +114,8 @@ Axes coarseAxes(const Model& model, const Supports& supports, const Sizes& sizes
   return axes;
 }
 
-Axes gaussAxes(const Model& model, const Supports& supports, const Sizes& sizes) {
-  Axes axes;
+GridAxes gaussAxes(const Model& model, const GridSupports& supports, const GridSizes& sizes) {
+  GridAxes axes;
   for (int i = 0; i < kParameters; ++i) {
     axes[i] = gaussAxis(supports[i], sizes[i], isLogarithmic(model, i));
   }
@@ -129,9 +129,9 @@ struct DensePoint {
 };
 
 /// ln(likelihood times prior) on a grid.
-class Grid {
+class PosteriorGrid {
  public:
-  Grid(const Model& model, Axes axes) : model_(model), axes_(std::move(axes)) {
+  PosteriorGrid(const Model& model, GridAxes axes) : model_(model), axes_(std::move(axes)) {
     std::size_t points = 1;
     for (int i = 0; i < kParameters; ++i) {
       points *= axes_[i].values.size();
@@ -146,7 +146,7 @@ class Grid {
 
   /// The part of the grid that holds all that is denser than `least`, by a cell more on either side; nothing where
   /// there is none.
-  [[nodiscard]] std::optional<Supports> narrowed(double least) const {
+  [[nodiscard]] std::optional<GridSupports> narrowed(double least) const {
     Indices first{};
     Indices last{};
     bool is_any = false;
@@ -162,7 +162,7 @@ class Grid {
     if (!is_any) {
       return std::nullopt;
     }
-    Supports supports;
+    GridSupports supports;
     for (int i = 0; i < kParameters; ++i) {
       const std::vector<double>& values = axes_[i].values;
       supports[i] = {values[first[i] == 0 ? 0 : first[i] - 1], values[std::min(last[i] + 1, values.size() - 1)]};
@@ -228,7 +228,7 @@ class Grid {
   using Indices = std::array<std::size_t, kParameters>;
 
   template <class Visit>
-  static void forEachPoint(const Axes& axes, const Visit& visit) {
+  static void forEachPoint(const GridAxes& axes, const Visit& visit) {
     std::size_t points = 1;
     for (const GridAxis& axis : axes) {
       points *= axis.values.size();
@@ -284,13 +284,13 @@ class Grid {
   }
 
   const Model& model_;
-  Axes axes_;
+  GridAxes axes_;
   std::array<std::vector<double>, kParameters> log_priors_;
   std::vector<double> log_density_;
 };
 
 /// The points of a grid that are denser than those with the next thresholds and widths, the densest first.
-std::vector<DensePoint> peaksOf(const Grid& grid) {
+std::vector<DensePoint> peaksOf(const PosteriorGrid& grid) {
   const std::vector<DensePoint> densest = grid.densestOfPairs();
   const std::ptrdiff_t widths = std::ssize(grid.axis(kScale).values);
   const std::ptrdiff_t thresholds = std::ssize(densest) / widths;
@@ -327,15 +327,15 @@ std::vector<ParameterPoint> firstPoints(const std::vector<DensePoint>& peaks, st
 
 /// A box outside which the posterior's density is less than its maximum by a factor of e^depth or more. Coarse grids
 /// find all of its humps, the profile a ridge between the points of a grid.
-Supports boxOf(const Model& model, double depth) {
-  Supports supports = wholeSupport(model);
-  const Grid whole(model, coarseAxes(model, supports));
+GridSupports boxOf(const Model& model, double depth) {
+  GridSupports supports = wholeSupport(model);
+  const PosteriorGrid whole(model, coarseAxes(model, supports));
   const std::vector<ParameterPoint> peaks = firstPoints(peaksOf(whole), kHumps);
   const Optimum best = optimumNear(model, peaks, {.objective = Objective::kPosterior});
   const double least = best.log_density - depth;
-  std::optional<Supports> box = whole.narrowed(least);
+  std::optional<GridSupports> box = whole.narrowed(least);
   for (int round = 1; box && round < kRounds; ++round) {
-    box = Grid(model, coarseAxes(model, *box)).narrowed(least);
+    box = PosteriorGrid(model, coarseAxes(model, *box)).narrowed(least);
   }
   const Profile profile(model, Objective::kPosterior, best, depth);
   for (int i = 0; i < kParameters; ++i) {
@@ -348,14 +348,14 @@ Supports boxOf(const Model& model, double depth) {
 }  // namespace
 
 Posterior posteriorOf(const Model& model) {
-  return Grid(model, gaussAxes(model, boxOf(model, kNegligible), fineSizes(model))).summed();
+  return PosteriorGrid(model, gaussAxes(model, boxOf(model, kNegligibleMass), fineSizes(model))).summed();
 }
 
 std::vector<double> marginalLikelihood(const Model& model, int parameter, const std::vector<double>& values) {
   const Model flat = model.withFlatPrior(parameter, {std::ranges::min(values), std::ranges::max(values)});
-  Axes axes = gaussAxes(flat, boxOf(flat, kNegligibleNuisance), kNuisance);
+  GridAxes axes = gaussAxes(flat, boxOf(flat, kNegligibleNuisance), kNuisance);
   axes[parameter] = {.values = values, .weights = std::vector<double>(values.size(), 1)};
-  std::vector<double> likelihood = Grid(flat, std::move(axes)).summed().marginals[parameter];
+  std::vector<double> likelihood = PosteriorGrid(flat, std::move(axes)).summed().marginals[parameter];
   const double most = std::ranges::max(likelihood);
   for (double& value : likelihood) {
     value /= most;
@@ -369,13 +369,13 @@ std::vector<ParameterPoint> likelihoodPeaks(const Model& model, int count) {
   for (int i = 0; i < kParameters; ++i) {
     flat = flat.withFlatPrior(i, model.support(i));
   }
-  Supports supports = wholeSupport(model);
+  GridSupports supports = wholeSupport(model);
   if (!supports[kOverdispersion].isFixed()) {
     supports[kOverdispersion] = {kSomeOverdispersion, kSomeOverdispersion};
   }
-  Axes axes = coarseAxes(flat, supports, kPeaks);
-  axes[kScale] = coarseAxis(supports[kScale], kPeaks[kScale], true, false);
-  return firstPoints(peaksOf(Grid(flat, std::move(axes))), static_cast<std::size_t>(count));
+  GridAxes axes = coarseAxes(flat, supports, kPosteriorPeaks);
+  axes[kScale] = coarseAxis(supports[kScale], kPosteriorPeaks[kScale], true, false);
+  return firstPoints(peaksOf(PosteriorGrid(flat, std::move(axes))), static_cast<std::size_t>(count));
 }
 
 ParameterPoint pointOf(const Posterior& posterior, std::size_t index) {

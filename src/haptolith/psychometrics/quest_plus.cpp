@@ -33,12 +33,12 @@ std::vector<double> spaced(double low, double high, int count) {
 }
 
 /// Makes up what the options leave open.
-struct Grid {
+struct QuestGrid {
   std::vector<double> thresholds = {};
   std::vector<double> widths = {};  // on the axis
 };
 
-Grid gridOf(const QuestPlusOptions& options, const std::vector<double>& levels, double reference) {
+QuestGrid gridOf(const QuestPlusOptions& options, const std::vector<double>& levels, double reference) {
   PsychometricFunction axis{.sigmoid = options.sigmoid,
                             .log_axis = options.log_axis || isAlwaysLogarithmic(options.sigmoid)};
   const double low = toAxis(axis, levels.front());
@@ -47,7 +47,7 @@ Grid gridOf(const QuestPlusOptions& options, const std::vector<double>& levels, 
   for (std::size_t i = 1; i < levels.size(); ++i) {
     least = std::min(least, toAxis(axis, levels[i]) - toAxis(axis, levels[i - 1]));
   }
-  Grid grid{.thresholds = options.thresholds};
+  QuestGrid grid{.thresholds = options.thresholds};
   if (grid.thresholds.empty()) {
     const double middle = isWeber(options.sigmoid) ? toAxis(axis, reference) : low + range / 2;
     const double half = isWeber(options.sigmoid) ? range / 4 : range / 2;
@@ -238,7 +238,7 @@ std::unique_ptr<QuestPlus> makeQuestPlus(const QuestPlusOptions& options, std::v
     throw InvalidParameter("levels", fmt::format("{} of them", levels.size()), "two or more in ascending order");
   }
   requireOptions(options);
-  const Grid grid = gridOf(options, levels, reference);
+  const QuestGrid grid = gridOf(options, levels, reference);
   std::vector<Hypothesis> hypotheses;
   for (const double threshold : grid.thresholds) {
     requireInRange("threshold", threshold, on_axis);

@@ -13,7 +13,7 @@ namespace haptolith {
 
 namespace {
 
-constexpr std::uint64_t kBlock = 1024;  ///< ticks that are read at a time
+constexpr std::uint64_t kRowsAtOnce = 1024;  ///< ticks that are read at a time
 
 /// To the last bit, so that NaN equals NaN.
 bool same(const DeviceOutput& a, const DeviceOutput& b) noexcept {
@@ -94,8 +94,8 @@ ReplayResult Replay::run(const std::function<bool(const TickRecord& was, const T
   bool late = false;
   std::uint64_t last = 0;
   double last_s = 0;
-  for (std::uint64_t first = 0; first < recording_.ticks(); first += kBlock) {
-    for (const TickRecord& was : recording_.readTicks(first, kBlock)) {
+  for (std::uint64_t first = 0; first < recording_.ticks(); first += kRowsAtOnce) {
+    for (const TickRecord& was : recording_.readTicks(first, kRowsAtOnce)) {
       if ((was.flags & kTickSceneChanged) != 0) {
         result.ended_early = fmt::format("at {:.3f} s somebody changed the scene", was.time_s);
         return result;

@@ -187,7 +187,7 @@ Scenario read(const TomlReader& reader, From from, Scenario scene = {}) {
 
 // --- finding --------------------------------------------------------------------------------------------------------
 
-[[noreturn]] void refuseName(std::string_view name) {
+[[noreturn]] void refuseSceneName(std::string_view name) {
   std::vector<std::string_view> names;
   names.reserve(builtInScenes().size());
   for (const BuiltInScene& scene : builtInScenes()) {
@@ -207,7 +207,7 @@ TomlReader readerOf(std::string_view name_or_file) {
   }
   std::error_code error;
   if (!name_or_file.ends_with(".toml") && !std::filesystem::exists(name_or_file, error) && !error) {
-    refuseName(name_or_file);
+    refuseSceneName(name_or_file);
   }
   return {name_or_file, kScene};
 }

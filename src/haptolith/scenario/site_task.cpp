@@ -8,7 +8,7 @@ namespace haptolith {
 
 namespace {
 
-constexpr double kMm = 1e-3;  // m
+constexpr double kTaskMm = 1e-3;  // m
 
 }  // namespace
 
@@ -16,8 +16,8 @@ std::string goalOf(SiteTask task) {
   using Goals = SiteTaskGoals;
   switch (task) {
     case SiteTask::kTrench:
-      return fmt::format("Dig a trench, {:g} mm deep and {:g} mm long", Goals::trench_depth_m / kMm,
-                         Goals::trench_length_m / kMm);
+      return fmt::format("Dig a trench, {:g} mm deep and {:g} mm long", Goals::trench_depth_m / kTaskMm,
+                         Goals::trench_length_m / kTaskMm);
     case SiteTask::kPress: return fmt::format("Press on the soil with {:g} N, and hold that", Goals::press_n);
     case SiteTask::kScoop: return fmt::format("Lift a load of {:g} N, and hold it up", Goals::load_n);
   }
@@ -30,7 +30,7 @@ std::string reachedText(SiteTask task, double reached) {
     return "nothing seen yet";
   }
   switch (task) {
-    case SiteTask::kTrench: return fmt::format("{:.0f} of {:g} mm", reached / kMm, Goals::trench_depth_m / kMm);
+    case SiteTask::kTrench: return fmt::format("{:.0f} of {:g} mm", reached / kTaskMm, Goals::trench_depth_m / kTaskMm);
     case SiteTask::kPress: return fmt::format("{:.1f} of {:g} N", reached, Goals::press_n);
     case SiteTask::kScoop: return fmt::format("{:.2f} of {:g} N", reached, Goals::load_n);
   }

@@ -135,7 +135,7 @@ std::string lowerCase(std::string_view text) {
   return lower;
 }
 
-[[noreturn]] void refuseName(std::string_view name) {
+[[noreturn]] void refuseSoilName(std::string_view name) {
   std::vector<std::string_view> names;
   for (const BuiltInSoil& soil : builtInSoils()) {
     names.push_back(soil.name);
@@ -172,7 +172,7 @@ SoilFile findSoil(std::string_view name_or_file) {
   if (name_or_file.ends_with(".toml") || fs::is_regular_file(name_or_file, error)) {
     return loadSoilFile(name_or_file);
   }
-  refuseName(name_or_file);
+  refuseSoilName(name_or_file);
 }
 
 NamedSoil findSoilOrPreset(std::string_view name_or_file) {

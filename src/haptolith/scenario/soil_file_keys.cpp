@@ -13,7 +13,7 @@ SoilReached& reachedBy(SoilFile& file) {
   return file.reached ? *file.reached : file.reached.emplace();
 }
 
-std::vector<SoilFileKey> allKeys() {
+std::vector<SoilFileKey> allSoilFileKeys() {
   using F = SoilFile;
   using NumberValue = SoilFileKey::NumberValue;
   using CountValue = SoilFileKey::CountValue;
@@ -97,7 +97,7 @@ bool belongsToSoil(const ScenarioKey& key) {
 }  // namespace
 
 std::span<const SoilFileKey> soilFileKeys() {
-  static const std::vector<SoilFileKey> kKeys = allKeys();
+  static const std::vector<SoilFileKey> kKeys = allSoilFileKeys();
   return kKeys;
 }
 

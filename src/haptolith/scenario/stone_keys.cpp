@@ -11,14 +11,14 @@ namespace haptolith {
 
 namespace {
 
-constexpr double kMm = 1e-3;  // m
-constexpr double kDegree = std::numbers::pi / 180;
+constexpr double kStoneMm = 1e-3;  // m
+constexpr double kStoneDegree = std::numbers::pi / 180;
 constexpr KeyName kStone{"", "stone"};
 
 template <double PlacedStone::*kNumber>
 StoneKey::NumberValue length(const Range& valid_m) {
-  return {valid_m.in(kMm), [](PlacedStone& stone, double value) { stone.*kNumber = value * kMm; },
-          [](const PlacedStone& stone) { return inUnits(stone.*kNumber, kMm); }};
+  return {valid_m.in(kStoneMm), [](PlacedStone& stone, double value) { stone.*kNumber = value * kStoneMm; },
+          [](const PlacedStone& stone) { return inUnits(stone.*kNumber, kStoneMm); }};
 }
 
 void setSpheres(PlacedStone& stone, const std::vector<TextOrNumber>& items) {
@@ -29,7 +29,7 @@ void setSpheres(PlacedStone& stone, const std::vector<TextOrNumber>& items) {
     if (!items[i].number) {
       throw InvalidParameter("spheres_mm", items[i].text, "numbers");
     }
-    sphere[i % kNumbers] = *items[i].number * kMm;
+    sphere[i % kNumbers] = *items[i].number * kStoneMm;
     if (i % kNumbers + 1 == kNumbers) {
       stone.spheres.push_back({Vec3(sphere[0], sphere[1], sphere[2]), sphere[3]});
     }
@@ -43,13 +43,13 @@ std::string spheresLine(const PlacedStone& stone) {
   std::string numbers;
   for (const StoneSphere& sphere : stone.spheres) {
     for (const double number_m : {sphere.centre_m.x(), sphere.centre_m.y(), sphere.centre_m.z(), sphere.radius_m}) {
-      numbers += fmt::format("{}{}", numbers.empty() ? "" : ", ", tomlNumber(inUnits(number_m, kMm)));
+      numbers += fmt::format("{}{}", numbers.empty() ? "" : ", ", tomlNumber(inUnits(number_m, kStoneMm)));
     }
   }
   return stone.spheres.empty() ? "" : fmt::format("spheres_mm = [{}]\n", numbers);
 }
 
-std::vector<StoneKey> allKeys() {
+std::vector<StoneKey> allStoneKeys() {
   using S = PlacedStone;
   return {
       {"", "shape", "form",
@@ -72,8 +72,8 @@ std::vector<StoneKey> allKeys() {
        "How deep its middle lies below the surface; below 0 it begins above it, and falls."},
       {"", "turn_deg", "turn_rad",
        StoneKey::VectorValue{
-           StonesRanges::turn_rad.in(kDegree), [](S& s, const Vec3& v) { s.turn_rad = v * kDegree; },
-           [](const S& s) { return Vec3(s.turn_rad.unaryExpr([](double a) { return inUnits(a, kDegree); })); }},
+           StonesRanges::turn_rad.in(kStoneDegree), [](S& s, const Vec3& v) { s.turn_rad = v * kStoneDegree; },
+           [](const S& s) { return Vec3(s.turn_rad.unaryExpr([](double a) { return inUnits(a, kStoneDegree); })); }},
        "How it is turned: about x first, then y, then z."},
       {"", "fixed", "fixed",
        StoneKey::SwitchValue{[](S& s, bool v) { s.fixed = v; }, [](const S& s) { return s.fixed; }},
@@ -84,7 +84,7 @@ std::vector<StoneKey> allKeys() {
 }  // namespace
 
 std::span<const StoneKey> stoneKeys() {
-  static const std::vector<StoneKey> kKeys = allKeys();
+  static const std::vector<StoneKey> kKeys = allStoneKeys();
   return kKeys;
 }
 

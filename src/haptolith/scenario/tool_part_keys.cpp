@@ -14,25 +14,25 @@ namespace haptolith {
 
 namespace {
 
-constexpr double kMm = 1e-3;  // m
-constexpr double kDegree = std::numbers::pi / 180;
+constexpr double kPartMm = 1e-3;  // m
+constexpr double kPartDegree = std::numbers::pi / 180;
 constexpr KeyName kPart{"", "tool_part"};
 
 template <double ToolPart::*kNumber>
 ToolPartKey::NumberValue length() {
-  return {ToolPartRanges::length_m.in(kMm), [](ToolPart& part, double value) { part.*kNumber = value * kMm; },
-          [](const ToolPart& part) { return inUnits(part.*kNumber, kMm); }};
+  return {ToolPartRanges::length_m.in(kPartMm), [](ToolPart& part, double value) { part.*kNumber = value * kPartMm; },
+          [](const ToolPart& part) { return inUnits(part.*kNumber, kPartMm); }};
 }
 
 template <Vec3 ToolPart::*kVector>
 ToolPartKey::VectorValue millimetres(const Range& valid_m) {
-  return {valid_m.in(kMm), [](ToolPart& part, const Vec3& value) { part.*kVector = value * kMm; },
+  return {valid_m.in(kPartMm), [](ToolPart& part, const Vec3& value) { part.*kVector = value * kPartMm; },
           [](const ToolPart& part) {
-            return Vec3((part.*kVector).unaryExpr([](double edge_m) { return inUnits(edge_m, kMm); }));
+            return Vec3((part.*kVector).unaryExpr([](double edge_m) { return inUnits(edge_m, kPartMm); }));
           }};
 }
 
-std::vector<ToolPartKey> allKeys() {
+std::vector<ToolPartKey> allPartKeys() {
   return {
       {"", "shape", "form",
        ToolPartKey::WordValue{namesOf(kToolPartWords),
@@ -46,11 +46,12 @@ std::vector<ToolPartKey> allKeys() {
       {"", "at_mm", "at_m", millimetres<&ToolPart::at_m>(ToolPartRanges::at_m),
        "Where its middle is, from the point that the hand holds."},
       {"", "turn_deg", "turn_rad",
-       ToolPartKey::VectorValue{
-           ToolPartRanges::turn_rad.in(kDegree), [](ToolPart& part, const Vec3& v) { part.turn_rad = v * kDegree; },
-           [](const ToolPart& part) {
-             return Vec3(part.turn_rad.unaryExpr([](double angle) { return inUnits(angle, kDegree); }));
-           }},
+       ToolPartKey::VectorValue{ToolPartRanges::turn_rad.in(kPartDegree),
+                                [](ToolPart& part, const Vec3& v) { part.turn_rad = v * kPartDegree; },
+                                [](const ToolPart& part) {
+                                  return Vec3(part.turn_rad.unaryExpr(
+                                      [](double angle) { return inUnits(angle, kPartDegree); }));
+                                }},
        "How it is turned about its middle: about x first, then y, then z."},
   };
 }
@@ -73,7 +74,7 @@ void refuseOtherSizes(const TomlReader& part, ToolPartForm form) {
 }  // namespace
 
 std::span<const ToolPartKey> toolPartKeys() {
-  static const std::vector<ToolPartKey> kKeys = allKeys();
+  static const std::vector<ToolPartKey> kKeys = allPartKeys();
   return kKeys;
 }
 

@@ -21,7 +21,7 @@ namespace {
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 // The law begins at 1270 kg/m^3 and the paper's sets at 1270 to 1400: room on both sides.
-constexpr double kLeastRho0 = 1000;  // kg/m^3
+constexpr double kLeastCalibratedRho0 = 1000;  // kg/m^3
 constexpr double kMostRho0 = 1600;
 // The rock itself has about 3100 kg/m^3. No fit to the lunar law comes near this bound.
 constexpr double kMostRhoMax = 2600;
@@ -36,7 +36,7 @@ constexpr double kImpossible = 1e5;
 
 /// What the search varies. Both run from 0 to 1, so that every point of the square is a soil that can be compacted.
 struct Shape {
-  double rho0 = 0;     ///< from kLeastRho0 to kMostRho0
+  double rho0 = 0;     ///< from kLeastCalibratedRho0 to kMostRho0
   double rho_max = 0;  ///< from leastCompactableRhoMax() to kMostRhoMax
 };
 
@@ -45,7 +45,7 @@ SoilParameters soilOf(const CalibrationTarget& target, const Shape& shape) {
   soil.radius_m = target.radius_m;
   soil.stiffness_n_m = target.stiffness_n_m;
   soil.mu_hat = modelFriction(target.friction_coefficient);
-  soil.rho0_kg_m3 = std::lerp(kLeastRho0, kMostRho0, shape.rho0);
+  soil.rho0_kg_m3 = std::lerp(kLeastCalibratedRho0, kMostRho0, shape.rho0);
   soil.rho_max_kg_m3 = std::lerp(leastCompactableRhoMax(soil.rho0_kg_m3, kMostOverlap), kMostRhoMax, shape.rho_max);
   return soil;
 }

@@ -17,9 +17,9 @@ namespace haptolith {
 
 namespace {
 
-constexpr std::size_t kSurfacePoints = 2000;
+constexpr std::size_t kMeshPoints = 2000;
 /// Of the size: how near the union has to come to the surface.
-constexpr double kNear = 1.0 / 50;
+constexpr double kNearMesh = 1.0 / 50;
 /// Spheres that fill less of a shape do not look like it.
 constexpr double kLeastFilled = 0.5;
 
@@ -71,9 +71,9 @@ StoneShape stoneOfMesh(const MendedMesh& mesh, double size_m, std::size_t most_s
     const double distance_m = nearest.place < 0 ? most_m : std::sqrt(nearest.squared_m2);
     return tree.winding(point_m, 0) > 0 ? distance_m : -distance_m;
   };
-  std::vector<StoneSphere> spheres = fillWithSpheres(spreadOver(surface, kSurfacePoints), depth,
+  std::vector<StoneSphere> spheres = fillWithSpheres(spreadOver(surface, kMeshPoints), depth,
                                                      {.size_m = mesh_size_m,
-                                                      .near_m = kNear * mesh_size_m,
+                                                      .near_m = kNearMesh * mesh_size_m,
                                                       .largest_radius_m = cornersOf(mesh.mesh).largestEdge() / 2,
                                                       .most_spheres = most_spheres});
   StoneShape stone;

@@ -19,8 +19,8 @@ namespace haptolith {
 
 namespace {
 
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
-constexpr Range kAnyNumber{-kInfinity, kInfinity};
+constexpr double kNoLimit = std::numeric_limits<double>::infinity();
+constexpr Range kAnyNumber{-kNoLimit, kNoLimit};
 constexpr Range kSeconds{0, 3600};
 constexpr Range kTrials{0, 1000};
 constexpr Range kShare{0, 1};
@@ -475,9 +475,9 @@ std::vector<BlockKey> sceneKeys() {
                            kOnlyRead},
        "What friction acts against (scenarios.md)."},
       SLIDER_KEY("friction_angle_deg", (Range{1, 70}), "Friction angle of the soil; for `paper` friction."),
-      SLIDER_KEY("cohesion_pa", (Range{0, kInfinity}), "Its cohesion; for `paper` friction."),
+      SLIDER_KEY("cohesion_pa", (Range{0, kNoLimit}), "Its cohesion; for `paper` friction."),
       SLIDER_KEY("contact_friction", (Range{0, 2}), "Friction of a contact; for `contact` friction."),
-      SLIDER_KEY("contact_cohesion_mn", (Range{0, kInfinity}), "Largest pull of a contact; for `contact` friction."),
+      SLIDER_KEY("contact_cohesion_mn", (Range{0, kNoLimit}), "Largest pull of a contact; for `contact` friction."),
       sceneNumber<0>(BedRanges::length_m, "Height of the soil, of a bed that starts `packed` or `settled`."),
       sceneNumber<1>(kStoneSize_m, "Size of each [[stone]] of the scene."),
       sceneNumber<2>(StonesRanges::depth_m, "How deep the middle of each [[stone]] lies below the surface."),

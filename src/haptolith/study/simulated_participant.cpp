@@ -15,7 +15,7 @@ namespace haptolith {
 
 namespace {
 
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
+constexpr double kCertain = std::numeric_limits<double>::infinity();
 
 /// Between 0 and 1, both excluded.
 double share(std::mt19937_64& random) {
@@ -57,12 +57,12 @@ double judged(const TrialSummary& felt, JudgedBy by) {
 }  // namespace
 
 void validate(const ObserverParameters& observer) {
-  requireInRange("weber_fraction", observer.weber_fraction, {0, kInfinity, Ends::kOpen});
-  requireInRange("bias", observer.bias, {-1, kInfinity, Ends::kOpen});
+  requireInRange("weber_fraction", observer.weber_fraction, {0, kCertain, Ends::kOpen});
+  requireInRange("bias", observer.bias, {-1, kCertain, Ends::kOpen});
   requireInRange("lapse", observer.lapse, {0, 0.5});
-  requireInRange("learning", observer.learning, {0, kInfinity});
-  requireInRange("group_factor", observer.group_factor, {0, kInfinity, Ends::kOpen});
-  requireInRange("learning_trials", observer.learning_trials, {0, kInfinity, Ends::kOpen});
+  requireInRange("learning", observer.learning, {0, kCertain});
+  requireInRange("group_factor", observer.group_factor, {0, kCertain, Ends::kOpen});
+  requireInRange("learning_trials", observer.learning_trials, {0, kCertain, Ends::kOpen});
 }
 
 double normal(std::mt19937_64& random) {

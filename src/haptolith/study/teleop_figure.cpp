@@ -18,15 +18,15 @@ constexpr int kPanelWidth_px = 340, kPanelHeight_px = 340, kTitle_px = 60;
 constexpr double kBesideTheBars = 0.12;  // of a block's width, where people stand
 
 /// Of which measure a panel is: blocks may differ in what their forms ask.
-struct Panel {
+struct TaskPanel {
   std::string name, unit;
 };
 
-std::vector<Panel> panelsOf(const std::vector<TeleopBlockResult>& results) {
-  std::vector<Panel> panels;
+std::vector<TaskPanel> panelsOf(const std::vector<TeleopBlockResult>& results) {
+  std::vector<TaskPanel> panels;
   for (const TeleopBlockResult& result : results) {
     for (const TeleopMeasure& measure : result.measures) {
-      if (std::ranges::find(panels, measure.name, &Panel::name) == panels.end()) {
+      if (std::ranges::find(panels, measure.name, &TaskPanel::name) == panels.end()) {
         panels.push_back({measure.name, measure.unit});
       }
     }
@@ -34,7 +34,7 @@ std::vector<Panel> panelsOf(const std::vector<TeleopBlockResult>& results) {
   return panels;
 }
 
-const TeleopMeasure* measureIn(const TeleopBlockResult& result, const Panel& panel) {
+const TeleopMeasure* measureIn(const TeleopBlockResult& result, const TaskPanel& panel) {
   const auto found = std::ranges::find(result.measures, panel.name, &TeleopMeasure::name);
   return found == result.measures.end() ? nullptr : &*found;
 }
@@ -54,7 +54,7 @@ std::string ticsOf(const StudyProtocol& protocol, const std::vector<TeleopBlockR
 
 void drawTeleopFigure(const OutputFile& path, const StudyProtocol& protocol,
                       const std::vector<TeleopBlockResult>& results, double confidence, std::string_view title) {
-  const std::vector<Panel> panels = panelsOf(results);
+  const std::vector<TaskPanel> panels = panelsOf(results);
   const std::size_t rows = (panels.size() + kMostColumns - 1) / kMostColumns;
   const std::size_t columns = (panels.size() + rows - 1) / rows;
   const int height_px = kTitle_px + kPanelHeight_px * static_cast<int>(rows);

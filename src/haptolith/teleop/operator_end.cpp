@@ -9,7 +9,7 @@ namespace haptolith {
 
 namespace {
 
-constexpr int kMostAtOnce = 1024;
+constexpr int kMostReportsAtOnce = 1024;
 constexpr double kSilence_s = 1;  // beyond the round trip
 
 /// What is asked for without a word of the port: any, as its address is not told to anybody.
@@ -55,7 +55,7 @@ void OperatorEnd::follow(std::span<const TickRecord> ticks) {
 }
 
 void OperatorEnd::receive(const RobotListener& listener) {
-  for (int i = 0; i < kMostAtOnce; ++i) {
+  for (int i = 0; i < kMostReportsAtOnce; ++i) {
     const std::optional<UdpPort::Datagram> datagram = port_.receive();
     if (!datagram) {
       break;

@@ -13,7 +13,7 @@ namespace haptolith {
 
 namespace {
 
-constexpr std::uint32_t kSession = 1;
+constexpr std::uint32_t kProbeSession = 1;
 constexpr std::uint64_t kAnotherPlace = 1000;  ///< of the site: another specimen
 constexpr std::uint64_t kKeyEvery = 20;        ///< ticks
 constexpr std::uint64_t kLookEvery = 250;
@@ -85,7 +85,7 @@ ProbedSoil probeSite(const Scenario& site, const RobotParameters& parameters, co
     }
     if (tick % kKeyEvery == 0) {
       const std::array keys{commands.key(tick + 1)};
-      robot.take(kSession, true, keys);
+      robot.take(kProbeSession, true, keys);
     }
     robot.tick();
     const double time_s = commands.time(robot.index());

@@ -15,7 +15,7 @@ namespace {
 
 constexpr std::uint64_t kSettleTicks = 1000;
 constexpr double kClearRadii = 6;  ///< of a grain, between a tool and what is mended
-constexpr std::size_t kMostAtOnce = 40;
+constexpr std::size_t kMostMovesAtOnce = 40;
 constexpr double kBlockRadii = 4;    ///< least width of what is compared
 constexpr double kWorthwhile = 2.5;  ///< difference between two blocks, in what one grain changes each by
 constexpr double kRoughness = 0.6;   ///< of the surfaces of two specimens, over squares of that width, in R
@@ -34,7 +34,7 @@ double radiusOf(const SeenSoil& soil, const Float4& sphere) {
 }
 
 /// Four to a grain's width, but no more than a camera's map could want, whatever grid somebody has sent.
-std::size_t raysOf(const SeenSoil& soil, const HeightGrid& grid) {
+std::size_t mendingRaysOf(const SeenSoil& soil, const HeightGrid& grid) {
   constexpr double kMost = 1 << 20;  // of all cells
   const double along = std::min(2 * grid.cell_m / soil.radius_m, std::sqrt(kMost / static_cast<double>(grid.cells())));
   return static_cast<std::size_t>(std::max(1.0, std::round(along)));
@@ -48,7 +48,7 @@ class Mending {
         bed_(bed),
         grid_(grid),
         wanted_m_(wanted_m),
-        heights_m_(surfaceHeights(soil_, grid_, raysOf(soil_, grid_))),
+        heights_m_(surfaceHeights(soil_, grid_, mendingRaysOf(soil_, grid_))),
         side_(
             static_cast<std::size_t>(std::ceil(std::max(0.0, (kBlockRadii * soil_.radius_m / grid_.cell_m - 1) / 2)))),
         moved_(soil_.grains.size(), false),
@@ -215,7 +215,7 @@ class Mending {
     const HeightGrid part{grid_.x_m + static_cast<double>(column) * grid_.cell_m,
                           grid_.y_m + static_cast<double>(row) * grid_.cell_m, grid_.cell_m, columns_end - column,
                           rows_end - row};
-    const std::vector<double> heights_m = surfaceHeights(soil_, part, raysOf(soil_, grid_));
+    const std::vector<double> heights_m = surfaceHeights(soil_, part, mendingRaysOf(soil_, grid_));
     for (std::size_t i = 0; i < heights_m.size(); ++i) {
       heights_m_[(row + i / part.columns) * grid_.columns + column + i % part.columns] = heights_m[i];
     }
@@ -315,7 +315,7 @@ void SurfaceMender::look(std::uint64_t index, SeenSoil seen, const Vec3& tool_m,
   }
   if (any && moves_.empty() && !coming_.valid()) {
     coming_ = setOut(work_, [seen = std::move(seen), model = model_, grid = grid_, wanted_m = std::move(wanted_m)] {
-      return movesTowards(seen, model, grid, wanted_m, kMostAtOnce);
+      return movesTowards(seen, model, grid, wanted_m, kMostMovesAtOnce);
     });
   }
 }

@@ -19,7 +19,7 @@ constexpr double kBehind_m = -0.06, kAhead_m = 0.045;  ///< where strokes begin 
 constexpr double kDeeper_m = 0.015;                    ///< from stroke to stroke
 constexpr double kBelow_m = 0.003;                     ///< the edge goes under what is wanted: some falls back in
 constexpr double kDeepest_m = 0.05;
-constexpr double kAbove_m = 0.05;
+constexpr double kCarriedAbove_m = 0.05;
 constexpr double kNose_rad = 70 * std::numbers::pi / 180;
 constexpr double kHalfBlade_m = 0.025;  ///< from the tool's origin to its edge
 constexpr double kInSoil_m_s = 0.04, kInAir_m_s = 0.15;
@@ -57,7 +57,7 @@ TaskOperator::TaskOperator(SiteTask task, double round_trip_s, const Pose& start
   } else if (task_ == SiteTask::kScoop) {
     scoop(kFirstScoop_m);
   } else {
-    goTo({{0, 0, kAbove_m}, Quat::Identity()}, kInAir_m_s);
+    goTo({{0, 0, kCarriedAbove_m}, Quat::Identity()}, kInAir_m_s);
     goTo({{0, 0, 0.005}, Quat::Identity()}, kInAir_m_s);
   }
 }
@@ -68,10 +68,10 @@ void TaskOperator::stroke(double edge_m) {
   way_.clear();
   leg_ = 0;
   const double in_m = kHalfBlade_m * std::sin(kNose_rad) - edge_m;
-  goTo({{kBehind_m, 0, kAbove_m}, blade()}, kInAir_m_s);
+  goTo({{kBehind_m, 0, kCarriedAbove_m}, blade()}, kInAir_m_s);
   goTo({{kBehind_m, 0, in_m}, blade()}, kInSoil_m_s);
   goTo({{kAhead_m, 0, in_m}, blade()}, kInSoil_m_s);
-  goTo({{kAhead_m, 0, kAbove_m}, blade()}, kInAir_m_s);
+  goTo({{kAhead_m, 0, kCarriedAbove_m}, blade()}, kInAir_m_s);
   phase_ = Phase::kMove;
 }
 

@@ -22,11 +22,11 @@ using Udp = asio::ip::udp;
 using Clock = std::chrono::steady_clock;
 using Error = boost::system::error_code;
 
-constexpr std::size_t kLargestDatagram = 65536;
+constexpr std::size_t kLargestRelayed = 65536;
 /// On the way in each direction: four minutes of packets of 150 bytes at 1 kHz. Whoever floods the relay takes no more
 /// memory than that.
 constexpr std::size_t kMostBytesOnTheWay = std::size_t{64} << 20;
-constexpr double kForgottenAfter_s = 10;
+constexpr double kPeerForgottenAfter_s = 10;
 
 }  // namespace
 
@@ -55,7 +55,7 @@ class UdpRelay::Implementation {
 
  private:
   struct Buffer {
-    std::array<std::uint8_t, kLargestDatagram> bytes;
+    std::array<std::uint8_t, kLargestRelayed> bytes;
     Udp::endpoint from;
   };
 
@@ -80,7 +80,7 @@ class UdpRelay::Implementation {
 
   void fromOperator(std::size_t bytes) {
     const double now_s = now();
-    if (!operator_ || now_s - heard_s_ > kForgottenAfter_s) {
+    if (!operator_ || now_s - heard_s_ > kPeerForgottenAfter_s) {
       operator_ = operator_buffer_.from;
     }
     if (operator_buffer_.from != *operator_) {

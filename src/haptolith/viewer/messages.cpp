@@ -24,30 +24,30 @@ namespace haptolith {
 
 namespace {
 
-using Json = nlohmann::ordered_json;
+using OrderedJson = nlohmann::ordered_json;
 
 constexpr int kProtocol = 1;
 constexpr double kPerMetre_mm = 1e3;
 
-Json array(const Vec3& v) {
+OrderedJson array(const Vec3& v) {
   return {v.x(), v.y(), v.z()};
 }
 
 /// Wrong letters, which can only come from a client or a file, are replaced.
-std::string written(const Json& message) {
-  return message.dump(-1, ' ', false, Json::error_handler_t::replace);
+std::string written(const OrderedJson& message) {
+  return message.dump(-1, ' ', false, OrderedJson::error_handler_t::replace);
 }
 
-Json orNull(std::string_view text) {
-  return text.empty() ? Json(nullptr) : Json(text);
+OrderedJson orNull(std::string_view text) {
+  return text.empty() ? OrderedJson(nullptr) : OrderedJson(text);
 }
 
 /// Friction angle, cohesion and density that the soil shows: a named soil's as they were measured (rho0 is that of a
 /// close packing, in which its grains do not lie), a preset's as (paper 17, 18) and Table II have them. Nothing is
 /// known of a named soil whose numbers have been changed, but for the density where only its contacts are others.
-Json measuresOf(const Scenario& scenario) {
+OrderedJson measuresOf(const Scenario& scenario) {
   const SoilParameters& soil = scenario.bed.soil;
-  Json measures{{"friction_angle_deg", nullptr}, {"cohesion_pa", nullptr}, {"bulk_density_kg_m3", nullptr}};
+  OrderedJson measures{{"friction_angle_deg", nullptr}, {"cohesion_pa", nullptr}, {"bulk_density_kg_m3", nullptr}};
   if (!scenario.soil_name.empty()) {
     try {
       const SoilFile file = findSoil(scenario.soil_name);
@@ -78,7 +78,7 @@ std::string packed(const std::vector<Number>& numbers) {
   return base64({reinterpret_cast<const char*>(numbers.data()), 4 * numbers.size()});
 }
 
-Json meshJson(const TriangleMesh& mesh) {
+OrderedJson meshJson(const TriangleMesh& mesh) {
   std::vector<float> points_m;
   points_m.reserve(3 * mesh.points_m.size());
   for (const Vec3& point_m : mesh.points_m) {
@@ -95,34 +95,34 @@ Json meshJson(const TriangleMesh& mesh) {
 }
 
 /// The tool's mesh, if the scene has one, whatever the tool's shape is now.
-Json toolMeshJson(const Scenario& scenario) {
+OrderedJson toolMeshJson(const Scenario& scenario) {
   if (scenario.tool.mesh == nullptr) {
     return nullptr;
   }
-  Json mesh{{"name", scenario.mesh.name}, {"report", scenario.tool.mesh->report}};
+  OrderedJson mesh{{"name", scenario.mesh.name}, {"report", scenario.tool.mesh->report}};
   mesh.update(meshJson(scenario.tool.mesh->surface));
   return mesh;
 }
 
-Json soilJson(const Scenario& scenario) {
-  Json soil{{"preset", orNull(scenario.preset)},
-            {"name", orNull(scenario.soil_name)},
-            {"friction", wordFor(kFrictionWords, scenario.bed.soil.friction)}};
+OrderedJson soilJson(const Scenario& scenario) {
+  OrderedJson soil{{"preset", orNull(scenario.preset)},
+                   {"name", orNull(scenario.soil_name)},
+                   {"friction", wordFor(kFrictionWords, scenario.bed.soil.friction)}};
   soil.update(measuresOf(scenario));
   return soil;
 }
 
 /// How many grains of which radius, in the order of a frame's particles.
-Json grainsJson(const std::vector<Bed::GrainRun>& runs, double radius_m) {
-  Json grains = Json::array();
+OrderedJson grainsJson(const std::vector<Bed::GrainRun>& runs, double radius_m) {
+  OrderedJson grains = OrderedJson::array();
   for (const Bed::GrainRun& run : runs) {
     grains.push_back({{"count", run.count}, {"radius_m", GrainClasses::scale(run.grain_class) * radius_m}});
   }
   return grains;
 }
 
-Json stonesJson(const std::vector<std::shared_ptr<const StoneShape>>& stones) {
-  Json list = Json::array();
+OrderedJson stonesJson(const std::vector<std::shared_ptr<const StoneShape>>& stones) {
+  OrderedJson list = OrderedJson::array();
   for (const auto& stone : stones) {
     list.push_back(stoneJson(*stone));
   }
@@ -137,26 +137,27 @@ std::size_t countOf(const std::vector<Bed::GrainRun>& runs) {
   return count;
 }
 
-Json recordedJson(const std::filesystem::path& file) {
-  return file.empty() ? Json(nullptr)
-                      : Json{{"file", file.filename().string()}, {"folder", file.parent_path().string()}};
+OrderedJson recordedJson(const std::filesystem::path& file) {
+  return file.empty() ? OrderedJson(nullptr)
+                      : OrderedJson{{"file", file.filename().string()}, {"folder", file.parent_path().string()}};
 }
 
-Json learnedJson(const std::optional<RobotShown::Learned>& learned) {
-  return learned ? Json{{"friction_angle_deg", learned->friction_angle_deg},
-                        {"cohesion_pa", learned->cohesion_pa},
-                        {"tool_friction_angle_deg", learned->tool_friction_angle_deg}}
-                 : Json(nullptr);
+OrderedJson learnedJson(const std::optional<RobotShown::Learned>& learned) {
+  return learned ? OrderedJson{{"friction_angle_deg", learned->friction_angle_deg},
+                               {"cohesion_pa", learned->cohesion_pa},
+                               {"tool_friction_angle_deg", learned->tool_friction_angle_deg}}
+                 : OrderedJson(nullptr);
 }
 
-Json siteJson(const std::optional<RobotShown::Site>& site) {
+OrderedJson siteJson(const std::optional<RobotShown::Site>& site) {
   if (!site) {
     return nullptr;
   }
-  Json heights_mm = Json::array();
+  OrderedJson heights_mm = OrderedJson::array();
   for (const double height_m : site->height_m) {
     constexpr double kTenthsInMetre = 1e4;
-    heights_mm.push_back(std::isfinite(height_m) ? Json(std::round(height_m * kTenthsInMetre) / 10) : Json(nullptr));
+    heights_mm.push_back(std::isfinite(height_m) ? OrderedJson(std::round(height_m * kTenthsInMetre) / 10)
+                                                 : OrderedJson(nullptr));
   }
   return {{"corner_m", {site->x_m, site->y_m}},
           {"cell_m", site->cell_m},
@@ -165,13 +166,13 @@ Json siteJson(const std::optional<RobotShown::Site>& site) {
           {"heights_mm", heights_mm}};
 }
 
-Json robotJson(const RobotShown* robot) {
+OrderedJson robotJson(const RobotShown* robot) {
   if (robot == nullptr) {
     return nullptr;
   }
   const Vec3& at = robot->scene_T_tool.position_m;
   const Quat& turn = robot->scene_T_tool.orientation;
-  const auto vector = [](const Vec3& v) { return Json{v.x(), v.y(), v.z()}; };
+  const auto vector = [](const Vec3& v) { return OrderedJson{v.x(), v.y(), v.z()}; };
   return {{"state", robot->state},
           {"reason", orNull(robot->reason)},
           {"heard", robot->heard},
@@ -187,13 +188,13 @@ Json robotJson(const RobotShown* robot) {
 }  // namespace
 
 Board::Texts helloMessages(std::string_view version, bool read_only, bool takes_uploads) {
-  Json message{{"type", "hello"},     {"protocol", kProtocol},  {"version", version},
-               {"client", "$client"}, {"read_only", read_only}, {"takes_uploads", takes_uploads}};
-  Json& presets_list = message["presets"] = Json::array();
+  OrderedJson message{{"type", "hello"},     {"protocol", kProtocol},  {"version", version},
+                      {"client", "$client"}, {"read_only", read_only}, {"takes_uploads", takes_uploads}};
+  OrderedJson& presets_list = message["presets"] = OrderedJson::array();
   for (const Preset& preset : presets()) {
     presets_list.push_back({{"name", preset.name}, {"friction_coefficient", preset.friction_coefficient}});
   }
-  Json& soils = message["soils"] = Json::array();
+  OrderedJson& soils = message["soils"] = OrderedJson::array();
   for (const std::string& name : soilNames()) {
     const SoilFile file = findSoil(name);
     soils.push_back({{"name", name},
@@ -202,13 +203,13 @@ Board::Texts helloMessages(std::string_view version, bool read_only, bool takes_
                      {"cohesion_pa", file.target.cohesion_pa},
                      {"bulk_density_kg_m3", file.target.bulk_density_kg_m3}});
   }
-  Json& bodies_list = message["bodies"] = Json::array();
+  OrderedJson& bodies_list = message["bodies"] = OrderedJson::array();
   for (const Body& body : bodies()) {
     bodies_list.push_back({{"name", body.name}, {"gravity_m_s2", body.gravity_m_s2}});
   }
   message["frictions"] = namesOf(kFrictionWords);
   message["shapes"] = namesOf(kToolShapeWords);
-  Json& manoeuvres = message["manoeuvres"] = Json::array();
+  OrderedJson& manoeuvres = message["manoeuvres"] = OrderedJson::array();
   for (const auto& [name, manoeuvre] : kManoeuvreWords) {
     if (manoeuvre != Manoeuvre::kPoses) {
       manoeuvres.push_back(name);
@@ -216,16 +217,16 @@ Board::Texts helloMessages(std::string_view version, bool read_only, bool takes_
   }
   std::string whole = written(message);
   for (const char* names : {"presets", "soils", "bodies", "frictions"}) {
-    message[names] = Json::array();
+    message[names] = OrderedJson::array();
   }
   return {std::move(whole), written(message)};
 }
 
-Json stoneJson(const StoneShape& stone) {
+OrderedJson stoneJson(const StoneShape& stone) {
   if (!stone.shown.triangles.empty()) {
     return meshJson(stone.shown);
   }
-  Json spheres = Json::array();
+  OrderedJson spheres = OrderedJson::array();
   for (const StoneSphere& sphere : stone.spheres) {
     spheres.push_back({sphere.centre_m.x(), sphere.centre_m.y(), sphere.centre_m.z(), sphere.radius_m});
   }
@@ -259,7 +260,7 @@ FrameEncoder::Space shownSpace(const BedParameters& bed, double surface_m) {
 Board::Texts sceneMessages(const SceneLookedAt& shown, const FrameEncoder::Space& space) {
   const Scenario& scenario = shown.scenario;
   const BedParameters& bed = scenario.bed;
-  Json sliders = Json::array();
+  OrderedJson sliders = OrderedJson::array();
   for (const SoilSlider& slider : slidersOf(bed.soil, calibrationOf(scenario))) {
     sliders.push_back({{"key", slider.key},
                        {"label", slider.label},
@@ -269,38 +270,38 @@ Board::Texts sceneMessages(const SceneLookedAt& shown, const FrameEncoder::Space
                        {"high", slider.high},
                        {"step", slider.step}});
   }
-  Json message({{"type", "scene"},
-                {"scene", shown.scene},
-                {"title", scenario.title},
-                {"particles", countOf(shown.grains)},
-                {"radius_m", bed.soil.radius_m},
-                {"grains", grainsJson(shown.grains, shown.soil.radius_m)},
-                {"size_spread", shown.soil.friction == FrictionModel::kContact ? shown.soil.size_spread : 0.0},
-                {"box",
-                 {{"width_m", bed.width_m},
-                  {"length_m", bed.length_m},
-                  {"surface_m", shown.surface_m},
-                  {"periodic_x", bed.periodic_x},
-                  {"periodic_y", bed.periodic_y}}},
-                {"quantised", {{"low_m", array(space.low_m)}, {"high_m", array(space.high_m)}}},
-                {"soil", soilJson(scenario)},
-                {"sliders", sliders},
-                {"body", orNull(scenario.body)},
-                {"gravity_m_s2", array(bed.gravity_m_s2)},
-                {"tool",
-                 {{"shape", wordFor(kToolShapeWords, scenario.tool.shape)},
-                  {"size_mm", array(kPerMetre_mm * scenario.tool.size_m)},
-                  {"diameter_mm", kPerMetre_mm * scenario.tool.diameter_m},
-                  {"thickness_mm", kPerMetre_mm * scenario.tool.thickness_m},
-                  {"opening_mm", kPerMetre_mm * scenario.tool.opening_m},
-                  {"jaw_bend_deg", scenario.tool.jaw_bend_rad * 180 / std::numbers::pi},
-                  {"length_mm", kPerMetre_mm * scenario.tool.length_m},
-                  {"mesh", toolMeshJson(scenario)}}},
-                {"hand",
-                 {{"manoeuvre", wordFor(kManoeuvreWords, shown.manoeuvre)},
-                  {"max_force_n", scenario.hand.max_force_n},
-                  {"max_torque_nm", scenario.hand.max_torque_nm}}},
-                {"workspace", {{"low_m", array(shown.low_m)}, {"high_m", array(shown.high_m)}}}});
+  OrderedJson message({{"type", "scene"},
+                       {"scene", shown.scene},
+                       {"title", scenario.title},
+                       {"particles", countOf(shown.grains)},
+                       {"radius_m", bed.soil.radius_m},
+                       {"grains", grainsJson(shown.grains, shown.soil.radius_m)},
+                       {"size_spread", shown.soil.friction == FrictionModel::kContact ? shown.soil.size_spread : 0.0},
+                       {"box",
+                        {{"width_m", bed.width_m},
+                         {"length_m", bed.length_m},
+                         {"surface_m", shown.surface_m},
+                         {"periodic_x", bed.periodic_x},
+                         {"periodic_y", bed.periodic_y}}},
+                       {"quantised", {{"low_m", array(space.low_m)}, {"high_m", array(space.high_m)}}},
+                       {"soil", soilJson(scenario)},
+                       {"sliders", sliders},
+                       {"body", orNull(scenario.body)},
+                       {"gravity_m_s2", array(bed.gravity_m_s2)},
+                       {"tool",
+                        {{"shape", wordFor(kToolShapeWords, scenario.tool.shape)},
+                         {"size_mm", array(kPerMetre_mm * scenario.tool.size_m)},
+                         {"diameter_mm", kPerMetre_mm * scenario.tool.diameter_m},
+                         {"thickness_mm", kPerMetre_mm * scenario.tool.thickness_m},
+                         {"opening_mm", kPerMetre_mm * scenario.tool.opening_m},
+                         {"jaw_bend_deg", scenario.tool.jaw_bend_rad * 180 / std::numbers::pi},
+                         {"length_mm", kPerMetre_mm * scenario.tool.length_m},
+                         {"mesh", toolMeshJson(scenario)}}},
+                       {"hand",
+                        {{"manoeuvre", wordFor(kManoeuvreWords, shown.manoeuvre)},
+                         {"max_force_n", scenario.hand.max_force_n},
+                         {"max_torque_nm", scenario.hand.max_torque_nm}}},
+                       {"workspace", {{"low_m", array(shown.low_m)}, {"high_m", array(shown.high_m)}}}});
   if (!shown.stones.empty()) {
     message["stones"] = stonesJson(shown.stones);
   }
@@ -309,7 +310,7 @@ Board::Texts sceneMessages(const SceneLookedAt& shown, const FrameEncoder::Space
     value = nullptr;
   }
   message["title"] = "";
-  message["sliders"] = Json::array();
+  message["sliders"] = OrderedJson::array();
   message["body"] = nullptr;
   message["gravity_m_s2"] = array(Vec3::Zero());
   return {std::move(whole), written(message)};
@@ -318,32 +319,32 @@ Board::Texts sceneMessages(const SceneLookedAt& shown, const FrameEncoder::Space
 Board::Texts statusMessages(const Session& session, const StatusBeside& beside) {
   const SceneSnapshot& now = session.snapshot();
   const RealTime& real_time = session.realTime();
-  Json message({{"type", "status"},
-                {"time_s", now.time_s},
-                {"ticks", now.ticks},
-                {"misses", now.deadline_misses},
-                {"success_rate", now.success_rate},
-                {"rate_hz", beside.rate_hz},
-                {"tick_us", {{"p50", now.tick_us_p50}, {"p99", now.tick_us_p99}, {"max", now.tick_us_max}}},
-                {"particles", now.position.size()},
-                {"awake", now.awake},
-                {"paused", now.paused},
-                {"speed", session.speed()},
-                {"held_by", beside.held_by ? Json(*beside.held_by) : Json(nullptr)},
-                {"clients", beside.clients},
-                {"device", session.deviceName()},
-                {"person_feels", session.personFeels()},
-                {"let_go", orNull(now.trip == SafetyTrip::kNone ? "" : text(now.trip))},
-                {"real_time", {{"scheduler", real_time.scheduler}, {"memory_locked", real_time.memory_locked}}},
-                {"simd", simdTarget()},
-                {"threads", session.scenario().bed.threads},
-                {"busy", orNull(session.busy())},
-                {"problem", orNull(session.problem())},
-                {"can_undo", !session.undoable().empty()},
-                {"undo", orNull(session.undoable())},
-                {"recording", orNull(beside.recording)},
-                {"recorded", recordedJson(beside.recorded)},
-                {"robot", robotJson(beside.robot)}});
+  OrderedJson message({{"type", "status"},
+                       {"time_s", now.time_s},
+                       {"ticks", now.ticks},
+                       {"misses", now.deadline_misses},
+                       {"success_rate", now.success_rate},
+                       {"rate_hz", beside.rate_hz},
+                       {"tick_us", {{"p50", now.tick_us_p50}, {"p99", now.tick_us_p99}, {"max", now.tick_us_max}}},
+                       {"particles", now.position.size()},
+                       {"awake", now.awake},
+                       {"paused", now.paused},
+                       {"speed", session.speed()},
+                       {"held_by", beside.held_by ? OrderedJson(*beside.held_by) : OrderedJson(nullptr)},
+                       {"clients", beside.clients},
+                       {"device", session.deviceName()},
+                       {"person_feels", session.personFeels()},
+                       {"let_go", orNull(now.trip == SafetyTrip::kNone ? "" : text(now.trip))},
+                       {"real_time", {{"scheduler", real_time.scheduler}, {"memory_locked", real_time.memory_locked}}},
+                       {"simd", simdTarget()},
+                       {"threads", session.scenario().bed.threads},
+                       {"busy", orNull(session.busy())},
+                       {"problem", orNull(session.problem())},
+                       {"can_undo", !session.undoable().empty()},
+                       {"undo", orNull(session.undoable())},
+                       {"recording", orNull(beside.recording)},
+                       {"recorded", recordedJson(beside.recorded)},
+                       {"robot", robotJson(beside.robot)}});
   std::string whole = written(message);
   for (const char* names : {"problem", "undo", "recording", "recorded"}) {
     message[names] = nullptr;
@@ -352,7 +353,7 @@ Board::Texts statusMessages(const Session& session, const StatusBeside& beside) 
 }
 
 std::string replyMessage(std::optional<std::int64_t> id, std::string_view refused) {
-  Json message{{"type", "reply"}, {"id", id ? Json(*id) : Json(nullptr)}, {"ok", refused.empty()}};
+  OrderedJson message{{"type", "reply"}, {"id", id ? OrderedJson(*id) : OrderedJson(nullptr)}, {"ok", refused.empty()}};
   if (!refused.empty()) {
     message["error"] = refused;
   }

@@ -19,7 +19,7 @@ namespace {
 using namespace std::chrono_literals;
 
 /// How often the pad is asked. Pads tell something new 125 to 1000 times a second; SteeredHandle smooths the steps.
-constexpr auto kPeriod = 4ms;
+constexpr auto kGamepadPeriod = 4ms;
 
 /// Rumble that nobody renews ends by itself, also when this program does. It is renewed this often: a pad on Bluetooth
 /// has no room for much more.
@@ -32,7 +32,7 @@ constexpr std::int64_t kLoopHangs_ns = 100'000'000;
 /// How often a pad that has been lost is looked for.
 constexpr std::int64_t kLookAgain_ns = 500'000'000;
 
-constexpr std::string_view kRemedy =
+constexpr std::string_view kGamepadRemedy =
     "plug one in or switch it on (a wireless one: pair it with the system first); `haptolith devices` lists what is "
     "found";
 
@@ -57,7 +57,7 @@ std::vector<Found> gamepads(const Sdl& sdl) {
 
 Found choose(const std::vector<Found>& found, const std::string& id) {
   if (found.empty()) {
-    throw Failure(fmt::format("no gamepad: SDL 2 finds none; {}", kRemedy));
+    throw Failure(fmt::format("no gamepad: SDL 2 finds none; {}", kGamepadRemedy));
   }
   std::string there;
   for (std::size_t number = 0; number < found.size(); ++number) {
@@ -198,7 +198,7 @@ DeviceLimits Gamepad::limits() const noexcept {
   limits.max_torque_nm = 0;
   limits.max_gripper_force_n = 0;
   limits.workspace_radius_m = SteeredHandle::kWorkspaceRadius_m;
-  limits.rate_hz = 1000.0 / kPeriod.count();
+  limits.rate_hz = 1000.0 / kGamepadPeriod.count();
   return limits;
 }
 
@@ -240,7 +240,7 @@ void Gamepad::serve(const std::stop_token& stop, Pad& pad) {
     connected_.store(told_.draft().connected, std::memory_order_relaxed);
     told_.publish();
     pad.rumble(rumbleShare(now_ns), now_ns);
-    std::this_thread::sleep_for(kPeriod);
+    std::this_thread::sleep_for(kGamepadPeriod);
   }
 }
 
@@ -258,7 +258,7 @@ std::vector<DeviceReport> findGamepads(const DeviceParameters&) {
       reports.push_back(report);
     }
     report.why_not = "SDL 2 finds no gamepad";
-    report.remedy = kRemedy;
+    report.remedy = kGamepadRemedy;
   } catch (const Failure& failure) {
     report.why_not = failure.what();
     report.remedy = "sudo apt-get install libsdl2-2.0-0";

@@ -35,13 +35,13 @@ using Tcp = asio::ip::tcp;
 using namespace std::chrono_literals;
 using Clock = std::chrono::steady_clock;
 
-constexpr std::string_view kUsualAddress = "ws://localhost:10001";
+constexpr std::string_view kHaplyAddress = "ws://localhost:10001";
 constexpr std::string_view kInstall =
     "start the Haply Hub or the haply-inverse-service, or give the service's address as ws://HOST:PORT";
 constexpr std::string_view kPlugIn = "plug it in and switch it on, and see that the Haply Hub shows it";
 constexpr auto kOpenPatience = 2s;
 constexpr auto kFindPatience = 300ms;
-constexpr auto kPeriod = 1ms;
+constexpr auto kHaplyPeriod = 1ms;
 constexpr std::int64_t kFresh_ns = 20'000'000;
 constexpr std::int64_t kMostPatience_ns = 16 * kFresh_ns;
 constexpr std::size_t kLargestMessage = 256 * 1024;  // bytes: an inventory is some kilobytes
@@ -137,7 +137,7 @@ struct Session {
 };
 
 std::string usualAddressOr(const std::string& address) {
-  return address.empty() ? std::string(kUsualAddress) : address;
+  return address.empty() ? std::string(kHaplyAddress) : address;
 }
 
 }  // namespace
@@ -249,7 +249,7 @@ class Inverse3::Connection {
             caught_up_ ? std::max(kFresh_ns, patience_ns_ / 2) : std::min(kMostPatience_ns, 2 * patience_ns_);
         send();
       }
-      timer_.expires_at(std::max(timer_.expiry() + kPeriod, Clock::now()));  // what was missed is not made up for
+      timer_.expires_at(std::max(timer_.expiry() + kHaplyPeriod, Clock::now()));  // what was missed is not made up for
       wait();
     });
   }

@@ -22,9 +22,9 @@ constexpr const char* kTakenTitle = "haptolith mouse: Esc gives the pointer back
 constexpr float kMaxNotches = 100;
 
 /// How long the window's thread waits for an event before it looks whether it shall end.
-constexpr int kWait_ms = 20;
+constexpr int kMouseWait_ms = 20;
 
-constexpr std::string_view kRemedy = "start haptolith in a desktop session, or over `ssh -X`";
+constexpr std::string_view kMouseRemedy = "start haptolith in a desktop session, or over `ssh -X`";
 
 /// SDL without a display, left to itself, may take the whole console for its window.
 void requireDisplay() {
@@ -63,7 +63,7 @@ class Mouse::Window {
   Window& operator=(const Window&) = delete;
 
   /// Waits a little for an event; whether there was one.
-  [[nodiscard]] bool wait(SDL_Event& event) { return sdl_.wait_event_timeout(&event, kWait_ms) != 0; }
+  [[nodiscard]] bool wait(SDL_Event& event) { return sdl_.wait_event_timeout(&event, kMouseWait_ms) != 0; }
 
   void take(const SDL_Event& event, Told& told) {
     switch (event.type) {
@@ -190,7 +190,7 @@ void Mouse::serve(const std::stop_token& stop, std::promise<void>& opened) {
     window.emplace();
   } catch (const Failure& failure) {
     opened.set_exception(std::make_exception_ptr(
-        Failure(fmt::format("cannot open the mouse's window: {}; {}", failure.what(), kRemedy))));
+        Failure(fmt::format("cannot open the mouse's window: {}; {}", failure.what(), kMouseRemedy))));
     return;
   }
   opened.set_value();  // the promise is gone from here on
@@ -216,7 +216,7 @@ std::vector<DeviceReport> findMouse(const DeviceParameters&) {
   } catch (const Failure& failure) {
     report.usable = false;
     report.why_not = failure.what();
-    report.remedy = kRemedy;
+    report.remedy = kMouseRemedy;
   }
   return {report};
 }

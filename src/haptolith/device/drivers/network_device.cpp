@@ -21,7 +21,7 @@ namespace haptolith {
 
 namespace {
 
-constexpr std::string_view kUsualAddress = "127.0.0.1:9050";
+constexpr std::string_view kNetworkAddress = "127.0.0.1:9050";
 // The buffer holds some 160 packets, and all that waits is looked at in each tick: what a flood leaves waiting would be
 // old in the next one. So many cost a tick 0.17 ms; 0.36 ms with a key, while nobody holds the tool and all have to be
 // checked.
@@ -32,7 +32,7 @@ constexpr int kMostOwed = 20;
 constexpr std::size_t kLongestPacket = DevicePacket::kBytes + PacketKey::kTagBytes;
 static_assert(std::atomic<std::uint64_t>::is_always_lock_free);  // a signal's handler may let go
 
-sockaddr_in addressOf(std::string_view text) {
+sockaddr_in socketAddressOf(std::string_view text) {
   const auto refuse = [&] {
     return InvalidParameter("address", fmt::format("'{}'", text),
                             "HOST:PORT with an IPv4 address of this machine, for example 127.0.0.1:9050 for this "
@@ -114,8 +114,8 @@ NetworkDevice::NetworkDevice(const DeviceParameters& parameters, const NetworkTi
     : parameters_(parameters),
       fresh_ns_(nanoseconds(requireInRange("fresh_s", timeouts.fresh_s, {0.001, 10}))),
       holder_ns_(nanoseconds(requireInRange("holder_s", timeouts.holder_s, {timeouts.fresh_s, 60}))) {
-  const std::string text(parameters.address.empty() ? kUsualAddress : std::string_view(parameters.address));
-  sockaddr_in address = addressOf(text);
+  const std::string text(parameters.address.empty() ? kNetworkAddress : std::string_view(parameters.address));
+  sockaddr_in address = socketAddressOf(text);
   if (!parameters.key.empty()) {
     key_.emplace(parameters.key);
   } else if (!isThisMachine(address) && !parameters.insecure) {

@@ -16,7 +16,7 @@ namespace haptolith {
 namespace {
 
 /// How long the daemon's thread waits for an event before it looks whether it shall end.
-constexpr int kWait_ms = 20;
+constexpr int kSpaceMouseWait_ms = 20;
 
 constexpr std::string_view kNoDaemon =
     "the daemon of SpaceMice, spacenavd, does not answer at /var/run/spnav.sock (or where SPNAV_SOCKET or /etc/spnavrc "
@@ -112,7 +112,7 @@ void SpaceMouse::serve(const std::stop_token& stop) {
   };
   while (!stop.stop_requested()) {
     pollfd daemon{.fd = spnav.fd(), .events = POLLIN, .revents = 0};
-    if (poll(&daemon, 1, kWait_ms) <= 0) {
+    if (poll(&daemon, 1, kSpaceMouseWait_ms) <= 0) {
       continue;
     }
     if (hungUp(spnav)) {

@@ -1,0 +1,86 @@
+#include <CLI/App.hpp>
+#include <nlohmann/json.hpp>
+
+#include <memory>
+#include <optional>
+#include <string>
+
+#include "run/run_companion.h"
+#include "teleop/operator_report.h"
+#include "teleop/robot_lead.h"
+#include "teleop/teleop_commands.h"
+#include "teleop/teleop_end_options.h"
+
+namespace haptolith {
+
+namespace {
+
+constexpr const char* kOperatorExamples = R"(Examples:
+  haptolith teleop remote                                       a robot in a bed of its own, in another terminal
+  haptolith teleop operator --to 127.0.0.1:7410                 leads it, in the scene dig
+  haptolith teleop operator --to 127.0.0.1:7400 regolith        over haptolith teleop link, in another scene)";
+
+struct OperatorOptions {
+  std::string robot;  ///< HOST:PORT
+  TeleopEndOptions end;
+  bool mends = true;           ///< the soil's surface becomes what the robot sees
+  std::optional<bool> learns;  ///< the soil does from what the robot meets; default: where it can
+};
+
+/// A robot that follows the tool of a run.
+class RobotCompanion final : public RunCompanion {
+ public:
+  RobotCompanion(const OperatorOptions& options, Scenario& scenario) : options_(options) {
+    if (options.learns.value_or(canLearn(scenario))) {
+      scenario = readyToLearn(scenario);
+    }
+  }
+
+  [[nodiscard]] bool leadsRobot() const override { return true; }
+
+  void begin(const Session& session) override {
+    robot_.emplace(
+        session, options_.robot, options_.end.end(),
+        Likening{.strength = options_.learns.value_or(canLearn(session.shown())), .surface = options_.mends});
+  }
+  void follow(Session& session, const SessionDriver::News& news, SessionRecording& recording) override {
+    robot_->follow(session, news.ticks, recording);
+  }
+  void showIn(LiveView& view) const override { view.setRobot(robotShown(*robot_)); }
+  [[nodiscard]] std::string status() const override { return robotText(*robot_); }
+  [[nodiscard]] std::string summary() const override { return robotSummary(*robot_); }
+  void addTo(nlohmann::ordered_json& json) const override { json["robot"] = robotJson(*robot_); }
+
+ private:
+  OperatorOptions options_;
+  std::optional<RobotLead> robot_;  ///< from begin() on
+};
+
+}  // namespace
+
+void addTeleopOperator(CLI::App& teleop) {
+  auto options = std::make_shared<OperatorOptions>();
+  CLI::App* command =
+      teleop.add_subcommand("operator", "Run a scene as `haptolith run` does, while a robot follows the tool");
+  command->footer(kOperatorExamples);
+  command->add_option("--to", options->robot, "Where the robot listens")->option_text("HOST:PORT")->required();
+  options->end.addTo(*command);
+  CLI::Option* learn = command->add_flag_callback(
+      "--learn", [options] { options->learns = true; },
+      "Make the soil what the robot meets, while both dig; default: where it has contact friction");
+  command
+      ->add_flag_callback(
+          "--no-learn", [options] { options->learns = false; }, "Leave the soil as it is")
+      ->excludes(learn);
+  command->add_flag_callback(
+      "--no-mend", [options] { options->mends = false; },
+      "Leave the soil's surface as it is; else grains are laid where the robot sees more soil than there is");
+  addRunOptions(
+      *command,
+      [options](Scenario& scenario, const SceneOptions&) {
+        return std::make_unique<RobotCompanion>(*options, scenario);
+      },
+      "dig");
+}
+
+}  // namespace haptolith

@@ -1,0 +1,20 @@
+// `haptolith-workbench`: every command of the program, those of laboratories, studies and robots included.
+
+#include "commands.h"
+
+namespace haptolith {
+
+void addCommands(CLI::App& app) {
+  addProgramCommands(app);
+  addLabCommand(app);
+  addStudyCommand(app);
+  addIdentifyCommand(app);
+  addTeleopCommand(app);
+  addRos2Command(app);
+  addBenchCommand(app);
+  addCompletionCommand(app);
+}
+
+void runWhatIsElsewhere(int, char**) {}
+
+}  // namespace haptolith
