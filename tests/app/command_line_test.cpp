@@ -44,6 +44,36 @@ TEST(Help, ShowsExamplesOfTheCommandAndNotOfTheProgram) {
   }
 }
 
+// Half of the commands are in an executable of its own, haptolith-workbench.
+TEST(Workbench, HasEveryCommandThatTheHelpOfTheProgramLists) {
+  const std::string listed = runHaptolith("--help").output;
+  const ProgramResult all = runInShell("\"$(dirname \"$HAPTOLITH\")/haptolith-workbench\" --help");
+  EXPECT_EQ(all.exit_status, 0) << all.errors;
+  EXPECT_EQ(all.output, listed);
+}
+
+TEST(Workbench, IsFoundNextToTheProgramAndWhereItIsInstalled) {
+  const std::string folder = testing::TempDir() + "workbench_found";
+  for (const std::string place : {"bin", "libexec/haptolith"}) {
+    const ProgramResult result = runInShell(fmt::format(
+        "rm -rf {0} && mkdir -p {0}/bin {0}/libexec/haptolith && cp \"$HAPTOLITH\" {0}/bin/haptolith && "
+        "cp \"$(dirname \"$HAPTOLITH\")/haptolith-workbench\" {0}/{1}/ && {0}/bin/haptolith lab shear --help",
+        folder, place));
+    EXPECT_EQ(result.exit_status, 0) << place << result.errors;
+    EXPECT_THAT(result.output, HasSubstr("Usage: haptolith lab shear ")) << place;
+  }
+  std::filesystem::remove_all(folder);
+}
+
+TEST(Workbench, IsMissedByNameWhereItIsNot) {
+  const std::string folder = testing::TempDir() + "workbench_missing";
+  const ProgramResult result = runInShell(fmt::format(
+      "rm -rf {0} && mkdir -p {0}/bin && cp \"$HAPTOLITH\" {0}/bin/haptolith && {0}/bin/haptolith lab shear", folder));
+  EXPECT_EQ(result.exit_status, 1);
+  EXPECT_THAT(result.errors, HasSubstr("haptolith lab is not installed: haptolith-workbench is neither in"));
+  std::filesystem::remove_all(folder);
+}
+
 TEST(Help, SaysWhatToWriteAndWhatIsTakenOtherwise) {
   const std::string bench = runHaptolith("bench --help").output;
   EXPECT_THAT(bench, HasSubstr("--friction contact|paper,..."));

@@ -34,9 +34,9 @@ bool isClosed(const TriangleMesh& mesh) {
   return std::ranges::all_of(edges, [](const auto& edge) { return edge.second == 0; });
 }
 
-std::string refusalOf(const TriangleMesh& mesh, const MendOptions& options = {}) {
+std::string refusalOf(const TriangleMesh& mesh, const MendOptions& optionsOfMend = {}) {
   try {
-    (void)mend(mesh, options);
+    (void)mend(mesh, optionsOfMend);
   } catch (const InvalidParameter& error) {
     return error.what();
   }

@@ -97,17 +97,17 @@ std::string cubeJson(
          buffer + "]}";
 }
 
-std::string refusalOf(const std::string& bytes, MeshFormat format, const MeshFileOptions& options = {}) {
+std::string refusalOf(const std::string& bytes, MeshFormat format, const MeshFileOptions& optionsOfMeshFile = {}) {
   try {
-    (void)parseMesh(bytes, "given", format, options);
+    (void)parseMesh(bytes, "given", format, optionsOfMeshFile);
   } catch (const InvalidParameter& error) {
     return error.what();
   }
   return "accepted";
 }
 
-MeshCorners boxOf(const std::string& bytes, MeshFormat format, const MeshFileOptions& options = {}) {
-  return cornersOf(parseMesh(bytes, "given", format, options));
+MeshCorners boxOf(const std::string& bytes, MeshFormat format, const MeshFileOptions& optionsOfMeshFile = {}) {
+  return cornersOf(parseMesh(bytes, "given", format, optionsOfMeshFile));
 }
 
 double volumeOf(const std::string& bytes, MeshFormat format) {
