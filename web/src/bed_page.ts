@@ -68,6 +68,8 @@ export function openBedPage(settings: Settings, program: Program, buttons: HTMLE
   };
 
   let described_ms = -Infinity;
+  /** whose numbers the page shows */
+  let shown_frame: Frame | null = null;
 
   const notices = new Notices(() => connection.retryNow());
   const connection = new Connection(program, {
@@ -263,7 +265,13 @@ export function openBedPage(settings: Settings, program: Program, buttons: HTMLE
     bringer.tick(now_ms);
     vr.tick(now_ms);
     hand.tick(now_ms);
+  };
+  stage.onDue = (now_ms) => {
     plots.tick(now_ms);
+    if (!now.frame || now.frame === shown_frame) return;
+    shown_frame = now.frame;
+    strip.setTime(now.frame.time_s);
+    if (now.scene) readouts.setFrame(now.frame, now.scene, now_ms);
   };
   stage.onDrawn = () => {
     scale_bar.show(stage.orbit.metresPerPixel(stage.renderer.domElement.clientHeight || 1));
@@ -307,6 +315,7 @@ export function openBedPage(settings: Settings, program: Program, buttons: HTMLE
     agreed &&= status.person_feels;
     now.status = status;
     strip.setStatus(status);
+    stage.watchLoop(status);
     readouts.setRobot(status.robot ?? null);
     site_card.setRobot(status.robot ?? null);
     stage.setRobot(status.robot ?? null);
@@ -331,8 +340,6 @@ export function openBedPage(settings: Settings, program: Program, buttons: HTMLE
     stage.setFrame(frame, frame.held);
     plots.setFrame(frame);
     sound.setFrame(frame);
-    strip.setTime(frame.time_s);
-    if (now.scene) readouts.setFrame(frame, now.scene, performance.now());
   }
 
   function onLink(connected: boolean, why: string | null): void {

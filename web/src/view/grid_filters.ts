@@ -29,6 +29,14 @@ export function fillGaps(heights: Float32Array, scratch: Float32Array, grid: Gri
   }
 }
 
+/** The greatest value within so far of each point, as the sides of a square go. */
+export function spreadGreatest(values: Float32Array, scratch: Float32Array, grid: Grid, reach_m: number): void {
+  const { columns, rows } = grid;
+  const [across, along] = cellsOf(grid, reach_m);
+  for (let row = 0; row < rows; ++row) slide(Math.max, values, scratch, row * columns, 1, columns, across);
+  for (let column = 0; column < columns; ++column) slide(Math.max, scratch, values, column, columns, rows, along);
+}
+
 /** How high the shadow reaches over each point. Goes away from the sun, cell by cell: a shadow sinks with the way, and every
  * top that stands above it begins anew. */
 export function castShadows(

@@ -9,7 +9,7 @@
 import { dequantise, type Scene } from 'haptolith-protocol';
 import { DataTexture, DataUtils, HalfFloatType, LinearFilter, RGBAFormat, RGFormat, type Vector4 } from 'three';
 import { Aloft } from './aloft';
-import { blurTwice, castShadows, fillGaps } from './grid_filters';
+import { blurTwice, castShadows, fillGaps, spreadGreatest } from './grid_filters';
 import type { Carrier } from './height_field';
 import { ballAround, HeightOrder, raiseTriangles, type Grid } from './height_grid';
 
@@ -23,6 +23,14 @@ const LYING_RADII = 0.3;
 const ALOFT_RADII = 1.5;
 // Particles whose top is farther below the surface than this are not seen.
 const SEEN_RADII = 1.6;
+// Particles with their centre less deep than this rise above the surface, or are about to.
+const RISEN_RADII = 0.3;
+// A corner of the box, in which a packing of spheres leaves holes that nobody has dug, is so wide.
+const CORNER_RADII = 5;
+// A bed is level where so much of it is no farther than one radius from the median. Soil that is dug this near to a
+// corner lowers what the corner is filled up to.
+const LEVEL_SHARE = 0.95;
+const DUG_NEAR_RADII = 2;
 
 export class SoilSurface implements Grid {
   readonly columns: number;
@@ -42,9 +50,10 @@ export class SoilSurface implements Grid {
   level_m: number;
   /** what lies above it */
   readonly aloft: Aloft;
-  /** particles that can be seen; the first `seen_count` are valid */
+  /** particles that can be seen; the first `seen_count` are valid, and the first `risen_count` rise above the surface */
   readonly seen: Uint32Array;
   seen_count = 0;
+  risen_count = 0;
 
   /** the particle at the top of each cell */
   readonly topmost: Uint32Array;
@@ -62,6 +71,9 @@ export class SoilSurface implements Grid {
   /** where each particle was first, x and y */
   private readonly from_m: Float32Array;
   private from_known = false;
+  /** heights of the level bed before holes in its corners are filled; null: it was not level, or has no corners */
+  private level_bed: Float32Array | null = null;
+  private level_top_m = 0;
 
   constructor(
     private readonly scene: Scene,
@@ -115,6 +127,8 @@ export class SoilSurface implements Grid {
     this.extend();
     const radius_m = this.scene.radius_m;
     fillGaps(this.bed, this.scratch, this, 0.9 * radius_m);
+    if (first) this.lookForLevel();
+    this.fillCorners();
     this.blur(this.bed, this.surface, 0.55 * radius_m);
     if (first) this.findLevel();
     this.meetGround();
@@ -256,6 +270,45 @@ export class SoilSurface implements Grid {
       }
   }
 
+  /** Remembers a bed that is level when it is first seen. */
+  private lookForLevel(): void {
+    if (this.scene.box.periodic_x || this.scene.box.periodic_y) return;
+    const inside = this.bed.filter((_, at) => this.beyondEdge_m(at) < 0 && !this.isInCorner(at)).sort();
+    if (inside.length === 0) return;
+    this.level_top_m = inside[inside.length >> 1]!;
+    const level = inside.filter((height_m) => Math.abs(height_m - this.level_top_m) < this.scene.radius_m).length;
+    if (level >= LEVEL_SHARE * inside.length) this.level_bed = this.bed.slice();
+  }
+
+  /** Holes in the corners of a bed that was level are as high as the bed, less what has been dug beside them. */
+  private fillCorners(): void {
+    const { level_bed, bed, wide: dug } = this;
+    if (!level_bed) return;
+    for (let at = 0; at < bed.length; ++at) dug[at] = Math.max(0, level_bed[at]! - bed[at]!);
+    spreadGreatest(dug, this.scratch, this, DUG_NEAR_RADII * this.scene.radius_m);
+    for (let at = 0; at < bed.length; ++at)
+      if (this.isInCorner(at)) bed[at] = Math.max(bed[at]!, this.level_top_m - dug[at]!);
+  }
+
+  /** How far a cell is outside the box; negative inside. */
+  private beyondEdge_m(at: number): number {
+    const [x_m, y_m] = this.fromMiddle_m(at);
+    return Math.max(x_m - this.scene.box.width_m / 2, y_m - this.scene.box.length_m / 2);
+  }
+
+  private isInCorner(at: number): boolean {
+    const [x_m, y_m] = this.fromMiddle_m(at);
+    const corner_m = CORNER_RADII * this.scene.radius_m;
+    return x_m > this.scene.box.width_m / 2 - corner_m && y_m > this.scene.box.length_m / 2 - corner_m;
+  }
+
+  private fromMiddle_m(at: number): [x_m: number, y_m: number] {
+    return [
+      Math.abs(this.low_x_m + ((at % this.columns) + 0.5) * this.cell_width_m),
+      Math.abs(this.low_y_m + (Math.floor(at / this.columns) + 0.5) * this.cell_length_m),
+    ];
+  }
+
   private blur(from: Float32Array, to: Float32Array, reach_m: number): void {
     blurTwice(from, to, this.scratch, this, reach_m);
   }
@@ -297,12 +350,19 @@ export class SoilSurface implements Grid {
 
   private findSeen(records: Uint16Array, particles: number): void {
     const { low_m, high_m } = this.scene.quantised;
-    this.seen_count = 0;
+    this.seen_count = this.risen_count = 0;
     for (let i = 0; i < particles; ++i) {
       const z_m = dequantise(records[4 * i + 2]!, low_m[2], high_m[2]);
       const x_m = dequantise(records[4 * i]!, low_m[0], high_m[0]);
       const y_m = dequantise(records[4 * i + 1]!, low_m[1], high_m[1]);
-      if (z_m + SEEN_RADII * this.radii_m[i]! > this.heightAt(x_m, y_m)) this.seen[this.seen_count++] = i;
+      const over = (z_m - this.heightAt(x_m, y_m)) / this.radii_m[i]!;
+      if (over <= -SEEN_RADII) continue;
+      this.seen[this.seen_count] = i;
+      if (over > -RISEN_RADII) {
+        this.seen[this.seen_count] = this.seen[this.risen_count]!;
+        this.seen[this.risen_count++] = i;
+      }
+      ++this.seen_count;
     }
   }
 

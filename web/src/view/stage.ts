@@ -13,6 +13,7 @@ import { OrbitCamera } from './camera';
 import { GroundView } from './ground_view';
 import { lightBody, makeLightUniforms, shadeTool, shadeToolAt, LOW_SUN, TO_SUN } from './light_shader';
 import { makeRenderer, type Renderer } from './renderer';
+import { Pace } from './pace';
 import { Resolution } from './resolution';
 import { RobotView } from './robot_view';
 import { SiteView } from './site_view';
@@ -59,8 +60,10 @@ export class Stage {
   over: HTMLElement | null = null;
   /** what the picture of a robot's site fills */
   site_window: HTMLElement | null = null;
-  /** called before each picture is drawn */
+  /** called as often as the screen is refreshed, for input */
   onTick: (now_ms: number) => void = () => {};
+  /** called when a frame may be drawn: other parts of the page that change do so here, which costs least */
+  onDue: (now_ms: number) => void = () => {};
   onDrawn: () => void = () => {};
 
   private readonly light = makeLightUniforms();
@@ -68,6 +71,7 @@ export class Stage {
   private readonly sun = new DirectionalLight(0xffffff, 2);
   private readonly fill = new HemisphereLight(0xffffff, 0x555555, 1);
   private readonly resolution: Resolution;
+  private readonly pace: Pace;
   private scene: Scene | null = null;
   private frame: Frame | null = null;
   private dirty = true;
@@ -88,6 +92,7 @@ export class Stage {
     if (!this.draws) host.append(h('p', { class: 'no-picture', role: 'note' }, NO_PICTURE));
     const highest_ratio = Math.min(HIGHEST_PIXEL_RATIO, window.devicePixelRatio);
     this.resolution = new Resolution(highest_ratio, !options.full_quality, software);
+    this.pace = new Pace(software);
     this.renderer.setPixelRatio(this.resolution.ratio);
     this.renderer.setClearColor(new Color('#000000'));
 
@@ -95,6 +100,7 @@ export class Stage {
     this.ground = new GroundView(this.light);
     this.stones = new StoneView(this.light);
     this.sky = new SkyView(this.light.u_to_sun.value);
+    this.setDetail(this.resolution.detailed);
     this.setDrawing('grains');
     this.fill.position.set(0, 0, 1);
     this.bench.add(this.sky.mesh, this.ground.mesh, this.bed.soil.group, this.bed.mesh, this.stones.group);
@@ -127,7 +133,7 @@ export class Stage {
     this.bed.setScene(scene);
     this.setDetail(this.resolution.detailed);
     this.ground.setScene(scene);
-    this.box.setScene(scene);
+    this.box.setScene(scene, this.bed.reach_m);
     this.tool.setTool(scene.tool);
     this.robot.setTool(scene.tool);
     this.site.setScene(scene, this.neutral);
@@ -156,6 +162,7 @@ export class Stage {
   setFrame(frame: Frame, held: boolean): void {
     if (!this.scene || !this.bed.setFrame(frame)) return;
     this.frame = frame;
+    if (frame.whole) this.box.setScene(this.scene, this.bed.reach_m);
     this.tool.setPoses(frame.tool, frame.wished, held, frame.opening_m);
     if (this.stones.setFrame(frame)) this.bed.outdateField();
     shadeToolAt(this.light, this.scene.tool, frame.tool, frame.opening_m);
@@ -232,6 +239,11 @@ export class Stage {
     return Math.abs(at.x) < IN_PICTURE && Math.abs(at.y) < IN_PICTURE && at.z < 1;
   }
 
+  /** What a status says about the loop: the page draws less often before the loop suffers. */
+  watchLoop({ ticks, misses }: { ticks: number; misses: number }): void {
+    this.pace.watchLoop(ticks, misses);
+  }
+
   /** Fits the picture to the page again, after a headset had it or what lies over it has changed. */
   refit(): void {
     this.resize();
@@ -276,8 +288,11 @@ export class Stage {
   private draw(now_ms: number): void {
     this.onTick(now_ms);
     const in_headset = this.renderer.xr.isPresenting;
+    if (!in_headset && !this.pace.due(now_ms)) return;
+    this.onDue(now_ms);
     if (this.orbit.advance(now_ms)) this.dirty = true;
     for (const moving of [this.robot, this.site]) if (moving.advance(now_ms)) this.dirty = true;
+    this.pace.drawn(now_ms);
     if ((!this.dirty || !this.shown) && !in_headset) {
       this.resolution.rest();
       return;
@@ -289,7 +304,7 @@ export class Stage {
     if (!in_headset) this.drawSite();
     this.frames_drawn += 1;
     this.onDrawn();
-    if (!in_headset && this.resolution.drawn(now_ms)) {
+    if (!in_headset && this.resolution.drawn(now_ms, this.pace.interval_ms)) {
       this.renderer.setPixelRatio(this.resolution.ratio);
       this.setDetail(this.resolution.detailed);
       this.resize();
