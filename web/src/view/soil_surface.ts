@@ -25,11 +25,12 @@ const ALOFT_RADII = 1.5;
 const SEEN_RADII = 1.6;
 // Particles with their centre less deep than this rise above the surface, or are about to.
 const RISEN_RADII = 0.3;
-// A corner of the box, in which a packing of spheres leaves holes that nobody has dug, is so wide.
-const CORNER_RADII = 5;
-// A bed is level where so much of it is no farther than one radius from the median. Soil that is dug this near to a
-// corner lowers what the corner is filled up to.
-const LEVEL_SHARE = 0.95;
+// A corner of the box, in which a packing of spheres leaves a hole that nobody has dug, is so wide; where so much of the
+// soil around it, up to the second width, is level, nobody has dug there. Soil that is dug this near to a corner lowers
+// what the corner is filled up to.
+const CORNER_RADII = 4;
+const AROUND_CORNER_RADII = 6;
+const LEVEL_SHARE = 0.9;
 const DUG_NEAR_RADII = 2;
 
 export class SoilSurface implements Grid {
@@ -71,9 +72,11 @@ export class SoilSurface implements Grid {
   /** where each particle was first, x and y */
   private readonly from_m: Float32Array;
   private from_known = false;
-  /** heights of the level bed before holes in its corners are filled; null: it was not level, or has no corners */
-  private level_bed: Float32Array | null = null;
-  private level_top_m = 0;
+  /** heights at first, with the holes in the corners */
+  private first_bed: Float32Array | null = null;
+  private first_level_m = 0;
+  /** corners that nobody had dug in at first */
+  private readonly whole_corners = new Set<number>();
 
   constructor(
     private readonly scene: Scene,
@@ -127,7 +130,7 @@ export class SoilSurface implements Grid {
     this.extend();
     const radius_m = this.scene.radius_m;
     fillGaps(this.bed, this.scratch, this, 0.9 * radius_m);
-    if (first) this.lookForLevel();
+    if (first) this.rememberCorners();
     this.fillCorners();
     this.blur(this.bed, this.surface, 0.55 * radius_m);
     if (first) this.findLevel();
@@ -270,43 +273,50 @@ export class SoilSurface implements Grid {
       }
   }
 
-  /** Remembers a bed that is level when it is first seen. */
-  private lookForLevel(): void {
-    if (this.scene.box.periodic_x || this.scene.box.periodic_y) return;
-    const inside = this.bed.filter((_, at) => this.beyondEdge_m(at) < 0 && !this.isInCorner(at)).sort();
-    if (inside.length === 0) return;
-    this.level_top_m = inside[inside.length >> 1]!;
-    const level = inside.filter((height_m) => Math.abs(height_m - this.level_top_m) < this.scene.radius_m).length;
-    if (level >= LEVEL_SHARE * inside.length) this.level_bed = this.bed.slice();
+  /** Remembers the bed as it is first seen, and which of its corners are whole. */
+  private rememberCorners(): void {
+    const { box, radius_m } = this.scene;
+    if (box.periodic_x || box.periodic_y) return;
+    const inside = this.bed.filter((_, at) => Math.min(...this.fromEdges_m(at)) > 0).sort();
+    const median_m = inside[inside.length >> 1] ?? box.surface_m;
+    this.first_level_m = Math.abs(median_m - box.surface_m) < 2 * radius_m ? median_m : box.surface_m;
+    const [level, around] = [
+      [0, 0, 0, 0],
+      [0, 0, 0, 0],
+    ];
+    this.bed.forEach((height_m, at) => {
+      const corner = this.cornerOf(at, AROUND_CORNER_RADII);
+      if (corner < 0 || this.cornerOf(at, CORNER_RADII) >= 0) return;
+      around[corner]! += 1;
+      if (Math.abs(height_m - this.first_level_m) < radius_m) level[corner]! += 1;
+    });
+    for (const [corner, count] of level.entries())
+      if (count > LEVEL_SHARE * around[corner]!) this.whole_corners.add(corner);
+    this.first_bed = this.bed.slice();
   }
 
-  /** Holes in the corners of a bed that was level are as high as the bed, less what has been dug beside them. */
+  /** Holes in corners are as high as the level bed, less what has been dug beside them since. */
   private fillCorners(): void {
-    const { level_bed, bed, wide: dug } = this;
-    if (!level_bed) return;
-    for (let at = 0; at < bed.length; ++at) dug[at] = Math.max(0, level_bed[at]! - bed[at]!);
+    const { first_bed, bed, wide: dug } = this;
+    if (!first_bed || this.whole_corners.size === 0) return;
+    for (let at = 0; at < bed.length; ++at) dug[at] = Math.max(0, first_bed[at]! - bed[at]!);
     spreadGreatest(dug, this.scratch, this, DUG_NEAR_RADII * this.scene.radius_m);
     for (let at = 0; at < bed.length; ++at)
-      if (this.isInCorner(at)) bed[at] = Math.max(bed[at]!, this.level_top_m - dug[at]!);
+      if (this.whole_corners.has(this.cornerOf(at, CORNER_RADII)))
+        bed[at] = Math.max(bed[at]!, this.first_level_m - dug[at]!);
   }
 
-  /** How far a cell is outside the box; negative inside. */
-  private beyondEdge_m(at: number): number {
-    const [x_m, y_m] = this.fromMiddle_m(at);
-    return Math.max(x_m - this.scene.box.width_m / 2, y_m - this.scene.box.length_m / 2);
+  /** Number of the corner that a cell is in, with the ground beyond it; -1: in none. Corners are squares. */
+  private cornerOf(at: number, radii: number): number {
+    if (Math.max(...this.fromEdges_m(at)) >= radii * this.scene.radius_m) return -1;
+    return (at % this.columns < this.columns / 2 ? 0 : 1) + (at < (this.columns * this.rows) / 2 ? 0 : 2);
   }
 
-  private isInCorner(at: number): boolean {
-    const [x_m, y_m] = this.fromMiddle_m(at);
-    const corner_m = CORNER_RADII * this.scene.radius_m;
-    return x_m > this.scene.box.width_m / 2 - corner_m && y_m > this.scene.box.length_m / 2 - corner_m;
-  }
-
-  private fromMiddle_m(at: number): [x_m: number, y_m: number] {
-    return [
-      Math.abs(this.low_x_m + ((at % this.columns) + 0.5) * this.cell_width_m),
-      Math.abs(this.low_y_m + (Math.floor(at / this.columns) + 0.5) * this.cell_length_m),
-    ];
+  /** How far a cell is inside the edges along x and y; negative outside. */
+  private fromEdges_m(at: number): [x_m: number, y_m: number] {
+    const x_m = this.low_x_m + ((at % this.columns) + 0.5) * this.cell_width_m;
+    const y_m = this.low_y_m + (Math.floor(at / this.columns) + 0.5) * this.cell_length_m;
+    return [this.scene.box.width_m / 2 - Math.abs(x_m), this.scene.box.length_m / 2 - Math.abs(y_m)];
   }
 
   private blur(from: Float32Array, to: Float32Array, reach_m: number): void {

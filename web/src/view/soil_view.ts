@@ -158,8 +158,7 @@ export class SoilView {
     this.surface.material = this.surface_materials[detailed ? 'detailed' : 'plain'];
     // Each tile takes a while to compute, so it is made when it is first drawn.
     const tile = detailed ? this.uniforms.u_tile : this.uniforms.u_plain_tile;
-    if (tile.value.image.width === 1)
-      tile.value = detailed ? makeSoilTexture(LOW_SUN) : makePlainSoilTexture(LOW_SUN);
+    if (tile.value.image.width === 1) tile.value = detailed ? makeSoilTexture(LOW_SUN) : makePlainSoilTexture(LOW_SUN);
     this.uniforms.u_deepest.value = DEEPEST[detailed ? 'detailed' : 'plain'];
     this.mesh();
     this.shareOut();

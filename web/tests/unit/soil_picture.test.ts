@@ -52,6 +52,38 @@ describe('the surface of soil', () => {
     expect(surface.flying_count).toBe(0);
   });
 
+  // Two layers; the upper one has holes in the corners, so wide, as packings have them.
+  const withHoles = (radii: number): Place[] => [
+    ...layer(RADIUS_M),
+    ...layer(2.6 * RADIUS_M).filter(([x, y]) => Math.max(WIDTH_M / 2 - Math.abs(x), WIDTH_M / 2 - Math.abs(y)) > radii * RADIUS_M), // prettier-ignore
+  ];
+
+  it('is level in the corners, which a packing leaves empty', () => {
+    const surface = surfaceOf(withHoles(2.5));
+    for (const [x_m, y_m] of [
+      [0.058, 0.058],
+      [-0.055, 0.055],
+      [-0.058, -0.05],
+      [0.07, -0.07],
+    ] as const)
+      // prettier-ignore
+      expect(Math.abs(surface.heightAt(x_m, y_m) - surface.level_m)).toBeLessThan(0.3 * RADIUS_M);
+  });
+
+  it('shows what is dug in a corner, then and when the page is opened later', () => {
+    const level = withHoles(2.5);
+    const dug = level.filter(([x, y]) => Math.hypot(x - 0.05, y - 0.05) > 6 * RADIUS_M);
+    const scene = sceneOf(level.length);
+    const surface = new SoilSurface(scene, radiiOf(scene), FROM_LEFT);
+    surface.build(recordsOf(level), level.length);
+    const far: Place = [-0.055, -0.055, 2.6 * RADIUS_M];
+    const rest = Array.from({ length: level.length - dug.length }, () => far);
+    surface.build(recordsOf([...dug, ...rest]), level.length);
+    expect(surface.heightAt(0.055, 0.055)).toBeLessThan(surface.level_m - 2 * RADIUS_M);
+    expect(Math.abs(surface.heightAt(-0.055, 0.055) - surface.level_m)).toBeLessThan(0.3 * RADIUS_M);
+    expect(surfaceOf(dug).heightAt(0.055, 0.055)).toBeLessThan(surface.level_m - 2 * RADIUS_M);
+  });
+
   it('meets the ground around from a heap at the wall without a step', () => {
     const surface = surfaceOf([...layer(RADIUS_M), [0.055, 0, 2.8 * RADIUS_M], [0.055, 0.005, 4.4 * RADIUS_M]]);
     expect(surface.heightAt(0.055, 0.002)).toBeGreaterThan(surface.level_m + RADIUS_M);
