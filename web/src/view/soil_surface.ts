@@ -75,8 +75,8 @@ export class SoilSurface implements Grid {
   /** heights at first, with the holes in the corners */
   private first_bed: Float32Array | null = null;
   private first_level_m = 0;
-  /** corners that nobody had dug in at first */
-  private readonly whole_corners = new Set<number>();
+  /** cells of the corners that nobody had dug in at first */
+  private corner_cells: number[] = [];
 
   constructor(
     private readonly scene: Scene,
@@ -290,20 +290,20 @@ export class SoilSurface implements Grid {
       around[corner]! += 1;
       if (Math.abs(height_m - this.first_level_m) < radius_m) level[corner]! += 1;
     });
-    for (const [corner, count] of level.entries())
-      if (count > LEVEL_SHARE * around[corner]!) this.whole_corners.add(corner);
+    this.bed.forEach((_, at) => {
+      const corner = this.cornerOf(at, CORNER_RADII);
+      if (corner >= 0 && level[corner]! > LEVEL_SHARE * around[corner]!) this.corner_cells.push(at);
+    });
     this.first_bed = this.bed.slice();
   }
 
   /** Holes in corners are as high as the level bed, less what has been dug beside them since. */
   private fillCorners(): void {
     const { first_bed, bed, wide: dug } = this;
-    if (!first_bed || this.whole_corners.size === 0) return;
+    if (!first_bed || this.corner_cells.length === 0) return;
     for (let at = 0; at < bed.length; ++at) dug[at] = Math.max(0, first_bed[at]! - bed[at]!);
     spreadGreatest(dug, this.scratch, this, DUG_NEAR_RADII * this.scene.radius_m);
-    for (let at = 0; at < bed.length; ++at)
-      if (this.whole_corners.has(this.cornerOf(at, CORNER_RADII)))
-        bed[at] = Math.max(bed[at]!, this.first_level_m - dug[at]!);
+    for (const at of this.corner_cells) bed[at] = Math.max(bed[at]!, this.first_level_m - dug[at]!);
   }
 
   /** Number of the corner that a cell is in, with the ground beyond it; -1: in none. Corners are squares. */
