@@ -45,6 +45,8 @@ import { ToolFiles } from './tool_file';
 import { Stage } from './view/stage';
 
 const DESCRIBE_INTERVAL_MS = 1000;
+// Plots cost as much as a frame of the bed where the processor draws both.
+const SOFTWARE_PLOTS_MS = 240;
 const RECORDING = (run: () => void): Shortcut => ({ keys: ['o'], label: 'record, on and off', group: 'time', run });
 
 /** What a page that shows the bed lets others see and do. */
@@ -68,6 +70,7 @@ export function openBedPage(settings: Settings, program: Program, buttons: HTMLE
   };
 
   let described_ms = -Infinity;
+  let plotted_ms = -Infinity;
   /** whose numbers the page shows */
   let shown_frame: Frame | null = null;
 
@@ -267,7 +270,10 @@ export function openBedPage(settings: Settings, program: Program, buttons: HTMLE
     hand.tick(now_ms);
   };
   stage.onDue = (now_ms) => {
-    plots.tick(now_ms);
+    if (!stage.software || now_ms - plotted_ms > SOFTWARE_PLOTS_MS) {
+      plots.tick(now_ms);
+      plotted_ms = now_ms;
+    }
     if (!now.frame || now.frame === shown_frame) return;
     shown_frame = now.frame;
     strip.setTime(now.frame.time_s);

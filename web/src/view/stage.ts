@@ -11,7 +11,7 @@ import { lookOf } from './body_looks';
 import { BoxView } from './box_view';
 import { OrbitCamera } from './camera';
 import { GroundView } from './ground_view';
-import { lightBody, makeLightUniforms, shadeTool, shadeToolAt, LOW_SUN, TO_SUN } from './light_shader';
+import { lightBody, makeLightUniforms, needNoise, shadeTool, shadeToolAt, LOW_SUN, TO_SUN } from './light_shader';
 import { makeRenderer, type Renderer } from './renderer';
 import { Pace } from './pace';
 import { Resolution } from './resolution';
@@ -40,6 +40,8 @@ export class Stage {
   readonly renderer: Renderer;
   /** false: the browser has no WebGL 2, and the picture stays empty */
   readonly draws: boolean;
+  /** the processor draws, which has other work too */
+  readonly software: boolean;
   readonly world = new World();
   /** holds all of the scene's frame; a headset's table moves and scales it */
   readonly bench = new Group();
@@ -83,7 +85,8 @@ export class Stage {
     private readonly options: StageOptions,
   ) {
     this.neutral = options.neutral ?? false;
-    const software = !options.full_quality && drawsInSoftware();
+    this.software = !options.full_quality && drawsInSoftware();
+    const { software } = this;
     ({ renderer: this.renderer, draws: this.draws } = makeRenderer(!software));
     this.renderer.domElement.className = 'stage-canvas';
     host.append(this.renderer.domElement);
@@ -100,8 +103,8 @@ export class Stage {
     this.ground = new GroundView(this.light);
     this.stones = new StoneView(this.light);
     this.sky = new SkyView(this.light.u_to_sun.value);
-    this.setDetail(this.resolution.detailed);
     this.setDrawing('grains');
+    this.setDetail(this.resolution.detailed);
     this.fill.position.set(0, 0, 1);
     this.bench.add(this.sky.mesh, this.ground.mesh, this.bed.soil.group, this.bed.mesh, this.stones.group);
     this.bench.add(this.box.group, this.tool.group, this.robot.group);
@@ -193,6 +196,7 @@ export class Stage {
     this.light.u_to_sun.value.copy(balls ? TO_SUN : LOW_SUN);
     this.sun.position.copy(this.light.u_to_sun.value);
     this.bed.setDrawing(drawing);
+    if (balls) needNoise(this.light);
     this.orbit.setInGround(!balls);
     this.dirty = true;
   }
@@ -263,6 +267,8 @@ export class Stage {
   }
 
   private setDetail(detailed: boolean): void {
+    if (detailed || this.drawing === 'balls' || this.scene?.stones?.length) needNoise(this.light);
+    this.tool.setDetail(detailed);
     this.bed.setDetail(detailed);
     this.ground.setDetail(detailed);
   }
