@@ -50,7 +50,7 @@ void main() {
   v_tile = (at_m.xy - here.zw) / u_tile_m;
   // A tile seen from above is drawn out on a steep wall.
   v_lit = vec4(toScreen(litSoil(albedo, normal, to_eye, 1.0, sky)),
-               (1.0 - u_flatness) * smoothstep(0.45, 0.85, normal.z));
+               (1.0 - u_flatness) * mix(0.35, 1.0, smoothstep(0.45, 0.85, normal.z)));
   v_shaded = vec4(toScreen(litSoil(albedo, normal, to_eye, 0.0, sky)), (here.x - here.y) / u_radius_m);
   v_sun_haze = vec2(sunPastTool(at_m) * sunPastFlying(at_m), 1.0 - exp(-away_m / u_haze_m));
   gl_Position = projectionMatrix * modelViewMatrix * vec4(at_m, 1.0);

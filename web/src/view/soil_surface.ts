@@ -16,8 +16,10 @@ import { ballAround, HeightOrder, raiseTriangles, type Grid } from './height_gri
 const LARGEST_SIDE = 192;
 const CELLS_PER_RADIUS = 3;
 // How steeply the ground around the box goes up or down to a heap or a pit at its edge.
-const EDGE_SLOPE = 0.6;
+const EDGE_SLOPE = 0.8;
 const MARGIN_RADII = 6;
+// Centres of soil that is held behind the sides are no farther out than this.
+const MOST_HELD_RADII = 2;
 // With a gap between these below its lowest point, a particle lies less and less on the bed.
 const LYING_RADII = 0.3;
 const ALOFT_RADII = 1.5;
@@ -72,6 +74,8 @@ export class SoilSurface implements Grid {
   /** where each particle was first, x and y */
   private readonly from_m: Float32Array;
   private from_known = false;
+  /** how far beyond the box there are centres of held soil along x and y, in m */
+  private readonly held_m: [x: number, y: number] = [0, 0];
   /** heights at first, with the holes in the corners */
   private first_bed: Float32Array | null = null;
   private first_level_m = 0;
@@ -184,6 +188,12 @@ export class SoilSurface implements Grid {
       this.from_m[2 * i + 1] = dequantise(records[4 * i + 1]!, low_m[1], high_m[1]);
     }
     this.from_known = true;
+    const sides_m = [this.scene.box.width_m, this.scene.box.length_m];
+    const most_m = MOST_HELD_RADII * this.scene.radius_m;
+    this.from_m.forEach((at_m, k) => {
+      const axis = k % 2;
+      this.held_m[axis] = Math.min(most_m, Math.max(this.held_m[axis]!, Math.abs(at_m) - sides_m[axis]! / 2));
+    });
   }
 
   /** Lays the round tops of the particles over each other; lists those under which there is nothing. */
@@ -255,22 +265,26 @@ export class SoilSurface implements Grid {
     return 1 - bounded * bounded * (3 - 2 * bounded);
   }
 
-  /** Carries the bed on where no centre of a particle can be: over the walls, and into the ground around. */
+  /** Carries the bed on into the ground around. What is held or heaped behind the box's sides stays where it is higher. */
   private extend(): void {
     const inset_m = 0.8 * this.scene.radius_m;
-    const { columns, rows } = this;
+    const { columns, rows, bed, drift_x, drift_y, topmost } = this;
     const first_column = Math.ceil((-this.scene.box.width_m / 2 + inset_m - this.low_x_m) / this.cell_width_m);
     const first_row = Math.ceil((-this.scene.box.length_m / 2 + inset_m - this.low_y_m) / this.cell_length_m);
     const last_column = columns - 1 - first_column;
     const last_row = rows - 1 - first_row;
-    for (const values of [this.bed, this.drift_x, this.drift_y, this.topmost])
-      for (let row = 0; row < rows; ++row) {
-        const from_row = Math.min(last_row, Math.max(first_row, row));
-        for (let column = 0; column < columns; ++column) {
-          const from_column = Math.min(last_column, Math.max(first_column, column));
-          values[row * columns + column] = values[from_row * columns + from_column]!;
-        }
+    for (let row = 0; row < rows; ++row) {
+      const from_row = Math.min(last_row, Math.max(first_row, row));
+      for (let column = 0; column < columns; ++column) {
+        const from_column = Math.min(last_column, Math.max(first_column, column));
+        const [at, from] = [row * columns + column, from_row * columns + from_column];
+        if (bed[at]! >= bed[from]!) continue;
+        bed[at] = bed[from]!;
+        drift_x[at] = drift_x[from]!;
+        drift_y[at] = drift_y[from]!;
+        topmost[at] = topmost[from]!;
       }
+    }
   }
 
   /** Remembers the bed as it is first seen, and which of its corners are whole. */
@@ -338,8 +352,11 @@ export class SoilSurface implements Grid {
   /** Beside the box, heaps and pits run out into the level ground. */
   private meetGround(): void {
     const { columns, rows, surface } = this;
-    const { width_m, length_m } = this.scene.box;
-    const margin_m = MARGIN_RADII * this.scene.radius_m;
+    const [width_m, length_m] = [
+      this.scene.box.width_m + 2 * this.held_m[0],
+      this.scene.box.length_m + 2 * this.held_m[1],
+    ];
+    const margin_m = MARGIN_RADII * this.scene.radius_m - Math.max(...this.held_m);
     for (let row = 0; row < rows; ++row) {
       const beyond_y_m = Math.abs(this.low_y_m + (row + 0.5) * this.cell_length_m) - length_m / 2;
       for (let column = 0; column < columns; ++column) {
