@@ -278,8 +278,11 @@ export class SoilSurface implements Grid {
       for (let column = 0; column < columns; ++column) {
         const from_column = Math.min(last_column, Math.max(first_column, column));
         const [at, from] = [row * columns + column, from_row * columns + from_column];
-        if (bed[at]! >= bed[from]!) continue;
-        bed[at] = bed[from]!;
+        const out_m = Math.hypot((column - from_column) * this.cell_width_m, (row - from_row) * this.cell_length_m);
+        const above_m = bed[from]! - this.level_m;
+        const carried_m = bed[from]! - Math.min(Math.max(0, above_m), EDGE_SLOPE * Math.max(0, out_m - inset_m));
+        if (bed[at]! >= carried_m) continue;
+        bed[at] = carried_m;
         drift_x[at] = drift_x[from]!;
         drift_y[at] = drift_y[from]!;
         topmost[at] = topmost[from]!;
@@ -352,21 +355,22 @@ export class SoilSurface implements Grid {
   /** Beside the box, heaps and pits run out into the level ground. */
   private meetGround(): void {
     const { columns, rows, surface } = this;
-    const [width_m, length_m] = [
-      this.scene.box.width_m + 2 * this.held_m[0],
-      this.scene.box.length_m + 2 * this.held_m[1],
-    ];
-    const margin_m = MARGIN_RADII * this.scene.radius_m - Math.max(...this.held_m);
+    const { width_m, length_m } = this.scene.box;
+    const [held_x_m, held_y_m] = this.held_m;
+    const margin_m = MARGIN_RADII * this.scene.radius_m;
+    const outside = (x_m: number, y_m: number): number => Math.hypot(Math.max(0, x_m), Math.max(0, y_m));
     for (let row = 0; row < rows; ++row) {
       const beyond_y_m = Math.abs(this.low_y_m + (row + 0.5) * this.cell_length_m) - length_m / 2;
       for (let column = 0; column < columns; ++column) {
         const beyond_x_m = Math.abs(this.low_x_m + (column + 0.5) * this.cell_width_m) - width_m / 2;
-        const beyond_m = Math.hypot(Math.max(0, beyond_x_m), Math.max(0, beyond_y_m));
+        const beyond_m = outside(beyond_x_m, beyond_y_m);
         if (beyond_m === 0) continue;
         const at = row * columns + column;
         const share = Math.min(1, beyond_m / (margin_m - 2 * this.cell_width_m));
         const above_m = surface[at]! - this.level_m;
-        const left_m = Math.max(0, Math.abs(above_m) - EDGE_SLOPE * beyond_m) * (1 - share * share);
+        // Heaps lie on held soil, which is not dug: pits end at the box.
+        const sloping_m = above_m > 0 ? outside(beyond_x_m - held_x_m, beyond_y_m - held_y_m) : beyond_m;
+        const left_m = Math.max(0, Math.abs(above_m) - EDGE_SLOPE * sloping_m) * (1 - share * share);
         surface[at] = this.level_m + Math.sign(above_m) * left_m;
         const kept = 1 - share * share * (3 - 2 * share);
         this.drift_x[at]! *= kept;
