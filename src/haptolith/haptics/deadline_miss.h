@@ -30,20 +30,21 @@ struct TickTiming {
 
 /// Cause of the miss of a tick that ended after its deadline.
 ///
-/// A tick of the loop has a fifth of its period to wake up and four fifths to work. The cause is whatever exceeded its
-/// share by most: waking up, work, or time in which the processor was taken away (share: none). Taken away is
-///   - time in which the thread did not run, as far as the tick took longer than usual. A device that blocks for as
+/// A tick has a fifth of its period to wake up and four fifths to work. The cause is the part that exceeded its share
+/// by most: waking up, work, or time in which the processor was taken away (share: none). Two kinds of time count as
+/// taken away:
+///   - Time in which the thread did not run, as far as the tick took longer than usual. A device that blocks for as
 ///   long
-///     in every tick is usual, and part of the work;
-///   - all time beyond the usual, where the processor time alone is kUnusual times the usual. The host of a virtual
-///     machine may take the processor without the guest's clocks showing it, and a helper thread that was interrupted
-///     keeps the loop's thread spinning.
-/// A tick that had been in time but for the end of the tick before inherits that tick's cause, unless its own work
-/// exceeds its share: then it has no room to catch up, and the soil is the cause.
+///     in every tick is usual, and part of the work.
+///   - All time beyond the usual, where the processor time alone is kUnusual times the usual. The host of a virtual
+///     machine can take the processor without a trace in the guest's clocks, and an interrupted helper thread keeps the
+///     loop's thread spinning.
+/// A tick that was late only because the tick before had not ended inherits that tick's cause. The exception is a tick
+/// whose own work exceeds its share: it leaves no room to catch up, and the soil is the cause.
 ///
-/// What the times cannot show: soil that suddenly takes kUnusual times as long with as many particles awake (a cascade
-/// of neighbour lists, for example) counts as kPreempted. So does a device that blocks now and then. Interruptions that
-/// are shorter than the tick's usual variation, in a tick that was nearly too long anyway, count as kTooLong.
+/// The times cannot show everything. Soil that takes kUnusual times as long for one tick with as many particles awake
+/// counts as kPreempted, and so does a device that blocks now and then. An interruption shorter than the usual
+/// variation of a tick counts as kTooLong in a tick that was nearly too long anyway.
 /// @param usual_us  what a tick of this soil usually takes.
 /// @param before    cause of the tick before.
 [[nodiscard]] Miss causeOfMiss(const TickTiming& tick, double usual_us, Miss before) noexcept;

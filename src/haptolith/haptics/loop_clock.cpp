@@ -77,7 +77,7 @@ void LoopClock::endTick(std::size_t awake) noexcept {
     missed = now_ns > deadline_ns_;
     timing.late_us = us(begun_ns_ - due_ns_);
     timing.busy_us = us(std::max<std::int64_t>(0, free_ns_ - due_ns_));
-    if (missed && begun_cpu_ns_ != 0) {  // in time: nobody asks
+    if (missed && begun_cpu_ns_ != 0) {  // a system call that a tick in time can do without
       timing.cpu_us = us(threadCpuNs() - begun_cpu_ns_);
     }
   }

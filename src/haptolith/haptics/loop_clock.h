@@ -57,7 +57,7 @@ class LoopClock {
   std::int64_t deadline_ns_ = 0;  ///< when the present one has to be done; 0 when nobody paces
   std::int64_t free_ns_ = 0;      ///< when the thread had nothing more to do before the present one
   std::int64_t begun_ns_ = 0;
-  std::int64_t begun_cpu_ns_ = 0;  ///< processor time of the thread then; 0 when nobody paces
+  std::int64_t begun_cpu_ns_ = 0;  ///< processor time of the thread then; 0 without pacing
   double tick_us_ = 0, late_us_ = 0;
   MissClassifier misses_;
   Miss miss_ = Miss::kNone;
