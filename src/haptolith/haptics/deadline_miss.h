@@ -33,9 +33,8 @@ struct TickTiming {
 /// A tick has a fifth of its period to wake up and four fifths to work. The cause is the part that exceeded its share
 /// by most: waking up, work, or time in which the processor was taken away (share: none). Two kinds of time count as
 /// taken away:
-///   - Time in which the thread did not run, as far as the tick took longer than usual. A device that blocks for as
-///   long
-///     in every tick is usual, and part of the work.
+///   - Time in which the thread did not run, as far as the tick took longer than usual. A device that blocks in every
+///     tick is usual, and part of the work.
 ///   - All time beyond the usual, where the processor time alone is kUnusual times the usual. The host of a virtual
 ///     machine can take the processor without a trace in the guest's clocks, and an interrupted helper thread keeps the
 ///     loop's thread spinning.
