@@ -81,6 +81,23 @@ TEST_F(RunCommand, SummaryTellsTheWholeRun) {
   EXPECT_TRUE(summary["realtime"]["memory_locked"].is_boolean());
 }
 
+TEST_F(RunCommand, MissedDeadlinesAreToldByTheirCause) {
+  const json summary = summaryOf("paper --duration-s 1");
+  const auto misses = [&](const char* cause) { return summary[std::string("misses_") + cause].get<int>(); };
+  EXPECT_EQ(misses("too_long") + misses("woken_late") + misses("preempted"), summary["deadline_misses"]);
+  EXPECT_TRUE(summaryOf("paper --unpaced --duration-s 0.05")["misses_too_long"].is_null());
+}
+
+TEST_F(RunCommand, SoilTooFineForAnyMachineEndsWithAdvice) {
+  const std::string fine = "run paper --set bed.particles=60000 --set bed.start=packed --duration-s 0.2 --no-serve ";
+  const ProgramResult text = runHaptolith(fine);
+  ASSERT_EQ(text.exit_status, 0) << text.errors;
+  EXPECT_THAT(text.output, HasSubstr("ticks too long, "));
+  EXPECT_THAT(text.output, HasSubstr("the soil is too fine for this machine: "));
+  EXPECT_THAT(text.output, HasSubstr("try: --set soil.radius_mm=8\n"));
+  EXPECT_THAT(json::parse(runHaptolith(fine + "--json").output)["advice"].get<std::string>(), HasSubstr("too fine"));
+}
+
 TEST_F(RunCommand, WithoutANameOpensSoilAtRestThatPassesTheLaboratory) {
   const json usual = summaryOf("--unpaced --duration-s 0.05");
   EXPECT_EQ(usual["state_hash"], summaryOf("regolith --unpaced --duration-s 0.05")["state_hash"]);

@@ -409,6 +409,24 @@ TEST(HapticLoop, ALateTickIsNotMadeUpForByABurst) {
   // 39 ticks after the late one: at most one of them at once, so at least 37 periods.
   EXPECT_GE(at_ns[59] - at_ns[20], 37'000'000);
   EXPECT_GE(loop.statistics().deadlineMisses(), 1U);
+  EXPECT_GE(loop.statistics().misses(Miss::kPreempted), 1U) << "a device that blocks once looks like it";
+}
+
+TEST(HapticLoop, TicksThatAlwaysTakeLongerThanATickAreTooLong) {
+  Scene scene(paperBed(), {});
+  FakeDevice device([](int tick) {
+    const std::int64_t until_ns = monotonicNs() + 1'500'000;
+    while (monotonicNs() < until_ns) {
+    }
+    return above(tick);
+  });
+  LoopParameters parameters;
+  parameters.duration_s = 0.06;
+  HapticLoop loop(scene, device, parameters, false);
+  EXPECT_EQ(loop.run(kNeverStop), LoopEnd::kDuration);
+  EXPECT_EQ(loop.statistics().deadlineMisses(), 60U);
+  // Not all 60: a busy machine may interrupt some.
+  EXPECT_GT(loop.statistics().misses(Miss::kTooLong), 30U);
 }
 
 TEST(HapticLoop, TheToolBeginsWhereTheHandIs) {

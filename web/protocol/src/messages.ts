@@ -176,6 +176,12 @@ const Status = v.object({
   time_s: v.number(),
   ticks: v.number(),
   misses: v.number(),
+  /** of `misses`: the tick's own work took too long, as with soil too fine for the machine; an older program does not say */
+  misses_too_long: v.optional(v.number()),
+  /** of `misses`: the machine woke the loop's thread late */
+  misses_woken_late: v.optional(v.number()),
+  /** of `misses`: the processor was taken away during the tick */
+  misses_preempted: v.optional(v.number()),
   success_rate: v.number(),
   rate_hz: v.number(),
   tick_us: v.object({ p50: v.number(), p99: v.number(), max: v.number() }),

@@ -3,6 +3,7 @@
 import type { Scene, Status } from 'haptolith-protocol';
 import { EXPLAIN } from './explanations';
 import { fixed, h, setText } from './html';
+import { missesInWords } from './misses';
 import { sizesInWords } from './readouts';
 import { explain } from './tooltip';
 
@@ -97,6 +98,7 @@ export class StatusStrip {
     else this.rate.set(`${fixed(status.rate_hz, 0, 4)} Hz`, slow ? 'warn' : 'good');
     const percent = 100 * status.success_rate;
     this.success.set(`${fixed(percent, 0, 3)} %`, percent >= 99 ? 'good' : percent >= 90 ? 'warn' : 'bad');
+    this.success.explain(`${EXPLAIN.in_time} ${missesInWords(status)}`.trim());
     const p99_us = status.tick_us.p99;
     this.p99.set(
       `${fixed(p99_us, p99_us < 100 ? 1 : 0, 5)} µs`,
