@@ -143,7 +143,9 @@ HAPTO_API int32_t hapto_list(const char *what, hapto_result **out);
  * Errors: HAPTO_INVALID_PARAMETER with key, value and valid range; HAPTO_FAILURE when soil does not come to rest. */
 HAPTO_API int32_t hapto_scene_from_toml(const char *text, const char *name, const char *const *overrides, uint32_t count,
                                         hapto_progress progress, void *user, hapto_scene **out);
-/* The same from a built-in scene of that name ("paper", "regolith": hapto_list("scenes")), or a file. */
+/* The same from a built-in scene of that name ("paper", "regolith": hapto_list("scenes")), or a file. "auto" is soil of the
+ * Moon in the finest particles that this machine renders at 1 kHz with a core left to others: it measures the machine, about
+ * a second the first time, and keeps the result with settled soil. Overrides of soil.radius_mm and bed.threads count. */
 HAPTO_API int32_t hapto_scene_from_file(const char *name_or_path, const char *const *overrides, uint32_t count,
                                         hapto_progress progress, void *user, hapto_scene **out);
 /* Another scene that goes on from here with the same bits. */

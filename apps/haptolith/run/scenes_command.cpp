@@ -2,13 +2,18 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include <filesystem>
 #include <memory>
 #include <string>
 
+#include "haptolith/bed/ready_tile.h"
+#include "haptolith/core/atomic_file.h"
+#include "haptolith/machine/machine_fit.h"
 #include "haptolith/scenario/scenario.h"
 
 #include "commands.h"
 #include "shared/output.h"
+#include "shared/stop_on_signal.h"
 
 namespace haptolith {
 
@@ -22,6 +27,26 @@ std::string titleOf(const std::string& name) {
     return findScenario(name).title;
   } catch (const InvalidParameter&) {
     return fmt::format("needs a file beside it: run scenarios/{}.toml", name);
+  }
+}
+
+/// Lets the soil of `auto` settle in each of its radii, for scenarios/tiles (./dev tiles).
+void makeTiles(const std::filesystem::path& folder) {
+  StatusLine status;
+  BedParameters bed = findScenario(kAutoScene).bed;
+  for (const double radius_m : kGrainRadii_m) {
+    bed.soil = rescaled(bed.soil, radius_m);
+    const std::filesystem::path file = folder / readyTileName(bed);
+    if (std::filesystem::exists(file)) {
+      continue;
+    }
+    const BedTile tile = settledTile(bed, [&](double time_s, double) {
+      status.tell([&] { return fmt::format("{}: {:.1f} s of simulated time", file.filename().string(), time_s); });
+      return !stopAsked();
+    });
+    AtomicFile out(file);
+    out.write(readyTileBytes(tile, bed));
+    out.commit();
   }
 }
 
@@ -40,10 +65,20 @@ void listScenes(bool as_json) {
 
 void addScenesCommand(CLI::App& app) {
   auto json = std::make_shared<bool>(false);
+  auto tiles = std::make_shared<std::string>();
   CLI::App* command = app.add_subcommand("scenes", "The scenes with a name, for run and snapshot");
   command->add_flag("--json", *json, "Print one JSON object instead of a table");
+  command->add_option("--make-tiles", *tiles, "Settle the soil that ships with the program, into this folder")
+      ->group("");  // for ./dev tiles
   command->footer("Examples:\n  haptolith scenes\n  haptolith run sandbox");
-  command->callback([json] { listScenes(*json); });
+  command->callback([json, tiles] {
+    if (!tiles->empty()) {
+      const StopOnSignal stop_on_signal;
+      makeTiles(*tiles);
+    } else {
+      listScenes(*json);
+    }
+  });
 }
 
 }  // namespace haptolith
