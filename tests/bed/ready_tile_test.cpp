@@ -43,8 +43,9 @@ TEST(ReadyTile, IsReadBackWithEachContactFromBothSides) {
     EXPECT_NEAR(read->floor_slips[i].x, tile.floor_slips[i].x, 1e-4 * largest_m);
     for (std::uint32_t at = tile.firsts[i]; at < tile.firsts[i + 1]; ++at) {
       const TileContact& contact = tile.contacts[at];
-      const auto found = std::find_if(read->contacts.begin() + read->firsts[i], read->contacts.begin() + read->firsts[i + 1],
-                                      [&](const TileContact& c) { return c.other == contact.other; });
+      const auto found =
+          std::find_if(read->contacts.begin() + read->firsts[i], read->contacts.begin() + read->firsts[i + 1],
+                       [&](const TileContact& c) { return c.other == contact.other; });
       ASSERT_NE(found, read->contacts.begin() + read->firsts[i + 1]);
       EXPECT_NEAR(found->slip.x, contact.slip.x, 1e-4 * largest_m);
       EXPECT_NEAR(found->slip.y, contact.slip.y, 1e-4 * largest_m);

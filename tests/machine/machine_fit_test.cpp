@@ -21,14 +21,14 @@ using testing::HasSubstr;
 
 FinestGrain someFit() {
   return {.chosen = {.radius_m = 4.4e-3, .grains = 1170, .substeps = 6, .threads = 1, .tick_us_p99 = 543.25},
-          .too_slow =
-              GrainTrial{.radius_m = 4e-3, .grains = 1560, .substeps = 6, .threads = 1, .tick_us_p99 = 712.5}};
+          .too_slow = GrainTrial{.radius_m = 4e-3, .grains = 1560, .substeps = 6, .threads = 1, .tick_us_p99 = 712.5}};
 }
 
 TEST(MachineFit, IsSaidInALine) {
-  EXPECT_EQ(text(someFit()),
-            "4.4 mm particles on 1 thread: the finest soil this machine renders in time (about 1170 particles; 4 mm would "
-            "need 0.71 ms a tick)");
+  EXPECT_EQ(
+      text(someFit()),
+      "4.4 mm particles on 1 thread: the finest soil this machine renders in time (about 1170 particles; 4 mm would "
+      "need 0.71 ms a tick)");
   FinestGrain slow = someFit();
   slow.chosen.tick_us_p99 = 900;
   EXPECT_THAT(text(slow), HasSubstr("still too fine for this machine"));

@@ -90,8 +90,8 @@ Scenario scenarioFor(const RunOptions& options) {
   return scenario;
 }
 
-/// What the machine allows, where the scene leaves its particles to it: `auto` does unless their radius is given, and any
-/// other with --finest.
+/// What the machine allows, where the scene leaves its particles to it: `auto` does unless their radius is given, and
+/// any other with --finest.
 std::optional<FinestGrain> fitted(Scenario& scenario, const RunOptions& options) {
   const SceneOptions& asked = options.scene;
   const bool has_radius = setsKey(asked.overrides, "soil.radius_mm");
@@ -104,12 +104,13 @@ std::optional<FinestGrain> fitted(Scenario& scenario, const RunOptions& options)
     return std::nullopt;
   }
   StatusLine status;
-  return fitToMachine(scenario,
-                      {.threads = is_auto && !has_threads ? std::nullopt : std::optional(scenario.bed.threads),
-                       .folder = tileFolder(),
-                       .measure_again = options.measure_again,
-                       .measuring = [&status] { status.update("measures how fine soil this machine renders in time"); }},
-                      stopAsked());
+  return fitToMachine(
+      scenario,
+      {.threads = is_auto && !has_threads ? std::nullopt : std::optional(scenario.bed.threads),
+       .folder = tileFolder(),
+       .measure_again = options.measure_again,
+       .measuring = [&status] { status.update("measures how fine soil this machine renders in time"); }},
+      stopAsked());
 }
 
 /// Chooses the particles, says which in a line, and takes the steps that --coarser asks for.

@@ -2,12 +2,15 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include <algorithm>
 #include <filesystem>
 #include <memory>
 #include <string>
+#include <thread>
 
 #include "haptolith/bed/ready_tile.h"
 #include "haptolith/core/atomic_file.h"
+#include "haptolith/core/in_parallel.h"
 #include "haptolith/machine/machine_fit.h"
 #include "haptolith/scenario/scenario.h"
 
@@ -30,24 +33,22 @@ std::string titleOf(const std::string& name) {
   }
 }
 
-/// Lets the soil of `auto` settle in each of its radii, for scenarios/tiles (./dev tiles).
+/// Lets the soil of `auto` settle in each of its radii, for scenarios/tiles (./dev tiles); files that are there stay.
 void makeTiles(const std::filesystem::path& folder) {
-  StatusLine status;
-  BedParameters bed = findScenario(kAutoScene).bed;
-  for (const double radius_m : kGrainRadii_m) {
-    bed.soil = rescaled(bed.soil, radius_m);
+  const BedParameters any = findScenario(kAutoScene).bed;
+  const auto threads = static_cast<int>(std::max(1U, std::thread::hardware_concurrency()));
+  inParallel(kGrainRadii_m.size(), threads, [&](std::size_t i) {
+    BedParameters bed = any;
+    bed.soil = rescaled(any.soil, kGrainRadii_m[i]);
     const std::filesystem::path file = folder / readyTileName(bed);
     if (std::filesystem::exists(file)) {
-      continue;
+      return;
     }
-    const BedTile tile = settledTile(bed, [&](double time_s, double) {
-      status.tell([&] { return fmt::format("{}: {:.1f} s of simulated time", file.filename().string(), time_s); });
-      return !stopAsked();
-    });
     AtomicFile out(file);
-    out.write(readyTileBytes(tile, bed));
+    out.write(readyTileBytes(settledTile(bed, [](double, double) { return !stopAsked(); }), bed));
     out.commit();
-  }
+    printNotice(fmt::format("{}\n", file.string()));
+  });
 }
 
 void listScenes(bool as_json) {

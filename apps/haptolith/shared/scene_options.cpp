@@ -93,8 +93,9 @@ void SceneOptions::addTo(CLI::App& command) {
   command
       .add_option(
           "scenario", scenario_file,
-          fmt::format("Scene by its name (haptolith scenes) or from a file (docs/scenarios.md) [{}, with --preset paper]",
-                      usual))
+          fmt::format(
+              "Scene by its name (haptolith scenes) or from a file (docs/scenarios.md) [{}, with --preset paper]",
+              usual))
       ->option_text("NAME|FILE");
   command
       .add_option("--set", overrides,

@@ -21,17 +21,17 @@ namespace {
 
 static_assert(std::endian::native == std::endian::little, "tiles are little-endian");
 
-constexpr std::string_view kMagic = "haptolith ready tile 1\n";
+constexpr std::string_view kReadyMagic = "haptolith ready tile 1\n";
 
-/// Steps of what contacts remember: the largest has this many.
-constexpr double kSteps = std::numeric_limits<std::int16_t>::max();
+/// SlipSteps of what contacts remember: the largest has this many.
+constexpr double kSlipSteps = std::numeric_limits<std::int16_t>::max();
 
-using Steps = std::array<std::int16_t, 3>;
+using SlipSteps = std::array<std::int16_t, 3>;
 
 /// A contact, from the side of the particle with the lower index.
-struct Pair {
+struct TilePair {
   std::uint16_t first, second;
-  Steps slip;
+  SlipSteps slip;
 };
 
 /// A particle's contact with the floor.
@@ -41,19 +41,19 @@ struct OnFloor {
 };
 
 template <class Value>
-void append(std::string& bytes, const Value& value) {
+void appendReady(std::string& bytes, const Value& value) {
   static_assert(std::is_trivially_copyable_v<Value>);
   bytes.append(reinterpret_cast<const char*>(&value), sizeof value);
 }
 
 template <class Value>
-void append(std::string& bytes, const std::vector<Value>& values) {
-  append(bytes, static_cast<std::uint32_t>(values.size()));
+void appendReady(std::string& bytes, const std::vector<Value>& values) {
+  appendReady(bytes, static_cast<std::uint32_t>(values.size()));
   bytes.append(reinterpret_cast<const char*>(values.data()), values.size() * sizeof(Value));
 }
 
 template <class Value>
-[[nodiscard]] bool take(std::string_view& bytes, Value& value) {
+[[nodiscard]] bool takeReady(std::string_view& bytes, Value& value) {
   static_assert(std::is_trivially_copyable_v<Value>);
   if (bytes.size() < sizeof value) {
     return false;
@@ -64,9 +64,9 @@ template <class Value>
 }
 
 template <class Value>
-[[nodiscard]] bool take(std::string_view& bytes, std::vector<Value>& values) {
+[[nodiscard]] bool takeReady(std::string_view& bytes, std::vector<Value>& values) {
   std::uint32_t count = 0;
-  if (!take(bytes, count) || count > bytes.size() / sizeof(Value)) {
+  if (!takeReady(bytes, count) || count > bytes.size() / sizeof(Value)) {
     return false;
   }
   values.resize(count);
@@ -77,7 +77,7 @@ template <class Value>
   return true;
 }
 
-double largestOf(const BedTile& tile) {
+double largestSlip(const BedTile& tile) {
   double largest_m = std::numeric_limits<float>::min();
   const auto look = [&largest_m](const Slip& slip) {
     for (const float part : {slip.x, slip.y, slip.z}) {
@@ -91,25 +91,25 @@ double largestOf(const BedTile& tile) {
   return largest_m;
 }
 
-std::int16_t steps(double slip_m, double step_m) {
+std::int16_t slipInSteps(double slip_m, double step_m) {
   return static_cast<std::int16_t>(std::lround(slip_m / step_m));
 }
 
-Slip metres(const Steps& slip, double step_m, double sign) {
+Slip slipOfSteps(const SlipSteps& slip, double step_m, double sign) {
   const auto length = [&](std::int16_t part) { return static_cast<float>(sign * part * step_m); };
   return {length(slip[0]), length(slip[1]), length(slip[2])};
 }
 
 /// Each pair once: forces are equal and opposite, and so is what they remember.
-std::vector<Pair> pairsOf(const BedTile& tile, double step_m) {
-  std::vector<Pair> pairs;
+std::vector<TilePair> tilePairs(const BedTile& tile, double step_m) {
+  std::vector<TilePair> pairs;
   for (std::size_t i = 0; i < tile.grains.size(); ++i) {
     for (std::uint32_t at = tile.firsts[i]; at < tile.firsts[i + 1]; ++at) {
       const auto& [other, slip] = tile.contacts[at];
       if (i < other) {
         pairs.push_back({static_cast<std::uint16_t>(i),
                          static_cast<std::uint16_t>(other),
-                         {steps(slip.x, step_m), steps(slip.y, step_m), steps(slip.z, step_m)}});
+                         {slipInSteps(slip.x, step_m), slipInSteps(slip.y, step_m), slipInSteps(slip.z, step_m)}});
       }
     }
   }
@@ -117,13 +117,13 @@ std::vector<Pair> pairsOf(const BedTile& tile, double step_m) {
 }
 
 /// From both sides again. False when a pair names a particle that there is not.
-[[nodiscard]] bool spread(const std::vector<Pair>& pairs, double step_m, BedTile& tile) {
+[[nodiscard]] bool fromBothSides(const std::vector<TilePair>& pairs, double step_m, BedTile& tile) {
   const std::size_t n = tile.grains.size();
-  if (std::ranges::any_of(pairs, [n](const Pair& pair) { return pair.first >= n || pair.second >= n; })) {
+  if (std::ranges::any_of(pairs, [n](const TilePair& pair) { return pair.first >= n || pair.second >= n; })) {
     return false;
   }
   tile.firsts.assign(n + 1, 0);
-  for (const Pair& pair : pairs) {
+  for (const TilePair& pair : pairs) {
     ++tile.firsts[pair.first + 1U];
     ++tile.firsts[pair.second + 1U];
   }
@@ -132,9 +132,9 @@ std::vector<Pair> pairsOf(const BedTile& tile, double step_m) {
   }
   tile.contacts.resize(2 * pairs.size());
   std::vector<std::uint32_t> next(tile.firsts.begin(), tile.firsts.end() - 1);
-  for (const Pair& pair : pairs) {
-    tile.contacts[next[pair.first]++] = {pair.second, metres(pair.slip, step_m, 1)};
-    tile.contacts[next[pair.second]++] = {pair.first, metres(pair.slip, step_m, -1)};
+  for (const TilePair& pair : pairs) {
+    tile.contacts[next[pair.first]++] = {pair.second, slipOfSteps(pair.slip, step_m, 1)};
+    tile.contacts[next[pair.second]++] = {pair.first, slipOfSteps(pair.slip, step_m, -1)};
   }
   return true;
 }
@@ -162,30 +162,30 @@ std::string readyTileBytes(const BedTile& tile, const BedParameters& bed) {
   if (tile.grains.size() > std::numeric_limits<std::uint16_t>::max()) {
     throw InvalidParameter("tile", fmt::format("{} particles", tile.grains.size()), "at most 65535");
   }
-  const double step_m = largestOf(tile) / kSteps;
+  const double step_m = largestSlip(tile) / kSlipSteps;
   std::vector<OnFloor> on_floor;
   for (std::size_t i = 0; i < tile.floor_slips.size(); ++i) {
     const Slip& slip = tile.floor_slips[i];
     if (slip.x != 0 || slip.y != 0) {
-      on_floor.push_back({static_cast<std::uint16_t>(i), {steps(slip.x, step_m), steps(slip.y, step_m)}});
+      on_floor.push_back({static_cast<std::uint16_t>(i), {slipInSteps(slip.x, step_m), slipInSteps(slip.y, step_m)}});
     }
   }
   const std::string key = readyTileKey(bed);
-  std::string bytes(kMagic);
-  append(bytes, std::vector<char>(key.begin(), key.end()));
-  append(bytes, tile.width_m);
-  append(bytes, tile.length_m);
-  append(bytes, step_m);
-  append(bytes, tile.grains);
-  append(bytes, pairsOf(tile, step_m));
-  append(bytes, on_floor);
-  append(bytes, XXH3_64bits(bytes.data(), bytes.size()));
+  std::string bytes(kReadyMagic);
+  appendReady(bytes, std::vector<char>(key.begin(), key.end()));
+  appendReady(bytes, tile.width_m);
+  appendReady(bytes, tile.length_m);
+  appendReady(bytes, step_m);
+  appendReady(bytes, tile.grains);
+  appendReady(bytes, tilePairs(tile, step_m));
+  appendReady(bytes, on_floor);
+  appendReady(bytes, XXH3_64bits(bytes.data(), bytes.size()));
   return bytes;
 }
 
 std::optional<BedTile> readyTileIn(std::string_view bytes, const BedParameters& bed) {
   std::uint64_t sum = 0;
-  if (bytes.size() < kMagic.size() + sizeof sum || !bytes.starts_with(kMagic)) {
+  if (bytes.size() < kReadyMagic.size() + sizeof sum || !bytes.starts_with(kReadyMagic)) {
     return std::nullopt;
   }
   std::memcpy(&sum, bytes.data() + bytes.size() - sizeof sum, sizeof sum);
@@ -193,17 +193,18 @@ std::optional<BedTile> readyTileIn(std::string_view bytes, const BedParameters& 
   if (XXH3_64bits(bytes.data(), bytes.size()) != sum) {
     return std::nullopt;
   }
-  bytes.remove_prefix(kMagic.size());
+  bytes.remove_prefix(kReadyMagic.size());
   const BedParameters wanted = tileBed(bed);
   BedTile tile;
   std::vector<char> key;
   double step_m = 0;
-  std::vector<Pair> pairs;
+  std::vector<TilePair> pairs;
   std::vector<OnFloor> on_floor;
-  const bool sound = take(bytes, key) && take(bytes, tile.width_m) && take(bytes, tile.length_m) &&
-                     take(bytes, step_m) && take(bytes, tile.grains) && take(bytes, pairs) && take(bytes, on_floor) &&
-                     bytes.empty() && std::string(key.begin(), key.end()) == readyTileKey(bed) &&
-                     !tile.grains.empty() && spread(pairs, step_m, tile);
+  const bool sound = takeReady(bytes, key) && takeReady(bytes, tile.width_m) && takeReady(bytes, tile.length_m) &&
+                     takeReady(bytes, step_m) && takeReady(bytes, tile.grains) && takeReady(bytes, pairs) &&
+                     takeReady(bytes, on_floor) && bytes.empty() &&
+                     std::string(key.begin(), key.end()) == readyTileKey(bed) && !tile.grains.empty() &&
+                     fromBothSides(pairs, step_m, tile);
   if (!sound) {
     return std::nullopt;
   }
@@ -216,7 +217,7 @@ std::optional<BedTile> readyTileIn(std::string_view bytes, const BedParameters& 
       if (particle >= tile.grains.size()) {
         return std::nullopt;
       }
-      tile.floor_slips[particle] = metres({slip[0], slip[1], 0}, step_m, 1);
+      tile.floor_slips[particle] = slipOfSteps({slip[0], slip[1], 0}, step_m, 1);
     }
   }
   return tile;

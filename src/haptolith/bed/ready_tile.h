@@ -9,8 +9,8 @@
 
 namespace haptolith {
 
-/// Radii of particles to choose from, in m, coarse to fine, in steps of at most 10 %. The scene `auto` ships with settled
-/// soil of each.
+/// Radii of particles to choose from, in m, coarse to fine, in steps of at most 10 %. The scene `auto` ships with
+/// settled soil of each.
 inline constexpr std::array kGrainRadii_m{7e-3,   6.4e-3, 5.8e-3,  5.3e-3, 4.8e-3, 4.4e-3, 4e-3,   3.75e-3, 3.5e-3,
                                           3.2e-3, 2.9e-3, 2.65e-3, 2.4e-3, 2.2e-3, 2e-3,   1.9e-3, 1.75e-3};
 

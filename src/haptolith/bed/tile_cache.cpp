@@ -269,9 +269,9 @@ std::vector<double> numbersOf(const BedParameters& bed) {
 
 /// What a bed of one size of grain depends on while it settles.
 std::string keyOf(const BedParameters& bed) {
-  std::string key = fmt::format("format {} law {} {} friction {} particles {} seed {} max_substeps {}", kFormat, kLaw,
-                                simdTarget(), static_cast<int>(bed.soil.friction), bed.particles, bed.seed,
-                                bed.max_substeps);
+  std::string key =
+      fmt::format("format {} law {} {} friction {} particles {} seed {} max_substeps {}", kFormat, kLaw, simdTarget(),
+                  static_cast<int>(bed.soil.friction), bed.particles, bed.seed, bed.max_substeps);
   for (const double number : numbersOf(bed)) {
     key += fmt::format(" {:a}", number);
   }

@@ -43,9 +43,9 @@ class WorkerTeam {
   /// thread, between ticks.
   void expect(std::int64_t within_ns) noexcept;
 
-  /// From the next loop on the other threads are scheduled so. The scheduler leaves a thread without priority waiting on a
-  /// processor that one with priority keeps, though another processor is free; and one of lower priority on the processor
-  /// that the caller is pinned to. May be called in the tick.
+  /// From the next loop on the other threads are scheduled so. The scheduler leaves a thread without priority waiting
+  /// on a processor that one with priority keeps, though another processor is free; and one of lower priority on the
+  /// processor that the caller is pinned to. May be called in the tick.
   void schedule(const HelperSchedule& schedule) noexcept { schedule_.store(schedule, std::memory_order_relaxed); }
 
  private:

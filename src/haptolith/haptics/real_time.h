@@ -34,8 +34,8 @@ void requireUsableCpu(int cpu);
 [[nodiscard]] RealTime requestRealTime(const LoopParameters& loop, bool lock_memory = true);
 
 /// How threads that help the calling one in its ticks are to be scheduled: with a real-time priority one less than its
-/// own, so that they never keep it waiting, and none where it has none; and off the CPU that it is pinned to. A helper on
-/// the processor that a real-time thread keeps is left waiting there, though others are free.
+/// own, so that they never keep it waiting, and none where it has none; and off the CPU that it is pinned to. A helper
+/// on the processor that a real-time thread keeps is left waiting there, though others are free.
 [[nodiscard]] HelperSchedule helpersSchedule() noexcept;
 
 }  // namespace haptolith

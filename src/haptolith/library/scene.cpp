@@ -35,8 +35,8 @@ std::int32_t make(Read&& scenario, hapto_progress told, void* user, hapto_scene*
   Progress progress(told, user);
   return progress.status([&] {
     readEnvironment();
-    *out = Scenes::take(
-        std::make_unique<SceneObject>(scenario(progress), [&](double, double) { return progress.tell("soil settles", -1); }));
+    *out = Scenes::take(std::make_unique<SceneObject>(
+        scenario(progress), [&](double, double) { return progress.tell("soil settles", -1); }));
     return std::int32_t{HAPTO_OK};
   });
 }
@@ -138,7 +138,9 @@ void copyField(const Bed& bed, std::int32_t field, void* out) {
 std::int32_t hapto_scene_from_toml(const char* text, const char* name, const char* const* overrides,
                                    std::uint32_t count, hapto_progress progress, void* user, hapto_scene** out) {
   return make(
-      [&](Progress&) { return scenarioFromText(textOrNothing(text), name == nullptr ? "scene" : name, texts(overrides, count)); },
+      [&](Progress&) {
+        return scenarioFromText(textOrNothing(text), name == nullptr ? "scene" : name, texts(overrides, count));
+      },
       progress, user, out);
 }
 

@@ -37,10 +37,10 @@ struct FinestGrain {
 [[nodiscard]] FinestGrain finestOf(std::span<const double> radii_m,
                                    const std::function<GrainTrial(double radius_m)>& trial);
 
-/// The finest particles of kGrainRadii_m that this machine holds in the box of `bed`: the tool stirs a close packing of each
-/// size that is tried, all of it awake, for a quarter of a second on a thread set up as the loop's, in step with the
-/// clock. Each number of threads is tried; the fewest that hold the finest particles are chosen. Takes about a second for
-/// one number of threads. Not for the tick.
+/// The finest particles of kGrainRadii_m that this machine holds in the box of `bed`: the tool stirs a close packing of
+/// each size that is tried, all of it awake, for a quarter of a second on a thread set up as the loop's, in step with
+/// the clock. Each number of threads is tried; the fewest that hold the finest particles are chosen. Takes about a
+/// second for one number of threads. Not for the tick.
 /// @param threads  numbers of threads to choose from, ascending; one at least.
 /// @throws InvalidParameter when the bed can be made of no such grains; Failure when `stop` becomes true.
 [[nodiscard]] FinestGrain finestGrain(const BedParameters& bed, const ToolParameters& tool, const LoopParameters& loop,

@@ -128,8 +128,8 @@ int loopThreads() {
 
 bool setsKey(std::span<const std::string> overrides, std::string_view table_and_key) {
   return std::ranges::any_of(overrides, [table_and_key](std::string_view given) {
-    return given.starts_with(table_and_key) && given.substr(table_and_key.size()).find_first_not_of(" \t") ==
-                                                   given.substr(table_and_key.size()).find('=');
+    return given.starts_with(table_and_key) &&
+           given.substr(table_and_key.size()).find_first_not_of(" \t") == given.substr(table_and_key.size()).find('=');
   });
 }
 
@@ -138,8 +138,8 @@ bool canBeFitted(const Scenario& scenario) {
 }
 
 std::string keptText(const FinestGrain& finest, std::string_view key) {
-  const std::string text = fmt::format("haptolith machine {}\n{}\n{}\n", hashOf(key), trialLine(finest.chosen),
-                                       trialLine(finest.too_slow));
+  const std::string text =
+      fmt::format("haptolith machine {}\n{}\n{}\n", hashOf(key), trialLine(finest.chosen), trialLine(finest.too_slow));
   return text + hashOf(text) + "\n";
 }
 
@@ -167,8 +167,7 @@ FinestGrain fitToMachine(Scenario& scenario, const FitOptions& options, const st
   }
   const std::string key = keyOf(scenario, threads);
   const fs::path file = options.folder.empty() ? fs::path() : options.folder / ("machine-" + hashOf(key));
-  std::optional<FinestGrain> finest =
-      file.empty() || options.measure_again ? std::nullopt : readKept(file, key);
+  std::optional<FinestGrain> finest = file.empty() || options.measure_again ? std::nullopt : readKept(file, key);
   if (!finest) {
     if (options.measuring) {
       options.measuring();
@@ -188,8 +187,8 @@ FinestGrain fitToMachine(Scenario& scenario, const FitOptions& options, const st
 
 std::string text(const FinestGrain& finest) {
   const GrainTrial& chosen = finest.chosen;
-  const std::string soil = fmt::format("{:g} mm particles on {}", inUnits(chosen.radius_m, 1e-3),
-                                       counted(chosen.threads, "thread"));
+  const std::string soil =
+      fmt::format("{:g} mm particles on {}", inUnits(chosen.radius_m, 1e-3), counted(chosen.threads, "thread"));
   const auto tick = [](const GrainTrial& trial) { return fmt::format("{:.2g} ms a tick", 1e-3 * trial.tick_us_p99); };
   if (!finest.holds()) {
     return fmt::format("{}: the coarsest soil, and still too fine for this machine (about {} particles would need {})",

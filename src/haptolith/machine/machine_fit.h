@@ -16,14 +16,15 @@ namespace haptolith {
 /// The built-in scene whose particles and threads are chosen for the machine where it opens.
 inline constexpr std::string_view kAutoScene = "auto";
 
-/// Threads for the loop that leave a core to a browser or whatever else draws the soil: all usable cores but one, 1 to 8.
+/// Threads for the loop that leave a core to a browser or whatever else draws the soil: all usable cores but one, 1
+/// to 8.
 [[nodiscard]] int loopThreads();
 
 /// How a scene is fitted to the machine.
 struct FitOptions {
-  std::optional<int> threads;    ///< of the loop; none: 1 or loopThreads(), whichever holds finer particles
-  std::filesystem::path folder;  ///< where measurements are kept between runs; empty: nowhere
-  bool measure_again = false;    ///< whatever is kept there
+  std::optional<int> threads;       ///< of the loop; none: 1 or loopThreads(), whichever holds finer particles
+  std::filesystem::path folder;     ///< where measurements are kept between runs; empty: nowhere
+  bool measure_again = false;       ///< whatever is kept there
   std::function<void()> measuring;  ///< called before the machine is measured, which takes one to two seconds
 };
 
@@ -33,9 +34,9 @@ struct FitOptions {
 /// Whether the particles of a scene can be chosen: its bed starts as settled, with particles of one size.
 [[nodiscard]] bool canBeFitted(const Scenario& scenario);
 
-/// Gives the scene the finest particles that this machine holds in time, and the threads for them: finestGrain(), or what
-/// it came to the last time with this processor, these usable cores, instruction set, CPU of the loop and version of the
-/// program. Not for the tick.
+/// Gives the scene the finest particles that this machine holds in time, and the threads for them: finestGrain(), or
+/// what it came to the last time with this processor, these usable cores, instruction set, CPU of the loop and version
+/// of the program. Not for the tick.
 /// @throws InvalidParameter unless canBeFitted(); Failure when no size fits the bed or `stop` becomes true.
 FinestGrain fitToMachine(Scenario& scenario, const FitOptions& options, const std::atomic<bool>& stop);
 
