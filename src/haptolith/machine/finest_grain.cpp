@@ -147,17 +147,21 @@ FinestGrain finestGrain(const BedParameters& bed, const ToolParameters& tool, co
     }
     Scene scene(packing, tool);
     found.grains = static_cast<std::size_t>(std::lround(kSettledShare * static_cast<double>(scene.bed().particles())));
-    std::exception_ptr problem;
-    startThread("a measurement", [&] {
-      try {
-        (void)requestRealTime(loop, false);  // a host of the library need not lock its memory
-        found.tick_us_p99 = slowTickUs(scene, loop, stop);
-      } catch (...) {
-        problem = std::current_exception();
+    if (!loop.paced) {
+      found.tick_us_p99 = slowTickUs(scene, loop, stop);
+    } else {
+      std::exception_ptr problem;
+      startThread("a measurement", [&] {
+        try {
+          (void)requestRealTime(loop, false);  // a host of the library need not lock its memory
+          found.tick_us_p99 = slowTickUs(scene, loop, stop);
+        } catch (...) {
+          problem = std::current_exception();
+        }
+      }).join();
+      if (problem) {
+        std::rethrow_exception(problem);
       }
-    }).join();
-    if (problem) {
-      std::rethrow_exception(problem);
     }
     if (stop.load()) {
       throw Failure("interrupted while the machine was measured");
