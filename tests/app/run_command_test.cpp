@@ -110,7 +110,7 @@ TEST_F(RunCommand, SaysWhichParticlesItChoseAndTakesCoarserOnes) {
   EXPECT_EQ(particles("--set soil.radius_mm=4 --coarser --coarser"), particles("--set soil.radius_mm=4.8"));
   const ProgramResult said =
       runHaptolith("run --set soil.radius_mm=4 --coarser --unpaced --duration-s 0.01 --no-serve");
-  EXPECT_THAT(said.errors, HasSubstr("1 step coarser than 4 mm"));
+  EXPECT_THAT(said.errors, HasSubstr("4.4 mm particles on"));
   const ProgramResult refused = runHaptolith("run paper --coarser --unpaced --duration-s 0.01");
   EXPECT_EQ(refused.exit_status, 2);
 }

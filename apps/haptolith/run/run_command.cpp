@@ -113,22 +113,28 @@ std::optional<FinestGrain> fitted(Scenario& scenario, const RunOptions& options)
       stopAsked());
 }
 
-/// Chooses the particles, says which in a line, and takes the steps that --coarser asks for.
+/// Chooses the particles, and takes the steps that --coarser asks for.
 std::optional<FinestGrain> chooseParticles(Scenario& scenario, const RunOptions& options) {
-  const std::optional<FinestGrain> finest = fitted(scenario, options);
-  const double before_mm = 1e3 * scenario.bed.soil.radius_m;
+  std::optional<FinestGrain> finest = fitted(scenario, options);
   for (int step = 0; step < options.coarser; ++step) {
     makeCoarser(scenario);
   }
   validate(scenario);
-  if (options.coarser > 0) {
-    printNotice(fmt::format("{:g} mm particles on {}: {} coarser than {:g} mm{}\n", 1e3 * scenario.bed.soil.radius_m,
-                            counted(scenario.bed.threads, "thread"), counted(options.coarser, "step"), before_mm,
-                            finest ? ", the finest soil this machine renders in time" : ""));
-  } else if (finest) {
-    printNotice(text(*finest) + "\n");
-  }
   return finest;
+}
+
+/// Which particles a scene has that were chosen, in a line; empty: they are the scene's own.
+std::string particlesText(const Scene& scene, const std::optional<FinestGrain>& finest, int coarser) {
+  const BedParameters& bed = scene.bed().parameters();
+  if (coarser > 0) {
+    return fmt::format(
+        "{:g} mm particles on {}: {} coarser than {} ({} particles)\n", 1e3 * bed.soil.radius_m,
+        counted(bed.threads, "thread"), counted(coarser, "step"),
+        finest ? fmt::format("{:g} mm, the finest soil this machine renders in time", 1e3 * finest->chosen.radius_m)
+               : "asked for otherwise",
+        scene.bed().particles());
+  }
+  return finest ? text(*finest, scene.bed().particles()) + "\n" : "";
 }
 
 /// Of a name that no program takes for another kind of file.
@@ -441,6 +447,7 @@ void run(const RunOptions& options) {
   const bool keeps_records = follower.wantsRecords() || serves || companion || !options.record_file.empty();
   Session session(scenario, keeps_records, settlingIn(follower.status()), companion ? companion->device() : nullptr);
   follower.status().clear();
+  printNotice(particlesText(session.scene(), finest, options.coarser));
   warnOfStiffness(session);
   if (companion) {
     companion->begin(session);

@@ -185,14 +185,14 @@ FinestGrain fitToMachine(Scenario& scenario, const FitOptions& options, const st
   return *finest;
 }
 
-std::string text(const FinestGrain& finest) {
+std::string text(const FinestGrain& finest, std::size_t particles) {
   const GrainTrial& chosen = finest.chosen;
   const std::string soil =
       fmt::format("{:g} mm particles on {}", inUnits(chosen.radius_m, 1e-3), counted(chosen.threads, "thread"));
   const auto tick = [](const GrainTrial& trial) { return fmt::format("{:.2g} ms a tick", 1e-3 * trial.tick_us_p99); };
   if (!finest.holds()) {
-    return fmt::format("{}: the coarsest soil, and still too fine for this machine (about {} particles would need {})",
-                       soil, chosen.grains, tick(chosen));
+    return fmt::format("{}: the coarsest soil, and still too fine for this machine ({} particles would need {})", soil,
+                       particles, tick(chosen));
   }
   std::string finer;
   if (finest.too_slow) {
@@ -201,8 +201,7 @@ std::string text(const FinestGrain& finest) {
                 ? fmt::format("; {:g} mm would need more than any machine has", finer_mm)
                 : fmt::format("; {:g} mm would need {}", finer_mm, tick(*finest.too_slow));
   }
-  return fmt::format("{}: the finest soil this machine renders in time (about {} particles{})", soil, chosen.grains,
-                     finer);
+  return fmt::format("{}: the finest soil this machine renders in time ({} particles{})", soil, particles, finer);
 }
 
 }  // namespace haptolith

@@ -40,9 +40,9 @@ struct FitOptions {
 /// @throws InvalidParameter unless canBeFitted(); Failure when no size fits the bed or `stop` becomes true.
 FinestGrain fitToMachine(Scenario& scenario, const FitOptions& options, const std::atomic<bool>& stop);
 
-/// What was chosen, in a line: "4.4 mm particles on 1 thread: the finest soil this machine renders in time (about 1170
-/// particles; 4 mm would need 0.71 ms a tick)".
-[[nodiscard]] std::string text(const FinestGrain& finest);
+/// What was chosen, in a line: "4.4 mm particles on 1 thread: the finest soil this machine renders in time (1170
+/// particles; 4 mm would need 0.71 ms a tick)". @param particles  of the bed that was made.
+[[nodiscard]] std::string text(const FinestGrain& finest, std::size_t particles);
 
 /// A measurement as a file keeps it, and back: none when the text is damaged or of another key.
 [[nodiscard]] std::string keptText(const FinestGrain& finest, std::string_view key);
