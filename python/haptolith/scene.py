@@ -64,6 +64,7 @@ class Scene:
     """A box of soil and a tool in it. One thread at a time; different scenes on any number of threads.
 
     name_or_path: a built-in scene (haptolith.scenes()) or a scene file. Keywords override its keys: bed__threads=2.
+    "auto" is soil of the Moon in the finest particles that this machine renders at 1 kHz; it measures that once, in a second.
     progress(what, share): told now and then while soil settles; False gives up (Stopped).
     Raises InvalidParameter with key, value and what would be valid; Failure.
     """

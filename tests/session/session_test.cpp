@@ -216,6 +216,28 @@ TEST_F(SessionTest, ResetTakesBackEverythingAndLevelOnlyWhatWasDug) {
   EXPECT_EQ(session_->undoable(), "reset");
 }
 
+TEST_F(SessionTest, BecomesCoarserAndStaysSo) {
+  Scenario fine = findScenario("auto");
+  fine.hand.manoeuvre = Manoeuvre::kStill;
+  fine.loop.paced = false;
+  start(fine);
+  session_->coarsen();
+  session_->coarsen();  // while the first is being made
+  ASSERT_TRUE(soon([&] { return session_->settled() && session_->shown().bed.soil.radius_m > 5.2e-3; }));
+  EXPECT_DOUBLE_EQ(session_->shown().bed.soil.radius_m, 5.3e-3);
+  EXPECT_EQ(session_->undoable(), "coarser");
+  const std::uint32_t scenes = session_->scenes();
+  session_->reset();
+  ASSERT_TRUE(soon([&] { return session_->scenes() == scenes + 1; }));
+  EXPECT_DOUBLE_EQ(session_->shown().bed.soil.radius_m, 5.3e-3);
+}
+
+TEST_F(SessionTest, DoesNotBecomeCoarserWhereParticlesAreCounted) {
+  start();
+  EXPECT_THROW(session_->coarsen(), InvalidParameter);
+  EXPECT_TRUE(session_->settled());
+}
+
 TEST_F(SessionTest, ARefusedChangeChangesNothing) {
   start();
   EXPECT_THROW(session_->change({.preset = "P9"}), InvalidParameter);

@@ -179,6 +179,7 @@ export class MockServer {
       title: "The paper's scene",
       particles: this.bed.count,
       radius_m: 0.007,
+      can_coarsen: true,
       size_spread: 0,
       box: {
         width_m,
@@ -339,6 +340,12 @@ export class MockServer {
         const scene = this.scene;
         this.remember('level', () => this.exchange(scene, bed));
         return this.exchange(this.scene, this.makeBed());
+      }
+      case 'coarser': {
+        const bed = this.bed;
+        const scene = this.scene;
+        this.remember('coarser', () => this.exchange(scene, bed));
+        return this.exchange({ ...scene, radius_m: 1.1 * scene.radius_m }, this.makeBed());
       }
       case 'undo':
         if (!this.undo) return 'there is nothing to undo';

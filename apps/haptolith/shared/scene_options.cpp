@@ -52,14 +52,6 @@ void tellOfMesh(const Scenario& scenario) {
   }
 }
 
-/// What opens when no scene is named: soil that feels as the Moon's does. The paper's soils are made for its scene.
-std::string sceneOf(const SceneOptions& options) {
-  if (!options.scenario_file.empty()) {
-    return options.scenario_file;
-  }
-  return options.preset ? "paper" : "regolith";
-}
-
 }  // namespace
 
 CLI::Option* DeviceOptions::addTo(CLI::App& command) {
@@ -90,12 +82,20 @@ void DeviceOptions::applyTo(DeviceParameters& device) const {
   device.key = device.kind == DeviceKind::kNetwork ? keyFrom(key_file, "HAPTOLITH_DEVICE_KEY") : "";
 }
 
+std::string SceneOptions::scene() const {
+  if (!scenario_file.empty()) {
+    return scenario_file;
+  }
+  return preset ? "paper" : usual;
+}
+
 void SceneOptions::addTo(CLI::App& command) {
   command
       .add_option(
           "scenario", scenario_file,
-          "Scene by its name (haptolith scenes) or from a file (docs/scenarios.md); default: regolith, and with "
-          "--preset paper")
+          fmt::format(
+              "Scene by its name (haptolith scenes) or from a file (docs/scenarios.md) [{}, with --preset paper]",
+              usual))
       ->option_text("NAME|FILE");
   command
       .add_option("--set", overrides,
@@ -127,7 +127,7 @@ void SceneOptions::addTo(CLI::App& command) {
 }
 
 Scenario scenarioFor(const SceneOptions& options) {
-  const std::string scene = sceneOf(options);
+  const std::string scene = options.scene();
   Scenario scenario = findScenario(scene, options.overrides);
   BedParameters& bed = scenario.bed;
   if (options.preset) {

@@ -2,6 +2,9 @@
 
 #include <fmt/format.h>
 
+#include <optional>
+
+#include "haptolith/bed/ready_tile.h"
 #include "haptolith/core/error.h"
 #include "haptolith/scenario/file_keys.h"
 #include "haptolith/soil/bodies.h"
@@ -115,6 +118,44 @@ void requireRoomInJaws(const Scenario& scenario) {
         "jaw_bend_rad", fmt::format("{:g}", tool.jaw_bend_rad),
         fmt::format("less than {:.3g}, so that grains of {:g} mm fit into the curve", most_rad, 2e3 * grain_m));
   }
+}
+
+namespace {
+
+/// Radius of particles one step coarser, in m; none where canBeCoarser() is false.
+std::optional<double> coarserRadiusFor(Scenario scenario) {
+  BedParameters& bed = scenario.bed;
+  if (bed.start != BedStart::kSettled || bed.grading.fine_radius_m > 0) {
+    return std::nullopt;
+  }
+  const std::optional<double> radius_m = coarserRadius(bed.soil.radius_m);
+  if (radius_m) {
+    try {
+      bed.soil = rescaled(bed.soil, *radius_m);
+      validate(scenario);
+    } catch (const InvalidParameter&) {  // larger than the box, the jaws
+      return std::nullopt;
+    }
+  }
+  return radius_m;
+}
+
+}  // namespace
+
+bool canBeCoarser(const Scenario& scenario) {
+  return coarserRadiusFor(scenario).has_value();
+}
+
+void makeCoarser(Scenario& scenario) {
+  const std::optional<double> radius_m = coarserRadiusFor(scenario);
+  if (!radius_m) {
+    throw InvalidParameter("coarser", fmt::format("than {:g} mm", inUnits(scenario.bed.soil.radius_m, 1e-3)),
+                           fmt::format("asked for where the bed starts as settled, with particles of one size below "
+                                       "{:g} mm that leave room in the box",
+                                       inUnits(kGrainRadii_m.front(), 1e-3)));
+  }
+  scenario.bed.soil = rescaled(scenario.bed.soil, *radius_m);
+  makeToolMesh(scenario);
 }
 
 void validate(const Scenario& scenario) {

@@ -110,6 +110,14 @@ void changeBody(Scenario& scenario, std::string_view name);
 /// @param before  soilAndWorld() before the change, which the title may begin with; empty: it does not.
 void retitle(Scenario& scenario, const std::string& before);
 
+/// Whether makeCoarser() has coarser particles for the scene: its bed starts as settled, with particles of one size,
+/// and its box has room for larger ones.
+[[nodiscard]] bool canBeCoarser(const Scenario& scenario);
+
+/// Gives the scene particles that are one step coarser (coarserRadius()). @throws InvalidParameter unless
+/// canBeCoarser(); as makeToolMesh().
+void makeCoarser(Scenario& scenario);
+
 /// Makes the tool's mesh of what the scene says of it, for its soil; to be called whenever either has changed.
 /// @throws InvalidParameter, Failure: as toolMesh().
 void makeToolMesh(Scenario& scenario);

@@ -295,6 +295,19 @@ void Session::level() {
   pursue();
 }
 
+void Session::coarsen() {
+  Scenario next = wanted_, begin = initial_;
+  makeCoarser(next);
+  begin.bed.soil = rescaled(begin.bed.soil, next.bed.soil.radius_m);
+  validate(begin);
+  makeToolMesh(begin);
+  problem_.clear();
+  wanted_ = std::move(next);
+  initial_ = std::move(begin);
+  wantBed("coarser");
+  pursue();
+}
+
 void Session::undo() {
   if (!previous_ || making_ || coming_) {
     throw InvalidParameter("undo", making_ || coming_ ? "while a bed is being made" : "nothing",

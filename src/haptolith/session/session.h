@@ -58,7 +58,10 @@ class Session {
   /// The scene as it was started with these changes, one after the other, and a bed of its own, level and untouched.
   void show(std::span<const SceneChange> changes);
   void level();  ///< the same soil, level again
-  void undo();   ///< the bed as it was before the last new one; a second undo brings that back
+  /// The same soil one step coarser (makeCoarser()), level; reset() and show() keep it so. Another step may be asked
+  /// for while a bed is being made.
+  void coarsen();
+  void undo();  ///< the bed as it was before the last new one; a second undo brings that back
 
   /// Changes the soil that is shown and the tool's friction in it a little, at once. False, and nothing is changed,
   /// while the loop takes no more, or another bed, soil or tool is on its way; or where soil coheres that did not

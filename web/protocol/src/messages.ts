@@ -92,6 +92,8 @@ const Scene = v.object({
   particles: v.number(),
   /** of the coarsest grains */
   radius_m: v.number(),
+  /** Whether `coarser` has coarser soil for it; programs before it do not send it. */
+  can_coarsen: v.optional(v.boolean(), false),
   /** how many of which radius, in the order of a frame's particles; an older program has one size, and does not say */
   grains: v.optional(v.array(v.object({ count: v.number(), radius_m: v.number() }))),
   size_spread: v.number(),
