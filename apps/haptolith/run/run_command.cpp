@@ -95,8 +95,7 @@ std::string trialText(const GrainTrial& trial) {
                            trial.tick_us_p99 <= kFinestTick_us ? trial.tick_us_p99 : kFinestTick_us);
 }
 
-/// Makes the scene of the finest grains that this machine holds, and tells which; the beginning of its title, for which
-/// there is room on the page, tells everybody else.
+/// Makes the scene of the finest grains that this machine holds, and tells which, as its title does.
 FinestGrain chooseFinest(Scenario& scenario, StatusLine& status) {
   BedParameters& bed = scenario.bed;
   if (bed.start != BedStart::kSettled || bed.grading.fine_radius_m > 0) {
@@ -107,10 +106,10 @@ FinestGrain chooseFinest(Scenario& scenario, StatusLine& status) {
   status.update("how fine may grains be on this machine?");
   const FinestGrain found = finestGrain(bed, scenario.tool, scenario.loop, stopAsked());
   status.clear();
+  const std::string before = sceneInWords(scenario);
   bed.soil = rescaled(bed.soil, found.chosen.radius_m);
+  retitle(scenario, before);
   validate(scenario);
-  const std::string titled = fmt::format("{:g} mm grains: {}", 1e3 * bed.soil.radius_m, scenario.title);
-  scenario.title = titled.size() <= mostBytes(TextSize::kLine) ? titled : scenario.title;
   printNotice(fmt::format("grains of {}{}\n", trialText(found.chosen),
                           found.too_slow && found.holds() ? fmt::format("; of {}", trialText(*found.too_slow)) : ""));
   if (!found.holds()) {
