@@ -230,7 +230,7 @@ void addStudyPlanCommand(CLI::App& study) {
   auto options = std::make_shared<PlanOptions>();
   CLI::App* command = study.add_subcommand("plan", "How many participants and trials a study needs, by simulation");
   command->footer(kStudyPlanExamples);
-  command->add_option("--protocol", options->protocol, "A built-in protocol or a file [paper-friction]")
+  command->add_option("protocol,--protocol", options->protocol, "A built-in protocol or a file [paper-friction]")
       ->option_text("NAME|FILE");
   command->add_option("--block", options->block, "Which block of it; default: the first")->option_text("NAME");
   command->add_option("--weber", options->parameters.observer.weber_fraction, "Weber fraction that is expected [0.29]")
