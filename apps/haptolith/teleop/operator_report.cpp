@@ -55,10 +55,12 @@ std::string robotText(const RobotLead& robot) {
   // Further behind than the link explains: it was cut off and catches up, or its machine is too slow.
   constexpr double kCommand_s = 1e-3, kMore_s = 1;
   const bool lags = static_cast<double>(news.behind) * kCommand_s > news.round_trip_s + kMore_s;
-  return fmt::format("robot {}{}{}, {} commands behind{}, round trip {:.2f} s; force felt {:.2f} N, met {:.2f} N{}",
-                     text(news.state.state), why, cap, news.behind,
-                     lags ? " (more than the link takes: it catches up, or its machine is too slow)" : "",
-                     news.round_trip_s, news.felt_n.norm(), news.met_n.norm(), soil);
+  return fmt::format(
+      "robot {}{}{}, {} commands behind{}, round trip {:.2f} s; soil force on the model's tool {:.2f} N, on the "
+      "robot's {:.2f} N{}",
+      text(news.state.state), why, cap, news.behind,
+      lags ? " (more than the link takes: it catches up, or its machine is too slow)" : "", news.round_trip_s,
+      news.felt_n.norm(), news.met_n.norm(), soil);
 }
 
 RobotShown robotShown(const RobotLead& robot) {

@@ -10,7 +10,8 @@
 
 namespace haptolith {
 
-/// "robot following, 2650 commands behind; force felt 3.2 N, met 2.9 N": for a status line.
+/// "robot following, 2650 commands behind; soil force on the model's tool 3.2 N, on the robot's 2.9 N": for a status
+/// line.
 [[nodiscard]] std::string robotText(const RobotLead& robot);
 
 /// "34.2 (31 to 37) deg, 150 (90 to 240) Pa, soil-tool 18.1 (15 to 21) deg".
