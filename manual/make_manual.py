@@ -234,14 +234,21 @@ def make(build: Path, out: Path, staged: Path) -> None:
 
 def bundle_theme(static: Path) -> None:
     """Makes Debian's furo, which ships its sources, work in a browser, from a server and from a file: its script is a module that imports
-    another, and its style imports a file of the server's. Excerpts of pages that were found cannot be read from a file."""
+    another, its style imports a file of the server's, and has lost the dark colours of a browser that prefers them. Excerpts of pages that were
+    found cannot be read from a file."""
     script, imported = static / "scripts/furo.js", static / "scripts/gumshoe-patched.js"
     text = re.sub(r'^import Gumshoe from "[^"]*";\n', "", script.read_text(), flags=re.M)
     if imported.exists() and text != script.read_text():
         script.write_text(f"{imported.read_text()}\n(function () {{\n{text}}})();\n")
         imported.unlink()
+    if re.search(r"^import ", script.read_text(), re.M):
+        sys.exit("make_manual.py: the theme's script is a module, which no page loads")
     style = static / "styles/furo.css"
-    style.write_text(re.sub(r"@import url\((/javascript/[^)]+)\);", lambda match: Path("/usr/share" + match[1]).read_text(), style.read_text()))
+    text = re.sub(r"@import url\((/javascript/[^)]+)\);", lambda match: Path("/usr/share" + match[1]).read_text(), style.read_text())
+    dark = re.search(r'body\[data-theme="dark"\] (\{.*?\})', text, re.S)
+    if dark and "prefers-color-scheme" not in text:
+        text += '\n@media not print { @media (prefers-color-scheme: dark) { body[data-theme="auto"] ' + dark[1] + " } }\n"
+    style.write_text(text)
     with (static / "documentation_options.js").open("a") as options:
         options.write("DOCUMENTATION_OPTIONS.SHOW_SEARCH_SUMMARY = location.protocol !== 'file:';\n")
 
