@@ -64,7 +64,7 @@ void runSpecimen(const LabTest& test, const TestCommand& command) {
   const LabSoil soil = labSoil(options, test.radius_mm);
   Progress progress(status);
   const LabConditions conditions = labConditions(options, soil, progress.part(0, 1));
-  announceDuration(test.typical_s, conditions.threads);
+  progress.expect(test.typical_s, conditions.threads);
   const LabOutput output = test.run(soil, conditions);
   status.clear();
   if (!options.trace_file.empty()) {
@@ -86,8 +86,8 @@ void runSpecimens(const LabTest& test, const TestCommand& command) {
   StatusLine status;
   LabOptions options = command.lab;
   const LabSoil soil = labSoil(options, test.radius_mm);
-  announceDuration(command.seeds * test.typical_s, threadsFor(options.threads));
   Progress progress(status);
+  progress.expect(command.seeds * test.typical_s, threadsFor(options.threads));
   std::vector<Specimen> specimens;
   for (int i = 0; i < command.seeds; ++i) {
     options.seed = command.lab.seed + static_cast<std::uint64_t>(i);
@@ -202,7 +202,7 @@ void runCalibrateSoil(const CalibrateCommand& command) {
   options.threads = threadsFor(command.threads);
   options.progress = progress.part(0, 1);
   options.verification_seeds = command.specimens;
-  announceDuration(typicalDuration(options), options.threads);
+  progress.expect(typicalDuration(options), options.threads);
   const CalibratedSoil result = calibrateSoil(command.target, options);
   status.clear();
   const SoilReached& reached = result.reached;

@@ -175,7 +175,6 @@ void Report::complete() {
   std::vector<double> lengths_s(pieces_.size());
   std::ranges::transform(pieces_, lengths_s.begin(), [&](const ReportPiece& piece) { return tests_[piece.test].typical_s; });
   work_.emplace(std::move(lengths_s), conditions_.threads, status_);
-  work_->announce(missing);
   work_->run(missing, folder_->path(), [this](std::size_t index) { measure(index); });
 }
 

@@ -256,7 +256,6 @@ void Validation::complete() {
   std::ranges::transform(pieces_, lengths_s.begin(),
                          [](const ClaimPiece& piece) { return labTest(piece.run.test).typical_s; });
   work_.emplace(std::move(lengths_s), threads_, status_);
-  work_->announce(missing);
   work_->run(missing, folder_->path(), [this](std::size_t index) { measure(index); });
   const std::vector<JudgedClaim> claims = judgedClaims();
   const std::vector<std::string> groups = groupsOf(claimsOf(claims_));

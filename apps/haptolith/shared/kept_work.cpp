@@ -21,21 +21,16 @@ KeptWork::KeptWork(std::vector<double> lengths_s, int threads, StatusLine& statu
       threads_each_(threads),
       status_(status) {}
 
-void KeptWork::announce(const std::vector<std::size_t>& missing) const {
-  double sum_s = 0;
-  for (const std::size_t index : missing) {
-    sum_s += lengths_s_[index];
-  }
-  announceDuration(sum_s, threads_);
-}
-
 void KeptWork::run(const std::vector<std::size_t>& missing, const std::filesystem::path& kept,
                    const std::function<void(std::size_t)>& piece) {
   done_ = lengths_s_.size() - missing.size();
+  double missing_s = 0;
   for (const std::size_t index : missing) {
     fractions_[index] = 0;
+    missing_s += lengths_s_[index];
   }
   progress_.emplace(status_, fractionDone());
+  progress_->expect(missing_s, threads_);
   if (done_ > 0) {
     post(fmt::format("{} of {} results are there already\n", done_, lengths_s_.size()));
   }

@@ -22,9 +22,6 @@ class KeptWork {
   /// @param threads  to be shared out among the pieces.
   KeptWork(std::vector<double> lengths_s, int threads, StatusLine& status);
 
-  /// Prints about how long `missing` takes.
-  void announce(const std::vector<std::size_t>& missing) const;
-
   /// Does each of `missing`; tells first how many are there already.
   /// @param kept  where what is done lies, for whoever interrupts.
   /// @throws what a piece throws; Failure when somebody ends it before.

@@ -3,8 +3,10 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <utility>
 
 #include "haptolith/core/clock.h"
+#include "haptolith/core/counted.h"
 
 #include "shared/output.h"
 #include "shared/stop_on_signal.h"
@@ -17,21 +19,23 @@ std::string durationText(double seconds) {
                               : fmt::format("{:.1f} h", seconds / 3600);
 }
 
-void announceDuration(double thread_s, int threads) {
-  constexpr double kWorthTelling_s = 30;
-  const double seconds = thread_s / threads;
-  if (seconds >= kWorthTelling_s) {
-    post(fmt::format("haptolith: this takes about {} on {} thread{}\n", durationText(seconds), threads,
-                     threads == 1 ? "" : "s"));
-  }
-}
-
 Progress::Progress(StatusLine& status, double begun_at)
     : status_(status), began_ns_(monotonicNs()), begun_at_(begun_at), furthest_(begun_at) {}
+
+void Progress::expect(double thread_s, int threads) {
+  constexpr double kWorthTelling_s = 30;
+  const double seconds = thread_s / threads;
+  expected_ = seconds < kWorthTelling_s ? ""
+                                        : fmt::format("haptolith: this takes about {} on {}\n", durationText(seconds),
+                                                      counted(static_cast<std::size_t>(threads), "thread"));
+}
 
 bool Progress::tell(std::string_view what, double fraction) {
   const std::scoped_lock lock(mutex_);
   furthest_ = std::clamp(fraction, furthest_, 1.0);
+  if (!expected_.empty()) {
+    post(std::exchange(expected_, ""));
+  }
   status_.tell([&] { return fmt::format("{:.0f} %{}: {}", 100 * furthest_, leftAfter(furthest_), what); });
   return !stopAsked();
 }

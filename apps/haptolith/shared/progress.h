@@ -13,15 +13,15 @@ class StatusLine;
 /// "40 s", "12 min", "1.5 h".
 [[nodiscard]] std::string durationText(double seconds);
 
-/// Prints about how long work takes, before it begins; nothing for less than half a minute.
-/// @param thread_s  seconds that one thread would take.
-void announceDuration(double thread_s, int threads);
-
 /// How far long work is: "34 %, about 2 min left: the blade moves". The fraction never goes back. For several threads.
 class Progress {
  public:
   /// @param begun_at  fraction of the work that was done before.
   explicit Progress(StatusLine& status, double begun_at = 0);
+
+  /// The first tell() prints about how long the work takes, unless that is less than half a minute.
+  /// @param thread_s  seconds that one thread would take.
+  void expect(double thread_s, int threads);
 
   /// Shows the fraction of all work that is done, 0 to 1. @return false when the work is to stop.
   bool tell(std::string_view what, double fraction);
@@ -41,6 +41,7 @@ class Progress {
   StatusLine& status_;
   std::int64_t began_ns_;
   double begun_at_, furthest_;
+  std::string expected_;  ///< to be printed
   mutable std::mutex mutex_;
 };
 

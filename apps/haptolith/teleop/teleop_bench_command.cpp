@@ -308,8 +308,8 @@ void runTeleopBench(const TeleopBenchOptions& options) {
   }
   const bool probes = std::ranges::any_of(rows, [](const Row& row) { return begins(row.which); });
   const std::optional<Probed> probed = probes ? std::optional(probe(options, status)) : std::nullopt;
-  announceDuration(static_cast<double>(rows.size()) * options.duration() * kThreadSecondsPerSecond, options.threads);
   Progress all(status);
+  all.expect(static_cast<double>(rows.size()) * options.duration() * kThreadSecondsPerSecond, options.threads);
   std::vector<std::atomic<double>> done(rows.size());
   inParallel(rows.size(), options.threads, [&](std::size_t row) {
     const auto progress = [&](double share) {
