@@ -15,7 +15,7 @@ namespace haptolith {
 
 namespace {
 
-using GridSizes = std::array<int, kParameters>;
+using AxisSizes = std::array<int, kParameters>;
 using GridSupports = std::array<Support, kParameters>;
 
 // What is less dense than the best point by more than this (e^-9 = 1.2e-4) is left out of the last grid.
@@ -23,10 +23,10 @@ constexpr double kNegligibleMass = 9;
 // The same of parameters that are summed over: the likelihood of another one is wanted where it is small, too.
 constexpr double kNegligibleNuisance = 12;
 constexpr std::size_t kHumps = 3;  // of the posterior, among which its maximum is looked for
-constexpr GridSizes kCoarseGrid{17, 17, 6, 6, 5};
+constexpr AxisSizes kCoarseGrid{17, 17, 6, 6, 5};
 // Of the grid of the likelihood's peaks, which lie between any two stimuli where the function is narrow.
-constexpr GridSizes kPosteriorPeaks{49, 12, 4, 4, 1};
-constexpr GridSizes kNuisance{28, 28, 10, 10, 8};
+constexpr AxisSizes kPosteriorPeaks{49, 12, 4, 4, 1};
+constexpr AxisSizes kNuisance{28, 28, 10, 10, 8};
 constexpr double kRounding = 1e-12;  // by which equal values may differ, as a share of them
 constexpr int kRounds = 3;           // of coarse grids, each over what the one before has left
 
@@ -38,7 +38,7 @@ GridSupports wholeSupport(const Model& model) {
   return supports;
 }
 
-GridSizes fineSizes(const Model& model) {
+AxisSizes fineSizes(const Model& model) {
   const GridSizes& grid = model.options().grid;
   if (model.freeParameters() == 1) {
     return {grid.alone, grid.alone, grid.alone, grid.alone, grid.alone};
@@ -105,7 +105,7 @@ void addLogLikelihoods(const std::vector<Level>& levels, const std::vector<doubl
 
 using GridAxes = std::array<GridAxis, kParameters>;
 
-GridAxes coarseAxes(const Model& model, const GridSupports& supports, const GridSizes& sizes = kCoarseGrid) {
+GridAxes coarseAxes(const Model& model, const GridSupports& supports, const AxisSizes& sizes = kCoarseGrid) {
   GridAxes axes;
   for (int i = 0; i < kParameters; ++i) {
     const bool dense_below = i != kThreshold && i != kScale;
@@ -114,7 +114,7 @@ GridAxes coarseAxes(const Model& model, const GridSupports& supports, const Grid
   return axes;
 }
 
-GridAxes gaussAxes(const Model& model, const GridSupports& supports, const GridSizes& sizes) {
+GridAxes gaussAxes(const Model& model, const GridSupports& supports, const AxisSizes& sizes) {
   GridAxes axes;
   for (int i = 0; i < kParameters; ++i) {
     axes[i] = gaussAxis(supports[i], sizes[i], isLogarithmic(model, i));
