@@ -153,6 +153,9 @@ TEST_F(RunCommand, AnyKeyCanBeSetOnTheCommandLine) {
 TEST_F(RunCommand, FinestChoosesGrainsAndSaysWhich) {
   const json run = summaryOf("regolith --finest --unpaced --duration-s 0.05");
   const double radius_mm = run["finest"]["chosen"]["radius_mm"];
+  EXPECT_THAT(
+      run["title"].get<std::string>(),
+      HasSubstr(radius_mm == 3.5 ? "Lunar soil" : fmt::format(" soil, Moon, R = {:.3g} mm, shovel", radius_mm)));
   // On a busy machine it chooses 7 mm, of which this bed holds two layers and a half: 161 where 199 are foreseen.
   const double error = radius_mm < 7 ? 0.1 : 0.25;
   const double free = run["particles"].get<double>() - run["held"].get<double>();

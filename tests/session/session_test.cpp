@@ -263,6 +263,18 @@ TEST_F(SessionTest, WhoeverHoldsTheToolDigsAndItStaysWhereItIsLeft) {
   ASSERT_TRUE(soon([&] { return session_->snapshot().scene_T_tool.position_m.z() > 0.1; }));
 }
 
+TEST_F(SessionTest, TheTitleFollowsTheMotion) {
+  start();
+  const std::string own = session_->scenario().title;
+  session_->play(session_->manoeuvre());
+  EXPECT_EQ(session_->scenario().title, own);
+  session_->play(Manoeuvre::kStir);
+  EXPECT_EQ(session_->scenario().title, "P3 soil, Moon, R = 7 mm, shovel, stir");
+  EXPECT_EQ(session_->shown().title, session_->scenario().title);
+  session_->reset();
+  EXPECT_EQ(session_->scenario().title, "P3 soil, Moon, R = 7 mm, shovel, stir") << "the hand still stirs";
+}
+
 TEST_F(SessionTest, APausedSessionGoesOnTickByTick) {
   start();
   EXPECT_THROW(session_->advance(1), InvalidParameter);

@@ -270,7 +270,7 @@ export function openBedPage(settings: Settings, program: Program, buttons: HTMLE
   };
   stage.start();
   connection.open();
-  publish({ stage, layout, now, setColour, setDrawing, setTheme });
+  publish({ stage, connection, layout, now, setColour, setDrawing, setTheme });
   return { stage, notices, colour: () => now.colour, drawing: () => now.drawing };
 
   function onHello(hello: Hello): void {

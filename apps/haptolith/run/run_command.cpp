@@ -105,13 +105,18 @@ std::optional<FinestGrain> fitted(Scenario& scenario, const RunOptions& options)
     return std::nullopt;
   }
   StatusLine status;
-  return fitToMachine(
+  const std::string before = sceneInWords(scenario);
+  const FinestGrain found = fitToMachine(
       scenario,
       {.threads = is_auto && !has_threads ? std::nullopt : std::optional(scenario.bed.threads),
        .folder = tileFolder(),
        .measure_again = options.measure_again,
        .measuring = [&status] { status.update("measures how fine soil this machine renders in time"); }},
       stopAsked());
+  if (!is_auto) {
+    retitle(scenario, before);
+  }
+  return found;
 }
 
 /// Chooses the particles, and takes the steps that --coarser asks for.

@@ -273,6 +273,7 @@ void Session::change(const SceneChange& change) {
 void Session::reset() {
   problem_.clear();
   wanted_ = initial_;
+  tellMotion(wanted_);
   wantBed("reset");
   pursue();
 }
@@ -285,6 +286,7 @@ void Session::show(std::span<const SceneChange> changes) {
   requireEnoughSubsteps(next);
   problem_.clear();
   wanted_ = std::move(next);
+  tellMotion(wanted_);
   wantBed("stimulus");
   pursue();
 }
@@ -316,6 +318,7 @@ void Session::undo() {
   problem_.clear();
   current_.replaced_by = previous_->replaced_by;
   wanted_ = previous_->scenario;
+  tellMotion(wanted_);
   bringOnStage(std::move(*previous_));
   previous_.reset();
 }
@@ -350,6 +353,7 @@ void Session::changeWhatIsThere() {
     now.bed.gravity_m_s2 = wanted_.bed.gravity_m_s2;
   }
   now.body = wanted_.body;
+  now.title = wanted_.title;
   if (!sameTool(wanted_.tool, now.tool)) {
     if (!loop_->ask(request::Exchange{request::ExchangeTool{wanted_.tool}})) {
       return;
@@ -503,8 +507,17 @@ void Session::play(Manoeuvre manoeuvre) {
   requireVirtualHand("play");
   command_.held.reset();
   command_.manoeuvre = manoeuvre;
+  tellMotion(wanted_);
+  tellMotion(current_.scenario);
   ++command_.beginnings;
   commandHand();
+}
+
+/// The title may name the motion.
+void Session::tellMotion(Scenario& scenario) const {
+  const std::string before = sceneInWords(scenario);
+  scenario.hand.manoeuvre = command_.manoeuvre;
+  retitle(scenario, before);
 }
 
 Vec3 Session::workspaceLow() const noexcept {

@@ -162,6 +162,7 @@ class Session {
   void openHand(std::unique_ptr<HapticDevice> device);
   void requireVirtualHand(const char* asked) const;
   void commandHand();
+  void tellMotion(Scenario& scenario) const;
 
   Scenario initial_, wanted_;
   Showing current_;

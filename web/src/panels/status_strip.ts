@@ -50,22 +50,20 @@ export class StatusStrip {
   private readonly real_time = new Cell('real time', 7, EXPLAIN.not_granted);
   private readonly clients = new Cell('clients', 3, EXPLAIN.clients);
 
-  /** `neutral`: a pause is no news, for pictures, which are taken while time stands still. */
+  /** `for_pictures`: nothing about the machine's timing, because time stands still while a picture is drawn. */
   constructor(
     private readonly own_client: () => number | null,
-    private readonly neutral: boolean,
+    for_pictures: boolean,
   ) {
+    const timing = [this.rate, this.success, this.p99];
     const cells = [
       this.time,
-      this.rate,
-      this.success,
-      this.p99,
+      ...(for_pictures ? [] : timing),
       this.awake,
       this.body,
       this.soil,
       this.device,
-      this.real_time,
-      this.clients,
+      ...(for_pictures ? [] : [this.real_time, this.clients]),
     ];
     this.element = h(
       'div',
@@ -94,7 +92,7 @@ export class StatusStrip {
   setStatus(status: Status): void {
     const wanted_hz = 1000 * status.speed;
     const slow = status.rate_hz < (status.speed < 1 ? SLOW_IN_SLOW_MOTION : SLOW) * wanted_hz;
-    if (status.paused) this.rate.set('paused', this.neutral ? 'none' : 'warn');
+    if (status.paused) this.rate.set('paused', 'warn');
     else this.rate.set(`${fixed(status.rate_hz, 0, 4)} Hz`, slow ? 'warn' : 'good');
     const percent = 100 * status.success_rate;
     this.success.set(`${fixed(percent, 0, 3)} %`, percent >= 99 ? 'good' : percent >= 90 ? 'warn' : 'bad');

@@ -206,6 +206,7 @@ export function openExperimenterPage(settings: Settings, program: Program): void
   connection.open();
   publish({
     stage,
+    connection,
     now,
     setColour: (mode) => stage.setColour(mode),
     setDrawing: (drawing) => stage.setDrawing(drawing),

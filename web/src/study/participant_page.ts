@@ -137,6 +137,7 @@ export function openParticipantPage(settings: Settings, program: Program): void 
   connection.open();
   publish({
     stage,
+    connection,
     now,
     setColour: (mode) => stage.setColour(mode),
     setDrawing: (drawing) => stage.setDrawing(drawing),
