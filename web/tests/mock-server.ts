@@ -68,6 +68,8 @@ export interface MockOptions {
   read_only?: boolean;
   /** a person's hand is at a device */
   person_feels?: boolean;
+  /** one tick in ten is late; `others`: because other programs take the processor */
+  late?: 'soil' | 'others';
   /** as in a status: far away, follows the tool */
   robot?: Robot;
   /** what must be in the address of the WebSocket */
@@ -102,6 +104,7 @@ export class MockServer {
   private time_s = 0;
   private frame_number = 0;
   private misses = 0;
+  private coarse = false;
   private paused = false;
   private speed = 1;
   private busy: string | null = null;
@@ -215,6 +218,7 @@ export class MockServer {
       stones: this.options.stones?.map(({ text }) => parse(Stone, text)),
       hand: { manoeuvre: 'still', max_force_n: 12, max_torque_nm: 0.2 },
       workspace: { low_m: [-far, -far, 0], high_m: [far, far, 0.4] },
+      can_coarsen: this.options.late !== undefined && !this.coarse,
     };
   }
 
@@ -240,7 +244,7 @@ export class MockServer {
       type: 'status',
       time_s: this.time_s,
       ticks: Math.round(this.time_s * 1000),
-      misses: this.misses,
+      ...this.missed(),
       success_rate: 0.99,
       rate_hz: this.paused ? 0 : 1000 * this.speed,
       tick_us: { p50: 7.1, p99: 36.2, max: 1989.9 },
@@ -264,6 +268,13 @@ export class MockServer {
       recorded: this.recorded,
       robot: this.options.robot ?? null,
     };
+  }
+
+  private missed(): Partial<Status> & { misses: number } {
+    if (!this.options.late || this.coarse) return { misses: this.misses };
+    const misses = Math.round(this.time_s * 100);
+    const [too_long, woken_late] = this.options.late === 'soil' ? [misses, 0] : [0, misses];
+    return { misses, misses_too_long: too_long, misses_woken_late: woken_late, misses_preempted: 0 };
   }
 
   private welcome(socket: WebSocket): void {
@@ -337,6 +348,9 @@ export class MockServer {
         this.remember('level', () => this.exchange(scene, bed));
         return this.exchange(this.scene, this.makeBed());
       }
+      case 'coarser':
+        this.coarse = true;
+        return this.exchange({ ...this.scene, can_coarsen: false }, this.makeBed());
       case 'undo':
         if (!this.undo) return 'there is nothing to undo';
         this.undo();

@@ -120,6 +120,8 @@ const Scene = v.object({
   stones: v.optional(v.array(Stone)),
   hand: v.object({ manoeuvre: v.string(), max_force_n: v.number(), max_torque_nm: v.number() }),
   workspace: Range3,
+  /** `coarser` would make a new bed; an older program knows of none, and does not say */
+  can_coarsen: v.optional(v.boolean(), false),
 });
 export type Scene = v.InferOutput<typeof Scene>;
 
@@ -176,6 +178,11 @@ const Status = v.object({
   time_s: v.number(),
   ticks: v.number(),
   misses: v.number(),
+  /** of the misses: the tick took too long, the loop was woken late, the processor was taken away during the tick; an
+   * older program does not say */
+  misses_too_long: v.optional(v.number()),
+  misses_woken_late: v.optional(v.number()),
+  misses_preempted: v.optional(v.number()),
   success_rate: v.number(),
   rate_hz: v.number(),
   tick_us: v.object({ p50: v.number(), p99: v.number(), max: v.number() }),
