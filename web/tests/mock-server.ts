@@ -264,6 +264,7 @@ export class MockServer {
       problem: null,
       can_undo: this.undo !== null,
       undo: this.undo_name,
+      undo_redoes: false,
       recording: this.recording,
       recorded: this.recorded,
       robot: this.options.robot ?? null,

@@ -47,7 +47,7 @@ export const EXPLAIN = {
   dig: 'The left button or one finger moves the tool wherever it is pressed in the picture, not only on the tool (G).',
   reset: 'The scene as it was started (R).',
   level: 'The same soil, its surface level again (L).',
-  undo: 'Takes back the last new bed, with the body and tool it had (Ctrl+Z).',
+  undo: 'Takes back the last new bed, with the body and tool it had; pressed again it brings that back (Ctrl+Z).',
   pause: 'Stops or resumes simulated time (Space).',
   step: 'While paused: computes one step of 1 ms (. on the keyboard; , for 100).',
   record: 'Writes every step to a file on the computer where the program runs (O).',

@@ -24,7 +24,7 @@ import { mustTouch, Touch, TOUCH_FIRST } from './touch';
 
 const JOIN_AGAIN_MS = 2000;
 const CLOCK_INTERVAL_MS = 100;
-const OVER: Phase[] = ['finished', 'withdrawn'];
+const OVER: Phase[] = ['finished', 'withdrawn', 'stopped'];
 const BESIDE_BLOCKS: Phase[] = ['waiting', 'consent', ...OVER];
 
 export function openParticipantPage(settings: Settings, program: Program): void {
@@ -183,6 +183,7 @@ export function openParticipantPage(settings: Settings, program: Program): void 
     prompts.setWork(message.work);
     problem.hidden = message.problem === null;
     setText(problem, message.problem ?? '');
+    if (message.ended) connection.close();
   }
 
   function showScene(message: ParticipantMessage): void {
