@@ -104,7 +104,6 @@ export class MockServer {
   private time_s = 0;
   private frame_number = 0;
   private misses = 0;
-  private coarse = false;
   private paused = false;
   private speed = 1;
   private busy: string | null = null;
@@ -182,6 +181,7 @@ export class MockServer {
       title: "The paper's scene",
       particles: this.bed.count,
       radius_m: 0.007,
+      can_coarsen: true,
       size_spread: 0,
       box: {
         width_m,
@@ -218,7 +218,6 @@ export class MockServer {
       stones: this.options.stones?.map(({ text }) => parse(Stone, text)),
       hand: { manoeuvre: 'still', max_force_n: 12, max_torque_nm: 0.2 },
       workspace: { low_m: [-far, -far, 0], high_m: [far, far, 0.4] },
-      can_coarsen: this.options.late !== undefined && !this.coarse,
     };
   }
 
@@ -244,7 +243,10 @@ export class MockServer {
       type: 'status',
       time_s: this.time_s,
       ticks: Math.round(this.time_s * 1000),
-      ...this.missed(),
+      misses: this.misses,
+      misses_too_long: this.misses,
+      misses_woken_late: 0,
+      misses_preempted: 0,
       success_rate: 0.99,
       rate_hz: this.paused ? 0 : 1000 * this.speed,
       tick_us: { p50: 7.1, p99: 36.2, max: 1989.9 },
@@ -268,14 +270,16 @@ export class MockServer {
       recording: this.recording,
       recorded: this.recorded,
       robot: this.options.robot ?? null,
+      ...this.late(),
     };
   }
 
-  private missed(): Partial<Status> & { misses: number } {
-    if (!this.options.late || this.coarse) return { misses: this.misses };
+  /** Coarser soil is in time. */
+  private late(): Partial<Status> {
+    if (!this.options.late || this.scene.radius_m > 0.007) return {};
     const misses = Math.round(this.time_s * 100);
-    const [too_long, woken_late] = this.options.late === 'soil' ? [misses, 0] : [0, misses];
-    return { misses, misses_too_long: too_long, misses_woken_late: woken_late, misses_preempted: 0 };
+    const woken_late = this.options.late === 'others' ? misses : 0;
+    return { misses, misses_too_long: misses - woken_late, misses_woken_late: woken_late };
   }
 
   private welcome(socket: WebSocket): void {
@@ -349,9 +353,12 @@ export class MockServer {
         this.remember('level', () => this.exchange(scene, bed));
         return this.exchange(this.scene, this.makeBed());
       }
-      case 'coarser':
-        this.coarse = true;
-        return this.exchange({ ...this.scene, can_coarsen: false }, this.makeBed());
+      case 'coarser': {
+        const bed = this.bed;
+        const scene = this.scene;
+        this.remember('coarser', () => this.exchange(scene, bed));
+        return this.exchange({ ...scene, radius_m: 1.1 * scene.radius_m }, this.makeBed());
+      }
       case 'undo':
         if (!this.undo) return 'there is nothing to undo';
         this.undo();

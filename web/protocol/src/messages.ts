@@ -92,6 +92,8 @@ const Scene = v.object({
   particles: v.number(),
   /** of the coarsest grains */
   radius_m: v.number(),
+  /** Whether `coarser` has coarser soil for it; programs before it do not send it. */
+  can_coarsen: v.optional(v.boolean(), false),
   /** how many of which radius, in the order of a frame's particles; an older program has one size, and does not say */
   grains: v.optional(v.array(v.object({ count: v.number(), radius_m: v.number() }))),
   size_spread: v.number(),
@@ -120,8 +122,6 @@ const Scene = v.object({
   stones: v.optional(v.array(Stone)),
   hand: v.object({ manoeuvre: v.string(), max_force_n: v.number(), max_torque_nm: v.number() }),
   workspace: Range3,
-  /** `coarser` would make a new bed; an older program knows of none, and does not say */
-  can_coarsen: v.optional(v.boolean(), false),
 });
 export type Scene = v.InferOutput<typeof Scene>;
 
@@ -178,10 +178,11 @@ const Status = v.object({
   time_s: v.number(),
   ticks: v.number(),
   misses: v.number(),
-  /** of the misses: the tick took too long, the loop was woken late, the processor was taken away during the tick; an
-   * older program does not say */
+  /** of `misses`: the tick's own work took too long, as with soil too fine for the machine; an older program does not say */
   misses_too_long: v.optional(v.number()),
+  /** of `misses`: the machine woke the loop's thread late */
   misses_woken_late: v.optional(v.number()),
+  /** of `misses`: the processor was taken away during the tick */
   misses_preempted: v.optional(v.number()),
   success_rate: v.number(),
   rate_hz: v.number(),

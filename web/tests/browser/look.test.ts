@@ -302,7 +302,7 @@ describe('what is shown', () => {
     await page.getByRole('group', { name: 'missed, last 10 s' }).getByText('too long').waitFor();
     await page.getByRole('button', { name: 'Coarser soil', exact: true }).click();
     await page.getByRole('button', { name: 'Coarser soil', exact: true }).waitFor({ state: 'hidden' });
-    await page.waitForFunction(() => window.haptolith!.scene!.can_coarsen === false);
+    await page.waitForFunction(() => window.haptolith!.scene!.radius_m > 0.007);
   });
 
   it('of a loop that other programs keep waiting says so', async () => {
