@@ -145,8 +145,12 @@ Json statusJson(const StudyStore& study, const std::vector<TrialRow>& trials) {
     json["groups"] = groupsJson(study);
   }
   for (const ParticipantRow& participant : study.participants()) {
-    Json row{{"participant", participant.code},  {"number", participant.number},     {"state", standing(study, participant, participant.state)},
-             {"begun_at", participant.begun_at}, {"ended_at", participant.ended_at}, {"blocks", Json::array()}};
+    Json row{{"participant", participant.code},
+             {"number", participant.number},
+             {"state", standing(study, participant, participant.state)},
+             {"begun_at", participant.begun_at},
+             {"ended_at", participant.ended_at},
+             {"blocks", Json::array()}};
     row["excluded_for"] = participant.excluded_for.empty() ? Json(nullptr) : Json(participant.excluded_for);
     if (!study.protocol().groups.empty()) {
       row["group"] = participant.assignment ? Json(participant.assignment->group) : Json(nullptr);
@@ -221,8 +225,7 @@ std::string participantsText(const StudyStore& study, const std::vector<TrialRow
   }
   text += '\n';
   for (const ParticipantRow& participant : participants) {
-    text += fmt::format("{:<18}{:<11}", participant.code,
-                        standing(study, participant, standingOf(participant)));
+    text += fmt::format("{:<18}{:<11}", participant.code, standing(study, participant, standingOf(participant)));
     for (std::size_t block = 0; block < blocks.size(); ++block) {
       const std::optional<std::size_t> of = mainTrials(blocks[block]);
       const std::size_t done = answered(trials, participant.id, block);

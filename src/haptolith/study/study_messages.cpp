@@ -137,7 +137,7 @@ std::string endingText(const StudyState& now, const std::filesystem::path& file)
   if (now.phase == StudyPhase::kWithdrawn) {
     return fmt::format("{} has stopped taking part.", now.participant);
   }
-  const std::string trials = now.trials > 0   ? fmt::format(" after {} of {} trials", now.trial, now.trials)
+  const std::string trials = now.trials > 0  ? fmt::format(" after {} of {} trials", now.trial, now.trials)
                              : now.trial > 0 ? fmt::format(" after {}", counted(now.trial, "trial"))
                                              : "";
   const std::string part = now.blocks > 1 ? fmt::format(" in part {} of {}", now.position + 1, now.blocks) : "";
