@@ -96,7 +96,7 @@ try {
   await page.mouse.down();
   ({ tool, bed, pose, surface_m } = await seen());
   const px_per_m = (bed.y - tool.y) / (pose.position_m[2] - surface_m);
-  const below = bed.y + 0.02 * px_per_m;
+  const below = bed.y + 0.03 * px_per_m; // where a hand that meets soil goes on pushing
   const aside = 0.05 * px_per_m * (way === 'left' ? -1 : 1);
   const begun_ms = Date.now();
   for (let share = 0; share < 1;) {
