@@ -89,6 +89,7 @@ TEST_F(SessionTest, AnotherSoilIsAnotherBedAndCanBeUndoneAndDoneAgain) {
   EXPECT_EQ(session_->scenario().preset, "P6");
   ASSERT_TRUE(soon([&] { return session_->scenes() == 2; }));
   EXPECT_EQ(session_->undoable(), "soil");
+  EXPECT_FALSE(session_->undoRedoes());
   EXPECT_EQ(session_->scene().bed().parameters().soil.mu_hat, session_->scenario().bed.soil.mu_hat);
 
   session_->undo();

@@ -28,6 +28,7 @@
 #include "haptolith/scenario/scene_words.h"
 #include "haptolith/session/session.h"
 #include "haptolith/viewer/live_view.h"
+#include "haptolith/viewer/waiting_page.h"
 
 #include "commands.h"
 #include "run/run_companion.h"
@@ -444,6 +445,16 @@ std::unique_ptr<LiveView> viewOf(Session& session, Follower& follower, const Run
   }
 }
 
+/// Shows in the terminal, and on a page where there will be one, how far the bed has settled.
+SettleProgress settlingOn(WaitingPage* page, SettledFraction& settled, StatusLine& status) {
+  return [shown = settlingIn(status), page, &settled](double time_s, double speed_m_s) {
+    if (page != nullptr) {
+      page->say(fmt::format("soil settles, {:.0f} % done", 100 * settled.update(speed_m_s)));
+    }
+    return shown(time_s, speed_m_s);
+  };
+}
+
 void run(const RunOptions& options) {
   const StopOnSignal stop_on_signal;
   Scenario scenario = scenarioFor(options);
@@ -460,7 +471,14 @@ void run(const RunOptions& options) {
   const bool serves = options.serve.value_or(scenario.loop.paced && !options.json);
   const bool leads = companion && companion->leadsRobot();
   const bool keeps_records = follower.wantsRecords() || serves || companion || !options.record_file.empty();
-  Session session(scenario, keeps_records, settlingIn(follower.status()), companion ? companion->device() : nullptr);
+  std::optional<WaitingPage> waiting;
+  SettledFraction settled;
+  if (serves) {
+    waiting.emplace(web);
+  }
+  Session session(scenario, keeps_records, settlingOn(waiting ? &*waiting : nullptr, settled, follower.status()),
+                  companion ? companion->device() : nullptr);
+  waiting.reset();
   follower.status().clear();
   printNotice(particlesText(session.scene(), finest, options.coarser));
   warnOfStiffness(session);

@@ -212,6 +212,7 @@ bool Session::takeMade() {
     Showing next = made->result.get();
     if (!made->unwanted) {
       current_.replaced_by = made->why;
+      current_.taken_back = false;
       bringOnStage(std::move(next));
     }
   } catch (const std::exception& error) {  // the bed that is there stays
@@ -317,6 +318,7 @@ void Session::undo() {
   }
   problem_.clear();
   current_.replaced_by = previous_->replaced_by;
+  current_.taken_back = !previous_->taken_back;
   wanted_ = previous_->scenario;
   tellMotion(wanted_);
   bringOnStage(std::move(*previous_));

@@ -347,6 +347,7 @@ Board::Texts statusMessages(const Session& session, const StatusBeside& beside) 
                        {"problem", orNull(session.problem())},
                        {"can_undo", !session.undoable().empty()},
                        {"undo", orNull(session.undoable())},
+                       {"undo_redoes", session.undoRedoes()},
                        {"recording", orNull(beside.recording)},
                        {"recorded", recordedJson(beside.recorded)},
                        {"robot", robotJson(beside.robot)}});

@@ -205,6 +205,8 @@ const Status = v.object({
   problem: v.nullable(v.string()),
   can_undo: v.boolean(),
   undo: v.nullable(v.string()),
+  /** an undo would bring back what the last one took back; an older program does not say */
+  undo_redoes: v.optional(v.boolean(), false),
   recording: v.nullable(v.string()),
   /** the last file that is finished, and where it is; an older program does not say */
   recorded: v.nullish(v.object({ file: v.string(), folder: v.string() })),
