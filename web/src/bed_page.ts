@@ -47,6 +47,8 @@ import { ToolFiles } from './tool_file';
 import { Stage } from './view/stage';
 
 const DESCRIBE_INTERVAL_MS = 1000;
+// Plots cost as much as a frame of the bed where the processor draws both.
+const SOFTWARE_PLOTS_MS = 240;
 const RECORDING = (run: () => void): Shortcut => ({ keys: ['o'], label: 'record, on and off', group: 'time', run });
 
 /** What a page that shows the bed lets others see and do. */
@@ -70,6 +72,9 @@ export function openBedPage(settings: Settings, program: Program, buttons: HTMLE
   };
 
   let described_ms = -Infinity;
+  let plotted_ms = -Infinity;
+  /** whose numbers the page shows */
+  let shown_frame: Frame | null = null;
 
   const notices = new Notices(() => connection.retryNow());
   const connection = new Connection(program, {
@@ -280,7 +285,16 @@ export function openBedPage(settings: Settings, program: Program, buttons: HTMLE
     tilt_control.show(now.hello?.read_only ? null : tilt.now_deg, now_ms);
     vr.tick(now_ms);
     hand.tick(now_ms);
-    plots.tick(now_ms);
+  };
+  stage.onDue = (now_ms) => {
+    if (!stage.software || now_ms - plotted_ms > SOFTWARE_PLOTS_MS) {
+      plots.tick(now_ms);
+      plotted_ms = now_ms;
+    }
+    if (!now.frame || now.frame === shown_frame) return;
+    shown_frame = now.frame;
+    strip.setTime(now.frame.time_s);
+    if (now.scene) readouts.setFrame(now.frame, now.scene, now_ms);
   };
   stage.onDrawn = () => {
     scale_bar.show(stage.orbit.metresPerPixel(stage.renderer.domElement.clientHeight || 1));
@@ -326,6 +340,7 @@ export function openBedPage(settings: Settings, program: Program, buttons: HTMLE
     agreed &&= status.person_feels;
     now.status = status;
     strip.setStatus(status);
+    stage.watchLoop(status);
     readouts.setRobot(status.robot ?? null);
     site_card.setRobot(status.robot ?? null);
     stage.setRobot(status.robot ?? null);
@@ -350,8 +365,6 @@ export function openBedPage(settings: Settings, program: Program, buttons: HTMLE
     stage.setFrame(frame, frame.held);
     plots.setFrame(frame);
     sound.setFrame(frame);
-    strip.setTime(frame.time_s);
-    if (now.scene) readouts.setFrame(frame, now.scene, performance.now());
   }
 
   function onLink(connected: boolean, why: string | null): void {

@@ -55,6 +55,7 @@ export function openParticipantPage(settings: Settings, program: Program): void 
     status: (status) => {
       now.status = status;
       stage.setRobot(status.robot ?? null);
+      stage.watchLoop(status);
       site_card.setRobot(status.robot ?? null);
       if (status.paused || (status.held_by !== null && status.held_by !== now.hello?.client)) hand.giveUp();
     },
