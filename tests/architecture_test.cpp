@@ -35,8 +35,8 @@ const std::map<std::string, Folders> kArrows = {
     {"exchange", {"tool"}},
     {"device", {"core"}},
     {"haptics", {"tool", "device"}},
-    {"machine", {"haptics"}},
     {"scenario", {"haptics"}},
+    {"machine", {"scenario"}},
     {"recording", {"scenario"}},
     // A virtual laboratory has no hand in it.
     {"lab", {"tool", "figure"}},
@@ -46,7 +46,7 @@ const std::map<std::string, Folders> kArrows = {
     {"psychometrics", {"core", "figure"}},
     {"study", {"session", "psychometrics"}},
     // What others build on, through C: neither files of recordings, nor pages, nor studies.
-    {"library", {"scenario", "lab", "psychometrics"}},
+    {"library", {"machine", "lab", "psychometrics"}},
     {"recording_library", {"library", "recording"}},
     // The laboratory turned round: from forces to soil.
     {"identify", {"lab", "figure"}},

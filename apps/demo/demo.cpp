@@ -7,6 +7,8 @@
 #include <xxhash.h>
 
 #include <algorithm>
+#include <array>
+#include <atomic>
 #include <chrono>
 #include <cstdint>
 #include <memory>
@@ -17,10 +19,12 @@
 #include <utility>
 #include <vector>
 
+#include "haptolith/bed/ready_tile.h"
 #include "haptolith/bed/tile_cache.h"
 #include "haptolith/core/error.h"
 #include "haptolith/device/hand/virtual_hand.h"
 #include "haptolith/haptics/haptic_loop.h"
+#include "haptolith/machine/finest_grain.h"
 #include "haptolith/scenario/scenario.h"
 #include "haptolith/session/session.h"
 #include "haptolith/viewer/live_view.h"
@@ -188,26 +192,29 @@ const char* tell(Work work) {
 /// for.
 struct DemoScene {
   std::string_view name, of;
-  std::vector<std::string> overrides = {};
 };
 const std::vector<DemoScene>& demoScenes() {
   static const std::vector<DemoScene> kScenes{
-      {"moon", "regolith", {"soil.radius_mm=4.5"}},
-      {"paper", "paper"},
-      {"rain", "rain"},
-      {"jaws", "jaws"},
-      {"sandbox", "sandbox"},
+      {"moon", "auto"}, {"paper", "paper"}, {"rain", "rain"}, {"jaws", "jaws"}, {"sandbox", "sandbox"},
   };
   return kScenes;
 }
 
+/// The finest particles that this browser's worker steps in time, measured once.
+Scenario fitted(Scenario scenario) {
+  static const double radius_m = [&] {
+    constexpr std::array kOneThread{1};
+    const std::atomic<bool> never{false};
+    return finestGrain(scenario.bed, scenario.tool, {.paced = false}, kOneThread, never).chosen.radius_m;
+  }();
+  scenario.bed.soil = rescaled(scenario.bed.soil, radius_m);
+  return scenario;
+}
+
 Scenario sceneNamed(std::string_view name) {
-  for (const DemoScene& scene : demoScenes()) {
-    if (scene.name == name) {
-      return findScenario(scene.of, scene.overrides);
-    }
-  }
-  return findScenario(name);
+  const auto scene = std::ranges::find(demoScenes(), name, &DemoScene::name);
+  const std::string_view of = scene == demoScenes().end() ? name : scene->of;
+  return of == "auto" ? fitted(findScenario(of)) : findScenario(of);
 }
 
 /// @param changes  "table.key=value" in a line each: what overridesOf() gave somebody else.
@@ -274,7 +281,7 @@ extern "C" {
 EMSCRIPTEN_KEEPALIVE const char* demoScenes() {
   nlohmann::ordered_json list = nlohmann::ordered_json::array();
   for (const auto& scene : haptolith::demo::demoScenes()) {
-    list.push_back({{"name", scene.name}, {"title", haptolith::demo::sceneNamed(scene.name).title}});
+    list.push_back({{"name", scene.name}, {"title", haptolith::findScenario(scene.of).title}});
   }
   haptolith::demo::told = list.dump();
   return haptolith::demo::told.c_str();
@@ -286,7 +293,10 @@ EMSCRIPTEN_KEEPALIVE const char* demoTile(const char* scene, const char* changes
   std::string name;
   const char* failed = haptolith::demo::tell([&] {
     const haptolith::Scenario scenario = haptolith::demo::sceneOf(scene, changes);
-    name = scenario.bed.start == haptolith::BedStart::kSettled ? haptolith::tileFileName(scenario.bed) : "";
+    const haptolith::BedParameters& bed = scenario.bed;
+    name = bed.start != haptolith::BedStart::kSettled ? ""
+           : bed.ready_made                           ? haptolith::readyTileName(bed)
+                                                      : haptolith::tileFileName(bed);
   });
   haptolith::demo::told = *failed == '\0' ? name : "";
   return haptolith::demo::told.c_str();

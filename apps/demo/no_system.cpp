@@ -8,7 +8,13 @@
 #include <unistd.h>
 
 #include <cerrno>
+#include <fstream>
+#include <iterator>
+#include <map>
+#include <string>
+#include <string_view>
 
+#include "haptolith/bed/ready_tile.h"
 #include "haptolith/bed/simd_target.h"
 #include "haptolith/core/error.h"
 #include "haptolith/device/open_device.h"
@@ -41,6 +47,19 @@ ssize_t getrandom(void* bytes, size_t size, unsigned /*flags*/) {
 }  // extern "C"
 
 namespace haptolith {
+
+/// The page has brought it from beside itself.
+std::string_view readyTileFile(std::string_view name) {
+  static std::map<std::string, std::string, std::less<>> files;
+  if (const auto known = files.find(name); known != files.end()) {
+    return known->second;
+  }
+  std::ifstream file("/tiles/" + std::string(name), std::ios::binary);
+  if (!file) {
+    return {};
+  }
+  return files.emplace(name, std::string(std::istreambuf_iterator<char>(file), {})).first->second;
+}
 
 void validate(const DeviceParameters& /*parameters*/) {}  // none is opened
 

@@ -101,12 +101,37 @@ TEST_F(RunCommand, SoilTooFineForAnyMachineEndsWithAdvice) {
 }
 
 TEST_F(RunCommand, WithoutANameOpensSoilAtRestThatPassesTheLaboratory) {
-  const json usual = summaryOf("--unpaced --duration-s 0.05");
-  EXPECT_EQ(usual["state_hash"], summaryOf("regolith --unpaced --duration-s 0.05")["state_hash"]);
+  const auto with_cache = [this](const std::string& scene) {
+    const ProgramResult result = runInShell(fmt::format(
+        "HAPTOLITH_CACHE='{}' \"$HAPTOLITH\" run {} --json --unpaced --duration-s 0.05", folder_.string(), scene));
+    EXPECT_EQ(result.exit_status, 0) << result.errors;
+    return json::parse(result.output);
+  };
+  const json usual = with_cache("");
+  EXPECT_EQ(usual["state_hash"], with_cache("auto")["state_hash"]) << "measured once";
+  EXPECT_EQ(files().size(), 1U) << "no tile had to settle";
   EXPECT_EQ(usual["soil"], "lunar-0-15cm");
   EXPECT_EQ(usual["friction"], "contact");
-  EXPECT_GT(usual["particles"].get<int>() - usual["held"].get<int>(), 1500);
   EXPECT_EQ(usual["awake"], 0) << "it lies still until it is touched";
+  const json regolith = summaryOf("regolith --unpaced --duration-s 0.05");
+  EXPECT_TRUE(regolith["finest"].is_null());
+  EXPECT_GT(regolith["particles"].get<int>() - regolith["held"].get<int>(), 1500);
+}
+
+TEST_F(RunCommand, SaysWhichParticlesItChoseAndTakesCoarserOnes) {
+  const ProgramResult chosen = runHaptolith("run --unpaced --duration-s 0.01 --no-serve");
+  EXPECT_EQ(chosen.exit_status, 0) << chosen.errors;
+  EXPECT_THAT(chosen.errors, testing::ContainsRegex("mm particles on [0-9]+ thread.*this machine"));
+  const auto particles = [](const std::string& arguments) {
+    return summaryOf(arguments + " --unpaced --duration-s 0.01")["particles"].get<int>();
+  };
+  EXPECT_EQ(particles("--set soil.radius_mm=4 --coarser"), particles("--set soil.radius_mm=4.4"));
+  EXPECT_EQ(particles("--set soil.radius_mm=4 --coarser --coarser"), particles("--set soil.radius_mm=4.8"));
+  const ProgramResult said =
+      runHaptolith("run --set soil.radius_mm=4 --coarser --unpaced --duration-s 0.01 --no-serve");
+  EXPECT_THAT(said.errors, HasSubstr("4.4 mm particles on"));
+  const ProgramResult refused = runHaptolith("run paper --coarser --unpaced --duration-s 0.01");
+  EXPECT_EQ(refused.exit_status, 2);
 }
 
 TEST_F(RunCommand, APresetWithoutASceneIsThePapersSoilInThePapersScene) {
@@ -128,9 +153,11 @@ TEST_F(RunCommand, AnyKeyCanBeSetOnTheCommandLine) {
 }
 
 TEST_F(RunCommand, FinestChoosesGrainsAndSaysWhich) {
-  const json run = summaryOf("--finest --unpaced --duration-s 0.05");
+  const json run = summaryOf("regolith --finest --unpaced --duration-s 0.05");
   const double radius_mm = run["finest"]["chosen"]["radius_mm"];
-  EXPECT_THAT(run["title"].get<std::string>(), testing::StartsWith(fmt::format("{:g} mm grains: ", radius_mm)));
+  EXPECT_THAT(
+      run["title"].get<std::string>(),
+      HasSubstr(radius_mm == 3.5 ? "Lunar soil" : fmt::format(" soil, Moon, R = {:.3g} mm, shovel", radius_mm)));
   // On a busy machine it chooses 7 mm, of which this bed holds two layers and a half: 161 where 199 are foreseen.
   const double error = radius_mm < 7 ? 0.1 : 0.25;
   const double free = run["particles"].get<double>() - run["held"].get<double>();

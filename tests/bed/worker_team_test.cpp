@@ -154,10 +154,47 @@ TEST(WorkerTeam, HasThePriorityThatItIsGiven) {
   }
   real_time.sched_priority = 0;
   pthread_setschedparam(pthread_self(), SCHED_OTHER, &real_time);
-  team.setPriority(1);
+  team.schedule({.priority = 1});
   EXPECT_EQ(priority_of_helper(team), 1);
-  team.setPriority(0);
+  team.schedule({});
   EXPECT_EQ(priority_of_helper(team), 0);
+}
+
+TEST(WorkerTeam, KeepsOffTheCpuOfWhomItHelps) {
+  cpu_set_t usable;
+  CPU_ZERO(&usable);
+  ASSERT_EQ(pthread_getaffinity_np(pthread_self(), sizeof usable, &usable), 0);
+  if (CPU_COUNT(&usable) < 2) {
+    GTEST_SKIP() << "on one CPU there is no other";
+  }
+  const int avoided = CPU_ISSET(0, &usable) ? 0 : 1;
+  struct Seen {
+    std::atomic<int> helped{0};
+    int avoided;
+    std::thread::id caller = std::this_thread::get_id();
+    static void work(void* context, int /*part*/, int /*parts*/) noexcept {
+      auto* seen = static_cast<Seen*>(context);
+      if (std::this_thread::get_id() != seen->caller) {
+        cpu_set_t cpus;
+        CPU_ZERO(&cpus);
+        pthread_getaffinity_np(pthread_self(), sizeof cpus, &cpus);
+        seen->helped = CPU_ISSET(static_cast<std::size_t>(seen->avoided), &cpus) ? 1 : 2;
+      }
+      std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    }
+  } seen{.avoided = avoided};
+  const auto may_run_there = [&](WorkerTeam& team) {
+    seen.helped = 0;
+    for (int round = 0; round < 1000 && seen.helped == 0; ++round) {
+      team.run(&Seen::work, &seen, 4);
+    }
+    return seen.helped == 1;
+  };
+  WorkerTeam team(2);
+  team.schedule({.avoided_cpu = avoided});
+  EXPECT_FALSE(may_run_there(team));
+  team.schedule({});
+  EXPECT_EQ(may_run_there(team), CPU_ISSET(static_cast<std::size_t>(avoided), &usable) != 0);
 }
 
 TEST(WorkerTeam, EndsWithoutEverHavingWorked) {

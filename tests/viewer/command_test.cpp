@@ -46,6 +46,7 @@ TEST(Command, EveryCommandOfTheProtocolIsUnderstood) {
   EXPECT_EQ(parsed<command::ToolFile>(R"({"do": "tool_file", "upload": 0, "name": "a.stl"})").source.unit_m, 0.001);
   parsed<command::Reset>(R"({"do": "reset"})");
   parsed<command::Level>(R"({"do": "level"})");
+  parsed<command::Coarser>(R"({"do": "coarser"})");
   parsed<command::Undo>(R"({"do": "undo"})");
   parsed<command::Pause>(R"({"do": "pause"})");
   parsed<command::Resume>(R"({"do": "resume"})");

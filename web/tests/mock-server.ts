@@ -68,6 +68,8 @@ export interface MockOptions {
   read_only?: boolean;
   /** a person's hand is at a device */
   person_feels?: boolean;
+  /** one tick in ten is late; `others`: because other programs take the processor */
+  late?: 'soil' | 'others';
   /** as in a status: far away, follows the tool */
   robot?: Robot;
   /** what must be in the address of the WebSocket */
@@ -179,6 +181,7 @@ export class MockServer {
       title: "The paper's scene",
       particles: this.bed.count,
       radius_m: 0.007,
+      can_coarsen: true,
       size_spread: 0,
       box: {
         width_m,
@@ -263,10 +266,20 @@ export class MockServer {
       problem: null,
       can_undo: this.undo !== null,
       undo: this.undo_name,
+      undo_redoes: false,
       recording: this.recording,
       recorded: this.recorded,
       robot: this.options.robot ?? null,
+      ...this.late(),
     };
+  }
+
+  /** Coarser soil is in time. */
+  private late(): Partial<Status> {
+    if (!this.options.late || this.scene.radius_m > 0.007) return {};
+    const misses = Math.round(this.time_s * 100);
+    const woken_late = this.options.late === 'others' ? misses : 0;
+    return { misses, misses_too_long: misses - woken_late, misses_woken_late: woken_late };
   }
 
   private welcome(socket: WebSocket): void {
@@ -339,6 +352,12 @@ export class MockServer {
         const scene = this.scene;
         this.remember('level', () => this.exchange(scene, bed));
         return this.exchange(this.scene, this.makeBed());
+      }
+      case 'coarser': {
+        const bed = this.bed;
+        const scene = this.scene;
+        this.remember('coarser', () => this.exchange(scene, bed));
+        return this.exchange({ ...scene, radius_m: 1.1 * scene.radius_m }, this.makeBed());
       }
       case 'undo':
         if (!this.undo) return 'there is nothing to undo';

@@ -4,6 +4,7 @@
 #include <nlohmann/json.hpp>
 #include <spdlog/spdlog.h>
 
+#include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <ctime>
@@ -15,17 +16,19 @@
 #include <vector>
 
 #include "haptolith/bed/simd_target.h"
+#include "haptolith/bed/tile_cache.h"
 #include "haptolith/core/counted.h"
 #include "haptolith/core/error.h"
 #include "haptolith/core/plain_text.h"
 #include "haptolith/haptics/stiffness_check.h"
 #include "haptolith/machine/deadline_report.h"
-#include "haptolith/machine/finest_grain.h"
+#include "haptolith/machine/machine_fit.h"
 #include "haptolith/scenario/file_keys.h"
 #include "haptolith/scenario/scenario.h"
 #include "haptolith/scenario/scene_words.h"
 #include "haptolith/session/session.h"
 #include "haptolith/viewer/live_view.h"
+#include "haptolith/viewer/waiting_page.h"
 
 #include "commands.h"
 #include "run/run_companion.h"
@@ -48,14 +51,15 @@ using namespace std::chrono_literals;
 using Json = nlohmann::ordered_json;
 
 constexpr const char* kRunExamples = R"(Examples:
-  haptolith run                                     soil of the Moon under a shovel, until Ctrl-C
+  haptolith run                                     soil of the Moon, as fine as this machine holds, until Ctrl-C
+  haptolith run --coarser                           one step coarser, where other programs need the processor
   haptolith run paper                               the paper's scene
   haptolith run --hand stir --duration-s 10         ten seconds of stirring
   haptolith run --soil surveyor-3 --body Mars       a soil by its name (haptolith soil list), on another world
   haptolith run --preset P1 --json                  one of the paper's soils, in its scene
   haptolith run --hand press --trace press.csv --figure press.svg
   haptolith run deep-bed                            another scene (haptolith scenes), or one from a file
-  haptolith run --finest                            grains as fine as this machine holds
+  haptolith run sandbox --finest                    another scene, as fine as this machine holds
   haptolith run --poses movement.csv                a recorded hand
   haptolith run --unpaced --duration-s 60 --json    as fast as it can, for experiments
   haptolith run --hand still --port 9000            to dig in, at http://127.0.0.1:9000/
@@ -66,7 +70,8 @@ constexpr const char* kRunExamples = R"(Examples:
 struct RunOptions {
   SceneOptions scene;
   std::optional<double> duration_s;
-  bool unpaced = false, finest = false;
+  bool unpaced = false, finest = false, measure_again = false;
+  int coarser = 0;  ///< steps
   std::optional<int> cpu;
   std::string trace_file, figure_file, record_file;
   Overwrite overwrite;
@@ -87,37 +92,56 @@ Scenario scenarioFor(const RunOptions& options) {
   return scenario;
 }
 
-/// "2.5 mm: about 4840 in 9 steps a tick, 99 % of ticks within 480 us".
-std::string trialText(const GrainTrial& trial) {
-  return std::isinf(trial.tick_us_p99)
-             ? fmt::format("{:g} mm: far more than any machine holds", 1e3 * trial.radius_m)
-             : fmt::format("{:g} mm: about {} in {} steps a tick, 99 % of ticks {} {:.0f} us", 1e3 * trial.radius_m,
-                           trial.grains, trial.substeps, trial.tick_us_p99 <= kFinestTick_us ? "within" : "not within",
-                           trial.tick_us_p99 <= kFinestTick_us ? trial.tick_us_p99 : kFinestTick_us);
-}
-
-/// Makes the scene of the finest grains that this machine holds, and tells which; the beginning of its title, for which
-/// there is room on the page, tells everybody else.
-FinestGrain chooseFinest(Scenario& scenario, StatusLine& status) {
-  BedParameters& bed = scenario.bed;
-  if (bed.start != BedStart::kSettled || bed.grading.fine_radius_m > 0) {
-    throw InvalidParameter(
-        "finest", inQuotes(scenario.title),
-        "a scene whose bed starts as settled, of grains of one size: another's are what its file says");
+/// What the machine allows, where the scene leaves its particles to it: `auto` does unless their radius is given, and
+/// any other with --finest.
+std::optional<FinestGrain> fitted(Scenario& scenario, const RunOptions& options) {
+  const SceneOptions& asked = options.scene;
+  const bool has_radius = setsKey(asked.overrides, "soil.radius_mm");
+  const bool has_threads = asked.threads || setsKey(asked.overrides, "bed.threads");
+  const bool is_auto = asked.scene() == kAutoScene;
+  if (!options.finest && (!is_auto || has_radius || !canBeFitted(scenario))) {
+    if (is_auto && !has_threads) {
+      scenario.bed.threads = std::min(2, loopThreads());
+    }
+    return std::nullopt;
   }
-  status.update("how fine may grains be on this machine?");
-  const FinestGrain found = finestGrain(bed, scenario.tool, scenario.loop, stopAsked());
-  status.clear();
-  bed.soil = rescaled(bed.soil, found.chosen.radius_m);
-  validate(scenario);
-  const std::string titled = fmt::format("{:g} mm grains: {}", 1e3 * bed.soil.radius_m, scenario.title);
-  scenario.title = titled.size() <= mostBytes(TextSize::kLine) ? titled : scenario.title;
-  printNotice(fmt::format("grains of {}{}\n", trialText(found.chosen),
-                          found.too_slow && found.holds() ? fmt::format("; of {}", trialText(*found.too_slow)) : ""));
-  if (!found.holds()) {
-    spdlog::warn("this machine holds no grains of this box in {:g} us: the coarsest are taken", kFinestTick_us);
+  StatusLine status;
+  const std::string before = sceneInWords(scenario);
+  const FinestGrain found = fitToMachine(
+      scenario,
+      {.threads = is_auto && !has_threads ? std::nullopt : std::optional(scenario.bed.threads),
+       .folder = tileFolder(),
+       .measure_again = options.measure_again,
+       .measuring = [&status] { status.update("measures how fine soil this machine renders in time"); }},
+      stopAsked());
+  if (!is_auto) {
+    retitle(scenario, before);
   }
   return found;
+}
+
+/// Chooses the particles, and takes the steps that --coarser asks for.
+std::optional<FinestGrain> chooseParticles(Scenario& scenario, const RunOptions& options) {
+  std::optional<FinestGrain> finest = fitted(scenario, options);
+  for (int step = 0; step < options.coarser; ++step) {
+    makeCoarser(scenario);
+  }
+  validate(scenario);
+  return finest;
+}
+
+/// Which particles a scene has that were chosen, in a line; empty: they are the scene's own.
+std::string particlesText(const Scene& scene, const std::optional<FinestGrain>& finest, int coarser) {
+  const BedParameters& bed = scene.bed().parameters();
+  if (coarser > 0) {
+    return fmt::format(
+        "{:g} mm particles on {}: {} coarser than {} ({} particles)\n", 1e3 * bed.soil.radius_m,
+        counted(bed.threads, "thread"), counted(coarser, "step"),
+        finest ? fmt::format("{:g} mm, the finest soil this machine renders in time", 1e3 * finest->chosen.radius_m)
+               : "asked for otherwise",
+        scene.bed().particles());
+  }
+  return finest ? text(*finest, scene.bed().particles()) + "\n" : "";
 }
 
 /// Of a name that no program takes for another kind of file.
@@ -138,7 +162,6 @@ class Follower {
   Follower(const RunOptions& options, const Scenario& scenario, RunCompanion* companion)
       : scenario_(scenario),
         companion_(companion),
-        finest_(options.finest),
         keep_history_(!options.figure_file.empty()),
         recording_(recordingFor(options.frames_per_s, companion != nullptr && companion->leadsRobot())) {
     if (!options.trace_file.empty()) {
@@ -222,16 +245,15 @@ class Follower {
     const std::string deadlines = scenario_.loop.paced ? fmt::format("  in time {:5.1f} %  misses {}",
                                                                      100 * now.success_rate, now.deadline_misses)
                                                        : "";
-    return fmt::format("{}{}{}  {} {:6.2f} N  tick p99 {:5.0f} us{}  awake {}", fmt::format("{:7.1f} s", now.time_s),
+    return fmt::format("{}{}  {} {:6.2f} N  tick p99 {:5.0f} us{}  awake {}", fmt::format("{:7.1f} s", now.time_s),
                        wanted > 0 ? fmt::format(" of {:g} s", wanted) : "",
-                       finest_ ? fmt::format("  grains {:g} mm", 1e3 * scenario_.bed.soil.radius_m) : "",
                        now.trip == SafetyTrip::kNone ? "force" : "LET GO", now.felt.force_n.norm(), now.tick_us_p99,
                        deadlines, now.awake);
   }
 
   const Scenario& scenario_;
   RunCompanion* companion_;
-  bool finest_, keep_history_;
+  bool keep_history_;
   std::optional<TraceFile> trace_;
   SessionRecording recording_;
   StatusLine status_;
@@ -244,7 +266,7 @@ struct RunSummary {
   LoopEnd end;
   RealTime real_time;
   std::uint64_t lost_records;
-  std::optional<FinestGrain> finest;  ///< what --finest chose
+  std::optional<FinestGrain> finest;  ///< what was chosen for this machine
   std::string advice;                 ///< what to do about missed deadlines; empty: nothing
 };
 
@@ -265,6 +287,7 @@ Json finestJson(const std::optional<FinestGrain>& finest) {
     return {{"radius_mm", 1e3 * tried.radius_m},
             {"grains", tried.grains},
             {"substeps", tried.substeps},
+            {"threads", tried.threads},
             {"predicted_tick_us_p99", tried.tick_us_p99}};
   };
   return finest ? Json{{"chosen", trial(finest->chosen)},
@@ -422,17 +445,23 @@ std::unique_ptr<LiveView> viewOf(Session& session, Follower& follower, const Run
   }
 }
 
+/// Shows in the terminal, and on a page where there will be one, how far the bed has settled.
+SettleProgress settlingOn(WaitingPage* page, SettledFraction& settled, StatusLine& status) {
+  return [shown = settlingIn(status), page, &settled](double time_s, double speed_m_s) {
+    if (page != nullptr) {
+      page->say(fmt::format("soil settles, {:.0f} % done", 100 * settled.update(speed_m_s)));
+    }
+    return shown(time_s, speed_m_s);
+  };
+}
+
 void run(const RunOptions& options) {
   const StopOnSignal stop_on_signal;
   Scenario scenario = scenarioFor(options);
   const std::unique_ptr<RunCompanion> companion =
       options.companion ? options.companion(scenario, options.scene) : nullptr;
   const WebServerOptions web = options.web.forAll();
-  std::optional<FinestGrain> finest;
-  if (options.finest) {
-    StatusLine status;
-    finest = chooseFinest(scenario, status);
-  }
+  const std::optional<FinestGrain> finest = chooseParticles(scenario, options);
   // Files that cannot be written are refused before the bed is made.
   Follower follower(options, scenario, companion.get());
   std::optional<Figure> figure;
@@ -442,8 +471,16 @@ void run(const RunOptions& options) {
   const bool serves = options.serve.value_or(scenario.loop.paced && !options.json);
   const bool leads = companion && companion->leadsRobot();
   const bool keeps_records = follower.wantsRecords() || serves || companion || !options.record_file.empty();
-  Session session(scenario, keeps_records, settlingIn(follower.status()), companion ? companion->device() : nullptr);
+  std::optional<WaitingPage> waiting;
+  SettledFraction settled;
+  if (serves) {
+    waiting.emplace(web);
+  }
+  Session session(scenario, keeps_records, settlingOn(waiting ? &*waiting : nullptr, settled, follower.status()),
+                  companion ? companion->device() : nullptr);
+  waiting.reset();
   follower.status().clear();
+  printNotice(particlesText(session.scene(), finest, options.coarser));
   warnOfStiffness(session);
   if (companion) {
     companion->begin(session);
@@ -521,7 +558,11 @@ void addOptions(CLI::App* command, const std::shared_ptr<RunOptions>& options) {
       ->option_text("SECONDS");
   command->add_flag("--unpaced", options->unpaced, "As fast as it can instead of in step with the clock");
   command->add_flag("--finest", options->finest,
-                    "Settled soil in the finest grains that this machine holds; measures it for a second");
+                    "Settled soil in the finest particles that this machine renders in time; `auto` does so anyway");
+  command->add_flag("--coarser", options->coarser,
+                    "One step coarser particles, 5 to 10 % larger; again for another step");
+  command->add_flag("--measure-again", options->measure_again,
+                    "Measure this machine for a second, whatever was found before");
   command->add_option("--cpu", options->cpu, "The only CPU that the loop's thread runs on; default: any")
       ->option_text("N");
   command->add_option("--trace", options->trace_file, "Write every tick to this CSV file")->option_text("FILE");
@@ -547,6 +588,7 @@ void addOptions(CLI::App* command, const std::shared_ptr<RunOptions>& options) {
 
 void addRunCommand(CLI::App& app) {
   auto options = std::make_shared<RunOptions>();
+  options->scene.usual = kAutoScene;
   CLI::App* command = app.add_subcommand("run", "Run a scene at 1 kHz under a hand, until Ctrl-C or --duration-s");
   command->footer(kRunExamples);
   addOptions(command, options);

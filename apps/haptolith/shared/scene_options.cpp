@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <map>
+#include <string_view>
 
 #include "haptolith/core/error.h"
 #include "haptolith/recording/recording_format.h"
@@ -52,14 +53,6 @@ void tellOfMesh(const Scenario& scenario) {
   }
 }
 
-/// What opens when no scene is named: soil that feels as the Moon's does. The paper's soils are made for its scene.
-std::string sceneOf(const SceneOptions& options) {
-  if (!options.scenario_file.empty()) {
-    return options.scenario_file;
-  }
-  return options.preset ? "paper" : "regolith";
-}
-
 }  // namespace
 
 CLI::Option* DeviceOptions::addTo(CLI::App& command) {
@@ -90,12 +83,20 @@ void DeviceOptions::applyTo(DeviceParameters& device) const {
   device.key = device.kind == DeviceKind::kNetwork ? keyFrom(key_file, "HAPTOLITH_DEVICE_KEY") : "";
 }
 
+std::string SceneOptions::scene() const {
+  if (!scenario_file.empty()) {
+    return scenario_file;
+  }
+  return preset ? "paper" : usual;
+}
+
 void SceneOptions::addTo(CLI::App& command) {
   command
       .add_option(
           "scenario", scenario_file,
-          "Scene by its name (haptolith scenes) or from a file (docs/scenarios.md); default: regolith, and with "
-          "--preset paper")
+          fmt::format(
+              "Scene by its name (haptolith scenes) or from a file (docs/scenarios.md) [{}, with --preset paper]",
+              usual))
       ->option_text("NAME|FILE");
   command
       .add_option("--set", overrides,
@@ -127,8 +128,9 @@ void SceneOptions::addTo(CLI::App& command) {
 }
 
 Scenario scenarioFor(const SceneOptions& options) {
-  const std::string scene = sceneOf(options);
+  const std::string scene = options.scene();
   Scenario scenario = findScenario(scene, options.overrides);
+  const std::string title = scenario.title, before = sceneInWords(scenario);
   BedParameters& bed = scenario.bed;
   if (options.preset) {
     changePreset(scenario, *options.preset);
@@ -150,6 +152,10 @@ Scenario scenarioFor(const SceneOptions& options) {
   bed.threads = options.threads.value_or(bed.threads);
   bed.seed = options.seed.value_or(bed.seed);
   options.device.applyTo(scenario.device);
+  retitle(scenario, before);
+  const bool titled =
+      std::ranges::any_of(options.overrides, [](std::string_view text) { return text.starts_with("title"); });
+  scenario.title = titled ? title : scenario.title;
   makeToolMesh(scenario);
   if (scenario.tool.shape == ToolShape::kMesh) {
     tellOfMesh(scenario);

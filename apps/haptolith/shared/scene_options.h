@@ -32,6 +32,7 @@ struct DeviceOptions {
 /// Which scene, as the command line says it; everything else comes from the scenario.
 struct SceneOptions {
   std::string scenario_file;
+  std::string usual = "regolith";      ///< what opens when no scene is named
   std::vector<std::string> overrides;  ///< keys of the scene file, each "table.key=value"
   std::optional<std::string> preset, soil, body, poses_file;
   std::optional<FrictionModel> friction;
@@ -41,6 +42,8 @@ struct SceneOptions {
   DeviceOptions device;
 
   void addTo(CLI::App& command);
+  /// Name or file of the scene that opens: the paper's soils are made for its scene.
+  [[nodiscard]] std::string scene() const;
 };
 
 /// The scene that the options ask for, with a warning for each key of its file that has no effect; not yet checked by

@@ -90,8 +90,8 @@ class Bed {
   /// A step comes within so long: the other threads wake up and look for it. May be called in the tick's thread,
   /// between ticks.
   void expectStep(std::int64_t within_ns) noexcept { team_.expect(within_ns); }
-  /// The real-time priority of the other threads; 0: none. May be called in the tick.
-  void setHelpersPriority(int priority) noexcept { team_.setPriority(priority); }
+  /// How the other threads are scheduled. May be called in the tick.
+  void scheduleHelpers(const HelperSchedule& schedule) noexcept { team_.schedule(schedule); }
 
   /// From the next step on a particle moves with this velocity, whatever pushes it, and others feel it as before: rough
   /// plates and floors are made of such particles. None that is held can be driven. May be called in the tick.

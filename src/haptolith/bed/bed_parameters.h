@@ -62,7 +62,9 @@ struct BedParameters {
   int layers = 3;          ///< kCount
   double depth_m = 0.04;   ///< kPacked, kSettled: height of the undisturbed soil
   std::uint64_t seed = 1;  ///< kRain, kSettled, and finer grains
-  GivenGrains given;       ///< kGiven
+  bool ready_made =
+      false;          ///< kSettled: with settled soil that ships with the program where there is some (ready_tile.h)
+  GivenGrains given;  ///< kGiven
   Grading grading;
   StonesParameters stones;  ///< contact friction only, in a box with walls
 

@@ -13,6 +13,7 @@
 #include "haptolith/bed/bed_start.h"
 #include "haptolith/bed/critical_step.h"
 #include "haptolith/bed/graded_start.h"
+#include "haptolith/bed/ready_tile.h"
 #include "haptolith/bed/spatial_order.h"
 #include "haptolith/bed/stone_start.h"
 #include "haptolith/bed/tile_cache.h"
@@ -105,6 +106,12 @@ StartingSoil clearedOfStones(StartingSoil soil, const BedParameters& bed) {
   return soil;
 }
 
+/// The tile of a bed that starts as settled.
+BedTile tileFor(const BedParameters& bed, const TileProgress& progress) {
+  std::optional<BedTile> ready = bed.ready_made ? readyTile(bed) : std::nullopt;
+  return ready ? *std::move(ready) : cachedTile(bed, progress);
+}
+
 /// Given grains in spatial order, those that are held last.
 LaidSoil givenSoil(const BedParameters& bed) {
   const std::vector<std::array<float, 4>>& given = *bed.given.grains;
@@ -173,7 +180,7 @@ Bed::StartingSoil Bed::startingSoil(const BedParameters& bed, const SettleProgre
     const std::vector<Vec3> centres = inSpatialOrder(startingCentres(bed), bed.soil.radius_m);
     return {.tile = {}, .laid = {.grains = withSizes(bed, centres), .sources = {}}};
   }
-  StartingSoil soil{.tile = cachedTile(bed, progress), .laid = {}};
+  StartingSoil soil{.tile = tileFor(bed, progress), .laid = {}};
   soil.laid = laidOut(soil.tile, bed);
   return soil;
 }
@@ -184,6 +191,7 @@ LaidSoil Bed::gradedSoil(const BedParameters& bed, const SettleProgress& progres
     if (!made) {
       BedParameters of_one_size = bed;
       of_one_size.grading = {};
+      of_one_size.ready_made = false;
       made = Bed(of_one_size, progress).lying();
     }
     return *made;

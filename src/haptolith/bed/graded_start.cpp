@@ -141,6 +141,7 @@ BedParameters GradedFilling::tileFor(int grain_class) const {
   tile.length_m = side(region.low_y, region.high_y, bed_.length_m);
   tile.periodic_x = tile.periodic_y = true;
   tile.start = BedStart::kSettled;
+  tile.ready_made = false;
   tile.seed = bed_.seed + static_cast<std::uint64_t>(grain_class);
   tile.depth_m = surface_m_ - std::max(region.floor, 0.0) + kDeeper * r;
   return tile;

@@ -242,16 +242,37 @@ std::string fileName(const std::string& key) {
   return fmt::format("{}{:016x}", kPrefix, XXH3_64bits(key.data(), key.size()));
 }
 
-/// What a bed of one size of grain depends on while it settles.
-std::string keyOf(const BedParameters& bed) {
+/// The numbers that a bed of one size of grain depends on while it settles.
+std::vector<double> numbersOf(const BedParameters& bed) {
   const SoilParameters& s = bed.soil;
   static_assert(sizeof(SoilParameters) == 15 * sizeof(double), "a new number of the soil belongs in the key");
-  std::string key = fmt::format("format {} law {} {} friction {} particles {} seed {} max_substeps {}", kFormat, kLaw,
-                                simdTarget(), static_cast<int>(s.friction), bed.particles, bed.seed, bed.max_substeps);
-  for (const double number :
-       {bed.width_m, bed.length_m, bed.depth_m, bed.gravity_m_s2.z(), bed.tick_s, s.radius_m, s.gamma_nm, s.rho0_kg_m3,
-        s.rho_max_kg_m3, s.mu_hat, s.stiffness_n_m, s.attraction_ratio, s.moving_friction_ratio, s.contact_friction,
-        s.contact_cohesion_n, s.cohesion_range_ratio, s.tangential_ratio, s.size_spread, s.damping_ratio}) {
+  return {bed.width_m,
+          bed.length_m,
+          bed.depth_m,
+          bed.gravity_m_s2.z(),
+          bed.tick_s,
+          s.radius_m,
+          s.gamma_nm,
+          s.rho0_kg_m3,
+          s.rho_max_kg_m3,
+          s.mu_hat,
+          s.stiffness_n_m,
+          s.attraction_ratio,
+          s.moving_friction_ratio,
+          s.contact_friction,
+          s.contact_cohesion_n,
+          s.cohesion_range_ratio,
+          s.tangential_ratio,
+          s.size_spread,
+          s.damping_ratio};
+}
+
+/// What a bed of one size of grain depends on while it settles.
+std::string keyOf(const BedParameters& bed) {
+  std::string key =
+      fmt::format("format {} law {} {} friction {} particles {} seed {} max_substeps {}", kFormat, kLaw, simdTarget(),
+                  static_cast<int>(bed.soil.friction), bed.particles, bed.seed, bed.max_substeps);
+  for (const double number : numbersOf(bed)) {
     key += fmt::format(" {:a}", number);
   }
   return key;
@@ -316,6 +337,15 @@ void useTileCache(const fs::path& folder, std::function<void(std::string_view)> 
 
 std::string tileKey(const BedParameters& bed) {
   return keyOf(tileBed(bed));
+}
+
+std::string readyTileKey(const BedParameters& bed) {
+  const BedParameters tile = tileBed(bed);
+  std::string key = fmt::format("law {} friction {} seed {}", kLaw, static_cast<int>(tile.soil.friction), tile.seed);
+  for (const double number : numbersOf(tile)) {
+    key += fmt::format(" {:.6g}", number);
+  }
+  return key;
 }
 
 std::string tileFileName(const BedParameters& bed) {

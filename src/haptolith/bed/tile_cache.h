@@ -33,6 +33,10 @@ void useTileCache(const std::filesystem::path& folder, std::function<void(std::s
 /// which law and format these are.
 [[nodiscard]] std::string tileKey(const BedParameters& bed);
 
+/// What a tile that ships with the program (ready_tile.h) is of, as text: the numbers of tileBed() to six digits, and
+/// which law it settled by, but no instruction set, for soil at rest is at rest with each.
+[[nodiscard]] std::string readyTileKey(const BedParameters& bed);
+
 /// "tile-" and the hash of its key.
 [[nodiscard]] std::string tileFileName(const BedParameters& bed);
 

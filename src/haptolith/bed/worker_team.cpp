@@ -43,11 +43,16 @@ void waitWhile(const std::atomic<T>& value, T old, std::int64_t at_least_ns) noe
   }
 }
 
-/// Of the calling thread: 0 is an ordinary one. It does without where the system refuses.
-void giveThisThread(int priority) noexcept {
+/// Schedules the calling thread so, as far as the system lets it. @param usual  the CPUs that it ran on when it began.
+void scheduleThisThread(const HelperSchedule& schedule, const cpu_set_t& usual) noexcept {
   sched_param parameters{};
-  parameters.sched_priority = priority;
-  (void)pthread_setschedparam(pthread_self(), priority > 0 ? SCHED_FIFO : SCHED_OTHER, &parameters);
+  parameters.sched_priority = schedule.priority;
+  (void)pthread_setschedparam(pthread_self(), schedule.priority > 0 ? SCHED_FIFO : SCHED_OTHER, &parameters);
+  cpu_set_t cpus = usual;
+  if (schedule.avoided_cpu >= 0 && CPU_COUNT(&cpus) > 1) {
+    CPU_CLR(static_cast<std::size_t>(schedule.avoided_cpu), &cpus);
+  }
+  (void)pthread_setaffinity_np(pthread_self(), sizeof cpus, &cpus);
 }
 
 constexpr int kRoundShift = 32;
@@ -139,16 +144,19 @@ void WorkerTeam::workOn(std::uint32_t round, std::size_t own) noexcept {
 
 void WorkerTeam::serve(std::size_t own) noexcept {
   std::uint32_t seen = 0;
-  int priority = 0;
+  HelperSchedule schedule;
+  cpu_set_t usual;
+  CPU_ZERO(&usual);
+  (void)pthread_getaffinity_np(pthread_self(), sizeof usual, &usual);
   for (;;) {
     waitWhile(round_, seen, expected_until_ns_.load(std::memory_order_relaxed));
     seen = round_.load(std::memory_order_acquire);
     if (stop_) {
       return;
     }
-    if (const int wanted = priority_.load(std::memory_order_relaxed); wanted != priority) {
-      giveThisThread(wanted);
-      priority = wanted;
+    if (const HelperSchedule wanted = schedule_.load(std::memory_order_relaxed); wanted != schedule) {
+      scheduleThisThread(wanted, usual);
+      schedule = wanted;
     }
     workOn(seen, own);
   }

@@ -7,6 +7,14 @@
 
 namespace haptolith {
 
+/// How the system schedules the threads that help another.
+struct HelperSchedule {
+  int priority = 0;      ///< real-time priority; 0: none
+  int avoided_cpu = -1;  ///< CPU that they keep off, if there is another; -1: none
+
+  [[nodiscard]] bool operator==(const HelperSchedule&) const = default;
+};
+
 /// A few threads that share out the parts of a loop, and sleep between the loops. run() does not allocate, lock or
 /// throw.
 ///
@@ -35,10 +43,10 @@ class WorkerTeam {
   /// thread, between ticks.
   void expect(std::int64_t within_ns) noexcept;
 
-  /// From the next loop on the other threads have this real-time priority; 0: none. The scheduler leaves a thread that
-  /// has none waiting on a processor that one with priority keeps, though another processor is free. May be called in
-  /// the tick.
-  void setPriority(int priority) noexcept { priority_.store(priority, std::memory_order_relaxed); }
+  /// From the next loop on the other threads are scheduled so. The scheduler leaves a thread without priority waiting
+  /// on a processor that one with priority keeps, though another processor is free; and one of lower priority on the
+  /// processor that the caller is pinned to. May be called in the tick.
+  void schedule(const HelperSchedule& schedule) noexcept { schedule_.store(schedule, std::memory_order_relaxed); }
 
  private:
   /// Parts that one thread begins with: number of the loop (32 bits), end (16), next (16), in one so that nobody takes
@@ -59,7 +67,7 @@ class WorkerTeam {
   std::int64_t alone_until_ns_ = 0;  // 0: in company
   alignas(64) std::atomic<std::uint32_t> round_{0};
   std::atomic<std::int64_t> expected_until_ns_{0};
-  std::atomic<int> priority_{0};
+  std::atomic<HelperSchedule> schedule_{HelperSchedule{}};
   alignas(64) std::atomic<int> unfinished_{0};
   std::atomic<bool> stop_{false};
 };

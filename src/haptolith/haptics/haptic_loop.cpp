@@ -146,7 +146,7 @@ LoopEnd HapticLoop::run(const std::atomic<bool>& stop) noexcept {
     watchdog_->start();
   }
   const LoopEnd end = runTicks(stop);
-  scene_->bed().setHelpersPriority(0);  // who steps it now may be an ordinary thread
+  scene_->bed().scheduleHelpers({});  // who steps it now may be an ordinary thread
   if (watchdog_) {
     watchdog_->stop();
   }
@@ -158,8 +158,8 @@ LoopEnd HapticLoop::run(const std::atomic<bool>& stop) noexcept {
 LoopEnd HapticLoop::runTicks(const std::atomic<bool>& stop) noexcept {
   const auto last_tick = static_cast<std::uint64_t>(std::llround(parameters_.duration_s / parameters_.tick_s));
   LoopEnd wanted_end = LoopEnd::kRunning;
-  helpers_priority_ = helpersPriority();
-  scene_->bed().setHelpersPriority(helpers_priority_);
+  helpers_ = helpersSchedule();
+  scene_->bed().scheduleHelpers(helpers_);
   clock_.start();
   while (true) {
     if (parameters_.paced) {
@@ -331,7 +331,7 @@ void HapticLoop::carryOut(const request::Exchange& exchange) noexcept {
                         [this](const request::ExchangeBed& next) {
                           next.shown->scene.placeTool({{scene_->toolPose(), {}}, hand_.opening});
                           scene_ = &next.shown->scene;
-                          scene_->bed().setHelpersPriority(helpers_priority_);
+                          scene_->bed().scheduleHelpers(helpers_);
                           shown_.store(next.shown, std::memory_order_release);
                         }},
              exchange);

@@ -105,11 +105,11 @@ class HapticLoop {
   LoopTelemetry telemetry_;
   boost::lockfree::spsc_queue<LoopRequest> requests_;
   std::optional<LoopHealth> overridden_health_;
-  HandState hand_;            ///< the last plausible one, in the scene
-  DeviceOutput felt_;         ///< in the last tick
-  int helpers_priority_ = 0;  ///< of the threads that share the bed's steps
-  bool let_go_ = false;       ///< the hand feels nothing, because time stands still
-  std::uint32_t flags_ = 0;   ///< TickFlag, what has happened before the present tick
+  HandState hand_;           ///< the last plausible one, in the scene
+  DeviceOutput felt_;        ///< in the last tick
+  HelperSchedule helpers_;   ///< of the threads that share the bed's steps
+  bool let_go_ = false;      ///< the hand feels nothing, because time stands still
+  std::uint32_t flags_ = 0;  ///< TickFlag, what has happened before the present tick
 };
 
 }  // namespace haptolith

@@ -78,7 +78,7 @@ void requireUsableCpu(int cpu) {
   }
 }
 
-RealTime requestRealTime(const LoopParameters& loop) {
+RealTime requestRealTime(const LoopParameters& loop, bool lock_memory) {
   RealTime granted;
   if (loop.cpu != kAnyCpu) {
     cpu_set_t only;
@@ -103,6 +103,9 @@ RealTime requestRealTime(const LoopParameters& loop) {
     // Else the kernel may wake the thread up to 50 us late, to wake several at once. Real-time threads it never delays.
     prctl(PR_SET_TIMERSLACK, 1);
   }
+  if (!lock_memory) {
+    return granted;
+  }
   granted.memory_locked = mlockall(MCL_CURRENT | MCL_FUTURE) == 0;
   if (!granted.memory_locked) {
     addAdvice(granted.advice, "memory not locked", errno, kMemoryRemedy);
@@ -110,11 +113,20 @@ RealTime requestRealTime(const LoopParameters& loop) {
   return granted;
 }
 
-int helpersPriority() noexcept {
+HelperSchedule helpersSchedule() noexcept {
+  HelperSchedule schedule;
   int policy = SCHED_OTHER;
   sched_param parameters{};
-  const bool known = pthread_getschedparam(pthread_self(), &policy, &parameters) == 0;
-  return known && policy == SCHED_FIFO ? parameters.sched_priority - 1 : 0;
+  if (pthread_getschedparam(pthread_self(), &policy, &parameters) == 0 && policy == SCHED_FIFO) {
+    schedule.priority = parameters.sched_priority - 1;
+  }
+  cpu_set_t own;
+  if (pthread_getaffinity_np(pthread_self(), sizeof own, &own) == 0 && CPU_COUNT(&own) == 1) {
+    for (int cpu = 0; cpu < CPU_SETSIZE; ++cpu) {
+      schedule.avoided_cpu = CPU_ISSET(cpu, &own) ? cpu : schedule.avoided_cpu;
+    }
+  }
+  return schedule;
 }
 
 }  // namespace haptolith

@@ -3,6 +3,7 @@
 #include <string>
 #include <string_view>
 
+#include "haptolith/bed/worker_team.h"
 #include "haptolith/haptics/loop_parameters.h"
 
 namespace haptolith {
@@ -29,12 +30,12 @@ struct RealTime {
 void requireUsableCpu(int cpu);
 
 /// Makes the calling thread ready for the loop: pins it to the CPU that the parameters name and, when they are paced,
-/// asks for SCHED_FIFO and locked memory. Tells what came of it. Call before the first tick.
-[[nodiscard]] RealTime requestRealTime(const LoopParameters& loop);
+/// asks for SCHED_FIFO and, unless told not to, locked memory. Reports what came of it. Call before the first tick.
+[[nodiscard]] RealTime requestRealTime(const LoopParameters& loop, bool lock_memory = true);
 
-/// The real-time priority for threads that help the calling one in its ticks: one less than its own, so that they never
-/// keep it waiting; 0 where it has none. An ordinary thread that wakes on the processor that a real-time one keeps is
-/// left waiting there, though others are free.
-[[nodiscard]] int helpersPriority() noexcept;
+/// How threads that help the calling one in its ticks are to be scheduled: with a real-time priority one less than its
+/// own, so that they never keep it waiting, and none where it has none; and off the CPU that it is pinned to. A helper
+/// on the processor that a real-time thread keeps is left waiting there, though others are free.
+[[nodiscard]] HelperSchedule helpersSchedule() noexcept;
 
 }  // namespace haptolith

@@ -3,15 +3,21 @@
 #include <haptolith/haptolith.h>
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 #include <memory>
+#include <optional>
+#include <span>
 #include <string>
+#include <string_view>
 
 #include "haptolith/bed/contact_load.h"
+#include "haptolith/bed/tile_cache.h"
 #include "haptolith/library/errors.h"
 #include "haptolith/library/scene_object.h"
 #include "haptolith/library/values.h"
 #include "haptolith/library/with_handle.h"
+#include "haptolith/machine/machine_fit.h"
 
 using namespace haptolith;
 using namespace haptolith::library;
@@ -29,10 +35,25 @@ std::int32_t make(Read&& scenario, hapto_progress told, void* user, hapto_scene*
   Progress progress(told, user);
   return progress.status([&] {
     readEnvironment();
-    *out = Scenes::take(
-        std::make_unique<SceneObject>(scenario(), [&](double, double) { return progress.tell("soil settles", -1); }));
+    *out = Scenes::take(std::make_unique<SceneObject>(
+        scenario(progress), [&](double, double) { return progress.tell("soil settles", -1); }));
     return std::int32_t{HAPTO_OK};
   });
+}
+
+/// A scene by its name or from a file; `auto` in the finest soil that this machine renders in time.
+Scenario opened(std::string_view name, std::span<const std::string> overrides, Progress& progress) {
+  Scenario scenario = findScenario(name, overrides);
+  if (name == kAutoScene && !setsKey(overrides, "soil.radius_mm") && canBeFitted(scenario)) {
+    std::atomic<bool> stop{false};
+    (void)fitToMachine(
+        scenario,
+        {.threads = setsKey(overrides, "bed.threads") ? std::optional(scenario.bed.threads) : std::nullopt,
+         .folder = tileFolder(),
+         .measuring = [&] { stop = !progress.tell("the machine is measured", -1); }},
+        stop);
+  }
+  return scenario;
 }
 
 /// Does `body` with the scene, and notes what went wrong.
@@ -117,7 +138,9 @@ void copyField(const Bed& bed, std::int32_t field, void* out) {
 std::int32_t hapto_scene_from_toml(const char* text, const char* name, const char* const* overrides,
                                    std::uint32_t count, hapto_progress progress, void* user, hapto_scene** out) {
   return make(
-      [&] { return scenarioFromText(textOrNothing(text), name == nullptr ? "scene" : name, texts(overrides, count)); },
+      [&](Progress&) {
+        return scenarioFromText(textOrNothing(text), name == nullptr ? "scene" : name, texts(overrides, count));
+      },
       progress, user, out);
 }
 
@@ -126,7 +149,7 @@ std::int32_t hapto_scene_from_file(const char* name_or_path, const char* const* 
   if (name_or_path == nullptr) {
     return wrongArgument(HAPTO_NULL, "name_or_path");
   }
-  return make([&] { return findScenario(name_or_path, texts(overrides, count)); }, progress, user, out);
+  return make([&](Progress& told) { return opened(name_or_path, texts(overrides, count), told); }, progress, user, out);
 }
 
 std::int32_t hapto_scene_clone(const hapto_scene* scene, hapto_scene** out) {

@@ -1,19 +1,16 @@
 #pragma once
 
-#include <array>
 #include <atomic>
 #include <cstddef>
 #include <functional>
 #include <optional>
 #include <span>
 
+#include "haptolith/bed/ready_tile.h"
 #include "haptolith/haptics/loop_parameters.h"
 #include "haptolith/tool/scene.h"
 
 namespace haptolith {
-
-/// Radii of grains to choose from, in m, coarse to fine.
-inline constexpr std::array kGrainRadii_m{7e-3, 5e-3, 3.5e-3, 3e-3, 2.5e-3, 2e-3, 1.75e-3};
 
 /// What 99 of 100 ticks may take, in us, of a thousand: the rest is for waking late, for sending, and for worse moments
 /// than those of a trial.
@@ -24,6 +21,7 @@ struct GrainTrial {
   double radius_m = 0;
   std::size_t grains = 0;  ///< about so many
   int substeps = 0;        ///< of a tick
+  int threads = 1;         ///< that shared a tick
   double tick_us_p99 = 0;  ///< predicted; infinite where no machine could do it
 };
 
@@ -39,11 +37,13 @@ struct FinestGrain {
 [[nodiscard]] FinestGrain finestOf(std::span<const double> radii_m,
                                    const std::function<GrainTrial(double radius_m)>& trial);
 
-/// The finest grains of kGrainRadii_m that this machine holds in the box of `bed`, with its threads: the tool stirs a
-/// close packing of each size that is tried, all of it awake, for a quarter of a second on a thread set up as the
-/// loop's. Takes about a second. Not for the tick.
+/// The finest particles of kGrainRadii_m that this machine holds in the box of `bed`: the tool stirs a close packing of
+/// each size that is tried, all of it awake, for a quarter of a second on a thread set up as the loop's, in step with
+/// the clock. Each number of threads is tried; the fewest that hold the finest particles are chosen. Takes about a
+/// second for one number of threads. Not for the tick.
+/// @param threads  numbers of threads to choose from, ascending; one at least.
 /// @throws InvalidParameter when the bed can be made of no such grains; Failure when `stop` becomes true.
 [[nodiscard]] FinestGrain finestGrain(const BedParameters& bed, const ToolParameters& tool, const LoopParameters& loop,
-                                      const std::atomic<bool>& stop);
+                                      std::span<const int> threads, const std::atomic<bool>& stop);
 
 }  // namespace haptolith

@@ -79,6 +79,7 @@ constexpr std::array kUses{
     KeyUse{"bed", "depth_mm", starts<BedStart::kPacked, BedStart::kSettled>, "[bed] start = packed or settled", false},
     KeyUse{"bed", "grains", starts<BedStart::kGiven>, "[bed] start = given", false},
     KeyUse{"bed", "seed", needsSeed, "[bed] start = rain or settled, or fine_radius_mm", true},
+    KeyUse{"bed", "ready_made", starts<BedStart::kSettled>, "[bed] start = settled", true},
     KeyUse{"bed", "fine_radius_mm", hasContactFriction, kContact, true},
     KeyUse{"bed", "fine_width_mm", isGraded, kGraded, true},
     KeyUse{"bed", "fine_length_mm", isGraded, kGraded, true},

@@ -274,6 +274,10 @@ std::vector<ScenarioKey> allKeys() {
        CountValue{BedRanges::seed, [](S& s, std::int64_t v) { s.bed.seed = static_cast<std::uint64_t>(v); },
                   [](const S& s) { return static_cast<std::int64_t>(s.bed.seed); }},
        "Seed of the random numbers; for `rain`, `settled` and finer grains. One seed, one bed."},
+      {"bed", "ready_made", "",
+       SwitchValue{[](S& s, bool v) { s.bed.ready_made = v; }, [](const S& s) { return s.bed.ready_made; }},
+       "Whether settled soil that ships with the program is taken, where there is some of this soil, radius, depth, "
+       "gravity and seed, instead of letting it settle here; for `settled`."},
       {"bed", "fine_radius_mm", "fine_radius_m", gradingNumber<&Grading::fine_radius_m>(BedRanges::fine_radius_m),
        "Radius of finer grains where soil is felt: the soil's halved once, twice or three times, with shells of the "
        "sizes "

@@ -212,6 +212,7 @@ bool Session::takeMade() {
     Showing next = made->result.get();
     if (!made->unwanted) {
       current_.replaced_by = made->why;
+      current_.taken_back = false;
       bringOnStage(std::move(next));
     }
   } catch (const std::exception& error) {  // the bed that is there stays
@@ -273,6 +274,7 @@ void Session::change(const SceneChange& change) {
 void Session::reset() {
   problem_.clear();
   wanted_ = initial_;
+  tellMotion(wanted_);
   wantBed("reset");
   pursue();
 }
@@ -285,6 +287,7 @@ void Session::show(std::span<const SceneChange> changes) {
   requireEnoughSubsteps(next);
   problem_.clear();
   wanted_ = std::move(next);
+  tellMotion(wanted_);
   wantBed("stimulus");
   pursue();
 }
@@ -295,6 +298,19 @@ void Session::level() {
   pursue();
 }
 
+void Session::coarsen() {
+  Scenario next = wanted_, begin = initial_;
+  makeCoarser(next);
+  begin.bed.soil = rescaled(begin.bed.soil, next.bed.soil.radius_m);
+  validate(begin);
+  makeToolMesh(begin);
+  problem_.clear();
+  wanted_ = std::move(next);
+  initial_ = std::move(begin);
+  wantBed("coarser");
+  pursue();
+}
+
 void Session::undo() {
   if (!previous_ || making_ || coming_) {
     throw InvalidParameter("undo", making_ || coming_ ? "while a bed is being made" : "nothing",
@@ -302,7 +318,9 @@ void Session::undo() {
   }
   problem_.clear();
   current_.replaced_by = previous_->replaced_by;
+  current_.taken_back = !previous_->taken_back;
   wanted_ = previous_->scenario;
+  tellMotion(wanted_);
   bringOnStage(std::move(*previous_));
   previous_.reset();
 }
@@ -337,6 +355,7 @@ void Session::changeWhatIsThere() {
     now.bed.gravity_m_s2 = wanted_.bed.gravity_m_s2;
   }
   now.body = wanted_.body;
+  now.title = wanted_.title;
   if (!sameTool(wanted_.tool, now.tool)) {
     if (!loop_->ask(request::Exchange{request::ExchangeTool{wanted_.tool}})) {
       return;
@@ -490,8 +509,17 @@ void Session::play(Manoeuvre manoeuvre) {
   requireVirtualHand("play");
   command_.held.reset();
   command_.manoeuvre = manoeuvre;
+  tellMotion(wanted_);
+  tellMotion(current_.scenario);
   ++command_.beginnings;
   commandHand();
+}
+
+/// The title may name the motion.
+void Session::tellMotion(Scenario& scenario) const {
+  const std::string before = sceneInWords(scenario);
+  scenario.hand.manoeuvre = command_.manoeuvre;
+  retitle(scenario, before);
 }
 
 Vec3 Session::workspaceLow() const noexcept {

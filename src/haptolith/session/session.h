@@ -58,7 +58,10 @@ class Session {
   /// The scene as it was started with these changes, one after the other, and a bed of its own, level and untouched.
   void show(std::span<const SceneChange> changes);
   void level();  ///< the same soil, level again
-  void undo();   ///< the bed as it was before the last new one; a second undo brings that back
+  /// The same soil one step coarser (makeCoarser()), level; reset() and show() keep it so. Another step may be asked
+  /// for while a bed is being made.
+  void coarsen();
+  void undo();  ///< the bed as it was before the last new one; a second undo brings that back
 
   /// Changes the soil that is shown and the tool's friction in it a little, at once. False, and nothing is changed,
   /// while the loop takes no more, or another bed, soil or tool is on its way; or where soil coheres that did not
@@ -106,6 +109,8 @@ class Session {
   [[nodiscard]] std::string busy() const;
   /// What undo() would take back; empty when nothing.
   [[nodiscard]] std::string_view undoable() const noexcept { return previous_ ? previous_->replaced_by : ""; }
+  /// Whether undo() would bring back what the last undo() took back.
+  [[nodiscard]] bool undoRedoes() const noexcept { return previous_ && previous_->taken_back; }
   /// Why the last bed or mesh could not be made; empty when it could.
   [[nodiscard]] const std::string& problem() const noexcept { return problem_; }
   [[nodiscard]] std::string_view deviceName() const noexcept { return device_->name(); }
@@ -137,6 +142,7 @@ class Session {
     std::unique_ptr<ShownScene> own_shown;  ///< none for the first: the loop has that
     ShownScene* shown = nullptr;
     std::string_view replaced_by;
+    bool taken_back = false;  ///< by undo()
   };
   struct Making;
   struct MakingMesh;
@@ -159,6 +165,7 @@ class Session {
   void openHand(std::unique_ptr<HapticDevice> device);
   void requireVirtualHand(const char* asked) const;
   void commandHand();
+  void tellMotion(Scenario& scenario) const;
 
   Scenario initial_, wanted_;
   Showing current_;

@@ -265,6 +265,7 @@ Command commandOf(const Json& message) {
       {"tool_file", [](Keys& k) -> Command { return toolFile(k); }},
       {"reset", [](Keys&) -> Command { return command::Reset{}; }},
       {"level", [](Keys&) -> Command { return command::Level{}; }},
+      {"coarser", [](Keys&) -> Command { return command::Coarser{}; }},
       {"undo", [](Keys&) -> Command { return command::Undo{}; }},
       {"pause", [](Keys&) -> Command { return command::Pause{}; }},
       {"resume", [](Keys&) -> Command { return command::Resume{}; }},

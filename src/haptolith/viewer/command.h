@@ -38,6 +38,7 @@ struct ToolFile {
 };
 struct Reset {};
 struct Level {};
+struct Coarser {};
 struct Undo {};
 struct Pause {};
 struct Resume {};
@@ -57,8 +58,8 @@ struct Colour {
 }  // namespace command
 
 using Command = std::variant<command::Hold, command::Release, command::Play, command::Change, command::ToolFile,
-                             command::Reset, command::Level, command::Undo, command::Pause, command::Resume,
-                             command::Step, command::Speed, command::Record, command::Colour>;
+                             command::Reset, command::Level, command::Coarser, command::Undo, command::Pause,
+                             command::Resume, command::Step, command::Speed, command::Record, command::Colour>;
 
 /// A message of a client, taken apart as far as that went.
 struct ClientMessage {

@@ -33,7 +33,7 @@ constexpr double kShareForLoads = 0.2;
 bool changesWhatIsFelt(const Command& asked) {
   return std::holds_alternative<command::Change>(asked) || std::holds_alternative<command::ToolFile>(asked) ||
          std::holds_alternative<command::Reset>(asked) || std::holds_alternative<command::Level>(asked) ||
-         std::holds_alternative<command::Undo>(asked);
+         std::holds_alternative<command::Coarser>(asked) || std::holds_alternative<command::Undo>(asked);
 }
 
 }  // namespace
@@ -144,7 +144,7 @@ void LiveView::carryOut(std::uint32_t client, const Command& asked) {
                    session_.takeToolMesh(std::move(source));
                  },
                  [&](const command::Reset&) { session_.reset(); }, [&](const command::Level&) { session_.level(); },
-                 [&](const command::Undo&) { session_.undo(); },
+                 [&](const command::Coarser&) { session_.coarsen(); }, [&](const command::Undo&) { session_.undo(); },
                  [&](const command::Pause&) {
                    session_.pause();
                    releaseForce();

@@ -275,6 +275,7 @@ Board::Texts sceneMessages(const SceneLookedAt& shown, const FrameEncoder::Space
                        {"title", scenario.title},
                        {"particles", countOf(shown.grains)},
                        {"radius_m", bed.soil.radius_m},
+                       {"can_coarsen", canBeCoarser(scenario)},
                        {"grains", grainsJson(shown.grains, shown.soil.radius_m)},
                        {"size_spread", shown.soil.friction == FrictionModel::kContact ? shown.soil.size_spread : 0.0},
                        {"box",
@@ -310,6 +311,7 @@ Board::Texts sceneMessages(const SceneLookedAt& shown, const FrameEncoder::Space
     value = nullptr;
   }
   message["title"] = "";
+  message["can_coarsen"] = false;
   message["sliders"] = OrderedJson::array();
   message["body"] = nullptr;
   message["gravity_m_s2"] = array(Vec3::Zero());
@@ -345,6 +347,7 @@ Board::Texts statusMessages(const Session& session, const StatusBeside& beside) 
                        {"problem", orNull(session.problem())},
                        {"can_undo", !session.undoable().empty()},
                        {"undo", orNull(session.undoable())},
+                       {"undo_redoes", session.undoRedoes()},
                        {"recording", orNull(beside.recording)},
                        {"recorded", recordedJson(beside.recorded)},
                        {"robot", robotJson(beside.robot)}});

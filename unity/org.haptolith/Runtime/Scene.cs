@@ -24,7 +24,8 @@ namespace Haptolith
 
     // --- making one ---
 
-    /// <summary>A built-in scene ("paper", "regolith") or a file, with overrides "table.key=value".</summary>
+    /// <summary>A built-in scene ("paper", "regolith") or a file, with overrides "table.key=value". "auto" is soil of the Moon in
+    /// the finest particles that this machine renders at 1 kHz; it measures that once, in a second.</summary>
     public static Scene FromFile(string name_or_path, string[] overrides = null, Progress progress = null)
     {
       Library.RequireSameVersion();

@@ -27,11 +27,11 @@ export type Command =
 
 /** What a person at a device feels. */
 export type FeltChange = (
-  { do: 'reset' | 'level' | 'undo' } | ({ do: 'scene' } & SceneChange) | ({ do: 'tool_file' } & ToolFile)
+  { do: 'reset' | 'level' | 'coarser' | 'undo' } | ({ do: 'scene' } & SceneChange) | ({ do: 'tool_file' } & ToolFile)
 ) & { confirmed?: true };
 
 export function isFeltChange(command: Command): command is FeltChange {
-  return ['reset', 'level', 'undo', 'scene', 'tool_file'].includes(command.do);
+  return ['reset', 'level', 'coarser', 'undo', 'scene', 'tool_file'].includes(command.do);
 }
 
 export interface SceneChange {

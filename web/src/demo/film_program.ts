@@ -137,6 +137,7 @@ export class FilmProgram implements Program {
       problem: null,
       can_undo: false,
       undo: null,
+      undo_redoes: false,
       recording: null,
       recorded: null,
       robot: null,

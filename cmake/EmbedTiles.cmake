@@ -1,0 +1,45 @@
+# cmake -DFOLDER=scenarios/tiles -DOUTPUT=ready_tile_files.cpp -P EmbedTiles.cmake
+# Makes one source of the settled soil that ships with the program, as EmbedWeb.cmake does of the page.
+file(GLOB files RELATIVE ${FOLDER} ${FOLDER}/*.tile)
+list(SORT files)
+set(symbols "")
+set(entries "")
+set(number 0)
+foreach(file ${files})
+  # A compiler cache looks into the source, not into what the assembler includes: another file must make another source.
+  file(SHA256 ${FOLDER}/${file} digest)
+  string(APPEND symbols
+"// ${digest}
+__asm__(
+    \".pushsection .rodata\\n\"
+    \"haptolith_tile_${number}: .incbin \\\"${FOLDER}/${file}\\\"\\n\"
+    \"haptolith_tile_${number}_end: .byte 0\\n\"
+    \".globl haptolith_tile_${number}, haptolith_tile_${number}_end\\n\"
+    \".hidden haptolith_tile_${number}\\n\"
+    \".hidden haptolith_tile_${number}_end\\n\"
+    \".popsection\\n\");
+extern \"C\" __attribute__((visibility(\"hidden\"))) const char haptolith_tile_${number}[];
+extern \"C\" __attribute__((visibility(\"hidden\"))) const char haptolith_tile_${number}_end[];
+")
+  string(APPEND entries
+"  if (name == \"${file}\") {
+    return {haptolith_tile_${number}, static_cast<std::size_t>(haptolith_tile_${number}_end - haptolith_tile_${number})};
+  }
+")
+  math(EXPR number "${number} + 1")
+endforeach()
+file(WRITE ${OUTPUT}
+"// Made of scenarios/tiles by cmake/EmbedTiles.cmake.
+#include \"haptolith/bed/ready_tile.h\"
+
+#include <cstddef>
+
+${symbols}
+namespace haptolith {
+
+std::string_view readyTileFile([[maybe_unused]] std::string_view name) {
+${entries}  return {};
+}
+
+}  // namespace haptolith
+")

@@ -1,0 +1,207 @@
+#include "haptolith/machine/machine_fit.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+#include <sched.h>
+#include <unistd.h>
+#include <xxhash.h>
+
+#include <algorithm>
+#include <cmath>
+#include <fstream>
+#include <iterator>
+#include <sstream>
+#include <system_error>
+#include <thread>
+#include <vector>
+
+#include "haptolith/bed/simd_target.h"
+#include "haptolith/core/atomic_file.h"
+#include "haptolith/core/counted.h"
+#include "haptolith/core/error.h"
+
+namespace haptolith {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+/// One more whenever the measurement, or what is kept of it, is another.
+constexpr int kMeasurement = 1;
+
+/// A team of more threads than that gains nothing in soil that this machine's neighbours hold (docs/performance.md).
+constexpr int kMostThreads = 8;
+
+/// What /proc/cpuinfo calls the processor.
+std::string processor() {
+  std::ifstream file("/proc/cpuinfo");
+  for (std::string line; std::getline(file, line);) {
+    if (line.starts_with("model name") || line.starts_with("CPU part")) {
+      return line;
+    }
+  }
+  return "unknown";
+}
+
+/// The CPUs that this process runs on.
+std::vector<int> usableCores() {
+  cpu_set_t set;
+  CPU_ZERO(&set);
+  std::vector<int> cores;
+  if (sched_getaffinity(0, sizeof set, &set) == 0) {
+    for (int cpu = 0; cpu < CPU_SETSIZE; ++cpu) {
+      if (CPU_ISSET(cpu, &set)) {
+        cores.push_back(cpu);
+      }
+    }
+  }
+  return cores;
+}
+
+/// All that a measurement depends on.
+std::string keyOf(const Scenario& scenario, const std::vector<int>& threads) {
+  Scenario measured;  // what is measured of it
+  measured.bed = scenario.bed;
+  measured.bed.soil = rescaled(scenario.bed.soil, kGrainRadii_m.front());
+  measured.bed.threads = 1;
+  measured.tool = scenario.tool;
+  measured.mesh = scenario.mesh;
+  return fmt::format("measurement {} haptolith {} {} cores {} {} cpu {} threads {} tick {} us\n{}", kMeasurement,
+                     HAPTOLITH_VERSION, processor(), fmt::join(usableCores(), ","), simdTarget(), scenario.loop.cpu,
+                     fmt::join(threads, ","), kFinestTick_us, scenarioText(measured));
+}
+
+std::string hashOf(std::string_view bytes) {
+  return fmt::format("{:016x}", XXH3_64bits(bytes.data(), bytes.size()));
+}
+
+std::string trialLine(const std::optional<GrainTrial>& trial) {
+  return trial ? fmt::format("{} {} {} {} {}", trial->radius_m, trial->grains, trial->substeps, trial->threads,
+                             std::isinf(trial->tick_us_p99) ? -1 : trial->tick_us_p99)
+               : "none";
+}
+
+std::optional<GrainTrial> trialIn(const std::string& line) {
+  GrainTrial trial;
+  std::istringstream in(line);
+  if (!(in >> trial.radius_m >> trial.grains >> trial.substeps >> trial.threads >> trial.tick_us_p99)) {
+    return std::nullopt;
+  }
+  if (trial.tick_us_p99 < 0) {
+    trial.tick_us_p99 = std::numeric_limits<double>::infinity();
+  }
+  const bool known = std::ranges::find(kGrainRadii_m, trial.radius_m) != kGrainRadii_m.end();
+  const bool sound = known && BedRanges::threads.contains(trial.threads) && trial.substeps >= 0;
+  return sound ? std::optional(trial) : std::nullopt;
+}
+
+std::optional<FinestGrain> readKept(const fs::path& file, std::string_view key) {
+  constexpr std::size_t kLongest = 4096;
+  std::ifstream in(file, std::ios::binary);
+  std::string bytes(kLongest, '\0');
+  in.read(bytes.data(), static_cast<std::streamsize>(kLongest));
+  bytes.resize(static_cast<std::size_t>(std::max<std::streamsize>(0, in.gcount())));
+  return finestIn(bytes, key);
+}
+
+/// Whole or not at all; the scene opens without it, too.
+void keep(const fs::path& file, const std::string& text) {
+  std::error_code error;
+  fs::create_directories(file.parent_path(), error);
+  const fs::path part = temporaryBeside(file, "part");
+  const int descriptor = makeNewFile(part, Readers::kOwner);
+  if (descriptor < 0) {
+    return;
+  }
+  const bool whole = ::write(descriptor, text.data(), text.size()) == static_cast<ssize_t>(text.size());
+  const bool closed = ::close(descriptor) == 0;
+  if (!whole || !closed || std::rename(part.c_str(), file.c_str()) != 0) {
+    fs::remove(part, error);
+  }
+}
+
+}  // namespace
+
+int loopThreads() {
+  return std::clamp(static_cast<int>(usableCores().size()) - 1, 1, kMostThreads);
+}
+
+bool setsKey(std::span<const std::string> overrides, std::string_view table_and_key) {
+  return std::ranges::any_of(overrides, [table_and_key](std::string_view given) {
+    return given.starts_with(table_and_key) &&
+           given.substr(table_and_key.size()).find_first_not_of(" \t") == given.substr(table_and_key.size()).find('=');
+  });
+}
+
+bool canBeFitted(const Scenario& scenario) {
+  return scenario.bed.start == BedStart::kSettled && grainClasses(scenario.bed) == 1;
+}
+
+std::string keptText(const FinestGrain& finest, std::string_view key) {
+  const std::string text =
+      fmt::format("haptolith machine {}\n{}\n{}\n", hashOf(key), trialLine(finest.chosen), trialLine(finest.too_slow));
+  return text + hashOf(text) + "\n";
+}
+
+std::optional<FinestGrain> finestIn(std::string_view kept, std::string_view key) {
+  std::istringstream in{std::string(kept)};
+  std::string head, chosen_line, slow_line, sum;
+  if (!std::getline(in, head) || !std::getline(in, chosen_line) || !std::getline(in, slow_line) ||
+      !std::getline(in, sum) || head != "haptolith machine " + hashOf(key) ||
+      sum != hashOf(fmt::format("{}\n{}\n{}\n", head, chosen_line, slow_line))) {
+    return std::nullopt;
+  }
+  const std::optional<GrainTrial> chosen = trialIn(chosen_line), too_slow = trialIn(slow_line);
+  const bool sound = chosen && (too_slow || slow_line == "none");
+  return sound ? std::optional(FinestGrain{.chosen = *chosen, .too_slow = too_slow}) : std::nullopt;
+}
+
+FinestGrain fitToMachine(Scenario& scenario, const MachineFitOptions& options, const std::atomic<bool>& stop) {
+  if (!canBeFitted(scenario)) {
+    throw InvalidParameter("finest", fmt::format("'{}'", scenario.title),
+                           "a scene whose bed starts as settled, of particles of one size");
+  }
+  std::vector<int> threads{options.threads.value_or(1)};
+  if (const int more = loopThreads(); !options.threads && more > 1) {
+    threads.push_back(more);
+  }
+  const std::string key = keyOf(scenario, threads);
+  const fs::path file = options.folder.empty() ? fs::path() : options.folder / ("machine-" + hashOf(key));
+  std::optional<FinestGrain> finest = file.empty() || options.measure_again ? std::nullopt : readKept(file, key);
+  if (!finest) {
+    if (options.measuring) {
+      options.measuring();
+    }
+    LoopParameters loop = scenario.loop;
+    loop.paced = true;
+    finest = finestGrain(scenario.bed, scenario.tool, loop, threads, stop);
+    if (!file.empty()) {
+      keep(file, keptText(*finest, key));
+    }
+  }
+  scenario.bed.soil = rescaled(scenario.bed.soil, finest->chosen.radius_m);
+  scenario.bed.threads = finest->chosen.threads;
+  makeToolMesh(scenario);
+  return *finest;
+}
+
+std::string text(const FinestGrain& finest, std::size_t particles) {
+  const GrainTrial& chosen = finest.chosen;
+  const std::string soil =
+      fmt::format("{:g} mm particles on {}", inUnits(chosen.radius_m, 1e-3), counted(chosen.threads, "thread"));
+  const auto tick = [](const GrainTrial& trial) { return fmt::format("{:.2g} ms a tick", 1e-3 * trial.tick_us_p99); };
+  if (!finest.holds()) {
+    return fmt::format("{}: the coarsest soil, and still too fine for this machine ({} particles would need {})", soil,
+                       particles, tick(chosen));
+  }
+  std::string finer;
+  if (finest.too_slow) {
+    const double finer_mm = inUnits(finest.too_slow->radius_m, 1e-3);
+    finer = std::isinf(finest.too_slow->tick_us_p99)
+                ? fmt::format("; {:g} mm would need more than any machine has", finer_mm)
+                : fmt::format("; {:g} mm would need {}", finer_mm, tick(*finest.too_slow));
+  }
+  return fmt::format("{}: the finest soil this machine renders in time ({} particles{})", soil, particles, finer);
+}
+
+}  // namespace haptolith

@@ -1,0 +1,136 @@
+#include "haptolith/machine/machine_fit.h"
+
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+#include <unistd.h>
+
+#include <atomic>
+#include <filesystem>
+#include <fstream>
+#include <limits>
+#include <string>
+#include <vector>
+
+#include "haptolith/core/error.h"
+
+namespace haptolith {
+namespace {
+
+namespace fs = std::filesystem;
+using testing::HasSubstr;
+
+FinestGrain someFit() {
+  return {.chosen = {.radius_m = 4.4e-3, .grains = 1170, .substeps = 6, .threads = 1, .tick_us_p99 = 543.25},
+          .too_slow = GrainTrial{.radius_m = 4e-3, .grains = 1560, .substeps = 6, .threads = 1, .tick_us_p99 = 712.5}};
+}
+
+TEST(MachineFit, IsSaidInALine) {
+  EXPECT_EQ(text(someFit(), 1170),
+            "4.4 mm particles on 1 thread: the finest soil this machine renders in time (1170 particles; 4 mm would "
+            "need 0.71 ms a tick)");
+  FinestGrain slow = someFit();
+  slow.chosen.tick_us_p99 = 900;
+  EXPECT_THAT(text(slow, 300), HasSubstr("still too fine for this machine"));
+  FinestGrain beyond = someFit();
+  beyond.too_slow->tick_us_p99 = std::numeric_limits<double>::infinity();
+  EXPECT_THAT(text(beyond, 1170), HasSubstr("4 mm would need more than any machine has"));
+  beyond.too_slow.reset();
+  EXPECT_THAT(text(beyond, 1170), HasSubstr("(1170 particles)"));
+}
+
+TEST(MachineFit, IsReadBackAsItWasKept) {
+  for (const bool has_slower : {true, false}) {
+    FinestGrain fit = someFit();
+    if (!has_slower) {
+      fit.too_slow.reset();
+    }
+    const std::optional<FinestGrain> read = finestIn(keptText(fit, "a key"), "a key");
+    ASSERT_TRUE(read);
+    EXPECT_EQ(text(*read, 1), text(fit, 1));
+    EXPECT_EQ(read->chosen.tick_us_p99, fit.chosen.tick_us_p99);
+    EXPECT_EQ(read->chosen.radius_m, fit.chosen.radius_m);
+  }
+}
+
+TEST(MachineFit, IsNotReadFromADamagedTextOrOneOfAnotherKey) {
+  const std::string kept = keptText(someFit(), "a key");
+  EXPECT_FALSE(finestIn(kept, "another key"));
+  for (std::size_t at = 0; at < kept.size(); ++at) {
+    std::string damaged = kept;
+    damaged[at] = damaged[at] == '7' ? '8' : '7';
+    EXPECT_FALSE(finestIn(damaged, "a key") && at + 1 < kept.size()) << at;
+    EXPECT_FALSE(finestIn(kept.substr(0, at), "a key") && at + 1 < kept.size()) << at;
+  }
+  EXPECT_FALSE(finestIn("", "a key"));
+}
+
+class MachineFitHere : public testing::Test {
+ protected:
+  MachineFitHere() : folder_(fs::path(testing::TempDir()) / fmt::format("haptolith_fit_{}", getpid())) {
+    fs::remove_all(folder_);
+  }
+  ~MachineFitHere() override { fs::remove_all(folder_); }
+
+  FinestGrain fit(bool again = false) {
+    scenario_ = findScenario(kAutoScene);
+    return fitToMachine(scenario_,
+                        {.threads = 1, .folder = folder_, .measure_again = again, .measuring = [this] { ++measured_; }},
+                        stop_);
+  }
+
+  fs::path folder_;
+  Scenario scenario_;
+  std::atomic<bool> stop_{false};
+  int measured_ = 0;
+};
+
+TEST_F(MachineFitHere, IsMeasuredOnceAndAgainWhereTheFileIsBroken) {
+  const FinestGrain first = fit();
+  EXPECT_EQ(measured_, 1);
+  EXPECT_DOUBLE_EQ(scenario_.bed.soil.radius_m, first.chosen.radius_m);
+  EXPECT_EQ(scenario_.bed.threads, 1);
+  EXPECT_EQ(text(fit(), 1), text(first, 1));
+  EXPECT_EQ(measured_, 1);
+  (void)fit(true);
+  EXPECT_EQ(measured_, 2);
+  int files = 0;
+  for (const fs::directory_entry& entry : fs::directory_iterator(folder_)) {
+    std::ofstream(entry.path()) << "haptolith machine";
+    ++files;
+  }
+  EXPECT_EQ(files, 1);
+  (void)fit();
+  EXPECT_EQ(measured_, 3);
+  (void)fit();
+  EXPECT_EQ(measured_, 3) << "the broken file has been replaced";
+}
+
+TEST_F(MachineFitHere, ThatIsInterruptedIsNotKept) {
+  stop_ = true;
+  EXPECT_THROW((void)fit(), Failure);
+  std::error_code ignored;
+  EXPECT_TRUE(!fs::exists(folder_) || fs::is_empty(folder_, ignored));
+}
+
+TEST_F(MachineFitHere, RefusesASceneWhoseParticlesAreItsOwn) {
+  Scenario paper = findScenario("paper");
+  EXPECT_FALSE(canBeFitted(paper));
+  EXPECT_THROW((void)fitToMachine(paper, {}, stop_), InvalidParameter);
+  EXPECT_TRUE(canBeFitted(findScenario(kAutoScene)));
+}
+
+TEST(MachineFit, KnowsWhichKeysAreGiven) {
+  const std::vector<std::string> given{"soil.radius_mm = 3", "bed.threads=2"};
+  EXPECT_TRUE(setsKey(given, "soil.radius_mm"));
+  EXPECT_TRUE(setsKey(given, "bed.threads"));
+  EXPECT_FALSE(setsKey(given, "soil.radius"));
+  EXPECT_FALSE(setsKey(given, "bed.depth_mm"));
+}
+
+TEST(MachineFit, LeavesACoreToOthers) {
+  EXPECT_GE(loopThreads(), 1);
+  EXPECT_LE(loopThreads(), 8);
+}
+
+}  // namespace
+}  // namespace haptolith
