@@ -20,6 +20,8 @@ autodoc_member_order = "bysource"
 exclude_patterns = ["doctrees"]
 
 html_theme = "furo"
+html_static_path = ["static"]
+html_css_files = ["manual.css"]
 html_title = f"haptolith {version}"
 html_copy_source = False
 html_show_sphinx = False

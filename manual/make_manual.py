@@ -216,6 +216,8 @@ def make(build: Path, out: Path, staged: Path) -> None:
     """Puts the sources together in a folder and runs Sphinx."""
     shutil.copy(MANUAL / "conf.py", staged)
     shutil.copytree(SOURCE / "docs/images", staged / "images")
+    (staged / "static").mkdir()
+    shutil.copy(MANUAL / "manual.css", staged / "static")
     (staged / "doctrees").mkdir()
     for page in [*sorted((SOURCE / "docs").glob("*.md")), *sorted(MANUAL.glob("*.md"))]:
         (staged / page.name).write_text(linked(page.read_text(), page.parent, staged))
@@ -227,6 +229,28 @@ def make(build: Path, out: Path, staged: Path) -> None:
                    "HAPTOLITH_LIBRARY": str(build / "lib/libhaptolith.so")}
     subprocess.run(["/usr/bin/python3", "-m", "sphinx", "-q", "-W", "--keep-going", "-n", "-b", "html", "-d", str(staged / "doctrees"), str(staged), str(out)],
                    check=True, env=environment)
+    bundle_theme(out / "_static")
+
+
+def bundle_theme(static: Path) -> None:
+    """Makes Debian's furo, which ships its sources, work in a browser, from a server and from a file: its script is a module that imports
+    another, its style imports a file of the server's, and has lost the dark colours of a browser that prefers them. Excerpts of pages that were
+    found cannot be read from a file."""
+    script, imported = static / "scripts/furo.js", static / "scripts/gumshoe-patched.js"
+    text = re.sub(r'^import Gumshoe from "[^"]*";\n', "", script.read_text(), flags=re.M)
+    if imported.exists() and text != script.read_text():
+        script.write_text(f"{imported.read_text()}\n(function () {{\n{text}}})();\n")
+        imported.unlink()
+    if re.search(r"^import ", script.read_text(), re.M):
+        sys.exit("make_manual.py: the theme's script is a module, which no page loads")
+    style = static / "styles/furo.css"
+    text = re.sub(r"@import url\((/javascript/[^)]+)\);", lambda match: Path("/usr/share" + match[1]).read_text(), style.read_text())
+    dark = re.search(r'body\[data-theme="dark"\] (\{.*?\})', text, re.S)
+    if dark and "prefers-color-scheme" not in text:
+        text += '\n@media not print { @media (prefers-color-scheme: dark) { body[data-theme="auto"] ' + dark[1] + " } }\n"
+    style.write_text(text)
+    with (static / "documentation_options.js").open("a") as options:
+        options.write("DOCUMENTATION_OPTIONS.SHOW_SEARCH_SUMMARY = location.protocol !== 'file:';\n")
 
 
 if __name__ == "__main__":

@@ -154,11 +154,14 @@ int main(int argc, char** argv) {
     logToStandardError();
     runWhatIsElsewhere(argc, argv);
     CLI::App app{"haptolith: lunar and planetary regolith, felt through a haptic device at 1 kHz", "haptolith"};
-    app.set_version_flag("--version", "haptolith " HAPTOLITH_VERSION, "Print the version");
+    app.set_version_flag("-V,--version", "haptolith " HAPTOLITH_VERSION, "Print the version");
     app.formatter(std::make_shared<HelpFormatter>());
     app.require_subcommand(1);
     app.footer(kProgramExamples);
     addCommands(app);
+    app.add_subcommand("version", "Print the version")->callback([] {
+      printText("haptolith " HAPTOLITH_VERSION "\n");
+    });
     return run(app, argc, argv);
   } catch (const std::filesystem::filesystem_error& error) {
     printError(fmt::format("cannot open {}: {}", error.path1().string(), error.code().message()));

@@ -12,7 +12,7 @@ namespace haptolith {
 
 namespace {
 
-constexpr double kStabilityTick_s = 1e-3;
+constexpr double kTick_s = 1e-3;
 constexpr int kTicks = 6900;
 constexpr std::size_t kBegins = 400, kStirs = 1900, kStops = 3900, kOpens = 4400, kStill = 4900,
                       kWindow = 1000;  // first ticks
@@ -34,7 +34,7 @@ class HeldDevice final : public HapticDevice {
         above_m_(0, 0, surface_m + kAbove_m),
         position_m_(above_m_),
         told_m_(inSteps(above_m_, parameters.step_m)),
-        quick_(kStabilityTick_s) {}
+        quick_(kTick_s) {}
 
   [[nodiscard]] std::string_view name() const noexcept override { return "device in a simulated hand"; }
   [[nodiscard]] DeviceLimits limits() const noexcept override {
@@ -46,15 +46,14 @@ class HeldDevice final : public HapticDevice {
     limits.damping_n_s_m = case_.damping_n_s_m;
     limits.resolution_m = case_.resolution_m;
     limits.delay_known = case_.declared_ticks < 0;
-    limits.delay_s = (case_.declared_ticks < 0 ? case_.delay_ticks : case_.declared_ticks) * kStabilityTick_s;
+    limits.delay_s = (case_.declared_ticks < 0 ? case_.delay_ticks : case_.declared_ticks) * kTick_s;
     return limits;
   }
 
   [[nodiscard]] DeviceInput read() noexcept override {
     const Vec3 noise_m = case_.noise_m * Vec3(uniform(), uniform(), uniform());
     const Vec3 now_m = inSteps(position_m_ + noise_m, case_.step_m);
-    told_m_s_ +=
-        0.3 * ((now_m - told_m_) / kStabilityTick_s - told_m_s_);  // as drivers smooth the steps of their encoders
+    told_m_s_ += 0.3 * ((now_m - told_m_) / kTick_s - told_m_s_);  // as drivers smooth the steps of their encoders
     told_m_ = now_m;
     DeviceInput input;
     input.pose.position_m = now_m;
@@ -71,7 +70,7 @@ class HeldDevice final : public HapticDevice {
     }
     const Vec3 from_m = position_m_;
     move(force_n);
-    account(force_n.dot(position_m_ - from_m), (position_m_ - from_m) / kStabilityTick_s);
+    account(force_n.dot(position_m_ - from_m), (position_m_ - from_m) / kTick_s);
     ++ticks_;
   }
 
@@ -91,7 +90,7 @@ class HeldDevice final : public HapticDevice {
 
   /// Where the hand wants the handle.
   [[nodiscard]] Vec3 wanted() const {
-    const double time_s = static_cast<double>(ticks_) * kStabilityTick_s;
+    const double time_s = static_cast<double>(ticks_) * kTick_s;
     Vec3 there = above_m_ - Vec3(0, 0, (kAbove_m + kDepth_m) * std::clamp(time_s - 1e-3 * kBegins, 0.0, 1.0));
     if (ticks_ >= kStirs && ticks_ < kStops) {
       there.x() = 0.02 * std::sin(std::numbers::pi * (time_s - 1e-3 * kStirs));
@@ -110,8 +109,8 @@ class HeldDevice final : public HapticDevice {
     for (int step = 0; step < kSteps; ++step) {
       const Vec3 sum_n = hand_.stiffness_n_m * (wanted_m - position_m_) - damping_n_s_m * velocity_m_s_ + force_n -
                          Vec3(0, 0, hand_.weight_n);
-      velocity_m_s_ += kStabilityTick_s / kSteps / mass_kg * sum_n;
-      position_m_ += kStabilityTick_s / kSteps * velocity_m_s_;
+      velocity_m_s_ += kTick_s / kSteps / mass_kg * sum_n;
+      position_m_ += kTick_s / kSteps * velocity_m_s_;
     }
   }
 
@@ -129,7 +128,7 @@ class HeldDevice final : public HapticDevice {
     }
     lowest_j_ = std::min(lowest_j_, given_j_);
     result.returned_j = std::max(result.returned_j, given_j_ - lowest_j_);
-    quick_m_ += kStabilityTick_s * quick_m_s;
+    quick_m_ += kTick_s * quick_m_s;
     lowest_m_ = lowest_m_.cwiseMin(quick_m_);
     highest_m_ = highest_m_.cwiseMax(quick_m_);
     result.vibration_m = (highest_m_ - lowest_m_).maxCoeff();

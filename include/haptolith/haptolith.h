@@ -399,6 +399,9 @@ typedef struct hapto_snapshot {
   double tick_us_p50, tick_us_p99, tick_us_max;
   double largest_speed_m_s;
   hapto_array position; /* as HAPTO_POSITION; of a large bed a part is copied in each tick */
+  uint64_t misses_too_long;   /* of deadline_misses: the tick's own work took too long */
+  uint64_t misses_woken_late; /* the machine woke the loop's thread late */
+  uint64_t misses_preempted;  /* the processor was taken away during the tick */
 } hapto_snapshot;
 /* The newest picture, some 60 a second; may be called beside a running loop, from one thread. Valid until the next
  * call. Before the first picture there are no positions. */

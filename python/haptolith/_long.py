@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import sys
 import threading
+import time
 from typing import Any, Callable, Optional
 
 from . import _abi
@@ -11,10 +13,38 @@ from .errors import error_of
 Progress = Callable[[str, float], Optional[bool]]
 
 
+def _interactive() -> bool:
+    return hasattr(sys, "ps1") or "ipykernel" in sys.modules
+
+
+class ProgressLine:
+    """One line on standard error, written over and over, from the second second of long work on."""
+
+    def __init__(self) -> None:
+        self._began = self._next = time.monotonic()
+        self._next += 2
+        self._shown = False
+
+    def __call__(self, what: str, share: float) -> None:
+        now = time.monotonic()
+        if now >= self._next:
+            sys.stderr.write(f"\r{what}: {100 * share:.0f} %, {now - self._began:.0f} s ")
+            sys.stderr.flush()
+            self._shown, self._next = True, now + 0.5
+
+    def end(self) -> None:
+        """Ends the line, if there is one."""
+        if self._shown:
+            sys.stderr.write("\n")
+
+
 def call_long(function: Callable[[Any], int], progress: Optional[Progress]) -> None:
     """Calls function(callback) on a thread of its own, so that this one hears Ctrl-C; raises what went wrong.
 
-    progress(what, share) may return False to give up; what it raises ends the work and is raised here."""
+    progress(what, share) may return False to give up; what it raises ends the work and is raised here. Without one, an interactive session
+    shows a line."""
+    line = ProgressLine() if progress is None and _interactive() else None
+    progress = line or progress
     given_up = threading.Event()
     raised: list[BaseException] = []
     outcome: list[Optional[BaseException]] = []
@@ -48,6 +78,9 @@ def call_long(function: Callable[[Any], int], progress: Optional[Progress]) -> N
         given_up.set()
         thread.join()
         raise
+    finally:
+        if line is not None:
+            line.end()
     if raised:
         raise raised[0]
     if outcome[0] is not None:

@@ -48,6 +48,9 @@ class Batch(Owned):
     def __len__(self) -> int:
         return len(self.scenes)
 
+    def __repr__(self) -> str:
+        return f"<haptolith.Batch of {len(self)} scenes{'' if self._handle else ', closed'}>"
+
     def close(self) -> None:
         """Ends its threads; the scenes stay."""
         super().close()

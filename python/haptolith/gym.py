@@ -142,6 +142,9 @@ class DigEnv:
         self.observation_space = _observation_space(grid)
         self.np_random = np.random.default_rng()
 
+    def __repr__(self) -> str:
+        return f"<haptolith.gym.DigEnv: {self.episode.scene!r}, {self.ticks} ticks an action, {self.most_steps} actions at most>"
+
     @property
     def unwrapped(self) -> DigEnv:
         """This one: nothing is wrapped."""

@@ -96,6 +96,9 @@ class Snapshot:
     tick_us_max: float
     largest_speed_m_s: float
     positions: npt.NDArray[np.float32]
+    misses_too_long: int
+    misses_woken_late: int
+    misses_preempted: int
 
 
 class Loop(Owned):
@@ -162,7 +165,8 @@ class Loop(Owned):
         return Snapshot(bool(now.running), now.end.decode(), now.trip.decode(), now.trips, bool(now.paused), now.ticks,
                         now.deadline_misses, now.awake, now.time_s, pose, now.opening_m, np.array(now.felt.force_n),
                         np.array(now.felt.torque_nm), now.success_rate, now.tick_us_p50, now.tick_us_p99,
-                        now.tick_us_max, now.largest_speed_m_s, positions)
+                        now.tick_us_max, now.largest_speed_m_s, positions, now.misses_too_long, now.misses_woken_late,
+                        now.misses_preempted)
 
     def take_ticks(self, most: int = 100_000) -> npt.NDArray[Any]:
         """The ticks that wait, the oldest first, as a structured array with the names of hapto_tick; with keep_ticks.

@@ -24,6 +24,13 @@ class Result:
     def __getitem__(self, name: str) -> Any:
         return self.columns[name] if name in self.columns else self.values[name]
 
+    def __repr__(self) -> str:
+        told = [f"{name}={value:.4g}" if isinstance(value, float) else f"{name}={value!r}"
+                for name, value in self.values.items() if isinstance(value, (str, int, float))]
+        told += [f"{name}=..." for name, value in self.values.items() if isinstance(value, (dict, list))]
+        told += [f"{name}=array of {len(numbers)}" for name, numbers in self.columns.items()]
+        return f"<haptolith.Result: {', '.join(told)}>"
+
 
 def take(handle: ctypes.c_void_p) -> Result:
     """A result of the library as Python objects; the library's is destroyed."""

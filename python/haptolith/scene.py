@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import ctypes
 import os
+import re
 from dataclasses import dataclass
 from typing import Any, Optional, Union
 
@@ -14,7 +15,7 @@ from . import _abi
 from ._long import Progress, call_long
 from .errors import HaptolithError, error_of, require
 from .result import names
-from .values import Floats, Pose, PoseLike, Wrench, overrides_of, pose_numbers, text_from
+from .values import Floats, Pose, PoseLike, Wrench, overrides_of, pose_numbers, require_finite, text_from
 
 _lib = _abi.lib
 _step = _lib.hapto_scene_step
@@ -162,6 +163,7 @@ class Scene:
         status = _step(self._address, self._at_pose, moved, self._at_felt)
         if status:
             self.address  # closed?
+            require_finite(self._pose)
             raise error_of(status)
         return Wrench(self._felt.copy())
 
@@ -170,6 +172,7 @@ class Scene:
         given = np.ascontiguousarray(poses, dtype=np.float64)
         if given.ndim != 2 or given.shape[1] != 7:
             raise ValueError(f"poses are (n, 7): x y z, w x y z; not {given.shape}")
+        require_finite(given)
         felt = np.zeros((len(given), 6))
         require(_lib.hapto_scene_steps(self.address, len(given), given.ctypes.data, None, felt.ctypes.data, None))
         return felt
@@ -177,6 +180,7 @@ class Scene:
     def place_tool(self, pose: PoseLike) -> None:
         """Puts the tool somewhere without moving it there: place it above the soil."""
         self._pose[:] = pose_numbers(pose)
+        require_finite(self._pose)
         require(_lib.hapto_scene_place_tool(self.address, self._at_pose))
 
     @property
@@ -238,6 +242,20 @@ class Scene:
         numbers["friction"] = "contact" if info.friction else "paper"
         numbers["gravity_m_s2"] = tuple(info.gravity_m_s2)
         return SceneInfo(**numbers)
+
+    @property
+    def soil(self) -> Optional[str]:
+        """Name of its soil or preset; None when it is given by numbers alone."""
+        return self._named("soil", "preset") or self._named("soil", "name")
+
+    @property
+    def body(self) -> Optional[str]:
+        """Name of its world; None when gravity is given by its number."""
+        return self._named("gravity", "body")
+
+    def _named(self, table: str, key: str) -> Optional[str]:
+        found = re.search(rf'^\[{table}\]\n(?:[^\[\n].*\n)*?{key} = "([^"]+)"', self.toml, re.M)
+        return found[1] if found else None
 
     @property
     def positions(self) -> npt.NDArray[np.float32]:
@@ -319,7 +337,9 @@ class Scene:
         if self._handle is None:
             return "<haptolith.Scene, closed>"
         info = self.info
-        return f"<haptolith.Scene: {info.particles} particles of {1e3 * info.radius_m:g} mm, {info.friction} friction>"
+        gravity = float(np.linalg.norm(info.gravity_m_s2))
+        return (f"<haptolith.Scene: {self.soil or 'own soil'}, {self.body or f'{gravity:.3g} m/s2'}, {info.particles} particles of "
+                f"R = {1e3 * info.radius_m:g} mm, {info.friction} friction>")
 
 
 def _made(make: Any, progress: Optional[Progress]) -> int:

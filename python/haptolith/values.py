@@ -42,6 +42,20 @@ def pose_numbers(pose: PoseLike) -> Floats:
     raise ValueError(f"a pose is 3 or 7 numbers or a 4x4 matrix, not an array of shape {given.shape}")
 
 
+def require_finite(poses: Floats) -> None:
+    """Raises InvalidParameter with the first number of poses (7,) or (n, 7) that is not finite."""
+    wrong = np.argwhere(~np.isfinite(poses))
+    if len(wrong) == 0:
+        return
+    from .errors import InvalidParameter
+
+    at = tuple(int(i) for i in wrong[0])
+    names = ("x", "y", "z", "w of the orientation", "x of the orientation", "y of the orientation", "z of the orientation")
+    key = f"pose {at[0]}, {names[at[1]]}" if len(at) == 2 else f"pose, {names[at[0]]}"
+    value = str(poses[at])
+    raise InvalidParameter(f"{key} = {value} is not valid: must be finite", key, value, "finite")
+
+
 def quaternion(rotation: Floats) -> Floats:
     """w x y z of a 3x3 rotation matrix, by the largest of its four numbers (Shepperd 1978).
 

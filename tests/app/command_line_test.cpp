@@ -19,6 +19,9 @@ using testing::Not;
 using testing::StartsWith;
 
 TEST(Version, IsOneLine) {
+  EXPECT_EQ(runHaptolith("version").output, runHaptolith("--version").output);
+  EXPECT_EQ(runHaptolith("-V").output, runHaptolith("--version").output);
+  EXPECT_THAT(runHaptolith("export run.h5").errors, testing::HasSubstr("--format is required: csv|particles-csv|"));
   const ProgramResult result = runHaptolith("--version");
   EXPECT_EQ(result.exit_status, 0);
   EXPECT_EQ(result.output, "haptolith 0.2.0\n");
@@ -180,7 +183,9 @@ TEST(Run, BuiltInScenesHaveNamesEverywhere) {
   const ProgramResult result = runInShell("cd / && \"$HAPTOLITH\" run rain --unpaced --duration-s 0.05");
   EXPECT_EQ(result.exit_status, 0) << result.errors;
   EXPECT_THAT(result.output, StartsWith("Loose soil from rain"));
-  EXPECT_THAT(runHaptolith("scenes").output, HasSubstr("sandbox        A sandbox of 1 m x 1 m"));
+  const std::string scenes = runHaptolith("scenes").output;
+  EXPECT_THAT(scenes, HasSubstr("sandbox        A sandbox of 1 m x 1 m"));
+  EXPECT_THAT(scenes, HasSubstr("What the robot finds where the operator's model is that of dig.toml"));
   EXPECT_THAT(runHaptolith("run sandbx").errors, HasSubstr("did you mean sandbox?"));
 }
 

@@ -3,6 +3,7 @@
 #include <nlohmann/json.hpp>
 #include <unistd.h>
 
+#include <algorithm>
 #include <set>
 #include <string>
 
@@ -63,6 +64,23 @@ TEST(DoctorCommand, JsonIsOneObjectWithEveryCheck) {
     counted += count.get<int>();
   }
   EXPECT_EQ(counted, 500);
+  const json& soil = report.at("finest_soil");
+  EXPECT_GT(soil.at("radius_mm").get<double>(), 1);
+  EXPECT_GT(soil.at("particles").get<int>(), 100);
+  EXPECT_GE(soil.at("threads").get<int>(), 1);
+  EXPECT_TRUE(soil.at("in_time").is_boolean());
+}
+
+TEST(DoctorCommand, EndsWithWhatTheMachineCanDoInFiveLines) {
+  const ProgramResult result = runHaptolith("doctor --seconds 0.2");
+  const std::size_t at = result.output.find("What this machine can do\n\n");
+  ASSERT_NE(at, std::string::npos) << result.output;
+  const std::string lines = result.output.substr(result.output.find("\n\n", at) + 2);
+  EXPECT_EQ(std::count(lines.begin(), lines.end(), '\n'), 5) << lines;
+  for (const char* name : {"  finest soil    R = ", "  cores          ", "  priority       SCHED_", "  late wake-ups  ",
+                           "  to change      "}) {
+    EXPECT_THAT(lines, HasSubstr(name));
+  }
 }
 
 TEST(DoctorCommand, WithoutRightsItSaysWhatIsLackingAndHowToMendIt) {

@@ -4,6 +4,7 @@
 
 #include <filesystem>
 #include <fstream>
+#include <regex>
 #include <string>
 
 #include "program.h"
@@ -54,6 +55,19 @@ TEST_F(LabCommand, ImpossibleTargetsAreRefusedWithWhatCanBeReached) {
   const ProgramResult cohesion = runHaptolith("lab calibrate --friction-angle-deg 40 --cohesion-pa 1e6" + rest);
   EXPECT_EQ(cohesion.exit_status, 2);
   EXPECT_THAT(cohesion.errors, HasSubstr("must be 0 to 4500"));
+}
+
+TEST_F(LabCommand, ProgressInATerminalNeverGoesBack) {
+  const ProgramResult result = runInShell("script -qefc '\"$HAPTOLITH\" lab carry' /dev/null");
+  EXPECT_EQ(result.exit_status, 0);
+  const std::regex percent(R"((\d+) %[:,])");
+  int last = 0, shown = 0;
+  for (std::sregex_iterator it(result.output.begin(), result.output.end(), percent), end; it != end; ++it, ++shown) {
+    const int now = std::stoi((*it)[1]);
+    EXPECT_GE(now, last);
+    last = now;
+  }
+  EXPECT_GE(shown, 2) << result.output;
 }
 
 TEST_F(LabCommand, NonsenseIsRefused) {

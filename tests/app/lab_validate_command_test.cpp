@@ -18,7 +18,7 @@ using testing::ContainsRegex;
 using testing::HasSubstr;
 using testing::Not;
 
-std::string validationTextOf(const fs::path& path) {
+std::string textOf(const fs::path& path) {
   std::ifstream file(path, std::ios::binary);
   return {std::istreambuf_iterator<char>(file), {}};
 }
@@ -37,9 +37,7 @@ class LabValidateCommand : public testing::Test {
     std::ofstream(path) << text;
     return "--claims " + path.string();
   }
-  [[nodiscard]] std::string page(const std::string& name) const {
-    return validationTextOf(folder_ / name / "validation.md");
-  }
+  [[nodiscard]] std::string page(const std::string& name) const { return textOf(folder_ / name / "validation.md"); }
 
   const fs::path folder_ = fs::temp_directory_path() / ("haptolith_validate_" + std::to_string(getpid()));
 };
@@ -59,7 +57,7 @@ TEST_F(LabValidateCommand, SaysOfEachClaimHowItStandsAndGoesOnWithWhatIsMissing)
   EXPECT_THAT(page("a"),
               AllOf(HasSubstr("1.00 | 1.00 | ± 1 % | 1 | 🟢 holds |"), HasSubstr("2.00 | factor 1.2 | 1 | 🔴"),
                     HasSubstr("Galilei"), HasSubstr("(validation-newton.svg)")));
-  EXPECT_THAT(validationTextOf(folder_ / "a" / "validation-newton.svg"), HasSubstr("</svg>"));
+  EXPECT_THAT(textOf(folder_ / "a" / "validation-newton.svg"), HasSubstr("</svg>"));
 
   const ProgramResult refused = runHaptolith(validation("a", file + " --seeds 2"));
   EXPECT_EQ(refused.exit_status, 1);

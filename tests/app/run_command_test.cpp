@@ -81,6 +81,23 @@ TEST_F(RunCommand, SummaryTellsTheWholeRun) {
   EXPECT_TRUE(summary["realtime"]["memory_locked"].is_boolean());
 }
 
+TEST_F(RunCommand, MissedDeadlinesAreToldByTheirCause) {
+  const json summary = summaryOf("paper --duration-s 1");
+  const auto misses = [&](const char* cause) { return summary[std::string("misses_") + cause].get<int>(); };
+  EXPECT_EQ(misses("too_long") + misses("woken_late") + misses("preempted"), summary["deadline_misses"]);
+  EXPECT_TRUE(summaryOf("paper --unpaced --duration-s 0.05")["misses_too_long"].is_null());
+}
+
+TEST_F(RunCommand, SoilTooFineForAnyMachineEndsWithAdvice) {
+  const std::string fine = "run paper --set bed.particles=60000 --set bed.start=packed --duration-s 0.2 --no-serve ";
+  const ProgramResult text = runHaptolith(fine);
+  ASSERT_EQ(text.exit_status, 0) << text.errors;
+  EXPECT_THAT(text.output, HasSubstr("ticks too long, "));
+  EXPECT_THAT(text.output, HasSubstr("the soil is too fine for this machine: "));
+  EXPECT_THAT(text.output, HasSubstr("try: --set soil.radius_mm=8\n"));
+  EXPECT_THAT(json::parse(runHaptolith(fine + "--json").output)["advice"].get<std::string>(), HasSubstr("too fine"));
+}
+
 TEST_F(RunCommand, WithoutANameOpensSoilAtRestThatPassesTheLaboratory) {
   const auto with_cache = [this](const std::string& scene) {
     const ProgramResult result = runInShell(fmt::format(
@@ -136,6 +153,9 @@ TEST_F(RunCommand, AnyKeyCanBeSetOnTheCommandLine) {
 TEST_F(RunCommand, FinestChoosesGrainsAndSaysWhich) {
   const json run = summaryOf("regolith --finest --unpaced --duration-s 0.05");
   const double radius_mm = run["finest"]["chosen"]["radius_mm"];
+  EXPECT_THAT(
+      run["title"].get<std::string>(),
+      HasSubstr(radius_mm == 3.5 ? "Lunar soil" : fmt::format(" soil, Moon, R = {:.3g} mm, shovel", radius_mm)));
   // On a busy machine it chooses 7 mm, of which this bed holds two layers and a half: 161 where 199 are foreseen.
   const double error = radius_mm < 7 ? 0.1 : 0.25;
   const double free = run["particles"].get<double>() - run["held"].get<double>();

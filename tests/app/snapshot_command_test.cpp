@@ -137,6 +137,22 @@ TEST_F(SnapshotCommand, DrawsAPictureThatShowsSomething) {
   EXPECT_GT(png.size(), 20'000U);
 }
 
+TEST_F(SnapshotCommand, SoilThatIsNotInTimeMakesNoPictureWhereThatIsRequired) {
+  if (!canDraw()) {
+    GTEST_SKIP() << "no chromium, or instrumented code";
+  }
+  // A hundred thousand particles in one millisecond: no machine holds that on one thread.
+  const ProgramResult result = snapshot("view.png",
+                                        "--require-in-time --at-s 0.02 --width 320 --height 240 --no-panels --set "
+                                        "bed.width_mm=1200 --set bed.length_mm=1200");
+  if (result.errors.find("built without its page") != std::string::npos) {
+    GTEST_SKIP() << "no page in this build";
+  }
+  EXPECT_EQ(result.exit_status, 1);
+  EXPECT_THAT(result.errors, HasSubstr("of ticks took longer than 1 ms, 0.1 % may"));
+  EXPECT_EQ(files(), 0U);
+}
+
 TEST_F(SnapshotCommand, AnInterruptedFilmLeavesNothingBehind) {
   if (!canDraw("ffmpeg")) {
     GTEST_SKIP() << "no chromium or no ffmpeg, or instrumented code";

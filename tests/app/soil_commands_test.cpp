@@ -190,18 +190,29 @@ TEST_F(SoilCommands, ListTellsWhatWasMeasuredOfTheNamedSoils) {
 }
 
 TEST_F(SoilCommands, EveryCommandExplainsItselfWithAnExample) {
-  for (const char* command : {"soil", "soil profile", "soil calibrate-paper", "soil presets", "soil list"}) {
+  for (const char* command :
+       {"soil", "soil profile", "soil calibrate-paper", "soil presets", "soil list", "soil show"}) {
     const ProgramResult answer = runHaptolith(std::string(command) + " --help");
     EXPECT_EQ(answer.exit_status, 0);
     EXPECT_THAT(answer.output, HasSubstr("  haptolith soil ")) << command;
   }
 }
 
-TEST(SoilCalibrate, TheNameOfBeforeStillWorksAndTellsTheNewOne) {
-  const std::string wanted = " --friction-coefficient 0.9 --cohesion-pa 970";
-  const ProgramResult before = runHaptolith("soil calibrate" + wanted);
-  EXPECT_EQ(before.output, runHaptolith("soil calibrate-paper" + wanted).output);
-  EXPECT_THAT(before.errors, HasSubstr("'soil calibrate' is now 'soil calibrate-paper'"));
+TEST(SoilCalibrate, NamesTheTwoCommandsThatItMayMean) {
+  const ProgramResult result = runHaptolith("soil calibrate --friction-angle-deg 42");
+  EXPECT_EQ(result.exit_status, 2);
+  EXPECT_THAT(result.errors, HasSubstr("haptolith lab calibrate"));
+  EXPECT_THAT(result.errors, HasSubstr("haptolith soil calibrate-paper"));
+}
+
+TEST(SoilShow, HasTheWholeSourceOfASoilThatTheListCuts) {
+  const ProgramResult shown = runHaptolith("soil show surveyor-3");
+  EXPECT_EQ(shown.exit_status, 0) << shown.errors;
+  EXPECT_THAT(shown.output, HasSubstr("Surveyor III"));
+  EXPECT_THAT(shown.output, HasSubstr("bulk density"));
+  EXPECT_THAT(runHaptolith("soil show sirveyor-3").errors, HasSubstr("surveyor-3"));
+  const std::string list = runHaptolith("soil list").output;
+  EXPECT_THAT(list, HasSubstr("..."));
 }
 
 }  // namespace

@@ -71,7 +71,7 @@ TEST_F(StudyRunCommands, RunGivesTheNextCodeAndTwoPages) {
   EXPECT_THAT(run.errors,
               AllOf(HasSubstr("S01 takes part"), HasSubstr("&study=participant"), HasSubstr("&study=experimenter")));
   EXPECT_THAT(run.output, AllOf(HasSubstr("0 answers"), HasSubstr("study resume")));
-  EXPECT_EQ(status()["participants"][0]["state"], "running");
+  EXPECT_EQ(status()["participants"][0]["state"], "stopped") << "its session has ended";
   const Json session = status()["participants"][0]["sessions"][0];
   EXPECT_EQ(session["kind"], "run");
   EXPECT_THAT(session["device"], HasSubstr("(virtual-hand)"));

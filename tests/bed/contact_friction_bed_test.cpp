@@ -32,17 +32,17 @@ BedParameters space() {
   return bed;
 }
 
-double stepOfContactFrictionBed(const BedParameters& bed) {
+double stepOf(const BedParameters& bed) {
   return bed.tick_s / substepsFor(bed.soil, 0, bed.tick_s, bed.max_substeps);
 }
 
 Vec3 vec(const Float4& f) {
   return {f.x, f.y, f.z};
 }
-Vec3 positionOfContactFrictionBed(const Bed& bed, std::size_t i) {
+Vec3 position(const Bed& bed, std::size_t i) {
   return vec(bed.state().position[i]);
 }
-Vec3 velocityOfContactFrictionBed(const Bed& bed, std::size_t i) {
+Vec3 velocity(const Bed& bed, std::size_t i) {
   return vec(bed.state().velocity[i]);
 }
 
@@ -54,8 +54,8 @@ void setVelocities(Bed& bed, const std::vector<Vec3>& v) {
   bed.restore(state);
 }
 
-void runContactFrictionBed(Bed& bed, int steps, const std::function<void()>& each = {}) {
-  const double dt = stepOfContactFrictionBed(bed.parameters());
+void run(Bed& bed, int steps, const std::function<void()>& each = {}) {
+  const double dt = stepOf(bed.parameters());
   for (int i = 0; i < steps; ++i) {
     ASSERT_EQ(bed.step(dt), StepStatus::kOk) << "step " << i;
     if (each) {
@@ -87,14 +87,14 @@ double furthestFromReference(const BedParameters& parameters, const std::vector<
   reference.soil = parameters.soil;
   reference.gravity = parameters.gravity_m_s2;
   for (std::size_t i = 0; i < x.size(); ++i) {
-    reference.x.push_back(positionOfContactFrictionBed(bed, i));  // as floats have them
-    reference.v.push_back(velocityOfContactFrictionBed(bed, i));
+    reference.x.push_back(position(bed, i));  // as floats have them
+    reference.v.push_back(velocity(bed, i));
   }
   double furthest = 0;
-  runContactFrictionBed(bed, steps, [&] {
-    reference.step(stepOfContactFrictionBed(parameters));
+  run(bed, steps, [&] {
+    reference.step(stepOf(parameters));
     for (std::size_t i = 0; i < x.size(); ++i) {
-      furthest = std::max(furthest, (velocityOfContactFrictionBed(bed, i) - reference.v[i]).norm());
+      furthest = std::max(furthest, (velocity(bed, i) - reference.v[i]).norm());
     }
   });
   return furthest;
@@ -139,12 +139,12 @@ TEST(ContactFrictionBed, AContactSticksSlidesAndTurnsRoundAsASpringThatGivesWay)
   Bed bed(parameters, {Vec3(0, 0, 0.06), Vec3(0, 0, 0.06 + a)});
   const double to_limit_m = limit / k_t;
   ASSERT_LT(to_limit_m, 1e-4);  // so little that the normal hardly turns: 1 %
-  const double dt = stepOfContactFrictionBed(parameters);
+  const double dt = stepOf(parameters);
   const double speed = to_limit_m / (100 * dt);
   const auto lead = [&](double way_m) {
     bed.drive(0, Vec3::Zero());
     bed.drive(1, Vec3(way_m > 0 ? speed : -speed, 0, 0));
-    runContactFrictionBed(bed, static_cast<int>(std::lround(std::abs(way_m) / (speed * dt))));
+    run(bed, static_cast<int>(std::lround(std::abs(way_m) / (speed * dt))));
     return bed.contactForce(1).x();
   };
   const double tolerance = 0.02 * limit;
@@ -165,10 +165,10 @@ OnASlope onASlope(double tan_slope, const Vec3& downhill, int steps) {
   BedParameters parameters = space();
   parameters.gravity_m_s2 = {0, 0, -1.625};
   Bed bed(parameters, {Vec3(0, 0, kRadius_m)});
-  runContactFrictionBed(bed, 2000);
+  run(bed, 2000);
   bed.setGravity(1.625 * (downhill.normalized() * tan_slope - Vec3::UnitZ()) / std::hypot(1, tan_slope));
-  runContactFrictionBed(bed, steps);
-  return {velocityOfContactFrictionBed(bed, 0), positionOfContactFrictionBed(bed, 0)};
+  run(bed, steps);
+  return {velocity(bed, 0), position(bed, 0)};
 }
 
 TEST(ContactFrictionBed, AParticleHoldsOnASlopeBelowItsFrictionAndSlidesAboveIt) {
@@ -180,7 +180,7 @@ TEST(ContactFrictionBed, AParticleHoldsOnASlopeBelowItsFrictionAndSlidesAboveIt)
     constexpr int kSteps = 4000;
     const OnASlope slides = onASlope(1.1 * 0.5, downhill, kSteps);
     // g (sin - mu cos) with tan = 0.55, cos = 1 / sqrt(1.3025); friction takes some ms to come to its limit.
-    const double expected = 1.625 * 0.05 / std::sqrt(1.3025) * kSteps * stepOfContactFrictionBed(space());
+    const double expected = 1.625 * 0.05 / std::sqrt(1.3025) * kSteps * stepOf(space());
     EXPECT_NEAR(slides.velocity_m_s.dot(downhill.normalized()), expected, 0.02 * expected);
   }
 }
@@ -193,12 +193,12 @@ TEST(ContactFrictionBed, AWallIsAsRoughAsItsRatioSays) {
     parameters.wall_friction_ratio = ratio;
     parameters.gravity_m_s2 = Vec3(-1, 0, 0);
     Bed bed(parameters, {Vec3(-0.05 + kRadius_m, 0, 0.05)});
-    runContactFrictionBed(bed, 2000);
+    run(bed, 2000);
     bed.setGravity(Vec3(-1, 0.3, 0));
-    runContactFrictionBed(bed, 2000);
+    run(bed, 2000);
     const double acceleration = std::max(0.0, 0.3 - 0.5 * ratio);
-    const double expected = acceleration * 2000 * stepOfContactFrictionBed(parameters);
-    EXPECT_NEAR(velocityOfContactFrictionBed(bed, 0).y(), expected, 0.02 * expected + 2e-5) << ratio;
+    const double expected = acceleration * 2000 * stepOf(parameters);
+    EXPECT_NEAR(velocity(bed, 0).y(), expected, 0.02 * expected + 2e-5) << ratio;
   }
 }
 
@@ -237,7 +237,7 @@ double momentumDrift(const BedParameters& parameters, const std::vector<Vec3>& c
   const auto momentum = [&bed] {
     Vec3 sum = Vec3::Zero();
     for (std::size_t i = 0; i < bed.particles(); ++i) {
-      sum += velocityOfContactFrictionBed(bed, i);
+      sum += velocity(bed, i);
     }
     return sum;
   };
@@ -246,7 +246,7 @@ double momentumDrift(const BedParameters& parameters, const std::vector<Vec3>& c
   for (const Vec3& one : v) {
     magnitudes += one.norm();
   }
-  runContactFrictionBed(bed, 10'000);
+  run(bed, 10'000);
   const double drift = (momentum() - before).norm() / magnitudes;
   testing::Test::RecordProperty("momentum_drift", std::to_string(drift));
   return drift;
@@ -282,15 +282,15 @@ TEST(ContactFrictionBed, MovesTheSameWhenEverythingMovesAlong) {
   Bed moving(parameters, centres);
   setVelocities(still, v);
   setVelocities(moving, {v[0] + along, v[1] + along, v[2] + along});
-  runContactFrictionBed(still, 2000);
-  runContactFrictionBed(moving, 2000);
+  run(still, 2000);
+  run(moving, 2000);
   ASSERT_GT(slipping(still), 0U) << "they should still hold together";
   for (std::size_t i = 0; i < 3; ++i) {
-    EXPECT_LT((velocityOfContactFrictionBed(moving, i) - velocityOfContactFrictionBed(still, i) - along).norm(), 2e-5);
+    EXPECT_LT((velocity(moving, i) - velocity(still, i) - along).norm(), 2e-5);
   }
   for (std::size_t i = 1; i < 3; ++i) {
-    const Vec3 in_moving = positionOfContactFrictionBed(moving, i) - positionOfContactFrictionBed(moving, 0);
-    const Vec3 in_still = positionOfContactFrictionBed(still, i) - positionOfContactFrictionBed(still, 0);
+    const Vec3 in_moving = position(moving, i) - position(moving, 0);
+    const Vec3 in_still = position(still, i) - position(still, 0);
     EXPECT_GT((in_still - centres[i] + centres[0]).norm(), 1e-4) << "nothing has moved";
     EXPECT_LT((in_moving - in_still).norm(), 3e-6);
   }
@@ -317,7 +317,7 @@ TEST(ContactFrictionBed, EnergyIsTheWorkOfForcesAlsoBetweenUnequalOnesAndAtWalls
   for (int i = 0; i < 10'000; ++i) {
     ASSERT_EQ(bed.step(2e-5), StepStatus::kOk);
     furthest = std::max(furthest, std::abs(bed.energy() - before));
-    touched_wall = touched_wall || std::abs(positionOfContactFrictionBed(bed, 0).x()) > 0.03 - kRadius_m;
+    touched_wall = touched_wall || std::abs(position(bed, 0).x()) > 0.03 - kRadius_m;
   }
   EXPECT_TRUE(touched_wall);
   EXPECT_LT(furthest, 0.01 * before);  // a semi-implicit step of 20 us is off by F v dt, 1 % while they touch
@@ -331,7 +331,7 @@ TEST(ContactFrictionBed, ANudgedParticleNeverComesOutFasterThanItWentIn) {
       parameters.soil.damping_ratio = zeta;
       parameters.gravity_m_s2 = {0, 0, -1.625};
       Bed bed(parameters, {Vec3(0, 0, kRadius_m)});
-      runContactFrictionBed(bed, 4000);
+      run(bed, 4000);
       const double at_rest = bed.energy();
       setVelocities(bed, {Vec3(speed, 0, 0)});
       const double given = bed.energy() - at_rest;
@@ -361,7 +361,7 @@ TEST(ContactFrictionBed, MemorySurvivesBeingEnteredAgain) {
     Bed bed(parameters, {Vec3(0, 0, 0.06), Vec3(0, 0, 0.074)});
     const Vec3 along = flying ? Vec3(0, 0, 2) : Vec3::Zero();
     setVelocities(bed, {along + Vec3(0.01, 0, 0), along + Vec3(-0.01, 0.01, 0)});
-    runContactFrictionBed(bed, static_cast<int>(0.033 / stepOfContactFrictionBed(parameters)));
+    run(bed, static_cast<int>(0.033 / stepOf(parameters)));
     EXPECT_EQ(bed.relistings() > 5, flying);
     ASSERT_EQ(slipping(bed), 2U);
     for (const std::size_t i : {0, 1}) {
@@ -376,7 +376,7 @@ TEST(ContactFrictionBed, MemorySurvivesBeingEnteredAgain) {
 }
 
 /// Gravity tips over and a few thousand particles of several sizes slosh.
-Bed tippedBedOfContactFrictionBed(int threads) {
+Bed tippedBed(int threads) {
   BedParameters parameters;
   parameters.soil = space().soil;
   parameters.soil.contact_cohesion_n = 0.003;
@@ -403,7 +403,7 @@ TEST(ContactFrictionBed, NoContactIsEverMissedInAViolentScene) {
     }
     setVelocities(bed, kicks);
     std::size_t contacts = 0;
-    runContactFrictionBed(bed, 400, [&] {
+    run(bed, 400, [&] {
       const BedState& s = bed.state();
       for (std::size_t i = 0; i < bed.particles(); ++i) {
         std::vector<bool> listed(bed.particles());
@@ -411,8 +411,7 @@ TEST(ContactFrictionBed, NoContactIsEverMissedInAViolentScene) {
           listed[static_cast<std::size_t>(s.contacts.neighbour(i, n))] = true;
         }
         for (std::size_t j = 0; j < bed.particles(); ++j) {
-          const double apart = (positionOfContactFrictionBed(bed, i) - positionOfContactFrictionBed(bed, j)).norm() -
-                               s.position[i].w - s.position[j].w;
+          const double apart = (position(bed, i) - position(bed, j)).norm() - s.position[i].w - s.position[j].w;
           if (i != j && apart < bed.law().cutoff_m) {
             ASSERT_TRUE(listed[j]) << i << " and " << j << " touch in step " << s.step;
             ++contacts;
@@ -428,11 +427,11 @@ TEST(ContactFrictionBed, NoContactIsEverMissedInAViolentScene) {
 TEST(ContactFrictionBed, SameHashForAnyNumberOfThreads) {
   std::vector<std::uint64_t> expected;
   for (const int threads : {1, 2, 3, 4, 2}) {
-    Bed bed = tippedBedOfContactFrictionBed(threads);
+    Bed bed = tippedBed(threads);
     ASSERT_GT(bed.particles(), 4U * 512);
     std::vector<std::uint64_t> hashes;
     for (int i = 0; i < 3; ++i) {
-      runContactFrictionBed(bed, 200);
+      run(bed, 200);
       hashes.push_back(stateHash(bed.state()));
     }
     EXPECT_GT(bed.relistings(), 5 * bed.particles());
@@ -442,31 +441,31 @@ TEST(ContactFrictionBed, SameHashForAnyNumberOfThreads) {
 }
 
 TEST(ContactFrictionBed, ASavedBedGoesOnBitForBit) {
-  Bed bed = tippedBedOfContactFrictionBed(1);
-  runContactFrictionBed(bed, 300);
+  Bed bed = tippedBed(1);
+  run(bed, 300);
   for (const int later : {1, 7, 20}) {
-    runContactFrictionBed(bed, later);
-    Bed restored = tippedBedOfContactFrictionBed(2);
-    runContactFrictionBed(restored, 3);
+    run(bed, later);
+    Bed restored = tippedBed(2);
+    run(restored, 3);
     restored.restore(deserialiseBedState(serialise(bed.state())));
     ASSERT_EQ(stateHash(restored.state()), stateHash(bed.state()));
-    runContactFrictionBed(bed, 150);
-    runContactFrictionBed(restored, 150);
+    run(bed, 150);
+    run(restored, 150);
     EXPECT_EQ(stateHash(restored.state()), stateHash(bed.state()));
   }
 }
 
-BedState someStateOfContactFrictionBed() {
+BedState someState() {
   BedParameters parameters;
   parameters.soil = space().soil;
   parameters.soil.size_spread = 0.05;
   Bed bed(parameters);
-  runContactFrictionBed(bed, 50);
+  run(bed, 50);
   return bed.state();
 }
 
 TEST(ContactFrictionBed, HashSeesEveryPartOfTheMemory) {
-  const BedState state = someStateOfContactFrictionBed();
+  const BedState state = someState();
   const std::uint64_t hash = stateHash(state);
   EXPECT_EQ(stateHash(deserialiseBedState(serialise(state))), hash);
   const std::function<void(BedState&)> changes[] = {[](BedState& s) {
@@ -554,10 +553,10 @@ TEST(ContactFrictionBed, TheSmallestPeriodicBoxIsLikeAWideOneForAPair) {
   Bed in_space(wide, {pair[0], pair[1]});
   for (Bed* bed : {&at_seam, &in_space}) {
     setVelocities(*bed, {Vec3(0.02, 0.05, 0), Vec3(0.01, 0.05, -0.02)});
-    runContactFrictionBed(*bed, 1000);
+    run(*bed, 1000);
   }
   for (std::size_t i = 0; i < 2; ++i) {
-    EXPECT_LT((velocityOfContactFrictionBed(at_seam, i) - velocityOfContactFrictionBed(in_space, i)).norm(), 2e-5);
+    EXPECT_LT((velocity(at_seam, i) - velocity(in_space, i)).norm(), 2e-5);
   }
 }
 
@@ -590,7 +589,7 @@ double gainAfterShaking(SoilParameters soil) {
   const double start = bed.energy();
   double highest = start;
   for (int i = 0; i < 100; ++i) {
-    runContactFrictionBed(bed, static_cast<int>(0.02 / stepOfContactFrictionBed(parameters)));
+    run(bed, static_cast<int>(0.02 / stepOf(parameters)));
     highest = std::max(highest, bed.energy());
   }
   return (highest - start) / (start - still);

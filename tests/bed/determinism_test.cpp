@@ -14,7 +14,7 @@
 namespace haptolith {
 namespace {
 
-constexpr double kDeterminismTick_s = 1e-3;
+constexpr double kTick_s = 1e-3;
 
 /// So many particles that three threads have work (a thread is used for every 4096).
 BedParameters largeBed(int threads) {
@@ -42,7 +42,7 @@ Bed tippedBed(int threads) {
 
 void run(Bed& bed, int steps) {
   for (int i = 0; i < steps; ++i) {
-    ASSERT_EQ(bed.step(kDeterminismTick_s), StepStatus::kOk);
+    ASSERT_EQ(bed.step(kTick_s), StepStatus::kOk);
   }
 }
 
@@ -154,7 +154,7 @@ TEST_P(RowsThatAreLeftOut, HoldNobodyWhoTouches) {
       kicked.velocity[i] = {i % 3 == 0 ? 0.8F : -0.5F, i % 5 == 0 ? 0.6F : -0.2F, i % 2 == 0 ? 1.5F : 0.1F, 0};
     }
     bed.restore(kicked);
-    const double dt_s = kDeterminismTick_s / substepsFor(parameters.soil, 0, kDeterminismTick_s, 32);
+    const double dt_s = kTick_s / substepsFor(parameters.soil, 0, kTick_s, 32);
     for (int i = 0; i < 600; ++i) {
       all_rows.restore(bed.state());
       ASSERT_EQ(all_rows.step(dt_s), StepStatus::kOk);

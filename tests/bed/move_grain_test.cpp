@@ -51,7 +51,7 @@ GrainMove someMove(const Bed& bed, std::size_t which, double x_m) {
   return {grain, placeOf(bed, grain), {x_m, 0.02 * static_cast<double>(which), bed.surfaceHeight() + 8e-3}};
 }
 
-void runMoveGrain(Bed& bed, int ticks) {
+void run(Bed& bed, int ticks) {
   const int substeps = substepsFor(bed.parameters().soil, 0, 1e-3, 32);
   for (int i = 0; i < ticks * substeps; ++i) {
     ASSERT_EQ(bed.step(1e-3 / substeps), StepStatus::kOk);
@@ -60,16 +60,16 @@ void runMoveGrain(Bed& bed, int ticks) {
 
 TEST(MoveGrain, ItFallsOntoTheSoilAndLiesThere) {
   Bed bed(settled());
-  runMoveGrain(bed, 300);
+  run(bed, 300);
   ASSERT_EQ(bed.awake(), 0U);
   const GrainMove move = someMove(bed, 0, 0.05);
   ASSERT_TRUE(bed.moveGrain(move));
   EXPECT_LT((placeOf(bed, move.grain) - move.to_m).norm(), 1e-7);
-  runMoveGrain(bed, 1);
+  run(bed, 1);
   EXPECT_GT(bed.awake(), 0U) << "what it lay on is not held down any more";
   double energy_j = bed.energy();
   for (int look = 0; look < 40; ++look) {
-    runMoveGrain(bed, 25);
+    run(bed, 25);
     EXPECT_LT(bed.energy(), energy_j + 1e-9);
     energy_j = bed.energy();
   }
@@ -93,10 +93,10 @@ TEST(MoveGrain, IsTheSameForAnyNumberOfThreadsAndFromASavedBed) {
       if (i == 4 && threads > 1) {
         const SavedBed saved = bed.save();
         ASSERT_TRUE(bed.moveGrain(someMove(bed, 0, 0.05)));
-        runMoveGrain(bed, 10);
+        run(bed, 10);
         bed.restore(saved);
       }
-      runMoveGrain(bed, 60);
+      run(bed, 60);
       hashes.push_back(bed.hash());
     }
     expected = expected.empty() ? hashes : expected;

@@ -23,7 +23,7 @@ struct Expected {
 };
 
 /// A random crowd and its lists.
-struct StepKernelCrowd {
+struct Crowd {
   SoilParameters soil;
   std::vector<Float4> position;  // in whole groups, once listed
   std::size_t n = 0;
@@ -86,8 +86,8 @@ struct StepKernelCrowd {
 
 /// `particles` at random in a cube of `edge_m`, so dense that every branch of the law is visited. Distances at which a
 /// rounding error decides between contact and no contact, or between the cutoff's sides, are left out.
-StepKernelCrowd randomCrowd(const SoilParameters& soil, int particles, double edge_m, std::uint64_t seed) {
-  StepKernelCrowd crowd;
+Crowd randomCrowd(const SoilParameters& soil, int particles, double edge_m, std::uint64_t seed) {
+  Crowd crowd;
   crowd.soil = soil;
   std::mt19937_64 random(seed);
   std::uniform_real_distribution<float> anywhere(0, static_cast<float>(edge_m));
@@ -114,7 +114,7 @@ TEST_F(ContactKernel, IsTheEquationInDoublePrecisionForEveryPreset) {
   forEachTarget([] {
     for (const Preset& preset : presets()) {
       SCOPED_TRACE(preset.name);
-      StepKernelCrowd crowd = randomCrowd(preset.soil, 120, 0.06, 7);
+      Crowd crowd = randomCrowd(preset.soil, 120, 0.06, 7);
       const std::vector<Expected> expected = crowd.expected();
       const std::vector<ContactSum> sums = crowd.kernel();
       double largest = 0;
@@ -138,7 +138,7 @@ TEST_F(ContactKernel, IsTheEquationInDoublePrecisionForEveryPreset) {
 
 TEST_F(ContactKernel, SumsExactlyTheGroupsItIsGiven) {
   forEachTarget([] {
-    StepKernelCrowd crowd = randomCrowd(presets()[3].soil, 50, 0.05, 11);
+    Crowd crowd = randomCrowd(presets()[3].soil, 50, 0.05, 11);
     const std::vector<ContactSum> all = crowd.kernel();
     const std::vector<ContactSum> some = crowd.kernel(1, 3);
     for (std::size_t i = 0; i < some.size(); ++i) {
@@ -151,7 +151,7 @@ TEST_F(ContactKernel, SumsExactlyTheGroupsItIsGiven) {
 
 TEST_F(ContactKernel, GhostsContributeExactlyNothing) {
   forEachTarget([] {
-    StepKernelCrowd alone;
+    Crowd alone;
     alone.soil = presets()[3].soil;
     alone.position = {{0.01F, -0.02F, 0.03F, 0}};
     alone.begin();
@@ -176,7 +176,7 @@ TEST_F(ContactKernel, APairWeighsTheSameInEveryPlaceOfItsGroup) {
         if (one == two) {
           continue;
         }
-        StepKernelCrowd pair;
+        Crowd pair;
         pair.soil = presets()[3].soil;
         for (std::size_t i = 0; i < 2 * kGroup; ++i) {
           pair.position.push_back({0.1F * static_cast<float>(i + 1), 0, 0, 0});
@@ -202,7 +202,7 @@ TEST_F(ContactKernel, APairWeighsTheSameInEveryPlaceOfItsGroup) {
 
 TEST_F(ContactKernel, TwoCentresInOnePointAreNoNaN) {
   forEachTarget([] {
-    StepKernelCrowd crowd;
+    Crowd crowd;
     crowd.soil = presets()[3].soil;
     crowd.position = {{0.01F, 0.02F, 0.03F, 0}, {0.01F, 0.02F, 0.03F, 0}};
     crowd.list(0.01);

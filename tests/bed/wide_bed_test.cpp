@@ -12,7 +12,7 @@
 namespace haptolith {
 namespace {
 
-constexpr double kWideBedStep_s = 1e-3 / 3;
+constexpr double kStep_s = 1e-3 / 3;
 
 BedParameters box(double width_m, FrictionModel friction) {
   BedParameters bed;
@@ -29,7 +29,7 @@ double gone(double width_m, FrictionModel friction, double speed_m_s, int steps)
   const double from_m = bed.state().position[0].x;
   bed.drive(0, {speed_m_s, 0, 0});
   for (int i = 0; i < steps; ++i) {
-    EXPECT_EQ(bed.step(kWideBedStep_s), StepStatus::kOk);
+    EXPECT_EQ(bed.step(kStep_s), StepStatus::kOk);
   }
   return static_cast<double>(bed.state().position[0].x) - from_m;
 }
@@ -66,7 +66,7 @@ Bed tumbling(int threads) {
 TEST(WideBed, GoesOnFromASavedStateAndWithAnyNumberOfThreadsBitForBit) {
   const auto hash_after = [](Bed& bed, int steps) {
     for (int i = 0; i < steps; ++i) {
-      EXPECT_EQ(bed.step(kWideBedStep_s), StepStatus::kOk);
+      EXPECT_EQ(bed.step(kStep_s), StepStatus::kOk);
     }
     return bed.hash();
   };

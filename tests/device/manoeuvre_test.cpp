@@ -9,7 +9,7 @@ namespace {
 
 constexpr Manoeuvre kAll[] = {Manoeuvre::kStill, Manoeuvre::kPress, Manoeuvre::kStir, Manoeuvre::kScoop,
                               Manoeuvre::kCarry, Manoeuvre::kShake, Manoeuvre::kCut,  Manoeuvre::kFurrows};
-constexpr double kManoeuvreTick_s = 1e-3;
+constexpr double kTick_s = 1e-3;
 
 HandParameters handFor(Manoeuvre manoeuvre) {
   HandParameters hand;
@@ -59,11 +59,10 @@ TEST(Manoeuvre, MovesWithoutJumpsOfPositionOrVelocity) {
     Vec3 x = manoeuvrePose(hand, 0).position_m;
     Vec3 v = Vec3::Zero();
     for (int tick = 1; tick <= 8000; ++tick) {
-      const Vec3 next = manoeuvrePose(hand, tick * kManoeuvreTick_s).position_m;
-      const Vec3 next_v = (next - x) / kManoeuvreTick_s;
+      const Vec3 next = manoeuvrePose(hand, tick * kTick_s).position_m;
+      const Vec3 next_v = (next - x) / kTick_s;
       ASSERT_LT(next_v.norm(), largest_speed) << static_cast<int>(manoeuvre) << " at " << tick;
-      ASSERT_LT((next_v - v).norm() / kManoeuvreTick_s, largest_acceleration)
-          << static_cast<int>(manoeuvre) << " at " << tick;
+      ASSERT_LT((next_v - v).norm() / kTick_s, largest_acceleration) << static_cast<int>(manoeuvre) << " at " << tick;
       x = next;
       v = next_v;
     }
@@ -78,10 +77,9 @@ TEST(Manoeuvre, GoesThroughTheSurfaceAtOneSpeed) {
   const double largest = 5.774 * 0.037;
   double fastest = 0;
   for (int tick = 801; tick < 1799; ++tick) {
-    const auto z = [&](int k) { return manoeuvrePose(hand, k * kManoeuvreTick_s).position_m.z(); };
-    ASSERT_LT(std::abs(z(tick + 1) - 2 * z(tick) + z(tick - 1)) / (kManoeuvreTick_s * kManoeuvreTick_s), largest * 1.01)
-        << tick;
-    fastest = std::max(fastest, std::abs(z(tick + 1) - z(tick)) / kManoeuvreTick_s);
+    const auto z = [&](int k) { return manoeuvrePose(hand, k * kTick_s).position_m.z(); };
+    ASSERT_LT(std::abs(z(tick + 1) - 2 * z(tick) + z(tick - 1)) / (kTick_s * kTick_s), largest * 1.01) << tick;
+    fastest = std::max(fastest, std::abs(z(tick + 1) - z(tick)) / kTick_s);
   }
   EXPECT_NEAR(fastest, 1.875 * 0.037, 1e-4);
 }
@@ -91,9 +89,9 @@ TEST(Manoeuvre, TurnsWithoutJumps) {
   for (const Manoeuvre manoeuvre : kAll) {
     const HandParameters hand = handFor(manoeuvre);
     for (int tick = 1; tick <= 8000; ++tick) {
-      const double turned = angleBetween(manoeuvrePose(hand, tick * kManoeuvreTick_s).orientation,
-                                         manoeuvrePose(hand, (tick - 1) * kManoeuvreTick_s).orientation);
-      ASSERT_LT(turned / kManoeuvreTick_s, 20) << static_cast<int>(manoeuvre) << " at " << tick;
+      const double turned = angleBetween(manoeuvrePose(hand, tick * kTick_s).orientation,
+                                         manoeuvrePose(hand, (tick - 1) * kTick_s).orientation);
+      ASSERT_LT(turned / kTick_s, 20) << static_cast<int>(manoeuvre) << " at " << tick;
     }
   }
 }
@@ -103,7 +101,7 @@ TEST(Manoeuvre, ReachesItsDepthAndNoDeeper) {
     const HandParameters hand = handFor(manoeuvre);
     double lowest = 1;
     for (int tick = 0; tick <= 4000; ++tick) {
-      lowest = std::min(lowest, manoeuvrePose(hand, tick * kManoeuvreTick_s).position_m.z());
+      lowest = std::min(lowest, manoeuvrePose(hand, tick * kTick_s).position_m.z());
     }
     EXPECT_GE(lowest, 0.035 - 0.020 - 1e-12) << static_cast<int>(manoeuvre);
     if (manoeuvre == Manoeuvre::kPress) {
@@ -138,7 +136,7 @@ TEST(ManoeuvreOpening, ClosesAtTheLowestPointAndOpensWhereTheSoilIsTippedOut) {
   double lowest_m = 1;
   double lowest_s = 0;
   double before = 1;
-  for (double t = 0; t < 4; t += kManoeuvreTick_s) {
+  for (double t = 0; t < 4; t += kTick_s) {
     const double open = manoeuvreOpening(hand, t);
     EXPECT_GE(open, 0);
     EXPECT_LE(open, 1);
@@ -153,7 +151,7 @@ TEST(ManoeuvreOpening, ClosesAtTheLowestPointAndOpensWhereTheSoilIsTippedOut) {
   EXPECT_EQ(manoeuvreOpening(hand, lowest_s - 0.4), 1) << "open on the way down";
   EXPECT_LT(manoeuvreOpening(hand, lowest_s), 0.2);
   EXPECT_EQ(manoeuvreOpening(hand, lowest_s + 0.1), 0) << "closed on the way up";
-  EXPECT_EQ(manoeuvreOpening(hand, 4 - kManoeuvreTick_s), 1);
+  EXPECT_EQ(manoeuvreOpening(hand, 4 - kTick_s), 1);
 }
 
 TEST(Manoeuvre, CutsStraightAtOneDepthWithItsEdgeAhead) {

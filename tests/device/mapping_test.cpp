@@ -14,7 +14,7 @@
 namespace haptolith {
 namespace {
 
-constexpr double kMappingTick_s = 1e-3;
+constexpr double kTick_s = 1e-3;
 const Vec3 kCentre_m(0.01, -0.02, 0.03);
 
 DeviceLimits centred() {
@@ -44,20 +44,20 @@ DeviceInput handAt(const Vec3& position_m, double angle_rad = 0, bool clutch = f
 
 /// A hand that wanders about.
 DeviceInput wandering(int tick, bool clutch) {
-  const double t_s = kMappingTick_s * tick;
+  const double t_s = kTick_s * tick;
   return handAt(0.05 * Vec3(std::sin(3 * t_s), std::cos(2 * t_s), std::sin(5 * t_s)), std::sin(4 * t_s), clutch);
 }
 
-double angleBetweenOfMapping(const Quat& a, const Quat& b) {
+double angleBetween(const Quat& a, const Quat& b) {
   return 2 * std::acos(std::min(1.0, std::abs(a.dot(b))));
 }
 
 TEST(Mapping, ByDefaultIsNone) {
-  Mapping mapping({}, {}, kMappingTick_s);
+  Mapping mapping({}, {}, kTick_s);
   const DeviceInput hand = handAt({0.1, 0.2, 0.3}, 0.7);
   const Movement tool = mapping.toScene(hand);
   EXPECT_EQ(tool.pose.position_m, hand.pose.position_m);
-  EXPECT_LT(angleBetweenOfMapping(tool.pose.orientation, hand.pose.orientation), 1e-7);
+  EXPECT_LT(angleBetween(tool.pose.orientation, hand.pose.orientation), 1e-7);
   EXPECT_EQ(tool.twist.linear_m_s, hand.twist.linear_m_s);
   EXPECT_EQ(tool.twist.angular_rad_s, hand.twist.angular_rad_s);
   const Wrench felt = mapping.toDevice({{Vec3(1, 2, 3), Vec3(4, 5, 6)}}).wrench;
@@ -67,7 +67,7 @@ TEST(Mapping, ByDefaultIsNone) {
 
 TEST(Mapping, IsTheEquationWithMatrices) {
   const MappingParameters parameters = crooked();
-  Mapping mapping(parameters, centred(), kMappingTick_s);
+  Mapping mapping(parameters, centred(), kTick_s);
   const auto about = [](double angle, const Vec3& axis) { return Eigen::AngleAxisd(angle, axis).toRotationMatrix(); };
   const Eigen::Matrix3d turn = about(2.3, Vec3::UnitZ()) * about(-1.1, Vec3::UnitY()) * about(0.5, Vec3::UnitX());
   const DeviceInput hand = handAt({0.05, 0.06, -0.07}, 0.9);
@@ -87,12 +87,12 @@ TEST(Mapping, IsTheEquationWithMatrices) {
 }
 
 TEST(Mapping, TheMiddleOfTheWorkspaceIsWhereTheOffsetPutsIt) {
-  Mapping mapping(crooked(), centred(), kMappingTick_s);
+  Mapping mapping(crooked(), centred(), kTick_s);
   EXPECT_LT((mapping.toScene(handAt(kCentre_m)).pose.position_m - crooked().offset_m).norm(), 1e-15);
 }
 
 TEST(Mapping, VelocityIsTheRateOfThePose) {
-  Mapping mapping(crooked(), centred(), kMappingTick_s);
+  Mapping mapping(crooked(), centred(), kTick_s);
   const double step_s = 1e-6;
   DeviceInput hand = handAt({0.02, 0.01, 0.05}, 0.4);
   const Movement now = mapping.toScene(hand);
@@ -115,7 +115,7 @@ TEST(Mapping, PowerIsTheSameOnBothSidesWhereForcesAreScaledAsLengths) {
       parameters.turn_rad = 3 * any();
       parameters.scale = std::pow(10, uniformSigned(random));
       parameters.force_scale = ratio * parameters.scale;
-      Mapping mapping(parameters, centred(), kMappingTick_s);
+      Mapping mapping(parameters, centred(), kTick_s);
       DeviceInput hand = handAt(any());
       hand.twist = {any(), any()};
       const Twist tool = mapping.toScene(hand).twist;
@@ -129,23 +129,23 @@ TEST(Mapping, PowerIsTheSameOnBothSidesWhereForcesAreScaledAsLengths) {
 }
 
 TEST(Mapping, TheToolNeverJumpsThroughAClutch) {
-  Mapping mapping(crooked(), centred(), kMappingTick_s);
+  Mapping mapping(crooked(), centred(), kTick_s);
   Movement last = mapping.toScene(wandering(0, false));
   const double per_tick_m =
-      2.5 * 0.05 * 7 * kMappingTick_s;  // scale * amplitude * the sum of the frequencies is more than enough
+      2.5 * 0.05 * 7 * kTick_s;  // scale * amplitude * the sum of the frequencies is more than enough
   double widest_m = 0;
   for (int tick = 1; tick < 4000; ++tick) {
     const bool clutch = tick / 500 % 2 == 1;
     const Movement now = mapping.toScene(wandering(tick, clutch));
     ASSERT_LT((now.pose.position_m - last.pose.position_m).norm(), per_tick_m) << tick;
-    ASSERT_LT(angleBetweenOfMapping(now.pose.orientation, last.pose.orientation), 6e-3) << tick;
+    ASSERT_LT(angleBetween(now.pose.orientation, last.pose.orientation), 6e-3) << tick;
     ASSERT_NEAR(now.pose.orientation.norm(), 1, 1e-12);
     if (clutch) {
       ASSERT_EQ(now.pose.position_m, last.pose.position_m);
       ASSERT_EQ(now.twist.linear_m_s, Vec3::Zero());
       ASSERT_EQ(now.twist.angular_rad_s, Vec3::Zero());
     }
-    Mapping straight(crooked(), centred(), kMappingTick_s);
+    Mapping straight(crooked(), centred(), kTick_s);
     widest_m =
         std::max(widest_m, (straight.toScene(wandering(tick, false)).pose.position_m - now.pose.position_m).norm());
     last = now;
@@ -154,8 +154,8 @@ TEST(Mapping, TheToolNeverJumpsThroughAClutch) {
 }
 
 TEST(Mapping, AClutchThatIsHeldFromTheFirstTickLeavesTheToolWhereTheHandBegan) {
-  Mapping mapping(crooked(), centred(), kMappingTick_s);
-  Mapping other(crooked(), centred(), kMappingTick_s);
+  Mapping mapping(crooked(), centred(), kTick_s);
+  Mapping other(crooked(), centred(), kTick_s);
   const Pose wanted = other.toScene(wandering(0, false)).pose;
   EXPECT_EQ(mapping.toScene(wandering(0, true)).pose.position_m, wanted.position_m);
   EXPECT_EQ(mapping.toDevice({{Vec3(1, 1, 1), Vec3(1, 1, 1)}}).wrench.force_n, Vec3::Zero());
@@ -166,7 +166,7 @@ TEST(Mapping, AClutchThatIsHeldFromTheFirstTickLeavesTheToolWhereTheHandBegan) {
 }
 
 TEST(Mapping, TheHandFeelsNothingThroughAClutchAndForceComesBackWithinAFifthOfASecond) {
-  Mapping mapping(crooked(), centred(), kMappingTick_s);
+  Mapping mapping(crooked(), centred(), kTick_s);
   const Wrench soil{Vec3(0, 0, 10), Vec3(0, 1, 0)};
   (void)mapping.toScene(wandering(0, false));
   EXPECT_NEAR(mapping.toDevice({soil}).wrench.force_n.norm(), 4, 1e-12);
@@ -186,7 +186,7 @@ TEST(Mapping, TheHandFeelsNothingThroughAClutchAndForceComesBackWithinAFifthOfAS
 TEST(Mapping, WithoutAClutchButtonNoButtonHoldsTheTool) {
   MappingParameters parameters = crooked();
   parameters.clutch_button = -1;
-  Mapping mapping(parameters, centred(), kMappingTick_s);
+  Mapping mapping(parameters, centred(), kTick_s);
   DeviceInput hand = handAt({0, 0, 0});
   hand.buttons = 0xffffffffU;
   const Vec3 before = mapping.toScene(hand).pose.position_m;
@@ -197,7 +197,7 @@ TEST(Mapping, WithoutAClutchButtonNoButtonHoldsTheTool) {
 TEST(Mapping, WhatIsRightAndAwayForAPersonIsSoInTheSceneWhateverAxesTheDeviceHas) {
   DeviceLimits device;
   device.turn_rad = {0, 0, -std::numbers::pi / 2};  // x to the person, y to the right
-  Mapping mapping({}, device, kMappingTick_s);
+  Mapping mapping({}, device, kTick_s);
   EXPECT_LT((mapping.toScene(handAt({0, 0.1, 0})).pose.position_m - Vec3(0.1, 0, 0)).norm(), 1e-15);
   EXPECT_LT((mapping.toScene(handAt({-0.1, 0, 0})).pose.position_m - Vec3(0, 0.1, 0)).norm(), 1e-15);
   EXPECT_LT((mapping.toDevice({{Vec3(1, 0, 0), Vec3::Zero()}}).wrench.force_n - Vec3(0, 1, 0)).norm(), 1e-15);
@@ -218,9 +218,9 @@ TEST(Mapping, RefusesNonsense) {
   for (const auto& spoil : spoils) {
     MappingParameters parameters = crooked();
     spoil(parameters);
-    EXPECT_THROW((Mapping{parameters, centred(), kMappingTick_s}), InvalidParameter) << number++;
+    EXPECT_THROW((Mapping{parameters, centred(), kTick_s}), InvalidParameter) << number++;
   }
-  EXPECT_NO_THROW((Mapping{crooked(), centred(), kMappingTick_s}));
+  EXPECT_NO_THROW((Mapping{crooked(), centred(), kTick_s}));
 }
 
 }  // namespace

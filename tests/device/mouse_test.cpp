@@ -18,7 +18,7 @@ namespace {
 using testing::HasSubstr;
 using testing::ThrowsMessage;
 
-constexpr double kMouseTick_s = 1e-3;
+constexpr double kTick_s = 1e-3;
 constexpr Sint32 kLargest = std::numeric_limits<Sint32>::max();
 
 class MouseTest : public testing::Test {
@@ -95,7 +95,7 @@ class MouseTest : public testing::Test {
 };
 
 TEST_F(MouseTest, MovesTheToolToTheRightAndAwayAsFarAsItIsPushed) {
-  Mouse mouse({}, kMouseTick_s);
+  Mouse mouse({}, kTick_s);
   EXPECT_EQ(mouse.read().pose.position_m, Vec3::Zero());
   takePointer(mouse);
   for (int i = 0; i < 10; ++i) {
@@ -105,7 +105,7 @@ TEST_F(MouseTest, MovesTheToolToTheRightAndAwayAsFarAsItIsPushed) {
 }
 
 TEST_F(MouseTest, TheWheelAndTheRightButtonRaise) {
-  Mouse mouse({}, kMouseTick_s);
+  Mouse mouse({}, kTick_s);
   takePointer(mouse);
   wheel(3);
   expectAt(mouse, {0, 0, 3 * Mouse::kPerNotch_m});
@@ -121,7 +121,7 @@ TEST_F(MouseTest, TheWheelAndTheRightButtonRaise) {
 }
 
 TEST_F(MouseTest, ThePointerIsFreeUntilAClickAndAfterEsc) {
-  Mouse mouse({}, kMouseTick_s);
+  Mouse mouse({}, kTick_s);
   move(100, 0);
   wheel(1);
   takePointer(mouse);
@@ -140,7 +140,7 @@ TEST_F(MouseTest, ThePointerIsFreeUntilAClickAndAfterEsc) {
 }
 
 TEST_F(MouseTest, LosesThePointerToAnotherWindow) {
-  Mouse mouse({}, kMouseTick_s);
+  Mouse mouse({}, kTick_s);
   takePointer(mouse);
   press(SDL_BUTTON_MIDDLE);
   ASSERT_TRUE(eventually([&] { return mouse.read().buttons == 1U << 1; }));
@@ -152,14 +152,14 @@ TEST_F(MouseTest, LosesThePointerToAnotherWindow) {
 }
 
 TEST_F(MouseTest, TheClickThatTakesThePointerIsNoOther) {
-  Mouse mouse({}, kMouseTick_s);
+  Mouse mouse({}, kTick_s);
   press(SDL_BUTTON_LEFT);
   press(SDL_BUTTON_MIDDLE);
   EXPECT_TRUE(eventually([&] { return mouse.read().buttons == 1U << 1; }));
 }
 
 TEST_F(MouseTest, IsLostWhenItsWindowIsClosedAndStandsStill) {
-  Mouse mouse({}, kMouseTick_s);
+  Mouse mouse({}, kTick_s);
   takePointer(mouse);
   move(100, 0);
   settle(mouse);
@@ -172,7 +172,7 @@ TEST_F(MouseTest, IsLostWhenItsWindowIsClosedAndStandsStill) {
 }
 
 TEST_F(MouseTest, RubbishKeepsTheToolInItsWorkspaceAndTheMouseAlive) {
-  Mouse mouse({}, kMouseTick_s);
+  Mouse mouse({}, kTick_s);
   takePointer(mouse);
   for (int i = 0; i < 100; ++i) {
     move(kLargest, -kLargest);
@@ -195,13 +195,13 @@ TEST_F(MouseTest, RubbishKeepsTheToolInItsWorkspaceAndTheMouseAlive) {
 
 TEST_F(MouseTest, CanBeOpenedAgainAndAgain) {
   for (int i = 0; i < 3; ++i) {
-    EXPECT_EQ(Mouse({}, kMouseTick_s).read().state, DeviceState::kLive);
+    EXPECT_EQ(Mouse({}, kTick_s).read().state, DeviceState::kLive);
   }
 }
 
 TEST_F(MouseTest, AllocatesNothingInTheTick) {
   const long before_all = allocationsOfThisThread();
-  Mouse mouse({}, kMouseTick_s);
+  Mouse mouse({}, kTick_s);
   ASSERT_GT(allocationsOfThisThread(), before_all) << "the counter does not count";
   takePointer(mouse);
   move(100, 100);
@@ -224,7 +224,7 @@ TEST_F(MouseTest, IsFoundWithADisplay) {
 
 TEST_F(MouseTest, SaysWhyItsWindowCannotBeOpened) {
   setenv("SDL_VIDEODRIVER", "no-such-driver", 1);
-  EXPECT_THAT([] { Mouse({}, kMouseTick_s); },
+  EXPECT_THAT([] { Mouse({}, kTick_s); },
               ThrowsMessage<Failure>(testing::AllOf(HasSubstr("cannot open the mouse's window: "),
                                                     HasSubstr("start haptolith in a desktop session"))));
   EXPECT_FALSE(findMouse({})[0].usable);
@@ -235,7 +235,7 @@ TEST_F(MouseTest, SaysThatThereIsNoDisplay) {
   if (std::getenv("DISPLAY") != nullptr || std::getenv("WAYLAND_DISPLAY") != nullptr) {
     GTEST_SKIP() << "this machine has a display";
   }
-  EXPECT_THAT([] { Mouse({}, kMouseTick_s); }, ThrowsMessage<Failure>(HasSubstr("no display for the mouse's window")));
+  EXPECT_THAT([] { Mouse({}, kTick_s); }, ThrowsMessage<Failure>(HasSubstr("no display for the mouse's window")));
   const std::vector<DeviceReport> found = findMouse({});
   ASSERT_EQ(found.size(), 1U);
   EXPECT_FALSE(found[0].usable);
@@ -246,11 +246,11 @@ TEST_F(MouseTest, SaysThatThereIsNoDisplay) {
 TEST_F(MouseTest, RefusesAnotherId) {
   DeviceParameters parameters;
   parameters.id = "1";
-  EXPECT_THROW(Mouse(parameters, kMouseTick_s), InvalidParameter);
+  EXPECT_THROW(Mouse(parameters, kTick_s), InvalidParameter);
 }
 
 TEST_F(MouseTest, ShowsNoForceAndKnowsNoTurn) {
-  const DeviceLimits limits = Mouse({}, kMouseTick_s).limits();
+  const DeviceLimits limits = Mouse({}, kTick_s).limits();
   EXPECT_EQ(limits.max_force_n, 0);
   EXPECT_EQ(limits.max_torque_nm, 0);
   EXPECT_EQ(limits.max_gripper_force_n, 0);

@@ -12,7 +12,7 @@
 namespace haptolith {
 namespace {
 
-constexpr double kRateControlTick_s = 1e-3;
+constexpr double kTick_s = 1e-3;
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 
@@ -73,7 +73,7 @@ TEST(RateOf, RubbishIsRest) {
 }
 
 TEST(SteeredHandle, GoesAsFastAsItIsDriven) {
-  SteeredHandle handle(kRateControlTick_s);
+  SteeredHandle handle(kTick_s);
   const Twist speed{.linear_m_s = {0.03, -0.02, 0.01}, .angular_rad_s = {0, 0, 0.5}};
   Movement now;
   for (int i = 0; i < 1000; ++i) {
@@ -92,15 +92,14 @@ TEST(SteeredHandle, GoesAsFastAsItIsDriven) {
 
 TEST(SteeredHandle, TheTwistIsThePosesStepDividedByTheTick) {
   std::mt19937_64 random(3);
-  SteeredHandle handle(kRateControlTick_s);
+  SteeredHandle handle(kTick_s);
   Movement before = handle.drive({});
   for (int i = 0; i < 20'000; ++i) {  // into the wall, along it and back, with pushes of a mouse between
     const Vec3 push = anyVector(random);
     const Movement now = i % 7 == 0 ? handle.displace(0.05 * push)
                                     : handle.drive({.linear_m_s = push, .angular_rad_s = 3 * anyVector(random)});
-    EXPECT_NEAR((before.pose.position_m + kRateControlTick_s * now.twist.linear_m_s - now.pose.position_m).norm(), 0,
-                1e-15);
-    const Quat turned = turnedBy(kRateControlTick_s * now.twist.angular_rad_s, before.pose.orientation);
+    EXPECT_NEAR((before.pose.position_m + kTick_s * now.twist.linear_m_s - now.pose.position_m).norm(), 0, 1e-15);
+    const Quat turned = turnedBy(kTick_s * now.twist.angular_rad_s, before.pose.orientation);
     EXPECT_NEAR(rotationBetween(turned, now.pose.orientation).norm(), 0, 1e-14);
     EXPECT_NEAR(now.pose.orientation.norm(), 1, 1e-14);
     before = now;
@@ -108,7 +107,7 @@ TEST(SteeredHandle, TheTwistIsThePosesStepDividedByTheTick) {
 }
 
 TEST(SteeredHandle, NeverLeavesItsWorkspaceAndSlidesAlongItsWall) {
-  SteeredHandle handle(kRateControlTick_s, 0.1);
+  SteeredHandle handle(kTick_s, 0.1);
   Movement now;
   for (int i = 0; i < 3000; ++i) {
     now = handle.drive({.linear_m_s = {0.5, 0.1, 0}});
@@ -123,7 +122,7 @@ TEST(SteeredHandle, NeverLeavesItsWorkspaceAndSlidesAlongItsWall) {
 }
 
 TEST(SteeredHandle, IsDisplacedByWhatItIsPushedNoMoreAndNoLess) {
-  SteeredHandle handle(kRateControlTick_s);
+  SteeredHandle handle(kTick_s);
   std::mt19937_64 random(4);
   Vec3 sum = Vec3::Zero();
   for (int i = 0; i < 500; ++i) {
@@ -141,7 +140,7 @@ TEST(SteeredHandle, IsDisplacedByWhatItIsPushedNoMoreAndNoLess) {
 }
 
 TEST(SteeredHandle, AtRestNothingDriftsNotEvenByABit) {
-  SteeredHandle handle(kRateControlTick_s);
+  SteeredHandle handle(kTick_s);
   for (int i = 0; i < 200; ++i) {
     handle.drive({.linear_m_s = {0.1, 0.02, -0.07}, .angular_rad_s = {1, 0.3, -0.2}});
   }
@@ -159,7 +158,7 @@ TEST(SteeredHandle, AtRestNothingDriftsNotEvenByABit) {
 }
 
 TEST(SteeredHandle, NoPushIsFasterThanTheLargestSpeed) {
-  SteeredHandle handle(kRateControlTick_s);
+  SteeredHandle handle(kTick_s);
   double fastest = 0;
   handle.displace({1e6, 0, 0});
   for (int i = 0; i < 300; ++i) {
@@ -170,7 +169,7 @@ TEST(SteeredHandle, NoPushIsFasterThanTheLargestSpeed) {
 }
 
 TEST(SteeredHandle, RubbishMovesNothing) {
-  SteeredHandle handle(kRateControlTick_s);
+  SteeredHandle handle(kTick_s);
   for (const double rubbish : {kNaN, kInfinity, -kInfinity}) {
     const Movement now = handle.displace({0, rubbish, 0});
     EXPECT_EQ(now.pose.position_m, Vec3::Zero());
@@ -182,7 +181,7 @@ TEST(SteeredHandle, RefusesATickOrAWorkspaceThatIsNone) {
   EXPECT_THROW(SteeredHandle(0), InvalidParameter);
   EXPECT_THROW(SteeredHandle(1), InvalidParameter);
   EXPECT_THROW(SteeredHandle{kNaN}, InvalidParameter);
-  EXPECT_THROW(SteeredHandle(kRateControlTick_s, 0), InvalidParameter);
+  EXPECT_THROW(SteeredHandle(kTick_s, 0), InvalidParameter);
 }
 
 }  // namespace

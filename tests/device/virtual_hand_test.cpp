@@ -11,7 +11,7 @@
 namespace haptolith {
 namespace {
 
-constexpr double kVirtualHandTick_s = 1e-3;
+constexpr double kTick_s = 1e-3;
 
 HandParameters still() {
   HandParameters hand;
@@ -20,7 +20,7 @@ HandParameters still() {
 }
 
 TEST(VirtualHand, YieldsByForceOverStiffness) {
-  VirtualHand hand(still(), kVirtualHandTick_s);
+  VirtualHand hand(still(), kTick_s);
   const Vec3 home = hand.read().pose.position_m;
   hand.write({{Vec3(1.35, -2.7, 0.675), Vec3::Zero()}});
   DeviceInput now;
@@ -33,7 +33,7 @@ TEST(VirtualHand, YieldsByForceOverStiffness) {
 }
 
 TEST(VirtualHand, TurnsByTorqueOverItsRotationalStiffness) {
-  VirtualHand hand(still(), kVirtualHandTick_s);
+  VirtualHand hand(still(), kTick_s);
   const Quat home = hand.read().pose.orientation;
   const Vec3 axis = Vec3(1, 2, -2) / 3;
   hand.write({{Vec3::Zero(), 0.3 * axis}});
@@ -56,14 +56,14 @@ double stepResponse(double force_n, double t) {
 }
 
 TEST(VirtualHand, AnswersAStepLikeADampedOscillator) {
-  VirtualHand hand(still(), kVirtualHandTick_s);
+  VirtualHand hand(still(), kTick_s);
   const double home = hand.read().pose.position_m.z();
   hand.write({{Vec3(0, 0, 2.7), Vec3::Zero()}});
   double largest = 0;
   for (int tick = 1; tick <= 2000; ++tick) {
     const double moved = hand.read().pose.position_m.z() - home;
     // One semi-implicit step is late or early by up to half a tick: v dt / 2 < 0.16 m/s * 0.5 ms = 8e-5 m.
-    ASSERT_NEAR(moved, stepResponse(2.7, tick * kVirtualHandTick_s), 2e-4) << tick;
+    ASSERT_NEAR(moved, stepResponse(2.7, tick * kTick_s), 2e-4) << tick;
     largest = std::max(largest, moved);
   }
   // Damping ratio B / (2 sqrt(K m)) = 0.373: overshoot exp(-pi 0.373 / sqrt(1 - 0.373^2)) = 28.3 %.
@@ -87,16 +87,16 @@ TEST(VirtualHand, StepResponseConvergesWithTheTick) {
 TEST(VirtualHand, RigidFollowsTheManoeuvreExactlyWhateverItFeels) {
   HandParameters parameters;
   parameters.compliance = HandCompliance::kRigid;
-  VirtualHand hand(parameters, kVirtualHandTick_s);
+  VirtualHand hand(parameters, kTick_s);
   Pose before = manoeuvrePose(parameters, 0);
   for (int tick = 1; tick <= 4000; ++tick) {
     const DeviceInput now = hand.read();
-    const Pose wanted = manoeuvrePose(parameters, tick * kVirtualHandTick_s);
+    const Pose wanted = manoeuvrePose(parameters, tick * kTick_s);
     ASSERT_EQ(now.pose.position_m, wanted.position_m);
     ASSERT_EQ(now.pose.orientation.coeffs(), wanted.orientation.coeffs());
-    ASSERT_LT((now.twist.linear_m_s - (wanted.position_m - before.position_m) / kVirtualHandTick_s).norm(), 1e-12);
+    ASSERT_LT((now.twist.linear_m_s - (wanted.position_m - before.position_m) / kTick_s).norm(), 1e-12);
     // The angular velocity turns the last orientation into this one.
-    const Vec3 turn = kVirtualHandTick_s * now.twist.angular_rad_s;
+    const Vec3 turn = kTick_s * now.twist.angular_rad_s;
     const Quat turned = turn.norm() == 0 ? before.orientation
                                          : Quat(Eigen::AngleAxisd(turn.norm(), turn.normalized())) * before.orientation;
     ASSERT_LT(turned.angularDistance(wanted.orientation), 1e-7) << tick;
@@ -109,10 +109,10 @@ TEST(VirtualHand, AFreeArmFollowsItsManoeuvreClosely) {
   for (const Manoeuvre manoeuvre : {Manoeuvre::kPress, Manoeuvre::kStir, Manoeuvre::kScoop, Manoeuvre::kCarry}) {
     HandParameters parameters;
     parameters.manoeuvre = manoeuvre;
-    VirtualHand hand(parameters, kVirtualHandTick_s);
+    VirtualHand hand(parameters, kTick_s);
     for (int tick = 1; tick <= 8000; ++tick) {
       const DeviceInput now = hand.read();
-      const Pose wanted = manoeuvrePose(parameters, tick * kVirtualHandTick_s);
+      const Pose wanted = manoeuvrePose(parameters, tick * kTick_s);
       // m x_d'' / K with 5.774 * 0.08 m / (0.32 s)^2 = 4.5 m/s^2: 18 mm, and a little for the swing.
       ASSERT_LT((now.pose.position_m - wanted.position_m).norm(), 0.03) << tick;
       ASSERT_NEAR(now.pose.orientation.norm(), 1, 1e-12);
@@ -125,17 +125,17 @@ TEST(VirtualHand, RefusesAnArmThatOneTickCannotFollow) {
   HandParameters stiff = still();
   stiff.stiffness_n_m = 1e5;
   stiff.mass_kg = 0.01;
-  EXPECT_THROW((VirtualHand{stiff, kVirtualHandTick_s}), InvalidParameter);
+  EXPECT_THROW((VirtualHand{stiff, kTick_s}), InvalidParameter);
   HandParameters damped = still();
   damped.damping_n_s_m = 1000;
   damped.mass_kg = 0.1;
-  EXPECT_THROW((VirtualHand{damped, kVirtualHandTick_s}), InvalidParameter);
+  EXPECT_THROW((VirtualHand{damped, kTick_s}), InvalidParameter);
   damped.compliance = HandCompliance::kRigid;  // no arm, no matter
-  EXPECT_NO_THROW((VirtualHand{damped, kVirtualHandTick_s}));
+  EXPECT_NO_THROW((VirtualHand{damped, kTick_s}));
 }
 
 TEST(VirtualHand, TellsItsLimits) {
-  const VirtualHand hand(still(), kVirtualHandTick_s);
+  const VirtualHand hand(still(), kTick_s);
   EXPECT_EQ(hand.limits().max_force_n, 12);
   EXPECT_EQ(hand.limits().max_torque_nm, 0.2);
   EXPECT_EQ(hand.name(), "virtual hand");
@@ -144,11 +144,11 @@ TEST(VirtualHand, TellsItsLimits) {
 TEST(VirtualHand, RefusesWrongParametersAndMissingFiles) {
   HandParameters hand;
   hand.mass_kg = 0;
-  EXPECT_THROW((VirtualHand{hand, kVirtualHandTick_s}), InvalidParameter);
+  EXPECT_THROW((VirtualHand{hand, kTick_s}), InvalidParameter);
   hand = {};
   hand.manoeuvre = Manoeuvre::kPoses;
   hand.poses_file = "/nowhere/poses.csv";
-  EXPECT_THROW((VirtualHand{hand, kVirtualHandTick_s}), InvalidParameter);
+  EXPECT_THROW((VirtualHand{hand, kTick_s}), InvalidParameter);
 }
 
 DeviceInput after(VirtualHand& hand, int ticks) {
@@ -160,7 +160,7 @@ DeviceInput after(VirtualHand& hand, int ticks) {
 }
 
 TEST(VirtualHand, WhoeverHoldsTheToolPullsItToThePoseAndBringsItToRestThere) {
-  VirtualHand hand(HandParameters{}, kVirtualHandTick_s);
+  VirtualHand hand(HandParameters{}, kTick_s);
   (void)after(hand, 100);
   const Pose wanted{Vec3(0.03, -0.02, 0.06), Quat(Eigen::AngleAxisd(0.5, Vec3::UnitY()))};
   hand.command({.held = wanted});
@@ -175,7 +175,7 @@ TEST(VirtualHand, WhoeverHoldsTheToolPullsItToThePoseAndBringsItToRestThere) {
 TEST(VirtualHand, WhoeverHoldsTheToolCannotForceItThroughWhatIsStrongerThanTheDevice) {
   HandParameters parameters = still();
   parameters.max_force_n = 5;
-  VirtualHand hand(parameters, kVirtualHandTick_s);
+  VirtualHand hand(parameters, kTick_s);
   const Vec3 start = hand.read().pose.position_m;
   hand.command({.held = Pose{start - Vec3(0, 0, 1)}});  // 300 N by the coupling's stiffness alone
   hand.write({{Vec3(0, 0, 5.01), Vec3::Zero()}});
@@ -187,7 +187,7 @@ TEST(VirtualHand, WhoeverHoldsTheToolCannotForceItThroughWhatIsStrongerThanTheDe
 TEST(VirtualHand, AManoeuvreBeginsAnewFromWhereSomebodyLeftTheTool) {
   HandParameters parameters;
   parameters.surface_m = 0.04;
-  VirtualHand hand(parameters, kVirtualHandTick_s);
+  VirtualHand hand(parameters, kTick_s);
   hand.command({.held = Pose{Vec3(-0.05, 0.05, 0.03)}, .surface_m = 0.04});
   DeviceInput now = after(hand, 2000);
   hand.command({.manoeuvre = Manoeuvre::kStir, .surface_m = 0.04, .beginnings = 1});

@@ -14,7 +14,7 @@ namespace {
 using testing::HasSubstr;
 
 /// Soil whose contact is a spring: what `granular` has exactly.
-SoilParameters springsOfLammpsLaw() {
+SoilParameters springs() {
   SoilParameters soil;
   soil.friction = FrictionModel::kContact;
   soil.stiffness_n_m = 1000;
@@ -31,7 +31,7 @@ BedParameters bedOf(const SoilParameters& soil) {
 }
 
 TEST(GranularLaw, IsTheSameForSprings) {
-  const SoilParameters soil = springsOfLammpsLaw();
+  const SoilParameters soil = springs();
   const Bed bed(bedOf(soil));
   const GranularLaw law = granularLaw(bed);
   EXPECT_TRUE(law.exact);
@@ -49,7 +49,7 @@ TEST(GranularLaw, IsTheSameForSprings) {
 }
 
 TEST(GranularLaw, HasTheWallAsAMirror) {
-  const Bed bed(bedOf(springsOfLammpsLaw()));
+  const Bed bed(bedOf(springs()));
   const GranularLaw law = granularLaw(bed);
   // A grain that stands d into a wall stands 2 d into its image, which comes twice as fast and slides as fast as it.
   EXPECT_DOUBLE_EQ(law.wall.stiffness, 2 * law.grains.stiffness);
@@ -61,7 +61,7 @@ TEST(GranularLaw, HasTheWallAsAMirror) {
 
 /// Soil that cannot be told to LAMMPS exactly: that of lunar-0-15cm, with cohesion or without.
 BedParameters lunar(double cohesion_n) {
-  SoilParameters soil = springsOfLammpsLaw();
+  SoilParameters soil = springs();
   soil.gamma_nm = 6e-5;
   soil.rho0_kg_m3 = 1400;
   soil.rho_max_kg_m3 = 1801.4;
@@ -151,12 +151,12 @@ TEST(GranularLaw, HasALawForSoilThatDoesNotLieYet) {
 TEST(GranularLaw, RefusesWhatNoStyleHas) {
   BedParameters paper;
   EXPECT_THROW((void)granularLaw(Bed(paper)), InvalidParameter);
-  BedParameters graded = bedOf(springsOfLammpsLaw());
+  BedParameters graded = bedOf(springs());
   graded.grading.fine_radius_m = graded.soil.radius_m / 2;
   graded.width_m = graded.length_m = 0.1;
   graded.grading.fine_width_m = graded.grading.fine_length_m = 0.03;
   EXPECT_THROW((void)granularLaw(Bed(graded)), InvalidParameter);
-  BedParameters stony = bedOf(springsOfLammpsLaw());
+  BedParameters stony = bedOf(springs());
   stony.stones.count = 1;
   EXPECT_THROW((void)granularLaw(Bed(stony)), InvalidParameter);
 }
@@ -165,7 +165,7 @@ TEST(GranularLaw, IsTogetherAsStiffAsTheTool) {
   ToolParameters tool;
   tool.friction = 0.36;
   const SpheresUnderAGrain spheres{.count = 4, .depth_m = 2e-3, .pressed_m = 0.5e-3};
-  const GranularContact contact = granularContact(tool, springsOfLammpsLaw(), 2e-4, spheres);
+  const GranularContact contact = granularContact(tool, springs(), 2e-4, spheres);
   EXPECT_DOUBLE_EQ(contact.stiffness * spheres.depth_m, tool.stiffness_n_m * spheres.pressed_m);
   EXPECT_DOUBLE_EQ(contact.damping_n_s_m, 1.4 * 2e-4 * contact.stiffness / 2);
   EXPECT_DOUBLE_EQ(contact.across_n_m * spheres.count, tool.stiffness_n_m / 2);

@@ -34,7 +34,7 @@ constexpr bool kSanitized = true;
 constexpr bool kSanitized = false;
 #endif
 
-constexpr double kFaultTableTick_s = 1e-3;
+constexpr double kTick_s = 1e-3;
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 constexpr double kInf = std::numeric_limits<double>::infinity();
 constexpr double kMaxForce_n = 3.3;
@@ -218,7 +218,7 @@ TEST_P(FaultTable, TheHandFeelsNothingWithinFiveTicksAndForceComesBackSoftly) {
     ASSERT_EQ(bench.ticks(1), LoopEnd::kRunning);
     const Vec3 now_n = bench.device.forces_n.back();
     ASSERT_LE(now_n.norm(), softly(tick) + 1e-9) << tick;
-    ASSERT_LE((now_n - last_n).norm(), kFaultTableTick_s * kMaxRate_n_s + 1e-12) << tick;
+    ASSERT_LE((now_n - last_n).norm(), kTick_s * kMaxRate_n_s + 1e-12) << tick;
     ASSERT_EQ(bench.records.back().trip, 0);
     if (tick <= 30) {
       ASSERT_LT(bench.records.back().soil.force_n.norm(), 0.5 * soil_before_n) << "the tool fades into the soil";
@@ -271,7 +271,7 @@ TEST(FaultTable, TheToolGoesFarFromTheBed) {
   Bench bench;
   bench.device.spoil = [](int tick, DeviceInput& input) {
     if (tick >= kPressed) {
-      input.pose.position_m.x() = kSpeed_m_s * kFaultTableTick_s * (tick - kPressed);
+      input.pose.position_m.x() = kSpeed_m_s * kTick_s * (tick - kPressed);
       input.twist.linear_m_s.x() = kSpeed_m_s;
     }
   };
@@ -366,7 +366,7 @@ int ticksToNothing(const std::vector<Vec3>& forces_n) {
     --last;
   }
   for (std::size_t i = 1; i < last; ++i) {
-    EXPECT_LE((forces_n[i] - forces_n[i - 1]).norm(), kFaultTableTick_s * kMaxRate_n_s / 4) << "it jumped at " << i;
+    EXPECT_LE((forces_n[i] - forces_n[i - 1]).norm(), kTick_s * kMaxRate_n_s / 4) << "it jumped at " << i;
   }
   return static_cast<int>(last);
 }
@@ -523,7 +523,7 @@ TEST(FaultTable, ATripWithinTheFirstTicksIsToldWithWhatThereIs) {
   ASSERT_TRUE(bench.loop->trips().update());
   const TripReport& report = bench.loop->trips().latest();
   ASSERT_EQ(report.count, 8U);
-  EXPECT_EQ(report.ticks[0].time_s, kFaultTableTick_s);
+  EXPECT_EQ(report.ticks[0].time_s, kTick_s);
 }
 
 TEST(FaultTable, ResumingIsNoJumpForADeviceThatHasMovedMeanwhile) {
@@ -543,7 +543,7 @@ TEST(FaultTable, ResumingIsNoJumpForADeviceThatHasMovedMeanwhile) {
     ASSERT_EQ(bench.ticks(1), LoopEnd::kRunning);
     const Vec3 now_n = bench.device.forces_n.back();
     ASSERT_LE(now_n.norm(), softly(tick) + 1e-9) << tick;
-    ASSERT_LE((now_n - last_n).norm(), kFaultTableTick_s * kMaxRate_n_s + 1e-12) << tick;
+    ASSERT_LE((now_n - last_n).norm(), kTick_s * kMaxRate_n_s + 1e-12) << tick;
     if (tick == 1) {
       EXPECT_NE(bench.records.back().flags & kTickResumed, 0U);
       EXPECT_NEAR(bench.records.back().scene_T_tool.position_m.x(), 0.03, 1e-12);

@@ -18,9 +18,9 @@ namespace haptolith {
 namespace {
 
 #if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
-constexpr bool kLastResortSanitized = true;  // the sanitizers have handlers of their own for these signals
+constexpr bool kSanitized = true;  // the sanitizers have handlers of their own for these signals
 #else
-constexpr bool kLastResortSanitized = false;
+constexpr bool kSanitized = false;
 #endif
 
 /// Letting go is a letter in a pipe: all that a handler of signals may do, and it outlives the process.
@@ -89,7 +89,7 @@ Death died(const std::function<void(int pipe)>& last_words) {
 class DeadlySignal : public testing::TestWithParam<int> {};
 
 TEST_P(DeadlySignal, LetsGoOfTheHandAndEndsTheProgramAsEver) {
-  if (kLastResortSanitized && GetParam() != SIGHUP && GetParam() != SIGQUIT) {
+  if (kSanitized && GetParam() != SIGHUP && GetParam() != SIGQUIT) {
     GTEST_SKIP() << "the sanitizer handles it";
   }
   const Death death = died([](int pipe) {
@@ -187,7 +187,7 @@ int fallsDeeper(int depth) {
 }
 
 TEST(LastResort, AnOverflowOfTheStackLetsGo) {
-  if (kLastResortSanitized) {
+  if (kSanitized) {
     GTEST_SKIP() << "the sanitizer handles it";
   }
   const Death own = died([](int pipe) {
@@ -238,7 +238,7 @@ TEST(LastResort, WhoHandlesASignalKeepsIt) {
 }
 
 TEST(LastResort, AWildPointerLetsGo) {
-  if (kLastResortSanitized) {
+  if (kSanitized) {
     GTEST_SKIP() << "the sanitizer handles it";
   }
   const Death death = died([](int pipe) {
@@ -252,7 +252,7 @@ TEST(LastResort, AWildPointerLetsGo) {
 }
 
 TEST(LastResort, AnExceptionThatNobodyCatchesLetsGo) {
-  if (kLastResortSanitized) {
+  if (kSanitized) {
     GTEST_SKIP() << "the sanitizer handles it";
   }
   const Death death = died([](int pipe) {

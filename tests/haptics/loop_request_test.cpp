@@ -47,7 +47,7 @@ class Stirrer final : public HapticDevice {
   Wrench last_;
 };
 
-BedParameters requestBed() {
+BedParameters paperBed() {
   BedParameters bed;
   bed.soil = findPreset("P3").soil;
   return bed;
@@ -67,7 +67,7 @@ HandParameters scooping() {
 
 /// A scene that is stirred.
 struct Stirred {
-  explicit Stirred(const BedParameters& bed = requestBed()) : scene(bed, {}), loop(scene, device, unpaced(), false) {}
+  explicit Stirred(const BedParameters& bed = paperBed()) : scene(bed, {}), loop(scene, device, unpaced(), false) {}
   Stirred(const BedParameters& bed, const std::vector<Vec3>& centres_m)
       : scene(bed, {}, centres_m), loop(scene, device, unpaced(), false) {}
 
@@ -118,7 +118,7 @@ TEST(LoopRequest, APauseStopsTimeAndLetsGoAndLeavesNoTrace) {
 
 TEST(LoopRequest, ASimulatedHandMovesTheSameWithAndWithoutPauses) {
   struct Scooped {
-    Scene scene{requestBed(), {}};
+    Scene scene{paperBed(), {}};
     VirtualHand hand{scooping(), 1e-3};
     HapticLoop loop{scene, hand, unpaced(), false};
   };
@@ -147,7 +147,7 @@ TEST(LoopRequest, ASimulatedHandMovesTheSameWithAndWithoutPauses) {
 
 TEST(LoopRequest, ASlowedLoopTakesItsTime) {
   Stirrer device;
-  Scene scene(requestBed(), {});
+  Scene scene(paperBed(), {});
   LoopParameters parameters;
   parameters.duration_s = 0.02;
   HapticLoop loop(scene, device, parameters, false);
@@ -160,7 +160,7 @@ TEST(LoopRequest, ASlowedLoopTakesItsTime) {
 }
 
 TEST(LoopRequest, GravityAndSoilCountFromTheNextTick) {
-  BedParameters wanted = requestBed();
+  BedParameters wanted = paperBed();
   wanted.gravity_m_s2 = Vec3(0, 0, -3.721);
   wanted.soil.mu_hat = 0.1;
   wanted.soil.gamma_nm *= 2;
@@ -169,15 +169,15 @@ TEST(LoopRequest, GravityAndSoilCountFromTheNextTick) {
     centres_m.emplace_back(p.x, p.y, p.z);
   }
   Stirred made_so(wanted, centres_m);
-  Stirred changed(requestBed(), centres_m);
-  ASSERT_TRUE(isCompatible(requestBed().soil, wanted.soil, ToolParameters{}.stiffness_n_m));
+  Stirred changed(paperBed(), centres_m);
+  ASSERT_TRUE(isCompatible(paperBed().soil, wanted.soil, ToolParameters{}.stiffness_n_m));
   ASSERT_TRUE(changed.loop.ask(request::Gravity{wanted.gravity_m_s2}));
   ASSERT_TRUE(changed.loop.ask(request::Soil{SoilLaws(wanted.soil)}));
   made_so.ticks(500);
   changed.ticks(500);
   EXPECT_EQ(changed.hash(), made_so.hash());
 
-  Stirred as_it_was(requestBed(), centres_m);
+  Stirred as_it_was(paperBed(), centres_m);
   as_it_was.ticks(500);
   EXPECT_NE(changed.hash(), as_it_was.hash());
 }
@@ -209,7 +209,7 @@ TEST(LoopRequest, AnotherSceneComesWithoutAJumpAndWithoutAShot) {
   const double usual_jump_n = stirred.device.largest_jump_n_;
   stirred.device.largest_jump_n_ = 0;
 
-  Scene level(requestBed(), {});
+  Scene level(paperBed(), {});
   ShownScene next(level);
   ASSERT_TRUE(stirred.loop.ask(request::ExchangeBed{&next}));
   stirred.ticks(99);
@@ -232,7 +232,7 @@ TEST(LoopRequest, AnotherSceneComesWithoutAJumpAndWithoutAShot) {
 TEST(LoopRequest, ASceneOfAnotherSizeIsShownWhole) {
   Stirred stirred;
   stirred.ticks(100);
-  BedParameters more = requestBed();
+  BedParameters more = paperBed();
   more.start = BedStart::kPacked;
   more.width_m = more.length_m = 0.5;
   more.depth_m = 0.08;

@@ -14,7 +14,7 @@
 namespace haptolith {
 namespace {
 
-constexpr double kPassivityTick_s = 1e-3;
+constexpr double kTick_s = 1e-3;
 constexpr double kStiffness_n_m = 500;
 
 Pose at(double z_m) {
@@ -25,7 +25,7 @@ Wrench force(double z_n) {
   return {Vec3(0, 0, z_n), Vec3::Zero()};
 }
 
-bool isZeroOfPassivity(const Wrench& wrench) {
+bool isZero(const Wrench& wrench) {
   return wrench.force_n == Vec3::Zero() && wrench.torque_nm == Vec3::Zero();
 }
 
@@ -36,14 +36,14 @@ struct Handle {
 
   void move(double force_n, double wanted_m = 0) {
     const double from_m = z_m;
-    speed_m_s += kPassivityTick_s / mass_kg * (stiffness_n_m * (wanted_m - z_m) - damping_n_s_m * speed_m_s + force_n);
-    z_m += kPassivityTick_s * speed_m_s;
+    speed_m_s += kTick_s / mass_kg * (stiffness_n_m * (wanted_m - z_m) - damping_n_s_m * speed_m_s + force_n);
+    z_m += kTick_s * speed_m_s;
     given_j += force_n * (z_m - from_m);
   }
 };
 
 TEST(Passivity, CountsTheEnergyThatTheHandIsGiven) {
-  Passivity passivity({.stiffness_n_m = kStiffness_n_m}, kPassivityTick_s);
+  Passivity passivity({.stiffness_n_m = kStiffness_n_m}, kTick_s);
   std::mt19937_64 random(7);
   const auto any = [&random] { return Vec3(uniformSigned(random), uniformSigned(random), uniformSigned(random)); };
   double expected_j = 0;
@@ -64,7 +64,7 @@ TEST(Passivity, CountsTheEnergyThatTheHandIsGiven) {
 
 TEST(Passivity, CountsADelayedForceAgainstTheMovementDuringWhichItIsShown) {
   for (const int delay : {0, 1, 5, 31}) {
-    Passivity passivity({.stiffness_n_m = kStiffness_n_m, .delay_s = delay * kPassivityTick_s}, kPassivityTick_s);
+    Passivity passivity({.stiffness_n_m = kStiffness_n_m, .delay_s = delay * kTick_s}, kTick_s);
     std::deque<double> on_the_way(static_cast<std::size_t>(delay), 0.0);
     double expected_j = 0, z_m = 0;
     passivity.observe(at(0), force(0));
@@ -82,14 +82,14 @@ TEST(Passivity, CountsADelayedForceAgainstTheMovementDuringWhichItIsShown) {
 }
 
 TEST(Passivity, AllOfAForceThatIsShownAtOnceIsAffordable) {
-  Passivity passivity({.stiffness_n_m = kStiffness_n_m}, kPassivityTick_s);
+  Passivity passivity({.stiffness_n_m = kStiffness_n_m}, kTick_s);
   passivity.observe(at(0), force(0));
   passivity.observe(at(0.001), force(0));
   EXPECT_EQ(passivity.affordable(force(100)), 1);
 }
 
 TEST(Passivity, AForceThatIsShownLateMustHaveBeenPaidFor) {
-  Passivity passivity({.stiffness_n_m = kStiffness_n_m, .delay_s = 5 * kPassivityTick_s}, kPassivityTick_s);
+  Passivity passivity({.stiffness_n_m = kStiffness_n_m, .delay_s = 5 * kTick_s}, kTick_s);
   passivity.observe(at(0), force(0));
   EXPECT_EQ(passivity.affordable(force(0)), 1);
   // At rest, F = sqrt(2 m 0.5 mJ) / T with the lightest handle, 0.05 kg: 1.41 N.
@@ -121,16 +121,16 @@ TEST_P(PassiveThing, IsLeftAloneBitForBit) {
       if (2 * std::numbers::pi * frequency_hz * amplitude_m > GetParam().fastest_m_s) {
         continue;
       }
-      Passivity passivity({.stiffness_n_m = kStiffness_n_m}, kPassivityTick_s);
+      Passivity passivity({.stiffness_n_m = kStiffness_n_m}, kTick_s);
       double before_m = 0, felt_n = 0, done_j = 0;
       for (int tick = 0; tick < 4000; ++tick) {
-        const double angle = 2 * std::numbers::pi * frequency_hz * kPassivityTick_s * tick;
+        const double angle = 2 * std::numbers::pi * frequency_hz * kTick_s * tick;
         const double z_m = -amplitude_m * std::min(1.0, tick / 500.0) * std::sin(angle);
         passivity.observe(at(z_m), force(felt_n));
         done_j += felt_n * (z_m - before_m);
-        ASSERT_TRUE(isZeroOfPassivity(passivity.damping()))
+        ASSERT_TRUE(isZero(passivity.damping()))
             << frequency_hz << " Hz, " << amplitude_m << " m, tick " << tick << ": " << done_j << " J";
-        felt_n = std::clamp(GetParam().force_n(z_m, (z_m - before_m) / kPassivityTick_s), -12.0, 12.0);
+        felt_n = std::clamp(GetParam().force_n(z_m, (z_m - before_m) / kTick_s), -12.0, 12.0);
         before_m = z_m;
       }
       EXPECT_LE(done_j, 0) << "it was not passive: this tells nothing";
@@ -149,7 +149,7 @@ INSTANTIATE_TEST_SUITE_P(
     [](const testing::TestParamInfo<Passive>& test) { return std::string(test.param.name); });
 
 TEST(Passivity, ForceThatNobodyHasPressedForIsTakenBack) {
-  Passivity passivity({.stiffness_n_m = kStiffness_n_m}, kPassivityTick_s);
+  Passivity passivity({.stiffness_n_m = kStiffness_n_m}, kTick_s);
   passivity.observe(at(0), force(1));
   passivity.observe(at(1e-4), force(1));  // 0.1 mJ in a millisecond, at 0.1 m/s
   const Wrench damping = passivity.damping();
@@ -158,7 +158,7 @@ TEST(Passivity, ForceThatNobodyHasPressedForIsTakenBack) {
 }
 
 TEST(Passivity, TheDamperIsNoStrongerThanADelayedOutputBears) {
-  Passivity passivity({.stiffness_n_m = kStiffness_n_m}, kPassivityTick_s);
+  Passivity passivity({.stiffness_n_m = kStiffness_n_m}, kTick_s);
   passivity.observe(at(0), force(12));
   passivity.observe(at(1e-4), force(12));
   EXPECT_LE(passivity.damping().force_n.norm(), 2 * 20 * 0.1 + 1e-9) << "20 N s/m, in each of the two accounts";
@@ -166,7 +166,7 @@ TEST(Passivity, TheDamperIsNoStrongerThanADelayedOutputBears) {
 }
 
 TEST(Passivity, TurningIsDampedLikeMoving) {
-  Passivity passivity({.stiffness_n_m = kStiffness_n_m}, kPassivityTick_s);
+  Passivity passivity({.stiffness_n_m = kStiffness_n_m}, kTick_s);
   const Wrench torque{Vec3::Zero(), Vec3(0, 0.1, 0)};
   passivity.observe({}, torque);
   passivity.observe({Vec3::Zero(), Quat(Eigen::AngleAxisd(1e-3, Vec3::UnitY()))}, torque);
@@ -177,7 +177,7 @@ TEST(Passivity, TurningIsDampedLikeMoving) {
 
 /// A push that follows the handle's speed: the plainest of what is active.
 double shaken(bool damped, int delay, double* largest_m) {
-  Passivity passivity({.stiffness_n_m = kStiffness_n_m, .delay_s = delay * kPassivityTick_s}, kPassivityTick_s);
+  Passivity passivity({.stiffness_n_m = kStiffness_n_m, .delay_s = delay * kTick_s}, kTick_s);
   Handle handle;
   handle.speed_m_s = 0.02;
   std::deque<double> on_the_way(static_cast<std::size_t>(delay), 0.0);
@@ -211,7 +211,7 @@ TEST(Passivity, WhatIsActiveIsDamped) {
 }
 
 TEST(Passivity, ShakingIsDampedHoweverMuchHasBeenDissipatedBefore) {
-  Passivity passivity({.stiffness_n_m = kStiffness_n_m}, kPassivityTick_s);
+  Passivity passivity({.stiffness_n_m = kStiffness_n_m}, kTick_s);
   double z_m = 0, felt_n = 0;
   for (int tick = 0; tick < 3000; ++tick) {  // digging: 5 N against 0.1 m/s
     passivity.observe(at(z_m), force(felt_n));
@@ -222,19 +222,19 @@ TEST(Passivity, ShakingIsDampedHoweverMuchHasBeenDissipatedBefore) {
   int first_damped = -1;
   double given_j = 0;
   for (int tick = 0; tick < 1000 && first_damped < 0; ++tick) {  // then it shakes: 2 N with 20 Hz, with the speed
-    const double angle = 2 * std::numbers::pi * 20 * kPassivityTick_s * tick;
+    const double angle = 2 * std::numbers::pi * 20 * kTick_s * tick;
     z_m += 2e-4 * std::sin(angle);
     felt_n = 2 * std::sin(angle);
     passivity.observe(at(z_m), force(felt_n));
     given_j += 2e-4 * std::sin(angle) * felt_n;
-    first_damped = isZeroOfPassivity(passivity.damping()) || tick < 20 ? -1 : tick;
+    first_damped = isZero(passivity.damping()) || tick < 20 ? -1 : tick;
   }
   EXPECT_GT(first_damped, 0);
   EXPECT_LT(given_j, 0.02) << "the whole account would have borne 1.5 J";
 }
 
 TEST(Passivity, RestartForgetsWhereTheHandleWasAndWhatWasOnTheWay) {
-  Passivity passivity({.stiffness_n_m = kStiffness_n_m, .delay_s = 5 * kPassivityTick_s}, kPassivityTick_s);
+  Passivity passivity({.stiffness_n_m = kStiffness_n_m, .delay_s = 5 * kTick_s}, kTick_s);
   for (int tick = 0; tick < 10; ++tick) {
     passivity.observe(at(0), force(5));
   }
@@ -247,23 +247,23 @@ TEST(Passivity, RestartForgetsWhereTheHandleWasAndWhatWasOnTheWay) {
 }
 
 TEST(Passivity, AJumpBeforeARestartIsForgotten) {
-  Passivity passivity({.stiffness_n_m = kStiffness_n_m}, kPassivityTick_s);
+  Passivity passivity({.stiffness_n_m = kStiffness_n_m}, kTick_s);
   passivity.observe(at(0), force(1));
   passivity.observe(at(1), force(1));  // a metre in a millisecond
-  EXPECT_FALSE(isZeroOfPassivity(passivity.damping()));
+  EXPECT_FALSE(isZero(passivity.damping()));
   passivity.restart();
-  EXPECT_TRUE(isZeroOfPassivity(passivity.damping()));
+  EXPECT_TRUE(isZero(passivity.damping()));
   for (int tick = 0; tick < 100; ++tick) {
     passivity.observe(at(0), force(0));
-    ASSERT_TRUE(isZeroOfPassivity(passivity.damping())) << tick;
+    ASSERT_TRUE(isZero(passivity.damping())) << tick;
   }
 }
 
 TEST(Passivity, NobodyMovesNobodyIsDamped) {
-  Passivity passivity({.stiffness_n_m = kStiffness_n_m}, kPassivityTick_s);
+  Passivity passivity({.stiffness_n_m = kStiffness_n_m}, kTick_s);
   for (int tick = 0; tick < 100; ++tick) {
     passivity.observe(at(0.03), force(12));
-    ASSERT_TRUE(isZeroOfPassivity(passivity.damping()));
+    ASSERT_TRUE(isZero(passivity.damping()));
   }
   EXPECT_EQ(passivity.injected(), 0);
 }
@@ -271,10 +271,10 @@ TEST(Passivity, NobodyMovesNobodyIsDamped) {
 /// A handle that is told where it is in steps, pressed at rest against something stiff that answers each step a tick
 /// later.
 Passivity atRestFor(double seconds, double step_m, double noise_m, double resolution_m) {
-  Passivity passivity({.stiffness_n_m = kStiffness_n_m, .resolution_m = resolution_m}, kPassivityTick_s);
+  Passivity passivity({.stiffness_n_m = kStiffness_n_m, .resolution_m = resolution_m}, kTick_s);
   std::mt19937_64 random(3);
   double felt_n = 3;
-  for (int tick = 0; tick < seconds / kPassivityTick_s; ++tick) {
+  for (int tick = 0; tick < seconds / kTick_s; ++tick) {
     // Where a handle between two steps is told to be: on either side of them.
     const double told_m = step_m * (uniformSigned(random) > 0 ? 1 : 0) + noise_m * uniformSigned(random);
     passivity.observe(at(told_m), force(felt_n));
@@ -290,7 +290,7 @@ TEST(Passivity, AHandleAtRestDoesNoWorkHoweverItsPositionIsTold) {
         atRestFor(5, step_m, noise_m, 1e-4).injected();  // until the dead band lies about the noise
     EXPECT_NEAR(at_first_j, 0, 0.5e-3) << step_m << " " << noise_m;
     EXPECT_NEAR(coarse.injected(), at_first_j, 0.02e-3) << step_m << " " << noise_m;
-    EXPECT_TRUE(isZeroOfPassivity(coarse.damping()));
+    EXPECT_TRUE(isZero(coarse.damping()));
     EXPECT_EQ(coarse.softening(), 1);
     // Taken for exact, the same positions make energy out of nothing: or this could not fail.
     EXPECT_GT(atRestFor(60, step_m, noise_m, 0).injected(), 5e-3) << step_m << " " << noise_m;
@@ -304,10 +304,9 @@ TEST(Passivity, MeasuresNoiseThatADeviceHasNotDeclared) {
 /// A handle that swings at 30 Hz against a spring, at a device that shows forces up to so late.
 Passivity shakenFor(double seconds, double declared_s) {
   Passivity passivity(
-      {.stiffness_n_m = kStiffness_n_m, .delay_s = declared_s, .delay_known = false, .resolution_m = 1e-5},
-      kPassivityTick_s);
-  for (int tick = 0; tick < seconds / kPassivityTick_s; ++tick) {
-    const double angle = 2 * std::numbers::pi * 30 * kPassivityTick_s * tick;
+      {.stiffness_n_m = kStiffness_n_m, .delay_s = declared_s, .delay_known = false, .resolution_m = 1e-5}, kTick_s);
+  for (int tick = 0; tick < seconds / kTick_s; ++tick) {
+    const double angle = 2 * std::numbers::pi * 30 * kTick_s * tick;
     passivity.observe(at(0.5e-3 * std::sin(angle)), force(1 - 0.5 * std::sin(angle)));
   }
   return passivity;

@@ -9,7 +9,7 @@
 namespace haptolith {
 namespace {
 
-constexpr double kPlausibilityTick_s = 1e-3;
+constexpr double kTick_s = 1e-3;
 constexpr double kRate_hz = 1000;
 
 DeviceInput at(double x_m, double v_m_s = 0) {
@@ -28,7 +28,7 @@ DeviceInput turnedBy(double angle_rad, double w_rad_s = 0) {
 
 /// After how many ticks of the same input it is found out; 1000 when it is not.
 int ticksUntilFoundOut(const DeviceInput& input) {
-  Plausibility plausibility(kRate_hz, kPlausibilityTick_s);
+  Plausibility plausibility(kRate_hz, kTick_s);
   EXPECT_TRUE(plausibility.observe(at(0)));
   for (int tick = 1; tick < 1000; ++tick) {
     if (!plausibility.observe(input)) {
@@ -69,9 +69,9 @@ TEST(Plausibility, AVelocityThatThePoseContradictsIsFoundOut) {
 }
 
 TEST(Plausibility, AVelocityOfTheWrongSignIsFoundOut) {
-  Plausibility plausibility(kRate_hz, kPlausibilityTick_s);
+  Plausibility plausibility(kRate_hz, kTick_s);
   int tick = 0;
-  while (plausibility.observe(at(0.5 * kPlausibilityTick_s * tick, -0.5)) && tick < 1000) {
+  while (plausibility.observe(at(0.5 * kTick_s * tick, -0.5)) && tick < 1000) {
     ++tick;
   }
   EXPECT_LT(tick, 60);
@@ -88,12 +88,12 @@ double speed(double t_s) {
 TEST(Plausibility, NoiseAndStepsOfPositionAreBelieved) {
   std::minstd_rand random(1);  // NOLINT(cert-msc51-cpp)
   std::normal_distribution<double> noise(0, 1e-4);
-  Plausibility plausibility(kRate_hz, kPlausibilityTick_s);
+  Plausibility plausibility(kRate_hz, kTick_s);
   double before_m = 0;
   for (int tick = 0; tick < 20'000; ++tick) {
-    const double noisy_m = way(tick * kPlausibilityTick_s) + noise(random);
+    const double noisy_m = way(tick * kTick_s) + noise(random);
     const double told_m = 6e-5 * std::round(noisy_m / 6e-5);
-    const double v_m_s = tick == 0 ? 0 : (told_m - before_m) / kPlausibilityTick_s;  // the noisiest there is
+    const double v_m_s = tick == 0 ? 0 : (told_m - before_m) / kTick_s;  // the noisiest there is
     before_m = told_m;
     ASSERT_TRUE(plausibility.observe(at(told_m, tick < 2 ? 0 : v_m_s)) || tick < 4) << tick;
   }
@@ -101,10 +101,10 @@ TEST(Plausibility, NoiseAndStepsOfPositionAreBelieved) {
 
 TEST(Plausibility, PacketsThatComeLateAndTogetherAreBelieved) {
   std::minstd_rand random(2);  // NOLINT(cert-msc51-cpp)
-  Plausibility plausibility(kRate_hz, kPlausibilityTick_s);
+  Plausibility plausibility(kRate_hz, kTick_s);
   double told_s = 0;
   for (int tick = 0; tick < 50'000; ++tick) {
-    const double now_s = tick * kPlausibilityTick_s;
+    const double now_s = tick * kTick_s;
     if (random() % 12 == 0 || now_s - told_s > 0.018) {  // 12 ms on average, up to 18
       told_s = now_s;
     }
@@ -113,14 +113,14 @@ TEST(Plausibility, PacketsThatComeLateAndTogetherAreBelieved) {
 }
 
 TEST(Plausibility, ADeviceThatKnowsNoVelocityIsBelieved) {
-  Plausibility plausibility(kRate_hz, kPlausibilityTick_s);
+  Plausibility plausibility(kRate_hz, kTick_s);
   for (int tick = 0; tick < 5000; ++tick) {
-    ASSERT_TRUE(plausibility.observe(at(way(tick * kPlausibilityTick_s))));
+    ASSERT_TRUE(plausibility.observe(at(way(tick * kTick_s))));
   }
 }
 
 TEST(Plausibility, AfterARestartTheHandMayBeAnywhere) {
-  Plausibility plausibility(kRate_hz, kPlausibilityTick_s);
+  Plausibility plausibility(kRate_hz, kTick_s);
   EXPECT_TRUE(plausibility.observe(at(0)));
   plausibility.restart();
   EXPECT_TRUE(plausibility.observe(at(0.5, 1)));

@@ -16,9 +16,9 @@
 namespace haptolith {
 namespace {
 
-constexpr double kSafetyLayerTick_s = 1e-3;
+constexpr double kTick_s = 1e-3;
 constexpr double kStorage_n_m = 500;
-constexpr double kSafetyLayerNaN = std::numeric_limits<double>::quiet_NaN();
+constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 
 /// Something like a small device of the market.
 DeviceLimits small() {
@@ -33,7 +33,7 @@ DeviceLimits small() {
   return limits;
 }
 
-DeviceOutput forceOfSafetyLayer(double z_n) {
+DeviceOutput force(double z_n) {
   return {{Vec3(0, 0, z_n), Vec3::Zero()}};
 }
 
@@ -43,11 +43,11 @@ bool isNothing(const DeviceOutput& output) {
 }
 
 SafetyLayer forPerson(const SafetyParameters& parameters = {}, const DeviceLimits& limits = small()) {
-  return {parameters, limits, false, kStorage_n_m, kSafetyLayerTick_s};
+  return {parameters, limits, false, kStorage_n_m, kTick_s};
 }
 
 SafetyLayer forSimulation(const SafetyParameters& parameters = {}, const DeviceLimits& limits = small()) {
-  return {parameters, limits, true, kStorage_n_m, kSafetyLayerTick_s};
+  return {parameters, limits, true, kStorage_n_m, kTick_s};
 }
 
 /// So many ticks with a hand at rest; what it feels in the last one.
@@ -83,7 +83,7 @@ TEST(SafetyLayer, WhateverHappensForcesStayWithinTheLimitsAndJumpToNothingOnly) 
     SafetyParameters parameters;
     parameters.soft_start_s = 0.05;
     parameters.calm_s = 0.02;
-    SafetyLayer safety(parameters, small(), simulated, kStorage_n_m, kSafetyLayerTick_s);
+    SafetyLayer safety(parameters, small(), simulated, kStorage_n_m, kTick_s);
     std::mt19937_64 random(5);
     const auto any = [&random] { return Vec3(uniformSigned(random), uniformSigned(random), uniformSigned(random)); };
     DeviceOutput last;
@@ -95,12 +95,12 @@ TEST(SafetyLayer, WhateverHappensForcesStayWithinTheLimitsAndJumpToNothingOnly) 
       const double dice = uniformSigned(random);
       told.state = dice > 0.998 ? DeviceState::kStale : dice < -0.998 ? DeviceState::kLost : DeviceState::kLive;
       if (std::abs(dice) < 5e-4) {
-        told.twist.linear_m_s.x() = kSafetyLayerNaN;
+        told.twist.linear_m_s.x() = kNaN;
       }
       safety.check(told, {std::abs(dice) > 0.9, std::abs(dice - 0.5) < 2e-4});
       DeviceOutput rendered{{30 * any(), 1 * any()}, 5 * uniformSigned(random)};
       if (std::abs(dice + 0.5) < 2e-4) {
-        rendered.wrench.force_n.y() = kSafetyLayerNaN;
+        rendered.wrench.force_n.y() = kNaN;
       }
       const DeviceOutput felt = safety.step(rendered);
       ASSERT_LE(felt.wrench.force_n.norm(), 3.3 * (1 + 1e-12));
@@ -146,7 +146,7 @@ TEST(SafetyLayer, OnesOwnLimitCountsWhereItIsBelowTheDevices) {
 TEST(SafetyLayer, AStepIsReachedAtTheDevicesRate) {
   SafetyLayer safety = forSimulation();
   for (int tick = 1; tick <= 6; ++tick) {
-    EXPECT_NEAR(after(safety, 1, forceOfSafetyLayer(3)).wrench.force_n.z(), std::min(3.0, 0.5 * tick), 1e-12);
+    EXPECT_NEAR(after(safety, 1, force(3)).wrench.force_n.z(), std::min(3.0, 0.5 * tick), 1e-12);
     EXPECT_EQ(safety.flags(), tick < 6 ? kTickForceRateLimited : 0U);
   }
 }
@@ -155,33 +155,33 @@ TEST(SafetyLayer, APersonsDeviceStartsSoftlyOverTwoSecondsASimulatedOneAtOnce) {
   SafetyLayer person = forPerson();
   double last_n = 0;
   for (int tick = 1; tick < 2000; ++tick) {
-    const double now_n = after(person, 1, forceOfSafetyLayer(3)).wrench.force_n.z();
+    const double now_n = after(person, 1, force(3)).wrench.force_n.z();
     const double share = tick / 2000.0;
     ASSERT_NEAR(now_n, 3 * share * share * (3 - 2 * share), 1e-9) << tick;
     ASSERT_GE(now_n, last_n);
     ASSERT_EQ(person.flags(), kTickSoftStart);
     last_n = now_n;
   }
-  EXPECT_NEAR(after(person, 2, forceOfSafetyLayer(3)).wrench.force_n.z(), 3, 1e-12);
+  EXPECT_NEAR(after(person, 2, force(3)).wrench.force_n.z(), 3, 1e-12);
   EXPECT_EQ(person.flags(), 0U);
   SafetyLayer simulated = forSimulation();
-  EXPECT_NEAR(after(simulated, 10, forceOfSafetyLayer(3)).wrench.force_n.z(), 3, 1e-12);
+  EXPECT_NEAR(after(simulated, 10, force(3)).wrench.force_n.z(), 3, 1e-12);
 }
 
 TEST(SafetyLayer, ASoftStartIsAsSlowForAForceThatTheDeviceCannotShow) {
   SafetyLayer safety = forPerson();
-  EXPECT_NEAR(after(safety, 1000, forceOfSafetyLayer(100)).wrench.force_n.z(), 3.3 / 2, 1e-9);
+  EXPECT_NEAR(after(safety, 1000, force(100)).wrench.force_n.z(), 3.3 / 2, 1e-9);
 }
 
 TEST(SafetyLayer, StopsSoftly) {
   SafetyLayer safety = forPerson();
-  (void)after(safety, 2100, forceOfSafetyLayer(3));
+  (void)after(safety, 2100, force(3));
   EXPECT_FALSE(safety.stopped());
   safety.stop();
   double last_n = 3;
   int ticks = 0;
   for (; !safety.stopped() && ticks < 1000; ++ticks) {
-    const double now_n = after(safety, 1, forceOfSafetyLayer(3)).wrench.force_n.z();
+    const double now_n = after(safety, 1, force(3)).wrench.force_n.z();
     ASSERT_LE(now_n, last_n);
     ASSERT_LT(last_n - now_n, 0.03) << "200 ms for 3 N";
     last_n = now_n;
@@ -192,20 +192,20 @@ TEST(SafetyLayer, StopsSoftly) {
 
 TEST(SafetyLayer, AHandThatHasBeenLetGoNeedsNoSoftStop) {
   SafetyLayer safety = forPerson();
-  (void)after(safety, 2100, forceOfSafetyLayer(3));
+  (void)after(safety, 2100, force(3));
   DeviceInput stale;
   stale.state = DeviceState::kStale;
-  (void)after(safety, 1, forceOfSafetyLayer(3), stale);
+  (void)after(safety, 1, force(3), stale);
   safety.stop();
   EXPECT_TRUE(safety.stopped()) << "else a run with a device that has gone silent would never end";
 }
 
 TEST(SafetyLayer, NobodyWaitsForTheSoftStopOfASimulatedHand) {
   SafetyLayer safety = forSimulation();
-  (void)after(safety, 10, forceOfSafetyLayer(3));
+  (void)after(safety, 10, force(3));
   safety.stop();
   EXPECT_TRUE(safety.stopped());
-  EXPECT_EQ(after(safety, 1, forceOfSafetyLayer(3)).wrench.force_n.z(), 3);
+  EXPECT_EQ(after(safety, 1, force(3)).wrench.force_n.z(), 3);
 }
 
 struct Trip {
@@ -219,43 +219,37 @@ class Trips : public testing::TestWithParam<Trip> {};
 
 TEST_P(Trips, EndInNothingAtOnceAndForceComesBackSoftlyOnceAllHasBeenWellForAWhile) {
   SafetyLayer safety = forPerson();
-  ASSERT_GT(after(safety, 2100, forceOfSafetyLayer(3)).wrench.force_n.z(), 2.9);
+  ASSERT_GT(after(safety, 2100, force(3)).wrench.force_n.z(), 2.9);
   DeviceInput bad;
   GetParam().spoil(bad);
   safety.check(bad, {});
   EXPECT_EQ(safety.trip(), GetParam().trip);
   EXPECT_TRUE(safety.justTripped());
-  EXPECT_TRUE(isNothing(safety.step(forceOfSafetyLayer(3))));
-  EXPECT_TRUE(isNothing(after(safety, 500, forceOfSafetyLayer(3), bad)));
+  EXPECT_TRUE(isNothing(safety.step(force(3))));
+  EXPECT_TRUE(isNothing(after(safety, 500, force(3), bad)));
   EXPECT_FALSE(safety.justTripped());
   EXPECT_EQ(safety.trips(), 1U);
-  EXPECT_TRUE(isNothing(after(safety, 1000 + GetParam().comes_back_after, forceOfSafetyLayer(3))));
+  EXPECT_TRUE(isNothing(after(safety, 1000 + GetParam().comes_back_after, force(3))));
   EXPECT_EQ(safety.trip(), GetParam().trip);
-  EXPECT_LT(after(safety, 1, forceOfSafetyLayer(3)).wrench.force_n.z(), 1e-5);
+  EXPECT_LT(after(safety, 1, force(3)).wrench.force_n.z(), 1e-5);
   EXPECT_TRUE(safety.justRecovered());
   EXPECT_EQ(safety.trip(), SafetyTrip::kNone);
-  EXPECT_NEAR(after(safety, 999, forceOfSafetyLayer(3)).wrench.force_n.z(), 1.5, 0.01)
-      << "half way through the soft start";
-  EXPECT_NEAR(after(safety, 1001, forceOfSafetyLayer(3)).wrench.force_n.z(), 3, 1e-9);
+  EXPECT_NEAR(after(safety, 999, force(3)).wrench.force_n.z(), 1.5, 0.01) << "half way through the soft start";
+  EXPECT_NEAR(after(safety, 1001, force(3)).wrench.force_n.z(), 3, 1e-9);
 }
 
-constexpr auto kSafetyLayerInf = std::numeric_limits<double>::infinity();
+constexpr auto kInf = std::numeric_limits<double>::infinity();
 INSTANTIATE_TEST_SUITE_P(
     Of, Trips,
     testing::Values(
-        Trip{"NoPosition", SafetyTrip::kDeviceNotFinite,
-             [](DeviceInput& i) { i.pose.position_m.y() = kSafetyLayerNaN; }},
-        Trip{"EndlessPosition", SafetyTrip::kDeviceNotFinite,
-             [](DeviceInput& i) { i.pose.position_m.z() = kSafetyLayerInf; }},
-        Trip{"NoOrientation", SafetyTrip::kDeviceNotFinite,
-             [](DeviceInput& i) { i.pose.orientation.y() = kSafetyLayerNaN; }},
+        Trip{"NoPosition", SafetyTrip::kDeviceNotFinite, [](DeviceInput& i) { i.pose.position_m.y() = kNaN; }},
+        Trip{"EndlessPosition", SafetyTrip::kDeviceNotFinite, [](DeviceInput& i) { i.pose.position_m.z() = kInf; }},
+        Trip{"NoOrientation", SafetyTrip::kDeviceNotFinite, [](DeviceInput& i) { i.pose.orientation.y() = kNaN; }},
         Trip{"EmptyOrientation", SafetyTrip::kDeviceNotFinite,
              [](DeviceInput& i) { i.pose.orientation.coeffs().setZero(); }},
-        Trip{"NoVelocity", SafetyTrip::kDeviceNotFinite,
-             [](DeviceInput& i) { i.twist.linear_m_s.x() = kSafetyLayerNaN; }},
-        Trip{"NoTurning", SafetyTrip::kDeviceNotFinite,
-             [](DeviceInput& i) { i.twist.angular_rad_s.z() = -kSafetyLayerInf; }},
-        Trip{"NoGripper", SafetyTrip::kDeviceNotFinite, [](DeviceInput& i) { i.gripper_open = kSafetyLayerNaN; }},
+        Trip{"NoVelocity", SafetyTrip::kDeviceNotFinite, [](DeviceInput& i) { i.twist.linear_m_s.x() = kNaN; }},
+        Trip{"NoTurning", SafetyTrip::kDeviceNotFinite, [](DeviceInput& i) { i.twist.angular_rad_s.z() = -kInf; }},
+        Trip{"NoGripper", SafetyTrip::kDeviceNotFinite, [](DeviceInput& i) { i.gripper_open = kNaN; }},
         Trip{"Stale", SafetyTrip::kStale, [](DeviceInput& i) { i.state = DeviceState::kStale; }},
         Trip{"Lost", SafetyTrip::kLost, [](DeviceInput& i) { i.state = DeviceState::kLost; }},
         Trip{"Workspace", SafetyTrip::kWorkspace, [](DeviceInput& i) { i.pose.position_m.x() = 0.21; }, 1},
@@ -297,11 +291,10 @@ TEST(SafetyLayer, ALostHeartbeatIsATrip) {
 
 TEST(SafetyLayer, AForceThatIsNoNumberIsATripAndReachesNobody) {
   for (const DeviceOutput& bad :
-       {DeviceOutput{{Vec3(0, kSafetyLayerNaN, 0), Vec3::Zero()}},
-        DeviceOutput{{Vec3(kSafetyLayerInf, 0, 0), Vec3::Zero()}},
-        DeviceOutput{{Vec3::Zero(), Vec3(0, 0, kSafetyLayerNaN)}}, DeviceOutput{{}, kSafetyLayerNaN}}) {
+       {DeviceOutput{{Vec3(0, kNaN, 0), Vec3::Zero()}}, DeviceOutput{{Vec3(kInf, 0, 0), Vec3::Zero()}},
+        DeviceOutput{{Vec3::Zero(), Vec3(0, 0, kNaN)}}, DeviceOutput{{}, kNaN}}) {
     SafetyLayer safety = forSimulation();
-    (void)after(safety, 10, forceOfSafetyLayer(3));
+    (void)after(safety, 10, force(3));
     EXPECT_TRUE(isNothing(after(safety, 1, bad)));
     EXPECT_EQ(safety.trip(), SafetyTrip::kForceNotFinite);
     EXPECT_TRUE(safety.justTripped());
@@ -312,18 +305,18 @@ TEST(SafetyLayer, ADeviceThatNobodyHasHeldYetIsNoTrip) {
   SafetyLayer safety = forPerson();
   DeviceInput stale;
   stale.state = DeviceState::kStale;
-  EXPECT_TRUE(isNothing(after(safety, 100, forceOfSafetyLayer(3), stale)));
+  EXPECT_TRUE(isNothing(after(safety, 100, force(3), stale)));
   EXPECT_FALSE(safety.justTripped());
   EXPECT_EQ(safety.trips(), 0U);
 }
 
 TEST(SafetyLayer, TheFirstReasonStaysAndIsTold) {
   SafetyLayer safety = forSimulation();
-  (void)after(safety, 1, forceOfSafetyLayer(3));
+  (void)after(safety, 1, force(3));
   DeviceInput stale;
   stale.state = DeviceState::kStale;
   safety.check(stale, {});
-  (void)safety.step(forceOfSafetyLayer(kSafetyLayerNaN));  // follows from it
+  (void)safety.step(force(kNaN));  // follows from it
   EXPECT_EQ(safety.trip(), SafetyTrip::kStale);
   EXPECT_TRUE(safety.justTripped()) << "a second reason in the same tick does not hide that the first is new";
   EXPECT_EQ(safety.trips(), 1U);
@@ -346,23 +339,23 @@ TEST(SafetyLayer, ADeviceThatIsGoneIsGoneWhateverWasWrongBefore) {
 
 TEST(SafetyLayer, TroubleThatComesBackDuringTheCalmStartsItAnew) {
   SafetyLayer safety = forSimulation();
-  (void)after(safety, 1, forceOfSafetyLayer(3));
+  (void)after(safety, 1, force(3));
   DeviceInput stale;
   stale.state = DeviceState::kStale;
-  (void)after(safety, 1, forceOfSafetyLayer(3), stale);
-  (void)after(safety, 900, forceOfSafetyLayer(3));
-  (void)after(safety, 1, forceOfSafetyLayer(3), stale);
-  EXPECT_TRUE(isNothing(after(safety, 1000, forceOfSafetyLayer(3))));
-  EXPECT_FALSE(isNothing(after(safety, 1, forceOfSafetyLayer(3))));
+  (void)after(safety, 1, force(3), stale);
+  (void)after(safety, 900, force(3));
+  (void)after(safety, 1, force(3), stale);
+  EXPECT_TRUE(isNothing(after(safety, 1000, force(3))));
+  EXPECT_FALSE(isNothing(after(safety, 1, force(3))));
   EXPECT_EQ(safety.trips(), 1U);
 }
 
 TEST(SafetyLayer, RestartBeginsWithASoftStart) {
   SafetyLayer safety = forPerson();
-  EXPECT_GT(after(safety, 2100, forceOfSafetyLayer(3)).wrench.force_n.z(), 2.9);
+  EXPECT_GT(after(safety, 2100, force(3)).wrench.force_n.z(), 2.9);
   safety.restart();
-  EXPECT_LT(after(safety, 1, forceOfSafetyLayer(3)).wrench.force_n.z(), 1e-5);
-  EXPECT_NEAR(after(safety, 999, forceOfSafetyLayer(3)).wrench.force_n.z(), 1.5, 0.01);
+  EXPECT_LT(after(safety, 1, force(3)).wrench.force_n.z(), 1e-5);
+  EXPECT_NEAR(after(safety, 999, force(3)).wrench.force_n.z(), 1.5, 0.01);
 }
 
 TEST(SafetyLayer, EnergyInExcessIsDampedOnlyWhenAskedFor) {
@@ -371,9 +364,9 @@ TEST(SafetyLayer, EnergyInExcessIsDampedOnlyWhenAskedFor) {
     parameters.passivity = damps;
     SafetyLayer safety = forSimulation(parameters);
     DeviceInput hand;
-    (void)after(safety, 10, forceOfSafetyLayer(2), hand);
+    (void)after(safety, 10, force(2), hand);
     hand.pose.position_m.z() += 1e-4;  // it gives way: nobody has pressed
-    const double felt_n = after(safety, 1, forceOfSafetyLayer(2), hand).wrench.force_n.z();
+    const double felt_n = after(safety, 1, force(2), hand).wrench.force_n.z();
     EXPECT_EQ((safety.flags() & kTickPassivityDamped) != 0, damps);
     EXPECT_EQ(felt_n < 2, damps);
     EXPECT_NEAR(safety.passivity().injected(), 2e-4, 1e-12) << "observed in any case";
@@ -391,20 +384,13 @@ TEST(SafetyLayer, EveryTripHasAText) {
 
 TEST(SafetyLayer, RefusesNonsense) {
   const std::function<void(SafetyParameters&)> spoils[] = {
-      [](SafetyParameters& s) { s.soft_start_s = -1; },
-      [](SafetyParameters& s) { s.soft_start_s = kSafetyLayerNaN; },
-      [](SafetyParameters& s) { s.soft_start_s = 61; },
-      [](SafetyParameters& s) { s.soft_stop_s = -1; },
-      [](SafetyParameters& s) { s.soft_stop_s = 6; },
-      [](SafetyParameters& s) { s.most_misses = 0; },
-      [](SafetyParameters& s) { s.most_misses = 1001; },
-      [](SafetyParameters& s) { s.heartbeat_s = 1e-3; },
-      [](SafetyParameters& s) { s.heartbeat_s = kSafetyLayerNaN; },
-      [](SafetyParameters& s) { s.heartbeat_s = 2; },
-      [](SafetyParameters& s) { s.calm_s = -0.1; },
-      [](SafetyParameters& s) { s.max_force_n = -1; },
-      [](SafetyParameters& s) { s.max_force_n = kSafetyLayerNaN; },
-      [](SafetyParameters& s) { s.max_torque_nm = 1001; },
+      [](SafetyParameters& s) { s.soft_start_s = -1; },  [](SafetyParameters& s) { s.soft_start_s = kNaN; },
+      [](SafetyParameters& s) { s.soft_start_s = 61; },  [](SafetyParameters& s) { s.soft_stop_s = -1; },
+      [](SafetyParameters& s) { s.soft_stop_s = 6; },    [](SafetyParameters& s) { s.most_misses = 0; },
+      [](SafetyParameters& s) { s.most_misses = 1001; }, [](SafetyParameters& s) { s.heartbeat_s = 1e-3; },
+      [](SafetyParameters& s) { s.heartbeat_s = kNaN; }, [](SafetyParameters& s) { s.heartbeat_s = 2; },
+      [](SafetyParameters& s) { s.calm_s = -0.1; },      [](SafetyParameters& s) { s.max_force_n = -1; },
+      [](SafetyParameters& s) { s.max_force_n = kNaN; }, [](SafetyParameters& s) { s.max_torque_nm = 1001; },
   };
   int number = 0;
   for (const auto& spoil : spoils) {
@@ -420,7 +406,7 @@ TEST(SafetyLayer, AToolTooHeavyForTheDeviceStaysWithinItsLimitsAndIsNotTakenForE
     const Wrench weight{Vec3(0, 0, -5), Vec3(0.3, 0, 0)};
     for (int tick = 0; tick < 5000; ++tick) {
       DeviceInput input;
-      input.pose.position_m.z() = 0.1 * std::sin(2 * 3.14159 * tick * kSafetyLayerTick_s);
+      input.pose.position_m.z() = 0.1 * std::sin(2 * 3.14159 * tick * kTick_s);
       safety.check(input, {});
       const DeviceOutput felt = safety.step({}, weight);
       ASSERT_LE(felt.wrench.force_n.norm(), small().max_force_n * (1 + 1e-12));
@@ -436,8 +422,8 @@ TEST(SafetyLayer, AToolTooHeavyForTheDeviceStaysWithinItsLimitsAndIsNotTakenForE
 
 TEST(SafetyLayer, AWeightThatIsNoNumberLetsGo) {
   SafetyLayer safety = forSimulation();
-  EXPECT_FALSE(isNothing(after(safety, 3, forceOfSafetyLayer(1))));
-  EXPECT_TRUE(isNothing(safety.step(forceOfSafetyLayer(1), {Vec3(0, 0, kSafetyLayerNaN), Vec3::Zero()})));
+  EXPECT_FALSE(isNothing(after(safety, 3, force(1))));
+  EXPECT_TRUE(isNothing(safety.step(force(1), {Vec3(0, 0, kNaN), Vec3::Zero()})));
   EXPECT_EQ(safety.trip(), SafetyTrip::kForceNotFinite);
 }
 

@@ -15,7 +15,7 @@
 namespace haptolith {
 namespace {
 
-constexpr double kVibrationTick_s = 1e-3;
+constexpr double kTick_s = 1e-3;
 
 /// The virtual hand's arm, holding the shovel level in the middle of the bed and pressing it 15 mm downwards within the
 /// first second.
@@ -33,11 +33,11 @@ class PressingArm : public HapticDevice {
   }
 
   [[nodiscard]] DeviceInput read() noexcept override {
-    const double time_s = static_cast<double>(++ticks_) * kVibrationTick_s;
+    const double time_s = static_cast<double>(++ticks_) * kTick_s;
     const Vec3 wanted = start_m_ - Vec3(0, 0, 0.015 * std::min(time_s, 1.0));
     const Vec3 force = arm_.stiffness_n_m * (wanted - position_m_) - arm_.damping_n_s_m * velocity_m_s_ + felt_.force_n;
-    velocity_m_s_ += kVibrationTick_s / arm_.mass_kg * force;
-    position_m_ += kVibrationTick_s * velocity_m_s_;
+    velocity_m_s_ += kTick_s / arm_.mass_kg * force;
+    position_m_ += kTick_s * velocity_m_s_;
     if (time_s > 4) {
       highest_m_ = std::max(highest_m_, position_m_.z());
       lowest_m_ = std::min(lowest_m_, position_m_.z());
@@ -111,7 +111,7 @@ INSTANTIATE_TEST_SUITE_P(PresetsAndWorlds, BuriedShovel,
 TEST(BuriedShovelWithALowPassAlone, Vibrates) {  // what the test above can tell apart
   Scene scene(deepBed({"P3", 1.625}), ToolParameters{});
   PressingArm arm(Vec3(0, 0, 0.03));
-  WrenchFilter filter(30, kVibrationTick_s);
+  WrenchFilter filter(30, kTick_s);
   scene.placeTool({{{Vec3(0, 0, 0.03), Quat::Identity()}, {}}});
   for (int tick = 0; tick < 5000; ++tick) {
     const DeviceInput hand = arm.read();
@@ -129,14 +129,14 @@ TEST_P(Digging, FeelsAsALowPassAloneWouldShowIt) {
   HandParameters parameters;
   parameters.manoeuvre = GetParam();
   parameters.surface_m = scene.bed().surfaceHeight();
-  VirtualHand hand(parameters, kVibrationTick_s);
+  VirtualHand hand(parameters, kTick_s);
   HapticLoop loop(scene, hand, LoopParameters{}, true);
   std::vector<TickRecord> records;
   for (int tick = 0; tick < 8000; ++tick) {
     ASSERT_EQ(loop.tick(), LoopEnd::kRunning);
     loop.takeRecords(records);
   }
-  WrenchFilter plain(30, kVibrationTick_s);
+  WrenchFilter plain(30, kTick_s);
   double felt = 0, expected = 0, apart = 0;
   for (const TickRecord& record : records) {
     const Vec3 low_passed = plain.step(record.soil).force_n;

@@ -11,14 +11,14 @@
 namespace haptolith {
 namespace {
 
-constexpr double kWrenchFilterTick_s = 1e-3;
+constexpr double kTick_s = 1e-3;
 
 TEST(WrenchFilter, AnswersAStepAtEveryTickAsTheAnalogueFilterWould) {
-  WrenchFilter filter(30, kWrenchFilterTick_s);
+  WrenchFilter filter(30, kTick_s);
   const Wrench step{Vec3(2, -3, 4), Vec3(0.1, 0.2, -0.3)};
   for (int tick = 1; tick <= 200; ++tick) {
     const Wrench& out = filter.step(step);
-    const double share = 1 - std::exp(-2 * std::numbers::pi * 30 * tick * kWrenchFilterTick_s);
+    const double share = 1 - std::exp(-2 * std::numbers::pi * 30 * tick * kTick_s);
     // Two hundred roundings of 1e-16.
     ASSERT_LT((out.force_n - share * step.force_n).norm(), 1e-13) << tick;
     ASSERT_LT((out.torque_nm - share * step.torque_nm).norm(), 1e-13) << tick;
@@ -26,10 +26,10 @@ TEST(WrenchFilter, AnswersAStepAtEveryTickAsTheAnalogueFilterWould) {
 }
 
 TEST(WrenchFilter, IsThreeDecibelsDownAtItsCutoff) {
-  WrenchFilter filter(30, kWrenchFilterTick_s);
+  WrenchFilter filter(30, kTick_s);
   double largest = 0;
   for (int tick = 0; tick < 2000; ++tick) {
-    const double in = std::sin(2 * std::numbers::pi * 30 * tick * kWrenchFilterTick_s);
+    const double in = std::sin(2 * std::numbers::pi * 30 * tick * kTick_s);
     const double out = filter.step({Vec3(in, 0, 0), Vec3::Zero()}).force_n.x();
     largest = tick > 1000 ? std::max(largest, std::abs(out)) : 0;
   }
@@ -38,7 +38,7 @@ TEST(WrenchFilter, IsThreeDecibelsDownAtItsCutoff) {
 }
 
 TEST(WrenchFilter, IsExactlyZeroSoonAfterTheInputHasEnded) {
-  WrenchFilter filter(30, kWrenchFilterTick_s);
+  WrenchFilter filter(30, kTick_s);
   for (int tick = 0; tick < 1000; ++tick) {
     filter.step({Vec3(10, 10, 10), Vec3(1, 1, 1)});
   }
@@ -53,7 +53,7 @@ TEST(WrenchFilter, IsExactlyZeroSoonAfterTheInputHasEnded) {
 }
 
 TEST(WrenchFilter, ASmallForceThatLastsIsNotCut) {
-  WrenchFilter filter(30, kWrenchFilterTick_s);
+  WrenchFilter filter(30, kTick_s);
   Wrench out;
   for (int tick = 0; tick < 500; ++tick) {
     out = filter.step({Vec3(1e-8, 0, 0), Vec3::Zero()});
@@ -64,9 +64,9 @@ TEST(WrenchFilter, ASmallForceThatLastsIsNotCut) {
 TEST(WrenchFilter, RefusesCutoffsThatTheTickCannotShow) {
   constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
   for (const double cutoff : {0.0, -1.0, 501.0, kNaN, std::numeric_limits<double>::infinity()}) {
-    EXPECT_THROW((WrenchFilter{cutoff, kWrenchFilterTick_s}), InvalidParameter) << cutoff;
+    EXPECT_THROW((WrenchFilter{cutoff, kTick_s}), InvalidParameter) << cutoff;
   }
-  EXPECT_NO_THROW((WrenchFilter{500, kWrenchFilterTick_s}));
+  EXPECT_NO_THROW((WrenchFilter{500, kTick_s}));
 }
 
 TEST(Limited, ShortensAndKeepsTheDirection) {
@@ -86,7 +86,7 @@ TEST(Limited, LeavesAloneWhatTheDeviceCanShow) {
 }
 
 TEST(WrenchFilter, AForceThatTheHandsOwnMovementExplainsIsNotDelayed) {
-  WrenchFilter filter(30, kWrenchFilterTick_s);
+  WrenchFilter filter(30, kTick_s);
   Vec3 force = Vec3::Zero();
   for (int tick = 0; tick < 100; ++tick) {
     const Vec3 change(0.01 * std::sin(0.3 * tick), 0.02, 0);
@@ -97,11 +97,10 @@ TEST(WrenchFilter, AForceThatTheHandsOwnMovementExplainsIsNotDelayed) {
 
 /// Largest answer to a swing of amplitude 1 m/s around a steady 0.1 m/s.
 double quickShareOf(double frequency_hz) {
-  QuickMovement quick(kWrenchFilterTick_s);
+  QuickMovement quick(kTick_s);
   double largest = 0;
   for (int tick = 0; tick < 4000; ++tick) {
-    const Vec3 out =
-        quick.step(Vec3(0.1 + std::sin(2 * std::numbers::pi * frequency_hz * tick * kWrenchFilterTick_s), 0, 0));
+    const Vec3 out = quick.step(Vec3(0.1 + std::sin(2 * std::numbers::pi * frequency_hz * tick * kTick_s), 0, 0));
     largest = tick > 2000 ? std::max(largest, out.x()) : 0;
   }
   return largest;
@@ -112,7 +111,7 @@ TEST(QuickMovement, IsNothingOfASteadyMovementLittleOfStirringAndMostOfShaking) 
   // sample misses a peak at 20 Hz, 50 samples a turn, by at most 0.2 %.
   EXPECT_NEAR(quickShareOf(1), 0.161, 1e-3);
   EXPECT_NEAR(quickShareOf(20), 0.940, 3e-3);
-  QuickMovement quick(kWrenchFilterTick_s);
+  QuickMovement quick(kTick_s);
   Vec3 out;
   for (int tick = 0; tick < 1000; ++tick) {
     out = quick.step(Vec3(0.1, 0, 0));

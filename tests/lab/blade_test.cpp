@@ -21,7 +21,7 @@
 namespace haptolith {
 namespace {
 
-constexpr double kBladeDegree = std::numbers::pi / 180;
+constexpr double kDegree = std::numbers::pi / 180;
 constexpr double kRadius_m = 4e-3;
 
 /// The equation's plane case: as wide as its box.
@@ -29,7 +29,7 @@ const BladeOptions kPlane{.width_m = 0.05,
                           .depth_m = 0.025,
                           .speed_m_s = 0.06,
                           .side_room_depths = 0,
-                          .friction_angle_rad = 48 * kBladeDegree};  // the peak of direct shear
+                          .friction_angle_rad = 48 * kDegree};  // the peak of direct shear
 
 TEST(Blade, NeedsADraftOfTheEarthmovingEquationsSize) {
   const BladeResult blade = bladeTest(coarseSand(kRadius_m), kPlane);
@@ -49,7 +49,7 @@ TEST(Blade, IsComparedWithTheEquationForTheBedItReallyMovedThrough) {
                                              .rake_rad = std::numbers::pi / 2,
                                              .density_kg_m3 = blade.bulk_density_kg_m3,
                                              .gravity_m_s2 = 9.807,
-                                             .friction_angle_rad = 48 * kBladeDegree,
+                                             .friction_angle_rad = 48 * kDegree,
                                              .tool_friction_rad = std::atan(0.36)});
   EXPECT_DOUBLE_EQ(blade.expected.undisturbed.earthmoving.draft_n, force.draft_n);
   EXPECT_DOUBLE_EQ(blade.expected.undisturbed.earthmoving.vertical_n, force.vertical_n);
@@ -73,14 +73,14 @@ TEST(Blade, IsComparedWithWedgesThatKnowItsSidesWhereItHasSides) {
 
   BladeOptions narrow = kPlane;
   narrow.side_room_depths = 1;
-  narrow.residual = MohrCoulomb{.friction_angle_rad = 39 * kBladeDegree};
+  narrow.residual = MohrCoulomb{.friction_angle_rad = 39 * kDegree};
   const BladeResult blade = bladeTest(conditions, narrow);
   BladeCase expected{.width_m = 0.05,
                      .depth_m = blade.depth_m,
                      .rake_rad = std::numbers::pi / 2,
                      .density_kg_m3 = blade.bulk_density_kg_m3,
                      .gravity_m_s2 = 9.807,
-                     .friction_angle_rad = 48 * kBladeDegree,
+                     .friction_angle_rad = 48 * kDegree,
                      .tool_friction_rad = std::atan(0.36)};
   ASSERT_TRUE(blade.expected.undisturbed.wedge && blade.expected.undisturbed.upright_wedge && blade.expected.residual);
   EXPECT_DOUBLE_EQ(blade.expected.undisturbed.wedge->draft_n, wedgeForce(expected).draft_n);
@@ -91,7 +91,7 @@ TEST(Blade, IsComparedWithWedgesThatKnowItsSidesWhereItHasSides) {
   heaped.surcharge_pa = blade.heap_pa;
   heaped.surcharge_beside_pa = blade.heap_beside_pa;
   EXPECT_DOUBLE_EQ(blade.expected_heaped.undisturbed.wedge->draft_n, wedgeForce(heaped).draft_n);
-  expected.friction_angle_rad = 39 * kBladeDegree;
+  expected.friction_angle_rad = 39 * kDegree;
   EXPECT_DOUBLE_EQ(blade.expected.residual->earthmoving.draft_n, earthmovingForce(expected).draft_n);
   EXPECT_DOUBLE_EQ(blade.expected.residual->wedge->draft_n, wedgeForce(expected).draft_n);
 }
@@ -101,7 +101,7 @@ TEST(Blade, HasBeforeItTheWeightOfWhatItWentThrough) {
   for (const double rake_deg : {60.0, 90.0}) {
     BladeOptions options = kPlane;
     options.depth_from = DepthFrom::kSurface;
-    options.rake_rad = rake_deg * kBladeDegree;
+    options.rake_rad = rake_deg * kDegree;
     const BladeResult blade = bladeTest(coarseSand(kRadius_m), options);
     BladeCase expected{.width_m = blade.width_m,
                        .depth_m = blade.depth_m,
@@ -126,8 +126,8 @@ TEST(Blade, HasBeforeItTheWeightOfWhatItWentThrough) {
 TEST(Blade, ThatLeansForwardIsMeasuredAllTheSame) {
   BladeOptions forward = kPlane;
   forward.side_room_depths = 1;
-  forward.rake_rad = 100 * kBladeDegree;
-  forward.friction_angle_rad = 39 * kBladeDegree;
+  forward.rake_rad = 100 * kDegree;
+  forward.friction_angle_rad = 39 * kDegree;
   const BladeResult blade = bladeTest(coarseSand(kRadius_m), forward);
   EXPECT_GT(blade.draft_n, 0);
   EXPECT_FALSE(blade.expected.undisturbed.wedge);
@@ -136,7 +136,7 @@ TEST(Blade, ThatLeansForwardIsMeasuredAllTheSame) {
 
 TEST(Blade, TellsWhatPressesOnItsFrontFromWhatItsEdgeMeets) {
   BladeOptions flat = kPlane;
-  flat.rake_rad = 45 * kBladeDegree;
+  flat.rake_rad = 45 * kDegree;
   const BladeResult upright = bladeTest(coarseSand(kRadius_m), kPlane);
   const BladeResult leaning = bladeTest(coarseSand(kRadius_m), flat);
   EXPECT_GT(upright.front_draft_n, 0.75 * upright.draft_n);
@@ -145,13 +145,13 @@ TEST(Blade, TellsWhatPressesOnItsFrontFromWhatItsEdgeMeets) {
   // What slides up the front leans from its normal by the friction between them at most: Coulomb.
   const auto angle_to_path = [](const BladeResult& b) { return std::atan2(b.front_vertical_n, b.front_draft_n); };
   const double friction = std::atan(0.36);
-  EXPECT_NEAR(angle_to_path(upright), -friction, 5 * kBladeDegree);
-  EXPECT_NEAR(angle_to_path(leaning), 45 * kBladeDegree - friction, 5 * kBladeDegree);
+  EXPECT_NEAR(angle_to_path(upright), -friction, 5 * kDegree);
+  EXPECT_NEAR(angle_to_path(leaning), 45 * kDegree - friction, 5 * kDegree);
 }
 
 TEST(Blade, LeaningBackIsEasierToDrawAndLiftedLess) {
   BladeOptions flat = kPlane;
-  flat.rake_rad = 45 * kBladeDegree;
+  flat.rake_rad = 45 * kDegree;
   const BladeResult upright = bladeTest(coarseSand(kRadius_m), kPlane);
   const BladeResult leaning = bladeTest(coarseSand(kRadius_m), flat);
   EXPECT_LT(leaning.draft_n, upright.draft_n);

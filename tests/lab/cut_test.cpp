@@ -12,10 +12,10 @@
 namespace haptolith {
 namespace {
 
-constexpr double kCutDegree = std::numbers::pi / 180;
+constexpr double kDegree = std::numbers::pi / 180;
 
 /// A decimetre of lunar soil in coarse particles: done in seconds.
-constexpr CutOptions kCutSmall{.depth = 1.2, .room = 1.5};
+constexpr CutOptions kSmall{.depth = 1.2, .room = 1.5};
 
 LabConditions lunar(double cohesion_n) {
   LabConditions conditions;
@@ -28,7 +28,7 @@ LabConditions lunar(double cohesion_n) {
 }
 
 TEST(Cut, StandsInCohesiveSoil) {
-  const CutResult cut = verticalCutTest(lunar(0.2), kCutSmall);
+  const CutResult cut = verticalCutTest(lunar(0.2), kSmall);
   EXPECT_TRUE(cut.stands);
   EXPECT_GT(cut.height_kept, 0.97);
   EXPECT_NEAR(cut.height_before_m, 0.1, 0.015);
@@ -44,7 +44,7 @@ TEST(Cut, FallsWithoutCohesion) {
   for (int seed = 1; seed <= kSpecimens; ++seed) {
     LabConditions conditions = lunar(0);
     conditions.seed = static_cast<std::uint64_t>(seed);
-    const CutResult cut = verticalCutTest(conditions, kCutSmall);
+    const CutResult cut = verticalCutTest(conditions, kSmall);
     EXPECT_FALSE(cut.stands);
     EXPECT_GT(cut.toe_ahead_m, 4 * cut.radius_m);
     height_kept += cut.height_kept / kSpecimens;
@@ -64,14 +64,14 @@ TEST(Cut, FallsWithoutCohesion) {
 
 TEST(CriticalCutHeight, IsWhatOneWorksOutByHand) {
   // 4 * 500 / (1500 * 1.625) * tan(45 + 17.5) = 0.8205 * 1.9210
-  EXPECT_NEAR(criticalCutHeight(500, 35 * kCutDegree, 1500, 1.625), 1.576, 1e-3);
-  EXPECT_EQ(criticalCutHeight(0, 35 * kCutDegree, 1500, 1.625), 0);
+  EXPECT_NEAR(criticalCutHeight(500, 35 * kDegree, 1500, 1.625), 1.576, 1e-3);
+  EXPECT_EQ(criticalCutHeight(0, 35 * kDegree, 1500, 1.625), 0);
   EXPECT_NEAR(criticalCutHeight(500, 0, 1500, 9.81), 4 * 500 / (1500 * 9.81), 1e-12);
 }
 
 TEST(CriticalCutHeight, RefusesNonsense) {
   EXPECT_THROW(static_cast<void>(criticalCutHeight(-1, 0.5, 1500, 9.81)), InvalidParameter);
-  EXPECT_THROW(static_cast<void>(criticalCutHeight(500, 90 * kCutDegree, 1500, 9.81)), InvalidParameter);
+  EXPECT_THROW(static_cast<void>(criticalCutHeight(500, 90 * kDegree, 1500, 9.81)), InvalidParameter);
   EXPECT_THROW(static_cast<void>(criticalCutHeight(500, 0.5, 0, 9.81)), InvalidParameter);
   EXPECT_THROW(static_cast<void>(criticalCutHeight(500, 0.5, 1500, 0)), InvalidParameter);
 }

@@ -18,14 +18,14 @@
 namespace haptolith {
 namespace {
 
-constexpr double kEarthmovingDegree = std::numbers::pi / 180;
+constexpr double kDegree = std::numbers::pi / 180;
 
 const BladeCase kSandAndBlade{.width_m = 1,
                               .depth_m = 0.5,
-                              .rake_rad = 60 * kEarthmovingDegree,
+                              .rake_rad = 60 * kDegree,
                               .density_kg_m3 = 1800,
-                              .friction_angle_rad = 35 * kEarthmovingDegree,
-                              .tool_friction_rad = 20 * kEarthmovingDegree};
+                              .friction_angle_rad = 35 * kDegree,
+                              .tool_friction_rad = 20 * kDegree};
 
 /// F for a given failure plane, independently: the balance of forces on the wedge, with the unknowns F and R, the force
 /// that the failure plane hands over at the angle phi to its normal. x is ahead, y up.
@@ -56,11 +56,11 @@ std::vector<BladeCase> manyCases() {
   for (int i = 0; i < 300; ++i) {
     BladeCase blade{.width_m = between(0.01, 2),
                     .depth_m = between(0.005, 1),
-                    .rake_rad = between(10, 95) * kEarthmovingDegree,
+                    .rake_rad = between(10, 95) * kDegree,
                     .density_kg_m3 = between(1000, 2000),
                     .gravity_m_s2 = between(0.1, 25),
-                    .friction_angle_rad = between(0, 48) * kEarthmovingDegree,
-                    .tool_friction_rad = between(0, 30) * kEarthmovingDegree,
+                    .friction_angle_rad = between(0, 48) * kDegree,
+                    .tool_friction_rad = between(0, 30) * kDegree,
                     .cohesion_pa = i % 3 == 0 ? 0 : between(0, 5000),
                     .surcharge_pa = i % 2 == 0 ? 0 : between(0, 5000)};
     blade.adhesion_pa = blade.cohesion_pa * between(0, 1);
@@ -74,9 +74,9 @@ TEST(Earthmoving, GivesTheWorkedNumbers) {
   ASSERT_EQ(rows.size(), 5U);
   for (const std::vector<double>& row : rows) {
     BladeCase blade = kSandAndBlade;
-    blade.rake_rad = row[0] * kEarthmovingDegree;
+    blade.rake_rad = row[0] * kDegree;
     const BladeForce force = earthmovingForce(blade);
-    EXPECT_NEAR(force.beta_rad / kEarthmovingDegree, row[1], 0.05) << row[0];
+    EXPECT_NEAR(force.beta_rad / kDegree, row[1], 0.05) << row[0];
     EXPECT_NEAR(force.n_gamma, row[2], 0.005) << row[0];
     EXPECT_NEAR(force.force_n / 1000, row[3], 0.005) << row[0];
     EXPECT_NEAR(force.draft_n / 1000, row[4], 0.005) << row[0];
@@ -88,9 +88,9 @@ TEST(Earthmoving, GivesTheWorkedNumbers) {
 BladeCase measuredBlade(const std::vector<double>& row) {
   return {.width_m = row[1],
           .depth_m = row[0],
-          .rake_rad = 90 * kEarthmovingDegree,
+          .rake_rad = 90 * kDegree,
           .density_kg_m3 = 1440,
-          .friction_angle_rad = 35 * kEarthmovingDegree,
+          .friction_angle_rad = 35 * kDegree,
           .tool_friction_rad = std::atan(0.29),
           .cohesion_pa = 1000};
 }
@@ -157,7 +157,7 @@ TEST(Earthmoving, IsHarderDeeperAndInStrongerSoil) {
   const std::vector<std::function<void(BladeCase&)>> harder = {
       [](BladeCase& blade) { blade.depth_m *= 1.1; },
       [](BladeCase& blade) { blade.density_kg_m3 *= 1.1; },
-      [](BladeCase& blade) { blade.friction_angle_rad += kEarthmovingDegree; },
+      [](BladeCase& blade) { blade.friction_angle_rad += kDegree; },
       [](BladeCase& blade) { blade.cohesion_pa += 100; },
       [](BladeCase& blade) { blade.surcharge_pa += 100; },
   };
@@ -172,12 +172,12 @@ TEST(Earthmoving, IsHarderDeeperAndInStrongerSoil) {
 
 TEST(Earthmoving, OfASmoothUprightWallIsRankinesPassivePressure) {
   BladeCase wall = kSandAndBlade;
-  wall.rake_rad = 90 * kEarthmovingDegree;
+  wall.rake_rad = 90 * kDegree;
   wall.tool_friction_rad = 0;
   wall.cohesion_pa = 500;
   const BladeForce force = earthmovingForce(wall);
-  const double k_p = std::pow(std::tan(45 * kEarthmovingDegree + wall.friction_angle_rad / 2), 2);
-  EXPECT_NEAR(force.beta_rad, 45 * kEarthmovingDegree - wall.friction_angle_rad / 2, 1e-6);
+  const double k_p = std::pow(std::tan(45 * kDegree + wall.friction_angle_rad / 2), 2);
+  EXPECT_NEAR(force.beta_rad, 45 * kDegree - wall.friction_angle_rad / 2, 1e-6);
   EXPECT_NEAR(force.n_gamma, k_p / 2, 1e-9);
   EXPECT_NEAR(force.n_c, 2 * std::sqrt(k_p), 1e-9);
   EXPECT_NEAR(force.n_q, k_p, 1e-9);
@@ -190,7 +190,7 @@ TEST(Earthmoving, OfSoilAlmostWithoutWeightFailsHalfwayToTheSteepestPlane) {
   BladeCase blade = kSandAndBlade;
   blade.gravity_m_s2 = 1e-9;
   blade.cohesion_pa = 1000;
-  EXPECT_NEAR(earthmovingForce(blade).beta_rad, (180 - 60 - 20 - 35) / 2.0 * kEarthmovingDegree, 1e-6);
+  EXPECT_NEAR(earthmovingForce(blade).beta_rad, (180 - 60 - 20 - 35) / 2.0 * kDegree, 1e-6);
 }
 
 TEST(Earthmoving, AdhesionDragsAFlatBladeBackAndLiftsIt) {
@@ -201,7 +201,7 @@ TEST(Earthmoving, AdhesionDragsAFlatBladeBackAndLiftsIt) {
   EXPECT_DOUBLE_EQ(force.draft_n, force.force_n * std::sin(push));
   sticky.adhesion_pa = 1000;
   force = earthmovingForce(sticky);
-  EXPECT_NEAR(force.draft_n, force.force_n * std::sin(push) + 500 / std::tan(60 * kEarthmovingDegree), 1e-9);
+  EXPECT_NEAR(force.draft_n, force.force_n * std::sin(push) + 500 / std::tan(60 * kDegree), 1e-9);
   EXPECT_NEAR(force.vertical_n, force.force_n * std::cos(push) - 500, 1e-9);
 }
 
@@ -211,10 +211,10 @@ TEST(Earthmoving, RefusesNonsense) {
       [](BladeCase& blade) { blade.depth_m = -0.1; },
       [](BladeCase& blade) { blade.rake_rad = 0; },
       [](BladeCase& blade) { blade.rake_rad = 60; },  // degrees
-      [](BladeCase& blade) { blade.rake_rad = 125 * kEarthmovingDegree; },
+      [](BladeCase& blade) { blade.rake_rad = 125 * kDegree; },
       [](BladeCase& blade) { blade.density_kg_m3 = std::nan(""); },
       [](BladeCase& blade) { blade.gravity_m_s2 = 0; },
-      [](BladeCase& blade) { blade.friction_angle_rad = 61 * kEarthmovingDegree; },
+      [](BladeCase& blade) { blade.friction_angle_rad = 61 * kDegree; },
       [](BladeCase& blade) { blade.tool_friction_rad = -0.1; },
       [](BladeCase& blade) { blade.cohesion_pa = -1; },
       [](BladeCase& blade) { blade.adhesion_pa = 1; },  // more than the cohesion

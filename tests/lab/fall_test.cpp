@@ -11,7 +11,7 @@
 namespace haptolith {
 namespace {
 
-LabConditions withContactFrictionOfFall() {
+LabConditions withContactFriction() {
   LabConditions conditions;
   conditions.soil.friction = FrictionModel::kContact;
   conditions.soil.stiffness_n_m = 1000;
@@ -21,7 +21,7 @@ LabConditions withContactFrictionOfFall() {
 TEST(FallTest, WhatRubsOnlyAgainstItselfFallsFreely) {
   for (const double cohesion : {0.0, 0.02}) {
     for (const double spread : {0.0, 0.1}) {
-      LabConditions conditions = withContactFrictionOfFall();
+      LabConditions conditions = withContactFriction();
       conditions.soil.contact_cohesion_n = cohesion;
       conditions.soil.size_spread = spread;
       const FallResult result = fallTest(conditions);
@@ -33,7 +33,7 @@ TEST(FallTest, WhatRubsOnlyAgainstItselfFallsFreely) {
 }
 
 TEST(FallTest, OnEarthToo) {
-  LabConditions conditions = withContactFrictionOfFall();
+  LabConditions conditions = withContactFriction();
   conditions.gravity_m_s2 = 9.81;
   EXPECT_NEAR(fallTest(conditions).acceleration_ratio, 1, 1e-3);
 }
@@ -47,7 +47,7 @@ TEST(FallTest, ThePapersFrictionHoldsAClumpInEmptySpace) {
 }
 
 TEST(FallTest, RefusesNonsense) {
-  LabConditions conditions = withContactFrictionOfFall();
+  LabConditions conditions = withContactFriction();
   EXPECT_THROW((void)fallTest(conditions, {.ball_radii = 1}), InvalidParameter);
   EXPECT_THROW((void)fallTest(conditions, {.fall_m = -1}), InvalidParameter);
   conditions.gravity_m_s2 = 0;
@@ -55,7 +55,7 @@ TEST(FallTest, RefusesNonsense) {
 }
 
 TEST(FallTest, StopsWhenItsCallerWantsItTo) {
-  LabConditions conditions = withContactFrictionOfFall();
+  LabConditions conditions = withContactFriction();
   conditions.progress = [](std::string_view, double) { return false; };
   EXPECT_THROW((void)fallTest(conditions), Failure);
 }

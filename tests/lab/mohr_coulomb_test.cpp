@@ -12,7 +12,7 @@
 namespace haptolith {
 namespace {
 
-constexpr double kMohrCoulombDegree = std::numbers::pi / 180;
+constexpr double kDegree = std::numbers::pi / 180;
 const std::vector<double> kNormalStresses{1000, 2000, 4000, 6000, 8000};
 
 std::vector<ShearPoint> specimens(double friction_angle_rad, double cohesion_pa) {
@@ -24,8 +24,8 @@ std::vector<ShearPoint> specimens(double friction_angle_rad, double cohesion_pa)
 }
 
 TEST(MohrCoulomb, FindsTheStrengthOfSpecimensWithoutScatter) {
-  const MohrCoulomb strength = fitMohrCoulomb(specimens(37 * kMohrCoulombDegree, 450));
-  EXPECT_NEAR(strength.friction_angle_rad, 37 * kMohrCoulombDegree, 1e-12);
+  const MohrCoulomb strength = fitMohrCoulomb(specimens(37 * kDegree, 450));
+  EXPECT_NEAR(strength.friction_angle_rad, 37 * kDegree, 1e-12);
   EXPECT_NEAR(strength.cohesion_pa, 450, 1e-8);
   EXPECT_NEAR(strength.friction_angle_se_rad, 0, 1e-12);
   EXPECT_NEAR(strength.cohesion_se_pa, 0, 1e-8);
@@ -40,12 +40,12 @@ TEST(MohrCoulomb, StandardErrorsAreTheScatterOfRepeatedTests) {
   double angle_variance = 0;
   double cohesion_variance = 0;
   for (int test = 0; test < kTests; ++test) {
-    std::vector<ShearPoint> points = specimens(35 * kMohrCoulombDegree, 1000);
+    std::vector<ShearPoint> points = specimens(35 * kDegree, 1000);
     for (ShearPoint& point : points) {
       point.shear_stress_pa += noise(random);
     }
     const MohrCoulomb strength = fitMohrCoulomb(points);
-    angle_squares += std::pow(strength.friction_angle_rad - 35 * kMohrCoulombDegree, 2);
+    angle_squares += std::pow(strength.friction_angle_rad - 35 * kDegree, 2);
     cohesion_squares += std::pow(strength.cohesion_pa - 1000, 2);
     angle_variance += std::pow(strength.friction_angle_se_rad, 2);
     cohesion_variance += std::pow(strength.cohesion_se_pa, 2);

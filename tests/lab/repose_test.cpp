@@ -13,10 +13,10 @@
 namespace haptolith {
 namespace {
 
-constexpr double kReposeDegree = std::numbers::pi / 180;
+constexpr double kDegree = std::numbers::pi / 180;
 
 /// Too small a heap for a good angle, but done in a second or two. On Earth, where soil falls and settles sooner.
-constexpr ReposeOptions kReposeSmall{.tube_radius = 6, .fill = 24, .ring_width = 2};
+constexpr ReposeOptions kSmall{.tube_radius = 6, .fill = 24, .ring_width = 2};
 
 LabConditions conditionsWith(double contact_friction) {
   LabConditions conditions;
@@ -37,8 +37,8 @@ TEST(Repose, OfRubbingParticlesIsThatOfARealHeap) {
   for (int seed = 1; seed <= kHeaps; ++seed) {
     LabConditions conditions = conditionsWith(0.4);
     conditions.seed = static_cast<std::uint64_t>(seed);
-    heap = reposeTest(conditions, kReposeSmall);
-    mean += heap.angle_rad / kReposeDegree / kHeaps;
+    heap = reposeTest(conditions, kSmall);
+    mean += heap.angle_rad / kDegree / kHeaps;
   }
   EXPECT_NEAR(mean, 35.5, 5);
   EXPECT_GT(heap.angle_se_rad, 0);
@@ -54,14 +54,14 @@ TEST(Repose, OfRubbingParticlesIsThatOfARealHeap) {
 }
 
 TEST(Repose, IsSteeperTheMoreParticlesRub) {
-  const double smooth = reposeTest(conditionsWith(0.2), kReposeSmall).angle_rad;
+  const double smooth = reposeTest(conditionsWith(0.2), kSmall).angle_rad;
   // Not more: of 12 heaps with 0.6 two stand too steep for their slope to be measured.
-  const double rough = reposeTest(conditionsWith(0.4), kReposeSmall).angle_rad;
-  EXPECT_GT(rough, smooth + 8 * kReposeDegree);
+  const double rough = reposeTest(conditionsWith(0.4), kSmall).angle_rad;
+  EXPECT_GT(rough, smooth + 8 * kDegree);
 }
 
 TEST(Repose, SaysSoWhenTheSoilRunsToTheWalls) {
-  EXPECT_THROW(static_cast<void>(reposeTest(conditionsWith(0), kReposeSmall)), Failure);
+  EXPECT_THROW(static_cast<void>(reposeTest(conditionsWith(0), kSmall)), Failure);
 }
 
 TEST(Repose, TellsItsProgressWithoutGoingBackAndCanBeInterrupted) {
@@ -74,7 +74,7 @@ TEST(Repose, TellsItsProgressWithoutGoingBackAndCanBeInterrupted) {
     last = share;
     return share < 0.3;
   };
-  EXPECT_THROW(static_cast<void>(reposeTest(conditions, kReposeSmall)), Failure);
+  EXPECT_THROW(static_cast<void>(reposeTest(conditions, kSmall)), Failure);
   EXPECT_GE(last, 0.3);
 }
 
@@ -89,10 +89,10 @@ TEST(Repose, RefusesNonsense) {
   refuses(conditions, {.ring_width = 0});
   LabConditions weightless = conditions;
   weightless.gravity_m_s2 = 0;
-  refuses(weightless, kReposeSmall);
+  refuses(weightless, kSmall);
   LabConditions no_soil = conditions;
   no_soil.soil.radius_m = -1;
-  refuses(no_soil, kReposeSmall);
+  refuses(no_soil, kSmall);
 }
 
 TEST(Repose, IsDrawn) {

@@ -11,25 +11,24 @@
 namespace haptolith {
 namespace {
 
-constexpr double kResistiveComparisonRadius_m = 6e-3;
+constexpr double kRadius_m = 6e-3;
 
-const ResistiveOptions kResistiveComparisonSmall{.diameter_m = 0.048,
-                                                 .max_sinkage_m = 0.018,
-                                                 .push_speed_m_s = 0.06,
-                                                 .blade_width_m = 0.04,
-                                                 .blade_depth_m = 0.024,
-                                                 .blade_speed_m_s = 0.06,
-                                                 .scaling = false,
-                                                 .shear = {.normal_stresses_pa = {200, 400, 800},
-                                                           .width_diameters = 8,
-                                                           .length_diameters = 6,
-                                                           .height_diameters = 6,
-                                                           .strain = 2.5,
-                                                           .residual_from = 1.5}};
+const ResistiveOptions kSmall{.diameter_m = 0.048,
+                              .max_sinkage_m = 0.018,
+                              .push_speed_m_s = 0.06,
+                              .blade_width_m = 0.04,
+                              .blade_depth_m = 0.024,
+                              .blade_speed_m_s = 0.06,
+                              .scaling = false,
+                              .shear = {.normal_stresses_pa = {200, 400, 800},
+                                        .width_diameters = 8,
+                                        .length_diameters = 6,
+                                        .height_diameters = 6,
+                                        .strain = 2.5,
+                                        .residual_from = 1.5}};
 
 TEST(ResistiveComparison, FindsOurBedAndTheTheoryOfTheSameOrderWithNothingTuned) {
-  const ResistiveResult result =
-      resistiveComparison(coarseSand(kResistiveComparisonRadius_m), kResistiveComparisonSmall);
+  const ResistiveResult result = resistiveComparison(coarseSand(kRadius_m), kSmall);
   ASSERT_EQ(result.pushes.size(), 4U);
   EXPECT_TRUE(result.scalings.empty());
   EXPECT_EQ(result.trace.rows.size(), result.pushes.front().curve.size());
@@ -46,27 +45,24 @@ TEST(ResistiveComparison, FindsOurBedAndTheTheoryOfTheSameOrderWithNothingTuned)
 }
 
 TEST(ResistiveComparison, TakesAFrictionAngleInsteadOfMeasuringIt) {
-  ResistiveOptions options = kResistiveComparisonSmall;
+  ResistiveOptions options = kSmall;
   options.friction_angle_rad = std::atan(0.5);
-  LabConditions conditions = coarseSand(kResistiveComparisonRadius_m);
+  LabConditions conditions = coarseSand(kRadius_m);
   conditions.soil.contact_cohesion_n = 1;  // taken away
   const ResistiveResult result = resistiveComparison(conditions, options);
   EXPECT_NEAR(result.soil.internal_friction, 0.5, 1e-12);
 }
 
 TEST(ResistiveComparison, RefusesNonsense) {
-  ResistiveOptions options = kResistiveComparisonSmall;
-  options.diameter_m = 7 * kResistiveComparisonRadius_m;
-  EXPECT_THROW(static_cast<void>(resistiveComparison(coarseSand(kResistiveComparisonRadius_m), options)),
-               InvalidParameter);
-  options = kResistiveComparisonSmall;
+  ResistiveOptions options = kSmall;
+  options.diameter_m = 7 * kRadius_m;
+  EXPECT_THROW(static_cast<void>(resistiveComparison(coarseSand(kRadius_m), options)), InvalidParameter);
+  options = kSmall;
   options.max_sinkage_m = options.diameter_m;
-  EXPECT_THROW(static_cast<void>(resistiveComparison(coarseSand(kResistiveComparisonRadius_m), options)),
-               InvalidParameter);
-  options = kResistiveComparisonSmall;
+  EXPECT_THROW(static_cast<void>(resistiveComparison(coarseSand(kRadius_m), options)), InvalidParameter);
+  options = kSmall;
   options.size_factor = 1;
-  EXPECT_THROW(static_cast<void>(resistiveComparison(coarseSand(kResistiveComparisonRadius_m), options)),
-               InvalidParameter);
+  EXPECT_THROW(static_cast<void>(resistiveComparison(coarseSand(kRadius_m), options)), InvalidParameter);
 }
 
 }  // namespace

@@ -14,7 +14,7 @@
 namespace haptolith {
 namespace {
 
-constexpr double kResistiveForceDegree = std::numbers::pi / 180;
+constexpr double kDegree = std::numbers::pi / 180;
 constexpr double kPi = std::numbers::pi;
 
 const ResistiveSoil kSand{.density_kg_m3 = 1550, .gravity_m_s2 = 9.81, .internal_friction = 0.6};
@@ -64,7 +64,7 @@ TEST(ResistiveForce, HasThePublishedResponseOfAFlatPlateThatSinksIn) {
   EXPECT_NEAR(alpha.x(), 0, 1e-12);
   EXPECT_NEAR(alpha.y(), 0, 1e-12);
   ResistiveSoil soil = kSand;
-  soil.internal_friction = std::tan(34 * kResistiveForceDegree);
+  soil.internal_friction = std::tan(34 * kDegree);
   EXPECT_NEAR(resistiveScale(soil) * alpha.z() / 1e6, 2.11, 0.005);
 }
 
@@ -133,7 +133,7 @@ TEST(ResistiveForce, HoldsBackAToolThatIsDrawnOutButLessThanOneThatSinksIn) {
 TEST(ResistiveForce, NeverRubsHarderThanTheSurfaceAllows) {
   for (const double mu_surf : {0.0, 0.05, 0.2}) {
     for (double tilt = 0; tilt < 180; tilt += 7) {
-      const Vec3 normal(std::sin(tilt * kResistiveForceDegree), 0, -std::cos(tilt * kResistiveForceDegree));
+      const Vec3 normal(std::sin(tilt * kDegree), 0, -std::cos(tilt * kDegree));
       const Vec3 response = resistiveResponse(normal, Vec3(1, 0.3, -0.2), 1, mu_surf);
       const double across = std::abs(response.dot(normal));
       const double along = (response - response.dot(normal) * normal).norm();
@@ -161,8 +161,7 @@ TEST(ResistiveForce, GrowsWithGravityDensityAndTheCubeOfSize) {
 TEST(ResistiveForce, IsNearWhatPlatesNeededInDrySandThoughItKnowsNothingOfThem) {
   // 1330 kg/m^3 as measured, and the 29 degrees that this sand's heaps show (soils/dry-sand.toml). Measured force rises
   // faster than the theory's straight line, of the larger plate most: 1.7 times the theory at 15 mm.
-  const ResistiveSoil sand{
-      .density_kg_m3 = 1330, .gravity_m_s2 = 9.807, .internal_friction = std::tan(29 * kResistiveForceDegree)};
+  const ResistiveSoil sand{.density_kg_m3 = 1330, .gravity_m_s2 = 9.807, .internal_friction = std::tan(29 * kDegree)};
   const auto measured = [](double diameter_mm, double sinkage_mm) {  // mean of what is within half a millimetre
     double sum = 0;
     int count = 0;

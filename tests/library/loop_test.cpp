@@ -50,6 +50,8 @@ TEST(LibraryLoop, AnOwnDeviceFeelsTheSoilInALoopOfItsOwn) {
     EXPECT_GT(snapshot.ticks, 900U);
     EXPECT_EQ(snapshot.position.count, 256U);
     EXPECT_STREQ(snapshot.trip, "");
+    EXPECT_EQ(snapshot.misses_too_long + snapshot.misses_woken_late + snapshot.misses_preempted,
+              snapshot.deadline_misses);
   }
   stir(scene.get(), 0, 10);  // given back
 }

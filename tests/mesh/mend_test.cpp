@@ -34,9 +34,9 @@ bool isClosed(const TriangleMesh& mesh) {
   return std::ranges::all_of(edges, [](const auto& edge) { return edge.second == 0; });
 }
 
-std::string refusalOf(const TriangleMesh& mesh, const MendOptions& optionsOfMend = {}) {
+std::string refusalOf(const TriangleMesh& mesh, const MendOptions& options = {}) {
   try {
-    (void)mend(mesh, optionsOfMend);
+    (void)mend(mesh, options);
   } catch (const InvalidParameter& error) {
     return error.what();
   }

@@ -97,17 +97,17 @@ std::string cubeJson(
          buffer + "]}";
 }
 
-std::string refusalOf(const std::string& bytes, MeshFormat format, const MeshFileOptions& optionsOfMeshFile = {}) {
+std::string refusalOf(const std::string& bytes, MeshFormat format, const MeshFileOptions& options = {}) {
   try {
-    (void)parseMesh(bytes, "given", format, optionsOfMeshFile);
+    (void)parseMesh(bytes, "given", format, options);
   } catch (const InvalidParameter& error) {
     return error.what();
   }
   return "accepted";
 }
 
-MeshCorners boxOf(const std::string& bytes, MeshFormat format, const MeshFileOptions& optionsOfMeshFile = {}) {
-  return cornersOf(parseMesh(bytes, "given", format, optionsOfMeshFile));
+MeshCorners boxOf(const std::string& bytes, MeshFormat format, const MeshFileOptions& options = {}) {
+  return cornersOf(parseMesh(bytes, "given", format, options));
 }
 
 double volumeOf(const std::string& bytes, MeshFormat format) {

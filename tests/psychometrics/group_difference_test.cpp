@@ -12,7 +12,7 @@
 namespace haptolith {
 namespace {
 
-constexpr double kGroupDifferenceReference = 1.625;
+constexpr double kReference = 1.625;
 
 /// People with these Weber fractions, whose PSE is `shift` times the reference.
 GroupFit groupOf(const std::vector<double>& weber_fractions, double n, unsigned seed, double shift = 1) {
@@ -23,9 +23,9 @@ GroupFit groupOf(const std::vector<double>& weber_fractions, double n, unsigned 
     for (const double x : {0.270, 0.45, 0.625, 1.0, 1.314, 2.2, 3.721, 6.0, 9.807}) {
       levels.push_back({x, 0, n});
     }
-    people.push_back(simulatedAnswers(levels, weberFunction(kGroupDifferenceReference * shift, w), random));
+    people.push_back(simulatedAnswers(levels, weberFunction(kReference * shift, w), random));
   }
-  FitOptions options = weberOptions(kGroupDifferenceReference);
+  FitOptions options = weberOptions(kReference);
   options.threshold.reset();
   options.simulations = 0;
   return fitGroup(people, groupOptions(options));

@@ -12,10 +12,10 @@ namespace haptolith {
 namespace {
 
 const std::vector<double> kStimuli{0.270, 0.45, 0.625, 1.0, 1.314, 2.2, 3.721, 6, 9.807};
-constexpr double kGroupReference = 1.625;
+constexpr double kReference = 1.625;
 
 FitOptions quick() {
-  FitOptions options = weberOptions(kGroupReference);
+  FitOptions options = weberOptions(kReference);
   options.simulations = 0;
   return options;
 }
@@ -29,7 +29,7 @@ std::vector<std::vector<Level>> people(const std::vector<double>& weber_fraction
   }
   std::vector<std::vector<Level>> result;
   for (const double w : weber_fractions) {
-    result.push_back(simulatedAnswers(levels, weberFunction(kGroupReference, w), random));
+    result.push_back(simulatedAnswers(levels, weberFunction(kReference, w), random));
   }
   return result;
 }
@@ -74,9 +74,9 @@ TEST(Group, AlsoTellsThresholdsWhereTheyAreFree) {
   options.threshold.reset();
   const GroupFit group = fitGroup(people({0.8, 0.9, 1}, 30, 4), options);
   ASSERT_TRUE(group.threshold.has_value());
-  EXPECT_NEAR(group.threshold->median.value, kGroupReference, 0.3);
-  EXPECT_LT(group.threshold->median.interval.low, kGroupReference);
-  EXPECT_GT(group.threshold->median.interval.high, kGroupReference);
+  EXPECT_NEAR(group.threshold->median.value, kReference, 0.3);
+  EXPECT_LT(group.threshold->median.interval.low, kReference);
+  EXPECT_GT(group.threshold->median.interval.high, kReference);
   EXPECT_EQ(group.threshold->participants.size(), 3u);
 }
 
@@ -94,14 +94,14 @@ TEST(Group, ATimeOrderErrorMovesThePseAndNotTheWeberFraction) {
     }
   }
   const GroupFit group = fitGroup(felt, everythingFree());
-  EXPECT_NEAR(group.threshold->median.value, kGroupReference / 1.2, 0.08);
-  EXPECT_LT(group.threshold->median.interval.high, kGroupReference);
+  EXPECT_NEAR(group.threshold->median.value, kReference / 1.2, 0.08);
+  EXPECT_LT(group.threshold->median.interval.high, kReference);
   EXPECT_NEAR(group.scale.median.value, 1.2, 0.12);
 }
 
 TEST(Group, BlindAnswersAreTakenForLapses) {
   std::mt19937_64 random(6);
-  PsychometricFunction blind = weberFunction(kGroupReference, 0.5);
+  PsychometricFunction blind = weberFunction(kReference, 0.5);
   blind.guess = blind.lapse = 0.05;
   std::vector<Level> levels;
   for (const double x : kStimuli) {
@@ -155,7 +155,7 @@ TEST(Group, OfOtherSigmoidsAndDesignsHasWidths) {
     const GroupFit fit = fitGroup(group, options);
     EXPECT_NEAR(fit.scale.median.value, weberWidth(Sigmoid::kWeber, 1), 0.7);
     EXPECT_FALSE(fit.median_person.w.has_value());
-    EXPECT_NEAR(fit.median_person.jnd.value, kGroupReference * 1.0, 0.5);
+    EXPECT_NEAR(fit.median_person.jnd.value, kReference * 1.0, 0.5);
   }
 }
 

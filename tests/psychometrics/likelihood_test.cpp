@@ -9,7 +9,7 @@ namespace haptolith {
 namespace {
 
 // Answers of a made-up study of the paper's friction design; numbers from brute_force.py.
-const std::vector<Level> kLikelihoodLevels{{0.6, 2, 24}, {0.648, 4, 24}, {0.735, 8, 24}, {1, 18, 24}, {1.21, 22, 24}};
+const std::vector<Level> kLevels{{0.6, 2, 24}, {0.648, 4, 24}, {0.735, 8, 24}, {1, 18, 24}, {1.21, 22, 24}};
 
 TEST(Likelihood, IsTheBetaBinomialsByLogGamma) {
   EXPECT_NEAR(logLikelihood(0, 24, 0.1, 0.05), -2.45483750327071, 1e-9);
@@ -23,7 +23,7 @@ TEST(Likelihood, IsTheBetaBinomialsByLogGamma) {
 TEST(Likelihood, WithoutOverdispersionIsTheBinomials) {
   EXPECT_NEAR(logLikelihood(7, 24, 0.4, 0), 7 * std::log(0.4) + 17 * std::log(0.6), 1e-12);
   EXPECT_NEAR(logLikelihood(7, 24, 0.4, 1e-6), logLikelihood(7, 24, 0.4, 0), 1e-6);
-  EXPECT_NEAR(logLikelihood(kLikelihoodLevels, weberFunction(0.835, 0.29), 0), -53.447611528089425, 1e-9);
+  EXPECT_NEAR(logLikelihood(kLevels, weberFunction(0.835, 0.29), 0), -53.447611528089425, 1e-9);
 }
 
 TEST(Likelihood, SumsToOneOverAllAnswers) {

@@ -15,13 +15,12 @@
 namespace haptolith {
 namespace {
 
-constexpr std::array kMaximumLikelihoodStimuli{0.25,      5 / 12.0, 7 / 12.0,  0.75,      11 / 12.0,
-                                               13 / 12.0, 1.25,     17 / 12.0, 19 / 12.0, 1.75};
+constexpr std::array kStimuli{0.25, 5 / 12.0, 7 / 12.0, 0.75, 11 / 12.0, 13 / 12.0, 1.25, 17 / 12.0, 19 / 12.0, 1.75};
 
 std::vector<Level> tenLevels(const std::array<double, 10>& positive) {
   std::vector<Level> levels;
-  for (std::size_t i = 0; i < kMaximumLikelihoodStimuli.size(); ++i) {
-    levels.push_back({kMaximumLikelihoodStimuli[i], positive[i], 10});
+  for (std::size_t i = 0; i < kStimuli.size(); ++i) {
+    levels.push_back({kStimuli[i], positive[i], 10});
   }
   return levels;
 }
@@ -48,20 +47,20 @@ TEST(MaximumLikelihood, FindsANarrowPeakBesideAWideOne) {
 /// The largest log-likelihood of each set among the points of a dense grid of threshold, width and lapse rate.
 std::vector<double> densestOf(const std::vector<std::vector<Level>>& sets) {
   std::vector<double> best(sets.size(), -1e9);
-  std::vector<double> hit(kMaximumLikelihoodStimuli.size());
-  std::vector<double> miss(kMaximumLikelihoodStimuli.size());
+  std::vector<double> hit(kStimuli.size());
+  std::vector<double> miss(kStimuli.size());
   for (double threshold = -0.5; threshold <= 2.5; threshold += 0.02) {
     for (double width = 1 / 6.0; width <= 4.5; width *= 1.05) {
       for (double lapse = 0; lapse <= 0.5; lapse += 0.0125) {
         const PsychometricFunction function{.threshold = threshold, .width = width, .guess = 0.5, .lapse = lapse};
-        for (std::size_t i = 0; i < kMaximumLikelihoodStimuli.size(); ++i) {
-          const double psi = probability(function, kMaximumLikelihoodStimuli[i]);
+        for (std::size_t i = 0; i < kStimuli.size(); ++i) {
+          const double psi = probability(function, kStimuli[i]);
           hit[i] = std::log(psi);
           miss[i] = std::log(std::max(1 - psi, 1e-300));
         }
         for (std::size_t set = 0; set < sets.size(); ++set) {
           double sum = 0;
-          for (std::size_t i = 0; i < kMaximumLikelihoodStimuli.size(); ++i) {
+          for (std::size_t i = 0; i < kStimuli.size(); ++i) {
             sum += sets[set][i].k * hit[i] + (10 - sets[set][i].k) * miss[i];
           }
           best[set] = std::max(best[set], sum);

@@ -13,19 +13,19 @@
 namespace haptolith {
 namespace {
 
-constexpr double kPosteriorReference = 0.835;
+constexpr double kReference = 0.835;
 
 /// A thousand answers to each level of the paper's friction study, by somebody with w = 0.29 and no bias.
 std::vector<Level> thousandAnswers() {
   std::vector<Level> levels;
   for (const double x : {0.6, 0.648, 0.735, 1.0, 1.21}) {
-    levels.push_back({x, std::round(1000 * probability(weberFunction(kPosteriorReference, 0.29), x)), 1000});
+    levels.push_back({x, std::round(1000 * probability(weberFunction(kReference, 0.29), x)), 1000});
   }
   return levels;
 }
 
 FitOptions freeThreshold() {
-  FitOptions options = weberOptions(kPosteriorReference);
+  FitOptions options = weberOptions(kReference);
   options.threshold.reset();
   options.simulations = 0;
   return options;

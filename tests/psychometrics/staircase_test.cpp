@@ -24,12 +24,12 @@ namespace {
 using testing::DoubleEq;
 using testing::Optional;
 
-bool answerOfStaircase(const PsychometricFunction& truth, double x, std::mt19937_64& random) {
+bool answerOf(const PsychometricFunction& truth, double x, std::mt19937_64& random) {
   return (uniformSigned(random) + 1) / 2 < probability(truth, x);
 }
 
 /// Levels in steps of 8 % on both sides of 1.
-std::vector<double> fineLevelsOfStaircase() {
+std::vector<double> fineLevels() {
   std::vector<double> levels;
   for (int i = -12; i <= 12; ++i) {
     if (i != 0) {
@@ -43,7 +43,7 @@ std::vector<double> fineLevelsOfStaircase() {
 int runThrough(AdaptiveProcedure& procedure, const PsychometricFunction& truth, std::mt19937_64& random) {
   int trials = 0;
   while (const std::optional<double> x = procedure.next()) {
-    procedure.answer(*x, answerOfStaircase(truth, *x, random));
+    procedure.answer(*x, answerOf(truth, *x, random));
     ++trials;
   }
   return trials;
@@ -87,7 +87,7 @@ TEST(Staircase, OneUpOneDownFindsThePointOfEquality) {
                                           .uncounted_reversals = 6,
                                           .most_trials = 200,
                                           .log_axis = true},
-                                         fineLevelsOfStaircase(), 1);
+                                         fineLevels(), 1);
     runThrough(*staircase, truth, random);
     sum += std::log(staircase->estimate()->threshold) / kPeople;
   }
@@ -207,12 +207,12 @@ TEST(Staircase, ThatLookForEqualityBeginAtBothEnds) {
 TEST(Staircase, GoesOnWhereItWasWhenToldTheAnswersAgain) {
   std::mt19937_64 random(3);
   const StaircaseOptions options{.staircases = 2, .seed = 9};
-  const auto staircase = makeStaircase(options, fineLevelsOfStaircase(), 1);
-  const auto again = makeStaircase(options, fineLevelsOfStaircase(), 1);
+  const auto staircase = makeStaircase(options, fineLevels(), 1);
+  const auto again = makeStaircase(options, fineLevels(), 1);
   for (int i = 0; i < 25; ++i) {
     ASSERT_EQ(again->next(), staircase->next());
     const double x = *staircase->next();
-    const bool positive = answerOfStaircase(weberFunction(1, 0.29), x, random);
+    const bool positive = answerOf(weberFunction(1, 0.29), x, random);
     staircase->answer(x, positive);
     again->answer(x, positive);
   }
@@ -234,9 +234,9 @@ TEST(Staircase, AnswersOutOfTurnBelongToTheirSide) {
 
 TEST(Staircase, EndsAfterSoManyTrials) {
   std::mt19937_64 random(4);
-  const auto staircase = makeStaircase({.reversals = 1000, .most_trials = 33}, fineLevelsOfStaircase(), 1);
+  const auto staircase = makeStaircase({.reversals = 1000, .most_trials = 33}, fineLevels(), 1);
   EXPECT_EQ(runThrough(*staircase, weberFunction(1, 0.3), random), 33);
-  EXPECT_EQ(makeStaircase({}, fineLevelsOfStaircase(), 1)->estimate(), std::nullopt);
+  EXPECT_EQ(makeStaircase({}, fineLevels(), 1)->estimate(), std::nullopt);
 }
 
 TEST(Staircase, NonsenseIsRefused) {

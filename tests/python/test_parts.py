@@ -148,6 +148,8 @@ def test_the_scenes_own_hand_runs_on_a_thread():
         until = time.monotonic() + 30
         while loop.snapshot().running and time.monotonic() < until:
             time.sleep(0.01)
+        now = loop.snapshot()
+        assert now.misses_too_long + now.misses_woken_late + now.misses_preempted == now.deadline_misses
         assert not loop.snapshot().running and abs(loop.snapshot().time_s - 0.5) < 0.02
     with pytest.raises(TypeError, match="max_force"):
         hp.Limits(max_force=3)

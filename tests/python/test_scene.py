@@ -156,6 +156,36 @@ def test_a_closed_scene_says_so():
     assert "closed" in repr(scene)
 
 
+def test_objects_say_what_they_are(scene):
+    assert scene.soil in ("P3", "lunar-0-15cm") and scene.body == "Moon"
+    assert f"{scene.soil}, Moon, {scene.info.particles} particles of R = 7 mm" in repr(scene)
+    scene.set_gravity([0, 0, -2])
+    with hp.Batch([scene]) as batch:
+        assert repr(batch) == "<haptolith.Batch of 1 scenes>"
+    fit = hp.fit_psychometric([1, 2, 3, 4, 5], [1, 3, 5, 8, 10], [10] * 5)
+    assert repr(fit).startswith("<haptolith.Result: ") and len(repr(fit)) < 3000
+
+
+def test_a_pose_that_is_not_finite_is_named(scene):
+    with pytest.raises(hp.InvalidParameter, match="pose, z = nan is not valid: must be finite"):
+        scene.step([0, 0, np.nan])
+    poses = stirring(0, 3)
+    poses[1, 0] = np.inf
+    with pytest.raises(hp.InvalidParameter, match="pose 1, x = inf"):
+        scene.steps(poses)
+
+
+def test_an_interactive_session_sees_that_soil_settles(monkeypatch, capsys):
+    from haptolith import _long
+
+    line = _long.ProgressLine()
+    line("soil settles", 0.1)
+    line._next = 0
+    line("soil settles", 0.5)
+    line.end()
+    assert "soil settles: 50 %" in capsys.readouterr().err
+
+
 def test_progress_is_told_and_may_give_up_or_raise():
     told = []
     hp.Scene.from_toml("[bed]\nstart = 'rain'\nparticles = 300\n", progress=lambda what, share: told.append(what)).close()

@@ -19,7 +19,7 @@ namespace {
 
 using namespace std::chrono_literals;
 
-constexpr double kRos2ArmTick_s = 1e-3;
+constexpr double kTick_s = 1e-3;
 constexpr const char* kPose = "geometry_msgs::msg::dds_::PoseStamped_";
 constexpr const char* kWrench = "geometry_msgs::msg::dds_::WrenchStamped_";
 
@@ -99,7 +99,7 @@ class Ros2ArmTest : public testing::Test {
     RobotParameters parameters;
     parameters.silence_s = 0.3;
     parameters.hold_s = 0.1;
-    robot_.emplace(parameters, std::make_unique<Ros2Arm>(*node_, arm, kRos2ArmTick_s), kRos2ArmTick_s);
+    robot_.emplace(parameters, std::make_unique<Ros2Arm>(*node_, arm, kTick_s), kTick_s);
   }
 
   /// Ticks until it happens, 15 s at most.
@@ -175,10 +175,10 @@ TEST(Ros2Arm, RefusesTopicsThatAreNone) {
   Ros2Node node(parameters);
   Ros2ArmParameters arm;
   arm.pose_topic = "/a b";
-  EXPECT_THROW(Ros2Arm(node, arm, kRos2ArmTick_s), InvalidParameter);
+  EXPECT_THROW(Ros2Arm(node, arm, kTick_s), InvalidParameter);
   arm = {};
   arm.target_period_s = 0;
-  EXPECT_THROW(Ros2Arm(node, arm, kRos2ArmTick_s), InvalidParameter);
+  EXPECT_THROW(Ros2Arm(node, arm, kTick_s), InvalidParameter);
 }
 
 TEST(Ros2Node, RefusesDomainsThatHaveNoPorts) {

@@ -27,8 +27,8 @@ namespace {
 using namespace std::chrono_literals;
 using testing::ElementsAre;
 
-constexpr const char* kSceneWirePose = "geometry_msgs::msg::dds_::PoseStamped_";
-constexpr const char* kSceneWireWrench = "geometry_msgs::msg::dds_::WrenchStamped_";
+constexpr const char* kPose = "geometry_msgs::msg::dds_::PoseStamped_";
+constexpr const char* kWrench = "geometry_msgs::msg::dds_::WrenchStamped_";
 
 /// What has been heard, by a thread of the peer's.
 class Heard {
@@ -114,7 +114,7 @@ class SceneWireTest : public testing::Test {
 
 TEST_F(SceneWireTest, PosesAreThoseBytes) {
   Heard heard;
-  peer_.listen("rt/haptolith/tool_pose", kSceneWirePose, PeerQos::kBestEffort, heard.listener());
+  peer_.listen("rt/haptolith/tool_pose", kPose, PeerQos::kBestEffort, heard.listener());
   ASSERT_TRUE(tellUntilHeard(someTick(), heard));
   const Bytes bytes = heard.last();
   CdrReader reader(bytes);
@@ -139,8 +139,8 @@ TEST_F(SceneWireTest, PosesAreThoseBytes) {
 TEST_F(SceneWireTest, WrenchesAreInTheToolsFrame) {
   Heard soil;
   Heard felt;
-  peer_.listen("rt/haptolith/wrench", kSceneWireWrench, PeerQos::kBestEffort, soil.listener());
-  peer_.listen("rt/haptolith/felt_wrench", kSceneWireWrench, PeerQos::kBestEffort, felt.listener());
+  peer_.listen("rt/haptolith/wrench", kWrench, PeerQos::kBestEffort, soil.listener());
+  peer_.listen("rt/haptolith/felt_wrench", kWrench, PeerQos::kBestEffort, felt.listener());
   ASSERT_TRUE(tellUntilHeard(someTick(), soil));
   ASSERT_TRUE(tellUntilHeard(someTick(), felt));
   const auto numbers = [](const Heard& heard) {
@@ -255,7 +255,7 @@ TEST_F(HumbleSceneWireTest, TheNodeIsSeen) {
 
 TEST_F(SceneWireTest, TargetsAreTakenFromWritersOfEitherReliability) {
   for (const PeerQos qos : {PeerQos::kBestEffort, PeerQos::kReliable}) {
-    const std::size_t writer = peer_.makeWriter("rt/haptolith/target_pose", kSceneWirePose, qos);
+    const std::size_t writer = peer_.makeWriter("rt/haptolith/target_pose", kPose, qos);
     ASSERT_TRUE(eventually([&] { return peer_.readersOf(writer) == 1; }));
     TargetInbox& inbox = *publisher_->inbox();
     const std::int64_t before_ns = monotonicNs();
@@ -273,7 +273,7 @@ TEST_F(SceneWireTest, TargetsAreTakenFromWritersOfEitherReliability) {
 }
 
 TEST_F(SceneWireTest, TargetsWithoutSenseAreCountedAndNotTaken) {
-  const std::size_t writer = peer_.makeWriter("rt/haptolith/target_pose", kSceneWirePose, PeerQos::kReliable);
+  const std::size_t writer = peer_.makeWriter("rt/haptolith/target_pose", kPose, PeerQos::kReliable);
   ASSERT_TRUE(writeUntilTaken(writer));
   constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
   const std::vector<Bytes> nonsense{target({kNan, 0, 0}), target({0, 0, std::numeric_limits<double>::infinity()}),
@@ -295,10 +295,10 @@ TEST_F(SceneWireTest, TargetsWithoutSenseAreCountedAndNotTaken) {
 }
 
 TEST_F(SceneWireTest, TheFirstWriterHoldsTheTool) {
-  const std::size_t first = peer_.makeWriter("rt/haptolith/target_pose", kSceneWirePose, PeerQos::kReliable);
+  const std::size_t first = peer_.makeWriter("rt/haptolith/target_pose", kPose, PeerQos::kReliable);
   ASSERT_TRUE(writeUntilTaken(first));
   FastDdsPeer other(someDomain());
-  const std::size_t second = other.makeWriter("rt/haptolith/target_pose", kSceneWirePose, PeerQos::kReliable);
+  const std::size_t second = other.makeWriter("rt/haptolith/target_pose", kPose, PeerQos::kReliable);
   ASSERT_TRUE(eventually([&] { return other.readersOf(second) == 1; }));
   ASSERT_TRUE(eventually([&] {
     peer_.write(first, target({0, 0, 0.1}));
@@ -327,7 +327,7 @@ TEST_F(SceneWireTest, ATargetThatStopsLetsTheToolGoUntilItComesAgain) {
   handling.safety.soft_start_s = 0.5;
   handling.safety.calm_s = 0.3;
   HapticLoop loop(scene, device, parameters, true, handling);
-  const std::size_t writer = peer_.makeWriter("rt/haptolith/target_pose", kSceneWirePose, PeerQos::kReliable);
+  const std::size_t writer = peer_.makeWriter("rt/haptolith/target_pose", kPose, PeerQos::kReliable);
   ASSERT_TRUE(eventually([&] { return peer_.readersOf(writer) == 1; }));
   const Bytes in_soil = target({0, 0, scene.bed().surfaceHeight() - 0.02});
   std::vector<TickRecord> ticks;
@@ -377,7 +377,7 @@ TEST_F(SceneWireTest, AThousandMessagesASecondGoBothWays) {
   std::atomic<int> disorder{0};
   std::vector<std::int64_t> told_ns(static_cast<std::size_t>(ticks));
   std::vector<double> latency_us(static_cast<std::size_t>(ticks), -1);
-  peer_.listen("rt/haptolith/tool_pose", kSceneWirePose, PeerQos::kBestEffort, [&](const Bytes& bytes) {
+  peer_.listen("rt/haptolith/tool_pose", kPose, PeerQos::kBestEffort, [&](const Bytes& bytes) {
     CdrReader reader(bytes);
     reader.get<std::int32_t>();
     reader.get<std::uint32_t>();
@@ -392,8 +392,8 @@ TEST_F(SceneWireTest, AThousandMessagesASecondGoBothWays) {
     const auto tick = static_cast<std::size_t>(std::lround(1000 * x));
     latency_us[tick] = 1e-3 * static_cast<double>(monotonicNs() - told_ns[tick]);
   });
-  peer_.listen("rt/haptolith/wrench", kSceneWireWrench, PeerQos::kBestEffort, [&](const Bytes&) { ++wrenches; });
-  const std::size_t writer = peer_.makeWriter("rt/haptolith/target_pose", kSceneWirePose, PeerQos::kBestEffort);
+  peer_.listen("rt/haptolith/wrench", kWrench, PeerQos::kBestEffort, [&](const Bytes&) { ++wrenches; });
+  const std::size_t writer = peer_.makeWriter("rt/haptolith/target_pose", kPose, PeerQos::kBestEffort);
   ASSERT_TRUE(eventually([&] { return peer_.writersFound() == 2 && peer_.readersOf(writer) == 1; }));
   TickRecord tick = someTick();
   tick.scene_T_tool.position_m.x() = -1;

@@ -58,17 +58,23 @@ TEST(Overrides, ANamedSoilIsThatSoilWithItsOwnFrictionAsWithTheOptionSoil) {
   EXPECT_EQ(own.bed.start, BedStart::kPacked);
 }
 
-TEST(Overrides, TellTheirSoilAndWorldInTheTitleThatTheFileHasForItsOwn) {
+TEST(Overrides, ReplaceATitleThatMayNameWhatTheyChange) {
   const auto titled = [](const Texts& overrides) { return findScenario("europa", overrides).title; };
   const std::string own = findScenario("europa").title;
   EXPECT_EQ(titled({"bed.seed=3"}), own);
-  EXPECT_EQ(titled({"soil.preset=P1"}), "P1 on Europa, otherwise: " + own);
-  EXPECT_EQ(titled({"gravity.body=Moon"}), "P4 on the Moon, otherwise: " + own);
-  EXPECT_EQ(titled({"gravity.magnitude_m_s2=3", "soil.name=dry-sand"}), "dry-sand under 3 m/s2, otherwise: " + own);
+  EXPECT_EQ(titled({"soil.preset=P4"}), own) << "it is the same soil";
+  EXPECT_EQ(titled({"soil.preset=P1"}), "P1 soil, Europa, R = 7 mm, shovel, carry");
+  EXPECT_EQ(titled({"gravity.body=Moon"}), "P4 soil, Moon, R = 7 mm, shovel, carry");
+  EXPECT_EQ(titled({"gravity.magnitude_m_s2=3", "soil.name=dry-sand"}),
+            "dry-sand soil, 3 m/s2, R = 7 mm, shovel, carry");
+  EXPECT_EQ(titled({"tool.name=scoop"}), "P4 soil, Europa, R = 7 mm, scoop, carry");
+  EXPECT_EQ(titled({"tool.shape=plate", "hand.manoeuvre=still"}), "P4 soil, Europa, R = 7 mm, plate");
   EXPECT_EQ(titled({"soil.preset=P1", "title=mine"}), "mine");
   Scenario scene = findScenario("europa", Texts{"soil.preset=P1"});
   changeBody(scene, "Mars");
-  EXPECT_EQ(scene.title, "P1 on Mars, otherwise: " + own);
+  EXPECT_EQ(scene.title, "P1 soil, Mars, R = 7 mm, shovel, carry");
+  EXPECT_EQ(findScenario("stones", Texts{"soil.radius_mm=6"}).title,
+            "lunar-0-15cm soil, Moon, R = 6 mm, stones, shovel, stir");
 }
 
 TEST(Overrides, SayWhichOfThemIsWrong) {

@@ -37,7 +37,7 @@ std::string readFile(const fs::path& path) {
 
 const std::string kTarget =
     "name = 'x'\n[target]\nbulk_density_kg_m3 = 1500\nfriction_angle_deg = 42\ncohesion_pa = 520\n";
-const std::string kSoilFileSoil =
+const std::string kSoil =
     "[soil]\nradius_mm = 7\ngamma_nm = 4e-5\nrho0_kg_m3 = 1425\nrho_max_kg_m3 = 1995\nstiffness_n_m = 2000\n"
     "friction = 'contact'\ncontact_friction = 0.7\ncontact_cohesion_n = 0.1\n";
 
@@ -204,7 +204,7 @@ TEST_F(SoilFiles, ASoilIsNotSavedOverAnother) {
 }
 
 TEST_F(SoilFiles, WhatMayBeLeftOutHasItsDefault) {
-  const SoilFile soil = load(kTarget + kSoilFileSoil);
+  const SoilFile soil = load(kTarget + kSoil);
   EXPECT_EQ(soil.source, "");
   EXPECT_FALSE(soil.target.friction_angle_range_deg);
   EXPECT_FALSE(soil.target.cohesion_range_pa);
@@ -215,7 +215,7 @@ TEST_F(SoilFiles, WhatMayBeLeftOutHasItsDefault) {
 }
 
 TEST_F(SoilFiles, TheRadiusRescalesNothingBecauseAllNumbersAreForIt) {
-  std::string text = kTarget + kSoilFileSoil;
+  std::string text = kTarget + kSoil;
   text.replace(text.find("radius_mm = 7"), 13, "radius_mm = 3");
   const SoilParameters soil = load(text).soil;
   EXPECT_EQ(soil.radius_m, 3 * 1e-3);
@@ -283,7 +283,7 @@ TEST(ShippedSoils, AreTheFilesOfTheFolder) {
 
 TEST_F(SoilFiles, AreFoundByNameInAnyCaseOrByFile) {
   EXPECT_EQ(findSoil("LUNAR-0-15cm").name, "lunar-0-15cm");
-  EXPECT_EQ(findSoil(write(kTarget + kSoilFileSoil).string()).name, "x");
+  EXPECT_EQ(findSoil(write(kTarget + kSoil).string()).name, "x");
   fs::rename(folder_ / "x.toml", folder_ / "x.soil");
   EXPECT_EQ(findSoil((folder_ / "x.soil").string()).name, "x");
 }
@@ -309,10 +309,9 @@ TEST_F(SoilFiles, AnUnknownNameIsRefusedWithTheValidOnesAndTheNearest) {
 // --- what is refused ---
 
 TEST_F(SoilFiles, NonsenseIsRefusedWithItsLine) {
-  EXPECT_EQ(errorOf(kTarget + "friction_angel_deg = 3\n" + kSoilFileSoil),
+  EXPECT_EQ(errorOf(kTarget + "friction_angel_deg = 3\n" + kSoil),
             "x.toml:6: [target] friction_angel_deg is not known; did you mean [target] friction_angle_deg?");
-  EXPECT_EQ(errorOf(kTarget + kSoilFileSoil + "preset = 'P3'\n"),
-            "x.toml:15: [soil] preset is not known, see docs/soils.md");
+  EXPECT_EQ(errorOf(kTarget + kSoil + "preset = 'P3'\n"), "x.toml:15: [soil] preset is not known, see docs/soils.md");
   EXPECT_EQ(errorOf("title = 'x'\n"), "x.toml:1: title is not known, see docs/soils.md");
   EXPECT_EQ(errorOf("name = 3\n"), "x.toml:1: name = 3 is not valid: must be a line of text");
   EXPECT_EQ(errorOf("name = 'x'\ntarget = 42\n"), "x.toml:2: target = 42 is not valid: must be a table, [target]");
@@ -322,7 +321,7 @@ TEST_F(SoilFiles, NonsenseIsRefusedWithItsLine) {
             "x.toml:2: [target] cohesion_pa = '520' is not valid: must be a number, 0 to 1000000");
   EXPECT_EQ(errorOf("[target]\nstrength = 'final'\n"),
             "x.toml:2: [target] strength = 'final' is not valid: must be residual or peak");
-  EXPECT_EQ(errorOf(kTarget + kSoilFileSoil + "damping_ratio = 0.6\n"),
+  EXPECT_EQ(errorOf(kTarget + kSoil + "damping_ratio = 0.6\n"),
             "x.toml:15: [soil] damping_ratio = 0.6 is not valid: must be 0 to 0.5");
   EXPECT_EQ(errorOf("[reached]\nseeds = 2.5\n"),
             "x.toml:2: [reached] seeds = 2.5 is not valid: must be a whole number, 1 to 1000000");
@@ -338,12 +337,12 @@ TEST_F(SoilFiles, RangesAreTwoNumbersAroundTheValue) {
   }
   EXPECT_EQ(errorOf("[target]\nfriction_angle_range_deg = [41, 95]\n"),
             "x.toml:2: [target] friction_angle_range_deg = 95 is not valid: must be " + valid);
-  EXPECT_EQ(errorOf(kTarget + "cohesion_range_pa = [600, 700.5]\n" + kSoilFileSoil),
+  EXPECT_EQ(errorOf(kTarget + "cohesion_range_pa = [600, 700.5]\n" + kSoil),
             "x.toml:5: [target] cohesion_pa = 520 is not valid: must be 600 to 700.5");
 }
 
 TEST_F(SoilFiles, HalfASoilIsRefused) {
-  const std::string whole = kTarget + kSoilFileSoil;
+  const std::string whole = kTarget + kSoil;
   EXPECT_EQ(errorOf(whole), "no error");
   std::istringstream lines(whole);
   for (std::string line; std::getline(lines, line);) {
@@ -361,7 +360,7 @@ TEST_F(SoilFiles, HalfASoilIsRefused) {
 }
 
 TEST_F(SoilFiles, NumbersThatDoNotGoTogetherAreRefused) {
-  std::string text = kTarget + kSoilFileSoil;
+  std::string text = kTarget + kSoil;
   text.replace(text.find("1995"), 4, "1000");
   EXPECT_THAT(errorOf(text), HasSubstr("x.toml:10: [soil] rho_max_kg_m3 = 1000 is not valid: must be > 1425"));
 }
@@ -408,7 +407,7 @@ TEST_F(SoilsInScenes, ANameIsABuiltInSoil) {
 }
 
 TEST_F(SoilsInScenes, AFileLiesBesideTheScene) {
-  (void)write(kTarget + kSoilFileSoil);
+  (void)write(kTarget + kSoil);
   const Scenario scene = loadScene("[soil]\nfile = 'x.toml'\n");
   EXPECT_EQ(scene.soil_name, "x");
   EXPECT_EQ(scene.preset, "");
@@ -424,7 +423,7 @@ TEST_F(SoilsInScenes, TheRadiusRescalesANamedSoil) {
 }
 
 TEST_F(SoilsInScenes, OneSoilIsEnough) {
-  (void)write(kTarget + kSoilFileSoil);
+  (void)write(kTarget + kSoil);
   for (const std::string other : {"preset = 'P3'", "gamma_nm = 4e-5", "rho0_kg_m3 = 1400", "rho_max_kg_m3 = 1900",
                                   "mu_hat = 0.3", "contact_friction = 0.5", "contact_cohesion_n = 0.1"}) {
     for (const std::string soil : {"name = 'lhs-1'", "file = 'x.toml'"}) {

@@ -89,6 +89,7 @@ TEST_F(SessionTest, AnotherSoilIsAnotherBedAndCanBeUndoneAndDoneAgain) {
   EXPECT_EQ(session_->scenario().preset, "P6");
   ASSERT_TRUE(soon([&] { return session_->scenes() == 2; }));
   EXPECT_EQ(session_->undoable(), "soil");
+  EXPECT_FALSE(session_->undoRedoes());
   EXPECT_EQ(session_->scene().bed().parameters().soil.mu_hat, session_->scenario().bed.soil.mu_hat);
 
   session_->undo();
@@ -261,6 +262,18 @@ TEST_F(SessionTest, WhoeverHoldsTheToolDigsAndItStaysWhereItIsLeft) {
   EXPECT_LT(left_at, 0.05);
   session_->play(Manoeuvre::kStill);
   ASSERT_TRUE(soon([&] { return session_->snapshot().scene_T_tool.position_m.z() > 0.1; }));
+}
+
+TEST_F(SessionTest, TheTitleFollowsTheMotion) {
+  start();
+  const std::string own = session_->scenario().title;
+  session_->play(session_->manoeuvre());
+  EXPECT_EQ(session_->scenario().title, own);
+  session_->play(Manoeuvre::kStir);
+  EXPECT_EQ(session_->scenario().title, "P3 soil, Moon, R = 7 mm, shovel, stir");
+  EXPECT_EQ(session_->shown().title, session_->scenario().title);
+  session_->reset();
+  EXPECT_EQ(session_->scenario().title, "P3 soil, Moon, R = 7 mm, shovel, stir") << "the hand still stirs";
 }
 
 TEST_F(SessionTest, APausedSessionGoesOnTickByTick) {

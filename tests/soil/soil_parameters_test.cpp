@@ -15,7 +15,7 @@
 namespace haptolith {
 namespace {
 
-constexpr double kSoilParametersInfinity = std::numeric_limits<double>::infinity();
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 TEST(SoilParameters, MassFillsTheCloseLattice) {
   SoilParameters soil;
@@ -40,16 +40,16 @@ TEST(SoilParameters, NonsenseIsRefusedByName) {
     }
   };
   const double nan = std::nan("");
-  refuses("radius_m", &SoilParameters::radius_m, {0, -7e-3, nan, kSoilParametersInfinity});
-  refuses("gamma_nm", &SoilParameters::gamma_nm, {0, -4e-5, nan, kSoilParametersInfinity});
-  refuses("rho0_kg_m3", &SoilParameters::rho0_kg_m3, {0, -1330, nan, kSoilParametersInfinity});
-  refuses("rho_max_kg_m3", &SoilParameters::rho_max_kg_m3, {1330, 1000, 0, -1, nan, kSoilParametersInfinity});
-  refuses("mu_hat", &SoilParameters::mu_hat, {-0.1, nan, kSoilParametersInfinity});
-  refuses("stiffness_n_m", &SoilParameters::stiffness_n_m, {0, -100, nan, -kSoilParametersInfinity});
+  refuses("radius_m", &SoilParameters::radius_m, {0, -7e-3, nan, kInfinity});
+  refuses("gamma_nm", &SoilParameters::gamma_nm, {0, -4e-5, nan, kInfinity});
+  refuses("rho0_kg_m3", &SoilParameters::rho0_kg_m3, {0, -1330, nan, kInfinity});
+  refuses("rho_max_kg_m3", &SoilParameters::rho_max_kg_m3, {1330, 1000, 0, -1, nan, kInfinity});
+  refuses("mu_hat", &SoilParameters::mu_hat, {-0.1, nan, kInfinity});
+  refuses("stiffness_n_m", &SoilParameters::stiffness_n_m, {0, -100, nan, -kInfinity});
   refuses("attraction_ratio", &SoilParameters::attraction_ratio, {0.99, 0, -1, nan});
   refuses("moving_friction_ratio", &SoilParameters::moving_friction_ratio, {-0.1, 1.1, nan});
-  refuses("contact_friction", &SoilParameters::contact_friction, {-0.1, 11, nan, kSoilParametersInfinity});
-  refuses("contact_cohesion_n", &SoilParameters::contact_cohesion_n, {-0.1, nan, kSoilParametersInfinity});
+  refuses("contact_friction", &SoilParameters::contact_friction, {-0.1, 11, nan, kInfinity});
+  refuses("contact_cohesion_n", &SoilParameters::contact_cohesion_n, {-0.1, nan, kInfinity});
   refuses("cohesion_range_ratio", &SoilParameters::cohesion_range_ratio, {0, -0.1, 0.6, nan});
   refuses("tangential_ratio", &SoilParameters::tangential_ratio, {0, -0.1, 1.1, nan});
   refuses("damping_ratio", &SoilParameters::damping_ratio, {-0.1, 0.6, nan});

@@ -486,9 +486,13 @@ TEST_F(ConductorTest, StoppedForTodayIsNotFinished) {
   doTrial();
   wait(0.1);
   conductor_->stop();
-  EXPECT_EQ(phase(), StudyPhase::kWaiting);
+  EXPECT_TRUE(conductor_->stopped());
+  EXPECT_EQ(phase(), StudyPhase::kStopped);
+  EXPECT_EQ(conductor_->state().participant, "S01");
+  EXPECT_EQ(conductor_->state().trial, 1);
   EXPECT_EQ(store_->participants().front().state, "running");
   conductor_->resumeParticipant("");
+  EXPECT_FALSE(conductor_->stopped());
   EXPECT_EQ(conductor_->state().title, "Welcome back");
   conductor_->proceed();
   doTrial();

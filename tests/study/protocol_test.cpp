@@ -30,13 +30,13 @@ const std::string kTitle = "title = 'x'\n";
 const std::string kNames = "[[block]]\nname = 'a'\nquestion = 'Which?'\nanswers = ['less', 'more']\n";
 const std::string kFriction = "varies = 'preset'\nreference = 'P3'\nlevels = ['P1', 'P6']\n";
 
-StudyProtocol loadProtocol(const std::string& text) {
+StudyProtocol load(const std::string& text) {
   return loadProtocolText(text, "x.toml");
 }
 
 std::string errorOf(const std::string& text) {
   try {
-    (void)loadProtocol(text);
+    (void)load(text);
   } catch (const InvalidParameter& error) {
     return error.what();
   }
@@ -81,7 +81,7 @@ TEST(ShippedProtocols, AreTheFilesInTheirFolder) {
 }
 
 TEST(ShippedProtocols, HaveThePapersFrictionExperiment) {
-  const StudyProtocol protocol = loadProtocol(findProtocol("paper-friction").text);
+  const StudyProtocol protocol = load(findProtocol("paper-friction").text);
   ASSERT_EQ(protocol.blocks.size(), 1U);
   const StudyBlock& block = protocol.blocks[0];
   EXPECT_THAT(names(block.levels), ElementsAre("P6", "P5", "P4", "P2", "P1"));
@@ -97,7 +97,7 @@ TEST(ShippedProtocols, HaveThePapersFrictionExperiment) {
 }
 
 TEST(ShippedProtocols, HaveThePapersGravityExperimentWithP4) {
-  const StudyProtocol protocol = loadProtocol(findProtocol("paper-gravity").text);
+  const StudyProtocol protocol = load(findProtocol("paper-gravity").text);
   const StudyBlock& block = protocol.blocks.at(0);
   EXPECT_THAT(names(block.levels), ElementsAre("Ceres", "Pluto", "Europa", "Mars", "Earth"));
   EXPECT_THAT(values(block.levels), ElementsAre(0.270, 0.625, 1.314, 3.721, 9.807));
@@ -110,13 +110,13 @@ TEST(ShippedProtocols, HaveThePapersGravityExperimentWithP4) {
 }
 
 TEST(ShippedProtocols, HaveBothInTurns) {
-  const StudyProtocol protocol = loadProtocol(findProtocol("paper").text);
+  const StudyProtocol protocol = load(findProtocol("paper").text);
   ASSERT_EQ(protocol.blocks.size(), 2U);
   EXPECT_EQ(protocol.order, BlockOrder::kLatinSquare);
 }
 
 TEST(ShippedProtocols, HaveOneOfHapticsAlone) {
-  const StudyProtocol protocol = loadProtocol(findProtocol("friction-quest").text);
+  const StudyProtocol protocol = load(findProtocol("friction-quest").text);
   const StudyBlock& block = protocol.blocks.at(0);
   EXPECT_EQ(block.task, TaskKind::kTwoInterval);
   EXPECT_EQ(block.procedure, ProcedureKind::kQuestPlus);
@@ -128,7 +128,7 @@ TEST(ShippedProtocols, HaveOneOfHapticsAlone) {
 /// Tasks whose answer lies below the surface: with vision, without, and with vision that is late.
 TEST(ShippedProtocols, HaveTasksThatAHandAloneCanTell) {
   for (const char* name : {"buried-stone", "firm-ground"}) {
-    const StudyProtocol protocol = loadProtocol(findProtocol(name).text);
+    const StudyProtocol protocol = load(findProtocol(name).text);
     ASSERT_EQ(protocol.blocks.size(), 3U) << name;
     EXPECT_TRUE(protocol.blocks[0].visual && protocol.blocks[0].visual_delay_s == 0) << name;
     EXPECT_FALSE(protocol.blocks[1].visual) << name;
@@ -144,7 +144,7 @@ TEST(ShippedProtocols, HaveTasksThatAHandAloneCanTell) {
 }
 
 TEST(ShippedProtocols, LayTheStoneUnderTheFloorWhereThereIsNone) {
-  const StudyProtocol protocol = loadProtocol(findProtocol("buried-stone").text);
+  const StudyProtocol protocol = load(findProtocol("buried-stone").text);
   const StudyBlock& block = protocol.blocks[0];
   const auto top_m = [&](const Stimulus& stimulus) {
     const PlacedStone stone = sceneOf(protocol, block, stimulus).bed.stones.placed.at(0);
@@ -158,7 +158,7 @@ TEST(ShippedProtocols, LayTheStoneUnderTheFloorWhereThereIsNone) {
 }
 
 TEST(ShippedProtocols, LayFirmGroundAsDeepAsTheAxisSays) {
-  const StudyProtocol protocol = loadProtocol(findProtocol("firm-ground").text);
+  const StudyProtocol protocol = load(findProtocol("firm-ground").text);
   const StudyBlock& block = protocol.blocks[0];
   for (const Stimulus& level : block.levels) {
     const PlacedStone ground = sceneOf(protocol, block, level).bed.stones.placed.at(0);
@@ -202,7 +202,7 @@ TEST(Protocol, IsNotForParticipantsWhileItsConsentHasBracketsToBeFilledIn) {
 
 TEST(Protocol, SortsLevelsByTheirValues) {
   const StudyProtocol protocol =
-      loadProtocol(kTitle + kNames + "varies = 'friction_angle_deg'\nreference = 40\nlevels = [45, 30.5]\n");
+      load(kTitle + kNames + "varies = 'friction_angle_deg'\nreference = 40\nlevels = [45, 30.5]\n");
   const StudyBlock& block = protocol.blocks[0];
   EXPECT_THAT(names(block.levels), ElementsAre("30.5", "45"));
   EXPECT_EQ(block.axis_label, "friction angle (°)");
@@ -212,7 +212,7 @@ TEST(Protocol, SortsLevelsByTheirValues) {
 
 TEST(Protocol, VariesTheTangentOfTheFrictionAngle) {
   const StudyProtocol protocol =
-      loadProtocol(kTitle + kNames + "varies = 'friction_coefficient'\nreference = 0.835\nlevels = [0.6, 1]\n");
+      load(kTitle + kNames + "varies = 'friction_coefficient'\nreference = 0.835\nlevels = [0.6, 1]\n");
   const StudyBlock& block = protocol.blocks[0];
   EXPECT_THAT(values(block.levels), ElementsAre(0.6, 1));
   EXPECT_EQ(block.axis_label, "friction coefficient, tan φ");
@@ -221,12 +221,11 @@ TEST(Protocol, VariesTheTangentOfTheFrictionAngle) {
 }
 
 TEST(Protocol, HasEasyStimuliOfItsOwnForPracticeAndCatchTrials) {
-  const StudyBlock block =
-      loadProtocol(kTitle + kNames + kFriction +
-                   "practice_trials = 4\npractice_levels = ['P1', 'P5']\npractice_criterion = 0.75\n"
-                   "practice_rounds = 3\ncatch_trials = 2\ncatch_levels = 'P2'\ncatch_criterion = 0.8\n"
-                   "between_intervals_s = 0.5\nbetween_trials_s = 1\n")
-          .blocks[0];
+  const StudyBlock block = load(kTitle + kNames + kFriction +
+                                "practice_trials = 4\npractice_levels = ['P1', 'P5']\npractice_criterion = 0.75\n"
+                                "practice_rounds = 3\ncatch_trials = 2\ncatch_levels = 'P2'\ncatch_criterion = 0.8\n"
+                                "between_intervals_s = 0.5\nbetween_trials_s = 1\n")
+                               .blocks[0];
   EXPECT_THAT(names(block.practice_levels), ElementsAre("P1", "P5"));
   EXPECT_THAT(values(block.practice_levels), ElementsAre(1.21, 0.648));
   EXPECT_THAT(names(block.catch_levels), ElementsAre("P2"));
@@ -238,22 +237,20 @@ TEST(Protocol, HasEasyStimuliOfItsOwnForPracticeAndCatchTrials) {
 }
 
 TEST(Protocol, SaysHowManyShallFinish) {
-  EXPECT_EQ(loadProtocol(kTitle + kNames + kFriction).planned_participants, 0);
-  EXPECT_EQ(loadProtocol("participants = 12\n" + kTitle + kNames + kFriction).planned_participants, 12);
+  EXPECT_EQ(load(kTitle + kNames + kFriction).planned_participants, 0);
+  EXPECT_EQ(load("participants = 12\n" + kTitle + kNames + kFriction).planned_participants, 12);
 }
 
 TEST(Protocol, GivesCatchTrialsTheValuesOfTheirLevels) {
-  const StudyBlock block =
-      loadProtocol(kTitle + kNames + kFriction +
-                   "values = [30, 10]\nreference_value = 20\ncatch_trials = 2\ncatch_levels = ['P6']\n")
-          .blocks[0];
+  const StudyBlock block = load(kTitle + kNames + kFriction +
+                                "values = [30, 10]\nreference_value = 20\ncatch_trials = 2\ncatch_levels = ['P6']\n")
+                               .blocks[0];
   EXPECT_THAT(values(block.catch_levels), ElementsAre(10));
 }
 
 TEST(Protocol, ChoosesTheAsymptotesOfQuestPlus) {
   const auto options = [](const std::string& design) {
-    return loadProtocol(kTitle + kNames + kFriction + "procedure = 'quest+'\n[block.quest_plus]\ndesign = '" + design +
-                        "'\n")
+    return load(kTitle + kNames + kFriction + "procedure = 'quest+'\n[block.quest_plus]\ndesign = '" + design + "'\n")
         .blocks[0]
         .quest_plus;
   };
@@ -264,10 +261,9 @@ TEST(Protocol, ChoosesTheAsymptotesOfQuestPlus) {
 }
 
 TEST(Protocol, VariesSoilsByNameOverValuesOfItsOwn) {
-  const StudyProtocol protocol =
-      loadProtocol(kTitle + kNames +
-                   "varies = 'soil'\nreference = 'lms-1'\nreference_value = 2\naxis_label = 'rank'\n"
-                   "levels = ['jsc-1a', 'dry-sand']\nvalues = [3, 1]\n");
+  const StudyProtocol protocol = load(kTitle + kNames +
+                                      "varies = 'soil'\nreference = 'lms-1'\nreference_value = 2\naxis_label = 'rank'\n"
+                                      "levels = ['jsc-1a', 'dry-sand']\nvalues = [3, 1]\n");
   const StudyBlock& block = protocol.blocks[0];
   EXPECT_THAT(names(block.levels), ElementsAre("dry-sand", "jsc-1a"));
   EXPECT_EQ(block.reference.value, 2);
@@ -275,9 +271,9 @@ TEST(Protocol, VariesSoilsByNameOverValuesOfItsOwn) {
 }
 
 TEST(Protocol, ChangesTheSceneOfABlock) {
-  const StudyProtocol protocol = loadProtocol(kTitle + kNames +
-                                              "varies = 'contact_friction'\nreference = 0.5\nlevels = [0.25, "
-                                              "1]\n[block.scene]\nsoil = 'lms-1'\nbody = 'Earth'\n");
+  const StudyProtocol protocol = load(kTitle + kNames +
+                                      "varies = 'contact_friction'\nreference = 0.5\nlevels = [0.25, "
+                                      "1]\n[block.scene]\nsoil = 'lms-1'\nbody = 'Earth'\n");
   const Scenario scene = sceneOf(protocol, protocol.blocks[0], protocol.blocks[0].levels[0]);
   EXPECT_EQ(scene.bed.soil.contact_friction, 0.25);
   EXPECT_EQ(scene.body, "Earth");
@@ -285,7 +281,7 @@ TEST(Protocol, ChangesTheSceneOfABlock) {
 
 TEST(Protocol, VariesNumbersOfTheScene) {
   const auto scene = [](const std::string& varied, const char* scene_name) {
-    const StudyProtocol protocol = loadProtocol(kTitle + "scene = '" + scene_name + "'\n" + kNames + varied);
+    const StudyProtocol protocol = load(kTitle + "scene = '" + scene_name + "'\n" + kNames + varied);
     EXPECT_EQ(names(protocol.blocks[0].levels), (std::vector<std::string>{"30", "50"}));
     return sceneOf(protocol, protocol.blocks[0], protocol.blocks[0].levels[1]);
   };
@@ -301,8 +297,8 @@ TEST(Protocol, VariesNumbersOfTheScene) {
 }
 
 TEST(Protocol, ShowsThePictureLateWhereItSaysSo) {
-  EXPECT_EQ(loadProtocol(kTitle + kNames + kFriction).blocks[0].visual_delay_s, 0);
-  EXPECT_EQ(loadProtocol(kTitle + kNames + kFriction + "visual_delay_s = 0.4\n").blocks[0].visual_delay_s, 0.4);
+  EXPECT_EQ(load(kTitle + kNames + kFriction).blocks[0].visual_delay_s, 0);
+  EXPECT_EQ(load(kTitle + kNames + kFriction + "visual_delay_s = 0.4\n").blocks[0].visual_delay_s, 0.4);
 }
 
 TEST(Protocol, TakesItsSceneFromBesideIt) {
@@ -317,9 +313,9 @@ TEST(Protocol, TakesItsSceneFromBesideIt) {
 }
 
 TEST(Protocol, ShowsTheFarthestLevelInCatchTrials) {
-  EXPECT_EQ(farthestLevel(loadProtocol(findProtocol("paper-friction").text).blocks[0]), 4U);  // P1
+  EXPECT_EQ(farthestLevel(load(findProtocol("paper-friction").text).blocks[0]), 4U);  // P1
   // Ceres is six times less than the Moon, Earth six times more; over the logarithm Earth is a little farther.
-  StudyBlock gravity = loadProtocol(findProtocol("paper-gravity").text).blocks[0];
+  StudyBlock gravity = load(findProtocol("paper-gravity").text).blocks[0];
   EXPECT_EQ(gravity.levels[farthestLevel(gravity)].name, "Earth");
   gravity.levels[0].value = 0.1;
   EXPECT_EQ(gravity.levels[farthestLevel(gravity)].name, "Ceres");
@@ -329,10 +325,10 @@ TEST(Protocol, ShowsTheFarthestLevelInCatchTrials) {
 
 TEST(Protocol, AsksForms) {
   const StudyProtocol protocol =
-      loadProtocol(kTitle +
-                   "questionnaire = 'nasa-tlx'\n[[demographics]]\nkey = 'hand'\nlabel = 'Hand?'\nkind = 'choice'\n"
-                   "choices = ['left', 'right']\nrequired = true\n" +
-                   kNames + kFriction + "[[block.item]]\nkey = 'how'\nlabel = 'How?'\npersonal = true\n");
+      load(kTitle +
+           "questionnaire = 'nasa-tlx'\n[[demographics]]\nkey = 'hand'\nlabel = 'Hand?'\nkind = 'choice'\n"
+           "choices = ['left', 'right']\nrequired = true\n" +
+           kNames + kFriction + "[[block.item]]\nkey = 'how'\nlabel = 'How?'\npersonal = true\n");
   ASSERT_EQ(protocol.demographics.size(), 1U);
   EXPECT_THAT(protocol.demographics[0].choices, ElementsAre("left", "right"));
   EXPECT_TRUE(protocol.demographics[0].required);
@@ -361,14 +357,14 @@ TEST_P(WrongProtocol, IsRefusedWithItsLine) {
   EXPECT_THAT(error, HasSubstr(GetParam().message));
 }
 
-const std::string kProtocolBlock = kTitle + kNames + kFriction;
+const std::string kBlock = kTitle + kNames + kFriction;
 
 INSTANTIATE_TEST_SUITE_P(
     Of, WrongProtocol,
     testing::Values(
         Wrong{"NoBlock", kTitle, "block is missing"}, Wrong{"NoTitle", kNames + kFriction, "title is missing"},
         Wrong{"AnUnknownKey", "titel = 'x'\n" + kNames, "x.toml:1: titel is not known; did you mean title?"},
-        Wrong{"AnUnknownKeyOfABlock", kProtocolBlock + "repeat = 4\n",
+        Wrong{"AnUnknownKeyOfABlock", kBlock + "repeat = 4\n",
               "9: [[block]] repeat is not known; did you mean [[block]] repeats?"},
         Wrong{"AMissingLevel", kTitle + kNames + "varies = 'preset'\nreference = 'P3'\n",
               ":2: [[block]] levels is missing"},
@@ -388,15 +384,15 @@ INSTANTIATE_TEST_SUITE_P(
               ":7: [[block]] reference = 'P6' is not valid: must be between the levels, 1 to 1.21; it is at 0.6"},
         Wrong{"TwoReferences", kTitle + kNames + "varies = 'preset'\nreference = ['P3', 'P4']\nlevels = ['P1', 'P2']\n",
               "one name or number"},
-        Wrong{"ValuesOfOtherLength", kProtocolBlock + "values = [1]\nreference_value = 2\n",
+        Wrong{"ValuesOfOtherLength", kBlock + "values = [1]\nreference_value = 2\n",
               "as many numbers as there are levels, 2"},
-        Wrong{"ValuesWithoutTheReferences", kProtocolBlock + "values = [3, 1]\n", "reference_value"},
+        Wrong{"ValuesWithoutTheReferences", kBlock + "values = [3, 1]\n", "reference_value"},
         Wrong{"SoilsWithoutValues",
               kTitle + kNames +
                   "varies = 'soil'\nreference = 'lms-1'\nreference_value = 2\nlevels = ['jsc-1a', 'dry-sand']\n",
               "values"},
-        Wrong{"TheSameValueTwice", kProtocolBlock + "values = [1, 1]\nreference_value = 2\n", "are both 1"},
-        Wrong{"ALogarithmOfNothing", kProtocolBlock + "values = [3, 0]\nreference_value = 2\nlog_axis = true\n",
+        Wrong{"TheSameValueTwice", kBlock + "values = [1, 1]\nreference_value = 2\n", "are both 1"},
+        Wrong{"ALogarithmOfNothing", kBlock + "values = [3, 0]\nreference_value = 2\nlog_axis = true\n",
               ":11: [[block]] log_axis"},
         Wrong{"ASliderThatTheSoilHasNot",
               kTitle + kNames + "varies = 'contact_friction'\nreference = 0.5\nlevels = [0.2, 1]\n",
@@ -409,32 +405,30 @@ INSTANTIATE_TEST_SUITE_P(
         Wrong{"ANameThatIsNoFileName",
               kTitle + "[[block]]\nname = 'a/b'\nquestion = 'q'\nanswers = ['l', 'm']\n" + kFriction,
               "[[block]] name = 'a/b'"},
-        Wrong{"TwoBlocksOfOneName", kProtocolBlock + kNames + kFriction, ":10: [[block]] name"},
+        Wrong{"TwoBlocksOfOneName", kBlock + kNames + kFriction, ":10: [[block]] name"},
         Wrong{"ABlockOfAFormsName",
               kTitle + "[[block]]\nname = 'demographics'\nquestion = 'q'\nanswers = ['l', 'm']\n" + kFriction,
               "a form of every study has it"},
-        Wrong{"RepeatsOfAnAdaptiveBlock", kProtocolBlock + "procedure = 'quest+'\nrepeats = 3\n",
+        Wrong{"RepeatsOfAnAdaptiveBlock", kBlock + "procedure = 'quest+'\nrepeats = 3\n",
               "the procedure ends by itself"},
-        Wrong{"AStaircaseThatIsNone", kProtocolBlock + "[block.staircase]\ndown = 3\n",
-              "the procedure is no staircase"},
+        Wrong{"AStaircaseThatIsNone", kBlock + "[block.staircase]\ndown = 3\n", "the procedure is no staircase"},
         Wrong{"AStaircaseThatCannotBe",
-              kProtocolBlock + "procedure = 'staircase'\n[block.staircase]\nreversals = 2\nuncounted_reversals = 5\n",
+              kBlock + "procedure = 'staircase'\n[block.staircase]\nreversals = 2\nuncounted_reversals = 5\n",
               "procedure"},
-        Wrong{"ACriterionWithoutPractice", kProtocolBlock + "practice_criterion = 0.8\n",
-              "there are no practice_trials"},
-        Wrong{"RoundsWithoutACriterion", kProtocolBlock + "practice_trials = 2\npractice_rounds = 2\n",
+        Wrong{"ACriterionWithoutPractice", kBlock + "practice_criterion = 0.8\n", "there are no practice_trials"},
+        Wrong{"RoundsWithoutACriterion", kBlock + "practice_trials = 2\npractice_rounds = 2\n",
               "no practice_criterion says when another is needed"},
-        Wrong{"ACriterionWithoutCatchTrials", kProtocolBlock + "catch_criterion = 0.8\n", "there are no catch_trials"},
-        Wrong{"ACatchLevelThatIsTheReference", kProtocolBlock + "catch_trials = 2\ncatch_levels = ['P1', 'P3']\n",
+        Wrong{"ACriterionWithoutCatchTrials", kBlock + "catch_criterion = 0.8\n", "there are no catch_trials"},
+        Wrong{"ACatchLevelThatIsTheReference", kBlock + "catch_trials = 2\ncatch_levels = ['P1', 'P3']\n",
               "another than the reference"},
         Wrong{"ACatchLevelWithoutAPlace",
-              kProtocolBlock + "values = [3, 1]\nreference_value = 2\ncatch_trials = 2\ncatch_levels = ['P2']\n",
+              kBlock + "values = [3, 1]\nreference_value = 2\ncatch_trials = 2\ncatch_levels = ['P2']\n",
               "among the levels, because these have `values` of their own"},
-        Wrong{"ADesignThatIsNone", kProtocolBlock + "procedure = 'quest+'\n[block.quest_plus]\ndesign = '1afc'\n",
+        Wrong{"ADesignThatIsNone", kBlock + "procedure = 'quest+'\n[block.quest_plus]\ndesign = '1afc'\n",
               "2afc, 3afc, ... or 100afc"},
-        Wrong{"AVisualDelayOutOfRange", kProtocolBlock + "visual_delay_s = 5.5\n",
+        Wrong{"AVisualDelayOutOfRange", kBlock + "visual_delay_s = 5.5\n",
               "visual_delay_s = 5.5 is not valid: must be 0 to 5"},
-        Wrong{"AVisualDelayOfNothing", kProtocolBlock + "visual = false\nvisual_delay_s = 1\n",
+        Wrong{"AVisualDelayOfNothing", kBlock + "visual = false\nvisual_delay_s = 1\n",
               "visual_delay_s = 1 is not valid: must be left out: with `visual = false` there is nothing to see"},
         Wrong{"AStoneThatIsNotThere",
               kTitle + kNames + "varies = 'stone_depth_mm'\nreference = 20\nlevels = [10, 30]\n",
@@ -444,16 +438,16 @@ INSTANTIATE_TEST_SUITE_P(
         Wrong{"AGravityOutOfRange", kTitle + kNames + "varies = 'gravity_m_s2'\nreference = 20\nlevels = [10, 3000]\n",
               "3000"},
         Wrong{"ASceneThatIsNone", kTitle + "scene = 'buried-ston'\n" + kNames + kFriction, "buried-ston"},
-        Wrong{"TooManyRepeats", kProtocolBlock + "repeats = 100000\n", "1 to 1000"},
+        Wrong{"TooManyRepeats", kBlock + "repeats = 100000\n", "1 to 1000"},
         Wrong{"ABlockThatIsNoTable", kTitle + "block = 3\n", "tables, each under [[block]]"},
-        Wrong{"TwoSoils", kProtocolBlock + "[block.scene]\npreset = 'P1'\nsoil = 'lms-1'\n", "cannot both be given"},
+        Wrong{"TwoSoils", kBlock + "[block.scene]\npreset = 'P1'\nsoil = 'lms-1'\n", "cannot both be given"},
         Wrong{"AChoiceWithoutChoices",
               kTitle + "[[demographics]]\nkey = 'a'\nlabel = 'A'\nkind = 'choice'\n" + kNames + kFriction,
               "[[demographics]] choices"},
         Wrong{"AScaleWithoutLength", kTitle + "[[item]]\nkey = 'a'\nlabel = 'A'\nkind = 'scale'\n" + kNames + kFriction,
               "[[item]] high"},
         Wrong{"TwoItemsOfOneKey",
-              kProtocolBlock + "[[block.item]]\nkey = 'a'\nlabel = 'A'\n[[block.item]]\nkey = 'a'\nlabel = 'B'\n",
+              kBlock + "[[block.item]]\nkey = 'a'\nlabel = 'A'\n[[block.item]]\nkey = 'a'\nlabel = 'B'\n",
               ":13: [[block.item]] key"},
         Wrong{"NoToml", "title = \n", "not TOML"}),
     [](const auto& of) { return of.param.what; });

@@ -18,7 +18,7 @@ using testing::Each;
 using testing::ElementsAre;
 using testing::Le;
 
-constexpr std::uint64_t kSequenceSeed = 20261121;
+constexpr std::uint64_t kSeed = 20261121;
 
 /// A block of `levels` levels at 1, 2, ... and the reference at 0.5; only its design counts here.
 StudyBlock aBlock(std::size_t levels, int repeats) {
@@ -33,7 +33,7 @@ StudyProtocol aProtocol(std::size_t blocks, const StudyBlock& block, BlockOrder 
   return {.order = order, .blocks = std::vector<StudyBlock>(blocks, block)};
 }
 
-std::vector<PlannedTrial> trialsOf(const StudyBlock& block, int participant = 1, std::uint64_t seed = kSequenceSeed) {
+std::vector<PlannedTrial> trialsOf(const StudyBlock& block, int participant = 1, std::uint64_t seed = kSeed) {
   return sequenceFor(aProtocol(1, block), seed, participant).at(0).trials;
 }
 
@@ -57,8 +57,8 @@ TEST(Sequence, ShowsEachLevelAsOftenAsAsked) {
 
 TEST(Sequence, IsTheSameForTheSameSeedAndParticipant) {
   const StudyProtocol protocol = aProtocol(2, aBlock(5, 3), BlockOrder::kRandom);
-  const auto once = sequenceFor(protocol, kSequenceSeed, 3);
-  const auto again = sequenceFor(protocol, kSequenceSeed, 3);
+  const auto once = sequenceFor(protocol, kSeed, 3);
+  const auto again = sequenceFor(protocol, kSeed, 3);
   ASSERT_EQ(once.size(), again.size());
   for (std::size_t i = 0; i < once.size(); ++i) {
     EXPECT_EQ(once[i].block, again[i].block);
@@ -78,10 +78,10 @@ TEST(Sequence, StaysWhatItHasBeen) {
 TEST(Sequence, DiffersBetweenParticipantsBlocksAndStudies) {
   const auto levels = [](const PlannedBlock& block) { return levelsOf(block.trials, TrialKind::kMain); };
   const StudyProtocol protocol = aProtocol(2, aBlock(6, 4));
-  const auto one = sequenceFor(protocol, kSequenceSeed, 1);
+  const auto one = sequenceFor(protocol, kSeed, 1);
   EXPECT_NE(levels(one[0]), levels(one[1]));
-  EXPECT_NE(levels(one[0]), levels(sequenceFor(protocol, kSequenceSeed, 2)[0]));
-  EXPECT_NE(levels(one[0]), levels(sequenceFor(protocol, kSequenceSeed + 1, 1)[0]));
+  EXPECT_NE(levels(one[0]), levels(sequenceFor(protocol, kSeed, 2)[0]));
+  EXPECT_NE(levels(one[0]), levels(sequenceFor(protocol, kSeed + 1, 1)[0]));
 }
 
 TEST(Sequence, PutsEachLevelInEachPlaceAboutEquallyOften) {
@@ -103,7 +103,7 @@ TEST(Sequence, GivesEveryTrialAnotherSeedBelowTheLargest) {
   std::size_t trials = 0;
   const StudyProtocol protocol = aProtocol(3, aBlock(5, 20));
   for (int participant = 1; participant <= 10; ++participant) {
-    for (const PlannedBlock& block : sequenceFor(protocol, kSequenceSeed, participant)) {
+    for (const PlannedBlock& block : sequenceFor(protocol, kSeed, participant)) {
       for (const PlannedTrial& trial : block.trials) {
         EXPECT_LT(trial.seed, std::uint64_t{1} << 53);
         seeds.insert(trial.seed);
@@ -238,12 +238,11 @@ TEST(Sequence, LetsProceduresDrawOtherwiseForEachParticipantBlockAndStudy) {
   std::set<std::uint64_t> seeds;
   for (int participant = 1; participant <= 40; ++participant) {
     for (std::size_t block = 0; block < 2; ++block) {
-      seeds.insert(
-          {procedureSeed(kSequenceSeed, participant, block), procedureSeed(kSequenceSeed + 1, participant, block)});
+      seeds.insert({procedureSeed(kSeed, participant, block), procedureSeed(kSeed + 1, participant, block)});
     }
   }
   EXPECT_EQ(seeds.size(), 160U);
-  EXPECT_EQ(procedureSeed(kSequenceSeed, 3, 1), procedureSeed(kSequenceSeed, 3, 1));
+  EXPECT_EQ(procedureSeed(kSeed, 3, 1), procedureSeed(kSeed, 3, 1));
 }
 
 TEST(Sequence, LeavesTheMainTrialsOfAdaptiveBlocksToTheProcedure) {
@@ -270,11 +269,11 @@ TEST(Sequence, BalancesTheOrderOfAdaptiveTrialsInPairs) {
   int first_of_pairs = 0;
   std::set<std::uint64_t> seeds;
   for (int n = 0; n < 400; n += 2) {
-    const PlannedTrial one = adaptiveTrial(protocol, 0, kSequenceSeed, 1, n, 3);
-    const PlannedTrial other = adaptiveTrial(protocol, 0, kSequenceSeed, 1, n + 1, 2);
+    const PlannedTrial one = adaptiveTrial(protocol, 0, kSeed, 1, n, 3);
+    const PlannedTrial other = adaptiveTrial(protocol, 0, kSeed, 1, n + 1, 2);
     EXPECT_EQ(one.level, 3U);
     EXPECT_NE(one.test_first, other.test_first);
-    EXPECT_EQ(one, adaptiveTrial(protocol, 0, kSequenceSeed, 1, n, 3));
+    EXPECT_EQ(one, adaptiveTrial(protocol, 0, kSeed, 1, n, 3));
     first_of_pairs += one.test_first ? 1 : 0;
     seeds.insert({one.seed, other.seed});
   }
@@ -289,7 +288,7 @@ TEST(Sequence, LetsHalfOfTheParticipantsStartWithEachOfTwoBlocks) {
   const StudyProtocol protocol = aProtocol(2, aBlock(5, 3), BlockOrder::kLatinSquare);
   int with_the_first = 0;
   for (int participant = 1; participant <= 8; ++participant) {
-    const auto sequence = sequenceFor(protocol, kSequenceSeed, participant);
+    const auto sequence = sequenceFor(protocol, kSeed, participant);
     EXPECT_NE(sequence[0].block, sequence[1].block);
     with_the_first += sequence[0].block == 0 ? 1 : 0;
   }
@@ -297,8 +296,8 @@ TEST(Sequence, LetsHalfOfTheParticipantsStartWithEachOfTwoBlocks) {
 }
 
 TEST(Sequence, KeepsTheTrialsOfABlockWhereverItStands) {
-  const auto fixed = sequenceFor(aProtocol(2, aBlock(5, 3)), kSequenceSeed, 2);
-  const auto turned = sequenceFor(aProtocol(2, aBlock(5, 3), BlockOrder::kLatinSquare), kSequenceSeed, 2);
+  const auto fixed = sequenceFor(aProtocol(2, aBlock(5, 3)), kSeed, 2);
+  const auto turned = sequenceFor(aProtocol(2, aBlock(5, 3), BlockOrder::kLatinSquare), kSeed, 2);
   ASSERT_EQ(turned[0].block, 1U);
   EXPECT_EQ(turned[0].trials, fixed[1].trials);
 }
@@ -307,7 +306,7 @@ TEST(Sequence, DrawsTheOrderOfBlocks) {
   std::map<std::size_t, int> first;
   const StudyProtocol protocol = aProtocol(3, aBlock(2, 1), BlockOrder::kRandom);
   for (int participant = 1; participant <= 3000; ++participant) {
-    ++first[sequenceFor(protocol, kSequenceSeed, participant)[0].block];
+    ++first[sequenceFor(protocol, kSeed, participant)[0].block];
   }
   for (std::size_t block = 0; block < 3; ++block) {
     EXPECT_NEAR(first[block], 1000, 130);  // five standard deviations
@@ -315,7 +314,7 @@ TEST(Sequence, DrawsTheOrderOfBlocks) {
 }
 
 TEST(Sequence, RefusesAParticipantWithoutANumber) {
-  EXPECT_THROW((void)sequenceFor(aProtocol(1, aBlock(2, 1)), kSequenceSeed, 0), InvalidParameter);
+  EXPECT_THROW((void)sequenceFor(aProtocol(1, aBlock(2, 1)), kSeed, 0), InvalidParameter);
 }
 
 TEST(WilliamsDesign, HasEachBlockInEachPlaceAndAfterEachOtherEquallyOften) {

@@ -25,7 +25,7 @@ using Access = StudyStore::Access;
 
 using Store = AStudy;
 
-std::string bytesOfStore(const fs::path& file) {
+std::string bytesOf(const fs::path& file) {
   std::ifstream stream(file, std::ios::binary);
   return {std::istreambuf_iterator<char>(stream), std::istreambuf_iterator<char>()};
 }
@@ -52,11 +52,11 @@ TEST_F(Store, KeepsAnotherSceneThanThePapersWhenItsFileHasGone) {
 }
 
 TEST_F(Store, IsNeverOverwritten) {
-  const std::string before = bytesOfStore(file_);
+  const std::string before = bytesOf(file_);
   EXPECT_THAT(
       messageOf<Failure>([&] { StudyStore::create(file_, loadProtocolText(kTwoBlocks, "two.toml"), kTwoBlocks, 1); }),
       HasSubstr("a.study exists already"));
-  EXPECT_EQ(bytesOfStore(file_), before);
+  EXPECT_EQ(bytesOf(file_), before);
 }
 
 TEST_F(Store, LeavesNothingBesideItsFileWhenItIsClosed) {

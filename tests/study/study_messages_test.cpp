@@ -182,6 +182,20 @@ TEST_F(StudyMessages, ACurveIsDrawnThroughSomeAnswersNotThroughTwo) {
   }
 }
 
+TEST_F(StudyMessages, TheEndForTodayIsSaidToBothPages) {
+  comeToAQuestion();
+  says({{"act", "answer"}, {"choice", 1}});
+  EXPECT_EQ(participant()["ended"], false);
+  EXPECT_EQ(experimenter()["ended"], nullptr);
+  says({{"act", "end"}}, StudyRole::kExperimenter);
+  EXPECT_EQ(participant()["phase"], "stopped");
+  EXPECT_EQ(participant()["ended"], true);
+  EXPECT_EQ(participant()["text"], "") << "the page has words of its own";
+  EXPECT_EQ(experimenter()["participant"], "S01");
+  EXPECT_THAT(experimenter()["ended"],
+              AllOf(HasSubstr("S01 stopped after 1 of "), HasSubstr("haptolith study resume " + file_.string())));
+}
+
 TEST_F(StudyMessages, EachRoleMayAskForItsOwnOnly) {
   comeToAQuestion();
   EXPECT_THROW(says({{"act", "pause"}}), InvalidParameter);

@@ -24,7 +24,7 @@ using testing::ThrowsMessage;
 
 const std::string kKey(64, 'a');
 const std::string kOtherKey(64, 'b');
-constexpr double kEndsTick_s = 1e-3;
+constexpr double kTick_s = 1e-3;
 
 TEST(PacketSeal, ProvesWhoSentAPacketOnceBothHaveSpoken) {
   PacketSeal one(kKey), other(kKey);
@@ -71,7 +71,7 @@ class Ends : public testing::Test {
     EndOptions options;
     options.listen = "127.0.0.1:0";
     options.key = key;
-    server_.emplace(robot_, options, kEndsTick_s);
+    server_.emplace(robot_, options, kTick_s);
     to_ = "127.0.0.1:" + std::to_string(server_->port());
   }
 
@@ -123,7 +123,7 @@ TEST_F(Ends, FindEachOtherAndAgreeOnCommands) {
     begin(key);
     EndOptions options;
     options.key = key;
-    OperatorEnd end(to_, options, 0, kEndsTick_s);
+    OperatorEnd end(to_, options, 0, kTick_s);
     EXPECT_TRUE(until([&] { return end.news().heard && robot_.state() == RobotState::kFollowing; }, &end));
     EXPECT_TRUE(until([&] { return !end.agreement().windows().empty(); }, &end));
     EXPECT_NEAR(end.agreement().windows()[0].felt_n.x(), 1, 1e-12);
@@ -138,7 +138,7 @@ TEST_F(Ends, WhatTheRobotSeesComesToItsOperatorAlone) {
     begin(key);
     EndOptions options;
     options.key = key;
-    OperatorEnd end(to_, options, 0, kEndsTick_s);
+    OperatorEnd end(to_, options, 0, kTick_s);
     SitePacket seen;
     seen.grid = {0, 0, 0.01, 2, 1};
     seen.columns = 2;
@@ -174,7 +174,7 @@ TEST_F(Ends, AStrangerWithoutTheKeyMovesNothing) {
   begin(kKey);
   EndOptions options;
   options.key = kOtherKey;
-  OperatorEnd stranger(to_, options, 0, kEndsTick_s);
+  OperatorEnd stranger(to_, options, 0, kTick_s);
   EXPECT_FALSE(until([&] { return robot_.session() != 0; }, &stranger));
   EXPECT_GT(server_->counts().forged, 0U);
   EXPECT_FALSE(stranger.news().ever);
@@ -215,12 +215,12 @@ TEST_F(Ends, ARobotThatIsStartedAgainIsLedAgain) {
     begin(key);
     EndOptions options;
     options.key = key;
-    OperatorEnd end(to_, options, 0, kEndsTick_s);
+    OperatorEnd end(to_, options, 0, kTick_s);
     ASSERT_TRUE(until([&] { return end.news().heard && server_->counts().taken > 0; }, &end));
     const std::uint32_t before = end.news().state.robot_session;
     options.listen = to_;
     server_.reset();
-    server_.emplace(robot_, options, kEndsTick_s);
+    server_.emplace(robot_, options, kTick_s);
     const auto enough = std::chrono::steady_clock::now() + std::chrono::seconds(10);
     while (server_->counts().taken == 0 && std::chrono::steady_clock::now() < enough) {
       (void)until([&] { return server_->counts().taken > 0; }, &end);
@@ -259,16 +259,15 @@ TEST_F(Ends, RubbishIsCountedAndDropped) {
 TEST_F(Ends, NobodyListensBeyondThisMachineWithoutAKey) {
   EndOptions options;
   options.listen = "0.0.0.0:0";
-  EXPECT_THAT([&] { RobotServer(robot_, options, kEndsTick_s); },
-              ThrowsMessage<InvalidParameter>(HasSubstr("--key-file")));
-  EXPECT_THAT([&] { OperatorEnd("192.0.2.1:7410", EndOptions(), 0, kEndsTick_s); },
+  EXPECT_THAT([&] { RobotServer(robot_, options, kTick_s); }, ThrowsMessage<InvalidParameter>(HasSubstr("--key-file")));
+  EXPECT_THAT([&] { OperatorEnd("192.0.2.1:7410", EndOptions(), 0, kTick_s); },
               ThrowsMessage<InvalidParameter>(HasSubstr("192.0.2.1")));
   options.insecure = true;
-  EXPECT_NO_THROW(RobotServer(robot_, options, kEndsTick_s));
+  EXPECT_NO_THROW(RobotServer(robot_, options, kTick_s));
   options.insecure = false;
   options.key = kKey;
-  EXPECT_NO_THROW(RobotServer(robot_, options, kEndsTick_s));
-  EXPECT_THROW(OperatorEnd("nowhere", options, 0, kEndsTick_s), InvalidParameter);
+  EXPECT_NO_THROW(RobotServer(robot_, options, kTick_s));
+  EXPECT_THROW(OperatorEnd("nowhere", options, 0, kTick_s), InvalidParameter);
 }
 
 class PythonsRobot : public testing::TestWithParam<bool> {};
@@ -293,7 +292,7 @@ TEST_P(PythonsRobot, FollowsAnOperatorAndTellsTheForceOfItsGround) {
     arguments.push_back(key_file.string());
   }
   ChildProcess robot({.arguments = arguments, .package = "python3", .environment = {}}, {});
-  OperatorEnd end(to, options, 0, kEndsTick_s);
+  OperatorEnd end(to, options, 0, kTick_s);
   TickRecord tick;
   tick.rendered.wrench.force_n = {0, 0, 5};
   tick.scene_T_tool.position_m = {0.02, 0, -0.01};  // 10 mm deep

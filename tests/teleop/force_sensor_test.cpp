@@ -7,7 +7,7 @@
 namespace haptolith {
 namespace {
 
-constexpr double kForceSensorTick_s = 1e-3;
+constexpr double kTick_s = 1e-3;
 const Vec3 kMoon{0, 0, -1.625};
 
 ForceSensorParameters quiet() {
@@ -31,7 +31,7 @@ TEST(ForceSensor, TellsNothingOfItsBiasAndItsToolOnceItIsTared) {
   ForceSensorParameters parameters = quiet();
   parameters.told_mass_kg = parameters.tool_mass_kg;
   parameters.centre_of_mass_m = {0.02, 0, 0.01};
-  ForceSensor sensor(parameters, kMoon, kForceSensorTick_s);
+  ForceSensor sensor(parameters, kMoon, kTick_s);
   tare(sensor);
   for (int i = 0; i < 100; ++i) {  // turned about, too
     const Quat turned(Eigen::AngleAxisd(0.03 * i, Vec3(1, 2, 3).normalized()));
@@ -43,12 +43,12 @@ TEST(ForceSensor, TellsNothingOfItsBiasAndItsToolOnceItIsTared) {
 
 TEST(ForceSensor, AWrongMassIsSeenAsSoonAsTheToolTurnsOrHurries) {
   const ForceSensorParameters parameters = quiet();  // 10 g too light
-  ForceSensor sensor(parameters, kMoon, kForceSensorTick_s);
+  ForceSensor sensor(parameters, kMoon, kTick_s);
   tare(sensor);
   Movement falling = still();
   Wrench told;
   for (int i = 0; i < 100; ++i) {
-    falling.twist.linear_m_s.x() += 2 * kForceSensorTick_s;  // 2 m/s^2
+    falling.twist.linear_m_s.x() += 2 * kTick_s;  // 2 m/s^2
     told = sensor.read({}, falling);
   }
   EXPECT_NEAR(told.force_n.x(), -0.01 * 2, 1e-6);
@@ -56,11 +56,11 @@ TEST(ForceSensor, AWrongMassIsSeenAsSoonAsTheToolTurnsOrHurries) {
 }
 
 TEST(ForceSensor, FollowsAStepAsALowPassOfFirstOrder) {
-  ForceSensor sensor(quiet(), kMoon, kForceSensorTick_s);
+  ForceSensor sensor(quiet(), kMoon, kTick_s);
   tare(sensor);
   for (int tick = 1; tick <= 50; ++tick) {
     const Wrench told = sensor.read({{10, 0, 0}, {0, 0.5, 0}}, still());
-    const double share = 1 - std::exp(-tick * kForceSensorTick_s / 0.005);
+    const double share = 1 - std::exp(-tick * kTick_s / 0.005);
     EXPECT_NEAR(told.force_n.x(), 10 * share, 1e-12);
     EXPECT_NEAR(told.torque_nm.y(), 0.5 * share, 1e-12);
   }
@@ -70,7 +70,7 @@ TEST(ForceSensor, HasTheNoiseAndTheDriftItIsSaidToHave) {
   ForceSensorParameters parameters;
   parameters.noise_n = 0.05;
   parameters.drift_n_s = 0.01;
-  ForceSensor sensor(parameters, kMoon, kForceSensorTick_s);
+  ForceSensor sensor(parameters, kMoon, kTick_s);
   tare(sensor);
   constexpr int kReadings = 20000;
   double sum = 0, squares = 0, of_time = 0;
@@ -78,13 +78,13 @@ TEST(ForceSensor, HasTheNoiseAndTheDriftItIsSaidToHave) {
     const double x = sensor.read({}, still()).force_n.y();
     sum += x;
     of_time += x * (i - 0.5 * kReadings);
-    const double without_drift = x - 0.01 * kForceSensorTick_s * i;
+    const double without_drift = x - 0.01 * kTick_s * i;
     squares += without_drift * without_drift;
   }
   // Drift for 20 s from the middle of taring on; 5 standard errors.
   EXPECT_NEAR(sum / kReadings, 0.01 * (10 + 0.25), 5 * 0.05 / std::sqrt(kReadings) + 5 * 0.05 / std::sqrt(500));
   EXPECT_NEAR(std::sqrt(squares / kReadings), 0.05, 0.05 * 0.05);
-  EXPECT_NEAR(of_time / (std::pow(kReadings, 3) / 12), 0.01 * kForceSensorTick_s,
+  EXPECT_NEAR(of_time / (std::pow(kReadings, 3) / 12), 0.01 * kTick_s,
               5 * 0.05 * std::sqrt(12 / std::pow(kReadings, 3)));
 }
 
@@ -92,7 +92,7 @@ TEST(ForceSensor, ShowsNoMoreThanItsFullScale) {
   ForceSensorParameters parameters = quiet();
   parameters.bias_n = Vec3::Zero();
   parameters.tool_mass_kg = parameters.told_mass_kg = 0;
-  ForceSensor sensor(parameters, kMoon, kForceSensorTick_s);
+  ForceSensor sensor(parameters, kMoon, kTick_s);
   tare(sensor);
   Wrench told;
   for (int i = 0; i < 200; ++i) {
@@ -107,7 +107,7 @@ TEST(ForceSensor, ShowsNoMoreThanItsFullScale) {
 TEST(ForceSensor, RefusesNonsense) {
   ForceSensorParameters parameters;
   parameters.lag_s = -1;
-  EXPECT_THROW(ForceSensor(parameters, kMoon, kForceSensorTick_s), InvalidParameter);
+  EXPECT_THROW(ForceSensor(parameters, kMoon, kTick_s), InvalidParameter);
   parameters = {};
   parameters.full_scale_n = 0;
   EXPECT_THROW(validate(parameters), InvalidParameter);

@@ -9,7 +9,7 @@
 namespace haptolith {
 namespace {
 
-constexpr double kPassiveEndTick_s = 1e-3;
+constexpr double kTick_s = 1e-3;
 
 Vec3 anything(std::mt19937_64& random, double size) {
   const double x = uniformSigned(random);
@@ -23,14 +23,14 @@ double power(const Wrench& wrench, const Twist& twist) {
 
 TEST(PassiveEnd, NeverGivesAHandMoreThanItHasBeenTold) {
   std::mt19937_64 random(1);
-  PassiveEnd end(kPassiveEndTick_s, 0.1);
+  PassiveEnd end(kTick_s, 0.1);
   double told_j = 0, out_j = 0, in_j = 0;
   for (int tick = 0; tick < 20000; ++tick) {
     told_j += 1e-5 * (1 + uniformSigned(random));
     end.hear(told_j);
     const Wrench wanted{anything(random, 5), anything(random, 0.1)};
     const Twist twist{anything(random, 0.3), anything(random, 2)};
-    const double work_j = kPassiveEndTick_s * power(end.damp(wanted, twist), twist);
+    const double work_j = kTick_s * power(end.damp(wanted, twist), twist);
     (work_j > 0 ? out_j : in_j) += std::abs(work_j);
     ASSERT_LE(out_j, told_j + 1e-12) << tick;
   }
@@ -40,20 +40,20 @@ TEST(PassiveEnd, NeverGivesAHandMoreThanItHasBeenTold) {
 
 TEST(PassiveEnd, NeverMovesARobotWithMoreThanItHasBeenTold) {
   std::mt19937_64 random(2);
-  PassiveEnd end(kPassiveEndTick_s, 0.1);
+  PassiveEnd end(kTick_s, 0.1);
   double told_j = 0, out_j = 0;
   for (int tick = 0; tick < 20000; ++tick) {
     told_j += 1e-5 * (1 + uniformSigned(random));
     end.hear(told_j);
     const Twist wanted{anything(random, 0.3), anything(random, 2)};
     const Wrench load{anything(random, 5), anything(random, 0.1)};
-    out_j += std::max(0.0, -kPassiveEndTick_s * power(load, end.brake(wanted, load)));
+    out_j += std::max(0.0, -kTick_s * power(load, end.brake(wanted, load)));
     ASSERT_LE(out_j, told_j + 1e-12) << tick;
   }
 }
 
 TEST(PassiveEnd, LeavesAloneWhatIsPaidFor) {
-  PassiveEnd end(kPassiveEndTick_s, 0.1);
+  PassiveEnd end(kTick_s, 0.1);
   end.hear(1);
   const Wrench pushes{{1, 0, 0}, Vec3::Zero()};
   const Twist away{{0.1, 0, 0}, Vec3::Zero()};
@@ -65,7 +65,7 @@ TEST(PassiveEnd, LeavesAloneWhatIsPaidFor) {
 }
 
 TEST(PassiveEnd, OldNewsTakesNothingBack) {
-  PassiveEnd end(kPassiveEndTick_s, 0.1);
+  PassiveEnd end(kTick_s, 0.1);
   end.hear(2);
   end.hear(1);
   EXPECT_EQ(end.margin(), 2);

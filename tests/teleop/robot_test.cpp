@@ -10,7 +10,7 @@
 namespace haptolith {
 namespace {
 
-constexpr double kRobotTick_s = 1e-3;
+constexpr double kTick_s = 1e-3;
 constexpr std::uint64_t kPeriod = 20;
 const Pose kHome{{0, 0, 0.085}, Quat::Identity()};
 
@@ -41,7 +41,7 @@ class RobotOverSoil : public testing::Test {
   }
   /// Down into the soil and to and fro in it, from the 2nd second on.
   static CommandKey digging(std::uint64_t index) {
-    const double t = static_cast<double>(index) * kRobotTick_s;
+    const double t = static_cast<double>(index) * kTick_s;
     const double down = std::min(1.0, std::max(0.0, t - 2));
     const double s = down * down * (3 - 2 * down);
     const double ds = down > 0 && down < 1 ? 6 * down * (1 - down) : 0;
@@ -52,8 +52,7 @@ class RobotOverSoil : public testing::Test {
 
   template <class Hand>
   void run(double duration_s, Hand&& hand, bool link = true, bool held = true) {
-    for (const auto end = static_cast<std::uint64_t>(std::llround(duration_s / kRobotTick_s)) + now_; now_ < end;
-         ++now_) {
+    for (const auto end = static_cast<std::uint64_t>(std::llround(duration_s / kTick_s)) + now_; now_ < end; ++now_) {
       if (link && now_ % kPeriod == 0) {
         robot_->take(session_, held, std::vector{hand(now_ - begun_)});
       }
@@ -92,7 +91,7 @@ TEST_F(RobotOverSoil, ReportsTheMeanOfWhatItMetSinceTheReportBefore) {
   const double from = robot_->index();
   Wrench sum;
   for (int tick = 0; tick < 40; ++tick) {
-    run(kRobotTick_s, digging);
+    run(kTick_s, digging);
     sum.add(robot_->met());
   }
   const RobotReport report = robot_->report();
@@ -208,7 +207,7 @@ TEST_F(RobotOverSoil, PullsNoHarderThanItsCapAndStaysBehind) {
   double strongest_n = 0;
   bool at_cap = false;
   const auto down = [](std::uint64_t index) {
-    const double t = static_cast<double>(index) * kRobotTick_s;
+    const double t = static_cast<double>(index) * kTick_s;
     const double z = 0.085 - 0.04 * std::clamp(t - 1, 0.0, 3.0);
     return at(index, {0, 0, z}, {0, 0, t > 1 && t < 4 ? -0.04 : 0});
   };
@@ -235,7 +234,7 @@ TEST_F(RobotOverSoil, FollowsToTheEdgeOfItsWorkspaceAndNoFurther) {
   small.highest_m = {0.02, 0.5, 0.5};
   begin(small);
   const auto out = [](std::uint64_t index) {
-    const double x = std::min(0.05, 0.02 * static_cast<double>(index) * kRobotTick_s);
+    const double x = std::min(0.05, 0.02 * static_cast<double>(index) * kTick_s);
     return at(index, {x, 0, 0.09}, {x < 0.05 ? 0.02 : 0, 0, 0});
   };
   run(5, out);
@@ -249,7 +248,7 @@ TEST_F(RobotOverSoil, CommandsFasterThanItMayMoveAreFollowedLate) {
   begin(slow);
   run(1, [](std::uint64_t index) { return at(index, {0, 0, 0.085}); });
   const auto quick = [](std::uint64_t index) {
-    const double t = std::clamp(static_cast<double>(index) * kRobotTick_s - 1, 0.0, 0.3);
+    const double t = std::clamp(static_cast<double>(index) * kTick_s - 1, 0.0, 0.3);
     return at(index, {0.3 * t, 0, 0.085}, {t > 0 && t < 0.3 ? 0.3 : 0, 0, 0});
   };
   double fastest_m_s = 0;
@@ -275,18 +274,18 @@ TEST_F(RobotOverSoil, WhatIsNoNumberEndsIt) {
 
 TEST(RobotParameters, RefuseNonsense) {
   RobotParameters robot;
-  EXPECT_NO_THROW(validate(robot, kRobotTick_s));
+  EXPECT_NO_THROW(validate(robot, kTick_s));
   robot.max_force_n = 0;
-  EXPECT_THROW(validate(robot, kRobotTick_s), InvalidParameter);
+  EXPECT_THROW(validate(robot, kTick_s), InvalidParameter);
   robot = {};
   robot.arm.mass_kg = 0.01;
-  EXPECT_THROW(validate(robot, kRobotTick_s), InvalidParameter);
+  EXPECT_THROW(validate(robot, kTick_s), InvalidParameter);
   robot = {};
   robot.highest_m.x() = -1;
-  EXPECT_THROW(validate(robot, kRobotTick_s), InvalidParameter);
+  EXPECT_THROW(validate(robot, kTick_s), InvalidParameter);
   robot = {};
   robot.sensor.lag_s = std::numeric_limits<double>::quiet_NaN();
-  EXPECT_THROW(validate(robot, kRobotTick_s), InvalidParameter);
+  EXPECT_THROW(validate(robot, kTick_s), InvalidParameter);
 }
 
 }  // namespace

@@ -19,7 +19,7 @@
 namespace haptolith {
 namespace {
 
-constexpr double kSiteTick_s = 1e-3;
+constexpr double kTick_s = 1e-3;
 
 SitePacket somePacket() {
   SitePacket packet;
@@ -152,7 +152,7 @@ TEST(SiteCamera, TellsTheWholeSiteAndThenFirstWhatChanges) {
   Scene scene(parameters, ToolParameters());
   const double surface_m = meanSurfaceHeight(scene.bed());
   for (const Work work : {Work::kAtOnce, Work::kBeside}) {
-    SiteCamera camera(scene.bed(), surface_m, 0.01, kSiteTick_s, work);
+    SiteCamera camera(scene.bed(), surface_m, 0.01, kTick_s, work);
     EXPECT_DOUBLE_EQ(camera.grid().cell_m, 0.008);
     EXPECT_GT(camera.grid().columns, SitePacket::kSide) << "more than one part";
     SiteMap map;
@@ -179,7 +179,7 @@ TEST(SiteCamera, TellsTheWholeSiteAndThenFirstWhatChanges) {
     EXPECT_NEAR(sum_m / static_cast<double>(map.heights().size()), 0, 1e-3) << "over the site's zero";
   }
   // A grain that is put elsewhere: its part comes next, whichever was told longest ago.
-  SiteCamera camera(scene.bed(), surface_m, 0.01, kSiteTick_s);
+  SiteCamera camera(scene.bed(), surface_m, 0.01, kTick_s);
   std::vector<std::pair<std::size_t, std::size_t>> told;
   const auto look = [&](int ticks) {
     told.clear();

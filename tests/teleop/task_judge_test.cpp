@@ -10,7 +10,7 @@ namespace haptolith {
 namespace {
 
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
-constexpr double kTaskJudgeTick_s = 1e-3;
+constexpr double kTick_s = 1e-3;
 const HeightGrid kGrid{-0.12, -0.14, 0.005, 48, 56};
 
 /// A map with a pit from these cells on, so many long along x and wide along y.
@@ -52,8 +52,8 @@ RobotReport report(double height_m, double force_n, std::uint32_t ticks = 20) {
 
 /// Reports of so many seconds, all alike.
 void tell(TaskJudge& judge, double duration_s, double height_m, double force_n) {
-  for (int i = 0; i < static_cast<int>(std::lround(duration_s / (20 * kTaskJudgeTick_s))); ++i) {
-    judge.met(report(height_m, force_n), kTaskJudgeTick_s);
+  for (int i = 0; i < static_cast<int>(std::lround(duration_s / (20 * kTick_s))); ++i) {
+    judge.met(report(height_m, force_n), kTick_s);
   }
 }
 
@@ -94,7 +94,7 @@ TEST(TaskJudge, ALoadIsWeighedInTheAir) {
 TEST(TaskJudge, WhatARobotTellsThatFollowsNobodyDoesNotCount) {
   TaskJudge judge(SiteTask::kPress);
   for (int i = 0; i < 100; ++i) {
-    judge.met(report(0, 8, 0), kTaskJudgeTick_s);
+    judge.met(report(0, 8, 0), kTick_s);
   }
   EXPECT_FALSE(judge.done());
 }

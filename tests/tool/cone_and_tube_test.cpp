@@ -9,7 +9,7 @@
 namespace haptolith {
 namespace {
 
-constexpr double kConeAndTubeRadius_m = 3e-3;
+constexpr double kRadius_m = 3e-3;
 constexpr double kPi = std::numbers::pi;
 
 /// 40 mm wide and 20 mm high, so that its side climbs at 45 degrees; its shaft ends at 100 mm.
@@ -41,7 +41,7 @@ ToolParameters ring() {
 }
 
 void expectContact(const ToolParameters& tool, const Vec3& centre_mm, double depth_mm, const Vec3& outward) {
-  const Penetration found = penetration(tool, 1e-3 * centre_mm, kConeAndTubeRadius_m, 0);
+  const Penetration found = penetration(tool, 1e-3 * centre_mm, kRadius_m, 0);
   EXPECT_NEAR(1e3 * found.depth_m, depth_mm, 1e-9) << centre_mm.transpose();
   EXPECT_LT((found.outward - outward.normalized()).norm(), 1e-9) << centre_mm.transpose();
   EXPECT_EQ(found.side, 0);
@@ -93,10 +93,10 @@ TEST(Cone, IsAsFarFromAParticleAsTheNearestOfItsPoints) {
   for (const ToolParameters& tool : {blunt(), penetrometer()}) {
     for (int i = 0; i < 300; ++i) {
       const Vec3 centre(x(random), x(random), z(random));
-      const Penetration found = penetration(tool, centre, kConeAndTubeRadius_m, 0);
-      EXPECT_NEAR(found.depth_m, kConeAndTubeRadius_m - distanceBySearch(tool, centre), 2e-6) << centre.transpose();
+      const Penetration found = penetration(tool, centre, kRadius_m, 0);
+      EXPECT_NEAR(found.depth_m, kRadius_m - distanceBySearch(tool, centre), 2e-6) << centre.transpose();
       EXPECT_NEAR(found.outward.norm(), 1, 1e-9);
-      EXPECT_LE(found.outward.z(), found.depth_m > kConeAndTubeRadius_m ? 0 : 1);  // from inside never up
+      EXPECT_LE(found.outward.z(), found.depth_m > kRadius_m ? 0 : 1);  // from inside never up
     }
   }
 }
@@ -111,12 +111,12 @@ TEST(Cone, WhoseLengthIsLessThanItsPointStillHasAllOfItsPoint) {
 
 TEST(Cone, LiesWithinItsEnclosingRadius) {
   for (const ToolParameters& tool : {blunt(), penetrometer(), ring()}) {
-    const double outside = enclosingRadius(tool) + kConeAndTubeRadius_m + 1e-9;
+    const double outside = enclosingRadius(tool) + kRadius_m + 1e-9;
     std::mt19937 random(6);
     std::normal_distribution<double> normal;
     for (int i = 0; i < 2000; ++i) {
       const Vec3 direction = Vec3(normal(random), normal(random), normal(random)).normalized();
-      EXPECT_LT(penetration(tool, outside * direction, kConeAndTubeRadius_m, 0).depth_m, 0);
+      EXPECT_LT(penetration(tool, outside * direction, kRadius_m, 0).depth_m, 0);
     }
   }
 }
@@ -129,7 +129,7 @@ TEST(Tube, PushesOutsideOutwardsAndInsideInwards) {
 
 TEST(Tube, HasARoundedEndAndIsOpen) {
   expectContact(ring(), {30, 0, -54}, 1, {0, 0, -1});
-  EXPECT_LT(penetration(ring(), {0, 0, -0.05}, kConeAndTubeRadius_m, 0).depth_m, 0);
+  EXPECT_LT(penetration(ring(), {0, 0, -0.05}, kRadius_m, 0).depth_m, 0);
 }
 
 }  // namespace

@@ -15,7 +15,7 @@
 namespace haptolith {
 namespace {
 
-constexpr double kContactFrictionToolRadius_m = 7e-3;
+constexpr double kRadius_m = 7e-3;
 constexpr double kStep_s = 2e-4;
 
 SoilParameters contactFrictionSoil() {
@@ -28,8 +28,8 @@ SoilParameters contactFrictionSoil() {
 /// One particle over the middle of a level shovel, `depth_m` deep in its upper face.
 struct OnTheShovel {
   explicit OnTheShovel(double depth_m, double excess_m = 0) {
-    state.position = {{0, 0, static_cast<float>(0.0025 + kContactFrictionToolRadius_m + excess_m - depth_m),
-                       static_cast<float>(excess_m)}};
+    state.position = {
+        {0, 0, static_cast<float>(0.0025 + kRadius_m + excess_m - depth_m), static_cast<float>(excess_m)}};
     state.position.resize(kGroup, kGhost);
     state.velocity.resize(1);
     state.tool_side.resize(1);
@@ -181,8 +181,8 @@ double toolEnergy(const Scene& scene) {
   for (std::size_t i = 0; i < state.particles(); ++i) {
     const Float4& p = state.position[i];
     const Float4& s = state.tool_slip[i];
-    const Penetration contact = penetration(scene.tool(), scene.toolPose().toBody(Vec3(p.x, p.y, p.z)),
-                                            kContactFrictionToolRadius_m + p.w, state.tool_side[i]);
+    const Penetration contact =
+        penetration(scene.tool(), scene.toolPose().toBody(Vec3(p.x, p.y, p.z)), kRadius_m + p.w, state.tool_side[i]);
     energy += k / 2 * std::pow(std::max(contact.depth_m, 0.0), 2);
     energy += scene.bed().parameters().soil.tangential_ratio * k / 2 * Vec3(s.x, s.y, s.z).squaredNorm();
   }

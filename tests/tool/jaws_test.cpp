@@ -20,7 +20,7 @@
 namespace haptolith {
 namespace {
 
-constexpr double kJawsRadius_m = 7e-3;
+constexpr double kRadius_m = 7e-3;
 constexpr double kTick_s = 1e-3;
 
 /// Jaws 50 mm high, 40 mm wide and 5 mm thick: between them x is from -opening / 2 to opening / 2.
@@ -50,7 +50,7 @@ struct Motion {
 
 /// Particles that stay where they are put, and what a tool does to them.
 struct Grains {
-  SoilParameters soil{.radius_m = kJawsRadius_m};
+  SoilParameters soil{.radius_m = kRadius_m};
   std::vector<Vec3> at, speed;
   std::vector<std::int8_t> side;
   std::vector<Float4> slip, forces;
@@ -103,8 +103,8 @@ TEST(Jaws, BentOnesAreAsFarAwayAsTheirSurfaceIs) {
         const auto at = [&](std::int32_t point) { return surface.points_tool_m[static_cast<std::size_t>(point)]; };
         nearest_m = std::min(nearest_m, std::sqrt(squaredDistance(centre, {at(a), at(b), at(c)})));
       }
-      const JawContacts found = jawContacts(tool, centre, kJawsRadius_m, 0);
-      const double nearer_m = kJawsRadius_m - std::max(found.jaws[0].found.depth_m, found.jaws[1].found.depth_m);
+      const JawContacts found = jawContacts(tool, centre, kRadius_m, 0);
+      const double nearer_m = kRadius_m - std::max(found.jaws[0].found.depth_m, found.jaws[1].found.depth_m);
       if (nearer_m < 1e-4) {
         continue;  // inside, where the face that a particle came over counts
       }
@@ -132,10 +132,10 @@ TEST(Jaws, BentOnesPushTheWayInWhichTheirDistanceGrows) {
   for (int i = 0; i < 2000; ++i) {
     const Vec3 centre = anyVector(random, 0.05);
     const auto depth_at = [&](const Vec3& at, std::size_t jaw) {
-      return jawContacts(tool, at, kJawsRadius_m, 0).jaws[jaw].found.depth_m;
+      return jawContacts(tool, at, kRadius_m, 0).jaws[jaw].found.depth_m;
     };
     for (const std::size_t jaw : {0U, 1U}) {
-      if (depth_at(centre, jaw) > kJawsRadius_m - 1e-3) {
+      if (depth_at(centre, jaw) > kRadius_m - 1e-3) {
         continue;
       }
       constexpr double kStep_m = 1e-7;
@@ -144,7 +144,7 @@ TEST(Jaws, BentOnesPushTheWayInWhichTheirDistanceGrows) {
         const Vec3 step = kStep_m * Vec3::Unit(axis);
         slope[axis] = (depth_at(centre - step, jaw) - depth_at(centre + step, jaw)) / (2 * kStep_m);
       }
-      ASSERT_LT((slope - jawContacts(tool, centre, kJawsRadius_m, 0).jaws[jaw].found.outward).norm(), 1e-3)
+      ASSERT_LT((slope - jawContacts(tool, centre, kRadius_m, 0).jaws[jaw].found.outward).norm(), 1e-3)
           << centre.transpose();
       ++compared;
     }

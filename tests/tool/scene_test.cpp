@@ -11,7 +11,7 @@
 namespace haptolith {
 namespace {
 
-constexpr double kSceneTick_s = 1e-3;
+constexpr double kTick_s = 1e-3;
 
 BedParameters paperBed() {
   BedParameters bed;
@@ -23,8 +23,8 @@ BedParameters paperBed() {
 std::vector<double> moveTo(Scene& scene, double height_m, double speed_m_s) {
   std::vector<double> forces;
   const double from = scene.toolPose().position_m.z();
-  const int ticks = std::max(1, static_cast<int>(std::round(std::abs(height_m - from) / speed_m_s / kSceneTick_s)));
-  const Twist twist{Vec3(0, 0, (height_m - from) / (ticks * kSceneTick_s)), Vec3::Zero()};
+  const int ticks = std::max(1, static_cast<int>(std::round(std::abs(height_m - from) / speed_m_s / kTick_s)));
+  const Twist twist{Vec3(0, 0, (height_m - from) / (ticks * kTick_s)), Vec3::Zero()};
   for (int i = 1; i <= ticks; ++i) {
     const Pose pose{Vec3(0, 0, from + (height_m - from) * i / ticks), Quat::Identity()};
     EXPECT_EQ(scene.tick({{pose, twist}}), StepStatus::kOk);
@@ -88,7 +88,7 @@ TEST(Scene, AboveTheSoilThereIsExactlyNothing) {
   const std::uint64_t with_tool = stateHash(scene.bed().state());
   Bed alone(paperBed());
   while (alone.state().step < scene.bed().state().step) {
-    ASSERT_EQ(alone.step(kSceneTick_s), StepStatus::kOk);
+    ASSERT_EQ(alone.step(kTick_s), StepStatus::kOk);
   }
   EXPECT_EQ(stateHash(alone.state()), with_tool);  // and the bed does not know that there is a tool
 }

@@ -15,13 +15,13 @@
 namespace haptolith {
 namespace {
 
-constexpr double kThinPlateTick_s = 1e-3;
+constexpr double kTick_s = 1e-3;
 
 const Quat kLevel = Quat::Identity();
 /// The blade upright, its large faces looking along x: the tool's x points down.
-const Quat kThinPlateBlade(Eigen::AngleAxisd(std::numbers::pi / 2, Vec3::UnitY()));
+const Quat kBlade(Eigen::AngleAxisd(std::numbers::pi / 2, Vec3::UnitY()));
 
-BedParameters p4OfThinPlate() {
+BedParameters p4() {
   BedParameters bed;
   bed.soil = findPreset("P4").soil;
   return bed;
@@ -35,8 +35,8 @@ Vec3 at(const Bed& bed, std::size_t i) {
 /// A tool moved at constant velocity from one place to another.
 void sweep(Scene& scene, const Quat& orientation, const Vec3& from, const Vec3& to, double speed_m_s,
            const std::function<void()>& each_tick = {}) {
-  const int ticks = static_cast<int>(std::ceil((to - from).norm() / (speed_m_s * kThinPlateTick_s)));
-  const Twist twist{(to - from) / (ticks * kThinPlateTick_s), Vec3::Zero()};
+  const int ticks = static_cast<int>(std::ceil((to - from).norm() / (speed_m_s * kTick_s)));
+  const Twist twist{(to - from) / (ticks * kTick_s), Vec3::Zero()};
   scene.placeTool({{{from, orientation}, {}}});
   for (int i = 1; i <= ticks; ++i) {
     ASSERT_EQ(scene.tick({{{from + (to - from) * i / ticks, orientation}, twist}}), StepStatus::kOk) << i;
@@ -63,7 +63,7 @@ class OneParticle {
 
  private:
   static BedParameters parameters(const Vec3& gravity) {
-    BedParameters bed = p4OfThinPlate();
+    BedParameters bed = p4();
     bed.gravity_m_s2 = gravity;
     bed.particles = 1;
     bed.layers = 1;
@@ -80,7 +80,7 @@ TEST(ThinPlate, PushesAFreeParticleBeforeIt) {
     for (const double off_centre : {0.0, 0.01, 0.019}) {
       OneParticle one(Vec3(0.0, off_centre, 0.06));
       // The blade comes from -x with its face; the particle has to fly ahead of it.
-      sweep(one.scene(), kThinPlateBlade, Vec3(-0.05, 0, 0.06), Vec3(0.03, 0, 0.06), speed,
+      sweep(one.scene(), kBlade, Vec3(-0.05, 0, 0.06), Vec3(0.03, 0, 0.06), speed,
             [&] { ASSERT_GT(one.centre().x(), one.scene().toolPose().position_m.x()) << speed << " " << off_centre; });
       EXPECT_GT(one.centre().x(), 0.03);
     }
@@ -91,11 +91,11 @@ TEST(ThinPlate, SqueezesAParticleAgainstAWallWithoutLettingItThrough) {
   for (const double speed : kSpeeds_m_s) {
     OneParticle one(Vec3(0.04, 0, 0.06));
     // Until the blade's face is 6 mm from the wall: 14 mm of particle in 6 mm.
-    sweep(one.scene(), kThinPlateBlade, Vec3(0.0, 0, 0.06), Vec3(0.063 - 0.006 - 0.0025, 0, 0.06), speed,
+    sweep(one.scene(), kBlade, Vec3(0.0, 0, 0.06), Vec3(0.063 - 0.006 - 0.0025, 0, 0.06), speed,
           [&] { ASSERT_GT(one.centre().x(), one.scene().toolPose().position_m.x()) << speed; });
     const Vec3 held = one.scene().toolPose().position_m;
     for (int i = 0; i < 500; ++i) {
-      ASSERT_EQ(one.scene().tick({{{held, kThinPlateBlade}, {}}}), StepStatus::kOk);
+      ASSERT_EQ(one.scene().tick({{{held, kBlade}, {}}}), StepStatus::kOk);
       ASSERT_GT(one.centre().x(), held.x()) << speed;
     }
     EXPECT_LT(one.scene().felt().wrench.force_n.x(), -0.5);  // it pushes back
@@ -146,7 +146,7 @@ class PassageCounter {
 
 TEST(ThinPlate, NothingPassesThroughALevelShovelPushedDownIntoThePapersScene) {
   for (const double speed : kSpeeds_m_s) {
-    Scene scene(p4OfThinPlate(), {});
+    Scene scene(p4(), {});
     PassageCounter counter;
     sweep(scene, kLevel, Vec3(0, 0, 0.08), Vec3(0, 0, 0.012), speed, [&] { counter.look(scene); });
     EXPECT_EQ(counter.passages(), 0) << speed;
@@ -156,10 +156,10 @@ TEST(ThinPlate, NothingPassesThroughALevelShovelPushedDownIntoThePapersScene) {
 
 TEST(ThinPlate, NothingPassesThroughABladeSweptThroughThePapersScene) {
   for (const double speed : kSpeeds_m_s) {
-    Scene scene(p4OfThinPlate(), {});
+    Scene scene(p4(), {});
     PassageCounter counter;
-    sweep(scene, kThinPlateBlade, Vec3(-0.04, 0, 0.1), Vec3(-0.04, 0, 0.03), 0.1, [&] { counter.look(scene); });
-    sweep(scene, kThinPlateBlade, Vec3(-0.04, 0, 0.03), Vec3(0.04, 0, 0.03), speed, [&] { counter.look(scene); });
+    sweep(scene, kBlade, Vec3(-0.04, 0, 0.1), Vec3(-0.04, 0, 0.03), 0.1, [&] { counter.look(scene); });
+    sweep(scene, kBlade, Vec3(-0.04, 0, 0.03), Vec3(0.04, 0, 0.03), speed, [&] { counter.look(scene); });
     EXPECT_EQ(counter.passages(), 0) << speed;
     EXPECT_GT(counter.seen(), 10);
   }

@@ -11,7 +11,7 @@
 namespace haptolith {
 namespace {
 
-constexpr double kToolBoxRadius_m = 0.007;
+constexpr double kRadius_m = 0.007;
 
 class ToolBoxOnEveryTarget : public EveryTarget {};
 
@@ -38,11 +38,11 @@ TEST_F(ToolBoxOnEveryTarget, LeavesOutNobodyWhoTouchesTheToolAndMostWhoDoNot) {
           group.push_back({static_cast<float>(p.x()), static_cast<float>(p.y()), static_cast<float>(p.z()), 0});
         }
         const std::uint32_t bits =
-            nearBox(boxAround(tool, scene_T_tool), static_cast<float>(kToolBoxRadius_m + 2e-6), group.data());
+            nearBox(boxAround(tool, scene_T_tool), static_cast<float>(kRadius_m + 2e-6), group.data());
         for (std::size_t i = 0; i < kGroup; ++i) {
           const Vec3 centre(group[i].x, group[i].y, group[i].z);
           const Vec3 in_tool = scene_T_tool.orientation.conjugate() * (centre - scene_T_tool.position_m);
-          const bool touches = penetration(tool, in_tool, kToolBoxRadius_m, 0).depth_m >= 0;
+          const bool touches = penetration(tool, in_tool, kRadius_m, 0).depth_m >= 0;
           const bool found = (bits >> i & 1) != 0;
           EXPECT_TRUE(found || !touches) << static_cast<int>(shape) << " " << in_tool.transpose();
           touching += touches ? 1 : 0;

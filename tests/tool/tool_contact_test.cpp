@@ -12,14 +12,14 @@
 namespace haptolith {
 namespace {
 
-constexpr double kToolContactRadius_m = 7e-3;
-constexpr double kToolContactTick_s = 1e-3;
+constexpr double kRadius_m = 7e-3;
+constexpr double kTick_s = 1e-3;
 const ToolParameters kShovel;
 
 // --- (paper 21) by hand: k_tool = 500 N/m, c_tool = 1.4 * 1 ms * 500 / 2 = 0.35 N s/m, 0.002 R = 14 um --------------
 
 double force(double depth_m, double closing_m_s) {
-  return toolForce(kShovel, kToolContactRadius_m, kToolContactTick_s, depth_m, closing_m_s);
+  return toolForce(kShovel, kRadius_m, kTick_s, depth_m, closing_m_s);
 }
 
 TEST(ToolForce, IsTheSpringAndTheDamperOfTheEquation) {
@@ -30,7 +30,7 @@ TEST(ToolForce, IsTheSpringAndTheDamperOfTheEquation) {
 }
 
 TEST(ToolForce, DampingFollowsTheStep) {
-  EXPECT_NEAR(toolForce(kShovel, kToolContactRadius_m, 0.5e-3, 0, 1), 0.175, 1e-12);
+  EXPECT_NEAR(toolForce(kShovel, kRadius_m, 0.5e-3, 0, 1), 0.175, 1e-12);
 }
 
 TEST(ToolForce, DustSticksInANarrowZoneOutsideTheTool) {
@@ -45,15 +45,15 @@ TEST(ToolForce, DustSticksInANarrowZoneOutsideTheTool) {
 TEST(ToolForce, WithoutAdhesionEndsAtTheSurface) {
   ToolParameters clean = kShovel;
   clean.adhesion_ratio = 0;
-  EXPECT_EQ(toolForce(clean, kToolContactRadius_m, kToolContactTick_s, 0, 1), 0);
-  EXPECT_EQ(toolForce(clean, kToolContactRadius_m, kToolContactTick_s, -1e-9, 1), 0);
-  EXPECT_GT(toolForce(clean, kToolContactRadius_m, kToolContactTick_s, 1e-9, 0), 0);
+  EXPECT_EQ(toolForce(clean, kRadius_m, kTick_s, 0, 1), 0);
+  EXPECT_EQ(toolForce(clean, kRadius_m, kTick_s, -1e-9, 1), 0);
+  EXPECT_GT(toolForce(clean, kRadius_m, kTick_s, 1e-9, 0), 0);
 }
 
 // --- the tool against many -------------------------------------------------------------------------------------------
 
 struct Crowd {
-  SoilParameters soil{.radius_m = kToolContactRadius_m};
+  SoilParameters soil{.radius_m = kRadius_m};
   BedState state;
   std::vector<std::int8_t> side;
   std::vector<Float4> forces;
@@ -75,7 +75,7 @@ struct Crowd {
   ToolReaction react(const ToolParameters& tool, const Pose& pose, const Twist& twist = {}) {
     BedState whole = state;
     whole.position.resize(paddedCount(state.particles()), kGhost);
-    return applyToolContact(tool, pose, twist, soil, kToolContactTick_s, whole, {side, state.tool_slip}, forces);
+    return applyToolContact(tool, pose, twist, soil, kTick_s, whole, {side, state.tool_slip}, forces);
   }
   Wrench apply(const ToolParameters& tool, const Pose& pose, const Twist& twist = {}) {
     return react(tool, pose, twist).wrench;
@@ -193,10 +193,10 @@ TEST(ToolContact, TheEnclosingSphereNeverDropsAContact) {
                       Quat(unit(random), unit(random), unit(random), unit(random)).normalized()};
       crowd.apply(tool, pose);
       for (std::size_t i = 0; i < crowd.forces.size(); ++i) {
-        const Penetration exact = penetration(tool, pose.toBody(crowd.at(i)), kToolContactRadius_m, 0);
-        const bool touches = exact.depth_m > -tool.adhesion_ratio * kToolContactRadius_m;
+        const Penetration exact = penetration(tool, pose.toBody(crowd.at(i)), kRadius_m, 0);
+        const bool touches = exact.depth_m > -tool.adhesion_ratio * kRadius_m;
         // Within a rounding of touching (or of a force of exactly zero) either answer is right.
-        if (std::abs(exact.depth_m + tool.adhesion_ratio * kToolContactRadius_m) > 1e-9) {
+        if (std::abs(exact.depth_m + tool.adhesion_ratio * kRadius_m) > 1e-9) {
           EXPECT_EQ(crowd.forceOn(i) != Vec3::Zero() || crowd.side[i] != 0, touches) << i;
         }
         touched += touches ? 1 : 0;
@@ -210,7 +210,7 @@ TEST(ToolContact, TheCornerOfTheEnclosingSphereStillSticks) {
   // Along the box's diagonal the sphere is tight: adhesion reaches 14 um beyond one radius from the corner.
   const Vec3 corner = kShovel.size_m / 2;
   Crowd crowd;
-  crowd.add(corner + corner.normalized() * (kToolContactRadius_m + 10e-6));
+  crowd.add(corner + corner.normalized() * (kRadius_m + 10e-6));
   crowd.apply(kShovel, Pose{});
   EXPECT_NEAR(crowd.forceOn(0).norm(), 0.005, 5e-6);
   EXPECT_LT(crowd.forceOn(0).dot(corner), 0);
@@ -219,8 +219,8 @@ TEST(ToolContact, TheCornerOfTheEnclosingSphereStillSticks) {
 TEST(ToolContact, StiffnessIsHowTheForceChangesWhenTheToolMoves) {
   // One particle over the tilted large face, one at the rim: two normals that are neither parallel nor upright.
   const Quat tilt(Eigen::AngleAxisd(0.4, Vec3(1, 2, 0.5).normalized()));
-  const Vec3 over(0.005, 0.004, 0.0025 + 0.9 * kToolContactRadius_m);
-  const Vec3 beside(0.025 + 0.8 * kToolContactRadius_m, 0.003, 0.001);
+  const Vec3 over(0.005, 0.004, 0.0025 + 0.9 * kRadius_m);
+  const Vec3 beside(0.025 + 0.8 * kRadius_m, 0.003, 0.001);
   Crowd crowd;
   crowd.add(tilt * over);
   crowd.add(tilt * beside);
@@ -238,7 +238,7 @@ TEST(ToolContact, StiffnessIsHowTheForceChangesWhenTheToolMoves) {
 
 TEST(ToolContact, OnlyContactsThatHoldAreStiff) {
   const Twist down{Vec3(0, 0, -0.1), Vec3::Zero()};
-  const Vec3 below(0, 0, -0.0025 - 0.9 * kToolContactRadius_m);
+  const Vec3 below(0, 0, -0.0025 - 0.9 * kRadius_m);
   const struct { double particle_m_s, share; } cases[] = {{0, 1}, {-0.1, 0}, {-0.05, 0.5}, {-0.2, 0}, {0.1, 1}};
   for (const auto& [particle_m_s, share] : cases) {
     Crowd crowd;

@@ -285,6 +285,7 @@ static unsafe class LibraryTests
         loop.Stop();
         now = loop.Poll();
         Expect.That(!now.Running && now.End.Length > 0, "it has ended: " + now.End);
+        Expect.Equal(now.MissesTooLong + now.MissesWokenLate + now.MissesPreempted, now.DeadlineMisses, "causes of missed deadlines");
         loop.Dispose();
         scene.Step(scene.ToolPose);  // given back
       }

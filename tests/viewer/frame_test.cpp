@@ -13,7 +13,7 @@
 namespace haptolith {
 namespace {
 
-const FrameEncoder::Space kFrameSpace{Vec3(-0.1, -0.1, 0), Vec3(0.1, 0.1, 0.5)};
+const FrameEncoder::Space kSpace{Vec3(-0.1, -0.1, 0), Vec3(0.1, 0.1, 0.5)};
 
 SceneSnapshot still(std::size_t particles, double time_s) {
   SceneSnapshot snapshot;
@@ -84,14 +84,14 @@ struct Read {
 TEST(Frame, SaysHowFarJawsAreOpen) {
   SceneSnapshot snapshot = still(20, 1);
   snapshot.opening_m = 0.0625;
-  FrameEncoder encoder(1, 20, kFrameSpace);
+  FrameEncoder encoder(1, 20, kSpace);
   encoder.take(snapshot, {});
   EXPECT_EQ(Read(*encoder.frameSince(0)).real(124), 0.0625F);
 }
 
 TEST(Frame, TheFirstHoldsEveryParticleWithinHalfAStep) {
   const SceneSnapshot snapshot = still(100, 1);
-  FrameEncoder encoder(3, 100, kFrameSpace);
+  FrameEncoder encoder(3, 100, kSpace);
   encoder.take(snapshot, {});
   const auto bytes = encoder.frameSince(0);
   const Read frame(*bytes);
@@ -109,7 +109,7 @@ TEST(Frame, TheFirstHoldsEveryParticleWithinHalfAStep) {
 }
 
 TEST(Frame, LaterOnesHoldOnlyTheGroupsThatChanged) {
-  FrameEncoder encoder(1, 1000, kFrameSpace);
+  FrameEncoder encoder(1, 1000, kSpace);
   SceneSnapshot snapshot = still(1000, 1);
   encoder.take(snapshot, {});
   snapshot.time_s += 0.016;
@@ -140,7 +140,7 @@ TEST(Frame, LaterOnesHoldOnlyTheGroupsThatChanged) {
 }
 
 TEST(Frame, WhoMissesSomeGetsAllThatChangedMeanwhile) {
-  FrameEncoder encoder(1, 320, kFrameSpace);
+  FrameEncoder encoder(1, 320, kSpace);
   SceneSnapshot snapshot = still(320, 1);
   encoder.take(snapshot, {});
   const auto first = encoder.frameSince(0);
@@ -169,10 +169,10 @@ TEST(Frame, WhoMissesSomeGetsAllThatChangedMeanwhile) {
 }
 
 TEST(Frame, ASceneAfterAnotherBeginsWithEverything) {
-  FrameEncoder before(1, 100, kFrameSpace);
+  FrameEncoder before(1, 100, kSpace);
   before.take(still(100, 1), {});
   before.take(still(100, 2), {});
-  FrameEncoder after(2, 50, kFrameSpace, before.number());
+  FrameEncoder after(2, 50, kSpace, before.number());
   EXPECT_FALSE(after.hasPicture());
   after.take(still(50, 3), {});
   EXPECT_TRUE(after.hasPicture());
@@ -183,7 +183,7 @@ TEST(Frame, ASceneAfterAnotherBeginsWithEverything) {
 }
 
 TEST(Frame, SpeedsStayWhatTheyWereWhileTimeStandsStill) {
-  FrameEncoder encoder(1, 32, kFrameSpace);
+  FrameEncoder encoder(1, 32, kSpace);
   SceneSnapshot snapshot = still(32, 1);
   encoder.take(snapshot, {});
   snapshot.time_s += 0.016;
@@ -205,7 +205,7 @@ TEST(Frame, SleepersAndForcesAndWhatLeavesTheSpace) {
   loads[2] = 1.001e-5F;
   loads[3] = 0.1F;
   loads[4] = 50;
-  FrameEncoder encoder(1, 32, kFrameSpace);
+  FrameEncoder encoder(1, 32, kSpace);
   encoder.take(snapshot, {.load_n = loads});
   const auto bytes = encoder.frameSince(0);
   const Read frame(*bytes);
@@ -222,7 +222,7 @@ TEST(Frame, SleepersAndForcesAndWhatLeavesTheSpace) {
 TEST(Frame, EachSaysWhereAllStonesAreAfterTheRecords) {
   SceneSnapshot snapshot = still(20, 1);
   snapshot.stones = {{Vec3(0.01, -0.02, 0.03), Quat(0.5, -0.5, 0.5, -0.5)}, {Vec3(0.04, 0, 0.05)}};
-  FrameEncoder encoder(1, 20, kFrameSpace);
+  FrameEncoder encoder(1, 20, kSpace);
   encoder.take(snapshot, {});
   const std::uint32_t seen = encoder.number();
   const auto first = encoder.frameSince(0);
@@ -258,7 +258,7 @@ TEST(Frame, HasTheBytesThatThePageIsTestedWith) {
   snapshot.asleep[2] = 1;
   snapshot.paused = true;
   std::vector<float> loads(40, 0.5F);
-  FrameEncoder encoder(7, 40, kFrameSpace, 99);
+  FrameEncoder encoder(7, 40, kSpace, 99);
   encoder.take(snapshot, {.wanted = Pose{Vec3(0, 0, 0.1)}, .held = true, .load_n = loads});
   const auto bytes = encoder.frameSince(0);
   const Read frame(*bytes);
@@ -273,7 +273,7 @@ TEST(Frame, HasTheBytesThatThePageIsTestedWith) {
       << "another format needs another version, in docs/protocol.md, the page and here";
 
   snapshot.stones = {{Vec3(0.01, -0.02, 0.03), Quat(0.5, -0.5, 0.5, -0.5)}, {Vec3(0.04, 0, 0.05)}};
-  FrameEncoder with_stones(7, 40, kFrameSpace, 99);
+  FrameEncoder with_stones(7, 40, kSpace, 99);
   with_stones.take(snapshot, {.wanted = Pose{Vec3(0, 0, 0.1)}, .held = true, .load_n = loads});
   EXPECT_EQ(*with_stones.frameSince(0), bytesOf("tests/data/frame-v1-stones.bin"));
 }

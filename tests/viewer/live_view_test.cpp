@@ -248,6 +248,9 @@ TEST_F(LiveViewTest, ANewcomerIsToldEverythingInTheOrderOfTheProtocol) {
   const Json status = client.receive("status").value();
   EXPECT_EQ(status["device"], "virtual hand");
   EXPECT_EQ(status["paused"], false);
+  EXPECT_EQ(status["misses_too_long"].get<int>() + status["misses_woken_late"].get<int>() +
+                status["misses_preempted"].get<int>(),
+            status["misses"]);
   std::string frame = client.receive().value();
   while (client.gotText()) {
     frame = client.receive().value();

@@ -15,6 +15,8 @@ export interface Automation {
   /** time of the frame in the picture, which a study may show late */
   readonly seen_s: number | null;
   readonly client: number | null;
+  /** a connection to the program is open */
+  readonly connected: boolean;
   readonly particlesDrawn: number;
   readonly framesDrawn: number;
   /** where the tool is in the picture, in CSS pixels of the page */
@@ -37,6 +39,7 @@ declare global {
 
 interface Parts {
   stage: Stage;
+  connection: { readonly connected: boolean };
   /** none: there are no panels to hide */
   layout?: Layout;
   now: { hello: { client: number } | null; scene: Scene | null; status: Status | null; frame: Frame | null };
@@ -45,7 +48,7 @@ interface Parts {
   setTheme(theme: Theme): void;
 }
 
-export function publish({ stage, layout, now, setColour, setDrawing, setTheme }: Parts): void {
+export function publish({ stage, connection, layout, now, setColour, setDrawing, setTheme }: Parts): void {
   let ready = false;
   const drawn = stage.onDrawn;
   stage.onDrawn = () => {
@@ -72,6 +75,9 @@ export function publish({ stage, layout, now, setColour, setDrawing, setTheme }:
     },
     get client() {
       return now.hello?.client ?? null;
+    },
+    get connected() {
+      return connection.connected;
     },
     get particlesDrawn() {
       return stage.bed.drawn;

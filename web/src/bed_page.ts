@@ -15,6 +15,7 @@ import { Connection, type Program } from './connection';
 import { GamepadHand } from './hand/gamepad_hand';
 import { Hand } from './hand/hand';
 import { KeyHand } from './hand/key_hand';
+import { ToolTilt } from './hand/tilt';
 import { ToolBringer } from './hand/tool_bringer';
 import { PointerHand } from './hand/pointer_hand';
 import { VrHand } from './hand/vr_hand';
@@ -28,6 +29,7 @@ import { Plots } from './panels/plots';
 import { pictureInWords, Readouts } from './panels/readouts';
 import { SiteCard } from './panels/site_card';
 import { StatusStrip } from './panels/status_strip';
+import { TiltControl } from './panels/tilt_control';
 import {
   DRAWINGS,
   rememberColour,
@@ -45,6 +47,8 @@ import { ToolFiles } from './tool_file';
 import { Stage } from './view/stage';
 
 const DESCRIBE_INTERVAL_MS = 1000;
+// Plots cost as much as a frame of the bed where the processor draws both.
+const SOFTWARE_PLOTS_MS = 240;
 const RECORDING = (run: () => void): Shortcut => ({ keys: ['o'], label: 'record, on and off', group: 'time', run });
 
 /** What a page that shows the bed lets others see and do. */
@@ -68,6 +72,9 @@ export function openBedPage(settings: Settings, program: Program, buttons: HTMLE
   };
 
   let described_ms = -Infinity;
+  let plotted_ms = -Infinity;
+  /** whose numbers the page shows */
+  let shown_frame: Frame | null = null;
 
   const notices = new Notices(() => connection.retryNow());
   const connection = new Connection(program, {
@@ -110,13 +117,24 @@ export function openBedPage(settings: Settings, program: Program, buttons: HTMLE
   const hand = new Hand(connection, (error) => notices.toast(error.message), showHolding);
   const force_n = (): number => (now.frame ? Math.hypot(...now.frame.force_n) : 0);
   const box_scale = (): number => (now.scene?.box.width_m ?? 0.126) / 0.126;
-  const pointer = new PointerHand(stage, hand, stage.renderer.domElement);
+  const tilt = new ToolTilt(
+    hand,
+    () => now.scene,
+    () => now.frame,
+    () => stage.orbit.right().toArray(),
+  );
+  const pointer = new PointerHand(stage, hand, stage.renderer.domElement, () => tilt.taken());
   const keys = new KeyHand(hand, stage.orbit, box_scale);
   const gamepad = new GamepadHand(hand, stage.orbit, box_scale, force_n);
-  const bringer = new ToolBringer(hand, () => now.scene);
+  const bringer = new ToolBringer(
+    hand,
+    () => now.scene,
+    () => tilt.digging,
+  );
   const vr = new VrHand(stage, hand, force_n, showVr);
 
-  const strip = new StatusStrip(() => now.hello?.client ?? null, settings.for_pictures);
+  const strip = new StatusStrip(() => now.hello?.client ?? null, settings.for_pictures, coarsen);
+  const tilt_control = new TiltControl((tilt_deg) => tilt.set(tilt_deg));
   const readouts = new Readouts();
   const site_card = new SiteCard();
   stage.over = readouts.element;
@@ -152,7 +170,7 @@ export function openBedPage(settings: Settings, program: Program, buttons: HTMLE
     ...TOOL_KEYS,
     { keys: ['g'], label: 'drag anywhere to dig, on and off', group: 'tool', run: () => controls.toggleDig() },
     { keys: ['y'], label: 'virtual hand: hold still', group: 'tool', run: () => controls.holdStill() },
-    { keys: ['k'], label: 'bring the tool over the middle of the bed', group: 'tool', run: bringTool },
+    { keys: ['k'], label: 'bring the tool over the bed, ready to dig', group: 'tool', run: bringTool },
     { keys: ['m'], label: 'virtual hand: next manoeuvre', group: 'tool', run: () => controls.next('manoeuvre') },
     { keys: ['x'], label: 'next tool', group: 'tool', run: () => controls.next('shape') },
     ...VIEW_KEYS,
@@ -174,6 +192,7 @@ export function openBedPage(settings: Settings, program: Program, buttons: HTMLE
     { keys: ['ctrl+z', 'u'], shown: 'Ctrl+Z  U', label: 'undo', group: 'bed', run: () => ask({ do: 'undo' }) },
     { keys: [']'], shown: '[ ]', label: 'soil before, next soil', group: 'bed', run: () => controls.next('soil') },
     { keys: ['['], shown: '', label: 'soil before', group: 'bed', run: () => controls.next('soil', -1) },
+    { keys: ['j'], label: 'coarser soil, for a machine that is late', group: 'bed', run: coarsen },
     { keys: ['b'], label: 'next body', group: 'bed', run: () => controls.next('body') },
     { keys: ['f'], label: 'next friction model', group: 'bed', run: () => controls.next('friction') },
     { keys: [' '], shown: 'Space', label: 'pause, resume', group: 'time', run: () => controls.togglePause() },
@@ -226,6 +245,7 @@ export function openBedPage(settings: Settings, program: Program, buttons: HTMLE
     buttons: [...buttons, vr_button, theme_button, help_button],
     over_view: [
       readouts.element,
+      tilt_control.element,
       legend.element,
       site_card.element,
       scale_bar.element,
@@ -261,16 +281,27 @@ export function openBedPage(settings: Settings, program: Program, buttons: HTMLE
     keys.tick(now_ms);
     gamepad.tick(now_ms);
     bringer.tick(now_ms);
+    tilt.tick(now_ms);
+    tilt_control.show(now.hello?.read_only ? null : tilt.now_deg, now_ms);
     vr.tick(now_ms);
     hand.tick(now_ms);
-    plots.tick(now_ms);
+  };
+  stage.onDue = (now_ms) => {
+    if (!stage.software || now_ms - plotted_ms > SOFTWARE_PLOTS_MS) {
+      plots.tick(now_ms);
+      plotted_ms = now_ms;
+    }
+    if (!now.frame || now.frame === shown_frame) return;
+    shown_frame = now.frame;
+    strip.setTime(now.frame.time_s);
+    if (now.scene) readouts.setFrame(now.frame, now.scene, now_ms);
   };
   stage.onDrawn = () => {
     scale_bar.show(stage.orbit.metresPerPixel(stage.renderer.domElement.clientHeight || 1));
   };
   stage.start();
   connection.open();
-  publish({ stage, layout, now, setColour, setDrawing, setTheme });
+  publish({ stage, connection, layout, now, setColour, setDrawing, setTheme });
   return { stage, notices, colour: () => now.colour, drawing: () => now.drawing };
 
   function onHello(hello: Hello): void {
@@ -292,6 +323,8 @@ export function openBedPage(settings: Settings, program: Program, buttons: HTMLE
     if (!now.hello?.read_only) hand.setScene(scene); // without a scene it takes nothing
     vr.setScene(scene);
     strip.setScene(scene);
+    tilt_control.element.hidden =
+      scene.tool.shape === 'sphere' || settings.for_pictures || now.hello?.read_only === true;
     controls.setScene(scene);
     layout.setTitle(scene.title);
     legend.show(now.colour, stage.bed.depthRange_m);
@@ -307,6 +340,7 @@ export function openBedPage(settings: Settings, program: Program, buttons: HTMLE
     agreed &&= status.person_feels;
     now.status = status;
     strip.setStatus(status);
+    stage.watchLoop(status);
     readouts.setRobot(status.robot ?? null);
     site_card.setRobot(status.robot ?? null);
     stage.setRobot(status.robot ?? null);
@@ -331,8 +365,6 @@ export function openBedPage(settings: Settings, program: Program, buttons: HTMLE
     stage.setFrame(frame, frame.held);
     plots.setFrame(frame);
     sound.setFrame(frame);
-    strip.setTime(frame.time_s);
-    if (now.scene) readouts.setFrame(frame, now.scene, performance.now());
   }
 
   function onLink(connected: boolean, why: string | null): void {
@@ -392,6 +424,10 @@ export function openBedPage(settings: Settings, program: Program, buttons: HTMLE
     if (now.hello?.read_only || !bringer.start()) return;
     // A person may have turned the view away from there.
     if (!stage.isInPicture(bringer.target_m!)) stage.resetView();
+  }
+
+  function coarsen(): void {
+    if (now.scene?.can_coarsen) ask({ do: 'coarser' });
   }
 
   function toggleVr(): void {

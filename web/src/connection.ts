@@ -58,6 +58,8 @@ const OPEN = 1; // of readyState
 // A half-open connection looks alive for minutes; the program sends a status four times a second, so 8 s of silence mean
 // that it is gone.
 const SILENCE_MS = 8000;
+/** a page that is drawn for a picture hears nothing while it draws, however long that takes */
+export const SILENCE_FOR_PICTURES_MS = 3_600_000;
 const Uploaded = v.object({ upload: v.number() });
 
 export const NO_TOKEN = 'this address lacks the token: open the page by the address that the program printed';
@@ -70,9 +72,10 @@ export function socketAddress(location: Location, token: string | null): string 
 
 /** `haptolith run` and its like, by the address of its WebSocket. */
 export class ServedProgram implements Program {
-  readonly longest_silence_ms = SILENCE_MS;
-
-  constructor(private readonly address: string) {}
+  constructor(
+    private readonly address: string,
+    readonly longest_silence_ms = SILENCE_MS,
+  ) {}
 
   connect(): Socket {
     return new WebSocket(this.address, SUBPROTOCOL);

@@ -19,7 +19,7 @@
 import './style.css';
 import './study/study.css';
 import { openBedPage } from './bed_page';
-import { ServedProgram, socketAddress } from './connection';
+import { ServedProgram, SILENCE_FOR_PICTURES_MS, socketAddress } from './connection';
 import { readSettings } from './settings';
 import { openExperimenterPage } from './study/experimenter_page';
 import { openParticipantPage } from './study/participant_page';
@@ -32,6 +32,7 @@ const program = new ServedProgram(
     location,
     takeToken(location, history, () => sessionStorage),
   ),
+  settings.for_pictures ? SILENCE_FOR_PICTURES_MS : undefined,
 );
 
 if (settings.study === 'participant') openParticipantPage(settings, program);

@@ -14,6 +14,7 @@ export const TOUCH: Shortcut[] = [
   { keys: [], shown: 'finger on the tool', label: 'hold it and dig', group: 'touch' },
   { keys: [], shown: 'finger beside it', label: 'look around', group: 'touch' },
   { keys: [], shown: 'two fingers', label: 'look around; pinch for nearer and farther', group: 'touch' },
+  { keys: [], shown: 'Tilt', label: 'nose down or up: 40° to 60° digs', group: 'touch' },
   { keys: [], shown: 'Controls', label: 'soil, body and tool; “drag anywhere to dig” for small tools', group: 'touch' },
   { keys: [], shown: 'tap a number', label: 'what it means', group: 'touch' },
 ];
@@ -25,7 +26,7 @@ export const TOOL_KEYS: Shortcut[] = [
   { keys: [], shown: '← → ↑ ↓', label: 'move it level', group: 'tool' },
   { keys: [], shown: 'Page Up / Down', label: 'raise and lower it', group: 'tool' },
   { keys: [], shown: 'Q E', label: 'turn it (yaw)', group: 'tool' },
-  { keys: [], shown: 'W S', label: 'nose down and up (pitch)', group: 'tool' },
+  { keys: [], shown: 'W S', label: 'tilt it: nose down and up (pitch)', group: 'tool' },
   { keys: [], shown: 'A D', label: 'roll it', group: 'tool' },
   { keys: [], shown: 'gamepad', label: 'left stick level, right stick up and yaw, triggers pitch', group: 'tool' },
 ];

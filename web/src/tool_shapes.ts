@@ -25,6 +25,8 @@ export interface ToolShape {
   longest_m(tool: Tool): number;
   /** radius of the sphere around it whose middle is the tool's origin, in m */
   reach_m(tool: Tool): number;
+  /** how far its nose points down when a pointer takes it, in degrees; 0: it digs as it stands */
+  dig_tilt_deg: number;
   /** it is two solids, which open along the tool's x */
   jaws: boolean;
   solid: (typeof SOLIDS)[number];
@@ -69,6 +71,7 @@ const round = (name: string, height: ToolSize): ToolShape => ({
   sizes: [DIAMETER, height],
   longest_m: (tool) => Math.max(tool.diameter_mm, height.mm(tool)) / 1000,
   reach_m: (tool) => Math.hypot(tool.diameter_mm, height.mm(tool)) / 2000,
+  dig_tilt_deg: 0,
   jaws: false,
   solid: 'cylinder',
   half_m: (tool) => [tool.diameter_mm / 2000, tool.diameter_mm / 2000, height.mm(tool) / 2000],
@@ -86,6 +89,7 @@ export const TOOL_SHAPES = {
     sizes: EDGES,
     longest_m: (tool) => Math.max(...tool.size_mm) / 1000,
     reach_m: (tool) => Math.hypot(...tool.size_mm) / 2000,
+    dig_tilt_deg: 55,
     jaws: false,
     solid: 'box',
     half_m: (tool) => tool.size_mm.map((mm) => mm / 2000) as Vec3,
@@ -98,6 +102,7 @@ export const TOOL_SHAPES = {
     sizes: [DIAMETER],
     longest_m: (tool) => tool.diameter_mm / 1000,
     reach_m: (tool) => tool.diameter_mm / 2000,
+    dig_tilt_deg: 0,
     jaws: false,
     solid: 'sphere',
     half_m: (tool) => [tool.diameter_mm / 2000, tool.diameter_mm / 2000, tool.diameter_mm / 2000],
@@ -116,6 +121,7 @@ export const TOOL_SHAPES = {
       const [x, y, z] = halfJaw_m(tool);
       return Math.hypot(tool.opening_mm / 2000 + 2 * x, y, z);
     },
+    dig_tilt_deg: 0,
     jaws: true,
     solid: 'box',
     half_m: halfJaw_m,
@@ -129,6 +135,7 @@ export const TOOL_SHAPES = {
     sizes: [],
     longest_m: (tool) => sizeOfMesh(tool.mesh!).longest_m,
     reach_m: (tool) => sizeOfMesh(tool.mesh!).reach_m,
+    dig_tilt_deg: 0,
     jaws: false,
     solid: 'none',
     half_m: (tool) => sizeOfMesh(tool.mesh!).half_m,

@@ -1,5 +1,5 @@
-// npm run frames -- ADDRESS [SECONDS [QUERY]]: how many pictures a second a page draws without a graphics card, and what
-// each costs the browser in processor time, which says more on a busy machine. The address is that of a running program;
+// npm run frames -- ADDRESS [SECONDS [QUERY]]: how long a page takes to its first frame without a graphics card, how many frames
+// a second it draws then, and what each costs the browser in processor time, which says more on a busy machine. The address is that of a running program;
 // a query is drawing=balls, for example.
 
 import { readdirSync, readFileSync } from 'node:fs';
@@ -36,8 +36,10 @@ url.search = query;
 const browser = await launch();
 try {
   const page = await browser.newPage({ viewport: { width: 1280, height: 720 } });
+  const begun_ms = performance.now();
   await page.goto(url.href);
   await page.waitForFunction(() => window.haptolith?.ready === true, null, { timeout: 120_000 });
+  const first_s = (performance.now() - begun_ms) / 1000;
   await page.waitForTimeout(1000 * SETTLING_S);
   const drawn = (): Promise<[number, number]> =>
     page.evaluate(() => [window.haptolith!.framesDrawn, performance.now() / 1000]);
@@ -52,7 +54,7 @@ try {
     return `${width} x ${height}`;
   });
   console.log(
-    `${(pictures / (end_s - start_s)).toFixed(1)} pictures/s of ${canvas} pixels, ` +
+    `first after ${first_s.toFixed(1)} s, ${(pictures / (end_s - start_s)).toFixed(1)} frames/s of ${canvas} pixels, ` +
       `${((1000 * used_s) / pictures).toFixed(0)} ms of processor time each`,
   );
 } finally {

@@ -68,6 +68,8 @@ export interface MockOptions {
   read_only?: boolean;
   /** a person's hand is at a device */
   person_feels?: boolean;
+  /** one tick in ten is late; `others`: because other programs take the processor */
+  late?: 'soil' | 'others';
   /** as in a status: far away, follows the tool */
   robot?: Robot;
   /** what must be in the address of the WebSocket */
@@ -242,6 +244,9 @@ export class MockServer {
       time_s: this.time_s,
       ticks: Math.round(this.time_s * 1000),
       misses: this.misses,
+      misses_too_long: this.misses,
+      misses_woken_late: 0,
+      misses_preempted: 0,
       success_rate: 0.99,
       rate_hz: this.paused ? 0 : 1000 * this.speed,
       tick_us: { p50: 7.1, p99: 36.2, max: 1989.9 },
@@ -261,10 +266,20 @@ export class MockServer {
       problem: null,
       can_undo: this.undo !== null,
       undo: this.undo_name,
+      undo_redoes: false,
       recording: this.recording,
       recorded: this.recorded,
       robot: this.options.robot ?? null,
+      ...this.late(),
     };
+  }
+
+  /** Coarser soil is in time. */
+  private late(): Partial<Status> {
+    if (!this.options.late || this.scene.radius_m > 0.007) return {};
+    const misses = Math.round(this.time_s * 100);
+    const woken_late = this.options.late === 'others' ? misses : 0;
+    return { misses, misses_too_long: misses - woken_late, misses_woken_late: woken_late };
   }
 
   private welcome(socket: WebSocket): void {

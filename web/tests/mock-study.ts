@@ -130,6 +130,8 @@ interface Screen {
   button_after_s?: number;
 }
 
+export const ENDED = 'S01 stopped after 6 of 15 trials; resume with: haptolith study resume friction.study';
+
 export class MockStudy {
   private readonly options: Required<MockStudyOptions>;
   private readonly roles = new Map<number, Role>();
@@ -141,6 +143,7 @@ export class MockStudy {
   private at = 0;
   private begun_ms = Date.now();
   private paused = false;
+  private ended = false;
   private withdrawn = false;
   private peak_n = 0;
   problem: string | null = null;
@@ -206,7 +209,7 @@ export class MockStudy {
   }
 
   get phase(): Phase {
-    return this.withdrawn ? 'withdrawn' : this.paused ? 'paused' : this.screen.message.phase;
+    return this.ended ? 'stopped' : this.withdrawn ? 'withdrawn' : this.paused ? 'paused' : this.screen.message.phase;
   }
 
   get given(): readonly Answer[] {
@@ -246,6 +249,10 @@ export class MockStudy {
     }
   }
 
+  endForToday(): void {
+    this.ended = true;
+  }
+
   private obeyExperimenter(command: StudyCommand): string | null {
     switch (command.act) {
       case 'pause':
@@ -261,7 +268,7 @@ export class MockStudy {
         return null;
       case 'end':
         this.note('program', 'Ended for today.');
-        this.at = this.screens.length - 1;
+        this.endForToday();
         return null;
       default:
         return `an experimenter may not ${command.act}`;
@@ -439,7 +446,7 @@ export class MockStudy {
   private forParticipant(): ParticipantMessage {
     const { message, auto_s, button_after_s } = this.screen;
     const head = { ...waiting(''), study: 'Friction and gravity', progress: this.progress(), problem: null };
-    if (this.withdrawn || this.paused) return { ...head, phase: this.phase };
+    if (this.ended || this.withdrawn || this.paused) return { ...head, phase: this.phase, ended: this.ended };
     const until_s = message.phase === 'interval' ? auto_s : button_after_s;
     return {
       ...head,
@@ -469,6 +476,7 @@ export class MockStudy {
       answers: [...this.answers, ...this.underWay()].slice(-100),
       blocks: BLOCKS.map((block) => this.result(block)),
       notes: this.notes,
+      ended: this.ended ? ENDED : null,
       problem: this.problem,
     };
   }

@@ -125,7 +125,7 @@ Training dugSoils(const SoilsOptions& options, std::uint64_t (*number_of)(std::u
   }
   const int threads =
       options.threads > 0 ? options.threads : static_cast<int>(std::max(1U, std::thread::hardware_concurrency()));
-  KeptWork work(count, threads, status);
+  KeptWork work(std::vector<double>(count, 1), threads, status);
   work.run(missing, options.out_file, [&](std::size_t i) {
     const std::string title = fmt::format("soil {}", i + 1);
     std::optional<TrainingRun> run;

@@ -24,6 +24,7 @@
 #include "lab/specimens.h"
 #include "shared/option_checks.h"
 #include "shared/output.h"
+#include "shared/progress.h"
 #include "shared/stop_on_signal.h"
 #include "workbench_commands.h"
 
@@ -61,7 +62,9 @@ void runSpecimen(const LabTest& test, const TestCommand& command) {
   const LabOptions& options = command.lab;
   requireWritable({options.overwrite(options.trace_file), options.overwrite(options.figure_file)});
   const LabSoil soil = labSoil(options, test.radius_mm);
-  const LabConditions conditions = labConditions(options, soil, status);
+  Progress progress(status);
+  const LabConditions conditions = labConditions(options, soil, progress.part(0, 1));
+  progress.expect(test.typical_s, conditions.threads);
   const LabOutput output = test.run(soil, conditions);
   status.clear();
   if (!options.trace_file.empty()) {
@@ -83,10 +86,13 @@ void runSpecimens(const LabTest& test, const TestCommand& command) {
   StatusLine status;
   LabOptions options = command.lab;
   const LabSoil soil = labSoil(options, test.radius_mm);
+  Progress progress(status);
+  progress.expect(command.seeds * test.typical_s, threadsFor(options.threads));
   std::vector<Specimen> specimens;
   for (int i = 0; i < command.seeds; ++i) {
     options.seed = command.lab.seed + static_cast<std::uint64_t>(i);
-    const LabConditions conditions = labConditions(options, soil, status);
+    const LabConditions conditions =
+        labConditions(options, soil, progress.part(1.0 * i / command.seeds, (1.0 + i) / command.seeds));
     specimens.push_back({options.seed,
                          specimenJson(test.name, options, soil, conditions, test.run(soil, conditions), command.given),
                          ""});
@@ -176,12 +182,15 @@ Json calibrationJson(const CalibrateCommand& command, const CalibrateSoilOptions
   return json;
 }
 
+/// Seconds of one thread: four rounds of two shear tests, the verification's, and columns for the density.
+double typicalDuration(const CalibrateSoilOptions& options) {
+  return (8 + options.verification_seeds) * labTest("shear").typical_s + 2 * labTest("settle").typical_s;
+}
+
 void runCalibrateSoil(const CalibrateCommand& command) {
   const StopOnSignal stop_on_signal;
   StatusLine status;
-  LabOptions lab;
-  lab.threads = command.threads;
-  const LabConditions conditions = labConditions(lab, labSoil(lab, 0), status);
+  Progress progress(status);
   requireWritable({command.overwrite(command.out_file)});
   CalibrateSoilOptions options;
   requireInRange("radius_mm", command.radius_mm, {0.5, 20});
@@ -190,9 +199,10 @@ void runCalibrateSoil(const CalibrateCommand& command) {
   options.density = command.density;
   options.gravity_m_s2 = findBody(command.body).gravity_m_s2;
   options.seed = command.seed;
-  options.threads = conditions.threads;
-  options.progress = conditions.progress;
+  options.threads = threadsFor(command.threads);
+  options.progress = progress.part(0, 1);
   options.verification_seeds = command.specimens;
+  progress.expect(typicalDuration(options), options.threads);
   const CalibratedSoil result = calibrateSoil(command.target, options);
   status.clear();
   const SoilReached& reached = result.reached;

@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <map>
 #include <thread>
+#include <utility>
 
 #include "haptolith/core/atomic_file.h"
 #include "haptolith/core/overloaded.h"
@@ -17,8 +18,6 @@
 #include "haptolith/soil/bodies.h"
 
 #include "shared/option_checks.h"
-#include "shared/output.h"
-#include "shared/stop_on_signal.h"
 
 namespace haptolith {
 
@@ -35,11 +34,11 @@ CLI::Validator inLowerCase() {
           ""};
 }
 
+}  // namespace
+
 int threadsFor(int wanted) {
   return wanted > 0 ? wanted : static_cast<int>(std::max(1U, std::thread::hardware_concurrency()));
 }
-
-}  // namespace
 
 void LabOptions::addTo(CLI::App& command) {
   command.add_option("--soil", soil, "a named soil (haptolith soil list), a soil file, or P1 to P6")
@@ -99,16 +98,13 @@ LabSoil labSoil(const LabOptions& options, double radius_mm) {
           found.file ? std::optional(found.file->target) : std::nullopt};
 }
 
-LabConditions labConditions(const LabOptions& options, const LabSoil& soil, StatusLine& status) {
+LabConditions labConditions(const LabOptions& options, const LabSoil& soil, LabProgress progress) {
   LabConditions conditions;
   conditions.soil = soil.soil;
   conditions.gravity_m_s2 = findBody(options.body).gravity_m_s2;
   conditions.seed = options.seed;
   conditions.threads = threadsFor(options.threads);
-  conditions.progress = [&status](std::string_view what, double share) {
-    status.tell([&] { return fmt::format("{}: {:.0f} %", what, 100 * share); });
-    return !stopAsked();
-  };
+  conditions.progress = std::move(progress);
   return conditions;
 }
 

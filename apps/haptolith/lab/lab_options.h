@@ -18,8 +18,6 @@ class App;
 
 namespace haptolith {
 
-class StatusLine;
-
 /// What all tests of the laboratory can be told on the command line.
 struct LabOptions {
   std::string soil = "lunar-0-15cm";
@@ -46,8 +44,10 @@ void addOption(CLI::App& command, const LabOption& option);
 /// @param radius_mm  of the macroparticles when the options name none; 0 leaves them as the soil has them.
 [[nodiscard]] LabSoil labSoil(const LabOptions& options, double radius_mm);
 
-/// The conditions of a test, whose progress is shown in `status` and which ends when a signal asks for it.
-[[nodiscard]] LabConditions labConditions(const LabOptions& options, const LabSoil& soil, StatusLine& status);
+/// The number of threads for --threads; 0: one for each processor.
+[[nodiscard]] int threadsFor(int wanted);
+
+[[nodiscard]] LabConditions labConditions(const LabOptions& options, const LabSoil& soil, LabProgress progress);
 
 /// What every test says about its circumstances.
 [[nodiscard]] nlohmann::ordered_json circumstancesJson(const LabOptions& options, const LabSoil& soil,

@@ -90,12 +90,6 @@ std::string seedsText(const ReportOptions& options) {
                            : fmt::format("{}", first);
 }
 
-std::string durationText(double seconds) {
-  return seconds < 100        ? fmt::format("{:.0f} s", seconds)
-         : seconds < 100 * 60 ? fmt::format("{:.0f} min", seconds / 60)
-                              : fmt::format("{:.1f} h", seconds / 3600);
-}
-
 /// One test with one model of friction and one seed: what is done, saved and resumed as a whole.
 struct ReportPiece {
   std::size_t test = 0;
@@ -125,7 +119,6 @@ class Report {
   [[nodiscard]] std::string titleOf(const ReportPiece& piece) const;
 
   [[nodiscard]] std::size_t done() const;
-  [[nodiscard]] double secondsLeft() const;
   [[nodiscard]] ReportCell cellOf(std::size_t test, FrictionModel model) const;
   [[nodiscard]] std::string missingText() const;
   [[nodiscard]] ReportPage page() const;
@@ -144,7 +137,7 @@ class Report {
 Report::Report(const ReportOptions& options)
     : options_(options),
       soil_(labSoil(options.lab, 0)),
-      conditions_(labConditions(options.lab, soil_, status_)),
+      conditions_(labConditions(options.lab, soil_, {})),
       tests_(testsOf(options)) {
   for (int i = 0; i < options.seeds; ++i) {
     for (std::size_t test = 0; test < tests_.size(); ++test) {
@@ -179,7 +172,9 @@ void Report::complete() {
     }
   }
   saveReport({folder_->page(), IfThere::kReplace}, page());
-  work_.emplace(pieces_.size(), conditions_.threads, status_);
+  std::vector<double> lengths_s(pieces_.size());
+  std::ranges::transform(pieces_, lengths_s.begin(), [&](const ReportPiece& piece) { return tests_[piece.test].typical_s; });
+  work_.emplace(std::move(lengths_s), conditions_.threads, status_);
   work_->run(missing, folder_->path(), [this](std::size_t index) { measure(index); });
 }
 
@@ -231,9 +226,7 @@ void Report::keep(std::size_t index, ReportResult result, const Json& document) 
     const std::string found = kept.findings.empty() ? kept.why_not
                                                     : fmt::format("{} {}", kept.findings.front().measured,
                                                                   overSeeds({kept.findings.front()}).text);
-    const std::string left =
-        done() < pieces_.size() ? fmt::format("; about {} left", durationText(secondsLeft())) : std::string();
-    return fmt::format("{}: {} ({}{})", titleOf(pieces_[index]), found, durationText(kept.took_s), left);
+    return fmt::format("{}: {} ({})", titleOf(pieces_[index]), found, durationText(kept.took_s));
   });
 }
 
@@ -276,32 +269,6 @@ std::string Report::titleOf(const ReportPiece& piece) const {
 std::size_t Report::done() const {
   return static_cast<std::size_t>(
       std::ranges::count_if(results_, [](const auto& result) { return result.has_value(); }));
-}
-
-/// A test takes as long as it took with another seed, else with the other model, else as long as the others.
-double Report::secondsLeft() const {
-  const auto mean_s = [this](const auto& matches) {
-    double sum_s = 0;
-    int count = 0;
-    for (std::size_t i = 0; i < pieces_.size(); ++i) {
-      if (results_[i] && matches(pieces_[i])) {
-        sum_s += results_[i]->took_s;
-        ++count;
-      }
-    }
-    return count > 0 ? std::optional(sum_s / count) : std::nullopt;
-  };
-  const double any_s = mean_s([](const ReportPiece&) { return true; }).value_or(0);
-  double left_s = 0;
-  for (std::size_t i = 0; i < pieces_.size(); ++i) {
-    if (!results_[i]) {
-      const ReportPiece& piece = pieces_[i];
-      const auto same = mean_s([&](const ReportPiece& p) { return p.test == piece.test && p.model == piece.model; });
-      const auto near = mean_s([&](const ReportPiece& p) { return p.test == piece.test; });
-      left_s += same.value_or(near.value_or(any_s));
-    }
-  }
-  return left_s / static_cast<double>(work_->atOnce());
 }
 
 ReportCell Report::cellOf(std::size_t test, FrictionModel model) const {

@@ -127,7 +127,6 @@ class Validation {
   void measure(std::size_t index);
   [[nodiscard]] Json tried(std::size_t index);
   [[nodiscard]] std::size_t done() const;
-  [[nodiscard]] std::string leftText() const;
 
   [[nodiscard]] ClaimSpecimen specimenOf(const MeasuredClaim& measured, std::size_t seed_index) const;
   [[nodiscard]] JudgedClaim judged(std::size_t claim) const;
@@ -215,9 +214,7 @@ Validation::Validation(const ValidateOptions& options) : options_(options), clai
       }
     }
   }
-  LabOptions lab;
-  lab.threads = options.threads;
-  threads_ = labConditions(lab, pieces_.front().soil, status_).threads;
+  threads_ = threadsFor(options.threads);
   folder_.emplace(options.folder, Json{{"validation", "haptolith " HAPTOLITH_VERSION}},
                   options.resume              ? ReportThere::kResume
                   : options.overwrite.allowed ? ReportThere::kReplace
@@ -255,7 +252,10 @@ void Validation::complete() {
     }
   }
   savePage();
-  work_.emplace(pieces_.size(), threads_, status_);
+  std::vector<double> lengths_s(pieces_.size());
+  std::ranges::transform(pieces_, lengths_s.begin(),
+                         [](const ClaimPiece& piece) { return labTest(piece.run.test).typical_s; });
+  work_.emplace(std::move(lengths_s), threads_, status_);
   work_->run(missing, folder_->path(), [this](std::size_t index) { measure(index); });
   const std::vector<JudgedClaim> claims = judgedClaims();
   const std::vector<std::string> groups = groupsOf(claimsOf(claims_));
@@ -276,7 +276,7 @@ void Validation::measure(std::size_t index) {
     pieces_[index].done = std::move(document);
     savePage();
     const ClaimPiece& piece = pieces_[index];
-    return fmt::format("{} ({:.0f} s{})", titleOf(piece), took_s, leftText());
+    return fmt::format("{} ({})", titleOf(piece), durationText(took_s));
   });
 }
 
@@ -310,18 +310,6 @@ Json Validation::tried(std::size_t index) {
 std::size_t Validation::done() const {
   return static_cast<std::size_t>(
       std::ranges::count_if(pieces_, [](const ClaimPiece& piece) { return piece.done.has_value(); }));
-}
-
-/// "; about 40 min left": each as long as the mean of those that are done.
-std::string Validation::leftText() const {
-  double sum_s = 0;
-  for (const ClaimPiece& piece : pieces_) {
-    sum_s += piece.done ? piece.done->value("took_s", 0.0) : 0;
-  }
-  const auto there = static_cast<double>(done());
-  const double left_s =
-      sum_s / there * (static_cast<double>(pieces_.size()) - there) / static_cast<double>(work_->atOnce());
-  return done() < pieces_.size() ? fmt::format("; about {:.0f} min left", std::ceil(left_s / 60)) : "";
 }
 
 ClaimSpecimen Validation::specimenOf(const MeasuredClaim& measured, std::size_t seed_index) const {

@@ -5,13 +5,17 @@
 
 #include <algorithm>
 #include <memory>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
 
 #include "haptolith/core/error.h"
 #include "haptolith/machine/check.h"
+#include "haptolith/machine/finest_grain.h"
+#include "haptolith/machine/machine_summary.h"
 #include "haptolith/machine/real_time_checks.h"
+#include "haptolith/scenario/scenario.h"
 
 #include "commands.h"
 #include "shared/histogram_json.h"
@@ -25,7 +29,7 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 constexpr const char* kDoctorExamples = R"(Examples:
-  haptolith doctor                   ten seconds
+  haptolith doctor                   about 12 seconds
   haptolith doctor --seconds 600     as long as rare lateness needs to show itself
   haptolith doctor --cpu 3           on the CPU that `haptolith run --cpu 3` would use
 
@@ -123,7 +127,17 @@ std::string wakeUpText(const WakeUps& measured, const Paint& paint) {
                          kLatestWakeUp_us, 1000 - kLatestWakeUp_us));
 }
 
-std::string reportText(const std::vector<Check>& checks, const WakeUps& measured, const Paint& paint) {
+/// What this machine can do, in five lines.
+std::string summaryText(const std::vector<SummaryLine>& summary, const Paint& paint) {
+  std::string lines = paint.bold("What this machine can do") + "\n\n";
+  for (const SummaryLine& line : summary) {
+    lines += fmt::format("  {}  {}\n", paint.bold(fmt::format("{:<13}", line.name)), line.text);
+  }
+  return lines;
+}
+
+std::string reportText(const std::vector<Check>& checks, const WakeUps& measured, const std::optional<FinestSoil>& soil,
+                       const Paint& paint) {
   std::string report = paint.bold("Can this machine run the loop in real time?") + "\n\n";
   for (const Check& check : checks) {
     report += checkText(check, paint);
@@ -134,10 +148,20 @@ std::string reportText(const std::vector<Check>& checks, const WakeUps& measured
   const std::string told = verdict == Fitness::kInsufficient ? fmt::format("No. Lacking: {}.", namesOf(checks, verdict))
                            : could_be_better > 0             ? fmt::format("Yes; {} could be better.", could_be_better)
                                                              : "Yes.";
-  return report + "\n" + paint.verdict(verdict, told) + "\n";
+  return report + "\n" + paint.verdict(verdict, told) + "\n\n" +
+         summaryText(machineSummary(checks, measured, soil), paint);
 }
 
-Json reportJson(const std::vector<Check>& checks, const WakeUps& measured) {
+Json soilJson(const std::optional<FinestSoil>& soil) {
+  return soil ? Json{{"radius_mm", 1e3 * soil->radius_m},
+                     {"particles", soil->particles},
+                     {"threads", soil->threads},
+                     {"predicted_tick_us_p99", soil->tick_us_p99},
+                     {"in_time", soil->in_time}}
+              : Json(nullptr);
+}
+
+Json reportJson(const std::vector<Check>& checks, const WakeUps& measured, const std::optional<FinestSoil>& soil) {
   Json list = Json::array();
   for (const Check& check : checks) {
     list.push_back({{"name", check.name},
@@ -155,7 +179,8 @@ Json reportJson(const std::vector<Check>& checks, const WakeUps& measured) {
           {"cpu", granted.cpu == kAnyCpu ? Json(nullptr) : Json(granted.cpu)},
           {"wake_ups", measured.late_us.count()},
           {"missed", measured.missed},
-          {"late_us", histogramJsonWithBuckets(measured.late_us)}};
+          {"late_us", histogramJsonWithBuckets(measured.late_us)},
+          {"finest_soil", soilJson(soil)}};
 }
 
 WakeUps measure(const DoctorOptions& options) {
@@ -169,15 +194,39 @@ WakeUps measure(const DoctorOptions& options) {
   });
 }
 
+/// The finest soil of the scene that opens by itself which this machine computes in time; none when Ctrl-C came.
+std::optional<FinestSoil> finestSoil(const DoctorOptions& options) {
+  if (stopAsked()) {
+    return std::nullopt;
+  }
+  StatusLine status;
+  status.update("how fine may soil be on this machine?");
+  const Scenario scene = findScenario("regolith");
+  try {
+    const FinestGrain found = finestGrain(scene.bed, scene.tool, {.cpu = options.cpu}, stopAsked());
+    return FinestSoil{.radius_m = found.chosen.radius_m,
+                      .particles = found.chosen.grains,
+                      .threads = scene.bed.threads,
+                      .tick_us_p99 = found.chosen.tick_us_p99,
+                      .in_time = found.holds()};
+  } catch (const Failure&) {
+    if (!stopAsked()) {
+      throw;
+    }
+    return std::nullopt;
+  }
+}
+
 void doctor(const DoctorOptions& options) {
   const StopOnSignal stop_on_signal;
   requireInRange("seconds", options.seconds, {0.1, 1e6});
   const WakeUps measured = measure(options);
   const std::vector<Check> checks = realTimeChecks(measured);
+  const std::optional<FinestSoil> soil = finestSoil(options);
   if (options.json) {
-    printJson(reportJson(checks, measured));
+    printJson(reportJson(checks, measured, soil));
   } else {
-    printText(reportText(checks, measured, Paint(isColoured(STDOUT_FILENO))));
+    printText(reportText(checks, measured, soil, Paint(isColoured(STDOUT_FILENO))));
   }
   if (worst(checks) == Fitness::kInsufficient) {
     throw Failure(fmt::format("the loop cannot run in real time here: {}", namesOf(checks, Fitness::kInsufficient)));

@@ -15,6 +15,7 @@
 #include "commands.h"
 #include "shared/option_checks.h"
 #include "shared/output.h"
+#include "shared/progress.h"
 #include "shared/scene_options.h"
 #include "shared/stop_on_signal.h"
 
@@ -91,13 +92,10 @@ void replay(const ReplayOptions& options) {
   }
   StatusLine status;
   Replay replay(recording, options.threads, settlingIn(status));
-  const ReplayResult result = replay.run([&](const TickRecord& was, const TickRecord&) {
-    status.tell([&] {
-      return fmt::format("{:.1f} s of {:.1f} s", was.time_s,
-                         static_cast<double>(recording.ticks()) * recording.header().tick_s);
-    });
-    return !stopAsked();
-  });
+  Progress progress(status);
+  const double end_s = static_cast<double>(recording.ticks()) * recording.header().tick_s;
+  const ReplayResult result = replay.run(
+      [&](const TickRecord& was, const TickRecord&) { return progress.tell("replaying", was.time_s / end_s); });
   status.clear();
   options.json ? printJson(summaryJson(recording, replay, result))
                : printText(summary(options, recording, replay, result));

@@ -21,12 +21,14 @@
 #include "haptolith/core/error.h"
 #include "haptolith/core/plain_text.h"
 #include "haptolith/haptics/stiffness_check.h"
+#include "haptolith/machine/deadline_report.h"
 #include "haptolith/machine/machine_fit.h"
 #include "haptolith/scenario/file_keys.h"
 #include "haptolith/scenario/scenario.h"
 #include "haptolith/scenario/scene_words.h"
 #include "haptolith/session/session.h"
 #include "haptolith/viewer/live_view.h"
+#include "haptolith/viewer/waiting_page.h"
 
 #include "commands.h"
 #include "run/run_companion.h"
@@ -104,13 +106,18 @@ std::optional<FinestGrain> fitted(Scenario& scenario, const RunOptions& options)
     return std::nullopt;
   }
   StatusLine status;
-  return fitToMachine(
+  const std::string before = sceneInWords(scenario);
+  const FinestGrain found = fitToMachine(
       scenario,
       {.threads = is_auto && !has_threads ? std::nullopt : std::optional(scenario.bed.threads),
        .folder = tileFolder(),
        .measure_again = options.measure_again,
        .measuring = [&status] { status.update("measures how fine soil this machine renders in time"); }},
       stopAsked());
+  if (!is_auto) {
+    retitle(scenario, before);
+  }
+  return found;
 }
 
 /// Chooses the particles, and takes the steps that --coarser asks for.
@@ -260,7 +267,16 @@ struct RunSummary {
   RealTime real_time;
   std::uint64_t lost_records;
   std::optional<FinestGrain> finest;  ///< what was chosen for this machine
+  std::string advice;                 ///< what to do about missed deadlines; empty: nothing
 };
+
+/// How to open the same scene with soil that is a little coarser.
+std::string coarserSoil(const RunOptions& options, const Scenario& shown) {
+  constexpr double kCoarser = 1.15;
+  return options.scene.scenario_file.empty() && !options.scene.preset
+             ? "haptolith run --coarser"
+             : fmt::format("--set soil.radius_mm={:.2g}", kCoarser * 1e3 * shown.bed.soil.radius_m);
+}
 
 Json statisticsJson(const Histogram& h) {
   return {{"mean", h.mean()}, {"p99", h.percentile(0.99)}, {"max", h.max()}};
@@ -281,6 +297,7 @@ Json finestJson(const std::optional<FinestGrain>& finest) {
 
 Json summaryJson(const Scenario& scenario, const Scene& scene, const HapticLoop& loop, const RunSummary& summary) {
   const LoopStatistics& statistics = loop.statistics();
+  const auto misses = [&](Miss cause) { return scenario.loop.paced ? Json(statistics.misses(cause)) : Json(nullptr); };
   return {{"title", scenario.title},
           {"preset", scenario.preset},
           {"soil", scenario.soil_name.empty() ? Json(nullptr) : Json(scenario.soil_name)},
@@ -299,6 +316,10 @@ Json summaryJson(const Scenario& scenario, const Scene& scene, const HapticLoop&
           {"tick_us", histogramJsonWithBuckets(statistics.tickUs())},
           {"late_us", scenario.loop.paced ? histogramJsonWithBuckets(statistics.lateUs()) : Json(nullptr)},
           {"deadline_misses", scenario.loop.paced ? Json(statistics.deadlineMisses()) : Json(nullptr)},
+          {"misses_too_long", misses(Miss::kTooLong)},
+          {"misses_woken_late", misses(Miss::kWokenLate)},
+          {"misses_preempted", misses(Miss::kPreempted)},
+          {"advice", summary.advice.empty() ? Json(nullptr) : Json(summary.advice)},
           {"success_rate_last_100", scenario.loop.paced ? Json(statistics.successRate()) : Json(nullptr)},
           {"force_n", statisticsJson(statistics.forceN())},
           {"torque_nm", statisticsJson(statistics.torqueNm())},
@@ -323,12 +344,6 @@ std::string wakeUpText(const Histogram& late_us) {
              ? ""
              : fmt::format("  wake-up    p50 {:.1f}  p99 {:.1f}  p99.9 {:.1f}  max {:.1f} us late\n",
                            late_us.percentile(0.5), late_us.percentile(0.99), late_us.percentile(0.999), late_us.max());
-}
-
-std::string deadlinesText(const Scenario& scenario, const LoopStatistics& statistics) {
-  return scenario.loop.paced ? fmt::format("{} missed; {:.0f} % of the last 100 in time", statistics.deadlineMisses(),
-                                           100 * statistics.successRate())
-                             : "none: as fast as it can";
 }
 
 /// "256 macroparticles of 7 mm", "2048 macroparticles (208 of 7 mm, 1840 of 3.5 mm)"; those of several sizes that are
@@ -371,7 +386,8 @@ std::string summaryText(const Scenario& scenario, const Scene& scene, const Hapt
       fmt::arg("time", loop.time()), fmt::arg("ticks", s.ticks()), fmt::arg("end", text(summary.end)),
       fmt::arg("mean", t.mean()), fmt::arg("p50", t.percentile(0.5)), fmt::arg("p99", t.percentile(0.99)),
       fmt::arg("p999", t.percentile(0.999)), fmt::arg("max", t.max()), fmt::arg("simd", simdTarget()),
-      fmt::arg("threads", counted(scenario.bed.threads, "thread")), fmt::arg("deadlines", deadlinesText(scenario, s)),
+      fmt::arg("threads", counted(scenario.bed.threads, "thread")),
+      fmt::arg("deadlines", scenario.loop.paced ? deadlinesText(s) : "none: as fast as it can"),
       fmt::arg("scheduler", summary.real_time.scheduler),
       fmt::arg("cpu", summary.real_time.cpu == kAnyCpu ? "" : fmt::format(" on CPU {}", summary.real_time.cpu)),
       fmt::arg("wakeup", wakeUpText(s.lateUs())),
@@ -429,6 +445,16 @@ std::unique_ptr<LiveView> viewOf(Session& session, Follower& follower, const Run
   }
 }
 
+/// Shows in the terminal, and on a page where there will be one, how far the bed has settled.
+SettleProgress settlingOn(WaitingPage* page, SettledFraction& settled, StatusLine& status) {
+  return [shown = settlingIn(status), page, &settled](double time_s, double speed_m_s) {
+    if (page != nullptr) {
+      page->say(fmt::format("soil settles, {:.0f} % done", 100 * settled.update(speed_m_s)));
+    }
+    return shown(time_s, speed_m_s);
+  };
+}
+
 void run(const RunOptions& options) {
   const StopOnSignal stop_on_signal;
   Scenario scenario = scenarioFor(options);
@@ -445,7 +471,14 @@ void run(const RunOptions& options) {
   const bool serves = options.serve.value_or(scenario.loop.paced && !options.json);
   const bool leads = companion && companion->leadsRobot();
   const bool keeps_records = follower.wantsRecords() || serves || companion || !options.record_file.empty();
-  Session session(scenario, keeps_records, settlingIn(follower.status()), companion ? companion->device() : nullptr);
+  std::optional<WaitingPage> waiting;
+  SettledFraction settled;
+  if (serves) {
+    waiting.emplace(web);
+  }
+  Session session(scenario, keeps_records, settlingOn(waiting ? &*waiting : nullptr, settled, follower.status()),
+                  companion ? companion->device() : nullptr);
+  waiting.reset();
   follower.status().clear();
   printNotice(particlesText(session.scene(), finest, options.coarser));
   warnOfStiffness(session);
@@ -480,7 +513,9 @@ void run(const RunOptions& options) {
                            : 20ms);
   const LoopEnd end = session.join();
   follower.follow(session, driver.look());
-  const RunSummary summary{end, session.realTime(), taker ? taker->lost() : 0, finest};
+  const RunSummary summary{
+      end, session.realTime(), taker ? taker->lost() : 0, finest,
+      scenario.loop.paced ? deadlineAdvice(session.loop().statistics(), coarserSoil(options, session.shown())) : ""};
   follower.finish(summary.end, session.loop().time());
   driver.tellTheRest();
   if (figure) {
@@ -496,6 +531,9 @@ void run(const RunOptions& options) {
     printText(summaryText(session.shown(), session.scene(), session.loop(), summary));
     if (companion) {
       printText(companion->summary());
+    }
+    if (!summary.advice.empty()) {
+      printText(summary.advice + "\n");
     }
   }
   throwWhenItFailed(session.shown(), session.loop(), summary.end);

@@ -90,13 +90,19 @@ void drawRun(Figure& figure, const Scenario& scenario, const RunHistory& history
   const BedParameters& bed = scenario.bed;
   const SceneSnapshot& scene = history.strongest;
   const double half_width = kMm * bed.width_m / 2;
+  const double wall = half_width + kMm * bed.soil.radius_m;  // walls bound the middles of particles
+  const Rows tool = toolEdges(scenario.tool, scene.scene_T_tool, scene.opening_m);
+  double tool_top = kMm * scene.scene_T_tool.position_m.z();
+  for (const std::vector<double>& edge : tool) {
+    tool_top = std::max({tool_top, edge[1], edge[1] + edge[3]});
+  }
   double highest = kMm * scene.scene_T_tool.position_m.z() + 30;
   for (const Float4& p : scene.position) {
     highest = std::max(highest, std::min(kMm * (p.z + bed.soil.radius_m), 2 * half_width));
   }
 
   figure.data("particles", particlesBehindTheCut(scene, bed));
-  figure.data("tool", toolEdges(scenario.tool, scene.scene_T_tool, scene.opening_m));
+  figure.data("tool", tool);
   figure.data("forces", forces);
   figure.data("ticks", tickHistogram(statistics.tickUs()));
   figure.data("strongest", {{scene.time_s, scene.felt.force_n.norm()}});
@@ -118,12 +124,14 @@ set palette defined (0 '#55504a', 1 '#cfc8bd')
 set object 1 rectangle from {wall_left},{bottom} to {wall_right},0 fc rgb '#333333' fs solid noborder
 set arrow 1 from {wall_left},0 to {wall_left},{top} nohead lw 2 lc rgb '#333333'
 set arrow 2 from {wall_right},0 to {wall_right},{top} nohead lw 2 lc rgb '#333333'
+set label 1 'tool' at {tool_x},{tool_top} center offset 0,0.7 front tc rgb '#d1495b'
 set style fill solid 1.0 border lc rgb '#3a3632'
 plot $particles using 1:2:5:3 with circles palette, \
      $tool using 1:2:3:4 with vectors nohead lw 2.5 lc rgb '#d1495b'
 unset object 1
 unset arrow 1
 unset arrow 2
+unset label 1
 set size noratio
 
 set title 'Force on the hand (filtered, as felt)'
@@ -141,7 +149,7 @@ set title 'Vertical force over the height of the tool'
 set xlabel "height of the tool's centre (mm)"
 set ylabel 'force (N)'
 set key top right vertical
-plot $forces using 5:6 with lines lw 0.6 lc rgb '#a9c9ce' title 'of the soil', \
+plot $forces using 5:6 with lines lw 1.2 lc rgb '#edae49' title 'of the soil', \
      $forces using 5:4 with lines lw 1.2 lc rgb '#00798c' title 'as felt'
 
 set title 'How long the work of a tick took'
@@ -161,7 +169,9 @@ unset multiplot
                              fmt::arg("title", gnuplotQuoted(scenario.title)), fmt::arg("time", scene.time_s),
                              fmt::arg("force", scene.felt.force_n.norm()), fmt::arg("left", -half_width - 25),
                              fmt::arg("right", half_width + 25), fmt::arg("bottom", -6), fmt::arg("top", highest + 8),
-                             fmt::arg("wall_left", -half_width), fmt::arg("wall_right", half_width)));
+                             fmt::arg("wall_left", -wall), fmt::arg("wall_right", wall),
+                             fmt::arg("tool_x", kMm * scene.scene_T_tool.position_m.x()),
+                             fmt::arg("tool_top", tool_top)));
   figure.save();
 }
 

@@ -1,17 +1,21 @@
 #include <CLI/App.hpp>
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <nlohmann/json.hpp>
 
 #include <algorithm>
 #include <filesystem>
 #include <memory>
 #include <string>
+#include <string_view>
 #include <thread>
+#include <vector>
 
 #include "haptolith/bed/ready_tile.h"
 #include "haptolith/core/atomic_file.h"
 #include "haptolith/core/in_parallel.h"
 #include "haptolith/machine/machine_fit.h"
+#include "haptolith/scenario/built_in_scenes.h"
 #include "haptolith/scenario/scenario.h"
 
 #include "commands.h"
@@ -24,13 +28,22 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-/// What a built-in scene shows; one whose other files are not here is named all the same.
-std::string titleOf(const std::string& name) {
-  try {
-    return findScenario(name).title;
-  } catch (const InvalidParameter&) {
-    return fmt::format("needs a file beside it: run scenarios/{}.toml", name);
+/// The value of `title = "..."`.
+std::string_view titleOf(std::string_view scene) {
+  constexpr std::string_view kBegin = "\ntitle = \"";
+  const std::size_t begin = scene.find(kBegin) + kBegin.size();
+  return scene.substr(begin, scene.find('"', begin) - begin);
+}
+
+/// The comment that the file begins with: what the scene is for.
+std::vector<std::string_view> purposeOf(std::string_view scene) {
+  std::vector<std::string_view> lines;
+  while (scene.starts_with("# ")) {
+    const std::size_t end = scene.find('\n');
+    lines.push_back(scene.substr(2, end - 2));
+    scene.remove_prefix(end + 1);
   }
+  return lines;
 }
 
 /// Lets the soil of `auto` settle in each of its radii, for scenarios/tiles (./dev tiles); files that are there stay.
@@ -53,11 +66,16 @@ void makeTiles(const std::filesystem::path& folder) {
 
 void listScenes(bool as_json) {
   Json rows = Json::array();
-  std::string text = "Scenes with a name: haptolith run NAME\n\n";
-  for (const std::string& name : sceneNames()) {
-    const std::string title = titleOf(name);
-    rows.push_back({{"name", name}, {"title", title}});
-    text += fmt::format("  {:<14} {}\n", name, title);
+  std::string text = "Scenes with a name: haptolith run NAME\n";
+  for (const BuiltInScene& scene : builtInScenes()) {
+    const std::vector<std::string_view> purpose = purposeOf(scene.text);
+    rows.push_back({{"name", scene.name},
+                    {"title", titleOf(scene.text)},
+                    {"purpose", fmt::format("{}", fmt::join(purpose, " "))}});
+    text += fmt::format("\n  {:<14} {}\n", scene.name, titleOf(scene.text));
+    for (const std::string_view line : purpose) {
+      text += fmt::format("  {:<14}   {}\n", "", line);
+    }
   }
   as_json ? printJson({{"scenes", rows}}) : printText(text);
 }

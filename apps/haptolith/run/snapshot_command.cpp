@@ -52,7 +52,11 @@ constexpr double kPlotted_s = 10;
 /// The page shows its numbers ten times a second; what comes earlier may not be in them.
 constexpr auto kBetweenNumbers = 150ms;
 
-constexpr auto kPatienceForPage = 120s;
+/// A large bed, drawn in software on a busy machine, takes its time.
+constexpr auto kPatienceForPage = 300s;
+
+/// Fraction of ticks that may take longer than a tick's time in a picture of soil in real time.
+constexpr double kMaxLate = 0.001;
 
 struct SnapshotOptions {
   SceneOptions scene;
@@ -62,6 +66,7 @@ struct SnapshotOptions {
   int width_px = 1280, height_px = 720;
   std::string view = "three-quarter", drawing = "grains", colour = "plain", theme = "dark";
   bool panels = true;
+  bool require_in_time = false;
   bool film = false;
   double duration_s = 8, frames_per_s = 30;
 };
@@ -130,7 +135,21 @@ class Studio {
   /// What the page shows, once it shows what the scene is now.
   std::string picture() {
     waitUntilDrawn();
-    return browser_.screenshot(options_.film ? HeadlessBrowser::Png::kQuick : HeadlessBrowser::Png::kSmall);
+    std::string png =
+        browser_.screenshot(options_.film ? HeadlessBrowser::Png::kQuick : HeadlessBrowser::Png::kSmall);
+    throwWhenConnectionLost();
+    return png;
+  }
+
+  /// @throws Failure when more ticks than kMaxLate took longer than they stand for.
+  void requireInTime() {
+    const auto ticks = static_cast<double>(session_.snapshot().ticks);
+    const double late = static_cast<double>(session_.snapshot().deadline_misses) / ticks;
+    if (late > kMaxLate) {
+      throw Failure(fmt::format("no picture: {:.2g} % of ticks took longer than {} ms, {} % may; choose coarser soil "
+                                "(--set soil.radius_mm=...) or leave out --require-in-time",
+                                100 * late, 1e3 * session_.scenario().bed.tick_s, 100 * kMaxLate));
+    }
   }
 
  private:
@@ -179,20 +198,33 @@ class Studio {
         throw Failure(fmt::format("the page shows no picture; it says: {}", failed.get<std::string>()));
       }
       if (std::chrono::steady_clock::now() > until) {
-        throw Failure("the page has drawn nothing for two minutes");
+        throw Failure("the page has drawn nothing for five minutes");
       }
       throwWhenStopped();
       std::this_thread::sleep_for(20ms);
     } while (!browser_.evaluate("window.haptolith?.ready === true"));
+    client_ = browser_.evaluate(kConnectedClient);
+    throwWhenConnectionLost();
   }
 
-  /// Until the page has a frame of this moment that it had not at the last picture, and has nothing left to draw.
+  /// Also when the page has connected again meanwhile: its plots are then empty.
+  void throwWhenConnectionLost() {
+    if (client_.is_null() || browser_.evaluate(kConnectedClient) != client_) {
+      throw Failure(
+          "no picture: the page lost its connection to the program while it was drawing; try again while the machine is "
+          "less busy, or draw fewer pixels (--width, --height)");
+    }
+  }
+
+  /// Until the page has a frame of this moment that it had not at the last picture, and has nothing left to draw; or
+  /// has lost its connection.
   void waitUntilDrawn() {
     constexpr std::string_view kWaiting = R"(
       new Promise((drawn) => {{
         const page = window.haptolith;
         let pictures = -1, still = 0;
         const look = () => {{
+          if (!page.connected) return drawn({number});
           const there = page.frame && page.frame.time_s >= {time_s} && page.frame.number > {number};
           still = there && page.framesDrawn === pictures ? still + 1 : 0;
           pictures = page.framesDrawn;
@@ -207,10 +239,13 @@ class Studio {
                        .get<std::uint32_t>();
   }
 
+  static constexpr std::string_view kConnectedClient = "window.haptolith.connected ? window.haptolith.client : null";
+
   const SnapshotOptions& options_;
   HeadlessBrowser browser_;
   Session session_;
   LiveView view_;
+  nlohmann::json client_;          ///< number of the page's connection; null before it is ready
   double time_ = 0;                ///< simulated, s
   std::uint32_t frame_drawn_ = 0;  ///< its number, in the last picture
 };
@@ -227,6 +262,9 @@ void takePicture(const SnapshotOptions& options) {
   Studio studio(options, scenario, status);
   studio.play(options.at_s.value_or(kUsual_s));
   file.write(studio.picture());
+  if (options.require_in_time) {
+    studio.requireInTime();
+  }
   file.commit();
 }
 
@@ -248,6 +286,9 @@ void makeFilm(const SnapshotOptions& options) {
       studio.step(start_s + static_cast<double>(frame) / options.frames_per_s);
     }
     film.add(studio.picture());
+  }
+  if (options.require_in_time) {
+    studio.requireInTime();
   }
   film.save();
 }
@@ -296,6 +337,8 @@ void addSnapshotCommand(CLI::App& app) {
       ->add_flag_callback(
           "--no-panels", [options] { options->panels = false; }, "Only the bed, and what the hand feels")
       ->excludes(panels);
+  command->add_flag("--require-in-time", options->require_in_time,
+                    "Save nothing when more than 0.1 % of ticks took longer than 1 ms");
   CLI::Option* film = command->add_flag("--film", options->film, "A film instead of a picture");
   command->add_option("--duration-s", options->duration_s, "Simulated time that the film shows [8]")
       ->needs(film)

@@ -139,6 +139,11 @@ std::string usageProblem(const CLI::App& reached, const CLI::ParseError& error) 
     return fmt::format("{} and {} cannot both be given", text.substr(0, at),
                        text.substr(at + std::string_view(" excludes ").size()));
   }
+  if (const CLI::Option* option = reached.get_option_no_throw(text.substr(0, text.find(' ')));
+      option != nullptr && error.get_name() == "RequiredError" &&
+      option->get_option_text().find('|') != std::string::npos) {
+    return fmt::format("{}: {}", text, option->get_option_text());
+  }
   return text;
 }
 

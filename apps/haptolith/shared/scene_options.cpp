@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <map>
+#include <string_view>
 
 #include "haptolith/core/error.h"
 #include "haptolith/recording/recording_format.h"
@@ -129,6 +130,7 @@ void SceneOptions::addTo(CLI::App& command) {
 Scenario scenarioFor(const SceneOptions& options) {
   const std::string scene = options.scene();
   Scenario scenario = findScenario(scene, options.overrides);
+  const std::string title = scenario.title, before = sceneInWords(scenario);
   BedParameters& bed = scenario.bed;
   if (options.preset) {
     changePreset(scenario, *options.preset);
@@ -150,6 +152,10 @@ Scenario scenarioFor(const SceneOptions& options) {
   bed.threads = options.threads.value_or(bed.threads);
   bed.seed = options.seed.value_or(bed.seed);
   options.device.applyTo(scenario.device);
+  retitle(scenario, before);
+  const bool titled =
+      std::ranges::any_of(options.overrides, [](std::string_view text) { return text.starts_with("title"); });
+  scenario.title = titled ? title : scenario.title;
   makeToolMesh(scenario);
   if (scenario.tool.shape == ToolShape::kMesh) {
     tellOfMesh(scenario);

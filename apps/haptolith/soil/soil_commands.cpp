@@ -359,33 +359,27 @@ void runCalibrate(const CalibrateOptions& options) {
   }
 }
 
-/// The options of the command, whatever it is called.
-std::shared_ptr<CalibrateOptions> addCalibrateOptions(CLI::App& command) {
-  auto options = std::make_shared<CalibrateOptions>();
-  command.add_option("--friction-coefficient", options->friction_coefficient, "tangent of the friction angle, 0 to 2")
-      ->required();
-  command.add_option("--cohesion-pa", options->cohesion_pa, "cohesion, Pa")->required();
-  options->conditions.addOptions(command, "radius of a macroparticle, 0.5 to 20");
-  command.add_flag("--json", options->json, "print one JSON object instead of tables");
-  command.footer(
-      "Examples:\n"
-      "  haptolith soil calibrate-paper --friction-coefficient 0.9 --cohesion-pa 970\n"
-      "  haptolith soil calibrate-paper --friction-coefficient 0.7 --cohesion-pa 500 --body Mars --radius-mm 3 --json\n"
-      "For a soil that was measured: haptolith lab calibrate");
-  return options;
-}
-
 void addCalibratePaper(CLI::App& soil) {
   CLI::App* command = soil.add_subcommand(
       "calibrate-paper",
       "Parameters of the paper's model for a wanted friction and cohesion, density as close to the Moon's as it goes");
-  command->callback([options = addCalibrateOptions(*command)] { runCalibrate(*options); });
-  // What it was called once; in no help and no completion.
-  CLI::App* before = soil.add_subcommand("calibrate", "As calibrate-paper")->group("");
-  before->callback([options = addCalibrateOptions(*before)] {
-    printNotice(
-        "'soil calibrate' is now 'soil calibrate-paper'; for a soil that was measured there is 'lab calibrate'\n");
-    runCalibrate(*options);
+  auto options = std::make_shared<CalibrateOptions>();
+  command->add_option("--friction-coefficient", options->friction_coefficient, "tangent of the friction angle, 0 to 2")
+      ->required();
+  command->add_option("--cohesion-pa", options->cohesion_pa, "cohesion, Pa")->required();
+  options->conditions.addOptions(*command, "radius of a macroparticle, 0.5 to 20");
+  command->add_flag("--json", options->json, "print one JSON object instead of tables");
+  command->footer(
+      "Examples:\n"
+      "  haptolith soil calibrate-paper --friction-coefficient 0.9 --cohesion-pa 970\n"
+      "  haptolith soil calibrate-paper --friction-coefficient 0.7 --cohesion-pa 500 --body Mars --radius-mm 3 --json\n"
+      "For a soil that was measured: haptolith lab calibrate");
+  command->callback([options] { runCalibrate(*options); });
+  CLI::App* calibrate = soil.add_subcommand("calibrate")->group("")->allow_extras();  // in no help and no completion
+  calibrate->callback([] {
+    throw CLI::ValidationError("soil calibrate",
+                               "is either 'haptolith lab calibrate', for soil that was measured, or 'haptolith soil "
+                               "calibrate-paper', for the paper's friction");
   });
 }
 
@@ -442,32 +436,49 @@ Json rangeOrNull(const std::optional<Range>& range) {
   return range ? Json{range->lowest, range->highest} : Json(nullptr);
 }
 
+Json soilJson(const SoilFile& soil) {
+  const SoilTarget& target = soil.target;
+  return {{"name", soil.name},
+          {"bulk_density_kg_m3", target.bulk_density_kg_m3},
+          {"friction_angle_deg", target.friction_angle_deg},
+          {"friction_angle_range_deg", rangeOrNull(target.friction_angle_range_deg)},
+          {"cohesion_pa", target.cohesion_pa},
+          {"cohesion_range_pa", rangeOrNull(target.cohesion_range_pa)},
+          {"strength", wordFor(kSoilStrengthWords, target.strength)},
+          {"friction", wordFor(kFrictionWords, soil.soil.friction)},
+          {"calibrated", soil.reached.has_value()},
+          {"source", soil.source}};
+}
+
 void printSoilsJson() {
   Json rows = Json::array();
   for (const SoilFile& soil : namedSoils()) {
-    const SoilTarget& target = soil.target;
-    rows.push_back({{"name", soil.name},
-                    {"bulk_density_kg_m3", target.bulk_density_kg_m3},
-                    {"friction_angle_deg", target.friction_angle_deg},
-                    {"friction_angle_range_deg", rangeOrNull(target.friction_angle_range_deg)},
-                    {"cohesion_pa", target.cohesion_pa},
-                    {"cohesion_range_pa", rangeOrNull(target.cohesion_range_pa)},
-                    {"strength", wordFor(kSoilStrengthWords, target.strength)},
-                    {"friction", wordFor(kFrictionWords, soil.soil.friction)},
-                    {"calibrated", soil.reached.has_value()},
-                    {"source", soil.source}});
+    rows.push_back(soilJson(soil));
   }
   printJson(Json{{"soils", rows}});
 }
 
+/// The first letters of a text, without half a letter of UTF-8.
+std::string beginningOf(const std::string& text, std::size_t letters) {
+  std::size_t end = 0;
+  for (; end < text.size(); ++end) {
+    const bool begins_letter = (static_cast<unsigned char>(text[end]) & 0xC0U) != 0x80U;
+    if (begins_letter && letters-- == 0) {
+      return text.substr(0, end) + "...";
+    }
+  }
+  return text;
+}
+
 void printSoilsText() {
-  fmt::print("Soils with a name, as they were measured\n\n");
+  constexpr std::size_t kSourceLetters = 44;  // so that lines have 100
+  fmt::print("Soils with a name, as they were measured; all of one: haptolith soil show NAME\n\n");
   fmt::print("                        density    angle   cohesion\n");
   fmt::print("                          kg/m³        °         Pa   source\n");
   for (const SoilFile& soil : namedSoils()) {
     const SoilTarget& target = soil.target;
     fmt::print("  {:<20}   {:>6.0f}   {:>6.1f}   {:>8.0f}   {}\n", soil.name, target.bulk_density_kg_m3,
-               target.friction_angle_deg, target.cohesion_pa, soil.source);
+               target.friction_angle_deg, target.cohesion_pa, beginningOf(soil.source, kSourceLetters));
   }
 }
 
@@ -477,6 +488,46 @@ void addList(CLI::App& soil) {
   command->add_flag("--json", *json, "print one JSON object instead of a table");
   command->footer("Examples:\n  haptolith soil list\n  haptolith run --soil lunar-0-15cm");
   command->callback([json] { *json ? printSoilsJson() : printSoilsText(); });
+}
+
+// --- haptolith soil show ---------------------------------------------------------------------------------------------
+
+std::string rangeText(const std::optional<Range>& range) {
+  return range ? fmt::format(" ({:g} to {:g})", range->lowest, range->highest) : "";
+}
+
+void printSoil(const SoilFile& soil) {
+  const SoilTarget& target = soil.target;
+  fmt::print("{}\n  source          {}\n", soil.name, soil.source);
+  fmt::print("  bulk density    {:.0f} kg/m³\n", target.bulk_density_kg_m3);
+  fmt::print("  friction angle  {:.1f}°{}, {}\n", target.friction_angle_deg, rangeText(target.friction_angle_range_deg),
+             wordFor(kSoilStrengthWords, target.strength));
+  fmt::print("  cohesion        {:.0f} Pa{}\n", target.cohesion_pa, rangeText(target.cohesion_range_pa));
+  if (soil.reached) {
+    fmt::print("  simulated       {:.1f} ± {:.1f}°, {:.0f} ± {:.0f} Pa, {:.0f} kg/m³ ({} specimens)\n",
+               soil.reached->friction_angle_deg, soil.reached->friction_angle_sd_deg, soil.reached->cohesion_pa,
+               soil.reached->cohesion_sd_pa, soil.reached->bulk_density_kg_m3, soil.reached->seeds);
+  }
+  fmt::print("  particles       R = {:g} mm, {} friction\n", soil.soil.radius_m * kMmPerM,
+             wordFor(kFrictionWords, soil.soil.friction));
+}
+
+void addShow(CLI::App& soil) {
+  struct Options {
+    std::string name;
+    bool json = false;
+  };
+  auto options = std::make_shared<Options>();
+  CLI::App* command = soil.add_subcommand("show", "All that is known of one soil, its source among it");
+  command->add_option("name", options->name, "a named soil (haptolith soil list) or a soil file")
+      ->required()
+      ->option_text("NAME|FILE");
+  command->add_flag("--json", options->json, "print one JSON object instead of text");
+  command->footer("Example:\n  haptolith soil show lunar-0-15cm");
+  command->callback([options] {
+    const SoilFile found = findSoil(options->name);
+    options->json ? printJson(soilJson(found)) : printSoil(found);
+  });
 }
 
 }  // namespace
@@ -489,6 +540,7 @@ void addSoilCommands(CLI::App& app) {
   addCalibratePaper(*soil);
   addPresets(*soil);
   addList(*soil);
+  addShow(*soil);
 }
 
 }  // namespace haptolith

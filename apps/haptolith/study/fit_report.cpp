@@ -31,7 +31,12 @@ std::string intervalText(const Interval& interval) {
   return interval.low == interval.high ? "fixed" : fmt::format("{:.4g} to {:.4g}", interval.low, interval.high);
 }
 
+/// @param note  unless the estimate is outside its interval, which that of a most probable value at an end of its
+/// range is: equal tails are left out on both sides.
 std::string line(std::string_view name, const Estimate& estimate, std::string_view note = "") {
+  if (estimate.value < estimate.interval.low || estimate.value > estimate.interval.high) {
+    note = "at the edge of its range; the interval leaves out equal tails";
+  }
   return fmt::format("  {:<16} {:>9.4g}   {:<22} {}\n", name, estimate.value, intervalText(estimate.interval), note);
 }
 

@@ -24,6 +24,7 @@
 #include "shared/option_checks.h"
 #include "shared/output.h"
 #include "shared/overwrite.h"
+#include "shared/progress.h"
 #include "shared/stop_on_signal.h"
 #include "study/task_report.h"
 
@@ -194,9 +195,9 @@ void runTasks(const ExploreOptions& options) {
     const std::string& name = known.first;
     const StudyProtocol& protocol = known.second;
     StatusLine status;
+    Progress progress(status);
     const TaskPerception task = perceiveTask(protocol, protocol.blocks.front(), task_options, [&](double share) {
-      status.tell([&] { return fmt::format("exploring {}: {:.0f} %", name, 100 * share); });
-      return !stopAsked();
+      return progress.tell(fmt::format("exploring {}", name), share);
     });
     status.clear();
     if (options.json) {
@@ -219,10 +220,9 @@ void runExplore(const ExploreOptions& options) {
                    options.overwrite(options.weber_figure_file)});
   const PerceptionOptions wanted = perceptionOf(options);
   StatusLine status;
-  const std::vector<PerceptionBlock> blocks = explorePaperStimuli(wanted, [&](double share) {
-    status.tell([&] { return fmt::format("exploring: {:.0f} %", 100 * share); });
-    return !stopAsked();
-  });
+  Progress progress(status);
+  const std::vector<PerceptionBlock> blocks =
+      explorePaperStimuli(wanted, [&](double share) { return progress.tell("exploring", share); });
   status.clear();
   std::vector<std::vector<PerceivedCue>> perceived;
   Json json = {{"repeats", wanted.repeats},

@@ -18,12 +18,12 @@ constexpr const char* kStudyExportExamples = R"(Examples:
   haptolith study export friction.study --to friction --format bids     a folder for archives
   haptolith study export friction.study --to all.csv --personal         with answers that tell who somebody is)";
 
-struct ExportOptions {
+struct ExportCommandOptions {
   std::string file, to, format = "csv";
   ExportOptions what;
 };
 
-void exportStudy(const ExportOptions& options) {
+void exportStudy(const ExportCommandOptions& options) {
   const StudyStore study(options.file, StudyStore::Access::kRead);
   if (options.format == "bids") {
     exportBids(study, options.to, options.what);
@@ -35,7 +35,7 @@ void exportStudy(const ExportOptions& options) {
 }  // namespace
 
 void addStudyExportCommand(CLI::App& study) {
-  auto options = std::make_shared<ExportOptions>();
+  auto options = std::make_shared<ExportCommandOptions>();
   options->what.program_version = HAPTOLITH_VERSION;
   CLI::App* command = study.add_subcommand("export", "Convert a study for other programs: CSV or BIDS");
   command->footer(kStudyExportExamples);

@@ -69,7 +69,7 @@ std::vector<AnswersOf> answersOf(const FitCommandOptions& options) {
 }
 
 /// The sigmoids to compare with the wanted one: on its axis, and Weibull where there is a logarithm.
-std::vector<Sigmoid> comparable(const FitCommandOptions& wanted, const std::vector<Level>& levels) {
+std::vector<Sigmoid> comparable(const FitOptions& wanted, const std::vector<Level>& levels) {
   std::vector<Sigmoid> sigmoids{Sigmoid::kNorm, Sigmoid::kLogistic, Sigmoid::kStudent, Sigmoid::kReversedGumbel};
   if (!wanted.log_axis) {
     sigmoids.push_back(Sigmoid::kGumbel);  // on a logarithmic axis it is Weibull's
@@ -112,7 +112,7 @@ struct Result {
 };
 
 /// Each group of people by itself, in the order in which the table has them.
-std::vector<GroupResult> fitGroups(const std::vector<AnswersOf>& answers, const FitCommandOptions& options) {
+std::vector<GroupResult> fitGroups(const std::vector<AnswersOf>& answers, const FitOptions& options) {
   std::vector<GroupResult> groups;
   std::vector<std::vector<std::vector<Level>>> levels;
   for (const AnswersOf& of : answers) {
@@ -155,7 +155,7 @@ void tellDifferences(const std::vector<GroupResult>& groups, double confidence, 
 }
 
 Result fitAll(const FitCommandOptions& options, const std::vector<AnswersOf>& answers) {
-  const FitCommandOptions wanted = fitOptionsOf(options.fit, "--");
+  const FitOptions wanted = fitOptionsOf(options.fit, "--");
   std::vector<std::vector<Level>> participants;
   Result result;
   for (const AnswersOf& of : answers) {
@@ -165,12 +165,12 @@ Result fitAll(const FitCommandOptions& options, const std::vector<AnswersOf>& an
   const std::vector<Level> all = pooledAnswers(participants, options.pool_tolerance);
   result.fit = fitAsAsked(all, options.fit, "--");
   if (options.group) {
-    FitCommandOptions quick = wanted;
+    FitOptions quick = wanted;
     quick.simulations = 0;
     result.group = fitGroup(participants, quick);
   }
   if (options.between_groups) {
-    FitCommandOptions quick = wanted;
+    FitOptions quick = wanted;
     quick.simulations = 0;
     result.groups = fitGroups(answers, quick);
   }

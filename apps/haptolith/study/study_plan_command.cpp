@@ -21,6 +21,7 @@
 #include "shared/option_checks.h"
 #include "shared/output.h"
 #include "shared/overwrite.h"
+#include "shared/progress.h"
 #include "shared/stop_on_signal.h"
 #include "study/lapse_options.h"
 
@@ -202,10 +203,14 @@ void plan(const PlanOptions& options) {
   // How many a search takes is not known beforehand.
   const std::size_t all =
       options.participants.size() * options.repeats.size() * static_cast<std::size_t>(options.parameters.studies);
-  const std::string of_all = options.search ? "" : fmt::format(" of {}", all);
+  Progress progress(status);
   const std::vector<PlanOutcome> outcomes = outcomesOf(options, block, [&] {
     ++done;
-    status.tell([&] { return fmt::format("study {}{}", done, of_all); });
+    if (!options.search) {
+      return progress.tell(fmt::format("study {} of {}", done, all),
+                           static_cast<double>(done) / static_cast<double>(all));
+    }
+    status.tell([&] { return fmt::format("study {}", done); });
     return !stopAsked();
   });
   status.clear();
@@ -225,7 +230,7 @@ void addStudyPlanCommand(CLI::App& study) {
   auto options = std::make_shared<PlanOptions>();
   CLI::App* command = study.add_subcommand("plan", "How many participants and trials a study needs, by simulation");
   command->footer(kStudyPlanExamples);
-  command->add_option("--protocol", options->protocol, "A built-in protocol or a file [paper-friction]")
+  command->add_option("protocol,--protocol", options->protocol, "A built-in protocol or a file [paper-friction]")
       ->option_text("NAME|FILE");
   command->add_option("--block", options->block, "Which block of it; default: the first")->option_text("NAME");
   command->add_option("--weber", options->parameters.observer.weber_fraction, "Weber fraction that is expected [0.29]")

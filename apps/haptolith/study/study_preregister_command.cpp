@@ -44,7 +44,7 @@ void addStudyPreregisterCommand(CLI::App& study) {
   auto options = std::make_shared<PreregisterOptions>();
   CLI::App* command = study.add_subcommand("preregister", "Write the text of a preregistration from a protocol");
   command->footer(kStudyPreregisterExamples);
-  command->add_option("protocol", options->protocol, "A built-in protocol, or a file")
+  command->add_option("protocol,--protocol", options->protocol, "A built-in protocol, or a file")
       ->required()
       ->option_text("PROTOCOL");
   command->add_option("--out", options->file, "Write it to FILE.md instead of the terminal")->option_text("FILE");

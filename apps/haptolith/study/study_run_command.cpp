@@ -10,6 +10,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <thread>
 #include <utility>
 #include <vector>
 
@@ -158,7 +159,7 @@ class StudyRun {
           showRobot();
           showPages();
           showStatus();
-          return !stopAsked() && conductor_.state().phase != StudyPhase::kWaiting;
+          return !stopAsked() && !conductor_.stopped();
         },
         4ms);
     finish();
@@ -274,10 +275,19 @@ class StudyRun {
                                rig_.force()));
   }
 
+  /// Shows the pages how the day ended; they close their connections, and then nothing waits for them.
+  void sayGoodbye() {
+    showPages();
+    for (int i = 0; i < 100 && view_.clients() > 0; ++i) {
+      std::this_thread::sleep_for(10ms);
+    }
+  }
+
   void finish() {
     status_.clear();
     const bool over = conductor_.over();
     conductor_.stop();
+    sayGoodbye();
     stopAsked() = true;
     const LoopEnd end = session_.join();
     session_.update();

@@ -6,6 +6,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "haptolith/core/counted.h"
@@ -43,6 +44,15 @@ std::optional<std::size_t> mainTrials(const StudyBlock& block) {
   return block.procedure == ProcedureKind::kConstant
              ? std::optional(block.levels.size() * static_cast<std::size_t>(block.repeats))
              : std::nullopt;
+}
+
+/// What has become of a participant; "stopped" where their last session has ended before they finished.
+std::string standing(const StudyStore& study, const ParticipantRow& participant, std::string_view state) {
+  const std::vector<SessionRow> sessions = study.sessions();
+  const auto last = std::find_if(sessions.rbegin(), sessions.rend(),
+                                 [&](const SessionRow& row) { return row.participant == participant.id; });
+  const bool ended = last != sessions.rend() && !last->ended_at.empty();
+  return state == "running" && ended ? "stopped" : std::string(state);
 }
 
 std::size_t answered(const std::vector<TrialRow>& trials, std::int64_t participant, std::size_t block) {
@@ -135,8 +145,12 @@ Json statusJson(const StudyStore& study, const std::vector<TrialRow>& trials) {
     json["groups"] = groupsJson(study);
   }
   for (const ParticipantRow& participant : study.participants()) {
-    Json row{{"participant", participant.code},  {"number", participant.number},     {"state", participant.state},
-             {"begun_at", participant.begun_at}, {"ended_at", participant.ended_at}, {"blocks", Json::array()}};
+    Json row{{"participant", participant.code},
+             {"number", participant.number},
+             {"state", standing(study, participant, participant.state)},
+             {"begun_at", participant.begun_at},
+             {"ended_at", participant.ended_at},
+             {"blocks", Json::array()}};
     row["excluded_for"] = participant.excluded_for.empty() ? Json(nullptr) : Json(participant.excluded_for);
     if (!study.protocol().groups.empty()) {
       row["group"] = participant.assignment ? Json(participant.assignment->group) : Json(nullptr);
@@ -211,7 +225,7 @@ std::string participantsText(const StudyStore& study, const std::vector<TrialRow
   }
   text += '\n';
   for (const ParticipantRow& participant : participants) {
-    text += fmt::format("{:<18}{:<11}", participant.code, standingOf(participant));
+    text += fmt::format("{:<18}{:<11}", participant.code, standing(study, participant, standingOf(participant)));
     for (std::size_t block = 0; block < blocks.size(); ++block) {
       const std::optional<std::size_t> of = mainTrials(blocks[block]);
       const std::size_t done = answered(trials, participant.id, block);

@@ -55,10 +55,11 @@ std::string robotText(const RobotLead& robot) {
   // Further behind than the link explains: it was cut off and catches up, or its machine is too slow.
   constexpr double kCommand_s = 1e-3, kMore_s = 1;
   const bool lags = static_cast<double>(news.behind) * kCommand_s > news.round_trip_s + kMore_s;
-  return fmt::format("robot {}{}{}, {} commands behind{}, round trip {:.2f} s; force felt {:.2f} N, met {:.2f} N{}",
-                     text(news.state.state), why, cap, news.behind,
-                     lags ? " (more than the link takes: it catches up, or its machine is too slow)" : "",
-                     news.round_trip_s, news.felt_n.norm(), news.met_n.norm(), soil);
+  return fmt::format(
+      "robot {}{}{}, {} commands behind{}, round trip {:.2f} s; the robot met {:.2f} N, this soil {:.2f} N{}",
+      text(news.state.state), why, cap, news.behind,
+      lags ? " (more than the link takes: it catches up, or its machine is too slow)" : "", news.round_trip_s,
+      news.met_n.norm(), news.felt_n.norm(), soil);
 }
 
 RobotShown robotShown(const RobotLead& robot) {
@@ -93,8 +94,10 @@ std::string robotSummary(const RobotLead& robot) {
   const ForceAgreement& agreement = end.agreement();
   std::string text = fmt::format("  robot      {}\n", robotText(robot));
   if (agreement.rmsMet(0, kEver) > 0) {
-    text += fmt::format("  met        {:.2f} N RMS; felt differs from it by {:.2f} N RMS, {:.0f} %\n",
-                        agreement.rmsMet(0, kEver), agreement.rmsDifference(0, kEver), 100 * agreement.share(0, kEver));
+    text += fmt::format(
+        "  met        {:.2f} N RMS by the robot; this soil's force before the device's limits differs from it "
+        "by {:.2f} N RMS, {:.0f} %\n",
+        agreement.rmsMet(0, kEver), agreement.rmsDifference(0, kEver), 100 * agreement.share(0, kEver));
   }
   if (hasLearned(robot)) {
     text += fmt::format("  learned    {}; {} updates\n", soilText(robot.learning()->learned()),

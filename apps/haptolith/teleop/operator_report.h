@@ -10,7 +10,8 @@
 
 namespace haptolith {
 
-/// "robot following, 2650 commands behind; force felt 3.2 N, met 2.9 N": for a status line.
+/// "robot following, 2650 commands behind, round trip 2.60 s; the robot met 2.90 N, this soil 3.20 N": for a status
+/// line.
 [[nodiscard]] std::string robotText(const RobotLead& robot);
 
 /// "34.2 (31 to 37) deg, 150 (90 to 240) Pa, soil-tool 18.1 (15 to 21) deg".

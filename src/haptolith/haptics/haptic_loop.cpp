@@ -123,7 +123,7 @@ LoopEnd HapticLoop::finish(LoopEnd end, const DeviceInput& input, const DeviceOu
     felt_ = {};
     device_.write(felt_);
   }
-  clock_.endTick();
+  clock_.endTick(scene_->bed().awake());
   TickRecord& tick = telemetry_.draft();
   tick.device = input;
   tick.scene_T_tool = scene_->toolPose();

@@ -3,6 +3,7 @@
 #include <cstdint>
 
 #include "haptolith/bed/bed.h"
+#include "haptolith/haptics/deadline_miss.h"
 
 namespace haptolith {
 
@@ -27,12 +28,12 @@ class LoopClock {
   /// A moment, for a loop that is not paced.
   static void waitAMoment() noexcept;
 
-  /// Work begins, and is done.
+  /// Work begins, and is done. @param awake  particles that were computed.
   void beginTick() noexcept;
-  void endTick() noexcept;
+  void endTick(std::size_t awake = 0) noexcept;
   [[nodiscard]] double tickUs() const noexcept { return tick_us_; }  ///< of the last tick's work
-  [[nodiscard]] bool inTime() const noexcept { return in_time_; }    ///< the last tick's
-  [[nodiscard]] bool late() const noexcept { return late_; }         ///< a paced one's that was not
+  [[nodiscard]] Miss miss() const noexcept { return miss_; }  ///< cause of the last tick's; kNone: it was in time
+  [[nodiscard]] bool late() const noexcept { return late_; }  ///< a paced one's that was not in time
   [[nodiscard]] double lateUs() const noexcept { return late_us_; }  ///< how late the present one began
   [[nodiscard]] bool paced() const noexcept { return paced_; }
 
@@ -47,14 +48,20 @@ class LoopClock {
   [[nodiscard]] bool standsStill() const noexcept { return paused_ && ticks_left_ == 0; }
 
  private:
+  double wake() noexcept;
+
   double tick_s_;
   std::int64_t period_ns_;
   bool paced_;
   std::int64_t due_ns_ = 0;       ///< when the next tick begins
   std::int64_t deadline_ns_ = 0;  ///< when the present one has to be done; 0 when nobody paces
+  std::int64_t free_ns_ = 0;      ///< when the thread had nothing more to do before the present one
   std::int64_t begun_ns_ = 0;
+  std::int64_t begun_cpu_ns_ = 0;  ///< processor time of the thread then; 0 without pacing
   double tick_us_ = 0, late_us_ = 0;
-  bool in_time_ = true, late_ = false;
+  MissClassifier misses_;
+  Miss miss_ = Miss::kNone;
+  bool late_ = false;
   bool paused_ = false;
   int ticks_left_ = 0;  ///< to go while paused
   double speed_ = 1;

@@ -4,9 +4,9 @@
 
 namespace haptolith {
 
-void LoopStatistics::add(double tick_us, bool in_time, const Wrench& felt) noexcept {
-  missed_lately_[ticks() % kWindow] = !in_time;
-  misses_ += in_time ? 0 : 1;
+void LoopStatistics::add(double tick_us, Miss miss, const Wrench& felt) noexcept {
+  missed_lately_[ticks() % kWindow] = miss != Miss::kNone;
+  ++by_cause_[static_cast<std::size_t>(miss)];
   tick_us_.add(tick_us);
   force_n_.add(felt.force_n.norm());
   torque_nm_.add(felt.torque_nm.norm());

@@ -29,7 +29,7 @@ std::size_t LoopTelemetry::hashedParts(const Bed& bed) noexcept {
 
 void LoopTelemetry::record(const LoopClock& clock, const Scene& scene) noexcept {
   TickRecord& now = draft();
-  statistics_.add(clock.tickUs(), clock.inTime(), now.felt.wrench);
+  statistics_.add(clock.tickUs(), clock.miss(), now.felt.wrench);
   longest_tick_us_ = std::max(longest_tick_us_, clock.tickUs());
   now.time_s = time();
   now.tick_us = clock.tickUs();
@@ -101,6 +101,9 @@ void LoopTelemetry::tell(SceneSnapshot& snapshot, const LoopClock& clock, std::u
   snapshot.ticks = ticks;
   snapshot.time_s = static_cast<double>(snapshot.ticks) * tick_s_;
   snapshot.deadline_misses = statistics_.deadlineMisses();
+  snapshot.misses_too_long = statistics_.misses(Miss::kTooLong);
+  snapshot.misses_woken_late = statistics_.misses(Miss::kWokenLate);
+  snapshot.misses_preempted = statistics_.misses(Miss::kPreempted);
   snapshot.success_rate = statistics_.successRate();
   snapshot.tick_us_p50 = statistics_.tickUs().percentile(0.5);
   snapshot.tick_us_p99 = statistics_.tickUs().percentile(0.99);

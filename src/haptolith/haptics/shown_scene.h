@@ -21,6 +21,7 @@ struct SceneSnapshot {
   std::vector<Pose> stones;          ///< scene_T_stone of each
   std::vector<std::uint8_t> asleep;  ///< one per group of kGroup particles, 1 when it sleeps: see Wakefulness
   std::uint64_t ticks = 0, deadline_misses = 0;
+  std::uint64_t misses_too_long = 0, misses_woken_late = 0, misses_preempted = 0;  ///< add up to deadline_misses
   double success_rate = 1, tick_us_p50 = 0, tick_us_p99 = 0, tick_us_max = 0, largest_speed_m_s = 0;
   double tick_us_lately = 0;  ///< the longest tick since the snapshot before
   std::size_t awake = 0;      ///< particles that are worked on

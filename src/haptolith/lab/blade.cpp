@@ -11,6 +11,7 @@
 #include "haptolith/core/error.h"
 #include "haptolith/figure/figure.h"
 #include "haptolith/lab/soil_strength.h"
+#include "haptolith/lab/staged_progress.h"
 #include "haptolith/tool/tool_shape.h"
 
 namespace haptolith {
@@ -302,7 +303,12 @@ BladeResult bladeTest(const LabConditions& conditions, const BladeOptions& optio
   // Gaps at the floor, the walls and the surface take some of the room; poured soil has larger gaps everywhere.
   const double filled = options.preparation == Preparation::kDense ? 0.93 : 0.8;
   const std::size_t wanted = particlesFor(soil, filled * setup.soil_volume_m3);
-  LabBed bed(conditions, setup.box,
+  constexpr double kMoves = 0.3;  // of the test's time goes before
+  StagedProgress progress(conditions.progress);
+  progress.enter(0, kMoves);
+  LabConditions staged = conditions;
+  staged.progress = progress.inner();
+  LabBed bed(staged, setup.box,
              looseSoil(soil, setup.box, wanted, 0, conditions.seed, beside_blade, options.preparation), {}, setup.tool);
   bed.placeTool(setup.start);
   bed.settle(options.preparation);
@@ -329,6 +335,7 @@ BladeResult bladeTest(const LabConditions& conditions, const BladeOptions& optio
 
   std::vector<Moment> moments;
   bed.moveTool({{options.speed_m_s, 0, 0}, Vec3::Zero()});
+  progress.enter(kMoves, 1);
   bed.run(options.travel_depths * options.depth_m / options.speed_m_s, "the blade moves", [&] {
     const Vec3& force = bed.toolWrench().force_n;
     const Vec3 on_front = forceOnFront(bed, setup.tool);
@@ -364,10 +371,16 @@ BladeResult bladeTest(const LabConditions& conditions, const BladeOptions& optio
 
 BladeStrength strengthBeforeBlade(const LabConditions& conditions, Preparation preparation) {
   const std::vector<double> stresses_pa = {200, 400, 800};
-  BladeStrength strength{.undisturbed = undisturbedStrength(conditions, preparation, stresses_pa), .residual = {}};
+  constexpr double kResidual = 0.35;  // of the time goes before
+  StagedProgress progress(conditions.progress);
+  progress.enter(0, preparation == Preparation::kDense ? kResidual : 1);
+  LabConditions staged = conditions;
+  staged.progress = progress.inner();
+  BladeStrength strength{.undisturbed = undisturbedStrength(staged, preparation, stresses_pa), .residual = {}};
   if (preparation == Preparation::kDense) {
     constexpr double kStrain = 3;
-    strength.residual = residualStrength(conditions, stresses_pa, kStrain);
+    progress.enter(kResidual, 1);
+    strength.residual = residualStrength(staged, stresses_pa, kStrain);
   }
   return strength;
 }

@@ -9,11 +9,14 @@
 #include <iterator>
 #include <limits>
 #include <numbers>
+#include <string>
+#include <string_view>
 #include <vector>
 
 #include "haptolith/core/error.h"
 #include "haptolith/lab/over_seeds.h"
 #include "haptolith/lab/settle.h"
+#include "haptolith/lab/staged_progress.h"
 #include "haptolith/soil/contact_law.h"
 #include "haptolith/soil/contact_strength.h"
 
@@ -116,15 +119,52 @@ double stiffnessFor(double pressure_pa, double radius_m, DensityProfile density)
   return 4 * radius_m * pressure_pa / overlap;
 }
 
+constexpr int kSearchSeeds = 2;
+
+/// The progress of a calibration, in shear tests. How many rounds the search takes is not known: usually four.
+class CalibrationProgress {
+ public:
+  explicit CalibrationProgress(const CalibrateSoilOptions& options)
+      : stages_(options.progress), verified_(options.verification_seeds) {}
+
+  /// Of the next test, which takes so many shear tests' time.
+  [[nodiscard]] LabProgress next(double tests) {
+    const double begin = std::min(done_, until_);
+    done_ += tests;
+    stages_.enter(begin / all(), std::min(done_, until_) / all());
+    return [inner = stages_.inner(), stage = stage_](std::string_view what, double share) {
+      return !inner || inner(stage + std::string(what), share);
+    };
+  }
+
+  void round(int number) { stage_ = fmt::format("round {}, ", number + 1); }
+  void density() { begin("density, ", kSearch, kSearch + kDensity); }
+  void verification() { begin("verification, ", kSearch + kDensity, all()); }
+
+ private:
+  static constexpr double kSearch = 4 * kSearchSeeds, kDensity = 1;
+  [[nodiscard]] double all() const { return kSearch + kDensity + verified_; }
+  void begin(std::string_view stage, double from, double until) {
+    stage_ = stage;
+    done_ = from;
+    until_ = until;
+  }
+
+  StagedProgress stages_;
+  std::string stage_;
+  double verified_, done_ = 0, until_ = kSearch;
+};
+
 /// rho0 and rho_max, in their ratio, for which a settled column has the wanted mean density over its upper 15 cm.
 /// Contacts have no part in their scale, so neither has strength.
-double calibrateDensity(SoilParameters& soil, double bulk_density, const CalibrateSoilOptions& options) {
+double calibrateDensity(SoilParameters& soil, double bulk_density, const CalibrateSoilOptions& options,
+                        CalibrationProgress& progress) {
   constexpr double kDepth_m = 0.15;
   constexpr int kMostRounds = 3;
   constexpr double kTolerance = 0.005;
   double reached = 0;
   for (int round = 0; round < kMostRounds; ++round) {
-    const LabConditions column{soil, options.gravity_m_s2, options.seed, options.threads, options.progress};
+    const LabConditions column{soil, options.gravity_m_s2, options.seed, options.threads, progress.next(0.5)};
     reached = settleTest(column).meanDensity(kDepth_m);
     if (std::abs(reached / bulk_density - 1) < kTolerance) {
       break;
@@ -139,11 +179,11 @@ double calibrateDensity(SoilParameters& soil, double bulk_density, const Calibra
 
 /// Strengths of specimens with some seeds.
 std::vector<ShearStrength> shear(const SoilParameters& soil, SoilStrength kind, const CalibrateSoilOptions& options,
-                                 std::uint64_t first_seed, int seeds) {
+                                 std::uint64_t first_seed, int seeds, CalibrationProgress& progress) {
   std::vector<ShearStrength> strengths;
   for (int i = 0; i < seeds; ++i) {
     const LabConditions conditions{soil, options.gravity_m_s2, first_seed + static_cast<std::uint64_t>(i),
-                                   options.threads, options.progress};
+                                   options.threads, progress.next(1)};
     const ShearResult result = shearTest(conditions, options.shear);
     const MohrCoulomb& line = kind == SoilStrength::kPeak ? result.peak : result.residual;
     strengths.push_back({degrees(line.friction_angle_rad), line.cohesion_pa});
@@ -178,8 +218,8 @@ void validate(const SoilTarget& target, const CalibrateSoilOptions& options) {
 
 CalibratedSoil calibrateSoil(const SoilTarget& target, const CalibrateSoilOptions& options) {
   validate(target, options);
-  constexpr int kSearchSeeds = 2;
   constexpr int kMostRounds = 7;
+  CalibrationProgress progress(options);
   const ShearStrength wanted{target.friction_angle_deg, target.cohesion_pa};
 
   CalibratedSoil result;
@@ -198,8 +238,9 @@ CalibratedSoil calibrateSoil(const SoilTarget& target, const CalibrateSoilOption
   ContactSearch search(wanted, target.strength);
   bool good = false;
   while (!good && result.rounds < kMostRounds) {
+    progress.round(result.rounds);
     const std::vector<ShearStrength> measured =
-        shear(withContact(soil, search.contact()), target.strength, options, search_seed, kSearchSeeds);
+        shear(withContact(soil, search.contact()), target.strength, options, search_seed, kSearchSeeds, progress);
     good = search.learn({scatterAmong(measured, &ShearStrength::angle_deg).mean,
                          scatterAmong(measured, &ShearStrength::cohesion_pa).mean});
     ++result.rounds;
@@ -214,11 +255,13 @@ CalibratedSoil calibrateSoil(const SoilTarget& target, const CalibrateSoilOption
   }
   result.soil = withContact(soil, search.best());
   result.soil.mu_hat = std::tan(wanted.angle_deg * std::numbers::pi / 180) / std::sqrt(6.0);  // (paper 17)
-  result.reached.bulk_density_kg_m3 = calibrateDensity(result.soil, target.bulk_density_kg_m3, options);
+  progress.density();
+  result.reached.bulk_density_kg_m3 = calibrateDensity(result.soil, target.bulk_density_kg_m3, options, progress);
 
+  progress.verification();
   const std::vector<ShearStrength> verified =
       shear(result.soil, target.strength, options, firstSeed(1001, options.seed, options.verification_seeds),
-            options.verification_seeds);
+            options.verification_seeds, progress);
   const Scatter angle_deg = scatterAmong(verified, &ShearStrength::angle_deg);
   const Scatter cohesion_pa = scatterAmong(verified, &ShearStrength::cohesion_pa);
   result.reached.friction_angle_deg = angle_deg.mean;

@@ -11,6 +11,7 @@
 #include "haptolith/core/error.h"
 #include "haptolith/figure/figure.h"
 #include "haptolith/lab/lab_bed.h"
+#include "haptolith/lab/staged_progress.h"
 #include "haptolith/lab/straight_line.h"
 
 namespace haptolith {
@@ -221,6 +222,11 @@ std::vector<GrainResult> grainTest(const LabConditions& conditions, const GrainO
     validate(bedding.bed);
   }
   std::vector<GrainResult> results;
+  StagedProgress progress(conditions.progress);
+  LabConditions staged = conditions;
+  staged.progress = progress.inner();
+  const auto drawings = static_cast<double>(all.size()) * options.specimens;
+  double drawn_before = 0;
   for (const Bedding& bedding : all) {
     GrainResult result;
     result.name = bedding.name;
@@ -229,7 +235,9 @@ std::vector<GrainResult> grainTest(const LabConditions& conditions, const GrainO
     for (int specimen = 0; specimen < options.specimens; ++specimen) {
       BedParameters bed = bedding.bed;
       bed.seed = conditions.seed + static_cast<std::uint64_t>(specimen);
-      const Drawn drawn = draw(conditions, options, bed,
+      progress.enter(drawn_before / drawings, (drawn_before + 1) / drawings);
+      ++drawn_before;
+      const Drawn drawn = draw(staged, options, bed,
                                fmt::format("{}, specimen {} of {}", bedding.name, specimen + 1, options.specimens));
       const Detrended draft = detrended(drawn, options.level_m, 1);
       const Detrended felt = detrended(drawn, options.level_m, 2);

@@ -302,7 +302,7 @@ void LabBed::step() {
   time_s_ += dt_s_;
 }
 
-void LabBed::run(double duration_s, std::string_view what, const std::function<void()>& each) {
+void LabBed::run(double duration_s, std::string_view what, const std::function<void()>& each, const Part& part) {
   constexpr long kStepsBetweenLooks = 50;
   const auto steps = static_cast<long>(std::ceil(duration_s / dt_s_));
   for (long i = 0; i < steps; ++i) {
@@ -311,7 +311,8 @@ void LabBed::run(double duration_s, std::string_view what, const std::function<v
       each();
     }
     if (conditions_.progress && i % kStepsBetweenLooks == 0 &&
-        !conditions_.progress(what, static_cast<double>(i) / static_cast<double>(steps))) {
+        !conditions_.progress(
+            what, part.begin + static_cast<double>(i) / static_cast<double>(steps) * (part.end - part.begin))) {
       throw Failure(fmt::format("interrupted: {}", what));
     }
   }
@@ -324,18 +325,20 @@ void LabBed::settle(Preparation preparation) {
                            3 * sinkingTime(conditions_.soil, conditions_.gravity_m_s2, bed_.surfaceHeight(), dt_s_);
   if (preparation == Preparation::kDense) {
     bed_.setSettling(true);
-    settleUntilRest(longest_s, "the soil settles");
+    settleUntilRest(longest_s, "the soil settles", {0, 0.7});
   }
   bed_.setSettling(false);
-  settleUntilRest(longest_s, "the soil comes to rest");
+  settleUntilRest(longest_s, "the soil comes to rest", {preparation == Preparation::kDense ? 0.7 : 0, 1});
 }
 
-void LabBed::settleUntilRest(double longest_s, std::string_view what) {
+void LabBed::settleUntilRest(double longest_s, std::string_view what, const Part& part) {
   // At rest: slower than what a particle gains in falling by 1/500 of its radius.
   const double at_rest = std::sqrt(2 * conditions_.gravity_m_s2 * conditions_.soil.radius_m / 500) + 1e-6;
   constexpr double kBetweenLooks_s = 0.1;
+  constexpr double kHalf_s = 2;  // how long it takes is not known: half of it is reported after so long
+  const auto fraction = [&part](double t) { return part.begin + t / (t + kHalf_s) * (part.end - part.begin); };
   for (double t = 0; t < longest_s; t += kBetweenLooks_s) {
-    run(kBetweenLooks_s, what);
+    run(kBetweenLooks_s, what, {}, {fraction(t), fraction(t + kBetweenLooks_s)});
     if (t > 0 && bed_.largestSpeed() < at_rest) {
       return;
     }

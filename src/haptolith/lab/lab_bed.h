@@ -105,14 +105,21 @@ class LabBed {
 
   /// Steps for `duration_s`, calling `each` after every step and the conditions' progress now and then.
   /// @throws Failure as step(), and when progress gives up.
-  void run(double duration_s, std::string_view what, const std::function<void()>& each = {});
+  void run(double duration_s, std::string_view what, const std::function<void()>& each = {}) {
+    run(duration_s, what, each, {0, 1});
+  }
 
   /// Lets the soil fall until it rests. Densely: without friction and cohesion, which are then switched on, and it
   /// rests again. Loosely: with them on, which leaves gaps. @throws Failure as run(), and when it never rests.
   void settle(Preparation preparation = Preparation::kDense);
 
  private:
-  void settleUntilRest(double longest_s, std::string_view what);
+  /// Fractions of what is reported as progress.
+  struct Part {
+    double begin, end;
+  };
+  void run(double duration_s, std::string_view what, const std::function<void()>& each, const Part& part);
+  void settleUntilRest(double longest_s, std::string_view what, const Part& part);
 
   LabConditions conditions_;
   double dt_s_;

@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "haptolith/core/error.h"
+#include "haptolith/lab/staged_progress.h"
 
 namespace haptolith {
 
@@ -76,7 +77,12 @@ PushCurve pushIntoBed(const LabConditions& conditions, const Push& push) {
   validate(push);
   const SoilParameters& soil = conditions.soil;
   const LabBox box{.width_m = push.bed_width_m, .length_m = push.bed_width_m};
-  LabBed bed(conditions, box, soilFor(conditions, push, box), {}, push.tool);
+  constexpr double kPushed = 0.4;  // of the test's time goes before
+  StagedProgress progress(conditions.progress);
+  progress.enter(0, kPushed);
+  LabConditions staged = conditions;
+  staged.progress = progress.inner();
+  LabBed bed(staged, box, soilFor(staged, push, box), {}, push.tool);
   constexpr double kFarAbove_m = 100;
   bed.placeTool({{0, 0, kFarAbove_m}, push.scene_R_tool});
   bed.settle(push.loose_top_m > 0 ? Preparation::kLoose : push.preparation);
@@ -92,6 +98,7 @@ PushCurve pushIntoBed(const LabConditions& conditions, const Push& push) {
   std::vector<PushReading> raw;
   const double roughness = highest - curve.bed_depth_m + 3 * soil.radius_m;  // until it is in contact for certain
   const double travel = roughness + push.zero_m - push.lowest_m + push.depth_m + push.window_m;
+  progress.enter(kPushed, 1);
   bed.run(travel / push.speed_m_s, push.what, [&] {
     const double height = bed.toolPose().position_m.z() + push.zero_m;
     raw.push_back({curve.bed_depth_m - height, bed.toolWrench().force_n.z()});

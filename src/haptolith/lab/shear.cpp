@@ -13,6 +13,7 @@
 #include "haptolith/figure/figure.h"
 #include "haptolith/lab/lab_bed.h"
 #include "haptolith/lab/shared_progress.h"
+#include "haptolith/lab/staged_progress.h"
 
 namespace haptolith {
 
@@ -135,8 +136,14 @@ double shearSpeed(const LabConditions& conditions, const ShearOptions& options, 
 
 ShearPointResult shearOne(const LabConditions& conditions, const ShearOptions& options, double normal_pa,
                           double& bulk_density) {
-  ShearCell cell(conditions, options);
+  constexpr double kSheared = 0.3;  // of the test's time goes before
+  StagedProgress progress(conditions.progress);
+  progress.enter(0, kSheared);
+  LabConditions staged = conditions;
+  staged.progress = progress.inner();
+  ShearCell cell(staged, options);
   cell.load(normal_pa);
+  progress.enter(kSheared, 1);
   bulk_density = cell.bulkDensity();
   const double height = cell.height();
   const double speed = shearSpeed(conditions, options, height, bulk_density);

@@ -211,7 +211,10 @@ class Loop {
                         .count = now.ticks > 0 ? now.position.size() : 0,
                         .components = 3,
                         .stride_bytes = sizeof(Float4),
-                        .data = now.position.data()}};
+                        .data = now.position.data()},
+           .misses_too_long = now.misses_too_long,
+           .misses_woken_late = now.misses_woken_late,
+           .misses_preempted = now.misses_preempted};
   }
 
   void takeTicks(std::span<hapto_tick> out, std::uint64_t& count, std::uint64_t* lost) {

@@ -25,7 +25,7 @@ using Json = nlohmann::ordered_json;
 
 constexpr const char* kWhatThereIs = "scenes, soils, presets, bodies, lab tests or instruction set";
 
-std::vector<std::string> namesOf(std::string_view what) {
+std::vector<std::string> namesOfKind(std::string_view what) {
   std::vector<std::string> names;
   if (what == "scenes") {
     return sceneNames();
@@ -163,7 +163,7 @@ std::int32_t hapto_list(const char* what, hapto_result** out) {
   return guarded([&] {
     readEnvironment();
     Result result;
-    result.json["names"] = namesOf(what);
+    result.json["names"] = namesOfKind(what);
     *out = handleOf(std::move(result));
     return std::int32_t{HAPTO_OK};
   });

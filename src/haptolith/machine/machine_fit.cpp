@@ -156,7 +156,7 @@ std::optional<FinestGrain> finestIn(std::string_view kept, std::string_view key)
   return sound ? std::optional(FinestGrain{.chosen = *chosen, .too_slow = too_slow}) : std::nullopt;
 }
 
-FinestGrain fitToMachine(Scenario& scenario, const FitOptions& options, const std::atomic<bool>& stop) {
+FinestGrain fitToMachine(Scenario& scenario, const MachineFitOptions& options, const std::atomic<bool>& stop) {
   if (!canBeFitted(scenario)) {
     throw InvalidParameter("finest", fmt::format("'{}'", scenario.title),
                            "a scene whose bed starts as settled, of particles of one size");

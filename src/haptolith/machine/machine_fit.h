@@ -21,7 +21,7 @@ inline constexpr std::string_view kAutoScene = "auto";
 [[nodiscard]] int loopThreads();
 
 /// How a scene is fitted to the machine.
-struct FitOptions {
+struct MachineFitOptions {
   std::optional<int> threads;       ///< of the loop; none: 1 or loopThreads(), whichever holds finer particles
   std::filesystem::path folder;     ///< where measurements are kept between runs; empty: nowhere
   bool measure_again = false;       ///< whatever is kept there
@@ -38,7 +38,7 @@ struct FitOptions {
 /// what it came to the last time with this processor, these usable cores, instruction set, CPU of the loop and version
 /// of the program. Not for the tick.
 /// @throws InvalidParameter unless canBeFitted(); Failure when no size fits the bed or `stop` becomes true.
-FinestGrain fitToMachine(Scenario& scenario, const FitOptions& options, const std::atomic<bool>& stop);
+FinestGrain fitToMachine(Scenario& scenario, const MachineFitOptions& options, const std::atomic<bool>& stop);
 
 /// What was chosen, in a line: "4.4 mm particles on 1 thread: the finest soil this machine renders in time (1170
 /// particles; 4 mm would need 0.71 ms a tick)". @param particles  of the bed that was made.

@@ -263,7 +263,7 @@ Check cpuCheck(const MachineFiles& files, std::vector<int> usable) {
       usable.push_back(cpu);
     }
   }
-  Check check{.name = "CPUs", .found = kNotTold, .needed = "2 or more: one for the loop, one for all else"};
+  Check check{.name = kCpuCheck, .found = kNotTold, .needed = "2 or more: one for the loop, one for all else"};
   if (usable.empty()) {
     return check;
   }
@@ -383,7 +383,7 @@ Check machineCheck(const MachineFiles& files, const std::string& container) {
 Check wakeUpCheck(const WakeUps& measured) {
   const Histogram& late_us = measured.late_us;
   Check check{
-      .name = "wake-up",
+      .name = kWakeUpCheck,
       .needed = fmt::format("99.9 % within {:g} us, so that {:g} us of a tick are left for its work; none a tick late",
                             kLatestWakeUp_us, 1000 - kLatestWakeUp_us)};
   if (late_us.count() == 0) {

@@ -3,13 +3,18 @@
 #include <filesystem>
 #include <vector>
 
+#include "haptolith/haptics/deadline_miss.h"
 #include "haptolith/machine/check.h"
 #include "haptolith/machine/wake_ups.h"
 
 namespace haptolith {
 
 /// The latest wake-up that the loop can live with, in us: of 1000 us, 800 are left for a tick's work and what it sends.
-inline constexpr double kLatestWakeUp_us = 200;
+inline constexpr double kLatestWakeUp_us = 1000 * kWakeUpShare;
+
+/// Names of checks.
+inline constexpr const char* kCpuCheck = "CPUs";
+inline constexpr const char* kWakeUpCheck = "wake-up";
 
 /// Whether this machine can run the loop in real time: kernel, rights, CPUs and how punctual it was. What cannot be
 /// read is said so and taken for neither good nor bad, unless the measurement tells. Not for the tick.

@@ -15,30 +15,30 @@ namespace haptolith {
 
 namespace {
 
-using GridSizes = std::array<int, kParameters>;
-using GridSupports = std::array<Support, kParameters>;
+using AxisSizes = std::array<int, kParameters>;
+using AxisSupports = std::array<Support, kParameters>;
 
 // What is less dense than the best point by more than this (e^-9 = 1.2e-4) is left out of the last grid.
 constexpr double kNegligibleMass = 9;
 // The same of parameters that are summed over: the likelihood of another one is wanted where it is small, too.
 constexpr double kNegligibleNuisance = 12;
 constexpr std::size_t kHumps = 3;  // of the posterior, among which its maximum is looked for
-constexpr GridSizes kCoarseGrid{17, 17, 6, 6, 5};
+constexpr AxisSizes kCoarseGrid{17, 17, 6, 6, 5};
 // Of the grid of the likelihood's peaks, which lie between any two stimuli where the function is narrow.
-constexpr GridSizes kPosteriorPeaks{49, 12, 4, 4, 1};
-constexpr GridSizes kNuisance{28, 28, 10, 10, 8};
+constexpr AxisSizes kPosteriorPeaks{49, 12, 4, 4, 1};
+constexpr AxisSizes kNuisance{28, 28, 10, 10, 8};
 constexpr double kRounding = 1e-12;  // by which equal values may differ, as a share of them
 constexpr int kRounds = 3;           // of coarse grids, each over what the one before has left
 
-GridSupports wholeSupport(const Model& model) {
-  GridSupports supports;
+AxisSupports wholeSupport(const Model& model) {
+  AxisSupports supports;
   for (int i = 0; i < kParameters; ++i) {
     supports[i] = model.support(i);
   }
   return supports;
 }
 
-GridSizes fineSizes(const Model& model) {
+AxisSizes fineSizes(const Model& model) {
   const GridSizes& grid = model.options().grid;
   if (model.freeParameters() == 1) {
     return {grid.alone, grid.alone, grid.alone, grid.alone, grid.alone};
@@ -103,10 +103,10 @@ void addLogLikelihoods(const std::vector<Level>& levels, const std::vector<doubl
   }
 }
 
-using GridAxes = std::array<GridAxis, kParameters>;
+using PosteriorAxes = std::array<GridAxis, kParameters>;
 
-GridAxes coarseAxes(const Model& model, const GridSupports& supports, const GridSizes& sizes = kCoarseGrid) {
-  GridAxes axes;
+PosteriorAxes coarseAxes(const Model& model, const AxisSupports& supports, const AxisSizes& sizes = kCoarseGrid) {
+  PosteriorAxes axes;
   for (int i = 0; i < kParameters; ++i) {
     const bool dense_below = i != kThreshold && i != kScale;
     axes[i] = coarseAxis(supports[i], sizes[i], isLogarithmic(model, i), dense_below);
@@ -114,8 +114,8 @@ GridAxes coarseAxes(const Model& model, const GridSupports& supports, const Grid
   return axes;
 }
 
-GridAxes gaussAxes(const Model& model, const GridSupports& supports, const GridSizes& sizes) {
-  GridAxes axes;
+PosteriorAxes gaussAxes(const Model& model, const AxisSupports& supports, const AxisSizes& sizes) {
+  PosteriorAxes axes;
   for (int i = 0; i < kParameters; ++i) {
     axes[i] = gaussAxis(supports[i], sizes[i], isLogarithmic(model, i));
   }
@@ -131,7 +131,7 @@ struct DensePoint {
 /// ln(likelihood times prior) on a grid.
 class PosteriorGrid {
  public:
-  PosteriorGrid(const Model& model, GridAxes axes) : model_(model), axes_(std::move(axes)) {
+  PosteriorGrid(const Model& model, PosteriorAxes axes) : model_(model), axes_(std::move(axes)) {
     std::size_t points = 1;
     for (int i = 0; i < kParameters; ++i) {
       points *= axes_[i].values.size();
@@ -146,7 +146,7 @@ class PosteriorGrid {
 
   /// The part of the grid that holds all that is denser than `least`, by a cell more on either side; nothing where
   /// there is none.
-  [[nodiscard]] std::optional<GridSupports> narrowed(double least) const {
+  [[nodiscard]] std::optional<AxisSupports> narrowed(double least) const {
     Indices first{};
     Indices last{};
     bool is_any = false;
@@ -162,7 +162,7 @@ class PosteriorGrid {
     if (!is_any) {
       return std::nullopt;
     }
-    GridSupports supports;
+    AxisSupports supports;
     for (int i = 0; i < kParameters; ++i) {
       const std::vector<double>& values = axes_[i].values;
       supports[i] = {values[first[i] == 0 ? 0 : first[i] - 1], values[std::min(last[i] + 1, values.size() - 1)]};
@@ -228,7 +228,7 @@ class PosteriorGrid {
   using Indices = std::array<std::size_t, kParameters>;
 
   template <class Visit>
-  static void forEachPoint(const GridAxes& axes, const Visit& visit) {
+  static void forEachPoint(const PosteriorAxes& axes, const Visit& visit) {
     std::size_t points = 1;
     for (const GridAxis& axis : axes) {
       points *= axis.values.size();
@@ -284,7 +284,7 @@ class PosteriorGrid {
   }
 
   const Model& model_;
-  GridAxes axes_;
+  PosteriorAxes axes_;
   std::array<std::vector<double>, kParameters> log_priors_;
   std::vector<double> log_density_;
 };
@@ -327,13 +327,13 @@ std::vector<ParameterPoint> firstPoints(const std::vector<DensePoint>& peaks, st
 
 /// A box outside which the posterior's density is less than its maximum by a factor of e^depth or more. Coarse grids
 /// find all of its humps, the profile a ridge between the points of a grid.
-GridSupports boxOf(const Model& model, double depth) {
-  GridSupports supports = wholeSupport(model);
+AxisSupports boxOf(const Model& model, double depth) {
+  AxisSupports supports = wholeSupport(model);
   const PosteriorGrid whole(model, coarseAxes(model, supports));
   const std::vector<ParameterPoint> peaks = firstPoints(peaksOf(whole), kHumps);
   const Optimum best = optimumNear(model, peaks, {.objective = Objective::kPosterior});
   const double least = best.log_density - depth;
-  std::optional<GridSupports> box = whole.narrowed(least);
+  std::optional<AxisSupports> box = whole.narrowed(least);
   for (int round = 1; box && round < kRounds; ++round) {
     box = PosteriorGrid(model, coarseAxes(model, *box)).narrowed(least);
   }
@@ -353,7 +353,7 @@ Posterior posteriorOf(const Model& model) {
 
 std::vector<double> marginalLikelihood(const Model& model, int parameter, const std::vector<double>& values) {
   const Model flat = model.withFlatPrior(parameter, {std::ranges::min(values), std::ranges::max(values)});
-  GridAxes axes = gaussAxes(flat, boxOf(flat, kNegligibleNuisance), kNuisance);
+  PosteriorAxes axes = gaussAxes(flat, boxOf(flat, kNegligibleNuisance), kNuisance);
   axes[parameter] = {.values = values, .weights = std::vector<double>(values.size(), 1)};
   std::vector<double> likelihood = PosteriorGrid(flat, std::move(axes)).summed().marginals[parameter];
   const double most = std::ranges::max(likelihood);
@@ -369,11 +369,11 @@ std::vector<ParameterPoint> likelihoodPeaks(const Model& model, int count) {
   for (int i = 0; i < kParameters; ++i) {
     flat = flat.withFlatPrior(i, model.support(i));
   }
-  GridSupports supports = wholeSupport(model);
+  AxisSupports supports = wholeSupport(model);
   if (!supports[kOverdispersion].isFixed()) {
     supports[kOverdispersion] = {kSomeOverdispersion, kSomeOverdispersion};
   }
-  GridAxes axes = coarseAxes(flat, supports, kPosteriorPeaks);
+  PosteriorAxes axes = coarseAxes(flat, supports, kPosteriorPeaks);
   axes[kScale] = coarseAxis(supports[kScale], kPosteriorPeaks[kScale], true, false);
   return firstPoints(peaksOf(PosteriorGrid(flat, std::move(axes))), static_cast<std::size_t>(count));
 }

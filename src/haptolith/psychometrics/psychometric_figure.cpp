@@ -120,11 +120,12 @@ class Drawing {
     };
     add({{fit.threshold.interval.low, at50}, {fit.threshold.interval.high, at50}},
         "using 1:2 with lines linewidth 5 linecolor rgb '#888888'");
-    figure_.command(fmt::format("set label {} at graph 0.985,0.22 right front textcolor rgb '{}'",
-                                gnuplotQuoted("PSE " + told(fit.threshold)), kBold));
-    figure_.command(fmt::format(
-        "set label {} at graph 0.985,0.17 right front textcolor rgb '{}'",
-        gnuplotQuoted((fit.w ? "Weber fraction " : "width ") + told(fit.w ? fit.weber_fraction : fit.width)), kBold));
+    // Under the title: inside, answers would be beneath it.
+    figure_.command(
+        fmt::format("set label {} at graph 0.5,1.035 center textcolor rgb '{}'",
+                    gnuplotQuoted(fmt::format("PSE {}; {} {}", told(fit.threshold), fit.w ? "Weber fraction" : "width",
+                                              told(fit.w ? fit.weber_fraction : fit.width))),
+                    kBold));
     if (inside(x84)) {
       figure_.command(
           fmt::format("set arrow from first {},graph 0.045 to first {},graph 0.045 heads size graph 0.012,20 "
@@ -216,7 +217,8 @@ std::string logarithmicTics(const std::vector<double>& xs) {
 
 void setAxes(Figure& figure, const PsychometricFigure& wanted, const std::vector<double>& xs) {
   figure.command(fmt::format(R"(
-set title {} offset 0,0.3
+set title {} offset 0,1.2
+set tmargin 5
 set xlabel {}
 set ylabel {}
 set yrange [-3:103]

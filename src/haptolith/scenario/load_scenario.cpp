@@ -244,36 +244,42 @@ void takeOverrides(TomlReader& reader, std::span<const std::string> overrides) {
   }
 }
 
-/// Whether they name another soil or another world, and no title for it.
-bool nameOtherSoilOrWorld(std::span<const std::string> overrides) {
-  const TomlReader given(overrides, kScene);
-  constexpr std::array kNames{KeyName{"soil", "preset"},
-                              KeyName{"soil", "name"},
-                              KeyName{"soil", "file"},
-                              KeyName{"gravity", "body"},
-                              KeyName{"gravity", "magnitude_m_s2"},
-                              KeyName{"gravity", "vector_m_s2"}};
-  return !given.has("", "title") &&
-         std::ranges::any_of(kNames, [&](const KeyName& key) { return given.has(key.table, key.name); });
+bool giveTitle(std::span<const std::string> overrides) {
+  return TomlReader(overrides, kScene).has("", "title");
+}
+
+/// The scene with overrides, and where they change what its title may name, and give no title, one of their own.
+/// @param reader_of  makes the reader of the scene as it is without them
+template <class ReaderOf>
+Scenario readWithOverrides(const ReaderOf& reader_of, std::span<const std::string> overrides) {
+  TomlReader reader = reader_of();
+  takeOverrides(reader, overrides);
+  Scenario scene = read(reader, From::kFile);
+  if (overrides.empty() || giveTitle(overrides)) {
+    return scene;
+  }
+  std::string before;
+  try {
+    TomlReader own = reader_of();
+    before = sceneInWords(read(own, From::kFile));
+  } catch (const std::exception&) {  // a scene that is valid with the overrides alone
+  }
+  retitle(scene, before);
+  return scene;
 }
 
 }  // namespace
 
 Scenario findScenario(std::string_view name_or_file, std::span<const std::string> overrides) {
-  TomlReader reader = readerOf(name_or_file);
-  takeOverrides(reader, overrides);
-  Scenario scene = read(reader, From::kFile);
-  if (nameOtherSoilOrWorld(overrides)) {
-    retitle(scene, "");
-  }
-  return scene;
+  return readWithOverrides([name_or_file] { return readerOf(name_or_file); }, overrides);
 }
 
 Scenario scenarioFromText(std::string_view text, std::string_view name, std::span<const std::string> overrides) {
-  TomlReader reader =
-      text.empty() ? TomlReader(std::span<const std::string>(), kScene) : TomlReader(name, text, kScene);
-  takeOverrides(reader, overrides);
-  return read(reader, From::kFile);
+  return readWithOverrides(
+      [&] {
+        return text.empty() ? TomlReader(std::span<const std::string>(), kScene) : TomlReader(name, text, kScene);
+      },
+      overrides);
 }
 
 Scenario changed(const Scenario& scenario, std::span<const std::string> overrides) {
@@ -287,6 +293,9 @@ Scenario changed(const Scenario& scenario, std::span<const std::string> override
   }
   if (reader.has("soil", "preset")) {
     scene.soil_name.clear();
+  }
+  if (!reader.has("", "title")) {
+    retitle(scene, sceneInWords(scenario));
   }
   return scene;
 }

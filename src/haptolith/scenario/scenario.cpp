@@ -7,6 +7,7 @@
 #include "haptolith/bed/ready_tile.h"
 #include "haptolith/core/error.h"
 #include "haptolith/scenario/file_keys.h"
+#include "haptolith/scenario/scene_words.h"
 #include "haptolith/soil/bodies.h"
 #include "haptolith/soil/presets.h"
 #include "haptolith/tool/tool_contact.h"
@@ -15,8 +16,23 @@ namespace haptolith {
 
 namespace {
 
-std::string titleBegins(const std::string& soil_and_world) {
-  return soil_and_world + ", otherwise: ";
+std::string soilInWords(const Scenario& scenario) {
+  const std::string& named = scenario.preset.empty() ? scenario.soil_name : scenario.preset;
+  return named.empty() ? "own soil" : named + " soil";
+}
+
+std::string toolInWords(const Scenario& scenario) {
+  switch (scenario.tool.shape) {
+    case ToolShape::kBox: return "shovel";
+    case ToolShape::kCone: return "cone";
+    case ToolShape::kTube: return "tube";
+    case ToolShape::kMesh: return scenario.mesh.name.empty() ? "mesh" : scenario.mesh.name;
+    case ToolShape::kSphere:
+    case ToolShape::kPlate:
+    case ToolShape::kCylinder:
+    case ToolShape::kJaws: break;
+  }
+  return std::string(wordFor(kToolShapeWords, scenario.tool.shape));
 }
 
 }  // namespace
@@ -44,31 +60,29 @@ void setSoil(Scenario& scenario, const SoilFile& soil) {
   }
 }
 
-std::string soilAndWorld(const Scenario& scenario) {
-  const std::string& named = scenario.preset.empty() ? scenario.soil_name : scenario.preset;
-  const std::string soil = named.empty() ? "soil of its own" : named;
-  return scenario.body.empty() ? fmt::format("{} under {:.3g} m/s2", soil, scenario.bed.gravity_m_s2.norm())
-                               : fmt::format("{} on {}{}", soil, scenario.body == "Moon" ? "the " : "", scenario.body);
+std::string sceneInWords(const Scenario& scenario) {
+  std::string words =
+      fmt::format("{}, {}, R = {:.3g} mm", soilInWords(scenario),
+                  scenario.body.empty() ? fmt::format("{:.3g} m/s2", scenario.bed.gravity_m_s2.norm()) : scenario.body,
+                  1e3 * scenario.bed.soil.radius_m);
+  words += scenario.bed.stones.any() ? ", stones" : "";
+  words += ", " + toolInWords(scenario);
+  if (scenario.device.kind == DeviceKind::kVirtualHand && scenario.hand.manoeuvre != Manoeuvre::kStill) {
+    words += fmt::format(", {}", wordFor(kManoeuvreWords, scenario.hand.manoeuvre));
+  }
+  return words;
 }
 
-void retitle(Scenario& scenario, const std::string& before) {
-  const std::string now = soilAndWorld(scenario);
-  if (now == before) {
-    return;
-  }
-  std::string title = scenario.title;
-  if (const std::size_t told = title.find(titleBegins(before)); !before.empty() && told != std::string::npos) {
-    title.erase(told, titleBegins(before).size());
-  }
-  title.insert(0, titleBegins(now));
-  if (title.size() <= mostBytes(TextSize::kLine)) {
-    scenario.title = title;
+void retitle(Scenario& scenario, std::string_view before) {
+  const std::string now = sceneInWords(scenario);
+  if (now != before && now.size() <= mostBytes(TextSize::kLine)) {
+    scenario.title = now;
   }
 }
 
 void changePreset(Scenario& scenario, std::string_view name) {
   const Preset& preset = findPreset(name);
-  const std::string before = soilAndWorld(scenario);
+  const std::string before = sceneInWords(scenario);
   scenario.bed.soil = rescaled(preset.soil, scenario.bed.soil.radius_m);
   scenario.preset = preset.name;
   scenario.soil_name.clear();
@@ -78,14 +92,14 @@ void changePreset(Scenario& scenario, std::string_view name) {
 void changeSoil(Scenario& scenario, std::string_view name_or_file) {
   SoilFile file = findSoil(name_or_file);
   file.soil = rescaled(file.soil, scenario.bed.soil.radius_m);
-  const std::string before = soilAndWorld(scenario);
+  const std::string before = sceneInWords(scenario);
   setSoil(scenario, file);
   retitle(scenario, before);
 }
 
 void changeBody(Scenario& scenario, std::string_view name) {
   const Body& body = findBody(name);
-  const std::string before = soilAndWorld(scenario);
+  const std::string before = sceneInWords(scenario);
   const double before_m_s2 = scenario.bed.gravity_m_s2.norm();
   const Vec3 direction = before_m_s2 > 0 ? Vec3(scenario.bed.gravity_m_s2 / before_m_s2) : Vec3(-Vec3::UnitZ());
   scenario.bed.gravity_m_s2 = body.gravity_m_s2 * direction;

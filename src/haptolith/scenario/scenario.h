@@ -102,13 +102,12 @@ void changeSoil(Scenario& scenario, std::string_view name_or_file);
 /// Takes the scene to another world; gravity keeps its direction. @throws InvalidParameter as findBody().
 void changeBody(Scenario& scenario, std::string_view name);
 
-/// "P1 on Mars": the scene's soil and world in words.
-[[nodiscard]] std::string soilAndWorld(const Scenario& scenario);
+/// Soil, world, size of grains, tool and motion: "surveyor-3 soil, Mars, R = 3.5 mm, shovel, scoop".
+[[nodiscard]] std::string sceneInWords(const Scenario& scenario);
 
-/// Begins the title with soil and world where they are no longer `before`, for it may name those that the file has: "P1
-/// on Mars, otherwise: The paper's scene". changePreset(), changeSoil() and changeBody() have done it.
-/// @param before  soilAndWorld() before the change, which the title may begin with; empty: it does not.
-void retitle(Scenario& scenario, const std::string& before);
+/// Replaces the title by sceneInWords() where that differs from `before`, sceneInWords() before a change: the title may
+/// name what has changed. changePreset(), changeSoil() and changeBody() have done it.
+void retitle(Scenario& scenario, std::string_view before);
 
 /// Whether makeCoarser() has coarser particles for the scene: its bed starts as settled, with particles of one size,
 /// and its box has room for larger ones.

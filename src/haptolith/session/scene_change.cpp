@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <string>
 #include <string_view>
 
 #include "haptolith/session/soil_sliders.h"
@@ -51,10 +52,8 @@ void changeGravity(Scenario& scenario, double gravity_m_s2) {
   Vec3& gravity = scenario.bed.gravity_m_s2;
   const double now_m_s2 = gravity.norm();
   requireInRange("gravity_m_s2", gravity_m_s2, BedRanges::gravity_m_s2);
-  const std::string before = soilAndWorld(scenario);
   gravity = now_m_s2 > 0 ? Vec3(gravity * (gravity_m_s2 / now_m_s2)) : Vec3(0, 0, -gravity_m_s2);
   scenario.body.clear();
-  retitle(scenario, before);
 }
 
 }  // namespace
@@ -80,6 +79,7 @@ Scenario changed(Scenario scenario, const SceneChange& change) {
   if (change.preset && change.soil) {
     throw InvalidParameter("soil", *change.soil, "left out when there is a preset");
   }
+  const std::string before = sceneInWords(scenario);
   if (change.preset) {
     changePreset(scenario, *change.preset);
   }
@@ -120,6 +120,7 @@ Scenario changed(Scenario scenario, const SceneChange& change) {
   if (change.tool_mesh) {
     requireFitting(scenario.tool.mesh->field.corners(), scenario.mesh.name, lengths_m);
   }
+  retitle(scenario, before);
   validate(scenario);
   return scenario;
 }

@@ -212,6 +212,7 @@ bool Session::takeMade() {
     Showing next = made->result.get();
     if (!made->unwanted) {
       current_.replaced_by = made->why;
+      current_.taken_back = false;
       bringOnStage(std::move(next));
     }
   } catch (const std::exception& error) {  // the bed that is there stays
@@ -273,6 +274,7 @@ void Session::change(const SceneChange& change) {
 void Session::reset() {
   problem_.clear();
   wanted_ = initial_;
+  tellMotion(wanted_);
   wantBed("reset");
   pursue();
 }
@@ -285,6 +287,7 @@ void Session::show(std::span<const SceneChange> changes) {
   requireEnoughSubsteps(next);
   problem_.clear();
   wanted_ = std::move(next);
+  tellMotion(wanted_);
   wantBed("stimulus");
   pursue();
 }
@@ -315,7 +318,9 @@ void Session::undo() {
   }
   problem_.clear();
   current_.replaced_by = previous_->replaced_by;
+  current_.taken_back = !previous_->taken_back;
   wanted_ = previous_->scenario;
+  tellMotion(wanted_);
   bringOnStage(std::move(*previous_));
   previous_.reset();
 }
@@ -350,6 +355,7 @@ void Session::changeWhatIsThere() {
     now.bed.gravity_m_s2 = wanted_.bed.gravity_m_s2;
   }
   now.body = wanted_.body;
+  now.title = wanted_.title;
   if (!sameTool(wanted_.tool, now.tool)) {
     if (!loop_->ask(request::Exchange{request::ExchangeTool{wanted_.tool}})) {
       return;
@@ -503,8 +509,17 @@ void Session::play(Manoeuvre manoeuvre) {
   requireVirtualHand("play");
   command_.held.reset();
   command_.manoeuvre = manoeuvre;
+  tellMotion(wanted_);
+  tellMotion(current_.scenario);
   ++command_.beginnings;
   commandHand();
+}
+
+/// The title may name the motion.
+void Session::tellMotion(Scenario& scenario) const {
+  const std::string before = sceneInWords(scenario);
+  scenario.hand.manoeuvre = command_.manoeuvre;
+  retitle(scenario, before);
 }
 
 Vec3 Session::workspaceLow() const noexcept {

@@ -109,6 +109,8 @@ class Session {
   [[nodiscard]] std::string busy() const;
   /// What undo() would take back; empty when nothing.
   [[nodiscard]] std::string_view undoable() const noexcept { return previous_ ? previous_->replaced_by : ""; }
+  /// Whether undo() would bring back what the last undo() took back.
+  [[nodiscard]] bool undoRedoes() const noexcept { return previous_ && previous_->taken_back; }
   /// Why the last bed or mesh could not be made; empty when it could.
   [[nodiscard]] const std::string& problem() const noexcept { return problem_; }
   [[nodiscard]] std::string_view deviceName() const noexcept { return device_->name(); }
@@ -140,6 +142,7 @@ class Session {
     std::unique_ptr<ShownScene> own_shown;  ///< none for the first: the loop has that
     ShownScene* shown = nullptr;
     std::string_view replaced_by;
+    bool taken_back = false;  ///< by undo()
   };
   struct Making;
   struct MakingMesh;
@@ -162,6 +165,7 @@ class Session {
   void openHand(std::unique_ptr<HapticDevice> device);
   void requireVirtualHand(const char* asked) const;
   void commandHand();
+  void tellMotion(Scenario& scenario) const;
 
   Scenario initial_, wanted_;
   Showing current_;

@@ -86,6 +86,7 @@ void Conductor::resumeParticipant(std::string_view code) {
 
 void Conductor::start(ParticipantRow participant) {
   participant_ = std::move(participant);
+  stopped_.reset();
   planSteps();
   prepared_.reset();
   readRows();
@@ -669,6 +670,18 @@ void Conductor::stop() {
       store_.addNote(participant_->id, "stopped for today", "stop");
     });
   }
+  if (participant_) {
+    const StudyState far = state();
+    stopped_ = StudyState{.phase = over() ? phase_ : StudyPhase::kStopped,
+                          .participant = far.participant,
+                          .group = far.group,
+                          .title = far.title,
+                          .text = over() ? far.text : "",
+                          .position = far.position,
+                          .blocks = far.blocks,
+                          .trial = std::max(0, far.trial - (phase_ == StudyPhase::kFeedback ? 0 : 1)),
+                          .trials = far.trials};
+  }
   participant_.reset();
   trial_.reset();
   paused_ = false;
@@ -678,6 +691,9 @@ void Conductor::stop() {
 // --- what is the case
 
 StudyState Conductor::state() const {
+  if (stopped_) {
+    return *stopped_;
+  }
   StudyState now;
   now.phase = phase_;
   now.paused = paused_;

@@ -85,6 +85,8 @@ class Conductor {
   [[nodiscard]] bool over() const noexcept {
     return phase_ == StudyPhase::kFinished || phase_ == StudyPhase::kWithdrawn;
   }
+  /// Whether stop() has ended the participant's day.
+  [[nodiscard]] bool stopped() const noexcept { return stopped_.has_value(); }
   /// Counts up whenever state() changes, other than the time that remains.
   [[nodiscard]] std::uint64_t changes() const noexcept { return changes_; }
 
@@ -107,7 +109,8 @@ class Conductor {
   void note(std::string_view text);
   /// The same for what the program has noticed.
   void remark(std::string_view text);
-  /// Ends here for today: the trial under way is done again when the participant comes back.
+  /// Ends here for today: the trial under way is done again when the participant comes back. state() then reports how
+  /// far they came.
   void stop();
 
  private:
@@ -168,6 +171,7 @@ class Conductor {
   ConductorOptions options_;
 
   std::optional<ParticipantRow> participant_;
+  std::optional<StudyState> stopped_;  ///< how far the participant came until stop()
   std::vector<PlannedBlock> sequence_;
   std::vector<StudyStep> steps_;
   std::size_t step_ = 0;

@@ -6,12 +6,14 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <filesystem>
 #include <map>
 #include <optional>
 #include <span>
 #include <utility>
 #include <vector>
 
+#include "haptolith/core/counted.h"
 #include "haptolith/core/error.h"
 #include "haptolith/study/answers.h"
 
@@ -38,6 +40,7 @@ const char* wordOf(StudyPhase phase) {
     case StudyPhase::kBreak: return "break";
     case StudyPhase::kFinished: return "finished";
     case StudyPhase::kWithdrawn: return "withdrawn";
+    case StudyPhase::kStopped: return "stopped";
   }
   return "";
 }
@@ -74,7 +77,7 @@ std::string preparingText(const StudyState& now) {
 /// What the page has words of its own for.
 bool speaksForItself(const StudyState& now) {
   return now.paused || now.phase == StudyPhase::kPreparing || now.phase == StudyPhase::kFeedback ||
-         now.phase == StudyPhase::kBreak || now.phase == StudyPhase::kWithdrawn;
+         now.phase == StudyPhase::kBreak || now.phase == StudyPhase::kWithdrawn || now.phase == StudyPhase::kStopped;
 }
 
 std::string titleOf(const StudyState& now, bool asks) {
@@ -124,6 +127,22 @@ Json trialJson(const StudyState& now, const std::optional<ShownTrial>& trial, bo
           {"value", trial->test->value},
           {"test_first", trial->test_first},
           {"interval", with_interval && now.interval > 0 ? Json(now.interval) : Json(nullptr)}};
+}
+
+/// How the day ended, and how to resume: for the experimenter.
+std::string endingText(const StudyState& now, const std::filesystem::path& file) {
+  if (now.phase == StudyPhase::kFinished) {
+    return fmt::format("{} has finished.", now.participant);
+  }
+  if (now.phase == StudyPhase::kWithdrawn) {
+    return fmt::format("{} has stopped taking part.", now.participant);
+  }
+  const std::string trials = now.trials > 0  ? fmt::format(" after {} of {} trials", now.trial, now.trials)
+                             : now.trial > 0 ? fmt::format(" after {}", counted(now.trial, "trial"))
+                                             : "";
+  const std::string part = now.blocks > 1 ? fmt::format(" in part {} of {}", now.position + 1, now.blocks) : "";
+  return fmt::format("{} stopped{}{}; resume with: haptolith study resume {}", now.participant, trials, part,
+                     file.string());
 }
 
 template <class Row>
@@ -282,6 +301,7 @@ std::string participantMessage(const Conductor& conductor) {
                {"can_dig", feels && conductor.rig().pageMayHold()},
                {"feedback", now.right ? Json(*now.right ? "right" : "wrong") : Json(nullptr)},
                {"progress", progressJson(now)},
+               {"ended", conductor.stopped()},
                {"problem", nullptr}};
   return message.dump(-1, ' ', false, Json::error_handler_t::replace);
 }
@@ -327,6 +347,7 @@ std::string experimenterMessage(const Conductor& conductor, std::string_view his
                {"next", trialJson(now, now.next, false)},
                {"force_n", force_n},
                {"peak_force_n", peak_force_n},
+               {"ended", conductor.stopped() ? Json(endingText(now, conductor.store().file())) : Json(nullptr)},
                {"problem", orNull(now.problem)}};
   message.update(Json::parse(history));
   return message.dump(-1, ' ', false, Json::error_handler_t::replace);

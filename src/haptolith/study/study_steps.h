@@ -23,6 +23,7 @@ enum class StudyPhase {
   kBreak,
   kFinished,
   kWithdrawn,
+  kStopped,  ///< for today
 };
 
 /// One step of a participant's way: a page, a form, or a block's trials.

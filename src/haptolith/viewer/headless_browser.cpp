@@ -31,7 +31,7 @@ using nlohmann::json;
 namespace fs = std::filesystem;
 
 /// A large bed, drawn in software on a busy machine, takes its time.
-constexpr auto kTimeout = 120s;
+constexpr auto kTimeout = 300s;
 constexpr auto kPatienceAtTheEnd = 3s;
 
 /// Where Chromium expects the pipes.

@@ -53,6 +53,7 @@ class LiveView {
   [[nodiscard]] std::string url(std::size_t entrance = 0) const { return server_.url(entrance); }
   [[nodiscard]] std::string urlHere(std::size_t entrance = 0) const { return server_.urlHere(entrance); }
   [[nodiscard]] std::uint16_t port() const noexcept { return server_.port(); }
+  [[nodiscard]] std::size_t clients() const noexcept { return server_.clients(); }
 
   /// Does what clients have asked for, for 2 ms at most; the rest waits for the next time. Call it as often as
   /// Session::poll(), before it.

@@ -325,6 +325,9 @@ Board::Texts statusMessages(const Session& session, const StatusBeside& beside) 
                        {"time_s", now.time_s},
                        {"ticks", now.ticks},
                        {"misses", now.deadline_misses},
+                       {"misses_too_long", now.misses_too_long},
+                       {"misses_woken_late", now.misses_woken_late},
+                       {"misses_preempted", now.misses_preempted},
                        {"success_rate", now.success_rate},
                        {"rate_hz", beside.rate_hz},
                        {"tick_us", {{"p50", now.tick_us_p50}, {"p99", now.tick_us_p99}, {"max", now.tick_us_max}}},
@@ -344,6 +347,7 @@ Board::Texts statusMessages(const Session& session, const StatusBeside& beside) 
                        {"problem", orNull(session.problem())},
                        {"can_undo", !session.undoable().empty()},
                        {"undo", orNull(session.undoable())},
+                       {"undo_redoes", session.undoRedoes()},
                        {"recording", orNull(beside.recording)},
                        {"recorded", recordedJson(beside.recorded)},
                        {"robot", robotJson(beside.robot)}});

@@ -17,6 +17,16 @@ namespace Haptolith
     public bool Paused;
     public ulong Ticks;
     public ulong DeadlineMisses;
+
+    /// <summary>Of DeadlineMisses: the tick's own work took too long, as with soil too fine for this machine.</summary>
+    public ulong MissesTooLong;
+
+    /// <summary>Of DeadlineMisses: the machine woke the loop's thread late.</summary>
+    public ulong MissesWokenLate;
+
+    /// <summary>Of DeadlineMisses: the processor was taken away during the tick.</summary>
+    public ulong MissesPreempted;
+
     public double Time_s;
     public Pose Scene_T_Tool;
     public double Opening_m;
@@ -120,6 +130,9 @@ namespace Haptolith
           Paused = now.paused != 0,
           Ticks = now.ticks,
           DeadlineMisses = now.deadline_misses,
+          MissesTooLong = now.misses_too_long,
+          MissesWokenLate = now.misses_woken_late,
+          MissesPreempted = now.misses_preempted,
           Time_s = now.time_s,
           Scene_T_Tool = *(Pose*)&now.scene_T_tool,
           Opening_m = now.opening_m,

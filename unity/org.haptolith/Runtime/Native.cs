@@ -189,6 +189,9 @@ namespace Haptolith
     public double tick_us_max;
     public double largest_speed_m_s;
     public hapto_array position;  // as HAPTO_POSITION; of a large bed a part is copied in each tick
+    public ulong misses_too_long;  // of deadline_misses: the tick's own work took too long
+    public ulong misses_woken_late;  // the machine woke the loop's thread late
+    public ulong misses_preempted;  // the processor was taken away during the tick
   }
 
   /// <summary>One tick, as recordings hold it (docs/recording.md).</summary>

@@ -178,6 +178,12 @@ const Status = v.object({
   time_s: v.number(),
   ticks: v.number(),
   misses: v.number(),
+  /** of `misses`: the tick's own work took too long, as with soil too fine for the machine; an older program does not say */
+  misses_too_long: v.optional(v.number()),
+  /** of `misses`: the machine woke the loop's thread late */
+  misses_woken_late: v.optional(v.number()),
+  /** of `misses`: the processor was taken away during the tick */
+  misses_preempted: v.optional(v.number()),
   success_rate: v.number(),
   rate_hz: v.number(),
   tick_us: v.object({ p50: v.number(), p99: v.number(), max: v.number() }),
@@ -199,6 +205,8 @@ const Status = v.object({
   problem: v.nullable(v.string()),
   can_undo: v.boolean(),
   undo: v.nullable(v.string()),
+  /** an undo would bring back what the last one took back; an older program does not say */
+  undo_redoes: v.optional(v.boolean(), false),
   recording: v.nullable(v.string()),
   /** the last file that is finished, and where it is; an older program does not say */
   recorded: v.nullish(v.object({ file: v.string(), folder: v.string() })),

@@ -19,6 +19,7 @@ const Phase = v.picklist([
   'paused',
   'finished',
   'withdrawn',
+  'stopped',
 ]);
 export type Phase = v.InferOutput<typeof Phase>;
 
@@ -89,6 +90,8 @@ const ParticipantMessage = v.object({
   can_dig: flag,
   feedback: v.nullish(v.picklist(['right', 'wrong']), null),
   progress: v.nullish(Progress, null),
+  /** the last message: the program ends */
+  ended: flag,
   problem: textOrNull,
 });
 export type ParticipantMessage = v.InferOutput<typeof ParticipantMessage>;
@@ -165,6 +168,8 @@ const ExperimenterMessage = v.object({
   answers: v.nullish(v.array(Answer), () => []),
   blocks: v.nullish(v.array(BlockResult), () => []),
   notes: v.nullish(v.array(Note), () => []),
+  /** in the last message: how far the participant came, and how to resume; null: it goes on */
+  ended: textOrNull,
   problem: textOrNull,
 });
 export type ExperimenterMessage = v.InferOutput<typeof ExperimenterMessage>;

@@ -1,17 +1,19 @@
 // The hand of this page: what holds the tool here (mouse, keys, gamepad, controller) says where it wishes the tool to
 // be; this sends the wish to the program, at most 60 times a second, and lets go when the last of them has.
 
-import type { Frame, Pose, Scene, Vec3 } from 'haptolith-protocol';
+import type { Frame, Pose, Quat, Scene, Vec3 } from 'haptolith-protocol';
 import type { Connection } from '../connection';
-import { clampTo, samePose, turned } from './pose_math';
+import { angleBetween, clampTo, samePose, turned, turnedTowards } from './pose_math';
 
-export type Holder = 'mouse' | 'keys' | 'gamepad' | 'controller' | 'automation';
+export type Holder = 'mouse' | 'keys' | 'gamepad' | 'controller' | 'automation' | 'tilt';
 
 const SEND_INTERVAL_MS = 1000 / 60;
 // How far a wish may run ahead of the workspace before it is cut: a mouse that went too far comes back at once.
 const SLACK_M = 0.02;
 
 export class Hand {
+  /** how the tool stood when this hand last let go of it; null: it never had it */
+  left: Quat | null = null;
   private readonly holders = new Set<Holder>();
   private free: Pose = { position_m: [0, 0, 0.1], rotation: [1, 0, 0, 0] };
   private sent: Pose | null = null;
@@ -66,7 +68,7 @@ export class Hand {
   letGo(holder: Holder): void {
     if (!this.holders.delete(holder) || this.held) return;
     this.connection.send({ do: 'release' });
-    this.sent = null;
+    this.forget();
     this.onChange();
   }
 
@@ -74,7 +76,7 @@ export class Hand {
   drop(): void {
     if (!this.held) return;
     this.holders.clear();
-    this.sent = null;
+    this.forget();
     this.onChange();
   }
 
@@ -99,6 +101,12 @@ export class Hand {
     this.free = { ...this.free, rotation: turned(this.free.rotation, axis, angle_rad, frame) };
   }
 
+  /** Turns towards a rotation, by an angle at most; true when it is reached. */
+  turnTo(rotation: Quat, max_rad: number): boolean {
+    this.free = { ...this.free, rotation: turnedTowards(this.free.rotation, rotation, max_rad) };
+    return angleBetween(this.free.rotation, rotation) < 1e-4;
+  }
+
   setPose(pose: Pose): void {
     this.free = structuredClone(pose);
   }
@@ -111,6 +119,11 @@ export class Hand {
     this.connection.send({ do: 'hold', pose: [...wished.position_m, ...wished.rotation] });
     this.sent = wished;
     this.sent_ms = now_ms;
+  }
+
+  private forget(): void {
+    this.sent = null;
+    this.left = this.frame?.tool.rotation ?? null;
   }
 
   /** The first hold asks for a reply: somebody else may have the tool. */

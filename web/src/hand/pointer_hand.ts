@@ -33,6 +33,7 @@ export class PointerHand {
     private readonly stage: Stage,
     private readonly hand: Hand,
     private readonly canvas: HTMLElement,
+    private readonly onTaken = (): void => {},
   ) {
     canvas.addEventListener('pointerdown', (event) => this.down(event));
     canvas.addEventListener('pointermove', (event) => this.moved(event));
@@ -49,7 +50,10 @@ export class PointerHand {
     if (this.fingers.size > 1) return this.stopDragging();
     const may_grab = this.may_dig && (event.pointerType !== 'mouse' || event.button === 0);
     if (may_grab && (this.dig_anywhere || this.isNearTool(event, event.pointerType === 'touch' ? 1.4 : 1))) {
-      if (this.hand.grab('mouse')) this.dragging = event.pointerId;
+      if (this.hand.grab('mouse')) {
+        this.dragging = event.pointerId;
+        this.onTaken();
+      }
     }
     if (event.button === 1) event.preventDefault();
     this.showCursor(event);

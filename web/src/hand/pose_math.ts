@@ -22,6 +22,16 @@ export function turned(rotation: Quat, axis: Vec3, angle_rad: number, frame: 'sc
   return fromThree((frame === 'scene' ? turn.multiply(now) : now.multiply(turn)).normalize());
 }
 
+/** Angle of the shortest turn from one rotation to another, in rad. */
+export function angleBetween(a: Quat, b: Quat): number {
+  return toThree(a).angleTo(toThree(b));
+}
+
+/** The shortest way from one rotation towards another, by an angle at most. */
+export function turnedTowards(from: Quat, to: Quat, max_rad: number): Quat {
+  return fromThree(toThree(from).rotateTowards(toThree(to), max_rad));
+}
+
 export function samePose(a: Pose, b: Pose): boolean {
   return (
     a.position_m.every((value, i) => value === b.position_m[i]) &&

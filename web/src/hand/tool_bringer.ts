@@ -1,9 +1,10 @@
-// "Bring tool here": lifts the tool out of the soil and over the middle of the bed, at the pace of a calm hand, and lets
-// go of it there.
+// "Bring tool here": lifts the tool out of the soil and over the middle of the bed, at the pace of a calm hand, turns it so
+// that it digs, and lets go of it there.
 
-import type { Scene, Vec3 } from 'haptolith-protocol';
+import type { Quat, Scene, Vec3 } from 'haptolith-protocol';
 import { shapeOf } from '../tool_shapes';
 import type { Hand } from './hand';
+import { TILT_DEG_S } from './tilt';
 
 const SPEED_M_S = 0.15;
 const CLEARANCE_M = 0.02;
@@ -18,6 +19,8 @@ export class ToolBringer {
   constructor(
     private readonly hand: Hand,
     private readonly scene: () => Scene | null,
+    /** as ToolTilt.digging */
+    private readonly digging: () => Quat | null,
   ) {}
 
   /** Where it brings the tool: as high over the soil as the tool is long. */
@@ -43,13 +46,16 @@ export class ToolBringer {
     const elapsed_s = this.before_ms === null ? 0 : Math.min(LONGEST_STEP_S, (now_ms - this.before_ms) / 1000);
     this.before_ms = now_ms;
     const at_m = this.hand.wished.position_m;
-    // Out of the soil first, then across, then to its height.
+    // Out of the soil first, then across, then to its height; it turns above the soil.
     const low = at_m[2] < to_m[2] - 1e-6;
+    const digging = low ? null : this.digging();
+    const turned = digging === null || this.hand.turnTo(digging, (TILT_DEG_S * Math.PI * elapsed_s) / 180);
     const aside = Math.hypot(at_m[0] - to_m[0], at_m[1] - to_m[1]) > 1e-6;
     const next_m: Vec3 = low ? [at_m[0], at_m[1], to_m[2]] : aside ? [to_m[0], to_m[1], at_m[2]] : to_m;
     const way_m = next_m.map((value, axis) => value - at_m[axis]!) as Vec3;
     const far_m = Math.hypot(...way_m);
     if (far_m < 1e-6) {
+      if (!turned) return;
       this.waited_s += elapsed_s;
       if (this.waited_s >= WAIT_S) this.hand.letGo('automation');
       return;

@@ -129,16 +129,17 @@ export class Controls {
 
     const dig = h('label', { class: 'check' }, this.dig, h('span', {}, 'drag anywhere to dig'));
     explain(this.dig, EXPLAIN.dig, dig);
-    const sound = h('label', { class: 'check' }, this.sound, h('span', {}, 'sound of digging'));
+    const sound = h('label', { class: 'check' }, this.sound, h('span', {}, 'sound'));
     explain(this.sound, EXPLAIN.sound, sound);
     explain(this.soil_facts, EXPLAIN.facts);
     this.soil_facts.tabIndex = 0;
 
+    const speed = field('Speed', this.speed, EXPLAIN.speed);
     const changing = [
       group(
         'World',
         field('Soil', this.soil, EXPLAIN.soil),
-        field('Friction model', this.friction, EXPLAIN.friction, 'field long'),
+        field('Friction model', this.friction, EXPLAIN.friction),
         this.drag_warning,
         this.soil_facts,
         this.sliders,
@@ -156,7 +157,7 @@ export class Controls {
         ),
         dig,
       ),
-      group(
+      inlineGroup(
         'Bed',
         h(
           'div',
@@ -166,10 +167,10 @@ export class Controls {
           this.undo,
         ),
       ),
-      group(
+      inlineGroup(
         'Time',
         h('div', { class: 'row buttons' }, this.pause, this.step, this.record),
-        field('Speed', this.speed, EXPLAIN.speed),
+        speed,
         this.record_file,
       ),
     ];
@@ -179,7 +180,7 @@ export class Controls {
       { class: 'controls', 'aria-label': 'Controls' },
       this.look_on,
       ...changing,
-      group('Picture', this.drawings, this.colours, views, sound),
+      inlineGroup('Picture', this.drawings, this.colours, h('div', { class: 'row views' }, views, sound)),
     );
     this.setConnected(false);
   }
@@ -258,7 +259,8 @@ export class Controls {
     this.pause.setAttribute('aria-pressed', String(status.paused && !this.neutral));
     this.step.disabled = !status.paused;
     this.undo.disabled = !status.can_undo;
-    setText(this.undo, status.undo ? `Undo ${status.undo}` : 'Undo');
+    const undo = status.undo_redoes ? 'Redo' : 'Undo';
+    setText(this.undo, status.undo ? `${undo} ${status.undo}` : undo);
     setText(this.record, status.recording ? 'Stop' : 'Record');
     this.record.setAttribute('aria-pressed', String(status.recording !== null));
     this.showRecording(status);
@@ -446,8 +448,15 @@ function group(title: string, ...children: HTMLElement[]): HTMLFieldSetElement {
   return h('fieldset', { class: 'group' }, h('legend', {}, title), ...children);
 }
 
-function field(label: string, control: HTMLElement, explanation: string, style = 'field'): HTMLElement {
-  const made = h('label', { class: style }, h('span', {}, label), control);
+/** Its title stands beside its first row. */
+function inlineGroup(title: string, ...children: HTMLElement[]): HTMLFieldSetElement {
+  const made = group(title, ...children);
+  made.classList.add('inline');
+  return made;
+}
+
+function field(label: string, control: HTMLElement, explanation: string): HTMLElement {
+  const made = h('label', { class: 'field' }, h('span', {}, label), control);
   explain(control, explanation, made);
   return made;
 }

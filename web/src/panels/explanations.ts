@@ -3,9 +3,13 @@
 export const EXPLAIN = {
   // the strip
   time: 'Simulated time since the program started, in seconds.',
-  rate: 'Steps of the force loop computed during the last second: 1000 are wanted, fewer in slow motion.',
-  in_time: 'How many of the last hundred steps (ticks) were finished within their millisecond.',
-  tick_p99: 'Of one hundred steps, 99 take no longer than this; each has 1000 µs.',
+  rate: 'Ticks of the force loop during the last second, and how many are wanted.',
+  in_time: 'Ticks of the last ten seconds that were finished within their millisecond.',
+  missed:
+    'Ticks of the last ten seconds that came late: because the tick took too long, because the loop was woken late, or because another program took the processor during the tick.',
+  missed_all: 'Ticks that came late since the program started.',
+  tick_p99: 'Of one hundred ticks, 99 take no longer than this; each has 1000 µs.',
+  coarser: 'Makes a new bed of the same soil in coarser particles, which this machine computes in less time (J).',
   awake:
     'Particles that are computed in each step, of all; those in soil at rest are left out until something moves them.',
   body_shown: 'The body whose gravity acts on the soil.',
@@ -25,7 +29,7 @@ export const EXPLAIN = {
   force: 'Force of the soil on the hand; N stands for newton, the weight of 100 g on Earth is about 1 N.',
   torque: "Torque of the soil on the hand about the tool's origin, in millinewton metres.",
   depth: "How deep the tool's origin is below the level surface of the soil, or how high above it, in millimetres.",
-  axes: 'x points to the right in the front view, y away from the viewer, z up; positions count from the middle of the floor.',
+  axes: 'Components along the axes: x points to the right in the front view, y away from the viewer, z up; positions count from the middle of the floor.',
 
   // the column at the side
   soil: "The soil in the box: P1 to P6 are the paper's presets with their friction coefficients, the others are measured soils with their friction angles; choosing one makes a new bed.",
@@ -37,11 +41,13 @@ export const EXPLAIN = {
   manoeuvre: 'What the virtual hand does with the tool while nobody holds it.',
   still: 'Stops the virtual hand where it is (Y).',
   tool_file: 'A file of yours becomes the tool: STL, OBJ or glTF. It can be dropped on the page, too.',
-  bring: 'Lifts the tool and brings it over the middle of the bed, where it is in the picture (K).',
+  bring:
+    'Lifts the tool and brings it over the middle of the bed, where it is in the picture; a shovel with its nose down, so that it digs (K).',
+  tilt: 'How far the nose of the tool points down: 0° presses like a plate, 40° to 60° digs (W and S).',
   dig: 'The left button or one finger moves the tool wherever it is pressed in the picture, not only on the tool (G).',
   reset: 'The scene as it was started (R).',
   level: 'The same soil, its surface level again (L).',
-  undo: 'Takes back the last new bed, with the body and tool it had (Ctrl+Z).',
+  undo: 'Takes back the last new bed, with the body and tool it had; pressed again it brings that back (Ctrl+Z).',
   pause: 'Stops or resumes simulated time (Space).',
   step: 'While paused: computes one step of 1 ms (. on the keyboard; , for 100).',
   record: 'Writes every step to a file on the computer where the program runs (O).',

@@ -1,7 +1,19 @@
-// The overlay that lists what mouse, fingers and keys do.
+// The overlay that says what this is, what to try first, and what mouse, fingers and keys do.
 
 import type { Shortcut } from '../shortcuts';
 import { h } from './html';
+
+const WHAT =
+  'haptolith computes granular soil a thousand times a second, so that a hand at a haptic device feels what a tool meets in it. ' +
+  'Without a device the mouse, a finger or keys move the tool, and the page shows the force.';
+
+/** The exercises of manual/first-hour.md, shortened. */
+const EXERCISES = [
+  'Press the shovel straight down and watch the force grow with depth; pull it out, and soil that coheres holds it for a moment.',
+  'Choose Earth as the body: the same soil weighs six times as much as on the Moon.',
+  'Choose dry sand, which does not cohere, and dig a hole: its sides run in. In lunar soil they stand.',
+  'Take the jaws, and lift a handful out.',
+];
 
 const GROUPS: Record<Shortcut['group'], string> = {
   touch: 'Touch screen',
@@ -16,9 +28,9 @@ export class Help {
   readonly element: HTMLDialogElement;
 
   constructor(shortcuts: Shortcut[], about: () => string) {
-    // Where there is no touch screen, its part comes last.
+    // Where there is no touch screen, and on no phone, its part comes last.
     const groups = Object.entries(GROUPS);
-    if (!matchMedia('(any-pointer: coarse)').matches) groups.push(groups.shift()!);
+    if (!matchMedia('(any-pointer: coarse), (max-width: 760px)').matches) groups.push(groups.shift()!);
     const sections = groups.map(([group, title]) =>
       h(
         'section',
@@ -52,10 +64,17 @@ export class Help {
       h(
         'div',
         { class: 'help-head' },
-        h('h2', { id: 'help-title' }, 'Mouse, touch and keys'),
+        h('h2', { id: 'help-title' }, 'haptolith'),
         h('button', { class: 'icon-button', 'aria-label': 'Close help', onclick: () => this.element.close() }, '✕'),
       ),
-      h('div', { class: 'help-body' }, ...sections),
+      h(
+        'div',
+        { class: 'help-scroll', tabindex: 0, role: 'region', 'aria-label': 'What this is, and what keys do' },
+        h('p', {}, WHAT),
+        h('h3', {}, 'Try first'),
+        h('ol', {}, ...EXERCISES.map((exercise) => h('li', {}, exercise))),
+        h('div', { class: 'help-body' }, ...sections),
+      ),
       h('p', { class: 'help-about' }, version, ' · ', licences),
     );
     this.element.addEventListener('click', (event) => {

@@ -116,7 +116,11 @@ export class Readouts {
 
   constructor() {
     const heads = ['x', 'y', 'z'].map((axis) => h('span', { class: 'component head' }, axis));
-    const axes = h('span', { class: 'head', tabindex: 0 }, 'axes');
+    const axes = h(
+      'button',
+      { type: 'button', class: 'axes', 'aria-pressed': 'false', onclick: () => this.showComponents(axes) },
+      'x y z',
+    );
     explain(axes, EXPLAIN.axes);
     this.element = h(
       'div',
@@ -133,6 +137,11 @@ export class Readouts {
     explain(this.robot, EXPLAIN.robot);
     explain(this.learned, EXPLAIN.learned);
     this.setRobot(null);
+  }
+
+  /** Components take room over the picture: they are there when asked for. */
+  private showComponents(axes: HTMLButtonElement): void {
+    axes.setAttribute('aria-pressed', String(this.element.classList.toggle('full')));
   }
 
   /** What a robot far away does, and what it met; null: there is none. */

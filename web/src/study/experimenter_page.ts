@@ -33,6 +33,7 @@ const PHASE_WORDS: Record<Phase, string> = {
   paused: 'paused',
   finished: 'has finished',
   withdrawn: 'has stopped taking part',
+  stopped: 'stopped for today',
 };
 
 const FORCE: PlotSpec = {
@@ -99,6 +100,7 @@ export function openExperimenterPage(settings: Settings, program: Program): void
   const progress_text = h('span', { class: 'numbers progress-text' });
   const progress_bar = h('div', { class: 'progress-bar', 'aria-hidden': 'true' });
   const problem = h('div', { class: 'problem', role: 'alert', hidden: true });
+  const ended = h('div', { class: 'ended', role: 'status', hidden: true });
   const theme_button = h(
     'button',
     {
@@ -118,10 +120,11 @@ export function openExperimenterPage(settings: Settings, program: Program): void
     'Repeat a trial…',
   );
   const note_button = h('button', { type: 'button', title: 'Write a note (N)', onclick: () => notes.focus() }, 'Note');
-  const end_button = h('button', { type: 'button', class: 'end', onclick: end }, 'End for today…');
+  const end_button = h('button', { type: 'button', class: 'end', onclick: askToEnd }, 'End for today…');
   const now_body = h('div', { class: 'trial', 'aria-live': 'polite' });
   const next_body = h('div', { class: 'trial' });
   const unblind_button = h('button', { type: 'button', class: 'unblind', 'aria-pressed': 'false', onclick: unblind });
+  const buttons = [pause_button, repeat_button, note_button, end_button, unblind_button];
 
   const force_plot = new Plots([FORCE]);
   const force = h('span', { class: 'force-number numbers', 'data-test': 'force' }, '–');
@@ -158,6 +161,7 @@ export function openExperimenterPage(settings: Settings, program: Program): void
       ),
     ),
     problem,
+    ended,
     h(
       'div',
       { class: 'left' },
@@ -206,6 +210,7 @@ export function openExperimenterPage(settings: Settings, program: Program): void
   connection.open();
   publish({
     stage,
+    connection,
     now,
     setColour: (mode) => stage.setColour(mode),
     setDrawing: (drawing) => stage.setDrawing(drawing),
@@ -228,12 +233,11 @@ export function openExperimenterPage(settings: Settings, program: Program): void
 
   function show(message: ExperimenterMessage | null): void {
     now.study = message;
-    for (const button of [pause_button, repeat_button, note_button, end_button, unblind_button])
-      button.disabled = message === null;
+    for (const button of buttons) button.disabled = message === null;
     setText(pause_button, message?.paused ? 'Resume' : 'Pause');
     showBlinded();
     if (!message) return;
-    const over = message.phase === 'finished' || message.phase === 'withdrawn';
+    const over = ['finished', 'withdrawn', 'stopped'].includes(message.phase);
     repeat_button.disabled = over || message.progress === null;
     pause_button.disabled = over;
     setText(title, message.study);
@@ -251,6 +255,17 @@ export function openExperimenterPage(settings: Settings, program: Program): void
     setText(peak, `peak ${fixed(message.peak_force_n, 1, 4)} N`);
     answers.set(message.answers, now.blinded);
     notes.set(message.notes);
+    if (message.ended !== null) end(message.ended);
+  }
+
+  /** The program ends: what was shown stays, and nothing more can be done. */
+  function end(how: string): void {
+    for (const button of buttons) button.disabled = true;
+    notes.element.inert = true;
+    problem.hidden = true;
+    ended.hidden = false;
+    setText(ended, how);
+    connection.close();
   }
 
   function showTrial(host: HTMLElement, trial: ExperimenterMessage['now'], nothing: string): void {
@@ -321,7 +336,7 @@ export function openExperimenterPage(settings: Settings, program: Program): void
     );
   }
 
-  function end(): void {
+  function askToEnd(): void {
     askFirst(
       {
         title: `End for today?`,

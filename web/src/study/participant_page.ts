@@ -6,6 +6,7 @@ import { Connection, NO_TOKEN, type Program } from '../connection';
 import { Hand } from '../hand/hand';
 import { KeyHand } from '../hand/key_hand';
 import { PointerHand } from '../hand/pointer_hand';
+import { ToolTilt } from '../hand/tilt';
 import { h, setText } from '../panels/html';
 import { Notices } from '../panels/notices';
 import { SiteCard } from '../panels/site_card';
@@ -23,7 +24,7 @@ import { mustTouch, Touch, TOUCH_FIRST } from './touch';
 
 const JOIN_AGAIN_MS = 2000;
 const CLOCK_INTERVAL_MS = 100;
-const OVER: Phase[] = ['finished', 'withdrawn'];
+const OVER: Phase[] = ['finished', 'withdrawn', 'stopped'];
 const BESIDE_BLOCKS: Phase[] = ['waiting', 'consent', ...OVER];
 
 export function openParticipantPage(settings: Settings, program: Program): void {
@@ -54,6 +55,7 @@ export function openParticipantPage(settings: Settings, program: Program): void 
     status: (status) => {
       now.status = status;
       stage.setRobot(status.robot ?? null);
+      stage.watchLoop(status);
       site_card.setRobot(status.robot ?? null);
       if (status.paused || (status.held_by !== null && status.held_by !== now.hello?.client)) hand.giveUp();
     },
@@ -114,11 +116,18 @@ export function openParticipantPage(settings: Settings, program: Program): void 
     (error) => now.study?.phase === 'interval' && notices.toast(asSentence(error.message)),
     () => stage.invalidate(),
   );
-  const pointer = new PointerHand(stage, hand, stage.renderer.domElement);
+  const tilt = new ToolTilt(
+    hand,
+    () => now.scene,
+    () => now.frame,
+    () => stage.orbit.right().toArray(),
+  );
+  const pointer = new PointerHand(stage, hand, stage.renderer.domElement, () => tilt.taken());
   const keys = new KeyHand(hand, stage.orbit, () => (now.scene?.box.width_m ?? 0.126) / 0.126);
 
   stage.onTick = (now_ms) => {
     keys.tick(now_ms);
+    tilt.tick(now_ms);
     hand.tick(now_ms);
     late.tick(performance.now());
   };
@@ -137,6 +146,7 @@ export function openParticipantPage(settings: Settings, program: Program): void 
   connection.open();
   publish({
     stage,
+    connection,
     now,
     setColour: (mode) => stage.setColour(mode),
     setDrawing: (drawing) => stage.setDrawing(drawing),
@@ -175,6 +185,7 @@ export function openParticipantPage(settings: Settings, program: Program): void 
     prompts.setWork(message.work);
     problem.hidden = message.problem === null;
     setText(problem, message.problem ?? '');
+    if (message.ended) connection.close();
   }
 
   function showScene(message: ParticipantMessage): void {

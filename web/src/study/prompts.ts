@@ -21,6 +21,7 @@ const TITLES: Partial<Record<Phase, string>> = {
   paused: 'A short pause',
   finished: 'Thank you',
   withdrawn: 'Thank you',
+  stopped: 'Thank you, that is all for today',
 };
 
 const TEXTS: Partial<Record<Phase, string>> = {

@@ -24,6 +24,7 @@ export function waiting(text: string): ParticipantMessage {
     can_dig: false,
     feedback: null,
     progress: null,
+    ended: false,
     problem: null,
   };
 }

@@ -1,7 +1,7 @@
 // The bed: all grains in one draw call. A frame's records go to the graphics card as they came, eight bytes a grain;
 // the shader turns them into positions, and only runs that changed are sent again. How large each is, it is told once.
 
-import { COLOUR_MODES, type ColourMode, type Frame, radiiOf, type Scene } from 'haptolith-protocol';
+import { COLOUR_MODES, type ColourMode, dequantise, type Frame, radiiOf, type Scene } from 'haptolith-protocol';
 import {
   Color,
   CustomBlending,
@@ -38,6 +38,8 @@ export class BedView {
   readonly mesh: Mesh<InstancedBufferGeometry, RawShaderMaterial>;
   readonly soil: SoilView;
   drawn = 0;
+  /** how far the outermost spheres reach from the middle along x and y, in m; null: not known yet */
+  reach_m: [x: number, y: number] | null = null;
 
   private readonly material: RawShaderMaterial;
   private geometry = new InstancedBufferGeometry();
@@ -164,6 +166,7 @@ export class BedView {
     if (frame.whole) {
       this.drawn = frame.particles;
       this.geometry.instanceCount = frame.particles;
+      this.reach_m ??= this.findReach(scene, all);
     }
     return true;
   }
@@ -206,7 +209,19 @@ export class BedView {
     this.geometry.instanceCount = 0;
     this.mesh.geometry = this.geometry;
     this.drawn = 0;
+    this.reach_m = null;
     this.makeField();
+  }
+
+  private findReach({ quantised: { low_m, high_m } }: Scene, records: Uint16Array): [x: number, y: number] {
+    const reach_m: [x: number, y: number] = [0, 0];
+    this.radii_m.forEach((radius_m, i) => {
+      for (const axis of [0, 1] as const) {
+        const at_m = dequantise(records[4 * i + axis]!, low_m[axis], high_m[axis]);
+        reach_m[axis] = Math.max(reach_m[axis], Math.abs(at_m) + radius_m);
+      }
+    });
+    return reach_m;
   }
 
   private makeField(): void {

@@ -1,4 +1,4 @@
-// The box that holds the bed: thin edges, walls that are barely there, and a mark every ten millimetres along the floor.
+// The box around the bed: thin edges, walls that are barely there, and a mark every ten millimetres along the floor.
 
 import type { Scene } from 'haptolith-protocol';
 import {
@@ -15,6 +15,9 @@ import {
   MeshBasicMaterial,
 } from 'three';
 import { niceStep } from './colour_maps';
+
+// Soil that is held behind the sides reaches no farther than this.
+const MOST_HELD_RADII = 4;
 
 export class BoxView {
   readonly group = new Group();
@@ -35,15 +38,16 @@ export class BoxView {
     depthWrite: false,
   });
 
-  setScene(scene: Scene): void {
-    const wanted = JSON.stringify(scene.box);
+  /** @param reach_m  of the outermost spheres from the middle: soil that is held behind the sides is in the box */
+  setScene(scene: Scene, reach_m: readonly [x: number, y: number] | null = null): void {
+    const wanted = JSON.stringify([scene.box, reach_m]);
     if (wanted === this.built_for) return;
     this.built_for = wanted;
     for (const child of [...this.group.children]) {
       this.group.remove(child);
       (child as Mesh).geometry.dispose();
     }
-    this.build(scene);
+    this.build(scene, reach_m);
   }
 
   /** Height of the walls as they are drawn, in m: they go on in the simulation, but a picture needs an end. */
@@ -51,8 +55,13 @@ export class BoxView {
     return scene.box.surface_m + 0.16 * Math.max(scene.box.width_m, scene.box.length_m);
   }
 
-  private build(scene: Scene): void {
-    const { width_m, length_m, periodic_x, periodic_y } = scene.box;
+  private build(scene: Scene, reach_m: readonly [x: number, y: number] | null): void {
+    const { periodic_x, periodic_y } = scene.box;
+    const held_m = MOST_HELD_RADII * scene.radius_m;
+    const around = (side_m: number, reach_m = 0): number =>
+      Math.max(side_m, Math.min(2 * reach_m, side_m + 2 * held_m));
+    const width_m = periodic_x ? scene.box.width_m : around(scene.box.width_m, reach_m?.[0]);
+    const length_m = periodic_y ? scene.box.length_m : around(scene.box.length_m, reach_m?.[1]);
     const height_m = BoxView.wallHeight(scene);
     const walls = new BoxGeometry(width_m, length_m, height_m).translate(0, 0, height_m / 2);
     // Soil that leaves a periodic side comes in at the other: that is no wall, so its edge is dashed.

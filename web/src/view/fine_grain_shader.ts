@@ -16,6 +16,7 @@ ${REGOLITH_SHADER}
 uniform vec3 u_quantised_low_m;
 uniform vec3 u_quantised_high_m;
 uniform float u_swarm;          // so many grains a particle
+uniform float u_deepest;        // how deep a particle with grains is, in radii
 uniform float u_size;           // fewer ones are larger
 uniform float u_height_px;
 uniform vec2 u_cell_m;
@@ -45,7 +46,7 @@ void main() {
   float aloft = smoothstep(0.0, 0.8, over);
   // On the bed, the surface shows the fine ones already.
   float many = u_swarm * mix(LYING_SHARE, 1.0, aloft);
-  float shown = smoothstep(-1.7, -1.15, over) * clamp(many - float(gl_VertexID), 0.0, 1.0);
+  float shown = smoothstep(-u_deepest, 0.55 - u_deepest, over) * clamp(many - float(gl_VertexID), 0.0, 1.0);
   bool core = gl_VertexID == 0;
   if (shown <= 0.0 || (core && aloft < 0.5)) return;
 

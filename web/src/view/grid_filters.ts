@@ -23,10 +23,18 @@ export function blurTwice(
 export function fillGaps(heights: Float32Array, scratch: Float32Array, grid: Grid, reach_m: number): void {
   const { columns, rows } = grid;
   const [across, along] = cellsOf(grid, reach_m);
-  for (const pick of [Math.max, Math.min]) {
-    for (let row = 0; row < rows; ++row) slide(pick, heights, scratch, row * columns, 1, columns, across);
-    for (let column = 0; column < columns; ++column) slide(pick, scratch, heights, column, columns, rows, along);
+  for (const sign of [1, -1] as const) {
+    for (let row = 0; row < rows; ++row) slide(sign, heights, scratch, row * columns, 1, columns, across);
+    for (let column = 0; column < columns; ++column) slide(sign, scratch, heights, column, columns, rows, along);
   }
+}
+
+/** The greatest value within so far of each point, as the sides of a square go. */
+export function spreadGreatest(values: Float32Array, scratch: Float32Array, grid: Grid, reach_m: number): void {
+  const { columns, rows } = grid;
+  const [across, along] = cellsOf(grid, reach_m);
+  for (let row = 0; row < rows; ++row) slide(1, values, scratch, row * columns, 1, columns, across);
+  for (let column = 0; column < columns; ++column) slide(1, scratch, values, column, columns, rows, along);
 }
 
 /** How high the shadow reaches over each point. Goes away from the sun, cell by cell: a shadow sinks with the way, and every
@@ -78,19 +86,22 @@ export function boxBlur(
   count: number,
   reach: number,
 ): void {
-  const at = (i: number): number => from[start + Math.min(count - 1, Math.max(0, i)) * stride]!;
+  const last = start + (count - 1) * stride;
   let sum = 0;
-  for (let i = -reach; i <= reach; ++i) sum += at(i);
+  for (let i = -reach; i <= reach; ++i) sum += from[Math.min(last, Math.max(start, start + i * stride))]!;
   const share = 1 / (2 * reach + 1);
-  for (let i = 0; i < count; ++i) {
-    to[start + i * stride] = sum * share;
-    sum += at(i + reach + 1) - at(i - reach);
+  // Of what comes in next and goes out last.
+  let in_at = start + (reach + 1) * stride;
+  let out_at = start - reach * stride;
+  for (let i = 0, at = start; i < count; ++i, at += stride, in_at += stride, out_at += stride) {
+    to[at] = sum * share;
+    sum += from[in_at < last ? in_at : last]! - from[out_at > start ? out_at : start]!;
   }
 }
 
-/** Greatest or least of 2 reach + 1 neighbours along one line of a picture. */
+/** Greatest (or with -1, least) of 2 reach + 1 neighbours along one line of a picture. */
 function slide(
-  pick: (a: number, b: number) => number,
+  sign: 1 | -1,
   from: Float32Array,
   to: Float32Array,
   start: number,
@@ -99,10 +110,13 @@ function slide(
   reach: number,
 ): void {
   for (let i = 0; i < count; ++i) {
-    let best = from[start + i * stride]!;
-    const first = Math.max(0, i - reach);
-    const last = Math.min(count - 1, i + reach);
-    for (let k = first; k <= last; ++k) best = pick(best, from[start + k * stride]!);
-    to[start + i * stride] = best;
+    let at = start + Math.max(0, i - reach) * stride;
+    const end = start + Math.min(count - 1, i + reach) * stride;
+    let best = sign * from[at]!;
+    for (at += stride; at <= end; at += stride) {
+      const value = sign * from[at]!;
+      if (value > best) best = value;
+    }
+    to[start + i * stride] = sign * best;
   }
 }

@@ -53,7 +53,7 @@ export interface LightUniforms {
 
 export function makeLightUniforms(): LightUniforms {
   return {
-    u_noise: { value: makeNoiseTexture() },
+    u_noise: { value: new Data3DTexture(new Uint8Array(4), 1, 1, 1) },
     u_field: { value: new DataTexture(new Uint8Array(4), 1, 1) },
     u_field_rect: { value: new Vector4(0, 0, 1, 1) },
     u_field_top_m: { value: 0 },
@@ -73,6 +73,11 @@ export function makeLightUniforms(): LightUniforms {
     u_tool_origin_m: { value: new Vector3(0, 0, 1) },
     u_tool_T_scene: { value: new Matrix3() },
   };
+}
+
+/** Makes the noise that rough surfaces need, which takes a while, when it is first needed. */
+export function needNoise(uniforms: LightUniforms): void {
+  if (uniforms.u_noise.value.image.width === 1) uniforms.u_noise.value = makeNoiseTexture();
 }
 
 export interface Field {

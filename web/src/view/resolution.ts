@@ -1,54 +1,65 @@
-// Fewer pixels when frames are slow, more when there is time: grains that follow the hand matter more than sharp ones.
+// Fewer pixels when frames are slow, more when there is time: soil that follows the hand matters more than sharp soil.
 
 const LOWEST_RATIO = 0.4;
+// Where the processor draws, more pixels would take time from the loop.
+const SOFTWARE_RATIO = 0.6;
 const SAMPLES = 20;
-const SLOW_MS = 30;
-const QUICK_MS = 14;
+// Slow frames are judged by fewer samples, so that a judgement does not take a minute.
+const FEWEST_SAMPLES = 3;
+const LONGEST_LOOK_MS = 2000;
+// Of the interval that is wanted between two frames.
+const SLOW = 1.8;
+const QUICK = 1.08;
+const QUICK_ROUNDS = 12;
 
 export class Resolution {
   private readonly deltas_ms: number[] = [];
   private last_ms: number | null = null;
   private quick_rounds = 0;
+  private readonly highest_ratio: number;
   ratio: number;
   /** false on machines that need the cheaper way to draw */
   detailed: boolean;
 
   constructor(
-    private readonly highest_ratio: number,
+    screen_ratio: number,
     private readonly adaptive: boolean,
-    slow: boolean,
+    software: boolean,
   ) {
-    this.ratio = slow ? Math.max(LOWEST_RATIO, 0.6 * highest_ratio) : highest_ratio;
-    this.detailed = !slow;
+    this.highest_ratio = software ? Math.max(LOWEST_RATIO, SOFTWARE_RATIO * screen_ratio) : screen_ratio;
+    this.ratio = this.highest_ratio;
+    this.detailed = !software;
   }
 
-  /** The picture stood still; the next pause between two frames says nothing about speed. */
+  /** Nothing was drawn for a while: the next interval between two frames has no meaning. */
   rest(): void {
     this.last_ms = null;
   }
 
   /** Called once for every frame drawn; true when `ratio` or `detailed` changed. */
-  drawn(now_ms: number): boolean {
+  drawn(now_ms: number, wanted_ms = 1000 / 60): boolean {
     if (!this.adaptive) return false;
     if (this.last_ms !== null) this.deltas_ms.push(now_ms - this.last_ms);
     this.last_ms = now_ms;
-    if (this.deltas_ms.length < SAMPLES) return false;
+    const count = this.deltas_ms.length;
+    const looked_ms = this.deltas_ms.reduce((sum, delta_ms) => sum + delta_ms, 0);
+    if (count < FEWEST_SAMPLES || (count < SAMPLES && looked_ms < LONGEST_LOOK_MS)) return false;
     this.deltas_ms.sort((a, b) => a - b);
-    const median_ms = this.deltas_ms[SAMPLES >> 1]!;
+    const median_ms = this.deltas_ms[count >> 1]!;
     this.deltas_ms.length = 0;
-    return this.judge(median_ms);
+    return this.judge(median_ms / wanted_ms);
   }
 
-  private judge(median_ms: number): boolean {
-    if (median_ms > SLOW_MS) {
+  private judge(slowness: number): boolean {
+    if (slowness > SLOW) {
       this.quick_rounds = 0;
       if (this.ratio > Math.max(0.7, LOWEST_RATIO)) return this.set(this.ratio * 0.8, this.detailed);
       if (this.detailed) return this.set(this.ratio, false);
       return this.set(this.ratio * 0.85, false);
     }
     // Going up needs several quick rounds, so that the picture does not swing between two resolutions.
-    this.quick_rounds = median_ms < QUICK_MS + 4 ? this.quick_rounds + 1 : 0;
-    if (this.quick_rounds < 12) return false;
+    this.quick_rounds = slowness < QUICK ? this.quick_rounds + 1 : 0;
+    if (this.quick_rounds < QUICK_ROUNDS) return false;
     this.quick_rounds = 0;
     return this.set(this.ratio * 1.15, this.detailed);
   }

@@ -9,20 +9,31 @@
 import { dequantise, type Scene } from 'haptolith-protocol';
 import { DataTexture, DataUtils, HalfFloatType, LinearFilter, RGBAFormat, RGFormat, type Vector4 } from 'three';
 import { Aloft } from './aloft';
-import { blurTwice, castShadows, fillGaps } from './grid_filters';
+import { blurTwice, castShadows, fillGaps, spreadGreatest } from './grid_filters';
 import type { Carrier } from './height_field';
 import { ballAround, HeightOrder, raiseTriangles, type Grid } from './height_grid';
 
 const LARGEST_SIDE = 192;
 const CELLS_PER_RADIUS = 3;
 // How steeply the ground around the box goes up or down to a heap or a pit at its edge.
-const EDGE_SLOPE = 0.6;
+const EDGE_SLOPE = 0.8;
 const MARGIN_RADII = 6;
+// Centres of soil that is held behind the sides are no farther out than this.
+const MOST_HELD_RADII = 2;
 // With a gap between these below its lowest point, a particle lies less and less on the bed.
 const LYING_RADII = 0.3;
 const ALOFT_RADII = 1.5;
 // Particles whose top is farther below the surface than this are not seen.
 const SEEN_RADII = 1.6;
+// Particles with their centre less deep than this rise above the surface, or are about to.
+const RISEN_RADII = 0.3;
+// A corner of the box, in which a packing of spheres leaves a hole that nobody has dug, is so wide; where so much of the
+// soil around it, up to the second width, is level, nobody has dug there. Soil that is dug this near to a corner lowers
+// what the corner is filled up to.
+const CORNER_RADII = 4;
+const AROUND_CORNER_RADII = 6;
+const LEVEL_SHARE = 0.9;
+const DUG_NEAR_RADII = 2;
 
 export class SoilSurface implements Grid {
   readonly columns: number;
@@ -42,9 +53,10 @@ export class SoilSurface implements Grid {
   level_m: number;
   /** what lies above it */
   readonly aloft: Aloft;
-  /** particles that can be seen; the first `seen_count` are valid */
+  /** particles that can be seen; the first `seen_count` are valid, and the first `risen_count` rise above the surface */
   readonly seen: Uint32Array;
   seen_count = 0;
+  risen_count = 0;
 
   /** the particle at the top of each cell */
   readonly topmost: Uint32Array;
@@ -62,6 +74,13 @@ export class SoilSurface implements Grid {
   /** where each particle was first, x and y */
   private readonly from_m: Float32Array;
   private from_known = false;
+  /** how far beyond the box there are centres of held soil along x and y, in m */
+  private readonly held_m: [x: number, y: number] = [0, 0];
+  /** heights at first, with the holes in the corners */
+  private first_bed: Float32Array | null = null;
+  private first_level_m = 0;
+  /** cells of the corners that nobody had dug in at first */
+  private corner_cells: number[] = [];
 
   constructor(
     private readonly scene: Scene,
@@ -115,6 +134,8 @@ export class SoilSurface implements Grid {
     this.extend();
     const radius_m = this.scene.radius_m;
     fillGaps(this.bed, this.scratch, this, 0.9 * radius_m);
+    if (first) this.rememberCorners();
+    this.fillCorners();
     this.blur(this.bed, this.surface, 0.55 * radius_m);
     if (first) this.findLevel();
     this.meetGround();
@@ -167,6 +188,12 @@ export class SoilSurface implements Grid {
       this.from_m[2 * i + 1] = dequantise(records[4 * i + 1]!, low_m[1], high_m[1]);
     }
     this.from_known = true;
+    const sides_m = [this.scene.box.width_m, this.scene.box.length_m];
+    const most_m = MOST_HELD_RADII * this.scene.radius_m;
+    this.from_m.forEach((at_m, k) => {
+      const axis = k % 2;
+      this.held_m[axis] = Math.min(most_m, Math.max(this.held_m[axis]!, Math.abs(at_m) - sides_m[axis]! / 2));
+    });
   }
 
   /** Lays the round tops of the particles over each other; lists those under which there is nothing. */
@@ -238,22 +265,75 @@ export class SoilSurface implements Grid {
     return 1 - bounded * bounded * (3 - 2 * bounded);
   }
 
-  /** Carries the bed on where no centre of a particle can be: over the walls, and into the ground around. */
+  /** Carries the bed on into the ground around. What is held or heaped behind the box's sides stays where it is higher. */
   private extend(): void {
     const inset_m = 0.8 * this.scene.radius_m;
-    const { columns, rows } = this;
+    const { columns, rows, bed, drift_x, drift_y, topmost } = this;
     const first_column = Math.ceil((-this.scene.box.width_m / 2 + inset_m - this.low_x_m) / this.cell_width_m);
     const first_row = Math.ceil((-this.scene.box.length_m / 2 + inset_m - this.low_y_m) / this.cell_length_m);
     const last_column = columns - 1 - first_column;
     const last_row = rows - 1 - first_row;
-    for (const values of [this.bed, this.drift_x, this.drift_y, this.topmost])
-      for (let row = 0; row < rows; ++row) {
-        const from_row = Math.min(last_row, Math.max(first_row, row));
-        for (let column = 0; column < columns; ++column) {
-          const from_column = Math.min(last_column, Math.max(first_column, column));
-          values[row * columns + column] = values[from_row * columns + from_column]!;
-        }
+    for (let row = 0; row < rows; ++row) {
+      const from_row = Math.min(last_row, Math.max(first_row, row));
+      for (let column = 0; column < columns; ++column) {
+        const from_column = Math.min(last_column, Math.max(first_column, column));
+        const [at, from] = [row * columns + column, from_row * columns + from_column];
+        const out_m = Math.hypot((column - from_column) * this.cell_width_m, (row - from_row) * this.cell_length_m);
+        const above_m = bed[from]! - this.level_m;
+        const carried_m = bed[from]! - Math.min(Math.max(0, above_m), EDGE_SLOPE * Math.max(0, out_m - inset_m));
+        if (bed[at]! >= carried_m) continue;
+        bed[at] = carried_m;
+        drift_x[at] = drift_x[from]!;
+        drift_y[at] = drift_y[from]!;
+        topmost[at] = topmost[from]!;
       }
+    }
+  }
+
+  /** Remembers the bed as it is first seen, and which of its corners are whole. */
+  private rememberCorners(): void {
+    const { box, radius_m } = this.scene;
+    if (box.periodic_x || box.periodic_y) return;
+    const inside = this.bed.filter((_, at) => Math.min(...this.fromEdges_m(at)) > 0).sort();
+    const median_m = inside[inside.length >> 1] ?? box.surface_m;
+    this.first_level_m = Math.abs(median_m - box.surface_m) < 2 * radius_m ? median_m : box.surface_m;
+    const [level, around] = [
+      [0, 0, 0, 0],
+      [0, 0, 0, 0],
+    ];
+    this.bed.forEach((height_m, at) => {
+      const corner = this.cornerOf(at, AROUND_CORNER_RADII);
+      if (corner < 0 || this.cornerOf(at, CORNER_RADII) >= 0) return;
+      around[corner]! += 1;
+      if (Math.abs(height_m - this.first_level_m) < radius_m) level[corner]! += 1;
+    });
+    this.bed.forEach((_, at) => {
+      const corner = this.cornerOf(at, CORNER_RADII);
+      if (corner >= 0 && level[corner]! > LEVEL_SHARE * around[corner]!) this.corner_cells.push(at);
+    });
+    this.first_bed = this.bed.slice();
+  }
+
+  /** Holes in corners are as high as the level bed, less what has been dug beside them since. */
+  private fillCorners(): void {
+    const { first_bed, bed, wide: dug } = this;
+    if (!first_bed || this.corner_cells.length === 0) return;
+    for (let at = 0; at < bed.length; ++at) dug[at] = Math.max(0, first_bed[at]! - bed[at]!);
+    spreadGreatest(dug, this.scratch, this, DUG_NEAR_RADII * this.scene.radius_m);
+    for (const at of this.corner_cells) bed[at] = Math.max(bed[at]!, this.first_level_m - dug[at]!);
+  }
+
+  /** Number of the corner that a cell is in, with the ground beyond it; -1: in none. Corners are squares. */
+  private cornerOf(at: number, radii: number): number {
+    if (Math.max(...this.fromEdges_m(at)) >= radii * this.scene.radius_m) return -1;
+    return (at % this.columns < this.columns / 2 ? 0 : 1) + (at < (this.columns * this.rows) / 2 ? 0 : 2);
+  }
+
+  /** How far a cell is inside the edges along x and y; negative outside. */
+  private fromEdges_m(at: number): [x_m: number, y_m: number] {
+    const x_m = this.low_x_m + ((at % this.columns) + 0.5) * this.cell_width_m;
+    const y_m = this.low_y_m + (Math.floor(at / this.columns) + 0.5) * this.cell_length_m;
+    return [this.scene.box.width_m / 2 - Math.abs(x_m), this.scene.box.length_m / 2 - Math.abs(y_m)];
   }
 
   private blur(from: Float32Array, to: Float32Array, reach_m: number): void {
@@ -276,17 +356,21 @@ export class SoilSurface implements Grid {
   private meetGround(): void {
     const { columns, rows, surface } = this;
     const { width_m, length_m } = this.scene.box;
+    const [held_x_m, held_y_m] = this.held_m;
     const margin_m = MARGIN_RADII * this.scene.radius_m;
+    const outside = (x_m: number, y_m: number): number => Math.hypot(Math.max(0, x_m), Math.max(0, y_m));
     for (let row = 0; row < rows; ++row) {
       const beyond_y_m = Math.abs(this.low_y_m + (row + 0.5) * this.cell_length_m) - length_m / 2;
       for (let column = 0; column < columns; ++column) {
         const beyond_x_m = Math.abs(this.low_x_m + (column + 0.5) * this.cell_width_m) - width_m / 2;
-        const beyond_m = Math.hypot(Math.max(0, beyond_x_m), Math.max(0, beyond_y_m));
+        const beyond_m = outside(beyond_x_m, beyond_y_m);
         if (beyond_m === 0) continue;
         const at = row * columns + column;
         const share = Math.min(1, beyond_m / (margin_m - 2 * this.cell_width_m));
         const above_m = surface[at]! - this.level_m;
-        const left_m = Math.max(0, Math.abs(above_m) - EDGE_SLOPE * beyond_m) * (1 - share * share);
+        // Heaps lie on held soil, which is not dug: pits end at the box.
+        const sloping_m = above_m > 0 ? outside(beyond_x_m - held_x_m, beyond_y_m - held_y_m) : beyond_m;
+        const left_m = Math.max(0, Math.abs(above_m) - EDGE_SLOPE * sloping_m) * (1 - share * share);
         surface[at] = this.level_m + Math.sign(above_m) * left_m;
         const kept = 1 - share * share * (3 - 2 * share);
         this.drift_x[at]! *= kept;
@@ -297,12 +381,19 @@ export class SoilSurface implements Grid {
 
   private findSeen(records: Uint16Array, particles: number): void {
     const { low_m, high_m } = this.scene.quantised;
-    this.seen_count = 0;
+    this.seen_count = this.risen_count = 0;
     for (let i = 0; i < particles; ++i) {
       const z_m = dequantise(records[4 * i + 2]!, low_m[2], high_m[2]);
       const x_m = dequantise(records[4 * i]!, low_m[0], high_m[0]);
       const y_m = dequantise(records[4 * i + 1]!, low_m[1], high_m[1]);
-      if (z_m + SEEN_RADII * this.radii_m[i]! > this.heightAt(x_m, y_m)) this.seen[this.seen_count++] = i;
+      const over = (z_m - this.heightAt(x_m, y_m)) / this.radii_m[i]!;
+      if (over <= -SEEN_RADII) continue;
+      this.seen[this.seen_count] = i;
+      if (over > -RISEN_RADII) {
+        this.seen[this.seen_count] = this.seen[this.risen_count]!;
+        this.seen[this.risen_count++] = i;
+      }
+      ++this.seen_count;
     }
   }
 

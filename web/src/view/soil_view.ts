@@ -13,8 +13,6 @@ import {
   InstancedBufferAttribute,
   InstancedBufferGeometry,
   LinearFilter,
-  LinearMipmapLinearFilter,
-  LinearMipmapNearestFilter,
   Mesh,
   Points,
   RawShaderMaterial,
@@ -29,14 +27,17 @@ import { Dust } from './dust';
 import { ASLEEP_COLOUR, AWAKE_COLOUR, VIRIDIS } from './colour_maps';
 import { FINE_GRAIN_FRAGMENT_SHADER, FINE_GRAIN_VERTEX_SHADER } from './fine_grain_shader';
 import { LOW_SUN, type LightUniforms } from './light_shader';
+import { PLAIN_SURFACE_FRAGMENT_SHADER, PLAIN_SURFACE_VERTEX_SHADER } from './plain_surface_shader';
 import { SURFACE_FRAGMENT_SHADER, SURFACE_VERTEX_SHADER } from './surface_shader';
 import { surfaceMesh } from './surface_mesh';
 import type { SoilSurface } from './soil_surface';
-import { makeSoilTexture } from './soil_texture';
+import { makePlainSoilTexture, makeSoilTexture } from './soil_texture';
 
 // Small grains in the picture at most, of all particles together, and of one.
-const BUDGET = { detailed: 120_000, plain: 9_000 } as const;
+const BUDGET = { detailed: 120_000, plain: 4_000 } as const;
 const SWARM = { detailed: 150, plain: 26 } as const;
+// Particles so much deeper than the surface, in radii, have no swarm; the plain one is for what leaves the bed.
+const DEEPEST = { detailed: 1.7, plain: 0.3 } as const;
 const HORIZON_WIDTHS = 120;
 // One tile of fine soil is so wide, in widths of the box.
 const TILE_WIDTHS = 0.32;
@@ -45,13 +46,14 @@ export class SoilView {
   readonly group = new Group();
   readonly dust: Dust;
   private readonly surface: Mesh<BufferGeometry, RawShaderMaterial>;
+  private readonly surface_materials;
   private readonly grains: Points<InstancedBufferGeometry, RawShaderMaterial>;
   private readonly uniforms;
   private field: SoilSurface | null = null;
   private radii_m: Float32Array = new Float32Array();
   private state = new DataTexture(new Uint8Array(4), 1, 1, RGBAFormat);
   private mode: ColourMode = 'plain';
-  private detailed = true;
+  private detailed: boolean | null = null;
   private width_m = 0.126;
   private meshed_for = '';
 
@@ -59,7 +61,8 @@ export class SoilView {
     this.uniforms = {
       ...light,
       u_surface: { value: new DataTexture(new Uint8Array(4), 1, 1) },
-      u_tile: { value: makeSoilTexture(LOW_SUN) },
+      u_tile: { value: new DataTexture(new Uint8Array(4), 1, 1) },
+      u_plain_tile: { value: new DataTexture(new Uint8Array(4), 1, 1) },
       u_level_m: light.u_ground_m,
       u_soil: { value: new Color() },
       u_lunar: { value: 1 },
@@ -74,23 +77,28 @@ export class SoilView {
       u_cell_m: { value: new Vector2(0.001, 0.001) },
       u_state: { value: this.state },
       u_horizon: { value: new Color() },
+      u_screen_horizon: { value: new Color() },
       u_haze_m: { value: 10 },
       u_edge_m: { value: 0 },
       u_tile_m: { value: 0.05 },
       u_quantised_low_m: { value: new Vector3() },
       u_quantised_high_m: { value: new Vector3() },
       u_swarm: { value: 0 },
+      u_deepest: { value: DEEPEST.detailed as number },
       u_size: { value: 1 },
       u_height_px: { value: 720 },
     };
     const material = (vertexShader: string, fragmentShader: string): RawShaderMaterial =>
       new RawShaderMaterial({ glslVersion: GLSL3, vertexShader, fragmentShader, uniforms: this.uniforms });
-    this.surface = new Mesh(new BufferGeometry(), material(SURFACE_VERTEX_SHADER, SURFACE_FRAGMENT_SHADER));
+    this.surface_materials = {
+      detailed: material(SURFACE_VERTEX_SHADER, SURFACE_FRAGMENT_SHADER),
+      plain: material(PLAIN_SURFACE_VERTEX_SHADER, PLAIN_SURFACE_FRAGMENT_SHADER),
+    };
+    this.surface = new Mesh(new BufferGeometry(), this.surface_materials.detailed);
     this.grains = new Points(
       new InstancedBufferGeometry(),
       material(FINE_GRAIN_VERTEX_SHADER, FINE_GRAIN_FRAGMENT_SHADER),
     );
-    this.surface.material.defines = { DETAIL: '1' };
     this.surface.frustumCulled = this.grains.frustumCulled = false;
     // The surface hides the lower halves of grains.
     this.grains.renderOrder = 1;
@@ -112,6 +120,7 @@ export class SoilView {
     this.dust.setWorld(scene.body, scene.gravity_m_s2, scene.quantised);
     uniforms.u_soil.value.set(look.soil);
     uniforms.u_horizon.value.set(look.horizon);
+    uniforms.u_screen_horizon.value.set(look.horizon).convertLinearToSRGB();
     uniforms.u_haze_m.value = look.haze_widths * this.width_m;
     uniforms.u_lunar.value = look.lunar;
     uniforms.u_surge.value = look.surge;
@@ -146,12 +155,11 @@ export class SoilView {
   setDetail(detailed: boolean): void {
     if (detailed === this.detailed) return;
     this.detailed = detailed;
-    this.define('DETAIL', detailed);
-    // Sharp at a slant costs many looks into the tile, which hardly count on a graphics card.
-    const tile = this.uniforms.u_tile.value;
-    tile.anisotropy = detailed ? 8 : 1;
-    tile.minFilter = detailed ? LinearMipmapLinearFilter : LinearMipmapNearestFilter;
-    tile.needsUpdate = true;
+    this.surface.material = this.surface_materials[detailed ? 'detailed' : 'plain'];
+    // Each tile takes a while to compute, so it is made when it is first drawn.
+    const tile = detailed ? this.uniforms.u_tile : this.uniforms.u_plain_tile;
+    if (tile.value.image.width === 1) tile.value = detailed ? makeSoilTexture(LOW_SUN) : makePlainSoilTexture(LOW_SUN);
+    this.uniforms.u_deepest.value = DEEPEST[detailed ? 'detailed' : 'plain'];
     this.mesh();
     this.shareOut();
     this.dust.setDetail(detailed);
@@ -160,7 +168,10 @@ export class SoilView {
   /** The ground ends after so many widths of the box; null: at the horizon. */
   setEdge(widths: number | null): void {
     this.uniforms.u_edge_m.value = (widths ?? 0) * this.width_m;
-    this.define('ENDS', widths !== null);
+    for (const material of Object.values(this.surface_materials)) {
+      material.defines = widths === null ? {} : { ENDS: '1' };
+      material.needsUpdate = true;
+    }
   }
 
   /** The surface has been built anew. */
@@ -183,7 +194,8 @@ export class SoilView {
     const own = grains.geometry.getAttribute('a_record') as InstancedBufferAttribute;
     const particle = grains.geometry.getAttribute('a_particle') as InstancedBufferAttribute;
     const outwards = grains.geometry.getAttribute('a_outwards') as InstancedBufferAttribute;
-    for (let nth = 0; nth < field.seen_count; ++nth) {
+    const count = this.detailed ? field.seen_count : field.risen_count;
+    for (let nth = 0; nth < count; ++nth) {
       const i = field.seen[nth]!;
       for (let k = 0; k < 4; ++k) own.array[4 * nth + k] = records[4 * i + k]!;
       for (let k = 0; k < 3; ++k) outwards.array[3 * nth + k] = field.aloft.outwards[3 * i + k]!;
@@ -192,17 +204,17 @@ export class SoilView {
     }
     for (const attribute of [own, particle, outwards]) {
       attribute.clearUpdateRanges();
-      attribute.addUpdateRange(0, field.seen_count * attribute.itemSize);
+      attribute.addUpdateRange(0, count * attribute.itemSize);
       attribute.needsUpdate = true;
     }
-    grains.geometry.instanceCount = field.seen_count;
+    grains.geometry.instanceCount = count;
   }
 
   private mesh(): void {
     if (!this.field) return;
     const { width_m, length_m, columns, rows } = this.field;
     const cells = (points: number): number =>
-      this.detailed ? Math.min(192, points) : Math.min(80, Math.ceil(0.55 * points));
+      this.detailed ? Math.min(192, points) : Math.min(56, Math.ceil(0.5 * points));
     const size = [width_m, length_m, cells(columns), cells(rows)] as const;
     if (size.join() === this.meshed_for) return;
     this.meshed_for = size.join();
@@ -228,7 +240,7 @@ export class SoilView {
   /** As many small grains a particle as there may be; one more or less comes and goes by its size. */
   private shareOut(): void {
     const how = this.detailed ? 'detailed' : 'plain';
-    const seen = Math.max(1, this.field?.seen_count ?? 1);
+    const seen = Math.max(1, (this.detailed ? this.field?.seen_count : this.field?.risen_count) ?? 1);
     const each = Math.min(SWARM[how], Math.max(6, BUDGET[how] / seen));
     this.uniforms.u_swarm.value = each;
     this.uniforms.u_size.value = Math.min(2.2, Math.sqrt(SWARM.detailed / each));
@@ -248,16 +260,6 @@ export class SoilView {
       data[4 * cell + 2] = (both & 255) === 0 ? 255 : 0;
     }
     this.state.needsUpdate = true;
-  }
-
-  private define(name: string, on: boolean): void {
-    const { material } = this.surface;
-    const defines = { ...(material.defines as Record<string, string>) };
-    if (name in defines === on) return;
-    if (on) defines[name] = '1';
-    else delete defines[name];
-    material.defines = defines;
-    material.needsUpdate = true;
   }
 }
 

@@ -11,8 +11,9 @@ import { lookOf } from './body_looks';
 import { BoxView } from './box_view';
 import { OrbitCamera } from './camera';
 import { GroundView } from './ground_view';
-import { lightBody, makeLightUniforms, shadeTool, shadeToolAt, LOW_SUN, TO_SUN } from './light_shader';
+import { lightBody, makeLightUniforms, needNoise, shadeTool, shadeToolAt, LOW_SUN, TO_SUN } from './light_shader';
 import { makeRenderer, type Renderer } from './renderer';
+import { Pace } from './pace';
 import { Resolution } from './resolution';
 import { RobotView } from './robot_view';
 import { SiteView } from './site_view';
@@ -39,6 +40,8 @@ export class Stage {
   readonly renderer: Renderer;
   /** false: the browser has no WebGL 2, and the picture stays empty */
   readonly draws: boolean;
+  /** the processor draws, which has other work too */
+  readonly software: boolean;
   readonly world = new World();
   /** holds all of the scene's frame; a headset's table moves and scales it */
   readonly bench = new Group();
@@ -59,8 +62,10 @@ export class Stage {
   over: HTMLElement | null = null;
   /** what the picture of a robot's site fills */
   site_window: HTMLElement | null = null;
-  /** called before each picture is drawn */
+  /** called as often as the screen is refreshed, for input */
   onTick: (now_ms: number) => void = () => {};
+  /** called when a frame may be drawn: other parts of the page that change do so here, which costs least */
+  onDue: (now_ms: number) => void = () => {};
   onDrawn: () => void = () => {};
 
   private readonly light = makeLightUniforms();
@@ -68,6 +73,7 @@ export class Stage {
   private readonly sun = new DirectionalLight(0xffffff, 2);
   private readonly fill = new HemisphereLight(0xffffff, 0x555555, 1);
   private readonly resolution: Resolution;
+  private readonly pace: Pace;
   private scene: Scene | null = null;
   private frame: Frame | null = null;
   private dirty = true;
@@ -79,7 +85,8 @@ export class Stage {
     private readonly options: StageOptions,
   ) {
     this.neutral = options.neutral ?? false;
-    const software = !options.full_quality && drawsInSoftware();
+    this.software = !options.full_quality && drawsInSoftware();
+    const { software } = this;
     ({ renderer: this.renderer, draws: this.draws } = makeRenderer(!software));
     this.renderer.domElement.className = 'stage-canvas';
     host.append(this.renderer.domElement);
@@ -88,6 +95,7 @@ export class Stage {
     if (!this.draws) host.append(h('p', { class: 'no-picture', role: 'note' }, NO_PICTURE));
     const highest_ratio = Math.min(HIGHEST_PIXEL_RATIO, window.devicePixelRatio);
     this.resolution = new Resolution(highest_ratio, !options.full_quality, software);
+    this.pace = new Pace(software);
     this.renderer.setPixelRatio(this.resolution.ratio);
     this.renderer.setClearColor(new Color('#000000'));
 
@@ -96,6 +104,7 @@ export class Stage {
     this.stones = new StoneView(this.light);
     this.sky = new SkyView(this.light.u_to_sun.value);
     this.setDrawing('grains');
+    this.setDetail(this.resolution.detailed);
     this.fill.position.set(0, 0, 1);
     this.bench.add(this.sky.mesh, this.ground.mesh, this.bed.soil.group, this.bed.mesh, this.stones.group);
     this.bench.add(this.box.group, this.tool.group, this.robot.group);
@@ -127,7 +136,7 @@ export class Stage {
     this.bed.setScene(scene);
     this.setDetail(this.resolution.detailed);
     this.ground.setScene(scene);
-    this.box.setScene(scene);
+    this.box.setScene(scene, this.bed.reach_m);
     this.tool.setTool(scene.tool);
     this.robot.setTool(scene.tool);
     this.site.setScene(scene, this.neutral);
@@ -156,6 +165,7 @@ export class Stage {
   setFrame(frame: Frame, held: boolean): void {
     if (!this.scene || !this.bed.setFrame(frame)) return;
     this.frame = frame;
+    if (frame.whole) this.box.setScene(this.scene, this.bed.reach_m);
     this.tool.setPoses(frame.tool, frame.wished, held, frame.opening_m);
     if (this.stones.setFrame(frame)) this.bed.outdateField();
     shadeToolAt(this.light, this.scene.tool, frame.tool, frame.opening_m);
@@ -186,6 +196,7 @@ export class Stage {
     this.light.u_to_sun.value.copy(balls ? TO_SUN : LOW_SUN);
     this.sun.position.copy(this.light.u_to_sun.value);
     this.bed.setDrawing(drawing);
+    if (balls) needNoise(this.light);
     this.orbit.setInGround(!balls);
     this.dirty = true;
   }
@@ -232,6 +243,11 @@ export class Stage {
     return Math.abs(at.x) < IN_PICTURE && Math.abs(at.y) < IN_PICTURE && at.z < 1;
   }
 
+  /** What a status says about the loop: the page draws less often before the loop suffers. */
+  watchLoop({ ticks, misses }: { ticks: number; misses: number }): void {
+    this.pace.watchLoop(ticks, misses);
+  }
+
   /** Fits the picture to the page again, after a headset had it or what lies over it has changed. */
   refit(): void {
     this.resize();
@@ -251,6 +267,8 @@ export class Stage {
   }
 
   private setDetail(detailed: boolean): void {
+    if (detailed || this.drawing === 'balls' || this.scene?.stones?.length) needNoise(this.light);
+    this.tool.setDetail(detailed);
     this.bed.setDetail(detailed);
     this.ground.setDetail(detailed);
   }
@@ -276,8 +294,11 @@ export class Stage {
   private draw(now_ms: number): void {
     this.onTick(now_ms);
     const in_headset = this.renderer.xr.isPresenting;
+    if (!in_headset && !this.pace.due(now_ms)) return;
+    this.onDue(now_ms);
     if (this.orbit.advance(now_ms)) this.dirty = true;
     for (const moving of [this.robot, this.site]) if (moving.advance(now_ms)) this.dirty = true;
+    this.pace.drawn(now_ms);
     if ((!this.dirty || !this.shown) && !in_headset) {
       this.resolution.rest();
       return;
@@ -289,7 +310,7 @@ export class Stage {
     if (!in_headset) this.drawSite();
     this.frames_drawn += 1;
     this.onDrawn();
-    if (!in_headset && this.resolution.drawn(now_ms)) {
+    if (!in_headset && this.resolution.drawn(now_ms, this.pace.interval_ms)) {
       this.renderer.setPixelRatio(this.resolution.ratio);
       this.setDetail(this.resolution.detailed);
       this.resize();

@@ -14,9 +14,6 @@ out vec3 v_at_m;
 out vec3 v_normal;
 out vec4 v_light;               // height over the shadow, drift along x and y, how deep below what is around
 flat out vec3 v_eye_m;
-#ifndef DETAIL
-out float v_sun;                // past tool and what flies; a corner of the mesh every few pixels is enough without a graphics card
-#endif
 
 void main() {
   mat3 turn = mat3(modelViewMatrix);
@@ -29,9 +26,6 @@ void main() {
   v_normal = vec3(-slope, 1.0);
   v_at_m = vec3(position.xy, here.x + position.z);
   v_light = vec4(here.x - here.y, here.zw, soilHeight(position.xy).y - here.x);
-#ifndef DETAIL
-  v_sun = sunPastTool(v_at_m) * sunPastFlying(v_at_m);
-#endif
   gl_Position = projectionMatrix * modelViewMatrix * vec4(v_at_m, 1.0);
 }
 `;
@@ -49,9 +43,6 @@ in vec3 v_at_m;
 in vec3 v_normal;
 in vec4 v_light;
 flat in vec3 v_eye_m;
-#ifndef DETAIL
-in float v_sun;
-#endif
 layout(location = 0) out vec4 o_colour;
 
 void main() {
@@ -71,7 +62,6 @@ void main() {
   vec2 fine_uv = on_m / u_tile_m;
   vec4 fine = texture(u_tile, fine_uv);
   vec4 coarse = texture(u_tile, mat2(0.8, -0.6, 0.6, 0.8) * fine_uv * 0.237 + 0.37);
-#ifdef DETAIL
   // Where soil has been mixed, what was together is not, and the tile would be torn to streaks; and on a steep wall,
   // seen from above, it would be drawn out.
   vec2 still_uv = at_m.xy / u_tile_m;
@@ -88,11 +78,6 @@ void main() {
   }
   vec4 hummocks = texture(u_noise, vec3(still_uv / 7.0, 0.4)) - 0.5;
   vec4 swells = texture(u_noise, vec3(still_uv / 41.0, 0.7)) - 0.5;
-#else
-  fine = mix(fine, coarse, smoothstep(0.85, 0.65, normal.z));
-  vec4 hummocks = vec4(0.0);
-  vec4 swells = vec4(0.0);
-#endif
   vec2 slope = (0.6 + 0.3 * stirred) * tileSlope(fine) + (0.2 + 0.2 * stirred) * tileSlope(coarse) +
                0.35 * hummocks.gb + 0.4 * swells.gb;
   normal = normalize(normal - vec3(slope * (1.0 - u_flatness), 0.0));
@@ -100,11 +85,7 @@ void main() {
   // A grain's own shadow is hard; that of a heap has the sun's soft edge.
   float sun = smoothstep(-0.03 * u_radius_m, 0.07 * u_radius_m, v_light.x);
   sun *= mix(1.0, fine.a * mix(1.0, coarse.a, 0.3), (0.55 + 0.25 * stirred) * (1.0 - u_flatness));
-#ifdef DETAIL
   if (sun > 0.0) sun *= sunPastTool(at_m) * sunPastFlying(at_m);
-#else
-  sun *= v_sun;
-#endif
   float deep = clamp(v_light.w / (2.0 * u_radius_m), 0.0, 1.0);
   float sky = 1.0 - 0.6 * deep;
   // Loops that run once: sky_view.ts says why.

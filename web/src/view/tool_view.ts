@@ -6,15 +6,17 @@ import {
   Group,
   LineBasicMaterial,
   LineSegments,
+  type Material,
   Mesh,
   MeshBasicMaterial,
+  MeshLambertMaterial,
   MeshStandardMaterial,
   Object3D,
 } from 'three';
 import { shapeOf } from '../tool_shapes';
 
 const METAL = { color: '#b3c1cb', metalness: 0.15, roughness: 0.45 } as const;
-const HANDLE_OPACITY = 0.45;
+const HANDLE = { color: '#d8a04a', transparent: true, opacity: 0.45, depthWrite: false } as const;
 
 export class ToolView {
   /** follows the tool */
@@ -25,14 +27,15 @@ export class ToolView {
   /** what moves along the tool's x when jaws open */
   private jaws: { part: Object3D; side: number }[] = [];
   private jaw_thickness_m = 0;
-  private readonly metal = new MeshStandardMaterial({ ...METAL, flatShading: false });
-  private readonly handle = new MeshStandardMaterial({
-    color: '#d8a04a',
-    roughness: 0.6,
-    transparent: true,
-    opacity: HANDLE_OPACITY,
-    depthWrite: false,
-  });
+  private readonly detailed_materials = {
+    metal: new MeshStandardMaterial({ ...METAL, flatShading: false }),
+    handle: new MeshStandardMaterial({ ...HANDLE, roughness: 0.6 }),
+  };
+  private readonly plain_materials = {
+    metal: new MeshLambertMaterial({ color: METAL.color }),
+    handle: new MeshLambertMaterial(HANDLE),
+  };
+  private materials: { metal: Material; handle: Material } = this.detailed_materials;
   private readonly ghost_lines = new LineBasicMaterial({
     color: '#7fd7e6',
     transparent: true,
@@ -57,7 +60,7 @@ export class ToolView {
     const solid = shape.geometry(tool);
     this.jaw_thickness_m = tool.size_mm[2] / 1000;
     for (const side of shape.jaws ? [-1, 1] : [0]) {
-      const body = new Mesh(solid, this.metal);
+      const body = new Mesh(solid, this.materials.metal);
       const fill = new Mesh(solid, this.ghost_fill);
       const lines = new LineSegments(shape.edges(solid, tool), this.ghost_lines);
       fill.renderOrder = 19;
@@ -66,7 +69,18 @@ export class ToolView {
       this.ghost.add(fill, lines);
       if (side !== 0) this.jaws.push(...[body, fill, lines].map((part) => ({ part, side })));
     }
-    for (const part of shape.extras(tool, { metal: this.metal, handle: this.handle })) this.group.add(part);
+    for (const part of shape.extras(tool, this.materials)) this.group.add(part);
+  }
+
+  /** The cheaper way to draw, for machines that are slow at this. */
+  setDetail(detailed: boolean): void {
+    const before = this.materials;
+    this.materials = detailed ? this.detailed_materials : this.plain_materials;
+    this.group.traverse((part) => {
+      if (!(part instanceof Mesh)) return;
+      if (part.material === before.metal) part.material = this.materials.metal;
+      if (part.material === before.handle) part.material = this.materials.handle;
+    });
   }
 
   setPoses(tool: Pose, wished: Pose, show_ghost: boolean, opening_m: number): void {

@@ -176,7 +176,7 @@ describe('on a screen', () => {
     expect(view.width).toBeGreaterThan(0.5 * width);
     // What lies over the picture hides neither the middle of the bed nor the tool where it starts.
     const places = await page.evaluate(() => [window.haptolith!.toolOnScreen!, window.haptolith!.bedOnScreen!]);
-    for (const name of ['.readouts', '.hint', '.legend', '.scale-bar']) {
+    for (const name of ['.readouts', '.hint', '.legend', '.scale-bar', '.tilt']) {
       const box = (await page.locator(name).boundingBox()) ?? { x: 0, y: 0, width: 0, height: 0 };
       for (const { x, y } of places) {
         const inside = x > box.x && x < box.x + box.width && y > box.y && y < box.y + box.height;
@@ -184,7 +184,7 @@ describe('on a screen', () => {
       }
     }
     const hint = await page.locator('.hint').boundingBox();
-    for (const name of ['.legend', '.scale-bar', '.readouts']) {
+    for (const name of ['.legend', '.scale-bar', '.readouts', '.tilt']) {
       const box = await page.locator(name).boundingBox();
       if (!hint || !box) continue; // not shown
       const apart =
@@ -239,15 +239,17 @@ describe('for everybody', () => {
     );
     expect(unexplained).toEqual([]);
     const bubble = page.getByRole('tooltip');
-    await page.keyboard.press('Tab'); // time
+    for (let i = 0; i < 2; ++i) await page.keyboard.press('Tab'); // how the loop runs, time
     await bubble.getByText('Simulated time since the program started').waitFor();
-    for (let i = 0; i < 4; ++i) await page.keyboard.press('Tab'); // awake
-    await bubble.getByText('Particles that are computed').waitFor();
     expect(await violations(page)).toEqual([]);
     await page.keyboard.press('Escape');
     await bubble.waitFor({ state: 'hidden' });
-    await page.locator('.cell').nth(3).hover();
-    await bubble.getByText('Of one hundred steps').waitFor();
+    await page.locator('.pace').click();
+    expect(await violations(page)).toEqual([]);
+    await page.getByRole('group', { name: 'tick p99' }).hover();
+    await bubble.getByText('Of one hundred ticks').waitFor();
+    await page.keyboard.press('Escape');
+    await page.locator('.pace-details').waitFor({ state: 'hidden' });
     await page.mouse.move(600, 300);
     await bubble.waitFor({ state: 'hidden' });
     await page.getByLabel('Friction model').hover();
@@ -280,17 +282,63 @@ describe('what is shown', () => {
     await servers.pop()!.close();
     await page.locator('.banner').waitFor({ state: 'visible' });
     const cells = page.locator('.cells');
-    expect(await cells.innerText()).not.toMatch(/Hz|µs|%/);
-    expect(await page.locator('.cell[data-level=good]').count()).toBeLessThanOrEqual(1); // real time
+    expect(await cells.textContent()).not.toMatch(/Hz|µs|%/);
+    expect(await page.locator('.pace').textContent()).toBe('–');
   });
 
   it('in slow motion is no warning', async () => {
     const { page } = await visit();
     await page.keyboard.press('n');
     await page.waitForFunction(() => window.haptolith!.status!.speed < 1);
-    const rate = page.getByRole('group', { name: 'rate' });
-    await rate.getByText('100 Hz').waitFor();
-    expect(await rate.getAttribute('data-level')).toBe('good');
+    const pace = page.getByRole('button', { name: 'slow motion' });
+    await pace.waitFor();
+    expect(await pace.getAttribute('data-level')).toBe('none');
+  });
+
+  it('of a loop that is late is one word, the causes at a click, and coarser soil', async () => {
+    const { page } = await visit({ late: 'soil' });
+    await page.getByRole('button', { name: 'late: coarser soil?' }).click();
+    await page.getByText('The soil is too fine for this machine').waitFor();
+    await page.getByRole('group', { name: 'missed, last 10 s' }).getByText('too long').waitFor();
+    await page.getByRole('button', { name: 'Coarser soil', exact: true }).click();
+    await page.getByRole('button', { name: 'Coarser soil', exact: true }).waitFor({ state: 'hidden' });
+    await page.waitForFunction(() => window.haptolith!.scene!.radius_m > 0.007);
+  });
+
+  it('of a loop that other programs keep waiting says so', async () => {
+    const { page } = await visit({ late: 'others' });
+    await page.getByRole('button', { name: 'late: other programs' }).click();
+    await page.getByText('Other programs take the processor').waitFor();
+  });
+
+  it.each([
+    [1280, 720],
+    [390, 844],
+  ] as const)('in the strip and the help is not cut off at %i x %i', async (width, height) => {
+    // prettier-ignore
+    const { page } = await visit({ late: 'soil' });
+    await page.setViewportSize({ width, height });
+    await page.getByRole('button', { name: 'late: coarser soil?' }).waitFor();
+    const cut = await page.evaluate(
+      () =>
+        [...document.querySelectorAll<HTMLElement>('.cells > :not(.pace-details)')]
+          .map((cell) => cell.getBoundingClientRect())
+          .filter(({ right, width }) => width > 0 && right > innerWidth).length,
+    );
+    expect(cut).toBe(0);
+    await page.getByRole('button', { name: 'Help' }).click();
+    const licences = (await page.getByRole('link', { name: 'Licences' }).boundingBox())!;
+    expect(licences.y + licences.height).toBeLessThan(height);
+  });
+
+  it('of the tilt is its angle, which a slider and buttons set', async () => {
+    const { page } = await visit();
+    const slider = page.getByLabel('Tilt of the tool in degrees, nose down');
+    await slider.fill('0');
+    await page.waitForFunction(() => Math.abs(window.haptolith!.frame!.tool.rotation[2]) < 0.05);
+    await page.getByRole('button', { name: 'Nose down (W)' }).click();
+    await page.locator('.tilt output').getByText('10°').waitFor();
+    await page.waitForFunction(() => !window.haptolith!.frame!.held);
   });
 
   it('of the friction model is its name, and a warning where soil does not fall as it should', async () => {

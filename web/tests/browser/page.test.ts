@@ -61,6 +61,16 @@ describe('the page', () => {
     await page.locator('.controls').waitFor({ state: 'visible' });
   });
 
+  it('shows no timing in a picture, during which time stands still', async () => {
+    const { page } = await visit('?quality=full');
+    const cells = page.locator('.cells');
+    expect(await cells.getByText('soil', { exact: true }).count()).toBe(1);
+    for (const name of ['rate', 'in time', 'tick p99', 'real time']) {
+      expect(await cells.getByText(name, { exact: true }).count(), name).toBe(0);
+    }
+    expect(await page.evaluate(() => window.haptolith!.connected)).toBe(true);
+  });
+
   it('lets the mouse dig: the tool moves, the soil pushes back, the readout shows it', async () => {
     const { page, complaints } = await visit('?view=front');
     await holdStill(page);

@@ -3,7 +3,7 @@
 import type { Browser, Page } from 'playwright-core';
 import { afterAll, afterEach, beforeAll, describe, expect, it } from 'vitest';
 import { MockServer } from '../mock-server';
-import { MockStudy, type MockStudyOptions } from '../mock-study';
+import { ENDED, MockStudy, type MockStudyOptions } from '../mock-study';
 import { launch, newPage, toolOnScreen, type Watched } from './pages';
 
 let browser: Browser;
@@ -277,6 +277,17 @@ describe("the participant's page", () => {
     expect(await page.getByRole('button', { name: 'Stop taking part' }).isVisible()).toBe(false);
   });
 
+  it('is thanked when the experimenter ends for today, and reads of no lost connection', async () => {
+    const { page, study } = await participantAt('question');
+    study.endForToday();
+    await shows(page, 'stopped');
+    await page.getByRole('heading', { name: 'Thank you, that is all for today' }).waitFor();
+    await servers.pop()!.close();
+    await page.waitForTimeout(1000);
+    expect(await page.locator('.banner').isVisible()).toBe(false);
+    expect(await page.getByRole('button', { name: 'Stop taking part' }).isVisible()).toBe(false);
+  });
+
   it('says when the connection is lost, comes back by itself and goes on', async () => {
     const { page, study, address } = await participantAt('question');
     await servers.pop()!.close();
@@ -411,8 +422,12 @@ describe("the experimenter's page", () => {
     expect(study.phase).toBe('interval');
     await page.getByRole('button', { name: 'End for today…' }).click();
     await page.getByRole('button', { name: 'End for today', exact: true }).click();
-    await page.getByText('has finished').waitFor();
-    expect(study.phase).toBe('finished');
+    await page.getByText(ENDED).waitFor();
+    await page.waitForTimeout(1000); // the program would end now
+    expect(await page.locator('.banner').isVisible()).toBe(false);
+    for (const name of ['Pause', 'Repeat a trial…', 'Note', 'End for today…', 'Unblind…'])
+      expect(await page.getByRole('button', { name, exact: true }).isDisabled()).toBe(true);
+    expect(await page.locator('.participant-code').textContent()).toBe('S01');
   });
 
   it('shows the scene but does not hold the tool', async () => {

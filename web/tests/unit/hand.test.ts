@@ -1,8 +1,9 @@
-import type { Command, Frame, Scene } from 'haptolith-protocol';
+import type { Command, Frame, Quat, Scene, Tool } from 'haptolith-protocol';
 import { describe, expect, it } from 'vitest';
 import type { Connection } from '../../src/connection';
 import { Hand } from '../../src/hand/hand';
-import { clampTo, turned } from '../../src/hand/pose_math';
+import { angleBetween, clampTo, turned } from '../../src/hand/pose_math';
+import { noseDown, tiltOf, ToolTilt } from '../../src/hand/tilt';
 import { ToolBringer } from '../../src/hand/tool_bringer';
 
 const SCENE = {
@@ -90,7 +91,11 @@ describe('bringing the tool', () => {
   function bring(ticks: number, during?: (hand: Hand) => void) {
     const { hand, sent } = makeHand();
     hand.setFrame(BURIED);
-    const bringer = new ToolBringer(hand, () => SCENE);
+    const bringer = new ToolBringer(
+      hand,
+      () => SCENE,
+      () => noseDown([1, 0, 0], 55),
+    );
     bringer.start();
     for (let i = 0; i < ticks; ++i) {
       bringer.tick(1000 + 16 * i);
@@ -111,6 +116,12 @@ describe('bringing the tool', () => {
     expect(sent.at(-1)).toEqual({ do: 'release' });
   });
 
+  it('turns its nose down, so that it digs', () => {
+    const { path_m } = bring(300);
+    const [, , , ...rotation] = path_m.at(-1)!;
+    expect(tiltOf(rotation)).toBeCloseTo(55, 3);
+  });
+
   it('moves no faster than a calm hand', () => {
     const { path_m } = bring(300);
     for (let i = 1; i < path_m.length; ++i) {
@@ -124,6 +135,97 @@ describe('bringing the tool', () => {
     expect(hand.isHeldBy('automation')).toBe(false);
     expect(hand.isHeldBy('mouse')).toBe(true);
     expect(path_m.at(-1)![2]).toBeLessThan(0.05);
+  });
+});
+
+describe('the tilt of the tool', () => {
+  const BOX = SCENE.tool;
+  const NOSE_45: Quat = noseDown([1, 0, 0], 45);
+
+  function makeTilt(tool: Partial<Tool> = {}, rotation: Quat = [1, 0, 0, 0]) {
+    const { hand, sent } = makeHand();
+    const frame = { tool: { position_m: [0, 0, 0.1], rotation } } as unknown as Frame;
+    hand.setFrame(frame);
+    const scene = { ...SCENE, tool: { ...BOX, ...tool } } as Scene;
+    const tilt = new ToolTilt(
+      hand,
+      () => scene,
+      () => frame,
+      () => [0, 1, 0],
+    );
+    let now_ms = 1000;
+    const run = (seconds: number): void => {
+      for (const end_ms = now_ms + 1000 * seconds; now_ms < end_ms; now_ms += 16) {
+        tilt.tick(now_ms);
+        hand.tick(now_ms);
+      }
+    };
+    const grab = (): void => {
+      hand.grab('mouse');
+      tilt.taken();
+    };
+    return { hand, sent, tilt, run, grab };
+  }
+
+  it('is told from its rotation, whichever way its nose points', () => {
+    for (const tilt_deg of [-30, 0, 55, 90, 120])
+      expect(tiltOf(noseDown([0.6, 0.8, 0], tilt_deg))).toBeCloseTo(tilt_deg, 9);
+  });
+
+  it('of a shovel that a pointer takes goes to one that digs, across the picture and calmly', () => {
+    const { hand, run, grab } = makeTilt();
+    grab();
+    run(0.2);
+    expect(tiltOf(hand.wished.rotation)).toBeLessThan(35);
+    run(2);
+    expect(angleBetween(hand.wished.rotation, noseDown([0, 1, 0], 55))).toBeLessThan(0.01);
+  });
+
+  it('goes there after a click, too', () => {
+    const { hand, run, grab } = makeTilt();
+    grab();
+    run(0.1);
+    hand.letGo('mouse');
+    run(3);
+    expect(tiltOf(hand.wished.rotation)).toBeCloseTo(55, 1);
+    expect(hand.held).toBe(false);
+  });
+
+  it.each(['sphere', 'plate', 'cylinder', 'jaws', 'mesh'] as const)('of a %s stays as it is', (shape) => {
+    const { hand, run, grab } = makeTilt({ shape });
+    grab();
+    run(1);
+    expect(hand.wished.rotation).toEqual([1, 0, 0, 0]);
+  });
+
+  it('stays as a person has left it', () => {
+    const { hand, run, grab } = makeTilt({}, NOSE_45);
+    hand.grab('keys');
+    hand.letGo('keys');
+    grab();
+    run(1);
+    expect(hand.wished.rotation).toEqual(NOSE_45);
+  });
+
+  it('yields to keys that turn the tool', () => {
+    const { hand, run, grab } = makeTilt();
+    grab();
+    run(0.1);
+    hand.turn([0, 1, 0], -0.05, 'tool');
+    const then = hand.wished.rotation;
+    run(1);
+    expect(hand.wished.rotation).toEqual(then);
+  });
+
+  it('is set by a slider, which takes the tool and lets go of it', () => {
+    const { hand, sent, tilt, run } = makeTilt();
+    expect(tilt.set(30)).toBe(true);
+    expect(tilt.now_deg).toBeCloseTo(30, 9);
+    run(2);
+    expect(hand.held).toBe(false);
+    const poses = sent.flatMap((command) => (command.do === 'hold' ? [command.pose] : []));
+    const [, , , ...rotation] = poses.at(-1)!;
+    expect(tiltOf(rotation)).toBeCloseTo(30, 3);
   });
 });
 

@@ -3,6 +3,7 @@ import { describe, expect, it } from 'vitest';
 import { niceStep, scaleOf } from '../../src/view/colour_maps';
 import { HeightField } from '../../src/view/height_field';
 import { flatGeometry } from '../../src/view/mesh_geometry';
+import { Pace } from '../../src/view/pace';
 import { Resolution } from '../../src/view/resolution';
 import { lookOf } from '../../src/view/body_looks';
 
@@ -127,10 +128,58 @@ describe('the resolution', () => {
     expect(resolution.ratio).toBe(2);
   });
 
+  it('falls within seconds at less than one frame per second', () => {
+    const resolution = new Resolution(1, true, false);
+    run(resolution, 1500, 10);
+    expect(resolution.ratio).toBeLessThan(0.7);
+  });
+
+  it('stays where the processor draws as often as is wanted, and falls where it cannot', () => {
+    const resolution = new Resolution(1, true, true);
+    const { ratio } = resolution;
+    for (let i = 0; i < 500; ++i) resolution.drawn(83 * i, 1000 / 12);
+    expect(resolution.ratio).toBe(ratio);
+    for (let i = 0; i < 50; ++i) resolution.drawn(100_000 + 400 * i, 1000 / 12);
+    expect(resolution.ratio).toBeLessThan(ratio);
+    expect(resolution.detailed).toBe(false);
+  });
+
   it('is left alone for pictures', () => {
     const resolution = new Resolution(2, false, false);
     run(resolution, 500, 500);
     expect(resolution.ratio).toBe(2);
+  });
+});
+
+describe('the pace of frames', () => {
+  const framesInASecond = (pace: Pace): number => {
+    let count = 0;
+    for (let t = 0, frame = 0; frame < 60; ++frame, t += 1000 / 60)
+      if (pace.due(t)) {
+        pace.drawn(t);
+        ++count;
+      }
+    return count;
+  };
+
+  it('is that of the screen with a graphics card, and slower where the processor draws', () => {
+    expect(framesInASecond(new Pace(false))).toBe(60);
+    expect(framesInASecond(new Pace(true))).toBe(12);
+  });
+
+  it('halves while the loop is late, and comes back when it is in time again', () => {
+    const pace = new Pace(true);
+    pace.watchLoop(0, 0);
+    pace.watchLoop(2500, 40);
+    expect(framesInASecond(pace)).toBe(6);
+    pace.watchLoop(5000, 40);
+    expect(pace.interval_ms).toBeGreaterThan(160);
+    for (let ticks = 7500; ticks <= 20_000; ticks += 2500) pace.watchLoop(ticks, 41);
+    expect(pace.interval_ms).toBeLessThan(84);
+    const card = new Pace(false);
+    card.watchLoop(0, 0);
+    card.watchLoop(2500, 2500);
+    expect(framesInASecond(card)).toBe(60);
   });
 });
 

@@ -19,11 +19,11 @@ function layer(z_m: number): Place[] {
   return Array.from({ length: across * across }, (_, i) => [at_m(i % across), at_m(Math.floor(i / across)), z_m]);
 }
 
-function sceneOf(particles: number): Scene {
+function sceneOf(particles: number, surface_m = 2 * RADIUS_M): Scene {
   return {
     particles,
     radius_m: RADIUS_M,
-    box: { width_m: WIDTH_M, length_m: WIDTH_M, surface_m: 2 * RADIUS_M, periodic_x: false, periodic_y: false },
+    box: { width_m: WIDTH_M, length_m: WIDTH_M, surface_m, periodic_x: false, periodic_y: false },
     quantised: { low_m: [-0.2, -0.2, 0], high_m: [0.2, 0.2, 0.4] },
   } as unknown as Scene;
 }
@@ -33,8 +33,8 @@ function recordsOf(places: Place[]): Uint16Array {
   return new Uint16Array(places.flatMap(([x, y, z]) => [quantise(x, -0.2), quantise(y, -0.2), quantise(z, 0), 0]));
 }
 
-function surfaceOf(places: Place[]): SoilSurface {
-  const scene = sceneOf(places.length);
+function surfaceOf(places: Place[], surface_m?: number): SoilSurface {
+  const scene = sceneOf(places.length, surface_m);
   const surface = new SoilSurface(scene, radiiOf(scene), FROM_LEFT);
   surface.build(recordsOf(places), places.length);
   return surface;
@@ -52,6 +52,38 @@ describe('the surface of soil', () => {
     expect(surface.flying_count).toBe(0);
   });
 
+  // Two layers; the upper one has holes in the corners, so wide, as packings have them.
+  const withHoles = (radii: number): Place[] => [
+    ...layer(RADIUS_M),
+    ...layer(2.6 * RADIUS_M).filter(([x, y]) => Math.max(WIDTH_M / 2 - Math.abs(x), WIDTH_M / 2 - Math.abs(y)) > radii * RADIUS_M), // prettier-ignore
+  ];
+
+  it('is level in the corners, which a packing leaves empty', () => {
+    const surface = surfaceOf(withHoles(2.5), 3.6 * RADIUS_M);
+    for (const [x_m, y_m] of [
+      [0.058, 0.058],
+      [-0.055, 0.055],
+      [-0.058, -0.05],
+      [0.07, -0.07],
+    ] as const)
+      // prettier-ignore
+      expect(Math.abs(surface.heightAt(x_m, y_m) - surface.level_m)).toBeLessThan(0.3 * RADIUS_M);
+  });
+
+  it('shows what is dug in a corner, then and when the page is opened later', () => {
+    const level = withHoles(2.5);
+    const dug = level.filter(([x, y]) => Math.hypot(x - 0.05, y - 0.05) > 6 * RADIUS_M);
+    const scene = sceneOf(level.length, 3.6 * RADIUS_M);
+    const surface = new SoilSurface(scene, radiiOf(scene), FROM_LEFT);
+    surface.build(recordsOf(level), level.length);
+    const far: Place = [-0.055, -0.055, 2.6 * RADIUS_M];
+    const rest = Array.from({ length: level.length - dug.length }, () => far);
+    surface.build(recordsOf([...dug, ...rest]), level.length);
+    expect(surface.heightAt(0.055, 0.055)).toBeLessThan(surface.level_m - 2 * RADIUS_M);
+    expect(Math.abs(surface.heightAt(-0.055, 0.055) - surface.level_m)).toBeLessThan(0.3 * RADIUS_M);
+    expect(surfaceOf(dug, 3.6 * RADIUS_M).heightAt(0.055, 0.055)).toBeLessThan(surface.level_m - 2 * RADIUS_M);
+  });
+
   it('meets the ground around from a heap at the wall without a step', () => {
     const surface = surfaceOf([...layer(RADIUS_M), [0.055, 0, 2.8 * RADIUS_M], [0.055, 0.005, 4.4 * RADIUS_M]]);
     expect(surface.heightAt(0.055, 0.002)).toBeGreaterThan(surface.level_m + RADIUS_M);
@@ -62,6 +94,12 @@ describe('the surface of soil', () => {
       before_m = height_m;
     }
     expect(before_m).toBeCloseTo(surface.level_m, 5);
+  });
+
+  it('lies over soil that is held behind the sides', () => {
+    const places: Place[] = [...layer(RADIUS_M), [0.065, 0, RADIUS_M], [0.065, 0.01, RADIUS_M], [0.065, 0, 2.5 * RADIUS_M]]; // prettier-ignore
+    const surface = surfaceOf(places);
+    expect(surface.heightAt(0.065, 0)).toBeGreaterThan(surface.level_m + 0.5 * RADIUS_M);
   });
 
   it('leaves out what is in the air, little by little, and lists it', () => {

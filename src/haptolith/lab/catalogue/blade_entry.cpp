@@ -13,6 +13,7 @@
 #include "haptolith/lab/blade.h"
 #include "haptolith/lab/catalogue/entries.h"
 #include "haptolith/lab/findings.h"
+#include "haptolith/lab/staged_progress.h"
 
 namespace haptolith {
 
@@ -117,8 +118,13 @@ LabOutput bladeOutput(const LabSoil& soil, const LabConditions& conditions, Blad
                            "given beside friction_angle_deg: without that, shearing tells both");
   }
   validate(conditions, options);  // what it refuses is refused now, not after minutes
+  StagedProgress progress(conditions.progress);
+  LabConditions staged = conditions;
+  staged.progress = progress.inner();
+  const double blade_from = own_strength ? 0 : 0.5;  // of the test's time goes before
+  progress.enter(0, blade_from);
   if (!own_strength) {
-    const BladeStrength strength = strengthBeforeBlade(conditions, options.preparation);
+    const BladeStrength strength = strengthBeforeBlade(staged, options.preparation);
     const MohrCoulomb undisturbed = inRange(strength.undisturbed);
     options.friction_angle_rad = undisturbed.friction_angle_rad;
     options.cohesion_pa = undisturbed.cohesion_pa;
@@ -126,7 +132,8 @@ LabOutput bladeOutput(const LabSoil& soil, const LabConditions& conditions, Blad
       options.residual = inRange(*strength.residual);
     }
   }
-  const BladeResult result = bladeTest(conditions, options);
+  progress.enter(blade_from, 1);
+  const BladeResult result = bladeTest(staged, options);
   LabOutput output;
   output.text = table(result, options);
   output.json = {{"width_mm", result.width_m / kMm},
@@ -165,6 +172,7 @@ LabTest bladeEntry() {
           "  haptolith lab blade --width-mm 50 --depth-mm 30 --rake-deg 90\n"
           "  haptolith lab blade --soil dry-sand --friction-angle-deg 35 --soil-cohesion-pa 0",
       .radius_mm = 3,
+      .typical_s = 400,
       .options = {millimetresOption("width_mm", own->width_m, "width of the blade"),
                   millimetresOption("depth_mm", own->depth_m, "depth of its lower edge"),
                   degreesOption("rake_deg", own->rake_rad, "angle between blade and path"),

@@ -62,6 +62,7 @@ LabTest carryEntry() {
   return {.name = "carry",
           .description = "A loaded shovel, still, moved and shaken: weight and drag felt",
           .examples = "  haptolith lab carry\n  haptolith lab carry --friction paper",
+          .typical_s = 1,
           .options = {countOption("particles", own->particles, CarryRanges::particles, "dropped on the shovel"),
                       numberOption("speed_m_s", own->speed_m_s, "sideways")},
           .run = [own](const LabSoil&, const LabConditions& conditions) { return carryOutput(conditions, *own); }};
@@ -72,6 +73,7 @@ LabTest fallEntry() {
   return {.name = "fall",
           .description = "A clump in free fall: acceleration over g",
           .examples = "  haptolith lab fall\n  haptolith lab fall --friction paper",
+          .typical_s = 5,
           .options = {numberOption("fall_m", own->fall_m, "height it falls")},
           .run = [own](const LabSoil&, const LabConditions& conditions) { return fallOutput(conditions, *own); }};
 }

@@ -43,6 +43,7 @@ LabTest cutEntry() {
       .examples =
           "  haptolith lab cut\n"
           "  haptolith lab cut --soil dry-sand --figure cut.png",
+      .typical_s = 60,
       .options = {millimetresOption("height_mm", own->height_m, "of the cut")},
       .run = [own](const LabSoil& soil, const LabConditions& conditions) { return cutOutput(soil, conditions, *own); }};
 }

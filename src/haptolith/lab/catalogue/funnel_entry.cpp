@@ -59,6 +59,7 @@ LabTest funnelEntry() {
               "  haptolith lab funnel --soil dry-sand --body Earth\n"
               "  haptolith lab funnel --opening 2,4,6,8,10",
           .without_cohesion = true,
+          .typical_s = 60,
           .options = {listOption("opening", own->openings, 1, "openings, in particle diameters"),
                       numberOption("fill", own->fill_openings, "height of the soil over the width of the opening")},
           .run = [own](const LabSoil&, const LabConditions& conditions) { return funnelOutput(conditions, *own); }};

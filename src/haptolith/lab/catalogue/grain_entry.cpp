@@ -62,6 +62,7 @@ LabTest grainEntry() {
           "  haptolith lab grain --figure grain.png\n"
           "  haptolith lab grain --radii-mm 7,3.5 --no-graded --specimens 1",
       .in_report = false,
+      .typical_s = 300,
       .options = {listOption("radii_mm", own->radii_m, kMm, "of beds with grains all alike"),
                   {.key = "no_graded",
                    .help = "leave out the bed with grains of several sizes",

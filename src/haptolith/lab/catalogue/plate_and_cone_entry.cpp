@@ -161,6 +161,7 @@ LabTest plateEntry() {
               "  haptolith lab plate --soil dry-sand --body Earth --plate-diameter-mm 60 --max-sinkage-mm 20\n"
               "  haptolith lab plate --soil dry-sand --friction-angle-deg 32",
           .radius_mm = 3.5,
+          .typical_s = 120,
           .options = {millimetresOption("plate_diameter_mm", own->diameter_m, "diameter of the plate"),
                       millimetresOption("max_sinkage_mm", own->max_sinkage_m, "how deep it goes"),
                       preparationOption(own->preparation),
@@ -189,6 +190,7 @@ LabTest coneEntry() {
           .description = "A cone penetrometer: resistance against depth",
           .examples = "  haptolith lab cone --figure cone.svg",
           .radius_mm = 3,
+          .typical_s = 120,
           .options = {millimetresOption("cone_diameter_mm", own->base_diameter_m, "diameter of the cone's base"),
                       millimetresOption("max_depth_mm", own->max_depth_m, "how deep the base goes"),
                       preparationOption(own->preparation), depthFromOption(own->depth_from)},

@@ -47,6 +47,7 @@ LabTest reposeEntry() {
               "  haptolith lab repose --soil dry-sand --body Ceres",
           .radius_mm = 3,  // larger ones are too soft for Earth's gravity: 25.6 instead of 27.1 degrees for dry-sand
           .without_cohesion = true,
+          .typical_s = 60,
           .options = {numberOption("tube_radius", own->tube_radius, "in radii of a particle"),
                       numberOption("fill", own->fill, "height of the soil in the tube, in radii")},
           .run = [own](const LabSoil& soil, const LabConditions& conditions) {

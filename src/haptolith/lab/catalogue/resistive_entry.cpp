@@ -118,6 +118,7 @@ LabTest rftEntry() {
               "  haptolith lab rft --soil dry-sand --body Earth --no-scaling",
           .radius_mm = 5,
           .in_report = false,
+          .typical_s = 300,
           .options = {millimetresOption("diameter_mm", own->diameter_m, "diameter of plate, sphere, cone and wheel"),
                       millimetresOption("max_sinkage_mm", own->max_sinkage_m, "how deep they go"),
                       millimetresOption("blade_width_mm", own->blade_width_m, "width of the blade"),

@@ -56,6 +56,7 @@ LabTest settleEntry() {
           .examples =
               "  haptolith lab settle\n"
               "  haptolith lab settle --soil dry-sand --body Earth --figure density.svg",
+          .typical_s = 20,
           .options = {numberOption("depth_m", own->depth_m, "depth of the column at least")},
           .run = [own](const LabSoil& soil, const LabConditions& conditions) {
             return settleOutput(soil, conditions, *own);

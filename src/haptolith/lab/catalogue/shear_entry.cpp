@@ -66,6 +66,7 @@ LabTest shearEntry() {
               "  haptolith lab shear --soil dry-sand --figure shear.svg\n"
               "  haptolith lab shear --friction paper --json\n"
               "  haptolith lab shear --sizes 2",
+          .typical_s = 150,
           .options = {listOption("normal_pa", own->normal_stresses_pa, 1, "normal stresses, three or more"),
                       numberOption("strain", own->strain, "how far the plate goes over the specimen's height"),
                       countOption("sizes", own->grain_classes, {1, GrainClasses::kMost},
