@@ -96,7 +96,7 @@ TEST_F(RunCommand, SoilTooFineForAnyMachineEndsWithAdvice) {
   ASSERT_EQ(text.exit_status, 0) << text.errors;
   EXPECT_THAT(text.output, HasSubstr("ticks too long, "));
   EXPECT_THAT(text.output, HasSubstr("the soil is too fine for this machine: "));
-  EXPECT_THAT(text.output, HasSubstr("try: --set soil.radius_mm=8\n"));
+  EXPECT_THAT(text.output, HasSubstr("try: --set soil.radius_mm=8.1\n"));
   EXPECT_THAT(json::parse(runHaptolith(fine + "--json").output)["advice"].get<std::string>(), HasSubstr("too fine"));
 }
 

@@ -32,6 +32,8 @@ TEST(DeadlineReport, AdvisesCoarserSoilWhereTicksTakeTooLong) {
             "the soil is too fine for this machine: 25 % of ticks took too long; try: haptolith run --coarser");
   EXPECT_EQ(deadlineAdvice(run(11, 0, 0), "X"),
             "the soil is too fine for this machine: 0.11 % of ticks took too long; try: X");
+  EXPECT_EQ(deadlineAdvice(run(200, 0, 0, 200), "X"),
+            "the soil is too fine for this machine: 100 % of ticks took too long; try: X");
 }
 
 TEST(DeadlineReport, PointsToTheDoctorWhereTheMachineIsTheCause) {

@@ -23,16 +23,19 @@ std::string deadlineAdvice(const LoopStatistics& statistics, std::string_view co
   const auto percent = [&](std::uint64_t ticks) {
     return 100 * static_cast<double>(ticks) / static_cast<double>(statistics.ticks());
   };
+  const auto written = [&](std::uint64_t ticks) {
+    return percent(ticks) < 10 ? fmt::format("{:.2g} %", percent(ticks)) : fmt::format("{:.0f} %", percent(ticks));
+  };
   constexpr double kWorth_percent = 100 * kMissesWorthAdvice;
   if (soil >= machine && soil > 0 && percent(soil) > kWorth_percent) {
-    return fmt::format("the soil is too fine for this machine: {:.2g} % of ticks took too long; try: {}", percent(soil),
+    return fmt::format("the soil is too fine for this machine: {} of ticks took too long; try: {}", written(soil),
                        coarser);
   }
   if (machine > soil && percent(machine) > kWorth_percent) {
     return fmt::format(
-        "other programs, or the host of a virtual machine, take the processor: {:.2g} % of ticks were woken late or "
+        "other programs, or the host of a virtual machine, take the processor: {} of ticks were woken late or "
         "interrupted; see: haptolith doctor",
-        percent(machine));
+        written(machine));
   }
   return "";
 }
