@@ -273,9 +273,14 @@ struct RunSummary {
 /// How to open the same scene with soil that is a little coarser.
 std::string coarserSoil(const RunOptions& options, const Scenario& shown) {
   constexpr double kCoarser = 1.15;
-  return options.scene.scenario_file.empty() && !options.scene.preset
-             ? "haptolith run --coarser"
-             : fmt::format("--set soil.radius_mm={:.2g}", kCoarser * 1e3 * shown.bed.soil.radius_m);
+  if (!options.scene.scenario_file.empty() || options.scene.preset) {
+    return fmt::format("--set soil.radius_mm={:.2g}", kCoarser * 1e3 * shown.bed.soil.radius_m);
+  }
+  std::string command = "haptolith run";
+  for (int step = 0; step <= options.coarser; ++step) {
+    command += " --coarser";
+  }
+  return command;
 }
 
 Json statisticsJson(const Histogram& h) {
