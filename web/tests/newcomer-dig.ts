@@ -84,6 +84,7 @@ try {
   const page = await browser.newPage({ viewport: { width: 1280, height: 720 } });
   await page.goto(address);
   await page.waitForFunction(() => window.haptolith?.ready === true, null, { timeout: 120_000 });
+  await page.keyboard.press('l');
   await page.waitForTimeout(3000);
   const before_m = watcher.heights_m();
   const seen = () =>
