@@ -85,9 +85,8 @@ export class Stage {
     private readonly options: StageOptions,
   ) {
     this.neutral = options.neutral ?? false;
-    this.software = !options.full_quality && drawsInSoftware();
-    const { software } = this;
-    ({ renderer: this.renderer, draws: this.draws } = makeRenderer(!software));
+    const { renderer, draws, software } = makeRenderer(options.full_quality);
+    [this.renderer, this.draws, this.software] = [renderer, draws, software];
     this.renderer.domElement.className = 'stage-canvas';
     host.append(this.renderer.domElement);
     this.renderer.domElement.setAttribute('role', 'img');
@@ -316,13 +315,4 @@ export class Stage {
       this.resize();
     }
   }
-}
-
-/** Whether there is no graphics card: then the first pictures are already drawn the cheaper way. */
-function drawsInSoftware(): boolean {
-  const gl = document.createElement('canvas').getContext('webgl2');
-  const info = gl?.getExtension('WEBGL_debug_renderer_info');
-  const name = gl && info ? String(gl.getParameter(info.UNMASKED_RENDERER_WEBGL)) : '';
-  gl?.getExtension('WEBGL_lose_context')?.loseContext();
-  return /swiftshader|llvmpipe|softpipe|software|basic render/i.test(name);
 }
