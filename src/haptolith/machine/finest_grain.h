@@ -12,9 +12,10 @@
 
 namespace haptolith {
 
-/// What 99 of 100 ticks may take, in us, of a thousand: the rest is for waking late, for sending, and for worse moments
-/// than those of a trial.
-inline constexpr double kFinestTick_us = 600;
+/// What 99 of 100 ticks of a trial may take, in us, of a thousand. The rest is for a browser that shares caches and cores,
+/// and for long stirring: 15 s of it beside compilers took 735 and 846 us (99th percentile) where trials had said 423 us
+/// on quiet cores and 600 us beside the same work (4.4 mm, one thread of two virtual cores, AVX2).
+inline constexpr double kFinestTick_us = 500;
 
 /// What grains of one size would cost.
 struct GrainTrial {
