@@ -77,6 +77,8 @@ export class Stage {
   private scene: Scene | null = null;
   private frame: Frame | null = null;
   private dirty = true;
+  /** a frame with soil is drawn */
+  private begun = false;
   private neutral: boolean;
   private given: Scene | null = null;
 
@@ -305,7 +307,11 @@ export class Stage {
     // A field that is not due yet is built with one of the next pictures.
     this.dirty = this.bed.refreshField(now_ms, this.stones);
     this.arrows.setPicture(this.orbit.shorterSide_m(in_headset));
+    // Compiling a shader takes the processor long: the first frame is of soil and tool alone.
+    const first = this.software && this.bed.drawn > 0 && !this.begun;
+    this.sky.mesh.visible = !this.software || this.begun;
     this.renderer.render(this.world, this.orbit.camera);
+    if (first) this.begun = this.dirty = true;
     if (!in_headset) this.drawSite();
     this.frames_drawn += 1;
     this.onDrawn();
