@@ -17,13 +17,37 @@ export type Renderer = Pick<
   | 'setViewport'
 > & { extensions: { has(name: string): boolean } };
 
+interface Made {
+  renderer: Renderer;
+  /** false: the browser has no WebGL 2 */
+  draws: boolean;
+  /** the processor draws */
+  software: boolean;
+}
+
 /** WebGL 2 where there is any; else what keeps the page's beat and draws nothing. */
-export function makeRenderer(antialias: boolean): { renderer: Renderer; draws: boolean } {
+export function makeRenderer(full_quality: boolean): Made {
   try {
-    return { renderer: new WebGLRenderer({ antialias, powerPreference: 'high-performance' }), draws: true };
+    const canvas = full_quality ? null : canvasInSoftware();
+    // WebGLRenderer takes the context that the canvas already has.
+    const renderer = canvas
+      ? new WebGLRenderer({ canvas, antialias: false })
+      : new WebGLRenderer({ antialias: true, powerPreference: 'high-performance' });
+    return { renderer, draws: true, software: canvas !== null };
   } catch {
-    return { renderer: new NoRenderer() as unknown as Renderer, draws: false };
+    return { renderer: new NoRenderer() as unknown as Renderer, draws: false, software: false };
   }
+}
+
+/** A canvas with a context, where there is no graphics card; a second context would take longer. */
+function canvasInSoftware(): HTMLCanvasElement | null {
+  const canvas = document.createElement('canvas');
+  const gl = canvas.getContext('webgl2', { alpha: false, antialias: false });
+  const info = gl?.getExtension('WEBGL_debug_renderer_info');
+  const name = gl && info ? String(gl.getParameter(info.UNMASKED_RENDERER_WEBGL)) : '';
+  if (/swiftshader|llvmpipe|softpipe|software|basic render/i.test(name)) return canvas;
+  gl?.getExtension('WEBGL_lose_context')?.loseContext();
+  return null;
 }
 
 class NoRenderer {

@@ -208,6 +208,7 @@ export class SoilView {
       attribute.needsUpdate = true;
     }
     grains.geometry.instanceCount = count;
+    grains.visible = count > 0;
   }
 
   private mesh(): void {

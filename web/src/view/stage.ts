@@ -77,6 +77,8 @@ export class Stage {
   private scene: Scene | null = null;
   private frame: Frame | null = null;
   private dirty = true;
+  /** a frame with soil is drawn */
+  private begun = false;
   private neutral: boolean;
   private given: Scene | null = null;
 
@@ -85,9 +87,8 @@ export class Stage {
     private readonly options: StageOptions,
   ) {
     this.neutral = options.neutral ?? false;
-    this.software = !options.full_quality && drawsInSoftware();
-    const { software } = this;
-    ({ renderer: this.renderer, draws: this.draws } = makeRenderer(!software));
+    const { renderer, draws, software } = makeRenderer(options.full_quality);
+    [this.renderer, this.draws, this.software] = [renderer, draws, software];
     this.renderer.domElement.className = 'stage-canvas';
     host.append(this.renderer.domElement);
     this.renderer.domElement.setAttribute('role', 'img');
@@ -306,7 +307,11 @@ export class Stage {
     // A field that is not due yet is built with one of the next pictures.
     this.dirty = this.bed.refreshField(now_ms, this.stones);
     this.arrows.setPicture(this.orbit.shorterSide_m(in_headset));
+    // Compiling a shader takes the processor long: the first frame is of soil and tool alone.
+    const first = this.software && this.bed.drawn > 0 && !this.begun;
+    this.sky.mesh.visible = !this.software || this.begun;
     this.renderer.render(this.world, this.orbit.camera);
+    if (first) this.begun = this.dirty = true;
     if (!in_headset) this.drawSite();
     this.frames_drawn += 1;
     this.onDrawn();
@@ -316,13 +321,4 @@ export class Stage {
       this.resize();
     }
   }
-}
-
-/** Whether there is no graphics card: then the first pictures are already drawn the cheaper way. */
-function drawsInSoftware(): boolean {
-  const gl = document.createElement('canvas').getContext('webgl2');
-  const info = gl?.getExtension('WEBGL_debug_renderer_info');
-  const name = gl && info ? String(gl.getParameter(info.UNMASKED_RENDERER_WEBGL)) : '';
-  gl?.getExtension('WEBGL_lose_context')?.loseContext();
-  return /swiftshader|llvmpipe|softpipe|software|basic render/i.test(name);
 }

@@ -2,7 +2,7 @@ import { radiiOf, type Scene } from 'haptolith-protocol';
 import { describe, expect, it } from 'vitest';
 import { Dust, flown_m, slowingTime_s } from '../../src/view/dust';
 import { SoilSurface } from '../../src/view/soil_surface';
-import { SIDE, regolithTile, tileSun } from '../../src/view/soil_texture';
+import { makePlainSoilTexture, SIDE, regolithTile, tileSun } from '../../src/view/soil_texture';
 import { swarm } from '../../src/view/soil_view';
 import { surfaceMesh } from '../../src/view/surface_mesh';
 
@@ -162,6 +162,20 @@ describe('small grains', () => {
     expect(sun[100 * SIDE + 5]).toBe(0); // over the tile's edge
     expect(sun[100 * SIDE + 40]).toBe(1);
     expect(sun[104 * SIDE + 505]).toBe(1);
+  });
+});
+
+describe('the plain tile', () => {
+  it('is as bright in the mean as level soil, brighter and darker in places', () => {
+    const data = Array.from(makePlainSoilTexture(FROM_LEFT).image.data as Uint8Array);
+    for (const channel of [0, 1]) {
+      const light = data.filter((_, i) => i % 2 === channel).map((byte) => (2 * byte) / 255);
+      const mean = light.reduce((sum, value) => sum + value, 0) / light.length;
+      expect(mean).toBeGreaterThan(0.85);
+      expect(mean).toBeLessThan(1.05);
+    }
+    expect(Math.max(...data.slice(0, 20_000))).toBeLessThan(250);
+    expect(Math.min(...data.slice(0, 20_000))).toBeLessThan(110);
   });
 });
 
