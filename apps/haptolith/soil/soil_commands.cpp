@@ -378,8 +378,8 @@ void addCalibratePaper(CLI::App& soil) {
   CLI::App* calibrate = soil.add_subcommand("calibrate")->group("")->allow_extras();  // in no help and no completion
   calibrate->callback([] {
     throw CLI::ValidationError("soil calibrate",
-                               "is either 'haptolith lab calibrate', for soil that was measured, or 'haptolith soil "
-                               "calibrate-paper', for the paper's friction");
+                               "choose 'haptolith lab calibrate' for soil that was measured, or 'haptolith soil "
+                               "calibrate-paper' for the paper's friction");
   });
 }
 

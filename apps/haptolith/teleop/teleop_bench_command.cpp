@@ -111,7 +111,7 @@ struct Row {
   TeleopResult result;
 };
 
-/// Time on one thread of a Zen 3 at 2.45 GHz (AVX2) for a second of two beds.
+/// About how long one thread takes for a second of two beds: an estimate.
 constexpr double kThreadSecondsPerSecond = 5;
 
 /// The robot's probe of its site, and the model that came of it.

@@ -150,7 +150,7 @@ export class StatusStrip {
       ...[this.time, this.body, this.soil, this.device, ...(for_pictures ? [] : [this.clients])].map(
         (cell) => cell.element,
       ),
-      this.pace.details,
+      ...(for_pictures ? [] : [this.pace.details]),
     );
   }
 

@@ -65,7 +65,7 @@ describe('the page', () => {
     const { page } = await visit('?quality=full');
     const cells = page.locator('.cells');
     expect(await cells.getByText('soil', { exact: true }).count()).toBe(1);
-    for (const name of ['rate', 'in time', 'tick p99', 'real time']) {
+    for (const name of ['rate', 'ticks in time, last 10 s', 'tick p99', 'priority']) {
       expect(await cells.getByText(name, { exact: true }).count(), name).toBe(0);
     }
     expect(await page.evaluate(() => window.haptolith!.connected)).toBe(true);

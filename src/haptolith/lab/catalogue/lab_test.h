@@ -45,7 +45,7 @@ struct LabTest {
   double radius_mm = 0;           ///< of the macroparticles unless somebody says otherwise; 0: as in the soil's file
   bool without_cohesion = false;  ///< the report does it with the soil's cohesion taken away
   bool in_report = true;          ///< whether the report does it
-  double typical_s = 1;           ///< time on one thread of a Zen 3 at 2.45 GHz (AVX2) with the usual options
+  double typical_s = 1;           ///< about how long it takes on one thread with the usual options: an estimate
   std::vector<LabOption> options;
   std::function<LabOutput(const LabSoil&, const LabConditions&)> run;
 };
