@@ -89,7 +89,9 @@ TEST_F(RunCommand, MissedDeadlinesAreToldByTheirCause) {
 }
 
 TEST_F(RunCommand, SoilTooFineForAnyMachineEndsWithAdvice) {
-  const std::string fine = "run paper --set bed.particles=60000 --set bed.start=packed --duration-s 0.2 --no-serve ";
+  const std::string fine =
+      "run paper --set bed.start=packed --set bed.width_mm=1000 --set bed.length_mm=1000 --set bed.depth_mm=150 "
+      "--set bed.sleep=false --duration-s 0.2 --no-serve ";
   const ProgramResult text = runHaptolith(fine);
   ASSERT_EQ(text.exit_status, 0) << text.errors;
   EXPECT_THAT(text.output, HasSubstr("ticks too long, "));

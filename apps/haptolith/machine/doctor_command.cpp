@@ -10,9 +10,10 @@
 #include <string_view>
 #include <vector>
 
+#include "haptolith/bed/tile_cache.h"
 #include "haptolith/core/error.h"
 #include "haptolith/machine/check.h"
-#include "haptolith/machine/finest_grain.h"
+#include "haptolith/machine/machine_fit.h"
 #include "haptolith/machine/machine_summary.h"
 #include "haptolith/machine/real_time_checks.h"
 #include "haptolith/scenario/scenario.h"
@@ -201,12 +202,14 @@ std::optional<FinestSoil> finestSoil(const DoctorOptions& options) {
   }
   StatusLine status;
   status.update("how fine may soil be on this machine?");
-  const Scenario scene = findScenario("regolith");
+  Scenario scene = findScenario(std::string(kAutoScene));
+  scene.loop.cpu = options.cpu;
   try {
-    const FinestGrain found = finestGrain(scene.bed, scene.tool, {.cpu = options.cpu}, stopAsked());
+    const FinestGrain found = fitToMachine(
+        scene, {.threads = {}, .folder = tileFolder(), .measure_again = true, .measuring = {}}, stopAsked());
     return FinestSoil{.radius_m = found.chosen.radius_m,
                       .particles = found.chosen.grains,
-                      .threads = scene.bed.threads,
+                      .threads = found.chosen.threads,
                       .tick_us_p99 = found.chosen.tick_us_p99,
                       .in_time = found.holds()};
   } catch (const Failure&) {

@@ -71,6 +71,7 @@ export function openExperimenterPage(settings: Settings, program: Program): void
     },
     status: (status) => {
       now.status = status;
+      stage.watchLoop(status);
     },
     frame: (frame) => {
       now.frame = frame;
