@@ -173,7 +173,8 @@ void Report::complete() {
   }
   saveReport({folder_->page(), IfThere::kReplace}, page());
   std::vector<double> lengths_s(pieces_.size());
-  std::ranges::transform(pieces_, lengths_s.begin(), [&](const ReportPiece& piece) { return tests_[piece.test].typical_s; });
+  std::ranges::transform(pieces_, lengths_s.begin(),
+                         [&](const ReportPiece& piece) { return tests_[piece.test].typical_s; });
   work_.emplace(std::move(lengths_s), conditions_.threads, status_);
   work_->run(missing, folder_->path(), [this](std::size_t index) { measure(index); });
 }

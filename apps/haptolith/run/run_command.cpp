@@ -107,13 +107,13 @@ std::optional<FinestGrain> fitted(Scenario& scenario, const RunOptions& options)
   }
   StatusLine status;
   const std::string before = sceneInWords(scenario);
-  const FinestGrain found = fitToMachine(
-      scenario,
-      {.threads = is_auto && !has_threads ? std::nullopt : std::optional(scenario.bed.threads),
-       .folder = tileFolder(),
-       .measure_again = options.measure_again,
-       .measuring = [&status] { status.update("measures how fine soil this machine renders in time"); }},
-      stopAsked());
+  const FinestGrain found =
+      fitToMachine(scenario,
+                   {.threads = is_auto && !has_threads ? std::nullopt : std::optional(scenario.bed.threads),
+                    .folder = tileFolder(),
+                    .measure_again = options.measure_again,
+                    .measuring = [&status] { status.update("measures how fine soil this machine renders in time"); }},
+                   stopAsked());
   if (!is_auto) {
     retitle(scenario, before);
   }

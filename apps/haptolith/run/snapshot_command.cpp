@@ -135,8 +135,7 @@ class Studio {
   /// What the page shows, once it shows what the scene is now.
   std::string picture() {
     waitUntilDrawn();
-    std::string png =
-        browser_.screenshot(options_.film ? HeadlessBrowser::Png::kQuick : HeadlessBrowser::Png::kSmall);
+    std::string png = browser_.screenshot(options_.film ? HeadlessBrowser::Png::kQuick : HeadlessBrowser::Png::kSmall);
     throwWhenConnectionLost();
     return png;
   }
@@ -146,9 +145,10 @@ class Studio {
     const auto ticks = static_cast<double>(session_.snapshot().ticks);
     const double late = static_cast<double>(session_.snapshot().deadline_misses) / ticks;
     if (late > kMaxLate) {
-      throw Failure(fmt::format("no picture: {:.2g} % of ticks took longer than {} ms, {} % may; choose coarser soil "
-                                "(--set soil.radius_mm=...) or leave out --require-in-time",
-                                100 * late, 1e3 * session_.scenario().bed.tick_s, 100 * kMaxLate));
+      throw Failure(
+          fmt::format("no picture: {:.2g} % of ticks took longer than {} ms, {} % may; choose coarser soil "
+                      "(--set soil.radius_mm=...) or leave out --require-in-time",
+                      100 * late, 1e3 * session_.scenario().bed.tick_s, 100 * kMaxLate));
     }
   }
 
@@ -211,7 +211,8 @@ class Studio {
   void throwWhenConnectionLost() {
     if (client_.is_null() || browser_.evaluate(kConnectedClient) != client_) {
       throw Failure(
-          "no picture: the page lost its connection to the program while it was drawing; try again while the machine is "
+          "no picture: the page lost its connection to the program while it was drawing; try again while the machine "
+          "is "
           "less busy, or draw fewer pixels (--width, --height)");
     }
   }

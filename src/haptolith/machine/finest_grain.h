@@ -12,9 +12,9 @@
 
 namespace haptolith {
 
-/// What 99 of 100 ticks of a trial may take, in us, of a thousand. The rest is for a browser that shares caches and cores,
-/// and for long stirring: 15 s of it beside compilers took 735 and 846 us (99th percentile) where trials had said 423 us
-/// on quiet cores and 600 us beside the same work (4.4 mm, one thread of two virtual cores, AVX2).
+/// What 99 of 100 ticks of a trial may take, in us, of a thousand. The rest is for a browser that shares caches and
+/// cores, and for long stirring: 15 s of it beside compilers took 735 and 846 us (99th percentile) where trials had
+/// said 423 us on quiet cores and 600 us beside the same work (4.4 mm, one thread of two virtual cores, AVX2).
 inline constexpr double kFinestTick_us = 550;
 
 /// What grains of one size would cost.
