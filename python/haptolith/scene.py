@@ -246,15 +246,15 @@ class Scene:
     @property
     def soil(self) -> Optional[str]:
         """Name of its soil or preset; None when it is given by numbers alone."""
-        return self._named("soil", "preset") or self._named("soil", "name")
+        return self._named("preset") or self._named("soil")
 
     @property
     def body(self) -> Optional[str]:
         """Name of its world; None when gravity is given by its number."""
-        return self._named("gravity", "body")
+        return self._named("body")
 
-    def _named(self, table: str, key: str) -> Optional[str]:
-        found = re.search(rf'^\[{table}\]\n(?:[^\[\n].*\n)*?{key} = "([^"]+)"', self.toml, re.M)
+    def _named(self, key: str) -> Optional[str]:
+        found = re.search(rf'^\[names\]\n(?:[^\[\n].*\n)*?{key} = "([^"]+)"', self.toml, re.M)
         return found[1] if found else None
 
     @property
