@@ -186,6 +186,17 @@ FinestGrain finestGrain(const BedParameters& bed, const ToolParameters& tool, co
   }
   const int most_threads = threads.back();
   FinestGrain found = finestOf(possible, [&](double radius_m) { return trial(radius_m, most_threads); });
+  // What disturbs a trial only adds to it: the next finer radius has another one, and when it holds, the one after it.
+  auto next = std::ranges::find(possible, found.chosen.radius_m) + (found.holds() ? 1 : 0);
+  for (; next != possible.end(); ++next) {
+    const GrainTrial again = trial(*next, most_threads);
+    if (again.tick_us_p99 > kFinestTick_us) {
+      found.too_slow = again;
+      break;
+    }
+    found.chosen = again;
+    found.too_slow.reset();
+  }
   for (const int fewer : threads) {
     if (fewer == most_threads || !found.holds()) {
       break;
