@@ -340,7 +340,12 @@ namespace Haptolith
     [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
     public static extern int hapto_scene_from_toml(byte* text, byte* name, byte** overrides, uint count, IntPtr progress, void* user, IntPtr* @out);
 
-    /// <summary>The same from a built-in scene of that name ("paper", "regolith": hapto_list("scenes")), or a file.</summary>
+    /// <summary>
+    /// The same from a built-in scene of that name ("paper", "regolith": hapto_list("scenes")), or a file. "auto" is soil of the
+    /// Moon in the finest particles that this machine renders at 1 kHz with a core left to others: it measures the machine,
+    /// about a second the first time, and keeps the result with settled soil. Overrides of soil.radius_mm and bed.threads
+    /// count.
+    /// </summary>
     [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
     public static extern int hapto_scene_from_file(byte* name_or_path, byte** overrides, uint count, IntPtr progress, void* user, IntPtr* @out);
 
