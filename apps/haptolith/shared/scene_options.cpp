@@ -153,8 +153,11 @@ Scenario scenarioFor(const SceneOptions& options) {
   bed.seed = options.seed.value_or(bed.seed);
   options.device.applyTo(scenario.device);
   retitle(scenario, before);
+  // A title that the user wrote stays.
+  const std::vector<std::string> built_in = sceneNames();
   const bool titled =
-      std::ranges::any_of(options.overrides, [](std::string_view text) { return text.starts_with("title"); });
+      std::ranges::any_of(options.overrides, [](std::string_view text) { return text.starts_with("title"); }) ||
+      std::ranges::find(built_in, scene) == built_in.end();
   scenario.title = titled ? title : scenario.title;
   makeToolMesh(scenario);
   if (scenario.tool.shape == ToolShape::kMesh) {
