@@ -26,6 +26,18 @@ int pthread_setaffinity_np(pthread_t /*thread*/, size_t /*size*/, const cpu_set_
   return ENOSYS;
 }
 
+int pthread_getaffinity_np(pthread_t /*thread*/, size_t /*size*/, cpu_set_t* /*cpus*/) {
+  return ENOSYS;
+}
+
+int __sched_cpucount(size_t /*size*/, const cpu_set_t* /*cpus*/) {  // NOLINT: the C library's name, behind CPU_COUNT
+  return 1;
+}
+
+int pthread_getschedparam(pthread_t /*thread*/, int* /*policy*/, sched_param* /*parameters*/) {
+  return ENOSYS;
+}
+
 int pthread_setschedparam(pthread_t /*thread*/, int /*policy*/, const sched_param* /*parameters*/) {
   return ENOSYS;
 }
