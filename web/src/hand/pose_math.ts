@@ -24,12 +24,13 @@ export function turned(rotation: Quat, axis: Vec3, angle_rad: number, frame: 'sc
 
 /** Angle of the shortest turn from one rotation to another, in rad. */
 export function angleBetween(a: Quat, b: Quat): number {
-  return toThree(a).angleTo(toThree(b));
+  const turn = toThree(a).normalize().conjugate().multiply(toThree(b).normalize());
+  return 2 * Math.atan2(Math.hypot(turn.x, turn.y, turn.z), Math.abs(turn.w)); // exact for small angles, where acos is not
 }
 
 /** The shortest way from one rotation towards another, by an angle at most. */
 export function turnedTowards(from: Quat, to: Quat, max_rad: number): Quat {
-  return fromThree(toThree(from).rotateTowards(toThree(to), max_rad));
+  return fromThree(toThree(from).normalize().rotateTowards(toThree(to).normalize(), max_rad));
 }
 
 export function samePose(a: Pose, b: Pose): boolean {

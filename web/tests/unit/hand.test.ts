@@ -242,3 +242,14 @@ describe('sums with poses', () => {
     about_tool.forEach((value, i) => expect(value).toBeCloseTo(about_scene[i]!, 12));
   });
 });
+
+describe('the angle between rotations', () => {
+  it('is nothing between a rotation and itself, also as rounded to single precision', () => {
+    for (const q of [
+      [0.9659, 0, 0.2588, 0],
+      [0.9876607060432434, 0, 0.1565081775188446, 0],
+    ] as Quat[]) {
+      expect(angleBetween(q, q)).toBeLessThan(1e-7);
+    }
+  });
+});
