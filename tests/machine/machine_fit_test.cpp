@@ -30,7 +30,7 @@ TEST(MachineFit, IsSaidInALine) {
             "need 0.71 ms a tick)");
   FinestGrain slow = someFit();
   slow.chosen.tick_us_p99 = 900;
-  EXPECT_THAT(text(slow, 300), HasSubstr("still too fine for this machine"));
+  EXPECT_THAT(text(slow, 300), HasSubstr("its ticks may be late on this machine"));
   FinestGrain beyond = someFit();
   beyond.too_slow->tick_us_p99 = std::numeric_limits<double>::infinity();
   EXPECT_THAT(text(beyond, 1170), HasSubstr("4 mm would need more than any machine has"));

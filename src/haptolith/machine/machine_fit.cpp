@@ -191,8 +191,8 @@ std::string text(const FinestGrain& finest, std::size_t particles) {
       fmt::format("{:g} mm particles on {}", inUnits(chosen.radius_m, 1e-3), counted(chosen.threads, "thread"));
   const auto tick = [](const GrainTrial& trial) { return fmt::format("{:.2g} ms a tick", 1e-3 * trial.tick_us_p99); };
   if (!finest.holds()) {
-    return fmt::format("{}: the coarsest soil, and still too fine for this machine ({} particles would need {})", soil,
-                       particles, tick(chosen));
+    return fmt::format("{}: the coarsest soil, and its ticks may be late on this machine ({} particles; {} in a trial)",
+                       soil, particles, tick(chosen));
   }
   std::string finer;
   if (finest.too_slow) {

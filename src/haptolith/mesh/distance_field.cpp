@@ -29,7 +29,7 @@ constexpr int kMostWider = 32;
 /// Walls must be this many spacings thick: then at least one point of every line across lies inside.
 constexpr double kSpacingsPerWall = 2;
 
-void stopMeasuring() {
+void throwIfMeasuringStopped() {
   if (stopAsked()) {
     throw Failure("interrupted");
   }
@@ -132,7 +132,7 @@ class FieldMaker {
       const int layer = static_cast<int>(z);
       collect({0, 0, layer}, {blocks[0], blocks[1], layer + 1}, -1, found[z], count);
     });
-    stopMeasuring();
+    throwIfMeasuringStopped();
     blocks_.clear();
     if (count > most_blocks_) {
       return false;
@@ -153,7 +153,7 @@ class FieldMaker {
     field_.values_.resize(blocks_.size() * DistanceField::kBlockValues);
     const auto for_all_blocks = [&](const auto& work) {
       inParallel(blocks_.size(), options_.threads, [&](std::size_t i) {
-        stopMeasuring();
+        throwIfMeasuringStopped();
         work(i);
       });
     };
@@ -344,7 +344,7 @@ class FieldMaker {
       }
     }
     inParallel(layers, options_.threads, [&](std::size_t layer) {
-      stopMeasuring();
+      throwIfMeasuringStopped();
       signLayer(static_cast<int>(layer), std::span(triangles).subspan(begin[layer], begin[layer + 1] - begin[layer]));
     });
     for (std::size_t place = 0; place < is_inside_.size(); ++place) {
@@ -470,7 +470,7 @@ DistanceField makeDistanceField(const MendedMesh& mended, const DistanceFieldOpt
   }
   const bool is_sheet = mended.sheet_thickness_m > 0;
   const TriangleTree tree(mended.mesh, options.threads);
-  stopMeasuring();
+  throwIfMeasuringStopped();
   const double wall_m = is_sheet ? mended.sheet_thickness_m : thinnestWall(mended, tree, options.threads);
   const double widest_m = wall_m / kSpacingsPerWall;
   if (options.spacing_m > widest_m) {
@@ -482,7 +482,7 @@ DistanceField makeDistanceField(const MendedMesh& mended, const DistanceFieldOpt
   std::optional<TriangleTree> outer_tree;
   if (overlaps) {
     outer = outerSurface(mended, tree, options.spacing_m / 4, options.threads);
-    stopMeasuring();
+    throwIfMeasuringStopped();
     if (outer->triangles.empty()) {
       throw InvalidParameter("mesh", "parts that leave nothing between them", "a solid");
     }

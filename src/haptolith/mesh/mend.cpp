@@ -31,7 +31,7 @@ std::string counted(std::size_t count, std::string_view what) {
   return fmt::format("{} {}{}", count, what, count == 1 ? "" : "s");
 }
 
-void stopMending() {
+void throwIfMendingStopped() {
   if (stopAsked()) {
     throw Failure("interrupted");
   }
@@ -609,7 +609,7 @@ Turned turnOutwards(TriangleMesh& mesh, const Shells& shells) {
           around = static_cast<std::int32_t>(other);
         }
       }
-      stopMending();
+      throwIfMendingStopped();
     }
   }
   std::vector<std::size_t> by_volume(n);
@@ -678,7 +678,7 @@ MendedMesh mend(TriangleMesh mesh, const MendOptions& options) {
 
   std::size_t gone = mergeEqualPoints(mesh);
   const double size_m = cornersOf(mesh).largestEdge();
-  stopMending();
+  throwIfMendingStopped();
   if (size_m > 0) {
     const std::size_t stitched = stitch(mesh, kStitch * size_m);
     tell(stitched, fmt::format("Joined {} on open edges to others within {:.2g} um.", counted(stitched, "point"),
@@ -698,16 +698,16 @@ MendedMesh mend(TriangleMesh mesh, const MendOptions& options) {
   if (mesh.triangles.empty()) {
     throw InvalidParameter("mesh", "nothing with an area", "triangles that make up a surface");
   }
-  stopMending();
+  throwIfMendingStopped();
 
   Patches patches = turnNeighbours(mesh);
   tell(patches.turned, fmt::format("Turned {} that looked the other way than the surface around.",
                                    counted(patches.turned, "triangle")));
-  stopMending();
+  throwIfMendingStopped();
   const Holes holes = closeHoles(mesh, patches.of, size_m, may_be_sheet);
   tell(holes.closed,
        fmt::format("Closed {} up to {:.3g} mm around.", counted(holes.closed, "opening"), 1e3 * kLargestHole * size_m));
-  stopMending();
+  throwIfMendingStopped();
   const Shells shells = shellsOf(mesh, patches);
   if (shells.closed && !patches.one_sided) {
     if (shells.as_in_file.size() > kMostShells) {
