@@ -29,6 +29,8 @@ export interface Automation {
   setDrawing(drawing: Drawing): void;
   setTheme(theme: Theme): void;
   hidePanels(hide: boolean): void;
+  /** false: nothing is drawn for now, so that the processor is the loop's */
+  drawPicture(draw: boolean): void;
 }
 
 declare global {
@@ -99,5 +101,6 @@ export function publish({ stage, connection, layout, now, setColour, setDrawing,
     setDrawing,
     setTheme: (theme) => setTheme(theme),
     hidePanels: (hide) => layout?.showPanels(!hide),
+    drawPicture: (draw) => (stage.shown = draw),
   };
 }

@@ -296,11 +296,12 @@ export class Stage {
     this.onTick(now_ms);
     const in_headset = this.renderer.xr.isPresenting;
     if (!in_headset && !this.pace.due(now_ms)) return;
+    if (!in_headset && !this.shown) return this.resolution.rest();
     this.onDue(now_ms);
     if (this.orbit.advance(now_ms)) this.dirty = true;
     for (const moving of [this.robot, this.site]) if (moving.advance(now_ms)) this.dirty = true;
     this.pace.drawn(now_ms);
-    if ((!this.dirty || !this.shown) && !in_headset) {
+    if (!this.dirty && !in_headset) {
       this.resolution.rest();
       return;
     }
