@@ -209,6 +209,17 @@ TEST(Run, SaysWhatItSaved) {
   EXPECT_THAT(json.errors, HasSubstr("saved " + path));
 }
 
+TEST(Run, RefusesTwoOutputsOfOneName) {
+  const std::string folder = testing::TempDir(), name = folder + "haptolith_twice";
+  for (const std::string& two :
+       {fmt::format("--record {0}.h5 --trace {0}.h5", name), fmt::format("--trace {0}.svg --figure {0}.svg", name),
+        fmt::format("--trace {0}.svg --figure {1}/./haptolith_twice.svg", name, folder)}) {
+    const ProgramResult refused = runHaptolith("run paper --unpaced --duration-s 0.05 --overwrite " + two);
+    EXPECT_EQ(refused.exit_status, 2) << two;
+    EXPECT_THAT(refused.errors, HasSubstr("name the same file")) << two;
+  }
+}
+
 TEST(Run, APortThatWasAskedForIsThatOrAFailure) {
   const ProgramResult result = runInShell(
       "python3 -c 'import socket, subprocess, os, sys\n"

@@ -60,6 +60,45 @@ TEST_F(AtomicFileTest, AppearsWholeOnCommit) {
   EXPECT_EQ(files(), 1);
 }
 
+TEST_F(AtomicFileTest, ReplacesWhatALinkLeadsTo) {
+  std::ofstream(folder_ / "real.csv") << "old";
+  fs::create_symlink("real.csv", folder_ / "link.csv");
+  AtomicFile file({folder_ / "link.csv", IfThere::kReplace});
+  file.write("new");
+  file.commit();
+  EXPECT_EQ(read(folder_ / "real.csv"), "new");
+  EXPECT_TRUE(fs::is_symlink(folder_ / "link.csv"));
+}
+
+TEST_F(AtomicFileTest, LeavesAWriteProtectedFileAlone) {
+  const fs::path path = folder_ / "data.csv";
+  std::ofstream(path) << "old";
+  fs::permissions(path, fs::perms::owner_read);
+  EXPECT_THAT(failureOf([&] { AtomicFile({path, IfThere::kReplace}); }), HasSubstr("is write-protected"));
+}
+
+TEST_F(AtomicFileTest, KeepsItsBytesWhenItsNameIsTakenMeanwhile) {
+  const fs::path path = folder_ / "data.csv";
+  AtomicFile file(path);
+  file.write("a whole run");
+  std::ofstream(path) << "another";
+  EXPECT_THAT(failureOf([&] { file.commit(); }), HasSubstr("data.csv has come to be there meanwhile: saved as"));
+  EXPECT_EQ(read(path), "another");
+  EXPECT_EQ(read(folder_ / "data-2.csv"), "a whole run");
+}
+
+TEST_F(AtomicFileTest, TakesNamesAsLongAsTheFileSystemDoes) {
+  std::string name(251, 'x');
+  AtomicFile(folder_ / (name + ".csv")).commit();
+  EXPECT_TRUE(fs::exists(folder_ / (name + ".csv")));
+  name = "x";
+  while (name.size() < 250) {
+    name += "\u571f";  // three bytes
+  }
+  AtomicFile(folder_ / (name + ".csv")).commit();
+  EXPECT_TRUE(fs::exists(folder_ / (name + ".csv")));
+}
+
 TEST_F(AtomicFileTest, LeavesNothingWithoutCommit) {
   {
     AtomicFile file(folder_ / "data.csv");

@@ -123,7 +123,8 @@ TEST(Command, WhatIsWrongIsSaid) {
   EXPECT_THAT(refused(R"({"do": "hold", "pose": [1, 2, 3, "4", 5, 6, 7]})"), HasSubstr("a number"));
   EXPECT_THAT(refused(R"({"do": "hold", "pose": [1e300, 2, 3, 4, 5, 6, 7]})"), HasSubstr("-1000 to 1000"));
   EXPECT_THAT(refused(R"({"do": "play"})"), HasSubstr("scoop"));
-  EXPECT_THAT(refused(R"({"do": "play", "manoeuvre": "poses"})"), HasSubstr("scoop"));
+  EXPECT_THAT(refused(R"({"do": "play", "manoeuvre": "poses"})"),
+              HasSubstr("still, press, stir, scoop, carry, shake, cut or furrows"));
   EXPECT_THAT(refused(R"({"do": "tool_file", "name": "a.stl"})"), HasSubstr("upload"));
   EXPECT_THAT(refused(R"({"do": "tool_file", "upload": -1, "name": "a.stl"})"), HasSubstr("whole number"));
   EXPECT_THAT(refused(R"({"do": "tool_file", "upload": 1, "name": "a.step"})"), HasSubstr(".glb"));

@@ -176,7 +176,7 @@ TEST(SceneMessage, TellsOfANamedSoilWhatWasMeasuredAndNotItsParameters) {
   EXPECT_EQ(soil_of(scenario)["friction_angle_deg"], nullptr);
   scenario.bed.soil.rho0_kg_m3 *= 1.1;
   EXPECT_EQ(soil_of(scenario)["bulk_density_kg_m3"], nullptr) << "nobody has measured this one";
-  EXPECT_EQ(soil_of(Scenario{})["bulk_density_kg_m3"], findPreset("P3").soil.rho0_kg_m3);
+  EXPECT_NEAR(soil_of(Scenario{})["bulk_density_kg_m3"].get<double>(), 1501, 20) << "Table I, not rho0";
 }
 
 TEST(SceneMessage, HasTheMeshOfAToolWhateverTheShapeIsNow) {

@@ -1,11 +1,46 @@
 #include "shared/overwrite.h"
 
+#include <fmt/format.h>
+
 #include <CLI/App.hpp>
+#include <CLI/Error.hpp>
+#include <array>
+#include <filesystem>
+#include <map>
+#include <string>
+#include <system_error>
 
 namespace haptolith {
 
+namespace {
+
+/// Options that name a file to be written, in all commands.
+constexpr std::array kOutputs = {"--out", "--soil-out", "--csv", "--trace", "--figure", "--weber-figure", "--record"};
+
+/// @throws CLI::ValidationError when two of them name one file: the second would take the place of the first.
+void requireOneNameEach(const CLI::App& command) {
+  std::map<std::filesystem::path, std::string> named;
+  for (const char* name : kOutputs) {
+    const CLI::Option* option = command.get_option_no_throw(name);
+    if (option == nullptr || option->count() == 0 || option->results().front().empty()) {
+      continue;
+    }
+    const std::string& file = option->results().front();
+    std::error_code ignored;
+    std::filesystem::path path = std::filesystem::weakly_canonical(std::filesystem::absolute(file, ignored), ignored);
+    const auto [before, is_new] = named.emplace(path.empty() ? file : path, name);
+    if (!is_new) {
+      throw CLI::ValidationError(
+          fmt::format("{} and {} name the same file, {}: give each its own", before->second, name, file));
+    }
+  }
+}
+
+}  // namespace
+
 void Overwrite::addTo(CLI::App& command) {
   command.add_flag("--overwrite", allowed, "Let files that are written replace files that are there");
+  command.parse_complete_callback([&command] { requireOneNameEach(command); });
 }
 
 }  // namespace haptolith

@@ -40,6 +40,25 @@ Outputs& outputs() {
   return all;
 }
 
+/// giveName(); false, with errno, when it did not.
+bool tryName(const fs::path& made, const fs::path& name, IfThere if_there) {
+  int result =
+      renameat2(AT_FDCWD, made.c_str(), AT_FDCWD, name.c_str(), if_there == IfThere::kRefuse ? RENAME_NOREPLACE : 0U);
+  if (result != 0 && errno == EINVAL && access(name.c_str(), F_OK) != 0) {  // a file system without NOREPLACE
+    result = std::rename(made.c_str(), name.c_str());
+  }
+  if (result != 0) {
+    return false;
+  }
+  rememberOutput(name);
+  const fs::path folder = name.parent_path().empty() ? fs::path(".") : name.parent_path();
+  if (const int descriptor = open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC); descriptor >= 0) {
+    fsync(descriptor);
+    close(descriptor);
+  }
+  return true;
+}
+
 }  // namespace
 
 std::string_view irreplaceable(const fs::path& path) {
@@ -65,6 +84,10 @@ void requireFree(const OutputFile& file) {
   if (fs::exists(status) && !fs::is_regular_file(status)) {  // the rename would put a file in the place of /dev/null
     throw Failure(fmt::format("cannot replace {}: not a regular file", path.string()));
   }
+  if (constexpr auto kWriters = fs::perms::owner_write | fs::perms::group_write | fs::perms::others_write;
+      fs::exists(status) && (status.permissions() & kWriters) == fs::perms::none) {  // also for root, who may do all
+    throw Failure(fmt::format("{} is write-protected: choose another name", path.string()));
+  }
   if (const std::string_view kind = irreplaceable(path); !kind.empty()) {
     throw Failure(
         fmt::format("{} is {}, and no other kind of file replaces it: choose another name", path.string(), kind));
@@ -82,10 +105,18 @@ fs::path temporaryBeside(const fs::path& path, std::string_view what) {
   if (getrandom(&random, sizeof(random), 0) != sizeof(random)) {
     failAt("find a name beside", path);
   }
-  // The extension stays last, so that a program that chooses the format by it can write here.
+  // The extension stays last, so that a program that chooses the format by it can write here. A long name loses its end
+  // instead, between two characters of UTF-8.
+  std::string stem = path.stem().string();
+  const std::string end = fmt::format(".{}-{:016x}{}", what, random, path.extension().string());
+  constexpr std::size_t kMostBytes = 255;
+  while (stem.size() + end.size() + 1 > kMostBytes && !stem.empty()) {
+    do {
+      stem.pop_back();
+    } while (!stem.empty() && (static_cast<unsigned char>(stem.back()) & 0x80U) != 0);
+  }
   fs::path beside = path;
-  return beside.replace_filename(
-      fmt::format(".{}.{}-{:016x}{}", path.stem().string(), what, random, path.extension().string()));
+  return beside.replace_filename("." + stem + end);
 }
 
 int makeNewFile(const fs::path& path, Readers readers) {
@@ -110,24 +141,17 @@ std::vector<fs::path> filesWritten() {
 }
 
 void giveName(const fs::path& made, const fs::path& name, IfThere if_there) {
-  int result =
-      renameat2(AT_FDCWD, made.c_str(), AT_FDCWD, name.c_str(), if_there == IfThere::kRefuse ? RENAME_NOREPLACE : 0U);
-  if (result != 0 && errno == EINVAL && access(name.c_str(), F_OK) != 0) {  // a file system without NOREPLACE
-    result = std::rename(made.c_str(), name.c_str());
-  }
-  if (result != 0) {
+  if (!tryName(made, name, if_there)) {
     failAt("save", name);
-  }
-  rememberOutput(name);
-  const fs::path folder = name.parent_path().empty() ? fs::path(".") : name.parent_path();
-  if (const int descriptor = open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC); descriptor >= 0) {
-    fsync(descriptor);
-    close(descriptor);
   }
 }
 
 AtomicFile::AtomicFile(OutputFile file) : target_(std::move(file)) {
   requireFree(target_);
+  std::error_code ignored;
+  if (fs::exists(target_.path, ignored) && fs::is_symlink(target_.path, ignored)) {  // what it leads to is replaced
+    target_.path = fs::canonical(target_.path);
+  }
   temporary_ = temporaryBeside(target_.path, "part");
   const int descriptor = makeNewFile(temporary_, target_.readers);
   file_ = descriptor < 0 ? nullptr : fdopen(descriptor, "wb");
@@ -157,7 +181,23 @@ void AtomicFile::commit() {
   if (std::fclose(std::exchange(file_, nullptr)) != 0) {
     fail("save");
   }
-  giveName(temporary_, target_.path, target_.if_there);
+  if (tryName(temporary_, target_.path, target_.if_there)) {
+    return;
+  }
+  if (errno != EEXIST || target_.if_there == IfThere::kReplace) {
+    fail("save");
+  }
+  for (int number = 2; number < 100; ++number) {
+    fs::path other = target_.path;
+    other.replace_filename(
+        fmt::format("{}-{}{}", target_.path.stem().string(), number, target_.path.extension().string()));
+    if (tryName(temporary_, other, IfThere::kRefuse)) {
+      throw Failure(
+          fmt::format("{} has come to be there meanwhile: saved as {}", target_.path.string(), other.string()));
+    }
+  }
+  errno = EEXIST;
+  fail("save");
 }
 
 void AtomicFile::fail(const char* what) const {

@@ -33,7 +33,8 @@ struct OutputFile {
 [[nodiscard]] std::string_view irreplaceable(const std::filesystem::path& path);
 
 /// @throws Failure when `file` may not be written: it is there and may not be replaced; it is a recording or a study,
-/// which no other kind of file ever replaces; this program has read it (input_file.h); it is no regular file.
+/// which no other kind of file ever replaces; this program has read it (input_file.h); nobody may write to it; it is no
+/// regular file.
 void requireFree(const OutputFile& file);
 
 /// "x-3f2a...9c" beside `path`, hidden, with its extension: a name that nobody can guess.
@@ -52,8 +53,8 @@ void rememberOutput(const std::filesystem::path& path);
 /// What this program has written and is still there: in that order, each once.
 [[nodiscard]] std::vector<std::filesystem::path> filesWritten();
 
-/// A file that appears whole or not at all: written beside its name, renamed on commit(), removed otherwise.
-/// Not for the tick.
+/// A file that appears whole or not at all: written beside its name, renamed on commit(), removed otherwise. Of a
+/// symbolic link, what it leads to is replaced. Not for the tick.
 class AtomicFile {
  public:
   /// @throws Failure when the folder does not exist or cannot be written, and as requireFree().
@@ -65,7 +66,9 @@ class AtomicFile {
   /// @throws Failure with the path and the system's reason, for example a full disk.
   void write(std::string_view text);
 
-  /// Flushes to the disk and renames. Nothing may be written afterwards. @throws Failure as write().
+  /// Flushes to the disk and renames. Nothing may be written afterwards.
+  /// @throws Failure as write(); and when another file has come to have the name that may not be replaced: then this one
+  /// is kept beside it, and the message says under which name.
   void commit();
 
   /// Where the bytes are until commit(); other programs (ffmpeg) may write there.

@@ -108,6 +108,13 @@ template <class Table>
   return names;
 }
 
+/// What the virtual hand can be told to do while a scene runs: all but recorded poses, which come from a file.
+[[nodiscard]] inline std::vector<std::string_view> playableManoeuvres() {
+  std::vector<std::string_view> names = namesOf(kManoeuvreWords);
+  std::erase(names, "poses");
+  return names;
+}
+
 /// The value of a word. @throws InvalidParameter when it is not in `table`.
 template <class Table>
 [[nodiscard]] auto valueOf(const Table& table, std::string_view name) {

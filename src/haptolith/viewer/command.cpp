@@ -127,7 +127,7 @@ command::Hold hold(Keys& keys) {
 command::Play play(Keys& keys) {
   const auto manoeuvre = keys.word("manoeuvre", kManoeuvreWords);
   if (!manoeuvre || *manoeuvre == Manoeuvre::kPoses) {
-    throw InvalidParameter("manoeuvre", manoeuvre ? "poses" : "nothing", "still, press, stir, scoop, carry or shake");
+    throw InvalidParameter("manoeuvre", manoeuvre ? "poses" : "nothing", anyOf(playableManoeuvres()));
   }
   return {*manoeuvre};
 }

@@ -5,6 +5,7 @@
 #include <bit>
 #include <cmath>
 #include <cstdint>
+#include <exception>
 #include <numbers>
 #include <utility>
 #include <vector>
@@ -16,6 +17,7 @@
 #include "haptolith/scenario/soil_file.h"
 #include "haptolith/session/soil_sliders.h"
 #include "haptolith/soil/bodies.h"
+#include "haptolith/soil/layers.h"
 #include "haptolith/soil/presets.h"
 #include "haptolith/soil/strength.h"
 #include "haptolith/tool/tool_mesh.h"
@@ -42,9 +44,19 @@ OrderedJson orNull(std::string_view text) {
   return text.empty() ? OrderedJson(nullptr) : OrderedJson(text);
 }
 
-/// Friction angle, cohesion and density that the soil shows: a named soil's as they were measured (rho0 is that of a
-/// close packing, in which its grains do not lie), a preset's as (paper 17, 18) and Table II have them. Nothing is
-/// known of a named soil whose numbers have been changed, but for the density where only its contacts are others.
+/// Mean density of the uppermost 15 cm as Table I has it, in kg/m^3, rounded; null where the analysis has none.
+OrderedJson analysedDensity(const SoilParameters& soil, double gravity_m_s2) {
+  constexpr double kBand_m = 0.15;
+  try {
+    return std::round(bandMeanDensity(layersToDepth(soil, gravity_m_s2, kBand_m), 0, kBand_m));
+  } catch (const std::exception&) {  // contacts that cannot carry the soil above them
+    return nullptr;
+  }
+}
+
+/// Friction angle, cohesion and density that the soil shows: a named soil's as they were measured, a preset's as
+/// (paper 17, 18) and the analysis of its layers have them. rho0 is neither's: it is that of the surface alone. Nothing
+/// is known of a named soil whose numbers have been changed, but for the density where only its contacts are others.
 OrderedJson measuresOf(const Scenario& scenario) {
   const SoilParameters& soil = scenario.bed.soil;
   OrderedJson measures{{"friction_angle_deg", nullptr}, {"cohesion_pa", nullptr}, {"bulk_density_kg_m3", nullptr}};
@@ -62,8 +74,8 @@ OrderedJson measuresOf(const Scenario& scenario) {
     }
     return measures;
   }
-  measures["bulk_density_kg_m3"] = soil.rho0_kg_m3;
   if (soil.friction == FrictionModel::kPaper) {
+    measures["bulk_density_kg_m3"] = analysedDensity(soil, scenario.bed.gravity_m_s2.norm());
     for (const SoilSlider& slider : slidersOf(soil)) {
       measures[std::string(slider.key)] = slider.value;
     }
@@ -209,12 +221,7 @@ Board::Texts helloMessages(std::string_view version, bool read_only, bool takes_
   }
   message["frictions"] = namesOf(kFrictionWords);
   message["shapes"] = namesOf(kToolShapeWords);
-  OrderedJson& manoeuvres = message["manoeuvres"] = OrderedJson::array();
-  for (const auto& [name, manoeuvre] : kManoeuvreWords) {
-    if (manoeuvre != Manoeuvre::kPoses) {
-      manoeuvres.push_back(name);
-    }
-  }
+  message["manoeuvres"] = playableManoeuvres();
   std::string whole = written(message);
   for (const char* names : {"presets", "soils", "bodies", "frictions"}) {
     message[names] = OrderedJson::array();

@@ -1,4 +1,4 @@
-// "Enter VR": the box stands on a table in front of the person, enlarged so that one can work in it, and the right
+// "Enter VR": the box stands on a table in front of the person, enlarged so that one can work in it, and either
 // controller is the shovel while its trigger or grip is pressed. The tool follows the controller's movement from where it
 // is, so that nothing jumps when it is taken. The controller vibrates with the force.
 
@@ -191,7 +191,7 @@ export class VrHand {
 
   private take(index: number): void {
     const source = this.sourceOf(index);
-    if (!source || source.handedness === 'left' || this.grip) return;
+    if (!source || this.grip) return;
     if (!this.hand.grab('controller')) return;
     const controller = this.stage.renderer.xr.getController(index);
     this.source = source;

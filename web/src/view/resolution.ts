@@ -16,7 +16,7 @@ export class Resolution {
   private readonly deltas_ms: number[] = [];
   private last_ms: number | null = null;
   private quick_rounds = 0;
-  private readonly highest_ratio: number;
+  private highest_ratio: number;
   ratio: number;
   /** false on machines that need the cheaper way to draw */
   detailed: boolean;
@@ -24,11 +24,22 @@ export class Resolution {
   constructor(
     screen_ratio: number,
     private readonly adaptive: boolean,
-    software: boolean,
+    private readonly software: boolean,
   ) {
-    this.highest_ratio = software ? Math.max(LOWEST_RATIO, SOFTWARE_RATIO * screen_ratio) : screen_ratio;
-    this.ratio = this.highest_ratio;
+    this.highest_ratio = this.ratio = this.highestOf(screen_ratio);
     this.detailed = !software;
+  }
+
+  /** Another screen, or another zoom of the browser: a step down that was needed stays. */
+  setScreen(screen_ratio: number): void {
+    const share = this.ratio / this.highest_ratio;
+    this.highest_ratio = this.highestOf(screen_ratio);
+    this.ratio = Math.max(Math.min(LOWEST_RATIO, this.highest_ratio), share * this.highest_ratio);
+    this.deltas_ms.length = 0;
+  }
+
+  private highestOf(screen_ratio: number): number {
+    return this.software ? Math.max(LOWEST_RATIO, SOFTWARE_RATIO * screen_ratio) : screen_ratio;
   }
 
   /** Nothing was drawn for a while: the next interval between two frames has no meaning. */

@@ -28,6 +28,8 @@ const NO_PICTURE =
   'No picture: this browser shows no WebGL 2. Numbers, plots and controls work without it. To see the bed, switch on ' +
   "graphics acceleration in the browser's settings, or open this address in a current Chrome, Edge, Firefox or Safari.";
 
+const screenRatio = (): number => Math.min(HIGHEST_PIXEL_RATIO, window.devicePixelRatio);
+
 export interface StageOptions {
   reduced_motion: boolean;
   /** always all pixels, for pictures */
@@ -94,8 +96,8 @@ export class Stage {
     this.renderer.domElement.setAttribute('role', 'img');
     this.describe('The bed');
     if (!this.draws) host.append(h('p', { class: 'no-picture', role: 'note' }, NO_PICTURE));
-    const highest_ratio = Math.min(HIGHEST_PIXEL_RATIO, window.devicePixelRatio);
-    this.resolution = new Resolution(highest_ratio, !options.full_quality, software);
+    this.resolution = new Resolution(screenRatio(), !options.full_quality, software);
+    this.watchScreen();
     this.pace = new Pace(software);
     this.renderer.setPixelRatio(this.resolution.ratio);
     this.renderer.setClearColor(new Color('#000000'));
@@ -281,6 +283,20 @@ export class Stage {
     this.renderer.setSize(width, height, false);
     this.orbit.setAspect(width / height, this.coveredShare(width, height));
     this.dirty = true;
+  }
+
+  /** A window that moves to another screen, or is zoomed, has other pixels; a query holds for one ratio only. */
+  private watchScreen(): void {
+    matchMedia(`(resolution: ${window.devicePixelRatio}dppx)`).addEventListener(
+      'change',
+      () => {
+        this.resolution.setScreen(screenRatio());
+        this.renderer.setPixelRatio(this.resolution.ratio);
+        this.resize();
+        this.watchScreen();
+      },
+      { once: true },
+    );
   }
 
   /** What lies over the middle leaves the picture less height. */

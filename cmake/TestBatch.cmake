@@ -1,0 +1,12 @@
+# Writes OUTPUT, one source with the text of several tests (SOURCES, separated by commas): each in a namespace of its own where it
+# had an unnamed one, so that their helpers may have the same names.
+string(REPLACE "," ";" files "${SOURCES}")
+set(batch "")
+foreach(file IN LISTS files)
+  file(READ ${file} text)
+  get_filename_component(name ${file} NAME_WE)
+  file(RELATIVE_PATH shown ${ROOT} ${file})
+  string(REPLACE "\nnamespace {\n" "\nnamespace in_${name} {\n" text "${text}")
+  string(APPEND batch "#line 1 \"${shown}\"\n${text}\n")
+endforeach()
+file(WRITE ${OUTPUT} "${batch}")
