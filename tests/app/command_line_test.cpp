@@ -218,6 +218,7 @@ TEST(Run, RefusesTwoOutputsOfOneName) {
     EXPECT_EQ(refused.exit_status, 2) << two;
     EXPECT_THAT(refused.errors, HasSubstr("name the same file")) << two;
   }
+  EXPECT_THAT(runHaptolith("run paper --unpaced --duration-s 0.05 --trace -").errors, HasSubstr("must be a file name"));
 }
 
 TEST(Run, APortThatWasAskedForIsThatOrAFailure) {

@@ -1,4 +1,5 @@
-// Scenes of valid numbers run, or are refused with the key that is wrong: never a crash, never a force that is no number.
+// Scenes of valid numbers run, or are refused with the key that is wrong: never a crash, never a force that is no
+// number.
 
 #include <gmock/gmock.h>
 
@@ -26,10 +27,9 @@ constexpr double kDuration_s = 0.03;
 /// Keys that need a file or a device, or that say nothing about what is computed.
 bool isLeftOut(const ScenarioKey& key) {
   constexpr std::array<std::string_view, 3> kTables = {"", "names", "device"};
-  constexpr std::array<std::string_view, 8> kNames = {"duration_s", "paced", "cpu",       "threads",
+  constexpr std::array<std::string_view, 8> kNames = {"duration_s", "paced", "cpu",        "threads",
                                                       "poses",      "file",  "ready_made", "mesh"};
-  return std::ranges::find(kTables, key.table) != kTables.end() ||
-         std::ranges::find(kNames, key.name) != kNames.end();
+  return std::ranges::find(kTables, key.table) != kTables.end() || std::ranges::find(kNames, key.name) != kNames.end();
 }
 
 /// What is valid and takes too long for a test: a billion particles, beds that settle for minutes.
@@ -118,7 +118,8 @@ TEST(RandomScenes, RunOrAreRefusedWithTheirKey) {
       const auto table = [](const std::string& text) { return text.substr(0, text.find('=')); };
       overrides.erase(std::ranges::unique(overrides, {}, table).begin(), overrides.end());
     }
-    const std::string told = fmt::format("{} of {}: {} --set {}", number, scenes, base, fmt::join(overrides, " --set "));
+    const std::string told =
+        fmt::format("{} of {}: {} --set {}", number, scenes, base, fmt::join(overrides, " --set "));
     SCOPED_TRACE(told);
     if (wanted != nullptr) {
       fmt::print("{}\n", told);
@@ -137,7 +138,8 @@ TEST(RandomScenes, RunOrAreRefusedWithTheirKey) {
       EXPECT_TRUE(session.snapshot().felt.force_n.allFinite());
       ++ran;
     } catch (const InvalidParameter& refused) {
-      EXPECT_THAT(refused.what(), testing::ContainsRegex("[a-z_]+ = .* must be|cannot both|needs|overrid")) << refused.what();
+      EXPECT_THAT(refused.what(), testing::ContainsRegex("[a-z_]+ = .* must be|cannot both|needs|overrid"))
+          << refused.what();
     } catch (const Failure& failure) {
       EXPECT_THAT(failure.what(), testing::HasSubstr("come to rest")) << failure.what();
     }

@@ -150,7 +150,8 @@ class Studio {
     if (static_cast<double>(scene.deadline_misses) > kMaxLate * ticks) {
       throw Failure(fmt::format(
           "no picture: {} of {} ticks took longer than {} ms ({} too long, {} while other programs had the processor), "
-          "{} % may; choose coarser soil (--set soil.radius_mm=...), end other programs, or leave out --require-in-time",
+          "{} % may; choose coarser soil (--set soil.radius_mm=...), end other programs, or leave out "
+          "--require-in-time",
           scene.deadline_misses, scene.ticks, 1e3 * session_.scenario().bed.tick_s, scene.misses_too_long,
           scene.deadline_misses - scene.misses_too_long, 100 * kMaxLate));
     }

@@ -1,9 +1,9 @@
 #include "shared/overwrite.h"
 
-#include <fmt/format.h>
-
 #include <CLI/App.hpp>
 #include <CLI/Error.hpp>
+#include <fmt/format.h>
+
 #include <array>
 #include <filesystem>
 #include <map>
@@ -17,8 +17,9 @@ namespace {
 /// Options that name a file to be written, in all commands.
 constexpr std::array kOutputs = {"--out", "--soil-out", "--csv", "--trace", "--figure", "--weber-figure", "--record"};
 
-/// @throws CLI::ValidationError when two of them name one file: the second would take the place of the first.
-void requireOneNameEach(const CLI::App& command) {
+/// @throws CLI::ValidationError when two of them name one file, the second of which would take the place of the first;
+/// and for `-`, with which other programs mean standard output.
+void requireNames(const CLI::App& command) {
   std::map<std::filesystem::path, std::string> named;
   for (const char* name : kOutputs) {
     const CLI::Option* option = command.get_option_no_throw(name);
@@ -26,9 +27,15 @@ void requireOneNameEach(const CLI::App& command) {
       continue;
     }
     const std::string& file = option->results().front();
+    if (file == "-") {
+      throw CLI::ValidationError(
+          fmt::format("{} = '-' is not valid: must be a file name; nothing writes files to "
+                      "standard output, and ./- is a file of that name",
+                      name));
+    }
     std::error_code ignored;
     std::filesystem::path path = std::filesystem::weakly_canonical(std::filesystem::absolute(file, ignored), ignored);
-    const auto [before, is_new] = named.emplace(path.empty() ? file : path, name);
+    const auto [before, is_new] = named.emplace(path.empty() ? std::filesystem::path(file) : path, name);
     if (!is_new) {
       throw CLI::ValidationError(
           fmt::format("{} and {} name the same file, {}: give each its own", before->second, name, file));
@@ -40,7 +47,7 @@ void requireOneNameEach(const CLI::App& command) {
 
 void Overwrite::addTo(CLI::App& command) {
   command.add_flag("--overwrite", allowed, "Let files that are written replace files that are there");
-  command.parse_complete_callback([&command] { requireOneNameEach(command); });
+  command.parse_complete_callback([&command] { requireNames(command); });
 }
 
 }  // namespace haptolith
