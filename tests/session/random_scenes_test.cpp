@@ -103,7 +103,7 @@ class Draw {
 
 TEST(RandomScenes, RunOrAreRefusedWithTheirKey) {
   const char* wanted = std::getenv("HAPTOLITH_RANDOM_SCENES");  // NOLINT(concurrency-mt-unsafe): no thread yet
-  const int scenes = wanted != nullptr ? std::atoi(wanted) : 60;
+  const int scenes = wanted != nullptr ? std::atoi(wanted) : 40;
   int ran = 0;
   for (int number = 0; number < scenes; ++number) {
     Draw draw(static_cast<unsigned>(number));
@@ -111,7 +111,7 @@ TEST(RandomScenes, RunOrAreRefusedWithTheirKey) {
     for (int i = draw.below(4); i >= 0; --i) {
       overrides.push_back(draw.overrideText());
     }
-    const char* base = std::array{"paper", "stones", "sandbox"}[static_cast<std::size_t>(draw.below(3))];
+    const char* base = std::array{"stones", "sandbox", "paper"}[static_cast<std::size_t>(std::min(2, draw.below(8)))];
     if (std::string_view(base) != "paper") {  // small, so that it settles soon
       overrides.insert(overrides.begin(), {"soil.radius_mm=7", "bed.width_mm=100", "bed.length_mm=100"});
       std::ranges::stable_sort(overrides);
@@ -138,7 +138,7 @@ TEST(RandomScenes, RunOrAreRefusedWithTheirKey) {
       EXPECT_TRUE(session.snapshot().felt.force_n.allFinite());
       ++ran;
     } catch (const InvalidParameter& refused) {
-      EXPECT_THAT(refused.what(), testing::ContainsRegex("[a-z_]+ = .* must be|cannot both|needs|overrid"))
+      EXPECT_THAT(refused.what(), testing::ContainsRegex("[a-z_]+ = .* is not valid: must be|cannot both"))
           << refused.what();
     } catch (const Failure& failure) {
       EXPECT_THAT(failure.what(), testing::HasSubstr("come to rest")) << failure.what();
