@@ -56,9 +56,8 @@ std::vector<double> stimuliOf(const PsychometricFigure& wanted) {
   double low = std::numeric_limits<double>::infinity();
   double high = -low;
   const auto reach = [&](double x) {
-    if (wanted.log_axis) {
-      requireInRange("x on a logarithmic axis", x, {1 / kMostStimulus, kMostStimulus});
-    }
+    requireInRange(wanted.log_axis ? "x on a logarithmic axis" : "x of a figure", x,
+                   {wanted.log_axis ? 1 / kMostStimulus : -kMostStimulus, kMostStimulus});
     low = std::min(low, wanted.log_axis ? std::log(x) : x);
     high = std::max(high, wanted.log_axis ? std::log(x) : x);
   };
