@@ -1,7 +1,7 @@
 // Simulated groups, fitted by the hierarchical model: is the median person's Weber fraction found again, and does the
 // interval hold what it says? docs/psychometrics.md has the table this prints.
 //
-//     haptolith_group_coverage [studies] [answers,answers] [experiment]        400 3,10 both
+//     haptolith_group_coverage [studies] [answers,answers] [experiment] [people]        400 3,10 both 8
 
 #include <fmt/format.h>
 
@@ -25,8 +25,6 @@ namespace {
 
 using namespace haptolith;
 
-constexpr int kPeople = 8;
-
 /// How people are.
 struct Case {
   std::string_view name;
@@ -44,7 +42,7 @@ constexpr std::array<Case, 8> kCases{{{.name = "people alike"},
                                       {.name = "5 % blind answers", .blind = 0.05},
                                       {.name = "PSEs differ by half a JND", .pse_spread = 0.5}}};
 
-std::vector<std::vector<Level>> groupOf(const Experiment& experiment, const Case& of, double answers,
+std::vector<std::vector<Level>> groupOf(const Experiment& experiment, const Case& of, int count, double answers,
                                         std::mt19937_64& random) {
   std::normal_distribution<double> normal;
   std::vector<Level> levels;
@@ -52,7 +50,7 @@ std::vector<std::vector<Level>> groupOf(const Experiment& experiment, const Case
     levels.push_back({x, 0, answers});
   }
   std::vector<std::vector<Level>> people;
-  for (int i = 0; i < kPeople; ++i) {
+  for (int i = 0; i < count; ++i) {
     const double w = experiment.w * std::exp(of.spread * normal(random));
     const double pse =
         experiment.reference / (1 + of.bias) * std::pow(1 + experiment.w, of.pse_spread * normal(random));
@@ -67,7 +65,7 @@ bool holds(const Interval& interval, double value) {
   return interval.low <= value && value <= interval.high;
 }
 
-void tell(const Experiment& experiment, const Case& of, double answers, int studies) {
+void tell(const Experiment& experiment, const Case& of, int count, double answers, int studies) {
   FitOptions options = weberOptions(experiment.reference);
   options.threshold.reset();
   options.lapse.reset();
@@ -76,7 +74,7 @@ void tell(const Experiment& experiment, const Case& of, double answers, int stud
   double mean = 0, ratio = 0, spread = 0;
   int covered = 0, pse_covered = 0, spread_covered = 0;
   for (int i = 0; i < studies; ++i) {
-    const GroupFit group = fitGroup(groupOf(experiment, of, answers, random), options, Effort::kQuick);
+    const GroupFit group = fitGroup(groupOf(experiment, of, count, answers, random), options, Effort::kQuick);
     const Estimate& w = group.scale.median;
     found.push_back(w.value);
     mean += w.value / studies;
@@ -101,18 +99,19 @@ void tell(const Experiment& experiment, const Case& of, double answers, int stud
 int main(int argc, char** argv) {
   const int studies = argc > 1 ? std::max(1, std::atoi(argv[1])) : 400;
   const std::string answers = argc > 2 ? argv[2] : "3,10";
-  const std::string experiments = argc > 3 ? argv[3] : "";
-  fmt::print("{} simulated studies of each kind, {} people, 5 levels; 95 % credible intervals\n\n", studies, kPeople);
+  const std::string experiments = argc > 3 && argv[3] != std::string_view("both") ? argv[3] : "";
+  const int people = argc > 4 ? std::max(1, std::atoi(argv[4])) : 8;
+  fmt::print("{} simulated studies of each kind, {} people, 5 levels; 95 % credible intervals\n\n", studies, people);
   fmt::print(
       "                                             w     mean   median   w held    PSE    high/  spread: s held\n");
   fmt::print("experiment n  people                      mean     bias     bias             held    low    mean\n");
   for (const Experiment& experiment : kExperiments) {
-    for (const double n : {3.0, 10.0}) {
+    for (const double n : {3.0, 10.0, 20.0}) {
       for (const Case& of : kCases) {
         const bool wanted = (experiments.empty() || experiments == experiment.name) &&
                             (answers.find(fmt::format("{:g}", n)) != std::string::npos);
         if (wanted) {
-          tell(experiment, of, n, studies);
+          tell(experiment, of, people, n, studies);
         }
       }
     }

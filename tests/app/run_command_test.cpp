@@ -302,6 +302,21 @@ TEST_F(RunCommand, CtrlCEndsAnEndlessRunWithItsSummary) {
   EXPECT_EQ(files(), std::vector<std::string>{"trace.csv"});
 }
 
+TEST_F(RunCommand, CtrlCStillDrawsTheFigureAndPrintsTheSummary) {
+  const ProgramResult result = runInShell(fmt::format(
+      "timeout --preserve-status -s INT 3 \"$HAPTOLITH\" run paper --no-serve --figure {}", file("run.svg")));
+  EXPECT_EQ(result.exit_status, 0) << result.errors;
+  EXPECT_THAT(result.output, HasSubstr("stopped"));
+  EXPECT_EQ(files(), std::vector<std::string>{"run.svg"});
+}
+
+TEST_F(RunCommand, AClosedTerminalEndsARunAndItsTraceIsKept) {
+  const ProgramResult result = runInShell(
+      fmt::format("timeout --preserve-status -s HUP 2 \"$HAPTOLITH\" run paper --json --trace {}", file("trace.csv")));
+  EXPECT_EQ(result.exit_status, 0) << result.errors;
+  EXPECT_EQ(readCsv(file("trace.csv")).size(), json::parse(result.output)["ticks"].get<std::size_t>() + 1);
+}
+
 TEST_F(RunCommand, ARunCutShortHasFailedButKeepsWhatItHas) {
   for (const char* signal : {"INT", "TERM"}) {
     const ProgramResult result = runInShell(fmt::format(

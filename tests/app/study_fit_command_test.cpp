@@ -168,5 +168,49 @@ TEST_F(StudyFit, WrongUseIsToldWithWhatWouldBeRight) {
   expectWrongUse("--data " + blocks, "one of 'a', 'b'");
 }
 
+TEST_F(StudyFit, TellsNoNumberThatIsNone) {
+  const std::vector<std::string> tables{
+      "x,k,n\n1,20,20\n2,20,20\n",
+      "x,k,n\n1,0,20\n2,0,20\n",
+      "x,k,n\n-1,3,20\n0,11,20\n1,17,20\n",
+      "x,k,n\n1,0,20\n2,20,20\n",
+      "x,k,n\n1,100000000,1000000000\n2,900000000,1000000000\n",
+      "x,k,n,participant,group\n1,2,20,a,one\n2,18,20,a,one\n1,3,20,b,one\n2,17,20,b,one\n"
+      "1,20,20,c,two\n2,20,20,c,two\n1,20,20,d,two\n2,20,20,d,two\n"};
+  for (std::size_t i = 0; i < tables.size(); ++i) {
+    const std::string data = "--data " + file(fmt::format("extreme{}.csv", i), tables[i]);
+    const std::string model = tables[i].find("group") != std::string::npos
+                                  ? " --free-threshold --group --between-groups"
+                                  : " --sigmoid norm --design 2afc";
+    for (const char* simulations : {" --simulations 0", " --simulations 20"}) {
+      const ProgramResult told = runHaptolith("study fit " + data + model + simulations);
+      EXPECT_EQ(told.exit_status, 0) << told.errors;
+      for (const char* none : {"nan", "inf", "e-17", "difference 0,", "deviance -"}) {
+        EXPECT_THAT(told.output, testing::Not(HasSubstr(none))) << tables[i];
+      }
+    }
+  }
+}
+
+TEST_F(StudyFit, DoubtsAFunctionThatItsAnswersContradict) {
+  const std::string falling = file("falling.csv", "x,k,n\n.5,20,20\n.7,18,20\n.9,10,20\n1.1,2,20\n1.3,0,20\n");
+  const std::string options = " --sigmoid norm --simulations 0 --data " + falling;
+  EXPECT_THAT(runHaptolith("study fit" + options).output, HasSubstr("Doubtful: positive answers become fewer"));
+  EXPECT_THAT(fitOf(options)["doubt"].get<std::string>(), HasSubstr("--falling"));
+  EXPECT_FALSE(fitOf(options + " --falling").contains("doubt"));
+}
+
+TEST_F(StudyFit, RefusesWhatItsNumbersCannotHold) {
+  expectWrongUse("--sigmoid norm --data " + file("n.csv", "x,k,n\n1,1,2000000000\n2,2,3\n"), "0 to 1e+09");
+  expectWrongUse("--sigmoid norm --data " + file("far.csv", "x,k,n\n-1e308,1,20\n1e308,19,20\n"), "x of a level");
+  expectWrongUse("--sigmoid gumbel --log-x --figure " + (folder_ / "z.svg").string() + " --data " +
+                     file("wide.csv", "x,k,n\n1e-300,3,20\n1e300,17,20\n"),
+                 "1e+60");
+  const ProgramResult wide =
+      runHaptolith("study fit --sigmoid gumbel --log-x --simulations 0 --figure " + (folder_ / "wide.svg").string() +
+                   " --data " + file("less.csv", "x,k,n\n1e-50,3,20\n1e50,17,20\n"));
+  EXPECT_EQ(wide.exit_status, 0) << wide.errors;
+}
+
 }  // namespace
 }  // namespace haptolith

@@ -202,5 +202,13 @@ TEST(TeleopCommands, WhatIsWrongIsSaid) {
   EXPECT_THAT(refused("--to 127.0.0.1:9 --delays-up /nonexistent.csv"), HasSubstr("no such file"));
 }
 
+TEST(TeleopCommands, CtrlCEndsABenchWhoseBedsSettle) {
+  const ProgramResult result = runInShell(
+      "HAPTOLITH_CACHE=off timeout --preserve-status -s INT -k 10 2 \"$HAPTOLITH\" teleop bench --case model "
+      "--round-trip-s 0 --threads 1");
+  EXPECT_EQ(result.exit_status, 1);
+  EXPECT_THAT(result.errors, HasSubstr("interrupted"));
+}
+
 }  // namespace
 }  // namespace haptolith

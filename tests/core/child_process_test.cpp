@@ -9,6 +9,7 @@
 #include <csignal>
 #include <cstdlib>
 #include <string>
+#include <thread>
 
 #include "haptolith/core/error.h"
 #include "haptolith/core/stop_asked.h"
@@ -98,8 +99,18 @@ TEST(ChildProcess, TakesNoMoreOfAProcessorThanItMay) {
 TEST(ChildProcess, IsNotWaitedForWithoutEnd) {
   ChildProcess child(shell("sleep 100"), {});
   EXPECT_THROW(child.wait(1ms), Failure);
-  stopAsked() = true;
+  const std::jthread stops([] {
+    std::this_thread::sleep_for(200ms);
+    stopAsked() = true;
+  });
   EXPECT_THROW(child.wait(), Failure);
+  stopAsked() = false;
+}
+
+TEST(ChildProcess, IsWaitedForByWorkThatWasStoppedBefore) {
+  stopAsked() = true;
+  ChildProcess child(shell("sleep 0.3"), {});
+  EXPECT_TRUE(child.wait()) << "the figure of what was done before Ctrl-C";
   stopAsked() = false;
 }
 

@@ -4,6 +4,7 @@
 
 #include <cmath>
 #include <numbers>
+#include <string>
 
 #include "made_up_training.h"
 
@@ -104,6 +105,33 @@ TEST_F(Identified, WhatNoSoilDoesIsToldToBeStrange) {
     forces[window] *= 8;
   }
   EXPECT_GT(identifier_.identify(all(forces), kGravity).misfit, kStrange);
+}
+
+std::string refusalOf(const SoilIdentifier& identifier, const WindowForces& forces, double gravity_m_s2) {
+  try {
+    (void)identifier.identify(all(forces), gravity_m_s2);
+  } catch (const InvalidParameter& error) {
+    return error.what();
+  }
+  return "identified";
+}
+
+TEST_F(Identified, ASensorThatReadsNothingButNoiseIdentifiesNothing) {
+  const WindowForces forces = soils_.forces(moon_, kGravity, 1000);
+  EXPECT_THAT(refusalOf(identifier_, WindowForces(forces.size(), Vec3::Zero()), kGravity),
+              testing::HasSubstr("within the sensor's noise"));
+  EXPECT_THAT(refusalOf(identifier_, WindowForces(forces.size(), Vec3(0.02, 0.02, -0.02)), kGravity),
+              testing::HasSubstr("not identified"));
+  const SoilState asteroid{42, 500 * 1e-3 / kGravity, 0.36};
+  EXPECT_EQ(refusalOf(identifier_, soils_.forces(asteroid, 1e-3, 1000), 1e-3), "identified");
+}
+
+TEST_F(Identified, ForcesThatPushTheWrongWayIdentifyNothing) {
+  WindowForces forces = soils_.forces(moon_, kGravity, 1000);
+  for (Vec3& force_n : forces) {
+    force_n = -force_n;
+  }
+  EXPECT_THAT(refusalOf(identifier_, forces, kGravity), testing::HasSubstr("against what soil does to this tool"));
 }
 
 TEST_F(Identified, TooFewSoilsAreRefused) {

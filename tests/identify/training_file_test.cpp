@@ -59,5 +59,12 @@ TEST(TrainingFile, SaysWhatIsWrong) {
   EXPECT_THAT(refusal(replaced(good, "\"contact_friction\"", "\"friction\"")), HasSubstr("missing"));
 }
 
+TEST(TrainingFile, RefusesTheSameSoilTwice) {
+  Training made = MadeUpSoil(0.1).training(3);
+  made.runs.push_back(made.runs[1]);
+  EXPECT_THAT(refusal(trainingText(made)),
+              testing::AllOf(HasSubstr("mine.json: runs[3]: number"), HasSubstr("2, as of mine.json: runs[1]")));
+}
+
 }  // namespace
 }  // namespace haptolith

@@ -112,6 +112,14 @@ TEST(WeighedScoop, RefusesWhatIsNoWeighing) {
   EXPECT_THROW((void)densityOf({{-0.066, 1e-3}, 9}, {44e-6, 0}), Failure) << "lighter full than empty";
 }
 
+TEST(WeighedScoop, AsFullAsItWasEmptyHasNoMass) {
+  const ScoopMass mass = weighScoop(weighed(0, 1e-4, 0, 1), {{0.5, 3.5}, {4.5, 7.5}, {}, 0}, kMoon_m_s2);
+  EXPECT_THROW(requireMeasurable(mass), Failure);
+  EXPECT_THROW((void)densityOf(mass, {44e-6, 3e-6}), Failure);
+  const ScoopMass full = weighScoop(weighed(kMass_kg, 1e-4, 0, 1), {{0.5, 3.5}, {4.5, 7.5}, {}, 0}, kMoon_m_s2);
+  EXPECT_NO_THROW(requireMeasurable(full));
+}
+
 // --- a scoop in simulated soil --------------------------------------------------------------------------------------
 
 /// What a scoop took out of a bed.

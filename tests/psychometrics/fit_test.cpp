@@ -7,6 +7,7 @@
 #include <limits>
 
 #include "haptolith/core/error.h"
+#include "haptolith/core/stop_asked.h"
 
 namespace haptolith {
 namespace {
@@ -263,6 +264,43 @@ TEST(Fit, NonsenseIsRefused) {
   EXPECT_THROW((void)fit(kLevels, {.design = Design::kForcedChoice, .alternatives = 1}), InvalidParameter);
   EXPECT_THROW((void)fit(kLevels, {.threshold = std::numeric_limits<double>::quiet_NaN()}), InvalidParameter);
   EXPECT_THROW((void)fitPsychometric(kLevels, {.simulations = -1}), InvalidParameter);
+}
+
+// A cumulative Gaussian of 10 % at 0.5 and 90 % at 1.5: threshold 1, known to within 1e-5.
+TEST(Fit, OfABillionAnswersIsQuickAndRight) {
+  const auto begin = std::chrono::steady_clock::now();
+  const std::vector<Level> levels{{0.5, 1e8, 1e9}, {1, 5e8, 1e9}, {1.5, 9e8, 1e9}};
+  FitOptions options{.lapse = 0, .guess = 0, .overdispersion = 0};
+  options.simulations = 200;
+  const Fit fit = fitPsychometric(levels, options);
+  EXPECT_NEAR(fit.threshold.value, 1, 1e-5);
+  const double sigma = 0.5 / 1.2815515655446004;
+  EXPECT_NEAR(fit.width.value, 3.289707253902943 * sigma, 1e-4);
+  // Fisher's information of the threshold: n phi^2 / (sigma^2 Phi (1 - Phi)) of each level.
+  const double density = std::exp(-0.5 * 1.2815515655446004 * 1.2815515655446004) / std::sqrt(2 * std::acos(-1));
+  const double outer = density * density / 0.09;
+  const double inner = 1 / (2 * std::acos(-1)) / 0.25;
+  const double deviation = sigma / std::sqrt(1e9 * (2 * outer + inner));
+  EXPECT_NEAR((fit.threshold.interval.high - fit.threshold.interval.low) / (2 * 1.96 * deviation), 1, 0.05);
+  EXPECT_LT(fit.deviance, 0.01);
+  EXPECT_GT(fit.p_value, 0.9);
+  const std::chrono::duration<double> took = std::chrono::steady_clock::now() - begin;
+  EXPECT_LT(took.count(), 20);
+}
+
+TEST(Fit, IsStoppedWhileItSimulates) {
+  stopAsked() = true;
+  EXPECT_THROW((void)fitPsychometric(kLevels, weberOptions(kReference)), Failure);
+  EXPECT_NO_THROW((void)fitPsychometric(kLevels, quick(weberOptions(kReference)))) << "a curve on a page";
+  stopAsked() = false;
+}
+
+TEST(Fit, HasNoWeberFractionWhereTheThresholdMayBe0) {
+  const std::vector<Level> about_zero{{-2, 1, 20}, {-1, 4, 20}, {0, 11, 20}, {1, 15, 20}, {2, 19, 20}};
+  EXPECT_TRUE(std::isnan(fitPsychometric(about_zero, quick({})).weber_fraction.value));
+  const Fit above = fitPsychometric(kLevels, quick({}));
+  EXPECT_GT(above.weber_fraction.value, above.weber_fraction.interval.low);
+  EXPECT_LT(above.weber_fraction.value, above.weber_fraction.interval.high);
 }
 
 }  // namespace

@@ -163,5 +163,62 @@ TEST(Group, OfNobodyIsRefused) {
   EXPECT_THROW((void)fitGroup({}, quick()), InvalidParameter);
 }
 
+// Pilots have two or three people.
+TEST(Group, OfTwoPeopleHasTheirPse) {
+  const std::vector<double> xs{0.5, 0.65, 0.78, 0.9, 1.05, 1.3};
+  const std::vector<std::vector<double>> answers{{0, 1, 3, 5, 11, 17}, {0, 0, 1, 4, 14, 17}};
+  std::vector<std::vector<Level>> two(answers.size());
+  for (std::size_t person = 0; person < answers.size(); ++person) {
+    for (std::size_t i = 0; i < xs.size(); ++i) {
+      two[person].push_back({xs[i], answers[person][i], 20});
+    }
+  }
+  FitOptions options = weberOptions(0.835);
+  options.threshold.reset();
+  const GroupFit group = fitGroup(two, options);
+  EXPECT_NEAR(group.threshold->participants[0].value, 1.04, 0.02);
+  EXPECT_NEAR(group.threshold->participants[1].value, 1.04, 0.02);
+  EXPECT_NEAR(group.threshold->median.value, 1.04, 0.02);
+  EXPECT_NEAR(group.threshold->median.interval.low, 0.8, 0.1);
+  EXPECT_NEAR(group.threshold->median.interval.high, 1.3, 0.1);
+}
+
+/// Simulated groups of `count` people with the paper's friction levels, each level `n` times; their PSEs differ by 0.1
+/// in the logarithm. How often the interval of the group's PSE holds the median of all people.
+double coverageOfPse(int count, double n, int tables) {
+  constexpr double kPse = 0.9, kWeber = 0.29, kSpread = 0.1;
+  std::mt19937_64 random(static_cast<unsigned>(100 * count) + static_cast<unsigned>(n));
+  std::normal_distribution<double> normal;
+  std::vector<Level> levels;
+  for (const double x : {0.5, 0.65, 0.78, 0.9, 1.05, 1.3}) {
+    levels.push_back({x, 0, n});
+  }
+  FitOptions options = weberOptions(0.835);
+  options.threshold.reset();
+  int held = 0;
+  for (int table = 0; table < tables; ++table) {
+    std::vector<std::vector<Level>> group;
+    for (int person = 0; person < count; ++person) {
+      const PsychometricFunction truth = weberFunction(kPse * std::exp(kSpread * normal(random)), kWeber);
+      group.push_back(simulatedAnswers(levels, truth, random));
+    }
+    const Estimate pse = fitGroup(group, groupOptions(options), Effort::kQuick).threshold->median;
+    EXPECT_GT(pse.value, 0.55) << count << " people, " << n << " answers, table " << table;
+    EXPECT_LT(pse.value, 1.5) << count << " people, " << n << " answers, table " << table;
+    EXPECT_GT(pse.interval.high, pse.value) << count << " people, " << n << " answers, table " << table;
+    EXPECT_LT(pse.interval.low, pse.value) << count << " people, " << n << " answers, table " << table;
+    held += pse.interval.low <= kPse && kPse <= pse.interval.high ? 1 : 0;
+  }
+  return static_cast<double>(held) / tables;
+}
+
+TEST(Group, OfFewPeopleHasAnIntervalThatHoldsTheirPse) {
+  for (const int count : {2, 3, 4, 6}) {
+    for (const double n : {3.0, 20.0}) {
+      EXPECT_GE(coverageOfPse(count, n, 30), 0.86) << count << " people, " << n << " answers";
+    }
+  }
+}
+
 }  // namespace
 }  // namespace haptolith

@@ -3,6 +3,8 @@
 #include <gmock/gmock.h>
 
 #include <cmath>
+#include <limits>
+#include <numbers>
 #include <vector>
 
 namespace haptolith {
@@ -96,6 +98,33 @@ TEST(Marginal, OfANormalDistributionHasItsPercentilesAndDensity) {
   EXPECT_NEAR(estimate.interval.high, 1.96, 4e-3);
   EXPECT_NEAR(densityAt(normal, 0.5), 0.3521, 5e-3);
   EXPECT_EQ(densityAt(normal, 6), 0);
+}
+
+constexpr double kImpossible = -std::numeric_limits<double>::infinity();
+
+// A density that falls to 0 at both ends, as a threshold's prior does: (1 + cos x) / 2 pi from -pi to pi.
+TEST(Marginal, OfADensityThatFallsTo0HasItsPercentiles) {
+  Marginal marginal;
+  for (const double value : evenly({-std::numbers::pi, std::numbers::pi}, 21)) {
+    const double density = (1 + std::cos(value)) / 2;
+    marginal.values.push_back(value);
+    marginal.log_density.push_back(density > 1e-12 ? std::log(density) : kImpossible);
+  }
+  const Estimate estimate = estimateOf(marginal, 0.95);
+  EXPECT_NEAR(estimate.value, 0, 1e-3);
+  EXPECT_NEAR(estimate.interval.low, -2.1453, 0.01);  // where x + sin x is -0.95 pi
+  EXPECT_NEAR(estimate.interval.high, 2.1453, 0.01);
+}
+
+// The cubic between values swings out by 4/27 of a cliff next to its cell, in the logarithm: e^51 of 344.
+TEST(Marginal, HasNoPeakNextToACliff) {
+  for (const double cliff : {-50.0, -691.0, -1e300, kImpossible}) {
+    const Marginal marginal{evenly({0, 8}, 9), {-3, -1, 0, -1, -3, -5, -6, -7, cliff}};
+    const Estimate estimate = estimateOf(marginal, 0.95);
+    EXPECT_NEAR(estimate.value, 2, 0.1) << cliff;
+    EXPECT_LT(estimate.interval.high, 4.5) << cliff;
+    EXPECT_LT(densityAt(marginal, 7.3), 1e-3) << cliff;
+  }
 }
 
 }  // namespace

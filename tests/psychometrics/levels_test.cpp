@@ -46,9 +46,18 @@ TEST(Levels, OfWhichTheFirstComesFirstDecides) {
 
 TEST(Levels, ImpossibleCountsAreRefused) {
   for (const Level& level : {Level{1, 4, 3}, Level{1, -1, 3}, Level{1, 0.5, 3}, Level{1, 1, 2.5}, Level{1, 0, -1},
-                             Level{std::nan(""), 1, 2}}) {
+                             Level{std::nan(""), 1, 2}, Level{1, 1, 1.1e9}, Level{1e61, 1, 2}}) {
     EXPECT_THROW((void)pooled(std::vector{level}), InvalidParameter);
   }
+}
+
+TEST(Levels, ThatDifferByRoundingAreOne) {
+  const std::vector<Level> levels = pooled(std::vector<Level>{{0.1 + 0.2, 1, 3}, {0.3, 2, 4}, {0.3001, 1, 1}});
+  ASSERT_EQ(levels.size(), 2U);
+  EXPECT_EQ(levels[0].x, 0.3);
+  EXPECT_EQ(levels[0].k, 3);
+  EXPECT_EQ(levels[0].n, 7);
+  EXPECT_THROW((void)pooled(std::vector<Level>{{1, 1, 6e8}, {1, 1, 6e8}}), InvalidParameter);
 }
 
 }  // namespace

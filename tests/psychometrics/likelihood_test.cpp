@@ -67,5 +67,19 @@ TEST(Deviance, IsNoughtWhenEveryLevelIsMetExactly) {
   EXPECT_NEAR(devianceOf(worse, function), 2 * (6 * std::log(0.6 / 0.5) + 4 * std::log(0.4 / 0.5)), 1e-12);
 }
 
+TEST(Deviance, IsNeverBelow0) {
+  PsychometricFunction function;
+  function.threshold = 0.3;
+  for (const double n : {10.0, 1e4, 1e9}) {
+    for (const double x : {-3.0, -0.2, 0.3, 0.9, 40.0}) {
+      const std::vector<Level> level{{x, std::round(n * probability(function, x)), n}};
+      EXPECT_GE(devianceOf(level, function), 0) << n << " " << x;
+      EXPECT_LT(devianceOf(level, function), 1) << n << " " << x;
+    }
+  }
+  function.lapse = function.guess = 0;
+  EXPECT_EQ(devianceOf(std::vector<Level>{{1e3, 9, 10}}, function), std::numeric_limits<double>::infinity());
+}
+
 }  // namespace
 }  // namespace haptolith

@@ -71,6 +71,15 @@ TEST(SimulatedObserver, WhatMakesNoSenseIsRefused) {
   EXPECT_THROW((void)observer.saysMore(0, 1), InvalidParameter);
 }
 
+TEST(SimulatedParticipant, CannotJudgeValuesWithoutRatios) {
+  const ProtocolText text = findProtocol("paper");
+  StudyProtocol protocol = loadProtocolText(text.text, text.name);
+  EXPECT_NO_THROW(requireRatios(protocol, JudgedBy::kValue));
+  protocol.blocks.front().reference.value = 0;
+  EXPECT_THROW(requireRatios(protocol, JudgedBy::kValue), InvalidParameter);
+  EXPECT_NO_THROW(requireRatios(protocol, JudgedBy::kMeanForce));
+}
+
 TEST(SimulatedParticipant, TakesPartInAWholeStudy) {
   const std::filesystem::path file =
       std::filesystem::path(testing::TempDir()) / ("simulated_" + std::to_string(getpid()) + ".study");

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <string>
 
 #include "haptolith/core/error.h"
 
@@ -52,6 +53,23 @@ TEST(SimulatedRig, ExploresAnewEachTime) {
 TEST(SimulatedRig, RefusesHandsThatCannotExplore) {
   const StudyProtocol protocol = loadProtocolText(kTwoBlocks, "two.toml");
   EXPECT_THROW(SimulatedRig(protocol, {.manoeuvre = Manoeuvre::kPoses}), InvalidParameter);
+}
+
+// The rod of a built-in protocol lies flat on the soil when it stirs, and is felt by chance.
+TEST(SimulatedRig, RefusesAtOnceAHandThatStaysAboveTheSoil) {
+  const ProtocolText text = findProtocol("buried-stone");
+  const StudyProtocol protocol = loadProtocolText(text.text, text.name);
+  try {
+    const SimulatedRig rig(protocol, kStir);
+    FAIL() << "taken";
+  } catch (const InvalidParameter& error) {
+    EXPECT_NE(std::string(error.what()).find("stir, by which the tool comes"), std::string::npos) << error.what();
+  }
+  EXPECT_NO_THROW(SimulatedRig(protocol, {.manoeuvre = Manoeuvre::kPress}));
+  for (const char* name : {"paper", "paper-friction", "paper-gravity"}) {
+    const ProtocolText other = findProtocol(name);
+    EXPECT_NO_THROW(SimulatedRig(loadProtocolText(other.text, other.name), kStir)) << name;
+  }
 }
 
 }  // namespace

@@ -47,6 +47,7 @@ void tellDensity(const DensityOptions& options) {
   }
   const double gravity_m_s2 = options.gravity_m_s2 > 0 ? options.gravity_m_s2 : findBody(options.body).gravity_m_s2;
   const ScoopMass scoop = weighScoop(readMeasured(options.measured_file), weighing, gravity_m_s2);
+  requireMeasurable(scoop);
   const SoilEstimate mass_kg = massOf(scoop);
   std::optional<Uncertain> volume_m3;
   if (!options.volume_cm3.empty()) {

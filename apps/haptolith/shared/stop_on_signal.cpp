@@ -10,6 +10,10 @@ StopOnSignal::StopOnSignal() {
   action.sa_handler = [](int) { stopAsked() = true; };
   sigaction(SIGINT, &action, nullptr);
   sigaction(SIGTERM, &action, nullptr);
+  struct sigaction before {};
+  if (sigaction(SIGHUP, nullptr, &before) == 0 && before.sa_handler != SIG_IGN) {  // nohup ignores it
+    sigaction(SIGHUP, &action, nullptr);
+  }
 }
 
 }  // namespace haptolith

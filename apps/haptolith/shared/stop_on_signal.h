@@ -4,7 +4,8 @@
 
 namespace haptolith {
 
-/// From here on Ctrl-C and SIGTERM end the work in good order, however often they come: they set stopAsked().
+/// From here on Ctrl-C, SIGTERM and SIGHUP (a closed terminal, unless nohup has started the program) end the work in
+/// good order, however often they come: they set stopAsked().
 class StopOnSignal {
  public:
   StopOnSignal();

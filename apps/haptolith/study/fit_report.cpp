@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include <algorithm>
 #include <cmath>
 #include <optional>
 #include <string_view>
@@ -24,20 +25,52 @@ std::string_view wordsFor(FitMethod method) {
   return "most probable";
 }
 
+/// 0 for what is left of 0 by rounding.
+double rounded(double value, const Interval& interval) {
+  constexpr double kRounding = 1e-12;
+  return std::abs(value) > kRounding * std::max(std::abs(interval.low), std::abs(interval.high)) ? value : 0;
+}
+
 std::string intervalText(const Interval& interval) {
   if (std::isnan(interval.low)) {
     return "";
   }
-  return interval.low == interval.high ? "fixed" : fmt::format("{:.4g} to {:.4g}", interval.low, interval.high);
+  return interval.low == interval.high
+             ? "fixed"
+             : fmt::format("{:.4g} to {:.4g}", rounded(interval.low, interval), rounded(interval.high, interval));
 }
 
-/// @param note  unless the estimate is outside its interval, which that of a most probable value at an end of its
-/// range is: equal tails are left out on both sides.
+/// @param note  unless the estimate is unknown or outside its interval.
 std::string line(std::string_view name, const Estimate& estimate, std::string_view note = "") {
-  if (estimate.value < estimate.interval.low || estimate.value > estimate.interval.high) {
+  if (std::isnan(estimate.value)) {
+    return fmt::format("  {:<16} {:>9}   {:<22} none where the threshold may be 0 or less\n", name, "-", "");
+  }
+  if (isAtEdge(estimate)) {
     note = "at the edge of its range; the interval leaves out equal tails";
   }
-  return fmt::format("  {:<16} {:>9.4g}   {:<22} {}\n", name, estimate.value, intervalText(estimate.interval), note);
+  return fmt::format("  {:<16} {:>9.4g}   {:<22} {}\n", name, rounded(estimate.value, estimate.interval),
+                     intervalText(estimate.interval), note);
+}
+
+/// How well the function fits, and what speaks against it.
+std::string judgementOf(const Fit& fit) {
+  std::string text = fmt::format("\n  deviance {:.4g}", fit.deviance);
+  const bool is_simulated = !std::isnan(fit.p_value);
+  const bool is_compared = !std::isnan(fit.p_value_chi_square);
+  if (is_simulated || is_compared) {
+    text += "; a function like this gives worse fits in ";
+  }
+  if (is_simulated) {
+    text += fmt::format("{:.3g} % of simulations", 100 * fit.p_value);
+  }
+  if (is_compared) {
+    const std::string compared = fmt::format("{:.3g} % by chi-square", 100 * fit.p_value_chi_square);
+    text += is_simulated ? " (" + compared + ")" : compared;
+  }
+  if (!is_simulated && !is_compared) {
+    text += "; not compared with anything: no simulations, and no more stimuli than free parameters";
+  }
+  return text + "\n" + (fit.doubt.empty() ? "" : "  Doubtful: " + fit.doubt + "\n");
 }
 
 std::string_view readingOf22(Sigmoid sigmoid) {
@@ -114,11 +147,7 @@ std::string fitText(const Fit& fit) {
   text += line("lapse rate", fit.lapse);
   text += line("guess rate", fit.guess);
   text += line("overdispersion", fit.overdispersion, "eta; 0 is binomial");
-  text += fmt::format(
-      "\n  deviance {:.4g}; a function like this gives worse fits in {:.3g} % of simulations "
-      "({:.3g} % by chi-square)\n",
-      fit.deviance, 100 * fit.p_value, 100 * fit.p_value_chi_square);
-  return text;
+  return text + judgementOf(fit);
 }
 
 std::string groupText(const GroupFit& group, const std::vector<std::string>& names) {
@@ -175,11 +204,11 @@ std::string changesText(const std::string& heading, const Change& scale, const s
                         double confidence) {
   const auto line = [](std::string_view what, const Change& change) {
     return fmt::format(
-        "  {:<16} {:>9.4g}   {:<22} Bayes factor of no difference {:.2g}, prior of its logarithm "
+        "  {:<16} {:>9.4g}   {:<22} Bayes factor of no difference {}, prior of its logarithm "
         "normal(0, {:.3g})\n",
         what, std::exp(change.mean.value),
         fmt::format("{:.4g} to {:.4g}", std::exp(change.mean.interval.low), std::exp(change.mean.interval.high)),
-        change.same, change.prior.usual);
+        bayesFactorText(change.same), change.prior.usual);
   };
   std::string told = fmt::format("{}\n\n{:>28}   {:g} % credible interval\n", heading, "ratio", 100 * confidence);
   told += line("Weber fraction", scale);
@@ -187,6 +216,11 @@ std::string changesText(const std::string& heading, const Change& scale, const s
     told += line("PSE / reference", *threshold);
   }
   return told;
+}
+
+std::string bayesFactorText(double factor) {
+  constexpr double kLeast = 1e-6;  // what the sums over grids resolve
+  return factor < kLeast ? fmt::format("below {:g}", kLeast) : fmt::format("{:.2g}", factor);
 }
 
 std::string comparisonText(const std::vector<Fit>& fits) {

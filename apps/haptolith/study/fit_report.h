@@ -27,6 +27,9 @@ namespace haptolith {
 [[nodiscard]] std::string changesText(const std::string& heading, const Change& scale,
                                       const std::optional<Change>& threshold, double confidence);
 
+/// "0.31"; "below 1e-06" for what is smaller than grids resolve.
+[[nodiscard]] std::string bayesFactorText(double factor);
+
 /// Several fits to the same answers, best first, for people.
 [[nodiscard]] std::string comparisonText(const std::vector<Fit>& fits);
 

@@ -28,6 +28,7 @@
 #include "shared/option_checks.h"
 #include "shared/output.h"
 #include "shared/overwrite.h"
+#include "shared/stop_on_signal.h"
 #include "study/fit_report.h"
 #include "study/teleop_report.h"
 
@@ -207,15 +208,15 @@ std::vector<std::string> remarksOn(const BlockResult& result) {
   }
   if (result.group && result.group->scale.alike < kDoubtful) {
     remarks.push_back(
-        fmt::format("People differ in their Weber fractions (Bayes factor of people alike {:.2g}, prior "
+        fmt::format("People differ in their Weber fractions (Bayes factor of people alike {}, prior "
                     "half-normal {:g}).",
-                    result.group->scale.alike, result.group->scale.prior.usual));
+                    bayesFactorText(result.group->scale.alike), result.group->scale.prior.usual));
   }
   if (result.group && result.group->threshold && result.group->threshold->alike < kDoubtful) {
     remarks.push_back(
-        fmt::format("People differ in their PSEs (Bayes factor of people alike {:.2g}, prior half-normal "
+        fmt::format("People differ in their PSEs (Bayes factor of people alike {}, prior half-normal "
                     "{:.3g}).",
-                    result.group->threshold->alike, result.group->threshold->prior.usual));
+                    bayesFactorText(result.group->threshold->alike), result.group->threshold->prior.usual));
   }
   if (isWeber(fit.function.sigmoid) && w.interval.high > kWide * w.interval.low) {
     remarks.push_back(fmt::format("{} answers of {} hardly bound the Weber fraction: {:.3g} to {:.3g}.", fit.n_trials,
@@ -227,6 +228,9 @@ std::vector<std::string> remarksOn(const BlockResult& result) {
     remarks.push_back(
         fmt::format("The levels show Weber fractions of {:.3g} to {:.3g}; an estimate outside may be far off.",
                     shown->low, shown->high));
+  }
+  if (result.group && !fit.doubt.empty()) {
+    remarks.push_back(fmt::format("Doubtful: {}", fit.doubt));
   }
   if (result.group && result.pooled) {
     remarks.emplace_back(
@@ -454,6 +458,7 @@ std::vector<BlockResult> resultsOf(const FigureOptions& options, const StudyStor
 }
 
 void show(const FigureOptions& options) {
+  const StopOnSignal stop_on_signal;
   if (options.sigmoid) {
     (void)sigmoidNamed(*options.sigmoid);  // throws, whatever the study holds
   }

@@ -21,6 +21,7 @@
 #include "shared/option_checks.h"
 #include "shared/output.h"
 #include "shared/overwrite.h"
+#include "shared/stop_on_signal.h"
 #include "study/fit_report.h"
 
 namespace haptolith {
@@ -249,6 +250,7 @@ void print(const FitCommandOptions& options, const Result& result) {
 }
 
 void runFit(const FitCommandOptions& options) {
+  const StopOnSignal stop_on_signal;
   const Result result = fitAll(options, answersOf(options));
   if (!options.figure.empty()) {
     draw(options, result);

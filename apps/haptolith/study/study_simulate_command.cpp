@@ -118,6 +118,7 @@ void simulate(const SimulateOptions& options) {
     throw InvalidParameter("group_factor", options.observer.group_factor, {1, 1});
   }
   requireNobody(study);
+  requireRatios(study.protocol(), options.observer.judged_by);
   StatusLine status;
   std::mt19937_64 random(options.seed);
   const std::size_t before = flowOf(study).began();  // also those who were removed: no code is given twice
@@ -145,7 +146,15 @@ void simulate(const SimulateOptions& options) {
                                                             .device = rig->deviceName(),
                                                             .machine = thisMachine(),
                                                             .simulation = simulationText(options, who)});
-    participant.takePart(conductor);
+    try {
+      participant.takePart(conductor);
+    } catch (const Failure&) {
+      if (!stopAsked()) {
+        throw;
+      }
+      throw Failure(fmt::format("interrupted after {} of {}; the answers so far are in {}", person,
+                                counted(options.participants, "participant"), options.file));
+    }
     study.endSession(session, std::nullopt);
   }
   status.clear();

@@ -15,6 +15,7 @@
 
 #include "haptolith/core/atomic_file.h"
 #include "haptolith/core/counted.h"
+#include "haptolith/core/error.h"
 #include "haptolith/core/in_parallel.h"
 #include "haptolith/core/stop_asked.h"
 #include "haptolith/identify/training_file.h"
@@ -108,7 +109,8 @@ struct TeleopBenchOptions {
 struct Row {
   double round_trip_s;
   Case which;
-  TeleopResult result;
+  TeleopResult result = {};
+  bool is_done = false;
 };
 
 /// About how long one thread takes for a second of two beds: an estimate.
@@ -274,7 +276,7 @@ std::vector<Row> rowsFor(const TeleopBenchOptions& options) {
       const Case which = kCaseWords.at(word);
       const bool delay_counts = which != Case::kTwin || options.mends.value_or(false);  // of the map that mends
       if (delay_counts || round_trip_s == options.round_trips_s.front()) {
-        rows.push_back({round_trip_s, which, {}});
+        rows.push_back({round_trip_s, which});
       }
     }
   }
@@ -292,35 +294,8 @@ std::vector<AgreementPanel> panelsOf(const std::vector<Row>& rows) {
   return panels;
 }
 
-void runTeleopBench(const TeleopBenchOptions& options) {
-  const StopOnSignal stop;
-  StatusLine status;
-  for (const std::string& file : {options.csv_file, options.figure_file}) {
-    if (!file.empty()) {
-      requireFree(options.overwrite(file));  // before minutes of work
-    }
-  }
-  std::vector<Row> rows = rowsFor(options);
-  const bool feels_robot = std::ranges::any_of(rows, [](const Row& row) { return row.which == Case::kBilateral; });
-  if (options.lets_go_s && (feels_robot || !options.task.empty())) {
-    throw InvalidParameter("--lets-go-s", fmt::format("{:g}", *options.lets_go_s),
-                           "without --task, and not with --case bilateral");
-  }
-  const bool probes = std::ranges::any_of(rows, [](const Row& row) { return begins(row.which); });
-  const std::optional<Probed> probed = probes ? std::optional(probe(options, status)) : std::nullopt;
-  Progress all(status);
-  all.expect(static_cast<double>(rows.size()) * options.duration() * kThreadSecondsPerSecond, options.threads);
-  std::vector<std::atomic<double>> done(rows.size());
-  inParallel(rows.size(), options.threads, [&](std::size_t row) {
-    const auto progress = [&](double share) {
-      done[row] = share;
-      const double sum = std::accumulate(done.begin(), done.end(), 0.0);
-      return all.tell(counted(rows.size(), "run"), sum / static_cast<double>(rows.size()));
-    };
-    rows[row].result = simulateTeleop(setupFor(options, rows[row].round_trip_s, rows[row].which, probed), progress);
-    done[row] = 1;
-  });
-  status.clear();
+/// Writes, draws and prints what was found.
+void show(const TeleopBenchOptions& options, const std::vector<Row>& rows, const std::optional<Probed>& probed) {
   if (!options.csv_file.empty()) {
     writeCsv(options.overwrite(options.csv_file), rows);
   }
@@ -356,6 +331,50 @@ void runTeleopBench(const TeleopBenchOptions& options) {
   }
   printText(table);
   printNotice(savedText());
+}
+
+void runTeleopBench(const TeleopBenchOptions& options) {
+  const StopOnSignal stop;
+  StatusLine status;
+  for (const std::string& file : {options.csv_file, options.figure_file}) {
+    if (!file.empty()) {
+      requireFree(options.overwrite(file));  // before minutes of work
+    }
+  }
+  std::vector<Row> rows = rowsFor(options);
+  const bool feels_robot = std::ranges::any_of(rows, [](const Row& row) { return row.which == Case::kBilateral; });
+  if (options.lets_go_s && (feels_robot || !options.task.empty())) {
+    throw InvalidParameter("--lets-go-s", fmt::format("{:g}", *options.lets_go_s),
+                           "without --task, and not with --case bilateral");
+  }
+  const bool probes = std::ranges::any_of(rows, [](const Row& row) { return begins(row.which); });
+  const std::optional<Probed> probed = probes ? std::optional(probe(options, status)) : std::nullopt;
+  Progress all(status);
+  all.expect(static_cast<double>(rows.size()) * options.duration() * kThreadSecondsPerSecond, options.threads);
+  std::vector<std::atomic<double>> done(rows.size());
+  const std::size_t wanted = rows.size();
+  try {
+    inParallel(wanted, options.threads, [&](std::size_t row) {
+      const auto progress = [&](double share) {
+        done[row] = share;
+        const double sum = std::accumulate(done.begin(), done.end(), 0.0);
+        return all.tell(counted(wanted, "run"), sum / static_cast<double>(wanted));
+      };
+      rows[row].result = simulateTeleop(setupFor(options, rows[row].round_trip_s, rows[row].which, probed), progress);
+      rows[row].is_done = true;
+      done[row] = 1;
+    });
+  } catch (const Failure&) {
+    std::erase_if(rows, [](const Row& row) { return !row.is_done; });
+    if (!stopAsked() || rows.empty()) {
+      throw;
+    }
+  }
+  status.clear();
+  show(options, rows, probed);
+  if (rows.size() < wanted) {
+    throw Failure(fmt::format("interrupted after {} of {}", rows.size(), counted(wanted, "run")));
+  }
 }
 
 }  // namespace

@@ -18,6 +18,7 @@
 #include "haptolith/bed/stone_start.h"
 #include "haptolith/bed/tile_cache.h"
 #include "haptolith/core/error.h"
+#include "haptolith/core/stop_asked.h"
 
 namespace haptolith {
 
@@ -246,7 +247,7 @@ void Bed::settle(double dt_s, double longest_s, const SettleProgress& progress) 
     }
     time_s += kStepsBetweenLooks * dt_s;
     speed = largestSpeed();
-    if (progress && !progress(time_s, speed)) {
+    if (stopAsked() || (progress && !progress(time_s, speed))) {
       throw Failure(fmt::format("interrupted while the bed settled, after {:.1f} s of simulated time", time_s));
     }
   } while (speed > at_rest_m_s);
@@ -321,7 +322,7 @@ void Bed::findHold(double dt_s, double rest_m_s, const SettleProgress& progress)
       }
     }
     time_s += kStepsBetweenLooks * dt_s;
-    if (progress && !progress(time_s, largestSpeed())) {
+    if (stopAsked() || (progress && !progress(time_s, largestSpeed()))) {
       throw Failure(fmt::format("interrupted while the bed settled, after {:.1f} s of simulated time", time_s));
     }
   } while (largestSpeed() > rest_m_s);

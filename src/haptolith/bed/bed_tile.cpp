@@ -10,6 +10,7 @@
 #include "haptolith/bed/critical_step.h"
 #include "haptolith/bed/spatial_order.h"
 #include "haptolith/core/error.h"
+#include "haptolith/core/stop_asked.h"
 #include "haptolith/soil/layers.h"
 
 namespace haptolith {
@@ -82,7 +83,7 @@ void stepUntil(Bed& bed, const TileProgress& progress,
     }
     time_s += kStepsBetweenLooks * dt_s;
     speed = bed.largestSpeed();
-    if (progress && !progress(time_s, speed)) {
+    if (stopAsked() || (progress && !progress(time_s, speed))) {
       throw Failure(fmt::format("interrupted while the soil settled, after {:.1f} s of simulated time", time_s));
     }
   } while (!is_calm(time_s, speed));

@@ -14,6 +14,7 @@
 #include "haptolith/bed/critical_step.h"
 #include "haptolith/core/error.h"
 #include "haptolith/core/random.h"
+#include "haptolith/core/stop_asked.h"
 
 namespace haptolith {
 
@@ -273,7 +274,7 @@ void Bed::bedStones(const SettleProgress& progress) {
     }
     time_s += kStepsBetweenLooks * dt_s;
     speed_m_s = std::max(largestSpeed(), stones_.largestSpeed());
-    if (progress && !progress(kGrowing_s + time_s, speed_m_s)) {
+    if (stopAsked() || (progress && !progress(kGrowing_s + time_s, speed_m_s))) {
       throw Failure(
           fmt::format("interrupted while the stones settled, after {:.1f} s of simulated time", kGrowing_s + time_s));
     }

@@ -225,9 +225,11 @@ ChildProcess::~ChildProcess() {
 }
 
 bool ChildProcess::wait(std::chrono::milliseconds timeout) {
-  const auto until = std::chrono::steady_clock::now() + timeout;
+  constexpr std::chrono::milliseconds kAfterStop = 30s;
+  const bool stopped_before = stopAsked();
+  const auto until = std::chrono::steady_clock::now() + (stopped_before ? std::min(timeout, kAfterStop) : timeout);
   while (!endsWithin(100ms)) {
-    if (stopAsked()) {
+    if (stopAsked() && !stopped_before) {
       throw Failure("interrupted");
     }
     if (std::chrono::steady_clock::now() > until) {

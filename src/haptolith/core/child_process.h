@@ -82,8 +82,9 @@ class ChildProcess {
   ChildProcess(const ChildProcess&) = delete;
   ChildProcess& operator=(const ChildProcess&) = delete;
 
-  /// Waits for its end. True when it succeeded (exit status 0).
-  /// @throws Failure when the deadline has passed or stopAsked().
+  /// Waits for its end. True when it succeeded (exit status 0). Work that was stopped before, such as the figure of a
+  /// run that Ctrl-C has ended, is finished, in 30 s at most.
+  /// @throws Failure when the deadline has passed, or when the work is stopped meanwhile.
   bool wait(std::chrono::milliseconds timeout = std::chrono::minutes(2));
 
   /// Waits for its end, but not for ever; false when it still runs.

@@ -8,6 +8,7 @@
 #include <random>
 
 #include "haptolith/core/error.h"
+#include "haptolith/core/median.h"
 #include "haptolith/core/random.h"
 
 namespace haptolith {
@@ -20,12 +21,6 @@ constexpr double kEmulatorLambda = 0.5;
 constexpr double kEmulatorNoise_n = 0.05;  ///< of a window, that the training is given: sensors have some
 constexpr std::array kAxes{0, 1, 2};
 constexpr Eigen::Index kTerms = 9;
-
-double upperMedian(std::vector<double> values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::ranges::nth_element(values, middle);
-  return *middle;
-}
 
 /// The mean over a block; none: part of it was not measured.
 std::optional<Vec3> blockMean(const MeasuredForces& forces, std::size_t window) {
@@ -79,7 +74,7 @@ MeasuredForces measuredForces(const TrainingRun& run, double noise_n, std::uint6
 }
 
 ForceEmulator::ForceEmulator(const Training& training, std::optional<std::size_t> left_out)
-    : strengths_(training.runs) {
+    : strengths_(training.runs), gravity_m_s2_(training.gravity_m_s2) {
   if (training.runs.size() < kLeastRuns) {
     throw InvalidParameter("training", fmt::format("{} soils", training.runs.size()),
                            fmt::format("{} or more", kLeastRuns));
@@ -117,7 +112,7 @@ void ForceEmulator::chooseFeatures(const Training& training) {
     for (const MeasuredForces& run : forces) {
       values.push_back(of(*blockMean(run, window)));
     }
-    return upperMedian(std::move(values));
+    return median(std::move(values));
   };
   for (std::size_t window = 0; window + kBlock <= windows; window += kBlock) {
     const double size_n = median_over([](const Vec3& f) { return f.norm(); }, window);
@@ -145,6 +140,14 @@ ForceEmulator::Observed ForceEmulator::observed(const MeasuredForces& forces, do
   }
   result.values = Eigen::Map<const Eigen::VectorXd>(values.data(), static_cast<Eigen::Index>(values.size()));
   return result;
+}
+
+bool ForceEmulator::isAboveNoise(const MeasuredForces& forces, double gravity_m_s2) const {
+  const double noise_n = kEmulatorNoise_n * gravity_m_s2 / gravity_m_s2_;
+  return std::ranges::any_of(features_, [&](const Feature& feature) {
+    const std::optional<Vec3> mean_n = blockMean(forces, feature.window);
+    return mean_n && mean_n->norm() > noise_n;
+  });
 }
 
 Eigen::VectorXd ForceEmulator::peakAngles(const Eigen::MatrixXd& states) const {

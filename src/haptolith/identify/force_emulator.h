@@ -44,6 +44,10 @@ class ForceEmulator {
   };
   [[nodiscard]] Observed observed(const MeasuredForces& forces, double gravity_m_s2) const;
 
+  /// Whether any force of those that count is more than the noise that the training is given, 0.05 N under its gravity
+  /// and in proportion to another. Forces of soil are several times as large.
+  [[nodiscard]] bool isAboveNoise(const MeasuredForces& forces, double gravity_m_s2) const;
+
   /// What they are expected to be, a row for each of the states.
   [[nodiscard]] Eigen::MatrixXd expected(const Eigen::MatrixXd& states) const;
   [[nodiscard]] const Eigen::MatrixXd& covariance() const noexcept { return covariance_; }
@@ -62,6 +66,7 @@ class ForceEmulator {
   void chooseFeatures(const Training& training);
 
   StrengthMap strengths_;
+  double gravity_m_s2_;  ///< of the training
   std::vector<Feature> features_;
   std::optional<Ridge> fit_, peak_;
   Eigen::MatrixXd covariance_;

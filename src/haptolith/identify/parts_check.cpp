@@ -8,18 +8,13 @@
 #include <thread>
 
 #include "haptolith/core/in_parallel.h"
+#include "haptolith/core/median.h"
 
 namespace haptolith {
 
 namespace {
 
 constexpr double kProbeNoise_n = 0.05;
-
-double medianOfParts(std::vector<double> values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::ranges::nth_element(values, middle);
-  return *middle;
-}
 
 int heldBy(const SoilBelief& belief, const SoilState& truth) {
   const double tool_deg = std::atan(truth.tool_friction) * 180 / std::numbers::pi;
@@ -113,8 +108,8 @@ std::vector<PartsRow> partsRows(const std::vector<PartsCourse>& courses) {
     row.held_share = held / intervals;
     row.within_quarter = near / intervals;
     for (std::size_t i = 0; i < kWidths.size(); ++i) {
-      row.median.*kWidths[i] = medianOfParts(widths[i]);
-      row.over_expected.*kWidths[i] = medianOfParts(ratios[i]);
+      row.median.*kWidths[i] = median(widths[i]);
+      row.over_expected.*kWidths[i] = median(ratios[i]);
     }
     rows.push_back(row);
   }

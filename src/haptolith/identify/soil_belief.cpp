@@ -16,6 +16,16 @@ double degrees(double radians) {
   return radians * 180 / std::numbers::pi;
 }
 
+/// Whether forces point against those of a soil in the middle of the prior, taken together.
+bool pushesTheWrongWay(const ForceEmulator::Observed& observed, const ForceEmulator& emulator, const SoilPrior& prior) {
+  const Eigen::MatrixXd expected = emulator.expected((lowest(prior) + highest(prior)).transpose() / 2);
+  double sum = 0;
+  for (Eigen::Index i = 0; i < observed.values.size(); ++i) {
+    sum += observed.values[i] * expected(0, observed.which[static_cast<std::size_t>(i)]);
+  }
+  return sum < 0;
+}
+
 }  // namespace
 
 SoilBelief beliefOf(const BeliefSample& sample, const ForceEmulator& emulator, double gravity_m_s2) {
@@ -51,11 +61,21 @@ SoilIdentifier::SoilIdentifier(const Training& training)
     : emulator_(training), temper_(training.temper ? *training.temper : LeaveOneOut(training).calibratedTemper()) {}
 
 SoilBelief SoilIdentifier::identify(const MeasuredForces& forces, double gravity_m_s2, const SoilPrior& prior) const {
-  const SoilBelief belief = beliefOf(forces, emulator_, temper_, gravity_m_s2, prior);
-  if (belief.numbers == 0) {
+  const ForceEmulator::Observed observed = emulator_.observed(forces, gravity_m_s2);
+  if (observed.which.empty()) {
     throw InvalidParameter("windows in which the tool is in soil", "0", "1 or more");
   }
-  return belief;
+  if (!emulator_.isAboveNoise(forces, gravity_m_s2)) {
+    throw InvalidParameter("force where the tool is in soil", "within the sensor's noise, all the time",
+                           "that of the soil on the tool; the soil is not identified: is the sensor's column empty, or "
+                           "the tool above the soil (--origin-mm)?");
+  }
+  if (pushesTheWrongWay(observed, emulator_, prior)) {
+    throw InvalidParameter("force where the tool is in soil", "against what soil does to this tool",
+                           "that of the soil on the tool, in the axes of the poses; the soil is not identified: is the "
+                           "sign that of the tool on the soil?");
+  }
+  return beliefOf(forces, emulator_, temper_, gravity_m_s2, prior);
 }
 
 LeaveOneOut::LeaveOneOut(const Training& training) : training_(training) {

@@ -43,7 +43,8 @@ class SoilIdentifier {
   /// @throws as ForceEmulator. Takes half a minute where the training does not know its T yet.
   explicit SoilIdentifier(const Training& training);
 
-  /// @throws InvalidParameter when none of the windows was measured.
+  /// @throws InvalidParameter when none of the windows was measured, when no force in them is above the noise of the
+  /// training's sensor, or when forces point the other way than soil pushes this tool.
   [[nodiscard]] SoilBelief identify(const MeasuredForces& forces, double gravity_m_s2,
                                     const SoilPrior& prior = {}) const;
 

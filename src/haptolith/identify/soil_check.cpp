@@ -8,20 +8,12 @@
 #include <random>
 
 #include "haptolith/core/error.h"
+#include "haptolith/core/median.h"
 #include "haptolith/core/random.h"
 
 namespace haptolith {
 
 namespace {
-
-double medianOrZero(std::vector<double> values) {
-  if (values.empty()) {
-    return 0;
-  }
-  std::ranges::sort(values);
-  const std::size_t half = values.size() / 2;
-  return values.size() % 2 == 1 ? values[half] : (values[half - 1] + values[half]) / 2;
-}
 
 /// A number of each soil.
 struct Told {
@@ -38,7 +30,7 @@ CheckedNumber over(std::string name, std::string unit, int decimals, const std::
     held += holds(estimate, truth) ? 1 : 0;
   }
   const double share = soils.empty() ? 0 : held / static_cast<double>(soils.size());
-  return {std::move(name), std::move(unit), decimals, medianOrZero(std::move(errors)), share};
+  return {std::move(name), std::move(unit), decimals, errors.empty() ? 0 : median(std::move(errors)), share};
 }
 
 }  // namespace

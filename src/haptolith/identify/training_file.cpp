@@ -6,6 +6,7 @@
 #include <array>
 #include <cmath>
 #include <iterator>
+#include <map>
 #include <span>
 
 #include "haptolith/bed/bed_parameters.h"
@@ -212,8 +213,15 @@ Training parseTraining(std::string_view text, std::string_view name) {
     training.temper = file.at("temper").number({0.1, 1000});
   }
   training.tool = json.contains("tool") && json["tool"].is_string() ? json["tool"].get<std::string>() : "";
-  for (const Node& run : file.at("runs").list(0, kMostRuns)) {
-    training.runs.push_back(runFrom(run, windows));
+  std::map<std::uint64_t, std::string> places;  // of the runs by their numbers
+  for (const Node& node : file.at("runs").list(0, kMostRuns)) {
+    const TrainingRun run = runFrom(node, windows);
+    if (const auto [same, is_new] = places.emplace(run.number, node.place()); !is_new) {
+      throw InvalidParameter(fmt::format("{}: number", node.place()),
+                             fmt::format("{}, as of {}", run.number, same->second),
+                             "another soil in each run: one that stands there twice would count twice");
+    }
+    training.runs.push_back(run);
   }
   return training;
 }

@@ -109,12 +109,23 @@ SoilEstimate massOf(const ScoopMass& scoop) {
   return {scoop.mass_kg.value - half_kg, scoop.mass_kg.value, scoop.mass_kg.value + half_kg};
 }
 
+void requireMeasurable(const ScoopMass& scoop) {
+  const auto [low_kg, middle_kg, high_kg] = massOf(scoop);
+  if (high_kg <= 0) {
+    throw Failure(fmt::format("the scoop was lighter full than empty, by {:.3g} g: are the times the other way round?",
+                              -1e3 * middle_kg));
+  }
+  if (low_kg <= 0) {
+    throw Failure(
+        fmt::format("the mass is not measurable: {:.3g} to {:.3g} g (90 %), so the scoop may be as full as it "
+                    "was empty; hold it still for longer, or lift more",
+                    1e3 * low_kg, 1e3 * high_kg));
+  }
+}
+
 SoilEstimate densityOf(const ScoopMass& scoop, const Uncertain& volume_m3) {
   requireInRange("volume_m3", volume_m3.value, kScoopVolume_m3);
-  if (massOf(scoop).high <= 0) {
-    throw Failure(fmt::format("the scoop was lighter full than empty, by {:.3g} g: are the times the other way round?",
-                              -1e3 * scoop.mass_kg.value));
-  }
+  requireMeasurable(scoop);
   requireInRange("volume_m3: its error over itself", volume_m3.error / volume_m3.value, {0, 0.5});
   const double t = quantile95(scoop.freedom);
   const auto& [m, m_error] = scoop.mass_kg;

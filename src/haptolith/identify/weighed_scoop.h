@@ -44,10 +44,13 @@ struct ScoopMass {
 /// An interval of 90 % for the mass, in kg.
 [[nodiscard]] SoilEstimate massOf(const ScoopMass& scoop);
 
+/// @throws Failure where that interval reaches 0 or less: the scoop may be as full as it was empty.
+void requireMeasurable(const ScoopMass& scoop);
+
 /// Density of what fills a volume, in kg/m^3: all rho for which m - rho V is not further from 0 than chance takes it
 /// nine times in ten (Fieller, J. R. Stat. Soc. B 16, 1954).
-/// @throws InvalidParameter for a volume outside kScoopVolume_m3, or not known to half of itself; Failure where the
-/// scoop was surely lighter full than empty.
+/// @throws InvalidParameter for a volume outside kScoopVolume_m3, or not known to half of itself; Failure as
+/// requireMeasurable().
 [[nodiscard]] SoilEstimate densityOf(const ScoopMass& scoop, const Uncertain& volume_m3);
 
 }  // namespace haptolith

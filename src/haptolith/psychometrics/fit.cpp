@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
+#include <limits>
 #include <random>
 
 #include "haptolith/core/error.h"
@@ -18,7 +19,8 @@ namespace haptolith {
 namespace {
 
 constexpr int kDraws = 400;
-constexpr int kPeaks = 8;  // of the likelihood, from which its maximum is looked for
+constexpr double kBeyond = 1e200;  // stands for what has no end
+constexpr int kPeaks = 8;          // of the likelihood, from which its maximum is looked for
 
 /// What the estimates and statistics of both methods have in common.
 Fit fitAt(const Model& model, const ParameterPoint& point, const ParameterPoint& most_likely,
@@ -48,6 +50,7 @@ Fit fitAt(const Model& model, const ParameterPoint& point, const ParameterPoint&
   fit.aic = 2 * fit.free_parameters - 2 * fit.log_likelihood;
   fit.bic = fit.free_parameters * std::log(fit.n_trials) - 2 * fit.log_likelihood;
   const double least_deviance = devianceOf(model.levels(), model.functionAt(most_likely));
+  fit.doubt = doubtOf(model.levels(), options);
   fit.p_value = simulatedPValue(simulated, least_deviance);
   fit.p_value_chi_square = chiSquarePValue(model, least_deviance);
   return fit;
@@ -75,12 +78,14 @@ Interval intervalByBoth(const Model& model, const Posterior& posterior, double c
   const std::size_t block = posterior.mass.size() / pairs;  // the other parameters run faster
   std::vector<WeightedValue> values(pairs);
   for (std::size_t pair = 0; pair < pairs; ++pair) {
-    values[pair].value = derived(model.functionAt(pointOf(posterior, pair * block)));
+    const double value = derived(model.functionAt(pointOf(posterior, pair * block)));
+    values[pair].value = value > 0 ? value : kBeyond;  // a Weber fraction at a threshold of 0 or less
     for (std::size_t i = 0; i < block; ++i) {
       values[pair].mass += posterior.mass[pair * block + i];
     }
   }
-  return percentileInterval(std::move(values), confidence);
+  const auto [low, high] = percentileInterval(std::move(values), confidence);
+  return {low, high < std::sqrt(kBeyond) ? high : std::numeric_limits<double>::infinity()};
 }
 
 /// Every parameter at the median of its marginal.
@@ -109,13 +114,23 @@ void setIntervals(Fit& fit, const Model& model, const std::function<Interval(Par
                                               : intervalByWidth(fit.function, fit.width.interval, derived);
   };
   fit.jnd.interval = derived_interval(jndOf);
-  fit.weber_fraction.interval = derived_interval(weberFractionOf);
+  const bool may_be_zero =
+      (fit.method == FitMethod::kMaximumLikelihood ? fit.threshold.value : fit.threshold.interval.low) <= 0;
+  if (may_be_zero) {
+    fit.weber_fraction.value = std::numeric_limits<double>::quiet_NaN();
+  } else {
+    fit.weber_fraction.interval = derived_interval(weberFractionOf);
+  }
   fit.lapse.interval = of_parameter(kLapse);
   fit.guess.interval = fit.design == Design::kEqualAsymptote ? fit.lapse.interval : of_parameter(kGuess);
   fit.overdispersion.interval = of_parameter(kOverdispersion);
 }
 
 }  // namespace
+
+bool isAtEdge(const Estimate& estimate) noexcept {
+  return estimate.value < estimate.interval.low || estimate.value > estimate.interval.high;
+}
 
 FitOptions weberOptions(double reference, Sigmoid sigmoid) {
   return {.sigmoid = sigmoid,

@@ -4,6 +4,7 @@
 #include <limits>
 #include <optional>
 #include <span>
+#include <string>
 #include <vector>
 
 #include "haptolith/psychometrics/levels.h"
@@ -58,6 +59,10 @@ struct Estimate {
   Interval interval = {};
 };
 
+/// Whether a value lies outside its interval: a most probable value at the end of its range does, because the interval
+/// leaves out equal tails on both sides.
+[[nodiscard]] bool isAtEdge(const Estimate& estimate) noexcept;
+
 enum class FitMethod { kMap, kMedian, kMaximumLikelihood };
 
 /// A psychometric function that has been fitted, docs/psychometrics.md.
@@ -72,7 +77,7 @@ struct Fit {
   Estimate threshold = {};         ///< x50 of the sigmoid; of a comparison, the point of subjective equality
   Estimate width = {};             ///< see PsychometricFunction
   Estimate jnd = {};               ///< x84 - x50
-  Estimate weber_fraction = {};    ///< x84/x50 - 1
+  Estimate weber_fraction = {};    ///< x84/x50 - 1; NaN where the threshold may be 0 or less
   std::optional<Estimate> w = {};  ///< of (paper 22); of weber it is the Weber fraction
   Estimate lapse = {};
   Estimate guess = {};
@@ -83,6 +88,7 @@ struct Fit {
   double deviance = 0;                                        ///< of the binomial model at the estimate
   double p_value = std::numeric_limits<double>::quiet_NaN();  ///< that answers of this function fit worse, simulated
   double p_value_chi_square = std::numeric_limits<double>::quiet_NaN();  ///< the same by the chi-square distribution
+  std::string doubt = {};     ///< doubtOf(): a function that these answers contradict
   double log_likelihood = 0;  ///< at the maximum of the likelihood, binomial coefficients left out
   double log_evidence = std::numeric_limits<double>::quiet_NaN();  ///< of the grid; NaN of maximum likelihood
   double aic = 0;
@@ -96,7 +102,7 @@ struct Fit {
 /// computes it (Schuett et al. 2016), refined by NLopt; the intervals are percentiles of the marginals. Deterministic.
 /// With w alone free it takes less than a millisecond (without simulations), with all parameters about half a second.
 /// @throws InvalidParameter for options or levels that make no sense, for instance a single stimulus where threshold
-/// and width are free.
+/// and width are free; Failure when stopAsked().
 [[nodiscard]] Fit fitPsychometric(std::span<const Level> levels, const FitOptions& options);
 
 /// The most likely psychometric function, with intervals of the likelihood's profile (profile.h); its draws are

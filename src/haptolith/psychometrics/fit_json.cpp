@@ -5,6 +5,7 @@
 
 #include <cmath>
 #include <string_view>
+#include <utility>
 
 namespace haptolith {
 
@@ -66,6 +67,17 @@ Json fitJson(const Fit& fit) {
   if (fit.w) {
     json["w"] = fit.w->value;
     json["intervals"]["w"] = intervalJson(fit.w->interval);
+  }
+  for (const auto& [name, estimate] :
+       {std::pair("threshold", &fit.threshold), std::pair("width", &fit.width), std::pair("jnd", &fit.jnd),
+        std::pair("weber_fraction", &fit.weber_fraction), std::pair("lapse", &fit.lapse),
+        std::pair("guess", &fit.guess), std::pair("overdispersion", &fit.overdispersion)}) {
+    if (isAtEdge(*estimate)) {
+      json["at_edge"].push_back(name);
+    }
+  }
+  if (!fit.doubt.empty()) {
+    json["doubt"] = fit.doubt;
   }
   for (const Level& level : fit.levels) {
     json["levels"].push_back({{"x", level.x}, {"k", std::llround(level.k)}, {"n", std::llround(level.n)}});

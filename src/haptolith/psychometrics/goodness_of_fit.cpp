@@ -1,11 +1,19 @@
 #include "haptolith/psychometrics/goodness_of_fit.h"
 
 #include <boost/math/distributions/chi_squared.hpp>
+#include <boost/random/beta_distribution.hpp>
+#include <boost/random/binomial_distribution.hpp>
+#include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
+#include <cstdint>
 #include <limits>
+#include <numeric>
 
+#include "haptolith/core/error.h"
 #include "haptolith/core/random.h"
+#include "haptolith/core/stop_asked.h"
 #include "haptolith/psychometrics/likelihood.h"
 #include "haptolith/psychometrics/optimum.h"
 #include "haptolith/psychometrics/posterior.h"
@@ -14,8 +22,59 @@ namespace haptolith {
 
 namespace {
 
-constexpr double kTolerance = 1e-5;  // of the fits to simulated studies
+constexpr double kTolerance = 1e-5;  // of the fits to simulated studies, and no more of a peak's width than
+constexpr double kToleranceOfPeak = 0.01;
+constexpr double kFewAnswers = 100;  // are drawn one by one, more of them together
 constexpr int kDeviancePeaks = 2;    // of the likelihood, from which each simulated study is fitted besides its origin
+
+constexpr double kDoubtful = 3;  // standard errors
+
+/// Armitage's test (1955, Biometrics 11, 375): by how many standard errors positive answers become more from one
+/// stimulus to the next.
+double trendOf(std::span<const Level> levels) {
+  double n = 0, k = 0, places = 0;
+  for (std::size_t i = 0; i < levels.size(); ++i) {
+    n += levels[i].n;
+    k += levels[i].k;
+    places += levels[i].n * double(i);
+  }
+  const double fraction = k / n;
+  double sum = 0, square = 0;
+  for (std::size_t i = 0; i < levels.size(); ++i) {
+    const double place = double(i) - places / n;
+    sum += place * (levels[i].k - levels[i].n * fraction);
+    square += levels[i].n * place * place;
+  }
+  const double variance = fraction * (1 - fraction) * square;
+  return variance > 0 ? sum / std::sqrt(variance) : 0;
+}
+
+double uniform(std::mt19937_64& random) {
+  return (uniformSigned(random) + 1) / 2;
+}
+
+/// Answer by answer: each makes the next one like it more probable (Polya's urn). @param s  eta^2.
+double drawnOneByOne(double n, double psi, double s, std::mt19937_64& random) {
+  double positive = 0;
+  for (double trial = 0; trial < n; ++trial) {
+    const double share = (psi * (1 - s) + positive * s) / (1 - s + trial * s);
+    positive += uniform(random) < share ? 1 : 0;
+  }
+  return positive;
+}
+
+/// The same at once: a binomial number of a probability that is itself drawn from a Beta distribution.
+double drawnAtOnce(double n, double psi, double s, std::mt19937_64& random) {
+  double share = psi;
+  if (s >= kBinomial && psi > 0 && psi < 1) {
+    const double nu = 1 / s - 1;
+    share = boost::random::beta_distribution<double>(psi * nu, (1 - psi) * nu)(random);
+    if (!(share >= 0 && share <= 1)) {  // so small a nu that both of its gamma numbers are 0: all answers alike
+      share = uniform(random) < psi ? 1 : 0;
+    }
+  }
+  return static_cast<double>(boost::random::binomial_distribution<std::int64_t>(std::int64_t(n), share)(random));
+}
 
 }  // namespace
 
@@ -24,14 +83,7 @@ std::vector<Level> simulatedAnswers(std::span<const Level> levels, const Psychom
   std::vector<Level> result(levels.begin(), levels.end());
   for (Level& level : result) {
     const double psi = probability(function, level.x);
-    // Answer by answer: each makes the next one like it more probable (Polya's urn).
-    const double s = eta * eta;
-    double positive = 0;
-    for (double trial = 0; trial < level.n; ++trial) {
-      const double share = (psi * (1 - s) + positive * s) / (1 - s + trial * s);
-      positive += (uniformSigned(random) + 1) / 2 < share ? 1 : 0;
-    }
-    level.k = positive;
+    level.k = (level.n <= kFewAnswers ? drawnOneByOne : drawnAtOnce)(level.n, psi, eta * eta, random);
   }
   return result;
 }
@@ -39,14 +91,20 @@ std::vector<Level> simulatedAnswers(std::span<const Level> levels, const Psychom
 SimulatedFits simulatedFits(const Model& model, const ParameterPoint& point) {
   std::mt19937_64 random(model.options().seed);
   const PsychometricFunction function = model.functionAt(point);
+  const double answers = std::accumulate(model.levels().begin(), model.levels().end(), 0.0,
+                                         [](double sum, const Level& level) { return sum + level.n; });
+  const double tolerance = std::min(kTolerance, kToleranceOfPeak / std::sqrt(answers));
   SimulatedFits fits;
   for (int i = 0; i < model.options().simulations; ++i) {
+    if (stopAsked()) {
+      throw Failure("interrupted");
+    }
     const Model simulated =
         model.withAnswers(simulatedAnswers(model.levels(), function, random, point[kOverdispersion]));
     std::vector<ParameterPoint> starts = likelihoodPeaks(simulated, kDeviancePeaks);
     starts.push_back(point);
     fits.points.push_back(
-        optimumNear(simulated, starts, {.objective = Objective::kLikelihood, .tolerance = kTolerance}).point);
+        optimumNear(simulated, starts, {.objective = Objective::kLikelihood, .tolerance = tolerance}).point);
     fits.deviances.push_back(devianceOf(simulated.levels(), simulated.functionAt(fits.points.back())));
   }
   return fits;
@@ -58,6 +116,25 @@ double simulatedPValue(const SimulatedFits& fits, double observed) {
   }
   const auto worse = std::ranges::count_if(fits.deviances, [&](double deviance) { return deviance >= observed; });
   return (double(worse) + 1) / (double(fits.deviances.size()) + 1);
+}
+
+std::string doubtOf(std::span<const Level> levels, const FitOptions& options) {
+  const double trend = trendOf(levels);
+  if (options.falling ? trend > kDoubtful : trend < -kDoubtful) {
+    return fmt::format("positive answers become {} with more of the stimulus: {}?", options.falling ? "more" : "fewer",
+                       options.falling ? "fit a rising function, without --falling" : "fit a falling one, --falling");
+  }
+  double n = 0, k = 0;
+  for (const Level& level : levels) {
+    n += level.n;
+    k += level.k;
+  }
+  const double guess = options.design == Design::kForcedChoice ? 1.0 / options.alternatives : 0;
+  if (k - n * guess < -kDoubtful * std::sqrt(n * guess * (1 - guess))) {
+    return fmt::format("{:.0f} of {:.0f} answers are right, where guessing gives one of {}: is 1 a wrong answer?", k, n,
+                       options.alternatives);
+  }
+  return "";
 }
 
 double chiSquarePValue(const Model& model, double deviance) {

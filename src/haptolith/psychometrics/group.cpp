@@ -12,6 +12,7 @@
 #include <utility>
 
 #include "haptolith/core/error.h"
+#include "haptolith/psychometrics/goodness_of_fit.h"
 #include "haptolith/psychometrics/levels.h"
 #include "haptolith/psychometrics/likelihood.h"
 #include "haptolith/psychometrics/model.h"
@@ -203,6 +204,7 @@ class FitWriter {
             .confidence = model_.options().confidence,
             .levels = pooled(levels)};
     fit.function = functionAt({place.value, scale.value, lapse_.value, guess_, 0});
+    fit.doubt = doubtOf(fit.levels, model_.options());
     const auto widths = [this](double value) { return model_.widthOf(value); };
     fit.threshold = inUnit(place, [&](double value) { return fromAxis(fit.function, value); });
     fit.width = inUnit(scale, widths);

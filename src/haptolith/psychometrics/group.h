@@ -46,7 +46,7 @@ struct GroupFit {
 /// priors of a single fit. Sums over grids, deterministic.
 /// @param participants  each one's levels; one participant or more.
 /// @param effort  kQuick leaves out what is said of each participant.
-/// @throws InvalidParameter as fitPsychometric(), or without a participant.
+/// @throws InvalidParameter as fitPsychometric(), or without a participant; Failure when stopAsked().
 [[nodiscard]] GroupFit fitGroup(std::span<const std::vector<Level>> participants, const FitOptions& options,
                                 Effort effort = Effort::kThorough);
 

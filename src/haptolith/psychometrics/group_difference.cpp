@@ -72,7 +72,7 @@ double bayesFactorOfNone(const Marginal& change, double usual) {
   for (const double value : evenly({change.values.front(), change.values.back()}, kPriorPlaces)) {
     averaged += densityAt(change, value) * normalDensity(value, usual) * step;
   }
-  return densityAt(change, 0) / averaged;
+  return averaged > 0 ? densityAt(change, 0) / averaged : 0;
 }
 
 }  // namespace

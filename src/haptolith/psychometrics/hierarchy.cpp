@@ -5,8 +5,11 @@
 #include <cstddef>
 #include <limits>
 #include <numbers>
+#include <optional>
 #include <utility>
 
+#include "haptolith/core/error.h"
+#include "haptolith/core/stop_asked.h"
 #include "haptolith/psychometrics/posterior.h"
 
 namespace haptolith {
@@ -119,6 +122,9 @@ class HyperGrid {
     }
     setPriors();
     for (std::size_t i = 0; i < people.size(); ++i) {
+      if (stopAsked()) {
+        throw Failure("interrupted");
+      }
       const Person person = personOf(i);
       for (std::size_t s = 0; s < log_density_.size(); ++s) {
         log_density_[s] += integrals(person, s).array().max(kImpossibleGroup).log();
@@ -169,7 +175,7 @@ class HyperGrid {
       }
     });
     for (int i = 0; i < kHyperParameters; ++i) {
-      const Eigen::ArrayXd log_density = (sums[i] / trapezoid(values_[i])).max(kImpossibleGroup).log();
+      const Eigen::ArrayXd log_density = (sums[i] / trapezoid(values_[i])).log();
       const Eigen::ArrayXd shifted = log_density - log_density.maxCoeff();
       posterior.marginals[i] = {values_[i], {shifted.begin(), shifted.end()}};
     }
@@ -317,38 +323,55 @@ class HyperGrid {
   std::vector<Eigen::ArrayXXd> log_density_;  // for each shared value; after takeMasses() the masses
 };
 
-/// The cubic of Catmull and Rom between the values at 0 and 1 of four in a row.
-double cubic(const std::array<double, 4>& at, double share) noexcept {
-  const double slope_0 = (at[2] - at[0]) / 2;
-  const double slope_1 = (at[3] - at[1]) / 2;
-  const double t2 = share * share;
-  const double t3 = t2 * share;
-  return (2 * t3 - 3 * t2 + 1) * at[1] + (t3 - 2 * t2 + share) * slope_0 + (3 * t2 - 2 * t3) * at[2] +
-         (t3 - t2) * slope_1;
+/// The second difference of a marginal's logarithm at its i-th value; none at an end and next to an impossible value.
+std::optional<double> bendAt(const std::vector<double>& log, std::ptrdiff_t i) {
+  if (i < 1 || i + 1 >= std::ssize(log)) {
+    return std::nullopt;
+  }
+  const double bend = log[i - 1] - 2 * log[i] + log[i + 1];
+  return std::isfinite(bend) ? std::optional(bend) : std::nullopt;
 }
 
-/// The marginal at more values, as masses. Values need not be evenly spaced; a place between two is a share of them.
+/// The same at both ends of the cell above the i-th value. An unknown one is as the other: the parabola continues.
+/// Neither is more than a few times as strong as the other: a cliff next to the cell would otherwise raise a peak in
+/// it, because the cubic of Catmull and Rom swings out as far as the cliff is deep.
+std::array<double, 2> bendsOf(const std::vector<double>& log, std::ptrdiff_t i) {
+  constexpr double kStronger = 4;
+  const std::optional<double> below = bendAt(log, i);
+  const std::optional<double> above = bendAt(log, i + 1);
+  const double first = below.value_or(above.value_or(0));
+  const double second = above.value_or(first);
+  const double most = kStronger * std::min(std::abs(first), std::abs(second));
+  return {std::clamp(first, -most, most), std::clamp(second, -most, most)};
+}
+
+/// The density between two values, at a fraction of their distance. Its logarithm is the cubic of Catmull and Rom,
+/// which blends the parabolas through three values each; next to an impossible value the density itself is straight.
+double densityBetween(double log_low, double log_high, const std::array<double, 2>& bends, double fraction) {
+  if (!std::isfinite(log_low) || !std::isfinite(log_high)) {
+    return std::lerp(std::exp(log_low), std::exp(log_high), fraction);
+  }
+  const double bend = std::lerp(bends[0], bends[1], fraction);
+  return std::exp(std::lerp(log_low, log_high, fraction) - fraction * (1 - fraction) / 2 * bend);
+}
+
+/// The marginal at more values, as masses. Values need not be evenly spaced; a place between two is a fraction of the
+/// way between them.
 std::vector<WeightedValue> finer(const Marginal& marginal) {
   const std::vector<double>& values = marginal.values;
+  const std::vector<double>& log = marginal.log_density;
   if (values.size() == 1) {
     return {{values.front(), 1}};
   }
-  const auto last = std::ssize(values) - 1;
-  const auto log_at = [&](std::ptrdiff_t i) {
-    const std::vector<double>& log = marginal.log_density;
-    if (i < 0) {
-      return last < 2 ? log[0] : 3 * log[0] - 3 * log[1] + log[2];  // the parabola goes on
-    }
-    return i <= last ? log[i] : last < 2 ? log[last] : 3 * log[last] - 3 * log[last - 1] + log[last - 2];
-  };
   std::vector<WeightedValue> result;
-  result.reserve(static_cast<std::size_t>(last) * kPerCell);
-  for (std::ptrdiff_t i = 0; i < last; ++i) {
-    const std::array<double, 4> around{log_at(i - 1), log_at(i), log_at(i + 1), log_at(i + 2)};
+  result.reserve((values.size() - 1) * kPerCell);
+  for (std::ptrdiff_t i = 0; i + 1 < std::ssize(values); ++i) {
+    const std::array<double, 2> bends = bendsOf(log, i);
     const double cell = (values[i + 1] - values[i]) / kPerCell;
     for (int j = 0; j < kPerCell; ++j) {
-      const double share = (j + 0.5) / kPerCell;
-      result.push_back({std::lerp(values[i], values[i + 1], share), std::exp(cubic(around, share)) * cell});
+      const double fraction = (j + 0.5) / kPerCell;
+      result.push_back(
+          {std::lerp(values[i], values[i + 1], fraction), densityBetween(log[i], log[i + 1], bends, fraction) * cell});
     }
   }
   return result;
@@ -460,7 +483,7 @@ Marginal differenceOf(const Marginal& first, const Marginal& second) {
       mass[below + 1] += share * a.mass * b.mass;
     }
   }
-  const Eigen::ArrayXd log = (mass / mass.maxCoeff()).max(kImpossibleGroup).log();
+  const Eigen::ArrayXd log = (mass / mass.maxCoeff()).log();
   return {evenly(support, kDifferences), {log.begin(), log.end()}};
 }
 

@@ -59,7 +59,8 @@ struct SpreadPrior {
 /// A density on a grid of ascending values.
 struct Marginal {
   std::vector<double> values = {};
-  std::vector<double> log_density = {};  ///< its largest is 0; a single value has all the mass
+  /// Its largest is 0; minus infinity where a value is impossible. A single value has all the mass.
+  std::vector<double> log_density = {};
 };
 
 /// The posterior of a hierarchy.
@@ -80,10 +81,12 @@ struct HierarchyPosterior {
 /// on grids that close in on where it is. L_i is a person's table, bilinear between its values and constant beyond
 /// them; N holds the exact integrals of a normal distribution times the hat function about each value, so that a spread
 /// of 0 is a place like any other. Deterministic. Only the thorough sum says what the people are, too.
+/// @throws Failure when stopAsked().
 [[nodiscard]] HierarchyPosterior hierarchyOf(const std::vector<PersonTable>& people, const HierarchyPriors& priors,
                                              Effort effort);
 
-/// Median and interval of a marginal; its logarithm is taken as a cubic between the values.
+/// Median and interval of a marginal; its logarithm is taken as a cubic between the values, and the density as straight
+/// next to impossible ones.
 [[nodiscard]] Estimate estimateOf(const Marginal& marginal, double confidence);
 
 /// The density of a marginal at a value, in 1 / its unit; 0 outside its values.

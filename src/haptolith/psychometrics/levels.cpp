@@ -12,9 +12,11 @@ namespace haptolith {
 
 namespace {
 
+constexpr double kSameStimulus = 1e-12;  // by which the same stimulus may differ from one row to the next, as a fraction
+
 void requireCounts(const Level& level) {
-  requireInRange("x of a level", level.x, {});
-  requireInRange("n of a level", level.n, {.lowest = 0});
+  requireInRange("x of a level", level.x, {-kMostStimulus, kMostStimulus});
+  requireInRange("n of a level", level.n, {0, kMostAnswers});
   requireInRange("k of a level", level.k, {0, level.n});
   for (const double count : {level.k, level.n}) {
     if (count != std::floor(count)) {
@@ -37,7 +39,15 @@ std::vector<Level> pooled(std::span<const Level> levels) {
   std::vector<Level> result;
   result.reserve(by_x.size());
   for (const auto& [x, level] : by_x) {
-    result.push_back(level);
+    if (!result.empty() && x - result.back().x <= kSameStimulus * std::abs(x)) {
+      Level& same = result.back();
+      same = {same.x, same.k + level.k, same.n + level.n};
+    } else {
+      result.push_back(level);
+    }
+  }
+  for (const Level& level : result) {
+    requireInRange(fmt::format("answers to the stimulus {:g}", level.x), level.n, {0, kMostAnswers});
   }
   return result;
 }

@@ -7,13 +7,19 @@ namespace haptolith {
 
 /// Answers to one stimulus: `k` positive ones of `n`.
 struct Level {
-  double x = 0;  ///< the stimulus, in the unit of the axis
+  double x = 0;  ///< the stimulus, in the unit of the axis, -kMostStimulus to kMostStimulus
   double k = 0;  ///< positive answers, a whole number, 0 to n
-  double n = 0;  ///< answers, a whole number
+  double n = 0;  ///< answers, a whole number, 0 to kMostAnswers
 };
 
+/// More answers to one stimulus determine the fit more closely than its numbers have digits.
+inline constexpr double kMostAnswers = 1e9;
+/// Larger stimuli, and smaller ones on a logarithmic axis than 1/kMostStimulus, leave the range of its numbers.
+inline constexpr double kMostStimulus = 1e60;
+
 /// The levels in ascending order of x, answers to the same stimulus added up, stimuli without an answer left out.
-/// @throws InvalidParameter unless every x is finite and k, n are whole numbers with 0 <= k <= n.
+/// Stimuli that differ by rounding, by 1e-12 of themselves, are the same.
+/// @throws InvalidParameter unless every x is in its range and k, n are whole numbers with 0 <= k <= n <= kMostAnswers.
 [[nodiscard]] std::vector<Level> pooled(std::span<const Level> levels);
 
 /// Levels whose stimuli differ by no more than `tolerance` (in the unit of x) from the first of them taken together, at

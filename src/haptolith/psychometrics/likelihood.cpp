@@ -1,5 +1,7 @@
 #include "haptolith/psychometrics/likelihood.h"
 
+#include <boost/math/special_functions/log1p.hpp>
+
 #include <cmath>
 
 namespace haptolith {
@@ -40,8 +42,16 @@ double logBetaBinomial(double k, double n, double psi, double s) noexcept {
   return (k > 0 ? rise(psi * nu, k) : 0) + (n - k > 0 ? rise((1 - psi) * nu, n - k) : 0) - rise(nu, n);
 }
 
+/// k ln(k/m) + m - k, which is 0 or more and keeps its digits where k is close to m > 0 (Loader 2000).
+double devianceTerm(double k, double m) noexcept {
+  if (k == 0) {
+    return m;
+  }
+  const double excess = (m - k) / k;
+  return std::abs(excess) > 0.5 ? k * std::log(k / m) + m - k : -k * boost::math::log1pmx(excess);
+}
+
 constexpr double kMany = 60;
-constexpr double kBinomial = 1e-9;  // eta^2 below which many answers cannot be told from binomial ones
 
 }  // namespace
 
@@ -78,8 +88,8 @@ double logLikelihood(std::span<const Level> levels, const PsychometricFunction& 
 double devianceOf(std::span<const Level> levels, const PsychometricFunction& function) noexcept {
   double sum = 0;
   for (const Level& level : levels) {
-    sum += logBinomial(level.k, level.n, level.k / level.n) -
-           logBinomial(level.k, level.n, probability(function, level.x));
+    const double expected = level.n * probability(function, level.x);
+    sum += devianceTerm(level.k, expected) + devianceTerm(level.n - level.k, level.n - expected);
   }
   return 2 * sum;
 }

@@ -17,6 +17,9 @@ namespace haptolith {
 /// @param k, n  whole numbers, 0 <= k <= n. @param psi, eta  0 to 1.
 [[nodiscard]] double logLikelihood(double k, double n, double psi, double eta) noexcept;
 
+/// eta^2 below which many answers cannot be told from binomial ones.
+inline constexpr double kBinomial = 1e-9;
+
 /// The sum over the levels; minus infinity where the function excludes what was answered.
 [[nodiscard]] double logLikelihood(std::span<const Level> levels, const PsychometricFunction& function,
                                    double eta) noexcept;

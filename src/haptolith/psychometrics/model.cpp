@@ -70,15 +70,16 @@ void Model::setAxis() {
   if (levels_.empty()) {
     throw InvalidParameter("levels", "none with an answer", "one or more");
   }
+  const Range logarithmic{1 / kMostStimulus, kMostStimulus};
   std::vector<double> places;
   for (const Level& level : levels_) {
     if (log_axis_) {
-      requireInRange("x on a logarithmic axis", level.x, {.lowest = 0, .ends = Ends::kOpen});
+      requireInRange("x on a logarithmic axis", level.x, logarithmic);
     }
     places.push_back(log_axis_ ? std::log(level.x) : level.x);
   }
   if (options_.threshold) {
-    requireInRange("threshold", *options_.threshold, log_axis_ ? Range{.lowest = 0, .ends = Ends::kOpen} : Range{});
+    requireInRange("threshold", *options_.threshold, log_axis_ ? logarithmic : Range{-kMostStimulus, kMostStimulus});
     places.push_back(log_axis_ ? std::log(*options_.threshold) : *options_.threshold);
   }
   std::ranges::sort(places);
@@ -93,6 +94,10 @@ void Model::setAxis() {
   if (last_ == first_) {
     throw InvalidParameter("levels", fmt::format("all answers at x = {}", levels_.front().x),
                            "two stimuli or more, or one besides the fixed threshold");
+  }
+  if (last_ - first_ < 1 / kMostStimulus) {
+    throw InvalidParameter("levels", fmt::format("stimuli within {:g} of each other", last_ - first_),
+                           fmt::format("stimuli that reach over {:g} or more", 1 / kMostStimulus));
   }
 }
 

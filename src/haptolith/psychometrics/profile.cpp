@@ -9,6 +9,9 @@
 #include <limits>
 #include <utility>
 
+#include "haptolith/core/error.h"
+#include "haptolith/core/stop_asked.h"
+
 namespace haptolith {
 
 namespace {
@@ -17,7 +20,10 @@ constexpr int kScanned = 10;             // values between the best one and the 
 constexpr int kHalvings = 8;             // of the distance between two of them
 constexpr double kFar = 1000;            // a quantity without an end is followed so many times its best value
 constexpr double kFirstDistance = 1e-3;  // of the distance to the end of the support
-constexpr double kRough = 1e-4;          // tolerance of the searches for a range that may be too large
+constexpr double kLeastDistance = 1e-9;  // likewise: less than a billion answers leave open
+constexpr double kCloser = 4;            // times, until a distance is within the range
+constexpr double kToleranceOfDistance = 0.1;
+constexpr double kRough = 1e-4;  // tolerance of the searches for a range that may be too large
 
 }  // namespace
 
@@ -90,6 +96,9 @@ double Profile::end(const Quantity& quantity, double best, double bound) const {
   double inside = 0;
   double outside = 1;
   for (int i = 1; i <= kScanned; ++i) {
+    if (stopAsked()) {
+      throw Failure("interrupted");
+    }
     const double share = double(i * i) / (kScanned * kScanned);  // closer where the range of many answers ends
     if (is_near(share)) {
       inside = share;
@@ -102,6 +111,10 @@ double Profile::end(const Quantity& quantity, double best, double bound) const {
     return bound;
   }
   starts = starts_;
+  while (inside == 0 && outside > kLeastDistance) {  // the range of very many answers
+    const double closer = outside / kCloser;
+    (is_near(closer) ? inside : outside) = closer;
+  }
   for (int i = 0; i < kHalvings; ++i) {
     const double middle = (inside + outside) / 2;
     (is_near(middle) ? inside : outside) = middle;
@@ -115,9 +128,20 @@ double Profile::endBeyond(const Quantity& quantity, double best, double bound) c
     return bound;
   }
   std::vector<ParameterPoint> starts = starts_;
+  const auto is_near = [&](double share) {
+    Quantity as_exact = quantity;
+    as_exact.tolerance = std::min(quantity.tolerance, share * kToleranceOfDistance);
+    return isNear(as_exact, as_exact.between(best, bound, share), starts);
+  };
   double share = kFirstDistance;
-  while (share < 1 && isNear(quantity, quantity.between(best, bound, share), starts)) {
+  bool near = is_near(share);
+  while (!near && share > kLeastDistance) {  // the range of very many answers
+    share /= kCloser;
+    near = is_near(share);
+  }
+  while (near && share < 1) {
     share *= 1.5;
+    near = share < 1 && is_near(share);
   }
   return share < 1 ? quantity.between(best, bound, share) : bound;
 }

@@ -56,9 +56,8 @@ std::vector<double> stimuliOf(const PsychometricFigure& wanted) {
   double low = std::numeric_limits<double>::infinity();
   double high = -low;
   const auto reach = [&](double x) {
-    if (wanted.log_axis) {
-      requireInRange("x on a logarithmic axis", x, {.lowest = 0, .ends = Ends::kOpen});
-    }
+    requireInRange(wanted.log_axis ? "x on a logarithmic axis" : "x of a figure", x,
+                   {wanted.log_axis ? 1 / kMostStimulus : -kMostStimulus, kMostStimulus});
     low = std::min(low, wanted.log_axis ? std::log(x) : x);
     high = std::max(high, wanted.log_axis ? std::log(x) : x);
   };
@@ -197,16 +196,18 @@ class Drawing {
   int clauses_ = 0;
 };
 
-/// 1, 2 and 5 of every decade that is drawn; more of them where that is little.
+/// 1, 2 and 5 of every decade that is drawn; more of them where that is little, and no more than a dozen decades.
 std::string logarithmicTics(const std::vector<double>& xs) {
   const double decades = std::log10(xs.back() / xs.front());
   const std::vector<double> steps = decades < 0.8   ? std::vector{1.0, 1.2, 1.5, 2.0, 2.5, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0}
                                     : decades < 2.5 ? std::vector{1.0, 2.0, 3.0, 5.0}
                                                     : std::vector{1.0};
+  constexpr double kMostDecades = 12;
+  const double stride = std::ceil(decades / kMostDecades);
   std::string tics;
-  for (double decade = std::pow(10, std::floor(std::log10(xs.front()))); decade < xs.back(); decade *= 10) {
+  for (double decade = std::floor(std::log10(xs.front())); decade < std::log10(xs.back()); decade += stride) {
     for (const double step : steps) {
-      const double tic = step * decade;
+      const double tic = step * std::pow(10, decade);
       if (xs.front() <= tic && tic <= xs.back()) {
         tics += fmt::format("{}'{:.4g}' {}", tics.empty() ? "" : ",", tic, tic);
       }

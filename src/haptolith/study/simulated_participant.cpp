@@ -65,6 +65,26 @@ void validate(const ObserverParameters& observer) {
   requireInRange("learning_trials", observer.learning_trials, {0, kCertain, Ends::kOpen});
 }
 
+void requireRatios(const StudyProtocol& protocol, JudgedBy by) {
+  for (const StudyBlock& block : protocol.blocks) {
+    if (by != JudgedBy::kValue || block.teleop) {
+      continue;
+    }
+    std::vector<double> values{block.reference.value};
+    for (const Stimulus& level : block.levels) {
+      values.push_back(level.value);
+    }
+    for (const double value : values) {
+      if (!(value > 0)) {
+        throw InvalidParameter(
+            fmt::format("block {}: value of a stimulus", block.name), fmt::format("{:g}", value),
+            "above 0: a simulated observer judges ratios; give the stimuli values that are, or let a "
+            "hand judge (--hand, --judge)");
+      }
+    }
+  }
+}
+
 double normal(std::mt19937_64& random) {
   const double radius = std::sqrt(-2 * std::log(share(random)));
   return radius * std::cos(2 * std::numbers::pi * share(random));
@@ -155,6 +175,12 @@ int SimulatedParticipant::choose(const Conductor& conductor, const StudyState& n
     const std::array<TrialSummary, 2> felt = conductor.felt();
     test = judged(felt[trial.test_first ? 0 : 1], by_);
     reference = judged(felt[trial.test_first ? 1 : 0], by_);
+    if (!(test > 0 && reference > 0)) {
+      throw Failure(
+          fmt::format("block {}: the hand felt {:g} of the test and {:g} of the reference, and a simulated "
+                      "observer judges ratios; another --hand or --judge may feel both",
+                      trial.block->name, test, reference));
+    }
   }
   const std::vector<ParticipantGroup>& groups = conductor.store().protocol().groups;
   const auto group = std::ranges::find(groups, now.group, &ParticipantGroup::name);

@@ -44,6 +44,10 @@ struct ObserverParameters {
 /// @throws InvalidParameter for what is out of range.
 void validate(const ObserverParameters& observer);
 
+/// That observers who judge ratios can take part: by value, every reference and level is above 0.
+/// @throws InvalidParameter with the block, the value and what is valid.
+void requireRatios(const StudyProtocol& protocol, JudgedBy by);
+
 /// A normally distributed number of mean 0 and standard deviation 1; the same on every machine (Box and Muller 1958).
 [[nodiscard]] double normal(std::mt19937_64& random);
 

@@ -8,6 +8,11 @@ namespace haptolith {
 SimulatedRig::SimulatedRig(const StudyProtocol& protocol, const ExplorationOptions& options)
     : protocol_(protocol), next_(options) {
   (void)exploringHand(protocol.scene, options);  // throws
+  for (const StudyBlock& block : protocol.blocks) {
+    if (!block.teleop) {
+      requireReach(sceneOf(protocol, block, block.reference), options.manoeuvre);
+    }
+  }
 }
 
 void SimulatedRig::show(const StudyBlock& block, const Stimulus& stimulus) {

@@ -12,7 +12,7 @@ namespace haptolith {
 class SimulatedRig final : public Rig {
  public:
   /// @param options  of every exploration; the first has its seed, and each one after that the next seed.
-  /// @throws InvalidParameter as exploringHand().
+  /// @throws InvalidParameter as exploringHand() and requireReach().
   SimulatedRig(const StudyProtocol& protocol, const ExplorationOptions& options);
 
   /// Settles the stimulus' bed when it is shown for the first time.

@@ -13,8 +13,11 @@
 
 #include "haptolith/core/error.h"
 #include "haptolith/core/random.h"
+#include "haptolith/core/stop_asked.h"
+#include "haptolith/device/hand/manoeuvre.h"
 #include "haptolith/device/hand/virtual_hand.h"
 #include "haptolith/haptics/haptic_loop.h"
+#include "haptolith/scenario/scene_words.h"
 #include "haptolith/study/felt_summary.h"
 #include "haptolith/tool/tool_shape.h"
 
@@ -222,6 +225,31 @@ ExploringHand exploringHand(const Scenario& scenario, const ExplorationOptions& 
   return exploring;
 }
 
+void requireReach(const Scenario& scenario, Manoeuvre manoeuvre) {
+  HandParameters hand = scenario.hand;
+  hand.manoeuvre = manoeuvre;
+  hand.surface_m = 0;
+  const ToolCorners corners = cornersOf(scenario.tool);
+  constexpr int kPlaces = 200;  // of a manoeuvre
+  double lowest_m = std::numeric_limits<double>::infinity();
+  for (int place = 0; place < kPlaces; ++place) {
+    const Pose scene_T_tool = manoeuvrePose(hand, hand.period_s * place / kPlaces);
+    for (int corner = 0; corner < 8; ++corner) {
+      const auto along = [&](int axis) {
+        return ((corner >> axis) & 1) == 0 ? corners.low_m[axis] : corners.high_m[axis];
+      };
+      lowest_m = std::min(lowest_m, scene_T_tool.toScene(Vec3(along(0), along(1), along(2))).z());
+    }
+  }
+  const double radius_m = scenario.bed.soil.radius_m;
+  if (-lowest_m < radius_m) {
+    throw InvalidParameter("hand",
+                           fmt::format("{}, by which the tool comes {:.1f} mm below the surface",
+                                       wordFor(kManoeuvreWords, manoeuvre), 1e3 * std::max(0.0, -lowest_m)),
+                           fmt::format("one that takes it as deep as a particle's radius, {:g} mm", 1e3 * radius_m));
+  }
+}
+
 Exploration explore(const Scenario& scenario, const LevelBed& bed, const ExplorationOptions& options) {
   return explore(scenario, bed, exploringHand(scenario, options), options.rounds);
 }
@@ -244,6 +272,9 @@ Exploration explore(const Scenario& scenario, const LevelBed& bed, const Explori
   std::vector<TickRecord> records;
   const auto ticks = std::llround(rounds * unpaced.hand.period_s / unpaced.loop.tick_s);
   for (long long tick = 0; tick < ticks; ++tick) {
+    if (stopAsked()) {
+      throw Failure("interrupted");
+    }
     if (const LoopEnd end = loop.tick(); end != LoopEnd::kRunning) {
       throw Failure(fmt::format("the exploration broke off after {:g} s: {}", loop.time(), text(end)));
     }

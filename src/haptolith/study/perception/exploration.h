@@ -42,6 +42,10 @@ struct ExploringHand {
 /// @throws InvalidParameter for options out of range.
 [[nodiscard]] ExploringHand exploringHand(const Scenario& scenario, const ExplorationOptions& options);
 
+/// That a hand of the scene's comes into soil by this manoeuvre: a particle's radius below the surface, or more.
+/// @throws InvalidParameter with how deep the tool comes.
+void requireReach(const Scenario& scenario, Manoeuvre manoeuvre);
+
 /// What somebody sees who only looks on while a hand explores: numbers of the soil's visible surface, in m.
 struct Picture {
   double height_m = 0;   ///< mean height of the surface over the floor before the hand comes
@@ -77,7 +81,8 @@ struct Exploration {
 /// Explores soil by a script, as fast as the machine can: no clock, no device. The same arguments give the same
 /// numbers. Takes a fraction of a second of computing for the paper's scene.
 /// @param bed  levelBed() of the same scene.
-/// @throws InvalidParameter for options out of range and as HapticLoop; Failure when the exploration cannot go on.
+/// @throws InvalidParameter for options out of range and as HapticLoop; Failure when the exploration cannot go on, or
+/// when stopAsked().
 [[nodiscard]] Exploration explore(const Scenario& scenario, const LevelBed& bed, const ExplorationOptions& options);
 
 /// The same for a hand that has been chosen already.
