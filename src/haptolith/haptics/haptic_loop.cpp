@@ -76,7 +76,7 @@ LoopEnd HapticLoop::tick() noexcept {
     standStill();
     return LoopEnd::kRunning;
   }
-  takeUpAgain();
+  resumeAfterStandstill();
 
   // Where is the hand? An implausible reading leaves the tool where it was, and it fades out of the soil.
   const DeviceInput input = device_.read();
@@ -194,7 +194,7 @@ LoopEnd HapticLoop::runTicks(const std::atomic<bool>& stop) noexcept {
 /// Whether the loop was, for so long that the hand has been let go.
 bool HapticLoop::wasSilent() noexcept {
   const bool silent = watchdog_ && watchdog_->beat();
-  return (watchdog_ && LastResort::letGoMeanwhile()) || silent;
+  return (watchdog_ && LastResort::releasedForceMeanwhile()) || silent;
 }
 
 /// How the loop is doing. After silence the hand is taken up again at once: the safety layer then shows it nothing for
@@ -245,19 +245,19 @@ void HapticLoop::fadeTool() noexcept {
   scene_->setToolFade(fade_.stiffnessShare());
 }
 
-/// Time stands still, and the hand is let go.
+/// Time stands still, and the device shows no force.
 void HapticLoop::standStill() noexcept {
   if (!device_.simulated()) {
     (void)device_.read();  // some devices fall asleep when nobody asks
   }
   device_.write({});
-  let_go_ = true;
+  released_ = true;
   publish();
 }
 
 /// Time goes on where it stopped. A hand that is simulated must not notice; a person's has moved meanwhile.
-void HapticLoop::takeUpAgain() noexcept {
-  if (!std::exchange(let_go_, false)) {
+void HapticLoop::resumeAfterStandstill() noexcept {
+  if (!std::exchange(released_, false)) {
     return;
   }
   flags_ |= kTickResumed;
