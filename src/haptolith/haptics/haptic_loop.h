@@ -106,7 +106,7 @@ class HapticLoop {
   boost::lockfree::spsc_queue<LoopRequest> requests_;
   std::optional<LoopHealth> overridden_health_;
   HandState hand_;           ///< the last plausible one, in the scene
-  DeviceOutput felt_;        ///< in the last tick
+  DeviceOutput output_;      ///< of the last tick, device frame
   HelperSchedule helpers_;   ///< of the threads that share the bed's steps
   bool released_ = false;    ///< the device shows no force, because time stands still
   std::uint32_t flags_ = 0;  ///< TickFlag, what has happened before the present tick
