@@ -107,6 +107,44 @@ TEST(Architecture, NoFolderIncludesUpwards) {
   EXPECT_GT(files, 10) << "nothing to check in " << root;
 }
 
+/// Adds the types that a header defines outside functions and other types, by their full names.
+void addTypes(std::istream& text, const std::string& file, std::map<std::string, Folders>& types) {
+  static const std::regex kOpens(R"(^namespace ([\w:]+) \{$)");
+  static const std::regex kCloses(R"(^\}  // namespace ([\w:]+)$)");
+  static const std::regex kType(R"(^(?:struct|class|enum class|enum) (\w+)(?: final)?(?: : [^{]*)? \{.*)");
+  std::vector<std::string> open;
+  for (std::string line; std::getline(text, line);) {
+    std::smatch match;
+    if (std::regex_match(line, match, kOpens)) {
+      open.push_back(match[1]);
+    } else if (std::regex_match(line, match, kCloses) && !open.empty()) {
+      open.pop_back();
+    } else if (std::regex_match(line, match, kType)) {
+      std::string name;
+      for (const std::string& outer : open) {
+        name += outer + "::";
+      }
+      types[name + match[1].str()].insert(file);
+    }
+  }
+}
+
+// Two types of one name in one program break its one-definition rule, which no compiler sees.
+TEST(Architecture, NoTwoHeadersDefineATypeOfOneName) {
+  const fs::path root = sourceDir() / "src" / "haptolith";
+  std::map<std::string, Folders> types;
+  for (const fs::directory_entry& entry : fs::recursive_directory_iterator(root)) {
+    if (entry.path().extension() == ".h") {
+      std::ifstream text(entry.path());
+      addTypes(text, fs::relative(entry.path(), root).string(), types);
+    }
+  }
+  EXPECT_GT(types.size(), 300U);
+  for (const auto& [type, files] : types) {
+    EXPECT_EQ(files.size(), 1U) << type << " is defined in " << testing::PrintToString(files);
+  }
+}
+
 TEST(Architecture, TheCheckSeesAnUpwardInclude) {
   EXPECT_THAT(violationsIn("soil", "#pragma once\n#include \"haptolith/bed/bed.h\"\n"),
               ElementsAre("made_up.h:2: soil may not include bed"));

@@ -73,15 +73,15 @@ void Observer::answer(double at_s, Phase phase, const Answer& answer) {
   // go.
   constexpr double kFelt_n = 0.05;
   const bool falls = zero && any_ && length(last_.force_n) > kFelt_n;
-  const bool before = let_go_;
-  let_go_ = phase > Phase::kWait && (answer.let_go || !answer.live || falls || (let_go_ && zero));
-  if (let_go_ && !before) {
-    let_goes_s_.push_back(at_s);
+  const bool before = released_;
+  released_ = phase > Phase::kWait && (answer.let_go || !answer.live || falls || (released_ && zero));
+  if (released_ && !before) {
+    releases_s_.push_back(at_s);
     m.first_let_go_s = m.first_let_go_s < 0 ? at_s : m.first_let_go_s;
   }
   if (phase > Phase::kPress) {
     ++in_soil_;
-    let_go_in_soil_ += let_go_ ? 1 : 0;
+    released_in_soil_ += released_ ? 1 : 0;
   }
 
   if (phase == Phase::kPress || phase == Phase::kSettle) {
@@ -128,7 +128,7 @@ Measures Observer::measures() const {
     m.vibration_before_mm = std::max(m.vibration_before_mm, peakToPeak(x, 0, x.size() / 2));
     m.vibration_after_mm = std::max(m.vibration_after_mm, peakToPeak(x, x.size() / 2, x.size()));
   }
-  m.let_go_share = in_soil_ > 0 ? static_cast<double>(let_go_in_soil_) / static_cast<double>(in_soil_) : 0;
+  m.let_go_share = in_soil_ > 0 ? static_cast<double>(released_in_soil_) / static_cast<double>(in_soil_) : 0;
   m.press_n = press_.mean();
   m.draw_n = draw_.mean();
   m.still_n = still_.mean();
@@ -138,7 +138,7 @@ Measures Observer::measures() const {
   return m;
 }
 
-Verdict judge(const Measures& measures, const std::vector<double>& let_goes_s, const Bars& bars) {
+Verdict judge(const Measures& measures, const std::vector<double>& releases_s, const Bars& bars) {
   const bool energy = measures.energy_max_mj > bars.energy_mj;
   const bool shaking =
       measures.vibration_after_mm > bars.still_mm && measures.vibration_after_mm > 0.8 * measures.vibration_before_mm;
@@ -148,9 +148,9 @@ Verdict judge(const Measures& measures, const std::vector<double>& let_goes_s, c
   if (energy && !shaking) {
     // What the handle is still given in the delay after a let-go may be what exceeds the bar.
     constexpr double kBefore_s = 0.05;
-    for (const double at_s : let_goes_s) {
+    for (const double at_s : releases_s) {
       if (at_s >= measures.first_excess_s - kBefore_s && at_s <= measures.first_excess_s + bars.let_go_s) {
-        return Verdict::kLetGo;
+        return Verdict::kReleased;
       }
     }
   }
@@ -160,7 +160,7 @@ Verdict judge(const Measures& measures, const std::vector<double>& let_goes_s, c
 const char* text(Verdict verdict) {
   switch (verdict) {
     case Verdict::kOk: return "ok";
-    case Verdict::kLetGo: return "let-go";
+    case Verdict::kReleased: return "let-go";
     case Verdict::kEnergy: return "ENERGY";
     case Verdict::kShaking: return "SHAKING";
     case Verdict::kBoth: return "ENERGY+SHAKING";

@@ -62,9 +62,9 @@ class Observer {
   void handle(double at_s, const Vec3& position_m, double energy_j);
   [[nodiscard]] Measures measures() const;
   /// True from when an answer has let go of the hand until one holds it again.
-  [[nodiscard]] bool releaseForce() const { return let_go_; }
+  [[nodiscard]] bool isReleased() const { return released_; }
   /// Every let-go, since the script's start.
-  [[nodiscard]] const std::vector<double>& letGoes() const { return let_goes_s_; }
+  [[nodiscard]] const std::vector<double>& releases() const { return releases_s_; }
 
  private:
   struct Mean {
@@ -78,21 +78,21 @@ class Observer {
   Bars bars_;
   double end_s_;
   Measures measures_;
-  bool any_ = false, let_go_ = false;
+  bool any_ = false, released_ = false;
   Answer last_;
   double last_s_ = 0;
-  long in_soil_ = 0, let_go_in_soil_ = 0;
+  long in_soil_ = 0, released_in_soil_ = 0;
   Mean press_, draw_, still_, press_up_, still_up_;
   double lowest_mj_ = 0;
-  std::vector<double> let_goes_s_;
+  std::vector<double> releases_s_;
   std::array<HighPass, 3> quick_ = {HighPass(6), HighPass(6), HighPass(6)};
   std::array<std::vector<double>, 3> quick_mm_;  ///< in the last 2 s
 };
 
-enum class Verdict { kOk, kLetGo, kEnergy, kShaking, kBoth };
+enum class Verdict { kOk, kReleased, kEnergy, kShaking, kBoth };
 
 /// Ok: no more energy than the bar, and a vibration that is small or falls. Let go: too much, but let go in time.
-[[nodiscard]] Verdict judge(const Measures& measures, const std::vector<double>& let_goes_s, const Bars& bars);
+[[nodiscard]] Verdict judge(const Measures& measures, const std::vector<double>& releases_s, const Bars& bars);
 [[nodiscard]] const char* text(Verdict verdict);
 
 }  // namespace hand_in_the_loop

@@ -262,7 +262,7 @@ void testMeasures() {
   given.first_excess_s = 5;
   check(judge(shaken, {}, bars) == Verdict::kShaking && judge(falling, {}, bars) == Verdict::kOk &&
             judge(given, {}, bars) == Verdict::kEnergy && judge(given, {3}, bars) == Verdict::kEnergy &&
-            judge(given, {5.4}, bars) == Verdict::kLetGo && judge(given, {5.6}, bars) == Verdict::kEnergy,
+            judge(given, {5.4}, bars) == Verdict::kReleased && judge(given, {5.6}, bars) == Verdict::kEnergy,
         "verdicts");
 }
 

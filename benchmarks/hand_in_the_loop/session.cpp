@@ -273,10 +273,10 @@ class Session {
   /// Now and then, when all is well, one packet tells something that no hand does.
   void disturb(DevicePacket& packet) {
     const double at_s = time();
-    const std::vector<double>& let_goes_s = observer_.letGoes();
+    const std::vector<double>& releases_s = observer_.releases();
     if (settings_.task != Task::kGlitches || settings_.script.phase(at_s) != Phase::kStill ||
-        length(last_.force_n) < kPressed_n || observer_.releaseForce() ||
-        (!let_goes_s.empty() && at_s < let_goes_s.back() + kForceIsBack_s)) {
+        length(last_.force_n) < kPressed_n || observer_.isReleased() ||
+        (!releases_s.empty() && at_s < releases_s.back() + kForceIsBack_s)) {
       return;
     }
     if (!glitches_.empty()) {
@@ -316,7 +316,7 @@ class Session {
         glitch.largest_step_n_ms = std::max(glitch.largest_step_n_ms, length(answer.force_n - last_.force_n));
       }
       glitch.energy_mj = std::max(glitch.energy_mj, 1e3 * handle_.ledger().device_j - glitch.energy_before_mj);
-      if (observer_.releaseForce() && glitch.let_go_ms < 0) {
+      if (observer_.isReleased() && glitch.let_go_ms < 0) {
         glitch.let_go_ms = 1e3 * (at_s - glitch.at_s);
       }
     }
@@ -447,7 +447,7 @@ Json rowOf(const Settings& s, const Session& session, const Punctuality& punctua
   const Measures m = session.observer().measures();
   Bars bars = s.bars;
   bars.still_mm += s.device.step_mm + 2 * s.device.noise_mm;  // what such a device takes for rest
-  const Verdict verdict = judge(m, session.observer().letGoes(), bars);
+  const Verdict verdict = judge(m, session.observer().releases(), bars);
   return {{"name", s.name},
           {"soil", s.soil},
           {"grip", s.grip},

@@ -46,7 +46,7 @@ int main() try {
   loop.start();  // in step with the clock, on a thread of its own
   for (hapto_snapshot now = loop.snapshot(); now.running != 0; now = loop.snapshot()) {
     std::printf("%4.1f s  tool at %5.1f mm  %6.3f N  tick %5.1f us\n", now.time_s, now.scene_T_tool.position_m[2] * 1e3,
-                now.felt.force_n[2], now.tick_us_p50);
+                now.device_wrench.force_n[2], now.tick_us_p50);
     std::this_thread::sleep_for(std::chrono::milliseconds(250));
   }
   std::printf("ended: %s\n", loop.snapshot().end);

@@ -26,7 +26,7 @@ with Recording(file) as recording:
 figure, (force, soil) = plt.subplots(2, figsize=(7, 6), layout="constrained")
 for axis, name in enumerate(("to the right", "away", "upwards")):
     force.plot(ticks["time_s"], ticks["felt"]["force_n"][:, axis], linewidth=1, label=name)
-force.set(xlabel="time / s", ylabel="force felt / N", title=title)
+force.set(xlabel="time / s", ylabel="force at the device / N", title=title)
 force.legend()
 
 # Middle of the box, looked at from the front.

@@ -2,14 +2,18 @@
  *
  *     hapto_scene *scene = NULL;
  *     hapto_pose pose = {{0, 0, 0.06}, {1, 0, 0, 0}};
- *     hapto_wrench felt;
+ *     hapto_wrench soil_wrench;
  *     if (hapto_scene_from_file("paper", NULL, 0, NULL, NULL, &scene) == HAPTO_OK &&
- *         hapto_scene_step(scene, &pose, NULL, &felt) == HAPTO_OK) { ... }
+ *         hapto_scene_step(scene, &pose, NULL, &soil_wrench) == HAPTO_OK) { ... }
  *     hapto_scene_destroy(scene);
  *
  * Conventions
- *   - SI units: m, s, kg, N, rad. Frames are right-handed, z points up, the origin lies on the floor in the middle of the
- *     box. A pose is scene_T_tool: where the tool's frame stands in the scene's. Quaternions are w, x, y, z.
+ *   - SI units: m, s, kg, N, rad. Quaternions are w, x, y, z. Frames are right-handed.
+ *   - Scene frame: z points up, the origin lies on the floor in the middle of the box. A pose is scene_T_tool: where the
+ *     tool's frame stands in the scene's.
+ *   - Device frame: a haptic device's own. hapto_device_limits.turn_rad and the scene's [mapping] turn it into the scene's.
+ *   - Soil wrench: what the soil does to the tool, about the tool's origin, scene frame, unfiltered. Device wrench: what is
+ *     sent to the device, behind mapping, filter and safety layer, about the handle's origin, device frame.
  *   - Parameters are the keys of scene files (docs/scenarios.md): as a file, as text, or as overrides
  *     "table.key=value", for example "soil.preset=P3" or "bed.threads=4".
  *   - Every function returns a status; HAPTO_OK is 0. What was wrong is told by hapto_last_error(). Nothing is printed,
@@ -18,8 +22,11 @@
  *     file, and on failure returns the status alone: hapto_last_error() is as it was.
  *   - Threads: a handle may be used by one thread at a time, different handles by any. A handle that another thread is
  *     using gives HAPTO_BUSY, one that has been destroyed HAPTO_DESTROYED as long as that can be told.
- *   - Structs that may grow begin with `size`: set it to sizeof the struct. A pose, a twist and a wrench are plain numbers
- *     and stay as they are, so that arrays of them are arrays of 7, 6 and 6 doubles.
+ *   - Structs that begin with `size` may grow at their end: set it to sizeof the struct, and the rest to 0. The library
+ *     accepts every size from that of the struct's first version on. It neither reads nor writes beyond the caller's size:
+ *     what is missing counts as 0. Members that a later header has and this library does not know stay as they were.
+ *   - A pose, a twist and a wrench are plain numbers and stay as they are, so that arrays of them are arrays of 7, 6 and 6
+ *     doubles. hapto_array, hapto_device_limits and hapto_tick lie inside other structs or in arrays: they do not grow.
  *   - The same scene and movements give the same bits, for any number of threads, on machines of one instruction set.
  *
  * Environment, read once: HAPTOLITH_CACHE (the folder where settled soil is kept between runs, or "off"), HAPTOLITH_SIMD
@@ -58,7 +65,7 @@ enum {
   HAPTO_BUSY = 6,              /* another thread or a loop is using the handle */
   HAPTO_DESTROYED = 7,         /* not a handle of this kind, or no longer */
   HAPTO_NULL = 8,              /* a pointer that must not be NULL is */
-  HAPTO_WRONG_SIZE = 9,        /* a struct whose `size` is not that of this version */
+  HAPTO_WRONG_SIZE = 9,        /* a struct whose `size` is less than that of its first version */
   HAPTO_TOO_SMALL = 10,        /* the buffer; nothing has been written but how much is needed */
   HAPTO_NO_MEMORY = 11,
   HAPTO_ENDED = 12 /* the loop has ended: hapto_loop_snapshot() says why */
@@ -89,12 +96,12 @@ typedef struct hapto_pose {
   double orientation[4]; /* w x y z, of norm 1 +- 1 % */
 } hapto_pose;
 
-typedef struct hapto_twist { /* of the tool's origin, scene frame */
+typedef struct hapto_twist { /* of the origin of what moves, in the frame of its pose */
   double linear_m_s[3];
   double angular_rad_s[3];
 } hapto_twist;
 
-typedef struct hapto_wrench { /* of the soil on the tool, about the tool's origin, scene frame */
+typedef struct hapto_wrench { /* where one is used it is said whose, about which point and in which frame */
   double force_n[3];
   double torque_nm[3];
 } hapto_wrench;
@@ -185,20 +192,20 @@ HAPTO_API int32_t hapto_scene_place_tool(hapto_scene *scene, const hapto_pose *s
 HAPTO_API int32_t hapto_scene_get_tool_pose(const hapto_scene *scene, hapto_pose *scene_T_tool); /* [1 kHz] */
 
 /* One tick of tick_s: moves the tool in a straight line to the pose while the soil answers.
- * twist  how fast the tool moves, for damping and friction; NULL: as the way from where it was says.
- * felt   mean over the tick, unfiltered; may be NULL.
+ * twist        how fast the tool moves, for damping and friction; NULL: as the way from where it was says.
+ * soil_wrench  what the soil does to the tool, mean over the tick, scene frame; may be NULL.
  * Errors: HAPTO_INVALID_PARAMETER for a pose that is not finite, not of norm 1, or further than 1 m beside the box or
  * 3 m above its floor; HAPTO_NOT_FINITE and HAPTO_COLLAPSED from then on until another state is set. [1 kHz] */
 HAPTO_API int32_t hapto_scene_step(hapto_scene *scene, const hapto_pose *scene_T_tool, const hapto_twist *twist,
-                                   hapto_wrench *felt);
-/* `count` ticks: poses[i], twists[i] (or NULL) give felt[i] (or NULL). Ends at the first failure; `done` (or NULL) is how
+                                   hapto_wrench *soil_wrench);
+/* `count` ticks: poses[i], twists[i] (or NULL) give soil_wrenches[i] (or NULL). Ends at the first failure; `done` (or NULL) is how
  * many went well. [1 kHz] in cost a tick. */
 HAPTO_API int32_t hapto_scene_steps(hapto_scene *scene, uint64_t count, const hapto_pose *poses,
-                                    const hapto_twist *twists, hapto_wrench *felt, uint64_t *done);
+                                    const hapto_twist *twists, hapto_wrench *soil_wrenches, uint64_t *done);
 
-/* What was felt in the last tick. [1 kHz] */
-HAPTO_API int32_t hapto_scene_get_wrench(const hapto_scene *scene, hapto_wrench *felt);
-/* How the force changes when the tool moves a little and the soil goes on as it does: dF = -K dx, K row by row in N/m. To
+/* What the soil did to the tool in the last tick, scene frame. [1 kHz] */
+HAPTO_API int32_t hapto_scene_get_wrench(const hapto_scene *scene, hapto_wrench *soil_wrench);
+/* How the force changes when the tool moves a little and the soil goes on as it does: dF = -K dx, K row by row in N/m, scene frame. To
  * extrapolate between ticks in a loop that is faster. [1 kHz] */
 HAPTO_API int32_t hapto_scene_get_contact_stiffness(const hapto_scene *scene, double n_m[9]);
 /* How far the jaws are to open by the end of the next tick, 0 to 1; no other tool takes notice. [1 kHz] */
@@ -246,11 +253,11 @@ HAPTO_API int32_t hapto_scene_state_hash(const hapto_scene *scene, uint64_t *out
 /* Threads that step scenes, which stay the caller's and must not be destroyed before the batch.
  * threads  0: as many as the machine has. */
 HAPTO_API int32_t hapto_batch_create(hapto_scene *const *scenes, uint32_t count, uint32_t threads, hapto_batch **out);
-/* `ticks` of each scene: that number i moves along poses[i * ticks + t] and feels felt[i * ticks + t]. The same bits as one
- * by one. status[i] is how scene i fared; each pointer but poses may be NULL. The first status that is not HAPTO_OK is
+/* `ticks` of each scene: that number i moves along poses[i * ticks + t], which gives soil_wrenches[i * ticks + t]. The same bits as
+ * one by one. status[i] is how scene i fared; each pointer but poses may be NULL. The first status that is not HAPTO_OK is
  * returned. */
 HAPTO_API int32_t hapto_batch_step(hapto_batch *batch, uint64_t ticks, const hapto_pose *poses, const hapto_twist *twists,
-                                   hapto_wrench *felt, int32_t *status);
+                                   hapto_wrench *soil_wrenches, int32_t *status);
 HAPTO_API int32_t hapto_batch_destroy(hapto_batch *batch);
 
 /* --- soils ---------------------------------------------------------------------------------------------------------- */
@@ -311,7 +318,7 @@ typedef struct hapto_device_limits {
   double max_stiffness_n_m, max_stiffness_nm_rad;                        /* that it shows without shaking */
   double damping_n_s_m;                                                  /* its own, in a hand that holds it loosely */
   double turn_rad[3]; /* turns its frame into that of a person before it: x right, y away, z up */
-  double workspace_centre_m[3], workspace_radius_m;
+  double workspace_centre_m[3], workspace_radius_m; /* device frame */
   double rate_hz;      /* at which it tells and shows something new */
   double delay_s;      /* from a force that is sent to a reading that tells of it, beyond a tick */
   double resolution_m; /* positions come in steps, or with noise, of at most this; 0: exact */
@@ -319,7 +326,7 @@ typedef struct hapto_device_limits {
 HAPTO_API int32_t hapto_device_limits_init(hapto_device_limits *out);
 
 enum { HAPTO_DEVICE_LIVE = 0, HAPTO_DEVICE_STALE = 1, HAPTO_DEVICE_LOST = 2, HAPTO_DEVICE_FINISHED = 3 };
-typedef struct hapto_device_input { /* the handle in the device's own frame */
+typedef struct hapto_device_input { /* the handle, device frame */
   uint32_t size;
   int32_t state;
   hapto_pose pose;
@@ -328,7 +335,7 @@ typedef struct hapto_device_input { /* the handle in the device's own frame */
   uint32_t buttons;    /* bit n: button n is down */
   uint32_t reserved;
 } hapto_device_input;
-typedef struct hapto_device_output { /* what the hand is to feel, in the device's own frame, about the handle's origin */
+typedef struct hapto_device_output { /* what the hand is to feel, device frame, about the handle's origin */
   uint32_t size;
   uint32_t reserved;
   hapto_wrench wrench;
@@ -384,7 +391,7 @@ typedef struct hapto_snapshot {
   double time_s;
   hapto_pose scene_T_tool;
   double opening_m;
-  hapto_wrench felt; /* in the last tick, device's frame */
+  hapto_wrench felt; /* deprecated: device_wrench turned into the scene's axes; read device_wrench, or soil_wrench */
   double success_rate;                        /* share of the last 100 ticks that ended in time */
   double tick_us_p50, tick_us_p99, tick_us_max;
   double largest_speed_m_s;
@@ -392,30 +399,61 @@ typedef struct hapto_snapshot {
   uint64_t misses_too_long;   /* of deadline_misses: the tick's own work took too long */
   uint64_t misses_woken_late; /* the machine woke the loop's thread late */
   uint64_t misses_preempted;  /* the processor was taken away during the tick */
+  hapto_wrench soil_wrench;   /* of the last tick: of the soil on the tool, about its origin, scene frame, unfiltered */
+  hapto_wrench device_wrench; /* of the last tick: sent to the device, about the handle's origin, device frame */
 } hapto_snapshot;
 /* The newest picture, some 60 a second; may be called beside a running loop, from one thread. Valid until the next call.
- * Before the first picture there are no positions. */
+ * Before the first picture there are no positions. While time stands still the wrenches are those of the last tick, and the
+ * device is sent zero. */
 HAPTO_API int32_t hapto_loop_snapshot(hapto_loop *loop, hapto_snapshot *out);
+
+/* Why the safety layer makes the hand feel nothing (docs/safety.md). */
+enum {
+  HAPTO_TRIP_NONE = 0,              /* it does not */
+  HAPTO_TRIP_DEVICE_NOT_FINITE = 1, /* the device's pose or velocity is NaN or infinite */
+  HAPTO_TRIP_STALE = 2,             /* no new reading from the device */
+  HAPTO_TRIP_LOST = 3,              /* the device is gone */
+  HAPTO_TRIP_WORKSPACE = 4,         /* the hand left the device's workspace, or the tool the space around the bed */
+  HAPTO_TRIP_MISSED_DEADLINES = 5,  /* too many in a row */
+  HAPTO_TRIP_HEARTBEAT = 6,         /* the loop did not answer the watchdog */
+  HAPTO_TRIP_FORCE_NOT_FINITE = 7,  /* the force for the hand is NaN or infinite */
+  HAPTO_TRIP_IMPLAUSIBLE = 8        /* no hand moves as the device reports */
+};
+/* Bits of hapto_tick.flags; those that HAPTO_SAFETY_... has as well are the safety layer's. */
+enum {
+  HAPTO_TICK_LATE = 1,             /* did not end in time */
+  HAPTO_TICK_ZEROED = 2,           /* zero force, for the reason in `trip` */
+  HAPTO_TICK_SATURATED = 4,        /* force was shortened to what the device can show */
+  HAPTO_TICK_RATE_LIMITED = 8,     /* force changed no faster than the device may */
+  HAPTO_TICK_SOFT_START = 16,      /* force was still rising after a start or a trip */
+  HAPTO_TICK_DAMPED = 32,          /* energy in excess was damped */
+  HAPTO_TICK_RESUMED = 64,         /* time stood still before it */
+  HAPTO_TICK_HEARTBEAT_LOST = 128, /* the watchdog had set the force to zero before it */
+  HAPTO_TICK_SCENE_CHANGED = 256,  /* soil, gravity, tool or bed were changed before it, or the tool fades for that */
+  HAPTO_TICK_SOFT_STOP = 512,      /* the run was about to end */
+  HAPTO_TICK_FAILED = 1024,        /* the run ended with it: device gone, hand away, or a bed that makes no sense */
+  HAPTO_TICK_SOIL_ADJUSTED = 2048, /* soil and tool friction were changed a little: a model that learns */
+  HAPTO_TICK_GRAIN_MOVED = 4096    /* a grain was put elsewhere: a model's surface that is corrected */
+};
 
 /* One tick, as recordings hold it (docs/recording.md). */
 typedef struct hapto_tick {
   uint32_t size;
-  uint32_t flags;              /* HAPTO_SAFETY_..., 64: time stood still before it, 128: the watchdog had let go, 256: the scene has
-                                  been changed, 1024: the run ended with it */
-  uint32_t trip;               /* why the hand felt nothing, as a number; 0: it did */
+  uint32_t flags;              /* HAPTO_TICK_... */
+  uint32_t trip;               /* HAPTO_TRIP_... */
   uint32_t buttons;
   int32_t device_state;
   uint32_t reserved;
   double time_s;
-  hapto_pose device_pose;      /* as the device told it, in its own frame */
-  hapto_twist device_twist;
+  hapto_pose device_pose;      /* of the handle, as the device reported it, device frame */
+  hapto_twist device_twist;    /* of the handle, device frame */
   double gripper_open;
   hapto_pose scene_T_tool;
-  hapto_wrench soil;           /* of the soil on the tool, unfiltered, scene frame */
-  hapto_wrench rendered;       /* what the hand would feel without the safety layer, device's frame */
-  double rendered_gripper_n;
-  hapto_wrench felt;           /* what it was made to feel */
-  double felt_gripper_n;
+  hapto_wrench soil;           /* soil wrench: about the tool's origin, scene frame, unfiltered */
+  hapto_wrench rendered;       /* what the device would be sent without the safety layer, about the handle's origin, device frame */
+  double rendered_gripper_n;   /* > 0 opens the fingers */
+  hapto_wrench felt;           /* device wrench: what it was sent, about the handle's origin, device frame */
+  double felt_gripper_n;       /* what the gripper was sent; > 0 opens the fingers */
   double injected_j;           /* energy that the hand was given beyond what it gave */
   double quick_injected_j;     /* the same by the quick account (docs/safety.md) */
   double tick_us, late_us;     /* work of this tick, and how late it began */
@@ -447,7 +485,7 @@ HAPTO_API int32_t hapto_loop_change(hapto_loop *loop, const char *const *overrid
 HAPTO_API int32_t hapto_safety_create(const hapto_device_limits *limits, const char *const *overrides, uint32_t count,
                                       double tick_s, double stiffness_n_m, hapto_safety **out);
 /* Each tick: what the device told, whether the tick before ended late (1), and what the hand would be made to feel, which
- * becomes what it may. [1 kHz] */
+ * becomes what it may: both device frame. [1 kHz] */
 HAPTO_API int32_t hapto_safety_step(hapto_safety *safety, const hapto_device_input *input, int32_t late,
                                     hapto_device_output *inout);
 typedef struct hapto_safety_info {
@@ -458,7 +496,7 @@ typedef struct hapto_safety_info {
   const char *trip;   /* why the hand feels nothing just now; "" when it does */
   double injected_j;  /* energy that the hand was given beyond what it gave */
 } hapto_safety_info;
-enum {
+enum { /* explained at HAPTO_TICK_... */
   HAPTO_SAFETY_LATE = 1,
   HAPTO_SAFETY_ZEROED = 2,
   HAPTO_SAFETY_SATURATED = 4,

@@ -2,7 +2,7 @@
 // every function is explained.
 //
 //     hapto::Scene scene = hapto::Scene::fromFile("regolith", {"bed.threads=2"});
-//     hapto_wrench felt = scene.step({{0, 0, 0.06}, {1, 0, 0, 0}});
+//     hapto_wrench soil_wrench = scene.step({{0, 0, 0.06}, {1, 0, 0, 0}});
 #ifndef HAPTOLITH_HAPTOLITH_HPP
 #define HAPTOLITH_HAPTOLITH_HPP
 
@@ -213,16 +213,18 @@ class Scene {
     return Scene(made);
   }
 
-  /// One tick. Throws nothing that is not wrong; allocates nothing.
+  /// One tick; gives the soil wrench: of the soil on the tool, about its origin, scene frame. Throws nothing that is not wrong;
+  /// allocates nothing.
   hapto_wrench step(const hapto_pose &scene_T_tool, const hapto_twist *twist = nullptr) {
-    hapto_wrench felt;
-    require(hapto_scene_step(get(), &scene_T_tool, twist, &felt));
-    return felt;
+    hapto_wrench soil_wrench;
+    require(hapto_scene_step(get(), &scene_T_tool, twist, &soil_wrench));
+    return soil_wrench;
   }
+  /// The soil wrench of each tick.
   std::vector<hapto_wrench> steps(const std::vector<hapto_pose> &poses) {
-    std::vector<hapto_wrench> felt(poses.size());
-    require(hapto_scene_steps(get(), poses.size(), poses.data(), nullptr, felt.data(), nullptr));
-    return felt;
+    std::vector<hapto_wrench> soil_wrenches(poses.size());
+    require(hapto_scene_steps(get(), poses.size(), poses.data(), nullptr, soil_wrenches.data(), nullptr));
+    return soil_wrenches;
   }
   void placeTool(const hapto_pose &scene_T_tool) { require(hapto_scene_place_tool(get(), &scene_T_tool)); }
   hapto_pose toolPose() const {
@@ -230,12 +232,13 @@ class Scene {
     require(hapto_scene_get_tool_pose(get(), &pose));
     return pose;
   }
+  /// The soil wrench of the last tick.
   hapto_wrench wrench() const {
-    hapto_wrench felt;
-    require(hapto_scene_get_wrench(get(), &felt));
-    return felt;
+    hapto_wrench soil_wrench;
+    require(hapto_scene_get_wrench(get(), &soil_wrench));
+    return soil_wrench;
   }
-  /// dF = -K dx, row by row in N/m.
+  /// dF = -K dx, row by row in N/m, scene frame.
   std::array<double, 9> contactStiffness() const {
     std::array<double, 9> n_m{};
     require(hapto_scene_get_contact_stiffness(get(), n_m.data()));
@@ -346,15 +349,15 @@ class Batch {
     handle_.reset(made);
   }
 
-  /// poses[i * ticks + t] of scene i; the wrenches likewise.
+  /// poses[i * ticks + t] of scene i give its soil wrench [i * ticks + t].
   std::vector<hapto_wrench> step(std::uint64_t ticks, const std::vector<hapto_pose> &poses) {
     if (poses.size() != scenes_ * ticks) {
       throw std::invalid_argument("a batch of " + std::to_string(scenes_) + " scenes needs " +
                                   std::to_string(scenes_ * ticks) + " poses for so many ticks");
     }
-    std::vector<hapto_wrench> felt(poses.size());
-    require(hapto_batch_step(handle_.get(), ticks, poses.data(), nullptr, felt.data(), nullptr));
-    return felt;
+    std::vector<hapto_wrench> soil_wrenches(poses.size());
+    require(hapto_batch_step(handle_.get(), ticks, poses.data(), nullptr, soil_wrenches.data(), nullptr));
+    return soil_wrenches;
   }
 
  private:
@@ -371,7 +374,9 @@ class Device {
   virtual const char *name() const noexcept { return "device"; }
   /// hapto_device_limits_init() has filled in an ideal device.
   virtual void declare(hapto_device_limits &limits) const noexcept = 0;
+  /// The handle now, device frame.
   virtual void read(hapto_device_input &told) noexcept = 0;
+  /// What the hand is to feel, device frame.
   virtual void write(const hapto_device_output &force) noexcept = 0;
   /// From any thread: zero force at once and until takeUp().
   virtual void letGo() noexcept {}
@@ -412,6 +417,7 @@ class Loop {
     return status == HAPTO_OK;
   }
   void stop() { require(hapto_loop_stop(handle_.get())); }
+  /// soil_wrench is in the scene frame, device_wrench in the device frame.
   hapto_snapshot snapshot() {
     auto snapshot = sized<hapto_snapshot>();
     require(hapto_loop_snapshot(handle_.get(), &snapshot));

@@ -92,12 +92,14 @@ typedef struct hapto_replay_report {
   uint64_t ticks;             /* run again */
   uint64_t hashes;            /* of the soil, that were compared */
   uint64_t different_tick;    /* the first that was not the same, from 0, and what of it: */
-  const char *different;      /* "state_hash", "rendered force", "felt force", "end"; "" when all were */
+  const char *different;      /* "state_hash", "tool pose", "soil wrench", "rendered force", "felt force", "injected energy",
+                                 "trip", "end", "flags"; "" when all were */
   const char *ended_early;    /* why the rest could not be run again; "" when all was */
   uint64_t missing;           /* ticks missing in the recording, behind which nothing can be run again */
 } hapto_replay_report;
-/* Runs it again and compares every tick: hashes of the soil and forces, bit by bit, to the first difference. Texts are valid until
- * the recording's next verification.
+/* Runs it again and compares every tick, bit by bit, to the first difference: hashes of the soil, the tool's pose, the wrenches,
+ * energy, trip and flags. What the device reported is fed in, and times of work are not compared. Texts are valid until the
+ * recording's next verification.
  * threads  that share a tick; 0: as recorded. The result must not depend on it. */
 HAPTO_API int32_t hapto_recording_verify(hapto_recording *recording, uint32_t threads, hapto_progress progress, void *user,
                                          hapto_replay_report *out);

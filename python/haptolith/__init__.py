@@ -15,7 +15,7 @@ from ._abi import library_version as _library_version
 from .batch import Batch
 from .errors import (Busy, Collapsed, Failure, HaptolithError, InvalidParameter, Stopped)
 from .lab import lab_test, lab_tests
-from .loop import Device, DeviceInput, Limits, Loop, Snapshot
+from .loop import Device, DeviceInput, Limits, Loop, Snapshot, TickFlag, Trip
 from .psychometrics import fit_psychometric
 from .safety import Safety, SafetyInfo
 from .scene import Scene, SceneInfo, scenes
@@ -26,7 +26,6 @@ __version__ = _library_version()
 
 __all__ = [
     "Batch", "Busy", "Collapsed", "Device", "DeviceInput", "Failure", "HaptolithError", "InvalidParameter", "Limits",
-    "Loop", "Pose", "Safety", "SafetyInfo", "Scene", "SceneInfo", "Snapshot", "Soil", "Stopped", "Wrench", "calibrate",
-    "fit_psychometric", "lab_test",
-    "lab_tests", "presets", "scenes", "soils",
+    "Loop", "Pose", "Safety", "SafetyInfo", "Scene", "SceneInfo", "Snapshot", "Soil", "Stopped", "TickFlag", "Trip", "Wrench",
+    "calibrate", "fit_psychometric", "lab_test", "lab_tests", "presets", "scenes", "soils",
 ]

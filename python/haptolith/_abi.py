@@ -77,7 +77,8 @@ class Snapshot(Structure):
                 ("time_s", c_double), ("scene_T_tool", Pose), ("opening_m", c_double), ("felt", Wrench),
                 ("success_rate", c_double), ("tick_us_p50", c_double), ("tick_us_p99", c_double),
                 ("tick_us_max", c_double), ("largest_speed_m_s", c_double), ("position", Array),
-                ("misses_too_long", c_uint64), ("misses_woken_late", c_uint64), ("misses_preempted", c_uint64)]
+                ("misses_too_long", c_uint64), ("misses_woken_late", c_uint64), ("misses_preempted", c_uint64),
+                ("soil_wrench", Wrench), ("device_wrench", Wrench)]
 
 
 class Tick(Structure):

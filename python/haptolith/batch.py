@@ -30,7 +30,7 @@ class Batch(Owned):
         self._handle = out.value
 
     def step(self, poses: npt.ArrayLike) -> Floats:
-        """(scenes, ticks, 7) or (scenes, 7) poses give (scenes, ticks, 6) or (scenes, 6) wrenches.
+        """(scenes, ticks, 7) or (scenes, 7) poses give (scenes, ticks, 6) or (scenes, 6) soil wrenches, scene frame.
 
         Other threads of Python run meanwhile. Raises what the first scene that failed raises."""
         given = np.ascontiguousarray(poses, dtype=np.float64)

@@ -6,6 +6,7 @@ import ctypes
 import sys
 import traceback
 from dataclasses import dataclass, field
+from enum import IntEnum, IntFlag
 from typing import Any, Optional
 
 import numpy as np
@@ -47,7 +48,7 @@ class Limits:
 
 @dataclass
 class DeviceInput:
-    """What a device tells about the handle, in its own frame."""
+    """What a device reports of the handle, device frame."""
 
     position_m: npt.ArrayLike = (0.0, 0.0, 0.0)
     orientation: npt.ArrayLike = (1.0, 0.0, 0.0, 0.0)  # w x y z
@@ -70,12 +71,49 @@ class Device:
         raise NotImplementedError
 
     def write(self, force_n: Floats, torque_nm: Floats) -> None:
-        """What the hand is to feel, (3,) each, in the device's frame."""
+        """What the hand is to feel, (3,) each, about the handle's origin, device frame."""
+
+
+class Trip(IntEnum):
+    """Why the safety layer makes the hand feel nothing: `trip` of ticks, as HAPTO_TRIP_... in haptolith.h."""
+
+    NONE = 0
+    DEVICE_NOT_FINITE = 1
+    STALE = 2
+    LOST = 3
+    WORKSPACE = 4
+    MISSED_DEADLINES = 5
+    HEARTBEAT = 6
+    FORCE_NOT_FINITE = 7
+    IMPLAUSIBLE = 8
+
+
+class TickFlag(IntFlag):
+    """What happened in a tick or before it: `flags` of ticks, as HAPTO_TICK_... in haptolith.h."""
+
+    LATE = 1
+    ZEROED = 2
+    SATURATED = 4
+    RATE_LIMITED = 8
+    SOFT_START = 16
+    DAMPED = 32
+    RESUMED = 64
+    HEARTBEAT_LOST = 128
+    SCENE_CHANGED = 256
+    SOFT_STOP = 512
+    FAILED = 1024
+    SOIL_ADJUSTED = 2048
+    GRAIN_MOVED = 4096
 
 
 @dataclass(frozen=True)
 class Snapshot:
-    """A picture of a running scene; positions (n, 3) m is a copy."""
+    """A picture of a running scene; positions (n, 3) m, scene frame, is a copy.
+
+    soil_force_n, soil_torque_nm: of the soil on the tool in the last tick, (3,) each, about the tool's origin, scene
+    frame, unfiltered. device_force_n, device_torque_nm: sent to the device in the last tick, (3,) each, about the
+    handle's origin, device frame. felt_n, felt_nm (deprecated): the same turned into the scene's axes.
+    tool_pose: scene_T_tool, (7,): x y z in m, w x y z."""
 
     running: bool
     end: str
@@ -99,6 +137,10 @@ class Snapshot:
     misses_too_long: int
     misses_woken_late: int
     misses_preempted: int
+    soil_force_n: Floats
+    soil_torque_nm: Floats
+    device_force_n: Floats
+    device_torque_nm: Floats
 
 
 class Loop(Owned):
@@ -166,12 +208,14 @@ class Loop(Owned):
                         now.deadline_misses, now.awake, now.time_s, pose, now.opening_m, np.array(now.felt.force_n),
                         np.array(now.felt.torque_nm), now.success_rate, now.tick_us_p50, now.tick_us_p99,
                         now.tick_us_max, now.largest_speed_m_s, positions, now.misses_too_long, now.misses_woken_late,
-                        now.misses_preempted)
+                        now.misses_preempted, np.array(now.soil_wrench.force_n), np.array(now.soil_wrench.torque_nm),
+                        np.array(now.device_wrench.force_n), np.array(now.device_wrench.torque_nm))
 
     def take_ticks(self, most: int = 100_000) -> npt.NDArray[Any]:
         """The ticks that wait, the oldest first, as a structured array with the names of hapto_tick; with keep_ticks.
 
-        Take them every second or more often, or some are lost."""
+        soil is in the scene frame; rendered and felt (what the device was sent) in the device frame. flags are TickFlag,
+        trip is Trip. Take them every second or more often, or some are lost."""
         ticks = (_abi.Tick * most)()
         count = ctypes.c_uint64()
         require(_lib.hapto_loop_take_ticks(self.address, ticks, most, ctypes.byref(count), None))

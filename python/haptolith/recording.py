@@ -126,7 +126,8 @@ class Replay:
 
 
 class Recording(Owned):
-    """A recording of haptolith's, also one whose program was killed: recording.ticks["felt"]["force_n"].
+    """A recording of haptolith's, also one whose program was killed: recording.ticks["soil"]["force_n"] in the scene
+    frame, recording.ticks["felt"]["force_n"] (what the device was sent) in the device frame.
 
     Raises Failure for what is none."""
 

@@ -18,7 +18,8 @@ from .values import PoseLike, Wrench, overrides_of, pose_numbers
 
 @dataclass(frozen=True)
 class SafetyInfo:
-    """trip: why the hand feels nothing just now; "" when it does. injected_j: energy given beyond what was taken."""
+    """trip: why the hand feels nothing just now; "" when it does. flags: TickFlag, of the last step.
+    injected_j: energy given beyond what was taken."""
 
     trip: str
     trips: int
@@ -45,7 +46,7 @@ class Safety(Owned):
         self._shown = _abi.sized(_abi.DeviceOutput)
 
     def step(self, pose: PoseLike, force: npt.ArrayLike, late: bool = False) -> Wrench:
-        """What a hand at `pose` may feel of force (3,) N or wrench (6,), device's frame. Call it every tick."""
+        """What a hand at `pose` may feel of force (3,) N or wrench (6,), all device frame. Call it every tick."""
         numbers = pose_numbers(pose)
         wanted = np.zeros(6)
         given = np.asarray(force, dtype=np.float64)

@@ -148,6 +148,7 @@ class Scene:
     def step(self, pose: PoseLike, twist: Optional[npt.ArrayLike] = None) -> Wrench:
         """One tick of 1 ms: moves the tool in a straight line to the pose while the soil answers.
 
+        Gives the soil wrench: of the soil on the tool, about the tool's origin, scene frame.
         pose: Pose, (3,), (7,) or (4, 4), scene_T_tool. twist: (6,) m/s and rad/s, scene frame; None: as the way says.
         Raises InvalidParameter for a pose that is nowhere near; Collapsed."""
         if type(pose) is np.ndarray and pose.shape == (7,):
@@ -168,7 +169,7 @@ class Scene:
         return Wrench(self._felt.copy())
 
     def steps(self, poses: npt.ArrayLike) -> Floats:
-        """Many ticks: (n, 7) poses give (n, 6) wrenches. Other threads run meanwhile."""
+        """Many ticks: (n, 7) poses give (n, 6) soil wrenches, scene frame. Other threads run meanwhile."""
         given = np.ascontiguousarray(poses, dtype=np.float64)
         if given.ndim != 2 or given.shape[1] != 7:
             raise ValueError(f"poses are (n, 7): x y z, w x y z; not {given.shape}")
@@ -192,10 +193,10 @@ class Scene:
 
     @property
     def wrench(self) -> Wrench:
-        """What was felt in the last tick."""
-        felt = np.empty(6)
-        require(_lib.hapto_scene_get_wrench(self.address, felt.ctypes.data))
-        return Wrench(felt)
+        """The soil wrench of the last tick: of the soil on the tool, about the tool's origin, scene frame."""
+        soil = np.empty(6)
+        require(_lib.hapto_scene_get_wrench(self.address, soil.ctypes.data))
+        return Wrench(soil)
 
     @property
     def contact_stiffness(self) -> Floats:

@@ -79,7 +79,7 @@ def quaternion(rotation: Floats) -> Floats:
 
 
 class Wrench:
-    """Force (N) and torque (N m) of the soil on the tool, about the tool's origin, scene frame."""
+    """Force (N) and torque (N m) about a point; what gives one says whose it is and in which frame."""
 
     __slots__ = ("numbers",)
 

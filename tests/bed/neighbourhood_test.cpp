@@ -319,6 +319,24 @@ TEST(Neighbourhood, TheOrderOfListsDoesNotDependOnTheHistoryOfCells) {
   }
 }
 
+TEST(ContactLists, AParticleThatIsNotListedIsFoundNowhereAndADebugBuildAborts) {
+  ContactLists lists(40, true);
+  ASSERT_TRUE(lists.add(3, 7));
+  ASSERT_TRUE(lists.add(3, 8));
+  EXPECT_EQ(lists.find(3, 8), 1U);
+  EXPECT_DEBUG_DEATH(
+      {
+        EXPECT_EQ(lists.find(3, 9), 2U) << "behind its last";
+        EXPECT_EQ(lists.find(4, 3), 0U);
+        lists.removeNeighbour(3, 9);
+        lists.removeNeighbour(4, 3);
+      },
+      "lists are symmetric");
+  EXPECT_EQ(lists.count(3), 2U);
+  EXPECT_EQ(lists.count(4), 0U);
+  EXPECT_EQ(lists.neighbour(3, 0), 7);
+}
+
 TEST(ContactLists, AGroupThatOutgrowsItsRoomKeepsWhatItHas) {
   ContactLists lists(40, true);
   for (std::int32_t j = 0; j < 90; ++j) {

@@ -148,9 +148,9 @@ int dhdGetPositionAndOrientationFrame(double* x, double* y, double* z, double r[
     return -1;
   }
   stand_in.poses += stand_in.frozen ? 0 : 1;
-  *x = 0.01 + 1e-9 * stand_in.poses;
-  *y = 0.02;
-  *z = stand_in.not_a_number ? std::numeric_limits<double>::quiet_NaN() : 0.03;
+  *x = stand_in.position_m[0] + 1e-9 * stand_in.poses;
+  *y = stand_in.position_m[1];
+  *z = stand_in.not_a_number ? std::numeric_limits<double>::quiet_NaN() : stand_in.position_m[2];
   const double c = std::cos(stand_in.turned_rad), s = std::sin(stand_in.turned_rad);
   const double turned[3][3] = {{c, -s, 0}, {s, c, 0}, {0, 0, stand_in.no_rotation ? -1.0 : 1.0}};
   std::memcpy(r, turned, sizeof turned);
@@ -160,9 +160,9 @@ int dhdGetLinearVelocity(double* x, double* y, double* z, char) {
   const std::lock_guard lock(in_use);
   talk();
   talk();
-  *x = 0.1;
-  *y = 0.2;
-  *z = 0.3;
+  *x = stand_in.velocity_m_s[0];
+  *y = stand_in.velocity_m_s[1];
+  *z = stand_in.velocity_m_s[2];
   return called("dhdGetLinearVelocity") ? stand_in.reading_result : -1;
 }
 int dhdGetAngularVelocityRad(double* x, double* y, double* z, char) {

@@ -34,6 +34,7 @@ struct StandIn {
   int homed_by_forces = INT_MAX;  ///< a Falcon is homed after so many of them
   bool frozen = false;            ///< the pose stays as it is
   bool not_a_number = false, no_rotation = false;
+  std::array<double, 3> position_m{0.01, 0.02, 0.03}, velocity_m_s{0.1, 0.2, 0.3};
   double turned_rad = 0;  ///< about z
   double gripper_rad = 0;
   unsigned int buttons = 0;

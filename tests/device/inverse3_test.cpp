@@ -173,10 +173,10 @@ TEST(Inverse3, SaysWhenTheZeroOfLettingGoIsOut) {
   ASSERT_TRUE(shows(device, force_n, [&](const DeviceInput&) { return service.force() == force_n; }));
   device.releaseForce();
   const auto end = Clock::now() + 10s;
-  while (device.lettingGo() != LettingGo::kDone && Clock::now() < end) {
+  while (device.forceRelease() != ForceRelease::kDone && Clock::now() < end) {
     std::this_thread::sleep_for(1ms);
   }
-  EXPECT_EQ(device.lettingGo(), LettingGo::kDone);
+  EXPECT_EQ(device.forceRelease(), ForceRelease::kDone);
   EXPECT_TRUE(shows(device, force_n, [&](const DeviceInput&) { return service.force() == Vec3::Zero(); }));
 }
 

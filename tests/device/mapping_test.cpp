@@ -82,7 +82,7 @@ TEST(Mapping, IsTheEquationWithMatrices) {
   const Wrench felt = mapping.toDevice({soil}).wrench;
   EXPECT_LT((felt.force_n - 0.4 * turn.transpose() * soil.force_n).norm(), 1e-14);
   EXPECT_LT((felt.torque_nm - 0.4 / 2.5 * turn.transpose() * soil.torque_nm).norm(), 1e-14);
-  const Wrench shown = mapping.shownInScene(felt);
+  const Wrench shown = mapping.turnedIntoScene(felt);
   EXPECT_LT((shown.force_n - 0.4 * soil.force_n).norm(), 1e-14) << "as large as at the device";
 }
 

@@ -32,16 +32,16 @@ class Piped final : public HapticDevice {
   [[nodiscard]] DeviceInput read() noexcept override { return {}; }
   void write(const DeviceOutput&) noexcept override {}
   void releaseForce() noexcept override { tell(letter_); }
-  void letGoRegardless() noexcept override { tell('r'); }
-  [[nodiscard]] LettingGo lettingGo() const noexcept override {
+  void releaseForceRegardless() noexcept override { tell('r'); }
+  [[nodiscard]] ForceRelease forceRelease() const noexcept override {
     if (--looks_left_ >= 0) {
-      return LettingGo::kUnderWay;
+      return ForceRelease::kUnderWay;
     }
     if (stuck_) {
-      return LettingGo::kStuck;
+      return ForceRelease::kStuck;
     }
     tell('.');
-    return LettingGo::kDone;
+    return ForceRelease::kDone;
   }
   void resumeForce() noexcept override {}
 
@@ -122,7 +122,7 @@ TEST_P(HaltingSignal, LetsGoOfTheHandHaltsTheProgramAndTellsTheLoopWhenItGoesOn)
     const LastResort last_resort(hand);
     for (int round = 0; round < 2; ++round) {
       std::raise(GetParam());
-      if (!LastResort::letGoMeanwhile() || LastResort::letGoMeanwhile()) {
+      if (!LastResort::releasedForceMeanwhile() || LastResort::releasedForceMeanwhile()) {
         _exit(1);
       }
     }

@@ -139,7 +139,7 @@ TEST(LoopRequest, ASimulatedHandMovesTheSameWithAndWithoutPauses) {
     ASSERT_TRUE(never.loop.snapshots().update());
     EXPECT_EQ(paused.loop.snapshots().latest().ticks, never.loop.statistics().ticks());
     EXPECT_GT(paused.loop.snapshots().latest().tick_us_lately, 0);
-    largest_n = std::max(largest_n, paused.loop.snapshots().latest().felt.force_n.norm());
+    largest_n = std::max(largest_n, paused.loop.snapshots().latest().device_wrench.force_n.norm());
     ASSERT_EQ(stateHash(paused.scene.bed().state()), stateHash(never.scene.bed().state())) << part;
   }
   EXPECT_GT(largest_n, 0.1);

@@ -59,9 +59,9 @@ class PressingDevice final : public HapticDevice {
     input.twist.linear_m_s.z() = share < 1 ? -0.05 : 0;
     return input;
   }
-  void write(const DeviceOutput& output) noexcept override { show(let_go_ ? 0 : output.wrench.force_n.norm()); }
-  void releaseForce() noexcept override { let_go_ = true; }
-  void resumeForce() noexcept override { let_go_ = false; }
+  void write(const DeviceOutput& output) noexcept override { show(released_ ? 0 : output.wrench.force_n.norm()); }
+  void releaseForce() noexcept override { released_ = true; }
+  void resumeForce() noexcept override { released_ = false; }
 
  private:
   void show(double force_n) noexcept {
@@ -74,7 +74,7 @@ class PressingDevice final : public HapticDevice {
   Felt& felt_;
   double surface_m_;
   int reads_ = 0;
-  std::atomic<bool> let_go_{false};
+  std::atomic<bool> released_{false};
 };
 
 void pressForAMinute(Felt& felt) {

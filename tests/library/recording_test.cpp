@@ -17,6 +17,7 @@
 
 #include "../source_dir.h"
 #include "device.h"
+#include "sweep.h"
 #include "use.h"
 
 namespace haptolith::library {
@@ -84,6 +85,29 @@ class LibraryRecording : public testing::Test {
 
   const fs::path folder_ = fs::path(testing::TempDir()) / ("haptolith_library_recording_" + std::to_string(getpid()));
 };
+
+TEST_F(LibraryRecording, HasWhatTheSoilDoesInTheScenesFrameAndWhatTheDeviceWasSentInItsOwn) {
+  for (const int mapping_deg : {0, 90, 180}) {
+    SCOPED_TRACE(mapping_deg);
+    const std::string turned = "mapping.turn_deg=[0, 0, " + std::to_string(mapping_deg) + "]";
+    const ScenePtr scene = sceneOf(kPaper, {kZeroInSoil, turned.c_str()});
+    SweepingDevice hand{.sweep = {.turn_rad = mapping_deg * M_PI / 180}};
+    const hapto_device device = hand.handle();
+    const LoopPtr loop = loopOf(scene.get(), &device);
+    const std::string path = file("turned" + std::to_string(mapping_deg) + ".h5");
+    const RecorderPtr recorder = recorderOf(loop.get(), path);
+    tick(loop.get(), 480);
+    expectOk(hapto_recorder_finish(recorder.get()));
+    const RecordingPtr recording = recordingOf(path);
+    std::vector<hapto_tick> ticks(480);
+    std::uint64_t count = 0;
+    expectOk(hapto_recording_read_ticks(recording.get(), 0, ticks.data(), ticks.size(), &count));
+    ASSERT_EQ(count, 480U);
+    expectPushedBack(ticks, hand.sweep);
+    EXPECT_EQ(ticks.back().felt.force_n[0], hand.last.wrench.force_n[0]);
+    EXPECT_EQ(ticks.back().felt.force_n[1], hand.last.wrench.force_n[1]);
+  }
+}
 
 TEST_F(LibraryRecording, OfAnOwnDeviceIsRunAgainToTheLastBit) {
   for (const char* toml : {kPaper, kContact}) {

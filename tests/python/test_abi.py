@@ -9,6 +9,7 @@ from pathlib import Path
 
 import pytest
 
+import haptolith as hp
 from haptolith import _abi, recording
 
 SOURCE = Path(__file__).resolve().parents[2]
@@ -59,3 +60,10 @@ def test_constants(name):
     value = int(re.search(rf"\b{name} = (\d+)", HEADER.read_text()).group(1))
     own = name.removeprefix("HAPTO_").removeprefix("LOOP_")
     assert getattr(_abi, own) == value
+
+
+@pytest.mark.parametrize("prefix, enum, count", [("HAPTO_TRIP_", hp.Trip, 9), ("HAPTO_TICK_", hp.TickFlag, 13)])
+def test_enums_are_the_headers(prefix, enum, count):
+    declared = {name: int(value) for name, value in re.findall(rf"\b{prefix}(\w+) = (\d+)", HEADER.read_text())}
+    assert len(declared) == count
+    assert {member.name: int(member) for member in enum} == declared

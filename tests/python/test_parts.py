@@ -123,6 +123,45 @@ class Presses(hp.Device):
         self.strongest_n = max(self.strongest_n, float(force_n[2]))
 
 
+class Sweeps(hp.Device):
+    """Goes along the scene's x, 15 mm below the surface; the scene's axes are its own turned by `turn_rad` about z."""
+
+    def __init__(self, turn_rad, declared_rad):
+        self.limits = hp.Limits(simulated=1, turn_rad=(0, 0, declared_rad))
+        self.along = np.array([np.cos(turn_rad), -np.sin(turn_rad), 0])
+        self.ticks, self.last_n = 0, np.zeros(3)
+
+    def read(self):
+        self.ticks += 1
+        return hp.DeviceInput(position_m=(6e-5 * self.ticks - 0.012) * self.along, linear_m_s=0.06 * self.along)
+
+    def write(self, force_n, torque_nm):
+        self.last_n = force_n
+
+
+@pytest.mark.parametrize("mapping_deg", [0, 90, 180])
+@pytest.mark.parametrize("declared_deg", [0, -90])
+def test_each_wrench_has_one_frame(mapping_deg, declared_deg):
+    with hp.Scene.from_toml(PAPER, mapping__offset_mm=[0, 0, -15], mapping__turn_deg=[0, 0, mapping_deg]) as scene:
+        device = Sweeps(np.radians(mapping_deg + declared_deg), np.radians(declared_deg))
+        with hp.Loop(scene, device, ticked_by_caller=True, keep_ticks=True) as loop:
+            assert all(loop.tick() for _ in range(384))
+            now, ticks, sent_n = loop.snapshot(), loop.take_ticks(), device.last_n
+    across = np.cross([0, 0, 1], device.along)
+    soil_n, felt_n = (ticks[name]["force_n"][200:].mean(axis=0) for name in ("soil", "felt"))
+    assert soil_n[0] < -0.1
+    felt_in_scene_n = [felt_n @ device.along, felt_n @ across, felt_n[2]]
+    assert np.allclose(felt_in_scene_n, soil_n, atol=0.25 * np.linalg.norm(soil_n))
+    assert np.allclose([now.felt_n @ [1, 0, 0], now.felt_n @ [0, 1, 0]],
+                       [now.device_force_n @ device.along, now.device_force_n @ across], atol=1e-12)
+    assert np.array_equal(ticks["felt"]["force_n"][-1], sent_n)
+    tick = np.flatnonzero((ticks["soil"]["force_n"] == now.soil_force_n).all(axis=1))[-1]
+    assert np.array_equal(ticks["felt"]["force_n"][tick], now.device_force_n)
+    assert np.array_equal(ticks["felt"]["torque_nm"][tick], now.device_torque_nm)
+    assert np.array_equal(ticks["soil"]["torque_nm"][tick], now.soil_torque_nm)
+    assert all(hp.Trip(trip) == hp.Trip.NONE for trip in ticks["trip"])
+
+
 def test_a_device_in_python_feels_the_soil():
     with hp.Scene.from_toml(PAPER) as scene:
         device = Presses()

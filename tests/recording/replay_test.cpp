@@ -12,6 +12,7 @@
 #include <cmath>
 #include <filesystem>
 #include <functional>
+#include <limits>
 #include <string>
 #include <thread>
 #include <tuple>
@@ -283,6 +284,27 @@ TEST_F(ReplayTest, AHashOrAForceThatWasAnotherIsFoundByName) {
   ticks_ = whole;
   ticks_[50].felt.gripper_force_n = -1e-300;
   findsIn50("felt force");
+  ticks_ = whole;
+  ticks_[50].scene_T_tool.position_m.x() += 1e-15;
+  findsIn50("tool pose");
+  ticks_ = whole;
+  ticks_[50].soil.force_n.x() = 7;
+  findsIn50("soil wrench");
+  ticks_ = whole;
+  ticks_[50].soil.torque_nm.z() = std::numeric_limits<double>::quiet_NaN();
+  findsIn50("soil wrench");
+  ticks_ = whole;
+  ticks_[50].quick_injected_j += 1e-12;
+  findsIn50("injected energy");
+  ticks_ = whole;
+  ticks_[50].trip = 3;
+  findsIn50("trip");
+  ticks_ = whole;
+  ticks_[50].flags ^= kTickForceSaturated;
+  findsIn50("flags");
+  ticks_ = whole;
+  ticks_[50].flags ^= kTickLate;  // of the clock
+  EXPECT_FALSE(replayed().difference);
 }
 
 TEST_F(ReplayTest, ATickThatIsMissingIsFound) {

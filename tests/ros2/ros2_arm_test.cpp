@@ -195,5 +195,28 @@ TEST(Ros2Node, RefusesDomainsThatHaveNoPorts) {
   unsetenv("ROS_DOMAIN_ID");
 }
 
+TEST(Ros2Node, ReadsWhatMayBeDiscoveredAsRos2DoesAndRefusesOtherWords) {
+  Ros2Parameters parameters;
+  for (const auto& [variable, text] :
+       {std::pair{"ROS_AUTOMATIC_DISCOVERY_RANGE", "localhost"}, std::pair{"ROS_AUTOMATIC_DISCOVERY_RANGE", "off"},
+        std::pair{"ROS_AUTOMATIC_DISCOVERY_RANGE", "SUBNET "}, std::pair{"ROS_LOCALHOST_ONLY", "true"}}) {
+    parameters.domain = someDomain();
+    setenv(variable, text, 1);
+    try {
+      const Ros2Node node(parameters);
+      ADD_FAILURE() << variable << "=" << text << " is taken";
+    } catch (const InvalidParameter& error) {
+      EXPECT_EQ(error.key(), variable);
+    }
+    unsetenv(variable);
+  }
+  for (const char* text : {"OFF", "LOCALHOST"}) {
+    parameters.domain = someDomain();
+    setenv("ROS_AUTOMATIC_DISCOVERY_RANGE", text, 1);
+    EXPECT_NO_THROW(Ros2Node{parameters}) << text;
+    unsetenv("ROS_AUTOMATIC_DISCOVERY_RANGE");
+  }
+}
+
 }  // namespace
 }  // namespace haptolith

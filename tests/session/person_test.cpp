@@ -97,7 +97,7 @@ class PersonsSession : public testing::Test {
     handle_->z_m = below(0.02);
     ASSERT_TRUE(soon([&] { return toolHeight() < session_->surface() - 0.0199; }));
     waitTicks(300);
-    ASSERT_TRUE(soon([&] { return session_->snapshot().felt.force_n.norm() > 0.05; }));
+    ASSERT_TRUE(soon([&] { return session_->snapshot().device_wrench.force_n.norm() > 0.05; }));
   }
   void waitTicks(std::uint64_t count) {
     const std::uint64_t ticks = session_->snapshot().ticks;
@@ -143,7 +143,7 @@ TEST_F(PersonsSession, TheMiddleOfTheWorkspaceLiesAboveTheSurface) {
   waitTicks(50);
   const Vec3 wanted_m = Vec3(0, 0, session_->surface()) + HandParameters().home_m;
   EXPECT_LT((session_->snapshot().scene_T_tool.position_m - wanted_m).norm(), 1e-12);
-  EXPECT_EQ(session_->snapshot().felt.force_n, Vec3::Zero());
+  EXPECT_EQ(session_->snapshot().device_wrench.force_n, Vec3::Zero());
 }
 
 TEST_F(PersonsSession, APauseLetsGoAndForceComesBackSoftlyWhereTheHandIsThen) {
@@ -186,7 +186,8 @@ TEST_F(PersonsSession, AnotherBedUnderTheHandIsNoJolt) {
   waitTicks(800);
   session_->change({.tool_shape = ToolShape::kSphere});
   waitTicks(800);
-  EXPECT_TRUE(soon([&] { return session_->snapshot().felt.force_n.norm() > 0.01; })) << "it is in the soil again";
+  EXPECT_TRUE(soon([&] { return session_->snapshot().device_wrench.force_n.norm() > 0.01; }))
+      << "it is in the soil again";
   const std::size_t end = records_.size();
   stopAndTakeAll();
   records_.resize(end);

@@ -254,7 +254,7 @@ TEST_F(SessionTest, ARefusedChangeChangesNothing) {
 TEST_F(SessionTest, WhoeverHoldsTheToolDigsAndItStaysWhereItIsLeft) {
   start();
   session_->hold(Pose{Vec3(0.01, 0, 0.02)});
-  ASSERT_TRUE(soon([&] { return session_->snapshot().felt.force_n.norm() > 0.1; }));
+  ASSERT_TRUE(soon([&] { return session_->snapshot().device_wrench.force_n.norm() > 0.1; }));
   session_->release();
   const auto ticks = session_->snapshot().ticks;
   ASSERT_TRUE(soon([&] { return session_->snapshot().ticks > ticks + 2000; }));
@@ -361,7 +361,7 @@ TEST_F(SessionTest, ShowsStonesWhereEachStimulusHasThem) {
 TEST_F(SessionTest, AToolThatTouchesNothingFadesOutOfTheSoilAndBackWithoutAJump) {
   start();
   session_->hold(Pose{Vec3(0.01, 0, 0.02)});
-  const auto force_n = [&] { return session_->snapshot().felt.force_n.norm(); };
+  const auto force_n = [&] { return session_->snapshot().device_wrench.force_n.norm(); };
   ASSERT_TRUE(soon([&] { return force_n() > 1; }));
   session_->touch(false);
   ASSERT_TRUE(soon([&] { return force_n() < 1e-3; }));

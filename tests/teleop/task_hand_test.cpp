@@ -28,7 +28,7 @@ TEST(TaskHand, GoesWhereItIsWantedAndYieldsAsItsArmDoes) {
 
 TEST(TaskHand, GoesOnAsItWentWhenNobodyHoldsItAndComesToRest) {
   TaskHand hand(std::nullopt, {}, kTick_s, kHome);
-  hand.letGo({kHome, {{0.1, 0, 0}, Vec3::Zero()}});
+  hand.releaseTool({kHome, {{0.1, 0, 0}, Vec3::Zero()}});
   EXPECT_NEAR(hand.read().twist.linear_m_s.x(), 0.1, 0.001);
   DeviceInput input;
   for (int tick = 0; tick < 3000; ++tick) {

@@ -59,6 +59,7 @@ static unsafe class LibraryTests
     Buffers();
     States();
     Loops();
+    Frames();
     Handles();
     Progresses();
     Expect.Test("A step and a poll make no garbage", NoGarbage);
@@ -262,7 +263,7 @@ static unsafe class LibraryTests
         Expect.That(!loop.Poll().Running, "it has not begun");
         loop.Start();
         LoopSnapshot now = loop.Poll();
-        double strongest_n = 0;
+        double strongest_n = 0, strongest_soil_n = 0;
         float[] positions_m = new float[3 * 256];
         Stopwatch clock = Stopwatch.StartNew();
         while (now.Time_s < 0.8 && clock.Elapsed.TotalSeconds < 30)
@@ -270,10 +271,13 @@ static unsafe class LibraryTests
           Thread.Sleep(16);
           now = loop.Poll();
           strongest_n = Math.Max(strongest_n, now.Felt.Force_N.Z);
+          strongest_soil_n = Math.Max(strongest_soil_n, now.SoilWrench.Force_N.Z);
           Expect.Equal(loop.CopyPositions(positions_m, Frame.Unity), now.Particles, "particles of the picture");
         }
         Expect.That(now.Running && now.End == "" && now.Ticks > 700 && now.Particles == 256, "it runs: " + now.Ticks + " ticks");
         Expect.That(strongest_n > 0.1, "the hand felt " + strongest_n + " N");
+        Expect.Equal(now.Felt.Force_N.Z, now.DeviceWrench.Force_N.Z, "the virtual hand's frame is the scene's");
+        Expect.That(strongest_soil_n > 0.1, "the soil pushed with " + strongest_soil_n + " N");
         Expect.That(positions_m[1] > 0 && now.Scene_T_Tool.Orientation.W > 0.5, "the picture has soil and a tool");
         Expect.Equal(Expect.Throws<HaptolithException>(() => scene.Step(Pose.At(0, 0, 0.3))).Status, Status.Busy, "the scene is the loop's:");
         loop.Change("gravity.body=Earth");
@@ -416,6 +420,64 @@ static unsafe class LibraryTests
   }
 
   /// <summary>The paper's scene with few particles.</summary>
+  static int sweep_ticks;
+  static double sweep_turn_rad;
+  static Vec3 sweep_sent_n;
+
+  /// <summary>A handle that goes along the scene's x, whose axes are the device's turned by sweep_turn_rad about z.</summary>
+  static void ReadSweep(void* user, hapto_device_input* told)
+  {
+    double x_m = 6e-5 * ++sweep_ticks - 0.012;
+    told->pose.position_m[0] = Math.Cos(sweep_turn_rad) * x_m;
+    told->pose.position_m[1] = -Math.Sin(sweep_turn_rad) * x_m;
+    told->twist.linear_m_s[0] = Math.Cos(sweep_turn_rad) * 0.06;
+    told->twist.linear_m_s[1] = -Math.Sin(sweep_turn_rad) * 0.06;
+  }
+
+  static void WriteSweep(void* user, hapto_device_output* force)
+  {
+    sweep_sent_n = *(Vec3*)force->wrench.force_n;
+  }
+
+  static void Frames()
+  {
+    Expect.Test("Each wrench has one frame, whichever way the device is turned", () =>
+    {
+      hapto_device_read read = ReadSweep;
+      hapto_device_write write = WriteSweep;
+      foreach (int degrees in new[] { 0, 90, 180 })
+      {
+        using (Scene scene = Small("mapping.offset_mm=[0, 0, -15]", "mapping.turn_deg=[0, 0, " + degrees + "]"))
+        {
+          sweep_ticks = 0;
+          sweep_turn_rad = degrees * Math.PI / 180;
+          hapto_device device = new hapto_device { size = (uint)sizeof(hapto_device) };
+          Expect.Equal(Native.hapto_device_limits_init(&device.limits), Native.HAPTO_OK, "limits");
+          device.limits.simulated = 1;
+          device.read = Marshal.GetFunctionPointerForDelegate(read);
+          device.write = Marshal.GetFunctionPointerForDelegate(write);
+          IntPtr loop;
+          Expect.Equal(Native.hapto_loop_create(scene.Handle.DangerousGetHandle(), &device, Native.HAPTO_LOOP_TICKED_BY_CALLER, &loop), Native.HAPTO_OK, "loop");
+          for (int tick = 0; tick < 385; ++tick)  // the first tick, and every 16th after it, is shown
+          {
+            Expect.Equal(Native.hapto_loop_tick(loop, 0), Native.HAPTO_OK, "tick");
+          }
+          hapto_snapshot now = new hapto_snapshot { size = (uint)sizeof(hapto_snapshot) };
+          Expect.Equal(Native.hapto_loop_snapshot(loop, &now), Native.HAPTO_OK, "snapshot");
+          double along_n = now.device_wrench.force_n[0] * Math.Cos(sweep_turn_rad) - now.device_wrench.force_n[1] * Math.Sin(sweep_turn_rad);
+          Expect.That(now.soil_wrench.force_n[0] < -0.1, "the soil pushes back along x: " + now.soil_wrench.force_n[0] + " N");
+          Expect.That(along_n < -0.1, "so does the device: " + along_n + " N");
+          Expect.Equal(now.device_wrench.force_n[0], sweep_sent_n.X, "what the device was sent along its x");
+          Expect.Equal(now.device_wrench.force_n[1], sweep_sent_n.Y, "along its y");
+          Expect.That(Math.Abs(now.felt.force_n[0] - along_n) < 1e-12, "felt is the same in the scene's axes");
+          Native.hapto_loop_destroy(loop);
+        }
+      }
+      GC.KeepAlive(read);
+      GC.KeepAlive(write);
+    });
+  }
+
   static Scene Small(params string[] overrides)
   {
     return Scene.FromToml("[bed]\nparticles = 256\n", overrides);

@@ -21,11 +21,12 @@ TEST(Access, KnowsTheAddressesThatOnlyThisMachineReaches) {
 }
 
 TEST(Access, ReadsTheNameInAHostHeader) {
-  for (const char* here : {"localhost", "localhost:8080", "127.0.0.1:1", "[::1]", "[::1]:8080"}) {
+  for (const char* here :
+       {"localhost", "localhost:8080", "localhost.", "localhost.:8080", "127.0.0.1:1", "[::1]", "[::1]:8080"}) {
     EXPECT_TRUE(namesLoopback(here)) << here;
   }
   for (const char* elsewhere : {"evil.com", "evil.com:8080", "", ":8080", "[::1", "[::1]evil.com", "[::2]:8080",
-                                "localhost.evil.com:80", "evil.com#localhost"}) {
+                                "localhost.evil.com:80", "evil.com#localhost", "localhost..", ".", "evil.com."}) {
     EXPECT_FALSE(namesLoopback(elsewhere)) << elsewhere;
   }
 }

@@ -8,6 +8,9 @@
 #include <iterator>
 #include <numbers>
 
+#include "haptolith/haptics/haptic_loop.h"
+#include "haptolith/scenario/scenario.h"
+
 #include "../source_dir.h"
 
 namespace haptolith {
@@ -247,11 +250,61 @@ TEST(Frame, EachSaysWhereAllStonesAreAfterTheRecords) {
   EXPECT_EQ(number(moved, 9), 0.06F);
 }
 
+/// A device a quarter turn from the scene, whose handle goes along the scene's x, 15 mm below the surface.
+class TurnedDevice final : public HapticDevice {
+ public:
+  [[nodiscard]] std::string_view name() const noexcept override { return "turned"; }
+  [[nodiscard]] bool simulated() const noexcept override { return true; }
+  [[nodiscard]] DeviceLimits limits() const noexcept override {
+    DeviceLimits limits;
+    limits.turn_rad = Vec3(0, 0, std::numbers::pi / 2);
+    return limits;
+  }
+  [[nodiscard]] DeviceInput read() noexcept override {
+    DeviceInput input;
+    input.pose.position_m = Vec3(0, 0.012 - 6e-5 * ticks_++, 0);
+    input.twist.linear_m_s = Vec3(0, -0.06, 0);
+    return input;
+  }
+  void write(const DeviceOutput& output) noexcept override { sent_ = output.wrench; }
+  void releaseForce() noexcept override {}
+  void resumeForce() noexcept override {}
+
+  int ticks_ = 0;
+  Wrench sent_;
+};
+
+TEST(Frame, ShowsWhatATurnedDeviceIsSentInTheScenesAxes) {
+  const Scenario paper;
+  Scene scene(paper.bed, paper.tool);
+  TurnedDevice device;
+  LoopParameters unpaced;
+  unpaced.paced = false;
+  HandlingParameters handling;
+  handling.mapping.offset_m = Vec3(0, 0, scene.bed().surfaceHeight() - 0.015);
+  HapticLoop loop(scene, device, unpaced, false, handling);
+  while (device.ticks_ < 385) {  // the first tick, and every 16th after it, is shown
+    ASSERT_EQ(loop.tick(), LoopEnd::kRunning);
+  }
+  (void)loop.snapshots().update();
+  const SceneSnapshot& now = loop.snapshots().latest();
+  EXPECT_EQ(now.device_wrench.force_n, device.sent_.force_n);
+  EXPECT_EQ(now.soil_wrench.force_n, scene.felt().wrench.force_n);
+  FrameEncoder encoder(1, scene.bed().particles(), kSpace);
+  encoder.take(now, {});
+  const auto bytes = encoder.frameSince(0);
+  const Read frame(*bytes);
+  EXPECT_LT(frame.real(44), -0.1F) << "the hand goes along x, and the soil pushes back";
+  EXPECT_NEAR(frame.real(44), -device.sent_.force_n.y(), 1e-6);
+  EXPECT_NEAR(frame.real(48), device.sent_.force_n.x(), 1e-6);
+  EXPECT_NEAR(frame.real(52), device.sent_.force_n.z(), 1e-6);
+}
+
 // The same bytes as web/tests/unit/protocol.test.ts reads.
 TEST(Frame, HasTheBytesThatThePageIsTestedWith) {
   SceneSnapshot snapshot = still(40, 12.345);
   snapshot.scene_T_tool = {Vec3(0.01, -0.02, 0.03), Quat(std::sqrt(0.5), 0, std::sqrt(0.5), 0)};
-  snapshot.felt = {Vec3(1, -2, 3), Vec3(0.01, 0.02, -0.03)};
+  snapshot.device_wrench_in_scene = {Vec3(1, -2, 3), Vec3(0.01, 0.02, -0.03)};
   snapshot.tick_us_lately = 17.5;
   snapshot.deadline_misses = 2;
   snapshot.awake = 32;

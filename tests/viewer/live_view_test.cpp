@@ -46,7 +46,7 @@ struct TalkingExtension {
       throw std::system_error(std::make_error_code(std::errc::resource_unavailable_try_again), "no thread");
     }
     if (message["act"] == "let go") {
-      view->releaseForce();
+      view->releaseTool();
     }
     if (message["act"] == "hold no more") {
       may_hold = false;

@@ -56,7 +56,7 @@ std::string summary(const ReplayOptions& options, const RecordingReader& recordi
   } else if (result.gap) {
     text += fmt::format("  missing    {}\n", gapText(*result.gap));
   } else if (options.verify) {
-    text += "  verified   every hash and every force to the last bit\n";
+    text += "  verified   hashes, tool pose, wrenches, energy, trips and flags of every tick, bit-identical\n";
   }
   if (!result.end.empty()) {
     text += fmt::format("  end        as recorded, {}\n", result.end);

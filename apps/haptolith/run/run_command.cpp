@@ -196,8 +196,8 @@ class Follower {
     }
     if (news.snapshot) {
       const SceneSnapshot& now = session.snapshot();
-      if (keep_history_ &&
-          (history_.strongest.position.empty() || now.felt.force_n.norm() > history_.strongest.felt.force_n.norm())) {
+      if (keep_history_ && (history_.strongest.position.empty() ||
+                            now.device_wrench.force_n.norm() > history_.strongest.device_wrench.force_n.norm())) {
         history_.strongest = now;
       }
       if (status_.visible()) {
@@ -247,8 +247,8 @@ class Follower {
                                                        : "";
     return fmt::format("{}{}  {} {:6.2f} N  tick p99 {:5.0f} us{}  awake {}", fmt::format("{:7.1f} s", now.time_s),
                        wanted > 0 ? fmt::format(" of {:g} s", wanted) : "",
-                       now.trip == SafetyTrip::kNone ? "force" : "LET GO", now.felt.force_n.norm(), now.tick_us_p99,
-                       deadlines, now.awake);
+                       now.trip == SafetyTrip::kNone ? "force" : "LET GO", now.device_wrench.force_n.norm(),
+                       now.tick_us_p99, deadlines, now.awake);
   }
 
   const Scenario& scenario_;

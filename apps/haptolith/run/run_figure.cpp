@@ -105,7 +105,7 @@ void drawRun(Figure& figure, const Scenario& scenario, const RunHistory& history
   figure.data("tool", tool);
   figure.data("forces", forces);
   figure.data("ticks", tickHistogram(statistics.tickUs()));
-  figure.data("strongest", {{scene.time_s, scene.felt.force_n.norm()}});
+  figure.data("strongest", {{scene.time_s, scene.device_wrench.force_n.norm()}});
   figure.command(fmt::format(R"gnuplot(
 set multiplot layout 2,2 title {title} font ",17"
 set lmargin 9
@@ -134,7 +134,7 @@ unset arrow 2
 unset label 1
 set size noratio
 
-set title 'Force on the hand (filtered, as felt)'
+set title 'Force on the hand (as sent to the device, device frame)'
 set xlabel 'time (s)'
 set ylabel 'force (N)'
 set autoscale x
@@ -143,14 +143,14 @@ set offsets 0, 0, graph 0.05, graph 0.05
 set key top right horizontal
 plot $forces using 1:2 with lines lw 1.5 lc rgb '#d1495b' title 'x', \
      $forces using 1:3 with lines lw 1.5 lc rgb '#edae49' title 'y', \
-     $forces using 1:4 with lines lw 1.5 lc rgb '#00798c' title 'z (up)'
+     $forces using 1:4 with lines lw 1.5 lc rgb '#00798c' title 'z'
 
 set title 'Vertical force over the height of the tool'
 set xlabel "height of the tool's centre (mm)"
 set ylabel 'force (N)'
 set key top right vertical
 plot $forces using 5:6 with lines lw 1.2 lc rgb '#edae49' title 'of the soil', \
-     $forces using 5:4 with lines lw 1.2 lc rgb '#00798c' title 'as felt'
+     $forces using 5:4 with lines lw 1.2 lc rgb '#00798c' title 'sent to the device, z'
 
 set title 'How long the work of a tick took'
 set xlabel 'microseconds (one tick may last 1000)'
@@ -167,7 +167,7 @@ plot $ticks using (sqrt($1*$2)):3:1:2:(0.5):3 with boxxyerror lc rgb '#00798c'
 unset multiplot
 )gnuplot",
                              fmt::arg("title", gnuplotQuoted(scenario.title)), fmt::arg("time", scene.time_s),
-                             fmt::arg("force", scene.felt.force_n.norm()), fmt::arg("left", -half_width - 25),
+                             fmt::arg("force", scene.device_wrench.force_n.norm()), fmt::arg("left", -half_width - 25),
                              fmt::arg("right", half_width + 25), fmt::arg("bottom", -6), fmt::arg("top", highest + 8),
                              fmt::arg("wall_left", -wall), fmt::arg("wall_right", wall),
                              fmt::arg("tool_x", kMm * scene.scene_T_tool.position_m.x()),

@@ -254,7 +254,7 @@ class StudyRun {
   void showPages() {
     const StudyPages::News news = pages_.news(rig_.force());
     if (news.lets_go) {
-      view_.releaseForce();
+      view_.releaseTool();
     }
     if (!news.problem.empty()) {
       spdlog::warn("the experimenter's page shows no news: {}", news.problem);

@@ -543,10 +543,13 @@ double Bed::energy() const {
         const ContactFrictionLaw& law = law_between(own, other);
         energy += contactEnergy(pairs[index(own, other)], apart.norm() - excess - state_.position[j].w - law.nearer);
         if (hasContactFriction()) {  // of the side that is awake
+          const ContactLists& lists = state_.contacts;
           const bool other_side = state_.asleep(i / kGroup);
-          const Slip slip = other_side ? state_.contacts.slip(j, state_.contacts.find(j, narrow<std::int32_t>(i)))
-                                       : state_.contacts.slip(i, s);
-          energy += law.stiffness / 2 * Vec3(slip.x, slip.y, slip.z).squaredNorm();
+          const std::uint32_t back = other_side ? lists.find(j, narrow<std::int32_t>(i)) : 0;
+          if (!other_side || back < lists.count(j)) {
+            const Slip slip = other_side ? lists.slip(j, back) : lists.slip(i, s);
+            energy += law.stiffness / 2 * Vec3(slip.x, slip.y, slip.z).squaredNorm();
+          }
         }
       }
     }

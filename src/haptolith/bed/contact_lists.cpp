@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <bit>
+#include <cassert>
 
 namespace haptolith {
 
@@ -84,15 +85,19 @@ void ContactLists::remove(std::size_t i, std::uint32_t s) noexcept {
 }
 
 std::uint32_t ContactLists::find(std::size_t i, std::int32_t j) const noexcept {
+  const std::uint32_t count = count_[i];
   std::uint32_t s = 0;
-  while (neighbour(i, s) != j) {
+  while (s < count && neighbour(i, s) != j) {
     ++s;
   }
+  assert(s < count && "lists are symmetric: whoever lists a particle is listed by it");
   return s;
 }
 
 void ContactLists::removeNeighbour(std::size_t i, std::int32_t j) noexcept {
-  remove(i, find(i, j));
+  if (const std::uint32_t s = find(i, j); s < count_[i]) {
+    remove(i, s);
+  }
 }
 
 void ContactLists::clear() noexcept {

@@ -166,7 +166,9 @@ void Wakefulness::wake(std::size_t group, BedState& state) noexcept {
   if (lists.remembers()) {
     forEachEntry(group, lists, [&](std::size_t i, std::uint32_t s, std::size_t j) {
       if (j / kGroup != group && !state.asleep(j / kGroup)) {
-        lists.setSlip(i, s, opposite(lists.slip(j, lists.find(j, static_cast<std::int32_t>(i)))));
+        if (const std::uint32_t back = lists.find(j, static_cast<std::int32_t>(i)); back < lists.count(j)) {
+          lists.setSlip(i, s, opposite(lists.slip(j, back)));
+        }
       }
       return true;
     });
@@ -215,7 +217,9 @@ void Wakefulness::sleep(std::size_t group, const Records& records) noexcept {
   if (lists.remembers()) {
     forEachEntry(group, lists, [&](std::size_t i, std::uint32_t s, std::size_t j) {
       if (state.asleep(j / kGroup)) {
-        lists.setSlip(j, lists.find(j, static_cast<std::int32_t>(i)), opposite(lists.slip(i, s)));
+        if (const std::uint32_t back = lists.find(j, static_cast<std::int32_t>(i)); back < lists.count(j)) {
+          lists.setSlip(j, back, opposite(lists.slip(i, s)));
+        }
       }
       return true;
     });

@@ -16,7 +16,7 @@ enum class DeviceState : std::uint8_t {
   kFinished,  ///< nothing more will come, for example at the end of a pose file
 };
 
-/// What a device tells about the hand, in the device's own frame: right-handed, m and rad.
+/// What a device reports of the handle, device frame: right-handed, m and rad.
 struct DeviceInput {
   Pose pose;                  ///< of the handle; the identity turn from a device that has none
   Twist twist;                ///< of the handle
@@ -25,14 +25,14 @@ struct DeviceInput {
   DeviceState state = DeviceState::kLive;
 };
 
-/// What has become of a releaseForce().
-enum class LettingGo : std::uint8_t {
+/// Progress of a releaseForce().
+enum class ForceRelease : std::uint8_t {
   kDone,
-  kUnderWay,  ///< another thread is inside the device's library and lets go when it comes out
+  kUnderWay,  ///< another thread is inside the device's library and sends zero when it comes out
   kStuck,     ///< the thread that asks is itself inside the device's library
 };
 
-/// What a hand is made to feel, in the device's own frame.
+/// What a device is sent, device frame.
 struct DeviceOutput {
   Wrench wrench;               ///< about the handle's origin
   double gripper_force_n = 0;  ///< > 0 opens the fingers
@@ -87,11 +87,11 @@ class HapticDevice {
   virtual void releaseForce() noexcept = 0;
 
   /// Whether the last releaseForce() has reached the device. May be called from anywhere.
-  [[nodiscard]] virtual LettingGo lettingGo() const noexcept { return LettingGo::kDone; }
+  [[nodiscard]] virtual ForceRelease forceRelease() const noexcept { return ForceRelease::kDone; }
 
   /// As releaseForce(), even if a call is inside the device's library that may hold a lock of it: it may never return.
   /// For a program that dies.
-  virtual void letGoRegardless() noexcept { releaseForce(); }
+  virtual void releaseForceRegardless() noexcept { releaseForce(); }
 
   /// Takes a releaseForce() back. From the loop's thread.
   virtual void resumeForce() noexcept = 0;

@@ -68,7 +68,7 @@ DeviceOutput Mapping::toDevice(const Felt& scene) const noexcept {
           mapping_.gripper ? share * scene.grip_n : 0};
 }
 
-Wrench Mapping::shownInScene(const Wrench& device) const noexcept {
+Wrench Mapping::turnedIntoScene(const Wrench& device) const noexcept {
   return {turn_ * device.force_n, turn_ * device.torque_nm};
 }
 

@@ -52,9 +52,10 @@ class Mapping {
   /// Where the hand has the tool. While the clutch is held: where it had it, at rest, and the hand feels nothing.
   /// Without a gripper the jaws stay open.
   [[nodiscard]] HandState toScene(const DeviceInput& input) noexcept;
+  /// What the device is to show of what the tool meets: scene frame to device frame.
   [[nodiscard]] DeviceOutput toDevice(const Felt& scene) const noexcept;
-  /// A wrench at the device as it looks in the scene, as large as it is at the device.
-  [[nodiscard]] Wrench shownInScene(const Wrench& device) const noexcept;
+  /// A wrench of the device frame turned into the scene's axes, as large as it is at the device.
+  [[nodiscard]] Wrench turnedIntoScene(const Wrench& device) const noexcept;
 
  private:
   MappingParameters mapping_;

@@ -128,8 +128,8 @@ std::string dataText(const Bed& bed, const LammpsRun& run, const LammpsFiles& fi
   for (const Vec3& centre : spheres.centres_tool_m) {
     reach_m = std::max(reach_m, centre.norm() + spheres.radius_m);
   }
-  for (const TimedPose& pose : run.path) {
-    const Vec3& place_m = pose.scene_T_tool.position_m;
+  for (const TimedPose& at : run.path) {
+    const Vec3& place_m = at.pose.position_m;
     x_m = parameters.periodic_x ? x_m : std::max(x_m, std::abs(place_m.x()) + reach_m);
     y_m = parameters.periodic_y ? y_m : std::max(y_m, std::abs(place_m.y()) + reach_m);
     top_m = std::max(top_m, place_m.z() + reach_m);
@@ -147,7 +147,7 @@ std::string dataText(const Bed& bed, const LammpsRun& run, const LammpsFiles& fi
     const int type = kinds[i] == LammpsRun::kSoil ? 1 + bins.of(p.w) : files.typeOf(kinds[i]);
     appendAtom(text, i + 1, type, grain_m, densityOf(bed.mass(), grain_m), {p.x, p.y, p.z});
   }
-  const Pose start = run.path.empty() ? Pose{} : run.path.front().scene_T_tool;
+  const Pose start = run.path.empty() ? Pose{} : run.path.front().pose;
   for (std::size_t i = 0; i < spheres.centres_tool_m.size(); ++i) {
     appendAtom(text, bed.particles() + i + 1, files.typeOf(LammpsRun::kTool), spheres.radius_m,
                parameters.soil.rho0_kg_m3, start.position_m + start.orientation * spheres.centres_tool_m[i]);
@@ -302,9 +302,8 @@ std::vector<Key> keysOf(const LammpsRun& run) {
     const long until = std::lround((to.time_s - begin_s) / run.dt_s);
     if (until > done) {
       const double lasts_s = static_cast<double>(until - done) * run.dt_s;
-      keys.push_back({from.scene_T_tool, (to.scene_T_tool.position_m - from.scene_T_tool.position_m) / lasts_s,
-                      rotationBetween(from.scene_T_tool.orientation, to.scene_T_tool.orientation) / lasts_s,
-                      until - done});
+      keys.push_back({from.pose, (to.pose.position_m - from.pose.position_m) / lasts_s,
+                      rotationBetween(from.pose.orientation, to.pose.orientation) / lasts_s, until - done});
       done = until;
       from = to;
     }

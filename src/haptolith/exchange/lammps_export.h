@@ -5,16 +5,11 @@
 #include <vector>
 
 #include "haptolith/bed/bed.h"
+#include "haptolith/core/timed_pose.h"
 #include "haptolith/exchange/lammps_law.h"
 #include "haptolith/tool/tool_parameters.h"
 
 namespace haptolith {
-
-/// Where a tool is at a time; between two of them it moves at constant speed, along a line and about an axis.
-struct TimedPose {
-  double time_s = 0;
-  Pose scene_T_tool;
-};
 
 /// What is to be done with a bed in LAMMPS.
 struct LammpsRun {
@@ -25,7 +20,9 @@ struct LammpsRun {
   double dump_every_s = 0.1;  ///< from picture to picture
   LammpsLaw law = LammpsLaw::kOfStyles;
   const ToolParameters* tool = nullptr;
-  std::vector<TimedPose> path = {};  ///< of the tool, at least two, in order of time
+  /// scene_T_tool, at least two in order of time; between two of them the tool moves at constant speed, along a line
+  /// and about an axis.
+  std::vector<TimedPose> path = {};
   /// What each particle is; empty: kSoil, and kHeld where it stands for ever. Bodies (kBody and more) are moved by
   /// whoever adds commands for them.
   std::vector<int> kinds = {};

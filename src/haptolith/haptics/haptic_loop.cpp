@@ -76,7 +76,7 @@ LoopEnd HapticLoop::tick() noexcept {
     standStill();
     return LoopEnd::kRunning;
   }
-  takeUpAgain();
+  resumeAfterStandstill();
 
   // Where is the hand? An implausible reading leaves the tool where it was, and it fades out of the soil.
   const DeviceInput input = device_.read();
@@ -95,12 +95,12 @@ LoopEnd HapticLoop::tick() noexcept {
   // The hand feels it, as far as is safe.
   DeviceOutput rendered = mapping_.toDevice(coupling_.feel(scene_->felt(), scene_->contactStiffness()));
   const Wrench weight = toolWeight();
-  felt_ = safety_.step(rendered, weight);
+  output_ = safety_.step(rendered, weight);
   if (!weight.isZero()) {
     rendered.wrench.add(weight);
   }
   // After a tick that took too long, the force in it comes from where the hand no longer is; the next tick trips.
-  device_.write(watchdog_ && watchdog_->tooLate() ? DeviceOutput{} : felt_);
+  device_.write(watchdog_ && watchdog_->tooLate() ? DeviceOutput{} : output_);
   publish();
   return finish(input.state == DeviceState::kFinished ? LoopEnd::kFinished : LoopEnd::kRunning, input, rendered);
 }
@@ -120,15 +120,15 @@ Wrench HapticLoop::toolWeight() const noexcept {
 LoopEnd HapticLoop::finish(LoopEnd end, const DeviceInput& input, const DeviceOutput& rendered) noexcept {
   const bool failed = end != LoopEnd::kRunning && end != LoopEnd::kFinished;
   if (failed) {
-    felt_ = {};
-    device_.write(felt_);
+    output_ = {};
+    device_.write(output_);
   }
   clock_.endTick(scene_->bed().awake());
   TickRecord& tick = telemetry_.draft();
   tick.device = input;
   tick.scene_T_tool = scene_->toolPose();
   tick.rendered = rendered;
-  tick.felt = felt_;
+  tick.felt = output_;
   tick.injected_j = safety_.passivity().injected();
   tick.quick_injected_j = safety_.passivity().quickInjected();
   tick.flags = safety_.flags() | std::exchange(flags_, 0U) | (failed ? kTickFailed : 0U);
@@ -194,7 +194,7 @@ LoopEnd HapticLoop::runTicks(const std::atomic<bool>& stop) noexcept {
 /// Whether the loop was, for so long that the hand has been let go.
 bool HapticLoop::wasSilent() noexcept {
   const bool silent = watchdog_ && watchdog_->beat();
-  return (watchdog_ && LastResort::letGoMeanwhile()) || silent;
+  return (watchdog_ && LastResort::releasedForceMeanwhile()) || silent;
 }
 
 /// How the loop is doing. After silence the hand is taken up again at once: the safety layer then shows it nothing for
@@ -245,24 +245,24 @@ void HapticLoop::fadeTool() noexcept {
   scene_->setToolFade(fade_.stiffnessShare());
 }
 
-/// Time stands still, and the hand is let go.
+/// Time stands still, and the device shows no force.
 void HapticLoop::standStill() noexcept {
   if (!device_.simulated()) {
     (void)device_.read();  // some devices fall asleep when nobody asks
   }
   device_.write({});
-  let_go_ = true;
+  released_ = true;
   publish();
 }
 
 /// Time goes on where it stopped. A hand that is simulated must not notice; a person's has moved meanwhile.
-void HapticLoop::takeUpAgain() noexcept {
-  if (!std::exchange(let_go_, false)) {
+void HapticLoop::resumeAfterStandstill() noexcept {
+  if (!std::exchange(released_, false)) {
     return;
   }
   flags_ |= kTickResumed;
   if (device_.simulated()) {
-    device_.write(felt_);
+    device_.write(output_);
   } else {
     safety_.restart();
     fade_.begin();
@@ -336,7 +336,7 @@ void HapticLoop::carryOut(const request::Exchange& exchange) noexcept {
                         }},
              exchange);
   flags_ |= kTickSceneChanged;
-  felt_ = {};
+  output_ = {};
   fade_.begin();
   scene_->setToolFade(fade_.stiffnessShare());
 }
@@ -353,7 +353,9 @@ void HapticLoop::publishEnd(LoopEnd end) noexcept {
 
 void HapticLoop::tell(SceneSnapshot& snapshot) const noexcept {
   snapshot.scene_T_tool = scene_->toolPose();
-  snapshot.felt = mapping_.shownInScene(felt_.wrench);
+  snapshot.soil_wrench = scene_->felt().wrench;
+  snapshot.device_wrench = output_.wrench;
+  snapshot.device_wrench_in_scene = mapping_.turnedIntoScene(output_.wrench);
   snapshot.trip = safety_.trip();
   snapshot.trips = safety_.trips();
 }

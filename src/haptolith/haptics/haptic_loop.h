@@ -81,7 +81,7 @@ class HapticLoop {
   [[nodiscard]] bool wasSilent() noexcept;
   [[nodiscard]] LoopHealth health(bool silent) noexcept;
   void standStill() noexcept;
-  void takeUpAgain() noexcept;
+  void resumeAfterStandstill() noexcept;
   void followHand(const DeviceInput& input) noexcept;
   void fadeTool() noexcept;
   [[nodiscard]] LoopEnd moveTool() noexcept;
@@ -106,9 +106,9 @@ class HapticLoop {
   boost::lockfree::spsc_queue<LoopRequest> requests_;
   std::optional<LoopHealth> overridden_health_;
   HandState hand_;           ///< the last plausible one, in the scene
-  DeviceOutput felt_;        ///< in the last tick
+  DeviceOutput output_;      ///< of the last tick, device frame
   HelperSchedule helpers_;   ///< of the threads that share the bed's steps
-  bool let_go_ = false;      ///< the hand feels nothing, because time stands still
+  bool released_ = false;    ///< the device shows no force, because time stands still
   std::uint32_t flags_ = 0;  ///< TickFlag, what has happened before the present tick
 };
 

@@ -39,12 +39,12 @@ constexpr bool isOneOf(int signal, const std::array<int, kCount>& signals) noexc
 // All that a handler of signals touches may be touched in one: lock-free atomics, and what POSIX names.
 static_assert(std::atomic<HapticDevice*>::is_always_lock_free && std::atomic<int>::is_always_lock_free);
 std::atomic<HapticDevice*> hand_at{nullptr};
-std::atomic<bool> dying{false};       ///< a signal that ends the program has come
-std::atomic<bool> done{false};        ///< and what can be done for the hand has been
-std::atomic<bool> helped{false};      ///< zero has been sent regardless
-std::atomic<bool> has_let_go{false};  ///< see letGoMeanwhile()
-std::atomic<int> told{0};             ///< to the helper
-sem_t call;                           ///< of the helper
+std::atomic<bool> dying{false};               ///< a signal that ends the program has come
+std::atomic<bool> done{false};                ///< and what can be done for the hand has been
+std::atomic<bool> helped{false};              ///< zero has been sent regardless
+std::atomic<bool> has_released_force{false};  ///< see releasedForceMeanwhile()
+std::atomic<int> told{0};                     ///< to the helper
+sem_t call;                                   ///< of the helper
 std::array<struct sigaction, kSignals> usual;
 std::array<bool, kSignals> handled{};
 
@@ -85,9 +85,9 @@ bool within(std::int64_t timeout_ns, const Condition& met) noexcept {
 }
 
 /// Until the device has been let go, or this thread finds that it is itself what holds it up.
-LettingGo waitFor(const HapticDevice& device) noexcept {
-  LettingGo how = LettingGo::kUnderWay;
-  (void)within(kPatience_ns, [&] { return (how = device.lettingGo()) != LettingGo::kUnderWay; });
+ForceRelease waitFor(const HapticDevice& device) noexcept {
+  ForceRelease how = ForceRelease::kUnderWay;
+  (void)within(kPatience_ns, [&] { return (how = device.forceRelease()) != ForceRelease::kUnderWay; });
   return how;
 }
 
@@ -116,20 +116,20 @@ void onSignal(int signal, siginfo_t* info, void* /*context*/) {
   HapticDevice* const device = hand_at.load();
   if (device != nullptr) {
     device->releaseForce();
-    const LettingGo how = waitFor(*device);
-    if (how == LettingGo::kStuck && !causedHere(signal, *info)) {
+    const ForceRelease how = waitFor(*device);
+    if (how == ForceRelease::kStuck && !causedHere(signal, *info)) {
       callHelper(signal);
       errno = error;
       return;
     }
-    if (how != LettingGo::kDone) {
+    if (how != ForceRelease::kDone) {
       callHelper(kTryRegardless);
       (void)within(kPatience_ns, [] { return helped.load(); });
     }
   }
   done = !halts;
   takeEffect(signal);
-  has_let_go = true;
+  has_released_force = true;
   errno = error;
 }
 
@@ -146,14 +146,14 @@ void help() noexcept {
       continue;
     }
     if (what == kTryRegardless) {
-      device->letGoRegardless();
+      device->releaseForceRegardless();
       helped = true;
       continue;
     }
     (void)waitFor(*device);
     done = !isOneOf(what, kHalting);
     takeEffect(what);
-    has_let_go = true;
+    has_released_force = true;
   }
 }
 
@@ -205,7 +205,7 @@ std::thread startHelper() {
 
 LastResort::LastResort(HapticDevice& device) : before_(hand_at.load()) {
   if (before_ == nullptr) {
-    dying = done = helped = has_let_go = false;
+    dying = done = helped = has_released_force = false;
     helper_ = startHelper();
   }
   hand_at = &device;
@@ -225,8 +225,8 @@ LastResort::~LastResort() {
   }
 }
 
-bool LastResort::letGoMeanwhile() noexcept {
-  return has_let_go.exchange(false);
+bool LastResort::releasedForceMeanwhile() noexcept {
+  return has_released_force.exchange(false);
 }
 
 }  // namespace haptolith

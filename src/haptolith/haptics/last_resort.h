@@ -28,8 +28,9 @@ class LastResort {
   LastResort(const LastResort&) = delete;
   LastResort& operator=(const LastResort&) = delete;
 
-  /// Whether, since the last call, a signal has let go of the hand and the program goes on. May be called in the tick.
-  [[nodiscard]] static bool letGoMeanwhile() noexcept;
+  /// Whether, since the last call, a signal has released the device's force and the program runs on. May be called in
+  /// the tick.
+  [[nodiscard]] static bool releasedForceMeanwhile() noexcept;
 
  private:
   SignalStack stack_;

@@ -10,17 +10,17 @@
 
 namespace haptolith {
 
-/// Why the hand is made to feel nothing. Recordings hold the numbers.
+/// Why the hand is made to feel nothing. Recordings hold the numbers; HAPTO_TRIP_... of the library.
 enum class SafetyTrip : std::uint8_t {
   kNone = 0,
   kDeviceNotFinite = 1,  ///< the pose or velocity from the device is NaN or infinite
-  kStale = 2,            ///< the device has told nothing new
+  kStale = 2,            ///< no new reading from the device
   kLost = 3,             ///< the device is gone
   kWorkspace = 4,        ///< the hand left the workspace, or the tool the space around the bed
   kMissedDeadlines = 5,  ///< too many in a row
   kHeartbeat = 6,        ///< the loop did not answer
   kForceNotFinite = 7,   ///< the force for the hand is NaN or infinite
-  kImplausible = 8,      ///< no hand moves as the device told
+  kImplausible = 8,      ///< no hand moves as the device reports
 };
 
 [[nodiscard]] const char* text(SafetyTrip trip) noexcept;

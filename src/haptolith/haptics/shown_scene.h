@@ -15,8 +15,11 @@ namespace haptolith {
 struct SceneSnapshot {
   double time_s = 0;
   Pose scene_T_tool;
-  double opening_m = 0;              ///< between the tool's jaws
-  Wrench felt;                       ///< in the last tick, also while time stands still and the hand is let go
+  double opening_m = 0;  ///< between the tool's jaws
+  // Of the last tick, also while time stands still and the device is sent zero.
+  Wrench soil_wrench;                ///< of the soil on the tool, about the tool's origin, scene frame, unfiltered
+  Wrench device_wrench;              ///< sent to the device, about the handle's origin, device frame
+  Wrench device_wrench_in_scene;     ///< the same turned into the scene's axes, as large as at the device
   std::vector<Float4> position;      ///< m; one per particle
   std::vector<Pose> stones;          ///< scene_T_stone of each
   std::vector<std::uint8_t> asleep;  ///< one per group of kGroup particles, 1 when it sleeps: see Wakefulness

@@ -7,31 +7,31 @@
 
 namespace haptolith {
 
-/// What the safety layer did to a tick; bits of TickRecord::flags.
+/// Bits of TickRecord::flags; in recordings, and HAPTO_TICK_... of the library.
 enum TickFlag : std::uint32_t {
-  kTickLate = 1,            ///< did not end in time
-  kTickForceZeroed = 2,     ///< zero force, for the reason in `trip`
-  kTickForceSaturated = 4,  ///< shortened to what the device can show
-  kTickForceRateLimited = 8,
-  kTickSoftStart = 16,
-  kTickPassivityDamped = 32,
-  kTickResumed = 64,         ///< time stood still before it
-  kTickHeartbeatLost = 128,  ///< the watchdog had let go of the hand
-  kTickSoftStop = 512,       ///< the run was about to end
-  kTickFailed = 1024,       ///< the run ended with it: the device is gone, or the bed or the hand no longer makes sense
-  kTickSceneChanged = 256,  ///< somebody has changed soil, gravity, tool or bed, or the tool fades for that
+  kTickLate = 1,              ///< did not end in time
+  kTickForceZeroed = 2,       ///< zero force, for the reason in `trip`
+  kTickForceSaturated = 4,    ///< force was shortened to what the device can show
+  kTickForceRateLimited = 8,  ///< force changed no faster than the device may
+  kTickSoftStart = 16,        ///< force was still rising after a start or a trip
+  kTickPassivityDamped = 32,  ///< energy in excess was damped
+  kTickResumed = 64,          ///< time stood still before it
+  kTickHeartbeatLost = 128,   ///< the watchdog had set the force to zero before it
+  kTickSceneChanged = 256,    ///< soil, gravity, tool or bed were changed before it, or the tool fades for that
+  kTickSoftStop = 512,        ///< the run was about to end
+  kTickFailed = 1024,  ///< the run ended with it: the device is gone, or the bed or the hand no longer makes sense
   kTickSoilAdjusted = 2048,  ///< soil and tool friction were changed a little: see request::Adjust
-  kTickGrainMoved = 4096,    ///< a grain was to lie elsewhere: see request::MoveGrain
+  kTickGrainMoved = 4096,    ///< a grain was put elsewhere: see request::MoveGrain
 };
 
 /// One tick, as it is recorded.
 struct TickRecord {
   double time_s = 0;
-  DeviceInput device;  ///< as the device told it, in its own frame
+  DeviceInput device;  ///< as the device reported it, device frame
   Pose scene_T_tool;
-  Wrench soil;                   ///< of the soil on the tool, unfiltered, scene frame
-  DeviceOutput rendered;         ///< what the hand would feel without the safety layer, device's frame
-  DeviceOutput felt;             ///< what it was made to feel
+  Wrench soil;                   ///< of the soil on the tool, about the tool's origin, scene frame, unfiltered
+  DeviceOutput rendered;         ///< what the device would be sent without the safety layer, device frame
+  DeviceOutput felt;             ///< what it was sent, device frame
   double injected_j = 0;         ///< Passivity::injected()
   double quick_injected_j = 0;   ///< Passivity::quickInjected()
   double tick_us = 0;            ///< work of this tick, without sleep

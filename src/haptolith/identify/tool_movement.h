@@ -4,17 +4,13 @@
 #include <vector>
 
 #include "haptolith/core/movement.h"
+#include "haptolith/core/timed_pose.h"
 #include "haptolith/tool/tool_parameters.h"
 
 namespace haptolith {
 
-/// Where a tool is at a time; site frame: origin in the middle of the soil's first surface, z up.
-struct TimedPose {
-  double time_s = 0;
-  Pose pose;
-};
-
-/// A movement of a tool, straight and even from pose to pose.
+/// A movement of a tool, straight and even from pose to pose: site_T_tool. Site frame: origin in the middle of the
+/// soil's first surface, z up.
 class ToolMovement {
  public:
   /// @param poses  two or more, later and later, the first at 0 s. @throws InvalidParameter otherwise.

@@ -7,6 +7,7 @@
 #include <string_view>
 
 #include "haptolith/library/errors.h"
+#include "haptolith/library/values.h"
 
 namespace haptolith::library {
 
@@ -65,18 +66,17 @@ const char* hapto_version_string() {
 }
 
 std::int32_t hapto_last_error(hapto_error* out) {
-  if (out == nullptr) {
-    return HAPTO_NULL;
-  }
-  if (out->size != sizeof *out) {
-    return HAPTO_WRONG_SIZE;
+  if (const std::int32_t status = haptolith::library::sizeStatus(out); status != HAPTO_OK) {
+    return status;
   }
   const auto& error = lastError();
-  out->status = error.status;
-  out->message = error.message.data();
-  out->key = error.key.data();
-  out->value = error.value.data();
-  out->valid = error.valid.data();
+  haptolith::library::give({.size = 0,
+                            .status = error.status,
+                            .message = error.message.data(),
+                            .key = error.key.data(),
+                            .value = error.value.data(),
+                            .valid = error.valid.data()},
+                           *out);
   return HAPTO_OK;
 }
 
@@ -97,7 +97,7 @@ const char* hapto_status_text(std::int32_t status) {
     case HAPTO_BUSY: return "another thread or a loop is using this handle";
     case HAPTO_DESTROYED: return "this is no handle of the kind that is wanted, or it has been destroyed";
     case HAPTO_NULL: return "a pointer that must not be NULL is";
-    case HAPTO_WRONG_SIZE: return "a struct's member `size` is not sizeof the struct of this version";
+    case HAPTO_WRONG_SIZE: return "a struct's member `size` is less than sizeof the struct in its first version";
     case HAPTO_TOO_SMALL: return "the buffer is too small";
     case HAPTO_NO_MEMORY: return "there is not enough memory";
     case HAPTO_ENDED: return "the loop has ended";

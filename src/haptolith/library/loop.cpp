@@ -36,7 +36,7 @@ namespace {
 class CallersDevice final : public HapticDevice {
  public:
   explicit CallersDevice(const hapto_device& device)
-      : device_(device), name_(textOrNothing(device.name)), limits_(library::limits(device.limits)) {
+      : device_(taken(device)), name_(textOrNothing(device.name)), limits_(library::limits(device.limits)) {
     if (device.read == nullptr || device.write == nullptr) {
       throw InvalidParameter(device.read == nullptr ? "device.read" : "device.write", "NULL", "a function");
     }
@@ -56,19 +56,19 @@ class CallersDevice final : public HapticDevice {
     return input(told_);
   }
   void write(const DeviceOutput& force) noexcept override {
-    const bool may = !let_go_.load(std::memory_order_relaxed);
+    const bool may = !released_.load(std::memory_order_relaxed);
     const hapto_device_output shown{sizeof shown, 0, may ? wrench(force.wrench) : hapto_wrench{},
                                     may ? force.gripper_force_n : 0};
     device_.write(device_.user, &shown);
   }
   void releaseForce() noexcept override {
-    let_go_.store(true, std::memory_order_relaxed);
+    released_.store(true, std::memory_order_relaxed);
     if (device_.let_go != nullptr) {
       device_.let_go(device_.user);
     }
   }
   void resumeForce() noexcept override {
-    if (let_go_.exchange(false, std::memory_order_relaxed) && device_.take_up != nullptr) {
+    if (released_.exchange(false, std::memory_order_relaxed) && device_.take_up != nullptr) {
       device_.take_up(device_.user);
     }
   }
@@ -78,7 +78,7 @@ class CallersDevice final : public HapticDevice {
   std::string name_;
   DeviceLimits limits_;
   hapto_device_input told_{};
-  std::atomic<bool> let_go_{false};
+  std::atomic<bool> released_{false};
 };
 
 std::unique_ptr<HapticDevice> deviceFor(const Scenario& scenario, const hapto_device* device) {
@@ -188,33 +188,36 @@ class Loop {
     const SceneSnapshot& now = snapshots.latest();
     const LoopEnd end = end_;
     const bool running = thread_ || (ticked_by_caller_ && end == LoopEnd::kRunning);
-    out = {.size = sizeof out,
-           .running = running ? 1 : 0,
-           .end = end == LoopEnd::kRunning ? "" : text(end),
-           .trip = now.trip == SafetyTrip::kNone ? "" : text(now.trip),
-           .trips = now.trips,
-           .paused = now.paused ? 1 : 0,
-           .ticks = now.ticks,
-           .deadline_misses = now.deadline_misses,
-           .awake = now.awake,
-           .time_s = now.time_s,
-           .scene_T_tool = pose(now.scene_T_tool),
-           .opening_m = now.opening_m,
-           .felt = wrench(now.felt),
-           .success_rate = now.success_rate,
-           .tick_us_p50 = now.tick_us_p50,
-           .tick_us_p99 = now.tick_us_p99,
-           .tick_us_max = now.tick_us_max,
-           .largest_speed_m_s = now.largest_speed_m_s,
-           .position = {.size = sizeof out.position,
-                        .type = HAPTO_FLOAT32,
-                        .count = now.ticks > 0 ? now.position.size() : 0,
-                        .components = 3,
-                        .stride_bytes = sizeof(Float4),
-                        .data = now.position.data()},
-           .misses_too_long = now.misses_too_long,
-           .misses_woken_late = now.misses_woken_late,
-           .misses_preempted = now.misses_preempted};
+    give({.size = 0,
+          .running = running ? 1 : 0,
+          .end = end == LoopEnd::kRunning ? "" : text(end),
+          .trip = now.trip == SafetyTrip::kNone ? "" : text(now.trip),
+          .trips = now.trips,
+          .paused = now.paused ? 1 : 0,
+          .ticks = now.ticks,
+          .deadline_misses = now.deadline_misses,
+          .awake = now.awake,
+          .time_s = now.time_s,
+          .scene_T_tool = pose(now.scene_T_tool),
+          .opening_m = now.opening_m,
+          .felt = wrench(now.device_wrench_in_scene),
+          .success_rate = now.success_rate,
+          .tick_us_p50 = now.tick_us_p50,
+          .tick_us_p99 = now.tick_us_p99,
+          .tick_us_max = now.tick_us_max,
+          .largest_speed_m_s = now.largest_speed_m_s,
+          .position = {.size = sizeof out.position,
+                       .type = HAPTO_FLOAT32,
+                       .count = now.ticks > 0 ? now.position.size() : 0,
+                       .components = 3,
+                       .stride_bytes = sizeof(Float4),
+                       .data = now.position.data()},
+          .misses_too_long = now.misses_too_long,
+          .misses_woken_late = now.misses_woken_late,
+          .misses_preempted = now.misses_preempted,
+          .soil_wrench = wrench(now.soil_wrench),
+          .device_wrench = wrench(now.device_wrench)},
+         out);
   }
 
   void takeTicks(std::span<hapto_tick> out, std::uint64_t& count, std::uint64_t* lost) {
@@ -322,8 +325,8 @@ std::int32_t hapto_loop_create(hapto_scene* scene, const hapto_device* device, s
   if (out == nullptr) {
     return wrongArgument(HAPTO_NULL, "out");
   }
-  if (device != nullptr && device->size != sizeof *device) {
-    return wrongArgument(HAPTO_WRONG_SIZE, "device");
+  if (device != nullptr && sizeStatus(device) != HAPTO_OK) {
+    return wrongArgument(sizeStatus(device), "device");
   }
   Claim claim(scene);
   if (const std::int32_t status = claim.status() != HAPTO_OK ? claim.status() : claim->condition();

@@ -138,11 +138,13 @@ std::int32_t hapto_result_column(const hapto_result* result, const char* name, h
           claim->names.empty() ? "none: this result has no table" : anyOf({claim->names.begin(), claim->names.end()}));
     }
     const std::vector<double>& column = claim->columns[static_cast<std::size_t>(found - claim->names.begin())];
-    out->type = HAPTO_FLOAT64;
-    out->count = column.size();
-    out->components = 1;
-    out->stride_bytes = sizeof(double);
-    out->data = column.data();
+    give({.size = 0,
+          .type = HAPTO_FLOAT64,
+          .count = column.size(),
+          .components = 1,
+          .stride_bytes = sizeof(double),
+          .data = column.data()},
+         *out);
     return std::int32_t{HAPTO_OK};
   });
 }

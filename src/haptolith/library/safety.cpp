@@ -68,7 +68,7 @@ std::int32_t hapto_safety_create(const hapto_device_limits* declared, const char
   if (declared == nullptr || out == nullptr) {
     return wrongArgument(HAPTO_NULL, declared == nullptr ? "limits" : "out");
   }
-  if (declared->size != sizeof *declared) {
+  if (sizeStatus(declared) != HAPTO_OK) {
     return wrongArgument(HAPTO_WRONG_SIZE, "limits");
   }
   return guarded([&] {
@@ -96,8 +96,8 @@ std::int32_t hapto_safety_step(hapto_safety* safety, const hapto_device_input* t
   if (claim.status() != HAPTO_OK) {
     return claim.status();
   }
-  claim->check(input(*told), {.late = late != 0});
-  const DeviceOutput shown = claim->step(output(*inout));
+  claim->check(input(taken(*told)), {.late = late != 0});
+  const DeviceOutput shown = claim->step(output(taken(*inout)));
   inout->wrench = wrench(shown.wrench);
   inout->gripper_force_n = shown.gripper_force_n;
   return HAPTO_OK;
@@ -111,12 +111,13 @@ std::int32_t hapto_safety_get_info(const hapto_safety* safety, hapto_safety_info
   if (claim.status() != HAPTO_OK) {
     return claim.status();
   }
-  *out = {.size = sizeof *out,
-          .trips = claim->trips(),
-          .flags = claim->flags(),
-          .reserved = 0,
-          .trip = claim->trip() == SafetyTrip::kNone ? "" : text(claim->trip()),
-          .injected_j = claim->passivity().injected()};
+  give({.size = 0,
+        .trips = claim->trips(),
+        .flags = claim->flags(),
+        .reserved = 0,
+        .trip = claim->trip() == SafetyTrip::kNone ? "" : text(claim->trip()),
+        .injected_j = claim->passivity().injected()},
+       *out);
   return HAPTO_OK;
 }
 

@@ -192,25 +192,26 @@ std::int32_t hapto_scene_get_info(const hapto_scene* scene, hapto_scene_info* ou
     const Scene& now = object.scene();
     const Bed& bed = now.bed();
     const BedParameters& parameters = bed.parameters();
-    *out = {.size = sizeof *out,
-            .substeps = static_cast<std::uint32_t>(now.substeps()),
-            .threads = static_cast<std::uint32_t>(parameters.threads),
-            .friction = parameters.soil.friction == FrictionModel::kContact ? 1U : 0U,
-            .particles = bed.particles(),
-            .held = bed.heldParticles(),
-            .awake = bed.awake(),
-            .steps = bed.state().step,
-            .tick_s = parameters.tick_s,
-            .radius_m = parameters.soil.radius_m,
-            .mass_kg = bed.mass(),
-            .width_m = parameters.width_m,
-            .length_m = parameters.length_m,
-            .surface_m = bed.surfaceHeight(),
-            .opening_m = now.opening(),
-            .tool_fade = now.toolFade(),
-            .energy_j = bed.energy(),
-            .gravity_m_s2 = {}};
-    put(parameters.gravity_m_s2, out->gravity_m_s2);
+    const Vec3& gravity_m_s2 = parameters.gravity_m_s2;
+    give({.size = 0,
+          .substeps = static_cast<std::uint32_t>(now.substeps()),
+          .threads = static_cast<std::uint32_t>(parameters.threads),
+          .friction = parameters.soil.friction == FrictionModel::kContact ? 1U : 0U,
+          .particles = bed.particles(),
+          .held = bed.heldParticles(),
+          .awake = bed.awake(),
+          .steps = bed.state().step,
+          .tick_s = parameters.tick_s,
+          .radius_m = parameters.soil.radius_m,
+          .mass_kg = bed.mass(),
+          .width_m = parameters.width_m,
+          .length_m = parameters.length_m,
+          .surface_m = bed.surfaceHeight(),
+          .opening_m = now.opening(),
+          .tool_fade = now.toolFade(),
+          .energy_j = bed.energy(),
+          .gravity_m_s2 = {gravity_m_s2.x(), gravity_m_s2.y(), gravity_m_s2.z()}},
+         *out);
     return HAPTO_OK;
   });
 }
@@ -269,12 +270,13 @@ std::int32_t hapto_scene_view(const hapto_scene* scene, std::int32_t field, hapt
   }
   return quicklyWith(scene, out, [&](const SceneObject& object) {
     const BedState& state = object.scene().bed().state();
-    *out = {.size = sizeof *out,
-            .type = HAPTO_FLOAT32,
-            .count = state.particles(),
-            .components = 3,
-            .stride_bytes = sizeof(Float4),
-            .data = (field == HAPTO_POSITION ? state.position : state.velocity).data()};
+    give({.size = 0,
+          .type = HAPTO_FLOAT32,
+          .count = state.particles(),
+          .components = 3,
+          .stride_bytes = sizeof(Float4),
+          .data = (field == HAPTO_POSITION ? state.position : state.velocity).data()},
+         *out);
     return HAPTO_OK;
   });
 }

@@ -1,8 +1,35 @@
 #include "haptolith/library/ticks.h"
 
+#include "haptolith/haptics/safety_layer.h"
 #include "haptolith/library/values.h"
 
 namespace haptolith::library {
+
+// Ticks lie in arrays of the caller's: one of another size would shift all that follow it.
+static_assert(sizeof(hapto_tick) == 400);
+
+static_assert(HAPTO_TICK_LATE == static_cast<int>(kTickLate) &&
+              HAPTO_TICK_ZEROED == static_cast<int>(kTickForceZeroed) &&
+              HAPTO_TICK_SATURATED == static_cast<int>(kTickForceSaturated) &&
+              HAPTO_TICK_RATE_LIMITED == static_cast<int>(kTickForceRateLimited) &&
+              HAPTO_TICK_SOFT_START == static_cast<int>(kTickSoftStart) &&
+              HAPTO_TICK_DAMPED == static_cast<int>(kTickPassivityDamped) &&
+              HAPTO_TICK_RESUMED == static_cast<int>(kTickResumed) &&
+              HAPTO_TICK_HEARTBEAT_LOST == static_cast<int>(kTickHeartbeatLost) &&
+              HAPTO_TICK_SCENE_CHANGED == static_cast<int>(kTickSceneChanged) &&
+              HAPTO_TICK_SOFT_STOP == static_cast<int>(kTickSoftStop) &&
+              HAPTO_TICK_FAILED == static_cast<int>(kTickFailed) &&
+              HAPTO_TICK_SOIL_ADJUSTED == static_cast<int>(kTickSoilAdjusted) &&
+              HAPTO_TICK_GRAIN_MOVED == static_cast<int>(kTickGrainMoved));
+static_assert(HAPTO_TRIP_NONE == static_cast<int>(SafetyTrip::kNone) &&
+              HAPTO_TRIP_DEVICE_NOT_FINITE == static_cast<int>(SafetyTrip::kDeviceNotFinite) &&
+              HAPTO_TRIP_STALE == static_cast<int>(SafetyTrip::kStale) &&
+              HAPTO_TRIP_LOST == static_cast<int>(SafetyTrip::kLost) &&
+              HAPTO_TRIP_WORKSPACE == static_cast<int>(SafetyTrip::kWorkspace) &&
+              HAPTO_TRIP_MISSED_DEADLINES == static_cast<int>(SafetyTrip::kMissedDeadlines) &&
+              HAPTO_TRIP_HEARTBEAT == static_cast<int>(SafetyTrip::kHeartbeat) &&
+              HAPTO_TRIP_FORCE_NOT_FINITE == static_cast<int>(SafetyTrip::kForceNotFinite) &&
+              HAPTO_TRIP_IMPLAUSIBLE == static_cast<int>(SafetyTrip::kImplausible));
 
 hapto_tick tickOf(const TickRecord& record) noexcept {
   return {.size = sizeof(hapto_tick),

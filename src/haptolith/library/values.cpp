@@ -9,7 +9,7 @@
 namespace haptolith::library {
 
 DeviceLimits limits(const hapto_device_limits& declared) {
-  if (declared.size != sizeof declared) {
+  if (sizeStatus(&declared) != HAPTO_OK) {
     throw InvalidParameter("limits.size", fmt::format("{}", declared.size), fmt::format("{}", sizeof declared));
   }
   const auto not_negative = [](const char* key, double value) {  // infinity is valid, and stands for no limit

@@ -2,6 +2,8 @@
 
 #include <haptolith/haptolith.h>
 
+#include <algorithm>
+#include <cstddef>
 #include <cstring>
 #include <span>
 #include <string>
@@ -16,10 +18,6 @@ namespace haptolith::library {
 
 [[nodiscard]] inline Vec3 vec(const double (&v)[3]) noexcept {
   return {v[0], v[1], v[2]};
-}
-
-inline void put(const Vec3& v, double (&out)[3]) noexcept {
-  Vec3::Map(out) = v;
 }
 
 [[nodiscard]] inline Pose pose(const hapto_pose& p) noexcept {
@@ -62,13 +60,60 @@ inline void put(const Vec3& v, double (&out)[3]) noexcept {
           .state = known ? static_cast<DeviceState>(in.state) : DeviceState::kLost};
 }
 
-/// @throws InvalidParameter for a struct of another size, and for limits that no device has.
+/// @throws InvalidParameter for a struct that is too short, and for limits that no device has.
 [[nodiscard]] DeviceLimits limits(const hapto_device_limits& declared);
+
+/// Bytes of a struct's first version, in haptolith 0.2.0; where its last member ended then. Programs built with any
+/// header since are served, so members only ever come at the end, and these never change.
+template <class Struct>
+inline constexpr std::size_t kFirstSize = 0;
+template <>
+inline constexpr std::size_t kFirstSize<hapto_error> = offsetof(hapto_error, valid) + sizeof(hapto_error::valid);
+template <>
+inline constexpr std::size_t kFirstSize<hapto_array> = offsetof(hapto_array, data) + sizeof(hapto_array::data);
+template <>
+inline constexpr std::size_t kFirstSize<hapto_scene_info> = offsetof(hapto_scene_info, gravity_m_s2) +
+                                                            sizeof(hapto_scene_info::gravity_m_s2);
+template <>
+inline constexpr std::size_t kFirstSize<hapto_device_limits> = offsetof(hapto_device_limits, resolution_m) +
+                                                               sizeof(hapto_device_limits::resolution_m);
+template <>
+inline constexpr std::size_t kFirstSize<hapto_device_input> = offsetof(hapto_device_input, reserved) +
+                                                              sizeof(hapto_device_input::reserved);
+template <>
+inline constexpr std::size_t kFirstSize<hapto_device_output> = offsetof(hapto_device_output, gripper_force_n) +
+                                                               sizeof(hapto_device_output::gripper_force_n);
+template <>
+inline constexpr std::size_t kFirstSize<hapto_device> = offsetof(hapto_device, take_up) + sizeof(hapto_device::take_up);
+template <>
+inline constexpr std::size_t kFirstSize<hapto_snapshot> = offsetof(hapto_snapshot, position) +
+                                                          sizeof(hapto_snapshot::position);
+template <>
+inline constexpr std::size_t kFirstSize<hapto_safety_info> = offsetof(hapto_safety_info, injected_j) +
+                                                             sizeof(hapto_safety_info::injected_j);
 
 /// HAPTO_OK, HAPTO_NULL or HAPTO_WRONG_SIZE.
 template <class Struct>
 [[nodiscard]] std::int32_t sizeStatus(const Struct* s) noexcept {
-  return s == nullptr ? HAPTO_NULL : s->size != sizeof *s ? HAPTO_WRONG_SIZE : HAPTO_OK;
+  static_assert(kFirstSize<Struct> > 0, "a struct with a size needs that of its first version");
+  return s == nullptr ? HAPTO_NULL : s->size < kFirstSize<Struct> ? HAPTO_WRONG_SIZE : HAPTO_OK;
+}
+
+/// A caller's struct as this version has it: members that the caller's version lacks are 0.
+/// @param given  whose sizeStatus() is HAPTO_OK.
+template <class Struct>
+[[nodiscard]] Struct taken(const Struct& given) noexcept {
+  Struct whole{};
+  std::memcpy(&whole, &given, std::min<std::size_t>(given.size, sizeof whole));
+  return whole;
+}
+
+/// Fills in a caller's struct as far as both versions have it; its size stays the caller's.
+/// @param out  whose sizeStatus() is HAPTO_OK.
+template <class Struct>
+void give(Struct value, Struct& out) noexcept {
+  value.size = out.size;
+  std::memcpy(&out, &value, std::min<std::size_t>(out.size, sizeof value));
 }
 
 /// @throws InvalidParameter when a text is NULL.

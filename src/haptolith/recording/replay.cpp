@@ -16,17 +16,26 @@ namespace {
 constexpr std::uint64_t kRowsAtOnce = 1024;  ///< ticks that are read at a time
 
 /// To the last bit, so that NaN equals NaN.
+bool same(double a, double b) noexcept {
+  return std::bit_cast<std::uint64_t>(a) == std::bit_cast<std::uint64_t>(b) || a == b;
+}
+
+bool same(const Vec3& a, const Vec3& b) noexcept {
+  return same(a.x(), b.x()) && same(a.y(), b.y()) && same(a.z(), b.z());
+}
+
+bool same(const Wrench& a, const Wrench& b) noexcept {
+  return same(a.force_n, b.force_n) && same(a.torque_nm, b.torque_nm);
+}
+
 bool same(const DeviceOutput& a, const DeviceOutput& b) noexcept {
-  const auto equal = [](double x, double y) {
-    return std::bit_cast<std::uint64_t>(x) == std::bit_cast<std::uint64_t>(y) || x == y;
-  };
-  for (int axis = 0; axis < 3; ++axis) {
-    if (!equal(a.wrench.force_n[axis], b.wrench.force_n[axis]) ||
-        !equal(a.wrench.torque_nm[axis], b.wrench.torque_nm[axis])) {
-      return false;
-    }
-  }
-  return equal(a.gripper_force_n, b.gripper_force_n);
+  return same(a.wrench, b.wrench) && same(a.gripper_force_n, b.gripper_force_n);
+}
+
+bool same(const Pose& a, const Pose& b) noexcept {
+  const Quat& p = a.orientation;
+  const Quat& q = b.orientation;
+  return same(a.position_m, b.position_m) && same(p.w(), q.w()) && same(Vec3(p.vec()), Vec3(q.vec()));
 }
 
 /// What is missing after the last tick: the end is an event of its own, and the writer has counted.
@@ -41,9 +50,16 @@ std::uint64_t missingAtTheEnd(const RecordingReader& recording, std::uint64_t la
   return missing;
 }
 
+/// All columns but those of the device, which are fed in, and those that depend on the clock.
 const char* differenceOf(const TickRecord& was, const TickRecord& is) noexcept {
   if (was.state_hash != 0 && was.state_hash != is.state_hash) {
     return "state_hash";
+  }
+  if (!same(was.scene_T_tool, is.scene_T_tool)) {
+    return "tool pose";
+  }
+  if (!same(was.soil, is.soil)) {
+    return "soil wrench";
   }
   if (!same(was.rendered, is.rendered)) {
     return "rendered force";
@@ -51,7 +67,16 @@ const char* differenceOf(const TickRecord& was, const TickRecord& is) noexcept {
   if (!same(was.felt, is.felt)) {
     return "felt force";
   }
-  return ((was.flags ^ is.flags) & kTickFailed) == 0 ? nullptr : "end";
+  if (!same(was.injected_j, is.injected_j) || !same(was.quick_injected_j, is.quick_injected_j)) {
+    return "injected energy";
+  }
+  if (was.trip != is.trip) {
+    return "trip";
+  }
+  if (((was.flags ^ is.flags) & kTickFailed) != 0) {
+    return "end";
+  }
+  return ((was.flags ^ is.flags) & ~std::uint32_t{kTickLate}) == 0 ? nullptr : "flags";
 }
 
 }  // namespace

@@ -18,7 +18,9 @@ namespace haptolith {
 struct ReplayDifference {
   std::uint64_t tick = 0;
   double time_s = 0;
-  std::string what;  ///< "state_hash", "rendered force", "felt force", "end"
+  /// "state_hash", "tool pose", "soil wrench", "rendered force", "felt force", "injected energy", "trip", "end",
+  /// "flags"
+  std::string what;
 };
 
 /// Where ticks are missing in a recording: what comes after them cannot be replayed.
@@ -45,8 +47,9 @@ class Replay {
   /// Failure as Scene.
   Replay(const RecordingReader& recording, std::optional<int> threads, const SettleProgress& progress = {});
 
-  /// Goes through all ticks up to the first that is missing, and compares hashes of the bed and forces bit by bit, to
-  /// the first difference. Forces after the safety layer are compared as well: it is told how the loop was doing then.
+  /// Goes through all ticks up to the first that is missing, and compares them bit by bit, to the first difference:
+  /// hashes of the bed, the tool's pose, the wrenches, energy, trip and flags. What the device reported is fed in;
+  /// times of work and whether a tick was late are not compared.
   /// @param go_on  called after each tick with its record and the replayed one; false ends it.
   [[nodiscard]] ReplayResult run(const std::function<bool(const TickRecord& was, const TickRecord& is)>& go_on);
 

@@ -66,6 +66,10 @@ ParticleFrame frameOf(const hapto_snapshot& now) {
 
 }  // namespace
 
+template <>
+inline constexpr std::size_t kFirstSize<hapto_recorder_info> = offsetof(hapto_recorder_info, frames_left_out) +
+                                                               sizeof(hapto_recorder_info::frames_left_out);
+
 /// Hands a loop's ticks and pictures to a file.
 class Recorder {
  public:
@@ -128,14 +132,15 @@ class Recorder {
 
   void info(hapto_recorder_info& out) const {
     const RecordingWriter::Written written = writer_.written();
-    out = {.size = sizeof out,
-           .reserved = 0,
-           .ticks = written.ticks,
-           .frames = written.frames,
-           .events = written.events,
-           .bytes = written.bytes,
-           .missing = written.missing,
-           .frames_left_out = writer_.framesLeftOut()};
+    give({.size = 0,
+          .reserved = 0,
+          .ticks = written.ticks,
+          .frames = written.frames,
+          .events = written.events,
+          .bytes = written.bytes,
+          .missing = written.missing,
+          .frames_left_out = writer_.framesLeftOut()},
+         out);
   }
 
  private:

@@ -31,19 +31,30 @@ std::string dumped(const Json& json) {
 
 }  // namespace
 
+template <>
+inline constexpr std::size_t kFirstSize<hapto_recording_info> = offsetof(hapto_recording_info, tick_s) +
+                                                                sizeof(hapto_recording_info::tick_s);
+template <>
+inline constexpr std::size_t kFirstSize<hapto_recorded_frame> = offsetof(hapto_recorded_frame, particles) +
+                                                                sizeof(hapto_recorded_frame::particles);
+template <>
+inline constexpr std::size_t kFirstSize<hapto_replay_report> = offsetof(hapto_replay_report, missing) +
+                                                               sizeof(hapto_replay_report::missing);
+
 class Recording {
  public:
   explicit Recording(const char* path) : reader_(path) {}
 
   void info(hapto_recording_info& out) const {
-    out = {.size = sizeof out,
-           .finished = reader_.finished() ? 1 : 0,
-           .ticks = reader_.ticks(),
-           .frames = reader_.frames(),
-           .events = reader_.events(),
-           .missing_ticks = reader_.missingTicks(),
-           .start_tick = reader_.header().start_tick,
-           .tick_s = reader_.header().tick_s};
+    give({.size = 0,
+          .finished = reader_.finished() ? 1 : 0,
+          .ticks = reader_.ticks(),
+          .frames = reader_.frames(),
+          .events = reader_.events(),
+          .missing_ticks = reader_.missingTicks(),
+          .start_tick = reader_.header().start_tick,
+          .tick_s = reader_.header().tick_s},
+         out);
   }
 
   [[nodiscard]] std::string header() const {
@@ -91,7 +102,7 @@ class Recording {
                              "less than the number of frames, " + std::to_string(reader_.frames()));
     }
     const FrameRow& row = rows.front();
-    out = {.size = sizeof out, .reserved = 0, .time_s = row.time_s, .tick = row.tick, .particles = row.count};
+    give({.size = 0, .reserved = 0, .time_s = row.time_s, .tick = row.tick, .particles = row.count}, out);
     if (positions == nullptr && capacity == 0) {
       return HAPTO_OK;
     }
@@ -128,14 +139,15 @@ class Recording {
       }
       different_ = result.difference ? result.difference->what : "";
       ended_early_ = result.ended_early;
-      out = {.size = sizeof out,
-             .same = result.difference ? 0 : 1,
-             .ticks = result.ticks,
-             .hashes = result.hashes,
-             .different_tick = result.difference ? result.difference->tick : 0,
-             .different = different_.c_str(),
-             .ended_early = ended_early_.c_str(),
-             .missing = result.gap ? result.gap->ticks : 0};
+      give({.size = 0,
+            .same = result.difference ? 0 : 1,
+            .ticks = result.ticks,
+            .hashes = result.hashes,
+            .different_tick = result.difference ? result.difference->tick : 0,
+            .different = different_.c_str(),
+            .ended_early = ended_early_.c_str(),
+            .missing = result.gap ? result.gap->ticks : 0},
+           out);
       return std::int32_t{HAPTO_OK};
     });
   }

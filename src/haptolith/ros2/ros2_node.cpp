@@ -3,13 +3,16 @@
 #include <dds/dds.h>
 #include <fmt/format.h>
 #include <ros2_messages.h>
+#include <unistd.h>
 
 #include <algorithm>
+#include <array>
 #include <atomic>
 #include <charconv>
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
+#include <mutex>
 #include <utility>
 #include <vector>
 
@@ -30,15 +33,39 @@ constexpr const char* kLocalhost =
     R"(<MaxAutoParticipantIndex>32</MaxAutoParticipantIndex><Peers><Peer address="localhost"/></Peers></Discovery>)"
     R"(</Domain></CycloneDDS>)";
 
+/// Neither peers nor multicast, and a tag that no other process has: this participant finds none and is found by none.
+std::string discoveryOff() {
+  return fmt::format(
+      R"(<CycloneDDS><Domain><General><Interfaces><NetworkInterface name="lo"/></Interfaces>)"
+      R"(<AllowMulticast>false</AllowMulticast></General><Discovery><ParticipantIndex>none</ParticipantIndex>)"
+      R"(<Tag>haptolith-discovery-off-{}</Tag></Discovery></Domain></CycloneDDS>)",
+      getpid());
+}
+
 // DDS tells of each message that is malformed, and anybody may send any number of those.
 constexpr int kMostLines = 20;
 
+/// The newest line of DDS's log: why it does not make something.
+struct LastLine {
+  std::mutex mutex;
+  std::string text;
+};
+LastLine& lastLine() {
+  static LastLine line;
+  return line;
+}
+
 void printFirstLines(void* /*unused*/, const dds_log_data_t* line) {
   static std::atomic<int> lines{0};
-  if (const int before = lines.fetch_add(1); before < kMostLines) {
-    fmt::print(stderr, "DDS: {}{}", plainText({line->message, line->size}, Lines::kSeveral),
-               before + 1 == kMostLines ? "DDS: more is not shown\n" : "");
+  std::string text = plainText({line->message, line->size}, Lines::kSeveral);
+  while (text.ends_with('\n')) {
+    text.pop_back();
   }
+  if (const int before = lines.fetch_add(1); before < kMostLines) {
+    fmt::print(stderr, "DDS: {}\n{}", text, before + 1 == kMostLines ? "DDS: more is not shown\n" : "");
+  }
+  const std::lock_guard lock(lastLine().mutex);
+  lastLine().text = std::move(text);
 }
 
 std::string environment(const char* name) {
@@ -64,9 +91,26 @@ int domainFrom(const std::optional<int>& asked) {
   return domain;
 }
 
-bool isLocal(const Ros2Parameters& parameters) {
-  return parameters.localhost || environment("ROS_LOCALHOST_ONLY") == "1" ||
-         environment("ROS_AUTOMATIC_DISCOVERY_RANGE") == "LOCALHOST";
+/// Cyclone DDS's configuration for what may be discovered; empty: all that the network reaches. Words are read as ROS 2
+/// writes them; another one would open the node to the network without a word. @throws InvalidParameter for it.
+std::string discovery(const Ros2Parameters& parameters) {
+  const std::string only_local = environment("ROS_LOCALHOST_ONLY");
+  const std::string range = environment("ROS_AUTOMATIC_DISCOVERY_RANGE");
+  if (!only_local.empty() && only_local != "0" && only_local != "1") {
+    throw InvalidParameter("ROS_LOCALHOST_ONLY", inQuotes(only_local), "0 or 1");
+  }
+  constexpr std::array<std::string_view, 5> kRanges{"", "SUBNET", "SYSTEM_DEFAULT", "LOCALHOST", "OFF"};
+  if (std::ranges::find(kRanges, range) == kRanges.end()) {
+    throw InvalidParameter("ROS_AUTOMATIC_DISCOVERY_RANGE", inQuotes(range),
+                           "OFF, LOCALHOST, SUBNET or SYSTEM_DEFAULT, in capitals");
+  }
+  if (parameters.localhost) {
+    return kLocalhost;
+  }
+  if (range == "OFF") {
+    return discoveryOff();
+  }
+  return range == "LOCALHOST" || only_local == "1" ? kLocalhost : "";
 }
 
 bool isHumble(const Ros2Parameters& parameters) {
@@ -76,8 +120,12 @@ bool isHumble(const Ros2Parameters& parameters) {
 
 dds_entity_t made(dds_entity_t entity, const char* what) {
   if (entity < 0) {
-    throw Failure(fmt::format("DDS makes no {}: {}; CYCLONEDDS_URI, if it is set, has to be valid, and the network up",
-                              what, dds_strretcode(entity)));
+    const std::lock_guard lock(lastLine().mutex);
+    const std::string& reason = lastLine().text;
+    throw Failure(
+        fmt::format("DDS cannot make a {}: {}{}{}; check CYCLONEDDS_URI, if it is set, the network, and how many nodes "
+                    "are in the domain: with --localhost it has room for 33",
+                    what, dds_strretcode(entity), reason.empty() ? "" : ": ", reason));
   }
   return entity;
 }
@@ -151,12 +199,12 @@ Ros2Node::Ros2Node(const Ros2Parameters& parameters)
   dds_set_log_sink(printFirstLines, nullptr);
   graph_->humble = isHumble(parameters_);
   const auto domain = static_cast<dds_domainid_t>(domain_);
-  if (isLocal(parameters_)) {
+  if (const std::string found = discovery(parameters_); !found.empty()) {
     const std::string own = environment("CYCLONEDDS_URI");
-    const std::string configuration = own.empty() ? kLocalhost : fmt::format("{},{}", kLocalhost, own);
+    const std::string configuration = own.empty() ? found : fmt::format("{},{}", found, own);
     const dds_entity_t made_domain = dds_create_domain(domain, configuration.c_str());
     if (made_domain != DDS_RETCODE_PRECONDITION_NOT_MET) {  // else another node of this program has made it
-      graph_->domain = made(made_domain, "domain of this machine");
+      graph_->domain = made(made_domain, "domain");
     }
   }
   const QosPointer qos(dds_create_qos());

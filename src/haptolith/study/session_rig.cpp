@@ -81,7 +81,7 @@ void SessionRig::stopRecording() {
 }
 
 double SessionRig::force() const {
-  return session_.snapshot().felt.force_n.norm();
+  return session_.snapshot().device_wrench.force_n.norm();
 }
 
 bool SessionRig::pageMayHold() const {

@@ -49,7 +49,7 @@ class OperatorHand final : public HapticDevice {
     const bool ends = task_hand_ == std::nullopt && lets_go_s_ && static_cast<double>(ticks_) * tick_s_ >= *lets_go_s_;
     if (ends) {
       task_hand_.emplace(std::nullopt, scene_hand_.limits(), tick_s_, last_.pose);
-      task_hand_->letGo({last_.pose, last_.twist});
+      task_hand_->releaseTool({last_.pose, last_.twist});
     }
     ++ticks_;
     return last_ = task_hand_ ? task_hand_->read() : scene_hand_.read();

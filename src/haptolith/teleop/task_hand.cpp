@@ -6,7 +6,7 @@ TaskHand::TaskHand(const std::optional<ArmParameters>& arm, const DeviceLimits& 
                    const Pose& start)
     : arm_(arm), limits_(limits), tick_s_(tick_s), wanted_(start), next_(start), tool_{start, {}} {}
 
-void TaskHand::letGo(const Movement& tool) noexcept {
+void TaskHand::releaseTool(const Movement& tool) noexcept {
   constexpr ArmParameters kHandle{.mass_kg = 0.3, .damping_n_s_m = 2, .stiffness_n_m = 0, .lever_m = 0.1};
   arm_ = kHandle;
   tool_ = tool;

@@ -17,8 +17,8 @@ class TaskHand final : public HapticDevice {
   TaskHand(const std::optional<ArmParameters>& arm, const DeviceLimits& limits, double tick_s, const Pose& start);
 
   void want(const Pose& pose) noexcept { next_ = pose; }
-  /// From now on nobody holds the tool, which goes on as it went.
-  void letGo(const Movement& tool) noexcept;
+  /// From now on no hand holds the tool, which moves on as it did.
+  void releaseTool(const Movement& tool) noexcept;
 
   [[nodiscard]] std::string_view name() const noexcept override { return "operator with a task"; }
   [[nodiscard]] DeviceLimits limits() const noexcept override { return limits_; }

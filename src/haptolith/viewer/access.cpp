@@ -57,7 +57,11 @@ bool namesLoopback(std::string_view host) {
     return end != std::string_view::npos && isLoopback(host.substr(1, end - 1)) &&
            (end + 1 == host.size() || host[end + 1] == ':');
   }
-  return isLoopback(host.substr(0, host.find(':')));
+  std::string_view name = host.substr(0, host.find(':'));
+  if (equalIgnoringCase(name, "localhost.")) {  // as it is written in full
+    name.remove_suffix(1);
+  }
+  return isLoopback(name);
 }
 
 bool isFromHere(std::string_view origin, std::string_view host) {

@@ -76,7 +76,7 @@ void show(SceneSnapshot& snapshot, const ScenePicture& picture) {
   if (picture.tool) {
     snapshot.scene_T_tool = picture.tool->pose;
     snapshot.opening_m = picture.tool->opening_m;
-    snapshot.felt = picture.tool->soil;
+    snapshot.device_wrench_in_scene = picture.tool->soil;  // what the device was sent is not in pictures
   }
   if (!picture.stones.empty()) {
     snapshot.stones.clear();

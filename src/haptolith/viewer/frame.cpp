@@ -106,7 +106,7 @@ void FrameEncoder::take(const SceneSnapshot& snapshot, const Beside& beside) {
   stones_ = snapshot.stones;
   wanted_ = beside.wanted.value_or(tool_);
   held_ = beside.held;
-  felt_ = snapshot.felt;
+  shown_wrench_ = snapshot.device_wrench_in_scene;
   opening_m_ = snapshot.opening_m;
   time_s_ = snapshot.time_s;
   tick_us_ = snapshot.tick_us_lately;
@@ -168,8 +168,8 @@ std::string FrameEncoder::headFor(std::uint32_t runs, std::uint32_t records) con
   put(bytes, scene_);
   put(bytes, time_s_);
   putPose(bytes, tool_);
-  putVector(bytes, felt_.force_n);
-  putVector(bytes, felt_.torque_nm);
+  putVector(bytes, shown_wrench_.force_n);
+  putVector(bytes, shown_wrench_.torque_nm);
   putPose(bytes, wanted_);
   put(bytes, static_cast<float>(tick_us_));
   put(bytes, misses_);

@@ -70,7 +70,7 @@ class FrameEncoder {
 
   // Of the last snapshot.
   Pose tool_, wanted_;
-  Wrench felt_;
+  Wrench shown_wrench_;  ///< what the device was sent, turned into the scene's axes
   std::vector<Pose> stones_;
   double time_s_ = 0, tick_us_ = 0, opening_m_ = 0;
   std::uint32_t misses_ = 0, awake_ = 0;

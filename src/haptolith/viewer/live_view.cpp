@@ -56,7 +56,7 @@ void LiveView::handleMessages() {
       extension_.joined(event.client, event.entrance);
     }
     if (event.kind == WebServer::Event::Kind::kLeft) {
-      releaseForce(event.client);
+      releaseTool(event.client);
       coloured_by_force_.erase(event.client);
       if (extension_.left) {
         extension_.left(event.client);
@@ -84,7 +84,7 @@ std::string LiveView::answer(std::uint32_t client, const ClientMessage& message,
     }
     if (std::string refused = refusal(client, message); !refused.empty()) {
       if (std::holds_alternative<command::Hold>(*message.command)) {
-        releaseForce(client);
+        releaseTool(client);
       }
       return refused;
     }
@@ -125,7 +125,7 @@ void LiveView::carryOut(std::uint32_t client, const Command& asked) {
                    session_.hold(hold.scene_T_tool);
                    holder_ = client;
                  },
-                 [&](const command::Release&) { releaseForce(client); },
+                 [&](const command::Release&) { releaseTool(client); },
                  [&](const command::Play& play) {
                    if (holder_ && *holder_ != client) {
                      throw Failure("somebody else holds the tool");
@@ -147,7 +147,7 @@ void LiveView::carryOut(std::uint32_t client, const Command& asked) {
                  [&](const command::Coarser&) { session_.coarsen(); }, [&](const command::Undo&) { session_.undo(); },
                  [&](const command::Pause&) {
                    session_.pause();
-                   releaseForce();
+                   releaseTool();
                  },
                  [&](const command::Resume&) { session_.resume(); },
                  [&](const command::Step& step) { session_.advance(step.ticks); },
@@ -170,13 +170,13 @@ void LiveView::carryOut(std::uint32_t client, const Command& asked) {
       asked);
 }
 
-void LiveView::releaseForce() {
+void LiveView::releaseTool() {
   if (holder_) {
-    releaseForce(*holder_);
+    releaseTool(*holder_);
   }
 }
 
-void LiveView::releaseForce(std::uint32_t client) {
+void LiveView::releaseTool(std::uint32_t client) {
   if (holder_ == client) {
     holder_.reset();
     session_.release();

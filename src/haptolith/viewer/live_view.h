@@ -67,14 +67,14 @@ class LiveView {
   /// Sends a client a message of the extension's, a whole JSON object. A client that lets too many wait is dropped; for
   /// one that has left nothing happens.
   void send(std::uint32_t client, std::string text) { server_.send(client, std::move(text)); }
-  /// Lets go of the tool for the client who holds it, if one does.
-  void releaseForce();
+  /// Releases the tool for the client that holds it, if one does.
+  void releaseTool();
 
  private:
   [[nodiscard]] std::string answer(std::uint32_t client, const ClientMessage& message, std::string_view text);
   [[nodiscard]] std::string refusal(std::uint32_t client, const ClientMessage& message) const;
   void carryOut(std::uint32_t client, const Command& asked);
-  void releaseForce(std::uint32_t client);
+  void releaseTool(std::uint32_t client);
   void showScene();
   void showStatus();
   [[nodiscard]] std::string recordingNow();

@@ -156,7 +156,9 @@ class WebServer::Implementation::Visitor : public std::enable_shared_from_this<V
     if (request.count(http::field::host) > 1 || request.count(http::field::origin) > 1) {
       refuse(http::status::bad_request, "Host and Origin may be given once only\n");
     } else if (!server_.isHostAllowed(host)) {
-      refuse(http::status::forbidden, "this address is not one of the program's\n");
+      refuse(
+          http::status::forbidden,
+          "this program answers to localhost and 127.0.0.1 alone; to reach it by another name, start it with --bind\n");
     } else if ((is_socket || is_upload) && !origin.empty() && !isFromHere(origin, host)) {
       refuse(http::status::forbidden, "pages from elsewhere may not connect\n");
     } else if (needs_token && !server_.mayGuess(network_, !entrance && !tokenOf(target).empty())) {

@@ -2,6 +2,40 @@ using System;
 
 namespace Haptolith
 {
+  /// <summary>Why the safety layer makes the hand feel nothing: hapto_tick.trip.</summary>
+  public enum Trip : uint
+  {
+    None = Native.HAPTO_TRIP_NONE,
+    DeviceNotFinite = Native.HAPTO_TRIP_DEVICE_NOT_FINITE,
+    Stale = Native.HAPTO_TRIP_STALE,
+    Lost = Native.HAPTO_TRIP_LOST,
+    Workspace = Native.HAPTO_TRIP_WORKSPACE,
+    MissedDeadlines = Native.HAPTO_TRIP_MISSED_DEADLINES,
+    Heartbeat = Native.HAPTO_TRIP_HEARTBEAT,
+    ForceNotFinite = Native.HAPTO_TRIP_FORCE_NOT_FINITE,
+    Implausible = Native.HAPTO_TRIP_IMPLAUSIBLE
+  }
+
+  /// <summary>What happened in a tick or before it: hapto_tick.flags.</summary>
+  [Flags]
+  public enum TickFlags : uint
+  {
+    None = 0,
+    Late = Native.HAPTO_TICK_LATE,
+    Zeroed = Native.HAPTO_TICK_ZEROED,
+    Saturated = Native.HAPTO_TICK_SATURATED,
+    RateLimited = Native.HAPTO_TICK_RATE_LIMITED,
+    SoftStart = Native.HAPTO_TICK_SOFT_START,
+    Damped = Native.HAPTO_TICK_DAMPED,
+    Resumed = Native.HAPTO_TICK_RESUMED,
+    HeartbeatLost = Native.HAPTO_TICK_HEARTBEAT_LOST,
+    SceneChanged = Native.HAPTO_TICK_SCENE_CHANGED,
+    SoftStop = Native.HAPTO_TICK_SOFT_STOP,
+    Failed = Native.HAPTO_TICK_FAILED,
+    SoilAdjusted = Native.HAPTO_TICK_SOIL_ADJUSTED,
+    GrainMoved = Native.HAPTO_TICK_GRAIN_MOVED
+  }
+
   /// <summary>A picture of a running loop.</summary>
   public struct LoopSnapshot
   {
@@ -31,7 +65,13 @@ namespace Haptolith
     public Pose Scene_T_Tool;
     public double Opening_m;
 
-    /// <summary>In the last tick, device's frame; of the virtual hand that is the scene's.</summary>
+    /// <summary>Of the last tick: what the soil does to the tool, about the tool's origin, scene frame, unfiltered.</summary>
+    public Wrench SoilWrench;
+
+    /// <summary>Of the last tick: what the device was sent, about the handle's origin, device frame.</summary>
+    public Wrench DeviceWrench;
+
+    /// <summary>Deprecated: DeviceWrench turned into the scene's axes. Read DeviceWrench, or SoilWrench.</summary>
     public Wrench Felt;
 
     /// <summary>Share of the last 100 ticks that ended in time.</summary>
@@ -136,6 +176,8 @@ namespace Haptolith
           Time_s = now.time_s,
           Scene_T_Tool = *(Pose*)&now.scene_T_tool,
           Opening_m = now.opening_m,
+          SoilWrench = *(Wrench*)&now.soil_wrench,
+          DeviceWrench = *(Wrench*)&now.device_wrench,
           Felt = *(Wrench*)&now.felt,
           SuccessRate = now.success_rate,
           TickP99_us = now.tick_us_p99,

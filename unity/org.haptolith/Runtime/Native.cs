@@ -28,7 +28,7 @@ namespace Haptolith
     public fixed double orientation[4];  // w x y z, of norm 1 +- 1 %
   }
 
-  /// <summary>of the tool's origin, scene frame</summary>
+  /// <summary>of the origin of what moves, in the frame of its pose</summary>
   [StructLayout(LayoutKind.Sequential)]
   public unsafe struct hapto_twist
   {
@@ -36,7 +36,7 @@ namespace Haptolith
     public fixed double angular_rad_s[3];
   }
 
-  /// <summary>of the soil on the tool, about the tool's origin, scene frame</summary>
+  /// <summary>where one is used it is said whose, about which point and in which frame</summary>
   [StructLayout(LayoutKind.Sequential)]
   public unsafe struct hapto_wrench
   {
@@ -106,14 +106,14 @@ namespace Haptolith
     public double max_stiffness_nm_rad;
     public double damping_n_s_m;  // its own, in a hand that holds it loosely
     public fixed double turn_rad[3];  // turns its frame into that of a person before it: x right, y away, z up
-    public fixed double workspace_centre_m[3];
+    public fixed double workspace_centre_m[3];  // device frame
     public double workspace_radius_m;
     public double rate_hz;  // at which it tells and shows something new
     public double delay_s;  // from a force that is sent to a reading that tells of it, beyond a tick
     public double resolution_m;  // positions come in steps, or with noise, of at most this; 0: exact
   }
 
-  /// <summary>the handle in the device's own frame</summary>
+  /// <summary>the handle, device frame</summary>
   [StructLayout(LayoutKind.Sequential)]
   public unsafe struct hapto_device_input
   {
@@ -126,7 +126,7 @@ namespace Haptolith
     public uint reserved;
   }
 
-  /// <summary>what the hand is to feel, in the device's own frame, about the handle's origin</summary>
+  /// <summary>what the hand is to feel, device frame, about the handle's origin</summary>
   [StructLayout(LayoutKind.Sequential)]
   public unsafe struct hapto_device_output
   {
@@ -182,7 +182,7 @@ namespace Haptolith
     public double time_s;
     public hapto_pose scene_T_tool;
     public double opening_m;
-    public hapto_wrench felt;  // in the last tick, device's frame
+    public hapto_wrench felt;  // deprecated: device_wrench turned into the scene's axes; read device_wrench, or soil_wrench
     public double success_rate;  // share of the last 100 ticks that ended in time
     public double tick_us_p50;
     public double tick_us_p99;
@@ -192,6 +192,8 @@ namespace Haptolith
     public ulong misses_too_long;  // of deadline_misses: the tick's own work took too long
     public ulong misses_woken_late;  // the machine woke the loop's thread late
     public ulong misses_preempted;  // the processor was taken away during the tick
+    public hapto_wrench soil_wrench;  // of the last tick: of the soil on the tool, about its origin, scene frame, unfiltered
+    public hapto_wrench device_wrench;  // of the last tick: sent to the device, about the handle's origin, device frame
   }
 
   /// <summary>One tick, as recordings hold it (docs/recording.md).</summary>
@@ -199,21 +201,21 @@ namespace Haptolith
   public unsafe struct hapto_tick
   {
     public uint size;
-    public uint flags;  // HAPTO_SAFETY_..., 64: time stood still before it, 128: the watchdog had let go, 256: the scene has been changed, 1024: the run ended with it
-    public uint trip;  // why the hand felt nothing, as a number; 0: it did
+    public uint flags;  // HAPTO_TICK_...
+    public uint trip;  // HAPTO_TRIP_...
     public uint buttons;
     public int device_state;
     public uint reserved;
     public double time_s;
-    public hapto_pose device_pose;  // as the device told it, in its own frame
-    public hapto_twist device_twist;
+    public hapto_pose device_pose;  // of the handle, as the device reported it, device frame
+    public hapto_twist device_twist;  // of the handle, device frame
     public double gripper_open;
     public hapto_pose scene_T_tool;
-    public hapto_wrench soil;  // of the soil on the tool, unfiltered, scene frame
-    public hapto_wrench rendered;  // what the hand would feel without the safety layer, device's frame
-    public double rendered_gripper_n;
-    public hapto_wrench felt;  // what it was made to feel
-    public double felt_gripper_n;
+    public hapto_wrench soil;  // soil wrench: about the tool's origin, scene frame, unfiltered
+    public hapto_wrench rendered;  // what the device would be sent without the safety layer, about the handle's origin, device frame
+    public double rendered_gripper_n;  // > 0 opens the fingers
+    public hapto_wrench felt;  // device wrench: what it was sent, about the handle's origin, device frame
+    public double felt_gripper_n;  // what the gripper was sent; > 0 opens the fingers
     public double injected_j;  // energy that the hand was given beyond what it gave
     public double quick_injected_j;  // the same by the quick account (docs/safety.md)
     public double tick_us;  // work of this tick, and how late it began
@@ -250,7 +252,7 @@ namespace Haptolith
     public const int HAPTO_BUSY = 6;  // another thread or a loop is using the handle
     public const int HAPTO_DESTROYED = 7;  // not a handle of this kind, or no longer
     public const int HAPTO_NULL = 8;  // a pointer that must not be NULL is
-    public const int HAPTO_WRONG_SIZE = 9;  // a struct whose `size` is not that of this version
+    public const int HAPTO_WRONG_SIZE = 9;  // a struct whose `size` is less than that of its first version
     public const int HAPTO_TOO_SMALL = 10;  // the buffer; nothing has been written but how much is needed
     public const int HAPTO_NO_MEMORY = 11;
     public const int HAPTO_ENDED = 12;  // the loop has ended: hapto_loop_snapshot() says why
@@ -275,6 +277,30 @@ namespace Haptolith
     public const int HAPTO_LOOP_TICKED_BY_CALLER = 1;  // hapto_loop_tick() is called once every tick_s
     public const int HAPTO_LOOP_KEEPS_TICKS = 2;  // for hapto_loop_take_ticks()
     public const int HAPTO_LOOP_HASHES = 4;  // ticks hold hashes of the soil, of a part of it each
+
+    public const int HAPTO_TRIP_NONE = 0;  // it does not
+    public const int HAPTO_TRIP_DEVICE_NOT_FINITE = 1;  // the device's pose or velocity is NaN or infinite
+    public const int HAPTO_TRIP_STALE = 2;  // no new reading from the device
+    public const int HAPTO_TRIP_LOST = 3;  // the device is gone
+    public const int HAPTO_TRIP_WORKSPACE = 4;  // the hand left the device's workspace, or the tool the space around the bed
+    public const int HAPTO_TRIP_MISSED_DEADLINES = 5;  // too many in a row
+    public const int HAPTO_TRIP_HEARTBEAT = 6;  // the loop did not answer the watchdog
+    public const int HAPTO_TRIP_FORCE_NOT_FINITE = 7;  // the force for the hand is NaN or infinite
+    public const int HAPTO_TRIP_IMPLAUSIBLE = 8;  // no hand moves as the device reports
+
+    public const int HAPTO_TICK_LATE = 1;  // did not end in time
+    public const int HAPTO_TICK_ZEROED = 2;  // zero force, for the reason in `trip`
+    public const int HAPTO_TICK_SATURATED = 4;  // force was shortened to what the device can show
+    public const int HAPTO_TICK_RATE_LIMITED = 8;  // force changed no faster than the device may
+    public const int HAPTO_TICK_SOFT_START = 16;  // force was still rising after a start or a trip
+    public const int HAPTO_TICK_DAMPED = 32;  // energy in excess was damped
+    public const int HAPTO_TICK_RESUMED = 64;  // time stood still before it
+    public const int HAPTO_TICK_HEARTBEAT_LOST = 128;  // the watchdog had set the force to zero before it
+    public const int HAPTO_TICK_SCENE_CHANGED = 256;  // soil, gravity, tool or bed were changed before it, or the tool fades for that
+    public const int HAPTO_TICK_SOFT_STOP = 512;  // the run was about to end
+    public const int HAPTO_TICK_FAILED = 1024;  // the run ended with it: device gone, hand away, or a bed that makes no sense
+    public const int HAPTO_TICK_SOIL_ADJUSTED = 2048;  // soil and tool friction were changed a little: a model that learns
+    public const int HAPTO_TICK_GRAIN_MOVED = 4096;  // a grain was put elsewhere: a model's surface that is corrected
 
     public const int HAPTO_SAFETY_LATE = 1;
     public const int HAPTO_SAFETY_ZEROED = 2;
@@ -380,27 +406,27 @@ namespace Haptolith
 
     /// <summary>
     /// One tick of tick_s: moves the tool in a straight line to the pose while the soil answers.
-    /// twist  how fast the tool moves, for damping and friction; NULL: as the way from where it was says.
-    /// felt   mean over the tick, unfiltered; may be NULL.
+    /// twist        how fast the tool moves, for damping and friction; NULL: as the way from where it was says.
+    /// soil_wrench  what the soil does to the tool, mean over the tick, scene frame; may be NULL.
     /// Errors: HAPTO_INVALID_PARAMETER for a pose that is not finite, not of norm 1, or further than 1 m beside the box or
     /// 3 m above its floor; HAPTO_NOT_FINITE and HAPTO_COLLAPSED from then on until another state is set. [1 kHz]
     /// </summary>
     [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
-    public static extern int hapto_scene_step(IntPtr scene, hapto_pose* scene_T_tool, hapto_twist* twist, hapto_wrench* felt);
+    public static extern int hapto_scene_step(IntPtr scene, hapto_pose* scene_T_tool, hapto_twist* twist, hapto_wrench* soil_wrench);
 
     /// <summary>
-    /// `count` ticks: poses[i], twists[i] (or NULL) give felt[i] (or NULL). Ends at the first failure; `done` (or NULL) is how
+    /// `count` ticks: poses[i], twists[i] (or NULL) give soil_wrenches[i] (or NULL). Ends at the first failure; `done` (or NULL) is how
     /// many went well. [1 kHz] in cost a tick.
     /// </summary>
     [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
-    public static extern int hapto_scene_steps(IntPtr scene, ulong count, hapto_pose* poses, hapto_twist* twists, hapto_wrench* felt, ulong* done);
+    public static extern int hapto_scene_steps(IntPtr scene, ulong count, hapto_pose* poses, hapto_twist* twists, hapto_wrench* soil_wrenches, ulong* done);
 
-    /// <summary>What was felt in the last tick. [1 kHz]</summary>
+    /// <summary>What the soil did to the tool in the last tick, scene frame. [1 kHz]</summary>
     [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
-    public static extern int hapto_scene_get_wrench(IntPtr scene, hapto_wrench* felt);
+    public static extern int hapto_scene_get_wrench(IntPtr scene, hapto_wrench* soil_wrench);
 
     /// <summary>
-    /// How the force changes when the tool moves a little and the soil goes on as it does: dF = -K dx, K row by row in N/m. To
+    /// How the force changes when the tool moves a little and the soil goes on as it does: dF = -K dx, K row by row in N/m, scene frame. To
     /// extrapolate between ticks in a loop that is faster. [1 kHz]
     /// </summary>
     [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
@@ -475,12 +501,12 @@ namespace Haptolith
     public static extern int hapto_batch_create(IntPtr* scenes, uint count, uint threads, IntPtr* @out);
 
     /// <summary>
-    /// `ticks` of each scene: that number i moves along poses[i * ticks + t] and feels felt[i * ticks + t]. The same bits as one
-    /// by one. status[i] is how scene i fared; each pointer but poses may be NULL. The first status that is not HAPTO_OK is
+    /// `ticks` of each scene: that number i moves along poses[i * ticks + t], which gives soil_wrenches[i * ticks + t]. The same bits as
+    /// one by one. status[i] is how scene i fared; each pointer but poses may be NULL. The first status that is not HAPTO_OK is
     /// returned.
     /// </summary>
     [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
-    public static extern int hapto_batch_step(IntPtr batch, ulong ticks, hapto_pose* poses, hapto_twist* twists, hapto_wrench* felt, int* status);
+    public static extern int hapto_batch_step(IntPtr batch, ulong ticks, hapto_pose* poses, hapto_twist* twists, hapto_wrench* soil_wrenches, int* status);
 
     [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
     public static extern int hapto_batch_destroy(IntPtr batch);
@@ -590,7 +616,8 @@ namespace Haptolith
 
     /// <summary>
     /// The newest picture, some 60 a second; may be called beside a running loop, from one thread. Valid until the next call.
-    /// Before the first picture there are no positions.
+    /// Before the first picture there are no positions. While time stands still the wrenches are those of the last tick, and the
+    /// device is sent zero.
     /// </summary>
     [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
     public static extern int hapto_loop_snapshot(IntPtr loop, hapto_snapshot* @out);
@@ -633,7 +660,7 @@ namespace Haptolith
 
     /// <summary>
     /// Each tick: what the device told, whether the tick before ended late (1), and what the hand would be made to feel, which
-    /// becomes what it may. [1 kHz]
+    /// becomes what it may: both device frame. [1 kHz]
     /// </summary>
     [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
     public static extern int hapto_safety_step(IntPtr safety, hapto_device_input* input, int late, hapto_device_output* inout);

@@ -103,7 +103,10 @@ namespace Haptolith
 
     // --- moving the tool ---
 
-    /// <summary>One tick of 1 ms: moves the tool in a straight line to the pose while the soil answers.</summary>
+    /// <summary>
+    /// One tick of 1 ms: moves the tool in a straight line to the pose while the soil answers. Gives what the soil does to the tool,
+    /// about the tool's origin, scene frame.
+    /// </summary>
     public Wrench Step(Pose scene_T_tool)
     {
       Wrench felt;
@@ -137,7 +140,7 @@ namespace Haptolith
       return (long)done;
     }
 
-    /// <summary>Many ticks; felt may be null.</summary>
+    /// <summary>Many ticks; felt, which receives the soil wrench of each, scene frame, may be null.</summary>
     public void Steps(Pose[] poses, Wrench[] felt)
     {
       if (felt != null && felt.Length < poses.Length)
@@ -156,7 +159,7 @@ namespace Haptolith
 
     /// <summary>
     /// Moves the tool from where it is to the pose in so many ticks, evenly: what a host does in each of its frames, 16 or 17 ticks at
-    /// 60 Hz. Gives the mean of what was felt.
+    /// 60 Hz. Gives the mean soil wrench, scene frame.
     /// </summary>
     public Wrench MoveTool(Pose scene_T_tool, int ticks)
     {
@@ -203,7 +206,7 @@ namespace Haptolith
       }
     }
 
-    /// <summary>What was felt in the last tick.</summary>
+    /// <summary>What the soil did to the tool in the last tick, about the tool's origin, scene frame.</summary>
     public Wrench Felt
     {
       get

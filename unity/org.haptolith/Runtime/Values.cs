@@ -74,7 +74,7 @@ namespace Haptolith
     public Vec3 Angular_rad_s;
   }
 
-  /// <summary>What the soil does to the tool, about the tool's origin. Lies in memory as hapto_wrench.</summary>
+  /// <summary>Force and torque about a point; where one is given it is said whose and in which frame. Lies in memory as hapto_wrench.</summary>
   [StructLayout(LayoutKind.Sequential)]
   public struct Wrench
   {

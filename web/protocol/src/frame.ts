@@ -27,7 +27,9 @@ export interface FrameHeader {
   /** the records' contact forces are valid */
   forcesValid: boolean;
   tool: Pose;
+  /** what the device is sent, turned into the scene's axes, as large as at the device; in a film: of the soil on the tool, scene frame */
   force_n: Vec3;
+  /** likewise, about the handle's origin; in a film about the tool's */
   torque_nm: Vec3;
   wished: Pose;
   longestTick_us: number;

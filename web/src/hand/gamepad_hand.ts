@@ -7,7 +7,7 @@ import type { Hand } from './hand';
 const DEAD = 0.15;
 const MOVE_M_S = 0.08;
 const TURN_RAD_S = 1.4;
-const LET_GO_MS = 500;
+const RELEASE_MS = 500;
 const RUMBLE_INTERVAL_MS = 60;
 const FULL_RUMBLE_N = 4;
 
@@ -32,11 +32,11 @@ export class GamepadHand {
     const seconds = Math.min(0.1, (now_ms - this.last_ms) / 1000);
     this.last_ms = now_ms;
     const pad = navigator.getGamepads?.().find((candidate) => candidate?.connected && candidate.axes.length >= 2);
-    if (!pad) return this.hand.letGo('gamepad');
+    if (!pad) return this.hand.release('gamepad');
     const [x, y, yaw, up] = [0, 1, 2, 3].map((axis) => outsideDead(pad.axes[axis])) as [number, number, number, number];
     const tilt = (pad.buttons[7]?.value ?? 0) - (pad.buttons[6]?.value ?? 0);
     if (Math.abs(x) + Math.abs(y) + Math.abs(yaw) + Math.abs(up) + Math.abs(tilt) < 0.02) {
-      if (now_ms - this.idle_since_ms > LET_GO_MS) this.hand.letGo('gamepad');
+      if (now_ms - this.idle_since_ms > RELEASE_MS) this.hand.release('gamepad');
       return;
     }
     this.idle_since_ms = now_ms;

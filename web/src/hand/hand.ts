@@ -65,7 +65,7 @@ export class Hand {
     return true;
   }
 
-  letGo(holder: Holder): void {
+  release(holder: Holder): void {
     if (!this.holders.delete(holder) || this.held) return;
     this.connection.send({ do: 'release' });
     this.forget();

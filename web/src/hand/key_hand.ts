@@ -8,7 +8,7 @@ import type { Hand } from './hand';
 const TURN_RAD_S = (80 * Math.PI) / 180;
 const MOVE_M_S = 0.06;
 const FINE = 0.2;
-const LET_GO_MS = 350;
+const RELEASE_MS = 350;
 
 const TURNS: Record<string, { axis: Vec3; frame: 'scene' | 'tool'; sign: number }> = {
   KeyQ: { axis: [0, 0, 1], frame: 'scene', sign: 1 },
@@ -57,7 +57,7 @@ export class KeyHand {
     const seconds = Math.min(0.1, (now_ms - this.last_ms) / 1000);
     this.last_ms = now_ms;
     if (this.pressed.size === 0) {
-      if (this.hand.isHeldBy('keys') && now_ms - this.idle_since_ms > LET_GO_MS) this.hand.letGo('keys');
+      if (this.hand.isHeldBy('keys') && now_ms - this.idle_since_ms > RELEASE_MS) this.hand.release('keys');
       return;
     }
     this.idle_since_ms = now_ms;

@@ -88,7 +88,7 @@ export class PointerHand {
   private stopDragging(): void {
     if (this.dragging === null) return;
     this.dragging = null;
-    this.hand.letGo('mouse');
+    this.hand.release('mouse');
   }
 
   private drag(before: Finger, now: Finger, fine: boolean): void {

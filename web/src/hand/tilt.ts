@@ -13,7 +13,7 @@ export const LOWEST_TILT_DEG = -30;
 export const HIGHEST_TILT_DEG = 90;
 const DEGREES = Math.PI / 180;
 const LONGEST_STEP_S = 0.1;
-const LET_GO_MS = 600;
+const RELEASE_MS = 600;
 // The tool yields to the soil: a tool that stands so near to how it was left has not been turned by anything else.
 const SAME_DEG = 15;
 const ARRIVED_RAD = 1e-4;
@@ -90,7 +90,7 @@ export class ToolTilt {
       this.idle_since_ms = now_ms;
       if (this.hand.turnTo(this.goal, TILT_DEG_S * DEGREES * elapsed_s)) this.goal = null;
       this.last = this.hand.wished.rotation;
-    } else if (this.hand.isHeldBy('tilt') && now_ms - this.idle_since_ms > LET_GO_MS) this.hand.letGo('tilt');
+    } else if (this.hand.isHeldBy('tilt') && now_ms - this.idle_since_ms > RELEASE_MS) this.hand.release('tilt');
   }
 
   private aim(goal: Quat | null): void {

@@ -42,7 +42,7 @@ export class ToolBringer {
   tick(now_ms: number): void {
     const to_m = this.target_m;
     if (!to_m || !this.hand.isHeldBy('automation')) return;
-    if (!this.hand.isHeldOnlyBy('automation')) return this.hand.letGo('automation');
+    if (!this.hand.isHeldOnlyBy('automation')) return this.hand.release('automation');
     const elapsed_s = this.before_ms === null ? 0 : Math.min(LONGEST_STEP_S, (now_ms - this.before_ms) / 1000);
     this.before_ms = now_ms;
     const at_m = this.hand.wished.position_m;
@@ -57,7 +57,7 @@ export class ToolBringer {
     if (far_m < 1e-6) {
       if (!turned) return;
       this.waited_s += elapsed_s;
-      if (this.waited_s >= WAIT_S) this.hand.letGo('automation');
+      if (this.waited_s >= WAIT_S) this.hand.release('automation');
       return;
     }
     const share = Math.min(1, (SPEED_M_S * elapsed_s) / far_m);

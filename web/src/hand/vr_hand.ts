@@ -136,7 +136,7 @@ export class VrHand {
   }
 
   private leave(): void {
-    this.letGo();
+    this.release();
     this.active = false;
     this.room.visible = false;
     this.stage.renderer.xr.enabled = false;
@@ -171,7 +171,7 @@ export class VrHand {
         controller.userData.source = (event as ControllerEvent).data;
       });
       controller.addEventListener('disconnected', () => {
-        if (controller.userData.source === this.source) this.letGo();
+        if (controller.userData.source === this.source) this.release();
         controller.userData.source = undefined;
       });
       for (const start of ['selectstart', 'squeezestart'] as const)
@@ -203,13 +203,13 @@ export class VrHand {
   }
 
   private end(index: number): void {
-    if (this.sourceOf(index) === this.source) this.letGo();
+    if (this.sourceOf(index) === this.source) this.release();
   }
 
-  private letGo(): void {
+  private release(): void {
     this.grip = null;
     this.source = null;
-    this.hand.letGo('controller');
+    this.hand.release('controller');
   }
 
   private pulse(now_ms: number): void {

@@ -67,10 +67,10 @@ describe('the hand', () => {
     const { hand, sent } = makeHand();
     hand.grab('mouse');
     hand.grab('keys');
-    hand.letGo('mouse');
+    hand.release('mouse');
     expect(hand.held).toBe(true);
-    hand.letGo('keys');
-    hand.letGo('keys');
+    hand.release('keys');
+    hand.release('keys');
     expect(sent.filter((command) => command.do === 'release')).toHaveLength(1);
   });
 
@@ -185,7 +185,7 @@ describe('the tilt of the tool', () => {
     const { hand, run, grab } = makeTilt();
     grab();
     run(0.1);
-    hand.letGo('mouse');
+    hand.release('mouse');
     run(3);
     expect(tiltOf(hand.wished.rotation)).toBeCloseTo(55, 1);
     expect(hand.held).toBe(false);
@@ -201,7 +201,7 @@ describe('the tilt of the tool', () => {
   it('stays as a person has left it', () => {
     const { hand, run, grab } = makeTilt({}, NOSE_45);
     hand.grab('keys');
-    hand.letGo('keys');
+    hand.release('keys');
     grab();
     run(1);
     expect(hand.wished.rotation).toEqual(NOSE_45);

@@ -387,13 +387,13 @@ void ForceDimension::switchOn() {
 // ---------------------------------------------------------------------------------------------------------
 
 /// What was let go while the loop's thread was in the SDK is stopped when it is out. Either releaseForce() sees
-/// in_sdk_, or this thread sees let_go_: both are sequentially consistent.
+/// in_sdk_, or this thread sees released_: both are sequentially consistent.
 class ForceDimension::InSdk {
  public:
   explicit InSdk(ForceDimension& device) noexcept : device_(device) { device_.in_sdk_ = pthread_self(); }
   ~InSdk() {
     device_.in_sdk_ = kNobody;
-    if (device_.let_go_ && !device_.stopped_) {
+    if (device_.released_ && !device_.stopped_) {
       device_.stop();
     }
   }
@@ -507,7 +507,7 @@ bool ForceDimension::holdsStill(const Reading& reading) noexcept {
 /// of the program and the first tick, they are switched on again, at zero: the state says kStale once, and the loop
 /// begins softly.
 void ForceDimension::watchForces() noexcept {
-  if (let_go_ || (reads_++ % kReadsPerStatus != 0 && !forces_off_)) {
+  if (released_ || (reads_++ % kReadsPerStatus != 0 && !forces_off_)) {
     return;
   }
   std::array<int, 32> status{};  // 17 entries in SDK 3.17
@@ -538,7 +538,7 @@ void ForceDimension::write(const DeviceOutput& output) noexcept {
     return;
   }
   const InSdk in_sdk(*this);
-  if (let_go_) {
+  if (released_) {
     return;
   }
   if (send(output) < 0) {
@@ -562,24 +562,24 @@ int ForceDimension::send(const DeviceOutput& output) noexcept {
 // -------------------------------------------------------------------------------------------------------
 
 void ForceDimension::releaseForce() noexcept {
-  let_go_ = true;
+  released_ = true;
   stopped_ = false;
   if (in_sdk_ == kNobody) {
     stop();
   }
 }
 
-LettingGo ForceDimension::lettingGo() const noexcept {
+ForceRelease ForceDimension::forceRelease() const noexcept {
   if (stopped_) {
-    return LettingGo::kDone;
+    return ForceRelease::kDone;
   }
   const pthread_t asks = pthread_self();
-  return in_sdk_ == asks || stopping_ == asks ? LettingGo::kStuck : LettingGo::kUnderWay;
+  return in_sdk_ == asks || stopping_ == asks ? ForceRelease::kStuck : ForceRelease::kUnderWay;
 }
 
 /// Does not say that the device is stopped: a call that comes out after all shall stop it once more.
-void ForceDimension::letGoRegardless() noexcept {
-  let_go_ = true;
+void ForceDimension::releaseForceRegardless() noexcept {
+  released_ = true;
   sendZero(sdk_, device_.id);
   sdk_.stop(device_.id);
 }
@@ -596,7 +596,7 @@ void ForceDimension::stop() noexcept {
 }
 
 void ForceDimension::resumeForce() noexcept {
-  let_go_ = false;
+  released_ = false;
   if (lost_by_ != Trouble::kNone) {
     return;
   }
@@ -606,7 +606,7 @@ void ForceDimension::resumeForce() noexcept {
     const int error = sdk_.error_get_last();
     write_error_ = error != 0 ? error : -1;
   }
-  if (let_go_) {  // meanwhile; the thread that did so may have stopped the device before its forces came back
+  if (released_) {  // meanwhile; the thread that did so may have stopped the device before its forces came back
     stopped_ = false;
   }
 }

@@ -47,8 +47,8 @@ class ForceDimension final : public HapticDevice {
   /// the SDK, which may hold a lock then, by that thread as soon as it is out. Should it never come out, the watchdog
   /// stops the device.
   void releaseForce() noexcept override;
-  [[nodiscard]] LettingGo lettingGo() const noexcept override;
-  void letGoRegardless() noexcept override;
+  [[nodiscard]] ForceRelease forceRelease() const noexcept override;
+  void releaseForceRegardless() noexcept override;
   void resumeForce() noexcept override;
   /// For one thread at a time.
   [[nodiscard]] std::string_view problem() const noexcept override;
@@ -110,7 +110,7 @@ class ForceDimension final : public HapticDevice {
   static constexpr pthread_t kNobody = 0;
   static_assert(std::atomic<pthread_t>::is_always_lock_free);   // a signal's handler may let go
   std::atomic<pthread_t> in_sdk_{kNobody}, stopping_{kNobody};  ///< which thread is
-  std::atomic<bool> let_go_{false}, stopped_{false};
+  std::atomic<bool> released_{false}, stopped_{false};
   std::atomic<Trouble> lost_by_{Trouble::kNone};
   std::atomic<int> lost_error_{0};
   mutable std::array<char, 512> problem_{};

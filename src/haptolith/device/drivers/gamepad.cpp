@@ -229,7 +229,7 @@ double Gamepad::rumbleShare(std::int64_t now_ns) noexcept {
   }
   const double share = felt_n_.load(std::memory_order_relaxed) / kFullRumble_n;
   const bool quiet =
-      let_go_.load(std::memory_order_relaxed) || now_ns > last_write_ns_ + kLoopHangs_ns || !std::isfinite(share);
+      released_.load(std::memory_order_relaxed) || now_ns > last_write_ns_ + kLoopHangs_ns || !std::isfinite(share);
   return quiet ? 0 : std::min(1.0, share);
 }
 

@@ -51,8 +51,8 @@ class Gamepad final : public HapticDevice {
   [[nodiscard]] DeviceLimits limits() const noexcept override;
   [[nodiscard]] DeviceInput read() noexcept override;
   void write(const DeviceOutput& output) noexcept override;
-  void releaseForce() noexcept override { let_go_.store(true, std::memory_order_relaxed); }
-  void resumeForce() noexcept override { let_go_.store(false, std::memory_order_relaxed); }
+  void releaseForce() noexcept override { released_.store(true, std::memory_order_relaxed); }
+  void resumeForce() noexcept override { released_.store(false, std::memory_order_relaxed); }
   [[nodiscard]] std::string_view problem() const noexcept override;
 
  private:
@@ -71,7 +71,7 @@ class Gamepad final : public HapticDevice {
   SteeredHandle handle_;
   std::string name_, problem_;
   LatestValue<Told> told_;
-  std::atomic<bool> connected_{true}, let_go_{false};
+  std::atomic<bool> connected_{true}, released_{false};
   std::atomic<double> felt_n_{0};
   std::atomic<std::uint64_t> writes_{0};
   std::uint64_t writes_seen_ = 0;  ///< by the pad's thread, and when

@@ -197,11 +197,11 @@ class Inverse3::Connection {
 
   // Of any.
 
-  void releaseForce(bool go) noexcept {
+  void setReleased(bool released) noexcept {
     zero_sent_.store(false);
-    let_go_.store(go);
+    released_.store(released);
   }
-  [[nodiscard]] bool hasLetGo() const noexcept { return zero_sent_.load() || lost_.load(); }
+  [[nodiscard]] bool isReleased() const noexcept { return zero_sent_.load() || lost_.load(); }
   [[nodiscard]] bool hasGrip() const noexcept { return !grip_.empty(); }
   [[nodiscard]] std::uint64_t badAnswers() const noexcept { return bad_answers_.load(std::memory_order_relaxed); }
   [[nodiscard]] std::string_view problem() const noexcept {
@@ -242,7 +242,7 @@ class Inverse3::Connection {
       if (error) {
         return;
       }
-      const bool zero_is_due = let_go_.load() && !zero_sent_.load();
+      const bool zero_is_due = released_.load() && !zero_sent_.load();
       const bool held_back_long = answered_ && monotonicNs() - sent_ns_ > patience_ns_;
       if (!writing_ && (caught_up_ || held_back_long || zero_is_due)) {
         patience_ns_ =
@@ -255,16 +255,16 @@ class Inverse3::Connection {
   }
 
   void send() {
-    const bool let_go = let_go_.load();
-    command_ = inverse3Command(device_, let_go ? Vec3(Vec3::Zero()) : force(), session_.inventory.dialect);
+    const bool released = released_.load();
+    command_ = inverse3Command(device_, released ? Vec3(Vec3::Zero()) : force(), session_.inventory.dialect);
     sent_ns_ = monotonicNs();
     writing_ = true;
     answered_ = caught_up_ = false;
-    session_.stream.async_write(asio::buffer(command_), [this, let_go](beast::error_code error, std::size_t) {
+    session_.stream.async_write(asio::buffer(command_), [this, released](beast::error_code error, std::size_t) {
       writing_ = false;
       if (error) {
         lose(error);
-      } else if (let_go) {
+      } else if (released) {
         zero_sent_.store(true);
       }
     });
@@ -330,7 +330,7 @@ class Inverse3::Connection {
   LatestValue<Told> told_;
   LatestValue<Wanted> wanted_;
   DeviceInput input_;
-  std::atomic<bool> let_go_{false}, zero_sent_{false}, lost_{false}, over_{false};
+  std::atomic<bool> released_{false}, zero_sent_{false}, lost_{false}, over_{false};
   std::atomic<std::uint64_t> bad_answers_{0};
   std::string problem_;
   std::thread thread_;
@@ -366,13 +366,13 @@ void Inverse3::write(const DeviceOutput& output) noexcept {
   connection_->write(output.wrench.force_n);
 }
 void Inverse3::releaseForce() noexcept {
-  connection_->releaseForce(true);
+  connection_->setReleased(true);
 }
-LettingGo Inverse3::lettingGo() const noexcept {
-  return connection_->hasLetGo() ? LettingGo::kDone : LettingGo::kUnderWay;
+ForceRelease Inverse3::forceRelease() const noexcept {
+  return connection_->isReleased() ? ForceRelease::kDone : ForceRelease::kUnderWay;
 }
 void Inverse3::resumeForce() noexcept {
-  connection_->releaseForce(false);
+  connection_->setReleased(false);
 }
 std::string_view Inverse3::problem() const noexcept {
   return connection_->problem();

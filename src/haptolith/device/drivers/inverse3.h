@@ -34,7 +34,7 @@ class Inverse3 final : public HapticDevice {
   void write(const DeviceOutput& output) noexcept override;
   /// The next message, at most a millisecond later, says zero. When the service takes none any more, it lets go itself.
   void releaseForce() noexcept override;
-  [[nodiscard]] LettingGo lettingGo() const noexcept override;
+  [[nodiscard]] ForceRelease forceRelease() const noexcept override;
   void resumeForce() noexcept override;
   [[nodiscard]] std::string_view problem() const noexcept override;
 

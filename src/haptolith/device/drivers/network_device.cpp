@@ -313,22 +313,22 @@ void NetworkDevice::release() noexcept {
 }
 
 void NetworkDevice::write(const DeviceOutput& output) noexcept {
-  const bool let_go = let_go_.load();
+  const bool released = released_.load();
   if (owed_ > 0 || zero_owed_) {  // else somebody who forges one packet could have another one flooded
     owed_ = std::max(0, owed_ - 1);
     zero_owed_ = false;
-    if (!answer(let_go ? DeviceOutput{} : output)) {
+    if (!answer(released ? DeviceOutput{} : output)) {
       ++counts_.unsent;
     }
   }
-  if (!let_go &&
-      let_go_.load()) {  // releaseForce() came in between: its answer must not be followed by one with a force
+  if (!released &&
+      released_.load()) {  // releaseForce() came in between: its answer must not be followed by one with a force
     (void)answer({});
   }
 }
 
 void NetworkDevice::releaseForce() noexcept {
-  let_go_.store(true);
+  released_.store(true);
   const int error = errno;  // a signal's handler leaves it as it was
   (void)answer({});
   errno = error;
@@ -341,7 +341,7 @@ bool NetworkDevice::answer(const DeviceOutput& output) noexcept {
   }
   AnswerPacket packet;
   packet.live = live_.load();
-  packet.let_go = let_go_.load();
+  packet.let_go = released_.load();
   packet.sequence = sequence_.load();
   packet.number = answers_.fetch_add(1);
   packet.sender_time = sender_time_.load();

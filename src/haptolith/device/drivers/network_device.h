@@ -61,7 +61,7 @@ class NetworkDevice final : public HapticDevice {
   void write(const DeviceOutput& output) noexcept override;
   /// Also sends an answer with zero force at once.
   void releaseForce() noexcept override;
-  void resumeForce() noexcept override { let_go_.store(false); }
+  void resumeForce() noexcept override { released_.store(false); }
   [[nodiscard]] std::string_view problem() const noexcept override;
 
   [[nodiscard]] std::uint16_t port() const noexcept { return port_; }
@@ -101,7 +101,7 @@ class NetworkDevice final : public HapticDevice {
   std::array<std::atomic<std::uint64_t>, 2> nonce_{};  ///< the holder's
   std::atomic<std::uint64_t> sender_time_{0};
   std::atomic<std::uint32_t> sequence_{0}, answers_{0};
-  std::atomic<bool> live_{false}, let_go_{false}, lost_{false};
+  std::atomic<bool> live_{false}, released_{false}, lost_{false};
   std::array<char, 200> problem_{};
   std::size_t problem_size_ = 0;
 };

@@ -60,7 +60,7 @@ DeviceLimits VirtualHand::limits() const noexcept {
 }
 
 DeviceInput VirtualHand::read() noexcept {
-  if (let_go_.load(std::memory_order_relaxed)) {
+  if (released_.load(std::memory_order_relaxed)) {
     felt_ = {};
   }
   takeCommand();

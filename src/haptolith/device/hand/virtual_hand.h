@@ -31,8 +31,8 @@ class VirtualHand final : public HapticDevice {
   [[nodiscard]] bool simulated() const noexcept override { return true; }
   [[nodiscard]] DeviceInput read() noexcept override;
   void write(const DeviceOutput& output) noexcept override { felt_ = output.wrench; }
-  void releaseForce() noexcept override { let_go_.store(true, std::memory_order_relaxed); }
-  void resumeForce() noexcept override { let_go_.store(false, std::memory_order_relaxed); }
+  void releaseForce() noexcept override { released_.store(true, std::memory_order_relaxed); }
+  void resumeForce() noexcept override { released_.store(false, std::memory_order_relaxed); }
 
   /// For one other thread: where somebody wants the tool. The tool follows through a virtual coupling that pulls no
   /// harder than the device's largest force, so that nobody can force it through the soil. May be called at any time.
@@ -52,7 +52,7 @@ class VirtualHand final : public HapticDevice {
   Movement tool_;
   double gripper_open_ = 1;
   Wrench felt_;
-  std::atomic<bool> let_go_{false};
+  std::atomic<bool> released_{false};
 
   LatestValue<HandCommand> commands_;
   std::uint32_t beginnings_ = 0;

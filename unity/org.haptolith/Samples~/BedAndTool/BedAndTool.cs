@@ -100,7 +100,7 @@ public sealed class BedAndTool : MonoBehaviour
       return 0;
     }
     ShowTool(now.Scene_T_Tool.Position_m, now.Scene_T_Tool.Orientation);
-    Force_N = UnityFrame.ToUnityForce(now.Felt.Force_N);
+    Force_N = UnityFrame.ToUnityForce(now.SoilWrench.Force_N);
     return loop_.CopyPositions(positions_m_);
   }
 
