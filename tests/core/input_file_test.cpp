@@ -64,6 +64,17 @@ TEST_F(InputFileTest, IsNoLargerThanItMayBe) {
   EXPECT_THAT(refusalOf(folder_ / "large.csv"), AllOf(HasSubstr("large.csv"), HasSubstr("at most 1000 bytes")));
 }
 
+TEST(LineReader, TakesLineEndsOfEverySystem) {
+  std::istringstream text("one\r\ntwo\rthree\n\r\rfour");
+  LineReader lines(text, "a.csv", kFew);
+  std::vector<std::string> read;
+  for (std::string line; lines.next(line);) {
+    read.push_back(std::to_string(lines.number()) + line);
+    EXPECT_EQ(lines.ended(), line != "four");
+  }
+  EXPECT_THAT(read, testing::ElementsAre("1one", "2two", "3three", "4", "5", "6four"));
+}
+
 TEST(LineReader, EndsAtALineThatIsTooLongAndQuotesItsBeginning) {
   std::istringstream text("short\n\033]0;pwned you\a");
   LineReader lines(text, "a.csv", kFew);

@@ -48,6 +48,15 @@ TEST(PlainText, WhatIsNotUtf8IsReplaced) {
   }
 }
 
+TEST(PlainText, AQuoteShowsWhatCannotBeSeen) {
+  EXPECT_EQ(inQuotes("0.5\xC2\xA0"), "'0.5\\u00a0'");
+  EXPECT_EQ(inQuotes("\xE2\x88\x92"
+                     "1"),
+            "'\\u22121'");
+  EXPECT_EQ(inQuotes("\xEF\xBB\xBFx\xE2\x80\x8B"), "'\\ufeffx\\u200b'");
+  EXPECT_EQ(plainText("0.5\xC2\xA0"), "0.5\xC2\xA0") << "a space as others, elsewhere";
+}
+
 TEST(PlainText, AQuoteIsCutBetweenLettersAndSaysSo) {
   EXPECT_EQ(inQuotes("title"), "'title'");
   EXPECT_EQ(inQuotes("a\nb"), "'a\\u000ab'");

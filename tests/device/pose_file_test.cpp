@@ -95,7 +95,7 @@ TEST_F(PoseFileTest, MissingFilesAndFoldersAreRefused) {
 }
 
 TEST_F(PoseFileTest, TooFewPosesAreRefused) {
-  expectRefused("", 0, "at least 2");
+  expectRefused("", 0, "nothing in it");
   expectRefused(kHeader, 0, "at least 2");
   expectRefused(std::string(kHeader) + "0,0,0,0,1,0,0,0\n", 0, "at least 2");
 }
@@ -119,9 +119,9 @@ TEST_F(PoseFileTest, WhatIsNoFiniteNumberIsRefusedWithItsPlace) {
 
 TEST_F(PoseFileTest, TooFewOrTooManyColumnsAreRefused) {
   const std::string good = std::string(kHeader) + kTwo;
-  expectRefused(good + "2,0,0,0,1,0,0\n", 4, "8 numbers");
-  expectRefused(good + "2\n", 4, "8 numbers");
-  expectRefused(good + "2,0,0,0,1,0,0,0,0\n", 4, "8 numbers");
+  expectRefused(good + "2,0,0,0,1,0,0\n", 4, "8 cells");
+  expectRefused(good + "2\n", 4, "8 cells");
+  expectRefused(good + "2,0,0,0,1,0,0,0,0\n", 4, "8 cells");
 }
 
 TEST_F(PoseFileTest, TimeGoesForward) {

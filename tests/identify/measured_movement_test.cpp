@@ -54,6 +54,39 @@ TEST(MatchForces, FindsNothingWhereThereIsNothing) {
   EXPECT_EQ(matchForces(kMovement, made(1, Vec3::Zero(), 0.2), Vec3::Zero()).windows, 0U) << "too seldom";
 }
 
+TEST(MatchForces, TakesNoTimeForTimeWithoutSamples) {
+  std::vector<MeasuredSample> samples = made(1.5, Vec3::Zero());
+  const MatchedForces expected = matchForces(kMovement, samples, Vec3::Zero());
+  std::vector<MeasuredSample> gap = samples;
+  gap.push_back(samples.back());
+  gap.back().time_s = 5e9;  // at one place each 0.02 s: years
+  EXPECT_EQ(matchForces(kMovement, gap, Vec3::Zero()).forces, expected.forces);
+  gap = samples;
+  gap.insert(gap.begin(), samples.front());
+  gap.front().time_s = -5e9;
+  const MatchedForces late = matchForces(kMovement, gap, Vec3::Zero());
+  EXPECT_EQ(late.windows, 8U);
+  EXPECT_NEAR(late.begin_s, expected.begin_s, 0.03);
+}
+
+TEST(MatchForces, FindsAMovementByTheClockOfACalendar) {
+  std::vector<MeasuredSample> samples = made(1.5, Vec3::Zero());
+  for (MeasuredSample& sample : samples) {
+    sample.time_s += 1764288000;
+  }
+  const MatchedForces matched = matchForces(kMovement, samples, Vec3::Zero());
+  EXPECT_EQ(matched.windows, 8U);
+  EXPECT_NEAR(matched.begin_s, 1764288001.5, 0.03);
+}
+
+TEST(MatchForces, GivesUpAtOnceWhereRowsAreTooFarApart) {
+  std::vector<MeasuredSample> samples = made(1.5, Vec3::Zero());
+  for (MeasuredSample& sample : samples) {
+    sample.time_s *= 1e8;  // each 1e6 s; no place would be tried in less than a minute
+  }
+  EXPECT_EQ(matchForces(kMovement, samples, Vec3::Zero()).windows, 0U);
+}
+
 TEST(MatchForces, TakesWhatThereIsOfAMovement) {
   std::vector<MeasuredSample> samples = made(1, Vec3::Zero());
   std::erase_if(samples, [](const MeasuredSample& sample) { return sample.time_s > 2; });
@@ -148,13 +181,21 @@ TEST_F(ReadMeasured, TakesAnExportedRecording) {
   EXPECT_EQ(samples[0].pose.position_m, Vec3(1, 2, 3));
 }
 
+TEST_F(ReadMeasured, TakesTimeOfAnyClock) {
+  const std::string row = ",1,2,3,1,0,0,0,4,5,6\n";
+  const std::string header = "t_s,x_m,y_m,z_m,qw,qx,qy,qz,soil_fx_n,soil_fy_n,soil_fz_n\n";
+  EXPECT_EQ(read(header + "1764288000.25" + row + "1764288000.5" + row)[1].time_s, 1764288000.5);
+  EXPECT_EQ(read(header + "1764288000250000000" + row + "1764288000500000000" + row)[1].time_s, 1764288000.5);
+  EXPECT_EQ(read(header + "-2e6" + row + "2e6" + row)[1].time_s, 2e6);
+}
+
 TEST_F(ReadMeasured, SaysWhatIsWrong) {
   EXPECT_THAT(refusal("t_s,x_m\n0,0\n1,1\n"), HasSubstr("columns t_s,x_m,y_m,z_m,qw,qx,qy,qz,soil_fx_n"));
   EXPECT_THAT(refusal(std::string(kHeader) + "0,0,1,2,3,1,0,0,0,4,5,6\n"), HasSubstr("two or more"));
   EXPECT_THAT(refusal(std::string(kHeader) + "0,0,1,2,3,1,0,0,0,4,5,6\n0,0,1,2,3,1,0,0,0,4,5,6\n"),
               HasSubstr("time goes forward"));
   EXPECT_THAT(refusal(std::string(kHeader) + "0,0,1,2,3,2,0,0,0,4,5,6\n"), HasSubstr("length of qw,qx,qy,qz"));
-  EXPECT_THAT(refusal(std::string(kHeader) + "0,0,1,2,3,1,0,0,0,4,5,nan\n"), HasSubstr(":2: soil_fz_n"));
+  EXPECT_THAT(refusal(std::string(kHeader) + "0,0,1,2,3,1,0,0,0,4,5,nan\n"), HasSubstr(":2: column soil_fz_n"));
   EXPECT_THAT(refusal(std::string(kHeader) + "0,0,1,2,3,1,0,0,0,4,5,1e9\n"), HasSubstr("-1000000 to 1000000"));
 }
 

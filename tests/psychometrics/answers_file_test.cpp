@@ -13,7 +13,7 @@ using testing::HasSubstr;
 
 std::vector<AnswersOf> read(const std::string& text) {
   std::istringstream stream(text);
-  return readAnswers(stream, "answers.csv");
+  return readAnswers(stream, "answers.csv").people;
 }
 
 std::string refusalOf(const std::string& text) {
@@ -72,17 +72,67 @@ TEST(AnswersFile, TabsSemicolonsQuotesAndWindowsLineEndsAreUnderstood) {
 }
 
 TEST(AnswersFile, NonsenseIsToldWithLineAndColumn) {
-  EXPECT_THAT(refusalOf("x,k,n\n1,2,3\nabc,2,3\n"), HasSubstr("answers.csv, line 3, column x"));
-  EXPECT_THAT(refusalOf("x,k,n\n1,4,3\n"), HasSubstr("line 2, column k"));
+  EXPECT_THAT(refusalOf("x,k,n\n1,2,3\nabc,2,3\n"), HasSubstr("answers.csv:3: column x = 'abc'"));
+  EXPECT_THAT(refusalOf("x,k,n\n1,4,3\n"), HasSubstr(":2: column k"));
   EXPECT_THAT(refusalOf("x,k,n\n1,-1,3\n"), HasSubstr("column k"));
   EXPECT_THAT(refusalOf("x,k,n\n1,1,2.5\n"), HasSubstr("column n"));
   EXPECT_THAT(refusalOf("x,k,n\n1,nan,3\n"), HasSubstr("column k"));
-  EXPECT_THAT(refusalOf("x,k,n\n1,2\n"), HasSubstr("line 2"));
-  EXPECT_THAT(refusalOf("x,response\n1,maybe\n"), HasSubstr("line 2, column response"));
+  EXPECT_THAT(refusalOf("x,k,n\n1,2\n"), HasSubstr("answers.csv:2:"));
+  EXPECT_THAT(refusalOf("x,response\n1,maybe\n"), HasSubstr(":2: column response"));
   EXPECT_THAT(refusalOf("x,x,k,n\n1,1,2,3\n"), HasSubstr("twice"));
   EXPECT_THAT(refusalOf(""), HasSubstr("nothing in it"));
   EXPECT_THAT(refusalOf("x,k,n\n"), HasSubstr("no answer"));
   EXPECT_THAT(refusalOf("x,k,n\n1,0,0\n"), HasSubstr("no answer"));
+}
+
+std::vector<std::string> warningsOf(const std::string& text) {
+  std::istringstream stream(text);
+  return readAnswers(stream, "answers.csv").warnings;
+}
+
+TEST(AnswersFile, ColumnsOfOnesOwnChangeNothing) {
+  EXPECT_EQ(read("x,response,state\n1,1,Bavaria\n1,0,\n")[0].levels[0].n, 2);
+  EXPECT_EQ(read("x,response,kind\n1,1,square\n1,0,round\n")[0].levels[0].n, 2);
+  EXPECT_EQ(read("x,response,kind\n1,1,practice\n1,0,Main\n")[0].levels[0].n, 1) << "words of an export";
+  EXPECT_THAT(
+      refusalOf("x,response,state\n1,1,answered\n1,0,Bavaria\n"),
+      HasSubstr("answers.csv:3: column state = 'Bavaria' is not valid: must be begun, answered, repeated, lost, "
+                "as in line 2"));
+}
+
+TEST(AnswersFile, ACodeInTwoGroupsIsTwoPeople) {
+  const std::string table = "participant,group,x,k,n\n1,A,1,2,3\n2,A,1,2,3\n1,B,1,1,4\n";
+  const std::vector<AnswersOf> answers = read(table);
+  ASSERT_EQ(answers.size(), 3U);
+  EXPECT_EQ(answers[0].levels[0].n, 3);
+  EXPECT_EQ(answers[2].group, "B");
+  EXPECT_THAT(namesOf(answers), testing::ElementsAre("1 (A)", "2", "1 (B)"));
+  EXPECT_THAT(warningsOf(table),
+              testing::ElementsAre("answers.csv: participant '1' is in the groups 'A', 'B': taken for different people "
+                                   "in each group"));
+}
+
+TEST(AnswersFile, RowsWithoutACodeAreTold) {
+  EXPECT_THAT(
+      warningsOf("participant,x,k,n\nS1,1,2,3\n,1,2,4\nNA,1,2,5\n"),
+      testing::ElementsAre(HasSubstr(":3: column participant = ''"), HasSubstr(":4: column participant = 'NA'")));
+  EXPECT_THAT(warningsOf("x,k,n\n1,2,3\n"), testing::IsEmpty()) << "no codes at all";
+}
+
+TEST(AnswersFile, RowsThatRepeatOthersAreTold) {
+  const std::string levels = "1,2,3\n2,2,3\n", trials = "1,0\n1,0\n1,1\n2,1\n2,1\n";
+  EXPECT_THAT(warningsOf("x,k,n\n" + levels + levels),
+              testing::ElementsAre(HasSubstr("answers.csv:4: the same row as in line 2 (and 1 more rows)")));
+  EXPECT_THAT(warningsOf("x,response\n" + trials + trials),
+              testing::ElementsAre(HasSubstr("answers.csv:7: from here")));
+  EXPECT_THAT(warningsOf("x,response\n" + trials), testing::IsEmpty()) << "trials may be alike";
+  EXPECT_THAT(warningsOf("trial,x,response\n1,1,1\n1,1,1\n"), testing::SizeIs(1));
+}
+
+TEST(AnswersFile, CodesMayBeginWithAHash) {
+  const std::vector<AnswersOf> answers = read("participant,x,k,n\n# a comment\n#1,1,2,3\n#2,1,2,3\n");
+  ASSERT_EQ(answers.size(), 2U);
+  EXPECT_EQ(answers[0].participant, "#1");
 }
 
 TEST(AnswersFile, MissingFilesAreToldByName) {

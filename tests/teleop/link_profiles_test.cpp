@@ -75,15 +75,24 @@ TEST_F(Delays, AreReadFromATable) {
   EXPECT_EQ(read("t_s,delay_s\r\n0,0.6\r\n1.5,0.72\r\n3,1e-3"), expected) << "as Windows writes it";
 }
 
+TEST_F(Delays, MayBeOfAnyClock) {
+  const std::vector<DelayAt> expected{{0, 0.5}, {1.5, 0.75}};
+  EXPECT_EQ(read("t_s,delay_s\n1764288000.25,0.5\n1764288001.75,0.75\n"), expected);
+  EXPECT_EQ(read("t_s,delay_s\n1764288000250000000,0.5\n1764288001750000000,0.75\n"), expected);
+  EXPECT_EQ(read("t_s,delay_s\n-1,0.5\n0.5,0.75\n"), expected);
+  const std::vector<DelayAt> later{{5, 0.5}, {6.5, 0.75}};
+  EXPECT_EQ(read("delay_s;T_S;who\n0,5;5;me\n0,75;6,5;me\n"), later) << "the link's own clock";
+}
+
 TEST_F(Delays, ARefusalSaysWhere) {
-  EXPECT_THAT(refusal(""), HasSubstr("table of delays"));
+  EXPECT_THAT(refusal(""), HasSubstr("nothing in it"));
   EXPECT_THAT(refusal("t_s,delay_s\n"), HasSubstr("table of delays"));
   EXPECT_THAT(refusal("time,delay\n0,1\n"), AllOf(HasSubstr(":1"), HasSubstr("t_s,delay_s")));
   EXPECT_THAT(refusal("t_s,delay_s\n0,1\n1\n"), AllOf(HasSubstr(":3"), HasSubstr("'1'")));
   EXPECT_THAT(refusal("t_s,delay_s\n0,1,2\n"), HasSubstr(":2"));
   EXPECT_THAT(refusal("t_s,delay_s\n0,nan\n"), HasSubstr(":2"));
   EXPECT_THAT(refusal("t_s,delay_s\n0,-1\n"), HasSubstr("0 to 600"));
-  EXPECT_THAT(refusal("t_s,delay_s\n1,1\n1,2\n"), HasSubstr("later than the line before"));
+  EXPECT_THAT(refusal("t_s,delay_s\n1,1\n1,2\n"), HasSubstr("later than 1 s, the time in line 2"));
   EXPECT_THROW((void)readDelays("/nonexistent/delays.csv"), InvalidParameter);
 }
 

@@ -37,23 +37,46 @@ void addOrigin(CLI::App& command, std::vector<double>& origin_mm) {
       ->check(numberIn({-1e5, 1e5}));
 }
 
+namespace {
+
+/// Says that the movement was not found, with what shows wrong units.
+std::string nowhereText(const std::string& file, const std::vector<MeasuredSample>& samples) {
+  std::vector<double> steps_s;
+  Vec3 low_m = samples.front().pose.position_m, high_m = low_m;
+  for (std::size_t i = 1; i < samples.size(); ++i) {
+    steps_s.push_back(samples[i].time_s - samples[i - 1].time_s);
+    low_m = low_m.cwiseMin(samples[i].pose.position_m);
+    high_m = high_m.cwiseMax(samples[i].pose.position_m);
+  }
+  const auto middle = steps_s.begin() + static_cast<std::ptrdiff_t>(steps_s.size() / 2);
+  std::ranges::nth_element(steps_s, middle);
+  return fmt::format(
+      "{}: the tool is nowhere within 3 mm and 3 degrees of the movement that was learned; is --origin-mm right? "
+      "Rows are {:.3g} s apart, and the tool is within {:.3g} x {:.3g} x {:.3g} m: t_s is in seconds, places are in "
+      "metres, and quaternions begin with w",
+      file, *middle, high_m.x() - low_m.x(), high_m.y() - low_m.y(), high_m.z() - low_m.z());
+}
+
+}  // namespace
+
 Measured measuredBy(const MeasuredOptions& options) {
   const std::optional<Training> read =
       options.training_file.empty() ? std::nullopt : std::optional(readTraining(options.training_file));
   const Training& training = read ? *read : probeTraining();
   std::vector<std::vector<MeasuredSample>> courses;
+  std::vector<double> first_s;
   for (const std::string& file : options.files) {
     courses.push_back(readMeasured(file));
+    first_s.push_back(courses.back().front().time_s);
     if (matchForces(training.movement, courses.back(), options.originM()).windows == 0) {
-      throw Failure(
-          file +
-          ": the tool is nowhere within 3 mm and 3 degrees of the movement that was learned; is --origin-mm right?");
+      throw Failure(nowhereText(file, courses.back()));
     }
   }
   SoilIdentifier identifier(training);
   std::vector<MovementPart> parts = partsOf(training.movement, identifier.emulator());
   MatchedParts matched = matchParts(training.movement, parts, courses, options.originM());
-  return {std::move(identifier), std::move(parts), std::move(matched), findBody(options.body).gravity_m_s2};
+  return {std::move(identifier), std::move(parts), std::move(matched), std::move(first_s),
+          findBody(options.body).gravity_m_s2};
 }
 
 std::vector<bool> Measured::partsMeasured() const {
@@ -72,7 +95,8 @@ std::string Measured::text(const MeasuredOptions& options) const {
                                  parts.size(), matched.windows, matched.forces.size(), numbers);
   for (std::size_t i = 0; i < parts.size(); ++i) {
     if (measured[i]) {
-      text += fmt::format("  {:20} from {:.2f} s in {}\n", parts[i].name, std::max(0.0, matched.parts[i].begin_s),
+      text += fmt::format("  {:20} from {:.2f} s in {}\n", parts[i].name,
+                          std::max(first_s[matched.parts[i].course], matched.parts[i].begin_s),
                           options.files[matched.parts[i].course]);
     }
   }

@@ -33,6 +33,7 @@ struct Measured {
   SoilIdentifier identifier;
   std::vector<MovementPart> parts;  ///< of the movement that was learned
   MatchedParts matched;
+  std::vector<double> first_s;  ///< time of each file's first row
   double gravity_m_s2;
 
   [[nodiscard]] std::vector<bool> partsMeasured() const;

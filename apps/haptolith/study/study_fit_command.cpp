@@ -1,12 +1,14 @@
 #include <CLI/App.hpp>
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
+#include <spdlog/spdlog.h>
 
 #include <algorithm>
 #include <cmath>
 #include <memory>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "haptolith/core/error.h"
@@ -50,7 +52,11 @@ struct FitCommandOptions {
 
 /// The people of one block.
 std::vector<AnswersOf> answersOf(const FitCommandOptions& options) {
-  std::vector<AnswersOf> all = readAnswersFile(options.data, options.pool_tolerance);
+  Answers answers = readAnswersFile(options.data, options.pool_tolerance);
+  for (const std::string& warning : answers.warnings) {
+    spdlog::warn("{}", warning);
+  }
+  std::vector<AnswersOf> all = std::move(answers.people);
   std::string blocks;
   for (const AnswersOf& of : all) {
     if (blocks.find("'" + of.block + "'") == std::string::npos) {
@@ -159,9 +165,9 @@ Result fitAll(const FitCommandOptions& options, const std::vector<AnswersOf>& an
   const FitOptions wanted = fitOptionsOf(options.fit, "--");
   std::vector<std::vector<Level>> participants;
   Result result;
+  result.names = namesOf(answers);
   for (const AnswersOf& of : answers) {
     participants.push_back(of.levels);
-    result.names.push_back(of.participant.empty() ? fmt::format("{}", result.names.size() + 1) : of.participant);
   }
   const std::vector<Level> all = pooledAnswers(participants, options.pool_tolerance);
   result.fit = fitAsAsked(all, options.fit, "--");

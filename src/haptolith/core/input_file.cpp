@@ -99,6 +99,7 @@ bool LineReader::next(std::string& line) {
   }
   using Traits = std::streambuf::traits_type;
   line.clear();
+  ended_ = false;
   Traits::int_type letter = text_.sbumpc();
   if (Traits::eq_int_type(letter, Traits::eof())) {
     return false;
@@ -110,7 +111,12 @@ bool LineReader::next(std::string& line) {
                              "at most " + sizeText(limits_.bytes));
     }
     const char given = Traits::to_char_type(letter);
-    if (given == '\n') {
+    if (given == '\n' || given == '\r') {
+      if (given == '\r' && Traits::eq_int_type(text_.sgetc(), Traits::to_int_type('\n'))) {
+        text_.sbumpc();
+        ++bytes_;
+      }
+      ended_ = true;
       return true;
     }
     if (line.size() == limits_.line_bytes) {

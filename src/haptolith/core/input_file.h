@@ -29,7 +29,7 @@ struct TextLimits {
   int rows;  ///< for whoever counts rows
 };
 
-/// The lines of a text that somebody has made, each no longer than its limit. Ends when somebody wants the work to end.
+/// Reads the lines of a text, each no longer than its limit. Lines end with LF, CRLF or CR. Ends when stopAsked().
 class LineReader {
  public:
   /// @param name  of the text, for messages.
@@ -42,12 +42,16 @@ class LineReader {
   /// Of the line that next() gave; 1 is the first.
   [[nodiscard]] int number() const noexcept { return number_; }
 
+  /// Whether the line that next() gave has a line end; the last line of a file that is cut off has none.
+  [[nodiscard]] bool ended() const noexcept { return ended_; }
+
  private:
   std::streambuf& text_;
   std::string name_;
   TextLimits limits_;
   std::uintmax_t bytes_ = 0;
   int number_ = 0;
+  bool ended_ = true;
 };
 
 }  // namespace haptolith

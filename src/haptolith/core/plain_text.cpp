@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
 
 namespace haptolith {
@@ -51,16 +52,23 @@ bool isObeyed(char32_t letter, Lines lines) {
   return control || separator || direction;
 }
 
-}  // namespace
+/// Characters that look like nothing, a space or a minus sign, and are none.
+bool isLookAlike(char32_t letter) {
+  constexpr std::array kSingle{U'\u00a0', U'\u00ad', U'\u1680', U'\u180e', U'\u202f', U'\u2212', U'\u3000', U'\ufeff'};
+  return (letter >= 0x2000 && letter <= 0x200D) || (letter >= 0x205F && letter <= 0x2064) ||
+         std::ranges::find(kSingle, letter) != kSingle.end();
+}
 
-std::string plainText(std::string_view text, Lines lines) {
+enum class LookAlikes { kKept, kShown };
+
+std::string shown(std::string_view text, Lines lines, LookAlikes look_alikes) {
   std::string plain;
   plain.reserve(text.size());
   while (!text.empty()) {
     const Letter letter = firstOf(text);
     if (!letter.valid) {
       plain += "\xEF\xBF\xBD";
-    } else if (isObeyed(letter.number, lines)) {
+    } else if (isObeyed(letter.number, lines) || (look_alikes == LookAlikes::kShown && isLookAlike(letter.number))) {
       plain += fmt::format("\\u{:04x}", static_cast<unsigned>(letter.number));
     } else {
       plain += text.substr(0, letter.size);
@@ -68,6 +76,21 @@ std::string plainText(std::string_view text, Lines lines) {
     text.remove_prefix(letter.size);
   }
   return plain;
+}
+
+std::string beginning(std::string_view text, std::size_t most, LookAlikes look_alikes) {
+  std::size_t letters = 0, end = 0;
+  while (end < text.size() && letters < most) {
+    end += firstOf(text.substr(end)).size;
+    ++letters;
+  }
+  return shown(text.substr(0, end), Lines::kOne, look_alikes) + (end < text.size() ? "..." : "");
+}
+
+}  // namespace
+
+std::string plainText(std::string_view text, Lines lines) {
+  return shown(text, lines, LookAlikes::kKept);
 }
 
 bool isPlainText(std::string_view text, Lines lines) {
@@ -82,16 +105,11 @@ bool isPlainText(std::string_view text, Lines lines) {
 }
 
 std::string shortened(std::string_view text, std::size_t most) {
-  std::size_t letters = 0, end = 0;
-  while (end < text.size() && letters < most) {
-    end += firstOf(text.substr(end)).size;
-    ++letters;
-  }
-  return plainText(text.substr(0, end)) + (end < text.size() ? "..." : "");
+  return beginning(text, most, LookAlikes::kKept);
 }
 
 std::string inQuotes(std::string_view text, std::size_t most) {
-  return fmt::format("'{}'", shortened(text, most));
+  return fmt::format("'{}'", beginning(text, most, LookAlikes::kShown));
 }
 
 }  // namespace haptolith

@@ -23,7 +23,8 @@ enum class Lines { kOne, kSeveral };
 /// plainText() of its first letters, and "..." when there are more than `most`.
 [[nodiscard]] std::string shortened(std::string_view text, std::size_t most = kQuoteLetters);
 
-/// The same in quotes, for messages: 'title'.
+/// The same in quotes, for messages: 'title'. Also shows characters that look like nothing, a space or a minus sign and
+/// are none: '0.5\u00a0'.
 [[nodiscard]] std::string inQuotes(std::string_view text, std::size_t most = kQuoteLetters);
 
 }  // namespace haptolith

@@ -5,22 +5,24 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <string>
+#include <span>
 #include <string_view>
 
 #include "haptolith/core/error.h"
-#include "haptolith/core/input_file.h"
-#include "haptolith/core/number_rows.h"
+#include "haptolith/core/table_pose.h"
 
 namespace haptolith {
 
 namespace {
 
 constexpr TextLimits kLimits{.bytes = std::uintmax_t{1} << 30, .line_bytes = 4000, .rows = 5'000'000};
-constexpr std::string_view kColumns = "t_s,x_m,y_m,z_m,qw,qx,qy,qz,soil_fx_n,soil_fy_n,soil_fz_n";
-constexpr std::string_view kExportColumns =
-    "t_s,tool_x_m,tool_y_m,tool_z_m,tool_qw,tool_qx,tool_qy,tool_qz,soil_fx_n,soil_fy_n,soil_fz_n";
+constexpr std::array<std::string_view, 11> kColumns{"t_s", "x_m", "y_m",       "z_m",       "qw",       "qx",
+                                                    "qy",  "qz",  "soil_fx_n", "soil_fy_n", "soil_fz_n"};
+constexpr std::array<std::string_view, 11> kExportColumns{"t_s",       "tool_x_m",  "tool_y_m", "tool_z_m",
+                                                          "tool_qw",   "tool_qx",   "tool_qy",  "tool_qz",
+                                                          "soil_fx_n", "soil_fy_n", "soil_fz_n"};
 constexpr double kLargest = 1e6;
+constexpr double kLongestStep_s = kForceWindow_s / 5 + 1e-6;  // from sample to sample in a window that counts
 
 bool isThere(const Pose& tool, const Pose& wanted) {
   return (tool.position_m - wanted.position_m).norm() <= kPoseTolerance_m &&
@@ -71,44 +73,44 @@ int agreement(const ToolMovement& movement, const Course& course, double begin_s
 
 /// Whether something was measured at least every fifth of a window.
 bool isCovered(std::span<const MeasuredSample> inside, double from_s) {
-  constexpr double kLongest_s = kForceWindow_s / 5 + 1e-6;
   double last_s = from_s;
   for (const MeasuredSample& sample : inside) {
-    if (sample.time_s - last_s > kLongest_s) {
+    if (sample.time_s - last_s > kLongestStep_s) {
       return false;
     }
     last_s = sample.time_s;
   }
-  return from_s + kForceWindow_s - last_s <= kLongest_s;
+  return from_s + kForceWindow_s - last_s <= kLongestStep_s;
 }
 
-/// Whose columns a file has: an export's, where it says which pose is the tool's, or else a trace's.
-std::string_view columnsOf(const std::filesystem::path& path) {
-  std::ifstream file = openInput(path, kLimits.bytes);
-  LineReader lines(file, path.string(), kLimits);
-  std::string line;
-  while (lines.next(line) && (line.empty() || line.front() == '#')) {
+/// Whether samples follow each other closely enough for one window somewhere.
+bool coversAWindow(std::span<const MeasuredSample> samples) {
+  double from_s = samples.front().time_s;
+  for (std::size_t i = 1; i < samples.size(); ++i) {
+    const double time_s = samples[i].time_s;
+    if (time_s - samples[i - 1].time_s > kLongestStep_s) {
+      from_s = time_s;
+    } else if (time_s - from_s >= kForceWindow_s - 2 * kLongestStep_s) {
+      return true;
+    }
   }
-  return line.find("tool_x_m") == std::string::npos ? kColumns : kExportColumns;
+  return false;
 }
 
 }  // namespace
 
 std::vector<MeasuredSample> readMeasured(const std::filesystem::path& path) {
-  NumberRows rows(path, columnsOf(path), kLimits, OtherColumns::kPassedOver);
+  Table table(path, {.columns = kColumns, .limits = kLimits});
+  // An export says which pose is the tool's; its x_m and so on are the device's.
+  const std::vector<Table::Column> columns = table.columns(table.find("tool_x_m") ? kExportColumns : kColumns);
+  TimeColumn time(table, columns[0]);
   std::vector<MeasuredSample> samples;
-  std::array<double, 11> v{};
-  while (rows.next(v)) {
-    for (const double value : v) {
-      requireInRange(rows.key("number"), value, {-kLargest, kLargest});
-    }
-    const Quat turn(v[4], v[5], v[6], v[7]);
-    requireInRange(rows.key("length of qw,qx,qy,qz"), turn.norm(), kUnitNorm);
-    if (!samples.empty() && !(v[0] > samples.back().time_s)) {
-      throw InvalidParameter(rows.key("t_s"), fmt::format("{}", v[0]),
-                             fmt::format("> {}, the time before: time goes forward", samples.back().time_s));
-    }
-    samples.push_back({v[0], {{v[1], v[2], v[3]}, turn.normalized()}, {v[8], v[9], v[10]}});
+  while (table.next()) {
+    const double time_s = time.read();
+    const Pose pose = readPose(table, std::span(columns).subspan<1, 7>(), kLargest);
+    const auto force_n = [&](std::size_t axis) { return table.number(columns[8 + axis], {-kLargest, kLargest}); };
+    const double x_n = force_n(0), y_n = force_n(1), z_n = force_n(2);
+    samples.push_back({time_s, pose, {x_n, y_n, z_n}});
   }
   if (samples.size() < 2) {
     throw InvalidParameter(path.string(), fmt::format("{} rows", samples.size()), "two or more");
@@ -120,11 +122,20 @@ MatchedForces matchForces(const ToolMovement& movement, std::span<const Measured
   const Course course(samples, origin_m);
   MatchedForces matched;
   matched.forces.resize(windowsOf(movement));
+  if (!coversAWindow(samples)) {
+    return matched;
+  }
   constexpr double kStep_s = 0.02;
   int most = 0;
   double first_s = 0, last_s = 0;  // of the first times that agree as well as any
   for (double begin_s = samples.front().time_s - movement.duration(); begin_s < samples.back().time_s;
        begin_s += kStep_s) {
+    // Where nothing was measured before the movement would end, on to where something was.
+    const MeasuredSample* next = course.after(begin_s);
+    const double idle_s = next == nullptr ? 0 : next->time_s - movement.duration() - begin_s;
+    if (idle_s > kStep_s) {
+      begin_s += std::floor(idle_s / kStep_s) * kStep_s;
+    }
     const int count = agreement(movement, course, begin_s);
     if (count > most) {
       most = count;

@@ -17,10 +17,10 @@ struct MeasuredSample {
   Vec3 force_n;  ///< of the soil on the tool, in the same frame
 };
 
-/// Reads a table with the columns t_s, x_m, y_m, z_m, qw, qx, qy, qz, soil_fx_n, soil_fy_n and soil_fz_n, as `haptolith
-/// run --trace` writes one, or with tool_ before those of the pose, as `haptolith export` does; others are passed over.
-/// Two rows or more.
-/// @throws InvalidParameter, Failure: as NumberRows; for time that does not go forward and quaternions that are none.
+/// Reads a table (core/table.h) with the columns t_s, x_m, y_m, z_m, qw, qx, qy, qz, soil_fx_n, soil_fy_n and
+/// soil_fz_n, as `haptolith run --trace` writes one, or with tool_ before those of the pose, as `haptolith export`
+/// does; others are ignored. Two rows or more; time has any zero, see TimeColumn.
+/// @throws InvalidParameter, Failure: as Table, TimeColumn and readPose(); for positions and forces beyond 1e6.
 [[nodiscard]] std::vector<MeasuredSample> readMeasured(const std::filesystem::path& path);
 
 /// Forces of a movement that was looked for in what was measured.

@@ -1,263 +1,324 @@
 #include "haptolith/psychometrics/answers_file.h"
 
-#include <boost/tokenizer.hpp>
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
 #include <algorithm>
 #include <array>
 #include <cctype>
-#include <charconv>
 #include <cmath>
-#include <initializer_list>
+#include <functional>
 #include <map>
 #include <optional>
+#include <unordered_map>
+#include <utility>
 
 #include "haptolith/core/error.h"
-#include "haptolith/core/input_file.h"
 #include "haptolith/core/plain_text.h"
+#include "haptolith/core/table.h"
 
 namespace haptolith {
 
 namespace {
 
-/// A study of a thousand people has some hundred thousand rows; answers to a form make some of them long.
-constexpr TextLimits kLimits{.bytes = 256 << 20, .line_bytes = 100'000, .rows = 1'000'000};
-constexpr std::size_t kMostColumns = 1000;
-constexpr std::size_t kMostCells = 20'000'000;  // some 0.7 GB
+constexpr std::array<std::string_view, 11> kColumns{"x",           "k",     "n",     "response", "value", "positive",
+                                                    "participant", "group", "block", "kind",     "state"};
+constexpr std::array<std::string_view, 3> kCodes{"participant", "group", "block"};
 
-/// A line of the table with its number in the file.
-struct Row {
-  int line = 0;
-  std::vector<std::string> cells = {};
+/// A study of a thousand people has some hundred thousand rows; answers to a form make some of them long.
+constexpr TableFormat kFormat{
+    .columns = kColumns, .limits = {.bytes = 256 << 20, .line_bytes = 100'000, .rows = 1'000'000}, .codes = kCodes};
+
+/// A column of a study's export that says which rows count.
+struct StandingColumn {
+  std::string_view name;
+  std::array<std::string_view, 4> words;  ///< that an export has in it
+  std::array<bool, 4> counts;
 };
 
-std::string trimmed(std::string_view text) {
-  const auto blank = [](unsigned char letter) { return std::isspace(letter) != 0; };
-  while (!text.empty() && blank(static_cast<unsigned char>(text.front()))) {
-    text.remove_prefix(1);
-  }
-  while (!text.empty() && blank(static_cast<unsigned char>(text.back()))) {
-    text.remove_suffix(1);
-  }
-  return std::string(text);
+constexpr std::array kStandingColumns{
+    StandingColumn{"kind", {"practice", "main", "catch", ""}, {false, true, false, false}},
+    StandingColumn{"state", {"begun", "answered", "repeated", "lost"}, {false, true, false, false}},
+    StandingColumn{"participant_state", {"running", "finished", "withdrawn", "excluded"}, {true, true, false, false}}};
+
+/// The place of a cell's word among those of an export; none of a word of somebody's own.
+std::optional<std::size_t> standingIn(const Table& table, Table::Column column, const StandingColumn& of) {
+  std::string word = table.cell(column);
+  std::ranges::transform(word, word.begin(), [](unsigned char letter) { return std::tolower(letter); });
+  const auto found = std::ranges::find(of.words, word);
+  return word.empty() || found == of.words.end() ? std::nullopt
+                                                 : std::optional(static_cast<std::size_t>(found - of.words.begin()));
 }
 
-std::vector<std::string> cellsOf(const std::string& line, char separator) {
-  const boost::escaped_list_separator<char> separators("", std::string(1, separator), "\"");
-  std::vector<std::string> cells;
-  for (const std::string& cell : boost::tokenizer(line, separators)) {
-    cells.push_back(trimmed(cell));
-  }
-  return cells;
-}
-
-char separatorOf(const std::string& header) {
-  for (const char separator : {'\t', ';'}) {
-    if (header.find(separator) != std::string::npos) {
-      return separator;
-    }
-  }
-  return ',';
-}
-
-class Table {
+/// The columns that say which rows count: those that have the words of an export and no others.
+/// @throws InvalidParameter for a column with some of them and others.
+class Standing {
  public:
-  Table(std::istream& text, std::string_view name) : name_(name) {
-    LineReader lines(text, name, kLimits);
-    std::string line;
-    char separator = ',';
-    while (lines.next(line)) {
-      const int number = lines.number();
-      if (number == 1 && line.starts_with("\xef\xbb\xbf")) {
-        line.erase(0, 3);  // some spreadsheets mark UTF-8 so
-      }
-      if (trimmed(line).empty() || line.starts_with('#')) {
-        continue;
-      }
-      if (header_.cells.empty()) {
-        separator = separatorOf(line);
-        header_ = {number, cellsOf(line, separator)};
-        requireHeader();
-      } else {
-        rows_.push_back({number, cellsOf(line, separator)});
-        requireRow();
+  explicit Standing(Table& table) {
+    struct Seen {
+      Table::Column column;
+      const StandingColumn* of;
+      int known_line = 0;  ///< 0: no word of an export so far
+      std::optional<InvalidParameter> own;
+    };
+    std::vector<Seen> seen;
+    for (const StandingColumn& of : kStandingColumns) {
+      if (const std::optional<Table::Column> column = table.find(of.name)) {
+        seen.push_back({*column, &of, 0, {}});
       }
     }
-    requireHeader();
-  }
-
-  [[nodiscard]] const std::vector<Row>& rows() const noexcept { return rows_; }
-
-  /// The first of these columns that the table has.
-  [[nodiscard]] std::optional<std::size_t> column(std::initializer_list<std::string_view> names) const {
-    for (const std::string_view name : names) {
-      const auto found = std::ranges::find(header_.cells, name);
-      if (found != header_.cells.end()) {
-        return static_cast<std::size_t>(found - header_.cells.begin());
+    while (!seen.empty() && table.next()) {
+      for (Seen& one : seen) {
+        if (standingIn(table, one.column, *one.of)) {
+          one.known_line = one.known_line > 0 ? one.known_line : table.line();
+        } else if (!one.own) {
+          one.own.emplace(table.key(one.column), inQuotes(table.cell(one.column)), "");
+        }
       }
     }
-    return std::nullopt;
-  }
-
-  /// The text of a cell; empty when the table has no such column.
-  [[nodiscard]] std::string text(const Row& row, std::optional<std::size_t> column) const {
-    return column ? row.cells[*column] : "";
-  }
-
-  [[nodiscard]] double number(const Row& row, std::size_t column) const {
-    const std::string& cell = row.cells[column];
-    double value = 0;
-    const auto [end, error] = std::from_chars(cell.data(), cell.data() + cell.size(), value);
-    if (error != std::errc() || end != cell.data() + cell.size() || !std::isfinite(value)) {
-      refuse(row, column, "a number");
+    for (const Seen& one : seen) {
+      if (one.known_line > 0 && one.own) {
+        throw InvalidParameter(
+            one.own->key(), one.own->value(),
+            fmt::format(
+                "{}, as in line {} and in a study's export; a column of your own takes another name",
+                fmt::join(one.of->words.begin(), one.of->words.end() - (one.of->words[3].empty() ? 1 : 0), ", "),
+                one.known_line));
+      }
+      if (one.known_line > 0) {
+        columns_.emplace_back(one.column, one.of);
+      }
     }
-    return value;
   }
 
-  [[noreturn]] void refuse(const Row& row, std::size_t column, std::string_view valid) const {
-    throw InvalidParameter(fmt::format("{}, line {}, column {}", name_, row.line, shortened(header_.cells[column])),
-                           inQuotes(row.cells[column]), std::string(valid));
-  }
-
-  [[noreturn]] void refuse(std::string_view what, std::string_view valid) const {
-    throw InvalidParameter(name_, std::string(what), std::string(valid));
-  }
-
-  [[nodiscard]] std::string columns() const {
-    return shortened(fmt::format("{}", fmt::join(header_.cells, ", ")), 5 * kQuoteLetters);
+  [[nodiscard]] bool counts(const Table& table) const {
+    return std::ranges::all_of(columns_, [&](const auto& column) {
+      const std::optional<std::size_t> word = standingIn(table, column.first, *column.second);
+      return word && column.second->counts.at(*word);
+    });
   }
 
  private:
-  void requireHeader() const {
-    if (header_.cells.empty()) {
-      refuse("nothing in it", "a line of column names, x,k,n or x,response, and rows below it");
-    }
-    if (header_.cells.size() > kMostColumns) {
-      refuse(fmt::format("{} columns", header_.cells.size()), fmt::format("at most {}", kMostColumns));
-    }
-    for (const std::string& name : header_.cells) {
-      if (std::ranges::count(header_.cells, name) > 1) {
-        refuse(fmt::format("column {} twice", inQuotes(name)), "every column once");
-      }
-    }
-  }
-
-  /// Checks the last one.
-  void requireRow() const {
-    const Row& row = rows_.back();
-    if (row.cells.size() != header_.cells.size()) {
-      throw InvalidParameter(fmt::format("{}, line {}", name_, row.line), fmt::format("{} cells", row.cells.size()),
-                             fmt::format("{}, as many as columns", header_.cells.size()));
-    }
-    if (rows_.size() > static_cast<std::size_t>(kLimits.rows) || rows_.size() * header_.cells.size() > kMostCells) {
-      refuse(fmt::format("more than {} rows of {} cells", rows_.size() - 1, header_.cells.size()),
-             fmt::format("at most {} rows and {} cells", kLimits.rows, kMostCells));
-    }
-  }
-
-  std::string name_;
-  Row header_;
-  std::vector<Row> rows_;
+  std::vector<std::pair<Table::Column, const StandingColumn*>> columns_;
 };
 
-/// Whether the answer was positive; none where there was no answer.
-std::optional<bool> responseOf(const Table& table, const Row& row, std::size_t column) {
-  std::string word = row.cells[column];
-  std::ranges::transform(word, word.begin(), [](unsigned char letter) { return std::tolower(letter); });
-  if (word.empty() || word == "n/a") {
+/// The level of a row of x,k,n; none where neither of k and n is there.
+std::optional<Level> countsOf(Table& table, Table::Column x, Table::Column k, Table::Column n) {
+  if (table.isMissing(k) && (table.isMissing(n) || table.number(n) == 0)) {
     return std::nullopt;
   }
-  if (word == "1" || word == "yes" || word == "true") {
-    return true;
-  }
-  if (word == "0" || word == "no" || word == "false") {
-    return false;
-  }
-  table.refuse(row, column, "1, yes or true; 0, no or false; empty or n/a without an answer");
-}
-
-/// The level of a row of x,k,n.
-Level countsOf(const Table& table, const Row& row, std::size_t x, std::size_t k, std::size_t n) {
-  const Level level{table.number(row, x), table.number(row, k), table.number(row, n)};
+  const Level level{table.number(x), table.number(k), table.number(n)};
   if (level.n < 0 || level.n != std::floor(level.n)) {
-    table.refuse(row, n, "a whole number of answers, 0 or more");
+    table.refuse(n, "a whole number of answers, 0 or more");
   }
   if (level.k < 0 || level.k > level.n || level.k != std::floor(level.k)) {
-    table.refuse(row, k, fmt::format("a whole number of positive answers, 0 to n = {}", level.n));
+    table.refuse(k, fmt::format("a whole number of positive answers, 0 to n = {}", level.n));
   }
   return level;
 }
 
-/// Gathers the levels of each block and participant.
-class Answers {
+/// Rows of a kind that a table should not have: how many, and the first one's place.
+struct OddRows {
+  std::size_t count = 0;
+  std::string first;
+
+  void add(const std::string& place) { first = count++ == 0 ? place : first; }
+  [[nodiscard]] std::string andMore() const { return count == 1 ? "" : fmt::format(" (and {} more rows)", count - 1); }
+};
+
+/// Notes what is odd about the rows of a table.
+class Oddities {
  public:
-  void add(const std::string& block, const std::string& participant, const std::string& group, const Level& level) {
-    const auto [place, is_new] = places_.try_emplace({block, participant}, answers_.size());
-    if (is_new) {
-      answers_.push_back({.block = block, .participant = participant, .group = group});
+  /// @param all_differ  whether no row should be the same as another one.
+  explicit Oddities(bool all_differ) : all_differ_(all_differ) {}
+
+  void add(const Table& table, std::optional<Table::Column> participant) {
+    if (participant && table.isMissing(*participant)) {
+      const std::string& code = table.cell(*participant);
+      no_code_[code].add(table.key(*participant));
     }
-    answers_[place->second].levels.push_back(level);
+    if (table.beginsWithHash()) {
+      hash_.add(fmt::format("{} = {}", table.key(Table::Column{0}), inQuotes(table.cell(0))));
+    }
+    const std::size_t row = std::hash<std::string>()(fmt::format("{}", fmt::join(table.cells(), "\n")));
+    rows_.push_back({row, table.line()});
   }
 
-  [[nodiscard]] std::vector<AnswersOf> pooledLevels(double tolerance) && {
-    for (AnswersOf& of : answers_) {
-      of.levels = tolerance > 0 ? pooledWithin(of.levels, tolerance) : pooled(of.levels);
+  [[nodiscard]] std::vector<std::string> text(std::string_view name, const std::vector<AnswersOf>& people) const {
+    std::vector<std::string> warnings;
+    for (const auto& [code, rows] : no_code_) {
+      warnings.push_back(fmt::format("{} = {}{}: no code; such rows are taken for one person", rows.first,
+                                     inQuotes(code), rows.andMore()));
     }
-    std::erase_if(answers_, [](const AnswersOf& of) { return of.levels.empty(); });
-    return std::move(answers_);
+    if (hash_.count > 0) {
+      warnings.push_back(
+          fmt::format("{}{}: taken for a code; a comment begins with # and a space", hash_.first, hash_.andMore()));
+    }
+    if (const std::string shared = sharedCodes(people); !shared.empty()) {
+      warnings.push_back(fmt::format("{}: {}: taken for different people in each group", name, shared));
+    }
+    if (const std::string again = repeatedRows(); !again.empty()) {
+      warnings.push_back(fmt::format("{}:{}; their answers count again. Was a table appended to itself?", name, again));
+    }
+    return warnings;
   }
 
  private:
-  std::vector<AnswersOf> answers_;
-  std::map<std::array<std::string, 2>, std::size_t> places_;
+  struct Row {
+    std::size_t hash;
+    int line;
+  };
+
+  static std::string sharedCodes(const std::vector<AnswersOf>& people) {
+    std::map<std::array<std::string, 2>, std::vector<std::string>> groups;  // of block and code
+    for (const AnswersOf& of : people) {
+      groups[{of.block, of.participant}].push_back(of.group);
+    }
+    std::erase_if(groups, [](const auto& of) { return of.first[1].empty() || of.second.size() < 2; });
+    if (groups.empty()) {
+      return "";
+    }
+    const auto& [first, its_groups] = *groups.begin();
+    std::string names;
+    for (const std::string& group : its_groups) {
+      names += (names.empty() ? "" : ", ") + inQuotes(group);
+    }
+    return fmt::format("participant {} is in the groups {}{}", inQuotes(first[1]), shortened(names, 3 * kQuoteLetters),
+                       groups.size() == 1 ? "" : fmt::format(" (and {} more in several)", groups.size() - 1));
+  }
+
+  [[nodiscard]] std::string repeatedRows() const {
+    if (!all_differ_) {
+      return repeatedTable();
+    }
+    std::unordered_map<std::size_t, int> first_lines;
+    OddRows again;
+    for (const Row& row : rows_) {
+      const auto [first, is_new] = first_lines.try_emplace(row.hash, row.line);
+      if (!is_new) {
+        again.add(fmt::format("{}: the same row as in line {}", row.line, first->second));
+      }
+    }
+    return again.count == 0 ? "" : again.first + again.andMore();
+  }
+
+  /// Whether the rows are the same twice or three times over, which answers that differ from trial to trial hardly are.
+  [[nodiscard]] std::string repeatedTable() const {
+    constexpr std::size_t kFewest = 4;                 // fewer may be the same by chance
+    std::vector<std::size_t> border(rows_.size(), 0);  // of each beginning, its longest end that is a beginning, too
+    for (std::size_t i = 1; i < rows_.size(); ++i) {
+      std::size_t length = border[i - 1];
+      while (length > 0 && rows_[i].hash != rows_[length].hash) {
+        length = border[length - 1];
+      }
+      border[i] = length + (rows_[i].hash == rows_[length].hash ? 1 : 0);
+    }
+    const std::size_t period = rows_.size() - (rows_.empty() ? 0 : border.back());
+    const bool again = period >= kFewest && (rows_.size() == 2 * period || rows_.size() == 3 * period);
+    return again ? fmt::format("{}: from here on the rows are those from line {} on", rows_[period].line, rows_[0].line)
+                 : "";
+  }
+
+  bool all_differ_;
+  std::map<std::string, OddRows> no_code_;
+  OddRows hash_;
+  std::vector<Row> rows_;
 };
+
+/// Gathers the levels of each block, participant and group.
+class People {
+ public:
+  void add(AnswersOf&& of, const Level& level) {
+    const auto [place, is_new] = places_.try_emplace({of.block, of.participant, of.group}, people_.size());
+    if (is_new) {
+      people_.push_back(std::move(of));
+    }
+    people_[place->second].levels.push_back(level);
+  }
+
+  [[nodiscard]] std::vector<AnswersOf> pooledLevels(double tolerance) && {
+    for (AnswersOf& of : people_) {
+      of.levels = tolerance > 0 ? pooledWithin(of.levels, tolerance) : pooled(of.levels);
+    }
+    std::erase_if(people_, [](const AnswersOf& of) { return of.levels.empty(); });
+    return std::move(people_);
+  }
+
+ private:
+  std::vector<AnswersOf> people_;
+  std::map<std::array<std::string, 3>, std::size_t> places_;
+};
+
+std::string textIn(const Table& table, std::optional<Table::Column> column) {
+  return column ? table.text(*column) : "";
+}
 
 }  // namespace
 
-std::vector<AnswersOf> readAnswers(std::istream& text, std::string_view name, double pool_tolerance) {
+Answers readAnswers(std::istream& text, std::string_view name, double pool_tolerance) {
   requireInRange("pool tolerance", pool_tolerance, {.lowest = 0});
-  const Table table(text, name);
-  const auto x = table.column({"x", "value"});
-  const auto k = table.column({"k"});
-  const auto n = table.column({"n"});
-  const auto response = table.column({"response", "positive"});
-  if (!x || !(response || (k && n))) {
-    table.refuse("columns " + table.columns(), "columns x,k,n, or x,response with a row for each trial");
+  const Standing standing = [&] {
+    Table table(text, name, kFormat);
+    return Standing(table);
+  }();
+  text.clear();
+  text.seekg(0);
+  Table table(text, name, kFormat);
+  const auto either = [&](std::string_view one, std::string_view other) {
+    const std::optional<Table::Column> found = table.find(one);
+    return found ? found : table.find(other);
+  };
+  const auto x = either("x", "value"), response = either("response", "positive");
+  const auto k = table.find("k"), n = table.find("n");
+  const bool has_counts = k && n;
+  if (!x || !(response || has_counts)) {
+    table.refuseHeading("columns x,k,n, or x,response with a row for each trial");
   }
-  const auto block = table.column({"block"});
-  const auto participant = table.column({"participant"});
-  const auto group = table.column({"group"});
-  const auto kind = table.column({"kind"});
-  const auto state = table.column({"state"});
-  const auto participant_state = table.column({"participant_state"});
-  Answers answers;
-  for (const Row& row : table.rows()) {
-    const std::string_view standing = participant_state ? std::string_view(row.cells[*participant_state]) : "";
-    const bool left_out = standing == "withdrawn" || standing == "excluded";
-    if (left_out || (kind && row.cells[*kind] != "main") || (state && row.cells[*state] != "answered")) {
+  const auto block = table.find("block"), participant = table.find("participant"), group = table.find("group");
+  People people;
+  Oddities oddities(has_counts || table.find("trial"));
+  while (table.next()) {
+    if (!standing.counts(table)) {
       continue;
     }
-    Level level;
-    if (k && n) {
-      level = countsOf(table, row, *x, *k, *n);
-    } else if (const std::optional<bool> positive = responseOf(table, row, *response)) {
-      level = {table.number(row, *x), *positive ? 1.0 : 0.0, 1};
-    } else {
-      continue;
+    std::optional<Level> level;
+    if (has_counts) {
+      level = countsOf(table, *x, *k, *n);
+    } else if (const std::optional<bool> positive = table.flag(*response)) {
+      level = {table.number(*x), *positive ? 1.0 : 0.0, 1};
     }
-    answers.add(table.text(row, block), table.text(row, participant), table.text(row, group), level);
+    if (level) {
+      oddities.add(table, participant);
+      people.add(
+          {.block = textIn(table, block), .participant = textIn(table, participant), .group = textIn(table, group)},
+          *level);
+    }
   }
-  std::vector<AnswersOf> result = std::move(answers).pooledLevels(pool_tolerance);
-  if (result.empty()) {
-    table.refuse("no answer in it", "one or more");
+  Answers answers{.people = std::move(people).pooledLevels(pool_tolerance)};
+  if (answers.people.empty()) {
+    throw InvalidParameter(std::string(name), "no answer in it", "one or more");
   }
-  return result;
+  answers.warnings = oddities.text(name, answers.people);
+  return answers;
 }
 
-std::vector<AnswersOf> readAnswersFile(const std::filesystem::path& path, double pool_tolerance) {
-  std::ifstream file = openInput(path, kLimits.bytes);
-  return readAnswers(file, path.filename().string(), pool_tolerance);
+Answers readAnswersFile(const std::filesystem::path& path, double pool_tolerance) {
+  std::ifstream file = openInput(path, kFormat.limits.bytes);
+  return readAnswers(file, path.string(), pool_tolerance);
+}
+
+std::vector<std::string> namesOf(const std::vector<AnswersOf>& people) {
+  std::map<std::string, int> counts;
+  for (const AnswersOf& of : people) {
+    ++counts[of.participant];
+  }
+  std::vector<std::string> names;
+  for (const AnswersOf& of : people) {
+    names.push_back(of.participant.empty()        ? fmt::format("{}", names.size() + 1)
+                    : counts[of.participant] == 1 ? of.participant
+                                                  : fmt::format("{} ({})", of.participant, of.group));
+  }
+  return names;
 }
 
 }  // namespace haptolith

@@ -8,13 +8,14 @@
 #include <cstring>
 #include <memory>
 #include <optional>
+#include <span>
 #include <utility>
 #include <vector>
 
 #include "haptolith/core/base64.h"
 #include "haptolith/core/error.h"
-#include "haptolith/core/number_rows.h"
 #include "haptolith/core/plain_text.h"
+#include "haptolith/core/table.h"
 
 namespace haptolith {
 
@@ -22,37 +23,30 @@ namespace {
 
 using Grain = std::array<float, 4>;
 
-constexpr TextLimits kLimits{.bytes = 4ULL << 30U, .line_bytes = 1000, .rows = kMostParticles};
-constexpr std::string_view kColumns = "x_m,y_m,z_m,radius_m";
+constexpr TextLimits kLimits{.bytes = 4ULL << 30U, .line_bytes = 4000, .rows = kMostParticles};
+constexpr std::array<std::string_view, 5> kColumns{"x_m", "y_m", "z_m", "radius_m", "held"};
 
-/// Whether a file's heading names a column.
-bool hasColumn(const std::filesystem::path& path, std::string_view column) {
-  std::ifstream file = openInput(path, kLimits.bytes);
-  LineReader lines(file, path.string(), kLimits);
-  std::string line;
-  while (lines.next(line)) {
-    if (!line.empty() && line.front() != '#') {
-      return fmt::format(",{},", line).find(fmt::format(",{},", column)) != std::string::npos;
-    }
+/// Whether the row's grain is held: yes, or any number but 0.
+bool isHeld(Table& table, Table::Column column) {
+  const std::string& cell = table.cell(column);
+  const bool is_number = !cell.empty() && cell.find_first_not_of("+-.0123456789") == std::string::npos;
+  const std::optional<bool> held = is_number ? table.number(column) != 0 : table.flag(column);
+  if (!held) {
+    table.refuse(column, "1 for a grain that is held, or 0");
   }
-  return false;
+  return *held;
 }
 
-}  // namespace
-
-namespace {
-
 GivenGrains readTable(const std::filesystem::path& path, double radius_m) {
-  const bool tells_held = hasColumn(path, "held");
-  NumberRows rows(path, tells_held ? fmt::format("{},held", kColumns) : std::string(kColumns), kLimits,
-                  OtherColumns::kPassedOver);
+  Table table(path, {.columns = kColumns, .limits = kLimits});
+  const std::vector<Table::Column> columns = table.columns(std::span(kColumns).first<4>());
+  const std::optional<Table::Column> held_column = table.find("held");
   std::vector<Grain> grains, held;
-  std::array<double, 5> numbers{};
-  const std::span<double> read(numbers.data(), tells_held ? 5 : 4);
-  while (rows.next(read)) {
-    (numbers[4] != 0 ? held : grains)
-        .push_back({static_cast<float>(numbers[0]), static_cast<float>(numbers[1]), static_cast<float>(numbers[2]),
-                    static_cast<float>(numbers[3] - radius_m)});
+  while (table.next()) {
+    (held_column && isHeld(table, *held_column) ? held : grains)
+        .push_back({static_cast<float>(table.number(columns[0])), static_cast<float>(table.number(columns[1])),
+                    static_cast<float>(table.number(columns[2])),
+                    static_cast<float>(table.number(columns[3]) - radius_m)});
   }
   GivenGrains given{.grains = nullptr, .held = held.size(), .name = path.filename().string()};
   grains.insert(grains.end(), held.begin(), held.end());

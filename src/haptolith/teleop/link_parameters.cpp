@@ -3,17 +3,19 @@
 #include <fmt/format.h>
 
 #include <array>
-#include <string>
 #include <string_view>
 
-#include "haptolith/core/number_rows.h"
+#include "haptolith/core/table.h"
 
 namespace haptolith {
 
 namespace {
 
-constexpr std::string_view kHeading = "t_s,delay_s";
-constexpr TextLimits kLimits{.bytes = std::uintmax_t{64} << 20, .line_bytes = 200, .rows = 2'000'000};
+constexpr std::array<std::string_view, 2> kColumns{"t_s", "delay_s"};
+constexpr TextLimits kLimits{.bytes = std::uintmax_t{256} << 20, .line_bytes = 4000, .rows = 2'000'000};
+
+/// Three years: times beyond are of a calendar's clock, as those below 0 are of another one than the link's.
+constexpr double kLongest_s = 1e8;
 
 void requireGrowing(const char* key, double before_s, double time_s) {
   if (time_s <= before_s) {
@@ -60,17 +62,20 @@ void validate(const LinkParameters& link) {
 }
 
 std::vector<DelayAt> readDelays(const std::filesystem::path& path) {
-  NumberRows rows(path, kHeading, kLimits);
+  Table table(path, {.columns = kColumns, .limits = kLimits});
+  const std::vector<Table::Column> columns = table.columns(kColumns);
+  TimeColumn time(table, columns[0]);
   std::vector<DelayAt> delays;
-  std::array<double, 2> numbers{};
-  while (rows.next(numbers)) {
-    const auto [time_s, delay_s] = numbers;
-    requireInRange(rows.key("t_s"), time_s, LinkRanges::time_s);
-    requireInRange(rows.key("delay_s"), delay_s, LinkRanges::delay_s);
-    if (!delays.empty() && time_s <= delays.back().time_s) {
-      throw InvalidParameter(rows.key("t_s"), fmt::format("{:g}", time_s), "later than the line before");
+  double zero_s = 0;
+  while (table.next()) {
+    const double time_s = time.read();
+    if (delays.empty() && (time_s < 0 || time_s > kLongest_s)) {
+      zero_s = time_s;
     }
-    delays.push_back({time_s, delay_s});
+    if (!LinkRanges::time_s.contains(time_s - zero_s)) {
+      throw InvalidParameter(table.key(columns[0]), time_s - zero_s, LinkRanges::time_s);
+    }
+    delays.push_back({time_s - zero_s, table.number(columns[1], LinkRanges::delay_s)});
   }
   if (delays.empty()) {
     throw InvalidParameter(path.string(), "without a delay", "a table of delays");

@@ -74,8 +74,10 @@ struct LinkRanges {
 /// not grow, and for a link that turns bad and never good again.
 void validate(const LinkParameters& link);
 
-/// Delays as they were measured: lines of `t_s,delay_s` under that heading, times growing from 0.
-/// @throws InvalidParameter, Failure: as openInput(); InvalidParameter with the line for what is no such table.
+/// Reads delays as they were measured: a table (core/table.h) with the columns t_s and delay_s, times growing. Times
+/// from 0 to 1e8 s are the link's own; if the first one is none of these (seconds since 1970, a clock's milliseconds or
+/// nanoseconds), all count from it.
+/// @throws InvalidParameter, Failure: as Table and TimeColumn; for delays outside LinkRanges, and where there is none.
 [[nodiscard]] std::vector<DelayAt> readDelays(const std::filesystem::path& path);
 
 }  // namespace haptolith

@@ -4,48 +4,34 @@
 
 #include <algorithm>
 #include <array>
-#include <string>
+#include <span>
 #include <string_view>
 
 #include "haptolith/core/error.h"
-#include "haptolith/core/number_rows.h"
+#include "haptolith/core/table_pose.h"
 
 namespace haptolith {
 
 namespace {
 
 constexpr std::array<std::string_view, 8> kColumns{"t_s", "x_m", "y_m", "z_m", "qw", "qx", "qy", "qz"};
-constexpr std::string_view kHeader = "t_s,x_m,y_m,z_m,qw,qx,qy,qz";
 
 /// More than an hour at 1 kHz, with as many digits as numbers have.
 constexpr TextLimits kLimits{.bytes = 1 << 30, .line_bytes = 1000, .rows = 5'000'000};
 
-Pose poseFrom(const std::array<double, 8>& numbers, double largest_m, const NumberRows& rows) {
-  for (std::size_t axis = 1; axis <= 3; ++axis) {
-    requireInRange(rows.key(kColumns[axis]), numbers[axis], {-largest_m, largest_m});
-  }
-  const Quat turn(numbers[4], numbers[5], numbers[6], numbers[7]);
-  requireInRange(rows.key("length of qw,qx,qy,qz"), turn.norm(), kUnitNorm);
-  return {Vec3(numbers[1], numbers[2], numbers[3]), turn.normalized()};
-}
-
 }  // namespace
 
 PoseFile PoseFile::read(const std::filesystem::path& path, double largest_m) {
-  NumberRows rows(path, kHeader, kLimits);
+  Table table(path, {.columns = kColumns, .limits = kLimits});
+  const std::vector<Table::Column> columns = table.columns(kColumns);
+  TimeColumn time(table, columns[0]);
   PoseFile file;
-  std::array<double, 8> numbers{};
-  while (rows.next(numbers)) {
-    if (!file.times_s_.empty() && numbers[0] <= file.times_s_.back()) {
-      throw InvalidParameter(rows.key("t_s"), fmt::format("{}", numbers[0]),
-                             fmt::format("> {}, the time before: time goes forward", file.times_s_.back()));
-    }
-    file.times_s_.push_back(numbers[0]);
-    file.poses_.push_back(poseFrom(numbers, largest_m, rows));
+  while (table.next()) {
+    file.times_s_.push_back(time.read());
+    file.poses_.push_back(readPose(table, std::span(columns).subspan<1, 7>(), largest_m));
   }
   if (file.size() < 2) {
-    throw InvalidParameter(path.string(), fmt::format("{} poses", file.size()),
-                           "at least 2, under the header " + std::string(kHeader));
+    throw InvalidParameter(path.string(), fmt::format("{} poses", file.size()), "a table of at least 2");
   }
   return file;
 }

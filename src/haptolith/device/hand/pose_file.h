@@ -10,11 +10,11 @@ namespace haptolith {
 /// A recorded movement of the tool: poses over time, between which positions go straight and rotations evenly.
 class PoseFile {
  public:
-  /// Reads a CSV file whose first line is `t_s,x_m,y_m,z_m,qw,qx,qy,qz` (lines that begin with # are skipped): seconds,
-  /// metres in the scene's frame, a quaternion that turns the tool's frame into the scene's; 2 to 5 million rows.
-  /// @throws Failure when the file cannot be read; InvalidParameter with file, line, column and value for anything that
-  /// is no finite number, a missing or extra column, a line without end, time that does not increase, a quaternion not
-  /// of unit length within 1 %, too few or many rows, or a position beyond `largest_m` from the origin on any axis.
+  /// Reads a table (core/table.h) with the columns t_s, x_m, y_m, z_m, qw, qx, qy and qz: seconds as TimeColumn reads
+  /// them, metres in the scene's frame, a quaternion that turns the tool's frame into the scene's; 2 to 5 million rows.
+  /// @throws Failure when the file cannot be read; InvalidParameter with file, line, column and value as Table and
+  /// TimeColumn, for a quaternion not of unit length within 1 %, too few or many rows, or a position beyond
+  /// `largest_m` from the origin on any axis.
   static PoseFile read(const std::filesystem::path& path, double largest_m = 10);
 
   /// Pose at `time_s` since the first one; the last pose afterwards. May be called in the tick.
