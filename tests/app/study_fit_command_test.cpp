@@ -78,6 +78,21 @@ TEST_F(StudyFit, ComparesTheGroupsOfATable) {
   expectWrongUse("--data " + friction_ + " --between-groups", "a table with a column group");
 }
 
+TEST_F(StudyFit, ACodeInTwoGroupsIsTwoPeople) {
+  std::string table = "participant,group,x,k,n\n";
+  for (const char* group : {"sharp", "dull"}) {
+    for (int who = 1; who <= 2; ++who) {
+      table += fmt::format("{0},{1},0.6,{2},20\n{0},{1},0.835,10,20\n{0},{1},1.21,{3},20\n", who, group, who, 20 - who);
+    }
+  }
+  const ProgramResult told =
+      runHaptolith("study fit --sigmoid weber --reference 0.835 --group --between-groups --simulations 0 --data " +
+                   file("codes.csv", table));
+  EXPECT_EQ(told.exit_status, 0) << told.errors;
+  EXPECT_THAT(told.output, testing::AllOf(HasSubstr("1 (sharp)"), HasSubstr("2 (dull)"), HasSubstr("all 2 people")));
+  EXPECT_THAT(told.errors, HasSubstr("participant '1' is in the groups 'sharp', 'dull' (and 1 more in several)"));
+}
+
 TEST_F(StudyFit, TellsThePapersNumbersAsJson) {
   const json fit = fitOf("--data " + friction_ + " --sigmoid weber --reference 0.835");
   EXPECT_NEAR(fit["w"], 0.2952, 1e-3);
