@@ -3,6 +3,10 @@
 #include <gmock/gmock.h>
 
 #include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <random>
 #include <string>
 #include <vector>
 
@@ -54,6 +58,31 @@ TEST(MessyMeshes, ReadAsTheCleanOnesOrAreRefused) {
   }
 }
 
+std::string bytesOf(const std::filesystem::path& path) {
+  std::ifstream file(path, std::ios::binary);
+  return {std::istreambuf_iterator<char>(file), {}};
+}
+
+TEST(MessyMeshes, AreRefusedOrReadWithAnyBytesChanged) {
+  std::mt19937_64 random(11);
+  int read = 0;
+  for (const Expectation& one : expectationsOf("meshes")) {
+    for (int i = 0; i < 40; ++i) {
+      std::string bytes = bytesOf(one.file);
+      for (int changes = 0; changes < 3 && !bytes.empty(); ++changes) {
+        bytes[random() % bytes.size()] = static_cast<char>(random());
+      }
+      try {
+        (void)parseMesh(bytes, "changed", *meshFormat(one.file));
+        ++read;
+      } catch (const InvalidParameter&) {
+        continue;
+      }
+    }
+  }
+  EXPECT_GT(read, 100);
+}
+
 TEST(MessyMeshes, TheCleanOnesAreRight) {
   const std::filesystem::path folder = sourceDir() / "tests/data/messy/meshes";
   for (const char* name : {"l.obj", "l.stl", "l.glb"}) {
@@ -67,10 +96,8 @@ TEST(MessyMeshes, TheCleanOnesAreRight) {
 TEST(MessyMeshes, SayWhatIsLeftOut) {
   const auto notes_of = [](const char* name) {
     const std::filesystem::path path = sourceDir() / "tests/data/messy/meshes" / name;
-    std::ifstream file(path, std::ios::binary);
-    const std::string bytes{std::istreambuf_iterator<char>(file), {}};
     std::vector<std::string> notes;
-    (void)parseMesh(bytes, name, *meshFormat(path), {}, &notes);
+    (void)parseMesh(bytesOf(path), name, *meshFormat(path), {}, &notes);
     return notes;
   };
   using testing::ElementsAre;
