@@ -6,6 +6,7 @@
 #include <cmath>
 #include <functional>
 #include <numeric>
+#include <string>
 
 #include "haptolith/bed/bed.h"
 #include "haptolith/bed/critical_step.h"
@@ -53,6 +54,34 @@ TEST(SettledStart, FillsTheBoxUpToItsDepthAsDenselyAsRainDoes) {
     EXPECT_LE(in_sides_m, heldWidth(parameters) + 1e-7);
     EXPECT_GT(p.z, 0.5 * parameters.soil.radius_m);
   }
+}
+
+TEST(SettledStart, RefusesAtOnceGravityInWhichItWouldNotSettle) {
+  BedParameters bed = settledBed();
+  bed.gravity_m_s2 = {0, 0, -1e-3};
+  std::string refusal = "taken";
+  try {
+    (void)settledTile(bed, {});
+  } catch (const InvalidParameter& error) {
+    refusal = error.what();
+  }
+  EXPECT_EQ(refusal.find("gravity_m_s2 = 0.001 is not valid: must be >= 0.01"), 0U) << refusal;
+  bed.gravity_m_s2.z() = -1.02 * std::stod(refusal.substr(refusal.find(">= ") + 3));
+  EXPECT_GT(settledTile(bed, {}).grains.size(), 100U) << "the least that it names is enough";
+  BedParameters rain = bed;
+  rain.start = BedStart::kRain;
+  rain.particles = 300;
+  rain.width_m = rain.length_m = 0.1;
+  rain.gravity_m_s2 = {0, 0, -1e-4};
+  EXPECT_THROW(Bed{rain}, InvalidParameter) << "it would hang in the air";
+  rain.gravity_m_s2.setZero();
+  EXPECT_EQ(Bed(rain).particles(), 300U) << "as weightless soil may";
+}
+
+TEST(SettledStart, ComesToRestWithoutFriction) {
+  BedParameters bed = settledBed();
+  bed.soil.contact_friction = 0;
+  EXPECT_GT(settledTile(bed, {}).grains.size(), 100U);
 }
 
 TEST(SettledStart, HasEveryNeighbourItHadInItsTile) {

@@ -2,9 +2,12 @@
 
 #include <gmock/gmock.h>
 
+#include <array>
+#include <chrono>
 #include <cmath>
 #include <limits>
 #include <memory>
+#include <string>
 #include <vector>
 
 #include "haptolith/bed/bed.h"
@@ -113,6 +116,47 @@ TEST(GivenStart, RefusesWhatCannotBe) {
   BedParameters paper = givenOf({{0, 0, 0.01F, 0.0001F}});
   paper.soil.friction = FrictionModel::kPaper;
   EXPECT_THROW(Bed{paper}, InvalidParameter) << "the paper's grains are all alike";
+}
+
+std::string refusalOf(const BedParameters& bed) {
+  try {
+    validate(bed);
+  } catch (const InvalidParameter& error) {
+    return error.what();
+  }
+  return "taken";
+}
+
+TEST(GivenStart, NamesGrainsThatAreInEachOther) {
+  using testing::AllOf;
+  using testing::HasSubstr;
+  EXPECT_EQ(refusalOf(givenOf({{0, 0, 0.01F, 0}, {0, 0, 0.02F, 0}})), "taken") << "pressed hard";
+  EXPECT_THAT(refusalOf(givenOf({{0.05F, 0, 0.01F, 0}, {0, 0, 0.01F, 0}, {0.05F, 0, 0.01F, 0}})),
+              AllOf(HasSubstr("numbers 1 and 3"), HasSubstr("at the same place")));
+  EXPECT_THAT(refusalOf(givenOf({{0, 0, 0.01F, 0}, {0.002F, 0, 0.01F, 0.001F}})),
+              AllOf(HasSubstr("numbers 1 and 2"), HasSubstr("0.002 m apart"), HasSubstr("by 0.008 m at least")));
+  BedParameters round = givenOf({{0.0695F, 0.03F, 0.01F, 0}, {-0.0695F, 0.03F, 0.01F, 0}});
+  EXPECT_EQ(refusalOf(round), "taken");
+  round.periodic_x = true;
+  EXPECT_THAT(refusalOf(round), HasSubstr("0.001 m apart")) << "on both sides of where the box repeats itself";
+}
+
+TEST(GivenStart, LooksAtAHundredThousandGrainsInLessThanASecond) {
+  BedParameters bed = sand();
+  bed.width_m = bed.length_m = 2;
+  std::vector<Grain> grains;
+  for (int i = 0; i < 100'000; ++i) {
+    const auto at = [](int k) { return 0.0125F * static_cast<float>(k); };
+    grains.push_back({at(i % 100) - 0.6F, at(i / 100 % 100) - 0.6F, at(i / 10'000 + 1), 0});
+  }
+  bed.start = BedStart::kGiven;
+  bed.given.grains = std::make_shared<const std::vector<Grain>>(grains);
+  const auto start = std::chrono::steady_clock::now();
+  EXPECT_EQ(refusalOf(bed), "taken");
+  grains.push_back(grains[70'000]);
+  bed.given.grains = std::make_shared<const std::vector<Grain>>(grains);
+  EXPECT_THAT(refusalOf(bed), testing::HasSubstr("numbers 70001 and 100001"));
+  EXPECT_LT(std::chrono::steady_clock::now() - start, std::chrono::seconds(2)) << "twice";
 }
 
 TEST(GivenGrains, AreComparedByTheirNumbers) {

@@ -2,13 +2,16 @@
 
 #include "haptolith/bed/stones.h"
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 
 #include <cmath>
+#include <limits>
 #include <memory>
 #include <numbers>
 #include <numeric>
 #include <random>
+#include <string>
 #include <vector>
 
 #include "haptolith/bed/bed.h"
@@ -417,6 +420,96 @@ TEST(Stones, FixedOnesStayWhateverPushes) {
     ASSERT_EQ(bed.step(dt_s), StepStatus::kOk);
   }
   EXPECT_EQ(bed.stones().pose(0).position_m, place);
+}
+
+TEST(Stones, ThatAreNowhereStopTheBedAndNothingElse) {
+  BedParameters parameters = soilWithStones();
+  parameters.start = BedStart::kPacked;
+  for (const double away_m : {std::nan(""), std::numeric_limits<double>::infinity(), 1e300, -1e300, 1e30}) {
+    Bed bed(parameters);
+    Pose pose = bed.stones().pose(0);
+    pose.position_m.x() = away_m;
+    bed.stones().place(0, pose);
+    const StepStatus status = bed.step(stepOf(bed));  // a cell number of it would lie outside of all memory
+    if (std::isfinite(away_m)) {
+      continue;
+    }
+    EXPECT_EQ(status, StepStatus::kNotFinite) << away_m;
+  }
+}
+
+std::string refusalOfSteps(const BedParameters& bed) {
+  try {
+    (void)substepsFor(bed, 0);
+  } catch (const InvalidParameter& error) {
+    return error.what();
+  }
+  return "taken";
+}
+
+TEST(Stones, ThatAreLightTakeMoreStepsOrAreRefused) {
+  BedParameters bed = soilWithStones();
+  const int for_soil = substepsFor(bed.soil, 0, bed.tick_s, bed.max_substeps);
+  EXPECT_EQ(substepsFor(bed, 0), for_soil) << "of some grains' weight: nothing changes";
+  bed.stones.smallest_m = 5e-3;
+  EXPECT_GT(substepsFor(bed, 0), for_soil);
+  bed.stones.smallest_m = 1e-3;
+  bed.max_substeps = 12;
+  EXPECT_THAT(refusalOfSteps(bed), testing::AllOf(HasSubstr("stones.smallest_mm = 1 is"), HasSubstr("at 2900 kg/m3"),
+                                                  HasSubstr("max_substeps = 12")));
+  bed.stones.fixed = true;
+  EXPECT_EQ(substepsFor(bed, 0), for_soil) << "what never moves has no step";
+  bed.stones.placed.push_back(ball(1e-3, Vec3::Zero()));
+  EXPECT_THAT(refusalOfSteps(bed), HasSubstr("size_mm of stone 2 = 1 is"));
+  bed.max_substeps = 1000;
+  EXPECT_GT(substepsFor(bed, 0), 12);
+  bed.stones.placed.back() = clump({{Vec3(0, 0, 0), 1e-3}, {Vec3(1e-3, 0, 0), 1e-3}}, Vec3::Zero());
+  bed.max_substeps = 5;
+  EXPECT_THAT(refusalOfSteps(bed), HasSubstr("spheres_mm of stone 2 = 2 is"));
+  // The least that it names is enough, and hardly more than enough.
+  bed.stones = {};
+  bed.stones.placed = {ball(1e-3, Vec3::Zero())};
+  const std::string refusal = refusalOfSteps(bed);
+  const double least_m = 1e-3 * std::stod(refusal.substr(refusal.find(">= ") + 3));
+  bed.stones.placed[0].size_m = 1.01 * least_m;
+  EXPECT_LE(substepsFor(bed, 0), 5);
+  bed.stones.placed[0].size_m = 0.98 * least_m;
+  EXPECT_NE(refusalOfSteps(bed), "taken");
+}
+
+TEST(Stones, OfAnySizeAndWeightStayNumbers) {
+  std::mt19937_64 random(7);
+  const auto between = [&](double low, double high) {
+    return low * std::pow(high / low, (uniformSigned(random) + 1) / 2);
+  };
+  int simulated = 0;
+  for (int i = 0; i < 24; ++i) {
+    BedParameters bed = soilWithStones();
+    bed.start = BedStart::kPacked;
+    bed.width_m = bed.length_m = 0.14;
+    bed.depth_m = 0.04;
+    bed.gravity_m_s2 = {0, 0, -between(0.1, 100)};
+    bed.soil.damping_ratio = i % 3 == 0 ? 0 : i % 3 == 1 ? 0.2 : 0.5;
+    bed.soil.tangential_ratio = i % 2 == 0 ? 0.5 : 1;
+    bed.stones = {};
+    bed.stones.form = i % 2 == 0 ? StoneForm::kSphere : StoneForm::kRock;
+    bed.stones.count = 6;
+    bed.stones.smallest_m = between(1e-3, 0.02);
+    bed.stones.largest_m = bed.stones.smallest_m * between(1, 2);
+    bed.stones.density_kg_m3 = between(100, 25'000);
+    bed.max_substeps = 40;
+    SCOPED_TRACE(fmt::format("{} mm, {} kg/m3, {} m/s2", 1e3 * bed.stones.smallest_m, bed.stones.density_kg_m3,
+                             -bed.gravity_m_s2.z()));
+    if (refusalOfSteps(bed) != "taken") {
+      continue;
+    }
+    ++simulated;
+    Bed made(bed);
+    run(made, 0.3);
+    // As fast as what has fallen through the box and the stones above it, at most.
+    EXPECT_LT(made.stones().largestSpeed(), 5 * std::sqrt(2 * -bed.gravity_m_s2.z() * 0.1));
+  }
+  EXPECT_GT(simulated, 16);
 }
 
 TEST(Stones, AreRefusedWhereTheyCannotBe) {

@@ -91,7 +91,11 @@ TEST_F(LammpsDump, RefusesWhatIsNone) {
   EXPECT_THAT(errorOf(picture(0, kHeading, "1 1 0 nan 0 0.004 0 0 0\n", 1)), HasSubstr("finite number"));
   EXPECT_THAT(errorOf(picture(0, kHeading, "1 1 0 1e400 0 0.004 0 0 0\n", 1)), HasSubstr("finite number"));
   EXPECT_THAT(errorOf(picture(0, kHeading, "1 1 0\n", 1)), HasSubstr("as many numbers"));
-  EXPECT_THAT(errorOf(picture(0, kHeading, "", 0)), HasSubstr("1 to"));
+  EXPECT_THAT(errorOf(picture(0, kHeading, "", -1)), HasSubstr("0 to"));
+  EXPECT_THAT(errorOf(picture(0, kHeading, "", 0)), HasSubstr("without a grain"));
+  EXPECT_THAT(errorOf(picture(0, kHeading, "1 1 0 0 0 0 0 0 0\n", 1)), HasSubstr("radius above 0"));
+  EXPECT_THAT(errorOf(picture(0, kHeading, "7 1 0 0 0 1 0 0 0\n7 1 0 0 3 1 0 0 0\n", 2)), HasSubstr("id 7 twice"));
+  EXPECT_THAT(errorOf("ITEM: UNITS\nlj\n" + picture(0, kHeading, "1 1 0 0 1 0.004 0 0 0\n", 1)), HasSubstr("si"));
   EXPECT_THAT(errorOf(""), HasSubstr("at least one"));
 }
 

@@ -1,11 +1,13 @@
 #include "record/export_lammps_dump.h"
 
 #include <fmt/format.h>
+#include <spdlog/spdlog.h>
 
 #include <array>
 #include <cstddef>
 #include <cstdint>
 #include <fstream>
+#include <map>
 #include <string>
 #include <vector>
 
@@ -72,6 +74,7 @@ void exportLammpsDump(const std::filesystem::path& path, const std::filesystem::
   VtkCollection pictures;
   StatusLine status;
   std::size_t count = 0;
+  std::map<double, std::size_t> pictures_at;
   forEachLammpsPicture(path, [&](const LammpsPicture& picture) {
     if (stopAsked()) {
       throw Failure("interrupted");
@@ -79,12 +82,20 @@ void exportLammpsDump(const std::filesystem::path& path, const std::filesystem::
     const std::string name = fmt::format("particles-{:06}.vtu", count++);
     folder.write(name, fileOf(picture).text());
     pictures.add(timeOf(picture), name);
+    ++pictures_at[timeOf(picture)];
     status.tell([&] { return counted(count, "picture"); });
   });
   folder.write("particles.pvd", pictures.text());
   folder.commit();
   status.clear();
   printText(savedText(folder.path(), counted(count, "picture") + " of the particles"));
+  for (const auto& [time, pictures_then] : pictures_at) {
+    if (pictures_then > 1) {
+      spdlog::warn("{}: {} pictures of step or time {:g}: ParaView shows one of them", path.string(), pictures_then,
+                   time);
+      break;
+    }
+  }
 }
 
 }  // namespace haptolith

@@ -104,6 +104,9 @@ void importDump(const ImportOptions& options) {
   printText(savedText(table,
                       fmt::format("{} of picture {}, step {}", counted(taken, "grain"), picture.number, picture.step)));
   printText(savedText(out, "a scene of them"));
+  if (!options.picture && picture.number > 1) {
+    printText(fmt::format("  the last of {} pictures; --picture N takes another\n", picture.number));
+  }
   if (taken < picture.grains.size()) {
     printText(fmt::format("  {} others, of types other than {} (soil) and {} (held), are left out: a tool\n",
                           picture.grains.size() - taken, static_cast<int>(LammpsRun::kSoil),

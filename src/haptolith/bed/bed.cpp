@@ -37,11 +37,6 @@ std::size_t particlesPerThread(FrictionModel friction) {
   return friction == FrictionModel::kContact ? 512 : 4096;
 }
 
-/// With contact friction only contacts damp; soil that falls, or slides to the walls when it is laid, comes to rest
-/// sooner in something thicker than space: a drag that stops free movement within some 0.2 s and lets soil fall at
-/// g / 5 s. Soil at rest does not feel it.
-constexpr float kSettlingDrag_per_s = 5;
-
 int usefulThreads(const BedParameters& bed, std::size_t particles) {
   return std::clamp(static_cast<int>(particles / particlesPerThread(bed.soil.friction)), 1, bed.threads);
 }

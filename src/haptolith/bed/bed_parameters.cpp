@@ -4,9 +4,13 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <string>
+#include <vector>
 
+#include "haptolith/bed/cell_grid.h"
 #include "haptolith/bed/grain_classes.h"
+#include "haptolith/bed/kernel_law.h"
 #include "haptolith/core/error.h"
 #include "haptolith/soil/contact_law.h"
 
@@ -75,6 +79,45 @@ double shortestPeriod(const SoilParameters& soil) {
 
 namespace {
 
+/// Two grains that are in one place, or so deep in each other that the middle of one is in the other: no soil is
+/// pressed so hard, but a table that holds two moments of one bed, or the same grains twice, is full of them.
+void refuseGrainsInEachOther(const BedParameters& bed) {
+  const std::vector<std::array<float, 4>>& grains = *bed.given.grains;
+  float highest_m = 0;
+  float largest_m = 0;
+  for (const auto& [x, y, z, excess] : grains) {
+    highest_m = std::max(highest_m, z);
+    largest_m = std::max(largest_m, excess);
+  }
+  const Periods periods = periodsOf(bed);
+  const double radius_m = bed.soil.radius_m;
+  CellGrid grid(grains.size(), 2 * (radius_m + static_cast<double>(largest_m)),
+                {bed.width_m, bed.length_m, highest_m, periods});
+  std::vector<std::int32_t> near(grid.candidatesAtMost());
+  for (std::size_t i = 0; i < grains.size(); ++i) {
+    const auto& [x, y, z, excess] = grains[i];
+    const std::uint32_t cell = grid.cellOf({x, y, z, excess});
+    const std::uint32_t count = grid.candidates(cell, near.data());
+    for (std::uint32_t k = 0; k < count; ++k) {
+      const auto other = static_cast<std::size_t>(near[k]);
+      const auto& [other_x, other_y, other_z, other_excess] = grains[other];
+      Vec3 apart(x - other_x, y - other_y, z - other_z);
+      apart.x() -= double{periods.width} * std::round(apart.x() * double{periods.per_width});
+      apart.y() -= double{periods.length} * std::round(apart.y() * double{periods.per_length});
+      const double larger_m = radius_m + std::max(double{excess}, double{other_excess});
+      if (apart.squaredNorm() < larger_m * larger_m) {
+        throw InvalidParameter(
+            fmt::format("grains: numbers {} and {}", other + 1, i + 1),
+            apart.norm() == 0 ? "at the same place" : fmt::format("{:.3g} m apart", apart.norm()),
+            fmt::format("apart from each other by {:.3g} m at least, their radius: are these one bed twice, or two "
+                        "moments of it?",
+                        larger_m));
+      }
+    }
+    grid.insert(static_cast<std::int32_t>(i), cell);
+  }
+}
+
 /// One whose numbers cannot be, by its place in the list from 1.
 void validateGiven(const BedParameters& bed) {
   const std::size_t count = bed.given.count();
@@ -106,6 +149,7 @@ void validateGiven(const BedParameters& bed) {
                                          bed.soil.radius_m - spread_m, bed.soil.radius_m + spread_m));
     }
   }
+  refuseGrainsInEachOther(bed);
 }
 
 void validateStones(const BedParameters& bed) {

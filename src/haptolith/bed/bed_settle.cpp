@@ -27,7 +27,7 @@ namespace {
 /// Simulated time after which falling particles that still move are given up: they calm down within a minute, and sink
 /// for as long as the deep ones among them take, with a margin.
 double longestSettling(const BedParameters& bed, double height_m, double dt_s) {
-  return 60 + 3 * sinkingTime(bed.soil, bed.gravity_m_s2.norm(), height_m, dt_s);
+  return kLongestSettling_s + 3 * sinkingTime(bed.soil, bed.gravity_m_s2.norm(), height_m, dt_s);
 }
 
 /// How often a graded bed is filled up and settles: where sizes are joined gaps close, and cohesion draws soil together
@@ -154,6 +154,9 @@ Bed::Bed(const BedParameters& parameters, const StartingSoil& soil, const Settle
     return;
   }
   if (parameters.start == BedStart::kRain) {
+    const double lies_m = static_cast<double>(particles()) * laws_.mass_kg /
+                          (parameters.soil.rho0_kg_m3 * parameters.width_m * parameters.length_m);
+    requireGravityToSettle(parameters, surfaceHeight() - lies_m);
     settle(dt_s, longestSettling(parameters, surfaceHeight(), dt_s), progress);
   }
   if (parameters.start == BedStart::kSettled) {

@@ -230,6 +230,18 @@ std::vector<Vec3> startingCentres(const BedParameters& bed) {
   return {};
 }
 
+void requireGravityToSettle(const BedParameters& bed, double fall_m) {
+  constexpr double kFalling = 0.8;  // of the time
+  const double gravity_m_s2 = bed.gravity_m_s2.norm();
+  const double least_m_s2 = double{kSettlingDrag_per_s} * fall_m / (kFalling * kLongestSettling_s);
+  if (gravity_m_s2 > 0 && gravity_m_s2 < least_m_s2) {
+    throw InvalidParameter("gravity_m_s2", fmt::format("{:g}", gravity_m_s2),
+                           fmt::format(">= {:.2g} where soil falls by {:.3g} m before it lies; start = \"packed\" or "
+                                       "\"given\" needs none",
+                                       least_m_s2, fall_m));
+  }
+}
+
 double highestCentre(const std::vector<Float4>& grains) {
   float height = 0;
   for (const Float4& grain : grains) {

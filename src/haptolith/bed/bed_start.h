@@ -28,4 +28,16 @@ namespace haptolith {
 /// The bed as a packed sandbox for about so many particles: half as deep as wide, but no deeper than a hand reaches.
 [[nodiscard]] BedParameters withRoomFor(int particles, BedParameters bed);
 
+/// With contact friction only contacts damp; soil that falls, or slides to the walls when it is laid, comes to rest
+/// sooner in something thicker than space: a drag that stops free movement within some 0.2 s and lets soil fall at
+/// g / 5 s. Soil at rest does not feel it.
+inline constexpr float kSettlingDrag_per_s = 5;
+
+/// Simulated time, in s, after which soil that has fallen and still moves is given up.
+inline constexpr double kLongestSettling_s = 60;
+
+/// Soil that falls by `fall_m` at the speed that the drag leaves it has to be there in time, and to calm down.
+/// @throws InvalidParameter with the least gravity for one that is weaker, and above 0.
+void requireGravityToSettle(const BedParameters& bed, double fall_m);
+
 }  // namespace haptolith

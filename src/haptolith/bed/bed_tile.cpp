@@ -32,12 +32,14 @@ constexpr double kPoured = 0.97;
 /// 3.5 mm, 35 mm deep, is there after 3 s of simulated time, and sinks by another 0.5 % in the next 19.
 constexpr double kPouredLift = 1e-4;
 
+/// What has not come to rest in this share of the time allowed is taken when it is as calm as what was poured.
+constexpr double kCalmAfter = 0.9;
+
 /// A tile is at rest when nothing in it moves faster. Its speeds are then forgotten. With the paper's friction, of
 /// which no contact remembers anything, as in Bed::settle(): stiff soil goes on creeping at a third of that.
 double restSpeed(FrictionModel friction) {
   return friction == FrictionModel::kPaper ? 1e-4 : 1e-5;  // m/s
 }
-constexpr double kLongestRest_s = 60;
 
 /// The length nearest to the usual edge of which a whole number makes up a box that repeats itself; else the edge.
 double edge(double box_m, bool periodic, double radius_m, double shortest_m) {
@@ -72,9 +74,9 @@ void stepUntil(Bed& bed, const TileProgress& progress,
   double time_s = 0;
   double speed = 0;
   do {
-    if (time_s >= kLongestRest_s) {
+    if (time_s >= kLongestSettling_s) {
       throw Failure(fmt::format("settled soil did not come to rest within {:g} s: it still moves at {:.2g} m/s",
-                                kLongestRest_s, speed));
+                                kLongestSettling_s, speed));
     }
     for (int i = 0; i < kStepsBetweenLooks; ++i) {
       if (const StepStatus status = bed.step(dt_s); status != StepStatus::kOk) {
@@ -101,6 +103,15 @@ std::vector<Float4> levelled(const Bed& bed) {
   return grains;
 }
 
+/// How long grains fall by the depth of a tile, in s: at first nothing moves.
+double fallingTime(const BedParameters& tile) {
+  return std::sqrt(2 * tile.depth_m / tile.gravity_m_s2.norm());
+}
+
+bool isCalm(const Bed& bed) {
+  return meanSquareSpeed(bed) < 2 * kPouredLift * bed.parameters().gravity_m_s2.norm() * bed.parameters().soil.radius_m;
+}
+
 /// Soil that has fallen without friction, as dense as it then lies, and is levelled. With the paper's friction it sinks
 /// slowly in what damps against space, and is waited for as any rain.
 std::vector<Float4> poured(const BedParameters& tile, const TileProgress& progress) {
@@ -108,12 +119,9 @@ std::vector<Float4> poured(const BedParameters& tile, const TileProgress& progre
     return levelled(Bed(tile, progress));
   }
   Bed bed(tile, inSpatialOrder(startingCentres(tile), tile.soil.radius_m));
-  const double gravity_m_s2 = tile.gravity_m_s2.norm();
-  const double falls_s = std::sqrt(2 * tile.depth_m / gravity_m_s2);  // at first nothing moves, either
+  requireGravityToSettle(tile, bed.surfaceHeight() - tile.depth_m);
   bed.setSettling(true);
-  stepUntil(bed, progress, [&](double time_s, double) {
-    return time_s > falls_s && meanSquareSpeed(bed) < 2 * kPouredLift * gravity_m_s2 * tile.soil.radius_m;
-  });
+  stepUntil(bed, progress, [&](double time_s, double) { return time_s > fallingTime(tile) && isCalm(bed); });
   return levelled(bed);
 }
 
@@ -199,8 +207,12 @@ BedTile settledTile(const BedParameters& bed, const TileProgress& progress) {
   }
   // With friction, which so far was off: what it remembers then carries its share.
   Bed rest(wanted, grains);
-  stepUntil(rest, progress,
-            [still_m_s = restSpeed(wanted.soil.friction)](double, double speed) { return speed <= still_m_s; });
+  // Without friction it never stands still, and with hardly any not in time: then it is as calm as what is poured.
+  const bool flows = wanted.soil.friction == FrictionModel::kContact && wanted.soil.contact_friction == 0;
+  const double calm_after_s = flows ? fallingTime(wanted) : kCalmAfter * kLongestSettling_s;
+  stepUntil(rest, progress, [&, still_m_s = restSpeed(wanted.soil.friction)](double time_s, double speed) {
+    return speed <= still_m_s || (time_s > calm_after_s && isCalm(rest));
+  });
   return tileOf(rest);
 }
 

@@ -18,9 +18,15 @@ int cellsIn(double length_m, double cell_m, double most) {
   return static_cast<int>(std::clamp(std::floor(length_m / cell_m), 1.0, std::max(1.0, most)));
 }
 
-/// Positions beyond the grid count into its outermost cells: that never pulls two neighbours further apart.
+/// A number of cells that an int holds, whatever it is: NaN becomes `low`.
+float bounded(float cells, float low, float high) {
+  return cells > low ? std::min(cells, high) : low;
+}
+
+/// Positions beyond the grid count into its outermost cells: that never pulls two neighbours further apart. One that is
+/// no number, which the next look at the bed refuses, counts into the first.
 int indexOf(float metres, float cells_per_m, int cells) {
-  return static_cast<int>(std::clamp(metres * cells_per_m, 0.0F, static_cast<float>(cells - 1)));
+  return static_cast<int>(bounded(metres * cells_per_m, 0, static_cast<float>(cells - 1)));
 }
 
 }  // namespace
@@ -130,8 +136,12 @@ struct CellSpan {
   int first, count;
 };
 CellSpan within(float middle, float reach, float cells_per_m, int cells, bool wraps) {
-  const auto first = static_cast<int>(std::floor((middle - reach) * cells_per_m));
-  const auto last = static_cast<int>(std::floor((middle + reach) * cells_per_m));
+  const auto cell_at = [=](float metres) {
+    const auto once_around = static_cast<float>(cells);
+    return static_cast<int>(bounded(std::floor(metres * cells_per_m), -once_around, 2 * once_around));
+  };
+  const int first = cell_at(middle - reach);
+  const int last = cell_at(middle + reach);
   if (wraps) {
     return last - first + 1 >= cells ? CellSpan{0, cells} : CellSpan{(first + cells) % cells, last - first + 1};
   }

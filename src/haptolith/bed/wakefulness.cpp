@@ -39,7 +39,7 @@ constexpr double kCreep_s = 0.02;
 }  // namespace
 
 RestRule restRule(const BedParameters& bed) {
-  const double dt_s = std::min(bed.tick_s, 1 / stepsPerSecond(finestSoil(bed), 0));
+  const double dt_s = std::min(bed.tick_s, 1 / stepsPerSecond(bed, 0));
   const auto speed = static_cast<float>(bed.sleep_speed_m_s);
   return {.sleep = bed.sleep,
           .speed_m_s = speed,

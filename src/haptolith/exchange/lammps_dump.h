@@ -30,12 +30,15 @@ struct LammpsPicture {
 
 /// Reads a text file of `dump custom` (or `dump atom` and others with such headings) that has the columns id, x, y, z
 /// and radius, in whatever order and among others; type where there is one, else 1; velocities where there are. A
-/// variable of the script's, v_radius or v_type, goes before what LAMMPS itself has of that name. A file that its
-/// writer has not finished has the pictures that are whole.
+/// variable of the script's, v_radius or v_type, goes before what LAMMPS itself has of that name. Coordinates may be
+/// scaled (xs) or go on through periodic sides (xu, xsu): they are taken into the box; a diameter is halved. A file
+/// that its writer has not finished has the pictures that are whole; a picture may be empty, as of a box before grains
+/// are poured into it.
 /// @param number  which picture, 1 is the first; none: the last that is whole.
 /// @param progress  told how many pictures were passed over; false gives up.
-/// @throws InvalidParameter with file, line and what is missing for a file that is no such dump, or that has no such
-/// picture; Failure when it cannot be read, or `progress` gives up.
+/// @throws InvalidParameter with file, line and what is missing for a file that is no such dump, that has no such
+/// picture or an empty one there, in which an id comes twice, or whose units are not si; Failure when it cannot be
+/// read, or `progress` gives up.
 [[nodiscard]] LammpsPicture readLammpsDump(const std::filesystem::path& path, std::optional<std::size_t> number = {},
                                            const std::function<bool(std::size_t)>& progress = {});
 

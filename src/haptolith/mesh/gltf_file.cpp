@@ -2,11 +2,16 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include <algorithm>
 #include <array>
 #include <bit>
+#include <charconv>
 #include <cmath>
 #include <cstdint>
 #include <cstring>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
 #include <limits>
 #include <optional>
 #include <string>
@@ -15,6 +20,7 @@
 
 #include "haptolith/core/base64.h"
 #include "haptolith/core/error.h"
+#include "haptolith/core/input_file.h"
 #include "haptolith/core/plain_text.h"
 #include "haptolith/core/stop_asked.h"
 #include "haptolith/mesh/mesh_file.h"
@@ -40,7 +46,23 @@ constexpr std::uint32_t kJsonChunk = 0x4E4F534A;  // "JSON"
 constexpr std::uint32_t kBinChunk = 0x004E4942;   // "BIN\0"
 
 /// Numbers of the format.
-enum ComponentType : std::uint64_t { kByte = 5121, kShort = 5123, kInt = 5125, kFloat = 5126 };
+enum ComponentType : std::uint64_t {
+  kSignedByte = 5120,
+  kByte = 5121,
+  kSignedShort = 5122,
+  kShort = 5123,
+  kInt = 5125,
+  kFloat = 5126
+};
+std::size_t bytesOf(std::uint64_t component) {
+  return component == kByte || component == kSignedByte ? 1 : component == kShort || component == kSignedShort ? 2 : 4;
+}
+
+/// Extensions without which a file cannot be read, and which change no shape or are known.
+bool isKnown(std::string_view extension) {
+  return extension.starts_with("KHR_materials_") || extension.starts_with("KHR_texture_") ||
+         extension == "KHR_mesh_quantization";
+}
 enum PrimitiveMode : std::uint64_t { kTriangles = 4, kStrip = 5, kFan = 6 };
 
 std::uint32_t wordAt(std::string_view bytes, std::size_t place) {
@@ -55,18 +77,23 @@ struct Chunks {
   std::optional<std::string_view> binary;
 };
 
-Chunks chunksOf(std::string_view bytes, const std::string& name) {
+Chunks chunksOf(std::string_view bytes, const std::string& name, MeshNotes& notes) {
   constexpr std::size_t kHeader = 12;
   constexpr std::size_t kChunkHeader = 8;
   if (bytes.size() < kHeader || wordAt(bytes, 0) != kGlbMagic) {
-    return {bytes, std::nullopt};  // .gltf
+    return {withoutByteOrderMark(bytes), std::nullopt};  // .gltf
   }
   if (wordAt(bytes, 4) != 2) {
     throw InvalidParameter(name + ": version", fmt::format("{}", wordAt(bytes, 4)), "2 (glTF 2.0)");
   }
-  if (wordAt(bytes, 8) != bytes.size()) {
+  const std::size_t said = wordAt(bytes, 8);
+  if (said > bytes.size()) {
     throw InvalidParameter(name, fmt::format("{} bytes", bytes.size()),
-                           fmt::format("the {} bytes that it says it has (was it cut off?)", wordAt(bytes, 8)));
+                           fmt::format("the {} bytes that it says it has (was it cut off?)", said));
+  }
+  if (said < bytes.size()) {
+    notes.push_back(fmt::format("{} bytes behind its end are left out", bytes.size() - said));
+    bytes = bytes.substr(0, said);
   }
   Chunks chunks;
   for (std::size_t place = kHeader; place < bytes.size();) {
@@ -117,6 +144,7 @@ class Value {
   [[nodiscard]] const std::string& place() const { return place_; }
   [[nodiscard]] bool has(const char* key) const { return json_->is_object() && json_->contains(key); }
   [[nodiscard]] std::size_t size() const { return json_->size(); }
+  [[nodiscard]] bool isTrue(const char* key) const { return has(key) && (*json_)[key] == true; }
 
   /// @throws InvalidParameter when it is missing.
   [[nodiscard]] Value at(const char* key) const {
@@ -194,13 +222,14 @@ class Value {
   std::string place_;
 };
 
-/// Bytes of a data URI. @throws InvalidParameter for anything else: a mesh names no other files.
+/// Bytes of a data URI. @throws InvalidParameter for anything else; see withBuffersInside().
 std::string embedded(const Value& uri) {
   const std::string& text = uri.text();
   const std::size_t comma = text.find(',');
   const std::string_view head = std::string_view(text).substr(0, comma);
   if (!head.starts_with("data:")) {
-    uri.refuse(inQuotes(text), "data within the file: no other file is read (export it as .glb, or as 'embedded')");
+    uri.refuse(inQuotes(text),
+               "data within the file: no other file is read here (export it as .glb, or as 'embedded')");
   }
   if (comma == std::string::npos || !head.ends_with(";base64")) {
     uri.refuse(inQuotes(text), "'data:...;base64,' and the data");
@@ -214,21 +243,41 @@ std::string embedded(const Value& uri) {
 
 /// Elements of a buffer as an accessor names them: all of them lie in it.
 struct Elements {
-  const char* first;
-  std::size_t stride_bytes;
-  std::size_t count;
-  std::uint64_t component;
+  const char* first = nullptr;
+  std::size_t stride_bytes = 0;
+  std::size_t count = 0;
+  std::uint64_t component = kFloat;
+  bool normalised = false;     ///< whole numbers stand for -1 to 1, or 0 to 1
+  std::vector<char> own = {};  ///< where `first` is, of a sparse accessor
+
+  /// A number as glTF 2.0, 3.11 and KHR_mesh_quantization have it.
+  [[nodiscard]] double number(std::size_t element, std::size_t place) const {
+    const char* at = first + element * stride_bytes + place * bytesOf(component);
+    const auto read = [at](auto value) {
+      std::memcpy(&value, at, sizeof value);
+      return static_cast<double>(value);
+    };
+    const auto whole = [this](double value, double most) { return normalised ? std::max(value / most, -1.0) : value; };
+    switch (component) {
+      case kSignedByte: return whole(read(std::int8_t{}), 127);
+      case kByte: return whole(read(std::uint8_t{}), 255);
+      case kSignedShort: return whole(read(std::int16_t{}), 32767);
+      case kShort: return whole(read(std::uint16_t{}), 65535);
+      default: return read(float{});
+    }
+  }
 };
 
 class GltfReader {
  public:
-  GltfReader(const Json& json, std::optional<std::string_view> binary, const std::string& name)
-      : file_(json, name + ":"), binary_(binary) {}
+  GltfReader(const Json& json, std::optional<std::string_view> binary, const std::string& name, MeshNotes& notes)
+      : file_(json, name + ":"), binary_(binary), notes_(notes) {}
 
   TriangleMesh read() {
     requireKnown();
     loadBuffers();
     showScene();
+    noteLeftOut();
     return std::move(mesh_);
   }
 
@@ -243,7 +292,7 @@ class GltfReader {
       list.requireList();
       for (std::size_t i = 0; i < list.size(); ++i) {
         const std::string& extension = list.at(i).text();
-        if (!extension.starts_with("KHR_materials_") && !extension.starts_with("KHR_texture_")) {
+        if (!isKnown(extension)) {
           list.at(i).refuse(inQuotes(extension), "nothing that changes the shape: export without compression");
         }
       }
@@ -275,17 +324,13 @@ class GltfReader {
     }
   }
 
-  [[nodiscard]] Elements elementsOf(const Value& accessor, const char* type, std::size_t components) const {
-    if (accessor.has("sparse") || !accessor.has("bufferView")) {
-      accessor.refuse("sparse", "with all its values in a buffer");
-    }
-    if (accessor.at("type").text() != type) {
-      accessor.at("type").refuse(inQuotes(accessor.at("type").text()), fmt::format("'{}'", type));
-    }
-    const std::uint64_t component = accessor.at("componentType").integer(kFloat);
-    const std::size_t component_bytes = component == kByte ? 1 : component == kShort ? 2 : 4;
-    const std::size_t element_bytes = component_bytes * components;
-    const Value view = accessor.at("bufferView").namedIn(file_, "bufferViews");
+  /// Bytes of a view, and how far apart its elements are unless they follow each other.
+  struct View {
+    std::string_view bytes;
+    std::uint64_t stride_bytes;
+  };
+  [[nodiscard]] View viewOf(const Value& named, std::uint64_t element_bytes) const {
+    const Value view = named.namedIn(file_, "bufferViews");
     const Value buffer = view.at("buffer").namedIn(file_, "buffers");
     (void)buffer;
     const std::string_view bytes = buffers_[view.at("buffer").integer(buffers_.size())];
@@ -295,45 +340,103 @@ class GltfReader {
       view.refuse(fmt::format("bytes {} to {}", view_offset, view_offset + view_length),
                   fmt::format("within its buffer of {} bytes", bytes.size()));
     }
-    const std::uint64_t offset = accessor.integerOr("byteOffset", 0);
-    const std::uint64_t stride = view.integerOr("byteStride", element_bytes);
-    const std::uint64_t count = accessor.at("count").integer(kMostMeshPoints);
+    return {bytes.substr(view_offset, view_length), view.integerOr("byteStride", element_bytes)};
+  }
+
+  /// `count` elements of a view. @param place  what names the view, for messages.
+  [[nodiscard]] Elements elementsIn(const Value& place, std::uint64_t component, std::size_t components,
+                                    std::uint64_t count) const {
+    const std::size_t element_bytes = bytesOf(component) * components;
+    const auto [bytes, stride] = viewOf(place.at("bufferView"), element_bytes);
+    const std::uint64_t offset = place.integerOr("byteOffset", 0);
     if (count == 0 || stride < element_bytes ||
-        offset + stride * (count - 1) + element_bytes > view_length) {  // each below 2^28: no overflow
-      accessor.refuse(
-          fmt::format("{} values of {} bytes, {} apart, from byte {}", count, element_bytes, stride, offset),
-          fmt::format("at least one, within a view of {} bytes", view_length));
+        offset + stride * (count - 1) + element_bytes > bytes.size()) {  // each below 2^28: no overflow
+      place.refuse(fmt::format("{} values of {} bytes, {} apart, from byte {}", count, element_bytes, stride, offset),
+                   fmt::format("at least one, within a view of {} bytes", bytes.size()));
     }
-    return {bytes.data() + view_offset + offset, stride, count, component};
+    return {.first = bytes.data() + offset, .stride_bytes = stride, .count = count, .component = component};
+  }
+
+  [[nodiscard]] Elements elementsOf(const Value& accessor, const char* type, std::size_t components) const {
+    if (accessor.at("type").text() != type) {
+      accessor.at("type").refuse(inQuotes(accessor.at("type").text()), fmt::format("'{}'", type));
+    }
+    const std::uint64_t component = accessor.at("componentType").integer(kFloat);
+    const std::uint64_t count = accessor.at("count").integer(kMostMeshPoints);
+    Elements elements{.component = component};
+    if (accessor.has("bufferView")) {
+      elements = elementsIn(accessor, component, components, count);
+    } else if (!accessor.has("sparse")) {
+      accessor.refuse("without values", "with 'bufferView' or 'sparse'");
+    }
+    if (accessor.has("sparse")) {
+      replaceSome(elements, accessor.at("sparse"), components, count);
+    }
+    elements.normalised = accessor.isTrue("normalized");
+    return elements;
+  }
+
+  /// Values of a sparse accessor: those of its view, or zeros, and others at some places (glTF 2.0, 3.6.2.3).
+  void replaceSome(Elements& elements, const Value& sparse, std::size_t components, std::uint64_t count) const {
+    const std::size_t element_bytes = bytesOf(elements.component) * components;
+    std::vector<char> own(element_bytes * count);
+    for (std::size_t i = 0; i < elements.count; ++i) {
+      std::memcpy(own.data() + i * element_bytes, elements.first + i * elements.stride_bytes, element_bytes);
+    }
+    const std::uint64_t replaced = sparse.at("count").integer(count);
+    const Value places = sparse.at("indices");
+    const Elements indices = elementsIn(places, places.at("componentType").integer(kFloat), 1, replaced);
+    requireIndices(indices, places);
+    const Elements values = elementsIn(sparse.at("values"), elements.component, components, replaced);
+    for (std::size_t i = 0; i < replaced; ++i) {
+      const std::uint32_t place = indexAt(indices, i);
+      if (place >= count) {
+        places.refuse(fmt::format("{} in value {}", place, i),
+                      fmt::format("less than {}, the number of values", count));
+      }
+      std::memcpy(own.data() + place * element_bytes, values.first + i * values.stride_bytes, element_bytes);
+    }
+    elements = {.first = own.data(),
+                .stride_bytes = element_bytes,
+                .count = count,
+                .component = elements.component,
+                .own = std::move(own)};
+  }
+
+  static void requireIndices(const Elements& indices, const Value& place) {
+    if (indices.component != kByte && indices.component != kShort && indices.component != kInt) {
+      place.at("componentType").refuse(fmt::format("{}", indices.component), "5121, 5123 or 5125 (whole numbers)");
+    }
   }
 
   /// Index of the element's point in the primitive.
   static std::uint32_t indexAt(const Elements& indices, std::size_t i) {
     const char* place = indices.first + i * indices.stride_bytes;
     std::uint32_t index = 0;  // the low bytes come first
-    std::memcpy(&index, place, indices.component == kByte ? 1 : indices.component == kShort ? 2 : 4);
+    std::memcpy(&index, place, bytesOf(indices.component));
     return index;
   }
 
   void showPrimitive(const Value& primitive, const Eigen::Affine3d& scene_T_mesh) {
     const std::uint64_t mode = primitive.integerOr("mode", kTriangles);
     if (mode < kTriangles) {
-      return;  // points and lines
+      has_lines_ = true;
+      return;
     }
     if (mode > kFan) {
       primitive.at("mode").refuse(fmt::format("{}", mode), "0 to 6");
     }
     const Value position = primitive.at("attributes").at("POSITION").namedIn(file_, "accessors");
     const Elements points = elementsOf(position, "VEC3", 3);
-    if (points.component != kFloat) {
-      position.at("componentType").refuse(fmt::format("{}", points.component), "5126 (floats)");
+    if (points.component != kFloat && bytesOf(points.component) == 4) {
+      position.at("componentType")
+          .refuse(fmt::format("{}", points.component), "5126 (floats), or 5120 to 5123 (KHR_mesh_quantization)");
     }
+    has_morph_targets_ = has_morph_targets_ || primitive.has("targets");
     requireRoom(mesh_, points.count, 0, primitive.place());
     const std::size_t first = mesh_.points_m.size();
     for (std::size_t i = 0; i < points.count; ++i) {
-      std::array<float, 3> coordinates{};
-      std::memcpy(coordinates.data(), points.first + i * points.stride_bytes, sizeof coordinates);
-      const Vec3 point_m = scene_T_mesh * Vec3(coordinates[0], coordinates[1], coordinates[2]);
+      const Vec3 point_m = scene_T_mesh * Vec3(points.number(i, 0), points.number(i, 1), points.number(i, 2));
       if (!point_m.allFinite()) {
         position.refuse(fmt::format("no finite number in value {}", i), "finite numbers");
       }
@@ -345,10 +448,7 @@ class GltfReader {
     if (primitive.has("indices")) {
       accessor = primitive.at("indices").namedIn(file_, "accessors");
       indices = elementsOf(*accessor, "SCALAR", 1);
-      if (indices.component != kByte && indices.component != kShort && indices.component != kInt) {
-        accessor->at("componentType")
-            .refuse(fmt::format("{}", indices.component), "5121, 5123 or 5125 (whole numbers)");
-      }
+      requireIndices(indices, *accessor);
       count = indices.count;
     }
     if (count < 3 || (mode == kTriangles && count % 3 != 0)) {
@@ -467,11 +567,24 @@ class GltfReader {
       visited[next.node] = true;
       const Eigen::Affine3d scene_T_node = next.scene_T_parent * transformOf(node);
       if (node.has("mesh")) {
+        has_skin_ = has_skin_ || node.has("skin");
         showMesh(node.at("mesh").namedIn(file_, "meshes"), scene_T_node);
       }
       for (const std::uint64_t child : childrenOf(node)) {
         waiting.push_back({child, scene_T_node});
       }
+    }
+  }
+
+  void noteLeftOut() {
+    if (has_skin_) {
+      notes_.emplace_back("bones (skins) are left out: the mesh is as it was modelled, not as its skeleton holds it");
+    }
+    if (has_morph_targets_) {
+      notes_.emplace_back("morph targets are left out: the mesh is as it is without them");
+    }
+    if (has_lines_) {
+      notes_.emplace_back("points and lines are left out");
     }
   }
 
@@ -492,16 +605,67 @@ class GltfReader {
   std::optional<std::string_view> binary_;
   std::vector<std::string> own_;
   std::vector<std::string_view> buffers_;
+  MeshNotes& notes_;
   TriangleMesh mesh_;
   int shown_ = 0;
+  bool has_skin_ = false, has_morph_targets_ = false, has_lines_ = false;
 };
+
+/// The name that a URI has escaped ("my%20tool.bin"). @throws InvalidParameter for one that leads out of the folder.
+std::filesystem::path fileNamedBy(const Value& uri) {
+  const std::string& text = uri.text();
+  std::string name;
+  for (std::size_t i = 0; i < text.size(); ++i) {
+    unsigned byte = 0;
+    const char* const digits = text.data() + i + 1;
+    if (text[i] == '%' && text.size() - i > 2 && std::from_chars(digits, digits + 2, byte, 16).ptr == digits + 2) {
+      name += static_cast<char>(byte);
+      i += 2;
+    } else {
+      name += text[i];
+    }
+  }
+  const std::filesystem::path path = name;
+  const bool leads_out = std::ranges::any_of(path, [](const auto& part) { return part == ".."; });
+  const bool has_scheme = text.find(':') != std::string::npos;
+  if (name.empty() || path.is_absolute() || leads_out || has_scheme || name.find('\0') != std::string::npos) {
+    uri.refuse(inQuotes(text), "the name of a file in the folder of this one, or below it");
+  }
+  return path;
+}
 
 }  // namespace
 
-TriangleMesh parseGltf(std::string_view bytes, const std::string& name) {
-  const Chunks chunks = chunksOf(bytes, name);
+TriangleMesh parseGltf(std::string_view bytes, const std::string& name, MeshNotes& notes) {
+  const Chunks chunks = chunksOf(bytes, name, notes);
   const Json json = jsonOf(chunks.json, name);
-  return GltfReader(json, chunks.binary, name).read();
+  return GltfReader(json, chunks.binary, name, notes).read();
+}
+
+std::string withBuffersInside(std::string bytes, const std::filesystem::path& path) {
+  const bool is_text = meshFormat(path) == MeshFormat::kGltf && (bytes.size() < 4 || wordAt(bytes, 0) != kGlbMagic);
+  if (!is_text) {
+    return bytes;
+  }
+  const std::string name = path.filename().string();
+  Json json = jsonOf(withoutByteOrderMark(bytes), name);
+  if (!json.contains("buffers") || !json["buffers"].is_array()) {
+    return bytes;
+  }
+  bool changed = false;
+  std::uintmax_t left = kMostMeshBytes;
+  for (std::size_t i = 0; i < json["buffers"].size(); ++i) {
+    const Value buffer = Value(json, name + ":").at("buffers").at(i);
+    if (!buffer.has("uri") || buffer.at("uri").text().starts_with("data:")) {
+      continue;
+    }
+    std::ifstream file = openInput(path.parent_path() / fileNamedBy(buffer.at("uri")), left);
+    const std::string content{std::istreambuf_iterator<char>(file), {}};
+    left -= std::min<std::uintmax_t>(left, content.size());
+    json["buffers"][i]["uri"] = "data:application/octet-stream;base64," + base64(content);
+    changed = true;
+  }
+  return changed ? json.dump() : bytes;
 }
 
 }  // namespace haptolith

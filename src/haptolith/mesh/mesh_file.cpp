@@ -62,17 +62,33 @@ void requireHandSize(const TriangleMesh& mesh, const std::string& name, double u
 
 }  // namespace
 
+std::string_view withoutByteOrderMark(std::string_view bytes) {
+  constexpr std::string_view kMark = "\xEF\xBB\xBF";
+  return bytes.starts_with(kMark) ? bytes.substr(kMark.size()) : bytes;
+}
+
+MeshText::MeshText(std::string_view text, const std::string& name) : rest_(withoutByteOrderMark(text)), name_(name) {
+  if (text.starts_with("\xFF\xFE") || text.starts_with("\xFE\xFF")) {
+    throw InvalidParameter(name, "text in UTF-16", "text in UTF-8 or ASCII: save it again as such");
+  }
+}
+
 void MeshText::skipBlanks() {
   for (;;) {
-    const std::size_t blanks = std::min(rest_.find_first_not_of(" \t\r\v\f"), rest_.size());
+    const std::size_t blanks = std::min(rest_.find_first_not_of(" \t\v\f"), rest_.size());
     rest_.remove_prefix(blanks);
-    const bool joined = rest_.starts_with("\\\n") || rest_.starts_with("\\\r\n");
+    const bool joined = rest_.starts_with("\\\n") || rest_.starts_with("\\\r");
     if (!joined) {
       return;
     }
-    rest_.remove_prefix(rest_.find('\n') + 1);
-    ++line_;
+    rest_.remove_prefix(1);
+    removeLineEnd();
   }
+}
+
+void MeshText::removeLineEnd() {
+  rest_.remove_prefix(rest_.starts_with("\r\n") ? 2 : 1);
+  ++line_;
 }
 
 std::string_view MeshText::wordOfLine() {
@@ -96,13 +112,13 @@ bool MeshText::nextLine() {
   if (line_ % kLinesBetweenLooks == 0 && stopAsked()) {
     throw Failure("interrupted");
   }
-  const std::size_t end = rest_.find('\n');
+  const std::size_t end = rest_.find_first_of("\r\n");
   if (end == std::string_view::npos) {
     rest_ = {};
     return false;
   }
-  rest_.remove_prefix(end + 1);
-  ++line_;
+  rest_.remove_prefix(end);
+  removeLineEnd();
   return true;
 }
 
@@ -143,15 +159,16 @@ std::optional<MeshFormat> meshFormat(const std::filesystem::path& path) {
 }
 
 TriangleMesh parseMesh(std::string_view bytes, const std::string& name, MeshFormat format,
-                       const MeshFileOptions& options) {
+                       const MeshFileOptions& options, std::vector<std::string>* notes) {
   requireInRange("unit_m", options.unit_m, kMeshUnit_m);
   TriangleMesh mesh;
+  MeshNotes found;
   double unit_m = options.unit_m;
   switch (format) {
-    case MeshFormat::kStl: mesh = parseStl(bytes, name); break;
+    case MeshFormat::kStl: mesh = parseStl(bytes, name, found); break;
     case MeshFormat::kObj: mesh = parseObj(bytes, name); break;
     case MeshFormat::kGltf:
-      mesh = parseGltf(bytes, name);
+      mesh = parseGltf(bytes, name, found);
       unit_m = 1;
       break;
   }
@@ -173,6 +190,9 @@ TriangleMesh parseMesh(std::string_view bytes, const std::string& name, MeshForm
   }
   used.triangles = std::move(mesh.triangles);
   requireHandSize(used, name, unit_m, format);
+  if (notes != nullptr) {
+    *notes = std::move(found);
+  }
   return used;
 }
 
@@ -190,7 +210,7 @@ TriangleMesh readMesh(const std::filesystem::path& path, const MeshFileOptions& 
   if (file.bad() || static_cast<std::size_t>(file.gcount()) != bytes.size()) {
     throw Failure(fmt::format("cannot read {}: it changed while it was read", path.string()));
   }
-  return parseMesh(bytes, path.string(), *format, options);
+  return parseMesh(withBuffersInside(std::move(bytes), path), path.string(), *format, options);
 }
 
 }  // namespace haptolith

@@ -6,6 +6,7 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "haptolith/core/error.h"
 #include "haptolith/mesh/triangle_mesh.h"
@@ -34,16 +35,24 @@ enum class MeshFormat { kStl, kObj, kGltf };
 
 /// Reads a mesh, z up, in m: the triangles that the file holds, not mended yet (mend.h).
 ///
-/// STL is binary or text; polygons of OBJ become fans; of glTF 2.0 the triangles of the default scene are taken, with
-/// the transforms of their nodes, and y up becomes z up: (x, y, z) -> (x, -z, y). Materials, normals, bones and
-/// animations are left aside. A mesh names no other files: glTF has its data embedded. Not for the tick.
+/// STL is binary or text; polygons of OBJ are cut into triangles (polygon.h); of glTF 2.0 the triangles of the default
+/// scene are taken, with the transforms of their nodes, and y up becomes z up: (x, y, z) -> (x, -z, y). Materials,
+/// normals, bones, morph targets and animations are left out. A .gltf file may have its data in files beside it
+/// (withBuffersInside()). Not for the tick.
 /// @throws InvalidParameter with the file, the place in it and what is valid: for anything that is not a mesh of this
 /// form, for numbers that are not finite, for a mesh outside kHandSize_m or kMeshReach_m (with the unit that would be
 /// plausible); Failure when the file cannot be read.
 [[nodiscard]] TriangleMesh readMesh(const std::filesystem::path& path, const MeshFileOptions& options = {});
 
-/// The same of bytes that are here already. @param name  for messages.
+/// A .gltf file whose buffers stand in other files, with them inside; any other bytes as they are. The files lie in the
+/// folder of `path` or below it; their names are escaped as URIs are ("my%20tool.bin").
+/// @throws InvalidParameter for a buffer elsewhere, or one that is missing or too large; Failure when it cannot be
+/// read.
+[[nodiscard]] std::string withBuffersInside(std::string bytes, const std::filesystem::path& path);
+
+/// The same of bytes that are here already, which name no other files. @param name  for messages.
+/// @param notes  what of the file was left out or was unusual, a sentence each; null: nobody asks.
 [[nodiscard]] TriangleMesh parseMesh(std::string_view bytes, const std::string& name, MeshFormat format,
-                                     const MeshFileOptions& options = {});
+                                     const MeshFileOptions& options = {}, std::vector<std::string>* notes = nullptr);
 
 }  // namespace haptolith

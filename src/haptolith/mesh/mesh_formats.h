@@ -3,6 +3,7 @@
 #include <cstddef>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "haptolith/mesh/triangle_mesh.h"
 
@@ -13,9 +14,11 @@ namespace haptolith {
 /// A reader of words in a text that somebody has made, which knows where it is.
 class MeshText {
  public:
-  MeshText(std::string_view text, const std::string& name) : rest_(text), name_(name) {}
+  /// @throws InvalidParameter for text in UTF-16. A byte order mark of UTF-8 is no part of the text.
+  MeshText(std::string_view text, const std::string& name);
 
-  /// The next word of this line; empty at its end. A backslash at the end of a line joins the next one.
+  /// The next word of this line; empty at its end, which is LF, CR LF or CR. A backslash at the end of a line joins the
+  /// next one.
   [[nodiscard]] std::string_view wordOfLine();
   /// The next word, in whatever line; empty at the end of the text.
   [[nodiscard]] std::string_view word();
@@ -29,6 +32,7 @@ class MeshText {
 
  private:
   void skipBlanks();
+  void removeLineEnd();
 
   std::string_view rest_;
   const std::string& name_;
@@ -38,9 +42,14 @@ class MeshText {
 /// @throws InvalidParameter for one triangle or point more than there may be. @param place  "spoon.obj:12: face".
 void requireRoom(const TriangleMesh& mesh, std::size_t points, std::size_t triangles, const std::string& place);
 
-[[nodiscard]] TriangleMesh parseStl(std::string_view bytes, const std::string& name);
+/// Sentences about what of a file was left out, or was unusual.
+using MeshNotes = std::vector<std::string>;
+
+[[nodiscard]] std::string_view withoutByteOrderMark(std::string_view bytes);
+
+[[nodiscard]] TriangleMesh parseStl(std::string_view bytes, const std::string& name, MeshNotes& notes);
 [[nodiscard]] TriangleMesh parseObj(std::string_view bytes, const std::string& name);
 /// In m, z up.
-[[nodiscard]] TriangleMesh parseGltf(std::string_view bytes, const std::string& name);
+[[nodiscard]] TriangleMesh parseGltf(std::string_view bytes, const std::string& name, MeshNotes& notes);
 
 }  // namespace haptolith

@@ -1,12 +1,15 @@
 #include <fmt/format.h>
 
+#include <array>
 #include <charconv>
+#include <cstddef>
 #include <cstdint>
 #include <vector>
 
 #include "haptolith/core/error.h"
 #include "haptolith/core/plain_text.h"
 #include "haptolith/mesh/mesh_formats.h"
+#include "haptolith/mesh/polygon.h"
 
 namespace haptolith {
 
@@ -34,7 +37,10 @@ std::int32_t pointOf(std::string_view word, std::size_t points, const MeshText& 
 TriangleMesh parseObj(std::string_view bytes, const std::string& name) {
   MeshText text(bytes, name);
   TriangleMesh mesh;
+  PolygonCutter cutter;
   std::vector<std::int32_t> corners;
+  std::vector<Vec3> places;
+  std::vector<std::array<std::size_t, 3>> triangles;
   do {
     const std::string_view word = text.wordOfLine();
     if (word == "v") {
@@ -56,8 +62,16 @@ TriangleMesh parseObj(std::string_view bytes, const std::string& name) {
         throw InvalidParameter(text.place("face"), fmt::format("{} points", corners.size()), "at least 3 points");
       }
       requireRoom(mesh, 0, corners.size() - 2, text.place("face"));
-      for (std::size_t i = 2; i < corners.size(); ++i) {
-        mesh.triangles.push_back({corners[0], corners[i - 1], corners[i]});
+      places.clear();
+      for (const std::int32_t corner : corners) {
+        places.push_back(mesh.points_m[static_cast<std::size_t>(corner)]);
+      }
+      if (!cutter.cut(places, triangles)) {
+        throw InvalidParameter(text.place("face"), fmt::format("{} points", corners.size()),
+                               "fewer corners in faces with dents: export the mesh as triangles");
+      }
+      for (const auto& [a, b, c] : triangles) {
+        mesh.triangles.push_back({corners[a], corners[b], corners[c]});
       }
     }
   } while (text.nextLine());

@@ -35,31 +35,49 @@ std::uint32_t countOf(std::string_view bytes) {
   return count;
 }
 
+/// The size that a binary file says it has.
+std::uint64_t sizeOf(std::string_view bytes) {
+  return kHeaderBytes + kCountBytes + std::uint64_t{kFacetBytes} * countOf(bytes);
+}
+
 bool isBinaryOfItsCount(std::string_view bytes) {
-  return bytes.size() >= kHeaderBytes + kCountBytes &&
-         bytes.size() == kHeaderBytes + kCountBytes + std::uint64_t{kFacetBytes} * countOf(bytes);
+  return bytes.size() >= kHeaderBytes + kCountBytes && bytes.size() == sizeOf(bytes);
 }
 
 /// Many binary files begin with "solid", too: the size tells, and text has no zero bytes.
 bool isText(std::string_view bytes) {
   constexpr std::size_t kEnough = 4096;
-  const std::string_view start = bytes.substr(0, kEnough);
+  const std::string_view start = withoutByteOrderMark(bytes).substr(0, kEnough);
   const std::size_t blanks = std::min(start.find_first_not_of(" \t\r\n"), start.size());
+  using namespace std::string_view_literals;
+  if (bytes.starts_with("\xFF\xFEs\0"sv) || bytes.starts_with("\xFE\xFF\0s"sv)) {
+    return true;  // in UTF-16, which MeshText refuses
+  }
   return !isBinaryOfItsCount(bytes) && is(start.substr(blanks, 5), "solid") &&
          start.find('\0') == std::string_view::npos;
 }
 
-TriangleMesh parseBinary(std::string_view bytes, const std::string& name) {
+/// Text without what some programs and disks put behind its end: zeros, and the end mark of DOS.
+std::string_view withoutPadding(std::string_view text) {
+  constexpr std::string_view kPadding("\0\x1A", 2);
+  return text.substr(0, text.find_last_not_of(kPadding) + 1);
+}
+
+TriangleMesh parseBinary(std::string_view bytes, const std::string& name, MeshNotes& notes) {
   if (bytes.size() < kHeaderBytes + kCountBytes) {
     throw InvalidParameter(name, fmt::format("{} bytes", bytes.size()),
                            "an STL file: text that begins with 'solid', or at least 84 bytes");
   }
   const std::uint32_t count = countOf(bytes);
-  if (!isBinaryOfItsCount(bytes)) {
+  if (bytes.size() < sizeOf(bytes)) {
     throw InvalidParameter(
         name, fmt::format("{} bytes", bytes.size()),
         fmt::format("the {} bytes of the {} triangles that it says it has (a binary STL file that was cut off?)",
-                    kHeaderBytes + kCountBytes + std::uint64_t{kFacetBytes} * count, count));
+                    sizeOf(bytes), count));
+  }
+  if (bytes.size() > sizeOf(bytes)) {
+    notes.push_back(fmt::format("{} bytes behind the {} triangles that it says it has are left out",
+                                bytes.size() - sizeOf(bytes), count));
   }
   TriangleMesh mesh;
   requireRoom(mesh, std::size_t{3} * count, count, fmt::format("{}: triangle {}", name, count));
@@ -133,8 +151,9 @@ TriangleMesh parseText(std::string_view bytes, const std::string& name) {
 
 }  // namespace
 
-TriangleMesh parseStl(std::string_view bytes, const std::string& name) {
-  return isText(bytes) ? parseText(bytes, name) : parseBinary(bytes, name);
+TriangleMesh parseStl(std::string_view bytes, const std::string& name, MeshNotes& notes) {
+  const std::string_view text = withoutPadding(bytes);
+  return isText(text) ? parseText(text, name) : parseBinary(bytes, name, notes);
 }
 
 }  // namespace haptolith

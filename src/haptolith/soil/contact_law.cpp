@@ -1,5 +1,7 @@
 #include "haptolith/soil/contact_law.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -33,7 +35,12 @@ ContactLaw makeContactLaw(const SoilParameters& soil) {
     // linear spring.
     constexpr double kRounding = 1e-9;
     const double softest = soil.gamma_nm / std::pow(diameter - law.a_min_m, 2) * (1 - kRounding);
-    requireInRange("stiffness_n_m", soil.stiffness_n_m, {softest, Range{}.highest});
+    if (!(soil.stiffness_n_m >= softest)) {
+      throw InvalidParameter("stiffness_n_m", fmt::format("{:g}", soil.stiffness_n_m),
+                             fmt::format(">= {:.5g} for macroparticles of {:g} mm (gamma_nm = {:g}); give it with "
+                                         "radius_mm, or a radius_mm as small as it is meant for",
+                                         (1 + 1e-5) * softest, 1e3 * soil.radius_m, soil.gamma_nm));
+    }
     law.stiffness_n_m = soil.stiffness_n_m;
     law.a_thr_m = std::min(law.a_min_m + std::sqrt(soil.gamma_nm / soil.stiffness_n_m), diameter);
   }

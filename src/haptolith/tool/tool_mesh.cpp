@@ -50,7 +50,8 @@ auto ofFile(const std::string& name, Step step) {
 
 std::shared_ptr<const ToolMesh> make(const ToolMeshSource& source, double band_m) {
   validate(source);
-  TriangleMesh mesh = parseMesh(*source.bytes, source.name, source.format, {.unit_m = source.unit_m});
+  std::vector<std::string> report;
+  TriangleMesh mesh = parseMesh(*source.bytes, source.name, source.format, {.unit_m = source.unit_m}, &report);
   const MeshCorners corners = cornersOf(mesh);
   const Vec3 origin_m = source.origin_m.value_or((corners.low_m + corners.high_m) / 2);
   const Eigen::Matrix3d turn = turned(source.turn_rad);
@@ -60,7 +61,7 @@ std::shared_ptr<const ToolMesh> make(const ToolMeshSource& source, double band_m
   MendedMesh mended =
       ofFile(source.name, [&] { return mend(std::move(mesh), {.sheet_thickness_m = source.sheet_thickness_m}); });
   DistanceField field = ofFile(source.name, [&] { return makeDistanceField(mended, {.band_m = band_m}); });
-  std::vector<std::string> report = std::move(mended.report);
+  report.insert(report.end(), mended.report.begin(), mended.report.end());
   report.insert(report.end(), field.report().begin(), field.report().end());
   return std::make_shared<const ToolMesh>(ToolMesh{
       .surface = shownSurface(mended, kMostShownTriangles), .field = std::move(field), .report = std::move(report)});
@@ -113,7 +114,7 @@ MeshFormat requireMeshFormat(const std::filesystem::path& path) {
 void readInto(ToolMeshSource& source, const std::filesystem::path& path) {
   const MeshFormat format = requireMeshFormat(path);
   std::ifstream file = openInput(path, kMostMeshBytes);
-  std::string bytes{std::istreambuf_iterator<char>(file), {}};
+  std::string bytes = withBuffersInside({std::istreambuf_iterator<char>(file), {}}, path);
   source.name = shortened(path.filename().string());
   source.bytes = std::make_shared<const std::string>(std::move(bytes));
   source.format = format;

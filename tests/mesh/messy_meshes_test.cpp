@@ -1,0 +1,116 @@
+// Mesh files as people's programs write them: each reads as a clean one, or is refused with a reason.
+
+#include <gmock/gmock.h>
+
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <random>
+#include <string>
+#include <vector>
+
+#include "haptolith/core/error.h"
+#include "haptolith/mesh/mesh_file.h"
+
+#include "../expectations.h"
+#include "made_meshes.h"
+
+namespace haptolith {
+namespace {
+
+using testing::HasSubstr;
+
+double area_m2(const TriangleMesh& mesh) {
+  double sum = 0;
+  for (const auto& triangle : mesh.triangles) {
+    const auto [a, b, c] = cornersOf(mesh, triangle);
+    sum += (b - a).cross(c - a).norm() / 2;
+  }
+  return sum;
+}
+
+TEST(MessyMeshes, ReadAsTheCleanOnesOrAreRefused) {
+  const std::vector<Expectation> all = expectationsOf("meshes");
+  EXPECT_GE(all.size(), 60U);
+  for (const Expectation& expected : all) {
+    SCOPED_TRACE(expected.file.filename().string());
+    std::string refusal = "accepted";
+    TriangleMesh mesh;
+    try {
+      mesh = readMesh(expected.file);
+    } catch (const InvalidParameter& error) {
+      refusal = error.what();
+    }
+    if (expected.clean.empty()) {
+      EXPECT_THAT(refusal, HasSubstr(expected.words));
+      continue;
+    }
+    ASSERT_EQ(refusal, "accepted");
+    const TriangleMesh clean = readMesh(expected.clean);
+    constexpr double kRounded = 1e-5;
+    EXPECT_EQ(mesh.triangles.size(), clean.triangles.size());
+    EXPECT_NEAR(made::volume_m3(mesh), made::volume_m3(clean), kRounded * made::volume_m3(clean));
+    EXPECT_NEAR(area_m2(mesh), area_m2(clean), kRounded * area_m2(clean));
+    const MeshCorners corners = cornersOf(mesh);
+    EXPECT_LT((corners.low_m - cornersOf(clean).low_m).norm(), 1e-7);
+    EXPECT_LT((corners.high_m - cornersOf(clean).high_m).norm(), 1e-7);
+  }
+}
+
+std::string bytesOf(const std::filesystem::path& path) {
+  std::ifstream file(path, std::ios::binary);
+  return {std::istreambuf_iterator<char>(file), {}};
+}
+
+TEST(MessyMeshes, AreRefusedOrReadWithAnyBytesChanged) {
+  std::mt19937_64 random(11);
+  int read = 0;
+  for (const Expectation& one : expectationsOf("meshes")) {
+    for (int i = 0; i < 40; ++i) {
+      std::string bytes = bytesOf(one.file);
+      for (int changes = 0; changes < 3 && !bytes.empty(); ++changes) {
+        bytes[random() % bytes.size()] = static_cast<char>(random());
+      }
+      try {
+        (void)parseMesh(bytes, "changed", *meshFormat(one.file));
+        ++read;
+      } catch (const InvalidParameter&) {
+        continue;
+      }
+    }
+  }
+  EXPECT_GT(read, 100);
+}
+
+TEST(MessyMeshes, TheCleanOnesAreRight) {
+  const std::filesystem::path folder = sourceDir() / "tests/data/messy/meshes";
+  for (const char* name : {"l.obj", "l.stl", "l.glb"}) {
+    const TriangleMesh l = readMesh(folder / name);
+    EXPECT_NEAR(made::volume_m3(l), 5e-6, 1e-11) << name;
+    EXPECT_NEAR(area_m2(l), 2 * 500e-6 + 120e-3 * 10e-3, 1e-9) << name;
+  }
+  EXPECT_NEAR(made::volume_m3(readMesh(folder / "frame.obj")), 4e-6, 1e-11);
+}
+
+TEST(MessyMeshes, SayWhatIsLeftOut) {
+  const auto notes_of = [](const char* name) {
+    const std::filesystem::path path = sourceDir() / "tests/data/messy/meshes" / name;
+    std::vector<std::string> notes;
+    (void)parseMesh(bytesOf(path), name, *meshFormat(path), {}, &notes);
+    return notes;
+  };
+  using testing::ElementsAre;
+  using testing::IsEmpty;
+  EXPECT_THAT(notes_of("l.stl"), IsEmpty());
+  EXPECT_THAT(notes_of("l.glb"), IsEmpty());
+  EXPECT_THAT(notes_of("gltf-mirrored-node.glb"), IsEmpty());
+  EXPECT_THAT(notes_of("stl-two-bytes-behind.stl"), ElementsAre(HasSubstr("2 bytes behind the 20 triangles")));
+  EXPECT_THAT(notes_of("gltf-bytes-behind.glb"), ElementsAre(HasSubstr("3 bytes behind its end")));
+  EXPECT_THAT(notes_of("gltf-morph-targets.glb"), ElementsAre(HasSubstr("morph targets")));
+  EXPECT_THAT(notes_of("gltf-skin.glb"), ElementsAre(HasSubstr("bones")));
+  EXPECT_THAT(notes_of("gltf-lines-too.glb"), ElementsAre(HasSubstr("lines")));
+}
+
+}  // namespace
+}  // namespace haptolith
