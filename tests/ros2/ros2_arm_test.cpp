@@ -195,6 +195,24 @@ TEST(Ros2Node, RefusesDomainsThatHaveNoPorts) {
   unsetenv("ROS_DOMAIN_ID");
 }
 
+TEST(Ros2Node, AnErrorHasTheReasonThatDdsGives) {
+  Ros2Parameters parameters;
+  parameters.domain = someDomain();
+  parameters.localhost = true;
+  setenv(
+      "CYCLONEDDS_URI",
+      "<CycloneDDS><Domain><General><Interfaces><NetworkInterface name=\"no-such-0\"/></Interfaces></General></Domain>"
+      "</CycloneDDS>",
+      1);
+  try {
+    const Ros2Node node(parameters);
+    ADD_FAILURE() << "there is no interface no-such-0";
+  } catch (const Failure& error) {
+    EXPECT_THAT(error.what(), testing::HasSubstr("no-such-0"));
+  }
+  unsetenv("CYCLONEDDS_URI");
+}
+
 TEST(Ros2Node, ReadsWhatMayBeDiscoveredAsRos2DoesAndRefusesOtherWords) {
   Ros2Parameters parameters;
   for (const auto& [variable, text] :

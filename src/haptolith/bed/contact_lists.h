@@ -63,9 +63,9 @@ class ContactLists {
   [[nodiscard]] bool add(std::size_t i, std::int32_t j) noexcept;
   /// Takes entry s from i's list; the last takes its place.
   void remove(std::size_t i, std::uint32_t s) noexcept;
-  /// The entry of i's list that is j, which must be there.
+  /// The entry of i's list that is j; count(i) if j is not there, which an assert catches: lists are symmetric.
   [[nodiscard]] std::uint32_t find(std::size_t i, std::int32_t j) const noexcept;
-  /// Takes j from i's list, where it must be.
+  /// Removes j from i's list, where it must be; an assert catches that it is not.
   void removeNeighbour(std::size_t i, std::int32_t j) noexcept;
   /// Takes everything from all lists.
   void clear() noexcept;
