@@ -216,7 +216,7 @@ TEST_F(StudyFit, DoubtsAFunctionThatItsAnswersContradict) {
 }
 
 TEST_F(StudyFit, RefusesWhatItsNumbersCannotHold) {
-  expectWrongUse("--sigmoid norm --data " + file("n.csv", "x,k,n\n1,1,2000000000\n2,2,3\n"), "0 to 1e+09");
+  expectWrongUse("--sigmoid norm --data " + file("n.csv", "x,k,n\n1,1,2000000000\n2,2,3\n"), "0 to 1000000000");
   expectWrongUse("--sigmoid norm --data " + file("far.csv", "x,k,n\n-1e308,1,20\n1e308,19,20\n"), "x of a level");
   expectWrongUse("--sigmoid gumbel --log-x --figure " + (folder_ / "z.svg").string() + " --data " +
                      file("wide.csv", "x,k,n\n1e-300,3,20\n1e300,17,20\n"),

@@ -12,7 +12,8 @@ namespace haptolith {
 
 namespace {
 
-constexpr double kSameStimulus = 1e-12;  // by which the same stimulus may differ from one row to the next, as a fraction
+constexpr double kSameStimulus =
+    1e-12;  // by which the same stimulus may differ from one row to the next, as a fraction
 
 void requireCounts(const Level& level) {
   requireInRange("x of a level", level.x, {-kMostStimulus, kMostStimulus});
