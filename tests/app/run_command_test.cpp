@@ -365,10 +365,10 @@ TEST_F(RunCommand, BadPosesAreToldWithFileLineAndColumn) {
   const struct {
     const char* text;
     const char* told;
-  } cases[] = {{"0,0,0,0.1,1,0,0,0\n1,0,nan,0.1,1,0,0,0\n", ":3: y_m"},
+  } cases[] = {{"0,0,0,0.1,1,0,0,0\n1,0,nan,0.1,1,0,0,0\n", ":3: column y_m"},
                {"0,0,0,0.1,1,0,0,0\n0,0,0,0.1,1,0,0,0\n", "time goes forward"},
                {"0,0,0,0.1,1,0,0,0\n1,0,0,0.1,0,0,0,0\n", "qw,qx,qy,qz"},
-               {"0,0,0,0.1,1,0,0\n", "8 numbers"},
+               {"0,0,0,0.1,1,0,0\n", "8 cells"},
                {"", "at least 2"}};
   for (const auto& [text, told] : cases) {
     writeFile("poses.csv", header + text);

@@ -175,7 +175,7 @@ TEST_F(StudyFit, WrongUseIsToldWithWhatWouldBeRight) {
   expectWrongUse("--lapse much --data " + friction_, "a number or free");
   expectWrongUse("--confidence 2 --data " + friction_, "confidence");
   expectWrongUse("--reference -1 --data " + friction_, "threshold");
-  expectWrongUse("--data " + file("bad.csv", "x,k,n\n1,2,1\n"), "bad.csv, line 2, column k");
+  expectWrongUse("--data " + file("bad.csv", "x,k,n\n1,2,1\n"), "bad.csv:2: column k");
   expectWrongUse("--data " + file("negative.csv", "x,k,n\n-1,0,3\n1,3,3\n"), "logarithmic axis");
   expectWrongUse("--data " + file("columns.csv", "a,b\n1,2\n"), "x,k,n");
   expectWrongUse("--figure drawing.pdf --data " + friction_, ".svg or .png");
