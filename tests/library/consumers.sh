@@ -81,7 +81,7 @@ add_subdirectory($source haptolith)
 add_subdirectory($source/examples examples)
 CMAKE
     ! command -v ccache > /dev/null || export CMAKE_CXX_COMPILER_LAUNCHER=ccache
-    cmake -S "$work" -B "$work/build" -G Ninja > "$work/configure.log" || { cat "$work/configure.log"; exit 1; }
+    cmake -S "$work" -B "$work/build" -G Ninja -DHAPTOLITH_UNITY=ON > "$work/configure.log" || { cat "$work/configure.log"; exit 1; }
     # So that ccache finds precompiled headers again (see namePrecompiledHeaders() in dev).
     find "$work/build" -name cmake_pch.hxx | while read -r list; do { cat "$list"; c++ --version; } | sha256sum > "$list.gch.sum"; done
     ! ninja -C "$work/build" -t targets all | grep -q "test_\|benchmarks/" || fail "it brings its tests"
