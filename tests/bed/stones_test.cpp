@@ -6,6 +6,7 @@
 #include <gmock/gmock.h>
 
 #include <cmath>
+#include <cstdint>
 #include <limits>
 #include <memory>
 #include <numbers>
@@ -435,6 +436,26 @@ TEST(Stones, ThatAreNowhereStopTheBedAndNothingElse) {
       continue;
     }
     EXPECT_EQ(status, StepStatus::kNotFinite) << away_m;
+  }
+}
+
+TEST(Stones, SmallerThanStiffGrainsFindTheirHold) {
+  BedParameters bed = soilWithStones();  // as ottawa-f65: what presses on a stone throws it out at 70 m/s
+  bed.soil.stiffness_n_m = 24'000;
+  bed.soil.gamma_nm = linearGamma(bed.soil);
+  bed.width_m = 0.14;
+  bed.length_m = 0.12;
+  bed.depth_m = 0.04;
+  bed.gravity_m_s2 = {0, 0, -0.2};
+  bed.stones.placed.clear();
+  bed.stones.count = 8;
+  bed.stones.smallest_m = 7e-3;
+  bed.stones.largest_m = 9.5e-3;
+  for (const std::uint64_t seed : {14U, 15U, 16U}) {
+    bed.stones.seed = seed;
+    Bed made(bed);
+    run(made, 0.1);
+    EXPECT_LT(made.stones().largestSpeed(), 20) << seed;
   }
 }
 

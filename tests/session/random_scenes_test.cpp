@@ -135,7 +135,7 @@ TEST(RandomScenes, RunOrAreRefusedWithTheirKey) {
       const LoopEnd end = session.join();
       EXPECT_NE(end, LoopEnd::kNotFinite);
       session.update();
-      EXPECT_TRUE(session.snapshot().felt.force_n.allFinite());
+      EXPECT_TRUE(session.snapshot().device_wrench.force_n.allFinite());
       ++ran;
     } catch (const InvalidParameter& refused) {
       EXPECT_THAT(refused.what(), testing::ContainsRegex("[a-z_]+ = .* is not valid: must be|cannot both"))

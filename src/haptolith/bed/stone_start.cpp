@@ -271,6 +271,7 @@ void Bed::bedStones(const SettleProgress& progress) {
       if (const StepStatus status = step(dt_s); status != StepStatus::kOk) {
         throw Failure(fmt::format("the soil around the stones did not settle: {}", text(status)));
       }
+      stones_.slowDown(dt_s);
     }
     time_s += kStepsBetweenLooks * dt_s;
     speed_m_s = std::max(largestSpeed(), stones_.largestSpeed());

@@ -187,6 +187,22 @@ void Stones::stop() noexcept {
   }
 }
 
+void Stones::slowDown(double dt_s) noexcept {
+  constexpr double kMostInStep = 0.2;
+  for (std::size_t i = 0; i < size(); ++i) {
+    StoneState& state = state_.stones[i];
+    const double gone = state.velocity_m_s.norm() * dt_s / bodies_[i].radius_m;
+    const double turned = bodies_[i].angular_rad_s.norm() * dt_s;
+    if (gone > kMostInStep) {
+      state.velocity_m_s *= kMostInStep / gone;
+    }
+    if (turned > kMostInStep) {
+      state.angular_momentum_nms *= kMostInStep / turned;
+      noteTurn(i);
+    }
+  }
+}
+
 void Stones::setSoil(const SoilParameters& soil) noexcept {
   soil_ = soil;
   makeLaws();

@@ -110,6 +110,9 @@ class Stones {
   [[nodiscard]] bool areFinite() const noexcept;
   /// Stops them where they are.
   void stop() noexcept;
+  /// Slows down those that would go or turn further in a step than it resolves, a fifth of their radius or of a radian:
+  /// what soil that is pressed together throws out while it makes room for them.
+  void slowDown(double dt_s) noexcept;
 
   /// Kinetic plus gravitational plus contact energy of the stones in J, that of their contacts with soil and stretched
   /// friction included. Not for the tick.
