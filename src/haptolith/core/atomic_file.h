@@ -67,8 +67,8 @@ class AtomicFile {
   void write(std::string_view text);
 
   /// Flushes to the disk and renames. Nothing may be written afterwards.
-  /// @throws Failure as write(); and when another file has come to have the name that may not be replaced: then this one
-  /// is kept beside it, and the message says under which name.
+  /// @throws Failure as write(); and when another file has come to have the name that may not be replaced: then this
+  /// one is kept beside it, and the message says under which name.
   void commit();
 
   /// Where the bytes are until commit(); other programs (ffmpeg) may write there.
