@@ -164,6 +164,7 @@ void tellDifferences(const std::vector<GroupResult>& groups, double confidence, 
 Result fitAll(const FitCommandOptions& options, const std::vector<AnswersOf>& answers) {
   const FitOptions wanted = fitOptionsOf(options.fit, "--");
   std::vector<std::vector<Level>> participants;
+  participants.reserve(answers.size());
   Result result;
   result.names = namesOf(answers);
   for (const AnswersOf& of : answers) {

@@ -107,7 +107,8 @@ double secondsOf(std::string_view cell, double count, double per_second) {
     return count / per_second;
   }
   const auto unit = static_cast<std::int64_t>(per_second);
-  return static_cast<double>(whole / unit) + static_cast<double>(whole % unit) / per_second;
+  const std::int64_t seconds = whole / unit;
+  return static_cast<double>(seconds) + static_cast<double>(whole % unit) / per_second;
 }
 
 }  // namespace

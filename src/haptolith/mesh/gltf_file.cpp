@@ -396,7 +396,8 @@ class GltfReader {
       }
       std::memcpy(own.data() + place * element_bytes, values.first + i * values.stride_bytes, element_bytes);
     }
-    elements = {.first = own.data(),
+    const char* const first = own.data();  // stays where it is when its vector moves
+    elements = {.first = first,
                 .stride_bytes = element_bytes,
                 .count = count,
                 .component = elements.component,
@@ -625,7 +626,7 @@ std::filesystem::path fileNamedBy(const Value& uri) {
       name += text[i];
     }
   }
-  const std::filesystem::path path = name;
+  std::filesystem::path path = name;
   const bool leads_out = std::ranges::any_of(path, [](const auto& part) { return part == ".."; });
   const bool has_scheme = text.find(':') != std::string::npos;
   if (name.empty() || path.is_absolute() || leads_out || has_scheme || name.find('\0') != std::string::npos) {

@@ -313,6 +313,7 @@ std::vector<std::string> namesOf(const std::vector<AnswersOf>& people) {
     ++counts[of.participant];
   }
   std::vector<std::string> names;
+  names.reserve(people.size());
   for (const AnswersOf& of : people) {
     names.push_back(of.participant.empty()        ? fmt::format("{}", names.size() + 1)
                     : counts[of.participant] == 1 ? of.participant
