@@ -21,7 +21,7 @@ using Readers = std::map<std::string, std::function<Reading(const fs::path&)>>;
 struct Expectation {
   std::string input, verb;
   std::string clean;  ///< of "is"
-  int line = 0;       ///< of "told" and "refused"
+  int line = 0;       ///< of "warned" and "refused"
   std::string words = {};
 };
 
@@ -31,7 +31,7 @@ Expectation expectationFrom(const std::string& text) {
   stream >> expected.input >> expected.verb;
   if (expected.verb == "is") {
     stream >> expected.clean;
-  } else if (expected.verb == "told" || expected.verb == "refused") {
+  } else if (expected.verb == "warned" || expected.verb == "refused") {
     stream >> expected.line >> std::ws;
     std::getline(stream, expected.words);
   }
@@ -52,7 +52,7 @@ void expectOne(const fs::path& folder, const Expectation& expected, const Reader
     const Reading reading = read(folder / expected.input);
     if (expected.verb == "is") {
       EXPECT_EQ(reading.text, read(folder / expected.clean).text);
-    } else if (expected.verb == "told") {
+    } else if (expected.verb == "warned") {
       expectWords(reading.warnings, expected);
     } else {
       ADD_FAILURE() << "read without complaint";

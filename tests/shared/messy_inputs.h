@@ -15,7 +15,7 @@ struct Reading {
 /// Reads every input that `folder`/expectations.txt names, and expects what is written there. A line is one of
 ///
 ///     INPUT is CLEAN              reading INPUT gives the text that reading CLEAN gives
-///     INPUT told LINE WORDS       INPUT is read with a warning that names this line (0: none) and has these words
+///     INPUT warned LINE WORDS     INPUT is read with a warning that names this line (0: none) and has these words
 ///     INPUT refused LINE WORDS    INPUT is refused, as InvalidParameter, with this line and these words
 ///
 /// with names relative to `folder` and without spaces; empty lines and those that begin with # are comments. Every file
