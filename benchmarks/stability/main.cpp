@@ -30,6 +30,8 @@ namespace {
 
 /// Energy that a hand may be given, J.
 constexpr double kHarmless_j = 1e-3;
+/// And a handle that nobody holds, at a device whose delay nobody has told, J.
+constexpr double kReleased_j = 5e-3;
 
 constexpr HoldingHand kHands[]{kStiffHand, kLooseHand, kNoHand, kOpeningHand};
 
@@ -284,6 +286,55 @@ int unknownDevices(int threads) {
   return 0;
 }
 
+/// A handle of 0.1 kg that is let go 15 mm deep in the soil, dropped from 1 mm or from 20 mm, with and without weight,
+/// at a device whose delay nobody has told.
+int releasedHandles(int threads) {
+  const std::vector<Scenario> scenes{
+      loadScenarioText("title = \"A: P3, Moon\"", "A"),
+      loadScenarioText("title = \"B: P6, Earth, contact\"\n[soil]\npreset = \"P6\"\nfriction = \"contact\"\n"
+                       "stiffness_n_m = 3000\n[gravity]\nbody = \"Earth\"",
+                       "B"),
+      loadScenarioText("title = \"C: apollo-15-srp\"\n[soil]\nname = \"apollo-15-srp\"", "C"),
+      loadScenarioText("title = \"lunar-0-15cm\"\n[soil]\nname = \"lunar-0-15cm\"", "lunar")};
+  std::vector<LyingSoil> lying(scenes.size());
+  inParallel(scenes.size(), threads, [&](std::size_t i) { lying[i] = settled(scenes[i].bed); });
+  std::vector<UnknownCell> cells;
+  for (std::size_t i = 0; i < scenes.size(); ++i) {
+    for (const HoldingHand& hand : kReleasedHands) {
+      for (const int delay : {0, 2, 5, 10}) {
+        for (const double step_m : {0.0, 6e-5}) {
+          StabilityCase setting;
+          setting.hand = hand;
+          setting.handle_kg = 0.1;
+          setting.delay_ticks = delay;
+          setting.declared_ticks = kAssumedDelay_ticks;
+          setting.step_m = step_m;
+          setting.resolution_m = kAssumedResolution_m;
+          setting.coupling = CouplingKind::kVirtual;
+          cells.push_back({&scenes[i], &lying[i], setting, {}, {}});
+        }
+      }
+    }
+  }
+  inParallel(cells.size(), threads, [&cells](std::size_t i) {
+    UnknownCell& cell = cells[i];
+    cell.result = measureStability(cell.scenario->bed, *cell.lying, cell.setting, cell.scenario->tool);
+  });
+  fmt::print("soil,hand,weight_n,delay_ms,step_mm,injected_mj,released_n,after_release_mj,vibration_mm,softest\n");
+  double most_j = 0;
+  std::size_t above = 0;
+  for (const auto& [scenario, soil, setting, result, without] : cells) {
+    fmt::print("\"{}\",\"{}\",{:g},{},{:g},{:.4g},{:.4g},{:.4g},{:.4g},{:.3g}\n", scenario->title, setting.hand.name,
+               setting.hand.weight_n, setting.delay_ticks, 1e3 * setting.step_m, 1e3 * result.injected_j,
+               result.released_n, 1e3 * result.after_release_j, 1e3 * result.vibration_m, result.softest);
+    most_j = std::max(most_j, result.after_release_j);
+    above += result.after_release_j > kReleased_j ? 1U : 0U;
+  }
+  fmt::print(stderr, "{} settings: the force does at most {:.3g} mJ of work on the handle; {} above {:g} mJ\n",
+             cells.size(), 1e3 * most_j, above, 1e3 * kReleased_j);
+  return above > 0 ? 1 : 0;
+}
+
 int sweep(int argc, char** argv) {
   CLI::App app("A simulated hand at a simulated device in soil: what becomes of energy, cell by cell, as CSV.");
   std::string figure;
@@ -292,7 +343,12 @@ int sweep(int argc, char** argv) {
   app.add_option("--threads", threads, "cells at a time")->check(CLI::Range(1, 256))->capture_default_str();
   bool unknown = false;
   app.add_flag("--unknown", unknown, "devices that nobody has measured, instead of the sweep");
+  bool released = false;
+  app.add_flag("--released", released, "a light handle that is let go or dropped at such devices");
   CLI11_PARSE(app, argc, argv);
+  if (released) {
+    return releasedHandles(threads);
+  }
   if (unknown) {
     return unknownDevices(threads);
   }

@@ -13,11 +13,11 @@ namespace haptolith {
 namespace {
 
 constexpr double kTick_s = 1e-3;
-constexpr int kTicks = 6900;
+constexpr std::size_t kTicks = 6900;
 constexpr std::size_t kBegins = 400, kStirs = 1900, kStops = 3900, kOpens = 4400, kStill = 4900,
                       kWindow = 1000;  // first ticks
 
-constexpr double kAbove_m = 0.02, kDepth_m = 0.015;
+constexpr double kAbove_m = 0.02, kDepth_m = 0.015, kAtSoil_m = -0.001;
 constexpr double kForceStep_n = 0.01;
 
 Vec3 inSteps(const Vec3& value, double step) {
@@ -31,10 +31,17 @@ class HeldDevice final : public HapticDevice {
   HeldDevice(const StabilityCase& parameters, double surface_m)
       : case_(parameters),
         hand_(parameters.hand),
+        opens_((parameters.hand.opens == Opens::kAtSoil)      ? kStirs
+               : (parameters.hand.opens == Opens::kWhenStill) ? kOpens
+                                                              : kTicks),
         above_m_(0, 0, surface_m + kAbove_m),
         position_m_(above_m_),
         told_m_(inSteps(above_m_, parameters.step_m)),
-        quick_(kTick_s) {}
+        quick_(kTick_s) {
+    if (parameters.hand.opens != Opens::kNever) {
+      hand_.weight_n = 0;  // the hand carries it
+    }
+  }
 
   [[nodiscard]] std::string_view name() const noexcept override { return "device in a simulated hand"; }
   [[nodiscard]] DeviceLimits limits() const noexcept override {
@@ -65,8 +72,10 @@ class HeldDevice final : public HapticDevice {
     sent_n_[ticks_ % sent_n_.size()] = inSteps(output.wrench.force_n, kForceStep_n);
     const std::size_t delay = static_cast<std::size_t>(case_.delay_ticks);
     const Vec3 force_n = ticks_ < delay ? Vec3::Zero() : sent_n_[(ticks_ - delay) % sent_n_.size()];
-    if (case_.hand.opens && ticks_ >= kOpens) {
-      hand_ = {};
+    if (ticks_ == opens_) {
+      hand_ = {.weight_n = case_.hand.weight_n};
+      released_j_ = given_j_;
+      result.released_n = force_n.norm();
     }
     const Vec3 from_m = position_m_;
     move(force_n);
@@ -91,7 +100,8 @@ class HeldDevice final : public HapticDevice {
   /// Where the hand wants the handle.
   [[nodiscard]] Vec3 wanted() const {
     const double time_s = static_cast<double>(ticks_) * kTick_s;
-    Vec3 there = above_m_ - Vec3(0, 0, (kAbove_m + kDepth_m) * std::clamp(time_s - 1e-3 * kBegins, 0.0, 1.0));
+    const double depth_m = case_.hand.opens == Opens::kAtSoil ? kAtSoil_m : kDepth_m;
+    Vec3 there = above_m_ - Vec3(0, 0, (kAbove_m + depth_m) * std::clamp(time_s - 1e-3 * kBegins, 0.0, 1.0));
     if (ticks_ >= kStirs && ticks_ < kStops) {
       there.x() = 0.02 * std::sin(std::numbers::pi * (time_s - 1e-3 * kStirs));
     }
@@ -117,6 +127,9 @@ class HeldDevice final : public HapticDevice {
   void account(double given_j, const Vec3& velocity_m_s) {
     given_j_ += given_j;
     result.injected_j = std::max(result.injected_j, given_j_);
+    if (ticks_ >= opens_) {
+      result.after_release_j = std::max(result.after_release_j, given_j_ - released_j_);
+    }
     const Vec3 quick_m_s = quick_.step(velocity_m_s);
     if (ticks_ < kStill) {
       lowest_j_ = given_j_;
@@ -136,11 +149,12 @@ class HeldDevice final : public HapticDevice {
 
   StabilityCase case_;
   HoldingHand hand_;
+  std::size_t opens_;  ///< in this tick
   Vec3 above_m_, position_m_, velocity_m_s_ = Vec3::Zero();
   Vec3 told_m_, told_m_s_ = Vec3::Zero();
   std::array<Vec3, 32> sent_n_;  ///< in the last ticks, round and round
   std::size_t ticks_ = 0;
-  double given_j_ = 0, lowest_j_ = 0;
+  double given_j_ = 0, lowest_j_ = 0, released_j_ = 0;
   std::uint64_t random_ = 0x9E3779B97F4A7C15U;
   QuickMovement quick_;
   Vec3 quick_m_ = Vec3::Zero(), lowest_m_ = Vec3::Zero(), highest_m_ = Vec3::Zero();
@@ -167,7 +181,7 @@ StabilityResult measureStability(const BedParameters& bed, const LyingSoil& lyin
   std::vector<TickRecord> records;
   std::size_t damped = 0;
   std::vector<Vec3> last_n;
-  for (int tick = 0; tick < kTicks && device.result.end == LoopEnd::kRunning; ++tick) {
+  for (std::size_t tick = 0; tick < kTicks && device.result.end == LoopEnd::kRunning; ++tick) {
     device.result.end = loop.tick();
     records.clear();
     loop.takeRecords(records);

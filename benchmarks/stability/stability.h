@@ -8,26 +8,37 @@
 
 namespace haptolith {
 
+/// When a hand opens: never, a millimetre above the soil, or 15 mm deep in it when it would hold still.
+enum class Opens { kNever, kAtSoil, kWhenStill };
+
 /// How a simulated hand holds the handle of a device.
 struct HoldingHand {
   const char* name = "";
   double stiffness_n_m = 0, damping_n_s_m = 0;
-  double mass_kg = 0;  ///< moves with the handle
-  double weight_n = 0;
-  bool opens = false;  ///< lets go of the handle suddenly, 15 mm deep in the soil; the handle's weight is balanced
+  double mass_kg = 0;   ///< moves with the handle
+  double weight_n = 0;  ///< that pushes the handle down when nobody holds it; 0: it is balanced
+  Opens opens = Opens::kNever;
 };
 
 /// Hands that a person could have, and one that is away: the handle rests on the soil with 2 N.
-inline constexpr HoldingHand kStiffHand{"stiff", 800, 10, 0.5, 0, false};
-inline constexpr HoldingHand kLooseHand{"loose", 100, 3, 0.3, 0, false};
-inline constexpr HoldingHand kNoHand{"none", 0, 0, 0, 2, false};
-inline constexpr HoldingHand kOpeningHand{"lets go", 800, 10, 0.5, 0, true};
+inline constexpr HoldingHand kStiffHand{"stiff", 800, 10, 0.5, 0};
+inline constexpr HoldingHand kLooseHand{"loose", 100, 3, 0.3, 0};
+inline constexpr HoldingHand kNoHand{"none", 0, 0, 0, 2};
+inline constexpr HoldingHand kOpeningHand{"lets go", 800, 10, 0.5, 0, Opens::kWhenStill};
 /// Hands without mass are harder to keep still at a light handle.
 inline constexpr HoldingHand kLightHands[]{
-    {"stiff, light", 1500, 20, 0, 0, false},
-    {"firm, light", 800, 10, 0, 0, false},
-    {"medium, light", 300, 5, 0, 0, false},
-    {"loose, light", 50, 1, 0, 0, false},
+    {"stiff, light", 1500, 20},
+    {"firm, light", 800, 10},
+    {"medium, light", 300, 5},
+    {"loose, light", 50, 1},
+};
+
+/// A handle that nobody holds any more.
+inline constexpr HoldingHand kReleasedHands[]{
+    {"lets go", 300, 5, 0, 0, Opens::kWhenStill},
+    {"lets go", 300, 5, 0, 2, Opens::kWhenStill},
+    {"drops", 300, 5, 0, 2, Opens::kAtSoil},
+    {"drops from 20 mm", 0, 0, 0, 2},
 };
 
 /// A hand, a device and a way to join it to the soil. Everything but the soil.
@@ -49,6 +60,8 @@ struct StabilityResult {
   /// The most that the handle has been given since the first tick, less what it gave, in J. Soil that nobody has
   /// pressed has nothing to give: it should not be above zero.
   double injected_j = 0;
+  double released_n = 0;       ///< force on the handle when the hand opened
+  double after_release_j = 0;  ///< the same since the hand opened: what pressed springs held comes back, too
   /// How much of that came back within the last two seconds, in J: what a vibration brings, swing by swing.
   double returned_j = 0;
   /// How far the handle moves to and fro above 6 Hz in the last two seconds, when the hand is still, in m.

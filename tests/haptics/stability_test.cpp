@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <ostream>
 
 #include "haptolith/soil/presets.h"
@@ -90,6 +91,29 @@ TEST_P(UnknownDevice, LosesNoForceWhereNothingShakes) {
 INSTANTIATE_TEST_SUITE_P(Grips, UnknownDevice,
                          testing::Values(NamedHand{kLightHands[0]}, NamedHand{kLightHands[1]},
                                          NamedHand{kLightHands[2]}, NamedHand{kLightHands[3]}));
+
+/// 15 mm deep in contact soil on Earth, or dropped onto it: the worst of benchmarks/stability --released.
+TEST(ReleasedHandle, GetsLittleWorkFromAForceOfUnknownDelay) {
+  BedParameters bed;
+  bed.soil = findPreset("P6").soil;
+  bed.soil.friction = FrictionModel::kContact;
+  bed.soil.stiffness_n_m = 3000;
+  bed.gravity_m_s2 = {0, 0, -9.81};
+  const LyingSoil lying = settled(bed);
+  double most_j = 0, most_without_j = 0;
+  for (const HoldingHand& hand : kReleasedHands) {
+    for (const int delay : {0, 5, 10}) {
+      StabilityCase setting{.hand = hand, .delay_ticks = delay, .declared_ticks = 10, .resolution_m = 1e-4};
+      setting.handle_kg = 0.1;
+      setting.coupling = CouplingKind::kVirtual;
+      most_j = std::max(most_j, measureStability(bed, lying, setting).after_release_j);
+      setting.passivity = false;
+      most_without_j = std::max(most_without_j, measureStability(bed, lying, setting).after_release_j);
+    }
+  }
+  EXPECT_LT(most_j, 5e-3);
+  EXPECT_GT(most_without_j, 8e-3) << "or this could not fail";
+}
 
 using StabilityWithout = Stability;
 

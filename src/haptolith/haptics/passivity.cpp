@@ -28,6 +28,12 @@ constexpr double kLever_m = 0.05;
 constexpr double kCredit_j = 0.5e-3;
 constexpr double kLightestHandle_kg = 0.05;
 
+/// Brakes a handle that jumps along a force of unknown delay: less than pi m / (2 T), which a handle of 0.1 kg bears at
+/// 10 ms. Slower movements, and those that noise pretends, are not braked.
+constexpr double kJumpDamper_n_s_m = 15;
+constexpr double kJump_m_s = 0.01;
+constexpr double kJumpNoiseWidths = 1.5;
+
 /// How long noise is measured over, and how many of its standard deviations the dead band is wide.
 constexpr double kNoise_s = 0.5;
 constexpr double kNoiseWidths = 2.5;
@@ -46,6 +52,10 @@ constexpr double kShakingBooked_w = 5e-3;
 
 double squaredSpeed(const Twist& twist) noexcept {
   return twist.linear_m_s.squaredNorm() + kLever_m * kLever_m * twist.angular_rad_s.squaredNorm();
+}
+
+double power(const Wrench& wrench, const Twist& twist) noexcept {
+  return wrench.force_n.dot(twist.linear_m_s) + wrench.torque_nm.dot(twist.angular_rad_s);
 }
 
 /// The damper that takes `excess_j` out of this movement within a tick, or as much as it may.
@@ -107,8 +117,8 @@ void Passivity::count(Account& account) noexcept {
   const Wrench& held = sent_[(calls_ + sent_.size() - 1 - account.delay) % sent_.size()];
   const Vec3 quick_n = account.quick_force.step(held.force_n);
   const Vec3 quick_nm = account.quick_torque.step(held.torque_nm);
-  account.whole_j += tick_s_ * (held.force_n.dot(twist_.linear_m_s) + held.torque_nm.dot(twist_.angular_rad_s));
-  account.quick_j += tick_s_ * (quick_n.dot(quick_twist_.linear_m_s) + quick_nm.dot(quick_twist_.angular_rad_s));
+  account.whole_j += tick_s_ * power(held, twist_);
+  account.quick_j += tick_s_ * power({quick_n, quick_nm}, quick_twist_);
   const double held_squared = quick_n.squaredNorm() + quick_nm.squaredNorm() / (kLever_m * kLever_m);
   account.quick_j *= 1 - tick_s_ / kForgetting_s;
   account.quick_j = std::max(account.quick_j, -held_squared / (2 * parameters_.stiffness_n_m));
@@ -179,8 +189,13 @@ double Passivity::affordable(const Wrench& wrench) const noexcept {
   const double late_s = static_cast<double>(delay_) * tick_s_;
   const double asked_n =
       std::sqrt(wrench.force_n.squaredNorm() + wrench.torque_nm.squaredNorm() / (kLever_m * kLever_m));
-  if (late_s == 0 || asked_n == 0 || !parameters_.delay_known) {
+  if (late_s == 0 || asked_n == 0) {
     return 1;
+  }
+  if (!parameters_.delay_known) {
+    const double jump_m_s = power(wrench, quick_twist_) / asked_n;
+    const double slow_m_s = kJump_m_s + kJumpNoiseWidths * std::sqrt(noise_m2_) / tick_s_;
+    return std::clamp(1 - kJumpDamper_n_s_m * (jump_m_s - slow_m_s) / asked_n, 0.0, 1.0);
   }
   // What is on its way already, and how it will move the handle.
   Twist twist = twist_;
@@ -188,7 +203,7 @@ double Passivity::affordable(const Wrench& wrench) const noexcept {
   double given_j = whole_j;
   for (std::size_t age = delay_; age > 0; --age) {
     const Wrench& on_its_way = sent_[(calls_ + sent_.size() - age) % sent_.size()];
-    given_j += tick_s_ * (on_its_way.force_n.dot(twist.linear_m_s) + on_its_way.torque_nm.dot(twist.angular_rad_s));
+    given_j += tick_s_ * power(on_its_way, twist);
     twist.linear_m_s += tick_s_ / kLightestHandle_kg * on_its_way.force_n;
     twist.angular_rad_s += tick_s_ / (kLightestHandle_kg * kLever_m * kLever_m) * on_its_way.torque_nm;
   }

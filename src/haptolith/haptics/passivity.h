@@ -53,6 +53,12 @@ struct PassivityParameters {
 ///
 ///     F <= m / T (sqrt(v^2 + 2 (0.5 mJ - E) / m) - v)
 ///
+/// At an unknown delay such a limit would weaken the first touch of every device. There a force is reduced only while
+/// the handle jumps along it, as it does when a hand releases it: u is its velocity above 6 Hz along the force, s the
+/// standard deviation of noise.
+///
+///     |F| -= (u - 0.01 m/s - 1.5 s / dt) 15 N s/m
+///
 /// Functions may be called in the tick.
 class Passivity {
  public:
@@ -67,8 +73,8 @@ class Passivity {
   /// The share of the wrench that is left to a hand that has been shaken, 0 to 1.
   [[nodiscard]] double softening() const noexcept;
 
-  /// How much of this wrench the hand has paid for, 0 to 1; all of it when the device shows it at
-  /// once, or how late is not known.
+  /// Returns the fraction of this wrench to send, 0 to 1: what the hand has paid for, or at an unknown delay what a
+  /// jumping handle is left; 1 for a device that shows it at once.
   [[nodiscard]] double affordable(const Wrench& wrench) const noexcept;
 
   /// Forgets where the device was, how it moved and what was sent, but not what has been dissipated, nor how it shook:
